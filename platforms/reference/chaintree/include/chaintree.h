@@ -1,0 +1,243 @@
+/* chaintree.h: exact clash tests and cutoff pairs for molecules that move in torsion space.
+ *
+ * The method is that of Lotan, Schwarzer, Halperin and Latombe, "Efficient Maintenance and Self-Collision Testing for
+ * Kinematic Chains" (2002), cited below by section. Lengths are in nm, angles in rad, energies in kJ/mol.
+ *
+ * The scene. Particles are spheres; a particle of radius 0 is carried along but not modelled: it takes part in no clash
+ * and no neighbour pair. Every particle belongs to a *link*, a rigid set of particles. Links form a forest: each has a
+ * parent link or none, and a joint that places it. All links lie in one line, the *sequence*, depth-first from the
+ * world, so that what a joint moves is one interval of the sequence. A balanced tree of bounding volumes stands over
+ * it; each node caches the *shortcut*, the product of the joints across it (section 2.1), and a volume in its parent's
+ * frame (section 2.2).
+ *
+ * A trial is propose -> test -> commit or discard. Proposing and testing write nothing that a query can see; a
+ * discarded trial leaves every bit as it was. A commit updates O(k log N) nodes for k changes, each node at most once
+ * (section 3.1).
+ *
+ * The state is the reference positions, the rotation angle of each torsion since then, and the placement of each free
+ * link. Transforms are a pure function of that state, so errors do not grow with the number of moves, and a state
+ * reached by commits has the same bits as the same state built anew.
+ *
+ * Exactness. With sigma = CT_SIGMA, every verdict and every listed pair agrees with exact arithmetic on the positions
+ * wherever |overlap - limit| > sigma (|distance - cutoff| > sigma). Nearer than that, all paths decide by one canonical
+ * distance, a pure function of the state.
+ *
+ * Errors. Calls that can fail return a ctStatus; ctGetErrorText names the culprit. A failed call changes nothing but
+ * that text, a failed allocation included. There are no globals: handles in different threads are independent; one
+ * handle serves one thread at a time. Callbacks must not call back into the handle that runs them.
+ */
+#ifndef CHAINTREE_H_
+#define CHAINTREE_H_
+
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+/* Distances this close (nm) to a limit are decided by the canonical distance. */
+#define CT_SIGMA 1e-9
+
+/* No parent, no particle, no link. */
+#define CT_NULL (-1)
+
+/* An opaque handle: one scene and its state. */
+typedef struct ctChainTree ctChainTree;
+
+typedef enum ctStatus {
+  ctSuccess = 0,
+  ctOutOfMemory,     /* nothing was changed; the handle stays usable */
+  ctInvalidArgument, /* an argument is out of range, not finite, or contradicts another */
+  ctNoTrial          /* the call needs an open trial and there is none */
+} ctStatus;
+
+/* Whether a particle can take part in a hydrogen bond; bits. */
+typedef enum ctHydrogenBondRole {
+  ctNoHydrogenBond = 0,
+  ctDonor = 1,
+  ctAcceptor = 2,
+  ctDonorAndAcceptor = 3
+} ctHydrogenBondRole;
+
+/* How a link is placed relative to its parent. */
+typedef enum ctJointKind {
+  ctFixedJoint,  /* at rest in the world; only for a link without a parent */
+  ctFreeJoint,   /* by any rigid transform; a link without a parent that may move, or any other */
+  ctTorsionJoint /* by a rotation about a bond between the link and its parent */
+} ctJointKind;
+
+/* x -> rotation * x + translation; rotation is row-major. */
+typedef struct ctTransform {
+  double rotation[9];
+  double translation[3];
+} ctTransform;
+
+/* What a scene consists of. All arrays are the caller's and may go once ctCreate has returned. */
+typedef struct ctDefinition {
+  int particleCount;
+  const double* positions;          /* 3 * particleCount, nm: the reference positions */
+  const double* radii;              /* particleCount, nm, >= 0; 0: not modelled */
+  const uint8_t* hydrogenBondRoles; /* particleCount bits of ctHydrogenBondRole, or NULL: none */
+  const int* particleLinks;         /* particleCount, the link of each particle */
+
+  int linkCount;
+  const int* linkParents;       /* linkCount, index of the parent (any order, no cycles), or CT_NULL */
+  const uint8_t* linkJoints;    /* linkCount values of ctJointKind */
+  const int (*linkTorsions)[4]; /* linkCount; for a torsion joint p1-p2-p3-p4: of the axis particles p2 and p3, one lies
+                                   in the link and the other in its parent. Not read for other joints; NULL if none */
+
+  int exclusionCount;
+  const int (*exclusions)[2]; /* pairs that never clash and are in no list, either order; repeats are harmless */
+
+  double overlapTolerance;      /* nm, >= 0: overlap that every pair may have */
+  double hydrogenBondAllowance; /* nm, >= 0: added where one particle may donate and the other accept */
+} ctDefinition;
+
+/* What a call cost. Calls add to the counts they are given; NULL where counts are not wanted. */
+typedef struct ctCounts {
+  int64_t volumeTests;   /* pairs of bounding volumes compared */
+  int64_t particleTests; /* pairs of particles whose distance was computed */
+  int64_t nodesUpdated;  /* tree nodes recomputed, leaves included */
+} ctCounts;
+
+/* One change of a trial. */
+typedef struct ctChange {
+  int link;              /* with a torsion or free joint */
+  double angle;          /* torsion joint: added to the dihedral p1-p2-p3-p4, rad */
+  double rotation[3];    /* free joint: rotation vector, world frame, rad, about pivot */
+  double pivot[3];       /* nm, world frame */
+  double translation[3]; /* nm, world frame, after the rotation */
+} ctChange;
+
+/* Receives a pair with particle1 < particle2; return false to end the query. The order of pairs is not defined. */
+typedef bool ctPairFunction(void* context, int particle1, int particle2, double value);
+
+/* Receives a pair of an open trial with its distances before and in the trial, nm. */
+typedef bool ctChangedPairFunction(void* context, int particle1, int particle2, double before, double after);
+
+/* Receives a particle and its overlap with a probe, nm. */
+typedef bool ctParticleFunction(void* context, int particle, double overlap);
+
+/* ---- Life ----------------------------------------------------------------------------------------------------------
+ */
+
+/* Makes a scene: O(N log N) time, O(N) memory. On failure *tree is NULL and errorText (of errorSize bytes, may be NULL)
+ * says why. */
+ctStatus ctCreate(const ctDefinition* definition, ctChainTree** tree, char* errorText, size_t errorSize);
+
+/* Frees a scene; NULL is ignored. */
+void ctDestroy(ctChainTree* tree);
+
+/* One sentence about the last call on this handle that failed; empty if none has. Valid until the next call. */
+const char* ctGetErrorText(const ctChainTree* tree);
+
+/* ---- State ---------------------------------------------------------------------------------------------------------
+ */
+
+/* Makes these 3 * particleCount coordinates (nm) the reference positions: all torsion changes are 0 and all free links
+ * unmoved. Drops an open trial, keeps limits. O(N). Errors: a coordinate that is not finite. */
+ctStatus ctSetPositions(ctChainTree* tree, const double* positions);
+
+/* Writes the 3 * particleCount coordinates (nm) of the state. Particles of a molecule in its reference state keep their
+ * reference bits, fixed particles always. O(N). */
+void ctGetPositions(ctChainTree* tree, double* positions);
+
+/* The same for the open trial: the bits that ctGetPositions would give after ctCommit. */
+ctStatus ctGetTrialPositions(ctChainTree* tree, double* positions);
+
+/* The dihedral p1-p2-p3-p4 of a torsion joint in (-pi, pi], rad: that of the reference positions plus the turns since.
+ * Errors: not a torsion joint; a dihedral that is undefined because three of its particles are collinear. */
+ctStatus ctGetTorsionAngle(ctChainTree* tree, int link, double* angle);
+
+/* The centroid (nm) of all particles, modelled or not, of a link and the links that hang on it. O(their number). */
+ctStatus ctGetCentroid(ctChainTree* tree, int link, double centroid[3]);
+
+/* The transform from the frame of linkB to that of linkA, by shortcuts, in O(log N) (section 2.1). A link's frame moves
+ * with it; in the reference positions its axes are the world's and its origin is the link's particle on the torsion
+ * axis, or for other joints its lowest-numbered particle. */
+ctStatus ctGetRelativeTransform(ctChainTree* tree, int linkA, int linkB, ctTransform* transform);
+
+/* ---- Limits of single pairs ----------------------------------------------------------------------------------------
+ */
+
+/* A pair's limit is its tolerance unless set otherwise here; a trial is refused by an overlap beyond the limit. */
+
+/* Makes limits (nm, above the tolerance of the pair, else the pair is passed over) the only ones. */
+ctStatus ctSetLimits(ctChainTree* tree, int count, const int (*pairs)[2], const double* limits);
+
+/* Gives each pair whose overlap is beyond its limit a new one: its overlap now plus CT_SIGMA, so that rounding cannot
+ * refuse the state it was taken from. *raised is the number of such pairs. */
+ctStatus ctRaiseLimits(ctChainTree* tree, int* raised, ctCounts* counts);
+
+/* The number of pairs with a limit of their own; and the first `capacity` of them, sorted, particle1 < particle2. */
+int ctGetLimitCount(const ctChainTree* tree);
+void ctGetLimits(const ctChainTree* tree, int capacity, int (*pairs)[2], double* limits);
+
+/* ---- Trials --------------------------------------------------------------------------------------------------------
+ */
+
+/* Opens a trial of these changes, each of another link, and drops an open one. Writes nothing that a query can see.
+ * Errors: link out of range or named twice, a fixed joint, a value that is not finite. O(k log N). */
+ctStatus ctPropose(ctChainTree* tree, int count, const ctChange* changes);
+
+/* Whether some pair of the open trial overlaps beyond its limit; pairs that the trial moves as one rigid body are
+ * skipped (section 2.3). If so and pair is not NULL, pair holds one such pair, lower index first. */
+ctStatus ctTestTrial(ctChainTree* tree, bool* clash, int pair[2], ctCounts* counts);
+
+/* Calls function for each pair whose distance the open trial changes and that is within cutoff (nm, > 0) before or in
+ * it. */
+ctStatus ctForEachChangedPair(ctChainTree* tree, double cutoff, ctChangedPairFunction* function, void* context,
+                              ctCounts* counts);
+
+/* Makes the open trial the state, tested or not, clashing or not. */
+ctStatus ctCommit(ctChainTree* tree, ctCounts* counts);
+
+/* Ends the open trial, if there is one, without a trace. */
+void ctDiscard(ctChainTree* tree);
+
+/* Whether a trial is open. */
+bool ctHasTrial(const ctChainTree* tree);
+
+/* ---- Queries of the state: every pair of modelled particles that is not excluded ------------------------------------
+ */
+
+/* Whether some pair overlaps by more than its tolerance (limits of single pairs play no part); if so and pair is not
+ * NULL, pair holds one. */
+ctStatus ctHasClash(ctChainTree* tree, bool* clash, int pair[2], ctCounts* counts);
+
+/* Calls function(particle1, particle2, overlap in nm) for each pair that overlaps by more than its tolerance. */
+ctStatus ctForEachClash(ctChainTree* tree, ctPairFunction* function, void* context, ctCounts* counts);
+
+/* Calls function(particle1, particle2, distance in nm) for each pair at most cutoff (nm, > 0) apart, centre to centre
+ * (section 6.3). */
+ctStatus ctForEachNeighborPair(ctChainTree* tree, double cutoff, ctPairFunction* function, void* context,
+                               ctCounts* counts);
+
+/* Calls function(particle, overlap in nm) for each modelled particle that overlaps a sphere (nm) by more than the
+ * overlap tolerance (section 6.3). */
+ctStatus ctForEachClashWith(ctChainTree* tree, const double position[3], double radius, ctParticleFunction* function,
+                            void* context, ctCounts* counts);
+
+/* The least distance (nm), centre to centre, between a particle of one set and a different particle of the other, and
+ * the pair; excluded pairs and radius 0 included. O(count1 * count2). Errors: no such pair, index out of range. */
+ctStatus ctGetMinimumDistance(ctChainTree* tree, int count1, const int* particles1, int count2, const int* particles2,
+                              double* distance, int pair[2]);
+
+/* E = 1/2 k sum (overlap - tolerance)^2 over clashes, and if forces (3 * particleCount) is not NULL *adds* -dE/dx to it
+ * (kJ/mol/nm; coincident particles are pushed apart along x, the lower index to +x). k in kJ/mol/nm^2. */
+ctStatus ctComputeEnergy(ctChainTree* tree, double k, double* energy, double* forces, ctCounts* counts);
+
+/* ---- For tests -----------------------------------------------------------------------------------------------------
+ */
+
+/* Recomputes transforms and bounds by brute force and compares: true if every cached value has the bits that the state
+ * gives and every volume holds what is below it. O(N log N). */
+bool ctValidate(ctChainTree* tree);
+
+#ifdef __cplusplus
+}
+#endif
+
+#endif /* CHAINTREE_H_ */
