@@ -120,8 +120,7 @@ typedef bool ctChangedPairFunction(void* context, int particle1, int particle2, 
 /* Receives a particle and its overlap with a probe, nm. */
 typedef bool ctParticleFunction(void* context, int particle, double overlap);
 
-/* ---- Life ----------------------------------------------------------------------------------------------------------
- */
+/* ---- Life ---- */
 
 /* Makes a scene: O(N log N) time, O(N) memory. On failure *tree is NULL and errorText (of errorSize bytes, may be NULL)
  * says why. */
@@ -133,8 +132,7 @@ void ctDestroy(ctChainTree* tree);
 /* One sentence about the last call on this handle that failed; empty if none has. Valid until the next call. */
 const char* ctGetErrorText(const ctChainTree* tree);
 
-/* ---- State ---------------------------------------------------------------------------------------------------------
- */
+/* ---- State ---- */
 
 /* Makes these 3 * particleCount coordinates (nm) the reference positions: all torsion changes are 0 and all free links
  * unmoved. Drops an open trial, keeps limits. O(N). Errors: a coordinate that is not finite. */
@@ -159,8 +157,7 @@ ctStatus ctGetCentroid(ctChainTree* tree, int link, double centroid[3]);
  * axis, or for other joints its lowest-numbered particle. */
 ctStatus ctGetRelativeTransform(ctChainTree* tree, int linkA, int linkB, ctTransform* transform);
 
-/* ---- Limits of single pairs ----------------------------------------------------------------------------------------
- */
+/* ---- Limits of single pairs ---- */
 
 /* A pair's limit is its tolerance unless set otherwise here; a trial is refused by an overlap beyond the limit. */
 
@@ -175,8 +172,7 @@ ctStatus ctRaiseLimits(ctChainTree* tree, int* raised, ctCounts* counts);
 int ctGetLimitCount(const ctChainTree* tree);
 void ctGetLimits(const ctChainTree* tree, int capacity, int (*pairs)[2], double* limits);
 
-/* ---- Trials --------------------------------------------------------------------------------------------------------
- */
+/* ---- Trials ---- */
 
 /* Opens a trial of these changes, each of another link, and drops an open one. Writes nothing that a query can see.
  * Errors: link out of range or named twice, a fixed joint, a value that is not finite. O(k log N). */
@@ -200,8 +196,7 @@ void ctDiscard(ctChainTree* tree);
 /* Whether a trial is open. */
 bool ctHasTrial(const ctChainTree* tree);
 
-/* ---- Queries of the state: every pair of modelled particles that is not excluded ------------------------------------
- */
+/* ---- Queries of the state: every pair of modelled particles that is not excluded ---- */
 
 /* Whether some pair overlaps by more than its tolerance (limits of single pairs play no part); if so and pair is not
  * NULL, pair holds one. */
@@ -229,8 +224,7 @@ ctStatus ctGetMinimumDistance(ctChainTree* tree, int count1, const int* particle
  * (kJ/mol/nm; coincident particles are pushed apart along x, the lower index to +x). k in kJ/mol/nm^2. */
 ctStatus ctComputeEnergy(ctChainTree* tree, double k, double* energy, double* forces, ctCounts* counts);
 
-/* ---- For tests -----------------------------------------------------------------------------------------------------
- */
+/* ---- For tests ---- */
 
 /* Recomputes transforms and bounds by brute force and compares: true if every cached value has the bits that the state
  * gives and every volume holds what is below it. O(N log N). */
