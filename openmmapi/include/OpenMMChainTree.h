@@ -1,0 +1,11 @@
+#ifndef OPENMM_CHAINTREE_H_
+#define OPENMM_CHAINTREE_H_
+
+/**
+ * Everything that a program needs to use openmm-chaintree.
+ */
+
+#include "openmmchaintree/StericExclusionForce.h"
+#include "openmmchaintree/TorsionMonteCarloIntegrator.h"
+
+#endif /*OPENMM_CHAINTREE_H_*/

@@ -1,0 +1,117 @@
+#ifndef OPENMM_CHAINTREEKERNELS_H_
+#define OPENMM_CHAINTREEKERNELS_H_
+
+#include "openmm/KernelImpl.h"
+#include "openmm/Platform.h"
+#include "openmm/Vec3.h"
+#include "openmmchaintree/internal/LinkStructure.h"
+#include "openmmchaintree/StericExclusionForce.h"
+#include <string>
+#include <utility>
+#include <vector>
+
+namespace ChainTreePlugin {
+
+/**
+ * This kernel is invoked by StericExclusionForceImpl for everything that has to do with geometry. It holds the state:
+ * the positions, the open trial, and the limits of pairs.
+ *
+ * It exchanges nothing but host arrays and never looks into a Context, so that a Context of any Platform can use the
+ * kernel of the Reference platform. Arguments were checked by the caller: indices are in range, values finite. Errors
+ * are thrown as OpenMMException and leave the state as it was.
+ */
+class CalcStericExclusionForceKernel : public OpenMM::KernelImpl {
+public:
+    static std::string Name()
+    {
+        return "CalcStericExclusionForce";
+    }
+    CalcStericExclusionForceKernel(std::string name, const OpenMM::Platform& platform) :
+        OpenMM::KernelImpl(name, platform)
+    {
+    }
+    /**
+     * Initialize the kernel. Everything else but copyParameters() may be called once setPositions() has been.
+     *
+     * @param force      the StericExclusionForce this kernel will be used for
+     * @param structure  its links
+     */
+    virtual void initialize(const StericExclusionForce& force, const LinkStructure& structure) = 0;
+    /**
+     * Copy radii, roles, tolerances and the force constant. Drops the open trial, keeps limits.
+     */
+    virtual void copyParameters(const StericExclusionForce& force) = 0;
+
+    /**
+     * Make these positions the state. Drops the open trial, keeps limits.
+     */
+    virtual void setPositions(const std::vector<OpenMM::Vec3>& positions) = 0;
+    /**
+     * Get the positions of the state.
+     */
+    virtual void getPositions(std::vector<OpenMM::Vec3>& positions) = 0;
+    /**
+     * Get the value of a torsion, in (-pi, pi]. It is an error if it is undefined.
+     */
+    virtual double getTorsionAngle(int torsion) = 0;
+
+    /**
+     * Compute the energy of the state and replace forces by its negative gradient.
+     */
+    virtual double computeEnergy(std::vector<OpenMM::Vec3>& forces) = 0;
+    virtual bool hasClash() = 0;
+    virtual void getClashes(std::vector<std::pair<int, int>>& pairs, std::vector<double>& overlaps) = 0;
+    virtual void getNeighborPairs(double cutoff, std::vector<std::pair<int, int>>& pairs,
+                                  std::vector<double>& distances) = 0;
+    virtual double getMinimumDistance(const std::vector<int>& particles1, const std::vector<int>& particles2,
+                                      int& particle1, int& particle2) = 0;
+    virtual void getClashesWith(const OpenMM::Vec3& position, double radius, std::vector<int>& particles,
+                                std::vector<double>& overlaps) = 0;
+
+    /**
+     * Make the tolerance the limit of every pair.
+     */
+    virtual void clearLimits() = 0;
+    /**
+     * Make the present overlap the limit of every pair that overlaps beyond its limit.
+     */
+    virtual void raiseLimits() = 0;
+    virtual int getNumLimits() = 0;
+    /**
+     * Get the pairs with a limit of their own, sorted, and these limits.
+     */
+    virtual void getLimits(std::vector<std::pair<int, int>>& pairs, std::vector<double>& limits) = 0;
+
+    /**
+     * Open a trial that adds to the values of different torsions. Drops one that was open.
+     */
+    virtual void proposeTorsions(const std::vector<int>& torsions, const std::vector<double>& changes) = 0;
+    /**
+     * Open a trial that rotates a molecule about its centroid and then translates it. Drops one that was open.
+     */
+    virtual void proposeRigidMotion(int molecule, const OpenMM::Vec3& rotation, const OpenMM::Vec3& translation) = 0;
+    virtual bool hasProposal() = 0;
+    /**
+     * Get whether no pair whose distance the open trial changes overlaps beyond its limit.
+     */
+    virtual bool isProposalFree() = 0;
+    virtual void getProposedPositions(std::vector<OpenMM::Vec3>& positions) = 0;
+    virtual void getChangedNeighborPairs(double cutoff, std::vector<std::pair<int, int>>& pairs,
+                                         std::vector<double>& before, std::vector<double>& after) = 0;
+    /**
+     * Make the open trial the state.
+     */
+    virtual void acceptProposal() = 0;
+    /**
+     * Drop the open trial, if there is one.
+     */
+    virtual void rejectProposal() = 0;
+
+    virtual void getTraversalStatistics(long long& queries, long long& volumeTests, long long& particleTests,
+                                        long long& nodesUpdated) = 0;
+    virtual void resetTraversalStatistics() = 0;
+};
+
+} // namespace ChainTreePlugin
+
+#endif /*OPENMM_CHAINTREEKERNELS_H_*/

@@ -1,0 +1,428 @@
+#ifndef OPENMM_STERICEXCLUSIONFORCE_H_
+#define OPENMM_STERICEXCLUSIONFORCE_H_
+
+#include "internal/windowsExportChainTree.h"
+#include "openmm/Context.h"
+#include "openmm/Force.h"
+#include "openmm/Vec3.h"
+#include <utility>
+#include <vector>
+
+namespace ChainTreePlugin {
+
+/**
+ * This class makes particles hard spheres: it says which of them clash, lists those that are near each other, tests
+ * trials of torsion-space Monte Carlo, and has an energy that pushes clashing particles apart.
+ *
+ * The <i>overlap</i> of two particles with radii r_i and r_j whose centres are d_ij apart is
+ *
+ *     overlap_ij = r_i + r_j - d_ij
+ *
+ * and the pair is a <i>clash</i> if
+ *
+ *     overlap_ij > tolerance_ij,   tolerance_ij = overlapTolerance + (hydrogenBondAllowance, if one of the two
+ *                                                 may donate a hydrogen bond and the other may accept it)
+ *
+ * Pairs that were excluded never clash, and neither does a particle of radius 0: it is carried along, but not modelled.
+ * The energy is
+ *
+ *     E = 1/2 k * (sum over clashes) (overlap_ij - tolerance_ij)^2
+ *
+ * and the forces are its exact gradient (two particles at the same place are pushed apart along x). All lengths are in
+ * nm, angles in radians, energies in kJ/mol.
+ *
+ * <b>Describing the molecules.</b> Call addParticle() once for each particle of the System. Then describe how the
+ * particles hang together: addBond() for every bond, and addTorsion() for each bond about which molecules may turn.
+ * Bonds without a torsion are rigid, so everything that no torsion moves relative to each other is one rigid
+ * <i>link</i>, and a molecule without torsions is one rigid body. Exclude bonded neighbours by
+ * createExclusionsFromBonds().
+ *
+ * A particle of mass 0 that is not a virtual site is <i>fixed</i>. The fixed particles of a molecule must all lie in
+ * one link; that link never moves. In a molecule without fixed particles the link with the lowest-numbered particle
+ * plays this part. A torsion moves the side without it. A virtual site moves with the particles that define it.
+ *
+ * <b>Queries.</b> hasClash(), getClashes(), getNeighborPairs(), getMinimumDistance() and getClashesWith() answer for
+ * the present positions of a Context. They cover every pair, however the particles came to where they are.
+ *
+ * <b>Trials, for anyone's Monte Carlo.</b> proposeTorsions() and proposeRigidMotion() open a trial and return whether
+ * it is free of clashes, usually in microseconds and without moving anything; acceptProposal() then moves the Context
+ * there, and rejectProposal() forgets it. There is one open trial at a time: a new one, a step of a
+ * TorsionMonteCarloIntegrator, or positions that changed in any other way drop it.
+ *
+ * @code
+ * StericExclusionForce* force = new StericExclusionForce();
+ * // addParticle(), addBond(), addTorsion() ...
+ * force->createExclusionsFromBonds(3);
+ * system.addForce(force);
+ * // ... create a Context and set positions
+ * if (force->proposeTorsions(context, {3}, {0.2}))
+ *     force->acceptProposal(context);
+ * @endcode
+ *
+ * <b>Limits.</b> A trial is refused by a pair that overlaps beyond its <i>limit</i>. A pair's limit is its tolerance,
+ * unless it clashes when sampling starts, that is, at the first trial after the Context was created or the user set
+ * positions: then its limit is the overlap it has at that time. Structures with a few clashes can so be sampled, and
+ * nothing gets worse than it was. If positions changed without the user setting them, for example because another
+ * Integrator of a CompoundIntegrator moved the particles, limits may grow but never shrink. (Only a Context driven by a
+ * TorsionMonteCarloIntegrator can tell these cases apart; in others every change of positions that no proposal made
+ * starts the limits anew.) getClashes() and hasClash() always use the tolerance.
+ *
+ * <b>Periodic boundary conditions are not supported.</b> Distances are those of the positions as they are, whatever the
+ * periodic box of the System.
+ *
+ * The force keeps no state of its own: several Contexts may share it. Changing it after a Context was created has no
+ * effect on that Context until updateParametersInContext() is called.
+ */
+class OPENMM_EXPORT_CHAINTREE StericExclusionForce : public OpenMM::Force {
+public:
+    /**
+     * What part a particle can take in a hydrogen bond. Give heavy atoms the role where hydrogens are not modelled,
+     * else the hydrogens that can be donated and the atoms that accept them.
+     */
+    enum HydrogenBondRole {
+        /**
+         * The particle takes part in no hydrogen bond.
+         */
+        NoHydrogenBond = 0,
+        /**
+         * The particle may donate a hydrogen bond.
+         */
+        Donor = 1,
+        /**
+         * The particle may accept a hydrogen bond.
+         */
+        Acceptor = 2,
+        /**
+         * The particle may do either.
+         */
+        DonorAndAcceptor = 3
+    };
+    /**
+     * Create a StericExclusionForce without particles.
+     */
+    StericExclusionForce();
+    /**
+     * Get the number of particles for which parameters have been defined.
+     */
+    int getNumParticles() const;
+    /**
+     * Get the number of bonds.
+     */
+    int getNumBonds() const;
+    /**
+     * Get the number of torsions.
+     */
+    int getNumTorsions() const;
+    /**
+     * Get the number of exclusions, as they were added.
+     */
+    int getNumExclusions() const;
+    /**
+     * Add a particle. Call this once for each particle of the System: particle i of this force is particle i of the
+     * System.
+     *
+     * @param radius  the radius of the sphere, in nm. A particle of radius 0 is not modelled: it takes part in no clash
+     *                and is in no list of neighbours, but moves with its link.
+     * @param role    what part the particle can take in a hydrogen bond
+     * @return the index of the particle that was added
+     */
+    int addParticle(double radius, HydrogenBondRole role = NoHydrogenBond);
+    /**
+     * Get the parameters of a particle.
+     *
+     * @param index        the index of the particle
+     * @param[out] radius  the radius of the sphere, in nm
+     * @param[out] role    what part the particle can take in a hydrogen bond
+     */
+    void getParticleParameters(int index, double& radius, HydrogenBondRole& role) const;
+    /**
+     * Set the parameters of a particle.
+     *
+     * @param index   the index of the particle
+     * @param radius  the radius of the sphere, in nm
+     * @param role    what part the particle can take in a hydrogen bond
+     */
+    void setParticleParameters(int index, double radius, HydrogenBondRole role = NoHydrogenBond);
+    /**
+     * Add a bond. Bonds decide which particles form a molecule and which move together. Adding a bond twice is
+     * harmless.
+     *
+     * @param particle1  the index of the first particle
+     * @param particle2  the index of the second particle
+     * @return the index of the bond that was added
+     */
+    int addBond(int particle1, int particle2);
+    /**
+     * Get the particles of a bond.
+     *
+     * @param index           the index of the bond
+     * @param[out] particle1  the index of the first particle
+     * @param[out] particle2  the index of the second particle
+     */
+    void getBondParticles(int index, int& particle1, int& particle2) const;
+    /**
+     * Add a torsion: a rotation about the bond between particle2 and particle3. Its value is the IUPAC dihedral of the
+     * four particles, in (-pi, pi]: 0 if particle1 and particle4 are cis.
+     *
+     * The four particles must be bonded in a row. When a Context is created it is an error if the bond lies in a ring,
+     * if there is another torsion about it, or if particles on both sides of it are fixed.
+     *
+     * @param particle1  the index of a particle bonded to particle2
+     * @param particle2  the index of the first particle of the axis
+     * @param particle3  the index of the second particle of the axis
+     * @param particle4  the index of a particle bonded to particle3
+     * @return the index of the torsion that was added
+     */
+    int addTorsion(int particle1, int particle2, int particle3, int particle4);
+    /**
+     * Get the particles of a torsion.
+     *
+     * @param index           the index of the torsion
+     * @param[out] particle1  the index of a particle bonded to particle2
+     * @param[out] particle2  the index of the first particle of the axis
+     * @param[out] particle3  the index of the second particle of the axis
+     * @param[out] particle4  the index of a particle bonded to particle3
+     */
+    void getTorsionParticles(int index, int& particle1, int& particle2, int& particle3, int& particle4) const;
+    /**
+     * Exclude a pair of particles: it never clashes and is in no list of neighbours. Excluding a pair twice is
+     * harmless.
+     *
+     * @param particle1  the index of the first particle
+     * @param particle2  the index of the second particle
+     * @return the index of the exclusion that was added
+     */
+    int addExclusion(int particle1, int particle2);
+    /**
+     * Get the particles of an exclusion.
+     *
+     * @param index           the index of the exclusion
+     * @param[out] particle1  the index of the first particle
+     * @param[out] particle2  the index of the second particle
+     */
+    void getExclusionParticles(int index, int& particle1, int& particle2) const;
+    /**
+     * Exclude all pairs of particles that are up to a number of bonds apart, along the bonds added so far. Pairs that
+     * are excluded already are not added again.
+     *
+     * @param bondCutoff  the largest number of bonds between two excluded particles. 3 is usual: it excludes particles
+     *                    whose distance bond lengths, bond angles and one torsion decide.
+     */
+    void createExclusionsFromBonds(int bondCutoff);
+    /**
+     * Get the overlap that every pair may have, in nm. The default is 0.04 nm.
+     */
+    double getOverlapTolerance() const;
+    /**
+     * Set the overlap that every pair may have.
+     *
+     * @param tolerance  the overlap, at least 0, in nm
+     */
+    void setOverlapTolerance(double tolerance);
+    /**
+     * Get the overlap that is allowed in addition where one particle may donate a hydrogen bond to the other, in nm.
+     * The default is 0.06 nm.
+     */
+    double getHydrogenBondAllowance() const;
+    /**
+     * Set the overlap that is allowed in addition where one particle may donate a hydrogen bond to the other.
+     *
+     * @param allowance  the additional overlap, at least 0, in nm
+     */
+    void setHydrogenBondAllowance(double allowance);
+    /**
+     * Get the force constant k of the energy, in kJ/mol/nm^2. The default is 1e5 kJ/mol/nm^2.
+     */
+    double getForceConstant() const;
+    /**
+     * Set the force constant k of the energy. It has no influence on what is a clash.
+     *
+     * @param k  the force constant, at least 0, in kJ/mol/nm^2
+     */
+    void setForceConstant(double k);
+    /**
+     * Copy radii, hydrogen bond roles, the overlap tolerance, the hydrogen bond allowance and the force constant to a
+     * Context. An open trial is dropped; limits of pairs are kept, and grow at the next trial where the new parameters
+     * make new clashes.
+     *
+     * Bonds, torsions, exclusions and the number of particles cannot be changed this way: if they are not what they
+     * were when the Context was created, this throws an exception. Reinitialize the Context instead.
+     *
+     * This takes O(N log N) time.
+     *
+     * @param context  the Context whose parameters are to be updated
+     */
+    void updateParametersInContext(OpenMM::Context& context);
+    /**
+     * Returns false: this force does not support periodic boundary conditions. Distances are those of the positions as
+     * they are, whatever the periodic box.
+     */
+    bool usesPeriodicBoundaryConditions() const
+    {
+        return false;
+    }
+    /**
+     * Get whether any pair of particles clashes, at the present positions. This is faster than getClashes(): it stops
+     * at the first clash.
+     *
+     * @param context  the Context whose positions are used
+     */
+    bool hasClash(OpenMM::Context& context) const;
+    /**
+     * Get all clashes, at the present positions.
+     *
+     * @param context        the Context whose positions are used
+     * @param[out] pairs     the pairs that clash, sorted, in each of them the lower index first
+     * @param[out] overlaps  the overlap of each pair, in nm. It is larger than the tolerance of the pair.
+     */
+    void getClashes(OpenMM::Context& context, std::vector<std::pair<int, int>>& pairs,
+                    std::vector<double>& overlaps) const;
+    /**
+     * Get all pairs of particles within a cutoff distance of each other, centre to centre, at the present positions.
+     * Excluded pairs and particles of radius 0 are left out.
+     *
+     * @param context         the Context whose positions are used
+     * @param cutoff          the largest distance, above 0, in nm
+     * @param[out] pairs      the pairs within the cutoff, sorted, in each of them the lower index first
+     * @param[out] distances  the distance of each pair, in nm
+     */
+    void getNeighborPairs(OpenMM::Context& context, double cutoff, std::vector<std::pair<int, int>>& pairs,
+                          std::vector<double>& distances) const;
+    /**
+     * Get the least distance, centre to centre, between a particle of one set and a different particle of another, at
+     * the present positions. Unlike the other queries this one includes excluded pairs and particles of radius 0.
+     *
+     * This takes time proportional to the product of the sizes of the two sets.
+     *
+     * @param context         the Context whose positions are used
+     * @param particles1      the indices of the particles in the first set
+     * @param particles2      the indices of the particles in the second set
+     * @param[out] particle1  the particle of the first set that is nearest to one of the second
+     * @param[out] particle2  that particle of the second set
+     * @return the distance, in nm
+     */
+    double getMinimumDistance(OpenMM::Context& context, const std::vector<int>& particles1,
+                              const std::vector<int>& particles2, int& particle1, int& particle2) const;
+    /**
+     * Get the particles that overlap a probe, a sphere that is no particle, by more than the overlap tolerance. The
+     * hydrogen bond allowance plays no part.
+     *
+     * @param context         the Context whose positions are used
+     * @param position        the centre of the probe, in nm
+     * @param radius          the radius of the probe, at least 0, in nm
+     * @param[out] particles  the particles that the probe clashes with, sorted
+     * @param[out] overlaps   the overlap of each of them with the probe, in nm
+     */
+    void getClashesWith(OpenMM::Context& context, const OpenMM::Vec3& position, double radius,
+                        std::vector<int>& particles, std::vector<double>& overlaps) const;
+    /**
+     * Open a trial that turns torsions, and test it. Nothing moves until acceptProposal() is called. For k torsions
+     * this usually takes O(k log N) time, and less if there is a clash.
+     *
+     * @param context   the Context whose positions are the start
+     * @param torsions  the indices of the torsions to turn, each at most once
+     * @param changes   what to add to the value of each of these torsions, in radians
+     * @return true if no pair whose distance the trial changes overlaps beyond its limit
+     */
+    bool proposeTorsions(OpenMM::Context& context, const std::vector<int>& torsions,
+                         const std::vector<double>& changes) const;
+    /**
+     * Open a trial that moves a whole molecule as a rigid body, and test it. Nothing moves until acceptProposal() is
+     * called. It is an error if the molecule has fixed particles.
+     *
+     * @param context      the Context whose positions are the start
+     * @param particle     the index of any particle of the molecule
+     * @param rotation     the rotation about the centroid of the molecule's particles: a vector along the axis whose
+     *                     length is the angle, in radians
+     * @param translation  the translation that follows the rotation, in nm
+     * @return true if no pair whose distance the trial changes overlaps beyond its limit
+     */
+    bool proposeRigidMotion(OpenMM::Context& context, int particle, const OpenMM::Vec3& rotation,
+                            const OpenMM::Vec3& translation) const;
+    /**
+     * Get the positions that the open trial proposes. It is an error if no trial is open.
+     *
+     * @param context         the Context in which the trial was opened
+     * @param[out] positions  the positions that acceptProposal() would set, in nm
+     */
+    void getProposedPositions(OpenMM::Context& context, std::vector<OpenMM::Vec3>& positions) const;
+    /**
+     * Get the pairs of particles whose distance the open trial changes and which are within a cutoff distance of each
+     * other before the trial, or in it, or both. This is what a pair energy needs to be brought up to date. Excluded
+     * pairs and particles of radius 0 are left out. It is an error if no trial is open.
+     *
+     * @param context      the Context in which the trial was opened
+     * @param cutoff       the cutoff distance, above 0, in nm
+     * @param[out] pairs   the pairs, sorted, in each of them the lower index first
+     * @param[out] before  the distance of each pair before the trial, in nm
+     * @param[out] after   the distance of each pair in the trial, in nm
+     */
+    void getChangedNeighborPairs(OpenMM::Context& context, double cutoff, std::vector<std::pair<int, int>>& pairs,
+                                 std::vector<double>& before, std::vector<double>& after) const;
+    /**
+     * Move the Context to what the open trial proposes, whether it clashes or not. Virtual sites are computed anew. It
+     * is an error if no trial is open.
+     *
+     * @param context  the Context in which the trial was opened
+     */
+    void acceptProposal(OpenMM::Context& context) const;
+    /**
+     * Forget the open trial. If no trial is open, this does nothing.
+     *
+     * @param context  the Context in which the trial was opened
+     */
+    void rejectProposal(OpenMM::Context& context) const;
+    /**
+     * Get how much work the queries and trials of a Context took, since it was created or resetTraversalStatistics()
+     * was called. Evaluations of energy and forces count as queries, and trials of a TorsionMonteCarloIntegrator too.
+     *
+     * @param context             the Context to report on
+     * @param[out] queries        the number of queries answered and trials tested
+     * @param[out] volumeTests    the number of times that two bounding volumes were compared
+     * @param[out] particleTests  the number of times that the distance of two particles was computed
+     * @param[out] nodesUpdated   the number of tree nodes that were computed anew because trials were accepted
+     */
+    void getTraversalStatistics(OpenMM::Context& context, long long& queries, long long& volumeTests,
+                                long long& particleTests, long long& nodesUpdated) const;
+    /**
+     * Start the counts of getTraversalStatistics() anew, from 0.
+     *
+     * @param context  the Context whose counts are reset
+     */
+    void resetTraversalStatistics(OpenMM::Context& context) const;
+
+protected:
+    OpenMM::ForceImpl* createImpl() const;
+
+private:
+    class ParticleInfo;
+    class TorsionInfo;
+    std::vector<ParticleInfo> particles;
+    std::vector<std::pair<int, int>> bonds;
+    std::vector<TorsionInfo> torsions;
+    std::vector<std::pair<int, int>> exclusions;
+    double overlapTolerance, hydrogenBondAllowance, forceConstant;
+};
+
+/**
+ * This is an internal class used to record information about a particle.
+ * @private
+ */
+class StericExclusionForce::ParticleInfo {
+public:
+    double radius;
+    HydrogenBondRole role;
+};
+
+/**
+ * This is an internal class used to record information about a torsion.
+ * @private
+ */
+class StericExclusionForce::TorsionInfo {
+public:
+    int particle1, particle2, particle3, particle4;
+};
+
+} // namespace ChainTreePlugin
+
+#endif /*OPENMM_STERICEXCLUSIONFORCE_H_*/

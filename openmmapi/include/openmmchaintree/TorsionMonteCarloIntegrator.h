@@ -1,0 +1,228 @@
+#ifndef OPENMM_TORSIONMONTECARLOINTEGRATOR_H_
+#define OPENMM_TORSIONMONTECARLOINTEGRATOR_H_
+
+#include "internal/windowsExportChainTree.h"
+#include "openmm/Context.h"
+#include "openmm/Integrator.h"
+#include "openmm/Kernel.h"
+#include "openmm/State.h"
+#include <memory>
+#include <string>
+#include <vector>
+
+namespace ChainTreePlugin {
+
+class MonteCarloMove;
+class RandomNumberGenerator;
+class StericExclusionForceImpl;
+
+/**
+ * This Integrator samples molecules by Monte Carlo moves of their torsions and of whole molecules, with bond lengths
+ * and bond angles frozen. It drives the one StericExclusionForce of its System.
+ *
+ * What it samples is, uniform in the torsion angles and in the placement of rigid bodies,
+ *
+ *     pi(x) ~ exp(-U(x)/kT) * 1[no pair of particles overlaps beyond its limit]
+ *
+ * where U is the energy of the integration force groups without that of the StericExclusionForce, even where they share
+ * a group. If no other force can contribute energy, sampling is athermal: every trial without a clash is accepted.
+ *
+ * <b>Steps and trials.</b> A step consists of many trials, 100 by default; see setTrialsPerStep(). Each trial draws one
+ * of the moves by its weight and proposes it. A trial in which a pair overlaps beyond its limit is refused at once,
+ * which usually takes microseconds. Only for the others is U evaluated, once each, and the trial accepted with
+ * probability min(1, exp(-(U' - U)/kT)). In athermal sampling the positions reach the Context once a step, else for
+ * each trial without a clash.
+ *
+ * <b>Moves.</b> Add at least one by addTorsionMove() or addRigidBodyMove().
+ *
+ * @code
+ * TorsionMonteCarloIntegrator integrator(300);
+ * integrator.addTorsionMove(1, 0.2);                // turn one torsion by up to 0.2 radians
+ * integrator.addRigidBodyMove(0.1, 0.05, 0.1);      // shift a molecule by up to 0.05 nm and turn it by up to 0.1
+ * radians Context context(system, integrator); context.setPositions(positions); integrator.step(1000); // 100,000
+ * trials
+ * @endcode
+ *
+ * <b>Limits.</b> The limit of a pair is its tolerance, unless it clashes when sampling starts; see
+ * StericExclusionForce. By setInitialClashPolicy() such clashes are tolerated, which is the default, or refused.
+ *
+ * <b>Time</b> means nothing to Monte Carlo. The step size is 0 by default; a program that wants time to pass, for
+ * example as a label of frames, can set another one. Velocities are left alone.
+ *
+ * <b>Errors.</b> Creating a Context throws an exception if its System has no StericExclusionForce or more than one, a
+ * barostat (periodic boundary conditions are not supported), or a constraint between particles that a torsion moves
+ * relative to each other, and if a move names what does not exist. A step throws an exception if no move can be drawn,
+ * if U is not a number, or if the positions are not finite.
+ *
+ * With the same random number seed, the same program samples the same trajectory, bit for bit.
+ */
+class OPENMM_EXPORT_CHAINTREE TorsionMonteCarloIntegrator : public OpenMM::Integrator {
+public:
+    /**
+     * What to do about pairs that clash when sampling starts.
+     */
+    enum InitialClashPolicy {
+        /**
+         * Each of them gets the overlap it starts with as its limit.
+         */
+        Tolerate = 0,
+        /**
+         * step() throws an exception that names the first of them.
+         */
+        Refuse = 1
+    };
+    /**
+     * Create a TorsionMonteCarloIntegrator without moves.
+     *
+     * @param temperature  the temperature of the heat bath, in Kelvin
+     */
+    explicit TorsionMonteCarloIntegrator(double temperature);
+    ~TorsionMonteCarloIntegrator();
+    /**
+     * Get the temperature of the heat bath, in Kelvin.
+     */
+    double getTemperature() const;
+    /**
+     * Set the temperature of the heat bath. It has no influence on athermal sampling.
+     *
+     * @param temperature  the temperature, at least 0, in Kelvin
+     */
+    void setTemperature(double temperature);
+    /**
+     * Get the random number seed. See setRandomNumberSeed() for details.
+     */
+    int getRandomNumberSeed() const;
+    /**
+     * Set the random number seed. Two Contexts created with the same seed and the same program sample the same
+     * trajectory, bit for bit. If the seed is 0, which is the default, every Context gets another one. Setting the seed
+     * has no effect on an existing Context until it is reinitialized.
+     *
+     * @param seed  the random number seed
+     */
+    void setRandomNumberSeed(int seed);
+    /**
+     * Get the number of trials in one step. The default is 100.
+     */
+    int getTrialsPerStep() const;
+    /**
+     * Set the number of trials in one step.
+     *
+     * @param trials  the number of trials, at least 1
+     */
+    void setTrialsPerStep(int trials);
+    /**
+     * Get what is done about pairs that clash when sampling starts. The default is Tolerate.
+     */
+    InitialClashPolicy getInitialClashPolicy() const;
+    /**
+     * Set what is done about pairs that clash when sampling starts.
+     *
+     * @param policy  Tolerate or Refuse
+     */
+    void setInitialClashPolicy(InitialClashPolicy policy);
+    /**
+     * Get the number of pairs whose limit is not their tolerance, because they clashed when sampling started or after
+     * another Integrator moved particles. It is 0 before sampling starts, that is, before the first step or proposal
+     * after the Context was created or the user set positions.
+     *
+     * @param context  a Context with a StericExclusionForce
+     */
+    int getNumToleratedClashes(OpenMM::Context& context) const;
+    /**
+     * Add a move that turns torsions: a number of different torsions of a list, each by an angle drawn uniformly from
+     * -maxAngle to maxAngle.
+     *
+     * @param weight    how often this move is drawn, relative to the weights of the others, at least 0
+     * @param maxAngle  the largest angle, at least 0, in radians; pi draws torsions anew
+     * @param torsions  the indices of the torsions of the StericExclusionForce to choose from; if empty, all of them
+     * @param count     the number of torsions that one trial turns
+     * @return the index of the move that was added
+     */
+    int addTorsionMove(double weight, double maxAngle, const std::vector<int>& torsions = std::vector<int>(),
+                       int count = 1);
+    /**
+     * Add a move that shifts and turns a whole molecule as a rigid body. The translation is drawn uniformly from a ball
+     * of radius maxTranslation. The rotation is about the centroid of the molecule's particles, with an axis drawn
+     * uniformly from all directions and an angle drawn uniformly from -maxAngle to maxAngle.
+     *
+     * @param weight          how often this move is drawn, relative to the weights of the others, at least 0
+     * @param maxTranslation  the largest translation, at least 0, in nm
+     * @param maxAngle        the largest angle, at least 0, in radians
+     * @param molecules       the molecules to choose from, each named by any one of its particles; if empty, all
+     *                        molecules without fixed particles
+     * @return the index of the move that was added
+     */
+    int addRigidBodyMove(double weight, double maxTranslation, double maxAngle,
+                         const std::vector<int>& molecules = std::vector<int>());
+    /**
+     * Get the number of moves.
+     */
+    int getNumMoves() const;
+    /**
+     * Get what became of the trials of a move, since the move was added or resetMoveStatistics() was called.
+     *
+     * @param move                    the index of the move, in the order in which moves were added
+     * @param[out] attempted          the number of trials: the sum of the other three
+     * @param[out] clashed            the number of trials refused because a pair overlapped beyond its limit
+     * @param[out] rejectedByEnergy   the number of trials without a clash that U made unlikely
+     * @param[out] accepted           the number of trials accepted
+     */
+    void getMoveStatistics(int move, long long& attempted, long long& clashed, long long& rejectedByEnergy,
+                           long long& accepted) const;
+    /**
+     * Start the counts of all moves anew, from 0.
+     */
+    void resetMoveStatistics();
+    /**
+     * Get the values of all torsions of the StericExclusionForce of a Context. It is an error if one of them is
+     * undefined because three of its particles lie on a straight line.
+     *
+     * @param context      a Context with a StericExclusionForce
+     * @param[out] angles  the value of each torsion, in (-pi, pi], in radians
+     */
+    void getTorsionAngles(OpenMM::Context& context, std::vector<double>& angles) const;
+    /**
+     * Turn all torsions of the StericExclusionForce of a Context to given values, clashing or not. Like setting
+     * positions, this starts limits anew. It is an error if one of the torsions is undefined because three of its
+     * particles lie on a straight line.
+     *
+     * @param context  a Context with a StericExclusionForce
+     * @param angles   the value of each torsion, in radians
+     */
+    void setTorsionAngles(OpenMM::Context& context, const std::vector<double>& angles) const;
+    /**
+     * Advance the simulation by taking a series of steps, of getTrialsPerStep() trials each.
+     *
+     * @param steps  the number of steps to take
+     */
+    void step(int steps);
+
+protected:
+    void initialize(OpenMM::ContextImpl& context);
+    void cleanup();
+    std::vector<std::string> getKernelNames();
+    void stateChanged(OpenMM::State::DataType changed);
+    double computeKineticEnergy();
+    bool kineticEnergyRequiresForce() const
+    {
+        return false;
+    }
+
+private:
+    class MoveInfo;
+    int addMove(std::unique_ptr<MonteCarloMove> move, double weight);
+    MoveInfo& drawMove();
+    void runTrials();
+    std::vector<MoveInfo> moves;
+    double temperature;
+    int randomNumberSeed, trialsPerStep;
+    InitialClashPolicy initialClashPolicy;
+    // What follows exists only while the integrator is bound to a Context.
+    StericExclusionForceImpl* force;
+    std::unique_ptr<RandomNumberGenerator> random;
+    OpenMM::Kernel kernel;
+};
+
+} // namespace ChainTreePlugin
+
+#endif /*OPENMM_TORSIONMONTECARLOINTEGRATOR_H_*/

@@ -1,0 +1,144 @@
+#ifndef OPENMM_STERICEXCLUSIONFORCEIMPL_H_
+#define OPENMM_STERICEXCLUSIONFORCEIMPL_H_
+
+#include "openmm/internal/ContextImpl.h"
+#include "openmm/internal/CustomCPPForceImpl.h"
+#include "openmm/Kernel.h"
+#include "openmmchaintree/ChainTreeKernels.h"
+#include "openmmchaintree/internal/LinkStructure.h"
+#include "openmmchaintree/internal/windowsExportChainTree.h"
+#include "openmmchaintree/StericExclusionForce.h"
+#include <memory>
+#include <utility>
+#include <vector>
+
+namespace ChainTreePlugin {
+
+/**
+ * This is the internal implementation of StericExclusionForce: its life in one Context.
+ *
+ * The geometry is the business of a CalcStericExclusionForceKernel. This class keeps the kernel's state and the
+ * Context's positions in step, decides when limits start anew, and checks arguments. Energy and forces reach every
+ * Platform by the way of CustomCPPForceImpl.
+ */
+class OPENMM_EXPORT_CHAINTREE StericExclusionForceImpl : public OpenMM::CustomCPPForceImpl {
+public:
+    explicit StericExclusionForceImpl(const StericExclusionForce& owner);
+    void initialize(OpenMM::ContextImpl& context);
+    const StericExclusionForce& getOwner() const
+    {
+        return owner;
+    }
+    double computeForce(OpenMM::ContextImpl& context, const std::vector<OpenMM::Vec3>& positions,
+                        std::vector<OpenMM::Vec3>& forces);
+    std::vector<std::pair<int, int>> getBondedParticles() const;
+    void updateParametersInContext(OpenMM::ContextImpl& context);
+    const LinkStructure& getLinkStructure() const
+    {
+        return *structure;
+    }
+    /**
+     * Get the only StericExclusionForce in a Context. It is an error if there is none, or more than one.
+     */
+    static StericExclusionForceImpl& findInContext(OpenMM::ContextImpl& context);
+
+    // The calls of StericExclusionForce. Each first takes notice of the Context's positions.
+
+    bool hasClash(OpenMM::ContextImpl& context);
+    void getClashes(OpenMM::ContextImpl& context, std::vector<std::pair<int, int>>& pairs,
+                    std::vector<double>& overlaps);
+    void getNeighborPairs(OpenMM::ContextImpl& context, double cutoff, std::vector<std::pair<int, int>>& pairs,
+                          std::vector<double>& distances);
+    double getMinimumDistance(OpenMM::ContextImpl& context, const std::vector<int>& particles1,
+                              const std::vector<int>& particles2, int& particle1, int& particle2);
+    void getClashesWith(OpenMM::ContextImpl& context, const OpenMM::Vec3& position, double radius,
+                        std::vector<int>& particles, std::vector<double>& overlaps);
+    bool proposeTorsions(OpenMM::ContextImpl& context, const std::vector<int>& torsions,
+                         const std::vector<double>& changes);
+    bool proposeRigidMotion(OpenMM::ContextImpl& context, int particle, const OpenMM::Vec3& rotation,
+                            const OpenMM::Vec3& translation);
+    void getProposedPositions(OpenMM::ContextImpl& context, std::vector<OpenMM::Vec3>& positions);
+    void getChangedNeighborPairs(OpenMM::ContextImpl& context, double cutoff, std::vector<std::pair<int, int>>& pairs,
+                                 std::vector<double>& before, std::vector<double>& after);
+    void acceptProposal(OpenMM::ContextImpl& context);
+    void rejectProposal(OpenMM::ContextImpl& context);
+    void getTraversalStatistics(long long& queries, long long& volumeTests, long long& particleTests,
+                                long long& nodesUpdated);
+    void resetTraversalStatistics();
+
+    // The calls of TorsionMonteCarloIntegrator.
+
+    /**
+     * Get the values of all torsions, in (-pi, pi].
+     */
+    void getTorsionAngles(OpenMM::ContextImpl& context, std::vector<double>& angles);
+    /**
+     * Turn all torsions to given values and start limits anew.
+     */
+    void setTorsionAngles(OpenMM::ContextImpl& context, const std::vector<double>& angles);
+    /**
+     * Get the number of pairs whose limit is not their tolerance.
+     */
+    int getNumToleratedClashes(OpenMM::ContextImpl& context);
+    /**
+     * Leave it to the caller to say, by restartLimits(), when the user set positions. Other changes of positions then
+     * only raise limits.
+     */
+    void expectRestartsOfLimits();
+    /**
+     * Forget all limits; they start anew with the next trial.
+     */
+    void restartLimits();
+    /**
+     * Get whether the Context's positions are being set by this object, not by the user.
+     */
+    bool isSettingPositions() const
+    {
+        return settingPositions;
+    }
+    /**
+     * Take notice of the Context's positions, drop the open trial, and bring limits up to date. Until
+     * finishTrials() is called, the Context's positions need not be those of the kernel.
+     */
+    void beginTrials(OpenMM::ContextImpl& context);
+    /**
+     * Get the kernel, to propose, accept and reject trials between beginTrials() and finishTrials().
+     */
+    CalcStericExclusionForceKernel& getKernel()
+    {
+        return *engine;
+    }
+    /**
+     * Give the Context the positions of the open trial, so that its energy can be computed. The trial stays open.
+     */
+    void showProposal(OpenMM::ContextImpl& context);
+    /**
+     * Compute the energy of force groups at the Context's positions, leaving out this force.
+     */
+    double computeOtherEnergy(OpenMM::ContextImpl& context, int groups);
+    /**
+     * Drop the open trial and move the Context to the kernel's state.
+     */
+    void finishTrials(OpenMM::ContextImpl& context);
+
+private:
+    void updatePositions(OpenMM::ContextImpl& context);
+    void adoptPositions(const std::vector<OpenMM::Vec3>& positions);
+    void updateLimits();
+    void requireProposal() const;
+    void setContextPositions(OpenMM::ContextImpl& context, const std::vector<OpenMM::Vec3>& positions);
+    const StericExclusionForce& owner;
+    /** The force as it was when the Context was created. */
+    std::unique_ptr<StericExclusionForce> original;
+    std::unique_ptr<LinkStructure> structure;
+    OpenMM::Kernel kernel;
+    CalcStericExclusionForceKernel* engine;
+    /** The Context's positions when they and the kernel's state were last known to agree; empty before. */
+    std::vector<OpenMM::Vec3> agreedPositions;
+    std::vector<OpenMM::Vec3> buffer;
+    bool limitsAreCurrent, restartsAreAnnounced, settingPositions, energyIsSuppressed;
+};
+
+} // namespace ChainTreePlugin
+
+#endif /*OPENMM_STERICEXCLUSIONFORCEIMPL_H_*/
