@@ -121,28 +121,28 @@ public:
      * Add a particle. Call this once for each particle of the System: particle i of this force is particle i of the
      * System.
      *
-     * @param radius  the radius of the sphere, in nm. A particle of radius 0 is not modelled: it takes part in no clash
-     *                and is in no list of neighbours, but moves with its link.
-     * @param role    what part the particle can take in a hydrogen bond
+     * @param radius            the radius of the sphere, in nm. A particle of radius 0 is not modelled: it takes
+     *                          part in no clash and is in no list of neighbours, but moves with its link.
+     * @param hydrogenBondRole  what part the particle can take in a hydrogen bond
      * @return the index of the particle that was added
      */
-    int addParticle(double radius, HydrogenBondRole role = NoHydrogenBond);
+    int addParticle(double radius, HydrogenBondRole hydrogenBondRole = NoHydrogenBond);
     /**
      * Get the parameters of a particle.
      *
-     * @param index        the index of the particle
-     * @param[out] radius  the radius of the sphere, in nm
-     * @param[out] role    what part the particle can take in a hydrogen bond
+     * @param index                  the index of the particle
+     * @param[out] radius            the radius of the sphere, in nm
+     * @param[out] hydrogenBondRole  what part the particle can take in a hydrogen bond
      */
-    void getParticleParameters(int index, double& radius, HydrogenBondRole& role) const;
+    void getParticleParameters(int index, double& radius, HydrogenBondRole& hydrogenBondRole) const;
     /**
      * Set the parameters of a particle.
      *
-     * @param index   the index of the particle
-     * @param radius  the radius of the sphere, in nm
-     * @param role    what part the particle can take in a hydrogen bond
+     * @param index             the index of the particle
+     * @param radius            the radius of the sphere, in nm
+     * @param hydrogenBondRole  what part the particle can take in a hydrogen bond
      */
-    void setParticleParameters(int index, double radius, HydrogenBondRole role = NoHydrogenBond);
+    void setParticleParameters(int index, double radius, HydrogenBondRole hydrogenBondRole = NoHydrogenBond);
     /**
      * Add a bond. Bonds decide which particles form a molecule and which move together. Adding a bond twice is
      * harmless.
