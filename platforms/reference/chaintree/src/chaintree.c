@@ -1,0 +1,233 @@
+/* Life and state of a scene. */
+#include <stdarg.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "definition.h"
+#include "position.h"
+#include "scene.h"
+
+/* Below this sine between two bonds a dihedral about them is rounding. */
+#define COLLINEAR 1e-8
+
+ctStatus ctFail(ctChainTree* scene, ctStatus status, const char* format, ...) {
+  va_list arguments;
+  va_start(arguments, format);
+  vsnprintf(scene->errorText, sizeof scene->errorText, format, arguments);
+  va_end(arguments);
+  return status;
+}
+
+ctStatus ctFailOutOfMemory(ctChainTree* scene) {
+  return ctFail(scene, ctOutOfMemory, "out of memory");
+}
+
+/* ---- Life ---- */
+
+static bool build(ctChainTree* scene, const ctDefinition* definition) {
+  return ctSequenceBuild(&scene->sequence, &scene->arena, definition) &&
+         ctExclusionsBuild(&scene->exclusions, &scene->arena, &scene->sequence, definition) &&
+         ctTreeBuild(&scene->tree, &scene->arena, &scene->sequence) &&
+         ctTraversalBuild(&scene->traversal, &scene->arena, &scene->tree, &scene->sequence);
+}
+
+ctStatus ctCreate(const ctDefinition* definition, ctChainTree** tree, char* errorText, size_t errorSize) {
+  char ignored[1];
+  *tree = NULL;
+  if (errorText == NULL || errorSize == 0) {
+    errorText = ignored;
+    errorSize = sizeof ignored;
+  }
+  errorText[0] = '\0';
+  const ctStatus status = ctDefinitionCheck(definition, errorText, errorSize);
+  if (status == ctInvalidArgument) {
+    return status;
+  }
+  ctChainTree* scene = status == ctSuccess ? calloc(1, sizeof *scene) : NULL;
+  if (scene == NULL || !build(scene, definition)) {
+    snprintf(errorText, errorSize, "out of memory");
+    ctDestroy(scene);
+    return ctOutOfMemory;
+  }
+  scene->overlapTolerance = definition->overlapTolerance;
+  scene->hydrogenBondAllowance = definition->hydrogenBondAllowance;
+  ctSequenceSetReference(&scene->sequence, definition->positions);
+  ctTreeRefresh(&scene->tree, &scene->sequence);
+  *tree = scene;
+  return ctSuccess;
+}
+
+void ctDestroy(ctChainTree* tree) {
+  if (tree != NULL) {
+    ctTrialFree(&tree->trial);
+    ctTrialFree(&tree->next);
+    ctLimitsFree(&tree->limits);
+    free(tree->undecided.pairs);
+    ctArenaFree(&tree->arena);
+    free(tree);
+  }
+}
+
+const char* ctGetErrorText(const ctChainTree* tree) {
+  return tree->errorText;
+}
+
+/* ---- State ---- */
+
+static bool isUserLink(const ctChainTree* tree, int link) {
+  return link >= 0 && link < tree->sequence.userLinkCount;
+}
+
+static ctStatus failNoLink(ctChainTree* tree, int link) {
+  return ctFail(tree, ctInvalidArgument, "there is no link %d; there are %d links", link, tree->sequence.userLinkCount);
+}
+
+ctStatus ctSetPositions(ctChainTree* tree, const double* positions) {
+  const int bad = ctFindNonFinite(tree->sequence.particleCount, positions);
+  if (bad != CT_NULL) {
+    return ctFail(tree, ctInvalidArgument, "the position of particle %d is not finite", bad);
+  }
+  ctDiscard(tree);
+  ctSequenceSetReference(&tree->sequence, positions);
+  ctTreeRefresh(&tree->tree, &tree->sequence);
+  return ctSuccess;
+}
+
+void ctGetPositions(ctChainTree* tree, double* positions) {
+  ctReadPositions(&tree->sequence, &tree->tree, positions);
+}
+
+static bool dihedral(const double* p1, const double* p2, const double* p3, const double* p4, double* angle) {
+  double b1[3], b2[3], b3[3], n1[3], n2[3], m[3];
+  subtract(p2, p1, b1);
+  subtract(p3, p2, b2);
+  subtract(p4, p3, b3);
+  cross(b1, b2, n1);
+  cross(b2, b3, n2);
+  const double middle = dot(b2, b2);
+  if (!(dot(n1, n1) > COLLINEAR * COLLINEAR * dot(b1, b1) * middle) ||
+      !(dot(n2, n2) > COLLINEAR * COLLINEAR * middle * dot(b3, b3))) {
+    return false;
+  }
+  cross(n1, n2, m);
+  *angle = atan2(dot(m, b2) / sqrt(middle), dot(n1, n2));
+  return true;
+}
+
+ctStatus ctGetTorsionAngle(ctChainTree* tree, int link, double* angle) {
+  if (!isUserLink(tree, link)) {
+    return failNoLink(tree, link);
+  }
+  const Sequence* s = &tree->sequence;
+  const int own = s->linkOfUser[link];
+  if (s->joint[own] != ctTorsionJoint) {
+    return ctFail(tree, ctInvalidArgument, "link %d has no torsion joint", link);
+  }
+  const int* p = s->torsion[own];
+  double reference;
+  if (!dihedral(s->reference + 3 * (size_t)p[0], s->reference + 3 * (size_t)p[1], s->reference + 3 * (size_t)p[2],
+                s->reference + 3 * (size_t)p[3], &reference)) {
+    return ctFail(tree, ctInvalidArgument,
+                  "the dihedral of particles %d, %d, %d and %d is undefined: three are collinear", p[0], p[1], p[2],
+                  p[3]);
+  }
+  const double pi = 3.141592653589793238462643383280;
+  const double turned = remainder(reference + s->angle[own], 2 * pi);
+  *angle = turned <= -pi ? pi : turned;
+  return ctSuccess;
+}
+
+ctStatus ctGetCentroid(ctChainTree* tree, int link, double centroid[3]) {
+  if (!isUserLink(tree, link)) {
+    return failNoLink(tree, link);
+  }
+  const int own = tree->sequence.linkOfUser[link];
+  if (own == 0) {
+    return ctFail(tree, ctInvalidArgument, "link %d is fixed; only what can move has a centroid here", link);
+  }
+  ctReadCentroid(&tree->sequence, &tree->tree, own, tree->sequence.end[own], centroid);
+  return ctSuccess;
+}
+
+/* The frame of a caller's link in that of the engine's: fixed links are all part of the world. */
+static ctTransform userFrame(const Sequence* s, int link) {
+  ctTransform frame = transformIdentity();
+  if (s->linkOfUser[link] == 0) {
+    subtract(s->reference + 3 * (size_t)s->originOfUser[link], s->worldOrigin, frame.translation);
+  }
+  return frame;
+}
+
+ctStatus ctGetRelativeTransform(ctChainTree* tree, int linkA, int linkB, ctTransform* transform) {
+  if (!isUserLink(tree, linkA) || !isUserLink(tree, linkB)) {
+    return failNoLink(tree, isUserLink(tree, linkA) ? linkB : linkA);
+  }
+  const Sequence* s = &tree->sequence;
+  const ctTransform between = ctTreeRelative(&tree->tree, s, s->linkOfUser[linkA], s->linkOfUser[linkB]);
+  const ctTransform a = userFrame(s, linkA);
+  const ctTransform b = userFrame(s, linkB);
+  const ctTransform fromA = transformInverse(&a);
+  *transform = transformCompose(&between, &b);
+  *transform = transformCompose(&fromA, transform);
+  return ctSuccess;
+}
+
+/* ---- For tests ---- */
+
+/* The tree's content, array by array. */
+typedef struct Content {
+  void* data;
+  size_t size;
+} Content;
+
+enum { CONTENT_COUNT = 11 };
+
+static void listContent(const ctChainTree* scene, Content content[CONTENT_COUNT]) {
+  const Tree* tree = &scene->tree;
+  const Sequence* s = &scene->sequence;
+  const size_t items = (size_t)tree->itemCount;
+  const Content all[CONTENT_COUNT] = {
+      {tree->shortcut, items * sizeof(ctTransform)},
+      {tree->pose, items * sizeof(ctTransform)},
+      {tree->bound, items * sizeof(Bound)},
+      {tree->x, items * sizeof(float)},
+      {tree->y, items * sizeof(float)},
+      {tree->z, items * sizeof(float)},
+      {tree->surfaces, items * sizeof(float)},
+      {tree->centres, items * sizeof(float)},
+      {tree->local, (size_t)tree->slotCount * sizeof(double[3])},
+      {s->product, (size_t)s->productBegin[s->pathCount] * sizeof(ctTransform)},
+      {s->closure, (size_t)s->pathCount * sizeof(ctTransform)},
+  };
+  memcpy(content, all, sizeof all);
+}
+
+bool ctValidate(ctChainTree* tree) {
+  Content content[CONTENT_COUNT];
+  void* kept[CONTENT_COUNT] = {0};
+  listContent(tree, content);
+  bool same = true;
+  for (int i = 0; i < CONTENT_COUNT && same; i++) {
+    kept[i] = malloc(content[i].size + 1);
+    same = kept[i] != NULL;
+    if (same) {
+      memcpy(kept[i], content[i].data, content[i].size);
+    }
+  }
+  if (same) {
+    for (int i = 0; i < CONTENT_COUNT; i++) {
+      memset(content[i].data, 0, content[i].size);
+    }
+    ctSequenceMultiply(&tree->sequence);
+    ctTreeRefresh(&tree->tree, &tree->sequence);
+    for (int i = 0; i < CONTENT_COUNT; i++) {
+      same = same && memcmp(kept[i], content[i].data, content[i].size) == 0;
+      memcpy(content[i].data, kept[i], content[i].size);
+    }
+  }
+  for (int i = 0; i < CONTENT_COUNT; i++) {
+    free(kept[i]);
+  }
+  return same && ctTreeBoundsHold(&tree->tree, &tree->sequence);
+}

@@ -1,0 +1,109 @@
+#include "order.h"
+
+#include <float.h>
+#include <stdbool.h>
+#include <stddef.h>
+
+#include "tree.h"
+
+typedef struct Key {
+  const double* points;
+  int axis;
+} Key;
+
+/* Ties go by index, so that the order is total. */
+static bool before(const Key* key, int a, int b) {
+  const double x = key->points[3 * (size_t)a + (size_t)key->axis];
+  const double y = key->points[3 * (size_t)b + (size_t)key->axis];
+  return x < y || (x == y && a < b);
+}
+
+static void swap(int* ids, int a, int b) {
+  const int id = ids[a];
+  ids[a] = ids[b];
+  ids[b] = id;
+}
+
+/* Quickselect: the first `middle` ids come before the others. */
+static void selectFirst(const Key* key, int* ids, int count, int middle) {
+  int low = 0;
+  int high = count - 1;
+  while (low < high) {
+    /* Median of three to the front. */
+    const int centre = low + (high - low) / 2;
+    if (before(key, ids[centre], ids[low])) {
+      swap(ids, centre, low);
+    }
+    if (before(key, ids[high], ids[low])) {
+      swap(ids, high, low);
+    }
+    if (before(key, ids[high], ids[centre])) {
+      swap(ids, high, centre);
+    }
+    const int pivot = ids[centre];
+    int i = low;
+    int j = high;
+    while (i <= j) {
+      while (before(key, ids[i], pivot)) {
+        i++;
+      }
+      while (before(key, pivot, ids[j])) {
+        j--;
+      }
+      if (i <= j) {
+        swap(ids, i++, j--);
+      }
+    }
+    if (middle <= j) {
+      high = j;
+    } else if (middle >= i) {
+      low = i;
+    } else {
+      return;
+    }
+  }
+}
+
+static int longestAxis(const int* ids, int count, const double* points) {
+  int longest = 0;
+  double extent = -1;
+  for (int axis = 0; axis < 3; axis++) {
+    double low = DBL_MAX;
+    double high = -DBL_MAX;
+    for (int i = 0; i < count; i++) {
+      const double x = points[3 * (size_t)ids[i] + (size_t)axis];
+      low = x < low ? x : low;
+      high = x > high ? x : high;
+    }
+    if (high - low > extent) {
+      extent = high - low;
+      longest = axis;
+    }
+  }
+  return longest;
+}
+
+void ctSpatialOrder(int* ids, int count, const double* points) {
+  while (count > TREE_WIDTH) {
+    /* Split at whole nodes, so that no node spans both halves. */
+    int run = TREE_WIDTH;
+    while (run <= (count - 1) / TREE_WIDTH) {
+      run *= TREE_WIDTH;
+    }
+    int middle = (count / 2 + run - 1) / run * run;
+    if (middle >= count) {
+      middle -= run;
+    }
+    const Key key = {points, longestAxis(ids, count, points)};
+    selectFirst(&key, ids, count, middle);
+    ctSpatialOrder(ids, middle, points);
+    ids += middle;
+    count -= middle;
+  }
+  const Key byIndex = {points, 0};
+  for (int i = 1; i < count; i++) {
+    for (int j = i; j > 0 && before(&byIndex, ids[j], ids[j - 1]); j--) {
+      swap(ids, j, j - 1);
+    }
+  }
+}

@@ -1,0 +1,85 @@
+#include "position.h"
+
+#include <string.h>
+
+PositionReader ctPositionReader(const Sequence* sequence, const Tree* tree) {
+  PositionReader reader = {0};
+  reader.sequence = sequence;
+  reader.tree = tree;
+  reader.leaf = CT_NULL;
+  reader.link = CT_NULL;
+  return reader;
+}
+
+void ctReadPosition(PositionReader* reader, int particle, double position[3]) {
+  const Sequence* s = reader->sequence;
+  const int link = s->particleLink[particle];
+  if (s->displaced[s->branch[link]] == 0) {
+    memcpy(position, s->reference + 3 * (size_t)particle, 3 * sizeof(double));
+    return;
+  }
+  const int slot = s->particleSlot[particle];
+  const int leaf = (slot != CT_NULL ? slot : s->slotBegin[link]) / TREE_WIDTH;
+  if (leaf != reader->leaf) {
+    reader->leaf = leaf;
+    reader->leafFrame = ctTreeFrame(reader->tree, 0, leaf);
+  }
+  double local[3];
+  if (slot != CT_NULL) {
+    memcpy(local, reader->tree->local[slot], sizeof local);
+  } else {
+    if (link != reader->link) {
+      reader->link = link;
+      reader->linkInLeaf = ctTreeLinkInLeaf(s, link);
+    }
+    sequenceLocal(s, particle, local);
+    transformPoint(&reader->linkInLeaf, local, local);
+  }
+  transformPoint(&reader->leafFrame, local, position);
+  for (int k = 0; k < 3; k++) {
+    position[k] += s->worldOrigin[k];
+  }
+}
+
+void ctReadPositions(const Sequence* s, const Tree* tree, double* positions) {
+  PositionReader reader = ctPositionReader(s, tree);
+  for (int link = 0; link < s->linkCount; link++) {
+    for (int slot = s->slotBegin[link]; slot < s->slotBegin[link + 1]; slot++) {
+      const int particle = s->slotParticle[slot];
+      if (particle != CT_NULL) {
+        ctReadPosition(&reader, particle, positions + 3 * (size_t)particle);
+      }
+    }
+    for (int i = s->idleBegin[link]; i < s->idleBegin[link + 1]; i++) {
+      ctReadPosition(&reader, s->idleParticle[i], positions + 3 * (size_t)s->idleParticle[i]);
+    }
+  }
+}
+
+void ctReadCentroid(const Sequence* s, const Tree* tree, int linkBegin, int linkEnd, double centroid[3]) {
+  PositionReader reader = ctPositionReader(s, tree);
+  double sum[3] = {0, 0, 0};
+  double position[3];
+  int count = 0;
+  for (int link = linkBegin; link < linkEnd; link++) {
+    for (int slot = s->slotBegin[link]; slot < s->slotBegin[link + 1]; slot++) {
+      if (s->slotParticle[slot] != CT_NULL) {
+        ctReadPosition(&reader, s->slotParticle[slot], position);
+        for (int k = 0; k < 3; k++) {
+          sum[k] += position[k] - s->worldOrigin[k];
+        }
+        count++;
+      }
+    }
+    for (int i = s->idleBegin[link]; i < s->idleBegin[link + 1]; i++) {
+      ctReadPosition(&reader, s->idleParticle[i], position);
+      for (int k = 0; k < 3; k++) {
+        sum[k] += position[k] - s->worldOrigin[k];
+      }
+      count++;
+    }
+  }
+  for (int k = 0; k < 3; k++) {
+    centroid[k] = s->worldOrigin[k] + sum[k] / count;
+  }
+}

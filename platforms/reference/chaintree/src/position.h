@@ -1,0 +1,28 @@
+/* Positions of particles in the world, read off the tree. */
+#ifndef CT_POSITION_H_
+#define CT_POSITION_H_
+
+#include "tree.h"
+
+/* Reads particles one after another; neighbours in the sequence share the work of finding a frame. */
+typedef struct PositionReader {
+  const Sequence* sequence;
+  const Tree* tree;
+  int leaf; /* whose frame is held */
+  ctTransform leafFrame;
+  int link; /* whose frame in its leaf is held */
+  ctTransform linkInLeaf;
+} PositionReader;
+
+PositionReader ctPositionReader(const Sequence* sequence, const Tree* tree);
+
+/* Particles of a branch that no joint has displaced keep their reference bits. */
+void ctReadPosition(PositionReader* reader, int particle, double position[3]);
+
+/* All particles: 3 * particleCount coordinates. */
+void ctReadPositions(const Sequence* sequence, const Tree* tree, double* positions);
+
+/* The centroid of all particles of links [linkBegin, linkEnd). */
+void ctReadCentroid(const Sequence* sequence, const Tree* tree, int linkBegin, int linkEnd, double centroid[3]);
+
+#endif /* CT_POSITION_H_ */

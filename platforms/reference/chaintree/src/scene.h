@@ -1,0 +1,67 @@
+/* What is behind a handle, and the pairs' tolerances that trial and queries share. */
+#ifndef CT_SCENE_H_
+#define CT_SCENE_H_
+
+#include "exclusion.h"
+#include "trial.h"
+
+/* A pair whose decision needs the canonical distance. */
+typedef struct SlotPair {
+  int slotA;
+  int slotB;
+  double value; /* what the distance is compared with, or the distance before the trial */
+} SlotPair;
+
+typedef struct SlotPairs {
+  SlotPair* pairs;
+  int count;
+  int capacity;
+} SlotPairs;
+
+struct ctChainTree {
+  Arena arena;
+  Sequence sequence;
+  Exclusions exclusions;
+  Limits limits;
+  Tree tree;
+  Traversal traversal;
+  Trial trial;
+  Trial next; /* where a proposal is made, so that a refused one leaves the open trial alone */
+  SlotPairs undecided;
+  double overlapTolerance;
+  double hydrogenBondAllowance;
+  char errorText[200];
+};
+
+/* Keeps the sentence for ctGetErrorText and returns the status. */
+ctStatus ctFail(ctChainTree* scene, ctStatus status, const char* format, ...) __attribute__((format(printf, 3, 4)));
+ctStatus ctFailOutOfMemory(ctChainTree* scene);
+
+static inline bool canBond(unsigned donor, unsigned acceptor) {
+  return (donor & ctDonor) != 0 && (acceptor & ctAcceptor) != 0;
+}
+
+static inline double pairTolerance(const ctChainTree* scene, int slotA, int slotB) {
+  const unsigned a = scene->sequence.slotRole[slotA];
+  const unsigned b = scene->sequence.slotRole[slotB];
+  const bool bond = canBond(a, b) || canBond(b, a);
+  return scene->overlapTolerance + (bond ? scene->hydrogenBondAllowance : 0);
+}
+
+static inline double radiusSum(const ctChainTree* scene, int slotA, int slotB) {
+  return scene->sequence.slotRadius[slotA] + scene->sequence.slotRadius[slotB];
+}
+
+/* The particles of two slots, lower first. */
+static inline void particlesOf(const ctChainTree* scene, int slotA, int slotB, int pair[2]) {
+  const int a = scene->sequence.slotParticle[slotA];
+  const int b = scene->sequence.slotParticle[slotB];
+  pair[0] = a < b ? a : b;
+  pair[1] = a < b ? b : a;
+}
+
+static inline double canonicalDistance(const ctChainTree* scene, int slotA, int slotB) {
+  return sqrt(ctTreeSquaredDistance(&scene->tree, slotA, slotB));
+}
+
+#endif /* CT_SCENE_H_ */

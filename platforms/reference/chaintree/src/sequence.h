@@ -1,0 +1,129 @@
+/* The sequence: all links of the scene in one line, the joints between consecutive ones, and the state.
+ *
+ * Link 0 is the world, with every fixed particle. From it the links follow depth-first, of several branches the one
+ * with most slots last, so that what a joint moves is the interval [link, end[link]). The step from link k to k + 1 is
+ *
+ *     opening(k + 1)                      if k is the parent of k + 1,
+ *     closure(path) * opening(k + 1)      otherwise,
+ *
+ * where opening(l) takes the frame of l's parent to that of l by its joint, and a path is a run of links each of which
+ * is the last child of the one before. Where the sequence leaves a branch, it leaves exactly one whole path: its
+ * closure is the inverse of the product of the path's openings, kept as a tree of products, so that a change costs
+ * O(log N). A step thus depends on no rotation that does not change it, and untouched steps keep their bits.
+ *
+ * A slot is a place for a modelled particle; slots stand in the order of their links. A link without modelled particles
+ * has one empty slot, so that TREE_WIDTH slots never span more links than that. */
+#ifndef CT_SEQUENCE_H_
+#define CT_SEQUENCE_H_
+
+#include "arena.h"
+#include "chaintree.h"
+#include "transform.h"
+
+/* Where a free link is in its parent's frame. */
+typedef struct Placement {
+  double quaternion[4]; /* w, x, y, z */
+  double position[3];
+} Placement;
+
+/* All that the state says of one joint. */
+typedef struct JointState {
+  double angle; /* torsion: turned since the reference, in [-pi, pi] */
+  double cosine;
+  double sine;
+  Placement placement; /* free joint */
+} JointState;
+
+typedef struct Sequence {
+  int particleCount;
+  int linkCount; /* with the world */
+
+  /* The caller's links. */
+  int userLinkCount;
+  int* linkOfUser;   /* 0 for fixed ones */
+  int* originOfUser; /* particle at the origin of its frame */
+
+  /* Links, indexed in sequence order. */
+  int* parent; /* below the link's own index; CT_NULL for the world */
+  int* end;    /* one past the last link that hangs on this one */
+  uint8_t* joint;
+  int* originParticle; /* on the torsion axis and in the link, or its lowest; CT_NULL for the world */
+  int* axisParticle;   /* the other particle of the torsion axis, in the parent */
+  int (*torsion)[4];   /* p1-p2-p3-p4 as given */
+  int* branch;         /* the link that hangs on the world and holds this one; 0 for the world */
+  int* placementOf;    /* index into placement, or CT_NULL */
+
+  /* Slots. */
+  int slotCount;
+  int* slotBegin;    /* linkCount + 1 */
+  int* slotLink;     /* slotCount */
+  int* slotParticle; /* slotCount; CT_NULL: empty */
+  double* slotRadius;
+  uint8_t* slotRole;
+
+  /* Particles. */
+  int* particleLink;
+  int* particleSlot; /* CT_NULL: not modelled */
+  int* idleBegin;    /* linkCount + 1: the particles of each link that are not modelled */
+  int* idleParticle;
+
+  /* Paths that the sequence leaves before its end. */
+  int pathCount;
+  int* pathOf;          /* per link; CT_NULL: on the path that starts at the world, which never closes */
+  int* pathPosition;    /* per link: how many links of its path come before it */
+  int* pathBegin;       /* pathCount + 1, into pathLink */
+  int* pathLink;        /* links of each path, head first */
+  int* productBegin;    /* pathCount + 1, into product */
+  ctTransform* product; /* per path: products over PATH_BLOCK links, then over pairs of those, up to the whole */
+  ctTransform* closure; /* pathCount: inverse of the whole */
+
+  /* State: reference positions, angles, placements; and what follows from one link's share of it alone. */
+  double* reference; /* 3 * particleCount, the caller's bits */
+  double worldOrigin[3];
+  double* angle;
+  double* cosine;
+  double* sine;
+  Placement* placement;
+  int* displaced;      /* per link that is a branch: how many of its joints are off the reference */
+  double (*origin)[3]; /* reference position of originParticle, from worldOrigin */
+  double (*axis)[3];   /* unit vector of the torsion axis in the reference; 0 if its particles coincide */
+} Sequence;
+
+/* Lays out a checked definition, without state. False if there is no memory. */
+bool ctSequenceBuild(Sequence* sequence, Arena* arena, const ctDefinition* definition);
+
+/* Makes finite positions the reference: angles 0, nothing displaced, all products anew. */
+void ctSequenceSetReference(Sequence* sequence, const double* positions);
+
+/* Recomputes all products of paths. */
+void ctSequenceMultiply(Sequence* sequence);
+
+/* The frame of a link in its parent's frame. */
+ctTransform ctSequenceOpening(const Sequence* sequence, int link);
+
+/* The frame of link + 1 in the frame of link. */
+ctTransform ctSequenceStep(const Sequence* sequence, int link);
+
+/* The state of a joint; and that state turned by an angle (torsion), or moved in the parent's frame by a rotation
+ * vector about pivot and then a shift (free joint). */
+JointState ctSequenceGetJoint(const Sequence* sequence, int link);
+JointState ctJointTurned(const JointState* joint, double angle);
+JointState ctJointMoved(const JointState* joint, const double rotation[3], const double pivot[3],
+                        const double shift[3]);
+
+/* Replaces the state of a joint. Products over the link are stale until ctSequenceUpdate. */
+void ctSequenceSetJoint(Sequence* sequence, int link, const JointState* joint);
+
+/* Recomputes the products over these links (ascending), each once, and returns how many. `scratch` holds `count` ints.
+ */
+int ctSequenceUpdate(Sequence* sequence, const int* links, int count, int* scratch);
+
+/* Reference position of a particle in the frame of its link. */
+static inline void sequenceLocal(const Sequence* s, int particle, double local[3]) {
+  const double* origin = s->origin[s->particleLink[particle]];
+  for (int k = 0; k < 3; k++) {
+    local[k] = s->reference[3 * (size_t)particle + (size_t)k] - s->worldOrigin[k] - origin[k];
+  }
+}
+
+#endif /* CT_SEQUENCE_H_ */

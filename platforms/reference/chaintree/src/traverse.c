@@ -1,0 +1,352 @@
+#include "traverse.h"
+
+#include <string.h>
+
+#include "volume.h"
+
+/* Pairs that one visit can leave for later: all children of one node with all of another. */
+enum { PAIRS_OF_A_VISIT = TREE_WIDTH * TREE_WIDTH };
+
+bool ctTraversalBuild(Traversal* t, Arena* arena, const Tree* tree, const Sequence* sequence) {
+  const size_t items = (size_t)tree->itemCount;
+  const size_t slots = (size_t)tree->levelSize[0] * TREE_WIDTH;
+  t->tree = tree;
+  t->sequence = sequence;
+  t->itemStamp = ctArenaAllocate(arena, items, sizeof(uint32_t));
+  t->frame = ctArenaAllocate(arena, items, sizeof(ctTransform));
+  t->itemMotion = ctArenaAllocate(arena, items, sizeof(int));
+  t->itemX = ctArenaAllocate(arena, items, sizeof(float));
+  t->itemY = ctArenaAllocate(arena, items, sizeof(float));
+  t->itemZ = ctArenaAllocate(arena, items, sizeof(float));
+  t->itemRadius = ctArenaAllocate(arena, items, sizeof(float));
+  t->position = ctArenaAllocate(arena, slots, sizeof(double[3]));
+  t->slotX = ctArenaAllocate(arena, slots, sizeof(float));
+  t->slotY = ctArenaAllocate(arena, slots, sizeof(float));
+  t->slotZ = ctArenaAllocate(arena, slots, sizeof(float));
+  t->slotRadius = ctArenaAllocate(arena, slots, sizeof(float));
+  t->slotMotion = ctArenaAllocate(arena, slots, sizeof(int));
+  t->stack = ctArenaAllocate(arena, (size_t)TREE_MAX_LEVELS * PAIRS_OF_A_VISIT, sizeof(ItemPair));
+  if (arena->failed) {
+    return false;
+  }
+  /* Padding is never near anything. */
+  for (size_t i = 0; i < items; i++) {
+    t->itemRadius[i] = -INFINITY;
+  }
+  for (size_t i = 0; i < slots; i++) {
+    t->slotRadius[i] = -INFINITY;
+  }
+  return true;
+}
+
+View ctViewOfState(bool surfaces, double reach) {
+  static const Piece whole = {0, 0};
+  return (View){&whole, 1, NULL, 1, true, surfaces, reach};
+}
+
+/* ---- What this view makes of an item ---- */
+
+/* The motion of slots [begin, end), or STRADDLES. */
+static int motionOf(const View* view, int begin, int end) {
+  int low = 0;
+  int high = view->pieceCount - 1;
+  while (low < high) {
+    const int middle = (low + high + 1) / 2;
+    if (view->pieces[middle].slotBegin <= begin) {
+      low = middle;
+    } else {
+      high = middle - 1;
+    }
+  }
+  return low + 1 < view->pieceCount && view->pieces[low + 1].slotBegin < end ? STRADDLES : view->pieces[low].motion;
+}
+
+static bool isMoved(const View* view, int motion) {
+  return motion > 0 && view->motions != NULL;
+}
+
+/* A sphere around spheres given in float, for an item that straddles pieces. */
+static void boundStraddler(Traversal* t, int item, const float* x, const float* y, const float* z, const float* r) {
+  double low[3] = {INFINITY, INFINITY, INFINITY};
+  double high[3] = {-INFINITY, -INFINITY, -INFINITY};
+  for (int k = 0; k < TREE_WIDTH; k++) {
+    if (r[k] >= 0) {
+      const double c[3] = {x[k], y[k], z[k]};
+      for (int d = 0; d < 3; d++) {
+        low[d] = fmin(low[d], c[d] - r[k]);
+        high[d] = fmax(high[d], c[d] + r[k]);
+      }
+    }
+  }
+  if (low[0] > high[0]) {
+    t->itemRadius[item] = -INFINITY;
+    return;
+  }
+  const double centre[3] = {0.5 * (low[0] + high[0]), 0.5 * (low[1] + high[1]), 0.5 * (low[2] + high[2])};
+  double radius = 0;
+  for (int k = 0; k < TREE_WIDTH; k++) {
+    if (r[k] >= 0) {
+      const double c[3] = {x[k], y[k], z[k]};
+      radius = fmax(radius, sqrt(squaredDistance(centre, c)) + r[k]);
+    }
+  }
+  t->itemX[item] = (float)centre[0];
+  t->itemY[item] = (float)centre[1];
+  t->itemZ[item] = (float)centre[2];
+  /* Straddlers lie within straddlers: each level adds its own rounding. */
+  t->itemRadius[item] = (float)(radius + FLOAT_MARGIN * t->extent);
+}
+
+static void expandLeaf(Traversal* t, int leaf) {
+  const Tree* tree = t->tree;
+  const View* view = t->view;
+  int end;
+  const int begin = treeSlots(tree, 0, leaf, &end);
+  const int motion = t->itemMotion[leaf];
+  for (int slot = begin; slot < end; slot++) {
+    if (t->sequence->slotParticle[slot] == CT_NULL) {
+      continue;
+    }
+    double* x = t->position[slot];
+    transformPoint(&t->frame[leaf], tree->local[slot], x);
+    t->slotMotion[slot] = motion == STRADDLES ? motionOf(view, slot, slot + 1) : motion;
+    if (motion == STRADDLES && isMoved(view, t->slotMotion[slot])) {
+      transformPoint(&view->motions[t->slotMotion[slot]], x, x);
+    }
+    t->slotX[slot] = (float)x[0];
+    t->slotY[slot] = (float)x[1];
+    t->slotZ[slot] = (float)x[2];
+    t->slotRadius[slot] = view->surfaces ? (float)t->sequence->slotRadius[slot] : 0.0f;
+  }
+}
+
+static void expand(Traversal* t, int level, int item);
+
+static void expandNode(Traversal* t, int level, int item) {
+  const Tree* tree = t->tree;
+  const View* view = t->view;
+  int count;
+  const int first = treeChildren(tree, level, item, &count);
+  for (int child = first; child < first + count; child++) {
+    int motion = t->itemMotion[item];
+    if (motion == STRADDLES) {
+      int end;
+      const int begin = treeSlots(tree, level - 1, child, &end);
+      motion = motionOf(view, begin, end);
+    }
+    t->itemMotion[child] = motion;
+    if (motion == STRADDLES) {
+      expand(t, level - 1, child);
+      continue;
+    }
+    double centre[3] = {tree->x[child], tree->y[child], tree->z[child]};
+    transformPoint(&t->frame[item], centre, centre);
+    if (t->itemMotion[item] == STRADDLES && isMoved(view, motion)) {
+      transformPoint(&view->motions[motion], centre, centre);
+    }
+    const float radius = view->surfaces ? tree->surfaces[child] : tree->centres[child];
+    t->itemX[child] = (float)centre[0];
+    t->itemY[child] = (float)centre[1];
+    t->itemZ[child] = (float)centre[2];
+    t->itemRadius[child] = radius < 0 ? -INFINITY : radius;
+  }
+}
+
+/* Puts the children (or slots) of an item into the world, once a descent. Its parent has been expanded. */
+static void expand(Traversal* t, int level, int item) {
+  if (t->itemStamp[item] == t->stamp) {
+    return;
+  }
+  t->itemStamp[item] = t->stamp;
+  const Tree* tree = t->tree;
+  const int motion = t->itemMotion[item];
+  bool movesAlone = isMoved(t->view, motion);
+  if (level == treeTop(tree)) {
+    t->frame[item] = tree->pose[item];
+  } else {
+    const int parent = treeParent(tree, level, item);
+    t->frame[item] = transformCompose(&t->frame[parent], &tree->pose[item]);
+    movesAlone = movesAlone && t->itemMotion[parent] == STRADDLES;
+  }
+  if (movesAlone) {
+    t->frame[item] = transformCompose(&t->view->motions[motion], &t->frame[item]);
+  }
+  if (level == 0) {
+    expandLeaf(t, item);
+  } else {
+    expandNode(t, level, item);
+  }
+  if (motion == STRADDLES) {
+    if (level == 0) {
+      const int slot = item * TREE_WIDTH;
+      boundStraddler(t, item, t->slotX + slot, t->slotY + slot, t->slotZ + slot, t->slotRadius + slot);
+    } else {
+      int count;
+      const int first = treeChildren(tree, level, item, &count);
+      boundStraddler(t, item, t->itemX + first, t->itemY + first, t->itemZ + first, t->itemRadius + first);
+    }
+  }
+}
+
+/* A new descent: nothing is expanded, and the size of the scene in this view is known. */
+static void startDescent(Traversal* t, const View* view) {
+  const Tree* tree = t->tree;
+  const int root = treeRoot(tree);
+  const Bound* bound = &tree->bound[root];
+  t->view = view;
+  const double size = bound->surfaces < 0 ? 0 : sqrt(dot(bound->centre, bound->centre)) + bound->surfaces;
+  double shift = 0;
+  for (int i = 1; i < view->motionCount && view->motions != NULL; i++) {
+    shift = fmax(shift, sqrt(dot(view->motions[i].translation, view->motions[i].translation)));
+  }
+  t->extent = size + shift;
+  t->band = DOUBLE_MARGIN * t->extent;
+  if (++t->stamp == 0) {
+    memset(t->itemStamp, 0, (size_t)tree->itemCount * sizeof(uint32_t));
+    t->stamp = 1;
+  }
+  t->itemMotion[root] = motionOf(view, 0, tree->slotCount);
+  expand(t, treeTop(tree), root);
+}
+
+/* ---- The descent ---- */
+
+/* Bit k is set where member k is of the same rigid body. */
+static unsigned sameBody(const int* motions, int motion) {
+  unsigned mask = 0;
+  for (int k = 0; k < TREE_WIDTH; k++) {
+    mask |= (unsigned)(motions[k] == motion) << k;
+  }
+  return mask;
+}
+
+typedef struct Visit {
+  CandidateFunction* function;
+  void* context;
+  float reach;
+  int64_t volumeTests;
+  int64_t particleTests;
+} Visit;
+
+static bool visitLeaves(Traversal* t, Visit* visit, int a, int b) {
+  int endA;
+  int endB;
+  const int beginA = treeSlots(t->tree, 0, a, &endA);
+  const int beginB = treeSlots(t->tree, 0, b, &endB);
+  for (int i = beginA; i < endA; i++) {
+    if (t->slotRadius[i] < 0) {
+      continue;
+    }
+    unsigned mask = near16(t->slotX + beginB, t->slotY + beginB, t->slotZ + beginB, t->slotRadius + beginB, t->slotX[i],
+                           t->slotY[i], t->slotZ[i], t->slotRadius[i] + visit->reach);
+    visit->particleTests += endB - (a == b ? i + 1 : beginB);
+    if (a == b) {
+      mask &= ~0u << (i - beginA) << 1;
+    }
+    if (mask != 0 && !t->view->everyPair) {
+      mask &= ~sameBody(t->slotMotion + beginB, t->slotMotion[i]);
+    }
+    for (; mask != 0; mask &= mask - 1) {
+      const int j = beginB + __builtin_ctz(mask);
+      if (!visit->function(visit->context, i, j, squaredDistance(t->position[i], t->position[j]))) {
+        return false;
+      }
+    }
+  }
+  return true;
+}
+
+static void visitNodes(Traversal* t, Visit* visit, ItemPair pair, int* depth) {
+  const int below = pair.level - 1;
+  int countA;
+  int countB;
+  const int firstA = treeChildren(t->tree, pair.level, pair.a, &countA);
+  const int firstB = treeChildren(t->tree, pair.level, pair.b, &countB);
+  for (int i = firstA; i < firstA + countA; i++) {
+    if (t->itemRadius[i] < 0) {
+      continue;
+    }
+    const int motion = t->itemMotion[i];
+    unsigned mask = near16(t->itemX + firstB, t->itemY + firstB, t->itemZ + firstB, t->itemRadius + firstB, t->itemX[i],
+                           t->itemY[i], t->itemZ[i], t->itemRadius[i] + visit->reach);
+    visit->volumeTests += firstB + countB - (pair.a == pair.b ? i + 1 : firstB);
+    if (mask != 0 && !t->view->everyPair && motion != STRADDLES) {
+      mask &= ~sameBody(t->itemMotion + firstB, motion);
+    }
+    if (pair.a == pair.b) {
+      mask &= ~0u << (i - firstA) << 1;
+      if (t->view->everyPair || motion == STRADDLES) {
+        t->stack[(*depth)++] = (ItemPair){below, i, i};
+      }
+    }
+    for (; mask != 0; mask &= mask - 1) {
+      t->stack[(*depth)++] = (ItemPair){below, i, firstB + __builtin_ctz(mask)};
+    }
+  }
+}
+
+void ctTraverse(Traversal* t, const View* view, CandidateFunction* function, void* context, ctCounts* counts) {
+  startDescent(t, view);
+  const int root = treeRoot(t->tree);
+  const double margin = FLOAT_MARGIN * (t->extent + fabs(view->reach));
+  Visit visit = {function, context, (float)(view->reach + margin), 0, 0};
+  int depth = 0;
+  if (view->everyPair || t->itemMotion[root] == STRADDLES) {
+    t->stack[depth++] = (ItemPair){treeTop(t->tree), root, root};
+  }
+  bool goesOn = true;
+  while (goesOn && depth > 0) {
+    const ItemPair pair = t->stack[--depth];
+    expand(t, pair.level, pair.a);
+    expand(t, pair.level, pair.b);
+    if (pair.level == 0) {
+      goesOn = visitLeaves(t, &visit, pair.a, pair.b);
+    } else {
+      visitNodes(t, &visit, pair, &depth);
+    }
+  }
+  if (counts != NULL) {
+    counts->volumeTests += visit.volumeTests;
+    counts->particleTests += visit.particleTests;
+  }
+}
+
+void ctTraverseProbe(Traversal* t, const View* view, const double point[3], double radius, ProbeFunction* function,
+                     void* context, ctCounts* counts) {
+  startDescent(t, view);
+  const double size = t->extent + sqrt(dot(point, point)) + radius;
+  const float reach = (float)(radius + view->reach + FLOAT_MARGIN * (size + fabs(view->reach)));
+  const float x = (float)point[0];
+  const float y = (float)point[1];
+  const float z = (float)point[2];
+  int depth = 0;
+  t->stack[depth++] = (ItemPair){treeTop(t->tree), treeRoot(t->tree), CT_NULL};
+  bool goesOn = true;
+  while (goesOn && depth > 0) {
+    const ItemPair item = t->stack[--depth];
+    expand(t, item.level, item.a);
+    if (item.level > 0) {
+      int count;
+      const int first = treeChildren(t->tree, item.level, item.a, &count);
+      unsigned mask =
+          near16(t->itemX + first, t->itemY + first, t->itemZ + first, t->itemRadius + first, x, y, z, reach);
+      for (; mask != 0; mask &= mask - 1) {
+        t->stack[depth++] = (ItemPair){item.level - 1, first + __builtin_ctz(mask), CT_NULL};
+      }
+      if (counts != NULL) {
+        counts->volumeTests += count;
+      }
+      continue;
+    }
+    int end;
+    const int begin = treeSlots(t->tree, 0, item.a, &end);
+    unsigned mask = near16(t->slotX + begin, t->slotY + begin, t->slotZ + begin, t->slotRadius + begin, x, y, z, reach);
+    for (; goesOn && mask != 0; mask &= mask - 1) {
+      const int slot = begin + __builtin_ctz(mask);
+      goesOn = function(context, slot, squaredDistance(t->position[slot], point));
+    }
+    if (counts != NULL) {
+      counts->particleTests += end - begin;
+    }
+  }
+}

@@ -1,0 +1,109 @@
+/* The tree over the sequence: leaves of TREE_WIDTH slots, nodes of TREE_WIDTH children, all leaves at one level.
+ *
+ * An item is a leaf (level 0) or a node. Item i of a level covers items TREE_WIDTH * i ... of the level below; items of
+ * all levels share one numbering, so that the children of a node are neighbours in every array. The frame of an item is
+ * that of the link of its first slot. Per item the tree keeps the shortcut across it, its frame's pose in the parent's
+ * frame (a product of its siblings' shortcuts), and a bounding sphere; per slot the position in the leaf's frame. Each
+ * is a pure function of the sequence's state and of the items below. */
+#ifndef CT_TREE_H_
+#define CT_TREE_H_
+
+#include "sequence.h"
+
+enum { TREE_WIDTH = 16, TREE_MAX_LEVELS = 8 };
+
+/* Two radii about one centre: around the spheres of all particles, and around their centres. Negative: no particle. */
+typedef struct Bound {
+  double centre[3];
+  double surfaces;
+  double centres;
+} Bound;
+
+typedef struct Tree {
+  int levelCount;
+  int levelBegin[TREE_MAX_LEVELS + 1]; /* first item of each level; a level is padded to a multiple of TREE_WIDTH */
+  int levelSize[TREE_MAX_LEVELS];
+  int itemCount; /* with padding */
+  int slotCount;
+
+  ctTransform*
+      shortcut;      /* per item: the frame of the next item of its level in its own frame; the last one's is unused */
+  ctTransform* pose; /* per item: its frame in its parent's frame */
+  Bound* bound;      /* per item: in its own frame */
+
+  /* Per item: its bound in the parent's frame, as the traversal reads it. */
+  float* x;
+  float* y;
+  float* z;
+  float* surfaces;
+  float* centres;
+
+  double (*local)[3]; /* per slot, padded: in the frame of its leaf */
+
+  int* dirty; /* scratch of treeUpdate: items of one level */
+} Tree;
+
+static inline int treeTop(const Tree* tree) {
+  return tree->levelCount - 1;
+}
+
+static inline int treeRoot(const Tree* tree) {
+  return tree->levelBegin[treeTop(tree)];
+}
+
+/* The parent of an item of a level below the top. */
+static inline int treeParent(const Tree* tree, int level, int item) {
+  return tree->levelBegin[level + 1] + (item - tree->levelBegin[level]) / TREE_WIDTH;
+}
+
+/* First child of a node of level > 0, and how many it has. */
+static inline int treeChildren(const Tree* tree, int level, int item, int* count) {
+  const int first = (item - tree->levelBegin[level]) * TREE_WIDTH;
+  const int left = tree->levelSize[level - 1] - first;
+  *count = left < TREE_WIDTH ? left : TREE_WIDTH;
+  return tree->levelBegin[level - 1] + first;
+}
+
+/* First slot of an item, and one past its last. */
+static inline int treeSlots(const Tree* tree, int level, int item, int* end) {
+  int64_t width = TREE_WIDTH;
+  for (int l = 0; l < level; l++) {
+    width *= TREE_WIDTH;
+  }
+  const int64_t begin = (item - tree->levelBegin[level]) * width;
+  *end = (int)(begin + width < tree->slotCount ? begin + width : tree->slotCount);
+  return (int)begin;
+}
+
+/* The leaf that holds the step from a link to the next. */
+static inline int treeLeafOfStep(const Sequence* sequence, int link) {
+  return (sequence->slotBegin[link + 1] - 1) / TREE_WIDTH;
+}
+
+/* Lays out a tree over a sequence of one slot or more, without content. False if there is no memory. */
+bool ctTreeBuild(Tree* tree, Arena* arena, const Sequence* sequence);
+
+/* Recomputes everything from the sequence's state: O(N). */
+void ctTreeRefresh(Tree* tree, const Sequence* sequence);
+
+/* Recomputes these leaves (any order, repeats allowed; permuted) and the nodes over them, level by level, each once
+ * (section 3.1); returns how many. */
+int ctTreeUpdate(Tree* tree, const Sequence* sequence, int* leaves, int count);
+
+/* The frame of an item in the world. O(level count). */
+ctTransform ctTreeFrame(const Tree* tree, int level, int item);
+
+/* The frame of a link in the frame of its leaf. */
+ctTransform ctTreeLinkInLeaf(const Sequence* sequence, int link);
+
+/* Positions of two slots in the frame of the lowest item over both: the canonical ones, a pure function of the state.
+ */
+double ctTreeSquaredDistance(const Tree* tree, int slotA, int slotB);
+
+/* The frame of linkB in that of linkA, by way of the lowest item over both (section 2.1). O(log N). */
+ctTransform ctTreeRelative(const Tree* tree, const Sequence* sequence, int linkA, int linkB);
+
+/* Whether every bound of every item holds the particles below it. O(N log N). */
+bool ctTreeBoundsHold(const Tree* tree, const Sequence* sequence);
+
+#endif /* CT_TREE_H_ */

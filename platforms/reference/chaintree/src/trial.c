@@ -1,0 +1,163 @@
+#include "trial.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+bool ctTrialReserve(Trial* trial, int count) {
+  if (count <= trial->capacity) {
+    return true;
+  }
+  /* Each array keeps its contents if a later one cannot grow, so the old capacity stays right. */
+  int capacity[6];
+  for (int i = 0; i < 6; i++) {
+    capacity[i] = trial->capacity;
+  }
+  if (!ctReserve((void**)&trial->changes, &capacity[0], count, sizeof(TrialChange)) ||
+      !ctReserve((void**)&trial->pieces, &capacity[1], count, sizeof(Piece[3])) ||
+      !ctReserve((void**)&trial->motions, &capacity[2], count, sizeof(ctTransform[2])) ||
+      !ctReserve((void**)&trial->links, &capacity[3], count, sizeof(int)) ||
+      !ctReserve((void**)&trial->leaves, &capacity[4], count, sizeof(int[2])) ||
+      !ctReserve((void**)&trial->scratch, &capacity[5], count, sizeof(int))) {
+    return false;
+  }
+  trial->capacity = count;
+  return true;
+}
+
+void ctTrialFree(Trial* trial) {
+  free(trial->changes);
+  free(trial->pieces);
+  free(trial->motions);
+  free(trial->links);
+  free(trial->leaves);
+  free(trial->scratch);
+  *trial = (Trial){0};
+}
+
+/* ---- Motions ---- */
+
+static ctTransform linkFrame(const Sequence* sequence, const Tree* tree, int link) {
+  const ctTransform leaf = ctTreeFrame(tree, 0, sequence->slotBegin[link] / TREE_WIDTH);
+  const ctTransform inLeaf = ctTreeLinkInLeaf(sequence, link);
+  return transformCompose(&leaf, &inLeaf);
+}
+
+/* About the axis as it lies in the world. */
+static void turnTorsion(TrialChange* change, const Sequence* s, const Tree* tree, double angle) {
+  static const double still[3] = {0, 0, 0};
+  const ctTransform frame = linkFrame(s, tree, change->link);
+  double axis[3];
+  rotate(frame.rotation, s->axis[change->link], axis);
+  rotationAbout(axis, cos(angle), sin(angle), change->motion.rotation);
+  transformAbout(frame.translation, still, &change->motion);
+  change->after = ctJointTurned(&change->before, angle);
+}
+
+/* Given in the world; the joint's state is kept in the parent's frame. */
+static void moveFreely(TrialChange* change, const Sequence* s, const Tree* tree, const ctChange* given) {
+  double turn[4];
+  quaternionFromVector(given->rotation, turn);
+  rotationFromQuaternion(turn, change->motion.rotation);
+  double pivot[3];
+  subtract(given->pivot, s->worldOrigin, pivot);
+  transformAbout(pivot, given->translation, &change->motion);
+
+  const ctTransform parent = linkFrame(s, tree, s->parent[change->link]);
+  double rotation[3];
+  double shift[3];
+  rotateBack(parent.rotation, given->rotation, rotation);
+  rotateBack(parent.rotation, given->translation, shift);
+  transformPointBack(&parent, pivot, pivot);
+  change->after = ctJointMoved(&change->before, rotation, pivot, shift);
+}
+
+/* ---- Pieces ---- */
+
+static void addPiece(Trial* trial, int slotBegin, int motion) {
+  if (trial->pieceCount > 0 && trial->pieces[trial->pieceCount - 1].slotBegin == slotBegin) {
+    trial->pieceCount--; /* the last piece has no slots */
+  }
+  if (trial->pieceCount > 0 && trial->pieces[trial->pieceCount - 1].motion == motion) {
+    return;
+  }
+  trial->pieces[trial->pieceCount++] = (Piece){slotBegin, motion};
+}
+
+/* The intervals of the changes are nested or apart: sweep along the sequence with those that are open on a stack. */
+static void cutPieces(Trial* trial, const Sequence* s) {
+  int* open = trial->scratch;
+  int depth = 0;
+  trial->pieceCount = 0;
+  trial->motions[0] = transformIdentity();
+  trial->motionCount = trial->count + 1;
+  addPiece(trial, 0, 0);
+  for (int i = 0; i <= trial->count; i++) {
+    const int next = i < trial->count ? trial->changes[i].link : s->linkCount;
+    while (depth > 0 && s->end[open[depth - 1]] <= next) {
+      const int end = s->end[open[--depth]];
+      if (end < s->linkCount) {
+        addPiece(trial, s->slotBegin[end], depth > 0 ? trial->leaves[depth - 1] : 0);
+      }
+    }
+    if (i < trial->count) {
+      const TrialChange* change = &trial->changes[i];
+      const int around = depth > 0 ? trial->leaves[depth - 1] : 0;
+      trial->motions[i + 1] = transformCompose(&trial->motions[around], &change->motion);
+      trial->leaves[depth] = i + 1; /* the motion that goes with the open interval */
+      open[depth++] = change->link;
+      addPiece(trial, s->slotBegin[change->link], i + 1);
+    }
+  }
+}
+
+static int compareChanges(const void* a, const void* b) {
+  const int x = ((const TrialChange*)a)->link;
+  const int y = ((const TrialChange*)b)->link;
+  return (x > y) - (x < y);
+}
+
+int ctTrialOpen(Trial* trial, const Sequence* s, const Tree* tree, const ctChange* given, int count) {
+  trial->count = count;
+  for (int i = 0; i < count; i++) {
+    TrialChange* change = &trial->changes[i];
+    change->link = s->linkOfUser[given[i].link];
+    change->before = ctSequenceGetJoint(s, change->link);
+    if (s->joint[change->link] == ctTorsionJoint) {
+      turnTorsion(change, s, tree, given[i].angle);
+    } else {
+      moveFreely(change, s, tree, &given[i]);
+    }
+  }
+  if (count > 1) {
+    qsort(trial->changes, (size_t)count, sizeof(TrialChange), compareChanges);
+  }
+  for (int i = 0; i < count; i++) {
+    trial->links[i] = trial->changes[i].link;
+    if (i > 0 && trial->links[i] == trial->links[i - 1]) {
+      return trial->links[i];
+    }
+  }
+  cutPieces(trial, s);
+  trial->open = true;
+  return CT_NULL;
+}
+
+View ctTrialView(const Trial* trial, bool moved, bool surfaces, double reach) {
+  return (View){trial->pieces, trial->pieceCount, moved ? trial->motions : NULL, trial->motionCount, false, surfaces,
+                reach};
+}
+
+int ctTrialApply(Trial* trial, bool after, Sequence* s, Tree* tree) {
+  int leaves = 0;
+  for (int i = 0; i < trial->count; i++) {
+    const TrialChange* change = &trial->changes[i];
+    ctSequenceSetJoint(s, change->link, after ? &change->after : &change->before);
+    trial->leaves[leaves++] = treeLeafOfStep(s, change->link - 1);
+    const int end = s->end[change->link];
+    if (end < s->linkCount) {
+      trial->leaves[leaves++] = treeLeafOfStep(s, end - 1);
+    }
+  }
+  const int products = ctSequenceUpdate(s, trial->links, trial->count, trial->scratch);
+  return products + ctTreeUpdate(tree, s, trial->leaves, leaves);
+}

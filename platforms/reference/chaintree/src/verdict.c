@@ -1,0 +1,259 @@
+/* Trials: propose, test, changed pairs, commit, discard. */
+#include <stdlib.h>
+
+#include "position.h"
+#include "scene.h"
+
+/* ---- Propose ---- */
+
+static bool isFinite3(const double v[3]) {
+  return isfinite(v[0]) && isfinite(v[1]) && isfinite(v[2]);
+}
+
+static ctStatus checkChange(ctChainTree* tree, const ctChange* change) {
+  const Sequence* s = &tree->sequence;
+  if (change->link < 0 || change->link >= s->userLinkCount) {
+    return ctFail(tree, ctInvalidArgument, "there is no link %d; there are %d links", change->link, s->userLinkCount);
+  }
+  const int link = s->linkOfUser[change->link];
+  if (s->joint[link] == ctFixedJoint) {
+    return ctFail(tree, ctInvalidArgument, "link %d is fixed and cannot be moved", change->link);
+  }
+  if (s->joint[link] == ctTorsionJoint) {
+    if (!isfinite(change->angle)) {
+      return ctFail(tree, ctInvalidArgument, "the angle given for link %d is not finite", change->link);
+    }
+    if (dot(s->axis[link], s->axis[link]) == 0) {
+      return ctFail(tree, ctInvalidArgument, "link %d cannot turn: its axis particles %d and %d are at one place",
+                    change->link, s->torsion[link][1], s->torsion[link][2]);
+    }
+  } else if (!isFinite3(change->rotation) || !isFinite3(change->pivot) || !isFinite3(change->translation)) {
+    return ctFail(tree, ctInvalidArgument, "the motion given for link %d is not finite", change->link);
+  }
+  return ctSuccess;
+}
+
+ctStatus ctPropose(ctChainTree* tree, int count, const ctChange* changes) {
+  if (count < 0) {
+    return ctFail(tree, ctInvalidArgument, "a trial cannot have %d changes", count);
+  }
+  for (int i = 0; i < count; i++) {
+    const ctStatus status = checkChange(tree, &changes[i]);
+    if (status != ctSuccess) {
+      return status;
+    }
+  }
+  if (!ctTrialReserve(&tree->next, count > 0 ? count : 1)) {
+    return ctFailOutOfMemory(tree);
+  }
+  const int twice = ctTrialOpen(&tree->next, &tree->sequence, &tree->tree, changes, count);
+  if (twice != CT_NULL) {
+    int link = 0;
+    while (tree->sequence.linkOfUser[link] != twice) {
+      link++;
+    }
+    return ctFail(tree, ctInvalidArgument, "link %d is changed twice in one trial", link);
+  }
+  const Trial dropped = tree->trial;
+  tree->trial = tree->next;
+  tree->next = dropped;
+  tree->next.open = false;
+  return ctSuccess;
+}
+
+static ctStatus failNoTrial(ctChainTree* tree) {
+  return ctFail(tree, ctNoTrial, "there is no open trial");
+}
+
+static int applyTrial(ctChainTree* tree, bool after) {
+  return ctTrialApply(&tree->trial, after, &tree->sequence, &tree->tree);
+}
+
+static bool addUndecided(ctChainTree* tree, int slotA, int slotB, double value) {
+  SlotPairs* undecided = &tree->undecided;
+  if (!ctReserve((void**)&undecided->pairs, &undecided->capacity, undecided->count + 1, sizeof(SlotPair))) {
+    return false;
+  }
+  undecided->pairs[undecided->count++] = (SlotPair){slotA, slotB, value};
+  return true;
+}
+
+/* ---- Test ---- */
+
+typedef struct Verdict {
+  ctChainTree* tree;
+  bool clash;
+  bool failed;
+  int slotA;
+  int slotB;
+} Verdict;
+
+static bool judge(void* context, int slotA, int slotB, double squaredDistance) {
+  Verdict* verdict = context;
+  ctChainTree* tree = verdict->tree;
+  const double band = tree->traversal.band;
+  const double overlap = radiusSum(tree, slotA, slotB) - sqrt(squaredDistance);
+  const double tolerance = pairTolerance(tree, slotA, slotB);
+  if (overlap <= tolerance - band || isExcluded(&tree->exclusions, slotA, slotB)) {
+    return true;
+  }
+  int pair[2];
+  particlesOf(tree, slotA, slotB, pair);
+  const double limit = ctLimitsFind(&tree->limits, pair[0], pair[1], tolerance);
+  if (overlap > limit + band) {
+    verdict->clash = true;
+    verdict->slotA = slotA;
+    verdict->slotB = slotB;
+    return false;
+  }
+  if (overlap > limit - band) {
+    verdict->failed = !addUndecided(tree, slotA, slotB, limit);
+  }
+  return !verdict->failed;
+}
+
+/* Pairs within rounding of their limits: by the canonical distance that they would have after a commit. */
+static void judgeUndecided(Verdict* verdict) {
+  ctChainTree* tree = verdict->tree;
+  applyTrial(tree, true);
+  for (int i = 0; i < tree->undecided.count && !verdict->clash; i++) {
+    const SlotPair* pair = &tree->undecided.pairs[i];
+    const double overlap =
+        radiusSum(tree, pair->slotA, pair->slotB) - canonicalDistance(tree, pair->slotA, pair->slotB);
+    if (overlap > pair->value) {
+      verdict->clash = true;
+      verdict->slotA = pair->slotA;
+      verdict->slotB = pair->slotB;
+    }
+  }
+  applyTrial(tree, false);
+}
+
+ctStatus ctTestTrial(ctChainTree* tree, bool* clash, int pair[2], ctCounts* counts) {
+  if (!tree->trial.open) {
+    return failNoTrial(tree);
+  }
+  const View view = ctTrialView(&tree->trial, true, true, -tree->overlapTolerance);
+  Verdict verdict = {tree, false, false, CT_NULL, CT_NULL};
+  tree->undecided.count = 0;
+  ctTraverse(&tree->traversal, &view, judge, &verdict, counts);
+  if (verdict.failed) {
+    return ctFailOutOfMemory(tree);
+  }
+  if (!verdict.clash && tree->undecided.count > 0) {
+    judgeUndecided(&verdict);
+  }
+  *clash = verdict.clash;
+  if (verdict.clash && pair != NULL) {
+    particlesOf(tree, verdict.slotA, verdict.slotB, pair);
+  }
+  return ctSuccess;
+}
+
+/* ---- Changed pairs ---- */
+
+typedef struct Collection {
+  ctChainTree* tree;
+  bool failed;
+} Collection;
+
+static bool collect(void* context, int slotA, int slotB, double squaredDistance) {
+  (void)squaredDistance;
+  Collection* collection = context;
+  ctChainTree* tree = collection->tree;
+  if (!isExcluded(&tree->exclusions, slotA, slotB)) {
+    collection->failed = !addUndecided(tree, slotA < slotB ? slotA : slotB, slotA < slotB ? slotB : slotA, 0);
+  }
+  return !collection->failed;
+}
+
+static int compareSlotPairs(const void* a, const void* b) {
+  const SlotPair* x = a;
+  const SlotPair* y = b;
+  const int first = (x->slotA > y->slotA) - (x->slotA < y->slotA);
+  return first != 0 ? first : (x->slotB > y->slotB) - (x->slotB < y->slotB);
+}
+
+static void dropRepeats(SlotPairs* list) {
+  if (list->count == 0) {
+    return;
+  }
+  qsort(list->pairs, (size_t)list->count, sizeof(SlotPair), compareSlotPairs);
+  int kept = 1;
+  for (int i = 1; i < list->count; i++) {
+    if (compareSlotPairs(&list->pairs[kept - 1], &list->pairs[i]) != 0) {
+      list->pairs[kept++] = list->pairs[i];
+    }
+  }
+  list->count = kept;
+}
+
+ctStatus ctForEachChangedPair(ctChainTree* tree, double cutoff, ctChangedPairFunction* function, void* context,
+                              ctCounts* counts) {
+  if (!tree->trial.open) {
+    return failNoTrial(tree);
+  }
+  if (!(cutoff > 0) || !isfinite(cutoff)) {
+    return ctFail(tree, ctInvalidArgument, "the cutoff is %g nm; it must be finite and positive", cutoff);
+  }
+  /* Candidates before and in the trial, then both canonical distances of each. */
+  Collection collection = {tree, false};
+  tree->undecided.count = 0;
+  for (int moved = 0; moved < 2 && !collection.failed; moved++) {
+    const View view = ctTrialView(&tree->trial, moved == 1, false, cutoff);
+    ctTraverse(&tree->traversal, &view, collect, &collection, counts);
+  }
+  if (collection.failed) {
+    return ctFailOutOfMemory(tree);
+  }
+  SlotPairs* pairs = &tree->undecided;
+  dropRepeats(pairs);
+  for (int i = 0; i < pairs->count; i++) {
+    pairs->pairs[i].value = canonicalDistance(tree, pairs->pairs[i].slotA, pairs->pairs[i].slotB);
+  }
+  applyTrial(tree, true);
+  bool goesOn = true;
+  for (int i = 0; i < pairs->count && goesOn; i++) {
+    const double before = pairs->pairs[i].value;
+    const double after = canonicalDistance(tree, pairs->pairs[i].slotA, pairs->pairs[i].slotB);
+    if (before <= cutoff || after <= cutoff) {
+      int pair[2];
+      particlesOf(tree, pairs->pairs[i].slotA, pairs->pairs[i].slotB, pair);
+      goesOn = function(context, pair[0], pair[1], before, after);
+    }
+  }
+  applyTrial(tree, false);
+  return ctSuccess;
+}
+
+/* ---- End ---- */
+
+ctStatus ctGetTrialPositions(ctChainTree* tree, double* positions) {
+  if (!tree->trial.open) {
+    return failNoTrial(tree);
+  }
+  applyTrial(tree, true);
+  ctReadPositions(&tree->sequence, &tree->tree, positions);
+  applyTrial(tree, false);
+  return ctSuccess;
+}
+
+ctStatus ctCommit(ctChainTree* tree, ctCounts* counts) {
+  if (!tree->trial.open) {
+    return failNoTrial(tree);
+  }
+  const int updated = applyTrial(tree, true);
+  tree->trial.open = false;
+  if (counts != NULL) {
+    counts->nodesUpdated += updated;
+  }
+  return ctSuccess;
+}
+
+void ctDiscard(ctChainTree* tree) {
+  tree->trial.open = false;
+}
+
+bool ctHasTrial(const ctChainTree* tree) {
+  return tree->trial.open;
+}
