@@ -1,0 +1,209 @@
+/* One torsion's commit changes O(log N) nodes, on at most two paths (sections 2.1 and 3.1): by the counts it returns,
+ * and by comparing all storage of the tree, leaves included, before and after. */
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* The storage is not public. */
+#include "../src/scene.h"
+
+typedef enum Shape {
+  CHAIN,       /* each torsion moves all that follows */
+  MIDDLE_ROOT, /* rooted in the middle: a torsion of the first arm moves an interval that ends inside the sequence */
+  COMB         /* a side chain of one link on every link of the backbone */
+} Shape;
+
+static const char* const shapeNames[] = {"chain", "chain rooted in its middle", "comb"};
+
+static int parentOf(Shape shape, int link, int count) {
+  switch (shape) {
+    case CHAIN:
+      return link - 1;
+    case MIDDLE_ROOT:
+      return link < count / 2 ? link + 1 : (link == count / 2 ? CT_NULL : link - 1);
+    default:
+      return link % 2 == 1 ? link - 1 : link - 2;
+  }
+}
+
+static bool isTorsion(Shape shape, int link, int count) {
+  return parentOf(shape, link, count) >= 0;
+}
+
+/* A zigzag of one particle a link. */
+static ctChainTree* makeScene(Shape shape, int count) {
+  double* positions = malloc((size_t)count * sizeof(double[3]));
+  double* radii = malloc((size_t)count * sizeof(double));
+  int* links = malloc((size_t)count * sizeof(int));
+  int* parents = malloc((size_t)count * sizeof(int));
+  uint8_t* joints = malloc((size_t)count);
+  int(*torsions)[4] = calloc((size_t)count, sizeof *torsions);
+  ctChainTree* tree = NULL;
+  if (positions != NULL && radii != NULL && links != NULL && parents != NULL && joints != NULL && torsions != NULL) {
+    for (int i = 0; i < count; i++) {
+      const int parent = parentOf(shape, i, count);
+      positions[3 * (size_t)i] = 0.3 * i;
+      positions[3 * (size_t)i + 1] = i % 2 == 0 ? 0 : 0.2;
+      positions[3 * (size_t)i + 2] = i % 3 == 0 ? 0 : 0.1;
+      radii[i] = 0.1;
+      links[i] = i;
+      parents[i] = parent >= 0 ? parent : CT_NULL;
+      joints[i] = isTorsion(shape, i, count) ? ctTorsionJoint : ctFreeJoint;
+      if (parent >= 0) {
+        const int torsion[4] = {parent, parent, i, i};
+        memcpy(torsions[i], torsion, sizeof torsion);
+      }
+    }
+    const ctDefinition definition = {.particleCount = count,
+                                     .positions = positions,
+                                     .radii = radii,
+                                     .particleLinks = links,
+                                     .linkCount = count,
+                                     .linkParents = parents,
+                                     .linkJoints = joints,
+                                     .linkTorsions = (const int(*)[4])torsions};
+    char text[200];
+    if (ctCreate(&definition, &tree, text, sizeof text) != ctSuccess) {
+      printf("%s\n", text);
+    }
+  }
+  free(positions);
+  free(radii);
+  free(links);
+  free(parents);
+  free(joints);
+  free(torsions);
+  return tree;
+}
+
+typedef struct Storage {
+  ctTransform* shortcut;
+  ctTransform* pose;
+  Bound* bound;
+  float* volume; /* x, y, z and both radii of each item */
+  double (*local)[3];
+  ctTransform* product;
+  ctTransform* closure;
+} Storage;
+
+static void* copyOf(const void* data, size_t size) {
+  void* copy = malloc(size + 1);
+  if (copy == NULL) {
+    printf("out of memory\n");
+    exit(1);
+  }
+  memcpy(copy, data, size);
+  return copy;
+}
+
+static Storage copyStorage(const ctChainTree* scene) {
+  const Tree* tree = &scene->tree;
+  const Sequence* s = &scene->sequence;
+  const size_t items = (size_t)tree->itemCount;
+  Storage storage = {copyOf(tree->shortcut, items * sizeof(ctTransform)),
+                     copyOf(tree->pose, items * sizeof(ctTransform)),
+                     copyOf(tree->bound, items * sizeof(Bound)),
+                     malloc(items * sizeof(float[5])),
+                     copyOf(tree->local, (size_t)tree->slotCount * sizeof(double[3])),
+                     copyOf(s->product, (size_t)s->productBegin[s->pathCount] * sizeof(ctTransform)),
+                     copyOf(s->closure, (size_t)s->pathCount * sizeof(ctTransform))};
+  for (size_t i = 0; i < items && storage.volume != NULL; i++) {
+    const float volume[5] = {tree->x[i], tree->y[i], tree->z[i], tree->surfaces[i], tree->centres[i]};
+    memcpy(storage.volume + 5 * i, volume, sizeof volume);
+  }
+  return storage;
+}
+
+static void freeStorage(Storage* storage) {
+  free(storage->shortcut);
+  free(storage->pose);
+  free(storage->bound);
+  free(storage->volume);
+  free(storage->local);
+  free(storage->product);
+  free(storage->closure);
+}
+
+static bool differ(const void* a, const void* b, size_t size) {
+  return memcmp(a, b, size) != 0;
+}
+
+/* Whether what a node holds has changed: its own shortcut and bound, its children's poses and volumes, a leaf's slots.
+ */
+static bool itemChanged(const Storage* a, const Storage* b, const Tree* tree, int level, int item) {
+  bool changed = differ(&a->shortcut[item], &b->shortcut[item], sizeof(ctTransform)) ||
+                 differ(&a->bound[item], &b->bound[item], sizeof(Bound));
+  if (level == 0) {
+    int end;
+    const int begin = treeSlots(tree, 0, item, &end);
+    return changed || differ(a->local[begin], b->local[begin], (size_t)(end - begin) * sizeof(double[3]));
+  }
+  int count;
+  const int first = treeChildren(tree, level, item, &count);
+  return changed || differ(&a->pose[first], &b->pose[first], (size_t)count * sizeof(ctTransform)) ||
+         differ(a->volume + 5 * (size_t)first, b->volume + 5 * (size_t)first, (size_t)count * sizeof(float[5]));
+}
+
+static int countChanged(const Storage* a, const Storage* b, const ctChainTree* scene) {
+  const Tree* tree = &scene->tree;
+  const Sequence* s = &scene->sequence;
+  int changed = 0;
+  for (int level = 0; level < tree->levelCount; level++) {
+    for (int i = 0; i < tree->levelSize[level]; i++) {
+      changed += itemChanged(a, b, tree, level, tree->levelBegin[level] + i);
+    }
+  }
+  for (int i = 0; i < s->productBegin[s->pathCount]; i++) {
+    changed += differ(&a->product[i], &b->product[i], sizeof(ctTransform));
+  }
+  return changed;
+}
+
+static bool testShape(Shape shape, int power) {
+  const int count = 1 << power;
+  ctChainTree* scene = makeScene(shape, count);
+  if (scene == NULL) {
+    return false;
+  }
+  /* Two paths through the tree, and one through the products of the path that the interval ends. */
+  const int levels = scene->tree.levelCount;
+  const int bound = 2 * levels + power + 1;
+  int most = 0;
+  bool good = levels <= power / 4 + 2;
+  Storage before = copyStorage(scene);
+  for (int i = 0; i < 12 && good; i++) {
+    const int link = 3 + (int)((double)(count - 6) * i / 11);
+    if (!isTorsion(shape, link, count)) {
+      continue;
+    }
+    const ctChange change = {.link = link, .angle = 0.7};
+    ctCounts counts = {0};
+    good = ctPropose(scene, 1, &change) == ctSuccess && ctCommit(scene, &counts) == ctSuccess;
+    Storage after = copyStorage(scene);
+    const int changed = countChanged(&before, &after, scene);
+    freeStorage(&before);
+    before = after;
+    good = good && changed > 0 && changed <= counts.nodesUpdated && counts.nodesUpdated <= bound;
+    most = counts.nodesUpdated > most ? (int)counts.nodesUpdated : most;
+    if (!good) {
+      printf("link %d: %d nodes changed, %d counted, at most %d expected\n", link, changed, (int)counts.nodesUpdated,
+             bound);
+    }
+  }
+  freeStorage(&before);
+  printf("%s of 2^%d links, %d levels: at most %d nodes a commit\n", shapeNames[shape], power, levels, most);
+  ctDestroy(scene);
+  return good;
+}
+
+int main(int argc, char** argv) {
+  const int largest = argc > 1 ? atoi(argv[1]) : 20;
+  bool good = true;
+  for (int power = 10; power <= largest; power++) {
+    for (int shape = CHAIN; shape <= COMB; shape++) {
+      good = testShape((Shape)shape, power) && good;
+    }
+  }
+  return good ? 0 : 1;
+}
