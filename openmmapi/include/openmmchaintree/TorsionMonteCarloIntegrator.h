@@ -125,7 +125,7 @@ public:
      * another Integrator moved particles. It is 0 before sampling starts, that is, before the first step or proposal
      * after the Context was created or the user set positions.
      *
-     * @param context  a Context with a StericExclusionForce
+     * @param context  the Context that this integrator is bound to
      */
     int getNumToleratedClashes(OpenMM::Context& context) const;
     /**
@@ -174,19 +174,19 @@ public:
      */
     void resetMoveStatistics();
     /**
-     * Get the values of all torsions of the StericExclusionForce of a Context. It is an error if one of them is
+     * Get the values of all torsions of the StericExclusionForce. It is an error if one of them is
      * undefined because three of its particles lie on a straight line.
      *
-     * @param context      a Context with a StericExclusionForce
+     * @param context      the Context that this integrator is bound to
      * @param[out] angles  the value of each torsion, in (-pi, pi], in radians
      */
     void getTorsionAngles(OpenMM::Context& context, std::vector<double>& angles) const;
     /**
-     * Turn all torsions of the StericExclusionForce of a Context to given values, clashing or not. Like setting
+     * Turn all torsions of the StericExclusionForce to given values, clashing or not. Like setting
      * positions, this starts limits anew. It is an error if one of the torsions is undefined because three of its
      * particles lie on a straight line.
      *
-     * @param context  a Context with a StericExclusionForce
+     * @param context  the Context that this integrator is bound to
      * @param angles   the value of each torsion, in radians
      */
     void setTorsionAngles(OpenMM::Context& context, const std::vector<double>& angles) const;
@@ -211,8 +211,13 @@ protected:
 private:
     class MoveInfo;
     int addMove(std::unique_ptr<MonteCarloMove> move, double weight);
-    MoveInfo& drawMove();
-    void runTrials();
+    void requireContext(const OpenMM::Context& context) const;
+    bool isAthermal() const;
+    double computeEnergy();
+    double sumWeights() const;
+    MoveInfo& drawMove(double weightSum);
+    bool isAccepted(double energy, double newEnergy);
+    void runTrials(double weightSum);
     std::vector<MoveInfo> moves;
     double temperature;
     int randomNumberSeed, trialsPerStep;

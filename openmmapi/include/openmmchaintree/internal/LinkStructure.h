@@ -87,10 +87,13 @@ public:
 
 private:
     class BondGraph;
-    void checkTorsions(const StericExclusionForce& force) const;
+    void checkTorsions(const BondGraph& graph, const StericExclusionForce& force);
     void findLinks(const BondGraph& graph);
-    void findMolecules(const BondGraph& graph, const OpenMM::System& system);
-    std::vector<int> findFixedParticles(const OpenMM::System& system) const;
+    std::vector<std::vector<int>> joinLinks(const BondGraph& graph, const StericExclusionForce& force) const;
+    std::vector<int> findAnchors(const OpenMM::System& system) const;
+    void growMolecule(int firstLink, const std::vector<int>& anchors, const std::vector<std::vector<int>>& linkTorsions,
+                      const StericExclusionForce& force);
+    std::vector<int> hangLinks(int root, int molecule, const std::vector<std::vector<int>>& linkTorsions);
     std::vector<Link> links;
     std::vector<Molecule> molecules;
     std::vector<int> particleLinks;

@@ -37,10 +37,6 @@ public:
     {
         return *structure;
     }
-    /**
-     * Get the only StericExclusionForce in a Context. It is an error if there is none, or more than one.
-     */
-    static StericExclusionForceImpl& findInContext(OpenMM::ContextImpl& context);
 
     // The calls of StericExclusionForce. Each first takes notice of the Context's positions.
 
@@ -61,7 +57,7 @@ public:
     void getChangedNeighborPairs(OpenMM::ContextImpl& context, double cutoff, std::vector<std::pair<int, int>>& pairs,
                                  std::vector<double>& before, std::vector<double>& after);
     void acceptProposal(OpenMM::ContextImpl& context);
-    void rejectProposal(OpenMM::ContextImpl& context);
+    void rejectProposal();
     void getTraversalStatistics(long long& queries, long long& volumeTests, long long& particleTests,
                                 long long& nodesUpdated);
     void resetTraversalStatistics();
@@ -97,12 +93,16 @@ public:
         return settingPositions;
     }
     /**
-     * Take notice of the Context's positions, drop the open trial, and bring limits up to date. Until
-     * finishTrials() is called, the Context's positions need not be those of the kernel.
+     * Take notice of the Context's positions, drop the open trial, and bring limits up to date. From now on trials may
+     * be proposed, accepted and rejected by the kernel alone, until finishTrials() is called.
      */
     void beginTrials(OpenMM::ContextImpl& context);
     /**
-     * Get the kernel, to propose, accept and reject trials between beginTrials() and finishTrials().
+     * Throw an exception that names the first pair whose limit is not its tolerance, if there is one.
+     */
+    void refuseToleratedClashes();
+    /**
+     * Get the kernel, for trials between beginTrials() and finishTrials().
      */
     CalcStericExclusionForceKernel& getKernel()
     {
@@ -124,9 +124,10 @@ public:
 private:
     void updatePositions(OpenMM::ContextImpl& context);
     void adoptPositions(const std::vector<OpenMM::Vec3>& positions);
-    void updateLimits();
+    void prepareTrial(OpenMM::ContextImpl& context);
     void requireProposal() const;
     void setContextPositions(OpenMM::ContextImpl& context, const std::vector<OpenMM::Vec3>& positions);
+    void showState(OpenMM::ContextImpl& context);
     const StericExclusionForce& owner;
     /** The force as it was when the Context was created. */
     std::unique_ptr<StericExclusionForce> original;

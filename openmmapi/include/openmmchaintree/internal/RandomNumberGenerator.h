@@ -1,0 +1,81 @@
+#ifndef OPENMM_CHAINTREE_RANDOMNUMBERGENERATOR_H_
+#define OPENMM_CHAINTREE_RANDOMNUMBERGENERATOR_H_
+
+#include "openmm/Vec3.h"
+#include <cmath>
+#include <cstdint>
+#include <random>
+
+namespace ChainTreePlugin {
+
+/**
+ * This class draws random numbers that depend on nothing but the seed. The distributions of the standard library differ
+ * between its implementations, and so would trajectories.
+ */
+class RandomNumberGenerator {
+public:
+    explicit RandomNumberGenerator(uint64_t seed) : engine(seed)
+    {
+    }
+    /**
+     * Draw a number from [0, 1).
+     */
+    double drawUniform()
+    {
+        return (engine() >> 11) * 0x1p-53;
+    }
+    /**
+     * Draw a number from [-limit, limit).
+     */
+    double drawSymmetric(double limit)
+    {
+        return (2 * drawUniform() - 1) * limit;
+    }
+    /**
+     * Draw one of the numbers 0 ... count-1, for count > 0.
+     */
+    int drawIndex(int count)
+    {
+        uint64_t range = count;
+        uint64_t end = UINT64_MAX - UINT64_MAX % range;
+        uint64_t value;
+        do
+            value = engine();
+        while (value >= end);
+        return value % range;
+    }
+    /**
+     * Draw a point from a ball about the origin.
+     */
+    OpenMM::Vec3 drawPointInBall(double radius)
+    {
+        return drawPointInUnitBall() * radius;
+    }
+    /**
+     * Draw a vector of length 1.
+     */
+    OpenMM::Vec3 drawDirection()
+    {
+        OpenMM::Vec3 point;
+        do
+            point = drawPointInUnitBall();
+        while (point.dot(point) < 1e-6);
+        return point / std::sqrt(point.dot(point));
+    }
+
+private:
+    OpenMM::Vec3 drawPointInUnitBall()
+    {
+        OpenMM::Vec3 point;
+        do
+            for (int i = 0; i < 3; i++)
+                point[i] = drawSymmetric(1);
+        while (point.dot(point) > 1);
+        return point;
+    }
+    std::mt19937_64 engine;
+};
+
+} // namespace ChainTreePlugin
+
+#endif /*OPENMM_CHAINTREE_RANDOMNUMBERGENERATOR_H_*/

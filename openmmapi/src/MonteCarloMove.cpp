@@ -1,0 +1,108 @@
+#include "openmmchaintree/internal/MonteCarloMove.h"
+#include "openmm/OpenMMException.h"
+#include <algorithm>
+
+using namespace ChainTreePlugin;
+using namespace OpenMM;
+using namespace std;
+
+/**
+ * Throw an exception if a number appears twice in a list.
+ */
+static void checkUnique(vector<int> values, const string& message)
+{
+    sort(values.begin(), values.end());
+    auto repeated = adjacent_find(values.begin(), values.end());
+    if (repeated != values.end())
+        throw OpenMMException(message + to_string(*repeated) + " twice");
+}
+
+static void checkIndex(int index, size_t size, const string& name, const string& what)
+{
+    if (index < 0 || index >= (int)size)
+        throw OpenMMException(name + " names " + what + " " + to_string(index) + ", but there are " + to_string(size) +
+                              " " + what + "s");
+}
+
+TorsionMove::TorsionMove(double maxAngle, const vector<int>& torsions, int count) :
+    maxAngle(maxAngle), torsions(torsions), count(count)
+{
+}
+
+void TorsionMove::bind(const LinkStructure& structure, const string& name)
+{
+    int numTorsions = structure.getTorsionLinks().size();
+    if (numTorsions == 0)
+        throw OpenMMException(name + " turns torsions, but the StericExclusionForce has none");
+    for (int torsion : torsions)
+        checkIndex(torsion, numTorsions, name, "torsion");
+    checkUnique(torsions, name + " names torsion ");
+    choices = torsions;
+    if (choices.empty())
+        for (int torsion = 0; torsion < numTorsions; torsion++)
+            choices.push_back(torsion);
+    if (count > (int)choices.size())
+        throw OpenMMException(name + " turns " + to_string(count) + " torsions at once, but has only " +
+                              to_string(choices.size()) + " to choose from");
+    isDrawn.assign(choices.size(), false);
+    drawnChoices.resize(count);
+    drawnTorsions.resize(count);
+    drawnChanges.resize(count);
+}
+
+void TorsionMove::propose(CalcStericExclusionForceKernel& kernel, RandomNumberGenerator& random)
+{
+    // Floyd's algorithm: every set of `count` choices is equally likely, and nothing is remembered between trials.
+
+    for (int i = 0; i < count; i++) {
+        int last = choices.size() - count + i;
+        int choice = random.drawIndex(last + 1);
+        if (isDrawn[choice])
+            choice = last;
+        isDrawn[choice] = true;
+        drawnChoices[i] = choice;
+    }
+    for (int i = 0; i < count; i++) {
+        isDrawn[drawnChoices[i]] = false;
+        drawnTorsions[i] = choices[drawnChoices[i]];
+        drawnChanges[i] = random.drawSymmetric(maxAngle);
+    }
+    kernel.proposeTorsions(drawnTorsions, drawnChanges);
+}
+
+RigidBodyMove::RigidBodyMove(double maxTranslation, double maxAngle, const vector<int>& molecules) :
+    maxTranslation(maxTranslation), maxAngle(maxAngle), particles(molecules)
+{
+}
+
+void RigidBodyMove::bind(const LinkStructure& structure, const string& name)
+{
+    const vector<LinkStructure::Molecule>& molecules = structure.getMolecules();
+    choices.clear();
+    vector<bool> isNamed(molecules.size(), false);
+    for (int particle : particles) {
+        checkIndex(particle, structure.getParticleLinks().size(), name, "particle");
+        int molecule = structure.getParticleMolecule(particle);
+        if (molecules[molecule].fixed)
+            throw OpenMMException(name + " names the molecule of particle " + to_string(particle) +
+                                  ", which has fixed particles and cannot move");
+        if (isNamed[molecule])
+            throw OpenMMException(name + " names the molecule of particle " + to_string(particle) + " twice");
+        isNamed[molecule] = true;
+        choices.push_back(molecule);
+    }
+    if (particles.empty())
+        for (int molecule = 0; molecule < (int)molecules.size(); molecule++)
+            if (!molecules[molecule].fixed)
+                choices.push_back(molecule);
+    if (choices.empty())
+        throw OpenMMException(name + " moves molecules, but all molecules have fixed particles");
+}
+
+void RigidBodyMove::propose(CalcStericExclusionForceKernel& kernel, RandomNumberGenerator& random)
+{
+    int molecule = choices[random.drawIndex(choices.size())];
+    Vec3 translation = random.drawPointInBall(maxTranslation);
+    Vec3 rotation = random.drawDirection() * random.drawSymmetric(maxAngle);
+    kernel.proposeRigidMotion(molecule, rotation, translation);
+}

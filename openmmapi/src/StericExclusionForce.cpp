@@ -1,0 +1,284 @@
+#include "openmmchaintree/StericExclusionForce.h"
+#include "openmm/internal/AssertionUtilities.h"
+#include "openmm/OpenMMException.h"
+#include "openmmchaintree/internal/StericExclusionForceImpl.h"
+#include <algorithm>
+#include <cmath>
+#include <set>
+#include <sstream>
+#include <string>
+
+using namespace ChainTreePlugin;
+using namespace OpenMM;
+using namespace std;
+
+/**
+ * Throw an exception unless a value is a finite number and at least 0.
+ */
+static void checkNotNegative(double value, const string& what)
+{
+    if (isfinite(value) && value >= 0)
+        return;
+    stringstream message;
+    message << "StericExclusionForce: " << what << " must be a finite number and at least 0, but is " << value;
+    throw OpenMMException(message.str());
+}
+
+static void checkParticleParameters(int index, double radius, StericExclusionForce::HydrogenBondRole role)
+{
+    checkNotNegative(radius, "the radius of particle " + to_string(index));
+    if (role < StericExclusionForce::NoHydrogenBond || role > StericExclusionForce::DonorAndAcceptor)
+        throw OpenMMException("StericExclusionForce: the hydrogen bond role of particle " + to_string(index) +
+                              " must be NoHydrogenBond, Donor, Acceptor or DonorAndAcceptor, but is " +
+                              to_string((int)role));
+}
+
+static StericExclusionForceImpl& toImpl(ForceImpl& impl)
+{
+    return dynamic_cast<StericExclusionForceImpl&>(impl);
+}
+
+StericExclusionForce::StericExclusionForce() : overlapTolerance(0.04), hydrogenBondAllowance(0.06), forceConstant(1e5)
+{
+    setName("StericExclusionForce");
+}
+
+int StericExclusionForce::getNumParticles() const
+{
+    return particles.size();
+}
+
+int StericExclusionForce::getNumBonds() const
+{
+    return bonds.size();
+}
+
+int StericExclusionForce::getNumTorsions() const
+{
+    return torsions.size();
+}
+
+int StericExclusionForce::getNumExclusions() const
+{
+    return exclusions.size();
+}
+
+int StericExclusionForce::addParticle(double radius, HydrogenBondRole role)
+{
+    checkParticleParameters(particles.size(), radius, role);
+    particles.push_back({radius, role});
+    return particles.size() - 1;
+}
+
+void StericExclusionForce::getParticleParameters(int index, double& radius, HydrogenBondRole& role) const
+{
+    ASSERT_VALID_INDEX(index, particles);
+    radius = particles[index].radius;
+    role = particles[index].role;
+}
+
+void StericExclusionForce::setParticleParameters(int index, double radius, HydrogenBondRole role)
+{
+    ASSERT_VALID_INDEX(index, particles);
+    checkParticleParameters(index, radius, role);
+    particles[index] = {radius, role};
+}
+
+int StericExclusionForce::addBond(int particle1, int particle2)
+{
+    bonds.push_back(make_pair(particle1, particle2));
+    return bonds.size() - 1;
+}
+
+void StericExclusionForce::getBondParticles(int index, int& particle1, int& particle2) const
+{
+    ASSERT_VALID_INDEX(index, bonds);
+    particle1 = bonds[index].first;
+    particle2 = bonds[index].second;
+}
+
+int StericExclusionForce::addTorsion(int particle1, int particle2, int particle3, int particle4)
+{
+    torsions.push_back({particle1, particle2, particle3, particle4});
+    return torsions.size() - 1;
+}
+
+void StericExclusionForce::getTorsionParticles(int index, int& particle1, int& particle2, int& particle3,
+                                               int& particle4) const
+{
+    ASSERT_VALID_INDEX(index, torsions);
+    particle1 = torsions[index].particle1;
+    particle2 = torsions[index].particle2;
+    particle3 = torsions[index].particle3;
+    particle4 = torsions[index].particle4;
+}
+
+int StericExclusionForce::addExclusion(int particle1, int particle2)
+{
+    exclusions.push_back(make_pair(particle1, particle2));
+    return exclusions.size() - 1;
+}
+
+void StericExclusionForce::getExclusionParticles(int index, int& particle1, int& particle2) const
+{
+    ASSERT_VALID_INDEX(index, exclusions);
+    particle1 = exclusions[index].first;
+    particle2 = exclusions[index].second;
+}
+
+void StericExclusionForce::createExclusionsFromBonds(int bondCutoff)
+{
+    if (bondCutoff < 0)
+        throw OpenMMException("StericExclusionForce: bondCutoff must be at least 0, but is " + to_string(bondCutoff));
+    vector<vector<int>> neighbors(particles.size());
+    for (auto& bond : bonds) {
+        for (int particle : {bond.first, bond.second})
+            if (particle < 0 || particle >= (int)particles.size())
+                throw OpenMMException("StericExclusionForce: a bond names particle " + to_string(particle) +
+                                      ", but there are " + to_string(particles.size()) + " particles");
+        neighbors[bond.first].push_back(bond.second);
+        neighbors[bond.second].push_back(bond.first);
+    }
+    set<pair<int, int>> known;
+    for (auto& exclusion : exclusions)
+        known.insert(minmax(exclusion.first, exclusion.second));
+
+    // Search breadth first from each particle, and record those with a higher index.
+
+    vector<int> visitedFrom(particles.size(), -1);
+    for (int start = 0; start < (int)particles.size(); start++) {
+        vector<int> reached(1, start);
+        visitedFrom[start] = start;
+        size_t shellBegin = 0;
+        for (int distance = 1; distance <= bondCutoff && shellBegin < reached.size(); distance++) {
+            size_t shellEnd = reached.size();
+            for (; shellBegin < shellEnd; shellBegin++)
+                for (int neighbor : neighbors[reached[shellBegin]])
+                    if (visitedFrom[neighbor] != start) {
+                        visitedFrom[neighbor] = start;
+                        reached.push_back(neighbor);
+                    }
+        }
+        sort(reached.begin(), reached.end());
+        for (int particle : reached)
+            if (particle > start && known.find(make_pair(start, particle)) == known.end())
+                addExclusion(start, particle);
+    }
+}
+
+double StericExclusionForce::getOverlapTolerance() const
+{
+    return overlapTolerance;
+}
+
+void StericExclusionForce::setOverlapTolerance(double tolerance)
+{
+    checkNotNegative(tolerance, "the overlap tolerance");
+    overlapTolerance = tolerance;
+}
+
+double StericExclusionForce::getHydrogenBondAllowance() const
+{
+    return hydrogenBondAllowance;
+}
+
+void StericExclusionForce::setHydrogenBondAllowance(double allowance)
+{
+    checkNotNegative(allowance, "the hydrogen bond allowance");
+    hydrogenBondAllowance = allowance;
+}
+
+double StericExclusionForce::getForceConstant() const
+{
+    return forceConstant;
+}
+
+void StericExclusionForce::setForceConstant(double k)
+{
+    checkNotNegative(k, "the force constant");
+    forceConstant = k;
+}
+
+void StericExclusionForce::updateParametersInContext(Context& context)
+{
+    toImpl(getImplInContext(context)).updateParametersInContext(getContextImpl(context));
+}
+
+bool StericExclusionForce::hasClash(Context& context) const
+{
+    return toImpl(getImplInContext(context)).hasClash(getContextImpl(context));
+}
+
+void StericExclusionForce::getClashes(Context& context, vector<pair<int, int>>& pairs, vector<double>& overlaps) const
+{
+    toImpl(getImplInContext(context)).getClashes(getContextImpl(context), pairs, overlaps);
+}
+
+void StericExclusionForce::getNeighborPairs(Context& context, double cutoff, vector<pair<int, int>>& pairs,
+                                            vector<double>& distances) const
+{
+    toImpl(getImplInContext(context)).getNeighborPairs(getContextImpl(context), cutoff, pairs, distances);
+}
+
+double StericExclusionForce::getMinimumDistance(Context& context, const vector<int>& particles1,
+                                                const vector<int>& particles2, int& particle1, int& particle2) const
+{
+    return toImpl(getImplInContext(context))
+        .getMinimumDistance(getContextImpl(context), particles1, particles2, particle1, particle2);
+}
+
+void StericExclusionForce::getClashesWith(Context& context, const Vec3& position, double radius, vector<int>& particles,
+                                          vector<double>& overlaps) const
+{
+    toImpl(getImplInContext(context)).getClashesWith(getContextImpl(context), position, radius, particles, overlaps);
+}
+
+bool StericExclusionForce::proposeTorsions(Context& context, const vector<int>& torsions,
+                                           const vector<double>& changes) const
+{
+    return toImpl(getImplInContext(context)).proposeTorsions(getContextImpl(context), torsions, changes);
+}
+
+bool StericExclusionForce::proposeRigidMotion(Context& context, int particle, const Vec3& rotation,
+                                              const Vec3& translation) const
+{
+    return toImpl(getImplInContext(context))
+        .proposeRigidMotion(getContextImpl(context), particle, rotation, translation);
+}
+
+void StericExclusionForce::getProposedPositions(Context& context, vector<Vec3>& positions) const
+{
+    toImpl(getImplInContext(context)).getProposedPositions(getContextImpl(context), positions);
+}
+
+void StericExclusionForce::getChangedNeighborPairs(Context& context, double cutoff, vector<pair<int, int>>& pairs,
+                                                   vector<double>& before, vector<double>& after) const
+{
+    toImpl(getImplInContext(context)).getChangedNeighborPairs(getContextImpl(context), cutoff, pairs, before, after);
+}
+
+void StericExclusionForce::acceptProposal(Context& context) const
+{
+    toImpl(getImplInContext(context)).acceptProposal(getContextImpl(context));
+}
+
+void StericExclusionForce::rejectProposal(Context& context) const
+{
+    toImpl(getImplInContext(context)).rejectProposal();
+}
+
+void StericExclusionForce::getTraversalStatistics(Context& context, long long& queries, long long& volumeTests,
+                                                  long long& particleTests, long long& nodesUpdated) const
+{
+    toImpl(getImplInContext(context)).getTraversalStatistics(queries, volumeTests, particleTests, nodesUpdated);
+}
+
+void StericExclusionForce::resetTraversalStatistics(Context& context) const
+{
+    toImpl(getImplInContext(context)).resetTraversalStatistics();
+}
+
+ForceImpl* StericExclusionForce::createImpl() const
+{
+    return new StericExclusionForceImpl(*this);
+}

@@ -1,0 +1,441 @@
+#include "openmmchaintree/internal/StericExclusionForceImpl.h"
+#include "openmm/OpenMMException.h"
+#include <cmath>
+#include <cstring>
+#include <sstream>
+#include <string>
+
+using namespace ChainTreePlugin;
+using namespace OpenMM;
+using namespace std;
+
+static void fail(const string& message)
+{
+    throw OpenMMException("StericExclusionForce: " + message);
+}
+
+static void checkIndex(int index, size_t size, const string& whose, const string& what)
+{
+    if (index < 0 || index >= (int)size)
+        fail(whose + " names " + what + " " + to_string(index) + ", but there are " + to_string(size) + " " + what +
+             "s");
+}
+
+static void checkCutoff(double cutoff)
+{
+    if (!isfinite(cutoff) || cutoff <= 0)
+        fail("cutoff must be a finite number above 0, but is " + to_string(cutoff));
+}
+
+static bool isFinite(const Vec3& vector)
+{
+    return isfinite(vector[0]) && isfinite(vector[1]) && isfinite(vector[2]);
+}
+
+/**
+ * Compare numbers by their bits, which also tells NaN from NaN and sees every change, however small.
+ */
+static bool haveSameBits(const vector<Vec3>& a, const vector<Vec3>& b)
+{
+    static_assert(sizeof(Vec3) == 3 * sizeof(double), "a Vec3 must be three numbers and nothing else");
+    return a.size() == b.size() && (a.empty() || memcmp(a.data(), b.data(), a.size() * sizeof(Vec3)) == 0);
+}
+
+/**
+ * Compare all that updateParametersInContext() cannot change.
+ */
+static bool haveSameStructure(const StericExclusionForce& a, const StericExclusionForce& b)
+{
+    if (a.getNumParticles() != b.getNumParticles() || a.getNumBonds() != b.getNumBonds() ||
+        a.getNumTorsions() != b.getNumTorsions() || a.getNumExclusions() != b.getNumExclusions())
+        return false;
+    int p[4], q[4];
+    for (int i = 0; i < a.getNumBonds(); i++) {
+        a.getBondParticles(i, p[0], p[1]);
+        b.getBondParticles(i, q[0], q[1]);
+        if (p[0] != q[0] || p[1] != q[1])
+            return false;
+    }
+    for (int i = 0; i < a.getNumTorsions(); i++) {
+        a.getTorsionParticles(i, p[0], p[1], p[2], p[3]);
+        b.getTorsionParticles(i, q[0], q[1], q[2], q[3]);
+        if (p[0] != q[0] || p[1] != q[1] || p[2] != q[2] || p[3] != q[3])
+            return false;
+    }
+    for (int i = 0; i < a.getNumExclusions(); i++) {
+        a.getExclusionParticles(i, p[0], p[1]);
+        b.getExclusionParticles(i, q[0], q[1]);
+        if (p[0] != q[0] || p[1] != q[1])
+            return false;
+    }
+    return true;
+}
+
+/**
+ * Sets a flag for as long as it lives, also if an exception ends its life.
+ */
+class FlagGuard {
+public:
+    explicit FlagGuard(bool& flag) : flag(flag)
+    {
+        flag = true;
+    }
+    ~FlagGuard()
+    {
+        flag = false;
+    }
+
+private:
+    bool& flag;
+};
+
+StericExclusionForceImpl::StericExclusionForceImpl(const StericExclusionForce& owner) :
+    CustomCPPForceImpl(owner), owner(owner), engine(NULL), limitsAreCurrent(false), restartsAreAnnounced(false),
+    settingPositions(false), energyIsSuppressed(false)
+{
+}
+
+void StericExclusionForceImpl::initialize(ContextImpl& context)
+{
+    const System& system = context.getSystem();
+    if (owner.getNumParticles() != system.getNumParticles())
+        fail("it has " + to_string(owner.getNumParticles()) + " particles, but the System has " +
+             to_string(system.getNumParticles()));
+    for (int i = 0; i < owner.getNumExclusions(); i++) {
+        int particle1, particle2;
+        owner.getExclusionParticles(i, particle1, particle2);
+        string name = "exclusion " + to_string(i);
+        checkIndex(particle1, system.getNumParticles(), name, "particle");
+        checkIndex(particle2, system.getNumParticles(), name, "particle");
+        if (particle1 == particle2)
+            fail(name + " excludes particle " + to_string(particle1) + " from itself");
+    }
+    original.reset(new StericExclusionForce(owner));
+    structure.reset(new LinkStructure(system, owner));
+
+    // The kernel knows nothing of Contexts, so where the platform has none of its own, the Reference platform's serves.
+
+    const vector<string> kernelNames = {CalcStericExclusionForceKernel::Name()};
+    Platform* platform = &context.getPlatform();
+    if (!platform->supportsKernels(kernelNames))
+        platform = &Platform::getPlatformByName("Reference");
+    if (!platform->supportsKernels(kernelNames))
+        fail("its kernel is missing; load the plugin library OpenMMChainTreeReference before creating a Context");
+    kernel = platform->createKernel(CalcStericExclusionForceKernel::Name(), context);
+    engine = &kernel.getAs<CalcStericExclusionForceKernel>();
+    engine->initialize(owner, *structure);
+    CustomCPPForceImpl::initialize(context);
+}
+
+vector<pair<int, int>> StericExclusionForceImpl::getBondedParticles() const
+{
+    vector<pair<int, int>> bonds(owner.getNumBonds());
+    for (int i = 0; i < owner.getNumBonds(); i++)
+        owner.getBondParticles(i, bonds[i].first, bonds[i].second);
+    return bonds;
+}
+
+void StericExclusionForceImpl::updateParametersInContext(ContextImpl& context)
+{
+    if (!haveSameStructure(owner, *original))
+        fail("its particles, bonds, torsions or exclusions are not those that the Context was created with; "
+             "reinitialize the Context");
+    engine->copyParameters(owner);
+    limitsAreCurrent = false;
+    context.systemChanged();
+}
+
+// ---- Positions and limits ----
+
+/**
+ * Take notice of the Context's positions.
+ */
+void StericExclusionForceImpl::updatePositions(ContextImpl& context)
+{
+    // An evaluation of no forces costs little and throws the usual exception if positions were never set.
+
+    if (agreedPositions.empty())
+        context.calcForcesAndEnergy(false, false, 0);
+    context.getPositions(buffer);
+    adoptPositions(buffer);
+}
+
+void StericExclusionForceImpl::adoptPositions(const vector<Vec3>& positions)
+{
+    if (haveSameBits(positions, agreedPositions))
+        return;
+    for (int i = 0; i < (int)positions.size(); i++)
+        if (!isFinite(positions[i]))
+            fail("the position of particle " + to_string(i) + " is not finite");
+    engine->setPositions(positions);
+    agreedPositions = positions;
+    if (restartsAreAnnounced)
+        limitsAreCurrent = false;
+    else
+        restartLimits();
+}
+
+void StericExclusionForceImpl::expectRestartsOfLimits()
+{
+    restartsAreAnnounced = true;
+}
+
+void StericExclusionForceImpl::restartLimits()
+{
+    engine->clearLimits();
+    limitsAreCurrent = false;
+}
+
+/**
+ * Take notice of the Context's positions and make sure that every pair that clashes in them has its limit.
+ */
+void StericExclusionForceImpl::prepareTrial(ContextImpl& context)
+{
+    context.computeVirtualSites();
+    updatePositions(context);
+    if (!limitsAreCurrent) {
+        engine->raiseLimits();
+        limitsAreCurrent = true;
+    }
+}
+
+int StericExclusionForceImpl::getNumToleratedClashes(ContextImpl& context)
+{
+    updatePositions(context);
+    return engine->getNumLimits();
+}
+
+void StericExclusionForceImpl::setContextPositions(ContextImpl& context, const vector<Vec3>& positions)
+{
+    FlagGuard guard(settingPositions);
+    context.setPositions(positions);
+    context.computeVirtualSites();
+}
+
+/**
+ * Move the Context to the kernel's state.
+ */
+void StericExclusionForceImpl::showState(ContextImpl& context)
+{
+    // A platform may round positions, so what is agreed on is what the Context returns, and nothing if this fails.
+
+    agreedPositions.clear();
+    engine->getPositions(buffer);
+    setContextPositions(context, buffer);
+    context.getPositions(agreedPositions);
+}
+
+// ---- Energy ----
+
+double StericExclusionForceImpl::computeForce(ContextImpl&, const vector<Vec3>& positions, vector<Vec3>& forces)
+{
+    if (energyIsSuppressed) {
+        forces.assign(forces.size(), Vec3());
+        return 0;
+    }
+    adoptPositions(positions);
+    return engine->computeEnergy(forces);
+}
+
+double StericExclusionForceImpl::computeOtherEnergy(ContextImpl& context, int groups)
+{
+    FlagGuard guard(energyIsSuppressed);
+    return context.calcForcesAndEnergy(false, true, groups);
+}
+
+// ---- Queries ----
+
+bool StericExclusionForceImpl::hasClash(ContextImpl& context)
+{
+    updatePositions(context);
+    return engine->hasClash();
+}
+
+void StericExclusionForceImpl::getClashes(ContextImpl& context, vector<pair<int, int>>& pairs, vector<double>& overlaps)
+{
+    updatePositions(context);
+    engine->getClashes(pairs, overlaps);
+}
+
+void StericExclusionForceImpl::getNeighborPairs(ContextImpl& context, double cutoff, vector<pair<int, int>>& pairs,
+                                                vector<double>& distances)
+{
+    checkCutoff(cutoff);
+    updatePositions(context);
+    engine->getNeighborPairs(cutoff, pairs, distances);
+}
+
+double StericExclusionForceImpl::getMinimumDistance(ContextImpl& context, const vector<int>& particles1,
+                                                    const vector<int>& particles2, int& particle1, int& particle2)
+{
+    for (int particle : particles1)
+        checkIndex(particle, original->getNumParticles(), "particles1", "particle");
+    for (int particle : particles2)
+        checkIndex(particle, original->getNumParticles(), "particles2", "particle");
+    updatePositions(context);
+    return engine->getMinimumDistance(particles1, particles2, particle1, particle2);
+}
+
+void StericExclusionForceImpl::getClashesWith(ContextImpl& context, const Vec3& position, double radius,
+                                              vector<int>& particles, vector<double>& overlaps)
+{
+    if (!isFinite(position))
+        fail("the position of the probe is not finite");
+    if (!isfinite(radius) || radius < 0)
+        fail("the radius of the probe must be a finite number and at least 0, but is " + to_string(radius));
+    updatePositions(context);
+    engine->getClashesWith(position, radius, particles, overlaps);
+}
+
+void StericExclusionForceImpl::getTraversalStatistics(long long& queries, long long& volumeTests,
+                                                      long long& particleTests, long long& nodesUpdated)
+{
+    engine->getTraversalStatistics(queries, volumeTests, particleTests, nodesUpdated);
+}
+
+void StericExclusionForceImpl::resetTraversalStatistics()
+{
+    engine->resetTraversalStatistics();
+}
+
+// ---- Trials for anyone's Monte Carlo ----
+
+bool StericExclusionForceImpl::proposeTorsions(ContextImpl& context, const vector<int>& torsions,
+                                               const vector<double>& changes)
+{
+    if (torsions.size() != changes.size())
+        fail("proposeTorsions() was given " + to_string(torsions.size()) + " torsions, but " +
+             to_string(changes.size()) + " changes");
+    vector<bool> isNamed(original->getNumTorsions(), false);
+    for (size_t i = 0; i < torsions.size(); i++) {
+        checkIndex(torsions[i], original->getNumTorsions(), "proposeTorsions()", "torsion");
+        if (isNamed[torsions[i]])
+            fail("proposeTorsions() names torsion " + to_string(torsions[i]) + " twice");
+        if (!isfinite(changes[i]))
+            fail("the change of torsion " + to_string(torsions[i]) + " is not finite");
+        isNamed[torsions[i]] = true;
+    }
+    prepareTrial(context);
+    engine->proposeTorsions(torsions, changes);
+    return engine->isProposalFree();
+}
+
+bool StericExclusionForceImpl::proposeRigidMotion(ContextImpl& context, int particle, const Vec3& rotation,
+                                                  const Vec3& translation)
+{
+    checkIndex(particle, original->getNumParticles(), "proposeRigidMotion()", "particle");
+    if (!isFinite(rotation) || !isFinite(translation))
+        fail("the rotation and translation given to proposeRigidMotion() must be finite");
+    int molecule = structure->getParticleMolecule(particle);
+    if (structure->getMolecules()[molecule].fixed)
+        fail("the molecule of particle " + to_string(particle) + " has fixed particles and cannot move");
+    prepareTrial(context);
+    engine->proposeRigidMotion(molecule, rotation, translation);
+    return engine->isProposalFree();
+}
+
+/**
+ * Throw an exception unless a trial is open.
+ */
+void StericExclusionForceImpl::requireProposal() const
+{
+    if (!engine->hasProposal())
+        fail("there is no open proposal; propose a trial first, after the last change of positions");
+}
+
+void StericExclusionForceImpl::getProposedPositions(ContextImpl& context, vector<Vec3>& positions)
+{
+    updatePositions(context);
+    requireProposal();
+    engine->getProposedPositions(positions);
+}
+
+void StericExclusionForceImpl::getChangedNeighborPairs(ContextImpl& context, double cutoff,
+                                                       vector<pair<int, int>>& pairs, vector<double>& before,
+                                                       vector<double>& after)
+{
+    checkCutoff(cutoff);
+    updatePositions(context);
+    requireProposal();
+    engine->getChangedNeighborPairs(cutoff, pairs, before, after);
+}
+
+void StericExclusionForceImpl::acceptProposal(ContextImpl& context)
+{
+    updatePositions(context);
+    requireProposal();
+    engine->acceptProposal();
+    showState(context);
+}
+
+void StericExclusionForceImpl::rejectProposal()
+{
+    engine->rejectProposal();
+}
+
+// ---- What TorsionMonteCarloIntegrator needs ----
+
+void StericExclusionForceImpl::getTorsionAngles(ContextImpl& context, vector<double>& angles)
+{
+    updatePositions(context);
+    angles.resize(original->getNumTorsions());
+    for (int i = 0; i < (int)angles.size(); i++)
+        angles[i] = engine->getTorsionAngle(i);
+}
+
+void StericExclusionForceImpl::setTorsionAngles(ContextImpl& context, const vector<double>& angles)
+{
+    if ((int)angles.size() != original->getNumTorsions())
+        fail("setTorsionAngles() was given " + to_string(angles.size()) + " angles, but there are " +
+             to_string(original->getNumTorsions()) + " torsions");
+    for (int i = 0; i < (int)angles.size(); i++)
+        if (!isfinite(angles[i]))
+            fail("the angle of torsion " + to_string(i) + " is not finite");
+    context.computeVirtualSites();
+    vector<double> presentAngles;
+    getTorsionAngles(context, presentAngles);
+    vector<int> torsions;
+    vector<double> changes;
+    for (int i = 0; i < (int)angles.size(); i++)
+        if (angles[i] != presentAngles[i]) {
+            torsions.push_back(i);
+            changes.push_back(remainder(angles[i] - presentAngles[i], 2 * M_PI));
+        }
+    engine->proposeTorsions(torsions, changes);
+    engine->acceptProposal();
+    showState(context);
+    restartLimits();
+}
+
+void StericExclusionForceImpl::beginTrials(ContextImpl& context)
+{
+    prepareTrial(context);
+    engine->rejectProposal();
+}
+
+void StericExclusionForceImpl::refuseToleratedClashes()
+{
+    vector<pair<int, int>> pairs;
+    vector<double> limits;
+    engine->getLimits(pairs, limits);
+    if (pairs.empty())
+        return;
+    stringstream message;
+    message << "particles " << pairs[0].first << " and " << pairs[0].second << " clash when sampling starts, by an "
+            << "overlap of " << limits[0] << " nm";
+    if (pairs.size() > 1)
+        message << "; they are the first of " << pairs.size() << " such pairs";
+    fail(message.str());
+}
+
+void StericExclusionForceImpl::showProposal(ContextImpl& context)
+{
+    engine->getProposedPositions(buffer);
+    setContextPositions(context, buffer);
+}
+
+void StericExclusionForceImpl::finishTrials(ContextImpl& context)
+{
+    engine->rejectProposal();
+    showState(context);
+}

@@ -1,0 +1,407 @@
+#include "openmmchaintree/TorsionMonteCarloIntegrator.h"
+#include "openmm/CMMotionRemover.h"
+#include "openmm/internal/AssertionUtilities.h"
+#include "openmm/internal/ContextImpl.h"
+#include "openmm/internal/OSRngSeed.h"
+#include "openmm/kernels.h"
+#include "openmm/MonteCarloAnisotropicBarostat.h"
+#include "openmm/MonteCarloBarostat.h"
+#include "openmm/MonteCarloFlexibleBarostat.h"
+#include "openmm/MonteCarloMembraneBarostat.h"
+#include "openmm/OpenMMException.h"
+#include "openmm/reference/SimTKOpenMMRealType.h"
+#include "openmm/VerletIntegrator.h"
+#include "openmmchaintree/internal/MonteCarloMove.h"
+#include "openmmchaintree/internal/RandomNumberGenerator.h"
+#include "openmmchaintree/internal/StericExclusionForceImpl.h"
+#include <cmath>
+#include <sstream>
+
+using namespace ChainTreePlugin;
+using namespace OpenMM;
+using namespace std;
+
+static void fail(const string& message)
+{
+    throw OpenMMException("TorsionMonteCarloIntegrator: " + message);
+}
+
+/**
+ * Throw an exception unless a value is a finite number and at least 0.
+ */
+static void checkNotNegative(double value, const string& what)
+{
+    if (isfinite(value) && value >= 0)
+        return;
+    stringstream message;
+    message << what << " must be a finite number and at least 0, but is " << value;
+    fail(message.str());
+}
+
+/**
+ * Name a move when something is wrong with it.
+ */
+static string describeMove(size_t index)
+{
+    return "TorsionMonteCarloIntegrator: move " + to_string(index);
+}
+
+/**
+ * Get the one StericExclusionForce in a Context.
+ */
+static StericExclusionForceImpl& findForce(ContextImpl& context)
+{
+    StericExclusionForceImpl* found = NULL;
+    for (ForceImpl* impl : context.getForceImpls()) {
+        StericExclusionForceImpl* candidate = dynamic_cast<StericExclusionForceImpl*>(impl);
+        if (candidate != NULL && found != NULL)
+            fail("the System has more than one StericExclusionForce");
+        if (candidate != NULL)
+            found = candidate;
+    }
+    if (found == NULL)
+        fail("the System has no StericExclusionForce");
+    return *found;
+}
+
+/**
+ * Throw an exception if a Force changes the periodic box, which rigid molecules and their distances know nothing of.
+ */
+static void checkNoBarostat(const System& system)
+{
+    for (int i = 0; i < system.getNumForces(); i++) {
+        const Force* force = &system.getForce(i);
+        if (dynamic_cast<const MonteCarloBarostat*>(force) != NULL ||
+            dynamic_cast<const MonteCarloAnisotropicBarostat*>(force) != NULL ||
+            dynamic_cast<const MonteCarloMembraneBarostat*>(force) != NULL ||
+            dynamic_cast<const MonteCarloFlexibleBarostat*>(force) != NULL)
+            fail("the System has a barostat (force " + to_string(i) + ", " + force->getName() +
+                 "), but periodic boundary conditions are not supported; remove it");
+    }
+}
+
+/**
+ * Throw an exception if a move could break a constraint.
+ */
+static void checkConstraints(const System& system, const LinkStructure& structure)
+{
+    for (int i = 0; i < system.getNumConstraints(); i++) {
+        int particle1, particle2;
+        double distance;
+        system.getConstraintParameters(i, particle1, particle2, distance);
+        string name = "the constraint between particles " + to_string(particle1) + " and " + to_string(particle2) +
+                      " cannot hold: ";
+        if (structure.getParticleMolecule(particle1) != structure.getParticleMolecule(particle2))
+            fail(name + "they are in different molecules of the StericExclusionForce; add a bond between them");
+        int torsion = structure.findTorsionBetween(particle1, particle2);
+        if (torsion != -1)
+            fail(name + "torsion " + to_string(torsion) + " moves them relative to each other");
+    }
+}
+
+/**
+ * A move, how often it is drawn, and what became of its trials.
+ */
+class TorsionMonteCarloIntegrator::MoveInfo {
+public:
+    MoveInfo(unique_ptr<MonteCarloMove> move, double weight) :
+        move(std::move(move)), weight(weight), clashed(0), rejectedByEnergy(0), accepted(0)
+    {
+    }
+    unique_ptr<MonteCarloMove> move;
+    double weight;
+    long long clashed, rejectedByEnergy, accepted;
+};
+
+TorsionMonteCarloIntegrator::TorsionMonteCarloIntegrator(double temperature) :
+    trialsPerStep(100), initialClashPolicy(Tolerate), force(NULL)
+{
+    setTemperature(temperature);
+    setRandomNumberSeed(0);
+    setStepSize(0);
+    setConstraintTolerance(1e-5);
+}
+
+TorsionMonteCarloIntegrator::~TorsionMonteCarloIntegrator()
+{
+}
+
+double TorsionMonteCarloIntegrator::getTemperature() const
+{
+    return temperature;
+}
+
+void TorsionMonteCarloIntegrator::setTemperature(double temperature)
+{
+    checkNotNegative(temperature, "the temperature");
+    this->temperature = temperature;
+}
+
+int TorsionMonteCarloIntegrator::getRandomNumberSeed() const
+{
+    return randomNumberSeed;
+}
+
+void TorsionMonteCarloIntegrator::setRandomNumberSeed(int seed)
+{
+    randomNumberSeed = seed;
+}
+
+int TorsionMonteCarloIntegrator::getTrialsPerStep() const
+{
+    return trialsPerStep;
+}
+
+void TorsionMonteCarloIntegrator::setTrialsPerStep(int trials)
+{
+    if (trials < 1)
+        fail("the number of trials per step must be at least 1, but is " + to_string(trials));
+    trialsPerStep = trials;
+}
+
+TorsionMonteCarloIntegrator::InitialClashPolicy TorsionMonteCarloIntegrator::getInitialClashPolicy() const
+{
+    return initialClashPolicy;
+}
+
+void TorsionMonteCarloIntegrator::setInitialClashPolicy(InitialClashPolicy policy)
+{
+    if (policy != Tolerate && policy != Refuse)
+        fail("the initial clash policy must be Tolerate or Refuse, but is " + to_string((int)policy));
+    initialClashPolicy = policy;
+}
+
+int TorsionMonteCarloIntegrator::getNumToleratedClashes(Context& context) const
+{
+    requireContext(context);
+    return force->getNumToleratedClashes(*this->context);
+}
+
+int TorsionMonteCarloIntegrator::addTorsionMove(double weight, double maxAngle, const vector<int>& torsions, int count)
+{
+    checkNotNegative(maxAngle, "the largest angle of a torsion move");
+    if (count < 1)
+        fail("the number of torsions that a move turns must be at least 1, but is " + to_string(count));
+    return addMove(make_unique<TorsionMove>(maxAngle, torsions, count), weight);
+}
+
+int TorsionMonteCarloIntegrator::addRigidBodyMove(double weight, double maxTranslation, double maxAngle,
+                                                  const vector<int>& molecules)
+{
+    checkNotNegative(maxTranslation, "the largest translation of a rigid body move");
+    checkNotNegative(maxAngle, "the largest angle of a rigid body move");
+    return addMove(make_unique<RigidBodyMove>(maxTranslation, maxAngle, molecules), weight);
+}
+
+int TorsionMonteCarloIntegrator::addMove(unique_ptr<MonteCarloMove> move, double weight)
+{
+    checkNotNegative(weight, "the weight of a move");
+    if (force != NULL)
+        move->bind(force->getLinkStructure(), describeMove(moves.size()));
+    moves.push_back(MoveInfo(std::move(move), weight));
+    return moves.size() - 1;
+}
+
+int TorsionMonteCarloIntegrator::getNumMoves() const
+{
+    return moves.size();
+}
+
+void TorsionMonteCarloIntegrator::getMoveStatistics(int move, long long& attempted, long long& clashed,
+                                                    long long& rejectedByEnergy, long long& accepted) const
+{
+    ASSERT_VALID_INDEX(move, moves);
+    const MoveInfo& info = moves[move];
+    attempted = info.clashed + info.rejectedByEnergy + info.accepted;
+    clashed = info.clashed;
+    rejectedByEnergy = info.rejectedByEnergy;
+    accepted = info.accepted;
+}
+
+void TorsionMonteCarloIntegrator::resetMoveStatistics()
+{
+    for (MoveInfo& info : moves)
+        info.clashed = info.rejectedByEnergy = info.accepted = 0;
+}
+
+void TorsionMonteCarloIntegrator::requireContext(const Context& context) const
+{
+    if (this->context == NULL || &this->context->getOwner() != &context)
+        fail("it is not bound to this Context");
+}
+
+void TorsionMonteCarloIntegrator::getTorsionAngles(Context& context, vector<double>& angles) const
+{
+    requireContext(context);
+    force->getTorsionAngles(*this->context, angles);
+}
+
+void TorsionMonteCarloIntegrator::setTorsionAngles(Context& context, const vector<double>& angles) const
+{
+    requireContext(context);
+    force->setTorsionAngles(*this->context, angles);
+}
+
+void TorsionMonteCarloIntegrator::initialize(ContextImpl& contextRef)
+{
+    if (owner != NULL && &contextRef.getOwner() != owner)
+        throw OpenMMException("This Integrator is already bound to a context");
+    const System& system = contextRef.getSystem();
+    StericExclusionForceImpl& found = findForce(contextRef);
+    checkNoBarostat(system);
+    checkConstraints(system, found.getLinkStructure());
+    for (size_t i = 0; i < moves.size(); i++)
+        moves[i].move->bind(found.getLinkStructure(), describeMove(i));
+
+    // This kernel is never executed, but on GPUs only an integrator's kernel initializes what a Context needs.
+
+    kernel = contextRef.getPlatform().createKernel(IntegrateVerletStepKernel::Name(), contextRef);
+    kernel.getAs<IntegrateVerletStepKernel>().initialize(system, VerletIntegrator(getStepSize()));
+    random.reset(new RandomNumberGenerator(randomNumberSeed == 0 ? osrngseed() : randomNumberSeed));
+    found.expectRestartsOfLimits();
+    force = &found;
+    context = &contextRef;
+    owner = &contextRef.getOwner();
+}
+
+void TorsionMonteCarloIntegrator::cleanup()
+{
+    force = NULL;
+    random.reset();
+    kernel = Kernel();
+}
+
+vector<string> TorsionMonteCarloIntegrator::getKernelNames()
+{
+    return {IntegrateVerletStepKernel::Name()};
+}
+
+void TorsionMonteCarloIntegrator::stateChanged(State::DataType changed)
+{
+    if (force != NULL && changed == State::Positions && !force->isSettingPositions())
+        force->restartLimits();
+}
+
+double TorsionMonteCarloIntegrator::computeKineticEnergy()
+{
+    const System& system = context->getSystem();
+    vector<Vec3> velocities;
+    context->getVelocities(velocities);
+    double energy = 0;
+    for (int i = 0; i < system.getNumParticles(); i++)
+        energy += 0.5 * system.getParticleMass(i) * velocities[i].dot(velocities[i]);
+    return energy;
+}
+
+/**
+ * Get whether U is the same for all positions.
+ */
+bool TorsionMonteCarloIntegrator::isAthermal() const
+{
+    const System& system = context->getSystem();
+    for (int i = 0; i < system.getNumForces(); i++) {
+        const Force* other = &system.getForce(i);
+        bool isIncluded = (getIntegrationForceGroups() & (1 << other->getForceGroup())) != 0;
+        bool hasEnergy = (dynamic_cast<const CMMotionRemover*>(other) == NULL && other != &force->getOwner());
+        if (isIncluded && hasEnergy)
+            return false;
+    }
+    return true;
+}
+
+/**
+ * Compute U at the Context's positions.
+ */
+double TorsionMonteCarloIntegrator::computeEnergy()
+{
+    double energy = force->computeOtherEnergy(*context, getIntegrationForceGroups());
+    if (std::isnan(energy))
+        fail("the energy of the integration force groups is not a number");
+    return energy;
+}
+
+double TorsionMonteCarloIntegrator::sumWeights() const
+{
+    if (moves.empty())
+        fail("there are no moves; add one by addTorsionMove() or addRigidBodyMove()");
+    double sum = 0;
+    for (const MoveInfo& info : moves)
+        sum += info.weight;
+    if (sum == 0)
+        fail("all moves have weight 0");
+    return sum;
+}
+
+TorsionMonteCarloIntegrator::MoveInfo& TorsionMonteCarloIntegrator::drawMove(double weightSum)
+{
+    double position = random->drawUniform() * weightSum;
+    size_t lastPossible = 0;
+    for (size_t i = 0; i < moves.size(); i++) {
+        if (moves[i].weight == 0)
+            continue;
+        lastPossible = i;
+        if (position < moves[i].weight)
+            break;
+        position -= moves[i].weight;
+    }
+    return moves[lastPossible];
+}
+
+bool TorsionMonteCarloIntegrator::isAccepted(double energy, double newEnergy)
+{
+    return newEnergy <= energy || random->drawUniform() < exp(-(newEnergy - energy) / (BOLTZ * temperature));
+}
+
+void TorsionMonteCarloIntegrator::step(int steps)
+{
+    if (context == NULL)
+        throw OpenMMException("This Integrator is not bound to a context!");
+    double weightSum = sumWeights();
+    for (int i = 0; i < steps; i++) {
+        context->updateContextState();
+        force->beginTrials(*context);
+        if (initialClashPolicy == Refuse)
+            force->refuseToleratedClashes();
+        try {
+            runTrials(weightSum);
+        }
+        catch (...) {
+            force->finishTrials(*context);
+            throw;
+        }
+        force->finishTrials(*context);
+        context->setTime(context->getTime() + getStepSize());
+        context->setStepCount(context->getStepCount() + 1);
+    }
+}
+
+/**
+ * Run the trials of one step. Only the kernel's state follows them.
+ */
+void TorsionMonteCarloIntegrator::runTrials(double weightSum)
+{
+    CalcStericExclusionForceKernel& kernel = force->getKernel();
+    bool athermal = isAthermal();
+    double energy = athermal ? 0 : computeEnergy();
+    for (int i = 0; i < trialsPerStep; i++) {
+        MoveInfo& info = drawMove(weightSum);
+        info.move->propose(kernel, *random);
+        if (!kernel.isProposalFree()) {
+            kernel.rejectProposal();
+            info.clashed++;
+            continue;
+        }
+        if (!athermal) {
+            force->showProposal(*context);
+            double newEnergy = computeEnergy();
+            if (!isAccepted(energy, newEnergy)) {
+                kernel.rejectProposal();
+                info.rejectedByEnergy++;
+                continue;
+            }
+            energy = newEnergy;
+        }
+        kernel.acceptProposal();
+        info.accepted++;
+    }
+}

@@ -1,0 +1,85 @@
+#ifndef OPENMM_REFERENCECHAINTREEKERNELS_H_
+#define OPENMM_REFERENCECHAINTREEKERNELS_H_
+
+#include "chaintree.h"
+#include "openmmchaintree/ChainTreeKernels.h"
+#include <array>
+#include <memory>
+#include <string>
+#include <utility>
+#include <vector>
+
+namespace ChainTreePlugin {
+
+/**
+ * This kernel hands everything to the engine, whose manual is chaintree.h. What it adds is the translation of torsions
+ * and molecules to links, of callbacks to sorted arrays, and of status codes to exceptions.
+ */
+class ReferenceCalcStericExclusionForceKernel : public CalcStericExclusionForceKernel {
+public:
+    ReferenceCalcStericExclusionForceKernel(std::string name, const OpenMM::Platform& platform);
+    void initialize(const StericExclusionForce& force, const LinkStructure& structure);
+    void copyParameters(const StericExclusionForce& force);
+    void setPositions(const std::vector<OpenMM::Vec3>& positions);
+    void getPositions(std::vector<OpenMM::Vec3>& positions);
+    double getTorsionAngle(int torsion);
+    double computeEnergy(std::vector<OpenMM::Vec3>& forces);
+    bool hasClash();
+    void getClashes(std::vector<std::pair<int, int>>& pairs, std::vector<double>& overlaps);
+    void getNeighborPairs(double cutoff, std::vector<std::pair<int, int>>& pairs, std::vector<double>& distances);
+    double getMinimumDistance(const std::vector<int>& particles1, const std::vector<int>& particles2, int& particle1,
+                              int& particle2);
+    void getClashesWith(const OpenMM::Vec3& position, double radius, std::vector<int>& particles,
+                        std::vector<double>& overlaps);
+    void clearLimits();
+    void raiseLimits();
+    int getNumLimits();
+    void getLimits(std::vector<std::pair<int, int>>& pairs, std::vector<double>& limits);
+    void proposeTorsions(const std::vector<int>& torsions, const std::vector<double>& changes);
+    void proposeRigidMotion(int molecule, const OpenMM::Vec3& rotation, const OpenMM::Vec3& translation);
+    bool hasProposal();
+    bool isProposalFree();
+    void getProposedPositions(std::vector<OpenMM::Vec3>& positions);
+    void getChangedNeighborPairs(double cutoff, std::vector<std::pair<int, int>>& pairs, std::vector<double>& before,
+                                 std::vector<double>& after);
+    void acceptProposal();
+    void rejectProposal();
+    void getTraversalStatistics(long long& queries, long long& volumeTests, long long& particleTests,
+                                long long& nodesUpdated);
+    void resetTraversalStatistics();
+
+private:
+    class TreeDeleter {
+    public:
+        void operator()(ctChainTree* tree) const
+        {
+            ctDestroy(tree);
+        }
+    };
+    typedef std::unique_ptr<ctChainTree, TreeDeleter> Tree;
+    void readParameters(const StericExclusionForce& force);
+    Tree createTree(const std::vector<OpenMM::Vec3>& positions) const;
+    void check(ctStatus status) const;
+    // The definition of the scene, in the arrays that the engine takes.
+    std::vector<double> radii;
+    std::vector<uint8_t> roles;
+    std::vector<int> particleLinks;
+    std::vector<int> linkParents;
+    std::vector<uint8_t> linkJoints;
+    std::vector<std::array<int, 4>> linkTorsions;
+    std::vector<std::array<int, 2>> exclusions;
+    double overlapTolerance, hydrogenBondAllowance, forceConstant;
+    // What torsions and molecules are called there.
+    std::vector<int> torsionLinks;
+    std::vector<int> moleculeRoots;
+    /** The scene. It is made when there are positions, because the engine arranges it by them. */
+    Tree tree;
+    /** The changes of a trial, kept so that trials allocate no memory. */
+    std::vector<ctChange> changes;
+    ctCounts counts;
+    long long numQueries;
+};
+
+} // namespace ChainTreePlugin
+
+#endif /*OPENMM_REFERENCECHAINTREEKERNELS_H_*/

@@ -1,0 +1,394 @@
+#include "ReferenceChainTreeKernels.h"
+#include "openmm/OpenMMException.h"
+#include <algorithm>
+#include <new>
+
+using namespace ChainTreePlugin;
+using namespace OpenMM;
+using namespace std;
+
+static_assert(sizeof(Vec3) == 3 * sizeof(double), "the engine takes a Vec3 for three numbers");
+
+static const double* coordinates(const vector<Vec3>& vectors)
+{
+    return reinterpret_cast<const double*>(vectors.data());
+}
+
+static double* coordinates(vector<Vec3>& vectors)
+{
+    return reinterpret_cast<double*>(vectors.data());
+}
+
+template <size_t N>
+static const int (*rows(const vector<array<int, N>>& arrays))[N]
+{
+    return reinterpret_cast<const int(*)[N]>(arrays.data());
+}
+
+/**
+ * Collects what the engine finds, in any order, and hands it out sorted. Value is one number, or an array of them.
+ */
+template <typename Key, typename Value>
+class Collector {
+public:
+    Collector() : outOfMemory(false)
+    {
+    }
+    /**
+     * Take one more. This is called from C, which no exception may cross.
+     */
+    bool add(const Key& key, const Value& value)
+    {
+        try {
+            found.push_back(make_pair(key, value));
+        }
+        catch (const bad_alloc&) {
+            outOfMemory = true;
+        }
+        return !outOfMemory;
+    }
+    /**
+     * Get what was found, by ascending key. No key comes twice.
+     */
+    const vector<pair<Key, Value>>& sort()
+    {
+        if (outOfMemory)
+            throw OpenMMException("StericExclusionForce: out of memory");
+        std::sort(found.begin(), found.end(), [](const pair<Key, Value>& a, const pair<Key, Value>& b) {
+            return a.first < b.first;
+        });
+        return found;
+    }
+
+private:
+    vector<pair<Key, Value>> found;
+    bool outOfMemory;
+};
+
+typedef pair<int, int> ParticlePair;
+typedef Collector<ParticlePair, double> PairCollector;
+typedef Collector<ParticlePair, pair<double, double>> ChangedPairCollector;
+typedef Collector<int, double> ParticleCollector;
+
+static bool addPair(void* collector, int particle1, int particle2, double value)
+{
+    return static_cast<PairCollector*>(collector)->add(ParticlePair(particle1, particle2), value);
+}
+
+static bool addChangedPair(void* collector, int particle1, int particle2, double before, double after)
+{
+    return static_cast<ChangedPairCollector*>(collector)->add(ParticlePair(particle1, particle2),
+                                                              make_pair(before, after));
+}
+
+static bool addParticle(void* collector, int particle, double overlap)
+{
+    return static_cast<ParticleCollector*>(collector)->add(particle, overlap);
+}
+
+/**
+ * Split sorted keys and values into two arrays.
+ */
+template <typename Key>
+static void split(Collector<Key, double>& collector, vector<Key>& keys, vector<double>& values)
+{
+    auto& found = collector.sort();
+    keys.resize(found.size());
+    values.resize(found.size());
+    for (size_t i = 0; i < found.size(); i++) {
+        keys[i] = found[i].first;
+        values[i] = found[i].second;
+    }
+}
+
+ReferenceCalcStericExclusionForceKernel::ReferenceCalcStericExclusionForceKernel(string name,
+                                                                                 const Platform& platform) :
+    CalcStericExclusionForceKernel(name, platform),
+    overlapTolerance(0), hydrogenBondAllowance(0), forceConstant(0), counts(), numQueries(0)
+{
+}
+
+// ---- Life ----
+
+void ReferenceCalcStericExclusionForceKernel::initialize(const StericExclusionForce& force,
+                                                         const LinkStructure& structure)
+{
+    particleLinks = structure.getParticleLinks();
+    torsionLinks = structure.getTorsionLinks();
+    for (const LinkStructure::Molecule& molecule : structure.getMolecules())
+        moleculeRoots.push_back(molecule.root);
+    for (const LinkStructure::Link& link : structure.getLinks()) {
+        array<int, 4> torsion = {{CT_NULL, CT_NULL, CT_NULL, CT_NULL}};
+        uint8_t joint = structure.getMolecules()[link.molecule].fixed ? ctFixedJoint : ctFreeJoint;
+        if (link.parent != -1) {
+            force.getTorsionParticles(link.torsion, torsion[0], torsion[1], torsion[2], torsion[3]);
+            joint = ctTorsionJoint;
+        }
+        linkParents.push_back(link.parent);
+        linkJoints.push_back(joint);
+        linkTorsions.push_back(torsion);
+    }
+    exclusions.resize(force.getNumExclusions());
+    for (int i = 0; i < force.getNumExclusions(); i++)
+        force.getExclusionParticles(i, exclusions[i][0], exclusions[i][1]);
+    radii.resize(force.getNumParticles());
+    roles.resize(force.getNumParticles());
+    changes.resize(torsionLinks.size());
+    readParameters(force);
+}
+
+void ReferenceCalcStericExclusionForceKernel::readParameters(const StericExclusionForce& force)
+{
+    for (int i = 0; i < force.getNumParticles(); i++) {
+        StericExclusionForce::HydrogenBondRole role;
+        force.getParticleParameters(i, radii[i], role);
+        roles[i] = role;
+    }
+    overlapTolerance = force.getOverlapTolerance();
+    hydrogenBondAllowance = force.getHydrogenBondAllowance();
+    forceConstant = force.getForceConstant();
+}
+
+void ReferenceCalcStericExclusionForceKernel::copyParameters(const StericExclusionForce& force)
+{
+    readParameters(force);
+    if (!tree)
+        return;
+    vector<Vec3> positions;
+    getPositions(positions);
+    vector<array<int, 2>> pairs(ctGetLimitCount(tree.get()));
+    vector<double> limits(pairs.size());
+    ctGetLimits(tree.get(), pairs.size(), reinterpret_cast<int(*)[2]>(pairs.data()), limits.data());
+    tree = createTree(positions);
+    check(ctSetLimits(tree.get(), pairs.size(), rows(pairs), limits.data()));
+}
+
+ReferenceCalcStericExclusionForceKernel::Tree
+ReferenceCalcStericExclusionForceKernel::createTree(const vector<Vec3>& positions) const
+{
+    ctDefinition definition = {};
+    definition.particleCount = radii.size();
+    definition.positions = coordinates(positions);
+    definition.radii = radii.data();
+    definition.hydrogenBondRoles = roles.data();
+    definition.particleLinks = particleLinks.data();
+    definition.linkCount = linkParents.size();
+    definition.linkParents = linkParents.data();
+    definition.linkJoints = linkJoints.data();
+    definition.linkTorsions = rows(linkTorsions);
+    definition.exclusionCount = exclusions.size();
+    definition.exclusions = rows(exclusions);
+    definition.overlapTolerance = overlapTolerance;
+    definition.hydrogenBondAllowance = hydrogenBondAllowance;
+    ctChainTree* created;
+    char errorText[256];
+    if (ctCreate(&definition, &created, errorText, sizeof(errorText)) != ctSuccess)
+        throw OpenMMException(string("StericExclusionForce: ") + errorText);
+    return Tree(created);
+}
+
+void ReferenceCalcStericExclusionForceKernel::check(ctStatus status) const
+{
+    if (status != ctSuccess)
+        throw OpenMMException(string("StericExclusionForce: ") + ctGetErrorText(tree.get()));
+}
+
+// ---- State ----
+
+void ReferenceCalcStericExclusionForceKernel::setPositions(const vector<Vec3>& positions)
+{
+    if (tree)
+        check(ctSetPositions(tree.get(), coordinates(positions)));
+    else
+        tree = createTree(positions);
+}
+
+void ReferenceCalcStericExclusionForceKernel::getPositions(vector<Vec3>& positions)
+{
+    positions.resize(radii.size());
+    ctGetPositions(tree.get(), coordinates(positions));
+}
+
+double ReferenceCalcStericExclusionForceKernel::getTorsionAngle(int torsion)
+{
+    double angle;
+    if (ctGetTorsionAngle(tree.get(), torsionLinks[torsion], &angle) != ctSuccess)
+        throw OpenMMException("StericExclusionForce: torsion " + to_string(torsion) +
+                              " has no value: " + ctGetErrorText(tree.get()));
+    return angle;
+}
+
+// ---- Energy and queries ----
+
+double ReferenceCalcStericExclusionForceKernel::computeEnergy(vector<Vec3>& forces)
+{
+    fill(forces.begin(), forces.end(), Vec3());
+    double energy;
+    check(ctComputeEnergy(tree.get(), forceConstant, &energy, coordinates(forces), &counts));
+    numQueries++;
+    return energy;
+}
+
+bool ReferenceCalcStericExclusionForceKernel::hasClash()
+{
+    bool clash;
+    check(ctHasClash(tree.get(), &clash, NULL, &counts));
+    numQueries++;
+    return clash;
+}
+
+void ReferenceCalcStericExclusionForceKernel::getClashes(vector<pair<int, int>>& pairs, vector<double>& overlaps)
+{
+    PairCollector collector;
+    check(ctForEachClash(tree.get(), addPair, &collector, &counts));
+    numQueries++;
+    split(collector, pairs, overlaps);
+}
+
+void ReferenceCalcStericExclusionForceKernel::getNeighborPairs(double cutoff, vector<pair<int, int>>& pairs,
+                                                               vector<double>& distances)
+{
+    PairCollector collector;
+    check(ctForEachNeighborPair(tree.get(), cutoff, addPair, &collector, &counts));
+    numQueries++;
+    split(collector, pairs, distances);
+}
+
+double ReferenceCalcStericExclusionForceKernel::getMinimumDistance(const vector<int>& particles1,
+                                                                   const vector<int>& particles2, int& particle1,
+                                                                   int& particle2)
+{
+    double distance;
+    int pair[2];
+    check(ctGetMinimumDistance(tree.get(), particles1.size(), particles1.data(), particles2.size(), particles2.data(),
+                               &distance, pair));
+    numQueries++;
+    particle1 = pair[0];
+    particle2 = pair[1];
+    return distance;
+}
+
+void ReferenceCalcStericExclusionForceKernel::getClashesWith(const Vec3& position, double radius,
+                                                             vector<int>& particles, vector<double>& overlaps)
+{
+    const double center[3] = {position[0], position[1], position[2]};
+    ParticleCollector collector;
+    check(ctForEachClashWith(tree.get(), center, radius, addParticle, &collector, &counts));
+    numQueries++;
+    split(collector, particles, overlaps);
+}
+
+void ReferenceCalcStericExclusionForceKernel::getTraversalStatistics(long long& queries, long long& volumeTests,
+                                                                     long long& particleTests, long long& nodesUpdated)
+{
+    queries = numQueries;
+    volumeTests = counts.volumeTests;
+    particleTests = counts.particleTests;
+    nodesUpdated = counts.nodesUpdated;
+}
+
+void ReferenceCalcStericExclusionForceKernel::resetTraversalStatistics()
+{
+    counts = ctCounts();
+    numQueries = 0;
+}
+
+// ---- Limits ----
+
+void ReferenceCalcStericExclusionForceKernel::clearLimits()
+{
+    if (tree)
+        check(ctSetLimits(tree.get(), 0, NULL, NULL));
+}
+
+void ReferenceCalcStericExclusionForceKernel::raiseLimits()
+{
+    int raised;
+    check(ctRaiseLimits(tree.get(), &raised, &counts));
+}
+
+int ReferenceCalcStericExclusionForceKernel::getNumLimits()
+{
+    return ctGetLimitCount(tree.get());
+}
+
+void ReferenceCalcStericExclusionForceKernel::getLimits(vector<pair<int, int>>& pairs, vector<double>& limits)
+{
+    vector<array<int, 2>> found(ctGetLimitCount(tree.get()));
+    limits.resize(found.size());
+    ctGetLimits(tree.get(), found.size(), reinterpret_cast<int(*)[2]>(found.data()), limits.data());
+    pairs.clear();
+    for (const array<int, 2>& pair : found)
+        pairs.push_back(make_pair(pair[0], pair[1]));
+}
+
+// ---- Trials ----
+
+void ReferenceCalcStericExclusionForceKernel::proposeTorsions(const vector<int>& torsions, const vector<double>& angles)
+{
+    for (size_t i = 0; i < torsions.size(); i++) {
+        changes[i].link = torsionLinks[torsions[i]];
+        changes[i].angle = angles[i];
+    }
+    check(ctPropose(tree.get(), torsions.size(), changes.data()));
+}
+
+void ReferenceCalcStericExclusionForceKernel::proposeRigidMotion(int molecule, const Vec3& rotation,
+                                                                 const Vec3& translation)
+{
+    ctChange change = {};
+    change.link = moleculeRoots[molecule];
+    check(ctGetCentroid(tree.get(), change.link, change.pivot));
+    for (int i = 0; i < 3; i++) {
+        change.rotation[i] = rotation[i];
+        change.translation[i] = translation[i];
+    }
+    check(ctPropose(tree.get(), 1, &change));
+}
+
+bool ReferenceCalcStericExclusionForceKernel::hasProposal()
+{
+    return ctHasTrial(tree.get());
+}
+
+bool ReferenceCalcStericExclusionForceKernel::isProposalFree()
+{
+    bool clash;
+    check(ctTestTrial(tree.get(), &clash, NULL, &counts));
+    numQueries++;
+    return !clash;
+}
+
+void ReferenceCalcStericExclusionForceKernel::getProposedPositions(vector<Vec3>& positions)
+{
+    positions.resize(radii.size());
+    check(ctGetTrialPositions(tree.get(), coordinates(positions)));
+}
+
+void ReferenceCalcStericExclusionForceKernel::getChangedNeighborPairs(double cutoff, vector<pair<int, int>>& pairs,
+                                                                      vector<double>& before, vector<double>& after)
+{
+    ChangedPairCollector collector;
+    check(ctForEachChangedPair(tree.get(), cutoff, addChangedPair, &collector, &counts));
+    numQueries++;
+    auto& found = collector.sort();
+    pairs.resize(found.size());
+    before.resize(found.size());
+    after.resize(found.size());
+    for (size_t i = 0; i < found.size(); i++) {
+        pairs[i] = found[i].first;
+        before[i] = found[i].second.first;
+        after[i] = found[i].second.second;
+    }
+}
+
+void ReferenceCalcStericExclusionForceKernel::acceptProposal()
+{
+    check(ctCommit(tree.get(), &counts));
+}
+
+void ReferenceCalcStericExclusionForceKernel::rejectProposal()
+{
+    if (tree)
+        ctDiscard(tree.get());
+}
