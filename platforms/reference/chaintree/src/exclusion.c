@@ -1,15 +1,10 @@
 #include "exclusion.h"
 
 #include <stdlib.h>
-#include <string.h>
+
+#include "order.h"
 
 /* ---- Exclusions ---- */
-
-static int compareInts(const void* a, const void* b) {
-  const int x = *(const int*)a;
-  const int y = *(const int*)b;
-  return (x > y) - (x < y);
-}
 
 bool ctExclusionsBuild(Exclusions* exclusions, Arena* arena, const Sequence* s, const ctDefinition* d) {
   const size_t slots = (size_t)s->slotCount;
@@ -47,7 +42,7 @@ bool ctExclusionsBuild(Exclusions* exclusions, Arena* arena, const Sequence* s, 
   int from = 0;
   for (int slot = 0; slot < s->slotCount; slot++) {
     const int end = exclusions->begin[slot + 1];
-    qsort(exclusions->partner + from, (size_t)(end - from), sizeof(int), compareInts);
+    ctSortInts(exclusions->partner + from, end - from);
     const int first = kept;
     for (int i = from; i < end; i++) {
       if (kept == first || exclusions->partner[kept - 1] != exclusions->partner[i]) {

@@ -3,6 +3,7 @@
 #include <float.h>
 #include <stdbool.h>
 #include <stddef.h>
+#include <stdlib.h>
 
 #include "tree.h"
 
@@ -105,5 +106,17 @@ void ctSpatialOrder(int* ids, int count, const double* points) {
     for (int j = i; j > 0 && before(&byIndex, ids[j], ids[j - 1]); j--) {
       swap(ids, j, j - 1);
     }
+  }
+}
+
+static int compareInts(const void* a, const void* b) {
+  const int x = *(const int*)a;
+  const int y = *(const int*)b;
+  return (x > y) - (x < y);
+}
+
+void ctSortInts(int* values, int count) {
+  if (count > 1) {
+    qsort(values, (size_t)count, sizeof(int), compareInts);
   }
 }

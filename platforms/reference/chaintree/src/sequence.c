@@ -1,7 +1,6 @@
 #include "sequence.h"
 
 #include <float.h>
-#include <stdlib.h>
 #include <string.h>
 
 #include "order.h"
@@ -545,12 +544,6 @@ void ctSequenceSetJoint(Sequence* s, int link, const JointState* joint) {
   s->displaced[s->branch[link]] += isDisplaced(s, link);
 }
 
-static int compareInts(const void* a, const void* b) {
-  const int x = *(const int*)a;
-  const int y = *(const int*)b;
-  return (x > y) - (x < y);
-}
-
 int ctSequenceUpdate(Sequence* s, const int* links, int count, int* scratch) {
   /* By path, and in it by position: links of one path ascend with their positions, so sorting by path is enough, and a
    * stable order comes from sorting indices into pathLink. */
@@ -560,7 +553,7 @@ int ctSequenceUpdate(Sequence* s, const int* links, int count, int* scratch) {
       scratch[touched++] = s->pathBegin[s->pathOf[links[i]]] + s->pathPosition[links[i]];
     }
   }
-  qsort(scratch, (size_t)touched, sizeof(int), compareInts);
+  ctSortInts(scratch, touched);
   int multiplied = 0;
   int begin = 0;
   while (begin < touched) {

@@ -7,6 +7,15 @@
 
 #include "chaintree.h"
 
+/* Of two numbers neither of which is NaN; fmin and fmax are calls. */
+static inline double lesser(double a, double b) {
+  return a < b ? a : b;
+}
+
+static inline double larger(double a, double b) {
+  return a > b ? a : b;
+}
+
 static inline double dot(const double a[3], const double b[3]) {
   return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
 }

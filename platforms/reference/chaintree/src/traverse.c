@@ -73,8 +73,8 @@ static void boundStraddler(Traversal* t, int item, const float* x, const float* 
     if (r[k] >= 0) {
       const double c[3] = {x[k], y[k], z[k]};
       for (int d = 0; d < 3; d++) {
-        low[d] = fmin(low[d], c[d] - r[k]);
-        high[d] = fmax(high[d], c[d] + r[k]);
+        low[d] = lesser(low[d], c[d] - r[k]);
+        high[d] = larger(high[d], c[d] + r[k]);
       }
     }
   }
@@ -87,7 +87,7 @@ static void boundStraddler(Traversal* t, int item, const float* x, const float* 
   for (int k = 0; k < TREE_WIDTH; k++) {
     if (r[k] >= 0) {
       const double c[3] = {x[k], y[k], z[k]};
-      radius = fmax(radius, sqrt(squaredDistance(centre, c)) + r[k]);
+      radius = larger(radius, sqrt(squaredDistance(centre, c)) + r[k]);
     }
   }
   t->itemX[item] = (float)centre[0];
@@ -197,7 +197,7 @@ static void startDescent(Traversal* t, const View* view) {
   const double size = bound->surfaces < 0 ? 0 : sqrt(dot(bound->centre, bound->centre)) + bound->surfaces;
   double shift = 0;
   for (int i = 1; i < view->motionCount && view->motions != NULL; i++) {
-    shift = fmax(shift, sqrt(dot(view->motions[i].translation, view->motions[i].translation)));
+    shift = larger(shift, sqrt(dot(view->motions[i].translation, view->motions[i].translation)));
   }
   t->extent = size + shift;
   t->band = DOUBLE_MARGIN * t->extent;

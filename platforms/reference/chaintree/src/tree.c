@@ -1,7 +1,8 @@
 #include "tree.h"
 
-#include <stdlib.h>
 #include <string.h>
+
+#include "order.h"
 
 static const Bound EMPTY_BOUND = {{0, 0, 0}, -1, -1};
 
@@ -64,8 +65,8 @@ static Bound boundAround(const Bound* member, int count) {
       continue;
     }
     const double distance = sqrt(squaredDistance(bound.centre, member[i].centre));
-    bound.surfaces = fmax(bound.surfaces, distance + member[i].surfaces);
-    bound.centres = fmax(bound.centres, distance + member[i].centres);
+    bound.surfaces = larger(bound.surfaces, distance + member[i].surfaces);
+    bound.centres = larger(bound.centres, distance + member[i].centres);
   }
   const double rounding = slack(&bound);
   bound.surfaces += rounding;
@@ -148,14 +149,8 @@ void ctTreeRefresh(Tree* tree, const Sequence* sequence) {
   refreshRoot(tree);
 }
 
-static int compareInts(const void* a, const void* b) {
-  const int x = *(const int*)a;
-  const int y = *(const int*)b;
-  return (x > y) - (x < y);
-}
-
 int ctTreeUpdate(Tree* tree, const Sequence* sequence, int* leaves, int count) {
-  qsort(leaves, (size_t)count, sizeof(int), compareInts);
+  ctSortInts(leaves, count);
   int dirty = 0;
   for (int i = 0; i < count; i++) {
     if (dirty == 0 || tree->dirty[dirty - 1] != leaves[i]) {

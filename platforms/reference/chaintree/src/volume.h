@@ -3,6 +3,9 @@
 #define CT_VOLUME_H_
 
 #include <math.h>
+#ifdef __SSE2__
+#include <emmintrin.h>
+#endif
 
 #include "tree.h"
 
@@ -13,22 +16,41 @@
  * largest coordinate: some hundred roundings of 1e-16. Nearer than that to a limit the canonical distance decides. */
 #define DOUBLE_MARGIN 4e-13
 
-/* Bit k is set if sphere k is nearer than r[k] + reach to (x, y, z). A radius of -INFINITY is never near. */
+/* Bit k is set if sphere k is nearer than r[k] + reach to (x, y, z). A radius of -INFINITY is never near. Both paths
+ * round alike, lane by lane. */
+#ifdef __SSE2__
 static inline unsigned near16(const float* xs, const float* ys, const float* zs, const float* rs, float x, float y,
                               float z, float reach) {
-  float inside[TREE_WIDTH];
-  for (int k = 0; k < TREE_WIDTH; k++) {
+  const __m128 x4 = _mm_set1_ps(x);
+  const __m128 y4 = _mm_set1_ps(y);
+  const __m128 z4 = _mm_set1_ps(z);
+  const __m128 reach4 = _mm_set1_ps(reach);
+  const __m128 zero = _mm_setzero_ps();
+  unsigned mask = 0;
+  for (unsigned k = 0; k < TREE_WIDTH; k += 4) {
+    const __m128 dx = _mm_sub_ps(_mm_loadu_ps(xs + k), x4);
+    const __m128 dy = _mm_sub_ps(_mm_loadu_ps(ys + k), y4);
+    const __m128 dz = _mm_sub_ps(_mm_loadu_ps(zs + k), z4);
+    const __m128 sum = _mm_add_ps(_mm_loadu_ps(rs + k), reach4);
+    const __m128 squared = _mm_add_ps(_mm_add_ps(_mm_mul_ps(dx, dx), _mm_mul_ps(dy, dy)), _mm_mul_ps(dz, dz));
+    const __m128 near = _mm_and_ps(_mm_cmpgt_ps(sum, zero), _mm_cmpgt_ps(_mm_mul_ps(sum, sum), squared));
+    mask |= (unsigned)_mm_movemask_ps(near) << k;
+  }
+  return mask;
+}
+#else
+static inline unsigned near16(const float* xs, const float* ys, const float* zs, const float* rs, float x, float y,
+                              float z, float reach) {
+  unsigned mask = 0;
+  for (unsigned k = 0; k < TREE_WIDTH; k++) {
     const float dx = xs[k] - x;
     const float dy = ys[k] - y;
     const float dz = zs[k] - z;
     const float sum = rs[k] + reach;
-    inside[k] = sum * fabsf(sum) - (dx * dx + dy * dy + dz * dz);
-  }
-  unsigned mask = 0;
-  for (int k = 0; k < TREE_WIDTH; k++) {
-    mask |= (unsigned)(inside[k] > 0) << k;
+    mask |= (unsigned)(sum > 0 && sum * sum > dx * dx + dy * dy + dz * dz) << k;
   }
   return mask;
 }
+#endif
 
 #endif /* CT_VOLUME_H_ */
