@@ -1,0 +1,366 @@
+/* The Python face of the C++ classes. Their headers are read as they are; what differs in Python is:
+ *
+ * - Numbers may carry OpenMM units. The typemaps below convert them by the name of the parameter, and refuse units of
+ *   another dimension.
+ * - Parameters marked [out] are results. Vectors become NumPy arrays, with one copy of memory.
+ * - The interpreter is free for other threads while a method runs; C++ exceptions become OpenMMException.
+ */
+%module(package="openmmchaintree") openmmchaintree
+
+// OpenMM's own headers, in which Python keywords, nested classes and typemaps that only it needs occur.
+#pragma SWIG nowarn=314,325,453
+
+%import(module="openmm") "swig/OpenMMSwigHeaders.i"
+
+%{
+#include "OpenMM.h"
+#include "OpenMMAmoeba.h"
+#include "OpenMMDrude.h"
+#include "openmm/RPMDIntegrator.h"
+#include "openmm/RPMDMonteCarloBarostat.h"
+#include "openmmchaintree/StericExclusionForce.h"
+#include "openmmchaintree/TorsionMonteCarloIntegrator.h"
+#include <cstring>
+#include <string>
+#include <utility>
+#include <vector>
+%}
+
+%pythoncode %{
+from typing import NamedTuple
+
+import openmm
+
+
+class TraversalStatistics(NamedTuple):
+    """How much work the queries and trials of a Context took."""
+
+    queries: int
+    volumeTests: int
+    particleTests: int
+    nodesUpdated: int
+
+
+class MoveStatistics(NamedTuple):
+    """What became of the trials of a move."""
+
+    attempted: int
+    clashed: int
+    rejectedByEnergy: int
+    accepted: int
+
+
+class MinimumDistance(NamedTuple):
+    """The distance (nm) of the two particles of two sets that are nearest to each other."""
+
+    distance: float
+    particle1: int
+    particle2: int
+%}
+
+/* Methods with default values take keywords, too; the others do so without help. */
+%define %keywords(METHOD)
+%feature("compactdefaultargs") METHOD;
+%feature("kwargs") METHOD;
+%enddef
+
+%keywords(ChainTreePlugin::StericExclusionForce::addParticle)
+%keywords(ChainTreePlugin::StericExclusionForce::setParticleParameters)
+%keywords(ChainTreePlugin::TorsionMonteCarloIntegrator::addTorsionMove)
+%keywords(ChainTreePlugin::TorsionMonteCarloIntegrator::addRigidBodyMove)
+
+%exception {
+    PyThreadState* state = PyEval_SaveThread();
+    try {
+        $action
+        PyEval_RestoreThread(state);
+    }
+    catch (const std::exception& exception) {
+        PyEval_RestoreThread(state);
+        PyObject* openmm = PyImport_ImportModule("openmm");
+        PyObject* type = openmm == NULL ? NULL : PyObject_GetAttrString(openmm, "OpenMMException");
+        if (type != NULL)
+            PyErr_SetString(type, exception.what());
+        Py_XDECREF(type);
+        Py_XDECREF(openmm);
+        SWIG_fail;
+    }
+}
+
+/* ---- From Python ---- */
+
+%fragment("FromPython", "header") {
+/* Each of these returns false with a Python exception set if the object is not what it should be. */
+
+/* Gives a new reference to the object without its unit. */
+static PyObject* removeUnit(PyObject* object, const char* unit, const char* name) {
+    PyObject* module = PyImport_ImportModule("openmmchaintree.units");
+    if (module == NULL)
+        return NULL;
+    PyObject* result = PyObject_CallMethod(module, "inUnit", "Oss", object, unit, name);
+    Py_DECREF(module);
+    return result;
+}
+
+static bool toDouble(PyObject* object, const char* unit, const char* name, double& value) {
+    PyObject* number = PyFloat_CheckExact(object) ? Py_NewRef(object) : removeUnit(object, unit, name);
+    if (number == NULL)
+        return false;
+    value = PyFloat_AsDouble(number);
+    Py_DECREF(number);
+    if (PyErr_Occurred() == NULL)
+        return true;
+    PyErr_Format(PyExc_TypeError, "%s must be a number, not %s", name, Py_TYPE(object)->tp_name);
+    return false;
+}
+
+static bool toInt(PyObject* object, const char* name, int& value) {
+    PyObject* number = PyNumber_Index(object);
+    if (number == NULL) {
+        PyErr_Format(PyExc_TypeError, "%s must be an integer, not %s", name, Py_TYPE(object)->tp_name);
+        return false;
+    }
+    long result = PyLong_AsLong(number);
+    Py_DECREF(number);
+    if (PyErr_Occurred() != NULL || result != (int) result) {
+        PyErr_Clear();
+        PyErr_Format(PyExc_ValueError, "%s is out of the range of integers", name);
+        return false;
+    }
+    value = (int) result;
+    return true;
+}
+
+static PyObject* toSequence(PyObject* object, const char* name) {
+    PyObject* sequence = PySequence_Fast(object, "");
+    if (sequence == NULL)
+        PyErr_Format(PyExc_TypeError, "%s must be a sequence, not %s", name, Py_TYPE(object)->tp_name);
+    return sequence;
+}
+
+static bool toDoubles(PyObject* object, const char* unit, const char* name, std::vector<double>& values) {
+    PyObject* numbers = removeUnit(object, unit, name);
+    if (numbers == NULL)
+        return false;
+    PyObject* sequence = toSequence(numbers, name);
+    Py_DECREF(numbers);
+    if (sequence == NULL)
+        return false;
+    Py_ssize_t count = PySequence_Fast_GET_SIZE(sequence);
+    values.resize(count);
+    bool ok = true;
+    for (Py_ssize_t i = 0; ok && i < count; i++)
+        ok = toDouble(PySequence_Fast_GET_ITEM(sequence, i), unit, name, values[i]);
+    Py_DECREF(sequence);
+    return ok;
+}
+
+static bool toInts(PyObject* object, const char* name, std::vector<int>& values) {
+    PyObject* sequence = toSequence(object, name);
+    if (sequence == NULL)
+        return false;
+    Py_ssize_t count = PySequence_Fast_GET_SIZE(sequence);
+    values.resize(count);
+    bool ok = true;
+    for (Py_ssize_t i = 0; ok && i < count; i++)
+        ok = toInt(PySequence_Fast_GET_ITEM(sequence, i), name, values[i]);
+    Py_DECREF(sequence);
+    return ok;
+}
+
+static bool toVec3(PyObject* object, const char* unit, const char* name, OpenMM::Vec3& value) {
+    std::vector<double> values;
+    if (!toDoubles(object, unit, name, values))
+        return false;
+    if (values.size() != 3) {
+        PyErr_Format(PyExc_ValueError, "%s must have 3 components, not %zu", name, values.size());
+        return false;
+    }
+    value = OpenMM::Vec3(values[0], values[1], values[2]);
+    return true;
+}
+}
+
+%define %unit(UNIT, NAME)
+%typemap(in, fragment="FromPython") double NAME {
+    if (!toDouble($input, UNIT, "NAME", $1))
+        SWIG_fail;
+}
+%typemap(in, fragment="FromPython") const std::vector<double>& NAME (std::vector<double> values) {
+    if (!toDoubles($input, UNIT, "NAME", values))
+        SWIG_fail;
+    $1 = &values;
+}
+%typemap(in, fragment="FromPython") const OpenMM::Vec3& NAME (OpenMM::Vec3 value) {
+    if (!toVec3($input, UNIT, "NAME", value))
+        SWIG_fail;
+    $1 = &value;
+}
+%enddef
+
+%unit("nm", radius)
+%unit("nm", tolerance)
+%unit("nm", allowance)
+%unit("nm", cutoff)
+%unit("nm", maxTranslation)
+%unit("nm", position)
+%unit("nm", translation)
+%unit("rad", maxAngle)
+%unit("rad", changes)
+%unit("rad", angles)
+%unit("rad", rotation)
+%unit("K", temperature)
+%unit("kJ/mol/nm^2", k)
+%unit("1", weight)
+
+%typemap(in, fragment="FromPython") int {
+    if (!toInt($input, "$1_name", $1))
+        SWIG_fail;
+}
+%typemap(in, fragment="FromPython") const std::vector<int>& (std::vector<int> values) {
+    if (!toInts($input, "$1_name", values))
+        SWIG_fail;
+    $1 = &values;
+}
+%typemap(in, fragment="FromPython") ChainTreePlugin::StericExclusionForce::HydrogenBondRole {
+    int role;
+    if (!toInt($input, "$1_name", role))
+        SWIG_fail;
+    if (role < 0 || role > ChainTreePlugin::StericExclusionForce::DonorAndAcceptor) {
+        PyErr_SetString(PyExc_ValueError,
+                        "$1_name must be NoHydrogenBond, Donor, Acceptor or DonorAndAcceptor of StericExclusionForce");
+        SWIG_fail;
+    }
+    $1 = (ChainTreePlugin::StericExclusionForce::HydrogenBondRole) role;
+}
+
+/* ---- To Python ---- */
+
+%fragment("ToNumPy", "header") {
+/* A NumPy array of shape (count), or (count, columns) if columns is not 0, that owns a copy of the values. */
+static PyObject* toNumPy(const void* values, size_t count, int columns, size_t itemSize, const char* dtype) {
+    size_t items = count * (columns == 0 ? 1 : columns);
+    PyObject* bytes = PyByteArray_FromStringAndSize(NULL, items * itemSize);
+    if (bytes == NULL)
+        return NULL;
+    if (items > 0)
+        std::memcpy(PyByteArray_AsString(bytes), values, items * itemSize);
+    PyObject* numpy = PyImport_ImportModule("numpy");
+    PyObject* array = numpy == NULL ? NULL : PyObject_CallMethod(numpy, "frombuffer", "Os", bytes, dtype);
+    if (array != NULL && columns != 0) {
+        PyObject* table = PyObject_CallMethod(array, "reshape", "ni", (Py_ssize_t) count, columns);
+        Py_DECREF(array);
+        array = table;
+    }
+    Py_XDECREF(numpy);
+    Py_DECREF(bytes);
+    return array;
+}
+}
+
+%define %outputArray(TYPE, COLUMNS, ITEM, DTYPE, NAME)
+%typemap(in, numinputs=0) TYPE& NAME (TYPE values) {
+    $1 = &values;
+}
+%typemap(argout, fragment="ToNumPy") TYPE& NAME {
+    PyObject* array = toNumPy($1->data(), $1->size(), COLUMNS, sizeof(ITEM), DTYPE);
+    if (array == NULL)
+        SWIG_fail;
+    $result = SWIG_AppendOutput($result, array);
+}
+%enddef
+
+%outputArray(%arg(std::vector<std::pair<int, int> >), 2, int, "intc", pairs)
+%outputArray(std::vector<int>, 0, int, "intc", particles)
+%outputArray(std::vector<double>, 0, double, "float64", overlaps)
+%outputArray(std::vector<double>, 0, double, "float64", distances)
+%outputArray(std::vector<double>, 0, double, "float64", before)
+%outputArray(std::vector<double>, 0, double, "float64", after)
+%outputArray(std::vector<double>, 0, double, "float64", angles)
+%outputArray(std::vector<OpenMM::Vec3>, 3, double, "float64", positions)
+
+%typemap(in, numinputs=0) double& (double value), int& (int value), long long& (long long value) {
+    $1 = &value;
+}
+%typemap(in, numinputs=0) ChainTreePlugin::StericExclusionForce::HydrogenBondRole& (ChainTreePlugin::StericExclusionForce::HydrogenBondRole value) {
+    $1 = &value;
+}
+%typemap(argout) double& {
+    $result = SWIG_AppendOutput($result, PyFloat_FromDouble(*$1));
+}
+%typemap(argout) int&, long long&, ChainTreePlugin::StericExclusionForce::HydrogenBondRole& {
+    $result = SWIG_AppendOutput($result, PyLong_FromLongLong(*$1));
+}
+
+/* ---- What is Python's own ---- */
+
+/* Parameters come back as OpenMM's own classes give them: as Quantities. */
+%define %returnsQuantity(METHOD, UNIT)
+%pythonappend METHOD %{
+    val = openmm.unit.Quantity(val, UNIT)
+%}
+%enddef
+
+%returnsQuantity(ChainTreePlugin::StericExclusionForce::getOverlapTolerance, openmm.unit.nanometer)
+%returnsQuantity(ChainTreePlugin::StericExclusionForce::getHydrogenBondAllowance, openmm.unit.nanometer)
+%returnsQuantity(ChainTreePlugin::StericExclusionForce::getForceConstant, openmm.unit.kilojoule_per_mole / openmm.unit.nanometer**2)
+%returnsQuantity(ChainTreePlugin::TorsionMonteCarloIntegrator::getTemperature, openmm.unit.kelvin)
+
+%pythonappend ChainTreePlugin::StericExclusionForce::getParticleParameters %{
+    val[0] = openmm.unit.Quantity(val[0], openmm.unit.nanometer)
+%}
+%pythonappend ChainTreePlugin::StericExclusionForce::getMinimumDistance %{
+    val = MinimumDistance(*val)
+%}
+%pythonappend ChainTreePlugin::StericExclusionForce::getTraversalStatistics %{
+    val = TraversalStatistics(*val)
+%}
+%pythonappend ChainTreePlugin::TorsionMonteCarloIntegrator::getMoveStatistics %{
+    val = MoveStatistics(*val)
+%}
+
+/* Integrator's own wrapper of step() handles threads and exceptions; the class is not abstract without it. */
+%ignore ChainTreePlugin::TorsionMonteCarloIntegrator::step;
+%feature("notabstract") ChainTreePlugin::TorsionMonteCarloIntegrator;
+
+%extend ChainTreePlugin::TorsionMonteCarloIntegrator {
+%pythoncode %{
+    def computeSystemTemperature(self):
+        """Get the temperature of the heat bath, a Quantity in K: the one that sampling has, since nothing moves in time.
+
+        StateDataReporter shows it in place of a kinetic temperature.
+        """
+        return self.getTemperature()
+%}
+}
+
+/* A Force or Integrator that comes from a System, a Context or a CompoundIntegrator has lost its class. */
+%define %castable(CLASS, BASE)
+%extend ChainTreePlugin::CLASS {
+    /**
+     * Get an object as the class that it is.
+     *
+     * @param object  a CLASS whose Python class is another one
+     * @return the same object
+     */
+    static ChainTreePlugin::CLASS& cast(OpenMM::BASE& object) {
+        ChainTreePlugin::CLASS* result = dynamic_cast<ChainTreePlugin::CLASS*>(&object);
+        if (result == NULL)
+            throw OpenMM::OpenMMException("cast: the object is not a CLASS");
+        return *result;
+    }
+    /**
+     * Get whether an object is a CLASS.
+     */
+    static bool isinstance(OpenMM::BASE& object) {
+        return dynamic_cast<ChainTreePlugin::CLASS*>(&object) != NULL;
+    }
+}
+%enddef
+
+%castable(StericExclusionForce, Force)
+%castable(TorsionMonteCarloIntegrator, Integrator)
+
+#define OPENMM_EXPORT_CHAINTREE
+%include "openmmchaintree/StericExclusionForce.h"
+%include "openmmchaintree/TorsionMonteCarloIntegrator.h"

@@ -1,0 +1,33 @@
+"""openmm-chaintree: exact steric exclusion and torsion-space Monte Carlo for OpenMM.
+
+`StericExclusionForce` and `TorsionMonteCarloIntegrator` are the plugin's classes; `createStericExclusionForce` and
+`findTorsions` make the first from an `openmm.app.Topology`. Numbers are in nm, rad, kJ/mol and K, or OpenMM Quantities;
+results are plain numbers and NumPy arrays in these units.
+"""
+
+from .loading import loadPlugin
+
+loadPlugin()
+
+from .openmmchaintree import (  # noqa: E402
+    MinimumDistance,
+    MoveStatistics,
+    StericExclusionForce,
+    TorsionMonteCarloIntegrator,
+    TraversalStatistics,
+)
+from .sterics import createStericExclusionForce  # noqa: E402
+from .torsions import LeftOutTorsion, Torsion, TorsionSearch, findTorsions  # noqa: E402
+
+__all__ = [
+    "LeftOutTorsion",
+    "MinimumDistance",
+    "MoveStatistics",
+    "StericExclusionForce",
+    "Torsion",
+    "TorsionMonteCarloIntegrator",
+    "TorsionSearch",
+    "TraversalStatistics",
+    "createStericExclusionForce",
+    "findTorsions",
+]

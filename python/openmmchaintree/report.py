@@ -1,0 +1,103 @@
+"""What a sampling run did, as tables for people and as JSON for programs."""
+
+from collections import Counter
+
+from rich.table import Table
+
+from .bonds import describeResidue
+
+
+def summarize(sampling, structure, seed, files, interrupted):
+    """Return everything that a run did as plain dictionaries and lists, for JSON. Lengths are in nm, times in s."""
+    verdict = sampling.check()
+    names = [f"{describeResidue(atom.residue)} {atom.name}" for atom in structure.topology.atoms()]
+    return {
+        "structure": structure.name,
+        "atoms": len(names),
+        "fixedAtoms": sampling.fixedAtoms,
+        "torsions": dict(Counter(torsion.kind for torsion in sampling.torsions)),
+        "leftOut": sampling.notes,
+        "seed": seed,
+        "interrupted": interrupted,
+        "trials": sampling.trials,
+        "frames": len(sampling.frames) - 1,
+        "secondsInSteps": sampling.seconds,
+        "microsecondsPerTrial": 1e6 * sampling.seconds / sampling.trials if sampling.trials else None,
+        "trialsPerSecond": sampling.trials / sampling.seconds if sampling.trials else None,
+        "moves": [
+            {"name": move.name, "weight": move.weight, **statistics._asdict()}
+            for move, statistics in zip(sampling.moves, sampling.statistics(), strict=True)
+        ],
+        "radiusOfGyration": [frame.radiusOfGyration for frame in sampling.frames],
+        "clashesAtStart": len(sampling.startOverlaps.pairs),
+        "toleratedPairs": _describePairs(verdict.tolerated, names),
+        "pairsBeyondLimit": _describePairs(verdict.beyond, names, verdict.beyondLimits),
+        "files": files,
+    }
+
+
+def _describePairs(overlaps, names, limits=None):
+    pairs = []
+    for number, (first, second) in enumerate(overlaps.pairs.tolist()):
+        pair = {
+            "particles": [first, second],
+            "atoms": [names[first], names[second]],
+            "overlap": float(overlaps.overlaps[number]),
+            "tolerance": float(overlaps.tolerances[number]),
+        }
+        if limits is not None:
+            pair["limit"] = float(limits[number])
+        pairs.append(pair)
+    return pairs
+
+
+def printReport(summary, console):
+    """Print a summary on a rich Console."""
+    kinds = ", ".join(f"{count} {kind}" for kind, count in summary["torsions"].items())
+    fixed = f", {summary['fixedAtoms']:,} of them fixed" if summary["fixedAtoms"] else ""
+    console.print(
+        f"{summary['structure']}: {summary['atoms']:,} atoms{fixed}; {sum(summary['torsions'].values()):,} torsions "
+        f"({kinds}); seed {summary['seed']}"
+    )
+    for note in summary["leftOut"]:
+        console.print(f"note: {note}")
+    console.print(_moveTable(summary["moves"]))
+    if summary["trials"]:
+        console.print(
+            f"{summary['trials']:,} trials in {summary['secondsInSteps']:.3f} s: "
+            f"{summary['microsecondsPerTrial']:.2f} µs a trial, {summary['trialsPerSecond']:,.0f} trials a second"
+        )
+    if summary["interrupted"]:
+        console.print("interrupted: what was sampled so far is in the files")
+    _printVerdict(summary, console)
+    console.print(f"wrote {', '.join(summary['files'])}")
+
+
+def _moveTable(moves):
+    table = Table("move", box=None, pad_edge=False, header_style="bold")
+    for heading in ("attempted", "clashed", "rejected", "accepted", "%"):
+        table.add_column(heading, justify="right")
+    rows = [(move["name"], *(move[key] for key in _COUNTS)) for move in moves]
+    if len(rows) > 1:
+        rows.append(("all", *(sum(column) for column in list(zip(*rows, strict=True))[1:])))
+    for name, attempted, *counts in rows:
+        share = f"{100 * counts[-1] / attempted:.1f}" if attempted else "–"
+        table.add_row(name, f"{attempted:,}", *(f"{count:,}" for count in counts), share)
+    return table
+
+
+_COUNTS = ("attempted", "clashed", "rejectedByEnergy", "accepted")
+
+
+def _printVerdict(summary, console):
+    tolerated, beyond = summary["toleratedPairs"], summary["pairsBeyondLimit"]
+    count = f"{len(beyond)} beyond their limit" if beyond else "none beyond its limit"
+    console.print(
+        f"last positions, all pairs compared: {count}, {len(tolerated)} tolerated "
+        f"({summary['clashesAtStart']} clashed at the start)"
+    )
+    for pair in beyond:
+        console.print(
+            f"  beyond its limit: {pair['atoms'][0]} – {pair['atoms'][1]}, "
+            f"overlap {pair['overlap']:.9f} nm, limit {pair['limit']:.9f} nm"
+        )

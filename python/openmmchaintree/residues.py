@@ -1,0 +1,85 @@
+"""What the helpers know of amino acids and nucleotides by name.
+
+Names are those of the Protein Data Bank, to which `openmm.app.PDBFile` brings what it reads.
+"""
+
+# Names that force fields and programs give to protonation states and to cysteines in disulfides.
+_VARIANTS = {
+    "HID": "HIS", "HIE": "HIS", "HIP": "HIS", "HSD": "HIS", "HSE": "HIS", "HSP": "HIS",
+    "CYX": "CYS", "CYM": "CYS", "ASH": "ASP", "GLH": "GLU", "LYN": "LYS",
+}  # fmt: skip
+
+# The side chain from CB on: chi_n is the dihedral of four consecutive names after N, CA (IUPAC-IUB 1970, rule 4.4).
+# Alternatives, in the order in which they are looked for, are separated by a bar.
+_SIDE_CHAINS = {
+    "ALA": "", "GLY": "", "PRO": "",
+    "ARG": "CB CG CD NE CZ",
+    "ASN": "CB CG OD1", "ASP": "CB CG OD1",
+    "CYS": "CB SG",
+    "GLN": "CB CG CD OE1", "GLU": "CB CG CD OE1",
+    "HIS": "CB CG ND1",
+    "ILE": "CB CG1 CD1|CD", "LEU": "CB CG CD1",
+    "LYS": "CB CG CD CE NZ",
+    "MET": "CB CG SD CE", "MSE": "CB CG SE CE",
+    "PHE": "CB CG CD1", "TYR": "CB CG CD1", "TRP": "CB CG CD1",
+    "SER": "CB OG", "THR": "CB OG1",
+    "VAL": "CB CG1",
+}  # fmt: skip
+
+_PURINES = {"A", "G", "I", "DA", "DG", "DI"}
+_PYRIMIDINES = {"C", "U", "DC", "DT", "DU"}
+
+# Carbons that are sp2 in amino acids and bases: bare, and with a hydrogen.
+_BARE_SP2_CARBONS = {
+    "ASN": "CG", "ASP": "CG", "GLN": "CD", "GLU": "CD", "ARG": "CZ", "HIS": "CG", "PHE": "CG", "TYR": "CG CZ",
+    "TRP": "CG CD2 CE2",
+    "A": "C4 C5 C6", "G": "C2 C4 C5 C6", "I": "C4 C5 C6", "C": "C2 C4", "U": "C2 C4", "T": "C2 C4 C5",
+}  # fmt: skip
+_SP2_CARBONS_WITH_HYDROGEN = {
+    "HIS": "CD2 CE1", "PHE": "CD1 CD2 CE1 CE2 CZ", "TYR": "CD1 CD2 CE1 CE2", "TRP": "CD1 CE3 CZ2 CZ3 CH2",
+    "A": "C2 C8", "G": "C8", "I": "C2 C8", "C": "C5 C6", "U": "C5 C6", "T": "C6",
+}  # fmt: skip
+
+CAPS = {"ACE", "NME", "NHE", "NH2"}
+
+
+def aminoAcid(name):
+    """Return the amino acid of a residue name, such as HIS for HIE, CYS for NCYX; None for other residues.
+
+    Amber prefixes N or C to the names of terminal residues.
+    """
+    name = _VARIANTS.get(name, name)
+    if name in _SIDE_CHAINS:
+        return name
+    if len(name) == 4 and name[0] in "NC":
+        return aminoAcid(name[1:])
+    return None
+
+
+def isNucleotide(name):
+    """Whether a residue name is one of DNA or RNA."""
+    return name in _PURINES or name in _PYRIMIDINES
+
+
+def chiAtoms(name):
+    """Return the atom names of chi1, chi2, … of an amino acid (as `aminoAcid` names it).
+
+    Each is four tuples of alternative names.
+    """
+    line = [("N",), ("CA",)] + [tuple(names.split("|")) for names in _SIDE_CHAINS[name].split()]
+    return [tuple(line[i : i + 4]) for i in range(len(line) - 3)]
+
+
+def glycosidicAtoms(name):
+    """Return the atom names of chi of a nucleotide: O4'-C1'-N9-C4 in purines, O4'-C1'-N1-C2 in pyrimidines."""
+    return ("O4'", "C1'", "N9", "C4") if name in _PURINES else ("O4'", "C1'", "N1", "C2")
+
+
+def isSp2Carbon(residueName, atomName, withHydrogen):
+    """Whether a carbon of an amino acid or nucleotide is sp2 and bears a hydrogen, or bears none."""
+    amino = aminoAcid(residueName)
+    if amino is not None and atomName == "C":
+        return not withHydrogen
+    base = residueName.removeprefix("D") if isNucleotide(residueName) else amino
+    table = _SP2_CARBONS_WITH_HYDROGEN if withHydrogen else _BARE_SP2_CARBONS
+    return atomName in table.get(base, "").split()

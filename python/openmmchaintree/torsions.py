@@ -1,0 +1,260 @@
+"""Finding the torsions of proteins and nucleic acids in a Topology."""
+
+from itertools import pairwise
+from typing import NamedTuple
+
+from openmm.app import Residue
+
+from .bonds import BondGraph, describeResidue, neighborLists, ringBonds
+from .residues import CAPS, aminoAcid, chiAtoms, glycosidicAtoms, isNucleotide
+from .units import positionsInNm
+
+# What each word in a list of kinds stands for.
+_KINDS = {
+    "phi": ("phi",),
+    "psi": ("psi",),
+    "omega": ("omega",),
+    "chi": ("chi1", "chi2", "chi3", "chi4", "chi"),
+    **{kind: (kind,) for kind in ("chi1", "chi2", "chi3", "chi4", "rotor")},
+    **{kind: (kind,) for kind in ("alpha", "beta", "gamma", "delta", "epsilon", "zeta")},
+}
+
+# Atoms of the residue itself, of the residue before it (-) and after it (+); IUPAC-IUB 1970 and 1983.
+_PEPTIDE = {
+    "phi": ("-C", "N", "CA", "C"),
+    "psi": ("N", "CA", "C", "+N"),
+    "omega": ("CA", "C", "+N", "+CA"),
+}
+_NUCLEOTIDE = {
+    "alpha": ("-O3'", "P", "O5'", "C5'"),
+    "beta": ("P", "O5'", "C5'", "C4'"),
+    "gamma": ("O5'", "C5'", "C4'", "C3'"),
+    "delta": ("C5'", "C4'", "C3'", "O3'"),
+    "epsilon": ("C4'", "C3'", "O3'", "+P"),
+    "zeta": ("C3'", "O3'", "+P", "+O5'"),
+}
+# What stands for CA in the caps of a chain.
+_CAP_CARBONS = {"ACE": ("CH3",), "NME": ("CH3", "C")}
+
+RING = "in a ring"
+DISULFIDE_RING = "in a ring that disulfide bonds close"
+PROLINE_RING = "in the ring of proline"
+
+
+class Torsion(NamedTuple):
+    """A rotation about the bond particles[1]–particles[2]."""
+
+    particles: tuple[int, int, int, int]
+    kind: str
+    residue: Residue
+
+
+class LeftOutTorsion(NamedTuple):
+    """A torsion of a kind that was asked for and that cannot be turned."""
+
+    kind: str
+    residue: Residue
+    reason: str
+    nextToGap: bool = False
+
+
+class TorsionSearch(NamedTuple):
+    """What `findTorsions` found: the torsions, and those it left out with the reason for each."""
+
+    torsions: list[Torsion]
+    leftOut: list[LeftOutTorsion]
+
+
+def findTorsions(topology, positions=None, kinds=("phi", "psi", "chi"), cutDisulfides=False):
+    """Find the torsions of the amino acids and nucleotides of a Topology.
+
+    Particles are in the order of IUPAC: the dihedral of particles is φ, ψ, ω, χ1 … χ4, α … ζ or the glycosidic χ of
+    the residue. A bond in a ring is never a torsion. The first φ and the last ψ and ω of a chain do not exist.
+
+    Parameters
+    ----------
+    topology : openmm.app.Topology
+        with the residue and atom names of the Protein Data Bank, as `openmm.app.PDBFile` gives them. The variants of
+        protonation that Amber and CHARMM name (HID, HIE, HIP, CYX, CYM, ASH, GLH, LYN, …) are known.
+    positions : array of shape (n, 3) or Quantity, optional
+        nm. With them, a bond between residues that is longer than 0.4 nm is a gap in the chain, not a bond.
+    kinds : str or iterable of str
+        of phi, psi, omega, chi (all of chi1 … chi4, and of nucleotides), chi1, chi2, chi3, chi4; alpha, beta, gamma,
+        delta, epsilon, zeta of nucleic acids; rotor (methyl, hydroxyl, thiol and amine groups, turned by a hydrogen)
+    cutDisulfides : bool
+        treat disulfides as if they were no bonds
+
+    Returns
+    -------
+    TorsionSearch
+        torsions: list of (particles, kind, residue), in the order of residues; leftOut: list of (kind, residue,
+        reason, nextToGap), for rings, gaps and missing atoms
+
+    Raises
+    ------
+    ValueError
+        if a kind is unknown or positions have the wrong shape
+    TypeError
+        if positions have a unit that is not a length
+    """
+    if positions is not None:
+        positions = positionsInNm(positions, topology.getNumAtoms())
+    return searchTorsions(BondGraph(topology, positions, cutDisulfides), topology, kinds)
+
+
+def searchTorsions(graph, topology, kinds):
+    """Do the work of `findTorsions` on a BondGraph of the topology."""
+    kinds = _expandKinds(kinds)
+    search = _Search(graph, topology)
+    for residue in topology.residues():
+        search.addResidue(residue, kinds)
+    return TorsionSearch(search.torsions, search.leftOut)
+
+
+def _expandKinds(kinds):
+    words = (kinds,) if isinstance(kinds, str) else tuple(kinds)
+    for word in words:
+        if word not in _KINDS:
+            raise ValueError(f"{word!r} is no kind of torsion; the kinds are {', '.join(_KINDS)}")
+    return {kind for word in words for kind in _KINDS[word]}
+
+
+class _Search:
+    """One search: the lookups that finding a torsion needs, and what was found."""
+
+    def __init__(self, graph, topology):
+        self.torsions = []
+        self.leftOut = []
+        self._graph = graph
+        self._ringBonds = ringBonds(graph.neighbors)
+        self._atoms = [_atomsByName(residue) for residue in topology.residues()]
+        disulfides = set(graph.disulfides)
+        others = [bond for bond in graph.bonds if bond not in disulfides]
+        self._ringsWithoutDisulfides = ringBonds(neighborLists(len(graph.atoms), others))
+        self._gapAfter = {gap.residue1.index: gap for gap in graph.gaps}
+        self._gapBefore = {gap.residue2.index: gap for gap in graph.gaps}
+        self._previous, self._next = self._linkedResidues()
+
+    def _linkedResidues(self):
+        """Map residues to those that come before and after them in the polymer, by its bonds."""
+        previous, following = {}, {}
+        for bond in self._graph.bonds:
+            for atom1, atom2 in (bond, bond[::-1]):
+                first, second = self._graph.atoms[atom1], self._graph.atoms[atom2]
+                if first.residue is not second.residue and (first.name, second.name) in (("C", "N"), ("O3'", "P")):
+                    previous[second.residue.index] = first.residue
+                    following[first.residue.index] = second.residue
+        return previous, following
+
+    def addResidue(self, residue, kinds):
+        amino = aminoAcid(residue.name)
+        if residue.name in CAPS:
+            self._addPolymerTorsions(residue, {"omega": _PEPTIDE["omega"]}, kinds)
+        elif amino is not None or self._hasPeptideBackbone(residue):
+            self._addPolymerTorsions(residue, _PEPTIDE, kinds)
+        if amino is not None:
+            for number, names in enumerate(chiAtoms(amino), start=1):
+                if f"chi{number}" in kinds:
+                    self._addInternal(f"chi{number}", residue, names)
+        if isNucleotide(residue.name):
+            self._addPolymerTorsions(residue, _NUCLEOTIDE, kinds)
+            if "chi" in kinds:
+                self._addInternal("chi", residue, [(name,) for name in glycosidicAtoms(residue.name)])
+        if "rotor" in kinds and (amino is not None or isNucleotide(residue.name) or residue.name in CAPS):
+            self._addRotors(residue)
+
+    def _hasPeptideBackbone(self, residue):
+        """Whether a residue without a known name is a residue of a peptide: N, CA and C bonded in a row."""
+        atoms = self._atoms[residue.index]
+        if not all(name in atoms for name in ("N", "CA", "C")):
+            return False
+        ofCA = self._graph.neighbors[atoms["CA"]]
+        return atoms["N"] in ofCA and atoms["C"] in ofCA
+
+    def _addPolymerTorsions(self, residue, table, kinds):
+        """Add torsions that may reach into the residues before and after."""
+        for kind, names in table.items():
+            if kind not in kinds:
+                continue
+            particles = []
+            for name in names:
+                holder, name, gap = residue, name, None
+                if name[0] == "-":
+                    holder, gap, name = self._previous.get(residue.index), self._gapBefore.get(residue.index), name[1:]
+                elif name[0] == "+":
+                    holder, gap, name = self._next.get(residue.index), self._gapAfter.get(residue.index), name[1:]
+                if holder is None:
+                    if gap is not None:
+                        self._leaveOut(kind, residue, f"next to a gap in the chain: {gap.reason}", nextToGap=True)
+                    break
+                atom = self._atoms[holder.index].get(name)
+                if atom is None:
+                    self._noteMissingAtom(kind, residue, holder, name)
+                    break
+                particles.append(atom)
+            else:
+                self._add(kind, residue, particles)
+
+    def _noteMissingAtom(self, kind, residue, holder, name):
+        # The 5' end of a nucleic acid has no phosphate: its alpha and beta do not exist.
+        if name == "P" and holder is residue and residue.index not in self._previous:
+            return
+        # A cap's own half of a torsion is no torsion of a residue.
+        if residue.name in CAPS or holder.name in CAPS:
+            return
+        self._leaveOut(kind, residue, f"atom {name} of {describeResidue(holder)} is missing")
+
+    def _addInternal(self, kind, residue, alternatives):
+        """Add a torsion whose atoms all lie in one residue."""
+        atoms = self._atoms[residue.index]
+        particles = []
+        for names in alternatives:
+            atom = next((atoms[name] for name in names if name in atoms), None)
+            if atom is None:
+                self._leaveOut(kind, residue, f"atom {names[0]} of {describeResidue(residue)} is missing")
+                return
+            particles.append(atom)
+        self._add(kind, residue, particles)
+
+    def _addRotors(self, residue):
+        """Add the groups that only a hydrogen shows turning: XH or XH3 at the end of a branch, and neutral amines."""
+        graph = self._graph
+        for end in self._atoms[residue.index].values():
+            heavy, hydrogens = graph.heavyNeighborsOf(end), graph.hydrogensOf(end)
+            if len(heavy) != 1 or not hydrogens:
+                continue
+            axis = heavy[0]
+            element, count = graph.elementNumber(end), len(hydrogens)
+            isAmine = element == 7 and count == 2 and len(graph.neighbors[axis]) == 4
+            if isAmine or (element, count) in {(6, 3), (7, 3), (8, 1), (16, 1)}:
+                before = sorted(other for other in graph.heavyNeighborsOf(axis) if other != end)
+                if before:
+                    self._add("rotor", residue, [before[0], axis, end, min(hydrogens)])
+
+    def _add(self, kind, residue, particles):
+        neighbors = self._graph.neighbors
+        for atom, other in pairwise(particles):
+            if other not in neighbors[atom]:
+                names = [self._graph.atoms[particle].name for particle in (atom, other)]
+                self._leaveOut(kind, residue, f"{names[0]} and {names[1]} are not bonded")
+                return
+        axis = (min(particles[1:3]), max(particles[1:3]))
+        if kind == "phi" and aminoAcid(residue.name) == "PRO":
+            self._leaveOut(kind, residue, PROLINE_RING)
+        elif axis in self._ringsWithoutDisulfides:
+            self._leaveOut(kind, residue, RING)
+        elif axis in self._ringBonds:
+            self._leaveOut(kind, residue, DISULFIDE_RING)
+        else:
+            self.torsions.append(Torsion(tuple(particles), kind, residue))
+
+    def _leaveOut(self, kind, residue, reason, nextToGap=False):
+        self.leftOut.append(LeftOutTorsion(kind, residue, reason, nextToGap))
+
+
+def _atomsByName(residue):
+    atoms = {atom.name: atom.index for atom in residue.atoms()}
+    for name in _CAP_CARBONS.get(residue.name, ()):
+        if name in atoms:
+            atoms.setdefault("CA", atoms[name])
+    return atoms

@@ -1,0 +1,55 @@
+"""Numbers with and without units, brought to the units of the plugin: nm, rad, kJ/mol, K."""
+
+import numpy as np
+from openmm import unit
+
+_DIMENSIONS = {
+    "nm": (unit.nanometer, "a length (nm)"),
+    "rad": (unit.radian, "an angle (rad)"),
+    "K": (unit.kelvin, "a temperature (K)"),
+    "kJ/mol/nm^2": (unit.kilojoule_per_mole / unit.nanometer**2, "a force constant (kJ/mol/nm^2)"),
+    "1": (unit.dimensionless, "a number without unit"),
+}
+
+
+def inUnit(value, symbol, name):
+    """Return value as plain number or numbers in the unit that symbol names.
+
+    Parameters
+    ----------
+    value : number, sequence or Quantity
+        taken as it is if it has no unit; a sequence may hold Quantities
+    symbol : str
+        "nm", "rad", "K", "kJ/mol/nm^2" or "1"
+    name : str
+        the parameter, for the error message
+
+    Raises
+    ------
+    TypeError
+        if the value has a unit of another dimension
+    """
+    target, description = _DIMENSIONS[symbol]
+    if unit.is_quantity(value):
+        if not value.unit.is_compatible(target):
+            raise TypeError(f"{name} must be {description}, not one in {value.unit.get_symbol()}")
+        return value.value_in_unit(target)
+    if isinstance(value, (list, tuple)):
+        return [inUnit(item, symbol, name) for item in value]
+    return value
+
+
+def positionsInNm(positions, count):
+    """Return positions as a float64 array of shape (count, 3) in nm.
+
+    Raises
+    ------
+    TypeError
+        if they have a unit that is not a length
+    ValueError
+        if their shape is not (count, 3)
+    """
+    array = np.asarray(inUnit(positions, "nm", "positions"), dtype=np.float64)
+    if array.shape != (count, 3):
+        raise ValueError(f"positions must have the shape ({count}, 3), not {array.shape}")
+    return array
