@@ -149,7 +149,8 @@ ctStatus ctGetTrialPositions(ctChainTree* tree, double* positions);
  * Errors: not a torsion joint; a dihedral that is undefined because three of its particles are collinear. */
 ctStatus ctGetTorsionAngle(ctChainTree* tree, int link, double* angle);
 
-/* The centroid (nm) of all particles, modelled or not, of a link and the links that hang on it. O(their number). */
+/* The centroid (nm) of all particles, modelled or not, of a link and the links that hang on it. O(their number).
+ * Errors: a link with a fixed joint, since all of those are one with the world. */
 ctStatus ctGetCentroid(ctChainTree* tree, int link, double centroid[3]);
 
 /* The transform from the frame of linkB to that of linkA, by shortcuts, in O(log N) (section 2.1). A link's frame moves

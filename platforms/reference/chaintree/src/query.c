@@ -112,8 +112,11 @@ static bool addEnergy(Match* match, int slotA, int slotB, double overlap) {
   double apart[3];
   subtract(tree->traversal.position[slotA], tree->traversal.position[slotB], apart);
   double distance = sqrt(dot(apart, apart));
-  if (distance == 0) {
+  if (distance <= tree->traversal.band) {
+    /* Coincident but for rounding: any direction would do, so it is a fixed one. */
     apart[0] = particleA < particleB ? 1 : -1;
+    apart[1] = 0;
+    apart[2] = 0;
     distance = 1;
   }
   for (size_t d = 0; d < 3; d++) {
@@ -252,12 +255,13 @@ typedef struct Raise {
 } Raise;
 
 static bool raiseLimit(Match* match, int slotA, int slotB, double overlap) {
+  (void)overlap; /* a limit is of the canonical distance, like the trials that it judges */
   Raise* raise = match->context;
+  const double canonical = radiusSum(match->tree, slotA, slotB) - canonicalDistance(match->tree, slotA, slotB);
   int pair[2];
   particlesOf(match->tree, slotA, slotB, pair);
-  if (overlap > ctLimitsFind(&match->tree->limits, pair[0], pair[1], 0)) {
-    const double now = radiusSum(match->tree, slotA, slotB) - canonicalDistance(match->tree, slotA, slotB);
-    raise->failed = !ctLimitsAppend(&raise->raised, pair[0], pair[1], now + CT_SIGMA);
+  if (canonical > ctLimitsFind(&match->tree->limits, pair[0], pair[1], 0)) {
+    raise->failed = !ctLimitsAppend(&raise->raised, pair[0], pair[1], canonical + CT_SIGMA);
   }
   return !raise->failed;
 }
