@@ -4,7 +4,7 @@ from pathlib import Path
 
 import openmm
 
-from .version import openmm_version
+from ._build import OPENMM_VERSION
 
 
 def loadPlugin():
@@ -16,8 +16,8 @@ def loadPlugin():
         if OpenMM has another minor version: its classes then have another layout in memory
     """
     running = openmm.Platform.getOpenMMVersion()
-    if _minor(running) != _minor(openmm_version):
-        raise ImportError(f"openmmchaintree was built for OpenMM {openmm_version} and cannot run with OpenMM {running}")
+    if _minor(running) != _minor(OPENMM_VERSION):
+        raise ImportError(f"openmmchaintree was built for OpenMM {OPENMM_VERSION} and cannot run with OpenMM {running}")
 
     # The extension, not this file: in an editable install this file is in the source tree.
     from . import _openmmchaintree
