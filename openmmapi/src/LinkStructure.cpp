@@ -1,6 +1,7 @@
 #include "openmmchaintree/internal/LinkStructure.h"
 #include "openmm/OpenMMException.h"
 #include "openmm/VirtualSite.h"
+#include "openmmchaintree/internal/ArgumentChecks.h"
 #include <algorithm>
 #include <map>
 #include <set>
@@ -14,13 +15,6 @@ using namespace std;
 static void fail(const string& message)
 {
     throw OpenMMException("StericExclusionForce: " + message);
-}
-
-static void checkParticle(int particle, int numParticles, const string& whose)
-{
-    if (particle < 0 || particle >= numParticles)
-        fail(whose + " names particle " + to_string(particle) + ", but there are " + to_string(numParticles) +
-             " particles");
 }
 
 /**
@@ -46,8 +40,8 @@ public:
             int particle1, particle2;
             force.getBondParticles(i, particle1, particle2);
             string name = "bond " + to_string(i);
-            checkParticle(particle1, neighbors.size(), name);
-            checkParticle(particle2, neighbors.size(), name);
+            checkIndex(particle1, neighbors.size(), "particle", "StericExclusionForce: " + name);
+            checkIndex(particle2, neighbors.size(), "particle", "StericExclusionForce: " + name);
             if (particle1 == particle2)
                 fail(name + " ties particle " + to_string(particle1) + " to itself");
             tie(particle1, particle2);
@@ -123,7 +117,7 @@ void LinkStructure::checkTorsions(const BondGraph& graph, const StericExclusionF
         int p[4];
         force.getTorsionParticles(i, p[0], p[1], p[2], p[3]);
         for (int particle : p)
-            checkParticle(particle, force.getNumParticles(), name);
+            checkIndex(particle, force.getNumParticles(), "particle", "StericExclusionForce: " + name);
         if (set<int>(p, p + 4).size() < 4)
             fail(name + " names a particle twice");
         for (int j = 0; j < 3; j++)

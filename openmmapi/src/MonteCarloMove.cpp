@@ -1,5 +1,6 @@
 #include "openmmchaintree/internal/MonteCarloMove.h"
 #include "openmm/OpenMMException.h"
+#include "openmmchaintree/internal/ArgumentChecks.h"
 #include <algorithm>
 
 using namespace ChainTreePlugin;
@@ -17,13 +18,6 @@ static void checkUnique(vector<int> values, const string& message)
         throw OpenMMException(message + to_string(*repeated) + " twice");
 }
 
-static void checkIndex(int index, size_t size, const string& name, const string& what)
-{
-    if (index < 0 || index >= (int)size)
-        throw OpenMMException(name + " names " + what + " " + to_string(index) + ", but there are " + to_string(size) +
-                              " " + what + "s");
-}
-
 TorsionMove::TorsionMove(double maxAngle, const vector<int>& torsions, int count) :
     maxAngle(maxAngle), torsions(torsions), count(count)
 {
@@ -35,7 +29,7 @@ void TorsionMove::bind(const LinkStructure& structure, const string& name)
     if (numTorsions == 0)
         throw OpenMMException(name + " turns torsions, but the StericExclusionForce has none");
     for (int torsion : torsions)
-        checkIndex(torsion, numTorsions, name, "torsion");
+        checkIndex(torsion, numTorsions, "torsion", name);
     checkUnique(torsions, name + " names torsion ");
     choices = torsions;
     if (choices.empty())
@@ -81,7 +75,7 @@ void RigidBodyMove::bind(const LinkStructure& structure, const string& name)
     choices.clear();
     vector<bool> isNamed(molecules.size(), false);
     for (int particle : particles) {
-        checkIndex(particle, structure.getParticleLinks().size(), name, "particle");
+        checkIndex(particle, structure.getParticleLinks().size(), "particle", name);
         int molecule = structure.getParticleMolecule(particle);
         if (molecules[molecule].fixed)
             throw OpenMMException(name + " names the molecule of particle " + to_string(particle) +

@@ -1,6 +1,7 @@
 #include "openmmchaintree/StericExclusionForce.h"
 #include "openmm/internal/AssertionUtilities.h"
 #include "openmm/OpenMMException.h"
+#include "openmmchaintree/internal/ArgumentChecks.h"
 #include "openmmchaintree/internal/StericExclusionForceImpl.h"
 #include <algorithm>
 #include <cmath>
@@ -12,25 +13,14 @@ using namespace ChainTreePlugin;
 using namespace OpenMM;
 using namespace std;
 
-/**
- * Throw an exception unless a value is a finite number and at least 0.
- */
-static void checkNotNegative(double value, const string& what)
+static void checkParticleParameters(int index, double radius, StericExclusionForce::HydrogenBondRole hydrogenBondRole)
 {
-    if (isfinite(value) && value >= 0)
-        return;
-    stringstream message;
-    message << "StericExclusionForce: " << what << " must be a finite number and at least 0, but is " << value;
-    throw OpenMMException(message.str());
-}
-
-static void checkParticleParameters(int index, double radius, StericExclusionForce::HydrogenBondRole role)
-{
-    checkNotNegative(radius, "the radius of particle " + to_string(index));
-    if (role < StericExclusionForce::NoHydrogenBond || role > StericExclusionForce::DonorAndAcceptor)
+    checkNotNegative(radius, "StericExclusionForce: the radius of particle " + to_string(index));
+    if (hydrogenBondRole < StericExclusionForce::NoHydrogenBond ||
+        hydrogenBondRole > StericExclusionForce::DonorAndAcceptor)
         throw OpenMMException("StericExclusionForce: the hydrogen bond role of particle " + to_string(index) +
                               " must be NoHydrogenBond, Donor, Acceptor or DonorAndAcceptor, but is " +
-                              to_string((int)role));
+                              to_string((int)hydrogenBondRole));
 }
 
 static StericExclusionForceImpl& toImpl(ForceImpl& impl)
@@ -63,25 +53,25 @@ int StericExclusionForce::getNumExclusions() const
     return exclusions.size();
 }
 
-int StericExclusionForce::addParticle(double radius, HydrogenBondRole role)
+int StericExclusionForce::addParticle(double radius, HydrogenBondRole hydrogenBondRole)
 {
-    checkParticleParameters(particles.size(), radius, role);
-    particles.push_back({radius, role});
+    checkParticleParameters(particles.size(), radius, hydrogenBondRole);
+    particles.push_back({radius, hydrogenBondRole});
     return particles.size() - 1;
 }
 
-void StericExclusionForce::getParticleParameters(int index, double& radius, HydrogenBondRole& role) const
+void StericExclusionForce::getParticleParameters(int index, double& radius, HydrogenBondRole& hydrogenBondRole) const
 {
     ASSERT_VALID_INDEX(index, particles);
     radius = particles[index].radius;
-    role = particles[index].role;
+    hydrogenBondRole = particles[index].role;
 }
 
-void StericExclusionForce::setParticleParameters(int index, double radius, HydrogenBondRole role)
+void StericExclusionForce::setParticleParameters(int index, double radius, HydrogenBondRole hydrogenBondRole)
 {
     ASSERT_VALID_INDEX(index, particles);
-    checkParticleParameters(index, radius, role);
-    particles[index] = {radius, role};
+    checkParticleParameters(index, radius, hydrogenBondRole);
+    particles[index] = {radius, hydrogenBondRole};
 }
 
 int StericExclusionForce::addBond(int particle1, int particle2)
@@ -99,7 +89,7 @@ void StericExclusionForce::getBondParticles(int index, int& particle1, int& part
 
 int StericExclusionForce::addTorsion(int particle1, int particle2, int particle3, int particle4)
 {
-    torsions.push_back({particle1, particle2, particle3, particle4});
+    torsions.push_back({{particle1, particle2, particle3, particle4}});
     return torsions.size() - 1;
 }
 
@@ -107,10 +97,10 @@ void StericExclusionForce::getTorsionParticles(int index, int& particle1, int& p
                                                int& particle4) const
 {
     ASSERT_VALID_INDEX(index, torsions);
-    particle1 = torsions[index].particle1;
-    particle2 = torsions[index].particle2;
-    particle3 = torsions[index].particle3;
-    particle4 = torsions[index].particle4;
+    particle1 = torsions[index][0];
+    particle2 = torsions[index][1];
+    particle3 = torsions[index][2];
+    particle4 = torsions[index][3];
 }
 
 int StericExclusionForce::addExclusion(int particle1, int particle2)
@@ -132,10 +122,8 @@ void StericExclusionForce::createExclusionsFromBonds(int bondCutoff)
         throw OpenMMException("StericExclusionForce: bondCutoff must be at least 0, but is " + to_string(bondCutoff));
     vector<vector<int>> neighbors(particles.size());
     for (auto& bond : bonds) {
-        for (int particle : {bond.first, bond.second})
-            if (particle < 0 || particle >= (int)particles.size())
-                throw OpenMMException("StericExclusionForce: a bond names particle " + to_string(particle) +
-                                      ", but there are " + to_string(particles.size()) + " particles");
+        checkIndex(bond.first, particles.size(), "particle", "StericExclusionForce: a bond");
+        checkIndex(bond.second, particles.size(), "particle", "StericExclusionForce: a bond");
         neighbors[bond.first].push_back(bond.second);
         neighbors[bond.second].push_back(bond.first);
     }
@@ -173,7 +161,7 @@ double StericExclusionForce::getOverlapTolerance() const
 
 void StericExclusionForce::setOverlapTolerance(double tolerance)
 {
-    checkNotNegative(tolerance, "the overlap tolerance");
+    checkNotNegative(tolerance, "StericExclusionForce: the overlap tolerance");
     overlapTolerance = tolerance;
 }
 
@@ -184,7 +172,7 @@ double StericExclusionForce::getHydrogenBondAllowance() const
 
 void StericExclusionForce::setHydrogenBondAllowance(double allowance)
 {
-    checkNotNegative(allowance, "the hydrogen bond allowance");
+    checkNotNegative(allowance, "StericExclusionForce: the hydrogen bond allowance");
     hydrogenBondAllowance = allowance;
 }
 
@@ -195,7 +183,7 @@ double StericExclusionForce::getForceConstant() const
 
 void StericExclusionForce::setForceConstant(double k)
 {
-    checkNotNegative(k, "the force constant");
+    checkNotNegative(k, "StericExclusionForce: the force constant");
     forceConstant = k;
 }
 
@@ -276,6 +264,15 @@ void StericExclusionForce::getTraversalStatistics(Context& context, long long& q
 void StericExclusionForce::resetTraversalStatistics(Context& context) const
 {
     toImpl(getImplInContext(context)).resetTraversalStatistics();
+}
+
+/**
+ * Compare all that updateParametersInContext() cannot change.
+ */
+bool StericExclusionForce::hasStructureOf(const StericExclusionForce& other) const
+{
+    return particles.size() == other.particles.size() && bonds == other.bonds && torsions == other.torsions &&
+           exclusions == other.exclusions;
 }
 
 ForceImpl* StericExclusionForce::createImpl() const

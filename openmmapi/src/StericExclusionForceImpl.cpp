@@ -1,5 +1,6 @@
 #include "openmmchaintree/internal/StericExclusionForceImpl.h"
 #include "openmm/OpenMMException.h"
+#include "openmmchaintree/internal/ArgumentChecks.h"
 #include <cmath>
 #include <cstring>
 #include <sstream>
@@ -14,19 +15,6 @@ static void fail(const string& message)
     throw OpenMMException("StericExclusionForce: " + message);
 }
 
-static void checkIndex(int index, size_t size, const string& whose, const string& what)
-{
-    if (index < 0 || index >= (int)size)
-        fail(whose + " names " + what + " " + to_string(index) + ", but there are " + to_string(size) + " " + what +
-             "s");
-}
-
-static void checkCutoff(double cutoff)
-{
-    if (!isfinite(cutoff) || cutoff <= 0)
-        fail("cutoff must be a finite number above 0, but is " + to_string(cutoff));
-}
-
 static bool isFinite(const Vec3& vector)
 {
     return isfinite(vector[0]) && isfinite(vector[1]) && isfinite(vector[2]);
@@ -39,36 +27,6 @@ static bool haveSameBits(const vector<Vec3>& a, const vector<Vec3>& b)
 {
     static_assert(sizeof(Vec3) == 3 * sizeof(double), "a Vec3 must be three numbers and nothing else");
     return a.size() == b.size() && (a.empty() || memcmp(a.data(), b.data(), a.size() * sizeof(Vec3)) == 0);
-}
-
-/**
- * Compare all that updateParametersInContext() cannot change.
- */
-static bool haveSameStructure(const StericExclusionForce& a, const StericExclusionForce& b)
-{
-    if (a.getNumParticles() != b.getNumParticles() || a.getNumBonds() != b.getNumBonds() ||
-        a.getNumTorsions() != b.getNumTorsions() || a.getNumExclusions() != b.getNumExclusions())
-        return false;
-    int p[4], q[4];
-    for (int i = 0; i < a.getNumBonds(); i++) {
-        a.getBondParticles(i, p[0], p[1]);
-        b.getBondParticles(i, q[0], q[1]);
-        if (p[0] != q[0] || p[1] != q[1])
-            return false;
-    }
-    for (int i = 0; i < a.getNumTorsions(); i++) {
-        a.getTorsionParticles(i, p[0], p[1], p[2], p[3]);
-        b.getTorsionParticles(i, q[0], q[1], q[2], q[3]);
-        if (p[0] != q[0] || p[1] != q[1] || p[2] != q[2] || p[3] != q[3])
-            return false;
-    }
-    for (int i = 0; i < a.getNumExclusions(); i++) {
-        a.getExclusionParticles(i, p[0], p[1]);
-        b.getExclusionParticles(i, q[0], q[1]);
-        if (p[0] != q[0] || p[1] != q[1])
-            return false;
-    }
-    return true;
 }
 
 /**
@@ -105,8 +63,8 @@ void StericExclusionForceImpl::initialize(ContextImpl& context)
         int particle1, particle2;
         owner.getExclusionParticles(i, particle1, particle2);
         string name = "exclusion " + to_string(i);
-        checkIndex(particle1, system.getNumParticles(), name, "particle");
-        checkIndex(particle2, system.getNumParticles(), name, "particle");
+        checkIndex(particle1, system.getNumParticles(), "particle", "StericExclusionForce: " + name);
+        checkIndex(particle2, system.getNumParticles(), "particle", "StericExclusionForce: " + name);
         if (particle1 == particle2)
             fail(name + " excludes particle " + to_string(particle1) + " from itself");
     }
@@ -137,7 +95,7 @@ vector<pair<int, int>> StericExclusionForceImpl::getBondedParticles() const
 
 void StericExclusionForceImpl::updateParametersInContext(ContextImpl& context)
 {
-    if (!haveSameStructure(owner, *original))
+    if (!owner.hasStructureOf(*original))
         fail("its particles, bonds, torsions or exclusions are not those that the Context was created with; "
              "reinitialize the Context");
     engine->copyParameters(owner);
@@ -164,9 +122,6 @@ void StericExclusionForceImpl::adoptPositions(const vector<Vec3>& positions)
 {
     if (haveSameBits(positions, agreedPositions))
         return;
-    for (int i = 0; i < (int)positions.size(); i++)
-        if (!isFinite(positions[i]))
-            fail("the position of particle " + to_string(i) + " is not finite");
     engine->setPositions(positions);
     agreedPositions = positions;
     if (restartsAreAnnounced)
@@ -260,7 +215,6 @@ void StericExclusionForceImpl::getClashes(ContextImpl& context, vector<pair<int,
 void StericExclusionForceImpl::getNeighborPairs(ContextImpl& context, double cutoff, vector<pair<int, int>>& pairs,
                                                 vector<double>& distances)
 {
-    checkCutoff(cutoff);
     updatePositions(context);
     engine->getNeighborPairs(cutoff, pairs, distances);
 }
@@ -268,10 +222,6 @@ void StericExclusionForceImpl::getNeighborPairs(ContextImpl& context, double cut
 double StericExclusionForceImpl::getMinimumDistance(ContextImpl& context, const vector<int>& particles1,
                                                     const vector<int>& particles2, int& particle1, int& particle2)
 {
-    for (int particle : particles1)
-        checkIndex(particle, original->getNumParticles(), "particles1", "particle");
-    for (int particle : particles2)
-        checkIndex(particle, original->getNumParticles(), "particles2", "particle");
     updatePositions(context);
     return engine->getMinimumDistance(particles1, particles2, particle1, particle2);
 }
@@ -279,10 +229,6 @@ double StericExclusionForceImpl::getMinimumDistance(ContextImpl& context, const 
 void StericExclusionForceImpl::getClashesWith(ContextImpl& context, const Vec3& position, double radius,
                                               vector<int>& particles, vector<double>& overlaps)
 {
-    if (!isFinite(position))
-        fail("the position of the probe is not finite");
-    if (!isfinite(radius) || radius < 0)
-        fail("the radius of the probe must be a finite number and at least 0, but is " + to_string(radius));
     updatePositions(context);
     engine->getClashesWith(position, radius, particles, overlaps);
 }
@@ -308,7 +254,7 @@ bool StericExclusionForceImpl::proposeTorsions(ContextImpl& context, const vecto
              to_string(changes.size()) + " changes");
     vector<bool> isNamed(original->getNumTorsions(), false);
     for (size_t i = 0; i < torsions.size(); i++) {
-        checkIndex(torsions[i], original->getNumTorsions(), "proposeTorsions()", "torsion");
+        checkIndex(torsions[i], original->getNumTorsions(), "torsion", "StericExclusionForce: proposeTorsions()");
         if (isNamed[torsions[i]])
             fail("proposeTorsions() names torsion " + to_string(torsions[i]) + " twice");
         if (!isfinite(changes[i]))
@@ -323,7 +269,7 @@ bool StericExclusionForceImpl::proposeTorsions(ContextImpl& context, const vecto
 bool StericExclusionForceImpl::proposeRigidMotion(ContextImpl& context, int particle, const Vec3& rotation,
                                                   const Vec3& translation)
 {
-    checkIndex(particle, original->getNumParticles(), "proposeRigidMotion()", "particle");
+    checkIndex(particle, original->getNumParticles(), "particle", "StericExclusionForce: proposeRigidMotion()");
     if (!isFinite(rotation) || !isFinite(translation))
         fail("the rotation and translation given to proposeRigidMotion() must be finite");
     int molecule = structure->getParticleMolecule(particle);
@@ -354,7 +300,6 @@ void StericExclusionForceImpl::getChangedNeighborPairs(ContextImpl& context, dou
                                                        vector<pair<int, int>>& pairs, vector<double>& before,
                                                        vector<double>& after)
 {
-    checkCutoff(cutoff);
     updatePositions(context);
     requireProposal();
     engine->getChangedNeighborPairs(cutoff, pairs, before, after);

@@ -11,6 +11,7 @@
 #include "openmm/OpenMMException.h"
 #include "openmm/reference/SimTKOpenMMRealType.h"
 #include "openmm/VerletIntegrator.h"
+#include "openmmchaintree/internal/ArgumentChecks.h"
 #include "openmmchaintree/internal/MonteCarloMove.h"
 #include "openmmchaintree/internal/RandomNumberGenerator.h"
 #include "openmmchaintree/internal/StericExclusionForceImpl.h"
@@ -24,18 +25,6 @@ using namespace std;
 static void fail(const string& message)
 {
     throw OpenMMException("TorsionMonteCarloIntegrator: " + message);
-}
-
-/**
- * Throw an exception unless a value is a finite number and at least 0.
- */
-static void checkNotNegative(double value, const string& what)
-{
-    if (isfinite(value) && value >= 0)
-        return;
-    stringstream message;
-    message << what << " must be a finite number and at least 0, but is " << value;
-    fail(message.str());
 }
 
 /**
@@ -133,7 +122,7 @@ double TorsionMonteCarloIntegrator::getTemperature() const
 
 void TorsionMonteCarloIntegrator::setTemperature(double temperature)
 {
-    checkNotNegative(temperature, "the temperature");
+    checkNotNegative(temperature, "TorsionMonteCarloIntegrator: the temperature");
     this->temperature = temperature;
 }
 
@@ -179,7 +168,7 @@ int TorsionMonteCarloIntegrator::getNumToleratedClashes(Context& context) const
 
 int TorsionMonteCarloIntegrator::addTorsionMove(double weight, double maxAngle, const vector<int>& torsions, int count)
 {
-    checkNotNegative(maxAngle, "the largest angle of a torsion move");
+    checkNotNegative(maxAngle, "TorsionMonteCarloIntegrator: the largest angle of a torsion move");
     if (count < 1)
         fail("the number of torsions that a move turns must be at least 1, but is " + to_string(count));
     return addMove(make_unique<TorsionMove>(maxAngle, torsions, count), weight);
@@ -188,14 +177,14 @@ int TorsionMonteCarloIntegrator::addTorsionMove(double weight, double maxAngle, 
 int TorsionMonteCarloIntegrator::addRigidBodyMove(double weight, double maxTranslation, double maxAngle,
                                                   const vector<int>& molecules)
 {
-    checkNotNegative(maxTranslation, "the largest translation of a rigid body move");
-    checkNotNegative(maxAngle, "the largest angle of a rigid body move");
+    checkNotNegative(maxTranslation, "TorsionMonteCarloIntegrator: the largest translation of a rigid body move");
+    checkNotNegative(maxAngle, "TorsionMonteCarloIntegrator: the largest angle of a rigid body move");
     return addMove(make_unique<RigidBodyMove>(maxTranslation, maxAngle, molecules), weight);
 }
 
 int TorsionMonteCarloIntegrator::addMove(unique_ptr<MonteCarloMove> move, double weight)
 {
-    checkNotNegative(weight, "the weight of a move");
+    checkNotNegative(weight, "TorsionMonteCarloIntegrator: the weight of a move");
     if (force != NULL)
         move->bind(force->getLinkStructure(), describeMove(moves.size()));
     moves.push_back(MoveInfo(std::move(move), weight));

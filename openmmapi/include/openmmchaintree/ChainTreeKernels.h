@@ -17,8 +17,9 @@ namespace ChainTreePlugin {
  * the positions, the open trial, and the limits of pairs.
  *
  * It exchanges nothing but host arrays and never looks into a Context, so that a Context of any Platform can use the
- * kernel of the Reference platform. Arguments were checked by the caller: indices are in range, values finite. Errors
- * are thrown as OpenMMException and leave the state as it was.
+ * kernel of the Reference platform. Indices of torsions and molecules, and what is proposed for them, were checked by
+ * the caller, who knows their names; the kernel checks all else. Errors are thrown as OpenMMException and leave the
+ * state as it was.
  */
 class CalcStericExclusionForceKernel : public OpenMM::KernelImpl {
 public:

@@ -5,6 +5,7 @@
 #include "openmm/Context.h"
 #include "openmm/Force.h"
 #include "openmm/Vec3.h"
+#include <array>
 #include <utility>
 #include <vector>
 
@@ -395,11 +396,12 @@ protected:
     OpenMM::ForceImpl* createImpl() const;
 
 private:
+    friend class StericExclusionForceImpl;
     class ParticleInfo;
-    class TorsionInfo;
+    bool hasStructureOf(const StericExclusionForce& other) const;
     std::vector<ParticleInfo> particles;
     std::vector<std::pair<int, int>> bonds;
-    std::vector<TorsionInfo> torsions;
+    std::vector<std::array<int, 4>> torsions;
     std::vector<std::pair<int, int>> exclusions;
     double overlapTolerance, hydrogenBondAllowance, forceConstant;
 };
@@ -412,15 +414,6 @@ class StericExclusionForce::ParticleInfo {
 public:
     double radius;
     HydrogenBondRole role;
-};
-
-/**
- * This is an internal class used to record information about a torsion.
- * @private
- */
-class StericExclusionForce::TorsionInfo {
-public:
-    int particle1, particle2, particle3, particle4;
 };
 
 } // namespace ChainTreePlugin

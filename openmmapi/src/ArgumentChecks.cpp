@@ -1,0 +1,25 @@
+#include "openmmchaintree/internal/ArgumentChecks.h"
+#include "openmm/OpenMMException.h"
+#include <cmath>
+#include <sstream>
+
+using namespace OpenMM;
+using namespace std;
+
+void ChainTreePlugin::checkNotNegative(double value, const string& name)
+{
+    if (isfinite(value) && value >= 0)
+        return;
+    stringstream message;
+    message << name << " must be a finite number and at least 0, but is " << value;
+    throw OpenMMException(message.str());
+}
+
+void ChainTreePlugin::checkIndex(int index, int count, const string& what, const string& whose)
+{
+    if (index >= 0 && index < count)
+        return;
+    stringstream message;
+    message << whose << " names " << what << " " << index << ", but there are " << count << " " << what << "s";
+    throw OpenMMException(message.str());
+}
