@@ -228,18 +228,25 @@ typedef struct Visit {
   int64_t particleTests;
 } Visit;
 
+/* The members of item a, at x, y, z with radii r, that come near the volume of item b; all if a is b. */
+static unsigned nearItem(const Traversal* t, const Visit* visit, const float* x, const float* y, const float* z,
+                         const float* r, int a, int b) {
+  return a == b ? (1u << TREE_WIDTH) - 1
+                : near16(x, y, z, r, t->itemX[b], t->itemY[b], t->itemZ[b], t->itemRadius[b] + visit->reach);
+}
+
 static bool visitLeaves(Traversal* t, Visit* visit, int a, int b) {
   int endA;
   int endB;
   const int beginA = treeSlots(t->tree, 0, a, &endA);
   const int beginB = treeSlots(t->tree, 0, b, &endB);
-  for (int i = beginA; i < endA; i++) {
-    if (t->slotRadius[i] < 0) {
-      continue;
-    }
+  unsigned near =
+      nearItem(t, visit, t->slotX + beginA, t->slotY + beginA, t->slotZ + beginA, t->slotRadius + beginA, a, b);
+  for (; near != 0; near &= near - 1) {
+    const int i = beginA + __builtin_ctz(near);
     unsigned mask = near16(t->slotX + beginB, t->slotY + beginB, t->slotZ + beginB, t->slotRadius + beginB, t->slotX[i],
                            t->slotY[i], t->slotZ[i], t->slotRadius[i] + visit->reach);
-    visit->particleTests += endB - (a == b ? i + 1 : beginB);
+    visit->particleTests += a == b ? endB - 1 - i : endB - beginB;
     if (a == b) {
       mask &= ~0u << (i - beginA) << 1;
     }
@@ -262,20 +269,21 @@ static void visitNodes(Traversal* t, Visit* visit, ItemPair pair, int* depth) {
   int countB;
   const int firstA = treeChildren(t->tree, pair.level, pair.a, &countA);
   const int firstB = treeChildren(t->tree, pair.level, pair.b, &countB);
-  for (int i = firstA; i < firstA + countA; i++) {
-    if (t->itemRadius[i] < 0) {
-      continue;
-    }
+  unsigned near = nearItem(t, visit, t->itemX + firstA, t->itemY + firstA, t->itemZ + firstA, t->itemRadius + firstA,
+                           pair.a, pair.b);
+  visit->volumeTests += pair.a == pair.b ? 0 : countA;
+  for (; near != 0; near &= near - 1) {
+    const int i = firstA + __builtin_ctz(near);
     const int motion = t->itemMotion[i];
     unsigned mask = near16(t->itemX + firstB, t->itemY + firstB, t->itemZ + firstB, t->itemRadius + firstB, t->itemX[i],
                            t->itemY[i], t->itemZ[i], t->itemRadius[i] + visit->reach);
-    visit->volumeTests += firstB + countB - (pair.a == pair.b ? i + 1 : firstB);
+    visit->volumeTests += pair.a == pair.b ? firstB + countB - 1 - i : countB;
     if (mask != 0 && !t->view->everyPair && motion != STRADDLES) {
       mask &= ~sameBody(t->itemMotion + firstB, motion);
     }
     if (pair.a == pair.b) {
       mask &= ~0u << (i - firstA) << 1;
-      if (t->view->everyPair || motion == STRADDLES) {
+      if (t->itemRadius[i] >= 0 && (t->view->everyPair || motion == STRADDLES)) {
         t->stack[(*depth)++] = (ItemPair){below, i, i};
       }
     }
