@@ -2,10 +2,18 @@
 
 #include <string.h>
 
-#include "volume.h"
-
 /* Pairs that one visit can leave for later: all children of one node with all of another. */
 enum { PAIRS_OF_A_VISIT = TREE_WIDTH * TREE_WIDTH };
+
+static void allocateSpheres(Spheres* spheres, Arena* arena, size_t count) {
+  spheres->x = ctArenaAllocate(arena, count, sizeof(float));
+  spheres->y = ctArenaAllocate(arena, count, sizeof(float));
+  spheres->z = ctArenaAllocate(arena, count, sizeof(float));
+  spheres->r = ctArenaAllocate(arena, count, sizeof(float));
+  for (size_t i = 0; i < count && !arena->failed; i++) {
+    spheres->r[i] = -INFINITY; /* padding, and what is never expanded */
+  }
+}
 
 bool ctTraversalBuild(Traversal* t, Arena* arena, const Tree* tree, const Sequence* sequence) {
   const size_t items = (size_t)tree->itemCount;
@@ -15,28 +23,12 @@ bool ctTraversalBuild(Traversal* t, Arena* arena, const Tree* tree, const Sequen
   t->itemStamp = ctArenaAllocate(arena, items, sizeof(uint32_t));
   t->frame = ctArenaAllocate(arena, items, sizeof(ctTransform));
   t->itemMotion = ctArenaAllocate(arena, items, sizeof(int));
-  t->itemX = ctArenaAllocate(arena, items, sizeof(float));
-  t->itemY = ctArenaAllocate(arena, items, sizeof(float));
-  t->itemZ = ctArenaAllocate(arena, items, sizeof(float));
-  t->itemRadius = ctArenaAllocate(arena, items, sizeof(float));
   t->position = ctArenaAllocate(arena, slots, sizeof(double[3]));
-  t->slotX = ctArenaAllocate(arena, slots, sizeof(float));
-  t->slotY = ctArenaAllocate(arena, slots, sizeof(float));
-  t->slotZ = ctArenaAllocate(arena, slots, sizeof(float));
-  t->slotRadius = ctArenaAllocate(arena, slots, sizeof(float));
   t->slotMotion = ctArenaAllocate(arena, slots, sizeof(int));
   t->stack = ctArenaAllocate(arena, (size_t)TREE_MAX_LEVELS * PAIRS_OF_A_VISIT, sizeof(ItemPair));
-  if (arena->failed) {
-    return false;
-  }
-  /* Padding is never near anything. */
-  for (size_t i = 0; i < items; i++) {
-    t->itemRadius[i] = -INFINITY;
-  }
-  for (size_t i = 0; i < slots; i++) {
-    t->slotRadius[i] = -INFINITY;
-  }
-  return true;
+  allocateSpheres(&t->items, arena, items);
+  allocateSpheres(&t->slots, arena, slots);
+  return !arena->failed;
 }
 
 View ctViewOfState(bool surfaces, double reach) {
@@ -65,36 +57,42 @@ static bool isMoved(const View* view, int motion) {
   return motion > 0 && view->motions != NULL;
 }
 
-/* A sphere around spheres given in float, for an item that straddles pieces. */
-static void boundStraddler(Traversal* t, int item, const float* x, const float* y, const float* z, const float* r) {
+/* Puts sphere k of these at a point of the world. */
+static void placeSphere(Spheres* spheres, int k, const double centre[3], double radius) {
+  spheres->x[k] = (float)centre[0];
+  spheres->y[k] = (float)centre[1];
+  spheres->z[k] = (float)centre[2];
+  spheres->r[k] = (float)radius;
+}
+
+/* The volume of an item that straddles pieces: around its members as they lie in this view. */
+static void boundStraddler(Traversal* t, int item, const Spheres* members, int first) {
   double low[3] = {INFINITY, INFINITY, INFINITY};
   double high[3] = {-INFINITY, -INFINITY, -INFINITY};
-  for (int k = 0; k < TREE_WIDTH; k++) {
-    if (r[k] >= 0) {
-      const double c[3] = {x[k], y[k], z[k]};
+  for (int k = first; k < first + TREE_WIDTH; k++) {
+    const double r = members->r[k];
+    if (r >= 0) {
+      const double c[3] = {members->x[k], members->y[k], members->z[k]};
       for (int d = 0; d < 3; d++) {
-        low[d] = lesser(low[d], c[d] - r[k]);
-        high[d] = larger(high[d], c[d] + r[k]);
+        low[d] = lesser(low[d], c[d] - r);
+        high[d] = larger(high[d], c[d] + r);
       }
     }
   }
   if (low[0] > high[0]) {
-    t->itemRadius[item] = -INFINITY;
+    t->items.r[item] = -INFINITY;
     return;
   }
   const double centre[3] = {0.5 * (low[0] + high[0]), 0.5 * (low[1] + high[1]), 0.5 * (low[2] + high[2])};
   double radius = 0;
-  for (int k = 0; k < TREE_WIDTH; k++) {
-    if (r[k] >= 0) {
-      const double c[3] = {x[k], y[k], z[k]};
-      radius = larger(radius, sqrt(squaredDistance(centre, c)) + r[k]);
+  for (int k = first; k < first + TREE_WIDTH; k++) {
+    if (members->r[k] >= 0) {
+      const double c[3] = {members->x[k], members->y[k], members->z[k]};
+      radius = larger(radius, sqrt(squaredDistance(centre, c)) + members->r[k]);
     }
   }
-  t->itemX[item] = (float)centre[0];
-  t->itemY[item] = (float)centre[1];
-  t->itemZ[item] = (float)centre[2];
   /* Straddlers lie within straddlers: each level adds its own rounding. */
-  t->itemRadius[item] = (float)(radius + FLOAT_MARGIN * t->extent);
+  placeSphere(&t->items, item, centre, radius + FLOAT_MARGIN * t->extent);
 }
 
 static void expandLeaf(Traversal* t, int leaf) {
@@ -113,10 +111,7 @@ static void expandLeaf(Traversal* t, int leaf) {
     if (motion == STRADDLES && isMoved(view, t->slotMotion[slot])) {
       transformPoint(&view->motions[t->slotMotion[slot]], x, x);
     }
-    t->slotX[slot] = (float)x[0];
-    t->slotY[slot] = (float)x[1];
-    t->slotZ[slot] = (float)x[2];
-    t->slotRadius[slot] = view->surfaces ? (float)t->sequence->slotRadius[slot] : 0.0f;
+    placeSphere(&t->slots, slot, x, view->surfaces ? t->sequence->slotRadius[slot] : 0);
   }
 }
 
@@ -145,10 +140,7 @@ static void expandNode(Traversal* t, int level, int item) {
       transformPoint(&view->motions[motion], centre, centre);
     }
     const float radius = view->surfaces ? tree->surfaces[child] : tree->centres[child];
-    t->itemX[child] = (float)centre[0];
-    t->itemY[child] = (float)centre[1];
-    t->itemZ[child] = (float)centre[2];
-    t->itemRadius[child] = radius < 0 ? -INFINITY : radius;
+    placeSphere(&t->items, child, centre, radius < 0 ? -INFINITY : radius);
   }
 }
 
@@ -178,12 +170,11 @@ static void expand(Traversal* t, int level, int item) {
   }
   if (motion == STRADDLES) {
     if (level == 0) {
-      const int slot = item * TREE_WIDTH;
-      boundStraddler(t, item, t->slotX + slot, t->slotY + slot, t->slotZ + slot, t->slotRadius + slot);
+      boundStraddler(t, item, &t->slots, item * TREE_WIDTH);
     } else {
       int count;
       const int first = treeChildren(tree, level, item, &count);
-      boundStraddler(t, item, t->itemX + first, t->itemY + first, t->itemZ + first, t->itemRadius + first);
+      boundStraddler(t, item, &t->items, first);
     }
   }
 }
@@ -228,25 +219,27 @@ typedef struct Visit {
   int64_t particleTests;
 } Visit;
 
-/* The members of item a, at x, y, z with radii r, that come near the volume of item b; all if a is b. */
-static unsigned nearItem(const Traversal* t, const Visit* visit, const float* x, const float* y, const float* z,
-                         const float* r, int a, int b) {
-  return a == b ? (1u << TREE_WIDTH) - 1
-                : near16(x, y, z, r, t->itemX[b], t->itemY[b], t->itemZ[b], t->itemRadius[b] + visit->reach);
+/* Those of this many members of item a that come near the volume of item b; all if a is b. */
+static unsigned nearItem(const Traversal* t, Visit* visit, const Spheres* members, int first, int count, int a, int b) {
+  if (a == b) {
+    return (1u << count) - 1;
+  }
+  visit->volumeTests += count;
+  const Spheres* items = &t->items;
+  return near16(members, first, items->x[b], items->y[b], items->z[b], items->r[b] + visit->reach);
 }
 
 static bool visitLeaves(Traversal* t, Visit* visit, int a, int b) {
+  const Spheres* slots = &t->slots;
   int endA;
   int endB;
   const int beginA = treeSlots(t->tree, 0, a, &endA);
   const int beginB = treeSlots(t->tree, 0, b, &endB);
-  unsigned near =
-      nearItem(t, visit, t->slotX + beginA, t->slotY + beginA, t->slotZ + beginA, t->slotRadius + beginA, a, b);
+  unsigned near = nearItem(t, visit, slots, beginA, endA - beginA, a, b);
   for (; near != 0; near &= near - 1) {
     const int i = beginA + __builtin_ctz(near);
-    unsigned mask = near16(t->slotX + beginB, t->slotY + beginB, t->slotZ + beginB, t->slotRadius + beginB, t->slotX[i],
-                           t->slotY[i], t->slotZ[i], t->slotRadius[i] + visit->reach);
-    visit->particleTests += a == b ? endB - 1 - i : endB - beginB;
+    unsigned mask = near16(slots, beginB, slots->x[i], slots->y[i], slots->z[i], slots->r[i] + visit->reach);
+    visit->particleTests += endB - (a == b ? i + 1 : beginB);
     if (a == b) {
       mask &= ~0u << (i - beginA) << 1;
     }
@@ -264,26 +257,24 @@ static bool visitLeaves(Traversal* t, Visit* visit, int a, int b) {
 }
 
 static void visitNodes(Traversal* t, Visit* visit, ItemPair pair, int* depth) {
+  const Spheres* items = &t->items;
   const int below = pair.level - 1;
   int countA;
   int countB;
   const int firstA = treeChildren(t->tree, pair.level, pair.a, &countA);
   const int firstB = treeChildren(t->tree, pair.level, pair.b, &countB);
-  unsigned near = nearItem(t, visit, t->itemX + firstA, t->itemY + firstA, t->itemZ + firstA, t->itemRadius + firstA,
-                           pair.a, pair.b);
-  visit->volumeTests += pair.a == pair.b ? 0 : countA;
+  unsigned near = nearItem(t, visit, items, firstA, countA, pair.a, pair.b);
   for (; near != 0; near &= near - 1) {
     const int i = firstA + __builtin_ctz(near);
     const int motion = t->itemMotion[i];
-    unsigned mask = near16(t->itemX + firstB, t->itemY + firstB, t->itemZ + firstB, t->itemRadius + firstB, t->itemX[i],
-                           t->itemY[i], t->itemZ[i], t->itemRadius[i] + visit->reach);
-    visit->volumeTests += pair.a == pair.b ? firstB + countB - 1 - i : countB;
+    unsigned mask = near16(items, firstB, items->x[i], items->y[i], items->z[i], items->r[i] + visit->reach);
+    visit->volumeTests += firstB + countB - (pair.a == pair.b ? i + 1 : firstB);
     if (mask != 0 && !t->view->everyPair && motion != STRADDLES) {
       mask &= ~sameBody(t->itemMotion + firstB, motion);
     }
     if (pair.a == pair.b) {
       mask &= ~0u << (i - firstA) << 1;
-      if (t->itemRadius[i] >= 0 && (t->view->everyPair || motion == STRADDLES)) {
+      if (t->items.r[i] >= 0 && (t->view->everyPair || motion == STRADDLES)) {
         t->stack[(*depth)++] = (ItemPair){below, i, i};
       }
     }
@@ -336,8 +327,7 @@ void ctTraverseProbe(Traversal* t, const View* view, const double point[3], doub
     if (item.level > 0) {
       int count;
       const int first = treeChildren(t->tree, item.level, item.a, &count);
-      unsigned mask =
-          near16(t->itemX + first, t->itemY + first, t->itemZ + first, t->itemRadius + first, x, y, z, reach);
+      unsigned mask = near16(&t->items, first, x, y, z, reach);
       for (; mask != 0; mask &= mask - 1) {
         t->stack[depth++] = (ItemPair){item.level - 1, first + __builtin_ctz(mask), CT_NULL};
       }
@@ -348,7 +338,7 @@ void ctTraverseProbe(Traversal* t, const View* view, const double point[3], doub
     }
     int end;
     const int begin = treeSlots(t->tree, 0, item.a, &end);
-    unsigned mask = near16(t->slotX + begin, t->slotY + begin, t->slotZ + begin, t->slotRadius + begin, x, y, z, reach);
+    unsigned mask = near16(&t->slots, begin, x, y, z, reach);
     for (; goesOn && mask != 0; mask &= mask - 1) {
       const int slot = begin + __builtin_ctz(mask);
       goesOn = function(context, slot, squaredDistance(t->position[slot], point));

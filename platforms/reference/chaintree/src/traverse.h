@@ -5,7 +5,7 @@
 #ifndef CT_TRAVERSE_H_
 #define CT_TRAVERSE_H_
 
-#include "tree.h"
+#include "volume.h"
 
 /* Consecutive slots that move as one rigid body, up to the next piece's begin. */
 typedef struct Piece {
@@ -41,16 +41,10 @@ typedef struct Traversal {
   uint32_t* itemStamp; /* per item: its frame and content are of this descent */
   ctTransform* frame;  /* per item */
   int* itemMotion;     /* per item, or STRADDLES */
-  float* itemX;        /* per item: volume */
-  float* itemY;
-  float* itemZ;
-  float* itemRadius;
+  Spheres items;       /* their volumes; the root has none */
 
   double (*position)[3]; /* per slot, padded */
-  float* slotX;
-  float* slotY;
-  float* slotZ;
-  float* slotRadius;
+  Spheres slots;         /* their particles */
   int* slotMotion;
 
   ItemPair* stack;

@@ -10,7 +10,7 @@
 
 #include "sequence.h"
 
-enum { TREE_WIDTH = 16, TREE_MAX_LEVELS = 8 };
+enum { TREE_WIDTH_BITS = 4, TREE_WIDTH = 1 << TREE_WIDTH_BITS, TREE_MAX_LEVELS = 8 };
 
 /* Two radii about one centre: around the spheres of all particles, and around their centres. Negative: no particle. */
 typedef struct Bound {
@@ -66,10 +66,7 @@ static inline int treeChildren(const Tree* tree, int level, int item, int* count
 
 /* First slot of an item, and one past its last. */
 static inline int treeSlots(const Tree* tree, int level, int item, int* end) {
-  int64_t width = TREE_WIDTH;
-  for (int l = 0; l < level; l++) {
-    width *= TREE_WIDTH;
-  }
+  const int64_t width = (int64_t)TREE_WIDTH << TREE_WIDTH_BITS * level;
   const int64_t begin = (item - tree->levelBegin[level]) * width;
   *end = (int)(begin + width < tree->slotCount ? begin + width : tree->slotCount);
   return (int)begin;

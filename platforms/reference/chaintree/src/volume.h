@@ -16,11 +16,22 @@
  * largest coordinate: some hundred roundings of 1e-16. Nearer than that to a limit the canonical distance decides. */
 #define DOUBLE_MARGIN 4e-13
 
-/* Bit k is set if sphere k is nearer than r[k] + reach to (x, y, z). A radius of -INFINITY is never near. Both paths
- * round alike, lane by lane. */
+/* Spheres in structure-of-arrays, in runs of TREE_WIDTH. */
+typedef struct Spheres {
+  float* x;
+  float* y;
+  float* z;
+  float* r; /* -INFINITY: none, never near anything */
+} Spheres;
+
+/* Bit k is set if sphere first + k is nearer than its radius + reach to (x, y, z). Both paths round alike, lane by
+ * lane. */
 #ifdef __SSE2__
-static inline unsigned near16(const float* xs, const float* ys, const float* zs, const float* rs, float x, float y,
-                              float z, float reach) {
+static inline unsigned near16(const Spheres* spheres, int first, float x, float y, float z, float reach) {
+  const float* xs = spheres->x + first;
+  const float* ys = spheres->y + first;
+  const float* zs = spheres->z + first;
+  const float* rs = spheres->r + first;
   const __m128 x4 = _mm_set1_ps(x);
   const __m128 y4 = _mm_set1_ps(y);
   const __m128 z4 = _mm_set1_ps(z);
@@ -39,8 +50,11 @@ static inline unsigned near16(const float* xs, const float* ys, const float* zs,
   return mask;
 }
 #else
-static inline unsigned near16(const float* xs, const float* ys, const float* zs, const float* rs, float x, float y,
-                              float z, float reach) {
+static inline unsigned near16(const Spheres* spheres, int first, float x, float y, float z, float reach) {
+  const float* xs = spheres->x + first;
+  const float* ys = spheres->y + first;
+  const float* zs = spheres->z + first;
+  const float* rs = spheres->r + first;
   unsigned mask = 0;
   for (unsigned k = 0; k < TREE_WIDTH; k++) {
     const float dx = xs[k] - x;
