@@ -1,0 +1,52 @@
+/* operations.h: what a random program can do next. Each does something to both engine and oracle, or asks both. */
+#ifndef OPERATIONS_H_
+#define OPERATIONS_H_
+
+#include "program.h"
+
+/* trialOperations.c. Those that need an open trial do nothing without one. */
+void propose(Program* program);
+void compareVerdicts(Program* program);
+void compareChangedPairs(Program* program);
+void commit(Program* program);
+void commitAndCompareLists(Program* program);
+void discard(Program* program);
+
+/* The engine's verdict on the open trial, after comparing it. */
+bool testTrial(Program* program);
+
+/* Commits in the engine alone, so that the oracle still knows the trial. */
+void commitInEngine(Program* program);
+
+/* A change of a movable link. */
+ctChange chooseChange(Program* program, int link);
+
+/* limitOperations.c */
+void setLimits(Program* program);
+void raiseLimits(Program* program);
+void commitAndRaiseLimits(Program* program);
+void requireSameLimits(const Program* program);
+
+/* stateOperations.c */
+void setPositions(Program* program);
+void comparePositions(Program* program);
+void compareTorsionAngle(Program* program);
+void compareRelativeTransform(Program* program);
+void compareCentroid(Program* program);
+void validate(Program* program);
+
+/* queryOperations.c */
+void compareClashes(Program* program);
+void compareNeighborPairs(Program* program);
+void compareProbe(Program* program);
+void compareMinimumDistance(Program* program);
+void compareEnergy(Program* program);
+void endListsEarly(Program* program);
+
+/* refusedOperations.c: calls that must fail, and change nothing. */
+void callWithoutTrial(Program* program);
+void proposeNonsense(Program* program);
+void queryNonsense(Program* program);
+void setNonsense(Program* program);
+
+#endif /* OPERATIONS_H_ */

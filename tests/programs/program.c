@@ -1,0 +1,230 @@
+#include "program.h"
+
+#include <math.h>
+#include <stdarg.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* ---- Failure ---- */
+
+void require(bool condition, const Program* p, const char* format, ...)
+{
+    if (condition)
+        return;
+    va_list arguments;
+    va_start(arguments, format);
+    printf("seed %llu, step %d, %s: ", (unsigned long long)p->seed, p->step, p->operation);
+    vprintf(format, arguments);
+    printf("\n(%d particles, %d links, %d movable)\n", p->scene.particleCount, p->scene.linkCount, p->movableCount);
+    va_end(arguments);
+    exit(1);
+}
+
+void requireStatus(const Program* p, const char* call, ctStatus status, ctStatus expected)
+{
+    require(status == expected, p, "%s returned %d, not %d: %s", call, (int)status, (int)expected,
+            ctGetErrorText(p->tree));
+    require(expected == ctSuccess || ctGetErrorText(p->tree)[0] != '\0', p, "%s failed without a text", call);
+}
+
+void requireNear(const Program* p, const char* what, int index, double value, double expected, double error)
+{
+    require(fabs(value - expected) <= error, p, "%s %d is %.17g, not %.17g", what, index, value, expected);
+}
+
+/* ---- Life ---- */
+
+void* programAllocate(int count, size_t size)
+{
+    void* memory = calloc(count > 0 ? (size_t)count : 1, size);
+    if (memory == NULL)
+        abort();
+    return memory;
+}
+
+int coordinateCount(const Program* p)
+{
+    return 3 * p->scene.particleCount;
+}
+
+size_t positionBytes(const Program* p)
+{
+    return (size_t)coordinateCount(p) * sizeof(double);
+}
+
+static void createBoth(Program* p)
+{
+    const randomScene* scene = &p->scene;
+    const ctDefinition definition = {.particleCount = scene->particleCount,
+                                     .positions = scene->positions,
+                                     .radii = scene->radii,
+                                     .hydrogenBondRoles = scene->roles,
+                                     .particleLinks = scene->particleLinks,
+                                     .linkCount = scene->linkCount,
+                                     .linkParents = scene->linkParents,
+                                     .linkJoints = scene->linkJoints,
+                                     .linkTorsions = (const int(*)[4])scene->linkTorsions,
+                                     .exclusionCount = scene->exclusionCount,
+                                     .exclusions = (const int(*)[2])scene->exclusions,
+                                     .overlapTolerance = scene->overlapTolerance,
+                                     .hydrogenBondAllowance = scene->hydrogenBondAllowance};
+    char text[256] = "";
+    ctStatus status = ctCreate(&definition, &p->tree, text, sizeof text);
+    require(status == ctSuccess, p, "ctCreate returned %d: %s", (int)status, text);
+    p->oracle =
+        oracleCreate(scene->particleCount, scene->positions, scene->radii, scene->roles, scene->particleLinks,
+                     scene->linkCount, scene->linkParents, scene->linkJoints, scene->linkTorsions,
+                     scene->exclusionCount, scene->exclusions, scene->overlapTolerance, scene->hydrogenBondAllowance);
+}
+
+static void listLinks(Program* p)
+{
+    int count = p->scene.linkCount;
+    p->movable = programAllocate(count, sizeof(int));
+    p->roots = programAllocate(count, sizeof(int));
+    p->hasMoved = programAllocate(count, sizeof(bool));
+    p->isInTrial = programAllocate(count, sizeof(bool));
+    for (int link = 0; link < count; link++) {
+        if (p->scene.linkJoints[link] != ctFixedJoint)
+            p->movable[p->movableCount++] = link;
+        for (int at = link; at != CT_NULL; at = p->scene.linkParents[at])
+            p->roots[link] = at;
+    }
+}
+
+void programCreate(Program* p, uint64_t seed, Tally* tally)
+{
+    *p = (Program){.seed = seed, .operation = "create", .tally = tally, .random = randomSourceFromSeed(seed)};
+    randomSceneCreate(&p->scene, &p->random);
+    createBoth(p);
+    listLinks(p);
+    p->state = programAllocate(coordinateCount(p), sizeof(double));
+    p->trial = programAllocate(coordinateCount(p), sizeof(double));
+    p->scratch = programAllocate(coordinateCount(p), sizeof(double));
+    memcpy(p->state, p->scene.positions, positionBytes(p));
+    requireUntouchedState(p);
+    require(ctValidate(p->tree), p, "ctValidate");
+    tally->programs++;
+}
+
+void programDestroy(Program* p)
+{
+    ctDestroy(p->tree);
+    oracleDestroy(p->oracle);
+    randomSceneDestroy(&p->scene);
+    free(p->movable);
+    free(p->roots);
+    free(p->hasMoved);
+    free(p->isInTrial);
+    free(p->state);
+    free(p->trial);
+    free(p->scratch);
+    free(p->limits.pairs);
+}
+
+/* ---- What most operations check or choose ---- */
+
+bool hasParticleMoved(const Program* p, int particle)
+{
+    return p->hasMoved[p->roots[p->scene.particleLinks[particle]]];
+}
+
+void requireSameBits(const Program* p, const char* what, const double* values, const double* expected)
+{
+    for (int n = 0; n < coordinateCount(p); n++)
+        require(memcmp(values + n, expected + n, sizeof(double)) == 0, p,
+                "%s: coordinate %d of particle %d is %.17g, not %.17g", what, n % 3, n / 3, values[n], expected[n]);
+}
+
+void requireUntouchedState(Program* p)
+{
+    ctGetPositions(p->tree, p->scratch);
+    requireSameBits(p, "the state has changed", p->scratch, p->state);
+    require(ctHasTrial(p->tree) == p->hasTrial, p, "a trial is %s", p->hasTrial ? "gone" : "open");
+}
+
+void requireOraclePositions(Program* p, int which, const double* positions)
+{
+    oracleGetPositions(p->oracle, which, p->scratch);
+    for (int n = 0; n < coordinateCount(p); n++)
+        requireNear(p, "coordinate", n, positions[n], p->scratch[n], NUMBER_TOLERANCE);
+}
+
+ctCounts* chooseCounts(Program* p, ctCounts* counts)
+{
+    *counts = (ctCounts){5, 6, 7};
+    return randomChance(&p->random, 0.5) ? counts : NULL;
+}
+
+void requireCounted(const Program* p, const ctCounts* counts)
+{
+    require(counts->volumeTests >= 5 && counts->particleTests >= 6 && counts->nodesUpdated >= 7, p,
+            "counts were not added to");
+}
+
+double chooseCutoff(Program* p)
+{
+    double kind = randomReal(&p->random, 0, 1);
+    if (kind < 0.1)
+        return 0.2; /* the spacing of lattices */
+    if (kind < 0.15)
+        return 1e-3;
+    return kind < 0.2 ? randomReal(&p->random, 1, 5) : randomReal(&p->random, 0.05, 0.6);
+}
+
+int chooseParticle(Program* p)
+{
+    return randomInt(&p->random, p->scene.particleCount);
+}
+
+/* ---- Lists ---- */
+
+Expected expectedCreate(int capacity)
+{
+    return (Expected){capacity, programAllocate(2 * capacity, sizeof(int)), programAllocate(capacity, sizeof(double)),
+                      programAllocate(capacity, sizeof(double)), programAllocate(capacity, sizeof(double))};
+}
+
+void expectedDestroy(Expected* expected)
+{
+    free(expected->particles);
+    free(expected->values);
+    free(expected->others);
+    free(expected->margins);
+}
+
+Expected expectedClashes(const Program* p)
+{
+    int count = oracleListClashes(p->oracle, DOUBT, 0, NULL, NULL, NULL);
+    Expected expected = expectedCreate(count);
+    oracleListClashes(p->oracle, DOUBT, count, expected.particles, expected.values, expected.margins);
+    return expected;
+}
+
+void sortCollected(const Program* p, PairList* list)
+{
+    const Pair* twice = sortPairs(list);
+    require(twice == NULL, p, "%d-%d comes twice", twice != NULL ? twice->particles[0] : 0,
+            twice != NULL ? twice->particles[1] : 0);
+}
+
+void requireSameList(const Program* p, PairList* list, const Expected* expected, int valueCount)
+{
+    sortCollected(p, list);
+    int n = 0;
+    for (int e = 0; e < expected->count; e++) {
+        const int* pair = expected->particles + 2 * e;
+        bool isListed = n < list->count && memcmp(list->pairs[n].particles, pair, sizeof(int[2])) == 0;
+        require(isListed || expected->margins[e] <= DOUBT, p, "%d-%d is missing; it is %g beyond the limit", pair[0],
+                pair[1], expected->margins[e]);
+        if (!isListed)
+            continue;
+        requireNear(p, "value of entry", n, list->pairs[n].values[0], expected->values[e], NUMBER_TOLERANCE);
+        if (valueCount == 2)
+            requireNear(p, "second value of entry", n, list->pairs[n].values[1], expected->others[e], NUMBER_TOLERANCE);
+        n++;
+    }
+    require(n == list->count, p, "%d-%d is listed and should not be", n < list->count ? list->pairs[n].particles[0] : 0,
+            n < list->count ? list->pairs[n].particles[1] : 0);
+}

@@ -1,0 +1,109 @@
+/* program.h: a random program: a scene, once in the engine and once in the oracle, and random calls on both.
+ *
+ * The oracle goes its own way in long double and never sees the engine's positions. Every answer is compared, exactly
+ * but within CT_SIGMA of a limit, where only agreement of the engine with itself is asked for.
+ */
+#ifndef PROGRAM_H_
+#define PROGRAM_H_
+
+#include "chaintree.h"
+#include "oracle/oracle.h"
+#include "oracle/randomScene.h"
+#include "pairs.h"
+
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
+
+/* How far apart (nm, or the like) the engine's numbers may be from the oracle's. */
+#define NUMBER_TOLERANCE 1e-10
+
+/* Within this of a limit either answer is right. Raised limits lie CT_SIGMA above their overlap: not so near. */
+#define DOUBT (0.99 * CT_SIGMA)
+
+#define PI 3.14159265358979323846
+
+/* What happened in all programs so far: proof that the comparison was about something. */
+typedef struct Tally {
+    long programs, clashing, clashFree, doubtful, clashes, neighbors, changed, raised;
+} Tally;
+
+typedef struct Program {
+    uint64_t seed;
+    int step;
+    const char* operation;
+    Tally* tally;
+    randomSource random;
+    randomScene scene; /* its positions are the reference positions */
+    ctChainTree* tree;
+    oracleScene* oracle;
+
+    int movableCount;
+    int* movable;    /* links with a torsion or free joint */
+    double* state;   /* the bits that ctGetPositions must give */
+    double* trial;   /* and those of the open trial */
+    double* scratch; /* as many coordinates */
+    bool hasTrial;
+    int* roots;      /* per link: the one without parent that it hangs on */
+    bool* hasMoved;  /* per root: by a commit since the reference positions */
+    bool* isInTrial; /* per root: by the open trial */
+    PairList limits; /* what ctGetLimits must give */
+} Program;
+
+void programCreate(Program* program, uint64_t seed, Tally* tally);
+void programDestroy(Program* program);
+
+/* ---- Failure: prints the seed, the step and what differed, and ends the process with status 1 ---- */
+
+void require(bool condition, const Program* program, const char* format, ...) __attribute__((format(printf, 3, 4)));
+void requireStatus(const Program* program, const char* call, ctStatus status, ctStatus expected);
+void requireNear(const Program* program, const char* what, int index, double value, double expected, double error);
+
+#define SUCCEED(call) requireStatus(p, #call, call, ctSuccess)
+#define FAIL(expected, call) requireStatus(p, #call, call, expected)
+
+/* ---- What most operations check or choose ---- */
+
+void* programAllocate(int count, size_t size);
+int coordinateCount(const Program* program);
+size_t positionBytes(const Program* program);
+
+/* Whether the molecule of a particle has left the reference positions. */
+bool hasParticleMoved(const Program* program, int particle);
+
+void requireSameBits(const Program* program, const char* what, const double* values, const double* expected);
+
+/* The engine's state has the bits that it had, and a trial is open or not as before. */
+void requireUntouchedState(Program* program);
+
+/* Positions (of ORACLE_STATE or ORACLE_TRIAL) are near the oracle's. */
+void requireOraclePositions(Program* program, int which, const double* positions);
+
+/* Counts to be added to, or NULL; and that nothing was subtracted. */
+ctCounts* chooseCounts(Program* program, ctCounts* counts);
+void requireCounted(const Program* program, const ctCounts* counts);
+
+double chooseCutoff(Program* program);
+int chooseParticle(Program* program);
+
+/* ---- Lists ---- */
+
+/* An oracle's list with the slack that DOUBT needs: values, and how far each is beyond the limit. */
+typedef struct Expected {
+    int count;
+    int* particles; /* of pairs; of single particles twice */
+    double *values, *others, *margins;
+} Expected;
+
+Expected expectedCreate(int capacity);
+void expectedDestroy(Expected* expected);
+Expected expectedClashes(const Program* program);
+
+/* Sorts the pairs that a callback has collected; none may have come twice. */
+void sortCollected(const Program* program, PairList* list);
+
+/* Sorts a list. All that is certainly beyond the limit is in it, nothing that certainly is not, with the right values
+ * (one or two a pair). */
+void requireSameList(const Program* program, PairList* list, const Expected* expected, int valueCount);
+
+#endif /* PROGRAM_H_ */

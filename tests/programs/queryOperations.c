@@ -1,0 +1,169 @@
+#include "operations.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* ---- Lists ---- */
+
+void compareClashes(Program* p)
+{
+    Expected expected = expectedClashes(p);
+    PairList list = {0};
+    ctCounts counts;
+    bool clash;
+    int pair[2] = {CT_NULL, CT_NULL};
+    SUCCEED(ctForEachClash(p->tree, collectPair, &list, chooseCounts(p, &counts)));
+    requireCounted(p, &counts);
+    requireSameList(p, &list, &expected, 1);
+    SUCCEED(ctHasClash(p->tree, &clash, pair, NULL));
+    require(clash == (list.count > 0), p, "ctHasClash says %d; %d pairs are listed", clash, list.count);
+    require(!clash || findPair(&list, pair[0], pair[1]) != NULL, p, "%d-%d is in no list", pair[0], pair[1]);
+    p->tally->clashes += list.count;
+    free(list.pairs);
+    expectedDestroy(&expected);
+}
+
+void compareNeighborPairs(Program* p)
+{
+    double cutoff = chooseCutoff(p);
+    int count = oracleListNeighborPairs(p->oracle, cutoff + DOUBT, 0, NULL, NULL);
+    Expected expected = expectedCreate(count);
+    oracleListNeighborPairs(p->oracle, cutoff + DOUBT, count, expected.particles, expected.values);
+    for (int e = 0; e < count; e++)
+        expected.margins[e] = cutoff - expected.values[e];
+    PairList list = {0};
+    ctCounts counts;
+    SUCCEED(ctForEachNeighborPair(p->tree, cutoff, collectPair, &list, chooseCounts(p, &counts)));
+    requireCounted(p, &counts);
+    requireSameList(p, &list, &expected, 1);
+    p->tally->neighbors += list.count;
+    free(list.pairs);
+    expectedDestroy(&expected);
+}
+
+void compareProbe(Program* p)
+{
+    double position[3], radius = randomChance(&p->random, 0.2) ? 0 : randomReal(&p->random, 0, 0.5);
+    memcpy(position, p->state + 3 * chooseParticle(p), sizeof position);
+    for (int axis = 0; axis < 3; axis++)
+        position[axis] += randomReal(&p->random, -0.3, 0.3);
+    int count = oracleListClashesWith(p->oracle, position, radius, DOUBT, 0, NULL, NULL, NULL);
+    Expected expected = expectedCreate(count);
+    int* particles = programAllocate(count, sizeof(int));
+    oracleListClashesWith(p->oracle, position, radius, DOUBT, count, particles, expected.values, expected.margins);
+    for (int e = 0; e < count; e++)
+        expected.particles[2 * e] = expected.particles[2 * e + 1] = particles[e];
+    PairList list = {0};
+    ctCounts counts;
+    SUCCEED(ctForEachClashWith(p->tree, position, radius, collectParticle, &list, chooseCounts(p, &counts)));
+    requireCounted(p, &counts);
+    requireSameList(p, &list, &expected, 1);
+    free(particles);
+    free(list.pairs);
+    expectedDestroy(&expected);
+}
+
+/* Of a list that ends early, what came is as long as asked for and part of the whole. */
+static void requireBeginning(const Program* p, PairList* all, PairList* some)
+{
+    int wanted = all->count < some->end ? all->count : some->end;
+    require(some->count == wanted, p, "%d pairs came, not %d", some->count, wanted);
+    sortCollected(p, all);
+    for (int n = 0; n < some->count; n++)
+        require(findPair(all, some->pairs[n].particles[0], some->pairs[n].particles[1]) != NULL, p,
+                "a pair came that is not in the whole list");
+    all->count = some->count = 0;
+}
+
+void endListsEarly(Program* p)
+{
+    PairList all = {0}, some = {.end = 1 + randomInt(&p->random, 3)};
+    double cutoff = chooseCutoff(p);
+    SUCCEED(ctForEachNeighborPair(p->tree, cutoff, collectPair, &all, NULL));
+    SUCCEED(ctForEachNeighborPair(p->tree, cutoff, collectPair, &some, NULL));
+    requireBeginning(p, &all, &some);
+    SUCCEED(ctForEachClash(p->tree, collectPair, &all, NULL));
+    SUCCEED(ctForEachClash(p->tree, collectPair, &some, NULL));
+    requireBeginning(p, &all, &some);
+    SUCCEED(ctForEachClashWith(p->tree, p->state, cutoff, collectParticle, &all, NULL));
+    SUCCEED(ctForEachClashWith(p->tree, p->state, cutoff, collectParticle, &some, NULL));
+    requireBeginning(p, &all, &some);
+    if (p->hasTrial) {
+        SUCCEED(ctForEachChangedPair(p->tree, cutoff, collectChangedPair, &all, NULL));
+        SUCCEED(ctForEachChangedPair(p->tree, cutoff, collectChangedPair, &some, NULL));
+        requireBeginning(p, &all, &some);
+    }
+    requireUntouchedState(p);
+    free(all.pairs);
+    free(some.pairs);
+}
+
+/* ---- Numbers ---- */
+
+void compareMinimumDistance(Program* p)
+{
+    int counts[2], *sets[2], pair[2] = {CT_NULL, CT_NULL};
+    for (int set = 0; set < 2; set++) {
+        counts[set] = 1 + randomInt(&p->random, 20);
+        sets[set] = programAllocate(counts[set], sizeof(int));
+        for (int n = 0; n < counts[set]; n++)
+            sets[set][n] = chooseParticle(p);
+    }
+    double distance, expected = oracleMinimumDistance(p->oracle, counts[0], sets[0], counts[1], sets[1]);
+    ctStatus status = ctGetMinimumDistance(p->tree, counts[0], sets[0], counts[1], sets[1], &distance, pair);
+    requireStatus(p, "ctGetMinimumDistance", status, isinf(expected) ? ctInvalidArgument : ctSuccess);
+    if (status == ctSuccess) {
+        require(pair[0] >= 0 && pair[0] < p->scene.particleCount && pair[1] >= 0 && pair[1] < p->scene.particleCount &&
+                    pair[0] != pair[1],
+                p, "the nearest pair is %d-%d", pair[0], pair[1]);
+        requireNear(p, "least distance", 0, distance, expected, NUMBER_TOLERANCE);
+        requireNear(p, "distance of the nearest pair", 0, oracleDistance(p->oracle, ORACLE_STATE, pair[0], pair[1]),
+                    expected, NUMBER_TOLERANCE);
+    }
+    free(sets[0]);
+    free(sets[1]);
+}
+
+/* The direction between two particles is as uncertain as their positions; but that of a force between particles which
+ * the caller has put at one place is fixed. */
+static double directionError(const Program* p, int i, int j)
+{
+    double distance = oracleDistance(p->oracle, ORACLE_STATE, i, j);
+    if (distance == 0)
+        return hasParticleMoved(p, i) || hasParticleMoved(p, j) ? 2 : 0;
+    return fmin(2, 2 * NUMBER_TOLERANCE / distance);
+}
+
+void compareEnergy(Program* p)
+{
+    const double k = randomReal(&p->random, 0.1, 1e5);
+    Expected clashes = expectedClashes(p);
+    double* expected = programAllocate(coordinateCount(p), sizeof(double));
+    double* forces = programAllocate(coordinateCount(p), sizeof(double));
+    double* errors = programAllocate(p->scene.particleCount, sizeof(double));
+    double energyError = 0, energy, energyWithForces, expectedEnergy = oracleEnergy(p->oracle, k, expected);
+    for (int e = 0; e < clashes.count; e++) {
+        const int i = clashes.particles[2 * e], j = clashes.particles[2 * e + 1];
+        double depth = fabs(clashes.margins[e]);
+        double depthError = NUMBER_TOLERANCE + (depth <= DOUBT ? DOUBT : 0); /* either answer is right there */
+        errors[i] += k * (depthError + depth * directionError(p, i, j));
+        errors[j] += k * (depthError + depth * directionError(p, i, j));
+        energyError += k * (depth + depthError) * depthError;
+    }
+    ctCounts counts;
+    SUCCEED(ctComputeEnergy(p->tree, k, &energy, NULL, chooseCounts(p, &counts)));
+    requireCounted(p, &counts);
+    requireNear(p, "energy", 0, energy, expectedEnergy, energyError + 1e-13 * expectedEnergy);
+    for (int n = 0; n < coordinateCount(p); n++)
+        forces[n] = n % 7; /* to be added to */
+    SUCCEED(ctComputeEnergy(p->tree, k, &energyWithForces, forces, NULL));
+    require(energyWithForces == energy, p, "the energy is another with forces");
+    for (int n = 0; n < coordinateCount(p); n++)
+        requireNear(p, "force component", n, forces[n] - n % 7, expected[n],
+                    errors[n / 3] + 1e-12 * (1 + fabs(expected[n])));
+    expectedDestroy(&clashes);
+    free(expected);
+    free(forces);
+    free(errors);
+}
