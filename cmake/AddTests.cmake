@@ -1,0 +1,54 @@
+# One program, or one file of pytest, is one test. A program that ends with 77 counts as skipped.
+
+# chaintree_add_c_tests(SOURCES ... [WITH source ...] [LIBRARIES lib ...] [SANITIZED_ARGUMENTS ...]): programs on the
+# engine alone, each with the sources after WITH. Each runs as it is, and, with the arguments given for that, a second
+# time with sanitizers.
+function(chaintree_add_c_tests)
+    cmake_parse_arguments(PARSE_ARGV 0 arg "" "" "SOURCES;WITH;LIBRARIES;SANITIZED_ARGUMENTS")
+    foreach(source IN LISTS arg_SOURCES)
+        get_filename_component(name "${source}" NAME_WE)
+        add_executable(${name} ${source} ${arg_WITH})
+        target_link_libraries(${name} PRIVATE chaintree ${arg_LIBRARIES})
+        _chaintree_add_program_test(${name} "engine")
+        if(TARGET chaintree_sanitized)
+            add_executable(${name}_sanitized ${source} ${arg_WITH})
+            target_link_libraries(${name}_sanitized PRIVATE chaintree_sanitized ${arg_LIBRARIES})
+            _chaintree_add_program_test(${name}_sanitized "engine;sanitized" ${arg_SANITIZED_ARGUMENTS})
+        endif()
+    endforeach()
+endfunction()
+
+# chaintree_add_cxx_tests(source ...): programs on the plugin's libraries.
+function(chaintree_add_cxx_tests)
+    foreach(source IN LISTS ARGN)
+        get_filename_component(name "${source}" NAME_WE)
+        add_executable(${name} ${source})
+        target_include_directories(${name} PRIVATE "${PROJECT_SOURCE_DIR}/tests")
+        target_link_libraries(${name} PRIVATE OpenMMChainTreeReference)
+        _chaintree_add_program_test(${name} "api")
+        # From there come the platforms that are plugins of OpenMM, CPU among them.
+        set_tests_properties(${name} PROPERTIES ENVIRONMENT "OPENMM_PLUGIN_DIR=${OpenMM_LIBRARY_DIR}/plugins")
+    endforeach()
+endfunction()
+
+# chaintree_add_python_tests(source ...): files of pytest, run on the package in the build tree.
+function(chaintree_add_python_tests)
+    foreach(source IN LISTS ARGN)
+        get_filename_component(name "${source}" NAME_WE)
+        add_test(NAME ${name}
+            COMMAND "${Python_EXECUTABLE}" -m pytest -q -rs -p no:cacheprovider "${source}"
+            WORKING_DIRECTORY "${PROJECT_BINARY_DIR}")
+        set_tests_properties(${name} PROPERTIES
+            LABELS python
+            SKIP_REGULAR_EXPRESSION "(^|\n)[0-9]+ skipped in "
+            ENVIRONMENT "PYTHONPATH=${CHAINTREE_PACKAGE_PARENT_DIR};PYTHONDONTWRITEBYTECODE=1;CHAINTREE_ORACLE=$<TARGET_FILE:chaintree_oracle>")
+    endforeach()
+endfunction()
+
+function(_chaintree_add_program_test name labels)
+    # A test must be able to fail, so its assertions hold in every build.
+    target_compile_options(${name} PRIVATE -UNDEBUG)
+    chaintree_set_warnings(${name})
+    add_test(NAME ${name} COMMAND ${name} ${ARGN})
+    set_tests_properties(${name} PROPERTIES LABELS "${labels}" SKIP_RETURN_CODE 77)
+endfunction()
