@@ -196,6 +196,9 @@ static bool toVec3(PyObject* object, const char* unit, const char* name, OpenMM:
         SWIG_fail;
     $1 = &value;
 }
+%typemap(doctype) double NAME "float or Quantity"
+%typemap(doctype) const std::vector<double>& NAME "sequence of float, or Quantity"
+%typemap(doctype) const OpenMM::Vec3& NAME "sequence of 3 floats, or Quantity"
 %enddef
 
 %unit("nm", radius)
@@ -222,6 +225,7 @@ static bool toVec3(PyObject* object, const char* unit, const char* name, OpenMM:
         SWIG_fail;
     $1 = &values;
 }
+%typemap(doctype) const std::vector<int>& "sequence of int"
 %typemap(in, fragment="FromPython") ChainTreePlugin::StericExclusionForce::HydrogenBondRole {
     int role;
     if (!toInt($input, "$1_name", role))
@@ -258,26 +262,29 @@ static PyObject* toNumPy(const void* values, size_t count, int columns, size_t i
 }
 }
 
-%define %outputArray(TYPE, COLUMNS, ITEM, DTYPE, NAME)
+%define %outputArray(TYPE, COLUMNS, ITEM, DTYPE, SHAPE, NAME)
 %typemap(in, numinputs=0) TYPE& NAME (TYPE values) {
     $1 = &values;
 }
 %typemap(argout, fragment="ToNumPy") TYPE& NAME {
-    PyObject* array = toNumPy($1->data(), $1->size(), COLUMNS, sizeof(ITEM), DTYPE);
+    PyObject* array = toNumPy($1->data(), $1->size(), COLUMNS, sizeof(ITEM), "DTYPE");
     if (array == NULL)
         SWIG_fail;
     $result = SWIG_AppendOutput($result, array);
 }
+/* What is const goes in and does not come back. */
+%typemap(argout) const TYPE& NAME ""
+%typemap(doctype) TYPE& NAME "numpy.ndarray of DTYPE, shape SHAPE"
 %enddef
 
-%outputArray(%arg(std::vector<std::pair<int, int> >), 2, int, "intc", pairs)
-%outputArray(std::vector<int>, 0, int, "intc", particles)
-%outputArray(std::vector<double>, 0, double, "float64", overlaps)
-%outputArray(std::vector<double>, 0, double, "float64", distances)
-%outputArray(std::vector<double>, 0, double, "float64", before)
-%outputArray(std::vector<double>, 0, double, "float64", after)
-%outputArray(std::vector<double>, 0, double, "float64", angles)
-%outputArray(std::vector<OpenMM::Vec3>, 3, double, "float64", positions)
+%outputArray(%arg(std::vector<std::pair<int, int> >), 2, int, int32, %arg((n, 2)), pairs)
+%outputArray(std::vector<int>, 0, int, int32, (n), particles)
+%outputArray(std::vector<double>, 0, double, float64, (n), overlaps)
+%outputArray(std::vector<double>, 0, double, float64, (n), distances)
+%outputArray(std::vector<double>, 0, double, float64, (n), before)
+%outputArray(std::vector<double>, 0, double, float64, (n), after)
+%outputArray(std::vector<double>, 0, double, float64, (n), angles)
+%outputArray(std::vector<OpenMM::Vec3>, 3, double, float64, %arg((n, 3)), positions)
 
 %typemap(in, numinputs=0) double& (double value), int& (int value), long long& (long long value) {
     $1 = &value;

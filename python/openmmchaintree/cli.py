@@ -142,12 +142,16 @@ def _writeTrajectory(sampling, structure, path, trials, frames):
     """Run all trials and write frames evenly along them; return whether the user interrupted."""
     interval = -(-trials // frames)
     with open(path, "w+b") as file, _interruptFlag() as interrupted, _progress(trials) as advance:
+
+        def proceed():
+            advance(sampling.trials)
+            return not interrupted
+
         # Trials have no time: a frame's label is the number of trials, at 1 ps each.
         trajectory = openmm.app.DCDFile(file, structure.topology, 1 * unit.picosecond, interval, interval)
         while sampling.trials < trials and not interrupted:
-            positions = sampling.run(min(interval, trials - sampling.trials))
+            positions = sampling.run(min(interval, trials - sampling.trials), proceed)
             trajectory.writeModel(positions * unit.nanometer)
-            advance(sampling.trials)
         return bool(interrupted)
 
 

@@ -5,7 +5,7 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.colors import LogNorm
 from matplotlib.figure import Figure
 
-_BINS = np.linspace(-180, 180, 73)
+_BINS = np.linspace(-180, 180, 37)
 _COLOR = "#1f5f8b"
 
 
@@ -35,7 +35,7 @@ def _drawRamachandranSampled(axis, frames):
         *_, image = axis.hist2d(phi, psi, bins=(_BINS, _BINS), norm=LogNorm(), cmap="viridis_r", rasterized=True)
     _finishRamachandran(axis, f"Sampled: {len(frames)} frames")
     if image is not None:
-        axis.figure.colorbar(image, ax=axis, label="residues in 5° × 5°", shrink=0.85)
+        axis.figure.colorbar(image, ax=axis, label="residues in 10° × 10°", shrink=0.85)
 
 
 def _finishRamachandran(axis, title):

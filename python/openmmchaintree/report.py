@@ -5,17 +5,24 @@ from collections import Counter
 from rich.table import Table
 
 from .bonds import describeResidue
+from .sampling import KINDS
+
+_COUNTS = ("attempted", "clashed", "rejectedByEnergy", "accepted")
+
+# More tolerated pairs than this are left to the JSON file.
+_LONGEST_LIST = 10
 
 
 def summarize(sampling, structure, seed, files, interrupted):
     """Return everything that a run did as plain dictionaries and lists, for JSON. Lengths are in nm, times in s."""
     verdict = sampling.check()
+    kinds = Counter(torsion.kind for torsion in sampling.torsions)
     names = [f"{describeResidue(atom.residue)} {atom.name}" for atom in structure.topology.atoms()]
     return {
         "structure": structure.name,
         "atoms": len(names),
         "fixedAtoms": sampling.fixedAtoms,
-        "torsions": dict(Counter(torsion.kind for torsion in sampling.torsions)),
+        "torsions": {kind: kinds[kind] for kind in KINDS if kinds[kind]},
         "leftOut": sampling.notes,
         "seed": seed,
         "interrupted": interrupted,
@@ -86,9 +93,6 @@ def _moveTable(moves):
     return table
 
 
-_COUNTS = ("attempted", "clashed", "rejectedByEnergy", "accepted")
-
-
 def _printVerdict(summary, console):
     tolerated, beyond = summary["toleratedPairs"], summary["pairsBeyondLimit"]
     count = f"{len(beyond)} beyond their limit" if beyond else "none beyond its limit"
@@ -97,7 +101,11 @@ def _printVerdict(summary, console):
         f"({summary['clashesAtStart']} clashed at the start)"
     )
     for pair in beyond:
-        console.print(
-            f"  beyond its limit: {pair['atoms'][0]} – {pair['atoms'][1]}, "
-            f"overlap {pair['overlap']:.9f} nm, limit {pair['limit']:.9f} nm"
-        )
+        _printPair("beyond its limit", pair, f"limit {pair['limit']:.9f} nm", console)
+    if len(tolerated) <= _LONGEST_LIST:
+        for pair in tolerated:
+            _printPair("tolerated", pair, f"tolerance {pair['tolerance']:.9f} nm", console)
+
+
+def _printPair(word, pair, bound, console):
+    console.print(f"  {word}: {pair['atoms'][0]} – {pair['atoms'][1]}, overlap {pair['overlap']:.9f} nm, {bound}")

@@ -125,26 +125,29 @@ class Sampling:
                 moves.append(Move(f"{name} ±{degrees}°", weight))
 
         # Small steps loosen a compact structure; once it is loose, large ones find new conformations.
-        addTorsionMove("φ/ψ", 3.0, 2, backbone)
-        addTorsionMove("φ/ψ", 1.0, 20, backbone)
+        addTorsionMove("φ/ψ", 2.0, 5, backbone)
+        addTorsionMove("φ/ψ", 1.0, 30, backbone)
         addTorsionMove("φ/ψ", 1.0, 180, backbone)
-        addTorsionMove("χ", 3.0, 20, sideChains)
-        addTorsionMove("χ", 2.0, 180, sideChains)
+        addTorsionMove("χ", 1.0, 30, sideChains)
+        addTorsionMove("χ", 1.0, 180, sideChains)
         if len(movableMolecules) > 1:
             self.integrator.addRigidBodyMove(1.0, 0.01 * unit.nanometer, 1 * unit.degrees)
             moves.append(Move("rigid body 0.01 nm, ±1°", 1.0))
         return moves
 
-    def run(self, trials):
-        """Run a number of trials and return the positions, a float64 array of shape (n, 3) in nm."""
-        while trials > 0:
-            count = min(trials, _TRIALS_PER_STEP)
+    def run(self, trials, proceed):
+        """Run a number of trials, fewer if proceed(), called now and then, says no; keep a frame.
+
+        Return the positions, a float64 array of shape (n, 3) in nm.
+        """
+        end = self.trials + trials
+        while self.trials < end and proceed():
+            count = min(end - self.trials, _TRIALS_PER_STEP)
             self.integrator.setTrialsPerStep(count)
             start = perf_counter()
             self.integrator.step(1)
             self.seconds += perf_counter() - start
             self.trials += count
-            trials -= count
         positions = self._positions()
         self._keepFrame(positions)
         return positions

@@ -112,7 +112,7 @@ def _warn(graph, leftOut):
     reasons = Counter(torsion.reason for torsion in leftOut if not torsion.nextToGap)
     for reason, count in reasons.items():
         if reason != PROLINE_RING:
-            remedy = ", which can be cut" if reason == DISULFIDE_RING else ""
+            remedy = ", which can be cut (cutDisulfides)" if reason == DISULFIDE_RING else ""
             verb = "torsion is" if count == 1 else "torsions are"
             warnings.warn(f"{count} {verb} left out: {reason}{remedy}", stacklevel=3)
 

@@ -32,7 +32,7 @@ def inUnit(value, symbol, name):
     target, description = _DIMENSIONS[symbol]
     if unit.is_quantity(value):
         if not value.unit.is_compatible(target):
-            raise TypeError(f"{name} must be {description}, not one in {value.unit.get_symbol()}")
+            raise TypeError(f"{name} must be {description}, but has the unit {value.unit.get_symbol()}")
         return value.value_in_unit(target)
     if isinstance(value, (list, tuple)):
         return [inUnit(item, symbol, name) for item in value]
