@@ -1,0 +1,87 @@
+"""Making and reading what tests work on."""
+
+import os
+from pathlib import Path
+
+import numpy as np
+import openmm
+import pytest
+from openmm import app, unit
+
+
+def realStructurePath(name):
+    folder = os.environ.get("CHAINTREE_TEST_DATA")
+    if not folder:
+        pytest.skip("CHAINTREE_TEST_DATA is not set")
+    return Path(folder) / name
+
+
+def makeContext(structure, force, integrator):
+    context = openmm.Context(makeSystem(structure, force), integrator, openmm.Platform.getPlatformByName("Reference"))
+    context.setPositions(structure.positions)
+    return context
+
+
+def makeSystem(structure, force):
+    system = openmm.System()
+    for atom in structure.topology.atoms():
+        system.addParticle(atom.element.mass)
+    system.addForce(force)
+    return system
+
+
+def positionsOf(context):
+    return context.getState(positions=True).getPositions(asNumpy=True).value_in_unit(unit.nanometer)
+
+
+def peptide(*residueNames, chains=1):
+    """Make the Topology of a peptide from its residue names, without hydrogens and positions."""
+    topology = app.Topology()
+    for _ in range(chains):
+        chain = topology.addChain()
+        for name in residueNames:
+            residue = topology.addResidue(name, chain)
+            for atom in HEAVY_ATOMS[name].split():
+                topology.addAtom(atom, app.Element.getBySymbol(atom[0]), residue)
+    topology.createStandardBonds()
+    return topology
+
+
+_BACKBONE = "N CA C O "
+HEAVY_ATOMS = {
+    name: _BACKBONE + sideChain
+    for name, sideChain in {
+        "ALA": "CB",
+        "ARG": "CB CG CD NE CZ NH1 NH2",
+        "ASN": "CB CG OD1 ND2",
+        "ASP": "CB CG OD1 OD2",
+        "CYS": "CB SG",
+        "GLN": "CB CG CD OE1 NE2",
+        "GLU": "CB CG CD OE1 OE2",
+        "GLY": "",
+        "HIS": "CB CG ND1 CD2 CE1 NE2",
+        "ILE": "CB CG1 CG2 CD1",
+        "LEU": "CB CG CD1 CD2",
+        "LYS": "CB CG CD CE NZ",
+        "MET": "CB CG SD CE",
+        "PHE": "CB CG CD1 CD2 CE1 CE2 CZ",
+        "PRO": "CB CG CD",
+        "SER": "CB OG",
+        "THR": "CB OG1 CG2",
+        "TRP": "CB CG CD1 CD2 NE1 CE2 CE3 CZ2 CZ3 CH2",
+        "TYR": "CB CG CD1 CD2 CE1 CE2 CZ OH",
+        "VAL": "CB CG1 CG2",
+    }.items()
+}
+
+
+def readDCD(path):
+    """Read the frames of a DCD file without a box, float32, nm; a frame that the header does not count is an error."""
+    data = Path(path).read_bytes()
+    count = int(np.frombuffer(data, "<i4", 1, 8)[0])
+    atoms = int(np.frombuffer(data, "<i4", 1, 268)[0])
+    record = 4 * atoms + 8
+    assert len(data) == 276 + count * 3 * record
+    frames = np.frombuffer(data, np.uint8, offset=276).reshape(count, 3, record)
+    values = np.ascontiguousarray(frames[:, :, 4:-4]).view("<f4")
+    return values.transpose(0, 2, 1) / 10

@@ -1,0 +1,170 @@
+"""The face of StericExclusionForce in Python: types, arrays, exceptions, threads."""
+
+import threading
+import time
+
+import numpy as np
+import openmm
+import pytest
+from openmm import unit
+from openmmchaintree import MinimumDistance, StericExclusionForce, TraversalStatistics
+from openmmchaintree.allpairs import HardSpheres
+from scenes import positionsOf
+
+
+def test_clashesAreThoseOfAllPairs(villinRun):
+    force, _, context = villinRun
+    force.setOverlapTolerance(0.0)
+    force.updateParametersInContext(context)
+    pairs, overlaps = force.getClashes(context)
+    expected = HardSpheres(force).overlaps(positionsOf(context))
+    assert len(expected.pairs) > 10
+    assert np.array_equal(pairs, expected.pairs)
+    assert overlaps == pytest.approx(expected.overlaps, abs=1e-12)
+    assert force.hasClash(context)
+
+
+def test_arraysArePlainNumPy(villinRun):
+    force, _, context = villinRun
+    pairs, distances = force.getNeighborPairs(context, 5 * unit.angstrom)
+    assert type(pairs) is np.ndarray and type(distances) is np.ndarray
+    assert pairs.dtype == np.int32 and pairs.shape == (len(distances), 2)
+    assert pairs.flags.c_contiguous and pairs.flags.writeable
+    assert distances.dtype == np.float64 and distances.max() <= 0.5
+    positions = positionsOf(context)
+    assert distances == pytest.approx(np.linalg.norm(positions[pairs[:, 0]] - positions[pairs[:, 1]], axis=1))
+
+
+def test_emptyArraysKeepTheirShape(villinRun):
+    force, _, context = villinRun
+    pairs, distances = force.getNeighborPairs(context, 0.01)
+    assert pairs.shape == (0, 2) and pairs.dtype == np.int32
+    assert distances.shape == (0,)
+
+
+def test_minimumDistance(villinRun):
+    force, _, context = villinRun
+    positions = positionsOf(context)
+    first, second = np.arange(0, 50), np.arange(300, 400)
+    nearest = force.getMinimumDistance(context, first, second)
+    assert isinstance(nearest, MinimumDistance)
+    table = np.linalg.norm(positions[first, None] - positions[None, second], axis=2)
+    row, column = np.unravel_index(table.argmin(), table.shape)
+    assert nearest == (pytest.approx(table.min()), first[row], second[column])
+
+
+def test_clashesWithProbe(villinRun):
+    force, _, context = villinRun
+    positions = positionsOf(context)
+    radii = np.array([force.getParticleParameters(i)[0].value_in_unit(unit.nanometer) for i in range(len(positions))])
+    probe = positions[100] + [0.1, 0, 0]
+    particles, overlaps = force.getClashesWith(context, probe * unit.nanometer, 1 * unit.angstrom)
+    expected = radii + 0.1 - np.linalg.norm(positions - probe, axis=1)
+    assert np.array_equal(particles, np.flatnonzero(expected > 0.04))
+    assert overlaps == pytest.approx(expected[particles])
+
+
+def test_proposalIsWhatAcceptingSets(villinRun):
+    force, _, context = villinRun
+    before = positionsOf(context)
+    clashFree = force.proposeTorsions(context, np.array([5]), np.array([0.01]))
+    assert isinstance(clashFree, bool)
+    proposed = force.getProposedPositions(context)
+    assert proposed.shape == before.shape and proposed.dtype == np.float64
+    assert np.array_equal(positionsOf(context), before)
+    pairs, distancesBefore, distancesAfter = force.getChangedNeighborPairs(context, 0.5)
+    for positions, distances in ((before, distancesBefore), (proposed, distancesAfter)):
+        assert distances == pytest.approx(np.linalg.norm(positions[pairs[:, 0]] - positions[pairs[:, 1]], axis=1))
+    force.acceptProposal(context)
+    assert np.array_equal(positionsOf(context), proposed)
+    assert not np.array_equal(before, proposed)
+
+
+def test_rigidMotion(villinRun):
+    force, _, context = villinRun
+    before = positionsOf(context)
+    assert force.proposeRigidMotion(context, 7, [0, 0, 0], [1, 2, 3] * unit.angstrom)
+    force.acceptProposal(context)
+    assert positionsOf(context) - before == pytest.approx(np.tile([0.1, 0.2, 0.3], (len(before), 1)))
+
+
+def test_acceptWithoutProposalIsAnOpenMMException(villinRun):
+    force, _, context = villinRun
+    force.proposeTorsions(context, [0], [0.1])
+    force.rejectProposal(context)
+    with pytest.raises(openmm.OpenMMException, match="no open proposal"):
+        force.acceptProposal(context)
+
+
+def test_traversalStatistics(villinRun):
+    force, _, context = villinRun
+    force.hasClash(context)
+    statistics = force.getTraversalStatistics(context)
+    assert isinstance(statistics, TraversalStatistics)
+    assert statistics.queries >= 1 and statistics.particleTests > 0
+    force.resetTraversalStatistics(context)
+    assert force.getTraversalStatistics(context) == (0, 0, 0, 0)
+
+
+@pytest.mark.parametrize(
+    ("call", "message"),
+    [
+        (lambda force, context: force.getNeighborPairs(context, -1), "cutoff"),
+        (lambda force, context: force.getNeighborPairs(context, float("nan")), "cutoff"),
+        (lambda force, context: force.addParticle(-1), "radius"),
+        (lambda force, context: force.addParticle(float("nan")), "radius"),
+        (lambda force, context: force.setOverlapTolerance(-0.1), "tolerance"),
+        (lambda force, context: force.proposeTorsions(context, [10000], [0.1]), "10000"),
+        (lambda force, context: force.proposeTorsions(context, [0, 1], [0.1]), "1"),
+        (lambda force, context: force.proposeTorsions(context, [0, 0], [0.1, 0.1]), "torsion 0"),
+        (lambda force, context: force.getParticleParameters(10000), "range"),
+    ],
+)
+def test_badArgumentIsAnOpenMMException(villinRun, call, message):
+    force, _, context = villinRun
+    with pytest.raises(openmm.OpenMMException, match=message):
+        call(force, context)
+
+
+def test_getForceCanBeCast(villinRun):
+    _, _, context = villinRun
+    lost = context.getSystem().getForce(0)
+    assert StericExclusionForce.isinstance(lost)
+    assert StericExclusionForce.cast(lost).getNumTorsions() == 138
+
+
+def test_castOfAnotherForceIsRefused():
+    force = openmm.CMMotionRemover()
+    assert not StericExclusionForce.isinstance(force)
+    with pytest.raises(openmm.OpenMMException, match="not a StericExclusionForce"):
+        StericExclusionForce.cast(force)
+
+
+def test_interpreterIsFreeDuringLongCalls(villinRun):
+    force, _, context = villinRun
+    ticks = []
+    stop = threading.Event()
+
+    def tick():
+        while not stop.wait(0.002):
+            ticks.append(time.perf_counter())
+
+    thread = threading.Thread(target=tick)
+    thread.start()
+    try:
+        many = np.tile(np.arange(force.getNumParticles()), 20)
+        start = time.perf_counter()
+        force.getMinimumDistance(context, many, many)
+        end = time.perf_counter()
+    finally:
+        stop.set()
+        thread.join()
+    during = [moment for moment in ticks if start + 0.3 * (end - start) < moment < end]
+    assert end - start > 0.02
+    assert during
+
+
+def test_docstringsTellUnitsAndShapes():
+    assert "in nm" in StericExclusionForce.addParticle.__doc__
+    assert "shape (n, 2)" in StericExclusionForce.getNeighborPairs.__doc__
+    assert "Periodic boundary conditions are not supported" in StericExclusionForce.__doc__

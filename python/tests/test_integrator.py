@@ -1,0 +1,117 @@
+"""The face of TorsionMonteCarloIntegrator in Python, and its life in OpenMM's application layer."""
+
+import io
+
+import numpy as np
+import openmm
+import pytest
+from openmm import app, unit
+from openmmchaintree import MoveStatistics, TorsionMonteCarloIntegrator, createStericExclusionForce
+from openmmchaintree.geometry import dihedrals
+from scenes import makeContext, makeSystem, positionsOf, readDCD
+
+
+def test_moveStatistics(villinRun):
+    _, integrator, context = villinRun
+    integrator.setTrialsPerStep(500)
+    integrator.step(2)
+    statistics = integrator.getMoveStatistics(0)
+    assert isinstance(statistics, MoveStatistics)
+    assert statistics.attempted == 1000 == statistics.clashed + statistics.rejectedByEnergy + statistics.accepted
+    assert statistics.rejectedByEnergy == 0
+    assert 0 < statistics.accepted < 1000
+    integrator.resetMoveStatistics()
+    assert integrator.getMoveStatistics(0) == (0, 0, 0, 0)
+
+
+def test_sameSeedSameTrajectory(villin):
+    def end(seed):
+        integrator = TorsionMonteCarloIntegrator(300)
+        integrator.setRandomNumberSeed(seed)
+        integrator.addTorsionMove(1, 0.3, [], 2)
+        integrator.addRigidBodyMove(1, 0.1, 0.1)
+        force = createStericExclusionForce(villin.topology, villin.positions)
+        context = makeContext(villin, force, integrator)
+        integrator.step(5)
+        return positionsOf(context)
+
+    assert np.array_equal(end(7), end(7))
+    assert not np.array_equal(end(7), end(8))
+
+
+def test_torsionAngles(villinRun):
+    force, integrator, context = villinRun
+    quadruples = np.array([force.getTorsionParticles(i) for i in range(force.getNumTorsions())])
+    integrator.step(10)
+    angles = integrator.getTorsionAngles(context)
+    assert angles.dtype == np.float64 and angles.shape == (138,)
+    expected = dihedrals(positionsOf(context), quadruples)
+    assert np.exp(1j * angles) == pytest.approx(np.exp(1j * expected), abs=1e-9)
+
+    assert integrator.setTorsionAngles(context, np.degrees(angles[::-1]) * unit.degrees) is None
+    expected = dihedrals(positionsOf(context), quadruples)
+    assert np.exp(1j * angles[::-1]) == pytest.approx(np.exp(1j * expected), abs=1e-9)
+
+
+def test_toleratedClashes(villinRun):
+    _, integrator, context = villinRun
+    assert integrator.getNumToleratedClashes(context) == 0
+    integrator.step(1)
+    assert integrator.getNumToleratedClashes(context) == 1
+
+
+def test_refusedClash(villin):
+    integrator = TorsionMonteCarloIntegrator(300)
+    integrator.addTorsionMove(1, 0.3)
+    integrator.setInitialClashPolicy(integrator.Refuse)
+    context = makeContext(villin, createStericExclusionForce(villin.topology, villin.positions), integrator)
+    with pytest.raises(openmm.OpenMMException, match="149.*528"):
+        integrator.step(1)
+    assert np.array_equal(positionsOf(context), villin.positions)
+
+
+def test_simulationWithReporters(villin, tmp_path):
+    integrator = TorsionMonteCarloIntegrator(300 * unit.kelvin)
+    integrator.setRandomNumberSeed(3)
+    integrator.addTorsionMove(1, 20 * unit.degrees)
+    system = makeSystem(villin, createStericExclusionForce(villin.topology, villin.positions))
+    platform = openmm.Platform.getPlatformByName("Reference")
+    simulation = app.Simulation(villin.topology, system, integrator, platform)
+    simulation.context.setPositions(villin.positions)
+    log = io.StringIO()
+    path = tmp_path / "trajectory.dcd"
+    simulation.reporters.append(app.DCDReporter(str(path), 5))
+    simulation.reporters.append(
+        app.StateDataReporter(log, 5, step=True, potentialEnergy=True, temperature=True, speed=True)
+    )
+    simulation.step(25)
+    del simulation.reporters[:]
+
+    assert simulation.currentStep == 25
+    assert integrator.getMoveStatistics(0).attempted == 2500
+    frames = readDCD(path)
+    assert frames.shape == (5, villin.topology.getNumAtoms(), 3)
+    assert frames[-1] == pytest.approx(positionsOf(simulation.context), abs=1e-5)
+    header, *rows = log.getvalue().splitlines()
+    temperature = header.split(",").index('"Temperature (K)"')
+    assert len(rows) == 5 and all(float(row.split(",")[temperature]) == 300 for row in rows)
+
+
+def test_castFromCompoundIntegrator(villin):
+    compound = openmm.CompoundIntegrator()
+    integrator = TorsionMonteCarloIntegrator(300)
+    integrator.addTorsionMove(1, 0.1)
+    compound.addIntegrator(integrator)
+    compound.addIntegrator(openmm.VerletIntegrator(0.001))
+    assert TorsionMonteCarloIntegrator.isinstance(compound.getIntegrator(0))
+    assert not TorsionMonteCarloIntegrator.isinstance(compound.getIntegrator(1))
+    assert TorsionMonteCarloIntegrator.cast(compound.getIntegrator(0)).getNumMoves() == 1
+
+
+def test_integratorWithoutForceIsRefused(villin):
+    system = openmm.System()
+    system.addParticle(1.0)
+    integrator = TorsionMonteCarloIntegrator(300)
+    integrator.addTorsionMove(1, 0.1)
+    with pytest.raises(openmm.OpenMMException, match="StericExclusionForce"):
+        openmm.Context(system, integrator, openmm.Platform.getPlatformByName("Reference"))
