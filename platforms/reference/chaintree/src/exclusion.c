@@ -22,9 +22,7 @@ bool ctExclusionsBuild(Exclusions* exclusions, Arena* arena, const Sequence* s, 
       next[b + 1]++;
     }
   }
-  for (int slot = 0; slot < s->slotCount; slot++) {
-    next[slot + 1] += next[slot];
-  }
+  ctAccumulate(next, s->slotCount);
   exclusions->partner = ctArenaAllocate(arena, (size_t)next[s->slotCount], sizeof(int));
   if (arena->failed) {
     return false;

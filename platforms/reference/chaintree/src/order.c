@@ -5,8 +5,6 @@
 #include <stddef.h>
 #include <stdlib.h>
 
-#include "tree.h"
-
 typedef struct Key {
   const double* points;
   int axis;
@@ -118,5 +116,11 @@ static int compareInts(const void* a, const void* b) {
 void ctSortInts(int* values, int count) {
   if (count > 1) {
     qsort(values, (size_t)count, sizeof(int), compareInts);
+  }
+}
+
+void ctAccumulate(int* begin, int count) {
+  for (int i = 0; i < count; i++) {
+    begin[i + 1] += begin[i];
   }
 }

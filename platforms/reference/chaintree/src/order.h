@@ -2,6 +2,9 @@
 #ifndef CT_ORDER_H_
 #define CT_ORDER_H_
 
+/* Members of a node of the tree: what all orders are made for. */
+enum { TREE_WIDTH_BITS = 4, TREE_WIDTH = 1 << TREE_WIDTH_BITS };
+
 /* Permutes ids so that consecutive runs of TREE_WIDTH, and of its powers, are compact in space: what makes the static
  * hierarchy of obstacles and of large links tight. Point id is points[3 * id .. 3 * id + 2]. O(n log n) expected; the
  * result depends on nothing else. */
@@ -9,5 +12,8 @@ void ctSpatialOrder(int* ids, int count, const double* points);
 
 /* Ascending. */
 void ctSortInts(int* values, int count);
+
+/* Turns the number of members of each of `count` groups, in begin[group + 1], into where each group begins. */
+void ctAccumulate(int* begin, int count);
 
 #endif /* CT_ORDER_H_ */

@@ -92,6 +92,9 @@ typedef struct Sequence {
 /* Lays out a checked definition, without state. False if there is no memory. */
 bool ctSequenceBuild(Sequence* sequence, Arena* arena, const ctDefinition* definition);
 
+/* The part of it that finds the paths, once links have parents and ends. */
+bool ctPathsBuild(Sequence* sequence, Arena* arena);
+
 /* Makes finite positions the reference: angles 0, nothing displaced, all products anew. */
 void ctSequenceSetReference(Sequence* sequence, const double* positions);
 

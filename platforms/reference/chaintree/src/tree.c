@@ -2,8 +2,6 @@
 
 #include <string.h>
 
-#include "order.h"
-
 static const Bound EMPTY_BOUND = {{0, 0, 0}, -1, -1};
 
 /* Rounding of a few operations on coordinates of this size, with room to spare. */

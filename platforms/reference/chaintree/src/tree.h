@@ -8,9 +8,10 @@
 #ifndef CT_TREE_H_
 #define CT_TREE_H_
 
+#include "order.h"
 #include "sequence.h"
 
-enum { TREE_WIDTH_BITS = 4, TREE_WIDTH = 1 << TREE_WIDTH_BITS, TREE_MAX_LEVELS = 8 };
+enum { TREE_MAX_LEVELS = 8 };
 
 /* Two radii about one centre: around the spheres of all particles, and around their centres. Negative: no particle. */
 typedef struct Bound {

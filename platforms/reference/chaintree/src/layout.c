@@ -1,0 +1,302 @@
+/* From a definition to a sequence: the order of links and slots. */
+#include <string.h>
+
+#include "order.h"
+#include "sequence.h"
+
+/* Scratch of ctSequenceBuild. Node 0 is the world, node u + 1 the caller's link u; fixed links are part of node 0. */
+typedef struct Layout {
+  int nodeCount;
+  int* parent;
+  int* slots;      /* of the node itself, 0 for fixed links */
+  int* modelled;   /* modelled particles of the node and all below it */
+  int* weight;     /* slots of the node and all below it */
+  int* childBegin; /* nodeCount + 1 */
+  int* children;   /* in sequence order */
+  int* breadthFirst;
+  int breadthCount;
+  int* linkOfNode;
+  double* rootPoints; /* 3 * nodeCount: where each free root is */
+} Layout;
+
+static bool isFixed(const ctDefinition* d, int userLink) {
+  return d->linkJoints[userLink] == ctFixedJoint;
+}
+
+static int nodeOfLink(const ctDefinition* d, int userLink) {
+  return userLink == CT_NULL || isFixed(d, userLink) ? 0 : userLink + 1;
+}
+
+static void countParticles(Layout* layout, const ctDefinition* d) {
+  for (int i = 0; i < d->particleCount; i++) {
+    if (d->radii[i] > 0) {
+      layout->slots[nodeOfLink(d, d->particleLinks[i])]++;
+    }
+  }
+  for (int node = 0; node < layout->nodeCount; node++) {
+    layout->modelled[node] = layout->slots[node];
+    const bool isPartOfWorld = node > 0 && isFixed(d, node - 1);
+    if (layout->slots[node] == 0 && !isPartOfWorld) {
+      layout->slots[node] = 1;
+    }
+    layout->weight[node] = layout->slots[node];
+  }
+}
+
+static void listChildren(Layout* layout, const ctDefinition* d) {
+  for (int u = 0; u < d->linkCount; u++) {
+    if (!isFixed(d, u)) {
+      layout->parent[u + 1] = nodeOfLink(d, d->linkParents[u]);
+      layout->childBegin[layout->parent[u + 1] + 1]++;
+    }
+  }
+  ctAccumulate(layout->childBegin, layout->nodeCount);
+  int* next = layout->breadthFirst; /* free until the children are listed */
+  memcpy(next, layout->childBegin, (size_t)layout->nodeCount * sizeof(int));
+  for (int u = 0; u < d->linkCount; u++) {
+    if (!isFixed(d, u)) {
+      layout->children[next[layout->parent[u + 1]]++] = u + 1;
+    }
+  }
+}
+
+static void sumBranches(Layout* layout) {
+  layout->breadthFirst[0] = 0;
+  layout->breadthCount = 1;
+  for (int i = 0; i < layout->breadthCount; i++) {
+    const int node = layout->breadthFirst[i];
+    for (int c = layout->childBegin[node]; c < layout->childBegin[node + 1]; c++) {
+      layout->breadthFirst[layout->breadthCount++] = layout->children[c];
+    }
+  }
+  for (int i = layout->breadthCount - 1; i > 0; i--) {
+    const int node = layout->breadthFirst[i];
+    layout->weight[layout->parent[node]] += layout->weight[node];
+    layout->modelled[layout->parent[node]] += layout->modelled[node];
+  }
+}
+
+/* Free molecules: first those without modelled particles, then the others by place, so that the tree's nodes are
+ * compact. */
+static void orderMolecules(Layout* layout, const ctDefinition* d) {
+  int* children = layout->children + layout->childBegin[0];
+  const int count = layout->childBegin[1] - layout->childBegin[0];
+  for (int i = d->particleCount - 1; i >= 0; i--) {
+    const int node = nodeOfLink(d, d->particleLinks[i]);
+    memcpy(layout->rootPoints + 3 * (size_t)node, d->positions + 3 * (size_t)i, 3 * sizeof(double));
+  }
+  int idle = 0;
+  for (int i = 0; i < count; i++) {
+    if (layout->modelled[children[i]] == 0) {
+      const int node = children[i];
+      memmove(children + idle + 1, children + idle, (size_t)(i - idle) * sizeof(int));
+      children[idle++] = node;
+    }
+  }
+  ctSpatialOrder(children + idle, count - idle, layout->rootPoints);
+}
+
+/* The heaviest branch goes last: then its steps need no closure. */
+static void orderChildren(Layout* layout) {
+  for (int node = 0; node < layout->nodeCount; node++) {
+    int* children = layout->children + layout->childBegin[node];
+    const int count = layout->childBegin[node + 1] - layout->childBegin[node];
+    int heaviest = 0;
+    for (int i = 1; i < count; i++) {
+      if (layout->weight[children[i]] >= layout->weight[children[heaviest]]) {
+        heaviest = i;
+      }
+    }
+    if (count > 0) {
+      const int child = children[heaviest];
+      memmove(children + heaviest, children + heaviest + 1, (size_t)(count - 1 - heaviest) * sizeof(int));
+      children[count - 1] = child;
+    }
+  }
+}
+
+/* Depth-first; a link's end follows from its weight in links, counted on the way back. */
+static void numberLinks(Layout* layout, Sequence* s, const ctDefinition* d) {
+  int* stack = layout->breadthFirst;
+  int depth = 0;
+  stack[depth++] = 0;
+  int link = 0;
+  while (depth > 0) {
+    const int node = stack[--depth];
+    layout->linkOfNode[node] = link;
+    s->parent[link] = node == 0 ? CT_NULL : layout->linkOfNode[layout->parent[node]];
+    s->joint[link] = node == 0 ? ctFixedJoint : d->linkJoints[node - 1];
+    s->branch[link] = node == 0 ? 0 : (s->parent[link] == 0 ? link : s->branch[s->parent[link]]);
+    s->slotBegin[link + 1] = s->slotBegin[link] + layout->slots[node];
+    if (s->joint[link] == ctTorsionJoint) {
+      memcpy(s->torsion[link], d->linkTorsions[node - 1], sizeof s->torsion[link]);
+    }
+    for (int c = layout->childBegin[node + 1] - 1; c >= layout->childBegin[node]; c--) {
+      stack[depth++] = layout->children[c];
+    }
+    link++;
+  }
+  for (int l = s->linkCount - 1; l >= 0; l--) {
+    s->end[l] = s->end[l] > l ? s->end[l] : l + 1;
+    if (l > 0 && s->end[s->parent[l]] < s->end[l]) {
+      s->end[s->parent[l]] = s->end[l];
+    }
+  }
+  for (int u = 0; u < d->linkCount; u++) {
+    s->linkOfUser[u] = layout->linkOfNode[nodeOfLink(d, u)];
+  }
+}
+
+static void fillSlots(Sequence* s, const ctDefinition* d) {
+  int* next = s->idleBegin; /* used as cursors first */
+  memcpy(next, s->slotBegin, ((size_t)s->linkCount + 1) * sizeof(int));
+  for (int link = 0; link < s->linkCount; link++) {
+    for (int slot = s->slotBegin[link]; slot < s->slotBegin[link + 1]; slot++) {
+      s->slotLink[slot] = link;
+      s->slotParticle[slot] = CT_NULL;
+    }
+  }
+  for (int i = 0; i < d->particleCount; i++) {
+    s->particleLink[i] = s->linkOfUser[d->particleLinks[i]];
+    if (d->radii[i] > 0) {
+      s->slotParticle[next[s->particleLink[i]]++] = i;
+    }
+  }
+  for (int link = 0; link < s->linkCount; link++) {
+    const int begin = s->slotBegin[link];
+    if (next[link] - begin > 1) {
+      ctSpatialOrder(s->slotParticle + begin, next[link] - begin, d->positions);
+    }
+  }
+  for (int i = 0; i < d->particleCount; i++) {
+    s->particleSlot[i] = CT_NULL;
+  }
+  for (int slot = 0; slot < s->slotCount; slot++) {
+    const int particle = s->slotParticle[slot];
+    if (particle != CT_NULL) {
+      s->particleSlot[particle] = slot;
+      s->slotRadius[slot] = d->radii[particle];
+      s->slotRole[slot] = d->hydrogenBondRoles == NULL ? ctNoHydrogenBond : d->hydrogenBondRoles[particle];
+    }
+  }
+  memset(s->idleBegin, 0, ((size_t)s->linkCount + 1) * sizeof(int));
+  for (int i = 0; i < d->particleCount; i++) {
+    s->idleBegin[s->particleLink[i] + 1] += s->particleSlot[i] == CT_NULL;
+  }
+  ctAccumulate(s->idleBegin, s->linkCount);
+  int* cursor = s->displaced; /* free until there is a state */
+  memcpy(cursor, s->idleBegin, (size_t)s->linkCount * sizeof(int));
+  for (int i = 0; i < d->particleCount; i++) {
+    if (s->particleSlot[i] == CT_NULL) {
+      s->idleParticle[cursor[s->particleLink[i]]++] = i;
+    }
+  }
+}
+
+static void chooseOrigins(Sequence* s, const ctDefinition* d) {
+  for (int u = 0; u < d->linkCount; u++) {
+    s->originOfUser[u] = CT_NULL;
+  }
+  for (int i = d->particleCount - 1; i >= 0; i--) {
+    s->originOfUser[d->particleLinks[i]] = i;
+  }
+  s->originParticle[0] = CT_NULL;
+  for (int u = 0; u < d->linkCount; u++) {
+    const int link = s->linkOfUser[u];
+    if (d->linkJoints[u] == ctTorsionJoint) {
+      const int second = d->linkTorsions[u][1];
+      const int third = d->linkTorsions[u][2];
+      const bool thirdMoves = d->particleLinks[third] == u;
+      s->originOfUser[u] = thirdMoves ? third : second;
+      s->axisParticle[link] = thirdMoves ? second : third;
+    }
+    if (link > 0) {
+      s->originParticle[link] = s->originOfUser[u];
+    }
+  }
+}
+
+static bool allocateSequence(Sequence* s, Arena* arena, const ctDefinition* d, int slotCount) {
+  const size_t links = (size_t)s->linkCount;
+  const size_t slots = (size_t)slotCount;
+  const size_t particles = (size_t)d->particleCount;
+  s->linkOfUser = ctArenaAllocate(arena, (size_t)d->linkCount, sizeof(int));
+  s->originOfUser = ctArenaAllocate(arena, (size_t)d->linkCount, sizeof(int));
+  s->parent = ctArenaAllocate(arena, links, sizeof(int));
+  s->end = ctArenaAllocate(arena, links, sizeof(int));
+  s->joint = ctArenaAllocate(arena, links, sizeof(uint8_t));
+  s->originParticle = ctArenaAllocate(arena, links, sizeof(int));
+  s->axisParticle = ctArenaAllocate(arena, links, sizeof(int));
+  s->torsion = ctArenaAllocate(arena, links, sizeof(int[4]));
+  s->branch = ctArenaAllocate(arena, links, sizeof(int));
+  s->placementOf = ctArenaAllocate(arena, links, sizeof(int));
+  s->slotBegin = ctArenaAllocate(arena, links + 1, sizeof(int));
+  s->slotLink = ctArenaAllocate(arena, slots, sizeof(int));
+  s->slotParticle = ctArenaAllocate(arena, slots, sizeof(int));
+  s->slotRadius = ctArenaAllocate(arena, slots, sizeof(double));
+  s->slotRole = ctArenaAllocate(arena, slots, sizeof(uint8_t));
+  s->particleLink = ctArenaAllocate(arena, particles, sizeof(int));
+  s->particleSlot = ctArenaAllocate(arena, particles, sizeof(int));
+  s->idleBegin = ctArenaAllocate(arena, links + 1, sizeof(int));
+  s->idleParticle = ctArenaAllocate(arena, particles, sizeof(int));
+  s->pathOf = ctArenaAllocate(arena, links, sizeof(int));
+  s->pathPosition = ctArenaAllocate(arena, links, sizeof(int));
+  s->reference = ctArenaAllocate(arena, 3 * particles, sizeof(double));
+  s->angle = ctArenaAllocate(arena, links, sizeof(double));
+  s->cosine = ctArenaAllocate(arena, links, sizeof(double));
+  s->sine = ctArenaAllocate(arena, links, sizeof(double));
+  s->displaced = ctArenaAllocate(arena, links, sizeof(int));
+  s->origin = ctArenaAllocate(arena, links, sizeof(double[3]));
+  s->axis = ctArenaAllocate(arena, links, sizeof(double[3]));
+  int placements = 0;
+  for (int u = 0; u < d->linkCount; u++) {
+    placements += d->linkJoints[u] == ctFreeJoint;
+  }
+  s->placement = ctArenaAllocate(arena, (size_t)placements, sizeof(Placement));
+  return !arena->failed;
+}
+
+static bool allocateLayout(Layout* layout, Arena* arena, int nodeCount) {
+  const size_t nodes = (size_t)nodeCount;
+  layout->nodeCount = nodeCount;
+  layout->parent = ctArenaAllocate(arena, nodes, sizeof(int));
+  layout->slots = ctArenaAllocate(arena, nodes, sizeof(int));
+  layout->modelled = ctArenaAllocate(arena, nodes, sizeof(int));
+  layout->weight = ctArenaAllocate(arena, nodes, sizeof(int));
+  layout->childBegin = ctArenaAllocate(arena, nodes + 1, sizeof(int));
+  layout->children = ctArenaAllocate(arena, nodes, sizeof(int));
+  layout->breadthFirst = ctArenaAllocate(arena, nodes, sizeof(int));
+  layout->linkOfNode = ctArenaAllocate(arena, nodes, sizeof(int));
+  layout->rootPoints = ctArenaAllocate(arena, 3 * nodes, sizeof(double));
+  return !arena->failed;
+}
+
+bool ctSequenceBuild(Sequence* s, Arena* arena, const ctDefinition* d) {
+  Arena scratch = {0};
+  Layout layout = {0};
+  if (!allocateLayout(&layout, &scratch, d->linkCount + 1)) {
+    ctArenaFree(&scratch);
+    return false;
+  }
+  countParticles(&layout, d);
+  listChildren(&layout, d);
+  sumBranches(&layout);
+  s->particleCount = d->particleCount;
+  s->userLinkCount = d->linkCount;
+  s->linkCount = layout.breadthCount;
+  s->slotCount = layout.weight[0];
+  const bool allocated = allocateSequence(s, arena, d, s->slotCount);
+  if (allocated) {
+    orderMolecules(&layout, d);
+    orderChildren(&layout);
+    numberLinks(&layout, s, d);
+    fillSlots(s, d);
+    chooseOrigins(s, d);
+    int placements = 0;
+    for (int link = 0; link < s->linkCount; link++) {
+      s->placementOf[link] = s->joint[link] == ctFreeJoint ? placements++ : CT_NULL;
+    }
+  }
+  ctArenaFree(&scratch);
+  return allocated && ctPathsBuild(s, arena);
+}

@@ -1,0 +1,128 @@
+/* The paths that the sequence leaves before its end, and the products that close them. */
+#include "order.h"
+#include "sequence.h"
+
+/* Links over which a path's product is multiplied one by one: keeps the products few, and side chains to one block. */
+enum { PATH_BLOCK = 8 };
+
+static int blockCount(const Sequence* s, int path) {
+  return (s->pathBegin[path + 1] - s->pathBegin[path] + PATH_BLOCK - 1) / PATH_BLOCK;
+}
+
+/* Products of `blocks` blocks: the blocks, then half as many pairs, down to one. */
+static int productCount(int blocks) {
+  int count = blocks;
+  for (int n = blocks; n > 1; n = (n + 1) / 2) {
+    count += (n + 1) / 2;
+  }
+  return count;
+}
+
+/* The last link that hangs on the parent heads no path of its own. */
+static bool headsPath(const Sequence* s, int link) {
+  return link > 0 && s->end[link] != s->end[s->parent[link]];
+}
+
+bool ctPathsBuild(Sequence* s, Arena* arena) {
+  s->pathOf[0] = CT_NULL;
+  for (int link = 1; link < s->linkCount; link++) {
+    const int parent = s->parent[link];
+    s->pathOf[link] = headsPath(s, link) ? s->pathCount++ : s->pathOf[parent];
+    s->pathPosition[link] = headsPath(s, link) ? 0 : s->pathPosition[parent] + 1;
+  }
+  s->pathBegin = ctArenaAllocate(arena, (size_t)s->pathCount + 1, sizeof(int));
+  s->productBegin = ctArenaAllocate(arena, (size_t)s->pathCount + 1, sizeof(int));
+  s->pathLink = ctArenaAllocate(arena, (size_t)s->linkCount, sizeof(int));
+  s->closure = ctArenaAllocate(arena, (size_t)s->pathCount, sizeof(ctTransform));
+  if (arena->failed) {
+    return false;
+  }
+  for (int link = 1; link < s->linkCount; link++) {
+    if (s->pathOf[link] != CT_NULL) {
+      s->pathBegin[s->pathOf[link] + 1]++;
+    }
+  }
+  ctAccumulate(s->pathBegin, s->pathCount);
+  for (int link = 1; link < s->linkCount; link++) {
+    if (s->pathOf[link] != CT_NULL) {
+      s->pathLink[s->pathBegin[s->pathOf[link]] + s->pathPosition[link]] = link;
+    }
+  }
+  for (int path = 0; path < s->pathCount; path++) {
+    s->productBegin[path + 1] = s->productBegin[path] + productCount(blockCount(s, path));
+  }
+  s->product = ctArenaAllocate(arena, (size_t)s->productBegin[s->pathCount], sizeof(ctTransform));
+  return !arena->failed;
+}
+
+static void multiplyBlock(Sequence* s, int path, int block) {
+  const int begin = s->pathBegin[path] + block * PATH_BLOCK;
+  const int end = begin + PATH_BLOCK < s->pathBegin[path + 1] ? begin + PATH_BLOCK : s->pathBegin[path + 1];
+  ctTransform product = ctSequenceOpening(s, s->pathLink[begin]);
+  for (int i = begin + 1; i < end; i++) {
+    const ctTransform opening = ctSequenceOpening(s, s->pathLink[i]);
+    product = transformCompose(&product, &opening);
+  }
+  s->product[s->productBegin[path] + block] = product;
+}
+
+/* Recomputes these blocks (ascending) of a path and all products over them, each once; returns how many. */
+static int multiplyPath(Sequence* s, int path, int* blocks, int count) {
+  for (int i = 0; i < count; i++) {
+    multiplyBlock(s, path, blocks[i]);
+  }
+  int multiplied = count;
+  ctTransform* below = s->product + s->productBegin[path];
+  for (int n = blockCount(s, path); n > 1; n = (n + 1) / 2) {
+    ctTransform* above = below + n;
+    int kept = 0;
+    for (int i = 0; i < count; i++) {
+      const int pair = blocks[i] / 2;
+      if (kept == 0 || blocks[kept - 1] != pair) {
+        blocks[kept++] = pair;
+        above[pair] = 2 * pair + 1 < n ? transformCompose(&below[2 * pair], &below[2 * pair + 1]) : below[2 * pair];
+      }
+    }
+    count = kept;
+    multiplied += kept;
+    below = above;
+  }
+  s->closure[path] = transformInverse(below);
+  return multiplied;
+}
+
+void ctSequenceMultiply(Sequence* s) {
+  for (int path = 0; path < s->pathCount; path++) {
+    for (int block = 0; block < blockCount(s, path); block++) {
+      multiplyPath(s, path, &(int){block}, 1);
+    }
+  }
+}
+
+int ctSequenceUpdate(Sequence* s, const int* links, int count, int* scratch) {
+  /* By path, and in it by position: links of one path ascend with their positions, so sorting by path is enough, and a
+   * stable order comes from sorting indices into pathLink. */
+  int touched = 0;
+  for (int i = 0; i < count; i++) {
+    if (s->pathOf[links[i]] != CT_NULL) {
+      scratch[touched++] = s->pathBegin[s->pathOf[links[i]]] + s->pathPosition[links[i]];
+    }
+  }
+  ctSortInts(scratch, touched);
+  int multiplied = 0;
+  int begin = 0;
+  while (begin < touched) {
+    const int path = s->pathOf[s->pathLink[scratch[begin]]];
+    int blocks = 0;
+    int i = begin;
+    for (; i < touched && scratch[i] < s->pathBegin[path + 1]; i++) {
+      const int block = (scratch[i] - s->pathBegin[path]) / PATH_BLOCK;
+      if (blocks == 0 || scratch[begin + blocks - 1] != block) {
+        scratch[begin + blocks++] = block;
+      }
+    }
+    multiplied += multiplyPath(s, path, scratch + begin, blocks);
+    begin = i;
+  }
+  return multiplied;
+}
