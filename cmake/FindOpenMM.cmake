@@ -4,8 +4,8 @@ FindOpenMM: the OpenMM to build on.
 It is looked for in OPENMM_DIR (cache or environment) alone if that is set; else in the package `openmm` of
 Python_EXECUTABLE, if there is one; else in the conda environment, in OpenMM's own default prefix and where CMake looks.
 
-Makes the target OpenMM::OpenMM, and OpenMM::<component> for OpenMM's plugins Amoeba, Drude and RPMD. Sets
-OpenMM_VERSION, OpenMM_INCLUDE_DIR, OpenMM_LIBRARY_DIR, and OpenMM_PYTHON_PACKAGE_DIR (empty if Python has no openmm).
+Makes the target OpenMM::OpenMM. Sets OpenMM_VERSION, OpenMM_INCLUDE_DIR, OpenMM_LIBRARY_DIR, and
+OpenMM_PYTHON_PACKAGE_DIR (empty if Python has no openmm).
 Stops with one sentence if there is no OpenMM, if it is too old, or if its C++ ABI is not that of the compiler.
 ]]
 
@@ -87,30 +87,14 @@ if(OpenMM_VERSION VERSION_LESS OpenMM_FIND_VERSION)
         "${OpenMM_FIND_VERSION} or later.")
 endif()
 
-foreach(_openmm_component IN LISTS OpenMM_FIND_COMPONENTS)
-    set(OpenMM_${_openmm_component}_LIBRARY OpenMM_${_openmm_component}_LIBRARY-NOTFOUND)
-    find_library(OpenMM_${_openmm_component}_LIBRARY OpenMM${_openmm_component}
-        PATHS "${OpenMM_LIBRARY_DIR}" NO_DEFAULT_PATH NO_CACHE)
-    if(OpenMM_${_openmm_component}_LIBRARY)
-        set(OpenMM_${_openmm_component}_FOUND TRUE)
-    endif()
-endforeach()
-
 include(FindPackageHandleStandardArgs)
 find_package_handle_standard_args(OpenMM
     REQUIRED_VARS OpenMM_LIBRARY OpenMM_INCLUDE_DIR
-    VERSION_VAR OpenMM_VERSION
-    HANDLE_COMPONENTS)
+    VERSION_VAR OpenMM_VERSION)
 
 if(OpenMM_FOUND AND NOT TARGET OpenMM::OpenMM)
     add_library(OpenMM::OpenMM SHARED IMPORTED)
     set_target_properties(OpenMM::OpenMM PROPERTIES
         IMPORTED_LOCATION "${OpenMM_LIBRARY}"
         INTERFACE_INCLUDE_DIRECTORIES "${OpenMM_INCLUDE_DIR}")
-    foreach(_openmm_component IN LISTS OpenMM_FIND_COMPONENTS)
-        add_library(OpenMM::${_openmm_component} SHARED IMPORTED)
-        set_target_properties(OpenMM::${_openmm_component} PROPERTIES
-            IMPORTED_LOCATION "${OpenMM_${_openmm_component}_LIBRARY}"
-            INTERFACE_LINK_LIBRARIES OpenMM::OpenMM)
-    endforeach()
 endif()

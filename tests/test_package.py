@@ -1,0 +1,56 @@
+"""What pip makes of the project: a package that finds its libraries wherever it is installed beside OpenMM."""
+
+import os
+import shutil
+import subprocess
+import sys
+from pathlib import Path
+
+import openmm
+import pytest
+
+PROJECT = Path(__file__).parents[1]
+
+
+@pytest.fixture(scope="module")
+def site(tmp_path_factory):
+    """A folder with the installed package, and beside it the wheel's OpenMM as in any environment."""
+    pytest.importorskip("scikit_build_core", reason="the build backend is not installed")
+    if shutil.which("swig") is None:
+        pytest.skip("SWIG is not installed")
+    openmmFolder = Path(openmm.__file__).parent
+    libraries = openmmFolder.parent / "OpenMM.libs"
+    if not libraries.is_dir():
+        pytest.skip("OpenMM is not from a wheel")
+    folder = tmp_path_factory.mktemp("site")
+    options = ["--quiet", "--no-deps", "--no-index", "--no-build-isolation", "--target", str(folder)]
+    subprocess.run([sys.executable, "-m", "pip", "install", *options, str(PROJECT)], check=True, env=environment())
+    (folder / "OpenMM.libs").symlink_to(libraries)
+    (folder / "openmm").symlink_to(openmmFolder)
+    return folder
+
+
+def environment(**changes):
+    """The environment without the build tree's package, which would hide the installed one."""
+    return {name: value for name, value in os.environ.items() if name != "PYTHONPATH"} | changes
+
+
+@pytest.mark.parametrize("pattern", ["*.so", "lib/*.so", "lib/plugins/*.so"])
+def test_everyLibraryFindsTheOthersByItself(site, pattern):
+    libraries = list((site / "openmmchaintree").glob(pattern))
+    assert len(libraries) == 1
+    # Nothing of OpenMM is loaded in that process, so the paths in the library must lead to it.
+    subprocess.run([sys.executable, "-c", f"import ctypes; ctypes.CDLL({str(libraries[0])!r})"], check=True, cwd=site)
+
+
+def test_theCommandRuns(site, tmp_path):
+    command = [str(site / "bin" / "openmm-chaintree"), "sample", "--trials", "1000", "--seed", "1"]
+    result = subprocess.run(command, cwd=tmp_path, env=environment(PYTHONPATH=str(site)), capture_output=True, text=True)
+    assert result.returncode == 0, result.stderr
+    assert (tmp_path / "villin.dcd").stat().st_size > 0
+
+
+def test_headersOfTheLibrariesAreInstalled(site):
+    headers = site / "openmmchaintree" / "include"
+    for name in ["OpenMMChainTree.h", "openmmchaintree/StericExclusionForce.h", "chaintree.h"]:
+        assert (headers / name).is_file()
