@@ -515,7 +515,7 @@ void testVirtualSites(Platform& platform)
 
 void testLimits(Platform& platform)
 {
-    // Beads 0 and 3 of radius 0.7 clash unless they are trans: their distance is sqrt(3 - 2 cos(dihedral)).
+    // Beads 0 and 3 of radius 0.7 clash up to a dihedral of 1.02: their distance is sqrt(3 - 2 cos(dihedral)).
 
     BeadChain chain(4, 0.7, 0.5);
     VerletIntegrator integrator(0.001);

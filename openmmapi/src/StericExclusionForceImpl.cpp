@@ -20,6 +20,13 @@ static bool isFinite(const Vec3& vector)
     return isfinite(vector[0]) && isfinite(vector[1]) && isfinite(vector[2]);
 }
 
+static void checkFinite(const vector<Vec3>& positions)
+{
+    for (size_t i = 0; i < positions.size(); i++)
+        if (!isFinite(positions[i]))
+            fail("the position of particle " + to_string(i) + " is not finite");
+}
+
 /**
  * Compare numbers by their bits, which also tells NaN from NaN and sees every change, however small.
  */
@@ -110,11 +117,14 @@ void StericExclusionForceImpl::updateParametersInContext(ContextImpl& context)
  */
 void StericExclusionForceImpl::updatePositions(ContextImpl& context)
 {
-    // An evaluation of no forces costs little and throws the usual exception if positions were never set.
-
-    if (agreedPositions.empty())
-        context.calcForcesAndEnergy(false, false, 0);
     context.getPositions(buffer);
+    if (agreedPositions.empty()) {
+        // An evaluation of no forces costs little and throws the usual exception if positions were never set. What it
+        // says about positions that are not finite names no particle.
+
+        checkFinite(buffer);
+        context.calcForcesAndEnergy(false, false, 0);
+    }
     adoptPositions(buffer);
 }
 
