@@ -37,10 +37,11 @@ class StericExclusionForceImpl;
  *
  * @code
  * TorsionMonteCarloIntegrator integrator(300);
- * integrator.addTorsionMove(1, 0.2);                // turn one torsion by up to 0.2 radians
- * integrator.addRigidBodyMove(0.1, 0.05, 0.1);      // shift a molecule by up to 0.05 nm and turn it by up to 0.1
- * radians Context context(system, integrator); context.setPositions(positions); integrator.step(1000); // 100,000
- * trials
+ * integrator.addTorsionMove(1, 0.2);            // one torsion, by up to 0.2 radians
+ * integrator.addRigidBodyMove(0.1, 0.05, 0.1);  // one molecule, by up to 0.05 nm and 0.1 radians
+ * Context context(system, integrator);
+ * context.setPositions(positions);
+ * integrator.step(1000);                        // 100,000 trials
  * @endcode
  *
  * <b>Limits.</b> The limit of a pair is its tolerance, unless it clashes when sampling starts; see
