@@ -3,7 +3,6 @@
 import argparse
 import io
 import json
-import os
 import random
 import signal
 import sys
@@ -36,7 +35,7 @@ def main(arguments=None):
     except (InputError, openmm.OpenMMException) as error:
         return _fail(error)
     except OSError as error:
-        return _fail(f"{error.filename}: {error.strerror}")
+        return _fail(f"{error.filename}: {error.strerror}" if error.filename else error)
     except KeyboardInterrupt:
         return _INTERRUPTED
 
@@ -134,8 +133,18 @@ def _checkOutput(paths, structure):
             raise InputError(f"{path}: is a folder, not a file")
         if not path.parent.is_dir():
             raise InputError(f"{path}: there is no folder {path.parent}")
-        if not os.access(path if path.exists() else path.parent, os.W_OK):
-            raise InputError(f"{path}: cannot be written")
+        _checkWritable(path)
+
+
+def _checkWritable(path):
+    """Open a file for writing without changing it; this is the only test that holds for every user and file system."""
+    isNew = not path.exists()
+    try:
+        path.open("ab").close()
+    except OSError as error:
+        raise InputError(f"{path}: cannot be written ({error.strerror})") from error
+    if isNew:
+        path.unlink()
 
 
 def _writeTrajectory(sampling, structure, path, trials, frames):

@@ -136,18 +136,20 @@ class Sampling:
         return moves
 
     def run(self, trials, proceed):
-        """Run a number of trials, fewer if proceed(), called now and then, says no; keep a frame.
+        """Run a number of trials, or until proceed(), called now and then, says no; keep a frame.
 
         Return the positions, a float64 array of shape (n, 3) in nm.
         """
         end = self.trials + trials
-        while self.trials < end and proceed():
+        going = True
+        while going and self.trials < end:
             count = min(end - self.trials, _TRIALS_PER_STEP)
             self.integrator.setTrialsPerStep(count)
             start = perf_counter()
             self.integrator.step(1)
             self.seconds += perf_counter() - start
             self.trials += count
+            going = proceed()
         positions = self._positions()
         self._keepFrame(positions)
         return positions

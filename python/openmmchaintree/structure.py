@@ -1,5 +1,6 @@
 """Reading the structure that a command works on."""
 
+import io
 from pathlib import Path
 from typing import NamedTuple
 
@@ -61,10 +62,13 @@ def readStructure(path=None):
 
 def _readPDB(path):
     try:
-        with open(path, encoding="ascii", errors="replace") as file:
-            return openmm.app.PDBFile(file)
+        text = path.read_text(encoding="ascii", errors="replace")
     except OSError as error:
         raise InputError(f"{path}: {error.strerror}") from error
+    if not any(line.startswith(("ATOM  ", "HETATM")) for line in text.splitlines()):
+        raise InputError(f"{path}: there are no atoms; is it a PDB file?")
+    try:
+        return openmm.app.PDBFile(io.StringIO(text))
     except Exception as error:  # PDBFile reports what it cannot read by whatever exception comes up
         raise InputError(f"{path}: not a PDB file that OpenMM can read ({error})") from error
 
@@ -74,8 +78,6 @@ def _solute(path, pdb):
     modeller.delete(
         [residue for residue in pdb.topology.residues() if residue.name == _WATER or len(list(residue.atoms())) == 1]
     )
-    if pdb.topology.getNumAtoms() == 0:
-        raise InputError(f"{path}: no atoms found; is it a PDB file?")
     if modeller.topology.getNumAtoms() == 0:
         raise InputError(f"{path}: nothing but water and ions")
     return modeller

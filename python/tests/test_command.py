@@ -1,0 +1,318 @@
+"""The command openmm-chaintree, as a user runs it."""
+
+import json
+import os
+import pty
+import signal
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import numpy as np
+import pytest
+from openmm import app, unit
+from openmmchaintree.cli import main
+from scenes import readDCD, realStructurePath
+
+_COMMAND = [sys.executable, "-m", "openmmchaintree", "sample"]
+
+
+def run(*arguments, folder):
+    return subprocess.run([*_COMMAND, *map(str, arguments)], cwd=folder, capture_output=True, text=True, timeout=300)
+
+
+@pytest.fixture
+def runHere(tmp_path, monkeypatch, capsys):
+    """The same within this process, in tmp_path: quicker where the command stops early."""
+
+    def run(*arguments):
+        monkeypatch.chdir(tmp_path)
+        try:
+            status = main(["sample", *map(str, arguments)])
+        except SystemExit as exit:
+            status = exit.code
+        output, errors = capsys.readouterr()
+        return subprocess.CompletedProcess(arguments, status, output, errors)
+
+    return run
+
+
+def filesIn(folder):
+    return sorted(path.name for path in folder.iterdir())
+
+
+def readPositions(path):
+    pdb = app.PDBFile(str(path))
+    return pdb.getPositions(asNumpy=True).value_in_unit(unit.nanometer)
+
+
+def test_villinByDefault(tmp_path):
+    result = run("--trials", 5000, "--frames", 20, "--seed", 1, "--json", "summary.json", folder=tmp_path)
+    assert result.returncode == 0, result.stderr
+    assert result.stderr == ""
+    assert filesIn(tmp_path) == ["summary.json", "villin-topology.pdb", "villin.dcd", "villin.png"]
+
+    summary = json.loads((tmp_path / "summary.json").read_text())
+    assert summary["trials"] == 5000 and summary["seed"] == 1 and not summary["interrupted"]
+    assert summary["atoms"] == 582 and summary["fixedAtoms"] == 0
+    assert summary["torsions"] == {"phi": 33, "psi": 34, "chi1": 29, "chi2": 25, "chi3": 11, "chi4": 6}
+    for move in summary["moves"]:
+        assert move["attempted"] == move["clashed"] + move["rejectedByEnergy"] + move["accepted"] > 0
+    assert sum(move["attempted"] for move in summary["moves"]) == 5000
+    assert sum(move["accepted"] for move in summary["moves"]) > 500
+    assert summary["trialsPerSecond"] == pytest.approx(5000 / summary["secondsInSteps"])
+    assert summary["microsecondsPerTrial"] == pytest.approx(1e6 * summary["secondsInSteps"] / 5000)
+    assert summary["clashesAtStart"] == 1 and summary["pairsBeyondLimit"] == []
+
+    frames = readDCD(tmp_path / "villin.dcd")
+    topology = app.PDBFile(str(tmp_path / "villin-topology.pdb")).topology
+    assert frames.shape == (20, topology.getNumAtoms(), 3)
+    assert (tmp_path / "villin.png").read_bytes().startswith(b"\x89PNG")
+
+    for heading in ("attempted", "clashed", "rejected", "accepted"):
+        assert heading in result.stdout
+    assert "µs a trial" in result.stdout and "trials a second" in result.stdout
+    assert "none beyond its limit" in result.stdout
+
+
+def test_bondLengthsAndAnglesAreKept(tmp_path):
+    run("--trials", 2000, "--frames", 4, "--seed", 1, folder=tmp_path)
+    start = readPositions(tmp_path / "villin-topology.pdb")
+    last = readDCD(tmp_path / "villin.dcd")[-1]
+    topology = app.PDBFile(str(tmp_path / "villin-topology.pdb")).topology
+    bonds = np.array([(bond[0].index, bond[1].index) for bond in topology.bonds()])
+
+    def lengths(positions):
+        return np.linalg.norm(positions[bonds[:, 0]] - positions[bonds[:, 1]], axis=1)
+
+    assert lengths(last) == pytest.approx(lengths(start), abs=2e-4)  # PDB files have three decimals, in Å
+    assert np.abs(last - start).max() > 0.1
+
+
+def test_sameSeedSameFrames(tmp_path):
+    for name in ("first", "second"):
+        run("--trials", 1000, "--frames", 3, "--seed", 9, "-o", name, folder=tmp_path)
+    assert np.array_equal(readDCD(tmp_path / "first.dcd"), readDCD(tmp_path / "second.dcd"))
+
+
+def test_lastFrameHoldsTheRemainder(tmp_path):
+    run("--trials", 1000, "--frames", 3, "--seed", 9, "--json", "summary.json", folder=tmp_path)
+    summary = json.loads((tmp_path / "summary.json").read_text())
+    assert summary["trials"] == 1000 and summary["frames"] == 3
+
+
+def test_interruptLeavesWhatThereIs(tmp_path):
+    process = subprocess.Popen(
+        [*_COMMAND, "--trials", str(10**9), "--frames", str(10**6), "--seed", "1", "--json", "summary.json"],
+        cwd=tmp_path,
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        text=True,
+    )
+    trajectory = tmp_path / "villin.dcd"
+    deadline = time.monotonic() + 60
+    while not (trajectory.exists() and trajectory.stat().st_size > 50000):
+        assert process.poll() is None and time.monotonic() < deadline
+        time.sleep(0.05)
+    process.send_signal(signal.SIGINT)
+    output, errors = process.communicate(timeout=60)
+    assert process.returncode == 130
+    assert errors == ""
+    assert "interrupted" in output and "accepted" in output
+    summary = json.loads((tmp_path / "summary.json").read_text())
+    frames = readDCD(trajectory)
+    assert summary["interrupted"] and summary["frames"] == len(frames) > 1
+    assert np.all(np.isfinite(frames))
+    assert (tmp_path / "villin.png").exists()
+
+
+def test_progressBarOnATerminal(tmp_path):
+    controller, terminal = pty.openpty()
+    process = subprocess.Popen(
+        [*_COMMAND, "--trials", "20000"],
+        cwd=tmp_path,
+        env={**os.environ, "TERM": "xterm"},
+        stdout=subprocess.PIPE,
+        stderr=terminal,
+    )
+    process.communicate(timeout=60)
+    os.close(terminal)
+    shown = os.read(controller, 10**6).decode(errors="replace")
+    os.close(controller)
+    assert process.returncode == 0
+    assert "20000/20000" in shown
+
+
+def writePDB(path, lines):
+    path.write_text("\n".join([*lines, "END", ""]))
+    return path
+
+
+_GLYCINES = [
+    "ATOM      1  N   GLY A   1       0.000   0.000   0.000  1.00  0.00           N",
+    "ATOM      2  CA  GLY A   1       1.450   0.000   0.000  1.00  0.00           C",
+    "ATOM      3  C   GLY A   1       1.950   1.420   0.000  1.00  0.00           C",
+    "ATOM      4  O   GLY A   1       1.200   2.380   0.000  1.00  0.00           O",
+    "ATOM      5  N   GLY A   2       3.270   1.560   0.000  1.00  0.00           N",
+    "ATOM      6  CA  GLY A   2       3.900   2.870   0.000  1.00  0.00           C",
+    "ATOM      7  C   GLY A   2       5.410   2.750   0.000  1.00  0.00           C",
+    "ATOM      8  O   GLY A   2       6.000   1.670   0.000  1.00  0.00           O",
+]
+
+
+_XENON = [
+    "HETATM    9 XE1  XEN B   1       9.000   9.000   9.000  1.00  0.00          XE",
+    "HETATM   10 XE2  XEN B   1      15.000   9.000   9.000  1.00  0.00          XE",
+]
+
+
+def test_smallestProtein(tmp_path):
+    """Two residues: no residue with both φ and ψ, no χ."""
+    structure = writePDB(tmp_path / "glycines.pdb", _GLYCINES)
+    result = run(structure, "--trials", 500, "--frames", 5, folder=tmp_path)
+    assert result.returncode == 0, result.stderr
+    assert filesIn(tmp_path) == ["glycines-topology.pdb", "glycines.dcd", "glycines.pdb", "glycines.png"]
+    assert "1 phi, 1 psi" in result.stdout
+
+
+def test_firstConformerAndModelCount(tmp_path):
+    other = [line[:16] + "B" + line[17:30] + "   9.000" + line[38:] for line in _GLYCINES[3:4]]
+    lines = ["MODEL        1", *_GLYCINES[:3], _GLYCINES[3][:16] + "A" + _GLYCINES[3][17:], *other, *_GLYCINES[4:]]
+    moved = [line[:30] + "  99.000" + line[38:] for line in _GLYCINES]
+    structure = writePDB(tmp_path / "two.pdb", [*lines, "ENDMDL", "MODEL        2", *moved, "ENDMDL"])
+    result = run(structure, "--trials", 100, "--frames", 1, folder=tmp_path)
+    assert result.returncode == 0, result.stderr
+    positions = readPositions(tmp_path / "two-topology.pdb")
+    assert positions[3] == pytest.approx([0.12, 0.238, 0.0], abs=1e-4)
+
+
+def test_otherMoleculesAreFixedWaterAndIonsLeftOut(tmp_path):
+    lines = [
+        *_GLYCINES,
+        "TER",
+        "HETATM    9  C1  LIG B   1       0.000   9.000   0.000  1.00  0.00           C",
+        "HETATM   10  O1  LIG B   1       1.200   9.000   0.000  1.00  0.00           O",
+        "HETATM   11 ZN    ZN B   2       0.000  15.000   0.000  1.00  0.00          ZN",
+        "HETATM   12  O   HOH B   3       0.000  20.000   0.000  1.00  0.00           O",
+    ]
+    structure = writePDB(tmp_path / "ligand.pdb", lines)
+    result = run(structure, "--trials", 500, "--frames", 5, "--json", "summary.json", folder=tmp_path)
+    assert result.returncode == 0, result.stderr
+    summary = json.loads((tmp_path / "summary.json").read_text())
+    assert summary["atoms"] == 10 and summary["fixedAtoms"] == 2
+    frames = readDCD(tmp_path / "ligand.dcd")
+    assert np.array_equal(frames[0, 8:], frames[-1, 8:])
+    assert not np.array_equal(frames[0, :8], frames[-1, :8])
+
+
+def assertRefused(result, folder, filesBefore, *words):
+    """One line that names the culprit, status 2, nothing written."""
+    assert result.returncode == 2, result.stdout + result.stderr
+    assert result.stdout == ""
+    assert len(result.stderr.strip().splitlines()) == 1
+    for word in words:
+        assert word in result.stderr
+    assert filesIn(folder) == filesBefore
+
+
+def test_missingFile(tmp_path):
+    assertRefused(run("nothing.pdb", folder=tmp_path), tmp_path, [], "nothing.pdb", "No such file")
+
+
+@pytest.mark.parametrize(
+    ("content", "words"),
+    [
+        ("", "there are no atoms"),
+        ("not a structure\n", "there are no atoms"),
+        ("\n".join(_GLYCINES).replace("1.450", "a.bcd"), "not a PDB file that OpenMM can read"),
+        ("\n".join(_GLYCINES).replace("1.450", "  nan"), "atom CA of A:GLY 1 has a coordinate that is not a finite"),
+        (_GLYCINES[0].replace(" N ", " O ").replace("GLY", "HOH"), "nothing but water and ions"),
+        ("\n".join(_GLYCINES[:4]), "no torsion of a protein"),
+        ("\n".join([*_GLYCINES, *_XENON]), "no radius is known for xenon, atom XE1 of B:XEN 1"),
+    ],
+)
+def test_badStructure(runHere, tmp_path, content, words):
+    (tmp_path / "bad.pdb").write_text(content)
+    assertRefused(runHere("bad.pdb"), tmp_path, ["bad.pdb"], "bad.pdb", words)
+
+
+def test_binaryFile(runHere, tmp_path):
+    (tmp_path / "bad.pdb").write_bytes(bytes(range(256)) * 10)
+    assertRefused(runHere("bad.pdb"), tmp_path, ["bad.pdb"], "bad.pdb")
+
+
+@pytest.mark.parametrize(
+    ("arguments", "words"),
+    [
+        (["--trials", "0"], "--trials"),
+        (["--trials", "many"], "'many' is not a whole number"),
+        (["--frames", "-1"], "--frames"),
+        (["--seed", "0"], "--seed"),
+        (["--seed", "2147483648"], "--seed"),
+        (["--unknown"], "--unknown"),
+        (["-o", "missing/run"], "there is no folder missing"),
+        (["--json", "missing/run.json"], "there is no folder missing"),
+        (["--json", "."], "is a folder"),
+    ],
+)
+def test_badArguments(runHere, tmp_path, arguments, words):
+    assertRefused(runHere(*arguments), tmp_path, [], words)
+
+
+def test_structureIsNotOverwritten(runHere, tmp_path):
+    structure = writePDB(tmp_path / "run-topology.pdb", _GLYCINES)
+    before = structure.read_bytes()
+    result = runHere(structure, "-o", "run")
+    assertRefused(result, tmp_path, ["run-topology.pdb"], "run-topology.pdb", "would overwrite")
+    assert structure.read_bytes() == before
+
+
+def test_unwritableFile(runHere, tmp_path):
+    folder = tmp_path / "locked"
+    folder.mkdir()
+    folder.chmod(0o500)
+    path = folder / "run"
+    if os.access(folder, os.W_OK):  # the superuser may write everywhere, but not into /proc
+        path = Path("/proc/run")
+        if not path.parent.is_dir():
+            pytest.skip("there is no place where this user may not write")
+    assertRefused(runHere("-o", path), tmp_path, ["locked"], str(path), "cannot be written")
+    assertRefused(runHere("--json", path), tmp_path, ["locked"], str(path), "cannot be written")
+
+
+def test_nucleicAcidAlone(runHere, tmp_path):
+    path = realStructurePath("1bna.pdb")
+    assertRefused(runHere(path), tmp_path, [], "1bna.pdb", "no torsion of a protein")
+
+
+@pytest.mark.parametrize("name", ["1l2y", "bpti_h", "4hhb"])
+def test_realStructure(tmp_path, name):
+    path = realStructurePath(f"{name}.pdb")
+    result = run(path, "--trials", 2000, "--frames", 4, "--seed", 2, "--json", "summary.json", folder=tmp_path)
+    assert result.returncode == 0, result.stderr
+    summary = json.loads((tmp_path / "summary.json").read_text())
+    assert summary["pairsBeyondLimit"] == []
+    assert summary["fixedAtoms"] == (4 * 43 if name == "4hhb" else 0)
+    frames = readDCD(tmp_path / f"{name}.dcd")
+    assert frames.shape == (4, summary["atoms"], 3)
+    if name == "4hhb":
+        atoms = app.PDBFile(str(tmp_path / "4hhb-topology.pdb")).topology.atoms()
+        heme = [atom.index for atom in atoms if atom.residue.name == "HEM"]
+        assert np.array_equal(frames[0][heme], frames[-1][heme])
+    if name == "bpti_h":
+        assert "disulfide" in result.stdout
+        free = run(path, "--trials", 500, "--cut-disulfides", "--json", "cut.json", folder=tmp_path)
+        assert free.returncode == 0, free.stderr
+        cut = json.loads((tmp_path / "cut.json").read_text())
+        assert sum(cut["torsions"].values()) > sum(summary["torsions"].values())
+
+
+def test_filesAreNamedAfterTheStructure(tmp_path):
+    (tmp_path / "somewhere").mkdir()
+    structure = writePDB(tmp_path / "somewhere" / "glycines.pdb", _GLYCINES)
+    work = tmp_path / "work"
+    work.mkdir()
+    run(structure, "--trials", 100, folder=work)
+    assert filesIn(work) == ["glycines-topology.pdb", "glycines.dcd", "glycines.png"]
+    assert filesIn(Path(structure).parent) == ["glycines.pdb"]
