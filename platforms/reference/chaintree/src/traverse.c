@@ -10,6 +10,7 @@ static void allocateSpheres(Spheres* spheres, Arena* arena, size_t count) {
   spheres->y = ctArenaAllocate(arena, count, sizeof(float));
   spheres->z = ctArenaAllocate(arena, count, sizeof(float));
   spheres->r = ctArenaAllocate(arena, count, sizeof(float));
+  spheres->motion = ctArenaAllocate(arena, count, sizeof(int));
   for (size_t i = 0; i < count && !arena->failed; i++) {
     spheres->r[i] = -INFINITY; /* padding, and what is never expanded */
   }
@@ -22,9 +23,7 @@ bool ctTraversalBuild(Traversal* t, Arena* arena, const Tree* tree, const Sequen
   t->sequence = sequence;
   t->itemStamp = ctArenaAllocate(arena, items, sizeof(uint32_t));
   t->frame = ctArenaAllocate(arena, items, sizeof(ctTransform));
-  t->itemMotion = ctArenaAllocate(arena, items, sizeof(int));
   t->position = ctArenaAllocate(arena, slots, sizeof(double[3]));
-  t->slotMotion = ctArenaAllocate(arena, slots, sizeof(int));
   t->stack = ctArenaAllocate(arena, (size_t)TREE_MAX_LEVELS * PAIRS_OF_A_VISIT, sizeof(ItemPair));
   allocateSpheres(&t->items, arena, items);
   allocateSpheres(&t->slots, arena, slots);
@@ -100,16 +99,16 @@ static void expandLeaf(Traversal* t, int leaf) {
   const View* view = t->view;
   int end;
   const int begin = treeSlots(tree, 0, leaf, &end);
-  const int motion = t->itemMotion[leaf];
+  const int motion = t->items.motion[leaf];
   for (int slot = begin; slot < end; slot++) {
     if (t->sequence->slotParticle[slot] == CT_NULL) {
       continue;
     }
     double* x = t->position[slot];
     transformPoint(&t->frame[leaf], tree->local[slot], x);
-    t->slotMotion[slot] = motion == STRADDLES ? motionOf(view, slot, slot + 1) : motion;
-    if (motion == STRADDLES && isMoved(view, t->slotMotion[slot])) {
-      transformPoint(&view->motions[t->slotMotion[slot]], x, x);
+    t->slots.motion[slot] = motion == STRADDLES ? motionOf(view, slot, slot + 1) : motion;
+    if (motion == STRADDLES && isMoved(view, t->slots.motion[slot])) {
+      transformPoint(&view->motions[t->slots.motion[slot]], x, x);
     }
     placeSphere(&t->slots, slot, x, view->surfaces ? t->sequence->slotRadius[slot] : 0);
   }
@@ -123,20 +122,20 @@ static void expandNode(Traversal* t, int level, int item) {
   int count;
   const int first = treeChildren(tree, level, item, &count);
   for (int child = first; child < first + count; child++) {
-    int motion = t->itemMotion[item];
+    int motion = t->items.motion[item];
     if (motion == STRADDLES) {
       int end;
       const int begin = treeSlots(tree, level - 1, child, &end);
       motion = motionOf(view, begin, end);
     }
-    t->itemMotion[child] = motion;
+    t->items.motion[child] = motion;
     if (motion == STRADDLES) {
       expand(t, level - 1, child);
       continue;
     }
     double centre[3] = {tree->x[child], tree->y[child], tree->z[child]};
     transformPoint(&t->frame[item], centre, centre);
-    if (t->itemMotion[item] == STRADDLES && isMoved(view, motion)) {
+    if (t->items.motion[item] == STRADDLES && isMoved(view, motion)) {
       transformPoint(&view->motions[motion], centre, centre);
     }
     const float radius = view->surfaces ? tree->surfaces[child] : tree->centres[child];
@@ -151,14 +150,14 @@ static void expand(Traversal* t, int level, int item) {
   }
   t->itemStamp[item] = t->stamp;
   const Tree* tree = t->tree;
-  const int motion = t->itemMotion[item];
+  const int motion = t->items.motion[item];
   bool movesAlone = isMoved(t->view, motion);
   if (level == treeTop(tree)) {
     t->frame[item] = tree->pose[item];
   } else {
     const int parent = treeParent(tree, level, item);
     t->frame[item] = transformCompose(&t->frame[parent], &tree->pose[item]);
-    movesAlone = movesAlone && t->itemMotion[parent] == STRADDLES;
+    movesAlone = movesAlone && t->items.motion[parent] == STRADDLES;
   }
   if (movesAlone) {
     t->frame[item] = transformCompose(&t->view->motions[motion], &t->frame[item]);
@@ -196,20 +195,11 @@ static void startDescent(Traversal* t, const View* view) {
     memset(t->itemStamp, 0, (size_t)tree->itemCount * sizeof(uint32_t));
     t->stamp = 1;
   }
-  t->itemMotion[root] = motionOf(view, 0, tree->slotCount);
+  t->items.motion[root] = motionOf(view, 0, tree->slotCount);
   expand(t, treeTop(tree), root);
 }
 
 /* ---- The descent ---- */
-
-/* Bit k is set where member k is of the same rigid body. */
-static unsigned sameBody(const int* motions, int motion) {
-  unsigned mask = 0;
-  for (int k = 0; k < TREE_WIDTH; k++) {
-    mask |= (unsigned)(motions[k] == motion) << k;
-  }
-  return mask;
-}
 
 typedef struct Visit {
   CandidateFunction* function;
@@ -219,14 +209,17 @@ typedef struct Visit {
   int64_t particleTests;
 } Visit;
 
-/* Those of this many members of item a that come near the volume of item b; all if a is b. */
+/* Those of this many members of item a that come near the volume of item b and are of another body; all if a is b. */
 static unsigned nearItem(const Traversal* t, Visit* visit, const Spheres* members, int first, int count, int a, int b) {
   if (a == b) {
     return (1u << count) - 1;
   }
   visit->volumeTests += count;
   const Spheres* items = &t->items;
-  return near16(members, first, items->x[b], items->y[b], items->z[b], items->r[b] + visit->reach);
+  const unsigned near = near16(members, first, items->x[b], items->y[b], items->z[b], items->r[b] + visit->reach);
+  return near == 0 || t->view->everyPair || items->motion[b] == STRADDLES
+             ? near
+             : near & ~sameBody16(members, first, items->motion[b]);
 }
 
 static bool visitLeaves(Traversal* t, Visit* visit, int a, int b) {
@@ -244,7 +237,7 @@ static bool visitLeaves(Traversal* t, Visit* visit, int a, int b) {
       mask &= ~0u << (i - beginA) << 1;
     }
     if (mask != 0 && !t->view->everyPair) {
-      mask &= ~sameBody(t->slotMotion + beginB, t->slotMotion[i]);
+      mask &= ~sameBody16(slots, beginB, slots->motion[i]);
     }
     for (; mask != 0; mask &= mask - 1) {
       const int j = beginB + __builtin_ctz(mask);
@@ -266,11 +259,11 @@ static void visitNodes(Traversal* t, Visit* visit, ItemPair pair, int* depth) {
   unsigned near = nearItem(t, visit, items, firstA, countA, pair.a, pair.b);
   for (; near != 0; near &= near - 1) {
     const int i = firstA + __builtin_ctz(near);
-    const int motion = t->itemMotion[i];
+    const int motion = items->motion[i];
     unsigned mask = near16(items, firstB, items->x[i], items->y[i], items->z[i], items->r[i] + visit->reach);
     visit->volumeTests += firstB + countB - (pair.a == pair.b ? i + 1 : firstB);
     if (mask != 0 && !t->view->everyPair && motion != STRADDLES) {
-      mask &= ~sameBody(t->itemMotion + firstB, motion);
+      mask &= ~sameBody16(items, firstB, motion);
     }
     if (pair.a == pair.b) {
       mask &= ~0u << (i - firstA) << 1;
@@ -290,12 +283,16 @@ void ctTraverse(Traversal* t, const View* view, CandidateFunction* function, voi
   const double margin = FLOAT_MARGIN * (t->extent + fabs(view->reach));
   Visit visit = {function, context, (float)(view->reach + margin), 0, 0};
   int depth = 0;
-  if (view->everyPair || t->itemMotion[root] == STRADDLES) {
+  if (view->everyPair || t->items.motion[root] == STRADDLES) {
     t->stack[depth++] = (ItemPair){treeTop(t->tree), root, root};
   }
   bool goesOn = true;
   while (goesOn && depth > 0) {
-    const ItemPair pair = t->stack[--depth];
+    ItemPair pair = t->stack[--depth];
+    if (t->items.motion[pair.b] == STRADDLES) {
+      /* First go the members of the one that straddles: those that are of the other's body drop out. */
+      pair = (ItemPair){pair.level, pair.b, pair.a};
+    }
     expand(t, pair.level, pair.a);
     expand(t, pair.level, pair.b);
     if (pair.level == 0) {

@@ -40,17 +40,13 @@ typedef struct Traversal {
   uint32_t stamp;
   uint32_t* itemStamp; /* per item: its frame and content are of this descent */
   ctTransform* frame;  /* per item */
-  int* itemMotion;     /* per item, or STRADDLES */
   Spheres items;       /* their volumes; the root has none */
 
   double (*position)[3]; /* per slot, padded */
   Spheres slots;         /* their particles */
-  int* slotMotion;
 
   ItemPair* stack;
 } Traversal;
-
-enum { STRADDLES = -1 };
 
 /* Receives a candidate and its squared distance; returns false to end the descent. */
 typedef bool CandidateFunction(void* context, int slotA, int slotB, double squaredDistance);

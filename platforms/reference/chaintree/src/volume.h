@@ -21,8 +21,11 @@ typedef struct Spheres {
   float* x;
   float* y;
   float* z;
-  float* r; /* -INFINITY: none, never near anything */
+  float* r;    /* -INFINITY: none, never near anything */
+  int* motion; /* which rigid body each belongs to, or STRADDLES */
 } Spheres;
+
+enum { STRADDLES = -1 };
 
 /* Bit k is set if sphere first + k is nearer than its radius + reach to (x, y, z). Both paths round alike, lane by
  * lane. */
@@ -66,5 +69,14 @@ static inline unsigned near16(const Spheres* spheres, int first, float x, float 
   return mask;
 }
 #endif
+
+/* Bit k is set if sphere first + k is of this rigid body. */
+static inline unsigned sameBody16(const Spheres* spheres, int first, int motion) {
+  unsigned mask = 0;
+  for (int k = 0; k < TREE_WIDTH; k++) {
+    mask |= (unsigned)(spheres->motion[first + k] == motion) << k;
+  }
+  return mask;
+}
 
 #endif /* CT_VOLUME_H_ */
