@@ -35,7 +35,7 @@ def _drawRamachandranSampled(axis, frames):
         *_, image = axis.hist2d(phi, psi, bins=(_BINS, _BINS), norm=LogNorm(), cmap="viridis_r", rasterized=True)
     _finishRamachandran(axis, f"Sampled: {len(frames)} frames")
     if image is not None:
-        axis.figure.colorbar(image, ax=axis, label="residues in 10° × 10°", shrink=0.85)
+        axis.figure.colorbar(image, ax=axis, label="residues in 10° × 10°", shrink=0.85, format="%g")
 
 
 def _finishRamachandran(axis, title):
