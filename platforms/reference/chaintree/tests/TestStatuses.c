@@ -1,0 +1,79 @@
+/* Calls that fail: what they return, what they say, and that they change nothing. */
+#include "arm.h"
+
+enum { LINKS = 20, COORDINATES = 6 * LINKS };
+
+static bool refuseChangedPair(void* context, int particle1, int particle2, double before, double after) {
+  (void)context;
+  (void)particle1;
+  (void)particle2;
+  (void)before;
+  (void)after;
+  CHECK(!"called");
+  return true;
+}
+
+static void testWithoutTrial(void) {
+  ctChainTree* arm = makeArm(LINKS, ctFreeJoint, 0.1);
+  double positions[COORDINATES];
+  bool clash;
+  CHECK(ctGetErrorText(arm)[0] == '\0');
+  for (int n = 0; n < 3; n++) {
+    CHECK(!ctHasTrial(arm));
+    CHECK_FAILURE(arm, ctNoTrial, "no open trial", ctTestTrial(arm, &clash, NULL, NULL));
+    CHECK_FAILURE(arm, ctNoTrial, "no open trial", ctGetTrialPositions(arm, positions));
+    CHECK_FAILURE(arm, ctNoTrial, "no open trial", ctForEachChangedPair(arm, 1, refuseChangedPair, NULL, NULL));
+    CHECK_FAILURE(arm, ctNoTrial, "no open trial", ctCommit(arm, NULL));
+    /* after a commit, after a discard */
+    CHECK_SUCCESS(ctPropose(arm, 1, &(ctChange){.link = 3, .angle = 0.1}));
+    if (n == 0) {
+      CHECK_SUCCESS(ctCommit(arm, NULL));
+    } else {
+      ctDiscard(arm);
+    }
+  }
+  ctDestroy(arm);
+}
+
+static void testNothingChanges(void) {
+  ctChainTree* arm = makeArm(LINKS, ctFreeJoint, 0.1);
+  turnArm(arm, 5, 0.4);
+  const int pair[][2] = {{0, 5}};
+  const double limit = 0.1;
+  CHECK_SUCCESS(ctSetLimits(arm, 1, pair, &limit));
+  CHECK_SUCCESS(ctPropose(arm, 1, &(ctChange){.link = 9, .angle = 0.1}));
+  double state[COORDINATES];
+  double trial[COORDINATES];
+  double now[COORDINATES];
+  ctGetPositions(arm, state);
+  CHECK_SUCCESS(ctGetTrialPositions(arm, trial));
+
+  memcpy(now, trial, sizeof now);
+  now[7] = NAN;
+  CHECK_FAILURE(arm, ctInvalidArgument, "particle 2", ctSetPositions(arm, now));
+  const int none[][2] = {{0, 2 * LINKS}};
+  CHECK_FAILURE(arm, ctInvalidArgument, "limit 0", ctSetLimits(arm, 1, none, &limit));
+  const ctChange infinite = {.link = 0, .translation = {0, 0, INFINITY}};
+  CHECK_FAILURE(arm, ctInvalidArgument, "link 0", ctPropose(arm, 1, &infinite));
+  double centroid[3];
+  ctTransform transform;
+  CHECK_FAILURE(arm, ctInvalidArgument, "link 20", ctGetCentroid(arm, LINKS, centroid));
+  CHECK_FAILURE(arm, ctInvalidArgument, "link -1", ctGetRelativeTransform(arm, -1, 0, &transform));
+  CHECK_FAILURE(arm, ctInvalidArgument, "link 20", ctGetRelativeTransform(arm, 0, LINKS, &transform));
+
+  CHECK(ctHasTrial(arm));
+  CHECK(ctGetLimitCount(arm) == 1);
+  ctGetPositions(arm, now);
+  CHECK(memcmp(now, state, sizeof now) == 0);
+  CHECK_SUCCESS(ctGetTrialPositions(arm, now));
+  CHECK(memcmp(now, trial, sizeof now) == 0);
+  CHECK(strstr(ctGetErrorText(arm), "link 20") != NULL); /* the text outlives calls that succeed */
+  CHECK(ctValidate(arm));
+  ctDestroy(arm);
+}
+
+int main(void) {
+  testWithoutTrial();
+  testNothingChanges();
+  return checkResult();
+}

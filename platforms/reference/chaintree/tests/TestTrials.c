@@ -1,0 +1,169 @@
+/* propose -> test -> commit or discard: what each does, and what it leaves alone. */
+#include "arm.h"
+
+enum { LINKS = 30, COORDINATES = 6 * LINKS };
+
+static void checkBits(ctChainTree* tree, const double* expected) {
+  double positions[COORDINATES];
+  ctGetPositions(tree, positions);
+  CHECK(memcmp(positions, expected, sizeof positions) == 0);
+}
+
+/* Neither proposing nor testing nor discarding leaves a trace; committing gives the bits that the trial promised. */
+static void testBits(void) {
+  ctChainTree* arm = makeArm(LINKS, ctFreeJoint, 0.1);
+  turnArm(arm, 7, 0.5);
+  double state[COORDINATES];
+  double promised[COORDINATES];
+  double again[COORDINATES];
+  ctTransform before;
+  ctTransform after;
+  bool clash;
+  ctGetPositions(arm, state);
+  CHECK_SUCCESS(ctGetRelativeTransform(arm, 2, 25, &before));
+  const ctChange changes[] = {{.link = 20, .angle = 1},
+                              {.link = 0, .rotation = {0.3, 0.2, 0.1}, .pivot = {1, 2, 3}, .translation = {4, 5, 6}},
+                              {.link = 12, .angle = -2}};
+  CHECK_SUCCESS(ctPropose(arm, 3, changes));
+  checkBits(arm, state);
+  CHECK_SUCCESS(ctTestTrial(arm, &clash, NULL, NULL));
+  CHECK_SUCCESS(ctGetTrialPositions(arm, promised));
+  CHECK(memcmp(promised, state, sizeof state) != 0);
+  checkBits(arm, state);
+  CHECK_SUCCESS(ctGetRelativeTransform(arm, 2, 25, &after));
+  CHECK(memcmp(&before, &after, sizeof before) == 0);
+  CHECK(ctHasTrial(arm));
+  ctDiscard(arm);
+  CHECK(!ctHasTrial(arm));
+  ctDiscard(arm);
+  checkBits(arm, state);
+  CHECK(ctValidate(arm));
+
+  CHECK_SUCCESS(ctPropose(arm, 3, changes));
+  CHECK_SUCCESS(ctGetTrialPositions(arm, again));
+  CHECK(memcmp(promised, again, sizeof again) == 0);
+  CHECK_SUCCESS(ctCommit(arm, NULL));
+  CHECK(!ctHasTrial(arm));
+  checkBits(arm, promised);
+  CHECK(ctValidate(arm));
+  ctDestroy(arm);
+}
+
+/* A proposal takes the place of the one before; one that fails does not. */
+static void testReplacement(void) {
+  ctChainTree* arm = makeArm(LINKS, ctFixedJoint, 0.1);
+  double first[COORDINATES];
+  double second[COORDINATES];
+  const ctChange changes[] = {{.link = 5, .angle = 1}, {.link = 9, .angle = 2}, {.link = 5, .angle = 3}};
+  CHECK_SUCCESS(ctPropose(arm, 1, changes));
+  CHECK_SUCCESS(ctGetTrialPositions(arm, first));
+  CHECK_FAILURE(arm, ctInvalidArgument, "link 5", ctPropose(arm, 3, changes));
+  CHECK_FAILURE(arm, ctInvalidArgument, "link 0", ctPropose(arm, 1, &(ctChange){.link = 0}));
+  CHECK_FAILURE(arm, ctInvalidArgument, "link 30", ctPropose(arm, 1, &(ctChange){.link = LINKS}));
+  CHECK_FAILURE(arm, ctInvalidArgument, "link -1", ctPropose(arm, 1, &(ctChange){.link = -1}));
+  CHECK_FAILURE(arm, ctInvalidArgument, "link 3", ctPropose(arm, 1, &(ctChange){.link = 3, .angle = INFINITY}));
+  CHECK_FAILURE(arm, ctInvalidArgument, "-2 changes", ctPropose(arm, -2, changes));
+  CHECK_SUCCESS(ctGetTrialPositions(arm, second));
+  CHECK(memcmp(first, second, sizeof first) == 0);
+  CHECK_SUCCESS(ctPropose(arm, 1, changes + 1));
+  CHECK_SUCCESS(ctCommit(arm, NULL));
+  double angle;
+  CHECK_SUCCESS(ctGetTorsionAngle(arm, 5, &angle));
+  CHECK_NEAR(angle, PI, 1e-14);
+  CHECK_SUCCESS(ctGetTorsionAngle(arm, 9, &angle));
+  CHECK_NEAR(angle, 2 - PI, 1e-14);
+  /* new positions end a trial */
+  CHECK_SUCCESS(ctPropose(arm, 1, changes));
+  CHECK_SUCCESS(ctSetPositions(arm, first));
+  CHECK(!ctHasTrial(arm));
+  ctDestroy(arm);
+}
+
+/* The arm folds back on itself: at a right angle it is clear, at a straight one hand 4 meets hand 2. */
+static void testVerdict(void) {
+  ctChainTree* arm = makeArm(LINKS, ctFixedJoint, 0.1);
+  bool clash;
+  int pair[2];
+  ctCounts counts = {10, 20, 30};
+  CHECK_SUCCESS(ctPropose(arm, 1, &(ctChange){.link = 4, .angle = PI / 2}));
+  CHECK_SUCCESS(ctTestTrial(arm, &clash, pair, &counts));
+  CHECK(!clash);
+  CHECK(counts.volumeTests >= 10 && counts.particleTests > 20 && counts.nodesUpdated == 30);
+  CHECK_SUCCESS(ctPropose(arm, 1, &(ctChange){.link = 4, .angle = PI}));
+  CHECK_SUCCESS(ctTestTrial(arm, &clash, pair, NULL));
+  CHECK(clash);
+  CHECK(pair[0] < armHand(4) - 1 && pair[1] >= armHand(4) - 1);
+  CHECK_SUCCESS(ctTestTrial(arm, &clash, NULL, NULL));
+  CHECK(clash);
+  /* a clashing trial may be committed; then it is no fault of the next one that it leaves as it is */
+  CHECK_SUCCESS(ctCommit(arm, &counts));
+  CHECK(counts.nodesUpdated > 30);
+  CHECK_SUCCESS(ctHasClash(arm, &clash, NULL, NULL));
+  CHECK(clash);
+  CHECK_SUCCESS(ctPropose(arm, 1, &(ctChange){.link = LINKS - 1, .angle = PI / 2}));
+  CHECK_SUCCESS(ctTestTrial(arm, &clash, NULL, NULL));
+  CHECK(!clash);
+  CHECK_SUCCESS(ctPropose(arm, 1, &(ctChange){.link = 4, .angle = PI / 2}));
+  CHECK_SUCCESS(ctTestTrial(arm, &clash, NULL, NULL));
+  CHECK(!clash);
+  CHECK_SUCCESS(ctCommit(arm, NULL));
+  CHECK_SUCCESS(ctHasClash(arm, &clash, NULL, NULL));
+  CHECK(!clash);
+  ctDestroy(arm);
+}
+
+/* No change at all is a trial as well. */
+static void testNothing(void) {
+  ctChainTree* arm = makeArm(LINKS, ctFixedJoint, 1);
+  double state[COORDINATES];
+  bool clash = true;
+  ctGetPositions(arm, state);
+  CHECK_SUCCESS(ctPropose(arm, 0, NULL));
+  CHECK(ctHasTrial(arm));
+  CHECK_SUCCESS(ctTestTrial(arm, &clash, NULL, NULL));
+  CHECK(!clash); /* the beads overlap, but nothing has moved them */
+  CHECK_SUCCESS(ctCommit(arm, NULL));
+  checkBits(arm, state);
+  ctDestroy(arm);
+}
+
+typedef struct Distances {
+  int count;
+  double error;
+} Distances;
+
+/* Of an arm folded at link 4, each pair across the fold has distances that its coordinates along the arm tell. */
+static bool compareDistances(void* context, int particle1, int particle2, double before, double after) {
+  Distances* distances = context;
+  const int axis = 3;
+  const double x1 = particle1 / 2 - (particle1 % 2 == 0);
+  const double x2 = particle2 / 2 - (particle2 % 2 == 0);
+  const double up = (particle1 % 2 != particle2 % 2 && particle1 > 0) || (particle1 == 0 && particle2 % 2 == 0);
+  const double folded = 2 * axis - x2;
+  distances->count++;
+  distances->error = fmax(distances->error, fabs(before - hypot(x2 - x1, up)));
+  distances->error = fmax(distances->error, fabs(after - hypot(folded - x1, up)));
+  return true;
+}
+
+static void testChangedPairs(void) {
+  ctChainTree* arm = makeArm(LINKS, ctFixedJoint, 0.1);
+  Distances distances = {0, 0};
+  CHECK_FAILURE(arm, ctNoTrial, "trial", ctForEachChangedPair(arm, 1, compareDistances, &distances, NULL));
+  CHECK_SUCCESS(ctPropose(arm, 1, &(ctChange){.link = 4, .angle = PI}));
+  CHECK_SUCCESS(ctForEachChangedPair(arm, 1000, compareDistances, &distances, NULL));
+  CHECK(distances.count == 8 * (2 * LINKS - 8));
+  CHECK_NEAR(distances.error, 0, 1e-13);
+  CHECK_FAILURE(arm, ctInvalidArgument, "cutoff is 0",
+                ctForEachChangedPair(arm, 0, compareDistances, &distances, NULL));
+  ctDestroy(arm);
+}
+
+int main(void) {
+  testBits();
+  testReplacement();
+  testVerdict();
+  testNothing();
+  testChangedPairs();
+  return checkResult();
+}

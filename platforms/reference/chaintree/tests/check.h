@@ -1,0 +1,84 @@
+/* check.h: what every test program of the engine uses. A program returns the number of checks that failed, at most 1.
+ */
+#ifndef CHECK_H_
+#define CHECK_H_
+
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "chaintree.h"
+
+#define PI 3.14159265358979323846
+
+static int checkFailures = 0;
+
+#define CHECK(condition)                                         \
+  do {                                                           \
+    if (!(condition)) {                                          \
+      printf("%s:%d: not %s\n", __FILE__, __LINE__, #condition); \
+      checkFailures++;                                           \
+    }                                                            \
+  } while (0)
+
+#define CHECK_NEAR(value, expected, error)                                                      \
+  do {                                                                                          \
+    const double value_ = (value), expected_ = (expected);                                      \
+    if (!(fabs(value_ - expected_) <= (error))) {                                               \
+      printf("%s:%d: %s is %.17g, not %.17g\n", __FILE__, __LINE__, #value, value_, expected_); \
+      checkFailures++;                                                                          \
+    }                                                                                           \
+  } while (0)
+
+#define CHECK_SUCCESS(call)                                                       \
+  do {                                                                            \
+    const ctStatus status_ = (call);                                              \
+    if (status_ != ctSuccess) {                                                   \
+      printf("%s:%d: %s returned %d\n", __FILE__, __LINE__, #call, (int)status_); \
+      checkFailures++;                                                            \
+    }                                                                             \
+  } while (0)
+
+/* A call on `tree` that must fail, with a text that holds `culprit`. */
+#define CHECK_FAILURE(tree, expected, culprit, call)                                                            \
+  do {                                                                                                          \
+    const ctStatus status_ = (call);                                                                            \
+    if (status_ != (expected) || strstr(ctGetErrorText(tree), (culprit)) == NULL) {                             \
+      printf("%s:%d: %s returned %d, \"%s\"\n", __FILE__, __LINE__, #call, (int)status_, ctGetErrorText(tree)); \
+      checkFailures++;                                                                                          \
+    }                                                                                                           \
+  } while (0)
+
+static inline int checkResult(void) {
+  return checkFailures > 0;
+}
+
+/* Makes a scene that must be right. */
+static inline ctChainTree* checkedCreate(const ctDefinition* definition) {
+  ctChainTree* tree = NULL;
+  char text[256] = "";
+  if (ctCreate(definition, &tree, text, sizeof text) != ctSuccess) {
+    printf("ctCreate: %s\n", text);
+    exit(1);
+  }
+  return tree;
+}
+
+/* The number of pairs that a query calls back with, and the last of them. */
+typedef struct PairCount {
+  int count;
+  int pair[2];
+  double value;
+} PairCount;
+
+static inline bool countPair(void* context, int particle1, int particle2, double value) {
+  PairCount* pairs = context;
+  pairs->count++;
+  pairs->pair[0] = particle1;
+  pairs->pair[1] = particle2;
+  pairs->value = value;
+  return true;
+}
+
+#endif /* CHECK_H_ */
