@@ -1,9 +1,14 @@
 """The picture of a sampling run: Ramachandran plots before and after, radius of gyration and acceptance along it."""
 
+import logging
+
 import numpy as np
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.colors import LogNorm
 from matplotlib.figure import Figure
+
+# Its word on building a font cache, on a first run, is not for those who run a command.
+logging.getLogger("matplotlib").setLevel(logging.ERROR)
 
 _BINS = np.linspace(-180, 180, 37)
 _COLOR = "#1f5f8b"
