@@ -13,6 +13,7 @@ import numpy as np
 import pytest
 from openmm import app, unit
 from openmmchaintree.cli import main
+from openmmchaintree.sampling import Sampling
 from scenes import readDCD, realStructurePath
 
 _COMMAND = [sys.executable, "-m", "openmmchaintree", "sample"]
@@ -74,6 +75,23 @@ def test_villinByDefault(tmp_path):
         assert heading in result.stdout
     assert "µs a trial" in result.stdout and "trials a second" in result.stdout
     assert "none beyond its limit" in result.stdout
+
+
+def test_aPairBeyondItsLimitIsReported(runHere, tmp_path, monkeypatch):
+    """Were the engine wrong, the check of the last positions would say so: here an atom is put onto another."""
+    honest = Sampling._positions
+
+    def corrupt(sampling):
+        positions = honest(sampling)
+        positions[500] = positions[100]
+        return positions
+
+    monkeypatch.setattr(Sampling, "_positions", corrupt)
+    result = runHere("--trials", 100, "--frames", 1, "--json", "summary.json")
+    assert result.returncode == 1
+    assert "beyond its limit: " in result.stdout
+    summary = json.loads((tmp_path / "summary.json").read_text())
+    assert [100, 500] in [pair["particles"] for pair in summary["pairsBeyondLimit"]]
 
 
 def test_bondLengthsAndAnglesAreKept(tmp_path):
