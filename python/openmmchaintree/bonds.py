@@ -16,7 +16,7 @@ LONGEST_LINK = 0.4
 _LONGEST_BONDS = (0.125, 0.19, 0.23)
 
 # The atoms that join a residue to the next one: peptides, nucleic acids.
-_LINKS = (("C", "N"), ("O3'", "P"))
+LINKS = (("C", "N"), ("O3'", "P"))
 
 
 class Gap(NamedTuple):
@@ -197,7 +197,7 @@ def describeResidue(residue):
 
 
 def _isLink(atom1, atom2):
-    return (atom1.name, atom2.name) in _LINKS or (atom2.name, atom1.name) in _LINKS
+    return (atom1.name, atom2.name) in LINKS or (atom2.name, atom1.name) in LINKS
 
 
 def _isSulfur(atom):

@@ -5,7 +5,7 @@ from typing import NamedTuple
 
 from openmm.app import Residue
 
-from .bonds import BondGraph, describeResidue, neighborLists, ringBonds
+from .bonds import LINKS, BondGraph, describeResidue, neighborLists, ringBonds
 from .residues import CAPS, aminoAcid, chiAtoms, glycosidicAtoms, isNucleotide
 from .units import positionsInNm
 
@@ -141,7 +141,7 @@ class _Search:
         for bond in self._graph.bonds:
             for atom1, atom2 in (bond, bond[::-1]):
                 first, second = self._graph.atoms[atom1], self._graph.atoms[atom2]
-                if first.residue is not second.residue and (first.name, second.name) in (("C", "N"), ("O3'", "P")):
+                if first.residue is not second.residue and (first.name, second.name) in LINKS:
                     previous[second.residue.index] = first.residue
                     following[first.residue.index] = second.residue
         return previous, following
@@ -174,26 +174,31 @@ class _Search:
     def _addPolymerTorsions(self, residue, table, kinds):
         """Add torsions that may reach into the residues before and after."""
         for kind, names in table.items():
-            if kind not in kinds:
-                continue
-            particles = []
-            for name in names:
-                holder, name, gap = residue, name, None
-                if name[0] == "-":
-                    holder, gap, name = self._previous.get(residue.index), self._gapBefore.get(residue.index), name[1:]
-                elif name[0] == "+":
-                    holder, gap, name = self._next.get(residue.index), self._gapAfter.get(residue.index), name[1:]
-                if holder is None:
-                    if gap is not None:
-                        self._leaveOut(kind, residue, f"next to a gap in the chain: {gap.reason}", nextToGap=True)
-                    break
-                atom = self._atoms[holder.index].get(name)
-                if atom is None:
-                    self._noteMissingAtom(kind, residue, holder, name)
-                    break
-                particles.append(atom)
-            else:
-                self._add(kind, residue, particles)
+            if kind in kinds:
+                self._addPolymerTorsion(kind, residue, names)
+
+    def _addPolymerTorsion(self, kind, residue, names):
+        particles = []
+        for name in names:
+            holder, gap = self._holderOf(name, residue)
+            name = name.lstrip("+-")
+            if holder is None:
+                if gap is not None:
+                    self._leaveOut(kind, residue, f"next to a gap in the chain: {gap.reason}", nextToGap=True)
+                return
+            if name not in self._atoms[holder.index]:
+                self._noteMissingAtom(kind, residue, holder, name)
+                return
+            particles.append(self._atoms[holder.index][name])
+        self._add(kind, residue, particles)
+
+    def _holderOf(self, name, residue):
+        """Return the residue that holds an atom of a table above; without one, None and the gap that is the reason."""
+        if name[0] == "-":
+            return self._previous.get(residue.index), self._gapBefore.get(residue.index)
+        if name[0] == "+":
+            return self._next.get(residue.index), self._gapAfter.get(residue.index)
+        return residue, None
 
     def _noteMissingAtom(self, kind, residue, holder, name):
         # The 5' end of a nucleic acid has no phosphate: its alpha and beta do not exist.
@@ -219,7 +224,7 @@ class _Search:
     def _addRotors(self, residue):
         """Add the groups that only a hydrogen shows turning: XH or XH3 at the end of a branch, and neutral amines."""
         graph = self._graph
-        for end in self._atoms[residue.index].values():
+        for end in [atom.index for atom in residue.atoms()]:
             heavy, hydrogens = graph.heavyNeighborsOf(end), graph.hydrogensOf(end)
             if len(heavy) != 1 or not hydrogens:
                 continue

@@ -162,6 +162,29 @@ def test_unknownKindIsRefused():
         findTorsions(peptide("ALA"), kinds=("phi", "tau"))
 
 
+def test_caps():
+    topology = app.Topology()
+    chain = topology.addChain()
+    capped = {"ACE": "H1 CH3 H2 H3 C O", "ALA": "N H CA HA CB HB1 HB2 HB3 C O", "NME": "N H C H1 H2 H3"}
+    for name, atoms in capped.items():
+        residue = topology.addResidue(name, chain)
+        for atom in atoms.split():
+            topology.addAtom(atom, app.Element.getBySymbol(atom[0]), residue)
+    topology.createStandardBonds()
+    search = findTorsions(topology, kinds=("phi", "psi", "omega", "rotor"))
+    assert search.leftOut == []
+    found = [(torsion.kind, torsion.residue.name, namesOf(topology, torsion)) for torsion in search.torsions]
+    assert found == [
+        ("omega", "ACE", ["CH3", "C", "N", "CA"]),
+        ("rotor", "ACE", ["O", "C", "CH3", "H1"]),
+        ("phi", "ALA", ["C", "N", "CA", "C"]),
+        ("psi", "ALA", ["N", "CA", "C", "N"]),
+        ("omega", "ALA", ["CA", "C", "N", "C"]),
+        ("rotor", "ALA", ["N", "CA", "CB", "HB1"]),
+        ("rotor", "NME", ["C", "N", "C", "H1"]),
+    ]
+
+
 def test_positionsOfAnotherSizeAreRefused():
     with pytest.raises(ValueError, match=r"^positions must have the shape \(5, 3\)"):
         findTorsions(peptide("ALA"), np.zeros((4, 3)))
