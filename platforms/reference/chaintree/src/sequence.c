@@ -27,7 +27,9 @@ static void referenceOffset(const Sequence* s, int link, double offset[3]) {
 }
 
 void ctSequenceSetReference(Sequence* s, const double* positions) {
-  memcpy(s->reference, positions, 3 * (size_t)s->particleCount * sizeof(double));
+  if (s->particleCount > 0) { /* else positions may be NULL */
+    memcpy(s->reference, positions, 3 * (size_t)s->particleCount * sizeof(double));
+  }
   findOrigin(s);
   for (int link = 1; link < s->linkCount; link++) {
     const double* origin = s->reference + 3 * (size_t)s->originParticle[link];
