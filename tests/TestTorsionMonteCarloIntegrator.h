@@ -8,6 +8,7 @@
 #include "openmm/CustomExternalForce.h"
 #include "openmm/CustomTorsionForce.h"
 #include "openmm/LangevinMiddleIntegrator.h"
+#include "openmm/LocalEnergyMinimizer.h"
 #include "openmm/MonteCarloAnisotropicBarostat.h"
 #include "openmm/MonteCarloBarostat.h"
 #include "openmm/MonteCarloFlexibleBarostat.h"
@@ -743,6 +744,30 @@ void testCompoundIntegrator(Platform& platform)
     ASSERT_EQUAL(0, integrator->getNumToleratedClashes(context));
 }
 
+void testMinimization(Platform& platform)
+{
+    // The minimizer sets positions as a user does: what it leaves is where limits start.
+
+    BeadChain chain(4, 0.7, 0.5);
+    chain.addMolecule(1, 0.5, 0, chain.positions[0] + Vec3(0, 0.1, 0));
+    TorsionMonteCarloIntegrator integrator(300);
+    integrator.addTorsionMove(1, 0.5);
+    Context context(chain.system, integrator, platform);
+    context.setPositions(chain.positions);
+    integrator.step(1);
+    ASSERT(integrator.getNumToleratedClashes(context) > 1);
+    double before = context.getState(State::Energy).getPotentialEnergy();
+    chain.force->setOverlapTolerance(0.001);
+    chain.force->updateParametersInContext(context);
+    LocalEnergyMinimizer::minimize(context, 0.01);
+    ASSERT(context.getState(State::Energy).getPotentialEnergy() < 1e-3 * before);
+    chain.force->setOverlapTolerance(0.01);
+    chain.force->updateParametersInContext(context);
+    ASSERT(!chain.force->hasClash(context));
+    integrator.step(1);
+    ASSERT_EQUAL(0, integrator.getNumToleratedClashes(context));
+}
+
 // ---- Bad input ----
 
 void testBadEnergy(Platform& platform)
@@ -1001,6 +1026,7 @@ void testTorsionMonteCarloIntegrator(Platform& platform)
     testLimits(platform);
     testRefusedClashes(platform);
     testCompoundIntegrator(platform);
+    testMinimization(platform);
     testBadEnergy(platform);
     testBadSystems(platform);
     testBadMoves(platform);
