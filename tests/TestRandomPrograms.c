@@ -83,7 +83,7 @@ int main(int argumentCount, char** arguments)
     long done = 0;
     while (done < wanted)
         done += runProgram(seed++, &tally);
-    printf("%ld operations on %ld scenes\n", done, tally.programs);
+    printf("%ld operations on %ld scenes of up to %d particles\n", done, tally.programs, tally.largest);
     printf("verdicts: %ld clashing, %ld clash-free, of which %ld within CT_SIGMA of a limit\n", tally.clashing,
            tally.clashFree, tally.doubtful);
     printf("pairs: %ld clashes, %ld neighbours, %ld changed, %ld limits raised\n", tally.clashes, tally.neighbors,

@@ -59,12 +59,14 @@ static void* allocate(int count, size_t size)
 
 static int chooseLinkCount(randomSource* random)
 {
-    static const int edges[] = {1, 2, 3, 15, 16, 17, 31, 32, 33, 255, 256, 257};
+    static const int edges[] = {1, 2, 3, 15, 16, 17, 31, 32, 33};
     double kind = randomReal(random, 0, 1);
     if (kind < 0.30)
         return edges[randomInt(random, 9)];
     if (kind < 0.34)
-        return edges[9 + randomInt(random, 3)];
+        return 255 + randomInt(random, 3);
+    if (kind < 0.341)
+        return 4095 + randomInt(random, 3);
     if (kind < 0.85)
         return 1 + randomInt(random, 40);
     return 1 + randomInt(random, 150);
@@ -124,7 +126,7 @@ static int chooseLinkSize(randomSource* random, int kind)
 
 static void makeParticles(randomScene* scene, randomSource* random)
 {
-    int kind = randomInt(random, scene->linkCount > 60 ? 3 : 5);
+    int kind = scene->linkCount > 1000 ? 0 : randomInt(random, scene->linkCount > 60 ? 3 : 5);
     int hasLargeRoot = randomChance(random, 0.15);
     int* sizes = allocate(scene->linkCount, sizeof(int));
     for (int link = 0; link < scene->linkCount; link++) {

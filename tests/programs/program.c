@@ -106,6 +106,7 @@ void programCreate(Program* p, uint64_t seed, Tally* tally)
     requireUntouchedState(p);
     require(ctValidate(p->tree), p, "ctValidate");
     tally->programs++;
+    tally->largest = p->scene.particleCount > tally->largest ? p->scene.particleCount : tally->largest;
 }
 
 void programDestroy(Program* p)

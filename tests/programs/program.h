@@ -26,6 +26,7 @@
 /* What happened in all programs so far: proof that the comparison was about something. */
 typedef struct Tally {
     long programs, clashing, clashFree, doubtful, clashes, neighbors, changed, raised;
+    int largest; /* particles of a scene */
 } Tally;
 
 typedef struct Program {

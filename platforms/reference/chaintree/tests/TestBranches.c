@@ -1,10 +1,14 @@
 /* Branched molecules: what a turn moves, and that the rest of the sequence stays where it is. */
 #include "check.h"
 
+/* ---- Trees ---- */
+
 /* A planar tree of arms: link l > 0 turns about an axis along z at the hand of its parent, and has its own hand a unit
  * from there, at first in direction start[l]. Link l holds particle 2 l, on its axis at a height of its own, and its
  * hand, particle 2 l + 1; link 0's hand is at the origin. */
-enum { MOST_LINKS = 400 };
+enum { MOST_LINKS = 400, MOST_CHANGES = 20 };
+
+static const double HAND_RADIUS = 0.01;
 
 typedef struct Tree {
   ctChainTree* tree;
@@ -50,7 +54,7 @@ static void makeTree(Tree* tree) {
     memcpy(torsions[link], torsion, sizeof torsion);
     particleLinks[2 * link] = particleLinks[2 * link + 1] = link;
     radii[2 * link] = 0; /* the axis is not modelled */
-    radii[2 * link + 1] = 0.01;
+    radii[2 * link + 1] = HAND_RADIUS;
   }
   const ctDefinition definition = {.particleCount = 2 * tree->count,
                                    .positions = positions,
@@ -75,30 +79,95 @@ static void checkHands(const Tree* tree) {
   }
 }
 
-/* One turn after the other, and many at once, inner and outer mixed. */
+/* ---- Trials ---- */
+
+static double apart(double (*hands)[2], int a, int b) {
+  return hypot(hands[a][0] - hands[b][0], hands[a][1] - hands[b][1]);
+}
+
+/* Pairs of hands that come nearer or go farther, and their distances by the angles. */
+typedef struct Expected {
+  double before[MOST_LINKS][2];
+  double after[MOST_LINKS][2];
+  double cutoff;
+  int listed;
+} Expected;
+
+static bool isChanged(Expected* expected, int a, int b) {
+  return fabs(apart(expected->before, a, b) - apart(expected->after, a, b)) > 1e-9;
+}
+
+static bool checkChangedPair(void* context, int particle1, int particle2, double before, double after) {
+  Expected* expected = context;
+  const int a = particle1 / 2;
+  const int b = particle2 / 2;
+  CHECK_NEAR(before, apart(expected->before, a, b), 1e-11);
+  CHECK_NEAR(after, apart(expected->after, a, b), 1e-11);
+  CHECK(fmin(before, after) <= expected->cutoff);
+  expected->listed += isChanged(expected, a, b);
+  return true;
+}
+
+/* The open trial's verdict and changed pairs. `tree` has the angles of the trial already. */
+static void checkTrial(const Tree* tree, Expected* expected) {
+  placeHands(tree, expected->after);
+  expected->cutoff = 0.7;
+  expected->listed = 0;
+  int near = 0;
+  bool clashes = false;
+  for (int a = 0; a < tree->count; a++) {
+    for (int b = 0; b < a; b++) {
+      if (isChanged(expected, a, b)) {
+        const double after = apart(expected->after, a, b);
+        near += fmin(after, apart(expected->before, a, b)) <= expected->cutoff;
+        clashes = clashes || after < 2 * HAND_RADIUS;
+      }
+    }
+  }
+  bool clash;
+  int pair[2];
+  CHECK_SUCCESS(ctForEachChangedPair(tree->tree, expected->cutoff, checkChangedPair, expected, NULL));
+  CHECK(expected->listed == near);
+  CHECK_SUCCESS(ctTestTrial(tree->tree, &clash, pair, NULL));
+  CHECK(clash || !clashes);
+  CHECK(!clash || apart(expected->after, pair[0] / 2, pair[1] / 2) < 2 * HAND_RADIUS);
+}
+
+/* Turns of one joint, or of many at once, inner ones first or outer ones. */
+static int chooseChanges(Tree* tree, int n, ctChange* changes) {
+  const int most = tree->count - 1 < MOST_CHANGES ? tree->count - 1 : MOST_CHANGES;
+  const int count = n % 3 == 0 ? most : 1;
+  for (int c = 0; c < count; c++) {
+    ctChange* change = &changes[n % 2 == 0 ? c : count - 1 - c];
+    change->link = 1 + (n * 31 + c) % (tree->count - 1);
+    change->angle = 0.1 * ((n + c) % 13) - 0.55;
+    tree->angle[change->link] += change->angle;
+  }
+  return count;
+}
+
 static void turnAndCheck(Tree* tree) {
   makeTree(tree);
   checkHands(tree);
   for (int n = 1; n <= 3 * tree->count; n++) {
-    ctChange changes[20] = {{0}};
-    const int most = tree->count - 1 < 20 ? tree->count - 1 : 20;
-    const int count = n % 3 == 0 ? most : 1;
-    for (int c = 0; c < count; c++) {
-      ctChange* change = &changes[n % 2 == 0 ? c : count - 1 - c]; /* inner ones first, or outer ones */
-      change->link = 1 + (n * 31 + c) % (tree->count - 1);
-      change->angle = 0.1 * ((n + c) % 13) - 0.55;
-    }
+    static Expected expected;
+    ctChange changes[MOST_CHANGES] = {{0}};
+    placeHands(tree, expected.before);
+    const int count = chooseChanges(tree, n, changes);
     CHECK_SUCCESS(ctPropose(tree->tree, count, changes));
-    CHECK_SUCCESS(ctCommit(tree->tree, NULL));
-    for (int c = 0; c < count; c++) {
-      tree->angle[changes[c].link] += changes[c].angle;
+    if (n <= 24) {
+      checkTrial(tree, &expected);
     }
+    CHECK_SUCCESS(ctCommit(tree->tree, NULL));
     if (n % 10 == 0 || n < 10) {
       checkHands(tree);
       CHECK(ctValidate(tree->tree));
     }
   }
-  /* relative transforms across branches: both frames stand at the sum of the turns above them */
+}
+
+/* Across branches: both frames stand at the sum of the turns above them. */
+static void checkFrames(const Tree* tree) {
   double sums[MOST_LINKS] = {0};
   for (int link = 1; link < tree->count; link++) {
     sums[link] = sums[tree->parent[link]] + tree->angle[link];
@@ -112,30 +181,36 @@ static void turnAndCheck(Tree* tree) {
     CHECK_NEAR(transform.rotation[3], sin(sums[b] - sums[a]), 1e-11);
     CHECK_NEAR(transform.rotation[8], 1, 1e-11);
   }
-  ctDestroy(tree->tree);
+}
+
+typedef enum Shape { BINARY, COMB, FOUR_ARMS, BRANCHED_BRANCHES, SHAPES } Shape;
+
+static int parentIn(Shape shape, int link) {
+  switch (shape) {
+    case BINARY:
+      return (link - 1) / 2;
+    case COMB:
+      return link % 2 == 1 ? (link == 1 ? 0 : link - 2) : link - 1;
+    case FOUR_ARMS:
+      return link <= 4 ? 0 : link - 4;
+    default: /* seven links long */
+      return link % 7 == 1 ? link / 7 : link - 1;
+  }
 }
 
 int main(void) {
   static Tree tree;
   const int counts[] = {2, 3, 5, 15, 16, 17, 18, 33, 100, MOST_LINKS};
   for (int n = 0; n < 10; n++) {
-    tree.count = counts[n];
-    for (int link = 1; link < tree.count; link++) {
-      tree.parent[link] = (link - 1) / 2; /* binary */
+    for (Shape shape = BINARY; shape < SHAPES; shape++) {
+      tree.count = counts[n];
+      for (int link = 1; link < tree.count; link++) {
+        tree.parent[link] = parentIn(shape, link);
+      }
+      turnAndCheck(&tree);
+      checkFrames(&tree);
+      ctDestroy(tree.tree);
     }
-    turnAndCheck(&tree);
-    for (int link = 1; link < tree.count; link++) {
-      tree.parent[link] = link % 2 == 1 ? (link == 1 ? 0 : link - 2) : link - 1; /* a side chain on each link */
-    }
-    turnAndCheck(&tree);
-    for (int link = 1; link < tree.count; link++) {
-      tree.parent[link] = link <= 4 ? 0 : link - 4; /* four long arms */
-    }
-    turnAndCheck(&tree);
-    for (int link = 1; link < tree.count; link++) {
-      tree.parent[link] = link % 7 == 1 ? link / 7 : link - 1; /* branches of branches, seven links long */
-    }
-    turnAndCheck(&tree);
   }
   return checkResult();
 }
