@@ -124,7 +124,7 @@ def makeChain():
 
 
 def positionsOf(context):
-    return context.getState(positions=True).getPositions(asNumpy=True)._value
+    return context.getState(positions=True).getPositions(asNumpy=True).value_in_unit(unit.nanometer)
 
 
 def sample(context, integrator, trialsBetween):
