@@ -1,5 +1,4 @@
 /* Life and state of a scene. */
-#include <stdarg.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -11,18 +10,6 @@
 /* Below this sine between two bonds a dihedral about them is rounding. */
 #define COLLINEAR 1e-8
 
-ctStatus ctFail(ctChainTree* scene, ctStatus status, const char* format, ...) {
-  va_list arguments;
-  va_start(arguments, format);
-  vsnprintf(scene->errorText, sizeof scene->errorText, format, arguments);
-  va_end(arguments);
-  return status;
-}
-
-ctStatus ctFailOutOfMemory(ctChainTree* scene) {
-  return ctFail(scene, ctOutOfMemory, "out of memory");
-}
-
 /* ---- Life ---- */
 
 static bool build(ctChainTree* scene, const ctDefinition* definition) {
@@ -30,6 +17,12 @@ static bool build(ctChainTree* scene, const ctDefinition* definition) {
          ctExclusionsBuild(&scene->exclusions, &scene->arena, &scene->sequence, definition) &&
          ctTreeBuild(&scene->tree, &scene->arena, &scene->sequence) &&
          ctTraversalBuild(&scene->traversal, &scene->arena, &scene->tree, &scene->sequence);
+}
+
+static void takeReference(ctChainTree* scene, const double* positions) {
+  ctSequenceSetReference(&scene->sequence, positions);
+  ctSequenceMultiply(&scene->sequence);
+  ctTreeRefresh(&scene->tree, &scene->sequence);
 }
 
 ctStatus ctCreate(const ctDefinition* definition, ctChainTree** tree, char* errorText, size_t errorSize) {
@@ -52,8 +45,7 @@ ctStatus ctCreate(const ctDefinition* definition, ctChainTree** tree, char* erro
   }
   scene->overlapTolerance = definition->overlapTolerance;
   scene->hydrogenBondAllowance = definition->hydrogenBondAllowance;
-  ctSequenceSetReference(&scene->sequence, definition->positions);
-  ctTreeRefresh(&scene->tree, &scene->sequence);
+  takeReference(scene, definition->positions);
   *tree = scene;
   return ctSuccess;
 }
@@ -89,8 +81,7 @@ ctStatus ctSetPositions(ctChainTree* tree, const double* positions) {
     return ctFail(tree, ctInvalidArgument, "the position of particle %d is not finite", bad);
   }
   ctDiscard(tree);
-  ctSequenceSetReference(&tree->sequence, positions);
-  ctTreeRefresh(&tree->tree, &tree->sequence);
+  takeReference(tree, positions);
   return ctSuccess;
 }
 

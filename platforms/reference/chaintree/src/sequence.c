@@ -53,7 +53,6 @@ void ctSequenceSetReference(Sequence* s, const double* positions) {
     }
   }
   memset(s->displaced, 0, (size_t)s->linkCount * sizeof(int));
-  ctSequenceMultiply(s);
 }
 
 ctTransform ctSequenceOpening(const Sequence* s, int link) {

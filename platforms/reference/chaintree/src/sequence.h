@@ -95,7 +95,7 @@ bool ctSequenceBuild(Sequence* sequence, Arena* arena, const ctDefinition* defin
 /* The part of it that finds the paths, once links have parents and ends. */
 bool ctPathsBuild(Sequence* sequence, Arena* arena);
 
-/* Makes finite positions the reference: angles 0, nothing displaced, all products anew. */
+/* Makes finite positions the reference: angles 0, nothing displaced. Products are stale until ctSequenceMultiply. */
 void ctSequenceSetReference(Sequence* sequence, const double* positions);
 
 /* Recomputes all products of paths. */
