@@ -498,7 +498,6 @@ void testVirtualSites(Platform& platform)
     VerletIntegrator integrator(0.001);
     Context context(chain.system, integrator, platform);
     context.setPositions(chain.positions);
-    chain.force->addExclusion(4, 6);
     for (int i = 0; i < 3; i++) {
         chain.force->proposeTorsions(context, {0, 1}, {0.5, 0.6});
         chain.force->acceptProposal(context);
@@ -511,6 +510,26 @@ void testVirtualSites(Platform& platform)
         ASSERT_EQUAL_TOL(0.75, values[0], 1e-12);
         ASSERT_EQUAL_TOL(0.25, values[1], 1e-12);
     }
+
+    // What the site is set to counts as what the trial proposed, to the last bit: limits stay as they were.
+
+    BeadChain clashing(4, 0.7, 0.5);
+    clashing.system.addParticle(0);
+    clashing.force->addParticle(0);
+    clashing.system.setVirtualSite(4, new TwoParticleAverageSite(2, 3, 0.3, 0.7));
+    clashing.positions.push_back(Vec3());
+    VerletIntegrator otherIntegrator(0.001);
+    Context other(clashing.system, otherIntegrator, platform);
+    other.setPositions(clashing.positions);
+    for (int i = 0; i < 10; i++) {
+        ASSERT(clashing.force->proposeTorsions(other, {0}, {0.03}));
+        clashing.force->acceptProposal(other);
+        vector<Vec3> accepted = getPositions(other);
+        other.computeVirtualSites();
+        assertSameBits(accepted, getPositions(other));
+    }
+    ASSERT(clashing.force->proposeTorsions(other, {0}, {-0.3}));
+    ASSERT(!clashing.force->proposeTorsions(other, {0}, {-0.31}));
 }
 
 void testLimits(Platform& platform)

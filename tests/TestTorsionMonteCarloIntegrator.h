@@ -279,6 +279,66 @@ void testStericEnergyIsLeftOut(Platform& platform)
     ASSERT_EQUAL_TOL(energy, context.getState(State::Energy).getPotentialEnergy(), 1e-12);
 }
 
+/**
+ * Counts how often positions reach the Context, as a member of a CompoundIntegrator.
+ */
+class PositionCounter : public Integrator {
+public:
+    int numChanges = 0;
+    void step(int)
+    {
+    }
+
+protected:
+    void initialize(ContextImpl&)
+    {
+    }
+    vector<string> getKernelNames()
+    {
+        return {};
+    }
+    void stateChanged(State::DataType changed)
+    {
+        if (changed == State::Positions)
+            numChanges++;
+    }
+    double computeKineticEnergy()
+    {
+        return 0;
+    }
+};
+
+void testUploads(Platform& platform)
+{
+    // In athermal sampling positions reach the Context once a step, else once more for each trial without a clash.
+
+    BeadChain chain(6, 0.45);
+    chain.system.addForce(new CMMotionRemover());
+    CustomExternalForce* field = new CustomExternalForce("x");
+    field->addParticle(5);
+    field->setForceGroup(1);
+    chain.system.addForce(field);
+    TorsionMonteCarloIntegrator* integrator = new TorsionMonteCarloIntegrator(300);
+    integrator->addTorsionMove(1, M_PI);
+    integrator->setIntegrationForceGroups(1);
+    PositionCounter* counter = new PositionCounter();
+    CompoundIntegrator compound;
+    compound.addIntegrator(integrator);
+    compound.addIntegrator(counter);
+    Context context(chain.system, compound, platform);
+    context.setPositions(chain.positions);
+    counter->numChanges = 0;
+    compound.step(5);
+    ASSERT_EQUAL(5, counter->numChanges);
+    integrator->setIntegrationForceGroups(3);
+    integrator->resetMoveStatistics();
+    counter->numChanges = 0;
+    compound.step(5);
+    Statistics statistics(*integrator, 0);
+    ASSERT(statistics.clashed > 0);
+    ASSERT_EQUAL(5 + statistics.accepted + statistics.rejectedByEnergy, counter->numChanges);
+}
+
 void testAthermal(Platform& platform)
 {
     // A CMMotionRemover has no energy, and neither has what is outside the integration force groups.
@@ -1015,6 +1075,7 @@ void testTorsionMonteCarloIntegrator(Platform& platform)
     testBoltzmannRigidBody(platform);
     testHardSpheresInWell(platform);
     testStericEnergyIsLeftOut(platform);
+    testUploads(platform);
     testAthermal(platform);
     testTorsionMoves(platform);
     testRigidBodyMoves(platform);
