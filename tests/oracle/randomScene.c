@@ -65,8 +65,8 @@ static int chooseLinkCount(randomSource* random)
         return edges[randomInt(random, 9)];
     if (kind < 0.34)
         return 255 + randomInt(random, 3);
-    if (kind < 0.341)
-        return 4095 + randomInt(random, 3);
+    if (kind < 0.344)
+        return 4095 + randomInt(random, randomChance(random, 0.3) ? 3 : 2500);
     if (kind < 0.85)
         return 1 + randomInt(random, 40);
     return 1 + randomInt(random, 150);

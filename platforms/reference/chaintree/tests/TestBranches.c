@@ -6,7 +6,7 @@
 /* A planar tree of arms: link l > 0 turns about an axis along z at the hand of its parent, and has its own hand a unit
  * from there, at first in direction start[l]. Link l holds particle 2 l, on its axis at a height of its own, and its
  * hand, particle 2 l + 1; link 0's hand is at the origin. */
-enum { MOST_LINKS = 400, MOST_CHANGES = 20 };
+enum { MOST_LINKS = 6000, MOST_CHANGES = 20 };
 
 static const double HAND_RADIUS = 0.01;
 
@@ -67,15 +67,16 @@ static void makeTree(Tree* tree) {
   tree->tree = checkedCreate(&definition);
 }
 
+/* The sums over a thousand angles have their own rounding. */
 static void checkHands(const Tree* tree) {
   double positions[6 * MOST_LINKS];
   double hands[MOST_LINKS][2];
   ctGetPositions(tree->tree, positions);
   placeHands(tree, hands);
   for (int link = 0; link < tree->count; link++) {
-    CHECK_NEAR(positions[6 * link + 3], hands[link][0], 1e-11);
-    CHECK_NEAR(positions[6 * link + 4], hands[link][1], 1e-11);
-    CHECK_NEAR(positions[6 * link + 5], 0, 1e-11);
+    CHECK_NEAR(positions[6 * link + 3], hands[link][0], 1e-9);
+    CHECK_NEAR(positions[6 * link + 4], hands[link][1], 1e-9);
+    CHECK_NEAR(positions[6 * link + 5], 0, 1e-9);
   }
 }
 
@@ -149,17 +150,17 @@ static int chooseChanges(Tree* tree, int n, ctChange* changes) {
 static void turnAndCheck(Tree* tree) {
   makeTree(tree);
   checkHands(tree);
-  for (int n = 1; n <= 3 * tree->count; n++) {
+  for (int n = 1; n <= 3 * tree->count && n <= 1200; n++) {
     static Expected expected;
     ctChange changes[MOST_CHANGES] = {{0}};
     placeHands(tree, expected.before);
     const int count = chooseChanges(tree, n, changes);
     CHECK_SUCCESS(ctPropose(tree->tree, count, changes));
-    if (n <= 24) {
+    if (n <= 24 && tree->count <= 400) { /* it takes a time of their number squared */
       checkTrial(tree, &expected);
     }
     CHECK_SUCCESS(ctCommit(tree->tree, NULL));
-    if (n % 10 == 0 || n < 10) {
+    if (n % (10 + tree->count / 50) == 0 || n < 10) {
       checkHands(tree);
       CHECK(ctValidate(tree->tree));
     }
@@ -200,8 +201,8 @@ static int parentIn(Shape shape, int link) {
 
 int main(void) {
   static Tree tree;
-  const int counts[] = {2, 3, 5, 15, 16, 17, 18, 33, 100, MOST_LINKS};
-  for (int n = 0; n < 10; n++) {
+  const int counts[] = {2, 3, 5, 15, 16, 17, 18, 33, 100, 400, MOST_LINKS};
+  for (int n = 0; n < 11; n++) {
     for (Shape shape = BINARY; shape < SHAPES; shape++) {
       tree.count = counts[n];
       for (int link = 1; link < tree.count; link++) {

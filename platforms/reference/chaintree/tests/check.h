@@ -1,9 +1,9 @@
-/* check.h: what every test program of the engine uses. A program returns the number of checks that failed, at most 1.
- */
+/* check.h: what every test program of the engine uses. A program returns 1 if a check has failed. */
 #ifndef CHECK_H_
 #define CHECK_H_
 
 #include <math.h>
+#include <stdarg.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -14,40 +14,48 @@
 
 static int checkFailures = 0;
 
-#define CHECK(condition)                                         \
-  do {                                                           \
-    if (!(condition)) {                                          \
-      printf("%s:%d: not %s\n", __FILE__, __LINE__, #condition); \
-      checkFailures++;                                           \
-    }                                                            \
+/* One defect can fail thousands of checks: the first few tell what there is to know. */
+static inline void reportFailure(const char* format, ...) __attribute__((format(printf, 1, 2)));
+
+static inline void reportFailure(const char* format, ...) {
+  if (checkFailures++ < 20) {
+    va_list arguments;
+    va_start(arguments, format);
+    vprintf(format, arguments);
+    va_end(arguments);
+  }
+}
+
+#define CHECK(condition)                                                \
+  do {                                                                  \
+    if (!(condition)) {                                                 \
+      reportFailure("%s:%d: not %s\n", __FILE__, __LINE__, #condition); \
+    }                                                                   \
   } while (0)
 
-#define CHECK_NEAR(value, expected, error)                                                      \
-  do {                                                                                          \
-    const double value_ = (value), expected_ = (expected);                                      \
-    if (!(fabs(value_ - expected_) <= (error))) {                                               \
-      printf("%s:%d: %s is %.17g, not %.17g\n", __FILE__, __LINE__, #value, value_, expected_); \
-      checkFailures++;                                                                          \
-    }                                                                                           \
+#define CHECK_NEAR(value, expected, error)                                                             \
+  do {                                                                                                 \
+    const double value_ = (value), expected_ = (expected);                                             \
+    if (!(fabs(value_ - expected_) <= (error))) {                                                      \
+      reportFailure("%s:%d: %s is %.17g, not %.17g\n", __FILE__, __LINE__, #value, value_, expected_); \
+    }                                                                                                  \
   } while (0)
 
-#define CHECK_SUCCESS(call)                                                       \
-  do {                                                                            \
-    const ctStatus status_ = (call);                                              \
-    if (status_ != ctSuccess) {                                                   \
-      printf("%s:%d: %s returned %d\n", __FILE__, __LINE__, #call, (int)status_); \
-      checkFailures++;                                                            \
-    }                                                                             \
+#define CHECK_SUCCESS(call)                                                              \
+  do {                                                                                   \
+    const ctStatus status_ = (call);                                                     \
+    if (status_ != ctSuccess) {                                                          \
+      reportFailure("%s:%d: %s returned %d\n", __FILE__, __LINE__, #call, (int)status_); \
+    }                                                                                    \
   } while (0)
 
 /* A call on `tree` that must fail, with a text that holds `culprit`. */
-#define CHECK_FAILURE(tree, expected, culprit, call)                                                            \
-  do {                                                                                                          \
-    const ctStatus status_ = (call);                                                                            \
-    if (status_ != (expected) || strstr(ctGetErrorText(tree), (culprit)) == NULL) {                             \
-      printf("%s:%d: %s returned %d, \"%s\"\n", __FILE__, __LINE__, #call, (int)status_, ctGetErrorText(tree)); \
-      checkFailures++;                                                                                          \
-    }                                                                                                           \
+#define CHECK_FAILURE(tree, expected, culprit, call)                                                                   \
+  do {                                                                                                                 \
+    const ctStatus status_ = (call);                                                                                   \
+    if (status_ != (expected) || strstr(ctGetErrorText(tree), (culprit)) == NULL) {                                    \
+      reportFailure("%s:%d: %s returned %d, \"%s\"\n", __FILE__, __LINE__, #call, (int)status_, ctGetErrorText(tree)); \
+    }                                                                                                                  \
   } while (0)
 
 static inline int checkResult(void) {
