@@ -88,6 +88,7 @@ static void testRange(void) {
   for (int i = 0; i < 15; i++) {
     reference[i] += (i % 3 + 1) / 7.0;
   }
+  memcpy(reference + 12, (double[]){100.0 / 3, -1e-3 / 7, 1e4 / 9}, sizeof(double[3]));
   CHECK_SUCCESS(ctSetPositions(tree, reference));
   turnArm(tree, 1, 0.7);
   ctGetPositions(tree, positions);
