@@ -279,6 +279,8 @@ static PyObject* toNumPy(const void* values, size_t count, int columns, size_t i
 
 %outputArray(%arg(std::vector<std::pair<int, int> >), 2, int, int32, %arg((n, 2)), pairs)
 %outputArray(std::vector<int>, 0, int, int32, (n), particles)
+%outputArray(std::vector<int>, 0, int, int32, (n), torsions)
+%outputArray(std::vector<int>, 0, int, int32, (n), molecules)
 %outputArray(std::vector<double>, 0, double, float64, (n), overlaps)
 %outputArray(std::vector<double>, 0, double, float64, (n), distances)
 %outputArray(std::vector<double>, 0, double, float64, (n), before)
@@ -321,6 +323,13 @@ static PyObject* toNumPy(const void* values, size_t count, int columns, size_t i
 %}
 %pythonappend ChainTreePlugin::StericExclusionForce::getTraversalStatistics %{
     val = TraversalStatistics(*val)
+%}
+%pythonappend ChainTreePlugin::TorsionMonteCarloIntegrator::getTorsionMoveParameters %{
+    val[1] = openmm.unit.Quantity(val[1], openmm.unit.radian)
+%}
+%pythonappend ChainTreePlugin::TorsionMonteCarloIntegrator::getRigidBodyMoveParameters %{
+    val[1] = openmm.unit.Quantity(val[1], openmm.unit.nanometer)
+    val[2] = openmm.unit.Quantity(val[2], openmm.unit.radian)
 %}
 %pythonappend ChainTreePlugin::TorsionMonteCarloIntegrator::getMoveStatistics %{
     val = MoveStatistics(*val)

@@ -23,3 +23,12 @@ void ChainTreePlugin::checkIndex(int index, int count, const string& what, const
     message << whose << " names " << what << " " << index << ", but there are " << count << " " << what << "s";
     throw OpenMMException(message.str());
 }
+
+void ChainTreePlugin::checkVersion(int version, int newest, const string& what)
+{
+    if (version >= 1 && version <= newest)
+        return;
+    stringstream message;
+    message << what << " has version " << version << ", but this openmm-chaintree reads only versions 1 to " << newest;
+    throw OpenMMException(message.str());
+}

@@ -65,19 +65,19 @@ void TorsionMove::propose(CalcStericExclusionForceKernel& kernel, RandomNumberGe
 }
 
 RigidBodyMove::RigidBodyMove(double maxTranslation, double maxAngle, const vector<int>& molecules) :
-    maxTranslation(maxTranslation), maxAngle(maxAngle), particles(molecules)
+    maxTranslation(maxTranslation), maxAngle(maxAngle), molecules(molecules)
 {
 }
 
 void RigidBodyMove::bind(const LinkStructure& structure, const string& name)
 {
-    const vector<LinkStructure::Molecule>& molecules = structure.getMolecules();
+    const vector<LinkStructure::Molecule>& all = structure.getMolecules();
     choices.clear();
-    vector<bool> isNamed(molecules.size(), false);
-    for (int particle : particles) {
+    vector<bool> isNamed(all.size(), false);
+    for (int particle : molecules) {
         checkIndex(particle, structure.getParticleLinks().size(), "particle", name);
         int molecule = structure.getParticleMolecule(particle);
-        if (molecules[molecule].fixed)
+        if (all[molecule].fixed)
             throw OpenMMException(name + " names the molecule of particle " + to_string(particle) +
                                   ", which has fixed particles and cannot move");
         if (isNamed[molecule])
@@ -85,9 +85,9 @@ void RigidBodyMove::bind(const LinkStructure& structure, const string& name)
         isNamed[molecule] = true;
         choices.push_back(molecule);
     }
-    if (particles.empty())
-        for (int molecule = 0; molecule < (int)molecules.size(); molecule++)
-            if (!molecules[molecule].fixed)
+    if (molecules.empty())
+        for (int molecule = 0; molecule < (int)all.size(); molecule++)
+            if (!all[molecule].fixed)
                 choices.push_back(molecule);
     if (choices.empty())
         throw OpenMMException(name + " moves molecules, but all molecules have fixed particles");

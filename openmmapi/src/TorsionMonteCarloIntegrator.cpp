@@ -171,7 +171,7 @@ int TorsionMonteCarloIntegrator::addTorsionMove(double weight, double maxAngle, 
     checkNotNegative(maxAngle, "TorsionMonteCarloIntegrator: the largest angle of a torsion move");
     if (count < 1)
         fail("the number of torsions that a move turns must be at least 1, but is " + to_string(count));
-    return addMove(make_unique<TorsionMove>(maxAngle, torsions, count), weight);
+    return addMove(make_unique<ChainTreePlugin::TorsionMove>(maxAngle, torsions, count), weight);
 }
 
 int TorsionMonteCarloIntegrator::addRigidBodyMove(double weight, double maxTranslation, double maxAngle,
@@ -179,7 +179,7 @@ int TorsionMonteCarloIntegrator::addRigidBodyMove(double weight, double maxTrans
 {
     checkNotNegative(maxTranslation, "TorsionMonteCarloIntegrator: the largest translation of a rigid body move");
     checkNotNegative(maxAngle, "TorsionMonteCarloIntegrator: the largest angle of a rigid body move");
-    return addMove(make_unique<RigidBodyMove>(maxTranslation, maxAngle, molecules), weight);
+    return addMove(make_unique<ChainTreePlugin::RigidBodyMove>(maxTranslation, maxAngle, molecules), weight);
 }
 
 int TorsionMonteCarloIntegrator::addMove(unique_ptr<MonteCarloMove> move, double weight)
@@ -194,6 +194,44 @@ int TorsionMonteCarloIntegrator::addMove(unique_ptr<MonteCarloMove> move, double
 int TorsionMonteCarloIntegrator::getNumMoves() const
 {
     return moves.size();
+}
+
+TorsionMonteCarloIntegrator::MoveType TorsionMonteCarloIntegrator::getMoveType(int move) const
+{
+    ASSERT_VALID_INDEX(move, moves);
+    return moves[move].move->getType();
+}
+
+/**
+ * Get a move as the class that it must be, and its weight.
+ */
+template <class Move>
+const Move& TorsionMonteCarloIntegrator::getMove(int index, double& weight, const string& kind) const
+{
+    ASSERT_VALID_INDEX(index, moves);
+    const Move* move = dynamic_cast<const Move*>(moves[index].move.get());
+    if (move == NULL)
+        fail("move " + to_string(index) + " is not a " + kind + " move");
+    weight = moves[index].weight;
+    return *move;
+}
+
+void TorsionMonteCarloIntegrator::getTorsionMoveParameters(int move, double& weight, double& maxAngle,
+                                                           vector<int>& torsions, int& count) const
+{
+    auto& found = getMove<ChainTreePlugin::TorsionMove>(move, weight, "torsion");
+    maxAngle = found.getMaxAngle();
+    torsions = found.getTorsions();
+    count = found.getCount();
+}
+
+void TorsionMonteCarloIntegrator::getRigidBodyMoveParameters(int move, double& weight, double& maxTranslation,
+                                                             double& maxAngle, vector<int>& molecules) const
+{
+    auto& found = getMove<ChainTreePlugin::RigidBodyMove>(move, weight, "rigid body");
+    maxTranslation = found.getMaxTranslation();
+    maxAngle = found.getMaxAngle();
+    molecules = found.getMolecules();
 }
 
 void TorsionMonteCarloIntegrator::getMoveStatistics(int move, long long& attempted, long long& clashed,

@@ -73,6 +73,19 @@ public:
         Refuse = 1
     };
     /**
+     * The kinds of moves.
+     */
+    enum MoveType {
+        /**
+         * A move added by addTorsionMove().
+         */
+        TorsionMove = 0,
+        /**
+         * A move added by addRigidBodyMove().
+         */
+        RigidBodyMove = 1
+    };
+    /**
      * Create a TorsionMonteCarloIntegrator without moves.
      *
      * @param temperature  the temperature of the heat bath, in Kelvin
@@ -160,6 +173,35 @@ public:
      */
     int getNumMoves() const;
     /**
+     * Get of which kind a move is.
+     *
+     * @param move  the index of the move, in the order in which moves were added
+     */
+    MoveType getMoveType(int move) const;
+    /**
+     * Get the parameters of a move that was added by addTorsionMove(). It is an error if the move is of another kind.
+     *
+     * @param move           the index of the move, in the order in which moves were added
+     * @param[out] weight    how often this move is drawn, relative to the weights of the others
+     * @param[out] maxAngle  the largest angle, in radians
+     * @param[out] torsions  the indices of the torsions to choose from; empty if they are all torsions
+     * @param[out] count     the number of torsions that one trial turns
+     */
+    void getTorsionMoveParameters(int move, double& weight, double& maxAngle, std::vector<int>& torsions,
+                                  int& count) const;
+    /**
+     * Get the parameters of a move that was added by addRigidBodyMove(). It is an error if the move is of another kind.
+     *
+     * @param move                 the index of the move, in the order in which moves were added
+     * @param[out] weight          how often this move is drawn, relative to the weights of the others
+     * @param[out] maxTranslation  the largest translation, in nm
+     * @param[out] maxAngle        the largest angle, in radians
+     * @param[out] molecules       the molecules to choose from, each named by one of its particles; empty if they are
+     *                             all molecules without fixed particles
+     */
+    void getRigidBodyMoveParameters(int move, double& weight, double& maxTranslation, double& maxAngle,
+                                    std::vector<int>& molecules) const;
+    /**
      * Get what became of the trials of a move, since the move was added or resetMoveStatistics() was called.
      *
      * @param move                    the index of the move, in the order in which moves were added
@@ -212,6 +254,8 @@ protected:
 private:
     class MoveInfo;
     int addMove(std::unique_ptr<MonteCarloMove> move, double weight);
+    template <class Move>
+    const Move& getMove(int index, double& weight, const std::string& kind) const;
     void requireContext(const OpenMM::Context& context) const;
     bool isAthermal() const;
     double computeEnergy();

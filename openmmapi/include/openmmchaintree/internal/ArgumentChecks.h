@@ -23,6 +23,15 @@ void checkNotNegative(double value, const std::string& name);
  */
 void checkIndex(int index, int count, const std::string& what, const std::string& whose);
 
+/**
+ * Throw an OpenMMException unless something that was saved can be read: its version is one of 1 ... newest.
+ *
+ * @param version  the version that was found
+ * @param newest   the newest version that can be read
+ * @param what     what was saved, as "the XML of a StericExclusionForce"
+ */
+void checkVersion(int version, int newest, const std::string& what);
+
 } // namespace ChainTreePlugin
 
 #endif /*OPENMM_CHAINTREE_ARGUMENTCHECKS_H_*/

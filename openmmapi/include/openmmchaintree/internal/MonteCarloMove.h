@@ -4,6 +4,7 @@
 #include "openmmchaintree/ChainTreeKernels.h"
 #include "openmmchaintree/internal/LinkStructure.h"
 #include "openmmchaintree/internal/RandomNumberGenerator.h"
+#include "openmmchaintree/TorsionMonteCarloIntegrator.h"
 #include <string>
 #include <vector>
 
@@ -17,6 +18,7 @@ public:
     virtual ~MonteCarloMove()
     {
     }
+    virtual TorsionMonteCarloIntegrator::MoveType getType() const = 0;
     /**
      * Find out what there is to move. This is called before propose(), and again whenever the Context is another one.
      *
@@ -36,6 +38,23 @@ public:
 class TorsionMove : public MonteCarloMove {
 public:
     TorsionMove(double maxAngle, const std::vector<int>& torsions, int count);
+    TorsionMonteCarloIntegrator::MoveType getType() const
+    {
+        return TorsionMonteCarloIntegrator::TorsionMove;
+    }
+    double getMaxAngle() const
+    {
+        return maxAngle;
+    }
+    /** Get the torsions to choose from as they were given; empty for all. */
+    const std::vector<int>& getTorsions() const
+    {
+        return torsions;
+    }
+    int getCount() const
+    {
+        return count;
+    }
     void bind(const LinkStructure& structure, const std::string& name);
     void propose(CalcStericExclusionForceKernel& kernel, RandomNumberGenerator& random);
 
@@ -56,13 +75,30 @@ private:
 class RigidBodyMove : public MonteCarloMove {
 public:
     RigidBodyMove(double maxTranslation, double maxAngle, const std::vector<int>& molecules);
+    TorsionMonteCarloIntegrator::MoveType getType() const
+    {
+        return TorsionMonteCarloIntegrator::RigidBodyMove;
+    }
+    double getMaxTranslation() const
+    {
+        return maxTranslation;
+    }
+    double getMaxAngle() const
+    {
+        return maxAngle;
+    }
+    /** Get the molecules to choose from, each named by one of its particles; empty for all that can move. */
+    const std::vector<int>& getMolecules() const
+    {
+        return molecules;
+    }
     void bind(const LinkStructure& structure, const std::string& name);
     void propose(CalcStericExclusionForceKernel& kernel, RandomNumberGenerator& random);
 
 private:
     const double maxTranslation, maxAngle;
-    /** The molecules to choose from, each named by one of its particles; empty for all that can move. */
-    const std::vector<int> particles;
+    const std::vector<int> molecules;
+    /** The molecules to choose from, by their indices in the LinkStructure. */
     std::vector<int> choices;
 };
 

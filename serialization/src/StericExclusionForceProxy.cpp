@@ -1,0 +1,79 @@
+#include "StericExclusionForceProxy.h"
+#include "openmm/serialization/SerializationNode.h"
+#include "openmmchaintree/internal/ArgumentChecks.h"
+#include "openmmchaintree/StericExclusionForce.h"
+#include <memory>
+
+using namespace ChainTreePlugin;
+using namespace OpenMM;
+using namespace std;
+
+static const int NEWEST_VERSION = 1;
+
+StericExclusionForceProxy::StericExclusionForceProxy() : SerializationProxy("StericExclusionForce")
+{
+}
+
+void StericExclusionForceProxy::serialize(const void* object, SerializationNode& node) const
+{
+    const StericExclusionForce& force = *reinterpret_cast<const StericExclusionForce*>(object);
+    node.setIntProperty("version", NEWEST_VERSION);
+    node.setIntProperty("forceGroup", force.getForceGroup());
+    node.setStringProperty("name", force.getName());
+    node.setDoubleProperty("overlapTolerance", force.getOverlapTolerance());
+    node.setDoubleProperty("hydrogenBondAllowance", force.getHydrogenBondAllowance());
+    node.setDoubleProperty("forceConstant", force.getForceConstant());
+    SerializationNode& particles = node.createChildNode("Particles");
+    for (int i = 0; i < force.getNumParticles(); i++) {
+        double radius;
+        StericExclusionForce::HydrogenBondRole role;
+        force.getParticleParameters(i, radius, role);
+        particles.createChildNode("Particle")
+            .setDoubleProperty("radius", radius)
+            .setIntProperty("hydrogenBondRole", role);
+    }
+    SerializationNode& bonds = node.createChildNode("Bonds");
+    for (int i = 0; i < force.getNumBonds(); i++) {
+        int p1, p2;
+        force.getBondParticles(i, p1, p2);
+        bonds.createChildNode("Bond").setIntProperty("p1", p1).setIntProperty("p2", p2);
+    }
+    SerializationNode& torsions = node.createChildNode("Torsions");
+    for (int i = 0; i < force.getNumTorsions(); i++) {
+        int p1, p2, p3, p4;
+        force.getTorsionParticles(i, p1, p2, p3, p4);
+        torsions.createChildNode("Torsion")
+            .setIntProperty("p1", p1)
+            .setIntProperty("p2", p2)
+            .setIntProperty("p3", p3)
+            .setIntProperty("p4", p4);
+    }
+    SerializationNode& exclusions = node.createChildNode("Exclusions");
+    for (int i = 0; i < force.getNumExclusions(); i++) {
+        int p1, p2;
+        force.getExclusionParticles(i, p1, p2);
+        exclusions.createChildNode("Exclusion").setIntProperty("p1", p1).setIntProperty("p2", p2);
+    }
+}
+
+void* StericExclusionForceProxy::deserialize(const SerializationNode& node) const
+{
+    checkVersion(node.getIntProperty("version"), NEWEST_VERSION, "the XML of a StericExclusionForce");
+    unique_ptr<StericExclusionForce> force(new StericExclusionForce());
+    force->setForceGroup(node.getIntProperty("forceGroup"));
+    force->setName(node.getStringProperty("name"));
+    force->setOverlapTolerance(node.getDoubleProperty("overlapTolerance"));
+    force->setHydrogenBondAllowance(node.getDoubleProperty("hydrogenBondAllowance"));
+    force->setForceConstant(node.getDoubleProperty("forceConstant"));
+    for (auto& particle : node.getChildNode("Particles").getChildren())
+        force->addParticle(particle.getDoubleProperty("radius"),
+                           (StericExclusionForce::HydrogenBondRole)particle.getIntProperty("hydrogenBondRole"));
+    for (auto& bond : node.getChildNode("Bonds").getChildren())
+        force->addBond(bond.getIntProperty("p1"), bond.getIntProperty("p2"));
+    for (auto& torsion : node.getChildNode("Torsions").getChildren())
+        force->addTorsion(torsion.getIntProperty("p1"), torsion.getIntProperty("p2"), torsion.getIntProperty("p3"),
+                          torsion.getIntProperty("p4"));
+    for (auto& exclusion : node.getChildNode("Exclusions").getChildren())
+        force->addExclusion(exclusion.getIntProperty("p1"), exclusion.getIntProperty("p2"));
+    return force.release();
+}

@@ -1,0 +1,192 @@
+/**
+ * This tests that the XML of a TorsionMonteCarloIntegrator keeps everything.
+ */
+
+#include "openmm/CompoundIntegrator.h"
+#include "openmm/internal/AssertionUtilities.h"
+#include "openmm/OpenMMException.h"
+#include "openmm/serialization/SerializationNode.h"
+#include "openmm/serialization/SerializationProxy.h"
+#include "openmm/serialization/XmlSerializer.h"
+#include "openmm/VerletIntegrator.h"
+#include "openmmchaintree/TorsionMonteCarloIntegrator.h"
+#include "TestSupport.h"
+#include <iostream>
+#include <memory>
+#include <sstream>
+
+using namespace ChainTreePlugin;
+using namespace OpenMM;
+using namespace std;
+
+/**
+ * Set everything to something that is not the default.
+ */
+void setUp(TorsionMonteCarloIntegrator& integrator)
+{
+    integrator.setStepSize(0.1 / 3);
+    integrator.setConstraintTolerance(1e-5 / 3);
+    integrator.setIntegrationForceGroups(6);
+    integrator.setRandomNumberSeed(-17);
+    integrator.setTrialsPerStep(33);
+    integrator.setInitialClashPolicy(TorsionMonteCarloIntegrator::Refuse);
+    integrator.addTorsionMove(1.0 / 3, 0.2, {4, 0, 2}, 3);
+    integrator.addRigidBodyMove(0.5, 1.0 / 7, 0.3, {9, 1});
+    integrator.addTorsionMove(0, 0.7);
+    integrator.addRigidBodyMove(2, 0, 0.4);
+}
+
+void assertSameMoves(const TorsionMonteCarloIntegrator& expected, const TorsionMonteCarloIntegrator& found)
+{
+    ASSERT_EQUAL(expected.getNumMoves(), found.getNumMoves());
+    for (int i = 0; i < expected.getNumMoves(); i++) {
+        ASSERT_EQUAL(expected.getMoveType(i), found.getMoveType(i));
+        double weight1, weight2, angle1, angle2, translation1, translation2;
+        vector<int> choices1, choices2;
+        int count1, count2;
+        if (expected.getMoveType(i) == TorsionMonteCarloIntegrator::TorsionMove) {
+            expected.getTorsionMoveParameters(i, weight1, angle1, choices1, count1);
+            found.getTorsionMoveParameters(i, weight2, angle2, choices2, count2);
+            ASSERT_EQUAL(count1, count2);
+        }
+        else {
+            expected.getRigidBodyMoveParameters(i, weight1, translation1, angle1, choices1);
+            found.getRigidBodyMoveParameters(i, weight2, translation2, angle2, choices2);
+            ASSERT_EQUAL(translation1, translation2);
+        }
+        ASSERT_EQUAL(weight1, weight2);
+        ASSERT_EQUAL(angle1, angle2);
+        ASSERT_EQUAL_CONTAINERS(choices1, choices2);
+    }
+}
+
+void assertSameIntegrators(const TorsionMonteCarloIntegrator& expected, const TorsionMonteCarloIntegrator& found)
+{
+    ASSERT_EQUAL(expected.getTemperature(), found.getTemperature());
+    ASSERT_EQUAL(expected.getStepSize(), found.getStepSize());
+    ASSERT_EQUAL(expected.getConstraintTolerance(), found.getConstraintTolerance());
+    ASSERT_EQUAL(expected.getIntegrationForceGroups(), found.getIntegrationForceGroups());
+    ASSERT_EQUAL(expected.getRandomNumberSeed(), found.getRandomNumberSeed());
+    ASSERT_EQUAL(expected.getTrialsPerStep(), found.getTrialsPerStep());
+    ASSERT_EQUAL(expected.getInitialClashPolicy(), found.getInitialClashPolicy());
+    assertSameMoves(expected, found);
+}
+
+string toXml(const Integrator& integrator)
+{
+    stringstream xml;
+    XmlSerializer::serialize<Integrator>(&integrator, "Integrator", xml);
+    return xml.str();
+}
+
+unique_ptr<Integrator> fromXml(const string& xml)
+{
+    stringstream stream(xml);
+    return unique_ptr<Integrator>(XmlSerializer::deserialize<Integrator>(stream));
+}
+
+void testGetters()
+{
+    TorsionMonteCarloIntegrator integrator(310);
+    setUp(integrator);
+    double weight, angle, translation;
+    vector<int> choices;
+    int count;
+    ASSERT_EQUAL(TorsionMonteCarloIntegrator::TorsionMove, integrator.getMoveType(0));
+    integrator.getTorsionMoveParameters(0, weight, angle, choices, count);
+    ASSERT_EQUAL(1.0 / 3, weight);
+    ASSERT_EQUAL(0.2, angle);
+    ASSERT_EQUAL_CONTAINERS(vector<int>({4, 0, 2}), choices);
+    ASSERT_EQUAL(3, count);
+    ASSERT_EQUAL(TorsionMonteCarloIntegrator::RigidBodyMove, integrator.getMoveType(1));
+    integrator.getRigidBodyMoveParameters(1, weight, translation, angle, choices);
+    ASSERT_EQUAL(0.5, weight);
+    ASSERT_EQUAL(1.0 / 7, translation);
+    ASSERT_EQUAL(0.3, angle);
+    ASSERT_EQUAL_CONTAINERS(vector<int>({9, 1}), choices);
+    integrator.getTorsionMoveParameters(2, weight, angle, choices, count);
+    ASSERT(choices.empty());
+    ASSERT_EQUAL(1, count);
+    integrator.getRigidBodyMoveParameters(3, weight, translation, angle, choices);
+    ASSERT(choices.empty());
+    assertThrows("move 1 is not a torsion move", [&] {
+        integrator.getTorsionMoveParameters(1, weight, angle, choices, count);
+    });
+    assertThrows("move 0 is not a rigid body move", [&] {
+        integrator.getRigidBodyMoveParameters(0, weight, translation, angle, choices);
+    });
+    assertThrows("Index out of range", [&] {
+        integrator.getMoveType(4);
+    });
+    assertThrows("Index out of range", [&] {
+        integrator.getTorsionMoveParameters(-1, weight, angle, choices, count);
+    });
+}
+
+void testRoundTrip()
+{
+    TorsionMonteCarloIntegrator integrator(310.0 / 3), plain(300);
+    setUp(integrator);
+    auto copy = fromXml(toXml(integrator));
+    assertSameIntegrators(integrator, dynamic_cast<TorsionMonteCarloIntegrator&>(*copy));
+    copy = fromXml(toXml(plain));
+    assertSameIntegrators(plain, dynamic_cast<TorsionMonteCarloIntegrator&>(*copy));
+}
+
+void testInCompoundIntegrator()
+{
+    CompoundIntegrator compound;
+    compound.addIntegrator(new VerletIntegrator(0.001));
+    TorsionMonteCarloIntegrator* integrator = new TorsionMonteCarloIntegrator(310);
+    setUp(*integrator);
+    compound.addIntegrator(integrator);
+    auto copy = fromXml(toXml(compound));
+    Integrator& found = dynamic_cast<CompoundIntegrator&>(*copy).getIntegrator(1);
+    assertSameIntegrators(*integrator, dynamic_cast<TorsionMonteCarloIntegrator&>(found));
+}
+
+void testBadXml()
+{
+    TorsionMonteCarloIntegrator integrator(310);
+    setUp(integrator);
+    string xml = toXml(integrator);
+    auto readWith = [&](const string& good, const string& bad) {
+        string changed = xml;
+        ASSERT(changed.find(good) != string::npos);
+        changed.replace(changed.find(good), good.size(), bad);
+        fromXml(changed);
+    };
+    assertThrows("the XML of a TorsionMonteCarloIntegrator has version 2, but this openmm-chaintree reads only "
+                 "versions 1 to 1",
+                 [&] {
+                     readWith("version=\"1\"", "version=\"2\"");
+                 });
+    assertThrows("move of unknown kind: JumpMove", [&] {
+        readWith("<RigidBodyMove", "<JumpMove");
+    });
+    assertThrows("trialsPerStep", [&] {
+        readWith("trialsPerStep=\"33\"", "");
+    });
+    assertThrows("the number of trials per step", [&] {
+        readWith("trialsPerStep=\"33\"", "trialsPerStep=\"0\"");
+    });
+    assertThrows("the initial clash policy", [&] {
+        readWith("initialClashPolicy=\"1\"", "initialClashPolicy=\"5\"");
+    });
+}
+
+int main()
+{
+    try {
+        testGetters();
+        testRoundTrip();
+        testInCompoundIntegrator();
+        testBadXml();
+    }
+    catch (const exception& e) {
+        cout << "exception: " << e.what() << endl;
+        return 1;
+    }
+    cout << "Done" << endl;
+    return 0;
+}
