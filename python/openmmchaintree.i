@@ -27,6 +27,7 @@
 %}
 
 %pythoncode %{
+import copy
 from typing import NamedTuple
 
 import openmm
@@ -350,32 +351,71 @@ static PyObject* toNumPy(const void* values, size_t count, int columns, size_t i
 %}
 }
 
-/* A Force or Integrator that comes from a System, a Context or a CompoundIntegrator has lost its class. */
-%define %castable(CLASS, BASE)
+/* A Force or Integrator that comes from a System, a CompoundIntegrator or XmlSerializer has lost its class, and OpenMM's
+ * own ways of copying and pickling would lose it too. */
+%define %ownClass(CLASS, BASE)
 %extend ChainTreePlugin::CLASS {
     /**
-     * Get an object as the class that it is.
-     *
-     * @param object  a CLASS whose Python class is another one
-     * @return the same object
+     * Get whether an object is a CLASS, whatever its Python class.
      */
-    static ChainTreePlugin::CLASS& cast(OpenMM::BASE& object) {
+    static bool isinstance(OpenMM::BASE& object) {
+        return dynamic_cast<ChainTreePlugin::CLASS*>(&object) != NULL;
+    }
+    static ChainTreePlugin::CLASS& _cast(OpenMM::BASE& object) {
         ChainTreePlugin::CLASS* result = dynamic_cast<ChainTreePlugin::CLASS*>(&object);
         if (result == NULL)
             throw OpenMM::OpenMMException("cast: the object is not a CLASS");
         return *result;
     }
-    /**
-     * Get whether an object is a CLASS.
-     */
-    static bool isinstance(OpenMM::BASE& object) {
-        return dynamic_cast<ChainTreePlugin::CLASS*>(&object) != NULL;
-    }
+%pythoncode %{
+    @staticmethod
+    def cast(object):
+        """Give an object back the class that it is.
+
+        Parameters
+        ----------
+        object : openmm.BASE
+            a CLASS that came from a System, a CompoundIntegrator or XmlSerializer as a bare BASE
+
+        Returns
+        -------
+        CLASS
+            the same object
+        """
+        if not isinstance(object, CLASS):
+            this = CLASS._cast(object).this
+            if object.this.own():
+                object.this.disown()
+                this.acquire()
+            object.this = this
+            object.__class__ = CLASS
+        return object
+
+    def __getstate__(self):
+        attributes = {name: value for name, value in self.__dict__.items() if name != "this"}
+        return openmm.XmlSerializer.serialize(self), attributes
+
+    def __setstate__(self, state):
+        xml, attributes = state
+        self.this = CLASS.cast(openmm.XmlSerializer.deserialize(xml)).this
+        self.__dict__.update(attributes)
+
+    def __copy__(self):
+        duplicate = self.__class__.__new__(self.__class__)
+        duplicate.__setstate__(self.__getstate__())
+        return duplicate
+
+    def __deepcopy__(self, memo):
+        xml, attributes = self.__getstate__()
+        duplicate = memo[id(self)] = self.__class__.__new__(self.__class__)
+        duplicate.__setstate__((xml, copy.deepcopy(attributes, memo)))
+        return duplicate
+%}
 }
 %enddef
 
-%castable(StericExclusionForce, Force)
-%castable(TorsionMonteCarloIntegrator, Integrator)
+%ownClass(StericExclusionForce, Force)
+%ownClass(TorsionMonteCarloIntegrator, Integrator)
 
 #define OPENMM_EXPORT_CHAINTREE
 %include "openmmchaintree/StericExclusionForce.h"
