@@ -124,6 +124,15 @@ void testHardBeads(Platform& platform)
     }
 }
 
+/**
+ * Get how many steps to sample with energies. What is sampled does not depend on the platform, but on the CPU platform
+ * small molecules take long: its threads wait for each other in each evaluation.
+ */
+int getSampleSize(const Platform& platform)
+{
+    return platform.getName() == "Reference" ? 20000 : 1000;
+}
+
 void testBoltzmannTorsions(Platform& platform)
 {
     // Two torsions in potentials of their own: the mean of cos(angle) is a ratio of Bessel functions.
@@ -143,7 +152,8 @@ void testBoltzmannTorsions(Platform& platform)
     integrator.addTorsionMove(1, 2.0, {0, 1}, 2);
     Context context(chain.system, integrator, platform);
     context.setPositions(chain.positions);
-    const int numSteps = 20000;
+    const int numSteps = getSampleSize(platform);
+    const double wider = sqrt(20000.0 / numSteps);
     double sum1 = 0, sum2 = 0;
     vector<double> angles;
     for (int i = 0; i < numSteps; i++) {
@@ -153,9 +163,9 @@ void testBoltzmannTorsions(Platform& platform)
         sum2 += cos(angles[1] - 1.0);
     }
     double expected = -cyl_bessel_i(1.0, k / THERMAL) / cyl_bessel_i(0.0, k / THERMAL);
-    ASSERT_USUALLY_EQUAL_TOL(expected, sum1 / numSteps, 0.02);
-    ASSERT_USUALLY_EQUAL_TOL(expected, sum2 / numSteps, 0.02);
-    ASSERT(Statistics(integrator, 0).rejectedByEnergy > 1000);
+    ASSERT_USUALLY_EQUAL_TOL(expected, sum1 / numSteps, 0.02 * wider);
+    ASSERT_USUALLY_EQUAL_TOL(expected, sum2 / numSteps, 0.02 * wider);
+    ASSERT(Statistics(integrator, 0).rejectedByEnergy > numSteps / 20);
     ASSERT_EQUAL(0, Statistics(integrator, 0).clashed);
 
     // The energy that the trials ended with is that of the positions.
@@ -193,7 +203,8 @@ void testBoltzmannRigidBody(Platform& platform)
     integrator.addRigidBodyMove(1, 0.5, 1.5);
     Context context(system, integrator, platform);
     context.setPositions({Vec3(0, 0, 0), Vec3(0.5, 0, 0)});
-    const int numSteps = 20000;
+    const int numSteps = getSampleSize(platform);
+    const double wider = sqrt(20000.0 / numSteps);
     double squares = 0, cosines = 0;
     for (int i = 0; i < numSteps; i++) {
         integrator.step(1);
@@ -204,8 +215,8 @@ void testBoltzmannRigidBody(Platform& platform)
         ASSERT_EQUAL_TOL(0.5, getDistance(x[0], x[1]), 1e-12);
     }
     double a = pull * 0.5 / THERMAL;
-    ASSERT_USUALLY_EQUAL_TOL(3 * THERMAL / (2 * k), squares / numSteps, 0.002);
-    ASSERT_USUALLY_EQUAL_TOL(1 / tanh(a) - 1 / a, cosines / numSteps, 0.01);
+    ASSERT_USUALLY_EQUAL_TOL(3 * THERMAL / (2 * k), squares / numSteps, 0.002 * wider);
+    ASSERT_USUALLY_EQUAL_TOL(1 / tanh(a) - 1 / a, cosines / numSteps, 0.01 * wider);
 }
 
 void testHardSpheresInWell(Platform& platform)
@@ -232,7 +243,8 @@ void testHardSpheresInWell(Platform& platform)
     integrator.addRigidBodyMove(1, 0.6, 0);
     Context context(system, integrator, platform);
     context.setPositions({Vec3(-0.5, 0, 0), Vec3(0.5, 0, 0)});
-    const int numSteps = 20000;
+    const int numSteps = getSampleSize(platform);
+    const double wider = sqrt(20000.0 / numSteps);
     double mean = 0;
     for (int i = 0; i < numSteps; i++) {
         integrator.step(1);
@@ -247,9 +259,11 @@ void testHardSpheresInWell(Platform& platform)
         weights += weight;
         expected += weight * r;
     }
-    ASSERT_USUALLY_EQUAL_TOL(expected / weights, mean, 0.01);
+    ASSERT_USUALLY_EQUAL_TOL(expected / weights, mean, 0.01 * wider);
     Statistics statistics(integrator, 0);
-    ASSERT(statistics.clashed > 1000 && statistics.rejectedByEnergy > 1000 && statistics.accepted > 1000);
+    ASSERT(statistics.clashed > numSteps / 20);
+    ASSERT(statistics.rejectedByEnergy > numSteps / 20);
+    ASSERT(statistics.accepted > numSteps / 20);
 }
 
 void testStericEnergyIsLeftOut(Platform& platform)
