@@ -29,6 +29,7 @@ static Operation operations[] = {
     {"set limits", 1.5, setLimits, 0},
     {"raise limits", 1, raiseLimits, 0},
     {"set positions", 1, setPositions, 0},
+    {"set state", 1, setState, 0},
     {"positions", 3, comparePositions, 0},
     {"torsion angle", 5, compareTorsionAngle, 0},
     {"relative transform", 5, compareRelativeTransform, 0},

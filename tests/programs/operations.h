@@ -29,6 +29,7 @@ void requireSameLimits(const Program* program);
 
 /* stateOperations.c */
 void setPositions(Program* program);
+void setState(Program* program);
 void comparePositions(Program* program);
 void compareTorsionAngle(Program* program);
 void compareRelativeTransform(Program* program);

@@ -53,11 +53,11 @@ size_t positionBytes(const Program* p)
     return (size_t)coordinateCount(p) * sizeof(double);
 }
 
-static void createBoth(Program* p)
+ctChainTree* programCreateTree(const Program* p)
 {
     const randomScene* scene = &p->scene;
     const ctDefinition definition = {.particleCount = scene->particleCount,
-                                     .positions = scene->positions,
+                                     .positions = p->firstPositions,
                                      .radii = scene->radii,
                                      .hydrogenBondRoles = scene->roles,
                                      .particleLinks = scene->particleLinks,
@@ -69,9 +69,19 @@ static void createBoth(Program* p)
                                      .exclusions = (const int(*)[2])scene->exclusions,
                                      .overlapTolerance = scene->overlapTolerance,
                                      .hydrogenBondAllowance = scene->hydrogenBondAllowance};
+    ctChainTree* tree;
     char text[256] = "";
-    ctStatus status = ctCreate(&definition, &p->tree, text, sizeof text);
+    ctStatus status = ctCreate(&definition, &tree, text, sizeof text);
     require(status == ctSuccess, p, "ctCreate returned %d: %s", (int)status, text);
+    return tree;
+}
+
+static void createBoth(Program* p)
+{
+    const randomScene* scene = &p->scene;
+    p->firstPositions = programAllocate(coordinateCount(p), sizeof(double));
+    memcpy(p->firstPositions, scene->positions, positionBytes(p));
+    p->tree = programCreateTree(p);
     p->oracle =
         oracleCreate(scene->particleCount, scene->positions, scene->radii, scene->roles, scene->particleLinks,
                      scene->linkCount, scene->linkParents, scene->linkJoints, scene->linkTorsions,
@@ -114,6 +124,7 @@ void programDestroy(Program* p)
     ctDestroy(p->tree);
     oracleDestroy(p->oracle);
     randomSceneDestroy(&p->scene);
+    free(p->firstPositions);
     free(p->movable);
     free(p->roots);
     free(p->hasMoved);

@@ -35,7 +35,8 @@ typedef struct Program {
     const char* operation;
     Tally* tally;
     randomSource random;
-    randomScene scene; /* its positions are the reference positions */
+    randomScene scene;      /* its positions are the reference positions */
+    double* firstPositions; /* those that the engine's scene was made from */
     ctChainTree* tree;
     oracleScene* oracle;
 
@@ -53,6 +54,9 @@ typedef struct Program {
 
 void programCreate(Program* program, uint64_t seed, Tally* tally);
 void programDestroy(Program* program);
+
+/* The engine's scene as it was made at first. */
+ctChainTree* programCreateTree(const Program* program);
 
 /* ---- Failure: prints the seed, the step and what differed, and ends the process with status 1 ---- */
 

@@ -22,6 +22,54 @@ void setPositions(Program* p)
     requireSameLimits(p);
 }
 
+/* Leaves the state behind, and an open trial. */
+static void goElsewhere(Program* p)
+{
+    for (int n = 0; n < 3 && p->movableCount > 0; n++) {
+        ctChange change = chooseChange(p, p->movable[randomInt(&p->random, p->movableCount)]);
+        if (n > 0)
+            SUCCEED(ctCommit(p->tree, NULL));
+        SUCCEED(ctPropose(p->tree, 1, &change));
+    }
+}
+
+static void startAnew(Program* p)
+{
+    ctDestroy(p->tree);
+    p->tree = programCreateTree(p);
+    int(*pairs)[2] = programAllocate(p->limits.count, sizeof(int[2]));
+    double* values = programAllocate(p->limits.count, sizeof(double));
+    for (int n = 0; n < p->limits.count; n++) {
+        memcpy(pairs[n], p->limits.pairs[n].particles, sizeof(int[2]));
+        values[n] = p->limits.pairs[n].values[0];
+    }
+    SUCCEED(ctSetLimits(p->tree, p->limits.count, (const int(*)[2])pairs, values));
+    free(pairs);
+    free(values);
+}
+
+/* Goes back to the state from another one, or in another scene; what follows finds out whether it is the same. */
+void setState(Program* p)
+{
+    size_t size = ctGetStateSize(p->tree);
+    double* state = programAllocate((int)size, sizeof(double));
+    double* again = programAllocate((int)size, sizeof(double));
+    ctGetState(p->tree, state);
+    discard(p);
+    if (randomChance(&p->random, 0.5))
+        goElsewhere(p);
+    else
+        startAnew(p);
+    SUCCEED(ctSetState(p->tree, state));
+    ctGetState(p->tree, again);
+    require(memcmp(state, again, size * sizeof(double)) == 0, p, "the state is another one");
+    free(state);
+    free(again);
+    requireUntouchedState(p);
+    requireSameLimits(p);
+    require(ctValidate(p->tree), p, "ctValidate");
+}
+
 void comparePositions(Program* p)
 {
     requireUntouchedState(p);

@@ -87,13 +87,17 @@ JointState ctSequenceGetJoint(const Sequence* s, int link) {
   return joint;
 }
 
+JointState ctJointAt(double angle) {
+  JointState joint = REFERENCE_JOINT;
+  joint.angle = angle;
+  joint.cosine = cos(angle);
+  joint.sine = sin(angle);
+  return joint;
+}
+
 JointState ctJointTurned(const JointState* joint, double angle) {
   const double twoPi = 6.283185307179586476925286766559;
-  JointState turned = *joint;
-  turned.angle = remainder(joint->angle + remainder(angle, twoPi), twoPi);
-  turned.cosine = cos(turned.angle);
-  turned.sine = sin(turned.angle);
-  return turned;
+  return ctJointAt(remainder(joint->angle + remainder(angle, twoPi), twoPi));
 }
 
 JointState ctJointMoved(const JointState* joint, const double rotation[3], const double pivot[3],

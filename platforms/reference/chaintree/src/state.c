@@ -1,0 +1,122 @@
+/* The state as numbers, to be kept and set again. */
+#include <string.h>
+
+#include "definition.h"
+#include "scene.h"
+
+/* Squared length of a unit quaternion, give or take its rounding. */
+#define UNIT_ERROR 1e-12
+
+enum { TORSION_SIZE = 1, PLACEMENT_SIZE = 7 };
+
+/* Fixed links are all one with the world, whose joint is fixed. */
+static int jointSize(const Sequence* s, int link) {
+  switch (s->joint[link]) {
+    case ctTorsionJoint:
+      return TORSION_SIZE;
+    case ctFreeJoint:
+      return PLACEMENT_SIZE;
+    default:
+      return 0;
+  }
+}
+
+static size_t referenceSize(const Sequence* s) {
+  return 3 * (size_t)s->particleCount;
+}
+
+size_t ctGetStateSize(const ctChainTree* tree) {
+  const Sequence* s = &tree->sequence;
+  size_t size = referenceSize(s);
+  for (int u = 0; u < s->userLinkCount; u++) {
+    size += (size_t)jointSize(s, s->linkOfUser[u]);
+  }
+  return size;
+}
+
+/* ---- Joints to numbers and back ---- */
+
+static void writeJoint(const Sequence* s, int link, double* numbers) {
+  const JointState joint = ctSequenceGetJoint(s, link);
+  if (s->joint[link] == ctTorsionJoint) {
+    numbers[0] = joint.angle;
+  } else {
+    memcpy(numbers, joint.placement.quaternion, sizeof joint.placement.quaternion);
+    memcpy(numbers + 4, joint.placement.position, sizeof joint.placement.position);
+  }
+}
+
+static JointState readJoint(const Sequence* s, int link, const double* numbers) {
+  if (s->joint[link] == ctTorsionJoint) {
+    return ctJointAt(numbers[0]);
+  }
+  JointState joint = ctSequenceGetJoint(s, link);
+  memcpy(joint.placement.quaternion, numbers, sizeof joint.placement.quaternion);
+  memcpy(joint.placement.position, numbers + 4, sizeof joint.placement.position);
+  return joint;
+}
+
+/* Whether these numbers may be the joint's, with these reference positions. */
+static bool isJoint(const Sequence* s, int link, const double* numbers, const double* reference) {
+  const double pi = 3.141592653589793238462643383280;
+  if (s->joint[link] == ctTorsionJoint) {
+    const double* origin = reference + 3 * (size_t)s->originParticle[link];
+    const bool canTurn = squaredDistance(origin, reference + 3 * (size_t)s->axisParticle[link]) > 0;
+    return fabs(numbers[0]) <= (canTurn ? pi : 0);
+  }
+  double norm = 0;
+  for (int i = 0; i < 4; i++) {
+    norm += numbers[i] * numbers[i];
+  }
+  return fabs(norm - 1) <= UNIT_ERROR && isfinite(numbers[4]) && isfinite(numbers[5]) && isfinite(numbers[6]);
+}
+
+/* ---- The whole ---- */
+
+void ctGetState(const ctChainTree* tree, double* state) {
+  const Sequence* s = &tree->sequence;
+  if (s->particleCount > 0) {
+    memcpy(state, s->reference, referenceSize(s) * sizeof(double));
+  }
+  double* numbers = state + referenceSize(s);
+  for (int u = 0; u < s->userLinkCount; u++) {
+    const int link = s->linkOfUser[u];
+    const int size = jointSize(s, link);
+    if (size > 0) {
+      writeJoint(s, link, numbers);
+    }
+    numbers += size;
+  }
+}
+
+ctStatus ctSetState(ctChainTree* tree, const double* state) {
+  Sequence* s = &tree->sequence;
+  const int bad = ctFindNonFinite(s->particleCount, state);
+  if (bad != CT_NULL) {
+    return ctFail(tree, ctInvalidArgument, "the reference position of particle %d is not finite", bad);
+  }
+  const double* numbers = state + referenceSize(s);
+  for (int u = 0; u < s->userLinkCount; u++) {
+    const int link = s->linkOfUser[u];
+    const int size = jointSize(s, link);
+    if (size > 0 && !isJoint(s, link, numbers, state)) {
+      return ctFail(tree, ctInvalidArgument, "the numbers given for link %d are no state of its joint", u);
+    }
+    numbers += size;
+  }
+  ctDiscard(tree);
+  ctSequenceSetReference(s, state);
+  numbers = state + referenceSize(s);
+  for (int u = 0; u < s->userLinkCount; u++) {
+    const int link = s->linkOfUser[u];
+    const int size = jointSize(s, link);
+    if (size > 0) {
+      const JointState joint = readJoint(s, link, numbers);
+      ctSequenceSetJoint(s, link, &joint);
+    }
+    numbers += size;
+  }
+  ctSequenceMultiply(s);
+  ctTreeRefresh(&tree->tree, s);
+  return ctSuccess;
+}
