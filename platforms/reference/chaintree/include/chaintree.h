@@ -145,8 +145,8 @@ void ctGetPositions(ctChainTree* tree, double* positions);
 /* The same for the open trial: the bits that ctGetPositions would give after ctCommit. */
 ctStatus ctGetTrialPositions(ctChainTree* tree, double* positions);
 
-/* The state as numbers, to be kept and set again: the reference positions (3 * particleCount, nm); then for each link, in
- * the order of the definition, if it has a torsion joint the angle turned since then (rad, in [-pi, pi]), if a free
+/* The state as numbers, to be kept and set again: the reference positions (3 * particleCount, nm); then for each link,
+ * in the order of the definition, if it has a torsion joint the angle turned since then (rad, in [-pi, pi]), if a free
  * joint its rotation since then (unit quaternion w, x, y, z) and its origin in its parent's frame (nm). ctGetStateSize
  * tells how many numbers there are. Limits and an open trial are no part of the state. O(N). */
 size_t ctGetStateSize(const ctChainTree* tree);
@@ -154,7 +154,8 @@ void ctGetState(const ctChainTree* tree, double* state);
 
 /* Makes numbers from ctGetState the state. Drops an open trial, keeps limits. From then on every result has the bits
  * that it has for the scene they were taken from, if both were made from the same definition; if the positions in it
- * differed, up to rounding, since scenes are laid out by them. O(N). Errors: numbers that are no state of this scene. */
+ * differed, up to rounding, since scenes are laid out by them. O(N). Errors: numbers that are no state of this scene.
+ */
 ctStatus ctSetState(ctChainTree* tree, const double* state);
 
 /* The dihedral p1-p2-p3-p4 of a torsion joint in (-pi, pi], rad: that of the reference positions plus the turns since.
