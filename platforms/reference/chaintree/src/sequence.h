@@ -107,8 +107,8 @@ ctTransform ctSequenceOpening(const Sequence* sequence, int link);
 /* The frame of link + 1 in the frame of link. */
 ctTransform ctSequenceStep(const Sequence* sequence, int link);
 
-/* The state of a joint; that of a torsion at an angle in [-pi, pi]; and a state turned by an angle (torsion), or moved in
- * the parent's frame by a rotation vector about pivot and then a shift (free joint). */
+/* The state of a joint; that of a torsion at an angle in [-pi, pi]; and a state turned by an angle (torsion), or moved
+ * in the parent's frame by a rotation vector about pivot and then a shift (free joint). */
 JointState ctSequenceGetJoint(const Sequence* sequence, int link);
 JointState ctJointAt(double angle);
 JointState ctJointTurned(const JointState* joint, double angle);
