@@ -162,7 +162,7 @@ ctStatus ctSetState(ctChainTree* tree, const double* state);
  * Errors: not a torsion joint; a dihedral that is undefined because three of its particles are collinear. */
 ctStatus ctGetTorsionAngle(ctChainTree* tree, int link, double* angle);
 
-/* The centroid (nm) of all particles, modelled or not, of a link and the links that hang on it. O(their number).
+/* The centroid (nm) of all particles, modelled or not, of a link and the links that hang on it. O(log N).
  * Errors: a link with a fixed joint, since all of those are one with the world. */
 ctStatus ctGetCentroid(ctChainTree* tree, int link, double centroid[3]);
 

@@ -137,7 +137,11 @@ ctStatus ctGetCentroid(ctChainTree* tree, int link, double centroid[3]) {
   if (own == 0) {
     return ctFail(tree, ctInvalidArgument, "link %d is fixed; only what can move has a centroid here", link);
   }
-  ctReadCentroid(&tree->sequence, &tree->tree, own, tree->sequence.end[own], centroid);
+  const Sequence* s = &tree->sequence;
+  const int particles = ctTreeSum(&tree->tree, s, own, s->end[own], centroid);
+  for (int k = 0; k < 3; k++) {
+    centroid[k] = s->worldOrigin[k] + centroid[k] / particles;
+  }
   return ctSuccess;
 }
 
@@ -172,7 +176,7 @@ typedef struct Content {
   size_t size;
 } Content;
 
-enum { CONTENT_COUNT = 11 };
+enum { CONTENT_COUNT = 12 };
 
 static void listContent(const ctChainTree* scene, Content content[CONTENT_COUNT]) {
   const Tree* tree = &scene->tree;
@@ -182,6 +186,7 @@ static void listContent(const ctChainTree* scene, Content content[CONTENT_COUNT]
       {tree->shortcut, items * sizeof(ctTransform)},
       {tree->pose, items * sizeof(ctTransform)},
       {tree->bound, items * sizeof(Bound)},
+      {tree->sum, items * sizeof(double[3])},
       {tree->x, items * sizeof(float)},
       {tree->y, items * sizeof(float)},
       {tree->z, items * sizeof(float)},

@@ -55,31 +55,3 @@ void ctReadPositions(const Sequence* s, const Tree* tree, double* positions) {
     }
   }
 }
-
-void ctReadCentroid(const Sequence* s, const Tree* tree, int linkBegin, int linkEnd, double centroid[3]) {
-  PositionReader reader = ctPositionReader(s, tree);
-  double sum[3] = {0, 0, 0};
-  double position[3];
-  int count = 0;
-  for (int link = linkBegin; link < linkEnd; link++) {
-    for (int slot = s->slotBegin[link]; slot < s->slotBegin[link + 1]; slot++) {
-      if (s->slotParticle[slot] != CT_NULL) {
-        ctReadPosition(&reader, s->slotParticle[slot], position);
-        for (int k = 0; k < 3; k++) {
-          sum[k] += position[k] - s->worldOrigin[k];
-        }
-        count++;
-      }
-    }
-    for (int i = s->idleBegin[link]; i < s->idleBegin[link + 1]; i++) {
-      ctReadPosition(&reader, s->idleParticle[i], position);
-      for (int k = 0; k < 3; k++) {
-        sum[k] += position[k] - s->worldOrigin[k];
-      }
-      count++;
-    }
-  }
-  for (int k = 0; k < 3; k++) {
-    centroid[k] = s->worldOrigin[k] + sum[k] / count;
-  }
-}

@@ -22,7 +22,4 @@ void ctReadPosition(PositionReader* reader, int particle, double position[3]);
 /* All particles: 3 * particleCount coordinates. */
 void ctReadPositions(const Sequence* sequence, const Tree* tree, double* positions);
 
-/* The centroid of all particles of links [linkBegin, linkEnd). */
-void ctReadCentroid(const Sequence* sequence, const Tree* tree, int linkBegin, int linkEnd, double centroid[3]);
-
 #endif /* CT_POSITION_H_ */

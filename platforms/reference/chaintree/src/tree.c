@@ -9,6 +9,27 @@ static double slack(const Bound* bound) {
   return 1e-14 * (fabs(bound->centre[0]) + fabs(bound->centre[1]) + fabs(bound->centre[2]) + bound->surfaces);
 }
 
+/* Particles of a link that have no slot, if the link begins at this slot. */
+static int idleAt(const Sequence* sequence, int slot, const int** idle) {
+  const int link = sequence->slotLink[slot];
+  const int begin = sequence->idleBegin[link];
+  *idle = sequence->idleParticle + begin;
+  return sequence->slotBegin[link] == slot ? sequence->idleBegin[link + 1] - begin : 0;
+}
+
+static void countParticles(Tree* tree, const Sequence* sequence) {
+  const int* idle;
+  for (int slot = 0; slot < sequence->slotCount; slot++) {
+    tree->particles[slot / TREE_WIDTH] += (sequence->slotParticle[slot] != CT_NULL) + idleAt(sequence, slot, &idle);
+  }
+  for (int level = 1; level < tree->levelCount; level++) {
+    for (int i = 0; i < tree->levelSize[level - 1]; i++) {
+      const int child = tree->levelBegin[level - 1] + i;
+      tree->particles[treeParent(tree, level - 1, child)] += tree->particles[child];
+    }
+  }
+}
+
 bool ctTreeBuild(Tree* tree, Arena* arena, const Sequence* sequence) {
   tree->slotCount = sequence->slotCount;
   int size = sequence->slotCount;
@@ -25,6 +46,8 @@ bool ctTreeBuild(Tree* tree, Arena* arena, const Sequence* sequence) {
   tree->shortcut = ctArenaAllocate(arena, items, sizeof(ctTransform));
   tree->pose = ctArenaAllocate(arena, items, sizeof(ctTransform));
   tree->bound = ctArenaAllocate(arena, items, sizeof(Bound));
+  tree->sum = ctArenaAllocate(arena, items, sizeof(double[3]));
+  tree->particles = ctArenaAllocate(arena, items, sizeof(int));
   tree->x = ctArenaAllocate(arena, items, sizeof(float));
   tree->y = ctArenaAllocate(arena, items, sizeof(float));
   tree->z = ctArenaAllocate(arena, items, sizeof(float));
@@ -32,7 +55,11 @@ bool ctTreeBuild(Tree* tree, Arena* arena, const Sequence* sequence) {
   tree->centres = ctArenaAllocate(arena, items, sizeof(float));
   tree->local = ctArenaAllocate(arena, slots, sizeof(double[3]));
   tree->dirty = ctArenaAllocate(arena, (size_t)tree->levelSize[0], sizeof(int));
-  return !arena->failed;
+  if (arena->failed) {
+    return false;
+  }
+  countParticles(tree, sequence);
+  return true;
 }
 
 /* ---- Bounds ---- */
@@ -78,35 +105,67 @@ static int firstLink(const Tree* tree, const Sequence* sequence, int leaf) {
   return leaf < tree->levelSize[0] ? sequence->slotLink[leaf * TREE_WIDTH] : CT_NULL;
 }
 
+static void add(double sum[3], const double x[3]) {
+  sum[0] += x[0];
+  sum[1] += x[1];
+  sum[2] += x[2];
+}
+
+/* Adds the positions of a slot's particle and of the idle ones of a link that begins there; `frame` is the link's. */
+static void addSlot(const Tree* tree, const Sequence* sequence, int slot, const ctTransform* frame, double sum[3]) {
+  if (sequence->slotParticle[slot] != CT_NULL) {
+    add(sum, tree->local[slot]);
+  }
+  const int* idle;
+  const int count = idleAt(sequence, slot, &idle);
+  for (int i = 0; i < count; i++) {
+    double x[3];
+    sequenceLocal(sequence, idle[i], x);
+    transformPoint(frame, x, x);
+    add(sum, x);
+  }
+}
+
 static void refreshLeaf(Tree* tree, const Sequence* sequence, int leaf) {
   const int begin = leaf * TREE_WIDTH;
   const int end = begin + TREE_WIDTH < tree->slotCount ? begin + TREE_WIDTH : tree->slotCount;
   int link = firstLink(tree, sequence, leaf);
   ctTransform frame = transformIdentity();
   Bound member[TREE_WIDTH];
+  double sum[3] = {0, 0, 0};
   for (int slot = begin; slot < end; slot++) {
     for (; link < sequence->slotLink[slot]; link++) {
       const ctTransform step = ctSequenceStep(sequence, link);
       frame = transformCompose(&frame, &step);
     }
     const int particle = sequence->slotParticle[slot];
-    if (particle == CT_NULL) {
-      member[slot - begin] = EMPTY_BOUND;
-      continue;
-    }
-    sequenceLocal(sequence, particle, tree->local[slot]);
-    transformPoint(&frame, tree->local[slot], tree->local[slot]);
     Bound* sphere = &member[slot - begin];
-    memcpy(sphere->centre, tree->local[slot], sizeof sphere->centre);
-    sphere->surfaces = sequence->slotRadius[slot];
-    sphere->centres = 0;
+    *sphere = EMPTY_BOUND;
+    if (particle != CT_NULL) {
+      sequenceLocal(sequence, particle, tree->local[slot]);
+      transformPoint(&frame, tree->local[slot], tree->local[slot]);
+      memcpy(sphere->centre, tree->local[slot], sizeof sphere->centre);
+      sphere->surfaces = sequence->slotRadius[slot];
+      sphere->centres = 0;
+    }
+    addSlot(tree, sequence, slot, &frame, sum);
   }
   for (const int next = firstLink(tree, sequence, leaf + 1); link < next; link++) {
     const ctTransform step = ctSequenceStep(sequence, link);
     frame = transformCompose(&frame, &step);
   }
   tree->shortcut[leaf] = frame;
+  memcpy(tree->sum[leaf], sum, sizeof sum);
   tree->bound[leaf] = boundAround(member, end - begin);
+}
+
+/* Adds the sum of an item's positions as its parent's frame has them. */
+static void addItem(const Tree* tree, int item, const double own[3], int particles, double sum[3]) {
+  double x[3];
+  rotate(tree->pose[item].rotation, own, x);
+  for (int k = 0; k < 3; k++) {
+    sum[k] += x[k] + particles * tree->pose[item].translation[k];
+  }
 }
 
 static void refreshNode(Tree* tree, int level, int item) {
@@ -114,6 +173,7 @@ static void refreshNode(Tree* tree, int level, int item) {
   const int first = treeChildren(tree, level, item, &count);
   ctTransform pose = transformIdentity();
   Bound member[TREE_WIDTH];
+  double sum[3] = {0, 0, 0};
   for (int i = 0; i < count; i++) {
     const int child = first + i;
     const Bound* own = &tree->bound[child];
@@ -125,9 +185,11 @@ static void refreshNode(Tree* tree, int level, int item) {
     tree->z[child] = (float)member[i].centre[2];
     tree->surfaces[child] = (float)own->surfaces;
     tree->centres[child] = (float)own->centres;
+    addItem(tree, child, tree->sum[child], tree->particles[child], sum);
     pose = transformCompose(&pose, &tree->shortcut[child]);
   }
   tree->shortcut[item] = pose;
+  memcpy(tree->sum[item], sum, sizeof sum);
   tree->bound[item] = boundAround(member, count);
 }
 
@@ -226,6 +288,52 @@ ctTransform ctTreeRelative(const Tree* tree, const Sequence* sequence, int linkA
   }
   const ctTransform inverse = transformInverse(&a);
   return transformCompose(&inverse, &b);
+}
+
+/* ---- Sums ---- */
+
+/* Slots [slotBegin, slotEnd) of an item: adds their particles' positions to sum, in the item's frame; returns how many.
+ */
+static int sumItem(const Tree* tree, const Sequence* sequence, int level, int item, int slotBegin, int slotEnd,
+                   double sum[3]) {
+  int end;
+  const int begin = treeSlots(tree, level, item, &end);
+  if (slotEnd <= begin || end <= slotBegin) {
+    return 0;
+  }
+  if (slotBegin <= begin && end <= slotEnd) {
+    add(sum, tree->sum[item]);
+    return tree->particles[item];
+  }
+  int particles = 0;
+  if (level == 0) {
+    for (int slot = begin > slotBegin ? begin : slotBegin; slot < end && slot < slotEnd; slot++) {
+      const int* idle;
+      const int idleCount = idleAt(sequence, slot, &idle);
+      const ctTransform frame =
+          idleCount > 0 ? ctTreeLinkInLeaf(sequence, sequence->slotLink[slot]) : transformIdentity();
+      addSlot(tree, sequence, slot, &frame, sum);
+      particles += (sequence->slotParticle[slot] != CT_NULL) + idleCount;
+    }
+    return particles;
+  }
+  int count;
+  const int first = treeChildren(tree, level, item, &count);
+  for (int child = first; child < first + count; child++) {
+    double own[3] = {0, 0, 0};
+    const int inChild = sumItem(tree, sequence, level - 1, child, slotBegin, slotEnd, own);
+    if (inChild > 0) {
+      addItem(tree, child, own, inChild, sum);
+      particles += inChild;
+    }
+  }
+  return particles;
+}
+
+int ctTreeSum(const Tree* tree, const Sequence* sequence, int linkBegin, int linkEnd, double sum[3]) {
+  sum[0] = sum[1] = sum[2] = 0;
+  return sumItem(tree, sequence, treeTop(tree), treeRoot(tree), sequence->slotBegin[linkBegin],
+                 sequence->slotBegin[linkEnd], sum);
 }
 
 /* ---- Validation ---- */

@@ -31,6 +31,8 @@ typedef struct Tree {
       shortcut;      /* per item: the frame of the next item of its level in its own frame; the last one's is unused */
   ctTransform* pose; /* per item: its frame in its parent's frame */
   Bound* bound;      /* per item: in its own frame */
+  double (*sum)[3];  /* per item: of the positions of all its particles, modelled or not, in its own frame */
+  int* particles;    /* per item: how many those are; one without slot counts where its link begins */
 
   /* Per item: its bound in the parent's frame, as the traversal reads it. */
   float* x;
@@ -100,6 +102,10 @@ double ctTreeSquaredDistance(const Tree* tree, int slotA, int slotB);
 
 /* The frame of linkB in that of linkA, by way of the lowest item over both (section 2.1). O(log N). */
 ctTransform ctTreeRelative(const Tree* tree, const Sequence* sequence, int linkA, int linkB);
+
+/* The sum of the positions of all particles of links [linkBegin, linkEnd) in the world, and how many they are. O(log
+ * N). */
+int ctTreeSum(const Tree* tree, const Sequence* sequence, int linkBegin, int linkEnd, double sum[3]);
 
 /* Whether every bound of every item holds the particles below it. O(N log N). */
 bool ctTreeBoundsHold(const Tree* tree, const Sequence* sequence);

@@ -81,6 +81,7 @@ typedef struct Storage {
   ctTransform* shortcut;
   ctTransform* pose;
   Bound* bound;
+  double (*sum)[3];
   float* volume; /* x, y, z and both radii of each item */
   double (*local)[3];
   ctTransform* product;
@@ -104,6 +105,7 @@ static Storage copyStorage(const ctChainTree* scene) {
   Storage storage = {copyOf(tree->shortcut, items * sizeof(ctTransform)),
                      copyOf(tree->pose, items * sizeof(ctTransform)),
                      copyOf(tree->bound, items * sizeof(Bound)),
+                     copyOf(tree->sum, items * sizeof(double[3])),
                      malloc(items * sizeof(float[5])),
                      copyOf(tree->local, (size_t)tree->slotCount * sizeof(double[3])),
                      copyOf(s->product, (size_t)s->productBegin[s->pathCount] * sizeof(ctTransform)),
@@ -119,6 +121,7 @@ static void freeStorage(Storage* storage) {
   free(storage->shortcut);
   free(storage->pose);
   free(storage->bound);
+  free(storage->sum);
   free(storage->volume);
   free(storage->local);
   free(storage->product);
@@ -129,11 +132,13 @@ static bool differ(const void* a, const void* b, size_t size) {
   return memcmp(a, b, size) != 0;
 }
 
-/* Whether what a node holds has changed: its own shortcut and bound, its children's poses and volumes, a leaf's slots.
+/* Whether what a node holds has changed: its own shortcut, bound and sum, its children's poses and volumes, a leaf's
+ * slots.
  */
 static bool itemChanged(const Storage* a, const Storage* b, const Tree* tree, int level, int item) {
   bool changed = differ(&a->shortcut[item], &b->shortcut[item], sizeof(ctTransform)) ||
-                 differ(&a->bound[item], &b->bound[item], sizeof(Bound));
+                 differ(&a->bound[item], &b->bound[item], sizeof(Bound)) ||
+                 differ(&a->sum[item], &b->sum[item], sizeof(double[3]));
   if (level == 0) {
     int end;
     const int begin = treeSlots(tree, 0, item, &end);
