@@ -266,3 +266,18 @@ int LinkStructure::findTorsionBetween(int particle1, int particle2) const
     }
     return -1;
 }
+
+vector<int> LinkStructure::describe() const
+{
+    vector<int> description = particleLinks;
+    for (const Link& link : links) {
+        description.push_back(link.parent);
+        description.push_back(molecules[link.molecule].fixed);
+        if (link.parent != -1) {
+            auto axis = minmax(torsionAxes[link.torsion].first, torsionAxes[link.torsion].second);
+            description.push_back(axis.first);
+            description.push_back(axis.second);
+        }
+    }
+    return description;
+}

@@ -145,6 +145,23 @@ void StericExclusionForceImpl::expectRestartsOfLimits()
     restartsAreAnnounced = true;
 }
 
+void StericExclusionForceImpl::positionsWereSet(ContextImpl& context)
+{
+    if (settingPositions)
+        return;
+
+    // A Context that loads a checkpoint tells its integrator of new positions afterwards.
+
+    vector<Vec3> restored;
+    restored.swap(restoredPositions);
+    if (!restored.empty()) {
+        context.getPositions(buffer);
+        if (haveSameBits(buffer, restored))
+            return;
+    }
+    restartLimits();
+}
+
 void StericExclusionForceImpl::restartLimits()
 {
     engine->clearLimits();
@@ -188,6 +205,70 @@ void StericExclusionForceImpl::showState(ContextImpl& context)
     engine->getPositions(buffer);
     setContextPositions(context, buffer);
     context.getPositions(agreedPositions);
+}
+
+// ---- What is kept ----
+
+/**
+ * A limit as a checkpoint holds it.
+ */
+class LimitRecord {
+public:
+    int particle1, particle2;
+    double limit;
+};
+
+void StericExclusionForceImpl::getLimits(vector<pair<int, int>>& pairs, vector<double>& limits)
+{
+    engine->getLimits(pairs, limits);
+}
+
+void StericExclusionForceImpl::setLimits(ContextImpl& context, const vector<pair<int, int>>& pairs,
+                                         const vector<double>& limits)
+{
+    updatePositions(context);
+    engine->setLimits(pairs, limits);
+    limitsAreCurrent = false;
+}
+
+void StericExclusionForceImpl::createCheckpoint(CheckpointWriter& writer)
+{
+    vector<double> state, limits;
+    vector<pair<int, int>> pairs;
+    vector<LimitRecord> records;
+    engine->getState(state);
+    engine->getLimits(pairs, limits);
+    for (size_t i = 0; i < pairs.size(); i++)
+        records.push_back({pairs[i].first, pairs[i].second, limits[i]});
+    writer.write(structure->describe());
+    writer.write(state);
+    writer.write(records);
+    writer.write((uint8_t)limitsAreCurrent);
+    writer.write(agreedPositions);
+}
+
+void StericExclusionForceImpl::loadCheckpoint(ContextImpl& context, CheckpointReader& reader)
+{
+    if (reader.readVector<int>() != structure->describe())
+        fail("the checkpoint is of another structure: its bonds and torsions make other links");
+    vector<double> state = reader.readVector<double>(), limits;
+    vector<pair<int, int>> pairs;
+    for (const LimitRecord& record : reader.readVector<LimitRecord>()) {
+        pairs.push_back(make_pair(record.particle1, record.particle2));
+        limits.push_back(record.limit);
+    }
+    bool current = (reader.read<uint8_t>() != 0);
+    vector<Vec3> agreed = reader.readVector<Vec3>();
+
+    // Should the kernel refuse one of these, it will take its state from the Context's positions.
+
+    agreedPositions.clear();
+    engine->setState(state);
+    if (!state.empty())
+        engine->setLimits(pairs, limits);
+    limitsAreCurrent = current;
+    agreedPositions = agreed;
+    context.getPositions(restoredPositions);
 }
 
 // ---- Energy ----

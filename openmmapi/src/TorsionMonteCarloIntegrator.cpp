@@ -10,8 +10,10 @@
 #include "openmm/MonteCarloMembraneBarostat.h"
 #include "openmm/OpenMMException.h"
 #include "openmm/reference/SimTKOpenMMRealType.h"
+#include "openmm/serialization/SerializationNode.h"
 #include "openmm/VerletIntegrator.h"
 #include "openmmchaintree/internal/ArgumentChecks.h"
+#include "openmmchaintree/internal/CheckpointStream.h"
 #include "openmmchaintree/internal/MonteCarloMove.h"
 #include "openmmchaintree/internal/RandomNumberGenerator.h"
 #include "openmmchaintree/internal/StericExclusionForceImpl.h"
@@ -21,6 +23,13 @@
 using namespace ChainTreePlugin;
 using namespace OpenMM;
 using namespace std;
+
+/** What the integrator's part of a checkpoint begins with: "ChainTMC" where the first byte is the lowest. */
+static const uint64_t CHECKPOINT_MARK = 0x434d546e69616843;
+
+static const int NEWEST_CHECKPOINT_VERSION = 1;
+
+static const int NEWEST_STATE_VERSION = 1;
 
 static void fail(const string& message)
 {
@@ -305,8 +314,91 @@ vector<string> TorsionMonteCarloIntegrator::getKernelNames()
 
 void TorsionMonteCarloIntegrator::stateChanged(State::DataType changed)
 {
-    if (force != NULL && changed == State::Positions && !force->isSettingPositions())
+    if (force != NULL && changed == State::Positions)
+        force->positionsWereSet(*context);
+}
+
+void TorsionMonteCarloIntegrator::createCheckpoint(ostream& stream) const
+{
+    CheckpointWriter writer(stream);
+    writer.write(CHECKPOINT_MARK);
+    writer.write(NEWEST_CHECKPOINT_VERSION);
+    vector<long long> statistics;
+    for (const MoveInfo& info : moves)
+        statistics.insert(statistics.end(), {info.clashed, info.rejectedByEnergy, info.accepted});
+    writer.write(statistics);
+    string randomState = random->getState();
+    writer.write(vector<char>(randomState.begin(), randomState.end()));
+    force->createCheckpoint(writer);
+}
+
+void TorsionMonteCarloIntegrator::loadCheckpoint(istream& stream)
+{
+    CheckpointReader reader(stream);
+    try {
+        restoreCheckpoint(reader);
+    }
+    catch (...) {
+        // The Context has the checkpoint's positions already.
+
         force->restartLimits();
+        throw;
+    }
+}
+
+void TorsionMonteCarloIntegrator::restoreCheckpoint(CheckpointReader& reader)
+{
+    if (reader.read<uint64_t>() != CHECKPOINT_MARK)
+        fail("the checkpoint was created with another Integrator");
+    checkVersion(reader.read<int>(), NEWEST_CHECKPOINT_VERSION, "the checkpoint of a TorsionMonteCarloIntegrator");
+    vector<long long> statistics = reader.readVector<long long>();
+    if (statistics.size() != 3 * moves.size())
+        fail("the checkpoint is of an integrator with " + to_string(statistics.size() / 3) +
+             " moves, but this one has " + to_string(moves.size()));
+    vector<char> randomState = reader.readVector<char>();
+    RandomNumberGenerator restored(0);
+    if (!restored.setState(string(randomState.begin(), randomState.end())))
+        fail("the checkpoint is damaged");
+    force->loadCheckpoint(*context, reader);
+    *random = restored;
+    for (size_t i = 0; i < moves.size(); i++) {
+        moves[i].clashed = statistics[3 * i];
+        moves[i].rejectedByEnergy = statistics[3 * i + 1];
+        moves[i].accepted = statistics[3 * i + 2];
+    }
+}
+
+void TorsionMonteCarloIntegrator::serializeParameters(SerializationNode& node) const
+{
+    vector<pair<int, int>> pairs;
+    vector<double> limits;
+    force->getLimits(pairs, limits);
+    node.setIntProperty("version", NEWEST_STATE_VERSION);
+    SerializationNode& list = node.createChildNode("Limits");
+    for (size_t i = 0; i < pairs.size(); i++)
+        list.createChildNode("Limit")
+            .setIntProperty("p1", pairs[i].first)
+            .setIntProperty("p2", pairs[i].second)
+            .setDoubleProperty("overlap", limits[i]);
+}
+
+void TorsionMonteCarloIntegrator::deserializeParameters(const SerializationNode& node)
+{
+    // Many integrators keep nothing in a State. Sampling may well start from what they have made.
+
+    if (!node.hasProperty("version"))
+        return;
+    auto& children = node.getChildren();
+    if (children.size() != 1 || children[0].getName() != "Limits")
+        fail("the integrator parameters of the State are those of another Integrator");
+    checkVersion(node.getIntProperty("version"), NEWEST_STATE_VERSION, "the State of a TorsionMonteCarloIntegrator");
+    vector<pair<int, int>> pairs;
+    vector<double> limits;
+    for (auto& limit : children[0].getChildren()) {
+        pairs.push_back(make_pair(limit.getIntProperty("p1"), limit.getIntProperty("p2")));
+        limits.push_back(limit.getDoubleProperty("overlap"));
+    }
+    force->setLimits(*context, pairs, limits);
 }
 
 double TorsionMonteCarloIntegrator::computeKineticEnergy()

@@ -206,6 +206,34 @@ void testTwoFixedParts()
     graph.assertRefused("torsion 1 (2-3-4-5) lies between two fixed parts: particles 0 and 5 both have mass 0");
 }
 
+void testDescriptions()
+{
+    // Two torsions in either order, one of them the other way round; an extra bond within a link.
+
+    auto describe = [](const vector<array<int, 4>>& torsions, const vector<pair<int, int>>& extraBonds = {},
+                       int fixed = -1) {
+        Graph graph(6, {{0, 1}, {1, 2}, {2, 3}, {3, 4}, {4, 5}});
+        for (auto& bond : extraBonds)
+            graph.force.addBond(bond.first, bond.second);
+        for (auto& t : torsions)
+            graph.force.addTorsion(t[0], t[1], t[2], t[3]);
+        if (fixed != -1)
+            graph.system.setParticleMass(fixed, 0);
+        return graph.findLinks().describe();
+    };
+    const array<int, 4> first{{0, 1, 2, 3}}, second{{1, 2, 3, 4}}, third{{2, 3, 4, 5}};
+    vector<int> description = describe({first, third});
+    ASSERT(description == describe({third, first}));
+    ASSERT(description == describe({{{3, 2, 1, 0}}, third}));
+    ASSERT(description == describe({first, third}, {{0, 1}}));
+    ASSERT(description != describe({first}));
+    ASSERT(description != describe({first, second}));
+    ASSERT(description != describe({first, second, third}));
+    ASSERT(description != describe({first, third}, {}, 0));
+    ASSERT(description != describe({first, third}, {}, 5));
+    ASSERT(describe({first, third}, {}, 0) == describe({first, third}, {}, 1));
+}
+
 int main()
 {
     try {
@@ -218,6 +246,7 @@ int main()
         testBadTorsions();
         testRings();
         testTwoFixedParts();
+        testDescriptions();
     }
     catch (const exception& e) {
         cout << "exception: " << e.what() << endl;

@@ -32,7 +32,8 @@ public:
     {
     }
     /**
-     * Initialize the kernel. Everything else but copyParameters() may be called once setPositions() has been.
+     * Initialize the kernel. Most of the rest may be called once setPositions() or setState() has been; at any time,
+     * copyParameters(), getState(), clearLimits(), getNumLimits(), getLimits() and rejectProposal().
      *
      * @param force      the StericExclusionForce this kernel will be used for
      * @param structure  its links
@@ -51,6 +52,15 @@ public:
      * Get the positions of the state.
      */
     virtual void getPositions(std::vector<OpenMM::Vec3>& positions) = 0;
+    /**
+     * Get the state in numbers, limits and the open trial left out. They are none before there are positions.
+     */
+    virtual void getState(std::vector<double>& state) = 0;
+    /**
+     * Make numbers that getState() gave, for the same LinkStructure, the state. From then on everything has the bits
+     * that it has in the kernel they came from. Drops the open trial and all limits.
+     */
+    virtual void setState(const std::vector<double>& state) = 0;
     /**
      * Get the value of a torsion, in (-pi, pi]. It is an error if it is undefined.
      */
@@ -82,6 +92,10 @@ public:
      * Get the pairs with a limit of their own, sorted, and these limits.
      */
     virtual void getLimits(std::vector<std::pair<int, int>>& pairs, std::vector<double>& limits) = 0;
+    /**
+     * Make these the only pairs with a limit of their own. A limit below the tolerance of its pair is passed over.
+     */
+    virtual void setLimits(const std::vector<std::pair<int, int>>& pairs, const std::vector<double>& limits) = 0;
 
     /**
      * Open a trial that adds to the values of different torsions. Drops one that was open.

@@ -6,12 +6,18 @@
 #include "openmm/Integrator.h"
 #include "openmm/Kernel.h"
 #include "openmm/State.h"
+#include <iosfwd>
 #include <memory>
 #include <string>
 #include <vector>
 
+namespace OpenMM {
+class SerializationNode;
+}
+
 namespace ChainTreePlugin {
 
+class CheckpointReader;
 class MonteCarloMove;
 class RandomNumberGenerator;
 class StericExclusionForceImpl;
@@ -55,7 +61,11 @@ class StericExclusionForceImpl;
  * relative to each other, and if a move names what does not exist. A step throws an exception if no move can be drawn,
  * if U is not a number, or if the positions are not finite.
  *
- * With the same random number seed, the same program samples the same trajectory, bit for bit.
+ * <b>Checkpoints and States.</b> With the same random number seed, the same program samples the same trajectory, bit
+ * for bit. So does one that is broken off between two steps and goes on from a checkpoint, in which there are the
+ * random number generator, the limits and the statistics of the moves. The trial that the user may have opened by
+ * StericExclusionForce is not in it. A State with the integrator parameters keeps the limits, but not the random number
+ * generator.
  */
 class OPENMM_EXPORT_CHAINTREE TorsionMonteCarloIntegrator : public OpenMM::Integrator {
 public:
@@ -250,9 +260,14 @@ protected:
     {
         return false;
     }
+    void createCheckpoint(std::ostream& stream) const;
+    void loadCheckpoint(std::istream& stream);
+    void serializeParameters(OpenMM::SerializationNode& node) const;
+    void deserializeParameters(const OpenMM::SerializationNode& node);
 
 private:
     class MoveInfo;
+    void restoreCheckpoint(CheckpointReader& reader);
     int addMove(std::unique_ptr<MonteCarloMove> move, double weight);
     template <class Move>
     const Move& getMove(int index, double& weight, const std::string& kind) const;

@@ -22,6 +22,8 @@ public:
     void copyParameters(const StericExclusionForce& force);
     void setPositions(const std::vector<OpenMM::Vec3>& positions);
     void getPositions(std::vector<OpenMM::Vec3>& positions);
+    void getState(std::vector<double>& state);
+    void setState(const std::vector<double>& state);
     double getTorsionAngle(int torsion);
     double computeEnergy(std::vector<OpenMM::Vec3>& forces);
     bool hasClash();
@@ -35,6 +37,7 @@ public:
     void raiseLimits();
     int getNumLimits();
     void getLimits(std::vector<std::pair<int, int>>& pairs, std::vector<double>& limits);
+    void setLimits(const std::vector<std::pair<int, int>>& pairs, const std::vector<double>& limits);
     void proposeTorsions(const std::vector<int>& torsions, const std::vector<double>& changes);
     void proposeRigidMotion(int molecule, const OpenMM::Vec3& rotation, const OpenMM::Vec3& translation);
     bool hasProposal();
@@ -60,6 +63,7 @@ private:
     void readParameters(const StericExclusionForce& force);
     Tree createTree(const std::vector<OpenMM::Vec3>& positions) const;
     void check(ctStatus status) const;
+    void setTree(Tree created, const std::vector<OpenMM::Vec3>& positions);
     // The definition of the scene, in the arrays that the engine takes.
     std::vector<double> radii;
     std::vector<uint8_t> roles;
@@ -74,6 +78,8 @@ private:
     std::vector<int> moleculeRoots;
     /** The scene. It is made when there are positions, because the engine arranges it by them. */
     Tree tree;
+    /** The positions that the scene was made from. */
+    std::vector<OpenMM::Vec3> arrangement;
     /** The changes of a trial, kept so that trials allocate no memory. */
     std::vector<ctChange> changes;
     ctCounts counts;

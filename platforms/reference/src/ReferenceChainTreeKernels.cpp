@@ -156,11 +156,11 @@ void ReferenceCalcStericExclusionForceKernel::copyParameters(const StericExclusi
         return;
     vector<Vec3> positions;
     getPositions(positions);
-    vector<array<int, 2>> pairs(ctGetLimitCount(tree.get()));
-    vector<double> limits(pairs.size());
-    ctGetLimits(tree.get(), pairs.size(), reinterpret_cast<int(*)[2]>(pairs.data()), limits.data());
-    tree = createTree(positions);
-    check(ctSetLimits(tree.get(), pairs.size(), rows(pairs), limits.data()));
+    vector<pair<int, int>> pairs;
+    vector<double> limits;
+    getLimits(pairs, limits);
+    setTree(createTree(positions), positions);
+    setLimits(pairs, limits);
 }
 
 ReferenceCalcStericExclusionForceKernel::Tree
@@ -187,6 +187,12 @@ ReferenceCalcStericExclusionForceKernel::createTree(const vector<Vec3>& position
     return Tree(created);
 }
 
+void ReferenceCalcStericExclusionForceKernel::setTree(Tree created, const vector<Vec3>& positions)
+{
+    arrangement = positions;
+    tree = std::move(created);
+}
+
 void ReferenceCalcStericExclusionForceKernel::check(ctStatus status) const
 {
     if (status != ctSuccess)
@@ -200,13 +206,44 @@ void ReferenceCalcStericExclusionForceKernel::setPositions(const vector<Vec3>& p
     if (tree)
         check(ctSetPositions(tree.get(), coordinates(positions)));
     else
-        tree = createTree(positions);
+        setTree(createTree(positions), positions);
 }
 
 void ReferenceCalcStericExclusionForceKernel::getPositions(vector<Vec3>& positions)
 {
     positions.resize(radii.size());
     ctGetPositions(tree.get(), coordinates(positions));
+}
+
+// Scenes that were arranged by other positions agree only up to rounding, so the arrangement is part of the state.
+
+void ReferenceCalcStericExclusionForceKernel::getState(vector<double>& state)
+{
+    state.clear();
+    if (!tree)
+        return;
+    state.resize(3 * arrangement.size() + ctGetStateSize(tree.get()));
+    copy_n(coordinates(arrangement), 3 * arrangement.size(), state.begin());
+    ctGetState(tree.get(), &state[3 * arrangement.size()]);
+}
+
+void ReferenceCalcStericExclusionForceKernel::setState(const vector<double>& state)
+{
+    if (state.empty()) {
+        tree.reset();
+        return;
+    }
+    vector<Vec3> positions(radii.size());
+    size_t split = 3 * positions.size();
+    if (state.size() < split)
+        throw OpenMMException("StericExclusionForce: the state is of another structure");
+    copy_n(state.begin(), split, coordinates(positions));
+    Tree created = createTree(positions);
+    if (state.size() != split + ctGetStateSize(created.get()))
+        throw OpenMMException("StericExclusionForce: the state is of another structure");
+    if (ctSetState(created.get(), &state[split]) != ctSuccess)
+        throw OpenMMException(string("StericExclusionForce: ") + ctGetErrorText(created.get()));
+    setTree(std::move(created), positions);
 }
 
 double ReferenceCalcStericExclusionForceKernel::getTorsionAngle(int torsion)
@@ -309,17 +346,27 @@ void ReferenceCalcStericExclusionForceKernel::raiseLimits()
 
 int ReferenceCalcStericExclusionForceKernel::getNumLimits()
 {
-    return ctGetLimitCount(tree.get());
+    return tree ? ctGetLimitCount(tree.get()) : 0;
 }
 
 void ReferenceCalcStericExclusionForceKernel::getLimits(vector<pair<int, int>>& pairs, vector<double>& limits)
 {
-    vector<array<int, 2>> found(ctGetLimitCount(tree.get()));
+    vector<array<int, 2>> found(getNumLimits());
     limits.resize(found.size());
-    ctGetLimits(tree.get(), found.size(), reinterpret_cast<int(*)[2]>(found.data()), limits.data());
+    if (!found.empty())
+        ctGetLimits(tree.get(), found.size(), reinterpret_cast<int(*)[2]>(found.data()), limits.data());
     pairs.clear();
     for (const array<int, 2>& pair : found)
         pairs.push_back(make_pair(pair[0], pair[1]));
+}
+
+void ReferenceCalcStericExclusionForceKernel::setLimits(const vector<pair<int, int>>& pairs,
+                                                        const vector<double>& limits)
+{
+    vector<array<int, 2>> given;
+    for (const pair<int, int>& pair : pairs)
+        given.push_back({{pair.first, pair.second}});
+    check(ctSetLimits(tree.get(), given.size(), rows(given), limits.data()));
 }
 
 // ---- Trials ----

@@ -85,6 +85,12 @@ public:
      */
     int findTorsionBetween(int particle1, int particle2) const;
 
+    /**
+     * Get numbers that two structures share if, and only if, they have the same links, hanging on each other in the
+     * same way: then a state of the one can be a state of the other.
+     */
+    std::vector<int> describe() const;
+
 private:
     class BondGraph;
     void checkTorsions(const BondGraph& graph, const StericExclusionForce& force);

@@ -4,7 +4,10 @@
 #include "openmm/Vec3.h"
 #include <cmath>
 #include <cstdint>
+#include <locale>
 #include <random>
+#include <sstream>
+#include <string>
 
 namespace ChainTreePlugin {
 
@@ -61,6 +64,31 @@ public:
             point = drawPointInUnitBall();
         while (point.dot(point) < 1e-6);
         return point / std::sqrt(point.dot(point));
+    }
+
+    /**
+     * Get what decides all numbers still to be drawn.
+     */
+    std::string getState() const
+    {
+        std::stringstream stream;
+        stream.imbue(std::locale::classic());
+        stream << engine;
+        return stream.str();
+    }
+    /**
+     * Go on from what getState() returned. Returns false, and changes nothing, if it did not return this.
+     */
+    bool setState(const std::string& state)
+    {
+        std::stringstream stream(state);
+        stream.imbue(std::locale::classic());
+        std::mt19937_64 restored;
+        stream >> restored;
+        if (!stream)
+            return false;
+        engine = restored;
+        return true;
     }
 
 private:

@@ -5,6 +5,7 @@
 #include "openmm/internal/CustomCPPForceImpl.h"
 #include "openmm/Kernel.h"
 #include "openmmchaintree/ChainTreeKernels.h"
+#include "openmmchaintree/internal/CheckpointStream.h"
 #include "openmmchaintree/internal/LinkStructure.h"
 #include "openmmchaintree/internal/windowsExportChainTree.h"
 #include "openmmchaintree/StericExclusionForce.h"
@@ -77,21 +78,36 @@ public:
      */
     int getNumToleratedClashes(OpenMM::ContextImpl& context);
     /**
-     * Leave it to the caller to say, by restartLimits(), when the user set positions. Other changes of positions then
+     * Leave it to the caller to say, by positionsWereSet(), when positions were set. Other changes of positions then
      * only raise limits.
      */
     void expectRestartsOfLimits();
+    /**
+     * Start limits anew if it was the user who set positions, not this object or a checkpoint.
+     */
+    void positionsWereSet(OpenMM::ContextImpl& context);
     /**
      * Forget all limits; they start anew with the next trial.
      */
     void restartLimits();
     /**
-     * Get whether the Context's positions are being set by this object, not by the user.
+     * Get the pairs whose limit is not their tolerance, and these limits.
      */
-    bool isSettingPositions() const
-    {
-        return settingPositions;
-    }
+    void getLimits(std::vector<std::pair<int, int>>& pairs, std::vector<double>& limits);
+    /**
+     * Set all limits. They may still grow at the next trial.
+     */
+    void setLimits(OpenMM::ContextImpl& context, const std::vector<std::pair<int, int>>& pairs,
+                   const std::vector<double>& limits);
+    /**
+     * Write all that decides how sampling goes on, the open trial left out.
+     */
+    void createCheckpoint(CheckpointWriter& writer);
+    /**
+     * Go on from what createCheckpoint() wrote, in a Context whose positions were restored already. Throws an
+     * exception, and changes nothing, if it was written for another structure.
+     */
+    void loadCheckpoint(OpenMM::ContextImpl& context, CheckpointReader& reader);
     /**
      * Take notice of the Context's positions, drop the open trial, and bring limits up to date. From now on trials may
      * be proposed, accepted and rejected by the kernel alone, until finishTrials() is called.
@@ -136,6 +152,8 @@ private:
     CalcStericExclusionForceKernel* engine;
     /** The Context's positions when they and the kernel's state were last known to agree; empty before. */
     std::vector<OpenMM::Vec3> agreedPositions;
+    /** The Context's positions after a checkpoint was loaded, until the Context tells of them; else empty. */
+    std::vector<OpenMM::Vec3> restoredPositions;
     std::vector<OpenMM::Vec3> buffer;
     bool limitsAreCurrent, restartsAreAnnounced, settingPositions, energyIsSuppressed;
 };

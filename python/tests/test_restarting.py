@@ -1,0 +1,126 @@
+"""Simulations that are broken off and go on: checkpoints and States, as app.Simulation and its reporters make them."""
+
+import subprocess
+import sys
+
+import numpy as np
+import openmm
+import pytest
+from openmm import app
+from openmmchaintree import TorsionMonteCarloIntegrator, createStericExclusionForce
+from scenes import makeSystem, positionsOf
+
+
+def makeIntegrator(seed=0):
+    integrator = TorsionMonteCarloIntegrator(300)
+    integrator.setRandomNumberSeed(seed)
+    integrator.setTrialsPerStep(20)
+    integrator.addTorsionMove(1, 0.3)
+    integrator.addTorsionMove(1, 0.2, [], 3)
+    return integrator
+
+
+def makeSimulation(topology, system, seed=0):
+    platform = openmm.Platform.getPlatformByName("Reference")
+    return app.Simulation(topology, system, makeIntegrator(seed), platform)
+
+
+def makeStericSystem(villin):
+    return makeSystem(villin, createStericExclusionForce(villin.topology, villin.positions))
+
+
+def makeSolvatedSystem(villin):
+    forceField = app.ForceField("amber14-all.xml", "implicit/gbn2.xml")
+    system = forceField.createSystem(villin.topology)
+    system.addForce(createStericExclusionForce(villin.topology, villin.positions))
+    return system
+
+
+FRESH_PROCESS = """
+import sys
+import openmm, openmmchaintree
+from openmm import app
+systemPath, integratorPath, checkpointPath, steps, endPath = sys.argv[1:]
+system, integrator = (openmm.XmlSerializer.deserialize(open(path).read()) for path in (systemPath, integratorPath))
+platform = openmm.Platform.getPlatformByName("Reference")
+simulation = app.Simulation(app.Topology(), system, integrator, platform)
+simulation.loadCheckpoint(checkpointPath)
+simulation.step(int(steps))
+simulation.saveCheckpoint(endPath)
+"""
+
+
+@pytest.mark.parametrize("make", [makeStericSystem, makeSolvatedSystem])
+def test_freshProcess(villin, make, tmp_path):
+    paths = [str(tmp_path / name) for name in ("system", "integrator", "checkpoint", "end", "otherEnd")]
+    simulation = makeSimulation(villin.topology, make(villin))
+    simulation.context.setPositions(villin.positions)
+    simulation.step(2)
+    for path, thing in zip(paths, (simulation.system, simulation.integrator), strict=False):
+        with open(path, "w") as file:
+            file.write(openmm.XmlSerializer.serialize(thing))
+    simulation.saveCheckpoint(paths[2])
+    simulation.step(2)
+    simulation.saveCheckpoint(paths[3])
+    subprocess.run([sys.executable, "-c", FRESH_PROCESS, *paths[:3], "2", paths[4]], check=True)
+    end, otherEnd = (open(path, "rb").read() for path in paths[3:])
+    assert end == otherEnd
+
+
+def test_checkpointReporter(villin, tmp_path):
+    path = str(tmp_path / "checkpoint")
+    simulation = makeSimulation(villin.topology, makeStericSystem(villin))
+    simulation.context.setPositions(villin.positions)
+    simulation.reporters.append(app.CheckpointReporter(path, 4))
+    simulation.step(6)
+    again = makeSimulation(villin.topology, makeStericSystem(villin))
+    again.loadCheckpoint(path)
+    assert again.currentStep == 4
+    again.step(2)
+    assert np.array_equal(positionsOf(again.context), positionsOf(simulation.context))
+
+
+@pytest.mark.parametrize("viaReporter", [False, True])
+def test_states(villin, tmp_path, viaReporter):
+    path = str(tmp_path / "state.xml")
+    simulation = makeSimulation(villin.topology, makeStericSystem(villin))
+    simulation.context.setPositions(villin.positions)
+    if viaReporter:
+        simulation.reporters.append(app.CheckpointReporter(path, 50, writeState=True))
+    simulation.step(50)
+    if not viaReporter:
+        simulation.saveState(path)
+    tolerated = simulation.integrator.getNumToleratedClashes(simulation.context)
+    assert tolerated > 0
+
+    again = makeSimulation(villin.topology, makeStericSystem(villin))
+    again.loadState(path)
+    assert again.currentStep == 50
+    assert again.integrator.getNumToleratedClashes(again.context) == tolerated
+    assert np.array_equal(positionsOf(again.context), positionsOf(simulation.context))
+    again.step(1)
+    assert again.integrator.getNumToleratedClashes(again.context) == tolerated
+
+
+def test_otherStructure(villin, tmp_path):
+    path = str(tmp_path / "checkpoint")
+    simulation = makeSimulation(villin.topology, makeStericSystem(villin))
+    simulation.context.setPositions(villin.positions)
+    simulation.saveCheckpoint(path)
+    force = createStericExclusionForce(villin.topology, villin.positions, torsions=("phi", "psi"))
+    other = makeSimulation(villin.topology, makeSystem(villin, force))
+    with pytest.raises(openmm.OpenMMException, match="the checkpoint is of another structure"):
+        other.loadCheckpoint(path)
+
+
+def test_reinitialize(villin):
+    simulation = makeSimulation(villin.topology, makeStericSystem(villin))
+    simulation.context.setPositions(villin.positions)
+    simulation.step(1)
+    before = positionsOf(simulation.context)
+    statistics = simulation.integrator.getMoveStatistics(0)
+    simulation.context.reinitialize(preserveState=True)
+    assert np.array_equal(before, positionsOf(simulation.context))
+    assert simulation.integrator.getMoveStatistics(0) == statistics
+    simulation.step(1)
+    assert simulation.integrator.getNumToleratedClashes(simulation.context) > 0
