@@ -5,6 +5,8 @@
 /* Pairs that one visit can leave for later: all children of one node with all of another. */
 enum { PAIRS_OF_A_VISIT = TREE_WIDTH * TREE_WIDTH };
 
+enum { NOT_AT_REST = -1 };
+
 static void allocateSpheres(Spheres* spheres, Arena* arena, size_t count) {
   spheres->x = ctArenaAllocate(arena, count, sizeof(float));
   spheres->y = ctArenaAllocate(arena, count, sizeof(float));
@@ -16,6 +18,12 @@ static void allocateSpheres(Spheres* spheres, Arena* arena, size_t count) {
   }
 }
 
+static void forgetStill(Traversal* t) {
+  for (int item = 0; item < t->tree->itemCount; item++) {
+    t->stillSince[item] = NOT_AT_REST;
+  }
+}
+
 bool ctTraversalBuild(Traversal* t, Arena* arena, const Tree* tree, const Sequence* sequence) {
   const size_t items = (size_t)tree->itemCount;
   const size_t slots = (size_t)tree->levelSize[0] * TREE_WIDTH;
@@ -23,11 +31,16 @@ bool ctTraversalBuild(Traversal* t, Arena* arena, const Tree* tree, const Sequen
   t->sequence = sequence;
   t->itemStamp = ctArenaAllocate(arena, items, sizeof(uint32_t));
   t->frame = ctArenaAllocate(arena, items, sizeof(ctTransform));
+  t->stillSince = ctArenaAllocate(arena, items, sizeof(int64_t));
   t->position = ctArenaAllocate(arena, slots, sizeof(double[3]));
   t->stack = ctArenaAllocate(arena, (size_t)TREE_MAX_LEVELS * PAIRS_OF_A_VISIT, sizeof(ItemPair));
   allocateSpheres(&t->items, arena, items);
   allocateSpheres(&t->slots, arena, slots);
-  return !arena->failed;
+  if (arena->failed) {
+    return false;
+  }
+  forgetStill(t);
+  return true;
 }
 
 View ctViewOfState(bool surfaces, double reach) {
@@ -143,7 +156,18 @@ static void expandNode(Traversal* t, int level, int item) {
   }
 }
 
-/* Puts the children (or slots) of an item into the world, once a descent. Its parent has been expanded. */
+/* Whether an item of the body at rest still has all that expanding it would give. */
+static bool isStill(const Traversal* t, int level, int item) {
+  if (t->stillSince[item] == NOT_AT_REST) {
+    return false;
+  }
+  int end;
+  treeSlots(t->tree, level, item, &end);
+  return treeUnchanged(t->tree, t->stillSince[item], (end + TREE_WIDTH - 1) / TREE_WIDTH);
+}
+
+/* Puts the children (or slots) of an item into the world, once a descent, or once a change of the state if they are at
+ * rest. Its parent has been expanded. */
 static void expand(Traversal* t, int level, int item) {
   if (t->itemStamp[item] == t->stamp) {
     return;
@@ -151,6 +175,10 @@ static void expand(Traversal* t, int level, int item) {
   t->itemStamp[item] = t->stamp;
   const Tree* tree = t->tree;
   const int motion = t->items.motion[item];
+  if (motion == 0 && isStill(t, level, item)) {
+    return;
+  }
+  t->stillSince[item] = motion == 0 ? tree->time : NOT_AT_REST;
   bool movesAlone = isMoved(t->view, motion);
   if (level == treeTop(tree)) {
     t->frame[item] = tree->pose[item];
@@ -194,6 +222,10 @@ static void startDescent(Traversal* t, const View* view) {
   if (++t->stamp == 0) {
     memset(t->itemStamp, 0, (size_t)tree->itemCount * sizeof(uint32_t));
     t->stamp = 1;
+  }
+  if (t->stillSurfaces != view->surfaces) {
+    forgetStill(t);
+    t->stillSurfaces = view->surfaces;
   }
   t->items.motion[root] = motionOf(view, 0, tree->slotCount);
   expand(t, treeTop(tree), root);

@@ -40,6 +40,8 @@ typedef struct Traversal {
   uint32_t stamp;
   uint32_t* itemStamp; /* per item: its frame and content are of this descent */
   ctTransform* frame;  /* per item */
+  int64_t* stillSince; /* per item: the tree's time at which it was expanded at rest, or NOT_AT_REST */
+  bool stillSurfaces;  /* whether radii of what was expanded at rest are those of surfaces */
   Spheres items;       /* their volumes; the root has none */
 
   double (*position)[3]; /* per slot, padded */

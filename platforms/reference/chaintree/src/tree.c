@@ -55,6 +55,8 @@ bool ctTreeBuild(Tree* tree, Arena* arena, const Sequence* sequence) {
   tree->centres = ctArenaAllocate(arena, items, sizeof(float));
   tree->local = ctArenaAllocate(arena, slots, sizeof(double[3]));
   tree->dirty = ctArenaAllocate(arena, (size_t)tree->levelSize[0], sizeof(int));
+  tree->changedLeaf = ctArenaAllocate(arena, (size_t)tree->levelSize[0], sizeof(int));
+  tree->changeTime = ctArenaAllocate(arena, (size_t)tree->levelSize[0], sizeof(int64_t));
   if (arena->failed) {
     return false;
   }
@@ -197,6 +199,14 @@ static void refreshRoot(Tree* tree) {
   tree->pose[treeRoot(tree)] = transformIdentity();
 }
 
+static void noteChange(Tree* tree, int firstLeaf) {
+  while (tree->changeCount > 0 && tree->changedLeaf[tree->changeCount - 1] >= firstLeaf) {
+    tree->changeCount--;
+  }
+  tree->changedLeaf[tree->changeCount] = firstLeaf;
+  tree->changeTime[tree->changeCount++] = ++tree->time;
+}
+
 void ctTreeRefresh(Tree* tree, const Sequence* sequence) {
   for (int leaf = 0; leaf < tree->levelSize[0]; leaf++) {
     refreshLeaf(tree, sequence, leaf);
@@ -207,6 +217,7 @@ void ctTreeRefresh(Tree* tree, const Sequence* sequence) {
     }
   }
   refreshRoot(tree);
+  noteChange(tree, 0);
 }
 
 int ctTreeUpdate(Tree* tree, const Sequence* sequence, int* leaves, int count) {
@@ -217,6 +228,9 @@ int ctTreeUpdate(Tree* tree, const Sequence* sequence, int* leaves, int count) {
       tree->dirty[dirty++] = leaves[i];
       refreshLeaf(tree, sequence, leaves[i]);
     }
+  }
+  if (dirty > 0) {
+    noteChange(tree, tree->dirty[0]);
   }
   int updated = dirty;
   for (int level = 1; level < tree->levelCount; level++) {

@@ -44,6 +44,13 @@ typedef struct Tree {
   double (*local)[3]; /* per slot, padded: in the frame of its leaf */
 
   int* dirty; /* scratch of treeUpdate: items of one level */
+
+  /* When which part of the tree last changed: what lies before the first recomputed leaf is where it was. Ascending by
+   * leaf and by time; a change hides earlier ones of later leaves. */
+  int64_t time; /* number of changes so far */
+  int changeCount;
+  int* changedLeaf;
+  int64_t* changeTime;
 } Tree;
 
 static inline int treeTop(const Tree* tree) {
@@ -78,6 +85,21 @@ static inline int treeSlots(const Tree* tree, int level, int item, int* end) {
 /* The leaf that holds the step from a link to the next. */
 static inline int treeLeafOfStep(const Sequence* sequence, int link) {
   return (sequence->slotBegin[link + 1] - 1) / TREE_WIDTH;
+}
+
+/* Whether all that leaves [0, leafEnd) hold, and their frames in the world, are as they were at a time. O(log N). */
+static inline bool treeUnchanged(const Tree* tree, int64_t since, int leafEnd) {
+  int low = 0;
+  int high = tree->changeCount;
+  while (low < high) {
+    const int middle = (low + high) / 2;
+    if (tree->changeTime[middle] > since) {
+      high = middle;
+    } else {
+      low = middle + 1;
+    }
+  }
+  return low == tree->changeCount || tree->changedLeaf[low] >= leafEnd;
 }
 
 /* Lays out a tree over a sequence of one slot or more, without content. False if there is no memory. */
