@@ -76,10 +76,12 @@ if(NOT _openmm_links)
         message(FATAL_ERROR "OpenMM ${_openmm_printed} in ${OpenMM_LIBRARY_DIR} uses the old C++ string ABI, as its "
             "wheels before 8.4 do: install openmm 8.4 or later.")
     endif()
-    message(FATAL_ERROR "A program cannot be linked with OpenMM in ${OpenMM_LIBRARY_DIR}:\n${_openmm_output}")
+    message(FATAL_ERROR "A program cannot be linked with OpenMM in ${OpenMM_LIBRARY_DIR}; install another OpenMM or "
+        "compiler:\n${_openmm_output}")
 endif()
 if(NOT _openmm_printed MATCHES "^[0-9]+\\.[0-9]+(\\.[0-9]+)?")
-    message(FATAL_ERROR "A program linked with OpenMM in ${OpenMM_LIBRARY_DIR} does not run:\n${_openmm_output}")
+    message(FATAL_ERROR "A program linked with OpenMM in ${OpenMM_LIBRARY_DIR} does not run; install the library that it "
+        "lacks, or OpenMM again:\n${_openmm_output}")
 endif()
 set(OpenMM_VERSION "${CMAKE_MATCH_0}")
 if(OpenMM_VERSION VERSION_LESS OpenMM_FIND_VERSION)

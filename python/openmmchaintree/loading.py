@@ -1,10 +1,14 @@
-"""Loading the plugin's libraries into OpenMM."""
+"""Loading the plugin's libraries into OpenMM, and telling in one sentence what to install where that cannot work."""
 
+import sys
 from pathlib import Path
 
-import openmm
-
-from ._build import OPENMM_VERSION
+try:
+    from ._build import OPENMM_VERSION, SWIG_RUNTIME
+except ModuleNotFoundError:
+    raise ImportError(
+        f"openmmchaintree in {Path(__file__).parent} has no compiled part: install it (pip install . in its source)"
+    ) from None
 
 
 def loadPlugin():
@@ -13,17 +17,45 @@ def loadPlugin():
     Raises
     ------
     ImportError
-        if OpenMM has another minor version: its classes then have another layout in memory
+        if OpenMM cannot be imported, if it has another minor version (its classes then have another layout in memory)
+        or another SWIG runtime (it then takes our classes for strangers), or if a library is missing or does not load
     """
+    built = ".".join(_minor(OPENMM_VERSION))
+    install = f'pip install "openmm=={built}.*"'
+    try:
+        import openmm
+    except ImportError as error:
+        raise ImportError(
+            f"openmmchaintree needs OpenMM {built}, which cannot be imported ({error}): {install}"
+        ) from None
     running = openmm.Platform.getOpenMMVersion()
     if _minor(running) != _minor(OPENMM_VERSION):
-        raise ImportError(f"openmmchaintree was built for OpenMM {OPENMM_VERSION} and cannot run with OpenMM {running}")
+        raise ImportError(
+            f"openmmchaintree was built for OpenMM {built} and cannot run with OpenMM {running}: {install}, "
+            "or build openmm-chaintree from source for another OpenMM (8.4 or newer)"
+        )
+    if f"swig_runtime_data{SWIG_RUNTIME}" not in sys.modules:
+        raise ImportError(
+            f"openmmchaintree was built with SWIG runtime {SWIG_RUNTIME}, which the OpenMM in "
+            f"{Path(openmm.__file__).parent} does not use: {install}, "
+            "or build openmm-chaintree from source for that OpenMM"
+        )
 
-    # The extension, not this file: in an editable install this file is in the source tree.
-    from . import _openmmchaintree
-
-    for library in sorted((Path(_openmmchaintree.__file__).parent / "lib" / "plugins").glob("*OpenMMChainTree*")):
-        openmm.Platform.loadPluginLibrary(str(library))
+    reinstall = f"install openmm-chaintree again, beside OpenMM {built}"
+    try:
+        from . import _openmmchaintree
+    except ImportError as error:
+        raise ImportError(f"openmmchaintree cannot load its libraries ({error}): {reinstall}") from None
+    # The extension's folder, not this file's: in an editable install this file is in the source tree.
+    folder = Path(_openmmchaintree.__file__).parent / "lib" / "plugins"
+    libraries = sorted(folder.glob("*OpenMMChainTree*"))
+    if not libraries:
+        raise ImportError(f"openmmchaintree has no plugin library in {folder}: {reinstall}")
+    for library in libraries:
+        try:
+            openmm.Platform.loadPluginLibrary(str(library))
+        except openmm.OpenMMException as error:
+            raise ImportError(f"openmmchaintree cannot load its plugin library ({error}): {reinstall}") from None
 
 
 def _minor(version):
