@@ -1,14 +1,16 @@
 """openmm-chaintree: exact steric exclusion and torsion-space Monte Carlo for OpenMM.
 
 `StericExclusionForce` and `TorsionMonteCarloIntegrator` are the plugin's classes; `createStericExclusionForce` and
-`findTorsions` make the first from an `openmm.app.Topology`. Numbers are in nm, rad, kJ/mol and K, or OpenMM Quantities;
-results are plain numbers and NumPy arrays in these units.
+`findTorsions` make the first from an `openmm.app.Topology`; `findClashes` looks at files. Numbers are in nm, rad,
+kJ/mol and K, or OpenMM Quantities; results are plain numbers and NumPy arrays in these units.
 """
 
 from .loading import loadPlugin
 
 loadPlugin()
 
+from .clashes import Clash, FrameClashes, findClashes  # noqa: E402
+from .naming import AtomName  # noqa: E402
 from .openmmchaintree import (  # noqa: E402
     MinimumDistance,
     MoveStatistics,
@@ -17,9 +19,14 @@ from .openmmchaintree import (  # noqa: E402
     TraversalStatistics,
 )
 from .sterics import createStericExclusionForce  # noqa: E402
+from .structure import InputError  # noqa: E402
 from .torsions import LeftOutTorsion, Torsion, TorsionSearch, findTorsions  # noqa: E402
 
 __all__ = [
+    "AtomName",
+    "Clash",
+    "FrameClashes",
+    "InputError",
     "LeftOutTorsion",
     "MinimumDistance",
     "MoveStatistics",
@@ -29,5 +36,6 @@ __all__ = [
     "TorsionSearch",
     "TraversalStatistics",
     "createStericExclusionForce",
+    "findClashes",
     "findTorsions",
 ]

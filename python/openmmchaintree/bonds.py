@@ -58,8 +58,8 @@ class BondGraph:
         self.disulfides = []
         self.bonds = []
         links = set()
-        for atom1, atom2 in topology.bonds():
-            pair = (atom1.index, atom2.index)
+        for pair in _distinctBonds(topology):
+            atom1, atom2 = (self.atoms[index] for index in pair)
             if atom1.residue is not atom2.residue:
                 if _isLink(atom1, atom2):
                     links.add(frozenset((atom1.residue.index, atom2.residue.index)))
@@ -126,6 +126,14 @@ class BondGraph:
         return [other for other in self.neighbors[atom] if self.elementNumber(other) > 1]
 
 
+def _distinctBonds(topology):
+    """Return the bonds of a Topology as pairs of indices, once each: mmCIF files may tell a bond more than once."""
+    bonds = {}
+    for atom1, atom2 in topology.bonds():
+        bonds.setdefault(frozenset((atom1.index, atom2.index)), (atom1.index, atom2.index))
+    return list(bonds.values())
+
+
 def neighborLists(count, bonds):
     """Return, for each of count atoms, the list of atoms bonded to it."""
     neighbors = [[] for _ in range(count)]
@@ -187,13 +195,6 @@ def molecules(neighbors):
                     pending.append(other)
         count += 1
     return molecule
-
-
-def describeResidue(residue):
-    """Return a residue as one writes it: chain, name, number with insertion code."""
-    chain = residue.chain.id.strip()
-    name = f"{residue.name} {residue.id}{residue.insertionCode.strip()}"
-    return f"{chain}:{name}" if chain else name
 
 
 def _isLink(atom1, atom2):

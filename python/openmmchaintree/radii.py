@@ -13,7 +13,7 @@ these are found bound.
 
 import numpy as np
 
-from .bonds import describeResidue
+from .naming import describeResidue
 from .residues import aminoAcid, isSp2Carbon
 
 ALL_ATOM = "all-atom"
@@ -39,16 +39,24 @@ def defaultRadii(graph):
     return ALL_ATOM if any(graph.elementNumber(atom) == _H for atom in range(len(graph.atoms))) else UNITED_ATOM
 
 
-def particleRadii(graph, radiiSet):
+def particleRadii(graph, radiiSet, unknownRadius=None):
     """Return the radii (nm) of the atoms of a BondGraph as a float64 array; 0 for extra particles.
 
     Raises
     ------
     ValueError
-        if the set has no radius for the element of an atom
+        if the set has no radius for the element of an atom and there is no unknownRadius to take
     """
     radius = _allAtomRadius if radiiSet == ALL_ATOM else _unitedAtomRadius
-    return np.array([_known(graph, atom, radius(graph, atom)) for atom in range(len(graph.atoms))])
+    radii = []
+    for atom in range(len(graph.atoms)):
+        value = radius(graph, atom)
+        if value is None:
+            if unknownRadius is None:
+                raise ValueError(_describeUnknown(graph.atoms[atom]))
+            value = unknownRadius
+        radii.append(value)
+    return np.array(radii, dtype=np.float64)
 
 
 def hydrogenBondRoles(graph, radiiSet):
@@ -66,11 +74,9 @@ def hydrogenBondRoles(graph, radiiSet):
     return roles
 
 
-def _known(graph, atom, radius):
-    if radius is not None:
-        return radius
-    name, residue = graph.atoms[atom].name, describeResidue(graph.atoms[atom].residue)
-    raise ValueError(f"no radius is known for {graph.atoms[atom].element.name}, atom {name} of {residue}: pass radii")
+def _describeUnknown(atom):
+    residue = describeResidue(atom.residue)
+    return f"no radius is known for {atom.element.name}, atom {atom.name} of {residue}: pass radii or unknownRadius"
 
 
 def _allAtomRadius(graph, atom):

@@ -5,7 +5,8 @@ from collections import Counter
 
 import numpy as np
 
-from .bonds import BondGraph, describeResidue
+from .bonds import BondGraph
+from .naming import describeResidue
 from .openmmchaintree import StericExclusionForce
 from .radii import RADII_SETS, defaultRadii, hydrogenBondRoles, particleRadii
 from .torsions import DISULFIDE_RING, PROLINE_RING, Torsion, TorsionSearch, searchTorsions
@@ -20,6 +21,7 @@ def createStericExclusionForce(
     bondCutoff=3,
     cutDisulfides=False,
     forceGroup=31,
+    unknownRadius=None,
 ):
     """Create a StericExclusionForce for the molecules of a Topology.
 
@@ -47,6 +49,8 @@ def createStericExclusionForce(
         bonds were there; nothing keeps the sulfurs together.
     forceGroup : int
         the force group of the force, of its own unless other forces use it
+    unknownRadius : float or Quantity, optional
+        the radius in nm of atoms of elements for which the set of radii has none. Default: they are an error.
 
     Returns
     -------
@@ -62,7 +66,7 @@ def createStericExclusionForce(
     if positions is not None:
         positions = positionsInNm(positions, topology.getNumAtoms())
     graph = BondGraph(topology, positions, cutDisulfides)
-    radii, roles = _radiiAndRoles(graph, radii)
+    radii, roles = _radiiAndRoles(graph, radii, unknownRadius)
     found = _torsionsOf(graph, topology, torsions)
     _warn(graph, found.leftOut)
 
@@ -83,13 +87,15 @@ def createStericExclusionForce(
     return force
 
 
-def _radiiAndRoles(graph, radii):
+def _radiiAndRoles(graph, radii, unknownRadius):
     if radii is None:
         radii = defaultRadii(graph)
     if isinstance(radii, str):
         if radii not in RADII_SETS:
             raise ValueError(f"{radii!r} is no set of radii; the sets are {', '.join(RADII_SETS)}")
-        return particleRadii(graph, radii), hydrogenBondRoles(graph, radii)
+        if unknownRadius is not None:
+            unknownRadius = inUnit(unknownRadius, "nm", "unknownRadius")
+        return particleRadii(graph, radii, unknownRadius), hydrogenBondRoles(graph, radii)
     values = np.asarray(inUnit(radii, "nm", "radii"), dtype=np.float64)
     if values.shape != (len(graph.atoms),):
         raise ValueError(f"radii must have the shape ({len(graph.atoms)},), not {values.shape}")

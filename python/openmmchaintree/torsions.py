@@ -5,7 +5,8 @@ from typing import NamedTuple
 
 from openmm.app import Residue
 
-from .bonds import LINKS, BondGraph, describeResidue, neighborLists, ringBonds
+from .bonds import LINKS, BondGraph, neighborLists, ringBonds
+from .naming import describeResidue
 from .residues import CAPS, aminoAcid, chiAtoms, glycosidicAtoms, isNucleotide
 from .units import positionsInNm
 

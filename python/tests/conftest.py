@@ -1,7 +1,10 @@
 """What many tests start from."""
 
+import subprocess
+
 import openmmchaintree
 import pytest
+from openmmchaintree.command.cli import main
 from openmmchaintree.structure import readStructure
 from scenes import makeContext, realStructurePath
 
@@ -26,3 +29,19 @@ def villinRun(villin):
     integrator.setRandomNumberSeed(1)
     integrator.addTorsionMove(1, 0.3)
     return force, integrator, makeContext(villin, force, integrator)
+
+
+@pytest.fixture
+def runCommandHere(tmp_path, monkeypatch, capsys):
+    """A function that runs the command within this process, in tmp_path: quicker where it stops early."""
+
+    def run(*arguments):
+        monkeypatch.chdir(tmp_path)
+        try:
+            status = main([*map(str, arguments)])
+        except SystemExit as exit:
+            status = exit.code
+        output, errors = capsys.readouterr()
+        return subprocess.CompletedProcess(arguments, status, output, errors)
+
+    return run

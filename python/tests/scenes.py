@@ -85,3 +85,39 @@ def readDCD(path):
     frames = np.frombuffer(data, np.uint8, offset=276).reshape(count, 3, record)
     values = np.ascontiguousarray(frames[:, :, 4:-4]).view("<f4")
     return values.transpose(0, 2, 1) / 10
+
+
+def writePDB(path, lines):
+    path.write_text("\n".join([*lines, "END", ""]))
+    return path
+
+
+GLYCINES = [
+    "ATOM      1  N   GLY A   1       0.000   0.000   0.000  1.00  0.00           N",
+    "ATOM      2  CA  GLY A   1       1.450   0.000   0.000  1.00  0.00           C",
+    "ATOM      3  C   GLY A   1       1.950   1.420   0.000  1.00  0.00           C",
+    "ATOM      4  O   GLY A   1       1.200   2.380   0.000  1.00  0.00           O",
+    "ATOM      5  N   GLY A   2       3.270   1.560   0.000  1.00  0.00           N",
+    "ATOM      6  CA  GLY A   2       3.900   2.870   0.000  1.00  0.00           C",
+    "ATOM      7  C   GLY A   2       5.410   2.750   0.000  1.00  0.00           C",
+    "ATOM      8  O   GLY A   2       6.000   1.670   0.000  1.00  0.00           O",
+]
+
+
+def writeDCD(path, topology, frames):
+    """Write positions (nm) as path with .dcd, and return that."""
+    path = path.with_suffix(".dcd")
+    with open(path, "wb") as file:
+        trajectory = app.DCDFile(file, topology, 1 * unit.picosecond)
+        for positions in frames:
+            trajectory.writeModel(positions * unit.nanometer)
+    return path
+
+
+def writeXTC(path, topology, frames):
+    """Write positions (nm) as path with .xtc, and return that."""
+    path = path.with_suffix(".xtc")
+    trajectory = app.XTCFile(str(path), topology, 1 * unit.picosecond)
+    for positions in frames:
+        trajectory.writeModel(positions * unit.nanometer)
+    return path

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 from openmmchaintree import StericExclusionForce
-from openmmchaintree.allpairs import HardSpheres, compare
+from openmmchaintree.command.allpairs import HardSpheres, compare
 
 
 def spheres(*radii, roles=None, exclusions=()):

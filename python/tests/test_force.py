@@ -8,7 +8,7 @@ import openmm
 import pytest
 from openmm import unit
 from openmmchaintree import MinimumDistance, StericExclusionForce, TraversalStatistics
-from openmmchaintree.allpairs import HardSpheres
+from openmmchaintree.command.allpairs import HardSpheres
 from scenes import positionsOf
 
 

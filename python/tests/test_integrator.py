@@ -7,7 +7,7 @@ import openmm
 import pytest
 from openmm import app, unit
 from openmmchaintree import MoveStatistics, TorsionMonteCarloIntegrator, createStericExclusionForce
-from openmmchaintree.geometry import dihedrals
+from openmmchaintree.command.geometry import dihedrals
 from scenes import makeContext, makeSystem, positionsOf, readDCD
 
 
@@ -22,6 +22,21 @@ def test_moveStatistics(villinRun):
     assert 0 < statistics.accepted < 1000
     integrator.resetMoveStatistics()
     assert integrator.getMoveStatistics(0) == (0, 0, 0, 0)
+
+
+def test_moveParameters():
+    integrator = TorsionMonteCarloIntegrator(300)
+    integrator.addTorsionMove(0.5, 0.2, [4, 0], 2)
+    integrator.addRigidBodyMove(2, 0.1, 0.3)
+    assert integrator.getMoveType(0) == TorsionMonteCarloIntegrator.TorsionMove
+    weight, angle, torsions, count = integrator.getTorsionMoveParameters(0)
+    assert (weight, angle, torsions.tolist(), count) == (0.5, 0.2 * unit.radian, [4, 0], 2)
+    assert integrator.getMoveType(1) == TorsionMonteCarloIntegrator.RigidBodyMove
+    weight, translation, angle, molecules = integrator.getRigidBodyMoveParameters(1)
+    assert (weight, translation, angle) == (2, 0.1 * unit.nanometer, 0.3 * unit.radian)
+    assert molecules.tolist() == []
+    with pytest.raises(openmm.OpenMMException, match="move 0 is not a rigid body move"):
+        integrator.getRigidBodyMoveParameters(0)
 
 
 def test_sameSeedSameTrajectory(villin):

@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 from openmm import app
 from openmmchaintree import StericExclusionForce, createStericExclusionForce
-from openmmchaintree.allpairs import HardSpheres
 from openmmchaintree.bonds import BondGraph
+from openmmchaintree.command.allpairs import HardSpheres
 from openmmchaintree.radii import ALL_ATOM, UNITED_ATOM, defaultRadii, hydrogenBondRoles, particleRadii
 from scenes import peptide
 
@@ -105,8 +105,10 @@ def test_extraParticleIsNotModelled(radiiSet):
 
 @pytest.mark.parametrize("radiiSet", [ALL_ATOM, UNITED_ATOM])
 def test_unknownElementIsNamed(radiiSet):
-    with pytest.raises(ValueError, match="^no radius is known for xenon, atom X1 of A:LIG 1: pass radii$"):
+    message = "^no radius is known for xenon, atom X1 of A:LIG 1: pass radii or unknownRadius$"
+    with pytest.raises(ValueError, match=message):
         particleRadii(singleAtom("Xe"), radiiSet)
+    assert particleRadii(singleAtom("Xe"), radiiSet, unknownRadius=0.2) == [0.2]
 
 
 _NATIVE = ["1shg.pdb", "1ctf.pdb", "1crn.pdb", "1ubi_h.pdb", "bpti_h.pdb", "5dfr_h.pdb", "4hhb.pdb"]

@@ -174,3 +174,13 @@ def test_gapsOf6msm(realStructure):
     with pytest.warns(UserWarning, match="there is a gap") as caught:
         createStericExclusionForce(structure.topology, structure.positions)
     assert len(caught) == 4
+
+
+def test_unknownRadius():
+    topology = app.Topology()
+    residue = topology.addResidue("XEN", topology.addChain())
+    topology.addAtom("XE", app.Element.getBySymbol("Xe"), residue)
+    force = createStericExclusionForce(topology, unknownRadius=2 * unit.angstrom)
+    assert force.getParticleParameters(0)[0].value_in_unit(unit.nanometer) == pytest.approx(0.2)
+    with pytest.raises(TypeError, match="^unknownRadius must be a length"):
+        createStericExclusionForce(topology, unknownRadius=2 * unit.kelvin)

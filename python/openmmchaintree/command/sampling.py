@@ -8,13 +8,13 @@ import numpy as np
 import openmm
 from openmm import unit
 
+from ..bonds import molecules, neighborLists
+from ..openmmchaintree import TorsionMonteCarloIntegrator
+from ..sterics import createStericExclusionForce
+from ..structure import InputError
+from ..torsions import findTorsions
 from . import allpairs
-from .bonds import molecules, neighborLists
 from .geometry import dihedrals, radiusOfGyration
-from .openmmchaintree import TorsionMonteCarloIntegrator
-from .sterics import createStericExclusionForce
-from .structure import InputError
-from .torsions import findTorsions
 
 # Protein torsions only: bases and sugars stay as they are.
 KINDS = ("phi", "psi", "chi1", "chi2", "chi3", "chi4")

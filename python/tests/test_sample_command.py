@@ -1,46 +1,28 @@
-"""The command openmm-chaintree, as a user runs it."""
+"""The command openmm-chaintree sample, as a user runs it."""
 
 import json
 import os
-import pty
 import signal
 import subprocess
-import sys
 import time
 from pathlib import Path
 
+import commands
 import numpy as np
 import pytest
+from commands import assertRefused, filesIn
 from openmm import app, unit
-from openmmchaintree.cli import main
-from openmmchaintree.sampling import Sampling
-from scenes import readDCD, realStructurePath
-
-_COMMAND = [sys.executable, "-m", "openmmchaintree", "sample"]
+from openmmchaintree.command.sampling import Sampling
+from scenes import GLYCINES, readDCD, realStructurePath, writePDB
 
 
 def run(*arguments, folder):
-    return subprocess.run([*_COMMAND, *map(str, arguments)], cwd=folder, capture_output=True, text=True, timeout=300)
+    return commands.run("sample", *arguments, folder=folder)
 
 
 @pytest.fixture
-def runHere(tmp_path, monkeypatch, capsys):
-    """The same within this process, in tmp_path: quicker where the command stops early."""
-
-    def run(*arguments):
-        monkeypatch.chdir(tmp_path)
-        try:
-            status = main(["sample", *map(str, arguments)])
-        except SystemExit as exit:
-            status = exit.code
-        output, errors = capsys.readouterr()
-        return subprocess.CompletedProcess(arguments, status, output, errors)
-
-    return run
-
-
-def filesIn(folder):
-    return sorted(path.name for path in folder.iterdir())
+def runHere(runCommandHere):
+    return lambda *arguments: runCommandHere("sample", *arguments)
 
 
 def readPositions(path):
@@ -122,7 +104,18 @@ def test_lastFrameHoldsTheRemainder(tmp_path):
 
 def test_interruptLeavesWhatThereIs(tmp_path):
     process = subprocess.Popen(
-        [*_COMMAND, "--trials", str(10**9), "--frames", str(10**6), "--seed", "1", "--json", "summary.json"],
+        [
+            *commands.COMMAND,
+            "sample",
+            "--trials",
+            str(10**9),
+            "--frames",
+            str(10**6),
+            "--seed",
+            "1",
+            "--json",
+            "summary.json",
+        ],
         cwd=tmp_path,
         stdout=subprocess.PIPE,
         stderr=subprocess.PIPE,
@@ -146,37 +139,9 @@ def test_interruptLeavesWhatThereIs(tmp_path):
 
 
 def test_progressBarOnATerminal(tmp_path):
-    controller, terminal = pty.openpty()
-    process = subprocess.Popen(
-        [*_COMMAND, "--trials", "20000"],
-        cwd=tmp_path,
-        env={**os.environ, "TERM": "xterm"},
-        stdout=subprocess.PIPE,
-        stderr=terminal,
-    )
-    process.communicate(timeout=60)
-    os.close(terminal)
-    shown = os.read(controller, 10**6).decode(errors="replace")
-    os.close(controller)
-    assert process.returncode == 0
+    status, shown = commands.runOnATerminal("sample", "--trials", 20000, folder=tmp_path)
+    assert status == 0
     assert "20000/20000" in shown
-
-
-def writePDB(path, lines):
-    path.write_text("\n".join([*lines, "END", ""]))
-    return path
-
-
-_GLYCINES = [
-    "ATOM      1  N   GLY A   1       0.000   0.000   0.000  1.00  0.00           N",
-    "ATOM      2  CA  GLY A   1       1.450   0.000   0.000  1.00  0.00           C",
-    "ATOM      3  C   GLY A   1       1.950   1.420   0.000  1.00  0.00           C",
-    "ATOM      4  O   GLY A   1       1.200   2.380   0.000  1.00  0.00           O",
-    "ATOM      5  N   GLY A   2       3.270   1.560   0.000  1.00  0.00           N",
-    "ATOM      6  CA  GLY A   2       3.900   2.870   0.000  1.00  0.00           C",
-    "ATOM      7  C   GLY A   2       5.410   2.750   0.000  1.00  0.00           C",
-    "ATOM      8  O   GLY A   2       6.000   1.670   0.000  1.00  0.00           O",
-]
 
 
 _XENON = [
@@ -187,7 +152,7 @@ _XENON = [
 
 def test_smallestProtein(tmp_path):
     """Two residues: no residue with both φ and ψ, no χ."""
-    structure = writePDB(tmp_path / "glycines.pdb", _GLYCINES)
+    structure = writePDB(tmp_path / "glycines.pdb", GLYCINES)
     result = run(structure, "--trials", 500, "--frames", 5, folder=tmp_path)
     assert result.returncode == 0, result.stderr
     assert filesIn(tmp_path) == ["glycines-topology.pdb", "glycines.dcd", "glycines.pdb", "glycines.png"]
@@ -195,9 +160,9 @@ def test_smallestProtein(tmp_path):
 
 
 def test_firstConformerAndModelCount(tmp_path):
-    other = [line[:16] + "B" + line[17:30] + "   9.000" + line[38:] for line in _GLYCINES[3:4]]
-    lines = ["MODEL        1", *_GLYCINES[:3], _GLYCINES[3][:16] + "A" + _GLYCINES[3][17:], *other, *_GLYCINES[4:]]
-    moved = [line[:30] + "  99.000" + line[38:] for line in _GLYCINES]
+    other = [line[:16] + "B" + line[17:30] + "   9.000" + line[38:] for line in GLYCINES[3:4]]
+    lines = ["MODEL        1", *GLYCINES[:3], GLYCINES[3][:16] + "A" + GLYCINES[3][17:], *other, *GLYCINES[4:]]
+    moved = [line[:30] + "  99.000" + line[38:] for line in GLYCINES]
     structure = writePDB(tmp_path / "two.pdb", [*lines, "ENDMDL", "MODEL        2", *moved, "ENDMDL"])
     result = run(structure, "--trials", 100, "--frames", 1, folder=tmp_path)
     assert result.returncode == 0, result.stderr
@@ -207,7 +172,7 @@ def test_firstConformerAndModelCount(tmp_path):
 
 def test_otherMoleculesAreFixedWaterAndIonsLeftOut(tmp_path):
     lines = [
-        *_GLYCINES,
+        *GLYCINES,
         "TER",
         "HETATM    9  C1  LIG B   1       0.000   9.000   0.000  1.00  0.00           C",
         "HETATM   10  O1  LIG B   1       1.200   9.000   0.000  1.00  0.00           O",
@@ -224,16 +189,6 @@ def test_otherMoleculesAreFixedWaterAndIonsLeftOut(tmp_path):
     assert not np.array_equal(frames[0, :8], frames[-1, :8])
 
 
-def assertRefused(result, folder, filesBefore, *words):
-    """One line that names the culprit, status 2, nothing written."""
-    assert result.returncode == 2, result.stdout + result.stderr
-    assert result.stdout == ""
-    assert len(result.stderr.strip().splitlines()) == 1
-    for word in words:
-        assert word in result.stderr
-    assert filesIn(folder) == filesBefore
-
-
 def test_missingFile(tmp_path):
     assertRefused(run("nothing.pdb", folder=tmp_path), tmp_path, [], "nothing.pdb", "No such file")
 
@@ -243,11 +198,12 @@ def test_missingFile(tmp_path):
     [
         ("", "there are no atoms"),
         ("not a structure\n", "there are no atoms"),
-        ("\n".join(_GLYCINES).replace("1.450", "a.bcd"), "not a PDB file that OpenMM can read"),
-        ("\n".join(_GLYCINES).replace("1.450", "  nan"), "atom CA of A:GLY 1 has a coordinate that is not a finite"),
-        (_GLYCINES[0].replace(" N ", " O ").replace("GLY", "HOH"), "nothing but water and ions"),
-        ("\n".join(_GLYCINES[:4]), "no torsion of a protein"),
-        ("\n".join([*_GLYCINES, *_XENON]), "no radius is known for xenon, atom XE1 of B:XEN 1"),
+        ("\n".join(GLYCINES).replace("1.450", "a.bcd"), "line 2 has no coordinates"),
+        ("\n".join(["MODEL        x", *GLYCINES, "END"]), "not a PDB file that OpenMM can read"),
+        ("\n".join(GLYCINES).replace("1.450", "  nan"), "atom CA of A:GLY 1 has a coordinate that is not a finite"),
+        (GLYCINES[0].replace(" N ", " O ").replace("GLY", "HOH"), "nothing but water and ions"),
+        ("\n".join(GLYCINES[:4]), "no torsion of a protein"),
+        ("\n".join([*GLYCINES, *_XENON]), "no radius is known for xenon, atom XE1 of B:XEN 1"),
     ],
 )
 def test_badStructure(runHere, tmp_path, content, words):
@@ -279,7 +235,7 @@ def test_badArguments(runHere, tmp_path, arguments, words):
 
 
 def test_structureIsNotOverwritten(runHere, tmp_path):
-    structure = writePDB(tmp_path / "run-topology.pdb", _GLYCINES)
+    structure = writePDB(tmp_path / "run-topology.pdb", GLYCINES)
     before = structure.read_bytes()
     result = runHere(structure, "-o", "run")
     assertRefused(result, tmp_path, ["run-topology.pdb"], "run-topology.pdb", "would overwrite")
@@ -328,7 +284,7 @@ def test_realStructure(tmp_path, name):
 
 def test_filesAreNamedAfterTheStructure(tmp_path):
     (tmp_path / "somewhere").mkdir()
-    structure = writePDB(tmp_path / "somewhere" / "glycines.pdb", _GLYCINES)
+    structure = writePDB(tmp_path / "somewhere" / "glycines.pdb", GLYCINES)
     work = tmp_path / "work"
     work.mkdir()
     run(structure, "--trials", 100, folder=work)

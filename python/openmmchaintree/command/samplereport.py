@@ -4,7 +4,7 @@ from collections import Counter
 
 from rich.table import Table
 
-from .bonds import describeResidue
+from ..naming import describeResidue
 from .sampling import KINDS
 
 _COUNTS = ("attempted", "clashed", "rejectedByEnergy", "accepted")

@@ -1,0 +1,1 @@
+"""The command openmm-chaintree: what it reads, runs, prints and draws."""

@@ -1,0 +1,6 @@
+"""What the command's exit status means, beside 0."""
+
+BEYOND_LIMIT = 1  # a sampling run ended with pairs beyond their limit
+BAD_INPUT = 2
+INTERRUPTED = 130
+NOBODY_READS = 141  # the output

@@ -1,0 +1,55 @@
+"""What a running command shows on a terminal, and what it does when its user interrupts it."""
+
+import signal
+import sys
+from contextlib import contextmanager
+
+from rich.console import Console
+from rich.progress import BarColumn, MofNCompleteColumn, Progress, TimeRemainingColumn
+
+
+class ReportConsole(Console):
+    """The console that reports are printed on: standard output, with lines as long as they are."""
+
+    def __init__(self):
+        super().__init__(highlight=False, soft_wrap=True)
+
+    def on_broken_pipe(self):
+        """Leave it to the command, where Console would end the process by itself."""
+        raise BrokenPipeError
+
+
+def printError(message, program="openmm-chaintree"):
+    """Print what is wrong, in one line."""
+    print(f"{program}: {message}", file=sys.stderr)
+
+
+@contextmanager
+def interruptFlag():
+    """Collect interrupts (Ctrl-C) in a list instead of stopping between two bytes of a file; a second one stops."""
+    received = []
+
+    def note(signum, frame):
+        received.append(signum)
+        signal.signal(signal.SIGINT, previous)
+
+    previous = signal.signal(signal.SIGINT, note)
+    try:
+        yield received
+    finally:
+        signal.signal(signal.SIGINT, previous)
+
+
+@contextmanager
+def progress(total):
+    """Show a progress bar on a terminal, nothing in a pipe; gives a function that takes what is done of the total.
+
+    The total may be None, if nobody knows it.
+    """
+    console = Console(stderr=True)
+    if not console.is_terminal:
+        yield lambda done: None
+        return
+    with Progress(BarColumn(), MofNCompleteColumn(), TimeRemainingColumn(), console=console, transient=True) as bar:
+        task = bar.add_task("", total=total)
+        yield lambda done: bar.update(task, completed=done)

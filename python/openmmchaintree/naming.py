@@ -1,0 +1,39 @@
+"""How messages and tables name residues and atoms."""
+
+from typing import NamedTuple
+
+
+class AtomName(NamedTuple):
+    """An atom as one writes it.
+
+    chain : str, empty if the chain has no name; residue : str, its name and number with insertion code; atom : str
+    """
+
+    chain: str
+    residue: str
+    atom: str
+
+    def __str__(self):
+        return f"{self.describeResidue()} {self.atom}"
+
+    def describeResidue(self):
+        """Return the residue as one writes it: chain, name, number with insertion code."""
+        return _join(self.chain, self.residue)
+
+
+def nameAtom(atom):
+    """Return the AtomName of an atom of a Topology."""
+    return AtomName(*_chainAndResidue(atom.residue), atom.name)
+
+
+def describeResidue(residue):
+    """Return a residue of a Topology as one writes it: chain, name, number with insertion code."""
+    return _join(*_chainAndResidue(residue))
+
+
+def _chainAndResidue(residue):
+    return residue.chain.id.strip(), f"{residue.name} {residue.id}{residue.insertionCode.strip()}"
+
+
+def _join(chain, residue):
+    return f"{chain}:{residue}" if chain else residue

@@ -1,0 +1,92 @@
+"""Reading trajectories, DCD and XTC, frame by frame."""
+
+import importlib.util
+import os
+import pickle
+import subprocess
+import sys
+from pathlib import Path
+
+from ..structure import InputError
+
+_FORMATS = (".dcd", ".xtc")
+
+# Run by its path, not as a module of the package, since it has no need of OpenMM.
+_READER = Path(__file__).with_name("reader.py")
+
+
+class Trajectory:
+    """A trajectory, to be iterated once: float64 arrays of shape (n, 3), nm. As a context manager it closes itself.
+
+    Attributes
+    ----------
+    path : Path
+    frameCount : int or None
+        the number of frames, where that can be known before they are read
+    announced : int or None
+        the number of frames that the file's header tells; programs write it when they start, or correct it at the end
+
+    Iteration raises an InputError at the first damaged frame, after the sound ones. A damaged file can do no other
+    harm: it is read by a process of its own.
+    """
+
+    def __init__(self, path):
+        """Open a trajectory.
+
+        Raises
+        ------
+        InputError
+            if this is no trajectory
+        """
+        self.path = Path(path)
+        if self.path.suffix.lower() not in _FORMATS:
+            raise InputError(f"{path}: is not named as a trajectory of a known format ({', '.join(_FORMATS)})")
+        try:
+            with open(path, "rb") as file:
+                if not file.read(1):
+                    raise InputError(f"{path}: is empty")
+        except OSError as error:
+            raise InputError(f"{path}: {error.strerror}") from error
+        if importlib.util.find_spec("mdtraj") is None:
+            raise InputError(f"{path}: reading trajectories needs MDTraj (pip install mdtraj)")
+        self._process = subprocess.Popen(
+            [sys.executable, str(_READER), str(path)],
+            stdin=subprocess.DEVNULL,
+            stdout=subprocess.PIPE,
+            start_new_session=True,  # Ctrl-C is for the program that asked
+            env={**os.environ, "PYTHONPATH": os.pathsep.join(filter(None, sys.path))},
+        )
+        try:
+            self.announced, self.frameCount = self._receive(0)
+        except InputError:
+            self.close()
+            raise
+
+    def __iter__(self):
+        index = 0
+        while True:
+            received = self._receive(index)
+            if received is None:
+                return
+            if isinstance(received, str):
+                raise InputError(f"{self.path}: {received}")
+            yield received
+            index += 1
+
+    def __enter__(self):
+        return self
+
+    def __exit__(self, *exception):
+        self.close()
+
+    def close(self):
+        """End the reading process."""
+        self._process.kill()
+        self._process.stdout.close()
+        self._process.wait()
+
+    def _receive(self, index):
+        try:
+            return pickle.load(self._process.stdout)
+        except (EOFError, pickle.UnpicklingError):
+            raise InputError(f"{self.path}: frame {index} (from 0) is damaged so that its reader crashed") from None

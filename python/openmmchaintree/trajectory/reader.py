@@ -1,0 +1,106 @@
+"""Reads the trajectory that its argument names, with MDTraj, and writes the frames to standard output.
+
+A program of its own, so that nothing in a damaged file can harm the one that asked: on those, the C code that all
+readers of these formats stand on may crash, and prints what it thinks. It writes pickles: the number of frames that the
+file says it has and the number that it has (each None if nobody knows), then one float64 array in nm for each frame,
+and at the end what is wrong with the file in words, or None.
+"""
+
+import os
+import pickle
+import struct
+import sys
+from pathlib import Path
+
+
+def main(path):
+    with os.fdopen(os.dup(1), "wb") as output:
+        silent = os.open(os.devnull, os.O_WRONLY)
+        os.dup2(silent, 1)
+        os.dup2(silent, 2)
+        try:
+            damage = _writeFrames(Path(path), output)
+        except BrokenPipeError:
+            os._exit(0)  # nobody wants the rest
+        pickle.dump(damage, output)
+
+
+def _writeFrames(path, output):
+    """Write the counts and the frames; return what is wrong with the file."""
+    try:
+        from mdtraj.formats import DCDTrajectoryFile, XTCTrajectoryFile
+    except ImportError as error:
+        pickle.dump((None, None), output)
+        return f"MDTraj, which reads it, cannot be imported ({error})"
+    isDCD = path.suffix.lower() == ".dcd"
+    try:
+        file = (DCDTrajectoryFile if isDCD else XTCTrajectoryFile)(str(path))
+    except Exception:
+        pickle.dump((None, None), output)
+        return f"{'not a DCD' if isDCD else 'not an XTC'} file, or damaged at its start"
+    with file:
+        header = _DCDHeader(path) if isDCD else None
+        count = _length(file)
+        pickle.dump((header.frames if isDCD else None, count), output)
+        scale = 0.1 if file.distance_unit == "angstroms" else 1.0
+        index = 0
+        while True:
+            try:
+                positions = file.read(1)[0]
+            except Exception:
+                return f"frame {index} (from 0) is damaged"
+            if len(positions) == 0:
+                break
+            pickle.dump(positions[0].astype("float64") * scale, output)
+            output.flush()
+            index += 1
+    if isDCD and index < count:
+        return f"frame {index} (from 0) is damaged"
+    if isDCD and not header.endsWithAFrame():
+        return f"frame {index} (from 0) is cut off"
+    return None if index > 0 else "there are no frames"
+
+
+def _length(file):
+    try:
+        return len(file)
+    except Exception:  # of XTC files every header has to be read for it, and one is damaged
+        return None
+
+
+class _DCDHeader:
+    """What MDTraj passes over in a DCD file: the number of frames that the header tells, and an incomplete last one."""
+
+    def __init__(self, path):
+        self._path = path
+        with open(path, "rb") as file:
+            start = file.read(88)
+        self._order = next((order for order in "<>" if struct.unpack(order + "i", start[:4]) == (84,)), None)
+        # Rare kinds have markers of eight bytes; those are left to MDTraj.
+        if self._order is None or start[4:8] != b"CORD":
+            self._order = self.frames = None
+            return
+        control = struct.unpack(self._order + "20i", start[8:])
+        self.frames = control[0]
+        isCHARMM = control[19] != 0
+        self._recordsBefore = 4 if control[8] else 3
+        self._recordsInAFrame = 3 + (isCHARMM and control[10] != 0) + (isCHARMM and control[11] != 0)
+
+    def endsWithAFrame(self):
+        """Whether the last record is complete, and the last one of a frame."""
+        if self._order is None:
+            return True
+        records, position, size = 0, 0, self._path.stat().st_size
+        with open(self._path, "rb") as file:
+            while position < size:
+                file.seek(position)
+                marker = file.read(4)
+                if len(marker) < 4:
+                    return False
+                position += 8 + max(0, struct.unpack(self._order + "i", marker)[0])
+                records += 1
+        return position == size and (records - self._recordsBefore) % self._recordsInAFrame == 0
+
+
+if __name__ == "__main__":
+    main(sys.argv[1])
