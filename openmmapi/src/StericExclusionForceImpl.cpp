@@ -145,15 +145,10 @@ void StericExclusionForceImpl::expectRestartsOfLimits()
     restartsAreAnnounced = true;
 }
 
-void StericExclusionForceImpl::positionsWereSet(ContextImpl& context)
+void StericExclusionForceImpl::positionsWereSet(ContextImpl& context, const vector<Vec3>& restored)
 {
     if (settingPositions)
         return;
-
-    // A Context that loads a checkpoint tells its integrator of new positions afterwards.
-
-    vector<Vec3> restored;
-    restored.swap(restoredPositions);
     if (!restored.empty()) {
         context.getPositions(buffer);
         if (haveSameBits(buffer, restored))
@@ -247,7 +242,7 @@ void StericExclusionForceImpl::createCheckpoint(CheckpointWriter& writer)
     writer.write(agreedPositions);
 }
 
-void StericExclusionForceImpl::loadCheckpoint(ContextImpl& context, CheckpointReader& reader)
+void StericExclusionForceImpl::loadCheckpoint(CheckpointReader& reader)
 {
     if (reader.readVector<int>() != structure->describe())
         fail("the checkpoint is of another structure: its bonds and torsions make other links");
@@ -268,7 +263,6 @@ void StericExclusionForceImpl::loadCheckpoint(ContextImpl& context, CheckpointRe
         engine->setLimits(pairs, limits);
     limitsAreCurrent = current;
     agreedPositions = agreed;
-    context.getPositions(restoredPositions);
 }
 
 // ---- Energy ----

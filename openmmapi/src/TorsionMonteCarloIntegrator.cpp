@@ -305,6 +305,7 @@ void TorsionMonteCarloIntegrator::cleanup()
     force = NULL;
     random.reset();
     kernel = Kernel();
+    restoredPositions.clear();
 }
 
 vector<string> TorsionMonteCarloIntegrator::getKernelNames()
@@ -314,8 +315,11 @@ vector<string> TorsionMonteCarloIntegrator::getKernelNames()
 
 void TorsionMonteCarloIntegrator::stateChanged(State::DataType changed)
 {
-    if (force != NULL && changed == State::Positions)
-        force->positionsWereSet(*context);
+    if (force == NULL || changed != State::Positions)
+        return;
+    vector<Vec3> restored;
+    restored.swap(restoredPositions);
+    force->positionsWereSet(*context, restored);
 }
 
 void TorsionMonteCarloIntegrator::createCheckpoint(ostream& stream) const
@@ -359,7 +363,8 @@ void TorsionMonteCarloIntegrator::restoreCheckpoint(CheckpointReader& reader)
     RandomNumberGenerator restored(0);
     if (!restored.setState(string(randomState.begin(), randomState.end())))
         fail("the checkpoint is damaged");
-    force->loadCheckpoint(*context, reader);
+    force->loadCheckpoint(reader);
+    context->getPositions(restoredPositions);
     *random = restored;
     for (size_t i = 0; i < moves.size(); i++) {
         moves[i].clashed = statistics[3 * i];

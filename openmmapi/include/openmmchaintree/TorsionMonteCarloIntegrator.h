@@ -286,6 +286,8 @@ private:
     StericExclusionForceImpl* force;
     std::unique_ptr<RandomNumberGenerator> random;
     OpenMM::Kernel kernel;
+    /** The positions that a checkpoint has restored, until the Context tells of them; else empty. */
+    std::vector<OpenMM::Vec3> restoredPositions;
 };
 
 } // namespace ChainTreePlugin

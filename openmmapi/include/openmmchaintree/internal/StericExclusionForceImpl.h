@@ -83,9 +83,11 @@ public:
      */
     void expectRestartsOfLimits();
     /**
-     * Start limits anew if it was the user who set positions, not this object or a checkpoint.
+     * Start limits anew because positions were set, unless it was this object that set them, or a checkpoint.
+     *
+     * @param restored  the positions that a checkpoint has just restored, or empty if none has
      */
-    void positionsWereSet(OpenMM::ContextImpl& context);
+    void positionsWereSet(OpenMM::ContextImpl& context, const std::vector<OpenMM::Vec3>& restored);
     /**
      * Forget all limits; they start anew with the next trial.
      */
@@ -107,7 +109,7 @@ public:
      * Go on from what createCheckpoint() wrote, in a Context whose positions were restored already. Throws an
      * exception, and changes nothing, if it was written for another structure.
      */
-    void loadCheckpoint(OpenMM::ContextImpl& context, CheckpointReader& reader);
+    void loadCheckpoint(CheckpointReader& reader);
     /**
      * Take notice of the Context's positions, drop the open trial, and bring limits up to date. From now on trials may
      * be proposed, accepted and rejected by the kernel alone, until finishTrials() is called.
@@ -152,8 +154,6 @@ private:
     CalcStericExclusionForceKernel* engine;
     /** The Context's positions when they and the kernel's state were last known to agree; empty before. */
     std::vector<OpenMM::Vec3> agreedPositions;
-    /** The Context's positions after a checkpoint was loaded, until the Context tells of them; else empty. */
-    std::vector<OpenMM::Vec3> restoredPositions;
     std::vector<OpenMM::Vec3> buffer;
     bool limitsAreCurrent, restartsAreAnnounced, settingPositions, energyIsSuppressed;
 };
