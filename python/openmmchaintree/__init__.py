@@ -18,6 +18,7 @@ from .openmmchaintree import (  # noqa: E402
     TorsionMonteCarloIntegrator,
     TraversalStatistics,
 )
+from .reporter import ClashError, ClashReporter  # noqa: E402
 from .sterics import createStericExclusionForce  # noqa: E402
 from .structure import InputError  # noqa: E402
 from .torsions import LeftOutTorsion, Torsion, TorsionSearch, findTorsions  # noqa: E402
@@ -25,6 +26,8 @@ from .torsions import LeftOutTorsion, Torsion, TorsionSearch, findTorsions  # no
 __all__ = [
     "AtomName",
     "Clash",
+    "ClashError",
+    "ClashReporter",
     "FrameClashes",
     "InputError",
     "LeftOutTorsion",

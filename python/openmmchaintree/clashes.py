@@ -3,8 +3,8 @@
 import warnings
 from typing import NamedTuple
 
-import numpy as np
 import openmm
+from openmm import unit
 
 from .bonds import BondGraph
 from .naming import AtomName, nameAtom
@@ -88,17 +88,9 @@ class ClashSearch:
     Attributes
     ----------
     structure, trajectory : str or Path, or None
-    names : list of AtomName
-        the atoms of the structure
-    atoms : (n,) int array
-        those of them that are looked at
-    checkedCount : int
-        the number of those that have a radius
+    finder : ClashFinder
     frameCount : int or None
         how many frames there are, if that is known
-    radii : str
-        the set of radii
-    force : StericExclusionForce
     notes : list of str
         what the user should know of the input
     """
@@ -108,33 +100,12 @@ class ClashSearch:
         self.structure = villinPath() if structure is None else structure
         self.trajectory = trajectory
         self._models = readModels(self.structure)
-        selection = select(self.structure, self._models.topology, water, ions)
-        self.atoms = selection.atoms
-        self.names = [nameAtom(atom) for atom in self._models.topology.atoms()]
-        self.notes = []
-        self._makeForce(selection.topology, self._models.positions[0][self.atoms], radii)
-        self._finder = ClashFinder(self.force)
+        topology, positions = self._models.topology, self._models.positions[0]
+        self.finder = ClashFinder(topology, positions, self.structure, radii, water, ions)
+        self.notes = list(self.finder.notes)
         self.frameCount = len(self._models.positions)
         if trajectory is not None:
             self._openTrajectory()
-
-    def _makeForce(self, topology, positions, radii):
-        graph = BondGraph(topology, positions)
-        self.radii = defaultRadii(graph) if radii is None else radii
-        # Torsions do not change what clashes; with them, the engine has less to compute anew for each frame.
-        torsions = searchTorsions(graph, topology, ("phi", "psi", "chi")).torsions
-        with warnings.catch_warnings(record=True) as caught:
-            warnings.simplefilter("always")
-            self.force = createStericExclusionForce(topology, positions, self.radii, torsions, unknownRadius=0)
-        self.notes += [str(warning.message) for warning in caught]
-        radiusZero = ~(radiiOf(self.force) > 0)
-        self.checkedCount = int((~radiusZero).sum())
-        if self.checkedCount == 0:
-            raise InputError(f"{self.structure}: there is no atom with a known radius")
-        for number in np.flatnonzero(radiusZero):
-            if graph.elementNumber(number) > 1:
-                name = self.names[self.atoms[number]]
-                self.notes.append(f"{name} is not looked at: no radius is known for {graph.atoms[number].element.name}")
 
     def _openTrajectory(self):
         self._trajectory = Trajectory(self.trajectory)
@@ -146,8 +117,8 @@ class ClashSearch:
     def __iter__(self):
         frames = self._modelPositions() if self.trajectory is None else self._trajectoryPositions()
         for index, positions in enumerate(frames):
-            clashes = self._finder.find(positions[self.atoms], self.names, self.atoms)
-            yield FrameClashes(index, clashes, 1000 * len(clashes) / self.checkedCount)
+            clashes = self.finder.find(positions)
+            yield FrameClashes(index, clashes, 1000 * len(clashes) / self.finder.checkedCount)
 
     def _modelPositions(self):
         yield from self._models.positions
@@ -155,48 +126,90 @@ class ClashSearch:
             raise self._models.damage
 
     def _trajectoryPositions(self):
+        names = self.finder.names
         with self._trajectory as frames:
             for index, positions in enumerate(frames):
-                if len(positions) != len(self.names):
+                if len(positions) != len(names):
                     raise InputError(
-                        f"{self.trajectory}: has {len(positions):,} atoms, but {self.structure} has {len(self.names):,}"
+                        f"{self.trajectory}: has {len(positions):,} atoms, but {self.structure} has {len(names):,}"
                     )
-                checkFinite(positions, self.names, f"{self.trajectory}: frame {index} (from 0)")
+                checkFinite(positions, names, f"{self.trajectory}: frame {index} (from 0)")
                 yield positions
 
 
 class ClashFinder:
-    """Finds the clashes by a StericExclusionForce at any positions, in a Context of its own."""
+    """Finds the clashes of a Topology at any positions, in a Context of its own.
 
-    def __init__(self, force):
+    Attributes
+    ----------
+    names : list of AtomName
+        the atoms of the Topology
+    atoms : (n,) int array
+        those of them that are looked at
+    checkedCount : int
+        the number of those that have a radius
+    radii : str
+        the set of radii
+    force : StericExclusionForce
+        has the atoms that are looked at as particles
+    notes : list of str
+        gaps, and atoms whose radius is not known
+    """
+
+    def __init__(self, topology, positions, source, radii=None, water=False, ions=False):
+        """Choose the atoms, and make their force; positions are (n, 3) in nm, source is for messages.
+
+        Raises
+        ------
+        InputError
+            if there is no atom to look at
+        """
+        self.names = [nameAtom(atom) for atom in topology.atoms()]
+        selection = select(source, topology, water, ions)
+        self.atoms = selection.atoms
+        graph = BondGraph(selection.topology, positions[self.atoms])
+        self.radii = defaultRadii(graph) if radii is None else radii
+        # Torsions do not change what clashes; with them, the engine has less to compute anew at other positions.
+        torsions = searchTorsions(graph, selection.topology, ("phi", "psi", "chi")).torsions
+        with warnings.catch_warnings(record=True) as caught:
+            warnings.simplefilter("always")
+            self.force = createStericExclusionForce(
+                selection.topology, positions[self.atoms], self.radii, torsions, unknownRadius=0
+            )
+        self.notes = [str(warning.message) for warning in caught]
+        self._noteUnknownRadii(graph)
+        if self.checkedCount == 0:
+            raise InputError(f"{source}: there is no atom with a known radius")
+        self._makeContext()
+
+    def _noteUnknownRadii(self, graph):
+        self.checkedCount = 0
+        for number, atom in enumerate(self.atoms):
+            radius, _ = self.force.getParticleParameters(number)
+            if radius > 0 * unit.nanometer:
+                self.checkedCount += 1
+            elif graph.elementNumber(number) > 1:
+                element = graph.atoms[number].element.name
+                self.notes.append(f"{self.names[atom]} is not looked at: no radius is known for {element}")
+
+    def _makeContext(self):
         system = openmm.System()
-        for _ in range(force.getNumParticles()):
+        for _ in self.atoms:
             system.addParticle(1.0)
-        system.addForce(force)
-        self._force = force
+        system.addForce(self.force)
         platform = openmm.Platform.getPlatformByName("Reference")
         self._context = openmm.Context(system, openmm.VerletIntegrator(0.001), platform)
 
-    def find(self, positions, names, particles=None):
-        """Return the list of Clash at positions, a float64 array of shape (n, 3) in nm.
-
-        names : list of AtomName; particles : for each particle of the force its index among the names, if not the same
-        """
-        self._context.setPositions(positions)
-        return nameClashes(*self._force.getClashes(self._context), names, particles)
+    def find(self, positions):
+        """Return the list of Clash at positions of all atoms of the Topology, a float64 array of shape (n, 3) in nm."""
+        self._context.setPositions(positions[self.atoms])
+        pairs, overlaps = self.force.getClashes(self._context)
+        return nameClashes(self.atoms[pairs], overlaps, self.names)
 
 
-def nameClashes(pairs, overlaps, names, particles=None):
-    """Return what StericExclusionForce.getClashes() gives as a list of Clash."""
-    if particles is not None:
-        pairs = particles[pairs]
+def nameClashes(pairs, overlaps, names):
+    """Return pairs of atoms and their overlaps as a list of Clash."""
     return [
         Clash(particle1, particle2, names[particle1], names[particle2], overlap)
         for (particle1, particle2), overlap in zip(pairs.tolist(), overlaps.tolist(), strict=True)
     ]
-
-
-def radiiOf(force):
-    """Return the radii (nm) of the particles of a StericExclusionForce as a float64 array."""
-    parameters = [force.getParticleParameters(particle) for particle in range(force.getNumParticles())]
-    return np.array([radius.value_in_unit(openmm.unit.nanometer) for radius, _ in parameters], dtype=np.float64)

@@ -22,11 +22,12 @@ def makeContext(structure, force, integrator):
     return context
 
 
-def makeSystem(structure, force):
+def makeSystem(structure, *forces):
     system = openmm.System()
     for atom in structure.topology.atoms():
         system.addParticle(atom.element.mass)
-    system.addForce(force)
+    for force in forces:
+        system.addForce(force)
     return system
 
 

@@ -50,7 +50,7 @@ class _Residues:
     """
 
     def __init__(self, search):
-        names = {atom: search.names[atom] for atom in search.atoms.tolist()}
+        names = {atom: search.finder.names[atom] for atom in search.finder.atoms.tolist()}
         chains = {}
         for name in names.values():
             chains.setdefault(name.chain, {}).setdefault(name.describeResidue())

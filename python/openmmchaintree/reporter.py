@@ -1,0 +1,146 @@
+"""Watching the clashes of a running simulation."""
+
+import csv
+import os
+import warnings
+
+import openmm
+from openmm import unit
+
+from .clashes import ClashFinder, nameClashes
+from .naming import nameAtom
+from .openmmchaintree import StericExclusionForce
+from .units import inUnit
+
+_COLUMNS = ("step", "time_ps", "clashes", "worst_overlap_nm", "atom1", "atom2")
+
+
+class ClashError(openmm.OpenMMException):
+    """What ends a simulation in which atoms overlap too much.
+
+    step : int; clash : Clash, the worst one
+    """
+
+    def __init__(self, message, step, clash):
+        super().__init__(message)
+        self.step = step
+        self.clash = clash
+
+
+class ClashReporter:
+    """A reporter for `openmm.app.Simulation` that writes how many clashes there are, and the worst, as lines of CSV.
+
+    If the System has a StericExclusionForce, that tells what a clash is. Else the reporter makes itself one by
+    `createStericExclusionForce`, for all but water and ions (residues of a single atom), and the System stays as it is.
+    Positions are taken as they are, without periodic images.
+
+    The columns are step, time_ps, clashes, worst_overlap_nm, atom1, atom2; the last three are empty without a clash.
+    """
+
+    def __init__(self, file, reportInterval, maxOverlap=None, append=False):
+        """Create a ClashReporter.
+
+        Parameters
+        ----------
+        file : str, Path or file
+            the file to write to, by its name or open for text
+        reportInterval : int
+            the number of steps between reports
+        maxOverlap : float or Quantity, optional
+            nm. The simulation ends with a ClashError at the first report in which a clash overlaps by more; 0: at the
+            first clash. Reporters that come after this one in the list have not written that step then.
+        append : bool
+            add to an existing file, without another heading
+
+        Raises
+        ------
+        ValueError
+            if the interval is not above 0, or maxOverlap is negative
+        TypeError
+            if maxOverlap has a unit that is not a length
+        """
+        if reportInterval < 1:
+            raise ValueError(f"reportInterval must be above 0, not {reportInterval}")
+        self._reportInterval = reportInterval
+        self._maxOverlap = None if maxOverlap is None else inUnit(maxOverlap, "nm", "maxOverlap")
+        if self._maxOverlap is not None and not self._maxOverlap >= 0:
+            raise ValueError(f"maxOverlap must be at least 0, not {self._maxOverlap}")
+        self._watch = None
+        self._ownsFile = isinstance(file, (str, os.PathLike))
+        self._file = open(file, "a" if append else "w", newline="") if self._ownsFile else file
+        self._lines = csv.writer(self._file, lineterminator="\n")
+        if not (append and self._ownsFile and self._file.tell() > 0):
+            self._lines.writerow(_COLUMNS)
+
+    def __del__(self):
+        if getattr(self, "_ownsFile", False) and hasattr(self, "_file"):
+            self._file.close()
+
+    def describeNextReport(self, simulation):
+        """Return what `openmm.app.Simulation` asks of a reporter: when to report, and what the State must hold."""
+        if self._watch is None:
+            force = _stericForceOf(simulation.system)
+            self._watch = _TopologyWatch() if force is None else _ForceWatch(force)
+        steps = self._reportInterval - simulation.currentStep % self._reportInterval
+        return {"steps": steps, "periodic": False, "include": self._watch.include}
+
+    def report(self, simulation, state):
+        """Write a line, and end the simulation if the worst clash is too bad.
+
+        Raises
+        ------
+        ClashError
+            if a clash overlaps by more than maxOverlap
+        """
+        clashes = self._watch.find(simulation, state)
+        worst = max(clashes, key=lambda clash: clash.overlap, default=None)
+        time = state.getTime().value_in_unit(unit.picosecond)
+        about = [""] * 3 if worst is None else [f"{worst.overlap:.6f}", worst.atom1, worst.atom2]
+        self._lines.writerow([simulation.currentStep, f"{time:.6g}", len(clashes), *about])
+        self._file.flush()
+        if worst is not None and self._maxOverlap is not None and worst.overlap > self._maxOverlap:
+            raise ClashError(
+                f"step {simulation.currentStep}: {worst.atom1} and {worst.atom2} overlap by {worst.overlap:.4f} nm, "
+                f"more than the {self._maxOverlap:g} nm that ClashReporter is to stop at",
+                simulation.currentStep,
+                worst,
+            )
+
+
+def _stericForceOf(system):
+    forces = [force for force in system.getForces() if StericExclusionForce.isinstance(force)]
+    if len(forces) > 1:
+        raise ValueError("the System has more than one StericExclusionForce")
+    return StericExclusionForce.cast(forces[0]) if forces else None
+
+
+class _ForceWatch:
+    """Asks the System's own force, which knows the positions."""
+
+    include = ()
+
+    def __init__(self, force):
+        self._force = force
+        self._names = None
+
+    def find(self, simulation, state):
+        if self._names is None:
+            self._names = [nameAtom(atom) for atom in simulation.topology.atoms()]
+        return nameClashes(*self._force.getClashes(simulation.context), self._names)
+
+
+class _TopologyWatch:
+    """Makes a force of the Topology, and a Context of its own for it."""
+
+    include = ("positions",)
+
+    def __init__(self):
+        self._finder = None
+
+    def find(self, simulation, state):
+        positions = state.getPositions(asNumpy=True).value_in_unit(unit.nanometer)
+        if self._finder is None:
+            self._finder = ClashFinder(simulation.topology, positions, "the simulation's Topology")
+            for note in self._finder.notes:
+                warnings.warn(note, stacklevel=2)
+        return self._finder.find(positions)
