@@ -54,3 +54,13 @@ def test_headersOfTheLibrariesAreInstalled(site):
     headers = site / "openmmchaintree" / "include"
     for name in ["OpenMMChainTree.h", "openmmchaintree/StericExclusionForce.h", "chaintree.h"]:
         assert (headers / name).is_file()
+
+
+def test_forceFieldFindsTheFile(site):
+    program = """
+import openmm.app as app
+app.ForceField("amber14-all.xml", "openmmchaintree/steric-exclusion.xml")
+import sys
+assert "openmmchaintree._openmmchaintree" in sys.modules
+"""
+    subprocess.run([sys.executable, "-c", program], check=True, cwd=site, env=environment(PYTHONPATH=str(site)))

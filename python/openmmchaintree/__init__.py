@@ -5,9 +5,12 @@
 kJ/mol and K, or OpenMM Quantities; results are plain numbers and NumPy arrays in these units.
 """
 
+from openmmchaintree_forcefield import registerParser
+
 from .loading import loadPlugin
 
 loadPlugin()
+registerParser()
 
 from .clashes import Clash, FrameClashes, findClashes  # noqa: E402
 from .naming import AtomName  # noqa: E402

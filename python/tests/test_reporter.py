@@ -201,9 +201,7 @@ def test_torsionMonteCarloEndsAtAClash(villin, tmp_path):
     simulation.reporters.append(ClashReporter(tmp_path / "clashes.csv", 1, maxOverlap=0.1))
     simulation.step(5)
     simulation.context.setPositions(0.5 * villin.positions)
-    with pytest.raises(
-        ClashError, match=r"^step 6: \w+ \d+ \w+ and \w+ \d+ \w+ overlap by 0\.\d{4} nm"
-    ):
+    with pytest.raises(ClashError, match=r"^step 6: \w+ \d+ \w+ and \w+ \d+ \w+ overlap by 0\.\d{4} nm"):
         simulation.step(5)
 
 
