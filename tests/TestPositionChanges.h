@@ -515,7 +515,8 @@ void testPositionChanges(Platform& platform)
     testTurns(platform);
     testTwoSamplers(platform);
     testSilentMoves(platform);
-    testMinimizationInBetween(platform);
+    if (canMinimize(platform))
+        testMinimizationInBetween(platform);
     testContextsInTurns(platform);
     testThreads(platform);
 }

@@ -62,6 +62,9 @@ public:
     vector<Vec3> positions;
 };
 
+// GPU platforms add forces up in fixed point, in units of 2^-32 kJ/mol/nm.
+const double forceTolerance = 1e-9;
+
 void testOnePair(Platform& platform)
 {
     // Overlap 0.1 nm, tolerance 0.04 nm: 0.06 nm too much.
@@ -79,8 +82,8 @@ void testOnePair(Platform& platform)
     context.setPositions({Vec3(1, 0, 0), Vec3(1, 0.4, 0)});
     State state = context.getState(State::Energy | State::Forces);
     ASSERT_EQUAL_TOL(0.5 * 2000 * 0.06 * 0.06, state.getPotentialEnergy(), 1e-12);
-    ASSERT_EQUAL_VEC(Vec3(0, -2000 * 0.06, 0), state.getForces()[0], 1e-12);
-    ASSERT_EQUAL_VEC(Vec3(0, 2000 * 0.06, 0), state.getForces()[1], 1e-12);
+    ASSERT_EQUAL_VEC(Vec3(0, -2000 * 0.06, 0), state.getForces()[0], forceTolerance);
+    ASSERT_EQUAL_VEC(Vec3(0, 2000 * 0.06, 0), state.getForces()[1], forceTolerance);
     ASSERT(force->hasClash(context));
 
     // Within the tolerance there is no clash and no energy.
@@ -96,8 +99,8 @@ void testOnePair(Platform& platform)
     context.setPositions({Vec3(1, 2, 3), Vec3(1, 2, 3)});
     state = context.getState(State::Energy | State::Forces);
     ASSERT_EQUAL_TOL(0.5 * 2000 * 0.46 * 0.46, state.getPotentialEnergy(), 1e-12);
-    ASSERT_EQUAL_VEC(Vec3(2000 * 0.46, 0, 0), state.getForces()[0], 1e-12);
-    ASSERT_EQUAL_VEC(Vec3(-2000 * 0.46, 0, 0), state.getForces()[1], 1e-12);
+    ASSERT_EQUAL_VEC(Vec3(2000 * 0.46, 0, 0), state.getForces()[0], forceTolerance);
+    ASSERT_EQUAL_VEC(Vec3(-2000 * 0.46, 0, 0), state.getForces()[1], forceTolerance);
 }
 
 void testHydrogenBonds(Platform& platform)
@@ -921,8 +924,10 @@ void testStericExclusionForce(Platform& platform)
     testUpdateParameters(platform);
     testTwoContexts(platform);
     testStatistics(platform);
-    testMinimization(platform);
-    testDynamics(platform);
+    if (canMinimize(platform)) {
+        testMinimization(platform);
+        testDynamics(platform);
+    }
     testFailureLeavesContextUsable(platform);
     testBadArguments(platform);
     testBadDefinitions(platform);

@@ -29,14 +29,19 @@ namespace ChainTreePlugin {
 /**
  * Run tests on a platform. The result is that of the program: 0 if they pass, 1 if one fails, 77 if there is no such
  * platform.
+ *
+ * @param precision  of a platform that has a choice of it: "single", "mixed" or "double"
  */
-inline int runOnPlatform(const std::string& name, const std::function<void(OpenMM::Platform&)>& tests)
+inline int runOnPlatform(const std::string& name, const std::function<void(OpenMM::Platform&)>& tests,
+                         const std::string& precision = "")
 {
     try {
         OpenMM::Platform::loadPluginsFromDirectory(OpenMM::Platform::getDefaultPluginsDirectory());
         registerChainTreeReferenceKernelFactories();
         for (int i = 0; i < OpenMM::Platform::getNumPlatforms(); i++)
             if (OpenMM::Platform::getPlatform(i).getName() == name) {
+                if (!precision.empty())
+                    OpenMM::Platform::getPlatform(i).setPropertyDefaultValue("Precision", precision);
                 tests(OpenMM::Platform::getPlatform(i));
                 std::cout << "Done" << std::endl;
                 return 0;
@@ -48,6 +53,14 @@ inline int runOnPlatform(const std::string& name, const std::function<void(OpenM
         std::cout << "exception: " << e.what() << std::endl;
         return 1;
     }
+}
+
+/**
+ * Whether LocalEnergyMinimizer can be relied on. On OpenCL over PoCL it crashes now and then, whatever the forces are.
+ */
+inline bool canMinimize(const OpenMM::Platform& platform)
+{
+    return platform.getName() != "OpenCL";
 }
 
 /**

@@ -1,0 +1,6 @@
+#include "TestAgreementWithReference.h"
+
+int main()
+{
+    return runOnPlatform("CPU", testAgreementWithReference);
+}

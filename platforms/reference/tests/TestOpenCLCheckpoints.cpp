@@ -1,0 +1,6 @@
+#include "TestCheckpoints.h"
+
+int main()
+{
+    return runOnPlatform("OpenCL", testCheckpoints, "double");
+}

@@ -1,0 +1,6 @@
+#include "TestPositionChanges.h"
+
+int main()
+{
+    return runOnPlatform("OpenCL", testPositionChanges, "double");
+}

@@ -1,0 +1,6 @@
+#include "TestStericExclusionForce.h"
+
+int main()
+{
+    return runOnPlatform("OpenCL", testStericExclusionForce, "double");
+}

@@ -1,0 +1,6 @@
+#include "TestTorsionMonteCarloIntegrator.h"
+
+int main()
+{
+    return runOnPlatform("OpenCL", testTorsionMonteCarloIntegrator, "double");
+}
