@@ -132,6 +132,11 @@ void ctDestroy(ctChainTree* tree);
 /* One sentence about the last call on this handle that failed; empty if none has. Valid until the next call. */
 const char* ctGetErrorText(const ctChainTree* tree);
 
+/* The instruction set that the scene's tests use: "avx512", "avx2" or "portable", the widest that the machine has.
+ * Results have the same bits on each. The environment variable CHAINTREE_SIMD, set to one of these names when the scene
+ * is made, asks for that one or, where the machine lacks it, a narrower one. */
+const char* ctGetInstructionSet(const ctChainTree* tree);
+
 /* ---- State ---- */
 
 /* Makes these 3 * particleCount coordinates (nm) the reference positions: all torsion changes are 0 and all free links

@@ -16,7 +16,7 @@ static bool build(ctChainTree* scene, const ctDefinition* definition) {
   return ctSequenceBuild(&scene->sequence, &scene->arena, definition) &&
          ctExclusionsBuild(&scene->exclusions, &scene->arena, &scene->sequence, definition) &&
          ctTreeBuild(&scene->tree, &scene->arena, &scene->sequence) &&
-         ctTraversalBuild(&scene->traversal, &scene->arena, &scene->tree, &scene->sequence);
+         ctTraversalBuild(&scene->traversal, &scene->arena, &scene->tree, &scene->sequence, &scene->exclusions);
 }
 
 static void takeReference(ctChainTree* scene, const double* positions) {
@@ -54,6 +54,7 @@ void ctDestroy(ctChainTree* tree) {
   if (tree != NULL) {
     ctTrialFree(&tree->trial);
     ctTrialFree(&tree->next);
+    ctTraversalFree(&tree->traversal);
     ctLimitsFree(&tree->limits);
     free(tree->undecided.pairs);
     ctArenaFree(&tree->arena);
@@ -63,6 +64,10 @@ void ctDestroy(ctChainTree* tree) {
 
 const char* ctGetErrorText(const ctChainTree* tree) {
   return tree->errorText;
+}
+
+const char* ctGetInstructionSet(const ctChainTree* tree) {
+  return ctTraversalPathName(&tree->traversal);
 }
 
 /* ---- State ---- */
@@ -176,7 +181,7 @@ typedef struct Content {
   size_t size;
 } Content;
 
-enum { CONTENT_COUNT = 12 };
+enum { CONTENT_COUNT = 9 };
 
 static void listContent(const ctChainTree* scene, Content content[CONTENT_COUNT]) {
   const Tree* tree = &scene->tree;
@@ -187,12 +192,9 @@ static void listContent(const ctChainTree* scene, Content content[CONTENT_COUNT]
       {tree->pose, items * sizeof(ctTransform)},
       {tree->bound, items * sizeof(Bound)},
       {tree->sum, items * sizeof(double[3])},
-      {tree->x, items * sizeof(float)},
-      {tree->y, items * sizeof(float)},
-      {tree->z, items * sizeof(float)},
-      {tree->surfaces, items * sizeof(float)},
-      {tree->centres, items * sizeof(float)},
-      {tree->local, (size_t)tree->slotCount * sizeof(double[3])},
+      {tree->leaf, (size_t)tree->levelBegin[1] * sizeof(Leaf)},
+      {tree->members, (items - (size_t)tree->levelBegin[1]) * sizeof(Members)},
+      {tree->axis, (size_t)s->linkCount * sizeof(double[3])},
       {s->product, (size_t)s->productBegin[s->pathCount] * sizeof(ctTransform)},
       {s->closure, (size_t)s->pathCount * sizeof(ctTransform)},
   };
@@ -202,6 +204,7 @@ static void listContent(const ctChainTree* scene, Content content[CONTENT_COUNT]
 bool ctValidate(ctChainTree* tree) {
   Content content[CONTENT_COUNT];
   void* kept[CONTENT_COUNT] = {0};
+  ctTreeCompleteSums(&tree->tree, &tree->sequence);
   listContent(tree, content);
   bool same = true;
   for (int i = 0; i < CONTENT_COUNT && same; i++) {
@@ -217,6 +220,7 @@ bool ctValidate(ctChainTree* tree) {
     }
     ctSequenceMultiply(&tree->sequence);
     ctTreeRefresh(&tree->tree, &tree->sequence);
+    ctTreeCompleteSums(&tree->tree, &tree->sequence);
     for (int i = 0; i < CONTENT_COUNT; i++) {
       same = same && memcmp(kept[i], content[i].data, content[i].size) == 0;
       memcpy(content[i].data, kept[i], content[i].size);

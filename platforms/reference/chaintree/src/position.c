@@ -26,7 +26,7 @@ void ctReadPosition(PositionReader* reader, int particle, double position[3]) {
   }
   double local[3];
   if (slot != CT_NULL) {
-    memcpy(local, reader->tree->local[slot], sizeof local);
+    treeLocal(reader->tree, slot, local);
   } else {
     if (link != reader->link) {
       reader->link = link;

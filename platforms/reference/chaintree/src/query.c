@@ -26,7 +26,7 @@ static bool matchClash(void* context, int slotA, int slotB, double squaredDistan
   if (fabs(overlap - tolerance) <= tree->traversal.band) {
     overlap = sum - canonicalDistance(tree, slotA, slotB);
   }
-  if (overlap <= tolerance || isExcluded(&tree->exclusions, slotA, slotB)) {
+  if (overlap <= tolerance) {
     return true;
   }
   return match->found(match, slotA, slotB, overlap);
@@ -40,7 +40,7 @@ static bool matchNeighbor(void* context, int slotA, int slotB, double squaredDis
   if (fabs(distance - match->cutoff) <= tree->traversal.band) {
     distance = canonicalDistance(tree, slotA, slotB);
   }
-  if (distance > match->cutoff || isExcluded(&tree->exclusions, slotA, slotB)) {
+  if (distance > match->cutoff) {
     return true;
   }
   return match->found(match, slotA, slotB, distance);
@@ -110,7 +110,11 @@ static bool addEnergy(Match* match, int slotA, int slotB, double overlap) {
   const int particleA = tree->sequence.slotParticle[slotA];
   const int particleB = tree->sequence.slotParticle[slotB];
   double apart[3];
-  subtract(tree->traversal.position[slotA], tree->traversal.position[slotB], apart);
+  double a[3];
+  double b[3];
+  ctTraversalPosition(&tree->traversal, slotA, a);
+  ctTraversalPosition(&tree->traversal, slotB, b);
+  subtract(a, b, apart);
   double distance = sqrt(dot(apart, apart));
   if (distance <= tree->traversal.band) {
     /* Coincident but for rounding: any direction would do, so it is a fixed one. */

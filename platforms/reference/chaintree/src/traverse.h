@@ -5,7 +5,8 @@
 #ifndef CT_TRAVERSE_H_
 #define CT_TRAVERSE_H_
 
-#include "volume.h"
+#include "exclusion.h"
+#include "tree.h"
 
 /* Consecutive slots that move as one rigid body, up to the next piece's begin. */
 typedef struct Piece {
@@ -29,23 +30,38 @@ typedef struct ItemPair {
   int b;
 } ItemPair;
 
+struct Block;
+struct Straddler;
+struct DescentPath;
+
 /* Scratch of a descent. Coordinates are in the world, from the sequence's worldOrigin. */
 typedef struct Traversal {
+  const struct DescentPath* path;
   const Tree* tree;
   const Sequence* sequence;
+  const Exclusions* exclusions;
   const View* view;
   double extent; /* no coordinate or radius of this view is larger */
   double band;   /* distances this close to a limit are left to the canonical one */
 
-  uint32_t stamp;
-  uint32_t* itemStamp; /* per item: its frame and content are of this descent */
-  ctTransform* frame;  /* per item */
-  int64_t* stillSince; /* per item: the tree's time at which it was expanded at rest, or NOT_AT_REST */
-  bool stillSurfaces;  /* whether radii of what was expanded at rest are those of surfaces */
-  Spheres items;       /* their volumes; the root has none */
+  /* Per item, of the state; what has not changed since is kept from descent to descent. */
+  int64_t* since;     /* the tree's time at which the item was put into the world, or NEVER */
+  bool sinceSurfaces; /* whether the radii of those are of surfaces */
+  ctTransform* frame;
+  struct Block* rest; /* its members */
 
-  double (*position)[3]; /* per slot, padded */
-  Spheres slots;         /* their particles */
+  /* Per item, of this descent. */
+  uint32_t stamp;
+  uint32_t* itemStamp; /* the item is expanded */
+  int* motion;         /* of which rigid body it is; below 0: it straddles bodies, see straddlerOf */
+  struct Block* moved; /* its members, if its motion is not 0 */
+
+  /* What straddles bodies, from the root down. */
+  struct Straddler* straddlers;
+  int straddlerCount;
+  int straddlerCapacity;
+  float (*motions)[12]; /* of the view */
+  int motionCapacity;
 
   ItemPair* stack;
 } Traversal;
@@ -56,17 +72,29 @@ typedef bool CandidateFunction(void* context, int slotA, int slotB, double squar
 /* Receives a slot near a probe. */
 typedef bool ProbeFunction(void* context, int slot, double squaredDistance);
 
-bool ctTraversalBuild(Traversal* traversal, Arena* arena, const Tree* tree, const Sequence* sequence);
+bool ctTraversalBuild(Traversal* traversal, Arena* arena, const Tree* tree, const Sequence* sequence,
+                      const Exclusions* exclusions);
 
-/* Calls `function` at least for every pair of slots of different rigid bodies (or every pair) within the view's reach,
- * each once. */
+void ctTraversalFree(Traversal* traversal);
+
+/* Makes room for views of this many pieces; false, and nothing changed, if there is no memory. */
+bool ctTraversalReserve(Traversal* traversal, int pieceCount);
+
+/* Calls `function` at least for every pair of slots of different rigid bodies (or every pair) that is not excluded and
+ * within the view's reach, each once. */
 void ctTraverse(Traversal* traversal, const View* view, CandidateFunction* function, void* context, ctCounts* counts);
 
 /* The same for a sphere at a point of the world (from worldOrigin), against everything. */
 void ctTraverseProbe(Traversal* traversal, const View* view, const double point[3], double radius,
                      ProbeFunction* function, void* context, ctCounts* counts);
 
+/* Where a slot that the running descent has reached is in its view. */
+void ctTraversalPosition(const Traversal* traversal, int slot, double position[3]);
+
 /* The view of the state as it is: one body, every pair. */
 View ctViewOfState(bool surfaces, double reach);
+
+/* The instruction set that descents use: "avx512", "avx2" or "portable". */
+const char* ctTraversalPathName(const Traversal* traversal);
 
 #endif /* CT_TRAVERSE_H_ */

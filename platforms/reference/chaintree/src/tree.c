@@ -2,12 +2,7 @@
 
 #include <string.h>
 
-static const Bound EMPTY_BOUND = {{0, 0, 0}, -1, -1};
-
-/* Rounding of a few operations on coordinates of this size, with room to spare. */
-static double slack(const Bound* bound) {
-  return 1e-14 * (fabs(bound->centre[0]) + fabs(bound->centre[1]) + fabs(bound->centre[2]) + bound->surfaces);
-}
+#include "volume.h"
 
 /* Particles of a link that have no slot, if the link begins at this slot. */
 static int idleAt(const Sequence* sequence, int slot, const int** idle) {
@@ -30,6 +25,23 @@ static void countParticles(Tree* tree, const Sequence* sequence) {
   }
 }
 
+/* What no update touches: which members there are, and the radii of particles. */
+static void clearMembers(Tree* tree, const Sequence* sequence) {
+  for (int slot = 0; slot < tree->levelBegin[1] * TREE_WIDTH; slot++) {
+    const bool empty = slot >= tree->slotCount || sequence->slotParticle[slot] == CT_NULL;
+    Leaf* leaf = &tree->leaf[slot / TREE_WIDTH];
+    leaf->r[slot % TREE_WIDTH] = empty ? -INFINITY : (float)sequence->slotRadius[slot];
+    leaf->centres[slot % TREE_WIDTH] = empty ? -INFINITY : 0;
+  }
+  for (int node = tree->levelBegin[1]; node < tree->itemCount; node++) {
+    Members* members = treeMembers(tree, node);
+    for (int k = 0; k < TREE_WIDTH; k++) {
+      members->block.r[k] = -INFINITY;
+      members->centres[k] = -INFINITY;
+    }
+  }
+}
+
 bool ctTreeBuild(Tree* tree, Arena* arena, const Sequence* sequence) {
   tree->slotCount = sequence->slotCount;
   int size = sequence->slotCount;
@@ -42,18 +54,15 @@ bool ctTreeBuild(Tree* tree, Arena* arena, const Sequence* sequence) {
   } while (size > 1);
   tree->itemCount = tree->levelBegin[tree->levelCount];
   const size_t items = (size_t)tree->itemCount;
-  const size_t slots = (size_t)tree->levelSize[0] * TREE_WIDTH;
   tree->shortcut = ctArenaAllocate(arena, items, sizeof(ctTransform));
   tree->pose = ctArenaAllocate(arena, items, sizeof(ctTransform));
   tree->bound = ctArenaAllocate(arena, items, sizeof(Bound));
+  tree->leaf = ctArenaAllocate(arena, (size_t)tree->levelBegin[1], sizeof(Leaf));
+  tree->members = ctArenaAllocate(arena, items - (size_t)tree->levelBegin[1], sizeof(Members));
+  tree->axis = ctArenaAllocate(arena, (size_t)sequence->linkCount, sizeof(double[3]));
   tree->sum = ctArenaAllocate(arena, items, sizeof(double[3]));
+  tree->hasSum = ctArenaAllocate(arena, items, sizeof(bool));
   tree->particles = ctArenaAllocate(arena, items, sizeof(int));
-  tree->x = ctArenaAllocate(arena, items, sizeof(float));
-  tree->y = ctArenaAllocate(arena, items, sizeof(float));
-  tree->z = ctArenaAllocate(arena, items, sizeof(float));
-  tree->surfaces = ctArenaAllocate(arena, items, sizeof(float));
-  tree->centres = ctArenaAllocate(arena, items, sizeof(float));
-  tree->local = ctArenaAllocate(arena, slots, sizeof(double[3]));
   tree->dirty = ctArenaAllocate(arena, (size_t)tree->levelSize[0], sizeof(int));
   tree->changedLeaf = ctArenaAllocate(arena, (size_t)tree->levelSize[0], sizeof(int));
   tree->changeTime = ctArenaAllocate(arena, (size_t)tree->levelSize[0], sizeof(int64_t));
@@ -66,39 +75,26 @@ bool ctTreeBuild(Tree* tree, Arena* arena, const Sequence* sequence) {
 
 /* ---- Bounds ---- */
 
-/* About the middle of the box around spheres. `member` k has a centre and two radii; negative ones are left out. */
-static Bound boundAround(const Bound* member, int count) {
-  double low[3] = {0, 0, 0};
-  double high[3] = {0, 0, 0};
-  bool empty = true;
-  for (int i = 0; i < count; i++) {
-    if (member[i].surfaces < 0) {
-      continue;
-    }
-    for (int k = 0; k < 3; k++) {
-      const double from = member[i].centre[k] - member[i].surfaces;
-      const double to = member[i].centre[k] + member[i].surfaces;
-      low[k] = empty || from < low[k] ? from : low[k];
-      high[k] = empty || to > high[k] ? to : high[k];
-    }
-    empty = false;
+/* The radii have room for the rounding to float, relative to coordinates about the item's own origin. */
+static Bound boundAround(const Block* block, const float* centres) {
+  const Sphere middle = middleOfBlock(block);
+  if (middle.r < 0) {
+    return (Bound){0, 0, 0, -INFINITY, -INFINITY};
   }
-  if (empty) {
-    return EMPTY_BOUND;
+  const float r = radiusAbout(middle, block, block->r);
+  const float rounding = 1e-6f * (fabsf(middle.x) + fabsf(middle.y) + fabsf(middle.z) + r);
+  return (Bound){middle.x, middle.y, middle.z, r + rounding, radiusAbout(middle, block, centres) + rounding};
+}
+
+static Bound boundOfLeaf(const Leaf* leaf) {
+  Block block;
+  for (int k = 0; k < TREE_WIDTH; k++) {
+    block.x[k] = (float)leaf->x[k];
+    block.y[k] = (float)leaf->y[k];
+    block.z[k] = (float)leaf->z[k];
+    block.r[k] = leaf->r[k];
   }
-  Bound bound = {{0.5 * (low[0] + high[0]), 0.5 * (low[1] + high[1]), 0.5 * (low[2] + high[2])}, 0, 0};
-  for (int i = 0; i < count; i++) {
-    if (member[i].surfaces < 0) {
-      continue;
-    }
-    const double distance = sqrt(squaredDistance(bound.centre, member[i].centre));
-    bound.surfaces = larger(bound.surfaces, distance + member[i].surfaces);
-    bound.centres = larger(bound.centres, distance + member[i].centres);
-  }
-  const double rounding = slack(&bound);
-  bound.surfaces += rounding;
-  bound.centres += rounding;
-  return bound;
+  return boundAround(&block, leaf->centres);
 }
 
 /* ---- Update, bottom-up ---- */
@@ -107,92 +103,69 @@ static int firstLink(const Tree* tree, const Sequence* sequence, int leaf) {
   return leaf < tree->levelSize[0] ? sequence->slotLink[leaf * TREE_WIDTH] : CT_NULL;
 }
 
-static void add(double sum[3], const double x[3]) {
-  sum[0] += x[0];
-  sum[1] += x[1];
-  sum[2] += x[2];
-}
-
-/* Adds the positions of a slot's particle and of the idle ones of a link that begins there; `frame` is the link's. */
-static void addSlot(const Tree* tree, const Sequence* sequence, int slot, const ctTransform* frame, double sum[3]) {
-  if (sequence->slotParticle[slot] != CT_NULL) {
-    add(sum, tree->local[slot]);
-  }
-  const int* idle;
-  const int count = idleAt(sequence, slot, &idle);
-  for (int i = 0; i < count; i++) {
-    double x[3];
-    sequenceLocal(sequence, idle[i], x);
-    transformPoint(frame, x, x);
-    add(sum, x);
-  }
+/* The frame of the next link, and its axis. */
+static void stepFrame(Tree* tree, const Sequence* sequence, int link, ctTransform* frame) {
+  const ctTransform step = ctSequenceStep(sequence, link);
+  *frame = transformCompose(frame, &step);
+  rotate(frame->rotation, sequence->axis[link + 1], tree->axis[link + 1]);
 }
 
 static void refreshLeaf(Tree* tree, const Sequence* sequence, int leaf) {
   const int begin = leaf * TREE_WIDTH;
   const int end = begin + TREE_WIDTH < tree->slotCount ? begin + TREE_WIDTH : tree->slotCount;
+  Leaf* own = &tree->leaf[leaf];
   int link = firstLink(tree, sequence, leaf);
   ctTransform frame = transformIdentity();
-  Bound member[TREE_WIDTH];
-  double sum[3] = {0, 0, 0};
+  if (sequence->slotBegin[link] == begin) {
+    memcpy(tree->axis[link], sequence->axis[link], sizeof tree->axis[link]);
+  }
   for (int slot = begin; slot < end; slot++) {
     for (; link < sequence->slotLink[slot]; link++) {
-      const ctTransform step = ctSequenceStep(sequence, link);
-      frame = transformCompose(&frame, &step);
+      stepFrame(tree, sequence, link, &frame);
     }
     const int particle = sequence->slotParticle[slot];
-    Bound* sphere = &member[slot - begin];
-    *sphere = EMPTY_BOUND;
     if (particle != CT_NULL) {
-      sequenceLocal(sequence, particle, tree->local[slot]);
-      transformPoint(&frame, tree->local[slot], tree->local[slot]);
-      memcpy(sphere->centre, tree->local[slot], sizeof sphere->centre);
-      sphere->surfaces = sequence->slotRadius[slot];
-      sphere->centres = 0;
+      double x[3];
+      sequenceLocal(sequence, particle, x);
+      transformPoint(&frame, x, x);
+      own->x[slot - begin] = x[0];
+      own->y[slot - begin] = x[1];
+      own->z[slot - begin] = x[2];
     }
-    addSlot(tree, sequence, slot, &frame, sum);
   }
   for (const int next = firstLink(tree, sequence, leaf + 1); link < next; link++) {
     const ctTransform step = ctSequenceStep(sequence, link);
     frame = transformCompose(&frame, &step);
   }
   tree->shortcut[leaf] = frame;
-  memcpy(tree->sum[leaf], sum, sizeof sum);
-  tree->bound[leaf] = boundAround(member, end - begin);
+  tree->bound[leaf] = boundOfLeaf(own);
+  tree->hasSum[leaf] = false;
 }
 
-/* Adds the sum of an item's positions as its parent's frame has them. */
-static void addItem(const Tree* tree, int item, const double own[3], int particles, double sum[3]) {
-  double x[3];
-  rotate(tree->pose[item].rotation, own, x);
-  for (int k = 0; k < 3; k++) {
-    sum[k] += x[k] + particles * tree->pose[item].translation[k];
-  }
-}
-
-static void refreshNode(Tree* tree, int level, int item) {
+/* Children before the first changed one are where they were. */
+static void refreshNode(Tree* tree, int level, int item, int firstChanged) {
   int count;
   const int first = treeChildren(tree, level, item, &count);
-  ctTransform pose = transformIdentity();
-  Bound member[TREE_WIDTH];
-  double sum[3] = {0, 0, 0};
-  for (int i = 0; i < count; i++) {
-    const int child = first + i;
+  Members* members = treeMembers(tree, item);
+  for (int child = firstChanged; child < first + count; child++) {
+    if (child == first) {
+      tree->pose[child] = transformIdentity();
+    } else if (child > firstChanged) {
+      tree->pose[child] = transformCompose(&tree->pose[child - 1], &tree->shortcut[child - 1]);
+    }
     const Bound* own = &tree->bound[child];
-    tree->pose[child] = pose;
-    member[i] = *own;
-    transformPoint(&pose, own->centre, member[i].centre);
-    tree->x[child] = (float)member[i].centre[0];
-    tree->y[child] = (float)member[i].centre[1];
-    tree->z[child] = (float)member[i].centre[2];
-    tree->surfaces[child] = (float)own->surfaces;
-    tree->centres[child] = (float)own->centres;
-    addItem(tree, child, tree->sum[child], tree->particles[child], sum);
-    pose = transformCompose(&pose, &tree->shortcut[child]);
+    double centre[3] = {own->x, own->y, own->z};
+    transformPoint(&tree->pose[child], centre, centre);
+    members->block.x[child - first] = (float)centre[0];
+    members->block.y[child - first] = (float)centre[1];
+    members->block.z[child - first] = (float)centre[2];
+    members->block.r[child - first] = own->r;
+    members->centres[child - first] = own->centres;
   }
-  tree->shortcut[item] = pose;
-  memcpy(tree->sum[item], sum, sizeof sum);
-  tree->bound[item] = boundAround(member, count);
+  const int last = first + count - 1;
+  tree->shortcut[item] = transformCompose(&tree->pose[last], &tree->shortcut[last]);
+  tree->bound[item] = boundAround(&members->block, members->centres);
+  tree->hasSum[item] = false;
 }
 
 static void refreshRoot(Tree* tree) {
@@ -208,12 +181,15 @@ static void noteChange(Tree* tree, int firstLeaf) {
 }
 
 void ctTreeRefresh(Tree* tree, const Sequence* sequence) {
+  clearMembers(tree, sequence);
   for (int leaf = 0; leaf < tree->levelSize[0]; leaf++) {
     refreshLeaf(tree, sequence, leaf);
   }
   for (int level = 1; level < tree->levelCount; level++) {
     for (int i = 0; i < tree->levelSize[level]; i++) {
-      refreshNode(tree, level, tree->levelBegin[level] + i);
+      const int node = tree->levelBegin[level] + i;
+      int count;
+      refreshNode(tree, level, node, treeChildren(tree, level, node, &count));
     }
   }
   refreshRoot(tree);
@@ -238,8 +214,8 @@ int ctTreeUpdate(Tree* tree, const Sequence* sequence, int* leaves, int count) {
     for (int i = 0; i < dirty; i++) {
       const int parent = treeParent(tree, level - 1, tree->dirty[i]);
       if (parents == 0 || tree->dirty[parents - 1] != parent) {
+        refreshNode(tree, level, parent, tree->dirty[i]);
         tree->dirty[parents++] = parent;
-        refreshNode(tree, level, parent);
       }
     }
     dirty = parents;
@@ -273,11 +249,29 @@ ctTransform ctTreeLinkInLeaf(const Sequence* sequence, int link) {
   return frame;
 }
 
+void ctTreeAxis(const Tree* tree, const Sequence* sequence, int link, double point[3], double direction[3]) {
+  const int slot = sequence->slotBegin[link];
+  const int originSlot = sequence->particleSlot[sequence->originParticle[link]];
+  int item = slot / TREE_WIDTH;
+  if (originSlot != CT_NULL && originSlot / TREE_WIDTH == item) {
+    treeLocal(tree, originSlot, point);
+  } else {
+    const ctTransform frame = ctTreeLinkInLeaf(sequence, link);
+    memcpy(point, frame.translation, sizeof frame.translation);
+  }
+  memcpy(direction, tree->axis[link], sizeof tree->axis[link]);
+  for (int level = 0; level <= treeTop(tree); level++) {
+    transformPoint(&tree->pose[item], point, point);
+    rotate(tree->pose[item].rotation, direction, direction);
+    item = level < treeTop(tree) ? treeParent(tree, level, item) : item;
+  }
+}
+
 double ctTreeSquaredDistance(const Tree* tree, int slotA, int slotB) {
   double a[3];
   double b[3];
-  memcpy(a, tree->local[slotA], sizeof a);
-  memcpy(b, tree->local[slotB], sizeof b);
+  treeLocal(tree, slotA, a);
+  treeLocal(tree, slotB, b);
   int itemA = slotA / TREE_WIDTH;
   int itemB = slotB / TREE_WIDTH;
   for (int level = 0; itemA != itemB; level++) {
@@ -306,48 +300,99 @@ ctTransform ctTreeRelative(const Tree* tree, const Sequence* sequence, int linkA
 
 /* ---- Sums ---- */
 
-/* Slots [slotBegin, slotEnd) of an item: adds their particles' positions to sum, in the item's frame; returns how many.
- */
-static int sumItem(const Tree* tree, const Sequence* sequence, int level, int item, int slotBegin, int slotEnd,
-                   double sum[3]) {
-  int end;
-  const int begin = treeSlots(tree, level, item, &end);
-  if (slotEnd <= begin || end <= slotBegin) {
-    return 0;
-  }
-  if (slotBegin <= begin && end <= slotEnd) {
-    add(sum, tree->sum[item]);
-    return tree->particles[item];
-  }
+static void add(double sum[3], const double x[3]) {
+  sum[0] += x[0];
+  sum[1] += x[1];
+  sum[2] += x[2];
+}
+
+/* Slots [slotBegin, slotEnd) of a leaf: adds the positions of their particles, and of the idle ones of links that begin
+ * there, to sum, in the leaf's frame; returns how many. */
+static int sumSlots(const Tree* tree, const Sequence* sequence, int leaf, int slotBegin, int slotEnd, double sum[3]) {
   int particles = 0;
-  if (level == 0) {
-    for (int slot = begin > slotBegin ? begin : slotBegin; slot < end && slot < slotEnd; slot++) {
-      const int* idle;
-      const int idleCount = idleAt(sequence, slot, &idle);
-      const ctTransform frame =
-          idleCount > 0 ? ctTreeLinkInLeaf(sequence, sequence->slotLink[slot]) : transformIdentity();
-      addSlot(tree, sequence, slot, &frame, sum);
-      particles += (sequence->slotParticle[slot] != CT_NULL) + idleCount;
+  int link = sequence->slotLink[leaf * TREE_WIDTH];
+  ctTransform frame = transformIdentity();
+  for (int slot = slotBegin; slot < slotEnd; slot++) {
+    double x[3];
+    if (sequence->slotParticle[slot] != CT_NULL) {
+      treeLocal(tree, slot, x);
+      add(sum, x);
+      particles++;
     }
-    return particles;
+    const int* idle;
+    const int idleCount = idleAt(sequence, slot, &idle);
+    for (; idleCount > 0 && link < sequence->slotLink[slot]; link++) {
+      const ctTransform step = ctSequenceStep(sequence, link);
+      frame = transformCompose(&frame, &step);
+    }
+    for (int i = 0; i < idleCount; i++) {
+      sequenceLocal(sequence, idle[i], x);
+      transformPoint(&frame, x, x);
+      add(sum, x);
+    }
+    particles += idleCount;
   }
+  return particles;
+}
+
+static int sumItem(Tree* tree, const Sequence* sequence, int level, int item, int slotBegin, int slotEnd,
+                   double sum[3]);
+
+/* Adds the sum over these slots of a node's children, in the node's frame. */
+static int sumChildren(Tree* tree, const Sequence* sequence, int level, int item, int slotBegin, int slotEnd,
+                       double sum[3]) {
+  int particles = 0;
   int count;
   const int first = treeChildren(tree, level, item, &count);
   for (int child = first; child < first + count; child++) {
     double own[3] = {0, 0, 0};
     const int inChild = sumItem(tree, sequence, level - 1, child, slotBegin, slotEnd, own);
     if (inChild > 0) {
-      addItem(tree, child, own, inChild, sum);
+      rotate(tree->pose[child].rotation, own, own);
+      for (int k = 0; k < 3; k++) {
+        sum[k] += own[k] + inChild * tree->pose[child].translation[k];
+      }
       particles += inChild;
     }
   }
   return particles;
 }
 
-int ctTreeSum(const Tree* tree, const Sequence* sequence, int linkBegin, int linkEnd, double sum[3]) {
+/* Slots [slotBegin, slotEnd) of an item: adds their particles' positions to sum, in the item's frame; returns how many.
+ */
+static int sumItem(Tree* tree, const Sequence* sequence, int level, int item, int slotBegin, int slotEnd,
+                   double sum[3]) {
+  int end;
+  const int begin = treeSlots(tree, level, item, &end);
+  if (slotEnd <= begin || end <= slotBegin) {
+    return 0;
+  }
+  const bool whole = slotBegin <= begin && end <= slotEnd;
+  double own[3] = {0, 0, 0};
+  int particles = tree->particles[item];
+  if (!whole || !tree->hasSum[item]) {
+    const int from = begin > slotBegin ? begin : slotBegin;
+    const int to = end < slotEnd ? end : slotEnd;
+    particles = level == 0 ? sumSlots(tree, sequence, item, from, to, own)
+                           : sumChildren(tree, sequence, level, item, from, to, own);
+  }
+  if (whole && !tree->hasSum[item]) {
+    memcpy(tree->sum[item], own, sizeof own);
+    tree->hasSum[item] = true;
+  }
+  add(sum, whole ? tree->sum[item] : own);
+  return particles;
+}
+
+int ctTreeSum(Tree* tree, const Sequence* sequence, int linkBegin, int linkEnd, double sum[3]) {
   sum[0] = sum[1] = sum[2] = 0;
   return sumItem(tree, sequence, treeTop(tree), treeRoot(tree), sequence->slotBegin[linkBegin],
                  sequence->slotBegin[linkEnd], sum);
+}
+
+void ctTreeCompleteSums(Tree* tree, const Sequence* sequence) {
+  double all[3];
+  ctTreeSum(tree, sequence, 0, sequence->linkCount, all);
 }
 
 /* ---- Validation ---- */
@@ -358,19 +403,21 @@ static bool itemHolds(const Tree* tree, const Sequence* sequence, int level, int
   const int begin = treeSlots(tree, level, item, &end);
   const ctTransform frame = ctTreeFrame(tree, level, item);
   const Bound* bound = &tree->bound[item];
-  double centre[3];
-  transformPoint(&frame, bound->centre, centre);
+  double centre[3] = {bound->x, bound->y, bound->z};
+  transformPoint(&frame, centre, centre);
   for (int slot = begin; slot < end; slot++) {
     if (sequence->slotParticle[slot] == CT_NULL) {
       continue;
     }
     const ctTransform leaf = ctTreeFrame(tree, 0, slot / TREE_WIDTH);
     double x[3];
-    transformPoint(&leaf, tree->local[slot], x);
+    treeLocal(tree, slot, x);
+    transformPoint(&leaf, x, x);
     const double distance = sqrt(squaredDistance(x, centre));
     /* Both positions went through frames in the world: allow for their rounding. */
-    const double rounding = 1e-13 * (sqrt(dot(x, x)) + sqrt(dot(centre, centre)) + bound->surfaces);
-    if (distance > bound->centres + rounding || distance + sequence->slotRadius[slot] > bound->surfaces + rounding) {
+    const double rounding = 1e-13 * (sqrt(dot(x, x)) + sqrt(dot(centre, centre)) + (double)bound->r);
+    if (distance > (double)bound->centres + rounding ||
+        distance + sequence->slotRadius[slot] > (double)bound->r + rounding) {
       return false;
     }
   }

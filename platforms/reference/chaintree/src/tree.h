@@ -13,11 +13,36 @@
 
 enum { TREE_MAX_LEVELS = 8 };
 
-/* Two radii about one centre: around the spheres of all particles, and around their centres. Negative: no particle. */
+/* The members of an item in its own frame, or as a view has them in the world. r < 0: no member. */
+typedef struct Block {
+  float x[TREE_WIDTH];
+  float y[TREE_WIDTH];
+  float z[TREE_WIDTH];
+  float r[TREE_WIDTH]; /* around the spheres of all particles; -INFINITY: none */
+} Block;
+
+/* Children of a node. */
+typedef struct Members {
+  Block block;
+  float centres[TREE_WIDTH]; /* radii around the centres of all particles only; -INFINITY: none */
+} Members;
+
+/* Slots of a leaf. */
+typedef struct Leaf {
+  double x[TREE_WIDTH];
+  double y[TREE_WIDTH];
+  double z[TREE_WIDTH];
+  float r[TREE_WIDTH];       /* of the particle; -INFINITY: none */
+  float centres[TREE_WIDTH]; /* 0, or -INFINITY: none */
+} Leaf;
+
+/* A sphere around the members of an item in its own frame; radii as in Members. */
 typedef struct Bound {
-  double centre[3];
-  double surfaces;
-  double centres;
+  float x;
+  float y;
+  float z;
+  float r;
+  float centres;
 } Bound;
 
 typedef struct Tree {
@@ -30,20 +55,17 @@ typedef struct Tree {
   ctTransform*
       shortcut;      /* per item: the frame of the next item of its level in its own frame; the last one's is unused */
   ctTransform* pose; /* per item: its frame in its parent's frame */
-  Bound* bound;      /* per item: in its own frame */
-  double (*sum)[3];  /* per item: of the positions of all its particles, modelled or not, in its own frame */
-  int* particles;    /* per item: how many those are; one without slot counts where its link begins */
+  Leaf* leaf;        /* per item of level 0 */
+  Members* members;  /* per item of a higher level, from levelBegin[1] on */
+  Bound* bound;      /* per item */
+  double (*axis)[3]; /* per link: its torsion axis in the frame of the leaf where it begins */
 
-  /* Per item: its bound in the parent's frame, as the traversal reads it. */
-  float* x;
-  float* y;
-  float* z;
-  float* surfaces;
-  float* centres;
+  /* Sums of positions are wanted now and then only: made when asked for. */
+  double (*sum)[3]; /* per item: of the positions of all its particles, modelled or not, in its own frame */
+  bool* hasSum;     /* per item */
+  int* particles;   /* per item: how many those are; one without slot counts where its link begins */
 
-  double (*local)[3]; /* per slot, padded: in the frame of its leaf */
-
-  int* dirty; /* scratch of treeUpdate: items of one level */
+  int* dirty; /* scratch of ctTreeUpdate: items of one level */
 
   /* When which part of the tree last changed: what lies before the first recomputed leaf is where it was. Ascending by
    * leaf and by time; a change hides earlier ones of later leaves. */
@@ -87,6 +109,19 @@ static inline int treeLeafOfStep(const Sequence* sequence, int link) {
   return (sequence->slotBegin[link + 1] - 1) / TREE_WIDTH;
 }
 
+/* The members of a node. */
+static inline Members* treeMembers(const Tree* tree, int node) {
+  return &tree->members[node - tree->levelBegin[1]];
+}
+
+/* A slot's position in the frame of its leaf. */
+static inline void treeLocal(const Tree* tree, int slot, double local[3]) {
+  const Leaf* leaf = &tree->leaf[slot / TREE_WIDTH];
+  local[0] = leaf->x[slot % TREE_WIDTH];
+  local[1] = leaf->y[slot % TREE_WIDTH];
+  local[2] = leaf->z[slot % TREE_WIDTH];
+}
+
 /* Whether all that leaves [0, leafEnd) hold, and their frames in the world, are as they were at a time. O(log N). */
 static inline bool treeUnchanged(const Tree* tree, int64_t since, int leafEnd) {
   int low = 0;
@@ -118,6 +153,9 @@ ctTransform ctTreeFrame(const Tree* tree, int level, int item);
 /* The frame of a link in the frame of its leaf. */
 ctTransform ctTreeLinkInLeaf(const Sequence* sequence, int link);
 
+/* A point of a link's torsion axis, and the axis' unit vector, in the world. O(level count). */
+void ctTreeAxis(const Tree* tree, const Sequence* sequence, int link, double point[3], double direction[3]);
+
 /* Positions of two slots in the frame of the lowest item over both: the canonical ones, a pure function of the state.
  */
 double ctTreeSquaredDistance(const Tree* tree, int slotA, int slotB);
@@ -127,7 +165,10 @@ ctTransform ctTreeRelative(const Tree* tree, const Sequence* sequence, int linkA
 
 /* The sum of the positions of all particles of links [linkBegin, linkEnd) in the world, and how many they are. O(log
  * N). */
-int ctTreeSum(const Tree* tree, const Sequence* sequence, int linkBegin, int linkEnd, double sum[3]);
+int ctTreeSum(Tree* tree, const Sequence* sequence, int linkBegin, int linkEnd, double sum[3]);
+
+/* Makes all sums that are not there. */
+void ctTreeCompleteSums(Tree* tree, const Sequence* sequence);
 
 /* Whether every bound of every item holds the particles below it. O(N log N). */
 bool ctTreeBoundsHold(const Tree* tree, const Sequence* sequence);

@@ -45,11 +45,11 @@ static ctTransform linkFrame(const Sequence* sequence, const Tree* tree, int lin
 /* About the axis as it lies in the world. */
 static void turnTorsion(TrialChange* change, const Sequence* s, const Tree* tree, double angle) {
   static const double still[3] = {0, 0, 0};
-  const ctTransform frame = linkFrame(s, tree, change->link);
-  double axis[3];
-  rotate(frame.rotation, s->axis[change->link], axis);
-  rotationAbout(axis, cos(angle), sin(angle), change->motion.rotation);
-  transformAbout(frame.translation, still, &change->motion);
+  double point[3];
+  double direction[3];
+  ctTreeAxis(tree, s, change->link, point, direction);
+  rotationAbout(direction, cos(angle), sin(angle), change->motion.rotation);
+  transformAbout(point, still, &change->motion);
   change->after = ctJointTurned(&change->before, angle);
 }
 

@@ -46,6 +46,10 @@ ctStatus ctPropose(ctChainTree* tree, int count, const ctChange* changes) {
   if (!ctTrialReserve(&tree->next, count > 0 ? count : 1)) {
     return ctFailOutOfMemory(tree);
   }
+  /* A change begins a piece and may end in another. */
+  if (!ctTraversalReserve(&tree->traversal, 2 * count + 1)) {
+    return ctFailOutOfMemory(tree);
+  }
   const int twice = ctTrialOpen(&tree->next, &tree->sequence, &tree->tree, changes, count);
   if (twice != CT_NULL) {
     int link = 0;
@@ -94,7 +98,7 @@ static bool judge(void* context, int slotA, int slotB, double squaredDistance) {
   const double band = tree->traversal.band;
   const double overlap = radiusSum(tree, slotA, slotB) - sqrt(squaredDistance);
   const double tolerance = pairTolerance(tree, slotA, slotB);
-  if (overlap <= tolerance - band || isExcluded(&tree->exclusions, slotA, slotB)) {
+  if (overlap <= tolerance - band) {
     return true;
   }
   int pair[2];
@@ -161,9 +165,7 @@ static bool collect(void* context, int slotA, int slotB, double squaredDistance)
   (void)squaredDistance;
   Collection* collection = context;
   ctChainTree* tree = collection->tree;
-  if (!isExcluded(&tree->exclusions, slotA, slotB)) {
-    collection->failed = !addUndecided(tree, slotA < slotB ? slotA : slotB, slotA < slotB ? slotB : slotA, 0);
-  }
+  collection->failed = !addUndecided(tree, slotA < slotB ? slotA : slotB, slotA < slotB ? slotB : slotA, 0);
   return !collection->failed;
 }
 

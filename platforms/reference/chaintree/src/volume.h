@@ -2,81 +2,74 @@
 #ifndef CT_VOLUME_H_
 #define CT_VOLUME_H_
 
-#include <math.h>
-#ifdef __SSE2__
-#include <emmintrin.h>
-#endif
-
+#include "simd.h"
 #include "tree.h"
 
-/* Rounding to float, once on each side, and of the test itself, relative to the largest coordinate and reach. */
-#define FLOAT_MARGIN 2e-6
+/* Rounding to float, a motion in float, once on each side, and rounding of the test itself, relative to the largest
+ * coordinate and reach. */
+#define FLOAT_MARGIN 4e-6
 
 /* What two positions of one particle reached by different products of transforms differ by at most, relative to the
  * largest coordinate: some hundred roundings of 1e-16. Nearer than that to a limit the canonical distance decides. */
 #define DOUBLE_MARGIN 4e-13
 
-/* Spheres in structure-of-arrays, in runs of TREE_WIDTH. */
-typedef struct Spheres {
-  float* x;
-  float* y;
-  float* z;
-  float* r;    /* -INFINITY: none, never near anything */
-  int* motion; /* which rigid body each belongs to, or STRADDLES */
-} Spheres;
+typedef struct Sphere {
+  float x;
+  float y;
+  float z;
+  float r;
+} Sphere;
 
-enum { STRADDLES = -1 };
-
-/* Bit k is set if sphere first + k is nearer than its radius + reach to (x, y, z). Both paths round alike, lane by
- * lane. */
-#ifdef __SSE2__
-static inline unsigned near16(const Spheres* spheres, int first, float x, float y, float z, float reach) {
-  const float* xs = spheres->x + first;
-  const float* ys = spheres->y + first;
-  const float* zs = spheres->z + first;
-  const float* rs = spheres->r + first;
-  const __m128 x4 = _mm_set1_ps(x);
-  const __m128 y4 = _mm_set1_ps(y);
-  const __m128 z4 = _mm_set1_ps(z);
-  const __m128 reach4 = _mm_set1_ps(reach);
-  const __m128 zero = _mm_setzero_ps();
-  unsigned mask = 0;
-  for (unsigned k = 0; k < TREE_WIDTH; k += 4) {
-    const __m128 dx = _mm_sub_ps(_mm_loadu_ps(xs + k), x4);
-    const __m128 dy = _mm_sub_ps(_mm_loadu_ps(ys + k), y4);
-    const __m128 dz = _mm_sub_ps(_mm_loadu_ps(zs + k), z4);
-    const __m128 sum = _mm_add_ps(_mm_loadu_ps(rs + k), reach4);
-    const __m128 squared = _mm_add_ps(_mm_add_ps(_mm_mul_ps(dx, dx), _mm_mul_ps(dy, dy)), _mm_mul_ps(dz, dz));
-    const __m128 near = _mm_and_ps(_mm_cmpgt_ps(sum, zero), _mm_cmpgt_ps(_mm_mul_ps(sum, sum), squared));
-    mask |= (unsigned)_mm_movemask_ps(near) << k;
-  }
-  return mask;
+static inline Sphere sphereOf(const Block* block, int k) {
+  return (Sphere){block->x[k], block->y[k], block->z[k], block->r[k]};
 }
-#else
-static inline unsigned near16(const Spheres* spheres, int first, float x, float y, float z, float reach) {
-  const float* xs = spheres->x + first;
-  const float* ys = spheres->y + first;
-  const float* zs = spheres->z + first;
-  const float* rs = spheres->r + first;
-  unsigned mask = 0;
-  for (unsigned k = 0; k < TREE_WIDTH; k++) {
-    const float dx = xs[k] - x;
-    const float dy = ys[k] - y;
-    const float dz = zs[k] - z;
-    const float sum = rs[k] + reach;
-    mask |= (unsigned)(sum > 0 && sum * sum > dx * dx + dy * dy + dz * dz) << k;
-  }
-  return mask;
-}
-#endif
 
-/* Bit k is set if sphere first + k is of this rigid body. */
-static inline unsigned sameBody16(const Spheres* spheres, int first, int motion) {
-  unsigned mask = 0;
-  for (int k = 0; k < TREE_WIDTH; k++) {
-    mask |= (unsigned)(spheres->motion[first + k] == motion) << k;
+/* Bit k is set if member k is nearer than its radius + the sphere's + reach. */
+static inline unsigned near16(const Block* block, Sphere sphere, float reach) {
+  const Float16 dx = sub16(load16(block->x), all16(sphere.x));
+  const Float16 dy = sub16(load16(block->y), all16(sphere.y));
+  const Float16 dz = sub16(load16(block->z), all16(sphere.z));
+  const Float16 sum = max16(add16(load16(block->r), all16(sphere.r + reach)), all16(0));
+  const Float16 squared = add16(add16(mul16(dx, dx), mul16(dy, dy)), mul16(dz, dz));
+  return greater16(mul16(sum, sum), squared);
+}
+
+/* One coordinate of the members moved by a row of a motion. */
+static inline Float16 moved16(const Block* block, const float row[4]) {
+  const Float16 xy = add16(mul16(load16(block->x), all16(row[0])), mul16(load16(block->y), all16(row[1])));
+  return add16(xy, add16(mul16(load16(block->z), all16(row[2])), all16(row[3])));
+}
+
+/* Members whose bit is set, moved by a motion (rows of rotation and translation); the others as they are in `to`. */
+static inline void moveBlock(const Block* from, const float motion[12], unsigned mask, Block* to) {
+  store16(to->x, blend16(mask, load16(to->x), moved16(from, motion)));
+  store16(to->y, blend16(mask, load16(to->y), moved16(from, motion + 4)));
+  store16(to->z, blend16(mask, load16(to->z), moved16(from, motion + 8)));
+}
+
+/* The middle of the box around all members; its radius is -INFINITY if there are none, else 0. */
+static inline Sphere middleOfBlock(const Block* block) {
+  const Float16 r = load16(block->r);
+  const Float16 x = load16(block->x);
+  const Float16 y = load16(block->y);
+  const Float16 z = load16(block->z);
+  const float lowX = least16(sub16(x, r));
+  const float highX = most16(add16(x, r));
+  if (!(lowX <= highX)) {
+    return (Sphere){0, 0, 0, -INFINITY};
   }
-  return mask;
+  /* The sum with 0 makes one zero of both. */
+  return (Sphere){0.5f * (lowX + highX) + 0.0f, 0.5f * (least16(sub16(y, r)) + most16(add16(y, r))) + 0.0f,
+                  0.5f * (least16(sub16(z, r)) + most16(add16(z, r))) + 0.0f, 0};
+}
+
+/* The radius about a centre that holds all members, each with a radius of its own; without room for rounding. */
+static inline float radiusAbout(Sphere centre, const Block* block, const float* radii) {
+  const Float16 dx = sub16(load16(block->x), all16(centre.x));
+  const Float16 dy = sub16(load16(block->y), all16(centre.y));
+  const Float16 dz = sub16(load16(block->z), all16(centre.z));
+  const Float16 squared = add16(add16(mul16(dx, dx), mul16(dy, dy)), mul16(dz, dz));
+  return most16(add16(sqrt16(squared), load16(radii)));
 }
 
 #endif /* CT_VOLUME_H_ */

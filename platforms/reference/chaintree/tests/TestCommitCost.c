@@ -82,8 +82,8 @@ typedef struct Storage {
   ctTransform* pose;
   Bound* bound;
   double (*sum)[3];
-  float* volume; /* x, y, z and both radii of each item */
-  double (*local)[3];
+  Leaf* leaf;
+  Members* members;
   ctTransform* product;
   ctTransform* closure;
 } Storage;
@@ -98,23 +98,20 @@ static void* copyOf(const void* data, size_t size) {
   return copy;
 }
 
-static Storage copyStorage(const ctChainTree* scene) {
+static Storage copyStorage(ctChainTree* scene) {
   const Tree* tree = &scene->tree;
   const Sequence* s = &scene->sequence;
+  ctTreeCompleteSums(&scene->tree, s);
   const size_t items = (size_t)tree->itemCount;
-  Storage storage = {copyOf(tree->shortcut, items * sizeof(ctTransform)),
-                     copyOf(tree->pose, items * sizeof(ctTransform)),
-                     copyOf(tree->bound, items * sizeof(Bound)),
-                     copyOf(tree->sum, items * sizeof(double[3])),
-                     malloc(items * sizeof(float[5])),
-                     copyOf(tree->local, (size_t)tree->slotCount * sizeof(double[3])),
-                     copyOf(s->product, (size_t)s->productBegin[s->pathCount] * sizeof(ctTransform)),
-                     copyOf(s->closure, (size_t)s->pathCount * sizeof(ctTransform))};
-  for (size_t i = 0; i < items && storage.volume != NULL; i++) {
-    const float volume[5] = {tree->x[i], tree->y[i], tree->z[i], tree->surfaces[i], tree->centres[i]};
-    memcpy(storage.volume + 5 * i, volume, sizeof volume);
-  }
-  return storage;
+  const size_t leaves = (size_t)tree->levelBegin[1];
+  return (Storage){copyOf(tree->shortcut, items * sizeof(ctTransform)),
+                   copyOf(tree->pose, items * sizeof(ctTransform)),
+                   copyOf(tree->bound, items * sizeof(Bound)),
+                   copyOf(tree->sum, items * sizeof(double[3])),
+                   copyOf(tree->leaf, leaves * sizeof(Leaf)),
+                   copyOf(tree->members, (items - leaves) * sizeof(Members)),
+                   copyOf(s->product, (size_t)s->productBegin[s->pathCount] * sizeof(ctTransform)),
+                   copyOf(s->closure, (size_t)s->pathCount * sizeof(ctTransform))};
 }
 
 static void freeStorage(Storage* storage) {
@@ -122,8 +119,8 @@ static void freeStorage(Storage* storage) {
   free(storage->pose);
   free(storage->bound);
   free(storage->sum);
-  free(storage->volume);
-  free(storage->local);
+  free(storage->leaf);
+  free(storage->members);
   free(storage->product);
   free(storage->closure);
 }
@@ -140,14 +137,13 @@ static bool itemChanged(const Storage* a, const Storage* b, const Tree* tree, in
                  differ(&a->bound[item], &b->bound[item], sizeof(Bound)) ||
                  differ(&a->sum[item], &b->sum[item], sizeof(double[3]));
   if (level == 0) {
-    int end;
-    const int begin = treeSlots(tree, 0, item, &end);
-    return changed || differ(a->local[begin], b->local[begin], (size_t)(end - begin) * sizeof(double[3]));
+    return changed || differ(&a->leaf[item], &b->leaf[item], sizeof(Leaf));
   }
   int count;
   const int first = treeChildren(tree, level, item, &count);
+  const int node = item - tree->levelBegin[1];
   return changed || differ(&a->pose[first], &b->pose[first], (size_t)count * sizeof(ctTransform)) ||
-         differ(a->volume + 5 * (size_t)first, b->volume + 5 * (size_t)first, (size_t)count * sizeof(float[5]));
+         differ(&a->members[node], &b->members[node], sizeof(Members));
 }
 
 static int countChanged(const Storage* a, const Storage* b, const ctChainTree* scene) {

@@ -1,0 +1,39 @@
+/* What the files that compile a descent share with those that call it. */
+#ifndef CT_DESCENT_H_
+#define CT_DESCENT_H_
+
+#include "traverse.h"
+#include "volume.h"
+
+enum { NEVER = -1 };
+
+/* An item whose members are of different rigid bodies. */
+typedef struct Straddler {
+  Block block;            /* its members as they lie in the view */
+  int motion[TREE_WIDTH]; /* of each member, coded like Traversal.motion */
+} Straddler;
+
+/* The code below Traversal.motion < 0. */
+static inline int straddlerCode(int index) {
+  return -1 - index;
+}
+
+static inline Straddler* straddlerOf(const Traversal* t, int code) {
+  return &t->straddlers[-1 - code];
+}
+
+/* The descents compiled for one instruction set. */
+typedef struct DescentPath {
+  const char* name;
+  void (*traverse)(Traversal* t, const View* view, CandidateFunction* function, void* context, ctCounts* counts);
+  void (*probe)(Traversal* t, const View* view, const double point[3], double radius, ProbeFunction* function,
+                void* context, ctCounts* counts);
+} DescentPath;
+
+extern const DescentPath ctDescentPortable;
+#ifdef __x86_64__
+extern const DescentPath ctDescentAvx2;
+extern const DescentPath ctDescentAvx512;
+#endif
+
+#endif /* CT_DESCENT_H_ */

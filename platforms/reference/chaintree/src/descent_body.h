@@ -1,0 +1,367 @@
+/* The descent, compiled once for each instruction set by the file that includes this. */
+#include <string.h>
+
+#include "descent.h"
+
+static bool moves(const View* view, int motion) {
+  return motion > 0 && view->motions != NULL;
+}
+
+/* ---- What this view makes of an item ---- */
+
+/* Whether an item still has in the world all that it had when it was last put there. */
+static bool isStill(const Traversal* t, int level, int item) {
+  if (t->since[item] == t->tree->time) {
+    return true;
+  }
+  if (t->since[item] == NEVER) {
+    return false;
+  }
+  int end;
+  treeSlots(t->tree, level, item, &end);
+  return treeUnchanged(t->tree, t->since[item], (end + TREE_WIDTH - 1) / TREE_WIDTH);
+}
+
+static void restLeaf(Traversal* t, int leaf) {
+  const ctTransform* f = &t->frame[leaf];
+  const Leaf* own = &t->tree->leaf[leaf];
+  Block* rest = &t->rest[leaf];
+  for (int k = 0; k < TREE_WIDTH; k++) {
+    const double x = own->x[k];
+    const double y = own->y[k];
+    const double z = own->z[k];
+    rest->x[k] = (float)(f->rotation[0] * x + f->rotation[1] * y + f->rotation[2] * z + f->translation[0]);
+    rest->y[k] = (float)(f->rotation[3] * x + f->rotation[4] * y + f->rotation[5] * z + f->translation[1]);
+    rest->z[k] = (float)(f->rotation[6] * x + f->rotation[7] * y + f->rotation[8] * z + f->translation[2]);
+  }
+  if (t->view->surfaces) {
+    memcpy(rest->r, own->r, sizeof rest->r);
+  } else {
+    memcpy(rest->r, own->centres, sizeof rest->r);
+  }
+}
+
+static void floatMotion(const ctTransform* f, float motion[12]) {
+  for (int i = 0; i < 3; i++) {
+    for (int j = 0; j < 3; j++) {
+      motion[4 * i + j] = (float)f->rotation[3 * i + j];
+    }
+    motion[4 * i + 3] = (float)f->translation[i];
+  }
+}
+
+static void restNode(Traversal* t, int item) {
+  const Members* own = treeMembers(t->tree, item);
+  Block* rest = &t->rest[item];
+  float motion[12];
+  floatMotion(&t->frame[item], motion);
+  moveBlock(&own->block, motion, 0xffff, rest);
+  memcpy(rest->r, t->view->surfaces ? own->block.r : own->centres, sizeof rest->r);
+}
+
+/* Puts the members of an item into the world as the state has them. Its parent has been there before. */
+static void putToRest(Traversal* t, int level, int item) {
+  if (isStill(t, level, item)) {
+    return;
+  }
+  const Tree* tree = t->tree;
+  t->since[item] = tree->time;
+  if (level == treeTop(tree)) {
+    t->frame[item] = tree->pose[item];
+  } else {
+    t->frame[item] = transformCompose(&t->frame[treeParent(tree, level, item)], &tree->pose[item]);
+  }
+  if (level == 0) {
+    restLeaf(t, item);
+  } else {
+    restNode(t, item);
+  }
+}
+
+/* Once a descent. Its parent has been expanded. */
+static void expand(Traversal* t, int level, int item) {
+  if (t->itemStamp[item] == t->stamp) {
+    return;
+  }
+  t->itemStamp[item] = t->stamp;
+  putToRest(t, level, item);
+  const int motion = t->motion[item];
+  if (moves(t->view, motion)) {
+    moveBlock(&t->rest[item], t->motions[motion], 0xffff, &t->moved[item]);
+    memcpy(t->moved[item].r, t->rest[item].r, sizeof t->moved[item].r);
+  }
+}
+
+/* An item that straddles pieces, and all such below it; `piece` holds its first slot. Returns its volume. */
+static Sphere expandStraddler(Traversal* t, int level, int item, int piece) {
+  const View* view = t->view;
+  const Tree* tree = t->tree;
+  t->itemStamp[item] = t->stamp;
+  t->motion[item] = straddlerCode(t->straddlerCount);
+  Straddler* s = &t->straddlers[t->straddlerCount++];
+  putToRest(t, level, item);
+  s->block = t->rest[item];
+  int end;
+  const int begin = treeSlots(tree, level, item, &end);
+  const int width = 1 << TREE_WIDTH_BITS * level;
+  const int first = level == 0 ? 0 : tree->levelBegin[level - 1] + begin / width;
+  const int count = (end - begin + width - 1) / width;
+  int k = 0;
+  while (k < count) {
+    const int from = begin + k * width;
+    while (piece + 1 < view->pieceCount && view->pieces[piece + 1].slotBegin <= from) {
+      piece++;
+    }
+    const int next = piece + 1 < view->pieceCount ? view->pieces[piece + 1].slotBegin : end;
+    const int wholes = next < end ? (next - begin) / width : count;
+    if (wholes > k) {
+      const int motion = view->pieces[piece].motion;
+      if (moves(view, motion)) {
+        moveBlock(&t->rest[item], t->motions[motion], (1u << wholes) - (1u << k), &s->block);
+      }
+      while (k < wholes) {
+        s->motion[k++] = motion;
+      }
+    } else {
+      const Sphere bound = expandStraddler(t, level - 1, first + k, piece);
+      s->block.x[k] = bound.x;
+      s->block.y[k] = bound.y;
+      s->block.z[k] = bound.z;
+      s->block.r[k] = bound.r;
+      s->motion[k] = t->motion[first + k];
+      k++;
+    }
+  }
+  Sphere bound = middleOfBlock(&s->block);
+  /* Straddlers lie within straddlers: each level adds its own rounding. */
+  bound.r += radiusAbout(bound, &s->block, s->block.r) + (float)(FLOAT_MARGIN * t->extent);
+  return bound;
+}
+
+/* A new descent: nothing is expanded, and the size of the scene in this view is known. */
+static void startDescent(Traversal* t, const View* view) {
+  const Tree* tree = t->tree;
+  const int root = treeRoot(tree);
+  const Bound* bound = &tree->bound[root];
+  const double centre[3] = {bound->x, bound->y, bound->z};
+  t->view = view;
+  const double size = bound->r < 0 ? 0 : sqrt(dot(centre, centre)) + (double)bound->r;
+  double shift = 0;
+  if (view->motions != NULL) {
+    for (int i = 1; i < view->motionCount; i++) {
+      shift = larger(shift, sqrt(dot(view->motions[i].translation, view->motions[i].translation)));
+      floatMotion(&view->motions[i], t->motions[i]);
+    }
+  }
+  t->extent = size + shift;
+  t->band = DOUBLE_MARGIN * t->extent;
+  if (++t->stamp == 0) {
+    memset(t->itemStamp, 0, (size_t)tree->itemCount * sizeof(uint32_t));
+    t->stamp = 1;
+  }
+  if (t->sinceSurfaces != view->surfaces) {
+    for (int item = 0; item < tree->itemCount; item++) {
+      t->since[item] = NEVER;
+    }
+    t->sinceSurfaces = view->surfaces;
+  }
+  t->straddlerCount = 0;
+  if (view->pieceCount > 1) {
+    expandStraddler(t, treeTop(tree), root, 0);
+  } else {
+    t->motion[root] = view->pieces[0].motion;
+    expand(t, treeTop(tree), root);
+  }
+}
+
+/* ---- The descent ---- */
+
+typedef struct Visit {
+  CandidateFunction* function;
+  void* context;
+  float reach;
+  int64_t volumeTests;
+  int64_t particleTests;
+} Visit;
+
+/* An expanded item: its members as they lie in the view. */
+static const Block* blockOf(const Traversal* t, int item) {
+  const int code = t->motion[item];
+  if (code < 0) {
+    return &straddlerOf(t, code)->block;
+  }
+  return moves(t->view, code) ? &t->moved[item] : &t->rest[item];
+}
+
+/* Members of an item that are of a rigid body; none, if that straddles. */
+static unsigned ofBody(const Traversal* t, int item, int motion) {
+  const int code = t->motion[item];
+  if (motion < 0 || t->view->everyPair) {
+    return 0;
+  }
+  if (code >= 0) {
+    return code == motion ? 0xffff : 0;
+  }
+  return equal16(straddlerOf(t, code)->motion, motion);
+}
+
+static int motionOfMember(const Traversal* t, int item, int k) {
+  const int code = t->motion[item];
+  return code < 0 ? straddlerOf(t, code)->motion[k] : code;
+}
+
+/* Those of the members of item a that come near the volume of item b and are of another body; all if a is b. */
+static unsigned nearItem(const Traversal* t, Visit* visit, const Block* members, int count, const ItemPair* pair) {
+  if (pair->a == pair->b) {
+    return (1u << count) - 1;
+  }
+  visit->volumeTests += count;
+  const Block* around = blockOf(t, treeParent(t->tree, pair->level, pair->b));
+  const Sphere sphere = sphereOf(around, pair->b % TREE_WIDTH);
+  return near16(members, sphere, visit->reach) & ~ofBody(t, pair->a, t->motion[pair->b]);
+}
+
+static bool visitLeaves(Traversal* t, Visit* visit, const ItemPair* pair) {
+  const int a = pair->a;
+  const int b = pair->b;
+  int endA;
+  int endB;
+  const int beginA = treeSlots(t->tree, 0, a, &endA);
+  const int beginB = treeSlots(t->tree, 0, b, &endB);
+  const Block* blockA = blockOf(t, a);
+  const Block* blockB = blockOf(t, b);
+  unsigned near = nearItem(t, visit, blockA, endA - beginA, pair);
+  for (; near != 0; near &= near - 1) {
+    const int k = __builtin_ctz(near);
+    const int i = beginA + k;
+    unsigned mask = near16(blockB, sphereOf(blockA, k), visit->reach);
+    visit->particleTests += endB - (a == b ? i + 1 : beginB);
+    if (a == b) {
+      mask &= ~0u << k << 1;
+    }
+    if (mask != 0) {
+      mask &= ~ofBody(t, b, motionOfMember(t, a, k));
+    }
+    for (; mask != 0; mask &= mask - 1) {
+      const int j = beginB + __builtin_ctz(mask);
+      if (isExcluded(t->exclusions, i, j)) {
+        continue;
+      }
+      double x[3];
+      double y[3];
+      ctTraversalPosition(t, i, x);
+      ctTraversalPosition(t, j, y);
+      if (!visit->function(visit->context, i, j, squaredDistance(x, y))) {
+        return false;
+      }
+    }
+  }
+  return true;
+}
+
+static void visitNodes(Traversal* t, Visit* visit, const ItemPair* pair, int* depth) {
+  const int below = pair->level - 1;
+  int countA;
+  int countB;
+  const int firstA = treeChildren(t->tree, pair->level, pair->a, &countA);
+  const int firstB = treeChildren(t->tree, pair->level, pair->b, &countB);
+  const Block* blockA = blockOf(t, pair->a);
+  const Block* blockB = blockOf(t, pair->b);
+  unsigned near = nearItem(t, visit, blockA, countA, pair);
+  for (; near != 0; near &= near - 1) {
+    const int k = __builtin_ctz(near);
+    const int i = firstA + k;
+    const int motion = motionOfMember(t, pair->a, k);
+    t->motion[i] = motion;
+    unsigned mask = near16(blockB, sphereOf(blockA, k), visit->reach);
+    if (pair->a == pair->b) {
+      mask &= ~0u << k << 1;
+      visit->volumeTests += countB - k - 1;
+      if (blockA->r[k] >= 0 && (t->view->everyPair || motion < 0)) {
+        t->stack[(*depth)++] = (ItemPair){below, i, i};
+      }
+    } else {
+      visit->volumeTests += countB;
+    }
+    if (mask != 0) {
+      mask &= ~ofBody(t, pair->b, motion);
+    }
+    for (; mask != 0; mask &= mask - 1) {
+      const int l = __builtin_ctz(mask);
+      t->motion[firstB + l] = motionOfMember(t, pair->b, l);
+      t->stack[(*depth)++] = (ItemPair){below, i, firstB + l};
+    }
+  }
+}
+
+static void traverse(Traversal* t, const View* view, CandidateFunction* function, void* context, ctCounts* counts) {
+  startDescent(t, view);
+  const int root = treeRoot(t->tree);
+  const double margin = FLOAT_MARGIN * (t->extent + fabs(view->reach));
+  Visit visit = {function, context, (float)(view->reach + margin), 0, 0};
+  int depth = 0;
+  if (view->everyPair || t->motion[root] < 0) {
+    t->stack[depth++] = (ItemPair){treeTop(t->tree), root, root};
+  }
+  bool goesOn = true;
+  while (goesOn && depth > 0) {
+    ItemPair pair = t->stack[--depth];
+    if (t->motion[pair.b] < 0) {
+      /* First go the members of the one that straddles: those that are of the other's body drop out. */
+      pair = (ItemPair){pair.level, pair.b, pair.a};
+    }
+    expand(t, pair.level, pair.a);
+    expand(t, pair.level, pair.b);
+    if (pair.level == 0) {
+      goesOn = visitLeaves(t, &visit, &pair);
+    } else {
+      visitNodes(t, &visit, &pair, &depth);
+    }
+  }
+  if (counts != NULL) {
+    counts->volumeTests += visit.volumeTests;
+    counts->particleTests += visit.particleTests;
+  }
+}
+
+static void traverseProbe(Traversal* t, const View* view, const double point[3], double radius, ProbeFunction* function,
+                          void* context, ctCounts* counts) {
+  startDescent(t, view);
+  const double size = t->extent + sqrt(dot(point, point)) + radius;
+  const float reach = (float)(view->reach + FLOAT_MARGIN * (size + fabs(view->reach)));
+  const Sphere probe = {(float)point[0], (float)point[1], (float)point[2], (float)radius};
+  int depth = 0;
+  t->stack[depth++] = (ItemPair){treeTop(t->tree), treeRoot(t->tree), CT_NULL};
+  bool goesOn = true;
+  while (goesOn && depth > 0) {
+    const ItemPair item = t->stack[--depth];
+    expand(t, item.level, item.a);
+    unsigned mask = near16(&t->rest[item.a], probe, reach);
+    if (item.level > 0) {
+      int count;
+      const int first = treeChildren(t->tree, item.level, item.a, &count);
+      for (; mask != 0; mask &= mask - 1) {
+        const int child = first + __builtin_ctz(mask);
+        t->motion[child] = 0;
+        t->stack[depth++] = (ItemPair){item.level - 1, child, CT_NULL};
+      }
+      if (counts != NULL) {
+        counts->volumeTests += count;
+      }
+      continue;
+    }
+    int end;
+    const int begin = treeSlots(t->tree, 0, item.a, &end);
+    for (; goesOn && mask != 0; mask &= mask - 1) {
+      const int slot = begin + __builtin_ctz(mask);
+      double x[3];
+      ctTraversalPosition(t, slot, x);
+      goesOn = function(context, slot, squaredDistance(x, point));
+    }
+    if (counts != NULL) {
+      counts->particleTests += end - begin;
+    }
+  }
+}
+
+const DescentPath CT_DESCENT = {CT_DESCENT_NAME, traverse, traverseProbe};

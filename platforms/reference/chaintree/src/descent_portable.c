@@ -1,0 +1,3 @@
+#define CT_DESCENT ctDescentPortable
+#define CT_DESCENT_NAME "portable"
+#include "descent_body.h"

@@ -1,0 +1,270 @@
+/* Sixteen floats at a time, on one of three paths that give the same bits: every operation rounds each lane once, and
+ * none is fused. A file that includes this is compiled once for each path, with CT_PATH_AVX512, CT_PATH_AVX2 or
+ * neither.
+ */
+#ifndef CT_SIMD_H_
+#define CT_SIMD_H_
+
+#include <math.h>
+
+#if defined(CT_PATH_AVX512)
+
+#include <immintrin.h>
+
+typedef __m512 Float16;
+
+static inline Float16 load16(const float* p) {
+  return _mm512_loadu_ps(p);
+}
+
+static inline void store16(float* p, Float16 a) {
+  _mm512_storeu_ps(p, a);
+}
+
+static inline Float16 all16(float a) {
+  return _mm512_set1_ps(a);
+}
+
+static inline Float16 add16(Float16 a, Float16 b) {
+  return _mm512_add_ps(a, b);
+}
+
+static inline Float16 sub16(Float16 a, Float16 b) {
+  return _mm512_sub_ps(a, b);
+}
+
+static inline Float16 mul16(Float16 a, Float16 b) {
+  return _mm512_mul_ps(a, b);
+}
+
+static inline Float16 sqrt16(Float16 a) {
+  return _mm512_sqrt_ps(a);
+}
+
+static inline Float16 max16(Float16 a, Float16 b) {
+  return _mm512_max_ps(a, b);
+}
+
+/* Bit k: a[k] > b[k]. */
+static inline unsigned greater16(Float16 a, Float16 b) {
+  return _mm512_cmp_ps_mask(a, b, _CMP_GT_OQ);
+}
+
+/* Bit k: p[k] == a. */
+static inline unsigned equal16(const int* p, int a) {
+  return _mm512_cmpeq_epi32_mask(_mm512_loadu_si512(p), _mm512_set1_epi32(a));
+}
+
+/* b where the mask has a bit, else a. */
+static inline Float16 blend16(unsigned mask, Float16 a, Float16 b) {
+  return _mm512_mask_blend_ps((__mmask16)mask, a, b);
+}
+
+static inline float least16(Float16 a) {
+  return _mm512_reduce_min_ps(a);
+}
+
+static inline float most16(Float16 a) {
+  return _mm512_reduce_max_ps(a);
+}
+
+#elif defined(CT_PATH_AVX2)
+
+#include <immintrin.h>
+
+typedef struct Float16 {
+  __m256 low;
+  __m256 high;
+} Float16;
+
+static inline Float16 load16(const float* p) {
+  return (Float16){_mm256_loadu_ps(p), _mm256_loadu_ps(p + 8)};
+}
+
+static inline void store16(float* p, Float16 a) {
+  _mm256_storeu_ps(p, a.low);
+  _mm256_storeu_ps(p + 8, a.high);
+}
+
+static inline Float16 all16(float a) {
+  const __m256 all = _mm256_set1_ps(a);
+  return (Float16){all, all};
+}
+
+static inline Float16 add16(Float16 a, Float16 b) {
+  return (Float16){_mm256_add_ps(a.low, b.low), _mm256_add_ps(a.high, b.high)};
+}
+
+static inline Float16 sub16(Float16 a, Float16 b) {
+  return (Float16){_mm256_sub_ps(a.low, b.low), _mm256_sub_ps(a.high, b.high)};
+}
+
+static inline Float16 mul16(Float16 a, Float16 b) {
+  return (Float16){_mm256_mul_ps(a.low, b.low), _mm256_mul_ps(a.high, b.high)};
+}
+
+static inline Float16 sqrt16(Float16 a) {
+  return (Float16){_mm256_sqrt_ps(a.low), _mm256_sqrt_ps(a.high)};
+}
+
+static inline Float16 max16(Float16 a, Float16 b) {
+  return (Float16){_mm256_max_ps(a.low, b.low), _mm256_max_ps(a.high, b.high)};
+}
+
+static inline unsigned greater16(Float16 a, Float16 b) {
+  const int low = _mm256_movemask_ps(_mm256_cmp_ps(a.low, b.low, _CMP_GT_OQ));
+  const int high = _mm256_movemask_ps(_mm256_cmp_ps(a.high, b.high, _CMP_GT_OQ));
+  return (unsigned)low | (unsigned)high << 8;
+}
+
+static inline unsigned equal16(const int* p, int a) {
+  const __m256i all = _mm256_set1_epi32(a);
+  const __m256i low = _mm256_cmpeq_epi32(_mm256_loadu_si256((const __m256i*)p), all);
+  const __m256i high = _mm256_cmpeq_epi32(_mm256_loadu_si256((const __m256i*)(p + 8)), all);
+  return (unsigned)_mm256_movemask_ps(_mm256_castsi256_ps(low)) |
+         (unsigned)_mm256_movemask_ps(_mm256_castsi256_ps(high)) << 8;
+}
+
+static inline __m256 lanes8(unsigned mask) {
+  const __m256i bits = _mm256_setr_epi32(1, 2, 4, 8, 16, 32, 64, 128);
+  const __m256i chosen = _mm256_and_si256(_mm256_set1_epi32((int)mask), bits);
+  return _mm256_castsi256_ps(_mm256_cmpeq_epi32(chosen, bits));
+}
+
+static inline Float16 blend16(unsigned mask, Float16 a, Float16 b) {
+  return (Float16){_mm256_blendv_ps(a.low, b.low, lanes8(mask)), _mm256_blendv_ps(a.high, b.high, lanes8(mask >> 8))};
+}
+
+static inline float least16(Float16 a) {
+  const __m256 eight = _mm256_min_ps(a.low, a.high);
+  __m128 four = _mm_min_ps(_mm256_castps256_ps128(eight), _mm256_extractf128_ps(eight, 1));
+  four = _mm_min_ps(four, _mm_movehl_ps(four, four));
+  return _mm_cvtss_f32(_mm_min_ss(four, _mm_shuffle_ps(four, four, 1)));
+}
+
+static inline float most16(Float16 a) {
+  const __m256 eight = _mm256_max_ps(a.low, a.high);
+  __m128 four = _mm_max_ps(_mm256_castps256_ps128(eight), _mm256_extractf128_ps(eight, 1));
+  four = _mm_max_ps(four, _mm_movehl_ps(four, four));
+  return _mm_cvtss_f32(_mm_max_ss(four, _mm_shuffle_ps(four, four, 1)));
+}
+
+#else
+
+/* Four vectors of four: what every machine has, by the vector extension of gcc and clang. */
+typedef float Float4 __attribute__((vector_size(16)));
+typedef int Int4 __attribute__((vector_size(16)));
+
+typedef struct Float16 {
+  Float4 q[4];
+} Float16;
+
+#define CT_EACH_QUARTER for (int i = 0; i < 4; i++)
+
+static inline Float16 load16(const float* p) {
+  Float16 a;
+  __builtin_memcpy(&a, p, sizeof a);
+  return a;
+}
+
+static inline void store16(float* p, Float16 a) {
+  __builtin_memcpy(p, &a, sizeof a);
+}
+
+static inline Float16 all16(float a) {
+  const Float4 all = {a, a, a, a};
+  return (Float16){{all, all, all, all}};
+}
+
+static inline Float16 add16(Float16 a, Float16 b) {
+  CT_EACH_QUARTER a.q[i] += b.q[i];
+  return a;
+}
+
+static inline Float16 sub16(Float16 a, Float16 b) {
+  CT_EACH_QUARTER a.q[i] -= b.q[i];
+  return a;
+}
+
+static inline Float16 mul16(Float16 a, Float16 b) {
+  CT_EACH_QUARTER a.q[i] *= b.q[i];
+  return a;
+}
+
+static inline Float16 sqrt16(Float16 a) {
+  CT_EACH_QUARTER {
+    for (int k = 0; k < 4; k++) {
+      a.q[i][k] = sqrtf(a.q[i][k]);
+    }
+  }
+  return a;
+}
+
+static inline unsigned bits4(Int4 lanes) {
+#ifdef __SSE2__
+  return (unsigned)__builtin_ia32_movmskps((Float4)lanes);
+#else
+  return (unsigned)((lanes[0] & 1) | (lanes[1] & 2) | (lanes[2] & 4) | (lanes[3] & 8));
+#endif
+}
+
+static inline unsigned greater16(Float16 a, Float16 b) {
+  return bits4(a.q[0] > b.q[0]) | bits4(a.q[1] > b.q[1]) << 4 | bits4(a.q[2] > b.q[2]) << 8 |
+         bits4(a.q[3] > b.q[3]) << 12;
+}
+
+static inline unsigned equal16(const int* p, int a) {
+  const Int4 all = {a, a, a, a};
+  unsigned mask = 0;
+  CT_EACH_QUARTER {
+    Int4 q;
+    __builtin_memcpy(&q, p + 4 * i, sizeof q);
+    mask |= bits4(q == all) << 4 * i;
+  }
+  return mask;
+}
+
+static inline Float16 blend16(unsigned mask, Float16 a, Float16 b) {
+  const Int4 bits = {1, 2, 4, 8};
+  CT_EACH_QUARTER {
+    const int nibble = (int)(mask >> 4 * i);
+    const Int4 chosen = (((Int4){nibble, nibble, nibble, nibble}) & bits) == bits;
+    a.q[i] = (Float4)(((Int4)a.q[i] & ~chosen) | ((Int4)b.q[i] & chosen));
+  }
+  return a;
+}
+
+static inline Float4 min4(Float4 a, Float4 b) {
+  const Int4 chosen = a < b;
+  return (Float4)(((Int4)a & chosen) | ((Int4)b & ~chosen));
+}
+
+static inline Float4 max4(Float4 a, Float4 b) {
+  const Int4 chosen = a > b;
+  return (Float4)(((Int4)a & chosen) | ((Int4)b & ~chosen));
+}
+
+static inline Float16 max16(Float16 a, Float16 b) {
+  CT_EACH_QUARTER a.q[i] = max4(a.q[i], b.q[i]);
+  return a;
+}
+
+static inline float least16(Float16 a) {
+  const Float4 four = min4(min4(a.q[0], a.q[1]), min4(a.q[2], a.q[3]));
+  const float low = four[0] < four[1] ? four[0] : four[1];
+  const float high = four[2] < four[3] ? four[2] : four[3];
+  return low < high ? low : high;
+}
+
+static inline float most16(Float16 a) {
+  const Float4 four = max4(max4(a.q[0], a.q[1]), max4(a.q[2], a.q[3]));
+  const float low = four[0] > four[1] ? four[0] : four[1];
+  const float high = four[2] > four[3] ? four[2] : four[3];
+  return low > high ? low : high;
+}
+
+#undef CT_EACH_QUARTER
+
+#endif
+
+#endif /* CT_SIMD_H_ */

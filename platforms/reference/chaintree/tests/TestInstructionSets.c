@@ -1,0 +1,64 @@
+/* Every instruction set that the machine has gives the same bits: verdicts, counts, pairs, positions. */
+#define _POSIX_C_SOURCE 200809L /* setenv */
+
+#include "lattice.h"
+
+enum { TRIALS = 3000 };
+
+typedef struct Record {
+  char name[16];
+  bool clashes[TRIALS];
+  int pairs[TRIALS][2];
+  ctCounts counts;
+  double positions[3 * SITES];
+  PairCount neighbors;
+} Record;
+
+static Record record(const char* wanted) {
+  Record result = {0};
+  setenv("CHAINTREE_SIMD", wanted, 1);
+  ctChainTree* tree = makeLattice(ONE_CHAIN, 0.3, 0);
+  snprintf(result.name, sizeof result.name, "%s", ctGetInstructionSet(tree));
+  unsigned state = 1;
+  for (int i = 0; i < TRIALS; i++) {
+    /* Two turns of which the first is often small. */
+    ctChange changes[2] = {{0}, {0}};
+    for (int k = 0; k < 2; k++) {
+      state = state * 1664525u + 1013904223u;
+      changes[k].link = 2 * (1 + (int)(state >> 8) % (SITES / 2 - 2)) + k;
+      changes[k].angle = (k == 0 ? 0.02 : 0.5) * (double)((int)(state >> 20) % 16 - 8);
+    }
+    CHECK_SUCCESS(ctPropose(tree, 2, changes));
+    CHECK_SUCCESS(ctTestTrial(tree, &result.clashes[i], result.pairs[i], &result.counts));
+    if (!result.clashes[i]) {
+      CHECK_SUCCESS(ctCommit(tree, &result.counts));
+    }
+  }
+  CHECK_SUCCESS(ctForEachNeighborPair(tree, 1.5, countPair, &result.neighbors, &result.counts));
+  ctGetPositions(tree, result.positions);
+  ctDestroy(tree);
+  return result;
+}
+
+int main(void) {
+  static Record expected;
+  static Record found;
+  expected = record("portable");
+  CHECK(strcmp(expected.name, "portable") == 0);
+  int accepted = 0;
+  for (int i = 0; i < TRIALS; i++) {
+    accepted += !expected.clashes[i];
+  }
+  CHECK(accepted > TRIALS / 10 && accepted < TRIALS);
+  const char* others[] = {"avx2", "avx512"};
+  for (int k = 0; k < 2; k++) {
+    found = record(others[k]);
+    printf("%s: %s\n", others[k], found.name);
+    CHECK(memcmp(expected.clashes, found.clashes, sizeof found.clashes) == 0);
+    CHECK(memcmp(expected.pairs, found.pairs, sizeof found.pairs) == 0);
+    CHECK(memcmp(&expected.counts, &found.counts, sizeof found.counts) == 0);
+    CHECK(memcmp(expected.positions, found.positions, sizeof found.positions) == 0);
+    CHECK(expected.neighbors.count == found.neighbors.count && expected.neighbors.value == found.neighbors.value);
+  }
+  return checkResult();
+}
