@@ -1,0 +1,73 @@
+#include "bodies.h"
+
+/* Outer turns first. */
+static void sortTurns(const Scene* scene, int count, const Turn* turns, Turn* sorted) {
+  for (int i = 0; i < count; i++) {
+    int k = i;
+    for (; k > 0 && scene->torsions[sorted[k - 1].torsion].first > scene->torsions[turns[i].torsion].first; k--) {
+      sorted[k] = sorted[k - 1];
+    }
+    sorted[k] = turns[i];
+  }
+}
+
+static void addSegment(Bodies* bodies, int first, int last, int body) {
+  if (first < last) {
+    bodies->segments[bodies->segmentCount++] = (Segment){first, last, body};
+    bodies->sizes[body] += last - first;
+  }
+}
+
+/* Intervals of torsions are nested or apart, so those that hold a particle form a stack. */
+static void cut(const Scene* scene, const Sphere* spheres, int count, const Turn* turns, Bodies* bodies) {
+  int openBodies[MOST_TURNS + 1] = {0};
+  int openEnds[MOST_TURNS + 1] = {scene->particleCount};
+  int depth = 0;
+  int cursor = 0;
+  for (int i = 0; i <= count; i++) {
+    const Torsion* torsion = i < count ? &scene->torsions[turns[i].torsion] : NULL;
+    const int first = torsion != NULL ? torsion->first : scene->particleCount;
+    while (depth > 0 && openEnds[depth] <= first) {
+      addSegment(bodies, cursor, openEnds[depth], openBodies[depth]);
+      cursor = openEnds[depth--];
+    }
+    addSegment(bodies, cursor, first, openBodies[depth]);
+    cursor = first;
+    if (torsion != NULL) {
+      const int body = bodies->bodyCount++;
+      const Rigid turn = rigidTurn(spheres[torsion->axis[0]].x, spheres[torsion->axis[1]].x, turns[i].angle);
+      rigidCompose(&bodies->motions[openBodies[depth]], &turn, &bodies->motions[body]);
+      bodies->sizes[body] = 0;
+      openBodies[++depth] = body;
+      openEnds[depth] = torsion->last;
+    }
+  }
+}
+
+static void restLargest(Bodies* bodies) {
+  bodies->resting = 0;
+  for (int body = 1; body < bodies->bodyCount; body++) {
+    bodies->resting = bodies->sizes[body] > bodies->sizes[bodies->resting] ? body : bodies->resting;
+  }
+  if (bodies->resting == 0) {
+    return;
+  }
+  Rigid back;
+  rigidInvert(&bodies->motions[bodies->resting], &back);
+  for (int body = 0; body < bodies->bodyCount; body++) {
+    const Rigid motion = bodies->motions[body];
+    rigidCompose(&back, &motion, &bodies->motions[body]);
+  }
+  bodies->motions[bodies->resting] = rigidIdentity();
+}
+
+void bodiesOf(const Scene* scene, const Sphere* spheres, int turnCount, const Turn* turns, Bodies* bodies) {
+  Turn sorted[MOST_TURNS];
+  sortTurns(scene, turnCount, turns, sorted);
+  bodies->segmentCount = 0;
+  bodies->bodyCount = 1;
+  bodies->motions[0] = rigidIdentity();
+  bodies->sizes[0] = 0;
+  cut(scene, spheres, turnCount, sorted, bodies);
+  restLargest(bodies);
+}

@@ -1,0 +1,26 @@
+/* The command line of the driver. */
+#ifndef OPTIONS_H_
+#define OPTIONS_H_
+
+#include "moves.h"
+#include "roster.h"
+
+typedef struct Options {
+  const char* chain;
+  int count;
+  const char* moves;
+  MoveRule rule;
+  uint64_t seed;
+  int trialCount;
+  int blockSize;
+  const char* contestants;
+  const InstructionSet* set;
+  bool help;
+} Options;
+
+extern const char* const optionsUsage;
+
+/* False if the command line is wrong; then `error`, of `size` bytes, says what is. */
+bool optionsParse(int argc, char** argv, Options* options, char* error, size_t size);
+
+#endif /* OPTIONS_H_ */

@@ -1,0 +1,220 @@
+#define _POSIX_C_SOURCE 200112L
+#include "race.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <time.h>
+
+typedef struct Lane {
+  const Contestant* contestant;
+  void* self;
+  Counts before; /* counts when the first block was over */
+  double* times; /* of each block, microseconds per trial */
+} Lane;
+
+/* The trials of one block, and what the first lane says of them. */
+typedef struct Block {
+  int count;
+  int kappa;
+  Turn* turns;
+  unsigned char* clashes;
+} Block;
+
+typedef struct Course {
+  const Race* race;
+  Moves moves;
+  Lane judge; /* of no contestant, if trials do not depend on positions */
+  Lane lanes[MOST_LANES];
+  Block block;
+  unsigned char* clashes; /* of the lane that runs */
+} Course;
+
+/* ---- Life ---- */
+
+static void laneEnd(Lane* lane) {
+  if (lane->contestant != NULL) {
+    lane->contestant->destroy(lane->self);
+  }
+  free(lane->times);
+}
+
+static bool laneBegin(Lane* lane, const Contestant* contestant, const Scene* scene, int blockCount) {
+  lane->contestant = contestant;
+  lane->self = contestant->make(scene);
+  lane->times = calloc((size_t)blockCount, sizeof(double));
+  return lane->self != NULL && lane->times != NULL;
+}
+
+static int blockCountOf(const Race* race) {
+  return (race->trialCount + race->blockSize - 1) / race->blockSize;
+}
+
+static void courseEnd(Course* course) {
+  movesFree(&course->moves);
+  laneEnd(&course->judge);
+  for (int i = 0; i < course->race->laneCount; i++) {
+    laneEnd(&course->lanes[i]);
+  }
+  free(course->block.turns);
+  free(course->block.clashes);
+  free(course->clashes);
+}
+
+static bool courseBegin(Course* course, const Race* race, char* error, size_t size) {
+  *course = (Course){.race = race};
+  if (!movesInit(&course->moves, race->scene, race->rule, race->seed, error, size)) {
+    return false;
+  }
+  const size_t trials = (size_t)race->blockSize;
+  course->block.kappa = race->rule.kappa;
+  course->block.turns = calloc(trials * (size_t)race->rule.kappa, sizeof(Turn));
+  course->block.clashes = calloc(trials, 1);
+  course->clashes = calloc(trials, 1);
+  if (course->block.turns == NULL || course->block.clashes == NULL || course->clashes == NULL) {
+    snprintf(error, size, "not enough memory");
+    return false;
+  }
+  if (movesNeedPositions(&course->moves) && !laneBegin(&course->judge, race->judge, race->scene, 1)) {
+    snprintf(error, size, "not enough memory for the judge");
+    return false;
+  }
+  for (int i = 0; i < race->laneCount; i++) {
+    if (!laneBegin(&course->lanes[i], race->contestants[i], race->scene, 1 + blockCountOf(race))) {
+      snprintf(error, size, "not enough memory for %s", race->contestants[i]->name);
+      return false;
+    }
+  }
+  return true;
+}
+
+/* ---- Running ---- */
+
+/* Of the processor time of this program; it has one thread. */
+static double microseconds(void) {
+  struct timespec now;
+  clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &now);
+  return 1e6 * (double)now.tv_sec + 1e-3 * (double)now.tv_nsec;
+}
+
+/* Tests a trial and takes it over unless it clashes; -1 if there is no memory. */
+static int run(const Lane* lane, int kappa, const Turn* turns) {
+  const int clash = lane->contestant->test(lane->self, kappa, turns);
+  if (clash == 0) {
+    return lane->contestant->accept(lane->self) ? 0 : -1;
+  }
+  lane->contestant->reject(lane->self);
+  return clash;
+}
+
+static bool makeBlock(Course* course, int count) {
+  const Lane* judge = &course->judge;
+  course->block.count = count;
+  for (int i = 0; i < count; i++) {
+    Turn* turns = course->block.turns + i * course->block.kappa;
+    const Sphere* spheres = judge->contestant == NULL ? NULL : judge->contestant->spheres(judge->self);
+    movesNext(&course->moves, spheres, turns);
+    if (judge->contestant != NULL && run(judge, course->block.kappa, turns) < 0) {
+      return false;
+    }
+  }
+  return true;
+}
+
+/* Returns microseconds per trial, negative if there is no memory. */
+static double runBlock(const Lane* lane, const Block* block, unsigned char* clashes) {
+  const double start = microseconds();
+  for (int i = 0; i < block->count; i++) {
+    const int clash = run(lane, block->kappa, block->turns + i * block->kappa);
+    if (clash < 0) {
+      return -1;
+    }
+    clashes[i] = (unsigned char)clash;
+  }
+  return (microseconds() - start) / block->count;
+}
+
+static bool reportDisagreement(const Course* course, int lane, int firstTrial, char* error, size_t size) {
+  int trial = 0;
+  while (course->clashes[trial] == course->block.clashes[trial]) {
+    trial++;
+  }
+  snprintf(error, size, "%s calls trial %d %s, %s does not", course->lanes[lane].contestant->name, firstTrial + trial,
+           course->clashes[trial] ? "a clash" : "free of clashes", course->lanes[0].contestant->name);
+  return false;
+}
+
+/* Block 0 is not counted. */
+static bool runBlocks(Course* course, int64_t* accepted, char* error, size_t size) {
+  const Race* race = course->race;
+  int trial = 0;
+  for (int b = 0; b <= blockCountOf(race); b++) {
+    const int left = b == 0 ? race->blockSize : race->trialCount - (trial - race->blockSize);
+    if (!makeBlock(course, left < race->blockSize ? left : race->blockSize)) {
+      snprintf(error, size, "not enough memory for a trial");
+      return false;
+    }
+    const size_t bytes = (size_t)course->block.count;
+    for (int i = 0; i < race->laneCount; i++) {
+      Lane* lane = &course->lanes[i];
+      unsigned char* clashes = i == 0 ? course->block.clashes : course->clashes;
+      lane->times[b] = runBlock(lane, &course->block, clashes);
+      if (lane->times[b] < 0) {
+        snprintf(error, size, "not enough memory for a trial of %s", lane->contestant->name);
+        return false;
+      }
+      if (i > 0 && memcmp(clashes, course->block.clashes, bytes) != 0) {
+        return reportDisagreement(course, i, trial, error, size);
+      }
+      if (b == 0) {
+        lane->before = lane->contestant->counts(lane->self);
+      }
+    }
+    for (int i = 0; i < course->block.count && b > 0; i++) {
+      *accepted += !course->block.clashes[i];
+    }
+    trial += course->block.count;
+  }
+  return true;
+}
+
+/* ---- Results ---- */
+
+static int compareTimes(const void* a, const void* b) {
+  const double x = *(const double*)a;
+  const double y = *(const double*)b;
+  return (x > y) - (x < y);
+}
+
+/* Of sorted values, by interpolation. */
+static double quantile(const double* sorted, int count, double share) {
+  const double place = share * (count - 1);
+  const int below = (int)place;
+  const int above = below + 1 < count ? below + 1 : below;
+  return sorted[below] + (place - below) * (sorted[above] - sorted[below]);
+}
+
+static RaceResult resultOf(const Lane* lane, const Race* race, int64_t accepted) {
+  const int blocks = blockCountOf(race);
+  double* times = lane->times + 1;
+  qsort(times, (size_t)blocks, sizeof(double), compareTimes);
+  const Counts counts = lane->contestant->counts(lane->self);
+  const double trials = race->trialCount;
+  return (RaceResult){.median = quantile(times, blocks, 0.5),
+                      .quartiles = {quantile(times, blocks, 0.25), quantile(times, blocks, 0.75)},
+                      .accepted = (double)accepted / trials,
+                      .volumeTests = (double)(counts.volumeTests - lane->before.volumeTests) / trials,
+                      .particleTests = (double)(counts.particleTests - lane->before.particleTests) / trials,
+                      .updates = (double)(counts.updates - lane->before.updates) / trials};
+}
+
+bool raceRun(const Race* race, RaceResult* results, char* error, size_t size) {
+  Course course;
+  int64_t accepted = 0;
+  const bool success = courseBegin(&course, race, error, size) && runBlocks(&course, &accepted, error, size);
+  for (int i = 0; i < race->laneCount && success; i++) {
+    results[i] = resultOf(&course.lanes[i], race, accepted);
+  }
+  courseEnd(&course);
+  return success;
+}

@@ -1,0 +1,34 @@
+/* Contestants on the same trials, in turns, so that what disturbs the machine disturbs all of them. */
+#ifndef RACE_H_
+#define RACE_H_
+
+#include "moves.h"
+
+enum { MOST_LANES = 32 };
+
+typedef struct Race {
+  const Scene* scene;
+  MoveRule rule;
+  uint64_t seed;
+  int trialCount;
+  int blockSize; /* trials of one contestant before the next has its turn */
+  int laneCount;
+  const Contestant* contestants[MOST_LANES];
+  const Contestant* judge; /* keeps positions; asked where trials depend on them */
+} Race;
+
+/* Of one contestant, over blocks; the first block is run, but not counted. */
+typedef struct RaceResult {
+  double median; /* microseconds per trial */
+  double quartiles[2];
+  double accepted;    /* share of trials */
+  double volumeTests; /* per trial, as the others */
+  double particleTests;
+  double updates;
+} RaceResult;
+
+/* Fills results[laneCount]. False if that fails, or if contestants disagree about a trial; then `error`, of `size`
+ * bytes, says why. */
+bool raceRun(const Race* race, RaceResult* results, char* error, size_t size);
+
+#endif /* RACE_H_ */

@@ -1,0 +1,123 @@
+/* Every contestant, in every instruction set that is here, gives the verdicts of all pairs, trial after trial, whether
+ * trials are taken over or not. */
+#include <math.h>
+#include <string.h>
+
+#include "branches.h"
+#include "chains.h"
+#include "roster.h"
+
+enum { TRIALS = 400 };
+
+typedef struct Rival {
+  const InstructionSet* set;
+  const Contestant* contestant;
+  void* self;
+} Rival;
+
+enum { MOST_RIVALS = 100 };
+
+static int gatherRivals(const Scene* scene, Rival* rivals) {
+  static const char* const names[] = {"avx512", "avx2", "portable"};
+  int count = 0;
+  for (int i = 0; i < 3; i++) {
+    const InstructionSet* set = instructionSetFind(names[i]);
+    for (const Contestant* const* c = set == NULL ? NULL : set->roster; c != NULL && *c != NULL; c++) {
+      rivals[count++] = (Rival){set, *c, (*c)->make(scene)};
+      CHECK(rivals[count - 1].self != NULL);
+    }
+  }
+  return count;
+}
+
+static int randomTurns(const Scene* scene, double width, Random* random, Turn* turns) {
+  const int most = scene->torsionCount < 8 ? scene->torsionCount : 8;
+  const int count = randomInt(random, 2) == 0 ? 1 : 1 + randomInt(random, most);
+  for (int i = 0; i < count; i++) {
+    bool isNew = false;
+    while (!isNew) {
+      turns[i].torsion = randomInt(random, scene->torsionCount);
+      isNew = true;
+      for (int k = 0; k < i; k++) {
+        isNew = isNew && turns[k].torsion != turns[i].torsion;
+      }
+    }
+    turns[i].angle = width * (2 * randomReal(random) - 1);
+  }
+  return count;
+}
+
+/* Distances are the same up to rounding: what moves is right, and so is what stays. */
+static void checkPositions(const Scene* scene, const Rival* rival, const Sphere* expected) {
+  if (rival->contestant->spheres == NULL) {
+    return;
+  }
+  const Sphere* spheres = rival->contestant->spheres(rival->self);
+  for (int i = 1; i < scene->particleCount; i++) {
+    for (int j = 0; j < i; j += 1 + i / 20) {
+      double difference = 0;
+      for (int side = 0; side < 2; side++) {
+        const Sphere* s = side == 0 ? spheres : expected;
+        const double d = hypot(hypot(s[i].x[0] - s[j].x[0], s[i].x[1] - s[j].x[1]), s[i].x[2] - s[j].x[2]);
+        difference += side == 0 ? d : -d;
+      }
+      CHECK(fabs(difference) < 1e-9);
+    }
+  }
+}
+
+static void testScene(const char* name, Scene* scene, double width, uint64_t seed) {
+  Rival rivals[MOST_RIVALS];
+  Random random = {seed};
+  const int count = gatherRivals(scene, rivals);
+  const InstructionSet* portable = instructionSetFind("portable");
+  const Contestant* brute = rosterFind(portable, "brute", strlen("brute"));
+  void* judge = brute->make(scene);
+  int clashes = 0;
+  for (int trial = 0; trial < TRIALS; trial++) {
+    Turn turns[8];
+    const int turnCount = randomTurns(scene, width, &random, turns);
+    const int expected = brute->test(judge, turnCount, turns);
+    const bool taken = expected == 0 && randomInt(&random, 3) > 0;
+    clashes += expected;
+    if (taken) {
+      CHECK(brute->accept(judge));
+    }
+    for (int i = 0; i < count; i++) {
+      const Rival* rival = &rivals[i];
+      const int clash = rival->contestant->test(rival->self, turnCount, turns);
+      if (clash != expected) {
+        reportFailure("%s, trial %d: %s (%s) says %d, not %d\n", name, trial, rival->contestant->name, rival->set->name,
+                      clash, expected);
+      }
+      if (taken) {
+        CHECK(rival->contestant->accept(rival->self));
+      } else {
+        rival->contestant->reject(rival->self);
+      }
+    }
+  }
+  /* else nothing was tested */
+  CHECK(clashes > TRIALS / 50 && clashes < TRIALS - TRIALS / 50);
+  for (int i = 0; i < count; i++) {
+    checkPositions(scene, &rivals[i], brute->spheres(judge));
+    rivals[i].contestant->destroy(rivals[i].self);
+  }
+  brute->destroy(judge);
+  sceneFree(scene);
+}
+
+int main(void) {
+  Random random = {1};
+  testScene("random, large turns", chainRandom(100, &random), PI, 1);
+  testScene("random, small turns", chainRandom(200, &random), 0.1, 2);
+  testScene("hilbert", chainHilbert(150), 0.5, 3);
+  testScene("serpentine", chainSerpentine(130), PI, 4);
+  testScene("worst", chainWorstCase(200), 0.3, 5);
+  testScene("a few", chainRandom(7, &random), PI, 6);
+  for (uint64_t seed = 0; seed < 6; seed++) {
+    testScene("branches", makeBranches(MOST_BRANCH_LINKS, 1 + (int)seed * 4, seed), seed % 2 == 0 ? PI : 0.2, seed);
+  }
+  testScene("some branches", makeBranches(9, 3, 7), PI, 7);
+  return checkResult();
+}
