@@ -65,8 +65,9 @@ namespace ChainTreePlugin {
  * positions: then its limit is the overlap it has at that time. Structures with a few clashes can so be sampled, and
  * nothing gets worse than it was. If positions changed without the user setting them, for example because another
  * Integrator of a CompoundIntegrator moved the particles, limits may grow but never shrink. (Only a Context driven by a
- * TorsionMonteCarloIntegrator can tell these cases apart; in others every change of positions that no proposal made
- * starts the limits anew.) getClashes() and hasClash() always use the tolerance.
+ * TorsionMonteCarloIntegrator can tell these cases apart, and keep limits in checkpoints and States; in others every
+ * change of positions that no proposal made starts the limits anew.) getClashes() and hasClash() always use the
+ * tolerance.
  *
  * <b>Periodic boundary conditions are not supported.</b> Distances are those of the positions as they are, whatever the
  * periodic box of the System.
