@@ -14,7 +14,7 @@ from scenes import makeSystem, positionsOf
 def makeIntegrator(seed=0):
     integrator = TorsionMonteCarloIntegrator(300)
     integrator.setRandomNumberSeed(seed)
-    integrator.setTrialsPerStep(20)
+    integrator.setTrialsPerStep(5)
     integrator.addTorsionMove(1, 0.3)
     integrator.addTorsionMove(1, 0.2, [], 3)
     return integrator
