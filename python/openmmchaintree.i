@@ -319,6 +319,18 @@ static PyObject* toNumPy(const void* values, size_t count, int columns, size_t i
 %pythonappend ChainTreePlugin::StericExclusionForce::getParticleParameters %{
     val[0] = openmm.unit.Quantity(val[0], openmm.unit.nanometer)
 %}
+/* Lists of different things would all be Any to a type checker. */
+%define %returnsTuple(METHOD)
+%pythonappend METHOD %{
+    val = tuple(val)
+%}
+%enddef
+
+%returnsTuple(ChainTreePlugin::StericExclusionForce::getClashes)
+%returnsTuple(ChainTreePlugin::StericExclusionForce::getNeighborPairs)
+%returnsTuple(ChainTreePlugin::StericExclusionForce::getClashesWith)
+%returnsTuple(ChainTreePlugin::StericExclusionForce::getChangedNeighborPairs)
+
 %pythonappend ChainTreePlugin::StericExclusionForce::getMinimumDistance %{
     val = MinimumDistance(*val)
 %}

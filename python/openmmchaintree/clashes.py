@@ -1,7 +1,8 @@
 """Finding the clashes of structures and trajectories."""
 
+import os
 import warnings
-from typing import NamedTuple
+from typing import NamedTuple, TypeAlias
 
 import openmm
 from openmm import unit
@@ -13,6 +14,8 @@ from .sterics import createStericExclusionForce
 from .structure import InputError, checkFinite, readModels, select, villinPath
 from .torsions import searchTorsions
 from .trajectory import Trajectory
+
+Path: TypeAlias = str | os.PathLike[str]
 
 
 class Clash(NamedTuple):
@@ -31,15 +34,17 @@ class Clash(NamedTuple):
 class FrameClashes(NamedTuple):
     """The clashes of a model or a frame.
 
-    index : int, from 0; clashes : list of Clash; clashesPer1000Atoms : float
+    number : int, from 0; clashes : list of Clash; clashesPer1000Atoms : float
     """
 
-    index: int
+    number: int
     clashes: list[Clash]
     clashesPer1000Atoms: float
 
 
-def findClashes(structure, trajectory=None, radii=None, water=False, ions=False):
+def findClashes(
+    structure: Path, trajectory: Path | None = None, radii: str | None = None, water: bool = False, ions: bool = False
+) -> list[FrameClashes]:
     """Find the clashes of all models of a structure, or of all frames of a trajectory.
 
     A clash is what `StericExclusionForce` calls so, with the force that `createStericExclusionForce` makes of the
@@ -71,7 +76,7 @@ def findClashes(structure, trajectory=None, radii=None, water=False, ions=False)
     search = ClashSearch(structure, trajectory, radii, water, ions)
     for note in search.notes:
         warnings.warn(note, stacklevel=2)
-    frames = []
+    frames: list[FrameClashes] = []
     try:
         frames.extend(search)
     except InputError as error:
@@ -116,9 +121,9 @@ class ClashSearch:
 
     def __iter__(self):
         frames = self._modelPositions() if self.trajectory is None else self._trajectoryPositions()
-        for index, positions in enumerate(frames):
+        for number, positions in enumerate(frames):
             clashes = self.finder.find(positions)
-            yield FrameClashes(index, clashes, 1000 * len(clashes) / self.finder.checkedCount)
+            yield FrameClashes(number, clashes, 1000 * len(clashes) / self.finder.checkedCount)
 
     def _modelPositions(self):
         yield from self._models.positions

@@ -13,10 +13,10 @@ class AtomName(NamedTuple):
     residue: str
     atom: str
 
-    def __str__(self):
+    def __str__(self) -> str:
         return f"{self.describeResidue()} {self.atom}"
 
-    def describeResidue(self):
+    def describeResidue(self) -> str:
         """Return the residue as one writes it: chain, name, number with insertion code."""
         return _join(self.chain, self.residue)
 

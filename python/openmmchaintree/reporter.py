@@ -3,14 +3,15 @@
 import csv
 import os
 import warnings
+from typing import Any, TextIO
 
 import openmm
-from openmm import unit
+from openmm import app, unit
 
-from .clashes import ClashFinder, nameClashes
+from .clashes import Clash, ClashFinder, Path, nameClashes
 from .naming import nameAtom
 from .openmmchaintree import StericExclusionForce
-from .units import inUnit
+from .units import Number, inUnit
 
 _COLUMNS = ("step", "time_ps", "clashes", "worst_overlap_nm", "atom1", "atom2")
 
@@ -21,7 +22,7 @@ class ClashError(openmm.OpenMMException):
     step : int; clash : Clash, the worst one
     """
 
-    def __init__(self, message, step, clash):
+    def __init__(self, message: str, step: int, clash: Clash) -> None:
         super().__init__(message)
         self.step = step
         self.clash = clash
@@ -37,7 +38,9 @@ class ClashReporter:
     The columns are step, time_ps, clashes, worst_overlap_nm, atom1, atom2; the last three are empty without a clash.
     """
 
-    def __init__(self, file, reportInterval, maxOverlap=None, append=False):
+    def __init__(
+        self, file: Path | TextIO, reportInterval: int, maxOverlap: Number | None = None, append: bool = False
+    ) -> None:
         """Create a ClashReporter.
 
         Parameters
@@ -65,26 +68,27 @@ class ClashReporter:
         self._maxOverlap = None if maxOverlap is None else inUnit(maxOverlap, "nm", "maxOverlap")
         if self._maxOverlap is not None and not self._maxOverlap >= 0:
             raise ValueError(f"maxOverlap must be at least 0, not {self._maxOverlap}")
-        self._watch = None
-        self._ownsFile = isinstance(file, (str, os.PathLike))
-        self._file = open(file, "a" if append else "w", newline="") if self._ownsFile else file
+        self._watch: _ForceWatch | _TopologyWatch | None = None
+        self._ownsFile = False
+        if isinstance(file, (str, os.PathLike)):
+            self._file: TextIO = open(file, "a" if append else "w", newline="")
+            self._ownsFile = True
+        else:
+            self._file = file
         self._lines = csv.writer(self._file, lineterminator="\n")
         if not (append and self._ownsFile and self._file.tell() > 0):
             self._lines.writerow(_COLUMNS)
 
     def __del__(self):
-        if getattr(self, "_ownsFile", False) and hasattr(self, "_file"):
+        if getattr(self, "_ownsFile", False):
             self._file.close()
 
-    def describeNextReport(self, simulation):
+    def describeNextReport(self, simulation: app.Simulation) -> dict[str, Any]:
         """Return what `openmm.app.Simulation` asks of a reporter: when to report, and what the State must hold."""
-        if self._watch is None:
-            force = _stericForceOf(simulation.system)
-            self._watch = _TopologyWatch() if force is None else _ForceWatch(force)
         steps = self._reportInterval - simulation.currentStep % self._reportInterval
-        return {"steps": steps, "periodic": False, "include": self._watch.include}
+        return {"steps": steps, "periodic": False, "include": self._watchOf(simulation).include}
 
-    def report(self, simulation, state):
+    def report(self, simulation: app.Simulation, state: openmm.State) -> None:
         """Write a line, and end the simulation if the worst clash is too bad.
 
         Raises
@@ -92,7 +96,7 @@ class ClashReporter:
         ClashError
             if a clash overlaps by more than maxOverlap
         """
-        clashes = self._watch.find(simulation, state)
+        clashes = self._watchOf(simulation).find(simulation, state)
         worst = max(clashes, key=lambda clash: clash.overlap, default=None)
         time = state.getTime().value_in_unit(unit.picosecond)
         about = [""] * 3 if worst is None else [f"{worst.overlap:.6f}", worst.atom1, worst.atom2]
@@ -105,6 +109,12 @@ class ClashReporter:
                 simulation.currentStep,
                 worst,
             )
+
+    def _watchOf(self, simulation):
+        if self._watch is None:
+            force = _stericForceOf(simulation.system)
+            self._watch = _TopologyWatch() if force is None else _ForceWatch(force)
+        return self._watch
 
 
 def _stericForceOf(system):

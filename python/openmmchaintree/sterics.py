@@ -2,27 +2,29 @@
 
 import warnings
 from collections import Counter
+from collections.abc import Iterable
 
 import numpy as np
+from openmm import app
 
 from .bonds import BondGraph
 from .naming import describeResidue
 from .openmmchaintree import StericExclusionForce
 from .radii import RADII_SETS, defaultRadii, hydrogenBondRoles, particleRadii
 from .torsions import DISULFIDE_RING, PROLINE_RING, Torsion, TorsionSearch, searchTorsions
-from .units import inUnit, positionsInNm
+from .units import Array, Number, inUnit, positionsInNm
 
 
 def createStericExclusionForce(
-    topology,
-    positions=None,
-    radii=None,
-    torsions=("phi", "psi", "chi"),
-    bondCutoff=3,
-    cutDisulfides=False,
-    forceGroup=31,
-    unknownRadius=None,
-):
+    topology: app.Topology,
+    positions: Array | None = None,
+    radii: str | Array | None = None,
+    torsions: str | Iterable[str] | Iterable[Torsion] = ("phi", "psi", "chi"),
+    bondCutoff: int = 3,
+    cutDisulfides: bool = False,
+    forceGroup: int = 31,
+    unknownRadius: Number | None = None,
+) -> StericExclusionForce:
     """Create a StericExclusionForce for the molecules of a Topology.
 
     Every atom becomes a particle, water and ions too: what should not be in the way can be given the radius 0. An
@@ -66,14 +68,14 @@ def createStericExclusionForce(
     if positions is not None:
         positions = positionsInNm(positions, topology.getNumAtoms())
     graph = BondGraph(topology, positions, cutDisulfides)
-    radii, roles = _radiiAndRoles(graph, radii, unknownRadius)
+    values, roles = _radiiAndRoles(graph, radii, unknownRadius)
     found = _torsionsOf(graph, topology, torsions)
     _warn(graph, found.leftOut)
 
     force = StericExclusionForce()
     force.setName("StericExclusionForce")
     force.setForceGroup(forceGroup)
-    for radius, role in zip(radii.tolist(), roles, strict=True):
+    for radius, role in zip(values.tolist(), roles, strict=True):
         force.addParticle(radius, role)
     for atom1, atom2 in graph.bonds:
         force.addBond(atom1, atom2)

@@ -2,14 +2,18 @@
 
 import io
 import re
+from collections.abc import Sequence
 from pathlib import Path
-from typing import NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 import openmm.app
 from openmm import unit
 
 from .naming import nameAtom
+
+if TYPE_CHECKING:
+    from .clashes import FrameClashes
 
 _WATER = "HOH"  # OpenMM's readers give every water this name
 
@@ -19,11 +23,11 @@ _COORDINATES = (slice(30, 38), slice(38, 46), slice(46, 54))  # columns of a PDB
 class InputError(ValueError):
     """What is wrong with what the user gave, in one sentence that names it.
 
-    frames : list
-        the results for the frames before a damaged one
+    frames : sequence of FrameClashes
+        what was found before a damaged frame
     """
 
-    frames = ()
+    frames: "Sequence[FrameClashes]" = ()
 
 
 class Models(NamedTuple):

@@ -1,14 +1,16 @@
 """Finding the torsions of proteins and nucleic acids in a Topology."""
 
+from collections.abc import Iterable
 from itertools import pairwise
 from typing import NamedTuple
 
+from openmm import app
 from openmm.app import Residue
 
 from .bonds import LINKS, BondGraph, neighborLists, ringBonds
 from .naming import describeResidue
 from .residues import CAPS, aminoAcid, chiAtoms, glycosidicAtoms, isNucleotide
-from .units import positionsInNm
+from .units import Array, positionsInNm
 
 # What each word in a list of kinds stands for.
 _KINDS = {
@@ -66,7 +68,12 @@ class TorsionSearch(NamedTuple):
     leftOut: list[LeftOutTorsion]
 
 
-def findTorsions(topology, positions=None, kinds=("phi", "psi", "chi"), cutDisulfides=False):
+def findTorsions(
+    topology: app.Topology,
+    positions: Array | None = None,
+    kinds: str | Iterable[str] = ("phi", "psi", "chi"),
+    cutDisulfides: bool = False,
+) -> TorsionSearch:
     """Find the torsions of the amino acids and nucleotides of a Topology.
 
     Particles are in the order of IUPAC: the dihedral of particles is φ, ψ, ω, χ1 … χ4, α … ζ or the glycosidic χ of

@@ -1,7 +1,13 @@
 """Numbers with and without units, brought to the units of the plugin: nm, rad, kJ/mol, K."""
 
+from typing import TypeAlias
+
 import numpy as np
+import numpy.typing as npt
 from openmm import unit
+
+Number: TypeAlias = float | unit.Quantity
+Array: TypeAlias = npt.ArrayLike | unit.Quantity
 
 _DIMENSIONS = {
     "nm": (unit.nanometer, "a length (nm)"),

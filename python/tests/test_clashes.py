@@ -81,9 +81,9 @@ def test_modelsAgainstAKDTree(name, least):
     frames = findClashes(path)
     pdb = app.PDBFile(str(path))
     reference = Reference(pdb.topology, positionsOf(pdb), isSolvent)
-    assert [frame.index for frame in frames] == list(range(pdb.getNumFrames()))
+    assert [frame.number for frame in frames] == list(range(pdb.getNumFrames()))
     for frame in frames:
-        assertSame(frame, reference.clashes(positionsOf(pdb, frame.index)))
+        assertSame(frame, reference.clashes(positionsOf(pdb, frame.number)))
         assert frame.clashesPer1000Atoms == pytest.approx(1000 * len(frame.clashes) / len(reference.particles))
     assert sum(len(frame.clashes) for frame in frames) >= least
 
@@ -225,7 +225,7 @@ def test_trajectoryAndModelsAgree(name, accuracy):
     assert len(frames) == len(models) == 38
     common = 0
     for model, frame in zip(models, frames, strict=True):
-        assert frame.index == model.index
+        assert frame.number == model.number
         expected, found = overlaps(model), overlaps(frame)
         for pair in expected.keys() ^ found.keys():
             # Tolerances are 0.04 and 0.1 nm.

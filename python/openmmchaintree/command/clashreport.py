@@ -47,7 +47,7 @@ def summarize(search, frames, damage, interrupted):
 
 def _describeFrame(frame):
     return {
-        "index": frame.index,
+        "index": frame.number,
         "clashesPer1000Atoms": frame.clashesPer1000Atoms,
         "worstResidues": [entry["residue"] for entry in _rankResidues([frame])[:_WORST_OF_A_FRAME]],
         "clashes": [
@@ -63,7 +63,7 @@ def _rankResidues(frames):
     for frame in frames:
         for clash in frame.clashes:
             for residue in dict.fromkeys((clash.atom1.describeResidue(), clash.atom2.describeResidue())):
-                met[residue].append((frame.index, clash.overlap))
+                met[residue].append((frame.number, clash.overlap))
     return _rank({"residue": residue, **_count(found)} for residue, found in met.items())
 
 
@@ -72,7 +72,7 @@ def _rankPairs(frames):
     met = defaultdict(list)
     for frame in frames:
         for clash in frame.clashes:
-            met[clash[:4]].append((frame.index, clash.overlap))
+            met[clash[:4]].append((frame.number, clash.overlap))
     return _rank(
         {"particles": pair[:2], "atoms": [str(name) for name in pair[2:]], **_count(found)}
         for pair, found in met.items()
@@ -99,7 +99,7 @@ def writeCSV(path, frames):
     for frame in frames:
         for clash in frame.clashes:
             atoms = [clash.particle1, *clash.atom1, clash.particle2, *clash.atom2]
-            lines.writerow([frame.index, *atoms, f"{clash.overlap:.6f}"])
+            lines.writerow([frame.number, *atoms, f"{clash.overlap:.6f}"])
     Path(path).write_text(text.getvalue(), encoding="utf-8")
 
 

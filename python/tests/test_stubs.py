@@ -1,0 +1,148 @@
+"""The stub says what SWIG's module is, in its documentation too, and a type checker finds mistakes by it."""
+
+import ast
+import inspect
+import os
+import re
+import subprocess
+import sys
+from pathlib import Path
+
+import openmmchaintree
+import pytest
+from openmmchaintree import openmmchaintree as wrapped
+
+_PROJECT = Path(__file__).parents[2]
+_PACKAGE = Path(wrapped.__file__).parent
+_STUB = ast.parse((_PACKAGE / "openmmchaintree.pyi").read_text(encoding="utf-8"))
+_STUBS = {node.name: node for node in _STUB.body if isinstance(node, ast.ClassDef)}
+_CLASSES = ("StericExclusionForce", "TorsionMonteCarloIntegrator")
+_NUMBERS = re.compile(r"^:type (\w+): .*(?:float|Quantity).*\n:param \1: ((?:.|\n(?!:))*)", re.MULTILINE)
+_UNIT = re.compile(r"\b(nm|radians|Kelvin|K|kJ/mol/nm\^2)\b")
+_TUPLES = ("TraversalStatistics", "MoveStatistics", "MinimumDistance")
+
+# A few lines of each kind, of which a type checker must find those that say so to be wrong.
+_PROGRAM = """
+import numpy as np
+import openmm
+import openmm.app as app
+from openmm import unit
+from openmmchaintree import *
+
+force = StericExclusionForce()
+force.addParticle(0.1, force.Donor)
+force.addParticle(radius=1 * unit.angstrom, hydrogenBondRole=StericExclusionForce.Acceptor)
+force.addBond(0, "1")  # wrong
+force.addTorsion(0, 1, 2)  # wrong
+context: openmm.Context
+pairs, overlaps = force.getClashes(context)
+pairs.shape, overlaps.max()
+pairs, before, after = force.getChangedNeighborPairs(context, 0.5)
+pairs, before = force.getChangedNeighborPairs(context, 0.5)  # wrong
+distance: float = force.getMinimumDistance(context, [0], np.array([1, 2])).distance
+free: bool = force.proposeTorsions(context, [3], [0.1])
+force.proposeTorsions(context, 3, [0.1])  # wrong
+integrator = TorsionMonteCarloIntegrator(300 * unit.kelvin)
+integrator.addTorsionMove(1, 0.1, [0, 1], count=2)
+integrator.addTorsionMove(1, 0.1, count="all")  # wrong
+integrator.getMoveStatistics(0).accepted
+integrator.getMoveStatistics(0).rejected  # wrong
+topology: app.Topology
+createStericExclusionForce(topology, torsions="phi").addExclusion(0, 1)
+createStericExclusionForce(topology, bondCutoff="3")  # wrong
+kind: str = findTorsions(topology).torsions[0].kind
+atom: str = findClashes("a.pdb", "a.dcd")[0].clashes[0].atom1.residue
+findClashes("a.pdb", 3)  # wrong
+ClashReporter("a.csv", 100, maxOverlap=0.1 * unit.nanometer)
+ClashReporter("a.csv", "100")  # wrong
+"""
+
+
+def methodsOf(stub):
+    return {node.name: node for node in stub.body if isinstance(node, ast.FunctionDef)}
+
+
+def parametersOf(function):
+    arguments = function.args
+    names = [argument.arg for argument in arguments.args]
+    required = len(names) - len(arguments.defaults)
+    return {name: number >= required for number, name in enumerate(names) if name != "self"}
+
+
+def parametersAtRunTime(method):
+    """Return {name: whether it may be left out}: by the signature, or where SWIG has none by its docstring."""
+    parameters = inspect.signature(method).parameters.values()
+    if not any(parameter.kind is parameter.VAR_KEYWORD for parameter in parameters):
+        return {one.name: one.default is not one.empty for one in parameters if one.name != "self"}
+    described = re.findall(r":type (\w+): (.*)", method.__doc__)
+    return {name: kind.endswith("optional") for name, kind in described if not kind.endswith("out")}
+
+
+@pytest.mark.parametrize("name", _CLASSES)
+def test_methodsAreThoseOfTheClass(name):
+    public = {
+        member for member in vars(getattr(wrapped, name)) if not member.startswith("_") and member not in ("thisown",)
+    }
+    constants = {node.target.id for node in _STUBS[name].body if isinstance(node, ast.AnnAssign)}
+    assert public == (methodsOf(_STUBS[name]).keys() | constants) - {"__init__"}
+    for constant in constants:
+        assert isinstance(getattr(getattr(wrapped, name), constant), int)
+
+
+@pytest.mark.parametrize("name", _CLASSES)
+def test_parametersAreThoseOfTheMethods(name):
+    for method, stub in methodsOf(_STUBS[name]).items():
+        assert parametersOf(stub) == parametersAtRunTime(getattr(getattr(wrapped, name), method)), method
+
+
+@pytest.mark.parametrize("name", _TUPLES)
+def test_fieldsAreThoseOfTheTuple(name):
+    fields = [node.target.id for node in _STUBS[name].body if isinstance(node, ast.AnnAssign)]
+    assert tuple(fields) == getattr(wrapped, name)._fields
+
+
+@pytest.mark.parametrize("name", (*_CLASSES, *_TUPLES))
+def test_documentationIsThatOfTheModule(name):
+    documented = getattr(wrapped, name)
+    assert ast.get_docstring(_STUBS[name]) == inspect.getdoc(documented)
+    for method, stub in methodsOf(_STUBS[name]).items():
+        assert ast.get_docstring(stub) == inspect.getdoc(getattr(documented, method)), method
+
+
+@pytest.mark.parametrize("name", _CLASSES)
+def test_everyNumberHasItsUnit(name):
+    for method, stub in methodsOf(_STUBS[name]).items():
+        text = ast.get_docstring(stub)
+        for parameter, description in _NUMBERS.findall(text):
+            # A weight is a number without unit.
+            assert parameter == "weight" or _UNIT.search(description), f"{method}: {parameter}"
+        if ast.unparse(stub.returns) == "Quantity":
+            assert _UNIT.search(text), method
+
+
+def test_nothingIsMissing():
+    assert set(_STUBS) == {*_CLASSES, *_TUPLES}
+    for name in openmmchaintree.__all__:
+        member = getattr(openmmchaintree, name)
+        assert not member.__module__.endswith(".openmmchaintree") or name in _STUBS
+
+
+def mypy(folder, *arguments):
+    pytest.importorskip("mypy")
+    command = [sys.executable, "-m", "mypy", "--config-file", str(_PROJECT / "pyproject.toml"), *arguments]
+    environment = {**os.environ, "MYPYPATH": str(_PACKAGE.parent)}
+    return subprocess.run(command, cwd=folder, env=environment, capture_output=True, text=True, timeout=300)
+
+
+def test_mistakesAreFound(tmp_path):
+    (tmp_path / "program.py").write_text(_PROGRAM)
+    result = mypy(tmp_path, "--strict", "program.py")
+    lines = [number for number, line in enumerate(_PROGRAM.splitlines(), start=1) if line.endswith("# wrong")]
+    found = sorted({int(number) for number in re.findall(r"^program\.py:(\d+): error", result.stdout, re.MULTILINE)})
+    assert found == lines and len(lines) == 9, result.stdout
+
+
+def test_thePackageHasNoTypeErrors(tmp_path):
+    assert (_PACKAGE / "py.typed").exists()
+    result = mypy(tmp_path, "-p", "openmmchaintree")
+    assert result.returncode == 0, result.stdout
