@@ -45,15 +45,35 @@ def test_everyLibraryFindsTheOthersByItself(site, pattern):
 
 def test_theCommandRuns(site, tmp_path):
     command = [str(site / "bin" / "openmm-chaintree"), "sample", "--trials", "1000", "--seed", "1"]
-    result = subprocess.run(command, cwd=tmp_path, env=environment(PYTHONPATH=str(site)), capture_output=True, text=True)
+    variables = environment(PYTHONPATH=str(site))
+    result = subprocess.run(command, cwd=tmp_path, env=variables, capture_output=True, text=True)
     assert result.returncode == 0, result.stderr
     assert (tmp_path / "villin.dcd").stat().st_size > 0
 
 
-def test_headersOfTheLibrariesAreInstalled(site):
-    headers = site / "openmmchaintree" / "include"
-    for name in ["OpenMMChainTree.h", "openmmchaintree/StericExclusionForce.h", "chaintree.h"]:
-        assert (headers / name).is_file()
+def test_theCommandSaysWhatToInstall(site, tmp_path):
+    (tmp_path / "openmm").mkdir()
+    (tmp_path / "openmm" / "__init__.py").write_text("raise ImportError('libOpenMM.so is missing')\n")
+    command = [str(site / "bin" / "openmm-chaintree"), "sample"]
+    variables = environment(PYTHONPATH=f"{tmp_path}{os.pathsep}{site}")
+    result = subprocess.run(command, cwd=tmp_path, env=variables, capture_output=True, text=True)
+    assert (result.returncode, result.stdout) == (2, "")
+    (message,) = result.stderr.splitlines()
+    assert message.startswith("openmm-chaintree: openmmchaintree needs OpenMM ")
+    assert "(libOpenMM.so is missing): pip install" in message
+
+
+def test_publicHeadersAndNothingInternalAreThere(site):
+    package = site / "openmmchaintree"
+    headers = {str(path.relative_to(package / "include")) for path in package.glob("include/**/*.h")}
+    classes = {"StericExclusionForce", "TorsionMonteCarloIntegrator", "internal/windowsExportChainTree"}
+    assert headers == {"OpenMMChainTree.h", *(f"openmmchaintree/{name}.h" for name in classes)}
+    assert not list(package.glob("**/*.a"))
+
+
+def test_typesAreThere(site):
+    for name in ["py.typed", "openmmchaintree.pyi"]:
+        assert (site / "openmmchaintree" / name).is_file()
 
 
 def test_forceFieldFindsTheFile(site):

@@ -1,4 +1,4 @@
-"""Whatever is wrong with an installation, the import says it in one sentence that ends with what to install."""
+"""Whatever is wrong with an installation, import and command say it in one sentence that ends with what to install."""
 
 import subprocess
 import sys
@@ -34,16 +34,28 @@ def replace(file, text):
     file.write_text(text)
 
 
+def run(site, program):
+    command = [sys.executable, "-c", f"import sys; sys.path.insert(0, sys.argv[1]); {program}", str(site)]
+    return subprocess.run(command, cwd=site, capture_output=True, text=True)
+
+
 def importError(site):
-    """The last line that an import prints."""
-    command = [sys.executable, "-c", "import sys; sys.path.insert(0, sys.argv[1]); import openmmchaintree", str(site)]
-    result = subprocess.run(command, cwd=site, capture_output=True, text=True)
+    """What an import says is wrong, after which the command has said the same."""
+    result = run(site, "import openmmchaintree")
     assert result.returncode != 0
-    assert "During handling" not in result.stderr
-    message = result.stderr.splitlines()[-1]
+    assert result.stderr.count("Traceback") == 1
+    message = result.stderr.splitlines()[-1].removeprefix("ImportError: ")
     print(message)
-    assert message.startswith("ImportError: openmmchaintree")
+    assert message.startswith("openmmchaintree")
+    assert commandError(site) == f"openmm-chaintree: {message}\n"
     return message
+
+
+def commandError(site):
+    """What the shell command prints."""
+    result = run(site, "import openmmchaintree_command; sys.exit(openmmchaintree_command.main())")
+    assert (result.returncode, result.stdout) == (2, "")
+    return result.stderr
 
 
 @pytest.mark.parametrize("version", ["7.7", "8.3.1", "9.0"])
@@ -97,3 +109,8 @@ def test_sourceThatWasNotBuilt(site):
     (site / "openmmchaintree" / "_build.py").unlink()
     message = importError(site)
     assert f"in {site / 'openmmchaintree'} has no compiled part" in message
+
+
+def test_aPackageThatIsNeededIsMissing(site):
+    replace(site / "rich" / "__init__.py", "raise ModuleNotFoundError(\"No module named 'rich'\", name='rich')")
+    assert commandError(site) == "openmm-chaintree: No module named 'rich': pip install rich\n"
