@@ -1,0 +1,48 @@
+"""Sample a protein in AMBER14 with implicit solvent at 300 K: moves of its torsions, accepted by Metropolis' rule.
+
+    python sample_protein.py [STEPS]
+
+The villin headpiece that comes with OpenMM is sampled; a step has 100 trials. Writes sampled.pdb and sampled.dcd.
+"""
+
+import sys
+from pathlib import Path
+
+import openmm.app as app
+import openmmchaintree as chaintree
+from openmm import unit
+
+steps = int(sys.argv[1]) if len(sys.argv) > 1 else 20
+
+# The protein alone, without the water and the ions around it.
+pdb = app.PDBFile(str(Path(app.__file__).parent / "data" / "test.pdb"))
+protein = app.Modeller(pdb.topology, pdb.positions)
+protein.delete([residue for residue in pdb.topology.residues() if residue.name in ("HOH", "Cl")])
+
+system = app.ForceField("amber14-all.xml", "implicit/gbn2.xml").createSystem(protein.topology)
+system.addForce(chaintree.createStericExclusionForce(protein.topology, protein.positions))
+
+# Most of the time is the force field's: trials that clash do not come to it. Torsions of the backbone move half of the
+# protein, so they are turned by little; side chains can take any angle.
+backbone: list[int] = []
+sideChains: list[int] = []
+for number, torsion in enumerate(chaintree.findTorsions(protein.topology, protein.positions).torsions):
+    (backbone if torsion.kind in ("phi", "psi") else sideChains).append(number)
+integrator = chaintree.TorsionMonteCarloIntegrator(300 * unit.kelvin)
+integrator.addTorsionMove(1.0, 1 * unit.degree, backbone)
+integrator.addTorsionMove(1.0, 10 * unit.degree, sideChains)
+integrator.addTorsionMove(0.5, 180 * unit.degree, sideChains)
+
+simulation = app.Simulation(protein.topology, system, integrator)
+simulation.context.setPositions(protein.positions)
+simulation.reporters.append(app.PDBReporter("sampled.pdb", steps))  # the last conformation
+simulation.reporters.append(app.DCDReporter("sampled.dcd", 1))
+simulation.reporters.append(app.StateDataReporter(sys.stdout, 10, step=True, potentialEnergy=True, speed=True))
+simulation.step(steps)
+
+for number, name in enumerate(("backbone", "side chains", "rotamers")):
+    statistics = integrator.getMoveStatistics(number)
+    print(
+        f"{name}: {statistics.attempted} trials, {statistics.clashed} clashed, "
+        f"{statistics.rejectedByEnergy} rejected by energy, {statistics.accepted} accepted"
+    )

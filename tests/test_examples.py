@@ -1,0 +1,58 @@
+"""The examples run, do what they say, and have no type errors."""
+
+import csv
+import os
+import re
+import subprocess
+import sys
+from pathlib import Path
+
+import openmmchaintree
+import pytest
+
+PROJECT = Path(__file__).parents[1]
+EXAMPLES = sorted((PROJECT / "examples").glob("*.py"))
+
+
+def run(name, *arguments, folder):
+    """Run an example in a folder, on the quickest platform that every machine has; return what it prints."""
+    command = [sys.executable, str(PROJECT / "examples" / name), *map(str, arguments)]
+    environment = {**os.environ, "OPENMM_DEFAULT_PLATFORM": "CPU"}
+    result = subprocess.run(command, cwd=folder, env=environment, capture_output=True, text=True, timeout=600)
+    assert result.returncode == 0, result.stderr
+    return result.stdout
+
+
+def test_sampleProtein(tmp_path):
+    output = run("sample_protein.py", 1, folder=tmp_path)
+    moves = re.findall(r"(\d+) trials, (\d+) clashed, (\d+) rejected by energy, (\d+) accepted", output)
+    counts = [[int(count) for count in move] for move in moves]
+    assert len(counts) == 3 and sum(move[0] for move in counts) == 100
+    assert all(move[0] == sum(move[1:]) for move in counts)
+    assert sum(move[3] for move in counts) > 10
+    assert (tmp_path / "sampled.pdb").stat().st_size > 0 and (tmp_path / "sampled.dcd").stat().st_size > 0
+
+
+def test_ownMonteCarlo(tmp_path):
+    output = run("own_monte_carlo.py", folder=tmp_path)
+    start, end = map(float, re.findall(r"the ends are (\S+) nm apart", output))
+    assert start == pytest.approx(1.02, abs=0.01) and end == pytest.approx(3.0, abs=0.8)
+    assert re.search(r"^20000 trials, \d+ clashed, \d+ accepted$", output, re.MULTILINE)
+    assert int(re.search(r"clashes now: (\d+)", output)[1]) <= 1  # there is one at the start
+
+
+def test_watchClashes(tmp_path):
+    output = run("watch_clashes.py", 50, folder=tmp_path)
+    text = (tmp_path / "clashes.csv").read_text()
+    assert output == text
+    assert [line["step"] for line in csv.DictReader(text.splitlines())] == ["50"]
+
+
+def test_noTypeErrors(tmp_path):
+    pytest.importorskip("mypy")
+    assert len(EXAMPLES) >= 3
+    options = ["--strict", "--follow-imports", "silent", "--config-file", PROJECT / "pyproject.toml"]
+    command = [sys.executable, "-m", "mypy", *options, *EXAMPLES]
+    environment = {**os.environ, "MYPYPATH": str(Path(openmmchaintree.__file__).parents[1])}
+    result = subprocess.run(command, env=environment, cwd=tmp_path, capture_output=True, text=True)
+    assert result.returncode == 0, result.stdout
