@@ -69,6 +69,7 @@ function(_openmm_probe definitions built printed output)
     unset(compiled CACHE)
 endfunction()
 
+set(_openmm_log "${CMAKE_BINARY_DIR}/OpenMMProbe.log")
 _openmm_probe("" _openmm_links _openmm_printed _openmm_output)
 if(NOT _openmm_links)
     _openmm_probe(-D_GLIBCXX_USE_CXX11_ABI=0 _openmm_links _openmm_printed _openmm_other_output)
@@ -76,12 +77,19 @@ if(NOT _openmm_links)
         message(FATAL_ERROR "OpenMM ${_openmm_printed} in ${OpenMM_LIBRARY_DIR} uses the old C++ string ABI, as its "
             "wheels before 8.4 do: install openmm 8.4 or later.")
     endif()
-    message(FATAL_ERROR "A program cannot be linked with OpenMM in ${OpenMM_LIBRARY_DIR}; install another OpenMM or "
-        "compiler:\n${_openmm_output}")
+    file(WRITE "${_openmm_log}" "${_openmm_output}")
+    message(FATAL_ERROR "A program cannot be linked with OpenMM in ${OpenMM_LIBRARY_DIR} (see ${_openmm_log}): install "
+        "another OpenMM or compiler.")
 endif()
 if(NOT _openmm_printed MATCHES "^[0-9]+\\.[0-9]+(\\.[0-9]+)?")
-    message(FATAL_ERROR "A program linked with OpenMM in ${OpenMM_LIBRARY_DIR} does not run; install the library that it "
-        "lacks, or OpenMM again:\n${_openmm_output}")
+    file(WRITE "${_openmm_log}" "${_openmm_output}")
+    # The loader's words follow the name of the program.
+    string(REGEX REPLACE "^[^\n]*error while loading shared libraries: |\n.*$" "" _openmm_reason "${_openmm_printed}")
+    if(_openmm_reason)
+        string(APPEND _openmm_reason "; ")
+    endif()
+    message(FATAL_ERROR "A program linked with OpenMM in ${OpenMM_LIBRARY_DIR} does not run (${_openmm_reason}see "
+        "${_openmm_log}): install the library that it lacks, or OpenMM again.")
 endif()
 set(OpenMM_VERSION "${CMAKE_MATCH_0}")
 if(OpenMM_VERSION VERSION_LESS OpenMM_FIND_VERSION)

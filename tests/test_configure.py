@@ -97,9 +97,34 @@ def test_openMMLacksALibraryOfItsOwn(tmp_path):
     command = ["c++", "-shared", "-fPIC", f"-I{openmm / 'include'}", "-Wl,--no-as-needed", "-o", library, *sources]
     subprocess.run(command, check=True)
     missing.unlink()
-    message = findingError(tmp_path, openmm)
-    assert message.startswith(f"A program linked with OpenMM in {openmm / 'lib'} does not run; install the library")
-    assert "libmissing.so" in message
+    log = tmp_path / "build" / "OpenMMProbe.log"
+    assert findingError(tmp_path, openmm) == (
+        f"A program linked with OpenMM in {openmm / 'lib'} does not run (libmissing.so: cannot open shared object file: No "
+        f"such file or directory; see {log}): install the library that it lacks, or OpenMM again."
+    )
+    assert "libmissing.so" in log.read_text()
+
+
+def test_openMMEndsTheProgram(tmp_path):
+    (tmp_path / "end.h").write_text("#include <cstdlib>\nstatic int end = (std::_Exit(1), 0);\n")
+    openmm = makeOpenMM(tmp_path / "openmm", "8.6", f"-include{tmp_path / 'end.h'}")
+    log = tmp_path / "build" / "OpenMMProbe.log"
+    expected = (
+        f"A program linked with OpenMM in {openmm / 'lib'} does not run (see {log}): "
+        "install the library that it lacks, or OpenMM again."
+    )
+    assert findingError(tmp_path, openmm) == expected
+
+
+def test_openMMCannotBeLinked(tmp_path):
+    openmm = makeOpenMM(tmp_path / "openmm", "8.6")
+    (openmm / "lib" / "libOpenMM.so").write_text("damaged")
+    log = tmp_path / "build" / "OpenMMProbe.log"
+    expected = (
+        f"A program cannot be linked with OpenMM in {openmm / 'lib'} (see {log}): install another OpenMM or compiler."
+    )
+    assert findingError(tmp_path, openmm) == expected
+    assert "libOpenMM.so" in log.read_text()
 
 
 # ---- The Python that the module is made for ----
