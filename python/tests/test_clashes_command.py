@@ -45,8 +45,10 @@ def test_villinByDefault(tmp_path):
 
 def test_noClash(runHere, tmp_path):
     writePDB(tmp_path / "glycines.pdb", GLYCINES)
-    result = runHere("glycines.pdb")
-    assert result.returncode == 0 and result.stdout.splitlines()[1:] == ["0 clashes, 0.0 per 1,000 atoms"]
+    result = runHere("glycines.pdb", "--picture", "a.svg")
+    assert result.returncode == 0
+    assert result.stdout.splitlines()[1:] == ["0 clashes, 0.0 per 1,000 atoms", "wrote a.svg"]
+    assert "\N{MINUS SIGN}" not in (tmp_path / "a.svg").read_text(encoding="utf-8")  # no axis of clashes goes below 0
 
 
 def test_filesOfAStructure(runHere, tmp_path):

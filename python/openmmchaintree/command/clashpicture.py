@@ -4,6 +4,7 @@ import logging
 from pathlib import Path
 
 import numpy as np
+from matplotlib import colormaps
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
@@ -30,7 +31,8 @@ def savePicture(path, search, frames):
     FigureCanvasAgg(figure)
     source = Path(search.structure if search.trajectory is None else search.trajectory).name
     score = sum(frame.clashesPer1000Atoms for frame in frames) / len(frames)
-    figure.suptitle(f"{source}: {score:.1f} clashes per 1,000 atoms")
+    average = " on average" if len(frames) > 1 else ""
+    figure.suptitle(f"{source}: {score:.1f} clashes per 1,000 atoms{average}")
     residues = _Residues(search)
     upper, lower = figure.subplots(2, 1, sharex=len(frames) > 1)
     if len(frames) == 1:
@@ -77,11 +79,14 @@ def _drawResidues(axis, frame, residues):
     numbers = np.flatnonzero(counts)
     axis.vlines(numbers, 0, counts[numbers], color=_COLOR, linewidth=1.5)
     named = []
-    for residue in numbers[np.argsort(-counts[numbers], kind="stable")][:_NAMED_RESIDUES]:
+    # A single clash is nothing to name a residue for, unless none has more.
+    notable = numbers[counts[numbers] >= min(2, counts.max(initial=0))]
+    for residue in notable[np.argsort(-counts[notable], kind="stable")][:_NAMED_RESIDUES]:
         if all(abs(residue - other) > _LABEL_WIDTH * len(counts) for other in named):
             named.append(residue)
-            place = {"xytext": (0, 4), "textcoords": "offset points", "rotation": 90, "ha": "center"}
-            axis.annotate(residues.labels[residue], (residue, counts[residue]), fontsize="small", **place)
+            place = {"xytext": (0, 5), "textcoords": "offset points", "rotation": 90, "ha": "center"}
+            box = {"boxstyle": "square,pad=0.1", "facecolor": "white", "edgecolor": "none"}
+            axis.annotate(residues.labels[residue], (residue, counts[residue]), fontsize="small", bbox=box, **place)
     margin = _LABEL_WIDTH * len(counts)
     axis.set(title="Residues", ylabel="clashes", xlim=(-margin, len(counts) - 1 + margin))
     axis.set_ylim(0, 1.6 * max(counts.max(initial=0), 1))
@@ -91,8 +96,9 @@ def _drawResidues(axis, frame, residues):
 
 def _drawOverlaps(axis, frame):
     overlaps = [clash.overlap for clash in frame.clashes]
-    axis.hist(overlaps, bins=np.arange(0.04, max([0.14, *overlaps]) + 0.01, 0.005), color=_COLOR, edgecolor="white")
-    axis.set(title="Overlaps", xlabel="nm", ylabel="clashes")
+    bins = np.arange(0.04, max([0.14, *overlaps]) + 0.01, 0.005)
+    counts, *_ = axis.hist(overlaps, bins=bins, color=_COLOR, edgecolor="white")
+    axis.set(title="Overlaps", xlabel="overlap (nm)", ylabel="clashes", ylim=(0, 1.05 * max(counts.max(), 1)))
     axis.yaxis.set_major_locator(MaxNLocator(integer=True))
 
 
@@ -109,11 +115,14 @@ def _drawMap(axis, frames, word, residues):
     for number, frame in enumerate(frames):
         column = counts[:, number * columnCount // len(frames)]
         np.maximum.at(column, rows, residues.countClashes(frame))
+    most = max(counts.max(), 1)
     image = axis.imshow(
         np.ma.masked_equal(counts, 0),
         aspect="auto",
         interpolation="nearest",
-        cmap="viridis_r",
+        cmap=colormaps["viridis_r"].resampled(most),
+        vmin=0.5,
+        vmax=most + 0.5,
         extent=(-0.5, len(frames) - 0.5, len(residues.labels) - 0.5, -0.5),
     )
     axis.set(title="Residues", xlabel=f"{word} (from 0)")
