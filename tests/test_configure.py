@@ -99,8 +99,8 @@ def test_openMMLacksALibraryOfItsOwn(tmp_path):
     missing.unlink()
     log = tmp_path / "build" / "OpenMMProbe.log"
     assert findingError(tmp_path, openmm) == (
-        f"A program linked with OpenMM in {openmm / 'lib'} does not run (libmissing.so: cannot open shared object file: No "
-        f"such file or directory; see {log}): install the library that it lacks, or OpenMM again."
+        f"A program linked with OpenMM in {openmm / 'lib'} does not run (libmissing.so: cannot open shared object "
+        f"file: No such file or directory; see {log}): install the library that it lacks, or OpenMM again."
     )
     assert "libmissing.so" in log.read_text()
 
