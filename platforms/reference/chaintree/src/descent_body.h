@@ -231,6 +231,7 @@ static bool visitLeaves(Traversal* t, Visit* visit, const ItemPair* pair) {
   const Block* blockA = blockOf(t, a);
   const Block* blockB = blockOf(t, b);
   unsigned near = nearItem(t, visit, blockA, endA - beginA, pair);
+  const int partner = near != 0 ? exclusionPartner(t->exclusions, a, b) : CT_NULL;
   for (; near != 0; near &= near - 1) {
     const int k = __builtin_ctz(near);
     const int i = beginA + k;
@@ -242,11 +243,11 @@ static bool visitLeaves(Traversal* t, Visit* visit, const ItemPair* pair) {
     if (mask != 0) {
       mask &= ~ofBody(t, b, motionOfMember(t, a, k));
     }
+    if (partner != CT_NULL) {
+      mask &= ~(unsigned)t->exclusions->mask[partner][k];
+    }
     for (; mask != 0; mask &= mask - 1) {
       const int j = beginB + __builtin_ctz(mask);
-      if (isExcluded(t->exclusions, i, j)) {
-        continue;
-      }
       double x[3];
       double y[3];
       ctTraversalPosition(t, i, x);

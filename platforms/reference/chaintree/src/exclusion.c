@@ -1,56 +1,82 @@
 #include "exclusion.h"
 
 #include <stdlib.h>
-
-#include "order.h"
+#include <string.h>
 
 /* ---- Exclusions ---- */
 
-bool ctExclusionsBuild(Exclusions* exclusions, Arena* arena, const Sequence* s, const ctDefinition* d) {
-  const size_t slots = (size_t)s->slotCount;
-  exclusions->begin = ctArenaAllocate(arena, slots + 2, sizeof(int));
-  if (arena->failed) {
-    return false;
+/* The excluded pairs that both have slots, each both ways round; returns how many. */
+static int listPairs(const Sequence* s, const ctDefinition* d, int (*pairs)[2]) {
+  int count = 0;
+  for (int i = 0; i < d->exclusionCount; i++) {
+    const int a = s->particleSlot[d->exclusions[i][0]];
+    const int b = s->particleSlot[d->exclusions[i][1]];
+    if (a != CT_NULL && b != CT_NULL) {
+      pairs[count][0] = pairs[count + 1][1] = a;
+      pairs[count][1] = pairs[count + 1][0] = b;
+      count += 2;
+    }
   }
+  return count;
+}
+
+/* The leaves that each leaf has pairs with, each leaf once; begin[leaf] is where its own begin. */
+static void listPartners(int pairCount, const int (*pairs)[2], int leafCount, int* begin, int* partners) {
   /* Counts two places on, so that filling moves each begin to its place. */
-  int* next = exclusions->begin + 1;
-  for (int i = 0; i < d->exclusionCount; i++) {
-    const int a = s->particleSlot[d->exclusions[i][0]];
-    const int b = s->particleSlot[d->exclusions[i][1]];
-    if (a != CT_NULL && b != CT_NULL) {
-      next[a + 1]++;
-      next[b + 1]++;
-    }
+  int* next = begin + 1;
+  for (int i = 0; i < pairCount; i++) {
+    next[pairs[i][0] / TREE_WIDTH + 1]++;
   }
-  ctAccumulate(next, s->slotCount);
-  exclusions->partner = ctArenaAllocate(arena, (size_t)next[s->slotCount], sizeof(int));
-  if (arena->failed) {
-    return false;
+  ctAccumulate(next, leafCount);
+  for (int i = 0; i < pairCount; i++) {
+    partners[next[pairs[i][0] / TREE_WIDTH]++] = pairs[i][1] / TREE_WIDTH;
   }
-  for (int i = 0; i < d->exclusionCount; i++) {
-    const int a = s->particleSlot[d->exclusions[i][0]];
-    const int b = s->particleSlot[d->exclusions[i][1]];
-    if (a != CT_NULL && b != CT_NULL) {
-      exclusions->partner[next[a]++] = b;
-      exclusions->partner[next[b]++] = a;
-    }
-  }
-  /* Sort each slot's partners and close the gaps that repeats leave. */
+  /* Sort each leaf's partners and close the gaps that repeats leave. */
   int kept = 0;
   int from = 0;
-  for (int slot = 0; slot < s->slotCount; slot++) {
-    const int end = exclusions->begin[slot + 1];
-    ctSortInts(exclusions->partner + from, end - from);
+  for (int leaf = 0; leaf < leafCount; leaf++) {
+    const int end = begin[leaf + 1];
+    ctSortInts(partners + from, end - from);
     const int first = kept;
     for (int i = from; i < end; i++) {
-      if (kept == first || exclusions->partner[kept - 1] != exclusions->partner[i]) {
-        exclusions->partner[kept++] = exclusions->partner[i];
+      if (kept == first || partners[kept - 1] != partners[i]) {
+        partners[kept++] = partners[i];
       }
     }
     from = end;
-    exclusions->begin[slot + 1] = kept;
+    begin[leaf + 1] = kept;
   }
-  return true;
+}
+
+static void setMasks(Exclusions* exclusions, int pairCount, const int (*pairs)[2]) {
+  for (int i = 0; i < pairCount; i++) {
+    const int a = pairs[i][0];
+    const int b = pairs[i][1];
+    uint16_t* mask = &exclusions->mask[exclusionPartner(exclusions, a / TREE_WIDTH, b / TREE_WIDTH)][a % TREE_WIDTH];
+    *mask = (uint16_t)(*mask | 1u << b % TREE_WIDTH);
+  }
+}
+
+bool ctExclusionsBuild(Exclusions* exclusions, Arena* arena, const Sequence* s, const ctDefinition* d) {
+  const int leafCount = (s->slotCount + TREE_WIDTH - 1) / TREE_WIDTH;
+  Arena scratch = {0};
+  int(*pairs)[2] = ctArenaAllocate(&scratch, 2 * (size_t)d->exclusionCount, sizeof *pairs);
+  int* partners = ctArenaAllocate(&scratch, 2 * (size_t)d->exclusionCount, sizeof *partners);
+  exclusions->begin = ctArenaAllocate(arena, (size_t)leafCount + 2, sizeof(int));
+  if (!scratch.failed && !arena->failed) {
+    const int pairCount = listPairs(s, d, pairs);
+    listPartners(pairCount, (const int(*)[2])pairs, leafCount, exclusions->begin, partners);
+    const size_t partnerCount = (size_t)exclusions->begin[leafCount];
+    exclusions->partner = ctArenaAllocate(arena, partnerCount, sizeof(int));
+    exclusions->mask = ctArenaAllocate(arena, partnerCount, sizeof(uint16_t[TREE_WIDTH]));
+    if (!arena->failed) {
+      memcpy(exclusions->partner, partners, partnerCount * sizeof(int));
+      setMasks(exclusions, pairCount, (const int(*)[2])pairs);
+    }
+  }
+  const bool built = !scratch.failed && !arena->failed;
+  ctArenaFree(&scratch);
+  return built;
 }
 
 /* ---- Limits ---- */

@@ -2,12 +2,14 @@
 #ifndef CT_EXCLUSION_H_
 #define CT_EXCLUSION_H_
 
+#include "order.h"
 #include "sequence.h"
 
-/* Per slot the slots it never clashes with, ascending; both ways round. */
+/* Per leaf the leaves with slots that its own never clash with, ascending, and which ones; both ways round. */
 typedef struct Exclusions {
-  int* begin; /* slotCount + 1 */
-  int* partner;
+  int* begin;                   /* per leaf, and one more: where its partners begin */
+  int* partner;                 /* leaves */
+  uint16_t (*mask)[TREE_WIDTH]; /* per partner, of each slot of the leaf: which slots of the partner */
 } Exclusions;
 
 /* Pairs of particles whose limit is not their tolerance, by ascending key. */
@@ -21,13 +23,19 @@ typedef struct Limits {
 
 bool ctExclusionsBuild(Exclusions* exclusions, Arena* arena, const Sequence* sequence, const ctDefinition* definition);
 
-static inline bool isExcluded(const Exclusions* exclusions, int slotA, int slotB) {
-  for (int i = exclusions->begin[slotA]; i < exclusions->begin[slotA + 1]; i++) {
-    if (exclusions->partner[i] == slotB) {
-      return true;
+/* Where leafB is among the partners of leafA, or CT_NULL. O(log of their number). */
+static inline int exclusionPartner(const Exclusions* exclusions, int leafA, int leafB) {
+  int low = exclusions->begin[leafA];
+  int high = exclusions->begin[leafA + 1];
+  while (low < high) {
+    const int middle = low + (high - low) / 2;
+    if (exclusions->partner[middle] < leafB) {
+      low = middle + 1;
+    } else {
+      high = middle;
     }
   }
-  return false;
+  return low < exclusions->begin[leafA + 1] && exclusions->partner[low] == leafB ? low : CT_NULL;
 }
 
 /* Sorts like (lower particle, higher particle). */
