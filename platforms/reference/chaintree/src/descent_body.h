@@ -132,6 +132,9 @@ static Sphere expandStraddler(Traversal* t, int level, int item, int piece) {
       k++;
     }
   }
+  for (; k < TREE_WIDTH; k++) {
+    s->motion[k] = 0;
+  }
   Sphere bound = middleOfBlock(&s->block);
   /* Straddlers lie within straddlers: each level adds its own rounding. */
   bound.r += radiusAbout(bound, &s->block, s->block.r) + (float)(FLOAT_MARGIN * t->extent);
@@ -174,12 +177,91 @@ static void startDescent(Traversal* t, const View* view) {
   }
 }
 
+/* ---- Boxes ---- */
+
+static NodeBoxes* boxesOf(const Traversal* t, int node) {
+  return &t->boxes[node - t->tree->levelBegin[1]];
+}
+
+/* Around the members of an item in its own frame; with it, the boxes of its children. */
+static const Box* ownBox(Traversal* t, int level, int item) {
+  const Tree* tree = t->tree;
+  Box* box = &t->box[item];
+  if (!tree->isFresh[item]) {
+    return box;
+  }
+  tree->isFresh[item] = false;
+  if (level == 0) {
+    Block block;
+    leafBlock(&tree->leaf[item], &block);
+    *box = boxAround(&block, 0, NULL, &tree->bound[item]);
+    return box;
+  }
+  NodeBoxes* boxes = boxesOf(t, item);
+  Box inner[TREE_WIDTH];
+  boxes->thin = 0;
+  boxes->since = NEVER;
+  int count;
+  const int first = treeChildren(tree, level, item, &count);
+  for (int k = 0; k < count; k++) {
+    if (tree->bound[first + k].r >= 0) {
+      float pose[12];
+      floatMotion(&tree->pose[first + k], pose);
+      const Box* own = ownBox(t, level - 1, first + k);
+      inner[k] = movedBox(own, pose);
+      boxes->thin |= (unsigned)own->thin << k;
+      putBox(&boxes->own, k, &inner[k]);
+    }
+  }
+  *box = boxAround(&treeMembers(tree, item)->block, boxes->thin, inner, &tree->bound[item]);
+  return box;
+}
+
+/* Boxes of the children of an expanded node, in the view; those of children that straddle have no meaning. */
+static BoxBlock* boxesInView(Traversal* t, int level, int node) {
+  NodeBoxes* boxes = boxesOf(t, node);
+  ownBox(t, level, node);
+  if (boxes->since != t->since[node]) {
+    boxes->since = t->since[node];
+    float frame[12];
+    floatMotion(&t->frame[node], frame);
+    boxes->rest = boxes->own;
+    moveBoxes(&boxes->own, frame, 0xffff, &boxes->rest);
+  }
+  const int code = t->motion[node];
+  if (code == 0 || t->view->motions == NULL) {
+    return &boxes->rest;
+  }
+  if (boxes->stamp != t->stamp) {
+    boxes->stamp = t->stamp;
+    boxes->moved = boxes->rest;
+    for (int k = 0; k < TREE_WIDTH;) {
+      /* Children that move alike go together. */
+      const int motion = code < 0 ? straddlerOf(t, code)->motion[k] : code;
+      unsigned run = 0;
+      for (; k < TREE_WIDTH && motion == (code < 0 ? straddlerOf(t, code)->motion[k] : code); k++) {
+        run |= 1u << k;
+      }
+      if (motion > 0) {
+        moveBoxes(&boxes->rest, t->motions[motion], run, &boxes->moved);
+      }
+    }
+  }
+  return &boxes->moved;
+}
+
 /* ---- The descent ---- */
+
+/* Bounds of Traversal.visitsWithoutBoxes. */
+enum { FEWEST_VISITS_WITHOUT_BOXES = 32, MOST_VISITS_WITHOUT_BOXES = 1 << 20 };
 
 typedef struct Visit {
   CandidateFunction* function;
   void* context;
   float reach;
+  bool boxes; /* are to be looked at */
+  int pairsBoxed;
+  int pairsParted;
   int64_t volumeTests;
   int64_t particleTests;
 } Visit;
@@ -221,6 +303,16 @@ static unsigned nearItem(const Traversal* t, Visit* visit, const Block* members,
   return near16(members, sphere, visit->reach) & ~ofBody(t, pair->a, t->motion[pair->b]);
 }
 
+/* The boxes among which that of an item is, at its own place; NULL if it has none of use. */
+static BoxBlock* boxesAround(Traversal* t, const ItemPair* pair) {
+  if (pair->a == pair->b || t->motion[pair->b] < 0) {
+    return NULL;
+  }
+  const int parent = treeParent(t->tree, pair->level, pair->b);
+  BoxBlock* boxes = boxesInView(t, pair->level + 1, parent);
+  return (boxesOf(t, parent)->thin >> pair->b % TREE_WIDTH & 1) != 0 ? boxes : NULL;
+}
+
 static bool visitLeaves(Traversal* t, Visit* visit, const ItemPair* pair) {
   const int a = pair->a;
   const int b = pair->b;
@@ -231,6 +323,10 @@ static bool visitLeaves(Traversal* t, Visit* visit, const ItemPair* pair) {
   const Block* blockA = blockOf(t, a);
   const Block* blockB = blockOf(t, b);
   unsigned near = nearItem(t, visit, blockA, endA - beginA, pair);
+  BoxBlock* around = visit->boxes && near != 0 ? boxesAround(t, pair) : NULL;
+  if (around != NULL) {
+    near &= nearBox(blockA, around, b % TREE_WIDTH, visit->reach);
+  }
   const int partner = near != 0 ? exclusionPartner(t->exclusions, a, b) : CT_NULL;
   for (; near != 0; near &= near - 1) {
     const int k = __builtin_ctz(near);
@@ -260,6 +356,33 @@ static bool visitLeaves(Traversal* t, Visit* visit, const ItemPair* pair) {
   return true;
 }
 
+/* Members of an item that straddle. */
+static unsigned straddling(const Traversal* t, int item) {
+  const int code = t->motion[item];
+  unsigned mask = 0;
+  for (int k = 0; k < TREE_WIDTH && code < 0; k++) {
+    mask |= (unsigned)(straddlerOf(t, code)->motion[k] < 0) << k;
+  }
+  return mask;
+}
+
+/* Which of these children of node b the boxes part from child k of node a, which does not straddle. */
+static unsigned boxesPart(Traversal* t, Visit* visit, const ItemPair* pair, int k, unsigned mask, BoxBlock* a,
+                          BoxBlock* b) {
+  visit->pairsBoxed += __builtin_popcount(mask);
+  if ((boxesOf(t, pair->a)->thin >> k & 1) == 0) {
+    mask &= boxesOf(t, pair->b)->thin;
+  }
+  mask &= ~straddling(t, pair->b);
+  if (mask == 0) {
+    return 0;
+  }
+  visit->volumeTests += __builtin_popcount(mask);
+  mask &= boxesApart(a, k, b, visit->reach);
+  visit->pairsParted += __builtin_popcount(mask);
+  return mask;
+}
+
 static void visitNodes(Traversal* t, Visit* visit, const ItemPair* pair, int* depth) {
   const int below = pair->level - 1;
   int countA;
@@ -269,6 +392,16 @@ static void visitNodes(Traversal* t, Visit* visit, const ItemPair* pair, int* de
   const Block* blockA = blockOf(t, pair->a);
   const Block* blockB = blockOf(t, pair->b);
   unsigned near = nearItem(t, visit, blockA, countA, pair);
+  BoxBlock* boxesA = NULL;
+  BoxBlock* boxesB = NULL;
+  if (visit->boxes && near != 0) {
+    boxesA = boxesInView(t, pair->level, pair->a);
+    boxesB = boxesInView(t, pair->level, pair->b);
+    BoxBlock* around = boxesAround(t, pair);
+    if (around != NULL) {
+      near &= ~boxesApart(around, pair->b % TREE_WIDTH, boxesA, visit->reach) | straddling(t, pair->a);
+    }
+  }
   for (; near != 0; near &= near - 1) {
     const int k = __builtin_ctz(near);
     const int i = firstA + k;
@@ -287,6 +420,9 @@ static void visitNodes(Traversal* t, Visit* visit, const ItemPair* pair, int* de
     if (mask != 0) {
       mask &= ~ofBody(t, pair->b, motion);
     }
+    if (mask != 0 && visit->boxes && motion >= 0) {
+      mask &= ~boxesPart(t, visit, pair, k, mask, boxesA, boxesB);
+    }
     for (; mask != 0; mask &= mask - 1) {
       const int l = __builtin_ctz(mask);
       t->motion[firstB + l] = motionOfMember(t, pair->b, l);
@@ -299,13 +435,13 @@ static void traverse(Traversal* t, const View* view, CandidateFunction* function
   startDescent(t, view);
   const int root = treeRoot(t->tree);
   const double margin = FLOAT_MARGIN * (t->extent + fabs(view->reach));
-  Visit visit = {function, context, (float)(view->reach + margin), 0, 0};
+  Visit visit = {function, context, (float)(view->reach + margin), false, 0, 0, 0, 0};
   int depth = 0;
   if (view->everyPair || t->motion[root] < 0) {
     t->stack[depth++] = (ItemPair){treeTop(t->tree), root, root};
   }
   bool goesOn = true;
-  while (goesOn && depth > 0) {
+  for (int visits = 0; goesOn && depth > 0; visits++) {
     ItemPair pair = t->stack[--depth];
     if (t->motion[pair.b] < 0) {
       /* First go the members of the one that straddles: those that are of the other's body drop out. */
@@ -313,11 +449,19 @@ static void traverse(Traversal* t, const View* view, CandidateFunction* function
     }
     expand(t, pair.level, pair.a);
     expand(t, pair.level, pair.b);
+    visit.boxes = visits >= t->visitsWithoutBoxes;
     if (pair.level == 0) {
       goesOn = visitLeaves(t, &visit, &pair);
     } else {
       visitNodes(t, &visit, &pair, &depth);
     }
+  }
+  if (visit.pairsBoxed > 0) {
+    const bool pays = 4 * visit.pairsParted > visit.pairsBoxed;
+    const int next = pays ? t->visitsWithoutBoxes / 2 : t->visitsWithoutBoxes * 2;
+    t->visitsWithoutBoxes = next < FEWEST_VISITS_WITHOUT_BOXES ? FEWEST_VISITS_WITHOUT_BOXES
+                            : next > MOST_VISITS_WITHOUT_BOXES ? MOST_VISITS_WITHOUT_BOXES
+                                                               : next;
   }
   if (counts != NULL) {
     counts->volumeTests += visit.volumeTests;

@@ -41,6 +41,10 @@ static inline Float16 sqrt16(Float16 a) {
   return _mm512_sqrt_ps(a);
 }
 
+static inline Float16 absolute16(Float16 a) {
+  return _mm512_abs_ps(a);
+}
+
 static inline Float16 max16(Float16 a, Float16 b) {
   return _mm512_max_ps(a, b);
 }
@@ -105,6 +109,11 @@ static inline Float16 mul16(Float16 a, Float16 b) {
 
 static inline Float16 sqrt16(Float16 a) {
   return (Float16){_mm256_sqrt_ps(a.low), _mm256_sqrt_ps(a.high)};
+}
+
+static inline Float16 absolute16(Float16 a) {
+  const __m256 sign = _mm256_set1_ps(-0.0f);
+  return (Float16){_mm256_andnot_ps(sign, a.low), _mm256_andnot_ps(sign, a.high)};
 }
 
 static inline Float16 max16(Float16 a, Float16 b) {
@@ -231,6 +240,12 @@ static inline Float16 blend16(unsigned mask, Float16 a, Float16 b) {
     const Int4 chosen = (((Int4){nibble, nibble, nibble, nibble}) & bits) == bits;
     a.q[i] = (Float4)(((Int4)a.q[i] & ~chosen) | ((Int4)b.q[i] & chosen));
   }
+  return a;
+}
+
+static inline Float16 absolute16(Float16 a) {
+  const Int4 mask = {0x7fffffff, 0x7fffffff, 0x7fffffff, 0x7fffffff};
+  CT_EACH_QUARTER a.q[i] = (Float4)((Int4)a.q[i] & mask);
   return a;
 }
 

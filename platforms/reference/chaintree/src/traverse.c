@@ -35,12 +35,15 @@ bool ctTraversalBuild(Traversal* t, Arena* arena, const Tree* tree, const Sequen
                       const Exclusions* exclusions) {
   const size_t items = (size_t)tree->itemCount;
   t->path = choosePath();
+  t->visitsWithoutBoxes = 1;
   t->tree = tree;
   t->sequence = sequence;
   t->exclusions = exclusions;
   t->since = ctArenaAllocate(arena, items, sizeof(int64_t));
   t->frame = ctArenaAllocate(arena, items, sizeof(ctTransform));
   t->rest = ctArenaAllocate(arena, items, sizeof(Block));
+  t->box = ctArenaAllocate(arena, items, sizeof(Box));
+  t->boxes = ctArenaAllocate(arena, items - (size_t)tree->levelBegin[1], sizeof(NodeBoxes));
   t->itemStamp = ctArenaAllocate(arena, items, sizeof(uint32_t));
   t->motion = ctArenaAllocate(arena, items, sizeof(int));
   t->moved = ctArenaAllocate(arena, items, sizeof(Block));
@@ -50,6 +53,9 @@ bool ctTraversalBuild(Traversal* t, Arena* arena, const Tree* tree, const Sequen
   }
   for (size_t i = 0; i < items; i++) {
     t->since[i] = NEVER;
+  }
+  for (size_t i = 0; i < items - (size_t)tree->levelBegin[1]; i++) {
+    t->boxes[i].since = NEVER;
   }
   return true;
 }

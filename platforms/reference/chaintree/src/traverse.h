@@ -30,7 +30,8 @@ typedef struct ItemPair {
   int b;
 } ItemPair;
 
-struct Block;
+struct Box;
+struct NodeBoxes;
 struct Straddler;
 struct DescentPath;
 
@@ -48,13 +49,19 @@ typedef struct Traversal {
   int64_t* since;     /* the tree's time at which the item was put into the world, or NEVER */
   bool sinceSurfaces; /* whether the radii of those are of surfaces */
   ctTransform* frame;
-  struct Block* rest; /* its members */
+  Block* rest;     /* its members */
+  struct Box* box; /* around its members in its own frame, unless the tree calls the item fresh */
+
+  /* Per node, from levelBegin[1] on: boxes of its children. They are looked at after so many visits of a descent; that
+   * grows while they part too little and shrinks while they part much. */
+  struct NodeBoxes* boxes;
+  int visitsWithoutBoxes;
 
   /* Per item, of this descent. */
   uint32_t stamp;
   uint32_t* itemStamp; /* the item is expanded */
   int* motion;         /* of which rigid body it is; below 0: it straddles bodies, see straddlerOf */
-  struct Block* moved; /* its members, if its motion is not 0 */
+  Block* moved;        /* its members, if its motion is not 0 */
 
   /* What straddles bodies, from the root down. */
   struct Straddler* straddlers;

@@ -57,6 +57,7 @@ bool ctTreeBuild(Tree* tree, Arena* arena, const Sequence* sequence) {
   tree->shortcut = ctArenaAllocate(arena, items, sizeof(ctTransform));
   tree->pose = ctArenaAllocate(arena, items, sizeof(ctTransform));
   tree->bound = ctArenaAllocate(arena, items, sizeof(Bound));
+  tree->isFresh = ctArenaAllocate(arena, items, sizeof(bool));
   tree->leaf = ctArenaAllocate(arena, (size_t)tree->levelBegin[1], sizeof(Leaf));
   tree->members = ctArenaAllocate(arena, items - (size_t)tree->levelBegin[1], sizeof(Members));
   tree->axis = ctArenaAllocate(arena, (size_t)sequence->linkCount, sizeof(double[3]));
@@ -88,12 +89,7 @@ static Bound boundAround(const Block* block, const float* centres) {
 
 static Bound boundOfLeaf(const Leaf* leaf) {
   Block block;
-  for (int k = 0; k < TREE_WIDTH; k++) {
-    block.x[k] = (float)leaf->x[k];
-    block.y[k] = (float)leaf->y[k];
-    block.z[k] = (float)leaf->z[k];
-    block.r[k] = leaf->r[k];
-  }
+  leafBlock(leaf, &block);
   return boundAround(&block, leaf->centres);
 }
 
@@ -140,6 +136,7 @@ static void refreshLeaf(Tree* tree, const Sequence* sequence, int leaf) {
   tree->shortcut[leaf] = frame;
   tree->bound[leaf] = boundOfLeaf(own);
   tree->hasSum[leaf] = false;
+  tree->isFresh[leaf] = true;
 }
 
 /* Children before the first changed one are where they were. */
@@ -166,6 +163,7 @@ static void refreshNode(Tree* tree, int level, int item, int firstChanged) {
   tree->shortcut[item] = transformCompose(&tree->pose[last], &tree->shortcut[last]);
   tree->bound[item] = boundAround(&members->block, members->centres);
   tree->hasSum[item] = false;
+  tree->isFresh[item] = true;
 }
 
 static void refreshRoot(Tree* tree) {

@@ -58,6 +58,7 @@ typedef struct Tree {
   Leaf* leaf;        /* per item of level 0 */
   Members* members;  /* per item of a higher level, from levelBegin[1] on */
   Bound* bound;      /* per item */
+  bool* isFresh;     /* per item: recomputed since whoever keeps more about it has cleared this */
   double (*axis)[3]; /* per link: its torsion axis in the frame of the leaf where it begins */
 
   /* Sums of positions are wanted now and then only: made when asked for. */

@@ -24,6 +24,16 @@ static inline Sphere sphereOf(const Block* block, int k) {
   return (Sphere){block->x[k], block->y[k], block->z[k], block->r[k]};
 }
 
+/* The particles of a leaf in its frame. */
+static inline void leafBlock(const Leaf* leaf, Block* block) {
+  for (int k = 0; k < TREE_WIDTH; k++) {
+    block->x[k] = (float)leaf->x[k];
+    block->y[k] = (float)leaf->y[k];
+    block->z[k] = (float)leaf->z[k];
+    block->r[k] = leaf->r[k];
+  }
+}
+
 /* Bit k is set if member k is nearer than its radius + the sphere's + reach. */
 static inline unsigned near16(const Block* block, Sphere sphere, float reach) {
   const Float16 dx = sub16(load16(block->x), all16(sphere.x));

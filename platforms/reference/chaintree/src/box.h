@@ -1,0 +1,232 @@
+/* Oriented boxes: what spheres are too wide for. */
+#ifndef CT_BOX_H_
+#define CT_BOX_H_
+
+#include "volume.h"
+
+typedef float Row4 __attribute__((vector_size(16)));
+
+/* Row d holds coordinate d of the centre and of the three unit axes. */
+typedef struct Box {
+  Row4 row[3];
+  Row4 half; /* 0, and half the extents along the axes */
+  bool thin; /* it has much less room than its sphere */
+} Box;
+
+/* Boxes of the children of a node, each number in a run of its own: centre, axes, half extents. */
+typedef struct BoxBlock {
+  float centre[3][TREE_WIDTH];
+  float axis[3][3][TREE_WIDTH]; /* [which][coordinate] */
+  float half[3][TREE_WIDTH];
+} BoxBlock;
+
+/* A box with less than this share of the volume of the sphere around the same is worth a test of its own. */
+#define THIN_SHARE 0.2f
+
+static inline Row4 all4(float a) {
+  return (Row4){a, a, a, a};
+}
+
+static inline Row4 absolute4(Row4 a) {
+  typedef int Bits4 __attribute__((vector_size(16)));
+  const Bits4 mask = {0x7fffffff, 0x7fffffff, 0x7fffffff, 0x7fffffff};
+  return (Row4)((Bits4)a & mask);
+}
+
+static inline float sum4(Row4 a) {
+  return (a[0] + a[1]) + (a[2] + a[3]);
+}
+
+/* A box moved by rows of rotation and translation. */
+static inline Box movedBox(const Box* box, const float motion[12]) {
+  Box moved = *box;
+  for (int d = 0; d < 3; d++) {
+    const float* m = motion + 4 * d;
+    const Row4 shift = {m[3], 0, 0, 0};
+    moved.row[d] = all4(m[0]) * box->row[0] + all4(m[1]) * box->row[1] + all4(m[2]) * box->row[2] + shift;
+  }
+  return moved;
+}
+
+/* The member for which a value is largest; of several the first. */
+static inline int largestMember(Float16 values) {
+  return __builtin_ctz(~greater16(all16(most16(values)), values) & 0xffffu);
+}
+
+/* The unit vector along v, or otherwise. */
+static inline void unitOr(const float otherwise[3], float v[3]) {
+  const float length = sqrtf(v[0] * v[0] + v[1] * v[1] + v[2] * v[2]);
+  for (int d = 0; d < 3; d++) {
+    v[d] = length > 0 ? v[d] / length : otherwise[d];
+  }
+}
+
+/* A unit vector across u. */
+static inline void acrossUnit(const float u[3], float v[3]) {
+  static const float x[3] = {1, 0, 0};
+  const bool alongX = fabsf(u[0]) > 0.9f;
+  /* The cross product with the axis that is farther off. */
+  v[0] = alongX ? u[2] : 0;
+  v[1] = alongX ? 0 : u[2];
+  v[2] = alongX ? -u[0] : -u[1];
+  unitOr(x, v);
+}
+
+/* Axes for a box around spheres: along the line between two far apart, and towards the one farthest from that line. */
+static inline void chooseAxes(const Block* block, Sphere middle, float axes[3][3]) {
+  const Float16 dx = sub16(load16(block->x), all16(middle.x));
+  const Float16 dy = sub16(load16(block->y), all16(middle.y));
+  const Float16 dz = sub16(load16(block->z), all16(middle.z));
+  const unsigned none = greater16(all16(0), load16(block->r));
+  const Float16 never = all16(-1);
+  const Float16 squared = add16(add16(mul16(dx, dx), mul16(dy, dy)), mul16(dz, dz));
+  const int one = largestMember(blend16(none, squared, never));
+  const Float16 ex = sub16(load16(block->x), all16(block->x[one]));
+  const Float16 ey = sub16(load16(block->y), all16(block->y[one]));
+  const Float16 ez = sub16(load16(block->z), all16(block->z[one]));
+  const Float16 squaredFromOne = add16(add16(mul16(ex, ex), mul16(ey, ey)), mul16(ez, ez));
+  const int other = largestMember(blend16(none, squaredFromOne, never));
+  static const float x[3] = {1, 0, 0};
+  float* u = axes[0];
+  u[0] = block->x[other] - block->x[one];
+  u[1] = block->y[other] - block->y[one];
+  u[2] = block->z[other] - block->z[one];
+  unitOr(x, u);
+  const Float16 along = add16(add16(mul16(dx, all16(u[0])), mul16(dy, all16(u[1]))), mul16(dz, all16(u[2])));
+  const Float16 fx = sub16(dx, mul16(along, all16(u[0])));
+  const Float16 fy = sub16(dy, mul16(along, all16(u[1])));
+  const Float16 fz = sub16(dz, mul16(along, all16(u[2])));
+  const Float16 squaredAcross = add16(add16(mul16(fx, fx), mul16(fy, fy)), mul16(fz, fz));
+  const int far = largestMember(blend16(none, squaredAcross, never));
+  float* v = axes[1];
+  float lanes[3][TREE_WIDTH];
+  store16(lanes[0], fx);
+  store16(lanes[1], fy);
+  store16(lanes[2], fz);
+  float across[3];
+  acrossUnit(u, across);
+  for (int d = 0; d < 3; d++) {
+    v[d] = lanes[d][far];
+  }
+  unitOr(across, v);
+  /* What rounding has left along u. */
+  const float left = v[0] * u[0] + v[1] * u[1] + v[2] * u[2];
+  for (int d = 0; d < 3; d++) {
+    v[d] -= left * u[d];
+  }
+  unitOr(across, v);
+  axes[2][0] = u[1] * v[2] - u[2] * v[1];
+  axes[2][1] = u[2] * v[0] - u[0] * v[2];
+  axes[2][2] = u[0] * v[1] - u[1] * v[0];
+}
+
+/* A box around spheres; of members whose bit is set the box boxes[k] is taken instead. */
+static inline Box boxAround(const Block* block, unsigned boxed, const Box* boxes, const Bound* bound) {
+  Box box;
+  const Sphere middle = {bound->x, bound->y, bound->z, 0};
+  float axes[3][3];
+  chooseAxes(block, middle, axes);
+  float centre[3] = {0, 0, 0};
+  float half[4] = {0, 0, 0, 0};
+  const Float16 r = blend16(boxed, load16(block->r), all16(-INFINITY));
+  for (int i = 0; i < 3; i++) {
+    const float* u = axes[i];
+    const Float16 along = add16(add16(mul16(load16(block->x), all16(u[0])), mul16(load16(block->y), all16(u[1]))),
+                                mul16(load16(block->z), all16(u[2])));
+    float low = least16(sub16(along, r));
+    float high = most16(add16(along, r));
+    for (unsigned mask = boxed; mask != 0; mask &= mask - 1) {
+      const Box* inner = &boxes[__builtin_ctz(mask)];
+      const Row4 row = all4(u[0]) * inner->row[0] + all4(u[1]) * inner->row[1] + all4(u[2]) * inner->row[2];
+      const float reach = sum4(absolute4(row) * inner->half);
+      low = row[0] - reach < low ? row[0] - reach : low;
+      high = row[0] + reach > high ? row[0] + reach : high;
+    }
+    const float at = 0.5f * (low + high);
+    half[i + 1] = 0.5f * (high - low);
+    for (int d = 0; d < 3; d++) {
+      centre[d] += at * u[d];
+    }
+  }
+  const float rounding = 4e-6f * (fabsf(bound->x) + fabsf(bound->y) + fabsf(bound->z) + bound->r);
+  for (int d = 0; d < 3; d++) {
+    box.row[d] = (Row4){centre[d], axes[0][d], axes[1][d], axes[2][d]};
+  }
+  box.half = (Row4){0, half[1] + rounding, half[2] + rounding, half[3] + rounding};
+  const float sphere = 4.18879f * bound->r * bound->r * bound->r;
+  box.thin = 8 * box.half[1] * box.half[2] * box.half[3] < THIN_SHARE * sphere;
+  return box;
+}
+
+static inline void putBox(BoxBlock* block, int k, const Box* box) {
+  for (int d = 0; d < 3; d++) {
+    block->centre[d][k] = box->row[d][0];
+    for (int i = 0; i < 3; i++) {
+      block->axis[i][d][k] = box->row[d][i + 1];
+    }
+    block->half[d][k] = box->half[d + 1];
+  }
+}
+
+static inline Float16 dot16(float x, float y, float z, float v[3][TREE_WIDTH]) {
+  return add16(add16(mul16(all16(x), load16(v[0])), mul16(all16(y), load16(v[1]))), mul16(all16(z), load16(v[2])));
+}
+
+/* Boxes whose bit is set, moved by rows of rotation and translation; `from` and `to` differ. */
+static inline void moveBoxes(BoxBlock* from, const float motion[12], unsigned mask, BoxBlock* to) {
+  for (int d = 0; d < 3; d++) {
+    const float* m = motion + 4 * d;
+    const Float16 centre = add16(dot16(m[0], m[1], m[2], from->centre), all16(m[3]));
+    store16(to->centre[d], blend16(mask, load16(to->centre[d]), centre));
+    for (int i = 0; i < 3; i++) {
+      const Float16 axis = dot16(m[0], m[1], m[2], from->axis[i]);
+      store16(to->axis[i][d], blend16(mask, load16(to->axis[i][d]), axis));
+    }
+  }
+}
+
+/* Bit k: box k of a block is farther than reach from box i of another along an axis of either: the first six of the
+ * fifteen that could part them. */
+static inline unsigned boxesApart(BoxBlock* a, int i, BoxBlock* b, float reach) {
+  const Float16 x = sub16(load16(b->centre[0]), all16(a->centre[0][i]));
+  const Float16 y = sub16(load16(b->centre[1]), all16(a->centre[1][i]));
+  const Float16 z = sub16(load16(b->centre[2]), all16(a->centre[2][i]));
+  unsigned apart = 0;
+  Float16 reachOfA[3] = {all16(reach), all16(reach), all16(reach)}; /* along the axes of b */
+  for (int j = 0; j < 3; j++) {
+    const float ux = a->axis[j][0][i];
+    const float uy = a->axis[j][1][i];
+    const float uz = a->axis[j][2][i];
+    const float half = a->half[j][i];
+    Float16 both = all16(half + reach);
+    for (int k = 0; k < 3; k++) {
+      const Float16 cosine = absolute16(dot16(ux, uy, uz, b->axis[k]));
+      both = add16(both, mul16(cosine, load16(b->half[k])));
+      reachOfA[k] = add16(reachOfA[k], mul16(cosine, all16(half)));
+    }
+    const Float16 along = add16(add16(mul16(x, all16(ux)), mul16(y, all16(uy))), mul16(z, all16(uz)));
+    apart |= greater16(absolute16(along), both);
+  }
+  for (int k = 0; k < 3; k++) {
+    const Float16 along =
+        add16(add16(mul16(x, load16(b->axis[k][0])), mul16(y, load16(b->axis[k][1]))), mul16(z, load16(b->axis[k][2])));
+    apart |= greater16(absolute16(along), add16(reachOfA[k], load16(b->half[k])));
+  }
+  return apart;
+}
+
+/* Bit k: sphere k of a block is not farther than reach from box i along any of its axes. */
+static inline unsigned nearBox(const Block* block, const BoxBlock* boxes, int i, float reach) {
+  const Float16 x = sub16(load16(block->x), all16(boxes->centre[0][i]));
+  const Float16 y = sub16(load16(block->y), all16(boxes->centre[1][i]));
+  const Float16 z = sub16(load16(block->z), all16(boxes->centre[2][i]));
+  unsigned apart = 0;
+  for (int j = 0; j < 3; j++) {
+    const float* u[3] = {boxes->axis[j][0] + i, boxes->axis[j][1] + i, boxes->axis[j][2] + i};
+    const Float16 along = add16(add16(mul16(x, all16(*u[0])), mul16(y, all16(*u[1]))), mul16(z, all16(*u[2])));
+    apart |= greater16(absolute16(along), add16(load16(block->r), all16(boxes->half[j][i] + reach)));
+  }
+  return ~apart;
+}
+
+#endif /* CT_BOX_H_ */
