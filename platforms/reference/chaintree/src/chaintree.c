@@ -15,14 +15,13 @@
 static bool build(ctChainTree* scene, const ctDefinition* definition) {
   return ctSequenceBuild(&scene->sequence, &scene->arena, definition) &&
          ctExclusionsBuild(&scene->exclusions, &scene->arena, &scene->sequence, definition) &&
-         ctTreeBuild(&scene->tree, &scene->arena, &scene->sequence) &&
-         ctTraversalBuild(&scene->traversal, &scene->arena, &scene->tree, &scene->sequence, &scene->exclusions);
+         ctTreeBuild(&scene->staleTree, &scene->arena, &scene->sequence) &&
+         ctTraversalBuild(&scene->traversal, &scene->arena, &scene->staleTree, &scene->sequence, &scene->exclusions);
 }
 
 static void takeReference(ctChainTree* scene, const double* positions) {
   ctSequenceSetReference(&scene->sequence, positions);
-  ctSequenceMultiply(&scene->sequence);
-  ctTreeRefresh(&scene->tree, &scene->sequence);
+  ctTreeMakeStale(&scene->staleTree);
 }
 
 ctStatus ctCreate(const ctDefinition* definition, ctChainTree** tree, char* errorText, size_t errorSize) {
@@ -91,7 +90,7 @@ ctStatus ctSetPositions(ctChainTree* tree, const double* positions) {
 }
 
 void ctGetPositions(ctChainTree* tree, double* positions) {
-  ctReadPositions(&tree->sequence, &tree->tree, positions);
+  ctReadPositions(&tree->sequence, ctSceneTree(tree), positions);
 }
 
 static bool dihedral(const double* p1, const double* p2, const double* p3, const double* p4, double* angle) {
@@ -143,7 +142,7 @@ ctStatus ctGetCentroid(ctChainTree* tree, int link, double centroid[3]) {
     return ctFail(tree, ctInvalidArgument, "link %d is fixed; only what can move has a centroid here", link);
   }
   const Sequence* s = &tree->sequence;
-  const int particles = ctTreeSum(&tree->tree, s, own, s->end[own], centroid);
+  const int particles = ctTreeSum(ctSceneTree(tree), s, own, s->end[own], centroid);
   for (int k = 0; k < 3; k++) {
     centroid[k] = s->worldOrigin[k] + centroid[k] / particles;
   }
@@ -164,7 +163,7 @@ ctStatus ctGetRelativeTransform(ctChainTree* tree, int linkA, int linkB, ctTrans
     return failNoLink(tree, isUserLink(tree, linkA) ? linkB : linkA);
   }
   const Sequence* s = &tree->sequence;
-  const ctTransform between = ctTreeRelative(&tree->tree, s, s->linkOfUser[linkA], s->linkOfUser[linkB]);
+  const ctTransform between = ctTreeRelative(ctSceneTree(tree), s, s->linkOfUser[linkA], s->linkOfUser[linkB]);
   const ctTransform a = userFrame(s, linkA);
   const ctTransform b = userFrame(s, linkB);
   const ctTransform fromA = transformInverse(&a);
@@ -183,9 +182,7 @@ typedef struct Content {
 
 enum { CONTENT_COUNT = 9 };
 
-static void listContent(const ctChainTree* scene, Content content[CONTENT_COUNT]) {
-  const Tree* tree = &scene->tree;
-  const Sequence* s = &scene->sequence;
+static void listContent(const Tree* tree, const Sequence* s, Content content[CONTENT_COUNT]) {
   const size_t items = (size_t)tree->itemCount;
   const Content all[CONTENT_COUNT] = {
       {tree->shortcut, items * sizeof(ctTransform)},
@@ -204,8 +201,9 @@ static void listContent(const ctChainTree* scene, Content content[CONTENT_COUNT]
 bool ctValidate(ctChainTree* tree) {
   Content content[CONTENT_COUNT];
   void* kept[CONTENT_COUNT] = {0};
-  ctTreeCompleteSums(&tree->tree, &tree->sequence);
-  listContent(tree, content);
+  Tree* made = ctSceneTree(tree);
+  ctTreeCompleteSums(made, &tree->sequence);
+  listContent(made, &tree->sequence, content);
   bool same = true;
   for (int i = 0; i < CONTENT_COUNT && same; i++) {
     kept[i] = malloc(content[i].size + 1);
@@ -218,9 +216,9 @@ bool ctValidate(ctChainTree* tree) {
     for (int i = 0; i < CONTENT_COUNT; i++) {
       memset(content[i].data, 0, content[i].size);
     }
-    ctSequenceMultiply(&tree->sequence);
-    ctTreeRefresh(&tree->tree, &tree->sequence);
-    ctTreeCompleteSums(&tree->tree, &tree->sequence);
+    ctSequenceRefresh(&tree->sequence);
+    ctTreeRefresh(made, &tree->sequence);
+    ctTreeCompleteSums(made, &tree->sequence);
     for (int i = 0; i < CONTENT_COUNT; i++) {
       same = same && memcmp(kept[i], content[i].data, content[i].size) == 0;
       memcpy(content[i].data, kept[i], content[i].size);
@@ -229,5 +227,5 @@ bool ctValidate(ctChainTree* tree) {
   for (int i = 0; i < CONTENT_COUNT; i++) {
     free(kept[i]);
   }
-  return same && ctTreeBoundsHold(&tree->tree, &tree->sequence);
+  return same && ctTreeBoundsHold(made, &tree->sequence);
 }

@@ -5,6 +5,7 @@
 #include <stdarg.h>
 #include <stdio.h>
 #include <stdlib.h>
+#include <string.h>
 
 static ctStatus invalid(char* errorText, size_t errorSize, const char* format, ...)
     __attribute__((format(printf, 3, 4)));
@@ -17,7 +18,23 @@ static ctStatus invalid(char* errorText, size_t errorSize, const char* format, .
   return ctInvalidArgument;
 }
 
+/* Adding one to the exponent of what is not finite carries into the sign. */
+static bool areFinite(size_t count, const double* x) {
+  const uint64_t exponent = 0x7ff0000000000000u;
+  const uint64_t one = 0x0010000000000000u;
+  uint64_t carries = 0;
+  for (size_t i = 0; i < count; i++) {
+    uint64_t bits;
+    memcpy(&bits, &x[i], sizeof bits);
+    carries |= (bits & exponent) + one;
+  }
+  return carries >> 63 == 0;
+}
+
 int ctFindNonFinite(int particleCount, const double* positions) {
+  if (areFinite(3 * (size_t)particleCount, positions)) {
+    return CT_NULL;
+  }
   for (int i = 0; i < particleCount; i++) {
     if (!isfinite(positions[3 * (size_t)i]) || !isfinite(positions[3 * (size_t)i + 1]) ||
         !isfinite(positions[3 * (size_t)i + 2])) {

@@ -296,6 +296,7 @@ bool ctSequenceBuild(Sequence* s, Arena* arena, const ctDefinition* d) {
     for (int link = 0; link < s->linkCount; link++) {
       s->placementOf[link] = s->joint[link] == ctFreeJoint ? placements++ : CT_NULL;
     }
+    ctSequenceResetTorsions(s);
   }
   ctArenaFree(&scratch);
   return allocated && ctPathsBuild(s, arena);

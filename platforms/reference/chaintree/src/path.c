@@ -91,7 +91,7 @@ static int multiplyPath(Sequence* s, int path, int* blocks, int count) {
   return multiplied;
 }
 
-void ctSequenceMultiply(Sequence* s) {
+void ctPathsMultiply(Sequence* s) {
   for (int path = 0; path < s->pathCount; path++) {
     for (int block = 0; block < blockCount(s, path); block++) {
       multiplyPath(s, path, &(int){block}, 1);

@@ -48,6 +48,7 @@ static bool matchNeighbor(void* context, int slotA, int slotB, double squaredDis
 
 static void traverseClashes(Match* match, ctCounts* counts) {
   const View view = ctViewOfState(true, -match->tree->overlapTolerance);
+  ctSceneTree(match->tree);
   ctTraverse(&match->tree->traversal, &view, matchClash, match, counts);
 }
 
@@ -70,6 +71,7 @@ ctStatus ctForEachNeighborPair(ctChainTree* tree, double cutoff, ctPairFunction*
   }
   Match match = {tree, cutoff, tellCaller, context, function};
   const View view = ctViewOfState(false, cutoff);
+  ctSceneTree(tree);
   ctTraverse(&tree->traversal, &view, matchNeighbor, &match, counts);
   return ctSuccess;
 }
@@ -171,6 +173,7 @@ ctStatus ctForEachClashWith(ctChainTree* tree, const double position[3], double 
   subtract(position, tree->sequence.worldOrigin, point);
   Probe probe = {tree, radius, function, context};
   const View view = ctViewOfState(true, -tree->overlapTolerance);
+  ctSceneTree(tree);
   ctTraverseProbe(&tree->traversal, &view, point, radius, matchProbe, &probe, counts);
   return ctSuccess;
 }
@@ -198,7 +201,7 @@ ctStatus ctGetMinimumDistance(ctChainTree* tree, int count1, const int* particle
   if (positions == NULL) {
     return ctFailOutOfMemory(tree);
   }
-  PositionReader reader = ctPositionReader(&tree->sequence, &tree->tree);
+  PositionReader reader = ctPositionReader(&tree->sequence, ctSceneTree(tree));
   for (int j = 0; j < count2; j++) {
     ctReadPosition(&reader, particles2[j], positions + 3 * (size_t)j);
   }

@@ -11,6 +11,14 @@ ctStatus ctFail(ctChainTree* scene, ctStatus status, const char* format, ...) {
   return status;
 }
 
+Tree* ctSceneTree(ctChainTree* scene) {
+  if (scene->staleTree.isStale) {
+    ctSequenceRefresh(&scene->sequence);
+    ctTreeRefresh(&scene->staleTree, &scene->sequence);
+  }
+  return &scene->staleTree;
+}
+
 ctStatus ctFailOutOfMemory(ctChainTree* scene) {
   return ctFail(scene, ctOutOfMemory, "out of memory");
 }

@@ -23,7 +23,7 @@ struct ctChainTree {
   Sequence sequence;
   Exclusions exclusions;
   Limits limits;
-  Tree tree;
+  Tree staleTree; /* only through ctSceneTree */
   Traversal traversal;
   Trial trial;
   Trial next; /* where a proposal is made, so that a refused one leaves the open trial alone */
@@ -36,6 +36,9 @@ struct ctChainTree {
 /* Keeps the sentence for ctGetErrorText and returns the status. */
 ctStatus ctFail(ctChainTree* scene, ctStatus status, const char* format, ...) __attribute__((format(printf, 3, 4)));
 ctStatus ctFailOutOfMemory(ctChainTree* scene);
+
+/* The tree of the state. New positions leave it stale until somebody asks for it here. */
+Tree* ctSceneTree(ctChainTree* scene);
 
 static inline bool canBond(unsigned donor, unsigned acceptor) {
   return (donor & ctDonor) != 0 && (acceptor & ctAcceptor) != 0;
@@ -60,8 +63,8 @@ static inline void particlesOf(const ctChainTree* scene, int slotA, int slotB, i
   pair[1] = a < b ? b : a;
 }
 
-static inline double canonicalDistance(const ctChainTree* scene, int slotA, int slotB) {
-  return sqrt(ctTreeSquaredDistance(&scene->tree, slotA, slotB));
+static inline double canonicalDistance(ctChainTree* scene, int slotA, int slotB) {
+  return sqrt(ctTreeSquaredDistance(ctSceneTree(scene), slotA, slotB));
 }
 
 #endif /* CT_SCENE_H_ */

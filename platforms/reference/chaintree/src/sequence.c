@@ -4,18 +4,31 @@
 #include <float.h>
 #include <string.h>
 
+/* Coordinates in whole registers: number i of them is along axis i % 3. */
+enum { LANES = 12 };
+
 static void findOrigin(Sequence* s) {
-  double low[3] = {DBL_MAX, DBL_MAX, DBL_MAX};
-  double high[3] = {-DBL_MAX, -DBL_MAX, -DBL_MAX};
-  for (int i = 0; i < s->particleCount; i++) {
-    for (int k = 0; k < 3; k++) {
-      const double x = s->reference[3 * (size_t)i + (size_t)k];
+  const size_t count = 3 * (size_t)s->particleCount;
+  double low[LANES];
+  double high[LANES];
+  for (int k = 0; k < LANES; k++) {
+    low[k] = DBL_MAX;
+    high[k] = -DBL_MAX;
+  }
+  for (size_t i = 0; i < count; i += LANES) {
+    const int lanes = count - i < LANES ? (int)(count - i) : LANES;
+    for (int k = 0; k < lanes; k++) {
+      const double x = s->reference[i + (size_t)k];
       low[k] = x < low[k] ? x : low[k];
       high[k] = x > high[k] ? x : high[k];
     }
   }
+  for (int k = 3; k < LANES; k++) {
+    low[k % 3] = lesser(low[k % 3], low[k]);
+    high[k % 3] = larger(high[k % 3], high[k]);
+  }
   for (int k = 0; k < 3; k++) {
-    s->worldOrigin[k] = s->particleCount > 0 ? 0.5 * low[k] + 0.5 * high[k] : 0;
+    s->worldOrigin[k] = count > 0 ? 0.5 * low[k] + 0.5 * high[k] : 0;
   }
 }
 
@@ -26,33 +39,52 @@ static void referenceOffset(const Sequence* s, int link, double offset[3]) {
   subtract(s->origin[link], s->origin[s->parent[link]], offset);
 }
 
+void ctSequenceResetTorsions(Sequence* s) {
+  for (int link = 0; link < s->linkCount; link++) {
+    s->angle[link] = REFERENCE_JOINT.angle;
+    s->cosine[link] = REFERENCE_JOINT.cosine;
+    s->sine[link] = REFERENCE_JOINT.sine;
+    s->displaced[link] = 0;
+  }
+  s->displacedCount = 0;
+}
+
 void ctSequenceSetReference(Sequence* s, const double* positions) {
   if (s->particleCount > 0) { /* else positions may be NULL */
     memcpy(s->reference, positions, 3 * (size_t)s->particleCount * sizeof(double));
   }
   findOrigin(s);
+  if (s->displacedCount > 0) {
+    ctSequenceResetTorsions(s);
+  }
   for (int link = 1; link < s->linkCount; link++) {
-    const double* origin = s->reference + 3 * (size_t)s->originParticle[link];
-    subtract(origin, s->worldOrigin, s->origin[link]);
-    JointState joint = REFERENCE_JOINT;
+    subtract(s->reference + 3 * (size_t)s->originParticle[link], s->worldOrigin, s->origin[link]);
+    if (s->placementOf[link] != CT_NULL) {
+      Placement* placement = &s->placement[s->placementOf[link]];
+      *placement = REFERENCE_JOINT.placement;
+      referenceOffset(s, link, placement->position);
+    }
+  }
+}
+
+bool ctSequenceCanTurn(const Sequence* s, int link, const double* reference) {
+  const double* origin = reference + 3 * (size_t)s->originParticle[link];
+  return squaredDistance(origin, reference + 3 * (size_t)s->axisParticle[link]) > 0;
+}
+
+void ctSequenceRefresh(Sequence* s) {
+  for (int link = 1; link < s->linkCount; link++) {
     if (s->joint[link] == ctTorsionJoint) {
       double* axis = s->axis[link];
-      subtract(origin, s->reference + 3 * (size_t)s->axisParticle[link], axis);
+      subtract(s->reference + 3 * (size_t)s->originParticle[link], s->reference + 3 * (size_t)s->axisParticle[link],
+               axis);
       const double length = sqrt(dot(axis, axis));
       for (int k = 0; k < 3; k++) {
         axis[k] = length > 0 ? axis[k] / length : 0;
       }
-    } else {
-      referenceOffset(s, link, joint.placement.position);
-    }
-    s->angle[link] = joint.angle;
-    s->cosine[link] = joint.cosine;
-    s->sine[link] = joint.sine;
-    if (s->placementOf[link] != CT_NULL) {
-      s->placement[s->placementOf[link]] = joint.placement;
     }
   }
-  memset(s->displaced, 0, (size_t)s->linkCount * sizeof(int));
+  ctPathsMultiply(s);
 }
 
 ctTransform ctSequenceOpening(const Sequence* s, int link) {
@@ -131,12 +163,14 @@ static bool isDisplaced(const Sequence* s, int link) {
 }
 
 void ctSequenceSetJoint(Sequence* s, int link, const JointState* joint) {
-  s->displaced[s->branch[link]] -= isDisplaced(s, link);
+  const int before = isDisplaced(s, link);
   s->angle[link] = joint->angle;
   s->cosine[link] = joint->cosine;
   s->sine[link] = joint->sine;
   if (s->placementOf[link] != CT_NULL) {
     s->placement[s->placementOf[link]] = joint->placement;
   }
-  s->displaced[s->branch[link]] += isDisplaced(s, link);
+  const int change = isDisplaced(s, link) - before;
+  s->displaced[s->branch[link]] += change;
+  s->displacedCount += change;
 }

@@ -85,6 +85,7 @@ typedef struct Sequence {
   double* sine;
   Placement* placement;
   int* displaced;      /* per link that is a branch: how many of its joints are off the reference */
+  int displacedCount;  /* sum of those */
   double (*origin)[3]; /* reference position of originParticle, from worldOrigin */
   double (*axis)[3];   /* unit vector of the torsion axis in the reference; 0 if its particles coincide */
 } Sequence;
@@ -95,11 +96,21 @@ bool ctSequenceBuild(Sequence* sequence, Arena* arena, const ctDefinition* defin
 /* The part of it that finds the paths, once links have parents and ends. */
 bool ctPathsBuild(Sequence* sequence, Arena* arena);
 
-/* Makes finite positions the reference: angles 0, nothing displaced. Products are stale until ctSequenceMultiply. */
+/* Nothing is displaced, as far as torsions go; placements are set with each reference. */
+void ctSequenceResetTorsions(Sequence* sequence);
+
+/* Makes finite positions the reference: angles 0, nothing displaced. Axes and products are stale until
+ * ctSequenceRefresh. */
 void ctSequenceSetReference(Sequence* sequence, const double* positions);
 
-/* Recomputes all products of paths. */
-void ctSequenceMultiply(Sequence* sequence);
+/* Recomputes all axes and products of paths. */
+void ctSequenceRefresh(Sequence* sequence);
+
+/* The part of it that multiplies. */
+void ctPathsMultiply(Sequence* sequence);
+
+/* Whether the axis particles of a torsion joint are apart in these reference positions. */
+bool ctSequenceCanTurn(const Sequence* sequence, int link, const double* reference);
 
 /* The frame of a link in its parent's frame. */
 ctTransform ctSequenceOpening(const Sequence* sequence, int link);

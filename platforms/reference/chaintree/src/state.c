@@ -60,9 +60,7 @@ static JointState readJoint(const Sequence* s, int link, const double* numbers) 
 static bool isJoint(const Sequence* s, int link, const double* numbers, const double* reference) {
   const double pi = 3.141592653589793238462643383280;
   if (s->joint[link] == ctTorsionJoint) {
-    const double* origin = reference + 3 * (size_t)s->originParticle[link];
-    const bool canTurn = squaredDistance(origin, reference + 3 * (size_t)s->axisParticle[link]) > 0;
-    return fabs(numbers[0]) <= (canTurn ? pi : 0);
+    return fabs(numbers[0]) <= (ctSequenceCanTurn(s, link, reference) ? pi : 0);
   }
   double norm = 0;
   for (int i = 0; i < 4; i++) {
@@ -116,7 +114,6 @@ ctStatus ctSetState(ctChainTree* tree, const double* state) {
     }
     numbers += size;
   }
-  ctSequenceMultiply(s);
-  ctTreeRefresh(&tree->tree, s);
+  ctTreeMakeStale(&tree->staleTree);
   return ctSuccess;
 }

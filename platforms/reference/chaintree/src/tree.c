@@ -178,6 +178,11 @@ static void noteChange(Tree* tree, int firstLeaf) {
   tree->changeTime[tree->changeCount++] = ++tree->time;
 }
 
+void ctTreeMakeStale(Tree* tree) {
+  tree->isStale = true;
+  noteChange(tree, 0);
+}
+
 void ctTreeRefresh(Tree* tree, const Sequence* sequence) {
   clearMembers(tree, sequence);
   for (int leaf = 0; leaf < tree->levelSize[0]; leaf++) {
@@ -191,7 +196,7 @@ void ctTreeRefresh(Tree* tree, const Sequence* sequence) {
     }
   }
   refreshRoot(tree);
-  noteChange(tree, 0);
+  tree->isStale = false;
 }
 
 int ctTreeUpdate(Tree* tree, const Sequence* sequence, int* leaves, int count) {

@@ -66,7 +66,8 @@ typedef struct Tree {
   bool* hasSum;     /* per item */
   int* particles;   /* per item: how many those are; one without slot counts where its link begins */
 
-  int* dirty; /* scratch of ctTreeUpdate: items of one level */
+  bool isStale; /* no content but the layout is of the state */
+  int* dirty;   /* scratch of ctTreeUpdate: items of one level */
 
   /* When which part of the tree last changed: what lies before the first recomputed leaf is where it was. Ascending by
    * leaf and by time; a change hides earlier ones of later leaves. */
@@ -140,6 +141,9 @@ static inline bool treeUnchanged(const Tree* tree, int64_t since, int leafEnd) {
 
 /* Lays out a tree over a sequence of one slot or more, without content. False if there is no memory. */
 bool ctTreeBuild(Tree* tree, Arena* arena, const Sequence* sequence);
+
+/* The sequence's state is a new one: all content is stale until it is refreshed. */
+void ctTreeMakeStale(Tree* tree);
 
 /* Recomputes everything from the sequence's state: O(N). */
 void ctTreeRefresh(Tree* tree, const Sequence* sequence);

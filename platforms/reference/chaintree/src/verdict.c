@@ -23,7 +23,7 @@ static ctStatus checkChange(ctChainTree* tree, const ctChange* change) {
     if (!isfinite(change->angle)) {
       return ctFail(tree, ctInvalidArgument, "the angle given for link %d is not finite", change->link);
     }
-    if (dot(s->axis[link], s->axis[link]) == 0) {
+    if (!ctSequenceCanTurn(s, link, s->reference)) {
       return ctFail(tree, ctInvalidArgument, "link %d cannot turn: its axis particles %d and %d are at one place",
                     change->link, s->torsion[link][1], s->torsion[link][2]);
     }
@@ -50,7 +50,7 @@ ctStatus ctPropose(ctChainTree* tree, int count, const ctChange* changes) {
   if (!ctTraversalReserve(&tree->traversal, 2 * count + 1)) {
     return ctFailOutOfMemory(tree);
   }
-  const int twice = ctTrialOpen(&tree->next, &tree->sequence, &tree->tree, changes, count);
+  const int twice = ctTrialOpen(&tree->next, &tree->sequence, ctSceneTree(tree), changes, count);
   if (twice != CT_NULL) {
     int link = 0;
     while (tree->sequence.linkOfUser[link] != twice) {
@@ -70,7 +70,7 @@ static ctStatus failNoTrial(ctChainTree* tree) {
 }
 
 static int applyTrial(ctChainTree* tree, bool after) {
-  return ctTrialApply(&tree->trial, after, &tree->sequence, &tree->tree);
+  return ctTrialApply(&tree->trial, after, &tree->sequence, ctSceneTree(tree));
 }
 
 static bool addUndecided(ctChainTree* tree, int slotA, int slotB, double value) {
@@ -235,7 +235,7 @@ ctStatus ctGetTrialPositions(ctChainTree* tree, double* positions) {
     return failNoTrial(tree);
   }
   applyTrial(tree, true);
-  ctReadPositions(&tree->sequence, &tree->tree, positions);
+  ctReadPositions(&tree->sequence, ctSceneTree(tree), positions);
   applyTrial(tree, false);
   return ctSuccess;
 }

@@ -99,9 +99,9 @@ static void* copyOf(const void* data, size_t size) {
 }
 
 static Storage copyStorage(ctChainTree* scene) {
-  const Tree* tree = &scene->tree;
+  Tree* tree = ctSceneTree(scene);
   const Sequence* s = &scene->sequence;
-  ctTreeCompleteSums(&scene->tree, s);
+  ctTreeCompleteSums(tree, s);
   const size_t items = (size_t)tree->itemCount;
   const size_t leaves = (size_t)tree->levelBegin[1];
   return (Storage){copyOf(tree->shortcut, items * sizeof(ctTransform)),
@@ -146,8 +146,8 @@ static bool itemChanged(const Storage* a, const Storage* b, const Tree* tree, in
          differ(&a->members[node], &b->members[node], sizeof(Members));
 }
 
-static int countChanged(const Storage* a, const Storage* b, const ctChainTree* scene) {
-  const Tree* tree = &scene->tree;
+static int countChanged(const Storage* a, const Storage* b, ctChainTree* scene) {
+  const Tree* tree = ctSceneTree(scene);
   const Sequence* s = &scene->sequence;
   int changed = 0;
   for (int level = 0; level < tree->levelCount; level++) {
@@ -168,7 +168,7 @@ static bool testShape(Shape shape, int power) {
     return false;
   }
   /* Two paths through the tree, and one through the products of the path that the interval ends. */
-  const int levels = scene->tree.levelCount;
+  const int levels = ctSceneTree(scene)->levelCount;
   const int bound = 2 * levels + power + 1;
   int most = 0;
   bool good = levels <= power / 4 + 2;
