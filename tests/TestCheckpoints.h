@@ -17,14 +17,15 @@ using namespace std;
 
 /**
  * A chain that ends in a stiff clump of more beads than a leaf of the tree holds, a second chain whose first bead is
- * fixed, and a loose one. The first chain clashes with itself.
+ * fixed, and a loose one. The first chain clashes with itself. There are 64 particles, a multiple of 32: else a GPU
+ * platform pads them with others, and what their velocities happen to be is in its checkpoints too.
  */
 class Scene : public BeadChain {
 public:
     Scene() : BeadChain(9, 0.45, 0.3)
     {
         int first = system.getNumParticles();
-        for (int i = 0; i < 45; i++) {
+        for (int i = 0; i < 43; i++) {
             system.addParticle(1);
             force->addParticle(0.2);
             positions.push_back(positions[8] + Vec3(0.1 * (i % 3), 0.1 * (i / 3 % 3), 0.1 * (i / 9)) + Vec3(0, 0, 0.6));
@@ -147,16 +148,13 @@ void testNoTrace(Platform& platform)
 {
     Scene scene;
     Run quiet(scene.system, 5, platform), busy(scene.system, 5, platform);
-    // A GPU platform also saves memory that stands for no particle.
-    const bool areBytesOfState = (platform.getName() != "OpenCL");
     for (Run* run : {&quiet, &busy}) {
         run->context->setPositions(scene.positions);
         run->integrator.step(3);
     }
     scene.force->proposeTorsions(*busy.context, {1}, {0.1});
     string checkpoint = busy.createCheckpoint();
-    if (areBytesOfState)
-        ASSERT(checkpoint == quiet.createCheckpoint());
+    ASSERT(checkpoint == quiet.createCheckpoint());
     scene.force->proposeTorsions(*busy.context, {2}, {0.2});
     busy.loadCheckpoint(checkpoint);
     assertThrows("there is no open proposal", [&] {
@@ -164,9 +162,7 @@ void testNoTrace(Platform& platform)
     });
     for (Run* run : {&quiet, &busy})
         run->integrator.step(3);
-    assertSameBits(getPositions(*quiet.context), getPositions(*busy.context));
-    if (areBytesOfState)
-        ASSERT(quiet.createCheckpoint() == busy.createCheckpoint());
+    ASSERT(quiet.createCheckpoint() == busy.createCheckpoint());
 }
 
 /**
@@ -398,7 +394,7 @@ void testPositionsOfRefusedCheckpoint(Platform& platform)
     });
     ASSERT_EQUAL(0, more.getNumToleratedClashes());
     more.integrator.step(1);
-    assertSameBits({getPositions(*run.context)[0]}, {BeadChain(11, 0.7, 2.5).positions[0]});
+    assertRounded(platform, {BeadChain(11, 0.7, 2.5).positions[0]}, {getPositions(*run.context)[0]});
 }
 
 // ---- States ----
@@ -420,8 +416,6 @@ void testState(Platform& platform)
 {
     Scene scene;
     Run run(scene.system, 1, platform), fresh(scene.system, 1, platform);
-    fresh.context->setState(writeAndRead(*run.context));
-    ASSERT_EQUAL(0, fresh.getNumToleratedClashes());
     run.context->setPositions(scene.positions);
     fresh.context->setState(writeAndRead(*run.context));
     ASSERT_EQUAL(0, fresh.getNumToleratedClashes());

@@ -5,6 +5,7 @@
 
 #include "openmm/CompoundIntegrator.h"
 #include "openmm/CustomExternalForce.h"
+#include "openmm/CustomIntegrator.h"
 #include "openmm/CustomTorsionForce.h"
 #include "openmm/Force.h"
 #include "openmm/internal/ContextImpl.h"
@@ -51,7 +52,7 @@ Limits getLimits(const Context& context)
  */
 void assertWithinLimits(const StericExclusionForce& force, Context& context)
 {
-    const double rounding = 1e-12;
+    const double rounding = getTolerance(context.getPlatform());
     vector<pair<int, int>> pairs;
     vector<double> overlaps;
     Limits limits = getLimits(context);
@@ -87,6 +88,7 @@ void addMoves(TorsionMonteCarloIntegrator& integrator, int seed)
  */
 void testUserEdits(Platform& platform)
 {
+    const double tolerance = getTolerance(platform);
     const int length = 8;
     BeadChain chain(length, 0.45, 2.0);
     TorsionMonteCarloIntegrator integrator(300);
@@ -110,7 +112,7 @@ void testUserEdits(Platform& platform)
         otherIntegrator.step(3);
         vector<double> otherLengths = getBondLengths(getPositions(other), length);
         for (int i = 0; i < length - 1; i++)
-            ASSERT_EQUAL_TOL(lengths[i], otherLengths[i], 1e-12);
+            ASSERT_EQUAL_TOL(lengths[i], otherLengths[i], tolerance);
         assertWithinLimits(*chain.force, context);
         assertWithinLimits(*chain.force, other);
     }
@@ -129,7 +131,7 @@ void testUserEdits(Platform& platform)
         integrator.getMoveStatistics(1, attempted, clashed, rejected, accepted);
         if (accepted > 0)
             break;
-        assertSameBits({x[0]}, {getPositions(context)[0]});
+        assertRounded(platform, {x[0]}, {getPositions(context)[0]});
     }
 
     // The box is no business of ours.
@@ -145,6 +147,7 @@ void testVirtualSites(Platform& platform)
 {
     // What the user sets for a virtual site counts for nothing, also if it would clash.
 
+    const double tolerance = getTolerance(platform);
     BeadChain chain(8, 0.3);
     chain.system.addParticle(0);
     chain.force->addParticle(0.2);
@@ -160,7 +163,7 @@ void testVirtualSites(Platform& platform)
         integrator.step(1);
         ASSERT_EQUAL(0, integrator.getNumToleratedClashes(context));
         vector<Vec3> x = getPositions(context);
-        ASSERT_EQUAL_VEC((x[6] + x[7]) * 0.5, x[8], 1e-12);
+        ASSERT_EQUAL_VEC((x[6] + x[7]) * 0.5, x[8], tolerance);
         ASSERT(!chain.force->hasClash(context));
     }
 }
@@ -243,6 +246,7 @@ void testOwnParameters(Platform& platform)
  */
 void testTurns(Platform& platform)
 {
+    const double tolerance = getTolerance(platform);
     const int length = 10;
     BeadChain chain(length, 0.6, 1.2);
     chain.force->setForceConstant(50);
@@ -272,7 +276,7 @@ void testTurns(Platform& platform)
         compound.step(2);
         vector<double> lengthsAfter = getBondLengths(getPositions(context), length);
         for (int i = 0; i < length - 1; i++)
-            ASSERT_EQUAL_TOL(lengths[i], lengthsAfter[i], 1e-12);
+            ASSERT_EQUAL_TOL(lengths[i], lengthsAfter[i], tolerance);
         assertWithinLimits(*chain.force, context);
         Limits now = getLimits(context);
         for (auto& limit : limits)
@@ -334,6 +338,11 @@ public:
     {
         return false;
     }
+    /**
+     * Move the last particle between two steps.
+     */
+    void move(Context& context, const Vec3& shift);
+    /** How far the last particle moves before each step. */
     Vec3 shift;
 
 protected:
@@ -354,12 +363,18 @@ public:
     {
         return owner;
     }
-    void updateContextState(ContextImpl& context, bool& forcesInvalid)
+    void move(ContextImpl& context, const Vec3& shift)
     {
         vector<Vec3> positions;
         context.getPositions(positions);
-        positions.back() += owner.shift;
+        positions.back() += shift;
         kernel.getAs<UpdateStateDataKernel>().setPositions(context, positions);
+    }
+    void updateContextState(ContextImpl& context, bool& forcesInvalid)
+    {
+        if (owner.shift == Vec3())
+            return;
+        move(context, owner.shift);
         forcesInvalid = true;
     }
     double calcForcesAndEnergy(ContextImpl&, bool, bool, int)
@@ -385,10 +400,16 @@ ForceImpl* Mover::createImpl() const
     return new MoverImpl(*this);
 }
 
+void Mover::move(Context& context, const Vec3& shift)
+{
+    dynamic_cast<MoverImpl&>(getImplInContext(context)).move(getContextImpl(context), shift);
+}
+
 void testSilentMoves(Platform& platform)
 {
     // A lone sphere is pushed towards a chain until they clash, and then held there.
 
+    const double tolerance = getTolerance(platform);
     BeadChain chain(6, 0.45);
     int last = chain.addMolecule(1, 0.45, 0, chain.positions[3] + Vec3(0, 0, 2) - Vec3(0, 1, 0));
     chain.system.setParticleMass(0, 0);
@@ -406,7 +427,7 @@ void testSilentMoves(Platform& platform)
     for (int i = 1; i <= 8; i++) {
         integrator.step(1);
         double z = getPositions(context)[last][2];
-        ASSERT_EQUAL_TOL(2 - 0.2 * i, z, 1e-12);
+        ASSERT_EQUAL_TOL(2 - 0.2 * i, z, tolerance);
         assertWithinLimits(*chain.force, context);
         Limits now = getLimits(context);
         for (auto& limit : limits)
@@ -425,10 +446,125 @@ void testSilentMoves(Platform& platform)
 }
 
 /**
+ * What has moved in no step counts as set by the user, though nobody tells. On GPU platforms the minimizer moves
+ * particles in this way.
+ */
+void testMovesBetweenSteps(Platform& platform)
+{
+    // A lone sphere clashes with the middle of a chain, and leaves it.
+
+    BeadChain chain(6, 0.45);
+    int last = chain.addMolecule(1, 0.45, 0, chain.positions[3] + Vec3(0, 0, 0.7) - Vec3(0, 1, 0));
+    chain.force->setForceConstant(10);
+    Mover* mover = new Mover();
+    chain.system.addForce(mover);
+    CompoundIntegrator compound;
+    TorsionMonteCarloIntegrator* sampler = new TorsionMonteCarloIntegrator(300);
+    sampler->addTorsionMove(1, 0);
+    CustomIntegrator* dynamics = new CustomIntegrator(0.001);
+    dynamics->addUpdateContextState();
+    for (int i = 0; i < 3; i++) { // Forces are computed in the midst of a step too.
+        dynamics->addComputePerDof("v", "v+f/m*dt/3");
+        dynamics->addComputePerDof("x", "x+v*dt/3");
+    }
+    compound.addIntegrator(sampler);
+    compound.addIntegrator(dynamics);
+    Context context(chain.system, compound, platform);
+    Limits limits;
+    auto start = [&] {
+        context.setPositions(chain.positions);
+        vector<Vec3> velocities(last + 1);
+        velocities[last] = Vec3(0, 0, 10);
+        context.setVelocities(velocities);
+        compound.step(1);
+        limits = getLimits(context);
+        ASSERT_EQUAL(1, limits.size());
+    };
+    auto runDynamics = [&] {
+        compound.setCurrentIntegrator(1);
+        compound.step(30);
+        compound.setCurrentIntegrator(0);
+        ASSERT(getPositions(context)[last][2] > 0.9);
+    };
+    auto evaluate = [&] {
+        context.getState(State::Energy);
+    };
+    const Vec3 away(0, 0, 1);
+
+    start();
+    mover->move(context, away);
+    compound.step(1);
+    ASSERT_EQUAL(0, getLimits(context).size());
+
+    // It is noticed early enough in evaluations of forces, also if dynamics follows or went before.
+
+    start();
+    mover->move(context, away);
+    evaluate();
+    runDynamics();
+    compound.step(1);
+    ASSERT_EQUAL(0, getLimits(context).size());
+    start();
+    runDynamics();
+    evaluate();
+    mover->move(context, away);
+    evaluate();
+    compound.step(1);
+    ASSERT_EQUAL(0, getLimits(context).size());
+
+    // And back again.
+
+    start();
+    mover->move(context, away);
+    evaluate();
+    mover->move(context, away * -1);
+    evaluate();
+    mover->move(context, away);
+    compound.step(1);
+    ASSERT_EQUAL(0, getLimits(context).size());
+
+    // Dynamics alone does not do that.
+
+    start();
+    runDynamics();
+    evaluate();
+    compound.step(1);
+    ASSERT(limits == getLimits(context));
+
+    // A step that was refused does not hide it.
+
+    sampler->setInitialClashPolicy(TorsionMonteCarloIntegrator::Refuse);
+    context.setPositions(chain.positions);
+    assertThrows("clash when sampling starts", [&] {
+        compound.step(1);
+    });
+    mover->move(context, away);
+    compound.step(1);
+    sampler->setInitialClashPolicy(TorsionMonteCarloIntegrator::Tolerate);
+
+    // A checkpoint knows when the sampler saw the positions for the last time.
+
+    start();
+    mover->move(context, away);
+    stringstream moved, stepped;
+    context.createCheckpoint(moved);
+    start();
+    runDynamics();
+    context.createCheckpoint(stepped);
+    context.loadCheckpoint(moved);
+    compound.step(1);
+    ASSERT_EQUAL(0, getLimits(context).size());
+    context.loadCheckpoint(stepped);
+    compound.step(1);
+    ASSERT(limits == getLimits(context));
+}
+
+/**
  * The minimizer counts as a user who sets positions: what it has made is where limits start.
  */
 void testMinimizationInBetween(Platform& platform)
 {
+    const double tolerance = getTolerance(platform);
     BeadChain chain(10, 0.6, 0.4);
     TorsionMonteCarloIntegrator integrator(300);
     addMoves(integrator, 1);
@@ -448,7 +584,7 @@ void testMinimizationInBetween(Platform& platform)
     assertWithinLimits(*chain.force, context);
     vector<double> lengths = getBondLengths(minimized, 10), lengthsAfter = getBondLengths(getPositions(context), 10);
     for (int i = 0; i < 9; i++)
-        ASSERT_EQUAL_TOL(lengths[i], lengthsAfter[i], 1e-12);
+        ASSERT_EQUAL_TOL(lengths[i], lengthsAfter[i], tolerance);
 }
 
 // ---- Other Contexts ----
@@ -515,6 +651,7 @@ void testPositionChanges(Platform& platform)
     testTurns(platform);
     testTwoSamplers(platform);
     testSilentMoves(platform);
+    testMovesBetweenSteps(platform);
     if (canMinimize(platform))
         testMinimizationInBetween(platform);
     testContextsInTurns(platform);

@@ -62,11 +62,13 @@ public:
     vector<Vec3> positions;
 };
 
-// GPU platforms add forces up in fixed point, in units of 2^-32 kJ/mol/nm.
-const double forceTolerance = 1e-9;
-
 void testOnePair(Platform& platform)
 {
+    // GPU platforms add forces up in fixed point, in units of 2^-32 kJ/mol/nm. Here they are above 100.
+
+    const bool isGpu = (platform.getName() != "Reference" && platform.getName() != "CPU");
+    const double tolerance = getTolerance(platform), forceTolerance = isGpu ? 1e-11 + tolerance : 1e-12;
+
     // Overlap 0.1 nm, tolerance 0.04 nm: 0.06 nm too much.
 
     System system;
@@ -81,7 +83,7 @@ void testOnePair(Platform& platform)
     Context context(system, integrator, platform);
     context.setPositions({Vec3(1, 0, 0), Vec3(1, 0.4, 0)});
     State state = context.getState(State::Energy | State::Forces);
-    ASSERT_EQUAL_TOL(0.5 * 2000 * 0.06 * 0.06, state.getPotentialEnergy(), 1e-12);
+    ASSERT_EQUAL_TOL(0.5 * 2000 * 0.06 * 0.06, state.getPotentialEnergy(), tolerance);
     ASSERT_EQUAL_VEC(Vec3(0, -2000 * 0.06, 0), state.getForces()[0], forceTolerance);
     ASSERT_EQUAL_VEC(Vec3(0, 2000 * 0.06, 0), state.getForces()[1], forceTolerance);
     ASSERT(force->hasClash(context));
@@ -98,7 +100,7 @@ void testOnePair(Platform& platform)
 
     context.setPositions({Vec3(1, 2, 3), Vec3(1, 2, 3)});
     state = context.getState(State::Energy | State::Forces);
-    ASSERT_EQUAL_TOL(0.5 * 2000 * 0.46 * 0.46, state.getPotentialEnergy(), 1e-12);
+    ASSERT_EQUAL_TOL(0.5 * 2000 * 0.46 * 0.46, state.getPotentialEnergy(), tolerance);
     ASSERT_EQUAL_VEC(Vec3(2000 * 0.46, 0, 0), state.getForces()[0], forceTolerance);
     ASSERT_EQUAL_VEC(Vec3(-2000 * 0.46, 0, 0), state.getForces()[1], forceTolerance);
 }
@@ -146,7 +148,7 @@ void testEnergyAndForces(Platform& platform)
             if (crowd.isCounted(i, j) && crowd.getExcess(i, j) > 0)
                 energy += 0.5 * 3000 * crowd.getExcess(i, j) * crowd.getExcess(i, j);
     ASSERT(energy > 100);
-    ASSERT_EQUAL_TOL(energy, state.getPotentialEnergy(), 1e-10);
+    ASSERT_EQUAL_TOL(energy, state.getPotentialEnergy(), 1e-10 + getTolerance(platform));
 
     // A central difference along the force.
 
@@ -155,7 +157,8 @@ void testEnergyAndForces(Platform& platform)
     for (const Vec3& f : forces)
         norm += f.dot(f);
     norm = sqrt(norm);
-    const double step = 1e-5;
+    const bool single = (getPrecision(platform) == "single");
+    const double step = single ? 1e-3 : 1e-5;
     double energies[2];
     for (int side = 0; side < 2; side++) {
         vector<Vec3> displaced = crowd.positions;
@@ -164,7 +167,7 @@ void testEnergyAndForces(Platform& platform)
         context.setPositions(displaced);
         energies[side] = context.getState(State::Energy).getPotentialEnergy();
     }
-    ASSERT_EQUAL_TOL(norm, (energies[0] - energies[1]) / step, 1e-5);
+    ASSERT_EQUAL_TOL(norm, (energies[0] - energies[1]) / step, single ? 1e-3 : 1e-5);
 }
 
 void testForceGroups(Platform& platform)
@@ -182,6 +185,7 @@ void testForceGroups(Platform& platform)
 
 void testQueries(Platform& platform)
 {
+    const double tolerance = getTolerance(platform);
     Crowd crowd(150, 1.5);
     VerletIntegrator integrator(0.001);
     Context context(crowd.system, integrator, platform);
@@ -208,12 +212,12 @@ void testQueries(Platform& platform)
     crowd.force->getClashes(context, pairs, values);
     ASSERT_EQUAL_CONTAINERS(expectedClashes, pairs);
     for (size_t i = 0; i < pairs.size(); i++)
-        ASSERT_EQUAL_TOL(expectedOverlaps[i], values[i], 1e-12);
+        ASSERT_EQUAL_TOL(expectedOverlaps[i], values[i], tolerance);
     ASSERT(crowd.force->hasClash(context));
     crowd.force->getNeighborPairs(context, 0.5, pairs, values);
     ASSERT_EQUAL_CONTAINERS(expectedNeighbors, pairs);
     for (size_t i = 0; i < pairs.size(); i++)
-        ASSERT_EQUAL_TOL(expectedDistances[i], values[i], 1e-12);
+        ASSERT_EQUAL_TOL(expectedDistances[i], values[i], tolerance);
 
     // The minimum distance includes what is not modelled or excluded.
 
@@ -224,8 +228,8 @@ void testQueries(Platform& platform)
             if (i != j)
                 least = min(least, getDistance(crowd.positions[i], crowd.positions[j]));
     int particle1, particle2;
-    ASSERT_EQUAL_TOL(least, crowd.force->getMinimumDistance(context, set1, set2, particle1, particle2), 1e-12);
-    ASSERT_EQUAL_TOL(least, getDistance(crowd.positions[particle1], crowd.positions[particle2]), 1e-12);
+    ASSERT_EQUAL_TOL(least, crowd.force->getMinimumDistance(context, set1, set2, particle1, particle2), tolerance);
+    ASSERT_EQUAL_TOL(least, getDistance(crowd.positions[particle1], crowd.positions[particle2]), tolerance);
     ASSERT(find(set1.begin(), set1.end(), particle1) != set1.end());
     ASSERT(find(set2.begin(), set2.end(), particle2) != set2.end());
 
@@ -241,7 +245,7 @@ void testQueries(Platform& platform)
     ASSERT_EQUAL_CONTAINERS(expectedParticles, particles);
     for (size_t i = 0; i < particles.size(); i++)
         ASSERT_EQUAL_TOL(crowd.radii[particles[i]] + 0.3 - getDistance(crowd.positions[particles[i]], center),
-                         values[i], 1e-12);
+                         values[i], tolerance);
 }
 
 void testExclusionsFromBonds()
@@ -286,22 +290,23 @@ void testTorsionProposals(Platform& platform)
 {
     // Six beads: torsion 1 is about the bond 2-3 and moves 4 and 5.
 
+    const double tolerance = getTolerance(platform);
     BeadChain chain(6, 0.4);
     VerletIntegrator integrator(0.001);
     Context context(chain.system, integrator, platform);
     context.setPositions(chain.positions);
     const double change = 0.7;
     ASSERT(chain.force->proposeTorsions(context, {1}, {change}));
-    assertSameBits(chain.positions, getPositions(context));
+    assertRounded(platform, chain.positions, getPositions(context));
     vector<Vec3> proposed;
     chain.force->getProposedPositions(context, proposed);
     const vector<Vec3>& x = chain.positions;
     for (int i = 0; i < 6; i++) {
         Vec3 expected = i < 4 ? x[i] : rotate(x[i], x[2], x[3] - x[2], change);
-        ASSERT_EQUAL_VEC(expected, proposed[i], 1e-12);
+        ASSERT_EQUAL_VEC(expected, proposed[i], tolerance);
     }
     double value = getDihedral(proposed[1], proposed[2], proposed[3], proposed[4]);
-    ASSERT_EQUAL_TOL(remainder(M_PI + change, 2 * M_PI), value, 1e-12);
+    ASSERT_EQUAL_TOL(remainder(M_PI + change, 2 * M_PI), value, tolerance);
 
     // A query does not close the trial, and sees nothing of it.
 
@@ -310,13 +315,13 @@ void testTorsionProposals(Platform& platform)
     chain.force->getClashes(context, pairs, values);
     ASSERT_EQUAL(0, pairs.size());
     chain.force->acceptProposal(context);
-    assertSameBits(proposed, getPositions(context));
+    assertRounded(platform, proposed, getPositions(context));
 
     // A rejected trial leaves no trace.
 
     ASSERT(chain.force->proposeTorsions(context, {0, 1, 2}, {0.3, -0.2, 0.1}));
     chain.force->rejectProposal(context);
-    assertSameBits(proposed, getPositions(context));
+    assertRounded(platform, proposed, getPositions(context));
     assertThrows("there is no open proposal", [&] {
         chain.force->acceptProposal(context);
     });
@@ -333,11 +338,12 @@ void testTorsionProposals(Platform& platform)
     ASSERT(chain.force->hasClash(context));
     chain.force->getClashes(context, pairs, values);
     ASSERT_EQUAL_CONTAINERS((Pairs{{1, 4}}), pairs);
-    ASSERT_EQUAL_TOL(0.1, values[0], 1e-12);
+    ASSERT_EQUAL_TOL(0.1, values[0], tolerance);
 }
 
 void testDroppedProposals(Platform& platform)
 {
+    const double tolerance = getTolerance(platform);
     BeadChain chain(6, 0.3);
     VerletIntegrator integrator(0.001);
     Context context(chain.system, integrator, platform);
@@ -363,7 +369,7 @@ void testDroppedProposals(Platform& platform)
     assertThrows("there is no open proposal", [&] {
         chain.force->acceptProposal(context);
     });
-    assertSameBits(chain.positions, getPositions(context));
+    assertRounded(platform, chain.positions, getPositions(context));
 
     // So does molecular dynamics.
 
@@ -382,7 +388,7 @@ void testDroppedProposals(Platform& platform)
     chain.force->acceptProposal(context);
     positions = getPositions(context);
     for (int i = 0; i < 5; i++)
-        ASSERT_EQUAL_VEC(chain.positions[i], positions[i], 1e-12);
+        ASSERT_EQUAL_VEC(chain.positions[i], positions[i], tolerance);
     ASSERT(getDistance(chain.positions[5], positions[5]) > 0.1);
 
     // A proposal that was refused as bad input leaves the open one.
@@ -396,6 +402,7 @@ void testDroppedProposals(Platform& platform)
 
 void testChangedNeighborPairs(Platform& platform)
 {
+    const double tolerance = getTolerance(platform);
     BeadChain chain(30, 0.3, 2.0);
     chain.force->setParticleParameters(17, 0);
     VerletIntegrator integrator(0.001);
@@ -419,22 +426,22 @@ void testChangedNeighborPairs(Platform& platform)
             double d1 = getDistance(chain.positions[i], chain.positions[j]), d2 = getDistance(proposed[i], proposed[j]);
             bool isCounted = (i != 17 && j != 17 && j - i > 2);
             auto pair = found.find(make_pair(i, j));
-            if (isCounted && fabs(d1 - d2) > 1e-9 && (d1 <= cutoff || d2 <= cutoff)) {
+            if (isCounted && fabs(d1 - d2) > 1e-9 + tolerance && min(d1, d2) <= cutoff - tolerance) {
                 ASSERT(pair != found.end());
                 numChanged++;
             }
             if (pair != found.end()) {
                 ASSERT(isCounted);
-                ASSERT_EQUAL_TOL(d1, pair->second.first, 1e-12);
-                ASSERT_EQUAL_TOL(d2, pair->second.second, 1e-12);
-                ASSERT(d1 <= cutoff || d2 <= cutoff);
+                ASSERT_EQUAL_TOL(d1, pair->second.first, tolerance);
+                ASSERT_EQUAL_TOL(d2, pair->second.second, tolerance);
+                ASSERT(min(d1, d2) <= cutoff + tolerance);
                 found.erase(pair);
             }
         }
     ASSERT(found.empty());
     ASSERT(numChanged > 30);
     chain.force->acceptProposal(context);
-    assertSameBits(proposed, getPositions(context));
+    assertRounded(platform, proposed, getPositions(context));
     assertThrows("there is no open proposal", [&] {
         chain.force->getChangedNeighborPairs(context, cutoff, pairs, before, after);
     });
@@ -442,6 +449,7 @@ void testChangedNeighborPairs(Platform& platform)
 
 void testRigidMotions(Platform& platform)
 {
+    const double tolerance = getTolerance(platform);
     BeadChain chain(5, 0.4);
     int second = chain.addMolecule(4, 0.4, 1.0, Vec3(0, 0, 2));
     VerletIntegrator integrator(0.001);
@@ -455,16 +463,16 @@ void testRigidMotions(Platform& platform)
     chain.force->acceptProposal(context);
     vector<Vec3> moved = getPositions(context);
     for (int i = 0; i < second; i++)
-        assertSameBits({chain.positions[i]}, {moved[i]});
+        assertRounded(platform, {chain.positions[i]}, {moved[i]});
     for (int i = second; i < second + 4; i++)
-        ASSERT_EQUAL_VEC(rotate(chain.positions[i], centroid, axis, sqrt(axis.dot(axis))) + shift, moved[i], 1e-12);
+        ASSERT_EQUAL_VEC(rotate(chain.positions[i], centroid, axis, sqrt(axis.dot(axis))) + shift, moved[i], tolerance);
 
     // Without rotation, and into the other molecule.
 
     ASSERT(!chain.force->proposeRigidMotion(context, second, Vec3(), moved[0] - moved[second]));
     chain.force->acceptProposal(context);
     moved = getPositions(context);
-    ASSERT_EQUAL_VEC(moved[0], moved[second], 1e-12);
+    ASSERT_EQUAL_VEC(moved[0], moved[second], tolerance);
     ASSERT(chain.force->hasClash(context));
 }
 
@@ -472,6 +480,7 @@ void testFixedParticles(Platform& platform)
 {
     // Bead 5 is fixed: torsion 1, about the bond 2-3, moves 0 and 1.
 
+    const double tolerance = getTolerance(platform);
     BeadChain chain(6, 0.4);
     chain.system.setParticleMass(5, 0);
     VerletIntegrator integrator(0.001);
@@ -481,9 +490,9 @@ void testFixedParticles(Platform& platform)
     chain.force->acceptProposal(context);
     vector<Vec3> moved = getPositions(context);
     for (int i = 2; i < 6; i++)
-        ASSERT_EQUAL_VEC(chain.positions[i], moved[i], 1e-12);
-    assertSameBits({chain.positions[5]}, {moved[5]});
-    ASSERT_EQUAL_TOL(remainder(M_PI + 0.7, 2 * M_PI), getDihedral(moved[1], moved[2], moved[3], moved[4]), 1e-12);
+        ASSERT_EQUAL_VEC(chain.positions[i], moved[i], tolerance);
+    assertRounded(platform, {chain.positions[5]}, {moved[5]});
+    ASSERT_EQUAL_TOL(remainder(M_PI + 0.7, 2 * M_PI), getDihedral(moved[1], moved[2], moved[3], moved[4]), tolerance);
     assertThrows("the molecule of particle 1 has fixed particles and cannot move", [&] {
         chain.force->proposeRigidMotion(context, 1, Vec3(), Vec3());
     });
@@ -493,6 +502,7 @@ void testVirtualSites(Platform& platform)
 {
     // The site is set anew wherever the particles that define it go, even if it was elsewhere.
 
+    const double tolerance = getTolerance(platform);
     BeadChain chain(6, 0.3);
     chain.system.addParticle(0);
     chain.force->addParticle(0.1);
@@ -505,13 +515,13 @@ void testVirtualSites(Platform& platform)
         chain.force->proposeTorsions(context, {0, 1}, {0.5, 0.6});
         chain.force->acceptProposal(context);
         vector<Vec3> moved = getPositions(context);
-        ASSERT_EQUAL_VEC(moved[4] * 0.25 + moved[5] * 0.75, moved[6], 1e-12);
+        ASSERT_EQUAL_VEC(moved[4] * 0.25 + moved[5] * 0.75, moved[6], tolerance);
         Pairs pairs;
         vector<double> values;
         chain.force->getNeighborPairs(context, 0.8, pairs, values);
         ASSERT_EQUAL_CONTAINERS((Pairs{{4, 6}, {5, 6}}), pairs);
-        ASSERT_EQUAL_TOL(0.75, values[0], 1e-12);
-        ASSERT_EQUAL_TOL(0.25, values[1], 1e-12);
+        ASSERT_EQUAL_TOL(0.75, values[0], tolerance);
+        ASSERT_EQUAL_TOL(0.25, values[1], tolerance);
     }
 
     // What the site is set to counts as what the trial proposed, to the last bit: limits stay as they were.
@@ -539,6 +549,7 @@ void testLimits(Platform& platform)
 {
     // Beads 0 and 3 of radius 0.7 clash up to a dihedral of 1.02: their distance is sqrt(3 - 2 cos(dihedral)).
 
+    const double tolerance = getTolerance(platform);
     BeadChain chain(4, 0.7, 0.5);
     VerletIntegrator integrator(0.001);
     Context context(chain.system, integrator, platform);
@@ -574,11 +585,12 @@ void testLimits(Platform& platform)
     vector<double> overlaps;
     chain.force->getClashes(context, pairs, overlaps);
     ASSERT_EQUAL_CONTAINERS((Pairs{{0, 3}}), pairs);
-    ASSERT_EQUAL_TOL(1.4 - sqrt(3 - 2 * cos(0.2)), overlaps[0], 1e-12);
+    ASSERT_EQUAL_TOL(1.4 - sqrt(3 - 2 * cos(0.2)), overlaps[0], tolerance);
 }
 
 void testUpdateParameters(Platform& platform)
 {
+    const double tolerance = getTolerance(platform);
     BeadChain chain(6, 0.1, 0.5);
     chain.force->setParticleParameters(3, 0.4);
     VerletIntegrator integrator(0.001);
@@ -601,8 +613,8 @@ void testUpdateParameters(Platform& platform)
     vector<double> overlaps;
     chain.force->getClashes(context, pairs, overlaps);
     ASSERT_EQUAL_CONTAINERS((Pairs{{0, 3}}), pairs);
-    ASSERT_EQUAL_TOL(0.1, overlaps[0], 1e-12);
-    ASSERT_EQUAL_TOL(50 * 0.1 * 0.1, context.getState(State::Energy).getPotentialEnergy(), 1e-12);
+    ASSERT_EQUAL_TOL(0.1, overlaps[0], tolerance);
+    ASSERT_EQUAL_TOL(50 * 0.1 * 0.1, context.getState(State::Energy).getPotentialEnergy(), tolerance);
 
     // The new clash gets its limit, and keeps it when other parameters change.
 
@@ -649,6 +661,7 @@ void testTwoContexts(Platform& platform)
 {
     // They share the force, but not positions, proposals, limits or counts.
 
+    const double tolerance = getTolerance(platform);
     BeadChain chain(6, 0.45, 0.5);
     VerletIntegrator integrator1(0.001), integrator2(0.001);
     Context context1(chain.system, integrator1, platform), context2(chain.system, integrator2, platform);
@@ -661,12 +674,12 @@ void testTwoContexts(Platform& platform)
     });
     chain.force->proposeTorsions(context2, {1}, {0.2});
     chain.force->acceptProposal(context1);
-    assertSameBits(straight, getPositions(context2));
+    assertRounded(platform, straight, getPositions(context2));
     vector<Vec3> x = getPositions(context1);
-    ASSERT_EQUAL_TOL(0.6, getDihedral(x[0], x[1], x[2], x[3]), 1e-12);
+    ASSERT_EQUAL_TOL(0.6, getDihedral(x[0], x[1], x[2], x[3]), tolerance);
     chain.force->acceptProposal(context2);
     x = getPositions(context2);
-    ASSERT_EQUAL_TOL(0.2 - M_PI, getDihedral(x[1], x[2], x[3], x[4]), 1e-12);
+    ASSERT_EQUAL_TOL(0.2 - M_PI, getDihedral(x[1], x[2], x[3], x[4]), tolerance);
 
     long long queries, volumeTests, particleTests, nodesUpdated;
     chain.force->resetTraversalStatistics(context1);
@@ -728,7 +741,6 @@ void testDynamics(Platform& platform)
         VerletIntegrator integrator(0.001);
         Context context(crowd.system, integrator, platform);
         context.setPositions(crowd.positions);
-        LocalEnergyMinimizer::minimize(context, 1, 200);
         context.setVelocitiesToTemperature(300, 1);
         integrator.step(10);
         double least = 1e10, largest = -1e10;
@@ -745,8 +757,7 @@ void testDynamics(Platform& platform)
     integrator.setRandomNumberSeed(3);
     Context context(crowd.system, integrator, platform);
     context.setPositions(crowd.positions);
-    LocalEnergyMinimizer::minimize(context, 1, 200);
-    integrator.step(500);
+    integrator.step(1000);
     double kinetic = 0;
     for (int i = 0; i < 200; i++) {
         integrator.step(10);
@@ -924,10 +935,9 @@ void testStericExclusionForce(Platform& platform)
     testUpdateParameters(platform);
     testTwoContexts(platform);
     testStatistics(platform);
-    if (canMinimize(platform)) {
+    if (canMinimize(platform))
         testMinimization(platform);
-        testDynamics(platform);
-    }
+    testDynamics(platform);
     testFailureLeavesContextUsable(platform);
     testBadArguments(platform);
     testBadDefinitions(platform);

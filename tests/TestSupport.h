@@ -29,19 +29,14 @@ namespace ChainTreePlugin {
 /**
  * Run tests on a platform. The result is that of the program: 0 if they pass, 1 if one fails, 77 if there is no such
  * platform.
- *
- * @param precision  of a platform that has a choice of it: "single", "mixed" or "double"
  */
-inline int runOnPlatform(const std::string& name, const std::function<void(OpenMM::Platform&)>& tests,
-                         const std::string& precision = "")
+inline int runOnPlatform(const std::string& name, const std::function<void(OpenMM::Platform&)>& tests)
 {
     try {
         OpenMM::Platform::loadPluginsFromDirectory(OpenMM::Platform::getDefaultPluginsDirectory());
         registerChainTreeReferenceKernelFactories();
         for (int i = 0; i < OpenMM::Platform::getNumPlatforms(); i++)
             if (OpenMM::Platform::getPlatform(i).getName() == name) {
-                if (!precision.empty())
-                    OpenMM::Platform::getPlatform(i).setPropertyDefaultValue("Precision", precision);
                 tests(OpenMM::Platform::getPlatform(i));
                 std::cout << "Done" << std::endl;
                 return 0;
@@ -53,6 +48,48 @@ inline int runOnPlatform(const std::string& name, const std::function<void(OpenM
         std::cout << "exception: " << e.what() << std::endl;
         return 1;
     }
+}
+
+/**
+ * Run tests on a platform that has a choice of precision, at each.
+ */
+inline int runAtEveryPrecision(const std::string& name, const std::function<void(OpenMM::Platform&)>& tests)
+{
+    return runOnPlatform(name, [&](OpenMM::Platform& platform) {
+        for (const std::string precision : {"double", "mixed", "single"}) {
+            std::cout << "Precision: " << precision << std::endl;
+            platform.setPropertyDefaultValue("Precision", precision);
+            tests(platform);
+        }
+    });
+}
+
+/**
+ * Get the precision at which a platform runs. Reference and CPU have no choice.
+ */
+inline std::string getPrecision(const OpenMM::Platform& platform)
+{
+    const std::vector<std::string>& names = platform.getPropertyNames();
+    bool hasChoice = (std::find(names.begin(), names.end(), "Precision") != names.end());
+    return hasChoice ? platform.getPropertyDefaultValue("Precision") : "double";
+}
+
+/**
+ * Get how far from where it was set a particle can be, in nm, within 16 nm from the origin. At mixed precision a
+ * coordinate is the sum of two floats.
+ */
+inline double getRounding(const OpenMM::Platform& platform)
+{
+    std::string precision = getPrecision(platform);
+    return precision == "single" ? 1e-6 : precision == "mixed" ? 1e-13 : 0;
+}
+
+/**
+ * Get a tolerance for what is computed from positions.
+ */
+inline double getTolerance(const OpenMM::Platform& platform)
+{
+    return 1e-12 + 10 * getRounding(platform);
 }
 
 /**
@@ -89,6 +126,19 @@ inline void assertSameBits(const std::vector<OpenMM::Vec3>& expected, const std:
     for (size_t i = 0; i < expected.size(); i++)
         for (int j = 0; j < 3; j++)
             ASSERT_EQUAL(expected[i][j], found[i][j]);
+}
+
+/**
+ * Check that positions are what they were set to, but for the rounding of the platform.
+ */
+inline void assertRounded(const OpenMM::Platform& platform, const std::vector<OpenMM::Vec3>& expected,
+                          const std::vector<OpenMM::Vec3>& found)
+{
+    using OpenMM::throwException;
+    ASSERT_EQUAL(expected.size(), found.size());
+    for (size_t i = 0; i < expected.size(); i++)
+        for (int j = 0; j < 3; j++)
+            ASSERT(std::fabs(expected[i][j] - found[i][j]) <= getRounding(platform));
 }
 
 inline std::vector<OpenMM::Vec3> getPositions(const OpenMM::Context& context)

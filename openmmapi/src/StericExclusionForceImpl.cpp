@@ -55,8 +55,8 @@ private:
 };
 
 StericExclusionForceImpl::StericExclusionForceImpl(const StericExclusionForce& owner) :
-    CustomCPPForceImpl(owner), owner(owner), engine(NULL), limitsAreCurrent(false), restartsAreAnnounced(false),
-    settingPositions(false), energyIsSuppressed(false)
+    CustomCPPForceImpl(owner), owner(owner), engine(NULL), stepAtAgreement(-1), stepBegun(-1), limitsAreCurrent(false),
+    dynamicsIsExpected(false), settingPositions(false), energyIsSuppressed(false)
 {
 }
 
@@ -119,30 +119,46 @@ void StericExclusionForceImpl::updatePositions(ContextImpl& context)
 {
     context.getPositions(buffer);
     if (agreedPositions.empty()) {
-        // An evaluation of no forces costs little and throws the usual exception if positions were never set. What it
-        // says about positions that are not finite names no particle.
+        // An evaluation of no forces costs little and throws the usual exception if positions were never set; on GPU
+        // platforms they can then be anything. The CPU platform also throws if they are not finite, but names no
+        // particle.
 
+        try {
+            context.calcForcesAndEnergy(false, false, 0);
+        }
+        catch (const OpenMMException&) {
+            if (context.getPlatform().getName() == "CPU")
+                checkFinite(buffer);
+            throw;
+        }
         checkFinite(buffer);
-        context.calcForcesAndEnergy(false, false, 0);
     }
-    adoptPositions(buffer);
+    adoptPositions(context, buffer);
 }
 
-void StericExclusionForceImpl::adoptPositions(const vector<Vec3>& positions)
+void StericExclusionForceImpl::adoptPositions(ContextImpl& context, const vector<Vec3>& positions)
 {
-    if (haveSameBits(positions, agreedPositions))
-        return;
-    engine->setPositions(positions);
-    agreedPositions = positions;
-    if (restartsAreAnnounced)
-        limitsAreCurrent = false;
-    else
-        restartLimits();
+    const long long step = context.getStepCount();
+    if (!haveSameBits(positions, agreedPositions)) {
+        engine->setPositions(positions);
+        agreedPositions = positions;
+        const bool mayBeDynamics = (step != stepAtAgreement || step == stepBegun);
+        if (dynamicsIsExpected && mayBeDynamics)
+            limitsAreCurrent = false;
+        else
+            restartLimits();
+    }
+    stepAtAgreement = step;
 }
 
-void StericExclusionForceImpl::expectRestartsOfLimits()
+void StericExclusionForceImpl::updateContextState(ContextImpl& context, bool&)
 {
-    restartsAreAnnounced = true;
+    stepBegun = context.getStepCount();
+}
+
+void StericExclusionForceImpl::expectDynamics()
+{
+    dynamicsIsExpected = true;
 }
 
 void StericExclusionForceImpl::positionsWereSet(ContextImpl& context, const vector<Vec3>& restored)
@@ -163,13 +179,18 @@ void StericExclusionForceImpl::restartLimits()
     limitsAreCurrent = false;
 }
 
+void StericExclusionForceImpl::takeNoticeOfPositions(ContextImpl& context)
+{
+    context.computeVirtualSites();
+    updatePositions(context);
+}
+
 /**
  * Take notice of the Context's positions and make sure that every pair that clashes in them has its limit.
  */
 void StericExclusionForceImpl::prepareTrial(ContextImpl& context)
 {
-    context.computeVirtualSites();
-    updatePositions(context);
+    takeNoticeOfPositions(context);
     if (!limitsAreCurrent) {
         engine->raiseLimits();
         limitsAreCurrent = true;
@@ -200,6 +221,7 @@ void StericExclusionForceImpl::showState(ContextImpl& context)
     engine->getPositions(buffer);
     setContextPositions(context, buffer);
     context.getPositions(agreedPositions);
+    stepAtAgreement = context.getStepCount();
 }
 
 // ---- What is kept ----
@@ -240,6 +262,7 @@ void StericExclusionForceImpl::createCheckpoint(CheckpointWriter& writer)
     writer.write(records);
     writer.write((uint8_t)limitsAreCurrent);
     writer.write(agreedPositions);
+    writer.write(stepAtAgreement);
 }
 
 void StericExclusionForceImpl::loadCheckpoint(CheckpointReader& reader)
@@ -254,6 +277,7 @@ void StericExclusionForceImpl::loadCheckpoint(CheckpointReader& reader)
     }
     bool current = (reader.read<uint8_t>() != 0);
     vector<Vec3> agreed = reader.readVector<Vec3>();
+    long long step = reader.read<long long>();
 
     // Should the kernel refuse one of these, it will take its state from the Context's positions.
 
@@ -263,17 +287,19 @@ void StericExclusionForceImpl::loadCheckpoint(CheckpointReader& reader)
         engine->setLimits(pairs, limits);
     limitsAreCurrent = current;
     agreedPositions = agreed;
+    stepAtAgreement = step;
+    stepBegun = -1;
 }
 
 // ---- Energy ----
 
-double StericExclusionForceImpl::computeForce(ContextImpl&, const vector<Vec3>& positions, vector<Vec3>& forces)
+double StericExclusionForceImpl::computeForce(ContextImpl& context, const vector<Vec3>& positions, vector<Vec3>& forces)
 {
     if (energyIsSuppressed) {
         forces.assign(forces.size(), Vec3());
         return 0;
     }
-    adoptPositions(positions);
+    adoptPositions(context, positions);
     return engine->computeEnergy(forces);
 }
 
@@ -441,6 +467,7 @@ void StericExclusionForceImpl::beginTrials(ContextImpl& context)
 {
     prepareTrial(context);
     engine->rejectProposal();
+    stepBegun = -1; // Nothing but trials will change positions in this step, and it may be broken off.
 }
 
 void StericExclusionForceImpl::refuseToleratedClashes()

@@ -294,7 +294,7 @@ void TorsionMonteCarloIntegrator::initialize(ContextImpl& contextRef)
     kernel = contextRef.getPlatform().createKernel(IntegrateVerletStepKernel::Name(), contextRef);
     kernel.getAs<IntegrateVerletStepKernel>().initialize(system, VerletIntegrator(getStepSize()));
     random.reset(new RandomNumberGenerator(randomNumberSeed == 0 ? osrngseed() : randomNumberSeed));
-    found.expectRestartsOfLimits();
+    found.expectDynamics();
     force = &found;
     context = &contextRef;
     owner = &contextRef.getOwner();
@@ -481,6 +481,7 @@ void TorsionMonteCarloIntegrator::step(int steps)
     if (context == NULL)
         throw OpenMMException("This Integrator is not bound to a context!");
     double weightSum = sumWeights();
+    force->takeNoticeOfPositions(*context);
     for (int i = 0; i < steps; i++) {
         context->updateContextState();
         force->beginTrials(*context);
@@ -493,9 +494,9 @@ void TorsionMonteCarloIntegrator::step(int steps)
             force->finishTrials(*context);
             throw;
         }
-        force->finishTrials(*context);
         context->setTime(context->getTime() + getStepSize());
         context->setStepCount(context->getStepCount() + 1);
+        force->finishTrials(*context);
     }
 }
 

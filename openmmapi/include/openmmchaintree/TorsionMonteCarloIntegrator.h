@@ -52,6 +52,8 @@ class StericExclusionForceImpl;
  *
  * <b>Limits.</b> The limit of a pair is its tolerance, unless it clashes when sampling starts; see
  * StericExclusionForce. By setInitialClashPolicy() such clashes are tolerated, which is the default, or refused.
+ * Minimizing the energy counts as setting positions. (GPU platforms do not tell of it: there it must have moved a
+ * particle and, after steps of another Integrator, have evaluated the StericExclusionForce.)
  *
  * <b>Time</b> means nothing to Monte Carlo. The step size is 0 by default; a program that wants time to pass, for
  * example as a label of frames, can set another one. Velocities are left alone.
@@ -65,7 +67,8 @@ class StericExclusionForceImpl;
  * for bit. So does one that is broken off between two steps and goes on from a checkpoint, in which there are the
  * random number generator, the limits and the statistics of the moves. The trial that the user may have opened by
  * StericExclusionForce is not in it. A State with the integrator parameters keeps the limits, but not the random number
- * generator.
+ * generator. A checkpoint of other moves or another structure is refused by an exception, but the Context has its
+ * positions, velocities, parameters and time by then: OpenMM restores these before it asks the Integrator.
  */
 class OPENMM_EXPORT_CHAINTREE TorsionMonteCarloIntegrator : public OpenMM::Integrator {
 public:

@@ -2,10 +2,5 @@
 
 int main()
 {
-    return runOnPlatform("OpenCL", [](Platform& platform) {
-        for (const string precision : {"single", "mixed", "double"}) {
-            platform.setPropertyDefaultValue("Precision", precision);
-            testAgreementWithReference(platform);
-        }
-    });
+    return runAtEveryPrecision("OpenCL", testAgreementWithReference);
 }

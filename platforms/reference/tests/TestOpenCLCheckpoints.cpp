@@ -2,5 +2,5 @@
 
 int main()
 {
-    return runOnPlatform("OpenCL", testCheckpoints, "double");
+    return runAtEveryPrecision("OpenCL", testCheckpoints);
 }

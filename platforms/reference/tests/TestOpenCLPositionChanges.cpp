@@ -2,5 +2,5 @@
 
 int main()
 {
-    return runOnPlatform("OpenCL", testPositionChanges, "double");
+    return runAtEveryPrecision("OpenCL", testPositionChanges);
 }

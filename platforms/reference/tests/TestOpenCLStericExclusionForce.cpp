@@ -2,5 +2,5 @@
 
 int main()
 {
-    return runOnPlatform("OpenCL", testStericExclusionForce, "double");
+    return runAtEveryPrecision("OpenCL", testStericExclusionForce);
 }

@@ -2,5 +2,5 @@
 
 int main()
 {
-    return runOnPlatform("OpenCL", testTorsionMonteCarloIntegrator, "double");
+    return runAtEveryPrecision("OpenCL", testTorsionMonteCarloIntegrator);
 }

@@ -32,6 +32,10 @@ public:
     }
     double computeForce(OpenMM::ContextImpl& context, const std::vector<OpenMM::Vec3>& positions,
                         std::vector<OpenMM::Vec3>& forces);
+    /**
+     * Integrators call this when a step begins.
+     */
+    void updateContextState(OpenMM::ContextImpl& context, bool& forcesInvalid);
     std::vector<std::pair<int, int>> getBondedParticles() const;
     void updateParametersInContext(OpenMM::ContextImpl& context);
     const LinkStructure& getLinkStructure() const
@@ -78,10 +82,11 @@ public:
      */
     int getNumToleratedClashes(OpenMM::ContextImpl& context);
     /**
-     * Leave it to the caller to say, by positionsWereSet(), when positions were set. Other changes of positions then
-     * only raise limits.
+     * Let limits only grow when the step of an Integrator, or a Force at its beginning, has moved particles. Every
+     * other change of positions starts limits anew; the caller says by positionsWereSet() when positions were set.
+     * Without this call, steps start limits anew too.
      */
-    void expectRestartsOfLimits();
+    void expectDynamics();
     /**
      * Start limits anew because positions were set, unless it was this object that set them, or a checkpoint.
      *
@@ -111,6 +116,10 @@ public:
      */
     void loadCheckpoint(CheckpointReader& reader);
     /**
+     * Take notice of the Context's positions, before a step begins in which Forces may change them.
+     */
+    void takeNoticeOfPositions(OpenMM::ContextImpl& context);
+    /**
      * Take notice of the Context's positions, drop the open trial, and bring limits up to date. From now on trials may
      * be proposed, accepted and rejected by the kernel alone, until finishTrials() is called.
      */
@@ -135,13 +144,14 @@ public:
      */
     double computeOtherEnergy(OpenMM::ContextImpl& context, int groups);
     /**
-     * Drop the open trial and move the Context to the kernel's state.
+     * Drop the open trial and move the Context to the kernel's state. The Context's step count must be that of the end
+     * of the step already.
      */
     void finishTrials(OpenMM::ContextImpl& context);
 
 private:
     void updatePositions(OpenMM::ContextImpl& context);
-    void adoptPositions(const std::vector<OpenMM::Vec3>& positions);
+    void adoptPositions(OpenMM::ContextImpl& context, const std::vector<OpenMM::Vec3>& positions);
     void prepareTrial(OpenMM::ContextImpl& context);
     void requireProposal() const;
     void setContextPositions(OpenMM::ContextImpl& context, const std::vector<OpenMM::Vec3>& positions);
@@ -155,7 +165,12 @@ private:
     /** The Context's positions when they and the kernel's state were last known to agree; empty before. */
     std::vector<OpenMM::Vec3> agreedPositions;
     std::vector<OpenMM::Vec3> buffer;
-    bool limitsAreCurrent, restartsAreAnnounced, settingPositions, energyIsSuppressed;
+    /** The step count at that time. Positions that differ though it does not were changed by no step: by the minimizer,
+     *  of which OpenMM tells nothing on GPU platforms, or by Context::applyConstraints(). */
+    long long stepAtAgreement;
+    /** The step count when a step last began, for changes in its midst. */
+    long long stepBegun;
+    bool limitsAreCurrent, dynamicsIsExpected, settingPositions, energyIsSuppressed;
 };
 
 } // namespace ChainTreePlugin
