@@ -4,6 +4,7 @@
 #include <string.h>
 
 #include "definition.h"
+#include "instructions.h"
 #include "position.h"
 #include "scene.h"
 
@@ -15,7 +16,7 @@
 static bool build(ctChainTree* scene, const ctDefinition* definition) {
   return ctSequenceBuild(&scene->sequence, &scene->arena, definition) &&
          ctExclusionsBuild(&scene->exclusions, &scene->arena, &scene->sequence, definition) &&
-         ctTreeBuild(&scene->staleTree, &scene->arena, &scene->sequence) &&
+         ctTreeBuild(&scene->staleTree, &scene->arena, &scene->sequence, ctChooseInstructions()) &&
          ctTraversalBuild(&scene->traversal, &scene->arena, &scene->staleTree, &scene->sequence, &scene->exclusions);
 }
 
@@ -66,7 +67,7 @@ const char* ctGetErrorText(const ctChainTree* tree) {
 }
 
 const char* ctGetInstructionSet(const ctChainTree* tree) {
-  return ctTraversalPathName(&tree->traversal);
+  return tree->staleTree.instructions->name;
 }
 
 /* ---- State ---- */
@@ -150,10 +151,12 @@ ctStatus ctGetCentroid(ctChainTree* tree, int link, double centroid[3]) {
 }
 
 /* The frame of a caller's link in that of the engine's: fixed links are all part of the world. */
-static ctTransform userFrame(const Sequence* s, int link) {
-  ctTransform frame = transformIdentity();
+static Frame userFrame(const Sequence* s, int link) {
+  Frame frame = transformIdentity();
   if (s->linkOfUser[link] == 0) {
-    subtract(s->reference + 3 * (size_t)s->originOfUser[link], s->worldOrigin, frame.translation);
+    double origin[3];
+    subtract(s->reference + 3 * (size_t)s->originOfUser[link], s->worldOrigin, origin);
+    setTranslation(&frame, origin);
   }
   return frame;
 }
@@ -163,12 +166,16 @@ ctStatus ctGetRelativeTransform(ctChainTree* tree, int linkA, int linkB, ctTrans
     return failNoLink(tree, isUserLink(tree, linkA) ? linkB : linkA);
   }
   const Sequence* s = &tree->sequence;
-  const ctTransform between = ctTreeRelative(ctSceneTree(tree), s, s->linkOfUser[linkA], s->linkOfUser[linkB]);
-  const ctTransform a = userFrame(s, linkA);
-  const ctTransform b = userFrame(s, linkB);
-  const ctTransform fromA = transformInverse(&a);
-  *transform = transformCompose(&between, &b);
-  *transform = transformCompose(&fromA, transform);
+  const Frame between = ctTreeRelative(ctSceneTree(tree), s, s->linkOfUser[linkA], s->linkOfUser[linkB]);
+  const Frame a = userFrame(s, linkA);
+  const Frame b = userFrame(s, linkB);
+  const Frame fromA = transformInverse(&a);
+  Frame frame = transformCompose(&between, &b);
+  frame = transformCompose(&fromA, &frame);
+  for (int i = 0; i < 3; i++) {
+    memcpy(transform->rotation + 3 * (size_t)i, frame.m[i], 3 * sizeof(double));
+  }
+  translationOf(&frame, transform->translation);
   return ctSuccess;
 }
 
@@ -185,15 +192,15 @@ enum { CONTENT_COUNT = 9 };
 static void listContent(const Tree* tree, const Sequence* s, Content content[CONTENT_COUNT]) {
   const size_t items = (size_t)tree->itemCount;
   const Content all[CONTENT_COUNT] = {
-      {tree->shortcut, items * sizeof(ctTransform)},
-      {tree->pose, items * sizeof(ctTransform)},
+      {tree->shortcut, items * sizeof(Frame)},
+      {tree->pose, items * sizeof(Frame)},
       {tree->bound, items * sizeof(Bound)},
       {tree->sum, items * sizeof(double[3])},
       {tree->leaf, (size_t)tree->levelBegin[1] * sizeof(Leaf)},
       {tree->members, (items - (size_t)tree->levelBegin[1]) * sizeof(Members)},
       {tree->axis, (size_t)s->linkCount * sizeof(double[3])},
-      {s->product, (size_t)s->productBegin[s->pathCount] * sizeof(ctTransform)},
-      {s->closure, (size_t)s->pathCount * sizeof(ctTransform)},
+      {s->product, (size_t)s->productBegin[s->pathCount] * sizeof(Frame)},
+      {s->closure, (size_t)s->pathCount * sizeof(Frame)},
   };
   memcpy(content, all, sizeof all);
 }

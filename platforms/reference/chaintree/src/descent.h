@@ -1,4 +1,4 @@
-/* What the files that compile a descent share with those that call it. */
+/* Scratch of a descent, in sixteens. */
 #ifndef CT_DESCENT_H_
 #define CT_DESCENT_H_
 
@@ -31,19 +31,5 @@ static inline int straddlerCode(int index) {
 static inline Straddler* straddlerOf(const Traversal* t, int code) {
   return &t->straddlers[-1 - code];
 }
-
-/* The descents compiled for one instruction set. */
-typedef struct DescentPath {
-  const char* name;
-  void (*traverse)(Traversal* t, const View* view, CandidateFunction* function, void* context, ctCounts* counts);
-  void (*probe)(Traversal* t, const View* view, const double point[3], double radius, ProbeFunction* function,
-                void* context, ctCounts* counts);
-} DescentPath;
-
-extern const DescentPath ctDescentPortable;
-#ifdef __x86_64__
-extern const DescentPath ctDescentAvx2;
-extern const DescentPath ctDescentAvx512;
-#endif
 
 #endif /* CT_DESCENT_H_ */

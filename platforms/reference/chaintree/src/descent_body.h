@@ -23,16 +23,16 @@ static bool isStill(const Traversal* t, int level, int item) {
 }
 
 static void restLeaf(Traversal* t, int leaf) {
-  const ctTransform* f = &t->frame[leaf];
+  const Frame* f = &t->frame[leaf];
   const Leaf* own = &t->tree->leaf[leaf];
   Block* rest = &t->rest[leaf];
   for (int k = 0; k < TREE_WIDTH; k++) {
     const double x = own->x[k];
     const double y = own->y[k];
     const double z = own->z[k];
-    rest->x[k] = (float)(f->rotation[0] * x + f->rotation[1] * y + f->rotation[2] * z + f->translation[0]);
-    rest->y[k] = (float)(f->rotation[3] * x + f->rotation[4] * y + f->rotation[5] * z + f->translation[1]);
-    rest->z[k] = (float)(f->rotation[6] * x + f->rotation[7] * y + f->rotation[8] * z + f->translation[2]);
+    rest->x[k] = (float)(f->m[0][0] * x + f->m[0][1] * y + f->m[0][2] * z + f->m[0][3]);
+    rest->y[k] = (float)(f->m[1][0] * x + f->m[1][1] * y + f->m[1][2] * z + f->m[1][3]);
+    rest->z[k] = (float)(f->m[2][0] * x + f->m[2][1] * y + f->m[2][2] * z + f->m[2][3]);
   }
   if (t->view->surfaces) {
     memcpy(rest->r, own->r, sizeof rest->r);
@@ -41,12 +41,10 @@ static void restLeaf(Traversal* t, int leaf) {
   }
 }
 
-static void floatMotion(const ctTransform* f, float motion[12]) {
-  for (int i = 0; i < 3; i++) {
-    for (int j = 0; j < 3; j++) {
-      motion[4 * i + j] = (float)f->rotation[3 * i + j];
-    }
-    motion[4 * i + 3] = (float)f->translation[i];
+static void floatMotion(const Frame* f, float motion[12]) {
+  const double* m = f->m[0];
+  for (int i = 0; i < 12; i++) {
+    motion[i] = (float)m[i];
   }
 }
 
@@ -152,7 +150,9 @@ static void startDescent(Traversal* t, const View* view) {
   double shift = 0;
   if (view->motions != NULL) {
     for (int i = 1; i < view->motionCount; i++) {
-      shift = larger(shift, sqrt(dot(view->motions[i].translation, view->motions[i].translation)));
+      double translation[3];
+      translationOf(&view->motions[i], translation);
+      shift = larger(shift, sqrt(dot(translation, translation)));
       floatMotion(&view->motions[i], t->motions[i]);
     }
   }
@@ -508,5 +508,3 @@ static void traverseProbe(Traversal* t, const View* view, const double point[3],
     }
   }
 }
-
-const DescentPath CT_DESCENT = {CT_DESCENT_NAME, traverse, traverseProbe};

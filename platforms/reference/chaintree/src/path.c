@@ -33,7 +33,7 @@ bool ctPathsBuild(Sequence* s, Arena* arena) {
   s->pathBegin = ctArenaAllocate(arena, (size_t)s->pathCount + 1, sizeof(int));
   s->productBegin = ctArenaAllocate(arena, (size_t)s->pathCount + 1, sizeof(int));
   s->pathLink = ctArenaAllocate(arena, (size_t)s->linkCount, sizeof(int));
-  s->closure = ctArenaAllocate(arena, (size_t)s->pathCount, sizeof(ctTransform));
+  s->closure = ctArenaAllocate(arena, (size_t)s->pathCount, sizeof(Frame));
   if (arena->failed) {
     return false;
   }
@@ -51,16 +51,16 @@ bool ctPathsBuild(Sequence* s, Arena* arena) {
   for (int path = 0; path < s->pathCount; path++) {
     s->productBegin[path + 1] = s->productBegin[path] + productCount(blockCount(s, path));
   }
-  s->product = ctArenaAllocate(arena, (size_t)s->productBegin[s->pathCount], sizeof(ctTransform));
+  s->product = ctArenaAllocate(arena, (size_t)s->productBegin[s->pathCount], sizeof(Frame));
   return !arena->failed;
 }
 
 static void multiplyBlock(Sequence* s, int path, int block) {
   const int begin = s->pathBegin[path] + block * PATH_BLOCK;
   const int end = begin + PATH_BLOCK < s->pathBegin[path + 1] ? begin + PATH_BLOCK : s->pathBegin[path + 1];
-  ctTransform product = ctSequenceOpening(s, s->pathLink[begin]);
+  Frame product = sequenceOpening(s, s->pathLink[begin]);
   for (int i = begin + 1; i < end; i++) {
-    const ctTransform opening = ctSequenceOpening(s, s->pathLink[i]);
+    const Frame opening = sequenceOpening(s, s->pathLink[i]);
     product = transformCompose(&product, &opening);
   }
   s->product[s->productBegin[path] + block] = product;
@@ -72,9 +72,9 @@ static int multiplyPath(Sequence* s, int path, int* blocks, int count) {
     multiplyBlock(s, path, blocks[i]);
   }
   int multiplied = count;
-  ctTransform* below = s->product + s->productBegin[path];
+  Frame* below = s->product + s->productBegin[path];
   for (int n = blockCount(s, path); n > 1; n = (n + 1) / 2) {
-    ctTransform* above = below + n;
+    Frame* above = below + n;
     int kept = 0;
     for (int i = 0; i < count; i++) {
       const int pair = blocks[i] / 2;

@@ -9,9 +9,9 @@ typedef struct PositionReader {
   const Sequence* sequence;
   const Tree* tree;
   int leaf; /* whose frame is held */
-  ctTransform leafFrame;
+  Frame leafFrame;
   int link; /* whose frame in its leaf is held */
-  ctTransform linkInLeaf;
+  Frame linkInLeaf;
 } PositionReader;
 
 PositionReader ctPositionReader(const Sequence* sequence, const Tree* tree);

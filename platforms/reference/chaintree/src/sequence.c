@@ -34,11 +34,6 @@ static void findOrigin(Sequence* s) {
 
 static const JointState REFERENCE_JOINT = {0, 1, 0, {{1, 0, 0, 0}, {0, 0, 0}}};
 
-/* Where the link's origin is in its parent's frame in the reference positions. */
-static void referenceOffset(const Sequence* s, int link, double offset[3]) {
-  subtract(s->origin[link], s->origin[s->parent[link]], offset);
-}
-
 void ctSequenceResetTorsions(Sequence* s) {
   for (int link = 0; link < s->linkCount; link++) {
     s->angle[link] = REFERENCE_JOINT.angle;
@@ -62,7 +57,7 @@ void ctSequenceSetReference(Sequence* s, const double* positions) {
     if (s->placementOf[link] != CT_NULL) {
       Placement* placement = &s->placement[s->placementOf[link]];
       *placement = REFERENCE_JOINT.placement;
-      referenceOffset(s, link, placement->position);
+      sequenceOffset(s, link, placement->position);
     }
   }
 }
@@ -85,27 +80,6 @@ void ctSequenceRefresh(Sequence* s) {
     }
   }
   ctPathsMultiply(s);
-}
-
-ctTransform ctSequenceOpening(const Sequence* s, int link) {
-  ctTransform opening;
-  if (s->joint[link] == ctTorsionJoint) {
-    rotationAbout(s->axis[link], s->cosine[link], s->sine[link], opening.rotation);
-    referenceOffset(s, link, opening.translation);
-  } else {
-    const Placement* placement = &s->placement[s->placementOf[link]];
-    rotationFromQuaternion(placement->quaternion, opening.rotation);
-    memcpy(opening.translation, placement->position, sizeof opening.translation);
-  }
-  return opening;
-}
-
-ctTransform ctSequenceStep(const Sequence* s, int link) {
-  const ctTransform opening = ctSequenceOpening(s, link + 1);
-  if (s->parent[link + 1] == link) {
-    return opening;
-  }
-  return transformCompose(&s->closure[s->pathOf[link]], &opening);
 }
 
 JointState ctSequenceGetJoint(const Sequence* s, int link) {
@@ -136,12 +110,12 @@ JointState ctJointMoved(const JointState* joint, const double rotation[3], const
                         const double shift[3]) {
   JointState moved = *joint;
   double turn[4];
-  ctTransform motion;
+  Frame motion;
   quaternionFromVector(rotation, turn);
-  rotationFromQuaternion(turn, motion.rotation);
+  rotationFromQuaternion(turn, &motion);
   double arm[3];
   subtract(joint->placement.position, pivot, arm);
-  rotate(motion.rotation, arm, arm);
+  rotate(&motion, arm, arm);
   for (int k = 0; k < 3; k++) {
     moved.placement.position[k] = pivot[k] + arm[k] + shift[k];
   }
@@ -154,7 +128,7 @@ static bool isDisplaced(const Sequence* s, int link) {
     return s->angle[link] != 0;
   }
   double offset[3];
-  referenceOffset(s, link, offset);
+  sequenceOffset(s, link, offset);
   const Placement* placement = &s->placement[s->placementOf[link]];
   const double* q = placement->quaternion;
   const double* position = placement->position;

@@ -69,13 +69,13 @@ typedef struct Sequence {
 
   /* Paths that the sequence leaves before its end. */
   int pathCount;
-  int* pathOf;          /* per link; CT_NULL: on the path that starts at the world, which never closes */
-  int* pathPosition;    /* per link: how many links of its path come before it */
-  int* pathBegin;       /* pathCount + 1, into pathLink */
-  int* pathLink;        /* links of each path, head first */
-  int* productBegin;    /* pathCount + 1, into product */
-  ctTransform* product; /* per path: products over PATH_BLOCK links, then over pairs of those, up to the whole */
-  ctTransform* closure; /* pathCount: inverse of the whole */
+  int* pathOf;       /* per link; CT_NULL: on the path that starts at the world, which never closes */
+  int* pathPosition; /* per link: how many links of its path come before it */
+  int* pathBegin;    /* pathCount + 1, into pathLink */
+  int* pathLink;     /* links of each path, head first */
+  int* productBegin; /* pathCount + 1, into product */
+  Frame* product;    /* per path: products over PATH_BLOCK links, then over pairs of those, up to the whole */
+  Frame* closure;    /* pathCount: inverse of the whole */
 
   /* State: reference positions, angles, placements; and what follows from one link's share of it alone. */
   double* reference; /* 3 * particleCount, the caller's bits */
@@ -112,12 +112,6 @@ void ctPathsMultiply(Sequence* sequence);
 /* Whether the axis particles of a torsion joint are apart in these reference positions. */
 bool ctSequenceCanTurn(const Sequence* sequence, int link, const double* reference);
 
-/* The frame of a link in its parent's frame. */
-ctTransform ctSequenceOpening(const Sequence* sequence, int link);
-
-/* The frame of link + 1 in the frame of link. */
-ctTransform ctSequenceStep(const Sequence* sequence, int link);
-
 /* The state of a joint; that of a torsion at an angle in [-pi, pi]; and a state turned by an angle (torsion), or moved
  * in the parent's frame by a rotation vector about pivot and then a shift (free joint). */
 JointState ctSequenceGetJoint(const Sequence* sequence, int link);
@@ -139,6 +133,36 @@ static inline void sequenceLocal(const Sequence* s, int particle, double local[3
   for (int k = 0; k < 3; k++) {
     local[k] = s->reference[3 * (size_t)particle + (size_t)k] - s->worldOrigin[k] - origin[k];
   }
+}
+
+/* Where the link's origin is in its parent's frame in the reference positions. */
+static inline void sequenceOffset(const Sequence* s, int link, double offset[3]) {
+  subtract(s->origin[link], s->origin[s->parent[link]], offset);
+}
+
+/* The frame of a link in its parent's frame. */
+static inline Frame sequenceOpening(const Sequence* s, int link) {
+  Frame opening;
+  if (s->joint[link] == ctTorsionJoint) {
+    double offset[3];
+    sequenceOffset(s, link, offset);
+    rotationAbout(s->axis[link], s->cosine[link], s->sine[link], &opening);
+    setTranslation(&opening, offset);
+  } else {
+    const Placement* placement = &s->placement[s->placementOf[link]];
+    rotationFromQuaternion(placement->quaternion, &opening);
+    setTranslation(&opening, placement->position);
+  }
+  return opening;
+}
+
+/* The frame of link + 1 in the frame of link. */
+static inline Frame sequenceStep(const Sequence* s, int link) {
+  const Frame opening = sequenceOpening(s, link + 1);
+  if (s->parent[link + 1] == link) {
+    return opening;
+  }
+  return transformCompose(&s->closure[s->pathOf[link]], &opening);
 }
 
 #endif /* CT_SEQUENCE_H_ */

@@ -7,6 +7,11 @@
 
 #include "chaintree.h"
 
+/* A rigid transform, x -> the rotation in columns 0 to 2 times x, plus column 3: rows that vector units take whole. */
+typedef struct Frame {
+  double m[3][4];
+} Frame;
+
 /* Of two numbers neither of which is NaN; fmin and fmax are calls. */
 static inline double lesser(double a, double b) {
   return a < b ? a : b;
@@ -42,87 +47,104 @@ static inline double squaredDistance(const double a[3], const double b[3]) {
 }
 
 /* c may be b. */
-static inline void rotate(const double r[9], const double b[3], double c[3]) {
-  const double x = r[0] * b[0] + r[1] * b[1] + r[2] * b[2];
-  const double y = r[3] * b[0] + r[4] * b[1] + r[5] * b[2];
-  const double z = r[6] * b[0] + r[7] * b[1] + r[8] * b[2];
+static inline void rotate(const Frame* t, const double b[3], double c[3]) {
+  const double x = t->m[0][0] * b[0] + t->m[0][1] * b[1] + t->m[0][2] * b[2];
+  const double y = t->m[1][0] * b[0] + t->m[1][1] * b[1] + t->m[1][2] * b[2];
+  const double z = t->m[2][0] * b[0] + t->m[2][1] * b[1] + t->m[2][2] * b[2];
   c[0] = x;
   c[1] = y;
   c[2] = z;
 }
 
 /* By the transpose; c may be b. */
-static inline void rotateBack(const double r[9], const double b[3], double c[3]) {
-  const double x = r[0] * b[0] + r[3] * b[1] + r[6] * b[2];
-  const double y = r[1] * b[0] + r[4] * b[1] + r[7] * b[2];
-  const double z = r[2] * b[0] + r[5] * b[1] + r[8] * b[2];
+static inline void rotateBack(const Frame* t, const double b[3], double c[3]) {
+  const double x = t->m[0][0] * b[0] + t->m[1][0] * b[1] + t->m[2][0] * b[2];
+  const double y = t->m[0][1] * b[0] + t->m[1][1] * b[1] + t->m[2][1] * b[2];
+  const double z = t->m[0][2] * b[0] + t->m[1][2] * b[1] + t->m[2][2] * b[2];
   c[0] = x;
   c[1] = y;
   c[2] = z;
 }
 
-static inline ctTransform transformIdentity(void) {
-  return (ctTransform){{1, 0, 0, 0, 1, 0, 0, 0, 1}, {0, 0, 0}};
+static inline Frame transformIdentity(void) {
+  return (Frame){{{1, 0, 0, 0}, {0, 1, 0, 0}, {0, 0, 1, 0}}};
+}
+
+static inline void translationOf(const Frame* t, double x[3]) {
+  x[0] = t->m[0][3];
+  x[1] = t->m[1][3];
+  x[2] = t->m[2][3];
+}
+
+static inline void setTranslation(Frame* t, const double x[3]) {
+  t->m[0][3] = x[0];
+  t->m[1][3] = x[1];
+  t->m[2][3] = x[2];
 }
 
 /* y may be x. */
-static inline void transformPoint(const ctTransform* t, const double x[3], double y[3]) {
-  rotate(t->rotation, x, y);
-  y[0] += t->translation[0];
-  y[1] += t->translation[1];
-  y[2] += t->translation[2];
+static inline void transformPoint(const Frame* t, const double x[3], double y[3]) {
+  rotate(t, x, y);
+  y[0] += t->m[0][3];
+  y[1] += t->m[1][3];
+  y[2] += t->m[2][3];
 }
 
-static inline void transformPointBack(const ctTransform* t, const double x[3], double y[3]) {
-  subtract(x, t->translation, y);
-  rotateBack(t->rotation, y, y);
+static inline void transformPointBack(const Frame* t, const double x[3], double y[3]) {
+  double shift[3];
+  translationOf(t, shift);
+  subtract(x, shift, y);
+  rotateBack(t, y, y);
 }
 
 /* x -> a(b(x)) */
-static inline ctTransform transformCompose(const ctTransform* a, const ctTransform* b) {
-  ctTransform c;
+static inline Frame transformCompose(const Frame* a, const Frame* b) {
+  Frame c;
   for (int i = 0; i < 3; i++) {
-    for (int j = 0; j < 3; j++) {
-      c.rotation[3 * i + j] = a->rotation[3 * i] * b->rotation[j] + a->rotation[3 * i + 1] * b->rotation[3 + j] +
-                              a->rotation[3 * i + 2] * b->rotation[6 + j];
+    for (int j = 0; j < 4; j++) {
+      c.m[i][j] = a->m[i][0] * b->m[0][j] + a->m[i][1] * b->m[1][j] + a->m[i][2] * b->m[2][j];
     }
+    c.m[i][3] += a->m[i][3];
   }
-  transformPoint(a, b->translation, c.translation);
   return c;
 }
 
-static inline ctTransform transformInverse(const ctTransform* a) {
-  ctTransform c;
+static inline Frame transformInverse(const Frame* a) {
+  Frame c;
   for (int i = 0; i < 3; i++) {
     for (int j = 0; j < 3; j++) {
-      c.rotation[3 * i + j] = a->rotation[3 * j + i];
+      c.m[i][j] = a->m[j][i];
     }
   }
-  const double back[3] = {-a->translation[0], -a->translation[1], -a->translation[2]};
-  rotate(c.rotation, back, c.translation);
+  const double back[3] = {-a->m[0][3], -a->m[1][3], -a->m[2][3]};
+  double shift[3];
+  rotate(&c, back, shift);
+  setTranslation(&c, shift);
   return c;
 }
 
-/* Rotation about a unit axis by an angle of this cosine and sine, right-handed. */
-static inline void rotationAbout(const double u[3], double cosine, double sine, double r[9]) {
-  const double t = 1 - cosine;
-  r[0] = cosine + t * u[0] * u[0];
-  r[1] = t * u[0] * u[1] - sine * u[2];
-  r[2] = t * u[0] * u[2] + sine * u[1];
-  r[3] = t * u[0] * u[1] + sine * u[2];
-  r[4] = cosine + t * u[1] * u[1];
-  r[5] = t * u[1] * u[2] - sine * u[0];
-  r[6] = t * u[0] * u[2] - sine * u[1];
-  r[7] = t * u[1] * u[2] + sine * u[0];
-  r[8] = cosine + t * u[2] * u[2];
+/* Makes the rotation of t that about a unit axis by an angle of this cosine and sine, right-handed. */
+static inline void rotationAbout(const double u[3], double cosine, double sine, Frame* t) {
+  const double rest = 1 - cosine;
+  const double x = rest * u[0];
+  const double y = rest * u[1];
+  t->m[0][0] = cosine + x * u[0];
+  t->m[1][1] = cosine + y * u[1];
+  t->m[2][2] = cosine + rest * u[2] * u[2];
+  t->m[0][1] = x * u[1] - sine * u[2];
+  t->m[1][0] = x * u[1] + sine * u[2];
+  t->m[0][2] = x * u[2] + sine * u[1];
+  t->m[2][0] = x * u[2] - sine * u[1];
+  t->m[1][2] = y * u[2] - sine * u[0];
+  t->m[2][1] = y * u[2] + sine * u[0];
 }
 
-/* Makes t the rotation t->rotation about a point, followed by a shift. */
-static inline void transformAbout(const double point[3], const double shift[3], ctTransform* t) {
+/* Makes t its own rotation about a point, followed by a shift. */
+static inline void transformAbout(const double point[3], const double shift[3], Frame* t) {
   double turned[3];
-  rotate(t->rotation, point, turned);
+  rotate(t, point, turned);
   for (int k = 0; k < 3; k++) {
-    t->translation[k] = point[k] - turned[k] + shift[k];
+    t->m[k][3] = point[k] - turned[k] + shift[k];
   }
 }
 
@@ -150,17 +172,18 @@ static inline void quaternionMultiply(const double a[4], const double b[4], doub
   c[3] = z / norm;
 }
 
-static inline void rotationFromQuaternion(const double q[4], double r[9]) {
+/* Makes the rotation of t that of a unit quaternion. */
+static inline void rotationFromQuaternion(const double q[4], Frame* t) {
   const double w = q[0], x = q[1], y = q[2], z = q[3];
-  r[0] = 1 - 2 * (y * y + z * z);
-  r[1] = 2 * (x * y - w * z);
-  r[2] = 2 * (x * z + w * y);
-  r[3] = 2 * (x * y + w * z);
-  r[4] = 1 - 2 * (x * x + z * z);
-  r[5] = 2 * (y * z - w * x);
-  r[6] = 2 * (x * z - w * y);
-  r[7] = 2 * (y * z + w * x);
-  r[8] = 1 - 2 * (x * x + y * y);
+  t->m[0][0] = 1 - 2 * (y * y + z * z);
+  t->m[0][1] = 2 * (x * y - w * z);
+  t->m[0][2] = 2 * (x * z + w * y);
+  t->m[1][0] = 2 * (x * y + w * z);
+  t->m[1][1] = 1 - 2 * (x * x + z * z);
+  t->m[1][2] = 2 * (y * z - w * x);
+  t->m[2][0] = 2 * (x * z - w * y);
+  t->m[2][1] = 2 * (y * z + w * x);
+  t->m[2][2] = 1 - 2 * (x * x + y * y);
 }
 
 #endif /* CT_TRANSFORM_H_ */

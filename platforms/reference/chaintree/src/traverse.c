@@ -4,43 +4,22 @@
 #include <string.h>
 
 #include "descent.h"
+#include "instructions.h"
 
 /* Pairs that one visit can leave for later: all children of one node with all of another. */
 enum { PAIRS_OF_A_VISIT = TREE_WIDTH * TREE_WIDTH };
-
-/* ---- Instruction sets ---- */
-
-/* The widest that the machine has, unless the environment asks for a narrower one. */
-static const DescentPath* choosePath(void) {
-#ifdef __x86_64__
-  const char* wanted = getenv("CHAINTREE_SIMD");
-  const bool any = wanted == NULL;
-  if ((any || strcmp(wanted, ctDescentAvx512.name) == 0) && __builtin_cpu_supports("avx512f")) {
-    return &ctDescentAvx512;
-  }
-  if ((any || strcmp(wanted, ctDescentPortable.name) != 0) && __builtin_cpu_supports("avx2")) {
-    return &ctDescentAvx2;
-  }
-#endif
-  return &ctDescentPortable;
-}
-
-const char* ctTraversalPathName(const Traversal* t) {
-  return t->path->name;
-}
 
 /* ---- Life ---- */
 
 bool ctTraversalBuild(Traversal* t, Arena* arena, const Tree* tree, const Sequence* sequence,
                       const Exclusions* exclusions) {
   const size_t items = (size_t)tree->itemCount;
-  t->path = choosePath();
   t->visitsWithoutBoxes = 1;
   t->tree = tree;
   t->sequence = sequence;
   t->exclusions = exclusions;
   t->since = ctArenaAllocate(arena, items, sizeof(int64_t));
-  t->frame = ctArenaAllocate(arena, items, sizeof(ctTransform));
+  t->frame = ctArenaAllocate(arena, items, sizeof(Frame));
   t->rest = ctArenaAllocate(arena, items, sizeof(Block));
   t->box = ctArenaAllocate(arena, items, sizeof(Box));
   t->boxes = ctArenaAllocate(arena, items - (size_t)tree->levelBegin[1], sizeof(NodeBoxes));
@@ -80,12 +59,12 @@ View ctViewOfState(bool surfaces, double reach) {
 /* ---- Descents ---- */
 
 void ctTraverse(Traversal* t, const View* view, CandidateFunction* function, void* context, ctCounts* counts) {
-  t->path->traverse(t, view, function, context, counts);
+  t->tree->instructions->traverse(t, view, function, context, counts);
 }
 
 void ctTraverseProbe(Traversal* t, const View* view, const double point[3], double radius, ProbeFunction* function,
                      void* context, ctCounts* counts) {
-  t->path->probe(t, view, point, radius, function, context, counts);
+  t->tree->instructions->probe(t, view, point, radius, function, context, counts);
 }
 
 void ctTraversalPosition(const Traversal* t, int slot, double position[3]) {

@@ -17,7 +17,7 @@ typedef struct Piece {
 typedef struct View {
   const Piece* pieces; /* ascending, the first begins at slot 0 */
   int pieceCount;
-  const ctTransform* motions; /* in the world; motion 0 is the identity. NULL: nothing moves, but pieces still count */
+  const Frame* motions; /* in the world; motion 0 is the identity. NULL: nothing moves, but pieces still count */
   int motionCount;
   bool everyPair; /* also pairs of one rigid body */
   bool surfaces;  /* reach is from surface to surface, else from centre to centre */
@@ -33,11 +33,9 @@ typedef struct ItemPair {
 struct Box;
 struct NodeBoxes;
 struct Straddler;
-struct DescentPath;
 
 /* Scratch of a descent. Coordinates are in the world, from the sequence's worldOrigin. */
 typedef struct Traversal {
-  const struct DescentPath* path;
   const Tree* tree;
   const Sequence* sequence;
   const Exclusions* exclusions;
@@ -48,7 +46,7 @@ typedef struct Traversal {
   /* Per item, of the state; what has not changed since is kept from descent to descent. */
   int64_t* since;     /* the tree's time at which the item was put into the world, or NEVER */
   bool sinceSurfaces; /* whether the radii of those are of surfaces */
-  ctTransform* frame;
+  Frame* frame;
   Block* rest;     /* its members */
   struct Box* box; /* around its members in its own frame, unless the tree calls the item fresh */
 
@@ -100,8 +98,5 @@ void ctTraversalPosition(const Traversal* traversal, int slot, double position[3
 
 /* The view of the state as it is: one body, every pair. */
 View ctViewOfState(bool surfaces, double reach);
-
-/* The instruction set that descents use: "avx512", "avx2" or "portable". */
-const char* ctTraversalPathName(const Traversal* traversal);
 
 #endif /* CT_TRAVERSE_H_ */

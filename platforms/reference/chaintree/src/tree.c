@@ -2,7 +2,7 @@
 
 #include <string.h>
 
-#include "volume.h"
+#include "instructions.h"
 
 /* Particles of a link that have no slot, if the link begins at this slot. */
 static int idleAt(const Sequence* sequence, int slot, const int** idle) {
@@ -42,7 +42,8 @@ static void clearMembers(Tree* tree, const Sequence* sequence) {
   }
 }
 
-bool ctTreeBuild(Tree* tree, Arena* arena, const Sequence* sequence) {
+bool ctTreeBuild(Tree* tree, Arena* arena, const Sequence* sequence, const struct InstructionSet* instructions) {
+  tree->instructions = instructions;
   tree->slotCount = sequence->slotCount;
   int size = sequence->slotCount;
   do {
@@ -54,8 +55,8 @@ bool ctTreeBuild(Tree* tree, Arena* arena, const Sequence* sequence) {
   } while (size > 1);
   tree->itemCount = tree->levelBegin[tree->levelCount];
   const size_t items = (size_t)tree->itemCount;
-  tree->shortcut = ctArenaAllocate(arena, items, sizeof(ctTransform));
-  tree->pose = ctArenaAllocate(arena, items, sizeof(ctTransform));
+  tree->shortcut = ctArenaAllocate(arena, items, sizeof(Frame));
+  tree->pose = ctArenaAllocate(arena, items, sizeof(Frame));
   tree->bound = ctArenaAllocate(arena, items, sizeof(Bound));
   tree->isFresh = ctArenaAllocate(arena, items, sizeof(bool));
   tree->leaf = ctArenaAllocate(arena, (size_t)tree->levelBegin[1], sizeof(Leaf));
@@ -74,97 +75,7 @@ bool ctTreeBuild(Tree* tree, Arena* arena, const Sequence* sequence) {
   return true;
 }
 
-/* ---- Bounds ---- */
-
-/* The radii have room for the rounding to float, relative to coordinates about the item's own origin. */
-static Bound boundAround(const Block* block, const float* centres) {
-  const Sphere middle = middleOfBlock(block);
-  if (middle.r < 0) {
-    return (Bound){0, 0, 0, -INFINITY, -INFINITY};
-  }
-  const float r = radiusAbout(middle, block, block->r);
-  const float rounding = 1e-6f * (fabsf(middle.x) + fabsf(middle.y) + fabsf(middle.z) + r);
-  return (Bound){middle.x, middle.y, middle.z, r + rounding, radiusAbout(middle, block, centres) + rounding};
-}
-
-static Bound boundOfLeaf(const Leaf* leaf) {
-  Block block;
-  leafBlock(leaf, &block);
-  return boundAround(&block, leaf->centres);
-}
-
 /* ---- Update, bottom-up ---- */
-
-static int firstLink(const Tree* tree, const Sequence* sequence, int leaf) {
-  return leaf < tree->levelSize[0] ? sequence->slotLink[leaf * TREE_WIDTH] : CT_NULL;
-}
-
-/* The frame of the next link, and its axis. */
-static void stepFrame(Tree* tree, const Sequence* sequence, int link, ctTransform* frame) {
-  const ctTransform step = ctSequenceStep(sequence, link);
-  *frame = transformCompose(frame, &step);
-  rotate(frame->rotation, sequence->axis[link + 1], tree->axis[link + 1]);
-}
-
-static void refreshLeaf(Tree* tree, const Sequence* sequence, int leaf) {
-  const int begin = leaf * TREE_WIDTH;
-  const int end = begin + TREE_WIDTH < tree->slotCount ? begin + TREE_WIDTH : tree->slotCount;
-  Leaf* own = &tree->leaf[leaf];
-  int link = firstLink(tree, sequence, leaf);
-  ctTransform frame = transformIdentity();
-  if (sequence->slotBegin[link] == begin) {
-    memcpy(tree->axis[link], sequence->axis[link], sizeof tree->axis[link]);
-  }
-  for (int slot = begin; slot < end; slot++) {
-    for (; link < sequence->slotLink[slot]; link++) {
-      stepFrame(tree, sequence, link, &frame);
-    }
-    const int particle = sequence->slotParticle[slot];
-    if (particle != CT_NULL) {
-      double x[3];
-      sequenceLocal(sequence, particle, x);
-      transformPoint(&frame, x, x);
-      own->x[slot - begin] = x[0];
-      own->y[slot - begin] = x[1];
-      own->z[slot - begin] = x[2];
-    }
-  }
-  for (const int next = firstLink(tree, sequence, leaf + 1); link < next; link++) {
-    const ctTransform step = ctSequenceStep(sequence, link);
-    frame = transformCompose(&frame, &step);
-  }
-  tree->shortcut[leaf] = frame;
-  tree->bound[leaf] = boundOfLeaf(own);
-  tree->hasSum[leaf] = false;
-  tree->isFresh[leaf] = true;
-}
-
-/* Children before the first changed one are where they were. */
-static void refreshNode(Tree* tree, int level, int item, int firstChanged) {
-  int count;
-  const int first = treeChildren(tree, level, item, &count);
-  Members* members = treeMembers(tree, item);
-  for (int child = firstChanged; child < first + count; child++) {
-    if (child == first) {
-      tree->pose[child] = transformIdentity();
-    } else if (child > firstChanged) {
-      tree->pose[child] = transformCompose(&tree->pose[child - 1], &tree->shortcut[child - 1]);
-    }
-    const Bound* own = &tree->bound[child];
-    double centre[3] = {own->x, own->y, own->z};
-    transformPoint(&tree->pose[child], centre, centre);
-    members->block.x[child - first] = (float)centre[0];
-    members->block.y[child - first] = (float)centre[1];
-    members->block.z[child - first] = (float)centre[2];
-    members->block.r[child - first] = own->r;
-    members->centres[child - first] = own->centres;
-  }
-  const int last = first + count - 1;
-  tree->shortcut[item] = transformCompose(&tree->pose[last], &tree->shortcut[last]);
-  tree->bound[item] = boundAround(&members->block, members->centres);
-  tree->hasSum[item] = false;
-  tree->isFresh[item] = true;
-}
 
 static void refreshRoot(Tree* tree) {
   tree->pose[treeRoot(tree)] = transformIdentity();
@@ -186,13 +97,13 @@ void ctTreeMakeStale(Tree* tree) {
 void ctTreeRefresh(Tree* tree, const Sequence* sequence) {
   clearMembers(tree, sequence);
   for (int leaf = 0; leaf < tree->levelSize[0]; leaf++) {
-    refreshLeaf(tree, sequence, leaf);
+    tree->instructions->refreshLeaf(tree, sequence, leaf);
   }
   for (int level = 1; level < tree->levelCount; level++) {
     for (int i = 0; i < tree->levelSize[level]; i++) {
       const int node = tree->levelBegin[level] + i;
       int count;
-      refreshNode(tree, level, node, treeChildren(tree, level, node, &count));
+      tree->instructions->refreshNode(tree, level, node, treeChildren(tree, level, node, &count));
     }
   }
   refreshRoot(tree);
@@ -205,7 +116,7 @@ int ctTreeUpdate(Tree* tree, const Sequence* sequence, int* leaves, int count) {
   for (int i = 0; i < count; i++) {
     if (dirty == 0 || tree->dirty[dirty - 1] != leaves[i]) {
       tree->dirty[dirty++] = leaves[i];
-      refreshLeaf(tree, sequence, leaves[i]);
+      tree->instructions->refreshLeaf(tree, sequence, leaves[i]);
     }
   }
   if (dirty > 0) {
@@ -217,7 +128,7 @@ int ctTreeUpdate(Tree* tree, const Sequence* sequence, int* leaves, int count) {
     for (int i = 0; i < dirty; i++) {
       const int parent = treeParent(tree, level - 1, tree->dirty[i]);
       if (parents == 0 || tree->dirty[parents - 1] != parent) {
-        refreshNode(tree, level, parent, tree->dirty[i]);
+        tree->instructions->refreshNode(tree, level, parent, tree->dirty[i]);
         tree->dirty[parents++] = parent;
       }
     }
@@ -229,24 +140,24 @@ int ctTreeUpdate(Tree* tree, const Sequence* sequence, int* leaves, int count) {
 
 /* ---- Frames ---- */
 
-ctTransform ctTreeFrame(const Tree* tree, int level, int item) {
+Frame ctTreeFrame(const Tree* tree, int level, int item) {
   int path[TREE_MAX_LEVELS];
   for (int l = level; l < treeTop(tree); l++) {
     path[l] = item;
     item = treeParent(tree, l, item);
   }
-  ctTransform frame = tree->pose[item];
+  Frame frame = tree->pose[item];
   for (int l = treeTop(tree) - 1; l >= level; l--) {
     frame = transformCompose(&frame, &tree->pose[path[l]]);
   }
   return frame;
 }
 
-ctTransform ctTreeLinkInLeaf(const Sequence* sequence, int link) {
+Frame ctTreeLinkInLeaf(const Sequence* sequence, int link) {
   const int leaf = sequence->slotBegin[link] / TREE_WIDTH;
-  ctTransform frame = transformIdentity();
+  Frame frame = transformIdentity();
   for (int l = sequence->slotLink[leaf * TREE_WIDTH]; l < link; l++) {
-    const ctTransform step = ctSequenceStep(sequence, l);
+    const Frame step = sequenceStep(sequence, l);
     frame = transformCompose(&frame, &step);
   }
   return frame;
@@ -259,13 +170,13 @@ void ctTreeAxis(const Tree* tree, const Sequence* sequence, int link, double poi
   if (originSlot != CT_NULL && originSlot / TREE_WIDTH == item) {
     treeLocal(tree, originSlot, point);
   } else {
-    const ctTransform frame = ctTreeLinkInLeaf(sequence, link);
-    memcpy(point, frame.translation, sizeof frame.translation);
+    const Frame frame = ctTreeLinkInLeaf(sequence, link);
+    translationOf(&frame, point);
   }
   memcpy(direction, tree->axis[link], sizeof tree->axis[link]);
   for (int level = 0; level <= treeTop(tree); level++) {
     transformPoint(&tree->pose[item], point, point);
-    rotate(tree->pose[item].rotation, direction, direction);
+    rotate(&tree->pose[item], direction, direction);
     item = level < treeTop(tree) ? treeParent(tree, level, item) : item;
   }
 }
@@ -286,9 +197,9 @@ double ctTreeSquaredDistance(const Tree* tree, int slotA, int slotB) {
   return squaredDistance(a, b);
 }
 
-ctTransform ctTreeRelative(const Tree* tree, const Sequence* sequence, int linkA, int linkB) {
-  ctTransform a = ctTreeLinkInLeaf(sequence, linkA);
-  ctTransform b = ctTreeLinkInLeaf(sequence, linkB);
+Frame ctTreeRelative(const Tree* tree, const Sequence* sequence, int linkA, int linkB) {
+  Frame a = ctTreeLinkInLeaf(sequence, linkA);
+  Frame b = ctTreeLinkInLeaf(sequence, linkB);
   int itemA = sequence->slotBegin[linkA] / TREE_WIDTH;
   int itemB = sequence->slotBegin[linkB] / TREE_WIDTH;
   for (int level = 0; itemA != itemB; level++) {
@@ -297,7 +208,7 @@ ctTransform ctTreeRelative(const Tree* tree, const Sequence* sequence, int linkA
     itemA = treeParent(tree, level, itemA);
     itemB = treeParent(tree, level, itemB);
   }
-  const ctTransform inverse = transformInverse(&a);
+  const Frame inverse = transformInverse(&a);
   return transformCompose(&inverse, &b);
 }
 
@@ -314,7 +225,7 @@ static void add(double sum[3], const double x[3]) {
 static int sumSlots(const Tree* tree, const Sequence* sequence, int leaf, int slotBegin, int slotEnd, double sum[3]) {
   int particles = 0;
   int link = sequence->slotLink[leaf * TREE_WIDTH];
-  ctTransform frame = transformIdentity();
+  Frame frame = transformIdentity();
   for (int slot = slotBegin; slot < slotEnd; slot++) {
     double x[3];
     if (sequence->slotParticle[slot] != CT_NULL) {
@@ -325,7 +236,7 @@ static int sumSlots(const Tree* tree, const Sequence* sequence, int leaf, int sl
     const int* idle;
     const int idleCount = idleAt(sequence, slot, &idle);
     for (; idleCount > 0 && link < sequence->slotLink[slot]; link++) {
-      const ctTransform step = ctSequenceStep(sequence, link);
+      const Frame step = sequenceStep(sequence, link);
       frame = transformCompose(&frame, &step);
     }
     for (int i = 0; i < idleCount; i++) {
@@ -351,9 +262,9 @@ static int sumChildren(Tree* tree, const Sequence* sequence, int level, int item
     double own[3] = {0, 0, 0};
     const int inChild = sumItem(tree, sequence, level - 1, child, slotBegin, slotEnd, own);
     if (inChild > 0) {
-      rotate(tree->pose[child].rotation, own, own);
+      rotate(&tree->pose[child], own, own);
       for (int k = 0; k < 3; k++) {
-        sum[k] += own[k] + inChild * tree->pose[child].translation[k];
+        sum[k] += own[k] + inChild * tree->pose[child].m[k][3];
       }
       particles += inChild;
     }
@@ -404,7 +315,7 @@ void ctTreeCompleteSums(Tree* tree, const Sequence* sequence) {
 static bool itemHolds(const Tree* tree, const Sequence* sequence, int level, int item) {
   int end;
   const int begin = treeSlots(tree, level, item, &end);
-  const ctTransform frame = ctTreeFrame(tree, level, item);
+  const Frame frame = ctTreeFrame(tree, level, item);
   const Bound* bound = &tree->bound[item];
   double centre[3] = {bound->x, bound->y, bound->z};
   transformPoint(&frame, centre, centre);
@@ -412,7 +323,7 @@ static bool itemHolds(const Tree* tree, const Sequence* sequence, int level, int
     if (sequence->slotParticle[slot] == CT_NULL) {
       continue;
     }
-    const ctTransform leaf = ctTreeFrame(tree, 0, slot / TREE_WIDTH);
+    const Frame leaf = ctTreeFrame(tree, 0, slot / TREE_WIDTH);
     double x[3];
     treeLocal(tree, slot, x);
     transformPoint(&leaf, x, x);

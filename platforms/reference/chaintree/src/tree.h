@@ -45,16 +45,18 @@ typedef struct Bound {
   float centres;
 } Bound;
 
+struct InstructionSet;
+
 typedef struct Tree {
+  const struct InstructionSet* instructions;
   int levelCount;
   int levelBegin[TREE_MAX_LEVELS + 1]; /* first item of each level; a level is padded to a multiple of TREE_WIDTH */
   int levelSize[TREE_MAX_LEVELS];
   int itemCount; /* with padding */
   int slotCount;
 
-  ctTransform*
-      shortcut;      /* per item: the frame of the next item of its level in its own frame; the last one's is unused */
-  ctTransform* pose; /* per item: its frame in its parent's frame */
+  Frame* shortcut;   /* per item: the frame of the next item of its level in its own frame; the last one's is unused */
+  Frame* pose;       /* per item: its frame in its parent's frame */
   Leaf* leaf;        /* per item of level 0 */
   Members* members;  /* per item of a higher level, from levelBegin[1] on */
   Bound* bound;      /* per item */
@@ -140,7 +142,7 @@ static inline bool treeUnchanged(const Tree* tree, int64_t since, int leafEnd) {
 }
 
 /* Lays out a tree over a sequence of one slot or more, without content. False if there is no memory. */
-bool ctTreeBuild(Tree* tree, Arena* arena, const Sequence* sequence);
+bool ctTreeBuild(Tree* tree, Arena* arena, const Sequence* sequence, const struct InstructionSet* instructions);
 
 /* The sequence's state is a new one: all content is stale until it is refreshed. */
 void ctTreeMakeStale(Tree* tree);
@@ -153,10 +155,10 @@ void ctTreeRefresh(Tree* tree, const Sequence* sequence);
 int ctTreeUpdate(Tree* tree, const Sequence* sequence, int* leaves, int count);
 
 /* The frame of an item in the world. O(level count). */
-ctTransform ctTreeFrame(const Tree* tree, int level, int item);
+Frame ctTreeFrame(const Tree* tree, int level, int item);
 
 /* The frame of a link in the frame of its leaf. */
-ctTransform ctTreeLinkInLeaf(const Sequence* sequence, int link);
+Frame ctTreeLinkInLeaf(const Sequence* sequence, int link);
 
 /* A point of a link's torsion axis, and the axis' unit vector, in the world. O(level count). */
 void ctTreeAxis(const Tree* tree, const Sequence* sequence, int link, double point[3], double direction[3]);
@@ -166,7 +168,7 @@ void ctTreeAxis(const Tree* tree, const Sequence* sequence, int link, double poi
 double ctTreeSquaredDistance(const Tree* tree, int slotA, int slotB);
 
 /* The frame of linkB in that of linkA, by way of the lowest item over both (section 2.1). O(log N). */
-ctTransform ctTreeRelative(const Tree* tree, const Sequence* sequence, int linkA, int linkB);
+Frame ctTreeRelative(const Tree* tree, const Sequence* sequence, int linkA, int linkB);
 
 /* The sum of the positions of all particles of links [linkBegin, linkEnd) in the world, and how many they are. O(log
  * N). */

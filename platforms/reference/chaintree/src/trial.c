@@ -14,7 +14,7 @@ bool ctTrialReserve(Trial* trial, int count) {
   }
   if (!ctReserve((void**)&trial->changes, &capacity[0], count, sizeof(TrialChange)) ||
       !ctReserve((void**)&trial->pieces, &capacity[1], count, sizeof(Piece[3])) ||
-      !ctReserve((void**)&trial->motions, &capacity[2], count, sizeof(ctTransform[2])) ||
+      !ctReserve((void**)&trial->motions, &capacity[2], count, sizeof(Frame[2])) ||
       !ctReserve((void**)&trial->links, &capacity[3], count, sizeof(int)) ||
       !ctReserve((void**)&trial->leaves, &capacity[4], count, sizeof(int[2])) ||
       !ctReserve((void**)&trial->scratch, &capacity[5], count, sizeof(int))) {
@@ -36,9 +36,9 @@ void ctTrialFree(Trial* trial) {
 
 /* ---- Motions ---- */
 
-static ctTransform linkFrame(const Sequence* sequence, const Tree* tree, int link) {
-  const ctTransform leaf = ctTreeFrame(tree, 0, sequence->slotBegin[link] / TREE_WIDTH);
-  const ctTransform inLeaf = ctTreeLinkInLeaf(sequence, link);
+static Frame linkFrame(const Sequence* sequence, const Tree* tree, int link) {
+  const Frame leaf = ctTreeFrame(tree, 0, sequence->slotBegin[link] / TREE_WIDTH);
+  const Frame inLeaf = ctTreeLinkInLeaf(sequence, link);
   return transformCompose(&leaf, &inLeaf);
 }
 
@@ -48,7 +48,7 @@ static void turnTorsion(TrialChange* change, const Sequence* s, const Tree* tree
   double point[3];
   double direction[3];
   ctTreeAxis(tree, s, change->link, point, direction);
-  rotationAbout(direction, cos(angle), sin(angle), change->motion.rotation);
+  rotationAbout(direction, cos(angle), sin(angle), &change->motion);
   transformAbout(point, still, &change->motion);
   change->after = ctJointTurned(&change->before, angle);
 }
@@ -57,16 +57,16 @@ static void turnTorsion(TrialChange* change, const Sequence* s, const Tree* tree
 static void moveFreely(TrialChange* change, const Sequence* s, const Tree* tree, const ctChange* given) {
   double turn[4];
   quaternionFromVector(given->rotation, turn);
-  rotationFromQuaternion(turn, change->motion.rotation);
+  rotationFromQuaternion(turn, &change->motion);
   double pivot[3];
   subtract(given->pivot, s->worldOrigin, pivot);
   transformAbout(pivot, given->translation, &change->motion);
 
-  const ctTransform parent = linkFrame(s, tree, s->parent[change->link]);
+  const Frame parent = linkFrame(s, tree, s->parent[change->link]);
   double rotation[3];
   double shift[3];
-  rotateBack(parent.rotation, given->rotation, rotation);
-  rotateBack(parent.rotation, given->translation, shift);
+  rotateBack(&parent, given->rotation, rotation);
+  rotateBack(&parent, given->translation, shift);
   transformPointBack(&parent, pivot, pivot);
   change->after = ctJointMoved(&change->before, rotation, pivot, shift);
 }

@@ -8,7 +8,7 @@ typedef struct TrialChange {
   int link;
   JointState before;
   JointState after;
-  ctTransform motion; /* of the link in the world, were this the only change */
+  Frame motion; /* of the link in the world, were this the only change */
 } TrialChange;
 
 typedef struct Trial {
@@ -19,10 +19,10 @@ typedef struct Trial {
   int pieceCount;
   Piece* pieces;
   int motionCount;
-  ctTransform* motions; /* of change i and all changes around it: i + 1; 0: the identity */
-  int* links;           /* of the changes */
-  int* leaves;          /* scratch: up to two a change */
-  int* scratch;         /* scratch: one a change */
+  Frame* motions; /* of change i and all changes around it: i + 1; 0: the identity */
+  int* links;     /* of the changes */
+  int* leaves;    /* scratch: up to two a change */
+  int* scratch;   /* scratch: one a change */
 } Trial;
 
 /* Makes room for a number of changes; false, and nothing changed, if there is no memory. */

@@ -78,14 +78,14 @@ static ctChainTree* makeScene(Shape shape, int count) {
 }
 
 typedef struct Storage {
-  ctTransform* shortcut;
-  ctTransform* pose;
+  Frame* shortcut;
+  Frame* pose;
   Bound* bound;
   double (*sum)[3];
   Leaf* leaf;
   Members* members;
-  ctTransform* product;
-  ctTransform* closure;
+  Frame* product;
+  Frame* closure;
 } Storage;
 
 static void* copyOf(const void* data, size_t size) {
@@ -104,14 +104,14 @@ static Storage copyStorage(ctChainTree* scene) {
   ctTreeCompleteSums(tree, s);
   const size_t items = (size_t)tree->itemCount;
   const size_t leaves = (size_t)tree->levelBegin[1];
-  return (Storage){copyOf(tree->shortcut, items * sizeof(ctTransform)),
-                   copyOf(tree->pose, items * sizeof(ctTransform)),
+  return (Storage){copyOf(tree->shortcut, items * sizeof(Frame)),
+                   copyOf(tree->pose, items * sizeof(Frame)),
                    copyOf(tree->bound, items * sizeof(Bound)),
                    copyOf(tree->sum, items * sizeof(double[3])),
                    copyOf(tree->leaf, leaves * sizeof(Leaf)),
                    copyOf(tree->members, (items - leaves) * sizeof(Members)),
-                   copyOf(s->product, (size_t)s->productBegin[s->pathCount] * sizeof(ctTransform)),
-                   copyOf(s->closure, (size_t)s->pathCount * sizeof(ctTransform))};
+                   copyOf(s->product, (size_t)s->productBegin[s->pathCount] * sizeof(Frame)),
+                   copyOf(s->closure, (size_t)s->pathCount * sizeof(Frame))};
 }
 
 static void freeStorage(Storage* storage) {
@@ -133,7 +133,7 @@ static bool differ(const void* a, const void* b, size_t size) {
  * slots.
  */
 static bool itemChanged(const Storage* a, const Storage* b, const Tree* tree, int level, int item) {
-  bool changed = differ(&a->shortcut[item], &b->shortcut[item], sizeof(ctTransform)) ||
+  bool changed = differ(&a->shortcut[item], &b->shortcut[item], sizeof(Frame)) ||
                  differ(&a->bound[item], &b->bound[item], sizeof(Bound)) ||
                  differ(&a->sum[item], &b->sum[item], sizeof(double[3]));
   if (level == 0) {
@@ -142,7 +142,7 @@ static bool itemChanged(const Storage* a, const Storage* b, const Tree* tree, in
   int count;
   const int first = treeChildren(tree, level, item, &count);
   const int node = item - tree->levelBegin[1];
-  return changed || differ(&a->pose[first], &b->pose[first], (size_t)count * sizeof(ctTransform)) ||
+  return changed || differ(&a->pose[first], &b->pose[first], (size_t)count * sizeof(Frame)) ||
          differ(&a->members[node], &b->members[node], sizeof(Members));
 }
 
@@ -156,7 +156,7 @@ static int countChanged(const Storage* a, const Storage* b, ctChainTree* scene) 
     }
   }
   for (int i = 0; i < s->productBegin[s->pathCount]; i++) {
-    changed += differ(&a->product[i], &b->product[i], sizeof(ctTransform));
+    changed += differ(&a->product[i], &b->product[i], sizeof(Frame));
   }
   return changed;
 }

@@ -1,0 +1,29 @@
+/* What is compiled once for each instruction set: all that works on sixteen members at a time. */
+#ifndef CT_INSTRUCTIONS_H_
+#define CT_INSTRUCTIONS_H_
+
+#include "traverse.h"
+
+typedef struct InstructionSet {
+  const char* name;
+
+  /* Of a tree, bottom-up; see refresh_body.h. */
+  void (*refreshLeaf)(Tree* tree, const Sequence* sequence, int leaf);
+  void (*refreshNode)(Tree* tree, int level, int item, int firstChanged);
+
+  /* ctTraverse and ctTraverseProbe. */
+  void (*traverse)(Traversal* t, const View* view, CandidateFunction* function, void* context, ctCounts* counts);
+  void (*probe)(Traversal* t, const View* view, const double point[3], double radius, ProbeFunction* function,
+                void* context, ctCounts* counts);
+} InstructionSet;
+
+/* The widest that the machine has, unless the environment asks for a narrower one. */
+const InstructionSet* ctChooseInstructions(void);
+
+extern const InstructionSet ctPortable;
+#ifdef __x86_64__
+extern const InstructionSet ctAvx2;
+extern const InstructionSet ctAvx512;
+#endif
+
+#endif /* CT_INSTRUCTIONS_H_ */

@@ -1,0 +1,9 @@
+#ifdef __x86_64__
+#define CT_PATH_AVX2
+#include "descent_body.h"
+#include "refresh_body.h"
+
+const InstructionSet ctAvx2 = {"avx2", refreshLeaf, refreshNode, traverse, traverseProbe};
+#else
+typedef int NothingHere; /* a file must declare something */
+#endif
