@@ -1,5 +1,6 @@
 """What pip makes of the project: a package that finds its libraries wherever it is installed beside OpenMM."""
 
+import importlib.metadata
 import os
 import shutil
 import subprocess
@@ -41,6 +42,13 @@ def test_everyLibraryFindsTheOthersByItself(site, pattern):
     assert len(libraries) == 1
     # Nothing of OpenMM is loaded in that process, so the paths in the library must lead to it.
     subprocess.run([sys.executable, "-c", f"import ctypes; ctypes.CDLL({str(libraries[0])!r})"], check=True, cwd=site)
+
+
+def test_theOpenMMThatItWasBuiltOnIsADependency(site):
+    (distribution,) = importlib.metadata.distributions(name="openmm-chaintree", path=[str(site)])
+    major, minor = map(int, openmm.Platform.getOpenMMVersion().split(".")[:2])
+    (specifiers,) = (text.removeprefix("openmm") for text in distribution.requires if text.startswith("openmm"))
+    assert set(specifiers.split(",")) == {f">={major}.{minor}", f"<{major}.{minor + 1}"}
 
 
 def test_theCommandRuns(site, tmp_path):
