@@ -93,7 +93,8 @@ inline double getTolerance(const OpenMM::Platform& platform)
 }
 
 /**
- * Whether LocalEnergyMinimizer can be relied on. On OpenCL over PoCL it crashes now and then, whatever the forces are.
+ * Whether LocalEnergyMinimizer can be relied on. On OpenCL over PoCL it crashes now and then, whatever the forces are:
+ * in one of its own kernels, getScale.
  */
 inline bool canMinimize(const OpenMM::Platform& platform)
 {
