@@ -19,13 +19,13 @@ static void addSegment(Bodies* bodies, int first, int last, int body) {
 }
 
 /* Intervals of torsions are nested or apart, so those that hold a particle form a stack. */
-static void cut(const Scene* scene, const Sphere* spheres, int count, const Turn* turns, Bodies* bodies) {
+static void cut(const Scene* scene, int count, const Turn* sorted, Bodies* bodies) {
   int openBodies[MOST_TURNS + 1] = {0};
   int openEnds[MOST_TURNS + 1] = {scene->particleCount};
   int depth = 0;
   int cursor = 0;
   for (int i = 0; i <= count; i++) {
-    const Torsion* torsion = i < count ? &scene->torsions[turns[i].torsion] : NULL;
+    const Torsion* torsion = i < count ? &scene->torsions[sorted[i].torsion] : NULL;
     const int first = torsion != NULL ? torsion->first : scene->particleCount;
     while (depth > 0 && openEnds[depth] <= first) {
       addSegment(bodies, cursor, openEnds[depth], openBodies[depth]);
@@ -35,39 +35,45 @@ static void cut(const Scene* scene, const Sphere* spheres, int count, const Turn
     cursor = first;
     if (torsion != NULL) {
       const int body = bodies->bodyCount++;
-      const Rigid turn = rigidTurn(spheres[torsion->axis[0]].x, spheres[torsion->axis[1]].x, turns[i].angle);
-      rigidCompose(&bodies->motions[openBodies[depth]], &turn, &bodies->motions[body]);
       bodies->sizes[body] = 0;
+      bodies->parents[body] = openBodies[depth];
+      bodies->turns[body] = sorted[i];
       openBodies[++depth] = body;
       openEnds[depth] = torsion->last;
     }
   }
 }
 
-static void restLargest(Bodies* bodies) {
-  bodies->resting = 0;
-  for (int body = 1; body < bodies->bodyCount; body++) {
-    bodies->resting = bodies->sizes[body] > bodies->sizes[bodies->resting] ? body : bodies->resting;
-  }
-  if (bodies->resting == 0) {
-    return;
-  }
-  Rigid back;
-  rigidInvert(&bodies->motions[bodies->resting], &back);
-  for (int body = 0; body < bodies->bodyCount; body++) {
-    const Rigid motion = bodies->motions[body];
-    rigidCompose(&back, &motion, &bodies->motions[body]);
-  }
-  bodies->motions[bodies->resting] = rigidIdentity();
-}
-
-void bodiesOf(const Scene* scene, const Sphere* spheres, int turnCount, const Turn* turns, Bodies* bodies) {
+void bodiesCut(const Scene* scene, int turnCount, const Turn* turns, Bodies* bodies) {
   Turn sorted[MOST_TURNS];
   sortTurns(scene, turnCount, turns, sorted);
   bodies->segmentCount = 0;
   bodies->bodyCount = 1;
-  bodies->motions[0] = rigidIdentity();
   bodies->sizes[0] = 0;
-  cut(scene, spheres, turnCount, sorted, bodies);
-  restLargest(bodies);
+  cut(scene, turnCount, sorted, bodies);
+  bodies->resting = 0;
+  for (int body = 1; body < bodies->bodyCount; body++) {
+    bodies->resting = bodies->sizes[body] > bodies->sizes[bodies->resting] ? body : bodies->resting;
+  }
+}
+
+static void restLargest(Bodies* bodies) {
+  const Rigid back = rigidInvert(&bodies->motions[bodies->resting]);
+  for (int body = 0; body < bodies->bodyCount; body++) {
+    bodies->motions[body] = rigidCompose(&back, &bodies->motions[body]);
+  }
+  bodies->motions[bodies->resting] = rigidIdentity();
+}
+
+void bodiesMove(const Scene* scene, const Sphere* spheres, int turnCount, const Turn* turns, Bodies* bodies) {
+  bodiesCut(scene, turnCount, turns, bodies);
+  bodies->motions[0] = rigidIdentity();
+  for (int body = 1; body < bodies->bodyCount; body++) {
+    const int* axis = scene->torsions[bodies->turns[body].torsion].axis;
+    const Rigid turn = rigidTurn(spheres[axis[0]].x, spheres[axis[1]].x, bodies->turns[body].angle);
+    bodies->motions[body] = rigidCompose(&bodies->motions[bodies->parents[body]], &turn);
+  }
+  if (bodies->resting != 0) {
+    restLargest(bodies);
+  }
 }

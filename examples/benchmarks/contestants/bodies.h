@@ -12,28 +12,25 @@ typedef struct Segment {
   int body;
 } Segment;
 
-/* A cut of all particles into segments, in their order. Nothing but relative motion counts for a clash, so the largest
- * body stays where it is: body `resting`. */
+/* A cut of all particles into segments, in their order. Each turn makes a body, of what it moves and no turn further
+ * out does; body 0 is what no turn moves. Nothing but relative motion counts for a clash, so the largest body stays
+ * where it is. */
 typedef struct Bodies {
   int segmentCount;
   Segment segments[2 * MOST_TURNS + 1];
   int bodyCount;
-  int resting;
+  int sizes[MOST_TURNS + 1];   /* in particles */
+  int parents[MOST_TURNS + 1]; /* the body that a turn's own hangs on */
+  Turn turns[MOST_TURNS + 1];
+  int resting; /* the largest body */
   Rigid motions[MOST_TURNS + 1];
-  int sizes[MOST_TURNS + 1]; /* in particles */
 } Bodies;
 
-/* `spheres` are the particles before the trial. */
-void bodiesOf(const Scene* scene, const Sphere* spheres, int turnCount, const Turn* turns, Bodies* bodies);
+/* Fills all but the motions. Outer turns come before those that they move. */
+void bodiesCut(const Scene* scene, int turnCount, const Turn* turns, Bodies* bodies);
 
-/* The body of particle i. */
-static inline int bodyOf(const Bodies* bodies, int i) {
-  int s = 0;
-  while (bodies->segments[s].last <= i) {
-    s++;
-  }
-  return bodies->segments[s].body;
-}
+/* Fills the motions too; `spheres` are the particles before the trial. */
+void bodiesMove(const Scene* scene, const Sphere* spheres, int turnCount, const Turn* turns, Bodies* bodies);
 
 static inline Sphere movedSphere(const Rigid* motion, const Sphere* sphere) {
   Sphere moved;

@@ -57,7 +57,7 @@ static bool segmentsClash(Brute* brute, const Segment* a, const Segment* b) {
 static int test(void* self, int count, const Turn* turns) {
   Brute* brute = self;
   Bodies bodies;
-  bodiesOf(brute->scene, brute->spheres, count, turns, &bodies);
+  bodiesMove(brute->scene, brute->spheres, count, turns, &bodies);
   for (int s = 0; s < bodies.segmentCount; s++) {
     const Segment* segment = &bodies.segments[s];
     for (int i = segment->first; i < segment->last; i++) {

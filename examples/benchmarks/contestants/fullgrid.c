@@ -45,7 +45,7 @@ static void* make(const Scene* scene) {
 
 static void move(FullGrid* grid, int turnCount, const Turn* turns) {
   Bodies bodies;
-  bodiesOf(grid->scene, grid->spheres, turnCount, turns, &bodies);
+  bodiesMove(grid->scene, grid->spheres, turnCount, turns, &bodies);
   for (int s = 0; s < bodies.segmentCount; s++) {
     const Segment* segment = &bodies.segments[s];
     if (segment->body == bodies.resting) {

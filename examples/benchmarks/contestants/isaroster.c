@@ -3,9 +3,22 @@
 
 extern const Contestant CONTESTANT(contestantBrute);
 extern const Contestant CONTESTANT(contestantFullGrid);
+extern const Contestant CONTESTANT(contestantImproved);
 extern const Contestant CONTESTANT(contestantLazyGrid);
+extern const Contestant CONTESTANT(contestantPublished);
+extern const Contestant CONTESTANT(contestantPublishedCapsules);
+extern const Contestant CONTESTANT(contestantPublishedSpheres);
+extern const Contestant CONTESTANT(contestantPublishedTight);
 /* It chooses among instruction sets by itself. */
 extern const Contestant contestantOurs;
 
-Roster CONTESTANT(roster) = {&CONTESTANT(contestantBrute), &CONTESTANT(contestantFullGrid),
-                             &CONTESTANT(contestantLazyGrid), &contestantOurs, NULL};
+Roster CONTESTANT(roster) = {&CONTESTANT(contestantBrute),
+                             &CONTESTANT(contestantFullGrid),
+                             &CONTESTANT(contestantImproved),
+                             &CONTESTANT(contestantLazyGrid),
+                             &CONTESTANT(contestantPublished),
+                             &CONTESTANT(contestantPublishedCapsules),
+                             &CONTESTANT(contestantPublishedSpheres),
+                             &CONTESTANT(contestantPublishedTight),
+                             &contestantOurs,
+                             NULL};

@@ -91,10 +91,8 @@ static bool bodiesMeet(LazyGrid* grid, int a, int b) {
   const Bodies* motion = &grid->motion;
   const int small = motion->sizes[a] < motion->sizes[b] ? a : b;
   const int large = small == a ? b : a;
-  Rigid back;
-  Rigid relative;
-  rigidInvert(&motion->motions[large], &back);
-  rigidCompose(&back, &motion->motions[small], &relative);
+  const Rigid back = rigidInvert(&motion->motions[large]);
+  const Rigid relative = rigidCompose(&back, &motion->motions[small]);
   for (int s = 0; s < motion->segmentCount; s++) {
     if (motion->segments[s].body == small && meets(grid, &motion->segments[s], &relative, large + 1, NULL)) {
       return true;
@@ -133,7 +131,7 @@ static void markBodies(LazyGrid* grid, bool marked) {
 
 static int test(void* self, int count, const Turn* turns) {
   LazyGrid* grid = self;
-  bodiesOf(grid->scene, grid->spheres, count, turns, &grid->motion);
+  bodiesMove(grid->scene, grid->spheres, count, turns, &grid->motion);
   markBodies(grid, true);
   const bool clash = clashes(grid);
   markBodies(grid, false);

@@ -22,7 +22,7 @@ const char* const optionsUsage =
     "--block COUNT       trials of one contestant before the next has its turn [200]\n"
     "--contestants LIST  names with commas between them [lazygrid,ours]\n"
     "--seed NUMBER       of the random chain and of the moves [1]\n"
-    "--isa NAME          avx512, avx2 or portable [the best that is here]\n"
+    "--isa NAME          avx2 or portable [the best that is here]\n"
     "--help\n";
 
 static bool fail(char* error, size_t size, const char* option, const char* value, const char* expected) {

@@ -59,27 +59,30 @@ static inline void rigidApply(const Rigid* a, const double x[3], double y[3]) {
   y[2] += a->t[2];
 }
 
-/* x -> a(b(x)); c must be neither a nor b. */
-static inline void rigidCompose(const Rigid* a, const Rigid* b, Rigid* c) {
+/* x -> a(b(x)) */
+static inline Rigid rigidCompose(const Rigid* a, const Rigid* b) {
+  Rigid c;
   for (int i = 0; i < 9; i += 3) {
     for (int k = 0; k < 3; k++) {
-      c->r[i + k] = a->r[i] * b->r[k] + a->r[i + 1] * b->r[3 + k] + a->r[i + 2] * b->r[6 + k];
+      c.r[i + k] = a->r[i] * b->r[k] + a->r[i + 1] * b->r[3 + k] + a->r[i + 2] * b->r[6 + k];
     }
   }
-  rigidApply(a, b->t, c->t);
+  rigidApply(a, b->t, c.t);
+  return c;
 }
 
-/* b must not be a. */
-static inline void rigidInvert(const Rigid* a, Rigid* b) {
+static inline Rigid rigidInvert(const Rigid* a) {
+  Rigid b;
   for (int i = 0; i < 3; i++) {
     for (int k = 0; k < 3; k++) {
-      b->r[3 * i + k] = a->r[3 * k + i];
+      b.r[3 * i + k] = a->r[3 * k + i];
     }
   }
-  rigidRotate(b, a->t, b->t);
+  rigidRotate(&b, a->t, b.t);
   for (int k = 0; k < 3; k++) {
-    b->t[k] = -b->t[k];
+    b.t[k] = -b.t[k];
   }
+  return b;
 }
 
 /* Turns by an angle, right-handed, about the line from `from` to `to`. */

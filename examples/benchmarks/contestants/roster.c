@@ -11,17 +11,11 @@ static bool hasAvx2(void) {
   return __builtin_cpu_supports("avx2") && __builtin_cpu_supports("fma") && __builtin_cpu_supports("bmi") &&
          __builtin_cpu_supports("bmi2");
 }
-
-static bool hasAvx512(void) {
-  return hasAvx2() && __builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512bw") &&
-         __builtin_cpu_supports("avx512dq") && __builtin_cpu_supports("avx512vl");
-}
 #endif
 
 /* The best first. */
 static const InstructionSet sets[] = {
 #ifdef ROSTER_X86
-    {"avx512", hasAvx512, rosterAvx512},
     {"avx2", hasAvx2, rosterAvx2},
 #endif
     {"portable", always, rosterPortable}};

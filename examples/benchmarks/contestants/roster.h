@@ -9,7 +9,6 @@ typedef const Contestant* const Roster[];
 
 extern Roster rosterPortable;
 extern Roster rosterAvx2;
-extern Roster rosterAvx512;
 
 typedef struct InstructionSet {
   const char* name;

@@ -18,9 +18,9 @@ typedef struct Rival {
 enum { MOST_RIVALS = 100 };
 
 static int gatherRivals(const Scene* scene, Rival* rivals) {
-  static const char* const names[] = {"avx512", "avx2", "portable"};
+  static const char* const names[] = {"avx2", "portable"};
   int count = 0;
-  for (int i = 0; i < 3; i++) {
+  for (int i = 0; i < 2; i++) {
     const InstructionSet* set = instructionSetFind(names[i]);
     for (const Contestant* const* c = set == NULL ? NULL : set->roster; c != NULL && *c != NULL; c++) {
       rivals[count++] = (Rival){set, *c, (*c)->make(scene)};
