@@ -1,5 +1,7 @@
 #include "bodies.h"
 
+#include <string.h>
+
 /* Outer turns first. */
 static void sortTurns(const Scene* scene, int count, const Turn* turns, Turn* sorted) {
   for (int i = 0; i < count; i++) {
@@ -75,5 +77,19 @@ void bodiesMove(const Scene* scene, const Sphere* spheres, int turnCount, const 
   }
   if (bodies->resting != 0) {
     restLargest(bodies);
+  }
+}
+
+void bodiesApply(const Bodies* bodies, const Sphere* spheres, Sphere* trial) {
+  for (int s = 0; s < bodies->segmentCount; s++) {
+    const Segment* segment = &bodies->segments[s];
+    if (segment->body == bodies->resting) {
+      memcpy(trial + segment->first, spheres + segment->first,
+             (size_t)(segment->last - segment->first) * sizeof(Sphere));
+    } else {
+      for (int i = segment->first; i < segment->last; i++) {
+        trial[i] = movedSphere(&bodies->motions[segment->body], &spheres[i]);
+      }
+    }
   }
 }

@@ -32,6 +32,9 @@ void bodiesCut(const Scene* scene, int turnCount, const Turn* turns, Bodies* bod
 /* Fills the motions too; `spheres` are the particles before the trial. */
 void bodiesMove(const Scene* scene, const Sphere* spheres, int turnCount, const Turn* turns, Bodies* bodies);
 
+/* Writes all particles as they are in the trial. */
+void bodiesApply(const Bodies* bodies, const Sphere* spheres, Sphere* trial);
+
 static inline Sphere movedSphere(const Rigid* motion, const Sphere* sphere) {
   Sphere moved;
   rigidApply(motion, sphere->x, moved.x);

@@ -58,12 +58,7 @@ static int test(void* self, int count, const Turn* turns) {
   Brute* brute = self;
   Bodies bodies;
   bodiesMove(brute->scene, brute->spheres, count, turns, &bodies);
-  for (int s = 0; s < bodies.segmentCount; s++) {
-    const Segment* segment = &bodies.segments[s];
-    for (int i = segment->first; i < segment->last; i++) {
-      brute->trial[i] = movedSphere(&bodies.motions[segment->body], &brute->spheres[i]);
-    }
-  }
+  bodiesApply(&bodies, brute->spheres, brute->trial);
   for (int a = 0; a < bodies.segmentCount; a++) {
     for (int b = a + 1; b < bodies.segmentCount; b++) {
       if (bodies.segments[a].body != bodies.segments[b].body &&

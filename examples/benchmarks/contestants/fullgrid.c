@@ -43,29 +43,15 @@ static void* make(const Scene* scene) {
   return grid;
 }
 
-static void move(FullGrid* grid, int turnCount, const Turn* turns) {
-  Bodies bodies;
-  bodiesMove(grid->scene, grid->spheres, turnCount, turns, &bodies);
-  for (int s = 0; s < bodies.segmentCount; s++) {
-    const Segment* segment = &bodies.segments[s];
-    if (segment->body == bodies.resting) {
-      memcpy(grid->trial + segment->first, grid->spheres + segment->first,
-             (size_t)(segment->last - segment->first) * sizeof(Sphere));
-    } else {
-      for (int i = segment->first; i < segment->last; i++) {
-        grid->trial[i] = movedSphere(&bodies.motions[segment->body], &grid->spheres[i]);
-      }
-    }
-  }
-}
-
 static bool notExcluded(const void* scene, int i, int j) {
   return !sceneExcludes(scene, i, j);
 }
 
 static int test(void* self, int count, const Turn* turns) {
   FullGrid* grid = self;
-  move(grid, count, turns);
+  Bodies bodies;
+  bodiesMove(grid->scene, grid->spheres, count, turns, &bodies);
+  bodiesApply(&bodies, grid->spheres, grid->trial);
   cellsClear(&grid->cells);
   for (int i = 0; i < grid->scene->particleCount; i++) {
     const Sphere* sphere = &grid->trial[i];

@@ -4,7 +4,9 @@
 extern const Contestant CONTESTANT(contestantBrute);
 extern const Contestant CONTESTANT(contestantFullGrid);
 extern const Contestant CONTESTANT(contestantImproved);
+extern const Contestant CONTESTANT(contestantKObbTree);
 extern const Contestant CONTESTANT(contestantLazyGrid);
+extern const Contestant CONTESTANT(contestantObbTree1);
 extern const Contestant CONTESTANT(contestantPublished);
 extern const Contestant CONTESTANT(contestantPublishedCapsules);
 extern const Contestant CONTESTANT(contestantPublishedSpheres);
@@ -15,7 +17,9 @@ extern const Contestant contestantOurs;
 Roster CONTESTANT(roster) = {&CONTESTANT(contestantBrute),
                              &CONTESTANT(contestantFullGrid),
                              &CONTESTANT(contestantImproved),
+                             &CONTESTANT(contestantKObbTree),
                              &CONTESTANT(contestantLazyGrid),
+                             &CONTESTANT(contestantObbTree1),
                              &CONTESTANT(contestantPublished),
                              &CONTESTANT(contestantPublishedCapsules),
                              &CONTESTANT(contestantPublishedSpheres),
