@@ -37,6 +37,7 @@ typedef struct BinaryTree {
   Node* nodes;
   double (*axes)[2][3]; /* of each torsion, two points in the frame of the first particle that it turns */
   Bodies bodies;        /* of the trial */
+  bool testsAll;        /* without a trial: whatever has changed */
   int savedCount;
   SavedNode* saved;
   Counts counts;
@@ -289,6 +290,9 @@ static void undo(BinaryTree* tree) {
 
 /* The body that a node lies in, or SEVERAL_BODIES. */
 static int bodyOfNode(const BinaryTree* tree, int level, int index) {
+  if (tree->testsAll) {
+    return SEVERAL_BODIES;
+  }
   const Segment* segment = tree->bodies.segments;
   while (segment->last <= index << level) {
     segment++;
@@ -362,6 +366,14 @@ static int test(void* self, int count, const Turn* turns) {
   return nodeClashesWithItself(tree, tree->levelCount - 1, 0);
 }
 
+static int testAll(void* self) {
+  BinaryTree* tree = self;
+  tree->testsAll = true;
+  const bool clash = nodeClashesWithItself(tree, tree->levelCount - 1, 0);
+  tree->testsAll = false;
+  return clash;
+}
+
 static bool accept(void* self) {
   (void)self;
   return true;
@@ -378,5 +390,5 @@ static Counts counts(const void* self) {
 #define BINARY_TREE(itsName, itsIdea)                                                                   \
   {                                                                                                     \
     .name = itsName, .idea = itsIdea, .make = make, .destroy = destroy, .test = test, .accept = accept, \
-    .reject = reject, .counts = counts                                                                  \
+    .reject = reject, .testAll = testAll, .counts = counts                                              \
   }

@@ -37,21 +37,33 @@ static void* make(const Scene* scene) {
   return brute;
 }
 
-static bool clash(Brute* brute, int i, int j) {
-  const double sum = brute->trial[i].radius + brute->trial[j].radius;
+static bool clash(Brute* brute, const Sphere* spheres, int i, int j) {
+  const double sum = spheres[i].radius + spheres[j].radius;
   brute->counts.particleTests++;
-  return squaredDistance(brute->trial[i].x, brute->trial[j].x) < sum * sum && !sceneExcludes(brute->scene, i, j);
+  return squaredDistance(spheres[i].x, spheres[j].x) < sum * sum && !sceneExcludes(brute->scene, i, j);
 }
 
 static bool segmentsClash(Brute* brute, const Segment* a, const Segment* b) {
   for (int i = a->first; i < a->last; i++) {
     for (int j = b->first; j < b->last; j++) {
-      if (clash(brute, i, j)) {
+      if (clash(brute, brute->trial, i, j)) {
         return true;
       }
     }
   }
   return false;
+}
+
+static int testAll(void* self) {
+  Brute* brute = self;
+  for (int i = 1; i < brute->scene->particleCount; i++) {
+    for (int j = 0; j < i; j++) {
+      if (clash(brute, brute->spheres, i, j)) {
+        return 1;
+      }
+    }
+  }
+  return 0;
 }
 
 static int test(void* self, int count, const Turn* turns) {
@@ -97,5 +109,6 @@ const Contestant CONTESTANT(contestantBrute) = {.name = "brute",
                                                 .test = test,
                                                 .accept = accept,
                                                 .reject = reject,
+                                                .testAll = testAll,
                                                 .counts = counts,
                                                 .spheres = spheres};

@@ -37,6 +37,10 @@ typedef struct Contestant {
   bool (*accept)(void* self);
   void (*reject)(void* self);
 
+  /* Whether any particles clash as they are now, between trials: 1, 0, or -1 if there is no memory. NULL where that is
+   * no business of a contestant. */
+  int (*testAll)(void* self);
+
   Counts (*counts)(const void* self);
 
   /* The particles as they are now, up to a motion of them all; NULL where a contestant does not keep them. */

@@ -47,21 +47,29 @@ static bool notExcluded(const void* scene, int i, int j) {
   return !sceneExcludes(scene, i, j);
 }
 
+static int anyClash(FullGrid* grid, const Sphere* spheres) {
+  cellsClear(&grid->cells);
+  for (int i = 0; i < grid->scene->particleCount; i++) {
+    grid->counts.updates++;
+    if (cellsMeet(&grid->cells, spheres, i, &spheres[i], notExcluded, grid->scene, &grid->counts.particleTests)) {
+      return 1;
+    }
+    cellsInsert(&grid->cells, cellOf(&grid->cells, &spheres[i]), i);
+  }
+  return 0;
+}
+
+static int testAll(void* self) {
+  FullGrid* grid = self;
+  return anyClash(grid, grid->spheres);
+}
+
 static int test(void* self, int count, const Turn* turns) {
   FullGrid* grid = self;
   Bodies bodies;
   bodiesMove(grid->scene, grid->spheres, count, turns, &bodies);
   bodiesApply(&bodies, grid->spheres, grid->trial);
-  cellsClear(&grid->cells);
-  for (int i = 0; i < grid->scene->particleCount; i++) {
-    const Sphere* sphere = &grid->trial[i];
-    grid->counts.updates++;
-    if (cellsMeet(&grid->cells, grid->trial, i, sphere, notExcluded, grid->scene, &grid->counts.particleTests)) {
-      return 1;
-    }
-    cellsInsert(&grid->cells, cellOf(&grid->cells, sphere), i);
-  }
-  return 0;
+  return anyClash(grid, grid->trial);
 }
 
 static bool accept(void* self) {
@@ -91,5 +99,6 @@ const Contestant CONTESTANT(contestantFullGrid) = {.name = "fullgrid",
                                                    .test = test,
                                                    .accept = accept,
                                                    .reject = reject,
+                                                   .testAll = testAll,
                                                    .counts = counts,
                                                    .spheres = spheres};

@@ -1,4 +1,4 @@
-/* The driver: runs contestants and prints what it measures as lines of JSON. */
+/* The driver: asks contestants questions, and prints what it measures as lines of JSON. */
 #include <stdio.h>
 #include <string.h>
 
@@ -6,6 +6,7 @@
 #include "options.h"
 #include "race.h"
 #include "scenefile.h"
+#include "whole.h"
 
 enum { FAILED = 1, WRONG_USE = 2, TEXT_SIZE = 512 };
 
@@ -30,7 +31,13 @@ static Scene* makeScene(const Options* options, char* error, size_t size) {
   return scene;
 }
 
-static bool chooseContestants(const Options* options, Race* race, char* error, size_t size) {
+typedef struct Choice {
+  int count;
+  const Contestant* contestants[MOST_LANES];
+} Choice;
+
+static bool choose(const Options* options, Choice* choice, char* error, size_t size) {
+  choice->count = 0;
   for (const char* name = options->contestants;;) {
     const size_t length = strcspn(name, ",");
     const Contestant* contestant = rosterFind(options->set, name, length);
@@ -38,17 +45,23 @@ static bool chooseContestants(const Options* options, Race* race, char* error, s
       snprintf(error, size, "there is no contestant %.*s", (int)length, name);
       return false;
     }
-    if (race->laneCount == MOST_LANES) {
-      snprintf(error, size, "more than %d contestants", MOST_LANES);
+    if (options->measure == measureWhole && contestant->testAll == NULL) {
+      snprintf(error, size, "%s does not test whole chains", contestant->name);
       return false;
     }
-    race->contestants[race->laneCount++] = contestant;
+    if (choice->count == MOST_LANES) {
+      snprintf(error, size, "there are more than %d contestants", MOST_LANES);
+      return false;
+    }
+    choice->contestants[choice->count++] = contestant;
     if (name[length] == '\0') {
       return true;
     }
     name += length + 1;
   }
 }
+
+/* ---- Rows ---- */
 
 static void printString(const char* text) {
   putchar('"');
@@ -62,19 +75,70 @@ static void printString(const char* text) {
   putchar('"');
 }
 
-static void printResult(const Options* options, const Race* race, const Contestant* contestant,
-                        const RaceResult* result) {
-  printf("{\"chain\": ");
+/* What all rows begin with. */
+static void printScene(const char* measure, const Options* options, const Scene* scene) {
+  printf("{\"measure\": \"%s\", \"chain\": ", measure);
   printString(options->chain);
-  printf(", \"particles\": %d, \"torsions\": %d, \"moves\": \"%s\", \"angle\": %.10g, \"kappa\": %d",
-         race->scene->particleCount, race->scene->torsionCount, options->moves, race->rule.angle * 180 / PI,
-         race->rule.kappa);
-  printf(", \"seed\": %llu, \"trials\": %d, \"block\": %d, \"isa\": \"%s\", \"contestant\": \"%s\"",
-         (unsigned long long)race->seed, race->trialCount, race->blockSize, options->set->name, contestant->name);
-  printf(", \"microseconds\": %.6g, \"quartiles\": [%.6g, %.6g], \"accepted\": %.6g", result->median,
-         result->quartiles[0], result->quartiles[1], result->accepted);
-  printf(", \"volumeTests\": %.6g, \"particleTests\": %.6g, \"updates\": %.6g}\n", result->volumeTests,
-         result->particleTests, result->updates);
+  printf(", \"particles\": %d, \"torsions\": %d, \"seed\": %llu, \"isa\": \"%s\", \"trials\": %d", scene->particleCount,
+         scene->torsionCount, (unsigned long long)options->seed, options->set->name, options->trialCount);
+}
+
+static void printTimes(const char* contestant, const Quartiles* microseconds) {
+  printf(", \"contestant\": \"%s\", \"microseconds\": %.6g, \"quartiles\": [%.6g, %.6g]", contestant,
+         microseconds->median, microseconds->first, microseconds->third);
+}
+
+static void printCounts(double volumeTests, double particleTests, double updates) {
+  printf(", \"volumeTests\": %.6g, \"particleTests\": %.6g, \"updates\": %.6g", volumeTests, particleTests, updates);
+}
+
+/* ---- Measures ---- */
+
+static bool runTrials(const Options* options, const Choice* choice, const Scene* scene, char* error, size_t size) {
+  Race race = {.scene = scene,
+               .rule = options->rule,
+               .seed = options->seed,
+               .trialCount = options->trialCount,
+               .blockSize = options->blockSize,
+               .laneCount = choice->count,
+               .judge = rosterFind(options->set, "lazygrid", strlen("lazygrid"))};
+  memcpy(race.contestants, choice->contestants, sizeof race.contestants);
+  RaceResult results[MOST_LANES];
+  if (!raceRun(&race, results, error, size)) {
+    return false;
+  }
+  for (int i = 0; i < race.laneCount; i++) {
+    printScene("trials", options, scene);
+    printf(", \"block\": %d, \"moves\": \"%s\", \"angle\": %.10g, \"kappa\": %d", race.blockSize, options->moves,
+           race.rule.angle * 180 / PI, race.rule.kappa);
+    printTimes(race.contestants[i]->name, &results[i].microseconds);
+    printCounts(results[i].volumeTests, results[i].particleTests, results[i].updates);
+    printf(", \"accepted\": %.6g}\n", results[i].accepted);
+  }
+  return true;
+}
+
+static bool runWhole(const Options* options, const Choice* choice, const Scene* scene, char* error, size_t size) {
+  WholeResult results[MOST_LANES];
+  for (int i = 0; i < choice->count; i++) {
+    if (!wholeRun(scene, choice->contestants[i], options->trialCount, &results[i])) {
+      snprintf(error, size, "not enough memory for %s", choice->contestants[i]->name);
+      return false;
+    }
+    if (results[i].clash != results[0].clash) {
+      snprintf(error, size, "%s finds %s, %s does not", choice->contestants[i]->name,
+               results[i].clash ? "a clash" : "no clash", choice->contestants[0]->name);
+      return false;
+    }
+  }
+  for (int i = 0; i < choice->count; i++) {
+    const Counts* counts = &results[i].counts;
+    printScene("whole", options, scene);
+    printTimes(choice->contestants[i]->name, &results[i].microseconds);
+    printCounts((double)counts->volumeTests, (double)counts->particleTests, (double)counts->updates);
+    printf(", \"clash\": %s}\n", results[i].clash ? "true" : "false");
+  }
+  return true;
 }
 
 static int fail(int status, const char* error) {
@@ -85,6 +149,7 @@ static int fail(int status, const char* error) {
 int main(int argc, char** argv) {
   char error[TEXT_SIZE] = "";
   Options options;
+  Choice choice;
   if (!optionsParse(argc, argv, &options, error, sizeof error)) {
     return fail(WRONG_USE, error);
   }
@@ -92,24 +157,15 @@ int main(int argc, char** argv) {
     fputs(optionsUsage, stdout);
     return 0;
   }
-  Race race = {.rule = options.rule,
-               .seed = options.seed,
-               .trialCount = options.trialCount,
-               .blockSize = options.blockSize,
-               .judge = rosterFind(options.set, "lazygrid", strlen("lazygrid"))};
-  if (!chooseContestants(&options, &race, error, sizeof error)) {
+  if (!choose(&options, &choice, error, sizeof error)) {
     return fail(WRONG_USE, error);
   }
   Scene* scene = makeScene(&options, error, sizeof error);
   if (scene == NULL) {
     return fail(WRONG_USE, error);
   }
-  race.scene = scene;
-  RaceResult results[MOST_LANES];
-  const bool success = raceRun(&race, results, error, sizeof error);
-  for (int i = 0; i < race.laneCount && success; i++) {
-    printResult(&options, &race, race.contestants[i], &results[i]);
-  }
+  const bool success = options.measure == measureWhole ? runWhole(&options, &choice, scene, error, sizeof error)
+                                                       : runTrials(&options, &choice, scene, error, sizeof error);
   sceneFree(scene);
   return success ? 0 : fail(FAILED, error);
 }

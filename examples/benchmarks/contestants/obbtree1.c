@@ -45,13 +45,9 @@ static bool clashesWithItself(ObbTree1* tree, int node) {
          obbNodesClash(&tree->forest, tree->scene, node + 1, second, &tree->counts);
 }
 
-static int test(void* self, int count, const Turn* turns) {
-  ObbTree1* tree = self;
+static int anyClash(ObbTree1* tree, const Sphere* spheres) {
   const int particles = tree->scene->particleCount;
-  Bodies bodies;
-  bodiesMove(tree->scene, tree->spheres, count, turns, &bodies);
-  bodiesApply(&bodies, tree->spheres, tree->trial);
-  memcpy(tree->forest.spheres, tree->trial, (size_t)particles * sizeof(Sphere));
+  memcpy(tree->forest.spheres, spheres, (size_t)particles * sizeof(Sphere));
   for (int i = 0; i < particles; i++) {
     tree->forest.particles[i] = i;
   }
@@ -59,6 +55,19 @@ static int test(void* self, int count, const Turn* turns) {
   const int root = obbTreeMake(&tree->forest, 0, particles);
   tree->counts.updates += tree->forest.nodeCount;
   return clashesWithItself(tree, root);
+}
+
+static int testAll(void* self) {
+  ObbTree1* tree = self;
+  return anyClash(tree, tree->spheres);
+}
+
+static int test(void* self, int count, const Turn* turns) {
+  ObbTree1* tree = self;
+  Bodies bodies;
+  bodiesMove(tree->scene, tree->spheres, count, turns, &bodies);
+  bodiesApply(&bodies, tree->spheres, tree->trial);
+  return anyClash(tree, tree->trial);
 }
 
 static bool accept(void* self) {
@@ -88,5 +97,6 @@ const Contestant CONTESTANT(contestantObbTree1) = {.name = "obbtree1",
                                                    .test = test,
                                                    .accept = accept,
                                                    .reject = reject,
+                                                   .testAll = testAll,
                                                    .counts = counts,
                                                    .spheres = spheres};

@@ -6,23 +6,27 @@
 #include <stdlib.h>
 #include <string.h>
 
+enum { TRIALS = 20000, REPEATS = 5, BLOCK_SIZE = 200 };
+
 const char* const optionsUsage =
     "usage: openmm-chaintree-contestants [option value] ...\n"
     "\n"
-    "Runs contestants on the same trials in turns, compares what they say of each, and prints a line of JSON for "
-    "each.\n"
+    "Asks contestants the same questions, compares their answers, and prints a line of JSON for each contestant.\n"
     "\n"
-    "--chain NAME        random, hilbert, serpentine, worst, or a file with a scene, - for the standard input "
-    "[random]\n"
+    "--measure WHAT      trials: is the chain free of clashes after a change? The contestants take turns\n"
+    "                    whole: is it free of clashes as it is?\n"
+    "                    [trials]\n"
+    "--contestants LIST  names with commas between them [lazygrid,ours]\n"
+    "--chain NAME        random, hilbert, serpentine or worst, or a file with a scene, - for the standard input\n"
+    "                    [random]\n"
     "--n COUNT           spheres of a chain that is not from a file [1000]\n"
+    "--seed NUMBER       of the random chain and of the moves [1]\n"
     "--moves KIND        uniform, gaussian, biased or sidechain [uniform]\n"
     "--angle DEGREES     standard deviation of Gaussian changes [5]\n"
     "--kappa COUNT       consecutive torsions that a trial turns [1]\n"
-    "--trials COUNT      [20000]\n"
+    "--trials COUNT      trials [20000], or how often the same question is asked [5]\n"
     "--block COUNT       trials of one contestant before the next has its turn [200]\n"
-    "--contestants LIST  names with commas between them [lazygrid,ours]\n"
-    "--seed NUMBER       of the random chain and of the moves [1]\n"
-    "--isa NAME          avx2 or portable [the best that is here]\n"
+    "--isa NAME          instruction set: avx2 or portable [the best that is here]\n"
     "--help\n";
 
 static bool fail(char* error, size_t size, const char* option, const char* value, const char* expected) {
@@ -49,37 +53,56 @@ static bool parseSeed(const char* text, uint64_t* value) {
   return end != text && *end == '\0' && errno == 0 && *text != '-';
 }
 
-static bool parseAngle(const char* text, double* value) {
+static bool parseReal(const char* text, double most, double* value) {
   char* end;
-  const double degrees = strtod(text, &end);
-  *value = degrees * PI / 180;
-  return end != text && *end == '\0' && degrees > 0 && degrees <= 180;
+  *value = strtod(text, &end);
+  return end != text && *end == '\0' && *value > 0 && *value <= most;
+}
+
+/* Which of some names a text is; -1 if none. */
+static int parseName(const char* text, const char* const* names, int count) {
+  for (int i = 0; i < count; i++) {
+    if (strcmp(text, names[i]) == 0) {
+      return i;
+    }
+  }
+  return -1;
+}
+
+static bool parseMeasure(const char* text, Measure* measure) {
+  static const char* const names[] = {"trials", "whole"};
+  static const Measure measures[] = {measureTrials, measureWhole};
+  const int index = parseName(text, names, 2);
+  *measure = index < 0 ? measureTrials : measures[index];
+  return index >= 0;
 }
 
 static bool parseMoves(const char* text, MoveKind* kind) {
   static const char* const names[] = {"uniform", "gaussian", "biased", "sidechain"};
   static const MoveKind kinds[] = {movesUniform, movesGaussian, movesBiased, movesSideChain};
-  for (int i = 0; i < 4; i++) {
-    if (strcmp(text, names[i]) == 0) {
-      *kind = kinds[i];
-      return true;
-    }
-  }
-  return false;
+  const int index = parseName(text, names, 4);
+  *kind = index < 0 ? movesUniform : kinds[index];
+  return index >= 0;
 }
 
 static bool parseOption(const char* name, const char* value, Options* options, char* error, size_t size) {
-  if (strcmp(name, "--chain") == 0) {
-    options->chain = value;
-    return true;
+  if (strcmp(name, "--measure") == 0) {
+    return parseMeasure(value, &options->measure) || fail(error, size, name, value, "trials or whole");
   }
   if (strcmp(name, "--contestants") == 0) {
     options->contestants = value;
     return true;
   }
+  if (strcmp(name, "--chain") == 0) {
+    options->chain = value;
+    return true;
+  }
   if (strcmp(name, "--n") == 0) {
     return parseInt(value, 4, INT_MAX / 16, &options->count) ||
            fail(error, size, name, value, "a whole number of at least 4");
+  }
+  if (strcmp(name, "--seed") == 0) {
+    return parseSeed(value, &options->seed) || fail(error, size, name, value, "a whole number");
   }
   if (strcmp(name, "--moves") == 0) {
     options->moves = value;
@@ -87,8 +110,10 @@ static bool parseOption(const char* name, const char* value, Options* options, c
            fail(error, size, name, value, "uniform, gaussian, biased or sidechain");
   }
   if (strcmp(name, "--angle") == 0) {
-    return parseAngle(value, &options->rule.angle) ||
-           fail(error, size, name, value, "a positive number of degrees up to 180");
+    double degrees;
+    const bool success = parseReal(value, 180, &degrees);
+    options->rule.angle = degrees * PI / 180;
+    return success || fail(error, size, name, value, "a positive number of degrees up to 180");
   }
   if (strcmp(name, "--kappa") == 0) {
     return parseInt(value, 1, MOST_TURNS, &options->rule.kappa) ||
@@ -102,9 +127,6 @@ static bool parseOption(const char* name, const char* value, Options* options, c
     return parseInt(value, 1, 1 << 20, &options->blockSize) ||
            fail(error, size, name, value, "a positive whole number up to 1048576");
   }
-  if (strcmp(name, "--seed") == 0) {
-    return parseSeed(value, &options->seed) || fail(error, size, name, value, "a whole number");
-  }
   if (strcmp(name, "--isa") == 0) {
     options->set = instructionSetFind(value);
     return options->set != NULL || fail(error, size, name, value, "an instruction set that this machine has");
@@ -114,13 +136,13 @@ static bool parseOption(const char* name, const char* value, Options* options, c
 }
 
 bool optionsParse(int argc, char** argv, Options* options, char* error, size_t size) {
-  *options = (Options){.chain = "random",
+  *options = (Options){.measure = measureTrials,
+                       .chain = "random",
                        .count = 1000,
                        .moves = "uniform",
                        .rule = {movesUniform, 5 * PI / 180, 1},
                        .seed = 1,
-                       .trialCount = 20000,
-                       .blockSize = 200,
+                       .blockSize = BLOCK_SIZE,
                        .contestants = "lazygrid,ours",
                        .set = instructionSetFind(NULL)};
   for (int i = 1; i < argc; i += 2) {
@@ -135,6 +157,9 @@ bool optionsParse(int argc, char** argv, Options* options, char* error, size_t s
     if (!parseOption(argv[i], argv[i + 1], options, error, size)) {
       return false;
     }
+  }
+  if (options->trialCount == 0) {
+    options->trialCount = options->measure == measureTrials ? TRIALS : REPEATS;
   }
   if (options->blockSize > options->trialCount) {
     options->blockSize = options->trialCount;

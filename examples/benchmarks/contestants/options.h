@@ -5,15 +5,18 @@
 #include "moves.h"
 #include "roster.h"
 
+typedef enum Measure { measureTrials, measureWhole } Measure;
+
 typedef struct Options {
+  Measure measure;
   const char* chain;
-  int count;
+  int count; /* of spheres */
   const char* moves;
   MoveRule rule;
   uint64_t seed;
   int trialCount;
   int blockSize;
-  const char* contestants;
+  const char* contestants; /* names with commas between them */
   const InstructionSet* set;
   bool help;
 } Options;

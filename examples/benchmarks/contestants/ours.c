@@ -100,6 +100,12 @@ static void reject(void* self) {
   ctDiscard(ours->tree);
 }
 
+static int testAll(void* self) {
+  Ours* ours = self;
+  bool clash = false;
+  return ctHasClash(ours->tree, &clash, NULL, &ours->counts) == ctSuccess ? clash : -1;
+}
+
 static Counts counts(const void* self) {
   const ctCounts* counted = &((const Ours*)self)->counts;
   return (Counts){counted->volumeTests, counted->particleTests, counted->nodesUpdated};
@@ -112,4 +118,5 @@ const Contestant contestantOurs = {.name = "ours",
                                    .test = test,
                                    .accept = accept,
                                    .reject = reject,
+                                   .testAll = testAll,
                                    .counts = counts};

@@ -1,10 +1,10 @@
-#define _POSIX_C_SOURCE 200112L
 #include "race.h"
 
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <time.h>
+
+#include "measure.h"
 
 typedef struct Lane {
   const Contestant* contestant;
@@ -90,13 +90,6 @@ static bool courseBegin(Course* course, const Race* race, char* error, size_t si
 
 /* ---- Running ---- */
 
-/* Of the processor time of this program; it has one thread. */
-static double microseconds(void) {
-  struct timespec now;
-  clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &now);
-  return 1e6 * (double)now.tv_sec + 1e-3 * (double)now.tv_nsec;
-}
-
 /* Tests a trial and takes it over unless it clashes; -1 if there is no memory. */
 static int run(const Lane* lane, int kappa, const Turn* turns) {
   const int clash = lane->contestant->test(lane->self, kappa, turns);
@@ -123,7 +116,7 @@ static bool makeBlock(Course* course, int count) {
 
 /* Returns microseconds per trial, negative if there is no memory. */
 static double runBlock(const Lane* lane, const Block* block, unsigned char* clashes) {
-  const double start = microseconds();
+  const double start = processorTime();
   for (int i = 0; i < block->count; i++) {
     const int clash = run(lane, block->kappa, block->turns + i * block->kappa);
     if (clash < 0) {
@@ -131,7 +124,7 @@ static double runBlock(const Lane* lane, const Block* block, unsigned char* clas
     }
     clashes[i] = (unsigned char)clash;
   }
-  return (microseconds() - start) / block->count;
+  return (processorTime() - start) / block->count;
 }
 
 static bool reportDisagreement(const Course* course, int lane, int firstTrial, char* error, size_t size) {
@@ -180,28 +173,11 @@ static bool runBlocks(Course* course, int64_t* accepted, char* error, size_t siz
 
 /* ---- Results ---- */
 
-static int compareTimes(const void* a, const void* b) {
-  const double x = *(const double*)a;
-  const double y = *(const double*)b;
-  return (x > y) - (x < y);
-}
-
-/* Of sorted values, by interpolation. */
-static double quantile(const double* sorted, int count, double share) {
-  const double place = share * (count - 1);
-  const int below = (int)place;
-  const int above = below + 1 < count ? below + 1 : below;
-  return sorted[below] + (place - below) * (sorted[above] - sorted[below]);
-}
-
 static RaceResult resultOf(const Lane* lane, const Race* race, int64_t accepted) {
   const int blocks = blockCountOf(race);
-  double* times = lane->times + 1;
-  qsort(times, (size_t)blocks, sizeof(double), compareTimes);
   const Counts counts = lane->contestant->counts(lane->self);
   const double trials = race->trialCount;
-  return (RaceResult){.median = quantile(times, blocks, 0.5),
-                      .quartiles = {quantile(times, blocks, 0.25), quantile(times, blocks, 0.75)},
+  return (RaceResult){.microseconds = quartilesOf(lane->times + 1, blocks),
                       .accepted = (double)accepted / trials,
                       .volumeTests = (double)(counts.volumeTests - lane->before.volumeTests) / trials,
                       .particleTests = (double)(counts.particleTests - lane->before.particleTests) / trials,

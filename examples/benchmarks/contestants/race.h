@@ -2,6 +2,7 @@
 #ifndef RACE_H_
 #define RACE_H_
 
+#include "measure.h"
 #include "moves.h"
 
 enum { MOST_LANES = 32 };
@@ -19,10 +20,9 @@ typedef struct Race {
 
 /* Of one contestant, over blocks; the first block is run, but not counted. */
 typedef struct RaceResult {
-  double median; /* microseconds per trial */
-  double quartiles[2];
-  double accepted;    /* share of trials */
-  double volumeTests; /* per trial, as the others */
+  Quartiles microseconds; /* per trial */
+  double accepted;        /* share of trials */
+  double volumeTests;     /* per trial, as the others */
   double particleTests;
   double updates;
 } RaceResult;

@@ -107,6 +107,31 @@ static void testScene(const char* name, Scene* scene, double width, uint64_t see
   sceneFree(scene);
 }
 
+/* Whole chains, with clashes and without: some of the spheres are made larger. */
+static void testWholeChains(void) {
+  int clashes = 0;
+  for (uint64_t seed = 0; seed < 30; seed++) {
+    Rival rivals[MOST_RIVALS];
+    Random random = {seed};
+    Scene* scene = seed % 2 == 0 ? chainRandom(150, &random) : makeBranches(40, 5, seed);
+    const int grown = randomInt(&random, scene->particleCount);
+    scene->spheres[grown].radius *= seed % 2 == 0 ? 4 * randomReal(&random) : 1.3;
+    const int count = gatherRivals(scene, rivals);
+    int expected = -1;
+    for (int i = 0; i < count; i++) {
+      if (rivals[i].contestant->testAll != NULL) {
+        const int clash = rivals[i].contestant->testAll(rivals[i].self);
+        expected = expected < 0 ? clash : expected;
+        CHECK(clash == expected);
+      }
+      rivals[i].contestant->destroy(rivals[i].self);
+    }
+    clashes += expected;
+    sceneFree(scene);
+  }
+  CHECK(clashes >= 5 && clashes <= 25);
+}
+
 int main(void) {
   Random random = {1};
   testScene("random, large turns", chainRandom(100, &random), PI, 1);
@@ -119,5 +144,6 @@ int main(void) {
     testScene("branches", makeBranches(MOST_BRANCH_LINKS, 1 + (int)seed * 4, seed), seed % 2 == 0 ? PI : 0.2, seed);
   }
   testScene("some branches", makeBranches(9, 3, 7), PI, 7);
+  testWholeChains();
   return checkResult();
 }
