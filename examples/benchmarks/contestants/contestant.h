@@ -45,6 +45,9 @@ typedef struct Contestant {
 
   /* The particles as they are now, up to a motion of them all; NULL where a contestant does not keep them. */
   const Sphere* (*spheres)(const void* self);
+
+  /* The instruction set in use; NULL where it is the one that a contestant is compiled for. */
+  const char* (*instructionSet)(const void* self);
 } Contestant;
 
 /* Contestants are compiled once for each instruction set, under names of its own. */

@@ -76,23 +76,46 @@ static void printString(const char* text) {
 }
 
 /* What all rows begin with. */
-static void printScene(const char* measure, const Options* options, const Scene* scene) {
+static void printScene(const char* measure, const Options* options, const Scene* scene, int trials) {
   printf("{\"measure\": \"%s\", \"chain\": ", measure);
   printString(options->chain);
-  printf(", \"particles\": %d, \"torsions\": %d, \"seed\": %llu, \"isa\": \"%s\", \"trials\": %d", scene->particleCount,
-         scene->torsionCount, (unsigned long long)options->seed, options->set->name, options->trialCount);
+  printf(", \"particles\": %d, \"torsions\": %d, \"seed\": %llu, \"trials\": %d", scene->particleCount,
+         scene->torsionCount, (unsigned long long)options->seed, trials);
 }
 
-static void printTimes(const char* contestant, const Quartiles* microseconds) {
-  printf(", \"contestant\": \"%s\", \"microseconds\": %.6g, \"quartiles\": [%.6g, %.6g]", contestant,
-         microseconds->median, microseconds->first, microseconds->third);
+static void printTimes(const char* contestant, const char* instructionSet, const Quartiles* microseconds) {
+  printf(", \"contestant\": \"%s\", \"isa\": \"%s\", \"microseconds\": %.6g, \"quartiles\": [%.6g, %.6g]", contestant,
+         instructionSet, microseconds->median, microseconds->first, microseconds->third);
 }
 
 static void printCounts(double volumeTests, double particleTests, double updates) {
   printf(", \"volumeTests\": %.6g, \"particleTests\": %.6g, \"updates\": %.6g", volumeTests, particleTests, updates);
 }
 
+/* Of a contestant that chooses none, it is the one that all are compiled for. */
+static const char* setName(const Options* options, const char* chosen) {
+  return chosen == NULL ? options->set->name : chosen;
+}
+
 /* ---- Measures ---- */
+
+/* False if the file cannot be written. */
+static bool beginRecord(const char* path, FILE** record, char* error, size_t size) {
+  *record = path == NULL ? NULL : fopen(path, "w");
+  if (path != NULL && *record == NULL) {
+    snprintf(error, size, "%s cannot be written", path);
+  }
+  return path == NULL || *record != NULL;
+}
+
+static bool endRecord(const char* path, FILE* record, char* error, size_t size) {
+  const bool damaged = record != NULL && ferror(record) != 0;
+  if ((record != NULL && fclose(record) != 0) || damaged) {
+    snprintf(error, size, "%s could not be written to its end", path);
+    return false;
+  }
+  return true;
+}
 
 static bool runTrials(const Options* options, const Choice* choice, const Scene* scene, char* error, size_t size) {
   Race race = {.scene = scene,
@@ -100,18 +123,23 @@ static bool runTrials(const Options* options, const Choice* choice, const Scene*
                .seed = options->seed,
                .trialCount = options->trialCount,
                .blockSize = options->blockSize,
+               .seconds = options->seconds,
                .laneCount = choice->count,
                .judge = rosterFind(options->set, "lazygrid", strlen("lazygrid"))};
   memcpy(race.contestants, choice->contestants, sizeof race.contestants);
   RaceResult results[MOST_LANES];
-  if (!raceRun(&race, results, error, size)) {
+  if (!beginRecord(options->record, &race.record, error, size)) {
+    return false;
+  }
+  const bool success = raceRun(&race, results, error, size);
+  if (!endRecord(options->record, race.record, error, size) || !success) {
     return false;
   }
   for (int i = 0; i < race.laneCount; i++) {
-    printScene("trials", options, scene);
+    printScene("trials", options, scene, results[i].trials);
     printf(", \"block\": %d, \"moves\": \"%s\", \"angle\": %.10g, \"kappa\": %d", race.blockSize, options->moves,
            race.rule.angle * 180 / PI, race.rule.kappa);
-    printTimes(race.contestants[i]->name, &results[i].microseconds);
+    printTimes(race.contestants[i]->name, setName(options, results[i].instructionSet), &results[i].microseconds);
     printCounts(results[i].volumeTests, results[i].particleTests, results[i].updates);
     printf(", \"accepted\": %.6g}\n", results[i].accepted);
   }
@@ -133,12 +161,20 @@ static bool runWhole(const Options* options, const Choice* choice, const Scene* 
   }
   for (int i = 0; i < choice->count; i++) {
     const Counts* counts = &results[i].counts;
-    printScene("whole", options, scene);
-    printTimes(choice->contestants[i]->name, &results[i].microseconds);
+    printScene("whole", options, scene, options->trialCount);
+    printTimes(choice->contestants[i]->name, setName(options, results[i].instructionSet), &results[i].microseconds);
     printCounts((double)counts->volumeTests, (double)counts->particleTests, (double)counts->updates);
     printf(", \"clash\": %s}\n", results[i].clash ? "true" : "false");
   }
   return true;
+}
+
+static void printContestants(const InstructionSet* set) {
+  for (const Contestant* const* contestant = set->roster; *contestant != NULL; contestant++) {
+    printf("{\"contestant\": \"%s\", \"idea\": ", (*contestant)->name);
+    printString((*contestant)->idea);
+    printf(", \"whole\": %s}\n", (*contestant)->testAll == NULL ? "false" : "true");
+  }
 }
 
 static int fail(int status, const char* error) {
@@ -155,6 +191,10 @@ int main(int argc, char** argv) {
   }
   if (options.help) {
     fputs(optionsUsage, stdout);
+    return 0;
+  }
+  if (options.list) {
+    printContestants(options.set);
     return 0;
   }
   if (!choose(&options, &choice, error, sizeof error)) {

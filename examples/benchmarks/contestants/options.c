@@ -2,6 +2,7 @@
 
 #include <errno.h>
 #include <limits.h>
+#include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -26,7 +27,10 @@ const char* const optionsUsage =
     "--kappa COUNT       consecutive torsions that a trial turns [1]\n"
     "--trials COUNT      trials [20000], or how often the same question is asked [5]\n"
     "--block COUNT       trials of one contestant before the next has its turn [200]\n"
+    "--seconds NUMBER    ends trials sooner: with the block in which contestants have taken that long together\n"
+    "--record FILE       write the scene and all trials there, as lines of JSON, for others to run them\n"
     "--isa NAME          instruction set: avx2 or portable [the best that is here]\n"
+    "--list              print a line of JSON about each contestant instead\n"
     "--help\n";
 
 static bool fail(char* error, size_t size, const char* option, const char* value, const char* expected) {
@@ -127,6 +131,13 @@ static bool parseOption(const char* name, const char* value, Options* options, c
     return parseInt(value, 1, 1 << 20, &options->blockSize) ||
            fail(error, size, name, value, "a positive whole number up to 1048576");
   }
+  if (strcmp(name, "--seconds") == 0) {
+    return parseReal(value, INFINITY, &options->seconds) || fail(error, size, name, value, "a positive number");
+  }
+  if (strcmp(name, "--record") == 0) {
+    options->record = value;
+    return true;
+  }
   if (strcmp(name, "--isa") == 0) {
     options->set = instructionSetFind(value);
     return options->set != NULL || fail(error, size, name, value, "an instruction set that this machine has");
@@ -143,11 +154,13 @@ bool optionsParse(int argc, char** argv, Options* options, char* error, size_t s
                        .rule = {movesUniform, 5 * PI / 180, 1},
                        .seed = 1,
                        .blockSize = BLOCK_SIZE,
+                       .seconds = INFINITY,
                        .contestants = "lazygrid,ours",
                        .set = instructionSetFind(NULL)};
   for (int i = 1; i < argc; i += 2) {
-    if (strcmp(argv[i], "--help") == 0) {
-      options->help = true;
+    options->help = strcmp(argv[i], "--help") == 0;
+    options->list = strcmp(argv[i], "--list") == 0;
+    if (options->help || options->list) {
       return true;
     }
     if (i + 1 == argc) {

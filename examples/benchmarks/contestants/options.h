@@ -16,9 +16,12 @@ typedef struct Options {
   uint64_t seed;
   int trialCount;
   int blockSize;
+  double seconds;          /* that a race may last */
   const char* contestants; /* names with commas between them */
   const InstructionSet* set;
+  const char* record; /* a file, or NULL */
   bool help;
+  bool list;
 } Options;
 
 extern const char* const optionsUsage;

@@ -4,13 +4,15 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "record.h"
+
 #include "measure.h"
 
 typedef struct Lane {
   const Contestant* contestant;
   void* self;
   Counts before; /* counts when the first block was over */
-  double* times; /* of each block, microseconds per trial */
+  double* times; /* of each block that is counted, microseconds per trial */
 } Lane;
 
 /* The trials of one block, and what the first lane says of them. */
@@ -28,6 +30,9 @@ typedef struct Course {
   Lane lanes[MOST_LANES];
   Block block;
   unsigned char* clashes; /* of the lane that runs */
+  int blocksRun;          /* without the first, as the following */
+  int trialsRun;
+  int accepted;
 } Course;
 
 /* ---- Life ---- */
@@ -127,69 +132,105 @@ static double runBlock(const Lane* lane, const Block* block, unsigned char* clas
   return (processorTime() - start) / block->count;
 }
 
-static bool reportDisagreement(const Course* course, int lane, int firstTrial, char* error, size_t size) {
+static void reportDisagreement(const Course* course, int lane, int firstTrial, char* error, size_t size) {
   int trial = 0;
   while (course->clashes[trial] == course->block.clashes[trial]) {
     trial++;
   }
   snprintf(error, size, "%s calls trial %d %s, %s does not", course->lanes[lane].contestant->name, firstTrial + trial,
            course->clashes[trial] ? "a clash" : "free of clashes", course->lanes[0].contestant->name);
-  return false;
 }
 
-/* Block 0 is not counted. */
-static bool runBlocks(Course* course, int64_t* accepted, char* error, size_t size) {
+/* Runs trials made by makeBlock, which are number `firstTrial` and following; returns how long the contestants took
+ * together, in microseconds, negative if that fails. */
+static double runLanes(Course* course, int firstTrial, char* error, size_t size) {
+  double sum = 0;
+  for (int i = 0; i < course->race->laneCount; i++) {
+    Lane* lane = &course->lanes[i];
+    unsigned char* clashes = i == 0 ? course->block.clashes : course->clashes;
+    const double time = runBlock(lane, &course->block, clashes);
+    if (time < 0) {
+      snprintf(error, size, "not enough memory for a trial of %s", lane->contestant->name);
+      return -1;
+    }
+    if (i > 0 && memcmp(clashes, course->block.clashes, (size_t)course->block.count) != 0) {
+      reportDisagreement(course, i, firstTrial, error, size);
+      return -1;
+    }
+    lane->times[course->blocksRun] = time;
+    sum += time * course->block.count;
+  }
+  return sum;
+}
+
+static void countBlock(Course* course) {
+  course->blocksRun++;
+  course->trialsRun += course->block.count;
+  for (int i = 0; i < course->block.count; i++) {
+    course->accepted += !course->block.clashes[i];
+  }
+}
+
+static void recordBlock(FILE* record, const Block* block) {
+  for (int i = 0; i < block->count; i++) {
+    recordTrial(record, block->kappa, block->turns + i * block->kappa, block->clashes[i]);
+  }
+}
+
+/* The first block is run, but not counted. */
+static bool runBlocks(Course* course, char* error, size_t size) {
   const Race* race = course->race;
-  int trial = 0;
-  for (int b = 0; b <= blockCountOf(race); b++) {
-    const int left = b == 0 ? race->blockSize : race->trialCount - (trial - race->blockSize);
-    if (!makeBlock(course, left < race->blockSize ? left : race->blockSize)) {
+  double left = 1e6 * race->seconds;
+  for (int b = 0; b <= blockCountOf(race) && (left > 0 || b < 2); b++) {
+    const int trialsLeft = race->trialCount - course->trialsRun;
+    if (!makeBlock(course, trialsLeft < race->blockSize ? trialsLeft : race->blockSize)) {
       snprintf(error, size, "not enough memory for a trial");
       return false;
     }
-    const size_t bytes = (size_t)course->block.count;
+    const double time = runLanes(course, b * race->blockSize, error, size);
+    if (time < 0) {
+      return false;
+    }
+    left -= time;
+    if (race->record != NULL) {
+      recordBlock(race->record, &course->block);
+    }
+    if (b > 0) {
+      countBlock(course);
+      continue;
+    }
     for (int i = 0; i < race->laneCount; i++) {
       Lane* lane = &course->lanes[i];
-      unsigned char* clashes = i == 0 ? course->block.clashes : course->clashes;
-      lane->times[b] = runBlock(lane, &course->block, clashes);
-      if (lane->times[b] < 0) {
-        snprintf(error, size, "not enough memory for a trial of %s", lane->contestant->name);
-        return false;
-      }
-      if (i > 0 && memcmp(clashes, course->block.clashes, bytes) != 0) {
-        return reportDisagreement(course, i, trial, error, size);
-      }
-      if (b == 0) {
-        lane->before = lane->contestant->counts(lane->self);
-      }
+      lane->before = lane->contestant->counts(lane->self);
     }
-    for (int i = 0; i < course->block.count && b > 0; i++) {
-      *accepted += !course->block.clashes[i];
-    }
-    trial += course->block.count;
   }
   return true;
 }
 
 /* ---- Results ---- */
 
-static RaceResult resultOf(const Lane* lane, const Race* race, int64_t accepted) {
-  const int blocks = blockCountOf(race);
-  const Counts counts = lane->contestant->counts(lane->self);
-  const double trials = race->trialCount;
-  return (RaceResult){.microseconds = quartilesOf(lane->times + 1, blocks),
-                      .accepted = (double)accepted / trials,
-                      .volumeTests = (double)(counts.volumeTests - lane->before.volumeTests) / trials,
-                      .particleTests = (double)(counts.particleTests - lane->before.particleTests) / trials,
-                      .updates = (double)(counts.updates - lane->before.updates) / trials};
+static RaceResult resultOf(const Course* course, const Lane* lane) {
+  const double trials = course->trialsRun;
+  const Contestant* contestant = lane->contestant;
+  const Counts counts = contestant->counts(lane->self);
+  return (RaceResult){
+      .instructionSet = contestant->instructionSet == NULL ? NULL : contestant->instructionSet(lane->self),
+      .trials = course->trialsRun,
+      .microseconds = quartilesOf(lane->times, course->blocksRun),
+      .accepted = course->accepted / trials,
+      .volumeTests = (double)(counts.volumeTests - lane->before.volumeTests) / trials,
+      .particleTests = (double)(counts.particleTests - lane->before.particleTests) / trials,
+      .updates = (double)(counts.updates - lane->before.updates) / trials};
 }
 
 bool raceRun(const Race* race, RaceResult* results, char* error, size_t size) {
   Course course;
-  int64_t accepted = 0;
-  const bool success = courseBegin(&course, race, error, size) && runBlocks(&course, &accepted, error, size);
+  if (race->record != NULL) {
+    recordScene(race->record, race->scene);
+  }
+  const bool success = courseBegin(&course, race, error, size) && runBlocks(&course, error, size);
   for (int i = 0; i < race->laneCount && success; i++) {
-    results[i] = resultOf(&course.lanes[i], race, accepted);
+    results[i] = resultOf(&course, &course.lanes[i]);
   }
   courseEnd(&course);
   return success;

@@ -2,6 +2,8 @@
 #ifndef RACE_H_
 #define RACE_H_
 
+#include <stdio.h>
+
 #include "measure.h"
 #include "moves.h"
 
@@ -12,14 +14,18 @@ typedef struct Race {
   MoveRule rule;
   uint64_t seed;
   int trialCount;
-  int blockSize; /* trials of one contestant before the next has its turn */
+  int blockSize;  /* trials of one contestant before the next has its turn */
+  double seconds; /* the race ends with the block in which its contestants have taken that long together */
   int laneCount;
   const Contestant* contestants[MOST_LANES];
   const Contestant* judge; /* keeps positions; asked where trials depend on them */
+  FILE* record;            /* takes the scene and all trials; may be NULL */
 } Race;
 
 /* Of one contestant, over blocks; the first block is run, but not counted. */
 typedef struct RaceResult {
+  const char* instructionSet; /* NULL if the contestant does not choose it */
+  int trials;
   Quartiles microseconds; /* per trial */
   double accepted;        /* share of trials */
   double volumeTests;     /* per trial, as the others */

@@ -16,6 +16,7 @@ static bool repeat(const Contestant* contestant, void* self, int repeats, double
     result->counts = (Counts){after.volumeTests - before.volumeTests, after.particleTests - before.particleTests,
                               after.updates - before.updates};
   }
+  result->instructionSet = contestant->instructionSet == NULL ? NULL : contestant->instructionSet(self);
   result->microseconds = quartilesOf(times, repeats);
   return true;
 }

@@ -6,8 +6,9 @@
 #include "measure.h"
 
 typedef struct WholeResult {
-  Quartiles microseconds; /* per test */
-  Counts counts;          /* of one test */
+  const char* instructionSet; /* NULL if the contestant does not choose it */
+  Quartiles microseconds;     /* per test */
+  Counts counts;              /* of one test */
   bool clash;
 } WholeResult;
 
