@@ -55,7 +55,7 @@ def findClashes(
     Parameters
     ----------
     structure : str or Path
-        a PDB or mmCIF file; of alternate conformers the first counts
+        a PDB or mmCIF file, plain or gzipped; of alternate conformers the first counts
     trajectory : str or Path, optional
         a DCD or XTC file with the same atoms, in place of the models of the structure
     radii : str, optional

@@ -1,7 +1,9 @@
 """Reading structures: PDB and mmCIF, all models, and what of them is worth looking at."""
 
+import gzip
 import io
 import re
+import zlib
 from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, NamedTuple
@@ -16,6 +18,8 @@ if TYPE_CHECKING:
     from .clashes import FrameClashes
 
 _WATER = "HOH"  # OpenMM's readers give every water this name
+
+_GZIP = b"\x1f\x8b"  # what compressed files begin with
 
 _COORDINATES = (slice(30, 38), slice(38, 46), slice(46, 54))  # columns of a PDB file
 
@@ -72,6 +76,8 @@ def villinPath():
 def readStructure(path=None):
     """Read the first model of a PDB or mmCIF file, first conformers only, and leave out water and ions (single atoms).
 
+    The file may be compressed by gzip.
+
     Parameters
     ----------
     path : str or Path, optional
@@ -82,7 +88,7 @@ def readStructure(path=None):
     InputError
         if the file cannot be read, or holds nothing to work on
     """
-    name = "villin" if path is None else Path(path).stem
+    name = "villin" if path is None else Path(Path(path).name.removesuffix(".gz")).stem
     path = villinPath() if path is None else Path(path)
     models = readModels(path)
     solute = select(path, models.topology)
@@ -91,7 +97,7 @@ def readStructure(path=None):
 
 
 def readModels(path):
-    """Read all models of a PDB or mmCIF file, first conformers only.
+    """Read all models of a PDB or mmCIF file, which may be compressed by gzip, first conformers only.
 
     Raises
     ------
@@ -99,10 +105,7 @@ def readModels(path):
         if the file or its first model cannot be read
     """
     path = Path(path)
-    try:
-        text = path.read_text(encoding="ascii", errors="replace")
-    except OSError as error:
-        raise InputError(f"{path}: {error.strerror}") from error
+    text = _readText(path)
     file, damage = _readMmCIF(path, text) if _isMmCIF(text) else _readPDB(path, text)
     names = [nameAtom(atom) for atom in file.topology.atoms()]
     positions = []
@@ -162,6 +165,18 @@ def select(path, topology, water=False, ions=False):
 
 def _describe(name):
     return f"{name.atom} of {name.describeResidue()}"
+
+
+def _readText(path):
+    try:
+        data = path.read_bytes()
+        if data.startswith(_GZIP):
+            data = gzip.decompress(data)
+    except (EOFError, zlib.error, gzip.BadGzipFile) as error:
+        raise InputError(f"{path}: cannot be decompressed ({error})") from error
+    except OSError as error:
+        raise InputError(f"{path}: {error.strerror}") from error
+    return io.TextIOWrapper(io.BytesIO(data), encoding="ascii", errors="replace").read()
 
 
 def _isMmCIF(text):

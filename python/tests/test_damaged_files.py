@@ -1,5 +1,6 @@
 """Damaged files: one sentence that names the file and the damage, and what comes before it is not lost."""
 
+import gzip
 import os
 import re
 import warnings
@@ -8,6 +9,7 @@ import numpy as np
 import pytest
 from openmm import app, unit
 from openmmchaintree import InputError, findClashes, trajectory
+from openmmchaintree.structure import readStructure
 from scenes import GLYCINES, writeDCD, writePDB, writeXTC
 
 _ATOMS = 582
@@ -228,3 +230,16 @@ def test_damagedMmCIF(tmp_path, villin):
         path.write_text(content)
         message, clashes = damageIn(path)
         assert message.startswith(f"{path}: {words}") and clashes == []
+
+
+def test_gzip(tmp_path, structure):
+    path = tmp_path / "villin.pdb.gz"
+    whole = gzip.compress(structure.read_bytes())
+    path.write_bytes(whole)
+    (frame,) = findClashes(path)
+    assert [clash[:2] for clash in frame.clashes] == [clash[:2] for clash in findClashes(structure)[0].clashes]
+    assert readStructure(path).name == "villin"
+    for damaged in (whole[:1000], whole[:5], whole[:1000] + b"*" * 1000, whole[:-8] + bytes(8)):
+        path.write_bytes(damaged)
+        message, clashes = damageIn(path)
+        assert message.startswith(f"{path}: cannot be decompressed (") and clashes == []

@@ -26,7 +26,9 @@ def addParser(commands):
     )
     clashes.set_defaults(run=_run)
     clashes.add_argument(
-        "structure", nargs="?", help="a PDB or mmCIF file (default: the villin headpiece in OpenMM's package)"
+        "structure",
+        nargs="?",
+        help="a PDB or mmCIF file, plain or gzipped (default: the villin headpiece in OpenMM's package)",
     )
     clashes.add_argument(
         "trajectory", nargs="?", help="a DCD or XTC file with the atoms of the structure, in place of its models"

@@ -28,7 +28,9 @@ def addParser(commands):
     )
     sample.set_defaults(run=_run)
     sample.add_argument(
-        "structure", nargs="?", help="a PDB or mmCIF file (default: the villin headpiece in OpenMM's package)"
+        "structure",
+        nargs="?",
+        help="a PDB or mmCIF file, plain or gzipped (default: the villin headpiece in OpenMM's package)",
     )
     sample.add_argument("--trials", type=positive, default=100000, help="number of trials (default: %(default)s)")
     sample.add_argument("--frames", type=positive, default=200, help="frames to write (default: %(default)s)")
