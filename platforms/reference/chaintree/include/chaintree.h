@@ -134,7 +134,8 @@ const char* ctGetErrorText(const ctChainTree* tree);
 
 /* The instruction set that the scene's tests use: "avx512", "avx2" or "portable", the widest that the machine has.
  * Results have the same bits on each. The environment variable CHAINTREE_SIMD, set to one of these names when the scene
- * is made, asks for that one or, where the machine lacks it, a narrower one. */
+ * is made, asks for that one or, where the machine lacks it, a narrower one. Likewise CHAINTREE_TRIALS=tree or
+ * =clearances asks that trials be tested by the one structure always, instead of by whichever costs less. */
 const char* ctGetInstructionSet(const ctChainTree* tree);
 
 /* ---- State ---- */
@@ -246,7 +247,7 @@ ctStatus ctComputeEnergy(ctChainTree* tree, double k, double* energy, double* fo
 /* ---- For tests ---- */
 
 /* Recomputes transforms and bounds by brute force and compares: true if every cached value has the bits that the state
- * gives and every volume holds what is below it. O(N log N). */
+ * gives, every volume holds what is below it, and what is kept of pairs' clearances is true. O(N^2). */
 bool ctValidate(ctChainTree* tree);
 
 #ifdef __cplusplus

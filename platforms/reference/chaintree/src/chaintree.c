@@ -23,6 +23,7 @@ static bool build(ctChainTree* scene, const ctDefinition* definition) {
 static void takeReference(ctChainTree* scene, const double* positions) {
   ctSequenceSetReference(&scene->sequence, positions);
   ctTreeMakeStale(&scene->staleTree);
+  ctClearanceForget(&scene->clearance);
 }
 
 ctStatus ctCreate(const ctDefinition* definition, ctChainTree** tree, char* errorText, size_t errorSize) {
@@ -44,6 +45,7 @@ ctStatus ctCreate(const ctDefinition* definition, ctChainTree** tree, char* erro
     return ctOutOfMemory;
   }
   scene->overlapTolerance = definition->overlapTolerance;
+  scene->clearance.course = ctChooseTrialCourse();
   scene->hydrogenBondAllowance = definition->hydrogenBondAllowance;
   takeReference(scene, definition->positions);
   *tree = scene;
@@ -55,6 +57,7 @@ void ctDestroy(ctChainTree* tree) {
     ctTrialFree(&tree->trial);
     ctTrialFree(&tree->next);
     ctTraversalFree(&tree->traversal);
+    ctClearanceFree(&tree->clearance);
     ctLimitsFree(&tree->limits);
     free(tree->undecided.pairs);
     ctArenaFree(&tree->arena);
@@ -177,62 +180,4 @@ ctStatus ctGetRelativeTransform(ctChainTree* tree, int linkA, int linkB, ctTrans
   }
   translationOf(&frame, transform->translation);
   return ctSuccess;
-}
-
-/* ---- For tests ---- */
-
-/* The tree's content, array by array. */
-typedef struct Content {
-  void* data;
-  size_t size;
-} Content;
-
-enum { CONTENT_COUNT = 9 };
-
-static void listContent(const Tree* tree, const Sequence* s, Content content[CONTENT_COUNT]) {
-  const size_t items = (size_t)tree->itemCount;
-  const Content all[CONTENT_COUNT] = {
-      {tree->shortcut, items * sizeof(Frame)},
-      {tree->pose, items * sizeof(Frame)},
-      {tree->bound, items * sizeof(Bound)},
-      {tree->sum, items * sizeof(double[3])},
-      {tree->leaf, (size_t)tree->levelBegin[1] * sizeof(Leaf)},
-      {tree->members, (items - (size_t)tree->levelBegin[1]) * sizeof(Members)},
-      {tree->axis, (size_t)s->linkCount * sizeof(double[3])},
-      {s->product, (size_t)s->productBegin[s->pathCount] * sizeof(Frame)},
-      {s->closure, (size_t)s->pathCount * sizeof(Frame)},
-  };
-  memcpy(content, all, sizeof all);
-}
-
-bool ctValidate(ctChainTree* tree) {
-  Content content[CONTENT_COUNT];
-  void* kept[CONTENT_COUNT] = {0};
-  Tree* made = ctSceneTree(tree);
-  ctTreeCompleteSums(made, &tree->sequence);
-  listContent(made, &tree->sequence, content);
-  bool same = true;
-  for (int i = 0; i < CONTENT_COUNT && same; i++) {
-    kept[i] = malloc(content[i].size + 1);
-    same = kept[i] != NULL;
-    if (same) {
-      memcpy(kept[i], content[i].data, content[i].size);
-    }
-  }
-  if (same) {
-    for (int i = 0; i < CONTENT_COUNT; i++) {
-      memset(content[i].data, 0, content[i].size);
-    }
-    ctSequenceRefresh(&tree->sequence);
-    ctTreeRefresh(made, &tree->sequence);
-    ctTreeCompleteSums(made, &tree->sequence);
-    for (int i = 0; i < CONTENT_COUNT; i++) {
-      same = same && memcmp(kept[i], content[i].data, content[i].size) == 0;
-      memcpy(content[i].data, kept[i], content[i].size);
-    }
-  }
-  for (int i = 0; i < CONTENT_COUNT; i++) {
-    free(kept[i]);
-  }
-  return same && ctTreeBoundsHold(made, &tree->sequence);
 }

@@ -19,6 +19,7 @@ typedef struct NodeBoxes {
 
 /* An item whose members are of different rigid bodies. */
 typedef struct Straddler {
+  int item;
   Block block;            /* its members as they lie in the view */
   int motion[TREE_WIDTH]; /* of each member, coded like Traversal.motion */
 } Straddler;

@@ -1,4 +1,7 @@
 /* The descent, compiled once for each instruction set by the file that includes this. */
+#ifndef CT_DESCENT_BODY_H_
+#define CT_DESCENT_BODY_H_
+
 #include <string.h>
 
 #include "descent.h"
@@ -97,6 +100,7 @@ static Sphere expandStraddler(Traversal* t, int level, int item, int piece) {
   t->itemStamp[item] = t->stamp;
   t->motion[item] = straddlerCode(t->straddlerCount);
   Straddler* s = &t->straddlers[t->straddlerCount++];
+  s->item = item;
   putToRest(t, level, item);
   s->block = t->rest[item];
   int end;
@@ -120,7 +124,7 @@ static Sphere expandStraddler(Traversal* t, int level, int item, int piece) {
       while (k < wholes) {
         s->motion[k++] = motion;
       }
-    } else {
+    } else if (level > 0) { /* a slot straddles nothing */
       const Sphere bound = expandStraddler(t, level - 1, first + k, piece);
       s->block.x[k] = bound.x;
       s->block.y[k] = bound.y;
@@ -139,8 +143,8 @@ static Sphere expandStraddler(Traversal* t, int level, int item, int piece) {
   return bound;
 }
 
-/* A new descent: nothing is expanded, and the size of the scene in this view is known. */
-static void startDescent(Traversal* t, const View* view) {
+/* A new view: its motions, and how large the scene is in it. */
+static void startView(Traversal* t, const View* view) {
   const Tree* tree = t->tree;
   const int root = treeRoot(tree);
   const Bound* bound = &tree->bound[root];
@@ -169,6 +173,13 @@ static void startDescent(Traversal* t, const View* view) {
     t->sinceSurfaces = view->surfaces;
   }
   t->straddlerCount = 0;
+}
+
+/* A new descent: nothing is expanded but the root and what straddles. */
+static void startDescent(Traversal* t, const View* view) {
+  const Tree* tree = t->tree;
+  const int root = treeRoot(tree);
+  startView(t, view);
   if (view->pieceCount > 1) {
     expandStraddler(t, treeTop(tree), root, 0);
   } else {
@@ -508,3 +519,5 @@ static void traverseProbe(Traversal* t, const View* view, const double point[3],
     }
   }
 }
+
+#endif /* CT_DESCENT_BODY_H_ */

@@ -2,7 +2,7 @@
 #ifndef CT_INSTRUCTIONS_H_
 #define CT_INSTRUCTIONS_H_
 
-#include "traverse.h"
+#include "clearance.h"
 
 typedef struct InstructionSet {
   const char* name;
@@ -15,6 +15,12 @@ typedef struct InstructionSet {
   void (*traverse)(Traversal* t, const View* view, CandidateFunction* function, void* context, ctCounts* counts);
   void (*probe)(Traversal* t, const View* view, const double point[3], double radius, ProbeFunction* function,
                 void* context, ctCounts* counts);
+
+  /* Of clearances; the two that return something return what they have cost. See clearance.h. */
+  void (*measureClearances)(Clearance* c, Traversal* t, double reach);
+  int64_t (*testByClearance)(Clearance* c, Traversal* t, const View* view, ClearanceFunction* function, void* context,
+                             ctCounts* counts);
+  int64_t (*commitClearances)(Clearance* c, Traversal* t, const View* view);
 } InstructionSet;
 
 /* The widest that the machine has, unless the environment asks for a narrower one. */

@@ -1,9 +1,11 @@
 #ifdef __x86_64__
 #define CT_PATH_AVX2
+#include "clearance_body.h"
 #include "descent_body.h"
 #include "refresh_body.h"
 
-const InstructionSet ctAvx2 = {"avx2", refreshLeaf, refreshNode, traverse, traverseProbe};
+const InstructionSet ctAvx2 = {"avx2",        refreshLeaf,       refreshNode,     traverse,
+                               traverseProbe, measureClearances, testByClearance, commitClearances};
 #else
 typedef int NothingHere; /* a file must declare something */
 #endif

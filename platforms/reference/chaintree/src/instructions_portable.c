@@ -1,4 +1,6 @@
+#include "clearance_body.h"
 #include "descent_body.h"
 #include "refresh_body.h"
 
-const InstructionSet ctPortable = {"portable", refreshLeaf, refreshNode, traverse, traverseProbe};
+const InstructionSet ctPortable = {"portable",    refreshLeaf,       refreshNode,     traverse,
+                                   traverseProbe, measureClearances, testByClearance, commitClearances};

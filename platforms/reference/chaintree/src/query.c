@@ -253,6 +253,7 @@ ctStatus ctSetLimits(ctChainTree* tree, int count, const int (*pairs)[2], const 
   }
   ctLimitsFree(&tree->limits);
   tree->limits = fresh;
+  ctClearanceForget(&tree->clearance);
   return ctSuccess;
 }
 

@@ -2,6 +2,7 @@
 #ifndef CT_SCENE_H_
 #define CT_SCENE_H_
 
+#include "clearance.h"
 #include "exclusion.h"
 #include "trial.h"
 
@@ -25,6 +26,7 @@ struct ctChainTree {
   Limits limits;
   Tree staleTree; /* only through ctSceneTree */
   Traversal traversal;
+  Clearance clearance;
   Trial trial;
   Trial next; /* where a proposal is made, so that a refused one leaves the open trial alone */
   SlotPairs undecided;

@@ -6,6 +6,7 @@
 #define CT_SIMD_H_
 
 #include <math.h>
+#include <stdint.h>
 
 #if defined(CT_PATH_AVX512)
 
@@ -39,6 +40,10 @@ static inline Float16 mul16(Float16 a, Float16 b) {
 
 static inline Float16 sqrt16(Float16 a) {
   return _mm512_sqrt_ps(a);
+}
+
+static inline Float16 min16(Float16 a, Float16 b) {
+  return _mm512_min_ps(a, b);
 }
 
 static inline Float16 absolute16(Float16 a) {
@@ -109,6 +114,10 @@ static inline Float16 mul16(Float16 a, Float16 b) {
 
 static inline Float16 sqrt16(Float16 a) {
   return (Float16){_mm256_sqrt_ps(a.low), _mm256_sqrt_ps(a.high)};
+}
+
+static inline Float16 min16(Float16 a, Float16 b) {
+  return (Float16){_mm256_min_ps(a.low, b.low), _mm256_min_ps(a.high, b.high)};
 }
 
 static inline Float16 absolute16(Float16 a) {
@@ -259,6 +268,11 @@ static inline Float4 max4(Float4 a, Float4 b) {
   return (Float4)(((Int4)a & chosen) | ((Int4)b & ~chosen));
 }
 
+static inline Float16 min16(Float16 a, Float16 b) {
+  CT_EACH_QUARTER a.q[i] = min4(a.q[i], b.q[i]);
+  return a;
+}
+
 static inline Float16 max16(Float16 a, Float16 b) {
   CT_EACH_QUARTER a.q[i] = max4(a.q[i], b.q[i]);
   return a;
@@ -279,6 +293,105 @@ static inline float most16(Float16 a) {
 }
 
 #undef CT_EACH_QUARTER
+
+#endif
+
+/* ---- Sixteen unsigned shorts ---- */
+
+#if defined(CT_PATH_AVX512) || defined(CT_PATH_AVX2)
+
+typedef __m256i Short16;
+
+static inline Short16 loadShorts(const uint16_t* p) {
+  return _mm256_loadu_si256((const __m256i*)p);
+}
+
+static inline void storeShorts(uint16_t* p, Short16 a) {
+  _mm256_storeu_si256((__m256i*)p, a);
+}
+
+static inline Short16 allShorts(uint16_t a) {
+  return _mm256_set1_epi16((short)a);
+}
+
+static inline Short16 minShorts(Short16 a, Short16 b) {
+  return _mm256_min_epu16(a, b);
+}
+
+/* a - b, or 0 if that is negative. */
+static inline Short16 lessShorts(Short16 a, Short16 b) {
+  return _mm256_subs_epu16(a, b);
+}
+
+/* Bit k: a[k] == 0. */
+static inline unsigned zeroShorts(Short16 a) {
+  const __m256i zero = _mm256_cmpeq_epi16(a, _mm256_setzero_si256());
+  const __m128i bytes = _mm_packs_epi16(_mm256_castsi256_si128(zero), _mm256_extracti128_si256(zero, 1));
+  return (unsigned)_mm_movemask_epi8(bytes);
+}
+
+/* b where the mask has a bit, else a. */
+static inline Short16 blendShorts(unsigned mask, Short16 a, Short16 b) {
+  const __m256i bits = _mm256_setr_epi16(1, 2, 4, 8, 16, 32, 64, 128, 256, 512, 1024, 2048, 4096, 8192, 16384, -32768);
+  const __m256i chosen = _mm256_cmpeq_epi16(_mm256_and_si256(_mm256_set1_epi16((short)mask), bits), bits);
+  return _mm256_blendv_epi8(a, b, chosen);
+}
+
+#else
+
+typedef uint16_t Short8 __attribute__((vector_size(16)));
+
+typedef struct Short16 {
+  Short8 h[2];
+} Short16;
+
+static inline Short16 loadShorts(const uint16_t* p) {
+  Short16 a;
+  __builtin_memcpy(&a, p, sizeof a);
+  return a;
+}
+
+static inline void storeShorts(uint16_t* p, Short16 a) {
+  __builtin_memcpy(p, &a, sizeof a);
+}
+
+static inline Short16 allShorts(uint16_t a) {
+  const Short8 all = {a, a, a, a, a, a, a, a};
+  return (Short16){{all, all}};
+}
+
+static inline Short16 lessShorts(Short16 a, Short16 b) {
+  for (int i = 0; i < 2; i++) {
+    a.h[i] = (a.h[i] - b.h[i]) & (Short8)(a.h[i] > b.h[i]);
+  }
+  return a;
+}
+
+static inline Short16 minShorts(Short16 a, Short16 b) {
+  for (int i = 0; i < 2; i++) {
+    const Short8 chosen = (Short8)(a.h[i] < b.h[i]);
+    a.h[i] = (a.h[i] & chosen) | (b.h[i] & ~chosen);
+  }
+  return a;
+}
+
+static inline unsigned zeroShorts(Short16 a) {
+  unsigned mask = 0;
+  for (unsigned k = 0; k < 16; k++) {
+    mask |= (unsigned)(a.h[k / 8][k % 8] == 0) << k;
+  }
+  return mask;
+}
+
+static inline Short16 blendShorts(unsigned mask, Short16 a, Short16 b) {
+  const Short8 bits = {1, 2, 4, 8, 16, 32, 64, 128};
+  for (int i = 0; i < 2; i++) {
+    const uint16_t byte = (uint16_t)(mask >> 8 * i & 255);
+    const Short8 chosen = (Short8)((((Short8){byte, byte, byte, byte, byte, byte, byte, byte}) & bits) == bits);
+    a.h[i] = (b.h[i] & chosen) | (a.h[i] & ~chosen);
+  }
+  return a;
+}
 
 #endif
 

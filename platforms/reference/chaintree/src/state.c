@@ -115,5 +115,6 @@ ctStatus ctSetState(ctChainTree* tree, const double* state) {
     numbers += size;
   }
   ctTreeMakeStale(&tree->staleTree);
+  ctClearanceForget(&tree->clearance);
   return ctSuccess;
 }

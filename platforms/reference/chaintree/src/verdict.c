@@ -1,6 +1,7 @@
 /* Trials: propose, test, changed pairs, commit, discard. */
 #include <stdlib.h>
 
+#include "instructions.h"
 #include "position.h"
 #include "scene.h"
 
@@ -62,6 +63,7 @@ ctStatus ctPropose(ctChainTree* tree, int count, const ctChange* changes) {
   tree->trial = tree->next;
   tree->next = dropped;
   tree->next.open = false;
+  tree->clearance.testedCount = 0;
   return ctSuccess;
 }
 
@@ -92,28 +94,34 @@ typedef struct Verdict {
   int slotB;
 } Verdict;
 
-static bool judge(void* context, int slotA, int slotB, double squaredDistance) {
+/* How much nearer two particles may come; if they are of different bodies, a clash is noted. */
+static double clearanceOf(void* context, int slotA, int slotB, double squaredDistance, bool crosses) {
   Verdict* verdict = context;
   ctChainTree* tree = verdict->tree;
   const double band = tree->traversal.band;
   const double overlap = radiusSum(tree, slotA, slotB) - sqrt(squaredDistance);
-  const double tolerance = pairTolerance(tree, slotA, slotB);
-  if (overlap <= tolerance - band) {
-    return true;
+  double limit = pairTolerance(tree, slotA, slotB);
+  if (overlap > limit - band) {
+    int pair[2];
+    particlesOf(tree, slotA, slotB, pair);
+    limit = ctLimitsFind(&tree->limits, pair[0], pair[1], limit);
   }
-  int pair[2];
-  particlesOf(tree, slotA, slotB, pair);
-  const double limit = ctLimitsFind(&tree->limits, pair[0], pair[1], tolerance);
-  if (overlap > limit + band) {
+  const double clearance = limit - overlap;
+  if (!crosses || clearance >= band) {
+    return clearance;
+  }
+  if (clearance < -band) {
     verdict->clash = true;
     verdict->slotA = slotA;
     verdict->slotB = slotB;
-    return false;
+    return clearance;
   }
-  if (overlap > limit - band) {
-    verdict->failed = !addUndecided(tree, slotA, slotB, limit);
-  }
-  return !verdict->failed;
+  verdict->failed = !addUndecided(tree, slotA, slotB, limit);
+  return verdict->failed ? -1 : 0;
+}
+
+static bool judge(void* context, int slotA, int slotB, double squaredDistance) {
+  return clearanceOf(context, slotA, slotB, squaredDistance, true) >= 0;
 }
 
 /* Pairs within rounding of their limits: by the canonical distance that they would have after a commit. */
@@ -140,7 +148,25 @@ ctStatus ctTestTrial(ctChainTree* tree, bool* clash, int pair[2], ctCounts* coun
   const View view = ctTrialView(&tree->trial, true, true, -tree->overlapTolerance);
   Verdict verdict = {tree, false, false, CT_NULL, CT_NULL};
   tree->undecided.count = 0;
-  ctTraverse(&tree->traversal, &view, judge, &verdict, counts);
+  ctCounts own = {0};
+  int64_t cost = GAVE_UP;
+  if (ctClearanceIsWanted(&tree->clearance, &tree->traversal, view.reach)) {
+    const InstructionSet* instructions = ctSceneTree(tree)->instructions;
+    cost = instructions->testByClearance(&tree->clearance, &tree->traversal, &view, clearanceOf, &verdict, &own);
+    if (cost == GAVE_UP) {
+      ctClearanceGiveUp(&tree->clearance);
+      tree->undecided.count = 0;
+    }
+  }
+  if (cost == GAVE_UP) {
+    ctTraverse(&tree->traversal, &view, judge, &verdict, &own);
+    cost = own.volumeTests + own.particleTests;
+  }
+  ctClearanceCharge(&tree->clearance, cost, true);
+  if (counts != NULL) {
+    counts->volumeTests += own.volumeTests;
+    counts->particleTests += own.particleTests;
+  }
   if (verdict.failed) {
     return ctFailOutOfMemory(tree);
   }
@@ -243,6 +269,12 @@ ctStatus ctGetTrialPositions(ctChainTree* tree, double* positions) {
 ctStatus ctCommit(ctChainTree* tree, ctCounts* counts) {
   if (!tree->trial.open) {
     return failNoTrial(tree);
+  }
+  if (tree->clearance.isKept) {
+    const View view = ctTrialView(&tree->trial, true, true, -tree->overlapTolerance);
+    const InstructionSet* instructions = ctSceneTree(tree)->instructions;
+    ctClearanceCharge(&tree->clearance, instructions->commitClearances(&tree->clearance, &tree->traversal, &view),
+                      false);
   }
   const int updated = applyTrial(tree, true);
   tree->trial.open = false;

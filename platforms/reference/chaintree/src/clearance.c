@@ -1,0 +1,120 @@
+#include "clearance.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+#include "instructions.h"
+
+enum {
+  TRIALS_A_ROUND = 128,
+  TRIALS_TO_MEASURE_TREE = 8,
+  ROUNDS_A_MEASURE = 16,
+  LEAST_COST_WORTH_SAVING = 1500,
+  LEAST_PATIENCE = 4,
+  MOST_LEAVES = 2048, /* a table of 8 MiB */
+  MOST_PATIENCE = 1 << 12
+};
+
+TrialCourse ctChooseTrialCourse(void) {
+  const char* wanted = getenv("CHAINTREE_TRIALS");
+  if (wanted == NULL) {
+    return byCost;
+  }
+  return strcmp(wanted, "tree") == 0 ? byTree : strcmp(wanted, "clearances") == 0 ? byClearances : byCost;
+}
+
+void ctClearanceForget(Clearance* c) {
+  c->isKept = false;
+}
+
+void ctClearanceFree(Clearance* c) {
+  free(c->least);
+  free(c->shift);
+  free(c->tested);
+  *c = (Clearance){0};
+}
+
+static bool reserve(Clearance* c, const Tree* tree) {
+  if (c->least != NULL) {
+    return true;
+  }
+  c->leafCount = tree->levelSize[0];
+  c->stride = tree->levelBegin[1];
+  c->least = malloc((size_t)c->leafCount * (size_t)c->stride * sizeof(uint16_t));
+  c->shift = malloc((size_t)c->stride * sizeof(uint16_t));
+  if (c->least == NULL || c->shift == NULL) {
+    free(c->least);
+    free(c->shift);
+    c->least = NULL;
+    c->shift = NULL;
+  }
+  return c->least != NULL;
+}
+
+/* Of a test by clearances that finds nothing near: all rows of the moved against all that are not, in sixteens. */
+static int64_t leastCost(const Tree* tree) {
+  const int64_t leaves = tree->levelSize[0];
+  const int64_t least = leaves + leaves * leaves / 96;
+  return least > LEAST_COST_WORTH_SAVING ? least : LEAST_COST_WORTH_SAVING;
+}
+
+void ctClearanceGiveUp(Clearance* c) {
+  c->isKept = false;
+  c->measuresTree = false;
+  c->cost = 0;
+  c->trials = 0;
+  c->wait = c->patience;
+  c->patience = c->patience < MOST_PATIENCE ? 2 * c->patience : c->patience;
+}
+
+static bool keep(Clearance* c, Traversal* t, double reach) {
+  c->isKept = reserve(c, t->tree);
+  if (c->isKept) {
+    t->tree->instructions->measureClearances(c, t, reach);
+  }
+  return c->isKept;
+}
+
+/* At the end of a round. */
+static void choose(Clearance* c, Traversal* t, double reach) {
+  const int64_t mean = c->cost / c->trials;
+  c->cost = 0;
+  c->trials = 0;
+  if (!c->isKept || c->measuresTree) {
+    c->treeCost = mean;
+  }
+  if (c->measuresTree) {
+    c->measuresTree = false;
+  } else if (c->isKept && 10 * mean > 9 * c->treeCost) {
+    ctClearanceGiveUp(c);
+  } else if (c->isKept) {
+    c->patience = LEAST_PATIENCE;
+    c->measuresTree = ++c->rounds % ROUNDS_A_MEASURE == 0;
+  } else if (c->wait > 0) {
+    c->wait--;
+  } else if (mean > leastCost(t->tree) && keep(c, t, reach)) {
+    c->patience = c->patience > 0 ? c->patience : LEAST_PATIENCE;
+    c->rounds = 0;
+  }
+}
+
+bool ctClearanceIsWanted(Clearance* c, Traversal* t, double reach) {
+  if (c->course == byTree || t->tree->levelCount == 1 || t->tree->levelSize[0] > MOST_LEAVES) {
+    return false;
+  }
+  if (c->course == byClearances) {
+    c->mostCost = INT64_MAX;
+    return c->isKept || keep(c, t, reach);
+  }
+  if (c->trials >= (c->measuresTree ? TRIALS_TO_MEASURE_TREE : TRIALS_A_ROUND)) {
+    choose(c, t, reach);
+  }
+  /* The first tests of a round may have much to learn. */
+  c->mostCost = (TRIALS_A_ROUND / 4 + c->trials) * c->treeCost - c->cost;
+  return c->isKept && !c->measuresTree;
+}
+
+void ctClearanceCharge(Clearance* c, int64_t cost, bool isTest) {
+  c->cost += cost;
+  c->trials += isTest;
+}

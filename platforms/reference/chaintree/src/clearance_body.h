@@ -1,0 +1,404 @@
+/* Tests by clearances, compiled once for each instruction set by the file that includes this. */
+#include "clearance.h"
+#include "descent_body.h"
+
+/* Two pieces that move against each other. Leaves that they share with a neighbour belong to both. */
+typedef struct Crossing {
+  int beginA;
+  int endA;
+  int motionA;
+  int beginB;
+  int endB;
+  int motionB;
+  float between[12]; /* what takes B, at rest, to where A, at rest, sees it in the view */
+} Crossing;
+
+/* ---- How far bodies go ---- */
+
+/* Puts all nodes into the world, so that all leaves have their spheres there. */
+static void putNodesToRest(Traversal* t) {
+  const Tree* tree = t->tree;
+  for (int level = treeTop(tree); level > 0; level--) {
+    for (int i = 0; i < tree->levelSize[level]; i++) {
+      putToRest(t, level, tree->levelBegin[level] + i);
+    }
+  }
+}
+
+/* The spheres of sixteen leaves at rest. */
+static const Block* leafSpheres(const Traversal* t, int block) {
+  return &t->rest[t->tree->levelBegin[1] + block];
+}
+
+/* Turns lengths into units, rounded down. */
+static void storeUnits(const Clearance* c, Float16 lengths, uint16_t* units) {
+  float values[TREE_WIDTH];
+  const Float16 most = all16((float)MOST_CLEARANCE);
+  store16(values, min16(max16(mul16(lengths, all16(0.999999f / c->unit)), all16(0)), most));
+  for (int k = 0; k < TREE_WIDTH; k++) {
+    units[k] = (uint16_t)(int)values[k];
+  }
+}
+
+/* Bounds how far a rigid motion takes the particles of these leaves, in units, rounded up. */
+static void boundShifts(Clearance* c, const Traversal* t, const Frame* motion, int begin, int end) {
+  /* What the motion adds to a point: small where it is small. */
+  float change[12];
+  double trace = 0;
+  for (int i = 0; i < 3; i++) {
+    for (int j = 0; j < 4; j++) {
+      change[4 * i + j] = (float)(motion->m[i][j] - (i == j));
+    }
+    trace += motion->m[i][i];
+  }
+  /* |R - 1|, with room for the rounding of the trace, and room for that of the centres. */
+  const double chord = sqrt(larger(0, 3 - trace) + 1e-13);
+  const Float16 room = all16((float)(FLOAT_MARGIN * chord * t->extent + 2 * (double)c->unit));
+  for (int block = begin / TREE_WIDTH; block <= (end - 1) / TREE_WIDTH; block++) {
+    const Block* spheres = leafSpheres(t, block);
+    const Float16 x = moved16(spheres, change);
+    const Float16 y = moved16(spheres, change + 4);
+    const Float16 z = moved16(spheres, change + 8);
+    const Float16 centre = sqrt16(add16(add16(mul16(x, x), mul16(y, y)), mul16(z, z)));
+    const Float16 turned = mul16(max16(load16(spheres->r), all16(0)), all16((float)chord));
+    storeUnits(c, mul16(add16(add16(centre, turned), room), all16(1.00001f)), c->shift + TREE_WIDTH * block);
+  }
+}
+
+/* Calls `visit` for each two pieces of the view that move against each other, their shifts bounded; ends with true as
+ * soon as that does. */
+typedef bool CrossingFunction(Clearance* c, Traversal* t, const Crossing* crossing, void* context);
+
+static bool forEachCrossing(Clearance* c, Traversal* t, CrossingFunction* visit, void* context) {
+  const View* view = t->view;
+  for (int p = 0; p < view->pieceCount; p++) {
+    for (int q = p + 1; q < view->pieceCount; q++) {
+      if (view->pieces[p].motion == view->pieces[q].motion) {
+        continue;
+      }
+      const int endOfQ = q + 1 < view->pieceCount ? view->pieces[q + 1].slotBegin : t->tree->slotCount;
+      Crossing crossing = {view->pieces[p].slotBegin / TREE_WIDTH,
+                           (view->pieces[p + 1].slotBegin - 1) / TREE_WIDTH + 1,
+                           view->pieces[p].motion,
+                           view->pieces[q].slotBegin / TREE_WIDTH,
+                           (endOfQ - 1) / TREE_WIDTH + 1,
+                           view->pieces[q].motion,
+                           {0}};
+      const Frame back = transformInverse(&view->motions[crossing.motionA]);
+      const Frame between = transformCompose(&back, &view->motions[crossing.motionB]);
+      floatMotion(&between, crossing.between);
+      /* A distance changes by no more than either of its ends is displaced. */
+      boundShifts(c, t, &between, crossing.beginA, crossing.endA);
+      boundShifts(c, t, &between, crossing.beginB, crossing.endB);
+      if (visit(c, t, &crossing, context)) {
+        return true;
+      }
+    }
+  }
+  return false;
+}
+
+/* The columns of a row that a crossing has, sixteen at a time: mask of those in [begin, end) from column `first` on. */
+static unsigned columnsWithin(int first, int begin, int end) {
+  unsigned mask = 0xffff;
+  if (first < begin) {
+    mask &= 0xffffu << (begin - first);
+  }
+  if (end - first < TREE_WIDTH) {
+    mask &= (1u << (end - first)) - 1;
+  }
+  return mask;
+}
+
+/* ---- Measuring ---- */
+
+static void measureClearances(Clearance* c, Traversal* t, double reach) {
+  const View view = ctViewOfState(true, reach);
+  startView(t, &view);
+  putNodesToRest(t);
+  float widest = 0;
+  for (int leaf = 0; leaf < c->leafCount; leaf++) {
+    const float r = leafSpheres(t, leaf / TREE_WIDTH)->r[leaf % TREE_WIDTH];
+    widest = r > widest ? r : widest;
+  }
+  c->unit = 4 * widest / (float)MOST_CLEARANCE;
+  const Float16 room = all16((float)(reach + FLOAT_MARGIN * (t->extent + fabs(reach))));
+  for (int a = 0; a < c->leafCount; a++) {
+    const Sphere own = sphereOf(leafSpheres(t, a / TREE_WIDTH), a % TREE_WIDTH);
+    for (int block = a / TREE_WIDTH; block < c->stride / TREE_WIDTH; block++) {
+      const Block* spheres = leafSpheres(t, block);
+      const Float16 x = sub16(load16(spheres->x), all16(own.x));
+      const Float16 y = sub16(load16(spheres->y), all16(own.y));
+      const Float16 z = sub16(load16(spheres->z), all16(own.z));
+      const Float16 distance = sqrt16(add16(add16(mul16(x, x), mul16(y, y)), mul16(z, z)));
+      const Float16 radii = max16(add16(load16(spheres->r), all16(own.r)), all16(0));
+      storeUnits(c, sub16(sub16(distance, radii), room), c->least + (size_t)a * (size_t)c->stride + TREE_WIDTH * block);
+    }
+  }
+}
+
+/* ---- Testing ---- */
+
+/* The motion of a slot. */
+static int motionOf(const View* view, int slot) {
+  int piece = view->pieceCount - 1;
+  while (view->pieces[piece].slotBegin > slot) {
+    piece--;
+  }
+  return view->pieces[piece].motion;
+}
+
+typedef struct ClearanceTest {
+  ClearanceFunction* function;
+  void* context;
+  float room; /* reach and the rounding of distances */
+  bool clash;
+  int64_t cost;
+  int64_t volumeTests;
+  int64_t particleTests;
+} ClearanceTest;
+
+/* The least clearance of the particles of two expanded leaves, or of one with itself, in the view; no more than `cap`.
+ */
+static float leafClearance(Clearance* c, Traversal* t, ClearanceTest* test, int a, int b, float cap) {
+  const Block* blockA = blockOf(t, a);
+  const Block* blockB = blockOf(t, b);
+  const int partner = exclusionPartner(t->exclusions, a, b);
+  float least = cap;
+  Float16 least16s = all16(cap);
+  unsigned members = 0xffff;
+  if (a != b && t->motion[b] >= 0) {
+    Sphere sphere = sphereOf(leafSpheres(t, b / TREE_WIDTH), b % TREE_WIDTH);
+    if (moves(t->view, t->motion[b])) {
+      const float* m = t->motions[t->motion[b]];
+      sphere = (Sphere){m[0] * sphere.x + m[1] * sphere.y + m[2] * sphere.z + m[3],
+                        m[4] * sphere.x + m[5] * sphere.y + m[6] * sphere.z + m[7],
+                        m[8] * sphere.x + m[9] * sphere.y + m[10] * sphere.z + m[11], sphere.r};
+    }
+    members = near16(blockA, sphere, cap + test->room);
+  }
+  for (; members != 0; members &= members - 1) {
+    const int k = __builtin_ctz(members);
+    unsigned out = a == b ? (2u << k) - 1 : 0;
+    if (partner != CT_NULL) {
+      out |= t->exclusions->mask[partner][k];
+    }
+    const Float16 dx = sub16(load16(blockB->x), all16(blockA->x[k]));
+    const Float16 dy = sub16(load16(blockB->y), all16(blockA->y[k]));
+    const Float16 dz = sub16(load16(blockB->z), all16(blockA->z[k]));
+    const Float16 distance = sqrt16(add16(add16(mul16(dx, dx), mul16(dy, dy)), mul16(dz, dz)));
+    Float16 clearance = sub16(sub16(distance, load16(blockB->r)), all16(blockA->r[k] + test->room));
+    test->particleTests += TREE_WIDTH;
+    const unsigned close = greater16(all16(0), clearance) & ~out & 0xffff;
+    clearance = blend16((out | close) & 0xffff, clearance, all16(cap));
+    least16s = min16(least16s, clearance);
+    for (unsigned mask = close; mask != 0; mask &= mask - 1) {
+      const int l = __builtin_ctz(mask);
+      double x[3];
+      double y[3];
+      const int i = a * TREE_WIDTH + k;
+      const int j = b * TREE_WIDTH + l;
+      ctTraversalPosition(t, i, x);
+      ctTraversalPosition(t, j, y);
+      const bool crosses = motionOfMember(t, a, k) != motionOfMember(t, b, l);
+      const double exact = test->function(test->context, i, j, squaredDistance(x, y), crosses);
+      if (crosses && exact < 0) {
+        test->clash = true;
+        c->witness[c->nextWitness][0] = i;
+        c->witness[c->nextWitness][1] = j;
+        c->nextWitness = (c->nextWitness + 1) % WITNESS_COUNT;
+        return 0;
+      }
+      least = exact < (double)least ? (float)(exact - t->band) : least;
+    }
+  }
+  const float far = least16(least16s);
+  return far < least ? far : least;
+}
+
+static void expandLeaf(Traversal* t, int leaf, int motion) {
+  if (t->itemStamp[leaf] != t->stamp) {
+    t->motion[leaf] = motion;
+    expand(t, 0, leaf);
+  }
+}
+
+/* A pair whose clearance the bound may use up. */
+static inline void testPair(Clearance* c, Traversal* t, ClearanceTest* test, const Crossing* crossing, int a, int b) {
+  const uint16_t bound = c->shift[a] < c->shift[b] ? c->shift[a] : c->shift[b];
+  uint16_t* least = &c->least[(size_t)a * (size_t)c->stride + (size_t)b];
+  expandLeaf(t, a, crossing->motionA);
+  expandLeaf(t, b, crossing->motionB);
+  float clearance = -1;
+  const float wanted = (float)bound * c->unit;
+  const bool straddles = t->motion[a] < 0 || t->motion[b] < 0;
+  if (!straddles) {
+    const Sphere sphereA = sphereOf(leafSpheres(t, a / TREE_WIDTH), a % TREE_WIDTH);
+    const Sphere sphereB = sphereOf(leafSpheres(t, b / TREE_WIDTH), b % TREE_WIDTH);
+    const float* m = crossing->between;
+    const float x = m[0] * sphereB.x + m[1] * sphereB.y + m[2] * sphereB.z + m[3] - sphereA.x;
+    const float y = m[4] * sphereB.x + m[5] * sphereB.y + m[6] * sphereB.z + m[7] - sphereA.y;
+    const float z = m[8] * sphereB.x + m[9] * sphereB.y + m[10] * sphereB.z + m[11] - sphereA.z;
+    clearance = sqrtf(x * x + y * y + z * z) - sphereA.r - sphereB.r - test->room;
+    test->volumeTests++;
+    test->cost += 6;
+  }
+  if (!(clearance > wanted)) {
+    const float near = leafClearance(c, t, test, a, b, 8 * wanted + 64 * c->unit);
+    test->cost += 60;
+    if (test->clash) {
+      return;
+    }
+    clearance = near > clearance ? near : clearance;
+  }
+  const float units = 0.999999f * clearance / c->unit;
+  const uint16_t found = (uint16_t)(int)(units < 0 ? 0 : units > (float)MOST_CLEARANCE ? (float)MOST_CLEARANCE : units);
+  if (!straddles || t->view->motionCount == 2) { /* else a part of them may come nearer by more than this bound */
+    const uint16_t before = found > bound ? (uint16_t)(found - bound) : 0;
+    *least = before > *least ? before : *least;
+  }
+  /* Without memory for it, a commit just takes off the bound. */
+  if (ctReserve((void**)&c->tested, &c->testedCapacity, c->testedCount + 1, sizeof(TestedPair))) {
+    c->tested[c->testedCount++] = (TestedPair){a, b, found};
+  }
+}
+
+/* Columns from `first` on whose bit is set; true if nothing more is to be tested. A function of its own, so that the
+ * search for them has all registers. */
+static __attribute__((noinline)) bool testPairs(Clearance* c, Traversal* t, ClearanceTest* test,
+                                                const Crossing* crossing, int a, int first, unsigned mask) {
+  for (; mask != 0; mask &= mask - 1) {
+    testPair(c, t, test, crossing, a, first + __builtin_ctz(mask));
+    if (test->clash || test->cost > c->mostCost) {
+      return true;
+    }
+  }
+  return false;
+}
+
+static bool testCrossing(Clearance* c, Traversal* t, const Crossing* crossing, void* context) {
+  ClearanceTest* test = context;
+  for (int a = crossing->beginA; a < crossing->endA; a++) {
+    const int begin = crossing->beginB > a ? crossing->beginB : a + 1;
+    const uint16_t* row = c->least + (size_t)a * (size_t)c->stride;
+    const Short16 own = allShorts(c->shift[a]);
+    for (int first = begin / TREE_WIDTH * TREE_WIDTH; first < crossing->endB; first += TREE_WIDTH) {
+      const Short16 bound = minShorts(own, loadShorts(c->shift + first));
+      unsigned mask = zeroShorts(lessShorts(loadShorts(row + first), bound));
+      if (mask == 0) {
+        continue;
+      }
+      mask &= columnsWithin(first, begin, crossing->endB);
+      if (mask != 0 && testPairs(c, t, test, crossing, a, first, mask)) {
+        return true;
+      }
+    }
+    test->cost += (crossing->endB - begin) / TREE_WIDTH;
+  }
+  return false;
+}
+
+/* The pairs that clashed in the last trials are likely to do so again. */
+static bool testWitnesses(Clearance* c, Traversal* t, ClearanceTest* test) {
+  for (int i = 0; i < WITNESS_COUNT; i++) {
+    const int* pair = c->witness[i];
+    if (pair[0] == pair[1]) {
+      continue;
+    }
+    const int motionA = motionOf(t->view, pair[0]);
+    const int motionB = motionOf(t->view, pair[1]);
+    if (motionA == motionB) {
+      continue;
+    }
+    const int a = pair[0] / TREE_WIDTH;
+    const int b = pair[1] / TREE_WIDTH;
+    expandLeaf(t, a, motionA);
+    expandLeaf(t, b, motionB);
+    const Sphere x = sphereOf(blockOf(t, a), pair[0] % TREE_WIDTH);
+    const Sphere y = sphereOf(blockOf(t, b), pair[1] % TREE_WIDTH);
+    const float reach = x.r + y.r + test->room;
+    test->particleTests++;
+    test->cost += 10;
+    if ((x.x - y.x) * (x.x - y.x) + (x.y - y.y) * (x.y - y.y) + (x.z - y.z) * (x.z - y.z) < reach * reach) {
+      double exactX[3];
+      double exactY[3];
+      ctTraversalPosition(t, pair[0], exactX);
+      ctTraversalPosition(t, pair[1], exactY);
+      test->clash = test->function(test->context, pair[0], pair[1], squaredDistance(exactX, exactY), true) < 0;
+      if (test->clash) {
+        return true;
+      }
+    }
+  }
+  return false;
+}
+
+/* Leaves in which pieces meet. */
+static void expandStraddlingLeaves(Traversal* t) {
+  const View* view = t->view;
+  for (int p = 1; p < view->pieceCount; p++) {
+    const int leaf = view->pieces[p].slotBegin / TREE_WIDTH;
+    if (view->pieces[p].slotBegin % TREE_WIDTH != 0 && t->itemStamp[leaf] != t->stamp) {
+      expandStraddler(t, 0, leaf, p - 1);
+    }
+  }
+}
+
+/* The same against themselves. */
+static bool testStraddlingLeaves(Clearance* c, Traversal* t, ClearanceTest* test) {
+  for (int i = 0; i < t->straddlerCount && !test->clash; i++) {
+    leafClearance(c, t, test, t->straddlers[i].item, t->straddlers[i].item, 0);
+  }
+  return test->clash;
+}
+
+static int64_t testByClearance(Clearance* c, Traversal* t, const View* view, ClearanceFunction* function, void* context,
+                               ctCounts* counts) {
+  startView(t, view);
+  putNodesToRest(t);
+  expandStraddlingLeaves(t);
+  ClearanceTest test = {
+      function, context, (float)(view->reach + FLOAT_MARGIN * (t->extent + fabs(view->reach))), false, 0, 0, 0};
+  c->testedCount = 0;
+  if (!testWitnesses(c, t, &test) && !testStraddlingLeaves(c, t, &test)) {
+    forEachCrossing(c, t, testCrossing, &test);
+  }
+  if (counts != NULL) {
+    counts->volumeTests += test.volumeTests;
+    counts->particleTests += test.particleTests;
+  }
+  const bool gaveUp = !test.clash && test.cost > c->mostCost;
+  return gaveUp ? GAVE_UP : 300 + c->leafCount / 2 + test.cost;
+}
+
+/* ---- Committing ---- */
+
+static bool takeOff(Clearance* c, Traversal* t, const Crossing* crossing, void* context) {
+  (void)t;
+  int64_t* cost = context;
+  for (int a = crossing->beginA; a < crossing->endA; a++) {
+    const int begin = crossing->beginB > a ? crossing->beginB : a + 1;
+    uint16_t* row = c->least + (size_t)a * (size_t)c->stride;
+    const Short16 own = allShorts(c->shift[a]);
+    for (int first = begin / TREE_WIDTH * TREE_WIDTH; first < crossing->endB; first += TREE_WIDTH) {
+      const Short16 before = loadShorts(row + first);
+      const Short16 after = lessShorts(before, minShorts(own, loadShorts(c->shift + first)));
+      storeShorts(row + first, blendShorts(columnsWithin(first, begin, crossing->endB), before, after));
+    }
+    *cost += (crossing->endB - begin) / TREE_WIDTH;
+  }
+  return false;
+}
+
+static int64_t commitClearances(Clearance* c, Traversal* t, const View* view) {
+  int64_t cost = c->leafCount;
+  startView(t, view);
+  putNodesToRest(t);
+  forEachCrossing(c, t, takeOff, &cost);
+  for (int i = 0; i < c->testedCount; i++) {
+    const TestedPair* pair = &c->tested[i];
+    c->least[(size_t)pair->a * (size_t)c->stride + (size_t)pair->b] = pair->clearance;
+  }
+  c->testedCount = 0;
+  return cost;
+}

@@ -1,0 +1,92 @@
+/* For tests: everything that is kept, by brute force. */
+#include <stdlib.h>
+#include <string.h>
+
+#include "scene.h"
+
+/* The tree's content, array by array. */
+typedef struct Content {
+  void* data;
+  size_t size;
+} Content;
+
+enum { CONTENT_COUNT = 9 };
+
+static void listContent(const Tree* tree, const Sequence* s, Content content[CONTENT_COUNT]) {
+  const size_t items = (size_t)tree->itemCount;
+  const Content all[CONTENT_COUNT] = {
+      {tree->shortcut, items * sizeof(Frame)},
+      {tree->pose, items * sizeof(Frame)},
+      {tree->bound, items * sizeof(Bound)},
+      {tree->sum, items * sizeof(double[3])},
+      {tree->leaf, (size_t)tree->levelBegin[1] * sizeof(Leaf)},
+      {tree->members, (items - (size_t)tree->levelBegin[1]) * sizeof(Members)},
+      {tree->axis, (size_t)s->linkCount * sizeof(double[3])},
+      {s->product, (size_t)s->productBegin[s->pathCount] * sizeof(Frame)},
+      {s->closure, (size_t)s->pathCount * sizeof(Frame)},
+  };
+  memcpy(content, all, sizeof all);
+}
+
+/* ---- Clearances ---- */
+
+static bool isExcluded(const Exclusions* exclusions, int slotA, int slotB) {
+  const int partner = exclusionPartner(exclusions, slotA / TREE_WIDTH, slotB / TREE_WIDTH);
+  return partner != CT_NULL && (exclusions->mask[partner][slotA % TREE_WIDTH] >> slotB % TREE_WIDTH & 1) != 0;
+}
+
+/* Whether no pair of particles has less clearance than is kept for their leaves. O(N^2). */
+static bool clearancesHold(ctChainTree* scene) {
+  const Clearance* c = &scene->clearance;
+  const Sequence* s = &scene->sequence;
+  for (int i = 0; i < s->slotCount && c->isKept; i++) {
+    for (int j = i + 1; j < s->slotCount; j++) {
+      const int a = i / TREE_WIDTH;
+      const int b = j / TREE_WIDTH;
+      const uint16_t least = c->least[(size_t)a * (size_t)c->stride + (size_t)b];
+      if (a == b || least == 0 || s->slotParticle[i] == CT_NULL || s->slotParticle[j] == CT_NULL ||
+          isExcluded(&scene->exclusions, i, j)) {
+        continue;
+      }
+      int pair[2];
+      particlesOf(scene, i, j, pair);
+      const double limit = ctLimitsFind(&scene->limits, pair[0], pair[1], pairTolerance(scene, i, j));
+      if (limit - radiusSum(scene, i, j) + canonicalDistance(scene, i, j) < (double)c->unit * least) {
+        return false;
+      }
+    }
+  }
+  return true;
+}
+
+bool ctValidate(ctChainTree* tree) {
+  Content content[CONTENT_COUNT];
+  void* kept[CONTENT_COUNT] = {0};
+  Tree* made = ctSceneTree(tree);
+  ctTreeCompleteSums(made, &tree->sequence);
+  listContent(made, &tree->sequence, content);
+  bool same = true;
+  for (int i = 0; i < CONTENT_COUNT && same; i++) {
+    kept[i] = malloc(content[i].size + 1);
+    same = kept[i] != NULL;
+    if (same) {
+      memcpy(kept[i], content[i].data, content[i].size);
+    }
+  }
+  if (same) {
+    for (int i = 0; i < CONTENT_COUNT; i++) {
+      memset(content[i].data, 0, content[i].size);
+    }
+    ctSequenceRefresh(&tree->sequence);
+    ctTreeRefresh(made, &tree->sequence);
+    ctTreeCompleteSums(made, &tree->sequence);
+    for (int i = 0; i < CONTENT_COUNT; i++) {
+      same = same && memcmp(kept[i], content[i].data, content[i].size) == 0;
+      memcpy(content[i].data, kept[i], content[i].size);
+    }
+  }
+  for (int i = 0; i < CONTENT_COUNT; i++) {
+    free(kept[i]);
+  }
+  return same && ctTreeBoundsHold(made, &tree->sequence) && clearancesHold(tree);
+}
