@@ -24,6 +24,26 @@ void compareClashes(Program* p)
     expectedDestroy(&expected);
 }
 
+/* Arrays of a random capacity hold pairs of the list. */
+static void compareNeighborArrays(Program* p, double cutoff, PairList* list)
+{
+    size_t capacity = (size_t)randomInt(&p->random, list->count + 10), count = 0;
+    int(*pairs)[2] = programAllocate((int)capacity, sizeof *pairs);
+    double* distances = programAllocate((int)capacity, sizeof(double));
+    bool measured = randomChance(&p->random, 0.7);
+    SUCCEED(ctGetNeighborPairs(p->tree, cutoff, capacity, pairs, measured ? distances : NULL, &count, NULL));
+    require(count == (size_t)list->count, p, "%zu pairs in arrays, %d in a list", count, list->count);
+    sortCollected(p, list);
+    for (size_t i = 0; i < count && i < capacity; i++) {
+        const Pair* same = findPair(list, pairs[i][0], pairs[i][1]);
+        require(same != NULL && pairs[i][0] < pairs[i][1], p, "%d-%d is in no list", pairs[i][0], pairs[i][1]);
+        require(!measured || distances[i] == same->values[0], p, "%d-%d: %.17g in an array, %.17g in a list",
+                pairs[i][0], pairs[i][1], distances[i], same->values[0]);
+    }
+    free(pairs);
+    free(distances);
+}
+
 void compareNeighborPairs(Program* p)
 {
     double cutoff = chooseCutoff(p);
@@ -37,6 +57,7 @@ void compareNeighborPairs(Program* p)
     SUCCEED(ctForEachNeighborPair(p->tree, cutoff, collectPair, &list, chooseCounts(p, &counts)));
     requireCounted(p, &counts);
     requireSameList(p, &list, &expected, 1);
+    compareNeighborArrays(p, cutoff, &list);
     p->tally->neighbors += list.count;
     free(list.pairs);
     expectedDestroy(&expected);

@@ -14,6 +14,7 @@
 /* ---- Life ---- */
 
 static bool build(ctChainTree* scene, const ctDefinition* definition) {
+  ctSweepInit(&scene->ownSweep, &scene->staleTree, &scene->sequence, &scene->exclusions);
   return ctSequenceBuild(&scene->sequence, &scene->arena, definition) &&
          ctExclusionsBuild(&scene->exclusions, &scene->arena, &scene->sequence, definition) &&
          ctTreeBuild(&scene->staleTree, &scene->arena, &scene->sequence, ctChooseInstructions()) &&
@@ -58,6 +59,7 @@ void ctDestroy(ctChainTree* tree) {
     ctTrialFree(&tree->next);
     ctTraversalFree(&tree->traversal);
     ctClearanceFree(&tree->clearance);
+    ctSweepFree(&tree->ownSweep);
     ctLimitsFree(&tree->limits);
     free(tree->undecided.pairs);
     ctArenaFree(&tree->arena);

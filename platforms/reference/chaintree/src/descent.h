@@ -5,8 +5,6 @@
 #include "box.h"
 #include "traverse.h"
 
-enum { NEVER = -1 };
-
 /* Boxes of a node's children. */
 typedef struct NodeBoxes {
   BoxBlock own;   /* in the node's frame; made with the node's own box */

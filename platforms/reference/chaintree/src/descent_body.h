@@ -289,7 +289,7 @@ static const Block* blockOf(const Traversal* t, int item) {
 /* Members of an item that are of a rigid body; none, if that straddles. */
 static unsigned ofBody(const Traversal* t, int item, int motion) {
   const int code = t->motion[item];
-  if (motion < 0 || t->view->everyPair) {
+  if (motion < 0) {
     return 0;
   }
   if (code >= 0) {
@@ -422,7 +422,7 @@ static void visitNodes(Traversal* t, Visit* visit, const ItemPair* pair, int* de
     if (pair->a == pair->b) {
       mask &= ~0u << k << 1;
       visit->volumeTests += countB - k - 1;
-      if (blockA->r[k] >= 0 && (t->view->everyPair || motion < 0)) {
+      if (blockA->r[k] >= 0 && motion < 0) {
         t->stack[(*depth)++] = (ItemPair){below, i, i};
       }
     } else {
@@ -448,7 +448,7 @@ static void traverse(Traversal* t, const View* view, CandidateFunction* function
   const double margin = FLOAT_MARGIN * (t->extent + fabs(view->reach));
   Visit visit = {function, context, (float)(view->reach + margin), false, 0, 0, 0, 0};
   int depth = 0;
-  if (view->everyPair || t->motion[root] < 0) {
+  if (t->motion[root] < 0) {
     t->stack[depth++] = (ItemPair){treeTop(t->tree), root, root};
   }
   bool goesOn = true;

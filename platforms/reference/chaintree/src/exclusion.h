@@ -23,8 +23,8 @@ typedef struct Limits {
 
 bool ctExclusionsBuild(Exclusions* exclusions, Arena* arena, const Sequence* sequence, const ctDefinition* definition);
 
-/* Where leafB is among the partners of leafA, or CT_NULL. O(log of their number). */
-static inline int exclusionPartner(const Exclusions* exclusions, int leafA, int leafB) {
+/* Where the partners of leafA begin that are not before leafB. O(log of their number). */
+static inline int exclusionsFrom(const Exclusions* exclusions, int leafA, int leafB) {
   int low = exclusions->begin[leafA];
   int high = exclusions->begin[leafA + 1];
   while (low < high) {
@@ -35,7 +35,13 @@ static inline int exclusionPartner(const Exclusions* exclusions, int leafA, int 
       high = middle;
     }
   }
-  return low < exclusions->begin[leafA + 1] && exclusions->partner[low] == leafB ? low : CT_NULL;
+  return low;
+}
+
+/* Where leafB is among the partners of leafA, or CT_NULL. */
+static inline int exclusionPartner(const Exclusions* exclusions, int leafA, int leafB) {
+  const int i = exclusionsFrom(exclusions, leafA, leafB);
+  return i < exclusions->begin[leafA + 1] && exclusions->partner[i] == leafB ? i : CT_NULL;
 }
 
 /* Sorts like (lower particle, higher particle). */

@@ -3,6 +3,7 @@
 #define CT_INSTRUCTIONS_H_
 
 #include "clearance.h"
+#include "sweep.h"
 
 typedef struct InstructionSet {
   const char* name;
@@ -21,6 +22,13 @@ typedef struct InstructionSet {
   int64_t (*testByClearance)(Clearance* c, Traversal* t, const View* view, ClearanceFunction* function, void* context,
                              ctCounts* counts);
   int64_t (*commitClearances)(Clearance* c, Traversal* t, const View* view);
+
+  /* Behind ctSweepBound, ctSweepClashes, ctSweepNeighbors and ctSweepDistances. */
+  void (*boundSnapshot)(Snapshot* snapshot, const Sequence* sequence, const Tree* layout);
+  void (*sweepClashes)(const Sweep* sweep, SweepTask* task);
+  void (*sweepNeighbors)(const Sweep* sweep, SweepTask* task);
+  void (*neighborDistances)(const double* position, double cutoff, size_t count, const int (*pairs)[2],
+                            double* distances);
 } InstructionSet;
 
 /* The widest that the machine has, unless the environment asks for a narrower one. */

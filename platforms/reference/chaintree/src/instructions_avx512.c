@@ -3,9 +3,11 @@
 #include "clearance_body.h"
 #include "descent_body.h"
 #include "refresh_body.h"
+#include "sweep_body.h"
 
 const InstructionSet ctAvx512 = {"avx512",      refreshLeaf,       refreshNode,     traverse,
-                                 traverseProbe, measureClearances, testByClearance, commitClearances};
+                                 traverseProbe, measureClearances, testByClearance, commitClearances,
+                                 boundSnapshot, sweepClashes,      sweepNeighbors,  neighborDistances};
 #else
 typedef int NothingHere; /* a file must declare something */
 #endif

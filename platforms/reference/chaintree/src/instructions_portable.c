@@ -1,6 +1,8 @@
 #include "clearance_body.h"
 #include "descent_body.h"
 #include "refresh_body.h"
+#include "sweep_body.h"
 
 const InstructionSet ctPortable = {"portable",    refreshLeaf,       refreshNode,     traverse,
-                                   traverseProbe, measureClearances, testByClearance, commitClearances};
+                                   traverseProbe, measureClearances, testByClearance, commitClearances,
+                                   boundSnapshot, sweepClashes,      sweepNeighbors,  neighborDistances};

@@ -5,92 +5,73 @@
 #include "position.h"
 #include "scene.h"
 
-/* ---- Pairs that match ---- */
+/* ---- Clashes ---- */
 
-/* What a query wants to know of each clash or neighbour pair. */
-typedef struct Match {
+/* What a query does with each clash. */
+typedef struct Clashes {
   ctChainTree* tree;
-  double cutoff; /* of neighbour pairs */
-  bool (*found)(struct Match* match, int slotA, int slotB, double value);
+  const Sweep* sweep;
+  bool (*found)(struct Clashes* clashes, int slotA, int slotB, double overlap);
   void* context;
-  ctPairFunction* function;
-} Match;
+} Clashes;
 
-/* value: the overlap. */
-static bool matchClash(void* context, int slotA, int slotB, double squaredDistance) {
-  Match* match = context;
-  ctChainTree* tree = match->tree;
+static bool judgeCandidate(void* context, int slotA, int slotB, double squaredDistance) {
+  Clashes* clashes = context;
+  ctChainTree* tree = clashes->tree;
   const double sum = radiusSum(tree, slotA, slotB);
   const double tolerance = pairTolerance(tree, slotA, slotB);
   double overlap = sum - sqrt(squaredDistance);
-  if (fabs(overlap - tolerance) <= tree->traversal.band) {
+  if (fabs(overlap - tolerance) <= clashes->sweep->snapshot.band) {
     overlap = sum - canonicalDistance(tree, slotA, slotB);
   }
-  if (overlap <= tolerance) {
-    return true;
-  }
-  return match->found(match, slotA, slotB, overlap);
+  return overlap <= tolerance || clashes->found(clashes, slotA, slotB, overlap);
 }
 
-/* value: the distance. */
-static bool matchNeighbor(void* context, int slotA, int slotB, double squaredDistance) {
-  Match* match = context;
-  ctChainTree* tree = match->tree;
-  double distance = sqrt(squaredDistance);
-  if (fabs(distance - match->cutoff) <= tree->traversal.band) {
-    distance = canonicalDistance(tree, slotA, slotB);
+static ctStatus sweepClashes(Clashes* clashes, ctCounts* counts) {
+  Sweep* sweep = ctSceneSweep(clashes->tree);
+  if (sweep == NULL) {
+    return ctFailOutOfMemory(clashes->tree);
   }
-  if (distance > match->cutoff) {
-    return true;
-  }
-  return match->found(match, slotA, slotB, distance);
+  clashes->sweep = sweep;
+  ctSweepClashes(sweep, clashes->tree->overlapTolerance, judgeCandidate, clashes, counts);
+  return ctSuccess;
 }
 
-static void traverseClashes(Match* match, ctCounts* counts) {
-  const View view = ctViewOfState(true, -match->tree->overlapTolerance);
-  ctSceneTree(match->tree);
-  ctTraverse(&match->tree->traversal, &view, matchClash, match, counts);
-}
+typedef struct Caller {
+  ctPairFunction* function;
+  void* context;
+} Caller;
 
-static bool tellCaller(Match* match, int slotA, int slotB, double value) {
+static bool tellCaller(Clashes* clashes, int slotA, int slotB, double overlap) {
+  const Caller* caller = clashes->context;
   int pair[2];
-  particlesOf(match->tree, slotA, slotB, pair);
-  return match->function(match->context, pair[0], pair[1], value);
+  particlesOf(clashes->tree, slotA, slotB, pair);
+  return caller->function(caller->context, pair[0], pair[1], overlap);
 }
 
 ctStatus ctForEachClash(ctChainTree* tree, ctPairFunction* function, void* context, ctCounts* counts) {
-  Match match = {tree, 0, tellCaller, context, function};
-  traverseClashes(&match, counts);
-  return ctSuccess;
+  Caller caller = {function, context};
+  Clashes clashes = {.tree = tree, .found = tellCaller, .context = &caller};
+  return sweepClashes(&clashes, counts);
 }
 
-ctStatus ctForEachNeighborPair(ctChainTree* tree, double cutoff, ctPairFunction* function, void* context,
-                               ctCounts* counts) {
-  if (!(cutoff > 0) || !isfinite(cutoff)) {
-    return ctFail(tree, ctInvalidArgument, "the cutoff is %g nm; it must be finite and positive", cutoff);
-  }
-  Match match = {tree, cutoff, tellCaller, context, function};
-  const View view = ctViewOfState(false, cutoff);
-  ctSceneTree(tree);
-  ctTraverse(&tree->traversal, &view, matchNeighbor, &match, counts);
-  return ctSuccess;
-}
-
-static bool keepFirst(Match* match, int slotA, int slotB, double value) {
-  (void)value;
-  particlesOf(match->tree, slotA, slotB, match->context);
+static bool keepFirst(Clashes* clashes, int slotA, int slotB, double overlap) {
+  (void)overlap;
+  particlesOf(clashes->tree, slotA, slotB, clashes->context);
   return false;
 }
 
 ctStatus ctHasClash(ctChainTree* tree, bool* clash, int pair[2], ctCounts* counts) {
   int first[2] = {CT_NULL, CT_NULL};
-  Match match = {tree, 0, keepFirst, first, NULL};
-  traverseClashes(&match, counts);
-  *clash = first[0] != CT_NULL;
-  if (*clash && pair != NULL) {
-    memcpy(pair, first, sizeof first);
+  Clashes clashes = {.tree = tree, .found = keepFirst, .context = first};
+  const ctStatus status = sweepClashes(&clashes, counts);
+  if (status == ctSuccess) {
+    *clash = first[0] != CT_NULL;
+    if (*clash && pair != NULL) {
+      memcpy(pair, first, sizeof first);
+    }
   }
-  return ctSuccess;
+  return status;
 }
 
 /* ---- Energy ---- */
@@ -101,9 +82,9 @@ typedef struct Energy {
   double* forces;
 } Energy;
 
-static bool addEnergy(Match* match, int slotA, int slotB, double overlap) {
-  Energy* energy = match->context;
-  ctChainTree* tree = match->tree;
+static bool addEnergy(Clashes* clashes, int slotA, int slotB, double overlap) {
+  Energy* energy = clashes->context;
+  const ctChainTree* tree = clashes->tree;
   const double depth = overlap - pairTolerance(tree, slotA, slotB);
   energy->sum += 0.5 * energy->k * depth * depth;
   if (energy->forces == NULL) {
@@ -111,14 +92,11 @@ static bool addEnergy(Match* match, int slotA, int slotB, double overlap) {
   }
   const int particleA = tree->sequence.slotParticle[slotA];
   const int particleB = tree->sequence.slotParticle[slotB];
+  const Snapshot* snapshot = &clashes->sweep->snapshot;
   double apart[3];
-  double a[3];
-  double b[3];
-  ctTraversalPosition(&tree->traversal, slotA, a);
-  ctTraversalPosition(&tree->traversal, slotB, b);
-  subtract(a, b, apart);
+  subtract(snapshotPosition(snapshot, particleA), snapshotPosition(snapshot, particleB), apart);
   double distance = sqrt(dot(apart, apart));
-  if (distance <= tree->traversal.band) {
+  if (distance <= snapshot->band) {
     /* Coincident but for rounding: any direction would do, so it is a fixed one. */
     apart[0] = particleA < particleB ? 1 : -1;
     apart[1] = 0;
@@ -138,10 +116,119 @@ ctStatus ctComputeEnergy(ctChainTree* tree, double k, double* energy, double* fo
     return ctFail(tree, ctInvalidArgument, "the force constant is %g; it must be finite", k);
   }
   Energy sum = {k, 0, forces};
-  Match match = {tree, 0, addEnergy, &sum, NULL};
-  traverseClashes(&match, counts);
-  *energy = sum.sum;
+  Clashes clashes = {.tree = tree, .found = addEnergy, .context = &sum};
+  const ctStatus status = sweepClashes(&clashes, counts);
+  if (status == ctSuccess) {
+    *energy = sum.sum;
+  }
+  return status;
+}
+
+/* ---- Neighbours ---- */
+
+typedef struct Cutoff {
+  ctChainTree* tree;
+  double distance;
+  double band;
+} Cutoff;
+
+static bool isNeighbor(void* context, int slotA, int slotB, double squaredDistance) {
+  const Cutoff* cutoff = context;
+  const double distance = sqrt(squaredDistance);
+  const bool doubtful = fabs(distance - cutoff->distance) <= cutoff->band;
+  return (doubtful ? canonicalDistance(cutoff->tree, slotA, slotB) : distance) <= cutoff->distance;
+}
+
+/* Pairs on their way to a callback. */
+enum { NEIGHBORS_AT_ONCE = 4 * PAIRS_OF_LEAVES };
+
+typedef struct Neighbors {
+  const Sweep* sweep;
+  double cutoff;
+  Caller caller;
+  bool goesOn;
+  int pairs[NEIGHBORS_AT_ONCE][2];
+} Neighbors;
+
+static bool tellNeighbors(PairSink* sink) {
+  Neighbors* neighbors = sink->context;
+  double distances[NEIGHBORS_AT_ONCE];
+  ctSweepDistances(neighbors->sweep, neighbors->cutoff, sink->count, (const int(*)[2])sink->pairs, distances);
+  for (size_t i = 0; i < sink->count && neighbors->goesOn; i++) {
+    neighbors->goesOn =
+        neighbors->caller.function(neighbors->caller.context, sink->pairs[i][0], sink->pairs[i][1], distances[i]);
+  }
+  sink->count = 0;
+  return neighbors->goesOn;
+}
+
+/* Puts all neighbours into a sink, which must be emptied after that. */
+static ctStatus sweepNeighbors(ctChainTree* tree, double cutoff, PairSink* sink, ctCounts* counts) {
+  if (!(cutoff > 0) || !isfinite(cutoff)) {
+    return ctFail(tree, ctInvalidArgument, "the cutoff is %g nm; it must be finite and positive", cutoff);
+  }
+  Sweep* sweep = ctSceneSweep(tree);
+  if (sweep == NULL) {
+    return ctFailOutOfMemory(tree);
+  }
+  Cutoff exact = {tree, cutoff, sweep->snapshot.band};
+  ctSweepNeighbors(sweep, cutoff, sink, isNeighbor, &exact, counts);
   return ctSuccess;
+}
+
+ctStatus ctForEachNeighborPair(ctChainTree* tree, double cutoff, ctPairFunction* function, void* context,
+                               ctCounts* counts) {
+  Neighbors neighbors;
+  neighbors.sweep = &tree->ownSweep;
+  neighbors.cutoff = cutoff;
+  neighbors.caller = (Caller){function, context};
+  neighbors.goesOn = true;
+  PairSink sink = {neighbors.pairs, 0, NEIGHBORS_AT_ONCE, tellNeighbors, &neighbors};
+  const ctStatus status = sweepNeighbors(tree, cutoff, &sink, counts);
+  if (neighbors.goesOn) {
+    tellNeighbors(&sink);
+  }
+  return status;
+}
+
+/* The caller's array; what may not fit into it any more goes by way of `last`. */
+typedef struct NeighborArray {
+  int (*pairs)[2];
+  size_t capacity;
+  size_t count; /* of pairs that `last` has held before, or the array has taken straight */
+  int last[NEIGHBORS_AT_ONCE][2];
+} NeighborArray;
+
+static bool moveNeighbors(PairSink* sink) {
+  NeighborArray* array = sink->context;
+  if (sink->pairs == array->last && array->count < array->capacity) {
+    const size_t room = array->capacity - array->count;
+    memcpy(array->pairs + array->count, array->last, (sink->count < room ? sink->count : room) * sizeof *array->pairs);
+  }
+  array->count += sink->count;
+  sink->pairs = array->last;
+  sink->count = 0;
+  sink->capacity = NEIGHBORS_AT_ONCE;
+  return true;
+}
+
+ctStatus ctGetNeighborPairs(ctChainTree* tree, double cutoff, size_t capacity, int (*pairs)[2], double* distances,
+                            size_t* count, ctCounts* counts) {
+  NeighborArray array;
+  array.pairs = pairs;
+  array.capacity = capacity;
+  array.count = 0;
+  PairSink sink = {pairs, 0, capacity, moveNeighbors, &array};
+  const ctStatus status = sweepNeighbors(tree, cutoff, &sink, counts);
+  if (status == ctSuccess) {
+    moveNeighbors(&sink);
+    *count = array.count;
+    if (distances != NULL) {
+      ctSweepDistances(&tree->ownSweep, cutoff, array.count < capacity ? array.count : capacity, (const int(*)[2])pairs,
+                       distances);
+    }
+  }
+  return status;
 }
 
 /* ---- Probe ---- */
@@ -262,13 +349,14 @@ typedef struct Raise {
   bool failed;
 } Raise;
 
-static bool raiseLimit(Match* match, int slotA, int slotB, double overlap) {
+static bool raiseLimit(Clashes* clashes, int slotA, int slotB, double overlap) {
   (void)overlap; /* a limit is of the canonical distance, like the trials that it judges */
-  Raise* raise = match->context;
-  const double canonical = radiusSum(match->tree, slotA, slotB) - canonicalDistance(match->tree, slotA, slotB);
+  Raise* raise = clashes->context;
+  ctChainTree* tree = clashes->tree;
+  const double canonical = radiusSum(tree, slotA, slotB) - canonicalDistance(tree, slotA, slotB);
   int pair[2];
-  particlesOf(match->tree, slotA, slotB, pair);
-  if (canonical > ctLimitsFind(&match->tree->limits, pair[0], pair[1], 0)) {
+  particlesOf(tree, slotA, slotB, pair);
+  if (canonical > ctLimitsFind(&tree->limits, pair[0], pair[1], 0)) {
     raise->failed = !ctLimitsAppend(&raise->raised, pair[0], pair[1], canonical + CT_SIGMA);
   }
   return !raise->failed;
@@ -276,8 +364,9 @@ static bool raiseLimit(Match* match, int slotA, int slotB, double overlap) {
 
 ctStatus ctRaiseLimits(ctChainTree* tree, int* raised, ctCounts* counts) {
   Raise raise = {0};
-  Match match = {tree, 0, raiseLimit, &raise, NULL};
-  traverseClashes(&match, counts);
+  Clashes clashes = {.tree = tree, .found = raiseLimit, .context = &raise};
+  const ctStatus status = sweepClashes(&clashes, counts);
+  raise.failed = raise.failed || status != ctSuccess;
   const int count = raise.raised.count;
   /* The old ones join the new; of a pair's two the larger stays. */
   for (int i = 0; i < tree->limits.count && !raise.failed; i++) {

@@ -19,6 +19,26 @@ Tree* ctSceneTree(ctChainTree* scene) {
   return &scene->staleTree;
 }
 
+Sweep* ctSceneSweep(ctChainTree* scene) {
+  Sweep* sweep = &scene->ownSweep;
+  if (!ctSweepReserve(sweep)) {
+    return NULL;
+  }
+  if (sweep->since != scene->staleTree.time) {
+    /* The reference whenever it is the state, however that came about: the same state has the same bits. */
+    if (scene->sequence.displacedCount == 0) {
+      ctSnapshotTakeReference(&sweep->snapshot, &scene->sequence);
+    } else if (ctSnapshotReserve(&sweep->snapshot, &sweep->arena, &scene->sequence)) {
+      ctSnapshotTakeTree(&sweep->snapshot, &scene->sequence, ctSceneTree(scene));
+    } else {
+      return NULL;
+    }
+    ctSweepBound(sweep);
+    sweep->since = scene->staleTree.time;
+  }
+  return sweep;
+}
+
 ctStatus ctFailOutOfMemory(ctChainTree* scene) {
   return ctFail(scene, ctOutOfMemory, "out of memory");
 }

@@ -3,7 +3,7 @@
 #define CT_SCENE_H_
 
 #include "clearance.h"
-#include "exclusion.h"
+#include "sweep.h"
 #include "trial.h"
 
 /* A pair whose decision needs the canonical distance. */
@@ -27,6 +27,7 @@ struct ctChainTree {
   Tree staleTree; /* only through ctSceneTree */
   Traversal traversal;
   Clearance clearance;
+  Sweep ownSweep; /* only through ctSceneSweep */
   Trial trial;
   Trial next; /* where a proposal is made, so that a refused one leaves the open trial alone */
   SlotPairs undecided;
@@ -41,6 +42,9 @@ ctStatus ctFailOutOfMemory(ctChainTree* scene);
 
 /* The tree of the state. New positions leave it stale until somebody asks for it here. */
 Tree* ctSceneTree(ctChainTree* scene);
+
+/* Sweeps of the state; NULL if there is no memory. */
+Sweep* ctSceneSweep(ctChainTree* scene);
 
 static inline bool canBond(unsigned donor, unsigned acceptor) {
   return (donor & ctDonor) != 0 && (acceptor & ctAcceptor) != 0;

@@ -259,13 +259,21 @@ static inline Float16 absolute16(Float16 a) {
 }
 
 static inline Float4 min4(Float4 a, Float4 b) {
+#ifdef __SSE2__
+  return __builtin_ia32_minps(a, b);
+#else
   const Int4 chosen = a < b;
   return (Float4)(((Int4)a & chosen) | ((Int4)b & ~chosen));
+#endif
 }
 
 static inline Float4 max4(Float4 a, Float4 b) {
+#ifdef __SSE2__
+  return __builtin_ia32_maxps(a, b);
+#else
   const Int4 chosen = a > b;
   return (Float4)(((Int4)a & chosen) | ((Int4)b & ~chosen));
+#endif
 }
 
 static inline Float16 min16(Float16 a, Float16 b) {

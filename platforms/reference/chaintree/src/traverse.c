@@ -53,7 +53,7 @@ bool ctTraversalReserve(Traversal* t, int pieceCount) {
 
 View ctViewOfState(bool surfaces, double reach) {
   static const Piece whole = {0, 0};
-  return (View){&whole, 1, NULL, 1, true, surfaces, reach};
+  return (View){&whole, 1, NULL, 1, surfaces, reach};
 }
 
 /* ---- Descents ---- */

@@ -1,4 +1,4 @@
-/* The one descent that clash, pairs and energy share: the tree against itself (section 2.3).
+/* The one descent that the clashes and the pairs of a trial share: the tree against itself (section 2.3).
  *
  * A view says which particles move together and how. Nothing of the tree is written: items that lie wholly in one piece
  * keep their volumes and are moved as one, those that straddle pieces get a volume made for this descent. */
@@ -19,9 +19,8 @@ typedef struct View {
   int pieceCount;
   const Frame* motions; /* in the world; motion 0 is the identity. NULL: nothing moves, but pieces still count */
   int motionCount;
-  bool everyPair; /* also pairs of one rigid body */
-  bool surfaces;  /* reach is from surface to surface, else from centre to centre */
-  double reach;   /* pairs no farther apart than this are candidates; may be negative */
+  bool surfaces; /* reach is from surface to surface, else from centre to centre */
+  double reach;  /* pairs no farther apart than this are candidates; may be negative */
 } View;
 
 typedef struct ItemPair {
@@ -85,8 +84,8 @@ void ctTraversalFree(Traversal* traversal);
 /* Makes room for views of this many pieces; false, and nothing changed, if there is no memory. */
 bool ctTraversalReserve(Traversal* traversal, int pieceCount);
 
-/* Calls `function` at least for every pair of slots of different rigid bodies (or every pair) that is not excluded and
- * within the view's reach, each once. */
+/* Calls `function` at least for every pair of slots of different rigid bodies that is not excluded and within the
+ * view's reach, each once. */
 void ctTraverse(Traversal* traversal, const View* view, CandidateFunction* function, void* context, ctCounts* counts);
 
 /* The same for a sphere at a point of the world (from worldOrigin), against everything. */
@@ -96,7 +95,7 @@ void ctTraverseProbe(Traversal* traversal, const View* view, const double point[
 /* Where a slot that the running descent has reached is in its view. */
 void ctTraversalPosition(const Traversal* traversal, int slot, double position[3]);
 
-/* The view of the state as it is: one body, every pair. */
+/* The view of the state as it is: one body. */
 View ctViewOfState(bool surfaces, double reach);
 
 #endif /* CT_TRAVERSE_H_ */

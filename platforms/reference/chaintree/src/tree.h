@@ -13,6 +13,9 @@
 
 enum { TREE_MAX_LEVELS = 8 };
 
+/* Before any of a tree's times. */
+enum { NEVER = -1 };
+
 /* The members of an item in its own frame, or as a view has them in the world. r < 0: no member. */
 typedef struct Block {
   float x[TREE_WIDTH];

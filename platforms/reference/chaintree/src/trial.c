@@ -143,8 +143,7 @@ int ctTrialOpen(Trial* trial, const Sequence* s, const Tree* tree, const ctChang
 }
 
 View ctTrialView(const Trial* trial, bool moved, bool surfaces, double reach) {
-  return (View){trial->pieces, trial->pieceCount, moved ? trial->motions : NULL, trial->motionCount, false, surfaces,
-                reach};
+  return (View){trial->pieces, trial->pieceCount, moved ? trial->motions : NULL, trial->motionCount, surfaces, reach};
 }
 
 int ctTrialApply(Trial* trial, bool after, Sequence* s, Tree* tree) {

@@ -12,6 +12,8 @@ typedef struct Record {
   ctCounts counts;
   double positions[3 * SITES];
   PairCount neighbors;
+  double energy;
+  double forces[3 * SITES];
 } Record;
 
 static Record record(const char* wanted) {
@@ -37,6 +39,11 @@ static Record record(const char* wanted) {
   CHECK_SUCCESS(ctForEachNeighborPair(tree, 1.5, countPair, &result.neighbors, &result.counts));
   ctGetPositions(tree, result.positions);
   ctDestroy(tree);
+  tree = makeLattice(ONE_CHAIN, 0.55, 0.01);
+  CHECK_SUCCESS(ctSetPositions(tree, result.positions));
+  CHECK_SUCCESS(ctComputeEnergy(tree, 2, &result.energy, result.forces, &result.counts));
+  CHECK(result.energy > 0);
+  ctDestroy(tree);
   return result;
 }
 
@@ -58,6 +65,8 @@ int main(void) {
     CHECK(memcmp(expected.pairs, found.pairs, sizeof found.pairs) == 0);
     CHECK(memcmp(&expected.counts, &found.counts, sizeof found.counts) == 0);
     CHECK(memcmp(expected.positions, found.positions, sizeof found.positions) == 0);
+    CHECK(memcmp(&expected.energy, &found.energy, sizeof found.energy) == 0);
+    CHECK(memcmp(expected.forces, found.forces, sizeof found.forces) == 0);
     CHECK(expected.neighbors.count == found.neighbors.count && expected.neighbors.value == found.neighbors.value);
   }
   return checkResult();

@@ -240,7 +240,7 @@ int main(void) {
   testCall("raise limits", raiseLimits, true, 0.2);
   testCall("minimum distance", findMinimum, true, 0);
   testCall("commit", commit, false, 0);
-  testCall("list neighbours", listNeighbors, false, 0);
+  testCall("list neighbours", listNeighbors, true, 0);
   testCall("set positions", setSamePositions, false, 0);
   CHECK(live == before);
   return checkResult();

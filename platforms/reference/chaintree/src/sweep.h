@@ -1,0 +1,73 @@
+/* Sweeps: every pair of near particles of one state that is not excluded, by boxes along the world's axes. */
+#ifndef CT_SWEEP_H_
+#define CT_SWEEP_H_
+
+#include "exclusion.h"
+#include "snapshot.h"
+
+enum { PAIRS_OF_LEAVES = TREE_WIDTH * TREE_WIDTH };
+
+/* Two items of one level. */
+typedef struct SweepVisit {
+  int level;
+  int a;
+  int b;
+} SweepVisit;
+
+typedef struct Sweep {
+  const Tree* layout; /* its content is not read */
+  const Sequence* sequence;
+  const Exclusions* exclusions;
+  Arena arena; /* of the snapshot and the stack, which are made when first asked for */
+  Snapshot snapshot;
+  int64_t since; /* the tree's time of what the snapshot shows, or NEVER */
+  SweepVisit* stack;
+} Sweep;
+
+/* Where neighbours go, many at a time. */
+typedef struct PairSink {
+  int (*pairs)[2]; /* particles, the lower first */
+  size_t count;
+  size_t capacity;
+  /* Makes room for PAIRS_OF_LEAVES more; returns false to end the sweep. */
+  bool (*makeRoom)(struct PairSink* sink);
+  void* context;
+} PairSink;
+
+/* Receives two slots and their squared distance; returns false to end the sweep. */
+typedef bool ClashFunction(void* context, int slotA, int slotB, double squaredDistance);
+
+/* Whether two slots whose distance is within rounding of the cutoff are neighbours. */
+typedef bool DoubtFunction(void* context, int slotA, int slotB, double squaredDistance);
+
+/* What a sweep looks for, and what it has cost. */
+typedef struct SweepTask {
+  double reach;         /* between surfaces for clashes, between centres for neighbours */
+  ClashFunction* clash; /* where clashes go */
+  PairSink* sink;       /* where neighbours go */
+  DoubtFunction* isNear;
+  void* context;
+  int64_t volumeTests;
+  int64_t particleTests;
+} SweepTask;
+
+void ctSweepInit(Sweep* sweep, const Tree* layout, const Sequence* sequence, const Exclusions* exclusions);
+void ctSweepFree(Sweep* sweep);
+
+/* Makes room for the snapshot; false, and nothing changed, if there is no memory. */
+bool ctSweepReserve(Sweep* sweep);
+
+/* Completes a snapshot whose positions are new. */
+void ctSweepBound(Sweep* sweep);
+
+/* Calls `function` at least for every pair of slots whose spheres overlap by more than `tolerance`, each once. */
+void ctSweepClashes(Sweep* sweep, double tolerance, ClashFunction* function, void* context, ctCounts* counts);
+
+/* Puts every pair of slots at most `cutoff` apart into the sink. */
+void ctSweepNeighbors(Sweep* sweep, double cutoff, PairSink* sink, DoubtFunction* isNear, void* context,
+                      ctCounts* counts);
+
+/* The distances of neighbours; rounding takes none beyond the cutoff. */
+void ctSweepDistances(const Sweep* sweep, double cutoff, size_t count, const int (*pairs)[2], double* distances);
+
+#endif /* CT_SWEEP_H_ */
