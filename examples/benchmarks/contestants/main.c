@@ -3,8 +3,11 @@
 #include <string.h>
 
 #include "chains.h"
+#include "nearestrace.h"
 #include "options.h"
+#include "pairrace.h"
 #include "race.h"
+#include "rows.h"
 #include "scenefile.h"
 #include "whole.h"
 
@@ -31,73 +34,24 @@ static Scene* makeScene(const Options* options, char* error, size_t size) {
   return scene;
 }
 
-typedef struct Choice {
-  int count;
-  const Contestant* contestants[MOST_LANES];
-} Choice;
+/* The next of some names with commas between them; `list` is what is left, NULL behind the last. */
+static const char* nextName(const char** list, size_t* length) {
+  const char* name = *list;
+  *length = strcspn(name, ",");
+  *list = name[*length] == '\0' ? NULL : name + *length + 1;
+  return name;
+}
 
-static bool choose(const Options* options, Choice* choice, char* error, size_t size) {
-  choice->count = 0;
-  for (const char* name = options->contestants;;) {
-    const size_t length = strcspn(name, ",");
-    const Contestant* contestant = rosterFind(options->set, name, length);
-    if (contestant == NULL) {
-      snprintf(error, size, "there is no contestant %.*s", (int)length, name);
-      return false;
-    }
-    if (options->measure == measureWhole && contestant->testAll == NULL) {
-      snprintf(error, size, "%s does not test whole chains", contestant->name);
-      return false;
-    }
-    if (choice->count == MOST_LANES) {
-      snprintf(error, size, "there are more than %d contestants", MOST_LANES);
-      return false;
-    }
-    choice->contestants[choice->count++] = contestant;
-    if (name[length] == '\0') {
-      return true;
-    }
-    name += length + 1;
+static bool isPossible(bool found, int count, int most, const char* name, size_t length, char* error, size_t size) {
+  if (!found) {
+    snprintf(error, size, "there is no contestant %.*s for this measure", (int)length, name);
+  } else if (count == most) {
+    snprintf(error, size, "there are more than %d contestants", most);
   }
+  return found && count < most;
 }
 
-/* ---- Rows ---- */
-
-static void printString(const char* text) {
-  putchar('"');
-  for (const char* c = text; *c != '\0'; c++) {
-    if (*c == '"' || *c == '\\' || (unsigned char)*c < ' ') {
-      printf("\\u%04x", (unsigned)*c);
-    } else {
-      putchar(*c);
-    }
-  }
-  putchar('"');
-}
-
-/* What all rows begin with. */
-static void printScene(const char* measure, const Options* options, const Scene* scene, int trials) {
-  printf("{\"measure\": \"%s\", \"chain\": ", measure);
-  printString(options->chain);
-  printf(", \"particles\": %d, \"torsions\": %d, \"seed\": %llu, \"trials\": %d", scene->particleCount,
-         scene->torsionCount, (unsigned long long)options->seed, trials);
-}
-
-static void printTimes(const char* contestant, const char* instructionSet, const Quartiles* microseconds) {
-  printf(", \"contestant\": \"%s\", \"isa\": \"%s\", \"microseconds\": %.6g, \"quartiles\": [%.6g, %.6g]", contestant,
-         instructionSet, microseconds->median, microseconds->first, microseconds->third);
-}
-
-static void printCounts(double volumeTests, double particleTests, double updates) {
-  printf(", \"volumeTests\": %.6g, \"particleTests\": %.6g, \"updates\": %.6g", volumeTests, particleTests, updates);
-}
-
-/* Of a contestant that chooses none, it is the one that all are compiled for. */
-static const char* setName(const Options* options, const char* chosen) {
-  return chosen == NULL ? options->set->name : chosen;
-}
-
-/* ---- Measures ---- */
+/* ---- Measures: each returns an exit status ---- */
 
 /* False if the file cannot be written. */
 static bool beginRecord(const char* path, FILE** record, char* error, size_t size) {
@@ -117,63 +71,135 @@ static bool endRecord(const char* path, FILE* record, char* error, size_t size) 
   return true;
 }
 
-static bool runTrials(const Options* options, const Choice* choice, const Scene* scene, char* error, size_t size) {
+static int runTrials(const Options* options, const Scene* scene, char* error, size_t size) {
   Race race = {.scene = scene,
                .rule = options->rule,
                .seed = options->seed,
                .trialCount = options->trialCount,
                .blockSize = options->blockSize,
                .seconds = options->seconds,
-               .laneCount = choice->count,
-               .judge = rosterFind(options->set, "lazygrid", strlen("lazygrid"))};
-  memcpy(race.contestants, choice->contestants, sizeof race.contestants);
+               .judge = contestantFind(options->set, "lazygrid", strlen("lazygrid"))};
   RaceResult results[MOST_LANES];
+  for (const char* list = options->contestants; list != NULL;) {
+    size_t length;
+    const char* name = nextName(&list, &length);
+    const Contestant* contestant = contestantFind(options->set, name, length);
+    if (!isPossible(contestant != NULL, race.laneCount, MOST_LANES, name, length, error, size)) {
+      return WRONG_USE;
+    }
+    race.contestants[race.laneCount++] = contestant;
+  }
   if (!beginRecord(options->record, &race.record, error, size)) {
-    return false;
+    return FAILED;
   }
   const bool success = raceRun(&race, results, error, size);
   if (!endRecord(options->record, race.record, error, size) || !success) {
-    return false;
+    return FAILED;
   }
   for (int i = 0; i < race.laneCount; i++) {
-    printScene("trials", options, scene, results[i].trials);
+    rowBegin("trials", options, scene, results[i].trials);
     printf(", \"block\": %d, \"moves\": \"%s\", \"angle\": %.10g, \"kappa\": %d", race.blockSize, options->moves,
            race.rule.angle * 180 / PI, race.rule.kappa);
-    printTimes(race.contestants[i]->name, setName(options, results[i].instructionSet), &results[i].microseconds);
-    printCounts(results[i].volumeTests, results[i].particleTests, results[i].updates);
+    rowTimes(options, race.contestants[i]->name, results[i].instructionSet, &results[i].microseconds);
+    rowCounts(results[i].volumeTests, results[i].particleTests, results[i].updates);
     printf(", \"accepted\": %.6g}\n", results[i].accepted);
   }
-  return true;
+  return 0;
 }
 
-static bool runWhole(const Options* options, const Choice* choice, const Scene* scene, char* error, size_t size) {
+static int runWhole(const Options* options, const Scene* scene, char* error, size_t size) {
+  const Contestant* contestants[MOST_LANES];
   WholeResult results[MOST_LANES];
-  for (int i = 0; i < choice->count; i++) {
-    if (!wholeRun(scene, choice->contestants[i], options->trialCount, &results[i])) {
-      snprintf(error, size, "not enough memory for %s", choice->contestants[i]->name);
-      return false;
+  int count = 0;
+  for (const char* list = options->contestants; list != NULL;) {
+    size_t length;
+    const char* name = nextName(&list, &length);
+    const Contestant* contestant = contestantFind(options->set, name, length);
+    const bool found = contestant != NULL && contestant->testAll != NULL;
+    if (!isPossible(found, count, MOST_LANES, name, length, error, size)) {
+      return WRONG_USE;
+    }
+    contestants[count++] = contestant;
+  }
+  for (int i = 0; i < count; i++) {
+    if (!wholeRun(scene, contestants[i], options->trialCount, &results[i])) {
+      snprintf(error, size, "not enough memory for %s", contestants[i]->name);
+      return FAILED;
     }
     if (results[i].clash != results[0].clash) {
-      snprintf(error, size, "%s finds %s, %s does not", choice->contestants[i]->name,
-               results[i].clash ? "a clash" : "no clash", choice->contestants[0]->name);
-      return false;
+      snprintf(error, size, "%s finds %s, %s does not", contestants[i]->name, results[i].clash ? "a clash" : "no clash",
+               contestants[0]->name);
+      return FAILED;
     }
   }
-  for (int i = 0; i < choice->count; i++) {
+  for (int i = 0; i < count; i++) {
     const Counts* counts = &results[i].counts;
-    printScene("whole", options, scene, options->trialCount);
-    printTimes(choice->contestants[i]->name, setName(options, results[i].instructionSet), &results[i].microseconds);
-    printCounts((double)counts->volumeTests, (double)counts->particleTests, (double)counts->updates);
+    rowBegin("whole", options, scene, options->trialCount);
+    rowTimes(options, contestants[i]->name, results[i].instructionSet, &results[i].microseconds);
+    rowCounts((double)counts->volumeTests, (double)counts->particleTests, (double)counts->updates);
     printf(", \"clash\": %s}\n", results[i].clash ? "true" : "false");
   }
-  return true;
+  return 0;
 }
 
-static void printContestants(const InstructionSet* set) {
-  for (const Contestant* const* contestant = set->roster; *contestant != NULL; contestant++) {
-    printf("{\"contestant\": \"%s\", \"idea\": ", (*contestant)->name);
-    printString((*contestant)->idea);
-    printf(", \"whole\": %s}\n", (*contestant)->testAll == NULL ? "false" : "true");
+static int runPairs(const Options* options, const Scene* scene, char* error, size_t size) {
+  PairRace race = {.scene = scene, .cutoff = options->cutoff, .seed = options->seed, .repeats = options->trialCount};
+  PairResult results[MOST_PAIR_FINDERS];
+  for (const char* list = options->contestants; list != NULL;) {
+    size_t length;
+    const char* name = nextName(&list, &length);
+    const PairFinder* finder = pairFinderFind(options->set, name, length);
+    if (!isPossible(finder != NULL, race.finderCount, MOST_PAIR_FINDERS, name, length, error, size)) {
+      return WRONG_USE;
+    }
+    race.finders[race.finderCount++] = finder;
+  }
+  if (!pairRaceRun(&race, results, error, size)) {
+    return FAILED;
+  }
+  for (int i = 0; i < race.finderCount; i++) {
+    rowBegin("pairs", options, scene, options->trialCount);
+    rowTimes(options, race.finders[i]->name, NULL, &results[i].microseconds);
+    printf(", \"sorted\": %s, \"cutoff\": %.10g, \"pairs\": %d}\n",
+           race.finders[i]->order == pairsSorted ? "true" : "false", race.cutoff, results[i].pairCount);
+  }
+  return 0;
+}
+
+static int runNearest(const Options* options, const Scene* scene, char* error, size_t size) {
+  NearestRace race = {
+      .scene = scene, .obstacleCount = options->obstacleCount, .seed = options->seed, .repeats = options->trialCount};
+  Quartiles microseconds[MOST_NEAREST_FINDERS];
+  for (const char* list = options->contestants; list != NULL;) {
+    size_t length;
+    const char* name = nextName(&list, &length);
+    const NearestFinder* finder = nearestFinderFind(options->set, name, length);
+    if (!isPossible(finder != NULL, race.finderCount, MOST_NEAREST_FINDERS, name, length, error, size)) {
+      return WRONG_USE;
+    }
+    race.finders[race.finderCount++] = finder;
+  }
+  if (!nearestRaceRun(&race, microseconds, error, size)) {
+    return FAILED;
+  }
+  for (int i = 0; i < race.finderCount; i++) {
+    rowBegin("nearest", options, scene, options->trialCount);
+    rowTimes(options, race.finders[i]->name, NULL, &microseconds[i]);
+    printf(", \"obstacles\": %d}\n", race.obstacleCount);
+  }
+  return 0;
+}
+
+static int run(const Options* options, const Scene* scene, char* error, size_t size) {
+  switch (options->measure) {
+    case measureWhole:
+      return runWhole(options, scene, error, size);
+    case measurePairs:
+      return runPairs(options, scene, error, size);
+    case measureNearest:
+      return runNearest(options, scene, error, size);
+    default:
+      return runTrials(options, scene, error, size);
   }
 }
 
@@ -185,7 +211,6 @@ static int fail(int status, const char* error) {
 int main(int argc, char** argv) {
   char error[TEXT_SIZE] = "";
   Options options;
-  Choice choice;
   if (!optionsParse(argc, argv, &options, error, sizeof error)) {
     return fail(WRONG_USE, error);
   }
@@ -194,18 +219,14 @@ int main(int argc, char** argv) {
     return 0;
   }
   if (options.list) {
-    printContestants(options.set);
+    rowsOfContestants(options.set);
     return 0;
-  }
-  if (!choose(&options, &choice, error, sizeof error)) {
-    return fail(WRONG_USE, error);
   }
   Scene* scene = makeScene(&options, error, sizeof error);
   if (scene == NULL) {
     return fail(WRONG_USE, error);
   }
-  const bool success = options.measure == measureWhole ? runWhole(&options, &choice, scene, error, sizeof error)
-                                                       : runTrials(&options, &choice, scene, error, sizeof error);
+  const int status = run(&options, scene, error, sizeof error);
   sceneFree(scene);
-  return success ? 0 : fail(FAILED, error);
+  return status == 0 ? 0 : fail(status, error);
 }

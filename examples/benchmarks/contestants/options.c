@@ -7,7 +7,11 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { TRIALS = 20000, REPEATS = 5, BLOCK_SIZE = 200 };
+enum { BLOCK_SIZE = 200 };
+
+/* By measure. */
+static const int defaultTrials[] = {20000, 5, 100, 100};
+static const char* const defaultContestants[] = {"lazygrid,ours", "published,ours", "cells,ours", "brute,ours"};
 
 const char* const optionsUsage =
     "usage: openmm-chaintree-contestants [option value] ...\n"
@@ -16,8 +20,11 @@ const char* const optionsUsage =
     "\n"
     "--measure WHAT      trials: is the chain free of clashes after a change? The contestants take turns\n"
     "                    whole: is it free of clashes as it is?\n"
+    "                    pairs: which particles are near each other, as they are?\n"
+    "                    nearest: how near do obstacles come?\n"
     "                    [trials]\n"
-    "--contestants LIST  names with commas between them [lazygrid,ours]\n"
+    "--contestants LIST  names with commas between them\n"
+    "                    [lazygrid,ours; published,ours; cells,ours; brute,ours]\n"
     "--chain NAME        random, hilbert, serpentine or worst, or a file with a scene, - for the standard input\n"
     "                    [random]\n"
     "--n COUNT           spheres of a chain that is not from a file [1000]\n"
@@ -25,11 +32,13 @@ const char* const optionsUsage =
     "--moves KIND        uniform, gaussian, biased or sidechain [uniform]\n"
     "--angle DEGREES     standard deviation of Gaussian changes [5]\n"
     "--kappa COUNT       consecutive torsions that a trial turns [1]\n"
-    "--trials COUNT      trials [20000], or how often the same question is asked [5]\n"
+    "--trials COUNT      trials, or how often the question is asked [20000, 5, 100, 100]\n"
     "--block COUNT       trials of one contestant before the next has its turn [200]\n"
     "--seconds NUMBER    ends trials sooner: with the block in which contestants have taken that long together\n"
     "--record FILE       write the scene and all trials there, as lines of JSON, for others to run them\n"
-    "--isa NAME          instruction set: avx2 or portable [the best that is here]\n"
+    "--cutoff LENGTH     of pairs [0.8]\n"
+    "--obstacles COUNT   [1000]\n"
+    "--isa NAME          instruction set: avx512, avx2 or portable [the best that is here]\n"
     "--list              print a line of JSON about each contestant instead\n"
     "--help\n";
 
@@ -74,9 +83,9 @@ static int parseName(const char* text, const char* const* names, int count) {
 }
 
 static bool parseMeasure(const char* text, Measure* measure) {
-  static const char* const names[] = {"trials", "whole"};
-  static const Measure measures[] = {measureTrials, measureWhole};
-  const int index = parseName(text, names, 2);
+  static const char* const names[] = {"trials", "whole", "pairs", "nearest"};
+  static const Measure measures[] = {measureTrials, measureWhole, measurePairs, measureNearest};
+  const int index = parseName(text, names, 4);
   *measure = index < 0 ? measureTrials : measures[index];
   return index >= 0;
 }
@@ -91,7 +100,7 @@ static bool parseMoves(const char* text, MoveKind* kind) {
 
 static bool parseOption(const char* name, const char* value, Options* options, char* error, size_t size) {
   if (strcmp(name, "--measure") == 0) {
-    return parseMeasure(value, &options->measure) || fail(error, size, name, value, "trials or whole");
+    return parseMeasure(value, &options->measure) || fail(error, size, name, value, "trials, whole, pairs or nearest");
   }
   if (strcmp(name, "--contestants") == 0) {
     options->contestants = value;
@@ -138,6 +147,13 @@ static bool parseOption(const char* name, const char* value, Options* options, c
     options->record = value;
     return true;
   }
+  if (strcmp(name, "--cutoff") == 0) {
+    return parseReal(value, 1e6, &options->cutoff) || fail(error, size, name, value, "a positive length");
+  }
+  if (strcmp(name, "--obstacles") == 0) {
+    return parseInt(value, 1, INT_MAX / 16, &options->obstacleCount) ||
+           fail(error, size, name, value, "a positive whole number");
+  }
   if (strcmp(name, "--isa") == 0) {
     options->set = instructionSetFind(value);
     return options->set != NULL || fail(error, size, name, value, "an instruction set that this machine has");
@@ -155,7 +171,8 @@ bool optionsParse(int argc, char** argv, Options* options, char* error, size_t s
                        .seed = 1,
                        .blockSize = BLOCK_SIZE,
                        .seconds = INFINITY,
-                       .contestants = "lazygrid,ours",
+                       .cutoff = 0.8,
+                       .obstacleCount = 1000,
                        .set = instructionSetFind(NULL)};
   for (int i = 1; i < argc; i += 2) {
     options->help = strcmp(argv[i], "--help") == 0;
@@ -172,7 +189,10 @@ bool optionsParse(int argc, char** argv, Options* options, char* error, size_t s
     }
   }
   if (options->trialCount == 0) {
-    options->trialCount = options->measure == measureTrials ? TRIALS : REPEATS;
+    options->trialCount = defaultTrials[options->measure];
+  }
+  if (options->contestants == NULL) {
+    options->contestants = defaultContestants[options->measure];
   }
   if (options->blockSize > options->trialCount) {
     options->blockSize = options->trialCount;

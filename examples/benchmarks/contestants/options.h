@@ -5,7 +5,7 @@
 #include "moves.h"
 #include "roster.h"
 
-typedef enum Measure { measureTrials, measureWhole } Measure;
+typedef enum Measure { measureTrials, measureWhole, measurePairs, measureNearest } Measure;
 
 typedef struct Options {
   Measure measure;
@@ -16,6 +16,8 @@ typedef struct Options {
   uint64_t seed;
   int trialCount;
   int blockSize;
+  double cutoff;
+  int obstacleCount;
   double seconds;          /* that a race may last */
   const char* contestants; /* names with commas between them */
   const InstructionSet* set;

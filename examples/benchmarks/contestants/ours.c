@@ -1,9 +1,8 @@
 /* The engine of this project, by its public header. */
-#include <stdint.h>
 #include <stdlib.h>
 
-#include "chaintree.h"
 #include "contestant.h"
+#include "ourtree.h"
 
 typedef struct Ours {
   const Scene* scene;
@@ -19,57 +18,13 @@ static void destroy(void* self) {
   }
 }
 
-static ctChainTree* makeTree(const Scene* scene) {
-  const size_t particles = (size_t)scene->particleCount;
-  const size_t links = (size_t)scene->linkCount;
-  double* positions = malloc(3 * particles * sizeof(double) + 1);
-  double* radii = malloc(particles * sizeof(double) + 1);
-  uint8_t* joints = malloc(links + 1);
-  int(*torsions)[4] = calloc(links + 1, sizeof *torsions);
-  ctChainTree* tree = NULL;
-  if (positions != NULL && radii != NULL && joints != NULL && torsions != NULL) {
-    for (size_t i = 0; i < particles; i++) {
-      for (size_t k = 0; k < 3; k++) {
-        positions[3 * i + k] = scene->spheres[i].x[k];
-      }
-      radii[i] = scene->spheres[i].radius;
-    }
-    for (size_t link = 0; link < links; link++) {
-      joints[link] = scene->linkParents[link] < 0 ? ctFreeJoint : ctTorsionJoint;
-    }
-    for (int t = 0; t < scene->torsionCount; t++) {
-      const Torsion* torsion = &scene->torsions[t];
-      torsions[torsion->link][0] = torsion->axis[0];
-      torsions[torsion->link][1] = torsion->axis[0];
-      torsions[torsion->link][2] = torsion->axis[1];
-      torsions[torsion->link][3] = torsion->axis[1];
-    }
-    const ctDefinition definition = {.particleCount = scene->particleCount,
-                                     .positions = positions,
-                                     .radii = radii,
-                                     .particleLinks = scene->particleLinks,
-                                     .linkCount = scene->linkCount,
-                                     .linkParents = scene->linkParents,
-                                     .linkJoints = joints,
-                                     .linkTorsions = (const int(*)[4])torsions,
-                                     .exclusionCount = scene->exclusionCount,
-                                     .exclusions = (const int(*)[2])scene->exclusions};
-    ctCreate(&definition, &tree, NULL, 0);
-  }
-  free(positions);
-  free(radii);
-  free(joints);
-  free(torsions);
-  return tree;
-}
-
 static void* make(const Scene* scene) {
   Ours* ours = calloc(1, sizeof *ours);
   if (ours == NULL) {
     return NULL;
   }
   ours->scene = scene;
-  ours->tree = makeTree(scene);
+  ours->tree = ourTreeOf(scene, scene->exclusionCount, 0, NULL);
   if (ours->tree == NULL) {
     destroy(ours);
     return NULL;

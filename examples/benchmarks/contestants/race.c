@@ -4,9 +4,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "record.h"
-
 #include "measure.h"
+#include "record.h"
 
 typedef struct Lane {
   const Contestant* contestant;

@@ -3,23 +3,28 @@
 #define ROSTER_H_
 
 #include "contestant.h"
+#include "nearest.h"
+#include "pairfinder.h"
 
 /* The contestants of one instruction set, ending with NULL. */
 typedef const Contestant* const Roster[];
-
-extern Roster rosterPortable;
-extern Roster rosterAvx2;
+typedef const PairFinder* const PairFinders[];
+typedef const NearestFinder* const NearestFinders[];
 
 typedef struct InstructionSet {
   const char* name;
   bool (*isHere)(void); /* whether this machine has it */
-  const Contestant* const* roster;
+  const Contestant* const* contestants;
+  const PairFinder* const* pairFinders;
+  const NearestFinder* const* nearestFinders;
 } InstructionSet;
 
 /* By name, or with NULL the best that this machine has. NULL if there is no such set, or not here. */
 const InstructionSet* instructionSetFind(const char* name);
 
-/* By name; NULL if there is none. */
-const Contestant* rosterFind(const InstructionSet* set, const char* name, size_t nameLength);
+/* By name, of this length; NULL if there is none. */
+const Contestant* contestantFind(const InstructionSet* set, const char* name, size_t length);
+const PairFinder* pairFinderFind(const InstructionSet* set, const char* name, size_t length);
+const NearestFinder* nearestFinderFind(const InstructionSet* set, const char* name, size_t length);
 
 #endif /* ROSTER_H_ */

@@ -5,7 +5,7 @@
 
 #include "branches.h"
 #include "chains.h"
-#include "roster.h"
+#include "sets.h"
 
 enum { TRIALS = 400 };
 
@@ -18,12 +18,12 @@ typedef struct Rival {
 enum { MOST_RIVALS = 100 };
 
 static int gatherRivals(const Scene* scene, Rival* rivals) {
-  static const char* const names[] = {"avx2", "portable"};
+  const InstructionSet* sets[MOST_SETS];
+  const int setCount = setsHere(sets);
   int count = 0;
-  for (int i = 0; i < 2; i++) {
-    const InstructionSet* set = instructionSetFind(names[i]);
-    for (const Contestant* const* c = set == NULL ? NULL : set->roster; c != NULL && *c != NULL; c++) {
-      rivals[count++] = (Rival){set, *c, (*c)->make(scene)};
+  for (int i = 0; i < setCount; i++) {
+    for (const Contestant* const* c = sets[i]->contestants; *c != NULL; c++) {
+      rivals[count++] = (Rival){sets[i], *c, (*c)->make(scene)};
       CHECK(rivals[count - 1].self != NULL);
     }
   }
@@ -71,7 +71,7 @@ static void testScene(const char* name, Scene* scene, double width, uint64_t see
   Random random = {seed};
   const int count = gatherRivals(scene, rivals);
   const InstructionSet* portable = instructionSetFind("portable");
-  const Contestant* brute = rosterFind(portable, "brute", strlen("brute"));
+  const Contestant* brute = contestantFind(portable, "brute", strlen("brute"));
   void* judge = brute->make(scene);
   int clashes = 0;
   for (int trial = 0; trial < TRIALS; trial++) {

@@ -38,6 +38,7 @@ check_output(--n 60 --contestants brute,lazygrid,ours --trials 500 --moves biase
 check_output(--n 60 --contestants brute,fullgrid,ours --trials 500 --moves gaussian --angle 20 --seed 7)
 
 check_output(--measure whole --chain worst --n 60 --contestants brute,published,ours)
+check_output(--measure pairs --n 60 --contestants brute,cells,ours --cutoff 9)
 
 # Ends with the block in which the time is up, here the first one that counts.
 check_output(--n 60 --contestants brute,lazygrid,ours --trials 100000 --block 10 --seconds 1e-9)
@@ -46,7 +47,7 @@ if(NOT "${last_row}" MATCHES "\"trials\": 10,")
 endif()
 
 execute_process(COMMAND "${PROGRAM}" --list OUTPUT_VARIABLE output)
-if(NOT output MATCHES "{\"contestant\": \"ours\", \"idea\": \"[^\n]*\", \"whole\": true}\n")
+if(NOT output MATCHES "{\"measure\": \"trials\", \"contestant\": \"ours\", \"idea\": \"[^\n]*\", \"whole\": true}\n")
     message(SEND_ERROR "--list: ${output}")
 endif()
 
@@ -67,7 +68,8 @@ endif()
 check_refusal(2 "there is no contestant nobody" --contestants brute,nobody)
 check_refusal(2 "there is no option --chains" --chains random)
 check_refusal(2 "--n 3" --n 3)
-check_refusal(2 "lazygrid does not test whole chains" --measure whole)
+check_refusal(2 "there is no contestant lazygrid for this measure" --measure whole --contestants lazygrid)
+check_refusal(2 "--cutoff 0" --cutoff 0)
 check_refusal(2 "--angle 0" --angle 0)
 check_refusal(2 "--seconds 0" --seconds 0)
 check_refusal(1 "nowhere/record cannot be written" --record nowhere/record)

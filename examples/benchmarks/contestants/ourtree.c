@@ -1,0 +1,91 @@
+#include "ourtree.h"
+
+#include <stdint.h>
+#include <stdlib.h>
+
+typedef struct Arrays {
+  double* positions;
+  double* radii;
+  int* particleLinks;
+  int* parents;
+  uint8_t* joints;
+  int (*torsions)[4];
+} Arrays;
+
+static void arraysFree(Arrays* arrays) {
+  free(arrays->positions);
+  free(arrays->radii);
+  free(arrays->particleLinks);
+  free(arrays->parents);
+  free(arrays->joints);
+  free(arrays->torsions);
+}
+
+static bool arraysInit(Arrays* arrays, size_t particles, size_t links) {
+  arrays->positions = calloc(3 * particles + 1, sizeof(double));
+  arrays->radii = calloc(particles + 1, sizeof(double));
+  arrays->particleLinks = calloc(particles + 1, sizeof(int));
+  arrays->parents = calloc(links, sizeof(int));
+  arrays->joints = calloc(links, 1);
+  arrays->torsions = calloc(links, sizeof *arrays->torsions);
+  return arrays->positions != NULL && arrays->radii != NULL && arrays->particleLinks != NULL &&
+         arrays->parents != NULL && arrays->joints != NULL && arrays->torsions != NULL;
+}
+
+static void fillScene(Arrays* arrays, const Scene* scene) {
+  for (int i = 0; i < scene->particleCount; i++) {
+    for (int k = 0; k < 3; k++) {
+      arrays->positions[3 * i + k] = scene->spheres[i].x[k];
+    }
+    arrays->radii[i] = scene->spheres[i].radius;
+    arrays->particleLinks[i] = scene->particleLinks[i];
+  }
+  for (int link = 0; link < scene->linkCount; link++) {
+    arrays->parents[link] = scene->linkParents[link] < 0 ? CT_NULL : scene->linkParents[link];
+    arrays->joints[link] = scene->linkParents[link] < 0 ? ctFreeJoint : ctTorsionJoint;
+  }
+  for (int t = 0; t < scene->torsionCount; t++) {
+    const Torsion* torsion = &scene->torsions[t];
+    for (int k = 0; k < 4; k++) {
+      arrays->torsions[torsion->link][k] = torsion->axis[k / 2];
+    }
+  }
+}
+
+static void fillObstacles(Arrays* arrays, const Scene* scene, int obstacleCount, const double* obstacles) {
+  const double radius = sceneLargestRadius(scene);
+  for (int i = 0; i < obstacleCount; i++) {
+    const int particle = scene->particleCount + i;
+    for (int k = 0; k < 3; k++) {
+      arrays->positions[3 * particle + k] = obstacles[3 * i + k];
+    }
+    arrays->radii[particle] = radius;
+    arrays->particleLinks[particle] = scene->linkCount;
+  }
+  arrays->parents[scene->linkCount] = CT_NULL;
+  arrays->joints[scene->linkCount] = ctFixedJoint;
+}
+
+ctChainTree* ourTreeOf(const Scene* scene, int exclusionCount, int obstacleCount, const double* obstacles) {
+  Arrays arrays = {0};
+  ctChainTree* tree = NULL;
+  const int particles = scene->particleCount + obstacleCount;
+  const int links = scene->linkCount + (obstacleCount > 0);
+  if (arraysInit(&arrays, (size_t)particles, (size_t)links + 1)) {
+    fillScene(&arrays, scene);
+    fillObstacles(&arrays, scene, obstacleCount, obstacles);
+    const ctDefinition definition = {.particleCount = particles,
+                                     .positions = arrays.positions,
+                                     .radii = arrays.radii,
+                                     .particleLinks = arrays.particleLinks,
+                                     .linkCount = links,
+                                     .linkParents = arrays.parents,
+                                     .linkJoints = arrays.joints,
+                                     .linkTorsions = (const int(*)[4])arrays.torsions,
+                                     .exclusionCount = exclusionCount,
+                                     .exclusions = (const int(*)[2])scene->exclusions};
+    ctCreate(&definition, &tree, NULL, 0);
+  }
+  arraysFree(&arrays);
+  return tree;
+}

@@ -1,0 +1,53 @@
+#include "rows.h"
+
+#include <stdio.h>
+
+static void printString(const char* text) {
+  putchar('"');
+  for (const char* c = text; *c != '\0'; c++) {
+    if (*c == '"' || *c == '\\' || (unsigned char)*c < ' ') {
+      printf("\\u%04x", (unsigned)*c);
+    } else {
+      putchar(*c);
+    }
+  }
+  putchar('"');
+}
+
+void rowBegin(const char* measure, const Options* options, const Scene* scene, int trials) {
+  printf("{\"measure\": \"%s\", \"chain\": ", measure);
+  printString(options->chain);
+  printf(", \"particles\": %d, \"torsions\": %d, \"seed\": %llu, \"trials\": %d", scene->particleCount,
+         scene->torsionCount, (unsigned long long)options->seed, trials);
+}
+
+void rowTimes(const Options* options, const char* contestant, const char* instructionSet,
+              const Quartiles* microseconds) {
+  printf(", \"contestant\": \"%s\", \"isa\": \"%s\", \"microseconds\": %.6g, \"quartiles\": [%.6g, %.6g]", contestant,
+         instructionSet == NULL ? options->set->name : instructionSet, microseconds->median, microseconds->first,
+         microseconds->third);
+}
+
+void rowCounts(double volumeTests, double particleTests, double updates) {
+  printf(", \"volumeTests\": %.6g, \"particleTests\": %.6g, \"updates\": %.6g", volumeTests, particleTests, updates);
+}
+
+static void printContestant(const char* measure, const char* name, const char* idea) {
+  printf("{\"measure\": \"%s\", \"contestant\": \"%s\", \"idea\": ", measure, name);
+  printString(idea);
+}
+
+void rowsOfContestants(const InstructionSet* set) {
+  for (const Contestant* const* c = set->contestants; *c != NULL; c++) {
+    printContestant("trials", (*c)->name, (*c)->idea);
+    printf(", \"whole\": %s}\n", (*c)->testAll == NULL ? "false" : "true");
+  }
+  for (const PairFinder* const* c = set->pairFinders; *c != NULL; c++) {
+    printContestant("pairs", (*c)->name, (*c)->idea);
+    printf(", \"sorted\": %s}\n", (*c)->order == pairsSorted ? "true" : "false");
+  }
+  for (const NearestFinder* const* c = set->nearestFinders; *c != NULL; c++) {
+    printContestant("nearest", (*c)->name, (*c)->idea);
+    printf("}\n");
+  }
+}

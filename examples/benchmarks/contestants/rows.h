@@ -1,0 +1,20 @@
+/* What the driver prints: lines of JSON. */
+#ifndef ROWS_H_
+#define ROWS_H_
+
+#include "measure.h"
+#include "options.h"
+
+/* What all rows of results begin with. */
+void rowBegin(const char* measure, const Options* options, const Scene* scene, int trials);
+
+/* `instructionSet`: the one that the contestant has chosen, NULL if it is the one that all are compiled for. */
+void rowTimes(const Options* options, const char* contestant, const char* instructionSet,
+              const Quartiles* microseconds);
+
+void rowCounts(double volumeTests, double particleTests, double updates);
+
+/* A row for each contestant there is. */
+void rowsOfContestants(const InstructionSet* set);
+
+#endif /* ROWS_H_ */
