@@ -97,7 +97,8 @@ static inline void chooseAxes(const Block* block, Sphere middle, float axes[3][3
   const Float16 fy = sub16(dy, mul16(along, all16(u[1])));
   const Float16 fz = sub16(dz, mul16(along, all16(u[2])));
   const Float16 squaredAcross = add16(add16(mul16(fx, fx), mul16(fy, fy)), mul16(fz, fz));
-  const int far = largestMember(blend16(none, squaredAcross, never));
+  const Float16 farAcross = blend16(none, squaredAcross, never);
+  const int far = largestMember(farAcross);
   float* v = axes[1];
   float lanes[3][TREE_WIDTH];
   store16(lanes[0], fx);
@@ -105,8 +106,10 @@ static inline void chooseAxes(const Block* block, Sphere middle, float axes[3][3
   store16(lanes[2], fz);
   float across[3];
   acrossUnit(u, across);
+  /* Of spheres all but on that line the rest is rounding, in any direction. */
+  const bool isLine = !(most16(farAcross) > 1e-6f * most16(blend16(none, squaredFromOne, never)));
   for (int d = 0; d < 3; d++) {
-    v[d] = lanes[d][far];
+    v[d] = isLine ? across[d] : lanes[d][far];
   }
   unitOr(across, v);
   /* What rounding has left along u. */

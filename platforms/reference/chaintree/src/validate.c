@@ -2,6 +2,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "descent.h"
 #include "scene.h"
 
 /* The tree's content, array by array. */
@@ -26,6 +27,50 @@ static void listContent(const Tree* tree, const Sequence* s, Content content[CON
       {s->closure, (size_t)s->pathCount * sizeof(Frame)},
   };
   memcpy(content, all, sizeof all);
+}
+
+/* ---- Boxes ---- */
+
+/* Whether an item's box, if it has been made, holds all particles below it. */
+static bool boxHolds(const ctChainTree* scene, int level, int item) {
+  const Tree* tree = &scene->staleTree;
+  const Box* box = &scene->traversal.box[item];
+  int end;
+  const int begin = treeSlots(tree, level, item, &end);
+  const Frame frame = ctTreeFrame(tree, level, item);
+  for (int slot = begin; slot < end && !tree->isFresh[item]; slot++) {
+    if (scene->sequence.slotParticle[slot] == CT_NULL) {
+      continue;
+    }
+    const Frame leaf = ctTreeFrame(tree, 0, slot / TREE_WIDTH);
+    double x[3];
+    treeLocal(tree, slot, x);
+    transformPoint(&leaf, x, x);
+    const double rounding = 1e-13 * sqrt(dot(x, x));
+    transformPointBack(&frame, x, x);
+    for (int i = 1; i < 4; i++) {
+      double along = 0;
+      for (int d = 0; d < 3; d++) {
+        along += (x[d] - (double)box->row[d][0]) * (double)box->row[d][i];
+      }
+      if (fabs(along) + scene->sequence.slotRadius[slot] > (double)box->half[i] + rounding) {
+        return false;
+      }
+    }
+  }
+  return true;
+}
+
+static bool doBoxesHold(const ctChainTree* scene) {
+  const Tree* tree = &scene->staleTree;
+  for (int level = 0; level < tree->levelCount; level++) {
+    for (int i = 0; i < tree->levelSize[level]; i++) {
+      if (!boxHolds(scene, level, tree->levelBegin[level] + i)) {
+        return false;
+      }
+    }
+  }
+  return true;
 }
 
 /* ---- Clearances ---- */
@@ -64,6 +109,7 @@ bool ctValidate(ctChainTree* tree) {
   void* kept[CONTENT_COUNT] = {0};
   Tree* made = ctSceneTree(tree);
   ctTreeCompleteSums(made, &tree->sequence);
+  const bool boxesHold = doBoxesHold(tree); /* before all items are fresh again */
   listContent(made, &tree->sequence, content);
   bool same = true;
   for (int i = 0; i < CONTENT_COUNT && same; i++) {
@@ -88,5 +134,5 @@ bool ctValidate(ctChainTree* tree) {
   for (int i = 0; i < CONTENT_COUNT; i++) {
     free(kept[i]);
   }
-  return same && ctTreeBoundsHold(made, &tree->sequence) && clearancesHold(tree);
+  return same && ctTreeBoundsHold(made, &tree->sequence) && boxesHold && clearancesHold(tree);
 }
