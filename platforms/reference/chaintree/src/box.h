@@ -171,6 +171,14 @@ static inline void putBox(BoxBlock* block, int k, const Box* box) {
   }
 }
 
+static inline Box boxOf(const BoxBlock* block, int k) {
+  Box box = {.half = {0, block->half[0][k], block->half[1][k], block->half[2][k]}};
+  for (int d = 0; d < 3; d++) {
+    box.row[d] = (Row4){block->centre[d][k], block->axis[0][d][k], block->axis[1][d][k], block->axis[2][d][k]};
+  }
+  return box;
+}
+
 static inline Float16 dot16(float x, float y, float z, float v[3][TREE_WIDTH]) {
   return add16(add16(mul16(all16(x), load16(v[0])), mul16(all16(y), load16(v[1]))), mul16(all16(z), load16(v[2])));
 }

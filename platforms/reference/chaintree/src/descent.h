@@ -7,12 +7,13 @@
 
 /* Boxes of a node's children. */
 typedef struct NodeBoxes {
-  BoxBlock own;   /* in the node's frame; made with the node's own box */
-  BoxBlock rest;  /* in the world as the state has them */
-  BoxBlock moved; /* in the view, if the node moves or straddles */
-  unsigned thin;  /* bit k: that of child k is thin */
-  int64_t since;  /* of the node when `rest` was made */
-  uint32_t stamp; /* of the descent that `moved` is of */
+  BoxBlock own;        /* in the node's frame; made with the node's own box */
+  BoxBlock rest;       /* in the world as the state has them */
+  BoxBlock moved;      /* in the view, if the node moves or straddles */
+  unsigned thin;       /* bit k: that of child k is thin */
+  unsigned thinInView; /* the same of boxes in the view */
+  int64_t since;       /* of the node when `rest` was made */
+  uint32_t stamp;      /* of the descent that `moved` is of */
 } NodeBoxes;
 
 /* An item whose members are of different rigid bodies. */

@@ -228,7 +228,25 @@ static const Box* ownBox(Traversal* t, int level, int item) {
   return box;
 }
 
-/* Boxes of the children of an expanded node, in the view; those of children that straddle have no meaning. */
+static BoxBlock* boxesInView(Traversal* t, int level, int node);
+
+/* Around the members of an item that straddles, in the view. */
+static Box straddlerBox(Traversal* t, int level, int item) {
+  const Block* block = &straddlerOf(t, t->motion[item])->block;
+  const Sphere middle = middleOfBlock(block);
+  const Bound bound = {middle.x, middle.y, middle.z, middle.r + radiusAbout(middle, block, block->r), 0};
+  if (level == 0 || bound.r < 0) {
+    return boxAround(block, 0, NULL, &bound);
+  }
+  const BoxBlock* inView = boxesInView(t, level, item);
+  Box inner[TREE_WIDTH];
+  for (int k = 0; k < TREE_WIDTH; k++) {
+    inner[k] = boxOf(inView, k);
+  }
+  return boxAround(block, boxesOf(t, item)->thinInView, inner, &bound);
+}
+
+/* Boxes of the children of an expanded node, in the view. */
 static BoxBlock* boxesInView(Traversal* t, int level, int node) {
   NodeBoxes* boxes = boxesOf(t, node);
   ownBox(t, level, node);
@@ -240,12 +258,14 @@ static BoxBlock* boxesInView(Traversal* t, int level, int node) {
     moveBoxes(&boxes->own, frame, 0xffff, &boxes->rest);
   }
   const int code = t->motion[node];
-  if (code == 0 || t->view->motions == NULL) {
+  if (code == 0 || (code > 0 && t->view->motions == NULL)) {
+    boxes->thinInView = boxes->thin;
     return &boxes->rest;
   }
   if (boxes->stamp != t->stamp) {
     boxes->stamp = t->stamp;
     boxes->moved = boxes->rest;
+    boxes->thinInView = boxes->thin;
     for (int k = 0; k < TREE_WIDTH;) {
       /* Children that move alike go together. */
       const int motion = code < 0 ? straddlerOf(t, code)->motion[k] : code;
@@ -253,8 +273,13 @@ static BoxBlock* boxesInView(Traversal* t, int level, int node) {
       for (; k < TREE_WIDTH && motion == (code < 0 ? straddlerOf(t, code)->motion[k] : code); k++) {
         run |= 1u << k;
       }
-      if (motion > 0) {
+      if (moves(t->view, motion)) {
         moveBoxes(&boxes->rest, t->motions[motion], run, &boxes->moved);
+      } else if (motion < 0) {
+        const int child = __builtin_ctz(run);
+        const Box box = straddlerBox(t, level - 1, straddlerOf(t, motion)->item);
+        putBox(&boxes->moved, child, &box);
+        boxes->thinInView = (boxes->thinInView & ~run) | (unsigned)box.thin << child;
       }
     }
   }
@@ -316,12 +341,12 @@ static unsigned nearItem(const Traversal* t, Visit* visit, const Block* members,
 
 /* The boxes among which that of an item is, at its own place; NULL if it has none of use. */
 static BoxBlock* boxesAround(Traversal* t, const ItemPair* pair) {
-  if (pair->a == pair->b || t->motion[pair->b] < 0) {
+  if (pair->a == pair->b) {
     return NULL;
   }
   const int parent = treeParent(t->tree, pair->level, pair->b);
   BoxBlock* boxes = boxesInView(t, pair->level + 1, parent);
-  return (boxesOf(t, parent)->thin >> pair->b % TREE_WIDTH & 1) != 0 ? boxes : NULL;
+  return (boxesOf(t, parent)->thinInView >> pair->b % TREE_WIDTH & 1) != 0 ? boxes : NULL;
 }
 
 static bool visitLeaves(Traversal* t, Visit* visit, const ItemPair* pair) {
@@ -367,24 +392,13 @@ static bool visitLeaves(Traversal* t, Visit* visit, const ItemPair* pair) {
   return true;
 }
 
-/* Members of an item that straddle. */
-static unsigned straddling(const Traversal* t, int item) {
-  const int code = t->motion[item];
-  unsigned mask = 0;
-  for (int k = 0; k < TREE_WIDTH && code < 0; k++) {
-    mask |= (unsigned)(straddlerOf(t, code)->motion[k] < 0) << k;
-  }
-  return mask;
-}
-
-/* Which of these children of node b the boxes part from child k of node a, which does not straddle. */
+/* Which of these children of node b the boxes part from child k of node a. */
 static unsigned boxesPart(Traversal* t, Visit* visit, const ItemPair* pair, int k, unsigned mask, BoxBlock* a,
                           BoxBlock* b) {
   visit->pairsBoxed += __builtin_popcount(mask);
-  if ((boxesOf(t, pair->a)->thin >> k & 1) == 0) {
-    mask &= boxesOf(t, pair->b)->thin;
+  if ((boxesOf(t, pair->a)->thinInView >> k & 1) == 0) {
+    mask &= boxesOf(t, pair->b)->thinInView;
   }
-  mask &= ~straddling(t, pair->b);
   if (mask == 0) {
     return 0;
   }
@@ -410,7 +424,7 @@ static void visitNodes(Traversal* t, Visit* visit, const ItemPair* pair, int* de
     boxesB = boxesInView(t, pair->level, pair->b);
     BoxBlock* around = boxesAround(t, pair);
     if (around != NULL) {
-      near &= ~boxesApart(around, pair->b % TREE_WIDTH, boxesA, visit->reach) | straddling(t, pair->a);
+      near &= ~boxesApart(around, pair->b % TREE_WIDTH, boxesA, visit->reach);
     }
   }
   for (; near != 0; near &= near - 1) {
@@ -431,7 +445,7 @@ static void visitNodes(Traversal* t, Visit* visit, const ItemPair* pair, int* de
     if (mask != 0) {
       mask &= ~ofBody(t, pair->b, motion);
     }
-    if (mask != 0 && visit->boxes && motion >= 0) {
+    if (mask != 0 && visit->boxes) {
       mask &= ~boxesPart(t, visit, pair, k, mask, boxesA, boxesB);
     }
     for (; mask != 0; mask &= mask - 1) {

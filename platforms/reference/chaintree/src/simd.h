@@ -170,6 +170,10 @@ static inline float most16(Float16 a) {
 #else
 
 /* Four vectors of four: what every machine has, by the vector extension of gcc and clang. */
+#ifdef __SSE2__
+#include <emmintrin.h>
+#endif
+
 typedef float Float4 __attribute__((vector_size(16)));
 typedef int Int4 __attribute__((vector_size(16)));
 
@@ -210,17 +214,21 @@ static inline Float16 mul16(Float16 a, Float16 b) {
 }
 
 static inline Float16 sqrt16(Float16 a) {
+#ifdef __SSE2__
+  CT_EACH_QUARTER a.q[i] = _mm_sqrt_ps(a.q[i]);
+#else
   CT_EACH_QUARTER {
     for (int k = 0; k < 4; k++) {
       a.q[i][k] = sqrtf(a.q[i][k]);
     }
   }
+#endif
   return a;
 }
 
 static inline unsigned bits4(Int4 lanes) {
 #ifdef __SSE2__
-  return (unsigned)__builtin_ia32_movmskps((Float4)lanes);
+  return (unsigned)_mm_movemask_ps((Float4)lanes);
 #else
   return (unsigned)((lanes[0] & 1) | (lanes[1] & 2) | (lanes[2] & 4) | (lanes[3] & 8));
 #endif
@@ -384,11 +392,15 @@ static inline Short16 minShorts(Short16 a, Short16 b) {
 }
 
 static inline unsigned zeroShorts(Short16 a) {
+#ifdef __SSE2__
+  return (unsigned)_mm_movemask_epi8(_mm_packs_epi16((__m128i)(a.h[0] == 0), (__m128i)(a.h[1] == 0)));
+#else
   unsigned mask = 0;
   for (unsigned k = 0; k < 16; k++) {
     mask |= (unsigned)(a.h[k / 8][k % 8] == 0) << k;
   }
   return mask;
+#endif
 }
 
 static inline Short16 blendShorts(unsigned mask, Short16 a, Short16 b) {
