@@ -93,8 +93,15 @@ static void expand(Traversal* t, int level, int item) {
   }
 }
 
-/* An item that straddles pieces, and all such below it; `piece` holds its first slot. Returns its volume. */
-static Sphere expandStraddler(Traversal* t, int level, int item, int piece) {
+static Sphere boundOfStraddler(const Traversal* t, const Straddler* s) {
+  Sphere bound = middleOfBlock(&s->block);
+  /* Straddlers lie within straddlers: each level adds its own rounding. */
+  bound.r += radiusAbout(bound, &s->block, s->block.r) + (float)(FLOAT_MARGIN * t->extent);
+  return bound;
+}
+
+/* An item that straddles pieces, and all such below it; `piece` holds its first slot. */
+static const Straddler* expandStraddler(Traversal* t, int level, int item, int piece) {
   const View* view = t->view;
   const Tree* tree = t->tree;
   t->itemStamp[item] = t->stamp;
@@ -125,7 +132,7 @@ static Sphere expandStraddler(Traversal* t, int level, int item, int piece) {
         s->motion[k++] = motion;
       }
     } else if (level > 0) { /* a slot straddles nothing */
-      const Sphere bound = expandStraddler(t, level - 1, first + k, piece);
+      const Sphere bound = boundOfStraddler(t, expandStraddler(t, level - 1, first + k, piece));
       s->block.x[k] = bound.x;
       s->block.y[k] = bound.y;
       s->block.z[k] = bound.z;
@@ -137,10 +144,7 @@ static Sphere expandStraddler(Traversal* t, int level, int item, int piece) {
   for (; k < TREE_WIDTH; k++) {
     s->motion[k] = 0;
   }
-  Sphere bound = middleOfBlock(&s->block);
-  /* Straddlers lie within straddlers: each level adds its own rounding. */
-  bound.r += radiusAbout(bound, &s->block, s->block.r) + (float)(FLOAT_MARGIN * t->extent);
-  return bound;
+  return s;
 }
 
 /* A new view: its motions, and how large the scene is in it. */
@@ -357,13 +361,17 @@ static bool visitLeaves(Traversal* t, Visit* visit, const ItemPair* pair) {
   const int beginA = treeSlots(t->tree, 0, a, &endA);
   const int beginB = treeSlots(t->tree, 0, b, &endB);
   const Block* blockA = blockOf(t, a);
-  const Block* blockB = blockOf(t, b);
   unsigned near = nearItem(t, visit, blockA, endA - beginA, pair);
   BoxBlock* around = visit->boxes && near != 0 ? boxesAround(t, pair) : NULL;
   if (around != NULL) {
     near &= nearBox(blockA, around, b % TREE_WIDTH, visit->reach);
   }
-  const int partner = near != 0 ? exclusionPartner(t->exclusions, a, b) : CT_NULL;
+  if (near == 0) {
+    return true;
+  }
+  expand(t, 0, b);
+  const Block* blockB = blockOf(t, b);
+  const int partner = exclusionPartner(t->exclusions, a, b);
   for (; near != 0; near &= near - 1) {
     const int k = __builtin_ctz(near);
     const int i = beginA + k;
@@ -415,11 +423,15 @@ static void visitNodes(Traversal* t, Visit* visit, const ItemPair* pair, int* de
   const int firstA = treeChildren(t->tree, pair->level, pair->a, &countA);
   const int firstB = treeChildren(t->tree, pair->level, pair->b, &countB);
   const Block* blockA = blockOf(t, pair->a);
-  const Block* blockB = blockOf(t, pair->b);
   unsigned near = nearItem(t, visit, blockA, countA, pair);
+  if (near == 0) {
+    return;
+  }
+  expand(t, pair->level, pair->b);
+  const Block* blockB = blockOf(t, pair->b);
   BoxBlock* boxesA = NULL;
   BoxBlock* boxesB = NULL;
-  if (visit->boxes && near != 0) {
+  if (visit->boxes) {
     boxesA = boxesInView(t, pair->level, pair->a);
     boxesB = boxesInView(t, pair->level, pair->b);
     BoxBlock* around = boxesAround(t, pair);
@@ -468,12 +480,12 @@ static void traverse(Traversal* t, const View* view, CandidateFunction* function
   bool goesOn = true;
   for (int visits = 0; goesOn && depth > 0; visits++) {
     ItemPair pair = t->stack[--depth];
-    if (t->motion[pair.b] < 0) {
-      /* First go the members of the one that straddles: those that are of the other's body drop out. */
+    if (t->motion[pair.b] < 0 || (t->itemStamp[pair.b] == t->stamp && t->motion[pair.a] >= 0)) {
+      /* First go the members of the one that straddles: those that are of the other's body drop out. Otherwise those of
+       * one that is expanded: then the other may never have to be. */
       pair = (ItemPair){pair.level, pair.b, pair.a};
     }
     expand(t, pair.level, pair.a);
-    expand(t, pair.level, pair.b);
     visit.boxes = visits >= t->visitsWithoutBoxes;
     if (pair.level == 0) {
       goesOn = visitLeaves(t, &visit, &pair);
