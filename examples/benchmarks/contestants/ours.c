@@ -66,6 +66,10 @@ static Counts counts(const void* self) {
   return (Counts){counted->volumeTests, counted->particleTests, counted->nodesUpdated};
 }
 
+static const char* instructionSet(const void* self) {
+  return ctGetInstructionSet(((const Ours*)self)->tree);
+}
+
 const Contestant contestantOurs = {.name = "ours",
                                    .idea = "the engine of this project",
                                    .make = make,
@@ -74,4 +78,5 @@ const Contestant contestantOurs = {.name = "ours",
                                    .accept = accept,
                                    .reject = reject,
                                    .testAll = testAll,
-                                   .counts = counts};
+                                   .counts = counts,
+                                   .instructionSet = instructionSet};
