@@ -1,5 +1,9 @@
 /* A grid of cubic cells, wrapped around in all directions so that it is a table of fixed size however far a chain
- * reaches: particles of far cells share an entry, and cost no more than the test of a distance. */
+ * reaches: particles of far cells share an entry, and cost no more than the test of a distance.
+ *
+ * How many particles a cell holds cannot be foreseen, and a processor that guesses wrong waits. So the cells around
+ * several particles are looked up before any distance is tested: a search collects what these cells begin with, and
+ * then goes through all of their lists side by side. */
 #ifndef CELLS_H_
 #define CELLS_H_
 
@@ -8,47 +12,49 @@
 #include <string.h>
 
 #include "contestant.h"
+#include "random.h"
 #include "rigid.h"
 
+enum { MOST_CELLS_ALONG = 4, MOST_CELLS_AROUND = MOST_CELLS_ALONG * MOST_CELLS_ALONG * MOST_CELLS_ALONG };
+
 typedef struct Cells {
-  double perLength;     /* cells per unit of length */
-  double largestRadius; /* of any particle */
-  int bits[3];          /* 2^bits entries along each axis */
+  double perLength; /* cells per unit of length */
+  double reach;     /* centres of particles that meet are never farther apart, along any axis */
+  int along;        /* so many cells in a row hold all particles within reach of one */
+  int bits[3];      /* 2^bits entries along each axis */
   size_t count;
   int* heads; /* the first particle in each cell, or -1 */
   int* next;  /* the particle behind each in its cell, or -1 */
 } Cells;
 
-/* Particles per volume of the box around them. */
-static inline double cellsDensity(const Scene* scene) {
-  double low[3] = {INFINITY, INFINITY, INFINITY};
-  double high[3] = {-INFINITY, -INFINITY, -INFINITY};
-  for (int i = 0; i < scene->particleCount; i++) {
-    for (int k = 0; k < 3; k++) {
-      low[k] = fmin(low[k], scene->spheres[i].x[k]);
-      high[k] = fmax(high[k], scene->spheres[i].x[k]);
+/* How many particles are within some distance of one, in the mean over some of them, as a density. */
+static inline double cellsDensity(const Scene* scene, double distance) {
+  enum { SAMPLES = 50 };
+  const int step = scene->particleCount / SAMPLES + 1;
+  int samples = 0;
+  double found = 0;
+  for (int i = 0; i < scene->particleCount; i += step) {
+    samples++;
+    for (int j = 0; j < scene->particleCount; j++) {
+      found += squaredDistance(scene->spheres[i].x, scene->spheres[j].x) < distance * distance;
     }
   }
-  const double reach = 2 * sceneLargestRadius(scene);
-  return scene->particleCount / ((high[0] - low[0] + reach) * (high[1] - low[1] + reach) * (high[2] - low[2] + reach));
+  return found / samples / (4.0 / 3 * PI * distance * distance * distance);
 }
 
-/* The edge for which a search visits fewest cells and particles together: large cells hold more particles than are
- * near, small ones are too many. */
-static inline double cellsBestEdge(const Scene* scene) {
-  const double reach = 2 * sceneLargestRadius(scene);
-  const double density = cellsDensity(scene);
-  double bestEdge = reach;
-  double bestCost = INFINITY;
-  for (double edge = 2 * reach; edge > reach / 2; edge *= 0.9) {
-    const double cells = pow(1 + 2 * reach / edge, 3);
-    const double cost = cells * (1 + density * edge * edge * edge);
-    if (cost < bestCost) {
-      bestCost = cost;
-      bestEdge = edge;
+/* Few large cells hold more particles than are near, many small ones are too many: the fewest of both together. */
+static inline void cellsChooseEdge(Cells* cells, const Scene* scene) {
+  const double density = cellsDensity(scene, 1.5 * cells->reach);
+  double leastCost = INFINITY;
+  for (int along = 2; along <= MOST_CELLS_ALONG; along++) {
+    const double edge = 2 * cells->reach / (along - 1) * (1 + 1e-9);
+    const double cost = pow(along, 3) + density * pow(along * edge, 3);
+    if (cost < leastCost) {
+      leastCost = cost;
+      cells->along = along;
+      cells->perLength = 1 / edge;
     }
   }
-  return bestEdge;
 }
 
 static inline void cellsClear(Cells* cells) {
@@ -57,15 +63,15 @@ static inline void cellsClear(Cells* cells) {
 
 /* With at least `entriesPerParticle` entries of the table for each particle; false if there is no memory. */
 static inline bool cellsInit(Cells* cells, const Scene* scene, int entriesPerParticle) {
-  cells->perLength = 1 / cellsBestEdge(scene);
-  cells->largestRadius = sceneLargestRadius(scene);
-  int bits = 6;
+  int bits = 3 * MOST_CELLS_ALONG / 2;
   while ((1LL << bits) < (long long)entriesPerParticle * scene->particleCount) {
     bits++;
   }
   for (int k = 0; k < 3; k++) {
     cells->bits[k] = (bits + 2 - k) / 3;
   }
+  cells->reach = 2 * sceneLargestRadius(scene);
+  cellsChooseEdge(cells, scene);
   cells->count = (size_t)1 << bits;
   cells->heads = malloc(cells->count * sizeof(int));
   cells->next = malloc(((size_t)scene->particleCount + 1) * sizeof(int));
@@ -86,15 +92,15 @@ static inline int cellAlong(const Cells* cells, double x) {
   return (int)(x * cells->perLength + 0x1p24);
 }
 
-static inline int cellEntry(const Cells* cells, int x, int y, int z) {
-  const int column = y & ((1 << cells->bits[1]) - 1);
-  const int layer = z & ((1 << cells->bits[2]) - 1);
-  return (((layer << cells->bits[1]) | column) << cells->bits[0]) | (x & ((1 << cells->bits[0]) - 1));
+/* What a cell's number along an axis adds to its entry. */
+static inline int cellPart(const Cells* cells, int axis, int number) {
+  const int shift = axis == 0 ? 0 : axis == 1 ? cells->bits[0] : cells->bits[0] + cells->bits[1];
+  return (number & ((1 << cells->bits[axis]) - 1)) << shift;
 }
 
 static inline int cellOf(const Cells* cells, const Sphere* sphere) {
-  return cellEntry(cells, cellAlong(cells, sphere->x[0]), cellAlong(cells, sphere->x[1]),
-                   cellAlong(cells, sphere->x[2]));
+  return cellPart(cells, 0, cellAlong(cells, sphere->x[0])) | cellPart(cells, 1, cellAlong(cells, sphere->x[1])) |
+         cellPart(cells, 2, cellAlong(cells, sphere->x[2]));
 }
 
 static inline void cellsInsert(Cells* cells, int entry, int i) {
@@ -110,38 +116,23 @@ static inline void cellsRemove(Cells* cells, int entry, int i) {
   *link = cells->next[i];
 }
 
-/* Whether a pair that overlaps counts. */
-typedef bool CellsFilter(const void* context, int i, int j);
+/* The entries of the cells that hold all particles within reach of a sphere. */
+typedef struct CellsAround {
+  int parts[3][MOST_CELLS_ALONG]; /* by axis; an entry is the parts of three together */
+} CellsAround;
 
-/* Whether particle i, at `sphere`, overlaps one in the grid, and the filter lets the pair count. */
-__attribute__((always_inline)) static inline bool cellsMeet(const Cells* cells, const Sphere* spheres, int i,
-                                                            const Sphere* sphere, CellsFilter* filter,
-                                                            const void* context, int64_t* particleTests) {
-  const double reach = sphere->radius + cells->largestRadius;
-  int low[3];
-  int high[3];
+static inline CellsAround cellsAround(const Cells* cells, const Sphere* sphere) {
+  CellsAround around;
   for (int k = 0; k < 3; k++) {
-    low[k] = cellAlong(cells, sphere->x[k] - reach);
-    high[k] = cellAlong(cells, sphere->x[k] + reach);
-  }
-  int64_t tests = 0;
-  bool meets = false;
-  for (int z = low[2]; z <= high[2] && !meets; z++) {
-    for (int y = low[1]; y <= high[1] && !meets; y++) {
-      for (int x = low[0]; x <= high[0] && !meets; x++) {
-        for (int j = cells->heads[cellEntry(cells, x, y, z)]; j >= 0; j = cells->next[j]) {
-          const double sum = sphere->radius + spheres[j].radius;
-          tests++;
-          if (squaredDistance(sphere->x, spheres[j].x) < sum * sum && filter(context, i, j)) {
-            meets = true;
-            break;
-          }
-        }
-      }
+    const int low = cellAlong(cells, sphere->x[k] - cells->reach);
+    for (int c = 0; c < cells->along; c++) {
+      around.parts[k][c] = cellPart(cells, k, low + c);
     }
   }
-  *particleTests += tests;
-  return meets;
+  return around;
 }
+
+/* Whether pairs with particle j count; 1 or 0. It must not branch. */
+typedef int CellsFilter(const void* context, int j);
 
 #endif /* CELLS_H_ */

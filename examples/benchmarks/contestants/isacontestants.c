@@ -3,9 +3,11 @@
 
 extern const Contestant CONTESTANT(contestantBrute);
 extern const Contestant CONTESTANT(contestantFullGrid);
+extern const Contestant CONTESTANT(contestantFullGridPlain);
 extern const Contestant CONTESTANT(contestantImproved);
 extern const Contestant CONTESTANT(contestantKObbTree);
 extern const Contestant CONTESTANT(contestantLazyGrid);
+extern const Contestant CONTESTANT(contestantLazyGridPlain);
 extern const Contestant CONTESTANT(contestantObbTree1);
 extern const Contestant CONTESTANT(contestantPublished);
 extern const Contestant CONTESTANT(contestantPublishedCapsules);
@@ -16,9 +18,11 @@ extern const Contestant contestantOurs;
 
 Roster CONTESTANT(contestants) = {&CONTESTANT(contestantBrute),
                                   &CONTESTANT(contestantFullGrid),
+                                  &CONTESTANT(contestantFullGridPlain),
                                   &CONTESTANT(contestantImproved),
                                   &CONTESTANT(contestantKObbTree),
                                   &CONTESTANT(contestantLazyGrid),
+                                  &CONTESTANT(contestantLazyGridPlain),
                                   &CONTESTANT(contestantObbTree1),
                                   &CONTESTANT(contestantPublished),
                                   &CONTESTANT(contestantPublishedCapsules),

@@ -22,6 +22,9 @@ static int gatherRivals(const Scene* scene, Rival* rivals) {
   const int setCount = setsHere(sets);
   int count = 0;
   for (int i = 0; i < setCount; i++) {
+    if (i > 0 && sets[i]->contestants == sets[i - 1]->contestants) {
+      continue;
+    }
     for (const Contestant* const* c = sets[i]->contestants; *c != NULL; c++) {
       rivals[count++] = (Rival){sets[i], *c, (*c)->make(scene)};
       CHECK(rivals[count - 1].self != NULL);
