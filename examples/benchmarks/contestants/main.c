@@ -53,6 +53,11 @@ static bool isPossible(bool found, int count, int most, const char* name, size_t
 
 /* ---- Measures: each returns an exit status ---- */
 
+/* The one that a contestant has chosen, or, if it chooses none, is compiled for. */
+static const char* setName(const Options* options, const char* chosen) {
+  return chosen == NULL ? options->set->contestantsName : chosen;
+}
+
 /* False if the file cannot be written. */
 static bool beginRecord(const char* path, FILE** record, char* error, size_t size) {
   *record = path == NULL ? NULL : fopen(path, "w");
@@ -100,7 +105,7 @@ static int runTrials(const Options* options, const Scene* scene, char* error, si
     rowBegin("trials", options, scene, results[i].trials);
     printf(", \"block\": %d, \"moves\": \"%s\", \"angle\": %.10g, \"kappa\": %d", race.blockSize, options->moves,
            race.rule.angle * 180 / PI, race.rule.kappa);
-    rowTimes(options, race.contestants[i]->name, results[i].instructionSet, &results[i].microseconds);
+    rowTimes(race.contestants[i]->name, setName(options, results[i].instructionSet), &results[i].microseconds);
     rowCounts(results[i].volumeTests, results[i].particleTests, results[i].updates);
     printf(", \"accepted\": %.6g}\n", results[i].accepted);
   }
@@ -135,7 +140,7 @@ static int runWhole(const Options* options, const Scene* scene, char* error, siz
   for (int i = 0; i < count; i++) {
     const Counts* counts = &results[i].counts;
     rowBegin("whole", options, scene, options->trialCount);
-    rowTimes(options, contestants[i]->name, results[i].instructionSet, &results[i].microseconds);
+    rowTimes(contestants[i]->name, setName(options, results[i].instructionSet), &results[i].microseconds);
     rowCounts((double)counts->volumeTests, (double)counts->particleTests, (double)counts->updates);
     printf(", \"clash\": %s}\n", results[i].clash ? "true" : "false");
   }
@@ -159,7 +164,7 @@ static int runPairs(const Options* options, const Scene* scene, char* error, siz
   }
   for (int i = 0; i < race.finderCount; i++) {
     rowBegin("pairs", options, scene, options->trialCount);
-    rowTimes(options, race.finders[i]->name, NULL, &results[i].microseconds);
+    rowTimes(race.finders[i]->name, options->set->name, &results[i].microseconds);
     printf(", \"sorted\": %s, \"cutoff\": %.10g, \"pairs\": %d}\n",
            race.finders[i]->order == pairsSorted ? "true" : "false", race.cutoff, results[i].pairCount);
   }
@@ -184,7 +189,7 @@ static int runNearest(const Options* options, const Scene* scene, char* error, s
   }
   for (int i = 0; i < race.finderCount; i++) {
     rowBegin("nearest", options, scene, options->trialCount);
-    rowTimes(options, race.finders[i]->name, NULL, &microseconds[i]);
+    rowTimes(race.finders[i]->name, options->set->name, &microseconds[i]);
     printf(", \"obstacles\": %d}\n", race.obstacleCount);
   }
   return 0;

@@ -32,10 +32,10 @@ static bool hasAvx512(void) {
 static const InstructionSet sets[] = {
 #ifdef ROSTER_X86
     /* What gcc makes of contestants that name no instructions is slower with AVX-512 than with AVX2. */
-    {"avx512", hasAvx512, contestantsAvx2, pairFindersAvx512, nearestFindersAvx512},
-    {"avx2", hasAvx2, contestantsAvx2, pairFindersAvx2, nearestFindersAvx2},
+    {"avx512", hasAvx512, contestantsAvx2, "avx2", pairFindersAvx512, nearestFindersAvx512},
+    {"avx2", hasAvx2, contestantsAvx2, "avx2", pairFindersAvx2, nearestFindersAvx2},
 #endif
-    {"portable", always, contestantsPortable, pairFindersPortable, nearestFindersPortable}};
+    {"portable", always, contestantsPortable, "portable", pairFindersPortable, nearestFindersPortable}};
 
 const InstructionSet* instructionSetFind(const char* name) {
   for (size_t i = 0; i < sizeof sets / sizeof sets[0]; i++) {

@@ -15,6 +15,7 @@ typedef struct InstructionSet {
   const char* name;
   bool (*isHere)(void); /* whether this machine has it */
   const Contestant* const* contestants;
+  const char* contestantsName; /* of the set that these are compiled for */
   const PairFinder* const* pairFinders;
   const NearestFinder* const* nearestFinders;
 } InstructionSet;

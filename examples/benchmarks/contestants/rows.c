@@ -21,11 +21,9 @@ void rowBegin(const char* measure, const Options* options, const Scene* scene, i
          scene->torsionCount, (unsigned long long)options->seed, trials);
 }
 
-void rowTimes(const Options* options, const char* contestant, const char* instructionSet,
-              const Quartiles* microseconds) {
+void rowTimes(const char* contestant, const char* instructionSet, const Quartiles* microseconds) {
   printf(", \"contestant\": \"%s\", \"isa\": \"%s\", \"microseconds\": %.6g, \"quartiles\": [%.6g, %.6g]", contestant,
-         instructionSet == NULL ? options->set->name : instructionSet, microseconds->median, microseconds->first,
-         microseconds->third);
+         instructionSet, microseconds->median, microseconds->first, microseconds->third);
 }
 
 void rowCounts(double volumeTests, double particleTests, double updates) {

@@ -8,9 +8,7 @@
 /* What all rows of results begin with. */
 void rowBegin(const char* measure, const Options* options, const Scene* scene, int trials);
 
-/* `instructionSet`: the one that the contestant has chosen, NULL if it is the one that all are compiled for. */
-void rowTimes(const Options* options, const char* contestant, const char* instructionSet,
-              const Quartiles* microseconds);
+void rowTimes(const char* contestant, const char* instructionSet, const Quartiles* microseconds);
 
 void rowCounts(double volumeTests, double particleTests, double updates);
 

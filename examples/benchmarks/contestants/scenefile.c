@@ -42,7 +42,7 @@ static Scene* readScene(FILE* file, const char* path, char* error, size_t size) 
   int exclusions = -1;
   if (fscanf(file, "chaintree-scene %d particles %d links %d exclusions %d", &version, &particles, &links,
              &exclusions) != 4 ||
-      version != 1 || particles < 0 || links < 0 || exclusions < 0) {
+      version != 1 || particles < 1 || links < 1 || exclusions < 0) {
     snprintf(error, size, "%s does not begin as a scene does", path);
     return NULL;
   }
