@@ -122,22 +122,45 @@ void endListsEarly(Program* p)
 
 /* ---- Numbers ---- */
 
+/* A few particles with repeats, or an interval. */
+static int* chooseSet(Program* p, int* count)
+{
+    bool interval = randomChance(&p->random, 0.5);
+    int first = chooseParticle(p);
+    *count = 1 + randomInt(&p->random, interval ? p->scene.particleCount - first : 20);
+    int* set = programAllocate(*count, sizeof(int));
+    for (int n = 0; n < *count; n++)
+        set[n] = interval ? first + n : chooseParticle(p);
+    return set;
+}
+
+static bool isInSet(int count, const int* set, int particle)
+{
+    int n = 0;
+    while (n < count && set[n] != particle)
+        n++;
+    return n < count;
+}
+
 void compareMinimumDistance(Program* p)
 {
     int counts[2], *sets[2], pair[2] = {CT_NULL, CT_NULL};
-    for (int set = 0; set < 2; set++) {
-        counts[set] = 1 + randomInt(&p->random, 20);
-        sets[set] = programAllocate(counts[set], sizeof(int));
-        for (int n = 0; n < counts[set]; n++)
-            sets[set][n] = chooseParticle(p);
-    }
+    for (int set = 0; set < 2; set++)
+        sets[set] = chooseSet(p, &counts[set]);
     double distance, expected = oracleMinimumDistance(p->oracle, counts[0], sets[0], counts[1], sets[1]);
-    ctStatus status = ctGetMinimumDistance(p->tree, counts[0], sets[0], counts[1], sets[1], &distance, pair);
+    ctSelection* selections[2];
+    ctCounts cost;
+    for (int set = 0; set < 2; set++)
+        SUCCEED(ctSelect(p->tree, counts[set], sets[set], &selections[set]));
+    ctStatus status =
+        ctGetMinimumDistance(p->tree, selections[0], selections[1], &distance, pair, chooseCounts(p, &cost));
+    requireCounted(p, &cost);
+    for (int set = 0; set < 2; set++)
+        ctFreeSelection(selections[set]);
     requireStatus(p, "ctGetMinimumDistance", status, isinf(expected) ? ctInvalidArgument : ctSuccess);
     if (status == ctSuccess) {
-        require(pair[0] >= 0 && pair[0] < p->scene.particleCount && pair[1] >= 0 && pair[1] < p->scene.particleCount &&
-                    pair[0] != pair[1],
-                p, "the nearest pair is %d-%d", pair[0], pair[1]);
+        require(isInSet(counts[0], sets[0], pair[0]) && isInSet(counts[1], sets[1], pair[1]) && pair[0] != pair[1], p,
+                "the nearest pair is %d-%d", pair[0], pair[1]);
         requireNear(p, "least distance", 0, distance, expected, NUMBER_TOLERANCE);
         requireNear(p, "distance of the nearest pair", 0, oracleDistance(p->oracle, ORACLE_STATE, pair[0], pair[1]),
                     expected, NUMBER_TOLERANCE);

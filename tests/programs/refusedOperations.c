@@ -58,6 +58,7 @@ void queryNonsense(Program* p)
     double value, vector[3] = {0, chooseNonFinite(p), 0};
     int particle = 0, beyond = p->scene.particleCount, pair[2];
     ctTransform transform;
+    ctSelection *none, *one;
     FAIL(ctInvalidArgument, ctForEachNeighborPair(p->tree, 0, collectPair, &list, NULL));
     FAIL(ctInvalidArgument, ctForEachNeighborPair(p->tree, -0.1, collectPair, &list, NULL));
     FAIL(ctInvalidArgument, ctForEachNeighborPair(p->tree, NAN, collectPair, &list, NULL));
@@ -65,8 +66,13 @@ void queryNonsense(Program* p)
         FAIL(ctInvalidArgument, ctForEachChangedPair(p->tree, -1, collectChangedPair, &list, NULL));
     FAIL(ctInvalidArgument, ctForEachClashWith(p->tree, vector, 0.1, collectParticle, &list, NULL));
     FAIL(ctInvalidArgument, ctForEachClashWith(p->tree, p->state, -0.1, collectParticle, &list, NULL));
-    FAIL(ctInvalidArgument, ctGetMinimumDistance(p->tree, 1, &particle, 1, &beyond, &value, pair));
-    FAIL(ctInvalidArgument, ctGetMinimumDistance(p->tree, 0, NULL, 1, &particle, &value, pair));
+    FAIL(ctInvalidArgument, ctSelect(p->tree, 1, &beyond, &none));
+    SUCCEED(ctSelect(p->tree, 0, NULL, &none));
+    SUCCEED(ctSelect(p->tree, 1, &particle, &one));
+    FAIL(ctInvalidArgument, ctGetMinimumDistance(p->tree, none, one, &value, pair, NULL));
+    FAIL(ctInvalidArgument, ctGetMinimumDistance(p->tree, one, one, &value, pair, NULL));
+    ctFreeSelection(none);
+    ctFreeSelection(one);
     FAIL(ctInvalidArgument, ctGetTorsionAngle(p->tree, p->scene.linkCount, &value));
     FAIL(ctInvalidArgument, ctGetCentroid(p->tree, -1, vector));
     FAIL(ctInvalidArgument, ctGetRelativeTransform(p->tree, 0, p->scene.linkCount, &transform));

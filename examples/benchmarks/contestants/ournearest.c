@@ -7,17 +7,32 @@
 typedef struct OurNearest {
   const Scene* scene;
   ctChainTree* tree;
-  int obstacleCount;
-  int* particles; /* of the chain, then the obstacles */
+  ctSelection* chain;
+  ctSelection* obstacles;
 } OurNearest;
 
 static void destroy(void* self) {
   OurNearest* ours = self;
   if (ours != NULL) {
+    ctFreeSelection(ours->chain);
+    ctFreeSelection(ours->obstacles);
     ctDestroy(ours->tree);
-    free(ours->particles);
     free(ours);
   }
+}
+
+/* Particles first ... first + count - 1; NULL if there is no memory. */
+static ctSelection* selectRun(ctChainTree* tree, int first, int count) {
+  ctSelection* selection = NULL;
+  int* particles = malloc(((size_t)count + 1) * sizeof(int));
+  for (int i = 0; particles != NULL && i < count; i++) {
+    particles[i] = first + i;
+  }
+  if (particles != NULL) {
+    ctSelect(tree, count, particles, &selection);
+  }
+  free(particles);
+  return selection;
 }
 
 static void* make(const Scene* scene, int obstacleCount, const double* obstacles) {
@@ -25,17 +40,13 @@ static void* make(const Scene* scene, int obstacleCount, const double* obstacles
   if (ours == NULL) {
     return NULL;
   }
-  const int count = scene->particleCount + obstacleCount;
   ours->scene = scene;
   ours->tree = ourTreeOf(scene, 0, obstacleCount, obstacles);
-  ours->obstacleCount = obstacleCount;
-  ours->particles = malloc(((size_t)count + 1) * sizeof(int));
-  if (ours->tree == NULL || ours->particles == NULL) {
+  ours->chain = ours->tree == NULL ? NULL : selectRun(ours->tree, 0, scene->particleCount);
+  ours->obstacles = ours->tree == NULL ? NULL : selectRun(ours->tree, scene->particleCount, obstacleCount);
+  if (ours->chain == NULL || ours->obstacles == NULL) {
     destroy(ours);
     return NULL;
-  }
-  for (int i = 0; i < count; i++) {
-    ours->particles[i] = i;
   }
   return ours;
 }
@@ -48,15 +59,12 @@ static bool turn(void* self, Turn turn) {
 
 static bool find(void* self, Nearest* nearest) {
   OurNearest* ours = self;
-  const int count = ours->scene->particleCount;
   int pair[2];
-  if (ctGetMinimumDistance(ours->tree, count, ours->particles, ours->obstacleCount, ours->particles + count,
-                           &nearest->distance, pair) != ctSuccess) {
+  if (ctGetMinimumDistance(ours->tree, ours->chain, ours->obstacles, &nearest->distance, pair, NULL) != ctSuccess) {
     return false;
   }
-  const bool chainFirst = pair[0] < count;
-  nearest->particle = pair[chainFirst ? 0 : 1];
-  nearest->obstacle = pair[chainFirst ? 1 : 0] - count;
+  nearest->particle = pair[0];
+  nearest->obstacle = pair[1] - ours->scene->particleCount;
   return true;
 }
 

@@ -52,16 +52,22 @@ public:
     void resetTraversalStatistics();
 
 private:
-    class TreeDeleter {
+    class Deleter {
     public:
         void operator()(ctChainTree* tree) const
         {
             ctDestroy(tree);
         }
+        void operator()(ctSelection* selection) const
+        {
+            ctFreeSelection(selection);
+        }
     };
-    typedef std::unique_ptr<ctChainTree, TreeDeleter> Tree;
+    typedef std::unique_ptr<ctChainTree, Deleter> Tree;
+    typedef std::unique_ptr<ctSelection, Deleter> Selection;
     void readParameters(const StericExclusionForce& force);
     Tree createTree(const std::vector<OpenMM::Vec3>& positions) const;
+    Selection select(const std::vector<int>& particles) const;
     void check(ctStatus status) const;
     void setTree(Tree created, const std::vector<OpenMM::Vec3>& positions);
     // The definition of the scene, in the arrays that the engine takes.

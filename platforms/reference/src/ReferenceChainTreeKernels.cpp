@@ -291,14 +291,22 @@ void ReferenceCalcStericExclusionForceKernel::getNeighborPairs(double cutoff, ve
     split(collector, pairs, distances);
 }
 
+ReferenceCalcStericExclusionForceKernel::Selection
+ReferenceCalcStericExclusionForceKernel::select(const vector<int>& particles) const
+{
+    ctSelection* selection;
+    check(ctSelect(tree.get(), particles.size(), particles.data(), &selection));
+    return Selection(selection);
+}
+
 double ReferenceCalcStericExclusionForceKernel::getMinimumDistance(const vector<int>& particles1,
                                                                    const vector<int>& particles2, int& particle1,
                                                                    int& particle2)
 {
     double distance;
     int pair[2];
-    check(ctGetMinimumDistance(tree.get(), particles1.size(), particles1.data(), particles2.size(), particles2.data(),
-                               &distance, pair));
+    Selection selection1 = select(particles1), selection2 = select(particles2);
+    check(ctGetMinimumDistance(tree.get(), selection1.get(), selection2.get(), &distance, pair, &counts));
     numQueries++;
     particle1 = pair[0];
     particle2 = pair[1];

@@ -46,6 +46,9 @@ extern "C" {
 /* An opaque handle: one scene and its state. */
 typedef struct ctChainTree ctChainTree;
 
+/* A set of particles of a scene. */
+typedef struct ctSelection ctSelection;
+
 typedef enum ctStatus {
   ctSuccess = 0,
   ctOutOfMemory,     /* nothing was changed; the handle stays usable */
@@ -216,6 +219,15 @@ void ctDiscard(ctChainTree* tree);
 /* Whether a trial is open. */
 bool ctHasTrial(const ctChainTree* tree);
 
+/* ---- Selections ---- */
+
+/* Makes a set of particles (any order, repeats are harmless) for queries of this scene, whatever its state. On failure
+ * *selection is NULL. O(N / 16 + count). Errors: an index out of range. */
+ctStatus ctSelect(ctChainTree* tree, int count, const int* particles, ctSelection** selection);
+
+/* Frees a selection, before its scene or after; NULL is ignored. */
+void ctFreeSelection(ctSelection* selection);
+
 /* ---- Queries of the state: every pair of modelled particles that is not excluded ---- */
 
 /* Whether some pair overlaps by more than its tolerance (limits of single pairs play no part); if so and pair is not
@@ -240,10 +252,11 @@ ctStatus ctGetNeighborPairs(ctChainTree* tree, double cutoff, size_t capacity, i
 ctStatus ctForEachClashWith(ctChainTree* tree, const double position[3], double radius, ctParticleFunction* function,
                             void* context, ctCounts* counts);
 
-/* The least distance (nm), centre to centre, between a particle of one set and a different particle of the other, and
- * the pair; excluded pairs and radius 0 included. O(count1 * count2). Errors: no such pair, index out of range. */
-ctStatus ctGetMinimumDistance(ctChainTree* tree, int count1, const int* particles1, int count2, const int* particles2,
-                              double* distance, int pair[2]);
+/* The least distance (nm), centre to centre, between a particle of one selection and a different particle of the other,
+ * and the pair, in this order; excluded pairs and radius 0 included. Errors: there is no such pair; a
+ * selection of another scene. */
+ctStatus ctGetMinimumDistance(ctChainTree* tree, ctSelection* selection1, ctSelection* selection2, double* distance,
+                              int pair[2], ctCounts* counts);
 
 /* E = 1/2 k sum (overlap - tolerance)^2 over clashes, and if forces (3 * particleCount) is not NULL *adds* -dE/dx to it
  * (kJ/mol/nm; coincident particles are pushed apart along x, the lower index to +x). k in kJ/mol/nm^2. */

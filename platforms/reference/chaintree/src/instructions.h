@@ -3,6 +3,7 @@
 #define CT_INSTRUCTIONS_H_
 
 #include "clearance.h"
+#include "nearest.h"
 #include "sweep.h"
 
 typedef struct InstructionSet {
@@ -29,6 +30,10 @@ typedef struct InstructionSet {
   void (*sweepNeighbors)(const Sweep* sweep, SweepTask* task);
   void (*neighborDistances)(const double* position, double cutoff, size_t count, const int (*pairs)[2],
                             double* distances);
+
+  /* Behind ctGetMinimumDistance; see nearest_body.h. */
+  void (*boundPoints)(const Tree* layout, const double (*point)[3], Block* block);
+  void (*findNearest)(Nearest* nearest, const Cloud clouds[2]);
 } InstructionSet;
 
 /* The widest that the machine has, unless the environment asks for a narrower one. */

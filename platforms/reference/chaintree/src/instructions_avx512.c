@@ -2,12 +2,13 @@
 #define CT_PATH_AVX512
 #include "clearance_body.h"
 #include "descent_body.h"
+#include "nearest_body.h"
 #include "refresh_body.h"
 #include "sweep_body.h"
 
-const InstructionSet ctAvx512 = {"avx512",      refreshLeaf,       refreshNode,     traverse,
-                                 traverseProbe, measureClearances, testByClearance, commitClearances,
-                                 boundSnapshot, sweepClashes,      sweepNeighbors,  neighborDistances};
+const InstructionSet ctAvx512 = {"avx512",          refreshLeaf,       refreshNode,      traverse,      traverseProbe,
+                                 measureClearances, testByClearance,   commitClearances, boundSnapshot, sweepClashes,
+                                 sweepNeighbors,    neighborDistances, boundPoints,      findNearest};
 #else
 typedef int NothingHere; /* a file must declare something */
 #endif

@@ -1,8 +1,9 @@
 #include "clearance_body.h"
 #include "descent_body.h"
+#include "nearest_body.h"
 #include "refresh_body.h"
 #include "sweep_body.h"
 
-const InstructionSet ctPortable = {"portable",    refreshLeaf,       refreshNode,     traverse,
-                                   traverseProbe, measureClearances, testByClearance, commitClearances,
-                                   boundSnapshot, sweepClashes,      sweepNeighbors,  neighborDistances};
+const InstructionSet ctPortable = {"portable",        refreshLeaf,       refreshNode,      traverse,      traverseProbe,
+                                   measureClearances, testByClearance,   commitClearances, boundSnapshot, sweepClashes,
+                                   sweepNeighbors,    neighborDistances, boundPoints,      findNearest};

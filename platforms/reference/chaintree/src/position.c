@@ -11,13 +11,13 @@ PositionReader ctPositionReader(const Sequence* sequence, const Tree* tree) {
   return reader;
 }
 
-void ctReadPosition(PositionReader* reader, int particle, double position[3]) {
+static bool isDisplaced(const Sequence* s, int particle) {
+  return s->displaced[s->branch[s->particleLink[particle]]] != 0;
+}
+
+static void readFrame(PositionReader* reader, int particle, double position[3]) {
   const Sequence* s = reader->sequence;
   const int link = s->particleLink[particle];
-  if (s->displaced[s->branch[link]] == 0) {
-    memcpy(position, s->reference + 3 * (size_t)particle, 3 * sizeof(double));
-    return;
-  }
   const int slot = s->particleSlot[particle];
   const int leaf = (slot != CT_NULL ? slot : s->slotBegin[link]) / TREE_WIDTH;
   if (leaf != reader->leaf) {
@@ -36,8 +36,26 @@ void ctReadPosition(PositionReader* reader, int particle, double position[3]) {
     transformPoint(&reader->linkInLeaf, local, local);
   }
   transformPoint(&reader->leafFrame, local, position);
+}
+
+void ctReadPosition(PositionReader* reader, int particle, double position[3]) {
+  const Sequence* s = reader->sequence;
+  if (!isDisplaced(s, particle)) {
+    memcpy(position, s->reference + 3 * (size_t)particle, 3 * sizeof(double));
+    return;
+  }
+  readFrame(reader, particle, position);
   for (int k = 0; k < 3; k++) {
     position[k] += s->worldOrigin[k];
+  }
+}
+
+void ctReadFromOrigin(PositionReader* reader, int particle, double position[3]) {
+  const Sequence* s = reader->sequence;
+  if (isDisplaced(s, particle)) {
+    readFrame(reader, particle, position);
+  } else {
+    subtract(s->reference + 3 * (size_t)particle, s->worldOrigin, position);
   }
 }
 

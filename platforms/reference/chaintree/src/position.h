@@ -19,6 +19,9 @@ PositionReader ctPositionReader(const Sequence* sequence, const Tree* tree);
 /* Particles of a branch that no joint has displaced keep their reference bits. */
 void ctReadPosition(PositionReader* reader, int particle, double position[3]);
 
+/* The same from the sequence's worldOrigin. */
+void ctReadFromOrigin(PositionReader* reader, int particle, double position[3]);
+
 /* All particles: 3 * particleCount coordinates. */
 void ctReadPositions(const Sequence* sequence, const Tree* tree, double* positions);
 

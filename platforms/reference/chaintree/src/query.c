@@ -1,8 +1,7 @@
-/* Queries of the state: clashes, neighbour pairs, probe, minimum distance, energy; and the limits taken from it. */
+/* Queries of the state: clashes, neighbour pairs, probe, energy; and the limits taken from it. */
 #include <stdlib.h>
 #include <string.h>
 
-#include "position.h"
 #include "scene.h"
 
 /* ---- Clashes ---- */
@@ -262,55 +261,6 @@ ctStatus ctForEachClashWith(ctChainTree* tree, const double position[3], double 
   const View view = ctViewOfState(true, -tree->overlapTolerance);
   ctSceneTree(tree);
   ctTraverseProbe(&tree->traversal, &view, point, radius, matchProbe, &probe, counts);
-  return ctSuccess;
-}
-
-/* ---- Minimum distance ---- */
-
-static ctStatus checkParticles(ctChainTree* tree, int count, const int* particles) {
-  for (int i = 0; i < count; i++) {
-    if (particles[i] < 0 || particles[i] >= tree->sequence.particleCount) {
-      return ctFail(tree, ctInvalidArgument, "there is no particle %d; there are %d particles", particles[i],
-                    tree->sequence.particleCount);
-    }
-  }
-  return ctSuccess;
-}
-
-ctStatus ctGetMinimumDistance(ctChainTree* tree, int count1, const int* particles1, int count2, const int* particles2,
-                              double* distance, int pair[2]) {
-  ctStatus status = checkParticles(tree, count1, particles1);
-  status = status == ctSuccess ? checkParticles(tree, count2, particles2) : status;
-  if (status != ctSuccess) {
-    return status;
-  }
-  double* positions = malloc((size_t)(count2 > 0 ? count2 : 1) * sizeof(double[3]));
-  if (positions == NULL) {
-    return ctFailOutOfMemory(tree);
-  }
-  PositionReader reader = ctPositionReader(&tree->sequence, ctSceneTree(tree));
-  for (int j = 0; j < count2; j++) {
-    ctReadPosition(&reader, particles2[j], positions + 3 * (size_t)j);
-  }
-  double least = INFINITY;
-  for (int i = 0; i < count1; i++) {
-    double position[3];
-    ctReadPosition(&reader, particles1[i], position);
-    for (int j = 0; j < count2; j++) {
-      const double squared = squaredDistance(position, positions + 3 * (size_t)j);
-      if (squared < least && particles1[i] != particles2[j]) {
-        least = squared;
-        pair[0] = particles1[i];
-        pair[1] = particles2[j];
-      }
-    }
-  }
-  free(positions);
-  if (least == INFINITY) {
-    return ctFail(tree, ctInvalidArgument, "the sets of %d and %d particles hold no pair of different particles",
-                  count1, count2);
-  }
-  *distance = sqrt(least);
   return ctSuccess;
 }
 

@@ -42,10 +42,9 @@ static void clearMembers(Tree* tree, const Sequence* sequence) {
   }
 }
 
-bool ctTreeBuild(Tree* tree, Arena* arena, const Sequence* sequence, const struct InstructionSet* instructions) {
-  tree->instructions = instructions;
-  tree->slotCount = sequence->slotCount;
-  int size = sequence->slotCount;
+void ctTreeLayOut(Tree* tree, int slotCount) {
+  tree->slotCount = slotCount;
+  int size = slotCount;
   do {
     size = (size - 1) / TREE_WIDTH + 1;
     tree->levelSize[tree->levelCount] = size;
@@ -54,6 +53,11 @@ bool ctTreeBuild(Tree* tree, Arena* arena, const Sequence* sequence, const struc
     tree->levelCount++;
   } while (size > 1);
   tree->itemCount = tree->levelBegin[tree->levelCount];
+}
+
+bool ctTreeBuild(Tree* tree, Arena* arena, const Sequence* sequence, const struct InstructionSet* instructions) {
+  tree->instructions = instructions;
+  ctTreeLayOut(tree, sequence->slotCount);
   const size_t items = (size_t)tree->itemCount;
   tree->shortcut = ctArenaAllocate(arena, items, sizeof(Frame));
   tree->pose = ctArenaAllocate(arena, items, sizeof(Frame));

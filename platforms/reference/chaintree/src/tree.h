@@ -144,6 +144,9 @@ static inline bool treeUnchanged(const Tree* tree, int64_t since, int leafEnd) {
   return low == tree->changeCount || tree->changedLeaf[low] >= leafEnd;
 }
 
+/* Numbers the items over one slot or more, from a tree of zeros. */
+void ctTreeLayOut(Tree* layout, int slotCount);
+
 /* Lays out a tree over a sequence of one slot or more, without content. False if there is no memory. */
 bool ctTreeBuild(Tree* tree, Arena* arena, const Sequence* sequence, const struct InstructionSet* instructions);
 

@@ -43,7 +43,7 @@ static void testExclusions(void) {
     const int others[] = {1, 2};
     double distance;
     int pair[2];
-    CHECK_SUCCESS(ctGetMinimumDistance(tree, 1, &first, 2, others, &distance, pair));
+    CHECK_SUCCESS(minimumDistance(tree, 1, &first, 2, others, &distance, pair));
     CHECK_NEAR(distance, 0.1, 1e-15);
     ctDestroy(tree);
   }
@@ -61,7 +61,7 @@ static void testRadiusZero(void) {
   const int other = 2;
   double distance;
   int pair[2];
-  CHECK_SUCCESS(ctGetMinimumDistance(tree, 1, &bare, 1, &other, &distance, pair));
+  CHECK_SUCCESS(minimumDistance(tree, 1, &bare, 1, &other, &distance, pair));
   CHECK_NEAR(distance, 0.1, 1e-15);
   ctDestroy(tree);
 

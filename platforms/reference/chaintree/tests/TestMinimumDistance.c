@@ -4,7 +4,7 @@
 static void checkLeast(ctChainTree* tree, int count1, const int* set1, int count2, const int* set2, double expected) {
   double distance = -1;
   int pair[2] = {CT_NULL, CT_NULL};
-  CHECK_SUCCESS(ctGetMinimumDistance(tree, count1, set1, count2, set2, &distance, pair));
+  CHECK_SUCCESS(minimumDistance(tree, count1, set1, count2, set2, &distance, pair));
   CHECK_NEAR(distance, expected, 1e-14);
   bool isFirst = false;
   bool isSecond = false;
@@ -17,29 +17,152 @@ static void checkLeast(ctChainTree* tree, int count1, const int* set1, int count
   CHECK(isFirst && isSecond && pair[0] != pair[1]);
 }
 
-int main(void) {
-  ctChainTree* tree = makeLattice(LAYERS, 0, 0); /* particles that are not modelled count too */
+static void testFew(double radius) {
+  ctChainTree* tree = makeLattice(LAYERS, radius, 0);
   const int corner[] = {siteIndex(0, 0, 0)};
   const int far[] = {siteIndex(8, 8, 8), siteIndex(1, 2, 2), siteIndex(0, 5, 0)};
+  const int twice[] = {corner[0], far[2], corner[0]};
   checkLeast(tree, 1, corner, 3, far, 3);
   checkLeast(tree, 3, far, 1, corner, 3);
   checkLeast(tree, 3, far, 3, far, sqrt(14)); /* a particle is no pair with itself */
+  checkLeast(tree, 3, twice, 1, corner, 5);
   const ctChange away = {.link = 2, .translation = {0, 0, 10}};
   CHECK_SUCCESS(ctPropose(tree, 1, &away));
   checkLeast(tree, 1, corner, 3, far, 3); /* the state, not the trial */
   CHECK_SUCCESS(ctCommit(tree, NULL));
   checkLeast(tree, 1, corner, 3, far, 5);
+  ctDestroy(tree);
+}
 
-  double distance;
-  int pair[2];
+static void testRefused(void) {
+  ctChainTree* tree = makeLattice(LAYERS, 0.3, 0);
+  ctChainTree* other = makeLattice(LAYERS, 0.3, 0);
+  const int one[] = {7};
   const int outside[] = {0, SITES};
   const int below[] = {-1};
-  CHECK_FAILURE(tree, ctInvalidArgument, "particle 729",
-                ctGetMinimumDistance(tree, 2, outside, 1, corner, &distance, pair));
-  CHECK_FAILURE(tree, ctInvalidArgument, "particle -1",
-                ctGetMinimumDistance(tree, 1, corner, 1, below, &distance, pair));
-  CHECK_FAILURE(tree, ctInvalidArgument, "no pair", ctGetMinimumDistance(tree, 1, corner, 1, corner, &distance, pair));
-  CHECK_FAILURE(tree, ctInvalidArgument, "no pair", ctGetMinimumDistance(tree, 0, NULL, 3, far, &distance, pair));
+  ctSelection* selection;
+  CHECK_FAILURE(tree, ctInvalidArgument, "particle 729", ctSelect(tree, 2, outside, &selection));
+  CHECK(selection == NULL);
+  CHECK_FAILURE(tree, ctInvalidArgument, "particle -1", ctSelect(tree, 1, below, &selection));
+  ctFreeSelection(selection); /* NULL is ignored */
+
+  double distance = -1;
+  int pair[2] = {-7, -7};
+  CHECK_FAILURE(tree, ctInvalidArgument, "no pair", minimumDistance(tree, 1, one, 1, one, &distance, pair));
+  CHECK_FAILURE(tree, ctInvalidArgument, "no pair", minimumDistance(tree, 0, NULL, 1, one, &distance, pair));
+  ctSelection* own = checkedSelect(tree, 1, one);
+  ctSelection* strange = checkedSelect(other, 2, (const int[]){1, 2});
+  CHECK_FAILURE(tree, ctInvalidArgument, "another scene",
+                ctGetMinimumDistance(tree, own, strange, &distance, pair, NULL));
+  CHECK_FAILURE(tree, ctInvalidArgument, "another scene",
+                ctGetMinimumDistance(tree, strange, own, &distance, pair, NULL));
+  CHECK(distance == -1 && pair[0] == -7 && pair[1] == -7);
+  ctDestroy(other);
+  ctFreeSelection(strange); /* a selection may outlive its scene */
   ctDestroy(tree);
+  ctFreeSelection(own);
+}
+
+/* ---- Against brute force ---- */
+
+enum { COUNT = 3000 };
+
+static unsigned chance = 1;
+
+static double uniform(void) {
+  chance = chance * 1664525u + 1013904223u;
+  return (double)(chance >> 8) / (1 << 24);
+}
+
+/* A random walk of links, some of whose particles are not modelled, beside fixed particles. */
+static ctChainTree* makeWalk(double* positions) {
+  static double radii[COUNT];
+  static int particleLinks[COUNT];
+  static int parents[COUNT];
+  static uint8_t joints[COUNT];
+  static int torsions[COUNT][4];
+  for (int i = 0; i < COUNT; i++) {
+    const bool isFixed = i % 3 == 0;
+    for (int k = 0; k < 3; k++) {
+      const double from = isFixed ? 30 : i > 3 ? positions[3 * (i - (i % 3 == 1 ? 2 : 1)) + k] : 0;
+      positions[3 * i + k] = from + (isFixed ? 20 : 1) * (uniform() - 0.5);
+    }
+    radii[i] = i % 5 == 0 || (i > 1000 && i < 1200) ? 0 : 0.1;
+    particleLinks[i] = i;
+    joints[i] = isFixed ? ctFixedJoint : i > 3 ? ctTorsionJoint : ctFreeJoint;
+    parents[i] = joints[i] == ctTorsionJoint ? i - (i % 3 == 1 ? 2 : 1) : CT_NULL;
+    const int torsion[] = {parents[i], parents[i], i, i};
+    memcpy(torsions[i], torsion, sizeof torsion);
+  }
+  const ctDefinition definition = {.particleCount = COUNT,
+                                   .positions = positions,
+                                   .radii = radii,
+                                   .particleLinks = particleLinks,
+                                   .linkCount = COUNT,
+                                   .linkParents = parents,
+                                   .linkJoints = joints,
+                                   .linkTorsions = (const int(*)[4])torsions};
+  return checkedCreate(&definition);
+}
+
+static double bruteForce(const double* positions, int count1, const int* set1, int count2, const int* set2) {
+  double least = INFINITY;
+  for (int i = 0; i < count1; i++) {
+    for (int j = 0; j < count2; j++) {
+      const double* a = positions + 3 * set1[i];
+      const double* b = positions + 3 * set2[j];
+      const double distance =
+          sqrt((a[0] - b[0]) * (a[0] - b[0]) + (a[1] - b[1]) * (a[1] - b[1]) + (a[2] - b[2]) * (a[2] - b[2]));
+      least = set1[i] != set2[j] && distance < least ? distance : least;
+    }
+  }
+  return least;
+}
+
+static void testWalk(void) {
+  static double positions[3 * COUNT];
+  static int sets[2][COUNT];
+  ctChainTree* tree = makeWalk(positions);
+  for (int round = 0; round < 60; round++) {
+    /* Moving and fixed particles, parts of each, or all; few or many. */
+    int counts[2] = {0, 0};
+    const double share = round % 4 == 0 ? 0.005 : 1;
+    for (int i = 0; i < COUNT; i++) {
+      for (int s = 0; s < 2; s++) {
+        const bool fits = round % 3 == 0 || (i % 3 == 0) == (s == round % 2);
+        if (fits && uniform() < share) {
+          sets[s][counts[s]++] = i;
+        }
+      }
+    }
+    const int link = 5 + 3 * (int)(uniform() * (COUNT / 3 - 3));
+    const ctChange change = {.link = link, .angle = uniform() - 0.5};
+    CHECK_SUCCESS(ctPropose(tree, 1, &change));
+    CHECK_SUCCESS(ctCommit(tree, NULL));
+    ctGetPositions(tree, positions);
+    ctSelection* first = checkedSelect(tree, counts[0], sets[0]);
+    ctSelection* second = checkedSelect(tree, counts[1], sets[1]);
+    ctCounts cost = {0};
+    double distance;
+    int pair[2];
+    CHECK_SUCCESS(ctGetMinimumDistance(tree, first, second, &distance, pair, &cost));
+    const double expected = bruteForce(positions, counts[0], sets[0], counts[1], sets[1]);
+    CHECK_NEAR(distance, expected, 1e-11);
+    CHECK_NEAR(bruteForce(positions, 1, &pair[0], 1, &pair[1]), expected, 1e-11);
+    CHECK(cost.volumeTests > 0 && cost.particleTests > 0 && cost.nodesUpdated == 0);
+    if (round % 3 != 0 && round % 4 != 0) { /* large sets, apart from each other */
+      CHECK(cost.volumeTests + cost.particleTests < counts[0] * counts[1] / 40);
+    }
+    ctFreeSelection(first);
+    ctFreeSelection(second);
+  }
+  ctDestroy(tree);
+}
+
+int main(void) {
+  testFew(0.4);
+  testFew(0); /* particles that are not modelled count too */
+  testRefused();
+  testWalk();
   return checkResult();
 }

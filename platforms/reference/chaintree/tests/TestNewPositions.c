@@ -70,7 +70,7 @@ static void askMinimum(ctChainTree* tree, Answer* answer) {
   const int second[] = {SITES - 2, SITES - 1};
   double distance;
   int pair[2];
-  CHECK_SUCCESS(ctGetMinimumDistance(tree, 3, first, 2, second, &distance, pair));
+  CHECK_SUCCESS(minimumDistance(tree, 3, first, 2, second, &distance, pair));
   add(answer, &distance, sizeof distance);
   add(answer, pair, sizeof pair);
 }

@@ -162,12 +162,13 @@ static ctStatus raiseLimits(ctChainTree* tree) {
   return ctRaiseLimits(tree, &raised, NULL);
 }
 
-static ctStatus findMinimum(ctChainTree* tree) {
-  const int first[] = {0, 1};
-  const int second[] = {2, 3, 4};
-  double distance;
-  int pair[2];
-  return ctGetMinimumDistance(tree, 2, first, 3, second, &distance, pair);
+static ctStatus selectFew(ctChainTree* tree) {
+  const int particles[] = {0, 1};
+  ctSelection* selection;
+  const ctStatus status = ctSelect(tree, 2, particles, &selection);
+  CHECK((selection != NULL) == (status == ctSuccess));
+  ctFreeSelection(selection);
+  return status;
 }
 
 static ctStatus listNeighbors(ctChainTree* tree) {
@@ -238,7 +239,7 @@ int main(void) {
   testCall("list changed pairs", listChanged, true, 0);
   testCall("set limits", setLimits, true, 0);
   testCall("raise limits", raiseLimits, true, 0.2);
-  testCall("minimum distance", findMinimum, true, 0);
+  testCall("select", selectFew, true, 0);
   testCall("commit", commit, false, 0);
   testCall("list neighbours", listNeighbors, true, 0);
   testCall("set positions", setSamePositions, false, 0);

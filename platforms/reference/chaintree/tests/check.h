@@ -73,6 +73,27 @@ static inline ctChainTree* checkedCreate(const ctDefinition* definition) {
   return tree;
 }
 
+/* Makes a selection that must be right. */
+static inline ctSelection* checkedSelect(ctChainTree* tree, int count, const int* particles) {
+  ctSelection* selection = NULL;
+  if (ctSelect(tree, count, particles, &selection) != ctSuccess) {
+    printf("ctSelect: %s\n", ctGetErrorText(tree));
+    exit(1);
+  }
+  return selection;
+}
+
+/* The least distance between two sets, and the pair. */
+static inline ctStatus minimumDistance(ctChainTree* tree, int count1, const int* particles1, int count2,
+                                       const int* particles2, double* distance, int pair[2]) {
+  ctSelection* first = checkedSelect(tree, count1, particles1);
+  ctSelection* second = checkedSelect(tree, count2, particles2);
+  const ctStatus status = ctGetMinimumDistance(tree, first, second, distance, pair, NULL);
+  ctFreeSelection(first);
+  ctFreeSelection(second);
+  return status;
+}
+
 /* The number of pairs that a query calls back with, and the last of them. */
 typedef struct PairCount {
   int count;

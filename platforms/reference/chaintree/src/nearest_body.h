@@ -1,0 +1,186 @@
+/* The search for the nearest, compiled once for each instruction set by the file that includes this. */
+#include "descent_body.h"
+#include "instructions.h"
+#include "nearest.h"
+
+/* ---- Clouds ---- */
+
+/* An item of a cloud or one slot of a leaf, with a sphere around the centres of its particles. */
+typedef struct Cluster {
+  int level;
+  int item;
+  unsigned members; /* of the item that belong to the cluster; bits */
+  Sphere around;
+} Cluster;
+
+/* The members of an item as they lie in the world, but for their radii. What holds the item has been there before. */
+static const Block* membersOf(const Cloud* cloud, const Cluster* cluster) {
+  if (cloud->traversal == NULL) {
+    return &cloud->block[cluster->item];
+  }
+  putToRest(cloud->traversal, cluster->level, cluster->item);
+  return &cloud->traversal->rest[cluster->item];
+}
+
+/* Radii around the centres of particles. */
+static const float* radiiOf(const Cloud* cloud, const Cluster* cluster) {
+  static const float points[TREE_WIDTH] = {0};
+  if (cluster->level == 0) {
+    return points;
+  }
+  return cloud->traversal == NULL ? cloud->block[cluster->item].r
+                                  : treeMembers(cloud->traversal->tree, cluster->item)->centres;
+}
+
+static Cluster rootOf(const Cloud* cloud) {
+  const int root = treeRoot(cloud->layout);
+  return (Cluster){treeTop(cloud->layout), root, cloud->mask[root], {0, 0, 0, INFINITY}};
+}
+
+/* ---- Points of their own ---- */
+
+/* Blocks of all items over points that have been put into `point`. */
+static void boundPoints(const Tree* layout, const double (*point)[3], Block* block) {
+  for (int level = 0; level < layout->levelCount; level++) {
+    for (int i = 0; i < layout->levelSize[level]; i++) {
+      const int item = layout->levelBegin[level] + i;
+      Block* own = &block[item];
+      int end;
+      const int begin = treeSlots(layout, level, item, &end);
+      if (level == 0) {
+        for (int k = 0; k < TREE_WIDTH; k++) {
+          const bool empty = begin + k >= end;
+          own->x[k] = empty ? 0 : (float)point[begin + k][0];
+          own->y[k] = empty ? 0 : (float)point[begin + k][1];
+          own->z[k] = empty ? 0 : (float)point[begin + k][2];
+          own->r[k] = empty ? -INFINITY : 0;
+        }
+      }
+      if (level < treeTop(layout)) {
+        Sphere sphere = middleOfBlock(own);
+        sphere.r = radiusAbout(sphere, own, own->r);
+        Block* parent = &block[treeParent(layout, level, item)];
+        const int k = i % TREE_WIDTH;
+        parent->x[k] = sphere.x;
+        parent->y[k] = sphere.y;
+        parent->z[k] = sphere.z;
+        parent->r[k] = sphere.r;
+      }
+    }
+  }
+}
+
+/* ---- The search ---- */
+
+typedef struct NearestVisit {
+  float bound; /* nothing in one cluster is nearer to anything in the other, but for rounding */
+  Cluster cluster[2];
+} NearestVisit;
+
+/* Sixteen squared distances from a point. */
+static Float16 squaredFrom(const Block* block, float x, float y, float z) {
+  const Float16 dx = sub16(load16(block->x), all16(x));
+  const Float16 dy = sub16(load16(block->y), all16(y));
+  const Float16 dz = sub16(load16(block->z), all16(z));
+  return add16(add16(mul16(dx, dx), mul16(dy, dy)), mul16(dz, dz));
+}
+
+static void compareLeaves(Nearest* n, const Cloud clouds[2], const Cluster leaves[2]) {
+  const Block* blockA = membersOf(&clouds[0], &leaves[0]);
+  const Block* blockB = membersOf(&clouds[1], &leaves[1]);
+  const int firstA = leaves[0].item * TREE_WIDTH;
+  const int firstB = leaves[1].item * TREE_WIDTH;
+  const unsigned slotsB = leaves[1].members;
+  const Sphere* aroundB = &leaves[1].around;
+  const float far = aroundB->r + n->reach;
+  const unsigned slotsA =
+      leaves[0].members & greater16(all16(far * far), squaredFrom(blockA, aroundB->x, aroundB->y, aroundB->z));
+  n->volumeTests += __builtin_popcount(leaves[0].members);
+  n->particleTests += __builtin_popcount(slotsA) * __builtin_popcount(slotsB);
+  /* First how near they come, so that few pairs are offered. */
+  Float16 rows[TREE_WIDTH];
+  Float16 least = all16(INFINITY);
+  for (unsigned slots = slotsA; slots != 0; slots &= slots - 1) {
+    const int k = __builtin_ctz(slots);
+    const unsigned others = slotsB & ~equal16(clouds[1].particle + firstB, clouds[0].particle[firstA + k]);
+    rows[k] = blend16(others, all16(INFINITY), squaredFrom(blockB, blockA->x[k], blockA->y[k], blockA->z[k]));
+    least = min16(least, rows[k]);
+  }
+  const float reach = sqrtf(least16(least)) + 2 * n->margin;
+  n->reach = reach < n->reach ? reach : n->reach;
+  const Float16 squaredReach = all16(n->reach * n->reach);
+  if (greater16(squaredReach, least) == 0) {
+    return;
+  }
+  for (unsigned slots = slotsA; slots != 0; slots &= slots - 1) {
+    const int k = __builtin_ctz(slots);
+    for (unsigned near = greater16(squaredReach, rows[k]); near != 0; near &= near - 1) {
+      ctNearestOffer(n, &clouds[0], firstA + k, &clouds[1], firstB + __builtin_ctz(near));
+    }
+  }
+}
+
+/* Puts the members of one cluster on the stack, each with the other cluster; the nearest comes first. */
+static int splitCluster(Nearest* n, const Cloud* cloud, const NearestVisit* visit, int side, NearestVisit* stack) {
+  const Cluster* whole = &visit->cluster[side];
+  const Sphere* other = &visit->cluster[1 - side].around;
+  const Block* block = membersOf(cloud, whole);
+  const float* radii = radiiOf(cloud, whole);
+  n->volumeTests += __builtin_popcount(whole->members);
+  const Float16 distance = sqrt16(squaredFrom(block, other->x, other->y, other->z));
+  Float16 bounds = sub16(sub16(distance, load16(radii)), all16(other->r));
+  bounds = blend16(whole->members, all16(INFINITY), bounds);
+  const float least = least16(bounds);
+  const unsigned near = greater16(all16(n->reach), bounds);
+  const unsigned nearest = near & ~greater16(bounds, all16(least));
+  float bound[TREE_WIDTH];
+  store16(bound, bounds);
+  const bool isLeaf = whole->level == 0;
+  int count;
+  const int first = isLeaf ? 0 : treeChildren(cloud->layout, whole->level, whole->item, &count);
+  int pushed = 0;
+  for (int last = 0; last < 2; last++) {
+    for (unsigned members = last ? nearest : near & ~nearest; members != 0; members &= members - 1) {
+      const int k = __builtin_ctz(members);
+      NearestVisit* part = &stack[pushed++];
+      part->bound = bound[k];
+      const Sphere around = {block->x[k], block->y[k], block->z[k], radii[k]};
+      part->cluster[side] = isLeaf ? (Cluster){0, whole->item, 1u << k, around}
+                                   : (Cluster){whole->level - 1, first + k, cloud->mask[first + k], around};
+      part->cluster[1 - side] = visit->cluster[1 - side];
+    }
+  }
+  return pushed;
+}
+
+/* The larger: two of a size are apart as soon as they can be. */
+static int sideToSplit(const Cluster clusters[2]) {
+  const Cluster* a = &clusters[0];
+  const Cluster* b = &clusters[1];
+  const bool isSlotA = a->level == 0 && (a->members & (a->members - 1)) == 0;
+  const bool isSlotB = b->level == 0 && (b->members & (b->members - 1)) == 0;
+  return isSlotA || (!isSlotB && b->around.r > a->around.r);
+}
+
+static void findNearest(Nearest* n, const Cloud clouds[2]) {
+  /* What splits leave for later, down both hierarchies and to single slots. */
+  NearestVisit stack[2 * (TREE_MAX_LEVELS + 1) * TREE_WIDTH];
+  Traversal* t = n->traversal;
+  const View view = ctViewOfState(t->sinceSurfaces, 0);
+  startView(t, &view);
+  n->margin = (float)(FLOAT_MARGIN * larger(t->extent, n->extent));
+  int depth = 0;
+  stack[depth++] = (NearestVisit){-INFINITY, {rootOf(&clouds[0]), rootOf(&clouds[1])}};
+  while (depth > 0) {
+    const NearestVisit visit = stack[--depth];
+    if (visit.bound >= n->reach) {
+      continue;
+    }
+    if (visit.cluster[0].level == 0 && visit.cluster[1].level == 0) {
+      compareLeaves(n, clouds, visit.cluster);
+    } else {
+      const int side = sideToSplit(visit.cluster);
+      depth += splitCluster(n, &clouds[side], &visit, side, stack + depth);
+    }
+  }
+}

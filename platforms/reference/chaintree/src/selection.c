@@ -1,0 +1,117 @@
+#include "selection.h"
+
+#include <stdlib.h>
+
+#include "order.h"
+
+/* A member of an item is in the set if anything below it is. */
+static void markAbove(const Tree* layout, uint16_t* mask) {
+  for (int level = 0; level < treeTop(layout); level++) {
+    for (int i = 0; i < layout->levelSize[level]; i++) {
+      const int item = layout->levelBegin[level] + i;
+      if (mask[item] != 0) {
+        uint16_t* above = &mask[treeParent(layout, level, item)];
+        *above = (uint16_t)(*above | 1u << i % TREE_WIDTH);
+      }
+    }
+  }
+}
+
+static void markSlot(uint16_t* mask, int slot) {
+  mask[slot / TREE_WIDTH] = (uint16_t)(mask[slot / TREE_WIDTH] | 1u << slot % TREE_WIDTH);
+}
+
+static int countMarks(const Tree* layout, const uint16_t* mask) {
+  int count = 0;
+  for (int leaf = 0; leaf < layout->levelSize[0]; leaf++) {
+    count += __builtin_popcount(mask[leaf]);
+  }
+  return count;
+}
+
+/* False if there is no memory. */
+static bool buildIdle(ctSelection* selection, int count, const int* particles) {
+  const Sequence* s = &selection->scene->sequence;
+  int given = 0;
+  for (int i = 0; i < count; i++) {
+    given += s->particleSlot[particles[i]] == CT_NULL;
+  }
+  if (given == 0) {
+    return true;
+  }
+  selection->idle = ctArenaAllocate(&selection->arena, (size_t)given, sizeof(int));
+  if (selection->arena.failed) {
+    return false;
+  }
+  int* idle = selection->idle;
+  given = 0;
+  for (int i = 0; i < count; i++) {
+    if (s->particleSlot[particles[i]] == CT_NULL) {
+      idle[given++] = particles[i];
+    }
+  }
+  ctSortInts(idle, given);
+  for (int i = 0; i < given; i++) {
+    if (i == 0 || idle[i] != idle[i - 1]) {
+      idle[selection->idleCount++] = idle[i];
+    }
+  }
+  Tree* layout = &selection->idleLayout;
+  ctTreeLayOut(layout, selection->idleCount);
+  const size_t items = (size_t)layout->itemCount;
+  selection->idleMask = ctArenaAllocate(&selection->arena, items, sizeof(uint16_t));
+  selection->idleBlock = ctArenaAllocate(&selection->arena, items, sizeof(Block));
+  selection->idlePoint = ctArenaAllocate(&selection->arena, (size_t)selection->idleCount, sizeof(double[3]));
+  if (selection->arena.failed) {
+    return false;
+  }
+  for (int slot = 0; slot < selection->idleCount; slot++) {
+    markSlot(selection->idleMask, slot);
+  }
+  markAbove(layout, selection->idleMask);
+  return true;
+}
+
+static bool build(ctSelection* selection, int count, const int* particles) {
+  const Tree* layout = &selection->scene->staleTree;
+  selection->mask = ctArenaAllocate(&selection->arena, (size_t)layout->itemCount, sizeof(uint16_t));
+  if (selection->arena.failed || !buildIdle(selection, count, particles)) {
+    return false;
+  }
+  for (int i = 0; i < count; i++) {
+    const int slot = selection->scene->sequence.particleSlot[particles[i]];
+    if (slot != CT_NULL) {
+      markSlot(selection->mask, slot);
+    }
+  }
+  markAbove(layout, selection->mask);
+  selection->count = countMarks(layout, selection->mask) + selection->idleCount;
+  return true;
+}
+
+ctStatus ctSelect(ctChainTree* tree, int count, const int* particles, ctSelection** selection) {
+  *selection = NULL;
+  for (int i = 0; i < count; i++) {
+    if (particles[i] < 0 || particles[i] >= tree->sequence.particleCount) {
+      return ctFail(tree, ctInvalidArgument, "there is no particle %d; there are %d particles", particles[i],
+                    tree->sequence.particleCount);
+    }
+  }
+  ctSelection* made = calloc(1, sizeof *made);
+  if (made != NULL) {
+    made->scene = tree;
+    if (build(made, count, particles)) {
+      *selection = made;
+      return ctSuccess;
+    }
+  }
+  ctFreeSelection(made);
+  return ctFailOutOfMemory(tree);
+}
+
+void ctFreeSelection(ctSelection* selection) {
+  if (selection != NULL) {
+    ctArenaFree(&selection->arena);
+    free(selection);
+  }
+}
