@@ -137,8 +137,9 @@ const char* ctGetErrorText(const ctChainTree* tree);
 
 /* The instruction set that the scene's tests use: "avx512", "avx2" or "portable", the widest that the machine has.
  * Results have the same bits on each. The environment variable CHAINTREE_SIMD, set to one of these names when the scene
- * is made, asks for that one or, where the machine lacks it, a narrower one. Likewise CHAINTREE_TRIALS=tree or
- * =clearances asks that trials be tested by the one structure always, instead of by whichever costs less. */
+ * is made, asks for that one or, where the machine lacks it, a narrower one. Likewise CHAINTREE_TRIALS=tree,
+ * =boxes (the tree, with oriented boxes at all visits) or =clearances asks that trials always be tested in one way,
+ * instead of in the one that costs least. */
 const char* ctGetInstructionSet(const ctChainTree* tree);
 
 /* ---- State ---- */

@@ -16,11 +16,14 @@ enum {
 };
 
 TrialCourse ctChooseTrialCourse(void) {
+  static const char* const names[] = {"cost", "tree", "boxes", "clearances"};
   const char* wanted = getenv("CHAINTREE_TRIALS");
-  if (wanted == NULL) {
-    return byCost;
+  for (int course = byTree; wanted != NULL && course <= byClearances; course++) {
+    if (strcmp(wanted, names[course]) == 0) {
+      return (TrialCourse)course;
+    }
   }
-  return strcmp(wanted, "tree") == 0 ? byTree : strcmp(wanted, "clearances") == 0 ? byClearances : byCost;
+  return byCost;
 }
 
 void ctClearanceForget(Clearance* c) {
@@ -99,7 +102,8 @@ static void choose(Clearance* c, Traversal* t, double reach) {
 }
 
 bool ctClearanceIsWanted(Clearance* c, Traversal* t, double reach) {
-  if (c->course == byTree || t->tree->levelCount == 1 || t->tree->levelSize[0] > MOST_LEAVES) {
+  if (c->course == byTree || c->course == byTreeAndBoxes || t->tree->levelCount == 1 ||
+      t->tree->levelSize[0] > MOST_LEAVES) {
     return false;
   }
   if (c->course == byClearances) {

@@ -30,6 +30,7 @@ typedef struct TestedPair {
 typedef enum TrialCourse {
   byCost, /* whichever costs less */
   byTree,
+  byTreeAndBoxes, /* those at all visits */
   byClearances
 } TrialCourse;
 

@@ -5,6 +5,9 @@
 #include "box.h"
 #include "traverse.h"
 
+/* Bounds of Traversal.visitsWithoutBoxes. */
+enum { FEWEST_VISITS_WITHOUT_BOXES = 32, MOST_VISITS_WITHOUT_BOXES = 1 << 20 };
+
 /* Boxes of a node's children. */
 typedef struct NodeBoxes {
   BoxBlock own;        /* in the node's frame; made with the node's own box */

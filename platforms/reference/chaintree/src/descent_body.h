@@ -292,9 +292,6 @@ static BoxBlock* boxesInView(Traversal* t, int level, int node) {
 
 /* ---- The descent ---- */
 
-/* Bounds of Traversal.visitsWithoutBoxes. */
-enum { FEWEST_VISITS_WITHOUT_BOXES = 32, MOST_VISITS_WITHOUT_BOXES = 1 << 20 };
-
 typedef struct Visit {
   CandidateFunction* function;
   void* context;
@@ -486,7 +483,7 @@ static void traverse(Traversal* t, const View* view, CandidateFunction* function
       pair = (ItemPair){pair.level, pair.b, pair.a};
     }
     expand(t, pair.level, pair.a);
-    visit.boxes = visits >= t->visitsWithoutBoxes;
+    visit.boxes = t->alwaysBoxes || visits >= t->visitsWithoutBoxes;
     if (pair.level == 0) {
       goesOn = visitLeaves(t, &visit, &pair);
     } else {

@@ -14,7 +14,7 @@ enum { PAIRS_OF_A_VISIT = TREE_WIDTH * TREE_WIDTH };
 bool ctTraversalBuild(Traversal* t, Arena* arena, const Tree* tree, const Sequence* sequence,
                       const Exclusions* exclusions) {
   const size_t items = (size_t)tree->itemCount;
-  t->visitsWithoutBoxes = 1;
+  t->visitsWithoutBoxes = FEWEST_VISITS_WITHOUT_BOXES;
   t->tree = tree;
   t->sequence = sequence;
   t->exclusions = exclusions;

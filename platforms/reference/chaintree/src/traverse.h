@@ -53,6 +53,7 @@ typedef struct Traversal {
    * grows while they part too little and shrinks while they part much. */
   struct NodeBoxes* boxes;
   int visitsWithoutBoxes;
+  bool alwaysBoxes; /* for tests: at all visits */
 
   /* Per item, of this descent. */
   uint32_t stamp;

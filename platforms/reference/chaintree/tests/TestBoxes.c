@@ -1,26 +1,64 @@
-/* Rods and sheets, whose boxes are thin or flat, in any direction: neighbour pairs against all pairs. */
-#include "beads.h"
+/* Rods and sheets, whose boxes are thin or flat, in any direction, shifted against each other: changed pairs against
+ * all pairs, with boxes at all visits. */
+#define _POSIX_C_SOURCE 200809L /* setenv */
 
-static void checkPairs(Beads* beads, const double direction[3], const double across[3], int rows, double cutoff) {
+#include "check.h"
+
+enum { MOST = 96 };
+
+typedef struct Bodies {
+  int count;
+  double positions[3 * MOST];
+} Bodies;
+
+static double distance(const Bodies* bodies, int i, int j, const double shift[3]) {
+  double squared = 0;
+  for (int k = 0; k < 3; k++) {
+    const double d = bodies->positions[3 * i + k] - bodies->positions[3 * j + k] - shift[k];
+    squared += d * d;
+  }
+  return sqrt(squared);
+}
+
+static bool countChanged(void* context, int particle1, int particle2, double before, double after) {
+  (void)particle1;
+  (void)particle2;
+  (void)before;
+  (void)after;
+  ++*(int*)context;
+  return true;
+}
+
+/* The second half is a body of its own. */
+static void checkPairs(const Bodies* bodies, const double shift[3], double cutoff) {
+  static const double still[3] = {0, 0, 0};
+  double radii[MOST];
+  int links[MOST];
+  const int parents[2] = {CT_NULL, CT_NULL};
+  const uint8_t joints[2] = {ctFreeJoint, ctFreeJoint};
+  const int half = bodies->count / 2;
   int expected = 0;
-  for (int i = 0; i < beads->count; i++) {
-    beads->radii[i] = 0.01;
-    for (int k = 0; k < 3; k++) {
-      beads->positions[3 * i + k] = i / rows * direction[k] + i % rows * across[k];
-    }
-    for (int j = 0; j < i; j++) {
-      double squared = 0;
-      for (int k = 0; k < 3; k++) {
-        const double d = beads->positions[3 * i + k] - beads->positions[3 * j + k];
-        squared += d * d;
-      }
-      expected += squared <= cutoff * cutoff;
+  for (int i = 0; i < bodies->count; i++) {
+    radii[i] = 0.01;
+    links[i] = i >= half;
+    for (int j = half; i < half && j < bodies->count; j++) {
+      expected += distance(bodies, i, j, still) <= cutoff || distance(bodies, i, j, shift) <= cutoff;
     }
   }
-  ctChainTree* tree = makeBeads(beads);
-  PairCount pairs = {0};
-  CHECK_SUCCESS(ctForEachNeighborPair(tree, cutoff, countPair, &pairs, NULL));
-  CHECK(pairs.count == expected);
+  const ctDefinition definition = {.particleCount = bodies->count,
+                                   .positions = bodies->positions,
+                                   .radii = radii,
+                                   .particleLinks = links,
+                                   .linkCount = 2,
+                                   .linkParents = parents,
+                                   .linkJoints = joints};
+  ctChainTree* tree = checkedCreate(&definition);
+  ctChange change = {.link = 1};
+  memcpy(change.translation, shift, sizeof change.translation);
+  CHECK_SUCCESS(ctPropose(tree, 1, &change));
+  int found = 0;
+  CHECK_SUCCESS(ctForEachChangedPair(tree, cutoff, countChanged, &found, NULL));
+  CHECK(found == expected);
   CHECK(ctValidate(tree));
   ctDestroy(tree);
 }
@@ -28,13 +66,21 @@ static void checkPairs(Beads* beads, const double direction[3], const double acr
 int main(void) {
   const double directions[][3] = {{1, 0, 0}, {0, -1, 0}, {0, 0, 1}, {1, 2, 3}, {-0.3, 0.7, 0.1}, {0.001, 1, 0}};
   const double across[][3] = {{0, 0, 0}, {0, 0.5, 0}, {0.3, 0.3, -0.3}, {1e-5, 0, 0}};
-  for (int count = 1; count <= MOST_BEADS; count++) {
+  const double shifts[][3] = {{0.31, -0.12, 0.23}, {-3.7, 1.1, 0.7}};
+  setenv("CHAINTREE_TRIALS", "boxes", 1);
+  for (int count = 2; count <= MOST; count += 1 + count / 8) {
     for (int d = 0; d < 6; d++) {
       for (int a = 0; a < 4; a++) {
         for (int rows = 1; rows <= 3; rows++) {
-          Beads beads = {.count = count};
+          Bodies bodies = {.count = count};
+          for (int i = 0; i < count; i++) {
+            for (int k = 0; k < 3; k++) {
+              bodies.positions[3 * i + k] = i / rows * directions[d][k] + i % rows * across[a][k];
+            }
+          }
           /* Not at a distance that occurs. */
-          checkPairs(&beads, directions[d], across[a], rows, 2.718281828);
+          checkPairs(&bodies, shifts[0], 2.718281828);
+          checkPairs(&bodies, shifts[1], 2.718281828);
         }
       }
     }
