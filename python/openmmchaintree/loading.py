@@ -43,11 +43,10 @@ def loadPlugin():
 
     reinstall = f"install openmm-chaintree again, beside OpenMM {built}"
     try:
-        from . import _openmmchaintree
+        from . import _openmmchaintree  # noqa: F401
     except ImportError as error:
         raise ImportError(f"openmmchaintree cannot load its libraries ({error}): {reinstall}") from None
-    # The extension's folder, not this file's: in an editable install this file is in the source tree.
-    folder = Path(_openmmchaintree.__file__).parent / "lib" / "plugins"
+    folder = compiledFolder() / "lib" / "plugins"
     libraries = sorted(folder.glob("*OpenMMChainTree*"))
     if not libraries:
         raise ImportError(f"openmmchaintree has no plugin library in {folder}: {reinstall}")
@@ -56,6 +55,13 @@ def loadPlugin():
             openmm.Platform.loadPluginLibrary(str(library))
         except openmm.OpenMMException as error:
             raise ImportError(f"openmmchaintree cannot load its plugin library ({error}): {reinstall}") from None
+
+
+def compiledFolder():
+    """Return the folder of what is compiled: not this file's, which in an editable install is in the source tree."""
+    from . import _openmmchaintree
+
+    return Path(_openmmchaintree.__file__).parent
 
 
 def _minor(version):

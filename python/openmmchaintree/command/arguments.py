@@ -1,6 +1,7 @@
 """Reading arguments: every error is one line."""
 
 import argparse
+import math
 import sys
 
 from .status import BAD_INPUT
@@ -18,6 +19,30 @@ class Parser(argparse.ArgumentParser):
 def positive(text):
     """Read a whole number above 0."""
     return wholeNumber(text, 1, 10**15)
+
+
+def positiveReal(text):
+    """Read a number above 0."""
+    try:
+        value = float(text)
+    except ValueError:
+        raise argparse.ArgumentTypeError(f"{text!r} is not a number") from None
+    if not 0 < value < math.inf:
+        raise argparse.ArgumentTypeError(f"{text} is not a number above 0")
+    return value
+
+
+def listOf(names):
+    """Return a function that reads some of the names, with commas between them."""
+
+    def read(text):
+        chosen = text.split(",")
+        for name in chosen:
+            if name not in names:
+                raise argparse.ArgumentTypeError(f"{name!r} is none of {', '.join(names)}")
+        return chosen
+
+    return read
 
 
 def seed(text):

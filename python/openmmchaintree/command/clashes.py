@@ -7,11 +7,9 @@ from ..radii import RADII_SETS
 from ..structure import InputError
 from .arguments import positive
 from .clashreport import printReport, summarize, writeCSV
-from .outputfiles import checkOutput, writeJSON
+from .outputfiles import checkOutput, checkPicture, writeJSON
 from .status import BAD_INPUT, INTERRUPTED
 from .terminal import ReportConsole, interruptFlag, printError, progress
-
-_PICTURES = (".png", ".pdf", ".svg")
 
 
 def addParser(commands):
@@ -51,8 +49,8 @@ def _run(options):
     outputs = {kind: Path(path) for kind, path in outputs.items() if path is not None}
     inputs = [path for path in (options.structure, options.trajectory) if path is not None]
     checkOutput(outputs.values(), inputs)
-    if "picture" in outputs and outputs["picture"].suffix.lower() not in _PICTURES:
-        raise InputError(f"{options.picture}: a picture's name ends in {', '.join(_PICTURES)}")
+    if "picture" in outputs:
+        checkPicture(outputs["picture"])
     search = ClashSearch(options.structure, options.trajectory, options.radii, options.water, options.ions)
     frames, damage, interrupted = _findAll(search)
     if damage is not None and not frames:

@@ -7,7 +7,7 @@ import sys
 import openmm
 
 from ..structure import InputError
-from . import clashes, sample
+from . import benchmark, clashes, sample
 from .arguments import Parser
 from .status import BAD_INPUT, INTERRUPTED, NOBODY_READS
 from .terminal import printError
@@ -39,9 +39,10 @@ def main(arguments=None):
 def _parser():
     parser = Parser(
         prog="openmm-chaintree",
-        description="Sampling of proteins in torsion space, and the clashes of structures and trajectories.",
+        description="Sampling of proteins in torsion space, the clashes of structures and trajectories, and how fast "
+        "both are found.",
     )
     commands = parser.add_subparsers(required=True, metavar="command", parser_class=Parser)
-    for command in (sample, clashes):
+    for command in (sample, clashes, benchmark):
         command.addParser(commands)
     return parser

@@ -5,6 +5,8 @@ from pathlib import Path
 
 from ..structure import InputError
 
+_PICTURES = (".png", ".pdf", ".svg")
+
 
 def checkOutput(paths, inputs):
     """Refuse files that cannot be written, are among the inputs, or are named twice."""
@@ -19,6 +21,12 @@ def checkOutput(paths, inputs):
         if not path.parent.is_dir():
             raise InputError(f"{path}: there is no folder {path.parent}")
         _checkWritable(path)
+
+
+def checkPicture(path):
+    """Refuse a picture in a format that is not known."""
+    if Path(path).suffix.lower() not in _PICTURES:
+        raise InputError(f"{path}: a picture's name ends in {', '.join(_PICTURES)}")
 
 
 def writeJSON(path, content):

@@ -1,0 +1,227 @@
+"""Which rows the benchmark has."""
+
+from typing import NamedTuple
+
+from .interface import ForceRow, PairRow, StepRow
+from .platforms import CPU, whyNot
+from .program import Contestant
+from .proteins import Model, ProteinModels
+from .pythonrace import PythonRace
+from .races import FULL_GRID, LAZY_GRID, OURS, Chain, InstructionSetRace, Moves, Question, Race
+from .rivals import RIVALS
+
+# What a user can ask for, in the order in which it runs.
+GROUPS = {
+    "chains": "Compact chains, one torsion a trial",
+    "large": "Large chains, one torsion a trial",
+    "figures": "The paper's figures 7 and 8 and its table 1",
+    "proteins": "Proteins, one torsion of the backbone a trial",
+    "windows": "Eight consecutive torsions of the backbone a trial",
+    "sidechains": "One torsion of a side chain a trial",
+    "worst": "Whole chains of the paper's figure 6",
+    "simd": "Instruction sets of the engine",
+    "python": "What one could call from Python instead",
+    "steps": "Trials through Simulation.step",
+    "forces": "Energy and forces",
+    "pairs": "Pairs within 0.8 nm",
+    "nearest": "Least distance to 1,000 obstacles",
+}
+
+# The others are of chains that the program makes.
+WITH_PROTEINS = {*GROUPS} - {"chains", "large", "worst"}
+
+_UNIFORM, _FIVE_DEGREES, _ONE_DEGREE = Moves("uniform"), Moves("gaussian", 5.0), Moves("gaussian", 1.0)
+_SIDE_CHAIN = Moves("sidechain")
+_WINDOW = 8
+_WINDOWS = Moves("biased", 5.0, _WINDOW), Moves("biased", 1.0, _WINDOW)
+
+_GRIDS_AND_OURS = (FULL_GRID, LAZY_GRID, OURS)
+_TOO_SLOW = "brute"  # all pairs take longer than anybody would wait
+
+_SIZES = (1000, 2500, 5000, 10000)
+_WORST_SIZES = (648, 3000, 8232, 17496, 31944)
+_QUICK_SIZE = 1000
+
+_LARGE = 100000
+_LARGEST = 1000000  # there, the full grid would take all the time
+
+
+class Plan(NamedTuple):
+    """What shall run.
+
+    groups : list of str, of GROUPS
+    contestants : list of Contestant, the program's
+    chosen : list of str, or None for the usual contestants of each group
+    proteins : list of ProteinModels
+    isQuick : bool, only what is small
+    """
+
+    groups: list[str]
+    contestants: list[Contestant]
+    chosen: list[str] | None
+    proteins: list[ProteinModels]
+    isQuick: bool
+
+    def makeRows(self):
+        """Return the rows, and what is skipped with the reason for each, as pairs of str.
+
+        Raises
+        ------
+        InputError
+            if an element of a protein has no radius
+        """
+        rows, skipped = [], []
+        for group in GROUPS:
+            if group in self.groups:
+                for row in _MAKERS[group](self, group):
+                    reason = _whyNot(row)
+                    if reason is None:
+                        rows.append(row)
+                    else:
+                        skipped.append((f"{group}: {row}", reason))
+        if "python" in self.groups:
+            skipped += [(rival.name, whyNot(rival.requirement)) for rival in RIVALS]
+        if "forces" in self.groups:
+            skipped.append(("forces on the CPU platform", whyNot(CPU)))
+        if "pairs" in self.groups:
+            skipped.append(("SciPy's pairs", whyNot("scipy")))
+        return rows, [entry for entry in skipped if entry[1] is not None]
+
+    def pick(self, *usual):
+        """Return the names of those who run trials: of the usual ones, or of those that are chosen."""
+        return self._pick("trials", usual)
+
+    def pickAll(self, measure, isAble=lambda contestant: contestant.name != _TOO_SLOW):
+        """Return the names of those who take part in a measure, and by default are fast enough."""
+        able = [contestant.name for contestant in self.contestants if isAble(contestant)]
+        return self._pick(measure, able)
+
+    def _pick(self, measure, usual):
+        names = [contestant.name for contestant in self.contestants if contestant.measure == measure]
+        return [name for name in names if name in (usual if self.chosen is None else self.chosen)]
+
+    def sizes(self, *sizes):
+        """Return those of some sizes of chains that are wanted."""
+        return [size for size in sizes if not self.isQuick or size <= _QUICK_SIZE]
+
+
+def _chains(plan, group):
+    for size in plan.sizes(*_SIZES):
+        yield Race(group, Chain("random", size), _UNIFORM, plan.pick(*_GRIDS_AND_OURS))
+    for kind in ("random", "hilbert", "serpentine"):
+        for size in plan.sizes(_SIZES[0], _SIZES[-1]):
+            for moves in (_UNIFORM, _FIVE_DEGREES, _ONE_DEGREE)[kind == "random" :]:
+                yield Race(group, Chain(kind, size), moves, plan.pick(*_GRIDS_AND_OURS))
+
+
+def _large(plan, group):
+    for kind, moves in (("hilbert", _UNIFORM), ("serpentine", _ONE_DEGREE)):
+        for size in plan.sizes(_SIZES[-1], _LARGE):
+            yield Race(group, Chain(kind, size), moves, plan.pick(*_GRIDS_AND_OURS))
+        for size in plan.sizes(_LARGEST):
+            yield Race(group, Chain(kind, size), moves, plan.pick(LAZY_GRID, OURS))
+
+
+def _figures(plan, group):
+    for size in plan.sizes(*_SIZES):
+        yield Race(group, Chain("random", size), _UNIFORM, plan.pickAll("trials"))
+    for protein in plan.proteins:
+        yield Race(group, protein.backbone, _UNIFORM, plan.pickAll("trials"))
+
+
+def _proteins(plan, group):
+    for protein in plan.proteins:
+        for model in protein.withSideChains():
+            for moves in (_UNIFORM, _FIVE_DEGREES, _ONE_DEGREE):
+                yield Race(group, model, moves, plan.pick(*_GRIDS_AND_OURS))
+
+
+def _windows(plan, group):
+    for protein in plan.proteins:
+        for moves in _WINDOWS:
+            yield Race(group, protein.heavyAtoms, moves, plan.pick(*_GRIDS_AND_OURS))
+    for size in plan.sizes(_SIZES[0], _SIZES[-1]):
+        yield Race(group, Chain("random", size), _WINDOWS[-1], plan.pick(*_GRIDS_AND_OURS))
+
+
+def _sideChains(plan, group):
+    for protein in plan.proteins:
+        yield Race(group, protein.heavyAtoms, _SIDE_CHAIN, plan.pick(*_GRIDS_AND_OURS))
+
+
+def _worst(plan, group):
+    whole = {contestant.name for contestant in plan.contestants if contestant.testsWholeChains}
+    contestants = [name for name in plan.pickAll("trials") if name in whole]
+    for size in plan.sizes(*_WORST_SIZES):
+        yield Question(group, "whole", Chain("worst", size), contestants)
+
+
+def _instructionSets(plan, group):
+    for kind, moves in (("random", _UNIFORM), ("hilbert", _ONE_DEGREE), ("serpentine", _FIVE_DEGREES)):
+        for size in plan.sizes(_SIZES[0], _SIZES[-1]):
+            yield InstructionSetRace(group, Chain(kind, size), moves)
+    yield InstructionSetRace(group, max((protein.heavyAtoms for protein in plan.proteins), key=_sizeOf), _UNIFORM)
+
+
+def _python(plan, group):
+    models = [protein.withSideChains()[-1] for protein in plan.proteins]
+    withHydrogens = [model for model in models if model.protein.hasHydrogens]
+    yield PythonRace(group, max(withHydrogens or models, key=_sizeOf), _UNIFORM)
+    yield PythonRace(group, Chain("random", plan.sizes(*_SIZES)[-1]), _UNIFORM)
+
+
+def _steps(plan, group):
+    for protein in plan.proteins:
+        yield StepRow(group, protein.heavyAtoms)
+
+
+def _forces(plan, group):
+    for protein in plan.proteins:
+        if protein.protein.hasHydrogens:
+            yield ForceRow(group, protein.protein)
+
+
+def _pairs(plan, group):
+    for protein in plan.proteins:
+        yield PairRow(group, protein.heavyAtoms, plan.pickAll("pairs"))
+
+
+def _nearest(plan, group):
+    contestants = plan.pickAll("nearest", lambda contestant: True)
+    for protein in plan.proteins:
+        yield Question(group, "nearest", protein.heavyAtoms, contestants)
+    for size in plan.sizes(_SIZES[0], _SIZES[-1], _LARGE):
+        yield Question(group, "nearest", Chain("hilbert", size), contestants)
+
+
+def _sizeOf(model):
+    return len(model.scene.spheres)
+
+
+_MAKERS = {
+    "chains": _chains,
+    "large": _large,
+    "figures": _figures,
+    "proteins": _proteins,
+    "windows": _windows,
+    "sidechains": _sideChains,
+    "worst": _worst,
+    "simd": _instructionSets,
+    "python": _python,
+    "steps": _steps,
+    "forces": _forces,
+    "pairs": _pairs,
+    "nearest": _nearest,
+}
+
+
+def _whyNot(row):
+    """Return why a row cannot run: too few torsions, or no contestant who can; None if it can."""
+    if isinstance(row, (Race, Question, PairRow)) and not row.contestants:
+        return "none of the contestants can do it"
+    if isinstance(getattr(row, "chain", None), Model) and hasattr(row, "moves"):
+        ofSideChains = row.moves == _SIDE_CHAIN
+        count = row.chain.scene.countTorsions(ofSideChains)
+        if count < row.moves.kappa:
+            return f"there are {count} torsions of {'side chains' if ofSideChains else 'the backbone'}"
+    return None
