@@ -10,11 +10,12 @@ from contextlib import suppress
 from pathlib import Path
 
 import commands
+import numpy as np
 import openmm
 import openmmchaintree
 import pytest
 from commands import assertRefused, filesIn
-from openmmchaintree.command.benchmarking import platforms, program, rivals
+from openmmchaintree.command.benchmarking import platforms, program, rivals, steps
 from openmmchaintree.command.benchmarking.program import Program, ProgramError
 from openmmchaintree.command.benchmarking.proteins import ProteinModels, makeSystem, readProtein
 from openmmchaintree.command.benchmarking.recording import readRecording
@@ -141,9 +142,11 @@ def test_whatIsNotThereIsSkipped(runHere, monkeypatch):
 
 def test_aProteinWithoutSideChains(runHere, tmp_path):
     writePDB(tmp_path / "glycines.pdb", GLYCINES)
-    result = runHere("glycines.pdb", "--trials", 100, "--rows", "proteins,windows,sidechains", "--json", "a.json")
+    arguments = ["--trials", 100, "--rows", "proteins,windows,sidechains,needs", "--json", "a.json"]
+    result = runHere("glycines.pdb", *arguments)
     assert result.returncode == 0
     assert "skipped: sidechains: glycines heavy atoms, sidechain: there are 0 torsions of side chains" in result.stdout
+    assert "skipped: needs: glycines heavy atoms, 12 residues: there are 2 residues" in result.stdout
     assert "skipped: windows: glycines heavy atoms, 5°: there are 2 torsions of the backbone" in result.stdout
     assert "glycines heavy atoms" in {entry["chain"] for entry in readEntries(tmp_path / "a.json")}
 
@@ -267,6 +270,17 @@ def test_aWrongVerdictIsReported(runHere, tmp_path, monkeypatch):
     summary = json.loads((tmp_path / "a.json").read_text(encoding="utf-8"))
     assert len(summary["failures"]) == 2
     assert {entry["group"] for entry in summary["entries"]} == {"sidechains"}
+
+
+def test_watersThatAreInTheWayAreReported(runHere, monkeypatch):
+    """As if waters of radius 0 were in the way, here by having another."""
+    honest = steps.Simulated.plus
+    monkeypatch.setattr(
+        steps.Simulated, "plus", lambda self, radii, *rest: honest(self, np.full(len(radii), 0.01), *rest)
+    )
+    result = runHere("--quick", "--trials", 300, "--rows", "needs")
+    assert result.returncode == 1
+    assert "FAILED: needs: villin heavy atoms: of the same trials are accepted 0 and " in result.stdout
 
 
 def test_aFailingRowDoesNotEndTheOthers(runHere, monkeypatch):

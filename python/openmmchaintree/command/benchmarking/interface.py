@@ -1,25 +1,19 @@
-"""Rows about what a user calls: steps of a Simulation, energy and forces, neighbour pairs."""
+"""Rows about what a user asks a Context: energy and forces, neighbour pairs."""
 
 import copy
 import importlib
-import math
 from collections.abc import Callable, Sequence
 from typing import Any, NamedTuple
 
 import numpy as np
 import openmm
-from openmm import app, unit
 
-from ...openmmchaintree import TorsionMonteCarloIntegrator
 from .course import Course
 from .platforms import CPU, makeContext, whyNot
 from .program import ProgramError
-from .proteins import Model, Protein, makeForce, makeSystem
-from .races import OURS, Moves, askProgram, runTrials
+from .proteins import Model, Protein, makeForce
+from .races import askProgram
 from .timing import measure, summarizeTimes
-
-_TRIALS_PER_STEP = 10000
-_STEPS = 10
 
 # Atoms move by so much (nm) from one question to the next, as within 2 fs at 300 K, and stray so far from where they
 # began.
@@ -33,50 +27,6 @@ _BLOCK_SIZE = 5
 _SINGLE_PRECISION = 1e-3
 
 CUTOFF = 0.8  # nm, of neighbour pairs
-
-
-class StepRow(NamedTuple):
-    """Athermal trials through Simulation.step, and trials of the same kind by the engine called from C."""
-
-    group: str
-    chain: Model
-    moves: Moves = Moves("uniform")
-
-    def __str__(self) -> str:
-        return self.chain.name
-
-    def run(self, course: Course):
-        """Return an entry for each of the two, which run several times in turns."""
-        trials = min(course.trials, _TRIALS_PER_STEP)
-        options = {"--contestants": OURS, "--block": trials, "--trials": _STEPS * trials}
-        runs, times = [], []
-        for repeat in range(course.REPEATS):
-            seed = course.seed + repeat
-            runs += runTrials(self, course, {**options, "--seed": seed})
-            times += self._runSteps(seed, trials)
-        fromC = sorted(runs, key=lambda entry: entry["microseconds"])[len(runs) // 2]
-        return [
-            {**fromC, "contestant": "engine from C"},
-            {
-                **{key: fromC[key] for key in ("group", "chain", "particles", "torsions", "moves", "trials", "block")},
-                "contestant": "Simulation.step",
-                **summarizeTimes(times),
-            },
-        ]
-
-    def _runSteps(self, seed, trials):
-        """Return microseconds a trial of each step but the first."""
-        protein = self.chain.protein
-        integrator = TorsionMonteCarloIntegrator(300 * unit.kelvin)
-        integrator.setRandomNumberSeed(seed)
-        integrator.setTrialsPerStep(trials)
-        integrator.addTorsionMove(1.0, math.pi, self.chain.backboneTorsions())
-        system = makeSystem(protein, copy.copy(self.chain.force))
-        reference = openmm.Platform.getPlatformByName("Reference")
-        simulation = app.Simulation(protein.topology, system, integrator, reference)
-        simulation.context.setPositions(protein.positions)
-        simulation.step(1)
-        return [measure(simulation.step, 1)[1] / trials for _ in range(_STEPS)]
 
 
 class ForceRow(NamedTuple):

@@ -2,13 +2,14 @@
 
 from typing import NamedTuple
 
-from .interface import ForceRow, PairRow, StepRow
+from .interface import ForceRow, PairRow
 from .platforms import CPU, whyNot
 from .program import Contestant
 from .proteins import Model, ProteinModels
 from .pythonrace import PythonRace
 from .races import FULL_GRID, LAZY_GRID, OURS, Chain, InstructionSetRace, Moves, Question, Race
 from .rivals import RIVALS
+from .steps import RESIDUES, NeedRow, PartRow, StepRow
 
 # What a user can ask for, in the order in which it runs.
 GROUPS = {
@@ -22,6 +23,7 @@ GROUPS = {
     "simd": "Instruction sets of the engine",
     "python": "What one could call from Python instead",
     "steps": "Trials through Simulation.step",
+    "needs": "Waters of radius 0, atoms far away, all but 12 residues at rest",
     "forces": "Energy and forces",
     "pairs": "Pairs within 0.8 nm",
     "nearest": "Least distance to 1,000 obstacles",
@@ -175,6 +177,12 @@ def _steps(plan, group):
         yield StepRow(group, protein.heavyAtoms)
 
 
+def _needs(plan, group):
+    largest = max((protein.heavyAtoms for protein in plan.proteins), key=_sizeOf)
+    yield NeedRow(group, largest)
+    yield PartRow(group, largest)
+
+
 def _forces(plan, group):
     for protein in plan.proteins:
         if protein.protein.hasHydrogens:
@@ -209,6 +217,7 @@ _MAKERS = {
     "simd": _instructionSets,
     "python": _python,
     "steps": _steps,
+    "needs": _needs,
     "forces": _forces,
     "pairs": _pairs,
     "nearest": _nearest,
@@ -224,4 +233,6 @@ def _whyNot(row):
         count = row.chain.scene.countTorsions(ofSideChains)
         if count < row.moves.kappa:
             return f"there are {count} torsions of {'side chains' if ofSideChains else 'the backbone'}"
+    if isinstance(row, PartRow) and row.chain.protein.residues < RESIDUES + 2:
+        return f"there are {row.chain.protein.residues} residues"
     return None

@@ -72,12 +72,15 @@ def makeScene(force, positions, sideChains):
     radii = np.array([radius.value_in_unit(radius.unit) for radius, _ in parameters])
     radii -= tolerance.value_in_unit(tolerance.unit) / 2
     exclusions = [force.getExclusionParticles(i) for i in range(force.getNumExclusions())]
-    particleLinks, links = _findLinks(force, sideChains)
+    particleLinks, links = findLinks(force, sideChains)
     return Scene(np.column_stack([positions, radii]), particleLinks, links, np.array(exclusions).reshape(-1, 2))
 
 
-def _findLinks(force, sideChains):
-    """Walk over the bonds from the lowest-numbered particle of each molecule; a torsion leads to the next link."""
+def findLinks(force, sideChains):
+    """Return the link of each particle, as an int array, and the Links of a StericExclusionForce without fixed ones.
+
+    This walks over the bonds from the lowest-numbered particle of each molecule; a torsion leads to the next link.
+    """
     neighbors = neighborLists(force.getNumParticles(), map(force.getBondParticles, range(force.getNumBonds())))
     axes = [force.getTorsionParticles(i)[1:3] for i in range(force.getNumTorsions())]
     torsions = {frozenset(axis): isSideChain for axis, isSideChain in zip(axes, sideChains, strict=True)}

@@ -5,6 +5,7 @@ from typing import NamedTuple
 
 from .races import FULL_GRID, LAZY_GRID, OURS
 from .rows import GROUPS
+from .steps import ALONE, BESIDE_REST, FROM_C, STEP, WITH_FAR_ATOMS, WITH_WATERS, WITHIN_WHOLE
 
 # Of contestants, in the order of columns; others follow.
 NAMES = {
@@ -33,7 +34,12 @@ _GRID_RATIOS = ((LAZY_GRID, OURS), (FULL_GRID, OURS))
 _RATIOS = {
     "simd": (("avx2", "avx512"), ("portable", "avx512"), ("portable", "avx2")),
     "python": (("SciPy", OURS), ("FCL", OURS), ("OpenMM CPU", OURS)),
-    "steps": (("Simulation.step", "engine from C"),),
+    "steps": ((STEP, FROM_C),),
+    "needs": (
+        (WITH_WATERS, ALONE),
+        (WITH_FAR_ATOMS, ALONE),
+        (WITHIN_WHOLE, BESIDE_REST),
+    ),
     "forces": (("CustomNonbondedForce, CPU", "force, Reference"), ("CustomNonbondedForce, CPU", "force, CPU")),
     "pairs": (("cells", OURS), ("cells-sorted", "ours-sorted"), ("SciPy", "getNeighborPairs")),
     "nearest": (("brute", OURS),),
