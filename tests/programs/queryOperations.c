@@ -28,19 +28,24 @@ void compareClashes(Program* p)
 static void compareNeighborArrays(Program* p, double cutoff, PairList* list)
 {
     size_t capacity = (size_t)randomInt(&p->random, list->count + 10), count = 0;
-    int(*pairs)[2] = programAllocate((int)capacity, sizeof *pairs);
+    int *lower = programAllocate((int)capacity, sizeof(int)), *higher = programAllocate((int)capacity, sizeof(int));
     double* distances = programAllocate((int)capacity, sizeof(double));
-    bool measured = randomChance(&p->random, 0.7);
-    SUCCEED(ctGetNeighborPairs(p->tree, cutoff, capacity, pairs, measured ? distances : NULL, &count, NULL));
+    bool measured = randomChance(&p->random, 0.7), sorted = randomChance(&p->random, 0.5);
+    SUCCEED(ctGetNeighborPairs(p->tree, cutoff, sorted, capacity, lower, higher, measured ? distances : NULL, &count,
+                               NULL));
     require(count == (size_t)list->count, p, "%zu pairs in arrays, %d in a list", count, list->count);
     sortCollected(p, list);
     for (size_t i = 0; i < count && i < capacity; i++) {
-        const Pair* same = findPair(list, pairs[i][0], pairs[i][1]);
-        require(same != NULL && pairs[i][0] < pairs[i][1], p, "%d-%d is in no list", pairs[i][0], pairs[i][1]);
-        require(!measured || distances[i] == same->values[0], p, "%d-%d: %.17g in an array, %.17g in a list",
-                pairs[i][0], pairs[i][1], distances[i], same->values[0]);
+        const Pair* nth = list->pairs + i;
+        require(!sorted || count > capacity || (nth->particles[0] == lower[i] && nth->particles[1] == higher[i]), p,
+                "%d-%d is at the wrong place", lower[i], higher[i]);
+        const Pair* same = findPair(list, lower[i], higher[i]);
+        require(same != NULL && lower[i] < higher[i], p, "%d-%d is in no list", lower[i], higher[i]);
+        require(!measured || distances[i] == same->values[0], p, "%d-%d: %.17g in an array, %.17g in a list", lower[i],
+                higher[i], distances[i], same->values[0]);
     }
-    free(pairs);
+    free(lower);
+    free(higher);
     free(distances);
 }
 

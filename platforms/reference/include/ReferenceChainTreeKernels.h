@@ -88,6 +88,8 @@ private:
     std::vector<OpenMM::Vec3> arrangement;
     /** The changes of a trial, kept so that trials allocate no memory. */
     std::vector<ctChange> changes;
+    /** Where neighbour pairs are put, kept so that there is room for as many as the last time. */
+    std::vector<int> neighbors1, neighbors2;
     ctCounts counts;
     long long numQueries;
 };

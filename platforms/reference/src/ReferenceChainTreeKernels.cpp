@@ -285,10 +285,20 @@ void ReferenceCalcStericExclusionForceKernel::getClashes(vector<pair<int, int>>&
 void ReferenceCalcStericExclusionForceKernel::getNeighborPairs(double cutoff, vector<pair<int, int>>& pairs,
                                                                vector<double>& distances)
 {
-    PairCollector collector;
-    check(ctForEachNeighborPair(tree.get(), cutoff, addPair, &collector, &counts));
+    // What was enough the last time will mostly be so again.
+    size_t count = neighbors1.size();
+    do {
+        neighbors1.resize(count);
+        neighbors2.resize(count);
+        distances.resize(count);
+        check(ctGetNeighborPairs(tree.get(), cutoff, true, neighbors1.size(), neighbors1.data(), neighbors2.data(),
+                                 distances.data(), &count, &counts));
+    } while (count > neighbors1.size());
     numQueries++;
-    split(collector, pairs, distances);
+    distances.resize(count);
+    pairs.resize(count);
+    for (size_t i = 0; i < count; i++)
+        pairs[i] = make_pair(neighbors1[i], neighbors2[i]);
 }
 
 ReferenceCalcStericExclusionForceKernel::Selection

@@ -243,10 +243,10 @@ ctStatus ctForEachClash(ctChainTree* tree, ctPairFunction* function, void* conte
 ctStatus ctForEachNeighborPair(ctChainTree* tree, double cutoff, ctPairFunction* function, void* context,
                                ctCounts* counts);
 
-/* The same pairs into arrays: the first `capacity` of them and, if distances is not NULL, how far apart they are (nm).
- * *count is how many there are. */
-ctStatus ctGetNeighborPairs(ctChainTree* tree, double cutoff, size_t capacity, int (*pairs)[2], double* distances,
-                            size_t* count, ctCounts* counts);
+/* The same pairs into arrays: `capacity` of them, particles1[i] < particles2[i], and, if distances is not NULL, how far
+ * apart they are (nm). *count is how many there are; if they all fit and `sorted`, they ascend. */
+ctStatus ctGetNeighborPairs(ctChainTree* tree, double cutoff, bool sorted, size_t capacity, int* particles1,
+                            int* particles2, double* distances, size_t* count, ctCounts* counts);
 
 /* Calls function(particle, overlap in nm) for each modelled particle that overlaps a sphere (nm) by more than the
  * overlap tolerance (section 6.3). */

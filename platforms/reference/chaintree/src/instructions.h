@@ -28,7 +28,7 @@ typedef struct InstructionSet {
   void (*boundSnapshot)(Snapshot* snapshot, const Sequence* sequence, const Tree* layout);
   void (*sweepClashes)(const Sweep* sweep, SweepTask* task);
   void (*sweepNeighbors)(const Sweep* sweep, SweepTask* task);
-  void (*neighborDistances)(const double* position, double cutoff, size_t count, const int (*pairs)[2],
+  void (*neighborDistances)(const double* position, double cutoff, size_t count, const int* lower, const int* higher,
                             double* distances);
 
   /* Behind ctGetMinimumDistance; see nearest_body.h. */

@@ -1,8 +1,7 @@
 #include "order.h"
 
 #include <float.h>
-#include <stdbool.h>
-#include <stddef.h>
+#include <stdint.h>
 #include <stdlib.h>
 
 typedef struct Key {
@@ -99,9 +98,8 @@ void ctSpatialOrder(int* ids, int count, const double* points) {
     ids += middle;
     count -= middle;
   }
-  const Key byIndex = {points, 0};
   for (int i = 1; i < count; i++) {
-    for (int j = i; j > 0 && before(&byIndex, ids[j], ids[j - 1]); j--) {
+    for (int j = i; j > 0 && ids[j] < ids[j - 1]; j--) {
       swap(ids, j, j - 1);
     }
   }
@@ -123,4 +121,72 @@ void ctAccumulate(int* begin, int count) {
   for (int i = 0; i < count; i++) {
     begin[i + 1] += begin[i];
   }
+}
+
+/* By insertion: quick where they almost ascend, as they do if links and particles are numbered alike. */
+static void sortFew(int* values, size_t count) {
+  for (size_t i = 1; i < count; i++) {
+    const int value = values[i];
+    size_t j = i;
+    for (; j > 0 && values[j - 1] > value; j--) {
+      values[j] = values[j - 1];
+    }
+    values[j] = value;
+  }
+}
+
+/* Pairs come in runs of one id. To count them one after another would be to wait for each sum, so their list is gone
+ * through at some places at once, each with a count of its own for each id. */
+enum { STREAMS = 4 };
+
+/* Puts the seconds of the pairs with each first behind those of the one before. begins[STREAMS * id] tells where. */
+static void gatherRows(size_t count, const int* firsts, const int* seconds, int idCount, uint32_t* begins, int* rows) {
+  /* Counts two places on, so that filling moves each begin to its place. */
+  uint32_t* next = begins + 1;
+  const size_t length = count / STREAMS;
+  for (size_t i = 0; i < length; i++) {
+    for (size_t s = 0; s < STREAMS; s++) {
+      next[STREAMS * (size_t)firsts[s * length + i] + s + 1]++;
+    }
+  }
+  for (size_t i = STREAMS * length; i < count; i++) {
+    next[STREAMS * (size_t)firsts[i] + STREAMS]++;
+  }
+  for (size_t i = 0; i < STREAMS * (size_t)idCount; i++) {
+    next[i + 1] += next[i];
+  }
+  for (size_t i = 0; i < length; i++) {
+    for (size_t s = 0; s < STREAMS; s++) {
+      rows[next[STREAMS * (size_t)firsts[s * length + i] + s]++] = seconds[s * length + i];
+    }
+  }
+  for (size_t i = STREAMS * length; i < count; i++) {
+    rows[next[STREAMS * (size_t)firsts[i] + STREAMS - 1]++] = seconds[i];
+  }
+}
+
+bool ctSortPairs(size_t count, int* firsts, int* seconds, int idCount) {
+  enum { FEW = 256 };
+  uint32_t* begins = calloc(STREAMS * (size_t)idCount + 2, sizeof *begins);
+  int* rows = malloc((count + 1) * sizeof *rows);
+  const bool hasMemory = begins != NULL && rows != NULL;
+  if (hasMemory) {
+    gatherRows(count, firsts, seconds, idCount, begins, rows);
+    for (int id = 0; id < idCount; id++) {
+      const size_t begin = begins[STREAMS * (size_t)id];
+      const size_t size = begins[STREAMS * ((size_t)id + 1)] - begin;
+      if (size <= FEW) {
+        sortFew(rows + begin, size);
+      } else {
+        ctSortInts(rows + begin, (int)size);
+      }
+      for (size_t i = begin; i < begin + size; i++) {
+        firsts[i] = id;
+        seconds[i] = rows[i];
+      }
+    }
+  }
+  free(begins);
+  free(rows);
+  return hasMemory;
 }

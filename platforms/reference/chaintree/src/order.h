@@ -2,6 +2,9 @@
 #ifndef CT_ORDER_H_
 #define CT_ORDER_H_
 
+#include <stdbool.h>
+#include <stddef.h>
+
 /* Members of a node of the tree: what all orders are made for. */
 enum { TREE_WIDTH_BITS = 4, TREE_WIDTH = 1 << TREE_WIDTH_BITS };
 
@@ -12,6 +15,10 @@ void ctSpatialOrder(int* ids, int count, const double* points);
 
 /* Ascending. */
 void ctSortInts(int* values, int count);
+
+/* Sorts pairs of ids below idCount by the first, then the second. O(count + idCount). False, and nothing changed, if
+ * there is no memory. */
+bool ctSortPairs(size_t count, int* firsts, int* seconds, int idCount);
 
 /* Turns the number of members of each of `count` groups, in begin[group + 1], into where each group begins. */
 void ctAccumulate(int* begin, int count);

@@ -146,16 +146,17 @@ typedef struct Neighbors {
   double cutoff;
   Caller caller;
   bool goesOn;
-  int pairs[NEIGHBORS_AT_ONCE][2];
+  int lower[NEIGHBORS_AT_ONCE];
+  int higher[NEIGHBORS_AT_ONCE];
 } Neighbors;
 
 static bool tellNeighbors(PairSink* sink) {
   Neighbors* neighbors = sink->context;
   double distances[NEIGHBORS_AT_ONCE];
-  ctSweepDistances(neighbors->sweep, neighbors->cutoff, sink->count, (const int(*)[2])sink->pairs, distances);
+  ctSweepDistances(neighbors->sweep, neighbors->cutoff, sink->count, sink->lower, sink->higher, distances);
   for (size_t i = 0; i < sink->count && neighbors->goesOn; i++) {
     neighbors->goesOn =
-        neighbors->caller.function(neighbors->caller.context, sink->pairs[i][0], sink->pairs[i][1], distances[i]);
+        neighbors->caller.function(neighbors->caller.context, sink->lower[i], sink->higher[i], distances[i]);
   }
   sink->count = 0;
   return neighbors->goesOn;
@@ -182,7 +183,7 @@ ctStatus ctForEachNeighborPair(ctChainTree* tree, double cutoff, ctPairFunction*
   neighbors.cutoff = cutoff;
   neighbors.caller = (Caller){function, context};
   neighbors.goesOn = true;
-  PairSink sink = {neighbors.pairs, 0, NEIGHBORS_AT_ONCE, tellNeighbors, &neighbors};
+  PairSink sink = {neighbors.lower, neighbors.higher, 0, NEIGHBORS_AT_ONCE, tellNeighbors, &neighbors};
   const ctStatus status = sweepNeighbors(tree, cutoff, &sink, counts);
   if (neighbors.goesOn) {
     tellNeighbors(&sink);
@@ -190,44 +191,54 @@ ctStatus ctForEachNeighborPair(ctChainTree* tree, double cutoff, ctPairFunction*
   return status;
 }
 
-/* The caller's array; what may not fit into it any more goes by way of `last`. */
-typedef struct NeighborArray {
-  int (*pairs)[2];
+/* The caller's arrays; what may not fit into them any more goes by way of the last. */
+typedef struct NeighborArrays {
+  int* lower;
+  int* higher;
   size_t capacity;
-  size_t count; /* of pairs that `last` has held before, or the array has taken straight */
-  int last[NEIGHBORS_AT_ONCE][2];
-} NeighborArray;
+  size_t count; /* of pairs that the last have held before, or the caller's have taken straight */
+  int lastLower[NEIGHBORS_AT_ONCE];
+  int lastHigher[NEIGHBORS_AT_ONCE];
+} NeighborArrays;
 
 static bool moveNeighbors(PairSink* sink) {
-  NeighborArray* array = sink->context;
-  if (sink->pairs == array->last && array->count < array->capacity) {
-    const size_t room = array->capacity - array->count;
-    memcpy(array->pairs + array->count, array->last, (sink->count < room ? sink->count : room) * sizeof *array->pairs);
+  NeighborArrays* arrays = sink->context;
+  if (sink->lower == arrays->lastLower && arrays->count < arrays->capacity) {
+    const size_t room = arrays->capacity - arrays->count;
+    const size_t size = (sink->count < room ? sink->count : room) * sizeof(int);
+    memcpy(arrays->lower + arrays->count, arrays->lastLower, size);
+    memcpy(arrays->higher + arrays->count, arrays->lastHigher, size);
   }
-  array->count += sink->count;
-  sink->pairs = array->last;
+  arrays->count += sink->count;
+  sink->lower = arrays->lastLower;
+  sink->higher = arrays->lastHigher;
   sink->count = 0;
   sink->capacity = NEIGHBORS_AT_ONCE;
   return true;
 }
 
-ctStatus ctGetNeighborPairs(ctChainTree* tree, double cutoff, size_t capacity, int (*pairs)[2], double* distances,
-                            size_t* count, ctCounts* counts) {
-  NeighborArray array;
-  array.pairs = pairs;
-  array.capacity = capacity;
-  array.count = 0;
-  PairSink sink = {pairs, 0, capacity, moveNeighbors, &array};
+ctStatus ctGetNeighborPairs(ctChainTree* tree, double cutoff, bool sorted, size_t capacity, int* particles1,
+                            int* particles2, double* distances, size_t* count, ctCounts* counts) {
+  NeighborArrays arrays;
+  arrays.lower = particles1;
+  arrays.higher = particles2;
+  arrays.capacity = capacity;
+  arrays.count = 0;
+  PairSink sink = {particles1, particles2, 0, capacity, moveNeighbors, &arrays};
   const ctStatus status = sweepNeighbors(tree, cutoff, &sink, counts);
-  if (status == ctSuccess) {
-    moveNeighbors(&sink);
-    *count = array.count;
-    if (distances != NULL) {
-      ctSweepDistances(&tree->ownSweep, cutoff, array.count < capacity ? array.count : capacity, (const int(*)[2])pairs,
-                       distances);
-    }
+  if (status != ctSuccess) {
+    return status;
   }
-  return status;
+  moveNeighbors(&sink);
+  const bool fit = arrays.count <= capacity;
+  if (sorted && fit && !ctSortPairs(arrays.count, particles1, particles2, tree->sequence.particleCount)) {
+    return ctFailOutOfMemory(tree);
+  }
+  if (distances != NULL) {
+    ctSweepDistances(&tree->ownSweep, cutoff, fit ? arrays.count : capacity, particles1, particles2, distances);
+  }
+  *count = arrays.count;
+  return ctSuccess;
 }
 
 /* ---- Probe ---- */

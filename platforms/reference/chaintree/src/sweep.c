@@ -52,6 +52,7 @@ void ctSweepNeighbors(Sweep* sweep, double cutoff, PairSink* sink, DoubtFunction
   addCounts(counts, &task);
 }
 
-void ctSweepDistances(const Sweep* sweep, double cutoff, size_t count, const int (*pairs)[2], double* distances) {
-  sweep->layout->instructions->neighborDistances(sweep->snapshot.position, cutoff, count, pairs, distances);
+void ctSweepDistances(const Sweep* sweep, double cutoff, size_t count, const int* lower, const int* higher,
+                      double* distances) {
+  sweep->layout->instructions->neighborDistances(sweep->snapshot.position, cutoff, count, lower, higher, distances);
 }

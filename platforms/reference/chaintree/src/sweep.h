@@ -26,7 +26,8 @@ typedef struct Sweep {
 
 /* Where neighbours go, many at a time. */
 typedef struct PairSink {
-  int (*pairs)[2]; /* particles, the lower first */
+  int* lower; /* particles of each pair */
+  int* higher;
   size_t count;
   size_t capacity;
   /* Makes room for PAIRS_OF_LEAVES more; returns false to end the sweep. */
@@ -68,6 +69,7 @@ void ctSweepNeighbors(Sweep* sweep, double cutoff, PairSink* sink, DoubtFunction
                       ctCounts* counts);
 
 /* The distances of neighbours; rounding takes none beyond the cutoff. */
-void ctSweepDistances(const Sweep* sweep, double cutoff, size_t count, const int (*pairs)[2], double* distances);
+void ctSweepDistances(const Sweep* sweep, double cutoff, size_t count, const int* lower, const int* higher,
+                      double* distances);
 
 #endif /* CT_SWEEP_H_ */

@@ -181,8 +181,8 @@ static void addDoubtful(const Pass* pass, const LeafPair* pair, const Found* fou
       const int slotB = pair->b * TREE_WIDTH + __builtin_ctz(mask);
       if (pass->task->isNear(pass->task->context, slotA, slotB, squaredApart(pass, slotA, slotB))) {
         const bool rising = particle[slotA] < particle[slotB];
-        sink->pairs[sink->count][0] = particle[rising ? slotA : slotB];
-        sink->pairs[sink->count++][1] = particle[rising ? slotB : slotA];
+        sink->lower[sink->count] = particle[rising ? slotA : slotB];
+        sink->higher[sink->count++] = particle[rising ? slotB : slotA];
       }
     }
   }
@@ -203,8 +203,8 @@ static bool addNeighbors(const Pass* pass, const LeafPair* pair) {
   const Float16 z = load16(blockB->z);
   const Float16 nearSquared = all16(pass->nearSquared);
   const Float16 sureSquared = all16(pass->sureSquared);
-  int(*const begin)[2] = sink->pairs + sink->count;
-  int(*end)[2] = begin;
+  int* lower = sink->lower + sink->count;
+  int* higher = sink->higher + sink->count;
   Found doubtful;
   doubtful.any = 0;
   for (unsigned slots = pair->slots; slots != 0; slots &= slots - 1) {
@@ -215,11 +215,13 @@ static bool addNeighbors(const Pass* pass, const LeafPair* pair) {
     const Float16 squared = add16(add16(mul16(dx, dx), mul16(dy, dy)), mul16(dz, dz));
     const unsigned near = greater16(nearSquared, squared) & ~(unsigned)excluded[k];
     const unsigned sure = greater16(sureSquared, squared) & near;
-    end += pairs16(sure, particlesB, particlesA[k], end);
+    const int count = pairs16(sure, particlesB, particlesA[k], lower, higher);
+    lower += count;
+    higher += count;
     doubtful.mask[k] = (uint16_t)(near ^ sure);
     doubtful.any |= near ^ sure;
   }
-  sink->count += (size_t)(end - begin);
+  sink->count = (size_t)(lower - sink->lower);
   if (doubtful.any != 0) {
     addDoubtful(pass, pair, &doubtful);
   }
@@ -283,7 +285,9 @@ CT_FOR_BOTH void sweepPairs(const Pass* pass, bool surfaces) {
     const int firstB = treeChildren(layout, visit.level, visit.b, &countB);
     const Extents* aroundA = snapshotExtents(&sweep->snapshot, layout, visit.a);
     const Extents* aroundB = snapshotExtents(&sweep->snapshot, layout, visit.b);
-    for (int k = 0; k < countA; k++) {
+    for (int i = 0; i < countA; i++) {
+      /* What is left for later goes last in, first out: leaves come in ascending order. */
+      const int k = visit.level == 1 ? i : countA - 1 - i;
       if (aroundA->r[k] < 0) {
         continue;
       }
@@ -298,8 +302,10 @@ CT_FOR_BOTH void sweepPairs(const Pass* pass, bool surfaces) {
         }
         continue;
       }
-      for (; near != 0; near &= near - 1) {
-        sweep->stack[depth++] = (SweepVisit){visit.level - 1, firstA + k, firstB + __builtin_ctz(near)};
+      while (near != 0) {
+        const int l = 31 - __builtin_clz(near);
+        sweep->stack[depth++] = (SweepVisit){visit.level - 1, firstA + k, firstB + l};
+        near &= ~(1u << l);
       }
     }
   }
@@ -322,15 +328,15 @@ static void sweepNeighbors(const Sweep* sweep, SweepTask* task) {
   sweepPairs(&pass, false);
 }
 
-static void neighborDistances(const double* position, double cutoff, size_t count, const int (*pairs)[2],
+static void neighborDistances(const double* position, double cutoff, size_t count, const int* lower, const int* higher,
                               double* distances) {
   size_t i = 0;
   for (; i + 4 <= count; i += 4) {
-    distances4(position, pairs + i, cutoff, distances + i);
+    distances4(position, lower + i, higher + i, cutoff, distances + i);
   }
   for (; i < count; i++) {
-    const double* a = position + 3 * (size_t)pairs[i][0];
-    const double* b = position + 3 * (size_t)pairs[i][1];
+    const double* a = position + 3 * (size_t)lower[i];
+    const double* b = position + 3 * (size_t)higher[i];
     distances[i] = lesser(sqrt(squaredDistance(a, b)), cutoff);
   }
 }

@@ -52,61 +52,81 @@ static int compareRows(const void* a, const void* b) {
   return x[0] != y[0] ? (x[0] > y[0]) - (x[0] < y[0]) : (x[1] > y[1]) - (x[1] < y[1]);
 }
 
+enum { MOST = SITES * (SITES - 1) / 2 };
+
+typedef struct Arrays {
+  int particles[2][MOST + 1];
+  double distances[MOST + 1];
+} Arrays;
+
 /* Arrays of any capacity: what fits is there, nothing is written beyond, and the count is that of all. */
+static void testCapacities(ctChainTree* tree, double cutoff, const Arrays* all, size_t total) {
+  static Arrays some;
+  const size_t capacities[] = {0, 1, 255, 256, 257, 1024, 1500, total - 1, total};
+  for (int c = 0; c < 9; c++) {
+    const size_t capacity = capacities[c];
+    const size_t kept = capacity < total ? capacity : total;
+    size_t count = 0;
+    memset(&some, 0xee, sizeof some);
+    const int untouched = some.particles[0][MOST];
+    const double untouchedDistance = some.distances[MOST];
+    CHECK_SUCCESS(ctGetNeighborPairs(tree, cutoff, false, capacity, some.particles[0], some.particles[1],
+                                     some.distances, &count, NULL));
+    CHECK(count == total);
+    for (int k = 0; k < 2; k++) {
+      CHECK(some.particles[k][capacity] == untouched);
+      CHECK(memcmp(some.particles[k], all->particles[k], kept * sizeof(int)) == 0);
+    }
+    CHECK(memcmp(&some.distances[capacity], &untouchedDistance, sizeof(double)) == 0);
+    for (size_t i = 0; i < kept; i++) {
+      CHECK(some.distances[i] <= cutoff && some.distances[i] > 0.999);
+    }
+  }
+}
+
 static void testArrays(LatticeLinks links) {
-  enum { MOST = SITES * (SITES - 1) / 2 };
-  static int all[MOST][2];
-  static int some[MOST + 1][2];
-  static double distances[MOST + 1];
+  static Arrays all;
+  static int rows[MOST][2];
   const double cutoffs[] = {1, 1.5, 100};
   ctChainTree* tree = makeLattice(links, 0.1, 0);
   for (int n = 0; n < 3; n++) {
     Shells shells = {{0}, 0};
-    CHECK_SUCCESS(ctForEachNeighborPair(tree, cutoffs[n], countShell, &shells, NULL));
     size_t total = 0;
-    CHECK_SUCCESS(ctGetNeighborPairs(tree, cutoffs[n], MOST, all, NULL, &total, NULL));
+    CHECK_SUCCESS(
+        ctGetNeighborPairs(tree, cutoffs[n], false, MOST, all.particles[0], all.particles[1], NULL, &total, NULL));
     for (size_t i = 0; i < total; i++) {
-      double distance = 0;
+      double squared = 0;
+      for (int k = 0; k < 2; k++) {
+        rows[i][k] = all.particles[k][i];
+      }
       for (int k = 0; k < 3; k++) {
         int a[3];
         int b[3];
-        latticeSite(all[i][0], a);
-        latticeSite(all[i][1], b);
-        distance += (a[k] - b[k]) * (a[k] - b[k]);
+        latticeSite(rows[i][0], a);
+        latticeSite(rows[i][1], b);
+        squared += (a[k] - b[k]) * (a[k] - b[k]);
       }
-      distance = sqrt(distance);
-      CHECK(distance <= cutoffs[n]);
-      shells.counts[0] += countShell(&shells, all[i][0], all[i][1], distance);
+      CHECK(sqrt(squared) <= cutoffs[n]);
+      countShell(&shells, rows[i][0], rows[i][1], sqrt(squared));
     }
-    /* Every pair has come twice now. */
-    CHECK(shells.counts[0] == (int)total);
     for (int squared = 1; squared < 5; squared++) {
-      CHECK(shells.counts[squared] == (squared <= cutoffs[n] * cutoffs[n] ? 2 * latticePairs(squared) : 0));
+      CHECK(shells.counts[squared] == (squared <= cutoffs[n] * cutoffs[n] ? latticePairs(squared) : 0));
     }
-    const size_t capacities[] = {0, 1, 255, 256, 257, 1024, 1500, total - 1, total};
-    for (int c = 0; c < 9; c++) {
-      const size_t capacity = capacities[c];
-      const size_t kept = capacity < total ? capacity : total;
-      size_t count = 0;
-      memset(some, 0xee, sizeof some);
-      memset(distances, 0xee, sizeof distances);
-      const int untouched = some[MOST][0];
-      CHECK_SUCCESS(ctGetNeighborPairs(tree, cutoffs[n], capacity, some, distances, &count, NULL));
-      CHECK(count == total);
-      CHECK(some[capacity][0] == untouched && some[capacity][1] == untouched);
-      CHECK(memcmp(&distances[capacity], some[capacity], sizeof(double)) == 0);
-      CHECK(memcmp(some, all, kept * sizeof *some) == 0);
-      for (size_t i = 0; i < kept; i++) {
-        CHECK(distances[i] <= cutoffs[n] && distances[i] > 0.999);
-      }
-    }
-    qsort(all, total, sizeof *all, compareRows);
+    qsort(rows, total, sizeof *rows, compareRows);
     for (size_t i = 1; i < total; i++) {
-      CHECK(compareRows(all[i - 1], all[i]) < 0);
+      CHECK(compareRows(rows[i - 1], rows[i]) < 0);
+    }
+    testCapacities(tree, cutoffs[n], &all, total);
+    CHECK_SUCCESS(ctGetNeighborPairs(tree, cutoffs[n], true, total, all.particles[0], all.particles[1], all.distances,
+                                     &total, NULL));
+    for (size_t i = 0; i < total; i++) {
+      const int row[] = {all.particles[0][i], all.particles[1][i]};
+      CHECK(compareRows(row, rows[i]) == 0);
     }
   }
   size_t count;
-  CHECK_FAILURE(tree, ctInvalidArgument, "cutoff is 0", ctGetNeighborPairs(tree, 0, MOST, all, NULL, &count, NULL));
+  CHECK_FAILURE(tree, ctInvalidArgument, "cutoff is 0",
+                ctGetNeighborPairs(tree, 0, true, MOST, all.particles[0], all.particles[1], NULL, &count, NULL));
   ctDestroy(tree);
 }
 

@@ -176,6 +176,12 @@ static ctStatus listNeighbors(ctChainTree* tree) {
   return ctForEachNeighborPair(tree, 1.2, countPair, &pairs, NULL);
 }
 
+static ctStatus sortNeighbors(ctChainTree* tree) {
+  static int particles[2][SITES * SITES];
+  size_t count;
+  return ctGetNeighborPairs(tree, 1.2, true, SITES * SITES, particles[0], particles[1], NULL, &count, NULL);
+}
+
 static ctStatus setSamePositions(ctChainTree* tree) {
   static double positions[3 * SITES];
   ctGetPositions(tree, positions);
@@ -242,6 +248,7 @@ int main(void) {
   testCall("select", selectFew, true, 0);
   testCall("commit", commit, false, 0);
   testCall("list neighbours", listNeighbors, true, 0);
+  testCall("sort neighbours", sortNeighbors, true, 0.2);
   testCall("set positions", setSamePositions, false, 0);
   CHECK(live == before);
   return checkResult();
