@@ -147,7 +147,7 @@ def test_aProteinWithoutSideChains(runHere, tmp_path):
     assert result.returncode == 0
     assert "skipped: sidechains: glycines heavy atoms, sidechain: there are 0 torsions of side chains" in result.stdout
     assert "skipped: needs: glycines heavy atoms, 12 residues: there are 2 residues" in result.stdout
-    assert "skipped: windows: glycines heavy atoms, 5°: there are 2 torsions of the backbone" in result.stdout
+    assert "skipped: windows: glycines heavy atoms, 8 × 5°: there are 2 torsions of the backbone" in result.stdout
     assert "glycines heavy atoms" in {entry["chain"] for entry in readEntries(tmp_path / "a.json")}
 
 

@@ -50,18 +50,18 @@ class Program:
             )
         self.contestants = [
             Contestant(line["measure"], line["contestant"], line.get("whole", False))
-            for line in self._run({"--list": None})
+            for line in self._run({"--list": None}, {})
         ]
 
-    def race(self, options, instructionSet=None):
+    def race(self, options, variables=None):
         """Run a race.
 
         Parameters
         ----------
         options : dict
             the program's options with their values; None are left out
-        instructionSet : str, optional
-            for the engine
+        variables : dict, optional
+            of the environment, beside those of this process
 
         Returns
         -------
@@ -76,14 +76,12 @@ class Program:
             if the user ended it
         """
         given = {name: value for name, value in options.items() if value is not None}
-        return self._run(given, {} if instructionSet is None else {"CHAINTREE_SIMD": instructionSet})
+        return self._run(given, variables or {})
 
-    def _run(self, options, variables=None):
+    def _run(self, options, variables):
         words = [str(word) for option in options.items() for word in option if word is not None]
         try:
-            done = subprocess.run(
-                [self._path, *words], env={**os.environ, **(variables or {})}, capture_output=True, text=True
-            )
+            done = subprocess.run([self._path, *words], env={**os.environ, **variables}, capture_output=True, text=True)
         except OSError as error:
             raise InputError(f"the program {self._path} does not run ({error.strerror})") from error
         if done.returncode == -signal.SIGINT:

@@ -4,6 +4,7 @@ from collections.abc import Sequence
 from typing import NamedTuple
 
 from .course import Course
+from .program import ProgramError
 from .proteins import Model
 
 OURS, LAZY_GRID, FULL_GRID = "ours", "lazygrid", "fullgrid"
@@ -22,7 +23,8 @@ class Moves(NamedTuple):
     kappa: int = 1
 
     def __str__(self) -> str:
-        return self.kind if self.angle is None else f"{self.angle:g}°"
+        step = self.kind if self.angle is None else f"{self.angle:g}°"
+        return step if self.kappa == 1 else f"{self.kappa} × {step}"
 
     def options(self):
         """Return what the program is asked for."""
@@ -76,37 +78,53 @@ class Question(NamedTuple):
         return askProgram(self, course)
 
 
-class InstructionSetRace(NamedTuple):
-    """The engine with one instruction set after the other, over and over."""
+class EngineRace(NamedTuple):
+    """The engine with one setting after the other, over and over.
+
+    variable : str, which the engine reads from the environment; settings : dict, its values by names for tables
+    """
 
     group: str
     chain: Chain | Model
     moves: Moves
+    variable: str
+    settings: dict[str, str]
 
     def __str__(self) -> str:
         return f"{describeChain(self.chain)}, {self.moves}"
 
     def run(self, course: Course):
-        """Return an entry for each instruction set that the machine has: the run with the median time."""
-        seconds = course.seconds / (course.REPEATS * len(INSTRUCTION_SETS))
-        options = {"--contestants": OURS, "--seconds": seconds}
-        runs: dict[str, list] = {name: [] for name in INSTRUCTION_SETS}
+        """Return an entry for each setting that the machine has: the run with the median time.
+
+        Raises
+        ------
+        ProgramError
+            if the settings do not accept the same number of trials
+        """
+        runs: dict[str, list] = {name: [] for name in self.settings}
         for _ in range(course.REPEATS):
             for name, entries in runs.items():
-                entries += runTrials(self, course, options, name)
-        middle = [sorted(entries, key=_timeOf)[len(entries) // 2] for entries in runs.values()]
-        return [{**entry, "contestant": name} for name, entry in zip(runs, middle, strict=True) if entry["isa"] == name]
+                variables = {self.variable: self.settings[name]}
+                entries += runTrials(self, course, {"--contestants": OURS}, variables)
+        entries = []
+        for name, ofOne in runs.items():
+            median = sorted(ofOne, key=_timeOf)[len(ofOne) // 2]
+            if name not in INSTRUCTION_SETS or median["isa"] == name:
+                entries.append({**median, "contestant": name})
+        if len({entry["trials"] for entry in entries}) == 1 < len({entry["accepted"] for entry in entries}):
+            raise ProgramError(f"the engine accepts other trials with another value of {self.variable}")
+        return entries
 
 
-def runTrials(row, course, options, instructionSet=None):
+def runTrials(row, course, options, variables=None):
     """Let the program run a row with `chain` and `moves`; return an entry for each contestant.
 
     Parameters
     ----------
     options : dict
         of the program, in place of those that follow from the row and the course or beside them
-    instructionSet : str, optional
-        for the engine
+    variables : dict, optional
+        of the environment
 
     Raises
     ------
@@ -121,7 +139,7 @@ def runTrials(row, course, options, instructionSet=None):
         "--seconds": course.seconds,
         **options,
     }
-    lines = course.program.race(given, instructionSet)
+    lines = course.program.race(given, variables)
     moves = {"moves": str(row.moves), "angle": row.moves.angle}
     return [_makeEntry(row.group, row.chain, {**line, **moves}) for line in lines]
 

@@ -6,6 +6,7 @@ from pathlib import Path
 
 from .machine import describeMachine
 from .races import OURS
+from .rows import CHOSEN
 from .steps import FROM_C
 from .tables import makeTables
 
@@ -25,7 +26,7 @@ def summarize(entries, course, proteins, skipped, failures, interrupted):
     """
     return {
         "machine": describeMachine(),
-        "instructionSets": sorted({entry["isa"] for entry in entries if entry["contestant"] in (OURS, FROM_C)}),
+        "instructionSets": sorted({entry["isa"] for entry in entries if entry["contestant"] in (OURS, FROM_C, CHOSEN)}),
         "seed": course.seed,
         "trials": course.trials,
         "seconds": course.seconds,

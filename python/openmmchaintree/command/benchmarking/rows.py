@@ -7,7 +7,7 @@ from .platforms import CPU, whyNot
 from .program import Contestant
 from .proteins import Model, ProteinModels
 from .pythonrace import PythonRace
-from .races import FULL_GRID, LAZY_GRID, OURS, Chain, InstructionSetRace, Moves, Question, Race
+from .races import FULL_GRID, INSTRUCTION_SETS, LAZY_GRID, OURS, Chain, EngineRace, Moves, Question, Race
 from .rivals import RIVALS
 from .steps import RESIDUES, NeedRow, PartRow, StepRow
 
@@ -20,7 +20,8 @@ GROUPS = {
     "windows": "Eight consecutive torsions of the backbone a trial",
     "sidechains": "One torsion of a side chain a trial",
     "worst": "Whole chains of the paper's figure 6",
-    "simd": "Instruction sets of the engine",
+    "simd": "The engine's instruction sets",
+    "ways": "The engine's ways of testing trials",
     "python": "What one could call from Python instead",
     "steps": "Trials through Simulation.step",
     "needs": "Waters of radius 0, atoms far away, all but 12 residues at rest",
@@ -43,6 +44,9 @@ _TOO_SLOW = "brute"  # all pairs take longer than anybody would wait
 _SIZES = (1000, 2500, 5000, 10000)
 _WORST_SIZES = (648, 3000, 8232, 17496, 31944)
 _QUICK_SIZE = 1000
+
+# How the engine can test trials, if it is not left to choose.
+CHOSEN, WAYS = "chosen", ("tree", "boxes", "clearances")
 
 _LARGE = 100000
 _LARGEST = 1000000  # there, the full grid would take all the time
@@ -102,6 +106,10 @@ class Plan(NamedTuple):
         names = [contestant.name for contestant in self.contestants if contestant.measure == measure]
         return [name for name in names if name in (usual if self.chosen is None else self.chosen)]
 
+    def largest(self):
+        """Return the Model of heavy atoms with most of them."""
+        return max((protein.heavyAtoms for protein in self.proteins), key=_sizeOf)
+
     def sizes(self, *sizes):
         """Return those of some sizes of chains that are wanted."""
         return [size for size in sizes if not self.isQuick or size <= _QUICK_SIZE]
@@ -110,9 +118,10 @@ class Plan(NamedTuple):
 def _chains(plan, group):
     for size in plan.sizes(*_SIZES):
         yield Race(group, Chain("random", size), _UNIFORM, plan.pick(*_GRIDS_AND_OURS))
-    for kind in ("random", "hilbert", "serpentine"):
+    small = (_FIVE_DEGREES, _ONE_DEGREE)
+    for kind, kinds in (("random", small), ("hilbert", (_UNIFORM, *small)), ("serpentine", (_UNIFORM, *small))):
         for size in plan.sizes(_SIZES[0], _SIZES[-1]):
-            for moves in (_UNIFORM, _FIVE_DEGREES, _ONE_DEGREE)[kind == "random" :]:
+            for moves in kinds:
                 yield Race(group, Chain(kind, size), moves, plan.pick(*_GRIDS_AND_OURS))
 
 
@@ -159,10 +168,26 @@ def _worst(plan, group):
 
 
 def _instructionSets(plan, group):
-    for kind, moves in (("random", _UNIFORM), ("hilbert", _ONE_DEGREE), ("serpentine", _FIVE_DEGREES)):
-        for size in plan.sizes(_SIZES[0], _SIZES[-1]):
-            yield InstructionSetRace(group, Chain(kind, size), moves)
-    yield InstructionSetRace(group, max((protein.heavyAtoms for protein in plan.proteins), key=_sizeOf), _UNIFORM)
+    return _engine(plan, group, "CHAINTREE_SIMD", {name: name for name in INSTRUCTION_SETS})
+
+
+def _ways(plan, group):
+    return _engine(plan, group, "CHAINTREE_TRIALS", {CHOSEN: "", **{name: name for name in WAYS}})
+
+
+def _engine(plan, group, variable, settings):
+    for size in plan.sizes(_SIZES[0], _SIZES[-1]):
+        for kind, moves in (
+            ("random", _UNIFORM),
+            ("random", _FIVE_DEGREES),
+            ("random", _ONE_DEGREE),
+            ("hilbert", _ONE_DEGREE),
+            ("serpentine", _ONE_DEGREE),
+            ("random", _WINDOWS[-1]),
+        ):
+            yield EngineRace(group, Chain(kind, size), moves, variable, settings)
+    for moves in (_UNIFORM, _ONE_DEGREE, *_WINDOWS, _SIDE_CHAIN):
+        yield EngineRace(group, plan.largest(), moves, variable, settings)
 
 
 def _python(plan, group):
@@ -178,9 +203,8 @@ def _steps(plan, group):
 
 
 def _needs(plan, group):
-    largest = max((protein.heavyAtoms for protein in plan.proteins), key=_sizeOf)
-    yield NeedRow(group, largest)
-    yield PartRow(group, largest)
+    yield NeedRow(group, plan.largest())
+    yield PartRow(group, plan.largest())
 
 
 def _forces(plan, group):
@@ -215,6 +239,7 @@ _MAKERS = {
     "sidechains": _sideChains,
     "worst": _worst,
     "simd": _instructionSets,
+    "ways": _ways,
     "python": _python,
     "steps": _steps,
     "needs": _needs,

@@ -4,13 +4,15 @@ import math
 from typing import NamedTuple
 
 from .races import FULL_GRID, LAZY_GRID, OURS
-from .rows import GROUPS
+from .rows import CHOSEN, GROUPS, WAYS
 from .steps import ALONE, BESIDE_REST, FROM_C, STEP, WITH_FAR_ATOMS, WITH_WATERS, WITHIN_WHOLE
 
 # Of contestants, in the order of columns; others follow.
 NAMES = {
     FULL_GRID: "full grid",
     LAZY_GRID: "lazy grid",
+    "fullgrid-plain": "full grid, plain",
+    "lazygrid-plain": "lazy grid, plain",
     "obbtree1": "1-OBBTree",
     "kobbtree": "K-OBBTree",
     "published": "ChainTree 2002",
@@ -29,10 +31,11 @@ _ORDER = list(NAMES)
 
 _TIMES = "µs, median [quartiles]"
 
-# What each table compares; the first is divided by the second.
+# What each table compares; the first is divided by the second, or by the least of several.
 _GRID_RATIOS = ((LAZY_GRID, OURS), (FULL_GRID, OURS))
 _RATIOS = {
     "simd": (("avx2", "avx512"), ("portable", "avx512"), ("portable", "avx2")),
+    "ways": ((CHOSEN, WAYS),),
     "python": (("SciPy", OURS), ("FCL", OURS), ("OpenMM CPU", OURS)),
     "steps": ((STEP, FROM_C),),
     "needs": (
@@ -111,8 +114,10 @@ def _makeRace(group, entries):
     for contestant in contestants:
         columns[_nameOf(contestant)] = lambda race, contestant=contestant: _time(race.get(contestant))
     for first, second in _RATIOS.get(group, _GRID_RATIOS):
-        if first in contestants and second in contestants:
-            columns[f"{_nameOf(first)} / {_nameOf(second)}"] = lambda race, pair=(first, second): _ratio(race, *pair)
+        others = (second,) if isinstance(second, str) else second
+        if {first, *others} <= {*contestants}:
+            name = _nameOf(second) if isinstance(second, str) else "best of the others"
+            columns[f"{_nameOf(first)} / {name}"] = lambda race, pair=(first, others): _ratio(race, *pair)
     rows = [
         [cellOf(race) for cellOf in columns.values()]
         for race in ({entry["contestant"]: entry for entry in ofRace} for ofRace in races.values())
@@ -141,10 +146,10 @@ def _time(entry):
     return f"{number(entry['microseconds'])} [{number(low)}, {number(high)}]"
 
 
-def _ratio(race, first, second):
-    if first not in race or second not in race:
+def _ratio(race, first, others):
+    if not {first, *others} <= {*race}:
         return "–"
-    return number(race[first]["microseconds"] / race[second]["microseconds"])
+    return number(race[first]["microseconds"] / min(race[other]["microseconds"] for other in others))
 
 
 def _growth(entries):
