@@ -66,10 +66,10 @@ static void boundShifts(Clearance* c, const Traversal* t, const Frame* motion, i
 }
 
 /* Calls `visit` for each two pieces of the view that move against each other, their shifts bounded; ends with true as
- * soon as that does. */
+ * soon as that does. Adds what the bounds cost. */
 typedef bool CrossingFunction(Clearance* c, Traversal* t, const Crossing* crossing, void* context);
 
-static bool forEachCrossing(Clearance* c, Traversal* t, CrossingFunction* visit, void* context) {
+static bool forEachCrossing(Clearance* c, Traversal* t, CrossingFunction* visit, void* context, int64_t* cost) {
   const View* view = t->view;
   for (int p = 0; p < view->pieceCount; p++) {
     for (int q = p + 1; q < view->pieceCount; q++) {
@@ -90,6 +90,7 @@ static bool forEachCrossing(Clearance* c, Traversal* t, CrossingFunction* visit,
       /* A distance changes by no more than either of its ends is displaced. */
       boundShifts(c, t, &between, crossing.beginA, crossing.endA);
       boundShifts(c, t, &between, crossing.beginB, crossing.endB);
+      *cost += 200 + (crossing.endA - crossing.beginA + crossing.endB - crossing.beginB) / 2;
       if (visit(c, t, &crossing, context)) {
         return true;
       }
@@ -361,7 +362,7 @@ static int64_t testByClearance(Clearance* c, Traversal* t, const View* view, Cle
       function, context, (float)(view->reach + FLOAT_MARGIN * (t->extent + fabs(view->reach))), false, 0, 0, 0};
   c->testedCount = 0;
   if (!testWitnesses(c, t, &test) && !testStraddlingLeaves(c, t, &test)) {
-    forEachCrossing(c, t, testCrossing, &test);
+    forEachCrossing(c, t, testCrossing, &test, &test.cost);
   }
   if (counts != NULL) {
     counts->volumeTests += test.volumeTests;
@@ -394,7 +395,7 @@ static int64_t commitClearances(Clearance* c, Traversal* t, const View* view) {
   int64_t cost = c->leafCount;
   startView(t, view);
   putNodesToRest(t);
-  forEachCrossing(c, t, takeOff, &cost);
+  forEachCrossing(c, t, takeOff, &cost, &cost);
   for (int i = 0; i < c->testedCount; i++) {
     const TestedPair* pair = &c->tested[i];
     c->least[(size_t)pair->a * (size_t)c->stride + (size_t)pair->b] = pair->clearance;
