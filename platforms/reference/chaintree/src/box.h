@@ -48,6 +48,11 @@ static inline Box movedBox(const Box* box, const float motion[12]) {
   return moved;
 }
 
+/* x, y and z of sixteen points along a vector. */
+static inline Float16 along16(Float16 x, Float16 y, Float16 z, float ux, float uy, float uz) {
+  return add16(add16(mul16(x, all16(ux)), mul16(y, all16(uy))), mul16(z, all16(uz)));
+}
+
 /* The member for which a value is largest; of several the first. */
 static inline int largestMember(Float16 values) {
   return __builtin_ctz(~greater16(all16(most16(values)), values) & 0xffffu);
@@ -79,25 +84,20 @@ static inline void chooseAxes(const Block* block, Sphere middle, float axes[3][3
   const Float16 dz = sub16(load16(block->z), all16(middle.z));
   const unsigned none = greater16(all16(0), load16(block->r));
   const Float16 never = all16(-1);
-  const Float16 squared = add16(add16(mul16(dx, dx), mul16(dy, dy)), mul16(dz, dz));
-  const int one = largestMember(blend16(none, squared, never));
-  const Float16 ex = sub16(load16(block->x), all16(block->x[one]));
-  const Float16 ey = sub16(load16(block->y), all16(block->y[one]));
-  const Float16 ez = sub16(load16(block->z), all16(block->z[one]));
-  const Float16 squaredFromOne = add16(add16(mul16(ex, ex), mul16(ey, ey)), mul16(ez, ez));
-  const int other = largestMember(blend16(none, squaredFromOne, never));
+  const int one = largestMember(blend16(none, squared16(dx, dy, dz), never));
+  const Float16 farFromOne = blend16(none, squaredFrom(block, block->x[one], block->y[one], block->z[one]), never);
+  const int other = largestMember(farFromOne);
   static const float x[3] = {1, 0, 0};
   float* u = axes[0];
   u[0] = block->x[other] - block->x[one];
   u[1] = block->y[other] - block->y[one];
   u[2] = block->z[other] - block->z[one];
   unitOr(x, u);
-  const Float16 along = add16(add16(mul16(dx, all16(u[0])), mul16(dy, all16(u[1]))), mul16(dz, all16(u[2])));
+  const Float16 along = along16(dx, dy, dz, u[0], u[1], u[2]);
   const Float16 fx = sub16(dx, mul16(along, all16(u[0])));
   const Float16 fy = sub16(dy, mul16(along, all16(u[1])));
   const Float16 fz = sub16(dz, mul16(along, all16(u[2])));
-  const Float16 squaredAcross = add16(add16(mul16(fx, fx), mul16(fy, fy)), mul16(fz, fz));
-  const Float16 farAcross = blend16(none, squaredAcross, never);
+  const Float16 farAcross = blend16(none, squared16(fx, fy, fz), never);
   const int far = largestMember(farAcross);
   float* v = axes[1];
   float lanes[3][TREE_WIDTH];
@@ -107,7 +107,7 @@ static inline void chooseAxes(const Block* block, Sphere middle, float axes[3][3
   float across[3];
   acrossUnit(u, across);
   /* Of spheres all but on that line the rest is rounding, in any direction. */
-  const bool isLine = !(most16(farAcross) > 1e-6f * most16(blend16(none, squaredFromOne, never)));
+  const bool isLine = !(most16(farAcross) > 1e-6f * most16(farFromOne));
   for (int d = 0; d < 3; d++) {
     v[d] = isLine ? across[d] : lanes[d][far];
   }
@@ -134,8 +134,7 @@ static inline Box boxAround(const Block* block, unsigned boxed, const Box* boxes
   const Float16 r = blend16(boxed, load16(block->r), all16(-INFINITY));
   for (int i = 0; i < 3; i++) {
     const float* u = axes[i];
-    const Float16 along = add16(add16(mul16(load16(block->x), all16(u[0])), mul16(load16(block->y), all16(u[1]))),
-                                mul16(load16(block->z), all16(u[2])));
+    const Float16 along = along16(load16(block->x), load16(block->y), load16(block->z), u[0], u[1], u[2]);
     float low = least16(sub16(along, r));
     float high = most16(add16(along, r));
     for (unsigned mask = boxed; mask != 0; mask &= mask - 1) {
@@ -180,7 +179,7 @@ static inline Box boxOf(const BoxBlock* block, int k) {
 }
 
 static inline Float16 dot16(float x, float y, float z, float v[3][TREE_WIDTH]) {
-  return add16(add16(mul16(all16(x), load16(v[0])), mul16(all16(y), load16(v[1]))), mul16(all16(z), load16(v[2])));
+  return along16(load16(v[0]), load16(v[1]), load16(v[2]), x, y, z);
 }
 
 /* Boxes whose bit is set, moved by rows of rotation and translation; `from` and `to` differ. */
@@ -215,7 +214,7 @@ static inline unsigned boxesApart(BoxBlock* a, int i, BoxBlock* b, float reach) 
       both = add16(both, mul16(cosine, load16(b->half[k])));
       reachOfA[k] = add16(reachOfA[k], mul16(cosine, all16(half)));
     }
-    const Float16 along = add16(add16(mul16(x, all16(ux)), mul16(y, all16(uy))), mul16(z, all16(uz)));
+    const Float16 along = along16(x, y, z, ux, uy, uz);
     apart |= greater16(absolute16(along), both);
   }
   for (int k = 0; k < 3; k++) {
@@ -233,8 +232,7 @@ static inline unsigned nearBox(const Block* block, const BoxBlock* boxes, int i,
   const Float16 z = sub16(load16(block->z), all16(boxes->centre[2][i]));
   unsigned apart = 0;
   for (int j = 0; j < 3; j++) {
-    const float* u[3] = {boxes->axis[j][0] + i, boxes->axis[j][1] + i, boxes->axis[j][2] + i};
-    const Float16 along = add16(add16(mul16(x, all16(*u[0])), mul16(y, all16(*u[1]))), mul16(z, all16(*u[2])));
+    const Float16 along = along16(x, y, z, boxes->axis[j][0][i], boxes->axis[j][1][i], boxes->axis[j][2][i]);
     apart |= greater16(absolute16(along), add16(load16(block->r), all16(boxes->half[j][i] + reach)));
   }
   return ~apart;

@@ -41,7 +41,6 @@ typedef struct Clearance {
   int stride;         /* of a row, a multiple of TREE_WIDTH */
   uint16_t* least;    /* leafCount rows; of leaves a < b in row a, column b */
   uint16_t* shift;    /* per leaf, with padding: a bound of how far two bodies displace it, in units */
-  int* found;         /* per leaf: scratch of a test */
   float unit;         /* nm */
   TestedPair* tested; /* of the open trial */
   int testedCount;

@@ -30,6 +30,15 @@ static const Block* leafSpheres(const Traversal* t, int block) {
   return &t->rest[t->tree->levelBegin[1] + block];
 }
 
+static Sphere leafSphere(const Traversal* t, int leaf) {
+  return sphereOf(leafSpheres(t, leaf / TREE_WIDTH), leaf % TREE_WIDTH);
+}
+
+/* Clearances of a leaf and those after it. */
+static uint16_t* rowOf(const Clearance* c, int leaf) {
+  return c->least + (size_t)leaf * (size_t)c->stride;
+}
+
 /* Turns lengths into units, rounded down. */
 static void storeUnits(const Clearance* c, Float16 lengths, uint16_t* units) {
   float values[TREE_WIDTH];
@@ -59,7 +68,7 @@ static void boundShifts(Clearance* c, const Traversal* t, const Frame* motion, i
     const Float16 x = moved16(spheres, change);
     const Float16 y = moved16(spheres, change + 4);
     const Float16 z = moved16(spheres, change + 8);
-    const Float16 centre = sqrt16(add16(add16(mul16(x, x), mul16(y, y)), mul16(z, z)));
+    const Float16 centre = sqrt16(squared16(x, y, z));
     const Float16 turned = mul16(max16(load16(spheres->r), all16(0)), all16((float)chord));
     storeUnits(c, mul16(add16(add16(centre, turned), room), all16(1.00001f)), c->shift + TREE_WIDTH * block);
   }
@@ -119,21 +128,18 @@ static void measureClearances(Clearance* c, Traversal* t, double reach) {
   putNodesToRest(t);
   float widest = 0;
   for (int leaf = 0; leaf < c->leafCount; leaf++) {
-    const float r = leafSpheres(t, leaf / TREE_WIDTH)->r[leaf % TREE_WIDTH];
+    const float r = leafSphere(t, leaf).r;
     widest = r > widest ? r : widest;
   }
   c->unit = 4 * widest / (float)MOST_CLEARANCE;
   const Float16 room = all16((float)(reach + FLOAT_MARGIN * (t->extent + fabs(reach))));
   for (int a = 0; a < c->leafCount; a++) {
-    const Sphere own = sphereOf(leafSpheres(t, a / TREE_WIDTH), a % TREE_WIDTH);
+    const Sphere own = leafSphere(t, a);
     for (int block = a / TREE_WIDTH; block < c->stride / TREE_WIDTH; block++) {
       const Block* spheres = leafSpheres(t, block);
-      const Float16 x = sub16(load16(spheres->x), all16(own.x));
-      const Float16 y = sub16(load16(spheres->y), all16(own.y));
-      const Float16 z = sub16(load16(spheres->z), all16(own.z));
-      const Float16 distance = sqrt16(add16(add16(mul16(x, x), mul16(y, y)), mul16(z, z)));
+      const Float16 distance = sqrt16(squaredFrom(spheres, own.x, own.y, own.z));
       const Float16 radii = max16(add16(load16(spheres->r), all16(own.r)), all16(0));
-      storeUnits(c, sub16(sub16(distance, radii), room), c->least + (size_t)a * (size_t)c->stride + TREE_WIDTH * block);
+      storeUnits(c, sub16(sub16(distance, radii), room), rowOf(c, a) + TREE_WIDTH * block);
     }
   }
 }
@@ -169,12 +175,9 @@ static float leafClearance(Clearance* c, Traversal* t, ClearanceTest* test, int 
   Float16 least16s = all16(cap);
   unsigned members = 0xffff;
   if (a != b && t->motion[b] >= 0) {
-    Sphere sphere = sphereOf(leafSpheres(t, b / TREE_WIDTH), b % TREE_WIDTH);
+    Sphere sphere = leafSphere(t, b);
     if (moves(t->view, t->motion[b])) {
-      const float* m = t->motions[t->motion[b]];
-      sphere = (Sphere){m[0] * sphere.x + m[1] * sphere.y + m[2] * sphere.z + m[3],
-                        m[4] * sphere.x + m[5] * sphere.y + m[6] * sphere.z + m[7],
-                        m[8] * sphere.x + m[9] * sphere.y + m[10] * sphere.z + m[11], sphere.r};
+      sphere = movedSphere(sphere, t->motions[t->motion[b]]);
     }
     members = near16(blockA, sphere, cap + test->room);
   }
@@ -184,10 +187,7 @@ static float leafClearance(Clearance* c, Traversal* t, ClearanceTest* test, int 
     if (partner != CT_NULL) {
       out |= t->exclusions->mask[partner][k];
     }
-    const Float16 dx = sub16(load16(blockB->x), all16(blockA->x[k]));
-    const Float16 dy = sub16(load16(blockB->y), all16(blockA->y[k]));
-    const Float16 dz = sub16(load16(blockB->z), all16(blockA->z[k]));
-    const Float16 distance = sqrt16(add16(add16(mul16(dx, dx), mul16(dy, dy)), mul16(dz, dz)));
+    const Float16 distance = sqrt16(squaredFrom(blockB, blockA->x[k], blockA->y[k], blockA->z[k]));
     Float16 clearance = sub16(sub16(distance, load16(blockB->r)), all16(blockA->r[k] + test->room));
     test->particleTests += TREE_WIDTH;
     const unsigned close = greater16(all16(0), clearance) & ~out & 0xffff;
@@ -195,14 +195,10 @@ static float leafClearance(Clearance* c, Traversal* t, ClearanceTest* test, int 
     least16s = min16(least16s, clearance);
     for (unsigned mask = close; mask != 0; mask &= mask - 1) {
       const int l = __builtin_ctz(mask);
-      double x[3];
-      double y[3];
       const int i = a * TREE_WIDTH + k;
       const int j = b * TREE_WIDTH + l;
-      ctTraversalPosition(t, i, x);
-      ctTraversalPosition(t, j, y);
       const bool crosses = motionOfMember(t, a, k) != motionOfMember(t, b, l);
-      const double exact = test->function(test->context, i, j, squaredDistance(x, y), crosses);
+      const double exact = test->function(test->context, i, j, ctTraversalSquaredDistance(t, i, j), crosses);
       if (crosses && exact < 0) {
         test->clash = true;
         c->witness[c->nextWitness][0] = i;
@@ -227,19 +223,18 @@ static void expandLeaf(Traversal* t, int leaf, int motion) {
 /* A pair whose clearance the bound may use up. */
 static inline void testPair(Clearance* c, Traversal* t, ClearanceTest* test, const Crossing* crossing, int a, int b) {
   const uint16_t bound = c->shift[a] < c->shift[b] ? c->shift[a] : c->shift[b];
-  uint16_t* least = &c->least[(size_t)a * (size_t)c->stride + (size_t)b];
+  uint16_t* least = rowOf(c, a) + b;
   expandLeaf(t, a, crossing->motionA);
   expandLeaf(t, b, crossing->motionB);
   float clearance = -1;
   const float wanted = (float)bound * c->unit;
   const bool straddles = t->motion[a] < 0 || t->motion[b] < 0;
   if (!straddles) {
-    const Sphere sphereA = sphereOf(leafSpheres(t, a / TREE_WIDTH), a % TREE_WIDTH);
-    const Sphere sphereB = sphereOf(leafSpheres(t, b / TREE_WIDTH), b % TREE_WIDTH);
-    const float* m = crossing->between;
-    const float x = m[0] * sphereB.x + m[1] * sphereB.y + m[2] * sphereB.z + m[3] - sphereA.x;
-    const float y = m[4] * sphereB.x + m[5] * sphereB.y + m[6] * sphereB.z + m[7] - sphereA.y;
-    const float z = m[8] * sphereB.x + m[9] * sphereB.y + m[10] * sphereB.z + m[11] - sphereA.z;
+    const Sphere sphereA = leafSphere(t, a);
+    const Sphere sphereB = movedSphere(leafSphere(t, b), crossing->between);
+    const float x = sphereB.x - sphereA.x;
+    const float y = sphereB.y - sphereA.y;
+    const float z = sphereB.z - sphereA.z;
     clearance = sqrtf(x * x + y * y + z * z) - sphereA.r - sphereB.r - test->room;
     test->volumeTests++;
     test->cost += 6;
@@ -281,7 +276,7 @@ static bool testCrossing(Clearance* c, Traversal* t, const Crossing* crossing, v
   ClearanceTest* test = context;
   for (int a = crossing->beginA; a < crossing->endA; a++) {
     const int begin = crossing->beginB > a ? crossing->beginB : a + 1;
-    const uint16_t* row = c->least + (size_t)a * (size_t)c->stride;
+    const uint16_t* row = rowOf(c, a);
     const Short16 own = allShorts(c->shift[a]);
     for (int first = begin / TREE_WIDTH * TREE_WIDTH; first < crossing->endB; first += TREE_WIDTH) {
       const Short16 bound = minShorts(own, loadShorts(c->shift + first));
@@ -321,11 +316,8 @@ static bool testWitnesses(Clearance* c, Traversal* t, ClearanceTest* test) {
     test->particleTests++;
     test->cost += 10;
     if ((x.x - y.x) * (x.x - y.x) + (x.y - y.y) * (x.y - y.y) + (x.z - y.z) * (x.z - y.z) < reach * reach) {
-      double exactX[3];
-      double exactY[3];
-      ctTraversalPosition(t, pair[0], exactX);
-      ctTraversalPosition(t, pair[1], exactY);
-      test->clash = test->function(test->context, pair[0], pair[1], squaredDistance(exactX, exactY), true) < 0;
+      const double squared = ctTraversalSquaredDistance(t, pair[0], pair[1]);
+      test->clash = test->function(test->context, pair[0], pair[1], squared, true) < 0;
       if (test->clash) {
         return true;
       }
@@ -379,7 +371,7 @@ static bool takeOff(Clearance* c, Traversal* t, const Crossing* crossing, void* 
   int64_t* cost = context;
   for (int a = crossing->beginA; a < crossing->endA; a++) {
     const int begin = crossing->beginB > a ? crossing->beginB : a + 1;
-    uint16_t* row = c->least + (size_t)a * (size_t)c->stride;
+    uint16_t* row = rowOf(c, a);
     const Short16 own = allShorts(c->shift[a]);
     for (int first = begin / TREE_WIDTH * TREE_WIDTH; first < crossing->endB; first += TREE_WIDTH) {
       const Short16 before = loadShorts(row + first);
@@ -398,7 +390,7 @@ static int64_t commitClearances(Clearance* c, Traversal* t, const View* view) {
   forEachCrossing(c, t, takeOff, &cost, &cost);
   for (int i = 0; i < c->testedCount; i++) {
     const TestedPair* pair = &c->tested[i];
-    c->least[(size_t)pair->a * (size_t)c->stride + (size_t)pair->b] = pair->clearance;
+    rowOf(c, pair->a)[pair->b] = pair->clearance;
   }
   c->testedCount = 0;
   return cost;

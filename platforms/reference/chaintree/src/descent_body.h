@@ -10,6 +10,12 @@ static bool moves(const View* view, int motion) {
   return motion > 0 && view->motions != NULL;
 }
 
+/* Of which rigid body a member of an expanded item is, coded like Traversal.motion. */
+static int motionOfMember(const Traversal* t, int item, int k) {
+  const int code = t->motion[item];
+  return code < 0 ? straddlerOf(t, code)->motion[k] : code;
+}
+
 /* ---- What this view makes of an item ---- */
 
 /* Whether an item still has in the world all that it had when it was last put there. */
@@ -37,11 +43,7 @@ static void restLeaf(Traversal* t, int leaf) {
     rest->y[k] = (float)(f->m[1][0] * x + f->m[1][1] * y + f->m[1][2] * z + f->m[1][3]);
     rest->z[k] = (float)(f->m[2][0] * x + f->m[2][1] * y + f->m[2][2] * z + f->m[2][3]);
   }
-  if (t->view->surfaces) {
-    memcpy(rest->r, own->r, sizeof rest->r);
-  } else {
-    memcpy(rest->r, own->centres, sizeof rest->r);
-  }
+  memcpy(rest->r, t->view->surfaces ? own->r : own->centres, sizeof rest->r);
 }
 
 static void floatMotion(const Frame* f, float motion[12]) {
@@ -272,9 +274,9 @@ static BoxBlock* boxesInView(Traversal* t, int level, int node) {
     boxes->thinInView = boxes->thin;
     for (int k = 0; k < TREE_WIDTH;) {
       /* Children that move alike go together. */
-      const int motion = code < 0 ? straddlerOf(t, code)->motion[k] : code;
+      const int motion = motionOfMember(t, node, k);
       unsigned run = 0;
-      for (; k < TREE_WIDTH && motion == (code < 0 ? straddlerOf(t, code)->motion[k] : code); k++) {
+      for (; k < TREE_WIDTH && motion == motionOfMember(t, node, k); k++) {
         run |= 1u << k;
       }
       if (moves(t->view, motion)) {
@@ -322,11 +324,6 @@ static unsigned ofBody(const Traversal* t, int item, int motion) {
     return code == motion ? 0xffff : 0;
   }
   return equal16(straddlerOf(t, code)->motion, motion);
-}
-
-static int motionOfMember(const Traversal* t, int item, int k) {
-  const int code = t->motion[item];
-  return code < 0 ? straddlerOf(t, code)->motion[k] : code;
 }
 
 /* Those of the members of item a that come near the volume of item b and are of another body; all if a is b. */
@@ -385,11 +382,7 @@ static bool visitLeaves(Traversal* t, Visit* visit, const ItemPair* pair) {
     }
     for (; mask != 0; mask &= mask - 1) {
       const int j = beginB + __builtin_ctz(mask);
-      double x[3];
-      double y[3];
-      ctTraversalPosition(t, i, x);
-      ctTraversalPosition(t, j, y);
-      if (!visit->function(visit->context, i, j, squaredDistance(x, y))) {
+      if (!visit->function(visit->context, i, j, ctTraversalSquaredDistance(t, i, j))) {
         return false;
       }
     }

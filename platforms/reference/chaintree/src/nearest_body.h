@@ -77,14 +77,6 @@ typedef struct NearestVisit {
   Cluster cluster[2];
 } NearestVisit;
 
-/* Sixteen squared distances from a point. */
-static Float16 squaredFrom(const Block* block, float x, float y, float z) {
-  const Float16 dx = sub16(load16(block->x), all16(x));
-  const Float16 dy = sub16(load16(block->y), all16(y));
-  const Float16 dz = sub16(load16(block->z), all16(z));
-  return add16(add16(mul16(dx, dx), mul16(dy, dy)), mul16(dz, dz));
-}
-
 static void compareLeaves(Nearest* n, const Cloud clouds[2], const Cluster leaves[2]) {
   const Block* blockA = membersOf(&clouds[0], &leaves[0]);
   const Block* blockB = membersOf(&clouds[1], &leaves[1]);

@@ -312,6 +312,11 @@ static inline float most16(Float16 a) {
 
 #endif
 
+/* x * x + y * y + z * z */
+static inline Float16 squared16(Float16 x, Float16 y, Float16 z) {
+  return add16(add16(mul16(x, x), mul16(y, y)), mul16(z, z));
+}
+
 /* ---- Sixteen unsigned shorts ---- */
 
 #if defined(CT_PATH_AVX512) || defined(CT_PATH_AVX2)

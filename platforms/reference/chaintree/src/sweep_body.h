@@ -150,18 +150,12 @@ static bool tellClashes(const Pass* pass, const LeafPair* pair, const Found* fou
 static bool findClashes(const Pass* pass, const LeafPair* pair) {
   const Block* blockA = &pass->sweep->snapshot.leaf[pair->a];
   const Block* blockB = &pass->sweep->snapshot.leaf[pair->b];
-  const Float16 x = load16(blockB->x);
-  const Float16 y = load16(blockB->y);
-  const Float16 z = load16(blockB->z);
   const Float16 reach = add16(load16(blockB->r), all16(pass->reach));
   Found found;
   found.any = 0;
   for (unsigned slots = pair->slots; slots != 0; slots &= slots - 1) {
     const int k = __builtin_ctz(slots);
-    const Float16 dx = sub16(x, all16(blockA->x[k]));
-    const Float16 dy = sub16(y, all16(blockA->y[k]));
-    const Float16 dz = sub16(z, all16(blockA->z[k]));
-    const Float16 squared = add16(add16(mul16(dx, dx), mul16(dy, dy)), mul16(dz, dz));
+    const Float16 squared = squaredFrom(blockB, blockA->x[k], blockA->y[k], blockA->z[k]);
     const Float16 sum = max16(add16(reach, all16(blockA->r[k])), all16(0));
     const unsigned touching = greater16(mul16(sum, sum), squared) & ~(unsigned)pair->excluded[k];
     found.mask[k] = (uint16_t)touching;
@@ -198,9 +192,6 @@ static bool addNeighbors(const Pass* pass, const LeafPair* pair) {
   const int* particlesA = pass->sweep->sequence->slotParticle + pair->a * TREE_WIDTH;
   const Ids16 particlesB = loadIds16(pass->sweep->sequence->slotParticle + pair->b * TREE_WIDTH);
   const uint16_t* excluded = pair->excluded;
-  const Float16 x = load16(blockB->x);
-  const Float16 y = load16(blockB->y);
-  const Float16 z = load16(blockB->z);
   const Float16 nearSquared = all16(pass->nearSquared);
   const Float16 sureSquared = all16(pass->sureSquared);
   int* lower = sink->lower + sink->count;
@@ -209,10 +200,7 @@ static bool addNeighbors(const Pass* pass, const LeafPair* pair) {
   doubtful.any = 0;
   for (unsigned slots = pair->slots; slots != 0; slots &= slots - 1) {
     const int k = __builtin_ctz(slots);
-    const Float16 dx = sub16(x, all16(blockA->x[k]));
-    const Float16 dy = sub16(y, all16(blockA->y[k]));
-    const Float16 dz = sub16(z, all16(blockA->z[k]));
-    const Float16 squared = add16(add16(mul16(dx, dx), mul16(dy, dy)), mul16(dz, dz));
+    const Float16 squared = squaredFrom(blockB, blockA->x[k], blockA->y[k], blockA->z[k]);
     const unsigned near = greater16(nearSquared, squared) & ~(unsigned)excluded[k];
     const unsigned sure = greater16(sureSquared, squared) & near;
     const int count = pairs16(sure, particlesB, particlesA[k], lower, higher);

@@ -80,3 +80,11 @@ void ctTraversalPosition(const Traversal* t, int slot, double position[3]) {
     }
   }
 }
+
+double ctTraversalSquaredDistance(const Traversal* t, int slotA, int slotB) {
+  double a[3];
+  double b[3];
+  ctTraversalPosition(t, slotA, a);
+  ctTraversalPosition(t, slotB, b);
+  return squaredDistance(a, b);
+}

@@ -96,6 +96,9 @@ void ctTraverseProbe(Traversal* traversal, const View* view, const double point[
 /* Where a slot that the running descent has reached is in its view. */
 void ctTraversalPosition(const Traversal* traversal, int slot, double position[3]);
 
+/* The squared distance of two such. */
+double ctTraversalSquaredDistance(const Traversal* traversal, int slotA, int slotB);
+
 /* The view of the state as it is: one body. */
 View ctViewOfState(bool surfaces, double reach);
 

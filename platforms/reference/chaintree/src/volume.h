@@ -24,6 +24,20 @@ static inline Sphere sphereOf(const Block* block, int k) {
   return (Sphere){block->x[k], block->y[k], block->z[k], block->r[k]};
 }
 
+/* Squared distances of all members from a point. */
+static inline Float16 squaredFrom(const Block* block, float x, float y, float z) {
+  return squared16(sub16(load16(block->x), all16(x)), sub16(load16(block->y), all16(y)),
+                   sub16(load16(block->z), all16(z)));
+}
+
+/* A sphere moved by rows of rotation and translation. */
+static inline Sphere movedSphere(Sphere sphere, const float motion[12]) {
+  const float* m = motion;
+  return (Sphere){m[0] * sphere.x + m[1] * sphere.y + m[2] * sphere.z + m[3],
+                  m[4] * sphere.x + m[5] * sphere.y + m[6] * sphere.z + m[7],
+                  m[8] * sphere.x + m[9] * sphere.y + m[10] * sphere.z + m[11], sphere.r};
+}
+
 /* The particles of a leaf in its frame. */
 static inline void leafBlock(const Leaf* leaf, Block* block) {
   for (int k = 0; k < TREE_WIDTH; k++) {
@@ -36,12 +50,8 @@ static inline void leafBlock(const Leaf* leaf, Block* block) {
 
 /* Bit k is set if member k is nearer than its radius + the sphere's + reach. */
 static inline unsigned near16(const Block* block, Sphere sphere, float reach) {
-  const Float16 dx = sub16(load16(block->x), all16(sphere.x));
-  const Float16 dy = sub16(load16(block->y), all16(sphere.y));
-  const Float16 dz = sub16(load16(block->z), all16(sphere.z));
   const Float16 sum = max16(add16(load16(block->r), all16(sphere.r + reach)), all16(0));
-  const Float16 squared = add16(add16(mul16(dx, dx), mul16(dy, dy)), mul16(dz, dz));
-  return greater16(mul16(sum, sum), squared);
+  return greater16(mul16(sum, sum), squaredFrom(block, sphere.x, sphere.y, sphere.z));
 }
 
 /* One coordinate of the members moved by a row of a motion. */
@@ -75,11 +85,7 @@ static inline Sphere middleOfBlock(const Block* block) {
 
 /* The radius about a centre that holds all members, each with a radius of its own; without room for rounding. */
 static inline float radiusAbout(Sphere centre, const Block* block, const float* radii) {
-  const Float16 dx = sub16(load16(block->x), all16(centre.x));
-  const Float16 dy = sub16(load16(block->y), all16(centre.y));
-  const Float16 dz = sub16(load16(block->z), all16(centre.z));
-  const Float16 squared = add16(add16(mul16(dx, dx), mul16(dy, dy)), mul16(dz, dz));
-  return most16(add16(sqrt16(squared), load16(radii)));
+  return most16(add16(sqrt16(squaredFrom(block, centre.x, centre.y, centre.z)), load16(radii)));
 }
 
 #endif /* CT_VOLUME_H_ */

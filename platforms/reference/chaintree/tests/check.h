@@ -1,4 +1,5 @@
-/* check.h: what every test program of the engine uses. A program returns 1 if a check has failed. */
+/* check.h: what every test program of the engine and of the benchmark's contestants uses. A program returns 1 if a
+ * check has failed. */
 #ifndef CHECK_H_
 #define CHECK_H_
 
