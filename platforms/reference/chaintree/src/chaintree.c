@@ -48,6 +48,7 @@ ctStatus ctCreate(const ctDefinition* definition, ctChainTree** tree, char* erro
   scene->overlapTolerance = definition->overlapTolerance;
   scene->clearance.course = ctChooseTrialCourse();
   scene->traversal.alwaysBoxes = scene->clearance.course == byTreeAndBoxes;
+  scene->traversal.alwaysDescends = scene->clearance.course != byCost;
   scene->hydrogenBondAllowance = definition->hydrogenBondAllowance;
   takeReference(scene, definition->positions);
   *tree = scene;

@@ -1,6 +1,6 @@
 /* Tests by clearances, compiled once for each instruction set by the file that includes this. */
 #include "clearance.h"
-#include "descent_body.h"
+#include "view_body.h"
 
 /* Two pieces that move against each other. Leaves that they share with a neighbour belong to both. */
 typedef struct Crossing {

@@ -8,6 +8,9 @@
 /* Bounds of Traversal.visitsWithoutBoxes. */
 enum { FEWEST_VISITS_WITHOUT_BOXES = 32, MOST_VISITS_WITHOUT_BOXES = 1 << 20 };
 
+/* Slots in a row that move while all else is at rest: up to so many go against that one by one. */
+enum { MOST_MOVERS = 2 * TREE_WIDTH };
+
 /* Boxes of a node's children. */
 typedef struct NodeBoxes {
   BoxBlock own;        /* in the node's frame; made with the node's own box */

@@ -2,197 +2,7 @@
 #ifndef CT_DESCENT_BODY_H_
 #define CT_DESCENT_BODY_H_
 
-#include <string.h>
-
-#include "descent.h"
-
-static bool moves(const View* view, int motion) {
-  return motion > 0 && view->motions != NULL;
-}
-
-/* Of which rigid body a member of an expanded item is, coded like Traversal.motion. */
-static int motionOfMember(const Traversal* t, int item, int k) {
-  const int code = t->motion[item];
-  return code < 0 ? straddlerOf(t, code)->motion[k] : code;
-}
-
-/* ---- What this view makes of an item ---- */
-
-/* Whether an item still has in the world all that it had when it was last put there. */
-static bool isStill(const Traversal* t, int level, int item) {
-  if (t->since[item] == t->tree->time) {
-    return true;
-  }
-  if (t->since[item] == NEVER) {
-    return false;
-  }
-  int end;
-  treeSlots(t->tree, level, item, &end);
-  return treeUnchanged(t->tree, t->since[item], (end + TREE_WIDTH - 1) / TREE_WIDTH);
-}
-
-static void restLeaf(Traversal* t, int leaf) {
-  const Frame* f = &t->frame[leaf];
-  const Leaf* own = &t->tree->leaf[leaf];
-  Block* rest = &t->rest[leaf];
-  for (int k = 0; k < TREE_WIDTH; k++) {
-    const double x = own->x[k];
-    const double y = own->y[k];
-    const double z = own->z[k];
-    rest->x[k] = (float)(f->m[0][0] * x + f->m[0][1] * y + f->m[0][2] * z + f->m[0][3]);
-    rest->y[k] = (float)(f->m[1][0] * x + f->m[1][1] * y + f->m[1][2] * z + f->m[1][3]);
-    rest->z[k] = (float)(f->m[2][0] * x + f->m[2][1] * y + f->m[2][2] * z + f->m[2][3]);
-  }
-  memcpy(rest->r, t->view->surfaces ? own->r : own->centres, sizeof rest->r);
-}
-
-static void floatMotion(const Frame* f, float motion[12]) {
-  const double* m = f->m[0];
-  for (int i = 0; i < 12; i++) {
-    motion[i] = (float)m[i];
-  }
-}
-
-static void restNode(Traversal* t, int item) {
-  const Members* own = treeMembers(t->tree, item);
-  Block* rest = &t->rest[item];
-  float motion[12];
-  floatMotion(&t->frame[item], motion);
-  moveBlock(&own->block, motion, 0xffff, rest);
-  memcpy(rest->r, t->view->surfaces ? own->block.r : own->centres, sizeof rest->r);
-}
-
-/* Puts the members of an item into the world as the state has them. Its parent has been there before. */
-static void putToRest(Traversal* t, int level, int item) {
-  if (isStill(t, level, item)) {
-    return;
-  }
-  const Tree* tree = t->tree;
-  t->since[item] = tree->time;
-  if (level == treeTop(tree)) {
-    t->frame[item] = tree->pose[item];
-  } else {
-    t->frame[item] = transformCompose(&t->frame[treeParent(tree, level, item)], &tree->pose[item]);
-  }
-  if (level == 0) {
-    restLeaf(t, item);
-  } else {
-    restNode(t, item);
-  }
-}
-
-/* Once a descent. Its parent has been expanded. */
-static void expand(Traversal* t, int level, int item) {
-  if (t->itemStamp[item] == t->stamp) {
-    return;
-  }
-  t->itemStamp[item] = t->stamp;
-  putToRest(t, level, item);
-  const int motion = t->motion[item];
-  if (moves(t->view, motion)) {
-    moveBlock(&t->rest[item], t->motions[motion], 0xffff, &t->moved[item]);
-    memcpy(t->moved[item].r, t->rest[item].r, sizeof t->moved[item].r);
-  }
-}
-
-static Sphere boundOfStraddler(const Traversal* t, const Straddler* s) {
-  Sphere bound = middleOfBlock(&s->block);
-  /* Straddlers lie within straddlers: each level adds its own rounding. */
-  bound.r += radiusAbout(bound, &s->block, s->block.r) + (float)(FLOAT_MARGIN * t->extent);
-  return bound;
-}
-
-/* An item that straddles pieces, and all such below it; `piece` holds its first slot. */
-static const Straddler* expandStraddler(Traversal* t, int level, int item, int piece) {
-  const View* view = t->view;
-  const Tree* tree = t->tree;
-  t->itemStamp[item] = t->stamp;
-  t->motion[item] = straddlerCode(t->straddlerCount);
-  Straddler* s = &t->straddlers[t->straddlerCount++];
-  s->item = item;
-  putToRest(t, level, item);
-  s->block = t->rest[item];
-  int end;
-  const int begin = treeSlots(tree, level, item, &end);
-  const int width = 1 << TREE_WIDTH_BITS * level;
-  const int first = level == 0 ? 0 : tree->levelBegin[level - 1] + begin / width;
-  const int count = (end - begin + width - 1) / width;
-  int k = 0;
-  while (k < count) {
-    const int from = begin + k * width;
-    while (piece + 1 < view->pieceCount && view->pieces[piece + 1].slotBegin <= from) {
-      piece++;
-    }
-    const int next = piece + 1 < view->pieceCount ? view->pieces[piece + 1].slotBegin : end;
-    const int wholes = next < end ? (next - begin) / width : count;
-    if (wholes > k) {
-      const int motion = view->pieces[piece].motion;
-      if (moves(view, motion)) {
-        moveBlock(&t->rest[item], t->motions[motion], (1u << wholes) - (1u << k), &s->block);
-      }
-      while (k < wholes) {
-        s->motion[k++] = motion;
-      }
-    } else if (level > 0) { /* a slot straddles nothing */
-      const Sphere bound = boundOfStraddler(t, expandStraddler(t, level - 1, first + k, piece));
-      s->block.x[k] = bound.x;
-      s->block.y[k] = bound.y;
-      s->block.z[k] = bound.z;
-      s->block.r[k] = bound.r;
-      s->motion[k] = t->motion[first + k];
-      k++;
-    }
-  }
-  for (; k < TREE_WIDTH; k++) {
-    s->motion[k] = 0;
-  }
-  return s;
-}
-
-/* A new view: its motions, and how large the scene is in it. */
-static void startView(Traversal* t, const View* view) {
-  const Tree* tree = t->tree;
-  const int root = treeRoot(tree);
-  const Bound* bound = &tree->bound[root];
-  const double centre[3] = {bound->x, bound->y, bound->z};
-  t->view = view;
-  const double size = bound->r < 0 ? 0 : sqrt(dot(centre, centre)) + (double)bound->r;
-  double shift = 0;
-  if (view->motions != NULL) {
-    for (int i = 1; i < view->motionCount; i++) {
-      double translation[3];
-      translationOf(&view->motions[i], translation);
-      shift = larger(shift, sqrt(dot(translation, translation)));
-      floatMotion(&view->motions[i], t->motions[i]);
-    }
-  }
-  t->extent = size + shift;
-  t->band = DOUBLE_MARGIN * t->extent;
-  if (++t->stamp == 0) {
-    memset(t->itemStamp, 0, (size_t)tree->itemCount * sizeof(uint32_t));
-    t->stamp = 1;
-  }
-  if (t->sinceSurfaces != view->surfaces) {
-    for (int item = 0; item < tree->itemCount; item++) {
-      t->since[item] = NEVER;
-    }
-    t->sinceSurfaces = view->surfaces;
-  }
-  t->straddlerCount = 0;
-}
-
-/* A new descent: nothing is expanded but the root and what straddles. */
-static void startDescent(Traversal* t, const View* view) {
-  const Tree* tree = t->tree;
-  const int root = treeRoot(tree);
-  startView(t, view);
-  if (view->pieceCount > 1) {
-    expandStraddler(t, treeTop(tree), root, 0);
-  } else {
-    t->motion[root] = view->pieces[0].motion;
-    expand(t, treeTop(tree), root);
-  }
-}
+#include "view_body.h"
 
 /* ---- Boxes ---- */
 
@@ -294,6 +104,18 @@ static BoxBlock* boxesInView(Traversal* t, int level, int node) {
 
 /* ---- The descent ---- */
 
+/* What a descent begins with: the root and what straddles. */
+static void expandRoot(Traversal* t) {
+  const View* view = t->view;
+  const int root = treeRoot(t->tree);
+  if (view->pieceCount > 1) {
+    expandStraddler(t, treeTop(t->tree), root, 0);
+  } else {
+    t->motion[root] = view->pieces[0].motion;
+    expand(t, treeTop(t->tree), root);
+  }
+}
+
 typedef struct Visit {
   CandidateFunction* function;
   void* context;
@@ -305,31 +127,20 @@ typedef struct Visit {
   int64_t particleTests;
 } Visit;
 
-/* An expanded item: its members as they lie in the view. */
-static const Block* blockOf(const Traversal* t, int item) {
-  const int code = t->motion[item];
-  if (code < 0) {
-    return &straddlerOf(t, code)->block;
-  }
-  return moves(t->view, code) ? &t->moved[item] : &t->rest[item];
+/* Members of a that are not of the body that its first or its last member is of, whichever has more of them: in a visit
+ * of an item with itself those are enough. */
+static unsigned ofLesserBodies(const Traversal* t, int item, int count) {
+  const unsigned all = (1u << count) - 1;
+  const unsigned first = all & ~ofBody(t, item, motionOfMember(t, item, 0));
+  const unsigned last = all & ~ofBody(t, item, motionOfMember(t, item, count - 1));
+  return __builtin_popcount(first) <= __builtin_popcount(last) ? first : last;
 }
 
-/* Members of an item that are of a rigid body; none, if that straddles. */
-static unsigned ofBody(const Traversal* t, int item, int motion) {
-  const int code = t->motion[item];
-  if (motion < 0) {
-    return 0;
-  }
-  if (code >= 0) {
-    return code == motion ? 0xffff : 0;
-  }
-  return equal16(straddlerOf(t, code)->motion, motion);
-}
-
-/* Those of the members of item a that come near the volume of item b and are of another body; all if a is b. */
+/* Those of the members of item a that come near the volume of item b and are of another body; if a is b, those
+ * whose visits are enough. */
 static unsigned nearItem(const Traversal* t, Visit* visit, const Block* members, int count, const ItemPair* pair) {
   if (pair->a == pair->b) {
-    return (1u << count) - 1;
+    return ofLesserBodies(t, pair->a, count);
   }
   visit->volumeTests += count;
   const Block* around = blockOf(t, treeParent(t->tree, pair->level, pair->b));
@@ -347,32 +158,26 @@ static BoxBlock* boxesAround(Traversal* t, const ItemPair* pair) {
   return (boxesOf(t, parent)->thinInView >> pair->b % TREE_WIDTH & 1) != 0 ? boxes : NULL;
 }
 
-static bool visitLeaves(Traversal* t, Visit* visit, const ItemPair* pair) {
-  const int a = pair->a;
-  const int b = pair->b;
-  int endA;
+/* In a visit of an item with itself, members whose pairs with member k of `rows` belong to an earlier one of those. */
+static unsigned alreadyVisited(unsigned rows, int k) {
+  return rows & ((2u << k) - 1);
+}
+
+/* These members of leaf a, expanded, with all of leaf b. */
+static bool testMembers(Traversal* t, Visit* visit, int a, int b, unsigned rows) {
   int endB;
-  const int beginA = treeSlots(t->tree, 0, a, &endA);
   const int beginB = treeSlots(t->tree, 0, b, &endB);
-  const Block* blockA = blockOf(t, a);
-  unsigned near = nearItem(t, visit, blockA, endA - beginA, pair);
-  BoxBlock* around = visit->boxes && near != 0 ? boxesAround(t, pair) : NULL;
-  if (around != NULL) {
-    near &= nearBox(blockA, around, b % TREE_WIDTH, visit->reach);
-  }
-  if (near == 0) {
-    return true;
-  }
   expand(t, 0, b);
+  const Block* blockA = blockOf(t, a);
   const Block* blockB = blockOf(t, b);
   const int partner = exclusionPartner(t->exclusions, a, b);
-  for (; near != 0; near &= near - 1) {
-    const int k = __builtin_ctz(near);
-    const int i = beginA + k;
+  for (unsigned left = rows; left != 0; left &= left - 1) {
+    const int k = __builtin_ctz(left);
+    const int i = a * TREE_WIDTH + k;
     unsigned mask = near16(blockB, sphereOf(blockA, k), visit->reach);
-    visit->particleTests += endB - (a == b ? i + 1 : beginB);
+    visit->particleTests += endB - beginB;
     if (a == b) {
-      mask &= ~0u << k << 1;
+      mask &= ~alreadyVisited(rows, k);
     }
     if (mask != 0) {
       mask &= ~ofBody(t, b, motionOfMember(t, a, k));
@@ -388,6 +193,18 @@ static bool visitLeaves(Traversal* t, Visit* visit, const ItemPair* pair) {
     }
   }
   return true;
+}
+
+static bool visitLeaves(Traversal* t, Visit* visit, const ItemPair* pair) {
+  int endA;
+  const int beginA = treeSlots(t->tree, 0, pair->a, &endA);
+  const Block* blockA = blockOf(t, pair->a);
+  unsigned near = nearItem(t, visit, blockA, endA - beginA, pair);
+  BoxBlock* around = visit->boxes && near != 0 ? boxesAround(t, pair) : NULL;
+  if (around != NULL) {
+    near &= nearBox(blockA, around, pair->b % TREE_WIDTH, visit->reach);
+  }
+  return near == 0 || testMembers(t, visit, pair->a, pair->b, near);
 }
 
 /* Which of these children of node b the boxes part from child k of node a. */
@@ -429,20 +246,18 @@ static void visitNodes(Traversal* t, Visit* visit, const ItemPair* pair, int* de
       near &= ~boxesApart(around, pair->b % TREE_WIDTH, boxesA, visit->reach);
     }
   }
-  for (; near != 0; near &= near - 1) {
-    const int k = __builtin_ctz(near);
+  for (unsigned left = near; left != 0; left &= left - 1) {
+    const int k = __builtin_ctz(left);
     const int i = firstA + k;
     const int motion = motionOfMember(t, pair->a, k);
     t->motion[i] = motion;
     unsigned mask = near16(blockB, sphereOf(blockA, k), visit->reach);
+    visit->volumeTests += countB;
     if (pair->a == pair->b) {
-      mask &= ~0u << k << 1;
-      visit->volumeTests += countB - k - 1;
+      mask &= ~alreadyVisited(near, k);
       if (blockA->r[k] >= 0 && motion < 0) {
         t->stack[(*depth)++] = (ItemPair){below, i, i};
       }
-    } else {
-      visit->volumeTests += countB;
     }
     if (mask != 0) {
       mask &= ~ofBody(t, pair->b, motion);
@@ -458,11 +273,10 @@ static void visitNodes(Traversal* t, Visit* visit, const ItemPair* pair, int* de
   }
 }
 
-static void traverse(Traversal* t, const View* view, CandidateFunction* function, void* context, ctCounts* counts) {
-  startDescent(t, view);
+/* The whole tree against itself. */
+static void descend(Traversal* t, Visit* visit) {
   const int root = treeRoot(t->tree);
-  const double margin = FLOAT_MARGIN * (t->extent + fabs(view->reach));
-  Visit visit = {function, context, (float)(view->reach + margin), false, 0, 0, 0, 0};
+  expandRoot(t);
   int depth = 0;
   if (t->motion[root] < 0) {
     t->stack[depth++] = (ItemPair){treeTop(t->tree), root, root};
@@ -476,19 +290,113 @@ static void traverse(Traversal* t, const View* view, CandidateFunction* function
       pair = (ItemPair){pair.level, pair.b, pair.a};
     }
     expand(t, pair.level, pair.a);
-    visit.boxes = t->alwaysBoxes || visits >= t->visitsWithoutBoxes;
+    visit->boxes = t->alwaysBoxes || visits >= t->visitsWithoutBoxes;
     if (pair.level == 0) {
-      goesOn = visitLeaves(t, &visit, &pair);
+      goesOn = visitLeaves(t, visit, &pair);
     } else {
-      visitNodes(t, &visit, &pair, &depth);
+      visitNodes(t, visit, &pair, &depth);
     }
   }
-  if (visit.pairsBoxed > 0) {
-    const bool pays = 4 * visit.pairsParted > visit.pairsBoxed;
+  if (visit->pairsBoxed > 0) {
+    const bool pays = 4 * visit->pairsParted > visit->pairsBoxed;
     const int next = pays ? t->visitsWithoutBoxes / 2 : t->visitsWithoutBoxes * 2;
     t->visitsWithoutBoxes = next < FEWEST_VISITS_WITHOUT_BOXES ? FEWEST_VISITS_WITHOUT_BOXES
                             : next > MOST_VISITS_WITHOUT_BOXES ? MOST_VISITS_WITHOUT_BOXES
                                                                : next;
+  }
+}
+
+/* ---- Few that move ---- */
+
+/* Expands a leaf of the view, above it only what is at rest. Returns which of its members move. */
+static unsigned expandMovers(Traversal* t, int leaf) {
+  for (int level = treeTop(t->tree); level > 0; level--) {
+    putToRest(t, level, t->tree->levelBegin[level] + (leaf >> TREE_WIDTH_BITS * level));
+  }
+  int end;
+  const int begin = treeSlots(t->tree, 0, leaf, &end);
+  int piece = t->view->pieceCount - 1;
+  while (t->view->pieces[piece].slotBegin > begin) {
+    piece--;
+  }
+  if (piece + 1 < t->view->pieceCount && t->view->pieces[piece + 1].slotBegin < end) {
+    expandStraddler(t, 0, leaf, piece);
+  } else {
+    t->motion[leaf] = t->view->pieces[piece].motion;
+    expand(t, 0, leaf);
+  }
+  return ((1u << (end - begin)) - 1) & ~ofBody(t, leaf, 0);
+}
+
+/* The movers of leaf a against all leaves but those in [firstLeaf, endLeaf). */
+static bool probeMovers(Traversal* t, Visit* visit, int a, unsigned movers, int firstLeaf, int endLeaf) {
+  const Tree* tree = t->tree;
+  Block block = *blockOf(t, a);
+  store16(block.r, blend16(movers, all16(-INFINITY), load16(block.r)));
+  Sphere sphere = middleOfBlock(&block);
+  sphere.r += radiusAbout(sphere, &block, block.r) + (float)(FLOAT_MARGIN * t->extent);
+  int depth = 0;
+  t->stack[depth++] = (ItemPair){treeTop(tree), treeRoot(tree), CT_NULL};
+  while (depth > 0) {
+    const ItemPair node = t->stack[--depth];
+    putToRest(t, node.level, node.a);
+    int count;
+    const int first = treeChildren(tree, node.level, node.a, &count);
+    const Block* children = &t->rest[node.a];
+    visit->volumeTests += count;
+    for (unsigned near = near16(children, sphere, visit->reach); near != 0; near &= near - 1) {
+      const int k = __builtin_ctz(near);
+      const int child = first + k;
+      if (node.level > 1) {
+        t->stack[depth++] = (ItemPair){node.level - 1, child, CT_NULL};
+        continue;
+      }
+      if (child >= firstLeaf && child < endLeaf) {
+        continue;
+      }
+      visit->volumeTests += __builtin_popcount(movers);
+      const unsigned rows = near16(&block, sphereOf(children, k), visit->reach);
+      t->motion[child] = 0;
+      if (rows != 0 && !testMembers(t, visit, a, child, rows)) {
+        return false;
+      }
+    }
+  }
+  return true;
+}
+
+/* What moves is some slots in a row, few enough to go against all others one by one: no volume is made for what
+ * straddles. */
+static void visitFew(Traversal* t, Visit* visit, int slotBegin, int slotEnd) {
+  const int firstLeaf = slotBegin / TREE_WIDTH;
+  const int endLeaf = (slotEnd - 1) / TREE_WIDTH + 1;
+  unsigned movers[MOST_MOVERS / TREE_WIDTH + 1];
+  for (int a = firstLeaf; a < endLeaf; a++) {
+    movers[a - firstLeaf] = expandMovers(t, a);
+  }
+  for (int a = firstLeaf; a < endLeaf; a++) {
+    if (!probeMovers(t, visit, a, movers[a - firstLeaf], firstLeaf, endLeaf) ||
+        !testMembers(t, visit, a, a, movers[a - firstLeaf])) {
+      return;
+    }
+    for (int b = a + 1; b < endLeaf; b++) {
+      if (!testMembers(t, visit, a, b, 0xffff)) {
+        return;
+      }
+    }
+  }
+}
+
+static void traverse(Traversal* t, const View* view, CandidateFunction* function, void* context, ctCounts* counts) {
+  startView(t, view);
+  const double margin = FLOAT_MARGIN * (t->extent + fabs(view->reach));
+  Visit visit = {function, context, (float)(view->reach + margin), false, 0, 0, 0, 0};
+  int slotBegin;
+  int slotEnd;
+  if (ctViewMovesFew(t, view, &slotBegin, &slotEnd)) {
+    visitFew(t, &visit, slotBegin, slotEnd);
+  } else {
+    descend(t, &visit);
   }
   if (counts != NULL) {
     counts->volumeTests += visit.volumeTests;
@@ -498,7 +406,8 @@ static void traverse(Traversal* t, const View* view, CandidateFunction* function
 
 static void traverseProbe(Traversal* t, const View* view, const double point[3], double radius, ProbeFunction* function,
                           void* context, ctCounts* counts) {
-  startDescent(t, view);
+  startView(t, view);
+  expandRoot(t);
   const double size = t->extent + sqrt(dot(point, point)) + radius;
   const float reach = (float)(view->reach + FLOAT_MARGIN * (size + fabs(view->reach)));
   const Sphere probe = {(float)point[0], (float)point[1], (float)point[2], (float)radius};

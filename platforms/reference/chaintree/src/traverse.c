@@ -56,6 +56,22 @@ View ctViewOfState(bool surfaces, double reach) {
   return (View){&whole, 1, NULL, 1, surfaces, reach};
 }
 
+bool ctViewMovesFew(const Traversal* t, const View* view, int* begin, int* end) {
+  int p = 0;
+  while (p < view->pieceCount && view->pieces[p].motion == 0) {
+    p++;
+  }
+  if (p == view->pieceCount || t->alwaysDescends || treeTop(t->tree) == 0) {
+    return false;
+  }
+  *begin = view->pieces[p].slotBegin;
+  while (p < view->pieceCount && view->pieces[p].motion != 0) {
+    p++;
+  }
+  *end = p < view->pieceCount ? view->pieces[p].slotBegin : t->tree->slotCount;
+  return p + 1 >= view->pieceCount && *end - *begin <= MOST_MOVERS;
+}
+
 /* ---- Descents ---- */
 
 void ctTraverse(Traversal* t, const View* view, CandidateFunction* function, void* context, ctCounts* counts) {

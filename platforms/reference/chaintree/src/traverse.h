@@ -53,7 +53,8 @@ typedef struct Traversal {
    * grows while they part too little and shrinks while they part much. */
   struct NodeBoxes* boxes;
   int visitsWithoutBoxes;
-  bool alwaysBoxes; /* for tests: at all visits */
+  bool alwaysBoxes;    /* for tests: at all visits */
+  bool alwaysDescends; /* for tests: even if few slots move */
 
   /* Per item, of this descent. */
   uint32_t stamp;
@@ -98,6 +99,9 @@ void ctTraversalPosition(const Traversal* traversal, int slot, double position[3
 
 /* The squared distance of two such. */
 double ctTraversalSquaredDistance(const Traversal* traversal, int slotA, int slotB);
+
+/* Whether all that moves is few slots in a row, and which: [begin, end). */
+bool ctViewMovesFew(const Traversal* traversal, const View* view, int* begin, int* end);
 
 /* The view of the state as it is: one body. */
 View ctViewOfState(bool surfaces, double reach);

@@ -149,8 +149,10 @@ ctStatus ctTestTrial(ctChainTree* tree, bool* clash, int pair[2], ctCounts* coun
   Verdict verdict = {tree, false, false, CT_NULL, CT_NULL};
   tree->undecided.count = 0;
   ctCounts own = {0};
+  int few[2];
+  const bool movesFew = ctViewMovesFew(&tree->traversal, &view, &few[0], &few[1]);
   int64_t cost = GAVE_UP;
-  if (ctClearanceIsWanted(&tree->clearance, &tree->traversal, view.reach)) {
+  if (!movesFew && ctClearanceIsWanted(&tree->clearance, &tree->traversal, view.reach)) {
     const InstructionSet* instructions = ctSceneTree(tree)->instructions;
     cost = instructions->testByClearance(&tree->clearance, &tree->traversal, &view, clearanceOf, &verdict, &own);
     if (cost == GAVE_UP) {
@@ -162,7 +164,9 @@ ctStatus ctTestTrial(ctChainTree* tree, bool* clash, int pair[2], ctCounts* coun
     ctTraverse(&tree->traversal, &view, judge, &verdict, &own);
     cost = own.volumeTests + own.particleTests;
   }
-  ctClearanceCharge(&tree->clearance, cost, true);
+  if (!movesFew) {
+    ctClearanceCharge(&tree->clearance, cost, true);
+  }
   if (counts != NULL) {
     counts->volumeTests += own.volumeTests;
     counts->particleTests += own.particleTests;

@@ -1,0 +1,203 @@
+/* What a view makes of the items of a tree, compiled once for each instruction set by the file that includes this. */
+#ifndef CT_VIEW_BODY_H_
+#define CT_VIEW_BODY_H_
+
+#include <string.h>
+
+#include "descent.h"
+
+static bool moves(const View* view, int motion) {
+  return motion > 0 && view->motions != NULL;
+}
+
+/* Of which rigid body a member of an expanded item is, coded like Traversal.motion. */
+static int motionOfMember(const Traversal* t, int item, int k) {
+  const int code = t->motion[item];
+  return code < 0 ? straddlerOf(t, code)->motion[k] : code;
+}
+
+/* Whether an item still has in the world all that it had when it was last put there. */
+static bool isStill(const Traversal* t, int level, int item) {
+  if (t->since[item] == t->tree->time) {
+    return true;
+  }
+  if (t->since[item] == NEVER) {
+    return false;
+  }
+  int end;
+  treeSlots(t->tree, level, item, &end);
+  return treeUnchanged(t->tree, t->since[item], (end + TREE_WIDTH - 1) / TREE_WIDTH);
+}
+
+static void restLeaf(Traversal* t, int leaf) {
+  const Frame* f = &t->frame[leaf];
+  const Leaf* own = &t->tree->leaf[leaf];
+  Block* rest = &t->rest[leaf];
+  for (int k = 0; k < TREE_WIDTH; k++) {
+    const double x = own->x[k];
+    const double y = own->y[k];
+    const double z = own->z[k];
+    rest->x[k] = (float)(f->m[0][0] * x + f->m[0][1] * y + f->m[0][2] * z + f->m[0][3]);
+    rest->y[k] = (float)(f->m[1][0] * x + f->m[1][1] * y + f->m[1][2] * z + f->m[1][3]);
+    rest->z[k] = (float)(f->m[2][0] * x + f->m[2][1] * y + f->m[2][2] * z + f->m[2][3]);
+  }
+  memcpy(rest->r, t->view->surfaces ? own->r : own->centres, sizeof rest->r);
+}
+
+static void floatMotion(const Frame* f, float motion[12]) {
+  const double* m = f->m[0];
+  for (int i = 0; i < 12; i++) {
+    motion[i] = (float)m[i];
+  }
+}
+
+static void restNode(Traversal* t, int item) {
+  const Members* own = treeMembers(t->tree, item);
+  Block* rest = &t->rest[item];
+  float motion[12];
+  floatMotion(&t->frame[item], motion);
+  moveBlock(&own->block, motion, 0xffff, rest);
+  memcpy(rest->r, t->view->surfaces ? own->block.r : own->centres, sizeof rest->r);
+}
+
+/* Puts the members of an item into the world as the state has them. Its parent has been there before. */
+static void putToRest(Traversal* t, int level, int item) {
+  if (isStill(t, level, item)) {
+    return;
+  }
+  const Tree* tree = t->tree;
+  t->since[item] = tree->time;
+  if (level == treeTop(tree)) {
+    t->frame[item] = tree->pose[item];
+  } else {
+    t->frame[item] = transformCompose(&t->frame[treeParent(tree, level, item)], &tree->pose[item]);
+  }
+  if (level == 0) {
+    restLeaf(t, item);
+  } else {
+    restNode(t, item);
+  }
+}
+
+/* Once a descent. Its parent has been expanded. */
+static void expand(Traversal* t, int level, int item) {
+  if (t->itemStamp[item] == t->stamp) {
+    return;
+  }
+  t->itemStamp[item] = t->stamp;
+  putToRest(t, level, item);
+  const int motion = t->motion[item];
+  if (moves(t->view, motion)) {
+    moveBlock(&t->rest[item], t->motions[motion], 0xffff, &t->moved[item]);
+    memcpy(t->moved[item].r, t->rest[item].r, sizeof t->moved[item].r);
+  }
+}
+
+static Sphere boundOfStraddler(const Traversal* t, const Straddler* s) {
+  Sphere bound = middleOfBlock(&s->block);
+  /* Straddlers lie within straddlers: each level adds its own rounding. */
+  bound.r += radiusAbout(bound, &s->block, s->block.r) + (float)(FLOAT_MARGIN * t->extent);
+  return bound;
+}
+
+/* An item that straddles pieces, and all such below it; `piece` holds its first slot. */
+static const Straddler* expandStraddler(Traversal* t, int level, int item, int piece) {
+  const View* view = t->view;
+  const Tree* tree = t->tree;
+  t->itemStamp[item] = t->stamp;
+  t->motion[item] = straddlerCode(t->straddlerCount);
+  Straddler* s = &t->straddlers[t->straddlerCount++];
+  s->item = item;
+  putToRest(t, level, item);
+  s->block = t->rest[item];
+  int end;
+  const int begin = treeSlots(tree, level, item, &end);
+  const int width = 1 << TREE_WIDTH_BITS * level;
+  const int first = level == 0 ? 0 : tree->levelBegin[level - 1] + begin / width;
+  const int count = (end - begin + width - 1) / width;
+  int k = 0;
+  while (k < count) {
+    const int from = begin + k * width;
+    while (piece + 1 < view->pieceCount && view->pieces[piece + 1].slotBegin <= from) {
+      piece++;
+    }
+    const int next = piece + 1 < view->pieceCount ? view->pieces[piece + 1].slotBegin : end;
+    const int wholes = next < end ? (next - begin) / width : count;
+    if (wholes > k) {
+      const int motion = view->pieces[piece].motion;
+      if (moves(view, motion)) {
+        moveBlock(&t->rest[item], t->motions[motion], (1u << wholes) - (1u << k), &s->block);
+      }
+      while (k < wholes) {
+        s->motion[k++] = motion;
+      }
+    } else if (level > 0) { /* a slot straddles nothing */
+      const Sphere bound = boundOfStraddler(t, expandStraddler(t, level - 1, first + k, piece));
+      s->block.x[k] = bound.x;
+      s->block.y[k] = bound.y;
+      s->block.z[k] = bound.z;
+      s->block.r[k] = bound.r;
+      s->motion[k] = t->motion[first + k];
+      k++;
+    }
+  }
+  for (; k < TREE_WIDTH; k++) {
+    s->motion[k] = 0;
+  }
+  return s;
+}
+
+/* A new view: its motions, and how large the scene is in it. */
+static void startView(Traversal* t, const View* view) {
+  const Tree* tree = t->tree;
+  const int root = treeRoot(tree);
+  const Bound* bound = &tree->bound[root];
+  const double centre[3] = {bound->x, bound->y, bound->z};
+  t->view = view;
+  const double size = bound->r < 0 ? 0 : sqrt(dot(centre, centre)) + (double)bound->r;
+  double shift = 0;
+  if (view->motions != NULL) {
+    for (int i = 1; i < view->motionCount; i++) {
+      double translation[3];
+      translationOf(&view->motions[i], translation);
+      shift = larger(shift, sqrt(dot(translation, translation)));
+      floatMotion(&view->motions[i], t->motions[i]);
+    }
+  }
+  t->extent = size + shift;
+  t->band = DOUBLE_MARGIN * t->extent;
+  if (++t->stamp == 0) {
+    memset(t->itemStamp, 0, (size_t)tree->itemCount * sizeof(uint32_t));
+    t->stamp = 1;
+  }
+  if (t->sinceSurfaces != view->surfaces) {
+    for (int item = 0; item < tree->itemCount; item++) {
+      t->since[item] = NEVER;
+    }
+    t->sinceSurfaces = view->surfaces;
+  }
+  t->straddlerCount = 0;
+}
+
+/* An expanded item: its members as they lie in the view. */
+static const Block* blockOf(const Traversal* t, int item) {
+  const int code = t->motion[item];
+  if (code < 0) {
+    return &straddlerOf(t, code)->block;
+  }
+  return moves(t->view, code) ? &t->moved[item] : &t->rest[item];
+}
+
+/* Members of an item that are of a rigid body; none, if that straddles. */
+static unsigned ofBody(const Traversal* t, int item, int motion) {
+  const int code = t->motion[item];
+  if (motion < 0) {
+    return 0;
+  }
+  if (code >= 0) {
+    return code == motion ? 0xffff : 0;
+  }
+  return equal16(straddlerOf(t, code)->motion, motion);
+}
+
+#endif /* CT_VIEW_BODY_H_ */
