@@ -132,7 +132,7 @@ static void measureClearances(Clearance* c, Traversal* t, double reach) {
     widest = r > widest ? r : widest;
   }
   c->unit = 4 * widest / (float)MOST_CLEARANCE;
-  const Float16 room = all16((float)(reach + FLOAT_MARGIN * (t->extent + fabs(reach))));
+  const Float16 room = all16((float)(reach + floatMargin(t->extent + fabs(reach))));
   for (int a = 0; a < c->leafCount; a++) {
     const Sphere own = leafSphere(t, a);
     for (int block = a / TREE_WIDTH; block < c->stride / TREE_WIDTH; block++) {
@@ -350,8 +350,8 @@ static int64_t testByClearance(Clearance* c, Traversal* t, const View* view, Cle
   startView(t, view);
   putNodesToRest(t);
   expandStraddlingLeaves(t);
-  ClearanceTest test = {
-      function, context, (float)(view->reach + FLOAT_MARGIN * (t->extent + fabs(view->reach))), false, 0, 0, 0};
+  ClearanceTest test = {function, context, (float)(view->reach + floatMargin(t->extent + fabs(view->reach))), false, 0,
+                        0,        0};
   c->testedCount = 0;
   if (!testWitnesses(c, t, &test) && !testStraddlingLeaves(c, t, &test)) {
     forEachCrossing(c, t, testCrossing, &test, &test.cost);

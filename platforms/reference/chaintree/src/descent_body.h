@@ -334,7 +334,7 @@ static bool probeMovers(Traversal* t, Visit* visit, int a, unsigned movers, int 
   Block block = *blockOf(t, a);
   store16(block.r, blend16(movers, all16(-INFINITY), load16(block.r)));
   Sphere sphere = middleOfBlock(&block);
-  sphere.r += radiusAbout(sphere, &block, block.r) + (float)(FLOAT_MARGIN * t->extent);
+  sphere.r += radiusAbout(sphere, &block, block.r) + (float)floatMargin(t->extent);
   int depth = 0;
   t->stack[depth++] = (ItemPair){treeTop(tree), treeRoot(tree), CT_NULL};
   while (depth > 0) {
@@ -389,7 +389,7 @@ static void visitFew(Traversal* t, Visit* visit, int slotBegin, int slotEnd) {
 
 static void traverse(Traversal* t, const View* view, CandidateFunction* function, void* context, ctCounts* counts) {
   startView(t, view);
-  const double margin = FLOAT_MARGIN * (t->extent + fabs(view->reach));
+  const double margin = floatMargin(t->extent + fabs(view->reach));
   Visit visit = {function, context, (float)(view->reach + margin), false, 0, 0, 0, 0};
   int slotBegin;
   int slotEnd;
@@ -409,7 +409,7 @@ static void traverseProbe(Traversal* t, const View* view, const double point[3],
   startView(t, view);
   expandRoot(t);
   const double size = t->extent + sqrt(dot(point, point)) + radius;
-  const float reach = (float)(view->reach + FLOAT_MARGIN * (size + fabs(view->reach)));
+  const float reach = (float)(view->reach + floatMargin(size + fabs(view->reach)));
   const Sphere probe = {(float)point[0], (float)point[1], (float)point[2], (float)radius};
   int depth = 0;
   t->stack[depth++] = (ItemPair){treeTop(t->tree), treeRoot(t->tree), CT_NULL};

@@ -160,7 +160,7 @@ static void findNearest(Nearest* n, const Cloud clouds[2]) {
   Traversal* t = n->traversal;
   const View view = ctViewOfState(t->sinceSurfaces, 0);
   startView(t, &view);
-  n->margin = (float)(FLOAT_MARGIN * larger(t->extent, n->extent));
+  n->margin = (float)floatMargin(larger(t->extent, n->extent));
   int depth = 0;
   stack[depth++] = (NearestVisit){-INFINITY, {rootOf(&clouds[0]), rootOf(&clouds[1])}};
   while (depth > 0) {

@@ -14,7 +14,7 @@ static Bound boundOfMembers(const Block* block, const float* centres) {
     return (Bound){0, 0, 0, -INFINITY, -INFINITY};
   }
   const float r = radiusAbout(middle, block, block->r);
-  const float rounding = 1e-6f * (fabsf(middle.x) + fabsf(middle.y) + fabsf(middle.z) + r);
+  const float rounding = 1e-6f * (fabsf(middle.x) + fabsf(middle.y) + fabsf(middle.z) + r) + FLOAT_FLOOR;
   return (Bound){middle.x, middle.y, middle.z, r + rounding, radiusAbout(middle, block, centres) + rounding};
 }
 

@@ -103,7 +103,9 @@ JointState ctJointAt(double angle) {
 
 JointState ctJointTurned(const JointState* joint, double angle) {
   const double twoPi = 6.283185307179586476925286766559;
-  return ctJointAt(remainder(joint->angle + remainder(angle, twoPi), twoPi));
+  /* Over many turns pi in double is too short; sine and cosine know more of its digits. */
+  const double turn = fabs(angle) > twoPi ? atan2(sin(angle), cos(angle)) : angle;
+  return ctJointAt(remainder(joint->angle + turn, twoPi));
 }
 
 JointState ctJointMoved(const JointState* joint, const double rotation[3], const double pivot[3],

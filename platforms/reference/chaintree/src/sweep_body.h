@@ -300,7 +300,7 @@ CT_FOR_BOTH void sweepPairs(const Pass* pass, bool surfaces) {
 }
 
 static Pass startPass(const Sweep* sweep, SweepTask* task) {
-  const double margin = FLOAT_MARGIN * (sweep->snapshot.extent + fabs(task->reach));
+  const double margin = floatMargin(sweep->snapshot.extent + fabs(task->reach));
   const float near = (float)(task->reach + margin);
   const float sure = (float)larger(task->reach - margin, 0);
   return (Pass){sweep, task, near, near * near, sure * sure};

@@ -96,7 +96,7 @@ static void expand(Traversal* t, int level, int item) {
 static Sphere boundOfStraddler(const Traversal* t, const Straddler* s) {
   Sphere bound = middleOfBlock(&s->block);
   /* Straddlers lie within straddlers: each level adds its own rounding. */
-  bound.r += radiusAbout(bound, &s->block, s->block.r) + (float)(FLOAT_MARGIN * t->extent);
+  bound.r += radiusAbout(bound, &s->block, s->block.r) + (float)floatMargin(t->extent);
   return bound;
 }
 

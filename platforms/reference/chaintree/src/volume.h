@@ -9,6 +9,13 @@
  * coordinate and reach. */
 #define FLOAT_MARGIN 4e-6
 
+/* Room, in nm, where all coordinates are so small that their squares vanish in float. */
+#define FLOAT_FLOOR 1e-18f
+
+static inline double floatMargin(double size) {
+  return FLOAT_MARGIN * size + (double)FLOAT_FLOOR;
+}
+
 /* What two positions of one particle reached by different products of transforms differ by at most, relative to the
  * largest coordinate: some hundred roundings of 1e-16. Nearer than that to a limit the canonical distance decides. */
 #define DOUBLE_MARGIN 4e-13
