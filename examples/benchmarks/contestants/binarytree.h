@@ -8,6 +8,8 @@
  *   IMPROVED                                    0: as published, a node is not compared with itself if it has not
  *                                               changed. 1: two nodes of one rigid piece are not compared either, and
  *                                               comparisons begin at the joints, where clashes are most likely
+ *   PARTICLE_VOLUMES                            if it likes, 1: two particles are compared as volumes before they are
+ *                                               as particles, or 2: as volumes only
  *
  * A node of level l stands for 2^l particles in a row. Its frame is that of its first particle: the origin is there,
  * and the axes turn with the particle's link. */
@@ -15,6 +17,10 @@
 #include <string.h>
 
 #include "bodies.h"
+
+#ifndef PARTICLE_VOLUMES
+#define PARTICLE_VOLUMES 0
+#endif
 
 enum { MOST_LEVELS = 32, SEVERAL_BODIES = -1 };
 
@@ -302,10 +308,20 @@ static int bodyOfNode(const BinaryTree* tree, int level, int index) {
 }
 
 static bool particlesClash(BinaryTree* tree, int i, int j, const Rigid* motion) {
+#if PARTICLE_VOLUMES
+  tree->counts.volumeTests++;
+  if (!volumesOverlap(&tree->levels[0][i].volume, &tree->levels[0][j].volume, motion)) {
+    return false;
+  }
+#endif
+#if PARTICLE_VOLUMES == 2
+  return !sceneExcludes(tree->scene, i, j);
+#else
   const Sphere* spheres = tree->scene->spheres;
   const double sum = spheres[i].radius + spheres[j].radius;
   tree->counts.particleTests++;
   return dot(motion->t, motion->t) < sum * sum && !sceneExcludes(tree->scene, i, j);
+#endif
 }
 
 /* Whether particles below node a clash with some below node b, behind it; `motion` is from the frame of b to that of

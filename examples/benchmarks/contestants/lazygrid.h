@@ -1,10 +1,16 @@
 /* A cell grid that is kept: only what moves relative to the largest rigid piece is looked up, and only an accepted
  * trial is written. A clash ends the search. A file that includes this is one contestant; before, it defines BATCHED as
- * 1 if particles are searched for some at a time, else 0. */
+ * 1 if particles are searched for some at a time, else 0, and, if it likes, SINGLE as 1: positions are kept in single
+ * precision. */
 #include <stdlib.h>
 #include <string.h>
 
 #include "bodies.h"
+
+#ifndef SINGLE
+#define SINGLE 0
+#endif
+
 #if BATCHED
 #include "batchsearch.h"
 #else
@@ -83,11 +89,19 @@ static int isOther(const void* context, int j) {
   return others->bodies[j] == others->body;
 }
 
+static Sphere movedAndKept(const Rigid* motion, const Sphere* sphere) {
+  Sphere moved = movedSphere(motion, sphere);
+  for (int k = 0; k < 3 && SINGLE; k++) {
+    moved.x[k] = (float)moved.x[k];
+  }
+  return moved;
+}
+
 /* Whether particles first ... last - 1, moved by `motion`, meet a body; `moved` takes where they are. */
 static bool runMeets(LazyGrid* grid, int first, int last, const Rigid* motion, int body, Sphere* moved) {
   const Others others = {grid->bodies, (unsigned char)body};
   for (int i = first; i < last; i++) {
-    moved[i] = movedSphere(motion, &grid->spheres[i]);
+    moved[i] = movedAndKept(motion, &grid->spheres[i]);
 #if BATCHED
     searchAdd(&grid->search, &grid->cells, i, &moved[i]);
   }

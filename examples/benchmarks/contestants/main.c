@@ -3,12 +3,14 @@
 #include <string.h>
 
 #include "chains.h"
+#include "driftrace.h"
 #include "nearestrace.h"
 #include "options.h"
 #include "pairrace.h"
 #include "race.h"
 #include "rows.h"
 #include "scenefile.h"
+#include "touchrace.h"
 #include "whole.h"
 
 enum { FAILED = 1, WRONG_USE = 2, TEXT_SIZE = 512 };
@@ -195,6 +197,65 @@ static int runNearest(const Options* options, const Scene* scene, char* error, s
   return 0;
 }
 
+static int runDrift(const Options* options, const Scene* scene, char* error, size_t size) {
+  DriftRace race = {.scene = scene,
+                    .rule = options->rule,
+                    .seed = options->seed,
+                    .turnCount = options->trialCount,
+                    .seconds = options->seconds};
+  DriftResult results[MOST_DRIFT_LANES];
+  if (race.rule.kappa != 1 || race.rule.kind == movesBiased) {
+    snprintf(error, size, "drift is measured of moves that turn one torsion, not biased");
+    return WRONG_USE;
+  }
+  for (const char* list = options->contestants; list != NULL;) {
+    size_t length;
+    const char* name = nextName(&list, &length);
+    const Kinematics* path = kinematicsFind(options->set, name, length);
+    if (!isPossible(path != NULL, race.laneCount, MOST_DRIFT_LANES, name, length, error, size)) {
+      return WRONG_USE;
+    }
+    race.paths[race.laneCount++] = path;
+  }
+  if (!driftRaceRun(&race, results, error, size)) {
+    return FAILED;
+  }
+  for (int i = 0; i < race.laneCount; i++) {
+    rowBegin("drift", options, scene, results[i].stations[results[i].stationCount - 1].turns);
+    printf(", \"moves\": \"%s\", \"angle\": %.10g", options->moves, race.rule.angle * 180 / PI);
+    rowTimes(race.paths[i]->name, setName(options, results[i].instructionSet), &results[i].microseconds);
+    rowDrift(&results[i]);
+  }
+  return 0;
+}
+
+static int runTouch(const Options* options, const Scene* scene, char* error, size_t size) {
+  TouchRace race = {.scene = scene,
+                    .seed = options->seed,
+                    .trialCount = options->trialCount,
+                    .seconds = options->seconds,
+                    .judge = contestantFind(options->set, "lazygrid", strlen("lazygrid"))};
+  TouchResult results[MOST_TOUCH_LANES];
+  for (const char* list = options->contestants; list != NULL;) {
+    size_t length;
+    const char* name = nextName(&list, &length);
+    const Contestant* contestant = precisionFind(options->set, name, length);
+    if (!isPossible(contestant != NULL, race.laneCount, MOST_TOUCH_LANES, name, length, error, size)) {
+      return WRONG_USE;
+    }
+    race.contestants[race.laneCount++] = contestant;
+  }
+  if (!touchRaceRun(&race, results, error, size)) {
+    return FAILED;
+  }
+  for (int i = 0; i < race.laneCount; i++) {
+    rowBegin("touch", options, scene, results[i].clashes + results[i].gaps);
+    rowTimes(race.contestants[i]->name, setName(options, results[i].instructionSet), &results[i].microseconds);
+    rowTouch(&results[i]);
+  }
+  return 0;
+}
+
 static int run(const Options* options, const Scene* scene, char* error, size_t size) {
   switch (options->measure) {
     case measureWhole:
@@ -203,6 +264,10 @@ static int run(const Options* options, const Scene* scene, char* error, size_t s
       return runPairs(options, scene, error, size);
     case measureNearest:
       return runNearest(options, scene, error, size);
+    case measureDrift:
+      return runDrift(options, scene, error, size);
+    case measureTouch:
+      return runTouch(options, scene, error, size);
     default:
       return runTrials(options, scene, error, size);
   }

@@ -10,8 +10,9 @@
 enum { BLOCK_SIZE = 200 };
 
 /* By measure. */
-static const int defaultTrials[] = {20000, 5, 100, 100};
-static const char* const defaultContestants[] = {"lazygrid,ours", "published,ours", "cells,ours", "brute,ours"};
+static const int defaultTrials[] = {20000, 5, 100, 100, 100000, 1400};
+static const char* const defaultContestants[] = {"lazygrid,ours", "published,ours",          "cells,ours",
+                                                 "brute,ours",    "cartesian,ours-portable", "volumes-single,ours"};
 
 const char* const optionsUsage =
     "usage: openmm-chaintree-contestants [option value] ...\n"
@@ -22,9 +23,12 @@ const char* const optionsUsage =
     "                    whole: is it free of clashes as it is?\n"
     "                    pairs: which particles are near each other, as they are?\n"
     "                    nearest: how near do obstacles come?\n"
+    "                    drift: how wrong have positions become after so many turns?\n"
+    "                    touch: is the chain free of clashes where particles all but touch?\n"
     "                    [trials]\n"
     "--contestants LIST  names with commas between them\n"
-    "                    [lazygrid,ours; published,ours; cells,ours; brute,ours]\n"
+    "                    [lazygrid,ours; published,ours; cells,ours; brute,ours; cartesian,ours-portable;\n"
+    "                    volumes-single,ours]\n"
     "--chain NAME        random, hilbert, serpentine or worst, or a file with a scene, - for the standard input\n"
     "                    [random]\n"
     "--n COUNT           spheres of a chain that is not from a file [1000]\n"
@@ -32,9 +36,11 @@ const char* const optionsUsage =
     "--moves KIND        uniform, gaussian, biased or sidechain [uniform]\n"
     "--angle DEGREES     standard deviation of Gaussian changes [5]\n"
     "--kappa COUNT       consecutive torsions that a trial turns [1]\n"
-    "--trials COUNT      trials, or how often the question is asked [20000, 5, 100, 100]\n"
+    "--trials COUNT      trials, or how often the question is asked, or turns [20000, 5, 100, 100, 100000, 1400]\n"
     "--block COUNT       trials of one contestant before the next has its turn [200]\n"
-    "--seconds NUMBER    ends trials sooner: with the block in which contestants have taken that long together\n"
+    "--seconds NUMBER    ends trials sooner: with the block in which contestants have taken that long together;\n"
+    "                    drift, where the next ten times as many turns would take a contestant more than its share;\n"
+    "                    and touch, with what is searched for\n"
     "--record FILE       write the scene and all trials there, as lines of JSON, for others to run them\n"
     "--cutoff LENGTH     of pairs [0.8]\n"
     "--obstacles COUNT   [1000]\n"
@@ -83,9 +89,10 @@ static int parseName(const char* text, const char* const* names, int count) {
 }
 
 static bool parseMeasure(const char* text, Measure* measure) {
-  static const char* const names[] = {"trials", "whole", "pairs", "nearest"};
-  static const Measure measures[] = {measureTrials, measureWhole, measurePairs, measureNearest};
-  const int index = parseName(text, names, 4);
+  static const char* const names[] = {"trials", "whole", "pairs", "nearest", "drift", "touch"};
+  static const Measure measures[] = {measureTrials,  measureWhole, measurePairs,
+                                     measureNearest, measureDrift, measureTouch};
+  const int index = parseName(text, names, 6);
   *measure = index < 0 ? measureTrials : measures[index];
   return index >= 0;
 }
@@ -100,7 +107,8 @@ static bool parseMoves(const char* text, MoveKind* kind) {
 
 static bool parseOption(const char* name, const char* value, Options* options, char* error, size_t size) {
   if (strcmp(name, "--measure") == 0) {
-    return parseMeasure(value, &options->measure) || fail(error, size, name, value, "trials, whole, pairs or nearest");
+    return parseMeasure(value, &options->measure) ||
+           fail(error, size, name, value, "trials, whole, pairs, nearest, drift or touch");
   }
   if (strcmp(name, "--contestants") == 0) {
     options->contestants = value;

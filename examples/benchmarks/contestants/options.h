@@ -5,7 +5,7 @@
 #include "moves.h"
 #include "roster.h"
 
-typedef enum Measure { measureTrials, measureWhole, measurePairs, measureNearest } Measure;
+typedef enum Measure { measureTrials, measureWhole, measurePairs, measureNearest, measureDrift, measureTouch } Measure;
 
 typedef struct Options {
   Measure measure;

@@ -18,18 +18,45 @@ static void destroy(void* self) {
   }
 }
 
-static void* make(const Scene* scene) {
+/* Takes over a tree, which is NULL if there was no memory. */
+static void* makeOf(const Scene* scene, ctChainTree* tree) {
   Ours* ours = calloc(1, sizeof *ours);
-  if (ours == NULL) {
+  if (ours == NULL || tree == NULL) {
+    ctDestroy(tree);
+    free(ours);
     return NULL;
   }
   ours->scene = scene;
-  ours->tree = ourTreeOf(scene, scene->exclusionCount, 0, NULL);
-  if (ours->tree == NULL) {
-    destroy(ours);
-    return NULL;
-  }
+  ours->tree = tree;
   return ours;
+}
+
+static void* make(const Scene* scene) {
+  return makeOf(scene, ourTreeOf(scene, scene->exclusionCount, 0, NULL));
+}
+
+static void* makeAvx512(const Scene* scene) {
+  return makeOf(scene, ourTreeWith(scene, "CHAINTREE_SIMD", "avx512"));
+}
+
+static void* makeAvx2(const Scene* scene) {
+  return makeOf(scene, ourTreeWith(scene, "CHAINTREE_SIMD", "avx2"));
+}
+
+static void* makePortable(const Scene* scene) {
+  return makeOf(scene, ourTreeWith(scene, "CHAINTREE_SIMD", "portable"));
+}
+
+static void* makeTree(const Scene* scene) {
+  return makeOf(scene, ourTreeWith(scene, "CHAINTREE_TRIALS", "tree"));
+}
+
+static void* makeBoxes(const Scene* scene) {
+  return makeOf(scene, ourTreeWith(scene, "CHAINTREE_TRIALS", "boxes"));
+}
+
+static void* makeClearances(const Scene* scene) {
+  return makeOf(scene, ourTreeWith(scene, "CHAINTREE_TRIALS", "clearances"));
 }
 
 static int test(void* self, int count, const Turn* turns) {
@@ -70,13 +97,18 @@ static const char* instructionSet(const void* self) {
   return ctGetInstructionSet(((const Ours*)self)->tree);
 }
 
-const Contestant contestantOurs = {.name = "ours",
-                                   .idea = "the engine of this project",
-                                   .make = make,
-                                   .destroy = destroy,
-                                   .test = test,
-                                   .accept = accept,
-                                   .reject = reject,
-                                   .testAll = testAll,
-                                   .counts = counts,
-                                   .instructionSet = instructionSet};
+#define OURS(itsName, itsIdea, itsMake)                                                                    \
+  {                                                                                                        \
+    .name = itsName, .idea = itsIdea, .make = itsMake, .destroy = destroy, .test = test, .accept = accept, \
+    .reject = reject, .testAll = testAll, .counts = counts, .instructionSet = instructionSet               \
+  }
+
+const Contestant contestantOurs = OURS("ours", "the engine of this project", make);
+
+/* Each path that it can take. */
+const Contestant contestantOursAvx512 = OURS("ours-avx512", "the engine with AVX-512", makeAvx512);
+const Contestant contestantOursAvx2 = OURS("ours-avx2", "the engine with AVX2", makeAvx2);
+const Contestant contestantOursPortable = OURS("ours-portable", "the engine in plain C", makePortable);
+const Contestant contestantOursTree = OURS("ours-tree", "the engine by its tree of spheres", makeTree);
+const Contestant contestantOursBoxes = OURS("ours-boxes", "the engine by its tree with oriented boxes", makeBoxes);
+const Contestant contestantOursClearances = OURS("ours-clearances", "the engine by its clearances", makeClearances);

@@ -1,7 +1,9 @@
+#define _POSIX_C_SOURCE 200809L
 #include "ourtree.h"
 
 #include <stdint.h>
 #include <stdlib.h>
+#include <string.h>
 
 typedef struct Arrays {
   double* positions;
@@ -87,5 +89,22 @@ ctChainTree* ourTreeOf(const Scene* scene, int exclusionCount, int obstacleCount
     ctCreate(&definition, &tree, NULL, 0);
   }
   arraysFree(&arrays);
+  return tree;
+}
+
+ctChainTree* ourTreeWith(const Scene* scene, const char* variable, const char* value) {
+  const char* before = getenv(variable);
+  char* kept = before == NULL ? NULL : strdup(before);
+  ctChainTree* tree = NULL;
+  if ((before == NULL || kept != NULL) && setenv(variable, value, 1) == 0) {
+    tree = ourTreeOf(scene, scene->exclusionCount, 0, NULL);
+    if (kept == NULL) {
+      unsetenv(variable);
+    } else if (setenv(variable, kept, 1) != 0) {
+      ctDestroy(tree);
+      tree = NULL;
+    }
+  }
+  free(kept);
   return tree;
 }

@@ -9,4 +9,7 @@
  * 3 * obstacleCount coordinates. NULL if there is no memory. */
 ctChainTree* ourTreeOf(const Scene* scene, int exclusionCount, int obstacleCount, const double* obstacles);
 
+/* The scene alone, as if a variable of the environment (CHAINTREE_SIMD, CHAINTREE_TRIALS) had this value. */
+ctChainTree* ourTreeWith(const Scene* scene, const char* variable, const char* value);
+
 #endif /* OURTREE_H_ */

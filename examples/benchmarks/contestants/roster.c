@@ -3,6 +3,8 @@
 #include <string.h>
 
 extern Roster contestantsPortable;
+extern Roster precisionsPortable;
+extern KinematicsRoster kinematicsPortable;
 extern PairFinders pairFindersPortable;
 extern NearestFinders nearestFindersPortable;
 
@@ -12,6 +14,8 @@ static bool always(void) {
 
 #ifdef ROSTER_X86
 extern Roster contestantsAvx2;
+extern Roster precisionsAvx2;
+extern KinematicsRoster kinematicsAvx2;
 extern PairFinders pairFindersAvx2;
 extern NearestFinders nearestFindersAvx2;
 extern PairFinders pairFindersAvx512;
@@ -32,10 +36,12 @@ static bool hasAvx512(void) {
 static const InstructionSet sets[] = {
 #ifdef ROSTER_X86
     /* What gcc makes of contestants that name no instructions is slower with AVX-512 than with AVX2. */
-    {"avx512", hasAvx512, contestantsAvx2, "avx2", pairFindersAvx512, nearestFindersAvx512},
-    {"avx2", hasAvx2, contestantsAvx2, "avx2", pairFindersAvx2, nearestFindersAvx2},
+    {"avx512", hasAvx512, contestantsAvx2, precisionsAvx2, kinematicsAvx2, "avx2", pairFindersAvx512,
+     nearestFindersAvx512},
+    {"avx2", hasAvx2, contestantsAvx2, precisionsAvx2, kinematicsAvx2, "avx2", pairFindersAvx2, nearestFindersAvx2},
 #endif
-    {"portable", always, contestantsPortable, "portable", pairFindersPortable, nearestFindersPortable}};
+    {"portable", always, contestantsPortable, precisionsPortable, kinematicsPortable, "portable", pairFindersPortable,
+     nearestFindersPortable}};
 
 const InstructionSet* instructionSetFind(const char* name) {
   for (size_t i = 0; i < sizeof sets / sizeof sets[0]; i++) {
@@ -50,8 +56,25 @@ static bool isCalled(const char* itsName, const char* name, size_t length) {
   return strlen(itsName) == length && memcmp(itsName, name, length) == 0;
 }
 
+static const Contestant* findIn(const Contestant* const* roster, const char* name, size_t length) {
+  const Contestant* const* c = roster;
+  while (*c != NULL && !isCalled((*c)->name, name, length)) {
+    c++;
+  }
+  return *c;
+}
+
 const Contestant* contestantFind(const InstructionSet* set, const char* name, size_t length) {
-  const Contestant* const* c = set->contestants;
+  return findIn(set->contestants, name, length);
+}
+
+const Contestant* precisionFind(const InstructionSet* set, const char* name, size_t length) {
+  const Contestant* found = findIn(set->precisions, name, length);
+  return found != NULL ? found : contestantFind(set, name, length);
+}
+
+const Kinematics* kinematicsFind(const InstructionSet* set, const char* name, size_t length) {
+  const Kinematics* const* c = set->kinematics;
   while (*c != NULL && !isCalled((*c)->name, name, length)) {
     c++;
   }

@@ -3,6 +3,7 @@
 #define ROSTER_H_
 
 #include "contestant.h"
+#include "kinematics.h"
 #include "nearest.h"
 #include "pairfinder.h"
 
@@ -10,11 +11,14 @@
 typedef const Contestant* const Roster[];
 typedef const PairFinder* const PairFinders[];
 typedef const NearestFinder* const NearestFinders[];
+typedef const Kinematics* const KinematicsRoster[];
 
 typedef struct InstructionSet {
   const char* name;
   bool (*isHere)(void); /* whether this machine has it */
   const Contestant* const* contestants;
+  const Contestant* const* precisions; /* contestants that differ in how exact they are */
+  const Kinematics* const* kinematics;
   const char* contestantsName; /* of the set that these are compiled for */
   const PairFinder* const* pairFinders;
   const NearestFinder* const* nearestFinders;
@@ -25,6 +29,8 @@ const InstructionSet* instructionSetFind(const char* name);
 
 /* By name, of this length; NULL if there is none. */
 const Contestant* contestantFind(const InstructionSet* set, const char* name, size_t length);
+const Contestant* precisionFind(const InstructionSet* set, const char* name, size_t length); /* among all contestants */
+const Kinematics* kinematicsFind(const InstructionSet* set, const char* name, size_t length);
 const PairFinder* pairFinderFind(const InstructionSet* set, const char* name, size_t length);
 const NearestFinder* nearestFinderFind(const InstructionSet* set, const char* name, size_t length);
 

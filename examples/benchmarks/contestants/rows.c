@@ -30,6 +30,44 @@ void rowCounts(double volumeTests, double particleTests, double updates) {
   printf(", \"volumeTests\": %.6g, \"particleTests\": %.6g, \"updates\": %.6g", volumeTests, particleTests, updates);
 }
 
+static void printError(const char* name, const Error* error) {
+  printf("\"%s\": {\"largest\": %.4g, \"rms\": %.4g}", name, error->largest, error->rms);
+}
+
+static void printErrors(const char* name, const Errors* errors) {
+  printf(", \"%s\": {", name);
+  printError("distances", &errors->distances);
+  printf(", ");
+  printError("bonds", &errors->bonds);
+  printf(", ");
+  printError("angles", &errors->angles);
+  printf(", ");
+  printError("torsions", &errors->torsions);
+  printf("}");
+}
+
+void rowDrift(const DriftResult* result) {
+  printf(", \"stations\": [");
+  for (int i = 0; i < result->stationCount; i++) {
+    const Station* station = &result->stations[i];
+    printf("%s{\"turns\": %d, \"size\": %.6g, \"bits\": \"%016llx\"", i == 0 ? "" : ", ", station->turns, station->size,
+           (unsigned long long)station->bits);
+    printErrors("ofTurns", &station->ofTurns);
+    if (result->keepsAngles) {
+      printErrors("ofAngles", &station->ofAngles);
+    }
+    printf("}");
+  }
+  printf("]}\n");
+}
+
+void rowTouch(const TouchResult* result) {
+  printf(
+      ", \"clashes\": %d, \"missed\": %d, \"largestMissed\": %.4g, \"gaps\": %d, \"invented\": %d, "
+      "\"largestInvented\": %.4g}\n",
+      result->clashes, result->missed, result->largestMissed, result->gaps, result->invented, result->largestInvented);
+}
+
 static void printContestant(const char* measure, const char* name, const char* idea) {
   printf("{\"measure\": \"%s\", \"contestant\": \"%s\", \"idea\": ", measure, name);
   printString(idea);
@@ -46,6 +84,14 @@ void rowsOfContestants(const InstructionSet* set) {
   }
   for (const NearestFinder* const* c = set->nearestFinders; *c != NULL; c++) {
     printContestant("nearest", (*c)->name, (*c)->idea);
+    printf("}\n");
+  }
+  for (const Kinematics* const* c = set->kinematics; *c != NULL; c++) {
+    printContestant("drift", (*c)->name, (*c)->idea);
+    printf("}\n");
+  }
+  for (const Contestant* const* c = set->precisions; *c != NULL; c++) {
+    printContestant("touch", (*c)->name, (*c)->idea);
     printf("}\n");
   }
 }

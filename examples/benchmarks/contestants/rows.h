@@ -2,8 +2,10 @@
 #ifndef ROWS_H_
 #define ROWS_H_
 
+#include "driftrace.h"
 #include "measure.h"
 #include "options.h"
+#include "touchrace.h"
 
 /* What all rows of results begin with. */
 void rowBegin(const char* measure, const Options* options, const Scene* scene, int trials);
@@ -11,6 +13,10 @@ void rowBegin(const char* measure, const Options* options, const Scene* scene, i
 void rowTimes(const char* contestant, const char* instructionSet, const Quartiles* microseconds);
 
 void rowCounts(double volumeTests, double particleTests, double updates);
+
+/* The end of rows about exactness. */
+void rowDrift(const DriftResult* result);
+void rowTouch(const TouchResult* result);
 
 /* A row for each contestant there is. */
 void rowsOfContestants(const InstructionSet* set);
