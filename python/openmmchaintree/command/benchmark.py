@@ -4,17 +4,20 @@ import tempfile
 from pathlib import Path
 
 from ..structure import InputError
+from .accuracy.plan import TURNS, planAccuracy
 from .arguments import listOf, positive, positiveReal, seed
 from .benchmarking.course import Course
 from .benchmarking.program import Interrupted, Program, ProgramError
 from .benchmarking.proteins import ProteinModels, findProteins, readProtein
-from .benchmarking.report import describeProcessor, makeMarkdown, printReport, summarize, writeCSV
+from .benchmarking.report import describeProcessor, makeReport, summarize, writeCSV
 from .benchmarking.rows import GROUPS, WITH_PROTEINS, Plan
+from .benchmarking.study import Study
 from .outputfiles import checkOutput, checkPicture, writeJSON
 from .status import CONTESTANTS_FAILED, INTERRUPTED
 from .terminal import ReportConsole, interruptFlag, progress
 
 _STANDARD_OUTPUT = "-"
+_TRIALS = 20000
 _SECONDS, _QUICK_SECONDS = 20.0, 0.5
 _PICTURED = "figures"  # the group that the picture shows
 
@@ -47,7 +50,18 @@ def addParser(commands):
         metavar="NAMES",
         help="those who race, of the program in C, with commas between them (default: whom a group is about)",
     )
-    benchmark.add_argument("--trials", type=positive, default=20000, help="trials of a race (default: %(default)s)")
+    benchmark.add_argument(
+        "--accuracy",
+        action="store_true",
+        help="instead of races, measure how far positions are from exact ones after many turns, which clashes are "
+        "missed or invented where spheres all but touch, and how exact the soft force is, by the engine on all its "
+        "paths and by weaker methods, against long double",
+    )
+    benchmark.add_argument(
+        "--trials",
+        type=positive,
+        help=f"trials of a race (default: {_TRIALS}), or turns after which accuracy is measured (default: {TURNS})",
+    )
     benchmark.add_argument(
         "--seconds", type=positiveReal, help=f"processor time after which a race ends sooner (default: {_SECONDS:g})"
     )
@@ -61,14 +75,34 @@ def addParser(commands):
     benchmark.add_argument("--csv", metavar="FILE", help="write a line of CSV for each contestant of each row")
     benchmark.add_argument("--markdown", metavar="FILE", help="write the tables as Markdown (-: print them so)")
     benchmark.add_argument(
-        "--picture", metavar="FILE", help="draw the paper's figures 7 and 8 and its table 1 (.png, .pdf or .svg)"
+        "--picture",
+        metavar="FILE",
+        help="draw the paper's figures 7 and 8 and its table 1, or error by time (.png, .pdf or .svg)",
     )
 
 
 def _run(options):
-    groups = list(GROUPS) if options.rows is None else options.rows
-    outputs = _checkOutputs(options, groups)
+    outputs = _checkOutputs(options)
     program = Program()
+    study = planAccuracy(options, program) if options.accuracy else _planRaces(options, program)
+    seconds = options.seconds or (_QUICK_SECONDS if options.quick else _SECONDS)
+    with tempfile.TemporaryDirectory() as folder:
+        course = Course(program, options.seed, options.trials or study.trials, seconds, folder)
+        entries, failures, interrupted = _runAll(study.rows, course)
+    report = study.makeReport(entries, course, failures, interrupted)
+    _write(outputs, report, study)
+    if options.markdown == _STANDARD_OUTPUT:
+        print(report.markdown(), end="")
+    else:
+        report.print(list(outputs.values()), ReportConsole())
+    if failures or study.hasFailed(report.summary):
+        return CONTESTANTS_FAILED
+    return INTERRUPTED if interrupted else 0
+
+
+def _planRaces(options, program):
+    """Return the Study of the races that the user wants."""
+    groups = _groups(options)
     contestants = _chooseContestants(options.contestants, program)
     if options.structures:
         proteins, missing = [readProtein(path) for path in options.structures], []
@@ -77,29 +111,25 @@ def _run(options):
     models = [ProteinModels(protein) for protein in proteins]
     rows, skipped = Plan(groups, program.contestants, contestants, models, options.quick).makeRows()
     skipped += [(name, "not in the folder that CHAINTREE_TEST_DATA names") for name in missing]
-    seconds = options.seconds or (_QUICK_SECONDS if options.quick else _SECONDS)
-    with tempfile.TemporaryDirectory() as folder:
-        course = Course(program, options.seed, options.trials, seconds, folder)
-        entries, failures, interrupted = _runAll(rows, course)
-    summary = summarize(entries, course, proteins, skipped, failures, interrupted)
-    _write(outputs, summary)
-    if options.markdown == _STANDARD_OUTPUT:
-        print(makeMarkdown(summary), end="")
-    else:
-        printReport(summary, list(outputs.values()), ReportConsole())
-    if failures:
-        return CONTESTANTS_FAILED
-    return INTERRUPTED if interrupted else 0
+
+    def report(entries, course, failures, interrupted):
+        return makeReport(summarize(entries, course, proteins, skipped, failures, interrupted))
+
+    return Study(rows, _TRIALS, report, _savePicture)
 
 
-def _checkOutputs(options, groups):
+def _groups(options):
+    return list(GROUPS) if options.rows is None else options.rows
+
+
+def _checkOutputs(options):
     """Return the files to write, by their kind."""
     given = {kind: getattr(options, kind) for kind in ("json", "csv", "markdown", "picture")}
     outputs = {kind: Path(path) for kind, path in given.items() if path not in (None, _STANDARD_OUTPUT)}
     checkOutput(outputs.values(), options.structures)
     if "picture" in outputs:
         checkPicture(outputs["picture"])
-        if _PICTURED not in groups:
+        if not options.accuracy and _PICTURED not in _groups(options):
             raise InputError(f"--picture shows the rows of {_PICTURED}, which --rows leaves out")
     return outputs
 
@@ -132,22 +162,22 @@ def _runAll(rows, course):
         return entries, failures, bool(interrupted)
 
 
-def _write(outputs, summary):
+def _write(outputs, report, study):
     if "json" in outputs:
-        writeJSON(outputs["json"], summary)
+        writeJSON(outputs["json"], report.summary)
     if "csv" in outputs:
-        writeCSV(outputs["csv"], summary["entries"])
+        writeCSV(outputs["csv"], report.summary["entries"])
     if "markdown" in outputs:
-        outputs["markdown"].write_text(makeMarkdown(summary), encoding="utf-8")
-    if "picture" in outputs:
-        if any(entry["group"] == _PICTURED for entry in summary["entries"]):
-            _savePicture(outputs["picture"], summary)
-        else:
-            del outputs["picture"]
+        outputs["markdown"].write_text(report.markdown(), encoding="utf-8")
+    if "picture" in outputs and not study.savePicture(outputs["picture"], report.summary):
+        del outputs["picture"]
 
 
 def _savePicture(path, summary):
+    if not any(entry["group"] == _PICTURED for entry in summary["entries"]):
+        return False
     # Matplotlib takes longer to import than a short race.
     from .benchmarking.picture import savePicture
 
     savePicture(path, describeProcessor(summary), summary["entries"])
+    return True

@@ -50,7 +50,7 @@ class ForceRow(NamedTuple):
         contestants = [self._contestant("force, Reference", "Reference", force)]
         if whyNot(CPU) is None:
             contestants.append(self._contestant("force, CPU", CPU, force))
-            contestants.append(self._contestant("CustomNonbondedForce, CPU", CPU, _makeCustomForce(force)))
+            contestants.append(self._contestant("CustomNonbondedForce, CPU", CPU, makeCustomForce(force)))
         return _takeTurns(self, self.protein, course, contestants, _checkEnergies)
 
     def _contestant(self, name, platform, force):
@@ -159,7 +159,7 @@ def _walk(start, seed):
         yield start + shift
 
 
-def _makeCustomForce(force):
+def makeCustomForce(force):
     """Make a CustomNonbondedForce with the energy of a StericExclusionForce."""
     custom = openmm.CustomNonbondedForce(
         "0.5*k*step(overlap)*overlap^2; overlap = radius1 + radius2 - r - tolerance - allowance*bonded; "

@@ -3,12 +3,50 @@
 import csv
 import io
 from pathlib import Path
+from typing import Any, NamedTuple
 
 from .machine import describeMachine
 from .races import OURS
 from .rows import CHOSEN
 from .steps import FROM_C
-from .tables import makeTables
+from .tables import Table, makeTables
+
+
+class Report(NamedTuple):
+    """What a benchmark found.
+
+    summary : dict, everything, for JSON
+    heading : str, where and how it was measured
+    tables : list of Table
+    conclusions : list of str, lines that follow from the tables
+    """
+
+    summary: dict[str, Any]
+    heading: str
+    tables: list[Table]
+    conclusions: list[str]
+
+    def markdown(self):
+        """Return it as Markdown."""
+        parts = [self.heading, *(table.markdown() for table in self.tables)]
+        return "\n\n".join([*parts, *self.conclusions, *_describeRest(self.summary)]) + "\n"
+
+    def print(self, files, console):
+        """Print it on a rich Console, and the names of files with more."""
+        console.print(self.heading, markup=False)
+        for table in self.tables:
+            table.print(console)
+        console.print()
+        for line in (*self.conclusions, *_describeRest(self.summary)):
+            console.print(line, markup=False)
+        if files:
+            console.print(f"wrote {', '.join(map(str, files))}", markup=False)
+
+
+def makeReport(summary):
+    """Return the Report of races from their summary."""
+    heading = f"{describeRun(summary)}; up to {summary['trials']:,} trials or {summary['seconds']:g} s a row"
+    return Report(summary, heading, makeTables(summary["entries"]), [])
 
 
 def summarize(entries, course, proteins, skipped, failures, interrupted):
@@ -52,26 +90,17 @@ def writeCSV(path, entries):
 
 def _flatten(entry):
     first, third = entry["quartiles"]
-    flat = {"quartile1": first, "quartile3": third}
-    return {key: value for key, value in {**entry, **flat}.items() if key != "quartiles"}
+    others = {key: value for key, value in entry.items() if key != "quartiles"}
+    return dict(_leaves({**others, "quartile1": first, "quartile3": third}))
 
 
-def makeMarkdown(summary):
-    """Return the tables of a summary as Markdown."""
-    parts = [_describe(summary), *(table.markdown() for table in makeTables(summary["entries"]))]
-    return "\n\n".join([*parts, *_describeRest(summary)]) + "\n"
-
-
-def printReport(summary, files, console):
-    """Print a summary on a rich Console, and the names of files with more."""
-    console.print(_describe(summary), markup=False)
-    for table in makeTables(summary["entries"]):
-        table.print(console)
-    console.print()
-    for line in _describeRest(summary):
-        console.print(line, markup=False)
-    if files:
-        console.print(f"wrote {', '.join(map(str, files))}", markup=False)
+def _leaves(values, prefix=""):
+    """Yield what is in dictionaries within dictionaries, under names with dots."""
+    for key, value in values.items():
+        if isinstance(value, dict):
+            yield from _leaves(value, f"{prefix}{key}.")
+        else:
+            yield f"{prefix}{key}", value
 
 
 def describeProcessor(summary):
@@ -79,13 +108,11 @@ def describeProcessor(summary):
     return ", ".join([summary["machine"]["processor"], *summary["instructionSets"]])
 
 
-def _describe(summary):
+def describeRun(summary):
+    """Return the processor, the versions and the seed."""
     versions = summary["machine"]["versions"].items()
     versions = [f"{name} {version}" for name, version in versions if version is not None]
-    return (
-        f"{describeProcessor(summary)}; {', '.join(versions)}; seed {summary['seed']}; "
-        f"up to {summary['trials']:,} trials or {summary['seconds']:g} s a row"
-    )
+    return f"{describeProcessor(summary)}; {', '.join(versions)}; seed {summary['seed']}"
 
 
 def _describeRest(summary):

@@ -1,0 +1,1 @@
+"""How exact the engine and weaker methods are, for the time that they take."""
