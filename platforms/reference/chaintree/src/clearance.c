@@ -42,9 +42,9 @@ static bool reserve(Clearance* c, const Tree* tree) {
     return true;
   }
   c->leafCount = tree->levelSize[0];
-  c->stride = tree->levelBegin[1];
-  c->least = malloc((size_t)c->leafCount * (size_t)c->stride * sizeof(uint16_t));
-  c->shift = malloc((size_t)c->stride * sizeof(uint16_t));
+  c->stride = (c->leafCount + COLUMNS_AT_ONCE - 1) / COLUMNS_AT_ONCE * COLUMNS_AT_ONCE;
+  c->least = calloc((size_t)c->leafCount * (size_t)c->stride, sizeof(uint16_t));
+  c->shift = calloc((size_t)c->stride, sizeof(uint16_t));
   if (c->least == NULL || c->shift == NULL) {
     free(c->least);
     free(c->shift);

@@ -17,7 +17,8 @@
 /* Clearances are kept in whole units, 0 up to this. */
 enum { MOST_CLEARANCE = UINT16_MAX };
 
-enum { WITNESS_COUNT = 4 };
+/* Pairs that are remembered for having clashed: the more leaves, the more. */
+enum { LEAVES_A_WITNESS = 4, LEAST_WITNESSES = 8, MOST_WITNESSES = 64 };
 
 /* A pair of leaves that the open trial has tested. */
 typedef struct TestedPair {
@@ -25,6 +26,9 @@ typedef struct TestedPair {
   int b;
   uint16_t clearance; /* in the trial */
 } TestedPair;
+
+/* So many clearances of a row are compared at a time. */
+enum { COLUMNS_AT_ONCE = 32 };
 
 /* Who tests trials. */
 typedef enum TrialCourse {
@@ -38,15 +42,16 @@ typedef struct Clearance {
   TrialCourse course;
   bool isKept; /* the clearances are of the state */
   int leafCount;
-  int stride;         /* of a row, a multiple of TREE_WIDTH */
+  int stride;         /* of a row, a multiple of COLUMNS_AT_ONCE */
   uint16_t* least;    /* leafCount rows; of leaves a < b in row a, column b */
   uint16_t* shift;    /* per leaf, with padding: a bound of how far two bodies displace it, in units */
   float unit;         /* nm */
   TestedPair* tested; /* of the open trial */
   int testedCount;
   int testedCapacity;
-  int witness[WITNESS_COUNT][2]; /* slots that clashed in the last trials */
-  int nextWitness;               /* to be replaced */
+  int witness[MOST_WITNESSES][2]; /* slots */
+  int witnessCount;
+  int nextWitness; /* to be replaced */
 
   /* The choice, made after each round of trials. Costs are in units of about a nanosecond. */
   int64_t cost;      /* of this round */

@@ -10,7 +10,7 @@ typedef struct Crossing {
   int beginB;
   int endB;
   int motionB;
-  float between[12]; /* what takes B, at rest, to where A, at rest, sees it in the view */
+  float back[12]; /* what takes A, at rest, to where B, at rest, sees it in the view */
 } Crossing;
 
 /* ---- How far bodies go ---- */
@@ -95,7 +95,8 @@ static bool forEachCrossing(Clearance* c, Traversal* t, CrossingFunction* visit,
                            {0}};
       const Frame back = transformInverse(&view->motions[crossing.motionA]);
       const Frame between = transformCompose(&back, &view->motions[crossing.motionB]);
-      floatMotion(&between, crossing.between);
+      const Frame other = transformInverse(&between);
+      floatMotion(&other, crossing.back);
       /* A distance changes by no more than either of its ends is displaced. */
       boundShifts(c, t, &between, crossing.beginA, crossing.endA);
       boundShifts(c, t, &between, crossing.beginB, crossing.endB);
@@ -108,14 +109,14 @@ static bool forEachCrossing(Clearance* c, Traversal* t, CrossingFunction* visit,
   return false;
 }
 
-/* The columns of a row that a crossing has, sixteen at a time: mask of those in [begin, end) from column `first` on. */
-static unsigned columnsWithin(int first, int begin, int end) {
-  unsigned mask = 0xffff;
+/* The columns of a row that a crossing has, in [begin, end): mask of them from column `first` on. */
+static uint32_t columnsWithin(int first, int begin, int end) {
+  uint32_t mask = ~(uint32_t)0;
   if (first < begin) {
-    mask &= 0xffffu << (begin - first);
+    mask <<= begin - first;
   }
-  if (end - first < TREE_WIDTH) {
-    mask &= (1u << (end - first)) - 1;
+  if (end - first < COLUMNS_AT_ONCE) {
+    mask &= ((uint32_t)1 << (end - first)) - 1;
   }
   return mask;
 }
@@ -135,7 +136,7 @@ static void measureClearances(Clearance* c, Traversal* t, double reach) {
   const Float16 room = all16((float)(reach + floatMargin(t->extent + fabs(reach))));
   for (int a = 0; a < c->leafCount; a++) {
     const Sphere own = leafSphere(t, a);
-    for (int block = a / TREE_WIDTH; block < c->stride / TREE_WIDTH; block++) {
+    for (int block = a / TREE_WIDTH; block <= (c->leafCount - 1) / TREE_WIDTH; block++) {
       const Block* spheres = leafSpheres(t, block);
       const Float16 distance = sqrt16(squaredFrom(spheres, own.x, own.y, own.z));
       const Float16 radii = max16(add16(load16(spheres->r), all16(own.r)), all16(0));
@@ -164,6 +165,17 @@ typedef struct ClearanceTest {
   int64_t volumeTests;
   int64_t particleTests;
 } ClearanceTest;
+
+/* Takes the place of the oldest, if all are taken. */
+static void addWitness(Clearance* c, int slotA, int slotB) {
+  const int wanted = c->leafCount / LEAVES_A_WITNESS;
+  const int most = wanted < LEAST_WITNESSES ? LEAST_WITNESSES : wanted > MOST_WITNESSES ? MOST_WITNESSES : wanted;
+  int* witness = c->witness[c->nextWitness];
+  witness[0] = slotA;
+  witness[1] = slotB;
+  c->nextWitness = (c->nextWitness + 1) % most;
+  c->witnessCount += c->witnessCount < most;
+}
 
 /* The least clearance of the particles of two expanded leaves, or of one with itself, in the view; no more than `cap`.
  */
@@ -201,9 +213,7 @@ static float leafClearance(Clearance* c, Traversal* t, ClearanceTest* test, int 
       const double exact = test->function(test->context, i, j, ctTraversalSquaredDistance(t, i, j), crosses);
       if (crosses && exact < 0) {
         test->clash = true;
-        c->witness[c->nextWitness][0] = i;
-        c->witness[c->nextWitness][1] = j;
-        c->nextWitness = (c->nextWitness + 1) % WITNESS_COUNT;
+        addWitness(c, i, j);
         return 0;
       }
       least = exact < (double)least ? (float)(exact - t->band) : least;
@@ -220,51 +230,88 @@ static void expandLeaf(Traversal* t, int leaf, int motion) {
   }
 }
 
-/* A pair whose clearance the bound may use up. */
-static inline void testPair(Clearance* c, Traversal* t, ClearanceTest* test, const Crossing* crossing, int a, int b) {
-  const uint16_t bound = c->shift[a] < c->shift[b] ? c->shift[a] : c->shift[b];
-  uint16_t* least = rowOf(c, a) + b;
-  expandLeaf(t, a, crossing->motionA);
-  expandLeaf(t, b, crossing->motionB);
-  float clearance = -1;
-  const float wanted = (float)bound * c->unit;
-  const bool straddles = t->motion[a] < 0 || t->motion[b] < 0;
-  if (!straddles) {
-    const Sphere sphereA = leafSphere(t, a);
-    const Sphere sphereB = movedSphere(leafSphere(t, b), crossing->between);
-    const float x = sphereB.x - sphereA.x;
-    const float y = sphereB.y - sphereA.y;
-    const float z = sphereB.z - sphereA.z;
-    clearance = sqrtf(x * x + y * y + z * z) - sphereA.r - sphereB.r - test->room;
-    test->volumeTests++;
-    test->cost += 6;
-  }
-  if (!(clearance > wanted)) {
-    const float near = leafClearance(c, t, test, a, b, 8 * wanted + 64 * c->unit);
-    test->cost += 60;
-    if (test->clash) {
-      return;
-    }
-    clearance = near > clearance ? near : clearance;
-  }
-  const float units = 0.999999f * clearance / c->unit;
-  const uint16_t found = (uint16_t)(int)(units < 0 ? 0 : units > (float)MOST_CLEARANCE ? (float)MOST_CLEARANCE : units);
-  if (!straddles || t->view->motionCount == 2) { /* else a part of them may come nearer by more than this bound */
+/* What a test has found of a pair: how much clearance it has in the trial, in units. */
+static void keepFound(Clearance* c, int a, int b, uint16_t bound, uint16_t found, bool isOfState) {
+  if (isOfState) {
     const uint16_t before = found > bound ? (uint16_t)(found - bound) : 0;
+    uint16_t* least = rowOf(c, a) + b;
     *least = before > *least ? before : *least;
   }
   /* Without memory for it, a commit just takes off the bound. */
-  if (ctReserve((void**)&c->tested, &c->testedCapacity, c->testedCount + 1, sizeof(TestedPair))) {
+  if (c->testedCount < c->testedCapacity) {
     c->tested[c->testedCount++] = (TestedPair){a, b, found};
   }
 }
 
-/* Columns from `first` on whose bit is set; true if nothing more is to be tested. A function of its own, so that the
- * search for them has all registers. */
+static bool isStraddler(const Traversal* t, int leaf) {
+  return t->itemStamp[leaf] == t->stamp && t->motion[leaf] < 0;
+}
+
+/* A pair whose spheres are too near to tell. */
+static void testPair(Clearance* c, Traversal* t, ClearanceTest* test, const Crossing* crossing, int a, int b) {
+  const uint16_t bound = c->shift[a] < c->shift[b] ? c->shift[a] : c->shift[b];
+  expandLeaf(t, a, crossing->motionA);
+  expandLeaf(t, b, crossing->motionB);
+  const float wanted = (float)bound * c->unit;
+  const float clearance = leafClearance(c, t, test, a, b, 16 * wanted + 64 * c->unit);
+  test->cost += 60;
+  if (!test->clash) {
+    const float units = 0.999999f * clearance / c->unit;
+    const float most = (float)MOST_CLEARANCE;
+    const uint16_t found = (uint16_t)(int)(units < 0 ? 0 : units > most ? most : units);
+    /* Of pieces that meet in a leaf, another than these may come nearer by more than this bound. */
+    const bool isOfState = t->view->motionCount == 2 || !(isStraddler(t, a) || isStraddler(t, b));
+    keepFound(c, a, b, bound, found, isOfState);
+  }
+}
+
+/* Those of these sixteen leaves whose spheres leave that of leaf a, where they see it, more clearance than the bound.
+ */
+static unsigned testSpheres(Clearance* c, const Traversal* t, ClearanceTest* test, Sphere sphere, int a, int first,
+                            unsigned columns) {
+  for (int i = 0; i < t->straddlerCount; i++) {
+    const int column = t->straddlers[i].item - first;
+    if (column >= 0 && column < TREE_WIDTH) {
+      columns &= ~(1u << column);
+    }
+  }
+  const int count = __builtin_popcount(columns);
+  test->volumeTests += count;
+  test->cost += 6 * count;
+  const Block* spheres = leafSpheres(t, first / TREE_WIDTH);
+  const Float16 distance = sqrt16(squaredFrom(spheres, sphere.x, sphere.y, sphere.z));
+  const Float16 radii = max16(add16(load16(spheres->r), all16(sphere.r + test->room)), all16(0));
+  uint16_t units[TREE_WIDTH];
+  storeUnits(c, sub16(distance, radii), units);
+  unsigned safe = 0;
+  for (; columns != 0; columns &= columns - 1) {
+    const int k = __builtin_ctz(columns);
+    const int b = first + k;
+    const uint16_t bound = c->shift[a] < c->shift[b] ? c->shift[a] : c->shift[b];
+    if (units[k] > bound) {
+      keepFound(c, a, b, bound, units[k], true);
+      safe |= 1u << k;
+    }
+  }
+  return safe;
+}
+
+/* Pairs whose clearance the bound may use up: leaf a with those from `first` on whose bit is set. True if nothing more
+ * is to be tested. A function of its own, so that the search for them has all registers. */
 static __attribute__((noinline)) bool testPairs(Clearance* c, Traversal* t, ClearanceTest* test,
-                                                const Crossing* crossing, int a, int first, unsigned mask) {
-  for (; mask != 0; mask &= mask - 1) {
-    testPair(c, t, test, crossing, a, first + __builtin_ctz(mask));
+                                                const Crossing* crossing, int a, int first, uint32_t columns) {
+  ctReserve((void**)&c->tested, &c->testedCapacity, c->testedCount + COLUMNS_AT_ONCE, sizeof(TestedPair));
+  if (!isStraddler(t, a)) {
+    const Sphere sphere = movedSphere(leafSphere(t, a), crossing->back);
+    for (int k = 0; k < COLUMNS_AT_ONCE; k += TREE_WIDTH) {
+      const unsigned half = columns >> k & 0xffff;
+      if (half != 0) {
+        columns &= ~((uint32_t)testSpheres(c, t, test, sphere, a, first + k, half) << k);
+      }
+    }
+  }
+  for (; columns != 0; columns &= columns - 1) {
+    testPair(c, t, test, crossing, a, first + __builtin_ctz(columns));
     if (test->clash || test->cost > c->mostCost) {
       return true;
     }
@@ -277,10 +324,9 @@ static bool testCrossing(Clearance* c, Traversal* t, const Crossing* crossing, v
   for (int a = crossing->beginA; a < crossing->endA; a++) {
     const int begin = crossing->beginB > a ? crossing->beginB : a + 1;
     const uint16_t* row = rowOf(c, a);
-    const Short16 own = allShorts(c->shift[a]);
-    for (int first = begin / TREE_WIDTH * TREE_WIDTH; first < crossing->endB; first += TREE_WIDTH) {
-      const Short16 bound = minShorts(own, loadShorts(c->shift + first));
-      unsigned mask = zeroShorts(lessShorts(loadShorts(row + first), bound));
+    const uint16_t own = c->shift[a];
+    for (int first = begin / COLUMNS_AT_ONCE * COLUMNS_AT_ONCE; first < crossing->endB; first += COLUMNS_AT_ONCE) {
+      uint32_t mask = within32(row + first, c->shift + first, own);
       if (mask == 0) {
         continue;
       }
@@ -294,36 +340,40 @@ static bool testCrossing(Clearance* c, Traversal* t, const Crossing* crossing, v
   return false;
 }
 
-/* The pairs that clashed in the last trials are likely to do so again. */
-static bool testWitnesses(Clearance* c, Traversal* t, ClearanceTest* test) {
-  for (int i = 0; i < WITNESS_COUNT; i++) {
-    const int* pair = c->witness[i];
-    if (pair[0] == pair[1]) {
-      continue;
-    }
-    const int motionA = motionOf(t->view, pair[0]);
-    const int motionB = motionOf(t->view, pair[1]);
-    if (motionA == motionB) {
-      continue;
-    }
-    const int a = pair[0] / TREE_WIDTH;
-    const int b = pair[1] / TREE_WIDTH;
-    expandLeaf(t, a, motionA);
-    expandLeaf(t, b, motionB);
-    const Sphere x = sphereOf(blockOf(t, a), pair[0] % TREE_WIDTH);
-    const Sphere y = sphereOf(blockOf(t, b), pair[1] % TREE_WIDTH);
-    const float reach = x.r + y.r + test->room;
-    test->particleTests++;
-    test->cost += 10;
-    if ((x.x - y.x) * (x.x - y.x) + (x.y - y.y) * (x.y - y.y) + (x.z - y.z) * (x.z - y.z) < reach * reach) {
-      const double squared = ctTraversalSquaredDistance(t, pair[0], pair[1]);
-      test->clash = test->function(test->context, pair[0], pair[1], squared, true) < 0;
-      if (test->clash) {
-        return true;
-      }
-    }
+/* The sphere of a slot whose motion is this one. Its leaf need not be expanded. */
+static Sphere slotSphere(Traversal* t, int slot, int motion) {
+  const int leaf = slot / TREE_WIDTH;
+  putToRest(t, 0, leaf);
+  const Sphere sphere = sphereOf(&t->rest[leaf], slot % TREE_WIDTH);
+  return moves(t->view, motion) ? movedSphere(sphere, t->motions[motion]) : sphere;
+}
+
+static bool witnessClashes(Traversal* t, ClearanceTest* test, const int pair[2]) {
+  const int motionA = motionOf(t->view, pair[0]);
+  const int motionB = motionOf(t->view, pair[1]);
+  if (motionA == motionB) {
+    return false;
   }
-  return false;
+  test->particleTests++;
+  test->cost += 10;
+  const Sphere a = slotSphere(t, pair[0], motionA);
+  const Sphere b = slotSphere(t, pair[1], motionB);
+  const float reach = a.r + b.r + test->room;
+  if ((a.x - b.x) * (a.x - b.x) + (a.y - b.y) * (a.y - b.y) + (a.z - b.z) * (a.z - b.z) >= reach * reach) {
+    return false;
+  }
+  expandLeaf(t, pair[0] / TREE_WIDTH, motionA);
+  expandLeaf(t, pair[1] / TREE_WIDTH, motionB);
+  const double squared = ctTraversalSquaredDistance(t, pair[0], pair[1]);
+  return test->function(test->context, pair[0], pair[1], squared, true) < 0;
+}
+
+/* The pairs that clashed in past trials are likely to do so again. */
+static bool testWitnesses(Clearance* c, Traversal* t, ClearanceTest* test) {
+  for (int i = 0; i < c->witnessCount && !test->clash; i++) {
+    test->clash = witnessClashes(t, test, c->witness[i]);
+  }
+  return test->clash;
 }
 
 /* Leaves in which pieces meet. */
@@ -376,7 +426,7 @@ static bool takeOff(Clearance* c, Traversal* t, const Crossing* crossing, void* 
     for (int first = begin / TREE_WIDTH * TREE_WIDTH; first < crossing->endB; first += TREE_WIDTH) {
       const Short16 before = loadShorts(row + first);
       const Short16 after = lessShorts(before, minShorts(own, loadShorts(c->shift + first)));
-      storeShorts(row + first, blendShorts(columnsWithin(first, begin, crossing->endB), before, after));
+      storeShorts(row + first, blendShorts(columnsWithin(first, begin, crossing->endB) & 0xffff, before, after));
     }
     *cost += (crossing->endB - begin) / TREE_WIDTH;
   }

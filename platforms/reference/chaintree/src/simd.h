@@ -420,4 +420,25 @@ static inline Short16 blendShorts(unsigned mask, Short16 a, Short16 b) {
 
 #endif
 
+/* Bit k of 32 is set if a[k] <= min(b[k], most). */
+#if defined(CT_PATH_AVX512)
+
+static inline uint32_t within32(const uint16_t* a, const uint16_t* b, uint16_t most) {
+  const __m512i least = _mm512_min_epu16(_mm512_loadu_si512(b), _mm512_set1_epi16((short)most));
+  return _mm512_cmple_epu16_mask(_mm512_loadu_si512(a), least);
+}
+
+#else
+
+static inline uint32_t within32(const uint16_t* a, const uint16_t* b, uint16_t most) {
+  uint32_t mask = 0;
+  for (int k = 0; k < 32; k += 16) {
+    const Short16 least = minShorts(loadShorts(b + k), allShorts(most));
+    mask |= (uint32_t)zeroShorts(lessShorts(loadShorts(a + k), least)) << k;
+  }
+  return mask;
+}
+
+#endif
+
 #endif /* CT_SIMD_H_ */
