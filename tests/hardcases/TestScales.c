@@ -13,9 +13,11 @@ static void testSixOrders(void)
 {
     randomSource random = randomSourceFromSeed(1);
     Scene scene = {.overlapTolerance = 1e-4};
-    for (int i = 0; i < 200; i++)
-        addParticle(&scene, addFreeLink(&scene), randomReal(&random, -60, 60), randomReal(&random, -60, 60),
-                    randomReal(&random, -60, 60), pow(10, randomReal(&random, -4, 2)));
+    for (int i = 0; i < 200; i++) {
+        double point[3];
+        randomPoint(&random, -60, 60, point);
+        addParticle(&scene, addFreeLink(&scene), point[0], point[1], point[2], pow(10, randomReal(&random, -4, 2)));
+    }
     HardCase hard;
     openCase(&hard, "radii over six orders", &scene);
     raiseLimits(&hard);

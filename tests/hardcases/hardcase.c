@@ -492,6 +492,12 @@ void raiseLimits(HardCase* hard)
 
 /* ---- Wandering ---- */
 
+void randomPoint(randomSource* random, double low, double high, double point[3])
+{
+    for (int axis = 0; axis < 3; axis++)
+        point[axis] = randomReal(random, low, high);
+}
+
 static double chooseAngle(randomSource* random, double step)
 {
     switch (randomInt(random, 8)) {

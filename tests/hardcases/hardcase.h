@@ -9,7 +9,7 @@
 
 #include "oracle/oracle.h"
 #include "oracle/randomScene.h"
-#include "scene.h"
+#include "sceneBuilder.h"
 
 #include <stdbool.h>
 
@@ -55,6 +55,9 @@ void raiseLimits(HardCase* hard);
 /* Trials of random links: turns by large, small and odd angles, and small shifts of links that move freely. Those that
  * are clash-free are accepted, and a few of those that clash; the state is compared a few times. */
 void wander(HardCase* hard, randomSource* random, int trials, double step, double cutoff);
+
+/* A point of a cube. Numbers are drawn one after another; as arguments of a call they would be in any order. */
+void randomPoint(randomSource* random, double low, double high, double point[3]);
 
 /* Ends the program if a condition does not hold. */
 void need(bool condition, const HardCase* hard, const char* format, ...) __attribute__((format(printf, 3, 4)));

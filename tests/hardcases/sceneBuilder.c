@@ -1,4 +1,4 @@
-#include "scene.h"
+#include "sceneBuilder.h"
 
 #include <stdlib.h>
 #include <string.h>

@@ -1,6 +1,6 @@
-/* scene.h: scenes that grow particle by particle. */
-#ifndef SCENE_H_
-#define SCENE_H_
+/* sceneBuilder.h: scenes that grow particle by particle. */
+#ifndef SCENE_BUILDER_H_
+#define SCENE_BUILDER_H_
 
 #include "chaintree.h"
 
@@ -37,4 +37,4 @@ void sceneFree(Scene* scene);
 
 ctDefinition sceneDefinition(const Scene* scene);
 
-#endif /* SCENE_H_ */
+#endif /* SCENE_BUILDER_H_ */

@@ -1,0 +1,75 @@
+# Builds the engine and trajectory.c without and with optimization, by every compiler that there is, and requires that
+# what the program prints is the same for all, on every instruction set and however trials are tested.
+#
+# cmake -DPROGRAM=... -DSOURCE_DIR=... -DWORK_DIR=... -DCOMPILERS="..." -DAVX2=... -DAVX512=... -P compareTrajectories.cmake
+# PROGRAM is that of the project's own build; AVX2 and AVX512 are the options of the files for these instruction sets.
+
+set(engine_dir "${SOURCE_DIR}/platforms/reference/chaintree")
+file(GLOB sources "${engine_dir}/src/*.c")
+list(APPEND sources
+    "${SOURCE_DIR}/tests/trajectory/trajectory.c"
+    "${SOURCE_DIR}/tests/hardcases/sceneBuilder.c"
+    "${SOURCE_DIR}/tests/oracle/randomScene.c")
+
+function(run_program program set course output)
+    execute_process(
+        COMMAND "${CMAKE_COMMAND}" -E env "CHAINTREE_SIMD=${set}" "CHAINTREE_TRIALS=${course}" "${program}"
+        OUTPUT_VARIABLE printed RESULT_VARIABLE result)
+    if(NOT result EQUAL 0)
+        message(FATAL_ERROR "${program} ends with ${result}: ${printed}")
+    endif()
+    set(${output} "${printed}" PARENT_SCOPE)
+endfunction()
+
+function(compare_program program)
+    foreach(set avx512 avx2 portable)
+        foreach(course cost tree boxes clearances)
+            run_program("${program}" ${set} ${course} printed)
+            if(NOT printed STREQUAL expected)
+                message(FATAL_ERROR "${program}, ${set}, ${course}:\n${printed}and not\n${expected}")
+            endif()
+        endforeach()
+    endforeach()
+    message(STATUS "${program}: the same")
+endfunction()
+
+# The project's flags, but for the level.
+function(build_program compiler level program)
+    get_filename_component(name "${program}" NAME)
+    set(objects_dir "${WORK_DIR}/${name}-objects")
+    file(MAKE_DIRECTORY "${objects_dir}")
+    set(objects "")
+    foreach(source IN LISTS sources)
+        get_filename_component(stem "${source}" NAME_WE)
+        set(options "")
+        if(stem STREQUAL "instructions_avx2")
+            set(options ${AVX2})
+        elseif(stem STREQUAL "instructions_avx512")
+            set(options ${AVX512})
+        endif()
+        execute_process(
+            COMMAND "${compiler}" -std=c11 -ffp-contract=off -DNDEBUG ${level} ${options}
+                "-I${engine_dir}/include" "-I${SOURCE_DIR}/tests" -c "${source}" -o "${objects_dir}/${stem}.o"
+            RESULT_VARIABLE result)
+        if(NOT result EQUAL 0)
+            message(FATAL_ERROR "${compiler} ${level} cannot compile ${source}")
+        endif()
+        list(APPEND objects "${objects_dir}/${stem}.o")
+    endforeach()
+    execute_process(COMMAND "${compiler}" ${objects} -lm -o "${program}" RESULT_VARIABLE result)
+    if(NOT result EQUAL 0)
+        message(FATAL_ERROR "${compiler} cannot link ${program}")
+    endif()
+endfunction()
+
+run_program("${PROGRAM}" portable tree expected)
+message(STATUS "expected:\n${expected}")
+compare_program("${PROGRAM}")
+foreach(compiler IN LISTS COMPILERS)
+    get_filename_component(name "${compiler}" NAME)
+    foreach(level -O0 -O3)
+        set(program "${WORK_DIR}/trajectory-${name}${level}")
+        build_program("${compiler}" ${level} "${program}")
+        compare_program("${program}")
+    endforeach()
+endforeach()
