@@ -169,8 +169,12 @@ class Copy:
         self.source = folder / "source"
         self.build = folder / "build"
         self.source.mkdir(parents=True, exist_ok=True)
-        for name in run(["git", "ls-files"], cwd=REPOSITORY, check=True).stdout.splitlines():
+        tracked = run(["git", "ls-files"], cwd=REPOSITORY, check=True).stdout.splitlines()
+        for name in tracked:
             self.write(name, (REPOSITORY / name).read_bytes())
+        for path in self.source.rglob("*"):
+            if path.is_file() and str(path.relative_to(self.source)) not in tracked:
+                path.unlink()
         options = ["PYTHON=OFF", "BENCHMARKS=OFF"]
         configured = run(["cmake", "-S", self.source, "-B", self.build, "-G", "Ninja", f"-DPython_EXECUTABLE={sys.executable}"]
             + [f"-DCHAINTREE_BUILD_{option}" for option in options]

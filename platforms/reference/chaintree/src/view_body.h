@@ -168,6 +168,9 @@ static void startView(Traversal* t, const View* view) {
   t->band = DOUBLE_MARGIN * t->extent;
   if (++t->stamp == 0) {
     memset(t->itemStamp, 0, (size_t)tree->itemCount * sizeof(uint32_t));
+    for (int node = 0; node < tree->itemCount - tree->levelBegin[1]; node++) {
+      t->boxes[node].stamp = 0;
+    }
     t->stamp = 1;
   }
   if (t->sinceSurfaces != view->surfaces) {

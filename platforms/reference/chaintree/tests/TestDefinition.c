@@ -1,6 +1,8 @@
 /* Definitions that ctCreate refuses, each with the culprit's name, and the smallest that it accepts. */
 #include "check.h"
 
+#include <limits.h>
+
 enum { PARTICLES = 6, LINKS = 3 };
 
 /* Arrays of a sound scene, for a test to spoil: a fixed link, one that turns on it, one that is free. */
@@ -64,6 +66,7 @@ static void checkRefused(int line, const Scene* scene, const char* culprit) {
 static void testParticles(void) {
   REFUSED(scene.positions[7] = NAN, "particle 2");
   REFUSED(scene.positions[17] = INFINITY, "particle 5");
+  REFUSED(scene.positions[9] = -INFINITY, "particle 3");
   REFUSED(scene.radii[3] = -0.1, "particle 3");
   REFUSED(scene.radii[4] = NAN, "particle 4");
   REFUSED(scene.radii[4] = INFINITY, "particle 4");
@@ -71,6 +74,7 @@ static void testParticles(void) {
   REFUSED(scene.particleLinks[5] = LINKS, "particle 5");
   REFUSED(scene.particleLinks[5] = -1, "particle 5");
   REFUSED(scene.definition.particleCount = -1, "-1 particles");
+  REFUSED(scene.definition.particleCount = INT_MAX, "2147483647 particles");
 }
 
 static void testLinks(void) {
@@ -82,6 +86,7 @@ static void testLinks(void) {
   REFUSED(scene.joints[2] = ctTorsionJoint, "link 2");
   REFUSED((scene.particleLinks[4] = 1, scene.particleLinks[5] = 1), "link 2");
   REFUSED(scene.definition.linkCount = -1, "-1 links");
+  REFUSED(scene.definition.linkCount = INT_MAX, "2147483647 links");
   /* 1 hangs on 2 and 2 on 1 */
   REFUSED((scene.joints[1] = ctFreeJoint, scene.parents[1] = 2, scene.parents[2] = 1), "ancestor");
 }
@@ -92,6 +97,7 @@ static void testTorsions(void) {
   REFUSED(scene.torsions[1][3] = -1, "particle -1");
   REFUSED(scene.torsions[1][1] = 4, "particles 4 and 2");
   REFUSED(scene.torsions[1][2] = 0, "particles 1 and 0");
+  REFUSED((scene.torsions[1][1] = 2, scene.torsions[1][2] = 3), "particles 2 and 3");
 }
 
 static void testPairs(void) {
@@ -99,8 +105,10 @@ static void testPairs(void) {
   REFUSED(scene.exclusions[1][1] = -1, "exclusion 1");
   REFUSED(scene.exclusions[1][1] = 3, "exclusion 1");
   REFUSED(scene.definition.exclusionCount = -1, "-1 exclusions");
+  REFUSED(scene.definition.exclusionCount = INT_MAX, "2147483647 exclusions");
   REFUSED(scene.definition.overlapTolerance = -0.01, "tolerance is -0.01");
   REFUSED(scene.definition.overlapTolerance = NAN, "tolerance");
+  REFUSED(scene.definition.overlapTolerance = INFINITY, "tolerance");
   REFUSED(scene.definition.hydrogenBondAllowance = -0.01, "allowance is -0.01");
   REFUSED(scene.definition.hydrogenBondAllowance = INFINITY, "allowance");
 }
@@ -112,6 +120,7 @@ static void testErrorText(void) {
   ctChainTree* tree;
   char text[12] = "           ";
   CHECK(ctCreate(&scene.definition, &tree, NULL, 0) == ctInvalidArgument && tree == NULL);
+  CHECK(ctCreate(&scene.definition, &tree, text, 0) == ctInvalidArgument && text[0] == ' ');
   CHECK(ctCreate(&scene.definition, &tree, text, 9) == ctInvalidArgument);
   CHECK(strcmp(text, "particle") == 0 && text[9] == ' '); /* cut to its size */
 }

@@ -1,6 +1,8 @@
 /* Every allocation of every call fails once: the call says so, changes nothing, and works the next time.
  *
  * The program puts its own functions before the C library's allocator; where that cannot be done, it is skipped. */
+#define _XOPEN_SOURCE 700 /* putenv */
+
 #include "lattice.h"
 
 #if defined(__has_feature)
@@ -171,6 +173,23 @@ static ctStatus selectFew(ctChainTree* tree) {
   return status;
 }
 
+static ctStatus hasClash(ctChainTree* tree) {
+  bool clash;
+  return ctHasClash(tree, &clash, NULL, NULL);
+}
+
+static ctStatus computeEnergy(ctChainTree* tree) {
+  double energy;
+  return ctComputeEnergy(tree, 1, &energy, NULL, NULL);
+}
+
+/* A validation that is refused memory is none. */
+static ctStatus validate(ctChainTree* tree) {
+  const bool valid = ctValidate(tree);
+  CHECK(valid != hasFailed);
+  return ctSuccess;
+}
+
 static ctStatus listNeighbors(ctChainTree* tree) {
   PairCount pairs = {0};
   return ctForEachNeighborPair(tree, 1.2, countPair, &pairs, NULL);
@@ -236,16 +255,44 @@ static void testCall(const char* name, ctStatus (*call)(ctChainTree* tree), bool
   }
 }
 
+/* A selection of particles that are not modelled needs more. */
+static void testSelectBare(void) {
+  static const int particles[] = {7, 300, 7};
+  ctChainTree* tree = makeLattice(LAYERS, 0, 0);
+  ctSelection* selection;
+  ctStatus status;
+  int n = 0;
+  do {
+    failAllocation(n++);
+    status = ctSelect(tree, 3, particles, &selection);
+    allocationsLeft = -1;
+    CHECK(status == (hasFailed ? ctOutOfMemory : ctSuccess) && (selection == NULL) == hasFailed);
+    ctFreeSelection(selection);
+  } while (hasFailed);
+  CHECK(n > 5);
+  ctDestroy(tree);
+}
+
 int main(void) {
-  printf("\n"); /* its buffer is no leak of ours */
+  static char byCost[] = "CHAINTREE_TRIALS=cost";
+  static char byClearances[] = "CHAINTREE_TRIALS=clearances";
+  printf("\n"); /* its buffer is no leak of ours, nor is the environment */
+  putenv(byCost);
   const int before = live;
   testCreate();
   testCall("propose", proposeMany, true, 0);
   testCall("test", test, true, 0);
+  putenv(byClearances);
+  testCall("test by clearances", test, true, 0);
+  putenv(byCost);
   testCall("list changed pairs", listChanged, true, 0);
   testCall("set limits", setLimits, true, 0);
   testCall("raise limits", raiseLimits, true, 0.2);
   testCall("select", selectFew, true, 0);
+  testSelectBare();
+  testCall("has clash", hasClash, true, 0.2);
+  testCall("compute energy", computeEnergy, true, 0.2);
+  testCall("validate", validate, false, 0);
   testCall("commit", commit, false, 0);
   testCall("list neighbours", listNeighbors, true, 0);
   testCall("sort neighbours", sortNeighbors, true, 0.2);

@@ -39,8 +39,12 @@ static void testLattice(LatticeLinks links) {
   CHECK(probe(tree, 4, 4, 4, 1.54).count == 27);
   CHECK(probe(tree, 4, 4, 4, 100).count == SITES);
   const double nowhere[] = {0, INFINITY, 0};
+  const double elsewhere[] = {0, 0, -INFINITY, NAN, 0, 0};
   const double origin[] = {0, 0, 0};
   CHECK_FAILURE(tree, ctInvalidArgument, "position", ctForEachClashWith(tree, nowhere, 1, note, &found, NULL));
+  CHECK_FAILURE(tree, ctInvalidArgument, "position", ctForEachClashWith(tree, elsewhere, 1, note, &found, NULL));
+  CHECK_FAILURE(tree, ctInvalidArgument, "position", ctForEachClashWith(tree, elsewhere + 3, 1, note, &found, NULL));
+  CHECK_FAILURE(tree, ctInvalidArgument, "radius", ctForEachClashWith(tree, origin, INFINITY, note, &found, NULL));
   CHECK_FAILURE(tree, ctInvalidArgument, "radius", ctForEachClashWith(tree, origin, -1, note, &found, NULL));
   CHECK_FAILURE(tree, ctInvalidArgument, "radius", ctForEachClashWith(tree, origin, NAN, note, &found, NULL));
   ctDestroy(tree);

@@ -155,6 +155,8 @@ static void testNonsense(void) {
       {ARM_COORDINATES - 1, INFINITY, "particle 59 "},
       {ARM_COORDINATES, 2, "link 0 "},
       {ARM_COORDINATES + 2, NAN, "link 0 "},
+      {ARM_COORDINATES + 4, NAN, "link 0 "},
+      {ARM_COORDINATES + 5, INFINITY, "link 0 "},
       {ARM_COORDINATES + 6, -INFINITY, "link 0 "},
       {ARM_COORDINATES + 7, 3.2, "link 1 "},
       {ARM_SIZE - 1, NAN, "link 29 "},

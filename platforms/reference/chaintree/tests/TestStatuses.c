@@ -72,8 +72,64 @@ static void testNothingChanges(void) {
   ctDestroy(arm);
 }
 
+static const double nonFinite[] = {NAN, INFINITY, -INFINITY};
+
+/* Each number of a call, one after another. */
+static void testEachNumber(void) {
+  ctChainTree* arm = makeArm(LINKS, ctFreeJoint, 0.1);
+  PairCount pairs = {0};
+  double energy = -1;
+  for (int bad = 0; bad < 3; bad++) {
+    for (int i = 0; i < 9; i++) {
+      ctChange change = {.link = 0};
+      double* vectors[] = {change.rotation, change.pivot, change.translation};
+      vectors[i / 3][i % 3] = nonFinite[bad];
+      CHECK_FAILURE(arm, ctInvalidArgument, "link 0", ctPropose(arm, 1, &change));
+      /* those that a torsion does not read */
+      change.link = 1;
+      CHECK_SUCCESS(ctPropose(arm, 1, &change));
+    }
+    CHECK_FAILURE(arm, ctInvalidArgument, "link 1", ctPropose(arm, 1, &(ctChange){.link = 1, .angle = nonFinite[bad]}));
+    CHECK_FAILURE(arm, ctInvalidArgument, "cutoff",
+                  ctForEachChangedPair(arm, nonFinite[bad], refuseChangedPair, NULL, NULL));
+    CHECK_FAILURE(arm, ctInvalidArgument, "cutoff",
+                  ctForEachNeighborPair(arm, nonFinite[bad], countPair, &pairs, NULL));
+    CHECK_FAILURE(arm, ctInvalidArgument, "constant", ctComputeEnergy(arm, nonFinite[bad], &energy, NULL, NULL));
+    for (int axis = 0; axis < 3; axis++) {
+      double positions[COORDINATES];
+      ctGetPositions(arm, positions);
+      positions[3 * 17 + axis] = nonFinite[bad];
+      CHECK_FAILURE(arm, ctInvalidArgument, "particle 17", ctSetPositions(arm, positions));
+    }
+  }
+  CHECK_FAILURE(arm, ctInvalidArgument, "-1 changes", ctPropose(arm, -1, NULL));
+  CHECK(pairs.count == 0 && energy == -1);
+  ctDestroy(arm);
+}
+
+static void testEachPair(void) {
+  ctChainTree* arm = makeArm(LINKS, ctFreeJoint, 0.1);
+  static const int nobody[][2] = {{-1, 0}, {0, -1}, {2 * LINKS, 0}, {0, 2 * LINKS}, {3, 3}};
+  const double limit = 0.1;
+  for (int i = 0; i < 5; i++) {
+    CHECK_FAILURE(arm, ctInvalidArgument, "limit 0", ctSetLimits(arm, 1, &nobody[i], &limit));
+    ctSelection* selection = (ctSelection*)arm; /* anything but NULL */
+    if (i < 4) {
+      CHECK_FAILURE(arm, ctInvalidArgument, "there is no particle", ctSelect(arm, 2, nobody[i], &selection));
+      CHECK(selection == NULL);
+    }
+  }
+  const int pairs[][2] = {{1, 2}, {2, 1}};
+  const double limits[] = {0.1, NAN};
+  CHECK_FAILURE(arm, ctInvalidArgument, "limit 1", ctSetLimits(arm, 2, pairs, limits));
+  CHECK(ctGetLimitCount(arm) == 0);
+  ctDestroy(arm);
+}
+
 int main(void) {
   testWithoutTrial();
   testNothingChanges();
+  testEachNumber();
+  testEachPair();
   return checkResult();
 }

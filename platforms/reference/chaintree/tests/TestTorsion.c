@@ -145,6 +145,10 @@ static void testCollinear(void) {
   ctGetPositions(tree, turned);
   CHECK_NEAR(turned[9], cos(0.75), 1e-15);
   CHECK_NEAR(turned[10], sin(0.75), 1e-15);
+  memcpy(positions, (double[]){1, 0, 0}, sizeof(double[3]));
+  memcpy(positions + 9, (double[]){0, 0, 2}, sizeof(double[3])); /* nor has a straight p2-p3-p4 */
+  CHECK_SUCCESS(ctSetPositions(tree, positions));
+  CHECK_FAILURE(tree, ctInvalidArgument, "0, 1, 2 and 3", ctGetTorsionAngle(tree, 1, &angle));
   CHECK_FAILURE(tree, ctInvalidArgument, "link 0", ctGetTorsionAngle(tree, 0, &angle));
   CHECK_FAILURE(tree, ctInvalidArgument, "link 2", ctGetTorsionAngle(tree, 2, &angle));
   CHECK_FAILURE(tree, ctInvalidArgument, "link -1", ctGetTorsionAngle(tree, -1, &angle));
