@@ -104,10 +104,10 @@ FAULTS = [
     Fault("clearance: units are rounded up", "clearance_body.h", "all16(0.999999f / c->unit)", "all16(1.01f / c->unit)"),
     Fault("clearance: a turn does not displace what is off its axis", "clearance_body.h",
           "add16(add16(centre, turned), room)", "add16(centre, room)"),
-    Fault("clearance: a witness of one body clashes", "clearance_body.h", "if (motionA == motionB) {\n      continue;\n    }", ""),
+    Fault("clearance: a witness of one body clashes", "clearance_body.h", "if (motionA == motionB) {", "if (motionA < 0) {"),
     Fault("clearance: straddling leaves do not meet themselves", "clearance_body.h",
           "!testWitnesses(c, t, &test) && !testStraddlingLeaves(c, t, &test)", "!testWitnesses(c, t, &test)"),
-    Fault("clearance: columns begin one late", "clearance_body.h", "0xffffu << (begin - first)", "0xffffu << (begin - first + 1)"),
+    Fault("clearance: columns begin one late", "clearance_body.h", "mask <<= begin - first;", "mask <<= begin - first + 1;"),
     Fault("clearance: it outlives new limits", "query.c", "tree->limits = fresh;\n  ctClearanceForget(&tree->clearance);", "tree->limits = fresh;"),
     Fault("clearance: it outlives a new state", "state.c", "ctClearanceForget(&tree->clearance);", ""),
     # ---- Exclusions ----
