@@ -88,10 +88,7 @@ void ctSpatialOrder(int* ids, int count, const double* points) {
     while (run <= (count - 1) / TREE_WIDTH) {
       run *= TREE_WIDTH;
     }
-    int middle = (count / 2 + run - 1) / run * run;
-    if (middle >= count) {
-      middle -= run;
-    }
+    const int middle = (count / 2 + run - 1) / run * run;
     const Key key = {points, longestAxis(ids, count, points)};
     selectFirst(&key, ids, count, middle);
     ctSpatialOrder(ids, middle, points);

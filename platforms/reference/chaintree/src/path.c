@@ -20,7 +20,7 @@ static int productCount(int blocks) {
 
 /* The last link that hangs on the parent heads no path of its own. */
 static bool headsPath(const Sequence* s, int link) {
-  return link > 0 && s->end[link] != s->end[s->parent[link]];
+  return s->end[link] != s->end[s->parent[link]];
 }
 
 bool ctPathsBuild(Sequence* s, Arena* arena) {

@@ -168,10 +168,38 @@ static void testNoDrift(void) {
   ctDestroy(tree);
 }
 
+/* The least of motions is one, whichever number of the state it is in; the other molecule keeps its bits. */
+static void testSmallestMotions(void) {
+  const double least = 1e-12;
+  double before[3 * PARTICLES];
+  double after[3 * PARTICLES];
+  for (int number = 0; number < 6; number++) {
+    ctChainTree* tree = makeMolecules();
+    ctGetPositions(tree, before);
+    ctChange change = {.link = 0}; /* which has its origin in the pivot */
+    double* vector = number < 3 ? change.rotation : change.translation;
+    vector[number % 3] = least;
+    CHECK_SUCCESS(ctPropose(tree, 1, &change));
+    CHECK_SUCCESS(ctCommit(tree, NULL));
+    ctGetPositions(tree, after);
+    for (int i = 0; i < PARTICLES; i++) {
+      for (int k = 0; k < 3; k++) {
+        const double* x = before + 3 * i;
+        const double turned[3][3] = {{0, -x[2], x[1]}, {x[2], 0, -x[0]}, {-x[1], x[0], 0}};
+        const double moved = number < 3 ? least * turned[number][k] : (k == number - 3 ? least : 0);
+        CHECK_NEAR(after[3 * i + k], isOfSecond(i) ? x[k] : x[k] + moved, isOfSecond(i) ? 0 : 1e-15);
+      }
+    }
+    CHECK(ctValidate(tree));
+    ctDestroy(tree);
+  }
+}
+
 int main(void) {
   testMoveAboutCentroid();
   testVerdict();
   testFreeOnTurning();
   testNoDrift();
+  testSmallestMotions();
   return checkResult();
 }

@@ -43,6 +43,7 @@ static void testNumbers(void) {
   ctDestroy(fixed);
   ctChainTree* empty = checkedCreate(&(ctDefinition){0});
   CHECK(ctGetStateSize(empty) == 0);
+  ctGetState(empty, state);
   CHECK_SUCCESS(ctSetState(empty, state));
   ctDestroy(empty);
 }
