@@ -94,7 +94,15 @@ def checkVerdicts(entries):
         assert entry["clashes"] > 0 and entry["gaps"] > 0
         missed, invented = wrong.get(entry["contestant"], (0, 0))
         wrong[entry["contestant"]] = missed + entry["missed"], invented + entry["invented"]
-    right = ["ours-portable", "ours-tree", "ours-boxes", "ours-clearances", "volumes-double", "volumes-single-margin"]
+    right = [
+        "ours-portable",
+        "ours-tree",
+        "ours-boxes",
+        "ours-clearances",
+        "ours-whole",
+        "volumes-double",
+        "volumes-single-margin",
+    ]
     assert all(wrong[contestant] == (0, 0) for contestant in right)
     assert wrong["volumes-single"][0] > 0 == wrong["volumes-single"][1]
     assert min(wrong["all-single"]) > 0 and min(wrong["lazygrid-single"]) > 0

@@ -14,6 +14,7 @@ extern const Contestant contestantOursPortable;
 extern const Contestant contestantOursTree;
 extern const Contestant contestantOursBoxes;
 extern const Contestant contestantOursClearances;
+extern const Contestant contestantOursWhole;
 
 Roster CONTESTANT(precisions) = {&contestantOursAvx512,
                                  &contestantOursAvx2,
@@ -21,6 +22,7 @@ Roster CONTESTANT(precisions) = {&contestantOursAvx512,
                                  &contestantOursTree,
                                  &contestantOursBoxes,
                                  &contestantOursClearances,
+                                 &contestantOursWhole,
                                  &CONTESTANT(contestantVolumesDouble),
                                  &CONTESTANT(contestantVolumesDoubleMargin),
                                  &CONTESTANT(contestantVolumesSingle),

@@ -1,5 +1,6 @@
 /* The engine of this project, by its public header. */
 #include <stdlib.h>
+#include <string.h>
 
 #include "contestant.h"
 #include "ourtree.h"
@@ -8,6 +9,8 @@ typedef struct Ours {
   const Scene* scene;
   ctChainTree* tree;
   ctCounts counts;
+  int turnCount; /* of the last test of the whole chain */
+  Turn turns[MOST_TURNS];
 } Ours;
 
 static void destroy(void* self) {
@@ -59,16 +62,20 @@ static void* makeClearances(const Scene* scene) {
   return makeOf(scene, ourTreeWith(scene, "CHAINTREE_TRIALS", "clearances"));
 }
 
-static int test(void* self, int count, const Turn* turns) {
-  Ours* ours = self;
+static bool propose(Ours* ours, int count, const Turn* turns, double sign) {
   ctChange changes[MOST_TURNS];
   for (int i = 0; i < count; i++) {
     changes[i].link = ours->scene->torsions[turns[i].torsion].link;
-    changes[i].angle = turns[i].angle;
+    changes[i].angle = sign * turns[i].angle;
   }
+  return ctPropose(ours->tree, count, changes) == ctSuccess;
+}
+
+static int test(void* self, int count, const Turn* turns) {
+  Ours* ours = self;
   bool clash = false;
-  const bool success = ctPropose(ours->tree, count, changes) == ctSuccess &&
-                       ctTestTrial(ours->tree, &clash, NULL, &ours->counts) == ctSuccess;
+  const bool success =
+      propose(ours, count, turns, 1) && ctTestTrial(ours->tree, &clash, NULL, &ours->counts) == ctSuccess;
   return success ? clash : -1;
 }
 
@@ -87,6 +94,29 @@ static int testAll(void* self) {
   bool clash = false;
   return ctHasClash(ours->tree, &clash, NULL, &ours->counts) == ctSuccess ? clash : -1;
 }
+
+/* ---- The whole chain after a turn, which is taken back if need be ---- */
+
+static int testWhole(void* self, int count, const Turn* turns) {
+  Ours* ours = self;
+  memcpy(ours->turns, turns, (size_t)count * sizeof *turns);
+  ours->turnCount = count;
+  return propose(ours, count, turns, 1) && accept(self) ? testAll(self) : -1;
+}
+
+static bool acceptWhole(void* self) {
+  (void)self;
+  return true;
+}
+
+static void rejectWhole(void* self) {
+  Ours* ours = self;
+  if (propose(ours, ours->turnCount, ours->turns, -1)) {
+    accept(self);
+  }
+}
+
+/* ---- The contestants ---- */
 
 static Counts counts(const void* self) {
   const ctCounts* counted = &((const Ours*)self)->counts;
@@ -112,3 +142,12 @@ const Contestant contestantOursPortable = OURS("ours-portable", "the engine in p
 const Contestant contestantOursTree = OURS("ours-tree", "the engine by its tree of spheres", makeTree);
 const Contestant contestantOursBoxes = OURS("ours-boxes", "the engine by its tree with oriented boxes", makeBoxes);
 const Contestant contestantOursClearances = OURS("ours-clearances", "the engine by its clearances", makeClearances);
+const Contestant contestantOursWhole = {.name = "ours-whole",
+                                        .idea = "the engine, asked about the whole chain",
+                                        .make = make,
+                                        .destroy = destroy,
+                                        .test = testWhole,
+                                        .accept = acceptWhole,
+                                        .reject = rejectWhole,
+                                        .counts = counts,
+                                        .instructionSet = instructionSet};

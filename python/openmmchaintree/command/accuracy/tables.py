@@ -11,6 +11,7 @@ NAMES = {
     "ours-tree": "ours, by tree",
     "ours-boxes": "ours, by boxes",
     "ours-clearances": "ours, by clearances",
+    "ours-whole": "ours, the whole chain",
     "shortcuts": "shortcuts from absolute angles",
     "shortcuts-single": "shortcuts from absolute angles, single",
     "sequential": "sequential kinematics",
