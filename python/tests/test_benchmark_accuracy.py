@@ -200,6 +200,10 @@ def makeDrift(turns, error, bits="a", contestant="ours-portable"):
     }
 
 
+PATHS = ("ours-portable", "sequential")
+STEADY = [makeDrift(turns, 1e-15, contestant="sequential") for turns in (10**3, 10**4, 10**6)]
+
+
 def makeTouch(missed=0, invented=0, contestant="ours-portable"):
     counts = {"clashes": 10, "missed": missed, "gaps": 10, "invented": invented}
     return {"group": "touch", "contestant": contestant, "particles": 100, **counts}
@@ -213,11 +217,16 @@ def makeTouch(missed=0, invented=0, contestant="ours-portable"):
         ([makeTouch(), makeTouch(missed=1)], [False, None, None, None]),
         ([makeTouch(invented=1)], [False, None, None, None]),
         ([makeTouch(), makeTouch(missed=1, contestant="volumes-single")], [True, None, None, None]),
-        ([makeDrift(1000, 1e-15), makeDrift(10**6, 1e-15)], [None, True, True, None]),
-        ([makeDrift(1000, 1e-15), makeDrift(10**4, 1e-15)], [None, None, None, None]),
+        ([makeDrift(1000, 1e-15), makeDrift(10**6, 1e-15), *STEADY], [None, True, True, None]),
+        ([makeDrift(1000, 1e-15), makeDrift(10**4, 1e-15), *STEADY], [None, None, None, None]),
         ([makeDrift(10**6, 2e-12)], [None, False, None, None]),
-        ([makeDrift(10**4, 1e-15), makeDrift(10**6, 1e-14)], [None, True, False, None]),
-        ([makeDrift(10**4, 1e-15), makeDrift(10**6, 1e-11, contestant="cartesian")], [None, None, None, None]),
+        ([makeDrift(10**4, 1e-15), makeDrift(10**6, 1e-14), *STEADY], [None, True, False, None]),
+        # Errors of both have grown: that is how the chain lies.
+        (
+            [makeDrift(n, error, contestant=path) for path in PATHS for n, error in ((10**4, 1e-15), (10**6, 1e-14))],
+            [None, True, True, None],
+        ),
+        ([makeDrift(10**4, 1e-15), makeDrift(10**6, 1e-11, contestant="cartesian"), *STEADY], [None, None, None, None]),
         ([makeDrift(1000, 1e-15), makeDrift(1000, 1e-15, contestant="ours-avx2")], [None, None, None, True]),
         ([makeDrift(1000, 1e-15), makeDrift(1000, 1e-15, "b", "ours-avx2")], [None, None, None, False]),
     ],
@@ -228,8 +237,7 @@ def test_goals(entries, reached):
 
 def test_growth():
     for power in (0.0, 0.5, 1.0):
-        stations = {turns: makeDrift(turns, 1e-15 * turns**power) for turns in (10**3, 10**4, 10**5, 10**6)}
-        assert growth(stations) == pytest.approx(power, abs=1e-9)
+        assert growth({n: 1e-15 * n**power for n in (10**3, 10**4, 10**5, 10**6)}) == pytest.approx(power, abs=1e-9)
 
 
 # ---- The soft force ----

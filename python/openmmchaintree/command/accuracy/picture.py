@@ -17,7 +17,6 @@ from .tables import isOurs, nameOf, relativeError, stationsOf
 logging.getLogger("matplotlib").setLevel(logging.ERROR)
 
 _OURS, _DOUBLE, _SINGLE = "#1f5f8b", "#d55e00", "#999999"
-_TURNS = 1000000  # more show no more
 _SIZE = 10000  # of chains, spheres, that are drawn if they are there
 _FONT = 8.5
 _NEAR = 25  # pixels
@@ -70,7 +69,7 @@ def _drawDrift(axis, entries):
     """Draw a trail for each path, and return the labels."""
     labels = []
     size = sizeOf(entries[0])
-    turns = sorted({entry["turns"] for entry in entries if entry["turns"] <= _TURNS})
+    turns = sorted({entry["turns"] for entry in entries})
     # Before that, most torsions are where they were.
     turns = [n for n in turns if n >= size] or turns
     for contestant, stations in stationsOf(entries).items():

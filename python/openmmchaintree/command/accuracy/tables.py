@@ -1,6 +1,6 @@
 """Tables of what was measured of the accuracy."""
 
-from ..benchmarking.races import LAZY_GRID
+from ..benchmarking.races import LAZY_GRID, OURS
 from ..benchmarking.tables import Table, groupBy, number, sizeOf
 
 # Of contestants, in the order of lines.
@@ -49,7 +49,7 @@ def nameOf(contestant):
 
 def isOurs(entry):
     """Whether an entry is the engine's."""
-    return entry["contestant"].startswith("ours")
+    return entry["contestant"].startswith(OURS)
 
 
 def errorsOf(entry):
