@@ -123,6 +123,7 @@ typedef struct Visit {
   bool boxes; /* are to be looked at */
   int pairsBoxed;
   int pairsParted;
+  int64_t boxTests; /* of the tests of volumes */
   int64_t volumeTests;
   int64_t particleTests;
 } Visit;
@@ -218,6 +219,7 @@ static unsigned boxesPart(Traversal* t, Visit* visit, const ItemPair* pair, int 
     return 0;
   }
   visit->volumeTests += __builtin_popcount(mask);
+  visit->boxTests += __builtin_popcount(mask);
   mask &= boxesApart(a, k, b, visit->reach);
   visit->pairsParted += __builtin_popcount(mask);
   return mask;
@@ -387,10 +389,10 @@ static void visitFew(Traversal* t, Visit* visit, int slotBegin, int slotEnd) {
   }
 }
 
-static void traverse(Traversal* t, const View* view, CandidateFunction* function, void* context, ctCounts* counts) {
+static int64_t traverse(Traversal* t, const View* view, CandidateFunction* function, void* context, ctCounts* counts) {
   startView(t, view);
   const double margin = floatMargin(t->extent + fabs(view->reach));
-  Visit visit = {function, context, (float)(view->reach + margin), false, 0, 0, 0, 0};
+  Visit visit = {function, context, (float)(view->reach + margin), false, 0, 0, 0, 0, 0};
   int slotBegin;
   int slotEnd;
   if (ctViewMovesFew(t, view, &slotBegin, &slotEnd)) {
@@ -402,6 +404,7 @@ static void traverse(Traversal* t, const View* view, CandidateFunction* function
     counts->volumeTests += visit.volumeTests;
     counts->particleTests += visit.particleTests;
   }
+  return visit.volumeTests + visit.particleTests + 2 * visit.boxTests;
 }
 
 static void traverseProbe(Traversal* t, const View* view, const double point[3], double radius, ProbeFunction* function,

@@ -14,7 +14,7 @@ typedef struct InstructionSet {
   void (*refreshNode)(Tree* tree, int level, int item, int firstChanged);
 
   /* ctTraverse and ctTraverseProbe. */
-  void (*traverse)(Traversal* t, const View* view, CandidateFunction* function, void* context, ctCounts* counts);
+  int64_t (*traverse)(Traversal* t, const View* view, CandidateFunction* function, void* context, ctCounts* counts);
   void (*probe)(Traversal* t, const View* view, const double point[3], double radius, ProbeFunction* function,
                 void* context, ctCounts* counts);
 

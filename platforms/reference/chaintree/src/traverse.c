@@ -74,8 +74,8 @@ bool ctViewMovesFew(const Traversal* t, const View* view, int* begin, int* end) 
 
 /* ---- Descents ---- */
 
-void ctTraverse(Traversal* t, const View* view, CandidateFunction* function, void* context, ctCounts* counts) {
-  t->tree->instructions->traverse(t, view, function, context, counts);
+int64_t ctTraverse(Traversal* t, const View* view, CandidateFunction* function, void* context, ctCounts* counts) {
+  return t->tree->instructions->traverse(t, view, function, context, counts);
 }
 
 void ctTraverseProbe(Traversal* t, const View* view, const double point[3], double radius, ProbeFunction* function,

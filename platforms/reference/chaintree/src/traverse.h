@@ -87,8 +87,9 @@ void ctTraversalFree(Traversal* traversal);
 bool ctTraversalReserve(Traversal* traversal, int pieceCount);
 
 /* Calls `function` at least for every pair of slots of different rigid bodies that is not excluded and within the
- * view's reach, each once. */
-void ctTraverse(Traversal* traversal, const View* view, CandidateFunction* function, void* context, ctCounts* counts);
+ * view's reach, each once. Returns what that has cost, in about the units of Clearance.cost. */
+int64_t ctTraverse(Traversal* traversal, const View* view, CandidateFunction* function, void* context,
+                   ctCounts* counts);
 
 /* The same for a sphere at a point of the world (from worldOrigin), against everything. */
 void ctTraverseProbe(Traversal* traversal, const View* view, const double point[3], double radius,

@@ -161,8 +161,7 @@ ctStatus ctTestTrial(ctChainTree* tree, bool* clash, int pair[2], ctCounts* coun
     }
   }
   if (cost == GAVE_UP) {
-    ctTraverse(&tree->traversal, &view, judge, &verdict, &own);
-    cost = own.volumeTests + own.particleTests;
+    cost = ctTraverse(&tree->traversal, &view, judge, &verdict, &own);
   }
   if (!movesFew) {
     ctClearanceCharge(&tree->clearance, cost, true);
