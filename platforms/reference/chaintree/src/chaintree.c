@@ -7,6 +7,7 @@
 #include "instructions.h"
 #include "position.h"
 #include "scene.h"
+#include "selection.h"
 
 /* Below this sine between two bonds a dihedral about them is rounding. */
 #define COLLINEAR 1e-8
@@ -57,6 +58,7 @@ ctStatus ctCreate(const ctDefinition* definition, ctChainTree** tree, char* erro
 
 void ctDestroy(ctChainTree* tree) {
   if (tree != NULL) {
+    ctDisownSelections(tree);
     ctTrialFree(&tree->trial);
     ctTrialFree(&tree->next);
     ctTraversalFree(&tree->traversal);

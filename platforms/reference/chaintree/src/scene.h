@@ -31,6 +31,7 @@ struct ctChainTree {
   Trial trial;
   Trial next; /* where a proposal is made, so that a refused one leaves the open trial alone */
   SlotPairs undecided;
+  ctSelection* selections; /* those that have not been freed */
   double overlapTolerance;
   double hydrogenBondAllowance;
   char errorText[200];

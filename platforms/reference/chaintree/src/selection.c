@@ -4,6 +4,8 @@
 
 #include "order.h"
 
+/* ---- Marks ---- */
+
 /* A member of an item is in the set if anything below it is. */
 static void markAbove(const Tree* layout, uint16_t* mask) {
   for (int level = 0; level < treeTop(layout); level++) {
@@ -89,6 +91,37 @@ static bool build(ctSelection* selection, int count, const int* particles) {
   return true;
 }
 
+/* ---- The list of a scene ---- */
+
+static void enlist(ctSelection* selection, ctSelection** list) {
+  selection->next = *list;
+  selection->listedAt = list;
+  if (selection->next != NULL) {
+    selection->next->listedAt = &selection->next;
+  }
+  *list = selection;
+}
+
+static void delist(ctSelection* selection) {
+  if (selection->listedAt != NULL) {
+    *selection->listedAt = selection->next;
+    if (selection->next != NULL) {
+      selection->next->listedAt = selection->listedAt;
+    }
+  }
+  selection->listedAt = NULL;
+}
+
+void ctDisownSelections(ctChainTree* scene) {
+  while (scene->selections != NULL) {
+    ctSelection* selection = scene->selections;
+    delist(selection);
+    selection->scene = NULL;
+  }
+}
+
+/* ---- Life ---- */
+
 ctStatus ctSelect(ctChainTree* tree, int count, const int* particles, ctSelection** selection) {
   *selection = NULL;
   for (int i = 0; i < count; i++) {
@@ -101,6 +134,7 @@ ctStatus ctSelect(ctChainTree* tree, int count, const int* particles, ctSelectio
   if (made != NULL) {
     made->scene = tree;
     if (build(made, count, particles)) {
+      enlist(made, &tree->selections);
       *selection = made;
       return ctSuccess;
     }
@@ -111,6 +145,7 @@ ctStatus ctSelect(ctChainTree* tree, int count, const int* particles, ctSelectio
 
 void ctFreeSelection(ctSelection* selection) {
   if (selection != NULL) {
+    delist(selection);
     ctArenaFree(&selection->arena);
     free(selection);
   }

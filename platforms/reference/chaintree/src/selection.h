@@ -6,7 +6,9 @@
 #include "scene.h"
 
 struct ctSelection {
-  const ctChainTree* scene;
+  const ctChainTree* scene; /* NULL once that is gone */
+  ctSelection* next;        /* in the scene's list */
+  ctSelection** listedAt;   /* what points to it there; NULL: it is in none */
   Arena arena;
   int count;
   uint16_t* mask; /* per item of the tree: members that hold particles of the set */
@@ -19,5 +21,8 @@ struct ctSelection {
   Block* idleBlock;       /* per item; scratch of a query */
   double (*idlePoint)[3]; /* scratch of a query */
 };
+
+/* Tells all selections of a scene that it is gone: another may come to lie at its address. */
+void ctDisownSelections(ctChainTree* scene);
 
 #endif /* CT_SELECTION_H_ */

@@ -1,4 +1,5 @@
 /* The least distance between two sets of particles. */
+#include "beads.h"
 #include "lattice.h"
 
 static void checkLeast(ctChainTree* tree, int count1, const int* set1, int count2, const int* set2, double expected) {
@@ -61,6 +62,30 @@ static void testRefused(void) {
   ctFreeSelection(strange); /* a selection may outlive its scene */
   ctDestroy(tree);
   ctFreeSelection(own);
+}
+
+/* Memory that a scene has freed is mostly that of the next one; a selection is not fooled. */
+static void testNewSceneAtTheSameAddress(void) {
+  const int first[] = {0};
+  for (int round = 0; round < 20; round++) {
+    const int count = 2 + round % 2;
+    ctChainTree* gone = makeBeads(&(Beads){.count = 5 - count, .positions = {0, 0, 0, 1, 0, 0, 2, 0, 0}, .radii = {0}});
+    ctSelection* freedFirst = checkedSelect(gone, 1, first);
+    ctSelection* stale = checkedSelect(gone, 1, first);
+    ctSelection* freedLast = checkedSelect(gone, 1, first);
+    ctFreeSelection(freedFirst);
+    ctDestroy(gone);
+    ctChainTree* tree = makeBeads(&(Beads){.count = count, .positions = {0, 0, 0, 1, 0, 0, 2, 0, 0}, .radii = {0}});
+    ctSelection* own = checkedSelect(tree, 1, first);
+    double distance;
+    int pair[2];
+    CHECK_FAILURE(tree, ctInvalidArgument, "another scene",
+                  ctGetMinimumDistance(tree, stale, own, &distance, pair, NULL));
+    ctFreeSelection(stale);
+    ctFreeSelection(own);
+    ctDestroy(tree);
+    ctFreeSelection(freedLast);
+  }
 }
 
 /* ---- Against brute force ---- */
@@ -163,6 +188,7 @@ int main(void) {
   testFew(0.4);
   testFew(0); /* particles that are not modelled count too */
   testRefused();
+  testNewSceneAtTheSameAddress();
   testWalk();
   return checkResult();
 }
