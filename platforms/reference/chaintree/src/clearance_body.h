@@ -258,7 +258,9 @@ static void testPair(Clearance* c, Traversal* t, ClearanceTest* test, const Cros
   if (!test->clash) {
     const float units = 0.999999f * clearance / c->unit;
     const float most = (float)MOST_CLEARANCE;
-    const uint16_t found = (uint16_t)(int)(units < 0 ? 0 : units > most ? most : units);
+    /* Of lengths beyond those of a float nothing is known: no clearance. */
+    const float kept = units > 0 ? units : 0;
+    const uint16_t found = (uint16_t)(int)(kept < most ? kept : most);
     /* Of pieces that meet in a leaf, another than these may come nearer by more than this bound. */
     const bool isOfState = t->view->motionCount == 2 || !(isStraddler(t, a) || isStraddler(t, b));
     keepFound(c, a, b, bound, found, isOfState);
