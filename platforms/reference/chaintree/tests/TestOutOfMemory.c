@@ -1,16 +1,17 @@
-/* Every allocation of every call fails once: the call says so, changes nothing, and works the next time.
+/* Every allocation of every call fails once: the call says so, changes nothing, and works the next time; by every
+ * instruction set, and whichever way trials are tested.
  *
  * The program puts its own functions before the C library's allocator; where that cannot be done, it is skipped. */
-#define _XOPEN_SOURCE 700 /* putenv */
+#define _POSIX_C_SOURCE 200809L /* setenv */
 
 #include "lattice.h"
 
 #if defined(__has_feature)
-#if __has_feature(address_sanitizer)
+#if __has_feature(address_sanitizer) || __has_feature(memory_sanitizer) || __has_feature(thread_sanitizer)
 #define SANITIZED
 #endif
 #endif
-#if defined(__SANITIZE_ADDRESS__) || !defined(__GLIBC__)
+#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__) || !defined(__GLIBC__)
 #define SANITIZED
 #endif
 
@@ -31,8 +32,10 @@ extern void __libc_free(void* memory);
 static int allocationsLeft = -1; /* until one fails; negative: none does */
 static bool hasFailed = false;   /* one has */
 static int live = 0;             /* blocks that nobody has freed */
+static int asked = 0;            /* allocations so far */
 
 static bool mayAllocate(void) {
+  asked++;
   if (allocationsLeft == 0) {
     allocationsLeft = -1;
     hasFailed = true;
@@ -80,24 +83,42 @@ void free(void* memory) {
 
 /* ---- Creation ---- */
 
+enum { ROWS = 7, ROW = 20 };
+
+/* Rows of particles, each a link, turning about each other; the first is fixed. Neighbours in a row are excluded. */
 static void testCreate(void) {
-  const double positions[] = {0, 0, 0, 1, 0, 0, 1, 1, 0, 2, 1, 0};
-  const double radii[] = {0.1, 0.1, 0.1, 0.1};
-  const int particleLinks[] = {0, 0, 1, 1};
-  const int parents[] = {CT_NULL, 0};
-  const uint8_t joints[] = {ctFreeJoint, ctTorsionJoint};
-  const int torsions[][4] = {{0}, {0, 1, 2, 3}};
-  const int exclusions[][2] = {{0, 1}};
-  const ctDefinition definition = {.particleCount = 4,
+  static double positions[3 * ROWS * ROW];
+  static double radii[ROWS * ROW];
+  static int particleLinks[ROWS * ROW];
+  static int parents[ROWS];
+  static uint8_t joints[ROWS];
+  static int torsions[ROWS][4];
+  static int exclusions[ROWS * ROW][2];
+  for (int i = 0; i < ROWS * ROW; i++) {
+    const int row = i / ROW;
+    positions[3 * i] = i % ROW;
+    positions[3 * i + 1] = row;
+    radii[i] = i % 5 == 0 ? 0 : 0.1;
+    particleLinks[i] = row;
+    exclusions[i][0] = i;
+    exclusions[i][1] = (i + 1) % (ROWS * ROW);
+  }
+  for (int row = 0; row < ROWS; row++) {
+    const int torsion[4] = {row * ROW - 1, (row - 1) * ROW, row * ROW, row * ROW + 1};
+    parents[row] = row - 1;
+    joints[row] = (uint8_t)(row == 0 ? ctFixedJoint : ctTorsionJoint);
+    memcpy(torsions[row], torsion, sizeof torsion);
+  }
+  const ctDefinition definition = {.particleCount = ROWS * ROW,
                                    .positions = positions,
                                    .radii = radii,
                                    .particleLinks = particleLinks,
-                                   .linkCount = 2,
+                                   .linkCount = ROWS,
                                    .linkParents = parents,
                                    .linkJoints = joints,
-                                   .linkTorsions = torsions,
-                                   .exclusionCount = 1,
-                                   .exclusions = exclusions};
+                                   .linkTorsions = (const int(*)[4])torsions,
+                                   .exclusionCount = ROWS * ROW,
+                                   .exclusions = (const int(*)[2])exclusions};
   const int before = live;
   int n = 0;
   do {
@@ -113,7 +134,7 @@ static void testCreate(void) {
     ctDestroy(tree);
     CHECK(live == before);
   } while (hasFailed);
-  CHECK(n > 10);
+  CHECK(n > 50);
 }
 
 /* ---- Calls ---- */
@@ -173,23 +194,6 @@ static ctStatus selectFew(ctChainTree* tree) {
   return status;
 }
 
-static ctStatus hasClash(ctChainTree* tree) {
-  bool clash;
-  return ctHasClash(tree, &clash, NULL, NULL);
-}
-
-static ctStatus computeEnergy(ctChainTree* tree) {
-  double energy;
-  return ctComputeEnergy(tree, 1, &energy, NULL, NULL);
-}
-
-/* A validation that is refused memory is none. */
-static ctStatus validate(ctChainTree* tree) {
-  const bool valid = ctValidate(tree);
-  CHECK(valid != hasFailed);
-  return ctSuccess;
-}
-
 static ctStatus listNeighbors(ctChainTree* tree) {
   PairCount pairs = {0};
   return ctForEachNeighborPair(tree, 1.2, countPair, &pairs, NULL);
@@ -199,6 +203,53 @@ static ctStatus sortNeighbors(ctChainTree* tree) {
   static int particles[2][SITES * SITES];
   size_t count;
   return ctGetNeighborPairs(tree, 1.2, true, SITES * SITES, particles[0], particles[1], NULL, &count, NULL);
+}
+
+static ctStatus findClash(ctChainTree* tree) {
+  bool clash;
+  return ctHasClash(tree, &clash, NULL, NULL);
+}
+
+static ctStatus listClashes(ctChainTree* tree) {
+  PairCount pairs = {0};
+  return ctForEachClash(tree, countPair, &pairs, NULL);
+}
+
+static ctStatus computeEnergy(ctChainTree* tree) {
+  static double forces[3 * SITES];
+  double energy;
+  return ctComputeEnergy(tree, 1, &energy, forces, NULL);
+}
+
+static bool passParticle(void* context, int particle, double overlap) {
+  return countPair(context, particle, particle, overlap);
+}
+
+static ctStatus probe(ctChainTree* tree) {
+  static const double position[3] = {1, 1, 1};
+  PairCount particles = {0};
+  return ctForEachClashWith(tree, position, 1.2, passParticle, &particles, NULL);
+}
+
+/* What needs no memory of its own. */
+static ctStatus readState(ctChainTree* tree) {
+  ctTransform transform;
+  double centroid[3];
+  const ctStatus status = ctGetCentroid(tree, 1, centroid);
+  return status == ctSuccess ? ctGetRelativeTransform(tree, 1, 2, &transform) : status;
+}
+
+/* A validation that is refused memory is none. */
+static ctStatus validate(ctChainTree* tree) {
+  const bool valid = ctValidate(tree);
+  CHECK(valid != hasFailed);
+  return ctSuccess;
+}
+
+static ctStatus setSameState(ctChainTree* tree) {
+  static double state[3 * SITES + 7 * SIDE];
+  ctGetState(tree, state);
+  return ctSetState(tree, state);
 }
 
 static ctStatus setSamePositions(ctChainTree* tree) {
@@ -255,49 +306,128 @@ static void testCall(const char* name, ctStatus (*call)(ctChainTree* tree), bool
   }
 }
 
-/* A selection of particles that are not modelled needs more. */
+/* ---- A selection of particles without radius, which are apart from the others ---- */
+
 static void testSelectBare(void) {
-  static const int particles[] = {7, 300, 7};
   ctChainTree* tree = makeLattice(LAYERS, 0, 0);
-  ctSelection* selection;
-  ctStatus status;
+  const int particles[] = {5, 1, 5, SITES - 1};
+  const int before = live;
   int n = 0;
+  bool goesOn;
   do {
+    ctSelection* selection = NULL;
     failAllocation(n++);
-    status = ctSelect(tree, 3, particles, &selection);
+    const ctStatus status = ctSelect(tree, 4, particles, &selection);
+    goesOn = hasFailed;
+    CHECK((selection != NULL) == (status == ctSuccess) && (status == ctSuccess || hasFailed));
+    double distance;
+    int pair[2];
+    failAllocation(0);
+    CHECK(selection == NULL || ctGetMinimumDistance(tree, selection, selection, &distance, pair, NULL) == ctSuccess);
     allocationsLeft = -1;
-    CHECK(status == (hasFailed ? ctOutOfMemory : ctSuccess) && (selection == NULL) == hasFailed);
     ctFreeSelection(selection);
-  } while (hasFailed);
-  CHECK(n > 5);
+    CHECK(live == before);
+  } while (goesOn);
+  CHECK(n > 2);
   ctDestroy(tree);
 }
 
-int main(void) {
-  static char byCost[] = "CHAINTREE_TRIALS=cost";
-  static char byClearances[] = "CHAINTREE_TRIALS=clearances";
-  printf("\n"); /* its buffer is no leak of ours, nor is the environment */
-  putenv(byCost);
+/* ---- A long run ---- */
+
+enum { RUN = 400 };
+
+/* Asks again where there was no memory. */
+static bool isTrialFree(ctChainTree* tree, const ctChange* change) {
+  bool clash = false;
+  ctStatus status;
+  do {
+    status = ctPropose(tree, 1, change);
+  } while (status == ctOutOfMemory);
+  CHECK(status == ctSuccess);
+  do {
+    status = ctTestTrial(tree, &clash, NULL, NULL);
+  } while (status == ctOutOfMemory);
+  CHECK(status == ctSuccess);
+  return !clash;
+}
+
+/* Turns that are accepted unless they clash; so many that what pays only in the long run is begun, too. */
+static void run(bool verdicts[RUN], double positions[3 * SITES]) {
+  ctChainTree* tree = makeLattice(ONE_CHAIN, 0.45, 0);
+  unsigned chance = 1;
+  for (int i = 0; i < RUN; i++) {
+    chance = chance * 1664525u + 1013904223u;
+    const ctChange change = {.link = 1 + (int)(chance >> 8) % (SITES - 1),
+                             .angle = 0.001 * (double)((int)(chance >> 20) % 16 - 8)};
+    verdicts[i] = isTrialFree(tree, &change);
+    if (verdicts[i]) {
+      CHECK(ctCommit(tree, NULL) == ctSuccess);
+    }
+  }
+  ctGetPositions(tree, positions);
+  allocationsLeft = -1;
+  CHECK(ctValidate(tree)); /* which needs memory */
+  ctDestroy(tree);
+}
+
+/* An allocation that fails on the way leaves no trace: neither in verdicts nor in positions. */
+static void testRun(void) {
+  static bool expected[RUN];
+  static bool verdicts[RUN];
+  static double expectedPositions[3 * SITES];
+  static double positions[3 * SITES];
+  const int before = live;
+  run(expected, expectedPositions);
+  /* Allocations of ctCreate fail elsewhere. */
+  int n = -asked;
+  ctDestroy(makeLattice(ONE_CHAIN, 0.45, 0));
+  n += asked;
+  do {
+    failAllocation(n++);
+    run(verdicts, positions);
+    allocationsLeft = -1;
+    CHECK(memcmp(verdicts, expected, sizeof verdicts) == 0);
+    CHECK(memcmp(positions, expectedPositions, sizeof positions) == 0);
+    CHECK(live == before);
+  } while (hasFailed);
+}
+
+static void testAll(void) {
   const int before = live;
   testCreate();
   testCall("propose", proposeMany, true, 0);
   testCall("test", test, true, 0);
-  putenv(byClearances);
-  testCall("test by clearances", test, true, 0);
-  putenv(byCost);
   testCall("list changed pairs", listChanged, true, 0);
   testCall("set limits", setLimits, true, 0);
   testCall("raise limits", raiseLimits, true, 0.2);
   testCall("select", selectFew, true, 0);
-  testSelectBare();
-  testCall("has clash", hasClash, true, 0.2);
-  testCall("compute energy", computeEnergy, true, 0.2);
-  testCall("validate", validate, false, 0);
   testCall("commit", commit, false, 0);
+  testCall("find a clash", findClash, true, 0.2);
+  testCall("list clashes", listClashes, true, 0.2);
+  testCall("compute the energy", computeEnergy, true, 0.2);
+  testCall("probe", probe, false, 0.2);
   testCall("list neighbours", listNeighbors, true, 0);
   testCall("sort neighbours", sortNeighbors, true, 0.2);
   testCall("set positions", setSamePositions, false, 0);
+  testCall("set state", setSameState, false, 0.2);
+  testCall("read the state", readState, false, 0.2);
+  testCall("validate", validate, false, 0);
+  testSelectBare();
+  testRun();
   CHECK(live == before);
+}
+
+int main(void) {
+  printf("\n"); /* its buffer is no leak of ours */
+  const char* const sets[] = {"avx512", "avx2", "portable"};
+  const char* const courses[] = {"cost", "tree", "boxes", "clearances"};
+  for (int i = 0; i < 3; i++) {
+    for (int k = 0; k < 4; k++) {
+      setenv("CHAINTREE_SIMD", sets[i], 1);
+      setenv("CHAINTREE_TRIALS", courses[k], 1);
+      testAll();
+    }
+  }
   return checkResult();
 }
 
