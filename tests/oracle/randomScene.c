@@ -6,47 +6,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* ---- Numbers ---- */
-
-/* Splitmix64. */
-static uint64_t randomBits(randomSource* random)
-{
-    uint64_t z = random->state += 0x9e3779b97f4a7c15u;
-    z = (z ^ (z >> 30)) * 0xbf58476d1ce4e5b9u;
-    z = (z ^ (z >> 27)) * 0x94d049bb133111ebu;
-    return z ^ (z >> 31);
-}
-
-randomSource randomSourceFromSeed(uint64_t seed)
-{
-    randomSource random = {seed};
-    random.state = randomBits(&random);
-    return random;
-}
-
-double randomReal(randomSource* random, double low, double high)
-{
-    return low + (high - low) * (double)(randomBits(random) >> 11) * 0x1p-53;
-}
-
-int randomInt(randomSource* random, int count)
-{
-    return (int)randomReal(random, 0, count);
-}
-
-int randomChance(randomSource* random, double probability)
-{
-    return randomReal(random, 0, 1) < probability;
-}
-
-void randomDirection(randomSource* random, double direction[3])
-{
-    double z = randomReal(random, -1, 1), angle = randomReal(random, -acos(-1), acos(-1)), flat = sqrt(1 - z * z);
-    direction[0] = flat * cos(angle);
-    direction[1] = flat * sin(angle);
-    direction[2] = z;
-}
-
 static void* allocate(int count, size_t size)
 {
     void* memory = calloc(count > 0 ? (size_t)count : 1, size);

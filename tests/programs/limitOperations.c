@@ -141,7 +141,8 @@ static void chooseLimits(Program* p, PairList* wanted)
             continue;
         double overlap = p->scene.radii[i] + p->scene.radii[j] - oracleDistance(p->oracle, ORACLE_STATE, i, j);
         double base = randomChance(&p->random, 0.5) ? fmax(0, overlap) : 0;
-        appendPair(wanted, low, high, base + randomReal(&p->random, 0, 0.1), 0);
+        bool never = randomChance(&p->random, 0.03); /* may the pair clash */
+        appendPair(wanted, low, high, never ? INFINITY : base + randomReal(&p->random, 0, 0.1), 0);
         sortPairs(wanted);
     }
 }

@@ -4,6 +4,12 @@
 
 #include "program.h"
 
+/* operations.c: runs operations of random kinds, until there have been `most` or the bytes that choose are used up.
+ * Returns how many there have been. */
+int runOperations(Program* program, int most);
+
+void printTally(const Tally* tally);
+
 /* trialOperations.c. Those that need an open trial do nothing without one. */
 void propose(Program* program);
 void compareVerdicts(Program* program);
@@ -49,5 +55,10 @@ void callWithoutTrial(Program* program);
 void proposeNonsense(Program* program);
 void queryNonsense(Program* program);
 void setNonsense(Program* program);
+
+/* definitionOperations.c: scenes that must be refused; and scenes of the largest and smallest numbers, which must not.
+ */
+void createNonsense(Program* program);
+void goToExtremes(Program* program);
 
 #endif /* OPERATIONS_H_ */

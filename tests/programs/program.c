@@ -1,3 +1,5 @@
+#define _POSIX_C_SOURCE 200809L /* setenv */
+
 #include "program.h"
 
 #include <math.h>
@@ -14,7 +16,7 @@ void require(bool condition, const Program* p, const char* format, ...)
         return;
     va_list arguments;
     va_start(arguments, format);
-    printf("seed %llu, step %d, %s: ", (unsigned long long)p->seed, p->step, p->operation);
+    printf("%s, step %d, %s: ", p->name, p->step, p->operation);
     vprintf(format, arguments);
     printf("\n(%d particles, %d links, %d movable)\n", p->scene.particleCount, p->scene.linkCount, p->movableCount);
     va_end(arguments);
@@ -43,6 +45,13 @@ void* programAllocate(int count, size_t size)
     return memory;
 }
 
+void freeSet(KeptSet* set)
+{
+    ctFreeSelection(set->selection);
+    free(set->particles);
+    *set = (KeptSet){0};
+}
+
 int coordinateCount(const Program* p)
 {
     return 3 * p->scene.particleCount;
@@ -53,22 +62,41 @@ size_t positionBytes(const Program* p)
     return (size_t)coordinateCount(p) * sizeof(double);
 }
 
-ctChainTree* programCreateTree(const Program* p)
+ctDefinition programDefinition(const Program* p)
 {
     const randomScene* scene = &p->scene;
-    const ctDefinition definition = {.particleCount = scene->particleCount,
-                                     .positions = p->firstPositions,
-                                     .radii = scene->radii,
-                                     .hydrogenBondRoles = scene->roles,
-                                     .particleLinks = scene->particleLinks,
-                                     .linkCount = scene->linkCount,
-                                     .linkParents = scene->linkParents,
-                                     .linkJoints = scene->linkJoints,
-                                     .linkTorsions = (const int(*)[4])scene->linkTorsions,
-                                     .exclusionCount = scene->exclusionCount,
-                                     .exclusions = (const int(*)[2])scene->exclusions,
-                                     .overlapTolerance = scene->overlapTolerance,
-                                     .hydrogenBondAllowance = scene->hydrogenBondAllowance};
+    return (ctDefinition){.particleCount = scene->particleCount,
+                          .positions = p->firstPositions,
+                          .radii = scene->radii,
+                          .hydrogenBondRoles = scene->roles,
+                          .particleLinks = scene->particleLinks,
+                          .linkCount = scene->linkCount,
+                          .linkParents = scene->linkParents,
+                          .linkJoints = scene->linkJoints,
+                          .linkTorsions = (const int(*)[4])scene->linkTorsions,
+                          .exclusionCount = scene->exclusionCount,
+                          .exclusions = (const int(*)[2])scene->exclusions,
+                          .overlapTolerance = scene->overlapTolerance,
+                          .hydrogenBondAllowance = scene->hydrogenBondAllowance};
+}
+
+static void choosePath(Program* p)
+{
+    static const char* const instructionSets[] = {"avx512", "avx2", "portable"};
+    static const char* const waysToTest[] = {"tree", "boxes", "clearances"};
+    setenv("CHAINTREE_SIMD", instructionSets[randomInt(&p->random, 3)], 1);
+    const int way = randomInt(&p->random, 4);
+    if (way < 3)
+        setenv("CHAINTREE_TRIALS", waysToTest[way], 1);
+    else
+        unsetenv("CHAINTREE_TRIALS");
+}
+
+ctChainTree* programCreateTree(Program* p)
+{
+    if (p->takesAnyPath)
+        choosePath(p);
+    const ctDefinition definition = programDefinition(p);
     ctChainTree* tree;
     char text[256] = "";
     ctStatus status = ctCreate(&definition, &tree, text, sizeof text);
@@ -76,16 +104,20 @@ ctChainTree* programCreateTree(const Program* p)
     return tree;
 }
 
+oracleScene* createOracle(const ctDefinition* d)
+{
+    return oracleCreate(d->particleCount, d->positions, d->radii, d->hydrogenBondRoles, d->particleLinks, d->linkCount,
+                        d->linkParents, d->linkJoints, (const int*)d->linkTorsions, d->exclusionCount,
+                        (const int*)d->exclusions, d->overlapTolerance, d->hydrogenBondAllowance);
+}
+
 static void createBoth(Program* p)
 {
-    const randomScene* scene = &p->scene;
     p->firstPositions = programAllocate(coordinateCount(p), sizeof(double));
-    memcpy(p->firstPositions, scene->positions, positionBytes(p));
+    memcpy(p->firstPositions, p->scene.positions, positionBytes(p));
     p->tree = programCreateTree(p);
-    p->oracle =
-        oracleCreate(scene->particleCount, scene->positions, scene->radii, scene->roles, scene->particleLinks,
-                     scene->linkCount, scene->linkParents, scene->linkJoints, scene->linkTorsions,
-                     scene->exclusionCount, scene->exclusions, scene->overlapTolerance, scene->hydrogenBondAllowance);
+    const ctDefinition definition = programDefinition(p);
+    p->oracle = createOracle(&definition);
 }
 
 static void listLinks(Program* p)
@@ -103,10 +135,15 @@ static void listLinks(Program* p)
     }
 }
 
-void programCreate(Program* p, uint64_t seed, Tally* tally)
+void programCreate(Program* p, const char* name, randomScene scene, randomSource random, bool takesAnyPath,
+                   Tally* tally)
 {
-    *p = (Program){.seed = seed, .operation = "create", .tally = tally, .random = randomSourceFromSeed(seed)};
-    randomSceneCreate(&p->scene, &p->random);
+    *p = (Program){.name = name,
+                   .operation = "create",
+                   .tally = tally,
+                   .random = random,
+                   .scene = scene,
+                   .takesAnyPath = takesAnyPath};
     createBoth(p);
     listLinks(p);
     p->state = programAllocate(coordinateCount(p), sizeof(double));
@@ -133,6 +170,7 @@ void programDestroy(Program* p)
     free(p->trial);
     free(p->scratch);
     free(p->limits.pairs);
+    freeSet(&p->kept);
 }
 
 /* ---- What most operations check or choose ---- */
@@ -182,12 +220,20 @@ double chooseCutoff(Program* p)
         return 0.2; /* the spacing of lattices */
     if (kind < 0.15)
         return 1e-3;
+    if (kind < 0.16 && p->scene.particleCount < 200)
+        return pow(10, randomReal(&p->random, 1, 300)); /* all pairs */
     return kind < 0.2 ? randomReal(&p->random, 1, 5) : randomReal(&p->random, 0.05, 0.6);
 }
 
 int chooseParticle(Program* p)
 {
     return randomInt(&p->random, p->scene.particleCount);
+}
+
+double chooseNonFinite(Program* p)
+{
+    const double bad[] = {NAN, INFINITY, -INFINITY};
+    return bad[randomInt(&p->random, 3)];
 }
 
 /* ---- Lists ---- */

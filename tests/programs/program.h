@@ -23,14 +23,25 @@
 
 #define PI 3.14159265358979323846
 
+enum { OPERATION_KINDS = 28 };
+
 /* What happened in all programs so far: proof that the comparison was about something. */
 typedef struct Tally {
+    long operations[OPERATION_KINDS]; /* in the order of operations.c */
     long programs, clashing, clashFree, doubtful, clashes, neighbors, changed, raised;
     int largest; /* particles of a scene */
 } Tally;
 
+/* A set of particles that is asked about in several states. */
+typedef struct KeptSet {
+    int count;
+    int* particles;
+    ctSelection* selection; /* or NULL: no set is kept */
+    bool isStale;           /* its scene is gone */
+} KeptSet;
+
 typedef struct Program {
-    uint64_t seed;
+    const char* name; /* by which it can be run again */
     int step;
     const char* operation;
     Tally* tally;
@@ -46,19 +57,25 @@ typedef struct Program {
     double* trial;   /* and those of the open trial */
     double* scratch; /* as many coordinates */
     bool hasTrial;
-    int* roots;      /* per link: the one without parent that it hangs on */
-    bool* hasMoved;  /* per root: by a commit since the reference positions */
-    bool* isInTrial; /* per root: by the open trial */
-    PairList limits; /* what ctGetLimits must give */
+    bool takesAnyPath; /* each tree is made for an instruction set and a way to test trials that are chosen at random */
+    int* roots;        /* per link: the one without parent that it hangs on */
+    bool* hasMoved;    /* per root: by a commit since the reference positions */
+    bool* isInTrial;   /* per root: by the open trial */
+    PairList limits;   /* what ctGetLimits must give */
+    KeptSet kept;
 } Program;
 
-void programCreate(Program* program, uint64_t seed, Tally* tally);
+/* Takes the scene over; operations will be chosen by `random`, and with takesAnyPath what the trees are made for. */
+void programCreate(Program* program, const char* name, randomScene scene, randomSource random, bool takesAnyPath,
+                   Tally* tally);
 void programDestroy(Program* program);
 
-/* The engine's scene as it was made at first. */
-ctChainTree* programCreateTree(const Program* program);
+/* The engine's scene as it was made at first; its arrays are the program's. */
+ctDefinition programDefinition(const Program* program);
+ctChainTree* programCreateTree(Program* program);
+oracleScene* createOracle(const ctDefinition* definition);
 
-/* ---- Failure: prints the seed, the step and what differed, and ends the process with status 1 ---- */
+/* ---- Failure: prints the name, the step and what differed, and ends the process with status 1 ---- */
 
 void require(bool condition, const Program* program, const char* format, ...) __attribute__((format(printf, 3, 4)));
 void requireStatus(const Program* program, const char* call, ctStatus status, ctStatus expected);
@@ -70,6 +87,7 @@ void requireNear(const Program* program, const char* what, int index, double val
 /* ---- What most operations check or choose ---- */
 
 void* programAllocate(int count, size_t size);
+void freeSet(KeptSet* set);
 int coordinateCount(const Program* program);
 size_t positionBytes(const Program* program);
 
@@ -90,6 +108,7 @@ void requireCounted(const Program* program, const ctCounts* counts);
 
 double chooseCutoff(Program* program);
 int chooseParticle(Program* program);
+double chooseNonFinite(Program* program);
 
 /* ---- Lists ---- */
 

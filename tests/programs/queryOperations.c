@@ -70,7 +70,10 @@ void compareNeighborPairs(Program* p)
 
 void compareProbe(Program* p)
 {
-    double position[3], radius = randomChance(&p->random, 0.2) ? 0 : randomReal(&p->random, 0, 0.5);
+    double position[3], kind = randomReal(&p->random, 0, 1);
+    double radius = kind < 0.2    ? 0
+                    : kind < 0.25 ? pow(10, randomReal(&p->random, 0, 3))
+                                  : randomReal(&p->random, 0, 0.5);
     memcpy(position, p->state + 3 * chooseParticle(p), sizeof position);
     for (int axis = 0; axis < 3; axis++)
         position[axis] += randomReal(&p->random, -0.3, 0.3);
@@ -128,50 +131,63 @@ void endListsEarly(Program* p)
 /* ---- Numbers ---- */
 
 /* A few particles with repeats, or an interval. */
-static int* chooseSet(Program* p, int* count)
+static KeptSet chooseSet(Program* p)
 {
     bool interval = randomChance(&p->random, 0.5);
     int first = chooseParticle(p);
-    *count = 1 + randomInt(&p->random, interval ? p->scene.particleCount - first : 20);
-    int* set = programAllocate(*count, sizeof(int));
-    for (int n = 0; n < *count; n++)
-        set[n] = interval ? first + n : chooseParticle(p);
+    KeptSet set = {.count = 1 + randomInt(&p->random, interval ? p->scene.particleCount - first : 20)};
+    set.particles = programAllocate(set.count, sizeof(int));
+    for (int n = 0; n < set.count; n++)
+        set.particles[n] = interval ? first + n : chooseParticle(p);
+    SUCCEED(ctSelect(p->tree, set.count, set.particles, &set.selection));
     return set;
 }
 
-static bool isInSet(int count, const int* set, int particle)
+/* The kept set, if there is one, or another. */
+static KeptSet takeSet(Program* p)
+{
+    if (p->kept.selection == NULL || randomChance(&p->random, 0.5))
+        return chooseSet(p);
+    KeptSet kept = p->kept;
+    p->kept = (KeptSet){0};
+    return kept;
+}
+
+static void returnSet(Program* p, KeptSet* set)
+{
+    if (p->kept.selection == NULL && !set->isStale)
+        p->kept = *set;
+    else
+        freeSet(set);
+}
+
+static bool isInSet(const KeptSet* set, int particle)
 {
     int n = 0;
-    while (n < count && set[n] != particle)
+    while (n < set->count && set->particles[n] != particle)
         n++;
-    return n < count;
+    return n < set->count;
 }
 
 void compareMinimumDistance(Program* p)
 {
-    int counts[2], *sets[2], pair[2] = {CT_NULL, CT_NULL};
-    for (int set = 0; set < 2; set++)
-        sets[set] = chooseSet(p, &counts[set]);
-    double distance, expected = oracleMinimumDistance(p->oracle, counts[0], sets[0], counts[1], sets[1]);
-    ctSelection* selections[2];
+    KeptSet a = takeSet(p), b = takeSet(p);
+    int pair[2] = {CT_NULL, CT_NULL};
+    double distance, expected = oracleMinimumDistance(p->oracle, a.count, a.particles, b.count, b.particles);
+    bool isRefused = a.isStale || b.isStale || isinf(expected);
     ctCounts cost;
-    for (int set = 0; set < 2; set++)
-        SUCCEED(ctSelect(p->tree, counts[set], sets[set], &selections[set]));
-    ctStatus status =
-        ctGetMinimumDistance(p->tree, selections[0], selections[1], &distance, pair, chooseCounts(p, &cost));
+    ctStatus status = ctGetMinimumDistance(p->tree, a.selection, b.selection, &distance, pair, chooseCounts(p, &cost));
     requireCounted(p, &cost);
-    for (int set = 0; set < 2; set++)
-        ctFreeSelection(selections[set]);
-    requireStatus(p, "ctGetMinimumDistance", status, isinf(expected) ? ctInvalidArgument : ctSuccess);
-    if (status == ctSuccess) {
-        require(isInSet(counts[0], sets[0], pair[0]) && isInSet(counts[1], sets[1], pair[1]) && pair[0] != pair[1], p,
-                "the nearest pair is %d-%d", pair[0], pair[1]);
+    requireStatus(p, "ctGetMinimumDistance", status, isRefused ? ctInvalidArgument : ctSuccess);
+    if (!isRefused) {
+        require(isInSet(&a, pair[0]) && isInSet(&b, pair[1]) && pair[0] != pair[1], p, "the nearest pair is %d-%d",
+                pair[0], pair[1]);
         requireNear(p, "least distance", 0, distance, expected, NUMBER_TOLERANCE);
         requireNear(p, "distance of the nearest pair", 0, oracleDistance(p->oracle, ORACLE_STATE, pair[0], pair[1]),
                     expected, NUMBER_TOLERANCE);
     }
-    free(sets[0]);
-    free(sets[1]);
+    returnSet(p, &a);
+    returnSet(p, &b);
 }
 
 /* The direction between two particles is as uncertain as their positions; but that of a force between particles which

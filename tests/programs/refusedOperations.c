@@ -1,6 +1,7 @@
 #include "operations.h"
 
 #include <math.h>
+#include <stdlib.h>
 #include <string.h>
 
 void callWithoutTrial(Program* p)
@@ -15,12 +16,6 @@ void callWithoutTrial(Program* p)
     FAIL(ctNoTrial, ctCommit(p->tree, NULL));
     require(list.count == 0, p, "pairs came without a trial");
     requireUntouchedState(p);
-}
-
-static double chooseNonFinite(Program* p)
-{
-    const double bad[] = {NAN, INFINITY, -INFINITY};
-    return bad[randomInt(&p->random, 3)];
 }
 
 static void proposeNonsenseFor(Program* p, int link)
@@ -86,6 +81,12 @@ void setNonsense(Program* p)
     memcpy(p->scratch, p->state, positionBytes(p));
     p->scratch[randomInt(&p->random, coordinateCount(p))] = chooseNonFinite(p);
     FAIL(ctInvalidArgument, ctSetPositions(p->tree, p->scratch));
+    const size_t size = ctGetStateSize(p->tree);
+    double* state = programAllocate((int)size, sizeof(double));
+    ctGetState(p->tree, state);
+    state[randomInt(&p->random, (int)size)] = chooseNonFinite(p);
+    FAIL(ctInvalidArgument, ctSetState(p->tree, state));
+    free(state);
     const int pairs[][2] = {{0, p->scene.particleCount}, {0, 0}, {-1, 0}, {0, 1}};
     const double limit = 0.1, bad = NAN;
     for (int n = 0; n < 3; n++)

@@ -37,6 +37,7 @@ static void startAnew(Program* p)
 {
     ctDestroy(p->tree);
     p->tree = programCreateTree(p);
+    p->kept.isStale = p->kept.selection != NULL;
     int(*pairs)[2] = programAllocate(p->limits.count, sizeof(int[2]));
     double* values = programAllocate(p->limits.count, sizeof(double));
     for (int n = 0; n < p->limits.count; n++) {
