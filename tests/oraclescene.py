@@ -98,7 +98,7 @@ class OracleScene:
         parameters = [force.getParticleParameters(i) for i in range(self._count)]
         exclusions = [force.getExclusionParticles(i) for i in range(force.getNumExclusions())]
         library = ctypes.CDLL(os.environ["CHAINTREE_ORACLE"])
-        for name in ("oracleWorstTrialMargin", "oracleEnergy"):
+        for name in ("oracleWorstTrialMargin", "oracleMinimumDistance", "oracleDistance", "oracleEnergy"):
             getattr(library, name).restype = ctypes.c_double
         library.oracleCreate.restype = ctypes.c_void_p
         self._library = library
@@ -169,9 +169,44 @@ class OracleScene:
         """Return pairs that overlap by more than tolerance - slack, overlaps, overlaps - tolerances."""
         return self._list(self._library.oracleListClashes, slack, 2)
 
+    def beyondLimits(self, slack):
+        """Return pairs that overlap by more than limit - slack, overlaps, overlaps - limits."""
+        return self._list(self._library.oracleListBeyondLimits, slack, 2)
+
     def neighborPairs(self, cutoff):
         """Return pairs, distances."""
         return self._list(self._library.oracleListNeighborPairs, cutoff, 1)
+
+    def clashesWith(self, position, radius, slack):
+        """Return particles that a sphere overlaps by more than tolerance - slack, overlaps, overlaps - tolerance."""
+        particles = np.empty(self._count, dtype=np.intc)
+        values = np.empty((2, self._count))
+        count = self._library.oracleListClashesWith(
+            self._scene,
+            _doubles(position),
+            ctypes.c_double(radius),
+            ctypes.c_double(slack),
+            ctypes.c_int(self._count),
+            _ints(particles),
+            _doubles(values[0]),
+            _doubles(values[1]),
+        )
+        return particles[:count], values[0, :count], values[1, :count]
+
+    def distance(self, particle1, particle2):
+        return self._library.oracleDistance(
+            self._scene, ctypes.c_int(STATE), ctypes.c_int(particle1), ctypes.c_int(particle2)
+        )
+
+    def minimumDistance(self, particles1, particles2):
+        """Return the least distance between different particles of two sets, infinity if there are none."""
+        return self._library.oracleMinimumDistance(
+            self._scene,
+            ctypes.c_int(len(particles1)),
+            _ints(particles1),
+            ctypes.c_int(len(particles2)),
+            _ints(particles2),
+        )
 
     def _list(self, function, length, valueCount):
         capacity = 1000
