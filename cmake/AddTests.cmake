@@ -1,18 +1,21 @@
 # One program, or one file of pytest, is one test. A program that ends with 77 counts as skipped.
 
-# chaintree_add_c_tests(SOURCES ... [WITH source ...] [LIBRARIES lib ...] [SANITIZED_LIBRARIES lib ...]
+# chaintree_add_c_tests(SOURCES ... [WITH source ...] [LIBRARIES lib ...] [ARGUMENTS ...] [SANITIZED_LIBRARIES lib ...]
 # [SANITIZED_ARGUMENTS ...]): programs on the engine alone, each with the sources after WITH. Each runs as it is, and,
-# with the arguments and instead of the libraries given for that, a second time with sanitizers.
+# with the arguments and libraries that are given for that instead, a second time with sanitizers.
 function(chaintree_add_c_tests)
-    cmake_parse_arguments(PARSE_ARGV 0 arg "" "" "SOURCES;WITH;LIBRARIES;SANITIZED_LIBRARIES;SANITIZED_ARGUMENTS")
-    if(NOT arg_SANITIZED_LIBRARIES)
-        set(arg_SANITIZED_LIBRARIES ${arg_LIBRARIES})
-    endif()
+    cmake_parse_arguments(PARSE_ARGV 0 arg "" ""
+        "SOURCES;WITH;LIBRARIES;ARGUMENTS;SANITIZED_LIBRARIES;SANITIZED_ARGUMENTS")
+    foreach(list LIBRARIES ARGUMENTS)
+        if(NOT arg_SANITIZED_${list})
+            set(arg_SANITIZED_${list} ${arg_${list}})
+        endif()
+    endforeach()
     foreach(source IN LISTS arg_SOURCES)
         get_filename_component(name "${source}" NAME_WE)
         add_executable(${name} ${source} ${arg_WITH})
         target_link_libraries(${name} PRIVATE chaintree ${arg_LIBRARIES})
-        _chaintree_add_program_test(${name} "engine")
+        _chaintree_add_program_test(${name} "engine" ${arg_ARGUMENTS})
         if(TARGET chaintree_sanitized)
             add_executable(${name}_sanitized ${source} ${arg_WITH})
             target_link_libraries(${name}_sanitized PRIVATE chaintree_sanitized ${arg_SANITIZED_LIBRARIES})

@@ -9,7 +9,8 @@ file(GLOB sources "${engine_dir}/src/*.c")
 list(APPEND sources
     "${SOURCE_DIR}/tests/trajectory/trajectory.c"
     "${SOURCE_DIR}/tests/hardcases/sceneBuilder.c"
-    "${SOURCE_DIR}/tests/oracle/randomScene.c")
+    "${SOURCE_DIR}/tests/oracle/randomScene.c"
+    "${SOURCE_DIR}/tests/oracle/randomSource.c")
 
 function(run_program program set course output)
     execute_process(

@@ -244,8 +244,8 @@ public:
     void setForceConstant(double k);
     /**
      * Copy radii, hydrogen bond roles, the overlap tolerance, the hydrogen bond allowance and the force constant to a
-     * Context. An open trial is dropped; limits of pairs are kept where they are above the pair's new tolerance and both
-     * radii above 0, and grow at the next trial where the new parameters make new clashes.
+     * Context. An open trial is dropped; limits of pairs are kept where they are above the pair's new tolerance and
+     * both radii above 0, and grow at the next trial where the new parameters make new clashes.
      *
      * Bonds, torsions, exclusions and the number of particles cannot be changed this way: if they are not what they
      * were when the Context was created, this throws an exception. Reinitialize the Context instead.
