@@ -102,6 +102,39 @@ static void testFarApart(double distance)
     sceneFree(&scene);
 }
 
+/* In one trial two beads of a small scene go far, where one number in float is a sixteenth of a nanometre from the next,
+ * and meet there, or just do not. */
+static void testFarTrip(void)
+{
+    randomSource random = randomSourceFromSeed(9);
+    Scene scene = {0};
+    for (int i = 0; i < 40; i++)
+        addParticle(&scene, addFreeLink(&scene), 0.3 * (i % 6), 0.3 * (i / 6), 0, 0.1);
+    HardCase hard;
+    openCase(&hard, "a trip to far away", &scene);
+    for (int trial = 0; trial < 200; trial++) {
+        const int links[2] = {randomInt(&random, 20), 20 + randomInt(&random, 20)};
+        double way[3], apart[3];
+        randomDirection(&random, way);
+        randomDirection(&random, apart);
+        const double distance = 0.2 + randomReal(&random, -1e-3, 1e-3);
+        ctChange changes[2];
+        for (int n = 0; n < 2; n++) {
+            const double* from = scene.positions + 3 * links[n];
+            changes[n] = (ctChange){.link = links[n]};
+            for (int axis = 0; axis < 3; axis++)
+                changes[n].translation[axis] = 1e6 * way[axis] + n * distance * apart[axis] - from[axis];
+        }
+        tryChanges(&hard, 2, changes);
+        compareChangedPairs(&hard, 0.2);
+        dropTrial(&hard);
+    }
+    need(hard.clashing > 50 && hard.clashFree > 50, &hard, "%ld verdicts clash, %ld do not", hard.clashing,
+         hard.clashFree);
+    closeCase(&hard);
+    sceneFree(&scene);
+}
+
 /* So small that most or all distances are within CT_SIGMA of a limit, where engines need only agree with each other. It
  * hangs on the world: the oracle would not know such coordinates apart if they were not about the origin. */
 static void testSmall(double scale)
@@ -180,6 +213,7 @@ int main(void)
     testOffset(1e6, 0, -1e3);
     testFarApart(1e3);
     testFarApart(1e6);
+    testFarTrip();
     testSmall(1e-3);
     testSmall(1e-6);
     testSmall(1e-12);
