@@ -102,8 +102,8 @@ static void testFarApart(double distance)
     sceneFree(&scene);
 }
 
-/* In one trial two beads of a small scene go far, where one number in float is a sixteenth of a nanometre from the next,
- * and meet there, or just do not. */
+/* In one trial two beads of a small scene go far, where one number in float is a sixteenth of a nanometre from the
+ * next, and meet there, or just do not. */
 static void testFarTrip(void)
 {
     randomSource random = randomSourceFromSeed(9);
