@@ -37,6 +37,30 @@ static void testSize(int count, ctJointKind root, int trials)
     sceneFree(&scene);
 }
 
+/* Several leaves and nodes of the tree hold no particle that counts. */
+static void testBareMiddle(void)
+{
+    enum { LINKS = 900 };
+    static double points[LINKS][3];
+    randomSource random = randomSourceFromSeed(10);
+    for (int i = 0; i < LINKS; i++)
+        place(i, 10, &random, points[i]);
+    Scene scene = {.overlapTolerance = 0.01};
+    addChain(&scene, ctFreeJoint, LINKS, (const double(*)[3])points, 0.17, 1);
+    for (int i = 230; i < 800; i++)
+        scene.radii[i] = 0;
+    HardCase hard;
+    openCase(&hard, "a chain that counts at its ends", &scene);
+    for (int link = 220; link < 820; link += 30) {
+        tryTurn(&hard, link, 0.01);
+        compareChangedPairs(&hard, 0.6);
+        acceptTrial(&hard);
+    }
+    wander(&hard, &random, 60, 0.01, 0.6);
+    closeCase(&hard);
+    sceneFree(&scene);
+}
+
 int main(void)
 {
     static const int small[] = {1, 2, 3, 4, 7, 8, 9, 15, 16, 17, 31, 32, 33, 63, 64, 65};
@@ -50,5 +74,6 @@ int main(void)
         testSize(large[i], i % 2 == 0 ? ctFreeJoint : ctFixedJoint, 60);
     for (size_t i = 0; i < sizeof largest / sizeof largest[0]; i++)
         testSize(largest[i], ctFreeJoint, 9);
+    testBareMiddle();
     return 0;
 }

@@ -57,6 +57,9 @@ static void testRadiusZero(void) {
   CHECK(isListed(tree, 0, 2));
   CHECK(!clashesShifted(tree, 1, 0.05));
   CHECK(clashesShifted(tree, 2, 0.05));
+  const int limited[][2] = {{1, 2}, {0, 1}}; /* a limit of what never clashes is none */
+  CHECK_SUCCESS(ctSetLimits(tree, 2, limited, (const double[]){5, 5}));
+  CHECK(ctGetLimitCount(tree) == 0);
   const int bare = 1;
   const int other = 2;
   double distance;

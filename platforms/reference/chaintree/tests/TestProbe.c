@@ -62,10 +62,20 @@ static void testMoved(void) {
   ctDestroy(tree);
 }
 
+/* What touches does not overlap. */
+static void testTouching(void) {
+  ctChainTree* tree = makeLattice(LAYERS, 0.25, 0);
+  CHECK(probe(tree, 4.5, 4, 4, 0.25).count == 0);
+  CHECK(probe(tree, 4.5, 4, 4, 0.25 + 0x1p-53).count == 2);
+  CHECK(probe(tree, 4.5, 4, 4, 0.25 - 0x1p-53).count == 0);
+  ctDestroy(tree);
+}
+
 int main(void) {
   for (int links = 0; links < latticeLinkings; links++) {
     testLattice(links);
   }
   testMoved();
+  testTouching();
   return checkResult();
 }
