@@ -1,4 +1,6 @@
 /* Limits of single pairs: what trials may overlap where the state already does. */
+#define _POSIX_C_SOURCE 200809L /* setenv */
+
 #include "beads.h"
 
 /* Beads of radius 0.5: 0 and 1 overlap by 0.1, 1 and 2 by 0.2; the tolerance is 0.05. */
@@ -111,10 +113,41 @@ static void testSameStateAgain(void) {
   ctDestroy(tree);
 }
 
+/* New limits count in the very next trial, also for pairs that were far from their old ones. */
+static void testLowering(void) {
+  enum { COUNT = 40, LAST = 14 }; /* the last of its leaf: the world has a slot, too */
+  Beads row = {.count = COUNT};
+  int pairs[COUNT - 1][2];
+  double limits[COUNT - 1];
+  for (int i = 0; i < COUNT; i++) {
+    row.positions[3 * i] = i;
+    row.radii[i] = 0.55;
+  }
+  for (int i = 0; i < COUNT - 1; i++) {
+    /* that of LAST comes last */
+    const int first = i == COUNT - 2 ? LAST : i < LAST ? i : i + 1;
+    const int pair[2] = {first, first + 1};
+    memcpy(pairs[i], pair, sizeof pair);
+    limits[i] = 0.2;
+  }
+  ctChainTree* tree = makeBeads(&row);
+  CHECK_SUCCESS(ctSetLimits(tree, COUNT - 1, pairs, limits));
+  for (int n = 0; n < 10; n++) {
+    CHECK(!clashesShifted(tree, LAST + 1, n % 2 == 0 ? 1e-4 : -1e-4));
+    CHECK_SUCCESS(ctCommit(tree, NULL));
+  }
+  CHECK_SUCCESS(ctSetLimits(tree, COUNT - 2, pairs, limits));
+  CHECK(clashesShifted(tree, LAST + 1, 1e-4));
+  ctDestroy(tree);
+}
+
 int main(void) {
   testVerdict();
   testSetting();
   testRaising();
   testSameStateAgain();
+  testLowering();
+  setenv("CHAINTREE_TRIALS", "clearances", 1);
+  testLowering();
   return checkResult();
 }

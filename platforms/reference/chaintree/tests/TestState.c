@@ -1,4 +1,6 @@
 /* The state as numbers: what they are, and that a scene that is given them goes on as if it had made them. */
+#define _POSIX_C_SOURCE 200809L /* setenv */
+
 #include "arm.h"
 #include "beads.h"
 #include "lattice.h"
@@ -185,5 +187,9 @@ int main(void) {
   testGoingOn(ROWS_ON_A_WALL, ctTorsionJoint, SIDE * SIDE + 1);
   testLimitsAreKept();
   testNonsense();
+  setenv("CHAINTREE_TRIALS", "clearances", 1);
+  testGoingOn(LAYERS, ctFreeJoint, SIDE);
+  testGoingOn(ONE_EACH, ctFreeJoint, SITES);
+  testGoingOn(ROWS_ON_A_WALL, ctTorsionJoint, SIDE * SIDE + 1);
   return checkResult();
 }
