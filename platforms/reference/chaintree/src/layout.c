@@ -246,7 +246,6 @@ static bool allocateSequence(Sequence* s, Arena* arena, const ctDefinition* d, i
   s->cosine = ctArenaAllocate(arena, links, sizeof(double));
   s->sine = ctArenaAllocate(arena, links, sizeof(double));
   s->displaced = ctArenaAllocate(arena, links, sizeof(int));
-  s->origin = ctArenaAllocate(arena, links, sizeof(double[3]));
   s->axis = ctArenaAllocate(arena, links, sizeof(double[3]));
   int placements = 0;
   for (int u = 0; u < d->linkCount; u++) {

@@ -30,69 +30,75 @@ static int firstLink(const Tree* tree, const Sequence* sequence, int leaf) {
   return leaf < tree->levelSize[0] ? sequence->slotLink[leaf * TREE_WIDTH] : CT_NULL;
 }
 
-/* The frame of the next link, and its axis. */
-static void stepFrame(Tree* tree, const Sequence* sequence, int link, Frame* frame) {
-  const Frame step = sequenceStep(sequence, link);
-  *frame = transformCompose(frame, &step);
-  rotate(frame, sequence->axis[link + 1], tree->axis[link + 1]);
-}
-
 static void refreshLeaf(Tree* tree, const Sequence* sequence, int leaf) {
   const int begin = leaf * TREE_WIDTH;
   const int end = begin + TREE_WIDTH < tree->slotCount ? begin + TREE_WIDTH : tree->slotCount;
   Leaf* own = &tree->leaf[leaf];
-  int link = firstLink(tree, sequence, leaf);
-  Frame frame = transformIdentity();
-  if (sequence->slotBegin[link] == begin) {
-    memcpy(tree->axis[link], sequence->axis[link], sizeof tree->axis[link]);
+  Walk walk;
+  walkBegin(&walk, firstLink(tree, sequence, leaf));
+  if (sequence->slotBegin[walk.link] == begin) {
+    memcpy(tree->axis[walk.link], sequence->axis[walk.link], sizeof tree->axis[walk.link]);
   }
   for (int slot = begin; slot < end; slot++) {
-    for (; link < sequence->slotLink[slot]; link++) {
-      stepFrame(tree, sequence, link, &frame);
+    while (walk.link < sequence->slotLink[slot]) {
+      walkOn(&walk, sequence);
+      rotate(&walk.frame, sequence->axis[walk.link], tree->axis[walk.link]);
     }
     const int particle = sequence->slotParticle[slot];
     if (particle != CT_NULL) {
       double x[3];
       sequenceLocal(sequence, particle, x);
-      transformPoint(&frame, x, x);
+      transformPoint(&walk.frame, x, x);
       own->x[slot - begin] = x[0];
       own->y[slot - begin] = x[1];
       own->z[slot - begin] = x[2];
     }
   }
-  for (const int next = firstLink(tree, sequence, leaf + 1); link < next; link++) {
-    const Frame step = sequenceStep(sequence, link);
-    frame = transformCompose(&frame, &step);
+  const int next = firstLink(tree, sequence, leaf + 1);
+  while (walk.link < next) {
+    walkOn(&walk, sequence);
   }
-  tree->shortcut[leaf] = frame;
+  if (memcmp(&tree->shortcut[leaf], &walk.frame, sizeof walk.frame) != 0) {
+    tree->shortcut[leaf] = walk.frame;
+    tree->shortcutTime[leaf] = tree->time;
+  }
   tree->bound[leaf] = boundOfLeaf(own);
+  tree->contentTime[leaf] = tree->time;
   tree->hasSum[leaf] = false;
   tree->isFresh[leaf] = true;
 }
 
-/* Children before the first changed one are where they were. */
+/* Children before the first changed one are what and where they were; those behind it may be. */
 static void refreshNode(Tree* tree, int level, int item, int firstChanged) {
   int count;
   const int first = treeChildren(tree, level, item, &count);
   Members* members = treeMembers(tree, item);
+  bool moved = false;
   for (int child = firstChanged; child < first + count; child++) {
     if (child == first) {
       tree->pose[child] = transformIdentity();
-    } else if (child > firstChanged) {
+    } else if (moved) {
       tree->pose[child] = transformCompose(&tree->pose[child - 1], &tree->shortcut[child - 1]);
     }
-    const Bound* own = &tree->bound[child];
-    double centre[3] = {own->x, own->y, own->z};
-    transformPoint(&tree->pose[child], centre, centre);
-    members->block.x[child - first] = (float)centre[0];
-    members->block.y[child - first] = (float)centre[1];
-    members->block.z[child - first] = (float)centre[2];
-    members->block.r[child - first] = own->r;
-    members->centres[child - first] = own->centres;
+    if (moved || tree->contentTime[child] == tree->time) {
+      const Bound* own = &tree->bound[child];
+      double centre[3] = {own->x, own->y, own->z};
+      transformPoint(&tree->pose[child], centre, centre);
+      members->block.x[child - first] = (float)centre[0];
+      members->block.y[child - first] = (float)centre[1];
+      members->block.z[child - first] = (float)centre[2];
+      members->block.r[child - first] = own->r;
+      members->centres[child - first] = own->centres;
+    }
+    moved = moved || tree->shortcutTime[child] == tree->time;
   }
-  const int last = first + count - 1;
-  tree->shortcut[item] = transformCompose(&tree->pose[last], &tree->shortcut[last]);
+  if (moved) {
+    const int last = first + count - 1;
+    tree->shortcut[item] = transformCompose(&tree->pose[last], &tree->shortcut[last]);
+    tree->shortcutTime[item] = tree->time;
+  }
   tree->bound[item] = boundOfMembers(&members->block, members->centres);
+  tree->contentTime[item] = tree->time;
   tree->hasSum[item] = false;
   tree->isFresh[item] = true;
 }

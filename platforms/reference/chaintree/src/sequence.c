@@ -53,7 +53,6 @@ void ctSequenceSetReference(Sequence* s, const double* positions) {
     ctSequenceResetTorsions(s);
   }
   for (int link = 1; link < s->linkCount; link++) {
-    subtract(s->reference + 3 * (size_t)s->originParticle[link], s->worldOrigin, s->origin[link]);
     if (s->placementOf[link] != CT_NULL) {
       Placement* placement = &s->placement[s->placementOf[link]];
       *placement = REFERENCE_JOINT.placement;

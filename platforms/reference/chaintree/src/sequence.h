@@ -84,10 +84,9 @@ typedef struct Sequence {
   double* cosine;
   double* sine;
   Placement* placement;
-  int* displaced;      /* per link that is a branch: how many of its joints are off the reference */
-  int displacedCount;  /* sum of those */
-  double (*origin)[3]; /* reference position of originParticle, from worldOrigin */
-  double (*axis)[3];   /* unit vector of the torsion axis in the reference; 0 if its particles coincide */
+  int* displaced;     /* per link that is a branch: how many of its joints are off the reference */
+  int displacedCount; /* sum of those */
+  double (*axis)[3];  /* unit vector of the torsion axis in the reference; 0 if its particles coincide */
 } Sequence;
 
 /* Lays out a checked definition, without state. False if there is no memory. */
@@ -127,17 +126,20 @@ void ctSequenceSetJoint(Sequence* sequence, int link, const JointState* joint);
  */
 int ctSequenceUpdate(Sequence* sequence, const int* links, int count, int* scratch);
 
+/* Where the frame of a link has its origin in the reference positions. */
+static inline const double* sequenceOrigin(const Sequence* s, int link) {
+  const int particle = s->originParticle[link];
+  return particle == CT_NULL ? s->worldOrigin : s->reference + 3 * (size_t)particle;
+}
+
 /* Reference position of a particle in the frame of its link. */
 static inline void sequenceLocal(const Sequence* s, int particle, double local[3]) {
-  const double* origin = s->origin[s->particleLink[particle]];
-  for (int k = 0; k < 3; k++) {
-    local[k] = s->reference[3 * (size_t)particle + (size_t)k] - s->worldOrigin[k] - origin[k];
-  }
+  subtract(s->reference + 3 * (size_t)particle, sequenceOrigin(s, s->particleLink[particle]), local);
 }
 
 /* Where the link's origin is in its parent's frame in the reference positions. */
 static inline void sequenceOffset(const Sequence* s, int link, double offset[3]) {
-  subtract(s->origin[link], s->origin[s->parent[link]], offset);
+  subtract(sequenceOrigin(s, link), sequenceOrigin(s, s->parent[link]), offset);
 }
 
 /* The frame of a link in its parent's frame. */
@@ -156,13 +158,45 @@ static inline Frame sequenceOpening(const Sequence* s, int link) {
   return opening;
 }
 
-/* The frame of link + 1 in the frame of link. */
-static inline Frame sequenceStep(const Sequence* s, int link) {
-  const Frame opening = sequenceOpening(s, link + 1);
-  if (s->parent[link + 1] == link) {
-    return opening;
+/* So many paths within each other a walk can keep open. */
+enum { MOST_OPEN_PATHS = 4 };
+
+/* A walk along the sequence: where a link is in the frame of the link where the walk began. A path that it has seen
+ * open closes by the very frame of the parent, so what moves within the path leaves all behind it alone, bit by bit; a
+ * path that was open before closes by its product. */
+typedef struct Walk {
+  int link;
+  Frame frame;
+  int openCount;
+  int path[MOST_OPEN_PATHS];
+  Frame parent[MOST_OPEN_PATHS];
+} Walk;
+
+static inline void walkBegin(Walk* walk, int link) {
+  walk->link = link;
+  walk->frame = transformIdentity();
+  walk->openCount = 0;
+}
+
+/* On to the next link. */
+static inline void walkOn(Walk* walk, const Sequence* s) {
+  const int next = walk->link + 1;
+  if (s->parent[next] != walk->link) {
+    const int path = s->pathOf[walk->link];
+    if (walk->openCount > 0 && walk->path[walk->openCount - 1] == path) {
+      walk->frame = walk->parent[--walk->openCount];
+    } else {
+      walk->frame = transformCompose(&walk->frame, &s->closure[path]);
+    }
   }
-  return transformCompose(&s->closure[s->pathOf[link]], &opening);
+  const bool opens = s->pathOf[next] != CT_NULL && s->pathPosition[next] == 0;
+  if (opens && walk->openCount < MOST_OPEN_PATHS) {
+    walk->path[walk->openCount] = s->pathOf[next];
+    walk->parent[walk->openCount++] = walk->frame;
+  }
+  const Frame opening = sequenceOpening(s, next);
+  walk->frame = transformCompose(&walk->frame, &opening);
+  walk->link = next;
 }
 
 #endif /* CT_SEQUENCE_H_ */

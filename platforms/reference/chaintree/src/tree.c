@@ -63,6 +63,8 @@ bool ctTreeBuild(Tree* tree, Arena* arena, const Sequence* sequence, const struc
   tree->pose = ctArenaAllocate(arena, items, sizeof(Frame));
   tree->bound = ctArenaAllocate(arena, items, sizeof(Bound));
   tree->isFresh = ctArenaAllocate(arena, items, sizeof(bool));
+  tree->contentTime = ctArenaAllocate(arena, items, sizeof(int64_t));
+  tree->shortcutTime = ctArenaAllocate(arena, items, sizeof(int64_t));
   tree->leaf = ctArenaAllocate(arena, (size_t)tree->levelBegin[1], sizeof(Leaf));
   tree->members = ctArenaAllocate(arena, items - (size_t)tree->levelBegin[1], sizeof(Members));
   tree->axis = ctArenaAllocate(arena, (size_t)sequence->linkCount, sizeof(double[3]));
@@ -90,11 +92,12 @@ static void noteChange(Tree* tree, int firstLeaf) {
     tree->changeCount--;
   }
   tree->changedLeaf[tree->changeCount] = firstLeaf;
-  tree->changeTime[tree->changeCount++] = ++tree->time;
+  tree->changeTime[tree->changeCount++] = tree->time;
 }
 
 void ctTreeMakeStale(Tree* tree) {
   tree->isStale = true;
+  tree->time++;
   noteChange(tree, 0);
 }
 
@@ -116,6 +119,7 @@ void ctTreeRefresh(Tree* tree, const Sequence* sequence) {
 
 int ctTreeUpdate(Tree* tree, const Sequence* sequence, int* leaves, int count) {
   ctSortInts(leaves, count);
+  tree->time++;
   int dirty = 0;
   for (int i = 0; i < count; i++) {
     if (dirty == 0 || tree->dirty[dirty - 1] != leaves[i]) {
@@ -123,8 +127,11 @@ int ctTreeUpdate(Tree* tree, const Sequence* sequence, int* leaves, int count) {
       tree->instructions->refreshLeaf(tree, sequence, leaves[i]);
     }
   }
-  if (dirty > 0) {
-    noteChange(tree, tree->dirty[0]);
+  for (int i = 0; i < dirty; i++) {
+    if (tree->shortcutTime[tree->dirty[i]] == tree->time) {
+      noteChange(tree, tree->dirty[i]);
+      break;
+    }
   }
   int updated = dirty;
   for (int level = 1; level < tree->levelCount; level++) {
@@ -159,12 +166,12 @@ Frame ctTreeFrame(const Tree* tree, int level, int item) {
 
 Frame ctTreeLinkInLeaf(const Sequence* sequence, int link) {
   const int leaf = sequence->slotBegin[link] / TREE_WIDTH;
-  Frame frame = transformIdentity();
-  for (int l = sequence->slotLink[leaf * TREE_WIDTH]; l < link; l++) {
-    const Frame step = sequenceStep(sequence, l);
-    frame = transformCompose(&frame, &step);
+  Walk walk;
+  walkBegin(&walk, sequence->slotLink[leaf * TREE_WIDTH]);
+  while (walk.link < link) {
+    walkOn(&walk, sequence);
   }
-  return frame;
+  return walk.frame;
 }
 
 void ctTreeAxis(const Tree* tree, const Sequence* sequence, int link, double point[3], double direction[3]) {
@@ -228,8 +235,8 @@ static void add(double sum[3], const double x[3]) {
  * there, to sum, in the leaf's frame; returns how many. */
 static int sumSlots(const Tree* tree, const Sequence* sequence, int leaf, int slotBegin, int slotEnd, double sum[3]) {
   int particles = 0;
-  int link = sequence->slotLink[leaf * TREE_WIDTH];
-  Frame frame = transformIdentity();
+  Walk walk;
+  walkBegin(&walk, sequence->slotLink[leaf * TREE_WIDTH]);
   for (int slot = slotBegin; slot < slotEnd; slot++) {
     double x[3];
     if (sequence->slotParticle[slot] != CT_NULL) {
@@ -239,13 +246,12 @@ static int sumSlots(const Tree* tree, const Sequence* sequence, int leaf, int sl
     }
     const int* idle;
     const int idleCount = idleAt(sequence, slot, &idle);
-    for (; idleCount > 0 && link < sequence->slotLink[slot]; link++) {
-      const Frame step = sequenceStep(sequence, link);
-      frame = transformCompose(&frame, &step);
+    while (idleCount > 0 && walk.link < sequence->slotLink[slot]) {
+      walkOn(&walk, sequence);
     }
     for (int i = 0; i < idleCount; i++) {
       sequenceLocal(sequence, idle[i], x);
-      transformPoint(&frame, x, x);
+      transformPoint(&walk.frame, x, x);
       add(sum, x);
     }
     particles += idleCount;

@@ -74,9 +74,11 @@ typedef struct Tree {
   bool isStale; /* no content but the layout is of the state */
   int* dirty;   /* scratch of ctTreeUpdate: items of one level */
 
-  /* When which part of the tree last changed: what lies before the first recomputed leaf is where it was. Ascending by
-   * leaf and by time; a change hides earlier ones of later leaves. */
-  int64_t time; /* number of changes so far */
+  /* When which part of the tree last changed. An item behind a leaf whose shortcut changes is elsewhere from then on:
+   * such leaves and times ascend; a change hides earlier ones of later leaves. */
+  int64_t time;          /* number of changes so far */
+  int64_t* contentTime;  /* per item: its members were recomputed */
+  int64_t* shortcutTime; /* per item: its shortcut became another */
   int changeCount;
   int* changedLeaf;
   int64_t* changeTime;
@@ -129,8 +131,11 @@ static inline void treeLocal(const Tree* tree, int slot, double local[3]) {
   local[2] = leaf->z[slot % TREE_WIDTH];
 }
 
-/* Whether all that leaves [0, leafEnd) hold, and their frames in the world, are as they were at a time. O(log N). */
-static inline bool treeUnchanged(const Tree* tree, int64_t since, int leafEnd) {
+/* Whether an item is where it was at a time, with the same members. `leafEnd` is one past its last leaf. O(log N). */
+static inline bool treeUnchanged(const Tree* tree, int64_t since, int item, int leafEnd) {
+  if (tree->contentTime[item] > since) {
+    return false;
+  }
   int low = 0;
   int high = tree->changeCount;
   while (low < high) {

@@ -26,7 +26,7 @@ static bool isStill(const Traversal* t, int level, int item) {
   }
   int end;
   treeSlots(t->tree, level, item, &end);
-  return treeUnchanged(t->tree, t->since[item], (end + TREE_WIDTH - 1) / TREE_WIDTH);
+  return treeUnchanged(t->tree, t->since[item], item, (end + TREE_WIDTH - 1) / TREE_WIDTH);
 }
 
 static void restLeaf(Traversal* t, int leaf) {

@@ -199,6 +199,37 @@ static int parentIn(Shape shape, int link) {
   }
 }
 
+/* A tooth of a comb that fits into one leaf turns, as a side chain does: all others stay where they are, bit by bit. */
+static void turnTeeth(Tree* tree) {
+  tree->count = 16;
+  for (int link = 1; link < tree->count; link++) {
+    tree->parent[link] = parentIn(COMB, link);
+  }
+  makeTree(tree);
+  double before[6 * MOST_LINKS];
+  double after[6 * MOST_LINKS];
+  /* What has not moved at all is still where the caller has put it. */
+  CHECK_SUCCESS(ctPropose(tree->tree, 1, &(ctChange){.link = 1, .angle = tree->angle[1] = 0.2}));
+  CHECK_SUCCESS(ctCommit(tree->tree, NULL));
+  for (int tooth = 2; tooth < tree->count; tooth += 2) {
+    ctGetPositions(tree->tree, before);
+    CHECK_SUCCESS(ctPropose(tree->tree, 1, &(ctChange){.link = tooth, .angle = 0.3 * tooth}));
+    CHECK_SUCCESS(ctCommit(tree->tree, NULL));
+    tree->angle[tooth] += 0.3 * tooth;
+    ctGetPositions(tree->tree, after);
+    for (int link = 0; link < tree->count; link++) {
+      const bool same = memcmp(before + 6 * link + 3, after + 6 * link + 3, 3 * sizeof(double)) == 0;
+      if (same != (link != tooth))
+        printf("tooth %d link %d %g %g\n", tooth, link, after[6 * link + 3] - before[6 * link + 3],
+               after[6 * link + 4] - before[6 * link + 4]);
+      CHECK(same == (link != tooth));
+    }
+  }
+  checkHands(tree);
+  CHECK(ctValidate(tree->tree));
+  ctDestroy(tree->tree);
+}
+
 int main(void) {
   static Tree tree;
   const int counts[] = {2, 3, 5, 15, 16, 17, 18, 33, 100, 400, MOST_LINKS};
@@ -213,5 +244,6 @@ int main(void) {
       ctDestroy(tree.tree);
     }
   }
+  turnTeeth(&tree);
   return checkResult();
 }
