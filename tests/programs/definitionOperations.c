@@ -64,9 +64,9 @@ static int chooseNoIndex(Program* p, int count)
     return none[randomInt(&p->random, 4)];
 }
 
-static double chooseNegativeOrNonFinite(Program* p)
+static double chooseNoRadius(Program* p)
 {
-    return randomChance(&p->random, 0.5) ? -randomReal(&p->random, 1e-9, 1) : chooseNonFinite(p);
+    return randomChance(&p->random, 0.5) ? -randomReal(&p->random, 1e-9, 1) : chooseNoLength(p);
 }
 
 /* A root that hangs on a link which hangs on it. */
@@ -110,10 +110,10 @@ static void spoil(Program* p, Copies* copies, ctDefinition* d)
     const int particle = chooseParticle(p);
     switch (randomInt(&p->random, 7)) {
     case 0:
-        copies->positions[3 * particle + randomInt(&p->random, 3)] = chooseNonFinite(p);
+        copies->positions[3 * particle + randomInt(&p->random, 3)] = chooseNoLength(p);
         break;
     case 1:
-        copies->radii[particle] = chooseNegativeOrNonFinite(p);
+        copies->radii[particle] = chooseNoRadius(p);
         break;
     case 2:
         copies->roles[particle] = (unsigned char)(4 + randomInt(&p->random, 252));
@@ -126,10 +126,10 @@ static void spoil(Program* p, Copies* copies, ctDefinition* d)
         }
         /* fall through */
     case 4:
-        d->overlapTolerance = chooseNegativeOrNonFinite(p);
+        d->overlapTolerance = chooseNoRadius(p);
         break;
     case 5:
-        d->hydrogenBondAllowance = chooseNegativeOrNonFinite(p);
+        d->hydrogenBondAllowance = chooseNoRadius(p);
         break;
     default:
         spoilLink(p, copies, d);
@@ -209,7 +209,7 @@ static void askAll(Program* p, ctChainTree* tree)
     ctGetTorsionAngle(tree, randomInt(&p->random, p->scene.linkCount), &angle);
     ctRaiseLimits(tree, &raised, NULL);
     ctGetState(tree, numbers);
-    ctSetState(tree, numbers);
+    SUCCEED(ctSetState(tree, numbers));
     ctValidate(tree);
     free(numbers);
     free(list.pairs);

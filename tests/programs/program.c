@@ -230,10 +230,10 @@ int chooseParticle(Program* p)
     return randomInt(&p->random, p->scene.particleCount);
 }
 
-double chooseNonFinite(Program* p)
+double chooseNoLength(Program* p)
 {
-    const double bad[] = {NAN, INFINITY, -INFINITY};
-    return bad[randomInt(&p->random, 3)];
+    const double bad[] = {NAN, INFINITY, -INFINITY, 1e17, -1e300};
+    return bad[randomInt(&p->random, 5)];
 }
 
 /* ---- Lists ---- */

@@ -108,7 +108,7 @@ void requireCounted(const Program* program, const ctCounts* counts);
 
 double chooseCutoff(Program* program);
 int chooseParticle(Program* program);
-double chooseNonFinite(Program* program);
+double chooseNoLength(Program* program); /* not finite, or too much */
 
 /* ---- Lists ---- */
 

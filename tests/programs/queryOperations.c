@@ -115,8 +115,8 @@ void endListsEarly(Program* p)
     SUCCEED(ctForEachClash(p->tree, collectPair, &all, NULL));
     SUCCEED(ctForEachClash(p->tree, collectPair, &some, NULL));
     requireBeginning(p, &all, &some);
-    SUCCEED(ctForEachClashWith(p->tree, p->state, cutoff, collectParticle, &all, NULL));
-    SUCCEED(ctForEachClashWith(p->tree, p->state, cutoff, collectParticle, &some, NULL));
+    SUCCEED(ctForEachClashWith(p->tree, p->state, fmin(cutoff, 100), collectParticle, &all, NULL));
+    SUCCEED(ctForEachClashWith(p->tree, p->state, fmin(cutoff, 100), collectParticle, &some, NULL));
     requireBeginning(p, &all, &some);
     if (p->hasTrial) {
         SUCCEED(ctForEachChangedPair(p->tree, cutoff, collectChangedPair, &all, NULL));

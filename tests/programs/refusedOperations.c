@@ -23,10 +23,10 @@ static void proposeNonsenseFor(Program* p, int link)
     ctChange changes[2] = {chooseChange(p, link), chooseChange(p, link)};
     FAIL(ctInvalidArgument, ctPropose(p->tree, 2, changes));
     if (p->scene.linkJoints[link] == ctTorsionJoint)
-        changes[0].angle = chooseNonFinite(p);
+        changes[0].angle = randomChance(&p->random, 0.5) ? NAN : INFINITY;
     else {
         double* vectors[] = {changes[0].rotation, changes[0].pivot, changes[0].translation};
-        vectors[randomInt(&p->random, 3)][randomInt(&p->random, 3)] = chooseNonFinite(p);
+        vectors[randomInt(&p->random, 3)][randomInt(&p->random, 3)] = chooseNoLength(p);
     }
     FAIL(ctInvalidArgument, ctPropose(p->tree, 1, changes));
 }
@@ -50,7 +50,7 @@ void proposeNonsense(Program* p)
 void queryNonsense(Program* p)
 {
     PairList list = {0};
-    double value, vector[3] = {0, chooseNonFinite(p), 0};
+    double value, vector[3] = {0, chooseNoLength(p), 0};
     int particle = 0, beyond = p->scene.particleCount, pair[2];
     ctTransform transform;
     ctSelection *none, *one;
@@ -79,12 +79,12 @@ void queryNonsense(Program* p)
 void setNonsense(Program* p)
 {
     memcpy(p->scratch, p->state, positionBytes(p));
-    p->scratch[randomInt(&p->random, coordinateCount(p))] = chooseNonFinite(p);
+    p->scratch[randomInt(&p->random, coordinateCount(p))] = chooseNoLength(p);
     FAIL(ctInvalidArgument, ctSetPositions(p->tree, p->scratch));
     const size_t size = ctGetStateSize(p->tree);
     double* state = programAllocate((int)size, sizeof(double));
     ctGetState(p->tree, state);
-    state[randomInt(&p->random, (int)size)] = chooseNonFinite(p);
+    state[randomInt(&p->random, (int)size)] = chooseNoLength(p);
     FAIL(ctInvalidArgument, ctSetState(p->tree, state));
     free(state);
     const int pairs[][2] = {{0, p->scene.particleCount}, {0, 0}, {-1, 0}, {0, 1}};

@@ -40,6 +40,10 @@ extern "C" {
 /* Distances this close (nm) to a limit are decided by the canonical distance. */
 #define CT_SIGMA 1e-9
 
+/* Lengths beyond this (nm) are refused where lengths that are not finite are, since bounds are kept in single
+ * precision: coordinates, radii, tolerances, probes, pivots, translations, and rotations by as many rad. */
+#define CT_MOST_LENGTH 1e15
+
 /* No parent, no particle, no link. */
 #define CT_NULL (-1)
 
@@ -145,7 +149,8 @@ const char* ctGetInstructionSet(const ctChainTree* tree);
 /* ---- State ---- */
 
 /* Makes these 3 * particleCount coordinates (nm) the reference positions: all torsion changes are 0 and all free links
- * unmoved. Drops an open trial, keeps limits. O(N). Errors: a coordinate that is not finite. */
+ * unmoved. Drops an open trial, keeps limits. O(N). Errors: a coordinate that is not finite, or beyond CT_MOST_LENGTH.
+ */
 ctStatus ctSetPositions(ctChainTree* tree, const double* positions);
 
 /* Writes the 3 * particleCount coordinates (nm) of the state. Particles of a molecule in its reference state keep their
@@ -164,7 +169,8 @@ void ctGetState(const ctChainTree* tree, double* state);
 
 /* Makes numbers from ctGetState the state. Drops an open trial, keeps limits. From then on every result has the bits
  * that it has for the scene they were taken from, if both were made from the same definition; if the positions in it
- * differed, up to rounding, since scenes are laid out by them. O(N). Errors: numbers that are no state of this scene.
+ * differed, up to rounding, since scenes are laid out by them. O(N). Errors: numbers that are no state of this scene,
+ * such as an angle of a torsion whose axis has no length.
  */
 ctStatus ctSetState(ctChainTree* tree, const double* state);
 
@@ -199,7 +205,8 @@ void ctGetLimits(const ctChainTree* tree, int capacity, int (*pairs)[2], double*
 /* ---- Trials ---- */
 
 /* Opens a trial of these changes, each of another link, and drops an open one. Writes nothing that a query can see.
- * Errors: link out of range or named twice, a fixed joint, a value that is not finite. O(k log N). */
+ * Errors: link out of range or named twice, a fixed joint, a torsion whose axis has no length, a value that is not
+ * finite or beyond CT_MOST_LENGTH, a motion by which a link would come to lie ten times as far away. O(k log N). */
 ctStatus ctPropose(ctChainTree* tree, int count, const ctChange* changes);
 
 /* Whether some pair of the open trial overlaps beyond its limit; pairs that the trial moves as one rigid body are

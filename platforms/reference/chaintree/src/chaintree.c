@@ -90,9 +90,9 @@ static ctStatus failNoLink(ctChainTree* tree, int link) {
 }
 
 ctStatus ctSetPositions(ctChainTree* tree, const double* positions) {
-  const int bad = ctFindNonFinite(tree->sequence.particleCount, positions);
+  const int bad = ctFindBadPosition(tree->sequence.particleCount, positions);
   if (bad != CT_NULL) {
-    return ctFail(tree, ctInvalidArgument, "the position of particle %d is not finite", bad);
+    return ctFail(tree, ctInvalidArgument, "the position of particle %d " CT_NO_LENGTH, bad);
   }
   ctDiscard(tree);
   takeReference(tree, positions);

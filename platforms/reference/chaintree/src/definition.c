@@ -1,7 +1,6 @@
 #include "definition.h"
 
 #include <limits.h>
-#include <math.h>
 #include <stdarg.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -18,30 +17,29 @@ static ctStatus invalid(char* errorText, size_t errorSize, const char* format, .
   return ctInvalidArgument;
 }
 
-/* Adding one to the exponent of what is not finite carries into the sign. */
-static bool areFinite(size_t count, const double* x) {
-  const uint64_t exponent = 0x7ff0000000000000u;
-  const uint64_t one = 0x0010000000000000u;
-  uint64_t carries = 0;
+/* The bits of numbers, without their signs, ascend like their values; then come infinity and what is no number. */
+static bool hasLengths(size_t count, const double* x) {
+  const double mostLength = CT_MOST_LENGTH;
+  uint64_t most;
+  memcpy(&most, &mostLength, sizeof most);
+  uint64_t borrows = 0;
   for (size_t i = 0; i < count; i++) {
     uint64_t bits;
     memcpy(&bits, &x[i], sizeof bits);
-    carries |= (bits & exponent) + one;
+    borrows |= most - (bits & 0x7fffffffffffffffu);
   }
-  return carries >> 63 == 0;
+  return borrows >> 63 == 0;
 }
 
-int ctFindNonFinite(int particleCount, const double* positions) {
-  if (areFinite(3 * (size_t)particleCount, positions)) {
+int ctFindBadPosition(int particleCount, const double* positions) {
+  if (hasLengths(3 * (size_t)particleCount, positions)) {
     return CT_NULL;
   }
-  for (int i = 0; i < particleCount; i++) {
-    if (!isfinite(positions[3 * (size_t)i]) || !isfinite(positions[3 * (size_t)i + 1]) ||
-        !isfinite(positions[3 * (size_t)i + 2])) {
-      return i;
-    }
+  int i = 0;
+  while (areLengths(positions + 3 * (size_t)i)) {
+    i++;
   }
-  return CT_NULL;
+  return i;
 }
 
 static bool isIndex(int value, int count) {
@@ -50,8 +48,8 @@ static bool isIndex(int value, int count) {
 
 static ctStatus checkParticles(const ctDefinition* d, char* text, size_t size) {
   for (int i = 0; i < d->particleCount; i++) {
-    if (!(d->radii[i] >= 0) || !isfinite(d->radii[i])) {
-      return invalid(text, size, "particle %d has radius %g; a radius must be finite and not negative", i, d->radii[i]);
+    if (!(d->radii[i] >= 0) || !isLength(d->radii[i])) {
+      return invalid(text, size, "particle %d has radius %g; a radius must be from 0 to 1e15 nm", i, d->radii[i]);
     }
     if (!isIndex(d->particleLinks[i], d->linkCount)) {
       return invalid(text, size, "particle %d is in link %d; there are %d links", i, d->particleLinks[i], d->linkCount);
@@ -60,8 +58,8 @@ static ctStatus checkParticles(const ctDefinition* d, char* text, size_t size) {
       return invalid(text, size, "particle %d has the unknown hydrogen bond role %d", i, d->hydrogenBondRoles[i]);
     }
   }
-  const int bad = ctFindNonFinite(d->particleCount, d->positions);
-  return bad == CT_NULL ? ctSuccess : invalid(text, size, "the position of particle %d is not finite", bad);
+  const int bad = ctFindBadPosition(d->particleCount, d->positions);
+  return bad == CT_NULL ? ctSuccess : invalid(text, size, "the position of particle %d " CT_NO_LENGTH, bad);
 }
 
 static ctStatus checkTorsion(const ctDefinition* d, int link, char* text, size_t size) {
@@ -156,11 +154,11 @@ ctStatus ctDefinitionCheck(const ctDefinition* d, char* text, size_t size) {
     return invalid(text, size, "the scene has %d particles, %d links and %d exclusions; counts must be from 0 to %d",
                    d->particleCount, d->linkCount, d->exclusionCount, INT_MAX / 4);
   }
-  if (!(d->overlapTolerance >= 0) || !isfinite(d->overlapTolerance)) {
-    return invalid(text, size, "the overlap tolerance is %g; it must be finite and not negative", d->overlapTolerance);
+  if (!(d->overlapTolerance >= 0) || !isLength(d->overlapTolerance)) {
+    return invalid(text, size, "the overlap tolerance is %g; it must be from 0 to 1e15 nm", d->overlapTolerance);
   }
-  if (!(d->hydrogenBondAllowance >= 0) || !isfinite(d->hydrogenBondAllowance)) {
-    return invalid(text, size, "the hydrogen bond allowance is %g; it must be finite and not negative",
+  if (!(d->hydrogenBondAllowance >= 0) || !isLength(d->hydrogenBondAllowance)) {
+    return invalid(text, size, "the hydrogen bond allowance is %g; it must be from 0 to 1e15 nm",
                    d->hydrogenBondAllowance);
   }
   ctStatus status = checkParticles(d, text, size);

@@ -2,6 +2,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "definition.h"
 #include "scene.h"
 
 /* ---- Clashes ---- */
@@ -259,12 +260,11 @@ static bool matchProbe(void* context, int slot, double squaredDistance) {
 
 ctStatus ctForEachClashWith(ctChainTree* tree, const double position[3], double radius, ctParticleFunction* function,
                             void* context, ctCounts* counts) {
-  if (!isfinite(position[0]) || !isfinite(position[1]) || !isfinite(position[2])) {
-    return ctFail(tree, ctInvalidArgument, "the position of the probe is not finite");
+  if (!areLengths(position)) {
+    return ctFail(tree, ctInvalidArgument, "the position of the probe " CT_NO_LENGTH);
   }
-  if (!(radius >= 0) || !isfinite(radius)) {
-    return ctFail(tree, ctInvalidArgument, "the radius of the probe is %g nm; it must be finite and not negative",
-                  radius);
+  if (!(radius >= 0) || !isLength(radius)) {
+    return ctFail(tree, ctInvalidArgument, "the radius of the probe is %g nm; it must be from 0 to 1e15 nm", radius);
   }
   double point[3];
   subtract(position, tree->sequence.worldOrigin, point);

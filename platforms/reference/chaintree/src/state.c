@@ -66,7 +66,7 @@ static bool isJoint(const Sequence* s, int link, const double* numbers, const do
   for (int i = 0; i < 4; i++) {
     norm += numbers[i] * numbers[i];
   }
-  return fabs(norm - 1) <= UNIT_ERROR && isfinite(numbers[4]) && isfinite(numbers[5]) && isfinite(numbers[6]);
+  return fabs(norm - 1) <= UNIT_ERROR && isPlace(numbers + 4);
 }
 
 /* ---- The whole ---- */
@@ -89,9 +89,9 @@ void ctGetState(const ctChainTree* tree, double* state) {
 
 ctStatus ctSetState(ctChainTree* tree, const double* state) {
   Sequence* s = &tree->sequence;
-  const int bad = ctFindNonFinite(s->particleCount, state);
+  const int bad = ctFindBadPosition(s->particleCount, state);
   if (bad != CT_NULL) {
-    return ctFail(tree, ctInvalidArgument, "the reference position of particle %d is not finite", bad);
+    return ctFail(tree, ctInvalidArgument, "the reference position of particle %d " CT_NO_LENGTH, bad);
   }
   const double* numbers = state + referenceSize(s);
   for (int u = 0; u < s->userLinkCount; u++) {

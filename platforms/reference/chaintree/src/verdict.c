@@ -1,15 +1,12 @@
 /* Trials: propose, test, changed pairs, commit, discard. */
 #include <stdlib.h>
 
+#include "definition.h"
 #include "instructions.h"
 #include "position.h"
 #include "scene.h"
 
 /* ---- Propose ---- */
-
-static bool isFinite3(const double v[3]) {
-  return isfinite(v[0]) && isfinite(v[1]) && isfinite(v[2]);
-}
 
 static ctStatus checkChange(ctChainTree* tree, const ctChange* change) {
   const Sequence* s = &tree->sequence;
@@ -28,10 +25,18 @@ static ctStatus checkChange(ctChainTree* tree, const ctChange* change) {
       return ctFail(tree, ctInvalidArgument, "link %d cannot turn: its axis particles %d and %d are at one place",
                     change->link, s->torsion[link][1], s->torsion[link][2]);
     }
-  } else if (!isFinite3(change->rotation) || !isFinite3(change->pivot) || !isFinite3(change->translation)) {
-    return ctFail(tree, ctInvalidArgument, "the motion given for link %d is not finite", change->link);
+  } else if (!areLengths(change->rotation) || !areLengths(change->pivot) || !areLengths(change->translation)) {
+    return ctFail(tree, ctInvalidArgument, "the motion given for link %d " CT_NO_LENGTH " or rad", change->link);
   }
   return ctSuccess;
+}
+
+static int callersLink(const ctChainTree* tree, int link) {
+  int callers = 0;
+  while (tree->sequence.linkOfUser[callers] != link) {
+    callers++;
+  }
+  return callers;
 }
 
 ctStatus ctPropose(ctChainTree* tree, int count, const ctChange* changes) {
@@ -53,11 +58,14 @@ ctStatus ctPropose(ctChainTree* tree, int count, const ctChange* changes) {
   }
   const int twice = ctTrialOpen(&tree->next, &tree->sequence, ctSceneTree(tree), changes, count);
   if (twice != CT_NULL) {
-    int link = 0;
-    while (tree->sequence.linkOfUser[link] != twice) {
-      link++;
+    return ctFail(tree, ctInvalidArgument, "link %d is changed twice in one trial", callersLink(tree, twice));
+  }
+  for (int i = 0; i < count; i++) {
+    const TrialChange* change = &tree->next.changes[i];
+    if (tree->sequence.joint[change->link] == ctFreeJoint && !isPlace(change->after.placement.position)) {
+      return ctFail(tree, ctInvalidArgument, "the motion given for link %d takes it too far away",
+                    callersLink(tree, change->link));
     }
-    return ctFail(tree, ctInvalidArgument, "link %d is changed twice in one trial", link);
   }
   const Trial dropped = tree->trial;
   tree->trial = tree->next;

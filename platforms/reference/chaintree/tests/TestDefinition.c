@@ -66,10 +66,13 @@ static void checkRefused(int line, const Scene* scene, const char* culprit) {
 static void testParticles(void) {
   REFUSED(scene.positions[7] = NAN, "particle 2");
   REFUSED(scene.positions[17] = INFINITY, "particle 5");
+  REFUSED(scene.positions[12] = 1.1 * CT_MOST_LENGTH, "particle 4");
+  REFUSED(scene.positions[13] = -1e39, "particle 4");
   REFUSED(scene.positions[9] = -INFINITY, "particle 3");
   REFUSED(scene.radii[3] = -0.1, "particle 3");
   REFUSED(scene.radii[4] = NAN, "particle 4");
   REFUSED(scene.radii[4] = INFINITY, "particle 4");
+  REFUSED(scene.radii[4] = 1.1 * CT_MOST_LENGTH, "particle 4");
   REFUSED(scene.roles[1] = 4, "particle 1");
   REFUSED(scene.particleLinks[5] = LINKS, "particle 5");
   REFUSED(scene.particleLinks[5] = -1, "particle 5");
@@ -108,6 +111,7 @@ static void testPairs(void) {
   REFUSED(scene.definition.exclusionCount = INT_MAX, "2147483647 exclusions");
   REFUSED(scene.definition.overlapTolerance = -0.01, "tolerance is -0.01");
   REFUSED(scene.definition.overlapTolerance = NAN, "tolerance");
+  REFUSED(scene.definition.overlapTolerance = 1.1 * CT_MOST_LENGTH, "tolerance");
   REFUSED(scene.definition.overlapTolerance = INFINITY, "tolerance");
   REFUSED(scene.definition.hydrogenBondAllowance = -0.01, "allowance is -0.01");
   REFUSED(scene.definition.hydrogenBondAllowance = INFINITY, "allowance");

@@ -126,10 +126,51 @@ static void testEachPair(void) {
   ctDestroy(arm);
 }
 
+/* No length is so large that bounds in single precision could not hold it, nor can it become so by many moves. */
+static void testFarAway(void) {
+  ctChainTree* arm = makeArm(LINKS, ctFreeJoint, 0.1);
+  double before[COORDINATES];
+  double after[COORDINATES];
+  double state[COORDINATES + 7 + LINKS - 1];
+  CHECK(ctGetStateSize(arm) == sizeof state / sizeof state[0]);
+  ctGetPositions(arm, before);
+  memcpy(after, before, sizeof after);
+  after[7] = -1e39;
+  CHECK_FAILURE(arm, ctInvalidArgument, "particle 2", ctSetPositions(arm, after));
+  const double tooMuch = 1.1 * CT_MOST_LENGTH;
+  const ctChange refused[] = {{.translation = {0, 0, -tooMuch}}, {.pivot = {tooMuch}}, {.rotation = {0, tooMuch}}};
+  for (int n = 0; n < 3; n++) {
+    CHECK_FAILURE(arm, ctInvalidArgument, "link 0", ctPropose(arm, 1, &refused[n]));
+  }
+  CHECK_FAILURE(arm, ctInvalidArgument, "probe", ctForEachClashWith(arm, refused[0].translation, 1, NULL, NULL, NULL));
+  const double origin[3] = {0};
+  CHECK_FAILURE(arm, ctInvalidArgument, "probe", ctForEachClashWith(arm, origin, tooMuch, NULL, NULL, NULL));
+
+  const ctChange away = {.translation = {CT_MOST_LENGTH}};
+  int moves = 0;
+  while (moves < 20 && ctPropose(arm, 1, &away) == ctSuccess) {
+    bool clash;
+    CHECK_SUCCESS(ctTestTrial(arm, &clash, NULL, NULL));
+    CHECK_SUCCESS(ctCommit(arm, NULL));
+    moves++;
+  }
+  CHECK(moves == 10 && strstr(ctGetErrorText(arm), "link 0") != NULL);
+  ctGetPositions(arm, before);
+  ctGetState(arm, state);
+  CHECK_SUCCESS(ctSetState(arm, state));
+  ctGetPositions(arm, after);
+  CHECK(memcmp(before, after, sizeof before) == 0);
+  state[COORDINATES + 5] *= 3;
+  state[COORDINATES + 4] *= 3;
+  CHECK_FAILURE(arm, ctInvalidArgument, "link 0", ctSetState(arm, state));
+  ctDestroy(arm);
+}
+
 int main(void) {
   testWithoutTrial();
   testNothingChanges();
   testEachNumber();
   testEachPair();
+  testFarAway();
   return checkResult();
 }
