@@ -38,6 +38,10 @@ static void testNumbers(void) {
   CHECK_NEAR(placement[6], origin[2] + 5, 1e-14);
   CHECK(angles[7] == 1.25);
   CHECK_NEAR(fabs(angles[9]), PI, 1e-14);
+  turnArm(arm, 7, 3);
+  ctGetState(arm, state);
+  CHECK_NEAR(angles[7], 4.25 - 2 * PI, 1e-14);
+  CHECK_SUCCESS(ctSetState(arm, state));
   ctDestroy(arm);
 
   ctChainTree* fixed = makeArm(LINKS, ctFixedJoint, 0.1);
