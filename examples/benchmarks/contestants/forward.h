@@ -43,7 +43,7 @@ static inline void forwardTurn(Forward* forward, const Turn* turn) {
   forwardSetAngle(forward, turn->torsion, remainder(angle, FULL_TURN));
 }
 
-/* From differences in double: those of coordinates that are far apart are rounded, as are all coordinates. */
+/* Coordinates are rounded to REAL before anything else is. */
 static inline void forwardSpan(const double from[3], const double to[3], REAL span[3]) {
   for (int k = 0; k < 3; k++) {
     span[k] = (REAL)to[k] - (REAL)from[k];

@@ -2,6 +2,7 @@
 
 import logging
 import math
+import textwrap
 from typing import NamedTuple
 
 from matplotlib.backends.backend_agg import FigureCanvasAgg
@@ -20,6 +21,7 @@ _OURS, _DOUBLE, _SINGLE = "#1f5f8b", "#d55e00", "#999999"
 _SIZE = 10000  # of chains, spheres, that are drawn if they are there
 _FONT = 8.5
 _NEAR = 25  # pixels
+_WIDTH = 22  # of labels, letters
 _BAND = SIGMA / 10  # where those stand who make no mistake
 
 
@@ -133,7 +135,7 @@ class _Label(NamedTuple):
 def _finish(axis, labels):
     axis.set_xscale("log")
     axis.set_yscale("log")
-    axis.set_xlim(min(label.x for label in labels) / 4, 4 * max(label.x for label in labels))
+    axis.set_xlim(min(label.x for label in labels) / 6, 4 * max(label.x for label in labels))
     axis.xaxis.set_major_locator(LogLocator(subs=(1, 2, 5)))
     axis.xaxis.set_minor_locator(NullLocator())
     axis.xaxis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:,.6g}"))
@@ -206,4 +208,4 @@ def _gather(axis, labels):
                 break
         else:
             gathered.append([[label.words], (x, y), label])
-    return [("\n".join(words), label) for words, _, label in gathered]
+    return [("\n".join(textwrap.fill(ofOne, _WIDTH) for ofOne in words), label) for words, _, label in gathered]
