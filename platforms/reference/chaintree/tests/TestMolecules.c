@@ -165,6 +165,11 @@ static void testNoDrift(void) {
     }
     CHECK_NEAR(after[3 * i], before[3 * i], 1e-12);
   }
+  double state[3 * PARTICLES + 3 * 7 + 2];
+  CHECK(ctGetStateSize(tree) == sizeof state / sizeof state[0]);
+  ctGetState(tree, state);
+  const double* q = state + 3 * PARTICLES; /* of link 0 */
+  CHECK_NEAR(q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3], 1, 1e-15);
   ctDestroy(tree);
 }
 
