@@ -125,7 +125,9 @@ static void makeTurns(Moves* moves, int count, Turn* turns) {
   }
 }
 
+/* Another lane begins each block: the first finds least in the caches. */
 static bool runTimed(DriftCourse* course, int count) {
+  const int laneCount = course->race->laneCount;
   bool success = true;
   for (int block = 0; block * BLOCK < count && success; block++) {
     Turn turns[BLOCK];
@@ -134,8 +136,8 @@ static bool runTimed(DriftCourse* course, int count) {
     for (int i = 0; i < size; i++) {
       referenceTurn(course->byTurns, &turns[i]);
     }
-    for (int i = 0; i < course->race->laneCount && success; i++) {
-      DriftLane* lane = &course->lanes[i];
+    for (int i = 0; i < laneCount && success; i++) {
+      DriftLane* lane = &course->lanes[(i + block) % laneCount];
       lane->times[block] = timeTurns(lane, size, turns, &success);
     }
   }
