@@ -80,7 +80,7 @@ FAULTS = [
     Fault("traversal: of pairs of a leaf with itself some are left out", "descent_body.h",
           "mask &= ~alreadyVisited(rows, k);", "mask &= alreadyVisited(rows, k);"),
     Fault("traversal: kept positions outlive a change before them", "tree.h",
-          "tree->changedLeaf[low] >= leafEnd;", "tree->changedLeaf[low] >= leafEnd - 1;"),
+          "tree->changedLeaf[low] >= leafEnd;", "tree->changedLeaf[low] >= leafEnd - 2;"),
     # ---- Boxes ----
     Fault("box: it leaves out radii", "box.h",
           "least16(sub16(along, r))", "least16(along)"),
@@ -111,8 +111,8 @@ FAULTS = [
           "s->closure[path] = transformInverse(below);", "s->closure[path] = *below;"),
     Fault("update: the last block of a path is left out", "path.c",
           "2 * pair + 1 < n ?", "2 * pair + 2 < n ?"),
-    Fault("update: a change is noted a leaf late", "tree.c",
-          "tree->changedLeaf[tree->changeCount] = firstLeaf;", "tree->changedLeaf[tree->changeCount] = firstLeaf + 1;"),
+    Fault("update: a change is noted late", "tree.c",
+          "tree->changedLeaf[tree->changeCount] = firstLeaf;", "tree->changedLeaf[tree->changeCount] = firstLeaf + 2;"),
     Fault("update: a sum outlives a change", "refresh_body.h",
           "tree->hasSum[leaf] = false;", ""),
     # ---- Undo ----
