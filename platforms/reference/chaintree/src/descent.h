@@ -6,7 +6,7 @@
 #include "traverse.h"
 
 /* Bounds of Traversal.visitsWithoutBoxes. */
-enum { FEWEST_VISITS_WITHOUT_BOXES = 2, MOST_VISITS_WITHOUT_BOXES = 1 << 20 };
+enum { FEWEST_VISITS_WITHOUT_BOXES = 1, MOST_VISITS_WITHOUT_BOXES = 1 << 20 };
 
 /* Slots in a row that move while all else is at rest: up to so many go against that one by one. */
 enum { MOST_MOVERS = 2 * TREE_WIDTH };

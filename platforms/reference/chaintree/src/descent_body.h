@@ -257,9 +257,6 @@ static void visitNodes(Traversal* t, Visit* visit, const ItemPair* pair, int* de
     visit->volumeTests += countB;
     if (pair->a == pair->b) {
       mask &= ~alreadyVisited(near, k);
-      if (blockA->r[k] >= 0 && motion < 0) {
-        t->stack[(*depth)++] = (ItemPair){below, i, i};
-      }
     }
     if (mask != 0) {
       mask &= ~ofBody(t, pair->b, motion);
@@ -271,6 +268,10 @@ static void visitNodes(Traversal* t, Visit* visit, const ItemPair* pair, int* de
       const int l = __builtin_ctz(mask);
       t->motion[firstB + l] = motionOfMember(t, pair->b, l);
       t->stack[(*depth)++] = (ItemPair){below, i, firstB + l};
+    }
+    /* Comes first: near a joint all is dense, and clashes are likely. */
+    if (pair->a == pair->b && blockA->r[k] >= 0 && motion < 0) {
+      t->stack[(*depth)++] = (ItemPair){below, i, i};
     }
   }
 }
