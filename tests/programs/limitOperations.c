@@ -95,7 +95,7 @@ void raiseLimits(Program* p)
         const int i = limits.pairs[n].particles[0], j = limits.pairs[n].particles[1];
         double overlap = p->scene.radii[i] + p->scene.radii[j] - oracleDistance(p->oracle, ORACLE_STATE, i, j);
         require(oracleLimitMargin(p->oracle, ORACLE_STATE, i, j) > -DOUBT, p, "%d-%d needed no new limit", i, j);
-        requireNear(p, "raised limit", n, limits.pairs[n].values[0], overlap + CT_SIGMA, NUMBER_TOLERANCE);
+        requireNear(p, "raised limit", n, limits.pairs[n].values[0], overlap + CT_SIGMA, numberTolerance(p));
     }
     adoptLimits(p, limits);
     int pair[2] = {CT_NULL, CT_NULL};

@@ -52,6 +52,11 @@ void freeSet(KeptSet* set)
     *set = (KeptSet){0};
 }
 
+double numberTolerance(const Program* p)
+{
+    return 1e-10 + 1e-12 * p->scene.extent;
+}
+
 int coordinateCount(const Program* p)
 {
     return 3 * p->scene.particleCount;
@@ -198,7 +203,7 @@ void requireOraclePositions(Program* p, int which, const double* positions)
 {
     oracleGetPositions(p->oracle, which, p->scratch);
     for (int n = 0; n < coordinateCount(p); n++)
-        requireNear(p, "coordinate", n, positions[n], p->scratch[n], NUMBER_TOLERANCE);
+        requireNear(p, "coordinate", n, positions[n], p->scratch[n], numberTolerance(p));
 }
 
 ctCounts* chooseCounts(Program* p, ctCounts* counts)
@@ -278,9 +283,10 @@ void requireSameList(const Program* p, PairList* list, const Expected* expected,
                 pair[1], expected->margins[e]);
         if (!isListed)
             continue;
-        requireNear(p, "value of entry", n, list->pairs[n].values[0], expected->values[e], NUMBER_TOLERANCE);
+        requireNear(p, "value of entry", n, list->pairs[n].values[0], expected->values[e], numberTolerance(p));
         if (valueCount == 2)
-            requireNear(p, "second value of entry", n, list->pairs[n].values[1], expected->others[e], NUMBER_TOLERANCE);
+            requireNear(p, "second value of entry", n, list->pairs[n].values[1], expected->others[e],
+                        numberTolerance(p));
         n++;
     }
     require(n == list->count, p, "%d-%d is listed and should not be", n < list->count ? list->pairs[n].particles[0] : 0,

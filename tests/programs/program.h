@@ -15,9 +15,6 @@
 #include <stddef.h>
 #include <stdint.h>
 
-/* How far apart (nm, or the like) the engine's numbers may be from the oracle's. */
-#define NUMBER_TOLERANCE 1e-10
-
 /* Within this of a limit either answer is right. Raised limits lie CT_SIGMA above their overlap: not so near. */
 #define DOUBT (0.99 * CT_SIGMA)
 
@@ -85,6 +82,10 @@ void requireNear(const Program* program, const char* what, int index, double val
 #define FAIL(expected, call) requireStatus(p, #call, call, expected)
 
 /* ---- What most operations check or choose ---- */
+
+/* How far apart (nm, or the like) the engine's numbers may be from the oracle's: by more in a chain of thousands of
+ * links, each of which has its rounding. */
+double numberTolerance(const Program* program);
 
 void* programAllocate(int count, size_t size);
 void freeSet(KeptSet* set);

@@ -182,9 +182,9 @@ void compareMinimumDistance(Program* p)
     if (!isRefused) {
         require(isInSet(&a, pair[0]) && isInSet(&b, pair[1]) && pair[0] != pair[1], p, "the nearest pair is %d-%d",
                 pair[0], pair[1]);
-        requireNear(p, "least distance", 0, distance, expected, NUMBER_TOLERANCE);
+        requireNear(p, "least distance", 0, distance, expected, numberTolerance(p));
         requireNear(p, "distance of the nearest pair", 0, oracleDistance(p->oracle, ORACLE_STATE, pair[0], pair[1]),
-                    expected, NUMBER_TOLERANCE);
+                    expected, numberTolerance(p));
     }
     returnSet(p, &a);
     returnSet(p, &b);
@@ -197,7 +197,7 @@ static double directionError(const Program* p, int i, int j)
     double distance = oracleDistance(p->oracle, ORACLE_STATE, i, j);
     if (distance == 0)
         return hasParticleMoved(p, i) || hasParticleMoved(p, j) ? 2 : 0;
-    return fmin(2, 2 * NUMBER_TOLERANCE / distance);
+    return fmin(2, 2 * numberTolerance(p) / distance);
 }
 
 void compareEnergy(Program* p)
@@ -211,7 +211,7 @@ void compareEnergy(Program* p)
     for (int e = 0; e < clashes.count; e++) {
         const int i = clashes.particles[2 * e], j = clashes.particles[2 * e + 1];
         double depth = fabs(clashes.margins[e]);
-        double depthError = NUMBER_TOLERANCE + (depth <= DOUBT ? DOUBT : 0); /* either answer is right there */
+        double depthError = numberTolerance(p) + (depth <= DOUBT ? DOUBT : 0); /* either answer is right there */
         errors[i] += k * (depthError + depth * directionError(p, i, j));
         errors[j] += k * (depthError + depth * directionError(p, i, j));
         energyError += k * (depth + depthError) * depthError;

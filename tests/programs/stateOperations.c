@@ -94,7 +94,7 @@ void compareTorsionAngle(Program* p)
     if (sine > 1e-4) {
         requireStatus(p, "ctGetTorsionAngle", status, ctSuccess);
         require(angle > -PI && angle <= PI, p, "the dihedral of link %d is %.17g", link, angle);
-        requireNear(p, "dihedral of link", link, remainder(angle - expected, 2 * PI), 0, NUMBER_TOLERANCE / sine);
+        requireNear(p, "dihedral of link", link, remainder(angle - expected, 2 * PI), 0, numberTolerance(p) / sine);
     }
     else if (sine == 0)
         requireStatus(p, "ctGetTorsionAngle", status, ctInvalidArgument);
@@ -108,9 +108,9 @@ void compareRelativeTransform(Program* p)
     SUCCEED(ctGetRelativeTransform(p->tree, linkA, linkB, &transform));
     oracleRelativeTransform(p->oracle, linkA, linkB, rotation, translation);
     for (int n = 0; n < 9; n++)
-        requireNear(p, "rotation", n, transform.rotation[n], rotation[n], NUMBER_TOLERANCE);
+        requireNear(p, "rotation", n, transform.rotation[n], rotation[n], numberTolerance(p));
     for (int n = 0; n < 3; n++)
-        requireNear(p, "translation", n, transform.translation[n], translation[n], NUMBER_TOLERANCE);
+        requireNear(p, "translation", n, transform.translation[n], translation[n], numberTolerance(p));
 }
 
 void compareCentroid(Program* p)
@@ -124,7 +124,7 @@ void compareCentroid(Program* p)
     SUCCEED(ctGetCentroid(p->tree, link, centroid));
     oracleCentroid(p->oracle, link, expected);
     for (int axis = 0; axis < 3; axis++)
-        requireNear(p, "centroid coordinate", axis, centroid[axis], expected[axis], NUMBER_TOLERANCE);
+        requireNear(p, "centroid coordinate", axis, centroid[axis], expected[axis], numberTolerance(p));
 }
 
 void validate(Program* p)
