@@ -294,7 +294,8 @@ public:
      * Get the least distance, centre to centre, between a particle of one set and a different particle of another, at
      * the present positions. Unlike the other queries this one includes excluded pairs and particles of radius 0.
      *
-     * This takes time proportional to the product of the sizes of the two sets.
+     * This takes time about proportional to the sizes of the two sets: whatever is farther apart than the nearest pair
+     * found so far is left out as a whole.
      *
      * @param context         the Context whose positions are used
      * @param particles1      the indices of the particles in the first set
