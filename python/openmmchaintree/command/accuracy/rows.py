@@ -19,7 +19,7 @@ class DriftRow(NamedTuple):
     size: int
     contestants: Sequence[str]
 
-    group = "drift"  # and the program's measure
+    group: str = "drift"  # and the program's measure
 
     def __str__(self) -> str:
         return f"{self.size:,} spheres"
@@ -40,7 +40,7 @@ class TouchRow(NamedTuple):
     size: int
     contestants: Sequence[str]
 
-    group = "touch"  # and the program's measure
+    group: str = "touch"  # and the program's measure
 
     def __str__(self) -> str:
         return f"{self.size:,} spheres"
@@ -55,7 +55,7 @@ class ForceRow(NamedTuple):
 
     size: int
 
-    group = "force"
+    group: str = "force"
 
     def __str__(self) -> str:
         return f"{self.size:,} spheres"
