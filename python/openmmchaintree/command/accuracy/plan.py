@@ -5,7 +5,7 @@ from ..benchmarking.platforms import CPU, whyNot
 from ..benchmarking.races import LAZY_GRID
 from ..benchmarking.study import Study
 from .report import makeReport
-from .rows import DriftRow, ForceRow, TouchRow
+from .rows import DRIFT, TOUCH, DriftRow, ForceRow, TouchRow
 from .softforce import whyNoReference
 
 TURNS = 1000000  # after which accuracy is measured, beside powers of ten below
@@ -28,8 +28,8 @@ def planAccuracy(options, program):
         if getattr(options, name):
             raise InputError(f"--accuracy goes without {words}: it is measured of chains and contestants of its own")
     sizes = _QUICK_SIZES if options.quick else _SIZES
-    rows = [DriftRow(size, _namesOf(program, DriftRow.group)) for size in sizes]
-    rows += [TouchRow(size, [*_namesOf(program, TouchRow.group), LAZY_GRID]) for size in sizes]
+    rows = [DriftRow(size, _namesOf(program, DRIFT)) for size in sizes]
+    rows += [TouchRow(size, [*_namesOf(program, TOUCH), LAZY_GRID]) for size in sizes]
     skipped = []
     if whyNoReference() is None:
         rows += [ForceRow(size) for size in sizes]

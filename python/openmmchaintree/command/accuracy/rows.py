@@ -7,6 +7,9 @@ from ..benchmarking.course import Course
 from ..benchmarking.races import INSTRUCTION_SETS
 from .softforce import measureForces
 
+# The program's measures, and what entries tell them apart by.
+DRIFT, TOUCH = "drift", "touch"
+
 _CHAIN = "hilbert"
 
 # Verdicts on so many trials tell enough.
@@ -18,8 +21,7 @@ class DriftRow(NamedTuple):
 
     size: int
     contestants: Sequence[str]
-
-    group: str = "drift"  # and the program's measure
+    group: str = DRIFT
 
     def __str__(self) -> str:
         return f"{self.size:,} spheres"
@@ -39,8 +41,7 @@ class TouchRow(NamedTuple):
 
     size: int
     contestants: Sequence[str]
-
-    group: str = "touch"  # and the program's measure
+    group: str = TOUCH
 
     def __str__(self) -> str:
         return f"{self.size:,} spheres"
@@ -54,7 +55,6 @@ class ForceRow(NamedTuple):
     """How far the energy and the forces of the soft force are from exact ones."""
 
     size: int
-
     group: str = "force"
 
     def __str__(self) -> str:
