@@ -149,11 +149,7 @@ static void measureClearances(Clearance* c, Traversal* t, double reach) {
 
 /* The motion of a slot. */
 static int motionOf(const View* view, int slot) {
-  int piece = view->pieceCount - 1;
-  while (view->pieces[piece].slotBegin > slot) {
-    piece--;
-  }
-  return view->pieces[piece].motion;
+  return view->pieces[pieceOf(view, slot)].motion;
 }
 
 typedef struct ClearanceTest {
@@ -187,11 +183,7 @@ static float leafClearance(Clearance* c, Traversal* t, ClearanceTest* test, int 
   Float16 least16s = all16(cap);
   unsigned members = 0xffff;
   if (a != b && t->motion[b] >= 0) {
-    Sphere sphere = leafSphere(t, b);
-    if (moves(t->view, t->motion[b])) {
-      sphere = movedSphere(sphere, t->motions[t->motion[b]]);
-    }
-    members = near16(blockA, sphere, cap + test->room);
+    members = near16(blockA, sphereInView(t, leafSphere(t, b), t->motion[b]), cap + test->room);
   }
   for (; members != 0; members &= members - 1) {
     const int k = __builtin_ctz(members);
@@ -230,6 +222,11 @@ static void expandLeaf(Traversal* t, int leaf, int motion) {
   }
 }
 
+/* How much clearance the trial may use up: a distance changes by no more than either of its ends is displaced. */
+static uint16_t boundOfPair(const Clearance* c, int a, int b) {
+  return c->shift[a] < c->shift[b] ? c->shift[a] : c->shift[b];
+}
+
 /* What a test has found of a pair: how much clearance it has in the trial, in units. */
 static void keepFound(Clearance* c, int a, int b, uint16_t bound, uint16_t found, bool isOfState) {
   if (isOfState) {
@@ -249,7 +246,7 @@ static bool isStraddler(const Traversal* t, int leaf) {
 
 /* A pair whose spheres are too near to tell. */
 static void testPair(Clearance* c, Traversal* t, ClearanceTest* test, const Crossing* crossing, int a, int b) {
-  const uint16_t bound = c->shift[a] < c->shift[b] ? c->shift[a] : c->shift[b];
+  const uint16_t bound = boundOfPair(c, a, b);
   expandLeaf(t, a, crossing->motionA);
   expandLeaf(t, b, crossing->motionB);
   const float wanted = (float)bound * c->unit;
@@ -289,7 +286,7 @@ static unsigned testSpheres(Clearance* c, const Traversal* t, ClearanceTest* tes
   for (; columns != 0; columns &= columns - 1) {
     const int k = __builtin_ctz(columns);
     const int b = first + k;
-    const uint16_t bound = c->shift[a] < c->shift[b] ? c->shift[a] : c->shift[b];
+    const uint16_t bound = boundOfPair(c, a, b);
     if (units[k] > bound) {
       keepFound(c, a, b, bound, units[k], true);
       safe |= 1u << k;
@@ -346,8 +343,7 @@ static bool testCrossing(Clearance* c, Traversal* t, const Crossing* crossing, v
 static Sphere slotSphere(Traversal* t, int slot, int motion) {
   const int leaf = slot / TREE_WIDTH;
   putToRest(t, 0, leaf);
-  const Sphere sphere = sphereOf(&t->rest[leaf], slot % TREE_WIDTH);
-  return moves(t->view, motion) ? movedSphere(sphere, t->motions[motion]) : sphere;
+  return sphereInView(t, sphereOf(&t->rest[leaf], slot % TREE_WIDTH), motion);
 }
 
 static bool witnessClashes(Traversal* t, ClearanceTest* test, const int pair[2]) {

@@ -318,10 +318,7 @@ static unsigned expandMovers(Traversal* t, int leaf) {
   }
   int end;
   const int begin = treeSlots(t->tree, 0, leaf, &end);
-  int piece = t->view->pieceCount - 1;
-  while (t->view->pieces[piece].slotBegin > begin) {
-    piece--;
-  }
+  const int piece = pieceOf(t->view, begin);
   if (piece + 1 < t->view->pieceCount && t->view->pieces[piece + 1].slotBegin < end) {
     expandStraddler(t, 0, leaf, piece);
   } else {

@@ -10,6 +10,15 @@ static bool moves(const View* view, int motion) {
   return motion > 0 && view->motions != NULL;
 }
 
+/* The piece that holds a slot. */
+static int pieceOf(const View* view, int slot) {
+  int piece = view->pieceCount - 1;
+  while (view->pieces[piece].slotBegin > slot) {
+    piece--;
+  }
+  return piece;
+}
+
 /* Of which rigid body a member of an expanded item is, coded like Traversal.motion. */
 static int motionOfMember(const Traversal* t, int item, int k) {
   const int code = t->motion[item];
@@ -180,6 +189,11 @@ static void startView(Traversal* t, const View* view) {
     t->sinceSurfaces = view->surfaces;
   }
   t->straddlerCount = 0;
+}
+
+/* A sphere at rest of a body of this motion, where the view has it. */
+static Sphere sphereInView(const Traversal* t, Sphere sphere, int motion) {
+  return moves(t->view, motion) ? movedSphere(sphere, t->motions[motion]) : sphere;
 }
 
 /* An expanded item: its members as they lie in the view. */
