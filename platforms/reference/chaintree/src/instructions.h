@@ -11,7 +11,8 @@ typedef struct InstructionSet {
 
   /* Of a tree, bottom-up; see refresh_body.h. */
   void (*refreshLeaf)(Tree* tree, const Sequence* sequence, int leaf);
-  void (*refreshNode)(Tree* tree, int level, int item, int firstChanged);
+  void (*refreshTwig)(Tree* tree, const Sequence* sequence, int link, int leaf);
+  void (*refreshNode)(Tree* tree, int level, int item, const int* changed, int count);
 
   /* ctTraverse and ctTraverseProbe. */
   int64_t (*traverse)(Traversal* t, const View* view, CandidateFunction* function, void* context, ctCounts* counts);

@@ -239,6 +239,7 @@ static bool allocateSequence(Sequence* s, Arena* arena, const ctDefinition* d, i
   s->particleSlot = ctArenaAllocate(arena, particles, sizeof(int));
   s->idleBegin = ctArenaAllocate(arena, links + 1, sizeof(int));
   s->idleParticle = ctArenaAllocate(arena, particles, sizeof(int));
+  s->twigOf = ctArenaAllocate(arena, links, sizeof(int));
   s->pathOf = ctArenaAllocate(arena, links, sizeof(int));
   s->pathPosition = ctArenaAllocate(arena, links, sizeof(int));
   s->reference = ctArenaAllocate(arena, 3 * particles, sizeof(double));

@@ -1,8 +1,8 @@
-/* The paths that the sequence leaves before its end, and the products that close them. */
+/* Twigs, the paths that the sequence leaves before its end, and the products that close these. */
 #include "order.h"
 #include "sequence.h"
 
-/* Links over which a path's product is multiplied one by one: keeps the products few, and side chains to one block. */
+/* Links over which a path's product is multiplied one by one: keeps the products few. */
 enum { PATH_BLOCK = 8 };
 
 static int blockCount(const Sequence* s, int path) {
@@ -23,12 +23,40 @@ static bool headsPath(const Sequence* s, int link) {
   return s->end[link] != s->end[s->parent[link]];
 }
 
+static bool headsTwig(const Sequence* s, int link) {
+  return s->twigOf[s->parent[link]] == CT_NULL && headsPath(s, link) &&
+         s->slotBegin[s->end[link]] - s->slotBegin[link] <= TWIG_SLOTS;
+}
+
+static bool findTwigs(Sequence* s, Arena* arena) {
+  s->twigOf[0] = CT_NULL;
+  for (int link = 1; link < s->linkCount; link++) {
+    s->twigOf[link] = headsTwig(s, link) ? s->twigCount++ : s->twigOf[s->parent[link]];
+  }
+  s->twigHead = ctArenaAllocate(arena, (size_t)s->twigCount, sizeof(int));
+  for (int link = s->linkCount - 1; link > 0 && !arena->failed; link--) {
+    if (s->twigOf[link] != CT_NULL) {
+      s->twigHead[s->twigOf[link]] = link;
+    }
+  }
+  return !arena->failed;
+}
+
 bool ctPathsBuild(Sequence* s, Arena* arena) {
+  if (!findTwigs(s, arena)) {
+    return false;
+  }
   s->pathOf[0] = CT_NULL;
   for (int link = 1; link < s->linkCount; link++) {
     const int parent = s->parent[link];
-    s->pathOf[link] = headsPath(s, link) ? s->pathCount++ : s->pathOf[parent];
-    s->pathPosition[link] = headsPath(s, link) ? 0 : s->pathPosition[parent] + 1;
+    if (s->twigOf[link] != CT_NULL) {
+      s->pathOf[link] = CT_NULL;
+    } else if (headsPath(s, link)) {
+      s->pathOf[link] = s->pathCount++;
+    } else {
+      s->pathOf[link] = s->pathOf[parent];
+      s->pathPosition[link] = s->pathPosition[parent] + 1;
+    }
   }
   s->pathBegin = ctArenaAllocate(arena, (size_t)s->pathCount + 1, sizeof(int));
   s->productBegin = ctArenaAllocate(arena, (size_t)s->pathCount + 1, sizeof(int));

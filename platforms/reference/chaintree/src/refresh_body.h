@@ -26,74 +26,123 @@ static Bound boundOfLeaf(const Leaf* leaf) {
 
 /* ---- Update, bottom-up ---- */
 
-static int firstLink(const Tree* tree, const Sequence* sequence, int leaf) {
-  return leaf < tree->levelSize[0] ? sequence->slotLink[leaf * TREE_WIDTH] : CT_NULL;
+/* What the tree keeps of a link that begins where a walk is. */
+static void keepLink(Tree* tree, const Sequence* s, const Walk* walk) {
+  const int link = walk->link;
+  rotate(&walk->frame, s->axis[link], tree->axis[link]);
+  if (walk->openCount == 1 && s->twigHead[s->twigOf[link]] == link) {
+    tree->stem[s->twigOf[link]] = walk->stem[0];
+  }
 }
 
-static void refreshLeaf(Tree* tree, const Sequence* sequence, int leaf) {
-  const int begin = leaf * TREE_WIDTH;
-  const int end = begin + TREE_WIDTH < tree->slotCount ? begin + TREE_WIDTH : tree->slotCount;
-  Leaf* own = &tree->leaf[leaf];
-  Walk walk;
-  walkBegin(&walk, firstLink(tree, sequence, leaf));
-  if (sequence->slotBegin[walk.link] == begin) {
-    memcpy(tree->axis[walk.link], sequence->axis[walk.link], sizeof tree->axis[walk.link]);
+/* Places slots [begin, end) of a leaf; the walk is at the link of the first one, and goes on to that of the last. */
+static inline __attribute__((always_inline)) void placeSlots(Tree* tree, const Sequence* s, Walk* walk, int begin,
+                                                             int end) {
+  Leaf* leaf = &tree->leaf[begin / TREE_WIDTH];
+  if (s->slotBegin[walk->link] == begin) {
+    keepLink(tree, s, walk);
   }
   for (int slot = begin; slot < end; slot++) {
-    while (walk.link < sequence->slotLink[slot]) {
-      walkOn(&walk, sequence);
-      rotate(&walk.frame, sequence->axis[walk.link], tree->axis[walk.link]);
+    while (walk->link < s->slotLink[slot]) {
+      walkOn(walk, s);
+      keepLink(tree, s, walk);
     }
-    const int particle = sequence->slotParticle[slot];
+    const int particle = s->slotParticle[slot];
     if (particle != CT_NULL) {
       double x[3];
-      sequenceLocal(sequence, particle, x);
-      transformPoint(&walk.frame, x, x);
-      own->x[slot - begin] = x[0];
-      own->y[slot - begin] = x[1];
-      own->z[slot - begin] = x[2];
+      sequenceLocal(s, particle, x);
+      transformPoint(&walk->frame, x, x);
+      leaf->x[slot % TREE_WIDTH] = x[0];
+      leaf->y[slot % TREE_WIDTH] = x[1];
+      leaf->z[slot % TREE_WIDTH] = x[2];
     }
   }
-  const int next = firstLink(tree, sequence, leaf + 1);
-  while (walk.link < next) {
-    walkOn(&walk, sequence);
+}
+
+/* Takes a walk from a leaf's last link to the frame of the next leaf. */
+static void walkToLeaf(Walk* walk, const Sequence* s, int leaf) {
+  int link = s->slotLink[leaf * TREE_WIDTH];
+  const int twig = s->twigOf[link];
+  if (twig != CT_NULL && s->twigHead[twig] <= walk->link) {
+    walk->frame = walk->stem[0];
+    return;
   }
-  if (memcmp(&tree->shortcut[leaf], &walk.frame, sizeof walk.frame) != 0) {
-    tree->shortcut[leaf] = walk.frame;
-    tree->shortcutTime[leaf] = tree->time;
+  link = twig == CT_NULL ? link : s->twigHead[twig];
+  while (walk->link < link - 1) {
+    walkOn(walk, s);
   }
-  tree->bound[leaf] = boundOfLeaf(own);
+  if (walk->link < link) {
+    walkLeave(walk, s);
+    if (twig == CT_NULL) {
+      walkEnter(walk, s, link);
+    }
+  }
+}
+
+static void noteLeaf(Tree* tree, int leaf) {
+  tree->bound[leaf] = boundOfLeaf(&tree->leaf[leaf]);
   tree->contentTime[leaf] = tree->time;
   tree->hasSum[leaf] = false;
   tree->isFresh[leaf] = true;
 }
 
-/* Children before the first changed one are what and where they were; those behind it may be. */
-static void refreshNode(Tree* tree, int level, int item, int firstChanged) {
-  int count;
-  const int first = treeChildren(tree, level, item, &count);
+static void refreshLeaf(Tree* tree, const Sequence* sequence, int leaf) {
+  const int begin = leaf * TREE_WIDTH;
+  const int end = begin + TREE_WIDTH < tree->slotCount ? begin + TREE_WIDTH : tree->slotCount;
+  Walk walk;
+  treeWalk(&walk, sequence, leaf);
+  placeSlots(tree, sequence, &walk, begin, end);
+  if (end < tree->slotCount) {
+    walkToLeaf(&walk, sequence, leaf + 1);
+  }
+  if (memcmp(&tree->shortcut[leaf], &walk.frame, sizeof walk.frame) != 0) {
+    tree->shortcut[leaf] = walk.frame;
+    tree->shortcutTime[leaf] = tree->time;
+  }
+  noteLeaf(tree, leaf);
+}
+
+/* What a turn of a link in a twig has moved within one leaf. */
+static void refreshTwig(Tree* tree, const Sequence* sequence, int link, int leaf) {
+  const int slotBegin = sequence->slotBegin[link];
+  const int slotEnd = sequence->slotBegin[sequence->end[link]];
+  const int begin = slotBegin > leaf * TREE_WIDTH ? slotBegin : leaf * TREE_WIDTH;
+  const int end = slotEnd < (leaf + 1) * TREE_WIDTH ? slotEnd : (leaf + 1) * TREE_WIDTH;
+  const int twig = sequence->twigOf[link];
+  const bool beginsHere = sequence->slotBegin[sequence->twigHead[twig]] >= leaf * TREE_WIDTH;
+  const Frame stem = beginsHere ? tree->stem[twig] : transformIdentity();
+  Walk walk;
+  walkBeginInTwig(&walk, sequence, sequence->slotLink[begin], &stem);
+  placeSlots(tree, sequence, &walk, begin, end);
+  noteLeaf(tree, leaf);
+}
+
+/* These children have changed (ascending); those behind one whose shortcut is another now have moved. */
+static void refreshNode(Tree* tree, int level, int item, const int* changed, int count) {
+  int childCount;
+  const int first = treeChildren(tree, level, item, &childCount);
+  const int last = first + childCount - 1;
   Members* members = treeMembers(tree, item);
   bool moved = false;
-  for (int child = firstChanged; child < first + count; child++) {
+  int done = 0; /* of the changed ones, until one has moved the others */
+  for (int child = changed[0]; child <= last;) {
     if (child == first) {
       tree->pose[child] = transformIdentity();
     } else if (moved) {
       tree->pose[child] = transformCompose(&tree->pose[child - 1], &tree->shortcut[child - 1]);
     }
-    if (moved || tree->contentTime[child] == tree->time) {
-      const Bound* own = &tree->bound[child];
-      double centre[3] = {own->x, own->y, own->z};
-      transformPoint(&tree->pose[child], centre, centre);
-      members->block.x[child - first] = (float)centre[0];
-      members->block.y[child - first] = (float)centre[1];
-      members->block.z[child - first] = (float)centre[2];
-      members->block.r[child - first] = own->r;
-      members->centres[child - first] = own->centres;
-    }
+    const Bound* own = &tree->bound[child];
+    double centre[3] = {own->x, own->y, own->z};
+    transformPoint(&tree->pose[child], centre, centre);
+    members->block.x[child - first] = (float)centre[0];
+    members->block.y[child - first] = (float)centre[1];
+    members->block.z[child - first] = (float)centre[2];
+    members->block.r[child - first] = own->r;
+    members->centres[child - first] = own->centres;
     moved = moved || tree->shortcutTime[child] == tree->time;
+    child = moved ? child + 1 : ++done < count ? changed[done] : last + 1;
   }
   if (moved) {
-    const int last = first + count - 1;
     tree->shortcut[item] = transformCompose(&tree->pose[last], &tree->shortcut[last]);
     tree->shortcutTime[item] = tree->time;
   }

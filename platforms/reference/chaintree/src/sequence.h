@@ -11,6 +11,10 @@
  * closure is the inverse of the product of the path's openings, kept as a tree of products, so that a change costs
  * O(log N). A step thus depends on no rotation that does not change it, and untouched steps keep their bits.
  *
+ * A branch of few slots that is not the last of its parent is a twig: a side chain, a small molecule. Whoever walks
+ * along the sequence enters it from the frame of the link that it hangs on and goes on from that very frame behind it,
+ * so no path in it needs a closure, and what moves within a twig leaves everything else alone, bit by bit.
+ *
  * A slot is a place for a modelled particle; slots stand in the order of their links. A link without modelled particles
  * has one empty slot, so that TREE_WIDTH slots never span more links than that. */
 #ifndef CT_SEQUENCE_H_
@@ -18,7 +22,11 @@
 
 #include "arena.h"
 #include "chaintree.h"
+#include "order.h"
 #include "transform.h"
+
+/* A branch of no more slots is a twig. */
+enum { TWIG_SLOTS = 2 * TREE_WIDTH };
 
 /* Where a free link is in its parent's frame. */
 typedef struct Placement {
@@ -67,9 +75,14 @@ typedef struct Sequence {
   int* idleBegin;    /* linkCount + 1: the particles of each link that are not modelled */
   int* idleParticle;
 
-  /* Paths that the sequence leaves before its end. */
+  /* Twigs that lie in no other twig. */
+  int twigCount;
+  int* twigOf;   /* per link; CT_NULL: in none */
+  int* twigHead; /* twigCount: first link of each */
+
+  /* Paths, but those in twigs, that the sequence leaves before its end. */
   int pathCount;
-  int* pathOf;       /* per link; CT_NULL: on the path that starts at the world, which never closes */
+  int* pathOf;       /* per link; CT_NULL: in a twig, or on the path that starts at the world, which never closes */
   int* pathPosition; /* per link: how many links of its path come before it */
   int* pathBegin;    /* pathCount + 1, into pathLink */
   int* pathLink;     /* links of each path, head first */
@@ -92,7 +105,7 @@ typedef struct Sequence {
 /* Lays out a checked definition, without state. False if there is no memory. */
 bool ctSequenceBuild(Sequence* sequence, Arena* arena, const ctDefinition* definition);
 
-/* The part of it that finds the paths, once links have parents and ends. */
+/* The part of it that finds twigs and paths, once links have parents, ends and slots. */
 bool ctPathsBuild(Sequence* sequence, Arena* arena);
 
 /* Nothing is displaced, as far as torsions go; placements are set with each reference. */
@@ -158,45 +171,70 @@ static inline Frame sequenceOpening(const Sequence* s, int link) {
   return opening;
 }
 
-/* So many paths within each other a walk can keep open. */
-enum { MOST_OPEN_PATHS = 4 };
+/* The link on which a twig hangs. */
+static inline int sequenceStem(const Sequence* s, int twig) {
+  return s->parent[s->twigHead[twig]];
+}
 
-/* A walk along the sequence: where a link is in the frame of the link where the walk began. A path that it has seen
- * open closes by the very frame of the parent, so what moves within the path leaves all behind it alone, bit by bit; a
- * path that was open before closes by its product. */
+/* So many twigs are within each other at most: of the slots of the one around it, each has less than half. */
+enum { MOST_OPEN_TWIGS = 5 };
+
+/* A walk along the sequence: where a link is in the frame from which the walk began. */
 typedef struct Walk {
   int link;
   Frame frame;
-  int openCount;
-  int path[MOST_OPEN_PATHS];
-  Frame parent[MOST_OPEN_PATHS];
+  int openCount;               /* twigs that the link is in */
+  Frame stem[MOST_OPEN_TWIGS]; /* the frame of the link on which each of them hangs */
 } Walk;
 
+/* Begins at a link that is in no twig. */
 static inline void walkBegin(Walk* walk, int link) {
   walk->link = link;
   walk->frame = transformIdentity();
   walk->openCount = 0;
 }
 
+/* On to a link that hangs on the walk's. */
+static inline void walkEnter(Walk* walk, const Sequence* s, int link) {
+  if (s->twigOf[link] != CT_NULL && s->end[link] != s->end[s->parent[link]]) {
+    walk->stem[walk->openCount++] = walk->frame;
+  }
+  const Frame opening = sequenceOpening(s, link);
+  walk->frame = transformCompose(&walk->frame, &opening);
+  walk->link = link;
+}
+
+/* Back to the link on which the next one hangs, if that is not the walk's own. */
+static inline void walkLeave(Walk* walk, const Sequence* s) {
+  const int parent = s->parent[walk->link + 1];
+  if (parent != walk->link) {
+    walk->frame = walk->openCount > 0 ? walk->stem[--walk->openCount]
+                                      : transformCompose(&walk->frame, &s->closure[s->pathOf[walk->link]]);
+    walk->link = parent;
+  }
+}
+
 /* On to the next link. */
 static inline void walkOn(Walk* walk, const Sequence* s) {
   const int next = walk->link + 1;
-  if (s->parent[next] != walk->link) {
-    const int path = s->pathOf[walk->link];
-    if (walk->openCount > 0 && walk->path[walk->openCount - 1] == path) {
-      walk->frame = walk->parent[--walk->openCount];
-    } else {
-      walk->frame = transformCompose(&walk->frame, &s->closure[path]);
-    }
+  walkLeave(walk, s);
+  walkEnter(walk, s, next);
+}
+
+/* Begins at a link in a twig, where the frame of the link on which that hangs is `stem`. */
+static inline void walkBeginInTwig(Walk* walk, const Sequence* s, int link, const Frame* stem) {
+  int way[TWIG_SLOTS]; /* links have a slot at least */
+  int count = 0;
+  const int end = sequenceStem(s, s->twigOf[link]);
+  for (int l = link; l != end; l = s->parent[l]) {
+    way[count++] = l;
   }
-  const bool opens = s->pathOf[next] != CT_NULL && s->pathPosition[next] == 0;
-  if (opens && walk->openCount < MOST_OPEN_PATHS) {
-    walk->path[walk->openCount] = s->pathOf[next];
-    walk->parent[walk->openCount++] = walk->frame;
+  walk->link = end;
+  walk->frame = *stem;
+  walk->openCount = 0;
+  while (count > 0) {
+    walkEnter(walk, s, way[--count]);
   }
-  const Frame opening = sequenceOpening(s, next);
-  walk->frame = transformCompose(&walk->frame, &opening);
-  walk->link = next;
 }
 
 #endif /* CT_SEQUENCE_H_ */

@@ -68,6 +68,7 @@ bool ctTreeBuild(Tree* tree, Arena* arena, const Sequence* sequence, const struc
   tree->leaf = ctArenaAllocate(arena, (size_t)tree->levelBegin[1], sizeof(Leaf));
   tree->members = ctArenaAllocate(arena, items - (size_t)tree->levelBegin[1], sizeof(Members));
   tree->axis = ctArenaAllocate(arena, (size_t)sequence->linkCount, sizeof(double[3]));
+  tree->stem = ctArenaAllocate(arena, (size_t)sequence->twigCount, sizeof(Frame));
   tree->sum = ctArenaAllocate(arena, items, sizeof(double[3]));
   tree->hasSum = ctArenaAllocate(arena, items, sizeof(bool));
   tree->particles = ctArenaAllocate(arena, items, sizeof(int));
@@ -110,23 +111,66 @@ void ctTreeRefresh(Tree* tree, const Sequence* sequence) {
     for (int i = 0; i < tree->levelSize[level]; i++) {
       const int node = tree->levelBegin[level] + i;
       int count;
-      tree->instructions->refreshNode(tree, level, node, treeChildren(tree, level, node, &count));
+      const int first = treeChildren(tree, level, node, &count);
+      for (int k = 0; k < count; k++) {
+        tree->dirty[k] = first + k;
+      }
+      tree->instructions->refreshNode(tree, level, node, tree->dirty, count);
     }
   }
   refreshRoot(tree);
   tree->isStale = false;
 }
 
-int ctTreeUpdate(Tree* tree, const Sequence* sequence, int* leaves, int count) {
-  ctSortInts(leaves, count);
-  tree->time++;
+/* Recomputes the leaf that holds the step from a link to the next, unless that is done. Dirty leaves are listed:
+ * returns how many there are. */
+static int refreshStep(Tree* tree, const Sequence* s, int link, int dirty) {
+  const int leaf = (s->slotBegin[link + 1] - 1) / TREE_WIDTH;
+  if (tree->contentTime[leaf] != tree->time) {
+    tree->dirty[dirty++] = leaf;
+    tree->instructions->refreshLeaf(tree, s, leaf);
+  }
+  return dirty;
+}
+
+/* The steps at both ends of what these links move. */
+static int refreshSteps(Tree* tree, const Sequence* s, const int* links, int count) {
   int dirty = 0;
   for (int i = 0; i < count; i++) {
-    if (dirty == 0 || tree->dirty[dirty - 1] != leaves[i]) {
-      tree->dirty[dirty++] = leaves[i];
-      tree->instructions->refreshLeaf(tree, sequence, leaves[i]);
+    const int end = s->end[links[i]];
+    if (s->twigOf[links[i]] == CT_NULL) {
+      dirty = refreshStep(tree, s, links[i] - 1, dirty);
+      if (end < s->linkCount) {
+        dirty = refreshStep(tree, s, end - 1, dirty);
+      }
     }
   }
+  return dirty;
+}
+
+/* What these links move, if they are in twigs. Whole leaves come before, for twigs begin from them. */
+static int refreshTwigs(Tree* tree, const Sequence* s, const int* links, int count, int dirty) {
+  int done = 0; /* a link of a twig moves all behind it up to here */
+  for (int i = 0; i < count; i++) {
+    const int link = links[i];
+    if (s->twigOf[link] != CT_NULL && link >= done) {
+      done = s->end[link];
+      for (int leaf = s->slotBegin[link] / TREE_WIDTH; leaf * TREE_WIDTH < s->slotBegin[done]; leaf++) {
+        if (tree->contentTime[leaf] != tree->time) {
+          tree->dirty[dirty++] = leaf;
+        }
+        tree->instructions->refreshTwig(tree, s, link, leaf);
+      }
+    }
+  }
+  return dirty;
+}
+
+int ctTreeUpdate(Tree* tree, const Sequence* sequence, const int* links, int count) {
+  tree->time++;
+  int dirty = refreshSteps(tree, sequence, links, count);
+  dirty = refreshTwigs(tree, sequence, links, count, dirty);
+  ctSortInts(tree->dirty, dirty);
   for (int i = 0; i < dirty; i++) {
     if (tree->shortcutTime[tree->dirty[i]] == tree->time) {
       noteChange(tree, tree->dirty[i]);
@@ -136,12 +180,13 @@ int ctTreeUpdate(Tree* tree, const Sequence* sequence, int* leaves, int count) {
   int updated = dirty;
   for (int level = 1; level < tree->levelCount; level++) {
     int parents = 0;
-    for (int i = 0; i < dirty; i++) {
+    int end;
+    for (int i = 0; i < dirty; i = end) {
       const int parent = treeParent(tree, level - 1, tree->dirty[i]);
-      if (parents == 0 || tree->dirty[parents - 1] != parent) {
-        tree->instructions->refreshNode(tree, level, parent, tree->dirty[i]);
-        tree->dirty[parents++] = parent;
+      for (end = i + 1; end < dirty && treeParent(tree, level - 1, tree->dirty[end]) == parent; end++) {
       }
+      tree->instructions->refreshNode(tree, level, parent, tree->dirty + i, end - i);
+      tree->dirty[parents++] = parent;
     }
     dirty = parents;
     updated += dirty;
@@ -165,9 +210,8 @@ Frame ctTreeFrame(const Tree* tree, int level, int item) {
 }
 
 Frame ctTreeLinkInLeaf(const Sequence* sequence, int link) {
-  const int leaf = sequence->slotBegin[link] / TREE_WIDTH;
   Walk walk;
-  walkBegin(&walk, sequence->slotLink[leaf * TREE_WIDTH]);
+  treeWalk(&walk, sequence, sequence->slotBegin[link] / TREE_WIDTH);
   while (walk.link < link) {
     walkOn(&walk, sequence);
   }
@@ -236,7 +280,7 @@ static void add(double sum[3], const double x[3]) {
 static int sumSlots(const Tree* tree, const Sequence* sequence, int leaf, int slotBegin, int slotEnd, double sum[3]) {
   int particles = 0;
   Walk walk;
-  walkBegin(&walk, sequence->slotLink[leaf * TREE_WIDTH]);
+  treeWalk(&walk, sequence, leaf);
   for (int slot = slotBegin; slot < slotEnd; slot++) {
     double x[3];
     if (sequence->slotParticle[slot] != CT_NULL) {

@@ -2,7 +2,8 @@
  *
  * An item is a leaf (level 0) or a node. Item i of a level covers items TREE_WIDTH * i ... of the level below; items of
  * all levels share one numbering, so that the children of a node are neighbours in every array. The frame of an item is
- * that of the link of its first slot. Per item the tree keeps the shortcut across it, its frame's pose in the parent's
+ * that of the link of its first slot, or, if that link is in a twig, of the link on which the twig hangs: so that it
+ * stays where it is when a twig moves. Per item the tree keeps the shortcut across it, its frame's pose in the parent's
  * frame (a product of its siblings' shortcuts), and a bounding sphere; per slot the position in the leaf's frame. Each
  * is a pure function of the sequence's state and of the items below. */
 #ifndef CT_TREE_H_
@@ -65,6 +66,7 @@ typedef struct Tree {
   Bound* bound;      /* per item */
   bool* isFresh;     /* per item: recomputed since whoever keeps more about it has cleared this */
   double (*axis)[3]; /* per link: its torsion axis in the frame of the leaf where it begins */
+  Frame* stem;       /* per twig: the frame of the link on which it hangs in that of the leaf where the twig begins */
 
   /* Sums of positions are wanted now and then only: made when asked for. */
   double (*sum)[3]; /* per item: of the positions of all its particles, modelled or not, in its own frame */
@@ -72,7 +74,7 @@ typedef struct Tree {
   int* particles;   /* per item: how many those are; one without slot counts where its link begins */
 
   bool isStale; /* no content but the layout is of the state */
-  int* dirty;   /* scratch of ctTreeUpdate: items of one level */
+  int* dirty;   /* scratch: items of one level */
 
   /* When which part of the tree last changed. An item behind a leaf whose shortcut changes is elsewhere from then on:
    * such leaves and times ascend; a change hides earlier ones of later leaves. */
@@ -111,11 +113,6 @@ static inline int treeSlots(const Tree* tree, int level, int item, int* end) {
   const int64_t begin = (item - tree->levelBegin[level]) * width;
   *end = (int)(begin + width < tree->slotCount ? begin + width : tree->slotCount);
   return (int)begin;
-}
-
-/* The leaf that holds the step from a link to the next. */
-static inline int treeLeafOfStep(const Sequence* sequence, int link) {
-  return (sequence->slotBegin[link + 1] - 1) / TREE_WIDTH;
 }
 
 /* The members of a node. */
@@ -161,12 +158,23 @@ void ctTreeMakeStale(Tree* tree);
 /* Recomputes everything from the sequence's state: O(N). */
 void ctTreeRefresh(Tree* tree, const Sequence* sequence);
 
-/* Recomputes these leaves (any order, repeats allowed; permuted) and the nodes over them, level by level, each once
- * (section 3.1); returns how many. */
-int ctTreeUpdate(Tree* tree, const Sequence* sequence, int* leaves, int count);
+/* Recomputes what follows from the joints of these links (ascending): leaves, and the nodes over them, level by level,
+ * each once (section 3.1); returns how many. */
+int ctTreeUpdate(Tree* tree, const Sequence* sequence, const int* links, int count);
 
 /* The frame of an item in the world. O(level count). */
 Frame ctTreeFrame(const Tree* tree, int level, int item);
+
+/* Begins a walk at the first link of a leaf, in the frame of the leaf. */
+static inline void treeWalk(Walk* walk, const Sequence* sequence, int leaf) {
+  const int link = sequence->slotLink[leaf * TREE_WIDTH];
+  if (sequence->twigOf[link] == CT_NULL) {
+    walkBegin(walk, link);
+  } else {
+    const Frame stem = transformIdentity();
+    walkBeginInTwig(walk, sequence, link, &stem);
+  }
+}
 
 /* The frame of a link in the frame of its leaf. */
 Frame ctTreeLinkInLeaf(const Sequence* sequence, int link);

@@ -16,7 +16,7 @@ bool ctTrialReserve(Trial* trial, int count) {
       !ctReserve((void**)&trial->pieces, &capacity[1], count, sizeof(Piece[3])) ||
       !ctReserve((void**)&trial->motions, &capacity[2], count, sizeof(Frame[2])) ||
       !ctReserve((void**)&trial->links, &capacity[3], count, sizeof(int)) ||
-      !ctReserve((void**)&trial->leaves, &capacity[4], count, sizeof(int[2])) ||
+      !ctReserve((void**)&trial->motionOf, &capacity[4], count, sizeof(int)) ||
       !ctReserve((void**)&trial->scratch, &capacity[5], count, sizeof(int))) {
     return false;
   }
@@ -29,7 +29,7 @@ void ctTrialFree(Trial* trial) {
   free(trial->pieces);
   free(trial->motions);
   free(trial->links);
-  free(trial->leaves);
+  free(trial->motionOf);
   free(trial->scratch);
   *trial = (Trial){0};
 }
@@ -86,6 +86,7 @@ static void addPiece(Trial* trial, int slotBegin, int motion) {
 /* The intervals of the changes are nested or apart: sweep along the sequence with those that are open on a stack. */
 static void cutPieces(Trial* trial, const Sequence* s) {
   int* open = trial->scratch;
+  int* motionOf = trial->motionOf;
   int depth = 0;
   trial->pieceCount = 0;
   trial->motions[0] = transformIdentity();
@@ -96,14 +97,14 @@ static void cutPieces(Trial* trial, const Sequence* s) {
     while (depth > 0 && s->end[open[depth - 1]] <= next) {
       const int end = s->end[open[--depth]];
       if (end < s->linkCount) {
-        addPiece(trial, s->slotBegin[end], depth > 0 ? trial->leaves[depth - 1] : 0);
+        addPiece(trial, s->slotBegin[end], depth > 0 ? motionOf[depth - 1] : 0);
       }
     }
     if (i < trial->count) {
       const TrialChange* change = &trial->changes[i];
-      const int around = depth > 0 ? trial->leaves[depth - 1] : 0;
+      const int around = depth > 0 ? motionOf[depth - 1] : 0;
       trial->motions[i + 1] = transformCompose(&trial->motions[around], &change->motion);
-      trial->leaves[depth] = i + 1; /* the motion that goes with the open interval */
+      motionOf[depth] = i + 1; /* the motion that goes with the open interval */
       open[depth++] = change->link;
       addPiece(trial, s->slotBegin[change->link], i + 1);
     }
@@ -147,16 +148,10 @@ View ctTrialView(const Trial* trial, bool moved, bool surfaces, double reach) {
 }
 
 int ctTrialApply(Trial* trial, bool after, Sequence* s, Tree* tree) {
-  int leaves = 0;
   for (int i = 0; i < trial->count; i++) {
     const TrialChange* change = &trial->changes[i];
     ctSequenceSetJoint(s, change->link, after ? &change->after : &change->before);
-    trial->leaves[leaves++] = treeLeafOfStep(s, change->link - 1);
-    const int end = s->end[change->link];
-    if (end < s->linkCount) {
-      trial->leaves[leaves++] = treeLeafOfStep(s, end - 1);
-    }
   }
   const int products = ctSequenceUpdate(s, trial->links, trial->count, trial->scratch);
-  return products + ctTreeUpdate(tree, s, trial->leaves, leaves);
+  return products + ctTreeUpdate(tree, s, trial->links, trial->count);
 }

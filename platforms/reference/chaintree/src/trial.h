@@ -21,7 +21,7 @@ typedef struct Trial {
   int motionCount;
   Frame* motions; /* of change i and all changes around it: i + 1; 0: the identity */
   int* links;     /* of the changes */
-  int* leaves;    /* scratch: up to two a change */
+  int* motionOf;  /* scratch: one a change */
   int* scratch;   /* scratch: one a change */
 } Trial;
 

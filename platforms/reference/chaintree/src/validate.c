@@ -11,7 +11,7 @@ typedef struct Content {
   size_t size;
 } Content;
 
-enum { CONTENT_COUNT = 9 };
+enum { CONTENT_COUNT = 10 };
 
 static void listContent(const Tree* tree, const Sequence* s, Content content[CONTENT_COUNT]) {
   const size_t items = (size_t)tree->itemCount;
@@ -23,6 +23,7 @@ static void listContent(const Tree* tree, const Sequence* s, Content content[CON
       {tree->leaf, (size_t)tree->levelBegin[1] * sizeof(Leaf)},
       {tree->members, (items - (size_t)tree->levelBegin[1]) * sizeof(Members)},
       {tree->axis, (size_t)s->linkCount * sizeof(double[3])},
+      {tree->stem, (size_t)s->twigCount * sizeof(Frame)},
       {s->product, (size_t)s->productBegin[s->pathCount] * sizeof(Frame)},
       {s->closure, (size_t)s->pathCount * sizeof(Frame)},
   };

@@ -11,7 +11,7 @@
 typedef enum Shape {
   CHAIN,       /* each torsion moves all that follows */
   MIDDLE_ROOT, /* rooted in the middle: a torsion of the first arm moves an interval that ends inside the sequence */
-  COMB         /* a side chain of one link on every link of the backbone */
+  COMB         /* a side chain of two links on every link of the backbone */
 } Shape;
 
 static const char* const shapeNames[] = {"chain", "chain rooted in its middle", "comb"};
@@ -23,12 +23,17 @@ static int parentOf(Shape shape, int link, int count) {
     case MIDDLE_ROOT:
       return link < count / 2 ? link + 1 : (link == count / 2 ? CT_NULL : link - 1);
     default:
-      return link % 2 == 1 ? link - 1 : link - 2;
+      return link % 3 == 0 ? link - 3 : link - 1;
   }
 }
 
 static bool isTorsion(Shape shape, int link, int count) {
   return parentOf(shape, link, count) >= 0;
+}
+
+/* Whether a link carries another than itself: a particle on its own axis stays where it is. */
+static bool carries(Shape shape, int link) {
+  return shape != COMB || link % 3 != 2;
 }
 
 /* A zigzag of one particle a link. */
@@ -175,7 +180,7 @@ static bool testShape(Shape shape, int power) {
   Storage before = copyStorage(scene);
   for (int i = 0; i < 12 && good; i++) {
     const int link = 3 + (int)((double)(count - 6) * i / 11);
-    if (!isTorsion(shape, link, count)) {
+    if (!isTorsion(shape, link, count) || !carries(shape, link)) {
       continue;
     }
     const ctChange change = {.link = link, .angle = 0.7};

@@ -59,11 +59,16 @@ static void testContent(void) {
   CHECK(!ctTreeBoundsHold(tree, s));
   ctDestroy(scene);
 
-  ctChainTree* branched = makeLattice(ROWS_ON_A_WALL, 0.1, 0);
-  CHECK(ctValidate(branched) && branched->sequence.pathCount > 0);
+  ctChainTree* branched = makeLattice(LAYERS, 0.1, 0);
+  CHECK(ctValidate(branched) && branched->sequence.pathCount == SIDE - 1);
   checkNoticed(branched, "product", &branched->sequence.product[2], &frame, sizeof frame);
   checkNoticed(branched, "closure", &branched->sequence.closure[2], &frame, sizeof frame);
   ctDestroy(branched);
+
+  ctChainTree* hairy = makeLattice(ROWS_ON_A_WALL, 0.1, 0);
+  CHECK(ctValidate(hairy) && hairy->sequence.twigCount == SIDE * SIDE - 1);
+  checkNoticed(hairy, "stem", &hairy->staleTree.stem[2], &frame, sizeof frame);
+  ctDestroy(hairy);
 }
 
 static void testBoxes(void) {
