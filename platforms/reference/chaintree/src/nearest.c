@@ -14,6 +14,11 @@ static void positionIn(const Cloud* cloud, int slot, double x[3]) {
   }
 }
 
+static bool isBefore(const int one[2], const int other[2]) {
+  return one[0] < other[0] || (one[0] == other[0] && one[1] < other[1]);
+}
+
+/* Of pairs equally near the lowest is taken, so that it does not matter in which order they come. */
 void ctNearestOffer(Nearest* n, const Cloud* a, int slotA, const Cloud* b, int slotB) {
   double x[3];
   double y[3];
@@ -23,10 +28,10 @@ void ctNearestOffer(Nearest* n, const Cloud* a, int slotA, const Cloud* b, int s
   if (a->traversal != NULL && b->traversal != NULL && distance <= n->distance + n->traversal->band) {
     distance = sqrt(ctTreeSquaredDistance(a->traversal->tree, slotA, slotB));
   }
-  if (distance < n->distance) {
+  const int pair[2] = {a->particle[slotA], b->particle[slotB]};
+  if (distance < n->distance || (distance == n->distance && isBefore(pair, n->pair))) {
     n->distance = distance;
-    n->pair[0] = a->particle[slotA];
-    n->pair[1] = b->particle[slotB];
+    memcpy(n->pair, pair, sizeof pair);
   }
 }
 
@@ -69,6 +74,29 @@ static int cloudsOf(ctChainTree* scene, ctSelection* selection, Nearest* nearest
   return count;
 }
 
+/* ---- What was nearest before ---- */
+
+/* How near the pair is now that was the nearest when one of the selections was last asked about, if it is a pair of
+ * theirs: after a small move little is nearer. */
+static double knownDistance(ctChainTree* scene, const ctSelection* one, const ctSelection* other) {
+  if (one->nearest[0] == CT_NULL || !ctSelectionHolds(other, one->nearest[1])) {
+    return INFINITY;
+  }
+  double x[2][3];
+  PositionReader reader = ctPositionReader(&scene->sequence, ctSceneTree(scene));
+  for (int k = 0; k < 2; k++) {
+    ctReadFromOrigin(&reader, one->nearest[k], x[k]);
+  }
+  return sqrt(squaredDistance(x[0], x[1]));
+}
+
+static void keepNearest(ctSelection* one, ctSelection* other, const int pair[2]) {
+  for (int k = 0; k < 2; k++) {
+    one->nearest[k] = pair[k];
+    other->nearest[k] = pair[1 - k];
+  }
+}
+
 ctStatus ctGetMinimumDistance(ctChainTree* tree, ctSelection* selection1, ctSelection* selection2, double* distance,
                               int pair[2], ctCounts* counts) {
   if (selection1->scene != tree || selection2->scene != tree) {
@@ -80,6 +108,7 @@ ctStatus ctGetMinimumDistance(ctChainTree* tree, ctSelection* selection1, ctSele
   Cloud clouds2[2];
   const int count1 = cloudsOf(tree, selection1, &nearest, clouds1);
   const int count2 = cloudsOf(tree, selection2, &nearest, clouds2);
+  nearest.known = lesser(knownDistance(tree, selection1, selection2), knownDistance(tree, selection2, selection1));
   for (int i = 0; i < count1; i++) {
     for (int j = 0; j < count2; j++) {
       const Cloud clouds[2] = {clouds1[i], clouds2[j]};
@@ -96,5 +125,6 @@ ctStatus ctGetMinimumDistance(ctChainTree* tree, ctSelection* selection1, ctSele
   }
   *distance = nearest.distance;
   memcpy(pair, nearest.pair, sizeof nearest.pair);
+  keepNearest(selection1, selection2, pair);
   return ctSuccess;
 }

@@ -18,6 +18,7 @@ typedef struct Cloud {
 typedef struct Nearest {
   Traversal* traversal;
   double extent;   /* no coordinate of points of their own is larger */
+  double known;    /* some pair is this near */
   float margin;    /* what rounding may do to a distance in float */
   float reach;     /* nothing farther apart matters, in float */
   double distance; /* the least found so far */

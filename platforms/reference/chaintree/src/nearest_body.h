@@ -161,6 +161,8 @@ static void findNearest(Nearest* n, const Cloud clouds[2]) {
   const View view = ctViewOfState(t->sinceSurfaces, 0);
   startView(t, &view);
   n->margin = (float)floatMargin(larger(t->extent, n->extent));
+  const float known = (float)n->known + 2 * n->margin;
+  n->reach = known < n->reach ? known : n->reach;
   int depth = 0;
   stack[depth++] = (NearestVisit){-INFINITY, {rootOf(&clouds[0]), rootOf(&clouds[1])}};
   while (depth > 0) {

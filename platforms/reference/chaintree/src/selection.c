@@ -91,6 +91,24 @@ static bool build(ctSelection* selection, int count, const int* particles) {
   return true;
 }
 
+bool ctSelectionHolds(const ctSelection* selection, int particle) {
+  const int slot = selection->scene->sequence.particleSlot[particle];
+  if (slot != CT_NULL) {
+    return (selection->mask[slot / TREE_WIDTH] >> slot % TREE_WIDTH & 1) != 0;
+  }
+  int low = 0;
+  int high = selection->idleCount;
+  while (low < high) {
+    const int middle = (low + high) / 2;
+    if (selection->idle[middle] < particle) {
+      low = middle + 1;
+    } else {
+      high = middle;
+    }
+  }
+  return low < selection->idleCount && selection->idle[low] == particle;
+}
+
 /* ---- The list of a scene ---- */
 
 static void enlist(ctSelection* selection, ctSelection** list) {
@@ -133,6 +151,7 @@ ctStatus ctSelect(ctChainTree* tree, int count, const int* particles, ctSelectio
   ctSelection* made = calloc(1, sizeof *made);
   if (made != NULL) {
     made->scene = tree;
+    made->nearest[0] = CT_NULL;
     if (build(made, count, particles)) {
       enlist(made, &tree->selections);
       *selection = made;

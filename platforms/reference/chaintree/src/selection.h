@@ -12,6 +12,7 @@ struct ctSelection {
   Arena arena;
   int count;
   uint16_t* mask; /* per item of the tree: members that hold particles of the set */
+  int nearest[2]; /* the pair that was the nearest when last asked: a particle of the set first, or CT_NULL */
 
   /* Its particles without a slot, in a hierarchy of their own. */
   int idleCount;
@@ -21,6 +22,8 @@ struct ctSelection {
   Block* idleBlock;       /* per item; scratch of a query */
   double (*idlePoint)[3]; /* scratch of a query */
 };
+
+bool ctSelectionHolds(const ctSelection* selection, int particle);
 
 /* Tells all selections of a scene that it is gone: another may come to lie at its address. */
 void ctDisownSelections(ctChainTree* scene);
