@@ -261,8 +261,10 @@ ctStatus ctForEachClashWith(ctChainTree* tree, const double position[3], double 
                             void* context, ctCounts* counts);
 
 /* The least distance (nm), centre to centre, between a particle of one selection and a different particle of the other,
- * and the pair, in this order; excluded pairs and radius 0 included. Errors: there is no such pair; a
- * selection of another scene. */
+ * and the pair, in this order; excluded pairs and radius 0 included. Of pairs equally near it is the lowest, by its
+ * first particle, then its second. Selections remember their nearest pair, whose distance now bounds the next search:
+ * it costs least when they are kept and little moves in between. Errors: there is no such pair; a selection of another
+ * scene. */
 ctStatus ctGetMinimumDistance(ctChainTree* tree, ctSelection* selection1, ctSelection* selection2, double* distance,
                               int pair[2], ctCounts* counts);
 

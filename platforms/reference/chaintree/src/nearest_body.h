@@ -77,6 +77,17 @@ typedef struct NearestVisit {
   Cluster cluster[2];
 } NearestVisit;
 
+/* Members of leaf b of the second cloud that are the particle of member k of leaf a of the first. */
+static unsigned itself(const Cloud clouds[2], int a, int k, int b) {
+  if (clouds[0].traversal != clouds[1].traversal) {
+    return 0; /* a particle has a slot or none */
+  }
+  if (clouds[0].traversal != NULL) {
+    return a == b ? 1u << k : 0;
+  }
+  return equal16(clouds[1].particle + b * TREE_WIDTH, clouds[0].particle[a * TREE_WIDTH + k]);
+}
+
 static void compareLeaves(Nearest* n, const Cloud clouds[2], const Cluster leaves[2]) {
   const Block* blockA = membersOf(&clouds[0], &leaves[0]);
   const Block* blockB = membersOf(&clouds[1], &leaves[1]);
@@ -94,7 +105,7 @@ static void compareLeaves(Nearest* n, const Cloud clouds[2], const Cluster leave
   Float16 least = all16(INFINITY);
   for (unsigned slots = slotsA; slots != 0; slots &= slots - 1) {
     const int k = __builtin_ctz(slots);
-    const unsigned others = slotsB & ~equal16(clouds[1].particle + firstB, clouds[0].particle[firstA + k]);
+    const unsigned others = slotsB & ~itself(clouds, leaves[0].item, k, leaves[1].item);
     rows[k] = blend16(others, all16(INFINITY), squaredFrom(blockB, blockA->x[k], blockA->y[k], blockA->z[k]));
     least = min16(least, rows[k]);
   }
@@ -119,14 +130,20 @@ static int splitCluster(Nearest* n, const Cloud* cloud, const NearestVisit* visi
   const Block* block = membersOf(cloud, whole);
   const float* radii = radiiOf(cloud, whole);
   n->volumeTests += __builtin_popcount(whole->members);
-  const Float16 distance = sqrt16(squaredFrom(block, other->x, other->y, other->z));
-  Float16 bounds = sub16(sub16(distance, load16(radii)), all16(other->r));
-  bounds = blend16(whole->members, all16(INFINITY), bounds);
-  const float least = least16(bounds);
-  const unsigned near = greater16(all16(n->reach), bounds);
-  const unsigned nearest = near & ~greater16(bounds, all16(least));
+  const Float16 squared = squaredFrom(block, other->x, other->y, other->z);
+  const Float16 sum = max16(add16(load16(radii), all16(other->r + n->reach)), all16(0));
+  const unsigned near = whole->members & greater16(mul16(sum, sum), squared);
+  if (near == 0) {
+    return 0;
+  }
+  const Float16 bounds = sub16(sub16(sqrt16(squared), load16(radii)), all16(other->r));
   float bound[TREE_WIDTH];
   store16(bound, bounds);
+  unsigned nearest = near;
+  if ((near & (near - 1)) != 0) {
+    const Float16 ofNear = blend16(near, all16(INFINITY), bounds);
+    nearest = near & ~greater16(ofNear, all16(least16(ofNear)));
+  }
   const bool isLeaf = whole->level == 0;
   int count;
   const int first = isLeaf ? 0 : treeChildren(cloud->layout, whole->level, whole->item, &count);

@@ -1,4 +1,6 @@
 /* The least distance between two sets of particles. */
+#include <limits.h>
+
 #include "beads.h"
 #include "lattice.h"
 
@@ -32,6 +34,74 @@ static void testFew(double radius) {
   checkLeast(tree, 1, corner, 3, far, 3); /* the state, not the trial */
   CHECK_SUCCESS(ctCommit(tree, NULL));
   checkLeast(tree, 1, corner, 3, far, 5);
+  ctDestroy(tree);
+}
+
+/* ---- Whatever was asked before ---- */
+
+/* Of the pairs of two sets of lattice sites whose squared distance, a whole number, is least the lowest. */
+static int lowestNearest(const double* positions, int count1, const int* set1, int count2, const int* set2,
+                         int pair[2]) {
+  int least = INT_MAX;
+  for (int i = 0; i < count1; i++) {
+    for (int j = 0; j < count2; j++) {
+      double squared = 0;
+      for (int k = 0; k < 3; k++) {
+        const double apart = positions[3 * set1[i] + k] - positions[3 * set2[j] + k];
+        squared += apart * apart;
+      }
+      const bool isLower = set1[i] < pair[0] || (set1[i] == pair[0] && set2[j] < pair[1]);
+      if (set1[i] != set2[j] && (lround(squared) < least || (lround(squared) == least && isLower))) {
+        least = (int)lround(squared);
+        pair[0] = set1[i];
+        pair[1] = set2[j];
+      }
+    }
+  }
+  return least;
+}
+
+/* Layers move by whole steps, so that many pairs are equally near. The searches start from what was found before. */
+static void testEquallyNear(double radius) {
+  enum { SETS = 3, LAYER = SIDE * SIDE };
+  static double positions[3 * SITES];
+  static int sets[SETS][SITES];
+  int counts[SETS] = {0, 0, 0};
+  ctSelection* selections[SETS];
+  ctChainTree* tree = makeLattice(LAYERS, radius, 0);
+  unsigned random = 7;
+  for (int i = 0; i < SITES; i++) {
+    random = random * 1664525u + 1013904223u;
+    const int set = (int)(random >> 24) % 16;
+    if (set < SETS) {
+      sets[set][counts[set]++] = i;
+    }
+  }
+  for (int set = 0; set < SETS; set++) {
+    selections[set] = checkedSelect(tree, counts[set], sets[set]);
+  }
+  for (int round = 0; round < 60; round++) {
+    random = random * 1664525u + 1013904223u;
+    const int step = (int)(random >> 28) - 8;
+    const ctChange change = {.link = round % SIDE, .translation = {0, 0, step == 0 ? 1 : step}};
+    CHECK_SUCCESS(ctPropose(tree, 1, &change));
+    CHECK_SUCCESS(ctCommit(tree, NULL));
+    ctGetPositions(tree, positions);
+    for (int ask = 0; ask < SETS * SETS; ask++) {
+      const int one = (ask + round) % SETS;
+      const int other = ask / SETS;
+      double distance;
+      int pair[2];
+      int expected[2] = {INT_MAX, INT_MAX};
+      const int squared = lowestNearest(positions, counts[one], sets[one], counts[other], sets[other], expected);
+      CHECK_SUCCESS(ctGetMinimumDistance(tree, selections[one], selections[other], &distance, pair, NULL));
+      CHECK_NEAR(distance, sqrt(squared), 1e-13);
+      CHECK(pair[0] == expected[0] && pair[1] == expected[1]);
+    }
+  }
+  for (int set = 0; set < SETS; set++) {
+    ctFreeSelection(selections[set]);
+  }
   ctDestroy(tree);
 }
 
@@ -187,6 +257,8 @@ static void testWalk(void) {
 int main(void) {
   testFew(0.4);
   testFew(0); /* particles that are not modelled count too */
+  testEquallyNear(0.4);
+  testEquallyNear(0);
   testRefused();
   testNewSceneAtTheSameAddress();
   testWalk();
