@@ -118,7 +118,7 @@ def test_sameSeedSameTrials(runHere, tmp_path):
 def test_timeIsUp(runHere, tmp_path):
     result = runHere("--quick", "--rows", "sidechains", "--seconds", 1e-6, "--json", "a.json")
     assert result.returncode == 0
-    assert {entry["trials"] for entry in readEntries(tmp_path / "a.json")} == {200}
+    assert {entry["trials"] for entry in readEntries(tmp_path / "a.json")} == {2000}
 
 
 def test_whatIsNotThereIsSkipped(runHere, monkeypatch):

@@ -7,7 +7,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { BLOCK_SIZE = 200 };
+/* So many that a fast contestant spends little of its turn refilling the caches that slower ones have emptied. */
+enum { BLOCK_SIZE = 2000 };
 
 /* By measure. */
 static const int defaultTrials[] = {20000, 5, 100, 100, 100000, 1400};
@@ -37,7 +38,7 @@ const char* const optionsUsage =
     "--angle DEGREES     standard deviation of Gaussian changes [5]\n"
     "--kappa COUNT       consecutive torsions that a trial turns [1]\n"
     "--trials COUNT      trials, or how often the question is asked, or turns [20000, 5, 100, 100, 100000, 1400]\n"
-    "--block COUNT       trials of one contestant before the next has its turn [200]\n"
+    "--block COUNT       trials of one contestant before the next has its turn [2000]\n"
     "--seconds NUMBER    ends trials sooner: with the block in which contestants have taken that long together;\n"
     "                    drift, where the next ten times as many turns would take a contestant more than its share;\n"
     "                    and touch, with what is searched for\n"

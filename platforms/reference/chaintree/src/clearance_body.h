@@ -173,31 +173,72 @@ static void addWitness(Clearance* c, int slotA, int slotB) {
   c->witnessCount += c->witnessCount < most;
 }
 
+/* Of the members of two leaves: which pairs may overlap, and how much clearance the others have. */
+typedef struct Comparison {
+  unsigned closeMembers;      /* of those the ones that have close partners */
+  uint16_t close[TREE_WIDTH]; /* members of b, per member of a */
+  float clearance;            /* of all pairs that are not close; INFINITY: there are none */
+} Comparison;
+
+/* Members of a whose bit is set with all of b, but for those that `out` tells for each. */
+static void compareMembers(const Block* blockA, const Block* blockB, unsigned members, const uint16_t* out, float room,
+                           Comparison* found) {
+  const Float16 x = load16(blockB->x);
+  const Float16 y = load16(blockB->y);
+  const Float16 z = load16(blockB->z);
+  const Float16 radii = load16(blockB->r);
+  const Float16 zero = all16(0);
+  const Float16 infinity = all16(INFINITY);
+  const unsigned empty = greater16(zero, radii);
+  /* Squared distances less those at which a pair would meet: a root for each would cost more than all else. */
+  Float16 beyond = infinity;
+  float widest = 0;
+  found->closeMembers = 0;
+  for (; members != 0; members &= members - 1) {
+    const int k = __builtin_ctz(members);
+    const Float16 squared =
+        squared16(sub16(x, all16(blockA->x[k])), sub16(y, all16(blockA->y[k])), sub16(z, all16(blockA->z[k])));
+    const Float16 meet = max16(add16(radii, all16(blockA->r[k] + room)), zero);
+    const Float16 apart = sub16(squared, mul16(meet, meet));
+    const unsigned ignored = empty | out[k];
+    const unsigned close = greater16(zero, apart) & ~ignored;
+    beyond = min16(beyond, blend16(ignored | close, apart, infinity));
+    widest = blockA->r[k] > widest ? blockA->r[k] : widest;
+    found->close[k] = (uint16_t)close;
+    found->closeMembers |= (unsigned)(close != 0) << k;
+  }
+  /* d - s = (d^2 - s^2) / (d + s), the less the larger s is. */
+  const float most = most16(radii) + widest + room;
+  const float meet = most > 0 ? most : 0;
+  const float least = least16(beyond);
+  found->clearance = least > 0 && least < INFINITY ? least / (sqrtf(least + meet * meet) + meet) : least;
+}
+
 /* The least clearance of the particles of two expanded leaves, or of one with itself, in the view; no more than `cap`.
  */
 static float leafClearance(Clearance* c, Traversal* t, ClearanceTest* test, int a, int b, float cap) {
+  static const uint16_t nothing[TREE_WIDTH] = {0};
   const Block* blockA = blockOf(t, a);
   const Block* blockB = blockOf(t, b);
   const int partner = exclusionPartner(t->exclusions, a, b);
-  float least = cap;
-  Float16 least16s = all16(cap);
-  unsigned members = 0xffff;
-  if (a != b && t->motion[b] >= 0) {
-    members = near16(blockA, sphereInView(t, leafSphere(t, b), t->motion[b]), cap + test->room);
-  }
-  for (; members != 0; members &= members - 1) {
-    const int k = __builtin_ctz(members);
-    unsigned out = a == b ? (2u << k) - 1 : 0;
-    if (partner != CT_NULL) {
-      out |= t->exclusions->mask[partner][k];
+  const uint16_t* out = partner == CT_NULL ? nothing : t->exclusions->mask[partner];
+  uint16_t ownOut[TREE_WIDTH];
+  unsigned members = 0xffff & ~greater16(all16(0), load16(blockA->r));
+  if (a == b) {
+    for (int k = 0; k < TREE_WIDTH; k++) {
+      ownOut[k] = (uint16_t)(out[k] | ((2u << k) - 1));
     }
-    const Float16 distance = sqrt16(squaredFrom(blockB, blockA->x[k], blockA->y[k], blockA->z[k]));
-    Float16 clearance = sub16(sub16(distance, load16(blockB->r)), all16(blockA->r[k] + test->room));
-    test->particleTests += TREE_WIDTH;
-    const unsigned close = greater16(all16(0), clearance) & ~out & 0xffff;
-    clearance = blend16((out | close) & 0xffff, clearance, all16(cap));
-    least16s = min16(least16s, clearance);
-    for (unsigned mask = close; mask != 0; mask &= mask - 1) {
+    out = ownOut;
+  } else if (t->motion[b] >= 0) {
+    members &= near16(blockA, sphereInView(t, leafSphere(t, b), t->motion[b]), cap + test->room);
+  }
+  Comparison found;
+  compareMembers(blockA, blockB, members, out, test->room, &found);
+  test->particleTests += TREE_WIDTH * __builtin_popcount(members);
+  float least = cap;
+  for (unsigned close = found.closeMembers; close != 0; close &= close - 1) {
+    const int k = __builtin_ctz(close);
+    for (unsigned mask = found.close[k]; mask != 0; mask &= mask - 1) {
       const int l = __builtin_ctz(mask);
       const int i = a * TREE_WIDTH + k;
       const int j = b * TREE_WIDTH + l;
@@ -211,8 +252,7 @@ static float leafClearance(Clearance* c, Traversal* t, ClearanceTest* test, int 
       least = exact < (double)least ? (float)(exact - t->band) : least;
     }
   }
-  const float far = least16(least16s);
-  return far < least ? far : least;
+  return found.clearance < least ? found.clearance : least;
 }
 
 static void expandLeaf(Traversal* t, int leaf, int motion) {

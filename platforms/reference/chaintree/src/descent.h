@@ -18,7 +18,8 @@ typedef struct NodeBoxes {
   BoxBlock moved;      /* in the view, if the node moves or straddles */
   unsigned thin;       /* bit k: that of child k is thin */
   unsigned thinInView; /* the same of boxes in the view */
-  int64_t since;       /* of the node when `rest` was made */
+  int64_t ownTime;     /* the tree's when `own` was made, or NEVER */
+  int64_t restSince;   /* of the node when `rest` was made */
   uint32_t stamp;      /* of the descent that `moved` is of */
 } NodeBoxes;
 

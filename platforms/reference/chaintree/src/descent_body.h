@@ -26,21 +26,35 @@ static const Box* ownBox(Traversal* t, int level, int item) {
   }
   NodeBoxes* boxes = boxesOf(t, item);
   Box inner[TREE_WIDTH];
-  boxes->thin = 0;
-  boxes->since = NEVER;
+  unsigned thin = 0;
+  bool moved = false;
   int count;
   const int first = treeChildren(tree, level, item, &count);
   for (int k = 0; k < count; k++) {
-    if (tree->bound[first + k].r >= 0) {
-      float pose[12];
-      floatMotion(&tree->pose[first + k], pose);
-      const Box* own = ownBox(t, level - 1, first + k);
-      inner[k] = movedBox(own, pose);
-      boxes->thin |= (unsigned)own->thin << k;
-      putBox(&boxes->own, k, &inner[k]);
+    const int child = first + k;
+    moved = moved || (k > 0 && tree->shortcutTime[child - 1] > boxes->ownTime);
+    if (tree->bound[child].r < 0) {
+      continue;
     }
+    if (!moved && tree->contentTime[child] <= boxes->ownTime) {
+      inner[k] = boxOf(&boxes->own, k);
+      thin |= boxes->thin & 1u << k;
+      continue;
+    }
+    float pose[12];
+    floatMotion(&tree->pose[child], pose);
+    const Box* own = ownBox(t, level - 1, child);
+    inner[k] = movedBox(own, pose);
+    thin |= (unsigned)own->thin << k;
+    putBox(&boxes->own, k, &inner[k]);
   }
-  *box = boxAround(&treeMembers(tree, item)->block, boxes->thin, inner, &tree->bound[item]);
+  boxes->thin = thin;
+  boxes->ownTime = tree->time;
+  boxes->restSince = NEVER;
+  /* Nothing is around the root. */
+  if (level < treeTop(tree)) {
+    *box = boxAround(&treeMembers(tree, item)->block, thin, inner, &tree->bound[item]);
+  }
   return box;
 }
 
@@ -66,8 +80,8 @@ static Box straddlerBox(Traversal* t, int level, int item) {
 static BoxBlock* boxesInView(Traversal* t, int level, int node) {
   NodeBoxes* boxes = boxesOf(t, node);
   ownBox(t, level, node);
-  if (boxes->since != t->since[node]) {
-    boxes->since = t->since[node];
+  if (boxes->restSince != t->since[node]) {
+    boxes->restSince = t->since[node];
     float frame[12];
     floatMotion(&t->frame[node], frame);
     boxes->rest = boxes->own;

@@ -34,7 +34,8 @@ bool ctTraversalBuild(Traversal* t, Arena* arena, const Tree* tree, const Sequen
     t->since[i] = NEVER;
   }
   for (size_t i = 0; i < items - (size_t)tree->levelBegin[1]; i++) {
-    t->boxes[i].since = NEVER;
+    t->boxes[i].ownTime = NEVER;
+    t->boxes[i].restSince = NEVER;
   }
   return true;
 }

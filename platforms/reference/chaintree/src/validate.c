@@ -64,7 +64,7 @@ static bool boxHolds(const ctChainTree* scene, int level, int item) {
 
 static bool doBoxesHold(const ctChainTree* scene) {
   const Tree* tree = &scene->staleTree;
-  for (int level = 0; level < tree->levelCount; level++) {
+  for (int level = 0; level < treeTop(tree); level++) {
     for (int i = 0; i < tree->levelSize[level]; i++) {
       if (!boxHolds(scene, level, tree->levelBegin[level] + i)) {
         return false;

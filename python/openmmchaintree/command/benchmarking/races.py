@@ -44,19 +44,23 @@ class Chain(NamedTuple):
 
 
 class Race(NamedTuple):
-    """Contestants in turns on the same trials."""
+    """Contestants in turns on the same trials.
+
+    block : int, trials of a turn; None: as many as the program's own
+    """
 
     group: str
     chain: Chain | Model
     moves: Moves
     contestants: Sequence[str]
+    block: int | None = None
 
     def __str__(self) -> str:
         return f"{describeChain(self.chain)}, {self.moves}"
 
     def run(self, course: Course):
         """Return an entry for each contestant."""
-        return runTrials(self, course, {"--contestants": ",".join(self.contestants)})
+        return runTrials(self, course, {"--contestants": ",".join(self.contestants), "--block": self.block})
 
 
 class Question(NamedTuple):

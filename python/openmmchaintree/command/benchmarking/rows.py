@@ -48,6 +48,7 @@ _QUICK_SIZE = 1000
 # How the engine can test trials, if it is not left to choose.
 CHOSEN, WAYS = "chosen", ("tree", "boxes", "clearances")
 
+_SLOW_BLOCK = 500  # trials of a turn, where a contestant takes milliseconds for each
 _LARGE = 100000
 _LARGEST = 1000000  # there, the full grid would take all the time
 
@@ -127,17 +128,18 @@ def _chains(plan, group):
 
 def _large(plan, group):
     for kind, moves in (("hilbert", _UNIFORM), ("serpentine", _ONE_DEGREE)):
-        for size in plan.sizes(_SIZES[-1], _LARGE):
-            yield Race(group, Chain(kind, size), moves, plan.pick(*_GRIDS_AND_OURS))
+        yield from (Race(group, Chain(kind, size), moves, plan.pick(*_GRIDS_AND_OURS)) for size in plan.sizes(_SIZES[-1]))
+        for size in plan.sizes(_LARGE):
+            yield Race(group, Chain(kind, size), moves, plan.pick(*_GRIDS_AND_OURS), _SLOW_BLOCK)
         for size in plan.sizes(_LARGEST):
-            yield Race(group, Chain(kind, size), moves, plan.pick(LAZY_GRID, OURS))
+            yield Race(group, Chain(kind, size), moves, plan.pick(LAZY_GRID, OURS), _SLOW_BLOCK)
 
 
 def _figures(plan, group):
     for size in plan.sizes(*_SIZES):
-        yield Race(group, Chain("random", size), _UNIFORM, plan.pickAll("trials"))
+        yield Race(group, Chain("random", size), _UNIFORM, plan.pickAll("trials"), _SLOW_BLOCK)
     for protein in plan.proteins:
-        yield Race(group, protein.backbone, _UNIFORM, plan.pickAll("trials"))
+        yield Race(group, protein.backbone, _UNIFORM, plan.pickAll("trials"), _SLOW_BLOCK)
 
 
 def _proteins(plan, group):
