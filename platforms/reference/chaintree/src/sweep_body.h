@@ -105,6 +105,13 @@ CT_FOR_BOTH unsigned membersNear(const Pass* pass, const Extents* members, const
   return nearExtent(pass, low, high, members->r, others, k, surfaces);
 }
 
+/* The same against the box around all members of an item of a level below the top. */
+CT_FOR_BOTH unsigned membersNearItem(const Pass* pass, int level, const Extents* members, int item, bool surfaces) {
+  const Tree* layout = pass->sweep->layout;
+  const Extents* others = snapshotExtents(&pass->sweep->snapshot, layout, treeParent(layout, level, item));
+  return membersNear(pass, members, others, (item - layout->levelBegin[level]) % TREE_WIDTH, surfaces);
+}
+
 CT_FOR_BOTH unsigned slotsNear(const Pass* pass, int leaf, const Extents* others, int k, bool surfaces) {
   const Block* block = &pass->sweep->snapshot.leaf[leaf];
   const float* x[3] = {block->x, block->y, block->z};
@@ -273,10 +280,19 @@ CT_FOR_BOTH void sweepPairs(const Pass* pass, bool surfaces) {
     const int firstB = treeChildren(layout, visit.level, visit.b, &countB);
     const Extents* aroundA = snapshotExtents(&sweep->snapshot, layout, visit.a);
     const Extents* aroundB = snapshotExtents(&sweep->snapshot, layout, visit.b);
+    unsigned rows = (1u << countA) - 1;
+    if (visit.a != visit.b) {
+      rows = membersNearItem(pass, visit.level, aroundA, visit.b, surfaces);
+      pass->task->volumeTests += countA;
+      if (rows != 0) {
+        pass->task->volumeTests += countB;
+        rows = membersNearItem(pass, visit.level, aroundB, visit.a, surfaces) != 0 ? rows : 0;
+      }
+    }
     for (int i = 0; i < countA; i++) {
       /* What is left for later goes last in, first out: leaves come in ascending order. */
       const int k = visit.level == 1 ? i : countA - 1 - i;
-      if (aroundA->r[k] < 0) {
+      if ((rows >> k & 1) == 0 || aroundA->r[k] < 0) {
         continue;
       }
       unsigned near = membersNear(pass, aroundB, aroundA, k, surfaces);
