@@ -262,6 +262,25 @@ CT_FOR_BOTH bool sweepLeaves(const Pass* pass, int a, int firstB, const Extents*
   return goesOn;
 }
 
+/* Members of node a that may be near members of node b. Where both wind through the same room the boxes of all but few
+ * of their members may be far from the other's (section 4). */
+CT_FOR_BOTH unsigned rowsOf(const Pass* pass, const SweepVisit* visit, int countA, int countB, bool surfaces) {
+  const Snapshot* snapshot = &pass->sweep->snapshot;
+  const Tree* layout = pass->sweep->layout;
+  if (visit->a == visit->b) {
+    return (1u << countA) - 1;
+  }
+  pass->task->volumeTests += countA;
+  const Extents* aroundA = snapshotExtents(snapshot, layout, visit->a);
+  const unsigned rows = membersNearItem(pass, visit->level, aroundA, visit->b, surfaces);
+  if (rows == 0) {
+    return 0;
+  }
+  pass->task->volumeTests += countB;
+  const Extents* aroundB = snapshotExtents(snapshot, layout, visit->b);
+  return membersNearItem(pass, visit->level, aroundB, visit->a, surfaces) == 0 ? 0 : rows;
+}
+
 CT_FOR_BOTH void sweepPairs(const Pass* pass, bool surfaces) {
   const Sweep* sweep = pass->sweep;
   const Tree* layout = sweep->layout;
@@ -280,15 +299,7 @@ CT_FOR_BOTH void sweepPairs(const Pass* pass, bool surfaces) {
     const int firstB = treeChildren(layout, visit.level, visit.b, &countB);
     const Extents* aroundA = snapshotExtents(&sweep->snapshot, layout, visit.a);
     const Extents* aroundB = snapshotExtents(&sweep->snapshot, layout, visit.b);
-    unsigned rows = (1u << countA) - 1;
-    if (visit.a != visit.b) {
-      rows = membersNearItem(pass, visit.level, aroundA, visit.b, surfaces);
-      pass->task->volumeTests += countA;
-      if (rows != 0) {
-        pass->task->volumeTests += countB;
-        rows = membersNearItem(pass, visit.level, aroundB, visit.a, surfaces) != 0 ? rows : 0;
-      }
-    }
+    const unsigned rows = rowsOf(pass, &visit, countA, countB, surfaces);
     for (int i = 0; i < countA; i++) {
       /* What is left for later goes last in, first out: leaves come in ascending order. */
       const int k = visit.level == 1 ? i : countA - 1 - i;
