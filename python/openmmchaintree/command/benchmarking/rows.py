@@ -128,7 +128,8 @@ def _chains(plan, group):
 
 def _large(plan, group):
     for kind, moves in (("hilbert", _UNIFORM), ("serpentine", _ONE_DEGREE)):
-        yield from (Race(group, Chain(kind, size), moves, plan.pick(*_GRIDS_AND_OURS)) for size in plan.sizes(_SIZES[-1]))
+        for size in plan.sizes(_SIZES[-1]):
+            yield Race(group, Chain(kind, size), moves, plan.pick(*_GRIDS_AND_OURS))
         for size in plan.sizes(_LARGE):
             yield Race(group, Chain(kind, size), moves, plan.pick(*_GRIDS_AND_OURS), _SLOW_BLOCK)
         for size in plan.sizes(_LARGEST):
