@@ -173,72 +173,85 @@ static void addWitness(Clearance* c, int slotA, int slotB) {
   c->witnessCount += c->witnessCount < most;
 }
 
-/* Of the members of two leaves: which pairs may overlap, and how much clearance the others have. */
-typedef struct Comparison {
-  unsigned closeMembers;      /* of those the ones that have close partners */
-  uint16_t close[TREE_WIDTH]; /* members of b, per member of a */
-  float clearance;            /* of all pairs that are not close; INFINITY: there are none */
-} Comparison;
+/* The members of a leaf, made ready once to be compared with those of another. */
+typedef struct Partners {
+  Float16 x; /* INFINITY: no member */
+  Float16 y;
+  Float16 z;
+  Float16 r;
+  float widest;
+} Partners;
 
-/* Members of a whose bit is set with all of b, but for those that `out` tells for each. */
-static void compareMembers(const Block* blockA, const Block* blockB, unsigned members, const uint16_t* out, float room,
-                           Comparison* found) {
-  const Float16 x = load16(blockB->x);
-  const Float16 y = load16(blockB->y);
-  const Float16 z = load16(blockB->z);
-  const Float16 radii = load16(blockB->r);
-  const Float16 zero = all16(0);
-  const Float16 infinity = all16(INFINITY);
-  const unsigned empty = greater16(zero, radii);
-  /* Squared distances less those at which a pair would meet: a root for each would cost more than all else. */
-  Float16 beyond = infinity;
-  float widest = 0;
-  found->closeMembers = 0;
-  for (; members != 0; members &= members - 1) {
-    const int k = __builtin_ctz(members);
-    const Float16 squared =
-        squared16(sub16(x, all16(blockA->x[k])), sub16(y, all16(blockA->y[k])), sub16(z, all16(blockA->z[k])));
-    const Float16 meet = max16(add16(radii, all16(blockA->r[k] + room)), zero);
-    const Float16 apart = sub16(squared, mul16(meet, meet));
-    const unsigned ignored = empty | out[k];
-    const unsigned close = greater16(zero, apart) & ~ignored;
-    beyond = min16(beyond, blend16(ignored | close, apart, infinity));
-    widest = blockA->r[k] > widest ? blockA->r[k] : widest;
-    found->close[k] = (uint16_t)close;
-    found->closeMembers |= (unsigned)(close != 0) << k;
-  }
-  /* d - s = (d^2 - s^2) / (d + s), the less the larger s is. */
-  const float most = most16(radii) + widest + room;
-  const float meet = most > 0 ? most : 0;
-  const float least = least16(beyond);
-  found->clearance = least > 0 && least < INFINITY ? least / (sqrtf(least + meet * meet) + meet) : least;
+static Partners partnersOf(const Block* block) {
+  const Float16 radii = load16(block->r);
+  const unsigned empty = greater16(all16(0), radii);
+  return (Partners){blend16(empty, load16(block->x), all16(INFINITY)), load16(block->y), load16(block->z),
+                    blend16(empty, radii, all16(0)), most16(radii)};
 }
 
-/* The least clearance of the particles of two expanded leaves, or of one with itself, in the view; no more than `cap`.
+/* Squared distances from a member less those at which the two would meet: a root for each would cost more than all
+ * else.
  */
-static float leafClearance(Clearance* c, Traversal* t, ClearanceTest* test, int a, int b, float cap) {
-  static const uint16_t nothing[TREE_WIDTH] = {0};
+static inline __attribute__((always_inline)) Float16 beyondMeeting(const Partners* partners, const Block* block, int k,
+                                                                   float room) {
+  const Float16 squared = squared16(sub16(partners->x, all16(block->x[k])), sub16(partners->y, all16(block->y[k])),
+                                    sub16(partners->z, all16(block->z[k])));
+  const float reach = block->r[k] + room;
+  const Float16 meet = add16(partners->r, all16(reach > 0 ? reach : 0));
+  return sub16(squared, mul16(meet, meet));
+}
+
+/* The least clearance of pairs of which this is the least of those squares. */
+static float clearanceBeyond(float square, float widest) {
+  /* d - s = (d^2 - s^2) / (d + s), the less the larger s is. */
+  const float meet = widest > 0 ? widest : 0;
+  return square > 0 && square < INFINITY ? square / (sqrtf(square + meet * meet) + meet) : square;
+}
+
+/* The least clearance of two leaves of which all pairs count; below 0: some may overlap. */
+static float clearanceOfFar(const Block* blockA, const Block* blockB, float room) {
+  const Partners partners = partnersOf(blockB);
+  Float16 least = all16(INFINITY);
+  float widest = 0;
+  for (int k = 0; k < TREE_WIDTH; k++) {
+    if (blockA->r[k] >= 0) {
+      least = min16(least, beyondMeeting(&partners, blockA, k, room));
+      widest = blockA->r[k] > widest ? blockA->r[k] : widest;
+    }
+  }
+  return clearanceBeyond(least16(least), partners.widest + widest + room);
+}
+
+/* The least clearance of the particles of two expanded leaves, or of one with itself, in the view; INFINITY: they have
+ * no pair that counts. */
+static float leafClearance(Clearance* c, Traversal* t, ClearanceTest* test, int a, int b) {
   const Block* blockA = blockOf(t, a);
   const Block* blockB = blockOf(t, b);
   const int partner = exclusionPartner(t->exclusions, a, b);
-  const uint16_t* out = partner == CT_NULL ? nothing : t->exclusions->mask[partner];
-  uint16_t ownOut[TREE_WIDTH];
-  unsigned members = 0xffff & ~greater16(all16(0), load16(blockA->r));
-  if (a == b) {
-    for (int k = 0; k < TREE_WIDTH; k++) {
-      ownOut[k] = (uint16_t)(out[k] | ((2u << k) - 1));
+  test->particleTests += TREE_WIDTH * TREE_WIDTH;
+  if (a != b && partner == CT_NULL) {
+    const float clearance = clearanceOfFar(blockA, blockB, test->room);
+    if (clearance >= 0) {
+      return clearance;
     }
-    out = ownOut;
-  } else if (t->motion[b] >= 0) {
-    members &= near16(blockA, sphereInView(t, leafSphere(t, b), t->motion[b]), cap + test->room);
   }
-  Comparison found;
-  compareMembers(blockA, blockB, members, out, test->room, &found);
-  test->particleTests += TREE_WIDTH * __builtin_popcount(members);
-  float least = cap;
-  for (unsigned close = found.closeMembers; close != 0; close &= close - 1) {
-    const int k = __builtin_ctz(close);
-    for (unsigned mask = found.close[k]; mask != 0; mask &= mask - 1) {
+  const Partners partners = partnersOf(blockB);
+  Float16 least16s = all16(INFINITY);
+  float least = INFINITY;
+  float widest = 0;
+  for (int k = 0; k < TREE_WIDTH; k++) {
+    if (blockA->r[k] < 0) {
+      continue;
+    }
+    unsigned out = a == b ? (2u << k) - 1 : 0;
+    if (partner != CT_NULL) {
+      out |= t->exclusions->mask[partner][k];
+    }
+    const Float16 beyond = beyondMeeting(&partners, blockA, k, test->room);
+    const unsigned close = greater16(all16(0), beyond) & ~out;
+    least16s = min16(least16s, blend16((out | close) & 0xffff, beyond, all16(INFINITY)));
+    widest = blockA->r[k] > widest ? blockA->r[k] : widest;
+    for (unsigned mask = close; mask != 0; mask &= mask - 1) {
       const int l = __builtin_ctz(mask);
       const int i = a * TREE_WIDTH + k;
       const int j = b * TREE_WIDTH + l;
@@ -252,7 +265,8 @@ static float leafClearance(Clearance* c, Traversal* t, ClearanceTest* test, int 
       least = exact < (double)least ? (float)(exact - t->band) : least;
     }
   }
-  return found.clearance < least ? found.clearance : least;
+  const float far = clearanceBeyond(least16(least16s), partners.widest + widest + test->room);
+  return far < least ? far : least;
 }
 
 static void expandLeaf(Traversal* t, int leaf, int motion) {
@@ -289,8 +303,7 @@ static void testPair(Clearance* c, Traversal* t, ClearanceTest* test, const Cros
   const uint16_t bound = boundOfPair(c, a, b);
   expandLeaf(t, a, crossing->motionA);
   expandLeaf(t, b, crossing->motionB);
-  const float wanted = (float)bound * c->unit;
-  const float clearance = leafClearance(c, t, test, a, b, 16 * wanted + 64 * c->unit);
+  const float clearance = leafClearance(c, t, test, a, b);
   test->cost += 60;
   if (!test->clash) {
     const float units = 0.999999f * clearance / c->unit;
@@ -428,7 +441,7 @@ static void expandStraddlingLeaves(Traversal* t) {
 /* The same against themselves. */
 static bool testStraddlingLeaves(Clearance* c, Traversal* t, ClearanceTest* test) {
   for (int i = 0; i < t->straddlerCount && !test->clash; i++) {
-    leafClearance(c, t, test, t->straddlers[i].item, t->straddlers[i].item, 0);
+    leafClearance(c, t, test, t->straddlers[i].item, t->straddlers[i].item);
   }
   return test->clash;
 }

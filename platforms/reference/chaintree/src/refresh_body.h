@@ -27,7 +27,7 @@ static Bound boundOfLeaf(const Leaf* leaf) {
 /* ---- Update, bottom-up ---- */
 
 /* What the tree keeps of a link that begins where a walk is. */
-static void keepLink(Tree* tree, const Sequence* s, const Walk* walk) {
+static inline __attribute__((always_inline)) void keepLink(Tree* tree, const Sequence* s, const Walk* walk) {
   const int link = walk->link;
   rotate(&walk->frame, s->axis[link], tree->axis[link]);
   if (walk->openCount == 1 && s->twigHead[s->twigOf[link]] == link) {
