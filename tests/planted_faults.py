@@ -196,7 +196,7 @@ FAULTS = [
           "sweep->since != scene->staleTree.time", "sweep->since == NEVER"),
     # ---- Least distances, probe, energy ----
     Fault("nearest: a particle is its own neighbour", "nearest_body.h",
-          "slotsB & ~itself(clouds, leaves[0].item, k, leaves[1].item)", "slotsB"),
+          "other->members & ~itself(clouds, side, one->item, k, other->item)", "other->members"),
     Fault("nearest: a pair of another set bounds the search", "nearest.c",
           "one->nearest[0] == CT_NULL || !ctSelectionHolds(other, one->nearest[1])", "one->nearest[0] == CT_NULL"),
     Fault("nearest: of pairs equally near the first is taken", "nearest.c",

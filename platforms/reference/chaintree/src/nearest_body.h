@@ -77,48 +77,54 @@ typedef struct NearestVisit {
   Cluster cluster[2];
 } NearestVisit;
 
-/* Members of leaf b of the second cloud that are the particle of member k of leaf a of the first. */
-static unsigned itself(const Cloud clouds[2], int a, int k, int b) {
+/* Members of leaf b of the other cloud that are the particle of member k of leaf a of one. */
+static unsigned itself(const Cloud clouds[2], int side, int a, int k, int b) {
   if (clouds[0].traversal != clouds[1].traversal) {
     return 0; /* a particle has a slot or none */
   }
   if (clouds[0].traversal != NULL) {
     return a == b ? 1u << k : 0;
   }
-  return equal16(clouds[1].particle + b * TREE_WIDTH, clouds[0].particle[a * TREE_WIDTH + k]);
+  return equal16(clouds[1 - side].particle + b * TREE_WIDTH, clouds[side].particle[a * TREE_WIDTH + k]);
+}
+
+static void offer(Nearest* n, const Cloud clouds[2], int side, int slot, int otherSlot) {
+  const int slots[2] = {side == 0 ? slot : otherSlot, side == 0 ? otherSlot : slot};
+  ctNearestOffer(n, &clouds[0], slots[0], &clouds[1], slots[1]);
 }
 
 static void compareLeaves(Nearest* n, const Cloud clouds[2], const Cluster leaves[2]) {
-  const Block* blockA = membersOf(&clouds[0], &leaves[0]);
-  const Block* blockB = membersOf(&clouds[1], &leaves[1]);
-  const int firstA = leaves[0].item * TREE_WIDTH;
-  const int firstB = leaves[1].item * TREE_WIDTH;
-  const unsigned slotsB = leaves[1].members;
-  const Sphere* aroundB = &leaves[1].around;
-  const float far = aroundB->r + n->reach;
-  const unsigned slotsA =
-      leaves[0].members & greater16(all16(far * far), squaredFrom(blockA, aroundB->x, aroundB->y, aroundB->z));
-  n->volumeTests += __builtin_popcount(leaves[0].members);
-  n->particleTests += __builtin_popcount(slotsA) * __builtin_popcount(slotsB);
+  /* Of the larger leaf fewer slots come near the other than the other way round. */
+  const int side = leaves[1].around.r > leaves[0].around.r;
+  const Cluster* one = &leaves[side];
+  const Cluster* other = &leaves[1 - side];
+  const Block* block = membersOf(&clouds[side], one);
+  const Block* otherBlock = membersOf(&clouds[1 - side], other);
+  const Sphere* around = &other->around;
+  const float far = around->r + n->reach;
+  const unsigned slots =
+      one->members & greater16(all16(far * far), squaredFrom(block, around->x, around->y, around->z));
+  n->volumeTests += __builtin_popcount(one->members);
+  n->particleTests += __builtin_popcount(slots) * __builtin_popcount(other->members);
   /* First how near they come, so that few pairs are offered. */
   Float16 rows[TREE_WIDTH];
   Float16 least = all16(INFINITY);
-  for (unsigned slots = slotsA; slots != 0; slots &= slots - 1) {
-    const int k = __builtin_ctz(slots);
-    const unsigned others = slotsB & ~itself(clouds, leaves[0].item, k, leaves[1].item);
-    rows[k] = blend16(others, all16(INFINITY), squaredFrom(blockB, blockA->x[k], blockA->y[k], blockA->z[k]));
+  for (unsigned left = slots; left != 0; left &= left - 1) {
+    const int k = __builtin_ctz(left);
+    const unsigned others = other->members & ~itself(clouds, side, one->item, k, other->item);
+    rows[k] = blend16(others, all16(INFINITY), squaredFrom(otherBlock, block->x[k], block->y[k], block->z[k]));
     least = min16(least, rows[k]);
+  }
+  if (greater16(all16(n->reach * n->reach), least) == 0) {
+    return;
   }
   const float reach = sqrtf(least16(least)) + 2 * n->margin;
   n->reach = reach < n->reach ? reach : n->reach;
   const Float16 squaredReach = all16(n->reach * n->reach);
-  if (greater16(squaredReach, least) == 0) {
-    return;
-  }
-  for (unsigned slots = slotsA; slots != 0; slots &= slots - 1) {
-    const int k = __builtin_ctz(slots);
+  for (unsigned left = slots; left != 0; left &= left - 1) {
+    const int k = __builtin_ctz(left);
     for (unsigned near = greater16(squaredReach, rows[k]); near != 0; near &= near - 1) {
-      ctNearestOffer(n, &clouds[0], firstA + k, &clouds[1], firstB + __builtin_ctz(near));
+      offer(n, clouds, side, one->item * TREE_WIDTH + k, other->item * TREE_WIDTH + __builtin_ctz(near));
     }
   }
 }
@@ -162,13 +168,16 @@ static int splitCluster(Nearest* n, const Cloud* cloud, const NearestVisit* visi
   return pushed;
 }
 
+/* Whether a cluster is a single slot. */
+static bool isSlot(const Cluster* cluster) {
+  return cluster->level == 0 && (cluster->members & (cluster->members - 1)) == 0;
+}
+
 /* The larger: two of a size are apart as soon as they can be. */
 static int sideToSplit(const Cluster clusters[2]) {
   const Cluster* a = &clusters[0];
   const Cluster* b = &clusters[1];
-  const bool isSlotA = a->level == 0 && (a->members & (a->members - 1)) == 0;
-  const bool isSlotB = b->level == 0 && (b->members & (b->members - 1)) == 0;
-  return isSlotA || (!isSlotB && b->around.r > a->around.r);
+  return isSlot(a) || (!isSlot(b) && b->around.r > a->around.r);
 }
 
 static void findNearest(Nearest* n, const Cloud clouds[2]) {
