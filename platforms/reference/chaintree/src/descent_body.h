@@ -325,53 +325,139 @@ static void descend(Traversal* t, Visit* visit) {
 
 /* ---- Few that move ---- */
 
-/* Expands a leaf of the view, above it only what is at rest. Returns which of its members move. */
-static unsigned expandMovers(Traversal* t, int leaf) {
-  for (int level = treeTop(t->tree); level > 0; level--) {
-    putToRest(t, level, t->tree->levelBegin[level] + (leaf >> TREE_WIDTH_BITS * level));
-  }
+/* Slots in a row that move, as they lie in the view: those of [begin, end) among sixteen. */
+typedef struct Movers {
+  int begin;
   int end;
-  const int begin = treeSlots(t->tree, 0, leaf, &end);
-  const int piece = pieceOf(t->view, begin);
-  if (piece + 1 < t->view->pieceCount && t->view->pieces[piece + 1].slotBegin < end) {
-    expandStraddler(t, 0, leaf, piece);
-  } else {
-    t->motion[leaf] = t->view->pieces[piece].motion;
-    expand(t, 0, leaf);
-  }
-  return ((1u << (end - begin)) - 1) & ~ofBody(t, leaf, 0);
+  int first; /* of the sixteen; the others are empty */
+  Block block;
+} Movers;
+
+/* Bit k: slot first + k of sixteen is in [begin, end). */
+static unsigned slotBits(int begin, int end, int first) {
+  const int low = begin > first ? begin - first : 0;
+  const int high = end - first < TREE_WIDTH ? end - first : TREE_WIDTH;
+  return low < high ? (1u << high) - (1u << low) : 0;
 }
 
-/* The movers of leaf a against all leaves but those in [firstLeaf, endLeaf). */
-static bool probeMovers(Traversal* t, Visit* visit, int a, unsigned movers, int firstLeaf, int endLeaf) {
-  const Tree* tree = t->tree;
-  Block block = *blockOf(t, a);
-  store16(block.r, blend16(movers, all16(-INFINITY), load16(block.r)));
-  Sphere sphere = middleOfBlock(&block);
-  sphere.r += radiusAbout(sphere, &block, block.r) + (float)floatMargin(t->extent);
-  int depth = 0;
-  t->stack[depth++] = (ItemPair){treeTop(tree), treeRoot(tree), CT_NULL};
-  while (depth > 0) {
-    const ItemPair node = t->stack[--depth];
-    putToRest(t, node.level, node.a);
-    int count;
-    const int first = treeChildren(tree, node.level, node.a, &count);
-    const Block* children = &t->rest[node.a];
-    visit->volumeTests += count;
-    for (unsigned near = near16(children, sphere, visit->reach); near != 0; near &= near - 1) {
-      const int k = __builtin_ctz(near);
-      const int child = first + k;
-      if (node.level > 1) {
-        t->stack[depth++] = (ItemPair){node.level - 1, child, CT_NULL};
-        continue;
-      }
-      if (child >= firstLeaf && child < endLeaf) {
-        continue;
-      }
-      visit->volumeTests += __builtin_popcount(movers);
-      const unsigned rows = near16(&block, sphereOf(children, k), visit->reach);
-      t->motion[child] = 0;
-      if (rows != 0 && !testMembers(t, visit, a, child, rows)) {
+/* Sixteen slots from any one on, as they are at rest; what is behind slot `end` may be anything that is a number. */
+static void restOfSlots(const Traversal* t, int first, int end, Block* rest) {
+  const Block* below = &t->rest[first / TREE_WIDTH];
+  const int at = first % TREE_WIDTH;
+  if (at == 0) {
+    *rest = *below;
+    return;
+  }
+  const Block* above = below + ((first / TREE_WIDTH + 1) * TREE_WIDTH < end);
+  float row[2 * TREE_WIDTH];
+  const float* const from[4][2] = {
+      {below->x, above->x}, {below->y, above->y}, {below->z, above->z}, {below->r, above->r}};
+  float* const to[4] = {rest->x, rest->y, rest->z, rest->r};
+  for (int d = 0; d < 4; d++) {
+    store16(row, load16(from[d][0]));
+    store16(row + TREE_WIDTH, load16(from[d][1]));
+    store16(to[d], load16(row + at));
+  }
+}
+
+static void takeMovers(const Traversal* t, int begin, int end, int first, Movers* movers) {
+  const View* view = t->view;
+  Block rest;
+  restOfSlots(t, first, end, &rest);
+  store16(rest.r, blend16(slotBits(begin, end, first), all16(-INFINITY), load16(rest.r)));
+  movers->begin = begin;
+  movers->end = end;
+  movers->first = first;
+  movers->block = rest;
+  for (int p = pieceOf(view, begin); p < view->pieceCount && view->pieces[p].slotBegin < end; p++) {
+    if (moves(view, view->pieces[p].motion)) {
+      moveBlock(&rest, t->motions[view->pieces[p].motion], slotBits(view->pieces[p].slotBegin, end, first),
+                &movers->block);
+    }
+  }
+}
+
+/* Where a slot is whose leaf has been put to rest. */
+static void placeInView(const Traversal* t, int slot, double position[3]) {
+  double local[3];
+  treeLocal(t->tree, slot, local);
+  transformPoint(&t->frame[slot / TREE_WIDTH], local, position);
+  const int motion = t->view->pieces[pieceOf(t->view, slot)].motion;
+  if (moves(t->view, motion)) {
+    transformPoint(&t->view->motions[motion], position, position);
+  }
+}
+
+/* Hands over the pairs of a slot with these of sixteen others of one leaf that are not excluded; whether the search
+ * goes on. */
+static bool meet(Traversal* t, Visit* visit, int slot, unsigned others, int leaf) {
+  const int partner = exclusionPartner(t->exclusions, slot / TREE_WIDTH, leaf);
+  if (partner != CT_NULL) {
+    others &= ~(unsigned)t->exclusions->mask[partner][slot % TREE_WIDTH];
+  }
+  for (; others != 0; others &= others - 1) {
+    const int other = leaf * TREE_WIDTH + __builtin_ctz(others);
+    double a[3];
+    double b[3];
+    placeInView(t, slot, a);
+    placeInView(t, other, b);
+    if (!visit->function(visit->context, slot, other, squaredDistance(a, b))) {
+      return false;
+    }
+  }
+  return true;
+}
+
+/* Which of sixteen are near any of the movers. How many are near each of them is hard to foresee, and a processor that
+ * guesses wrong waits: so all are looked at. */
+static unsigned nearMovers(const Block* block, const Movers* movers, float reach) {
+  unsigned near = 0;
+  for (int k = movers->begin - movers->first; k < movers->end - movers->first; k++) {
+    near |= near16(block, sphereOf(&movers->block, k), reach);
+  }
+  return near;
+}
+
+/* Movers against a leaf that is at rest, but for those of its slots that move. */
+static bool testLeaf(Traversal* t, Visit* visit, const Movers* movers, int leaf, unsigned moved) {
+  const Block* rest = &t->rest[leaf];
+  visit->particleTests += (movers->end - movers->begin) * TREE_WIDTH;
+  if ((nearMovers(rest, movers, visit->reach) & ~moved) == 0) {
+    return true;
+  }
+  for (int slot = movers->begin; slot < movers->end; slot++) {
+    const unsigned near = near16(rest, sphereOf(&movers->block, slot - movers->first), visit->reach) & ~moved;
+    if (near != 0 && !meet(t, visit, slot, near, leaf)) {
+      return false;
+    }
+  }
+  return true;
+}
+
+/* A mover against those of others that are in [begin, end). */
+static bool testMover(Traversal* t, Visit* visit, const Movers* movers, int slot, const Movers* others, int begin,
+                      int end) {
+  visit->particleTests += TREE_WIDTH;
+  unsigned near = near16(&others->block, sphereOf(&movers->block, slot - movers->first), visit->reach) &
+                  slotBits(begin, end, others->first);
+  for (; near != 0; near &= near - 1) {
+    const int other = others->first + __builtin_ctz(near);
+    if (!meet(t, visit, slot, 1u << other % TREE_WIDTH, other / TREE_WIDTH)) {
+      return false;
+    }
+  }
+  return true;
+}
+
+/* Movers against those among others that come after them and move otherwise. */
+static bool testMovers(Traversal* t, Visit* visit, const Movers* movers, const Movers* others) {
+  const View* view = t->view;
+  for (int slot = movers->begin; slot < movers->end; slot++) {
+    const int own = pieceOf(view, slot);
+    for (int p = pieceOf(view, others->end - 1); p > own; p--) {
+      const int end = p + 1 < view->pieceCount ? view->pieces[p + 1].slotBegin : others->end;
+      if (view->pieces[p].motion != view->pieces[own].motion &&
+          !testMover(t, visit, movers, slot, others, view->pieces[p].slotBegin, end)) {
         return false;
       }
     }
@@ -379,22 +465,74 @@ static bool probeMovers(Traversal* t, Visit* visit, int a, unsigned movers, int 
   return true;
 }
 
+/* Movers against all that rests, which is what is not in [begin, end). */
+static bool probeMovers(Traversal* t, Visit* visit, const Movers* movers, int begin, int end) {
+  const Tree* tree = t->tree;
+  const int firstLeaf = begin / TREE_WIDTH;
+  const int lastLeaf = (end - 1) / TREE_WIDTH;
+  for (int leaf = firstLeaf; leaf <= lastLeaf; leaf++) {
+    if (!testLeaf(t, visit, movers, leaf, slotBits(begin, end, leaf * TREE_WIDTH))) {
+      return false;
+    }
+  }
+  /* From the lowest level of few nodes on: what is above would part little. */
+  int top = treeTop(tree);
+  for (; top > 1 && tree->levelSize[top - 1] <= 2 * TREE_WIDTH; top--) {
+    for (int i = 0; i < tree->levelSize[top]; i++) {
+      putToRest(t, top, tree->levelBegin[top] + i);
+    }
+  }
+  int* items = t->nearItems; /* level by level */
+  int count = 0;
+  for (int i = 0; i < tree->levelSize[top]; i++) {
+    items[count++] = tree->levelBegin[top] + i;
+  }
+  Sphere sphere = middleOfBlock(&movers->block);
+  sphere.r += radiusAbout(sphere, &movers->block, movers->block.r) + (float)floatMargin(t->extent);
+  int done = 0;
+  for (int level = top; level > 0; level--) {
+    for (const int last = count; done < last; done++) {
+      putToRest(t, level, items[done]);
+      int children;
+      const int first = treeChildren(tree, level, items[done], &children);
+      visit->volumeTests += children;
+      count += indices16(near16(&t->rest[items[done]], sphere, visit->reach), first, items + count);
+    }
+  }
+  for (; done < count; done++) {
+    const int leaf = items[done];
+    if (firstLeaf <= leaf && leaf <= lastLeaf) {
+      continue;
+    }
+    putToRest(t, 0, leaf);
+    if (!testLeaf(t, visit, movers, leaf, 0)) {
+      return false;
+    }
+  }
+  return true;
+}
+
 /* What moves is some slots in a row, few enough to go against all others one by one: no volume is made for what
  * straddles. */
-static void visitFew(Traversal* t, Visit* visit, int slotBegin, int slotEnd) {
-  const int firstLeaf = slotBegin / TREE_WIDTH;
-  const int endLeaf = (slotEnd - 1) / TREE_WIDTH + 1;
-  unsigned movers[MOST_MOVERS / TREE_WIDTH + 1];
-  for (int a = firstLeaf; a < endLeaf; a++) {
-    movers[a - firstLeaf] = expandMovers(t, a);
+static void visitFew(Traversal* t, Visit* visit, int begin, int end) {
+  for (int leaf = begin / TREE_WIDTH; leaf * TREE_WIDTH < end; leaf++) {
+    putLeafToRest(t, leaf);
   }
-  for (int a = firstLeaf; a < endLeaf; a++) {
-    if (!probeMovers(t, visit, a, movers[a - firstLeaf], firstLeaf, endLeaf) ||
-        !testMembers(t, visit, a, a, movers[a - firstLeaf])) {
+  const bool areInOneLeaf = begin / TREE_WIDTH == (end - 1) / TREE_WIDTH;
+  Movers movers[MOST_MOVERS / TREE_WIDTH];
+  int count = 0;
+  for (int slot = begin; slot < end; slot = movers[count++].end) {
+    const int next = slot + TREE_WIDTH < end ? slot + TREE_WIDTH : end;
+    takeMovers(t, slot, next, areInOneLeaf ? slot / TREE_WIDTH * TREE_WIDTH : slot, &movers[count]);
+  }
+  for (int i = 0; i < count; i++) {
+    if (!probeMovers(t, visit, &movers[i], begin, end)) {
       return;
     }
-    for (int b = a + 1; b < endLeaf; b++) {
-      if (!testMembers(t, visit, a, b, 0xffff)) {
+  }
+  for (int i = 0; i < count && pieceOf(t->view, begin) != pieceOf(t->view, end - 1); i++) {
+    for (int j = i; j < count; j++) {
+      if (!testMovers(t, visit, &movers[i], &movers[j])) {
         return;
       }
     }

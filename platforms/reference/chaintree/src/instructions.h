@@ -14,7 +14,8 @@ typedef struct InstructionSet {
   void (*refreshTwig)(Tree* tree, const Sequence* sequence, int link, int leaf);
   void (*refreshNode)(Tree* tree, int level, int item, const int* changed, int count);
 
-  /* ctTraverse and ctTraverseProbe. */
+  /* Behind ctTraversalLeafFrame, ctTraverse and ctTraverseProbe. */
+  void (*putLeafToRest)(Traversal* t, int leaf);
   int64_t (*traverse)(Traversal* t, const View* view, CandidateFunction* function, void* context, ctCounts* counts);
   void (*probe)(Traversal* t, const View* view, const double point[3], double radius, ProbeFunction* function,
                 void* context, ctCounts* counts);

@@ -4,6 +4,7 @@
 #include "refresh_body.h"
 #include "sweep_body.h"
 
-const InstructionSet ctPortable = {"portable",    refreshLeaf,       refreshTwig,       refreshNode,      traverse,
-                                   traverseProbe, measureClearances, testByClearance,   commitClearances, boundSnapshot,
-                                   sweepClashes,  sweepNeighbors,    neighborDistances, boundPoints,      findNearest};
+const InstructionSet ctPortable = {"portable",      refreshLeaf,       refreshTwig,   refreshNode,
+                                   putLeafToRest,   traverse,          traverseProbe, measureClearances,
+                                   testByClearance, commitClearances,  boundSnapshot, sweepClashes,
+                                   sweepNeighbors,  neighborDistances, boundPoints,   findNearest};

@@ -100,11 +100,13 @@ JointState ctJointAt(double angle) {
   return joint;
 }
 
-JointState ctJointTurned(const JointState* joint, double angle) {
+double ctAngleTurned(double angle, double turn) {
   const double twoPi = 6.283185307179586476925286766559;
+  const double pi = 0.5 * twoPi;
   /* Over many turns pi in double is too short; sine and cosine know more of its digits. */
-  const double turn = fabs(angle) > twoPi ? atan2(sin(angle), cos(angle)) : angle;
-  return ctJointAt(remainder(joint->angle + turn, twoPi));
+  const double sum = angle + (fabs(turn) > twoPi ? atan2(sin(turn), cos(turn)) : turn);
+  /* Like remainder(sum, twoPi), which takes longer: the sum is below 3 pi. */
+  return sum - twoPi * ((sum > pi) - (sum < -pi));
 }
 
 JointState ctJointMoved(const JointState* joint, const double rotation[3], const double pivot[3],

@@ -124,11 +124,13 @@ void ctPathsMultiply(Sequence* sequence);
 /* Whether the axis particles of a torsion joint are apart in these reference positions. */
 bool ctSequenceCanTurn(const Sequence* sequence, int link, const double* reference);
 
-/* The state of a joint; that of a torsion at an angle in [-pi, pi]; and a state turned by an angle (torsion), or moved
- * in the parent's frame by a rotation vector about pivot and then a shift (free joint). */
+/* An angle in [-pi, pi] plus any other, in [-pi, pi] again. */
+double ctAngleTurned(double angle, double turn);
+
+/* The state of a joint; that of a torsion at an angle in [-pi, pi]; and a state moved in the parent's frame by a
+ * rotation vector about pivot and then a shift (free joint). */
 JointState ctSequenceGetJoint(const Sequence* sequence, int link);
 JointState ctJointAt(double angle);
-JointState ctJointTurned(const JointState* joint, double angle);
 JointState ctJointMoved(const JointState* joint, const double rotation[3], const double pivot[3],
                         const double shift[3]);
 

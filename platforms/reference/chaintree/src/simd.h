@@ -69,6 +69,14 @@ static inline Float16 blend16(unsigned mask, Float16 a, Float16 b) {
   return _mm512_mask_blend_ps((__mmask16)mask, a, b);
 }
 
+/* first + k for each bit k of the mask, ascending; returns how many, and may write up to the sixteenth. */
+static inline int indices16(unsigned mask, int first, int* indices) {
+  const __m512i all = _mm512_setr_epi32(0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15);
+  const __m512i chosen = _mm512_maskz_compress_epi32((__mmask16)mask, all);
+  _mm512_storeu_si512(indices, _mm512_add_epi32(chosen, _mm512_set1_epi32(first)));
+  return __builtin_popcount(mask);
+}
+
 static inline float least16(Float16 a) {
   return _mm512_reduce_min_ps(a);
 }
@@ -309,6 +317,18 @@ static inline float most16(Float16 a) {
 }
 
 #undef CT_EACH_QUARTER
+
+#endif
+
+#ifndef CT_PATH_AVX512
+
+static inline int indices16(unsigned mask, int first, int* indices) {
+  int count = 0;
+  for (; mask != 0; mask &= mask - 1) {
+    indices[count++] = first + __builtin_ctz(mask);
+  }
+  return count;
+}
 
 #endif
 

@@ -27,6 +27,7 @@ bool ctTraversalBuild(Traversal* t, Arena* arena, const Tree* tree, const Sequen
   t->motion = ctArenaAllocate(arena, items, sizeof(int));
   t->moved = ctArenaAllocate(arena, items, sizeof(Block));
   t->stack = ctArenaAllocate(arena, (size_t)TREE_MAX_LEVELS * PAIRS_OF_A_VISIT, sizeof(ItemPair));
+  t->nearItems = ctArenaAllocate(arena, items + TREE_WIDTH, sizeof(int));
   if (arena->failed) {
     return false;
   }
@@ -71,6 +72,11 @@ bool ctViewMovesFew(const Traversal* t, const View* view, int* begin, int* end) 
   }
   *end = p < view->pieceCount ? view->pieces[p].slotBegin : t->tree->slotCount;
   return p + 1 >= view->pieceCount && *end - *begin <= MOST_MOVERS;
+}
+
+const Frame* ctTraversalLeafFrame(Traversal* t, int leaf) {
+  t->tree->instructions->putLeafToRest(t, leaf);
+  return &t->frame[leaf];
 }
 
 /* ---- Descents ---- */

@@ -70,6 +70,7 @@ typedef struct Traversal {
   int motionCapacity;
 
   ItemPair* stack;
+  int* nearItems; /* found by a probe; with room for sixteen more */
 } Traversal;
 
 /* Receives a candidate and its squared distance; returns false to end the descent. */
@@ -85,6 +86,9 @@ void ctTraversalFree(Traversal* traversal);
 
 /* Makes room for views of this many pieces; false, and nothing changed, if there is no memory. */
 bool ctTraversalReserve(Traversal* traversal, int pieceCount);
+
+/* The frame of a leaf in the world. */
+const Frame* ctTraversalLeafFrame(Traversal* traversal, int leaf);
 
 /* Calls `function` at least for every pair of slots of different rigid bodies that is not excluded and within the
  * view's reach, each once. Returns what that has cost, in about the units of Clearance.cost. */

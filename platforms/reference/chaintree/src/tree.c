@@ -219,21 +219,14 @@ Frame ctTreeLinkInLeaf(const Sequence* sequence, int link) {
 }
 
 void ctTreeAxis(const Tree* tree, const Sequence* sequence, int link, double point[3], double direction[3]) {
-  const int slot = sequence->slotBegin[link];
   const int originSlot = sequence->particleSlot[sequence->originParticle[link]];
-  int item = slot / TREE_WIDTH;
-  if (originSlot != CT_NULL && originSlot / TREE_WIDTH == item) {
+  if (originSlot != CT_NULL && originSlot / TREE_WIDTH == sequence->slotBegin[link] / TREE_WIDTH) {
     treeLocal(tree, originSlot, point);
   } else {
     const Frame frame = ctTreeLinkInLeaf(sequence, link);
     translationOf(&frame, point);
   }
   memcpy(direction, tree->axis[link], sizeof tree->axis[link]);
-  for (int level = 0; level <= treeTop(tree); level++) {
-    transformPoint(&tree->pose[item], point, point);
-    rotate(&tree->pose[item], direction, direction);
-    item = level < treeTop(tree) ? treeParent(tree, level, item) : item;
-  }
 }
 
 double ctTreeSquaredDistance(const Tree* tree, int slotA, int slotB) {

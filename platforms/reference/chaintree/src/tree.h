@@ -81,7 +81,7 @@ typedef struct Tree {
   int64_t time;          /* number of changes so far */
   int64_t* contentTime;  /* per item: its members were recomputed */
   int64_t* shortcutTime; /* per item: its shortcut became another */
-  int changeCount;
+  int changeCount;       /* never 0, since a tree is stale at first */
   int* changedLeaf;
   int64_t* changeTime;
 } Tree;
@@ -128,11 +128,13 @@ static inline void treeLocal(const Tree* tree, int slot, double local[3]) {
   local[2] = leaf->z[slot % TREE_WIDTH];
 }
 
-/* Whether an item is where it was at a time, with the same members. `leafEnd` is one past its last leaf. O(log N). */
-static inline bool treeUnchanged(const Tree* tree, int64_t since, int item, int leafEnd) {
-  if (tree->contentTime[item] > since) {
-    return false;
-  }
+/* Whether no item has come to be elsewhere since a time. */
+static inline bool treeStays(const Tree* tree, int64_t since) {
+  return tree->changeTime[tree->changeCount - 1] <= since;
+}
+
+/* Whether no leaf before `leafEnd` has. O(log N). */
+static inline bool treeLeavesStay(const Tree* tree, int64_t since, int leafEnd) {
   int low = 0;
   int high = tree->changeCount;
   while (low < high) {
@@ -179,7 +181,7 @@ static inline void treeWalk(Walk* walk, const Sequence* sequence, int leaf) {
 /* The frame of a link in the frame of its leaf. */
 Frame ctTreeLinkInLeaf(const Sequence* sequence, int link);
 
-/* A point of a link's torsion axis, and the axis' unit vector, in the world. O(level count). */
+/* A point of a link's torsion axis, and the axis' unit vector, in the frame of the leaf where the link begins. */
 void ctTreeAxis(const Tree* tree, const Sequence* sequence, int link, double point[3], double direction[3]);
 
 /* Positions of two slots in the frame of the lowest item over both: the canonical ones, a pure function of the state.

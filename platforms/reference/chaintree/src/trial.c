@@ -43,14 +43,17 @@ static Frame linkFrame(const Sequence* sequence, const Tree* tree, int link) {
 }
 
 /* About the axis as it lies in the world. */
-static void turnTorsion(TrialChange* change, const Sequence* s, const Tree* tree, double angle) {
+static void turnTorsion(TrialChange* change, const Sequence* s, Traversal* t, double angle) {
   static const double still[3] = {0, 0, 0};
   double point[3];
   double direction[3];
-  ctTreeAxis(tree, s, change->link, point, direction);
+  const Frame* leaf = ctTraversalLeafFrame(t, s->slotBegin[change->link] / TREE_WIDTH);
+  ctTreeAxis(t->tree, s, change->link, point, direction);
+  transformPoint(leaf, point, point);
+  rotate(leaf, direction, direction);
   rotationAbout(direction, cos(angle), sin(angle), &change->motion);
   transformAbout(point, still, &change->motion);
-  change->after = ctJointTurned(&change->before, angle);
+  change->after.angle = ctAngleTurned(change->before.angle, angle);
 }
 
 /* Given in the world; the joint's state is kept in the parent's frame. */
@@ -103,7 +106,7 @@ static void cutPieces(Trial* trial, const Sequence* s) {
     if (i < trial->count) {
       const TrialChange* change = &trial->changes[i];
       const int around = depth > 0 ? motionOf[depth - 1] : 0;
-      trial->motions[i + 1] = transformCompose(&trial->motions[around], &change->motion);
+      trial->motions[i + 1] = around == 0 ? change->motion : transformCompose(&trial->motions[around], &change->motion);
       motionOf[depth] = i + 1; /* the motion that goes with the open interval */
       open[depth++] = change->link;
       addPiece(trial, s->slotBegin[change->link], i + 1);
@@ -117,16 +120,16 @@ static int compareChanges(const void* a, const void* b) {
   return (x > y) - (x < y);
 }
 
-int ctTrialOpen(Trial* trial, const Sequence* s, const Tree* tree, const ctChange* given, int count) {
+int ctTrialOpen(Trial* trial, const Sequence* s, Traversal* t, const ctChange* given, int count) {
   trial->count = count;
   for (int i = 0; i < count; i++) {
     TrialChange* change = &trial->changes[i];
     change->link = s->linkOfUser[given[i].link];
     change->before = ctSequenceGetJoint(s, change->link);
     if (s->joint[change->link] == ctTorsionJoint) {
-      turnTorsion(change, s, tree, given[i].angle);
+      turnTorsion(change, s, t, given[i].angle);
     } else {
-      moveFreely(change, s, tree, &given[i]);
+      moveFreely(change, s, t->tree, &given[i]);
     }
   }
   if (count > 1) {
@@ -150,7 +153,11 @@ View ctTrialView(const Trial* trial, bool moved, bool surfaces, double reach) {
 int ctTrialApply(Trial* trial, bool after, Sequence* s, Tree* tree) {
   for (int i = 0; i < trial->count; i++) {
     const TrialChange* change = &trial->changes[i];
-    ctSequenceSetJoint(s, change->link, after ? &change->after : &change->before);
+    JointState joint = after ? change->after : change->before;
+    if (after && s->joint[change->link] == ctTorsionJoint) {
+      joint = ctJointAt(joint.angle);
+    }
+    ctSequenceSetJoint(s, change->link, &joint);
   }
   const int products = ctSequenceUpdate(s, trial->links, trial->count, trial->scratch);
   return products + ctTreeUpdate(tree, s, trial->links, trial->count);

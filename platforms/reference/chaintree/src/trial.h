@@ -7,8 +7,8 @@
 typedef struct TrialChange {
   int link;
   JointState before;
-  JointState after;
-  Frame motion; /* of the link in the world, were this the only change */
+  JointState after; /* of a torsion only the angle */
+  Frame motion;     /* of the link in the world, were this the only change */
 } TrialChange;
 
 typedef struct Trial {
@@ -31,7 +31,7 @@ bool ctTrialReserve(Trial* trial, int count);
 /* Completes a trial whose changes 0 .. count - 1 have link and the caller's change, unsorted; computes joint states,
  * motions and pieces from the state. `given` is in the order of the changes. Returns the link that occurs twice, or
  * CT_NULL. */
-int ctTrialOpen(Trial* trial, const Sequence* sequence, const Tree* tree, const ctChange* given, int count);
+int ctTrialOpen(Trial* trial, const Sequence* sequence, Traversal* traversal, const ctChange* given, int count);
 
 /* Puts the changes' joints into their states after (or before) the trial, and all that follows from them; returns the
  * number of nodes recomputed. Before, after, before: bit by bit where it was, since everything is a function of the

@@ -25,19 +25,6 @@ static int motionOfMember(const Traversal* t, int item, int k) {
   return code < 0 ? straddlerOf(t, code)->motion[k] : code;
 }
 
-/* Whether an item still has in the world all that it had when it was last put there. */
-static bool isStill(const Traversal* t, int level, int item) {
-  if (t->since[item] == t->tree->time) {
-    return true;
-  }
-  if (t->since[item] == NEVER) {
-    return false;
-  }
-  int end;
-  treeSlots(t->tree, level, item, &end);
-  return treeUnchanged(t->tree, t->since[item], item, (end + TREE_WIDTH - 1) / TREE_WIDTH);
-}
-
 static void restLeaf(Traversal* t, int leaf) {
   const Frame* f = &t->frame[leaf];
   const Leaf* own = &t->tree->leaf[leaf];
@@ -50,7 +37,7 @@ static void restLeaf(Traversal* t, int leaf) {
     rest->y[k] = (float)(f->m[1][0] * x + f->m[1][1] * y + f->m[1][2] * z + f->m[1][3]);
     rest->z[k] = (float)(f->m[2][0] * x + f->m[2][1] * y + f->m[2][2] * z + f->m[2][3]);
   }
-  memcpy(rest->r, t->view->surfaces ? own->r : own->centres, sizeof rest->r);
+  memcpy(rest->r, t->sinceSurfaces ? own->r : own->centres, sizeof rest->r);
 }
 
 static void floatMotion(const Frame* f, float motion[12]) {
@@ -66,25 +53,49 @@ static void restNode(Traversal* t, int item) {
   float motion[12];
   floatMotion(&t->frame[item], motion);
   moveBlock(&own->block, motion, 0xffff, rest);
-  memcpy(rest->r, t->view->surfaces ? own->block.r : own->centres, sizeof rest->r);
+  memcpy(rest->r, t->sinceSurfaces ? own->block.r : own->centres, sizeof rest->r);
 }
 
-/* Puts the members of an item into the world as the state has them. Its parent has been there before. */
-static void putToRest(Traversal* t, int level, int item) {
-  if (isStill(t, level, item)) {
+/* Whether an item is where it was when it was last put into the world. */
+static bool isThere(const Traversal* t, int level, int item) {
+  if (t->since[item] == NEVER) {
+    return false;
+  }
+  int end;
+  treeSlots(t->tree, level, item, &end);
+  return treeLeavesStay(t->tree, t->since[item], (end + TREE_WIDTH - 1) / TREE_WIDTH);
+}
+
+static void moveToRest(Traversal* t, int level, int item) {
+  const Tree* tree = t->tree;
+  if (!isThere(t, level, item)) {
+    t->frame[item] = tree->pose[item];
+    if (level < treeTop(tree)) {
+      t->frame[item] = transformCompose(&t->frame[treeParent(tree, level, item)], &tree->pose[item]);
+    }
+  } else if (tree->contentTime[item] <= t->since[item]) {
     return;
   }
-  const Tree* tree = t->tree;
   t->since[item] = tree->time;
-  if (level == treeTop(tree)) {
-    t->frame[item] = tree->pose[item];
-  } else {
-    t->frame[item] = transformCompose(&t->frame[treeParent(tree, level, item)], &tree->pose[item]);
-  }
   if (level == 0) {
     restLeaf(t, item);
   } else {
     restNode(t, item);
+  }
+}
+
+/* Puts the members of an item into the world as the state has them. Its parent has been there before. */
+static inline void putToRest(Traversal* t, int level, int item) {
+  const int64_t since = t->since[item];
+  if (t->tree->contentTime[item] > since || !treeStays(t->tree, since)) {
+    moveToRest(t, level, item);
+  }
+}
+
+/* With all nodes over it. */
+static void putLeafToRest(Traversal* t, int leaf) {
+  for (int level = treeTop(t->tree); level >= 0; level--) {
+    putToRest(t, level, t->tree->levelBegin[level] + (leaf >> TREE_WIDTH_BITS * level));
   }
 }
 
