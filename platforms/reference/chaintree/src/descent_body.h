@@ -491,12 +491,14 @@ static bool probeMovers(Traversal* t, Visit* visit, const Movers* movers, int be
   sphere.r += radiusAbout(sphere, &movers->block, movers->block.r) + (float)floatMargin(t->extent);
   int done = 0;
   for (int level = top; level > 0; level--) {
-    for (const int last = count; done < last; done++) {
-      putToRest(t, level, items[done]);
-      int children;
-      const int first = treeChildren(tree, level, items[done], &children);
-      visit->volumeTests += children;
+    const int last = count;
+    for (int i = done; i < last; i++) {
+      putToRest(t, level, items[i]);
+    }
+    for (; done < last; done++) {
+      const int first = tree->levelBegin[level - 1] + (items[done] - tree->levelBegin[level]) * TREE_WIDTH;
       count += indices16(near16(&t->rest[items[done]], sphere, visit->reach), first, items + count);
+      visit->volumeTests += TREE_WIDTH;
     }
   }
   for (; done < count; done++) {

@@ -26,7 +26,7 @@ static Bound boundOfLeaf(const Leaf* leaf) {
 
 /* ---- Update, bottom-up ---- */
 
-/* What the tree keeps of a link that begins where a walk is. */
+/* What the tree keeps of a link that begins where a walk is. A call would put the walk's frame into memory. */
 static inline __attribute__((always_inline)) void keepLink(Tree* tree, const Sequence* s, const Walk* walk) {
   const int link = walk->link;
   rotate(&walk->frame, s->axis[link], tree->axis[link]);

@@ -69,10 +69,9 @@ static bool isThere(const Traversal* t, int level, int item) {
 static void moveToRest(Traversal* t, int level, int item) {
   const Tree* tree = t->tree;
   if (!isThere(t, level, item)) {
-    t->frame[item] = tree->pose[item];
-    if (level < treeTop(tree)) {
-      t->frame[item] = transformCompose(&t->frame[treeParent(tree, level, item)], &tree->pose[item]);
-    }
+    t->frame[item] = level == treeTop(tree)
+                         ? tree->pose[item]
+                         : transformCompose(&t->frame[treeParent(tree, level, item)], &tree->pose[item]);
   } else if (tree->contentTime[item] <= t->since[item]) {
     return;
   }
