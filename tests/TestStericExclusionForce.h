@@ -170,6 +170,41 @@ void testEnergyAndForces(Platform& platform)
     ASSERT_EQUAL_TOL(norm, (energies[0] - energies[1]) / step, single ? 1e-3 : 1e-5);
 }
 
+/** The engine keeps the sets that were asked about last, and begins with the pair that was nearest. */
+void testMinimumDistanceAgain(Platform& platform)
+{
+    const double tolerance = getTolerance(platform);
+    Crowd crowd(150, 1.5);
+    VerletIntegrator integrator(0.001);
+    Context context(crowd.system, integrator, platform);
+    vector<int> sets[3];
+    for (int i = 0; i < 150; i++)
+        sets[i % 3].push_back(i);
+    sets[2] = {3, 7, 64, 130};
+    for (int round = 0; round < 40; round++) {
+        crowd.positions[(31 * round) % 150] = Vec3(round % 7, round % 5, round % 3) * 0.3;
+        context.setPositions(crowd.positions);
+        if (round % 10 == 9) {
+            crowd.force->setParticleParameters(round, 0.1, StericExclusionForce::NoHydrogenBond);
+            crowd.force->updateParametersInContext(context); // makes another scene
+        }
+        const vector<int>&set1 = sets[round / 4 % 3], &set2 = sets[round / 3 % 3];
+        double least = 1e10;
+        for (int i : set1)
+            for (int j : set2)
+                if (i != j)
+                    least = min(least, getDistance(crowd.positions[i], crowd.positions[j]));
+        for (int ask = 0; ask < 2; ask++) {
+            int particle1, particle2;
+            double found = crowd.force->getMinimumDistance(context, set1, set2, particle1, particle2);
+            ASSERT_EQUAL_TOL(least, found, tolerance);
+            ASSERT_EQUAL_TOL(least, getDistance(crowd.positions[particle1], crowd.positions[particle2]), tolerance);
+            ASSERT(find(set1.begin(), set1.end(), particle1) != set1.end());
+            ASSERT(find(set2.begin(), set2.end(), particle2) != set2.end());
+        }
+    }
+}
+
 void testForceGroups(Platform& platform)
 {
     Crowd crowd(50, 0.8);
@@ -924,6 +959,7 @@ void testStericExclusionForce(Platform& platform)
     testEnergyAndForces(platform);
     testForceGroups(platform);
     testQueries(platform);
+    testMinimumDistanceAgain(platform);
     testExclusionsFromBonds();
     testTorsionProposals(platform);
     testDroppedProposals(platform);

@@ -67,7 +67,11 @@ private:
     typedef std::unique_ptr<ctSelection, Deleter> Selection;
     void readParameters(const StericExclusionForce& force);
     Tree createTree(const std::vector<OpenMM::Vec3>& positions) const;
-    Selection select(const std::vector<int>& particles) const;
+    struct KeptSelection {
+        std::vector<int> particles;
+        Selection selection;
+    };
+    ctSelection* select(const std::vector<int>& particles, KeptSelection& kept) const;
     void check(ctStatus status) const;
     void setTree(Tree created, const std::vector<OpenMM::Vec3>& positions);
     // The definition of the scene, in the arrays that the engine takes.
@@ -90,6 +94,8 @@ private:
     std::vector<ctChange> changes;
     /** Where neighbour pairs are put, kept so that there is room for as many as the last time. */
     std::vector<int> neighbors1, neighbors2;
+    /** The sets of the last minimum distance: mostly the same are asked about again, and the engine gains by that. */
+    KeptSelection selection1, selection2;
     ctCounts counts;
     long long numQueries;
 };

@@ -191,6 +191,8 @@ void ReferenceCalcStericExclusionForceKernel::setTree(Tree created, const vector
 {
     arrangement = positions;
     tree = std::move(created);
+    selection1 = KeptSelection();
+    selection2 = KeptSelection();
 }
 
 void ReferenceCalcStericExclusionForceKernel::check(ctStatus status) const
@@ -230,7 +232,7 @@ void ReferenceCalcStericExclusionForceKernel::getState(vector<double>& state)
 void ReferenceCalcStericExclusionForceKernel::setState(const vector<double>& state)
 {
     if (state.empty()) {
-        tree.reset();
+        setTree(Tree(), {});
         return;
     }
     vector<Vec3> positions(radii.size());
@@ -301,12 +303,16 @@ void ReferenceCalcStericExclusionForceKernel::getNeighborPairs(double cutoff, ve
         pairs[i] = make_pair(neighbors1[i], neighbors2[i]);
 }
 
-ReferenceCalcStericExclusionForceKernel::Selection
-ReferenceCalcStericExclusionForceKernel::select(const vector<int>& particles) const
+ctSelection* ReferenceCalcStericExclusionForceKernel::select(const vector<int>& particles, KeptSelection& kept) const
 {
-    ctSelection* selection;
-    check(ctSelect(tree.get(), particles.size(), particles.data(), &selection));
-    return Selection(selection);
+    if (!kept.selection || kept.particles != particles) {
+        KeptSelection made = {particles, nullptr};
+        ctSelection* selection;
+        check(ctSelect(tree.get(), particles.size(), particles.data(), &selection));
+        made.selection.reset(selection);
+        kept = std::move(made);
+    }
+    return kept.selection.get();
 }
 
 double ReferenceCalcStericExclusionForceKernel::getMinimumDistance(const vector<int>& particles1,
@@ -315,8 +321,8 @@ double ReferenceCalcStericExclusionForceKernel::getMinimumDistance(const vector<
 {
     double distance;
     int pair[2];
-    Selection selection1 = select(particles1), selection2 = select(particles2);
-    check(ctGetMinimumDistance(tree.get(), selection1.get(), selection2.get(), &distance, pair, &counts));
+    ctSelection *set1 = select(particles1, selection1), *set2 = select(particles2, selection2);
+    check(ctGetMinimumDistance(tree.get(), set1, set2, &distance, pair, &counts));
     numQueries++;
     particle1 = pair[0];
     particle2 = pair[1];
