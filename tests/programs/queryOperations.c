@@ -185,6 +185,12 @@ void compareMinimumDistance(Program* p)
         requireNear(p, "least distance", 0, distance, expected, numberTolerance(p));
         requireNear(p, "distance of the nearest pair", 0, oracleDistance(p->oracle, ORACLE_STATE, pair[0], pair[1]),
                     expected, numberTolerance(p));
+        /* Now the search begins with the pair that was nearest. */
+        double again;
+        int samePair[2];
+        SUCCEED(ctGetMinimumDistance(p->tree, a.selection, b.selection, &again, samePair, NULL));
+        require(again == distance && samePair[0] == pair[0] && samePair[1] == pair[1], p,
+                "the nearest pair is %d-%d, asked again %d-%d", pair[0], pair[1], samePair[0], samePair[1]);
     }
     returnSet(p, &a);
     returnSet(p, &b);
