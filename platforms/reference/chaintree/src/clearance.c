@@ -83,8 +83,10 @@ static void choose(Clearance* c, Traversal* t, double reach) {
   const int64_t mean = c->cost / c->trials;
   c->cost = 0;
   c->trials = 0;
-  if (!c->isKept || c->measuresTree) {
+  if (!c->isKept) {
     c->treeCost = mean;
+  } else if (c->measuresTree) {
+    c->treeCost = (c->treeCost + mean) / 2; /* a few trials tell little */
   }
   if (c->measuresTree) {
     c->measuresTree = false;

@@ -17,9 +17,6 @@
 /* Clearances are kept in whole units, 0 up to this. */
 enum { MOST_CLEARANCE = UINT16_MAX };
 
-/* Pairs that are remembered for having clashed: the more leaves, the more. */
-enum { LEAVES_A_WITNESS = 4, LEAST_WITNESSES = 8, MOST_WITNESSES = 64 };
-
 /* A pair of leaves that the open trial has tested. */
 typedef struct TestedPair {
   int a;
@@ -49,9 +46,6 @@ typedef struct Clearance {
   TestedPair* tested; /* of the open trial */
   int testedCount;
   int testedCapacity;
-  int witness[MOST_WITNESSES][2]; /* slots */
-  int witnessCount;
-  int nextWitness; /* to be replaced */
 
   /* The choice, made after each round of trials. Costs are in units of about a nanosecond. */
   int64_t cost;      /* of this round */

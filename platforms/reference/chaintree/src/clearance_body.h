@@ -147,11 +147,6 @@ static void measureClearances(Clearance* c, Traversal* t, double reach) {
 
 /* ---- Testing ---- */
 
-/* The motion of a slot. */
-static int motionOf(const View* view, int slot) {
-  return view->pieces[pieceOf(view, slot)].motion;
-}
-
 typedef struct ClearanceTest {
   ClearanceFunction* function;
   void* context;
@@ -161,17 +156,6 @@ typedef struct ClearanceTest {
   int64_t volumeTests;
   int64_t particleTests;
 } ClearanceTest;
-
-/* Takes the place of the oldest, if all are taken. */
-static void addWitness(Clearance* c, int slotA, int slotB) {
-  const int wanted = c->leafCount / LEAVES_A_WITNESS;
-  const int most = wanted < LEAST_WITNESSES ? LEAST_WITNESSES : wanted > MOST_WITNESSES ? MOST_WITNESSES : wanted;
-  int* witness = c->witness[c->nextWitness];
-  witness[0] = slotA;
-  witness[1] = slotB;
-  c->nextWitness = (c->nextWitness + 1) % most;
-  c->witnessCount += c->witnessCount < most;
-}
 
 /* The members of a leaf, made ready once to be compared with those of another. */
 typedef struct Partners {
@@ -224,7 +208,7 @@ static float clearanceOfFar(const Block* blockA, const Block* blockB, float room
 
 /* The least clearance of the particles of two expanded leaves, or of one with itself, in the view; INFINITY: they have
  * no pair that counts. */
-static float leafClearance(Clearance* c, Traversal* t, ClearanceTest* test, int a, int b) {
+static float leafClearance(Traversal* t, ClearanceTest* test, int a, int b) {
   const Block* blockA = blockOf(t, a);
   const Block* blockB = blockOf(t, b);
   const int partner = exclusionPartner(t->exclusions, a, b);
@@ -259,7 +243,6 @@ static float leafClearance(Clearance* c, Traversal* t, ClearanceTest* test, int 
       const double exact = test->function(test->context, i, j, ctTraversalSquaredDistance(t, i, j), crosses);
       if (crosses && exact < 0) {
         test->clash = true;
-        addWitness(c, i, j);
         return 0;
       }
       least = exact < (double)least ? (float)(exact - t->band) : least;
@@ -303,7 +286,7 @@ static void testPair(Clearance* c, Traversal* t, ClearanceTest* test, const Cros
   const uint16_t bound = boundOfPair(c, a, b);
   expandLeaf(t, a, crossing->motionA);
   expandLeaf(t, b, crossing->motionB);
-  const float clearance = leafClearance(c, t, test, a, b);
+  const float clearance = leafClearance(t, test, a, b);
   test->cost += 60;
   if (!test->clash) {
     const float units = 0.999999f * clearance / c->unit;
@@ -392,41 +375,6 @@ static bool testCrossing(Clearance* c, Traversal* t, const Crossing* crossing, v
   return false;
 }
 
-/* The sphere of a slot whose motion is this one. Its leaf need not be expanded. */
-static Sphere slotSphere(Traversal* t, int slot, int motion) {
-  const int leaf = slot / TREE_WIDTH;
-  putToRest(t, 0, leaf);
-  return sphereInView(t, sphereOf(&t->rest[leaf], slot % TREE_WIDTH), motion);
-}
-
-static bool witnessClashes(Traversal* t, ClearanceTest* test, const int pair[2]) {
-  const int motionA = motionOf(t->view, pair[0]);
-  const int motionB = motionOf(t->view, pair[1]);
-  if (motionA == motionB) {
-    return false;
-  }
-  test->particleTests++;
-  test->cost += 10;
-  const Sphere a = slotSphere(t, pair[0], motionA);
-  const Sphere b = slotSphere(t, pair[1], motionB);
-  const float reach = a.r + b.r + test->room;
-  if ((a.x - b.x) * (a.x - b.x) + (a.y - b.y) * (a.y - b.y) + (a.z - b.z) * (a.z - b.z) >= reach * reach) {
-    return false;
-  }
-  expandLeaf(t, pair[0] / TREE_WIDTH, motionA);
-  expandLeaf(t, pair[1] / TREE_WIDTH, motionB);
-  const double squared = ctTraversalSquaredDistance(t, pair[0], pair[1]);
-  return test->function(test->context, pair[0], pair[1], squared, true) < 0;
-}
-
-/* The pairs that clashed in past trials are likely to do so again. */
-static bool testWitnesses(Clearance* c, Traversal* t, ClearanceTest* test) {
-  for (int i = 0; i < c->witnessCount && !test->clash; i++) {
-    test->clash = witnessClashes(t, test, c->witness[i]);
-  }
-  return test->clash;
-}
-
 /* Leaves in which pieces meet. */
 static void expandStraddlingLeaves(Traversal* t) {
   const View* view = t->view;
@@ -439,9 +387,9 @@ static void expandStraddlingLeaves(Traversal* t) {
 }
 
 /* The same against themselves. */
-static bool testStraddlingLeaves(Clearance* c, Traversal* t, ClearanceTest* test) {
+static bool testStraddlingLeaves(Traversal* t, ClearanceTest* test) {
   for (int i = 0; i < t->straddlerCount && !test->clash; i++) {
-    leafClearance(c, t, test, t->straddlers[i].item, t->straddlers[i].item);
+    leafClearance(t, test, t->straddlers[i].item, t->straddlers[i].item);
   }
   return test->clash;
 }
@@ -454,7 +402,7 @@ static int64_t testByClearance(Clearance* c, Traversal* t, const View* view, Cle
   ClearanceTest test = {function, context, (float)(view->reach + floatMargin(t->extent + fabs(view->reach))), false, 0,
                         0,        0};
   c->testedCount = 0;
-  if (!testWitnesses(c, t, &test) && !testStraddlingLeaves(c, t, &test)) {
+  if (!testStraddlingLeaves(t, &test)) {
     forEachCrossing(c, t, testCrossing, &test, &test.cost);
   }
   if (counts != NULL) {

@@ -377,17 +377,6 @@ static void takeMovers(const Traversal* t, int begin, int end, int first, Movers
   }
 }
 
-/* Where a slot is whose leaf has been put to rest. */
-static void placeInView(const Traversal* t, int slot, double position[3]) {
-  double local[3];
-  treeLocal(t->tree, slot, local);
-  transformPoint(&t->frame[slot / TREE_WIDTH], local, position);
-  const int motion = t->view->pieces[pieceOf(t->view, slot)].motion;
-  if (moves(t->view, motion)) {
-    transformPoint(&t->view->motions[motion], position, position);
-  }
-}
-
 /* Hands over the pairs of a slot with these of sixteen others of one leaf that are not excluded; whether the search
  * goes on. */
 static bool meet(Traversal* t, Visit* visit, int slot, unsigned others, int leaf) {
@@ -399,8 +388,8 @@ static bool meet(Traversal* t, Visit* visit, int slot, unsigned others, int leaf
     const int other = leaf * TREE_WIDTH + __builtin_ctz(others);
     double a[3];
     double b[3];
-    placeInView(t, slot, a);
-    placeInView(t, other, b);
+    ctPositionInView(t, slot, motionOfSlot(t->view, slot), a);
+    ctPositionInView(t, other, motionOfSlot(t->view, other), b);
     if (!visit->function(visit->context, slot, other, squaredDistance(a, b))) {
       return false;
     }

@@ -5,6 +5,7 @@
 #include "clearance.h"
 #include "nearest.h"
 #include "sweep.h"
+#include "witness.h"
 
 typedef struct InstructionSet {
   const char* name;
@@ -19,6 +20,10 @@ typedef struct InstructionSet {
   int64_t (*traverse)(Traversal* t, const View* view, CandidateFunction* function, void* context, ctCounts* counts);
   void (*probe)(Traversal* t, const View* view, const double point[3], double radius, ProbeFunction* function,
                 void* context, ctCounts* counts);
+
+  /* See witness_body.h. */
+  bool (*askWitnesses)(const Witnesses* w, Traversal* t, const View* view, CandidateFunction* function, void* context,
+                       ctCounts* counts, int64_t* cost);
 
   /* Of clearances; the two that return something return what they have cost. See clearance.h. */
   void (*measureClearances)(Clearance* c, Traversal* t, double reach);

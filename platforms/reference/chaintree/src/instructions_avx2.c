@@ -5,11 +5,12 @@
 #include "nearest_body.h"
 #include "refresh_body.h"
 #include "sweep_body.h"
+#include "witness_body.h"
 
-const InstructionSet ctAvx2 = {"avx2",          refreshLeaf,       refreshTwig,   refreshNode,
-                               putLeafToRest,   traverse,          traverseProbe, measureClearances,
-                               testByClearance, commitClearances,  boundSnapshot, sweepClashes,
-                               sweepNeighbors,  neighborDistances, boundPoints,   findNearest};
+const InstructionSet ctAvx2 = {"avx2",           refreshLeaf,   refreshTwig,  refreshNode,       putLeafToRest,
+                               traverse,         traverseProbe, askWitnesses, measureClearances, testByClearance,
+                               commitClearances, boundSnapshot, sweepClashes, sweepNeighbors,    neighborDistances,
+                               boundPoints,      findNearest};
 #else
 typedef int NothingHere; /* a file must declare something */
 #endif

@@ -5,6 +5,7 @@
 #include "clearance.h"
 #include "sweep.h"
 #include "trial.h"
+#include "witness.h"
 
 /* A pair whose decision needs the canonical distance. */
 typedef struct SlotPair {
@@ -27,6 +28,7 @@ struct ctChainTree {
   Tree staleTree; /* only through ctSceneTree */
   Traversal traversal;
   Clearance clearance;
+  Witnesses witnesses;
   Sweep ownSweep; /* only through ctSceneSweep */
   Trial trial;
   Trial next; /* where a proposal is made, so that a refused one leaves the open trial alone */

@@ -90,18 +90,18 @@ void ctTraverseProbe(Traversal* t, const View* view, const double point[3], doub
   t->tree->instructions->probe(t, view, point, radius, function, context, counts);
 }
 
-void ctTraversalPosition(const Traversal* t, int slot, double position[3]) {
-  const int leaf = slot / TREE_WIDTH;
+void ctPositionInView(const Traversal* t, int slot, int motion, double position[3]) {
   double local[3];
   treeLocal(t->tree, slot, local);
-  transformPoint(&t->frame[leaf], local, position);
-  if (t->view->motions != NULL) {
-    const int code = t->motion[leaf];
-    const int motion = code < 0 ? straddlerOf(t, code)->motion[slot % TREE_WIDTH] : code;
-    if (motion > 0) {
-      transformPoint(&t->view->motions[motion], position, position);
-    }
+  transformPoint(&t->frame[slot / TREE_WIDTH], local, position);
+  if (motion > 0 && t->view->motions != NULL) {
+    transformPoint(&t->view->motions[motion], position, position);
   }
+}
+
+void ctTraversalPosition(const Traversal* t, int slot, double position[3]) {
+  const int code = t->motion[slot / TREE_WIDTH];
+  ctPositionInView(t, slot, code < 0 ? straddlerOf(t, code)->motion[slot % TREE_WIDTH] : code, position);
 }
 
 double ctTraversalSquaredDistance(const Traversal* t, int slotA, int slotB) {

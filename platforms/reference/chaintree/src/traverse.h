@@ -99,6 +99,9 @@ int64_t ctTraverse(Traversal* traversal, const View* view, CandidateFunction* fu
 void ctTraverseProbe(Traversal* traversal, const View* view, const double point[3], double radius,
                      ProbeFunction* function, void* context, ctCounts* counts);
 
+/* Where a slot of this motion is in the view; its leaf has been put into the world. */
+void ctPositionInView(const Traversal* traversal, int slot, int motion, double position[3]);
+
 /* Where a slot that the running descent has reached is in its view. */
 void ctTraversalPosition(const Traversal* traversal, int slot, double position[3]);
 

@@ -150,6 +150,50 @@ static void judgeUndecided(Verdict* verdict) {
   applyTrial(tree, false);
 }
 
+/* Looks for a clash wherever there may be one; returns what that has cost. */
+static int64_t search(ctChainTree* tree, const View* view, bool movesFew, Verdict* verdict, ctCounts* counts) {
+  int64_t cost = GAVE_UP;
+  if (!movesFew && ctClearanceIsWanted(&tree->clearance, &tree->traversal, view->reach)) {
+    const InstructionSet* instructions = ctSceneTree(tree)->instructions;
+    cost = instructions->testByClearance(&tree->clearance, &tree->traversal, view, clearanceOf, verdict, counts);
+    if (cost == GAVE_UP) {
+      ctClearanceGiveUp(&tree->clearance);
+      tree->undecided.count = 0;
+    }
+  }
+  if (cost == GAVE_UP) {
+    cost = ctTraverse(&tree->traversal, view, judge, verdict, counts);
+  }
+  if (!movesFew) {
+    ctClearanceCharge(&tree->clearance, cost, true);
+  }
+  return cost;
+}
+
+/* Asks the witnesses first. What moves little takes little to search, and rarely twice the same way. */
+static void testView(ctChainTree* tree, const View* view, Verdict* verdict, ctCounts* counts) {
+  int few[2];
+  if (ctViewMovesFew(&tree->traversal, view, &few[0], &few[1])) {
+    search(tree, view, true, verdict, counts);
+    return;
+  }
+  Witnesses* witnesses = &tree->witnesses;
+  if (ctWitnessesAreWanted(witnesses)) {
+    int64_t cost = 0;
+    const InstructionSet* instructions = ctSceneTree(tree)->instructions;
+    const bool isOver = instructions->askWitnesses(witnesses, &tree->traversal, view, judge, verdict, counts, &cost);
+    ctWitnessesCharge(witnesses, cost, isOver);
+    tree->undecided.count = 0;
+    if (isOver) {
+      return;
+    }
+  }
+  const int64_t cost = search(tree, view, false, verdict, counts);
+  if (verdict->clash) {
+    ctWitnessesAdd(witnesses, ctSceneTree(tree), verdict->slotA, verdict->slotB, cost);
+  }
+}
+
 ctStatus ctTestTrial(ctChainTree* tree, bool* clash, int pair[2], ctCounts* counts) {
   if (!tree->trial.open) {
     return failNoTrial(tree);
@@ -157,28 +201,7 @@ ctStatus ctTestTrial(ctChainTree* tree, bool* clash, int pair[2], ctCounts* coun
   const View view = ctTrialView(&tree->trial, true, true, -tree->overlapTolerance);
   Verdict verdict = {tree, false, false, CT_NULL, CT_NULL};
   tree->undecided.count = 0;
-  ctCounts own = {0};
-  int few[2];
-  const bool movesFew = ctViewMovesFew(&tree->traversal, &view, &few[0], &few[1]);
-  int64_t cost = GAVE_UP;
-  if (!movesFew && ctClearanceIsWanted(&tree->clearance, &tree->traversal, view.reach)) {
-    const InstructionSet* instructions = ctSceneTree(tree)->instructions;
-    cost = instructions->testByClearance(&tree->clearance, &tree->traversal, &view, clearanceOf, &verdict, &own);
-    if (cost == GAVE_UP) {
-      ctClearanceGiveUp(&tree->clearance);
-      tree->undecided.count = 0;
-    }
-  }
-  if (cost == GAVE_UP) {
-    cost = ctTraverse(&tree->traversal, &view, judge, &verdict, &own);
-  }
-  if (!movesFew) {
-    ctClearanceCharge(&tree->clearance, cost, true);
-  }
-  if (counts != NULL) {
-    counts->volumeTests += own.volumeTests;
-    counts->particleTests += own.particleTests;
-  }
+  testView(tree, &view, &verdict, counts);
   if (verdict.failed) {
     return ctFailOutOfMemory(tree);
   }

@@ -19,6 +19,11 @@ static int pieceOf(const View* view, int slot) {
   return piece;
 }
 
+/* Of which rigid body a slot is. */
+static int motionOfSlot(const View* view, int slot) {
+  return view->pieces[pieceOf(view, slot)].motion;
+}
+
 /* Of which rigid body a member of an expanded item is, coded like Traversal.motion. */
 static int motionOfMember(const Traversal* t, int item, int k) {
   const int code = t->motion[item];

@@ -1,0 +1,47 @@
+/* Asking witnesses, compiled once for each instruction set by the file that includes this. */
+#include "view_body.h"
+#include "witness.h"
+
+/* The sphere of a slot whose motion is this one, where the view has it. */
+static Sphere slotSphere(Traversal* t, int slot, int motion) {
+  const int leaf = slot / TREE_WIDTH;
+  if (t->tree->contentTime[leaf] > t->since[leaf] || !isThere(t, 0, leaf)) {
+    putLeafToRest(t, leaf);
+  }
+  return sphereInView(t, sphereOf(&t->rest[leaf], slot % TREE_WIDTH), motion);
+}
+
+/* True if a witness clashes: `function` has said so then. Adds what that has cost. */
+static bool askWitnesses(const Witnesses* w, Traversal* t, const View* view, CandidateFunction* function, void* context,
+                         ctCounts* counts, int64_t* cost) {
+  startView(t, view);
+  const float room = (float)(view->reach + floatMargin(t->extent + fabs(view->reach)));
+  *cost += 40 + 4 * w->count;
+  int particleTests = 0;
+  bool isOver = false;
+  for (int i = 0; i < w->count && !isOver; i++) {
+    const int* pair = w->pair[i];
+    const int motionA = motionOfSlot(view, pair[0]);
+    const int motionB = motionOfSlot(view, pair[1]);
+    if (motionA == motionB) {
+      continue;
+    }
+    *cost += 20;
+    particleTests++;
+    const Sphere a = slotSphere(t, pair[0], motionA);
+    const Sphere b = slotSphere(t, pair[1], motionB);
+    const float reach = a.r + b.r + room;
+    if ((a.x - b.x) * (a.x - b.x) + (a.y - b.y) * (a.y - b.y) + (a.z - b.z) * (a.z - b.z) >= reach * reach) {
+      continue;
+    }
+    double x[3];
+    double y[3];
+    ctPositionInView(t, pair[0], motionA, x);
+    ctPositionInView(t, pair[1], motionB, y);
+    isOver = !function(context, pair[0], pair[1], squaredDistance(x, y));
+  }
+  if (counts != NULL) {
+    counts->particleTests += particleTests;
+  }
+  return isOver;
+}

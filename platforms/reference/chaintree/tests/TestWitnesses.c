@@ -1,0 +1,53 @@
+/* Pairs that clashed in past trials are asked first where that pays, and no longer where it does not; the verdict is
+ * the same. Looks inside the engine. */
+#include "../src/scene.h"
+#include "lattice.h"
+
+static double random01(void) {
+  static unsigned state = 1;
+  state = state * 1664525u + 1013904223u;
+  return (double)(state >> 8) / (1 << 24);
+}
+
+/* Whether a turn clashes, and what finding that out has cost; it is taken back. */
+static bool clashes(ctChainTree* scene, int link, double angle, ctCounts* counts) {
+  const ctChange change = {.link = link, .angle = angle};
+  bool clash = false;
+  CHECK_SUCCESS(ctPropose(scene, 1, &change));
+  CHECK_SUCCESS(ctTestTrial(scene, &clash, NULL, counts));
+  ctDiscard(scene);
+  return clash;
+}
+
+int main(void) {
+  ctChainTree* scene = makeLattice(ONE_CHAIN, 0.49, 0);
+  int link = 2;
+  while (link < SITES - 2 && !clashes(scene, link, 0.1, NULL)) {
+    link++;
+  }
+  /* What clashed once clashes again, and nothing else is looked at. */
+  for (int i = 0; i < 1000; i++) {
+    ctCounts again = {0};
+    CHECK(clashes(scene, link, 0.1, &again));
+    CHECK(again.volumeTests == 0 && again.particleTests == 1);
+  }
+  /* A witness is nothing but a hint. */
+  CHECK(!clashes(scene, link, 1e-6, NULL));
+  /* Each turn that clashes does so elsewhere: soon nobody is asked, but for a round now and then. */
+  int asked = 0;
+  for (int i = 0; i < 10000; i++) {
+    clashes(scene, 2 + (int)(random01() * (SITES - 3)), 6 * random01() - 3, NULL);
+    asked += scene->witnesses.wait == 0;
+  }
+  CHECK(asked < 2000);
+  CHECK(asked > 100);
+  /* If they would pay again, that is found out. */
+  for (int i = 0; i < 10000; i++) {
+    CHECK(clashes(scene, link, 0.1, NULL));
+  }
+  ctCounts again = {0};
+  CHECK(clashes(scene, link, 0.1, &again));
+  CHECK(again.volumeTests == 0);
+  ctDestroy(scene);
+  return checkResult();
+}
