@@ -33,8 +33,8 @@ typedef struct InstructionSet {
 
   /* Behind ctSweepBound, ctSweepClashes, ctSweepNeighbors and ctSweepDistances. */
   void (*boundSnapshot)(Snapshot* snapshot, const Sequence* sequence, const Tree* layout);
-  void (*sweepClashes)(const Sweep* sweep, SweepTask* task);
-  void (*sweepNeighbors)(const Sweep* sweep, SweepTask* task);
+  void (*sweepClashes)(Sweep* sweep, SweepTask* task);
+  void (*sweepNeighbors)(Sweep* sweep, SweepTask* task);
   void (*neighborDistances)(const double* position, double cutoff, size_t count, const int* lower, const int* higher,
                             double* distances);
 

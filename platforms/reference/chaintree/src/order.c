@@ -162,8 +162,27 @@ static void gatherRows(size_t count, const int* firsts, const int* seconds, int 
   }
 }
 
+/* Whether pairs ascend; without a branch for each, for most do if any does. */
+static bool pairsAscend(size_t count, const int* firsts, const int* seconds) {
+  enum { AT_ONCE = 256 };
+  for (size_t begin = 0; begin + 1 < count; begin += AT_ONCE) {
+    const size_t end = begin + AT_ONCE < count - 1 ? begin + AT_ONCE : count - 1;
+    int falls = 0;
+    for (size_t i = begin; i < end; i++) {
+      falls |= (firsts[i] > firsts[i + 1]) | ((firsts[i] == firsts[i + 1]) & (seconds[i] >= seconds[i + 1]));
+    }
+    if (falls != 0) {
+      return false;
+    }
+  }
+  return true;
+}
+
 bool ctSortPairs(size_t count, int* firsts, int* seconds, int idCount) {
   enum { FEW = 256 };
+  if (pairsAscend(count, firsts, seconds)) {
+    return true;
+  }
   uint32_t* begins = calloc(STREAMS * (size_t)idCount + 2, sizeof *begins);
   int* rows = malloc((count + 1) * sizeof *rows);
   const bool hasMemory = begins != NULL && rows != NULL;

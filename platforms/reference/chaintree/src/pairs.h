@@ -4,46 +4,62 @@
 
 #include <stddef.h>
 
+#include "ranks.h"
 #include "simd.h"
 
-/* loadIds16: sixteen ids. pairs16: the pairs of `id` with those of them whose bit is set; returns how many, and may
- * write what is not wanted up to the sixteenth. */
-#if defined(CT_PATH_AVX512)
+/* listBits8: writes first + k for each bit k of a byte, ascending. closeRanks8: writes those of eight ids whose bit is
+ * set. pairs8: the pairs of `id` with them. All return how many, and write something up to the eighth place. */
+#if defined(CT_PATH_AVX512) || defined(CT_PATH_AVX2)
 
-typedef __m512i Ids16;
-
-static inline Ids16 loadIds16(const int* p) {
-  return _mm512_loadu_si512(p);
+static inline __m256i bits8(const Ranks* ranks, unsigned byte) {
+  return _mm256_cvtepu8_epi32(_mm_loadl_epi64((const __m128i*)ranks->bit[byte]));
 }
 
-static inline int pairs16(unsigned mask, Ids16 ids, int id, int* lower, int* higher) {
-  const __m512i others = _mm512_maskz_compress_epi32((__mmask16)mask, ids);
-  const __m512i own = _mm512_set1_epi32(id);
-  _mm512_storeu_si512(lower, _mm512_min_epi32(others, own));
-  _mm512_storeu_si512(higher, _mm512_max_epi32(others, own));
-  return __builtin_popcount(mask);
+static inline int listBits8(const Ranks* ranks, unsigned byte, int first, int* to) {
+  _mm256_storeu_si256((__m256i*)to, _mm256_add_epi32(bits8(ranks, byte), _mm256_set1_epi32(first)));
+  return __builtin_popcount(byte);
+}
+
+static inline __m256i closed8(const Ranks* ranks, unsigned mask, const int* ids) {
+  return _mm256_permutevar8x32_epi32(_mm256_loadu_si256((const __m256i*)ids), bits8(ranks, mask));
+}
+
+static inline size_t closeRanks8(const Ranks* ranks, unsigned mask, const int* ids, int* to) {
+  _mm256_storeu_si256((__m256i*)to, closed8(ranks, mask, ids));
+  return (size_t)__builtin_popcount(mask);
+}
+
+static inline size_t pairs8(const Ranks* ranks, unsigned mask, int id, const int* others, int* lower, int* higher) {
+  const __m256i chosen = closed8(ranks, mask, others);
+  const __m256i own = _mm256_set1_epi32(id);
+  _mm256_storeu_si256((__m256i*)lower, _mm256_min_epi32(chosen, own));
+  _mm256_storeu_si256((__m256i*)higher, _mm256_max_epi32(chosen, own));
+  return (size_t)__builtin_popcount(mask);
 }
 
 #else
 
-typedef const int* Ids16;
-
-static inline Ids16 loadIds16(const int* p) {
-  return p;
+static inline int listBits8(const Ranks* ranks, unsigned byte, int first, int* to) {
+  for (int k = 0; k < 8; k++) {
+    to[k] = first + ranks->bit[byte][k];
+  }
+  return ranks->count[byte];
 }
 
-static inline int pairs16(unsigned mask, Ids16 ids, int id, int* lower, int* higher) {
-  const int count = __builtin_popcount(mask);
-  /* Eight at once, wanted or not: how many there are is hard to foresee. */
-  for (int i = 0; i < count; i += 8) {
-    for (int k = i; k < i + 8; k++) {
-      const int other = ids[__builtin_ctz(mask | 0x8000u)];
-      lower[k] = other < id ? other : id;
-      higher[k] = other < id ? id : other;
-      mask &= mask - 1;
-    }
+static inline size_t closeRanks8(const Ranks* ranks, unsigned mask, const int* ids, int* to) {
+  for (int k = 0; k < 8; k++) {
+    to[k] = ids[ranks->bit[mask][k]];
   }
-  return count;
+  return ranks->count[mask];
+}
+
+static inline size_t pairs8(const Ranks* ranks, unsigned mask, int id, const int* others, int* lower, int* higher) {
+  for (int k = 0; k < 8; k++) {
+    const int other = others[ranks->bit[mask][k]];
+    lower[k] = other < id ? other : id;
+    higher[k] = other < id ? id : other;
+  }
+  return ranks->count[mask];
 }
 
 #endif

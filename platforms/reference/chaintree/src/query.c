@@ -140,7 +140,7 @@ static bool isNeighbor(void* context, int slotA, int slotB, double squaredDistan
 }
 
 /* Pairs on their way to a callback. */
-enum { NEIGHBORS_AT_ONCE = 4 * PAIRS_OF_LEAVES };
+enum { NEIGHBORS_AT_ONCE = 2 * PAIRS_AT_ONCE };
 
 typedef struct Neighbors {
   const Sweep* sweep;

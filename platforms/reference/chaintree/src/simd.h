@@ -6,6 +6,7 @@
 #define CT_SIMD_H_
 
 #include <math.h>
+#include <stdbool.h>
 #include <stdint.h>
 
 #if defined(CT_PATH_AVX512)
@@ -234,11 +235,16 @@ static inline Float16 sqrt16(Float16 a) {
   return a;
 }
 
+/* Bit k is the sign of lane k. */
 static inline unsigned bits4(Int4 lanes) {
 #ifdef __SSE2__
   return (unsigned)_mm_movemask_ps((Float4)lanes);
 #else
-  return (unsigned)((lanes[0] & 1) | (lanes[1] & 2) | (lanes[2] & 4) | (lanes[3] & 8));
+  unsigned mask = 0;
+  for (int k = 0; k < 4; k++) {
+    mask |= (unsigned)lanes[k] >> 31 << k;
+  }
+  return mask;
 #endif
 }
 
@@ -332,7 +338,131 @@ static inline int indices16(unsigned mask, int first, int* indices) {
 
 #endif
 
+/* ---- Eight floats ---- */
+
+#if defined(CT_PATH_AVX512) || defined(CT_PATH_AVX2)
+
+typedef __m256 Float8;
+
+static inline Float8 load8(const float* p) {
+  return _mm256_loadu_ps(p);
+}
+
+static inline Float8 all8(float a) {
+  return _mm256_set1_ps(a);
+}
+
+static inline Float8 add8(Float8 a, Float8 b) {
+  return _mm256_add_ps(a, b);
+}
+
+static inline Float8 sub8(Float8 a, Float8 b) {
+  return _mm256_sub_ps(a, b);
+}
+
+static inline Float8 mul8(Float8 a, Float8 b) {
+  return _mm256_mul_ps(a, b);
+}
+
+/* Bit k: a[k] > b[k]. */
+static inline unsigned greater8(Float8 a, Float8 b) {
+  return (unsigned)_mm256_movemask_ps(_mm256_cmp_ps(a, b, _CMP_GT_OQ));
+}
+
+/* Tells which numbers are under a limit, and whether some of those have not been under a lower one. */
+typedef struct Under {
+  __m256 limit;
+  __m256i least; /* numbers minus the limit, as integers: those of negative floats fall as the floats rise */
+  __m256i doubt; /* the lower limit minus the limit */
+} Under;
+
+static inline Under underLimits8(float limit, float lower) {
+  const __m256 limits = _mm256_set1_ps(limit);
+  return (Under){limits, _mm256_setzero_si256(), _mm256_castps_si256(_mm256_sub_ps(_mm256_set1_ps(lower), limits))};
+}
+
+/* Bit k: a[k] is under the limit. */
+static inline unsigned under8(Under* under, Float8 a) {
+  const __m256 above = _mm256_sub_ps(a, under->limit);
+  under->least = _mm256_min_epi32(under->least, _mm256_castps_si256(above));
+  return (unsigned)_mm256_movemask_ps(above);
+}
+
+/* May be true though all have been under the lower limit. */
+static inline bool someBetween8(const Under* under) {
+  return _mm256_movemask_epi8(_mm256_cmpgt_epi32(under->least, under->doubt)) != -1;
+}
+
+#else
+
+typedef struct Float8 {
+  Float4 low;
+  Float4 high;
+} Float8;
+
+static inline Float4 load4(const float* p) {
+  Float4 a;
+  __builtin_memcpy(&a, p, sizeof a);
+  return a;
+}
+
+static inline Float8 load8(const float* p) {
+  return (Float8){load4(p), load4(p + 4)};
+}
+
+static inline Float8 all8(float a) {
+  const Float4 all = {a, a, a, a};
+  return (Float8){all, all};
+}
+
+static inline Float8 add8(Float8 a, Float8 b) {
+  return (Float8){a.low + b.low, a.high + b.high};
+}
+
+static inline Float8 sub8(Float8 a, Float8 b) {
+  return (Float8){a.low - b.low, a.high - b.high};
+}
+
+static inline Float8 mul8(Float8 a, Float8 b) {
+  return (Float8){a.low * b.low, a.high * b.high};
+}
+
+static inline unsigned greater8(Float8 a, Float8 b) {
+  return bits4(a.low > b.low) | bits4(a.high > b.high) << 4;
+}
+
+typedef struct Under {
+  Float4 limit;
+  Float4 least; /* how near to the limit a number has come, from either side */
+  float doubt;
+} Under;
+
+static inline Under underLimits8(float limit, float lower) {
+  const Float4 none = {INFINITY, INFINITY, INFINITY, INFINITY};
+  return (Under){{limit, limit, limit, limit}, none, limit - lower};
+}
+
+static inline unsigned under8(Under* under, Float8 a) {
+  const Int4 magnitude = {0x7fffffff, 0x7fffffff, 0x7fffffff, 0x7fffffff};
+  const Float4 low = a.low - under->limit;
+  const Float4 high = a.high - under->limit;
+  under->least = min4((Float4)((Int4)low & magnitude), under->least);
+  under->least = min4((Float4)((Int4)high & magnitude), under->least);
+  return bits4((Int4)low) | bits4((Int4)high) << 4;
+}
+
+static inline bool someBetween8(const Under* under) {
+  const Float4 doubts = {under->doubt, under->doubt, under->doubt, under->doubt};
+  return bits4(under->least <= doubts) != 0;
+}
+
+#endif
+
 /* x * x + y * y + z * z */
+static inline Float8 squared8(Float8 x, Float8 y, Float8 z) {
+  return add8(add8(mul8(x, x), mul8(y, y)), mul8(z, z));
+}
+
 static inline Float16 squared16(Float16 x, Float16 y, Float16 z) {
   return add16(add16(mul16(x, x), mul16(y, y)), mul16(z, z));
 }
@@ -460,5 +590,32 @@ static inline uint32_t within32(const uint16_t* a, const uint16_t* b, uint16_t m
 }
 
 #endif
+
+/* ---- Bits ---- */
+
+/* Bit l of column k is bit k of row l. */
+static inline void transposeBits(const uint16_t rows[16], uint16_t columns[16]) {
+#ifdef __SSE2__
+  const __m128i first = _mm_loadu_si128((const __m128i*)rows);
+  const __m128i last = _mm_loadu_si128((const __m128i*)(rows + 8));
+  const __m128i byte = _mm_set1_epi16(255);
+  __m128i low = _mm_packus_epi16(_mm_and_si128(first, byte), _mm_and_si128(last, byte));
+  __m128i high = _mm_packus_epi16(_mm_srli_epi16(first, 8), _mm_srli_epi16(last, 8));
+  for (int k = 7; k >= 0; k--) {
+    columns[k] = (uint16_t)_mm_movemask_epi8(low);
+    columns[k + 8] = (uint16_t)_mm_movemask_epi8(high);
+    low = _mm_add_epi8(low, low);
+    high = _mm_add_epi8(high, high);
+  }
+#else
+  for (int k = 0; k < 16; k++) {
+    unsigned column = 0;
+    for (int l = 0; l < 16; l++) {
+      column |= (rows[l] >> k & 1u) << l;
+    }
+    columns[k] = (uint16_t)column;
+  }
+#endif
+}
 
 #endif /* CT_SIMD_H_ */

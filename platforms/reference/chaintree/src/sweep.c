@@ -1,5 +1,7 @@
 #include "sweep.h"
 
+#include <limits.h>
+
 #include "instructions.h"
 
 void ctSweepInit(Sweep* sweep, const Tree* layout, const Sequence* sequence, const Exclusions* exclusions) {
@@ -13,17 +15,62 @@ void ctSweepFree(Sweep* sweep) {
   ctArenaFree(&sweep->arena);
 }
 
+static void fillRanks(Ranks* ranks) {
+  for (unsigned byte = 0; byte < 256; byte++) {
+    for (unsigned bit = 0; bit < 8; bit++) {
+      if ((byte >> bit & 1) != 0) {
+        ranks->bit[byte][ranks->count[byte]++] = (uint8_t)bit;
+      }
+    }
+  }
+}
+
+static void findParticles(Sweep* sweep) {
+  const int* particle = sweep->sequence->slotParticle;
+  for (int slot = 0; slot < sweep->layout->levelBegin[1] * TREE_WIDTH; slot++) {
+    const bool isEmpty = slot >= sweep->layout->slotCount || particle[slot] == CT_NULL;
+    int* lowest = &sweep->lowest[slot / OCTET_WIDTH];
+    int* highest = &sweep->highest[slot / TREE_WIDTH];
+    if (slot % OCTET_WIDTH == 0) {
+      *lowest = INT_MAX;
+    }
+    if (slot % TREE_WIDTH == 0) {
+      *highest = -1;
+    }
+    if (!isEmpty) {
+      *lowest = particle[slot] < *lowest ? particle[slot] : *lowest;
+      *highest = particle[slot] > *highest ? particle[slot] : INT_MAX;
+    }
+  }
+}
+
 bool ctSweepReserve(Sweep* sweep) {
   if (sweep->stack != NULL) {
     return true;
   }
+  Arena* arena = &sweep->arena;
+  Crowd* crowd = &sweep->crowd;
+  const size_t leaves = (size_t)sweep->layout->levelBegin[1];
+  const size_t octets = leaves * TREE_WIDTH / OCTET_WIDTH;
   /* What a visit leaves for later: all children of one node with all of another. */
   const size_t visits = (size_t)TREE_MAX_LEVELS * TREE_WIDTH * TREE_WIDTH;
-  SweepVisit* stack = ctArenaAllocate(&sweep->arena, visits, sizeof(SweepVisit));
-  if (!ctSnapshotBuild(&sweep->snapshot, &sweep->arena, sweep->sequence, sweep->layout)) {
-    ctArenaFree(&sweep->arena);
+  SweepVisit* stack = ctArenaAllocate(arena, visits, sizeof(SweepVisit));
+  sweep->nodes = ctArenaAllocate(arena, (size_t)sweep->layout->levelSize[1], sizeof *sweep->nodes);
+  sweep->ranks = ctArenaAllocate(arena, 1, sizeof(Ranks));
+  sweep->lowest = ctArenaAllocate(arena, octets, sizeof *sweep->lowest);
+  sweep->highest = ctArenaAllocate(arena, leaves, sizeof *sweep->highest);
+  crowd->leaves = ctArenaAllocate(arena, leaves + OCTET_WIDTH, sizeof *crowd->leaves); /* written eight at a time */
+  crowd->slot = ctArenaAllocate(arena, octets, sizeof *crowd->slot);
+  crowd->x = ctArenaAllocate(arena, octets, sizeof *crowd->x);
+  crowd->particle = ctArenaAllocate(arena, octets, sizeof *crowd->particle);
+  crowd->near = ctArenaAllocate(arena, octets + TREE_WIDTH, sizeof *crowd->near);
+  crowd->word = ctArenaAllocate(arena, octets / CROWD_WORD + 1, sizeof *crowd->word);
+  if (!ctSnapshotBuild(&sweep->snapshot, arena, sweep->sequence, sweep->layout)) {
+    ctArenaFree(arena);
     return false;
   }
+  fillRanks(sweep->ranks);
+  findParticles(sweep);
   sweep->stack = stack;
   return true;
 }

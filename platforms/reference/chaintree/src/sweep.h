@@ -3,9 +3,8 @@
 #define CT_SWEEP_H_
 
 #include "exclusion.h"
+#include "ranks.h"
 #include "snapshot.h"
-
-enum { PAIRS_OF_LEAVES = TREE_WIDTH * TREE_WIDTH };
 
 /* Two items of one level. */
 typedef struct SweepVisit {
@@ -14,14 +13,40 @@ typedef struct SweepVisit {
   int b;
 } SweepVisit;
 
+/* Octets in one word of bits; the most pairs that they make with one slot; and a part of these. */
+enum { CROWD_WORD = 64, PAIRS_AT_ONCE = CROWD_WORD * OCTET_WIDTH, LOWER_AT_ONCE = 64 };
+
+/* For each slot of a leaf, about one word of its crowd. */
+typedef struct CrowdWord {
+  uint64_t near[TREE_WIDTH];               /* bits: octets that come near the slot */
+  uint8_t allowed[TREE_WIDTH][CROWD_WORD]; /* per octet, bits: what makes a pair with the slot */
+} CrowdWord;
+
+/* The octets that come near a leaf and do not lie before it, ascending. */
+typedef struct Crowd {
+  int count;
+  bool rises;           /* the lower particle of each pair is the leaf's */
+  int* leaves;          /* of the octets, but for the leaf itself */
+  int* slot;            /* per octet: its first */
+  const float** x;      /* per octet: its part of its leaf's block */
+  const int** particle; /* per octet: those of its slots */
+  uint16_t* near;       /* per octet, bits: slots of the leaf that it comes near */
+  CrowdWord* word;
+} Crowd;
+
 typedef struct Sweep {
   const Tree* layout; /* its content is not read */
   const Sequence* sequence;
   const Exclusions* exclusions;
-  Arena arena; /* of the snapshot and the stack, which are made when first asked for */
+  Arena arena; /* of all that follows, which is made when first asked for */
   Snapshot snapshot;
-  int64_t since; /* the tree's time of what the snapshot shows, or NEVER */
-  SweepVisit* stack;
+  int64_t since;     /* the tree's time of what the snapshot shows, or NEVER */
+  SweepVisit* stack; /* of a sweep for clashes; what follows is for neighbours */
+  Ranks* ranks;
+  int* lowest;  /* per octet: no particle is below */
+  int* highest; /* per leaf: no particle is above, or INT_MAX if they do not ascend */
+  int* nodes;   /* of level 1, those that come near one of them */
+  Crowd crowd;
 } Sweep;
 
 /* Where neighbours go, many at a time. */
@@ -30,7 +55,7 @@ typedef struct PairSink {
   int* higher;
   size_t count;
   size_t capacity;
-  /* Makes room for PAIRS_OF_LEAVES more; returns false to end the sweep. */
+  /* Makes room for PAIRS_AT_ONCE more; returns false to end the sweep. */
   bool (*makeRoom)(struct PairSink* sink);
   void* context;
 } PairSink;

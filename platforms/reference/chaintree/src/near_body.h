@@ -1,0 +1,74 @@
+/* What of a snapshot comes near one of its leaves, compiled once for each instruction set by the file that includes
+ * this. */
+#include "instructions.h"
+#include "pairs.h"
+#include "volume.h"
+
+#define CT_INLINE static inline __attribute__((always_inline))
+
+/* Functions that are compiled for clashes and for neighbours: `surfaces` is a constant wherever they are used. */
+#define CT_FOR_BOTH CT_INLINE
+
+/* ---- Filters ---- */
+
+typedef struct Pass {
+  Sweep* sweep;
+  SweepTask* task;
+  float reach;       /* with room for rounding */
+  float nearSquared; /* of centres: pairs farther apart do not matter */
+  float sureSquared; /* of centres: pairs nearer are neighbours */
+} Pass;
+
+/* Of sixteen boxes those that come near box k of others; bits. */
+CT_FOR_BOTH unsigned membersNear(const Pass* pass, const Extents* members, const Extents* others, int k,
+                                 bool surfaces) {
+  Float16 squared = all16(0);
+  for (int d = 0; d < 3; d++) {
+    const Float16 above = sub16(load16(members->low[d]), all16(others->high[d][k]));
+    const Float16 below = sub16(all16(others->low[d][k]), load16(members->high[d]));
+    const Float16 gap = max16(max16(above, below), all16(0));
+    squared = add16(squared, mul16(gap, gap));
+  }
+  if (!surfaces) {
+    return greater16(all16(pass->nearSquared), squared);
+  }
+  const Float16 sum = max16(add16(load16(members->r), all16(others->r[k] + pass->reach)), all16(0));
+  return greater16(mul16(sum, sum), squared);
+}
+
+/* The slots of a leaf, in registers. */
+typedef struct Slots {
+  Float16 x[3];
+  Float16 r;
+} Slots;
+
+CT_INLINE Slots slotsOf(const Block* leaf) {
+  return (Slots){{load16(leaf->x), load16(leaf->y), load16(leaf->z)}, load16(leaf->r)};
+}
+
+/* Of slots those that come near a box; bits. */
+CT_FOR_BOTH unsigned slotsNear(const Pass* pass, const Slots* slots, const Extent* box, bool surfaces) {
+  Float16 squared = all16(0);
+  for (int d = 0; d < 3; d++) {
+    const Float16 inside = min16(max16(slots->x[d], all16(box->low[d])), all16(box->high[d]));
+    const Float16 gap = sub16(slots->x[d], inside);
+    squared = d == 0 ? mul16(gap, gap) : add16(squared, mul16(gap, gap));
+  }
+  if (!surfaces) {
+    return greater16(all16(pass->nearSquared), squared);
+  }
+  const Float16 sum = max16(add16(slots->r, all16(box->r + pass->reach)), all16(0));
+  return greater16(mul16(sum, sum), squared);
+}
+
+static int sizeOfLeaf(const Tree* layout, int leaf) {
+  int end;
+  const int begin = treeSlots(layout, 0, leaf, &end);
+  return end - begin;
+}
+
+static double squaredApart(const Pass* pass, int slotA, int slotB) {
+  const Snapshot* snapshot = &pass->sweep->snapshot;
+  const int* particle = pass->sweep->sequence->slotParticle;
+  return squaredDistance(snapshotPosition(snapshot, particle[slotA]), snapshotPosition(snapshot, particle[slotB]));
+}
