@@ -125,7 +125,7 @@ FAULTS = [
           "tree->hasSum[leaf] = false;", ""),
     # ---- Undo ----
     Fault("undo: a verdict leaves the trial applied", "verdict.c",
-          "  applyTrial(tree, false);\n}\n\nctStatus ctTestTrial", "}\n\nctStatus ctTestTrial"),
+          "  applyTrial(tree, false);\n}\n\n/* Looks for a clash", "}\n\n/* Looks for a clash"),
     Fault("undo: back is forward", "trial.c",
           "after ? change->after : change->before", "change->after"),
     Fault("undo: a refused proposal replaces the open trial", "verdict.c",
@@ -137,6 +137,8 @@ FAULTS = [
           "all16(0.999999f / c->unit)", "all16(1.01f / c->unit)"),
     Fault("clearance: a turn does not displace what is off its axis", "clearance_body.h",
           "add16(add16(centre, turned), room)", "add16(centre, room)"),
+    Fault("witnesses: one is believed where it does not clash", "witness_body.h",
+          "isOver = !function(context,", "isOver = true || !function(context,"),
     Fault("witnesses: those of one body clash", "witness_body.h",
           "if (motionA == motionB) {", "if (motionA < 0) {"),
     Fault("clearance: straddling leaves do not meet themselves", "clearance_body.h",
