@@ -211,9 +211,8 @@ FAULTS = [
           "near &= over > first ? ~0u << (over - first) : ~0u;", ""),
     Fault("crowd: the particle of the earlier slot is the lower", "crowd_body.h",
           "crowd->rises = sweep->highest[leaf] < lowest;", "crowd->rises = true;"),
-    Fault("crowd: only rows are put in order", "order.c",
-          "(firsts[i] > firsts[i + 1]) | ((firsts[i] == firsts[i + 1]) & (seconds[i] >= seconds[i + 1]))",
-          "firsts[i] > firsts[i + 1]"),
+    Fault("crowd: lists are taken to ascend", "order.c",
+          "if (pairsAscend(count, firsts, seconds)) {", "if (count > 0) {"),
     # ---- Least distances, probe, energy ----
     Fault("nearest: a particle is its own neighbour", "nearest_body.h",
           "other->members & ~itself(clouds, side, one->item, k, other->item)", "other->members"),
