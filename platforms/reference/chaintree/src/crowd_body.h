@@ -45,8 +45,7 @@ static int listNear(const Pass* pass, int node, int k, int nodeCount) {
     const int first = treeChildren(layout, 1, other, &members);
     unsigned near = membersNear(pass, snapshotExtents(&sweep->snapshot, layout, other), around, k, false);
     near &= other == node ? ~1u << k : ~0u;
-    count += listBits8(sweep->ranks, near & 255, first, leaves + count);
-    count += listBits8(sweep->ranks, near >> 8, first + 8, leaves + count);
+    count += indices16(near, first, leaves + count);
   }
   pass->task->volumeTests += nodeCount * TREE_WIDTH;
   return count;

@@ -7,17 +7,12 @@
 #include "ranks.h"
 #include "simd.h"
 
-/* listBits8: writes first + k for each bit k of a byte, ascending. closeRanks8: writes those of eight ids whose bit is
- * set. pairs8: the pairs of `id` with them. All return how many, and write something up to the eighth place. */
+/* closeRanks8: writes those of eight ids whose bit is set. pairs8: the pairs of `id` with them. All return how many,
+ * and write something up to the eighth place. */
 #if defined(CT_PATH_AVX512) || defined(CT_PATH_AVX2)
 
 static inline __m256i bits8(const Ranks* ranks, unsigned byte) {
   return _mm256_cvtepu8_epi32(_mm_loadl_epi64((const __m128i*)ranks->bit[byte]));
-}
-
-static inline int listBits8(const Ranks* ranks, unsigned byte, int first, int* to) {
-  _mm256_storeu_si256((__m256i*)to, _mm256_add_epi32(bits8(ranks, byte), _mm256_set1_epi32(first)));
-  return __builtin_popcount(byte);
 }
 
 static inline __m256i closed8(const Ranks* ranks, unsigned mask, const int* ids) {
@@ -38,13 +33,6 @@ static inline size_t pairs8(const Ranks* ranks, unsigned mask, int id, const int
 }
 
 #else
-
-static inline int listBits8(const Ranks* ranks, unsigned byte, int first, int* to) {
-  for (int k = 0; k < 8; k++) {
-    to[k] = first + ranks->bit[byte][k];
-  }
-  return ranks->count[byte];
-}
 
 static inline size_t closeRanks8(const Ranks* ranks, unsigned mask, const int* ids, int* to) {
   for (int k = 0; k < 8; k++) {

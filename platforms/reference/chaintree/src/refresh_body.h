@@ -95,7 +95,8 @@ static void refreshLeaf(Tree* tree, const Sequence* sequence, int leaf) {
   if (end < tree->slotCount) {
     walkToLeaf(&walk, sequence, leaf + 1);
   }
-  if (memcmp(&tree->shortcut[leaf], &walk.frame, sizeof walk.frame) != 0) {
+  /* Bits are meant, of which 0 has two kinds. NOLINTNEXTLINE(bugprone-suspicious-memory-comparison) */
+  if (memcmp(tree->shortcut[leaf].m, walk.frame.m, sizeof walk.frame.m) != 0) {
     tree->shortcut[leaf] = walk.frame;
     tree->shortcutTime[leaf] = tree->time;
   }
