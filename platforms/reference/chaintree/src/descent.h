@@ -23,6 +23,19 @@ typedef struct NodeBoxes {
   uint32_t stamp;      /* of the descent that `moved` is of */
 } NodeBoxes;
 
+/* What a descent looks for, and what it has cost. */
+typedef struct Visit {
+  CandidateFunction* function;
+  void* context;
+  float reach;
+  bool boxes; /* are to be looked at */
+  int pairsBoxed;
+  int pairsParted;
+  int64_t boxTests; /* of the tests of volumes */
+  int64_t volumeTests;
+  int64_t particleTests;
+} Visit;
+
 /* An item whose members are of different rigid bodies. */
 typedef struct Straddler {
   int item;

@@ -1,8 +1,8 @@
 #include "clearance_body.h"
-#include "descent_body.h"
 #include "nearest_body.h"
 #include "refresh_body.h"
 #include "sweep_body.h"
+#include "traverse_body.h"
 #include "witness_body.h"
 
 const InstructionSet ctPortable = {"portable",       refreshLeaf,   refreshTwig,  refreshNode,       putLeafToRest,

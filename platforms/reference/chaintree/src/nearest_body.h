@@ -1,7 +1,7 @@
 /* The search for the nearest, compiled once for each instruction set by the file that includes this. */
-#include "descent_body.h"
 #include "instructions.h"
 #include "nearest.h"
+#include "view_body.h"
 
 /* ---- Clouds ---- */
 

@@ -1,0 +1,212 @@
+/* Few slots that move against all that rests, compiled once for each instruction set by the file that includes this. */
+#ifndef CT_MOVERS_BODY_H_
+#define CT_MOVERS_BODY_H_
+
+#include "view_body.h"
+
+/* Slots in a row that move, as they lie in the view: those of [begin, end) among sixteen. */
+typedef struct Movers {
+  int begin;
+  int end;
+  int first; /* of the sixteen; the others are empty */
+  Block block;
+} Movers;
+
+/* Bit k: slot first + k of sixteen is in [begin, end). */
+static unsigned slotBits(int begin, int end, int first) {
+  const int low = begin > first ? begin - first : 0;
+  const int high = end - first < TREE_WIDTH ? end - first : TREE_WIDTH;
+  return low < high ? (1u << high) - (1u << low) : 0;
+}
+
+/* Sixteen slots from any one on, as they are at rest; what is behind slot `end` may be anything that is a number. */
+static void restOfSlots(const Traversal* t, int first, int end, Block* rest) {
+  const Block* below = &t->rest[first / TREE_WIDTH];
+  const int at = first % TREE_WIDTH;
+  if (at == 0) {
+    *rest = *below;
+    return;
+  }
+  const Block* above = below + ((first / TREE_WIDTH + 1) * TREE_WIDTH < end);
+  float row[2 * TREE_WIDTH];
+  const float* const from[4][2] = {
+      {below->x, above->x}, {below->y, above->y}, {below->z, above->z}, {below->r, above->r}};
+  float* const to[4] = {rest->x, rest->y, rest->z, rest->r};
+  for (int d = 0; d < 4; d++) {
+    store16(row, load16(from[d][0]));
+    store16(row + TREE_WIDTH, load16(from[d][1]));
+    store16(to[d], load16(row + at));
+  }
+}
+
+static void takeMovers(const Traversal* t, int begin, int end, int first, Movers* movers) {
+  const View* view = t->view;
+  Block rest;
+  restOfSlots(t, first, end, &rest);
+  store16(rest.r, blend16(slotBits(begin, end, first), all16(-INFINITY), load16(rest.r)));
+  movers->begin = begin;
+  movers->end = end;
+  movers->first = first;
+  movers->block = rest;
+  for (int p = pieceOf(view, begin); p < view->pieceCount && view->pieces[p].slotBegin < end; p++) {
+    if (moves(view, view->pieces[p].motion)) {
+      moveBlock(&rest, t->motions[view->pieces[p].motion], slotBits(view->pieces[p].slotBegin, end, first),
+                &movers->block);
+    }
+  }
+}
+
+/* Hands over the pairs of a slot with these of sixteen others of one leaf that are not excluded; whether the search
+ * goes on. */
+static bool meet(Traversal* t, Visit* visit, int slot, unsigned others, int leaf) {
+  const int partner = exclusionPartner(t->exclusions, slot / TREE_WIDTH, leaf);
+  if (partner != CT_NULL) {
+    others &= ~(unsigned)t->exclusions->mask[partner][slot % TREE_WIDTH];
+  }
+  for (; others != 0; others &= others - 1) {
+    const int other = leaf * TREE_WIDTH + __builtin_ctz(others);
+    double a[3];
+    double b[3];
+    ctPositionInView(t, slot, motionOfSlot(t->view, slot), a);
+    ctPositionInView(t, other, motionOfSlot(t->view, other), b);
+    if (!visit->function(visit->context, slot, other, squaredDistance(a, b))) {
+      return false;
+    }
+  }
+  return true;
+}
+
+/* Which of sixteen are near any of the movers. How many are near each of them is hard to foresee, and a processor that
+ * guesses wrong waits: so all are looked at. */
+static unsigned nearMovers(const Block* block, const Movers* movers, float reach) {
+  unsigned near = 0;
+  for (int k = movers->begin - movers->first; k < movers->end - movers->first; k++) {
+    near |= near16(block, sphereOf(&movers->block, k), reach);
+  }
+  return near;
+}
+
+/* Movers against a leaf that is at rest, but for those of its slots that move. */
+static bool testLeaf(Traversal* t, Visit* visit, const Movers* movers, int leaf, unsigned moved) {
+  const Block* rest = &t->rest[leaf];
+  visit->particleTests += (movers->end - movers->begin) * TREE_WIDTH;
+  if ((nearMovers(rest, movers, visit->reach) & ~moved) == 0) {
+    return true;
+  }
+  for (int slot = movers->begin; slot < movers->end; slot++) {
+    const unsigned near = near16(rest, sphereOf(&movers->block, slot - movers->first), visit->reach) & ~moved;
+    if (near != 0 && !meet(t, visit, slot, near, leaf)) {
+      return false;
+    }
+  }
+  return true;
+}
+
+/* A mover against those of others that are in [begin, end). */
+static bool testMover(Traversal* t, Visit* visit, const Movers* movers, int slot, const Movers* others, int begin,
+                      int end) {
+  visit->particleTests += TREE_WIDTH;
+  unsigned near = near16(&others->block, sphereOf(&movers->block, slot - movers->first), visit->reach) &
+                  slotBits(begin, end, others->first);
+  for (; near != 0; near &= near - 1) {
+    const int other = others->first + __builtin_ctz(near);
+    if (!meet(t, visit, slot, 1u << other % TREE_WIDTH, other / TREE_WIDTH)) {
+      return false;
+    }
+  }
+  return true;
+}
+
+/* Movers against those among others that come after them and move otherwise. */
+static bool testMovers(Traversal* t, Visit* visit, const Movers* movers, const Movers* others) {
+  const View* view = t->view;
+  for (int slot = movers->begin; slot < movers->end; slot++) {
+    const int own = pieceOf(view, slot);
+    for (int p = pieceOf(view, others->end - 1); p > own; p--) {
+      const int end = p + 1 < view->pieceCount ? view->pieces[p + 1].slotBegin : others->end;
+      if (view->pieces[p].motion != view->pieces[own].motion &&
+          !testMover(t, visit, movers, slot, others, view->pieces[p].slotBegin, end)) {
+        return false;
+      }
+    }
+  }
+  return true;
+}
+
+/* Movers against all that rests, which is what is not in [begin, end). */
+static bool probeMovers(Traversal* t, Visit* visit, const Movers* movers, int begin, int end) {
+  const Tree* tree = t->tree;
+  const int firstLeaf = begin / TREE_WIDTH;
+  const int lastLeaf = (end - 1) / TREE_WIDTH;
+  for (int leaf = firstLeaf; leaf <= lastLeaf; leaf++) {
+    if (!testLeaf(t, visit, movers, leaf, slotBits(begin, end, leaf * TREE_WIDTH))) {
+      return false;
+    }
+  }
+  /* From the lowest level of few nodes on: what is above would part little. */
+  int top = treeTop(tree);
+  for (; top > 1 && tree->levelSize[top - 1] <= 2 * TREE_WIDTH; top--) {
+    for (int i = 0; i < tree->levelSize[top]; i++) {
+      putToRest(t, top, tree->levelBegin[top] + i);
+    }
+  }
+  int* items = t->nearItems; /* level by level */
+  int count = 0;
+  for (int i = 0; i < tree->levelSize[top]; i++) {
+    items[count++] = tree->levelBegin[top] + i;
+  }
+  Sphere sphere = middleOfBlock(&movers->block);
+  sphere.r += radiusAbout(sphere, &movers->block, movers->block.r) + (float)floatMargin(t->extent);
+  int done = 0;
+  for (int level = top; level > 0; level--) {
+    const int last = count;
+    for (int i = done; i < last; i++) {
+      putToRest(t, level, items[i]);
+    }
+    for (; done < last; done++) {
+      const int first = tree->levelBegin[level - 1] + (items[done] - tree->levelBegin[level]) * TREE_WIDTH;
+      count += indices16(near16(&t->rest[items[done]], sphere, visit->reach), first, items + count);
+      visit->volumeTests += TREE_WIDTH;
+    }
+  }
+  for (; done < count; done++) {
+    const int leaf = items[done];
+    if (firstLeaf <= leaf && leaf <= lastLeaf) {
+      continue;
+    }
+    putToRest(t, 0, leaf);
+    if (!testLeaf(t, visit, movers, leaf, 0)) {
+      return false;
+    }
+  }
+  return true;
+}
+
+/* What moves is some slots in a row, few enough to go against all others one by one: no volume is made for what
+ * straddles. */
+static void visitFew(Traversal* t, Visit* visit, int begin, int end) {
+  for (int leaf = begin / TREE_WIDTH; leaf * TREE_WIDTH < end; leaf++) {
+    putLeafToRest(t, leaf);
+  }
+  const bool areInOneLeaf = begin / TREE_WIDTH == (end - 1) / TREE_WIDTH;
+  Movers movers[MOST_MOVERS / TREE_WIDTH];
+  int count = 0;
+  for (int slot = begin; slot < end; slot = movers[count++].end) {
+    const int next = slot + TREE_WIDTH < end ? slot + TREE_WIDTH : end;
+    takeMovers(t, slot, next, areInOneLeaf ? slot / TREE_WIDTH * TREE_WIDTH : slot, &movers[count]);
+  }
+  for (int i = 0; i < count; i++) {
+    if (!probeMovers(t, visit, &movers[i], begin, end)) {
+      return;
+    }
+  }
+  for (int i = 0; i < count && pieceOf(t->view, begin) != pieceOf(t->view, end - 1); i++) {
+    for (int j = i; j < count; j++) {
+      if (!testMovers(t, visit, &movers[i], &movers[j])) {
+        return;
+      }
+    }
+  }
+}
+
+#endif /* CT_MOVERS_BODY_H_ */

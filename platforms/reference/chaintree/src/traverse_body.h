@@ -1,0 +1,62 @@
+/* Behind ctTraverse and ctTraverseProbe, compiled once for each instruction set by the file that includes this. */
+#include "descent_body.h"
+#include "movers_body.h"
+
+static int64_t traverse(Traversal* t, const View* view, CandidateFunction* function, void* context, ctCounts* counts) {
+  startView(t, view);
+  const double margin = floatMargin(t->extent + fabs(view->reach));
+  Visit visit = {function, context, (float)(view->reach + margin), false, 0, 0, 0, 0, 0};
+  int slotBegin;
+  int slotEnd;
+  if (ctViewMovesFew(t, view, &slotBegin, &slotEnd)) {
+    visitFew(t, &visit, slotBegin, slotEnd);
+  } else {
+    descend(t, &visit);
+  }
+  if (counts != NULL) {
+    counts->volumeTests += visit.volumeTests;
+    counts->particleTests += visit.particleTests;
+  }
+  return visit.volumeTests + visit.particleTests + 2 * visit.boxTests;
+}
+
+static void traverseProbe(Traversal* t, const View* view, const double point[3], double radius, ProbeFunction* function,
+                          void* context, ctCounts* counts) {
+  startView(t, view);
+  expandRoot(t);
+  const double size = t->extent + sqrt(dot(point, point)) + radius;
+  const float reach = (float)(view->reach + floatMargin(size + fabs(view->reach)));
+  const Sphere probe = {(float)point[0], (float)point[1], (float)point[2], (float)radius};
+  int depth = 0;
+  t->stack[depth++] = (ItemPair){treeTop(t->tree), treeRoot(t->tree), CT_NULL};
+  bool goesOn = true;
+  while (goesOn && depth > 0) {
+    const ItemPair item = t->stack[--depth];
+    expand(t, item.level, item.a);
+    unsigned mask = near16(&t->rest[item.a], probe, reach);
+    if (item.level > 0) {
+      int count;
+      const int first = treeChildren(t->tree, item.level, item.a, &count);
+      for (; mask != 0; mask &= mask - 1) {
+        const int child = first + __builtin_ctz(mask);
+        t->motion[child] = 0;
+        t->stack[depth++] = (ItemPair){item.level - 1, child, CT_NULL};
+      }
+      if (counts != NULL) {
+        counts->volumeTests += count;
+      }
+      continue;
+    }
+    int end;
+    const int begin = treeSlots(t->tree, 0, item.a, &end);
+    for (; goesOn && mask != 0; mask &= mask - 1) {
+      const int slot = begin + __builtin_ctz(mask);
+      double x[3];
+      ctTraversalPosition(t, slot, x);
+      goesOn = function(context, slot, squaredDistance(x, point));
+    }
+    if (counts != NULL) {
+      counts->particleTests += end - begin;
+    }
+  }
+}
