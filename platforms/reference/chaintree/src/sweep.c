@@ -49,7 +49,7 @@ bool ctSweepReserve(Sweep* sweep) {
     return true;
   }
   Arena* arena = &sweep->arena;
-  Crowd* crowd = &sweep->crowd;
+  Candidates* candidates = &sweep->candidates;
   const size_t leaves = (size_t)sweep->layout->levelBegin[1];
   const size_t octets = leaves * TREE_WIDTH / OCTET_WIDTH;
   /* What a visit leaves for later: all children of one node with all of another. */
@@ -59,12 +59,13 @@ bool ctSweepReserve(Sweep* sweep) {
   sweep->ranks = ctArenaAllocate(arena, 1, sizeof(Ranks));
   sweep->lowest = ctArenaAllocate(arena, octets, sizeof *sweep->lowest);
   sweep->highest = ctArenaAllocate(arena, leaves, sizeof *sweep->highest);
-  crowd->leaves = ctArenaAllocate(arena, leaves + OCTET_WIDTH, sizeof *crowd->leaves); /* written eight at a time */
-  crowd->slot = ctArenaAllocate(arena, octets, sizeof *crowd->slot);
-  crowd->x = ctArenaAllocate(arena, octets, sizeof *crowd->x);
-  crowd->particle = ctArenaAllocate(arena, octets, sizeof *crowd->particle);
-  crowd->near = ctArenaAllocate(arena, octets + TREE_WIDTH, sizeof *crowd->near);
-  crowd->word = ctArenaAllocate(arena, octets / CROWD_WORD + 1, sizeof *crowd->word);
+  candidates->leaves =
+      ctArenaAllocate(arena, leaves + TREE_WIDTH, sizeof *candidates->leaves); /* written sixteen at a time */
+  candidates->slot = ctArenaAllocate(arena, octets, sizeof *candidates->slot);
+  candidates->x = ctArenaAllocate(arena, octets, sizeof *candidates->x);
+  candidates->particle = ctArenaAllocate(arena, octets, sizeof *candidates->particle);
+  candidates->near = ctArenaAllocate(arena, octets + TREE_WIDTH, sizeof *candidates->near);
+  candidates->word = ctArenaAllocate(arena, octets / CANDIDATE_WORD + 1, sizeof *candidates->word);
   if (!ctSnapshotBuild(&sweep->snapshot, arena, sweep->sequence, sweep->layout)) {
     ctArenaFree(arena);
     return false;

@@ -14,16 +14,16 @@ typedef struct SweepVisit {
 } SweepVisit;
 
 /* Octets in one word of bits; the most pairs that they make with one slot; and a part of these. */
-enum { CROWD_WORD = 64, PAIRS_AT_ONCE = CROWD_WORD * OCTET_WIDTH, LOWER_AT_ONCE = 64 };
+enum { CANDIDATE_WORD = 64, PAIRS_AT_ONCE = CANDIDATE_WORD * OCTET_WIDTH, LOWER_AT_ONCE = 64 };
 
-/* For each slot of a leaf, about one word of its crowd. */
-typedef struct CrowdWord {
-  uint64_t near[TREE_WIDTH];               /* bits: octets that come near the slot */
-  uint8_t allowed[TREE_WIDTH][CROWD_WORD]; /* per octet, bits: what makes a pair with the slot */
-} CrowdWord;
+/* For each slot of a leaf, about one word of its candidates. */
+typedef struct CandidateWord {
+  uint64_t near[TREE_WIDTH];                   /* bits: octets that come near the slot */
+  uint8_t allowed[TREE_WIDTH][CANDIDATE_WORD]; /* per octet, bits: what makes a pair with the slot */
+} CandidateWord;
 
 /* The octets that come near a leaf and do not lie before it, ascending. */
-typedef struct Crowd {
+typedef struct Candidates {
   int count;
   bool rises;           /* the lower particle of each pair is the leaf's */
   int* leaves;          /* of the octets, but for the leaf itself */
@@ -31,8 +31,8 @@ typedef struct Crowd {
   const float** x;      /* per octet: its part of its leaf's block */
   const int** particle; /* per octet: those of its slots */
   uint16_t* near;       /* per octet, bits: slots of the leaf that it comes near */
-  CrowdWord* word;
-} Crowd;
+  CandidateWord* word;
+} Candidates;
 
 typedef struct Sweep {
   const Tree* layout; /* its content is not read */
@@ -46,7 +46,7 @@ typedef struct Sweep {
   int* lowest;  /* per octet: no particle is below */
   int* highest; /* per leaf: no particle is above, or INT_MAX if they do not ascend */
   int* nodes;   /* of level 1, those that come near one of them */
-  Crowd crowd;
+  Candidates candidates;
 } Sweep;
 
 /* Where neighbours go, many at a time. */

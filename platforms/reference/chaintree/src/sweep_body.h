@@ -1,7 +1,7 @@
 /* Sweeps, compiled once for each instruction set by the file that includes this. */
 #include <float.h>
 
-#include "crowd_body.h"
+#include "candidates_body.h"
 #include "snapshot_body.h"
 
 /* ---- Filters ---- */

@@ -4,7 +4,7 @@
 
 #include "near_body.h"
 
-/* ---- The crowd of a leaf ---- */
+/* ---- The candidates of a leaf ---- */
 
 /* Adds to `nodes` those of level 1 below an item of a higher level that come near one of them and do not lie before
  * it; returns how many there are then. */
@@ -37,7 +37,7 @@ static int listNear(const Pass* pass, int node, int k, int nodeCount) {
   const Sweep* sweep = pass->sweep;
   const Tree* layout = sweep->layout;
   const Extents* around = snapshotExtents(&sweep->snapshot, layout, node);
-  int* leaves = sweep->crowd.leaves;
+  int* leaves = sweep->candidates.leaves;
   int count = 0;
   int members;
   for (int n = 0; n < nodeCount; n++) {
@@ -51,15 +51,16 @@ static int listNear(const Pass* pass, int node, int k, int nodeCount) {
   return count;
 }
 
-/* Adds a leaf's octets to a crowd; `ways` are the slots of the crowd's leaf that may come near each of them. */
-static inline int joinCrowd(const Pass* pass, const Slots* slots, int leaf, int count, const uint16_t* ways) {
+/* Adds the octets of a leaf to the candidates of another; `rows` are the slots of that which may come near each of
+ * them. */
+static inline int addCandidates(const Pass* pass, const Slots* slots, int leaf, int count, const uint16_t* rows) {
   const Sweep* sweep = pass->sweep;
-  const Crowd* crowd = &sweep->crowd;
+  const Candidates* candidates = &sweep->candidates;
   const Extent* boxes = &sweep->snapshot.octet[leaf * OCTETS];
   for (int c = 0; c < OCTETS; c++) {
-    const unsigned near = slotsNear(pass, slots, &boxes[c], false) & ways[c];
-    crowd->slot[count] = leaf * TREE_WIDTH + c * OCTET_WIDTH;
-    crowd->near[count] = (uint16_t)near;
+    const unsigned near = slotsNear(pass, slots, &boxes[c], false) & rows[c];
+    candidates->slot[count] = leaf * TREE_WIDTH + c * OCTET_WIDTH;
+    candidates->near[count] = (uint16_t)near;
     count += near != 0;
   }
   return count;
@@ -67,45 +68,45 @@ static inline int joinCrowd(const Pass* pass, const Slots* slots, int leaf, int 
 
 /* Of pairs of a leaf with an octet, marks those that do not count: excluded ones, and within the leaf all but one way
  * round. */
-static void restrictPairs(Crowd* crowd, int i, const uint16_t* excluded, bool isOwn) {
-  CrowdWord* word = &crowd->word[i / CROWD_WORD];
+static void restrictPairs(Candidates* candidates, int i, const uint16_t* excluded, bool isOwn) {
+  CandidateWord* word = &candidates->word[i / CANDIDATE_WORD];
   for (int k = 0; k < TREE_WIDTH; k++) {
     const unsigned earlier = isOwn ? (2u << k) - 1 : 0;
-    word->allowed[k][i % CROWD_WORD] = (uint8_t)(~(excluded[k] | earlier) >> crowd->slot[i] % TREE_WIDTH);
+    word->allowed[k][i % CANDIDATE_WORD] = (uint8_t)(~(excluded[k] | earlier) >> candidates->slot[i] % TREE_WIDTH);
   }
 }
 
-static void restrictCrowd(const Pass* pass, int leaf) {
+static void restrictCandidates(const Pass* pass, int leaf) {
   static const uint16_t nothing[TREE_WIDTH] = {0};
   const Exclusions* exclusions = pass->sweep->exclusions;
-  Crowd* crowd = &pass->sweep->crowd;
-  for (int w = 0; w * CROWD_WORD < crowd->count; w++) {
-    memset(crowd->word[w].allowed, 0xff, sizeof crowd->word->allowed);
+  Candidates* candidates = &pass->sweep->candidates;
+  for (int w = 0; w * CANDIDATE_WORD < candidates->count; w++) {
+    memset(candidates->word[w].allowed, 0xff, sizeof candidates->word->allowed);
   }
-  for (int i = 0; i < crowd->count && crowd->slot[i] / TREE_WIDTH == leaf; i++) {
-    restrictPairs(crowd, i, nothing, true);
+  for (int i = 0; i < candidates->count && candidates->slot[i] / TREE_WIDTH == leaf; i++) {
+    restrictPairs(candidates, i, nothing, true);
   }
   int i = 0;
   for (int p = exclusionsFrom(exclusions, leaf, leaf); p < exclusions->begin[leaf + 1]; p++) {
     const int partner = exclusions->partner[p];
-    while (i < crowd->count && crowd->slot[i] / TREE_WIDTH < partner) {
+    while (i < candidates->count && candidates->slot[i] / TREE_WIDTH < partner) {
       i++;
     }
-    for (; i < crowd->count && crowd->slot[i] / TREE_WIDTH == partner; i++) {
-      restrictPairs(crowd, i, exclusions->mask[p], partner == leaf);
+    for (; i < candidates->count && candidates->slot[i] / TREE_WIDTH == partner; i++) {
+      restrictPairs(candidates, i, exclusions->mask[p], partner == leaf);
     }
   }
 }
 
 /* Turns what each octet comes near into what comes near each slot. */
-static void turnCrowd(Crowd* crowd) {
-  memset(crowd->near + crowd->count, 0, TREE_WIDTH * sizeof *crowd->near);
-  for (int first = 0; first < crowd->count; first += CROWD_WORD) {
-    uint64_t* near = crowd->word[first / CROWD_WORD].near;
-    memset(near, 0, sizeof crowd->word->near);
-    for (int i = first; i < first + CROWD_WORD && i < crowd->count; i += TREE_WIDTH) {
+static void transposeCandidates(Candidates* candidates) {
+  memset(candidates->near + candidates->count, 0, TREE_WIDTH * sizeof *candidates->near);
+  for (int first = 0; first < candidates->count; first += CANDIDATE_WORD) {
+    uint64_t* near = candidates->word[first / CANDIDATE_WORD].near;
+    memset(near, 0, sizeof candidates->word->near);
+    for (int i = first; i < first + CANDIDATE_WORD && i < candidates->count; i += TREE_WIDTH) {
       uint16_t columns[TREE_WIDTH];
-      transposeBits(crowd->near + i, columns);
+      transposeBits(candidates->near + i, columns);
       for (int k = 0; k < TREE_WIDTH; k++) {
         near[k] |= (uint64_t)columns[k] << (i - first);
       }
@@ -113,38 +114,38 @@ static void turnCrowd(Crowd* crowd) {
   }
 }
 
-/* Makes the crowd of a leaf from the leaves that come near it. */
-static void gatherCrowd(const Pass* pass, int leaf, int leafCount) {
+/* Gathers the candidates of a leaf from the leaves that come near it. */
+static void gatherCandidates(const Pass* pass, int leaf, int leafCount) {
   /* Of the leaf itself, slots before the last of each octet. */
   static const uint16_t earlier[OCTETS] = {0x7f, 0x7fff};
   static const uint16_t all[OCTETS] = {0xffff, 0xffff};
   const Sweep* sweep = pass->sweep;
-  Crowd* crowd = &pass->sweep->crowd;
+  Candidates* candidates = &pass->sweep->candidates;
   const Slots slots = slotsOf(&sweep->snapshot.leaf[leaf]);
-  const int own = joinCrowd(pass, &slots, leaf, 0, earlier);
+  const int own = addCandidates(pass, &slots, leaf, 0, earlier);
   int count = own;
   for (int i = 0; i < leafCount; i++) {
-    count = joinCrowd(pass, &slots, crowd->leaves[i], count, all);
+    count = addCandidates(pass, &slots, candidates->leaves[i], count, all);
   }
   pass->task->volumeTests += (leafCount + 1) * OCTETS * TREE_WIDTH;
-  crowd->count = count;
+  candidates->count = count;
   int lowest = INT_MAX;
   for (int i = 0; i < count; i++) {
-    const unsigned slot = (unsigned)crowd->slot[i];
+    const unsigned slot = (unsigned)candidates->slot[i];
     const int low = sweep->lowest[slot / OCTET_WIDTH];
     lowest = i >= own && low < lowest ? low : lowest;
-    crowd->x[i] = sweep->snapshot.leaf[slot / TREE_WIDTH].x + slot % TREE_WIDTH;
-    crowd->particle[i] = sweep->sequence->slotParticle + slot;
+    candidates->x[i] = sweep->snapshot.leaf[slot / TREE_WIDTH].x + slot % TREE_WIDTH;
+    candidates->particle[i] = sweep->sequence->slotParticle + slot;
   }
-  crowd->rises = sweep->highest[leaf] < lowest;
-  restrictCrowd(pass, leaf);
-  turnCrowd(crowd);
+  candidates->rises = sweep->highest[leaf] < lowest;
+  restrictCandidates(pass, leaf);
+  transposeCandidates(candidates);
 }
 
-/* ---- A slot and its crowd ---- */
+/* ---- A slot and its candidates ---- */
 
-/* A slot of a leaf, and one word of its crowd. */
-typedef struct Host {
+/* A slot of a leaf, and one word of its candidates. */
+typedef struct Row {
   Float8 x; /* of the slot, in all lanes */
   Float8 y;
   Float8 z;
@@ -152,45 +153,44 @@ typedef struct Host {
   const float* const* octets;
   const int* const* particles;
   int particle;
-} Host;
+} Row;
 
-CT_INLINE Host hostOf(const Pass* pass, int leaf, int k, int w) {
-  const Crowd* crowd = &pass->sweep->crowd;
+CT_INLINE Row rowOfSlot(const Pass* pass, int leaf, int k, int w) {
+  const Candidates* candidates = &pass->sweep->candidates;
   const Block* block = &pass->sweep->snapshot.leaf[leaf];
-  return (Host){all8(block->x[k]),
-                all8(block->y[k]),
-                all8(block->z[k]),
-                crowd->word[w].allowed[k],
-                crowd->x + w * CROWD_WORD,
-                crowd->particle + w * CROWD_WORD,
-                pass->sweep->sequence->slotParticle[leaf * TREE_WIDTH + k]};
+  return (Row){all8(block->x[k]),
+               all8(block->y[k]),
+               all8(block->z[k]),
+               candidates->word[w].allowed[k],
+               candidates->x + w * CANDIDATE_WORD,
+               candidates->particle + w * CANDIDATE_WORD,
+               pass->sweep->sequence->slotParticle[leaf * TREE_WIDTH + k]};
 }
 
-CT_INLINE Float8 squaredFromOctet(const Host* host, unsigned i) {
-  const float* x = host->octets[i];
-  return squared8(sub8(host->x, load8(x)), sub8(host->y, load8(x + TREE_WIDTH)),
-                  sub8(host->z, load8(x + 2 * TREE_WIDTH)));
+CT_INLINE Float8 squaredFromOctet(const Row* row, unsigned i) {
+  const float* x = row->octets[i];
+  return squared8(sub8(row->x, load8(x)), sub8(row->y, load8(x + TREE_WIDTH)), sub8(row->z, load8(x + 2 * TREE_WIDTH)));
 }
 
 /* Adds the neighbours of a slot; those of which float cannot tell by their distance in double. */
 static __attribute__((noinline)) void addDoubtful(const Pass* pass, int leaf, int k, int w) {
   const SweepTask* task = pass->task;
-  const Crowd* crowd = &pass->sweep->crowd;
+  const Candidates* candidates = &pass->sweep->candidates;
   PairSink* sink = task->sink;
-  const Host host = hostOf(pass, leaf, k, w);
+  const Row row = rowOfSlot(pass, leaf, k, w);
   const int slot = leaf * TREE_WIDTH + k;
-  for (uint64_t left = crowd->word[w].near[k]; left != 0; left &= left - 1) {
+  for (uint64_t left = candidates->word[w].near[k]; left != 0; left &= left - 1) {
     const unsigned i = (unsigned)__builtin_ctzll(left);
-    const Float8 squared = squaredFromOctet(&host, i);
-    unsigned near = greater8(all8(pass->nearSquared), squared) & host.allowed[i];
+    const Float8 squared = squaredFromOctet(&row, i);
+    unsigned near = greater8(all8(pass->nearSquared), squared) & row.allowed[i];
     unsigned doubtful = near & ~greater8(all8(pass->sureSquared), squared);
     for (; doubtful != 0; doubtful &= doubtful - 1) {
-      const int other = crowd->slot[w * CROWD_WORD + (int)i] + __builtin_ctz(doubtful);
+      const int other = candidates->slot[w * CANDIDATE_WORD + (int)i] + __builtin_ctz(doubtful);
       if (!task->isNear(task->context, slot, other, squaredApart(pass, slot, other))) {
         near &= ~(1u << __builtin_ctz(doubtful));
       }
     }
-    sink->count += pairs8(pass->sweep->ranks, near, host.particle, host.particles[i], sink->lower + sink->count,
+    sink->count += pairs8(pass->sweep->ranks, near, row.particle, row.particles[i], sink->lower + sink->count,
                           sink->higher + sink->count);
   }
 }
@@ -202,15 +202,15 @@ CT_INLINE void fetchAhead(const int* list) {
   }
 }
 
-/* Adds the neighbours of the slots of a leaf whose crowd has been gathered; `rises` is that of the crowd. False ends
+/* Adds the neighbours of the slots of a leaf whose candidates have been gathered; `rises` is theirs. False ends
  * the sweep. */
 CT_INLINE bool addNeighbors(const Pass* pass, int leaf, bool rises) {
-  const Crowd crowd = pass->sweep->crowd;
+  const Candidates candidates = pass->sweep->candidates;
   const Ranks* ranks = pass->sweep->ranks;
   PairSink* sink = pass->task->sink;
   for (int k = 0; k < TREE_WIDTH; k++) {
-    for (int w = 0; w * CROWD_WORD < crowd.count; w++) {
-      uint64_t left = crowd.word[w].near[k];
+    for (int w = 0; w * CANDIDATE_WORD < candidates.count; w++) {
+      uint64_t left = candidates.word[w].near[k];
       if (left == 0) {
         continue;
       }
@@ -218,7 +218,7 @@ CT_INLINE bool addNeighbors(const Pass* pass, int leaf, bool rises) {
         return false;
       }
       pass->task->particleTests += __builtin_popcountll(left) * OCTET_WIDTH;
-      const Host host = hostOf(pass, leaf, k, w);
+      const Row row = rowOfSlot(pass, leaf, k, w);
       int* lower = sink->lower + sink->count;
       int* higher = sink->higher + sink->count;
       fetchAhead(lower);
@@ -227,9 +227,9 @@ CT_INLINE bool addNeighbors(const Pass* pass, int leaf, bool rises) {
       size_t count = 0;
       for (; left != 0; left &= left - 1) {
         const unsigned i = (unsigned)__builtin_ctzll(left);
-        const unsigned near = under8(&under, squaredFromOctet(&host, i)) & host.allowed[i];
-        count += rises ? closeRanks8(ranks, near, host.particles[i], higher + count)
-                       : pairs8(ranks, near, host.particle, host.particles[i], lower + count, higher + count);
+        const unsigned near = under8(&under, squaredFromOctet(&row, i)) & row.allowed[i];
+        count += rises ? closeRanks8(ranks, near, row.particles[i], higher + count)
+                       : pairs8(ranks, near, row.particle, row.particles[i], lower + count, higher + count);
       }
       if (someBetween8(&under)) {
         addDoubtful(pass, leaf, k, w);
@@ -239,7 +239,7 @@ CT_INLINE bool addNeighbors(const Pass* pass, int leaf, bool rises) {
       /* So many at a time that once is mostly enough: how many there are is hard to foresee. */
       for (size_t n = 0; n < count && rises; n += LOWER_AT_ONCE) {
         for (size_t j = n; j < n + LOWER_AT_ONCE; j++) {
-          lower[j] = host.particle;
+          lower[j] = row.particle;
         }
       }
     }
@@ -248,7 +248,7 @@ CT_INLINE bool addNeighbors(const Pass* pass, int leaf, bool rises) {
 }
 
 static bool addNeighborsOfLeaf(const Pass* pass, int leaf) {
-  return pass->sweep->crowd.rises ? addNeighbors(pass, leaf, true) : addNeighbors(pass, leaf, false);
+  return pass->sweep->candidates.rises ? addNeighbors(pass, leaf, true) : addNeighbors(pass, leaf, false);
 }
 
 /* Leaf after leaf, each with itself and those behind it: rows of pairs that ascend if particles and slots do. */
@@ -257,7 +257,7 @@ static void addAllNeighbors(const Pass* pass) {
   const Tree* layout = sweep->layout;
   const int top = treeTop(layout);
   if (top == 0) {
-    gatherCrowd(pass, 0, 0);
+    gatherCandidates(pass, 0, 0);
     addNeighborsOfLeaf(pass, 0);
     return;
   }
@@ -270,7 +270,7 @@ static void addAllNeighbors(const Pass* pass) {
     int members;
     const int first = treeChildren(layout, 1, node, &members);
     for (int k = 0; k < members; k++) {
-      gatherCrowd(pass, first + k, listNear(pass, node, k, nodeCount));
+      gatherCandidates(pass, first + k, listNear(pass, node, k, nodeCount));
       if (!addNeighborsOfLeaf(pass, first + k)) {
         return;
       }
