@@ -156,8 +156,8 @@ FAULTS = [
           "pairs[count + 1][0] = b;", "pairs[count + 1][0] = a;"),
     Fault("exclusion: leaves after the first partner are lost in sweeps", "sweep_body.h",
           "exclusions->partner[partner] < pair.b", "exclusions->partner[partner] <= pair.b"),
-    Fault("exclusion: the search for a partner goes too far", "exclusion.h",
-          "exclusions->partner[middle] < leafB", "exclusions->partner[middle] <= leafB"),
+    Fault("exclusion: the search for a partner goes too far", "order.h",
+          "values[middle] < value", "values[middle] <= value"),
     # ---- Limits ----
     Fault("limit: the search goes too far", "exclusion.c",
           "limits->keys[middle] < key", "limits->keys[middle] <= key"),

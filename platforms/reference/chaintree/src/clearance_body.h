@@ -176,8 +176,7 @@ static Partners partnersOf(const Block* block) {
 /* Squared distances from a member less those at which the two would meet: a root for each would cost more than all
  * else.
  */
-static inline __attribute__((always_inline)) Float16 beyondMeeting(const Partners* partners, const Block* block, int k,
-                                                                   float room) {
+CT_INLINE Float16 beyondMeeting(const Partners* partners, const Block* block, int k, float room) {
   const Float16 squared = squared16(sub16(partners->x, all16(block->x[k])), sub16(partners->y, all16(block->y[k])),
                                     sub16(partners->z, all16(block->z[k])));
   const float reach = block->r[k] + room;

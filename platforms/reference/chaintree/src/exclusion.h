@@ -25,17 +25,7 @@ bool ctExclusionsBuild(Exclusions* exclusions, Arena* arena, const Sequence* seq
 
 /* Where the partners of leafA begin that are not before leafB. O(log of their number). */
 static inline int exclusionsFrom(const Exclusions* exclusions, int leafA, int leafB) {
-  int low = exclusions->begin[leafA];
-  int high = exclusions->begin[leafA + 1];
-  while (low < high) {
-    const int middle = low + (high - low) / 2;
-    if (exclusions->partner[middle] < leafB) {
-      low = middle + 1;
-    } else {
-      high = middle;
-    }
-  }
-  return low;
+  return ascendingFrom(exclusions->partner, exclusions->begin[leafA], exclusions->begin[leafA + 1], leafB);
 }
 
 /* Where leafB is among the partners of leafA, or CT_NULL. */

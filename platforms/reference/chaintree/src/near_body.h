@@ -4,8 +4,6 @@
 #include "pairs.h"
 #include "volume.h"
 
-#define CT_INLINE static inline __attribute__((always_inline))
-
 /* Functions that are compiled for clashes and for neighbours: `surfaces` is a constant wherever they are used. */
 #define CT_FOR_BOTH CT_INLINE
 

@@ -16,6 +16,19 @@ void ctSpatialOrder(int* ids, int count, const double* points);
 /* Ascending. */
 void ctSortInts(int* values, int count);
 
+/* Of ascending values [begin, end) where those begin that are not below one. O(log of their number). */
+static inline int ascendingFrom(const int* values, int begin, int end, int value) {
+  while (begin < end) {
+    const int middle = begin + (end - begin) / 2;
+    if (values[middle] < value) {
+      begin = middle + 1;
+    } else {
+      end = middle;
+    }
+  }
+  return begin;
+}
+
 /* Sorts pairs of ids below idCount by the first, then the second. O(count + idCount). False, and nothing changed, if
  * there is no memory. */
 bool ctSortPairs(size_t count, int* firsts, int* seconds, int idCount);

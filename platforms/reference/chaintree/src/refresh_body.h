@@ -27,7 +27,7 @@ static Bound boundOfLeaf(const Leaf* leaf) {
 /* ---- Update, bottom-up ---- */
 
 /* What the tree keeps of a link that begins where a walk is. A call would put the walk's frame into memory. */
-static inline __attribute__((always_inline)) void keepLink(Tree* tree, const Sequence* s, const Walk* walk) {
+CT_INLINE void keepLink(Tree* tree, const Sequence* s, const Walk* walk) {
   const int link = walk->link;
   rotate(&walk->frame, s->axis[link], tree->axis[link]);
   if (walk->openCount == 1 && s->twigHead[s->twigOf[link]] == link) {
@@ -36,8 +36,7 @@ static inline __attribute__((always_inline)) void keepLink(Tree* tree, const Seq
 }
 
 /* Places slots [begin, end) of a leaf; the walk is at the link of the first one, and goes on to that of the last. */
-static inline __attribute__((always_inline)) void placeSlots(Tree* tree, const Sequence* s, Walk* walk, int begin,
-                                                             int end) {
+CT_INLINE void placeSlots(Tree* tree, const Sequence* s, Walk* walk, int begin, int end) {
   Leaf* leaf = &tree->leaf[begin / TREE_WIDTH];
   if (s->slotBegin[walk->link] == begin) {
     keepLink(tree, s, walk);

@@ -96,17 +96,8 @@ bool ctSelectionHolds(const ctSelection* selection, int particle) {
   if (slot != CT_NULL) {
     return (selection->mask[slot / TREE_WIDTH] >> slot % TREE_WIDTH & 1) != 0;
   }
-  int low = 0;
-  int high = selection->idleCount;
-  while (low < high) {
-    const int middle = (low + high) / 2;
-    if (selection->idle[middle] < particle) {
-      low = middle + 1;
-    } else {
-      high = middle;
-    }
-  }
-  return low < selection->idleCount && selection->idle[low] == particle;
+  const int i = ascendingFrom(selection->idle, 0, selection->idleCount, particle);
+  return i < selection->idleCount && selection->idle[i] == particle;
 }
 
 /* ---- The list of a scene ---- */

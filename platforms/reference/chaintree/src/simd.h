@@ -9,6 +9,9 @@
 #include <stdbool.h>
 #include <stdint.h>
 
+/* Functions that vectors go into and constants: a call would hand sixteen floats over by way of memory. */
+#define CT_INLINE static inline __attribute__((always_inline))
+
 #if defined(CT_PATH_AVX512)
 
 #include <immintrin.h>

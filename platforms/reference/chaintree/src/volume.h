@@ -31,8 +31,8 @@ static inline Sphere sphereOf(const Block* block, int k) {
   return (Sphere){block->x[k], block->y[k], block->z[k], block->r[k]};
 }
 
-/* Squared distances of all members from a point. A call would hand sixteen floats over by way of memory. */
-static inline __attribute__((always_inline)) Float16 squaredFrom(const Block* block, float x, float y, float z) {
+/* Squared distances of all members from a point. */
+CT_INLINE Float16 squaredFrom(const Block* block, float x, float y, float z) {
   return squared16(sub16(load16(block->x), all16(x)), sub16(load16(block->y), all16(y)),
                    sub16(load16(block->z), all16(z)));
 }
