@@ -244,10 +244,8 @@ static bool allocateSequence(Sequence* s, Arena* arena, const ctDefinition* d, i
   s->pathPosition = ctArenaAllocate(arena, links, sizeof(int));
   s->reference = ctArenaAllocate(arena, 3 * particles, sizeof(double));
   s->angle = ctArenaAllocate(arena, links, sizeof(double));
-  s->cosine = ctArenaAllocate(arena, links, sizeof(double));
-  s->sine = ctArenaAllocate(arena, links, sizeof(double));
+  s->rodrigues = ctArenaAllocate(arena, links, sizeof(double));
   s->displaced = ctArenaAllocate(arena, links, sizeof(int));
-  s->axis = ctArenaAllocate(arena, links, sizeof(double[3]));
   int placements = 0;
   for (int u = 0; u < d->linkCount; u++) {
     placements += d->linkJoints[u] == ctFreeJoint;

@@ -26,31 +26,70 @@ static Bound boundOfLeaf(const Leaf* leaf) {
 
 /* ---- Update, bottom-up ---- */
 
-/* What the tree keeps of a link that begins where a walk is. A call would put the walk's frame into memory. */
-CT_INLINE void keepLink(Tree* tree, const Sequence* s, const Walk* walk) {
-  const int link = walk->link;
-  rotate(&walk->frame, s->axis[link], tree->axis[link]);
-  if (walk->openCount == 1 && s->twigHead[s->twigOf[link]] == link) {
-    tree->stem[s->twigOf[link]] = walk->stem[0];
+/* Openings of links in a row, by entries of a Frame's m. */
+typedef struct Openings {
+  int first; /* link */
+  double m[12][TREE_WIDTH];
+} Openings;
+
+/* Those of links [begin, end), no more than TREE_WIDTH. */
+static void openLinks(const Sequence* s, int begin, int end, Openings* openings) {
+  openings->first = begin;
+  double w[3][TREE_WIDTH];
+  bool onlyTorsions = true;
+  for (int i = 0; i < TREE_WIDTH; i++) {
+    const int link = begin + i;
+    double offset[3] = {0, 0, 0};
+    double vector[3] = {0, 0, 0};
+    if (link < end) {
+      sequenceOffset(s, link, offset);
+      if (s->joint[link] == ctTorsionJoint) {
+        sequenceRodrigues(s, link, vector);
+      } else {
+        onlyTorsions = false;
+      }
+    }
+    for (int k = 0; k < 3; k++) {
+      w[k][i] = vector[k];
+      openings->m[4 * k + 3][i] = offset[k];
+    }
+  }
+  for (int i = 0; i < TREE_WIDTH; i++) {
+    rotationFromRodrigues(w[0][i], w[1][i], w[2][i], &openings->m[0][i], TREE_WIDTH);
+  }
+  for (int link = begin; link < end && !onlyTorsions; link++) {
+    const Frame opening = sequenceOpening(s, link);
+    for (int k = 0; k < 12; k++) {
+      openings->m[k][link - begin] = opening.m[k / 4][k % 4];
+    }
   }
 }
 
-/* Places slots [begin, end) of a leaf; the walk is at the link of the first one, and goes on to that of the last. */
-CT_INLINE void placeSlots(Tree* tree, const Sequence* s, Walk* walk, int begin, int end) {
+/* If a walk is at the head of a twig, the tree keeps where that hangs. */
+CT_INLINE void keepStem(Tree* tree, const Sequence* s, const Walk* walk) {
+  if (walk->openCount == 1 && s->twigHead[s->twigOf[walk->link]] == walk->link) {
+    tree->stem[s->twigOf[walk->link]] = frameOfColumns(&walk->stem[0]);
+  }
+}
+
+/* Places slots [begin, end) of a leaf, and takes a walk from the link of the first one, whose followers are opened, to
+ * that of the last. A call would put the walk's frame into memory. */
+CT_INLINE void placeSlots(Tree* tree, const Sequence* s, Walk* walk, const Openings* openings, int begin, int end) {
   Leaf* leaf = &tree->leaf[begin / TREE_WIDTH];
   if (s->slotBegin[walk->link] == begin) {
-    keepLink(tree, s, walk);
+    keepStem(tree, s, walk);
   }
   for (int slot = begin; slot < end; slot++) {
-    while (walk->link < s->slotLink[slot]) {
-      walkOn(walk, s);
-      keepLink(tree, s, walk);
+    if (walk->link < s->slotLink[slot]) {
+      walkOn(walk, s, &openings->m[0][walk->link + 1 - openings->first], TREE_WIDTH);
+      keepStem(tree, s, walk);
     }
     const int particle = s->slotParticle[slot];
     if (particle != CT_NULL) {
-      double x[3];
-      sequenceLocal(s, particle, x);
-      transformPoint(&walk->frame, x, x);
+      double local[3];
+      sequenceLocal(s, particle, local);
+      const Column* c = walk->frame.column;
+      const Column x = c[0] * local[0] + c[1] * local[1] + (c[2] * local[2] + c[3]);
       leaf->x[slot % TREE_WIDTH] = x[0];
       leaf->y[slot % TREE_WIDTH] = x[1];
       leaf->z[slot % TREE_WIDTH] = x[2];
@@ -58,22 +97,16 @@ CT_INLINE void placeSlots(Tree* tree, const Sequence* s, Walk* walk, int begin, 
   }
 }
 
-/* Takes a walk from a leaf's last link to the frame of the next leaf. */
-static void walkToLeaf(Walk* walk, const Sequence* s, int leaf) {
-  int link = s->slotLink[leaf * TREE_WIDTH];
+/* Takes a walk from a leaf's last link to the frame of the next leaf, whose first link is among those opened. */
+CT_INLINE void walkToLeaf(Walk* walk, const Sequence* s, const Openings* openings, int leaf) {
+  const int link = s->slotLink[leaf * TREE_WIDTH];
   const int twig = s->twigOf[link];
   if (twig != CT_NULL && s->twigHead[twig] <= walk->link) {
     walk->frame = walk->stem[0];
-    return;
-  }
-  link = twig == CT_NULL ? link : s->twigHead[twig];
-  while (walk->link < link - 1) {
-    walkOn(walk, s);
-  }
-  if (walk->link < link) {
+  } else if (walk->link < link) {
     walkLeave(walk, s);
     if (twig == CT_NULL) {
-      walkEnter(walk, s, link);
+      walkEnter(walk, s, link, &openings->m[0][link - openings->first], TREE_WIDTH);
     }
   }
 }
@@ -90,13 +123,17 @@ static void refreshLeaf(Tree* tree, const Sequence* sequence, int leaf) {
   const int end = begin + TREE_WIDTH < tree->slotCount ? begin + TREE_WIDTH : tree->slotCount;
   Walk walk;
   treeWalk(&walk, sequence, leaf);
-  placeSlots(tree, sequence, &walk, begin, end);
+  const int last = sequence->slotLink[end < tree->slotCount ? end : end - 1];
+  Openings openings;
+  openLinks(sequence, walk.link + 1, last + 1, &openings);
+  placeSlots(tree, sequence, &walk, &openings, begin, end);
   if (end < tree->slotCount) {
-    walkToLeaf(&walk, sequence, leaf + 1);
+    walkToLeaf(&walk, sequence, &openings, leaf + 1);
   }
+  const Frame shortcut = frameOfColumns(&walk.frame);
   /* Bits are meant, of which 0 has two kinds. NOLINTNEXTLINE(bugprone-suspicious-memory-comparison) */
-  if (memcmp(tree->shortcut[leaf].m, walk.frame.m, sizeof walk.frame.m) != 0) {
-    tree->shortcut[leaf] = walk.frame;
+  if (memcmp(tree->shortcut[leaf].m, shortcut.m, sizeof shortcut.m) != 0) {
+    tree->shortcut[leaf] = shortcut;
     tree->shortcutTime[leaf] = tree->time;
   }
   noteLeaf(tree, leaf);
@@ -113,7 +150,9 @@ static void refreshTwig(Tree* tree, const Sequence* sequence, int link, int leaf
   const Frame stem = beginsHere ? tree->stem[twig] : transformIdentity();
   Walk walk;
   walkBeginInTwig(&walk, sequence, sequence->slotLink[begin], &stem);
-  placeSlots(tree, sequence, &walk, begin, end);
+  Openings openings;
+  openLinks(sequence, walk.link + 1, sequence->slotLink[end - 1] + 1, &openings);
+  placeSlots(tree, sequence, &walk, &openings, begin, end);
   noteLeaf(tree, leaf);
 }
 

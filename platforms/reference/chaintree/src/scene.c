@@ -13,7 +13,7 @@ ctStatus ctFail(ctChainTree* scene, ctStatus status, const char* format, ...) {
 
 Tree* ctSceneTree(ctChainTree* scene) {
   if (scene->staleTree.isStale) {
-    ctSequenceRefresh(&scene->sequence);
+    ctPathsMultiply(&scene->sequence);
     ctTreeRefresh(&scene->staleTree, &scene->sequence);
   }
   return &scene->staleTree;

@@ -32,13 +32,12 @@ static void findOrigin(Sequence* s) {
   }
 }
 
-static const JointState REFERENCE_JOINT = {0, 1, 0, {{1, 0, 0, 0}, {0, 0, 0}}};
+static const JointState REFERENCE_JOINT = {0, {{1, 0, 0, 0}, {0, 0, 0}}};
 
 void ctSequenceResetTorsions(Sequence* s) {
   for (int link = 0; link < s->linkCount; link++) {
     s->angle[link] = REFERENCE_JOINT.angle;
-    s->cosine[link] = REFERENCE_JOINT.cosine;
-    s->sine[link] = REFERENCE_JOINT.sine;
+    s->rodrigues[link] = 0;
     s->displaced[link] = 0;
   }
   s->displacedCount = 0;
@@ -62,41 +61,17 @@ void ctSequenceSetReference(Sequence* s, const double* positions) {
 }
 
 bool ctSequenceCanTurn(const Sequence* s, int link, const double* reference) {
-  const double* origin = reference + 3 * (size_t)s->originParticle[link];
-  return squaredDistance(origin, reference + 3 * (size_t)s->axisParticle[link]) > 0;
-}
-
-void ctSequenceRefresh(Sequence* s) {
-  for (int link = 1; link < s->linkCount; link++) {
-    if (s->joint[link] == ctTorsionJoint) {
-      double* axis = s->axis[link];
-      subtract(s->reference + 3 * (size_t)s->originParticle[link], s->reference + 3 * (size_t)s->axisParticle[link],
-               axis);
-      const double length = sqrt(dot(axis, axis));
-      for (int k = 0; k < 3; k++) {
-        axis[k] = length > 0 ? axis[k] / length : 0;
-      }
-    }
-  }
-  ctPathsMultiply(s);
+  double axis[3];
+  sequenceAxis(s, link, reference, axis);
+  return dot(axis, axis) > 0;
 }
 
 JointState ctSequenceGetJoint(const Sequence* s, int link) {
   JointState joint = REFERENCE_JOINT;
   joint.angle = s->angle[link];
-  joint.cosine = s->cosine[link];
-  joint.sine = s->sine[link];
   if (s->placementOf[link] != CT_NULL) {
     joint.placement = s->placement[s->placementOf[link]];
   }
-  return joint;
-}
-
-JointState ctJointAt(double angle) {
-  JointState joint = REFERENCE_JOINT;
-  joint.angle = angle;
-  joint.cosine = cos(angle);
-  joint.sine = sin(angle);
   return joint;
 }
 
@@ -139,11 +114,19 @@ static bool isDisplaced(const Sequence* s, int link) {
          position[2] != offset[2];
 }
 
+static double rodriguesAt(const Sequence* s, int link, double angle) {
+  if (angle == 0) { /* also where there is no axis */
+    return 0;
+  }
+  double axis[3];
+  sequenceAxis(s, link, s->reference, axis);
+  return rodriguesFactor(axis, angle);
+}
+
 void ctSequenceSetJoint(Sequence* s, int link, const JointState* joint) {
   const int before = isDisplaced(s, link);
   s->angle[link] = joint->angle;
-  s->cosine[link] = joint->cosine;
-  s->sine[link] = joint->sine;
+  s->rodrigues[link] = rodriguesAt(s, link, joint->angle);
   if (s->placementOf[link] != CT_NULL) {
     s->placement[s->placementOf[link]] = joint->placement;
   }

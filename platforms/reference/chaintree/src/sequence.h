@@ -36,9 +36,7 @@ typedef struct Placement {
 
 /* All that the state says of one joint. */
 typedef struct JointState {
-  double angle; /* torsion: turned since the reference, in [-pi, pi] */
-  double cosine;
-  double sine;
+  double angle;        /* torsion: turned since the reference, in [-pi, pi] */
   Placement placement; /* free joint */
 } JointState;
 
@@ -94,12 +92,10 @@ typedef struct Sequence {
   double* reference; /* 3 * particleCount, the caller's bits */
   double worldOrigin[3];
   double* angle;
-  double* cosine;
-  double* sine;
+  double* rodrigues; /* of a torsion joint: its Rodrigues vector over its axis */
   Placement* placement;
   int* displaced;     /* per link that is a branch: how many of its joints are off the reference */
   int displacedCount; /* sum of those */
-  double (*axis)[3];  /* unit vector of the torsion axis in the reference; 0 if its particles coincide */
 } Sequence;
 
 /* Lays out a checked definition, without state. False if there is no memory. */
@@ -111,14 +107,10 @@ bool ctPathsBuild(Sequence* sequence, Arena* arena);
 /* Nothing is displaced, as far as torsions go; placements are set with each reference. */
 void ctSequenceResetTorsions(Sequence* sequence);
 
-/* Makes finite positions the reference: angles 0, nothing displaced. Axes and products are stale until
- * ctSequenceRefresh. */
+/* Makes finite positions the reference: angles 0, nothing displaced. Products are stale until ctPathsMultiply. */
 void ctSequenceSetReference(Sequence* sequence, const double* positions);
 
-/* Recomputes all axes and products of paths. */
-void ctSequenceRefresh(Sequence* sequence);
-
-/* The part of it that multiplies. */
+/* Recomputes all products of paths. */
 void ctPathsMultiply(Sequence* sequence);
 
 /* Whether the axis particles of a torsion joint are apart in these reference positions. */
@@ -127,10 +119,9 @@ bool ctSequenceCanTurn(const Sequence* sequence, int link, const double* referen
 /* An angle in [-pi, pi] plus any other, in [-pi, pi] again. */
 double ctAngleTurned(double angle, double turn);
 
-/* The state of a joint; that of a torsion at an angle in [-pi, pi]; and a state moved in the parent's frame by a
- * rotation vector about pivot and then a shift (free joint). */
+/* The state of a joint; and a state moved in the parent's frame by a rotation vector about pivot and then a shift (free
+ * joint). */
 JointState ctSequenceGetJoint(const Sequence* sequence, int link);
-JointState ctJointAt(double angle);
 JointState ctJointMoved(const JointState* joint, const double rotation[3], const double pivot[3],
                         const double shift[3]);
 
@@ -157,13 +148,29 @@ static inline void sequenceOffset(const Sequence* s, int link, double offset[3])
   subtract(sequenceOrigin(s, link), sequenceOrigin(s, s->parent[link]), offset);
 }
 
+/* The axis of a torsion joint in reference positions, along which it turns right-handed: 0 if its particles coincide.
+ */
+static inline void sequenceAxis(const Sequence* s, int link, const double* reference, double axis[3]) {
+  subtract(reference + 3 * (size_t)s->originParticle[link], reference + 3 * (size_t)s->axisParticle[link], axis);
+}
+
+/* The Rodrigues vector of a torsion joint. */
+static inline void sequenceRodrigues(const Sequence* s, int link, double w[3]) {
+  sequenceAxis(s, link, s->reference, w);
+  for (int k = 0; k < 3; k++) {
+    w[k] *= s->rodrigues[link];
+  }
+}
+
 /* The frame of a link in its parent's frame. */
 static inline Frame sequenceOpening(const Sequence* s, int link) {
   Frame opening;
   if (s->joint[link] == ctTorsionJoint) {
     double offset[3];
+    double w[3];
     sequenceOffset(s, link, offset);
-    rotationAbout(s->axis[link], s->cosine[link], s->sine[link], &opening);
+    sequenceRodrigues(s, link, w);
+    rotationFromRodrigues(w[0], w[1], w[2], opening.m[0], 1);
     setTranslation(&opening, offset);
   } else {
     const Placement* placement = &s->placement[s->placementOf[link]];
@@ -183,59 +190,71 @@ enum { MOST_OPEN_TWIGS = 5 };
 
 /* A walk along the sequence: where a link is in the frame from which the walk began. */
 typedef struct Walk {
+  Columns frame;
+  Columns stem[MOST_OPEN_TWIGS]; /* of the twigs that the link is in: the frame of the link on which each hangs */
+  int openCount;
   int link;
-  Frame frame;
-  int openCount;               /* twigs that the link is in */
-  Frame stem[MOST_OPEN_TWIGS]; /* the frame of the link on which each of them hangs */
 } Walk;
 
 /* Begins at a link that is in no twig. */
-static inline void walkBegin(Walk* walk, int link) {
-  walk->link = link;
-  walk->frame = transformIdentity();
+CT_INLINE void walkBegin(Walk* walk, int link) {
+  const Frame identity = transformIdentity();
+  columnsOf(&identity, &walk->frame);
   walk->openCount = 0;
+  walk->link = link;
 }
 
-/* On to a link that hangs on the walk's. */
-static inline void walkEnter(Walk* walk, const Sequence* s, int link) {
+/* On to a link that hangs on the walk's, by its opening as columnsCompose takes it. */
+CT_INLINE void walkEnter(Walk* walk, const Sequence* s, int link, const double* opening, size_t stride) {
   if (s->twigOf[link] != CT_NULL && s->end[link] != s->end[s->parent[link]]) {
     walk->stem[walk->openCount++] = walk->frame;
   }
-  const Frame opening = sequenceOpening(s, link);
-  walk->frame = transformCompose(&walk->frame, &opening);
+  columnsCompose(&walk->frame, opening, stride);
   walk->link = link;
 }
 
 /* Back to the link on which the next one hangs, if that is not the walk's own. */
-static inline void walkLeave(Walk* walk, const Sequence* s) {
+CT_INLINE void walkLeave(Walk* walk, const Sequence* s) {
   const int parent = s->parent[walk->link + 1];
   if (parent != walk->link) {
-    walk->frame = walk->openCount > 0 ? walk->stem[--walk->openCount]
-                                      : transformCompose(&walk->frame, &s->closure[s->pathOf[walk->link]]);
+    if (walk->openCount > 0) {
+      walk->frame = walk->stem[--walk->openCount];
+    } else {
+      columnsCompose(&walk->frame, s->closure[s->pathOf[walk->link]].m[0], 1);
+    }
     walk->link = parent;
   }
 }
 
 /* On to the next link. */
-static inline void walkOn(Walk* walk, const Sequence* s) {
+CT_INLINE void walkOn(Walk* walk, const Sequence* s, const double* opening, size_t stride) {
   const int next = walk->link + 1;
   walkLeave(walk, s);
-  walkEnter(walk, s, next);
+  walkEnter(walk, s, next, opening, stride);
+}
+
+/* On to a link that is not before the walk's. */
+static inline void walkTo(Walk* walk, const Sequence* s, int link) {
+  while (walk->link < link) {
+    const Frame opening = sequenceOpening(s, walk->link + 1);
+    walkOn(walk, s, opening.m[0], 1);
+  }
 }
 
 /* Begins at a link in a twig, where the frame of the link on which that hangs is `stem`. */
-static inline void walkBeginInTwig(Walk* walk, const Sequence* s, int link, const Frame* stem) {
+CT_INLINE void walkBeginInTwig(Walk* walk, const Sequence* s, int link, const Frame* stem) {
   int way[TWIG_SLOTS]; /* links have a slot at least */
   int count = 0;
   const int end = sequenceStem(s, s->twigOf[link]);
   for (int l = link; l != end; l = s->parent[l]) {
     way[count++] = l;
   }
-  walk->link = end;
-  walk->frame = *stem;
+  columnsOf(stem, &walk->frame);
   walk->openCount = 0;
+  walk->link = end;
   while (count > 0) {
-    walkEnter(walk, s, way[--count]);
+    const Frame opening = sequenceOpening(s, way[--count]);
+    walkEnter(walk, s, way[count], opening.m[0], 1);
   }
 }
 

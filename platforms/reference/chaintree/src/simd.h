@@ -9,8 +9,7 @@
 #include <stdbool.h>
 #include <stdint.h>
 
-/* Functions that vectors go into and constants: a call would hand sixteen floats over by way of memory. */
-#define CT_INLINE static inline __attribute__((always_inline))
+#include "inline.h"
 
 #if defined(CT_PATH_AVX512)
 

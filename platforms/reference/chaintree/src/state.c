@@ -47,12 +47,13 @@ static void writeJoint(const Sequence* s, int link, double* numbers) {
 }
 
 static JointState readJoint(const Sequence* s, int link, const double* numbers) {
-  if (s->joint[link] == ctTorsionJoint) {
-    return ctJointAt(numbers[0]);
-  }
   JointState joint = ctSequenceGetJoint(s, link);
-  memcpy(joint.placement.quaternion, numbers, sizeof joint.placement.quaternion);
-  memcpy(joint.placement.position, numbers + 4, sizeof joint.placement.position);
+  if (s->joint[link] == ctTorsionJoint) {
+    joint.angle = numbers[0];
+  } else {
+    memcpy(joint.placement.quaternion, numbers, sizeof joint.placement.quaternion);
+    memcpy(joint.placement.position, numbers + 4, sizeof joint.placement.position);
+  }
   return joint;
 }
 

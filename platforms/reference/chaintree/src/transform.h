@@ -6,6 +6,7 @@
 #include <math.h>
 
 #include "chaintree.h"
+#include "inline.h"
 
 /* A rigid transform, x -> the rotation in columns 0 to 2 times x, plus column 3: rows that vector units take whole. */
 typedef struct Frame {
@@ -97,6 +98,40 @@ static inline void transformPointBack(const Frame* t, const double x[3], double 
   rotateBack(t, y, y);
 }
 
+/* A frame by its columns, which take others in without shuffling; the fourth lane is 0. */
+typedef double Column __attribute__((vector_size(32)));
+
+typedef struct Columns {
+  Column column[4];
+} Columns;
+
+CT_INLINE void columnsOf(const Frame* t, Columns* columns) {
+  for (int j = 0; j < 4; j++) {
+    columns->column[j] = (Column){t->m[0][j], t->m[1][j], t->m[2][j], 0};
+  }
+}
+
+static inline Frame frameOfColumns(const Columns* columns) {
+  Frame t;
+  for (int i = 0; i < 3; i++) {
+    for (int j = 0; j < 4; j++) {
+      t.m[i][j] = columns->column[j][i];
+    }
+  }
+  return t;
+}
+
+/* a(b(x)) becomes a, where b is given by the entries of its m, `stride` apart. */
+CT_INLINE void columnsCompose(Columns* a, const double* b, size_t stride) {
+  const Column x = a->column[0];
+  const Column y = a->column[1];
+  const Column z = a->column[2];
+  for (size_t j = 0; j < 3; j++) {
+    a->column[j] = x * b[j * stride] + y * b[(4 + j) * stride] + z * b[(8 + j) * stride];
+  }
+  a->column[3] = x * b[3 * stride] + y * b[7 * stride] + (z * b[11 * stride] + a->column[3]);
+}
+
 /* x -> a(b(x)) */
 static inline Frame transformCompose(const Frame* a, const Frame* b) {
   Frame c;
@@ -123,20 +158,27 @@ static inline Frame transformInverse(const Frame* a) {
   return c;
 }
 
-/* Makes the rotation of t that about a unit axis by an angle of this cosine and sine, right-handed. */
-static inline void rotationAbout(const double u[3], double cosine, double sine, Frame* t) {
-  const double rest = 1 - cosine;
-  const double x = rest * u[0];
-  const double y = rest * u[1];
-  t->m[0][0] = cosine + x * u[0];
-  t->m[1][1] = cosine + y * u[1];
-  t->m[2][2] = cosine + rest * u[2] * u[2];
-  t->m[0][1] = x * u[1] - sine * u[2];
-  t->m[1][0] = x * u[1] + sine * u[2];
-  t->m[0][2] = x * u[2] + sine * u[1];
-  t->m[2][0] = x * u[2] - sine * u[1];
-  t->m[1][2] = y * u[2] - sine * u[0];
-  t->m[2][1] = y * u[2] + sine * u[0];
+/* A rotation about an axis times this is its Rodrigues vector: as long as the tangent of half the angle. */
+static inline double rodriguesFactor(const double axis[3], double angle) {
+  /* Sine and cosine together take less time than a tangent. */
+  return sin(0.5 * angle) / (cos(0.5 * angle) * sqrt(dot(axis, axis)));
+}
+
+/* The rotation of a Rodrigues vector, right-handed, into entries of a Frame's m that are `stride` apart. */
+static inline void rotationFromRodrigues(double wx, double wy, double wz, double* m, size_t stride) {
+  const double f = 2 / (1 + (wx * wx + wy * wy + wz * wz));
+  const double x = f * wx;
+  const double y = f * wy;
+  const double z = f * wz;
+  m[0] = 1 - (y * wy + z * wz);
+  m[stride] = x * wy - z;
+  m[2 * stride] = x * wz + y;
+  m[4 * stride] = x * wy + z;
+  m[5 * stride] = 1 - (x * wx + z * wz);
+  m[6 * stride] = y * wz - x;
+  m[8 * stride] = x * wz - y;
+  m[9 * stride] = y * wz + x;
+  m[10 * stride] = 1 - (x * wx + y * wy);
 }
 
 /* Makes t its own rotation about a point, followed by a shift. */

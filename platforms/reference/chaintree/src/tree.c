@@ -4,6 +4,10 @@
 
 #include "instructions.h"
 
+/* A line through two points is taken from where those are if its squared length is more than this part of how far they
+ * are from their origin: then it is exact to some hundredths of DOUBLE_MARGIN. */
+#define LEAST_LINE (1.0 / 1024)
+
 /* Particles of a link that have no slot, if the link begins at this slot. */
 static int idleAt(const Sequence* sequence, int slot, const int** idle) {
   const int link = sequence->slotLink[slot];
@@ -67,7 +71,6 @@ bool ctTreeBuild(Tree* tree, Arena* arena, const Sequence* sequence, const struc
   tree->shortcutTime = ctArenaAllocate(arena, items, sizeof(int64_t));
   tree->leaf = ctArenaAllocate(arena, (size_t)tree->levelBegin[1], sizeof(Leaf));
   tree->members = ctArenaAllocate(arena, items - (size_t)tree->levelBegin[1], sizeof(Members));
-  tree->axis = ctArenaAllocate(arena, (size_t)sequence->linkCount, sizeof(double[3]));
   tree->stem = ctArenaAllocate(arena, (size_t)sequence->twigCount, sizeof(Frame));
   tree->sum = ctArenaAllocate(arena, items, sizeof(double[3]));
   tree->hasSum = ctArenaAllocate(arena, items, sizeof(bool));
@@ -212,21 +215,34 @@ Frame ctTreeFrame(const Tree* tree, int level, int item) {
 Frame ctTreeLinkInLeaf(const Sequence* sequence, int link) {
   Walk walk;
   treeWalk(&walk, sequence, sequence->slotBegin[link] / TREE_WIDTH);
-  while (walk.link < link) {
-    walkOn(&walk, sequence);
+  walkTo(&walk, sequence, link);
+  return frameOfColumns(&walk.frame);
+}
+
+/* Where two particles are in a leaf's frame; false if one is not there, or if they are so close together that
+ * rounding of where they are could turn the line through them. */
+static bool lineInLeaf(const Tree* tree, const Sequence* sequence, int leaf, int from, int to, double point[3],
+                       double direction[3]) {
+  const int slotFrom = sequence->particleSlot[from];
+  const int slotTo = sequence->particleSlot[to];
+  if (slotFrom == CT_NULL || slotTo == CT_NULL || slotFrom / TREE_WIDTH != leaf || slotTo / TREE_WIDTH != leaf) {
+    return false;
   }
-  return walk.frame;
+  treeLocal(tree, slotFrom, direction);
+  treeLocal(tree, slotTo, point);
+  subtract(point, direction, direction);
+  return dot(direction, direction) > LEAST_LINE * dot(point, point);
 }
 
 void ctTreeAxis(const Tree* tree, const Sequence* sequence, int link, double point[3], double direction[3]) {
-  const int originSlot = sequence->particleSlot[sequence->originParticle[link]];
-  if (originSlot != CT_NULL && originSlot / TREE_WIDTH == sequence->slotBegin[link] / TREE_WIDTH) {
-    treeLocal(tree, originSlot, point);
-  } else {
+  const int leaf = sequence->slotBegin[link] / TREE_WIDTH;
+  if (!lineInLeaf(tree, sequence, leaf, sequence->axisParticle[link], sequence->originParticle[link], point,
+                  direction)) {
     const Frame frame = ctTreeLinkInLeaf(sequence, link);
     translationOf(&frame, point);
+    sequenceAxis(sequence, link, sequence->reference, direction);
+    rotate(&frame, direction, direction);
   }
-  memcpy(direction, tree->axis[link], sizeof tree->axis[link]);
 }
 
 double ctTreeSquaredDistance(const Tree* tree, int slotA, int slotB) {
@@ -283,15 +299,16 @@ static int sumSlots(const Tree* tree, const Sequence* sequence, int leaf, int sl
     }
     const int* idle;
     const int idleCount = idleAt(sequence, slot, &idle);
-    while (idleCount > 0 && walk.link < sequence->slotLink[slot]) {
-      walkOn(&walk, sequence);
+    if (idleCount > 0) {
+      walkTo(&walk, sequence, sequence->slotLink[slot]);
+      const Frame frame = frameOfColumns(&walk.frame);
+      for (int i = 0; i < idleCount; i++) {
+        sequenceLocal(sequence, idle[i], x);
+        transformPoint(&frame, x, x);
+        add(sum, x);
+      }
+      particles += idleCount;
     }
-    for (int i = 0; i < idleCount; i++) {
-      sequenceLocal(sequence, idle[i], x);
-      transformPoint(&walk.frame, x, x);
-      add(sum, x);
-    }
-    particles += idleCount;
   }
   return particles;
 }

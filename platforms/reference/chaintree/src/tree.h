@@ -59,14 +59,13 @@ typedef struct Tree {
   int itemCount; /* with padding */
   int slotCount;
 
-  Frame* shortcut;   /* per item: the frame of the next item of its level in its own frame; the last one's is unused */
-  Frame* pose;       /* per item: its frame in its parent's frame */
-  Leaf* leaf;        /* per item of level 0 */
-  Members* members;  /* per item of a higher level, from levelBegin[1] on */
-  Bound* bound;      /* per item */
-  bool* isFresh;     /* per item: recomputed since whoever keeps more about it has cleared this */
-  double (*axis)[3]; /* per link: its torsion axis in the frame of the leaf where it begins */
-  Frame* stem;       /* per twig: the frame of the link on which it hangs in that of the leaf where the twig begins */
+  Frame* shortcut;  /* per item: the frame of the next item of its level in its own frame; the last one's is unused */
+  Frame* pose;      /* per item: its frame in its parent's frame */
+  Leaf* leaf;       /* per item of level 0 */
+  Members* members; /* per item of a higher level, from levelBegin[1] on */
+  Bound* bound;     /* per item */
+  bool* isFresh;    /* per item: recomputed since whoever keeps more about it has cleared this */
+  Frame* stem;      /* per twig: the frame of the link on which it hangs in that of the leaf where the twig begins */
 
   /* Sums of positions are wanted now and then only: made when asked for. */
   double (*sum)[3]; /* per item: of the positions of all its particles, modelled or not, in its own frame */
@@ -168,7 +167,7 @@ int ctTreeUpdate(Tree* tree, const Sequence* sequence, const int* links, int cou
 Frame ctTreeFrame(const Tree* tree, int level, int item);
 
 /* Begins a walk at the first link of a leaf, in the frame of the leaf. */
-static inline void treeWalk(Walk* walk, const Sequence* sequence, int leaf) {
+CT_INLINE void treeWalk(Walk* walk, const Sequence* sequence, int leaf) {
   const int link = sequence->slotLink[leaf * TREE_WIDTH];
   if (sequence->twigOf[link] == CT_NULL) {
     walkBegin(walk, link);
@@ -181,7 +180,7 @@ static inline void treeWalk(Walk* walk, const Sequence* sequence, int leaf) {
 /* The frame of a link in the frame of its leaf. */
 Frame ctTreeLinkInLeaf(const Sequence* sequence, int link);
 
-/* A point of a link's torsion axis, and the axis' unit vector, in the frame of the leaf where the link begins. */
+/* A point of a link's torsion axis, and a vector along it, in the frame of the leaf where the link begins. */
 void ctTreeAxis(const Tree* tree, const Sequence* sequence, int link, double point[3], double direction[3]);
 
 /* Positions of two slots in the frame of the lowest item over both: the canonical ones, a pure function of the state.

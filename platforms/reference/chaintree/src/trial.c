@@ -51,7 +51,11 @@ static void turnTorsion(TrialChange* change, const Sequence* s, Traversal* t, do
   ctTreeAxis(t->tree, s, change->link, point, direction);
   transformPoint(leaf, point, point);
   rotate(leaf, direction, direction);
-  rotationAbout(direction, cos(angle), sin(angle), &change->motion);
+  const double factor = rodriguesFactor(direction, angle);
+  for (int k = 0; k < 3; k++) {
+    direction[k] *= factor;
+  }
+  rotationFromRodrigues(direction[0], direction[1], direction[2], change->motion.m[0], 1);
   transformAbout(point, still, &change->motion);
   change->after.angle = ctAngleTurned(change->before.angle, angle);
 }
@@ -153,11 +157,7 @@ View ctTrialView(const Trial* trial, bool moved, bool surfaces, double reach) {
 int ctTrialApply(Trial* trial, bool after, Sequence* s, Tree* tree) {
   for (int i = 0; i < trial->count; i++) {
     const TrialChange* change = &trial->changes[i];
-    JointState joint = after ? change->after : change->before;
-    if (after && s->joint[change->link] == ctTorsionJoint) {
-      joint = ctJointAt(joint.angle);
-    }
-    ctSequenceSetJoint(s, change->link, &joint);
+    ctSequenceSetJoint(s, change->link, after ? &change->after : &change->before);
   }
   const int products = ctSequenceUpdate(s, trial->links, trial->count, trial->scratch);
   return products + ctTreeUpdate(tree, s, trial->links, trial->count);

@@ -7,8 +7,8 @@
 typedef struct TrialChange {
   int link;
   JointState before;
-  JointState after; /* of a torsion only the angle */
-  Frame motion;     /* of the link in the world, were this the only change */
+  JointState after;
+  Frame motion; /* of the link in the world, were this the only change */
 } TrialChange;
 
 typedef struct Trial {

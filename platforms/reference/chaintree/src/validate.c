@@ -11,7 +11,7 @@ typedef struct Content {
   size_t size;
 } Content;
 
-enum { CONTENT_COUNT = 10 };
+enum { CONTENT_COUNT = 9 };
 
 static void listContent(const Tree* tree, const Sequence* s, Content content[CONTENT_COUNT]) {
   const size_t items = (size_t)tree->itemCount;
@@ -22,7 +22,6 @@ static void listContent(const Tree* tree, const Sequence* s, Content content[CON
       {tree->sum, items * sizeof(double[3])},
       {tree->leaf, (size_t)tree->levelBegin[1] * sizeof(Leaf)},
       {tree->members, (items - (size_t)tree->levelBegin[1]) * sizeof(Members)},
-      {tree->axis, (size_t)s->linkCount * sizeof(double[3])},
       {tree->stem, (size_t)s->twigCount * sizeof(Frame)},
       {s->product, (size_t)s->productBegin[s->pathCount] * sizeof(Frame)},
       {s->closure, (size_t)s->pathCount * sizeof(Frame)},
@@ -124,7 +123,7 @@ bool ctValidate(ctChainTree* tree) {
     for (int i = 0; i < CONTENT_COUNT; i++) {
       memset(content[i].data, 0, content[i].size);
     }
-    ctSequenceRefresh(&tree->sequence);
+    ctPathsMultiply(&tree->sequence);
     ctTreeRefresh(made, &tree->sequence);
     ctTreeCompleteSums(made, &tree->sequence);
     for (int i = 0; i < CONTENT_COUNT; i++) {

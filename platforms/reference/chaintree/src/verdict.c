@@ -21,7 +21,7 @@ static ctStatus checkChange(ctChainTree* tree, const ctChange* change) {
     if (!isfinite(change->angle)) {
       return ctFail(tree, ctInvalidArgument, "the angle given for link %d is not finite", change->link);
     }
-    if (!(dot(s->axis[link], s->axis[link]) > 0)) {
+    if (!ctSequenceCanTurn(s, link, s->reference)) {
       return ctFail(tree, ctInvalidArgument, "link %d cannot turn: its axis particles %d and %d are at one place",
                     change->link, s->torsion[link][1], s->torsion[link][2]);
     }
@@ -43,7 +43,7 @@ ctStatus ctPropose(ctChainTree* tree, int count, const ctChange* changes) {
   if (count < 0) {
     return ctFail(tree, ctInvalidArgument, "a trial cannot have %d changes", count);
   }
-  ctSceneTree(tree); /* axes are stale if it is */
+  ctSceneTree(tree); /* trials start from where all is */
   for (int i = 0; i < count; i++) {
     const ctStatus status = checkChange(tree, &changes[i]);
     if (status != ctSuccess) {

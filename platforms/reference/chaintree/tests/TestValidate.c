@@ -49,7 +49,6 @@ static void testContent(void) {
   checkNoticed(scene, "bound", &tree->bound[node], &bound, sizeof bound);
   checkNoticed(scene, "place of a particle", &tree->leaf[7].y[5], &x, sizeof x);
   checkNoticed(scene, "place of a member", &treeMembers(tree, node)->block.z[1], &f, sizeof f);
-  checkNoticed(scene, "axis", &tree->axis[9][2], &x, sizeof x);
   checkNoticed(scene, "sum", &tree->sum[4][1], &x, sizeof x);
   CHECK(ctTreeBoundsHold(tree, s));
   tree->bound[5].r *= 0.99f;
