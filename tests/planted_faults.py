@@ -173,7 +173,7 @@ FAULTS = [
     Fault("state: many turns are taken with a short pi", "sequence.c",
           "fabs(turn) > twoPi ? atan2(sin(turn), cos(turn)) : turn", "remainder(turn, twoPi)"),
     Fault("state: reference bits are not kept", "position.c",
-          "if (!isDisplaced(s, particle)) {", "if (s->particleCount < 0) {"),
+          "if (!isDisplaced(reader, link)) {", "if (s->particleCount < 0) {"),
     Fault("state: quaternions are not normalised", "transform.h",
           "const double norm = sqrt(w * w + x * x + y * y + z * z);", "const double norm = 1;"),
     Fault("state: a placement is multiplied from the wrong side", "sequence.c",

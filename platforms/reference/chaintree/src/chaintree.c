@@ -125,11 +125,12 @@ ctStatus ctGetTorsionAngle(ctChainTree* tree, int link, double* angle) {
     return failNoLink(tree, link);
   }
   const Sequence* s = &tree->sequence;
-  const int own = s->linkOfUser[link];
-  if (s->joint[own] != ctTorsionJoint) {
+  const int own = sequenceLink(s, link);
+  if (s->jointType[own] != ctTorsionJoint) {
     return ctFail(tree, ctInvalidArgument, "link %d has no torsion joint", link);
   }
-  const int* p = s->torsion[own];
+  const Joint* joint = &s->joint[own];
+  const int p[4] = {joint->torsion[1], joint->torsion[0], joint->origin, joint->torsion[2]};
   double reference;
   if (!dihedral(s->reference + 3 * (size_t)p[0], s->reference + 3 * (size_t)p[1], s->reference + 3 * (size_t)p[2],
                 s->reference + 3 * (size_t)p[3], &reference)) {
@@ -147,12 +148,12 @@ ctStatus ctGetCentroid(ctChainTree* tree, int link, double centroid[3]) {
   if (!isUserLink(tree, link)) {
     return failNoLink(tree, link);
   }
-  const int own = tree->sequence.linkOfUser[link];
+  const int own = sequenceLink(&tree->sequence, link);
   if (own == 0) {
     return ctFail(tree, ctInvalidArgument, "link %d is fixed; only what can move has a centroid here", link);
   }
   const Sequence* s = &tree->sequence;
-  const int particles = ctTreeSum(ctSceneTree(tree), s, own, s->end[own], centroid);
+  const int particles = ctTreeSum(ctSceneTree(tree), s, own, sequenceEnd(s, own), centroid);
   for (int k = 0; k < 3; k++) {
     centroid[k] = s->worldOrigin[k] + centroid[k] / particles;
   }
@@ -162,9 +163,9 @@ ctStatus ctGetCentroid(ctChainTree* tree, int link, double centroid[3]) {
 /* The frame of a caller's link in that of the engine's: fixed links are all part of the world. */
 static Frame userFrame(const Sequence* s, int link) {
   Frame frame = transformIdentity();
-  if (s->linkOfUser[link] == 0) {
+  if (sequenceLink(s, link) == 0) {
     double origin[3];
-    subtract(s->reference + 3 * (size_t)s->originOfUser[link], s->worldOrigin, origin);
+    subtract(s->reference + 3 * (size_t)~s->linkOfUser[link], s->worldOrigin, origin);
     setTranslation(&frame, origin);
   }
   return frame;
@@ -175,7 +176,7 @@ ctStatus ctGetRelativeTransform(ctChainTree* tree, int linkA, int linkB, ctTrans
     return failNoLink(tree, isUserLink(tree, linkA) ? linkB : linkA);
   }
   const Sequence* s = &tree->sequence;
-  const Frame between = ctTreeRelative(ctSceneTree(tree), s, s->linkOfUser[linkA], s->linkOfUser[linkB]);
+  const Frame between = ctTreeRelative(ctSceneTree(tree), s, sequenceLink(s, linkA), sequenceLink(s, linkB));
   const Frame a = userFrame(s, linkA);
   const Frame b = userFrame(s, linkB);
   const Frame fromA = transformInverse(&a);

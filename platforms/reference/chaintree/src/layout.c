@@ -16,6 +16,8 @@ typedef struct Layout {
   int* breadthFirst;
   int breadthCount;
   int* linkOfNode;
+  int* end;           /* per link: one past the last that hangs on it */
+  int* next;          /* per link: a cursor */
   double* rootPoints; /* 3 * nodeCount: where each free root is */
 } Layout;
 
@@ -125,21 +127,20 @@ static void numberLinks(Layout* layout, Sequence* s, const ctDefinition* d) {
     const int node = stack[--depth];
     layout->linkOfNode[node] = link;
     s->parent[link] = node == 0 ? CT_NULL : layout->linkOfNode[layout->parent[node]];
-    s->joint[link] = node == 0 ? ctFixedJoint : d->linkJoints[node - 1];
-    s->branch[link] = node == 0 ? 0 : (s->parent[link] == 0 ? link : s->branch[s->parent[link]]);
-    s->slotBegin[link + 1] = s->slotBegin[link] + layout->slots[node];
-    if (s->joint[link] == ctTorsionJoint) {
-      memcpy(s->torsion[link], d->linkTorsions[node - 1], sizeof s->torsion[link]);
+    s->jointType[link] = node == 0 ? ctFixedJoint : d->linkJoints[node - 1];
+    if (s->parent[link] == 0) {
+      s->branchHead[s->branchCount++] = link;
     }
+    s->slotBegin[link + 1] = s->slotBegin[link] + layout->slots[node];
     for (int c = layout->childBegin[node + 1] - 1; c >= layout->childBegin[node]; c--) {
       stack[depth++] = layout->children[c];
     }
     link++;
   }
   for (int l = s->linkCount - 1; l >= 0; l--) {
-    s->end[l] = s->end[l] > l ? s->end[l] : l + 1;
-    if (l > 0 && s->end[s->parent[l]] < s->end[l]) {
-      s->end[s->parent[l]] = s->end[l];
+    layout->end[l] = layout->end[l] > l ? layout->end[l] : l + 1;
+    if (l > 0 && layout->end[s->parent[l]] < layout->end[l]) {
+      layout->end[s->parent[l]] = layout->end[l];
     }
   }
   for (int u = 0; u < d->linkCount; u++) {
@@ -147,9 +148,9 @@ static void numberLinks(Layout* layout, Sequence* s, const ctDefinition* d) {
   }
 }
 
-static void fillSlots(Sequence* s, const ctDefinition* d) {
-  int* next = s->idleBegin; /* used as cursors first */
-  memcpy(next, s->slotBegin, ((size_t)s->linkCount + 1) * sizeof(int));
+static void fillSlots(Layout* layout, Sequence* s, const ctDefinition* d) {
+  int* next = layout->next;
+  memcpy(next, s->slotBegin, (size_t)s->linkCount * sizeof(int));
   for (int link = 0; link < s->linkCount; link++) {
     for (int slot = s->slotBegin[link]; slot < s->slotBegin[link + 1]; slot++) {
       s->slotLink[slot] = link;
@@ -157,9 +158,8 @@ static void fillSlots(Sequence* s, const ctDefinition* d) {
     }
   }
   for (int i = 0; i < d->particleCount; i++) {
-    s->particleLink[i] = s->linkOfUser[d->particleLinks[i]];
     if (d->radii[i] > 0) {
-      s->slotParticle[next[s->particleLink[i]]++] = i;
+      s->slotParticle[next[s->linkOfUser[d->particleLinks[i]]]++] = i;
     }
   }
   for (int link = 0; link < s->linkCount; link++) {
@@ -168,84 +168,87 @@ static void fillSlots(Sequence* s, const ctDefinition* d) {
       ctSpatialOrder(s->slotParticle + begin, next[link] - begin, d->positions);
     }
   }
-  for (int i = 0; i < d->particleCount; i++) {
-    s->particleSlot[i] = CT_NULL;
-  }
   for (int slot = 0; slot < s->slotCount; slot++) {
     const int particle = s->slotParticle[slot];
     if (particle != CT_NULL) {
-      s->particleSlot[particle] = slot;
+      s->placeOf[particle] = slot;
       s->slotRadius[slot] = d->radii[particle];
       s->slotRole[slot] = d->hydrogenBondRoles == NULL ? ctNoHydrogenBond : d->hydrogenBondRoles[particle];
     }
   }
-  memset(s->idleBegin, 0, ((size_t)s->linkCount + 1) * sizeof(int));
+}
+
+static void listIdle(Layout* layout, Sequence* s, const ctDefinition* d) {
+  /* Counts two places on, so that filling moves each begin to its place. */
+  int* next = layout->next;
+  memset(next, 0, ((size_t)s->linkCount + 1) * sizeof(int));
   for (int i = 0; i < d->particleCount; i++) {
-    s->idleBegin[s->particleLink[i] + 1] += s->particleSlot[i] == CT_NULL;
+    if (d->radii[i] <= 0) {
+      s->placeOf[i] = ~s->linkOfUser[d->particleLinks[i]];
+      next[~s->placeOf[i] + 1]++;
+    }
   }
-  ctAccumulate(s->idleBegin, s->linkCount);
-  int* cursor = s->displaced; /* free until there is a state */
-  memcpy(cursor, s->idleBegin, (size_t)s->linkCount * sizeof(int));
+  ctAccumulate(next, s->linkCount);
   for (int i = 0; i < d->particleCount; i++) {
-    if (s->particleSlot[i] == CT_NULL) {
-      s->idleParticle[cursor[s->particleLink[i]]++] = i;
+    if (s->placeOf[i] < 0) {
+      s->idleParticle[next[~s->placeOf[i]]++] = i;
     }
   }
 }
 
+/* After the slots: from then on fixed links know their lowest particle instead of the world. */
 static void chooseOrigins(Sequence* s, const ctDefinition* d) {
-  for (int u = 0; u < d->linkCount; u++) {
-    s->originOfUser[u] = CT_NULL;
-  }
+  s->joint[0].origin = CT_NULL;
   for (int i = d->particleCount - 1; i >= 0; i--) {
-    s->originOfUser[d->particleLinks[i]] = i;
-  }
-  s->originParticle[0] = CT_NULL;
-  for (int u = 0; u < d->linkCount; u++) {
-    const int link = s->linkOfUser[u];
-    if (d->linkJoints[u] == ctTorsionJoint) {
-      const int second = d->linkTorsions[u][1];
-      const int third = d->linkTorsions[u][2];
-      const bool thirdMoves = d->particleLinks[third] == u;
-      s->originOfUser[u] = thirdMoves ? third : second;
-      s->axisParticle[link] = thirdMoves ? second : third;
+    const int user = d->particleLinks[i];
+    if (isFixed(d, user)) {
+      s->linkOfUser[user] = ~i;
+    } else {
+      s->joint[s->linkOfUser[user]].origin = i;
     }
-    if (link > 0) {
-      s->originParticle[link] = s->originOfUser[u];
+  }
+  for (int u = 0; u < d->linkCount; u++) {
+    Joint* joint = &s->joint[sequenceLink(s, u)];
+    if (d->linkJoints[u] == ctTorsionJoint) {
+      const int* p = d->linkTorsions[u];
+      /* A torsion is the same from its other end. */
+      const bool thirdMoves = d->particleLinks[p[2]] == u;
+      joint->origin = thirdMoves ? p[2] : p[1];
+      joint->torsion[0] = thirdMoves ? p[1] : p[2];
+      joint->torsion[1] = thirdMoves ? p[0] : p[3];
+      joint->torsion[2] = thirdMoves ? p[3] : p[0];
+    }
+  }
+  int placements = 0;
+  for (int link = 0; link < s->linkCount; link++) {
+    if (s->jointType[link] == ctFreeJoint) {
+      s->joint[link].placement = placements++;
     }
   }
 }
 
-static bool allocateSequence(Sequence* s, Arena* arena, const ctDefinition* d, int slotCount) {
+static bool allocateSequence(Sequence* s, Arena* arena, const ctDefinition* d, int branches) {
   const size_t links = (size_t)s->linkCount;
-  const size_t slots = (size_t)slotCount;
+  const size_t slots = (size_t)s->slotCount;
   const size_t particles = (size_t)d->particleCount;
   s->linkOfUser = ctArenaAllocate(arena, (size_t)d->linkCount, sizeof(int));
-  s->originOfUser = ctArenaAllocate(arena, (size_t)d->linkCount, sizeof(int));
   s->parent = ctArenaAllocate(arena, links, sizeof(int));
-  s->end = ctArenaAllocate(arena, links, sizeof(int));
-  s->joint = ctArenaAllocate(arena, links, sizeof(uint8_t));
-  s->originParticle = ctArenaAllocate(arena, links, sizeof(int));
-  s->axisParticle = ctArenaAllocate(arena, links, sizeof(int));
-  s->torsion = ctArenaAllocate(arena, links, sizeof(int[4]));
-  s->branch = ctArenaAllocate(arena, links, sizeof(int));
-  s->placementOf = ctArenaAllocate(arena, links, sizeof(int));
+  s->jointType = ctArenaAllocate(arena, links, sizeof(uint8_t));
+  s->twigPart = ctArenaAllocate(arena, links, sizeof(uint8_t));
+  s->joint = ctArenaAllocate(arena, links, sizeof(Joint));
   s->slotBegin = ctArenaAllocate(arena, links + 1, sizeof(int));
   s->slotLink = ctArenaAllocate(arena, slots, sizeof(int));
   s->slotParticle = ctArenaAllocate(arena, slots, sizeof(int));
   s->slotRadius = ctArenaAllocate(arena, slots, sizeof(double));
   s->slotRole = ctArenaAllocate(arena, slots, sizeof(uint8_t));
-  s->particleLink = ctArenaAllocate(arena, particles, sizeof(int));
-  s->particleSlot = ctArenaAllocate(arena, particles, sizeof(int));
-  s->idleBegin = ctArenaAllocate(arena, links + 1, sizeof(int));
-  s->idleParticle = ctArenaAllocate(arena, particles, sizeof(int));
-  s->twigOf = ctArenaAllocate(arena, links, sizeof(int));
+  s->placeOf = ctArenaAllocate(arena, particles, sizeof(int));
+  s->idleParticle = ctArenaAllocate(arena, (size_t)s->idleCount, sizeof(int));
   s->pathOf = ctArenaAllocate(arena, links, sizeof(int));
-  s->pathPosition = ctArenaAllocate(arena, links, sizeof(int));
   s->reference = ctArenaAllocate(arena, 3 * particles, sizeof(double));
   s->angle = ctArenaAllocate(arena, links, sizeof(double));
   s->rodrigues = ctArenaAllocate(arena, links, sizeof(double));
-  s->displaced = ctArenaAllocate(arena, links, sizeof(int));
+  s->branchHead = ctArenaAllocate(arena, (size_t)branches, sizeof(int));
+  s->displaced = ctArenaAllocate(arena, (size_t)branches, sizeof(int));
   int placements = 0;
   for (int u = 0; u < d->linkCount; u++) {
     placements += d->linkJoints[u] == ctFreeJoint;
@@ -265,6 +268,8 @@ static bool allocateLayout(Layout* layout, Arena* arena, int nodeCount) {
   layout->children = ctArenaAllocate(arena, nodes, sizeof(int));
   layout->breadthFirst = ctArenaAllocate(arena, nodes, sizeof(int));
   layout->linkOfNode = ctArenaAllocate(arena, nodes, sizeof(int));
+  layout->end = ctArenaAllocate(arena, nodes, sizeof(int));
+  layout->next = ctArenaAllocate(arena, nodes + 1, sizeof(int));
   layout->rootPoints = ctArenaAllocate(arena, 3 * nodes, sizeof(double));
   return !arena->failed;
 }
@@ -283,19 +288,18 @@ bool ctSequenceBuild(Sequence* s, Arena* arena, const ctDefinition* d) {
   s->userLinkCount = d->linkCount;
   s->linkCount = layout.breadthCount;
   s->slotCount = layout.weight[0];
-  const bool allocated = allocateSequence(s, arena, d, s->slotCount);
-  if (allocated) {
+  s->idleCount = d->particleCount - layout.modelled[0];
+  bool built = allocateSequence(s, arena, d, layout.childBegin[1]);
+  if (built) {
     orderMolecules(&layout, d);
     orderChildren(&layout);
     numberLinks(&layout, s, d);
-    fillSlots(s, d);
+    fillSlots(&layout, s, d);
+    listIdle(&layout, s, d);
     chooseOrigins(s, d);
-    int placements = 0;
-    for (int link = 0; link < s->linkCount; link++) {
-      s->placementOf[link] = s->joint[link] == ctFreeJoint ? placements++ : CT_NULL;
-    }
     ctSequenceResetTorsions(s);
+    built = ctPathsBuild(s, arena, layout.end);
   }
   ctArenaFree(&scratch);
-  return allocated && ctPathsBuild(s, arena);
+  return built;
 }

@@ -19,67 +19,92 @@ static int productCount(int blocks) {
 }
 
 /* The last link that hangs on the parent heads no path of its own. */
-static bool headsPath(const Sequence* s, int link) {
-  return s->end[link] != s->end[s->parent[link]];
+static bool headsPath(const Sequence* s, const int* end, int link) {
+  return end[link] != end[s->parent[link]];
 }
 
-static bool headsTwig(const Sequence* s, int link) {
-  return s->twigOf[s->parent[link]] == CT_NULL && headsPath(s, link) &&
-         s->slotBegin[s->end[link]] - s->slotBegin[link] <= TWIG_SLOTS;
+static TwigPart findPart(const Sequence* s, const int* end, int link) {
+  const bool heads = headsPath(s, end, link);
+  if (s->twigPart[s->parent[link]] != notInTwig) {
+    return heads ? branchInTwig : goesOnInTwig;
+  }
+  return heads && s->slotBegin[end[link]] - s->slotBegin[link] <= TWIG_SLOTS ? headsTwig : notInTwig;
 }
 
-static bool findTwigs(Sequence* s, Arena* arena) {
-  s->twigOf[0] = CT_NULL;
+static bool findTwigs(Sequence* s, Arena* arena, const int* end) {
   for (int link = 1; link < s->linkCount; link++) {
-    s->twigOf[link] = headsTwig(s, link) ? s->twigCount++ : s->twigOf[s->parent[link]];
+    s->twigPart[link] = findPart(s, end, link);
+    s->twigCount += s->twigPart[link] == headsTwig;
   }
   s->twigHead = ctArenaAllocate(arena, (size_t)s->twigCount, sizeof(int));
-  for (int link = s->linkCount - 1; link > 0 && !arena->failed; link--) {
-    if (s->twigOf[link] != CT_NULL) {
-      s->twigHead[s->twigOf[link]] = link;
+  int twig = 0;
+  for (int link = 1; link < s->linkCount && !arena->failed; link++) {
+    if (s->twigPart[link] == headsTwig) {
+      s->twigHead[twig++] = link;
     }
   }
   return !arena->failed;
 }
 
-bool ctPathsBuild(Sequence* s, Arena* arena) {
-  if (!findTwigs(s, arena)) {
+static bool numberPaths(Sequence* s, Arena* arena, const int* end) {
+  int pathCount = 1;
+  for (int link = 1; link < s->linkCount; link++) {
+    const bool heads = headsPath(s, end, link);
+    pathCount += heads;
+    s->closureCount += heads && s->twigPart[link] == notInTwig;
+  }
+  s->pathEnd = ctArenaAllocate(arena, (size_t)pathCount, sizeof(int));
+  if (arena->failed) {
     return false;
   }
-  s->pathOf[0] = CT_NULL;
-  for (int link = 1; link < s->linkCount; link++) {
-    const int parent = s->parent[link];
-    if (s->twigOf[link] != CT_NULL) {
-      s->pathOf[link] = CT_NULL;
-    } else if (headsPath(s, link)) {
-      s->pathOf[link] = s->pathCount++;
+  int closing = 0;
+  int other = s->closureCount;
+  for (int link = 0; link < s->linkCount; link++) {
+    if (link > 0 && !headsPath(s, end, link)) {
+      s->pathOf[link] = s->pathOf[s->parent[link]];
     } else {
-      s->pathOf[link] = s->pathOf[parent];
-      s->pathPosition[link] = s->pathPosition[parent] + 1;
+      s->pathOf[link] = link > 0 && s->twigPart[link] == notInTwig ? closing++ : other++;
+      s->pathEnd[s->pathOf[link]] = end[link];
     }
   }
-  s->pathBegin = ctArenaAllocate(arena, (size_t)s->pathCount + 1, sizeof(int));
-  s->productBegin = ctArenaAllocate(arena, (size_t)s->pathCount + 1, sizeof(int));
-  s->pathLink = ctArenaAllocate(arena, (size_t)s->linkCount, sizeof(int));
-  s->closure = ctArenaAllocate(arena, (size_t)s->pathCount, sizeof(Frame));
+  return true;
+}
+
+static bool closes(const Sequence* s, int link) {
+  return s->pathOf[link] < s->closureCount;
+}
+
+bool ctPathsBuild(Sequence* s, Arena* arena, const int* end) {
+  if (!findTwigs(s, arena, end) || !numberPaths(s, arena, end)) {
+    return false;
+  }
+  s->pathBegin = ctArenaAllocate(arena, (size_t)s->closureCount + 2, sizeof(int));
+  s->productBegin = ctArenaAllocate(arena, (size_t)s->closureCount + 1, sizeof(int));
+  s->closure = ctArenaAllocate(arena, (size_t)s->closureCount, sizeof(Frame));
+  if (arena->failed) {
+    return false;
+  }
+  /* Counts two places on, so that filling moves each begin to its place. */
+  int* next = s->pathBegin + 1;
+  for (int link = 1; link < s->linkCount; link++) {
+    if (closes(s, link)) {
+      next[s->pathOf[link] + 1]++;
+    }
+  }
+  ctAccumulate(next, s->closureCount);
+  s->pathLink = ctArenaAllocate(arena, (size_t)next[s->closureCount], sizeof(int));
   if (arena->failed) {
     return false;
   }
   for (int link = 1; link < s->linkCount; link++) {
-    if (s->pathOf[link] != CT_NULL) {
-      s->pathBegin[s->pathOf[link] + 1]++;
+    if (closes(s, link)) {
+      s->pathLink[next[s->pathOf[link]]++] = link;
     }
   }
-  ctAccumulate(s->pathBegin, s->pathCount);
-  for (int link = 1; link < s->linkCount; link++) {
-    if (s->pathOf[link] != CT_NULL) {
-      s->pathLink[s->pathBegin[s->pathOf[link]] + s->pathPosition[link]] = link;
-    }
-  }
-  for (int path = 0; path < s->pathCount; path++) {
+  for (int path = 0; path < s->closureCount; path++) {
     s->productBegin[path + 1] = s->productBegin[path] + productCount(blockCount(s, path));
   }
-  s->product = ctArenaAllocate(arena, (size_t)s->productBegin[s->pathCount], sizeof(Frame));
+  s->product = ctArenaAllocate(arena, (size_t)s->productBegin[s->closureCount], sizeof(Frame));
   return !arena->failed;
 }
 
@@ -120,7 +145,7 @@ static int multiplyPath(Sequence* s, int path, int* blocks, int count) {
 }
 
 void ctPathsMultiply(Sequence* s) {
-  for (int path = 0; path < s->pathCount; path++) {
+  for (int path = 0; path < s->closureCount; path++) {
     for (int block = 0; block < blockCount(s, path); block++) {
       multiplyPath(s, path, &(int){block}, 1);
     }
@@ -132,8 +157,9 @@ int ctSequenceUpdate(Sequence* s, const int* links, int count, int* scratch) {
    * stable order comes from sorting indices into pathLink. */
   int touched = 0;
   for (int i = 0; i < count; i++) {
-    if (s->pathOf[links[i]] != CT_NULL) {
-      scratch[touched++] = s->pathBegin[s->pathOf[links[i]]] + s->pathPosition[links[i]];
+    if (closes(s, links[i])) {
+      const int* bounds = s->pathBegin + s->pathOf[links[i]];
+      scratch[touched++] = ascendingFrom(s->pathLink, bounds[0], bounds[1], links[i]);
     }
   }
   ctSortInts(scratch, touched);

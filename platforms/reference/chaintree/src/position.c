@@ -11,14 +11,20 @@ PositionReader ctPositionReader(const Sequence* sequence, const Tree* tree) {
   return reader;
 }
 
-static bool isDisplaced(const Sequence* s, int particle) {
-  return s->displaced[s->branch[s->particleLink[particle]]] != 0;
+/* Whether a joint has displaced the branch of the world that a link is in. */
+static bool isDisplaced(PositionReader* reader, int link) {
+  const Sequence* s = reader->sequence;
+  if (link < reader->branchBegin || link >= reader->branchEnd) {
+    reader->branch = sequenceBranch(s, link);
+    reader->branchBegin = reader->branch == CT_NULL ? 0 : s->branchHead[reader->branch];
+    reader->branchEnd = reader->branch == CT_NULL ? 1 : sequenceEnd(s, reader->branchBegin);
+  }
+  return reader->branch != CT_NULL && s->displaced[reader->branch] != 0;
 }
 
-static void readFrame(PositionReader* reader, int particle, double position[3]) {
+static void readFrame(PositionReader* reader, int link, int particle, double position[3]) {
   const Sequence* s = reader->sequence;
-  const int link = s->particleLink[particle];
-  const int slot = s->particleSlot[particle];
+  const int slot = particleSlot(s, particle);
   const int leaf = (slot != CT_NULL ? slot : s->slotBegin[link]) / TREE_WIDTH;
   if (leaf != reader->leaf) {
     reader->leaf = leaf;
@@ -32,7 +38,7 @@ static void readFrame(PositionReader* reader, int particle, double position[3]) 
       reader->link = link;
       reader->linkInLeaf = ctTreeLinkInLeaf(s, link);
     }
-    sequenceLocal(s, particle, local);
+    sequenceLocal(s, link, particle, local);
     transformPoint(&reader->linkInLeaf, local, local);
   }
   transformPoint(&reader->leafFrame, local, position);
@@ -40,11 +46,12 @@ static void readFrame(PositionReader* reader, int particle, double position[3]) 
 
 void ctReadPosition(PositionReader* reader, int particle, double position[3]) {
   const Sequence* s = reader->sequence;
-  if (!isDisplaced(s, particle)) {
+  const int link = particleLink(s, particle);
+  if (!isDisplaced(reader, link)) {
     memcpy(position, s->reference + 3 * (size_t)particle, 3 * sizeof(double));
     return;
   }
-  readFrame(reader, particle, position);
+  readFrame(reader, link, particle, position);
   for (int k = 0; k < 3; k++) {
     position[k] += s->worldOrigin[k];
   }
@@ -52,8 +59,9 @@ void ctReadPosition(PositionReader* reader, int particle, double position[3]) {
 
 void ctReadFromOrigin(PositionReader* reader, int particle, double position[3]) {
   const Sequence* s = reader->sequence;
-  if (isDisplaced(s, particle)) {
-    readFrame(reader, particle, position);
+  const int link = particleLink(s, particle);
+  if (isDisplaced(reader, link)) {
+    readFrame(reader, link, particle, position);
   } else {
     subtract(s->reference + 3 * (size_t)particle, s->worldOrigin, position);
   }
@@ -61,6 +69,7 @@ void ctReadFromOrigin(PositionReader* reader, int particle, double position[3]) 
 
 void ctReadPositions(const Sequence* s, const Tree* tree, double* positions) {
   PositionReader reader = ctPositionReader(s, tree);
+  int idle = 0;
   for (int link = 0; link < s->linkCount; link++) {
     for (int slot = s->slotBegin[link]; slot < s->slotBegin[link + 1]; slot++) {
       const int particle = s->slotParticle[slot];
@@ -68,8 +77,8 @@ void ctReadPositions(const Sequence* s, const Tree* tree, double* positions) {
         ctReadPosition(&reader, particle, positions + 3 * (size_t)particle);
       }
     }
-    for (int i = s->idleBegin[link]; i < s->idleBegin[link + 1]; i++) {
-      ctReadPosition(&reader, s->idleParticle[i], positions + 3 * (size_t)s->idleParticle[i]);
+    for (; idle < s->idleCount && particleLink(s, s->idleParticle[idle]) == link; idle++) {
+      ctReadPosition(&reader, s->idleParticle[idle], positions + 3 * (size_t)s->idleParticle[idle]);
     }
   }
 }

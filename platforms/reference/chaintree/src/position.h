@@ -12,6 +12,9 @@ typedef struct PositionReader {
   Frame leafFrame;
   int link; /* whose frame in its leaf is held */
   Frame linkInLeaf;
+  int branch; /* CT_NULL: the world itself; links [branchBegin, branchEnd) */
+  int branchBegin;
+  int branchEnd;
 } PositionReader;
 
 PositionReader ctPositionReader(const Sequence* sequence, const Tree* tree);

@@ -43,7 +43,7 @@ static void openLinks(const Sequence* s, int begin, int end, Openings* openings)
     double vector[3] = {0, 0, 0};
     if (link < end) {
       sequenceOffset(s, link, offset);
-      if (s->joint[link] == ctTorsionJoint) {
+      if (s->jointType[link] == ctTorsionJoint) {
         sequenceRodrigues(s, link, vector);
       } else {
         onlyTorsions = false;
@@ -67,8 +67,8 @@ static void openLinks(const Sequence* s, int begin, int end, Openings* openings)
 
 /* If a walk is at the head of a twig, the tree keeps where that hangs. */
 CT_INLINE void keepStem(Tree* tree, const Sequence* s, const Walk* walk) {
-  if (walk->openCount == 1 && s->twigHead[s->twigOf[walk->link]] == walk->link) {
-    tree->stem[s->twigOf[walk->link]] = frameOfColumns(&walk->stem[0]);
+  if (s->twigPart[walk->link] == headsTwig) {
+    tree->stem[sequenceTwig(s, walk->link)] = frameOfColumns(&walk->stem[0]);
   }
 }
 
@@ -87,7 +87,7 @@ CT_INLINE void placeSlots(Tree* tree, const Sequence* s, Walk* walk, const Openi
     const int particle = s->slotParticle[slot];
     if (particle != CT_NULL) {
       double local[3];
-      sequenceLocal(s, particle, local);
+      sequenceLocal(s, walk->link, particle, local);
       const Column* c = walk->frame.column;
       const Column x = c[0] * local[0] + c[1] * local[1] + (c[2] * local[2] + c[3]);
       leaf->x[slot % TREE_WIDTH] = x[0];
@@ -100,12 +100,12 @@ CT_INLINE void placeSlots(Tree* tree, const Sequence* s, Walk* walk, const Openi
 /* Takes a walk from a leaf's last link to the frame of the next leaf, whose first link is among those opened. */
 CT_INLINE void walkToLeaf(Walk* walk, const Sequence* s, const Openings* openings, int leaf) {
   const int link = s->slotLink[leaf * TREE_WIDTH];
-  const int twig = s->twigOf[link];
-  if (twig != CT_NULL && s->twigHead[twig] <= walk->link) {
+  const TwigPart part = s->twigPart[link];
+  if (part != notInTwig && (part != headsTwig || walk->link == link)) {
     walk->frame = walk->stem[0];
   } else if (walk->link < link) {
     walkLeave(walk, s);
-    if (twig == CT_NULL) {
+    if (part == notInTwig) {
       walkEnter(walk, s, link, &openings->m[0][link - openings->first], TREE_WIDTH);
     }
   }
@@ -142,10 +142,10 @@ static void refreshLeaf(Tree* tree, const Sequence* sequence, int leaf) {
 /* What a turn of a link in a twig has moved within one leaf. */
 static void refreshTwig(Tree* tree, const Sequence* sequence, int link, int leaf) {
   const int slotBegin = sequence->slotBegin[link];
-  const int slotEnd = sequence->slotBegin[sequence->end[link]];
+  const int slotEnd = sequence->slotBegin[sequenceEnd(sequence, link)];
   const int begin = slotBegin > leaf * TREE_WIDTH ? slotBegin : leaf * TREE_WIDTH;
   const int end = slotEnd < (leaf + 1) * TREE_WIDTH ? slotEnd : (leaf + 1) * TREE_WIDTH;
-  const int twig = sequence->twigOf[link];
+  const int twig = sequenceTwig(sequence, link);
   const bool beginsHere = sequence->slotBegin[sequence->twigHead[twig]] >= leaf * TREE_WIDTH;
   const Frame stem = beginsHere ? tree->stem[twig] : transformIdentity();
   Walk walk;

@@ -36,7 +36,7 @@ static bool buildIdle(ctSelection* selection, int count, const int* particles) {
   const Sequence* s = &selection->scene->sequence;
   int given = 0;
   for (int i = 0; i < count; i++) {
-    given += s->particleSlot[particles[i]] == CT_NULL;
+    given += particleSlot(s, particles[i]) == CT_NULL;
   }
   if (given == 0) {
     return true;
@@ -48,7 +48,7 @@ static bool buildIdle(ctSelection* selection, int count, const int* particles) {
   int* idle = selection->idle;
   given = 0;
   for (int i = 0; i < count; i++) {
-    if (s->particleSlot[particles[i]] == CT_NULL) {
+    if (particleSlot(s, particles[i]) == CT_NULL) {
       idle[given++] = particles[i];
     }
   }
@@ -81,7 +81,7 @@ static bool build(ctSelection* selection, int count, const int* particles) {
     return false;
   }
   for (int i = 0; i < count; i++) {
-    const int slot = selection->scene->sequence.particleSlot[particles[i]];
+    const int slot = particleSlot(&selection->scene->sequence, particles[i]);
     if (slot != CT_NULL) {
       markSlot(selection->mask, slot);
     }
@@ -92,7 +92,7 @@ static bool build(ctSelection* selection, int count, const int* particles) {
 }
 
 bool ctSelectionHolds(const ctSelection* selection, int particle) {
-  const int slot = selection->scene->sequence.particleSlot[particle];
+  const int slot = particleSlot(&selection->scene->sequence, particle);
   if (slot != CT_NULL) {
     return (selection->mask[slot / TREE_WIDTH] >> slot % TREE_WIDTH & 1) != 0;
   }

@@ -38,7 +38,9 @@ void ctSequenceResetTorsions(Sequence* s) {
   for (int link = 0; link < s->linkCount; link++) {
     s->angle[link] = REFERENCE_JOINT.angle;
     s->rodrigues[link] = 0;
-    s->displaced[link] = 0;
+  }
+  for (int branch = 0; branch < s->branchCount; branch++) {
+    s->displaced[branch] = 0;
   }
   s->displacedCount = 0;
 }
@@ -52,8 +54,8 @@ void ctSequenceSetReference(Sequence* s, const double* positions) {
     ctSequenceResetTorsions(s);
   }
   for (int link = 1; link < s->linkCount; link++) {
-    if (s->placementOf[link] != CT_NULL) {
-      Placement* placement = &s->placement[s->placementOf[link]];
+    if (s->jointType[link] == ctFreeJoint) {
+      Placement* placement = &s->placement[s->joint[link].placement];
       *placement = REFERENCE_JOINT.placement;
       sequenceOffset(s, link, placement->position);
     }
@@ -69,8 +71,8 @@ bool ctSequenceCanTurn(const Sequence* s, int link, const double* reference) {
 JointState ctSequenceGetJoint(const Sequence* s, int link) {
   JointState joint = REFERENCE_JOINT;
   joint.angle = s->angle[link];
-  if (s->placementOf[link] != CT_NULL) {
-    joint.placement = s->placement[s->placementOf[link]];
+  if (s->jointType[link] == ctFreeJoint) {
+    joint.placement = s->placement[s->joint[link].placement];
   }
   return joint;
 }
@@ -102,12 +104,12 @@ JointState ctJointMoved(const JointState* joint, const double rotation[3], const
 }
 
 static bool isDisplaced(const Sequence* s, int link) {
-  if (s->joint[link] == ctTorsionJoint) {
+  if (s->jointType[link] == ctTorsionJoint) {
     return s->angle[link] != 0;
   }
   double offset[3];
   sequenceOffset(s, link, offset);
-  const Placement* placement = &s->placement[s->placementOf[link]];
+  const Placement* placement = &s->placement[s->joint[link].placement];
   const double* q = placement->quaternion;
   const double* position = placement->position;
   return q[0] != 1 || q[1] != 0 || q[2] != 0 || q[3] != 0 || position[0] != offset[0] || position[1] != offset[1] ||
@@ -127,10 +129,10 @@ void ctSequenceSetJoint(Sequence* s, int link, const JointState* joint) {
   const int before = isDisplaced(s, link);
   s->angle[link] = joint->angle;
   s->rodrigues[link] = rodriguesAt(s, link, joint->angle);
-  if (s->placementOf[link] != CT_NULL) {
-    s->placement[s->placementOf[link]] = joint->placement;
+  if (s->jointType[link] == ctFreeJoint) {
+    s->placement[s->joint[link].placement] = joint->placement;
   }
   const int change = isDisplaced(s, link) - before;
-  s->displaced[s->branch[link]] += change;
+  s->displaced[sequenceBranch(s, link)] += change;
   s->displacedCount += change;
 }

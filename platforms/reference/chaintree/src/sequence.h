@@ -40,24 +40,37 @@ typedef struct JointState {
   Placement placement; /* free joint */
 } JointState;
 
+/* What a link is moved by, and the particle at the origin of its frame. */
+typedef struct Joint {
+  int origin; /* on the torsion axis and in the link, or its lowest; CT_NULL for the world */
+  union {
+    int torsion[3]; /* torsion joint: p2, p1 and p4 of the torsion whose p3 is the origin */
+    int placement;  /* free joint: index into the sequence's placement */
+  };
+} Joint;
+
+/* Which part of a twig a link is. */
+typedef enum TwigPart {
+  notInTwig,
+  goesOnInTwig,
+  branchInTwig, /* heads a branch of a twig */
+  headsTwig
+} TwigPart;
+
 typedef struct Sequence {
   int particleCount;
   int linkCount; /* with the world */
 
   /* The caller's links. */
   int userLinkCount;
-  int* linkOfUser;   /* 0 for fixed ones */
-  int* originOfUser; /* particle at the origin of its frame */
+  int* linkOfUser; /* see sequenceLink; of a fixed link ~ of its lowest particle */
 
   /* Links, indexed in sequence order. */
   int* parent; /* below the link's own index; CT_NULL for the world */
-  int* end;    /* one past the last link that hangs on this one */
-  uint8_t* joint;
-  int* originParticle; /* on the torsion axis and in the link, or its lowest; CT_NULL for the world */
-  int* axisParticle;   /* the other particle of the torsion axis, in the parent */
-  int (*torsion)[4];   /* p1-p2-p3-p4 as given */
-  int* branch;         /* the link that hangs on the world and holds this one; 0 for the world */
-  int* placementOf;    /* index into placement, or CT_NULL */
+  uint8_t* jointType;
+  uint8_t* twigPart;
+  Joint* joint;
+  int* pathOf;
 
   /* Slots. */
   int slotCount;
@@ -68,25 +81,27 @@ typedef struct Sequence {
   uint8_t* slotRole;
 
   /* Particles. */
-  int* particleLink;
-  int* particleSlot; /* CT_NULL: not modelled */
-  int* idleBegin;    /* linkCount + 1: the particles of each link that are not modelled */
-  int* idleParticle;
+  int* placeOf; /* its slot, or if it is not modelled ~ of its link */
+  int idleCount;
+  int* idleParticle; /* those that are not modelled, by their links */
 
-  /* Twigs that lie in no other twig. */
+  /* Branches of the world, ascending. */
+  int branchCount;
+  int* branchHead; /* first link of each */
+
+  /* Twigs that lie in no other twig, ascending. */
   int twigCount;
-  int* twigOf;   /* per link; CT_NULL: in none */
-  int* twigHead; /* twigCount: first link of each */
+  int* twigHead; /* first link of each */
 
-  /* Paths, but those in twigs, that the sequence leaves before its end. */
-  int pathCount;
-  int* pathOf;       /* per link; CT_NULL: in a twig, or on the path that starts at the world, which never closes */
-  int* pathPosition; /* per link: how many links of its path come before it */
-  int* pathBegin;    /* pathCount + 1, into pathLink */
-  int* pathLink;     /* links of each path, head first */
-  int* productBegin; /* pathCount + 1, into product */
+  /* All paths: first those that the sequence leaves before its end and outside of twigs, which have closures, then that
+   * which starts at the world, then those in twigs. */
+  int* pathEnd; /* one past the last link that hangs on any of the path's */
+  int closureCount;
+  int* pathBegin;    /* closureCount + 1, into pathLink */
+  int* pathLink;     /* links of each path that has a closure, ascending */
+  int* productBegin; /* closureCount + 1, into product */
   Frame* product;    /* per path: products over PATH_BLOCK links, then over pairs of those, up to the whole */
-  Frame* closure;    /* pathCount: inverse of the whole */
+  Frame* closure;    /* closureCount: inverse of the whole */
 
   /* State: reference positions, angles, placements; and what follows from one link's share of it alone. */
   double* reference; /* 3 * particleCount, the caller's bits */
@@ -94,15 +109,16 @@ typedef struct Sequence {
   double* angle;
   double* rodrigues; /* of a torsion joint: its Rodrigues vector over its axis */
   Placement* placement;
-  int* displaced;     /* per link that is a branch: how many of its joints are off the reference */
+  int* displaced;     /* per branch: how many of its joints are off the reference */
   int displacedCount; /* sum of those */
 } Sequence;
 
 /* Lays out a checked definition, without state. False if there is no memory. */
 bool ctSequenceBuild(Sequence* sequence, Arena* arena, const ctDefinition* definition);
 
-/* The part of it that finds twigs and paths, once links have parents, ends and slots. */
-bool ctPathsBuild(Sequence* sequence, Arena* arena);
+/* The part of it that finds twigs and paths, once links have parents and slots; `end` is one past the last link that
+ * hangs on each. */
+bool ctPathsBuild(Sequence* sequence, Arena* arena, const int* end);
 
 /* Nothing is displaced, as far as torsions go; placements are set with each reference. */
 void ctSequenceResetTorsions(Sequence* sequence);
@@ -132,15 +148,61 @@ void ctSequenceSetJoint(Sequence* sequence, int link, const JointState* joint);
  */
 int ctSequenceUpdate(Sequence* sequence, const int* links, int count, int* scratch);
 
+/* One past the last link that hangs on a link. */
+static inline int sequenceEnd(const Sequence* s, int link) {
+  return s->pathEnd[s->pathOf[link]];
+}
+
+/* The branch of the world that a link is in; CT_NULL for the world itself. O(log of their number). */
+static inline int sequenceBranch(const Sequence* s, int link) {
+  return ascendingFrom(s->branchHead, 0, s->branchCount, link + 1) - 1;
+}
+
+/* The outermost twig that a link in one is in. O(log of their number). */
+static inline int sequenceTwig(const Sequence* s, int link) {
+  return ascendingFrom(s->twigHead, 0, s->twigCount, link + 1) - 1;
+}
+
+/* The link that holds a caller's: the world, if that is fixed. */
+static inline int sequenceLink(const Sequence* s, int userLink) {
+  return s->linkOfUser[userLink] > 0 ? s->linkOfUser[userLink] : 0;
+}
+
+/* The slot of a particle; CT_NULL: it is not modelled. */
+static inline int particleSlot(const Sequence* s, int particle) {
+  return s->placeOf[particle] >= 0 ? s->placeOf[particle] : CT_NULL;
+}
+
+static inline int particleLink(const Sequence* s, int particle) {
+  const int place = s->placeOf[particle];
+  return place >= 0 ? s->slotLink[place] : ~place;
+}
+
+/* Where the particles of a link and of those behind it begin among those that are not modelled. O(log of their number).
+ */
+static inline int sequenceIdle(const Sequence* s, int link) {
+  int begin = 0;
+  int end = s->idleCount;
+  while (begin < end) {
+    const int middle = begin + (end - begin) / 2;
+    if (particleLink(s, s->idleParticle[middle]) < link) {
+      begin = middle + 1;
+    } else {
+      end = middle;
+    }
+  }
+  return begin;
+}
+
 /* Where the frame of a link has its origin in the reference positions. */
 static inline const double* sequenceOrigin(const Sequence* s, int link) {
-  const int particle = s->originParticle[link];
+  const int particle = s->joint[link].origin;
   return particle == CT_NULL ? s->worldOrigin : s->reference + 3 * (size_t)particle;
 }
 
-/* Reference position of a particle in the frame of its link. */
-static inline void sequenceLocal(const Sequence* s, int particle, double local[3]) {
-  subtract(s->reference + 3 * (size_t)particle, sequenceOrigin(s, s->particleLink[particle]), local);
+/* Reference position of a particle of a link in the frame of that. */
+static inline void sequenceLocal(const Sequence* s, int link, int particle, double local[3]) {
+  subtract(s->reference + 3 * (size_t)particle, sequenceOrigin(s, link), local);
 }
 
 /* Where the link's origin is in its parent's frame in the reference positions. */
@@ -151,7 +213,7 @@ static inline void sequenceOffset(const Sequence* s, int link, double offset[3])
 /* The axis of a torsion joint in reference positions, along which it turns right-handed: 0 if its particles coincide.
  */
 static inline void sequenceAxis(const Sequence* s, int link, const double* reference, double axis[3]) {
-  subtract(reference + 3 * (size_t)s->originParticle[link], reference + 3 * (size_t)s->axisParticle[link], axis);
+  subtract(reference + 3 * (size_t)s->joint[link].origin, reference + 3 * (size_t)s->joint[link].torsion[0], axis);
 }
 
 /* The Rodrigues vector of a torsion joint. */
@@ -165,7 +227,7 @@ static inline void sequenceRodrigues(const Sequence* s, int link, double w[3]) {
 /* The frame of a link in its parent's frame. */
 static inline Frame sequenceOpening(const Sequence* s, int link) {
   Frame opening;
-  if (s->joint[link] == ctTorsionJoint) {
+  if (s->jointType[link] == ctTorsionJoint) {
     double offset[3];
     double w[3];
     sequenceOffset(s, link, offset);
@@ -173,16 +235,11 @@ static inline Frame sequenceOpening(const Sequence* s, int link) {
     rotationFromRodrigues(w[0], w[1], w[2], opening.m[0], 1);
     setTranslation(&opening, offset);
   } else {
-    const Placement* placement = &s->placement[s->placementOf[link]];
+    const Placement* placement = &s->placement[s->joint[link].placement];
     rotationFromQuaternion(placement->quaternion, &opening);
     setTranslation(&opening, placement->position);
   }
   return opening;
-}
-
-/* The link on which a twig hangs. */
-static inline int sequenceStem(const Sequence* s, int twig) {
-  return s->parent[s->twigHead[twig]];
 }
 
 /* So many twigs are within each other at most: of the slots of the one around it, each has less than half. */
@@ -206,7 +263,7 @@ CT_INLINE void walkBegin(Walk* walk, int link) {
 
 /* On to a link that hangs on the walk's, by its opening as columnsCompose takes it. */
 CT_INLINE void walkEnter(Walk* walk, const Sequence* s, int link, const double* opening, size_t stride) {
-  if (s->twigOf[link] != CT_NULL && s->end[link] != s->end[s->parent[link]]) {
+  if (s->twigPart[link] >= branchInTwig) {
     walk->stem[walk->openCount++] = walk->frame;
   }
   columnsCompose(&walk->frame, opening, stride);
@@ -245,13 +302,14 @@ static inline void walkTo(Walk* walk, const Sequence* s, int link) {
 CT_INLINE void walkBeginInTwig(Walk* walk, const Sequence* s, int link, const Frame* stem) {
   int way[TWIG_SLOTS]; /* links have a slot at least */
   int count = 0;
-  const int end = sequenceStem(s, s->twigOf[link]);
-  for (int l = link; l != end; l = s->parent[l]) {
-    way[count++] = l;
+  way[count++] = link;
+  while (s->twigPart[way[count - 1]] != headsTwig) {
+    way[count] = s->parent[way[count - 1]];
+    count++;
   }
   columnsOf(stem, &walk->frame);
   walk->openCount = 0;
-  walk->link = end;
+  walk->link = s->parent[way[count - 1]];
   while (count > 0) {
     const Frame opening = sequenceOpening(s, way[--count]);
     walkEnter(walk, s, way[count], opening.m[0], 1);

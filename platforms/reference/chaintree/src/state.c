@@ -11,7 +11,7 @@ enum { TORSION_SIZE = 1, PLACEMENT_SIZE = 7 };
 
 /* Fixed links are all one with the world, whose joint is fixed. */
 static int jointSize(const Sequence* s, int link) {
-  switch (s->joint[link]) {
+  switch (s->jointType[link]) {
     case ctTorsionJoint:
       return TORSION_SIZE;
     case ctFreeJoint:
@@ -29,7 +29,7 @@ size_t ctGetStateSize(const ctChainTree* tree) {
   const Sequence* s = &tree->sequence;
   size_t size = referenceSize(s);
   for (int u = 0; u < s->userLinkCount; u++) {
-    size += (size_t)jointSize(s, s->linkOfUser[u]);
+    size += (size_t)jointSize(s, sequenceLink(s, u));
   }
   return size;
 }
@@ -38,7 +38,7 @@ size_t ctGetStateSize(const ctChainTree* tree) {
 
 static void writeJoint(const Sequence* s, int link, double* numbers) {
   const JointState joint = ctSequenceGetJoint(s, link);
-  if (s->joint[link] == ctTorsionJoint) {
+  if (s->jointType[link] == ctTorsionJoint) {
     numbers[0] = joint.angle;
   } else {
     memcpy(numbers, joint.placement.quaternion, sizeof joint.placement.quaternion);
@@ -48,7 +48,7 @@ static void writeJoint(const Sequence* s, int link, double* numbers) {
 
 static JointState readJoint(const Sequence* s, int link, const double* numbers) {
   JointState joint = ctSequenceGetJoint(s, link);
-  if (s->joint[link] == ctTorsionJoint) {
+  if (s->jointType[link] == ctTorsionJoint) {
     joint.angle = numbers[0];
   } else {
     memcpy(joint.placement.quaternion, numbers, sizeof joint.placement.quaternion);
@@ -60,7 +60,7 @@ static JointState readJoint(const Sequence* s, int link, const double* numbers) 
 /* Whether these numbers may be the joint's, with these reference positions. */
 static bool isJoint(const Sequence* s, int link, const double* numbers, const double* reference) {
   const double pi = 3.141592653589793238462643383280;
-  if (s->joint[link] == ctTorsionJoint) {
+  if (s->jointType[link] == ctTorsionJoint) {
     return fabs(numbers[0]) <= (ctSequenceCanTurn(s, link, reference) ? pi : 0);
   }
   double norm = 0;
@@ -79,7 +79,7 @@ void ctGetState(const ctChainTree* tree, double* state) {
   }
   double* numbers = state + referenceSize(s);
   for (int u = 0; u < s->userLinkCount; u++) {
-    const int link = s->linkOfUser[u];
+    const int link = sequenceLink(s, u);
     const int size = jointSize(s, link);
     if (size > 0) {
       writeJoint(s, link, numbers);
@@ -96,7 +96,7 @@ ctStatus ctSetState(ctChainTree* tree, const double* state) {
   }
   const double* numbers = state + referenceSize(s);
   for (int u = 0; u < s->userLinkCount; u++) {
-    const int link = s->linkOfUser[u];
+    const int link = sequenceLink(s, u);
     const int size = jointSize(s, link);
     if (size > 0 && !isJoint(s, link, numbers, state)) {
       return ctFail(tree, ctInvalidArgument, "the numbers given for link %d are no state of its joint", u);
@@ -107,7 +107,7 @@ ctStatus ctSetState(ctChainTree* tree, const double* state) {
   ctSequenceSetReference(s, state);
   numbers = state + referenceSize(s);
   for (int u = 0; u < s->userLinkCount; u++) {
-    const int link = s->linkOfUser[u];
+    const int link = sequenceLink(s, u);
     const int size = jointSize(s, link);
     if (size > 0) {
       const JointState joint = readJoint(s, link, numbers);

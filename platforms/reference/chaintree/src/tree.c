@@ -11,9 +11,12 @@
 /* Particles of a link that have no slot, if the link begins at this slot. */
 static int idleAt(const Sequence* sequence, int slot, const int** idle) {
   const int link = sequence->slotLink[slot];
-  const int begin = sequence->idleBegin[link];
+  if (sequence->idleCount == 0 || sequence->slotBegin[link] != slot) {
+    return 0;
+  }
+  const int begin = sequenceIdle(sequence, link);
   *idle = sequence->idleParticle + begin;
-  return sequence->slotBegin[link] == slot ? sequence->idleBegin[link + 1] - begin : 0;
+  return sequenceIdle(sequence, link + 1) - begin;
 }
 
 static void countParticles(Tree* tree, const Sequence* sequence) {
@@ -140,8 +143,8 @@ static int refreshStep(Tree* tree, const Sequence* s, int link, int dirty) {
 static int refreshSteps(Tree* tree, const Sequence* s, const int* links, int count) {
   int dirty = 0;
   for (int i = 0; i < count; i++) {
-    const int end = s->end[links[i]];
-    if (s->twigOf[links[i]] == CT_NULL) {
+    const int end = sequenceEnd(s, links[i]);
+    if (s->twigPart[links[i]] == notInTwig) {
       dirty = refreshStep(tree, s, links[i] - 1, dirty);
       if (end < s->linkCount) {
         dirty = refreshStep(tree, s, end - 1, dirty);
@@ -156,8 +159,8 @@ static int refreshTwigs(Tree* tree, const Sequence* s, const int* links, int cou
   int done = 0; /* a link of a twig moves all behind it up to here */
   for (int i = 0; i < count; i++) {
     const int link = links[i];
-    if (s->twigOf[link] != CT_NULL && link >= done) {
-      done = s->end[link];
+    if (s->twigPart[link] != notInTwig && link >= done) {
+      done = sequenceEnd(s, link);
       for (int leaf = s->slotBegin[link] / TREE_WIDTH; leaf * TREE_WIDTH < s->slotBegin[done]; leaf++) {
         if (tree->contentTime[leaf] != tree->time) {
           tree->dirty[dirty++] = leaf;
@@ -223,8 +226,8 @@ Frame ctTreeLinkInLeaf(const Sequence* sequence, int link) {
  * rounding of where they are could turn the line through them. */
 static bool lineInLeaf(const Tree* tree, const Sequence* sequence, int leaf, int from, int to, double point[3],
                        double direction[3]) {
-  const int slotFrom = sequence->particleSlot[from];
-  const int slotTo = sequence->particleSlot[to];
+  const int slotFrom = particleSlot(sequence, from);
+  const int slotTo = particleSlot(sequence, to);
   if (slotFrom == CT_NULL || slotTo == CT_NULL || slotFrom / TREE_WIDTH != leaf || slotTo / TREE_WIDTH != leaf) {
     return false;
   }
@@ -236,7 +239,7 @@ static bool lineInLeaf(const Tree* tree, const Sequence* sequence, int leaf, int
 
 void ctTreeAxis(const Tree* tree, const Sequence* sequence, int link, double point[3], double direction[3]) {
   const int leaf = sequence->slotBegin[link] / TREE_WIDTH;
-  if (!lineInLeaf(tree, sequence, leaf, sequence->axisParticle[link], sequence->originParticle[link], point,
+  if (!lineInLeaf(tree, sequence, leaf, sequence->joint[link].torsion[0], sequence->joint[link].origin, point,
                   direction)) {
     const Frame frame = ctTreeLinkInLeaf(sequence, link);
     translationOf(&frame, point);
@@ -303,7 +306,7 @@ static int sumSlots(const Tree* tree, const Sequence* sequence, int leaf, int sl
       walkTo(&walk, sequence, sequence->slotLink[slot]);
       const Frame frame = frameOfColumns(&walk.frame);
       for (int i = 0; i < idleCount; i++) {
-        sequenceLocal(sequence, idle[i], x);
+        sequenceLocal(sequence, walk.link, idle[i], x);
         transformPoint(&frame, x, x);
         add(sum, x);
       }

@@ -169,7 +169,7 @@ Frame ctTreeFrame(const Tree* tree, int level, int item);
 /* Begins a walk at the first link of a leaf, in the frame of the leaf. */
 CT_INLINE void treeWalk(Walk* walk, const Sequence* sequence, int leaf) {
   const int link = sequence->slotLink[leaf * TREE_WIDTH];
-  if (sequence->twigOf[link] == CT_NULL) {
+  if (sequence->twigPart[link] == notInTwig) {
     walkBegin(walk, link);
   } else {
     const Frame stem = transformIdentity();

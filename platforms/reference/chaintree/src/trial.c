@@ -101,8 +101,8 @@ static void cutPieces(Trial* trial, const Sequence* s) {
   addPiece(trial, 0, 0);
   for (int i = 0; i <= trial->count; i++) {
     const int next = i < trial->count ? trial->changes[i].link : s->linkCount;
-    while (depth > 0 && s->end[open[depth - 1]] <= next) {
-      const int end = s->end[open[--depth]];
+    while (depth > 0 && sequenceEnd(s, open[depth - 1]) <= next) {
+      const int end = sequenceEnd(s, open[--depth]);
       if (end < s->linkCount) {
         addPiece(trial, s->slotBegin[end], depth > 0 ? motionOf[depth - 1] : 0);
       }
@@ -128,9 +128,9 @@ int ctTrialOpen(Trial* trial, const Sequence* s, Traversal* t, const ctChange* g
   trial->count = count;
   for (int i = 0; i < count; i++) {
     TrialChange* change = &trial->changes[i];
-    change->link = s->linkOfUser[given[i].link];
+    change->link = sequenceLink(s, given[i].link);
     change->before = ctSequenceGetJoint(s, change->link);
-    if (s->joint[change->link] == ctTorsionJoint) {
+    if (s->jointType[change->link] == ctTorsionJoint) {
       turnTorsion(change, s, t, given[i].angle);
     } else {
       moveFreely(change, s, t->tree, &given[i]);

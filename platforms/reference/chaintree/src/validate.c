@@ -23,8 +23,8 @@ static void listContent(const Tree* tree, const Sequence* s, Content content[CON
       {tree->leaf, (size_t)tree->levelBegin[1] * sizeof(Leaf)},
       {tree->members, (items - (size_t)tree->levelBegin[1]) * sizeof(Members)},
       {tree->stem, (size_t)s->twigCount * sizeof(Frame)},
-      {s->product, (size_t)s->productBegin[s->pathCount] * sizeof(Frame)},
-      {s->closure, (size_t)s->pathCount * sizeof(Frame)},
+      {s->product, (size_t)s->productBegin[s->closureCount] * sizeof(Frame)},
+      {s->closure, (size_t)s->closureCount * sizeof(Frame)},
   };
   memcpy(content, all, sizeof all);
 }

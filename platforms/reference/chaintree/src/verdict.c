@@ -13,17 +13,17 @@ static ctStatus checkChange(ctChainTree* tree, const ctChange* change) {
   if (change->link < 0 || change->link >= s->userLinkCount) {
     return ctFail(tree, ctInvalidArgument, "there is no link %d; there are %d links", change->link, s->userLinkCount);
   }
-  const int link = s->linkOfUser[change->link];
-  if (s->joint[link] == ctFixedJoint) {
+  const int link = sequenceLink(s, change->link);
+  if (s->jointType[link] == ctFixedJoint) {
     return ctFail(tree, ctInvalidArgument, "link %d is fixed and cannot be moved", change->link);
   }
-  if (s->joint[link] == ctTorsionJoint) {
+  if (s->jointType[link] == ctTorsionJoint) {
     if (!isfinite(change->angle)) {
       return ctFail(tree, ctInvalidArgument, "the angle given for link %d is not finite", change->link);
     }
     if (!ctSequenceCanTurn(s, link, s->reference)) {
       return ctFail(tree, ctInvalidArgument, "link %d cannot turn: its axis particles %d and %d are at one place",
-                    change->link, s->torsion[link][1], s->torsion[link][2]);
+                    change->link, s->joint[link].torsion[0], s->joint[link].origin);
     }
   } else if (!areLengths(change->rotation) || !areLengths(change->pivot) || !areLengths(change->translation)) {
     return ctFail(tree, ctInvalidArgument, "the motion given for link %d " CT_NO_LENGTH " or rad", change->link);
@@ -63,7 +63,7 @@ ctStatus ctPropose(ctChainTree* tree, int count, const ctChange* changes) {
   }
   for (int i = 0; i < count; i++) {
     const TrialChange* change = &tree->next.changes[i];
-    if (tree->sequence.joint[change->link] == ctFreeJoint && !isPlace(change->after.placement.position)) {
+    if (tree->sequence.jointType[change->link] == ctFreeJoint && !isPlace(change->after.placement.position)) {
       return ctFail(tree, ctInvalidArgument, "the motion given for link %d takes it too far away",
                     callersLink(tree, change->link));
     }

@@ -115,8 +115,8 @@ static Storage copyStorage(ctChainTree* scene) {
                    copyOf(tree->sum, items * sizeof(double[3])),
                    copyOf(tree->leaf, leaves * sizeof(Leaf)),
                    copyOf(tree->members, (items - leaves) * sizeof(Members)),
-                   copyOf(s->product, (size_t)s->productBegin[s->pathCount] * sizeof(Frame)),
-                   copyOf(s->closure, (size_t)s->pathCount * sizeof(Frame))};
+                   copyOf(s->product, (size_t)s->productBegin[s->closureCount] * sizeof(Frame)),
+                   copyOf(s->closure, (size_t)s->closureCount * sizeof(Frame))};
 }
 
 static void freeStorage(Storage* storage) {
@@ -160,7 +160,7 @@ static int countChanged(const Storage* a, const Storage* b, ctChainTree* scene) 
       changed += itemChanged(a, b, tree, level, tree->levelBegin[level] + i);
     }
   }
-  for (int i = 0; i < s->productBegin[s->pathCount]; i++) {
+  for (int i = 0; i < s->productBegin[s->closureCount]; i++) {
     changed += differ(&a->product[i], &b->product[i], sizeof(Frame));
   }
   return changed;

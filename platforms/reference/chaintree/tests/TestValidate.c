@@ -59,7 +59,7 @@ static void testContent(void) {
   ctDestroy(scene);
 
   ctChainTree* branched = makeLattice(LAYERS, 0.1, 0);
-  CHECK(ctValidate(branched) && branched->sequence.pathCount == SIDE - 1);
+  CHECK(ctValidate(branched) && branched->sequence.closureCount == SIDE - 1);
   checkNoticed(branched, "product", &branched->sequence.product[2], &frame, sizeof frame);
   checkNoticed(branched, "closure", &branched->sequence.closure[2], &frame, sizeof frame);
   ctDestroy(branched);
