@@ -13,11 +13,12 @@ typedef struct Box {
   bool thin; /* it has much less room than its sphere */
 } Box;
 
-/* Boxes of the children of a node, each number in a run of its own: centre, axes, half extents. */
+/* Boxes of the children of a node, each number in a run of its own. */
 typedef struct BoxBlock {
   float centre[3][TREE_WIDTH];
   float axis[3][3][TREE_WIDTH]; /* [which][coordinate] */
   float half[3][TREE_WIDTH];
+  unsigned thin; /* bit k: that of child k is */
 } BoxBlock;
 
 /* A box with less than this share of the volume of the sphere around the same is worth a test of its own. */
@@ -123,14 +124,34 @@ static inline void chooseAxes(const Block* block, Sphere middle, float axes[3][3
   axes[2][2] = u[0] * v[1] - u[1] * v[0];
 }
 
-/* A box around spheres; of members whose bit is set the box boxes[k] is taken instead. */
-static inline Box boxAround(const Block* block, unsigned boxed, const Box* boxes, const Bound* bound) {
+static inline void putBox(BoxBlock* block, int k, const Box* box) {
+  block->thin = (block->thin & ~(1u << k)) | (unsigned)box->thin << k;
+  for (int d = 0; d < 3; d++) {
+    block->centre[d][k] = box->row[d][0];
+    for (int i = 0; i < 3; i++) {
+      block->axis[i][d][k] = box->row[d][i + 1];
+    }
+    block->half[d][k] = box->half[d + 1];
+  }
+}
+
+static inline Box boxOf(const BoxBlock* block, int k) {
+  Box box = {.half = {0, block->half[0][k], block->half[1][k], block->half[2][k]}, .thin = block->thin >> k & 1};
+  for (int d = 0; d < 3; d++) {
+    box.row[d] = (Row4){block->centre[d][k], block->axis[0][d][k], block->axis[1][d][k], block->axis[2][d][k]};
+  }
+  return box;
+}
+
+/* A box around spheres; of members that have thin boxes among these, if any, the boxes are taken instead. */
+static inline Box boxAround(const Block* block, const BoxBlock* boxes, const Bound* bound) {
   Box box;
   const Sphere middle = {bound->x, bound->y, bound->z, 0};
   float axes[3][3];
   chooseAxes(block, middle, axes);
   float centre[3] = {0, 0, 0};
   float half[4] = {0, 0, 0, 0};
+  const unsigned boxed = boxes == NULL ? 0 : boxes->thin;
   const Float16 r = blend16(boxed, load16(block->r), all16(-INFINITY));
   for (int i = 0; i < 3; i++) {
     const float* u = axes[i];
@@ -138,9 +159,9 @@ static inline Box boxAround(const Block* block, unsigned boxed, const Box* boxes
     float low = least16(sub16(along, r));
     float high = most16(add16(along, r));
     for (unsigned mask = boxed; mask != 0; mask &= mask - 1) {
-      const Box* inner = &boxes[__builtin_ctz(mask)];
-      const Row4 row = all4(u[0]) * inner->row[0] + all4(u[1]) * inner->row[1] + all4(u[2]) * inner->row[2];
-      const float reach = sum4(absolute4(row) * inner->half);
+      const Box inner = boxOf(boxes, __builtin_ctz(mask));
+      const Row4 row = all4(u[0]) * inner.row[0] + all4(u[1]) * inner.row[1] + all4(u[2]) * inner.row[2];
+      const float reach = sum4(absolute4(row) * inner.half);
       low = row[0] - reach < low ? row[0] - reach : low;
       high = row[0] + reach > high ? row[0] + reach : high;
     }
@@ -157,24 +178,6 @@ static inline Box boxAround(const Block* block, unsigned boxed, const Box* boxes
   box.half = (Row4){0, half[1] + rounding, half[2] + rounding, half[3] + rounding};
   const float sphere = 4.18879f * bound->r * bound->r * bound->r;
   box.thin = 8 * box.half[1] * box.half[2] * box.half[3] < THIN_SHARE * sphere;
-  return box;
-}
-
-static inline void putBox(BoxBlock* block, int k, const Box* box) {
-  for (int d = 0; d < 3; d++) {
-    block->centre[d][k] = box->row[d][0];
-    for (int i = 0; i < 3; i++) {
-      block->axis[i][d][k] = box->row[d][i + 1];
-    }
-    block->half[d][k] = box->half[d + 1];
-  }
-}
-
-static inline Box boxOf(const BoxBlock* block, int k) {
-  Box box = {.half = {0, block->half[0][k], block->half[1][k], block->half[2][k]}};
-  for (int d = 0; d < 3; d++) {
-    box.row[d] = (Row4){block->centre[d][k], block->axis[0][d][k], block->axis[1][d][k], block->axis[2][d][k]};
-  }
   return box;
 }
 

@@ -27,7 +27,7 @@ static void putNodesToRest(Traversal* t) {
 
 /* The spheres of sixteen leaves at rest. */
 static const Block* leafSpheres(const Traversal* t, int block) {
-  return &t->rest[t->tree->levelBegin[1] + block];
+  return &t->rest[t->restAt[t->tree->levelBegin[1]] + block];
 }
 
 static Sphere leafSphere(const Traversal* t, int leaf) {
@@ -208,17 +208,18 @@ static float clearanceOfFar(const Block* blockA, const Block* blockB, float room
 /* The least clearance of the particles of two expanded leaves, or of one with itself, in the view; INFINITY: they have
  * no pair that counts. */
 static float leafClearance(Traversal* t, ClearanceTest* test, int a, int b) {
-  const Block* blockA = blockOf(t, a);
-  const Block* blockB = blockOf(t, b);
+  const Block* blocks[2];
+  blocksOf(t, a, b, blocks);
+  const Block* blockA = blocks[0];
   const int partner = exclusionPartner(t->exclusions, a, b);
   test->particleTests += TREE_WIDTH * TREE_WIDTH;
   if (a != b && partner == CT_NULL) {
-    const float clearance = clearanceOfFar(blockA, blockB, test->room);
+    const float clearance = clearanceOfFar(blockA, blocks[1], test->room);
     if (clearance >= 0) {
       return clearance;
     }
   }
-  const Partners partners = partnersOf(blockB);
+  const Partners partners = partnersOf(blocks[1]);
   Float16 least16s = all16(INFINITY);
   float least = INFINITY;
   float widest = 0;

@@ -13,14 +13,11 @@ enum { MOST_MOVERS = 2 * TREE_WIDTH };
 
 /* Boxes of a node's children. */
 typedef struct NodeBoxes {
-  BoxBlock own;        /* in the node's frame; made with the node's own box */
-  BoxBlock rest;       /* in the world as the state has them */
-  BoxBlock moved;      /* in the view, if the node moves or straddles */
-  unsigned thin;       /* bit k: that of child k is thin */
-  unsigned thinInView; /* the same of boxes in the view */
-  int64_t ownTime;     /* the tree's when `own` was made, or NEVER */
-  int64_t restSince;   /* of the node when `rest` was made */
-  uint32_t stamp;      /* of the descent that `moved` is of */
+  BoxBlock own;      /* in the node's frame; made with the node's own box */
+  BoxBlock rest;     /* in the world as the state has them */
+  int64_t ownTime;   /* the tree's when `own` was made, or NEVER */
+  int64_t restSince; /* of the node when `rest` was made */
+  int movedAt;       /* which of the moved boxes are the node's, if they have not had to make room */
 } NodeBoxes;
 
 /* What a descent looks for, and what it has cost. */
@@ -41,7 +38,16 @@ typedef struct Straddler {
   int item;
   Block block;            /* its members as they lie in the view */
   int motion[TREE_WIDTH]; /* of each member, coded like Traversal.motion */
+  bool isBoxed;
+  BoxBlock boxes; /* of the members of a node, in the view */
 } Straddler;
+
+/* The boxes of a node that moves, in the view. */
+typedef struct MovedBoxes {
+  int node;
+  uint32_t stamp; /* of the descent */
+  BoxBlock boxes;
+} MovedBoxes;
 
 /* The code below Traversal.motion < 0. */
 static inline int straddlerCode(int index) {

@@ -27,14 +27,14 @@ static unsigned ofLesserBodies(const Traversal* t, int item, int count) {
 
 /* Those of the members of item a that come near the volume of item b and are of another body; if a is b, those
  * whose visits are enough. */
-static unsigned nearItem(const Traversal* t, Visit* visit, const Block* members, int count, const ItemPair* pair) {
+static unsigned nearItem(Traversal* t, Visit* visit, int count, const ItemPair* pair) {
   if (pair->a == pair->b) {
     return ofLesserBodies(t, pair->a, count);
   }
   visit->volumeTests += count;
   const Block* around = blockOf(t, treeParent(t->tree, pair->level, pair->b));
   const Sphere sphere = sphereOf(around, pair->b % TREE_WIDTH);
-  return near16(members, sphere, visit->reach) & ~ofBody(t, pair->a, t->motion[pair->b]);
+  return near16(blockOf(t, pair->a), sphere, visit->reach) & ~ofBody(t, pair->a, t->motion[pair->b]);
 }
 
 /* The boxes among which that of an item is, at its own place; NULL if it has none of use. */
@@ -44,7 +44,7 @@ static BoxBlock* boxesAround(Traversal* t, const ItemPair* pair) {
   }
   const int parent = treeParent(t->tree, pair->level, pair->b);
   BoxBlock* boxes = boxesInView(t, pair->level + 1, parent);
-  return (boxesOf(t, parent)->thinInView >> pair->b % TREE_WIDTH & 1) != 0 ? boxes : NULL;
+  return (boxes->thin >> pair->b % TREE_WIDTH & 1) != 0 ? boxes : NULL;
 }
 
 /* In a visit of an item with itself, members whose pairs with member k of `rows` belong to an earlier one of those. */
@@ -57,13 +57,13 @@ static bool testMembers(Traversal* t, Visit* visit, int a, int b, unsigned rows)
   int endB;
   const int beginB = treeSlots(t->tree, 0, b, &endB);
   expand(t, 0, b);
-  const Block* blockA = blockOf(t, a);
-  const Block* blockB = blockOf(t, b);
+  const Block* blocks[2];
+  blocksOf(t, a, b, blocks);
   const int partner = exclusionPartner(t->exclusions, a, b);
   for (unsigned left = rows; left != 0; left &= left - 1) {
     const int k = __builtin_ctz(left);
     const int i = a * TREE_WIDTH + k;
-    unsigned mask = near16(blockB, sphereOf(blockA, k), visit->reach);
+    unsigned mask = near16(blocks[1], sphereOf(blocks[0], k), visit->reach);
     visit->particleTests += endB - beginB;
     if (a == b) {
       mask &= ~alreadyVisited(rows, k);
@@ -87,21 +87,19 @@ static bool testMembers(Traversal* t, Visit* visit, int a, int b, unsigned rows)
 static bool visitLeaves(Traversal* t, Visit* visit, const ItemPair* pair) {
   int endA;
   const int beginA = treeSlots(t->tree, 0, pair->a, &endA);
-  const Block* blockA = blockOf(t, pair->a);
-  unsigned near = nearItem(t, visit, blockA, endA - beginA, pair);
+  unsigned near = nearItem(t, visit, endA - beginA, pair);
   BoxBlock* around = visit->boxes && near != 0 ? boxesAround(t, pair) : NULL;
   if (around != NULL) {
-    near &= nearBox(blockA, around, pair->b % TREE_WIDTH, visit->reach);
+    near &= nearBox(blockOf(t, pair->a), around, pair->b % TREE_WIDTH, visit->reach);
   }
   return near == 0 || testMembers(t, visit, pair->a, pair->b, near);
 }
 
-/* Which of these children of node b the boxes part from child k of node a. */
-static unsigned boxesPart(Traversal* t, Visit* visit, const ItemPair* pair, int k, unsigned mask, BoxBlock* a,
-                          BoxBlock* b) {
+/* Which of these children of one node the boxes part from child k of another. */
+static unsigned boxesPart(Visit* visit, int k, unsigned mask, BoxBlock* a, BoxBlock* b) {
   visit->pairsBoxed += __builtin_popcount(mask);
-  if ((boxesOf(t, pair->a)->thinInView >> k & 1) == 0) {
-    mask &= boxesOf(t, pair->b)->thinInView;
+  if ((a->thin >> k & 1) == 0) {
+    mask &= b->thin;
   }
   if (mask == 0) {
     return 0;
@@ -119,29 +117,30 @@ static void visitNodes(Traversal* t, Visit* visit, const ItemPair* pair, int* de
   int countB;
   const int firstA = treeChildren(t->tree, pair->level, pair->a, &countA);
   const int firstB = treeChildren(t->tree, pair->level, pair->b, &countB);
-  const Block* blockA = blockOf(t, pair->a);
-  unsigned near = nearItem(t, visit, blockA, countA, pair);
+  unsigned near = nearItem(t, visit, countA, pair);
   if (near == 0) {
     return;
   }
   expand(t, pair->level, pair->b);
-  const Block* blockB = blockOf(t, pair->b);
-  BoxBlock* boxesA = NULL;
-  BoxBlock* boxesB = NULL;
+  const Block* blocks[2];
+  blocksOf(t, pair->a, pair->b, blocks);
+  BoxBlock* boxes[2] = {NULL, NULL};
   if (visit->boxes) {
-    boxesA = boxesInView(t, pair->level, pair->a);
-    boxesB = boxesInView(t, pair->level, pair->b);
-    BoxBlock* around = boxesAround(t, pair);
+    boxesAround(t, pair);
+    boxes[0] = boxesInView(t, pair->level, pair->a);
+    BoxBlock* around = boxesAround(t, pair); /* again, as in blocksOf */
     if (around != NULL) {
-      near &= ~boxesApart(around, pair->b % TREE_WIDTH, boxesA, visit->reach);
+      near &= ~boxesApart(around, pair->b % TREE_WIDTH, boxes[0], visit->reach);
     }
+    boxes[1] = boxesInView(t, pair->level, pair->b);
+    boxes[0] = boxesInView(t, pair->level, pair->a);
   }
   for (unsigned left = near; left != 0; left &= left - 1) {
     const int k = __builtin_ctz(left);
     const int i = firstA + k;
     const int motion = motionOfMember(t, pair->a, k);
     t->motion[i] = motion;
-    unsigned mask = near16(blockB, sphereOf(blockA, k), visit->reach);
+    unsigned mask = near16(blocks[1], sphereOf(blocks[0], k), visit->reach);
     visit->volumeTests += countB;
     if (pair->a == pair->b) {
       mask &= ~alreadyVisited(near, k);
@@ -150,7 +149,7 @@ static void visitNodes(Traversal* t, Visit* visit, const ItemPair* pair, int* de
       mask &= ~ofBody(t, pair->b, motion);
     }
     if (mask != 0 && visit->boxes) {
-      mask &= ~boxesPart(t, visit, pair, k, mask, boxesA, boxesB);
+      mask &= ~boxesPart(visit, k, mask, boxes[0], boxes[1]);
     }
     for (; mask != 0; mask &= mask - 1) {
       const int l = __builtin_ctz(mask);
@@ -158,7 +157,7 @@ static void visitNodes(Traversal* t, Visit* visit, const ItemPair* pair, int* de
       t->stack[(*depth)++] = (ItemPair){below, i, firstB + l};
     }
     /* Comes first: near a joint all is dense, and clashes are likely. */
-    if (pair->a == pair->b && blockA->r[k] >= 0 && motion < 0) {
+    if (pair->a == pair->b && blocks[0]->r[k] >= 0 && motion < 0) {
       t->stack[(*depth)++] = (ItemPair){below, i, i};
     }
   }

@@ -172,8 +172,6 @@ static void fillSlots(Layout* layout, Sequence* s, const ctDefinition* d) {
     const int particle = s->slotParticle[slot];
     if (particle != CT_NULL) {
       s->placeOf[particle] = slot;
-      s->slotRadius[slot] = d->radii[particle];
-      s->slotRole[slot] = d->hydrogenBondRoles == NULL ? ctNoHydrogenBond : d->hydrogenBondRoles[particle];
     }
   }
 }
@@ -239,8 +237,7 @@ static bool allocateSequence(Sequence* s, Arena* arena, const ctDefinition* d, i
   s->slotBegin = ctArenaAllocate(arena, links + 1, sizeof(int));
   s->slotLink = ctArenaAllocate(arena, slots, sizeof(int));
   s->slotParticle = ctArenaAllocate(arena, slots, sizeof(int));
-  s->slotRadius = ctArenaAllocate(arena, slots, sizeof(double));
-  s->slotRole = ctArenaAllocate(arena, slots, sizeof(uint8_t));
+  s->slotType = ctArenaAllocate(arena, slots, sizeof(int));
   s->placeOf = ctArenaAllocate(arena, particles, sizeof(int));
   s->idleParticle = ctArenaAllocate(arena, (size_t)s->idleCount, sizeof(int));
   s->pathOf = ctArenaAllocate(arena, links, sizeof(int));
@@ -298,7 +295,7 @@ bool ctSequenceBuild(Sequence* s, Arena* arena, const ctDefinition* d) {
     listIdle(&layout, s, d);
     chooseOrigins(s, d);
     ctSequenceResetTorsions(s);
-    built = ctPathsBuild(s, arena, layout.end);
+    built = ctTypesBuild(s, arena, d) && ctPathsBuild(s, arena, layout.end);
   }
   ctArenaFree(&scratch);
   return built;

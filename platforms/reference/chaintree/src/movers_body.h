@@ -20,14 +20,17 @@ static unsigned slotBits(int begin, int end, int first) {
 }
 
 /* Sixteen slots from any one on, as they are at rest; what is behind slot `end` may be anything that is a number. */
-static void restOfSlots(const Traversal* t, int first, int end, Block* rest) {
-  const Block* below = &t->rest[first / TREE_WIDTH];
+static void restOfSlots(Traversal* t, int first, int end, Block* rest) {
+  const int leaf = first / TREE_WIDTH;
   const int at = first % TREE_WIDTH;
   if (at == 0) {
-    *rest = *below;
+    *rest = *restOf(t, leaf);
     return;
   }
-  const Block* above = below + ((first / TREE_WIDTH + 1) * TREE_WIDTH < end);
+  const int next = leaf + ((leaf + 1) * TREE_WIDTH < end);
+  restOf(t, leaf);
+  const Block* above = restOf(t, next);
+  const Block* below = restOf(t, leaf); /* again, as in blocksOf */
   float row[2 * TREE_WIDTH];
   const float* const from[4][2] = {
       {below->x, above->x}, {below->y, above->y}, {below->z, above->z}, {below->r, above->r}};
@@ -39,7 +42,7 @@ static void restOfSlots(const Traversal* t, int first, int end, Block* rest) {
   }
 }
 
-static void takeMovers(const Traversal* t, int begin, int end, int first, Movers* movers) {
+static void takeMovers(Traversal* t, int begin, int end, int first, Movers* movers) {
   const View* view = t->view;
   Block rest;
   restOfSlots(t, first, end, &rest);
@@ -88,13 +91,13 @@ static unsigned nearMovers(const Block* block, const Movers* movers, float reach
 
 /* Movers against a leaf that is at rest, but for those of its slots that move. */
 static bool testLeaf(Traversal* t, Visit* visit, const Movers* movers, int leaf, unsigned moved) {
-  const Block* rest = &t->rest[leaf];
   visit->particleTests += (movers->end - movers->begin) * TREE_WIDTH;
-  if ((nearMovers(rest, movers, visit->reach) & ~moved) == 0) {
+  if ((nearMovers(restOf(t, leaf), movers, visit->reach) & ~moved) == 0) {
     return true;
   }
   for (int slot = movers->begin; slot < movers->end; slot++) {
-    const unsigned near = near16(rest, sphereOf(&movers->block, slot - movers->first), visit->reach) & ~moved;
+    const Sphere mover = sphereOf(&movers->block, slot - movers->first);
+    const unsigned near = near16(restOf(t, leaf), mover, visit->reach) & ~moved;
     if (near != 0 && !meet(t, visit, slot, near, leaf)) {
       return false;
     }
@@ -165,7 +168,7 @@ static bool probeMovers(Traversal* t, Visit* visit, const Movers* movers, int be
     }
     for (; done < last; done++) {
       const int first = tree->levelBegin[level - 1] + (items[done] - tree->levelBegin[level]) * TREE_WIDTH;
-      count += indices16(near16(&t->rest[items[done]], sphere, visit->reach), first, items + count);
+      count += indices16(near16(restOf(t, items[done]), sphere, visit->reach), first, items + count);
       visit->volumeTests += TREE_WIDTH;
     }
   }

@@ -19,7 +19,7 @@ static const Block* membersOf(const Cloud* cloud, const Cluster* cluster) {
     return &cloud->block[cluster->item];
   }
   putToRest(cloud->traversal, cluster->level, cluster->item);
-  return &cloud->traversal->rest[cluster->item];
+  return restOf(cloud->traversal, cluster->item);
 }
 
 /* Radii around the centres of particles. */
@@ -98,8 +98,9 @@ static void compareLeaves(Nearest* n, const Cloud clouds[2], const Cluster leave
   const int side = leaves[1].around.r > leaves[0].around.r;
   const Cluster* one = &leaves[side];
   const Cluster* other = &leaves[1 - side];
-  const Block* block = membersOf(&clouds[side], one);
+  membersOf(&clouds[side], one);
   const Block* otherBlock = membersOf(&clouds[1 - side], other);
+  const Block* block = membersOf(&clouds[side], one); /* again, as in blocksOf */
   const Sphere* around = &other->around;
   const float far = around->r + n->reach;
   const unsigned slots =

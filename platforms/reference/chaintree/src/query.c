@@ -254,7 +254,7 @@ typedef struct Probe {
 static bool matchProbe(void* context, int slot, double squaredDistance) {
   const Probe* probe = context;
   const Sequence* s = &probe->tree->sequence;
-  const double overlap = s->slotRadius[slot] + probe->radius - sqrt(squaredDistance);
+  const double overlap = slotRadius(s, slot) + probe->radius - sqrt(squaredDistance);
   return overlap <= probe->tree->overlapTolerance || probe->function(probe->context, s->slotParticle[slot], overlap);
 }
 

@@ -20,8 +20,10 @@ static Bound boundOfMembers(const Block* block, const float* centres) {
 
 static Bound boundOfLeaf(const Leaf* leaf) {
   Block block;
+  float centres[TREE_WIDTH];
   leafBlock(leaf, &block);
-  return boundOfMembers(&block, leaf->centres);
+  leafCentres(leaf, centres);
+  return boundOfMembers(&block, centres);
 }
 
 /* ---- Update, bottom-up ---- */

@@ -54,14 +54,15 @@ static inline bool canBond(unsigned donor, unsigned acceptor) {
 }
 
 static inline double pairTolerance(const ctChainTree* scene, int slotA, int slotB) {
-  const unsigned a = scene->sequence.slotRole[slotA];
-  const unsigned b = scene->sequence.slotRole[slotB];
+  const Sequence* s = &scene->sequence;
+  const unsigned a = s->types[s->slotType[slotA]].role;
+  const unsigned b = s->types[s->slotType[slotB]].role;
   const bool bond = canBond(a, b) || canBond(b, a);
   return scene->overlapTolerance + (bond ? scene->hydrogenBondAllowance : 0);
 }
 
 static inline double radiusSum(const ctChainTree* scene, int slotA, int slotB) {
-  return scene->sequence.slotRadius[slotA] + scene->sequence.slotRadius[slotB];
+  return slotRadius(&scene->sequence, slotA) + slotRadius(&scene->sequence, slotB);
 }
 
 /* The particles of two slots, lower first. */

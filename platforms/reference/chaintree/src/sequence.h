@@ -40,6 +40,12 @@ typedef struct JointState {
   Placement placement; /* free joint */
 } JointState;
 
+/* What tells particles apart, as far as clashes go. */
+typedef struct ParticleType {
+  double radius;
+  unsigned role; /* in hydrogen bonds */
+} ParticleType;
+
 /* What a link is moved by, and the particle at the origin of its frame. */
 typedef struct Joint {
   int origin; /* on the torsion axis and in the link, or its lowest; CT_NULL for the world */
@@ -77,8 +83,9 @@ typedef struct Sequence {
   int* slotBegin;    /* linkCount + 1 */
   int* slotLink;     /* slotCount */
   int* slotParticle; /* slotCount; CT_NULL: empty */
-  double* slotRadius;
-  uint8_t* slotRole;
+  int* slotType;     /* index into types */
+  int typeCount;
+  ParticleType* types;
 
   /* Particles. */
   int* placeOf; /* its slot, or if it is not modelled ~ of its link */
@@ -119,6 +126,9 @@ bool ctSequenceBuild(Sequence* sequence, Arena* arena, const ctDefinition* defin
 /* The part of it that finds twigs and paths, once links have parents and slots; `end` is one past the last link that
  * hangs on each. */
 bool ctPathsBuild(Sequence* sequence, Arena* arena, const int* end);
+
+/* The part of it that finds the types of particles, once these have slots. */
+bool ctTypesBuild(Sequence* sequence, Arena* arena, const ctDefinition* definition);
 
 /* Nothing is displaced, as far as torsions go; placements are set with each reference. */
 void ctSequenceResetTorsions(Sequence* sequence);
@@ -192,6 +202,10 @@ static inline int sequenceIdle(const Sequence* s, int link) {
     }
   }
   return begin;
+}
+
+static inline double slotRadius(const Sequence* s, int slot) {
+  return s->types[s->slotType[slot]].radius;
 }
 
 /* Where the frame of a link has its origin in the reference positions. */

@@ -23,7 +23,7 @@ bool ctSnapshotBuild(Snapshot* snapshot, Arena* arena, const Sequence* sequence,
   }
   for (int slot = 0; slot < layout->levelBegin[1] * TREE_WIDTH; slot++) {
     const bool empty = slot >= layout->slotCount || sequence->slotParticle[slot] == CT_NULL;
-    const float r = empty ? -INFINITY : (float)sequence->slotRadius[slot];
+    const float r = empty ? -INFINITY : (float)slotRadius(sequence, slot);
     Extent* box = &snapshot->octet[slot / OCTET_WIDTH];
     snapshot->leaf[slot / TREE_WIDTH].r[slot % TREE_WIDTH] = r;
     box->r = slot % OCTET_WIDTH == 0 || box->r < r ? r : box->r;

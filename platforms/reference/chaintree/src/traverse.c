@@ -9,32 +9,51 @@
 /* Pairs that one visit can leave for later: all children of one node with all of another. */
 enum { PAIRS_OF_A_VISIT = TREE_WIDTH * TREE_WIDTH };
 
+/* So much is kept of leaves at rest, of items that move and of nodes whose boxes move: beyond that memory costs more
+ * than it spares. A visit needs two of each at a time. */
+enum { MOST_LEAF_PLACES = 8192, MOST_MOVED_PLACES = 1024, MOVED_BOXES_PLACES = 64 };
+
 /* ---- Life ---- */
 
 bool ctTraversalBuild(Traversal* t, Arena* arena, const Tree* tree, const Sequence* sequence,
                       const Exclusions* exclusions) {
   const size_t items = (size_t)tree->itemCount;
+  const int leaves = tree->levelBegin[1];
+  const size_t nodes = items - (size_t)leaves;
+  t->leafPlaces = leaves < MOST_LEAF_PLACES ? leaves : MOST_LEAF_PLACES;
+  const size_t places = (size_t)t->leafPlaces + nodes;
+  t->movedPlaces = tree->itemCount < MOST_MOVED_PLACES ? tree->itemCount : MOST_MOVED_PLACES;
   t->visitsWithoutBoxes = FEWEST_VISITS_WITHOUT_BOXES;
   t->tree = tree;
   t->sequence = sequence;
   t->exclusions = exclusions;
   t->since = ctArenaAllocate(arena, items, sizeof(int64_t));
-  t->frame = ctArenaAllocate(arena, items, sizeof(Frame));
-  t->rest = ctArenaAllocate(arena, items, sizeof(Block));
+  t->restAt = ctArenaAllocate(arena, items, sizeof(int));
+  t->leafAt = ctArenaAllocate(arena, (size_t)t->leafPlaces, sizeof(int));
+  t->frame = ctArenaAllocate(arena, places, sizeof(Frame));
+  t->rest = ctArenaAllocate(arena, places, sizeof(Block));
   t->box = ctArenaAllocate(arena, items, sizeof(Box));
-  t->boxes = ctArenaAllocate(arena, items - (size_t)tree->levelBegin[1], sizeof(NodeBoxes));
+  t->boxes = ctArenaAllocate(arena, nodes, sizeof(NodeBoxes));
   t->itemStamp = ctArenaAllocate(arena, items, sizeof(uint32_t));
   t->motion = ctArenaAllocate(arena, items, sizeof(int));
-  t->moved = ctArenaAllocate(arena, items, sizeof(Block));
+  t->inView = ctArenaAllocate(arena, items, sizeof(Block*));
+  t->movedItem = ctArenaAllocate(arena, (size_t)t->movedPlaces, sizeof(int));
+  t->moved = ctArenaAllocate(arena, (size_t)t->movedPlaces, sizeof(Block));
+  t->movedBoxesPlaces = MOVED_BOXES_PLACES;
+  t->movedBoxes = ctArenaAllocate(arena, MOVED_BOXES_PLACES, sizeof(MovedBoxes));
   t->stack = ctArenaAllocate(arena, (size_t)TREE_MAX_LEVELS * PAIRS_OF_A_VISIT, sizeof(ItemPair));
   t->nearItems = ctArenaAllocate(arena, items + TREE_WIDTH, sizeof(int));
   if (arena->failed) {
     return false;
   }
-  for (size_t i = 0; i < items; i++) {
-    t->since[i] = NEVER;
+  for (int place = 0; place < t->leafPlaces; place++) {
+    t->leafAt[place] = CT_NULL;
   }
-  for (size_t i = 0; i < items - (size_t)tree->levelBegin[1]; i++) {
+  for (int item = 0; item < tree->itemCount; item++) {
+    t->since[item] = NEVER;
+    t->restAt[item] = item < leaves ? CT_NULL : t->leafPlaces + item - leaves;
+  }
+  for (size_t i = 0; i < nodes; i++) {
     t->boxes[i].ownTime = NEVER;
     t->boxes[i].restSince = NEVER;
   }
@@ -76,7 +95,7 @@ bool ctViewMovesFew(const Traversal* t, const View* view, int* begin, int* end) 
 
 const Frame* ctTraversalLeafFrame(Traversal* t, int leaf) {
   t->tree->instructions->putLeafToRest(t, leaf);
-  return &t->frame[leaf];
+  return &t->frame[t->restAt[leaf]];
 }
 
 /* ---- Descents ---- */
@@ -90,21 +109,25 @@ void ctTraverseProbe(Traversal* t, const View* view, const double point[3], doub
   t->tree->instructions->probe(t, view, point, radius, function, context, counts);
 }
 
-void ctPositionInView(const Traversal* t, int slot, int motion, double position[3]) {
+void ctPositionInView(Traversal* t, int slot, int motion, double position[3]) {
+  const int leaf = slot / TREE_WIDTH;
+  if (t->restAt[leaf] == CT_NULL) {
+    t->tree->instructions->putLeafToRest(t, leaf);
+  }
   double local[3];
   treeLocal(t->tree, slot, local);
-  transformPoint(&t->frame[slot / TREE_WIDTH], local, position);
+  transformPoint(&t->frame[t->restAt[leaf]], local, position);
   if (motion > 0 && t->view->motions != NULL) {
     transformPoint(&t->view->motions[motion], position, position);
   }
 }
 
-void ctTraversalPosition(const Traversal* t, int slot, double position[3]) {
+void ctTraversalPosition(Traversal* t, int slot, double position[3]) {
   const int code = t->motion[slot / TREE_WIDTH];
   ctPositionInView(t, slot, code < 0 ? straddlerOf(t, code)->motion[slot % TREE_WIDTH] : code, position);
 }
 
-double ctTraversalSquaredDistance(const Traversal* t, int slotA, int slotB) {
+double ctTraversalSquaredDistance(Traversal* t, int slotA, int slotB) {
   double a[3];
   double b[3];
   ctTraversalPosition(t, slotA, a);

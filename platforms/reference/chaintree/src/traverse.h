@@ -30,6 +30,7 @@ typedef struct ItemPair {
 } ItemPair;
 
 struct Box;
+struct MovedBoxes;
 struct NodeBoxes;
 struct Straddler;
 
@@ -45,9 +46,15 @@ typedef struct Traversal {
   /* Per item, of the state; what has not changed since is kept from descent to descent. */
   int64_t* since;     /* the tree's time at which the item was put into the world, or NEVER */
   bool sinceSurfaces; /* whether the radii of those are of surfaces */
+  int* restAt;        /* where its frame and members are; CT_NULL: they have had to make room for others */
+  struct Box* box;    /* around its members in its own frame, unless the tree calls the item fresh */
+
+  /* What has been put into the world: all nodes, and so many leaves, the ones put there last. */
+  int leafPlaces;
+  int nextPlace;
+  int* leafAt; /* per place of a leaf; CT_NULL: none */
   Frame* frame;
-  Block* rest;     /* its members */
-  struct Box* box; /* around its members in its own frame, unless the tree calls the item fresh */
+  Block* rest; /* members */
 
   /* Per node, from levelBegin[1] on: boxes of its children. They are looked at after so many visits of a descent; that
    * grows while they part too little and shrinks while they part much. */
@@ -60,7 +67,16 @@ typedef struct Traversal {
   uint32_t stamp;
   uint32_t* itemStamp; /* the item is expanded */
   int* motion;         /* of which rigid body it is; below 0: it straddles bodies, see straddlerOf */
-  Block* moved;        /* its members, if its motion is not 0 */
+  Block** inView;      /* of an expanded item, its members as they lie in the view; NULL: they had to make room */
+
+  /* Members of items that move in this descent; of many, those moved last. */
+  int movedCount;
+  int movedPlaces;
+  int* movedItem; /* per place: whose they are */
+  Block* moved;
+  int movedBoxesCount;
+  int movedBoxesPlaces;
+  struct MovedBoxes* movedBoxes;
 
   /* What straddles bodies, from the root down. */
   struct Straddler* straddlers;
@@ -100,13 +116,13 @@ void ctTraverseProbe(Traversal* traversal, const View* view, const double point[
                      ProbeFunction* function, void* context, ctCounts* counts);
 
 /* Where a slot of this motion is in the view; its leaf has been put into the world. */
-void ctPositionInView(const Traversal* traversal, int slot, int motion, double position[3]);
+void ctPositionInView(Traversal* traversal, int slot, int motion, double position[3]);
 
 /* Where a slot that the running descent has reached is in its view. */
-void ctTraversalPosition(const Traversal* traversal, int slot, double position[3]);
+void ctTraversalPosition(Traversal* traversal, int slot, double position[3]);
 
 /* The squared distance of two such. */
-double ctTraversalSquaredDistance(const Traversal* traversal, int slotA, int slotB);
+double ctTraversalSquaredDistance(Traversal* traversal, int slotA, int slotB);
 
 /* Whether all that moves is few slots in a row, and which: [begin, end). */
 bool ctViewMovesFew(const Traversal* traversal, const View* view, int* begin, int* end);

@@ -33,7 +33,7 @@ static void traverseProbe(Traversal* t, const View* view, const double point[3],
   while (goesOn && depth > 0) {
     const ItemPair item = t->stack[--depth];
     expand(t, item.level, item.a);
-    unsigned mask = near16(&t->rest[item.a], probe, reach);
+    unsigned mask = near16(restOf(t, item.a), probe, reach);
     if (item.level > 0) {
       int count;
       const int first = treeChildren(t->tree, item.level, item.a, &count);

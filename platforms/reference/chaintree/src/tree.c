@@ -37,8 +37,7 @@ static void clearMembers(Tree* tree, const Sequence* sequence) {
   for (int slot = 0; slot < tree->levelBegin[1] * TREE_WIDTH; slot++) {
     const bool empty = slot >= tree->slotCount || sequence->slotParticle[slot] == CT_NULL;
     Leaf* leaf = &tree->leaf[slot / TREE_WIDTH];
-    leaf->r[slot % TREE_WIDTH] = empty ? -INFINITY : (float)sequence->slotRadius[slot];
-    leaf->centres[slot % TREE_WIDTH] = empty ? -INFINITY : 0;
+    leaf->r[slot % TREE_WIDTH] = empty ? -INFINITY : (float)slotRadius(sequence, slot);
   }
   for (int node = tree->levelBegin[1]; node < tree->itemCount; node++) {
     Members* members = treeMembers(tree, node);
@@ -398,7 +397,7 @@ static bool itemHolds(const Tree* tree, const Sequence* sequence, int level, int
     /* Both positions went through frames in the world: allow for their rounding. */
     const double rounding = 1e-13 * (sqrt(dot(x, x)) + sqrt(dot(centre, centre)) + (double)bound->r);
     if (distance > (double)bound->centres + rounding ||
-        distance + sequence->slotRadius[slot] > (double)bound->r + rounding) {
+        distance + slotRadius(sequence, slot) > (double)bound->r + rounding) {
       return false;
     }
   }

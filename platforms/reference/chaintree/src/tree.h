@@ -36,8 +36,7 @@ typedef struct Leaf {
   double x[TREE_WIDTH];
   double y[TREE_WIDTH];
   double z[TREE_WIDTH];
-  float r[TREE_WIDTH];       /* of the particle; -INFINITY: none */
-  float centres[TREE_WIDTH]; /* 0, or -INFINITY: none */
+  float r[TREE_WIDTH]; /* of the particle; -INFINITY: none */
 } Leaf;
 
 /* A sphere around the members of an item in its own frame; radii as in Members. */

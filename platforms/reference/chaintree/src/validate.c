@@ -53,7 +53,7 @@ static bool boxHolds(const ctChainTree* scene, int level, int item) {
       for (int d = 0; d < 3; d++) {
         along += (x[d] - (double)box->row[d][0]) * (double)box->row[d][i];
       }
-      if (fabs(along) + scene->sequence.slotRadius[slot] > (double)box->half[i] + rounding) {
+      if (fabs(along) + slotRadius(&scene->sequence, slot) > (double)box->half[i] + rounding) {
         return false;
       }
     }

@@ -31,9 +31,9 @@ static int motionOfMember(const Traversal* t, int item, int k) {
 }
 
 static void restLeaf(Traversal* t, int leaf) {
-  const Frame* f = &t->frame[leaf];
+  const Frame* f = &t->frame[t->restAt[leaf]];
   const Leaf* own = &t->tree->leaf[leaf];
-  Block* rest = &t->rest[leaf];
+  Block* rest = &t->rest[t->restAt[leaf]];
   for (int k = 0; k < TREE_WIDTH; k++) {
     const double x = own->x[k];
     const double y = own->y[k];
@@ -42,7 +42,11 @@ static void restLeaf(Traversal* t, int leaf) {
     rest->y[k] = (float)(f->m[1][0] * x + f->m[1][1] * y + f->m[1][2] * z + f->m[1][3]);
     rest->z[k] = (float)(f->m[2][0] * x + f->m[2][1] * y + f->m[2][2] * z + f->m[2][3]);
   }
-  memcpy(rest->r, t->sinceSurfaces ? own->r : own->centres, sizeof rest->r);
+  if (t->sinceSurfaces) {
+    memcpy(rest->r, own->r, sizeof rest->r);
+  } else {
+    leafCentres(own, rest->r);
+  }
 }
 
 static void floatMotion(const Frame* f, float motion[12]) {
@@ -54,9 +58,9 @@ static void floatMotion(const Frame* f, float motion[12]) {
 
 static void restNode(Traversal* t, int item) {
   const Members* own = treeMembers(t->tree, item);
-  Block* rest = &t->rest[item];
+  Block* rest = &t->rest[t->restAt[item]];
   float motion[12];
-  floatMotion(&t->frame[item], motion);
+  floatMotion(&t->frame[t->restAt[item]], motion);
   moveBlock(&own->block, motion, 0xffff, rest);
   memcpy(rest->r, t->sinceSurfaces ? own->block.r : own->centres, sizeof rest->r);
 }
@@ -71,12 +75,32 @@ static bool isThere(const Traversal* t, int level, int item) {
   return treeLeavesStay(t->tree, t->since[item], (end + TREE_WIDTH - 1) / TREE_WIDTH);
 }
 
+/* Gives a leaf the place of the one that has been put to rest longest ago. */
+static void takePlace(Traversal* t, int leaf) {
+  const int place = t->nextPlace;
+  const int other = t->leafAt[place];
+  if (other != CT_NULL) {
+    t->since[other] = NEVER;
+    t->restAt[other] = CT_NULL;
+    t->inView[other] = NULL; /* positions are read off what is at rest */
+  }
+  t->leafAt[place] = leaf;
+  t->restAt[leaf] = place;
+  t->nextPlace = place + 1 < t->leafPlaces ? place + 1 : 0;
+}
+
 static void moveToRest(Traversal* t, int level, int item) {
   const Tree* tree = t->tree;
   if (!isThere(t, level, item)) {
-    t->frame[item] = level == treeTop(tree)
-                         ? tree->pose[item]
-                         : transformCompose(&t->frame[treeParent(tree, level, item)], &tree->pose[item]);
+    if (t->restAt[item] == CT_NULL) {
+      takePlace(t, item);
+    }
+    const int place = t->restAt[item];
+    t->frame[place] = tree->pose[item];
+    if (level < treeTop(tree)) {
+      const int parent = treeParent(tree, level, item);
+      t->frame[place] = transformCompose(&t->frame[t->restAt[parent]], &tree->pose[item]);
+    }
   } else if (tree->contentTime[item] <= t->since[item]) {
     return;
   }
@@ -103,6 +127,30 @@ static void putLeafToRest(Traversal* t, int leaf) {
   }
 }
 
+/* Members of an item at rest, put there before; its parent is there still. */
+static Block* restOf(Traversal* t, int item) {
+  if (t->restAt[item] == CT_NULL) {
+    putToRest(t, 0, item);
+  }
+  return &t->rest[t->restAt[item]];
+}
+
+/* The members of an item that moves. */
+static Block* moveItem(Traversal* t, int item) {
+  const int place = t->movedCount;
+  t->movedCount = place + 1 < t->movedPlaces ? place + 1 : 0;
+  Block* moved = &t->moved[place];
+  const int other = t->movedItem[place];
+  if (t->inView[other] == moved) {
+    t->inView[other] = NULL;
+  }
+  t->movedItem[place] = item;
+  Block* rest = restOf(t, item);
+  moveBlock(rest, t->motions[t->motion[item]], 0xffff, moved);
+  memcpy(moved->r, rest->r, sizeof moved->r);
+  return moved;
+}
+
 /* Once a descent. Its parent has been expanded. */
 static void expand(Traversal* t, int level, int item) {
   if (t->itemStamp[item] == t->stamp) {
@@ -110,11 +158,7 @@ static void expand(Traversal* t, int level, int item) {
   }
   t->itemStamp[item] = t->stamp;
   putToRest(t, level, item);
-  const int motion = t->motion[item];
-  if (moves(t->view, motion)) {
-    moveBlock(&t->rest[item], t->motions[motion], 0xffff, &t->moved[item]);
-    memcpy(t->moved[item].r, t->rest[item].r, sizeof t->moved[item].r);
-  }
+  t->inView[item] = moves(t->view, t->motion[item]) ? moveItem(t, item) : restOf(t, item);
 }
 
 static Sphere boundOfStraddler(const Traversal* t, const Straddler* s) {
@@ -133,7 +177,10 @@ static const Straddler* expandStraddler(Traversal* t, int level, int item, int p
   Straddler* s = &t->straddlers[t->straddlerCount++];
   s->item = item;
   putToRest(t, level, item);
-  s->block = t->rest[item];
+  Block* rest = restOf(t, item);
+  s->block = *rest;
+  s->isBoxed = false;
+  t->inView[item] = &s->block;
   int end;
   const int begin = treeSlots(tree, level, item, &end);
   const int width = 1 << TREE_WIDTH_BITS * level;
@@ -150,7 +197,7 @@ static const Straddler* expandStraddler(Traversal* t, int level, int item, int p
     if (wholes > k) {
       const int motion = view->pieces[piece].motion;
       if (moves(view, motion)) {
-        moveBlock(&t->rest[item], t->motions[motion], (1u << wholes) - (1u << k), &s->block);
+        moveBlock(rest, t->motions[motion], (1u << wholes) - (1u << k), &s->block);
       }
       while (k < wholes) {
         s->motion[k++] = motion;
@@ -192,8 +239,8 @@ static void startView(Traversal* t, const View* view) {
   t->band = DOUBLE_MARGIN * t->extent;
   if (++t->stamp == 0) {
     memset(t->itemStamp, 0, (size_t)tree->itemCount * sizeof(uint32_t));
-    for (int node = 0; node < tree->itemCount - tree->levelBegin[1]; node++) {
-      t->boxes[node].stamp = 0;
+    for (int i = 0; i < t->movedBoxesPlaces; i++) {
+      t->movedBoxes[i].stamp = 0;
     }
     t->stamp = 1;
   }
@@ -204,6 +251,8 @@ static void startView(Traversal* t, const View* view) {
     t->sinceSurfaces = view->surfaces;
   }
   t->straddlerCount = 0;
+  t->movedCount = 0;
+  t->movedBoxesCount = 0;
 }
 
 /* A sphere at rest of a body of this motion, where the view has it. */
@@ -211,13 +260,25 @@ static Sphere sphereInView(const Traversal* t, Sphere sphere, int motion) {
   return moves(t->view, motion) ? movedSphere(sphere, t->motions[motion]) : sphere;
 }
 
-/* An expanded item: its members as they lie in the view. */
-static const Block* blockOf(const Traversal* t, int item) {
+static Block* viewAgain(Traversal* t, int item) {
   const int code = t->motion[item];
-  if (code < 0) {
-    return &straddlerOf(t, code)->block;
+  Block* rest = restOf(t, item);
+  return code < 0 ? &straddlerOf(t, code)->block : moves(t->view, code) ? moveItem(t, item) : rest;
+}
+
+/* An expanded item: its members as they lie in the view. */
+static const Block* blockOf(Traversal* t, int item) {
+  if (t->inView[item] == NULL) {
+    t->inView[item] = viewAgain(t, item);
   }
-  return moves(t->view, code) ? &t->moved[item] : &t->rest[item];
+  return t->inView[item];
+}
+
+/* Those of two. The second may have taken the room of the first, which then is made again, elsewhere. */
+static void blocksOf(Traversal* t, int a, int b, const Block* blocks[2]) {
+  blockOf(t, a);
+  blocks[1] = blockOf(t, b);
+  blocks[0] = blockOf(t, a);
 }
 
 /* Members of an item that are of a rigid body; none, if that straddles. */

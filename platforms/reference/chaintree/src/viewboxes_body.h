@@ -19,39 +19,28 @@ static const Box* ownBox(Traversal* t, int level, int item) {
   if (level == 0) {
     Block block;
     leafBlock(&tree->leaf[item], &block);
-    *box = boxAround(&block, 0, NULL, &tree->bound[item]);
+    *box = boxAround(&block, NULL, &tree->bound[item]);
     return box;
   }
   NodeBoxes* boxes = boxesOf(t, item);
-  Box inner[TREE_WIDTH];
-  unsigned thin = 0;
   bool moved = false;
   int count;
   const int first = treeChildren(tree, level, item, &count);
   for (int k = 0; k < count; k++) {
     const int child = first + k;
     moved = moved || (k > 0 && tree->shortcutTime[child - 1] > boxes->ownTime);
-    if (tree->bound[child].r < 0) {
-      continue;
+    if (tree->bound[child].r >= 0 && (moved || tree->contentTime[child] > boxes->ownTime)) {
+      float pose[12];
+      floatMotion(&tree->pose[child], pose);
+      const Box inner = movedBox(ownBox(t, level - 1, child), pose);
+      putBox(&boxes->own, k, &inner);
     }
-    if (!moved && tree->contentTime[child] <= boxes->ownTime) {
-      inner[k] = boxOf(&boxes->own, k);
-      thin |= boxes->thin & 1u << k;
-      continue;
-    }
-    float pose[12];
-    floatMotion(&tree->pose[child], pose);
-    const Box* own = ownBox(t, level - 1, child);
-    inner[k] = movedBox(own, pose);
-    thin |= (unsigned)own->thin << k;
-    putBox(&boxes->own, k, &inner[k]);
   }
-  boxes->thin = thin;
   boxes->ownTime = tree->time;
   boxes->restSince = NEVER;
   /* Nothing is around the root. */
   if (level < treeTop(tree)) {
-    *box = boxAround(&treeMembers(tree, item)->block, thin, inner, &tree->bound[item]);
+    *box = boxAround(&treeMembers(tree, item)->block, &boxes->own, &tree->bound[item]);
   }
   return box;
 }
@@ -64,14 +53,36 @@ static Box straddlerBox(Traversal* t, int level, int item) {
   const Sphere middle = middleOfBlock(block);
   const Bound bound = {middle.x, middle.y, middle.z, middle.r + radiusAbout(middle, block, block->r), 0};
   if (level == 0 || bound.r < 0) {
-    return boxAround(block, 0, NULL, &bound);
+    return boxAround(block, NULL, &bound);
   }
-  const BoxBlock* inView = boxesInView(t, level, item);
-  Box inner[TREE_WIDTH];
-  for (int k = 0; k < TREE_WIDTH; k++) {
-    inner[k] = boxOf(inView, k);
+  return boxAround(block, boxesInView(t, level, item), &bound);
+}
+
+/* Boxes of the children of a node that straddles, in the view. */
+static BoxBlock* straddlerBoxes(Traversal* t, int level, int node) {
+  NodeBoxes* boxes = boxesOf(t, node);
+  Straddler* s = straddlerOf(t, t->motion[node]);
+  if (s->isBoxed) {
+    return &s->boxes;
   }
-  return boxAround(block, boxesOf(t, item)->thinInView, inner, &bound);
+  s->isBoxed = true;
+  s->boxes = boxes->rest;
+  for (int k = 0; k < TREE_WIDTH;) {
+    /* Children that move alike go together. */
+    const int motion = s->motion[k];
+    unsigned run = 0;
+    for (; k < TREE_WIDTH && motion == s->motion[k]; k++) {
+      run |= 1u << k;
+    }
+    if (moves(t->view, motion)) {
+      moveBoxes(&boxes->rest, t->motions[motion], run, &s->boxes);
+    } else if (motion < 0) {
+      const int child = __builtin_ctz(run);
+      const Box box = straddlerBox(t, level - 1, straddlerOf(t, motion)->item);
+      putBox(&s->boxes, child, &box);
+    }
+  }
+  return &s->boxes;
 }
 
 /* Boxes of the children of an expanded node, in the view. */
@@ -81,37 +92,27 @@ static BoxBlock* boxesInView(Traversal* t, int level, int node) {
   if (boxes->restSince != t->since[node]) {
     boxes->restSince = t->since[node];
     float frame[12];
-    floatMotion(&t->frame[node], frame);
+    floatMotion(&t->frame[t->restAt[node]], frame);
     boxes->rest = boxes->own;
     moveBoxes(&boxes->own, frame, 0xffff, &boxes->rest);
   }
   const int code = t->motion[node];
-  if (code == 0 || (code > 0 && t->view->motions == NULL)) {
-    boxes->thinInView = boxes->thin;
+  if (code < 0) {
+    return straddlerBoxes(t, level, node);
+  }
+  if (!moves(t->view, code)) {
     return &boxes->rest;
   }
-  if (boxes->stamp != t->stamp) {
-    boxes->stamp = t->stamp;
-    boxes->moved = boxes->rest;
-    boxes->thinInView = boxes->thin;
-    for (int k = 0; k < TREE_WIDTH;) {
-      /* Children that move alike go together. */
-      const int motion = motionOfMember(t, node, k);
-      unsigned run = 0;
-      for (; k < TREE_WIDTH && motion == motionOfMember(t, node, k); k++) {
-        run |= 1u << k;
-      }
-      if (moves(t->view, motion)) {
-        moveBoxes(&boxes->rest, t->motions[motion], run, &boxes->moved);
-      } else if (motion < 0) {
-        const int child = __builtin_ctz(run);
-        const Box box = straddlerBox(t, level - 1, straddlerOf(t, motion)->item);
-        putBox(&boxes->moved, child, &box);
-        boxes->thinInView = (boxes->thinInView & ~run) | (unsigned)box.thin << child;
-      }
-    }
+  MovedBoxes* moved = &t->movedBoxes[boxes->movedAt];
+  if (moved->node != node || moved->stamp != t->stamp) {
+    boxes->movedAt = t->movedBoxesCount++ % t->movedBoxesPlaces;
+    moved = &t->movedBoxes[boxes->movedAt];
+    moved->node = node;
+    moved->stamp = t->stamp;
+    moved->boxes = boxes->rest;
+    moveBoxes(&boxes->rest, t->motions[code], 0xffff, &moved->boxes);
   }
-  return &boxes->moved;
+  return &moved->boxes;
 }
 
 #endif /* CT_VIEWBOXES_BODY_H_ */

@@ -55,6 +55,13 @@ static inline void leafBlock(const Leaf* leaf, Block* block) {
   }
 }
 
+/* Radii around the centres of a leaf's particles only: 0, or -INFINITY for none. */
+static inline void leafCentres(const Leaf* leaf, float* centres) {
+  for (int k = 0; k < TREE_WIDTH; k++) {
+    centres[k] = leaf->r[k] < 0 ? -INFINITY : 0;
+  }
+}
+
 /* Bit k is set if member k is nearer than its radius + the sphere's + reach. */
 static inline unsigned near16(const Block* block, Sphere sphere, float reach) {
   const Float16 sum = max16(add16(load16(block->r), all16(sphere.r + reach)), all16(0));

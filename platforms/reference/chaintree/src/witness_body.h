@@ -8,7 +8,7 @@ static Sphere slotSphere(Traversal* t, int slot, int motion) {
   if (t->tree->contentTime[leaf] > t->since[leaf] || !isThere(t, 0, leaf)) {
     putLeafToRest(t, leaf);
   }
-  return sphereInView(t, sphereOf(&t->rest[leaf], slot % TREE_WIDTH), motion);
+  return sphereInView(t, sphereOf(restOf(t, leaf), slot % TREE_WIDTH), motion);
 }
 
 /* True if a witness clashes: `function` has said so then. Adds what that has cost. */

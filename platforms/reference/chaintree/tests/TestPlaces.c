@@ -1,0 +1,108 @@
+/* A descent keeps so many leaves at rest and so many items that move, and makes those anew that have had to make room:
+ * a scene with hardly any room says the same and counts the same. Looks inside the engine. */
+#define _POSIX_C_SOURCE 200809L /* setenv */
+
+#include "../src/descent.h"
+#include "../src/scene.h"
+#include "lattice.h"
+
+enum { TRIALS = 400, PLACES = 2 };
+
+typedef struct Answers {
+  bool clash;
+  double changed; /* distances before and after, of all pairs, with weights */
+  int changedCount;
+  double nearest;
+  int nearestPair[2];
+  int touched;
+  ctCounts counts;
+} Answers;
+
+static bool addChanged(void* context, int particle1, int particle2, double before, double after) {
+  Answers* answers = context;
+  answers->changed += (particle1 + 2 * particle2) * before - particle2 * after;
+  answers->changedCount++;
+  return true;
+}
+
+static bool countTouched(void* context, int particle, double overlap) {
+  (void)particle;
+  (void)overlap;
+  ++*(int*)context;
+  return true;
+}
+
+static ctSelection* selectHalf(ctChainTree* tree, int begin) {
+  int particles[SITES / 2];
+  for (int i = 0; i < SITES / 2; i++) {
+    particles[i] = begin + i;
+  }
+  ctSelection* selection;
+  CHECK_SUCCESS(ctSelect(tree, SITES / 2, particles, &selection));
+  return selection;
+}
+
+static Answers ask(ctChainTree* tree, ctSelection* halves[2], int trial) {
+  const int first = 2 + trial * 37 % (SITES - 3);
+  const ctChange changes[3] = {{.link = first, .angle = (trial % 3 == 0 ? 1e-3 : 0.3) * sin(trial)},
+                               {.link = (first + 5) % (SITES - 2) + 2, .angle = -0.01 * cos(trial)},
+                               {.link = (first + 300) % (SITES - 2) + 2, .angle = 0.02}};
+  const double middle[3] = {4, 4, 4};
+  Answers answers = {0};
+  CHECK_SUCCESS(ctPropose(tree, trial % 5 == 0 ? 3 : trial % 2 == 0 ? 2 : 1, changes));
+  CHECK_SUCCESS(ctTestTrial(tree, &answers.clash, NULL, &answers.counts));
+  if (trial % 4 == 0) {
+    CHECK_SUCCESS(ctForEachChangedPair(tree, 1.3, addChanged, &answers, &answers.counts));
+  }
+  if (answers.clash) {
+    ctDiscard(tree);
+  } else {
+    CHECK_SUCCESS(ctCommit(tree, &answers.counts));
+  }
+  if (trial % 10 == 0) {
+    CHECK_SUCCESS(
+        ctGetMinimumDistance(tree, halves[0], halves[1], &answers.nearest, answers.nearestPair, &answers.counts));
+    CHECK_SUCCESS(ctForEachClashWith(tree, middle, 2.5, countTouched, &answers.touched, &answers.counts));
+  }
+  return answers;
+}
+
+static void testCourse(const char* course) {
+  setenv("CHAINTREE_TRIALS", course, 1);
+  ctChainTree* trees[2];
+  ctSelection* halves[2][2];
+  for (int i = 0; i < 2; i++) {
+    trees[i] = makeLattice(ONE_CHAIN, 0.45, 0);
+    halves[i][0] = selectHalf(trees[i], 0);
+    halves[i][1] = selectHalf(trees[i], SITES / 2);
+  }
+  CHECK(trees[0]->traversal.leafPlaces * TREE_WIDTH >= SITES && trees[0]->traversal.movedPlaces >= SITES / TREE_WIDTH);
+  trees[1]->traversal.leafPlaces = PLACES;
+  trees[1]->traversal.movedPlaces = PLACES;
+  trees[1]->traversal.movedBoxesPlaces = PLACES;
+  int clashing = 0;
+  for (int trial = 0; trial < TRIALS; trial++) {
+    const Answers a = ask(trees[0], halves[0], trial);
+    const Answers b = ask(trees[1], halves[1], trial);
+    CHECK(a.clash == b.clash && a.changedCount == b.changedCount && a.touched == b.touched);
+    CHECK(a.changed == b.changed && a.nearest == b.nearest);
+    CHECK(a.nearestPair[0] == b.nearestPair[0] && a.nearestPair[1] == b.nearestPair[1]);
+    CHECK(a.counts.volumeTests == b.counts.volumeTests && a.counts.particleTests == b.counts.particleTests);
+    clashing += a.clash;
+  }
+  CHECK(clashing > TRIALS / 20 && clashing < TRIALS - TRIALS / 20);
+  CHECK(ctValidate(trees[0]) && ctValidate(trees[1]));
+  for (int i = 0; i < 2; i++) {
+    ctFreeSelection(halves[i][0]);
+    ctFreeSelection(halves[i][1]);
+    ctDestroy(trees[i]);
+  }
+}
+
+int main(void) {
+  testCourse("");
+  testCourse("tree");
+  testCourse("boxes");
+  testCourse("clearances");
+  return checkResult();
+}
