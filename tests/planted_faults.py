@@ -60,8 +60,8 @@ FAULTS = [
           "blocks[0] = blockOf(t, a);\n  blocks[1] = blockOf(t, b);"),
     Fault("place: boxes of another node", "viewboxes_body.h",
           "moved->node != node || moved->stamp", "moved->stamp"),
-    Fault("type: roles do not matter", "particletype.c",
-          " && roleOf(d, particleA) == roleOf(d, particleB)", ""),
+    Fault("type: that of the last new one", "particletype.c",
+          "s->slotType[slot] = s->slotType[table[i] - 1];", "s->slotType[slot] = s->typeCount - 1;"),
     Fault("axis: from particles that are too close together", "tree.c",
           "> LEAST_LINE * dot(point, point)", "> 0"),
     # ---- Margins ----

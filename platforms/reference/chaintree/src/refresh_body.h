@@ -90,8 +90,8 @@ CT_INLINE void placeSlots(Tree* tree, const Sequence* s, Walk* walk, const Openi
     if (particle != CT_NULL) {
       double local[3];
       sequenceLocal(s, walk->link, particle, local);
-      const Column* c = walk->frame.column;
-      const Column x = c[0] * local[0] + c[1] * local[1] + (c[2] * local[2] + c[3]);
+      double x[3];
+      columnsPoint(&walk->frame, local, x);
       leaf->x[slot % TREE_WIDTH] = x[0];
       leaf->y[slot % TREE_WIDTH] = x[1];
       leaf->z[slot % TREE_WIDTH] = x[2];
@@ -164,17 +164,19 @@ static void refreshNode(Tree* tree, int level, int item, const int* changed, int
   const int first = treeChildren(tree, level, item, &childCount);
   const int last = first + childCount - 1;
   Members* members = treeMembers(tree, item);
+  Columns pose;
   bool moved = false;
   int done = 0; /* of the changed ones, until one has moved the others */
   for (int child = changed[0]; child <= last;) {
-    if (child == first) {
-      tree->pose[child] = transformIdentity();
-    } else if (moved) {
-      tree->pose[child] = transformCompose(&tree->pose[child - 1], &tree->shortcut[child - 1]);
+    if (moved) {
+      columnsCompose(&pose, tree->shortcut[child - 1].m[0], 1);
+      tree->pose[child] = frameOfColumns(&pose);
+    } else {
+      columnsOf(&tree->pose[child], &pose);
     }
     const Bound* own = &tree->bound[child];
     double centre[3] = {own->x, own->y, own->z};
-    transformPoint(&tree->pose[child], centre, centre);
+    columnsPoint(&pose, centre, centre);
     members->block.x[child - first] = (float)centre[0];
     members->block.y[child - first] = (float)centre[1];
     members->block.z[child - first] = (float)centre[2];
@@ -184,7 +186,8 @@ static void refreshNode(Tree* tree, int level, int item, const int* changed, int
     child = moved ? child + 1 : ++done < count ? changed[done] : last + 1;
   }
   if (moved) {
-    tree->shortcut[item] = transformCompose(&tree->pose[last], &tree->shortcut[last]);
+    columnsCompose(&pose, tree->shortcut[last].m[0], 1);
+    tree->shortcut[item] = frameOfColumns(&pose);
     tree->shortcutTime[item] = tree->time;
   }
   tree->bound[item] = boundOfMembers(&members->block, members->centres);

@@ -111,7 +111,7 @@ CT_INLINE void columnsOf(const Frame* t, Columns* columns) {
   }
 }
 
-static inline Frame frameOfColumns(const Columns* columns) {
+CT_INLINE Frame frameOfColumns(const Columns* columns) {
   Frame t;
   for (int i = 0; i < 3; i++) {
     for (int j = 0; j < 4; j++) {
@@ -119,6 +119,14 @@ static inline Frame frameOfColumns(const Columns* columns) {
     }
   }
   return t;
+}
+
+/* y may be x. */
+CT_INLINE void columnsPoint(const Columns* a, const double x[3], double y[3]) {
+  const Column point = a->column[0] * x[0] + a->column[1] * x[1] + (a->column[2] * x[2] + a->column[3]);
+  y[0] = point[0];
+  y[1] = point[1];
+  y[2] = point[2];
 }
 
 /* a(b(x)) becomes a, where b is given by the entries of its m, `stride` apart. */

@@ -117,6 +117,7 @@ void ctTreeRefresh(Tree* tree, const Sequence* sequence) {
       const int node = tree->levelBegin[level] + i;
       int count;
       const int first = treeChildren(tree, level, node, &count);
+      tree->pose[first] = transformIdentity();
       for (int k = 0; k < count; k++) {
         tree->dirty[k] = first + k;
       }
