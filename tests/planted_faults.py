@@ -99,9 +99,9 @@ FAULTS = [
           "tree->changedLeaf[low] >= leafEnd;", "tree->changedLeaf[low] >= leafEnd - 2;"),
     # ---- Boxes ----
     Fault("box: it leaves out radii", "box.h",
-          "least16(sub16(along, r))", "least16(along)"),
+          "least16(sub16(along, reach))", "least16(along)"),
     Fault("box: it leaves out the boxes within", "box.h",
-          "high = row[0] + reach > high ? row[0] + reach : high;", ""),
+          "reach = blend16(boxes->thin, reach, reachAlong(boxes, u));", ""),
     Fault("box: it has no room for rounding", "box.h",
           "4e-6f * (fabsf(bound->x)", "0 * (fabsf(bound->x)"),
     Fault("box: reach is left out between boxes", "box.h",
@@ -111,7 +111,8 @@ FAULTS = [
     Fault("box: it outlives a change of a node", "refresh_body.h",
           "tree->hasSum[item] = false;\n  tree->isFresh[item] = true;", "tree->hasSum[item] = false;"),
     Fault("box: axes are not turned along", "box.h",
-          "store16(to->axis[i][d], blend16(mask, load16(to->axis[i][d]), axis));", ""),
+          "store16(to->axis[i][d], dot16(m[0], m[1], m[2], from->axis[i]));",
+          "store16(to->axis[i][d], load16(from->axis[i][d]));"),
     # ---- Update ----
     Fault("update: the joint at an interval's end stays", "tree.c",
           "if (end < s->linkCount) {", "if (false) {"),

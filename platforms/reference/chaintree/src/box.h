@@ -2,6 +2,8 @@
 #ifndef CT_BOX_H_
 #define CT_BOX_H_
 
+#include <string.h>
+
 #include "volume.h"
 
 typedef float Row4 __attribute__((vector_size(16)));
@@ -26,16 +28,6 @@ typedef struct BoxBlock {
 
 static inline Row4 all4(float a) {
   return (Row4){a, a, a, a};
-}
-
-static inline Row4 absolute4(Row4 a) {
-  typedef int Bits4 __attribute__((vector_size(16)));
-  const Bits4 mask = {0x7fffffff, 0x7fffffff, 0x7fffffff, 0x7fffffff};
-  return (Row4)((Bits4)a & mask);
-}
-
-static inline float sum4(Row4 a) {
-  return (a[0] + a[1]) + (a[2] + a[3]);
 }
 
 /* A box moved by rows of rotation and translation. */
@@ -135,12 +127,18 @@ static inline void putBox(BoxBlock* block, int k, const Box* box) {
   }
 }
 
-static inline Box boxOf(const BoxBlock* block, int k) {
-  Box box = {.half = {0, block->half[0][k], block->half[1][k], block->half[2][k]}, .thin = block->thin >> k & 1};
-  for (int d = 0; d < 3; d++) {
-    box.row[d] = (Row4){block->centre[d][k], block->axis[0][d][k], block->axis[1][d][k], block->axis[2][d][k]};
+static inline Float16 dot16(float x, float y, float z, const float v[3][TREE_WIDTH]) {
+  return along16(load16(v[0]), load16(v[1]), load16(v[2]), x, y, z);
+}
+
+/* Half the extents of boxes along a unit vector. */
+static inline Float16 reachAlong(const BoxBlock* boxes, const float u[3]) {
+  Float16 reach = all16(0);
+  for (int i = 0; i < 3; i++) {
+    const Float16 cosine = absolute16(dot16(u[0], u[1], u[2], boxes->axis[i]));
+    reach = add16(reach, mul16(cosine, load16(boxes->half[i])));
   }
-  return box;
+  return reach;
 }
 
 /* A box around spheres; of members that have thin boxes among these, if any, the boxes are taken instead. */
@@ -151,20 +149,16 @@ static inline Box boxAround(const Block* block, const BoxBlock* boxes, const Bou
   chooseAxes(block, middle, axes);
   float centre[3] = {0, 0, 0};
   float half[4] = {0, 0, 0, 0};
-  const unsigned boxed = boxes == NULL ? 0 : boxes->thin;
-  const Float16 r = blend16(boxed, load16(block->r), all16(-INFINITY));
   for (int i = 0; i < 3; i++) {
     const float* u = axes[i];
-    const Float16 along = along16(load16(block->x), load16(block->y), load16(block->z), u[0], u[1], u[2]);
-    float low = least16(sub16(along, r));
-    float high = most16(add16(along, r));
-    for (unsigned mask = boxed; mask != 0; mask &= mask - 1) {
-      const Box inner = boxOf(boxes, __builtin_ctz(mask));
-      const Row4 row = all4(u[0]) * inner.row[0] + all4(u[1]) * inner.row[1] + all4(u[2]) * inner.row[2];
-      const float reach = sum4(absolute4(row) * inner.half);
-      low = row[0] - reach < low ? row[0] - reach : low;
-      high = row[0] + reach > high ? row[0] + reach : high;
+    Float16 along = along16(load16(block->x), load16(block->y), load16(block->z), u[0], u[1], u[2]);
+    Float16 reach = load16(block->r);
+    if (boxes != NULL) {
+      along = blend16(boxes->thin, along, dot16(u[0], u[1], u[2], boxes->centre));
+      reach = blend16(boxes->thin, reach, reachAlong(boxes, u));
     }
+    const float low = least16(sub16(along, reach));
+    const float high = most16(add16(along, reach));
     const float at = 0.5f * (low + high);
     half[i + 1] = 0.5f * (high - low);
     for (int d = 0; d < 3; d++) {
@@ -181,26 +175,32 @@ static inline Box boxAround(const Block* block, const BoxBlock* boxes, const Bou
   return box;
 }
 
-static inline Float16 dot16(float x, float y, float z, float v[3][TREE_WIDTH]) {
-  return along16(load16(v[0]), load16(v[1]), load16(v[2]), x, y, z);
-}
-
-/* Boxes whose bit is set, moved by rows of rotation and translation; `from` and `to` differ. */
-static inline void moveBoxes(BoxBlock* from, const float motion[12], unsigned mask, BoxBlock* to) {
+/* Boxes moved by rows of rotation and translation; `from` and `to` differ. */
+static inline void moveBoxes(const BoxBlock* from, const float motion[12], BoxBlock* to) {
   for (int d = 0; d < 3; d++) {
     const float* m = motion + 4 * d;
-    const Float16 centre = add16(dot16(m[0], m[1], m[2], from->centre), all16(m[3]));
-    store16(to->centre[d], blend16(mask, load16(to->centre[d]), centre));
+    store16(to->centre[d], add16(dot16(m[0], m[1], m[2], from->centre), all16(m[3])));
     for (int i = 0; i < 3; i++) {
-      const Float16 axis = dot16(m[0], m[1], m[2], from->axis[i]);
-      store16(to->axis[i][d], blend16(mask, load16(to->axis[i][d]), axis));
+      store16(to->axis[i][d], dot16(m[0], m[1], m[2], from->axis[i]));
+    }
+  }
+  memcpy(to->half, from->half, sizeof to->half);
+  to->thin = from->thin;
+}
+
+/* Boxes whose bit is set become those of another block. */
+static inline void replaceBoxes(BoxBlock* boxes, unsigned mask, const BoxBlock* by) {
+  for (int d = 0; d < 3; d++) {
+    store16(boxes->centre[d], blend16(mask, load16(boxes->centre[d]), load16(by->centre[d])));
+    for (int i = 0; i < 3; i++) {
+      store16(boxes->axis[i][d], blend16(mask, load16(boxes->axis[i][d]), load16(by->axis[i][d])));
     }
   }
 }
 
 /* Bit k: box k of a block is farther than reach from box i of another along an axis of either: the first six of the
  * fifteen that could part them. */
-static inline unsigned boxesApart(BoxBlock* a, int i, BoxBlock* b, float reach) {
+static inline unsigned boxesApart(const BoxBlock* a, int i, const BoxBlock* b, float reach) {
   const Float16 x = sub16(load16(b->centre[0]), all16(a->centre[0][i]));
   const Float16 y = sub16(load16(b->centre[1]), all16(a->centre[1][i]));
   const Float16 z = sub16(load16(b->centre[2]), all16(a->centre[2][i]));

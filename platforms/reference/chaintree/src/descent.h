@@ -17,7 +17,7 @@ typedef struct NodeBoxes {
   BoxBlock rest;     /* in the world as the state has them */
   int64_t ownTime;   /* the tree's when `own` was made, or NEVER */
   int64_t restSince; /* of the node when `rest` was made */
-  int movedAt;       /* which of the moved boxes are the node's, if they have not had to make room */
+  int movedAt;       /* how many others had been moved before in the descent in which these last were */
 } NodeBoxes;
 
 /* What a descent looks for, and what it has cost. */
@@ -41,6 +41,9 @@ typedef struct Straddler {
   bool isBoxed;
   BoxBlock boxes; /* of the members of a node, in the view */
 } Straddler;
+
+/* A visit looks at those of two nodes and of a parent. */
+enum { BOXES_OF_A_VISIT = 3 };
 
 /* The boxes of a node that moves, in the view. */
 typedef struct MovedBoxes {

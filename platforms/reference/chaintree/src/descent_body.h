@@ -38,12 +38,12 @@ static unsigned nearItem(Traversal* t, Visit* visit, int count, const ItemPair* 
 }
 
 /* The boxes among which that of an item is, at its own place; NULL if it has none of use. */
-static BoxBlock* boxesAround(Traversal* t, const ItemPair* pair) {
+static const BoxBlock* boxesAround(Traversal* t, const ItemPair* pair) {
   if (pair->a == pair->b) {
     return NULL;
   }
   const int parent = treeParent(t->tree, pair->level, pair->b);
-  BoxBlock* boxes = boxesInView(t, pair->level + 1, parent);
+  const BoxBlock* boxes = boxesInView(t, pair->level + 1, parent);
   return (boxes->thin >> pair->b % TREE_WIDTH & 1) != 0 ? boxes : NULL;
 }
 
@@ -88,7 +88,7 @@ static bool visitLeaves(Traversal* t, Visit* visit, const ItemPair* pair) {
   int endA;
   const int beginA = treeSlots(t->tree, 0, pair->a, &endA);
   unsigned near = nearItem(t, visit, endA - beginA, pair);
-  BoxBlock* around = visit->boxes && near != 0 ? boxesAround(t, pair) : NULL;
+  const BoxBlock* around = visit->boxes && near != 0 ? boxesAround(t, pair) : NULL;
   if (around != NULL) {
     near &= nearBox(blockOf(t, pair->a), around, pair->b % TREE_WIDTH, visit->reach);
   }
@@ -96,7 +96,7 @@ static bool visitLeaves(Traversal* t, Visit* visit, const ItemPair* pair) {
 }
 
 /* Which of these children of one node the boxes part from child k of another. */
-static unsigned boxesPart(Visit* visit, int k, unsigned mask, BoxBlock* a, BoxBlock* b) {
+static unsigned boxesPart(Visit* visit, int k, unsigned mask, const BoxBlock* a, const BoxBlock* b) {
   visit->pairsBoxed += __builtin_popcount(mask);
   if ((a->thin >> k & 1) == 0) {
     mask &= b->thin;
@@ -124,16 +124,14 @@ static void visitNodes(Traversal* t, Visit* visit, const ItemPair* pair, int* de
   expand(t, pair->level, pair->b);
   const Block* blocks[2];
   blocksOf(t, pair->a, pair->b, blocks);
-  BoxBlock* boxes[2] = {NULL, NULL};
+  const BoxBlock* boxes[2] = {NULL, NULL};
   if (visit->boxes) {
-    boxesAround(t, pair);
     boxes[0] = boxesInView(t, pair->level, pair->a);
-    BoxBlock* around = boxesAround(t, pair); /* again, as in blocksOf */
+    boxes[1] = boxesInView(t, pair->level, pair->b);
+    const BoxBlock* around = boxesAround(t, pair);
     if (around != NULL) {
       near &= ~boxesApart(around, pair->b % TREE_WIDTH, boxes[0], visit->reach);
     }
-    boxes[1] = boxesInView(t, pair->level, pair->b);
-    boxes[0] = boxesInView(t, pair->level, pair->a);
   }
   for (unsigned left = near; left != 0; left &= left - 1) {
     const int k = __builtin_ctz(left);

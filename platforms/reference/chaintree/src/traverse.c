@@ -10,7 +10,7 @@
 enum { PAIRS_OF_A_VISIT = TREE_WIDTH * TREE_WIDTH };
 
 /* So much is kept of leaves at rest, of items that move and of nodes whose boxes move: beyond that memory costs more
- * than it spares. A visit needs two of each at a time. */
+ * than it spares. A visit needs two leaves, two items that move and BOXES_OF_A_VISIT nodes with boxes at a time. */
 enum { MOST_LEAF_PLACES = 8192, MOST_MOVED_PLACES = 1024, MOVED_BOXES_PLACES = 64 };
 
 /* ---- Life ---- */

@@ -45,7 +45,7 @@ static const Box* ownBox(Traversal* t, int level, int item) {
   return box;
 }
 
-static BoxBlock* boxesInView(Traversal* t, int level, int node);
+static const BoxBlock* boxesInView(Traversal* t, int level, int node);
 
 /* Around the members of an item that straddles, in the view. */
 static Box straddlerBox(Traversal* t, int level, int item) {
@@ -59,8 +59,8 @@ static Box straddlerBox(Traversal* t, int level, int item) {
 }
 
 /* Boxes of the children of a node that straddles, in the view. */
-static BoxBlock* straddlerBoxes(Traversal* t, int level, int node) {
-  NodeBoxes* boxes = boxesOf(t, node);
+static const BoxBlock* straddlerBoxes(Traversal* t, int level, int node) {
+  const NodeBoxes* boxes = boxesOf(t, node);
   Straddler* s = straddlerOf(t, t->motion[node]);
   if (s->isBoxed) {
     return &s->boxes;
@@ -75,7 +75,9 @@ static BoxBlock* straddlerBoxes(Traversal* t, int level, int node) {
       run |= 1u << k;
     }
     if (moves(t->view, motion)) {
-      moveBoxes(&boxes->rest, t->motions[motion], run, &s->boxes);
+      BoxBlock moved;
+      moveBoxes(&boxes->rest, t->motions[motion], &moved);
+      replaceBoxes(&s->boxes, run, &moved);
     } else if (motion < 0) {
       const int child = __builtin_ctz(run);
       const Box box = straddlerBox(t, level - 1, straddlerOf(t, motion)->item);
@@ -85,16 +87,15 @@ static BoxBlock* straddlerBoxes(Traversal* t, int level, int node) {
   return &s->boxes;
 }
 
-/* Boxes of the children of an expanded node, in the view. */
-static BoxBlock* boxesInView(Traversal* t, int level, int node) {
+/* Boxes of the children of an expanded node, in the view; they stay for the visit. */
+static const BoxBlock* boxesInView(Traversal* t, int level, int node) {
   NodeBoxes* boxes = boxesOf(t, node);
   ownBox(t, level, node);
   if (boxes->restSince != t->since[node]) {
     boxes->restSince = t->since[node];
     float frame[12];
     floatMotion(&t->frame[t->restAt[node]], frame);
-    boxes->rest = boxes->own;
-    moveBoxes(&boxes->own, frame, 0xffff, &boxes->rest);
+    moveBoxes(&boxes->own, frame, &boxes->rest);
   }
   const int code = t->motion[node];
   if (code < 0) {
@@ -103,14 +104,14 @@ static BoxBlock* boxesInView(Traversal* t, int level, int node) {
   if (!moves(t->view, code)) {
     return &boxes->rest;
   }
-  MovedBoxes* moved = &t->movedBoxes[boxes->movedAt];
-  if (moved->node != node || moved->stamp != t->stamp) {
-    boxes->movedAt = t->movedBoxesCount++ % t->movedBoxesPlaces;
-    moved = &t->movedBoxes[boxes->movedAt];
+  MovedBoxes* moved = &t->movedBoxes[boxes->movedAt % t->movedBoxesPlaces];
+  if (moved->node != node || moved->stamp != t->stamp ||
+      t->movedBoxesCount - boxes->movedAt > t->movedBoxesPlaces - BOXES_OF_A_VISIT) {
+    boxes->movedAt = t->movedBoxesCount++;
+    moved = &t->movedBoxes[boxes->movedAt % t->movedBoxesPlaces];
     moved->node = node;
     moved->stamp = t->stamp;
-    moved->boxes = boxes->rest;
-    moveBoxes(&boxes->rest, t->motions[code], 0xffff, &moved->boxes);
+    moveBoxes(&boxes->rest, t->motions[code], &moved->boxes);
   }
   return &moved->boxes;
 }

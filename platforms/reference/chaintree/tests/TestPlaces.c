@@ -79,7 +79,7 @@ static void testCourse(const char* course) {
   CHECK(trees[0]->traversal.leafPlaces * TREE_WIDTH >= SITES && trees[0]->traversal.movedPlaces >= SITES / TREE_WIDTH);
   trees[1]->traversal.leafPlaces = PLACES;
   trees[1]->traversal.movedPlaces = PLACES;
-  trees[1]->traversal.movedBoxesPlaces = PLACES;
+  trees[1]->traversal.movedBoxesPlaces = BOXES_OF_A_VISIT;
   int clashing = 0;
   for (int trial = 0; trial < TRIALS; trial++) {
     const Answers a = ask(trees[0], halves[0], trial);

@@ -159,11 +159,55 @@ static void testChangedPairs(void) {
   ctDestroy(arm);
 }
 
+/* An axis through particles so close together that it cannot be told from where rounding has left them, and a lever a
+ * thousand million times as long: of its end and particle 0 alone. Returns whether they clash, and where they would be.
+ */
+static bool clashesOnShortAxis(double radius, double* distance) {
+  static const double positions[] = {0, 0, 0, 0, 1, 0, 0, 2, 0, 10, 2, 3, 10 + 6e-7, 2 + 8e-7, 3, 810, 2, 503};
+  static const int links[] = {0, 0, 1, 1, 2, 2};
+  static const int parents[] = {CT_NULL, 0, 1};
+  static const uint8_t joints[] = {ctFixedJoint, ctTorsionJoint, ctTorsionJoint};
+  static const int torsions[][4] = {{0}, {0, 1, 2, 3}, {2, 3, 4, 5}};
+  static const int exclusions[][2] = {{0, 1}, {0, 2}, {0, 3}, {0, 4}, {1, 2}, {1, 3}, {1, 4},
+                                      {1, 5}, {2, 3}, {2, 4}, {2, 5}, {3, 4}, {3, 5}, {4, 5}};
+  const double radii[] = {radius, 0.1, 0.1, 0.1, 0.1, radius};
+  const ctDefinition definition = {.particleCount = 6,
+                                   .positions = positions,
+                                   .radii = radii,
+                                   .particleLinks = links,
+                                   .linkCount = 3,
+                                   .linkParents = parents,
+                                   .linkJoints = joints,
+                                   .linkTorsions = torsions,
+                                   .exclusionCount = sizeof exclusions / sizeof exclusions[0],
+                                   .exclusions = exclusions};
+  const ctChange changes[] = {{.link = 1, .angle = 0.7}, {.link = 2, .angle = 0.9}};
+  ctChainTree* tree = checkedCreate(&definition);
+  CHECK_SUCCESS(ctPropose(tree, 1, &changes[0]));
+  CHECK_SUCCESS(ctCommit(tree, NULL));
+  CHECK_SUCCESS(ctPropose(tree, 1, &changes[1]));
+  bool clash = false;
+  double x[18];
+  CHECK_SUCCESS(ctTestTrial(tree, &clash, NULL, NULL));
+  CHECK_SUCCESS(ctGetTrialPositions(tree, x));
+  *distance = sqrt(x[15] * x[15] + x[16] * x[16] + x[17] * x[17]);
+  ctDestroy(tree);
+  return clash;
+}
+
+static void testShortAxis(void) {
+  double distance;
+  clashesOnShortAxis(0.1, &distance);
+  CHECK(clashesOnShortAxis(0.5 * distance + 1e-8, &distance));
+  CHECK(!clashesOnShortAxis(0.5 * distance - 1e-8, &distance));
+}
+
 int main(void) {
   testBits();
   testReplacement();
   testVerdict();
   testNothing();
   testChangedPairs();
+  testShortAxis();
   return checkResult();
 }
