@@ -388,6 +388,7 @@ void ReferenceCalcStericExclusionForceKernel::setLimits(const vector<pair<int, i
                                                         const vector<double>& limits)
 {
     vector<array<int, 2>> given;
+    given.reserve(pairs.size());
     for (const pair<int, int>& pair : pairs)
         given.push_back({{pair.first, pair.second}});
     check(ctSetLimits(tree.get(), given.size(), rows(given), limits.data()));

@@ -65,10 +65,17 @@ typedef enum TwigPart {
 
 typedef struct Sequence {
   int particleCount;
+  int userLinkCount;
   int linkCount; /* with the world */
+  int slotCount;
+  int typeCount;
+  int idleCount;      /* particles that are not modelled */
+  int branchCount;    /* of the world */
+  int twigCount;      /* that lie in no other twig */
+  int closureCount;   /* paths that have closures */
+  int displacedCount; /* joints that are off the reference */
 
   /* The caller's links. */
-  int userLinkCount;
   int* linkOfUser; /* see sequenceLink; of a fixed link ~ of its lowest particle */
 
   /* Links, indexed in sequence order. */
@@ -79,31 +86,23 @@ typedef struct Sequence {
   int* pathOf;
 
   /* Slots. */
-  int slotCount;
   int* slotBegin;    /* linkCount + 1 */
   int* slotLink;     /* slotCount */
   int* slotParticle; /* slotCount; CT_NULL: empty */
   int* slotType;     /* index into types */
-  int typeCount;
   ParticleType* types;
 
   /* Particles. */
-  int* placeOf; /* its slot, or if it is not modelled ~ of its link */
-  int idleCount;
+  int* placeOf;      /* its slot, or if it is not modelled ~ of its link */
   int* idleParticle; /* those that are not modelled, by their links */
 
-  /* Branches of the world, ascending. */
-  int branchCount;
-  int* branchHead; /* first link of each */
-
-  /* Twigs that lie in no other twig, ascending. */
-  int twigCount;
-  int* twigHead; /* first link of each */
+  /* First links, ascending. */
+  int* branchHead;
+  int* twigHead;
 
   /* All paths: first those that the sequence leaves before its end and outside of twigs, which have closures, then that
    * which starts at the world, then those in twigs. */
-  int* pathEnd; /* one past the last link that hangs on any of the path's */
-  int closureCount;
+  int* pathEnd;      /* one past the last link that hangs on any of the path's */
   int* pathBegin;    /* closureCount + 1, into pathLink */
   int* pathLink;     /* links of each path that has a closure, ascending */
   int* productBegin; /* closureCount + 1, into product */
@@ -116,8 +115,7 @@ typedef struct Sequence {
   double* angle;
   double* rodrigues; /* of a torsion joint: its Rodrigues vector over its axis */
   Placement* placement;
-  int* displaced;     /* per branch: how many of its joints are off the reference */
-  int displacedCount; /* sum of those */
+  int* displaced; /* per branch: how many of its joints are off the reference */
 } Sequence;
 
 /* Lays out a checked definition, without state. False if there is no memory. */
