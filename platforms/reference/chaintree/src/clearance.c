@@ -33,6 +33,7 @@ void ctClearanceForget(Clearance* c) {
 void ctClearanceFree(Clearance* c) {
   free(c->least);
   free(c->shift);
+  free(c->near);
   free(c->tested);
   *c = (Clearance){0};
 }
@@ -45,11 +46,14 @@ static bool reserve(Clearance* c, const Tree* tree) {
   c->stride = (c->leafCount + COLUMNS_AT_ONCE - 1) / COLUMNS_AT_ONCE * COLUMNS_AT_ONCE;
   c->least = calloc((size_t)c->leafCount * (size_t)c->stride, sizeof(uint16_t));
   c->shift = calloc((size_t)c->stride, sizeof(uint16_t));
-  if (c->least == NULL || c->shift == NULL) {
+  c->near = calloc((size_t)(TREE_WIDTH * c->stride / COLUMNS_AT_ONCE + 1), sizeof *c->near);
+  if (c->least == NULL || c->shift == NULL || c->near == NULL) {
     free(c->least);
     free(c->shift);
+    free(c->near);
     c->least = NULL;
     c->shift = NULL;
+    c->near = NULL;
   }
   return c->least != NULL;
 }

@@ -17,12 +17,20 @@
 /* Clearances are kept in whole units, 0 up to this. */
 enum { MOST_CLEARANCE = UINT16_MAX };
 
-/* A pair of leaves that the open trial has tested. */
-typedef struct TestedPair {
+/* Pairs of a leaf with sixteen in a row that the open trial has tested. */
+typedef struct TestedPairs {
   int a;
-  int b;
-  uint16_t clearance; /* in the trial */
-} TestedPair;
+  int first;                      /* of the sixteen */
+  unsigned left;                  /* bits: those that their spheres leave in doubt */
+  uint16_t clearance[TREE_WIDTH]; /* in the trial; 0: not known */
+} TestedPairs;
+
+/* Pairs of a leaf with COLUMNS_AT_ONCE in a row whose clearance the open trial may use up. */
+typedef struct NearPairs {
+  int a;
+  int first;
+  uint32_t columns; /* bits */
+} NearPairs;
 
 /* So many clearances of a row are compared at a time. */
 enum { COLUMNS_AT_ONCE = 32 };
@@ -41,9 +49,10 @@ typedef struct Clearance {
   int leafCount;
   int stride;         /* of a row, a multiple of COLUMNS_AT_ONCE */
   uint16_t* least;    /* leafCount rows; of leaves a < b in row a, column b */
-  uint16_t* shift;    /* per leaf, with padding: a bound of how far two bodies displace it, in units */
+  uint16_t* shift;     /* per leaf, with padding: a bound of how far two bodies displace it, in units */
   float unit;         /* nm */
-  TestedPair* tested; /* of the open trial */
+  NearPairs* near;     /* scratch: of the rows of a node */
+  TestedPairs* tested; /* of the open trial */
   int testedCount;
   int testedCapacity;
 
@@ -62,7 +71,8 @@ typedef struct Clearance {
  * clearance in nm, below 0 if they do. */
 typedef double ClearanceFunction(void* context, int slotA, int slotB, double squaredDistance, bool crosses);
 
-/* What a test by clearances returns instead of its cost if that is out of proportion: it has no verdict. */
+/* What a test by clearances returns instead of its cost if that is out of proportion, or if there is no memory for what
+ * it finds: it has no verdict. */
 enum { GAVE_UP = -1 };
 
 /* Whether the next test should go by clearances; if so they are of the state. `reach` is that of views. */

@@ -40,13 +40,9 @@ static uint16_t* rowOf(const Clearance* c, int leaf) {
 }
 
 /* Turns lengths into units, rounded down. */
-static void storeUnits(const Clearance* c, Float16 lengths, uint16_t* units) {
-  float values[TREE_WIDTH];
+CT_INLINE Short16 unitsOf(const Clearance* c, Float16 lengths) {
   const Float16 most = all16((float)MOST_CLEARANCE);
-  store16(values, min16(max16(mul16(lengths, all16(0.999999f / c->unit)), all16(0)), most));
-  for (int k = 0; k < TREE_WIDTH; k++) {
-    units[k] = (uint16_t)(int)values[k];
-  }
+  return shortsOf16(min16(max16(mul16(lengths, all16(0.999999f / c->unit)), all16(0)), most));
 }
 
 /* Bounds how far a rigid motion takes the particles of these leaves, in units, rounded up. */
@@ -70,7 +66,8 @@ static void boundShifts(Clearance* c, const Traversal* t, const Frame* motion, i
     const Float16 z = moved16(spheres, change + 8);
     const Float16 centre = sqrt16(squared16(x, y, z));
     const Float16 turned = mul16(max16(load16(spheres->r), all16(0)), all16((float)chord));
-    storeUnits(c, mul16(add16(add16(centre, turned), room), all16(1.00001f)), c->shift + TREE_WIDTH * block);
+    const Float16 bounds = mul16(add16(add16(centre, turned), room), all16(1.00001f));
+    storeShorts(c->shift + TREE_WIDTH * block, unitsOf(c, bounds));
   }
 }
 
@@ -109,16 +106,17 @@ static bool forEachCrossing(Clearance* c, Traversal* t, CrossingFunction* visit,
   return false;
 }
 
-/* The columns of a row that a crossing has, in [begin, end): mask of them from column `first` on. */
+/* The columns of a row in [begin, end): mask of those from column `first` on. */
 static uint32_t columnsWithin(int first, int begin, int end) {
-  uint32_t mask = ~(uint32_t)0;
-  if (first < begin) {
-    mask <<= begin - first;
-  }
-  if (end - first < COLUMNS_AT_ONCE) {
-    mask &= ((uint32_t)1 << (end - first)) - 1;
-  }
-  return mask;
+  const int before = begin < first ? 0 : begin - first < COLUMNS_AT_ONCE ? begin - first : COLUMNS_AT_ONCE;
+  const int upTo = end < first ? 0 : end - first < COLUMNS_AT_ONCE ? end - first : COLUMNS_AT_ONCE;
+  const uint64_t one = 1;
+  return (uint32_t)(((one << upTo) - 1) & ~((one << before) - 1));
+}
+
+/* Where the columns begin that a crossing has in a row. */
+static int columnsBegin(const Crossing* crossing, int a) {
+  return crossing->beginB > a ? crossing->beginB : a + 1;
 }
 
 /* ---- Measuring ---- */
@@ -140,7 +138,7 @@ static void measureClearances(Clearance* c, Traversal* t, double reach) {
       const Block* spheres = leafSpheres(t, block);
       const Float16 distance = sqrt16(squaredFrom(spheres, own.x, own.y, own.z));
       const Float16 radii = max16(add16(load16(spheres->r), all16(own.r)), all16(0));
-      storeUnits(c, sub16(sub16(distance, radii), room), rowOf(c, a) + TREE_WIDTH * block);
+      storeShorts(rowOf(c, a) + TREE_WIDTH * block, unitsOf(c, sub16(sub16(distance, radii), room)));
     }
   }
 }
@@ -264,91 +262,104 @@ static uint16_t boundOfPair(const Clearance* c, int a, int b) {
   return c->shift[a] < c->shift[b] ? c->shift[a] : c->shift[b];
 }
 
-/* What a test has found of a pair: how much clearance it has in the trial, in units. */
-static void keepFound(Clearance* c, int a, int b, uint16_t bound, uint16_t found, bool isOfState) {
-  if (isOfState) {
-    const uint16_t before = found > bound ? (uint16_t)(found - bound) : 0;
-    uint16_t* least = rowOf(c, a) + b;
-    *least = before > *least ? before : *least;
-  }
-  /* Without memory for it, a commit just takes off the bound. */
-  if (c->testedCount < c->testedCapacity) {
-    c->tested[c->testedCount++] = (TestedPair){a, b, found};
-  }
-}
-
 static bool isStraddler(const Traversal* t, int leaf) {
   return t->itemStamp[leaf] == t->stamp && t->motion[leaf] < 0;
 }
 
 /* A pair whose spheres are too near to tell. */
-static void testPair(Clearance* c, Traversal* t, ClearanceTest* test, const Crossing* crossing, int a, int b) {
-  const uint16_t bound = boundOfPair(c, a, b);
+static void testPair(Clearance* c, Traversal* t, ClearanceTest* test, const Crossing* crossing, TestedPairs* tested,
+                     int k) {
+  const int a = tested->a;
+  const int b = tested->first + k;
   expandLeaf(t, a, crossing->motionA);
   expandLeaf(t, b, crossing->motionB);
   const float clearance = leafClearance(t, test, a, b);
   test->cost += 60;
-  if (!test->clash) {
-    const float units = 0.999999f * clearance / c->unit;
-    const float most = (float)MOST_CLEARANCE;
-    /* Of lengths beyond those of a float nothing is known: no clearance. */
-    const float kept = units > 0 ? units : 0;
-    const uint16_t found = (uint16_t)(int)(kept < most ? kept : most);
-    /* Of pieces that meet in a leaf, another than these may come nearer by more than this bound. */
-    const bool isOfState = t->view->motionCount == 2 || !(isStraddler(t, a) || isStraddler(t, b));
-    keepFound(c, a, b, bound, found, isOfState);
+  if (test->clash) {
+    return;
+  }
+  const float units = 0.999999f * clearance / c->unit;
+  const float most = (float)MOST_CLEARANCE;
+  /* Of lengths beyond those of a float nothing is known: no clearance. */
+  const float kept = units > 0 ? units : 0;
+  const uint16_t found = (uint16_t)(int)(kept < most ? kept : most);
+  tested->clearance[k] = found;
+  /* Of pieces that meet in a leaf, another than these may come nearer by more than this bound. */
+  if (t->view->motionCount == 2 || !(isStraddler(t, a) || isStraddler(t, b))) {
+    const uint16_t bound = boundOfPair(c, a, b);
+    const uint16_t before = found > bound ? (uint16_t)(found - bound) : 0;
+    uint16_t* least = rowOf(c, a) + b;
+    *least = before > *least ? before : *least;
   }
 }
 
-/* Those of these sixteen leaves whose spheres leave that of leaf a, where they see it, more clearance than the bound.
- */
-static unsigned testSpheres(Clearance* c, const Traversal* t, ClearanceTest* test, Sphere sphere, int a, int first,
-                            unsigned columns) {
-  for (int i = 0; i < t->straddlerCount; i++) {
-    const int column = t->straddlers[i].item - first;
-    if (column >= 0 && column < TREE_WIDTH) {
-      columns &= ~(1u << column);
+/* Pairs of these leaves of A, which are of one node, whose clearance the bound may use up; returns how many. What is
+ * found hardly ever is what was found before: so no branch waits for it. */
+static int findNear(const Clearance* c, const Crossing* crossing, int begin, int end, NearPairs* near) {
+  int count = 0;
+  for (int a = begin; a < end; a++) {
+    const int beginB = columnsBegin(crossing, a);
+    const uint16_t* row = rowOf(c, a);
+    const uint16_t own = c->shift[a];
+    for (int first = beginB / COLUMNS_AT_ONCE * COLUMNS_AT_ONCE; first < crossing->endB; first += COLUMNS_AT_ONCE) {
+      const uint32_t columns = within32(row + first, c->shift + first, own);
+      near[count] = (NearPairs){a, first, columns & columnsWithin(first, beginB, crossing->endB)};
+      count += near[count].columns != 0;
     }
   }
-  const int count = __builtin_popcount(columns);
-  test->volumeTests += count;
-  test->cost += 6 * count;
-  const Block* spheres = leafSpheres(t, first / TREE_WIDTH);
+  return count;
+}
+
+/* What the spheres of sixteen leaves leave to that of a leaf, where they see it: kept for all of those that may be
+ * measured so, since it costs no more than for one. */
+static void testSpheres(Clearance* c, const Traversal* t, ClearanceTest* test, Sphere sphere, unsigned measured,
+                        TestedPairs* tested) {
+  const Block* spheres = leafSpheres(t, tested->first / TREE_WIDTH);
   const Float16 distance = sqrt16(squaredFrom(spheres, sphere.x, sphere.y, sphere.z));
   const Float16 radii = max16(add16(load16(spheres->r), all16(sphere.r + test->room)), all16(0));
-  uint16_t units[TREE_WIDTH];
-  storeUnits(c, sub16(distance, radii), units);
-  unsigned safe = 0;
-  for (; columns != 0; columns &= columns - 1) {
-    const int k = __builtin_ctz(columns);
-    const int b = first + k;
-    const uint16_t bound = boundOfPair(c, a, b);
-    if (units[k] > bound) {
-      keepFound(c, a, b, bound, units[k], true);
-      safe |= 1u << k;
-    }
-  }
-  return safe;
+  const Short16 found = blendShorts(measured, allShorts(0), unitsOf(c, sub16(distance, radii)));
+  const Short16 bound = minShorts(allShorts(c->shift[tested->a]), loadShorts(c->shift + tested->first));
+  const Short16 before = lessShorts(found, bound);
+  uint16_t* least = rowOf(c, tested->a) + tested->first;
+  storeShorts(least, maxShorts(loadShorts(least), before));
+  storeShorts(tested->clearance, found);
+  tested->left &= zeroShorts(before);
+  test->volumeTests += __builtin_popcount(measured);
+  test->cost += 15;
 }
 
-/* Pairs whose clearance the bound may use up: leaf a with those from `first` on whose bit is set. True if nothing more
- * is to be tested. A function of its own, so that the search for them has all registers. */
-static __attribute__((noinline)) bool testPairs(Clearance* c, Traversal* t, ClearanceTest* test,
-                                                const Crossing* crossing, int a, int first, uint32_t columns) {
-  ctReserve((void**)&c->tested, &c->testedCapacity, c->testedCount + COLUMNS_AT_ONCE, sizeof(TestedPair));
-  if (!isStraddler(t, a)) {
+/* Tests what is near, first by spheres. True if nothing more is to be tested. */
+static bool testNear(Clearance* c, Traversal* t, ClearanceTest* test, const Crossing* crossing, int count) {
+  if (!ctReserve((void**)&c->tested, &c->testedCapacity, c->testedCount + 2 * count, sizeof(TestedPairs))) {
+    test->cost = INT64_MAX;
+    return true;
+  }
+  /* Only at their ends do pieces share leaves with others. */
+  const int innerBegin = crossing->beginB + isStraddler(t, crossing->beginB);
+  const int innerEnd = crossing->endB - isStraddler(t, crossing->endB - 1);
+  const int firstTested = c->testedCount;
+  for (int i = 0; i < count; i++) {
+    const int a = c->near[i].a;
     const Sphere sphere = movedSphere(leafSphere(t, a), crossing->back);
-    for (int k = 0; k < COLUMNS_AT_ONCE; k += TREE_WIDTH) {
-      const unsigned half = columns >> k & 0xffff;
-      if (half != 0) {
-        columns &= ~((uint32_t)testSpheres(c, t, test, sphere, a, first + k, half) << k);
+    for (int half = 0; half < COLUMNS_AT_ONCE; half += TREE_WIDTH) {
+      TestedPairs* tested = &c->tested[c->testedCount];
+      const int first = c->near[i].first + half;
+      tested->a = a;
+      tested->first = first;
+      tested->left = c->near[i].columns >> half & 0xffff;
+      if (tested->left != 0) {
+        const unsigned inner = columnsWithin(first, innerBegin > a ? innerBegin : a + 1, innerEnd) & 0xffff;
+        testSpheres(c, t, test, sphere, isStraddler(t, a) ? 0 : inner, tested);
+        c->testedCount++;
       }
     }
   }
-  for (; columns != 0; columns &= columns - 1) {
-    testPair(c, t, test, crossing, a, first + __builtin_ctz(columns));
-    if (test->clash || test->cost > c->mostCost) {
-      return true;
+  for (int i = firstTested; i < c->testedCount; i++) {
+    for (unsigned left = c->tested[i].left; left != 0; left &= left - 1) {
+      testPair(c, t, test, crossing, &c->tested[i], __builtin_ctz(left));
+      if (test->clash || test->cost > c->mostCost) {
+        return true;
+      }
     }
   }
   return false;
@@ -356,21 +367,15 @@ static __attribute__((noinline)) bool testPairs(Clearance* c, Traversal* t, Clea
 
 static bool testCrossing(Clearance* c, Traversal* t, const Crossing* crossing, void* context) {
   ClearanceTest* test = context;
-  for (int a = crossing->beginA; a < crossing->endA; a++) {
-    const int begin = crossing->beginB > a ? crossing->beginB : a + 1;
-    const uint16_t* row = rowOf(c, a);
-    const uint16_t own = c->shift[a];
-    for (int first = begin / COLUMNS_AT_ONCE * COLUMNS_AT_ONCE; first < crossing->endB; first += COLUMNS_AT_ONCE) {
-      uint32_t mask = within32(row + first, c->shift + first, own);
-      if (mask == 0) {
-        continue;
-      }
-      mask &= columnsWithin(first, begin, crossing->endB);
-      if (mask != 0 && testPairs(c, t, test, crossing, a, first, mask)) {
-        return true;
-      }
+  int end;
+  for (int begin = crossing->beginA; begin < crossing->endA; begin = end) {
+    end = (begin / TREE_WIDTH + 1) * TREE_WIDTH;
+    end = end < crossing->endA ? end : crossing->endA;
+    test->cost += (int64_t)(end - begin) * (crossing->endB - columnsBegin(crossing, begin)) / TREE_WIDTH;
+    const int count = findNear(c, crossing, begin, end, c->near);
+    if (count > 0 && testNear(c, t, test, crossing, count)) {
+      return true;
     }
-    test->cost += (crossing->endB - begin) / TREE_WIDTH;
   }
   return false;
 }
@@ -419,13 +424,16 @@ static bool takeOff(Clearance* c, Traversal* t, const Crossing* crossing, void* 
   (void)t;
   int64_t* cost = context;
   for (int a = crossing->beginA; a < crossing->endA; a++) {
-    const int begin = crossing->beginB > a ? crossing->beginB : a + 1;
+    const int begin = columnsBegin(crossing, a);
     uint16_t* row = rowOf(c, a);
     const Short16 own = allShorts(c->shift[a]);
     for (int first = begin / TREE_WIDTH * TREE_WIDTH; first < crossing->endB; first += TREE_WIDTH) {
       const Short16 before = loadShorts(row + first);
-      const Short16 after = lessShorts(before, minShorts(own, loadShorts(c->shift + first)));
-      storeShorts(row + first, blendShorts(columnsWithin(first, begin, crossing->endB) & 0xffff, before, after));
+      Short16 after = lessShorts(before, minShorts(own, loadShorts(c->shift + first)));
+      if (first < begin || crossing->endB - first < TREE_WIDTH) {
+        after = blendShorts(columnsWithin(first, begin, crossing->endB) & 0xffff, before, after);
+      }
+      storeShorts(row + first, after);
     }
     *cost += (crossing->endB - begin) / TREE_WIDTH;
   }
@@ -438,8 +446,9 @@ static int64_t commitClearances(Clearance* c, Traversal* t, const View* view) {
   putNodesToRest(t);
   forEachCrossing(c, t, takeOff, &cost, &cost);
   for (int i = 0; i < c->testedCount; i++) {
-    const TestedPair* pair = &c->tested[i];
-    rowOf(c, pair->a)[pair->b] = pair->clearance;
+    const TestedPairs* tested = &c->tested[i];
+    uint16_t* least = rowOf(c, tested->a) + tested->first;
+    storeShorts(least, maxShorts(loadShorts(least), loadShorts(tested->clearance)));
   }
   c->testedCount = 0;
   return cost;

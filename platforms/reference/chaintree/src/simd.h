@@ -491,9 +491,23 @@ static inline Short16 minShorts(Short16 a, Short16 b) {
   return _mm256_min_epu16(a, b);
 }
 
+static inline Short16 maxShorts(Short16 a, Short16 b) {
+  return _mm256_max_epu16(a, b);
+}
+
 /* a - b, or 0 if that is negative. */
 static inline Short16 lessShorts(Short16 a, Short16 b) {
   return _mm256_subs_epu16(a, b);
+}
+
+/* Rounded down; all lie within the range. */
+static inline Short16 shortsOf16(Float16 a) {
+#ifdef CT_PATH_AVX512
+  return _mm512_cvtepi32_epi16(_mm512_cvttps_epi32(a));
+#else
+  const __m256i packed = _mm256_packus_epi32(_mm256_cvttps_epi32(a.low), _mm256_cvttps_epi32(a.high));
+  return _mm256_permute4x64_epi64(packed, 0xd8);
+#endif
 }
 
 /* Bit k: a[k] == 0. */
@@ -546,6 +560,32 @@ static inline Short16 minShorts(Short16 a, Short16 b) {
     a.h[i] = (a.h[i] & chosen) | (b.h[i] & ~chosen);
   }
   return a;
+}
+
+static inline Short16 maxShorts(Short16 a, Short16 b) {
+  for (int i = 0; i < 2; i++) {
+    const Short8 chosen = (Short8)(a.h[i] > b.h[i]);
+    a.h[i] = (a.h[i] & chosen) | (b.h[i] & ~chosen);
+  }
+  return a;
+}
+
+static inline Short16 shortsOf16(Float16 a) {
+  Short16 shorts;
+#ifdef __SSE2__
+  /* Packing saturates as if they were signed. */
+  const __m128i half = _mm_set1_epi32(1 << 15);
+  for (int i = 0; i < 2; i++) {
+    const __m128i low = _mm_sub_epi32(_mm_cvttps_epi32((__m128)a.q[2 * i]), half);
+    const __m128i high = _mm_sub_epi32(_mm_cvttps_epi32((__m128)a.q[2 * i + 1]), half);
+    shorts.h[i] = (Short8)_mm_packs_epi32(low, high) ^ (uint16_t)(1 << 15);
+  }
+#else
+  for (int k = 0; k < 16; k++) {
+    shorts.h[k / 8][k % 8] = (uint16_t)(int)a.q[k / 4][k % 4];
+  }
+#endif
+  return shorts;
 }
 
 static inline unsigned zeroShorts(Short16 a) {
