@@ -171,15 +171,18 @@ static Partners partnersOf(const Block* block) {
                     blend16(empty, radii, all16(0)), most16(radii)};
 }
 
-/* Squared distances from a member less those at which the two would meet: a root for each would cost more than all
- * else.
- */
-CT_INLINE Float16 beyondMeeting(const Partners* partners, const Block* block, int k, float room) {
-  const Float16 squared = squared16(sub16(partners->x, all16(block->x[k])), sub16(partners->y, all16(block->y[k])),
-                                    sub16(partners->z, all16(block->z[k])));
-  const float reach = block->r[k] + room;
-  const Float16 meet = add16(partners->r, all16(reach > 0 ? reach : 0));
+/* Squared distances from a point less those at which a member of this reach there and the partners would meet: a root
+ * for each would cost more than all else. */
+CT_INLINE Float16 beyondMeeting(const Partners* partners, float x, float y, float z, float reach) {
+  const Float16 squared =
+      squared16(sub16(partners->x, all16(x)), sub16(partners->y, all16(y)), sub16(partners->z, all16(z)));
+  const Float16 meet = add16(partners->r, all16(reach));
   return sub16(squared, mul16(meet, meet));
+}
+
+/* How far members reach, with room; of no member: 0. */
+CT_INLINE Float16 reachesOf(const Block* block, float room) {
+  return max16(add16(load16(block->r), all16(room)), all16(0));
 }
 
 /* The least clearance of pairs of which this is the least of those squares. */
@@ -192,14 +195,16 @@ static float clearanceBeyond(float square, float widest) {
 /* The least clearance of two leaves of which all pairs count; below 0: some may overlap. */
 static float clearanceOfFar(const Block* blockA, const Block* blockB, float room) {
   const Partners partners = partnersOf(blockB);
+  const Float16 radii = load16(blockA->r);
+  float x[TREE_WIDTH]; /* -INFINITY: no member; infinitely far from no partner too */
+  float reaches[TREE_WIDTH];
+  store16(x, blend16(greater16(all16(0), radii), load16(blockA->x), all16(-INFINITY)));
+  store16(reaches, reachesOf(blockA, room));
   Float16 least = all16(INFINITY);
-  float widest = 0;
   for (int k = 0; k < TREE_WIDTH; k++) {
-    if (blockA->r[k] >= 0) {
-      least = min16(least, beyondMeeting(&partners, blockA, k, room));
-      widest = blockA->r[k] > widest ? blockA->r[k] : widest;
-    }
+    least = min16(least, beyondMeeting(&partners, x[k], blockA->y[k], blockA->z[k], reaches[k]));
   }
+  const float widest = most16(max16(radii, all16(0)));
   return clearanceBeyond(least16(least), partners.widest + widest + room);
 }
 
@@ -218,6 +223,8 @@ static float leafClearance(Traversal* t, ClearanceTest* test, int a, int b) {
     }
   }
   const Partners partners = partnersOf(blocks[1]);
+  float reaches[TREE_WIDTH];
+  store16(reaches, reachesOf(blockA, test->room));
   Float16 least16s = all16(INFINITY);
   float least = INFINITY;
   float widest = 0;
@@ -229,7 +236,7 @@ static float leafClearance(Traversal* t, ClearanceTest* test, int a, int b) {
     if (partner != CT_NULL) {
       out |= t->exclusions->mask[partner][k];
     }
-    const Float16 beyond = beyondMeeting(&partners, blockA, k, test->room);
+    const Float16 beyond = beyondMeeting(&partners, blockA->x[k], blockA->y[k], blockA->z[k], reaches[k]);
     const unsigned close = greater16(all16(0), beyond) & ~out;
     least16s = min16(least16s, blend16((out | close) & 0xffff, beyond, all16(INFINITY)));
     widest = blockA->r[k] > widest ? blockA->r[k] : widest;
