@@ -22,6 +22,7 @@ typedef struct TestedPairs {
   int a;
   int first;                      /* of the sixteen */
   unsigned left;                  /* bits: those that their spheres leave in doubt */
+  unsigned soon;                  /* bits: those of them that are likely to clash */
   uint16_t clearance[TREE_WIDTH]; /* in the trial; 0: not known */
 } TestedPairs;
 

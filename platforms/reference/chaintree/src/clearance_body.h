@@ -328,14 +328,36 @@ static void testSpheres(Clearance* c, const Traversal* t, ClearanceTest* test, S
   const Short16 bound = minShorts(allShorts(c->shift[tested->a]), loadShorts(c->shift + tested->first));
   const Short16 before = lessShorts(found, bound);
   uint16_t* least = rowOf(c, tested->a) + tested->first;
-  storeShorts(least, maxShorts(loadShorts(least), before));
+  const Short16 kept = maxShorts(loadShorts(least), before);
+  storeShorts(least, kept);
   storeShorts(tested->clearance, found);
   tested->left &= zeroShorts(before);
+  /* Nearly all clashes are among pairs of which the bound is more than three times the clearance. */
+  tested->soon = tested->left & zeroShorts(lessShorts(moreShorts(kept, moreShorts(kept, kept)), bound));
   test->volumeTests += __builtin_popcount(measured);
   test->cost += 15;
 }
 
-/* Tests what is near, first by spheres. True if nothing more is to be tested. */
+/* Tests pairs of leaves by their particles: those likely to clash, or all that are left. True if nothing more is to be
+ * tested. */
+static bool testLeft(Clearance* c, Traversal* t, ClearanceTest* test, const Crossing* crossing, int firstTested,
+                     bool onlySoon) {
+  for (int i = firstTested; i < c->testedCount; i++) {
+    TestedPairs* tested = &c->tested[i];
+    const unsigned now = onlySoon ? tested->soon : tested->left;
+    tested->left &= ~now;
+    for (unsigned pairs = now; pairs != 0; pairs &= pairs - 1) {
+      testPair(c, t, test, crossing, tested, __builtin_ctz(pairs));
+      if (test->clash || test->cost > c->mostCost) {
+        return true;
+      }
+    }
+  }
+  return false;
+}
+
+/* Tests what is near in rows of a node: by spheres, and what is likely to clash by particles. True if nothing more is to
+ * be tested. */
 static bool testNear(Clearance* c, Traversal* t, ClearanceTest* test, const Crossing* crossing, int count) {
   if (!ctReserve((void**)&c->tested, &c->testedCapacity, c->testedCount + 2 * count, sizeof(TestedPairs))) {
     test->cost = INT64_MAX;
@@ -361,19 +383,12 @@ static bool testNear(Clearance* c, Traversal* t, ClearanceTest* test, const Cros
       }
     }
   }
-  for (int i = firstTested; i < c->testedCount; i++) {
-    for (unsigned left = c->tested[i].left; left != 0; left &= left - 1) {
-      testPair(c, t, test, crossing, &c->tested[i], __builtin_ctz(left));
-      if (test->clash || test->cost > c->mostCost) {
-        return true;
-      }
-    }
-  }
-  return false;
+  return testLeft(c, t, test, crossing, firstTested, true);
 }
 
 static bool testCrossing(Clearance* c, Traversal* t, const Crossing* crossing, void* context) {
   ClearanceTest* test = context;
+  const int firstTested = c->testedCount;
   int end;
   for (int begin = crossing->beginA; begin < crossing->endA; begin = end) {
     end = (begin / TREE_WIDTH + 1) * TREE_WIDTH;
@@ -384,7 +399,7 @@ static bool testCrossing(Clearance* c, Traversal* t, const Crossing* crossing, v
       return true;
     }
   }
-  return false;
+  return testLeft(c, t, test, crossing, firstTested, false);
 }
 
 /* Leaves in which pieces meet. */

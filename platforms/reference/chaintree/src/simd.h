@@ -500,6 +500,11 @@ static inline Short16 lessShorts(Short16 a, Short16 b) {
   return _mm256_subs_epu16(a, b);
 }
 
+/* a + b, or the most that there is. */
+static inline Short16 moreShorts(Short16 a, Short16 b) {
+  return _mm256_adds_epu16(a, b);
+}
+
 /* Rounded down; all lie within the range. */
 static inline Short16 shortsOf16(Float16 a) {
 #ifdef CT_PATH_AVX512
@@ -566,6 +571,14 @@ static inline Short16 maxShorts(Short16 a, Short16 b) {
   for (int i = 0; i < 2; i++) {
     const Short8 chosen = (Short8)(a.h[i] > b.h[i]);
     a.h[i] = (a.h[i] & chosen) | (b.h[i] & ~chosen);
+  }
+  return a;
+}
+
+static inline Short16 moreShorts(Short16 a, Short16 b) {
+  for (int i = 0; i < 2; i++) {
+    const Short8 sum = a.h[i] + b.h[i];
+    a.h[i] = sum | (Short8)(sum < a.h[i]);
   }
   return a;
 }
