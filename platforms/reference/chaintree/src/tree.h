@@ -133,15 +133,12 @@ static inline bool treeStays(const Tree* tree, int64_t since) {
 
 /* Whether no leaf before `leafEnd` has. O(log N). */
 static inline bool treeLeavesStay(const Tree* tree, int64_t since, int leafEnd) {
+  /* Where they ended can hardly be foreseen: so no branch depends on it. */
   int low = 0;
-  int high = tree->changeCount;
-  while (low < high) {
-    const int middle = (low + high) / 2;
-    if (tree->changeTime[middle] > since) {
-      high = middle;
-    } else {
-      low = middle + 1;
-    }
+  for (int left = tree->changeCount; left > 0;) {
+    const int half = (left + 1) / 2;
+    low += tree->changeTime[low + half - 1] <= since ? half : 0;
+    left -= half;
   }
   return low == tree->changeCount || tree->changedLeaf[low] >= leafEnd;
 }
