@@ -31,9 +31,7 @@ void ctClearanceForget(Clearance* c) {
 }
 
 void ctClearanceFree(Clearance* c) {
-  free(c->least);
-  free(c->shift);
-  free(c->near);
+  ctArenaFree(&c->arena);
   free(c->tested);
   *c = (Clearance){0};
 }
@@ -44,16 +42,13 @@ static bool reserve(Clearance* c, const Tree* tree) {
   }
   c->leafCount = tree->levelSize[0];
   c->stride = (c->leafCount + COLUMNS_AT_ONCE - 1) / COLUMNS_AT_ONCE * COLUMNS_AT_ONCE;
-  c->least = calloc((size_t)c->leafCount * (size_t)c->stride, sizeof(uint16_t));
-  c->shift = calloc((size_t)c->stride, sizeof(uint16_t));
-  c->near = calloc((size_t)(TREE_WIDTH * c->stride / COLUMNS_AT_ONCE + 1), sizeof *c->near);
-  if (c->least == NULL || c->shift == NULL || c->near == NULL) {
-    free(c->least);
-    free(c->shift);
-    free(c->near);
+  const size_t columns = (size_t)c->stride;
+  c->least = ctArenaAllocate(&c->arena, (size_t)c->leafCount * columns, sizeof *c->least);
+  c->shift = ctArenaAllocate(&c->arena, columns, sizeof *c->shift);
+  c->near = ctArenaAllocate(&c->arena, TREE_WIDTH * columns / COLUMNS_AT_ONCE + 1, sizeof *c->near);
+  if (c->arena.failed) {
+    ctArenaFree(&c->arena);
     c->least = NULL;
-    c->shift = NULL;
-    c->near = NULL;
   }
   return c->least != NULL;
 }

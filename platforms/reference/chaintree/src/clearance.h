@@ -47,6 +47,7 @@ typedef enum TrialCourse {
 typedef struct Clearance {
   TrialCourse course;
   bool isKept; /* the clearances are of the state */
+  Arena arena;    /* of the arrays that follow, which are made when first asked for */
   int leafCount;
   int stride;         /* of a row, a multiple of COLUMNS_AT_ONCE */
   uint16_t* least;    /* leafCount rows; of leaves a < b in row a, column b */
