@@ -160,29 +160,24 @@ typedef struct Partners {
   Float16 x; /* INFINITY: no member */
   Float16 y;
   Float16 z;
-  Float16 r;
+  Float16 reach; /* their radii and room */
   float widest;
 } Partners;
 
-static Partners partnersOf(const Block* block) {
+static Partners partnersOf(const Block* block, float room) {
   const Float16 radii = load16(block->r);
   const unsigned empty = greater16(all16(0), radii);
   return (Partners){blend16(empty, load16(block->x), all16(INFINITY)), load16(block->y), load16(block->z),
-                    blend16(empty, radii, all16(0)), most16(radii)};
+                    blend16(empty, add16(radii, all16(room)), all16(0)), most16(radii) + room};
 }
 
-/* Squared distances from a point less those at which a member of this reach there and the partners would meet: a root
- * for each would cost more than all else. */
-CT_INLINE Float16 beyondMeeting(const Partners* partners, float x, float y, float z, float reach) {
-  const Float16 squared =
-      squared16(sub16(partners->x, all16(x)), sub16(partners->y, all16(y)), sub16(partners->z, all16(z)));
-  const Float16 meet = add16(partners->r, all16(reach));
+/* Squared distances from a member less those at which the two would meet: a root for each would cost more than all
+ * else. */
+CT_INLINE Float16 beyondMeeting(const Partners* partners, const Block* block, int k) {
+  const Float16 squared = squared16(sub16(partners->x, all16(block->x[k])), sub16(partners->y, all16(block->y[k])),
+                                    sub16(partners->z, all16(block->z[k])));
+  const Float16 meet = max16(add16(partners->reach, all16(block->r[k])), all16(0));
   return sub16(squared, mul16(meet, meet));
-}
-
-/* How far members reach, with room; of no member: 0. */
-CT_INLINE Float16 reachesOf(const Block* block, float room) {
-  return max16(add16(load16(block->r), all16(room)), all16(0));
 }
 
 /* The least clearance of pairs of which this is the least of those squares. */
@@ -192,20 +187,15 @@ static float clearanceBeyond(float square, float widest) {
   return square > 0 && square < INFINITY ? square / (sqrtf(square + meet * meet) + meet) : square;
 }
 
-/* The least clearance of two leaves of which all pairs count; below 0: some may overlap. */
+/* The least clearance of two leaves of which all pairs count, and the first has no empty slots; below 0: some may
+ * overlap. */
 static float clearanceOfFar(const Block* blockA, const Block* blockB, float room) {
-  const Partners partners = partnersOf(blockB);
-  const Float16 radii = load16(blockA->r);
-  float x[TREE_WIDTH]; /* -INFINITY: no member; infinitely far from no partner too */
-  float reaches[TREE_WIDTH];
-  store16(x, blend16(greater16(all16(0), radii), load16(blockA->x), all16(-INFINITY)));
-  store16(reaches, reachesOf(blockA, room));
+  const Partners partners = partnersOf(blockB, room);
   Float16 least = all16(INFINITY);
   for (int k = 0; k < TREE_WIDTH; k++) {
-    least = min16(least, beyondMeeting(&partners, x[k], blockA->y[k], blockA->z[k], reaches[k]));
+    least = min16(least, beyondMeeting(&partners, blockA, k));
   }
-  const float widest = most16(max16(radii, all16(0)));
-  return clearanceBeyond(least16(least), partners.widest + widest + room);
+  return clearanceBeyond(least16(least), partners.widest + most16(load16(blockA->r)));
 }
 
 /* The least clearance of the particles of two expanded leaves, or of one with itself, in the view; INFINITY: they have
@@ -216,15 +206,13 @@ static float leafClearance(Traversal* t, ClearanceTest* test, int a, int b) {
   const Block* blockA = blocks[0];
   const int partner = exclusionPartner(t->exclusions, a, b);
   test->particleTests += TREE_WIDTH * TREE_WIDTH;
-  if (a != b && partner == CT_NULL) {
+  if (a != b && partner == CT_NULL && greater16(all16(0), load16(blockA->r)) == 0) {
     const float clearance = clearanceOfFar(blockA, blocks[1], test->room);
     if (clearance >= 0) {
       return clearance;
     }
   }
-  const Partners partners = partnersOf(blocks[1]);
-  float reaches[TREE_WIDTH];
-  store16(reaches, reachesOf(blockA, test->room));
+  const Partners partners = partnersOf(blocks[1], test->room);
   Float16 least16s = all16(INFINITY);
   float least = INFINITY;
   float widest = 0;
@@ -236,7 +224,7 @@ static float leafClearance(Traversal* t, ClearanceTest* test, int a, int b) {
     if (partner != CT_NULL) {
       out |= t->exclusions->mask[partner][k];
     }
-    const Float16 beyond = beyondMeeting(&partners, blockA->x[k], blockA->y[k], blockA->z[k], reaches[k]);
+    const Float16 beyond = beyondMeeting(&partners, blockA, k);
     const unsigned close = greater16(all16(0), beyond) & ~out;
     least16s = min16(least16s, blend16((out | close) & 0xffff, beyond, all16(INFINITY)));
     widest = blockA->r[k] > widest ? blockA->r[k] : widest;
@@ -253,7 +241,7 @@ static float leafClearance(Traversal* t, ClearanceTest* test, int a, int b) {
       least = exact < (double)least ? (float)(exact - t->band) : least;
     }
   }
-  const float far = clearanceBeyond(least16(least16s), partners.widest + widest + test->room);
+  const float far = clearanceBeyond(least16(least16s), partners.widest + widest);
   return far < least ? far : least;
 }
 
