@@ -93,7 +93,9 @@ static void choose(Clearance* c, Traversal* t, double reach) {
     ctClearanceGiveUp(c);
   } else if (c->isKept) {
     c->patience = LEAST_PATIENCE;
-    c->measuresTree = ++c->rounds % ROUNDS_A_MEASURE == 0;
+    /* The dearer the tree, the rarer: so that it takes the same part of all time. */
+    c->measuresTree = ++c->rounds * mean >= ROUNDS_A_MEASURE * c->treeCost;
+    c->rounds = c->measuresTree ? 0 : c->rounds;
   } else if (c->wait > 0) {
     c->wait--;
   } else if (mean > leastCost(t->tree) && keep(c, t, reach)) {

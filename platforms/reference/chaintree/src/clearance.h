@@ -64,7 +64,7 @@ typedef struct Clearance {
   int64_t treeCost;  /* of a test by the tree, as last measured */
   int64_t mostCost;  /* of a test by clearances before it gives up */
   bool measuresTree; /* this round is by the tree, only to know that */
-  int rounds;        /* by clearances since they came into use */
+  int rounds;        /* by clearances since they came into use or the tree was measured */
   int patience;      /* rounds by the tree after clearances have not paid */
   int wait;          /* of those left */
 } Clearance;
