@@ -354,10 +354,13 @@ static bool testNear(Clearance* c, Traversal* t, ClearanceTest* test, const Cros
   /* Only at their ends do pieces share leaves with others. */
   const int innerBegin = crossing->beginB + isStraddler(t, crossing->beginB);
   const int innerEnd = crossing->endB - isStraddler(t, crossing->endB - 1);
+  const Block* spheres = leafSpheres(t, c->near[0].a / TREE_WIDTH);
+  Block moved = *spheres;
+  moveBlock(spheres, crossing->back, 0xffff, &moved);
   const int firstTested = c->testedCount;
   for (int i = 0; i < count; i++) {
     const int a = c->near[i].a;
-    const Sphere sphere = movedSphere(leafSphere(t, a), crossing->back);
+    const Sphere sphere = sphereOf(&moved, a % TREE_WIDTH);
     for (int half = 0; half < COLUMNS_AT_ONCE; half += TREE_WIDTH) {
       TestedPairs* tested = &c->tested[c->testedCount];
       const int first = c->near[i].first + half;
