@@ -102,6 +102,9 @@ static void moveToRest(Traversal* t, int level, int item) {
       t->frame[place] = transformCompose(&t->frame[t->restAt[parent]], &tree->pose[item]);
     }
   } else if (tree->contentTime[item] <= t->since[item]) {
+    if (level == 0) {
+      t->since[item] = tree->time; /* quickly told next time; of nodes it dates boxes too */
+    }
     return;
   }
   t->since[item] = tree->time;
