@@ -47,12 +47,12 @@ typedef enum TrialCourse {
 typedef struct Clearance {
   TrialCourse course;
   bool isKept; /* the clearances are of the state */
-  Arena arena;    /* of the arrays that follow, which are made when first asked for */
+  Arena arena; /* of the arrays that follow, which are made when first asked for */
   int leafCount;
-  int stride;         /* of a row, a multiple of COLUMNS_AT_ONCE */
-  uint16_t* least;    /* leafCount rows; of leaves a < b in row a, column b */
+  int stride;          /* of a row, a multiple of COLUMNS_AT_ONCE */
+  uint16_t* least;     /* leafCount rows; of leaves a < b in row a, column b */
   uint16_t* shift;     /* per leaf, with padding: a bound of how far two bodies displace it, in units */
-  float unit;         /* nm */
+  float unit;          /* nm */
   NearPairs* near;     /* scratch: of the rows of a node */
   TestedPairs* tested; /* of the open trial */
   int testedCount;

@@ -150,6 +150,7 @@ typedef struct ClearanceTest {
   void* context;
   float room; /* reach and the rounding of distances */
   bool clash;
+  bool outOfMemory;
   int64_t cost;
   int64_t volumeTests;
   int64_t particleTests;
@@ -344,11 +345,11 @@ static bool testLeft(Clearance* c, Traversal* t, ClearanceTest* test, const Cros
   return false;
 }
 
-/* Tests what is near in rows of a node: by spheres, and what is likely to clash by particles. True if nothing more is to
- * be tested. */
+/* Tests what is near in rows of a node: by spheres, and what is likely to clash by particles. True if nothing more is
+ * to be tested. */
 static bool testNear(Clearance* c, Traversal* t, ClearanceTest* test, const Crossing* crossing, int count) {
   if (!ctReserve((void**)&c->tested, &c->testedCapacity, c->testedCount + 2 * count, sizeof(TestedPairs))) {
-    test->cost = INT64_MAX;
+    test->outOfMemory = true;
     return true;
   }
   /* Only at their ends do pieces share leaves with others. */
@@ -417,8 +418,8 @@ static int64_t testByClearance(Clearance* c, Traversal* t, const View* view, Cle
   startView(t, view);
   putNodesToRest(t);
   expandStraddlingLeaves(t);
-  ClearanceTest test = {function, context, (float)(view->reach + floatMargin(t->extent + fabs(view->reach))), false, 0,
-                        0,        0};
+  ClearanceTest test = {.function = function, .context = context};
+  test.room = (float)(view->reach + floatMargin(t->extent + fabs(view->reach)));
   c->testedCount = 0;
   if (!testStraddlingLeaves(t, &test)) {
     forEachCrossing(c, t, testCrossing, &test, &test.cost);
@@ -427,7 +428,7 @@ static int64_t testByClearance(Clearance* c, Traversal* t, const View* view, Cle
     counts->volumeTests += test.volumeTests;
     counts->particleTests += test.particleTests;
   }
-  const bool gaveUp = !test.clash && test.cost > c->mostCost;
+  const bool gaveUp = !test.clash && (test.outOfMemory || test.cost > c->mostCost);
   return gaveUp ? GAVE_UP : 300 + c->leafCount / 2 + test.cost;
 }
 
