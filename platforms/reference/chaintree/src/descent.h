@@ -26,6 +26,7 @@ typedef struct Visit {
   void* context;
   float reach;
   bool boxes; /* are to be looked at */
+  int visitsWithBoxes;
   int pairsBoxed;
   int pairsParted;
   int64_t boxTests; /* of the tests of volumes */

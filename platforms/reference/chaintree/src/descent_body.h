@@ -179,6 +179,7 @@ static void descend(Traversal* t, Visit* visit) {
     }
     expand(t, pair.level, pair.a);
     visit->boxes = t->alwaysBoxes || visits >= t->visitsWithoutBoxes;
+    visit->visitsWithBoxes += visit->boxes;
     if (pair.level == 0) {
       goesOn = visitLeaves(t, visit, &pair);
     } else {

@@ -2,10 +2,13 @@
 #include "descent_body.h"
 #include "movers_body.h"
 
+/* Of bringing those of two items into the view, for ctTraverse's result. */
+enum { COST_OF_BOXES = 150 };
+
 static int64_t traverse(Traversal* t, const View* view, CandidateFunction* function, void* context, ctCounts* counts) {
   startView(t, view);
   const double margin = floatMargin(t->extent + fabs(view->reach));
-  Visit visit = {function, context, (float)(view->reach + margin), false, 0, 0, 0, 0, 0};
+  Visit visit = {function, context, (float)(view->reach + margin), false, 0, 0, 0, 0, 0, 0};
   int slotBegin;
   int slotEnd;
   if (ctViewMovesFew(t, view, &slotBegin, &slotEnd)) {
@@ -17,7 +20,7 @@ static int64_t traverse(Traversal* t, const View* view, CandidateFunction* funct
     counts->volumeTests += visit.volumeTests;
     counts->particleTests += visit.particleTests;
   }
-  return visit.volumeTests + visit.particleTests + 2 * visit.boxTests;
+  return visit.volumeTests + visit.particleTests + 2 * visit.boxTests + COST_OF_BOXES * visit.visitsWithBoxes;
 }
 
 static void traverseProbe(Traversal* t, const View* view, const double point[3], double radius, ProbeFunction* function,
