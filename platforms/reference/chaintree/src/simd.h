@@ -552,35 +552,29 @@ static inline Short16 allShorts(uint16_t a) {
   return (Short16){{all, all}};
 }
 
+/* Of unsigned shorts SSE2 has no other comparison than this. */
+static inline Short8 lessShort8(Short8 a, Short8 b) {
+#ifdef __SSE2__
+  return (Short8)_mm_subs_epu16((__m128i)a, (__m128i)b);
+#else
+  return (a - b) & (Short8)(a > b);
+#endif
+}
+
 static inline Short16 lessShorts(Short16 a, Short16 b) {
-  for (int i = 0; i < 2; i++) {
-    a.h[i] = (a.h[i] - b.h[i]) & (Short8)(a.h[i] > b.h[i]);
-  }
-  return a;
+  return (Short16){{lessShort8(a.h[0], b.h[0]), lessShort8(a.h[1], b.h[1])}};
 }
 
 static inline Short16 minShorts(Short16 a, Short16 b) {
-  for (int i = 0; i < 2; i++) {
-    const Short8 chosen = (Short8)(a.h[i] < b.h[i]);
-    a.h[i] = (a.h[i] & chosen) | (b.h[i] & ~chosen);
-  }
-  return a;
+  return (Short16){{a.h[0] - lessShort8(a.h[0], b.h[0]), a.h[1] - lessShort8(a.h[1], b.h[1])}};
 }
 
 static inline Short16 maxShorts(Short16 a, Short16 b) {
-  for (int i = 0; i < 2; i++) {
-    const Short8 chosen = (Short8)(a.h[i] > b.h[i]);
-    a.h[i] = (a.h[i] & chosen) | (b.h[i] & ~chosen);
-  }
-  return a;
+  return (Short16){{b.h[0] + lessShort8(a.h[0], b.h[0]), b.h[1] + lessShort8(a.h[1], b.h[1])}};
 }
 
 static inline Short16 moreShorts(Short16 a, Short16 b) {
-  for (int i = 0; i < 2; i++) {
-    const Short8 sum = a.h[i] + b.h[i];
-    a.h[i] = sum | (Short8)(sum < a.h[i]);
-  }
-  return a;
+  return (Short16){{~lessShort8(~a.h[0], b.h[0]), ~lessShort8(~a.h[1], b.h[1])}};
 }
 
 static inline Short16 shortsOf16(Float16 a) {
