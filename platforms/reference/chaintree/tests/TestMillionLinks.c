@@ -1,5 +1,5 @@
 /* A chain of a million links: verdicts that turn at a known angle, positions, counts that stay small. */
-#include "check.h"
+#include "chain.h"
 
 enum { LINKS = 1000000, LAST = LINKS - 1 };
 
@@ -8,44 +8,18 @@ enum { LINKS = 1000000, LAST = LINKS - 1 };
 /* A straight arm along x whose hands, the particles 2 l at (l, 0, 0), are modelled. Link l > 0 turns about an axis
  * along z through the hand before its own; the other particle of its axis, 2 l + 1, is not modelled. */
 static ctChainTree* makeLongArm(void) {
-  enum { PARTICLES = 2 * LINKS };
-  double* positions = calloc(PARTICLES, sizeof(double[3]));
-  double* radii = calloc(PARTICLES, sizeof(double));
-  int* particleLinks = calloc(PARTICLES, sizeof(int));
-  int* parents = calloc(LINKS, sizeof(int));
-  uint8_t* joints = calloc(LINKS, 1);
-  int(*torsions)[4] = calloc(LINKS, sizeof *torsions);
-  if (!positions || !radii || !particleLinks || !parents || !joints || !torsions) {
-    abort();
-  }
+  const Chain chain = allocateChain(2 * LINKS, LINKS, ctFixedJoint);
   for (int l = 0; l < LINKS; l++) {
     const size_t hand = 2 * (size_t)l;
     const int torsion[4] = {2 * l - 2, 2 * l - 2, 2 * l + 1, 2 * l + 1};
-    memcpy(torsions[l], torsion, sizeof torsion);
-    positions[3 * hand] = l;
-    positions[3 * (hand + 1)] = l - 1;
-    positions[3 * (hand + 1) + 2] = 1;
-    radii[hand] = RADIUS;
-    particleLinks[hand] = particleLinks[hand + 1] = l;
-    parents[l] = l - 1;
-    joints[l] = l == 0 ? ctFixedJoint : ctTorsionJoint;
+    memcpy(chain.torsions[l], torsion, sizeof torsion);
+    chain.positions[3 * hand] = l;
+    chain.positions[3 * (hand + 1)] = l - 1;
+    chain.positions[3 * (hand + 1) + 2] = 1;
+    chain.radii[hand] = RADIUS;
+    chain.particleLinks[hand] = chain.particleLinks[hand + 1] = l;
   }
-  const ctDefinition definition = {.particleCount = PARTICLES,
-                                   .positions = positions,
-                                   .radii = radii,
-                                   .particleLinks = particleLinks,
-                                   .linkCount = LINKS,
-                                   .linkParents = parents,
-                                   .linkJoints = joints,
-                                   .linkTorsions = (const int(*)[4])torsions};
-  ctChainTree* arm = checkedCreate(&definition);
-  free(positions);
-  free(radii);
-  free(particleLinks);
-  free(parents);
-  free(joints);
-  free(torsions);
-  return arm;
+  return createChain(&chain);
 }
 
 static bool clashesTurned(ctChainTree* arm, int link, double angle, int pair[2], ctCounts* counts) {

@@ -4,18 +4,10 @@
  * The program puts its own functions before the C library's allocator; where that cannot be done, it is skipped. */
 #define _POSIX_C_SOURCE 200809L /* setenv */
 
+#include "allocator.h"
 #include "lattice.h"
 
-#if defined(__has_feature)
-#if __has_feature(address_sanitizer) || __has_feature(memory_sanitizer) || __has_feature(thread_sanitizer)
-#define SANITIZED
-#endif
-#endif
-#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__) || !defined(__GLIBC__)
-#define SANITIZED
-#endif
-
-#ifdef SANITIZED
+#ifndef HAS_GLIBC_ALLOCATOR
 
 int main(void) {
   return 77;
