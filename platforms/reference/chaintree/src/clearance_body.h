@@ -27,7 +27,7 @@ static void putNodesToRest(Traversal* t) {
 
 /* The spheres of sixteen leaves at rest. */
 static const Block* leafSpheres(const Traversal* t, int block) {
-  return &t->rest[t->restAt[t->tree->levelBegin[1]] + block];
+  return &t->rest[t->restAt[t->tree->levelBegin[1] + block]];
 }
 
 static Sphere leafSphere(const Traversal* t, int leaf) {

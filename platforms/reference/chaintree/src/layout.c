@@ -177,7 +177,6 @@ static void fillSlots(Layout* layout, Sequence* s, const ctDefinition* d) {
 }
 
 static void listIdle(Layout* layout, Sequence* s, const ctDefinition* d) {
-  /* Counts two places on, so that filling moves each begin to its place. */
   int* next = layout->next;
   memset(next, 0, ((size_t)s->linkCount + 1) * sizeof(int));
   for (int i = 0; i < d->particleCount; i++) {
