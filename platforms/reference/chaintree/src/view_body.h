@@ -65,14 +65,19 @@ static void restNode(Traversal* t, int item) {
   memcpy(rest->r, t->sinceSurfaces ? own->block.r : own->centres, sizeof rest->r);
 }
 
-/* Whether an item is where it was when it was last put into the world. */
-static bool isThere(const Traversal* t, int level, int item) {
+/* Whether an item is where it was when it was last put into the world. A leaf that is there unchanged is dated anew, so
+ * as to be told more quickly next time; of nodes the date is that of boxes, too. */
+static bool isThere(Traversal* t, int level, int item) {
   if (t->since[item] == NEVER) {
     return false;
   }
   int end;
   treeSlots(t->tree, level, item, &end);
-  return treeLeavesStay(t->tree, t->since[item], (end + TREE_WIDTH - 1) / TREE_WIDTH);
+  const bool stays = treeLeavesStay(t->tree, t->since[item], (end + TREE_WIDTH - 1) / TREE_WIDTH);
+  if (stays && level == 0 && t->tree->contentTime[item] <= t->since[item]) {
+    t->since[item] = t->tree->time;
+  }
+  return stays;
 }
 
 /* Gives a leaf the place of the one that has been put to rest longest ago. */
@@ -102,9 +107,6 @@ static void moveToRest(Traversal* t, int level, int item) {
       t->frame[place] = transformCompose(&t->frame[t->restAt[parent]], &tree->pose[item]);
     }
   } else if (tree->contentTime[item] <= t->since[item]) {
-    if (level == 0) {
-      t->since[item] = tree->time; /* quickly told next time; of nodes it dates boxes too */
-    }
     return;
   }
   t->since[item] = tree->time;

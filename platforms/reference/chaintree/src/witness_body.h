@@ -2,24 +2,11 @@
 #include "view_body.h"
 #include "witness.h"
 
-/* Whether a leaf has been put into the world as the state has it. */
-static bool isAtRest(Traversal* t, int leaf) {
-  const Tree* tree = t->tree;
-  const int64_t since = t->since[leaf];
-  if (tree->contentTime[leaf] > since || treeStays(tree, since)) {
-    return tree->contentTime[leaf] <= since;
-  }
-  if (!isThere(t, 0, leaf)) {
-    return false;
-  }
-  t->since[leaf] = tree->time; /* quickly told next time */
-  return true;
-}
-
 /* The sphere of a slot whose motion is this one, where the view has it. */
 static Sphere slotSphere(Traversal* t, int slot, int motion) {
   const int leaf = slot / TREE_WIDTH;
-  if (!isAtRest(t, leaf)) {
+  const int64_t since = t->since[leaf];
+  if (t->tree->contentTime[leaf] > since || !(treeStays(t->tree, since) || isThere(t, 0, leaf))) {
     putLeafToRest(t, leaf);
   }
   return sphereInView(t, sphereOf(restOf(t, leaf), slot % TREE_WIDTH), motion);
