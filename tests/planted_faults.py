@@ -81,7 +81,7 @@ FAULTS = [
     Fault("traversal: a body is taken for another", "view_body.h",
           "return code == motion ? 0xffff : 0;", "return code >= 0 ? 0xffff : 0;"),
     Fault("traversal: a straddler's members are all of one body", "view_body.h",
-          "return equal16(straddlerOf(t, code)->motion, motion);", "return 0xffff;"),
+          "motion < 0 ? 0 : equal16(straddlerOf(t, code)->motion, motion);", "0xffff;"),
     Fault("traversal: the last member of a node is passed over", "descent_body.h",
           "for (unsigned left = near; left != 0;", "for (unsigned left = near & 0x7fff; left != 0;"),
     Fault("traversal: a mover does not meet its own leaf", "movers_body.h",

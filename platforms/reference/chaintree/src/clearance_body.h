@@ -71,6 +71,9 @@ static void boundShifts(Clearance* c, const Traversal* t, const Frame* motion, i
   }
 }
 
+/* Of a crossing, beside what its leaves cost. */
+enum { COST_OF_CROSSING = 350 };
+
 /* Calls `visit` for each two pieces of the view that move against each other, their shifts bounded; ends with true as
  * soon as that does. Adds what the bounds cost. */
 typedef bool CrossingFunction(Clearance* c, Traversal* t, const Crossing* crossing, void* context);
@@ -97,7 +100,7 @@ static bool forEachCrossing(Clearance* c, Traversal* t, CrossingFunction* visit,
       /* A distance changes by no more than either of its ends is displaced. */
       boundShifts(c, t, &between, crossing.beginA, crossing.endA);
       boundShifts(c, t, &between, crossing.beginB, crossing.endB);
-      *cost += 200 + (crossing.endA - crossing.beginA + crossing.endB - crossing.beginB) / 2;
+      *cost += COST_OF_CROSSING + (crossing.endA - crossing.beginA + crossing.endB - crossing.beginB) / 2;
       if (visit(c, t, &crossing, context)) {
         return true;
       }

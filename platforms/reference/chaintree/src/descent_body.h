@@ -133,6 +133,7 @@ static void visitNodes(Traversal* t, Visit* visit, const ItemPair* pair, int* de
       near &= ~boxesApart(around, pair->b % TREE_WIDTH, boxes[0], visit->reach);
     }
   }
+  unsigned straddling = 0;
   for (unsigned left = near; left != 0; left &= left - 1) {
     const int k = __builtin_ctz(left);
     const int i = firstA + k;
@@ -154,10 +155,12 @@ static void visitNodes(Traversal* t, Visit* visit, const ItemPair* pair, int* de
       t->motion[firstB + l] = motionOfMember(t, pair->b, l);
       t->stack[(*depth)++] = (ItemPair){below, i, firstB + l};
     }
-    /* Comes first: near a joint all is dense, and clashes are likely. */
-    if (pair->a == pair->b && blocks[0]->r[k] >= 0 && motion < 0) {
-      t->stack[(*depth)++] = (ItemPair){below, i, i};
-    }
+    straddling |= (unsigned)(pair->a == pair->b && blocks[0]->r[k] >= 0 && motion < 0) << k;
+  }
+  /* Come first: near a joint all is dense, and clashes are likely. */
+  for (; straddling != 0; straddling &= straddling - 1) {
+    const int i = firstA + __builtin_ctz(straddling);
+    t->stack[(*depth)++] = (ItemPair){below, i, i};
   }
 }
 
@@ -172,11 +175,10 @@ static void descend(Traversal* t, Visit* visit) {
   bool goesOn = true;
   for (int visits = 0; goesOn && depth > 0; visits++) {
     ItemPair pair = t->stack[--depth];
-    if (t->motion[pair.b] < 0 || (t->itemStamp[pair.b] == t->stamp && t->motion[pair.a] >= 0)) {
-      /* First go the members of the one that straddles: those that are of the other's body drop out. Otherwise those of
-       * one that is expanded: then the other may never have to be. */
-      pair = (ItemPair){pair.level, pair.b, pair.a};
-    }
+    /* First go the members of the one that straddles: those that are of the other's body drop out. Otherwise those of
+     * one that is expanded: then the other may never have to be. Which that is can hardly be foreseen. */
+    const bool bFirst = (t->motion[pair.b] < 0) | ((t->itemStamp[pair.b] == t->stamp) & (t->motion[pair.a] >= 0));
+    pair = (ItemPair){pair.level, bFirst ? pair.b : pair.a, bFirst ? pair.a : pair.b};
     expand(t, pair.level, pair.a);
     visit->boxes = t->alwaysBoxes || visits >= t->visitsWithoutBoxes;
     visit->visitsWithBoxes += visit->boxes;

@@ -185,6 +185,7 @@ static const Straddler* expandStraddler(Traversal* t, int level, int item, int p
   Block* rest = restOf(t, item);
   s->block = *rest;
   s->isBoxed = false;
+  memset(s->motion, 0, sizeof s->motion);
   t->inView[item] = &s->block;
   int end;
   const int begin = treeSlots(tree, level, item, &end);
@@ -204,9 +205,11 @@ static const Straddler* expandStraddler(Traversal* t, int level, int item, int p
       if (moves(view, motion)) {
         moveBlock(rest, t->motions[motion], (1u << wholes) - (1u << k), &s->block);
       }
-      while (k < wholes) {
-        s->motion[k++] = motion;
+      /* How many there are can hardly be foreseen: so no branch depends on it. */
+      for (int l = 0; l < TREE_WIDTH; l++) {
+        s->motion[l] = k <= l && l < wholes ? motion : s->motion[l];
       }
+      k = wholes;
     } else if (level > 0) { /* a slot straddles nothing */
       const Sphere bound = boundOfStraddler(t, expandStraddler(t, level - 1, first + k, piece));
       s->block.x[k] = bound.x;
@@ -216,9 +219,6 @@ static const Straddler* expandStraddler(Traversal* t, int level, int item, int p
       s->motion[k] = t->motion[first + k];
       k++;
     }
-  }
-  for (; k < TREE_WIDTH; k++) {
-    s->motion[k] = 0;
   }
   return s;
 }
@@ -289,13 +289,10 @@ static void blocksOf(Traversal* t, int a, int b, const Block* blocks[2]) {
 /* Members of an item that are of a rigid body; none, if that straddles. */
 static unsigned ofBody(const Traversal* t, int item, int motion) {
   const int code = t->motion[item];
-  if (motion < 0) {
-    return 0;
+  if (code < 0) {
+    return motion < 0 ? 0 : equal16(straddlerOf(t, code)->motion, motion);
   }
-  if (code >= 0) {
-    return code == motion ? 0xffff : 0;
-  }
-  return equal16(straddlerOf(t, code)->motion, motion);
+  return code == motion ? 0xffff : 0;
 }
 
 #endif /* CT_VIEW_BODY_H_ */

@@ -21,7 +21,7 @@ static bool clashes(ctChainTree* scene, int link, double angle, ctCounts* counts
 
 int main(void) {
   /* Were particles thicker, what clashes in one turn would clash in so many others that asking paid. */
-  ctChainTree* scene = makeLattice(ONE_CHAIN, 0.35, 0);
+  ctChainTree* scene = makeLattice(ONE_CHAIN, 0.3, 0);
   int link = 2;
   while (link < SITES - 2 && !clashes(scene, link, 0.1, NULL)) {
     link++;
