@@ -33,6 +33,7 @@ void ctClearanceForget(Clearance* c) {
 void ctClearanceFree(Clearance* c) {
   ctArenaFree(&c->arena);
   free(c->tested);
+  free(c->bodies);
   *c = (Clearance){0};
 }
 

@@ -33,6 +33,15 @@ typedef struct NearPairs {
   uint32_t columns; /* bits */
 } NearPairs;
 
+/* Leaves that move as one. A leaf in which two pieces of a view meet belongs to both; one in which more do is a body of
+ * its own, with several pieces. */
+typedef struct Body {
+  int begin; /* leaves */
+  int end;
+  int firstPiece;
+  int lastPiece;
+} Body;
+
 /* So many clearances of a row are compared at a time. */
 enum { COLUMNS_AT_ONCE = 32 };
 
@@ -49,11 +58,14 @@ typedef struct Clearance {
   bool isKept; /* the clearances are of the state */
   Arena arena; /* of the arrays that follow, which are made when first asked for */
   int leafCount;
-  int stride;          /* of a row, a multiple of COLUMNS_AT_ONCE */
-  uint16_t* least;     /* leafCount rows; of leaves a < b in row a, column b */
-  uint16_t* shift;     /* per leaf, with padding: a bound of how far two bodies displace it, in units */
-  float unit;          /* nm */
-  NearPairs* near;     /* scratch: of the rows of a node */
+  int stride;      /* of a row, a multiple of COLUMNS_AT_ONCE */
+  uint16_t* least; /* leafCount rows; of leaves a < b in row a, column b */
+  uint16_t* shift; /* per leaf, with padding: a bound of how far two bodies displace it, in units */
+  float unit;      /* nm */
+  NearPairs* near; /* scratch: of the rows of a node */
+  Body* bodies;    /* of a view, ascending */
+  int bodyCount;
+  int bodyCapacity;
   TestedPairs* tested; /* of the open trial */
   int testedCount;
   int testedCapacity;

@@ -1,112 +1,11 @@
 /* Tests by clearances, compiled once for each instruction set by the file that includes this. */
-#include "clearance.h"
-#include "view_body.h"
+#include "crossing_body.h"
 
-/* Two pieces that move against each other. Leaves that they share with a neighbour belong to both. */
-typedef struct Crossing {
-  int beginA;
-  int endA;
-  int motionA;
-  int beginB;
-  int endB;
-  int motionB;
-  float back[12]; /* what takes A, at rest, to where B, at rest, sees it in the view */
-} Crossing;
-
-/* ---- How far bodies go ---- */
-
-/* Puts all nodes into the world, so that all leaves have their spheres there. */
-static void putNodesToRest(Traversal* t) {
-  const Tree* tree = t->tree;
-  for (int level = treeTop(tree); level > 0; level--) {
-    for (int i = 0; i < tree->levelSize[level]; i++) {
-      putToRest(t, level, tree->levelBegin[level] + i);
-    }
-  }
-}
-
-/* The spheres of sixteen leaves at rest. */
-static const Block* leafSpheres(const Traversal* t, int block) {
-  return &t->rest[t->restAt[t->tree->levelBegin[1] + block]];
-}
-
-static Sphere leafSphere(const Traversal* t, int leaf) {
-  return sphereOf(leafSpheres(t, leaf / TREE_WIDTH), leaf % TREE_WIDTH);
-}
+/* ---- The table ---- */
 
 /* Clearances of a leaf and those after it. */
 static uint16_t* rowOf(const Clearance* c, int leaf) {
   return c->least + (size_t)leaf * (size_t)c->stride;
-}
-
-/* Turns lengths into units, rounded down. */
-CT_INLINE Short16 unitsOf(const Clearance* c, Float16 lengths) {
-  const Float16 most = all16((float)MOST_CLEARANCE);
-  return shortsOf16(min16(max16(mul16(lengths, all16(0.999999f / c->unit)), all16(0)), most));
-}
-
-/* Bounds how far a rigid motion takes the particles of these leaves, in units, rounded up. */
-static void boundShifts(Clearance* c, const Traversal* t, const Frame* motion, int begin, int end) {
-  /* What the motion adds to a point: small where it is small. */
-  float change[12];
-  double trace = 0;
-  for (int i = 0; i < 3; i++) {
-    for (int j = 0; j < 4; j++) {
-      change[4 * i + j] = (float)(motion->m[i][j] - (i == j));
-    }
-    trace += motion->m[i][i];
-  }
-  /* |R - 1|, with room for the rounding of the trace, and room for that of the centres. */
-  const double chord = sqrt(larger(0, 3 - trace) + 1e-13);
-  const Float16 room = all16((float)(FLOAT_MARGIN * chord * t->extent + 2 * (double)c->unit));
-  for (int block = begin / TREE_WIDTH; block <= (end - 1) / TREE_WIDTH; block++) {
-    const Block* spheres = leafSpheres(t, block);
-    const Float16 x = moved16(spheres, change);
-    const Float16 y = moved16(spheres, change + 4);
-    const Float16 z = moved16(spheres, change + 8);
-    const Float16 centre = sqrt16(squared16(x, y, z));
-    const Float16 turned = mul16(max16(load16(spheres->r), all16(0)), all16((float)chord));
-    const Float16 bounds = mul16(add16(add16(centre, turned), room), all16(1.00001f));
-    storeShorts(c->shift + TREE_WIDTH * block, unitsOf(c, bounds));
-  }
-}
-
-/* Of a crossing, beside what its leaves cost. */
-enum { COST_OF_CROSSING = 350 };
-
-/* Calls `visit` for each two pieces of the view that move against each other, their shifts bounded; ends with true as
- * soon as that does. Adds what the bounds cost. */
-typedef bool CrossingFunction(Clearance* c, Traversal* t, const Crossing* crossing, void* context);
-
-static bool forEachCrossing(Clearance* c, Traversal* t, CrossingFunction* visit, void* context, int64_t* cost) {
-  const View* view = t->view;
-  for (int p = 0; p < view->pieceCount; p++) {
-    for (int q = p + 1; q < view->pieceCount; q++) {
-      if (view->pieces[p].motion == view->pieces[q].motion) {
-        continue;
-      }
-      const int endOfQ = q + 1 < view->pieceCount ? view->pieces[q + 1].slotBegin : t->tree->slotCount;
-      Crossing crossing = {view->pieces[p].slotBegin / TREE_WIDTH,
-                           (view->pieces[p + 1].slotBegin - 1) / TREE_WIDTH + 1,
-                           view->pieces[p].motion,
-                           view->pieces[q].slotBegin / TREE_WIDTH,
-                           (endOfQ - 1) / TREE_WIDTH + 1,
-                           view->pieces[q].motion,
-                           {0}};
-      const Frame back = transformInverse(&view->motions[crossing.motionA]);
-      const Frame between = transformCompose(&back, &view->motions[crossing.motionB]);
-      const Frame other = transformInverse(&between);
-      floatMotion(&other, crossing.back);
-      /* A distance changes by no more than either of its ends is displaced. */
-      boundShifts(c, t, &between, crossing.beginA, crossing.endA);
-      boundShifts(c, t, &between, crossing.beginB, crossing.endB);
-      *cost += COST_OF_CROSSING + (crossing.endA - crossing.beginA + crossing.endB - crossing.beginB) / 2;
-      if (visit(c, t, &crossing, context)) {
-        return true;
-      }
-    }
-  }
-  return false;
 }
 
 /* The columns of a row in [begin, end): mask of those from column `first` on. */
@@ -123,6 +22,16 @@ static int columnsBegin(const Crossing* crossing, int a) {
 }
 
 /* ---- Measuring ---- */
+
+/* Puts all nodes into the world, so that all leaves have their spheres there. */
+static void putNodesToRest(Traversal* t) {
+  const Tree* tree = t->tree;
+  for (int level = treeTop(tree); level > 0; level--) {
+    for (int i = 0; i < tree->levelSize[level]; i++) {
+      putToRest(t, level, tree->levelBegin[level] + i);
+    }
+  }
+}
 
 static void measureClearances(Clearance* c, Traversal* t, double reach) {
   const View view = ctViewOfState(true, reach);
@@ -424,7 +333,8 @@ static int64_t testByClearance(Clearance* c, Traversal* t, const View* view, Cle
   ClearanceTest test = {.function = function, .context = context};
   test.room = (float)(view->reach + floatMargin(t->extent + fabs(view->reach)));
   c->testedCount = 0;
-  if (!testStraddlingLeaves(t, &test)) {
+  test.outOfMemory = !listBodies(c, t);
+  if (!test.outOfMemory && !testStraddlingLeaves(t, &test)) {
     forEachCrossing(c, t, testCrossing, &test, &test.cost);
   }
   if (counts != NULL) {
@@ -461,7 +371,10 @@ static int64_t commitClearances(Clearance* c, Traversal* t, const View* view) {
   int64_t cost = c->leafCount;
   startView(t, view);
   putNodesToRest(t);
-  forEachCrossing(c, t, takeOff, &cost, &cost);
+  c->isKept = listBodies(c, t);
+  if (c->isKept) {
+    forEachCrossing(c, t, takeOff, &cost, &cost);
+  }
   for (int i = 0; i < c->testedCount; i++) {
     const TestedPairs* tested = &c->tested[i];
     uint16_t* least = rowOf(c, tested->a) + tested->first;
