@@ -31,234 +31,250 @@ static int listNodes(const Pass* pass, int level, int item, int node, int count)
   return count;
 }
 
-/* Makes a list of the leaves that come near a leaf, which is member k of a node, and lie behind it; the first
+/* Makes a list of the leaves that come near a leaf, which is member k of a node, and do not lie before it; the first
  * `nodeCount` of `nodes` hold those that do. Returns how many. */
 static int listNear(const Pass* pass, int node, int k, int nodeCount) {
   const Sweep* sweep = pass->sweep;
   const Tree* layout = sweep->layout;
   const Extents* around = snapshotExtents(&sweep->snapshot, layout, node);
   int* leaves = sweep->candidates.leaves;
-  int count = 0;
+  size_t count = 0;
   int members;
   for (int n = 0; n < nodeCount; n++) {
     const int other = sweep->nodes[n];
     const int first = treeChildren(layout, 1, other, &members);
     unsigned near = membersNear(pass, snapshotExtents(&sweep->snapshot, layout, other), around, k, false);
-    near &= other == node ? ~1u << k : ~0u;
-    count += indices16(near, first, leaves + count);
+    near &= other == node ? ~0u << k : ~0u;
+    count += closeNumbers16(sweep->ranks, near, first, leaves + count);
   }
   pass->task->volumeTests += nodeCount * TREE_WIDTH;
-  return count;
+  return (int)count;
 }
 
-/* Adds the octets of a leaf to the candidates of another; `rows` are the slots of that which may come near each of
- * them. */
-static inline int addCandidates(const Pass* pass, const Slots* slots, int leaf, int count, const uint16_t* rows) {
+/* ---- Slots that come near a leaf ---- */
+
+/* From leaf to leaf, in the floats of a snapshot. */
+enum { PLACES = (int)(sizeof(Block) / sizeof(float)) };
+
+static inline int slotAt(int place) {
+  return place / PLACES * TREE_WIDTH + place % PLACES;
+}
+
+/* Forbids pairs of candidates that are slots of one leaf; `forbidden` has bits for each slot of that. */
+static void forbidPairs(const Candidates* candidates, int first, int count, const uint16_t* forbidden) {
+  for (int i = first; i < first + count; i++) {
+    const unsigned slot = (unsigned)slotAt(candidates->place[i]) % TREE_WIDTH;
+    candidates->pairs[i] = (uint16_t)(candidates->pairs[i] & ~forbidden[slot]);
+  }
+}
+
+/* Gathers the candidates of a leaf, which has a box, from leaves first ... last - 1 of the list. */
+static void gatherCandidates(const Pass* pass, int leaf, const Extent* box, int first, int last) {
+  /* Within the leaf each pair once. */
+  static const uint16_t behind[TREE_WIDTH] = {0xffff, 0xfffe, 0xfffc, 0xfff8, 0xfff0, 0xffe0, 0xffc0, 0xff80,
+                                              0xff00, 0xfe00, 0xfc00, 0xf800, 0xf000, 0xe000, 0xc000, 0x8000};
   const Sweep* sweep = pass->sweep;
-  const Candidates* candidates = &sweep->candidates;
-  const Extent* boxes = &sweep->snapshot.octet[leaf * OCTETS];
-  for (int c = 0; c < OCTETS; c++) {
-    const unsigned near = slotsNear(pass, slots, &boxes[c], false) & rows[c];
-    candidates->slot[count] = leaf * TREE_WIDTH + c * OCTET_WIDTH;
-    candidates->near[count] = (uint16_t)near;
-    count += near != 0;
-  }
-  return count;
-}
-
-/* Of pairs of a leaf with an octet, marks those that do not count: excluded ones, and within the leaf all but one way
- * round. */
-static void restrictPairs(Candidates* candidates, int i, const uint16_t* excluded, bool isOwn) {
-  CandidateWord* word = &candidates->word[i / CANDIDATE_WORD];
-  for (int k = 0; k < TREE_WIDTH; k++) {
-    const unsigned earlier = isOwn ? (2u << k) - 1 : 0;
-    word->allowed[k][i % CANDIDATE_WORD] = (uint8_t)(~(excluded[k] | earlier) >> candidates->slot[i] % TREE_WIDTH);
-  }
-}
-
-static void restrictCandidates(const Pass* pass, int leaf) {
-  static const uint16_t nothing[TREE_WIDTH] = {0};
-  const Exclusions* exclusions = pass->sweep->exclusions;
+  const Exclusions* exclusions = sweep->exclusions;
   Candidates* candidates = &pass->sweep->candidates;
-  for (int w = 0; w * CANDIDATE_WORD < candidates->count; w++) {
-    memset(candidates->word[w].allowed, 0xff, sizeof candidates->word->allowed);
-  }
-  for (int i = 0; i < candidates->count && candidates->slot[i] / TREE_WIDTH == leaf; i++) {
-    restrictPairs(candidates, i, nothing, true);
-  }
-  int i = 0;
-  for (int p = exclusionsFrom(exclusions, leaf, leaf); p < exclusions->begin[leaf + 1]; p++) {
-    const int partner = exclusions->partner[p];
-    while (i < candidates->count && candidates->slot[i] / TREE_WIDTH < partner) {
-      i++;
-    }
-    for (; i < candidates->count && candidates->slot[i] / TREE_WIDTH == partner; i++) {
-      restrictPairs(candidates, i, exclusions->mask[p], partner == leaf);
-    }
-  }
-}
-
-/* Turns what each octet comes near into what comes near each slot. */
-static void transposeCandidates(Candidates* candidates) {
-  memset(candidates->near + candidates->count, 0, TREE_WIDTH * sizeof *candidates->near);
-  for (int first = 0; first < candidates->count; first += CANDIDATE_WORD) {
-    uint64_t* near = candidates->word[first / CANDIDATE_WORD].near;
-    memset(near, 0, sizeof candidates->word->near);
-    for (int i = first; i < first + CANDIDATE_WORD && i < candidates->count; i += TREE_WIDTH) {
-      uint16_t columns[TREE_WIDTH];
-      transposeBits(candidates->near + i, columns);
-      for (int k = 0; k < TREE_WIDTH; k++) {
-        near[k] |= (uint64_t)columns[k] << (i - first);
-      }
-    }
-  }
-}
-
-/* Gathers the candidates of a leaf from the leaves that come near it. */
-static void gatherCandidates(const Pass* pass, int leaf, int leafCount) {
-  /* Of the leaf itself, slots before the last of each octet. */
-  static const uint16_t earlier[OCTETS] = {0x7f, 0x7fff};
-  static const uint16_t all[OCTETS] = {0xffff, 0xffff};
-  const Sweep* sweep = pass->sweep;
-  Candidates* candidates = &pass->sweep->candidates;
-  const Slots slots = slotsOf(&sweep->snapshot.leaf[leaf]);
-  const int own = addCandidates(pass, &slots, leaf, 0, earlier);
-  int count = own;
-  for (int i = 0; i < leafCount; i++) {
-    count = addCandidates(pass, &slots, candidates->leaves[i], count, all);
-  }
-  pass->task->volumeTests += (leafCount + 1) * OCTETS * TREE_WIDTH;
-  candidates->count = count;
+  int partner = exclusionsFrom(exclusions, leaf, candidates->leaves[first]);
+  const int lastPartner = exclusions->begin[leaf + 1];
   int lowest = INT_MAX;
-  for (int i = 0; i < count; i++) {
-    const unsigned slot = (unsigned)candidates->slot[i];
-    const int low = sweep->lowest[slot / OCTET_WIDTH];
-    lowest = i >= own && low < lowest ? low : lowest;
-    candidates->x[i] = sweep->snapshot.leaf[slot / TREE_WIDTH].x + slot % TREE_WIDTH;
-    candidates->particle[i] = sweep->sequence->slotParticle + slot;
+  int count = 0;
+  for (int i = first; i < last; i++) {
+    const int other = candidates->leaves[i];
+    const Slots slots = slotsOf(&sweep->snapshot.leaf[other]);
+    const unsigned near = slotsNear(pass, &slots, box, false);
+    closeNumbers16(sweep->ranks, near, other * PLACES, candidates->place + count);
+    storeShorts(candidates->pairs + count, allShorts(0xffff));
+    const int size = (int)closeRanks16(sweep->ranks, near, loadIds(sweep->sequence->slotParticle + other * TREE_WIDTH),
+                                       candidates->particle + count);
+    if (other == leaf) {
+      forbidPairs(candidates, count, size, behind);
+    } else {
+      lowest = sweep->lowest[other] < lowest ? sweep->lowest[other] : lowest;
+    }
+    while (partner < lastPartner && exclusions->partner[partner] < other) {
+      partner++;
+    }
+    if (partner < lastPartner && exclusions->partner[partner] == other) {
+      forbidPairs(candidates, count, size, exclusions->mask[exclusionPartner(exclusions, other, leaf)]);
+    }
+    count += size;
   }
+  pass->task->volumeTests += (last - first) * TREE_WIDTH;
+  candidates->count = count;
+  /* What stands behind them is compared too. */
+  storeShorts(candidates->pairs + count, allShorts(0));
+  pass->task->particleTests += (int64_t)count * TREE_WIDTH;
   candidates->rises = sweep->highest[leaf] < lowest;
-  restrictCandidates(pass, leaf);
-  transposeCandidates(candidates);
 }
 
-/* ---- A slot and its candidates ---- */
+/* ---- Pairs of a leaf and its candidates ---- */
 
-/* A slot of a leaf, and one word of its candidates. */
-typedef struct Row {
-  Float8 x; /* of the slot, in all lanes */
-  Float8 y;
-  Float8 z;
-  const uint8_t* allowed;
-  const float* const* octets;
-  const int* const* particles;
-  int particle;
-} Row;
+/* A leaf and its candidates, with all pointers: as far as a compiler knows, pairs may be written over others. */
+typedef struct Own {
+  Slots slots;
+  Ids16 ids;
+  Candidates candidates;
+  const float* places;
+} Own;
 
-CT_INLINE Row rowOfSlot(const Pass* pass, int leaf, int k, int w) {
-  const Candidates* candidates = &pass->sweep->candidates;
-  const Block* block = &pass->sweep->snapshot.leaf[leaf];
-  return (Row){all8(block->x[k]),
-               all8(block->y[k]),
-               all8(block->z[k]),
-               candidates->word[w].allowed[k],
-               candidates->x + w * CANDIDATE_WORD,
-               candidates->particle + w * CANDIDATE_WORD,
-               pass->sweep->sequence->slotParticle[leaf * TREE_WIDTH + k]};
+CT_INLINE Own ownOf(const Pass* pass, int leaf) {
+  const Sweep* sweep = pass->sweep;
+  return (Own){slotsOf(&sweep->snapshot.leaf[leaf]), loadIds(sweep->sequence->slotParticle + leaf * TREE_WIDTH),
+               sweep->candidates, sweep->snapshot.leaf->x};
 }
 
-CT_INLINE Float8 squaredFromOctet(const Row* row, unsigned i) {
-  const float* x = row->octets[i];
-  return squared8(sub8(row->x, load8(x)), sub8(row->y, load8(x + TREE_WIDTH)), sub8(row->z, load8(x + 2 * TREE_WIDTH)));
+CT_INLINE Float16 squaredFromCandidate(const Own* own, int i) {
+  const float* x = own->places + own->candidates.place[i];
+  const float* y = x + TREE_WIDTH;
+  const float* z = y + TREE_WIDTH;
+  return squared16(sub16(own->slots.x[0], all16(*x)), sub16(own->slots.x[1], all16(*y)),
+                   sub16(own->slots.x[2], all16(*z)));
 }
 
-/* Adds the neighbours of a slot; those of which float cannot tell by their distance in double. */
-static __attribute__((noinline)) void addDoubtful(const Pass* pass, int leaf, int k, int w) {
+/* Turns what may make a pair with a candidate into what does. */
+CT_INLINE void compareCandidate(const Own* own, int i, Under* under) {
+  uint16_t* pairs = &own->candidates.pairs[i];
+  *pairs = (uint16_t)(*pairs & under16(under, squaredFromCandidate(own, i)));
+}
+
+/* Of some candidates, where float cannot tell, decides by the distance in double. */
+static __attribute__((noinline)) void settleDoubts(const Pass* pass, int leaf, int first) {
   const SweepTask* task = pass->task;
-  const Candidates* candidates = &pass->sweep->candidates;
-  PairSink* sink = task->sink;
-  const Row row = rowOfSlot(pass, leaf, k, w);
-  const int slot = leaf * TREE_WIDTH + k;
-  for (uint64_t left = candidates->word[w].near[k]; left != 0; left &= left - 1) {
-    const unsigned i = (unsigned)__builtin_ctzll(left);
-    const Float8 squared = squaredFromOctet(&row, i);
-    unsigned near = greater8(all8(pass->nearSquared), squared) & row.allowed[i];
-    unsigned doubtful = near & ~greater8(all8(pass->sureSquared), squared);
+  const Own own = ownOf(pass, leaf);
+  for (int i = first; i < first + CANDIDATES_AT_ONCE; i++) {
+    const int slot = slotAt(own.candidates.place[i]);
+    uint16_t* pairs = &own.candidates.pairs[i];
+    unsigned doubtful = *pairs & ~greater16(all16(pass->sureSquared), squaredFromCandidate(&own, i));
     for (; doubtful != 0; doubtful &= doubtful - 1) {
-      const int other = candidates->slot[w * CANDIDATE_WORD + (int)i] + __builtin_ctz(doubtful);
-      if (!task->isNear(task->context, slot, other, squaredApart(pass, slot, other))) {
-        near &= ~(1u << __builtin_ctz(doubtful));
+      const int ownSlot = leaf * TREE_WIDTH + __builtin_ctz(doubtful);
+      if (!task->isNear(task->context, ownSlot, slot, squaredApart(pass, ownSlot, slot))) {
+        *pairs = (uint16_t)(*pairs & ~(doubtful & -doubtful));
       }
     }
-    sink->count += pairs8(pass->sweep->ranks, near, row.particle, row.particles[i], sink->lower + sink->count,
-                          sink->higher + sink->count);
   }
+}
+
+CT_INLINE void compareCandidates(const Pass* pass, int leaf, const Own* own, int first) {
+  Under under = underLimits16(pass->nearSquared, pass->sureSquared);
+  for (int i = first; i < first + CANDIDATES_AT_ONCE; i++) {
+    compareCandidate(own, i, &under);
+  }
+  if (someBetween16(&under)) {
+    settleDoubts(pass, leaf, first);
+  }
+}
+
+static bool hasRoom(PairSink* sink) {
+  return sink->capacity - sink->count >= PAIRS_AT_ONCE || sink->makeRoom(sink);
 }
 
 /* Has fetched what will be written soon: long lists are seldom in the caches. Past their end that does no harm. */
 CT_INLINE void fetchAhead(const int* list) {
-  for (int i = 256; i < 256 + 64; i += 16) {
+  for (int i = 512; i < 512 + 64; i += 16) {
     __builtin_prefetch(list + i, 1);
   }
 }
 
-/* Adds the neighbours of the slots of a leaf whose candidates have been gathered; `rises` is theirs. False ends
- * the sweep. */
-CT_INLINE bool addNeighbors(const Pass* pass, int leaf, bool rises) {
-  const Candidates candidates = pass->sweep->candidates;
+/* Candidate after candidate. False ends the sweep. */
+CT_INLINE bool addAsTheyCome(const Pass* pass, int leaf, bool rises) {
   const Ranks* ranks = pass->sweep->ranks;
   PairSink* sink = pass->task->sink;
-  for (int k = 0; k < TREE_WIDTH; k++) {
-    for (int w = 0; w * CANDIDATE_WORD < candidates.count; w++) {
-      uint64_t left = candidates.word[w].near[k];
-      if (left == 0) {
-        continue;
-      }
-      if (sink->capacity - sink->count < PAIRS_AT_ONCE && !sink->makeRoom(sink)) {
-        return false;
-      }
-      pass->task->particleTests += __builtin_popcountll(left) * OCTET_WIDTH;
-      const Row row = rowOfSlot(pass, leaf, k, w);
-      int* lower = sink->lower + sink->count;
-      int* higher = sink->higher + sink->count;
-      fetchAhead(lower);
-      fetchAhead(higher);
-      Under under = underLimits8(pass->nearSquared, pass->sureSquared);
-      size_t count = 0;
-      for (; left != 0; left &= left - 1) {
-        const unsigned i = (unsigned)__builtin_ctzll(left);
-        const unsigned near = under8(&under, squaredFromOctet(&row, i)) & row.allowed[i];
-        count += rises ? closeRanks8(ranks, near, row.particles[i], higher + count)
-                       : pairs8(ranks, near, row.particle, row.particles[i], lower + count, higher + count);
-      }
-      if (someBetween8(&under)) {
-        addDoubtful(pass, leaf, k, w);
-        continue;
-      }
-      sink->count += count;
-      /* So many at a time that once is mostly enough: how many there are is hard to foresee. */
-      for (size_t n = 0; n < count && rises; n += LOWER_AT_ONCE) {
-        for (size_t j = n; j < n + LOWER_AT_ONCE; j++) {
-          lower[j] = row.particle;
-        }
-      }
+  const Own own = ownOf(pass, leaf);
+  compareCandidates(pass, leaf, &own, 0);
+  for (int first = 0; first < own.candidates.count; first += CANDIDATES_AT_ONCE) {
+    if (!hasRoom(sink)) {
+      return false;
+    }
+    int* lower = sink->lower + sink->count;
+    int* higher = sink->higher + sink->count;
+    fetchAhead(lower);
+    fetchAhead(higher);
+    /* The next are compared meanwhile: the sooner it is known where pairs go, the less a processor waits. */
+    const int next = first + CANDIDATES_AT_ONCE;
+    Under under = underLimits16(pass->nearSquared, pass->sureSquared);
+    size_t count = 0;
+    for (int i = 0; i < CANDIDATES_AT_ONCE; i++) {
+      const unsigned pairs = own.candidates.pairs[first + i];
+      const int particle = own.candidates.particle[first + i];
+      compareCandidate(&own, next + i, &under);
+      count += rises ? pairsBelow16(ranks, pairs, own.ids, particle, lower + count, higher + count)
+                     : pairs16(ranks, pairs, own.ids, particle, lower + count, higher + count);
+    }
+    sink->count += count;
+    if (someBetween16(&under)) {
+      settleDoubts(pass, leaf, next);
     }
   }
   return true;
 }
 
-static bool addNeighborsOfLeaf(const Pass* pass, int leaf) {
-  return pass->sweep->candidates.rises ? addNeighbors(pass, leaf, true) : addNeighbors(pass, leaf, false);
+/* Slot after slot of a leaf whose candidates rise above it, so that pairs ascend. False ends the sweep. */
+static bool addRows(const Pass* pass, int leaf) {
+  const Sweep* sweep = pass->sweep;
+  const Candidates candidates = sweep->candidates;
+  PairSink* sink = pass->task->sink;
+  const Own own = ownOf(pass, leaf);
+  for (int i = 0; i < candidates.count; i += CANDIDATES_AT_ONCE) {
+    compareCandidates(pass, leaf, &own, i);
+  }
+  for (int i = 0; i < candidates.count; i += TREE_WIDTH) {
+    uint16_t pairs[TREE_WIDTH];
+    memcpy(pairs, candidates.pairs + i, sizeof pairs);
+    transposeBits(pairs, candidates.pairs + i);
+  }
+  for (int k = 0; k < TREE_WIDTH; k++) {
+    const int particle = sweep->sequence->slotParticle[leaf * TREE_WIDTH + k];
+    for (int i = 0; i < candidates.count; i += PAIRS_AT_ONCE) {
+      if (!hasRoom(sink)) {
+        return false;
+      }
+      const int end = candidates.count - i < PAIRS_AT_ONCE ? candidates.count : i + PAIRS_AT_ONCE;
+      int* lower = sink->lower + sink->count;
+      int* higher = sink->higher + sink->count;
+      size_t count = 0;
+      fetchAhead(lower);
+      fetchAhead(higher);
+      for (int j = i; j < end; j += TREE_WIDTH) {
+        count += closeRanks16(sweep->ranks, candidates.pairs[j + k], loadIds(candidates.particle + j), higher + count);
+      }
+      /* So many at a time that once is mostly enough: how many there are is hard to foresee. */
+      for (size_t n = 0; n < count; n += LOWER_AT_ONCE) {
+        for (size_t j = n; j < n + LOWER_AT_ONCE; j++) {
+          lower[j] = particle;
+        }
+      }
+      sink->count += count;
+    }
+  }
+  return true;
 }
 
-/* Leaf after leaf, each with itself and those behind it: rows of pairs that ascend if particles and slots do. */
+/* Adds pairs of a leaf with the first leaves of the list. False ends the sweep. */
+static bool addNeighbors(const Pass* pass, int leaf, const Extent* box, int leafCount) {
+  const Candidates* candidates = &pass->sweep->candidates;
+  bool goesOn = true;
+  for (int first = 0; first < leafCount && goesOn; first += LEAVES_AT_ONCE) {
+    gatherCandidates(pass, leaf, box, first, leafCount - first < LEAVES_AT_ONCE ? leafCount : first + LEAVES_AT_ONCE);
+    if (!candidates->rises) {
+      goesOn = addAsTheyCome(pass, leaf, false);
+    } else {
+      goesOn = pass->task->sink->ascending ? addRows(pass, leaf) : addAsTheyCome(pass, leaf, true);
+    }
+  }
+  return goesOn;
+}
+
+/* Leaf after leaf, each with itself and those behind it. */
 static void addAllNeighbors(const Pass* pass) {
   const Sweep* sweep = pass->sweep;
   const Tree* layout = sweep->layout;
   const int top = treeTop(layout);
   if (top == 0) {
-    gatherCandidates(pass, 0, 0);
-    addNeighborsOfLeaf(pass, 0);
+    const Extent everywhere = {{-INFINITY, -INFINITY, -INFINITY}, {INFINITY, INFINITY, INFINITY}, INFINITY};
+    sweep->candidates.leaves[0] = 0;
+    addNeighbors(pass, 0, &everywhere, 1);
     return;
   }
   for (int node = layout->levelBegin[1]; node < layout->levelBegin[1] + layout->levelSize[1]; node++) {
@@ -270,8 +286,8 @@ static void addAllNeighbors(const Pass* pass) {
     int members;
     const int first = treeChildren(layout, 1, node, &members);
     for (int k = 0; k < members; k++) {
-      gatherCandidates(pass, first + k, listNear(pass, node, k, nodeCount));
-      if (!addNeighborsOfLeaf(pass, first + k)) {
+      const Extent box = memberOf(snapshotExtents(&sweep->snapshot, layout, node), k);
+      if (!addNeighbors(pass, first + k, &box, listNear(pass, node, k, nodeCount))) {
         return;
       }
     }

@@ -44,6 +44,19 @@ CT_INLINE Slots slotsOf(const Block* leaf) {
   return (Slots){{load16(leaf->x), load16(leaf->y), load16(leaf->z)}, load16(leaf->r)};
 }
 
+/* A box along the world's axes. */
+typedef struct Extent {
+  float low[3];
+  float high[3];
+  float r; /* as in Extents */
+} Extent;
+
+static inline Extent memberOf(const Extents* extents, int k) {
+  return (Extent){{extents->low[0][k], extents->low[1][k], extents->low[2][k]},
+                  {extents->high[0][k], extents->high[1][k], extents->high[2][k]},
+                  extents->r[k]};
+}
+
 /* Of slots those that come near a box; bits. */
 CT_FOR_BOTH unsigned slotsNear(const Pass* pass, const Slots* slots, const Extent* box, bool surfaces) {
   Float16 squared = all16(0);

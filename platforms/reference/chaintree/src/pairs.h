@@ -7,47 +7,164 @@
 #include "ranks.h"
 #include "simd.h"
 
-/* closeRanks8: writes those of eight ids whose bit is set. pairs8: the pairs of `id` with them. All return how many,
- * and write something up to the eighth place. */
-#if defined(CT_PATH_AVX512) || defined(CT_PATH_AVX2)
+/* Sixteen ids; closeRanks16 writes those whose bit is set, closeNumbers16 first + k for each bit k. pairs16 writes the
+ * pairs of `id` with them, the lower first; pairsBelow16 takes them to be below it. All return how many they are, and
+ * write something up to the sixteenth place. */
+#if defined(CT_PATH_AVX512)
+
+typedef __m512i Ids16;
+
+static inline Ids16 loadIds(const int* ids) {
+  return _mm512_loadu_si512(ids);
+}
+
+CT_INLINE size_t closeRanks16(const Ranks* ranks, unsigned mask, Ids16 ids, int* to) {
+  (void)ranks;
+  _mm512_storeu_si512(to, _mm512_maskz_compress_epi32((__mmask16)mask, ids));
+  return (size_t)__builtin_popcount(mask);
+}
+
+CT_INLINE size_t closeNumbers16(const Ranks* ranks, unsigned mask, int first, int* to) {
+  const __m512i lanes = _mm512_setr_epi32(0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15);
+  return closeRanks16(ranks, mask, _mm512_add_epi32(lanes, _mm512_set1_epi32(first)), to);
+}
+
+CT_INLINE size_t pairsBelow16(const Ranks* ranks, unsigned mask, Ids16 ids, int id, int* lower, int* higher) {
+  _mm512_storeu_si512(higher, _mm512_set1_epi32(id));
+  return closeRanks16(ranks, mask, ids, lower);
+}
+
+CT_INLINE size_t pairs16(const Ranks* ranks, unsigned mask, Ids16 ids, int id, int* lower, int* higher) {
+  const __m512i all = _mm512_set1_epi32(id);
+  closeRanks16(ranks, mask, _mm512_max_epi32(ids, all), higher);
+  return closeRanks16(ranks, mask, _mm512_min_epi32(ids, all), lower);
+}
+
+#elif defined(CT_PATH_AVX2)
+
+typedef struct Ids16 {
+  __m256i low;
+  __m256i high;
+} Ids16;
+
+static inline Ids16 loadIds(const int* ids) {
+  return (Ids16){_mm256_loadu_si256((const __m256i*)ids), _mm256_loadu_si256((const __m256i*)(ids + 8))};
+}
 
 static inline __m256i bits8(const Ranks* ranks, unsigned byte) {
   return _mm256_cvtepu8_epi32(_mm_loadl_epi64((const __m128i*)ranks->bit[byte]));
 }
 
-static inline __m256i closed8(const Ranks* ranks, unsigned mask, const int* ids) {
-  return _mm256_permutevar8x32_epi32(_mm256_loadu_si256((const __m256i*)ids), bits8(ranks, mask));
-}
-
-static inline size_t closeRanks8(const Ranks* ranks, unsigned mask, const int* ids, int* to) {
-  _mm256_storeu_si256((__m256i*)to, closed8(ranks, mask, ids));
+CT_INLINE size_t closeRanks16(const Ranks* ranks, unsigned mask, Ids16 ids, int* to) {
+  const __m256i low = _mm256_permutevar8x32_epi32(ids.low, bits8(ranks, mask & 255));
+  const __m256i high = _mm256_permutevar8x32_epi32(ids.high, bits8(ranks, mask >> 8));
+  _mm256_storeu_si256((__m256i*)to, low);
+  _mm256_storeu_si256((__m256i*)(to + __builtin_popcount(mask & 255)), high);
   return (size_t)__builtin_popcount(mask);
 }
 
-static inline size_t pairs8(const Ranks* ranks, unsigned mask, int id, const int* others, int* lower, int* higher) {
-  const __m256i chosen = closed8(ranks, mask, others);
-  const __m256i own = _mm256_set1_epi32(id);
-  _mm256_storeu_si256((__m256i*)lower, _mm256_min_epi32(chosen, own));
-  _mm256_storeu_si256((__m256i*)higher, _mm256_max_epi32(chosen, own));
+CT_INLINE size_t closeNumbers16(const Ranks* ranks, unsigned mask, int first, int* to) {
+  const __m256i low = _mm256_add_epi32(bits8(ranks, mask & 255), _mm256_set1_epi32(first));
+  const __m256i high = _mm256_add_epi32(bits8(ranks, mask >> 8), _mm256_set1_epi32(first + 8));
+  _mm256_storeu_si256((__m256i*)to, low);
+  _mm256_storeu_si256((__m256i*)(to + __builtin_popcount(mask & 255)), high);
   return (size_t)__builtin_popcount(mask);
+}
+
+CT_INLINE size_t pairsBelow16(const Ranks* ranks, unsigned mask, Ids16 ids, int id, int* lower, int* higher) {
+  const __m256i all = _mm256_set1_epi32(id);
+  _mm256_storeu_si256((__m256i*)higher, all);
+  _mm256_storeu_si256((__m256i*)(higher + 8), all);
+  return closeRanks16(ranks, mask, ids, lower);
+}
+
+CT_INLINE size_t pairs16(const Ranks* ranks, unsigned mask, Ids16 ids, int id, int* lower, int* higher) {
+  const __m256i all = _mm256_set1_epi32(id);
+  closeRanks16(ranks, mask, (Ids16){_mm256_max_epi32(ids.low, all), _mm256_max_epi32(ids.high, all)}, higher);
+  return closeRanks16(ranks, mask, (Ids16){_mm256_min_epi32(ids.low, all), _mm256_min_epi32(ids.high, all)}, lower);
 }
 
 #else
 
-static inline size_t closeRanks8(const Ranks* ranks, unsigned mask, const int* ids, int* to) {
-  for (int k = 0; k < 8; k++) {
-    to[k] = ids[ranks->bit[mask][k]];
-  }
-  return ranks->count[mask];
+typedef const int* Ids16;
+
+static inline Ids16 loadIds(const int* ids) {
+  return ids;
 }
 
-static inline size_t pairs8(const Ranks* ranks, unsigned mask, int id, const int* others, int* lower, int* higher) {
+/* Where the second eight of sixteen go. */
+static inline int* behindFirst8(const Ranks* ranks, unsigned mask, int* to) {
+  return to + ranks->count[mask & 255];
+}
+
+static inline size_t bitCount16(const Ranks* ranks, unsigned mask) {
+  return (size_t)ranks->count[mask & 255] + ranks->count[mask >> 8];
+}
+
+static inline size_t closeRanks16(const Ranks* ranks, unsigned mask, Ids16 ids, int* to) {
+  int* next = behindFirst8(ranks, mask, to);
   for (int k = 0; k < 8; k++) {
-    const int other = others[ranks->bit[mask][k]];
+    to[k] = ids[ranks->bit[mask & 255][k]];
+  }
+  for (int k = 0; k < 8; k++) {
+    next[k] = ids[8 + ranks->bit[mask >> 8][k]];
+  }
+  return bitCount16(ranks, mask);
+}
+
+static inline size_t closeNumbers16(const Ranks* ranks, unsigned mask, int first, int* to) {
+  int* next = behindFirst8(ranks, mask, to);
+  for (int k = 0; k < 8; k++) {
+    to[k] = first + ranks->bit[mask & 255][k];
+  }
+  for (int k = 0; k < 8; k++) {
+    next[k] = first + 8 + ranks->bit[mask >> 8][k];
+  }
+  return bitCount16(ranks, mask);
+}
+
+static inline size_t pairsBelow16(const Ranks* ranks, unsigned mask, Ids16 ids, int id, int* lower, int* higher) {
+  for (int k = 0; k < 16; k++) {
+    higher[k] = id;
+  }
+  return closeRanks16(ranks, mask, ids, lower);
+}
+
+static inline size_t pairs16(const Ranks* ranks, unsigned mask, Ids16 ids, int id, int* lower, int* higher) {
+  const size_t count = closeRanks16(ranks, mask, ids, lower);
+  for (int k = 0; k < 16; k++) {
+    const int other = lower[k];
     lower[k] = other < id ? other : id;
     higher[k] = other < id ? id : other;
   }
-  return ranks->count[mask];
+  return count;
+}
+
+#endif
+
+/* Four points about an origin, rounded. Reads one number beyond each point. */
+#if defined(CT_PATH_AVX512) || defined(CT_PATH_AVX2)
+
+static inline void floats4(const double* const points[4], const double origin[3], float* x, float* y, float* z) {
+  const __m256d about = _mm256_setr_pd(origin[0], origin[1], origin[2], 0);
+  __m128 rows[4];
+  for (int i = 0; i < 4; i++) {
+    rows[i] = _mm256_cvtpd_ps(_mm256_sub_pd(_mm256_loadu_pd(points[i]), about));
+  }
+  _MM_TRANSPOSE4_PS(rows[0], rows[1], rows[2], rows[3]);
+  _mm_storeu_ps(x, rows[0]);
+  _mm_storeu_ps(y, rows[1]);
+  _mm_storeu_ps(z, rows[2]);
+}
+
+#else
+
+static inline void floats4(const double* const points[4], const double origin[3], float* x, float* y, float* z) {
+  for (int i = 0; i < 4; i++) {
+    x[i] = (float)(points[i][0] - origin[0]);
+    y[i] = (float)(points[i][1] - origin[1]);
+    z[i] = (float)(points[i][2] - origin[2]);
+  }
 }
 
 #endif

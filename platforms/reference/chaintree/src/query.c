@@ -184,7 +184,7 @@ ctStatus ctForEachNeighborPair(ctChainTree* tree, double cutoff, ctPairFunction*
   neighbors.cutoff = cutoff;
   neighbors.caller = (Caller){function, context};
   neighbors.goesOn = true;
-  PairSink sink = {neighbors.lower, neighbors.higher, 0, NEIGHBORS_AT_ONCE, tellNeighbors, &neighbors};
+  PairSink sink = {neighbors.lower, neighbors.higher, 0, NEIGHBORS_AT_ONCE, false, tellNeighbors, &neighbors};
   const ctStatus status = sweepNeighbors(tree, cutoff, &sink, counts);
   if (neighbors.goesOn) {
     tellNeighbors(&sink);
@@ -225,7 +225,7 @@ ctStatus ctGetNeighborPairs(ctChainTree* tree, double cutoff, bool sorted, size_
   arrays.higher = particles2;
   arrays.capacity = capacity;
   arrays.count = 0;
-  PairSink sink = {particles1, particles2, 0, capacity, moveNeighbors, &arrays};
+  PairSink sink = {particles1, particles2, 0, capacity, sorted, moveNeighbors, &arrays};
   const ctStatus status = sweepNeighbors(tree, cutoff, &sink, counts);
   if (status != ctSuccess) {
     return status;

@@ -340,98 +340,59 @@ static inline int indices16(unsigned mask, int first, int* indices) {
 
 #endif
 
-/* ---- Eight floats ---- */
-
-#if defined(CT_PATH_AVX512) || defined(CT_PATH_AVX2)
-
-typedef __m256 Float8;
-
-static inline Float8 load8(const float* p) {
-  return _mm256_loadu_ps(p);
-}
-
-static inline Float8 all8(float a) {
-  return _mm256_set1_ps(a);
-}
-
-static inline Float8 add8(Float8 a, Float8 b) {
-  return _mm256_add_ps(a, b);
-}
-
-static inline Float8 sub8(Float8 a, Float8 b) {
-  return _mm256_sub_ps(a, b);
-}
-
-static inline Float8 mul8(Float8 a, Float8 b) {
-  return _mm256_mul_ps(a, b);
-}
-
-/* Bit k: a[k] > b[k]. */
-static inline unsigned greater8(Float8 a, Float8 b) {
-  return (unsigned)_mm256_movemask_ps(_mm256_cmp_ps(a, b, _CMP_GT_OQ));
-}
+/* ---- Limits ---- */
 
 /* Tells which numbers are under a limit, and whether some of those have not been under a lower one. */
+#if defined(CT_PATH_AVX512)
+
 typedef struct Under {
-  __m256 limit;
-  __m256i least; /* numbers minus the limit, as integers: those of negative floats fall as the floats rise */
-  __m256i doubt; /* the lower limit minus the limit */
+  __m512 limit;
+  __m512i least; /* numbers minus the limit, as integers: those of negative floats fall as the floats rise */
+  __m512i doubt; /* the lower limit minus the limit */
 } Under;
 
-static inline Under underLimits8(float limit, float lower) {
+static inline Under underLimits16(float limit, float lower) {
+  const __m512 limits = _mm512_set1_ps(limit);
+  return (Under){limits, _mm512_setzero_si512(), _mm512_castps_si512(_mm512_sub_ps(_mm512_set1_ps(lower), limits))};
+}
+
+/* Bit k: a[k] is under the limit. */
+static inline unsigned under16(Under* under, Float16 a) {
+  under->least = _mm512_min_epi32(under->least, _mm512_castps_si512(_mm512_sub_ps(a, under->limit)));
+  return _mm512_cmp_ps_mask(a, under->limit, _CMP_LT_OQ);
+}
+
+/* May be true though all have been under the lower limit. */
+static inline bool someBetween16(const Under* under) {
+  return _mm512_cmple_epi32_mask(under->least, under->doubt) != 0;
+}
+
+#elif defined(CT_PATH_AVX2)
+
+typedef struct Under {
+  __m256 limit;
+  __m256i least;
+  __m256i doubt;
+} Under;
+
+static inline Under underLimits16(float limit, float lower) {
   const __m256 limits = _mm256_set1_ps(limit);
   return (Under){limits, _mm256_setzero_si256(), _mm256_castps_si256(_mm256_sub_ps(_mm256_set1_ps(lower), limits))};
 }
 
-/* Bit k: a[k] is under the limit. */
-static inline unsigned under8(Under* under, Float8 a) {
-  const __m256 above = _mm256_sub_ps(a, under->limit);
-  under->least = _mm256_min_epi32(under->least, _mm256_castps_si256(above));
-  return (unsigned)_mm256_movemask_ps(above);
+static inline unsigned under16(Under* under, Float16 a) {
+  const __m256 low = _mm256_sub_ps(a.low, under->limit);
+  const __m256 high = _mm256_sub_ps(a.high, under->limit);
+  const __m256i least = _mm256_min_epi32(_mm256_castps_si256(low), _mm256_castps_si256(high));
+  under->least = _mm256_min_epi32(under->least, least);
+  return (unsigned)_mm256_movemask_ps(low) | (unsigned)_mm256_movemask_ps(high) << 8;
 }
 
-/* May be true though all have been under the lower limit. */
-static inline bool someBetween8(const Under* under) {
+static inline bool someBetween16(const Under* under) {
   return _mm256_movemask_epi8(_mm256_cmpgt_epi32(under->least, under->doubt)) != -1;
 }
 
 #else
-
-typedef struct Float8 {
-  Float4 low;
-  Float4 high;
-} Float8;
-
-static inline Float4 load4(const float* p) {
-  Float4 a;
-  __builtin_memcpy(&a, p, sizeof a);
-  return a;
-}
-
-static inline Float8 load8(const float* p) {
-  return (Float8){load4(p), load4(p + 4)};
-}
-
-static inline Float8 all8(float a) {
-  const Float4 all = {a, a, a, a};
-  return (Float8){all, all};
-}
-
-static inline Float8 add8(Float8 a, Float8 b) {
-  return (Float8){a.low + b.low, a.high + b.high};
-}
-
-static inline Float8 sub8(Float8 a, Float8 b) {
-  return (Float8){a.low - b.low, a.high - b.high};
-}
-
-static inline Float8 mul8(Float8 a, Float8 b) {
-  return (Float8){a.low * b.low, a.high * b.high};
-}
-
-static inline unsigned greater8(Float8 a, Float8 b) {
-  return bits4(a.low > b.low) | bits4(a.high > b.high) << 4;
-}
 
 typedef struct Under {
   Float4 limit;
@@ -439,21 +400,23 @@ typedef struct Under {
   float doubt;
 } Under;
 
-static inline Under underLimits8(float limit, float lower) {
+static inline Under underLimits16(float limit, float lower) {
   const Float4 none = {INFINITY, INFINITY, INFINITY, INFINITY};
   return (Under){{limit, limit, limit, limit}, none, limit - lower};
 }
 
-static inline unsigned under8(Under* under, Float8 a) {
+static inline unsigned under16(Under* under, Float16 a) {
   const Int4 magnitude = {0x7fffffff, 0x7fffffff, 0x7fffffff, 0x7fffffff};
-  const Float4 low = a.low - under->limit;
-  const Float4 high = a.high - under->limit;
-  under->least = min4((Float4)((Int4)low & magnitude), under->least);
-  under->least = min4((Float4)((Int4)high & magnitude), under->least);
-  return bits4((Int4)low) | bits4((Int4)high) << 4;
+  unsigned mask = 0;
+  for (int i = 0; i < 4; i++) {
+    const Float4 above = a.q[i] - under->limit;
+    under->least = min4((Float4)((Int4)above & magnitude), under->least); /* in this order: no number changes nothing */
+    mask |= bits4((Int4)above) << 4 * i;
+  }
+  return mask;
 }
 
-static inline bool someBetween8(const Under* under) {
+static inline bool someBetween16(const Under* under) {
   const Float4 doubts = {under->doubt, under->doubt, under->doubt, under->doubt};
   return bits4(under->least <= doubts) != 0;
 }
@@ -461,10 +424,6 @@ static inline bool someBetween8(const Under* under) {
 #endif
 
 /* x * x + y * y + z * z */
-static inline Float8 squared8(Float8 x, Float8 y, Float8 z) {
-  return add8(add8(mul8(x, x), mul8(y, y)), mul8(z, z));
-}
-
 static inline Float16 squared16(Float16 x, Float16 y, Float16 z) {
   return add16(add16(mul16(x, x), mul16(y, y)), mul16(z, z));
 }

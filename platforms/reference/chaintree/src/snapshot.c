@@ -16,17 +16,13 @@ bool ctSnapshotBuild(Snapshot* snapshot, Arena* arena, const Sequence* sequence,
   const size_t leaves = (size_t)layout->levelBegin[1];
   const size_t nodes = (size_t)layout->itemCount - leaves;
   snapshot->leaf = ctArenaAllocate(arena, leaves, sizeof(Block));
-  snapshot->octet = ctArenaAllocate(arena, leaves * TREE_WIDTH / OCTET_WIDTH, sizeof(Extent));
   snapshot->extents = ctArenaAllocate(arena, nodes, sizeof(Extents));
   if (arena->failed) {
     return false;
   }
   for (int slot = 0; slot < layout->levelBegin[1] * TREE_WIDTH; slot++) {
     const bool empty = slot >= layout->slotCount || sequence->slotParticle[slot] == CT_NULL;
-    const float r = empty ? -INFINITY : (float)slotRadius(sequence, slot);
-    Extent* box = &snapshot->octet[slot / OCTET_WIDTH];
-    snapshot->leaf[slot / TREE_WIDTH].r[slot % TREE_WIDTH] = r;
-    box->r = slot % OCTET_WIDTH == 0 || box->r < r ? r : box->r;
+    snapshot->leaf[slot / TREE_WIDTH].r[slot % TREE_WIDTH] = empty ? -INFINITY : (float)slotRadius(sequence, slot);
   }
   for (size_t node = 0; node < nodes; node++) {
     clearExtents(&snapshot->extents[node]);

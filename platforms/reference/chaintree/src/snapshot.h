@@ -13,19 +13,8 @@ typedef struct Extents {
   float r[TREE_WIDTH]; /* no particle has a larger radius; -INFINITY: there are none */
 } Extents;
 
-/* Half a leaf: what is compared with one slot at a time. */
-enum { OCTET_WIDTH = 8, OCTETS = TREE_WIDTH / OCTET_WIDTH };
-
-/* A box along the world's axes. */
-typedef struct Extent {
-  float low[3];
-  float high[3];
-  float r; /* as in Extents */
-} Extent;
-
 typedef struct Snapshot {
   Block* leaf;            /* per leaf: floats from `origin`, INFINITY where a slot is empty; and radii */
-  Extent* octet;          /* two per leaf */
   Extents* extents;       /* per item of a higher level, from levelBegin[1] on */
   const double* position; /* per particle that has a slot, where it is exactly: the reference, or `moved` */
   double origin[3];

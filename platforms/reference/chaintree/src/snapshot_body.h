@@ -1,33 +1,32 @@
 /* Floats and bounds of snapshots, compiled once for each instruction set by the file that includes this. */
-#include <string.h>
-
 #include "instructions.h"
+#include "pairs.h"
 #include "volume.h"
 
-/* Floats of an octet's particles, and the box around them. */
-static void fillOctet(const Snapshot* snapshot, const int* particle, int size, float* x, Extent* box) {
-  float low[3] = {INFINITY, INFINITY, INFINITY};
-  float high[3] = {-INFINITY, -INFINITY, -INFINITY};
-  for (int k = 0; k < OCTET_WIDTH; k++) {
-    const bool empty = k >= size || particle[k] == CT_NULL;
-    const double* position = snapshotPosition(snapshot, empty ? 0 : particle[k]);
-    for (int d = 0; d < 3; d++) {
-      const float place = (float)(position[d] - snapshot->origin[d]);
-      x[d * TREE_WIDTH + k] = empty ? INFINITY : place;
-      low[d] = empty || low[d] < place ? low[d] : place;
-      high[d] = empty || high[d] > place ? high[d] : place;
+/* Floats of a leaf's particles; an empty slot takes those of any and is put far away. */
+static void fillLeaf(const Snapshot* snapshot, const int* particle, Block* leaf) {
+  const unsigned empty = greater16(all16(0), load16(leaf->r));
+  float* axes[3] = {leaf->x, leaf->y, leaf->z};
+  for (int k = 0; k < TREE_WIDTH; k += 4) {
+    const double* points[4];
+    for (int l = 0; l < 4; l++) {
+      points[l] = snapshotPosition(snapshot, (empty >> (k + l) & 1) != 0 ? 0 : particle[k + l]);
     }
+    floats4(points, snapshot->origin, leaf->x + k, leaf->y + k, leaf->z + k);
   }
-  memcpy(box->low, low, sizeof low);
-  memcpy(box->high, high, sizeof high);
+  for (int d = 0; d < 3 && empty != 0; d++) {
+    store16(axes[d], blend16(empty, load16(axes[d]), all16(INFINITY)));
+  }
 }
 
-static void boundLeaf(const Extent* octets, Extents* around, int k) {
+static void boundLeaf(const Block* leaf, Extents* around, int k) {
+  const unsigned empty = greater16(all16(0), load16(leaf->r));
+  const float* axes[3] = {leaf->x, leaf->y, leaf->z};
   for (int d = 0; d < 3; d++) {
-    around->low[d][k] = octets[octets[1].low[d] < octets[0].low[d]].low[d];
-    around->high[d][k] = octets[octets[1].high[d] > octets[0].high[d]].high[d];
+    around->low[d][k] = least16(load16(axes[d]));
+    around->high[d][k] = most16(blend16(empty, load16(axes[d]), all16(-INFINITY)));
   }
-  around->r[k] = octets[octets[1].r > octets[0].r].r;
+  around->r[k] = most16(load16(leaf->r));
 }
 
 static void boundNode(const Extents* members, Extents* around, int k) {
@@ -55,13 +54,9 @@ static void boundSnapshot(Snapshot* snapshot, const Sequence* sequence, const Tr
       const bool isRoot = level == treeTop(layout);
       Extents* around = isRoot ? &root : snapshotExtents(snapshot, layout, treeParent(layout, level, item));
       if (level == 0) {
-        Extent* octets = &snapshot->octet[OCTETS * item];
-        for (int c = 0; c < OCTETS; c++) {
-          const int slot = item * TREE_WIDTH + c * OCTET_WIDTH;
-          fillOctet(snapshot, sequence->slotParticle + slot, layout->slotCount - slot,
-                    snapshot->leaf[item].x + c * OCTET_WIDTH, &octets[c]);
-        }
-        boundLeaf(octets, around, i % TREE_WIDTH);
+        Block* leaf = &snapshot->leaf[item];
+        fillLeaf(snapshot, sequence->slotParticle + item * TREE_WIDTH, leaf);
+        boundLeaf(leaf, around, i % TREE_WIDTH);
       } else {
         boundNode(snapshotExtents(snapshot, layout, item), around, i % TREE_WIDTH);
       }

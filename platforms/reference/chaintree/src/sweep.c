@@ -27,17 +27,14 @@ static void fillRanks(Ranks* ranks) {
 
 static void findParticles(Sweep* sweep) {
   const int* particle = sweep->sequence->slotParticle;
-  for (int slot = 0; slot < sweep->layout->levelBegin[1] * TREE_WIDTH; slot++) {
-    const bool isEmpty = slot >= sweep->layout->slotCount || particle[slot] == CT_NULL;
-    int* lowest = &sweep->lowest[slot / OCTET_WIDTH];
+  for (int slot = 0; slot < sweep->layout->slotCount; slot++) {
+    int* lowest = &sweep->lowest[slot / TREE_WIDTH];
     int* highest = &sweep->highest[slot / TREE_WIDTH];
-    if (slot % OCTET_WIDTH == 0) {
-      *lowest = INT_MAX;
-    }
     if (slot % TREE_WIDTH == 0) {
+      *lowest = INT_MAX;
       *highest = -1;
     }
-    if (!isEmpty) {
+    if (particle[slot] != CT_NULL) {
       *lowest = particle[slot] < *lowest ? particle[slot] : *lowest;
       *highest = particle[slot] > *highest ? particle[slot] : INT_MAX;
     }
@@ -51,21 +48,19 @@ bool ctSweepReserve(Sweep* sweep) {
   Arena* arena = &sweep->arena;
   Candidates* candidates = &sweep->candidates;
   const size_t leaves = (size_t)sweep->layout->levelBegin[1];
-  const size_t octets = leaves * TREE_WIDTH / OCTET_WIDTH;
+  const size_t slots = (leaves < LEAVES_AT_ONCE ? leaves : LEAVES_AT_ONCE) * TREE_WIDTH;
   /* What a visit leaves for later: all children of one node with all of another. */
   const size_t visits = (size_t)TREE_MAX_LEVELS * TREE_WIDTH * TREE_WIDTH;
   SweepVisit* stack = ctArenaAllocate(arena, visits, sizeof(SweepVisit));
   sweep->nodes = ctArenaAllocate(arena, (size_t)sweep->layout->levelSize[1], sizeof *sweep->nodes);
   sweep->ranks = ctArenaAllocate(arena, 1, sizeof(Ranks));
-  sweep->lowest = ctArenaAllocate(arena, octets, sizeof *sweep->lowest);
+  sweep->lowest = ctArenaAllocate(arena, leaves, sizeof *sweep->lowest);
   sweep->highest = ctArenaAllocate(arena, leaves, sizeof *sweep->highest);
-  candidates->leaves =
-      ctArenaAllocate(arena, leaves + TREE_WIDTH, sizeof *candidates->leaves); /* written sixteen at a time */
-  candidates->slot = ctArenaAllocate(arena, octets, sizeof *candidates->slot);
-  candidates->x = ctArenaAllocate(arena, octets, sizeof *candidates->x);
-  candidates->particle = ctArenaAllocate(arena, octets, sizeof *candidates->particle);
-  candidates->near = ctArenaAllocate(arena, octets + TREE_WIDTH, sizeof *candidates->near);
-  candidates->word = ctArenaAllocate(arena, octets / CANDIDATE_WORD + 1, sizeof *candidates->word);
+  /* Written sixteen at a time. */
+  candidates->leaves = ctArenaAllocate(arena, leaves + TREE_WIDTH, sizeof *candidates->leaves);
+  candidates->place = ctArenaAllocate(arena, slots + TREE_WIDTH, sizeof *candidates->place);
+  candidates->particle = ctArenaAllocate(arena, slots + TREE_WIDTH, sizeof *candidates->particle);
+  candidates->pairs = ctArenaAllocate(arena, slots + TREE_WIDTH, sizeof *candidates->pairs);
   if (!ctSnapshotBuild(&sweep->snapshot, arena, sweep->sequence, sweep->layout)) {
     ctArenaFree(arena);
     return false;

@@ -13,25 +13,18 @@ typedef struct SweepVisit {
   int b;
 } SweepVisit;
 
-/* Octets in one word of bits; the most pairs that they make with one slot; and a part of these. */
-enum { CANDIDATE_WORD = 64, PAIRS_AT_ONCE = CANDIDATE_WORD * OCTET_WIDTH, LOWER_AT_ONCE = 64 };
+/* How much of what a sweep for neighbours finds it works on at a time. A leaf that has more leaves near it is not worth
+ * the room. */
+enum { LEAVES_AT_ONCE = 1024, PAIRS_AT_ONCE = 512, CANDIDATES_AT_ONCE = 8, LOWER_AT_ONCE = 64 };
 
-/* For each slot of a leaf, about one word of its candidates. */
-typedef struct CandidateWord {
-  uint64_t near[TREE_WIDTH];                   /* bits: octets that come near the slot */
-  uint8_t allowed[TREE_WIDTH][CANDIDATE_WORD]; /* per octet, bits: what makes a pair with the slot */
-} CandidateWord;
-
-/* The octets that come near a leaf and do not lie before it, ascending. */
+/* The slots that come near a leaf and do not lie before it, ascending, or some of them. */
 typedef struct Candidates {
   int count;
-  bool rises;           /* the lower particle of each pair is the leaf's */
-  int* leaves;          /* of the octets, but for the leaf itself */
-  int* slot;            /* per octet: its first */
-  const float** x;      /* per octet: its part of its leaf's block */
-  const int** particle; /* per octet: those of its slots */
-  uint16_t* near;       /* per octet, bits: slots of the leaf that it comes near */
-  CandidateWord* word;
+  bool rises;      /* the lower particle of each pair is the leaf's */
+  int* leaves;     /* all that come near the leaf and do not lie before it */
+  int* place;      /* per slot: of its x, in floats from that of slot 0 */
+  int* particle;   /* per slot */
+  uint16_t* pairs; /* per slot, bits: slots of the leaf that may make a pair with it; once compared, that do */
 } Candidates;
 
 typedef struct Sweep {
@@ -43,7 +36,7 @@ typedef struct Sweep {
   int64_t since;     /* the tree's time of what the snapshot shows, or NEVER */
   SweepVisit* stack; /* of a sweep for clashes; what follows is for neighbours */
   Ranks* ranks;
-  int* lowest;  /* per octet: no particle is below */
+  int* lowest;  /* per leaf: no particle is below */
   int* highest; /* per leaf: no particle is above, or INT_MAX if they do not ascend */
   int* nodes;   /* of level 1, those that come near one of them */
   Candidates candidates;
@@ -55,6 +48,7 @@ typedef struct PairSink {
   int* higher;
   size_t count;
   size_t capacity;
+  bool ascending; /* pairs are to ascend as far as that is cheap */
   /* Makes room for PAIRS_AT_ONCE more; returns false to end the sweep. */
   bool (*makeRoom)(struct PairSink* sink);
   void* context;

@@ -16,9 +16,7 @@ static unsigned membersNearItem(const Pass* pass, int level, const Extents* memb
 /* The slots of leaf a that come near member k of others; bits. */
 static unsigned slotsNearMember(const Pass* pass, int a, const Extents* others, int k) {
   const Slots slots = slotsOf(&pass->sweep->snapshot.leaf[a]);
-  const Extent extent = {{others->low[0][k], others->low[1][k], others->low[2][k]},
-                         {others->high[0][k], others->high[1][k], others->high[2][k]},
-                         others->r[k]};
+  const Extent extent = memberOf(others, k);
   return slotsNear(pass, &slots, &extent, true);
 }
 

@@ -14,9 +14,11 @@ typedef struct Chain {
   int* parents;
   uint8_t* joints;
   int (*torsions)[4];
+  int exclusionCount;
+  const int (*exclusions)[2]; /* not the chain's to free */
 } Chain;
 
-/* Positions, radii, particles' links and torsions are 0 until they are set. */
+/* Positions, radii, particles' links and torsions are 0, and there are no exclusions, until they are set. */
 static inline Chain allocateChain(int particleCount, int linkCount, ctJointKind rootJoint) {
   const size_t particles = (size_t)particleCount;
   const size_t links = (size_t)linkCount;
@@ -47,7 +49,9 @@ static inline ctChainTree* createChain(const Chain* chain) {
                                    .linkCount = chain->linkCount,
                                    .linkParents = chain->parents,
                                    .linkJoints = chain->joints,
-                                   .linkTorsions = (const int(*)[4])chain->torsions};
+                                   .linkTorsions = (const int(*)[4])chain->torsions,
+                                   .exclusionCount = chain->exclusionCount,
+                                   .exclusions = chain->exclusions};
   ctChainTree* tree = checkedCreate(&definition);
   free(chain->positions);
   free(chain->radii);
