@@ -70,6 +70,20 @@ static inline void acrossUnit(const float u[3], float v[3]) {
   unitOr(x, v);
 }
 
+/* Takes off axis 1 what rounding has left of it along axis 0, and makes axis 2 from them. */
+static inline void squareAxes(float axes[3][3], const float otherwise[3]) {
+  const float* u = axes[0];
+  float* v = axes[1];
+  const float left = v[0] * u[0] + v[1] * u[1] + v[2] * u[2];
+  for (int d = 0; d < 3; d++) {
+    v[d] -= left * u[d];
+  }
+  unitOr(otherwise, v);
+  axes[2][0] = u[1] * v[2] - u[2] * v[1];
+  axes[2][1] = u[2] * v[0] - u[0] * v[2];
+  axes[2][2] = u[0] * v[1] - u[1] * v[0];
+}
+
 /* Axes for a box around spheres: along the line between two far apart, and towards the one farthest from that line. */
 static inline void chooseAxes(const Block* block, Sphere middle, float axes[3][3]) {
   const Float16 dx = sub16(load16(block->x), all16(middle.x));
@@ -105,15 +119,7 @@ static inline void chooseAxes(const Block* block, Sphere middle, float axes[3][3
     v[d] = isLine ? across[d] : lanes[d][far];
   }
   unitOr(across, v);
-  /* What rounding has left along u. */
-  const float left = v[0] * u[0] + v[1] * u[1] + v[2] * u[2];
-  for (int d = 0; d < 3; d++) {
-    v[d] -= left * u[d];
-  }
-  unitOr(across, v);
-  axes[2][0] = u[1] * v[2] - u[2] * v[1];
-  axes[2][1] = u[2] * v[0] - u[0] * v[2];
-  axes[2][2] = u[0] * v[1] - u[1] * v[0];
+  squareAxes(axes, across);
 }
 
 static inline void putBox(BoxBlock* block, int k, const Box* box) {
@@ -141,19 +147,38 @@ static inline Float16 reachAlong(const BoxBlock* boxes, const float u[3]) {
   return reach;
 }
 
-/* A box around spheres; of members that have thin boxes among these, if any, the boxes are taken instead. */
+/* The axes of the longest thin box, but for the rounding of its way here. */
+static inline void axesOfLongest(const BoxBlock* boxes, float axes[3][3]) {
+  const Float16 longest = max16(max16(load16(boxes->half[0]), load16(boxes->half[1])), load16(boxes->half[2]));
+  const int k = largestMember(blend16(boxes->thin, all16(-1), longest));
+  for (int i = 0; i < 2; i++) {
+    for (int d = 0; d < 3; d++) {
+      axes[i][d] = boxes->axis[i][d][k];
+    }
+  }
+  unitOr(axes[0], axes[0]);
+  squareAxes(axes, axes[1]);
+}
+
+/* A box around spheres; of members that have thin boxes among these, if any, the boxes are taken instead. Then it has
+ * the axes of the longest of those: a layer of rows is best looked at along its rows, but its corners are farthest
+ * apart. */
 static inline Box boxAround(const Block* block, const BoxBlock* boxes, const Bound* bound) {
   Box box;
-  const Sphere middle = {bound->x, bound->y, bound->z, 0};
   float axes[3][3];
-  chooseAxes(block, middle, axes);
+  const bool hasThin = boxes != NULL && boxes->thin != 0;
+  if (hasThin) {
+    axesOfLongest(boxes, axes);
+  } else {
+    chooseAxes(block, (Sphere){bound->x, bound->y, bound->z, 0}, axes);
+  }
   float centre[3] = {0, 0, 0};
   float half[4] = {0, 0, 0, 0};
   for (int i = 0; i < 3; i++) {
     const float* u = axes[i];
     Float16 along = along16(load16(block->x), load16(block->y), load16(block->z), u[0], u[1], u[2]);
     Float16 reach = load16(block->r);
-    if (boxes != NULL) {
+    if (hasThin) {
       along = blend16(boxes->thin, along, dot16(u[0], u[1], u[2], boxes->centre));
       reach = blend16(boxes->thin, reach, reachAlong(boxes, u));
     }

@@ -5,8 +5,8 @@
 #include "box.h"
 #include "traverse.h"
 
-/* Bounds of Traversal.visitsWithoutBoxes. */
-enum { FEWEST_VISITS_WITHOUT_BOXES = 1, MOST_VISITS_WITHOUT_BOXES = 1 << 20 };
+/* Traversal.visitsWithoutBoxes is no more than this. */
+enum { MOST_VISITS_WITHOUT_BOXES = 1 << 20 };
 
 /* Slots in a row that move while all else is at rest: up to so many go against that one by one. */
 enum { MOST_MOVERS = 2 * TREE_WIDTH };

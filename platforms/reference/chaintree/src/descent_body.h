@@ -190,10 +190,8 @@ static void descend(Traversal* t, Visit* visit) {
   }
   if (visit->pairsBoxed > 0) {
     const bool pays = 4 * visit->pairsParted > visit->pairsBoxed;
-    const int next = pays ? t->visitsWithoutBoxes / 2 : t->visitsWithoutBoxes * 2;
-    t->visitsWithoutBoxes = next < FEWEST_VISITS_WITHOUT_BOXES ? FEWEST_VISITS_WITHOUT_BOXES
-                            : next > MOST_VISITS_WITHOUT_BOXES ? MOST_VISITS_WITHOUT_BOXES
-                                                               : next;
+    const int next = pays ? t->visitsWithoutBoxes / 2 : 2 * t->visitsWithoutBoxes + 1;
+    t->visitsWithoutBoxes = next < MOST_VISITS_WITHOUT_BOXES ? next : MOST_VISITS_WITHOUT_BOXES;
   }
 }
 

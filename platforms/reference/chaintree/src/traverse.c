@@ -23,7 +23,6 @@ bool ctTraversalBuild(Traversal* t, Arena* arena, const Tree* tree, const Sequen
   t->leafPlaces = leaves < MOST_LEAF_PLACES ? leaves : MOST_LEAF_PLACES;
   const size_t places = (size_t)t->leafPlaces + nodes;
   t->movedPlaces = tree->itemCount < MOST_MOVED_PLACES ? tree->itemCount : MOST_MOVED_PLACES;
-  t->visitsWithoutBoxes = FEWEST_VISITS_WITHOUT_BOXES;
   t->tree = tree;
   t->sequence = sequence;
   t->exclusions = exclusions;
