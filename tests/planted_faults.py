@@ -142,7 +142,7 @@ FAULTS = [
     Fault("undo: a verdict leaves the trial applied", "verdict.c",
           "  applyTrial(tree, false);\n}\n\n/* Looks for a clash", "}\n\n/* Looks for a clash"),
     Fault("undo: back is forward", "trial.c",
-          "after ? &change->after : &change->before", "change->after"),
+          "after ? &change->after : &change->before", "&change->after"),
     Fault("undo: a refused proposal replaces the open trial", "verdict.c",
           "if (twice != CT_NULL) {", "if (twice != CT_NULL) {\n    tree->trial.open = false;"),
     # ---- Clearances ----

@@ -264,7 +264,7 @@ static bool testNear(Clearance* c, Traversal* t, ClearanceTest* test, const Cros
     test->outOfMemory = true;
     return true;
   }
-  /* Only at their ends do pieces share leaves with others. */
+  /* Only at their ends do bodies share leaves with others. */
   const int innerBegin = crossing->beginB + isStraddler(t, crossing->beginB);
   const int innerEnd = crossing->endB - isStraddler(t, crossing->endB - 1);
   const Block* spheres = leafSpheres(t, c->near[0].a / TREE_WIDTH);
