@@ -183,8 +183,8 @@ FAULTS = [
           "(*mask | 1u << b % TREE_WIDTH)", "(1u << b % TREE_WIDTH)"),
     Fault("exclusion: it holds one way round", "exclusion.c",
           "pairs[count + 1][0] = b;", "pairs[count + 1][0] = a;"),
-    Fault("exclusion: leaves after the first partner are lost in sweeps", "sweep_body.h",
-          "exclusions->partner[partner] < pair.b", "exclusions->partner[partner] <= pair.b"),
+    Fault("exclusion: leaves after the first partner are lost in sweeps", "exclusion.h",
+          "exclusions->partner[*place] < leafB", "exclusions->partner[*place] <= leafB"),
     Fault("exclusion: the search for a partner goes too far", "order.h",
           "values[middle] < value", "values[middle] <= value"),
     # ---- Limits ----
@@ -230,8 +230,8 @@ FAULTS = [
     # ---- Neighbours ----
     Fault("neighbours: a particle is its own neighbour", "candidates_body.h",
           "behind[TREE_WIDTH] = {0xffff,", "behind[TREE_WIDTH] = {0xfffe,"),
-    Fault("neighbours: exclusions after the first leaf are lost", "candidates_body.h",
-          "exclusions->partner[partner] < other", "exclusions->partner[partner] <= other"),
+    Fault("neighbours: the first excluded leaf is lost", "candidates_body.h",
+          "candidates->leaves[first]);", "candidates->leaves[first]) + 1;"),
     Fault("neighbours: candidates of the leaf before join", "candidates_body.h",
           "storeShorts(candidates->pairs + count, allShorts(0));", ""),
     Fault("neighbours: doubts about those compared ahead stay", "candidates_body.h",

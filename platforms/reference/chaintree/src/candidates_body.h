@@ -77,7 +77,6 @@ static void gatherCandidates(const Pass* pass, int leaf, const Extent* box, int 
   const Exclusions* exclusions = sweep->exclusions;
   Candidates* candidates = &pass->sweep->candidates;
   int partner = exclusionsFrom(exclusions, leaf, candidates->leaves[first]);
-  const int lastPartner = exclusions->begin[leaf + 1];
   int lowest = INT_MAX;
   int count = 0;
   for (int i = first; i < last; i++) {
@@ -93,10 +92,7 @@ static void gatherCandidates(const Pass* pass, int leaf, const Extent* box, int 
     } else {
       lowest = sweep->lowest[other] < lowest ? sweep->lowest[other] : lowest;
     }
-    while (partner < lastPartner && exclusions->partner[partner] < other) {
-      partner++;
-    }
-    if (partner < lastPartner && exclusions->partner[partner] == other) {
+    if (exclusionReaches(exclusions, leaf, other, &partner)) {
       forbidPairs(candidates, count, size, exclusions->mask[exclusionPartner(exclusions, other, leaf)]);
     }
     count += size;

@@ -34,6 +34,15 @@ static inline int exclusionPartner(const Exclusions* exclusions, int leafA, int 
   return i < exclusions->begin[leafA + 1] && exclusions->partner[i] == leafB ? i : CT_NULL;
 }
 
+/* Takes a place among the partners of leafA on to where leafB is or would be; whether leafB is one of them. */
+static inline bool exclusionReaches(const Exclusions* exclusions, int leafA, int leafB, int* place) {
+  const int end = exclusions->begin[leafA + 1];
+  while (*place < end && exclusions->partner[*place] < leafB) {
+    (*place)++;
+  }
+  return *place < end && exclusions->partner[*place] == leafB;
+}
+
 /* Sorts like (lower particle, higher particle). */
 static inline uint64_t pairKey(int particle1, int particle2) {
   const uint32_t low = (uint32_t)(particle1 < particle2 ? particle1 : particle2);

@@ -25,8 +25,8 @@ CT_INLINE size_t closeRanks16(const Ranks* ranks, unsigned mask, Ids16 ids, int*
 }
 
 CT_INLINE size_t closeNumbers16(const Ranks* ranks, unsigned mask, int first, int* to) {
-  const __m512i lanes = _mm512_setr_epi32(0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15);
-  return closeRanks16(ranks, mask, _mm512_add_epi32(lanes, _mm512_set1_epi32(first)), to);
+  (void)ranks;
+  return (size_t)indices16(mask, first, to);
 }
 
 CT_INLINE size_t pairsBelow16(const Ranks* ranks, unsigned mask, Ids16 ids, int id, int* lower, int* higher) {
@@ -55,20 +55,23 @@ static inline __m256i bits8(const Ranks* ranks, unsigned byte) {
   return _mm256_cvtepu8_epi32(_mm_loadl_epi64((const __m128i*)ranks->bit[byte]));
 }
 
-CT_INLINE size_t closeRanks16(const Ranks* ranks, unsigned mask, Ids16 ids, int* to) {
-  const __m256i low = _mm256_permutevar8x32_epi32(ids.low, bits8(ranks, mask & 255));
-  const __m256i high = _mm256_permutevar8x32_epi32(ids.high, bits8(ranks, mask >> 8));
+/* Each eight are closed already. */
+CT_INLINE size_t storeClosed(unsigned mask, __m256i low, __m256i high, int* to) {
   _mm256_storeu_si256((__m256i*)to, low);
   _mm256_storeu_si256((__m256i*)(to + __builtin_popcount(mask & 255)), high);
   return (size_t)__builtin_popcount(mask);
 }
 
+CT_INLINE size_t closeRanks16(const Ranks* ranks, unsigned mask, Ids16 ids, int* to) {
+  const __m256i low = _mm256_permutevar8x32_epi32(ids.low, bits8(ranks, mask & 255));
+  const __m256i high = _mm256_permutevar8x32_epi32(ids.high, bits8(ranks, mask >> 8));
+  return storeClosed(mask, low, high, to);
+}
+
 CT_INLINE size_t closeNumbers16(const Ranks* ranks, unsigned mask, int first, int* to) {
   const __m256i low = _mm256_add_epi32(bits8(ranks, mask & 255), _mm256_set1_epi32(first));
   const __m256i high = _mm256_add_epi32(bits8(ranks, mask >> 8), _mm256_set1_epi32(first + 8));
-  _mm256_storeu_si256((__m256i*)to, low);
-  _mm256_storeu_si256((__m256i*)(to + __builtin_popcount(mask & 255)), high);
-  return (size_t)__builtin_popcount(mask);
+  return storeClosed(mask, low, high, to);
 }
 
 CT_INLINE size_t pairsBelow16(const Ranks* ranks, unsigned mask, Ids16 ids, int id, int* lower, int* higher) {
@@ -138,33 +141,6 @@ static inline size_t pairs16(const Ranks* ranks, unsigned mask, Ids16 ids, int i
     higher[k] = other < id ? id : other;
   }
   return count;
-}
-
-#endif
-
-/* Four points about an origin, rounded. Reads one number beyond each point. */
-#if defined(CT_PATH_AVX512) || defined(CT_PATH_AVX2)
-
-static inline void floats4(const double* const points[4], const double origin[3], float* x, float* y, float* z) {
-  const __m256d about = _mm256_setr_pd(origin[0], origin[1], origin[2], 0);
-  __m128 rows[4];
-  for (int i = 0; i < 4; i++) {
-    rows[i] = _mm256_cvtpd_ps(_mm256_sub_pd(_mm256_loadu_pd(points[i]), about));
-  }
-  _MM_TRANSPOSE4_PS(rows[0], rows[1], rows[2], rows[3]);
-  _mm_storeu_ps(x, rows[0]);
-  _mm_storeu_ps(y, rows[1]);
-  _mm_storeu_ps(z, rows[2]);
-}
-
-#else
-
-static inline void floats4(const double* const points[4], const double origin[3], float* x, float* y, float* z) {
-  for (int i = 0; i < 4; i++) {
-    x[i] = (float)(points[i][0] - origin[0]);
-    y[i] = (float)(points[i][1] - origin[1]);
-    z[i] = (float)(points[i][2] - origin[2]);
-  }
 }
 
 #endif

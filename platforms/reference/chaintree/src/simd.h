@@ -599,6 +599,35 @@ static inline uint32_t within32(const uint16_t* a, const uint16_t* b, uint16_t m
 
 #endif
 
+/* ---- Points ---- */
+
+/* Four points about an origin, rounded. Reads one number beyond each point. */
+#if defined(CT_PATH_AVX512) || defined(CT_PATH_AVX2)
+
+static inline void floats4(const double* const points[4], const double origin[3], float* x, float* y, float* z) {
+  const __m256d about = _mm256_setr_pd(origin[0], origin[1], origin[2], 0);
+  __m128 rows[4];
+  for (int i = 0; i < 4; i++) {
+    rows[i] = _mm256_cvtpd_ps(_mm256_sub_pd(_mm256_loadu_pd(points[i]), about));
+  }
+  _MM_TRANSPOSE4_PS(rows[0], rows[1], rows[2], rows[3]);
+  _mm_storeu_ps(x, rows[0]);
+  _mm_storeu_ps(y, rows[1]);
+  _mm_storeu_ps(z, rows[2]);
+}
+
+#else
+
+static inline void floats4(const double* const points[4], const double origin[3], float* x, float* y, float* z) {
+  for (int i = 0; i < 4; i++) {
+    x[i] = (float)(points[i][0] - origin[0]);
+    y[i] = (float)(points[i][1] - origin[1]);
+    z[i] = (float)(points[i][2] - origin[2]);
+  }
+}
+
+#endif
+
 /* ---- Bits ---- */
 
 /* Bit l of column k is bit k of row l. */

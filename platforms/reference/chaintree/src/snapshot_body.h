@@ -1,6 +1,5 @@
 /* Floats and bounds of snapshots, compiled once for each instruction set by the file that includes this. */
 #include "instructions.h"
-#include "pairs.h"
 #include "volume.h"
 
 /* Floats of a leaf's particles; an empty slot takes those of any and is put far away. */

@@ -80,10 +80,7 @@ static bool sweepLeaves(const Pass* pass, int a, int firstB, const Extents* arou
   for (; goesOn && near != 0; near &= near - 1) {
     const int l = __builtin_ctz(near);
     LeafPair pair = {a, firstB + l, (1u << sizeA) - 1, nothing};
-    while (partner < exclusions->begin[a + 1] && exclusions->partner[partner] < pair.b) {
-      partner++;
-    }
-    if (partner < exclusions->begin[a + 1] && exclusions->partner[partner] == pair.b) {
+    if (exclusionReaches(exclusions, a, pair.b, &partner)) {
       pair.excluded = exclusions->mask[partner];
     }
     if (pair.b == a) {

@@ -35,11 +35,7 @@ static ctChainTree* makeBeads(void) {
     const int along = row % 2 == 0 ? i % ROW : ROW - 1 - i % ROW;
     const int across = layer % 2 == 0 ? row % ROW : ROW - 1 - row % ROW;
     const double position[3] = {4 * along, 4 * across, 4 * layer};
-    const int torsion[4] = {i > 1 ? i - 2 : 0, i - 1, i, i + 1 < LINKS ? i + 1 : i};
-    memcpy(chain.positions + 3 * (size_t)i, position, sizeof position);
-    memcpy(chain.torsions[i], torsion, sizeof torsion);
-    chain.radii[i] = 1;
-    chain.particleLinks[i] = i;
+    setBead(&chain, i, position, 1);
   }
   return createChain(&chain);
 }

@@ -14,11 +14,7 @@ static ctChainTree* makeBeads(void) {
   for (int site = 0; site < BEADS; site++) {
     const int i = site * STRIDE % BEADS;
     const double position[3] = {site % ROW, site / ROW % ROW, site / ROW / ROW};
-    const int torsion[4] = {i > 1 ? i - 2 : 0, i - 1, i, i + 1 < BEADS ? i + 1 : i};
-    memcpy(chain.positions + 3 * (size_t)i, position, sizeof position);
-    memcpy(chain.torsions[i], torsion, sizeof torsion);
-    chain.radii[i] = 0.1;
-    chain.particleLinks[i] = i;
+    setBead(&chain, i, position, 0.1);
   }
   return createChain(&chain);
 }

@@ -40,6 +40,15 @@ static inline Chain allocateChain(int particleCount, int linkCount, ctJointKind 
   return chain;
 }
 
+/* Particle i is all of link i, which turns about the bond between the two before. */
+static inline void setBead(const Chain* chain, int i, const double position[3], double radius) {
+  const int torsion[4] = {i > 1 ? i - 2 : 0, i - 1, i, i + 1 < chain->linkCount ? i + 1 : i};
+  memcpy(chain->positions + 3 * (size_t)i, position, sizeof(double[3]));
+  memcpy(chain->torsions[i], torsion, sizeof torsion);
+  chain->radii[i] = radius;
+  chain->particleLinks[i] = i;
+}
+
 /* Makes a scene of it, and frees it. */
 static inline ctChainTree* createChain(const Chain* chain) {
   const ctDefinition definition = {.particleCount = chain->particleCount,
