@@ -13,6 +13,7 @@ loadPlugin()
 registerParser()
 
 from .clashes import Clash, FrameClashes, findClashes  # noqa: E402
+from .errors import InputError  # noqa: E402
 from .naming import AtomName  # noqa: E402
 from .openmmchaintree import (  # noqa: E402
     MinimumDistance,
@@ -23,7 +24,6 @@ from .openmmchaintree import (  # noqa: E402
 )
 from .reporter import ClashError, ClashReporter  # noqa: E402
 from .sterics import createStericExclusionForce  # noqa: E402
-from .structure import InputError  # noqa: E402
 from .torsions import LeftOutTorsion, Torsion, TorsionSearch, findTorsions  # noqa: E402
 
 __all__ = [

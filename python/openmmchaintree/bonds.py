@@ -1,30 +1,10 @@
-"""The bonds of a Topology as a graph: without chain gaps and, on request, without disulfides; and its rings."""
-
-from itertools import pairwise
-from typing import NamedTuple
+"""The bonds of a Topology as a graph, without disulfides and metals' bonds on request; and its rings."""
 
 import numpy as np
-from openmm.app import Residue
 
-from .residues import aminoAcid, isNucleotide
+from .bondsearch import LINKS, BondSearch, Gap
 
-# A bond between residues of a polymer that is longer than this (nm) spans missing residues.
-LONGEST_LINK = 0.4
-
-# Atoms of residues that the Topology gives no bonds are bonded if nearer than this (nm): to hydrogen, among elements up
-# to neon, and to heavier ones. Atoms two bonds apart are farther.
-_LONGEST_BONDS = (0.125, 0.19, 0.23)
-
-# The atoms that join a residue to the next one: peptides, nucleic acids.
-LINKS = (("C", "N"), ("O3'", "P"))
-
-
-class Gap(NamedTuple):
-    """Two residues, next to each other in a chain, that are not bonded."""
-
-    residue1: Residue
-    residue2: Residue
-    reason: str
+__all__ = ["LINKS", "BondGraph", "Gap", "molecules", "neighborLists", "ringBonds"]
 
 
 class BondGraph:
@@ -33,89 +13,54 @@ class BondGraph:
     Attributes
     ----------
     atoms : list of openmm.app.Atom
+    numbers : (n,) int array
+        atomic numbers, 0 for extra particles
     bonds : list of (int, int)
-        the bonds that count: no gaps, no cut disulfides
+        the bonds that count: no gaps, nothing that is cut
     neighbors : list of list of int
         for each atom the atoms bonded to it by `bonds`
     gaps : list of Gap
-    disulfides : list of (int, int)
-        the bonds between sulfurs of different residues, cut or not
+    disulfides, metalBonds : list of (int, int)
+        the bonds between sulfurs, and those of metals, to other residues, cut or not
+    cut : list of (int, int)
+        those of them that are not in `bonds`
+    positions : (n, 3) float64 array or None
+        those given, with molecules that the periodic box of the Topology tears apart made whole
+    overlong : list of (int, int)
+        bonds that are longer than 0.8 nm, as where a molecule is split over a periodic box
+    notes : list of Note
+        gaps; bonds that the Topology does not have, or has and that cannot be
     """
 
-    def __init__(self, topology, positions=None, cutDisulfides=False):
-        """Read the bonds of a Topology.
+    def __init__(self, topology, positions=None, cutDisulfides=False, cutMetals=False):
+        """Find the bonds of a Topology: its own, those of residue templates, and, with positions, those by distance.
 
         Parameters
         ----------
         topology : openmm.app.Topology
         positions : numpy array of shape (n, 3), optional
             nm; with them, bonds between residues are checked for gaps
-        cutDisulfides : bool
-            leave disulfide bonds out of `bonds`
+        cutDisulfides, cutMetals : bool
+            leave disulfide bonds, or bonds between metals and other residues, out of `bonds`
         """
+        search = BondSearch(topology, positions)
         self.atoms = list(topology.atoms())
-        self.gaps = []
-        self.disulfides = []
-        self.bonds = []
-        links = set()
-        for pair in _distinctBonds(topology):
-            atom1, atom2 = (self.atoms[index] for index in pair)
-            if atom1.residue is not atom2.residue:
-                if _isLink(atom1, atom2):
-                    links.add(frozenset((atom1.residue.index, atom2.residue.index)))
-                    if self._isGap(atom1, atom2, positions):
-                        continue
-                elif _isSulfur(atom1) and _isSulfur(atom2):
-                    self.disulfides.append(pair)
-                    if cutDisulfides:
-                        continue
-            self.bonds.append(pair)
-        if positions is not None:
-            self._bondNearAtoms(topology, positions)
-        self._findUnbondedNeighbors(topology, links)
+        self.numbers = np.array([0 if atom.element is None else atom.element.atomic_number for atom in self.atoms])
+        self.gaps = search.gaps
+        self.disulfides = search.disulfides
+        self.metalBonds = search.metalBonds
+        self.positions = search.positions
+        self.overlong = search.overlong
+        self.notes = search.notes
+        self.cut = [*(search.disulfides if cutDisulfides else []), *(search.metalBonds if cutMetals else [])]
+        areCut = set(self.cut)
+        self.bonds = [bond for bond in search.bonds if bond not in areCut]
         self.neighbors = neighborLists(len(self.atoms), self.bonds)
-
-    def _isGap(self, atom1, atom2, positions):
-        if positions is None:
-            return False
-        distance = np.linalg.norm(positions[atom1.index] - positions[atom2.index])
-        if distance <= LONGEST_LINK:
-            return False
-        residue1, residue2 = sorted((atom1.residue, atom2.residue), key=lambda residue: residue.index)
-        reason = f"{atom1.name} and {atom2.name}, bonded in the Topology, are {distance:.2f} nm apart"
-        self.gaps.append(Gap(residue1, residue2, reason))
-        return True
-
-    def _bondNearAtoms(self, topology, positions):
-        """Bond atoms by distance in residues without any bond: unknown ones, heterogens without CONECT records."""
-        bonded = {atom for bond in topology.bonds() for atom in bond}
-        for chain in topology.chains():
-            before = []
-            for residue in chain.residues():
-                atoms = list(residue.atoms())
-                if len(atoms) < 2 or any(atom in bonded for atom in atoms):
-                    before = []
-                    continue
-                for number, atom1 in enumerate(atoms):
-                    for atom2 in before + atoms[:number]:
-                        if _areNear(atom1, atom2, positions):
-                            self.bonds.append((atom2.index, atom1.index))
-                before = atoms
-
-    def _findUnbondedNeighbors(self, topology, links):
-        """Note polymer residues that follow each other in a chain without a bond in the Topology."""
-        for chain in topology.chains():
-            for residue1, residue2 in pairwise(chain.residues()):
-                samePolymer = (aminoAcid(residue1.name) and aminoAcid(residue2.name)) or (
-                    isNucleotide(residue1.name) and isNucleotide(residue2.name)
-                )
-                if samePolymer and frozenset((residue1.index, residue2.index)) not in links:
-                    self.gaps.append(Gap(residue1, residue2, "the Topology has no bond between them"))
+        self.describePair = search.describePair
 
     def elementNumber(self, atom):
         """Return the atomic number of an atom, 0 for an extra particle."""
-        element = self.atoms[atom].element
-        return 0 if element is None else element.atomic_number
+        return int(self.numbers[atom])
 
     def hydrogensOf(self, atom):
         """Return the hydrogens bonded to an atom."""
@@ -124,14 +69,6 @@ class BondGraph:
     def heavyNeighborsOf(self, atom):
         """Return the atoms other than hydrogens bonded to an atom."""
         return [other for other in self.neighbors[atom] if self.elementNumber(other) > 1]
-
-
-def _distinctBonds(topology):
-    """Return the bonds of a Topology as pairs of indices, once each: mmCIF files may tell a bond more than once."""
-    bonds = {}
-    for atom1, atom2 in topology.bonds():
-        bonds.setdefault(frozenset((atom1.index, atom2.index)), (atom1.index, atom2.index))
-    return list(bonds.values())
 
 
 def neighborLists(count, bonds):
@@ -195,21 +132,3 @@ def molecules(neighbors):
                     pending.append(other)
         count += 1
     return molecule
-
-
-def _isLink(atom1, atom2):
-    return (atom1.name, atom2.name) in LINKS or (atom2.name, atom1.name) in LINKS
-
-
-def _isSulfur(atom):
-    return atom.element is not None and atom.element.atomic_number == 16
-
-
-def _areNear(atom1, atom2, positions):
-    if atom1.element is None or atom2.element is None:
-        return False
-    numbers = sorted((atom1.element.atomic_number, atom2.element.atomic_number))
-    if numbers == [1, 1]:
-        return False
-    longest = _LONGEST_BONDS[0 if numbers[0] == 1 else 1 if numbers[1] <= 10 else 2]
-    return bool(np.linalg.norm(positions[atom1.index] - positions[atom2.index]) < longest)

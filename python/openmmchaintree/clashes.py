@@ -1,17 +1,21 @@
 """Finding the clashes of structures and trajectories."""
 
 import os
-import warnings
 from typing import NamedTuple, TypeAlias
 
+import numpy as np
 import openmm
 from openmm import unit
 
 from .bonds import BondGraph
+from .bondsearch import LONGEST_BOND, boxOf
+from .errors import InputError
+from .images import makeWhole
 from .naming import AtomName, nameAtom
+from .notes import Note, found, warnOf
 from .radii import defaultRadii
-from .sterics import createStericExclusionForce
-from .structure import InputError, checkFinite, readModels, select, villinPath
+from .sterics import makeForce
+from .structure import checkFinite, readModels, selectSolute, tornError, villinPath
 from .torsions import searchTorsions
 from .trajectory import Trajectory
 
@@ -74,14 +78,14 @@ def findClashes(
         a ValueError, if a file cannot be read or is damaged; what was found before a damaged frame is its `frames`
     """
     search = ClashSearch(structure, trajectory, radii, water, ions)
-    for note in search.notes:
-        warnings.warn(note, stacklevel=2)
     frames: list[FrameClashes] = []
     try:
         frames.extend(search)
     except InputError as error:
         error.frames = frames
         raise
+    finally:
+        warnOf(search.notes, stacklevel=2)
     return frames
 
 
@@ -96,8 +100,8 @@ class ClashSearch:
     finder : ClashFinder
     frameCount : int or None
         how many frames there are, if that is known
-    notes : list of str
-        what the user should know of the input
+    notes : list of Note
+        what the user should know of the input; complete after the iteration
     """
 
     def __init__(self, structure=None, trajectory=None, radii=None, water=False, ions=False):
@@ -106,8 +110,10 @@ class ClashSearch:
         self.trajectory = trajectory
         self._models = readModels(self.structure)
         topology, positions = self._models.topology, self._models.positions[0]
+        self._box = boxOf(topology)
+        self._word = "model" if trajectory is None else "frame"
         self.finder = ClashFinder(topology, positions, self.structure, radii, water, ions)
-        self.notes = list(self.finder.notes)
+        self.notes = [*self._models.notes, *self.finder.notes]
         self.frameCount = len(self._models.positions)
         if trajectory is not None:
             self._openTrajectory()
@@ -117,29 +123,36 @@ class ClashSearch:
         self.frameCount = self._trajectory.frameCount
         announced, held = self._trajectory.announced, self.frameCount
         if announced is not None and held is not None and announced > held:
-            self.notes.append(f"{self.trajectory}: its header tells of {announced:,} frames, but it holds {held:,}")
+            counts = f"its header tells of {announced:,} frames, but it holds {held:,}"
+            self.notes.append(Note(f"{self.trajectory}: {counts}"))
 
     def __iter__(self):
-        frames = self._modelPositions() if self.trajectory is None else self._trajectoryPositions()
-        for number, positions in enumerate(frames):
-            clashes = self.finder.find(positions)
-            yield FrameClashes(number, clashes, 1000 * len(clashes) / self.finder.checkedCount)
-
-    def _modelPositions(self):
-        yield from self._models.positions
-        if self._models.damage is not None:
+        frames = self._models.positions if self.trajectory is None else self._trajectoryFrames()
+        madeWhole = []
+        try:
+            for number, frame in enumerate(frames):
+                source = f"{self.trajectory or self.structure}: {self._word} {number} (from 0)"
+                positions, box = frame if isinstance(frame, tuple) else (frame, self._box)
+                whole = self.finder.makeWhole(positions, box, source)
+                if whole is not positions:
+                    madeWhole.append(f"{self._word} {number} (from 0)")
+                clashes = self.finder.find(whole)
+                yield FrameClashes(number, clashes, 1000 * len(clashes) / self.finder.checkedCount)
+        finally:
+            kind = f"{self._word}s in which molecules were split over the periodic box, and made whole"
+            self.notes += found([Note(kind, madeWhole)])
+        if self.trajectory is None and self._models.damage is not None:
             raise self._models.damage
 
-    def _trajectoryPositions(self):
-        names = self.finder.names
+    def _trajectoryFrames(self):
+        topology = self._models.topology
         with self._trajectory as frames:
-            for index, positions in enumerate(frames):
-                if len(positions) != len(names):
-                    raise InputError(
-                        f"{self.trajectory}: has {len(positions):,} atoms, but {self.structure} has {len(names):,}"
-                    )
-                checkFinite(positions, names, f"{self.trajectory}: frame {index} (from 0)")
-                yield positions
+            for index, (positions, box) in enumerate(frames):
+                if len(positions) != topology.getNumAtoms():
+                    counts = f"has {len(positions):,} atoms, but {self.structure} has {topology.getNumAtoms():,}"
+                    raise InputError(f"{self.trajectory}: {counts}")
+                checkFinite(positions, topology, f"{self.trajectory}: frame {index} (from 0)")
+                yield positions, box
 
 
 class ClashFinder:
@@ -170,32 +183,29 @@ class ClashFinder:
             if there is no atom to look at
         """
         self.names = [nameAtom(atom) for atom in topology.atoms()]
-        selection = select(source, topology, water, ions)
-        self.atoms = selection.atoms
-        graph = BondGraph(selection.topology, positions[self.atoms])
-        self.radii = defaultRadii(graph) if radii is None else radii
+        solute = selectSolute(source, topology, positions, water, ions)
+        self.atoms = solute.atoms
+        self._graph = BondGraph(solute.topology, solute.positions)
+        self.radii = defaultRadii(self._graph) if radii is None else radii
+        self._bonds = np.array(self._graph.bonds, dtype=int).reshape(-1, 2)
         # Torsions do not change what clashes; with them, the engine has less to compute anew at other positions.
-        torsions = searchTorsions(graph, selection.topology, ("phi", "psi", "chi")).torsions
-        with warnings.catch_warnings(record=True) as caught:
-            warnings.simplefilter("always")
-            self.force = createStericExclusionForce(
-                selection.topology, positions[self.atoms], self.radii, torsions, unknownRadius=0
-            )
-        self.notes = [str(warning.message) for warning in caught]
-        self._noteUnknownRadii(graph)
+        torsions = searchTorsions(self._graph, solute.topology, ("phi", "psi", "chi")).torsions
+        self.force = makeForce(self._graph, torsions, self.radii, unknownRadius=0)
+        self.notes = [*solute.notes, *found([self._findUnknownRadii()])]
         if self.checkedCount == 0:
             raise InputError(f"{source}: there is no atom with a known radius")
         self._makeContext()
 
-    def _noteUnknownRadii(self, graph):
+    def _findUnknownRadii(self):
+        unknown = []
         self.checkedCount = 0
         for number, atom in enumerate(self.atoms):
             radius, _ = self.force.getParticleParameters(number)
             if radius > 0 * unit.nanometer:
                 self.checkedCount += 1
-            elif graph.elementNumber(number) > 1:
-                element = graph.atoms[number].element.name
-                self.notes.append(f"{self.names[atom]} is not looked at: no radius is known for {element}")
+            elif self._graph.elementNumber(number) > 1:
+                unknown.append(f"{self.names[atom]}, {self._graph.atoms[number].element.name}")
+        return Note("atoms not looked at, since no radius is known for their elements", unknown)
 
     def _makeContext(self):
         system = openmm.System()
@@ -204,6 +214,33 @@ class ClashFinder:
         system.addForce(self.force)
         platform = openmm.Platform.getPlatformByName("Reference")
         self._context = openmm.Context(system, openmm.VerletIntegrator(0.001), platform)
+
+    def makeWhole(self, positions, box, source):
+        """Make molecules whole that a periodic box tears apart, along their bonds.
+
+        positions : (n, 3) float64 array, nm, of all atoms of the Topology; box : (3, 3) array, nm, or None
+
+        Return the positions given, if nothing is torn apart.
+
+        Raises
+        ------
+        InputError
+            if bonded atoms are far apart all the same; source says where
+        """
+        chosen = positions[self.atoms]
+        whole = chosen if box is None else makeWhole(chosen, self._bonds, box)
+        first, second = self._bonds.T
+        lengths = np.linalg.norm(whole[first] - whole[second], axis=1)
+        torn = np.flatnonzero(lengths > LONGEST_BOND)
+        if len(torn):
+            names = [self.names[atom] for atom in self.atoms]
+            pairs = [f"{names[first[i]]} – {names[second[i]]}, {lengths[i]:.3f} nm" for i in torn]
+            raise tornError(source, pairs, box is not None)
+        if whole is chosen:
+            return positions
+        positions = positions.copy()
+        positions[self.atoms] = whole
+        return positions
 
     def find(self, positions):
         """Return the list of Clash at positions of all atoms of the Topology, a float64 array of shape (n, 3) in nm."""

@@ -18,7 +18,7 @@ class AtomName(NamedTuple):
 
     def describeResidue(self) -> str:
         """Return the residue as one writes it: chain, name, number with insertion code."""
-        return _join(self.chain, self.residue)
+        return joinNames(self.chain, self.residue)
 
 
 def nameAtom(atom):
@@ -28,12 +28,13 @@ def nameAtom(atom):
 
 def describeResidue(residue):
     """Return a residue of a Topology as one writes it: chain, name, number with insertion code."""
-    return _join(*_chainAndResidue(residue))
+    return joinNames(*_chainAndResidue(residue))
 
 
 def _chainAndResidue(residue):
     return residue.chain.id.strip(), f"{residue.name} {residue.id}{residue.insertionCode.strip()}"
 
 
-def _join(chain, residue):
+def joinNames(chain, residue):
+    """Return the names of a chain and a residue as one writes them."""
     return f"{chain}:{residue}" if chain else residue

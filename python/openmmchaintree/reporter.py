@@ -2,7 +2,6 @@
 
 import csv
 import os
-import warnings
 from typing import Any, TextIO
 
 import openmm
@@ -10,6 +9,7 @@ from openmm import app, unit
 
 from .clashes import Clash, ClashFinder, Path, nameClashes
 from .naming import nameAtom
+from .notes import warnOf
 from .openmmchaintree import StericExclusionForce
 from .units import Number, inUnit
 
@@ -151,6 +151,5 @@ class _TopologyWatch:
         positions = state.getPositions(asNumpy=True).value_in_unit(unit.nanometer)
         if self._finder is None:
             self._finder = ClashFinder(simulation.topology, positions, "the simulation's Topology")
-            for note in self._finder.notes:
-                warnings.warn(note, stacklevel=2)
+            warnOf(self._finder.notes, stacklevel=2)
         return self._finder.find(positions)

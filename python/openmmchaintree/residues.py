@@ -6,7 +6,16 @@ Names are those of the Protein Data Bank, to which `openmm.app.PDBFile` brings w
 # Names that force fields and programs give to protonation states and to cysteines in disulfides.
 _VARIANTS = {
     "HID": "HIS", "HIE": "HIS", "HIP": "HIS", "HSD": "HIS", "HSE": "HIS", "HSP": "HIS",
-    "CYX": "CYS", "CYM": "CYS", "ASH": "ASP", "GLH": "GLU", "LYN": "LYS",
+    "HISA": "HIS", "HISB": "HIS", "HISD": "HIS", "HISE": "HIS", "HISH": "HIS", "HISP": "HIS",
+    "CYX": "CYS", "CYM": "CYS", "CYS2": "CYS", "CYSH": "CYS",
+    "ASH": "ASP", "ASPH": "ASP", "ASPP": "ASP", "GLH": "GLU", "GLUH": "GLU", "GLUP": "GLU",
+    "LYN": "LYS", "LYSH": "LYS", "LYSN": "LYS", "LSN": "LYS", "ARGN": "ARG",
+}  # fmt: skip
+
+# What programs call water.
+_WATERS = {
+    "HOH", "DOD", "WAT", "H2O", "D2O", "OH2", "SOL", "SPC", "SPCE", "TIP", "TP3", "TP4", "TIP2", "TIP3", "TIP4", "TIP5",
+    "TIP3P", "TIP4P", "TIP5P", "T3P", "T4P", "T5P", "OPC", "OPC3",
 }  # fmt: skip
 
 # The side chain from CB on: chi_n is the dihedral of four consecutive names after N, CA (IUPAC-IUB 1970, rule 4.4).
@@ -54,6 +63,11 @@ def aminoAcid(name):
     if len(name) == 4 and name[0] in "NC":
         return aminoAcid(name[1:])
     return None
+
+
+def isWater(name):
+    """Whether a residue name is one of water."""
+    return name in _WATERS
 
 
 def isNucleotide(name):

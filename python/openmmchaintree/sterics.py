@@ -1,7 +1,5 @@
 """Making a StericExclusionForce from a Topology."""
 
-import warnings
-from collections import Counter
 from collections.abc import Iterable
 
 import numpy as np
@@ -9,9 +7,11 @@ from openmm import app
 
 from .bonds import BondGraph
 from .naming import describeResidue
+from .notes import Note, found, warnOf
 from .openmmchaintree import StericExclusionForce
 from .radii import RADII_SETS, defaultRadii, hydrogenBondRoles, particleRadii
-from .torsions import DISULFIDE_RING, PROLINE_RING, Torsion, TorsionSearch, searchTorsions
+from .torsions import DISULFIDE_RING, METAL_RING, PROLINE_RING, Torsion, TorsionSearch, searchTorsions
+from .unbonded import unbondedNeighbors
 from .units import Array, Number, inUnit, positionsInNm
 
 
@@ -24,13 +24,20 @@ def createStericExclusionForce(
     cutDisulfides: bool = False,
     forceGroup: int = 31,
     unknownRadius: Number | None = None,
+    cutMetals: bool = False,
 ) -> StericExclusionForce:
     """Create a StericExclusionForce for the molecules of a Topology.
 
     Every atom becomes a particle, water and ions too: what should not be in the way can be given the radius 0. An
     extra particle (an atom without element) has radius 0. Residues without torsions of the kinds asked for, and
-    heterogens, are rigid. What is left out, because it lies in a ring or next to a gap in the chain, is reported by a
-    warning, and by `findTorsions` in detail.
+    heterogens, are rigid. What is left out, because it lies in a ring or next to a gap in the chain, is reported by
+    `findTorsions` in detail.
+
+    Bonds are those of the Topology. Residues that these do not hold together get the bonds of their template (OpenMM's
+    tables, then the chemical component dictionary); with positions, bonds that are still missing are found by distance,
+    those of metals among them. One warning a kind tells of gaps, of bonds that the Topology lacks, and of atoms at
+    covalent distance that are not bonded and that a torsion moves apart: a sign that a bond is missing. Its attribute
+    `note` holds all of them.
 
     Parameters
     ----------
@@ -38,7 +45,7 @@ def createStericExclusionForce(
         with the residue and atom names of the Protein Data Bank, as `openmm.app.PDBFile` gives them
     positions : array of shape (n, 3) or Quantity, optional
         nm. With them, a bond between residues that is longer than 0.4 nm is a gap: left out, so that the chain becomes
-        two molecules. Atoms of residues for which the Topology has no bond at all are bonded where they are near.
+        two molecules. Molecules may be split over the periodic box of the Topology.
     radii : str or array of shape (n) or Quantity, optional
         "all-atom" (Word et al. 1999), "united-atom" (Tsai et al. 1999; hydrogens get radius 0), or a radius in nm for
         each atom. Default: "all-atom" if the Topology has hydrogens, else "united-atom".
@@ -49,6 +56,8 @@ def createStericExclusionForce(
     cutDisulfides : bool
         leave disulfide bonds out, so that the torsions between their ends can turn. The atoms stay excluded as if the
         bonds were there; nothing keeps the sulfurs together.
+    cutMetals : bool
+        the same for the bonds between metals and other residues
     forceGroup : int
         the force group of the force, of its own unless other forces use it
     unknownRadius : float or Quantity, optional
@@ -67,11 +76,16 @@ def createStericExclusionForce(
     """
     if positions is not None:
         positions = positionsInNm(positions, topology.getNumAtoms())
-    graph = BondGraph(topology, positions, cutDisulfides)
-    values, roles = _radiiAndRoles(graph, radii, unknownRadius)
-    found = _torsionsOf(graph, topology, torsions)
-    _warn(graph, found.leftOut)
+    graph = BondGraph(topology, positions, cutDisulfides, cutMetals)
+    search = _torsionsOf(graph, topology, torsions)
+    force = makeForce(graph, search.torsions, radii, bondCutoff, forceGroup, unknownRadius)
+    warnOf([*graph.notes, *_notesOnGeometry(graph, search.torsions), *notesOnTorsions(search.leftOut)], stacklevel=2)
+    return force
 
+
+def makeForce(graph, torsions, radii=None, bondCutoff=3, forceGroup=31, unknownRadius=None):
+    """Do the work of `createStericExclusionForce` on a BondGraph and a list of Torsions."""
+    values, roles = _radiiAndRoles(graph, radii, unknownRadius)
     force = StericExclusionForce()
     force.setName("StericExclusionForce")
     force.setForceGroup(forceGroup)
@@ -79,13 +93,12 @@ def createStericExclusionForce(
         force.addParticle(radius, role)
     for atom1, atom2 in graph.bonds:
         force.addBond(atom1, atom2)
-    for torsion in found.torsions:
+    for torsion in torsions:
         force.addTorsion(*torsion.particles)
     force.createExclusionsFromBonds(bondCutoff)
-    if cutDisulfides:
-        for atom1, atom2 in graph.disulfides:
-            for pair in _pairsAcross(graph.neighbors, atom1, atom2, bondCutoff):
-                force.addExclusion(*pair)
+    for atom1, atom2 in graph.cut:
+        for pair in _pairsAcross(graph.neighbors, atom1, atom2, bondCutoff):
+            force.addExclusion(*pair)
     return force
 
 
@@ -112,17 +125,27 @@ def _torsionsOf(graph, topology, torsions):
     return searchTorsions(graph, topology, torsions)
 
 
-def _warn(graph, leftOut):
-    """Say what was left out, except for the torsions that nobody expects to turn: proline's φ."""
-    for gap in graph.gaps:
-        residues = f"{describeResidue(gap.residue1)} and {describeResidue(gap.residue2)}"
-        warnings.warn(f"there is a gap in the chain between {residues}: {gap.reason}", stacklevel=3)
-    reasons = Counter(torsion.reason for torsion in leftOut if not torsion.nextToGap)
-    for reason, count in reasons.items():
-        if reason != PROLINE_RING:
-            remedy = ", which can be cut (cutDisulfides)" if reason == DISULFIDE_RING else ""
-            verb = "torsion is" if count == 1 else "torsions are"
-            warnings.warn(f"{count} {verb} left out: {reason}{remedy}", stacklevel=3)
+def _notesOnGeometry(graph, torsions):
+    if graph.positions is None:
+        return []
+    unbonded = unbondedNeighbors(graph, (torsion.particles[1:3] for torsion in torsions))
+    overlong = map(graph.describePair, graph.overlong)
+    return found(
+        [
+            Note("bonds longer than 0.8 nm: are molecules split over a periodic box?", overlong),
+            Note("atoms at covalent distance that are not bonded, and that torsions move apart", map(str, unbonded)),
+        ]
+    )
+
+
+def notesOnTorsions(leftOut):
+    """Return a Note for each reason why torsions are left out, but for what nobody expects to turn: proline's φ."""
+    byReason = {}
+    for torsion in leftOut:
+        if not torsion.nextToGap and torsion.reason != PROLINE_RING:
+            byReason.setdefault(torsion.reason, []).append(f"{torsion.kind} of {describeResidue(torsion.residue)}")
+    remedies = {DISULFIDE_RING: ", which can be cut (cutDisulfides)", METAL_RING: ", which can be cut (cutMetals)"}
+    return [Note(f"torsions left out, {reason}{remedies.get(reason, '')}", names) for reason, names in byReason.items()]
 
 
 def _pairsAcross(neighbors, atom1, atom2, bondCutoff):

@@ -1,71 +1,69 @@
-"""Reading structures: PDB and mmCIF, all models, and what of them is worth looking at."""
+"""Reading structures: one model or all of a file, and what of them is worth looking at."""
 
-import gzip
-import io
-import re
-import zlib
-from collections.abc import Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 import openmm.app
 from openmm import unit
 
-from .naming import nameAtom
+from .bondsearch import BondSearch
+from .errors import InputError
+from .filebonds import bondsOfFile
+from .images import reducedBox
+from .modeltopology import makeTopology
+from .naming import describeResidue, nameAtom
+from .notes import Note, found
+from .residues import aminoAcid, isNucleotide, isWater
+from .structurefile import readFile
 
-if TYPE_CHECKING:
-    from .clashes import FrameClashes
-
-_WATER = "HOH"  # OpenMM's readers give every water this name
-
-_GZIP = b"\x1f\x8b"  # what compressed files begin with
-
-_COORDINATES = (slice(30, 38), slice(38, 46), slice(46, 54))  # columns of a PDB file
-
-
-class InputError(ValueError):
-    """What is wrong with what the user gave, in one sentence that names it.
-
-    frames : sequence of FrameClashes
-        what was found before a damaged frame
-    """
-
-    frames: "Sequence[FrameClashes]" = ()
+_NOTHING = "nothing but water and ions"
 
 
 class Models(NamedTuple):
     """What a structure file holds.
 
     topology : openmm.app.Topology
+        of the first of the models, with the bonds that the file tells
     positions : list of (n, 3) float64 arrays, nm; those of the models up to a damaged one, at least one
     damage : InputError, or None if all models are sound
+    alternates : list of str
+        for each atom the label of its conformer, empty where there is but one
+    notes : list of Note
     """
 
     topology: openmm.app.Topology
     positions: list[np.ndarray]
     damage: InputError | None
+    alternates: list[str]
+    notes: list[Note]
 
 
 class Structure(NamedTuple):
-    """Molecules without water and ions.
+    """Molecules without water and loose ions.
 
-    name : str, for output files; topology : openmm.app.Topology; positions : (n, 3) float64 array, nm
+    name : str, for output files; topology : openmm.app.Topology, with all bonds; positions : (n, 3) float64 array, nm;
+    alternates : list of str, for each atom the label of its conformer; notes : list of Note, on what was read
     """
 
     name: str
     topology: openmm.app.Topology
     positions: np.ndarray
+    alternates: list[str] = []
+    notes: list[Note] = []
 
 
-class Selection(NamedTuple):
-    """A part of the atoms of a Topology, as a Topology of its own.
+class Solute(NamedTuple):
+    """A part of the atoms of a Topology.
 
-    topology : openmm.app.Topology; atoms : (m,) int array, where each of its atoms was
+    topology : openmm.app.Topology, of that part, with all bonds; positions : (m, 3) float64 array, nm, with molecules
+    made whole; atoms : (m,) int array, where each of its atoms was; notes : list of Note
     """
 
     topology: openmm.app.Topology
+    positions: np.ndarray
     atoms: np.ndarray
+    notes: list[Note]
 
 
 def villinPath():
@@ -73,181 +71,188 @@ def villinPath():
     return Path(openmm.app.__file__).parent / "data" / "test.pdb"
 
 
-def readStructure(path=None):
-    """Read the first model of a PDB or mmCIF file, first conformers only, and leave out water and ions (single atoms).
-
-    The file may be compressed by gzip.
+def readStructure(path=None, model=0):
+    """Read one model of a structure file, one conformer of each residue, without water and loose ions.
 
     Parameters
     ----------
     path : str or Path, optional
-        default: the villin headpiece of OpenMM's package
+        a PDB, mmCIF or BinaryCIF file, plain or compressed by gzip; default: the villin headpiece of OpenMM's package
+    model : int
+        which model, from 0
 
     Raises
     ------
     InputError
-        if the file cannot be read, or holds nothing to work on
+        if the file cannot be read, holds nothing to work on, or holds a molecule in pieces that cannot be made whole
     """
     name = "villin" if path is None else Path(Path(path).name.removesuffix(".gz")).stem
     path = villinPath() if path is None else Path(path)
-    models = readModels(path)
-    solute = select(path, models.topology)
+    models = readModels(path, model)
+    solute = selectSolute(path, models.topology, models.positions[0])
     solute.topology.setPeriodicBoxVectors(None)
-    return Structure(name, solute.topology, models.positions[0][solute.atoms])
+    alternates = [models.alternates[atom] for atom in solute.atoms]
+    return Structure(name, solute.topology, solute.positions, alternates, [*models.notes, *solute.notes])
 
 
-def readModels(path):
-    """Read all models of a PDB or mmCIF file, which may be compressed by gzip, first conformers only.
-
-    Raises
-    ------
-    InputError
-        if the file or its first model cannot be read
-    """
-    path = Path(path)
-    text = _readText(path)
-    file, damage = _readMmCIF(path, text) if _isMmCIF(text) else _readPDB(path, text)
-    names = [nameAtom(atom) for atom in file.topology.atoms()]
-    positions = []
-    for model in range(file.getNumFrames()):
-        array = np.array(file.getPositions(frame=model).value_in_unit(unit.nanometer), dtype=np.float64)
-        try:
-            if len(array) != len(names):
-                raise InputError(f"{path}: model {model} (from 0) has {len(array)} atoms, but model 0 has {len(names)}")
-            checkFinite(array, names, path if model == 0 else f"{path}: model {model} (from 0)")
-        except InputError as error:
-            damage = error
-            break
-        positions.append(array)
-    if not positions:
-        raise damage
-    return Models(file.topology, positions, damage)
-
-
-def checkFinite(positions, names, source):
-    """Raise an InputError that names the first atom with a coordinate that is not a number, and the source."""
-    bad = np.flatnonzero(~np.isfinite(positions).all(axis=1))
-    if len(bad):
-        raise InputError(f"{source}: atom {_describe(names[bad[0]])} has a coordinate that is not a finite number")
-
-
-def select(path, topology, water=False, ions=False):
-    """Select the atoms of a Topology that are neither water nor, as residues of a single atom, ions.
+def readModels(path, only=None):
+    """Read all models of a structure file, or one, with one conformer of each residue.
 
     Parameters
     ----------
     path : str or Path
+    only : int, optional
+        the number of the one model to read, from 0; others may then be of any size, or damaged
+
+    Raises
+    ------
+    InputError
+        if the file cannot be read, or its first model, or the one asked for
+    """
+    path = Path(path)
+    structure, damage = readFile(path)
+    first = only or 0
+    if first >= len(structure):
+        raise damage or InputError(f"{path}: there is no model {first} (from 0), but {len(structure)} in all")
+    made = makeTopology(structure[first])
+    atoms = list(made.topology.atoms())
+    for atom1, atom2 in bondsOfFile(structure, made):
+        made.topology.addBond(atoms[atom1], atoms[atom2])
+    if structure.cell.is_crystal():
+        box = reducedBox(0.1 * np.array(structure.cell.orth.mat.tolist()).T)
+        made.topology.setPeriodicBoxVectors([openmm.Vec3(*vector) for vector in box] * unit.nanometer)
+    positions = []
+    for number in range(len(structure)) if only is None else [only]:
+        source = path if number == 0 else f"{path}: model {number} (from 0)"
+        try:
+            positions.append(_positionsOf(source, made, made if number == first else makeTopology(structure[number])))
+        except InputError as error:
+            damage = error
+            break
+    if not positions:
+        raise damage
+    return Models(made.topology, positions, damage if only is None else None, made.alternates, made.notes)
+
+
+def _positionsOf(source, made, other):
+    """Return the positions of a model, if it has the atoms of the one that was made a Topology."""
+    if other is not made:
+        if len(other.atoms) != len(made.atoms):
+            raise InputError(f"{source} has {len(other.atoms)} atoms, but model 0 has {len(made.atoms)}")
+        for atom, expected in zip(other.topology.atoms(), made.topology.atoms(), strict=True):
+            if (atom.name, atom.residue.name) != (expected.name, expected.residue.name):
+                raise InputError(f"{source} has atom {nameAtom(atom)} where model 0 has {nameAtom(expected)}")
+    checkFinite(other.positions, other.topology, source)
+    return other.positions
+
+
+def checkFinite(positions, topology, source):
+    """Raise an InputError that names the first atom with a coordinate that is not a number, and the source."""
+    bad = np.flatnonzero(~np.isfinite(positions).all(axis=1))
+    if len(bad):
+        atom = next(atom for atom in topology.atoms() if atom.index == bad[0])
+        raise InputError(f"{source}: atom {_describe(atom)} has a coordinate that is not a finite number")
+
+
+def selectSolute(source, topology, positions, water=False, ions=False):
+    """Select the atoms of a Topology that are neither water nor loose ions, and find their bonds.
+
+    Loose ions are residues of a single atom, other than amino acids and nucleotides, that nothing binds.
+
+    Parameters
+    ----------
+    source : str or Path
         where the Topology is from, for messages
     topology : openmm.app.Topology
+    positions : (n, 3) float64 array, nm
     water, ions : bool
         select these as well
 
     Raises
     ------
     InputError
-        if nothing is left, or an atom has no element
+        if nothing is left, or an atom has no element, or a molecule is in pieces that cannot be made whole
     """
-    left = {
+    kept = []
+    for atom in topology.atoms():
+        if isWater(atom.residue.name):
+            if water:
+                kept.append(atom)
+        elif atom.element is not None:
+            kept.append(atom)
+        elif len(atom.residue) > 1:
+            raise InputError(f"{source}: atom {_describe(atom)} has no element")
+    if not kept:
+        raise InputError(f"{source}: {_NOTHING}")
+    atoms = np.array([atom.index for atom in kept], dtype=int)
+    dry = _subset(topology, kept)
+    search = BondSearch(dry, positions[atoms])
+    if search.overlong:
+        raise tornError(source, [search.describePair(pair) for pair in search.overlong], search.hasBox)
+    loose = [] if ions else _looseIons(dry, search.bonds)
+    if len(loose) == len(atoms):
+        raise InputError(f"{source}: {_NOTHING}")
+    notes = found(
+        [
+            *search.notes,
+            Note("ions left out, since nothing binds them", map(describeResidue, loose)),
+            _noteWhole(dry, search, positions[atoms]),
+        ]
+    )
+    left = set(loose)
+    stays = np.array([atom.residue not in left for atom in dry.atoms()])
+    whole = _subset(dry, [atom for atom in dry.atoms() if atom.residue not in left], search.bonds)
+    return Solute(whole, search.positions[stays], atoms[stays], notes)
+
+
+def _looseIons(topology, bonds):
+    bound = {atom for bond in bonds for atom in bond}
+    return [
         residue
         for residue in topology.residues()
-        if (not water if residue.name == _WATER else not ions and len(list(residue.atoms())) == 1)
-    }
-    atoms = [atom for atom in topology.atoms() if atom.residue not in left]
-    if not atoms:
-        raise InputError(f"{path}: nothing but water and ions")
+        if len(residue) == 1
+        and next(residue.atoms()).index not in bound
+        and not isWater(residue.name)
+        and aminoAcid(residue.name) is None
+        and not isNucleotide(residue.name)
+    ]
+
+
+def tornError(source, pairs, hasBox):
+    """Return the InputError that tells of bonded atoms that are far apart: the first of some pairs, in words."""
+    others = f", the first of {len(pairs):,} such bonds" if len(pairs) > 1 else ""
+    remedy = "" if hasBox else "; a molecule split over a periodic box is made whole if the file has the box"
+    return InputError(f"{source}: bonded atoms are far apart ({pairs[0]}{others}){remedy}")
+
+
+def _noteWhole(topology, search, positions):
+    moved = (search.positions != positions).any(axis=1)
+    chains = dict.fromkeys(atom.residue.chain for atom, isMoved in zip(topology.atoms(), moved, strict=True) if isMoved)
+    names = [f"chain {chain.id}" if chain.id.strip() else f"chain number {chain.index + 1}" for chain in chains]
+    return Note("molecules split over the periodic box, and made whole", names)
+
+
+def _subset(topology, atoms, bonds=None):
+    """Return a Topology of some of the atoms, in their order, with their bonds or those given as indices."""
+    part = openmm.app.Topology()
+    part.setPeriodicBoxVectors(topology.getPeriodicBoxVectors())
+    chain = residue = newChain = newResidue = None
+    copies = {}
     for atom in atoms:
-        if atom.element is None and atom.residue.name != _WATER:
-            raise InputError(f"{path}: atom {_describe(nameAtom(atom))} has no element")
-    modeller = openmm.app.Modeller(topology, np.zeros((topology.getNumAtoms(), 3)) * unit.nanometer)
-    modeller.delete(left)
-    return Selection(modeller.topology, np.array([atom.index for atom in atoms]))
+        if atom.residue.chain is not chain:
+            chain = atom.residue.chain
+            newChain = part.addChain(chain.id)
+        if atom.residue is not residue:
+            residue = atom.residue
+            newResidue = part.addResidue(residue.name, newChain, residue.id, residue.insertionCode)
+        copies[atom.index] = part.addAtom(atom.name, atom.element, newResidue, atom.id)
+    if bonds is None:
+        bonds = [(bond[0].index, bond[1].index) for bond in topology.bonds()]
+    for first, second in bonds:
+        if first in copies and second in copies:
+            part.addBond(copies[first], copies[second])
+    return part
 
 
-def _describe(name):
-    return f"{name.atom} of {name.describeResidue()}"
-
-
-def _readText(path):
-    try:
-        data = path.read_bytes()
-        if data.startswith(_GZIP):
-            data = gzip.decompress(data)
-    except (EOFError, zlib.error, gzip.BadGzipFile) as error:
-        raise InputError(f"{path}: cannot be decompressed ({error})") from error
-    except OSError as error:
-        raise InputError(f"{path}: {error.strerror}") from error
-    return io.TextIOWrapper(io.BytesIO(data), encoding="ascii", errors="replace").read()
-
-
-def _isMmCIF(text):
-    """Whether a text is a CIF file: they begin with a data block, after comments."""
-    return re.match(r"(\s|#.*\n)*data_", text, re.IGNORECASE) is not None
-
-
-def _readMmCIF(path, text):
-    """Return a PDBxFile, and None for no damage: what is damaged in mmCIF cannot be read at all."""
-    if "_atom_site." not in text:
-        raise InputError(f"{path}: there are no atoms")
-    try:
-        file = openmm.app.PDBxFile(io.StringIO(text))
-    except Exception as error:  # PDBxFile reports what it cannot read by whatever exception comes up
-        reason = "the last row of a table is incomplete" if isinstance(error, IndexError) else error
-        raise InputError(f"{path}: not an mmCIF file that OpenMM can read ({reason})") from error
-    # PDBFile does this by itself.
-    file.topology.createDisulfideBonds(file.positions)
-    return file, None
-
-
-def _readPDB(path, text):
-    """Return a PDBFile of the models before the first damaged one, and that damage as an InputError or None."""
-    if not any(line.startswith(("ATOM  ", "HETATM")) for line in text.splitlines()):
-        raise InputError(f"{path}: there are no atoms; is it a PDB or mmCIF file?")
-    sound, damage = _soundModels(text)
-    if damage is not None:
-        damage = InputError(f"{path}: {damage}")
-        if sound is None:
-            raise damage
-    try:
-        return openmm.app.PDBFile(io.StringIO(text if damage is None else sound)), damage
-    except Exception as error:  # PDBFile reports what it cannot read by whatever exception comes up
-        raise InputError(f"{path}: not a PDB file that OpenMM can read ({error})") from error
-
-
-def _soundModels(text):
-    """Look for the first damage of a PDB file.
-
-    Return what is left without the damaged model and those after it, None if that is the first one, and the damage in
-    words; the words are None if there is none.
-    """
-    lines = text.splitlines(keepends=True)
-    modelStarts = []
-    isOpen = False
-    damage = None
-    for number, line in enumerate(lines):
-        record = line[:6].rstrip()
-        if record == "MODEL":
-            modelStarts.append(number)
-            isOpen = True
-        elif record in ("ENDMDL", "END"):
-            isOpen = False
-        elif record in ("ATOM", "HETATM") and not _hasCoordinates(line):
-            damage = f"line {number + 1} has no coordinates where they should be (columns 31 to 54)"
-            break
-    else:
-        if isOpen:
-            damage = f"the file ends within model {len(modelStarts) - 1} (from 0)"
-    if damage is None or len(modelStarts) < 2:
-        return None, damage
-    bonds = [line for line in lines[number:] if line.startswith("CONECT")]
-    return "".join(lines[: modelStarts[-1]] + bonds), damage
-
-
-def _hasCoordinates(line):
-    if len(line.rstrip("\r\n")) < _COORDINATES[-1].stop:
-        return False
-    try:
-        for columns in _COORDINATES:
-            float(line[columns])
-    except ValueError:
-        return False
-    return True
+def _describe(atom):
+    return f"{atom.name} of {describeResidue(atom.residue)}"

@@ -41,6 +41,7 @@ _CAP_CARBONS = {"ACE": ("CH3",), "NME": ("CH3", "C")}
 
 RING = "in a ring"
 DISULFIDE_RING = "in a ring that disulfide bonds close"
+METAL_RING = "in a ring that bonds of metals close"
 PROLINE_RING = "in the ring of proline"
 
 
@@ -73,6 +74,7 @@ def findTorsions(
     positions: Array | None = None,
     kinds: str | Iterable[str] = ("phi", "psi", "chi"),
     cutDisulfides: bool = False,
+    cutMetals: bool = False,
 ) -> TorsionSearch:
     """Find the torsions of the amino acids and nucleotides of a Topology.
 
@@ -89,8 +91,8 @@ def findTorsions(
     kinds : str or iterable of str
         of phi, psi, omega, chi (all of chi1 … chi4, and of nucleotides), chi1, chi2, chi3, chi4; alpha, beta, gamma,
         delta, epsilon, zeta of nucleic acids; rotor (methyl, hydroxyl, thiol and amine groups, turned by a hydrogen)
-    cutDisulfides : bool
-        treat disulfides as if they were no bonds
+    cutDisulfides, cutMetals : bool
+        treat disulfides, or the bonds between metals and other residues, as if they were no bonds
 
     Returns
     -------
@@ -107,7 +109,7 @@ def findTorsions(
     """
     if positions is not None:
         positions = positionsInNm(positions, topology.getNumAtoms())
-    return searchTorsions(BondGraph(topology, positions, cutDisulfides), topology, kinds)
+    return searchTorsions(BondGraph(topology, positions, cutDisulfides, cutMetals), topology, kinds)
 
 
 def searchTorsions(graph, topology, kinds):
@@ -134,14 +136,23 @@ class _Search:
         self.torsions = []
         self.leftOut = []
         self._graph = graph
-        self._ringBonds = ringBonds(graph.neighbors)
+        self._rings = self._findRings(graph)
         self._atoms = [_atomsByName(residue) for residue in topology.residues()]
-        disulfides = set(graph.disulfides)
-        others = [bond for bond in graph.bonds if bond not in disulfides]
-        self._ringsWithoutDisulfides = ringBonds(neighborLists(len(graph.atoms), others))
         self._gapAfter = {gap.residue1.index: gap for gap in graph.gaps}
         self._gapBefore = {gap.residue2.index: gap for gap in graph.gaps}
         self._previous, self._next = self._linkedResidues()
+
+    @staticmethod
+    def _findRings(graph):
+        """Return the reasons why bonds in rings do not turn, with the bonds: rings that can be cut come last."""
+        cuttable = ((DISULFIDE_RING, set(graph.disulfides)), (METAL_RING, set(graph.metalBonds)))
+        closing = set().union(*(bonds for _, bonds in cuttable))
+        found = {}
+        for reason, bonds in ((RING, set()), *cuttable, (METAL_RING, closing)):
+            kept = [bond for bond in graph.bonds if bond not in closing or bond in bonds]
+            for bond in ringBonds(neighborLists(len(graph.atoms), kept)):
+                found.setdefault(bond, reason)
+        return found
 
     def _linkedResidues(self):
         """Map residues to those that come before and after them in the polymer, by its bonds."""
@@ -254,10 +265,8 @@ class _Search:
         axis = (min(particles[1:3]), max(particles[1:3]))
         if kind == "phi" and aminoAcid(residue.name) == "PRO":
             self._leaveOut(kind, residue, PROLINE_RING)
-        elif axis in self._ringsWithoutDisulfides:
-            self._leaveOut(kind, residue, RING)
-        elif axis in self._ringBonds:
-            self._leaveOut(kind, residue, DISULFIDE_RING)
+        elif axis in self._rings:
+            self._leaveOut(kind, residue, self._rings[axis])
         else:
             self.torsions.append(Torsion(tuple(particles), kind, residue))
 

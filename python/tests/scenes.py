@@ -122,3 +122,19 @@ def writeXTC(path, topology, frames):
     for positions in frames:
         trajectory.writeModel(positions * unit.nanometer)
     return path
+
+
+def pdbLine(serial, name, residue, chain, number, x, y, z, *, record="ATOM", altloc="", occupancy=1.0, element=None):
+    """Return a line of a PDB file; the position is in Å. The element is the first letter of the name if not given."""
+    element = name.strip("0123456789")[0] if element is None else element
+    column = f"{name:<4}" if len(name) == 4 or len(element) == 2 else f" {name:<3}"
+    return (
+        f"{record:<6}{serial:>5} {column}{altloc:1}{residue:>3} {chain:1}{number:>4}    "
+        f"{x:8.3f}{y:8.3f}{z:8.3f}{occupancy:6.2f}{0.0:6.2f}          {element:>2}"
+    )
+
+
+def bondNames(topology):
+    """Return the bonds of a Topology as sorted pairs of "residue number, atom"."""
+    names = [sorted(f"{atom.residue.id} {atom.name}" for atom in bond) for bond in topology.bonds()]
+    return sorted(map(tuple, names))

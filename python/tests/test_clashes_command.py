@@ -117,7 +117,7 @@ def test_options(runHere, villin):
         options: runHere(path, *options).stdout.split(" of ")[0].split()[-1]
         for options in [(), ("--ions",), ("--water",), ("--water", "--ions")]
     }
-    assert counts[()] == "5,652" and len(set(counts.values())) == 4
+    assert counts[()] == "5,656" and len(set(counts.values())) == 4
     assert "all-atom radii" in runHere("--radii", "all-atom").stdout
     heavy = sum(atom.element.symbol != "H" for atom in villin.topology.atoms())
     assert f" {heavy} of 8,867 atoms looked at, united-atom radii" in runHere("--radii", "united-atom").stdout

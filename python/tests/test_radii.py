@@ -58,7 +58,7 @@ def test_allAtomRoles(villin):
     assert serine["H"] == serine["HG"] == _DONOR
     assert serine["O"] == serine["OG"] == _ACCEPTOR
     assert serine["N"] == serine["CA"] == serine["HA"] == _NONE
-    histidine = byName(villin.topology, roles, "HIS")
+    histidine = byName(villin.topology, roles, "HIE")
     protonated = {"ND1": "HD1", "NE2": "HE2"}
     for nitrogen, hydrogen in protonated.items():
         assert histidine[nitrogen] == (_NONE if hydrogen in histidine else _ACCEPTOR)

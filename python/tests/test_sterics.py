@@ -90,7 +90,7 @@ def test_gapMakesTwoMolecules():
     topology = peptide("ALA", "ALA", "ALA")
     positions = np.random.default_rng(1).normal(size=(15, 3)) * 0.01
     positions[5:] += 1.0
-    with pytest.warns(UserWarning, match="there is a gap in the chain between .*ALA 1 and .*ALA 2: C and N, bonded"):
+    with pytest.warns(UserWarning, match="gaps in the chain .*between .*ALA 1 and .*ALA 2, C and N, bonded"):
         force = createStericExclusionForce(topology, positions)
     assert moleculeCount(force) == 2
     assert force.getNumTorsions() == 2
@@ -106,7 +106,7 @@ def cystines():
 
 def test_disulfideStaysABond():
     topology = cystines()
-    with pytest.warns(UserWarning, match=r"^10 torsions are left out: in a ring that disulfide bonds close"):
+    with pytest.warns(UserWarning, match=r"^torsions left out, in a ring that disulfide bonds close, .*\(10\)"):
         force = createStericExclusionForce(topology)
     assert force.getNumTorsions() == 0
     assert len(bondsOf(force)) == topology.getNumBonds()
@@ -151,29 +151,41 @@ def test_atomsWithoutBondsAreBondedByDistance():
         topology.addAtom(name, app.Element.getBySymbol(name[0]), residue)
     corners = np.array([[1, 1, 1], [1, -1, -1], [-1, 1, -1], [-1, -1, 1]]) * 0.154 / np.sqrt(3)
     positions = np.vstack([[0, 0, 0], corners])
-    assert moleculeCount(createStericExclusionForce(topology)) == 5
-    force = createStericExclusionForce(topology, positions)
-    assert sorted(map(sorted, bondsOf(force))) == [[0, 1], [0, 2], [0, 3], [0, 4]]
+    for given in (topology, renamed(topology, "XYZ")):
+        force = createStericExclusionForce(given, positions)
+        assert sorted(map(sorted, bondsOf(force))) == [[0, 1], [0, 2], [0, 3], [0, 4]]
+    assert moleculeCount(createStericExclusionForce(topology)) == 1  # the dictionary knows it
+    assert moleculeCount(createStericExclusionForce(renamed(topology, "XYZ"))) == 5
 
 
-def test_hemeIsAMoleculeOfItsOwn(realStructure):
+def renamed(topology, name):
+    """Return the Topology of one residue under a name that no dictionary has."""
+    other = app.Topology()
+    residue = other.addResidue(name, other.addChain())
+    for atom in topology.atoms():
+        other.addAtom(atom.name, atom.element, residue)
+    return other
+
+
+@pytest.mark.parametrize("cutMetals", [False, True])
+def test_hemeMovesWithTheHistidineThatBindsIt(realStructure, cutMetals):
     structure = realStructure("4hhb.pdb")
-    force = createStericExclusionForce(structure.topology, structure.positions)
+    force = createStericExclusionForce(structure.topology, structure.positions, cutMetals=cutMetals)
     molecule = molecules(neighborLists(force.getNumParticles(), bondsOf(force)))
     hemes = [residue for residue in structure.topology.residues() if residue.name == "HEM"]
     assert len(hemes) == 4
     for heme in hemes:
         atoms = [atom.index for atom in heme.atoms()]
         (number,) = {molecule[atom] for atom in atoms}
-        assert molecule.count(number) == len(atoms) == 43
-    assert max(molecule) + 1 == 4 + 4  # chains and hemes
+        assert len(atoms) == 43 and (molecule.count(number) == 43) == cutMetals
+    assert max(molecule) + 1 == (8 if cutMetals else 4)
 
 
 def test_gapsOf6msm(realStructure):
     structure = realStructure("6msm.pdb")
-    with pytest.warns(UserWarning, match="there is a gap") as caught:
+    with pytest.warns(UserWarning, match="^gaps in the chain") as caught:
         createStericExclusionForce(structure.topology, structure.positions)
-    assert len(caught) == 4
+    assert len(caught[0].message.note.items) == 4
 
 
 def test_unknownRadius():

@@ -7,6 +7,7 @@ import pytest
 from openmm import app
 from openmmchaintree import findTorsions
 from openmmchaintree.bonds import neighborLists, ringBonds
+from openmmchaintree.residues import aminoAcid
 from scenes import HEAVY_ATOMS, peptide
 
 # Side-chain torsions of IUPAC that are no ring bonds, and not the planar end of arginine.
@@ -193,7 +194,7 @@ def test_positionsOfAnotherSizeAreRefused():
 def test_villin(villin):
     search = findTorsions(villin.topology, villin.positions, ("phi", "psi", "omega", "chi", "rotor"))
     sequence = "LSDEDFKAVFGMTRSAFANLPLWKQQHLKKEKGLF"
-    names = Counter(residue.name for residue in villin.topology.residues())
+    names = Counter(aminoAcid(residue.name) for residue in villin.topology.residues())
     assert sum(names.values()) == len(sequence) == 35 and names["PRO"] == sequence.count("P") == 1
     kinds = kindsOf(search)
     assert kinds["phi"] == 34 - 1

@@ -3,7 +3,7 @@
 import tempfile
 from pathlib import Path
 
-from ..structure import InputError
+from ..errors import InputError
 from .accuracy.plan import TURNS, planAccuracy
 from .arguments import listOf, positive, positiveReal, seed
 from .benchmarking.course import Course

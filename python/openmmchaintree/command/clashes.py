@@ -3,8 +3,8 @@
 from pathlib import Path
 
 from ..clashes import ClashSearch
+from ..errors import InputError
 from ..radii import RADII_SETS
-from ..structure import InputError
 from .arguments import positive
 from .clashreport import printReport, summarize, writeCSV
 from .outputfiles import checkOutput, checkPicture, writeJSON

@@ -9,6 +9,7 @@ from openmm import unit
 from rich.table import Table
 
 from ..naming import AtomName
+from ..notes import Note
 
 # So many residues are named for each frame.
 _WORST_OF_A_FRAME = 5
@@ -34,7 +35,7 @@ def summarize(search, frames, damage, interrupted):
         "radii": search.finder.radii,
         "overlapTolerance": search.finder.force.getOverlapTolerance().value_in_unit(unit.nanometer),
         "hydrogenBondAllowance": search.finder.force.getHydrogenBondAllowance().value_in_unit(unit.nanometer),
-        "notes": search.notes,
+        "notes": [vars(note) for note in search.notes],
         "damage": None if damage is None else str(damage),
         "interrupted": interrupted,
         "clashesPerFrame": sum(len(frame.clashes) for frame in frames) / len(frames),
@@ -112,7 +113,7 @@ def printReport(summary, files, rows, console):
         f"{tolerance + summary['hydrogenBondAllowance']:g} nm where a hydrogen bond may be"
     )
     for note in summary["notes"]:
-        console.print(f"note: {note}")
+        console.print(f"note: {Note(**note)}")
     if len(summary["frames"]) == 1:
         _printFrame(summary, rows, console)
     else:

@@ -6,7 +6,7 @@ import sys
 
 import openmm
 
-from ..structure import InputError
+from ..errors import InputError
 from . import benchmark, clashes, sample
 from .arguments import Parser
 from .status import BAD_INPUT, INTERRUPTED, NOBODY_READS

@@ -3,7 +3,7 @@
 import json
 from pathlib import Path
 
-from ..structure import InputError
+from ..errors import InputError
 
 _PICTURES = (".png", ".pdf", ".svg")
 

@@ -6,7 +6,8 @@ from pathlib import Path
 import openmm.app
 from openmm import unit
 
-from ..structure import InputError, readStructure
+from ..errors import InputError
+from ..structure import readStructure
 from .arguments import positive, seed
 from .outputfiles import checkOutput, writeJSON
 from .samplereport import printReport, summarize

@@ -9,9 +9,9 @@ import openmm
 from openmm import unit
 
 from ..bonds import molecules, neighborLists
+from ..errors import InputError
 from ..openmmchaintree import TorsionMonteCarloIntegrator
 from ..sterics import createStericExclusionForce
-from ..structure import InputError
 from ..torsions import findTorsions
 from . import allpairs
 from .geometry import dihedrals, radiusOfGyration

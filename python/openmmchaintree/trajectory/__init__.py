@@ -7,7 +7,7 @@ import subprocess
 import sys
 from pathlib import Path
 
-from ..structure import InputError
+from ..errors import InputError
 
 _FORMATS = (".dcd", ".xtc")
 
@@ -16,7 +16,10 @@ _READER = Path(__file__).with_name("reader.py")
 
 
 class Trajectory:
-    """A trajectory, to be iterated once: float64 arrays of shape (n, 3), nm. As a context manager it closes itself.
+    """A trajectory, to be iterated once. As a context manager it closes itself.
+
+    Iteration gives pairs of the positions, a float64 array of shape (n, 3) in nm, and the periodic box, one of shape
+    (3, 3) with a vector a row, or None.
 
     Attributes
     ----------

@@ -2,8 +2,8 @@
 
 A program of its own, so that nothing in a damaged file can harm the one that asked: on those, the C code that all
 readers of these formats stand on may crash, and prints what it thinks. It writes pickles: the number of frames that the
-file says it has and the number that it has (each None if nobody knows), then one float64 array in nm for each frame,
-and at the end what is wrong with the file in words, or None.
+file says it has and the number that it has (each None if nobody knows), then, for each frame, the positions and the
+periodic box (None without one) as float64 arrays in nm, and at the end what is wrong with the file in words, or None.
 """
 
 import os
@@ -11,6 +11,10 @@ import pickle
 import struct
 import sys
 from pathlib import Path
+
+import numpy as np
+
+_SMALLEST_BOX = 0.5  # nm; smaller ones stand for none
 
 
 def main(path):
@@ -46,12 +50,15 @@ def _writeFrames(path, output):
         index = 0
         while True:
             try:
-                positions = file.read(1)[0]
+                positions, *others = file.read(1)
             except Exception:
                 return f"frame {index} (from 0) is damaged"
             if len(positions) == 0:
                 break
-            pickle.dump(positions[0].astype("float64") * scale, output)
+            box = (_boxOfDCD if isDCD else _boxOfXTC)(*others)
+            if box is not None and np.diag(box).min() < _SMALLEST_BOX:
+                box = None
+            pickle.dump((positions[0].astype("float64") * scale, box), output)
             output.flush()
             index += 1
     if isDCD and index < count:
@@ -59,6 +66,20 @@ def _writeFrames(path, output):
     if isDCD and not header.endsWithAFrame():
         return f"frame {index} (from 0) is cut off"
     return None if index > 0 else "there are no frames"
+
+
+def _boxOfDCD(lengths, angles):
+    """Return the box of the one frame that was read, or None; some programs write zeros where there is none."""
+    if lengths is None or angles is None or not (np.all(lengths > 0) and np.all(angles > 0)):
+        return None
+    from mdtraj.utils.unitcell import lengths_and_angles_to_box_vectors
+
+    vectors = lengths_and_angles_to_box_vectors(*(0.1 * lengths[0].astype("float64")), *angles[0].astype("float64"))
+    return np.array(vectors)
+
+
+def _boxOfXTC(times, steps, boxes):
+    return None if boxes is None else boxes[0].astype("float64")
 
 
 def _length(file):

@@ -1,6 +1,6 @@
 """What is measured of the accuracy."""
 
-from ...structure import InputError
+from ...errors import InputError
 from ..benchmarking.platforms import CPU, whyNot
 from ..benchmarking.races import LAZY_GRID
 from ..benchmarking.study import Study

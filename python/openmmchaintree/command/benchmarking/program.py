@@ -6,8 +6,8 @@ import signal
 import subprocess
 from typing import NamedTuple
 
+from ...errors import InputError
 from ...loading import compiledFolder
-from ...structure import InputError
 
 _NAME = "openmm-chaintree-contestants"
 

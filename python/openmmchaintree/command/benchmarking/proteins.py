@@ -10,10 +10,11 @@ import numpy as np
 import openmm
 from openmm import app, unit
 
+from ...errors import InputError
 from ...openmmchaintree import StericExclusionForce
 from ...residues import aminoAcid
 from ...sterics import createStericExclusionForce
-from ...structure import InputError, readStructure
+from ...structure import readStructure
 from ...torsions import Torsion, findTorsions
 from ..allpairs import HardSpheres
 from .scene import Scene, makeScene

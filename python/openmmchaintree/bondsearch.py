@@ -1,0 +1,383 @@
+"""Finding the bonds of a Topology: from its own, from residue templates, and from distances."""
+
+from collections import defaultdict
+from itertools import pairwise
+from typing import NamedTuple
+
+import numpy as np
+from openmm import unit
+from openmm.app import Residue
+
+from .covalent import areAnglesOfBonds, bindsMetals, bondedPairs, isLooseMetal, isMetal, nearPairs
+from .images import SMALLEST_BOX, makeWhole, nearestImage
+from .naming import describeResidue
+from .notes import Note, found
+from .residues import CAPS, aminoAcid, isNucleotide, isWater
+from .templates import isStandard, templateBonds
+
+# A bond between residues of a polymer that is longer than this (nm) spans missing residues.
+LONGEST_LINK = 0.4
+
+# The same where the numbers of the residues are not consecutive.
+_LONGEST_LINK_ACROSS_A_JUMP = 0.2
+
+# Atoms farther apart than this (nm) are on two sides of a periodic box, whatever bond there may be.
+LONGEST_BOND = 0.8
+
+_LONGEST_DISULFIDE = 0.3
+
+# Atoms farther apart than LONGEST_LINK are bonded across the periodic box only if as near as this (nm).
+_LONGEST_ACROSS_THE_BOX = 0.25
+
+# The atoms that join a residue to the next one: peptides, nucleic acids.
+LINKS = (("C", "N"), ("O3'", "P"))
+
+# What these atoms hang on.
+_BACKBONE = {"C": "CA", "N": "CA", "O3'": "C3'", "P": "O5'"}
+
+_HYDROGEN, _SULFUR = 1, 16
+_HALOGENS = (9, 17, 35, 53)
+
+
+class Gap(NamedTuple):
+    """Two residues, next to each other in a chain, that are not bonded."""
+
+    residue1: Residue
+    residue2: Residue
+    reason: str
+
+
+class BondSearch:
+    """Finds the bonds of a Topology.
+
+    Residues whose own bonds do not hold their atoms together get those of their template, and what is still loose is
+    bonded by distance. Residues next to each other in a chain are linked where their ends are near. Last come, by
+    distance: links elsewhere, as of cyclic peptides; disulfides; the bonds of metals that have none to another residue;
+    bonds of residues that are neither amino acids nor nucleotides. Water is bonded to nothing.
+
+    Attributes
+    ----------
+    bonds : list of (int, int)
+        lower index first, sorted
+    disulfides, metalBonds : list of (int, int)
+        those of the bonds
+    gaps : list of Gap
+    positions : (n, 3) float64 array or None
+        nm, with molecules that the periodic box tears apart made whole
+    overlong : list of (int, int)
+        bonds that are longer than 0.8 nm, as where a molecule is split over a periodic box
+    hasBox : bool
+        whether the Topology has a periodic box
+    notes : list of Note
+    """
+
+    def __init__(self, topology, positions=None):
+        """Find the bonds. With positions, an (n, 3) float64 array in nm, distances count. O(n log n)."""
+        self._atoms = list(topology.atoms())
+        self._residues = list(topology.residues())
+        self._chains = [list(chain.residues()) for chain in topology.chains()]
+        self._residueOf = np.array([atom.residue.index for atom in self._atoms], dtype=int)
+        self._numbers = np.array([0 if atom.element is None else atom.element.atomic_number for atom in self._atoms])
+        self._box = boxOf(topology) if positions is not None else None
+        self.hasBox = self._box is not None
+        self.positions = positions
+        self.gaps = []
+        self.disulfides = []
+        self.metalBonds = []
+        self.notes = []
+        self._bonds = {}
+        self._tooLong = []
+        self._byDistance = []
+        self._addOwnBonds(topology)
+        self._completeResidues()
+        self._linkResidues()
+        if positions is not None:
+            self._makeWhole()
+            self._bondNearResidues()
+        self._findGaps()
+        self.bonds = sorted(self._bonds)
+        self._classify()
+        self._noteWhatWasFound()
+
+    # ---- The Topology's own ----
+
+    def _addOwnBonds(self, topology):
+        for bond in topology.bonds():
+            pair = _sorted(bond[0].index, bond[1].index)
+            if pair in self._bonds:  # files may tell a bond more than once
+                continue
+            if self._residueOf[pair[0]] != self._residueOf[pair[1]] and self._distance(pair) > LONGEST_LINK:
+                if self._isLink(pair):
+                    atoms = [self._atoms[atom] for atom in pair]
+                    names = f"{atoms[0].name} and {atoms[1].name}, bonded in the Topology,"
+                    self._addGap(*(atom.residue for atom in atoms), f"{names} are {self._distance(pair):.2f} nm apart")
+                    continue
+                if (self._numbers[list(pair)] > 0).all():  # beads may be far apart
+                    self._tooLong.append(pair)
+                    continue
+            self._bonds[pair] = None
+
+    def _addGap(self, residue1, residue2, reason):
+        self.gaps.append(Gap(*sorted((residue1, residue2), key=lambda residue: residue.index), reason))
+
+    # ---- Within residues ----
+
+    def _completeResidues(self):
+        known = {}
+        for residue in self._looseResidues():
+            names = tuple(atom.name for atom in residue.atoms())
+            if (residue.name, names) not in known:
+                known[residue.name, names] = templateBonds(residue.name, names)
+            first = next(residue.atoms()).index
+            for atom1, atom2 in known[residue.name, names]:
+                self._bonds[_sorted(first + atom1, first + atom2)] = None
+        if self.positions is not None:
+            loose = self._looseResidues()
+            bonds = defaultdict(list)
+            for pair in self._bonds:
+                if self._areOneResidue(pair):
+                    bonds[self._residueOf[pair[0]]].append(pair)
+            for residue in loose:
+                self._bondWithin(residue, bonds[residue.index])
+
+    def _looseResidues(self):
+        """Return the residues whose atoms their bonds do not hold together."""
+        parts = _parts(len(self._atoms), [pair for pair in self._bonds if self._areOneResidue(pair)])
+        return [
+            residue
+            for residue in self._residues
+            if len(set(parts[[atom.index for atom in residue.atoms() if atom.element is not None]])) > 1
+        ]
+
+    def _bondWithin(self, residue, known):
+        """Bond atoms of a residue by distance that its bonds do not hold together."""
+        atoms = np.array([atom.index for atom in residue.atoms() if atom.element is not None])
+        place = {atom: number for number, atom in enumerate(atoms.tolist())}
+        bonds = [(place[first], place[second]) for first, second in known]
+        part = _parts(len(atoms), bonds)
+        positions = self.positions[atoms]
+        if self._box is not None:
+            positions = positions[0] + nearestImage(positions - positions[0], self._box)
+        near = bondedPairs(positions, self._numbers[atoms])
+        near = near[part[near[:, 0]] != part[near[:, 1]]]
+        isHydrogen = self._numbers[atoms] == _HYDROGEN
+        isBonded = np.zeros(len(atoms), dtype=bool)
+        isBonded[[atom for bond in bonds for atom in bond]] = True
+        lengths = np.linalg.norm(positions[near[:, 0]] - positions[near[:, 1]], axis=1)
+        for ends in near[np.argsort(lengths, kind="stable")]:
+            # A hydrogen has one bond, to the nearest atom.
+            if not (isHydrogen[ends] & isBonded[ends]).any():
+                isBonded[ends] = True
+                self._bonds[_sorted(*atoms[ends].tolist())] = None
+
+    # ---- Along chains ----
+
+    def _linkResidues(self):
+        for residue1, residue2 in self._unlinkedNeighbors():
+            if isWater(residue1.name) or isWater(residue2.name):
+                continue
+            areConsecutive = _areConsecutive(residue1, residue2)
+            longest = LONGEST_LINK if areConsecutive else _LONGEST_LINK_ACROSS_A_JUMP
+            # Where OpenMM knows both residues and did not link them, only positions can tell better.
+            if self.positions is None and (
+                not areConsecutive or all(map(isStandard, (residue1.name, residue2.name)))
+            ):
+                continue
+            for ends in self._facingEnds(residue1, residue2):
+                if self._distance(ends) <= longest:
+                    self._bonds[_sorted(*ends)] = None
+
+    def _findGaps(self):
+        """Note polymer residues that follow each other in a chain and are not linked."""
+        known = {(gap.residue1.index, gap.residue2.index) for gap in self.gaps}
+        for residue1, residue2 in self._unlinkedNeighbors():
+            if not _areOnePolymer(residue1, residue2) or (residue1.index, residue2.index) in known:
+                continue
+            reason = "the Topology has no bond between them"
+            if self.positions is not None:
+                for first, second in self._facingEnds(residue1, residue2):
+                    names = self._atoms[first].name, self._atoms[second].name
+                    reason = f"{names[0]} and {names[1]} are {self._distance((first, second)):.2f} nm apart"
+            self._addGap(residue1, residue2, reason)
+
+    def _unlinkedNeighbors(self):
+        """Return the pairs of residues that follow each other in a chain and are not linked."""
+        linked = set()
+        for pair in self._bonds:
+            if not self._areOneResidue(pair) and self._isLink(pair):
+                linked.add(_sorted(*self._residueOf[list(pair)].tolist()))
+        pairs = (pair for chain in self._chains for pair in pairwise(chain))
+        return [pair for pair in pairs if (pair[0].index, pair[1].index) not in linked]
+
+    def _facingEnds(self, residue1, residue2):
+        """Return the atoms of two residues that can link them, as a list of at most one pair."""
+        for name1, name2 in LINKS:
+            ends = _atomNamed(name1, residue1), _atomNamed(name2, residue2)
+            if None not in ends and self._isEndOfPolymer(ends[0], name1) and self._isEndOfPolymer(ends[1], name2):
+                return [ends]
+        return []
+
+    def _isEndOfPolymer(self, atom, name):
+        """Whether an atom has the name of a link's end because it is one: it hangs on a polymer's backbone."""
+        residue = self._atoms[atom].residue
+        if residue.name in CAPS:
+            return True
+        before = _atomNamed(_BACKBONE[name], residue)
+        if before is None:
+            return _isPolymer(residue)
+        return _sorted(atom, before) in self._bonds
+
+    def _isLink(self, pair):
+        name1, name2 = (self._atoms[atom].name for atom in pair)
+        return (name1, name2) in LINKS or (name2, name1) in LINKS
+
+    # ---- Across the periodic box, and by distance between residues ----
+
+    def _makeWhole(self):
+        if self._box is not None:
+            self.positions = makeWhole(self.positions, list(self._bonds), self._box)
+
+    def _bondNearResidues(self):
+        positions, numbers, residueOf = self.positions, self._numbers, self._residueOf
+        hasOther = np.zeros(len(self._atoms), dtype=bool)  # bonds to another residue
+        neighbors = [[] for _ in self._atoms]
+        for first, second in self._bonds:
+            neighbors[first].append(second)
+            neighbors[second].append(first)
+            if residueOf[first] != residueOf[second]:
+                hasOther[[first, second]] = True
+        bound = np.array([not isWater(residue.name) for residue in self._residues])[residueOf]
+        sulfurs = np.flatnonzero((numbers == _SULFUR) & bound & ~hasOther)
+        near = [bondedPairs(positions, numbers), sulfurs[nearPairs(positions[sulfurs], _LONGEST_DISULFIDE)]]
+        for first, second in np.concatenate(near).tolist():
+            pair = _sorted(first, second)
+            if residueOf[first] == residueOf[second] or pair in self._bonds or not (bound[first] and bound[second]):
+                continue
+            if any(numbers[atom] == _HYDROGEN and neighbors[atom] for atom in pair):
+                continue
+            if self._isBond(pair, hasOther, neighbors):
+                self._bonds[pair] = None
+                self._byDistance.append(pair)
+
+    def _isBond(self, pair, hasOther, neighbors):
+        """Whether two near atoms of different residues are bonded, by what they are."""
+        numbers = self._numbers[list(pair)]
+        metals = isMetal(numbers)
+        if metals.any():
+            # What the file says of a metal is all there is.
+            isFree = not hasOther[np.array(pair)[metals]].any() and not isLooseMetal(numbers).any()
+            return bool(isFree and not metals.all() and bindsMetals(numbers[~metals]).all())
+        if self._isLink(pair):
+            return not hasOther[list(pair)].any()
+        if (numbers == _SULFUR).all():
+            return not any(self._numbers[other] == _HYDROGEN for atom in pair for other in neighbors[atom])
+        residues = [self._atoms[atom].residue for atom in pair]
+        if all(map(_isPolymer, residues)):
+            return False
+        ions = [len(residue) == 1 and number in _HALOGENS for residue, number in zip(residues, numbers, strict=True)]
+        # A clash can be as near, but rarely lies as a bond does.
+        return not any(ions) and all(
+            areAnglesOfBonds(self.positions, atom, other, neighbors[atom]) for atom, other in (pair, pair[::-1])
+        )
+
+    # ---- What was found ----
+
+    def _classify(self):
+        pairs = np.array(self.bonds, dtype=int).reshape(-1, 2)
+        numbers = self._numbers[pairs]
+        areOther = self._residueOf[pairs[:, 0]] != self._residueOf[pairs[:, 1]]
+        areSulfurs = areOther & (numbers == _SULFUR).all(axis=1)
+        areMetals = areOther & isMetal(numbers).any(axis=1)
+        self.disulfides = [tuple(pair) for pair in pairs[areSulfurs].tolist()]
+        self.metalBonds = [tuple(pair) for pair in pairs[areMetals].tolist()]
+        if self.positions is None:
+            self.overlong = []
+            return
+        lengths = np.linalg.norm(self.positions[pairs[:, 0]] - self.positions[pairs[:, 1]], axis=1)
+        areLong = (lengths > LONGEST_BOND) & (numbers > 0).all(axis=1)
+        self.overlong = [tuple(pair) for pair in pairs[areLong].tolist()]
+
+    def _noteWhatWasFound(self):
+        gaps = [
+            f"between {describeResidue(gap.residue1)} and {describeResidue(gap.residue2)}, {gap.reason}"
+            for gap in self.gaps
+        ]
+        disulfides, metals = set(self.disulfides), set(self.metalBonds)
+        others = [pair for pair in self._byDistance if pair not in disulfides and pair not in metals]
+        self.notes = found([
+            Note("gaps in the chain", gaps),
+            Note("disulfides found by distance", map(self.describePair, sorted(disulfides & set(self._byDistance)))),
+            Note("bonds of metals found by distance", map(self.describePair, sorted(metals & set(self._byDistance)))),
+            Note("other bonds found by distance", map(self.describePair, others)),
+            Note("bonds of the file that are too long, and left out", map(self.describePair, self._tooLong)),
+        ])
+
+    def describePair(self, pair):
+        """Return two atoms and their distance in words."""
+        names = [f"{describeResidue(self._atoms[atom].residue)} {self._atoms[atom].name}" for atom in pair]
+        return f"{names[0]} – {names[1]}, {self._distance(pair):.3f} nm"
+
+    def _areOneResidue(self, pair):
+        return self._residueOf[pair[0]] == self._residueOf[pair[1]]
+
+    def _distance(self, pair):
+        return float(self._distances(*pair))
+
+    def _distances(self, atoms1, atoms2):
+        """Return distances (nm) between atoms; to the nearest image, where they can be bonded only to that one."""
+        if self.positions is None:
+            return np.zeros(np.shape(atoms1))
+        vectors = self.positions[atoms2] - self.positions[atoms1]
+        distances = np.linalg.norm(vectors, axis=-1)
+        if self._box is None:
+            return distances
+        images = np.linalg.norm(nearestImage(vectors, self._box), axis=-1)
+        return np.where((distances > LONGEST_LINK) & (images <= _LONGEST_ACROSS_THE_BOX), images, distances)
+
+
+def boxOf(topology):
+    """Return the periodic box of a Topology as a (3, 3) float64 array in nm, a vector a row; None without one."""
+    vectors = topology.getPeriodicBoxVectors()
+    if vectors is None:
+        return None
+    box = np.array(vectors.value_in_unit(unit.nanometer), dtype=np.float64)
+    return box if np.diag(box).min() >= SMALLEST_BOX else None
+
+
+def _parts(count, bonds):
+    """Return the number of the connected part that each atom belongs to."""
+    part = list(range(count))
+
+    def find(atom):
+        while part[atom] != atom:
+            part[atom] = part[part[atom]]
+            atom = part[atom]
+        return atom
+
+    for first, second in bonds:
+        part[find(first)] = find(second)
+    return np.array([find(atom) for atom in range(count)], dtype=int)
+
+
+def _atomNamed(name, residue):
+    return next((atom.index for atom in residue.atoms() if atom.name == name), None)
+
+
+def _isPolymer(residue):
+    return aminoAcid(residue.name) is not None or isNucleotide(residue.name)
+
+
+def _areOnePolymer(residue1, residue2):
+    names = residue1.name, residue2.name
+    return all(map(aminoAcid, names)) or all(map(isNucleotide, names))
+
+
+def _areConsecutive(residue1, residue2):
+    try:
+        return int(residue2.id) - int(residue1.id) in (0, 1)
+    except ValueError:
+        return True
+
+
+def _sorted(first, second):
+    return (first, second) if first < second else (second, first)

@@ -1,0 +1,91 @@
+"""Choosing one conformer of each residue where a structure file has several."""
+
+from collections import defaultdict
+from itertools import groupby
+from typing import NamedTuple
+
+import gemmi
+
+NO_ALTERNATE = "\0"  # gemmi's label of an atom without alternates
+
+
+class Choice(NamedTuple):
+    """What is left of a model.
+
+    atoms : list of list of (gemmi.Residue, list of gemmi.Atom)
+        by chain and residue, in the order of the file, one conformer each
+    described : list of str
+        the residues that have more than one conformer, and the one that was taken
+    """
+
+    chains: list[list[tuple[gemmi.Residue, list[gemmi.Atom]]]]
+    described: list[str]
+
+
+def chooseConformers(model, name):
+    """Choose, in each residue of a gemmi.Model, the conformer of highest occupancy, the first of equals.
+
+    Residues of different names at one place in the chain (microheterogeneity) are conformers of one residue. Conformers
+    that share no atom are no alternatives to each other, and one of each such set is taken.
+
+    Parameters
+    ----------
+    model : gemmi.Model
+    name : function
+        names a residue of a chain in messages: name(chain, residue)
+
+    Returns
+    -------
+    Choice
+    """
+    chains, described = [], []
+    for chain in model:
+        residues = []
+        for _, place in groupby(chain, key=lambda residue: residue.seqid):
+            place = list(place)
+            if all(atom.altloc == NO_ALTERNATE for residue in place for atom in residue):
+                residues += [(residue, list(residue)) for residue in place]
+                continue
+            chosen, taken = _chooseAt(place)
+            residues += chosen
+            described.append(f"{name(chain, chosen[0][0])} conformer {', '.join(taken)}")
+        chains.append(residues)
+    return Choice(chains, described)
+
+
+def _chooseAt(place):
+    """Return the (residue, atoms) chosen among those of one place in the chain, and the labels taken."""
+    occupancies = defaultdict(list)
+    names = defaultdict(set)
+    for residue in place:
+        for atom in residue:
+            if atom.altloc != NO_ALTERNATE:
+                occupancies[atom.altloc].append(atom.occ)
+                names[atom.altloc].add(_plainName(atom))
+    taken = []
+    for labels in _alternatives(names):
+        # Python's max returns the first of equals; labels are in the order of the file.
+        taken.append(max(labels, key=lambda label: sum(occupancies[label]) / len(occupancies[label])))
+    kept = []
+    for residue in place:
+        atoms = [atom for atom in residue if atom.altloc == NO_ALTERNATE or atom.altloc in taken]
+        if atoms:
+            kept.append((residue, atoms))
+    named = [(residue, atoms) for residue, atoms in kept if any(atom.altloc in taken for atom in atoms)]
+    # Where two names are left, an atom without a label belongs to the one that was chosen.
+    return (kept if len({residue.name for residue, _ in kept}) == 1 else named), taken
+
+
+def _alternatives(names):
+    """Return sets of labels, each connected by names of atoms in common, as lists in the order of the file."""
+    groups = []
+    for label, found in names.items():
+        joined = [group for group in groups if any(names[other] & found for other in group)]
+        merged = [other for group in joined for other in group] + [label]
+        groups = [group for group in groups if group not in joined] + [merged]
+    return groups
+
+
+def _plainName(atom):
+    """Return the name of an atom; deuterium is named as the hydrogen in whose place it is."""
+    return "H" + atom.name[1:] if atom.element.name == "D" and atom.name.startswith("D") else atom.name

@@ -1,0 +1,83 @@
+"""Molecules that the images of a periodic box tear apart, made whole along their bonds."""
+
+import numpy as np
+
+# Boxes with a side below this (nm) stand for none: some programs write 1 Å.
+SMALLEST_BOX = 0.5
+
+
+def nearestImage(vectors, box):
+    """Return vectors less the whole numbers of box vectors by which they are longer than need be.
+
+    vectors : (..., 3) array, nm; box : (3, 3) array, nm, a vector a row; exact for vectors up to half the box
+    """
+    return vectors - np.rint(vectors @ np.linalg.inv(box)) @ box
+
+
+def reducedBox(box):
+    """Return vectors of the same lattice in OpenMM's reduced form.
+
+    box : (3, 3) float64 array, a vector a row, of which the first lies along x and the second in the plane of x and y
+    """
+    a, b, c = box
+    c = c - b * np.rint(c[1] / b[1])
+    c = c - a * np.rint(c[0] / a[0])
+    b = b - a * np.rint(b[0] / a[0])
+    return np.array([a, b, c])
+
+
+def makeWhole(positions, bonds, box):
+    """Shift atoms by box vectors so that all bonds are as short as they can be.
+
+    The lowest-numbered atom of a molecule stays where it is. O(n) where bonds are many.
+
+    Parameters
+    ----------
+    positions : (n, 3) float64 array, nm
+    bonds : (m, 2) int array
+    box : (3, 3) float64 array, nm
+
+    Returns
+    -------
+    (n, 3) float64 array
+        the positions given, if nothing is torn apart
+    """
+    bonds = np.asarray(bonds, dtype=int).reshape(-1, 2)
+    vectors = positions[bonds[:, 1]] - positions[bonds[:, 0]]
+    turns = np.rint(vectors @ np.linalg.inv(box)).astype(int)
+    isTorn = turns.any(axis=1)
+    if not isTorn.any():
+        return positions
+    # Parts within which nothing is torn move as one, so only the bonds between them are walked along.
+    from scipy.sparse import coo_array
+    from scipy.sparse.csgraph import connected_components
+
+    kept = bonds[~isTorn]
+    table = coo_array((np.ones(len(kept)), (kept[:, 0], kept[:, 1])), shape=(len(positions), len(positions)))
+    count, part = connected_components(table, directed=False)
+    shifts = _shiftsOfParts(count, part[bonds[isTorn]], turns[isTorn])
+    # Parts are numbered by their lowest atoms, and a walk begins at the lowest part: that one stays.
+    return positions + shifts[part] @ box
+
+
+def _shiftsOfParts(count, pairs, turns):
+    """Return the (count, 3) numbers of box vectors to add to each part, so that bonds between them close."""
+    neighbors = [[] for _ in range(count)]
+    for (first, second), turn in zip(pairs.tolist(), turns, strict=True):
+        neighbors[first].append((second, -turn))
+        neighbors[second].append((first, turn))
+    shifts = np.zeros((count, 3), dtype=int)
+    isPlaced = np.zeros(count, dtype=bool)
+    for start in range(count):
+        if isPlaced[start]:
+            continue
+        isPlaced[start] = True
+        pending = [start]
+        while pending:
+            part = pending.pop()
+            for other, turn in neighbors[part]:
+                if not isPlaced[other]:
+                    isPlaced[other] = True
+                    shifts[other] = shifts[part] + turn
+                    pending.append(other)
+    return shifts

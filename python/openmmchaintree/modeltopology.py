@@ -1,0 +1,81 @@
+"""Making a Topology of a model that gemmi has read."""
+
+from typing import NamedTuple
+
+import gemmi
+import numpy as np
+from openmm import app
+
+from .conformers import NO_ALTERNATE, chooseConformers
+from .naming import joinNames
+from .notes import Note, found
+from .residues import isWater
+
+
+class ModelTopology(NamedTuple):
+    """A model with one conformer of each residue.
+
+    model : gemmi.Model
+    topology : openmm.app.Topology, without bonds
+    atoms : list of gemmi.Atom, in its order
+    positions : (n, 3) float64 array, nm
+    alternates : list of str, for each atom the label of its conformer, empty where there is but one
+    addresses : dict, atoms by chain, number with insertion code, and name of the residue, and their own name
+    notes : list of Note
+    """
+
+    model: gemmi.Model
+    topology: app.Topology
+    atoms: list[gemmi.Atom]
+    positions: np.ndarray
+    alternates: list[str]
+    addresses: dict[tuple[str, str, str, str], list[int]]
+    notes: list[Note]
+
+
+def makeTopology(model):
+    """Make a ModelTopology of a gemmi.Model: deuterium is hydrogen, every water is named HOH."""
+    choice = chooseConformers(model, _describe)
+    topology = app.Topology()
+    atoms, alternates, addresses = [], [], {}
+    elements = {}
+    for chain, residues in zip(model, choice.chains, strict=True):
+        newChain = topology.addChain(chain.name)
+        for residue, members in residues:
+            number = residue.seqid
+            name = "HOH" if isWater(residue.name) else residue.name
+            for part in _splitCopies(members):
+                newResidue = topology.addResidue(name, newChain, str(number.num), number.icode.strip())
+                for atom in part:
+                    # Old files write C1* for C1'.
+                    atomName = atom.name.replace("*", "'")
+                    symbol = atom.element.name
+                    if symbol not in elements:
+                        elements[symbol] = _element(symbol)
+                    index = len(atoms)
+                    topology.addAtom(atomName, elements[symbol], newResidue, str(atom.serial))
+                    addresses.setdefault((chain.name, str(number), residue.name, atom.name), []).append(index)
+                    atoms.append(atom)
+                    alternates.append("" if atom.altloc == NO_ALTERNATE else atom.altloc)
+    positions = 0.1 * np.array([atom.pos.tolist() for atom in atoms], dtype=np.float64).reshape(-1, 3)
+    notes = found([Note("residues of which the conformer of highest occupancy is taken", choice.described)])
+    return ModelTopology(model, topology, atoms, positions, alternates, addresses, notes)
+
+
+def _describe(chain, residue):
+    return joinNames(chain.name, f"{residue.name} {residue.seqid}")
+
+
+def _element(symbol):
+    if symbol == "X":
+        return None
+    return app.Element.getBySymbol("H" if symbol == "D" else symbol)
+
+
+def _splitCopies(atoms):
+    """Split what stands for one residue but repeats the same atoms: ions or water in a row under one number."""
+    names = [atom.name for atom in atoms]
+    count = len(set(names))
+    copies = len(names) // max(count, 1)
+    isCopied = copies > 1 and names == names[:count] * copies and (count > 1 or atoms[0].element.is_metal)
+    return [atoms[start : start + count] for start in range(0, len(atoms), count)] if isCopied else [atoms]

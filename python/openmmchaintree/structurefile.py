@@ -1,0 +1,133 @@
+"""Reading structure files: PDB, mmCIF and BinaryCIF, plain or compressed.
+
+gemmi does it: it keeps all digits of coordinates, tells alternates, links and models apart, and takes what programs
+write beside the formats' rules. BinaryCIF, which it does not know, is read by biotite and handed to it.
+"""
+
+import gzip
+import io
+import re
+import zlib
+
+import gemmi
+
+from .errors import InputError
+from .pdblines import repairLines
+
+_GZIP = b"\x1f\x8b"  # what compressed files begin with
+
+# What of an mmCIF file is read.
+_CATEGORIES = ("atom_site", "cell", "symmetry", "struct_conn", "struct_conn_type", "entry")
+
+
+def readFile(path):
+    """Read a structure file.
+
+    Returns
+    -------
+    gemmi.Structure
+        of the models before the first damaged one
+    InputError or None
+        that damage
+
+    Raises
+    ------
+    InputError
+        if the file, or its first model, cannot be read
+    """
+    data = _readBytes(path)
+    if data[:1] >= b"\x80" and b"dataBlocks" in data[:1000]:
+        structure, damage = _fromBlock(path, _readBinaryCIF(path, data)), None
+    else:
+        text = data.decode("utf-8", errors="replace")
+        structure, damage = _readMmCIF(path, text) if _isMmCIF(text) else _readPDB(path, text)
+    structure.remove_empty_chains()
+    if len(structure) == 0 or not any(len(chain) for model in structure for chain in model):
+        raise InputError(f"{path}: there are no atoms")
+    return structure, damage
+
+
+def _readBytes(path):
+    try:
+        data = path.read_bytes()
+        return gzip.decompress(data) if data.startswith(_GZIP) else data
+    except (EOFError, zlib.error, gzip.BadGzipFile) as error:
+        raise InputError(f"{path}: cannot be decompressed ({error})") from error
+    except OSError as error:
+        raise InputError(f"{path}: {error.strerror}") from error
+
+
+def _isMmCIF(text):
+    """Whether a text is a CIF file: they begin with a data block, after comments."""
+    return re.match(r"(\s|#.*\n)*data_", text, re.IGNORECASE) is not None
+
+
+def _readMmCIF(path, text):
+    """Return a Structure, and None for no damage: what is damaged in mmCIF cannot be read at all."""
+    try:
+        document = gemmi.cif.read_string(text)
+    except (ValueError, RuntimeError) as error:
+        raise InputError(f"{path}: not an mmCIF file that can be read ({_firstLine(error)})") from error
+    for block in document:
+        if block.find_mmcif_category("_atom_site."):
+            return _fromBlock(path, block), None
+    for block in document:
+        if block.find_mmcif_category("_chem_comp_atom."):
+            return gemmi.make_structure_from_chemcomp_block(block), None
+    raise InputError(f"{path}: there are no atoms")
+
+
+def _fromBlock(path, block):
+    try:
+        return gemmi.make_structure_from_block(block)
+    except (ValueError, RuntimeError) as error:
+        raise InputError(f"{path}: not an mmCIF file that can be read ({_firstLine(error)})") from error
+
+
+def _readBinaryCIF(path, data):
+    # Few files are of this kind, and the package takes a second to import.
+    from biotite.structure.io.pdbx import BinaryCIFFile
+
+    try:
+        block = BinaryCIFFile.read(io.BytesIO(data)).block
+        converted = gemmi.cif.Block("structure")
+        for category in _CATEGORIES:
+            if category in block:
+                columns = {f".{name}"[1:]: _textOf(column) for name, column in block[category].items()}
+                converted.set_mmcif_category(f"_{category}.", columns, raw=True)
+        return converted
+    except Exception as error:  # biotite reports what it cannot read by whatever exception comes up
+        raise InputError(f"{path}: not a BinaryCIF file that can be read ({_firstLine(error)})") from error
+
+
+def _textOf(column):
+    """Return the values of a column of BinaryCIF as a CIF file would write them."""
+    values = [gemmi.cif.quote(str(value)) for value in column.as_array(str).tolist()]
+    if column.mask is not None:
+        for number, mask in enumerate(column.mask.array.tolist()):
+            if mask:
+                values[number] = ".?"[mask - 1]
+    return values
+
+
+def _readPDB(path, text):
+    """Return a Structure of the models before the first damaged one, and that damage as an InputError or None."""
+    if not any(line[:6].upper() in ("ATOM  ", "HETATM") for line in text.splitlines()):
+        raise InputError(f"{path}: there are no atoms; is it a PDB or mmCIF file?")
+    lines = repairLines(text)
+    damage = None if lines.damage is None else InputError(f"{path}: {lines.damage}")
+    if lines.text is None:
+        raise damage
+    try:
+        structure = gemmi.read_pdb_string(lines.text, split_chain_on_ter=True)
+    except (ValueError, RuntimeError) as error:
+        raise InputError(f"{path}: not a PDB file that can be read ({_firstLine(error)})") from error
+    for model in structure:
+        for chain in model:
+            for residue in chain:
+                residue.name = lines.residueNames.get(residue.name, residue.name)
+    return structure, damage
+
+
+def _firstLine(error):
+    return str(error).strip().splitlines()[0]

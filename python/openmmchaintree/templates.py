@@ -1,0 +1,82 @@
+"""The bonds of residues by the names of their atoms.
+
+Amino acids, nucleotides and water are in OpenMM's own tables, with the names that programs give to their atoms. All
+else is looked up in the chemical component dictionary of the Protein Data Bank, which the package biotite carries.
+"""
+
+import xml.etree.ElementTree as ElementTree
+from functools import cache
+from pathlib import Path
+
+import openmm.app
+
+from .residues import aminoAcid, isWater
+
+_DATA = Path(openmm.app.__file__).parent / "data"
+
+
+def isStandard(residueName):
+    """Whether a residue is in OpenMM's own tables, by its own name."""
+    return residueName in _standardBonds()
+
+
+def templateBonds(residueName, atomNames):
+    """Return the bonds of a residue as pairs of indices into the names of its atoms; none if it is not known.
+
+    A residue is known if the dictionary has its name, and all its atoms by theirs, hydrogens apart.
+
+    Parameters
+    ----------
+    residueName : str
+    atomNames : list of str
+    """
+    name = "HOH" if isWater(residueName) else aminoAcid(residueName) or residueName
+    standard = _standardBonds().get(name)
+    if standard is not None:
+        aliases = _aliases(name)
+        places = {aliases.get(atom, atom): number for number, atom in enumerate(atomNames)}
+        bonds = standard
+    else:
+        places = {atom: number for number, atom in enumerate(atomNames)}
+        bonds = _dictionaryBonds(name)
+        known = {atom for bond in bonds for atom in bond}
+        if any(atom not in known for atom in atomNames if not atom.lstrip("0123456789").startswith(("H", "D"))):
+            return []
+    return [(places[first], places[second]) for first, second in bonds if first in places and second in places]
+
+
+@cache
+def _standardBonds():
+    """Return OpenMM's table: residue names, each with the pairs of atoms that are bonded within the residue."""
+    table = {}
+    for residue in ElementTree.parse(_DATA / "residues.xml").getroot().iter("Residue"):
+        bonds = [(bond.attrib["from"], bond.attrib["to"]) for bond in residue.iter("Bond")]
+        table[residue.attrib["name"]] = [bond for bond in bonds if not any(name[0] in "+-" for name in bond)]
+    return table
+
+
+@cache
+def _aliases(residueName):
+    """Return other names of the atoms of a residue, with the name that OpenMM's table has."""
+    aliases = {}
+    residues = {residue.attrib["name"]: residue for residue in _names().iter("Residue")}
+    kind = residues[residueName].attrib.get("type") if residueName in residues else None
+    for source in ("All", kind, residueName):
+        for atom in residues[source].iter("Atom") if source in residues else ():
+            for key, other in atom.attrib.items():
+                if key != "name":
+                    aliases[other] = atom.attrib["name"]
+    return aliases
+
+
+@cache
+def _names():
+    return ElementTree.parse(_DATA / "pdbNames.xml").getroot()
+
+
+@cache
+def _dictionaryBonds(residueName):
+    # The dictionary takes seconds to load, and few structures need it.
+    from biotite.structure.info import bonds_in_residue
+
+    return list(bonds_in_residue(residueName))

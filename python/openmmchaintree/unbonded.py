@@ -1,0 +1,74 @@
+"""The net under all that finds bonds: atoms as near as if they were bonded that trials would part."""
+
+import numpy as np
+
+from .covalent import bondedPairs, isMetal
+from .naming import nameAtom
+
+
+class NearPair:
+    """Two atoms of different links that are at covalent distance, and not bonded.
+
+    atom1, atom2 : openmm.app.Atom; distance : float, nm
+    """
+
+    def __init__(self, atom1, atom2, distance):
+        self.atom1 = atom1
+        self.atom2 = atom2
+        self.distance = distance
+
+    def __str__(self):
+        return f"{nameAtom(self.atom1)} – {nameAtom(self.atom2)}, {self.distance:.3f} nm"
+
+
+def unbondedNeighbors(graph, axes, fixed=(), alternates=None):
+    """Find the atoms of different links that are at covalent distance and not bonded, the nearest pair first.
+
+    Metals are passed over, since what surrounds them need not be bound; so are hydrogens that have their bond, and
+    atoms with a common neighbour.
+
+    Parameters
+    ----------
+    graph : BondGraph, with positions
+    axes : iterable of (int, int)
+        the bonds that turn
+    fixed : sequence of int
+        atoms that never move
+    alternates : list of str, optional
+        for each atom the label of its conformer, empty where there is but one; atoms of different labels exclude each
+        other
+
+    Returns
+    -------
+    list of NearPair
+    """
+    pairs = bondedPairs(graph.positions, graph.numbers)
+    link = rigidLinks(graph, axes)
+    if len(fixed) > 0:
+        link[np.asarray(fixed)] = -1
+    isBonded = np.array([len(others) > 0 for others in graph.neighbors], dtype=bool)
+    isPassed = isMetal(graph.numbers) | ((graph.numbers == 1) & isBonded)
+    first, second = pairs.T
+    pairs = pairs[(link[first] != link[second]) & ~isPassed[first] & ~isPassed[second]]
+    known = {(min(bond), max(bond)) for bond in graph.cut}
+    found = []
+    for atom1, atom2 in pairs.tolist():
+        neighbors1, neighbors2 = graph.neighbors[atom1], graph.neighbors[atom2]
+        if atom2 in neighbors1 or (atom1, atom2) in known or not set(neighbors1).isdisjoint(neighbors2):
+            continue
+        if alternates and alternates[atom1] and alternates[atom2] and alternates[atom1] != alternates[atom2]:
+            continue
+        distance = float(np.linalg.norm(graph.positions[atom1] - graph.positions[atom2]))
+        found.append(NearPair(graph.atoms[atom1], graph.atoms[atom2], distance))
+    return sorted(found, key=lambda pair: pair.distance)
+
+
+def rigidLinks(graph, axes):
+    """Return the number of the rigid link of each atom of a BondGraph of which some bonds turn, as an int array."""
+    from scipy.sparse import coo_array
+    from scipy.sparse.csgraph import connected_components
+
+    turning = {(min(axis), max(axis)) for axis in axes}
+    rigid = np.array([bond for bond in graph.bonds if (min(bond), max(bond)) not in turning], dtype=int).reshape(-1, 2)
+    count = len(graph.atoms)
+    return connected_components(coo_array((np.ones(len(rigid)), rigid.T), shape=(count, count)), directed=False)[1]

@@ -1,0 +1,109 @@
+"""Molecules split over the periodic box are made whole along their bonds, or refused."""
+
+import numpy as np
+import openmm
+import pytest
+from openmm import app, unit
+from openmmchaintree import InputError, findClashes
+from openmmchaintree.images import makeWhole, reducedBox
+from openmmchaintree.structure import readStructure
+from scenes import bondNames, realStructurePath, writeDCD, writeXTC
+
+_BOXES = [
+    np.diag([5.1, 4.7, 6.3]),
+    np.array([[6.0, 0, 0], [2.9, 5.2, 0], [-2.8, 2.0, 5.0]]),
+]
+
+
+def wrapped(positions, box, shift):
+    """Shift positions, and bring each atom into the box by itself."""
+    shifted = positions + shift
+    return shifted - np.floor(shifted @ np.linalg.inv(box)) @ box
+
+
+@pytest.mark.parametrize("box", _BOXES, ids=["rectangular", "triclinic"])
+def test_wholeAgain(villin, box):
+    bonds = np.array([[atom.index for atom in bond] for bond in villin.topology.bonds()])
+    generator = np.random.default_rng(1)
+    for _ in range(20):
+        torn = wrapped(villin.positions, box, generator.uniform(-10, 10, 3))
+        whole = makeWhole(torn, bonds, box)
+        assert np.array_equal(whole[0], torn[0])
+        assert whole - whole[0] == pytest.approx(villin.positions - villin.positions[0], abs=1e-12)
+
+
+def test_nothingToDo(villin):
+    bonds = [[atom.index for atom in bond] for bond in villin.topology.bonds()]
+    assert makeWhole(villin.positions, bonds, _BOXES[0]) is villin.positions
+
+
+def test_reducedBox():
+    box = np.array([[4.0, 0, 0], [5.0, 4.0, 0], [9.0, -7.0, 5.0]])
+    reduced = reducedBox(box)
+    assert abs(reduced[1, 0]) <= 2 and abs(reduced[2, 0]) <= 2 and abs(reduced[2, 1]) <= 2
+    turns = reduced @ np.linalg.inv(box)
+    assert turns == pytest.approx(np.rint(turns), abs=1e-12) and abs(np.linalg.det(turns)) == pytest.approx(1)
+
+
+def write(path, villin, positions, box):
+    topology = app.Modeller(villin.topology, villin.positions * unit.nanometer).topology
+    topology.setPeriodicBoxVectors(None if box is None else box * unit.nanometer)
+    with open(path, "w") as file:
+        (app.PDBxFile if path.suffix == ".cif" else app.PDBFile).writeFile(topology, positions * unit.nanometer, file)
+    return path
+
+
+@pytest.mark.parametrize("kind", ["pdb", "cif"])
+@pytest.mark.parametrize("box", _BOXES, ids=["rectangular", "triclinic"])
+def test_snapshot(tmp_path, villin, kind, box):
+    torn = wrapped(villin.positions, reducedBox(box), [1.0, 2.0, 3.0])
+    path = write(tmp_path / f"torn.{kind}", villin, torn, reducedBox(box))
+    structure = readStructure(path)
+    assert bondNames(structure.topology) == bondNames(villin.topology)
+    moved = structure.positions - structure.positions[0]
+    assert moved == pytest.approx(villin.positions - villin.positions[0], abs=1e-3)  # what PDB keeps of the box
+    (note,) = [note for note in structure.notes if "periodic box" in note.kind]
+    assert note.items == ["chain A"]
+    (frame,) = findClashesQuietly(path)
+    assert [clash[:2] for clash in frame.clashes] == [clash[:2] for clash in findClashesQuietly()[0].clashes]
+
+
+def findClashesQuietly(*arguments):
+    with pytest.warns(UserWarning):
+        return findClashes(*(arguments or [app.__path__[0] + "/data/test.pdb"]))
+
+
+def test_withoutABox(tmp_path, villin):
+    torn = wrapped(villin.positions, _BOXES[0], [1.0, 2.0, 3.0])
+    path = write(tmp_path / "torn.pdb", villin, torn, None)
+    with pytest.raises(InputError, match="torn.pdb: bonded atoms are far apart .* nm.*if the file has the box$"):
+        readStructure(path)
+
+
+@pytest.mark.parametrize("writer", [writeDCD, writeXTC])
+def test_trajectory(tmp_path, villin, writer):
+    """Whole in the structure, split in the frames, each at another place."""
+    box = reducedBox(_BOXES[1])
+    structure = write(tmp_path / "whole.pdb", villin, villin.positions, box)
+    shifts = [[1.0, 2.0, 3.0], [2.0, 1.0, 0.5], [0.3, 2.2, 1.9]]
+    frames = [wrapped(villin.positions, box, shift) for shift in shifts]
+    topology = app.Modeller(villin.topology, villin.positions * unit.nanometer).topology
+    topology.setPeriodicBoxVectors([openmm.Vec3(*vector) for vector in box] * unit.nanometer)
+    path = writer(tmp_path / "split", topology, frames)
+    with pytest.warns(UserWarning, match=r"^frames in which molecules were split .*\(\d\): frame"):
+        found = findClashes(structure, path)
+    expected = [clash[:2] for clash in findClashes(structure)[0].clashes]
+    assert [[clash[:2] for clash in frame.clashes] for frame in found] == [expected] * 3
+    bare = writer(tmp_path / "bare", villin.topology, frames[:1])
+    with pytest.raises(InputError, match=r"frame 0 \(from 0\): bonded atoms are far apart"):
+        findClashes(structure, bare)
+
+
+def test_snapshotOfASimulation():
+    """No peptide bond is a clash in any frame, though every frame is split otherwise."""
+    with pytest.warns(UserWarning, match="frames in which molecules were split"):
+        frames = findClashes(realStructurePath("hard/adk_oplsaa.pdb.gz"), realStructurePath("hard/adk_oplsaa.xtc"))
+    assert len(frames) == 10
+    for frame in frames:
+        assert len(frame.clashes) < 20
+        assert max(clash.overlap for clash in frame.clashes) < 0.07
