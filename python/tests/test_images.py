@@ -1,5 +1,7 @@
 """Molecules split over the periodic box are made whole along their bonds, or refused."""
 
+import copy
+
 import numpy as np
 import openmm
 import pytest
@@ -45,9 +47,15 @@ def test_reducedBox():
     assert turns == pytest.approx(np.rint(turns), abs=1e-12) and abs(np.linalg.det(turns)) == pytest.approx(1)
 
 
+def withBox(topology, box):
+    copied = copy.deepcopy(topology)
+    vectors = None if box is None else [openmm.Vec3(*vector) for vector in box] * unit.nanometer
+    copied.setPeriodicBoxVectors(vectors)
+    return copied
+
+
 def write(path, villin, positions, box):
-    topology = app.Modeller(villin.topology, villin.positions * unit.nanometer).topology
-    topology.setPeriodicBoxVectors(None if box is None else box * unit.nanometer)
+    topology = withBox(villin.topology, box)
     with open(path, "w") as file:
         (app.PDBxFile if path.suffix == ".cif" else app.PDBFile).writeFile(topology, positions * unit.nanometer, file)
     return path
@@ -87,9 +95,7 @@ def test_trajectory(tmp_path, villin, writer):
     structure = write(tmp_path / "whole.pdb", villin, villin.positions, box)
     shifts = [[1.0, 2.0, 3.0], [2.0, 1.0, 0.5], [0.3, 2.2, 1.9]]
     frames = [wrapped(villin.positions, box, shift) for shift in shifts]
-    topology = app.Modeller(villin.topology, villin.positions * unit.nanometer).topology
-    topology.setPeriodicBoxVectors([openmm.Vec3(*vector) for vector in box] * unit.nanometer)
-    path = writer(tmp_path / "split", topology, frames)
+    path = writer(tmp_path / "split", withBox(villin.topology, box), frames)
     with pytest.warns(UserWarning, match=r"^frames in which molecules were split .*\(\d\): frame"):
         found = findClashes(structure, path)
     expected = [clash[:2] for clash in findClashes(structure)[0].clashes]

@@ -112,7 +112,7 @@ def test_binaryCIF(tmp_path, villin):
     import biotite.structure.io.pdbx as pdbx
 
     with open(tmp_path / "villin.cif", "w") as file:
-        app.PDBxFile.writeFile(villin.topology, villin.positions * unit.nanometer, file, keepIds=True)
+        app.PDBxFile.writeFile(villin.topology, villin.positions * unit.nanometer, file)
     columns = gemmi.cif.read(str(tmp_path / "villin.cif")).sole_block().get_mmcif_category("_atom_site.")
     category = pdbx.BinaryCIFCategory({name: np.array(values, dtype=str) for name, values in columns.items()})
     pdbx.BinaryCIFFile({"villin": pdbx.BinaryCIFBlock({"atom_site": category})}).write(tmp_path / "villin.bcif")
