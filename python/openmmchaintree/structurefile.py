@@ -93,7 +93,7 @@ def _readBinaryCIF(path, data):
         converted = gemmi.cif.Block("structure")
         for category in _CATEGORIES:
             if category in block:
-                columns = {f".{name}"[1:]: _textOf(column) for name, column in block[category].items()}
+                columns = {name: _textOf(column) for name, column in block[category].items()}
                 converted.set_mmcif_category(f"_{category}.", columns, raw=True)
         return converted
     except Exception as error:  # biotite reports what it cannot read by whatever exception comes up
@@ -101,13 +101,8 @@ def _readBinaryCIF(path, data):
 
 
 def _textOf(column):
-    """Return the values of a column of BinaryCIF as a CIF file would write them."""
-    values = [gemmi.cif.quote(str(value)) for value in column.as_array(str).tolist()]
-    if column.mask is not None:
-        for number, mask in enumerate(column.mask.array.tolist()):
-            if mask:
-                values[number] = ".?"[mask - 1]
-    return values
+    """Return the values of a column of BinaryCIF as a CIF file would write them; those that are masked are . or ?."""
+    return [value if value in (".", "?") else gemmi.cif.quote(value) for value in column.as_array(str).tolist()]
 
 
 def _readPDB(path, text):

@@ -113,7 +113,7 @@ def test_binaryCIF(tmp_path, villin):
 
     with open(tmp_path / "villin.cif", "w") as file:
         app.PDBxFile.writeFile(villin.topology, villin.positions * unit.nanometer, file)
-    columns = gemmi.cif.read(str(tmp_path / "villin.cif")).sole_block().get_mmcif_category("_atom_site.")
+    columns = gemmi.cif.read(str(tmp_path / "villin.cif")).sole_block().get_mmcif_category("_atom_site.", raw=True)
     category = pdbx.BinaryCIFCategory({name: np.array(values, dtype=str) for name, values in columns.items()})
     pdbx.BinaryCIFFile({"villin": pdbx.BinaryCIFBlock({"atom_site": category})}).write(tmp_path / "villin.bcif")
     (tmp_path / "villin.bcif.gz").write_bytes(gzip.compress((tmp_path / "villin.bcif").read_bytes()))
