@@ -36,7 +36,6 @@ LINKS = (("C", "N"), ("O3'", "P"))
 _BACKBONE = {"C": "CA", "N": "CA", "O3'": "C3'", "P": "O5'"}
 
 _HYDROGEN, _SULFUR = 1, 16
-_HALOGENS = (9, 17, 35, 53)
 
 
 class Gap(NamedTuple):
@@ -190,14 +189,17 @@ class BondSearch:
     def _findGaps(self):
         """Note polymer residues that follow each other in a chain and are not linked."""
         known = {(gap.residue1.index, gap.residue2.index) for gap in self.gaps}
+        linked = {atom for pair in self._bonds if not self._areOneResidue(pair) and self._isLink(pair) for atom in pair}
         for residue1, residue2 in self._unlinkedNeighbors():
             if not _areOnePolymer(residue1, residue2) or (residue1.index, residue2.index) in known:
                 continue
+            ends = next(iter(self._facingEnds(residue1, residue2)), ())
+            if any(end in linked for end in ends):  # to residues elsewhere in the file
+                continue
             reason = "the Topology has no bond between them"
-            if self.positions is not None:
-                for first, second in self._facingEnds(residue1, residue2):
-                    names = self._atoms[first].name, self._atoms[second].name
-                    reason = f"{names[0]} and {names[1]} are {self._distance((first, second)):.2f} nm apart"
+            if self.positions is not None and ends:
+                names = " and ".join(self._atoms[end].name for end in ends)
+                reason = f"{names} are {self._distance(ends):.2f} nm apart"
             self._addGap(residue1, residue2, reason)
 
     def _unlinkedNeighbors(self):
@@ -274,9 +276,8 @@ class BondSearch:
         residues = [self._atoms[atom].residue for atom in pair]
         if all(map(_isPolymer, residues)):
             return False
-        ions = [len(residue) == 1 and number in _HALOGENS for residue, number in zip(residues, numbers, strict=True)]
-        # A clash can be as near, but rarely lies as a bond does.
-        return not any(ions) and all(
+        # A clash can be as near, but rarely lies as a bond does. Single atoms are ions, or marks of programs.
+        return all(len(residue) > 1 for residue in residues) and all(
             areAnglesOfBonds(self.positions, atom, other, neighbors[atom]) for atom, other in (pair, pair[::-1])
         )
 

@@ -45,7 +45,7 @@ def makeTopology(model):
             number = residue.seqid
             name = "HOH" if isWater(residue.name) else residue.name
             for part in _splitCopies(members):
-                newResidue = topology.addResidue(name, newChain, str(number.num), number.icode.strip())
+                newResidue = topology.addResidue(name, newChain, _textOf(number.num), number.icode.strip())
                 for atom in part:
                     # Old files write C1* for C1'.
                     atomName = atom.name.replace("*", "'")
@@ -64,6 +64,10 @@ def makeTopology(model):
 
 def _describe(chain, residue):
     return joinNames(chain.name, f"{residue.name} {residue.seqid}")
+
+
+def _textOf(number):
+    return "" if number is None else str(number)
 
 
 def _element(symbol):

@@ -4,6 +4,7 @@ The reader behind takes some such lines for others than they are: it cuts residu
 that begin in the wrong column as other elements, ends at the first END, and reads numbers that are none as 0.
 """
 
+import re
 from typing import NamedTuple
 
 import gemmi
@@ -57,6 +58,8 @@ class _Repair:
             record = line[:6].rstrip().upper()
             if record in ("ATOM", "HETATM"):
                 if not _hasCoordinates(line):
+                    line = _shiftBack(line)
+                if not _hasCoordinates(line):
                     damage = f"line {number + 1} has no coordinates where they should be (columns 31 to 54)"
                     break
                 if not self._isOpen:
@@ -101,10 +104,10 @@ class _Repair:
                 line = f"{line[:17]}{self._shortNameFor(name)} {line[21:]}"
             else:
                 name = line[17:20].strip()  # the rest belongs to the chain
+        # In old files there are other things in the columns of element and charge.
+        line = line[:78]
         if gemmi.Element(line[76:78].strip()).atomic_number == 0:
-            element = _guessElement(line[12:16], name)
-            if element is not None:
-                line = f"{line[:76]:76}{element:>2}{line[78:]}"
+            line = f"{line[:76]:76}{_guessElement(line[12:16], name) or '':>2}"
         return line
 
     def _shortNameFor(self, name):
@@ -126,6 +129,15 @@ def _hasCoordinates(line):
     except ValueError:
         return False
     return True
+
+
+def _shiftBack(line):
+    """Return a line in which numbers too large for their columns have moved the rest, with the rest in its place."""
+    if re.match(r".{6}\d{6}", line):
+        line = f"{line[:6]}*****{line[12:]}"
+    if re.match(r".{22}\d{5}", line):
+        line = line[:22] + line[23:]
+    return line
 
 
 def _hasFourLetters(line):

@@ -118,8 +118,8 @@ def readModels(path, only=None):
     atoms = list(made.topology.atoms())
     for atom1, atom2 in bondsOfFile(structure, made):
         made.topology.addBond(atoms[atom1], atoms[atom2])
-    if structure.cell.is_crystal():
-        box = reducedBox(0.1 * np.array(structure.cell.orth.mat.tolist()).T)
+    box = _boxOf(structure.cell)
+    if box is not None:
         made.topology.setPeriodicBoxVectors([openmm.Vec3(*vector) for vector in box] * unit.nanometer)
     positions = []
     for number in range(len(structure)) if only is None else [only]:
@@ -132,6 +132,14 @@ def readModels(path, only=None):
     if not positions:
         raise damage
     return Models(made.topology, positions, damage if only is None else None, made.alternates, made.notes)
+
+
+def _boxOf(cell):
+    """Return the box of a gemmi.UnitCell in OpenMM's reduced form, or None if it has none that OpenMM can express."""
+    box = 0.1 * np.array(cell.orth.mat.tolist()).T
+    if not cell.is_crystal() or cell.explicit_matrices or not np.isfinite(box).all() or np.diag(box).min() <= 0:
+        return None
+    return reducedBox(box)
 
 
 def _positionsOf(source, made, other):

@@ -4,6 +4,7 @@ gemmi does it: it keeps all digits of coordinates, tells alternates, links and m
 write beside the formats' rules. BinaryCIF, which it does not know, is read by biotite and handed to it.
 """
 
+import bz2
 import gzip
 import io
 import re
@@ -14,9 +15,26 @@ import gemmi
 from .errors import InputError
 from .pdblines import repairLines
 
-_GZIP = b"\x1f\x8b"  # what compressed files begin with
+# What compressed files begin with.
+_GZIP, _BZIP2 = b"\x1f\x8b", b"BZh"
 
-# What of an mmCIF file is read.
+# Columns of an atom that are read, with the one that can stand for each, and else the value.
+_REQUIRED = {
+    "id": (None, "0"),
+    "type_symbol": (None, "X"),
+    "label_atom_id": ("auth_atom_id", "X"),
+    "label_alt_id": (None, "."),
+    "label_comp_id": ("auth_comp_id", "UNK"),
+    "label_asym_id": ("auth_asym_id", "A"),
+    "label_seq_id": (None, "?"),
+    "auth_seq_id": ("label_seq_id", "1"),
+    "auth_asym_id": ("label_asym_id", "A"),
+    "occupancy": (None, "1"),
+    "B_iso_or_equiv": (None, "0"),
+    "pdbx_PDB_model_num": (None, "1"),
+}
+
+# What of a BinaryCIF file is read.
 _CATEGORIES = ("atom_site", "cell", "symmetry", "struct_conn", "struct_conn_type", "entry")
 
 
@@ -50,11 +68,14 @@ def readFile(path):
 def _readBytes(path):
     try:
         data = path.read_bytes()
-        return gzip.decompress(data) if data.startswith(_GZIP) else data
-    except (EOFError, zlib.error, gzip.BadGzipFile) as error:
-        raise InputError(f"{path}: cannot be decompressed ({error})") from error
     except OSError as error:
         raise InputError(f"{path}: {error.strerror}") from error
+    try:
+        if data.startswith(_GZIP):
+            return gzip.decompress(data)
+        return bz2.decompress(data) if data.startswith(_BZIP2) else data
+    except (EOFError, zlib.error, ValueError, OSError) as error:
+        raise InputError(f"{path}: cannot be decompressed ({error})") from error
 
 
 def _isMmCIF(text):
@@ -70,11 +91,29 @@ def _readMmCIF(path, text):
         raise InputError(f"{path}: not an mmCIF file that can be read ({_firstLine(error)})") from error
     for block in document:
         if block.find_mmcif_category("_atom_site."):
+            _fillIn(block)
             return _fromBlock(path, block), None
     for block in document:
         if block.find_mmcif_category("_chem_comp_atom."):
             return gemmi.make_structure_from_chemcomp_block(block), None
     raise InputError(f"{path}: there are no atoms")
+
+
+def _fillIn(block):
+    """Add the columns of atoms that few programs leave out and the reader must have."""
+    columns = block.get_mmcif_category("_atom_site.", raw=True)
+    names = columns.get("label_atom_id") or columns.get("auth_atom_id")
+    missing = _REQUIRED.keys() - columns.keys()
+    if not missing or not names:
+        return
+    for name in missing:
+        source, value = _REQUIRED[name]
+        columns[name] = columns.get(source) or [value] * len(names)
+    if "type_symbol" in missing:
+        columns["type_symbol"] = [name.strip("'\"0123456789")[:1] or "X" for name in names]
+    if "id" in missing:
+        columns["id"] = [str(number + 1) for number in range(len(names))]
+    block.set_mmcif_category("_atom_site.", columns, raw=True)
 
 
 def _fromBlock(path, block):
