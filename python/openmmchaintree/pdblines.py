@@ -7,8 +7,6 @@ that begin in the wrong column as other elements, ends at the first END, and rea
 import re
 from typing import NamedTuple
 
-import gemmi
-
 from .residues import aminoAcid, isNucleotide, isWater
 
 # Records that are read, beside those of models.
@@ -106,7 +104,7 @@ class _Repair:
                 name = line[17:20].strip()  # the rest belongs to the chain
         # In old files there are other things in the columns of element and charge.
         line = line[:78]
-        if gemmi.Element(line[76:78].strip()).atomic_number == 0:
+        if not line[76:78].strip().isalpha():
             line = f"{line[:76]:76}{_guessElement(line[12:16], name) or '':>2}"
         return line
 
