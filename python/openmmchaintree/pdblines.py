@@ -52,6 +52,7 @@ class _Repair:
     def run(self, text):
         damage = None
         given = text.splitlines()
+        self._hasLongChains = any(map(_isOfLongChain, given))
         for number, line in enumerate(given):
             record = line[:6].rstrip().upper()
             if record in ("ATOM", "HETATM"):
@@ -98,7 +99,7 @@ class _Repair:
     def _repairAtom(self, line):
         name = line[17:21].strip()
         if line[20] != " ":
-            if _hasFourLetters(line):
+            if not self._hasLongChains:
                 line = f"{line[:17]}{self._shortNameFor(name)} {line[21:]}"
             else:
                 name = line[17:20].strip()  # the rest belongs to the chain
@@ -138,12 +139,14 @@ def _shiftBack(line):
     return line
 
 
-def _hasFourLetters(line):
-    """Whether columns 18 to 21 hold a residue's name, as in TIP3 and HISE, not the first of two letters of a chain."""
-    name = line[17:21]
-    if " " in name:
-        return False
-    return line[21] == " " or aminoAcid(name) is not None or aminoAcid(name[:3]) is None
+def _isOfLongChain(line):
+    """Whether column 21 of a line is the first of two letters of a chain, and not the last of TIP3 or HISE."""
+    return (
+        line[20:22].strip() == line[20:22] != ""
+        and line.startswith(("ATOM", "HETATM"))
+        and aminoAcid(line[17:20]) is not None
+        and aminoAcid(line[17:21]) is None
+    )
 
 
 def _guessElement(name, residue):

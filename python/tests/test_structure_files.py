@@ -96,7 +96,12 @@ def test_residueNamesOfFourLetters(tmp_path):
 
 def test_chainNamesOfTwoLetters(tmp_path):
     lines = [line.replace("GLY A", "GLYAB") for line in GLYCINES]
-    assert [chain.id for chain in read(tmp_path, *lines).topology.chains()] == ["AB"]
+    ligand = [
+        pdbLine(9, "C1", "LIG", "A", 3, 30, 0, 0, record="HETATM").replace("LIG A", "LIGAC"),
+        pdbLine(10, "C2", "LIG", "A", 3, 31.5, 0, 0, record="HETATM").replace("LIG A", "LIGAC"),
+    ]
+    residues = read(tmp_path, *lines, *ligand).topology.residues()
+    assert [(residue.chain.id, residue.name) for residue in residues] == [("AB", "GLY"), ("AB", "GLY"), ("AC", "LIG")]
 
 
 def test_oldNamesOfNucleotides(tmp_path):
