@@ -8,6 +8,7 @@ import numpy as np
 from openmm import unit
 from openmm.app import Residue
 
+from .components import connectedParts
 from .covalent import areAnglesOfBonds, bindsMetals, bondedPairs, isLooseMetal, isMetal, nearPairs
 from .images import SMALLEST_BOX, makeWhole, nearestImage
 from .naming import describeResidue
@@ -133,27 +134,31 @@ class BondSearch:
         if self.positions is not None:
             loose = self._looseResidues()
             bonds = defaultdict(list)
-            for pair in self._bonds:
-                if self._areOneResidue(pair):
-                    bonds[self._residueOf[pair[0]]].append(pair)
+            for pair in self._bondsWithin().tolist() if loose else ():
+                bonds[self._residueOf[pair[0]]].append(pair)
             for residue in loose:
                 self._bondWithin(residue, bonds[residue.index])
 
     def _looseResidues(self):
-        """Return the residues whose atoms their bonds do not hold together."""
-        parts = _parts(len(self._atoms), [pair for pair in self._bonds if self._areOneResidue(pair)])
-        return [
-            residue
-            for residue in self._residues
-            if len(set(parts[[atom.index for atom in residue.atoms() if atom.element is not None]])) > 1
-        ]
+        """Return the residues whose atoms their bonds do not hold together, extra particles apart."""
+        atoms = np.flatnonzero(self._numbers > 0)
+        part = connectedParts(len(self._atoms), self._bondsWithin())[atoms]
+        first = np.full(len(self._residues), -1)
+        first[self._residueOf[atoms][::-1]] = part[::-1]
+        loose = np.unique(self._residueOf[atoms][part != first[self._residueOf[atoms]]])
+        return [self._residues[residue] for residue in loose]
+
+    def _bondsWithin(self):
+        """Return the bonds within residues, as an (m, 2) array."""
+        pairs = np.array(list(self._bonds), dtype=int).reshape(-1, 2)
+        return pairs[self._residueOf[pairs[:, 0]] == self._residueOf[pairs[:, 1]]]
 
     def _bondWithin(self, residue, known):
         """Bond atoms of a residue by distance that its bonds do not hold together."""
         atoms = np.array([atom.index for atom in residue.atoms() if atom.element is not None])
         place = {atom: number for number, atom in enumerate(atoms.tolist())}
         bonds = [(place[first], place[second]) for first, second in known]
-        part = _parts(len(atoms), bonds)
+        part = connectedParts(len(atoms), bonds)
         positions = self.positions[atoms]
         if self._box is not None:
             positions = positions[0] + nearestImage(positions - positions[0], self._box)
@@ -343,21 +348,6 @@ def boxOf(topology):
         return None
     box = np.array(vectors.value_in_unit(unit.nanometer), dtype=np.float64)
     return box if np.diag(box).min() >= SMALLEST_BOX else None
-
-
-def _parts(count, bonds):
-    """Return the number of the connected part that each atom belongs to."""
-    part = list(range(count))
-
-    def find(atom):
-        while part[atom] != atom:
-            part[atom] = part[part[atom]]
-            atom = part[atom]
-        return atom
-
-    for first, second in bonds:
-        part[find(first)] = find(second)
-    return np.array([find(atom) for atom in range(count)], dtype=int)
 
 
 def _atomNamed(name, residue):

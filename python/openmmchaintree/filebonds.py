@@ -17,13 +17,14 @@ def bondsOfFile(structure, made):
         if first != second:
             bonds[min(first, second), max(first, second)] = None
 
+    byAddress = _atomsByAddress(made) if len(structure.connections) else {}
     for connection in structure.connections:
         if connection.type in _BONDS and connection.asu != gemmi.Asu.Different:
-            first, second = (_atomsAt(made, partner) for partner in (connection.partner1, connection.partner2))
-            if len(first) == 1 and len(second) == 1:
-                add(first[0], second[0])
+            ends = [byAddress.get(_address(partner), ()) for partner in (connection.partner1, connection.partner2)]
+            if len(ends[0]) == 1 and len(ends[1]) == 1:
+                add(ends[0][0], ends[1][0])
     bySerial = {}
-    for index, atom in enumerate(made.atoms):
+    for index, atom in enumerate(made.atoms if structure.conect_map else ()):
         bySerial.setdefault(atom.serial, []).append(index)
     for serial, others in structure.conect_map.items():
         for other in others:
@@ -33,6 +34,16 @@ def bondsOfFile(structure, made):
     return list(bonds)
 
 
-def _atomsAt(made, partner):
-    residue = partner.res_id
-    return made.addresses.get((partner.chain_name, str(residue.seqid), residue.name, partner.atom_name), ())
+def _atomsByAddress(made):
+    """Return the atoms by chain, number with insertion code, and their own name."""
+    atoms = {}
+    for atom in made.topology.atoms():
+        residue = atom.residue
+        address = (residue.chain.id, residue.id + residue.insertionCode, atom.name)
+        atoms.setdefault(address, []).append(atom.index)
+    return atoms
+
+
+def _address(partner):
+    number = partner.res_id.seqid
+    return partner.chain_name, f"{number.num}{number.icode.strip()}", partner.atom_name.replace("*", "'")

@@ -2,6 +2,8 @@
 
 import numpy as np
 
+from .components import connectedParts
+
 # Boxes with a side below this (nm) stand for none: some programs write 1 Å.
 SMALLEST_BOX = 0.5
 
@@ -49,13 +51,8 @@ def makeWhole(positions, bonds, box):
     if not isTorn.any():
         return positions
     # Parts within which nothing is torn move as one, so only the bonds between them are walked along.
-    from scipy.sparse import coo_array
-    from scipy.sparse.csgraph import connected_components
-
-    kept = bonds[~isTorn]
-    table = coo_array((np.ones(len(kept)), (kept[:, 0], kept[:, 1])), shape=(len(positions), len(positions)))
-    count, part = connected_components(table, directed=False)
-    shifts = _shiftsOfParts(count, part[bonds[isTorn]], turns[isTorn])
+    part = connectedParts(len(positions), bonds[~isTorn])
+    shifts = _shiftsOfParts(part.max() + 1, part[bonds[isTorn]], turns[isTorn])
     # Parts are numbered by their lowest atoms, and a walk begins at the lowest part: that one stays.
     return positions + shifts[part] @ box
 

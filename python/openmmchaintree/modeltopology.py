@@ -1,5 +1,6 @@
 """Making a Topology of a model that gemmi has read."""
 
+from functools import cache
 from typing import NamedTuple
 
 import gemmi
@@ -20,7 +21,6 @@ class ModelTopology(NamedTuple):
     atoms : list of gemmi.Atom, in its order
     positions : (n, 3) float64 array, nm
     alternates : list of str, for each atom the label of its conformer, empty where there is but one
-    addresses : dict, atoms by chain, number with insertion code, and name of the residue, and their own name
     notes : list of Note
     """
 
@@ -29,7 +29,6 @@ class ModelTopology(NamedTuple):
     atoms: list[gemmi.Atom]
     positions: np.ndarray
     alternates: list[str]
-    addresses: dict[tuple[str, str, str, str], list[int]]
     notes: list[Note]
 
 
@@ -37,8 +36,7 @@ def makeTopology(model):
     """Make a ModelTopology of a gemmi.Model: deuterium is hydrogen, every water is named HOH."""
     choice = chooseConformers(model, _describe)
     topology = app.Topology()
-    atoms, alternates, addresses = [], [], {}
-    elements = {}
+    atoms, alternates = [], []
     for chain, residues in zip(model, choice.chains, strict=True):
         newChain = topology.addChain(chain.name)
         for residue, members in residues:
@@ -47,19 +45,14 @@ def makeTopology(model):
             for part in _splitCopies(members):
                 newResidue = topology.addResidue(name, newChain, _textOf(number.num), number.icode.strip())
                 for atom in part:
+                    element = _element(atom.element.name)
                     # Old files write C1* for C1'.
-                    atomName = atom.name.replace("*", "'")
-                    symbol = atom.element.name
-                    if symbol not in elements:
-                        elements[symbol] = _element(symbol)
-                    index = len(atoms)
-                    topology.addAtom(atomName, elements[symbol], newResidue, str(atom.serial))
-                    addresses.setdefault((chain.name, str(number), residue.name, atom.name), []).append(index)
+                    topology.addAtom(atom.name.replace("*", "'"), element, newResidue, str(atom.serial))
                     atoms.append(atom)
                     alternates.append("" if atom.altloc == NO_ALTERNATE else atom.altloc)
     positions = 0.1 * np.array([atom.pos.tolist() for atom in atoms], dtype=np.float64).reshape(-1, 3)
     notes = found([Note("residues of which the conformer of highest occupancy is taken", choice.described)])
-    return ModelTopology(model, topology, atoms, positions, alternates, addresses, notes)
+    return ModelTopology(model, topology, atoms, positions, alternates, notes)
 
 
 def _describe(chain, residue):
@@ -70,6 +63,7 @@ def _textOf(number):
     return "" if number is None else str(number)
 
 
+@cache
 def _element(symbol):
     if symbol == "X":
         return None

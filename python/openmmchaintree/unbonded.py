@@ -2,6 +2,7 @@
 
 import numpy as np
 
+from .components import connectedParts
 from .covalent import bondedPairs, isMetal
 from .naming import nameAtom
 
@@ -65,10 +66,5 @@ def unbondedNeighbors(graph, axes, fixed=(), alternates=None):
 
 def rigidLinks(graph, axes):
     """Return the number of the rigid link of each atom of a BondGraph of which some bonds turn, as an int array."""
-    from scipy.sparse import coo_array
-    from scipy.sparse.csgraph import connected_components
-
     turning = {(min(axis), max(axis)) for axis in axes}
-    rigid = np.array([bond for bond in graph.bonds if (min(bond), max(bond)) not in turning], dtype=int).reshape(-1, 2)
-    count = len(graph.atoms)
-    return connected_components(coo_array((np.ones(len(rigid)), rigid.T), shape=(count, count)), directed=False)[1]
+    return connectedParts(len(graph.atoms), [bond for bond in graph.bonds if (min(bond), max(bond)) not in turning])
