@@ -153,6 +153,7 @@ void programCreate(Program* p, const char* name, randomScene scene, randomSource
     listLinks(p);
     p->state = programAllocate(coordinateCount(p), sizeof(double));
     p->trial = programAllocate(coordinateCount(p), sizeof(double));
+    p->followed = programAllocate(coordinateCount(p), sizeof(double));
     p->scratch = programAllocate(coordinateCount(p), sizeof(double));
     memcpy(p->state, p->scene.positions, positionBytes(p));
     requireUntouchedState(p);
@@ -173,6 +174,7 @@ void programDestroy(Program* p)
     free(p->isInTrial);
     free(p->state);
     free(p->trial);
+    free(p->followed);
     free(p->scratch);
     free(p->limits.pairs);
     freeSet(&p->kept);

@@ -49,10 +49,11 @@ typedef struct Program {
     oracleScene* oracle;
 
     int movableCount;
-    int* movable;    /* links with a torsion or free joint */
-    double* state;   /* the bits that ctGetPositions must give */
-    double* trial;   /* and those of the open trial */
-    double* scratch; /* as many coordinates */
+    int* movable;     /* links with a torsion or free joint */
+    double* state;    /* the bits that ctGetPositions must give */
+    double* trial;    /* and those of the open trial */
+    double* followed; /* those of the last trial that was followed */
+    double* scratch;  /* as many coordinates */
     bool hasTrial;
     bool takesAnyPath; /* each tree is made for an instruction set and a way to test trials that are chosen at random */
     int* roots;        /* per link: the one without parent that it hangs on */

@@ -98,6 +98,10 @@ void propose(Program* p)
     requireUntouchedState(p);
     SUCCEED(ctGetTrialPositions(p->tree, p->trial));
     requireOraclePositions(p, ORACLE_TRIAL, p->trial);
+    if (count % 3 != 0) { /* else what this trial changed is still missing at the next */
+        SUCCEED(ctFollowTrialPositions(p->tree, false, p->followed));
+        requireSameBits(p, "an array that is kept is not the trial's", p->followed, p->trial);
+    }
 }
 
 /* ---- Test ---- */

@@ -160,6 +160,11 @@ void ctGetPositions(ctChainTree* tree, double* positions);
 /* The same for the open trial: the bits that ctGetPositions would give after ctCommit. */
 ctStatus ctGetTrialPositions(ctChainTree* tree, double* positions);
 
+/* The same for an array that is kept from trial to trial: writes only what has other bits than the last call of this
+ * function, for an earlier trial, has left there. `anew`: this is another array, and all of it is written. O(what has
+ * moved since + N / 16), whatever came in between. */
+ctStatus ctFollowTrialPositions(ctChainTree* tree, bool anew, double* positions);
+
 /* The state as numbers, to be kept and set again: the reference positions (3 * particleCount, nm); then for each link,
  * in the order of the definition, if it has a torsion joint the angle turned since then (rad, in [-pi, pi]), if a free
  * joint its rotation since then (unit quaternion w, x, y, z) and its origin in its parent's frame (nm). ctGetStateSize

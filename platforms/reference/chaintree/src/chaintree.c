@@ -5,7 +5,6 @@
 
 #include "definition.h"
 #include "instructions.h"
-#include "position.h"
 #include "scene.h"
 #include "selection.h"
 
@@ -19,7 +18,8 @@ static bool build(ctChainTree* scene, const ctDefinition* definition) {
   return ctSequenceBuild(&scene->sequence, &scene->arena, definition) &&
          ctExclusionsBuild(&scene->exclusions, &scene->arena, &scene->sequence, definition) &&
          ctTreeBuild(&scene->staleTree, &scene->arena, &scene->sequence, ctChooseInstructions()) &&
-         ctTraversalBuild(&scene->traversal, &scene->arena, &scene->staleTree, &scene->sequence, &scene->exclusions);
+         ctTraversalBuild(&scene->traversal, &scene->arena, &scene->staleTree, &scene->sequence, &scene->exclusions) &&
+         ctCopiedBuild(&scene->followed, &scene->arena, &scene->sequence);
 }
 
 static void takeReference(ctChainTree* scene, const double* positions) {

@@ -44,17 +44,25 @@ static void readFrame(PositionReader* reader, int link, int particle, double pos
   transformPoint(&reader->leafFrame, local, position);
 }
 
+static inline void keepReference(const Sequence* s, int particle, double position[3]) {
+  memcpy(position, s->reference + 3 * (size_t)particle, 3 * sizeof(double));
+}
+
+static inline void addOrigin(const Sequence* s, double position[3]) {
+  for (int k = 0; k < 3; k++) {
+    position[k] += s->worldOrigin[k];
+  }
+}
+
 void ctReadPosition(PositionReader* reader, int particle, double position[3]) {
   const Sequence* s = reader->sequence;
   const int link = particleLink(s, particle);
   if (!isDisplaced(reader, link)) {
-    memcpy(position, s->reference + 3 * (size_t)particle, 3 * sizeof(double));
+    keepReference(s, particle, position);
     return;
   }
   readFrame(reader, link, particle, position);
-  for (int k = 0; k < 3; k++) {
-    position[k] += s->worldOrigin[k];
-  }
+  addOrigin(s, position);
 }
 
 void ctReadFromOrigin(PositionReader* reader, int particle, double position[3]) {
@@ -67,18 +75,96 @@ void ctReadFromOrigin(PositionReader* reader, int particle, double position[3]) 
   }
 }
 
-void ctReadPositions(const Sequence* s, const Tree* tree, double* positions) {
-  PositionReader reader = ctPositionReader(s, tree);
-  int idle = 0;
-  for (int link = 0; link < s->linkCount; link++) {
-    for (int slot = s->slotBegin[link]; slot < s->slotBegin[link + 1]; slot++) {
-      const int particle = s->slotParticle[slot];
-      if (particle != CT_NULL) {
-        ctReadPosition(&reader, particle, positions + 3 * (size_t)particle);
-      }
+static void readLeaf(PositionReader* reader, int leaf, const Frame* frame, double* positions) {
+  const Sequence* s = reader->sequence;
+  int end;
+  for (int slot = treeSlots(reader->tree, 0, leaf, &end); slot < end; slot++) {
+    const int particle = s->slotParticle[slot];
+    if (particle == CT_NULL) {
+      continue;
     }
-    for (; idle < s->idleCount && particleLink(s, s->idleParticle[idle]) == link; idle++) {
-      ctReadPosition(&reader, s->idleParticle[idle], positions + 3 * (size_t)s->idleParticle[idle]);
+    double* position = positions + 3 * (size_t)particle;
+    if (isDisplaced(reader, s->slotLink[slot])) {
+      double local[3];
+      treeLocal(reader->tree, slot, local);
+      transformPoint(frame, local, position);
+      addOrigin(s, position);
+    } else {
+      keepReference(s, particle, position);
     }
   }
+}
+
+/* Particles of leaves [begin, end) that have a slot, where leaves have changed since. */
+static void readLeaves(PositionReader* reader, int begin, int end, int64_t since, double* positions) {
+  const Tree* tree = reader->tree;
+  const int firstMoved = treeFirstMoved(tree, since);
+  int parent = CT_NULL;
+  Frame parentFrame = transformIdentity();
+  for (int leaf = begin; leaf < end; leaf++) {
+    if (leaf < firstMoved && tree->contentTime[leaf] <= since) {
+      continue;
+    }
+    Frame frame = tree->pose[leaf];
+    if (treeTop(tree) > 0) {
+      if (parent != treeParent(tree, 0, leaf)) {
+        parent = treeParent(tree, 0, leaf);
+        parentFrame = ctTreeFrame(tree, 1, parent);
+      }
+      frame = transformCompose(&parentFrame, &frame);
+    }
+    readLeaf(reader, leaf, &frame, positions);
+  }
+}
+
+/* Particles [begin, end) of those that have none. */
+static void readIdle(PositionReader* reader, int begin, int end, int64_t since, double* positions) {
+  const Sequence* s = reader->sequence;
+  const int firstMoved = treeFirstMoved(reader->tree, since);
+  for (int i = begin; i < end; i++) {
+    const int particle = s->idleParticle[i];
+    const int leaf = s->slotBegin[particleLink(s, particle)] / TREE_WIDTH;
+    if (leaf >= firstMoved || reader->tree->contentTime[leaf] > since) {
+      ctReadPosition(reader, particle, positions + 3 * (size_t)particle);
+    }
+  }
+}
+
+static void readSince(const Sequence* s, const Tree* tree, int64_t since, double* positions) {
+  PositionReader reader = ctPositionReader(s, tree);
+  readLeaves(&reader, 0, tree->levelSize[0], since, positions);
+  readIdle(&reader, 0, s->idleCount, since, positions);
+}
+
+void ctReadPositions(const Sequence* s, const Tree* tree, double* positions) {
+  readSince(s, tree, NEVER, positions);
+}
+
+/* ---- Arrays that are kept ---- */
+
+bool ctCopiedBuild(Copied* copied, Arena* arena, const Sequence* s) {
+  copied->time = NEVER;
+  copied->isDisplaced = ctArenaAllocate(arena, (size_t)s->branchCount, sizeof(bool));
+  return !arena->failed;
+}
+
+/* A branch that is displaced now and was not, or the other way round. */
+static void readBranch(const Sequence* s, const Tree* tree, int branch, double* positions) {
+  const int head = s->branchHead[branch];
+  const int end = sequenceEnd(s, head);
+  PositionReader reader = ctPositionReader(s, tree);
+  readLeaves(&reader, s->slotBegin[head] / TREE_WIDTH, (s->slotBegin[end] - 1) / TREE_WIDTH + 1, NEVER, positions);
+  readIdle(&reader, sequenceIdle(s, head), sequenceIdle(s, end), NEVER, positions);
+}
+
+void ctRefreshPositions(Copied* copied, const Sequence* s, const Tree* tree, double* positions) {
+  readSince(s, tree, copied->time, positions);
+  for (int branch = 0; branch < s->branchCount; branch++) {
+    const bool isDisplacedNow = s->displaced[branch] != 0;
+    if (copied->isDisplaced[branch] != isDisplacedNow) {
+      copied->isDisplaced[branch] = isDisplacedNow;
+      readBranch(s, tree, branch, positions);
+    }
+  }
+  copied->time = tree->time;
 }

@@ -28,4 +28,16 @@ void ctReadFromOrigin(PositionReader* reader, int particle, double position[3]);
 /* All particles: 3 * particleCount coordinates. */
 void ctReadPositions(const Sequence* sequence, const Tree* tree, double* positions);
 
+/* Of which state the coordinates in an array are that somebody keeps. */
+typedef struct Copied {
+  int64_t time;      /* of the tree; NEVER: of none */
+  bool* isDisplaced; /* per branch: whether it was, so that its particles had not their reference bits */
+} Copied;
+
+/* Of none. False if there is no memory. */
+bool ctCopiedBuild(Copied* copied, Arena* arena, const Sequence* sequence);
+
+/* The same as ctReadPositions, but only writes coordinates that may have changed since. */
+void ctRefreshPositions(Copied* copied, const Sequence* sequence, const Tree* tree, double* positions);
+
 #endif /* CT_POSITION_H_ */

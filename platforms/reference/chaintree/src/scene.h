@@ -3,6 +3,7 @@
 #define CT_SCENE_H_
 
 #include "clearance.h"
+#include "position.h"
 #include "sweep.h"
 #include "trial.h"
 #include "witness.h"
@@ -31,7 +32,8 @@ struct ctChainTree {
   Witnesses witnesses;
   Sweep ownSweep; /* only through ctSceneSweep */
   Trial trial;
-  Trial next; /* where a proposal is made, so that a refused one leaves the open trial alone */
+  Trial next;      /* where a proposal is made, so that a refused one leaves the open trial alone */
+  Copied followed; /* what ctFollowTrialPositions was given last */
   SlotPairs undecided;
   ctSelection* selections; /* those that have not been freed */
   double overlapTolerance;

@@ -9,6 +9,8 @@
 #ifndef CT_TREE_H_
 #define CT_TREE_H_
 
+#include <limits.h>
+
 #include "order.h"
 #include "sequence.h"
 
@@ -131,8 +133,8 @@ static inline bool treeStays(const Tree* tree, int64_t since) {
   return tree->changeTime[tree->changeCount - 1] <= since;
 }
 
-/* Whether no leaf before `leafEnd` has. O(log N). */
-static inline bool treeLeavesStay(const Tree* tree, int64_t since, int leafEnd) {
+/* The first leaf such that those before it have not; INT_MAX: none has. O(log N). */
+static inline int treeFirstMoved(const Tree* tree, int64_t since) {
   /* Where they ended can hardly be foreseen: so no branch depends on it. */
   int low = 0;
   for (int left = tree->changeCount; left > 0;) {
@@ -140,7 +142,12 @@ static inline bool treeLeavesStay(const Tree* tree, int64_t since, int leafEnd) 
     low += tree->changeTime[low + half - 1] <= since ? half : 0;
     left -= half;
   }
-  return low == tree->changeCount || tree->changedLeaf[low] >= leafEnd;
+  return low == tree->changeCount ? INT_MAX : tree->changedLeaf[low];
+}
+
+/* Whether no leaf before `leafEnd` has. O(log N). */
+static inline bool treeLeavesStay(const Tree* tree, int64_t since, int leafEnd) {
+  return treeFirstMoved(tree, since) >= leafEnd;
 }
 
 /* Numbers the items over one slot or more, from a tree of zeros. */

@@ -3,7 +3,6 @@
 
 #include "definition.h"
 #include "instructions.h"
-#include "position.h"
 #include "scene.h"
 
 /* ---- Propose ---- */
@@ -297,6 +296,19 @@ ctStatus ctGetTrialPositions(ctChainTree* tree, double* positions) {
   }
   applyTrial(tree, true);
   ctReadPositions(&tree->sequence, ctSceneTree(tree), positions);
+  applyTrial(tree, false);
+  return ctSuccess;
+}
+
+ctStatus ctFollowTrialPositions(ctChainTree* tree, bool anew, double* positions) {
+  if (!tree->trial.open) {
+    return failNoTrial(tree);
+  }
+  if (anew) {
+    tree->followed.time = NEVER;
+  }
+  applyTrial(tree, true);
+  ctRefreshPositions(&tree->followed, &tree->sequence, ctSceneTree(tree), positions);
   applyTrial(tree, false);
   return ctSuccess;
 }

@@ -22,6 +22,7 @@ static void testWithoutTrial(void) {
     CHECK(!ctHasTrial(arm));
     CHECK_FAILURE(arm, ctNoTrial, "no open trial", ctTestTrial(arm, &clash, NULL, NULL));
     CHECK_FAILURE(arm, ctNoTrial, "no open trial", ctGetTrialPositions(arm, positions));
+    CHECK_FAILURE(arm, ctNoTrial, "no open trial", ctFollowTrialPositions(arm, true, positions));
     CHECK_FAILURE(arm, ctNoTrial, "no open trial", ctForEachChangedPair(arm, 1, refuseChangedPair, NULL, NULL));
     CHECK_FAILURE(arm, ctNoTrial, "no open trial", ctCommit(arm, NULL));
     /* after a commit, after a discard */

@@ -49,6 +49,45 @@ static void testBits(void) {
   ctDestroy(arm);
 }
 
+static void checkFollowed(ctChainTree* tree, bool anew, double* followed) {
+  double trial[COORDINATES];
+  CHECK_SUCCESS(ctGetTrialPositions(tree, trial));
+  CHECK_SUCCESS(ctFollowTrialPositions(tree, anew, followed));
+  CHECK(memcmp(followed, trial, sizeof trial) == 0);
+}
+
+/* An array that is kept from trial to trial always has the bits of the trial, and is left alone where nothing moves. */
+static void testFollowing(void) {
+  ctChainTree* arm = makeArm(LINKS, ctFreeJoint, 0.1);
+  double followed[COORDINATES];
+  double moved[COORDINATES];
+  const ctChange end = {.link = 28, .angle = 0.3};
+  const ctChange middle = {.link = 14, .angle = 1};
+  const ctChange all = {.link = 0, .rotation = {0.3, 0.2, 0.1}, .translation = {4, 5, 6}};
+  CHECK_SUCCESS(ctPropose(arm, 1, &end));
+  checkFollowed(arm, false, followed); /* nothing was there before, so this is all */
+  CHECK_SUCCESS(ctPropose(arm, 1, &all));
+  checkFollowed(arm, false, followed);
+  ctDiscard(arm);
+  CHECK_SUCCESS(ctPropose(arm, 1, &middle)); /* what the discarded trial moved goes back */
+  checkFollowed(arm, false, followed);
+  CHECK_SUCCESS(ctCommit(arm, NULL));
+  turnArm(arm, 9, 0.5); /* not followed */
+  CHECK_SUCCESS(ctPropose(arm, 1, &end));
+  checkFollowed(arm, false, followed);
+  CHECK_SUCCESS(ctCommit(arm, NULL));
+  followed[0] = NAN;
+  CHECK_SUCCESS(ctPropose(arm, 1, &end));
+  CHECK_SUCCESS(ctFollowTrialPositions(arm, false, followed));
+  CHECK(isnan(followed[0]));
+  checkFollowed(arm, true, followed);
+  ctGetPositions(arm, moved);
+  CHECK_SUCCESS(ctSetPositions(arm, moved));
+  CHECK_SUCCESS(ctPropose(arm, 1, &middle));
+  checkFollowed(arm, false, followed);
+  ctDestroy(arm);
+}
+
 /* A proposal takes the place of the one before; one that fails does not. */
 static void testReplacement(void) {
   ctChainTree* arm = makeArm(LINKS, ctFixedJoint, 0.1);
@@ -204,6 +243,7 @@ static void testShortAxis(void) {
 
 int main(void) {
   testBits();
+  testFollowing();
   testReplacement();
   testVerdict();
   testNothing();
