@@ -255,6 +255,11 @@ void StericExclusionForce::rejectProposal(Context& context) const
     toImpl(getImplInContext(context)).rejectProposal();
 }
 
+void StericExclusionForce::restartLimits(Context& context) const
+{
+    toImpl(getImplInContext(context)).restartLimits();
+}
+
 void StericExclusionForce::getTraversalStatistics(Context& context, long long& queries, long long& volumeTests,
                                                   long long& particleTests, long long& nodesUpdated) const
 {
@@ -267,12 +272,28 @@ void StericExclusionForce::resetTraversalStatistics(Context& context) const
 }
 
 /**
+ * Whether two lists are of the same pairs. Order and repeats mean nothing.
+ */
+static bool haveSamePairs(const vector<pair<int, int>>& list1, const vector<pair<int, int>>& list2)
+{
+    if (list1 == list2)
+        return true;
+    auto collect = [](const vector<pair<int, int>>& list) {
+        set<pair<int, int>> pairs;
+        for (auto& particles : list)
+            pairs.insert(minmax(particles.first, particles.second));
+        return pairs;
+    };
+    return collect(list1) == collect(list2);
+}
+
+/**
  * Compare all that updateParametersInContext() cannot change.
  */
 bool StericExclusionForce::hasStructureOf(const StericExclusionForce& other) const
 {
-    return particles.size() == other.particles.size() && bonds == other.bonds && torsions == other.torsions &&
-           exclusions == other.exclusions;
+    return particles.size() == other.particles.size() && torsions == other.torsions &&
+           haveSamePairs(bonds, other.bonds) && haveSamePairs(exclusions, other.exclusions);
 }
 
 ForceImpl* StericExclusionForce::createImpl() const

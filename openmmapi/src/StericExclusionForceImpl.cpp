@@ -3,12 +3,15 @@
 #include "openmmchaintree/internal/ArgumentChecks.h"
 #include <cmath>
 #include <cstring>
+#include <limits>
 #include <sstream>
 #include <string>
 
 using namespace ChainTreePlugin;
 using namespace OpenMM;
 using namespace std;
+
+static const long long NO_STEP = numeric_limits<long long>::min();
 
 static void fail(const string& message)
 {
@@ -55,8 +58,9 @@ private:
 };
 
 StericExclusionForceImpl::StericExclusionForceImpl(const StericExclusionForce& owner) :
-    CustomCPPForceImpl(owner), owner(owner), engine(NULL), stepAtAgreement(-1), stepBegun(-1), limitsAreCurrent(false),
-    dynamicsIsExpected(false), settingPositions(false), energyIsSuppressed(false)
+    CustomCPPForceImpl(owner), owner(owner), engine(NULL), stepBegun(NO_STEP), limitsAreCurrent(false),
+    dynamicsIsExpected(false), stepsAreAnnounced(true), settingPositions(false), energyIsSuppressed(false),
+    proposalIsFree(false), hasVirtualSites(false)
 {
 }
 
@@ -75,6 +79,8 @@ void StericExclusionForceImpl::initialize(ContextImpl& context)
         if (particle1 == particle2)
             fail(name + " excludes particle " + to_string(particle1) + " from itself");
     }
+    for (int i = 0; i < system.getNumParticles(); i++)
+        hasVirtualSites = hasVirtualSites || system.isVirtualSite(i);
     original.reset(new StericExclusionForce(owner));
     structure.reset(new LinkStructure(system, owner));
 
@@ -138,17 +144,20 @@ void StericExclusionForceImpl::updatePositions(ContextImpl& context)
 
 void StericExclusionForceImpl::adoptPositions(ContextImpl& context, const vector<Vec3>& positions)
 {
-    const long long step = context.getStepCount();
     if (!haveSameBits(positions, agreedPositions)) {
         engine->setPositions(positions);
         agreedPositions = positions;
-        const bool mayBeDynamics = (step != stepAtAgreement || step == stepBegun);
+        const bool mayBeDynamics = (stepBegun != NO_STEP || !stepsAreAnnounced);
         if (dynamicsIsExpected && mayBeDynamics)
             limitsAreCurrent = false;
         else
             restartLimits();
     }
-    stepAtAgreement = step;
+
+    // A step that is under way has the count with which it began. With another one it is over, and all has been seen.
+
+    if (context.getStepCount() != stepBegun)
+        stepBegun = NO_STEP;
 }
 
 void StericExclusionForceImpl::updateContextState(ContextImpl& context, bool&)
@@ -156,9 +165,10 @@ void StericExclusionForceImpl::updateContextState(ContextImpl& context, bool&)
     stepBegun = context.getStepCount();
 }
 
-void StericExclusionForceImpl::expectDynamics()
+void StericExclusionForceImpl::expectDynamics(bool announced)
 {
     dynamicsIsExpected = true;
+    stepsAreAnnounced = announced;
 }
 
 void StericExclusionForceImpl::positionsWereSet(ContextImpl& context, const vector<Vec3>& restored)
@@ -179,10 +189,17 @@ void StericExclusionForceImpl::restartLimits()
     limitsAreCurrent = false;
 }
 
+void StericExclusionForceImpl::computeVirtualSites(ContextImpl& context)
+{
+    if (hasVirtualSites)
+        context.computeVirtualSites();
+}
+
 void StericExclusionForceImpl::takeNoticeOfPositions(ContextImpl& context)
 {
-    context.computeVirtualSites();
+    computeVirtualSites(context);
     updatePositions(context);
+    stepBegun = NO_STEP; // Who asks for trials is in the midst of no other Integrator's step.
 }
 
 /**
@@ -207,7 +224,7 @@ void StericExclusionForceImpl::setContextPositions(ContextImpl& context, const v
 {
     FlagGuard guard(settingPositions);
     context.setPositions(positions);
-    context.computeVirtualSites();
+    computeVirtualSites(context);
 }
 
 /**
@@ -221,7 +238,6 @@ void StericExclusionForceImpl::showState(ContextImpl& context)
     engine->getPositions(buffer);
     setContextPositions(context, buffer);
     context.getPositions(agreedPositions);
-    stepAtAgreement = context.getStepCount();
 }
 
 // ---- What is kept ----
@@ -262,7 +278,7 @@ void StericExclusionForceImpl::createCheckpoint(CheckpointWriter& writer)
     writer.write(records);
     writer.write((uint8_t)limitsAreCurrent);
     writer.write(agreedPositions);
-    writer.write(stepAtAgreement);
+    writer.write(stepBegun);
 }
 
 void StericExclusionForceImpl::loadCheckpoint(CheckpointReader& reader)
@@ -287,11 +303,20 @@ void StericExclusionForceImpl::loadCheckpoint(CheckpointReader& reader)
         engine->setLimits(pairs, limits);
     limitsAreCurrent = current;
     agreedPositions = agreed;
-    stepAtAgreement = step;
-    stepBegun = -1;
+    stepBegun = step;
 }
 
 // ---- Energy ----
+
+double StericExclusionForceImpl::calcForcesAndEnergy(ContextImpl& context, bool includeForces, bool includeEnergy,
+                                                     int groups)
+{
+    // In the energy of others there is nothing to compute. GPU platforms ask nevertheless, by computeForce().
+
+    if (energyIsSuppressed)
+        return 0;
+    return CustomCPPForceImpl::calcForcesAndEnergy(context, includeForces, includeEnergy, groups);
+}
 
 double StericExclusionForceImpl::computeForce(ContextImpl& context, const vector<Vec3>& positions, vector<Vec3>& forces)
 {
@@ -357,6 +382,15 @@ void StericExclusionForceImpl::resetTraversalStatistics()
 
 // ---- Trials for anyone's Monte Carlo ----
 
+/**
+ * Get whether the trial that was opened is free of clashes, and keep this for acceptProposal().
+ */
+bool StericExclusionForceImpl::testProposal()
+{
+    proposalIsFree = engine->isProposalFree();
+    return proposalIsFree;
+}
+
 bool StericExclusionForceImpl::proposeTorsions(ContextImpl& context, const vector<int>& torsions,
                                                const vector<double>& changes)
 {
@@ -374,7 +408,7 @@ bool StericExclusionForceImpl::proposeTorsions(ContextImpl& context, const vecto
     }
     prepareTrial(context);
     engine->proposeTorsions(torsions, changes);
-    return engine->isProposalFree();
+    return testProposal();
 }
 
 bool StericExclusionForceImpl::proposeRigidMotion(ContextImpl& context, int particle, const Vec3& rotation,
@@ -388,7 +422,7 @@ bool StericExclusionForceImpl::proposeRigidMotion(ContextImpl& context, int part
         fail("the molecule of particle " + to_string(particle) + " has fixed particles and cannot move");
     prepareTrial(context);
     engine->proposeRigidMotion(molecule, rotation, translation);
-    return engine->isProposalFree();
+    return testProposal();
 }
 
 /**
@@ -422,6 +456,8 @@ void StericExclusionForceImpl::acceptProposal(ContextImpl& context)
     requireProposal();
     engine->acceptProposal();
     showState(context);
+    if (!proposalIsFree)
+        restartLimits();
 }
 
 void StericExclusionForceImpl::rejectProposal()
@@ -447,7 +483,7 @@ void StericExclusionForceImpl::setTorsionAngles(ContextImpl& context, const vect
     for (int i = 0; i < (int)angles.size(); i++)
         if (!isfinite(angles[i]))
             fail("the angle of torsion " + to_string(i) + " is not finite");
-    context.computeVirtualSites();
+    computeVirtualSites(context);
     vector<double> presentAngles;
     getTorsionAngles(context, presentAngles);
     vector<int> torsions;
@@ -467,7 +503,13 @@ void StericExclusionForceImpl::beginTrials(ContextImpl& context)
 {
     prepareTrial(context);
     engine->rejectProposal();
-    stepBegun = -1; // Nothing but trials will change positions in this step, and it may be broken off.
+}
+
+void StericExclusionForceImpl::beginTrialsWithoutLimits(ContextImpl& context)
+{
+    takeNoticeOfPositions(context);
+    restartLimits();
+    engine->rejectProposal();
 }
 
 void StericExclusionForceImpl::refuseToleratedClashes()
@@ -487,8 +529,7 @@ void StericExclusionForceImpl::refuseToleratedClashes()
 
 void StericExclusionForceImpl::showProposal(ContextImpl& context)
 {
-    engine->getProposedPositions(buffer);
-    setContextPositions(context, buffer);
+    setContextPositions(context, engine->followProposal());
 }
 
 void StericExclusionForceImpl::finishTrials(ContextImpl& context)

@@ -1,5 +1,8 @@
 #include "openmmchaintree/TorsionMonteCarloIntegrator.h"
+#include "openmm/AndersenThermostat.h"
 #include "openmm/CMMotionRemover.h"
+#include "openmm/CompoundIntegrator.h"
+#include "openmm/CustomIntegrator.h"
 #include "openmm/internal/AssertionUtilities.h"
 #include "openmm/internal/ContextImpl.h"
 #include "openmm/internal/OSRngSeed.h"
@@ -8,6 +11,7 @@
 #include "openmm/MonteCarloBarostat.h"
 #include "openmm/MonteCarloFlexibleBarostat.h"
 #include "openmm/MonteCarloMembraneBarostat.h"
+#include "openmm/NonbondedForce.h"
 #include "openmm/OpenMMException.h"
 #include "openmm/reference/SimTKOpenMMRealType.h"
 #include "openmm/serialization/SerializationNode.h"
@@ -18,6 +22,7 @@
 #include "openmmchaintree/internal/RandomNumberGenerator.h"
 #include "openmmchaintree/internal/StericExclusionForceImpl.h"
 #include <cmath>
+#include <limits>
 #include <sstream>
 
 using namespace ChainTreePlugin;
@@ -98,6 +103,60 @@ static void checkConstraints(const System& system, const LinkStructure& structur
 }
 
 /**
+ * Get the groups of all Forces that can contribute to U, as a bit mask. OpenMM too goes by the groups that Forces had
+ * when the Context was created.
+ */
+static int findGroupsWithEnergy(const System& system)
+{
+    unsigned int groups = 0;
+    for (int i = 0; i < system.getNumForces(); i++) {
+        const Force* force = &system.getForce(i);
+        if (dynamic_cast<const CMMotionRemover*>(force) != NULL ||
+            dynamic_cast<const AndersenThermostat*>(force) != NULL ||
+            dynamic_cast<const StericExclusionForce*>(force) != NULL)
+            continue;
+        groups |= 1u << force->getForceGroup();
+        const NonbondedForce* nonbonded = dynamic_cast<const NonbondedForce*>(force);
+        if (nonbonded != NULL && nonbonded->getReciprocalSpaceForceGroup() >= 0)
+            groups |= 1u << nonbonded->getReciprocalSpaceForceGroup();
+    }
+    return groups;
+}
+
+/**
+ * Get whether an Integrator, or one of those in a CompoundIntegrator, begins its steps without a word to the Forces.
+ */
+static bool hasSilentSteps(const Integrator& integrator)
+{
+    if (auto compound = dynamic_cast<const CompoundIntegrator*>(&integrator)) {
+        for (int i = 0; i < compound->getNumIntegrators(); i++)
+            if (hasSilentSteps(compound->getIntegrator(i)))
+                return true;
+        return false;
+    }
+    auto custom = dynamic_cast<const CustomIntegrator*>(&integrator);
+    if (custom == NULL)
+        return false;
+    for (int i = 0; i < custom->getNumComputations(); i++) {
+        CustomIntegrator::ComputationType type;
+        string variable, expression;
+        custom->getComputationStep(i, type, variable, expression);
+        if (type == CustomIntegrator::UpdateContextState)
+            return false;
+    }
+    return true;
+}
+
+/**
+ * Get whether an energy is one that a state can have: neither NaN nor minus infinity, whose probability no other state
+ * would have a part of.
+ */
+static bool isEnergy(double energy)
+{
+    return energy > -numeric_limits<double>::infinity();
+}
+
+/**
  * A move, how often it is drawn, and what became of its trials.
  */
 class TorsionMonteCarloIntegrator::MoveInfo {
@@ -112,7 +171,7 @@ public:
 };
 
 TorsionMonteCarloIntegrator::TorsionMonteCarloIntegrator(double temperature) :
-    trialsPerStep(100), initialClashPolicy(Tolerate), force(NULL)
+    trialsPerStep(100), initialClashPolicy(Tolerate), stericMode(Hard), force(NULL), groupsWithEnergy(0)
 {
     setTemperature(temperature);
     setRandomNumberSeed(0);
@@ -167,6 +226,18 @@ void TorsionMonteCarloIntegrator::setInitialClashPolicy(InitialClashPolicy polic
     if (policy != Tolerate && policy != Refuse)
         fail("the initial clash policy must be Tolerate or Refuse, but is " + to_string((int)policy));
     initialClashPolicy = policy;
+}
+
+TorsionMonteCarloIntegrator::StericMode TorsionMonteCarloIntegrator::getStericMode() const
+{
+    return stericMode;
+}
+
+void TorsionMonteCarloIntegrator::setStericMode(StericMode mode)
+{
+    if (mode != Hard && mode != Soft)
+        fail("the steric mode must be Hard or Soft, but is " + to_string((int)mode));
+    stericMode = mode;
 }
 
 int TorsionMonteCarloIntegrator::getNumToleratedClashes(Context& context) const
@@ -294,7 +365,8 @@ void TorsionMonteCarloIntegrator::initialize(ContextImpl& contextRef)
     kernel = contextRef.getPlatform().createKernel(IntegrateVerletStepKernel::Name(), contextRef);
     kernel.getAs<IntegrateVerletStepKernel>().initialize(system, VerletIntegrator(getStepSize()));
     random.reset(new RandomNumberGenerator(randomNumberSeed == 0 ? osrngseed() : randomNumberSeed));
-    found.expectDynamics();
+    found.expectDynamics(!hasSilentSteps(contextRef.getIntegrator()));
+    groupsWithEnergy = findGroupsWithEnergy(system);
     force = &found;
     context = &contextRef;
     owner = &contextRef.getOwner();
@@ -417,33 +489,6 @@ double TorsionMonteCarloIntegrator::computeKineticEnergy()
     return energy;
 }
 
-/**
- * Get whether U is the same for all positions.
- */
-bool TorsionMonteCarloIntegrator::isAthermal() const
-{
-    const System& system = context->getSystem();
-    for (int i = 0; i < system.getNumForces(); i++) {
-        const Force* other = &system.getForce(i);
-        bool isIncluded = (getIntegrationForceGroups() & (1 << other->getForceGroup())) != 0;
-        bool hasEnergy = (dynamic_cast<const CMMotionRemover*>(other) == NULL && other != &force->getOwner());
-        if (isIncluded && hasEnergy)
-            return false;
-    }
-    return true;
-}
-
-/**
- * Compute U at the Context's positions.
- */
-double TorsionMonteCarloIntegrator::computeEnergy()
-{
-    double energy = force->computeOtherEnergy(*context, getIntegrationForceGroups());
-    if (std::isnan(energy))
-        fail("the energy of the integration force groups is not a number");
-    return energy;
-}
-
 double TorsionMonteCarloIntegrator::sumWeights() const
 {
     if (moves.empty())
@@ -471,9 +516,9 @@ TorsionMonteCarloIntegrator::MoveInfo& TorsionMonteCarloIntegrator::drawMove(dou
     return moves[lastPossible];
 }
 
-bool TorsionMonteCarloIntegrator::isAccepted(double energy, double newEnergy)
+bool TorsionMonteCarloIntegrator::isAccepted(double energyChange)
 {
-    return newEnergy <= energy || random->drawUniform() < exp(-(newEnergy - energy) / (BOLTZ * temperature));
+    return energyChange <= 0 || random->drawUniform() < exp(-energyChange / (BOLTZ * temperature));
 }
 
 void TorsionMonteCarloIntegrator::step(int steps)
@@ -484,9 +529,13 @@ void TorsionMonteCarloIntegrator::step(int steps)
     force->takeNoticeOfPositions(*context);
     for (int i = 0; i < steps; i++) {
         context->updateContextState();
-        force->beginTrials(*context);
-        if (initialClashPolicy == Refuse)
-            force->refuseToleratedClashes();
+        if (stericMode == Soft)
+            force->beginTrialsWithoutLimits(*context);
+        else {
+            force->beginTrials(*context);
+            if (initialClashPolicy == Refuse)
+                force->refuseToleratedClashes();
+        }
         try {
             runTrials(weightSum);
         }
@@ -506,26 +555,32 @@ void TorsionMonteCarloIntegrator::step(int steps)
 void TorsionMonteCarloIntegrator::runTrials(double weightSum)
 {
     CalcStericExclusionForceKernel& kernel = force->getKernel();
-    bool athermal = isAthermal();
-    double energy = athermal ? 0 : computeEnergy();
+    const int groups = getIntegrationForceGroups() & groupsWithEnergy;
+    double energy = groups == 0 ? 0 : force->computeOtherEnergy(*context, groups);
+    if (!isEnergy(energy))
+        fail("the energy of the integration force groups is not a number");
     for (int i = 0; i < trialsPerStep; i++) {
         MoveInfo& info = drawMove(weightSum);
         info.move->propose(kernel, *random);
-        if (!kernel.isProposalFree()) {
+        if (stericMode == Hard && !kernel.isProposalFree()) {
             kernel.rejectProposal();
             info.clashed++;
             continue;
         }
-        if (!athermal) {
+        double newEnergy = 0;
+        if (groups != 0) {
             force->showProposal(*context);
-            double newEnergy = computeEnergy();
-            if (!isAccepted(energy, newEnergy)) {
-                kernel.rejectProposal();
-                info.rejectedByEnergy++;
-                continue;
-            }
-            energy = newEnergy;
+            newEnergy = force->computeOtherEnergy(*context, groups);
         }
+        double change = newEnergy == energy ? 0 : newEnergy - energy; // Both may be infinite.
+        if (stericMode == Soft)
+            change += kernel.getProposedEnergyChange();
+        if (!isEnergy(newEnergy) || !isAccepted(change)) {
+            kernel.rejectProposal();
+            info.rejectedByEnergy++;
+            continue;
+        }
+        energy = newEnergy;
         kernel.acceptProposal();
         info.accepted++;
     }

@@ -11,7 +11,7 @@ using namespace ChainTreePlugin;
 using namespace OpenMM;
 using namespace std;
 
-static const int NEWEST_VERSION = 1;
+static const int NEWEST_VERSION = 2;
 
 TorsionMonteCarloIntegratorProxy::TorsionMonteCarloIntegratorProxy() : SerializationProxy("TorsionMonteCarloIntegrator")
 {
@@ -67,6 +67,7 @@ void TorsionMonteCarloIntegratorProxy::serialize(const void* object, Serializati
     node.setIntProperty("randomSeed", integrator.getRandomNumberSeed());
     node.setIntProperty("trialsPerStep", integrator.getTrialsPerStep());
     node.setIntProperty("initialClashPolicy", integrator.getInitialClashPolicy());
+    node.setIntProperty("stericMode", integrator.getStericMode());
     SerializationNode& moves = node.createChildNode("Moves");
     for (int i = 0; i < integrator.getNumMoves(); i++)
         switch (integrator.getMoveType(i)) {
@@ -81,7 +82,8 @@ void TorsionMonteCarloIntegratorProxy::serialize(const void* object, Serializati
 
 void* TorsionMonteCarloIntegratorProxy::deserialize(const SerializationNode& node) const
 {
-    checkVersion(node.getIntProperty("version"), NEWEST_VERSION, "the XML of a TorsionMonteCarloIntegrator");
+    const int version = node.getIntProperty("version");
+    checkVersion(version, NEWEST_VERSION, "the XML of a TorsionMonteCarloIntegrator");
     unique_ptr<TorsionMonteCarloIntegrator> integrator(
         new TorsionMonteCarloIntegrator(node.getDoubleProperty("temperature")));
     integrator->setStepSize(node.getDoubleProperty("stepSize"));
@@ -91,6 +93,8 @@ void* TorsionMonteCarloIntegratorProxy::deserialize(const SerializationNode& nod
     integrator->setTrialsPerStep(node.getIntProperty("trialsPerStep"));
     integrator->setInitialClashPolicy(
         (TorsionMonteCarloIntegrator::InitialClashPolicy)node.getIntProperty("initialClashPolicy"));
+    if (version > 1)
+        integrator->setStericMode((TorsionMonteCarloIntegrator::StericMode)node.getIntProperty("stericMode"));
     for (auto& move : node.getChildNode("Moves").getChildren()) {
         double weight = move.getDoubleProperty("weight");
         if (move.getName() == "TorsionMove")

@@ -40,7 +40,8 @@ public:
      */
     virtual void initialize(const StericExclusionForce& force, const LinkStructure& structure) = 0;
     /**
-     * Copy radii, roles, tolerances and the force constant. Drops the open trial, keeps limits.
+     * Copy radii, roles, tolerances and the force constant. Drops the open trial, keeps limits. If it throws an
+     * exception, nothing has changed.
      */
     virtual void copyParameters(const StericExclusionForce& force) = 0;
 
@@ -111,6 +112,15 @@ public:
      */
     virtual bool isProposalFree() = 0;
     virtual void getProposedPositions(std::vector<OpenMM::Vec3>& positions) = 0;
+    /**
+     * The same in an array that belongs to the kernel and follows one trial after another, so that only what has moved
+     * since the last call is computed.
+     */
+    virtual const std::vector<OpenMM::Vec3>& followProposal() = 0;
+    /**
+     * Get by how much the energy would change if the open trial became the state.
+     */
+    virtual double getProposedEnergyChange() = 0;
     virtual void getChangedNeighborPairs(double cutoff, std::vector<std::pair<int, int>>& pairs,
                                          std::vector<double>& before, std::vector<double>& after) = 0;
     /**

@@ -63,11 +63,17 @@ namespace ChainTreePlugin {
  * <b>Limits.</b> A trial is refused by a pair that overlaps beyond its <i>limit</i>. A pair's limit is its tolerance,
  * unless it clashes when sampling starts, that is, at the first trial after the Context was created or the user set
  * positions: then its limit is the overlap it has at that time. Structures with a few clashes can so be sampled, and
- * nothing gets worse than it was. If positions changed without the user setting them, for example because another
- * Integrator of a CompoundIntegrator moved the particles, limits may grow but never shrink. (Only a Context driven by a
- * TorsionMonteCarloIntegrator can tell these cases apart, and keep limits in checkpoints and States; in others every
- * change of positions that no proposal made starts the limits anew.) getClashes() and hasClash() always use the
- * tolerance.
+ * nothing gets worse than it was. Accepting a proposal that clashes starts limits anew, too: they start from what was
+ * accepted. So does restartLimits(), for whatever reason. getClashes() and hasClash() always use the tolerance.
+ *
+ * In a Context driven by a TorsionMonteCarloIntegrator, limits may grow but never shrink if another Integrator of a
+ * CompoundIntegrator has moved particles, or a Force at the beginning of a step. That is known, not guessed:
+ * Integrators announce each step to all Forces, and the Context tells of positions that are set. What moves particles
+ * without either (Context::applyConstraints(), and the minimizer on GPU platforms) counts as the user, and is told from
+ * dynamics if the StericExclusionForce or the sampler has seen the positions in between. The one kind of Integrator
+ * that does not announce steps is a CustomIntegrator without addUpdateContextState(): beside one, limits only grow
+ * unless positions are set, or restartLimits() is called. Only with a TorsionMonteCarloIntegrator are limits kept in
+ * checkpoints and States. Without one, every change of positions that no proposal made starts the limits anew.
  *
  * <b>Periodic boundary conditions are not supported.</b> Distances are those of the positions as they are, whatever the
  * periodic box of the System.
@@ -248,7 +254,9 @@ public:
      * both radii above 0, and grow at the next trial where the new parameters make new clashes.
      *
      * Bonds, torsions, exclusions and the number of particles cannot be changed this way: if they are not what they
-     * were when the Context was created, this throws an exception. Reinitialize the Context instead.
+     * were when the Context was created, this throws an exception. Reinitialize the Context instead. (Bonds and
+     * exclusions that are there already may be repeated.) All or nothing: if an exception is thrown, for these or for
+     * any other parameters, the Context has what it had, the open trial included.
      *
      * This takes O(N log N) time.
      *
@@ -363,8 +371,8 @@ public:
     void getChangedNeighborPairs(OpenMM::Context& context, double cutoff, std::vector<std::pair<int, int>>& pairs,
                                  std::vector<double>& before, std::vector<double>& after) const;
     /**
-     * Move the Context to what the open trial proposes, whether it clashes or not. Virtual sites are computed anew. It
-     * is an error if no trial is open.
+     * Move the Context to what the open trial proposes, whether it clashes or not. Virtual sites are computed anew. If
+     * it clashes beyond limits, these start anew from there. It is an error if no trial is open.
      *
      * @param context  the Context in which the trial was opened
      */
@@ -375,6 +383,13 @@ public:
      * @param context  the Context in which the trial was opened
      */
     void rejectProposal(OpenMM::Context& context) const;
+    /**
+     * Forget all limits. They start anew from the clashes that there are at the next trial or step, as if the user set
+     * the positions that the Context has.
+     *
+     * @param context  the Context whose limits are to start anew
+     */
+    void restartLimits(OpenMM::Context& context) const;
     /**
      * Get how much work the queries and trials of a Context took, since it was created or resetTraversalStatistics()
      * was called. Evaluations of energy and forces count as queries, and trials of a TorsionMonteCarloIntegrator too.

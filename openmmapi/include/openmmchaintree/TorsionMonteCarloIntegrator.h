@@ -31,13 +31,25 @@ class StericExclusionForceImpl;
  *     pi(x) ~ exp(-U(x)/kT) * 1[no pair of particles overlaps beyond its limit]
  *
  * where U is the energy of the integration force groups without that of the StericExclusionForce, even where they share
- * a group. If no other force can contribute energy, sampling is athermal: every trial without a clash is accepted.
+ * a group. If no other force can contribute energy, sampling is athermal: every trial without a clash is accepted. A
+ * CMMotionRemover or AndersenThermostat has no energy. Which Forces there are and to which groups they belong is
+ * settled when the Context is created; changes of the System after that have no effect until it is reinitialized.
+ *
+ * <b>Soft spheres.</b> After setStericMode(Soft) there are no limits, and no trial is refused by a clash. Instead, the
+ * energy E of the StericExclusionForce is a part of what is sampled, whatever its force group is:
+ *
+ *     pi(x) ~ exp(-(U(x) + E(x))/kT)
+ *
+ * This is the ensemble of dynamics in which the force takes part. Let Monte Carlo and dynamics take turns in a
+ * CompoundIntegrator with Soft: with Hard, which is the default, each of them would sample a distribution of its own,
+ * and the turns neither. (Dynamics at a constant temperature, that is, in which the force's group is among the
+ * integration force groups; and bond lengths and angles, which dynamics may change, are frozen in the trials.)
  *
  * <b>Steps and trials.</b> A step consists of many trials, 100 by default; see setTrialsPerStep(). Each trial draws one
  * of the moves by its weight and proposes it. A trial in which a pair overlaps beyond its limit is refused at once,
  * which usually takes microseconds. Only for the others is U evaluated, once each, and the trial accepted with
- * probability min(1, exp(-(U' - U)/kT)). In athermal sampling the positions reach the Context once a step, else for
- * each trial without a clash.
+ * probability min(1, exp(-(U' - U)/kT)). A trial whose U' is not a number is refused and counts as rejected by energy.
+ * In athermal sampling the positions reach the Context once a step, else for each trial without a clash.
  *
  * <b>Moves.</b> Add at least one by addTorsionMove() or addRigidBodyMove().
  *
@@ -51,9 +63,10 @@ class StericExclusionForceImpl;
  * @endcode
  *
  * <b>Limits.</b> The limit of a pair is its tolerance, unless it clashes when sampling starts; see
- * StericExclusionForce. By setInitialClashPolicy() such clashes are tolerated, which is the default, or refused.
- * Minimizing the energy counts as setting positions. (GPU platforms do not tell of it: there it must have moved a
- * particle and, after steps of another Integrator, have evaluated the StericExclusionForce.)
+ * StericExclusionForce, also for who may start them anew. By setInitialClashPolicy() such clashes are tolerated, which
+ * is the default, or refused. Minimizing the energy counts as setting positions. (GPU platforms do not tell of it:
+ * there it must have moved a particle and, after steps of another Integrator, have evaluated the StericExclusionForce.
+ * If in doubt, call StericExclusionForce::restartLimits().)
  *
  * <b>Time</b> means nothing to Monte Carlo. The step size is 0 by default; a program that wants time to pass, for
  * example as a label of frames, can set another one. Velocities are left alone.
@@ -61,7 +74,8 @@ class StericExclusionForceImpl;
  * <b>Errors.</b> Creating a Context throws an exception if its System has no StericExclusionForce or more than one, a
  * barostat (periodic boundary conditions are not supported), or a constraint between particles that a torsion moves
  * relative to each other, and if a move names what does not exist. A step throws an exception if no move can be drawn,
- * if U is not a number, or if the positions are not finite.
+ * if U of the present positions is not a number, if these are not finite, or if another Force throws one. The Context
+ * then is where the trials that were accepted have led, and these are counted, but the step is not.
  *
  * <b>Checkpoints and States.</b> With the same random number seed, the same program samples the same trajectory, bit
  * for bit. So does one that is broken off between two steps and goes on from a checkpoint, in which there are the
@@ -84,6 +98,19 @@ public:
          * step() throws an exception that names the first of them.
          */
         Refuse = 1
+    };
+    /**
+     * How the StericExclusionForce takes part in sampling.
+     */
+    enum StericMode {
+        /**
+         * A trial is refused if a pair overlaps beyond its limit.
+         */
+        Hard = 0,
+        /**
+         * The energy of the force is a part of what is sampled, and there are no limits.
+         */
+        Soft = 1
     };
     /**
      * The kinds of moves.
@@ -148,9 +175,23 @@ public:
      */
     void setInitialClashPolicy(InitialClashPolicy policy);
     /**
+     * Get how the StericExclusionForce takes part in sampling. The default is Hard.
+     */
+    StericMode getStericMode() const;
+    /**
+     * Set how the StericExclusionForce takes part in sampling. With Soft its energy is added to U, whether or not its
+     * force group is one of the integration force groups, no limit applies, and the initial clash policy plays no part.
+     *
+     * The mode may change between two steps. Hard steps that follow Soft ones start limits anew, from the clashes that
+     * those have left.
+     *
+     * @param mode  Hard or Soft
+     */
+    void setStericMode(StericMode mode);
+    /**
      * Get the number of pairs whose limit is not their tolerance, because they clashed when sampling started or after
      * another Integrator moved particles. It is 0 before sampling starts, that is, before the first step or proposal
-     * after the Context was created or the user set positions.
+     * after the Context was created or limits started anew; and after Soft steps, which know no limits.
      *
      * @param context  the Context that this integrator is bound to
      */
@@ -220,7 +261,8 @@ public:
      * @param move                    the index of the move, in the order in which moves were added
      * @param[out] attempted          the number of trials: the sum of the other three
      * @param[out] clashed            the number of trials refused because a pair overlapped beyond its limit
-     * @param[out] rejectedByEnergy   the number of trials without a clash that U made unlikely
+     * @param[out] rejectedByEnergy   the number of trials without a clash that U made unlikely, or whose U was not a
+     *                                number
      * @param[out] accepted           the number of trials accepted
      */
     void getMoveStatistics(int move, long long& attempted, long long& clashed, long long& rejectedByEnergy,
@@ -275,18 +317,19 @@ private:
     template <class Move>
     const Move& getMove(int index, double& weight, const std::string& kind) const;
     void requireContext(const OpenMM::Context& context) const;
-    bool isAthermal() const;
-    double computeEnergy();
     double sumWeights() const;
     MoveInfo& drawMove(double weightSum);
-    bool isAccepted(double energy, double newEnergy);
+    bool isAccepted(double energyChange);
     void runTrials(double weightSum);
     std::vector<MoveInfo> moves;
     double temperature;
     int randomNumberSeed, trialsPerStep;
     InitialClashPolicy initialClashPolicy;
+    StericMode stericMode;
     // What follows exists only while the integrator is bound to a Context.
     StericExclusionForceImpl* force;
+    /** The groups of all Forces that can contribute to U, as a bit mask. */
+    int groupsWithEnergy;
     std::unique_ptr<RandomNumberGenerator> random;
     OpenMM::Kernel kernel;
     /** The positions that a checkpoint has restored, until the Context tells of them; else empty. */

@@ -43,6 +43,8 @@ public:
     bool hasProposal();
     bool isProposalFree();
     void getProposedPositions(std::vector<OpenMM::Vec3>& positions);
+    const std::vector<OpenMM::Vec3>& followProposal();
+    double getProposedEnergyChange();
     void getChangedNeighborPairs(double cutoff, std::vector<std::pair<int, int>>& pairs, std::vector<double>& before,
                                  std::vector<double>& after);
     void acceptProposal();
@@ -65,24 +67,30 @@ private:
     };
     typedef std::unique_ptr<ctChainTree, Deleter> Tree;
     typedef std::unique_ptr<ctSelection, Deleter> Selection;
-    void readParameters(const StericExclusionForce& force);
-    Tree createTree(const std::vector<OpenMM::Vec3>& positions) const;
+    /** What copyParameters() copies. */
+    struct Parameters {
+        std::vector<double> radii;
+        std::vector<uint8_t> roles;
+        double overlapTolerance, hydrogenBondAllowance, forceConstant;
+        double getTolerance(int particle1, int particle2) const;
+    };
+    class SoftTerms;
+    static Parameters readParameters(const StericExclusionForce& force);
+    Tree createTree(const Parameters& parameters, const std::vector<OpenMM::Vec3>& positions) const;
     struct KeptSelection {
         std::vector<int> particles;
         Selection selection;
     };
     ctSelection* select(const std::vector<int>& particles, KeptSelection& kept) const;
     void check(ctStatus status) const;
-    void setTree(Tree created, const std::vector<OpenMM::Vec3>& positions);
+    void setTree(Tree created, std::vector<OpenMM::Vec3> positions);
     // The definition of the scene, in the arrays that the engine takes.
-    std::vector<double> radii;
-    std::vector<uint8_t> roles;
+    Parameters parameters;
     std::vector<int> particleLinks;
     std::vector<int> linkParents;
     std::vector<uint8_t> linkJoints;
     std::vector<std::array<int, 4>> linkTorsions;
     std::vector<std::array<int, 2>> exclusions;
-    double overlapTolerance, hydrogenBondAllowance, forceConstant;
     // What torsions and molecules are called there.
     std::vector<int> torsionLinks;
     std::vector<int> moleculeRoots;
@@ -92,6 +100,8 @@ private:
     std::vector<OpenMM::Vec3> arrangement;
     /** The changes of a trial, kept so that trials allocate no memory. */
     std::vector<ctChange> changes;
+    /** The positions of the last trial that followProposal() was asked about; empty if that was in another scene. */
+    std::vector<OpenMM::Vec3> followed;
     /** Where neighbour pairs are put, kept so that there is room for as many as the last time. */
     std::vector<int> neighbors1, neighbors2;
     /** The sets of the last minimum distance: mostly the same are asked about again, and the engine gains by that. */

@@ -104,7 +104,7 @@ static void split(Collector<Key, double>& collector, vector<Key>& keys, vector<d
 ReferenceCalcStericExclusionForceKernel::ReferenceCalcStericExclusionForceKernel(string name,
                                                                                  const Platform& platform) :
     CalcStericExclusionForceKernel(name, platform),
-    overlapTolerance(0), hydrogenBondAllowance(0), forceConstant(0), counts(), numQueries(0)
+    parameters(), counts(), numQueries(0)
 {
 }
 
@@ -131,46 +131,62 @@ void ReferenceCalcStericExclusionForceKernel::initialize(const StericExclusionFo
     exclusions.resize(force.getNumExclusions());
     for (int i = 0; i < force.getNumExclusions(); i++)
         force.getExclusionParticles(i, exclusions[i][0], exclusions[i][1]);
-    radii.resize(force.getNumParticles());
-    roles.resize(force.getNumParticles());
     changes.resize(torsionLinks.size());
-    readParameters(force);
+    parameters = readParameters(force);
 }
 
-void ReferenceCalcStericExclusionForceKernel::readParameters(const StericExclusionForce& force)
+ReferenceCalcStericExclusionForceKernel::Parameters
+ReferenceCalcStericExclusionForceKernel::readParameters(const StericExclusionForce& force)
 {
+    Parameters read;
+    read.radii.resize(force.getNumParticles());
+    read.roles.resize(force.getNumParticles());
     for (int i = 0; i < force.getNumParticles(); i++) {
         StericExclusionForce::HydrogenBondRole role;
-        force.getParticleParameters(i, radii[i], role);
-        roles[i] = role;
+        force.getParticleParameters(i, read.radii[i], role);
+        read.roles[i] = role;
     }
-    overlapTolerance = force.getOverlapTolerance();
-    hydrogenBondAllowance = force.getHydrogenBondAllowance();
-    forceConstant = force.getForceConstant();
+    read.overlapTolerance = force.getOverlapTolerance();
+    read.hydrogenBondAllowance = force.getHydrogenBondAllowance();
+    read.forceConstant = force.getForceConstant();
+    return read;
+}
+
+double ReferenceCalcStericExclusionForceKernel::Parameters::getTolerance(int particle1, int particle2) const
+{
+    const int role1 = roles[particle1], role2 = roles[particle2];
+    const bool mayBond = ((role1 & ctDonor) && (role2 & ctAcceptor)) || ((role1 & ctAcceptor) && (role2 & ctDonor));
+    return overlapTolerance + (mayBond ? hydrogenBondAllowance : 0);
 }
 
 void ReferenceCalcStericExclusionForceKernel::copyParameters(const StericExclusionForce& force)
 {
-    readParameters(force);
-    if (!tree)
-        return;
-    vector<Vec3> positions;
-    getPositions(positions);
-    vector<pair<int, int>> pairs;
-    vector<double> limits;
-    getLimits(pairs, limits);
-    setTree(createTree(positions), positions);
-    setLimits(pairs, limits);
+    // The engine checks parameters when it makes a scene. Before there are positions, any will do for that.
+
+    Parameters read = readParameters(force);
+    vector<Vec3> positions(read.radii.size());
+    if (tree)
+        getPositions(positions);
+    Tree created = createTree(read, positions);
+    if (tree) {
+        vector<array<int, 2>> pairs(getNumLimits());
+        vector<double> limits(pairs.size());
+        ctGetLimits(tree.get(), pairs.size(), reinterpret_cast<int(*)[2]>(pairs.data()), limits.data());
+        if (ctSetLimits(created.get(), pairs.size(), rows(pairs), limits.data()) != ctSuccess)
+            throw OpenMMException(string("StericExclusionForce: ") + ctGetErrorText(created.get()));
+        setTree(std::move(created), std::move(positions));
+    }
+    parameters = std::move(read);
 }
 
 ReferenceCalcStericExclusionForceKernel::Tree
-ReferenceCalcStericExclusionForceKernel::createTree(const vector<Vec3>& positions) const
+ReferenceCalcStericExclusionForceKernel::createTree(const Parameters& parameters, const vector<Vec3>& positions) const
 {
     ctDefinition definition = {};
-    definition.particleCount = radii.size();
+    definition.particleCount = parameters.radii.size();
     definition.positions = coordinates(positions);
-    definition.radii = radii.data();
-    definition.hydrogenBondRoles = roles.data();
+    definition.radii = parameters.radii.data();
+    definition.hydrogenBondRoles = parameters.roles.data();
     definition.particleLinks = particleLinks.data();
     definition.linkCount = linkParents.size();
     definition.linkParents = linkParents.data();
@@ -178,8 +194,8 @@ ReferenceCalcStericExclusionForceKernel::createTree(const vector<Vec3>& position
     definition.linkTorsions = rows(linkTorsions);
     definition.exclusionCount = exclusions.size();
     definition.exclusions = rows(exclusions);
-    definition.overlapTolerance = overlapTolerance;
-    definition.hydrogenBondAllowance = hydrogenBondAllowance;
+    definition.overlapTolerance = parameters.overlapTolerance;
+    definition.hydrogenBondAllowance = parameters.hydrogenBondAllowance;
     ctChainTree* created;
     char errorText[256];
     if (ctCreate(&definition, &created, errorText, sizeof(errorText)) != ctSuccess)
@@ -187,10 +203,11 @@ ReferenceCalcStericExclusionForceKernel::createTree(const vector<Vec3>& position
     return Tree(created);
 }
 
-void ReferenceCalcStericExclusionForceKernel::setTree(Tree created, const vector<Vec3>& positions)
+void ReferenceCalcStericExclusionForceKernel::setTree(Tree created, vector<Vec3> positions)
 {
-    arrangement = positions;
+    arrangement = std::move(positions);
     tree = std::move(created);
+    followed.clear();
     selection1 = KeptSelection();
     selection2 = KeptSelection();
 }
@@ -208,12 +225,12 @@ void ReferenceCalcStericExclusionForceKernel::setPositions(const vector<Vec3>& p
     if (tree)
         check(ctSetPositions(tree.get(), coordinates(positions)));
     else
-        setTree(createTree(positions), positions);
+        setTree(createTree(parameters, positions), positions);
 }
 
 void ReferenceCalcStericExclusionForceKernel::getPositions(vector<Vec3>& positions)
 {
-    positions.resize(radii.size());
+    positions.resize(parameters.radii.size());
     ctGetPositions(tree.get(), coordinates(positions));
 }
 
@@ -235,17 +252,17 @@ void ReferenceCalcStericExclusionForceKernel::setState(const vector<double>& sta
         setTree(Tree(), {});
         return;
     }
-    vector<Vec3> positions(radii.size());
+    vector<Vec3> positions(parameters.radii.size());
     size_t split = 3 * positions.size();
     if (state.size() < split)
         throw OpenMMException("StericExclusionForce: the state is of another structure");
     copy_n(state.begin(), split, coordinates(positions));
-    Tree created = createTree(positions);
+    Tree created = createTree(parameters, positions);
     if (state.size() != split + ctGetStateSize(created.get()))
         throw OpenMMException("StericExclusionForce: the state is of another structure");
     if (ctSetState(created.get(), &state[split]) != ctSuccess)
         throw OpenMMException(string("StericExclusionForce: ") + ctGetErrorText(created.get()));
-    setTree(std::move(created), positions);
+    setTree(std::move(created), std::move(positions));
 }
 
 double ReferenceCalcStericExclusionForceKernel::getTorsionAngle(int torsion)
@@ -263,7 +280,7 @@ double ReferenceCalcStericExclusionForceKernel::computeEnergy(vector<Vec3>& forc
 {
     fill(forces.begin(), forces.end(), Vec3());
     double energy;
-    check(ctComputeEnergy(tree.get(), forceConstant, &energy, coordinates(forces), &counts));
+    check(ctComputeEnergy(tree.get(), parameters.forceConstant, &energy, coordinates(forces), &counts));
     numQueries++;
     return energy;
 }
@@ -433,8 +450,73 @@ bool ReferenceCalcStericExclusionForceKernel::isProposalFree()
 
 void ReferenceCalcStericExclusionForceKernel::getProposedPositions(vector<Vec3>& positions)
 {
-    positions.resize(radii.size());
+    positions.resize(parameters.radii.size());
     check(ctGetTrialPositions(tree.get(), coordinates(positions)));
+}
+
+const vector<Vec3>& ReferenceCalcStericExclusionForceKernel::followProposal()
+{
+    const bool anew = followed.empty();
+    vector<Vec3> made(anew ? parameters.radii.size() : 0);
+    check(ctFollowTrialPositions(tree.get(), anew, coordinates(anew ? made : followed)));
+    if (anew)
+        followed = std::move(made);
+    return followed;
+}
+
+/**
+ * Collects by how much a trial changes (overlap - tolerance)^2 of the pairs that clash before or in it.
+ */
+class ReferenceCalcStericExclusionForceKernel::SoftTerms {
+public:
+    explicit SoftTerms(const Parameters& parameters) : parameters(parameters)
+    {
+    }
+    /**
+     * Get the largest distance at which particles clash; 0 or less if none do.
+     */
+    double getReach() const
+    {
+        const vector<double>& radii = parameters.radii;
+        double largest = radii.empty() ? 0 : *max_element(radii.begin(), radii.end());
+        return 2 * largest - parameters.overlapTolerance;
+    }
+    static bool add(void* terms, int particle1, int particle2, double before, double after)
+    {
+        return static_cast<SoftTerms*>(terms)->add(particle1, particle2, before, after);
+    }
+    /**
+     * Get the sum. Pairs come in any order, and the sum must not depend on it.
+     */
+    double sum()
+    {
+        double total = 0;
+        for (auto& term : collector.sort())
+            total += term.second;
+        return total;
+    }
+
+private:
+    bool add(int particle1, int particle2, double before, double after)
+    {
+        const double contact =
+            parameters.radii[particle1] + parameters.radii[particle2] - parameters.getTolerance(particle1, particle2);
+        const double excessBefore = max(0.0, contact - before), excessAfter = max(0.0, contact - after);
+        return excessBefore == excessAfter || collector.add(ParticlePair(particle1, particle2),
+                                                            excessAfter * excessAfter - excessBefore * excessBefore);
+    }
+    const Parameters& parameters;
+    PairCollector collector;
+};
+
+double ReferenceCalcStericExclusionForceKernel::getProposedEnergyChange()
+{
+    SoftTerms terms(parameters);
+    if (!(terms.getReach() > 0))
+        return 0;
+    check(ctForEachChangedPair(tree.get(), terms.getReach(), SoftTerms::add, &terms, &counts));
+    numQueries++;
+    return 0.5 * parameters.forceConstant * terms.sum();
 }
 
 void ReferenceCalcStericExclusionForceKernel::getChangedNeighborPairs(double cutoff, vector<pair<int, int>>& pairs,

@@ -30,6 +30,7 @@ public:
     {
         return owner;
     }
+    double calcForcesAndEnergy(OpenMM::ContextImpl& context, bool includeForces, bool includeEnergy, int groups);
     double computeForce(OpenMM::ContextImpl& context, const std::vector<OpenMM::Vec3>& positions,
                         std::vector<OpenMM::Vec3>& forces);
     /**
@@ -85,8 +86,11 @@ public:
      * Let limits only grow when the step of an Integrator, or a Force at its beginning, has moved particles. Every
      * other change of positions starts limits anew; the caller says by positionsWereSet() when positions were set.
      * Without this call, steps start limits anew too.
+     *
+     * @param announced  whether all Integrators of the Context call updateContextState() when they begin a step. If
+     *                   not, whatever moves particles in silence may have been one of them.
      */
-    void expectDynamics();
+    void expectDynamics(bool announced);
     /**
      * Start limits anew because positions were set, unless it was this object that set them, or a checkpoint.
      *
@@ -125,6 +129,10 @@ public:
      */
     void beginTrials(OpenMM::ContextImpl& context);
     /**
+     * The same for trials that know no limits: there are none afterwards.
+     */
+    void beginTrialsWithoutLimits(OpenMM::ContextImpl& context);
+    /**
      * Throw an exception that names the first pair whose limit is not its tolerance, if there is one.
      */
     void refuseToleratedClashes();
@@ -144,8 +152,7 @@ public:
      */
     double computeOtherEnergy(OpenMM::ContextImpl& context, int groups);
     /**
-     * Drop the open trial and move the Context to the kernel's state. The Context's step count must be that of the end
-     * of the step already.
+     * Drop the open trial and move the Context to the kernel's state.
      */
     void finishTrials(OpenMM::ContextImpl& context);
 
@@ -153,7 +160,9 @@ private:
     void updatePositions(OpenMM::ContextImpl& context);
     void adoptPositions(OpenMM::ContextImpl& context, const std::vector<OpenMM::Vec3>& positions);
     void prepareTrial(OpenMM::ContextImpl& context);
+    bool testProposal();
     void requireProposal() const;
+    void computeVirtualSites(OpenMM::ContextImpl& context);
     void setContextPositions(OpenMM::ContextImpl& context, const std::vector<OpenMM::Vec3>& positions);
     void showState(OpenMM::ContextImpl& context);
     const StericExclusionForce& owner;
@@ -165,12 +174,12 @@ private:
     /** The Context's positions when they and the kernel's state were last known to agree; empty before. */
     std::vector<OpenMM::Vec3> agreedPositions;
     std::vector<OpenMM::Vec3> buffer;
-    /** The step count at that time. Positions that differ though it does not were changed by no step: by the minimizer,
-     *  of which OpenMM tells nothing on GPU platforms, or by Context::applyConstraints(). */
-    long long stepAtAgreement;
-    /** The step count when a step last began, for changes in its midst. */
+    /** The step count at which the last step began whose changes of positions may not all have been seen, or NO_STEP.
+     *  Positions that differ without such a step were changed between steps: by the minimizer, of which OpenMM tells
+     *  nothing on GPU platforms, or by Context::applyConstraints(). */
     long long stepBegun;
-    bool limitsAreCurrent, dynamicsIsExpected, settingPositions, energyIsSuppressed;
+    bool limitsAreCurrent, dynamicsIsExpected, stepsAreAnnounced, settingPositions, energyIsSuppressed;
+    bool proposalIsFree, hasVirtualSites;
 };
 
 } // namespace ChainTreePlugin
