@@ -12,7 +12,7 @@ PositionReader ctPositionReader(const Sequence* sequence, const Tree* tree) {
 }
 
 /* Whether a joint has displaced the branch of the world that a link is in. */
-static bool isDisplaced(PositionReader* reader, int link) {
+static inline bool isDisplaced(PositionReader* reader, int link) {
   const Sequence* s = reader->sequence;
   if (link < reader->branchBegin || link >= reader->branchEnd) {
     reader->branch = sequenceBranch(s, link);
@@ -77,18 +77,26 @@ void ctReadFromOrigin(PositionReader* reader, int particle, double position[3]) 
 
 static void readLeaf(PositionReader* reader, int leaf, const Frame* frame, double* positions) {
   const Sequence* s = reader->sequence;
+  const Leaf* local = &reader->tree->leaf[leaf];
+  double world[3][TREE_WIDTH]; /* the sums of transformPoint and addOrigin, all slots at a time */
+  for (int k = 0; k < 3; k++) {
+    for (int i = 0; i < TREE_WIDTH; i++) {
+      world[k][i] = frame->m[k][0] * local->x[i] + frame->m[k][1] * local->y[i] + frame->m[k][2] * local->z[i] +
+                    frame->m[k][3] + s->worldOrigin[k];
+    }
+  }
   int end;
-  for (int slot = treeSlots(reader->tree, 0, leaf, &end); slot < end; slot++) {
+  const int begin = treeSlots(reader->tree, 0, leaf, &end);
+  for (int slot = begin; slot < end; slot++) {
     const int particle = s->slotParticle[slot];
     if (particle == CT_NULL) {
       continue;
     }
     double* position = positions + 3 * (size_t)particle;
     if (isDisplaced(reader, s->slotLink[slot])) {
-      double local[3];
-      treeLocal(reader->tree, slot, local);
-      transformPoint(frame, local, position);
-      addOrigin(s, position);
+      for (int k = 0; k < 3; k++) {
+        position[k] = world[k][slot - begin];
+      }
     } else {
       keepReference(s, particle, position);
     }
