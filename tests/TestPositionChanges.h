@@ -561,6 +561,52 @@ void testMovesBetweenSteps(Platform& platform)
 }
 
 /**
+ * It is known who moved positions, whatever becomes of the step count.
+ */
+void testStepCounts(Platform& platform)
+{
+    for (bool announced : {true, false}) {
+        BeadChain chain(6, 0.45);
+        int last = chain.addMolecule(1, 0.45, 0, chain.positions[3] + Vec3(0, 0, 0.7) - Vec3(0, 1, 0));
+        chain.force->setForceConstant(0);
+        CompoundIntegrator compound;
+        TorsionMonteCarloIntegrator* sampler = new TorsionMonteCarloIntegrator(300);
+        sampler->addTorsionMove(1, 0);
+        CustomIntegrator* dynamics = new CustomIntegrator(0.1);
+        if (announced)
+            dynamics->addUpdateContextState();
+        dynamics->addComputePerDof("x", "x+v*dt");
+        compound.addIntegrator(sampler);
+        compound.addIntegrator(dynamics);
+        Context context(chain.system, compound, platform);
+        context.setPositions(chain.positions);
+        vector<Vec3> velocities(last + 1);
+        velocities[last] = Vec3(0, 0, 10);
+        context.setVelocities(velocities);
+        compound.step(5);
+        const Limits limits = getLimits(context);
+        ASSERT_EQUAL(1, limits.size());
+        for (long long count : {0, 3, 4, 5, 100}) {
+            context.setStepCount(count);
+            compound.setCurrentIntegrator(1);
+            compound.step(2);
+            context.setStepCount(5);
+            compound.setCurrentIntegrator(0);
+            ASSERT_EQUAL(1, sampler->getNumToleratedClashes(context));
+            compound.step(1);
+            ASSERT(limits == getLimits(context));
+        }
+
+        // The user may say so all the same.
+
+        chain.force->restartLimits(context);
+        ASSERT_EQUAL(0, sampler->getNumToleratedClashes(context));
+        compound.step(1);
+        ASSERT_EQUAL(0, getLimits(context).size());
+    }
+}
+
+/**
  * The minimizer counts as a user who sets positions: what it has made is where limits start.
  */
 void testMinimizationInBetween(Platform& platform)
@@ -653,6 +699,7 @@ void testPositionChanges(Platform& platform)
     testTwoSamplers(platform);
     testSilentMoves(platform);
     testMovesBetweenSteps(platform);
+    testStepCounts(platform);
     if (canMinimize(platform))
         testMinimizationInBetween(platform);
     testContextsInTurns(platform);

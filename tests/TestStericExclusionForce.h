@@ -614,6 +614,17 @@ void testLimits(Platform& platform)
     ASSERT(chain.force->proposeTorsions(context, {0}, {0.1}));
     ASSERT(!chain.force->proposeTorsions(context, {0}, {-0.1}));
 
+    // So does a clash that is accepted: what it clashes by is the limit from then on.
+
+    ASSERT(!chain.force->proposeTorsions(context, {0}, {-0.15}));
+    chain.force->acceptProposal(context);
+    ASSERT(chain.force->proposeTorsions(context, {0}, {0.1}));
+    ASSERT(!chain.force->proposeTorsions(context, {0}, {-0.01}));
+    chain.force->proposeTorsions(context, {0}, {0.15});
+    chain.force->acceptProposal(context);
+    chain.force->restartLimits(context);
+    ASSERT(!chain.force->proposeTorsions(context, {0}, {-0.1}));
+
     // Queries have no influence on limits, and limits none on queries.
 
     Pairs pairs;
@@ -677,6 +688,15 @@ void testUpdateParameters(Platform& platform)
     chain.force->updateParametersInContext(context);
     ASSERT(chain.force->hasClash(context));
 
+    // What is there already may be repeated, in any order.
+
+    chain.force->addBond(1, 0);
+    chain.force->addBond(4, 5);
+    chain.force->addExclusion(1, 0);
+    chain.force->setForceConstant(50);
+    chain.force->updateParametersInContext(context);
+    ASSERT(chain.force->hasClash(context));
+
     // The structure stays what it was.
 
     chain.force->addExclusion(0, 3);
@@ -690,6 +710,33 @@ void testUpdateParameters(Platform& platform)
     assertThrows("reinitialize the Context", [&] {
         chain.force->updateParametersInContext(context);
     });
+}
+
+/**
+ * An update that is refused leaves everything as it was, the open trial included.
+ */
+void testRefusedUpdate(Platform& platform)
+{
+    BeadChain chain(6, 0.4, 0.5);
+    VerletIntegrator integrator(0.001);
+    Context context(chain.system, integrator, platform);
+    context.setPositions(chain.positions);
+    chain.force->proposeTorsions(context, {1}, {0.1});
+    vector<Vec3> proposed, same;
+    chain.force->getProposedPositions(context, proposed);
+    double energy = context.getState(State::Energy).getPotentialEnergy();
+    chain.force->setForceConstant(1);
+    chain.force->setParticleParameters(0, 0.9);
+    chain.force->setParticleParameters(2, 1e20);
+    assertThrows("particle 2 has radius", [&] {
+        chain.force->updateParametersInContext(context);
+    });
+    ASSERT_EQUAL(energy, context.getState(State::Energy).getPotentialEnergy());
+    chain.force->getProposedPositions(context, same);
+    assertSameBits(proposed, same);
+    chain.force->acceptProposal(context);
+    context.setPositions(chain.positions);
+    ASSERT_EQUAL(energy, context.getState(State::Energy).getPotentialEnergy());
 }
 
 void testTwoContexts(Platform& platform)
@@ -969,6 +1016,7 @@ void testStericExclusionForce(Platform& platform)
     testVirtualSites(platform);
     testLimits(platform);
     testUpdateParameters(platform);
+    testRefusedUpdate(platform);
     testTwoContexts(platform);
     testStatistics(platform);
     if (canMinimize(platform))

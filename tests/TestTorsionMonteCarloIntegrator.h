@@ -3,16 +3,20 @@
  * integrators, and bad input.
  */
 
+#include "openmm/AndersenThermostat.h"
 #include "openmm/CMMotionRemover.h"
 #include "openmm/CompoundIntegrator.h"
 #include "openmm/CustomExternalForce.h"
 #include "openmm/CustomTorsionForce.h"
+#include "openmm/internal/ContextImpl.h"
+#include "openmm/internal/ForceImpl.h"
 #include "openmm/LangevinMiddleIntegrator.h"
 #include "openmm/LocalEnergyMinimizer.h"
 #include "openmm/MonteCarloAnisotropicBarostat.h"
 #include "openmm/MonteCarloBarostat.h"
 #include "openmm/MonteCarloFlexibleBarostat.h"
 #include "openmm/MonteCarloMembraneBarostat.h"
+#include "openmm/NonbondedForce.h"
 #include "openmm/VerletIntegrator.h"
 #include "openmm/VirtualSite.h"
 #include "openmmchaintree/TorsionMonteCarloIntegrator.h"
@@ -269,6 +273,146 @@ void testHardSpheresInWell(Platform& platform)
     ASSERT(statistics.accepted > numSteps / 20);
 }
 
+/**
+ * Two spheres, each in the same harmonic well, that repel each other softly: their distance r has the density
+ * r^2 exp(-(k r^2 / 4 + E(r)) / kT).
+ */
+class SoftPair {
+public:
+    SoftPair() : force(new StericExclusionForce())
+    {
+        force->setOverlapTolerance(tolerance);
+        force->setForceConstant(stiffness);
+        force->setForceGroup(3);
+        CustomExternalForce* well = new CustomExternalForce("0.5*k*(x^2+y^2+z^2)");
+        well->addGlobalParameter("k", k);
+        for (int i = 0; i < 2; i++) {
+            system.addParticle(1);
+            force->addParticle(0.5 * diameter);
+            well->addParticle(i);
+        }
+        system.addForce(force);
+        system.addForce(well);
+    }
+    static double getMeanDistance(bool soft)
+    {
+        double weights = 0, expected = 0;
+        for (double r = 1e-4; r < 4; r += 1e-4) {
+            double excess = max(0.0, diameter - r - tolerance);
+            double steric = soft ? 0.5 * stiffness * excess * excess : excess > 0 ? 1e10 : 0;
+            double weight = r * r * exp(-(k * r * r / 4 + steric) / THERMAL);
+            weights += weight;
+            expected += weight * r;
+        }
+        return expected / weights;
+    }
+    static constexpr double k = 20, diameter = 0.9, tolerance = 0.1, stiffness = 300;
+    System system;
+    StericExclusionForce* force;
+    vector<Vec3> positions = {Vec3(-0.5, 0, 0), Vec3(0.5, 0, 0)};
+};
+
+void testSoftSpheres(Platform& platform)
+{
+    // Monte Carlo alone, and in turns with dynamics, samples with the energy of the spheres, though its group is not
+    // among those of the sampler.
+
+    const double expected = SoftPair::getMeanDistance(true);
+    const int numSteps = getSampleSize(platform);
+    const double error = 0.01 * sqrt(20000.0 / numSteps);
+    ASSERT(SoftPair::getMeanDistance(false) > expected + 0.04);
+    for (bool withDynamics : {false, true}) {
+        SoftPair pair;
+        CompoundIntegrator compound;
+        TorsionMonteCarloIntegrator* sampler = new TorsionMonteCarloIntegrator(300);
+        ASSERT(sampler->getStericMode() == TorsionMonteCarloIntegrator::Hard);
+        sampler->setStericMode(TorsionMonteCarloIntegrator::Soft);
+        ASSERT(sampler->getStericMode() == TorsionMonteCarloIntegrator::Soft);
+        sampler->setRandomNumberSeed(2);
+        sampler->setTrialsPerStep(5);
+        sampler->setIntegrationForceGroups(1);
+        sampler->addRigidBodyMove(1, 0.6, 0);
+        LangevinMiddleIntegrator* dynamics = new LangevinMiddleIntegrator(300, 5, 0.004);
+        dynamics->setRandomNumberSeed(7);
+        compound.addIntegrator(sampler);
+        compound.addIntegrator(dynamics);
+        Context context(pair.system, compound, platform);
+        context.setPositions(pair.positions);
+        context.setVelocitiesToTemperature(300, 1);
+        double mean = 0;
+        for (int i = 0; i < numSteps; i++) {
+            compound.setCurrentIntegrator(0);
+            compound.step(1);
+            if (withDynamics) {
+                compound.setCurrentIntegrator(1);
+                compound.step(5);
+            }
+            vector<Vec3> x = getPositions(context);
+            mean += getDistance(x[0], x[1]) / numSteps;
+        }
+        ASSERT_USUALLY_EQUAL_TOL(expected, mean, error);
+        Statistics statistics(*sampler, 0);
+        ASSERT_EQUAL(0, statistics.clashed);
+        ASSERT(statistics.rejectedByEnergy > numSteps / 2);
+        ASSERT_EQUAL(0, sampler->getNumToleratedClashes(context));
+    }
+}
+
+/**
+ * The energy of the soft spheres is what a trial changes of it, whatever moves, with all kinds of pairs: at a
+ * temperature of 0 it never rises, and it is the only thing that is asked.
+ */
+void testSoftEnergy(Platform& platform)
+{
+    BeadChain chain(20, 0.7, 0.6);
+    chain.addMolecule(6, 0.6, 0.4, Vec3(1, 1, 1));
+    chain.force->setParticleParameters(4, 0);
+    chain.force->setParticleParameters(2, 0.8, StericExclusionForce::Donor);
+    chain.force->setParticleParameters(9, 0.8, StericExclusionForce::Acceptor);
+    chain.force->setParticleParameters(12, 0.8, StericExclusionForce::DonorAndAcceptor);
+    chain.force->setOverlapTolerance(0.02);
+    TorsionMonteCarloIntegrator integrator(0);
+    integrator.setStericMode(TorsionMonteCarloIntegrator::Soft);
+    integrator.setRandomNumberSeed(1);
+    integrator.setTrialsPerStep(1);
+    integrator.addTorsionMove(2, 0.2, {}, 2);
+    integrator.addRigidBodyMove(1, 0.1, 0.1);
+    Context context(chain.system, integrator, platform);
+    context.setPositions(chain.positions);
+    auto getEnergy = [&] {
+        return context.getState(State::Energy).getPotentialEnergy();
+    };
+    const double start = getEnergy();
+    double before = start;
+    for (int i = 0; i < 2000; i++) {
+        integrator.step(1);
+        double after = getEnergy();
+        ASSERT(after <= before + start * getTolerance(platform));
+        before = after;
+    }
+    ASSERT(before < 0.2 * start);
+
+    // Hard trials that follow start limits anew, from what is left.
+
+    vector<pair<int, int>> pairs;
+    vector<double> overlaps;
+    context.setPositions(chain.positions);
+    integrator.step(1);
+    chain.force->getClashes(context, pairs, overlaps);
+    ASSERT(pairs.size() > 3);
+    ASSERT_EQUAL(0, integrator.getNumToleratedClashes(context));
+    integrator.setStericMode(TorsionMonteCarloIntegrator::Hard);
+    integrator.step(1);
+    ASSERT_EQUAL(pairs.size(), integrator.getNumToleratedClashes(context));
+    integrator.setStericMode(TorsionMonteCarloIntegrator::Soft);
+    integrator.setInitialClashPolicy(TorsionMonteCarloIntegrator::Refuse);
+    integrator.step(1);
+    integrator.setStericMode(TorsionMonteCarloIntegrator::Hard);
+    assertThrows("clash when sampling starts", [&] {
+        integrator.step(1);
+    });
+}
+
 void testStericEnergyIsLeftOut(Platform& platform)
 {
     // A tolerated clash has a large energy in the force group of another force, and yet none of it enters U.
@@ -332,6 +476,7 @@ void testUploads(Platform& platform)
 
     BeadChain chain(6, 0.45);
     chain.system.addForce(new CMMotionRemover());
+    chain.system.addForce(new AndersenThermostat(300, 1));
     CustomExternalForce* field = new CustomExternalForce("x");
     field->addParticle(5);
     field->setForceGroup(1);
@@ -387,6 +532,173 @@ void testAthermal(Platform& platform)
         ASSERT(after <= before);
         before = after;
     }
+    ASSERT(Statistics(integrator, 0).rejectedByEnergy > 0);
+}
+
+/**
+ * A force that says what its energy is.
+ */
+class Probe : public Force {
+public:
+    bool usesPeriodicBoundaryConditions() const
+    {
+        return false;
+    }
+    /** Called for each evaluation with the Context's positions. */
+    function<double(const vector<Vec3>&)> energy;
+
+protected:
+    ForceImpl* createImpl() const;
+};
+
+class ProbeImpl : public ForceImpl {
+public:
+    explicit ProbeImpl(const Probe& owner) : owner(owner)
+    {
+    }
+    void initialize(ContextImpl&)
+    {
+    }
+    const Probe& getOwner() const
+    {
+        return owner;
+    }
+    void updateContextState(ContextImpl&, bool&)
+    {
+    }
+    double calcForcesAndEnergy(ContextImpl& context, bool, bool, int groups)
+    {
+        if ((groups & (1 << owner.getForceGroup())) == 0)
+            return 0;
+        vector<Vec3> positions;
+        context.getPositions(positions);
+        return owner.energy(positions);
+    }
+    map<string, double> getDefaultParameters()
+    {
+        return {};
+    }
+    vector<string> getKernelNames()
+    {
+        return {};
+    }
+
+private:
+    const Probe& owner;
+};
+
+ForceImpl* Probe::createImpl() const
+{
+    return new ProbeImpl(*this);
+}
+
+/**
+ * Other forces see each trial as it is accepted, to the last bit, though only what moves is handed to them.
+ */
+void testPositionsOfTrials(Platform& platform)
+{
+    for (bool withSites : {false, true}) {
+        BeadChain chain(40, 0.3);
+        chain.addMolecule(5, 0.3, 1.0, Vec3(0, 0, 3));
+        chain.addMolecule(1, 0.3, 1.0, Vec3(0, 0, 5));
+        chain.force->setParticleParameters(30, 0);
+        if (withSites) {
+            chain.system.addParticle(0);
+            chain.force->addParticle(0);
+            chain.system.setVirtualSite(46, new TwoParticleAverageSite(38, 39, 0.5, 0.5));
+            chain.positions.push_back(Vec3());
+        }
+        Probe* probe = new Probe();
+        vector<Vec3> seen;
+        probe->energy = [&](const vector<Vec3>& positions) {
+            seen = positions;
+            return 2 * cos(9 * positions[39][1]); // now and then it refuses a trial
+        };
+        chain.system.addForce(probe);
+        TorsionMonteCarloIntegrator integrator(300);
+        integrator.setRandomNumberSeed(1);
+        integrator.setTrialsPerStep(1);
+        integrator.addTorsionMove(2, 0.3);
+        integrator.addTorsionMove(1, 0.3, {}, 3);
+        integrator.addRigidBodyMove(1, 0.1, 0.3);
+        Context context(chain.system, integrator, platform);
+        context.setPositions(chain.positions);
+        int numRejected = 0;
+        for (int i = 0; i < 300; i++) {
+            auto count = [&] {
+                long long sum = 0;
+                for (int move = 0; move < 3; move++)
+                    sum += Statistics(integrator, move).accepted;
+                return sum;
+            };
+            long long before = count();
+            integrator.step(1);
+            if (count() > before)
+                assertSameBits(getPositions(context), seen);
+            else
+                numRejected++;
+            if (i == 100)
+                context.setPositions(chain.positions);
+            if (i == 200) { // the engine begins anew
+                chain.force->setParticleParameters(3, 0.29);
+                chain.force->updateParametersInContext(context);
+            }
+        }
+        ASSERT(numRejected > 20 && numRejected < 200);
+    }
+}
+
+/**
+ * What counts as energy is settled when the Context is made, whatever becomes of the System.
+ */
+void testEnergyIsSettled(Platform& platform)
+{
+    auto sample = [&](const function<void(System&)>& change) {
+        BeadChain chain(6, 0.3);
+        CustomTorsionForce* potential = new CustomTorsionForce("20*cos(theta)");
+        for (int i = 0; i < 3; i++)
+            potential->addTorsion(i, i + 1, i + 2, i + 3, {});
+        chain.system.addForce(potential);
+        TorsionMonteCarloIntegrator integrator(300);
+        integrator.setRandomNumberSeed(3);
+        integrator.addTorsionMove(1, 1);
+        integrator.setIntegrationForceGroups(1);
+        Context context(chain.system, integrator, platform);
+        context.setPositions(chain.positions);
+        change(chain.system);
+        integrator.step(5);
+        ASSERT(Statistics(integrator, 0).rejectedByEnergy > 100);
+        return getPositions(context);
+    };
+    vector<Vec3> unchanged = sample([](System&) {
+    });
+    assertSameBits(unchanged, sample([](System& system) {
+                       system.getForce(1).setForceGroup(1);
+                   }));
+    assertSameBits(unchanged, sample([](System& system) {
+                       system.removeForce(1);
+                   }));
+    assertSameBits(unchanged, sample([](System& system) {
+                       system.addForce(new CustomExternalForce("x"));
+                   }));
+
+    // The reciprocal space of a NonbondedForce has a group of its own.
+
+    BeadChain chain(6, 0.1);
+    NonbondedForce* nonbonded = new NonbondedForce();
+    nonbonded->setNonbondedMethod(NonbondedForce::Ewald);
+    nonbonded->setReciprocalSpaceForceGroup(2);
+    nonbonded->setCutoffDistance(2);
+    for (int i = 0; i < 6; i++)
+        nonbonded->addParticle(i % 2 == 0 ? 2 : -2, 0.1, 0);
+    chain.system.setDefaultPeriodicBoxVectors(Vec3(9, 0, 0), Vec3(0, 9, 0), Vec3(0, 0, 9));
+    chain.system.addForce(nonbonded);
+    TorsionMonteCarloIntegrator integrator(30);
+    integrator.addTorsionMove(1, 3);
+    integrator.setIntegrationForceGroups(1 << 2);
+    Context context(chain.system, integrator, platform);
+    context.setPositions(chain.positions);
+    integrator.step(1);
     ASSERT(Statistics(integrator, 0).rejectedByEnergy > 0);
 }
 
@@ -735,9 +1047,35 @@ void testLimits(Platform& platform)
     ASSERT(chain.force->proposeTorsions(context, {0}, {-0.4}));
     ASSERT(!chain.force->proposeTorsions(context, {0}, {-0.41}));
 
+    // One that clashes does, like setTorsionAngles(): limits start from there.
+
+    ASSERT(!chain.force->proposeTorsions(context, {0}, {-0.6}));
+    chain.force->acceptProposal(context);
+    ASSERT_EQUAL(0, integrator.getNumToleratedClashes(context));
+    assertNotBeyond(0.3);
+    ASSERT_EQUAL(1, integrator.getNumToleratedClashes(context));
+    integrator.setTorsionAngles(context, {2.5});
+    ASSERT(!chain.force->proposeTorsions(context, {0}, {-2.2}));
+    chain.force->acceptProposal(context);
+    integrator.setInitialClashPolicy(TorsionMonteCarloIntegrator::Refuse);
+    assertThrows("particles 0 and 3 clash when sampling starts", [&] {
+        integrator.step(1);
+    });
+    integrator.setInitialClashPolicy(TorsionMonteCarloIntegrator::Tolerate);
+
+    // Whoever wants to starts them anew.
+
+    integrator.setTorsionAngles(context, {0.4});
+    ASSERT(chain.force->proposeTorsions(context, {0}, {0.4}));
+    chain.force->acceptProposal(context);
+    ASSERT_EQUAL(1, integrator.getNumToleratedClashes(context));
+    chain.force->restartLimits(context);
+    ASSERT_EQUAL(0, integrator.getNumToleratedClashes(context));
+    assertNotBeyond(0.8);
+
     // A step drops an open proposal.
 
-    ASSERT(chain.force->proposeTorsions(context, {0}, {-0.1}));
+    ASSERT(chain.force->proposeTorsions(context, {0}, {0}));
     integrator.step(1);
     assertThrows("there is no open proposal", [&] {
         chain.force->acceptProposal(context);
@@ -863,7 +1201,7 @@ void testBadEnergy(Platform& platform)
 
     System system;
     StericExclusionForce* force = new StericExclusionForce();
-    CustomExternalForce* cliff = new CustomExternalForce("sqrt(1-x)");
+    CustomExternalForce* cliff = new CustomExternalForce("sqrt(1-x)+20*(x-1)^2");
     system.addParticle(1);
     force->addParticle(0.1);
     cliff->addParticle(0);
@@ -874,13 +1212,19 @@ void testBadEnergy(Platform& platform)
     integrator.addRigidBodyMove(1, 0.2, 0);
     Context context(system, integrator, platform);
     context.setPositions({Vec3(0.5, 0, 0)});
-    assertThrows("the energy of the integration force groups is not a number", [&] {
-        integrator.step(10000);
-    });
-    State state = context.getState(State::Positions | State::Energy);
-    ASSERT(state.getPositions()[0][0] <= 1 && state.getPositions()[0][0] > 0.7);
-    ASSERT(state.getPotentialEnergy() >= 0);
-    ASSERT(Statistics(integrator, 0).accepted > 0);
+    integrator.setTrialsPerStep(10);
+    double largest = 0;
+    for (int i = 0; i < 2000; i++) {
+        integrator.step(1);
+        State now = context.getState(State::Positions | State::Energy);
+        ASSERT(now.getPositions()[0][0] <= 1);
+        ASSERT(now.getPotentialEnergy() >= 0);
+        largest = max(largest, now.getPositions()[0][0]);
+    }
+    ASSERT(largest > 0.9);
+    ASSERT(Statistics(integrator, 0).rejectedByEnergy > 1000);
+    ASSERT_EQUAL(20000, Statistics(integrator, 0).attempted);
+    State state = context.getState(State::Positions);
     context.setPositions({Vec3(2, 0, 0)});
     assertThrows("the energy of the integration force groups is not a number", [&] {
         integrator.step(1);
@@ -889,6 +1233,118 @@ void testBadEnergy(Platform& platform)
     ASSERT_EQUAL(0, context.getStepCount() - state.getStepCount());
     context.setPositions({Vec3(-1000, 0, 0)});
     integrator.step(10);
+}
+
+void testInfiniteEnergy(Platform& platform)
+{
+    // A wall of infinite energy: nothing enters it, and what is in it at first may leave. A hole of minus infinity is
+    // no place to be.
+
+    System system;
+    StericExclusionForce* force = new StericExclusionForce();
+    Probe* probe = new Probe();
+    const double infinity = numeric_limits<double>::infinity();
+    probe->energy = [=](const vector<Vec3>& x) {
+        return x[0][0] > 1 ? infinity : x[0][0] < 0 ? -infinity : 0;
+    };
+    system.addParticle(1);
+    force->addParticle(0.1);
+    system.addForce(force);
+    system.addForce(probe);
+    TorsionMonteCarloIntegrator integrator(300);
+    integrator.addRigidBodyMove(1, 0.2, 0);
+    Context context(system, integrator, platform);
+    context.setPositions({Vec3(1.3, 0, 0)});
+    while (getPositions(context)[0][0] > 1)
+        integrator.step(1);
+    for (int i = 0; i < 100; i++) {
+        integrator.step(1);
+        double x = getPositions(context)[0][0];
+        ASSERT(x <= 1 && x >= 0);
+    }
+    context.setPositions({Vec3(-1, 0, 0)});
+    assertThrows("the energy of the integration force groups is not a number", [&] {
+        integrator.step(1);
+    });
+}
+
+/**
+ * If another force throws, the trials before that stay, and sampling can go on.
+ */
+void testThrowingForce(Platform& platform)
+{
+    BeadChain chain(8, 0.3);
+    Probe* probe = new Probe();
+    int numEvaluations = 0, failing = -1;
+    vector<Vec3> accepted;
+    probe->energy = [&](const vector<Vec3>& positions) {
+        if (numEvaluations++ == failing)
+            throw OpenMMException("out of order");
+        accepted = positions;
+        return 0.0;
+    };
+    chain.system.addForce(probe);
+    TorsionMonteCarloIntegrator integrator(300);
+    integrator.setRandomNumberSeed(1);
+    integrator.addTorsionMove(1, 0.3);
+    Context context(chain.system, integrator, platform);
+    context.setPositions(chain.positions);
+    integrator.step(1);
+    for (int trial : {30, 0}) { // in the midst of trials, and before the first
+        integrator.resetMoveStatistics();
+        vector<Vec3> before = getPositions(context);
+        numEvaluations = 0;
+        failing = trial;
+        assertThrows("out of order", [&] {
+            integrator.step(1);
+        });
+        failing = -1;
+        ASSERT_EQUAL(1, context.getStepCount());
+        ASSERT_EQUAL(max(0, trial - 1), Statistics(integrator, 0).accepted);
+        assertSameBits(trial == 0 ? before : accepted, getPositions(context));
+    }
+    integrator.step(1);
+    ASSERT_EQUAL(2, context.getStepCount());
+    ASSERT(!chain.force->hasClash(context));
+}
+
+/**
+ * Parameters that are refused leave nothing behind: a checkpoint made before still loads.
+ */
+void testRefusedParameters(Platform& platform)
+{
+    BeadChain chain(6, 0.45, 0.5);
+    chain.force->setParticleParameters(0, 0.9);
+    TorsionMonteCarloIntegrator integrator(300);
+    integrator.setRandomNumberSeed(1);
+    integrator.addTorsionMove(1, 0.3);
+    Context context(chain.system, integrator, platform);
+    auto assertRefused = [&] {
+        chain.force->setParticleParameters(1, 1e300);
+        assertThrows("particle 1 has radius", [&] {
+            chain.force->updateParametersInContext(context);
+        });
+        chain.force->setParticleParameters(1, 0.45);
+        chain.force->setOverlapTolerance(1e300);
+        assertThrows("tolerance", [&] {
+            chain.force->updateParametersInContext(context);
+        });
+        chain.force->setOverlapTolerance(0);
+    };
+    assertRefused(); // before there are positions
+    context.setPositions(chain.positions);
+    integrator.step(2);
+    int tolerated = integrator.getNumToleratedClashes(context);
+    ASSERT(tolerated > 0);
+    stringstream checkpoint;
+    context.createCheckpoint(checkpoint);
+    integrator.step(2);
+    vector<Vec3> end = getPositions(context);
+    assertRefused();
+    ASSERT_EQUAL(tolerated, integrator.getNumToleratedClashes(context));
+    context.loadCheckpoint(checkpoint);
+    integrator.step(2);
+    assertSameBits(end, getPositions(context));
 }
 
 void testBadSystems(Platform& platform)
@@ -977,6 +1433,9 @@ void testBadMoves(Platform& platform)
     });
     assertThrows("the number of trials per step must be at least 1, but is 0", [&] {
         integrator.setTrialsPerStep(0);
+    });
+    assertThrows("the steric mode must be Hard or Soft, but is 2", [&] {
+        integrator.setStericMode(TorsionMonteCarloIntegrator::StericMode(2));
     });
     assertThrows("the initial clash policy must be Tolerate or Refuse", [&] {
         integrator.setInitialClashPolicy(TorsionMonteCarloIntegrator::InitialClashPolicy(2));
@@ -1102,9 +1561,13 @@ void testTorsionMonteCarloIntegrator(Platform& platform)
     testBoltzmannTorsions(platform);
     testBoltzmannRigidBody(platform);
     testHardSpheresInWell(platform);
+    testSoftSpheres(platform);
+    testSoftEnergy(platform);
     testStericEnergyIsLeftOut(platform);
     testUploads(platform);
     testAthermal(platform);
+    testPositionsOfTrials(platform);
+    testEnergyIsSettled(platform);
     testTorsionMoves(platform);
     testRigidBodyMoves(platform);
     testWeights(platform);
@@ -1118,6 +1581,9 @@ void testTorsionMonteCarloIntegrator(Platform& platform)
     if (canMinimize(platform))
         testMinimization(platform);
     testBadEnergy(platform);
+    testInfiniteEnergy(platform);
+    testThrowingForce(platform);
+    testRefusedParameters(platform);
     testBadSystems(platform);
     testBadMoves(platform);
     testReinitialize(platform);

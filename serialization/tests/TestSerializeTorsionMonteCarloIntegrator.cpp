@@ -30,6 +30,7 @@ void setUp(TorsionMonteCarloIntegrator& integrator)
     integrator.setRandomNumberSeed(-17);
     integrator.setTrialsPerStep(33);
     integrator.setInitialClashPolicy(TorsionMonteCarloIntegrator::Refuse);
+    integrator.setStericMode(TorsionMonteCarloIntegrator::Soft);
     integrator.addTorsionMove(1.0 / 3, 0.2, {4, 0, 2}, 3);
     integrator.addRigidBodyMove(0.5, 1.0 / 7, 0.3, {9, 1});
     integrator.addTorsionMove(0, 0.7);
@@ -69,6 +70,7 @@ void assertSameIntegrators(const TorsionMonteCarloIntegrator& expected, const To
     ASSERT_EQUAL(expected.getRandomNumberSeed(), found.getRandomNumberSeed());
     ASSERT_EQUAL(expected.getTrialsPerStep(), found.getTrialsPerStep());
     ASSERT_EQUAL(expected.getInitialClashPolicy(), found.getInitialClashPolicy());
+    ASSERT_EQUAL(expected.getStericMode(), found.getStericMode());
     assertSameMoves(expected, found);
 }
 
@@ -133,6 +135,21 @@ void testRoundTrip()
     assertSameIntegrators(plain, dynamic_cast<TorsionMonteCarloIntegrator&>(*copy));
 }
 
+void testOldXml()
+{
+    // Version 1 knew no steric mode: all sampling was hard.
+
+    TorsionMonteCarloIntegrator integrator(310);
+    integrator.setStericMode(TorsionMonteCarloIntegrator::Soft);
+    string xml = toXml(integrator);
+    for (const string text : {"version=\"2\"", " stericMode=\"1\""}) {
+        ASSERT(xml.find(text) != string::npos);
+        xml.replace(xml.find(text), text.size(), text[0] == 'v' ? "version=\"1\"" : "");
+    }
+    auto copy = fromXml(xml);
+    ASSERT(dynamic_cast<TorsionMonteCarloIntegrator&>(*copy).getStericMode() == TorsionMonteCarloIntegrator::Hard);
+}
+
 void testInCompoundIntegrator()
 {
     CompoundIntegrator compound;
@@ -156,10 +173,10 @@ void testBadXml()
         changed.replace(changed.find(good), good.size(), bad);
         fromXml(changed);
     };
-    assertThrows("the XML of a TorsionMonteCarloIntegrator has version 2, but this openmm-chaintree reads only "
-                 "versions 1 to 1",
+    assertThrows("the XML of a TorsionMonteCarloIntegrator has version 3, but this openmm-chaintree reads only "
+                 "versions 1 to 2",
                  [&] {
-                     readWith("version=\"1\"", "version=\"2\"");
+                     readWith("version=\"2\"", "version=\"3\"");
                  });
     assertThrows("move of unknown kind: JumpMove", [&] {
         readWith("<RigidBodyMove", "<JumpMove");
@@ -169,6 +186,9 @@ void testBadXml()
     });
     assertThrows("the number of trials per step", [&] {
         readWith("trialsPerStep=\"33\"", "trialsPerStep=\"0\"");
+    });
+    assertThrows("the steric mode", [&] {
+        readWith("stericMode=\"1\"", "stericMode=\"2\"");
     });
     assertThrows("the initial clash policy", [&] {
         readWith("initialClashPolicy=\"1\"", "initialClashPolicy=\"5\"");
@@ -180,6 +200,7 @@ int main()
     try {
         testGetters();
         testRoundTrip();
+        testOldXml();
         testInCompoundIntegrator();
         testBadXml();
     }
