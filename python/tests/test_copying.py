@@ -31,6 +31,7 @@ def makeIntegrator():
     integrator = TorsionMonteCarloIntegrator(310)
     integrator.setRandomNumberSeed(17)
     integrator.setIntegrationForceGroups({1, 3})
+    integrator.setStericMode(integrator.Soft)
     integrator.addTorsionMove(0.5, 0.2, [4, 0], 2)
     integrator.addRigidBodyMove(2, 0.1, 0.3)
     return integrator

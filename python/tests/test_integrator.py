@@ -85,6 +85,34 @@ def test_refusedClash(villin):
     assert np.array_equal(positionsOf(context), villin.positions)
 
 
+def test_softSpheres(villin):
+    """At a temperature of 0 the energy of the spheres can only fall, and clashes refuse nothing."""
+    force = createStericExclusionForce(villin.topology, villin.positions)
+    force.setOverlapTolerance(0.0)
+    integrator = TorsionMonteCarloIntegrator(0)
+    assert integrator.getStericMode() == TorsionMonteCarloIntegrator.Hard
+    integrator.setStericMode(TorsionMonteCarloIntegrator.Soft)
+    integrator.addTorsionMove(1, 0.1)
+    context = makeContext(villin, force, integrator)
+    energies = [context.getState(energy=True).getPotentialEnergy()._value]
+    for _ in range(5):
+        integrator.step(1)
+        energies.append(context.getState(energy=True).getPotentialEnergy()._value)
+    assert energies[0] > energies[-1] > 0
+    assert energies == sorted(energies, reverse=True)
+    assert integrator.getMoveStatistics(0).clashed == 0
+    assert integrator.getNumToleratedClashes(context) == 0
+
+    integrator.setStericMode(TorsionMonteCarloIntegrator.Hard)
+    clashes = len(force.getClashes(context)[0])
+    integrator.step(1)
+    assert integrator.getNumToleratedClashes(context) == clashes > 0
+    force.restartLimits(context)
+    assert integrator.getNumToleratedClashes(context) == 0
+    with pytest.raises(openmm.OpenMMException, match="Hard or Soft"):
+        integrator.setStericMode(2)
+
+
 def test_simulationWithReporters(villin, tmp_path):
     integrator = TorsionMonteCarloIntegrator(300 * unit.kelvin)
     integrator.setRandomNumberSeed(3)
