@@ -9,7 +9,7 @@ from openmm import unit
 from openmm.app import Residue
 
 from .components import connectedParts
-from .covalent import areAnglesOfBonds, bindsMetals, bondedPairs, isLooseMetal, isMetal, nearPairs
+from .covalent import areAnglesOfBonds, bindsMetals, bondedPairs, isLooseMetal, isMetal, longestBonds, nearPairs
 from .images import SMALLEST_BOX, makeWhole, nearestImage
 from .naming import describeResidue
 from .notes import Note, found
@@ -25,6 +25,8 @@ _LONGEST_LINK_ACROSS_A_JUMP = 0.2
 # Atoms farther apart than this (nm) are on two sides of a periodic box, whatever bond there may be.
 LONGEST_BOND = 0.8
 
+_COINCIDING = 0.001
+
 _LONGEST_DISULFIDE = 0.3
 
 # Atoms farther apart than LONGEST_LINK are bonded across the periodic box only if as near as this (nm).
@@ -35,6 +37,9 @@ LINKS = (("C", "N"), ("O3'", "P"))
 
 # What these atoms hang on.
 _BACKBONE = {"C": "CA", "N": "CA", "O3'": "C3'", "P": "O5'"}
+
+# Residues of which a bond of the template is so much longer than bonds are have names that mean something else.
+_LOOSE_FIT = 1.5
 
 _HYDROGEN, _SULFUR = 1, 16
 
@@ -66,6 +71,8 @@ class BondSearch:
         nm, with molecules that the periodic box tears apart made whole
     overlong : list of (int, int)
         bonds that are longer than 0.8 nm, as where a molecule is split over a periodic box
+    coinciding : list of (int, int)
+        bonds whose atoms are at one place
     hasBox : bool
         whether the Topology has a periodic box
     notes : list of Note
@@ -123,21 +130,38 @@ class BondSearch:
     # ---- Within residues ----
 
     def _completeResidues(self):
-        known = {}
+        known, misfits = {}, []
         for residue in self._looseResidues():
             names = tuple(atom.name for atom in residue.atoms())
             if (residue.name, names) not in known:
                 known[residue.name, names] = templateBonds(residue.name, names)
             first = next(residue.atoms()).index
-            for atom1, atom2 in known[residue.name, names]:
-                self._bonds[_sorted(first + atom1, first + atom2)] = None
-        if self.positions is not None:
-            loose = self._looseResidues()
-            bonds = defaultdict(list)
-            for pair in self._bondsWithin().tolist() if loose else ():
-                bonds[self._residueOf[pair[0]]].append(pair)
-            for residue in loose:
-                self._bondWithin(residue, bonds[residue.index])
+            bonds = [_sorted(first + atom1, first + atom2) for atom1, atom2 in known[residue.name, names]]
+            if isStandard(residue.name) or self._fit(bonds):
+                self._bonds.update(dict.fromkeys(bonds))
+            else:
+                misfits.append((residue, bonds))
+        if self.positions is None:
+            return
+        loose = self._looseResidues()
+        bonds = defaultdict(list)
+        for pair in self._bondsWithin().tolist() if loose else ():
+            bonds[self._residueOf[pair[0]]].append(pair)
+        for residue in loose:
+            self._bondWithin(residue, bonds[residue.index])
+        # Names may be those of another residue; but if distances do not tell either, the residue is torn.
+        stillLoose = set(self._looseResidues()) if misfits else ()
+        for residue, bonds in misfits:
+            if residue in stillLoose:
+                self._bonds.update(dict.fromkeys(bonds))
+
+    def _fit(self, bonds):
+        """Whether bonds of a template can be some: not much longer than bonds are."""
+        if self.positions is None or not bonds:
+            return True
+        first, second = np.array(bonds).T
+        longest = longestBonds(self._numbers[first], self._numbers[second])
+        return bool((self._distances(first, second) <= _LOOSE_FIT * longest).all())
 
     def _looseResidues(self):
         """Return the residues whose atoms their bonds do not hold together, extra particles apart."""
@@ -297,9 +321,10 @@ class BondSearch:
         self.disulfides = [tuple(pair) for pair in pairs[areSulfurs].tolist()]
         self.metalBonds = [tuple(pair) for pair in pairs[areMetals].tolist()]
         if self.positions is None:
-            self.overlong = []
+            self.overlong = self.coinciding = []
             return
         lengths = np.linalg.norm(self.positions[pairs[:, 0]] - self.positions[pairs[:, 1]], axis=1)
+        self.coinciding = [tuple(pair) for pair in pairs[lengths < _COINCIDING].tolist()]
         areLong = (lengths > LONGEST_BOND) & (numbers > 0).all(axis=1)
         self.overlong = [tuple(pair) for pair in pairs[areLong].tolist()]
 

@@ -8,8 +8,8 @@ from functools import cache
 import gemmi
 import numpy as np
 
-# Bonds are up to so much longer than the sum of covalent radii.
-_STRETCH = 1.15
+# Bonds are up to so much longer than the sum of covalent radii. Hydrogens are often placed carelessly.
+_STRETCH, _STRETCH_OF_HYDROGENS = 1.15, 1.3
 
 # Atoms nearer than this (nm) are at one place, and not bonded.
 _SHORTEST = 0.05
@@ -28,7 +28,9 @@ def longestBonds(numbers1, numbers2):
     """Return the largest length (nm) of a bond between atoms of given atomic numbers, 0 with a number of 0."""
     radii = _radii()
     isKnown = (np.asarray(numbers1) > 0) & (np.asarray(numbers2) > 0)
-    return np.where(isKnown, _STRETCH * (radii[numbers1] + radii[numbers2]), 0.0)
+    hasHydrogen = (np.asarray(numbers1) == 1) | (np.asarray(numbers2) == 1)
+    stretch = np.where(hasHydrogen, _STRETCH_OF_HYDROGENS, _STRETCH)
+    return np.where(isKnown, stretch * (radii[numbers1] + radii[numbers2]), 0.0)
 
 
 def isMetal(numbers):

@@ -17,6 +17,9 @@ _COORDINATES = (slice(30, 38), slice(38, 46), slice(46, 54))
 # Of names in residues of unknown kind that begin a column too early, those that are not carbon, nitrogen and so on.
 _TWO_LETTER_ELEMENTS = {"CL", "BR", "FE", "ZN", "MG", "MN", "CU", "SE", "SI", "AL"}
 
+# Of these, those that no names of lighter elements begin with.
+_CERTAIN_ELEMENTS = {"BR", "FE", "ZN", "MG", "MN", "CU"}
+
 
 class PDBLines(NamedTuple):
     """A PDB file that can be read.
@@ -157,6 +160,8 @@ def _guessElement(name, residue):
     twoLetters = {"SE"} if residue == "MSE" else _TWO_LETTER_ELEMENTS
     if aminoAcid(residue) is not None or isNucleotide(residue) or isWater(residue):
         twoLetters = twoLetters & {"SE"}
+    elif letters[:2] in _CERTAIN_ELEMENTS:
+        return letters[:2]
     elif not name[0].isalpha() or letters == residue or len(name.strip()) == 4:
         return None
     if letters[:2] in twoLetters:

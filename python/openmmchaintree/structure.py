@@ -195,6 +195,9 @@ def selectSolute(source, topology, positions, water=False, ions=False):
     atoms = np.array([atom.index for atom in kept], dtype=int)
     dry = _subset(topology, kept)
     search = BondSearch(dry, positions[atoms])
+    if search.coinciding:
+        pairs = [search.describePair(pair) for pair in search.coinciding]
+        raise InputError(f"{source}: bonded atoms are at one place ({pairs[0]}{_others(pairs)})")
     if search.overlong:
         raise tornError(source, [search.describePair(pair) for pair in search.overlong], search.hasBox)
     loose = [] if ions else _looseIons(dry, search.bonds)
@@ -228,9 +231,12 @@ def _looseIons(topology, bonds):
 
 def tornError(source, pairs, hasBox):
     """Return the InputError that tells of bonded atoms that are far apart: the first of some pairs, in words."""
-    others = f", the first of {len(pairs):,} such bonds" if len(pairs) > 1 else ""
     remedy = "" if hasBox else "; a molecule split over a periodic box is made whole if the file has the box"
-    return InputError(f"{source}: bonded atoms are far apart ({pairs[0]}{others}){remedy}")
+    return InputError(f"{source}: bonded atoms are far apart ({pairs[0]}{_others(pairs)}){remedy}")
+
+
+def _others(pairs):
+    return f", the first of {len(pairs):,} such bonds" if len(pairs) > 1 else ""
 
 
 def _noteWhole(topology, search, positions):
