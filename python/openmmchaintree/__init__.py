@@ -1,8 +1,9 @@
 """openmm-chaintree: exact steric exclusion and torsion-space Monte Carlo for OpenMM.
 
 `StericExclusionForce` and `TorsionMonteCarloIntegrator` are the plugin's classes; `createStericExclusionForce` and
-`findTorsions` make the first from an `openmm.app.Topology`; `findClashes` looks at files. Numbers are in nm, rad,
-kJ/mol and K, or OpenMM Quantities; results are plain numbers and NumPy arrays in these units.
+`findTorsions` make the first from an `openmm.app.Topology`, of which `selectAtoms` chooses atoms; `findClashes` looks
+at files. Numbers are in nm, rad, kJ/mol and K, or OpenMM Quantities; results are plain numbers and NumPy arrays in
+these units.
 """
 
 from openmmchaintree_forcefield import registerParser
@@ -23,6 +24,7 @@ from .openmmchaintree import (  # noqa: E402
     TraversalStatistics,
 )
 from .reporter import ClashError, ClashReporter  # noqa: E402
+from .selection import selectAtoms  # noqa: E402
 from .sterics import createStericExclusionForce  # noqa: E402
 from .torsions import LeftOutTorsion, Torsion, TorsionSearch, findTorsions  # noqa: E402
 
@@ -44,4 +46,5 @@ __all__ = [
     "createStericExclusionForce",
     "findClashes",
     "findTorsions",
+    "selectAtoms",
 ]

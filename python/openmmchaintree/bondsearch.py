@@ -11,9 +11,10 @@ from openmm.app import Residue
 from .components import connectedParts
 from .covalent import areAnglesOfBonds, bindsMetals, bondedPairs, isLooseMetal, isMetal, longestBonds, nearPairs
 from .images import SMALLEST_BOX, makeWhole, nearestImage
+from .lengthunits import checkBondLengths
 from .naming import describeResidue
 from .notes import Note, found
-from .residues import CAPS, aminoAcid, isNucleotide, isWater
+from .residues import CAPS, aminoAcid, isAlphaCarbonOnly, isNucleotide, isWater
 from .templates import isStandard, templateBonds
 
 # A bond between residues of a polymer that is longer than this (nm) spans missing residues.
@@ -79,7 +80,13 @@ class BondSearch:
     """
 
     def __init__(self, topology, positions=None):
-        """Find the bonds. With positions, an (n, 3) float64 array in nm, distances count. O(n log n)."""
+        """Find the bonds. With positions, an (n, 3) float64 array in nm, distances count. O(n log n).
+
+        Raises
+        ------
+        InputError
+            if the bonds are ten times as long as bonds are, or a tenth
+        """
         self._atoms = list(topology.atoms())
         self._residues = list(topology.residues())
         self._chains = [list(chain.residues()) for chain in topology.chains()]
@@ -143,6 +150,7 @@ class BondSearch:
                 misfits.append((residue, bonds))
         if self.positions is None:
             return
+        self._checkLengths()
         loose = self._looseResidues()
         bonds = defaultdict(list)
         for pair in self._bondsWithin().tolist() if loose else ():
@@ -162,6 +170,12 @@ class BondSearch:
         first, second = np.array(bonds).T
         longest = longestBonds(self._numbers[first], self._numbers[second])
         return bool((self._distances(first, second) <= _LOOSE_FIT * longest).all())
+
+    def _checkLengths(self):
+        """Refuse positions in a wrong unit by the bonds that are known without them."""
+        pairs = self._bondsWithin()
+        pairs = pairs[(self._numbers[pairs] > 0).all(axis=1)]  # those of beads have any length
+        checkBondLengths(np.linalg.norm(self.positions[pairs[:, 0]] - self.positions[pairs[:, 1]], axis=1))
 
     def _looseResidues(self):
         """Return the residues whose atoms their bonds do not hold together, extra particles apart."""
@@ -221,6 +235,8 @@ class BondSearch:
         linked = {atom for pair in self._bonds if not self._areOneResidue(pair) and self._isLink(pair) for atom in pair}
         for residue1, residue2 in self._unlinkedNeighbors():
             if not _areOnePolymer(residue1, residue2) or (residue1.index, residue2.index) in known:
+                continue
+            if isAlphaCarbonOnly(residue1) or isAlphaCarbonOnly(residue2):
                 continue
             ends = next(iter(self._facingEnds(residue1, residue2)), ())
             if any(end in linked for end in ends):  # to residues elsewhere in the file

@@ -49,6 +49,10 @@ _SP2_CARBONS_WITH_HYDROGEN = {
     "A": "C2 C8", "G": "C8", "I": "C2 C8", "C": "C5 C6", "U": "C5 C6", "T": "C6",
 }  # fmt: skip
 
+# The backbone of a residue, each atom bonded to the next.
+PEPTIDE_BACKBONE = ("N", "CA", "C")
+NUCLEOTIDE_BACKBONE = ("O5'", "C5'", "C4'", "C3'", "O3'")
+
 CAPS = {"ACE", "NME", "NHE", "NH2"}
 
 
@@ -68,6 +72,25 @@ def aminoAcid(name):
 def isWater(name):
     """Whether a residue name is one of water."""
     return name in _WATERS
+
+
+def isAlphaCarbonOnly(residue):
+    """Whether a residue of a Topology is an amino acid of which there is only the Cα atom."""
+    return aminoAcid(residue.name) is not None and [atom.name for atom in residue.atoms()] == ["CA"]
+
+
+def polymerBackbone(residue):
+    """Return the indices of the backbone atoms of an amino acid or nucleotide of a Topology; [] if it is none."""
+    atoms = {atom.name: atom.index for atom in residue.atoms()}
+    for names in (PEPTIDE_BACKBONE, NUCLEOTIDE_BACKBONE):
+        if all(name in atoms for name in names):
+            return [atoms[name] for name in names]
+    return []
+
+
+def isPolymer(residue):
+    """Whether a residue of a Topology is one of a protein or nucleic acid, by its name or its backbone."""
+    return aminoAcid(residue.name) is not None or isNucleotide(residue.name) or bool(polymerBackbone(residue))
 
 
 def isNucleotide(name):

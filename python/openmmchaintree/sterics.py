@@ -10,9 +10,24 @@ from .naming import describeResidue
 from .notes import Note, found, warnOf
 from .openmmchaintree import StericExclusionForce
 from .radii import RADII_SETS, defaultRadii, hydrogenBondRoles, particleRadii
-from .torsions import DISULFIDE_RING, METAL_RING, PROLINE_RING, Torsion, TorsionSearch, searchTorsions
+from .residues import aminoAcid, isAlphaCarbonOnly
+from .torsions import (
+    BETWEEN_FIXED,
+    DISULFIDE_RING,
+    METAL_RING,
+    QUIET_REASONS,
+    Torsion,
+    TorsionSearch,
+    searchTorsions,
+)
 from .unbonded import unbondedNeighbors
 from .units import Array, Number, inUnit, positionsInNm
+
+_REMEDIES = {
+    DISULFIDE_RING: ", which can be cut (cutDisulfides)",
+    METAL_RING: ", which can be cut (cutMetals)",
+    BETWEEN_FIXED: ", where only side chains turn",
+}
 
 
 def createStericExclusionForce(
@@ -50,7 +65,7 @@ def createStericExclusionForce(
         "all-atom" (Word et al. 1999), "united-atom" (Tsai et al. 1999; hydrogens get radius 0), or a radius in nm for
         each atom. Default: "all-atom" if the Topology has hydrogens, else "united-atom".
     torsions : str or iterable of str, or iterable of Torsion
-        the kinds of torsions, as in `findTorsions`, or torsions that it returned
+        the kinds of torsions, as in `findTorsions`, or torsions that it returned: its `selection` chooses them
     bondCutoff : int
         pairs up to this many bonds apart are excluded
     cutDisulfides : bool
@@ -70,7 +85,8 @@ def createStericExclusionForce(
     Raises
     ------
     ValueError
-        if an argument is out of range or of the wrong shape, or an element has no radius
+        if an argument is out of range or of the wrong shape, an element has no radius, or bonds are ten times as long
+        as bonds are, as if positions were in ångström
     TypeError
         if positions or radii have a unit that is not a length
     """
@@ -79,7 +95,7 @@ def createStericExclusionForce(
     graph = BondGraph(topology, positions, cutDisulfides, cutMetals)
     search = _torsionsOf(graph, topology, torsions)
     force = makeForce(graph, search.torsions, radii, bondCutoff, forceGroup, unknownRadius)
-    warnOf([*graph.notes, *_notesOnGeometry(graph, search.torsions), *notesOnTorsions(search.leftOut)], stacklevel=2)
+    warnOf([*graph.notes, *notesOnGeometry(graph, search.torsions), *notesOnTorsions(search.leftOut)], stacklevel=2)
     return force
 
 
@@ -125,12 +141,14 @@ def _torsionsOf(graph, topology, torsions):
     return searchTorsions(graph, topology, torsions)
 
 
-def _notesOnGeometry(graph, torsions):
+def notesOnGeometry(graph, torsions):
+    """Return Notes on bonds that are too long, on atoms that lack a bond, and on residues that are but a Cα atom."""
+    notes = notesOnAlphaCarbons(graph)
     if graph.positions is None:
-        return []
+        return notes
     unbonded = unbondedNeighbors(graph, (torsion.particles[1:3] for torsion in torsions))
     overlong = map(graph.describePair, graph.overlong)
-    return found(
+    return notes + found(
         [
             Note("bonds longer than 0.8 nm: are molecules split over a periodic box?", overlong),
             Note("atoms at covalent distance that are not bonded, and that torsions move apart", map(str, unbonded)),
@@ -138,14 +156,27 @@ def _notesOnGeometry(graph, torsions):
     )
 
 
+def notesOnAlphaCarbons(graph):
+    """Return a list of a Note on residues that are nothing but a Cα atom, empty without such."""
+    residues = {atom.residue: None for atom in graph.atoms if aminoAcid(atom.residue.name) is not None}
+    bare = [residue for residue in residues if isAlphaCarbonOnly(residue)]
+    if bare and len(bare) == len(residues):
+        return [Note("there is no torsion of a protein, because the model has only Cα atoms")]
+    return found([Note("residues without torsions, because there are only their Cα atoms", map(describeResidue, bare))])
+
+
 def notesOnTorsions(leftOut):
-    """Return a Note for each reason why torsions are left out, but for what nobody expects to turn: proline's φ."""
+    """Return a Note for each reason why torsions are left out, but for what nobody expects to turn.
+
+    Those next to a gap, and of residues that are but a Cα atom, have notes of their own.
+    """
     byReason = {}
     for torsion in leftOut:
-        if not torsion.nextToGap and torsion.reason != PROLINE_RING:
+        if not (torsion.nextToGap or torsion.reason in QUIET_REASONS or isAlphaCarbonOnly(torsion.residue)):
             byReason.setdefault(torsion.reason, []).append(f"{torsion.kind} of {describeResidue(torsion.residue)}")
-    remedies = {DISULFIDE_RING: ", which can be cut (cutDisulfides)", METAL_RING: ", which can be cut (cutMetals)"}
-    return [Note(f"torsions left out, {reason}{remedies.get(reason, '')}", names) for reason, names in byReason.items()]
+    return [
+        Note(f"torsions left out, {reason}{_REMEDIES.get(reason, '')}", names) for reason, names in byReason.items()
+    ]
 
 
 def _pairsAcross(neighbors, atom1, atom2, bondCutoff):

@@ -194,7 +194,10 @@ def selectSolute(source, topology, positions, water=False, ions=False):
         raise InputError(f"{source}: {_NOTHING}")
     atoms = np.array([atom.index for atom in kept], dtype=int)
     dry = _subset(topology, kept)
-    search = BondSearch(dry, positions[atoms])
+    try:
+        search = BondSearch(dry, positions[atoms])
+    except InputError as error:
+        raise InputError(f"{source}: {error}") from error
     if search.coinciding:
         pairs = [search.describePair(pair) for pair in search.coinciding]
         raise InputError(f"{source}: bonded atoms are at one place ({pairs[0]}{_others(pairs)})")

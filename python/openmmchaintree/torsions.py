@@ -8,8 +8,18 @@ from openmm import app
 from openmm.app import Residue
 
 from .bonds import LINKS, BondGraph, neighborLists, ringBonds
+from .links import Links
 from .naming import describeResidue
-from .residues import CAPS, aminoAcid, chiAtoms, glycosidicAtoms, isNucleotide
+from .residues import (
+    CAPS,
+    NUCLEOTIDE_BACKBONE,
+    PEPTIDE_BACKBONE,
+    aminoAcid,
+    chiAtoms,
+    glycosidicAtoms,
+    isNucleotide,
+)
+from .selection import AtomSelection, selectAtoms
 from .units import Array, positionsInNm
 
 # What each word in a list of kinds stands for.
@@ -21,6 +31,8 @@ _KINDS = {
     **{kind: (kind,) for kind in ("chi1", "chi2", "chi3", "chi4", "rotor")},
     **{kind: (kind,) for kind in ("alpha", "beta", "gamma", "delta", "epsilon", "zeta")},
 }
+KIND_WORDS = tuple(_KINDS)
+KINDS = tuple(dict.fromkeys(kind for kinds in _KINDS.values() for kind in kinds))
 
 # Atoms of the residue itself, of the residue before it (-) and after it (+); IUPAC-IUB 1970 and 1983.
 _PEPTIDE = {
@@ -36,6 +48,9 @@ _NUCLEOTIDE = {
     "epsilon": ("C4'", "C3'", "O3'", "+P"),
     "zeta": ("C3'", "O3'", "+P", "+O5'"),
 }
+# The bond from C1' of the sugar to the base and on, which chi turns: purines, pyrimidines, pseudouridine.
+_GLYCOSIDIC_ENDS = (("N9", "C4"), ("N1", "C2"), ("C5", "C4"))
+
 # What stands for CA in the caps of a chain.
 _CAP_CARBONS = {"ACE": ("CH3",), "NME": ("CH3", "C")}
 
@@ -43,6 +58,10 @@ RING = "in a ring"
 DISULFIDE_RING = "in a ring that disulfide bonds close"
 METAL_RING = "in a ring that bonds of metals close"
 PROLINE_RING = "in the ring of proline"
+SUGAR_RING = "in the ring of the sugar"
+BETWEEN_FIXED = "between two fixed parts"
+# Nobody expects these to turn.
+QUIET_REASONS = (PROLINE_RING, SUGAR_RING)
 
 
 class Torsion(NamedTuple):
@@ -75,11 +94,14 @@ def findTorsions(
     kinds: str | Iterable[str] = ("phi", "psi", "chi"),
     cutDisulfides: bool = False,
     cutMetals: bool = False,
+    selection: AtomSelection | None = None,
+    fixed: AtomSelection | None = None,
 ) -> TorsionSearch:
     """Find the torsions of the amino acids and nucleotides of a Topology.
 
     Particles are in the order of IUPAC: the dihedral of particles is φ, ψ, ω, χ1 … χ4, α … ζ or the glycosidic χ of
-    the residue. A bond in a ring is never a torsion. The first φ and the last ψ and ω of a chain do not exist.
+    the residue. A bond in a ring is never a torsion. The first φ and the last ψ and ω of a chain do not exist. Residues
+    that are not known by name have the backbone torsions of the atoms that they have, and nucleotides in a chain χ.
 
     Parameters
     ----------
@@ -93,23 +115,38 @@ def findTorsions(
         delta, epsilon, zeta of nucleic acids; rotor (methyl, hydroxyl, thiol and amine groups, turned by a hydrogen)
     cutDisulfides, cutMetals : bool
         treat disulfides, or the bonds between metals and other residues, as if they were no bonds
+    selection : str, array of int or bool, or callable, optional
+        the atoms whose torsions are wanted, as in `selectAtoms`. A torsion is that of the third of its particles: φ of
+        CA, ψ of C, ω of the N that follows, χ1 of CB, χ2 of the atom behind it, and so on; α of O5', β of C5', γ of
+        C4', δ of C3', ε of O3', ζ of the P that follows, χ of nucleotides of the atom of the base. So "backbone"
+        selects φ and ψ, "sidechain" all χ, and "resSeq 10 to 20" all torsions of these residues. Default: all.
+    fixed : str, array of int or bool, or callable, optional
+        atoms that are not to move, which get the mass 0 in the System. Torsions between two of them that are not in
+        one rigid part, as those of the backbone between fixed ends, are left out.
 
     Returns
     -------
     TorsionSearch
         torsions: list of (particles, kind, residue), in the order of residues; leftOut: list of (kind, residue,
-        reason, nextToGap), for rings, gaps and missing atoms
+        reason, nextToGap), for rings, gaps, missing atoms and fixed parts
 
     Raises
     ------
     ValueError
-        if a kind is unknown or positions have the wrong shape
+        if a kind is unknown, positions have the wrong shape or bonds ten times as long as bonds are, or a selection
+        selects nothing
     TypeError
         if positions have a unit that is not a length
     """
     if positions is not None:
         positions = positionsInNm(positions, topology.getNumAtoms())
-    return searchTorsions(BondGraph(topology, positions, cutDisulfides, cutMetals), topology, kinds)
+    graph = BondGraph(topology, positions, cutDisulfides, cutMetals)
+    search = searchTorsions(graph, topology, kinds)
+    if selection is not None:
+        search = ofAtoms(search, selectAtoms(topology, selection))
+    if fixed is not None:
+        search = withoutThoseBetween(search, graph, selectAtoms(topology, fixed))
+    return search
 
 
 def searchTorsions(graph, topology, kinds):
@@ -121,11 +158,33 @@ def searchTorsions(graph, topology, kinds):
     return TorsionSearch(search.torsions, search.leftOut)
 
 
+def ofAtoms(search, atoms):
+    """Return a TorsionSearch with only the torsions whose third particle is one of the atoms.
+
+    Of those that were left out, whose particles are not known, it keeps the ones of residues that have such an atom.
+    """
+    chosen = set(atoms.tolist())
+    torsions = [torsion for torsion in search.torsions if torsion.particles[2] in chosen]
+    leftOut = [left for left in search.leftOut if any(atom.index in chosen for atom in left.residue.atoms())]
+    return TorsionSearch(torsions, leftOut)
+
+
+def withoutThoseBetween(search, graph, fixed):
+    """Return a TorsionSearch that leaves out torsions with fixed atoms, an array of indices, on both sides."""
+    if len(fixed) == 0:
+        return search
+    between = Links(graph, search.torsions).torsionsBetween(fixed).tolist()
+    turning = [torsion for torsion, isBetween in zip(search.torsions, between, strict=True) if not isBetween]
+    stuck = [torsion for torsion, isBetween in zip(search.torsions, between, strict=True) if isBetween]
+    leftOut = [LeftOutTorsion(torsion.kind, torsion.residue, BETWEEN_FIXED) for torsion in stuck]
+    return TorsionSearch(turning, search.leftOut + leftOut)
+
+
 def _expandKinds(kinds):
     words = (kinds,) if isinstance(kinds, str) else tuple(kinds)
     for word in words:
         if word not in _KINDS:
-            raise ValueError(f"{word!r} is no kind of torsion; the kinds are {', '.join(_KINDS)}")
+            raise ValueError(f"{word!r} is no kind of torsion; the kinds are {', '.join(KIND_WORDS)}")
     return {kind for word in words for kind in _KINDS[word]}
 
 
@@ -169,26 +228,40 @@ class _Search:
         amino = aminoAcid(residue.name)
         if residue.name in CAPS:
             self._addPolymerTorsions(residue, {"omega": _PEPTIDE["omega"]}, kinds)
-        elif amino is not None or self._hasPeptideBackbone(residue):
+        elif amino is not None or self._hasInARow(residue, PEPTIDE_BACKBONE):
             self._addPolymerTorsions(residue, _PEPTIDE, kinds)
         if amino is not None:
             for number, names in enumerate(chiAtoms(amino), start=1):
                 if f"chi{number}" in kinds:
                     self._addInternal(f"chi{number}", residue, names)
-        if isNucleotide(residue.name):
+        nucleotide = isNucleotide(residue.name) or self._isModifiedNucleotide(residue)
+        if nucleotide:
             self._addPolymerTorsions(residue, _NUCLEOTIDE, kinds)
             if "chi" in kinds:
-                self._addInternal("chi", residue, [(name,) for name in glycosidicAtoms(residue.name)])
-        if "rotor" in kinds and (amino is not None or isNucleotide(residue.name) or residue.name in CAPS):
+                self._addInternal("chi", residue, [(name,) for name in self._glycosidicAtoms(residue)])
+        if "rotor" in kinds and (amino is not None or nucleotide or residue.name in CAPS):
             self._addRotors(residue)
 
-    def _hasPeptideBackbone(self, residue):
-        """Whether a residue without a known name is a residue of a peptide: N, CA and C bonded in a row."""
+    def _hasInARow(self, residue, names):
+        """Whether a residue has atoms of these names, each bonded to the next: that tells one without a known name."""
         atoms = self._atoms[residue.index]
-        if not all(name in atoms for name in ("N", "CA", "C")):
+        if not all(name in atoms for name in names):
             return False
-        ofCA = self._graph.neighbors[atoms["CA"]]
-        return atoms["N"] in ofCA and atoms["C"] in ofCA
+        return all(atoms[other] in self._graph.neighbors[atoms[name]] for name, other in pairwise(names))
+
+    def _isModifiedNucleotide(self, residue):
+        """Whether a residue is one of a nucleic acid by its atoms and a neighbor, which ligands such as ATP lack."""
+        isLinked = residue.index in self._previous or residue.index in self._next
+        return isLinked and self._hasInARow(residue, NUCLEOTIDE_BACKBONE)
+
+    def _glycosidicAtoms(self, residue):
+        """Return the names of the atoms of chi: by the residue's name or, in a modified nucleotide, by its bonds."""
+        if isNucleotide(residue.name):
+            return glycosidicAtoms(residue.name)
+        for end in _GLYCOSIDIC_ENDS:
+            if self._hasInARow(residue, ("O4'", "C1'", *end)):
+                return ("O4'", "C1'", *end)
+        return ()
 
     def _addPolymerTorsions(self, residue, table, kinds):
         """Add torsions that may reach into the residues before and after."""
@@ -229,7 +302,7 @@ class _Search:
         self._leaveOut(kind, residue, f"atom {name} of {describeResidue(holder)} is missing")
 
     def _addInternal(self, kind, residue, alternatives):
-        """Add a torsion whose atoms all lie in one residue."""
+        """Add a torsion whose atoms all lie in one residue, if it has any."""
         atoms = self._atoms[residue.index]
         particles = []
         for names in alternatives:
@@ -238,7 +311,8 @@ class _Search:
                 self._leaveOut(kind, residue, f"atom {names[0]} of {describeResidue(residue)} is missing")
                 return
             particles.append(atom)
-        self._add(kind, residue, particles)
+        if particles:
+            self._add(kind, residue, particles)
 
     def _addRotors(self, residue):
         """Add the groups that only a hydrogen shows turning: XH or XH3 at the end of a branch, and neutral amines."""
@@ -265,6 +339,8 @@ class _Search:
         axis = (min(particles[1:3]), max(particles[1:3]))
         if kind == "phi" and aminoAcid(residue.name) == "PRO":
             self._leaveOut(kind, residue, PROLINE_RING)
+        elif kind == "delta" and self._rings.get(axis) == RING:
+            self._leaveOut(kind, residue, SUGAR_RING)
         elif axis in self._rings:
             self._leaveOut(kind, residue, self._rings[axis])
         else:

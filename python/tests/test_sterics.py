@@ -88,7 +88,7 @@ def test_badArguments(villin):
 
 def test_gapMakesTwoMolecules():
     topology = peptide("ALA", "ALA", "ALA")
-    positions = np.random.default_rng(1).normal(size=(15, 3)) * 0.01
+    positions = np.random.default_rng(1).normal(size=(15, 3)) * 0.02
     positions[5:] += 1.0
     with pytest.warns(UserWarning, match="gaps in the chain .*between .*ALA 1 and .*ALA 2, C and N, bonded"):
         force = createStericExclusionForce(topology, positions)

@@ -51,6 +51,9 @@ topology: app.Topology
 createStericExclusionForce(topology, torsions="phi").addExclusion(0, 1)
 createStericExclusionForce(topology, bondCutoff="3")  # wrong
 kind: str = findTorsions(topology).torsions[0].kind
+findTorsions(topology, selection="resSeq 10 to 20", fixed=lambda atom: atom.residue.chain.id == "B")
+findTorsions(topology, selection=selectAtoms(topology, [1, 2])[:1], fixed=np.array([True, False]))
+findTorsions(topology, selection=None, fixed=lambda: True)  # wrong
 atom: str = findClashes("a.pdb", "a.dcd")[0].clashes[0].atom1.residue
 findClashes("a.pdb", 3)  # wrong
 ClashReporter("a.csv", 100, maxOverlap=0.1 * unit.nanometer)
@@ -139,7 +142,7 @@ def test_mistakesAreFound(tmp_path):
     result = mypy(tmp_path, "--strict", "program.py")
     lines = [number for number, line in enumerate(_PROGRAM.splitlines(), start=1) if line.endswith("# wrong")]
     found = sorted({int(number) for number in re.findall(r"^program\.py:(\d+): error", result.stdout, re.MULTILINE)})
-    assert found == lines and len(lines) == 9, result.stdout
+    assert found == lines and len(lines) == 10, result.stdout
 
 
 def test_thePackageHasNoTypeErrors(tmp_path):

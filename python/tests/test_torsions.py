@@ -247,7 +247,7 @@ def test_nucleicAcid(realStructure):
     kinds = ("alpha", "beta", "gamma", "delta", "epsilon", "zeta", "chi")
     search = findTorsions(structure.topology, structure.positions, kinds)
     assert kindsOf(search) == {"alpha": 22, "beta": 22, "gamma": 24, "epsilon": 22, "zeta": 22, "chi": 24}
-    assert Counter((left.kind, left.reason) for left in search.leftOut) == {("delta", "in a ring"): 24}
+    assert Counter((left.kind, left.reason) for left in search.leftOut) == {("delta", "in the ring of the sugar"): 24}
     assert namesOf(structure.topology, only(search, "alpha", 1)) == ["O3'", "P", "O5'", "C5'"]
     assert namesOf(structure.topology, only(search, "chi", 0))[2:] == ["N1", "C2"]
     assert namesOf(structure.topology, only(search, "chi", 1))[2:] == ["N9", "C4"]

@@ -1,5 +1,6 @@
 """The command openmm-chaintree sample."""
 
+import argparse
 import random
 from pathlib import Path
 
@@ -8,8 +9,11 @@ from openmm import unit
 
 from ..errors import InputError
 from ..structure import readStructure
-from .arguments import positive, seed
+from ..torsions import KIND_WORDS
+from .arguments import listOf, positive, seed
 from .outputfiles import checkOutput, writeJSON
+from .plan import DEFAULT_KINDS, Choice
+from .planreport import describePlan
 from .samplereport import printReport, summarize
 from .sampling import Sampling
 from .status import BEYOND_LIMIT, INTERRUPTED
@@ -17,15 +21,36 @@ from .terminal import ReportConsole, interruptFlag, progress
 
 _ENDINGS = {"dcd": ".dcd", "pdb": "-topology.pdb", "picture": ".png"}
 
+_DESCRIPTION = """\
+Sample the torsions of proteins and nucleic acids: hard spheres, no other energy. Water and ions are left out; what has
+no torsions stays where it is, as an obstacle. Says what moves and what stays, writes a trajectory (DCD), a PDB file
+that matches it and a picture, and prints a table."""
+
+_SELECTIONS = """
+A SELECTION is in the language of MDTraj (https://mdtraj.org/latest/atom_selection.html), in quotes:
+
+  --move "segname A"                   chain A by its name; "chainid 0" is the first chain of the file
+  --move "resSeq 10 to 20"             residues by their numbers in the file (52 is 52 and 52A); "resid" counts from 0
+  --move "sidechain and not resname PRO"
+  --fix "protein" --rigid-bodies       what is bound to a protein, within it
+  --fix "nucleic or (segname B and resSeq < 100)"
+  --fix "name CA \\"C1'\\""             names with primes in quotes
+
+--move chooses which torsions turn: those whose third atom (of C-N-CA-C: CA) it selects. So "backbone" selects φ and ψ,
+"sidechain" all χ. What hangs on them goes along; of each molecule the largest part of the backbone that does not turn
+stays where it is. Atoms of --fix never move, whatever turns: torsions between two fixed parts are left out, so that of
+a loop between fixed ends only the side chains turn.
+"""
+
 
 def addParser(commands):
     """Add the command and its arguments."""
     sample = commands.add_parser(
         "sample",
-        help="sample a protein free of clashes",
-        description="Sample the φ, ψ and χ torsions of a protein: hard spheres, no other energy. Water and ions are "
-        "left out; molecules without such torsions are fixed obstacles. Writes a trajectory (DCD), a PDB file that "
-        "matches it and a picture, and prints a table.",
+        help="sample proteins and nucleic acids free of clashes",
+        description=_DESCRIPTION,
+        epilog=_SELECTIONS,
+        formatter_class=argparse.RawDescriptionHelpFormatter,
     )
     sample.set_defaults(run=_run)
     sample.add_argument(
@@ -38,6 +63,22 @@ def addParser(commands):
     sample.add_argument("--seed", type=seed, help="random number seed, 1 to 2147483647 (default: a new one each time)")
     sample.add_argument("-o", "--output", help="prefix of the output files (default: the structure's name)")
     sample.add_argument("--json", metavar="FILE", help="write what the table says, and all tolerated pairs, as JSON")
+    sample.add_argument(
+        "--torsions",
+        type=listOf(KIND_WORDS),
+        default=DEFAULT_KINDS,
+        metavar="KINDS",
+        help=f"kinds of torsions that turn, with commas between them, of {', '.join(KIND_WORDS)} "
+        f"(default: {','.join(DEFAULT_KINDS)})",
+    )
+    sample.add_argument("--move", metavar="SELECTION", help="atoms whose torsions turn (default: all); see below")
+    sample.add_argument("--fix", metavar="SELECTION", help="atoms that never move (default: none); see below")
+    sample.add_argument(
+        "--rigid-bodies",
+        action="store_true",
+        help="move molecules as a whole, too, all but those that --fix holds and fragments at gaps in a chain; with "
+        "--move, those that it selects atoms of",
+    )
     sample.add_argument("--cut-disulfides", action="store_true", help="let the torsions between disulfides turn")
 
 
@@ -48,12 +89,16 @@ def _run(options):
     if options.json is not None:
         files["json"] = Path(options.json)
     checkOutput(files.values(), [] if options.structure is None else [options.structure])
+    choice = Choice(tuple(options.torsions), options.move, options.fix, options.rigid_bodies, options.cut_disulfides)
     seed = options.seed if options.seed is not None else random.SystemRandom().randint(1, 2**31 - 1)
     try:
-        sampling = Sampling(structure, seed, options.cut_disulfides)
+        sampling = Sampling(structure, seed, choice)
     except (InputError, openmm.OpenMMException) as error:
         raise InputError(f"{options.structure or structure.name}: {error}") from error
 
+    console = ReportConsole()
+    for line in describePlan(sampling.plan):
+        console.print(line)
     with open(files["pdb"], "w") as file:
         openmm.app.PDBFile.writeFile(structure.topology, structure.positions * unit.nanometer, file, keepIds=True)
     interrupted = _writeTrajectory(sampling, structure, files["dcd"], options.trials, options.frames)
@@ -64,7 +109,7 @@ def _run(options):
     summary = summarize(sampling, structure, seed, [str(path) for path in files.values()], interrupted)
     if "json" in files:
         writeJSON(files["json"], summary)
-    printReport(summary, ReportConsole())
+    printReport(summary, console)
     if summary["pairsBeyondLimit"]:
         return BEYOND_LIMIT
     return INTERRUPTED if interrupted else 0

@@ -5,7 +5,8 @@ from collections import Counter
 from rich.table import Table
 
 from ..naming import describeResidue
-from .sampling import KINDS
+from ..torsions import KINDS
+from .planreport import describePlan
 
 _COUNTS = ("attempted", "clashed", "rejectedByEnergy", "accepted")
 
@@ -23,7 +24,9 @@ def summarize(sampling, structure, seed, files, interrupted):
         "atoms": len(names),
         "fixedAtoms": sampling.fixedAtoms,
         "torsions": {kind: kinds[kind] for kind in KINDS if kinds[kind]},
-        "leftOut": sampling.notes,
+        "plan": describePlan(sampling.plan),
+        "cutDisulfides": sampling.plan.cutDisulfides,
+        "leftOut": [str(note) for note in sampling.notes],
         "seed": seed,
         "interrupted": interrupted,
         "trials": sampling.trials,

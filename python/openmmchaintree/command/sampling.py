@@ -1,6 +1,5 @@
-"""The main job: athermal torsion-space Monte Carlo of a protein, with everything else as fixed obstacles."""
+"""The main job: athermal torsion-space Monte Carlo of what a plan lets move, with everything else as obstacles."""
 
-import warnings
 from time import perf_counter
 from typing import NamedTuple
 
@@ -8,17 +7,33 @@ import numpy as np
 import openmm
 from openmm import unit
 
-from ..bonds import molecules, neighborLists
 from ..errors import InputError
 from ..openmmchaintree import TorsionMonteCarloIntegrator
-from ..sterics import createStericExclusionForce
-from ..torsions import findTorsions
+from ..sterics import makeForce
 from . import allpairs
 from .geometry import dihedrals, radiusOfGyration
+from .plan import Choice, Plan
 
-# Protein torsions only: bases and sugars stay as they are.
-KINDS = ("phi", "psi", "chi1", "chi2", "chi3", "chi4")
-_BACKBONE = ("phi", "psi")
+
+class _MoveKind(NamedTuple):
+    """Torsions that share moves: their name, their kinds, and (weight, largest angle in degrees) of each move."""
+
+    name: str
+    kinds: tuple[str, ...]
+    moves: tuple[tuple[float, int], ...]
+
+
+_PEPTIDE = ("phi", "psi")
+_NUCLEIC = ("alpha", "beta", "gamma", "delta", "epsilon", "zeta")
+
+# Small steps loosen a compact structure; once it is loose, large ones find new conformations.
+_MOVE_KINDS = (
+    _MoveKind("φ/ψ", _PEPTIDE, ((2.0, 5), (1.0, 30), (1.0, 180))),
+    _MoveKind("ω", ("omega",), ((1.0, 5), (0.5, 180))),
+    _MoveKind("α–ζ", _NUCLEIC, ((2.0, 5), (1.0, 30), (1.0, 180))),
+    _MoveKind("χ", ("chi1", "chi2", "chi3", "chi4", "chi"), ((1.0, 30), (1.0, 180))),
+    _MoveKind("rotor", ("rotor",), ((0.5, 180),)),
+)
 
 # So often can a run be interrupted, whatever the number of trials between frames.
 _TRIALS_PER_STEP = 10000
@@ -41,15 +56,18 @@ class Frame(NamedTuple):
 
 
 class Sampling:
-    """One run: made from a Structure, advanced by `run`, judged by `check`.
+    """One run: made from a Structure and a Choice, advanced by `run`, judged by `check`.
 
     Attributes
     ----------
     force, integrator, context
         what runs
+    plan : Plan
+        what moves
     torsions : list of Torsion
-    notes : list of str
-        what was left out, and why
+        those of the plan
+    notes : list of Note
+        those of the plan
     fixedAtoms : int
         number of atoms that are obstacles
     moves : list of Move
@@ -64,33 +82,29 @@ class Sampling:
         wall-clock time within the integrator so far
     """
 
-    def __init__(self, structure, seed, cutDisulfides=False):
+    def __init__(self, structure, seed, choice=Choice()):  # noqa: B008 (a tuple)
         """Make the System and the Context, ready to run.
 
         Raises
         ------
         InputError
-            if the structure has no torsion of a protein, or an element without radius
+            if nothing is left that moves, a selection is wrong, or an element has no radius
         """
         self._structure = structure
-        self.torsions = findTorsions(structure.topology, structure.positions, KINDS, cutDisulfides).torsions
-        if not self.torsions:
-            raise InputError("there is no torsion of a protein (phi, psi, chi) to sample")
-        with warnings.catch_warnings(record=True) as caught:
-            warnings.simplefilter("always")
-            try:
-                self.force = createStericExclusionForce(
-                    structure.topology, structure.positions, torsions=KINDS, cutDisulfides=cutDisulfides
-                )
-            except ValueError as error:
-                raise InputError(str(error)) from error
-        self.notes = [str(warning.message) for warning in caught]
-        system, self._masses, movableMolecules = self._makeSystem()
-        self.fixedAtoms = int((self._masses == 0).sum())
+        self.plan = Plan(structure, choice)
+        self.torsions = self.plan.torsions
+        try:
+            self.force = makeForce(self.plan.graph, self.torsions)
+        except ValueError as error:
+            raise InputError(str(error)) from error
+        self.notes = self.plan.notes
+        self.fixedAtoms = int(self.plan.fixed.sum())
+        self._masses = np.array([atom.element.mass.value_in_unit(unit.dalton) for atom in structure.topology.atoms()])
         self.integrator = TorsionMonteCarloIntegrator(300 * unit.kelvin)
         self.integrator.setRandomNumberSeed(seed)
-        self.moves = self._addMoves(movableMolecules)
-        self.context = openmm.Context(system, self.integrator, openmm.Platform.getPlatformByName("Reference"))
+        self.moves = self._addMoves()
+        platform = openmm.Platform.getPlatformByName("Reference")
+        self.context = openmm.Context(self._makeSystem(), self.integrator, platform)
         self.context.setPositions(structure.positions)
         self._phiPsiParticles = _phiPsiParticles(self.torsions)
         self._spheres = allpairs.HardSpheres(self.force)
@@ -101,37 +115,24 @@ class Sampling:
         self._keepFrame(structure.positions)
 
     def _makeSystem(self):
-        """Make the System; molecules without torsions get the mass 0. Return it, the masses, the movable molecules."""
-        bonds = [self.force.getBondParticles(i) for i in range(self.force.getNumBonds())]
-        atoms = list(self._structure.topology.atoms())
-        molecule = np.array(molecules(neighborLists(len(atoms), bonds)))
-        movable = np.unique([molecule[torsion.particles[1]] for torsion in self.torsions])
-        masses = np.array([atom.element.mass.value_in_unit(unit.dalton) for atom in atoms])
-        masses[~np.isin(molecule, movable)] = 0.0
         system = openmm.System()
-        for mass in masses.tolist():
+        for mass in np.where(self.plan.fixed, 0.0, self._masses).tolist():
             system.addParticle(mass)
         system.addForce(self.force)
-        return system, masses, movable
+        return system
 
-    def _addMoves(self, movableMolecules):
-        backbone = [i for i, torsion in enumerate(self.torsions) if torsion.kind in _BACKBONE]
-        sideChains = [i for i, torsion in enumerate(self.torsions) if torsion.kind not in _BACKBONE]
+    def _addMoves(self):
         moves = []
-
-        def addTorsionMove(name, weight, degrees, torsions):
-            if torsions:
-                self.integrator.addTorsionMove(weight, degrees * unit.degrees, torsions)
-                moves.append(Move(f"{name} ±{degrees}°", weight))
-
-        # Small steps loosen a compact structure; once it is loose, large ones find new conformations.
-        addTorsionMove("φ/ψ", 2.0, 5, backbone)
-        addTorsionMove("φ/ψ", 1.0, 30, backbone)
-        addTorsionMove("φ/ψ", 1.0, 180, backbone)
-        addTorsionMove("χ", 1.0, 30, sideChains)
-        addTorsionMove("χ", 1.0, 180, sideChains)
-        if len(movableMolecules) > 1:
-            self.integrator.addRigidBodyMove(1.0, 0.01 * unit.nanometer, 1 * unit.degrees)
+        backboneCount = sum(torsion.kind in _PEPTIDE + _NUCLEIC for torsion in self.torsions)
+        for name, kinds, sizes in _MOVE_KINDS:
+            torsions = [i for i, torsion in enumerate(self.torsions) if torsion.kind in kinds]
+            # Proteins and nucleic acids share the moves of backbones by their numbers of torsions.
+            share = len(torsions) / backboneCount if kinds in (_PEPTIDE, _NUCLEIC) and torsions else 1.0
+            for weight, degrees in sizes if torsions else ():
+                self.integrator.addTorsionMove(share * weight, degrees * unit.degrees, torsions)
+                moves.append(Move(f"{name} ±{degrees}°", share * weight))
+        if self.plan.rigidBodies:
+            self.integrator.addRigidBodyMove(1.0, 0.01 * unit.nanometer, 1 * unit.degrees, self.plan.rigidBodies)
             moves.append(Move("rigid body 0.01 nm, ±1°", 1.0))
         return moves
 
@@ -166,11 +167,11 @@ class Sampling:
         return self.context.getState(positions=True).getPositions(asNumpy=True).value_in_unit(unit.nanometer)
 
     def _keepFrame(self, positions):
-        movable = self._masses > 0
+        atoms = self.plan.inMovingMolecules
         frame = Frame(
             trials=self.trials,
             phiPsi=dihedrals(positions, self._phiPsiParticles).reshape(-1, 2),
-            radiusOfGyration=radiusOfGyration(positions[movable], self._masses[movable]),
+            radiusOfGyration=radiusOfGyration(positions[atoms], self._masses[atoms]),
             counts=np.array(self.statistics()),
         )
         self.frames.append(frame)
@@ -180,7 +181,7 @@ def _phiPsiParticles(torsions):
     """Return the quadruples φ, ψ, φ, ψ, … of the residues of which both can turn, as a (2 m, 4) array."""
     byResidue = {}
     for torsion in torsions:
-        if torsion.kind in _BACKBONE:
+        if torsion.kind in _PEPTIDE:
             byResidue.setdefault(torsion.residue.index, {})[torsion.kind] = torsion.particles
     pairs = [(found["phi"], found["psi"]) for found in byResidue.values() if len(found) == 2]
     return np.array(pairs, dtype=int).reshape(-1, 4)

@@ -1,0 +1,164 @@
+"""What moves in a sampling run, and what stays."""
+
+from typing import NamedTuple
+
+import numpy as np
+
+from ..bonds import BondGraph
+from ..errors import InputError
+from ..links import Links
+from ..naming import describeResidue
+from ..notes import Note
+from ..residues import polymerBackbone
+from ..selection import selectAtoms
+from ..sterics import notesOnAlphaCarbons, notesOnGeometry, notesOnTorsions
+from ..torsions import ofAtoms, searchTorsions, withoutThoseBetween
+
+# Those of proteins and nucleic acids; δ lies in the sugar's ring, ω and rotors turn on request.
+DEFAULT_KINDS = ("phi", "psi", "chi", "alpha", "beta", "gamma", "epsilon", "zeta")
+
+
+class Choice(NamedTuple):
+    """What the user chose.
+
+    kinds : kinds of torsions, as in `findTorsions`
+    move, fix : str or None, selections in MDTraj's language: atoms whose torsions turn, atoms that never move
+    rigidBodies : bool, whether molecules move as a whole, too
+    cutDisulfides : bool
+    """
+
+    kinds: tuple[str, ...] = DEFAULT_KINDS
+    move: str | None = None
+    fix: str | None = None
+    rigidBodies: bool = False
+    cutDisulfides: bool = False
+
+
+class Plan:
+    """What moves in a Structure, by torsions and as a whole. The rest stays.
+
+    A molecule that does not move as a whole hangs on one of its links: the one with fixed atoms, else that with the
+    largest part of the backbone, else that with its first atom.
+
+    Attributes
+    ----------
+    structure : Structure
+    choice : Choice
+    graph : BondGraph
+        the bonds
+    torsions : list of Torsion
+    stays : (n,) bool array
+        the atoms that never move
+    fixed : (n,) bool array
+        those of them that get the mass 0: not the few first atoms of a chain, which nothing moves and which cost less
+        as a part of it
+    inMovingMolecules : (n,) bool array
+        the atoms of molecules of which anything moves
+    molecules : (n,) int array
+        the number of the molecule of each atom
+    isTurning, isRigidBody : (molecules,) bool arrays
+        molecules that have torsions, and that move as a whole
+    rigidBodies : list of int
+        an atom of each molecule that moves as a whole
+    fixedAtoms : int array
+        those of --fix
+    idleMolecules : int array
+        those with torsions that --move did not choose
+    moleculesAtGaps : int array
+        those that end at a gap in a chain
+    cutDisulfides : list of (str, str)
+        the residues between which a disulfide was cut
+    notes : list of Note
+        on bonds, and on what was left out and why
+    """
+
+    def __init__(self, structure, choice):
+        """Decide what moves.
+
+        Raises
+        ------
+        InputError
+            if a selection is wrong, or nothing is left to move
+        """
+        topology = structure.topology
+        self.structure = structure
+        self.choice = choice
+        moved = _selectAtoms(topology, "--move", choice.move)
+        self.fixedAtoms = _selectAtoms(topology, "--fix", choice.fix)
+        self.graph = graph = BondGraph(topology, structure.positions, choice.cutDisulfides)
+        every = searchTorsions(graph, topology, choice.kinds)
+        chosen = every if choice.move is None else ofAtoms(every, moved)
+        search = withoutThoseBetween(chosen, graph, self.fixedAtoms)
+        self.torsions = search.torsions
+        self.notes = [*graph.notes, *notesOnGeometry(graph, self.torsions), *notesOnTorsions(search.leftOut)]
+        links = Links(graph, self.torsions)
+        self.molecules = links.moleculeOfAtom
+        self.isTurning = self._moleculesWith(self.torsions)
+        self.idleMolecules = np.flatnonzero(self._moleculesWith(every.torsions) & ~self._moleculesWith(chosen.torsions))
+        ends = [residue for gap in graph.gaps for residue in (gap.residue1, gap.residue2)]
+        self.moleculesAtGaps = np.unique(self.molecules[[next(residue.atoms()).index for residue in ends]])
+        self.isRigidBody = self._chooseRigidBodies(moved)
+        if not self.isTurning.any() and not self.isRigidBody.any():
+            raise InputError(self._whyNothingMoves(every, chosen, search))
+
+        backbones = [atoms for atoms in map(polymerBackbone, topology.residues()) if atoms]
+        isRoot = np.zeros(links.count, dtype=bool)
+        roots, isLarge = links.roots(self.fixedAtoms, backbones)
+        isRoot[roots] = True
+        self.stays = isRoot[links.ofAtom] & ~self.isRigidBody[self.molecules]
+        self.fixed = self.stays & (isLarge | ~self.isTurning)[self.molecules]
+        self.inMovingMolecules = (self.isTurning | self.isRigidBody)[self.molecules]
+        _, firstAtoms = np.unique(self.molecules, return_index=True)
+        self.rigidBodies = firstAtoms[self.isRigidBody].tolist()
+        self.cutDisulfides = self._describeCuts(graph)
+
+    def _moleculesWith(self, torsions):
+        has = np.zeros(self.molecules.max() + 1, dtype=bool)
+        has[self.molecules[[torsion.particles[1] for torsion in torsions]]] = True
+        return has
+
+    def _chooseRigidBodies(self, moved):
+        """Choose the molecules that move as a whole, as an array of bool.
+
+        Without --move, fragments next to a gap in a chain, which would leave each other, and single atoms stay.
+        """
+        isRigidBody = np.zeros(len(self.isTurning), dtype=bool)
+        if self.choice.rigidBodies:
+            if self.choice.move is not None:
+                isRigidBody[self.molecules[moved]] = True
+            else:
+                isRigidBody[np.bincount(self.molecules) > 1] = True
+                isRigidBody[self.moleculesAtGaps] = False
+            isRigidBody[self.molecules[self.fixedAtoms]] = False
+        return isRigidBody
+
+    def _whyNothingMoves(self, every, chosen, search):
+        if chosen.torsions:
+            notes = "; ".join(map(str, notesOnTorsions(search.leftOut)))
+            return f"--fix {self.choice.fix!r} leaves nothing that moves: {notes}"
+        if every.torsions:
+            return f"--move {self.choice.move!r}: none of these atoms has a torsion ({', '.join(self.choice.kinds)})"
+        notes = notesOnAlphaCarbons(self.graph)
+        if notes:
+            return str(notes[0])
+        reasons = "; ".join(dict.fromkeys(torsion.reason for torsion in search.leftOut))
+        return f"there is no torsion of a protein or nucleic acid ({', '.join(self.choice.kinds)}) to sample" + (
+            f": {reasons}" if reasons else ""
+        )
+
+    def _describeCuts(self, graph):
+        if not self.choice.cutDisulfides:
+            return []
+        if not graph.disulfides:
+            self.notes.append(Note("there is no disulfide to cut"))
+        pairs = sorted(sorted(pair) for pair in graph.disulfides)
+        return [tuple(describeResidue(graph.atoms[atom].residue) for atom in pair) for pair in pairs]
+
+
+def _selectAtoms(topology, option, selection):
+    if selection is None:
+        return np.empty(0, dtype=int)
+    try:
+        return selectAtoms(topology, selection)
+    except ValueError as error:
+        raise InputError(f"{option}: {error}") from error

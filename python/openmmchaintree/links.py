@@ -1,0 +1,104 @@
+"""The links of molecules: what no torsion moves relative to each other, and what holds it in place."""
+
+import numpy as np
+
+from .bonds import BondGraph
+from .components import connectedParts
+
+
+class Links:
+    """The links that torsions make of molecules, as a forest with the torsions as its edges.
+
+    Attributes
+    ----------
+    ofAtom : (n,) int array
+        the link of each atom; links, and molecules, are numbered by their lowest atom
+    count : int
+    ends : (m, 2) int array
+        the links that each torsion joins
+    moleculeOfAtom : (n,) int array
+    moleculeOfLink : (count,) int array
+    """
+
+    def __init__(self, graph: BondGraph, torsions):
+        """Find the links of a BondGraph under a list of Torsion, none of which lies in a ring."""
+        count = len(graph.atoms)
+        bonds = np.array(graph.bonds, dtype=int).reshape(-1, 2)
+        axes = np.array([torsion.particles[1:3] for torsion in torsions], dtype=int).reshape(-1, 2)
+        isAxis = np.isin(_codes(bonds, count), _codes(axes, count))
+        self.ofAtom = _numberByLowest(connectedParts(count, bonds[~isAxis]))
+        self.count = int(self.ofAtom.max(initial=-1)) + 1
+        self.ends = self.ofAtom[axes]
+        self.moleculeOfAtom = _numberByLowest(connectedParts(count, bonds))
+        self.moleculeOfLink = np.empty(self.count, dtype=int)
+        self.moleculeOfLink[self.ofAtom] = self.moleculeOfAtom
+
+    def torsionsBetween(self, atoms):
+        """Return for each torsion whether atoms among these lie on both of its sides, as an (m,) bool array."""
+        marked = np.zeros(self.count, dtype=bool)
+        marked[self.ofAtom[atoms]] = True
+        beyond = marked.copy()  # whether the subtree of a link has one of the atoms
+        between = np.zeros(len(self.ends), dtype=bool)
+        for link, parent, torsion in reversed(self._growTrees(np.flatnonzero(marked))):
+            between[torsion] = beyond[link]
+            beyond[parent] |= beyond[link]
+        return between
+
+    def _growTrees(self, roots):
+        """Hang links on the first of the roots in their molecule; list (link, parent, torsion), parents first."""
+        joined = [[] for _ in range(self.count)]
+        for torsion, (link1, link2) in enumerate(self.ends.tolist()):
+            joined[link1].append((link2, torsion))
+            joined[link2].append((link1, torsion))
+        reached = np.zeros(self.count, dtype=bool)
+        hung = []
+        for root in roots.tolist():
+            pending = [] if reached[root] else [root]
+            reached[root] = True
+            while pending:
+                parent = pending.pop()
+                for link, torsion in joined[parent]:
+                    if not reached[link]:
+                        reached[link] = True
+                        hung.append((link, parent, torsion))
+                        pending.append(link)
+        return hung
+
+    def roots(self, atoms, traces):
+        """Return the link of each molecule that stays where it is, and whether that is more than a few atoms.
+
+        That is the link with one of the atoms, at most one in each molecule, else the one with the most residues of a
+        polymer if those are two at least, else, and then it is small, the one with the lowest atom.
+
+        Parameters
+        ----------
+        atoms : int array
+        traces : list of int array
+            the backbone atoms of each residue of a polymer
+
+        Returns
+        -------
+        (molecules,) int array, (molecules,) bool array
+        """
+        weight = np.zeros(self.count)
+        for trace in traces:
+            links = self.ofAtom[trace]
+            if np.all(links == links[0]):
+                weight[links[0]] += 1
+        weight[weight < 2] = 0
+        weight[self.ofAtom[atoms]] = np.inf
+        order = np.lexsort((np.arange(self.count), -weight, self.moleculeOfLink))
+        _, first = np.unique(self.moleculeOfLink[order], return_index=True)
+        roots = order[first]
+        return roots, weight[roots] > 0
+
+
+def _codes(pairs, count):
+    """Return a number for each pair of atoms, whatever their order."""
+    return pairs.min(axis=1) * count + pairs.max(axis=1)
+
+
+def _numberByLowest(parts):
+    """Number parts anew, an (n,) array of the part of each atom, by the order in which atoms meet them."""
+    _, first, part = np.unique(parts, return_index=True, return_inverse=True)
+    return np.argsort(np.argsort(first))[part]
