@@ -13,6 +13,7 @@ from .loading import loadPlugin
 loadPlugin()
 registerParser()
 
+from ._build import VERSION as __version__  # noqa: E402
 from .clashes import Clash, FrameClashes, findClashes  # noqa: E402
 from .errors import InputError  # noqa: E402
 from .naming import AtomName  # noqa: E402
@@ -43,6 +44,7 @@ __all__ = [
     "TorsionMonteCarloIntegrator",
     "TorsionSearch",
     "TraversalStatistics",
+    "__version__",
     "createStericExclusionForce",
     "findClashes",
     "findTorsions",

@@ -50,13 +50,25 @@ def test_villinByDefault(tmp_path):
 
     frames = readDCD(tmp_path / "villin.dcd")
     topology = app.PDBFile(str(tmp_path / "villin-topology.pdb")).topology
-    assert frames.shape == (20, topology.getNumAtoms(), 3)
+    assert summary["frames"] == 21 and frames.shape == (21, topology.getNumAtoms(), 3)
     assert (tmp_path / "villin.png").read_bytes().startswith(b"\x89PNG")
 
     for heading in ("attempted", "clashed", "rejected", "accepted"):
         assert heading in result.stdout
     assert "µs a trial" in result.stdout and "trials a second" in result.stdout
     assert "none beyond its limit" in result.stdout
+    assert 0 < summary["largestBondChange"] < 1e-12 and summary["changedBonds"] == []
+    assert f"largest change of a bond's length: {summary['largestBondChange']:.1g} nm" in result.stdout
+    assert "21 frames, the first of them the start" in result.stdout
+
+
+def test_theStartIsFirst(runHere, tmp_path, villin):
+    for name in ("first", "second"):
+        runHere("--trials", 400, "--frames", 2, "-o", name)
+        frames = readDCD(tmp_path / f"{name}.dcd")
+        assert len(frames) == 3
+        assert frames[0] == pytest.approx(villin.positions, abs=1e-5)
+        assert np.abs(frames[1] - frames[0]).max() > 0.01
 
 
 def test_aPairBeyondItsLimitIsReported(runHere, tmp_path, monkeypatch):
@@ -74,6 +86,31 @@ def test_aPairBeyondItsLimitIsReported(runHere, tmp_path, monkeypatch):
     assert "beyond its limit: " in result.stdout
     summary = json.loads((tmp_path / "summary.json").read_text())
     assert [100, 500] in [pair["particles"] for pair in summary["pairsBeyondLimit"]]
+
+
+def test_aChangedBondIsReported(runHere, tmp_path, monkeypatch):
+    """Were the engine wrong, the lengths of bonds would say so: here an atom moves by less than makes a clash."""
+    honest = Sampling._positions
+    monkeypatch.setattr(Sampling, "_positions", lambda sampling: honest(sampling) + 3e-9 * np.eye(582, 3, -581))
+    result = runHere("--trials", 100, "--frames", 1, "--json", "summary.json")
+    assert result.returncode == 1
+    assert "bond changed: PHE 35 C – PHE 35 OXT, by " in result.stdout
+    summary = json.loads((tmp_path / "summary.json").read_text())
+    (bond,) = summary["changedBonds"]
+    assert summary["pairsBeyondLimit"] == [] and 581 in bond["particles"]
+    assert 1e-9 < bond["change"] == summary["largestBondChange"] < 3e-9
+
+
+def test_toleratedPairsAreExplained(runHere, tmp_path):
+    above = [line.replace(" A ", " B ").replace("   0.000  1.00", "   3.200  1.00") for line in GLYCINES]
+    structure = writePDB(tmp_path / "close.pdb", [*GLYCINES, "TER", *above])
+    result = runHere(structure, "--trials", 1, "--seed", 1)
+    assert result.returncode == 0, result.stderr
+    explanation = "tolerated are pairs that clashed at the start: they may stay so, but never overlap by more"
+    lines = result.stdout.splitlines()
+    assert lines[lines.index(explanation) + 1].startswith("  tolerated: A:GLY ")
+    villin = runHere("--trials", 1000, "--seed", 1, "-o", "villin")
+    assert "0 tolerated (1 clashed" in villin.stdout and explanation not in villin.stdout
 
 
 def test_bondLengthsAndAnglesAreKept(tmp_path):
@@ -99,7 +136,7 @@ def test_sameSeedSameFrames(tmp_path):
 def test_lastFrameHoldsTheRemainder(tmp_path):
     run("--trials", 1000, "--frames", 3, "--seed", 9, "--json", "summary.json", folder=tmp_path)
     summary = json.loads((tmp_path / "summary.json").read_text())
-    assert summary["trials"] == 1000 and summary["frames"] == 3
+    assert summary["trials"] == 1000 and summary["frames"] == 4 == len(summary["radiusOfGyration"])
 
 
 def test_interruptLeavesWhatThereIs(tmp_path):
@@ -224,7 +261,12 @@ def test_binaryFile(runHere, tmp_path):
         (["--seed", "0"], "--seed"),
         (["--seed", "2147483648"], "--seed"),
         (["--unknown"], "--unknown"),
-        (["-o", "missing/run"], "there is no folder missing"),
+        (["-o", "missing/run"], "missing/run.dcd: there is no folder missing"),
+        (["-o", ""], "-o '': the names of output files need a beginning, such as villin"),
+        (["-o", "."], "-o .: the names of output files need a beginning, such as ./villin"),
+        (["-o", ".."], "-o ..: the names of output files need a beginning, such as ../villin"),
+        (["-o", "runs/"], "-o runs/: the names of output files need a beginning, such as runs/villin"),
+        (["--json", ""], "the name of the json file is empty"),
         (["--json", "missing/run.json"], "there is no folder missing"),
         (["--json", "."], "is a folder"),
     ],
@@ -264,7 +306,7 @@ def test_realStructure(tmp_path, name):
     # Disulfides make one rigid part of most of the backbone.
     assert summary["fixedAtoms"] == (374 if name == "bpti_h" else 0)
     frames = readDCD(tmp_path / f"{name}.dcd")
-    assert frames.shape == (4, summary["atoms"], 3)
+    assert frames.shape == (5, summary["atoms"], 3)
     if name == "4hhb":
         atoms = list(app.PDBFile(str(tmp_path / "4hhb-topology.pdb")).topology.atoms())
         irons = [atom.index for atom in atoms if atom.name == "FE"]
@@ -275,7 +317,7 @@ def test_realStructure(tmp_path, name):
         assert distances[-1][bound] == pytest.approx(distances[0][bound], abs=1e-5)
     if name == "bpti_h":
         assert "disulfide" in result.stdout
-        free = run(path, "--trials", 500, "--cut-disulfides", "--json", "cut.json", folder=tmp_path)
+        free = run(path, "--trials", 500, "--cut-disulfides", "-o", "cut", "--json", "cut.json", folder=tmp_path)
         assert free.returncode == 0, free.stderr
         cut = json.loads((tmp_path / "cut.json").read_text())
         assert sum(cut["torsions"].values()) > sum(summary["torsions"].values())

@@ -1,7 +1,6 @@
 """The command openmm-chaintree benchmark."""
 
 import tempfile
-from pathlib import Path
 
 from ..errors import InputError
 from .accuracy.plan import TURNS, planAccuracy
@@ -9,29 +8,27 @@ from .arguments import listOf, positive, positiveReal, seed
 from .benchmarking.course import Course
 from .benchmarking.program import Interrupted, Program, ProgramError
 from .benchmarking.proteins import ProteinModels, findProteins, readProtein
-from .benchmarking.report import describeProcessor, makeReport, summarize, writeCSV
+from .benchmarking.report import asCSV, describeProcessor, makeReport, summarize
 from .benchmarking.rows import GROUPS, WITH_PROTEINS, Plan
 from .benchmarking.study import Study
-from .outputfiles import checkOutput, checkPicture, writeJSON
-from .status import CONTESTANTS_FAILED, INTERRUPTED
-from .terminal import ReportConsole, interruptFlag, progress
+from .outputfiles import Writing, addOverwrite, asJSON, checkOutputs, checkPicture
+from .status import BAD_INPUT, CONTESTANTS_FAILED, INTERRUPTED
+from .terminal import ReportConsole, interruptFlag, printError, progress
 
-_STANDARD_OUTPUT = "-"
 _TRIALS = 20000
 _SECONDS, _QUICK_SECONDS = 20.0, 0.5
 _PICTURED = "figures"  # the group that the picture shows
 
 
-def addParser(commands):
-    """Add the command and its arguments."""
-    benchmark = commands.add_parser(
-        "benchmark",
-        help="race the engine against other methods",
-        description="Race the engine against cell grids, trees of boxes and the ChainTree as published in 2002, in "
-        "turns on the same trials, all of whose verdicts are compared; and against what one could call from Python. "
-        "Times are those of the processor. The groups of rows are "
+def addArguments(benchmark):
+    """Describe the command and its arguments to a parser."""
+    benchmark.description = (
+        "Race the engine against cell grids, trees of boxes and the ChainTree as published in 2002, in turns on the "
+        "same trials, all of whose verdicts are compared; and against what one could call from Python. Times are those "
+        "of the processor. The groups of rows are "
         + "; ".join(f"{group} ({words[0].lower()}{words[1:]})" for group, words in GROUPS.items())
-        + ".",
+        + ". What is written to - goes to standard output: Markdown in place of the report, JSON and CSV while the "
+        "report goes to standard error."
     )
     benchmark.set_defaults(run=_run)
     benchmark.add_argument(
@@ -71,14 +68,17 @@ def addParser(commands):
     benchmark.add_argument(
         "--seed", type=seed, default=1, help="random number seed, 1 to 2147483647 (default: %(default)s)"
     )
-    benchmark.add_argument("--json", metavar="FILE", help="write everything as JSON")
-    benchmark.add_argument("--csv", metavar="FILE", help="write a line of CSV for each contestant of each row")
+    benchmark.add_argument("--json", metavar="FILE", help="write everything as JSON (-: print it)")
+    benchmark.add_argument(
+        "--csv", metavar="FILE", help="write a line of CSV for each contestant of each row (-: print them)"
+    )
     benchmark.add_argument("--markdown", metavar="FILE", help="write the tables as Markdown (-: print them so)")
     benchmark.add_argument(
         "--picture",
         metavar="FILE",
         help="draw the paper's figures 7 and 8 and its table 1, or error by time (.png, .pdf or .svg)",
     )
+    addOverwrite(benchmark)
 
 
 def _run(options):
@@ -90,13 +90,15 @@ def _run(options):
         course = Course(program, options.seed, options.trials or study.trials, seconds, folder)
         entries, failures, interrupted = _runAll(study.rows, course)
     report = study.makeReport(entries, course, failures, interrupted)
-    _write(outputs, report, study)
-    if options.markdown == _STANDARD_OUTPUT:
-        print(report.markdown(), end="")
-    else:
-        report.print(list(outputs.values()), ReportConsole())
+    writing = _write(outputs, report, study)
+    if "markdown" not in outputs or not outputs["markdown"].isStandardOutput:
+        report.print(writing.files, ReportConsole(outputs.values()))
+    if writing.failures:
+        printError(writing.describeFailures())
     if failures or study.hasFailed(report.summary):
         return CONTESTANTS_FAILED
+    if writing.failures:
+        return BAD_INPUT
     return INTERRUPTED if interrupted else 0
 
 
@@ -115,7 +117,7 @@ def _planRaces(options, program):
     def report(entries, course, failures, interrupted):
         return makeReport(summarize(entries, course, proteins, skipped, failures, interrupted))
 
-    return Study(rows, _TRIALS, report, _savePicture)
+    return Study(rows, _TRIALS, report, _hasPicture, _savePicture)
 
 
 def _groups(options):
@@ -123,10 +125,9 @@ def _groups(options):
 
 
 def _checkOutputs(options):
-    """Return the files to write, by their kind."""
-    given = {kind: getattr(options, kind) for kind in ("json", "csv", "markdown", "picture")}
-    outputs = {kind: Path(path) for kind, path in given.items() if path not in (None, _STANDARD_OUTPUT)}
-    checkOutput(outputs.values(), options.structures)
+    """Return the Outputs by their kind."""
+    names = {kind: getattr(options, kind) for kind in ("json", "csv", "markdown", "picture")}
+    outputs = checkOutputs(names, options.structures, options.overwrite)
     if "picture" in outputs:
         checkPicture(outputs["picture"])
         if not options.accuracy and _PICTURED not in _groups(options):
@@ -163,21 +164,26 @@ def _runAll(rows, course):
 
 
 def _write(outputs, report, study):
-    if "json" in outputs:
-        writeJSON(outputs["json"], report.summary)
-    if "csv" in outputs:
-        writeCSV(outputs["csv"], report.summary["entries"])
-    if "markdown" in outputs:
-        outputs["markdown"].write_text(report.markdown(), encoding="utf-8")
-    if "picture" in outputs and not study.savePicture(outputs["picture"], report.summary):
-        del outputs["picture"]
+    """Write all outputs; return their Writing."""
+    writing = Writing()
+    writers = {
+        "json": lambda output: output.write(asJSON(report.summary)),
+        "csv": lambda output: output.write(asCSV(report.summary["entries"])),
+        "markdown": lambda output: output.write(report.markdown()),
+        "picture": lambda output: study.savePicture(output, report.summary),
+    }
+    for kind, output in outputs.items():
+        if kind != "picture" or study.hasPicture(report.summary):
+            writing.write(output, writers[kind])
+    return writing
 
 
-def _savePicture(path, summary):
-    if not any(entry["group"] == _PICTURED for entry in summary["entries"]):
-        return False
+def _hasPicture(summary):
+    return any(entry["group"] == _PICTURED for entry in summary["entries"])
+
+
+def _savePicture(output, summary):
     # Matplotlib takes longer to import than a short race.
     from .benchmarking.picture import savePicture
 
-    savePicture(path, describeProcessor(summary), summary["entries"])
-    return True
+    savePicture(output, describeProcessor(summary), summary["entries"])

@@ -1,26 +1,23 @@
 """The command openmm-chaintree clashes."""
 
-from pathlib import Path
-
 from ..clashes import ClashSearch
 from ..errors import InputError
 from ..radii import RADII_SETS
 from .arguments import positive
-from .clashreport import printReport, summarize, writeCSV
-from .outputfiles import checkOutput, checkPicture, writeJSON
+from .clashreport import asCSV, printReport, summarize
+from .outputfiles import Writing, addOverwrite, asJSON, checkOutputs, checkPicture
 from .status import BAD_INPUT, INTERRUPTED
 from .terminal import ReportConsole, interruptFlag, printError, progress
 
 
-def addParser(commands):
-    """Add the command and its arguments."""
-    clashes = commands.add_parser(
-        "clashes",
-        help="find the clashes of a structure or trajectory",
-        description="Find atoms that overlap by more than 0.04 nm (0.1 nm where one may donate a hydrogen bond to the "
-        "other) and are more than three bonds apart: in all models of a structure, or in all frames of a trajectory. "
-        "Models, frames and particles are numbered from 0. Water and ions (residues of a single atom) are left out, of "
-        "alternate conformers all but the first. Positions are taken as they are, without periodic images.",
+def addArguments(clashes):
+    """Describe the command and its arguments to a parser."""
+    clashes.description = (
+        "Find atoms that overlap by more than 0.04 nm (0.1 nm where one may donate a hydrogen bond to the other) and "
+        "are more than three bonds apart: in all models of a structure, or in all frames of a trajectory. Models, "
+        "frames and particles are numbered from 0. Water and ions (residues of a single atom) are left out, of "
+        "alternate conformers all but the first. Positions are taken as they are, without periodic images. What is "
+        "written to - goes to standard output, and the report to standard error then."
     )
     clashes.set_defaults(run=_run)
     clashes.add_argument(
@@ -39,16 +36,16 @@ def addParser(commands):
     clashes.add_argument(
         "--rows", type=positive, default=10, metavar="N", help="rows of each table at most (default: %(default)s)"
     )
-    clashes.add_argument("--csv", metavar="FILE", help="write a line of CSV for every clash")
-    clashes.add_argument("--json", metavar="FILE", help="write everything as JSON")
+    clashes.add_argument("--csv", metavar="FILE", help="write a line of CSV for every clash (-: print them)")
+    clashes.add_argument("--json", metavar="FILE", help="write everything as JSON (-: print it)")
     clashes.add_argument("--picture", metavar="FILE", help="draw the clashes by frame and residue (.png, .pdf or .svg)")
+    addOverwrite(clashes)
 
 
 def _run(options):
-    outputs = {"csv": options.csv, "json": options.json, "picture": options.picture}
-    outputs = {kind: Path(path) for kind, path in outputs.items() if path is not None}
+    names = {"csv": options.csv, "json": options.json, "picture": options.picture}
     inputs = [path for path in (options.structure, options.trajectory) if path is not None]
-    checkOutput(outputs.values(), inputs)
+    outputs = checkOutputs(names, inputs, options.overwrite)
     if "picture" in outputs:
         checkPicture(outputs["picture"])
     search = ClashSearch(options.structure, options.trajectory, options.radii, options.water, options.ions)
@@ -56,15 +53,20 @@ def _run(options):
     if damage is not None and not frames:
         raise damage
     summary = summarize(search, frames, damage, interrupted)
-    if "csv" in outputs:
-        writeCSV(outputs["csv"], frames)
-    if "json" in outputs:
-        writeJSON(outputs["json"], summary)
-    if "picture" in outputs:
-        _savePicture(outputs["picture"], search, frames)
-    printReport(summary, list(outputs.values()), options.rows, ReportConsole())
+    writing = Writing()
+    writers = {
+        "csv": lambda output: output.write(asCSV(frames)),
+        "json": lambda output: output.write(asJSON(summary)),
+        "picture": lambda output: _savePicture(output, search, frames),
+    }
+    for kind, output in outputs.items():
+        writing.write(output, writers[kind])
+    printReport(summary, writing.files, options.rows, ReportConsole(outputs.values()))
+    errors = [writing.describeFailures()] if writing.failures else []
     if damage is not None:
-        printError(f"{damage}; the results are those of the frames before it")
+        errors.append(f"{damage}; the results are those of the frames before it")
+    if errors:
+        printError("; ".join(errors))
         return BAD_INPUT
     return INTERRUPTED if interrupted else 0
 
@@ -85,8 +87,8 @@ def _findAll(search):
         return frames, damage, bool(interrupted)
 
 
-def _savePicture(path, search, frames):
+def _savePicture(output, search, frames):
     # Matplotlib takes longer to import than most searches.
     from .clashpicture import savePicture
 
-    savePicture(path, search, frames)
+    savePicture(output, search, frames)

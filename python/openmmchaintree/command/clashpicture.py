@@ -1,16 +1,12 @@
 """The picture of a search for clashes: of one frame its residues and overlaps, of several frames their course."""
 
-import logging
 from pathlib import Path
 
 import numpy as np
 from matplotlib import colormaps
-from matplotlib.backends.backend_agg import FigureCanvasAgg
-from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
 
-# Its word on building a font cache, on a first run, is not for those who run a command.
-logging.getLogger("matplotlib").setLevel(logging.ERROR)
+from .figures import makeFigure, setTitle, writeFigure
 
 _COLOR = "#1f5f8b"
 
@@ -18,21 +14,23 @@ _COLOR = "#1f5f8b"
 _NAMED_RESIDUES = 10
 _LABEL_WIDTH = 0.015
 
-# Chains that take less than this part of an axis are not named there.
-_NARROWEST_CHAIN = 0.03
+# What a letter takes of the width of an axis and of its height, and a line of its height; and residues along an axis.
+_LETTER_WIDTH = 0.0105
+_LETTER_HEIGHT = 0.024
+_LINE_HEIGHT = 0.07
+_RESIDUES_OF_A_CHAIN = 8
 
 # A map with more rows or columns than one can see shows the largest number of several.
 _LARGEST_MAP = 500
 
 
-def savePicture(path, search, frames):
-    """Save the picture of the FrameClashes that a ClashSearch found, in the format that the file's name tells."""
-    figure = Figure(figsize=(10, 7), layout="constrained")
-    FigureCanvasAgg(figure)
+def savePicture(output, search, frames):
+    """Write the picture of the FrameClashes that a ClashSearch found to an Output."""
+    figure = makeFigure(10, 7)
     source = Path(search.structure if search.trajectory is None else search.trajectory).name
     score = sum(frame.clashesPer1000Atoms for frame in frames) / len(frames)
     average = " on average" if len(frames) > 1 else ""
-    figure.suptitle(f"{source}: {score:.1f} clashes per 1,000 atoms{average}")
+    setTitle(figure, source, f": {score:.1f} clashes per 1,000 atoms{average}")
     residues = _Residues(search)
     upper, lower = figure.subplots(2, 1, sharex=len(frames) > 1)
     if len(frames) == 1:
@@ -42,7 +40,7 @@ def savePicture(path, search, frames):
         word = "model" if search.trajectory is None else "frame"
         _drawCourse(upper, frames, f"{word.capitalize()}s")
         _drawMap(lower, frames, word, residues)
-    figure.savefig(path, dpi=150)
+    writeFigure(figure, output)
 
 
 class _Residues:
@@ -89,7 +87,8 @@ def _drawResidues(axis, frame, residues):
             axis.annotate(residues.labels[residue], (residue, counts[residue]), fontsize="small", bbox=box, **place)
     margin = _LABEL_WIDTH * len(counts)
     axis.set(title="Residues", ylabel="clashes", xlim=(-margin, len(counts) - 1 + margin))
-    axis.set_ylim(0, 1.6 * max(counts.max(initial=0), 1))
+    letters = max([len(residues.labels[residue]) for residue in named], default=0)
+    axis.set_ylim(0, max(counts.max(initial=0), 1) / (1 - min(0.6, 0.05 + _LETTER_HEIGHT * letters)))
     axis.yaxis.set_major_locator(MaxNLocator(integer=True))
     _markChains(axis.xaxis, residues)
 
@@ -127,21 +126,31 @@ def _drawMap(axis, frames, word, residues):
     )
     axis.set(title="Residues", xlabel=f"{word} (from 0)")
     axis.xaxis.set_major_locator(MaxNLocator(integer=True))
-    ticks = MaxNLocator(integer=True, nbins=6)
-    axis.figure.colorbar(image, ax=axis, label="clashes", ticks=ticks)
+    ticks = MaxNLocator(integer=True, nbins=6).tick_values(0, most)
+    ticks = ticks[(ticks >= 1) & (ticks <= most)]
+    axis.figure.colorbar(image, ax=axis, label="clashes", ticks=ticks, format="{x:,.0f}")
     _markChains(axis.yaxis, residues)
 
 
 def _markChains(axis, residues):
     """Name chains along an axis of residues; a single one by some of its residues."""
     count = len(residues.labels)
+    letterWidth = _LETTER_WIDTH if axis.axis_name == "x" else 0
     if len(residues.chains) == 1:
-        numbers = np.unique(np.linspace(0, count - 1, min(count, 8)).astype(int))
+        longest = max(map(len, residues.labels))
+        most = min(count, _RESIDUES_OF_A_CHAIN, max(2, int(1 / max(_LINE_HEIGHT, letterWidth * longest))))
+        numbers = np.unique(np.linspace(0, count - 1, most).astype(int))
         axis.set_ticks(numbers, [residues.labels[number] for number in numbers], fontsize="small")
         return
-    wide = [(name, first, end) for name, first, end in residues.chains if end - first >= _NARROWEST_CHAIN * count]
-    axis.set_ticks([(first + end - 1) / 2 for _, first, end in wide], [f"chain {name}" for name, *_ in wide])
-    axis.set_tick_params(length=0)
+    # (middle, half the room that it takes, label) of those chains that can be named, the longest first.
+    named = []
+    for name, first, end in sorted(residues.chains, key=lambda chain: chain[1] - chain[2]):
+        label = f"chain {name}"
+        middle, half = (first + end - 1) / 2, max(_LINE_HEIGHT, letterWidth * len(label)) * count / 2
+        if all(abs(middle - other) >= half + otherHalf for other, otherHalf, _ in named):
+            named.append((middle, half, label))
+    axis.set_ticks([middle for middle, *_ in named], [label for *_, label in named])
+    axis.set_tick_params(length=0, pad=11)  # below the marks between chains
     axis.set_ticks([first - 0.5 for _, first, _ in residues.chains[1:]], minor=True)
     axis.set_tick_params(which="minor", length=10)
     axis.grid(which="minor", color="0.8", linewidth=0.8)

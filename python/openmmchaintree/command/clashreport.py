@@ -3,7 +3,6 @@
 import csv
 import io
 from collections import defaultdict
-from pathlib import Path
 
 from openmm import unit
 from rich.table import Table
@@ -91,8 +90,8 @@ def _rank(entries):
     return sorted(entries, key=lambda entry: (-entry["clashes"], -entry["worstOverlap"]))
 
 
-def writeCSV(path, frames):
-    """Write a heading, and a line for every clash."""
+def asCSV(frames):
+    """Return CSV: a heading, and a line for every clash."""
     text = io.StringIO()
     lines = csv.writer(text, lineterminator="\n")
     atoms = [f"{word}{number}" for number in (1, 2) for word in ("particle", "chain", "residue", "atom")]
@@ -101,7 +100,7 @@ def writeCSV(path, frames):
         for clash in frame.clashes:
             atoms = [clash.particle1, *clash.atom1, clash.particle2, *clash.atom2]
             lines.writerow([frame.number, *atoms, f"{clash.overlap:.6f}"])
-    Path(path).write_text(text.getvalue(), encoding="utf-8")
+    return text.getvalue()
 
 
 def printReport(summary, files, rows, console):

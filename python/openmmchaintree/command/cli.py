@@ -1,20 +1,30 @@
 """The command openmm-chaintree."""
 
+import importlib
 import io
 import os
 import sys
 
 import openmm
 
+from .. import __version__
 from ..errors import InputError
-from . import benchmark, clashes, sample
 from .arguments import Parser
+from .outputfiles import OutputError
 from .status import BAD_INPUT, INTERRUPTED, NOBODY_READS
 from .terminal import printError
+
+_COMMANDS = {
+    "sample": "sample a protein free of clashes",
+    "clashes": "find the clashes of a structure or trajectory",
+    "benchmark": "race the engine against other methods",
+}
 
 
 def main(arguments=None):
     """Run the command; return its exit status."""
+    if sys.stdout is None:
+        sys.stdout = open(os.devnull, "w")
     if isinstance(sys.stdout, io.TextIOWrapper):
         sys.stdout.reconfigure(errors="replace")  # Greek letters must not stop the report on any terminal
     options = _parser().parse_args(arguments)
@@ -23,17 +33,23 @@ def main(arguments=None):
         sys.stdout.flush()
         return status
     except BrokenPipeError:
-        # Python flushes at its end, too, and would complain.
-        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        _dropStandardOutput()
         return NOBODY_READS
-    except (InputError, openmm.OpenMMException) as error:
+    except (InputError, OutputError, openmm.OpenMMException) as error:
         printError(error)
         return BAD_INPUT
     except OSError as error:
-        printError(f"{error.filename}: {error.strerror}" if error.filename else error)
+        if error.filename is None:
+            _dropStandardOutput()
+        printError(f"{error.filename or 'standard output'}: {error.strerror or error}")
         return BAD_INPUT
     except KeyboardInterrupt:
         return INTERRUPTED
+
+
+def _dropStandardOutput():
+    """Leave what is not written yet: Python flushes at its end, too, and would complain."""
+    os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
 
 
 def _parser():
@@ -42,7 +58,17 @@ def _parser():
         description="Sampling of proteins in torsion space, the clashes of structures and trajectories, and how fast "
         "both are found.",
     )
-    commands = parser.add_subparsers(required=True, metavar="command", parser_class=Parser)
-    for command in (sample, clashes, benchmark):
-        command.addParser(commands)
+    version = f"openmm-chaintree {__version__}, OpenMM {openmm.Platform.getOpenMMVersion()}"
+    parser.add_argument("--version", action="version", version=version)
+    commands = parser.add_subparsers(required=True, metavar="command", parser_class=_CommandParser)
+    for name, summary in _COMMANDS.items():
+        commands.add_parser(name, help=summary).command = name
     return parser
+
+
+class _CommandParser(Parser):
+    """The parser of a command, which is imported only once it is called."""
+
+    def parse_known_args(self, args=None, namespace=None):
+        importlib.import_module(f".{self.command}", __package__).addArguments(self)
+        return super().parse_known_args(args, namespace)

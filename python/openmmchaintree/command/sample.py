@@ -1,8 +1,9 @@
 """The command openmm-chaintree sample."""
 
 import argparse
+import io
+import os
 import random
-from pathlib import Path
 
 import openmm.app
 from openmm import unit
@@ -11,20 +12,21 @@ from ..errors import InputError
 from ..structure import readStructure
 from ..torsions import KIND_WORDS
 from .arguments import listOf, positive, seed
-from .outputfiles import checkOutput, writeJSON
+from .outputfiles import OutputError, Writing, addOverwrite, asJSON, checkOutputs
 from .plan import DEFAULT_KINDS, Choice
 from .planreport import describePlan
 from .samplereport import printReport, summarize
 from .sampling import Sampling
-from .status import BEYOND_LIMIT, INTERRUPTED
-from .terminal import ReportConsole, interruptFlag, progress
+from .status import BAD_INPUT, BEYOND_LIMIT, INTERRUPTED
+from .terminal import ReportConsole, interruptFlag, printError, progress
+from .trajectoryfile import TrajectoryFile
 
-_ENDINGS = {"dcd": ".dcd", "pdb": "-topology.pdb", "picture": ".png"}
+_ENDINGS = {"trajectory": ".dcd", "topology": "-topology.pdb", "picture": ".png"}
 
 _DESCRIPTION = """\
 Sample the torsions of proteins and nucleic acids: hard spheres, no other energy. Water and ions are left out; what has
-no torsions stays where it is, as an obstacle. Says what moves and what stays, writes a trajectory (DCD), a PDB file
-that matches it and a picture, and prints a table."""
+no torsions stays where it is, as an obstacle. Says what moves and what stays, writes a trajectory (DCD),
+which begins with the start, a PDB file that matches it and a picture, and prints a table."""
 
 _SELECTIONS = """
 A SELECTION is in the language of MDTraj (https://mdtraj.org/latest/atom_selection.html), in quotes:
@@ -43,15 +45,11 @@ a loop between fixed ends only the side chains turn.
 """
 
 
-def addParser(commands):
-    """Add the command and its arguments."""
-    sample = commands.add_parser(
-        "sample",
-        help="sample proteins and nucleic acids free of clashes",
-        description=_DESCRIPTION,
-        epilog=_SELECTIONS,
-        formatter_class=argparse.RawDescriptionHelpFormatter,
-    )
+def addArguments(sample):
+    """Describe the command and its arguments to a parser."""
+    sample.description = _DESCRIPTION
+    sample.epilog = _SELECTIONS
+    sample.formatter_class = argparse.RawDescriptionHelpFormatter
     sample.set_defaults(run=_run)
     sample.add_argument(
         "structure",
@@ -59,10 +57,20 @@ def addParser(commands):
         help="a PDB or mmCIF file, plain or gzipped (default: the villin headpiece in OpenMM's package)",
     )
     sample.add_argument("--trials", type=positive, default=100000, help="number of trials (default: %(default)s)")
-    sample.add_argument("--frames", type=positive, default=200, help="frames to write (default: %(default)s)")
+    sample.add_argument(
+        "--frames", type=positive, default=200, help="frames to write after the start (default: %(default)s)"
+    )
     sample.add_argument("--seed", type=seed, help="random number seed, 1 to 2147483647 (default: a new one each time)")
-    sample.add_argument("-o", "--output", help="prefix of the output files (default: the structure's name)")
-    sample.add_argument("--json", metavar="FILE", help="write what the table says, and all tolerated pairs, as JSON")
+    sample.add_argument(
+        "-o", "--output", metavar="PREFIX", help="what the names of output files begin with (default: the structure's)"
+    )
+    sample.add_argument(
+        "--json",
+        metavar="FILE",
+        help="write what the table says, and all tolerated pairs, as JSON (-: to standard output, and the report to "
+        "standard error)",
+    )
+    addOverwrite(sample)
     sample.add_argument(
         "--torsions",
         type=listOf(KIND_WORDS),
@@ -84,11 +92,8 @@ def addParser(commands):
 
 def _run(options):
     structure = readStructure(options.structure)
-    prefix = structure.name if options.output is None else options.output
-    files = {kind: Path(f"{prefix}{ending}") for kind, ending in _ENDINGS.items()}
-    if options.json is not None:
-        files["json"] = Path(options.json)
-    checkOutput(files.values(), [] if options.structure is None else [options.structure])
+    outputs = _checkOutputs(options, structure.name)
+    console = ReportConsole(outputs.values())
     choice = Choice(tuple(options.torsions), options.move, options.fix, options.rigid_bodies, options.cut_disulfides)
     seed = options.seed if options.seed is not None else random.SystemRandom().randint(1, 2**31 - 1)
     try:
@@ -96,45 +101,81 @@ def _run(options):
     except (InputError, openmm.OpenMMException) as error:
         raise InputError(f"{options.structure or structure.name}: {error}") from error
 
-    console = ReportConsole()
     for line in describePlan(sampling.plan):
         console.print(line)
-    with open(files["pdb"], "w") as file:
-        openmm.app.PDBFile.writeFile(structure.topology, structure.positions * unit.nanometer, file, keepIds=True)
-    interrupted = _writeTrajectory(sampling, structure, files["dcd"], options.trials, options.frames)
+    writing = Writing()
+    with _beginFiles(outputs, structure, options.trials, options.frames) as trajectory:
+        writing.files = [outputs["topology"].name, outputs["trajectory"].name]
+        interrupted = _sample(sampling, options.trials, trajectory, writing.failures)
     if len(sampling.frames) > 1:
-        _savePicture(files["picture"], structure, sampling)
-    else:
-        del files["picture"]
-    summary = summarize(sampling, structure, seed, [str(path) for path in files.values()], interrupted)
-    if "json" in files:
-        writeJSON(files["json"], summary)
+        writing.write(outputs["picture"], lambda output: _savePicture(output, structure, sampling))
+    summary = summarize(sampling, structure, seed, writing.files, interrupted)
+    if "json" in outputs:
+        writing.write(outputs["json"], lambda output: output.write(asJSON(summary)))
     printReport(summary, console)
-    if summary["pairsBeyondLimit"]:
+    if writing.failures:
+        printError(writing.describeFailures())
+    if summary["pairsBeyondLimit"] or summary["changedBonds"]:
         return BEYOND_LIMIT
+    if writing.failures:
+        return BAD_INPUT
     return INTERRUPTED if interrupted else 0
 
 
-def _writeTrajectory(sampling, structure, path, trials, frames):
-    """Run all trials and write frames evenly along them; return whether the user interrupted."""
-    interval = -(-trials // frames)
-    with open(path, "w+b") as file, interruptFlag() as interrupted, progress(trials) as advance:
+def _checkOutputs(options, structureName):
+    """Return the Outputs by their kind."""
+    prefix = structureName if options.output is None else options.output
+    folder, beginning = os.path.split(prefix)
+    if beginning in ("", ".", ".."):
+        example = os.path.join(folder, beginning, structureName)
+        raise InputError(f"-o {prefix or repr('')}: the names of output files need a beginning, such as {example}")
+    names = {kind: f"{prefix}{ending}" for kind, ending in _ENDINGS.items()}
+    inputs = [] if options.structure is None else [options.structure]
+    return checkOutputs({**names, "json": options.json}, inputs, options.overwrite)
+
+
+def _beginFiles(outputs, structure, trials, frames):
+    """Write the PDB file, and the start into the trajectory; return that. Neither stays if either fails."""
+    text = io.StringIO()
+    openmm.app.PDBFile.writeFile(structure.topology, structure.positions * unit.nanometer, text, keepIds=True)
+    outputs["topology"].write(text.getvalue())
+    try:
+        interval = -(-trials // frames)
+        expected = 1 + -(-trials // interval)
+        return TrajectoryFile(outputs["trajectory"], structure.topology, structure.positions, interval, expected)
+    except BaseException:
+        outputs["topology"].remove()
+        raise
+
+
+def _sample(sampling, trials, trajectory, failures):
+    """Run all trials and write frames evenly along them; return whether the user interrupted.
+
+    An OutputError ends the run, too, and joins the failures.
+    """
+    with interruptFlag() as interrupted, progress(trials) as advance:
 
         def proceed():
             advance(sampling.trials)
             return not interrupted
 
-        # Trials have no time: a frame's label is the number of trials, at 1 ps each.
-        trajectory = openmm.app.DCDFile(file, structure.topology, 1 * unit.picosecond, interval, interval)
-        while sampling.trials < trials and not interrupted:
-            positions = sampling.run(min(interval, trials - sampling.trials), proceed)
-            trajectory.writeModel(positions * unit.nanometer)
+        try:
+            while sampling.trials < trials and not interrupted:
+                trajectory.write(sampling.run(min(trajectory.interval, trials - sampling.trials), proceed))
+        except OutputError as error:
+            failures.append(error)
+            del sampling.frames[trajectory.frames :]
+        except openmm.OpenMMException as error:
+            raise OutputError(f"{error}; {trajectory.describe()}") from error
+        except KeyboardInterrupt:
+            printError(f"interrupted; {trajectory.describe()}")
+            raise
         return bool(interrupted)
 
 
-def _savePicture(path, structure, sampling):
+def _savePicture(output, structure, sampling):
     # Matplotlib takes longer to import than a short run.
     from .samplepicture import savePicture
 
-    title = f"{structure.name}, {sampling.trials:,} trials"
-    savePicture(path, title, sampling.frames, [move.name for move in sampling.moves])
+    kinds = [torsion.kind for torsion in sampling.torsions]
+    savePicture(output, structure.name, sampling.frames, kinds, [move.name for move in sampling.moves])

@@ -1,46 +1,81 @@
-"""The picture of a sampling run: Ramachandran plots before and after, radius of gyration and acceptance along it."""
+"""The picture of a sampling run: torsions before and after, radius of gyration and acceptance along it.
 
-import logging
+Torsions are shown as Ramachandran plots; where no residue has both φ and ψ, by kind.
+"""
 
 import numpy as np
-from matplotlib.backends.backend_agg import FigureCanvasAgg
-from matplotlib.colors import LogNorm
-from matplotlib.figure import Figure
 
-# Its word on building a font cache, on a first run, is not for those who run a command.
-logging.getLogger("matplotlib").setLevel(logging.ERROR)
+from .figures import addCountBar, countNorm, makeFigure, setTitle, writeFigure
 
-_BINS = np.linspace(-180, 180, 37)
+_BIN = 10  # degrees
+_EDGES = np.arange(-180, 181, _BIN)
 _COLOR = "#1f5f8b"
 
+# In the order in which kinds are shown.
+_LETTERS = {
+    "phi": "φ", "psi": "ψ", "omega": "ω", "chi1": "χ1", "chi2": "χ2", "chi3": "χ3", "chi4": "χ4",
+    "alpha": "α", "beta": "β", "gamma": "γ", "delta": "δ", "epsilon": "ε", "zeta": "ζ", "chi": "χ", "rotor": "rotor",
+}  # fmt: skip
 
-def savePicture(path, title, frames, moveNames):
-    """Save the picture of frames, the start and at least one more, as PNG, PDF or SVG by the name of the file."""
-    figure = Figure(figsize=(10, 8), layout="constrained")
-    FigureCanvasAgg(figure)
-    figure.suptitle(title)
+
+def savePicture(output, name, frames, torsionKinds, moveNames):
+    """Write the picture of frames, the start and at least one more, to an Output.
+
+    Parameters
+    ----------
+    output : Output
+    name : str
+        what was sampled
+    frames : list of Frame
+    torsionKinds : list of str
+        the kind of each torsion in `Frame.torsionAngles`
+    moveNames : list of str
+    """
+    figure = makeFigure(10, 8)
+    setTitle(figure, name, f", {frames[-1].trials:,} trials")
     axes = figure.subplots(2, 2)
-    _drawRamachandranStart(axes[0, 0], frames[0])
-    _drawRamachandranSampled(axes[0, 1], frames[1:])
+    drawTorsions = _drawRamachandran if len(frames[0].phiPsi) else _drawKinds
+    drawTorsions(axes[0], frames, torsionKinds)
     _drawRadiusOfGyration(axes[1, 0], frames)
     _drawAcceptance(axes[1, 1], frames, moveNames)
-    figure.savefig(path, dpi=150)
+    writeFigure(figure, output)
 
 
-def _drawRamachandranStart(axis, frame):
-    phi, psi = np.degrees(frame.phiPsi).T
-    axis.scatter(phi, psi, s=14, color=_COLOR)
-    _finishRamachandran(axis, f"Start: {len(phi)} residues")
+def _drawRamachandran(axes, frames, torsionKinds):
+    phi, psi = np.degrees(frames[0].phiPsi).T
+    axes[0].scatter(phi, psi, s=14, color=_COLOR, clip_on=False)
+    _finishRamachandran(axes[0], f"Start: {_count(len(phi), 'residue')}")
+
+    phi, psi = np.degrees(np.concatenate([frame.phiPsi for frame in frames[1:]])).T
+    _drawCounts(axes[1], phi, psi, _EDGES, "residues in 10° × 10°")
+    _finishRamachandran(axes[1], f"Sampled: {_count(len(frames) - 1, 'frame')}")
 
 
-def _drawRamachandranSampled(axis, frames):
-    phi, psi = np.degrees(np.concatenate([frame.phiPsi for frame in frames])).T
-    image = None
-    if len(phi):
-        *_, image = axis.hist2d(phi, psi, bins=(_BINS, _BINS), norm=LogNorm(), cmap="viridis_r", rasterized=True)
-    _finishRamachandran(axis, f"Sampled: {len(frames)} frames")
-    if image is not None:
-        axis.figure.colorbar(image, ax=axis, label="residues in 10° × 10°", shrink=0.85, format="%g")
+def _drawKinds(axes, frames, torsionKinds):
+    """Draw the angles of all torsions in columns, one for each kind."""
+    kinds = [kind for kind in _LETTERS if kind in torsionKinds]
+    columns = np.array([kinds.index(kind) for kind in torsionKinds])
+    axes[0].scatter(columns, np.degrees(frames[0].torsionAngles), s=14, color=_COLOR, clip_on=False)
+    _finishKinds(axes[0], f"Start: {_count(len(columns), 'torsion')}", kinds)
+
+    angles = np.degrees(np.concatenate([frame.torsionAngles for frame in frames[1:]]))
+    edges = np.arange(len(kinds) + 1) - 0.5
+    _drawCounts(axes[1], np.tile(columns, len(frames) - 1), angles, edges, "torsions in 10°")
+    _finishKinds(axes[1], f"Sampled: {_count(len(frames) - 1, 'frame')}", kinds)
+
+
+def _drawCounts(axis, x, angles, edges, label):
+    counts, *_ = np.histogram2d(x, angles, bins=(edges, _EDGES))
+    shown = np.ma.masked_equal(counts.T, 0)
+    image = axis.pcolormesh(edges, _EDGES, shown, norm=countNorm(counts), cmap="viridis_r", rasterized=True)
+    addCountBar(image, axis, label)
+
+
+def _finishKinds(axis, title, kinds):
+    axis.set(title=title, ylabel="angle (°)", xlim=(-0.5, len(kinds) - 0.5), ylim=(-180, 180))
+    axis.set_xticks(range(len(kinds)), [_LETTERS[kind] for kind in kinds])
+    axis.set_yticks(range(-180, 181, 90))
+    axis.axhline(0, color="0.8", linewidth=0.8, zorder=0)
 
 
 def _finishRamachandran(axis, title):
@@ -64,15 +99,22 @@ def _drawAcceptance(axis, frames, moveNames):
     edges = np.unique(np.linspace(0, len(frames) - 1, min(len(frames), 41)).astype(int))
     counts = np.diff(np.array([frames[edge].counts for edge in edges]), axis=0)
     middles = (trials[edges[1:]] + trials[edges[:-1]]) / 2
+    marker = "o" if len(middles) == 1 else None
     for move, name in enumerate(moveNames):
         attempted, accepted = counts[:, move, 0], counts[:, move, 3]
         drawn = attempted > 0
-        axis.plot(middles[drawn], 100 * accepted[drawn] / attempted[drawn], label=name)
-    axis.set(title="Acceptance", xlabel="trials", ylabel="% of the move's trials", xlim=(0, trials[-1]), ylim=(0, 100))
-    axis.legend(fontsize="small", loc="best")
+        axis.plot(middles[drawn], 100 * accepted[drawn] / attempted[drawn], marker=marker, label=name)
+    axis.set(title="Acceptance", xlabel="trials", ylabel="% of the move's trials", xlim=(0, trials[-1]), ylim=(0, 101))
+    # Below the lines, where it covers none, however many moves there are.
+    handles = axis.get_legend_handles_labels()
+    axis.figure.legend(*handles, loc="outside lower center", ncols=5, fontsize="small", frameon=False)
     _groupThousands(axis)
 
 
 def _groupThousands(axis):
     axis.xaxis.set_major_formatter("{x:,.0f}")
     axis.locator_params(axis="x", nbins=5)
+
+
+def _count(number, noun):
+    return f"{number:,} {noun}{'' if number == 1 else 's'}"

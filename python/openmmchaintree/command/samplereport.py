@@ -10,13 +10,13 @@ from .planreport import describePlan
 
 _COUNTS = ("attempted", "clashed", "rejectedByEnergy", "accepted")
 
-# More tolerated pairs than this are left to the JSON file.
+# More tolerated pairs or changed bonds than this are left to the JSON file.
 _LONGEST_LIST = 10
 
 
 def summarize(sampling, structure, seed, files, interrupted):
     """Return everything that a run did as plain dictionaries and lists, for JSON. Lengths are in nm, times in s."""
-    verdict = sampling.check()
+    verdict, bonds = sampling.check(), sampling.checkBonds()
     kinds = Counter(torsion.kind for torsion in sampling.torsions)
     names = [f"{describeResidue(atom.residue)} {atom.name}" for atom in structure.topology.atoms()]
     return {
@@ -30,7 +30,7 @@ def summarize(sampling, structure, seed, files, interrupted):
         "seed": seed,
         "interrupted": interrupted,
         "trials": sampling.trials,
-        "frames": len(sampling.frames) - 1,
+        "frames": len(sampling.frames),
         "secondsInSteps": sampling.seconds,
         "microsecondsPerTrial": 1e6 * sampling.seconds / sampling.trials if sampling.trials else None,
         "trialsPerSecond": sampling.trials / sampling.seconds if sampling.trials else None,
@@ -42,6 +42,11 @@ def summarize(sampling, structure, seed, files, interrupted):
         "clashesAtStart": len(sampling.startOverlaps.pairs),
         "toleratedPairs": _describePairs(verdict.tolerated, names),
         "pairsBeyondLimit": _describePairs(verdict.beyond, names, verdict.beyondLimits),
+        "largestBondChange": bonds.largestChange,
+        "changedBonds": [
+            {"particles": [first, second], "atoms": [names[first], names[second]], "change": float(change)}
+            for (first, second), change in zip(bonds.changed.tolist(), bonds.changes, strict=True)
+        ],
         "files": files,
     }
 
@@ -80,7 +85,9 @@ def printReport(summary, console):
     if summary["interrupted"]:
         console.print("interrupted: what was sampled so far is in the files")
     _printVerdict(summary, console)
-    console.print(f"wrote {', '.join(summary['files'])}")
+    count = summary["frames"]
+    frames = f"{count:,} frames, the first of them the start" if count > 1 else "a single frame, the start"
+    console.print(f"wrote {', '.join(summary['files'])}; {frames}")
 
 
 def _moveTable(moves):
@@ -97,14 +104,21 @@ def _moveTable(moves):
 
 
 def _printVerdict(summary, console):
-    tolerated, beyond = summary["toleratedPairs"], summary["pairsBeyondLimit"]
+    tolerated, beyond, bonds = summary["toleratedPairs"], summary["pairsBeyondLimit"], summary["changedBonds"]
     count = f"{len(beyond)} beyond their limit" if beyond else "none beyond its limit"
     console.print(
         f"last positions, all pairs compared: {count}, {len(tolerated)} tolerated "
-        f"({summary['clashesAtStart']} clashed at the start)"
+        f"({summary['clashesAtStart']} clashed at the start); largest change of a bond's length: "
+        f"{summary['largestBondChange']:.1g} nm"
     )
     for pair in beyond:
         _printPair("beyond its limit", pair, f"limit {pair['limit']:.9f} nm", console)
+    for bond in bonds[:_LONGEST_LIST]:
+        console.print(f"  bond changed: {bond['atoms'][0]} – {bond['atoms'][1]}, by {bond['change']:.3g} nm")
+    if len(bonds) > _LONGEST_LIST:
+        console.print(f"  and {len(bonds) - _LONGEST_LIST:,} more bonds")
+    if tolerated:
+        console.print("tolerated are pairs that clashed at the start: they may stay so, but never overlap by more")
     if len(tolerated) <= _LONGEST_LIST:
         for pair in tolerated:
             _printPair("tolerated", pair, f"tolerance {pair['tolerance']:.9f} nm", console)

@@ -11,6 +11,7 @@ from ..errors import InputError
 from ..openmmchaintree import TorsionMonteCarloIntegrator
 from ..sterics import makeForce
 from . import allpairs
+from .bondlengths import BondLengths
 from .geometry import dihedrals, radiusOfGyration
 from .plan import Choice, Plan
 
@@ -47,10 +48,14 @@ class Move(NamedTuple):
 
 
 class Frame(NamedTuple):
-    """What is kept of a conformation. Counts are those of each move since the start: (moves, 4)."""
+    """What is kept of a conformation. Counts are those of each move since the start: (moves, 4).
+
+    Angles are in rad: (residues, 2) where both φ and ψ turn; those of all torsions only if there is no such residue.
+    """
 
     trials: int
     phiPsi: np.ndarray
+    torsionAngles: np.ndarray
     radiusOfGyration: float
     counts: np.ndarray
 
@@ -107,8 +112,11 @@ class Sampling:
         self.context = openmm.Context(self._makeSystem(), self.integrator, platform)
         self.context.setPositions(structure.positions)
         self._phiPsiParticles = _phiPsiParticles(self.torsions)
+        shown = [] if len(self._phiPsiParticles) else [torsion.particles for torsion in self.torsions]
+        self._torsionParticles = np.array(shown, dtype=int).reshape(-1, 4)
         self._spheres = allpairs.HardSpheres(self.force)
         self.startOverlaps = self._spheres.overlaps(structure.positions)
+        self._bonds = BondLengths(self.force, structure.positions)
         self.frames = []
         self.trials = 0
         self.seconds = 0.0
@@ -163,6 +171,10 @@ class Sampling:
         """Judge the Context's positions by comparing all pairs, without the engine: an allpairs.Verdict."""
         return allpairs.compare(self.startOverlaps, self._spheres.overlaps(self._positions()))
 
+    def checkBonds(self):
+        """Compare the lengths of bonds at the Context's positions with those at the start: a BondVerdict."""
+        return self._bonds.compare(self._positions())
+
     def _positions(self):
         return self.context.getState(positions=True).getPositions(asNumpy=True).value_in_unit(unit.nanometer)
 
@@ -171,6 +183,7 @@ class Sampling:
         frame = Frame(
             trials=self.trials,
             phiPsi=dihedrals(positions, self._phiPsiParticles).reshape(-1, 2),
+            torsionAngles=dihedrals(positions, self._torsionParticles),
             radiusOfGyration=radiusOfGyration(positions[atoms], self._masses[atoms]),
             counts=np.array(self.statistics()),
         )

@@ -9,10 +9,15 @@ from rich.progress import BarColumn, MofNCompleteColumn, Progress, TimeRemaining
 
 
 class ReportConsole(Console):
-    """The console that reports are printed on: standard output, with lines as long as they are."""
+    """The console that reports are printed on, with lines as long as they are.
 
-    def __init__(self):
-        super().__init__(highlight=False, soft_wrap=True)
+    It is standard output, or standard error if one of the outputs takes that.
+    """
+
+    def __init__(self, outputs):
+        """Take the Outputs of the command."""
+        isTaken = any(output.isStandardOutput for output in outputs)
+        super().__init__(stderr=isTaken, highlight=False, markup=False, emoji=False, soft_wrap=True)
 
     def on_broken_pipe(self):
         """Leave it to the command, where Console would end the process by itself."""

@@ -1,21 +1,16 @@
 """Error by time: of positions that turns lead to, and of verdicts where spheres all but touch."""
 
-import logging
 import math
 import textwrap
 from typing import NamedTuple
 
-from matplotlib.backends.backend_agg import FigureCanvasAgg
-from matplotlib.figure import Figure
 from matplotlib.ticker import FuncFormatter, LogLocator, NullLocator
 
 from ..benchmarking.races import INSTRUCTION_SETS
 from ..benchmarking.tables import groupBy, sizeOf
+from ..figures import makeFigure, writeFigure
 from .goals import LARGEST_ERROR, SIGMA
 from .tables import isOurs, nameOf, relativeError, stationsOf
-
-# Its word on building a font cache, on a first run, is not for those who run a command.
-logging.getLogger("matplotlib").setLevel(logging.ERROR)
 
 _OURS, _DOUBLE, _SINGLE = "#1f5f8b", "#d55e00", "#999999"
 _SIZE = 10000  # of chains, spheres, that are drawn if they are there
@@ -25,15 +20,12 @@ _WIDTH = 22  # of labels, letters
 _BAND = SIGMA / 10  # where those stand who make no mistake
 
 
-def savePicture(path, summary):
-    """Save the picture of a summary, in the format that the file's name tells; False if there is nothing to draw."""
+def savePicture(output, summary):
+    """Write the picture of a summary, with positions or verdicts, to an Output."""
     drift = _ofOneSize([entry for entry in summary["entries"] if entry["group"] == "drift"])
     touch = _ofOneSize([entry for entry in summary["entries"] if entry["group"] == "touch"])
     panels = [(draw, entries) for draw, entries in ((_drawDrift, drift), (_drawTouch, touch)) if entries]
-    if not panels:
-        return False
-    figure = Figure(figsize=(6.6 * len(panels), 5.4), layout="constrained")
-    FigureCanvasAgg(figure)
+    figure = makeFigure(6.6 * len(panels), 5.4)
     words = "blue: the engine; other ways, orange: in double, grey: in single precision"
     figure.suptitle(f"{summary['machine']['processor']}; {words}", fontsize=_FONT, color="0.4")
     axes = list(figure.subplots(1, len(panels), squeeze=False).flat)
@@ -44,8 +36,7 @@ def savePicture(path, summary):
     figure.draw_without_rendering()  # which lays the axes out; what stands beside what is known from then on
     for axis, ofAxis in zip(axes, labels, strict=True):
         _write(axis, ofAxis)
-    figure.savefig(path, dpi=150)
-    return True
+    writeFigure(figure, output)
 
 
 def _isDrawn(contestant):

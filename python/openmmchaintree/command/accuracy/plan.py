@@ -41,7 +41,7 @@ def planAccuracy(options, program):
     def report(entries, course, failures, interrupted):
         return makeReport(entries, course, skipped, failures, interrupted)
 
-    return Study(rows, TURNS, report, _savePicture, _hasFailed)
+    return Study(rows, TURNS, report, _hasPicture, _savePicture, _hasFailed)
 
 
 def _namesOf(program, measure):
@@ -52,8 +52,12 @@ def _hasFailed(summary):
     return any(goal["reached"] is False for goal in summary["goals"])
 
 
-def _savePicture(path, summary):
+def _hasPicture(summary):
+    return any(entry["group"] in (DRIFT, TOUCH) for entry in summary["entries"])
+
+
+def _savePicture(output, summary):
     # Matplotlib takes long to import.
     from .picture import savePicture
 
-    return savePicture(path, summary)
+    savePicture(output, summary)

@@ -1,16 +1,10 @@
 """The paper's figures 7 and 8 and its table 1, drawn anew."""
 
-import logging
-
-from matplotlib.backends.backend_agg import FigureCanvasAgg
-from matplotlib.figure import Figure
 from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter, NullLocator
 
+from ..figures import makeFigure, writeFigure
 from .races import FULL_GRID, LAZY_GRID, OURS
 from .tables import NAMES, PAPER_TESTS, groupBy, nameInPaper, proteinOf, sizeOf
-
-# Its word on building a font cache, on a first run, is not for those who run a command.
-logging.getLogger("matplotlib").setLevel(logging.ERROR)
 
 # Those who are drawn, with colours that people tell apart who see few.
 _STYLES = {
@@ -25,14 +19,13 @@ _STYLES = {
 _PAPER_STYLES = {"ChainTree": "published", "K-OBBTree": "kobbtree"}
 
 
-def savePicture(path, title, entries):
-    """Save the picture of entries, in the format that the file's name tells."""
+def savePicture(output, title, entries):
+    """Write the picture of entries to an Output."""
     entries = [entry for entry in entries if entry["group"] == "figures" and entry["contestant"] in _STYLES]
     chains = [entry for entry in entries if entry["chain"] == "random compact"]
     proteins = sorted((entry for entry in entries if entry["chain"] != "random compact"), key=sizeOf)
     columns = [(ofOne, keyOf) for ofOne, keyOf in ((chains, sizeOf), (proteins, proteinOf)) if ofOne]
-    figure = Figure(figsize=(2 + 4.5 * len(columns), 8.5), layout="constrained")
-    FigureCanvasAgg(figure)
+    figure = makeFigure(2 + 4.5 * len(columns), 8.5)
     figure.suptitle(title)
     axes = figure.subplots(2, len(columns), squeeze=False)
     for (upper, lower), (ofColumn, keyOf) in zip(axes.T, columns, strict=True):
@@ -47,7 +40,7 @@ def savePicture(path, title, entries):
     figure.legend(
         handles.values(), handles.keys(), loc="outside lower center", ncols=5, fontsize="small", frameon=False
     )
-    figure.savefig(path, dpi=150)
+    writeFigure(figure, output)
 
 
 def _drawTimes(axis, races, title):

@@ -2,7 +2,6 @@
 
 import csv
 import io
-from pathlib import Path
 from typing import Any, NamedTuple
 
 from .machine import describeMachine
@@ -33,14 +32,14 @@ class Report(NamedTuple):
 
     def print(self, files, console):
         """Print it on a rich Console, and the names of files with more."""
-        console.print(self.heading, markup=False)
+        console.print(self.heading)
         for table in self.tables:
             table.print(console)
         console.print()
         for line in (*self.conclusions, *_describeRest(self.summary)):
-            console.print(line, markup=False)
+            console.print(line)
         if files:
-            console.print(f"wrote {', '.join(map(str, files))}", markup=False)
+            console.print(f"wrote {', '.join(map(str, files))}")
 
 
 def makeReport(summary):
@@ -78,14 +77,14 @@ def summarize(entries, course, proteins, skipped, failures, interrupted):
     }
 
 
-def writeCSV(path, entries):
-    """Write a heading, and a line for every entry."""
+def asCSV(entries):
+    """Return CSV: a heading, and a line for every entry."""
     text = io.StringIO()
     columns = dict.fromkeys(key for entry in entries for key in _flatten(entry))
     lines = csv.DictWriter(text, list(columns), lineterminator="\n")
     lines.writeheader()
     lines.writerows(map(_flatten, entries))
-    Path(path).write_text(text.getvalue(), encoding="utf-8")
+    return text.getvalue()
 
 
 def _flatten(entry):

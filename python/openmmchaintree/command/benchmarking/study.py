@@ -1,9 +1,9 @@
 """What a benchmark is about, for the command that runs it."""
 
 from collections.abc import Callable
-from pathlib import Path
 from typing import Any, NamedTuple
 
+from ..outputfiles import Output
 from .report import Report
 
 
@@ -13,12 +13,14 @@ class Study(NamedTuple):
     rows : list, each with a method run(course) that returns entries
     trials : int, for a Course, if the user names no number
     makeReport : function of entries, course, failures and whether the run was interrupted
-    savePicture : function of a path and a summary; False if there is nothing to draw
+    hasPicture : function of a summary: whether there is anything to draw
+    savePicture : function of an Output and a summary
     hasFailed : function of a summary: whether it shows that the engine is wrong
     """
 
     rows: list[Any]
     trials: int
     makeReport: Callable[..., Report]
-    savePicture: Callable[[Path, dict], bool]
+    hasPicture: Callable[[dict], bool]
+    savePicture: Callable[[Output, dict], None]
     hasFailed: Callable[[dict], bool] = lambda summary: False

@@ -70,15 +70,15 @@ class Table(NamedTuple):
         """Print it on a rich Console, in lines as long as they are."""
         lines = [self.columns, *self.rows]
         widths = [max(map(len, column)) for column in zip(*lines, strict=True)]
-        console.print(f"\n{self.heading}:", markup=False)
+        console.print(f"\n{self.heading}:")
         for line in lines:
             cells = zip(line, widths, strict=True)
             padded = [
                 cell.ljust(width) if n < self.words else cell.rjust(width) for n, (cell, width) in enumerate(cells)
             ]
-            console.print("  ".join(padded).rstrip(), markup=False, style="bold" if line is self.columns else None)
+            console.print("  ".join(padded).rstrip(), style="bold" if line is self.columns else None)
         for note in self.notes:
-            console.print(note, markup=False)
+            console.print(note)
 
     def markdown(self):
         """Return it as Markdown."""

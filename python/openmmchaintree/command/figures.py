@@ -1,0 +1,55 @@
+"""What all pictures share: how they begin, name what they show, count, and become a file."""
+
+import io
+import logging
+import warnings
+from pathlib import Path
+
+import numpy as np
+from matplotlib.backends.backend_agg import FigureCanvasAgg
+from matplotlib.colors import LogNorm
+from matplotlib.figure import Figure
+
+# Its word on building a font cache, on a first run, is not for those who run a command.
+logging.getLogger("matplotlib").setLevel(logging.ERROR)
+
+_WIDEST_TITLE = 0.96  # of the figure's width
+_COUNTS = np.outer(10 ** np.arange(15), (1, 2, 5)).ravel()
+
+
+def makeFigure(width, height):
+    """Return an empty Figure, inches wide and high, that finds room for all labels."""
+    figure = Figure(figsize=(width, height), layout="constrained")
+    FigureCanvasAgg(figure)
+    return figure
+
+
+def setTitle(figure, name, words):
+    """Put a file's name and some words above a Figure; of a name that is too long the middle is left out."""
+    title = figure.suptitle(f"{name}{words}", parse_math=False)
+    widest = _WIDEST_TITLE * figure.bbox.width
+    kept = len(name)
+    while title.get_window_extent().width > widest and kept > 2:
+        kept -= max(1, kept // 20)
+        title.set_text(f"{name[: kept - kept // 2]}…{name[len(name) - kept // 2 :]}{words}")
+
+
+def countNorm(counts):
+    """Return the logarithmic scale of colours for whole numbers up to the largest of some."""
+    return LogNorm(1, max(2, np.max(counts)))
+
+
+def addCountBar(image, axis, label):
+    """Add a bar of colours on the scale of `countNorm`, with whole numbers beside it."""
+    ticks = _COUNTS[_COUNTS <= image.norm.vmax]
+    bar = axis.figure.colorbar(image, ax=axis, label=label, shrink=0.85, ticks=ticks, format="{x:,.0f}")
+    bar.minorticks_off()
+
+
+def writeFigure(figure, output):
+    """Write a Figure to an Output, in the format that its name tells."""
+    content = io.BytesIO()
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")  # that a name has letters that the font lacks
+        figure.savefig(content, dpi=150, format=Path(output.name).suffix.lower()[1:])
+    output.write(content.getvalue())
