@@ -1,0 +1,329 @@
+"""No output is lost, and none is half-written: what the command does with files that it cannot or must not write."""
+
+import csv
+import io
+import json
+import os
+import resource
+import stat
+import subprocess
+import threading
+from contextlib import contextmanager
+
+import commands
+import numpy as np
+import pytest
+from commands import assertRefused, filesIn
+from openmm import app
+from openmmchaintree.command import outputfiles
+from openmmchaintree.command.outputfiles import Output, OutputError
+from openmmchaintree.command.trajectoryfile import TrajectoryFile
+from scenes import GLYCINES, readDCD, writePDB
+
+FULL = "/dev/full"  # a disk that is full, to every write
+NO_SPACE = "No space left on device"
+
+STRUCTURE = "run.pdb"
+
+needsFullDevice = pytest.mark.skipif(not os.path.exists(FULL), reason=f"there is no {FULL}")
+
+
+def runWithLargestFile(size, *arguments, folder):
+    """Run the command where no file may be larger than so many bytes, as on a disk that fills."""
+    return subprocess.run(
+        [*commands.COMMAND, *map(str, arguments)],
+        cwd=folder,
+        capture_output=True,
+        text=True,
+        timeout=300,
+        preexec_fn=lambda: resource.setrlimit(resource.RLIMIT_FSIZE, (size, size)),
+    )
+
+
+@contextmanager
+def largestFile(size):
+    """No file of this process may be larger than so many bytes."""
+    limits = resource.getrlimit(resource.RLIMIT_FSIZE)
+    resource.setrlimit(resource.RLIMIT_FSIZE, (size, limits[1]))
+    try:
+        yield
+    finally:
+        resource.setrlimit(resource.RLIMIT_FSIZE, limits)
+
+
+@pytest.fixture
+def runHere(runCommandHere, tmp_path):
+    """A function that runs the command within this process on two glycines, in tmp_path."""
+    writePDB(tmp_path / STRUCTURE, GLYCINES)
+    return lambda command, *arguments: runCommandHere(command, STRUCTURE, *arguments)
+
+
+def oneLine(text):
+    assert len(text.splitlines()) == 1, text
+    return text.strip()
+
+
+# ---- Files that are there ----
+
+
+def test_sampleOverwritesNothing(runHere, tmp_path):
+    arguments = ["sample", "--trials", 10, "--frames", 2, "--json", "a.json"]
+    files = ["a.json", "run-topology.pdb", "run.dcd", "run.png"]
+    for name in files:
+        (tmp_path / name).write_text("mine")
+        result = runHere(*arguments)
+        assertRefused(result, tmp_path, sorted([name, STRUCTURE]), f"{name}: exists; --overwrite replaces it")
+        assert (tmp_path / name).read_text() == "mine"
+        (tmp_path / name).unlink()
+    for name in files:
+        (tmp_path / name).write_text("mine")
+    result = runHere(*arguments)
+    assert result.returncode == 2
+    assert "run.dcd, run-topology.pdb, run.png, a.json: exist; --overwrite replaces them" in oneLine(result.stderr)
+    result = runHere(*arguments, "--overwrite")
+    assert result.returncode == 0 and result.stderr == ""
+    assert filesIn(tmp_path) == sorted([*files, STRUCTURE])
+    assert all(b"mine" not in (tmp_path / name).read_bytes() for name in files)
+    assert len(readDCD(tmp_path / "run.dcd")) == 3
+
+
+def test_clashesOverwritesNothing(runHere, tmp_path):
+    arguments = ["clashes", "--json", "a.json", "--csv", "a.csv", "--picture", "a.png"]
+    files = ["a.csv", "a.json", "a.png"]
+    for name in files:
+        (tmp_path / name).write_text("mine")
+        result = runHere(*arguments)
+        assertRefused(result, tmp_path, sorted([name, STRUCTURE]), f"{name}: exists; --overwrite replaces it")
+        assert (tmp_path / name).read_text() == "mine"
+        if name != files[-1]:
+            (tmp_path / name).unlink()
+    assert runHere(*arguments, "--overwrite").returncode == 0
+    assert filesIn(tmp_path) == sorted([*files, STRUCTURE]) and b"mine" not in (tmp_path / "a.png").read_bytes()
+
+
+def test_inputsAreNotReplacedEither(runHere, tmp_path):
+    before = (tmp_path / STRUCTURE).read_bytes()
+    (tmp_path / "link.json").symlink_to(STRUCTURE)
+    os.link(tmp_path / STRUCTURE, tmp_path / "hard.json")
+    for name in ("link.json", "hard.json", STRUCTURE):
+        result = runHere("sample", "--json", name, "--overwrite")
+        assert result.returncode == 2 and f"{name}: would overwrite a file that is read" in oneLine(result.stderr)
+    assert (tmp_path / STRUCTURE).read_bytes() == before
+
+
+def test_whatComesIntoBeingMeanwhileStays(tmp_path):
+    output = Output(str(tmp_path / "a.json"))
+    output.check()
+    assert filesIn(tmp_path) == []
+    (tmp_path / "a.json").write_text("mine")
+    for write in (lambda: output.write("ours"), output.open):
+        with pytest.raises(OutputError, match=r"a\.json: exists by now, and was not overwritten"):
+            write()
+    assert (tmp_path / "a.json").read_text() == "mine" and filesIn(tmp_path) == ["a.json"]
+
+
+def test_linksAndRightsAreKept(tmp_path):
+    (tmp_path / "a.json").write_text("old")
+    (tmp_path / "a.json").chmod(0o640)
+    (tmp_path / "link.json").symlink_to("a.json")
+    (tmp_path / "new.json").symlink_to("b.json")
+    for name in ("link.json", "new.json"):
+        Output(str(tmp_path / name), overwrite=True).write("new")
+    assert (tmp_path / "link.json").is_symlink() and (tmp_path / "new.json").is_symlink()
+    assert (tmp_path / "a.json").read_text() == (tmp_path / "b.json").read_text() == "new"
+    assert stat.S_IMODE((tmp_path / "a.json").stat().st_mode) == 0o640
+
+
+def test_aPipeIsWrittenTo(tmp_path):
+    os.mkfifo(tmp_path / "pipe")
+    read = []
+    reader = threading.Thread(target=lambda: read.append((tmp_path / "pipe").read_text()))
+    reader.start()
+    output = Output(str(tmp_path / "pipe"))
+    output.check()
+    output.write("content")
+    reader.join()
+    assert read == ["content"] and stat.S_ISFIFO((tmp_path / "pipe").stat().st_mode)
+
+
+# ---- Standard output ----
+
+
+def test_jsonOnStandardOutput(runHere, tmp_path):
+    result = runHere("sample", "--trials", 10, "--json", "-")
+    assert result.returncode == 0
+    assert json.loads(result.stdout)["atoms"] == 8
+    assert "wrote run-topology.pdb, run.dcd, run.png; 11 frames" in result.stderr
+    assert filesIn(tmp_path) == ["run-topology.pdb", "run.dcd", STRUCTURE, "run.png"]
+    result = runHere("clashes", "--json", "-")
+    assert result.returncode == 0
+    assert json.loads(result.stdout)["atoms"] == 8
+    assert "0 clashes" in result.stderr and "wrote" not in result.stderr
+
+
+def test_csvOnStandardOutput(runHere, tmp_path):
+    result = runHere("clashes", "--csv", "-", "--json", "a.json")
+    assert csv.DictReader(io.StringIO(result.stdout)).fieldnames[0] == "frame"
+    assert "0 clashes" in result.stderr and "wrote a.json" in result.stderr
+    assert filesIn(tmp_path) == ["a.json", STRUCTURE]
+
+
+def test_onlyOneOnStandardOutput(runHere, tmp_path):
+    result = runHere("clashes", "--csv", "-", "--json", "-")
+    assertRefused(result, tmp_path, [STRUCTURE], "standard output (-): is named for two outputs")
+
+
+def test_aFileNamedLikeStandardOutput(runHere, tmp_path):
+    result = runHere("clashes", "--json", "./-")
+    assert result.returncode == 0 and "0 clashes" in result.stdout
+    assert filesIn(tmp_path) == ["-", STRUCTURE]
+
+
+@needsFullDevice
+@pytest.mark.parametrize("options", [[], ["--json", "-"]])
+def test_standardOutputIsFull(tmp_path, options):
+    writePDB(tmp_path / STRUCTURE, GLYCINES)
+    command = [*commands.COMMAND, "clashes", STRUCTURE, *options]
+    with open(FULL, "w") as full:
+        result = subprocess.run(command, cwd=tmp_path, stdout=full, stderr=subprocess.PIPE, text=True)
+    assert result.returncode == 2
+    assert result.stderr.splitlines()[-1] == f"openmm-chaintree: standard output: {NO_SPACE}"
+    assert "Traceback" not in result.stderr and "Exception" not in result.stderr
+
+
+# ---- A disk that is full ----
+
+
+@needsFullDevice
+@pytest.mark.parametrize("name", ["run.dcd", "run-topology.pdb"])
+def test_noRoomForTheTrajectory(runHere, tmp_path, name):
+    (tmp_path / name).symlink_to(FULL)
+    result = runHere("sample", "--trials", 100)
+    message = f"openmm-chaintree: {name}: cannot be written ({NO_SPACE})\n"
+    assertRefused(result, tmp_path, sorted([name, STRUCTURE]), message)
+    assert (tmp_path / name).is_symlink()
+
+
+@needsFullDevice
+@pytest.mark.parametrize("name", ["run.png", "a.json"])
+def test_noRoomForOneFileOfARun(runHere, tmp_path, name):
+    """The others are written, and what was sampled is told."""
+    (tmp_path / name).symlink_to(FULL)
+    result = runHere("sample", "--trials", 100, "--frames", 3, "--json", "a.json")
+    assert result.returncode == 2
+    assert oneLine(result.stderr) == f"openmm-chaintree: {name}: cannot be written ({NO_SPACE})"
+    others = {"run-topology.pdb", "run.dcd", "run.png", "a.json"} - {name}
+    wrote = result.stdout.splitlines()[-1]
+    assert "attempted" in result.stdout and name not in wrote and all(other in wrote for other in others)
+    assert filesIn(tmp_path) == sorted([*others, name, STRUCTURE])
+    assert len(readDCD(tmp_path / "run.dcd")) == 4
+
+
+@needsFullDevice
+@pytest.mark.parametrize("name", ["a.json", "a.csv", "a.png"])
+def test_noRoomForOneFileOfASearch(runHere, tmp_path, name):
+    (tmp_path / name).symlink_to(FULL)
+    result = runHere("clashes", "--json", "a.json", "--csv", "a.csv", "--picture", "a.png")
+    assert result.returncode == 2
+    assert oneLine(result.stderr) == f"openmm-chaintree: {name}: cannot be written ({NO_SPACE})"
+    others = [other for other in ("a.csv", "a.json", "a.png") if other != name]
+    assert "0 clashes" in result.stdout and f"wrote {', '.join(sorted(others))}" in result.stdout
+    assert all((tmp_path / other).stat().st_size > 0 for other in others)
+
+
+def test_theDiskFillsWhileSampling(tmp_path):
+    """What was sampled so far is kept, and said to be partial."""
+    writePDB(tmp_path / STRUCTURE, GLYCINES)
+    result = runWithLargestFile(10000, "sample", STRUCTURE, "--trials", 2000, "--json", "a.json", folder=tmp_path)
+    assert result.returncode == 2
+    partial = "run.dcd: cannot be written (File too large); run.dcd is partial: it holds the first 81 of 201 frames"
+    assert oneLine(result.stderr) == f"openmm-chaintree: {partial}; run.png: cannot be written (File too large)"
+    assert filesIn(tmp_path) == ["a.json", "run-topology.pdb", "run.dcd", STRUCTURE]
+    assert "none beyond its limit" in result.stdout
+    frames = readDCD(tmp_path / "run.dcd")
+    summary = json.loads((tmp_path / "a.json").read_text())
+    assert len(frames) == 81 == summary["frames"] == len(summary["radiusOfGyration"])
+
+
+def test_noRoomForAnything(tmp_path):
+    writePDB(tmp_path / STRUCTURE, GLYCINES)
+    result = runWithLargestFile(100, "sample", STRUCTURE, folder=tmp_path)
+    assertRefused(result, tmp_path, [STRUCTURE], "run-topology.pdb: cannot be written (File too large)")
+    files = ["--json", "a.json", "--csv", "a.csv", "--picture", "a.png"]
+    result = runWithLargestFile(20, "clashes", STRUCTURE, *files, folder=tmp_path)
+    assert result.returncode == 2 and filesIn(tmp_path) == [STRUCTURE]
+    assert oneLine(result.stderr).count("cannot be written (File too large)") == 3
+    assert "0 clashes" in result.stdout and "wrote" not in result.stdout
+
+
+def test_noRoomForTheFirstFrame(tmp_path):
+    topology = app.PDBFile(str(writePDB(tmp_path / "glycines.pdb", GLYCINES))).topology
+    output = Output(str(tmp_path / "a.dcd"))
+    with largestFile(300), pytest.raises(OutputError, match=r"^[^;]*a\.dcd: cannot be written \(File too large\)$"):
+        TrajectoryFile(output, topology, np.zeros((8, 3)), 1, 2)
+    assert filesIn(tmp_path) == ["glycines.pdb"]
+
+
+def test_whatWasThereStaysIfThereIsNoRoom(tmp_path):
+    (tmp_path / "a.json").write_text("old")
+    with largestFile(20), pytest.raises(OutputError, match=r"a\.json: cannot be written \(File too large\)"):
+        Output(str(tmp_path / "a.json"), overwrite=True).write("new" * 100)
+    assert (tmp_path / "a.json").read_text() == "old" and filesIn(tmp_path) == ["a.json"]
+
+
+# ---- Ctrl-C ----
+
+
+@pytest.mark.parametrize("overwrite", [False, True])
+@pytest.mark.parametrize("moment", ["write_bytes", "replace"])
+def test_interruptWhileAFileIsWritten(tmp_path, monkeypatch, overwrite, moment):
+    if overwrite:
+        (tmp_path / "a.json").write_text("old")
+
+    def interrupted(path, *arguments):
+        if moment == "write_bytes":
+            path.write_text("half")
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(outputfiles.Path, moment, interrupted)
+    with pytest.raises(KeyboardInterrupt):
+        Output(str(tmp_path / "a.json"), overwrite).write("new")
+    assert filesIn(tmp_path) == (["a.json"] if overwrite else [])
+    assert not overwrite or (tmp_path / "a.json").read_text() == "old"
+
+
+class _InterruptedFile(io.FileIO):
+    """Writes so many bytes, and is interrupted then."""
+
+    bytesLeft = 0
+
+    def write(self, data):
+        if self.bytesLeft < len(data):
+            super().write(data[: self.bytesLeft])
+            raise KeyboardInterrupt
+        self.bytesLeft -= len(data)
+        return super().write(data)
+
+
+@pytest.mark.parametrize("bytesLeft", [0, 100, 276, 300, 700, 850])
+def test_interruptWithinAFrame(tmp_path, monkeypatch, bytesLeft):
+    topology = app.PDBFile(str(writePDB(tmp_path / "glycines.pdb", GLYCINES))).topology
+    monkeypatch.setattr(_InterruptedFile, "bytesLeft", bytesLeft)
+    monkeypatch.setattr(outputfiles.io, "FileIO", _InterruptedFile)
+    positions = np.random.default_rng(1).random((5, 8, 3))
+    with pytest.raises(KeyboardInterrupt):
+        with TrajectoryFile(Output(str(tmp_path / "a.dcd")), topology, positions[0], 1, 10) as trajectory:
+            for frame in positions[1:]:
+                trajectory.write(frame)
+    count = max(0, (bytesLeft - 276) // 120)
+    assert filesIn(tmp_path) == (["a.dcd"] if count > 0 else []) + ["glycines.pdb"]
+    if count > 0:
+        assert readDCD(tmp_path / "a.dcd") == pytest.approx(positions[:count], abs=1e-6)
+
+
+def test_moreTrialsThanADCDFileCanCount(tmp_path):
+    topology = app.PDBFile(str(writePDB(tmp_path / "glycines.pdb", GLYCINES))).topology
+    interval = 10**12
+    with TrajectoryFile(Output(str(tmp_path / "a.dcd")), topology, np.zeros((8, 3)), interval, 2) as trajectory:
+        trajectory.write(np.ones((8, 3)))
+    assert len(readDCD(tmp_path / "a.dcd")) == 2 and trajectory.interval == interval
