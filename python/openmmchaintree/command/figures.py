@@ -14,6 +14,7 @@ from matplotlib.figure import Figure
 logging.getLogger("matplotlib").setLevel(logging.ERROR)
 
 _WIDEST_TITLE = 0.96  # of the figure's width
+_LEGEND_COLUMNS = 5
 _COUNTS = np.outer(10 ** np.arange(15), (1, 2, 5)).ravel()
 
 
@@ -32,6 +33,22 @@ def setTitle(figure, name, words):
     while title.get_window_extent().width > widest and kept > 2:
         kept -= max(1, kept // 20)
         title.set_text(f"{name[: kept - kept // 2]}…{name[len(name) - kept // 2 :]}{words}")
+
+
+def addLegendBelow(axis):
+    """Name the lines of an axis below its Figure, where that covers nothing, in as many columns as fit."""
+    figure = axis.figure
+    for columns in range(_LEGEND_COLUMNS, 0, -1):
+        legend = figure.legend(
+            *axis.get_legend_handles_labels(),
+            loc="outside lower center",
+            ncols=columns,
+            fontsize="small",
+            frameon=False,
+        )
+        if columns == 1 or legend.get_window_extent().width <= figure.bbox.width:
+            return
+        legend.remove()
 
 
 def countNorm(counts):

@@ -5,7 +5,7 @@ Torsions are shown as Ramachandran plots; where no residue has both φ and ψ, b
 
 import numpy as np
 
-from .figures import addCountBar, countNorm, makeFigure, setTitle, writeFigure
+from .figures import addCountBar, addLegendBelow, countNorm, makeFigure, setTitle, writeFigure
 
 _BIN = 10  # degrees
 _EDGES = np.arange(-180, 181, _BIN)
@@ -105,9 +105,7 @@ def _drawAcceptance(axis, frames, moveNames):
         drawn = attempted > 0
         axis.plot(middles[drawn], 100 * accepted[drawn] / attempted[drawn], marker=marker, label=name)
     axis.set(title="Acceptance", xlabel="trials", ylabel="% of the move's trials", xlim=(0, trials[-1]), ylim=(0, 101))
-    # Below the lines, where it covers none, however many moves there are.
-    handles = axis.get_legend_handles_labels()
-    axis.figure.legend(*handles, loc="outside lower center", ncols=5, fontsize="small", frameon=False)
+    addLegendBelow(axis)
     _groupThousands(axis)
 
 

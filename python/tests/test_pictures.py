@@ -1,0 +1,132 @@
+"""Pictures of the command: none has an empty plot, counts are whole numbers, and all words are inside."""
+
+import numpy as np
+import pytest
+from openmm import app, unit
+from openmmchaintree.clashes import ClashSearch
+from openmmchaintree.command import clashpicture, samplepicture
+from openmmchaintree.command.outputfiles import Output
+from openmmchaintree.command.sampling import Frame
+from scenes import writeDCD
+
+LONG_NAME = "W$_" * 80
+MOVES = [f"{name} ±{angle}°" for name in ("φ/ψ", "χ", "sugar and phosphate") for angle in (5, 30, 180)]
+NUCLEIC = ["alpha", "beta", "gamma", "epsilon", "zeta", "chi"]
+
+
+@pytest.fixture
+def draw(tmp_path, monkeypatch):
+    """A function that has a module save a picture, and returns its Figure."""
+
+    def draw(module, *arguments):
+        figures = []
+        monkeypatch.setattr(module, "writeFigure", lambda figure, output: figures.append(figure))
+        module.savePicture(Output(str(tmp_path / "a.png")), *arguments)
+        return figures[0]
+
+    return draw
+
+
+def assertSound(figure):
+    """No plot without anything in it, no word that is cut off, no fraction on a scale of counts."""
+    figure.canvas.draw()
+    words, inside = figure.get_tightbbox(), figure.bbox_inches
+    assert inside.x0 <= words.x0 and words.x1 <= inside.x1, words
+    assert inside.y0 <= words.y0 and words.y1 <= inside.y1, words
+    for axis in figure.axes:
+        assert [*axis.lines, *axis.collections, *axis.images, *axis.patches]
+        for scale, label in ((axis.xaxis, axis.get_xlabel()), (axis.yaxis, axis.get_ylabel())):
+            if label in ("clashes", "residues in 10° × 10°", "torsions in 10°"):
+                low, high = scale.get_view_interval()
+                ticks = [tick for tick in scale.get_majorticklocs() if low <= tick <= high]
+                assert ticks and all(tick == round(tick) for tick in ticks), (label, ticks)
+
+
+def makeFrames(count, residues, torsions):
+    random = np.random.default_rng(1)
+
+    def angles(*shape):
+        return random.uniform(-np.pi, np.pi, shape)
+
+    return [
+        Frame(
+            100 * number, angles(residues, 2), angles(torsions), random.random(), number * np.full((len(MOVES), 4), 9)
+        )
+        for number in range(count)
+    ]
+
+
+# ---- Sampling ----
+
+
+@pytest.mark.parametrize(("count", "residues"), [(2, 1), (30, 500)])
+def test_ramachandran(draw, count, residues):
+    figure = draw(samplepicture, "villin", makeFrames(count, residues, 0), [], MOVES)
+    assertSound(figure)
+    start, sampled = figure.axes[:2]
+    assert start.get_title() == f"Start: {residues} residue{'s' if residues > 1 else ''}"
+    assert (start.get_xlabel(), sampled.get_xlabel()) == ("φ (°)", "φ (°)")
+    assert len(start.collections[0].get_offsets()) == residues
+
+
+@pytest.mark.parametrize(("kinds", "letters"), [(["psi", "phi"], "φψ"), (3 * NUCLEIC, "αβγεζχ"), (["chi1"], ["χ1"])])
+def test_torsionsByKindWhereNoResidueHasBoth(draw, kinds, letters):
+    figure = draw(samplepicture, "1bna", makeFrames(5, 0, len(kinds)), kinds, MOVES)
+    assertSound(figure)
+    start, sampled = figure.axes[:2]
+    for axis in (start, sampled):
+        assert [label.get_text() for label in axis.get_xticklabels()] == list(letters)
+    assert len(start.collections[0].get_offsets()) == len(kinds)
+    assert sampled.collections[0].get_array().sum() == 4 * len(kinds)
+
+
+def test_longNames(draw):
+    figure = draw(samplepicture, LONG_NAME, makeFrames(3, 5, 0), [], [f"{move} {'long' * 5}" for move in MOVES])
+    assertSound(figure)
+    title = figure.get_suptitle()
+    assert title.startswith("W$_") and "…" in title and title.endswith(", 200 trials")
+
+
+# ---- Clashes ----
+
+
+def search(tmp_path, villin, frames, name="run"):
+    with open(tmp_path / f"{name}.pdb", "w") as file:
+        app.PDBFile.writeFile(villin.topology, villin.positions * unit.nanometer, file)
+    return ClashSearch(tmp_path / f"{name}.pdb", writeDCD(tmp_path / name, villin.topology, frames))
+
+
+@pytest.mark.parametrize("scales", [(1,), (3,), (1, 3, 1), (3, 3), (1, 0.5, 0.97)])
+def test_clashes(draw, tmp_path, villin, scales):
+    """Of one frame or several, with none, one or thousands of clashes."""
+    found = search(tmp_path, villin, [scale * villin.positions for scale in scales])
+    assertSound(draw(clashpicture, found, list(found)))
+
+
+def test_longNamesOfClashes(draw, tmp_path, villin, monkeypatch):
+    found = search(tmp_path, villin, [villin.positions, villin.positions], "W" * 200)
+    finder = found.finder
+    finder.names = [
+        name._replace(chain=f"Chain-{number // 200}", residue=f"{name.residue} and more")
+        for number, name in enumerate(finder.names)
+    ]
+    frames = list(found)
+    for shown in (frames, frames[:1]):
+        figure = draw(clashpicture, found, shown)
+        assertSound(figure)
+        assert "…" in figure.get_suptitle() and "1.7 clashes per 1,000 atoms" in figure.get_suptitle()
+
+
+def test_manyChains(draw, tmp_path, villin):
+    """Their names do not run into each other."""
+    found = search(tmp_path, villin, [0.9 * villin.positions])
+    found.finder.names = [
+        name._replace(chain=f"{number // 12:03}", residue=f"GLY {number}")
+        for number, name in enumerate(found.finder.names)
+    ]
+    figure = draw(clashpicture, found, list(found))
+    assertSound(figure)
+    boxes = [label.get_window_extent() for label in figure.axes[0].get_xticklabels() if label.get_text()]
+    assert len(boxes) > 3
+    boxes.sort(key=lambda box: box.x0)
+    assert all(first.x1 < second.x0 for first, second in zip(boxes, boxes[1:], strict=False))
