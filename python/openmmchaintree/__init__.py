@@ -13,7 +13,7 @@ from .loading import loadPlugin
 loadPlugin()
 registerParser()
 
-from ._build import VERSION as __version__  # noqa: E402
+from . import _build  # noqa: E402
 from .clashes import Clash, FrameClashes, findClashes  # noqa: E402
 from .errors import InputError  # noqa: E402
 from .naming import AtomName  # noqa: E402
@@ -28,6 +28,8 @@ from .reporter import ClashError, ClashReporter  # noqa: E402
 from .selection import selectAtoms  # noqa: E402
 from .sterics import createStericExclusionForce  # noqa: E402
 from .torsions import LeftOutTorsion, Torsion, TorsionSearch, findTorsions  # noqa: E402
+
+__version__: str = _build.VERSION
 
 __all__ = [
     "AtomName",
@@ -44,7 +46,6 @@ __all__ = [
     "TorsionMonteCarloIntegrator",
     "TorsionSearch",
     "TraversalStatistics",
-    "__version__",
     "createStericExclusionForce",
     "findClashes",
     "findTorsions",

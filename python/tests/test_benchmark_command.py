@@ -263,7 +263,7 @@ def test_aWrongVerdictIsReported(runHere, tmp_path, monkeypatch):
     assert "OpenMM CPU differs in " in result.stdout
 
     monkeypatch.setattr(rivals.OpenMMForce, "isExact", True)
-    result = runHere(*arguments)
+    result = runHere(*arguments, "--overwrite")
     assert result.returncode == 1
     assert "FAILED: python: villin all atoms, uniform: OpenMM CPU calls trial " in result.stdout
     assert "free of clashes, lazygrid does not" in result.stdout
@@ -333,6 +333,8 @@ def test_aProgramThatDoesNotRun(runHere, tmp_path, monkeypatch):
         (["--picture", "a.doc"], "a.doc: a picture's name ends in .png, .pdf, .svg"),
         (["--picture", "a.png", "--rows", "chains"], "--picture shows the rows of figures, which --rows leaves out"),
         (["--json", "a", "--markdown", "a"], "a: is named for two outputs"),
+        (["--json", "-", "--markdown", "-"], "standard output (-): is named for two outputs"),
+        (["--json", ""], "the name of the json file is empty"),
         (["--csv", "missing/a.csv"], "there is no folder missing"),
         (["water.pdb", "--json", "water.pdb"], "water.pdb: would overwrite a file that is read"),
     ],
@@ -342,3 +344,15 @@ def test_badArguments(runHere, tmp_path, arguments, words):
     writePDB(tmp_path / "water.pdb", [line.replace("GLY", "LIG").replace("ATOM  ", "HETATM") for line in GLYCINES])
     assertRefused(runHere(*arguments), tmp_path, ["water.pdb"], words)
     assert filesIn(tmp_path) == ["water.pdb"]
+
+
+def test_noFileIsOverwritten(runHere, tmp_path):
+    (tmp_path / "a.md").write_text("mine")
+    assertRefused(runHere("--quick", "--markdown", "a.md"), tmp_path, ["a.md"], "a.md: exists; --overwrite replaces it")
+    assert (tmp_path / "a.md").read_text() == "mine"
+
+
+def test_jsonOnStandardOutput(runHere, tmp_path):
+    result = runHere("--quick", "--trials", 50, "--rows", "sidechains", "--json", "-")
+    assert result.returncode == 0 and filesIn(tmp_path) == []
+    assert json.loads(result.stdout)["entries"] and GROUPS["sidechains"] in result.stderr
