@@ -7,6 +7,9 @@ from typing import NamedTuple
 
 import numpy as np
 
+# Up to so many particles, all pairs take less time than importing SciPy.
+_FEW = 1000
+
 # The engine may decide either way within this distance (nm) of a limit.
 SIGMA = 1e-9
 
@@ -46,6 +49,8 @@ class HardSpheres:
         ValueError
             if a coordinate is not a finite number
         """
+        if not np.isfinite(positions).all():
+            raise ValueError("a coordinate is not a finite number")
         pairs = self._nearPairs(positions)
         overlaps = self._overlaps(positions, pairs)
         tolerances = self._tolerances(pairs)
@@ -57,15 +62,15 @@ class HardSpheres:
 
     def _nearPairs(self, positions):
         """Return the pairs that may overlap, the lower index first: all that are nearer than the largest spheres."""
-        from scipy.spatial import cKDTree  # which takes longer to import than most tests of this package
-
         modelled = np.flatnonzero(self._radii > 0)
-        reach = 2 * self._radii.max(initial=0) - self._tolerance
+        if len(modelled) <= _FEW:
+            return modelled[np.stack(np.triu_indices(len(modelled), 1), axis=1)]
+        from scipy.spatial import cKDTree
+
+        reach = 2 * self._radii.max() - self._tolerance
         # The tree rounds distances in its own way.
-        reach += 1e-9 * (reach + np.abs(positions).max(initial=0))
-        if len(modelled) < 2 or reach < 0:
-            return np.empty((0, 2), dtype=int)
-        return modelled[cKDTree(positions[modelled]).query_pairs(reach, output_type="ndarray")]
+        reach += 1e-9 * (abs(reach) + np.abs(positions).max())
+        return modelled[cKDTree(positions[modelled]).query_pairs(max(reach, 0), output_type="ndarray")]
 
     def _overlaps(self, positions, pairs):
         first, second = pairs.T
