@@ -6,14 +6,7 @@ import numpy as np
 import pytest
 from openmm import unit
 from openmmchaintree import StericExclusionForce, createStericExclusionForce
-from openmmchaintree.command import allpairs
 from openmmchaintree.command.allpairs import HardSpheres, compare
-
-
-@pytest.fixture(params=["tree", "few"])
-def way(request, monkeypatch):
-    """Each way of finding pairs, however many particles there are."""
-    monkeypatch.setattr(allpairs, "_FEW", 0 if request.param == "tree" else 10**6)
 
 
 def overlapsOfEveryPair(force, positions):
@@ -62,13 +55,13 @@ def line(*x):
     return np.array([[value, 0.0, 0.0] for value in x])
 
 
-def test_overlapBeyondTolerance(way):
+def test_overlapBeyondTolerance():
     found = spheres(0.1, 0.1, 0.1).overlaps(line(0, 0.159, 0.32))
     assert found.pairs.tolist() == [[0, 1]]
     assert found.overlaps == pytest.approx([0.041]) and found.tolerances == pytest.approx([0.04])
 
 
-def test_hydrogenBondAllowance(way):
+def test_hydrogenBondAllowance():
     donor, acceptor = StericExclusionForce.Donor, StericExclusionForce.Acceptor
     positions = line(0, 0.11)
     assert len(spheres(0.1, 0.1, roles=[donor, acceptor]).overlaps(positions).pairs) == 0
@@ -77,14 +70,14 @@ def test_hydrogenBondAllowance(way):
     assert len(spheres(0.1, 0.1, roles=[donor, acceptor]).overlaps(line(0, 0.099)).pairs) == 1
 
 
-def test_exclusionsAndRadiusZero(way):
+def test_exclusionsAndRadiusZero():
     assert len(spheres(0.1, 0.1, exclusions=[(1, 0)]).overlaps(line(0, 0)).pairs) == 0
     assert len(spheres(0.1, 0.0).overlaps(line(0, 0)).pairs) == 0
 
 
 @pytest.mark.parametrize("tolerance", [0.0, 0.04, 0.5])
 @pytest.mark.parametrize("offset", [0.0, 1e4, -1e7])
-def test_sameAsEveryPair(way, tolerance, offset):
+def test_sameAsEveryPair(tolerance, offset):
     """Radii, roles and exclusions at random, particles in one place, one that is far larger than the others."""
     random = np.random.default_rng(3)
     force = StericExclusionForce()
@@ -100,7 +93,7 @@ def test_sameAsEveryPair(way, tolerance, offset):
     assert 20 < count < len(near)
 
 
-def test_touchingSpheres(way):
+def test_touchingSpheres():
     """The tree must not lose pairs to the rounding of its distances."""
     random = np.random.default_rng(5)
     directions = random.normal(size=(500, 3))
@@ -123,7 +116,7 @@ def test_structureSameAsEveryPair(villin, realStructure, name):
 
 
 @pytest.mark.parametrize("count", [0, 1, 2])
-def test_fewParticles(way, count):
+def test_fewParticles(count):
     assert HardSpheres(StericExclusionForce()).overlaps(np.zeros((0, 3))).pairs.shape == (0, 2)
     assert spheres(*[0.1] * count).overlaps(np.zeros((count, 3))).pairs.tolist() == [[0, 1]][: count // 2]
     assert spheres(*[0.0] * count).overlaps(np.zeros((count, 3))).pairs.shape == (0, 2)
@@ -143,7 +136,7 @@ def test_memoryIsInProportion():
     assert peak < 2000 * count
 
 
-def test_notANumber(way):
+def test_notANumber():
     with pytest.raises(ValueError, match="finite"):
         spheres(0.1, 0.1).overlaps(line(0, float("nan")))
 

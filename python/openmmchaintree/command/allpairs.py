@@ -7,8 +7,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-# Up to so many particles, all pairs take less time than importing SciPy.
-_FEW = 1000
+from ..covalent import nearPairs
 
 # The engine may decide either way within this distance (nm) of a limit.
 SIGMA = 1e-9
@@ -49,8 +48,6 @@ class HardSpheres:
         ValueError
             if a coordinate is not a finite number
         """
-        if not np.isfinite(positions).all():
-            raise ValueError("a coordinate is not a finite number")
         pairs = self._nearPairs(positions)
         overlaps = self._overlaps(positions, pairs)
         tolerances = self._tolerances(pairs)
@@ -63,14 +60,10 @@ class HardSpheres:
     def _nearPairs(self, positions):
         """Return the pairs that may overlap, the lower index first: all that are nearer than the largest spheres."""
         modelled = np.flatnonzero(self._radii > 0)
-        if len(modelled) <= _FEW:
-            return modelled[np.stack(np.triu_indices(len(modelled), 1), axis=1)]
-        from scipy.spatial import cKDTree
-
-        reach = 2 * self._radii.max() - self._tolerance
+        reach = 2 * self._radii.max(initial=0) - self._tolerance
         # The tree rounds distances in its own way.
-        reach += 1e-9 * (abs(reach) + np.abs(positions).max())
-        return modelled[cKDTree(positions[modelled]).query_pairs(max(reach, 0), output_type="ndarray")]
+        reach += 1e-9 * (abs(reach) + np.abs(positions).max(initial=0))
+        return modelled[nearPairs(positions[modelled], max(reach, 0))]
 
     def _overlaps(self, positions, pairs):
         first, second = pairs.T
