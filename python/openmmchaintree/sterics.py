@@ -23,11 +23,7 @@ from .torsions import (
 from .unbonded import unbondedNeighbors
 from .units import Array, Number, inUnit, positionsInNm
 
-_REMEDIES = {
-    DISULFIDE_RING: ", which can be cut (cutDisulfides)",
-    METAL_RING: ", which can be cut (cutMetals)",
-    BETWEEN_FIXED: ", where only side chains turn",
-}
+_ARGUMENTS = {DISULFIDE_RING: "cutDisulfides", METAL_RING: "cutMetals"}
 
 
 def createStericExclusionForce(
@@ -165,18 +161,19 @@ def notesOnAlphaCarbons(graph):
     return found([Note("residues without torsions, because there are only their Cα atoms", map(describeResidue, bare))])
 
 
-def notesOnTorsions(leftOut):
+def notesOnTorsions(leftOut, remedies=_ARGUMENTS):
     """Return a Note for each reason why torsions are left out, but for what nobody expects to turn.
 
-    Those next to a gap, and of residues that are but a Cα atom, have notes of their own.
+    Those next to a gap, and of residues that are but a Cα atom, have notes of their own. The remedies are what cuts the
+    bonds that close rings.
     """
     byReason = {}
     for torsion in leftOut:
         if not (torsion.nextToGap or torsion.reason in QUIET_REASONS or isAlphaCarbonOnly(torsion.residue)):
             byReason.setdefault(torsion.reason, []).append(f"{torsion.kind} of {describeResidue(torsion.residue)}")
-    return [
-        Note(f"torsions left out, {reason}{_REMEDIES.get(reason, '')}", names) for reason, names in byReason.items()
-    ]
+    more = {reason: f", which can be cut ({remedy})" for reason, remedy in remedies.items()}
+    more[BETWEEN_FIXED] = ", where only side chains turn"
+    return [Note(f"torsions left out, {reason}{more.get(reason, '')}", names) for reason, names in byReason.items()]
 
 
 def _pairsAcross(neighbors, atom1, atom2, bondCutoff):

@@ -181,13 +181,15 @@ def selectSolute(source, topology, positions, water=False, ions=False):
     InputError
         if nothing is left, or an atom has no element, or a molecule is in pieces that cannot be made whole
     """
-    kept = []
+    kept, extra = [], []
     for atom in topology.atoms():
         if isWater(atom.residue.name):
             if water:
                 kept.append(atom)
         elif atom.element is not None:
             kept.append(atom)
+        elif _isExtraParticle(atom):
+            extra.append(_describe(atom))
         elif len(atom.residue) > 1:
             raise InputError(f"{source}: atom {_describe(atom)} has no element")
     if not kept:
@@ -210,6 +212,7 @@ def selectSolute(source, topology, positions, water=False, ions=False):
         [
             *search.notes,
             Note("ions left out, since nothing binds them", map(describeResidue, loose)),
+            Note("extra particles left out", extra),
             _noteWhole(dry, search, positions[atoms]),
         ]
     )
@@ -217,6 +220,11 @@ def selectSolute(source, topology, positions, water=False, ions=False):
     stays = np.array([atom.residue not in left for atom in dry.atoms()])
     whole = _subset(dry, [atom for atom in dry.atoms() if atom.residue not in left], search.bonds)
     return Solute(whole, search.positions[stays], atoms[stays], notes)
+
+
+def _isExtraParticle(atom):
+    """Whether an atom without an element has the name of a lone pair or of a Drude particle."""
+    return atom.name.startswith(("LP", "EP", "D")) and len(atom.residue) > 1
 
 
 def _looseIons(topology, bonds):

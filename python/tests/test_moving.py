@@ -117,8 +117,9 @@ def test_fixedPartDoesNotMoveAsAWhole(sample, twoChains):
     summary, frames, _ = sample(twoChains, "--fix", "segname A and name CA", "--rigid-bodies")
     assert "as a whole chain B, LIG (2 atoms)" in summary["plan"][0]
     assert not hasMoved(frames, [1, 5], startOf(twoChains))
-    (note,) = summary["leftOut"]
-    assert note.startswith("torsions left out, between two fixed parts, where only side chains turn (2): ")
+    (note,) = summary["notes"]
+    assert note["kind"] == "torsions left out, between two fixed parts, where only side chains turn"
+    assert len(note["items"]) == 2
 
 
 def test_torsionsOfChoice(sample):
@@ -143,7 +144,8 @@ def test_loopBetweenFixedEnds(sample, villin):
     assert set(summary["torsions"]) <= {"chi1", "chi2", "chi3", "chi4"}
     moved = {atoms[i].residue.index for i in np.flatnonzero(np.abs(frames[-1] - villin.positions).max(axis=1) > 1e-4)}
     assert moved and moved <= set(range(10, 15))
-    assert any("between two fixed parts, where only side chains turn (" in note for note in summary["leftOut"])
+    kinds = [note["kind"] for note in summary["notes"]]
+    assert any(kind.endswith("between two fixed parts, where only side chains turn") for kind in kinds)
 
 
 @pytest.mark.parametrize(
@@ -209,7 +211,7 @@ def test_cutsAreReported(sample, tmp_path):
 
 def test_nothingToCutIsSaid(sample):
     summary, *_ = sample("--cut-disulfides")
-    assert "there is no disulfide to cut" in summary["leftOut"] and summary["cutDisulfides"] == []
+    assert {"kind": "there is no disulfide to cut", "items": []} in summary["notes"] and summary["cutDisulfides"] == []
 
 
 def test_disulfideCoreHolds(realStructure):

@@ -21,6 +21,11 @@ def positive(text):
     return wholeNumber(text, 1, 10**15)
 
 
+def notNegative(text):
+    """Read a whole number from 0 on."""
+    return wholeNumber(text, 0, 10**15)
+
+
 def positiveReal(text):
     """Read a number above 0."""
     try:

@@ -5,6 +5,7 @@ from ..errors import InputError
 from ..radii import RADII_SETS
 from .arguments import positive
 from .clashreport import asCSV, printReport, summarize
+from .noteoutput import addNotes, asText
 from .outputfiles import Writing, addOverwrite, asJSON, checkOutputs, checkPicture
 from .status import BAD_INPUT, INTERRUPTED
 from .terminal import ReportConsole, interruptFlag, printError, progress
@@ -15,15 +16,15 @@ def addArguments(clashes):
     clashes.description = (
         "Find atoms that overlap by more than 0.04 nm (0.1 nm where one may donate a hydrogen bond to the other) and "
         "are more than three bonds apart: in all models of a structure, or in all frames of a trajectory. Models, "
-        "frames and particles are numbered from 0. Water and ions (residues of a single atom) are left out, of "
-        "alternate conformers all but the first. Positions are taken as they are, without periodic images. What is "
-        "written to - goes to standard output, and the report to standard error then."
+        "frames and particles are numbered from 0. Water and ions that nothing binds are left out, of alternate "
+        "conformers all but that of highest occupancy. Molecules split over a periodic box are made whole; images are "
+        "not looked at. What is written to - goes to standard output, and the report to standard error then."
     )
     clashes.set_defaults(run=_run)
     clashes.add_argument(
         "structure",
         nargs="?",
-        help="a PDB or mmCIF file, plain or gzipped (default: the villin headpiece in OpenMM's package)",
+        help="a PDB, mmCIF or BinaryCIF file, plain or compressed (default: the villin headpiece in OpenMM's package)",
     )
     clashes.add_argument(
         "trajectory", nargs="?", help="a DCD or XTC file with the atoms of the structure, in place of its models"
@@ -40,10 +41,11 @@ def addArguments(clashes):
     clashes.add_argument("--json", metavar="FILE", help="write everything as JSON (-: print it)")
     clashes.add_argument("--picture", metavar="FILE", help="draw the clashes by frame and residue (.png, .pdf or .svg)")
     addOverwrite(clashes)
+    addNotes(clashes)
 
 
 def _run(options):
-    names = {"csv": options.csv, "json": options.json, "picture": options.picture}
+    names = {"csv": options.csv, "json": options.json, "picture": options.picture, "notes": options.notes}
     inputs = [path for path in (options.structure, options.trajectory) if path is not None]
     outputs = checkOutputs(names, inputs, options.overwrite)
     if "picture" in outputs:
@@ -58,10 +60,11 @@ def _run(options):
         "csv": lambda output: output.write(asCSV(frames)),
         "json": lambda output: output.write(asJSON(summary)),
         "picture": lambda output: _savePicture(output, search, frames),
+        "notes": lambda output: output.write(asText(search.notes)),
     }
     for kind, output in outputs.items():
         writing.write(output, writers[kind])
-    printReport(summary, writing.files, options.rows, ReportConsole(outputs.values()))
+    printReport(summary, writing.files, options.rows, ReportConsole(outputs.values()), options.verbose)
     errors = [writing.describeFailures()] if writing.failures else []
     if damage is not None:
         errors.append(f"{damage}; the results are those of the frames before it")

@@ -8,7 +8,7 @@ from openmm import unit
 from rich.table import Table
 
 from ..naming import AtomName
-from ..notes import Note
+from .noteoutput import asPlain, printNotes
 
 # So many residues are named for each frame.
 _WORST_OF_A_FRAME = 5
@@ -34,7 +34,7 @@ def summarize(search, frames, damage, interrupted):
         "radii": search.finder.radii,
         "overlapTolerance": search.finder.force.getOverlapTolerance().value_in_unit(unit.nanometer),
         "hydrogenBondAllowance": search.finder.force.getHydrogenBondAllowance().value_in_unit(unit.nanometer),
-        "notes": [vars(note) for note in search.notes],
+        "notes": asPlain(search.notes),
         "damage": None if damage is None else str(damage),
         "interrupted": interrupted,
         "clashesPerFrame": sum(len(frame.clashes) for frame in frames) / len(frames),
@@ -103,16 +103,15 @@ def asCSV(frames):
     return text.getvalue()
 
 
-def printReport(summary, files, rows, console):
-    """Print a summary on a rich Console, with tables of up to a number of rows."""
+def printReport(summary, files, rows, console, isVerbose):
+    """Print a summary on a rich Console, with tables of up to a number of rows; all notes, if that is to be verbose."""
     tolerance = summary["overlapTolerance"]
     console.print(
         f"{summary['trajectory'] or summary['structure']}: {summary['atomsLookedAt']:,} of {summary['atoms']:,} atoms "
         f"looked at, {summary['radii']} radii; a clash is an overlap above {tolerance:g} nm, "
         f"{tolerance + summary['hydrogenBondAllowance']:g} nm where a hydrogen bond may be"
     )
-    for note in summary["notes"]:
-        console.print(f"note: {Note(**note)}")
+    printNotes(summary["notes"], console, isVerbose)
     if len(summary["frames"]) == 1:
         _printFrame(summary, rows, console)
     else:

@@ -11,11 +11,16 @@ from ..naming import describeResidue
 from ..notes import Note
 from ..residues import polymerBackbone
 from ..selection import selectAtoms
-from ..sterics import notesOnAlphaCarbons, notesOnGeometry, notesOnTorsions
-from ..torsions import ofAtoms, searchTorsions, withoutThoseBetween
+from ..sterics import notesOnAlphaCarbons, notesOnTorsions
+from ..torsions import DISULFIDE_RING, METAL_RING, ofAtoms, searchTorsions, withoutThoseBetween
+from ..unbonded import unbondedNeighbors
 
 # Those of proteins and nucleic acids; δ lies in the sugar's ring, ω and rotors turn on request.
 DEFAULT_KINDS = ("phi", "psi", "chi", "alpha", "beta", "gamma", "epsilon", "zeta")
+
+
+# What cuts the bonds that close rings.
+_OPTIONS = {DISULFIDE_RING: "--cut-disulfides", METAL_RING: "--cut-metals"}
 
 
 class Choice(NamedTuple):
@@ -24,7 +29,8 @@ class Choice(NamedTuple):
     kinds : kinds of torsions, as in `findTorsions`
     move, fix : str or None, selections in MDTraj's language: atoms whose torsions turn, atoms that never move
     rigidBodies : bool, whether molecules move as a whole, too
-    cutDisulfides : bool
+    cutDisulfides, cutMetals : bool
+    allowUnbonded : bool, whether atoms at covalent distance that are not bonded may leave each other
     """
 
     kinds: tuple[str, ...] = DEFAULT_KINDS
@@ -32,6 +38,8 @@ class Choice(NamedTuple):
     fix: str | None = None
     rigidBodies: bool = False
     cutDisulfides: bool = False
+    cutMetals: bool = False
+    allowUnbonded: bool = False
 
 
 class Plan:
@@ -66,8 +74,8 @@ class Plan:
         those with torsions that --move did not choose
     moleculesAtGaps : int array
         those that end at a gap in a chain
-    cutDisulfides : list of (str, str)
-        the residues between which a disulfide was cut
+    cutDisulfides, cutMetals : list of (str, str)
+        the residues between which disulfides, and bonds of metals, were cut
     notes : list of Note
         on bonds, and on what was left out and why
     """
@@ -85,12 +93,13 @@ class Plan:
         self.choice = choice
         moved = _selectAtoms(topology, "--move", choice.move)
         self.fixedAtoms = _selectAtoms(topology, "--fix", choice.fix)
-        self.graph = graph = BondGraph(topology, structure.positions, choice.cutDisulfides)
+        self.graph = graph = BondGraph(topology, structure.positions, choice.cutDisulfides, choice.cutMetals)
         every = searchTorsions(graph, topology, choice.kinds)
         chosen = every if choice.move is None else ofAtoms(every, moved)
         search = withoutThoseBetween(chosen, graph, self.fixedAtoms)
         self.torsions = search.torsions
-        self.notes = [*graph.notes, *notesOnGeometry(graph, self.torsions), *notesOnTorsions(search.leftOut)]
+        leftOut = notesOnTorsions(search.leftOut, _OPTIONS)
+        self.notes = [*structure.notes, *notesOnAlphaCarbons(graph), *leftOut]
         links = Links(graph, self.torsions)
         self.molecules = links.moleculeOfAtom
         self.isTurning = self._moleculesWith(self.torsions)
@@ -110,7 +119,9 @@ class Plan:
         self.inMovingMolecules = (self.isTurning | self.isRigidBody)[self.molecules]
         _, firstAtoms = np.unique(self.molecules, return_index=True)
         self.rigidBodies = firstAtoms[self.isRigidBody].tolist()
-        self.cutDisulfides = self._describeCuts(graph)
+        self.cutDisulfides = self._describeCuts(choice.cutDisulfides, graph.disulfides, "disulfide")
+        self.cutMetals = self._describeCuts(choice.cutMetals, graph.metalBonds, "bond of a metal")
+        self._checkUnbonded()
 
     def _moleculesWith(self, torsions):
         has = np.zeros(self.molecules.max() + 1, dtype=bool)
@@ -134,7 +145,7 @@ class Plan:
 
     def _whyNothingMoves(self, every, chosen, search):
         if chosen.torsions:
-            notes = "; ".join(map(str, notesOnTorsions(search.leftOut)))
+            notes = "; ".join(map(str, notesOnTorsions(search.leftOut, _OPTIONS)))
             return f"--fix {self.choice.fix!r} leaves nothing that moves: {notes}"
         if every.torsions:
             return f"--move {self.choice.move!r}: none of these atoms has a torsion ({', '.join(self.choice.kinds)})"
@@ -146,13 +157,24 @@ class Plan:
             f": {reasons}" if reasons else ""
         )
 
-    def _describeCuts(self, graph):
-        if not self.choice.cutDisulfides:
+    def _describeCuts(self, areCut, bonds, name):
+        if not areCut:
             return []
-        if not graph.disulfides:
-            self.notes.append(Note("there is no disulfide to cut"))
-        pairs = sorted(sorted(pair) for pair in graph.disulfides)
-        return [tuple(describeResidue(graph.atoms[atom].residue) for atom in pair) for pair in pairs]
+        if not bonds:
+            self.notes.append(Note(f"there is no {name} to cut"))
+        atoms = self.graph.atoms
+        return [tuple(describeResidue(atoms[atom].residue) for atom in sorted(pair)) for pair in sorted(bonds)]
+
+    def _checkUnbonded(self):
+        """Refuse a molecule in parts, where a bond must be missing."""
+        axes = [torsion.particles[1:3] for torsion in self.torsions]
+        found = unbondedNeighbors(self.graph, axes, np.flatnonzero(self.stays), self.structure.alternates)
+        if not found:
+            return
+        note = Note("atoms as near as if they were bonded, that are not, and that trials part", map(str, found))
+        if not self.choice.allowUnbonded:
+            raise InputError(f"{note}: give these bonds (CONECT, LINK, _struct_conn), or go on with --allow-unbonded")
+        self.notes.append(note)
 
 
 def _selectAtoms(topology, option, selection):

@@ -13,9 +13,12 @@ _LONGEST_LIST = 5
 
 
 def describePlan(plan):
-    """Return three lines on a Plan: what moves, what stays and why, what holds what moves; and a line on cuts."""
-    cuts = ", ".join(" – ".join(residues) for residues in plan.cutDisulfides)
-    return _Describer(plan).lines() + ([f"cut disulfides: {cuts}"] if cuts else [])
+    """Return three lines on a Plan: what moves, what stays and why, what holds what moves; and lines on cuts."""
+    lines = _Describer(plan).lines()
+    for what, bonds in (("disulfides", plan.cutDisulfides), ("bonds of metals", plan.cutMetals)):
+        if bonds:
+            lines.append(f"cut {what}: {', '.join(' – '.join(residues) for residues in bonds)}")
+    return lines
 
 
 class _Describer:

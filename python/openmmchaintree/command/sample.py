@@ -11,7 +11,8 @@ from openmm import unit
 from ..errors import InputError
 from ..structure import readStructure
 from ..torsions import KIND_WORDS
-from .arguments import listOf, positive, seed
+from .arguments import listOf, notNegative, positive, seed
+from .noteoutput import addNotes, asText
 from .outputfiles import OutputError, Writing, addOverwrite, asJSON, checkOutputs
 from .plan import DEFAULT_KINDS, Choice
 from .planreport import describePlan
@@ -54,7 +55,10 @@ def addArguments(sample):
     sample.add_argument(
         "structure",
         nargs="?",
-        help="a PDB or mmCIF file, plain or gzipped (default: the villin headpiece in OpenMM's package)",
+        help="a PDB, mmCIF or BinaryCIF file, plain or compressed (default: the villin headpiece in OpenMM's package)",
+    )
+    sample.add_argument(
+        "--model", type=notNegative, default=0, metavar="K", help="the model to sample, from 0 (default: %(default)s)"
     )
     sample.add_argument("--trials", type=positive, default=100000, help="number of trials (default: %(default)s)")
     sample.add_argument(
@@ -71,6 +75,7 @@ def addArguments(sample):
         "standard error)",
     )
     addOverwrite(sample)
+    addNotes(sample)
     sample.add_argument(
         "--torsions",
         type=listOf(KIND_WORDS),
@@ -88,13 +93,29 @@ def addArguments(sample):
         "--move, those that it selects atoms of",
     )
     sample.add_argument("--cut-disulfides", action="store_true", help="let the torsions between disulfides turn")
+    sample.add_argument(
+        "--cut-metals", action="store_true", help="let the torsions between residues that bind a metal turn"
+    )
+    sample.add_argument(
+        "--allow-unbonded",
+        action="store_true",
+        help="go on though atoms as near as if they were bonded, but that are not, would leave each other",
+    )
 
 
 def _run(options):
-    structure = readStructure(options.structure)
+    structure = readStructure(options.structure, options.model)
     outputs = _checkOutputs(options, structure.name)
     console = ReportConsole(outputs.values())
-    choice = Choice(tuple(options.torsions), options.move, options.fix, options.rigid_bodies, options.cut_disulfides)
+    choice = Choice(
+        tuple(options.torsions),
+        options.move,
+        options.fix,
+        options.rigid_bodies,
+        options.cut_disulfides,
+        options.cut_metals,
+        options.allow_unbonded,
+    )
     seed = options.seed if options.seed is not None else random.SystemRandom().randint(1, 2**31 - 1)
     try:
         sampling = Sampling(structure, seed, choice)
@@ -110,9 +131,11 @@ def _run(options):
     if len(sampling.frames) > 1:
         writing.write(outputs["picture"], lambda output: _savePicture(output, structure, sampling))
     summary = summarize(sampling, structure, seed, writing.files, interrupted)
+    if "notes" in outputs:
+        writing.write(outputs["notes"], lambda output: output.write(asText(sampling.notes)))
     if "json" in outputs:
         writing.write(outputs["json"], lambda output: output.write(asJSON(summary)))
-    printReport(summary, console)
+    printReport(summary, console, options.verbose)
     if writing.failures:
         printError(writing.describeFailures())
     if summary["pairsBeyondLimit"] or summary["changedBonds"]:
@@ -131,7 +154,7 @@ def _checkOutputs(options, structureName):
         raise InputError(f"-o {prefix or repr('')}: the names of output files need a beginning, such as {example}")
     names = {kind: f"{prefix}{ending}" for kind, ending in _ENDINGS.items()}
     inputs = [] if options.structure is None else [options.structure]
-    return checkOutputs({**names, "json": options.json}, inputs, options.overwrite)
+    return checkOutputs({**names, "json": options.json, "notes": options.notes}, inputs, options.overwrite)
 
 
 def _beginFiles(outputs, structure, trials, frames):

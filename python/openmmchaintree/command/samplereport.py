@@ -6,6 +6,7 @@ from rich.table import Table
 
 from ..naming import describeResidue
 from ..torsions import KINDS
+from .noteoutput import asPlain, printNotes
 from .planreport import describePlan
 
 _COUNTS = ("attempted", "clashed", "rejectedByEnergy", "accepted")
@@ -26,7 +27,8 @@ def summarize(sampling, structure, seed, files, interrupted):
         "torsions": {kind: kinds[kind] for kind in KINDS if kinds[kind]},
         "plan": describePlan(sampling.plan),
         "cutDisulfides": sampling.plan.cutDisulfides,
-        "leftOut": [str(note) for note in sampling.notes],
+        "cutMetals": sampling.plan.cutMetals,
+        "notes": asPlain(sampling.notes),
         "seed": seed,
         "interrupted": interrupted,
         "trials": sampling.trials,
@@ -66,16 +68,15 @@ def _describePairs(overlaps, names, limits=None):
     return pairs
 
 
-def printReport(summary, console):
-    """Print a summary on a rich Console."""
+def printReport(summary, console, isVerbose):
+    """Print a summary on a rich Console; all notes, if that is to be verbose."""
     kinds = ", ".join(f"{count} {kind}" for kind, count in summary["torsions"].items())
     fixed = f", {summary['fixedAtoms']:,} of them fixed" if summary["fixedAtoms"] else ""
     console.print(
         f"{summary['structure']}: {summary['atoms']:,} atoms{fixed}; {sum(summary['torsions'].values()):,} torsions "
         f"({kinds}); seed {summary['seed']}"
     )
-    for note in summary["leftOut"]:
-        console.print(f"note: {note}")
+    printNotes(summary["notes"], console, isVerbose)
     console.print(_moveTable(summary["moves"]))
     if summary["trials"]:
         console.print(
