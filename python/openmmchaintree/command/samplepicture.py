@@ -1,6 +1,6 @@
 """The picture of a sampling run: torsions before and after, radius of gyration and acceptance along it.
 
-Torsions are shown as Ramachandran plots; where no residue has both φ and ψ, by kind.
+Torsions are shown as Ramachandran plots; where no residue has both φ and ψ, by kind; and where none turns, not at all.
 """
 
 import numpy as np
@@ -28,16 +28,18 @@ def savePicture(output, name, frames, torsionKinds, moveNames):
         what was sampled
     frames : list of Frame
     torsionKinds : list of str
-        the kind of each torsion in `Frame.torsionAngles`
+        the kind of each torsion that turns: of `Frame.torsionAngles`, where no residue has both φ and ψ
     moveNames : list of str
     """
-    figure = makeFigure(10, 8)
+    rows = 2 if torsionKinds else 1
+    figure = makeFigure(10, 4 * rows)
     setTitle(figure, name, f", {frames[-1].trials:,} trials")
-    axes = figure.subplots(2, 2)
-    drawTorsions = _drawRamachandran if len(frames[0].phiPsi) else _drawKinds
-    drawTorsions(axes[0], frames, torsionKinds)
-    _drawRadiusOfGyration(axes[1, 0], frames)
-    _drawAcceptance(axes[1, 1], frames, moveNames)
+    axes = figure.subplots(rows, 2, squeeze=False)
+    if torsionKinds:
+        drawTorsions = _drawRamachandran if len(frames[0].phiPsi) else _drawKinds
+        drawTorsions(axes[0], frames, torsionKinds)
+    _drawRadiusOfGyration(axes[-1, 0], frames)
+    _drawAcceptance(axes[-1, 1], frames, moveNames)
     writeFigure(figure, output)
 
 
