@@ -122,10 +122,10 @@ def _run(options):
     except (InputError, openmm.OpenMMException) as error:
         raise InputError(f"{options.structure or structure.name}: {error}") from error
 
-    for line in describePlan(sampling.plan):
-        console.print(line)
     writing = Writing()
     with _beginFiles(outputs, structure, options.trials, options.frames) as trajectory:
+        for line in describePlan(sampling.plan):
+            console.print(line)
         writing.files = [outputs["topology"].name, outputs["trajectory"].name]
         interrupted = _sample(sampling, options.trials, trajectory, writing.failures)
     if len(sampling.frames) > 1:
