@@ -80,6 +80,13 @@ def test_torsionsByKindWhereNoResidueHasBoth(draw, kinds, letters):
     assert sampled.collections[0].get_array().sum() == 4 * len(kinds)
 
 
+def test_noTorsions(draw):
+    """As where molecules move only as a whole."""
+    figure = draw(samplepicture, "ligand", makeFrames(5, 0, 0), [], MOVES[:1])
+    assertSound(figure)
+    assert [axis.get_title() for axis in figure.axes] == ["Radius of gyration", "Acceptance"]
+
+
 def test_longNames(draw):
     figure = draw(samplepicture, LONG_NAME, makeFrames(3, 5, 0), [], [f"{move} {'long' * 5}" for move in MOVES])
     assertSound(figure)
