@@ -104,7 +104,9 @@ class Sampling:
             raise InputError(str(error)) from error
         self.notes = self.plan.notes
         self.fixedAtoms = int(self.plan.fixed.sum())
-        self._masses = np.array([atom.element.mass.value_in_unit(unit.dalton) for atom in structure.topology.atoms()])
+        elements = [atom.element for atom in structure.topology.atoms()]
+        masses = {element: element.mass.value_in_unit(unit.dalton) for element in set(elements)}
+        self._masses = np.array([masses[element] for element in elements])
         self.integrator = TorsionMonteCarloIntegrator(300 * unit.kelvin)
         self.integrator.setRandomNumberSeed(seed)
         self.moves = self._addMoves()
