@@ -61,7 +61,7 @@ def makeFrames(count, residues, torsions):
 
 @pytest.mark.parametrize(("count", "residues"), [(2, 1), (30, 500)])
 def test_ramachandran(draw, count, residues):
-    figure = draw(samplepicture, "villin", makeFrames(count, residues, 0), [], MOVES)
+    figure = draw(samplepicture, "villin", makeFrames(count, residues, 0), ["phi", "psi"], MOVES)
     assertSound(figure)
     start, sampled = figure.axes[:2]
     assert start.get_title() == f"Start: {residues} residue{'s' if residues > 1 else ''}"
@@ -88,7 +88,9 @@ def test_noTorsions(draw):
 
 
 def test_longNames(draw):
-    figure = draw(samplepicture, LONG_NAME, makeFrames(3, 5, 0), [], [f"{move} {'long' * 5}" for move in MOVES])
+    figure = draw(
+        samplepicture, LONG_NAME, makeFrames(3, 5, 0), ["phi", "psi"], [f"{move} {'long' * 5}" for move in MOVES]
+    )
     assertSound(figure)
     title = figure.get_suptitle()
     assert title.startswith("W$_") and "…" in title and title.endswith(", 200 trials")
