@@ -18,6 +18,7 @@
 #include "OpenMMDrude.h"
 #include "openmm/RPMDIntegrator.h"
 #include "openmm/RPMDMonteCarloBarostat.h"
+#include "openmmchaintree/internal/Warnings.h"
 #include "openmmchaintree/StericExclusionForce.h"
 #include "openmmchaintree/TorsionMonteCarloIntegrator.h"
 #include <cstring>
@@ -69,6 +70,41 @@ class MinimumDistance(NamedTuple):
 %keywords(ChainTreePlugin::StericExclusionForce::setParticleParameters)
 %keywords(ChainTreePlugin::TorsionMonteCarloIntegrator::addTorsionMove)
 %keywords(ChainTreePlugin::TorsionMonteCarloIntegrator::addRigidBodyMove)
+%keywords(ChainTreePlugin::TorsionMonteCarloIntegrator::setTorsionMoveParameters)
+%keywords(ChainTreePlugin::TorsionMonteCarloIntegrator::setRigidBodyMoveParameters)
+
+%header %{
+static void raiseOpenMMException(const char* message) {
+    PyObject* openmm = PyImport_ImportModule("openmm");
+    PyObject* type = openmm == NULL ? NULL : PyObject_GetAttrString(openmm, "OpenMMException");
+    if (type != NULL)
+        PyErr_SetString(type, message);
+    Py_XDECREF(type);
+    Py_XDECREF(openmm);
+}
+%}
+
+/* ---- Warnings ---- */
+
+%header %{
+/* Hands a warning of the C++ library to Python, whose filters decide what becomes of it. The frame that is named is the
+ * caller of OpenMM's constructor of a Context. */
+static void warnInPython(const std::string& message) {
+    if (!Py_IsInitialized())
+        return;
+    PyGILState_STATE state = PyGILState_Ensure();
+    bool isError = PyErr_WarnEx(PyExc_UserWarning, message.c_str(), 2) != 0;
+    if (isError)
+        PyErr_Clear();
+    PyGILState_Release(state);
+    if (isError)
+        throw OpenMM::OpenMMException(message);
+}
+%}
+
+%init %{
+    ChainTreePlugin::setWarningHandler(warnInPython);
+%}
 
 %exception {
     PyThreadState* state = PyEval_SaveThread();
@@ -78,12 +114,7 @@ class MinimumDistance(NamedTuple):
     }
     catch (const std::exception& exception) {
         PyEval_RestoreThread(state);
-        PyObject* openmm = PyImport_ImportModule("openmm");
-        PyObject* type = openmm == NULL ? NULL : PyObject_GetAttrString(openmm, "OpenMMException");
-        if (type != NULL)
-            PyErr_SetString(type, exception.what());
-        Py_XDECREF(type);
-        Py_XDECREF(openmm);
+        raiseOpenMMException(exception.what());
         SWIG_fail;
     }
 }
@@ -339,10 +370,12 @@ static PyObject* toNumPy(const void* values, size_t count, int columns, size_t i
 %}
 %pythonappend ChainTreePlugin::TorsionMonteCarloIntegrator::getTorsionMoveParameters %{
     val[1] = openmm.unit.Quantity(val[1], openmm.unit.radian)
+    val[2] = val[2] if len(val[2]) > 0 else None
 %}
 %pythonappend ChainTreePlugin::TorsionMonteCarloIntegrator::getRigidBodyMoveParameters %{
     val[1] = openmm.unit.Quantity(val[1], openmm.unit.nanometer)
     val[2] = openmm.unit.Quantity(val[2], openmm.unit.radian)
+    val[3] = val[3] if len(val[3]) > 0 else None
 %}
 %pythonappend ChainTreePlugin::TorsionMonteCarloIntegrator::getMoveStatistics %{
     val = MoveStatistics(*val)
@@ -360,6 +393,47 @@ static PyObject* toNumPy(const void* values, size_t count, int columns, size_t i
         StateDataReporter shows it in place of a kinetic temperature.
         """
         return self.getTemperature()
+
+    def __repr__(self):
+        moves = [self._describeMove(index) for index in range(min(self.getNumMoves(), 4))]
+        if self.getNumMoves() > len(moves):
+            moves.append("...")
+        count = "1 move" if self.getNumMoves() == 1 else f"{self.getNumMoves()} moves"
+        kelvin = self.getTemperature().value_in_unit(openmm.unit.kelvin)
+        return (
+            f"<TorsionMonteCarloIntegrator: {kelvin:g} K, {self.getTrialsPerStep():,} trials a step, "
+            f"{count}{': ' if moves else ''}{', '.join(moves)}>"
+        )
+
+    def _describeMove(self, move):
+        if self.getMoveType(move) == self.TorsionMove:
+            weight, angle, torsions, count = self.getTorsionMoveParameters(move)
+            kind = "torsion" if count == 1 else f"{count} torsions"
+            size = ""
+            choices, name = torsions, "torsion"
+        else:
+            weight, translation, angle, molecules = self.getRigidBodyMoveParameters(move)
+            kind = "rigid body"
+            size = f" \u00b1{translation.value_in_unit(openmm.unit.nanometer):g} nm"
+            choices, name = molecules, "molecule"
+        size += f" \u00b1{angle.value_in_unit(openmm.unit.radian):g} rad"
+        if choices is None:
+            choices = f"all {name}s"
+        else:
+            choices = f"{len(choices):,} {name}{'' if len(choices) == 1 else 's'} to choose from"
+        return f"{kind}{size} (weight {weight:g}, {choices})"
+%}
+}
+
+%extend ChainTreePlugin::StericExclusionForce {
+%pythoncode %{
+    def __repr__(self):
+        tolerance = self.getOverlapTolerance().value_in_unit(openmm.unit.nanometer)
+        return (
+            f"<StericExclusionForce: {self.getNumParticles():,} particles, {self.getNumBonds():,} bonds, "
+            f"{self.getNumTorsions():,} torsions, {self.getNumExclusions():,} exclusions, "
+            f"overlapTolerance {tolerance:g} nm>"
+        )
 %}
 }
 
@@ -431,4 +505,22 @@ static PyObject* toNumPy(const void* values, size_t count, int columns, size_t i
 
 #define OPENMM_EXPORT_CHAINTREE
 %include "openmmchaintree/StericExclusionForce.h"
+
+/* What a move chooses from. C++ has no other way than an empty vector to say "all", but an empty list in Python is mostly
+ * a search that found nothing. */
+%typemap(in, fragment="FromPython") const std::vector<int>& torsions (std::vector<int> values),
+                                    const std::vector<int>& molecules (std::vector<int> values) {
+    if ($input != Py_None) {
+        if (!toInts($input, "$1_name", values))
+            SWIG_fail;
+        if (values.empty()) {
+            raiseOpenMMException(
+                "TorsionMonteCarloIntegrator: $1_name is empty, so that the move could move nothing; None means all of them");
+            SWIG_fail;
+        }
+    }
+    $1 = &values;
+}
+%typemap(doctype) const std::vector<int>& torsions, const std::vector<int>& molecules "sequence of int, or None"
+
 %include "openmmchaintree/TorsionMonteCarloIntegrator.h"

@@ -4,6 +4,7 @@
 
 #include "openmm/CompoundIntegrator.h"
 #include "openmm/CustomTorsionForce.h"
+#include "openmm/HarmonicBondForce.h"
 #include "openmm/LangevinMiddleIntegrator.h"
 #include "openmm/serialization/XmlSerializer.h"
 #include "openmm/VerletIntegrator.h"
@@ -85,6 +86,30 @@ public:
     TorsionMonteCarloIntegrator integrator;
     unique_ptr<Context> context;
 };
+
+/**
+ * The integrator's part of a checkpoint. What GPU platforms write of their own tells of more than the simulation.
+ */
+string getOwnPart(const string& checkpoint)
+{
+    size_t begin = checkpoint.find("ChainTMC");
+    ASSERT(begin != string::npos);
+    return checkpoint.substr(begin);
+}
+
+string toXml(const State& state)
+{
+    stringstream stream;
+    XmlSerializer::serialize<State>(&state, "State", stream);
+    return stream.str();
+}
+
+State fromXml(const string& xml)
+{
+    stringstream stream(xml);
+    unique_ptr<State> read(XmlSerializer::deserialize<State>(stream));
+    return *read;
+}
 
 // ---- Checkpoints ----
 
@@ -293,6 +318,184 @@ void testReinitialize(Platform& platform)
     whole.integrator.step(1);
 }
 
+// ---- A refused reinitialize() ----
+
+/**
+ * Check that nothing crashes that would need what an incomplete Context lacks.
+ */
+void checkIncomplete(Scene& scene, Run& run, const string& good)
+{
+    const string incomplete = "reinitialize() was refused";
+    assertThrows(incomplete, [&] {
+        run.integrator.step(1);
+    });
+    assertThrows(incomplete, [&] {
+        run.context->getState(State::IntegratorParameters);
+    });
+    assertThrows(incomplete, [&] {
+        run.getNumToleratedClashes();
+    });
+    vector<double> angles;
+    assertThrows(incomplete, [&] {
+        run.integrator.getTorsionAngles(*run.context, angles);
+    });
+    assertThrows(incomplete, [&] {
+        run.integrator.setTorsionAngles(*run.context, angles);
+    });
+    assertThrows(incomplete, [&] {
+        run.loadCheckpoint(good);
+    });
+    try {
+        // Whether there is an answer depends on who refused. None may crash.
+
+        scene.force->hasClash(*run.context);
+        scene.force->proposeTorsions(*run.context, {0}, {0.1});
+        scene.force->rejectProposal(*run.context);
+        run.context->getState(State::Energy);
+    }
+    catch (const OpenMMException&) {
+    }
+}
+
+/**
+ * A run whose Context is made anew in its midst goes on as if nothing had happened, however often it is refused.
+ */
+void checkRefusal(Platform& platform, const string& message, const function<void(Scene&)>& spoil,
+                  const function<void(Scene&)>& mend)
+{
+    Scene scene, other;
+    Run whole(other.system, 5, platform), refused(scene.system, 5, platform);
+    for (Run* run : {&whole, &refused}) {
+        run->context->setPositions(scene.positions);
+        run->context->setVelocities(vector<Vec3>(scene.positions.size(), Vec3(1, 2, 3)));
+        run->context->setTime(7);
+        run->integrator.step(4);
+    }
+    string good = refused.createCheckpoint();
+    for (int i = 0; i < 2; i++) {
+        spoil(scene);
+        for (int j = 0; j < 2; j++)
+            assertThrows(message, [&] {
+                refused.context->reinitialize(true);
+            });
+        if (i == 0)
+            checkIncomplete(scene, refused, good);
+        mend(scene);
+        if (i == 0) // A refused checkpoint brings other positions, of which nobody tells.
+            refused.context->setPositions(getPositions(*whole.context));
+        refused.context->reinitialize(true);
+        if (i == 0)
+            refused.loadCheckpoint(good);
+    }
+    assertSameBits(getPositions(*whole.context), getPositions(*refused.context));
+    ASSERT(whole.getNumToleratedClashes() > 0);
+    ASSERT_EQUAL(whole.getNumToleratedClashes(), refused.getNumToleratedClashes());
+    whole.integrator.step(3);
+    refused.integrator.step(3);
+    ASSERT(getOwnPart(whole.createCheckpoint()) == getOwnPart(refused.createCheckpoint()));
+    const int types = State::Positions | State::Velocities | State::IntegratorParameters;
+    ASSERT_EQUAL(toXml(whole.context->getState(types)), toXml(refused.context->getState(types)));
+}
+
+void testRefusedReinitialize(Platform& platform)
+{
+    // Refused by the integrator, by the StericExclusionForce, and by another Force.
+
+    checkRefusal(
+        platform, "the constraint between particles 0 and 5",
+        [](Scene& scene) {
+            scene.system.addConstraint(0, 5, 1.0);
+        },
+        [](Scene& scene) {
+            scene.system.removeConstraint(0);
+        });
+    if (platform.getName() == "OpenCL")
+        return; // OpenMM itself crashes on a Context without an integrator's kernel.
+    checkRefusal(
+        platform, "lies between two fixed parts",
+        [](Scene& scene) {
+            scene.system.setParticleMass(0, 0);
+            scene.system.setParticleMass(8, 0);
+        },
+        [](Scene& scene) {
+            scene.system.setParticleMass(0, 1);
+            scene.system.setParticleMass(8, 1);
+        });
+    checkRefusal(
+        platform, "particle",
+        [](Scene& scene) {
+            HarmonicBondForce* bad = new HarmonicBondForce();
+            bad->addBond(0, 1000, 1, 1);
+            scene.system.addForce(bad);
+        },
+        [](Scene& scene) {
+            scene.system.removeForce(1);
+        });
+}
+
+/**
+ * What a refused Context holds can be looked at, changed and written.
+ */
+void testBetweenRefusalAndSuccess(Platform& platform)
+{
+    Scene scene;
+    Run run(scene.system, 5, platform), rescued(scene.system, 77, platform);
+    run.context->setPositions(scene.positions);
+    run.integrator.step(4);
+    vector<Vec3> positions = getPositions(*run.context);
+    string before = getOwnPart(run.createCheckpoint());
+    auto refuse = [&] {
+        scene.system.addConstraint(0, 5, 1.0);
+        assertThrows("the constraint", [&] {
+            run.context->reinitialize(true);
+        });
+        scene.system.removeConstraint(0);
+    };
+    refuse();
+    assertSameBits(positions, getPositions(*run.context));
+    rescued.loadCheckpoint(run.createCheckpoint());
+    ASSERT(before == getOwnPart(rescued.createCheckpoint()));
+    assertSameBits(positions, getPositions(*rescued.context));
+
+    // Moves are the integrator's own, and need not be what they were.
+
+    run.integrator.addTorsionMove(1, 0.1);
+    run.context->reinitialize(true);
+    run.integrator.removeMove(3);
+    ASSERT(before == getOwnPart(run.createCheckpoint()));
+
+    // Positions that are set in between are kept, and the limits of the former start anew.
+
+    refuse();
+    vector<Vec3> velocities(positions.size(), Vec3(3, 2, 1));
+    run.context->setPositions(scene.getTurnedPositions());
+    run.context->setVelocities(velocities);
+    refuse();
+    run.context->reinitialize(true);
+    assertRounded(platform, scene.getTurnedPositions(), getPositions(*run.context));
+    assertSameBits(velocities, run.context->getState(State::Velocities).getVelocities());
+    ASSERT_EQUAL(0, run.getNumToleratedClashes());
+    run.integrator.step(1);
+    ASSERT(run.getNumToleratedClashes() > 0);
+
+    // Who asks for a Context without state gets one.
+
+    refuse();
+    run.context->reinitialize();
+    assertThrows("Particle positions have not been set", [&] {
+        run.integrator.step(1);
+    });
+    refuse();
+    run.context->reinitialize(true);
+    assertThrows("Particle positions have not been set", [&] {
+        run.integrator.step(1);
+    });
+    run.context->setPositions(scene.positions);
+    run.integrator.step(1);
+}
+
+// ---- Refused checkpoints ----
+
 void testRefusedCheckpoints(Platform& platform)
 {
     BeadChain chain(11, 0.45, 2.5), other(11, 0.45, 2.5);
@@ -330,8 +533,8 @@ void testRefusedCheckpoints(Platform& platform)
     string newer = run.createCheckpoint();
     size_t version = newer.find("ChainTMC") + 8;
     ASSERT(version < newer.size());
-    newer[version] = 2;
-    assertThrows("the checkpoint of a TorsionMonteCarloIntegrator has version 2", [&] {
+    newer[version] = 3;
+    assertThrows("the checkpoint of a TorsionMonteCarloIntegrator has version 3", [&] {
         run.loadCheckpoint(newer);
     });
     VerletIntegrator verlet(0.001);
@@ -377,6 +580,49 @@ void testRefusedCheckpoints(Platform& platform)
 }
 
 /**
+ * Moves must be the same in all that decides what they do, not only as many.
+ */
+void testCheckpointsOfOtherMoves(Platform& platform)
+{
+    BeadChain chain(11, 0.45, 2.5);
+    Run run(chain.system, 1, platform);
+    run.context->setPositions(chain.positions);
+    string good = run.createCheckpoint();
+    run.integrator.step(1);
+    auto assertRefused = [&](const string& message) {
+        assertThrows("the checkpoint is of other moves: " + message, [&] {
+            run.loadCheckpoint(good);
+        });
+    };
+    vector<int> many;
+    for (int i = 0; i < 8; i++)
+        many.push_back(i);
+    run.integrator.setTorsionMoveParameters(0, 3, 0.5);
+    run.integrator.setTorsionMoveParameters(1, 1, 0.3, {0, 2, 5}, 3);
+    assertRefused("move 0 has maxAngle 0.4 in it, but 0.5 here");
+    run.integrator.setTorsionMoveParameters(0, 2, 0.4);
+    assertRefused("move 0 has weight 3 in it, but 2 here");
+    run.integrator.setTorsionMoveParameters(0, 3, 0.4);
+    assertRefused("move 1 has torsions 0 2 5 7 in it, but 0 2 5 here");
+    run.integrator.setTorsionMoveParameters(1, 1, 0.3, {0, 2, 7, 5}, 3);
+    assertRefused("move 1 has torsions 0 2 5 7 in it, but 0 2 7 5 here");
+    run.integrator.setTorsionMoveParameters(1, 1, 0.3, {0, 2, 5, 7}, 2);
+    assertRefused("move 1 has count 3 in it, but 2 here");
+    run.integrator.setTorsionMoveParameters(1, 1, 0.3, {0, 2, 5, 7}, 3);
+    run.integrator.setRigidBodyMoveParameters(2, 1, nextafter(0.3, 1), 0.5);
+    assertRefused("move 2 has maxTranslation 0.3 in it, but 0.30000000000000004 here");
+    run.integrator.setRigidBodyMoveParameters(2, 1, 0.3, 0.5, {4});
+    assertRefused("move 2 has molecules all in it, but 4 here");
+    run.integrator.removeMove(2);
+    run.integrator.addTorsionMove(1, 0.5);
+    assertRefused("move 2 has kind rigid body in it, but torsion here");
+    run.integrator.removeMove(2);
+    run.integrator.addRigidBodyMove(1, 0.3, 0.5);
+    run.loadCheckpoint(good);
+    ASSERT(good == run.createCheckpoint());
+}
+
+/**
  * What a refused checkpoint has brought are positions as if the user had set them.
  */
 void testPositionsOfRefusedCheckpoint(Platform& platform)
@@ -402,14 +648,130 @@ void testPositionsOfRefusedCheckpoint(Platform& platform)
 /**
  * As Simulation.saveState() and loadState() do it.
  */
-State writeAndRead(const Context& context)
+State writeAndRead(const Context& context, bool enforcePeriodicBox = false)
 {
-    stringstream stream;
-    State state =
-        context.getState(State::Positions | State::Velocities | State::Parameters | State::IntegratorParameters);
-    XmlSerializer::serialize<State>(&state, "State", stream);
-    unique_ptr<State> read(XmlSerializer::deserialize<State>(stream));
-    return *read;
+    return fromXml(toXml(context.getState(
+        State::Positions | State::Velocities | State::Parameters | State::IntegratorParameters, enforcePeriodicBox)));
+}
+
+/**
+ * As testGoingOn(), but from States.
+ */
+void testGoingOnFromStates(Platform& platform)
+{
+    const int numSteps = 8;
+    Scene scene;
+    Run whole(scene.system, 5, platform);
+    whole.context->setPositions(scene.positions);
+    vector<State> states;
+    for (int i = 0; i < numSteps; i++) {
+        if (i == 4)
+            whole.context->setPositions(scene.getTurnedPositions());
+        states.push_back(writeAndRead(*whole.context));
+        whole.integrator.step(1);
+    }
+    string end = getOwnPart(whole.createCheckpoint());
+    vector<Vec3> positions = getPositions(*whole.context);
+    ASSERT(whole.getNumToleratedClashes() > 0);
+    for (int i = 4; i < numSteps; i++) {
+        Run fresh(scene.system, 77, platform);
+        for (Run* run : {&fresh, &whole}) {
+            run->context->setState(states[i]);
+            ASSERT_EQUAL(i, run->context->getStepCount());
+            run->integrator.step(numSteps - i);
+            ASSERT(end == getOwnPart(run->createCheckpoint()));
+            assertSameBits(positions, getPositions(*run->context));
+        }
+    }
+}
+
+/**
+ * A State that does not fit brings what it can: its random numbers and limits.
+ */
+void testStatesThatDoNotFit(Platform& platform)
+{
+    Scene scene;
+    Run run(scene.system, 1, platform);
+    run.context->setPositions(scene.positions);
+    run.integrator.step(10);
+    int tolerated = run.getNumToleratedClashes();
+    ASSERT(tolerated > 0);
+    State state = writeAndRead(*run.context);
+
+    // Other moves: their counts are left alone.
+
+    long long attempted, clashed, rejected, accepted;
+    Run others(scene.system, 1, platform);
+    others.integrator.setTorsionMoveParameters(0, 3, 0.2);
+    others.context->setState(state);
+    others.integrator.getMoveStatistics(0, attempted, clashed, rejected, accepted);
+    ASSERT_EQUAL(0, attempted);
+    ASSERT_EQUAL(tolerated, others.getNumToleratedClashes());
+    others.integrator.setTorsionMoveParameters(0, 3, 0.4);
+    others.context->setState(state);
+    others.integrator.getMoveStatistics(0, attempted, clashed, rejected, accepted);
+    ASSERT(attempted > 0);
+
+    // Other positions: those of an image, or none in the State.
+
+    Run image(scene.system, 1, platform), moved(scene.system, 1, platform);
+    image.context->setState(writeAndRead(*run.context, true));
+    ASSERT_EQUAL(tolerated, image.getNumToleratedClashes());
+    moved.context->setPositions(scene.getTurnedPositions());
+    moved.context->setState(fromXml(toXml(run.context->getState(State::IntegratorParameters))));
+    assertRounded(platform, scene.getTurnedPositions(), getPositions(*moved.context));
+    ASSERT_EQUAL(tolerated, moved.getNumToleratedClashes());
+
+    // Another structure.
+
+    Scene cut;
+    cut.system.setParticleMass(20, 0);
+    Run cutRun(cut.system, 1, platform);
+    cutRun.context->setState(state);
+    ASSERT_EQUAL(tolerated, cutRun.getNumToleratedClashes());
+    for (Run* each : {&others, &image, &moved, &cutRun})
+        each->integrator.step(1);
+
+    // A damaged one harms nothing but limits.
+
+    string xml = toXml(run.context->getState(State::IntegratorParameters));
+    for (const char* text : {"Random state=\"", " data=\""}) {
+        string damaged = xml;
+        damaged.insert(damaged.find(text) + string(text).size(), "x");
+        assertThrows("the State is damaged", [&] {
+            run.context->setState(fromXml(damaged));
+        });
+    }
+    size_t begin = xml.find(" data=\"") + 7;
+    size_t end = xml.find('"', begin);
+    assertThrows("the checkpoint is incomplete", [&] {
+        run.context->setState(fromXml(xml.substr(0, end - 40) + xml.substr(end)));
+    });
+    run.integrator.step(1);
+}
+
+/**
+ * States of version 1 hold limits alone.
+ */
+void testStatesOfVersion1(Platform& platform)
+{
+    Scene scene;
+    Run run(scene.system, 1, platform), fresh(scene.system, 1, platform);
+    run.context->setPositions(scene.positions);
+    run.integrator.step(10);
+    int tolerated = run.getNumToleratedClashes();
+    string xml = toXml(writeAndRead(*run.context));
+    size_t parameters = xml.find("<IntegratorParameters");
+    size_t version = xml.find("version=\"2\"", parameters);
+    xml.replace(version, 11, "version=\"1\"");
+    size_t moves = xml.find("<Moves", parameters), limits = xml.find("<Limits", parameters);
+    ASSERT(moves < limits && limits != string::npos);
+    fresh.context->setState(fromXml(xml.erase(moves, limits - moves)));
+    ASSERT_EQUAL(tolerated, fresh.getNumToleratedClashes());
+    fresh.integrator.step(1);
+    long long attempted, clashed, rejected, accepted;
+    fresh.integrator.getMoveStatistics(0, attempted, clashed, rejected, accepted);
+    ASSERT(attempted <= 50);
 }
 
 void testState(Platform& platform)
@@ -431,27 +793,18 @@ void testState(Platform& platform)
     assertSameBits(getPositions(*run.context), getPositions(*fresh.context));
     ASSERT_EQUAL(30, fresh.context->getStepCount());
     auto getLimits = [](Run& run) {
-        State state = run.context->getState(State::IntegratorParameters);
-        stringstream stream;
-        XmlSerializer::serialize<State>(&state, "State", stream);
-        string xml = stream.str();
-        return xml.substr(xml.find("<Limits"), xml.find("</Limits"));
+        string xml = toXml(run.context->getState(State::IntegratorParameters));
+        size_t begin = xml.find("<Limits");
+        return xml.substr(begin, xml.find("</Limits") - begin);
     };
     ASSERT_EQUAL(getLimits(run), getLimits(fresh));
     fresh.integrator.step(3);
     ASSERT_EQUAL(tolerated, fresh.getNumToleratedClashes());
     ASSERT_EQUAL(getLimits(run), getLimits(fresh));
 
-    // Statistics and random numbers are no part of it.
-
-    long long attempted, clashed, rejected, accepted;
-    Run third(scene.system, 1, platform);
-    third.context->setState(state);
-    third.integrator.getMoveStatistics(0, attempted, clashed, rejected, accepted);
-    ASSERT_EQUAL(0, attempted);
-
     // Without integrator parameters, setting a State is setting positions.
 
+    Run third(scene.system, 1, platform);
     third.context->setState(run.context->getState(State::Positions));
     ASSERT_EQUAL(0, third.getNumToleratedClashes());
 }
@@ -499,8 +852,14 @@ void testCheckpoints(Platform& platform)
     testLimitsAreRestored(platform);
     testAfterDynamics(platform);
     testReinitialize(platform);
+    testRefusedReinitialize(platform);
+    testBetweenRefusalAndSuccess(platform);
     testRefusedCheckpoints(platform);
+    testCheckpointsOfOtherMoves(platform);
     testPositionsOfRefusedCheckpoint(platform);
     testState(platform);
+    testGoingOnFromStates(platform);
+    testStatesThatDoNotFit(platform);
+    testStatesOfVersion1(platform);
     testStatesOfOtherIntegrators(platform);
 }

@@ -7,8 +7,10 @@
 #include "openmm/HarmonicBondForce.h"
 #include "openmm/LangevinMiddleIntegrator.h"
 #include "openmm/LocalEnergyMinimizer.h"
+#include "openmm/NonbondedForce.h"
 #include "openmm/VerletIntegrator.h"
 #include "openmm/VirtualSite.h"
+#include "openmmchaintree/internal/Warnings.h"
 #include "TestSupport.h"
 #include <limits>
 #include <map>
@@ -980,6 +982,82 @@ void testBadArguments(Platform& platform)
     });
 }
 
+// ---- Torsion angles ----
+
+/**
+ * Angles can be read and set, and tolerated clashes counted, whatever drives the Context.
+ */
+void testTorsionAngles(Platform& platform)
+{
+    const double tolerance = getTolerance(platform);
+    BeadChain chain(6, 0.7, 0.5);
+    VerletIntegrator integrator(0.001);
+    Context context(chain.system, integrator, platform);
+    context.setPositions(chain.positions);
+    vector<double> angles;
+    chain.force->getTorsionAngles(context, angles);
+    ASSERT_EQUAL(3, angles.size());
+    for (double angle : angles)
+        ASSERT_EQUAL_TOL(0.5, angle, tolerance);
+    ASSERT_EQUAL(0, chain.force->getNumToleratedClashes(context));
+    chain.force->proposeTorsions(context, {0}, {0.1});
+    ASSERT(chain.force->getNumToleratedClashes(context) > 0);
+    chain.force->setTorsionAngles(context, {3.0, -2.5, 2 * M_PI + 2.8});
+    ASSERT_EQUAL(0, chain.force->getNumToleratedClashes(context));
+    vector<Vec3> positions = getPositions(context);
+    vector<double> expected = {3.0, -2.5, 2.8};
+    chain.force->getTorsionAngles(context, angles);
+    for (int i = 0; i < 3; i++) {
+        ASSERT_EQUAL_TOL(expected[i], angles[i], tolerance);
+        ASSERT_EQUAL_TOL(expected[i], getDihedral(positions[i], positions[i + 1], positions[i + 2], positions[i + 3]),
+                         tolerance);
+    }
+    assertThrows("setTorsionAngles() was given 2 angles, but there are 3 torsions", [&] {
+        chain.force->setTorsionAngles(context, {1, 2});
+    });
+    BeadChain other(6, 0.1);
+    assertThrows("This Force is not present in the Context", [&] {
+        other.force->getTorsionAngles(context, angles);
+    });
+}
+
+// ---- Warnings ----
+
+vector<string> warnings;
+
+void noteWarning(const string& message)
+{
+    warnings.push_back(message);
+}
+
+void testPeriodicForces(Platform& platform)
+{
+    setWarningHandler(noteWarning);
+    BeadChain chain(4, 0.1);
+    NonbondedForce* nonbonded = new NonbondedForce();
+    for (int i = 0; i < 4; i++)
+        nonbonded->addParticle(0, 0.1, 0);
+    nonbonded->setNonbondedMethod(NonbondedForce::CutoffNonPeriodic);
+    chain.system.addForce(nonbonded);
+    VerletIntegrator integrator(0.001);
+    {
+        Context context(chain.system, integrator, platform);
+    }
+    ASSERT_EQUAL(0, warnings.size());
+    nonbonded->setNonbondedMethod(NonbondedForce::CutoffPeriodic);
+    nonbonded->setCutoffDistance(0.5);
+    {
+        VerletIntegrator another(0.001);
+        Context context(chain.system, another, platform);
+        context.setPositions(chain.positions);
+        chain.force->hasClash(context);
+        another.step(2);
+    }
+    ASSERT_EQUAL(1, warnings.size());
+    ASSERT(warnings[0].find("(force 1, NonbondedForce), but spheres ignore periodic images") != string::npos);
+    warnings.clear();
+}
+
 void testBadDefinitions(Platform& platform)
 {
     auto assertContextRefused = [&](const string& message, const BeadChain& chain) {
@@ -1024,5 +1102,7 @@ void testStericExclusionForce(Platform& platform)
     testDynamics(platform);
     testFailureLeavesContextUsable(platform);
     testBadArguments(platform);
+    testTorsionAngles(platform);
+    testPeriodicForces(platform);
     testBadDefinitions(platform);
 }

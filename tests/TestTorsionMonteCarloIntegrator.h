@@ -838,6 +838,117 @@ void testWeights(Platform& platform)
     ASSERT(Statistics(integrator, 3).attempted > 300);
 }
 
+/**
+ * A move can be changed and removed, while there is a Context and while there is none.
+ */
+void testChangingMoves(Platform& platform)
+{
+    BeadChain chain(6, 0.3);
+    chain.addMolecule(6, 0.3, 2.5, Vec3(0, 0, 4));
+    TorsionMonteCarloIntegrator integrator(300);
+    integrator.addTorsionMove(1, 0.1, {0, 1});
+    integrator.addRigidBodyMove(1, 0.1, 0.1);
+    double weight, angle, translation;
+    vector<int> choices;
+    int count;
+    for (bool isBound : {false, true}) {
+        unique_ptr<Context> context;
+        if (isBound) {
+            context = make_unique<Context>(chain.system, integrator, platform);
+            context->setPositions(chain.positions);
+            integrator.step(3);
+        }
+        integrator.setTorsionMoveParameters(0, 2, 0.4, {3, 5}, 2);
+        ASSERT_EQUAL(0, Statistics(integrator, 0).attempted);
+        integrator.getTorsionMoveParameters(0, weight, angle, choices, count);
+        ASSERT_EQUAL(2, weight);
+        ASSERT_EQUAL(0.4, angle);
+        ASSERT_EQUAL_CONTAINERS(vector<int>({3, 5}), choices);
+        ASSERT_EQUAL(2, count);
+        integrator.setRigidBodyMoveParameters(1, 0, 0.2, 0.3, {7});
+        integrator.getRigidBodyMoveParameters(1, weight, translation, angle, choices);
+        ASSERT_EQUAL(0, weight);
+        ASSERT_EQUAL(0.2, translation);
+        ASSERT_EQUAL(0.3, angle);
+        ASSERT_EQUAL_CONTAINERS(vector<int>({7}), choices);
+        assertThrows("move 1 is not a torsion move", [&] {
+            integrator.setTorsionMoveParameters(1, 1, 0.1);
+        });
+        assertThrows("move 0 is not a rigid body move", [&] {
+            integrator.setRigidBodyMoveParameters(0, 1, 0.1, 0.1);
+        });
+        for (int bad : {-1, 2}) {
+            assertThrows("Index out of range", [&] {
+                integrator.setTorsionMoveParameters(bad, 1, 0.1);
+            });
+            assertThrows("Index out of range", [&] {
+                integrator.removeMove(bad);
+            });
+        }
+        assertThrows("the weight of a move must be", [&] {
+            integrator.setTorsionMoveParameters(0, -1, 0.1);
+        });
+        integrator.getTorsionMoveParameters(0, weight, angle, choices, count);
+        ASSERT_EQUAL(2, weight);
+        if (!isBound) {
+            integrator.setTorsionMoveParameters(0, 1, 0.1, {0, 1});
+            integrator.setRigidBodyMoveParameters(1, 1, 0.1, 0.1);
+            continue;
+        }
+
+        // The next trials follow, and one that cannot is refused.
+
+        assertThrows("move 0 names torsion 6, but there are 6 torsions", [&] {
+            integrator.setTorsionMoveParameters(0, 1, 0.1, {6});
+        });
+        vector<double> before, after;
+        integrator.getTorsionAngles(*context, before);
+        integrator.step(1);
+        integrator.getTorsionAngles(*context, after);
+        ASSERT_EQUAL(100, Statistics(integrator, 0).attempted);
+        for (int i = 0; i < 6; i++)
+            ASSERT_EQUAL(i == 3 || i == 5, fabs(before[i] - after[i]) > 1e-5);
+
+        // The others keep their counts.
+
+        integrator.addTorsionMove(0, 0.5);
+        integrator.removeMove(1);
+        ASSERT_EQUAL(2, integrator.getNumMoves());
+        ASSERT_EQUAL(100, Statistics(integrator, 0).attempted);
+        integrator.getTorsionMoveParameters(1, weight, angle, choices, count);
+        ASSERT_EQUAL(0.5, angle);
+        integrator.removeMove(0);
+        integrator.removeMove(0);
+        assertThrows("there are no moves", [&] {
+            integrator.step(1);
+        });
+    }
+}
+
+/**
+ * An angle of more than half a turn is mostly one in degrees.
+ */
+void testAnglesInDegrees()
+{
+    TorsionMonteCarloIntegrator integrator(300);
+    integrator.addTorsionMove(1, 180 * (M_PI / 180));
+    integrator.addRigidBodyMove(1, 0.1, nextafter(M_PI, 4));
+    const string hint = "must be at most pi, half a turn, but is 20 radians; 20 degrees are 0.349066 radians";
+    assertThrows("the largest angle of a torsion move " + hint, [&] {
+        integrator.addTorsionMove(1, 20);
+    });
+    assertThrows("the largest angle of a torsion move " + hint, [&] {
+        integrator.setTorsionMoveParameters(0, 1, 20);
+    });
+    assertThrows("the largest angle of a rigid body move " + hint, [&] {
+        integrator.addRigidBodyMove(1, 0.1, 20);
+    });
+    assertThrows("the largest angle of a rigid body move " + hint, [&] {
+        integrator.setRigidBodyMoveParameters(1, 1, 0.1, 20);
+    });
+    ASSERT_EQUAL(2, integrator.getNumMoves());
+}
+
 // ---- Steps ----
 
 void testSteps(Platform& platform)
@@ -1571,6 +1682,8 @@ void testTorsionMonteCarloIntegrator(Platform& platform)
     testTorsionMoves(platform);
     testRigidBodyMoves(platform);
     testWeights(platform);
+    testChangingMoves(platform);
+    testAnglesInDegrees();
     testSteps(platform);
     testSeeds(platform);
     testTorsionAngles(platform);

@@ -168,7 +168,7 @@ def test_hard_chain_is_uniform_in_the_allowed_region(moves, trialsBetween):
     integrator = TorsionMonteCarloIntegrator(TEMPERATURE)
     integrator.setRandomNumberSeed(5)
     for count, maxAngle in moves:
-        integrator.addTorsionMove(1, maxAngle, [], count)
+        integrator.addTorsionMove(1, maxAngle, count=count)
     context = makeContext(system, integrator, positions)
     angles = chainAngles(sample(context, integrator, trialsBetween))
     assertChainIndependent(angles)
@@ -185,7 +185,7 @@ def test_energy_weighs_the_allowed_region():
     integrator = TorsionMonteCarloIntegrator(TEMPERATURE)
     integrator.setRandomNumberSeed(6)
     integrator.addTorsionMove(1, np.pi)
-    integrator.addTorsionMove(1, 2, [], 2)
+    integrator.addTorsionMove(1, 2, count=2)
     context = makeContext(system, integrator, positions)
     angles = chainAngles(sample(context, integrator, 40))
     assertChainIndependent(angles)

@@ -2,6 +2,9 @@
 #include "openmm/OpenMMException.h"
 #include "openmmchaintree/internal/ArgumentChecks.h"
 #include <algorithm>
+#include <limits>
+#include <locale>
+#include <sstream>
 
 using namespace ChainTreePlugin;
 using namespace OpenMM;
@@ -18,9 +21,42 @@ static void checkUnique(vector<int> values, const string& message)
         throw OpenMMException(message + to_string(*repeated) + " twice");
 }
 
+string ChainTreePlugin::toText(double value)
+{
+    for (int digits = 1;; digits++) {
+        stringstream text;
+        text.imbue(locale::classic());
+        text.precision(digits);
+        text << value;
+        double read = 0;
+        text >> read;
+        if (read == value || digits == numeric_limits<double>::max_digits10)
+            return text.str();
+    }
+}
+
+/**
+ * Write the indices that a move chooses from.
+ */
+static string listIndices(const vector<int>& indices)
+{
+    string text;
+    for (int index : indices)
+        text += (text.empty() ? "" : " ") + to_string(index);
+    return text.empty() ? "all" : text;
+}
+
 TorsionMove::TorsionMove(double maxAngle, const vector<int>& torsions, int count) :
     maxAngle(maxAngle), torsions(torsions), count(count)
 {
+}
+
+MoveDescription TorsionMove::describe() const
+{
+    return {{"kind", "torsion"},
+            {"maxAngle", toText(maxAngle)},
+            {"torsions", listIndices(torsions)},
+            {"count", to_string(count)}};
 }
 
 void TorsionMove::bind(const LinkStructure& structure, const string& name)
@@ -67,6 +103,14 @@ void TorsionMove::propose(CalcStericExclusionForceKernel& kernel, RandomNumberGe
 RigidBodyMove::RigidBodyMove(double maxTranslation, double maxAngle, const vector<int>& molecules) :
     maxTranslation(maxTranslation), maxAngle(maxAngle), molecules(molecules)
 {
+}
+
+MoveDescription RigidBodyMove::describe() const
+{
+    return {{"kind", "rigid body"},
+            {"maxTranslation", toText(maxTranslation)},
+            {"maxAngle", toText(maxAngle)},
+            {"molecules", listIndices(molecules)}};
 }
 
 void RigidBodyMove::bind(const LinkStructure& structure, const string& name)

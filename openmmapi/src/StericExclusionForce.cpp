@@ -25,7 +25,9 @@ static void checkParticleParameters(int index, double radius, StericExclusionFor
 
 static StericExclusionForceImpl& toImpl(ForceImpl& impl)
 {
-    return dynamic_cast<StericExclusionForceImpl&>(impl);
+    StericExclusionForceImpl& found = dynamic_cast<StericExclusionForceImpl&>(impl);
+    found.requireInitialized();
+    return found;
 }
 
 StericExclusionForce::StericExclusionForce() : overlapTolerance(0.04), hydrogenBondAllowance(0.06), forceConstant(1e5)
@@ -258,6 +260,21 @@ void StericExclusionForce::rejectProposal(Context& context) const
 void StericExclusionForce::restartLimits(Context& context) const
 {
     toImpl(getImplInContext(context)).restartLimits();
+}
+
+void StericExclusionForce::getTorsionAngles(Context& context, vector<double>& angles) const
+{
+    toImpl(getImplInContext(context)).getTorsionAngles(getContextImpl(context), angles);
+}
+
+void StericExclusionForce::setTorsionAngles(Context& context, const vector<double>& angles) const
+{
+    toImpl(getImplInContext(context)).setTorsionAngles(getContextImpl(context), angles);
+}
+
+int StericExclusionForce::getNumToleratedClashes(Context& context) const
+{
+    return toImpl(getImplInContext(context)).getNumToleratedClashes(getContextImpl(context));
 }
 
 void StericExclusionForce::getTraversalStatistics(Context& context, long long& queries, long long& volumeTests,

@@ -1,6 +1,7 @@
 #include "openmmchaintree/internal/StericExclusionForceImpl.h"
 #include "openmm/OpenMMException.h"
 #include "openmmchaintree/internal/ArgumentChecks.h"
+#include "openmmchaintree/internal/Warnings.h"
 #include <cmath>
 #include <cstring>
 #include <limits>
@@ -57,10 +58,33 @@ private:
     bool& flag;
 };
 
+/**
+ * Tell the user if another Force sees periodic images, which this one does not.
+ */
+static void warnOfPeriodicForces(const System& system)
+{
+    for (int i = 0; i < system.getNumForces(); i++) {
+        const Force& force = system.getForce(i);
+        bool isPeriodic = false;
+        try {
+            isPeriodic = force.usesPeriodicBoundaryConditions();
+        }
+        catch (const OpenMMException&) {
+            // Not every Force can tell.
+        }
+        if (isPeriodic) {
+            warn("StericExclusionForce: the System is periodic (force " + to_string(i) + ", " + force.getName() +
+                 "), but spheres ignore periodic images: only particles that are near each other as their positions "
+                 "stand can clash");
+            return;
+        }
+    }
+}
+
 StericExclusionForceImpl::StericExclusionForceImpl(const StericExclusionForce& owner) :
-    CustomCPPForceImpl(owner), owner(owner), engine(NULL), stepBegun(NO_STEP), limitsAreCurrent(false),
-    dynamicsIsExpected(false), stepsAreAnnounced(true), settingPositions(false), energyIsSuppressed(false),
-    proposalIsFree(false), hasVirtualSites(false)
+    CustomCPPForceImpl(owner), owner(owner), life(make_shared<char>()), isInitialized(false), engine(NULL),
+    stepBegun(NO_STEP), limitsAreCurrent(false), dynamicsIsExpected(false), stepsAreAnnounced(true),
+    settingPositions(false), energyIsSuppressed(false), proposalIsFree(false), hasVirtualSites(false)
 {
 }
 
@@ -96,6 +120,15 @@ void StericExclusionForceImpl::initialize(ContextImpl& context)
     engine = &kernel.getAs<CalcStericExclusionForceKernel>();
     engine->initialize(owner, *structure);
     CustomCPPForceImpl::initialize(context);
+    warnOfPeriodicForces(system);
+    isInitialized = true;
+}
+
+void StericExclusionForceImpl::requireInitialized() const
+{
+    if (!isInitialized)
+        fail("the Context is not complete, because reinitialize() was refused; mend what the exception named and call "
+             "reinitialize() again");
 }
 
 vector<pair<int, int>> StericExclusionForceImpl::getBondedParticles() const
@@ -273,7 +306,6 @@ void StericExclusionForceImpl::createCheckpoint(CheckpointWriter& writer)
     engine->getLimits(pairs, limits);
     for (size_t i = 0; i < pairs.size(); i++)
         records.push_back({pairs[i].first, pairs[i].second, limits[i]});
-    writer.write(structure->describe());
     writer.write(state);
     writer.write(records);
     writer.write((uint8_t)limitsAreCurrent);
@@ -283,8 +315,6 @@ void StericExclusionForceImpl::createCheckpoint(CheckpointWriter& writer)
 
 void StericExclusionForceImpl::loadCheckpoint(CheckpointReader& reader)
 {
-    if (reader.readVector<int>() != structure->describe())
-        fail("the checkpoint is of another structure: its bonds and torsions make other links");
     vector<double> state = reader.readVector<double>(), limits;
     vector<pair<int, int>> pairs;
     for (const LimitRecord& record : reader.readVector<LimitRecord>()) {
@@ -311,6 +341,7 @@ void StericExclusionForceImpl::loadCheckpoint(CheckpointReader& reader)
 double StericExclusionForceImpl::calcForcesAndEnergy(ContextImpl& context, bool includeForces, bool includeEnergy,
                                                      int groups)
 {
+    requireInitialized();
     // In the energy of others there is nothing to compute. GPU platforms ask nevertheless, by computeForce().
 
     if (energyIsSuppressed)
@@ -465,7 +496,7 @@ void StericExclusionForceImpl::rejectProposal()
     engine->rejectProposal();
 }
 
-// ---- What TorsionMonteCarloIntegrator needs ----
+// ---- Torsion angles ----
 
 void StericExclusionForceImpl::getTorsionAngles(ContextImpl& context, vector<double>& angles)
 {
@@ -498,6 +529,8 @@ void StericExclusionForceImpl::setTorsionAngles(ContextImpl& context, const vect
     showState(context);
     restartLimits();
 }
+
+// ---- What TorsionMonteCarloIntegrator needs ----
 
 void StericExclusionForceImpl::beginTrials(ContextImpl& context)
 {

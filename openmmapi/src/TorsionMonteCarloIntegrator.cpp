@@ -18,9 +18,12 @@
 #include "openmm/VerletIntegrator.h"
 #include "openmmchaintree/internal/ArgumentChecks.h"
 #include "openmmchaintree/internal/CheckpointStream.h"
+#include "openmmchaintree/internal/ContextSnapshot.h"
+#include "openmmchaintree/internal/Hexadecimal.h"
 #include "openmmchaintree/internal/MonteCarloMove.h"
 #include "openmmchaintree/internal/RandomNumberGenerator.h"
 #include "openmmchaintree/internal/StericExclusionForceImpl.h"
+#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <sstream>
@@ -32,9 +35,9 @@ using namespace std;
 /** What the integrator's part of a checkpoint begins with: "ChainTMC" where the first byte is the lowest. */
 static const uint64_t CHECKPOINT_MARK = 0x434d546e69616843;
 
-static const int NEWEST_CHECKPOINT_VERSION = 1;
+static const int CHECKPOINT_VERSION = 2;
 
-static const int NEWEST_STATE_VERSION = 1;
+static const int NEWEST_STATE_VERSION = 2;
 
 static void fail(const string& message)
 {
@@ -165,10 +168,39 @@ public:
         move(std::move(move)), weight(weight), clashed(0), rejectedByEnergy(0), accepted(0)
     {
     }
+    /**
+     * Get what decides the trials of this move, among others.
+     */
+    MoveDescription describe() const
+    {
+        MoveDescription description = move->describe();
+        description.insert(description.begin() + 1, {"weight", toText(weight)});
+        return description;
+    }
     unique_ptr<MonteCarloMove> move;
     double weight;
     long long clashed, rejectedByEnergy, accepted;
 };
+
+/**
+ * What a Context held when its reinitialize() began, as far as OpenMM does not keep it: if a Force or this integrator
+ * refuses, the checkpoint that reinitialize() made is lost.
+ */
+class TorsionMonteCarloIntegrator::KeptState {
+public:
+    ContextSnapshot context;
+    vector<int> structure;
+    string random;
+    /** The part of a checkpoint that is the force's. */
+    string geometry;
+    /** Whether the user has set positions since. */
+    bool positionsWereSet;
+    /** Whether the incomplete Context that there is now was given the positions. */
+    bool isShown;
+};
+
+/** Whether a checkpoint is of a Context that was not complete, and holds what was kept. */
+enum CheckpointForm : uint8_t { OfCompleteContext = 0, OfKeptState = 1, OfKeptStateWithNewPositions = 2 };
 
 TorsionMonteCarloIntegrator::TorsionMonteCarloIntegrator(double temperature) :
     trialsPerStep(100), initialClashPolicy(Tolerate), stericMode(Hard), force(NULL), groupsWithEnergy(0)
@@ -246,20 +278,47 @@ int TorsionMonteCarloIntegrator::getNumToleratedClashes(Context& context) const
     return force->getNumToleratedClashes(*this->context);
 }
 
-int TorsionMonteCarloIntegrator::addTorsionMove(double weight, double maxAngle, const vector<int>& torsions, int count)
+/**
+ * Throw an exception if an angle is more than any move needs. Mostly it is one in degrees.
+ */
+static void checkLargestAngle(double angle, const string& kind)
 {
-    checkNotNegative(maxAngle, "TorsionMonteCarloIntegrator: the largest angle of a torsion move");
+    string name = "the largest angle of a " + kind + " move";
+    checkNotNegative(angle, "TorsionMonteCarloIntegrator: " + name);
+    const double rounding = 1e-9; // of a half turn that was computed
+    if (angle > M_PI * (1 + rounding)) {
+        stringstream message;
+        message << name << " must be at most pi, half a turn, but is " << angle << " radians; " << angle
+                << " degrees are " << angle * M_PI / 180 << " radians (in Python " << angle << "*unit.degrees)";
+        fail(message.str());
+    }
+}
+
+static unique_ptr<MonteCarloMove> makeTorsionMove(double maxAngle, const vector<int>& torsions, int count)
+{
+    checkLargestAngle(maxAngle, "torsion");
     if (count < 1)
         fail("the number of torsions that a move turns must be at least 1, but is " + to_string(count));
-    return addMove(make_unique<ChainTreePlugin::TorsionMove>(maxAngle, torsions, count), weight);
+    return make_unique<TorsionMove>(maxAngle, torsions, count);
+}
+
+static unique_ptr<MonteCarloMove> makeRigidBodyMove(double maxTranslation, double maxAngle,
+                                                    const vector<int>& molecules)
+{
+    checkNotNegative(maxTranslation, "TorsionMonteCarloIntegrator: the largest translation of a rigid body move");
+    checkLargestAngle(maxAngle, "rigid body");
+    return make_unique<RigidBodyMove>(maxTranslation, maxAngle, molecules);
+}
+
+int TorsionMonteCarloIntegrator::addTorsionMove(double weight, double maxAngle, const vector<int>& torsions, int count)
+{
+    return addMove(makeTorsionMove(maxAngle, torsions, count), weight);
 }
 
 int TorsionMonteCarloIntegrator::addRigidBodyMove(double weight, double maxTranslation, double maxAngle,
                                                   const vector<int>& molecules)
 {
-    checkNotNegative(maxTranslation, "TorsionMonteCarloIntegrator: the largest translation of a rigid body move");
-    checkNotNegative(maxAngle, "TorsionMonteCarloIntegrator: the largest angle of a rigid body move");
-    return addMove(make_unique<ChainTreePlugin::RigidBodyMove>(maxTranslation, maxAngle, molecules), weight);
+    return addMove(makeRigidBodyMove(maxTranslation, maxAngle, molecules), weight);
 }
 
 int TorsionMonteCarloIntegrator::addMove(unique_ptr<MonteCarloMove> move, double weight)
@@ -269,6 +328,39 @@ int TorsionMonteCarloIntegrator::addMove(unique_ptr<MonteCarloMove> move, double
         move->bind(force->getLinkStructure(), describeMove(moves.size()));
     moves.push_back(MoveInfo(std::move(move), weight));
     return moves.size() - 1;
+}
+
+/**
+ * Put another move of the same kind in the place of one.
+ */
+void TorsionMonteCarloIntegrator::setMove(int index, unique_ptr<MonteCarloMove> move, double weight)
+{
+    checkNotNegative(weight, "TorsionMonteCarloIntegrator: the weight of a move");
+    if (force != NULL)
+        move->bind(force->getLinkStructure(), describeMove(index));
+    moves[index] = MoveInfo(std::move(move), weight);
+}
+
+void TorsionMonteCarloIntegrator::setTorsionMoveParameters(int move, double weight, double maxAngle,
+                                                           const vector<int>& torsions, int count)
+{
+    double formerWeight;
+    getMove<ChainTreePlugin::TorsionMove>(move, formerWeight, "torsion");
+    setMove(move, makeTorsionMove(maxAngle, torsions, count), weight);
+}
+
+void TorsionMonteCarloIntegrator::setRigidBodyMoveParameters(int move, double weight, double maxTranslation,
+                                                             double maxAngle, const vector<int>& molecules)
+{
+    double formerWeight;
+    getMove<ChainTreePlugin::RigidBodyMove>(move, formerWeight, "rigid body");
+    setMove(move, makeRigidBodyMove(maxTranslation, maxAngle, molecules), weight);
+}
+
+void TorsionMonteCarloIntegrator::removeMove(int move)
+{
+    ASSERT_VALID_INDEX(move, moves);
+    moves.erase(moves.begin() + move);
 }
 
 int TorsionMonteCarloIntegrator::getNumMoves() const
@@ -331,8 +423,23 @@ void TorsionMonteCarloIntegrator::resetMoveStatistics()
         info.clashed = info.rejectedByEnergy = info.accepted = 0;
 }
 
+/**
+ * Throw an exception unless there is a complete Context.
+ */
+void TorsionMonteCarloIntegrator::requireBound() const
+{
+    if (force != NULL)
+        return;
+    if (owner == NULL)
+        throw OpenMMException("This Integrator is not bound to a context!");
+    fail("its Context is not complete, because reinitialize() was refused; mend what the exception named and call "
+         "reinitialize() again");
+}
+
 void TorsionMonteCarloIntegrator::requireContext(const Context& context) const
 {
+    if (owner == &context)
+        requireBound();
     if (this->context == NULL || &this->context->getOwner() != &context)
         fail("it is not bound to this Context");
 }
@@ -349,35 +456,93 @@ void TorsionMonteCarloIntegrator::setTorsionAngles(Context& context, const vecto
     force->setTorsionAngles(*this->context, angles);
 }
 
+// ---- Life in a Context ----
+
 void TorsionMonteCarloIntegrator::initialize(ContextImpl& contextRef)
 {
     if (owner != NULL && &contextRef.getOwner() != owner)
         throw OpenMMException("This Integrator is already bound to a context");
+
+    // This kernel is never executed, but on GPUs only an integrator's kernel initializes what a Context needs.
+
+    Kernel created = contextRef.getPlatform().createKernel(IntegrateVerletStepKernel::Name(), contextRef);
+    created.getAs<IntegrateVerletStepKernel>().initialize(contextRef.getSystem(), VerletIntegrator(getStepSize()));
+    try {
+        bindTo(contextRef);
+    }
+    catch (...) {
+        showKeptState();
+        throw;
+    }
+    kernel = created;
+    kept.reset();
+}
+
+/**
+ * Take possession of a Context, or throw an exception that says why this integrator cannot drive it.
+ */
+void TorsionMonteCarloIntegrator::bindTo(ContextImpl& contextRef)
+{
     const System& system = contextRef.getSystem();
     StericExclusionForceImpl& found = findForce(contextRef);
     checkNoBarostat(system);
     checkConstraints(system, found.getLinkStructure());
     for (size_t i = 0; i < moves.size(); i++)
         moves[i].move->bind(found.getLinkStructure(), describeMove(i));
-
-    // This kernel is never executed, but on GPUs only an integrator's kernel initializes what a Context needs.
-
-    kernel = contextRef.getPlatform().createKernel(IntegrateVerletStepKernel::Name(), contextRef);
-    kernel.getAs<IntegrateVerletStepKernel>().initialize(system, VerletIntegrator(getStepSize()));
     random.reset(new RandomNumberGenerator(randomNumberSeed == 0 ? osrngseed() : randomNumberSeed));
     found.expectDynamics(!hasSilentSteps(contextRef.getIntegrator()));
     groupsWithEnergy = findGroupsWithEnergy(system);
     force = &found;
+    forceLife = found.getLife();
     context = &contextRef;
     owner = &contextRef.getOwner();
 }
 
 void TorsionMonteCarloIntegrator::cleanup()
 {
+    // A Context that is reinitialized is whole at this time; of one that ends the forces are gone.
+
+    if (force != NULL && !forceLife.expired())
+        kept = keepState();
+    if (kept)
+        kept->isShown = false;
     force = NULL;
+    context = NULL;
     random.reset();
     kernel = Kernel();
     restoredPositions.clear();
+}
+
+/**
+ * Get all that is needed to go on in a Context made anew.
+ */
+unique_ptr<TorsionMonteCarloIntegrator::KeptState> TorsionMonteCarloIntegrator::keepState()
+{
+    bool positionsAreSet = true;
+    try {
+        context->calcForcesAndEnergy(false, false, 0);
+    }
+    catch (const OpenMMException&) {
+        positionsAreSet = false;
+    }
+    stringstream geometry;
+    CheckpointWriter writer(geometry);
+    force->createCheckpoint(writer);
+    return unique_ptr<KeptState>(new KeptState{ContextSnapshot(context->getOwner(), positionsAreSet),
+                                               force->getLinkStructure().describe(), random->getState(), geometry.str(),
+                                               false, false});
+}
+
+/**
+ * Give an incomplete Context what was kept of its predecessor. This also makes OpenMM know that positions were set,
+ * which it carries over from there.
+ */
+void TorsionMonteCarloIntegrator::showKeptState() const
+{
+    if (!kept || kept->isShown)
+        return;
+    kept->isShown = true;
+    ContextSnapshot(kept->context).restore(*owner);
 }
 
 vector<string> TorsionMonteCarloIntegrator::getKernelNames()
@@ -387,6 +552,10 @@ vector<string> TorsionMonteCarloIntegrator::getKernelNames()
 
 void TorsionMonteCarloIntegrator::stateChanged(State::DataType changed)
 {
+    if (kept && changed == State::Positions)
+        kept->positionsWereSet |= kept->context.updatePositions(*owner);
+    if (kept && changed == State::Velocities)
+        kept->context.updateVelocities(*owner);
     if (force == NULL || changed != State::Positions)
         return;
     vector<Vec3> restored;
@@ -394,22 +563,90 @@ void TorsionMonteCarloIntegrator::stateChanged(State::DataType changed)
     force->positionsWereSet(*context, restored);
 }
 
+// ---- Checkpoints ----
+
+void TorsionMonteCarloIntegrator::writeMoves(CheckpointWriter& writer) const
+{
+    writer.write((uint64_t)moves.size());
+    for (const MoveInfo& info : moves) {
+        MoveDescription description = info.describe();
+        writer.write((uint64_t)description.size());
+        for (auto& property : description) {
+            writer.write(property.first);
+            writer.write(property.second);
+        }
+        writer.write(vector<long long>({info.clashed, info.rejectedByEnergy, info.accepted}));
+    }
+}
+
+/**
+ * Throw an exception that says how a move differs from that of a checkpoint, if it does.
+ */
+static void checkSameMove(size_t index, const MoveDescription& written, const MoveDescription& own)
+{
+    const size_t longest = 40; // that a message can show
+    for (size_t i = 0; i < min(written.size(), own.size()); i++) {
+        if (written[i] == own[i])
+            continue;
+        const string &name = own[i].first, &value = written[i].second, &ownValue = own[i].second;
+        bool isShort = (value.size() <= longest && ownValue.size() <= longest);
+        fail("the checkpoint is of other moves: move " + to_string(index) + " has " +
+             (isShort ? name + " " + value + " in it, but " + ownValue + " here"
+                      : "other " + name + " in it than here") +
+             "; give this integrator the moves of the checkpoint, and change them after it is loaded");
+    }
+}
+
+/**
+ * Read the moves of a checkpoint and get their counts, three of each. It is an error if they are not those of this
+ * integrator.
+ */
+vector<long long> TorsionMonteCarloIntegrator::readMoves(CheckpointReader& reader) const
+{
+    uint64_t count = reader.read<uint64_t>();
+    if (count != moves.size())
+        fail("the checkpoint is of an integrator with " + to_string(count) + " moves, but this one has " +
+             to_string(moves.size()));
+    vector<long long> statistics;
+    for (size_t i = 0; i < moves.size(); i++) {
+        MoveDescription description;
+        uint64_t size = reader.read<uint64_t>();
+        for (uint64_t j = 0; j < size; j++) {
+            string name = reader.readString();
+            description.push_back(make_pair(name, reader.readString()));
+        }
+        checkSameMove(i, description, moves[i].describe());
+        for (long long number : reader.readVector<long long>())
+            statistics.push_back(number);
+    }
+    return statistics;
+}
+
 void TorsionMonteCarloIntegrator::createCheckpoint(ostream& stream) const
 {
+    if (!kept)
+        requireBound();
     CheckpointWriter writer(stream);
     writer.write(CHECKPOINT_MARK);
-    writer.write(NEWEST_CHECKPOINT_VERSION);
-    vector<long long> statistics;
-    for (const MoveInfo& info : moves)
-        statistics.insert(statistics.end(), {info.clashed, info.rejectedByEnergy, info.accepted});
-    writer.write(statistics);
-    string randomState = random->getState();
-    writer.write(vector<char>(randomState.begin(), randomState.end()));
-    force->createCheckpoint(writer);
+    writer.write(CHECKPOINT_VERSION);
+    writer.write(force != NULL ? force->getLinkStructure().describe() : kept->structure);
+    writeMoves(writer);
+    if (force != NULL) {
+        writer.write(random->getState());
+        writer.write(OfCompleteContext);
+        force->createCheckpoint(writer);
+        return;
+    }
+    showKeptState();
+    writer.write(kept->random);
+    writer.write(kept->positionsWereSet ? OfKeptStateWithNewPositions : OfKeptState);
+    kept->context.write(writer);
+    writer.append(kept->geometry);
 }
 
 void TorsionMonteCarloIntegrator::loadCheckpoint(istream& stream)
 {
+    requireBound();
     CheckpointReader reader(stream);
     try {
         restoreCheckpoint(reader);
@@ -426,17 +663,23 @@ void TorsionMonteCarloIntegrator::restoreCheckpoint(CheckpointReader& reader)
 {
     if (reader.read<uint64_t>() != CHECKPOINT_MARK)
         fail("the checkpoint was created with another Integrator");
-    checkVersion(reader.read<int>(), NEWEST_CHECKPOINT_VERSION, "the checkpoint of a TorsionMonteCarloIntegrator");
-    vector<long long> statistics = reader.readVector<long long>();
-    if (statistics.size() != 3 * moves.size())
-        fail("the checkpoint is of an integrator with " + to_string(statistics.size() / 3) +
-             " moves, but this one has " + to_string(moves.size()));
-    vector<char> randomState = reader.readVector<char>();
+    int version = reader.read<int>();
+    if (version != CHECKPOINT_VERSION)
+        throw OpenMMException("the checkpoint of a TorsionMonteCarloIntegrator has version " + to_string(version) +
+                              ", but this openmm-chaintree reads only version " + to_string(CHECKPOINT_VERSION));
+    if (reader.readVector<int>() != force->getLinkStructure().describe())
+        fail("the checkpoint is of another structure: its bonds and torsions make other links");
+    vector<long long> statistics = readMoves(reader);
     RandomNumberGenerator restored(0);
-    if (!restored.setState(string(randomState.begin(), randomState.end())))
+    bool isGood = restored.setState(reader.readString());
+    CheckpointForm form = reader.read<CheckpointForm>();
+    if (!isGood || statistics.size() != 3 * moves.size() || form > OfKeptStateWithNewPositions)
         fail("the checkpoint is damaged");
+    if (form != OfCompleteContext)
+        ContextSnapshot(reader).restore(context->getOwner());
     force->loadCheckpoint(reader);
-    context->getPositions(restoredPositions);
+    if (form != OfKeptStateWithNewPositions)
+        context->getPositions(restoredPositions);
     *random = restored;
     for (size_t i = 0; i < moves.size(); i++) {
         moves[i].clashed = statistics[3 * i];
@@ -445,41 +688,139 @@ void TorsionMonteCarloIntegrator::restoreCheckpoint(CheckpointReader& reader)
     }
 }
 
+// ---- States ----
+
+/**
+ * Get a text that tells positions from others, by their bits (FNV-1a).
+ */
+static string fingerprint(const vector<Vec3>& positions)
+{
+    uint64_t hash = 0xcbf29ce484222325;
+    const unsigned char* bytes = reinterpret_cast<const unsigned char*>(positions.data());
+    for (size_t i = 0; i < positions.size() * sizeof(Vec3); i++)
+        hash = (hash ^ bytes[i]) * 0x100000001b3;
+    return to_string(hash);
+}
+
 void TorsionMonteCarloIntegrator::serializeParameters(SerializationNode& node) const
 {
+    requireBound();
+    node.setIntProperty("version", NEWEST_STATE_VERSION);
+    SerializationNode& moveList = node.createChildNode("Moves");
+    for (const MoveInfo& info : moves) {
+        SerializationNode& move = moveList.createChildNode("Move");
+        for (auto& property : info.describe())
+            move.setStringProperty(property.first, property.second);
+        move.setLongProperty("clashed", info.clashed)
+            .setLongProperty("rejectedByEnergy", info.rejectedByEnergy)
+            .setLongProperty("accepted", info.accepted);
+    }
+    node.createChildNode("Random").setStringProperty("state", random->getState());
+    vector<Vec3> positions;
+    context->getPositions(positions);
+    stringstream geometry;
+    CheckpointWriter writer(geometry);
+    writer.write(force->getLinkStructure().describe());
+    force->createCheckpoint(writer);
+    node.createChildNode("Geometry")
+        .setStringProperty("positions", fingerprint(positions))
+        .setStringProperty("data", toHexadecimal(geometry.str()));
     vector<pair<int, int>> pairs;
     vector<double> limits;
     force->getLimits(pairs, limits);
-    node.setIntProperty("version", NEWEST_STATE_VERSION);
-    SerializationNode& list = node.createChildNode("Limits");
+    SerializationNode& limitList = node.createChildNode("Limits");
     for (size_t i = 0; i < pairs.size(); i++)
-        list.createChildNode("Limit")
+        limitList.createChildNode("Limit")
             .setIntProperty("p1", pairs[i].first)
             .setIntProperty("p2", pairs[i].second)
             .setDoubleProperty("overlap", limits[i]);
 }
 
+/**
+ * Restore the counts of the moves from a State, if it is of the same moves.
+ */
+void TorsionMonteCarloIntegrator::deserializeStatistics(const vector<SerializationNode>& nodes)
+{
+    if (nodes.size() != moves.size())
+        return;
+    for (size_t i = 0; i < moves.size(); i++)
+        for (auto& property : moves[i].describe())
+            if (nodes[i].getStringProperty(property.first, "") != property.second)
+                return;
+    for (size_t i = 0; i < moves.size(); i++) {
+        moves[i].clashed = nodes[i].getLongProperty("clashed");
+        moves[i].rejectedByEnergy = nodes[i].getLongProperty("rejectedByEnergy");
+        moves[i].accepted = nodes[i].getLongProperty("accepted");
+    }
+}
+
+/**
+ * Restore what the geometry is computed from, and the limits. Returns false, and changes nothing, if the Context does
+ * not stand where that State was made, or has another structure.
+ */
+bool TorsionMonteCarloIntegrator::deserializeGeometry(const SerializationNode& node)
+{
+    vector<Vec3> positions;
+    context->getPositions(positions);
+    if (fingerprint(positions) != node.getStringProperty("positions"))
+        return false;
+    string data;
+    if (!fromHexadecimal(node.getStringProperty("data"), data))
+        fail("the State is damaged");
+    stringstream stream(data);
+    CheckpointReader reader(stream);
+    if (reader.readVector<int>() != force->getLinkStructure().describe())
+        return false;
+    try {
+        force->loadCheckpoint(reader);
+    }
+    catch (...) {
+        force->restartLimits();
+        throw;
+    }
+    return true;
+}
+
 void TorsionMonteCarloIntegrator::deserializeParameters(const SerializationNode& node)
 {
+    requireBound();
+
     // Many integrators keep nothing in a State. Sampling may well start from what they have made.
 
     if (!node.hasProperty("version"))
         return;
     auto& children = node.getChildren();
-    if (children.size() != 1 || children[0].getName() != "Limits")
+    bool isOurs = any_of(children.begin(), children.end(), [](const SerializationNode& child) {
+        return child.getName() == "Limits";
+    });
+    if (!isOurs)
         fail("the integrator parameters of the State are those of another Integrator");
-    checkVersion(node.getIntProperty("version"), NEWEST_STATE_VERSION, "the State of a TorsionMonteCarloIntegrator");
+    int version = node.getIntProperty("version");
+    checkVersion(version, NEWEST_STATE_VERSION, "the State of a TorsionMonteCarloIntegrator");
     vector<pair<int, int>> pairs;
     vector<double> limits;
-    for (auto& limit : children[0].getChildren()) {
+    for (auto& limit : node.getChildNode("Limits").getChildren()) {
         pairs.push_back(make_pair(limit.getIntProperty("p1"), limit.getIntProperty("p2")));
         limits.push_back(limit.getDoubleProperty("overlap"));
     }
-    force->setLimits(*context, pairs, limits);
+    if (version == 1) {
+        force->setLimits(*context, pairs, limits);
+        return;
+    }
+    RandomNumberGenerator restored(0);
+    if (!restored.setState(node.getChildNode("Random").getStringProperty("state")))
+        fail("the State is damaged");
+    if (!deserializeGeometry(node.getChildNode("Geometry")))
+        force->setLimits(*context, pairs, limits);
+    *random = restored;
+    deserializeStatistics(node.getChildNode("Moves").getChildren());
 }
+
+// ---- Sampling ----
 
 double TorsionMonteCarloIntegrator::computeKineticEnergy()
 {
+    requireBound();
     const System& system = context->getSystem();
     vector<Vec3> velocities;
     context->getVelocities(velocities);
@@ -523,8 +864,7 @@ bool TorsionMonteCarloIntegrator::isAccepted(double energyChange)
 
 void TorsionMonteCarloIntegrator::step(int steps)
 {
-    if (context == NULL)
-        throw OpenMMException("This Integrator is not bound to a context!");
+    requireBound();
     double weightSum = sumWeights();
     force->takeNoticeOfPositions(*context);
     for (int i = 0; i < steps; i++) {

@@ -1,7 +1,9 @@
 """The face of StericExclusionForce in Python: types, arrays, exceptions, threads."""
 
+import copy
 import threading
 import time
+import warnings
 
 import numpy as np
 import openmm
@@ -9,7 +11,7 @@ import pytest
 from openmm import unit
 from openmmchaintree import MinimumDistance, StericExclusionForce, TraversalStatistics
 from openmmchaintree.command.allpairs import HardSpheres
-from scenes import positionsOf
+from scenes import makeContext, positionsOf
 
 
 def test_clashesAreThoseOfAllPairs(villinRun):
@@ -168,6 +170,74 @@ def test_interpreterIsFreeDuringLongCalls():
         thread.join()
     assert len(pairs) == count * (count - 1) // 2
     assert any(start + 0.3 * (end - start) < moment < end for moment in ticks)
+
+
+def test_anglesWithoutTheIntegrator(villinRun, villin):
+    force, _, _ = villinRun
+    force = copy.copy(force)
+    context = makeContext(villin, force, openmm.VerletIntegrator(0.001))
+    angles = force.getTorsionAngles(context)
+    assert angles.dtype == np.float64 and angles.shape == (138,)
+    assert force.setTorsionAngles(context, np.degrees(-angles) * unit.degrees) is None
+    assert force.getTorsionAngles(context) == pytest.approx(-angles, abs=1e-9)
+    assert force.getNumToleratedClashes(context) == 0
+    force.proposeTorsions(context, [0], [0.1])
+    assert force.getNumToleratedClashes(context) > 0
+
+
+def test_repr(villinRun):
+    force, _, _ = villinRun
+    bonds, exclusions = f"{force.getNumBonds():,}", f"{force.getNumExclusions():,}"
+    assert repr(force) == (
+        f"<StericExclusionForce: 582 particles, {bonds} bonds, 138 torsions, {exclusions} exclusions, "
+        "overlapTolerance 0.04 nm>"
+    )
+    assert "," in exclusions
+    system = openmm.System()
+    system.addForce(StericExclusionForce())
+    assert repr(StericExclusionForce.cast(system.getForce(0))) == (
+        "<StericExclusionForce: 0 particles, 0 bonds, 0 torsions, 0 exclusions, overlapTolerance 0.04 nm>"
+    )
+
+
+def makePeriodicSystem(method):
+    system = openmm.System()
+    force, nonbonded = StericExclusionForce(), openmm.NonbondedForce()
+    for _ in range(2):
+        system.addParticle(1)
+        force.addParticle(0.1)
+        nonbonded.addParticle(0, 0.1, 0)
+    nonbonded.setNonbondedMethod(method)
+    nonbonded.setCutoffDistance(0.5)
+    system.addForce(nonbonded)
+    system.addForce(force)
+    return system
+
+
+def makeBareContext(system):
+    return openmm.Context(system, openmm.VerletIntegrator(0.001), openmm.Platform.getPlatformByName("Reference"))
+
+
+@pytest.mark.parametrize("method", [openmm.NonbondedForce.CutoffPeriodic, openmm.NonbondedForce.PME])
+def test_periodicForcesAreWarnedOf(method):
+    with pytest.warns(UserWarning, match="force 0, NonbondedForce.*spheres ignore periodic images") as caught:
+        makeBareContext(makePeriodicSystem(method))
+    assert len(caught) == 1
+    assert caught[0].filename == __file__
+
+
+def test_warningsCanBeErrors():
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        with pytest.raises(openmm.OpenMMException, match="spheres ignore periodic images"):
+            makeBareContext(makePeriodicSystem(openmm.NonbondedForce.CutoffPeriodic))
+
+
+@pytest.mark.parametrize("method", [openmm.NonbondedForce.NoCutoff, openmm.NonbondedForce.CutoffNonPeriodic])
+def test_noWarningWithoutPeriodicForces(method):
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        makeBareContext(makePeriodicSystem(method))
 
 
 def test_docstringsTellUnitsAndShapes():

@@ -34,16 +34,84 @@ def test_moveParameters():
     assert integrator.getMoveType(1) == TorsionMonteCarloIntegrator.RigidBodyMove
     weight, translation, angle, molecules = integrator.getRigidBodyMoveParameters(1)
     assert (weight, translation, angle) == (2, 0.1 * unit.nanometer, 0.3 * unit.radian)
-    assert molecules.tolist() == []
+    assert molecules is None
     with pytest.raises(openmm.OpenMMException, match="move 0 is not a rigid body move"):
         integrator.getRigidBodyMoveParameters(0)
+
+
+def test_movesAreSetAsTheyAreRead():
+    integrator = TorsionMonteCarloIntegrator(300)
+    integrator.addTorsionMove(1, 0.1)
+    integrator.addRigidBodyMove(1, 0.1, 0.1)
+    integrator.addTorsionMove(1, 0.1, [3])
+    for torsions in (None, [2, 1]):
+        integrator.setTorsionMoveParameters(0, 2, 10 * unit.degrees, torsions, 2)
+        weight, angle, found, count = integrator.getTorsionMoveParameters(0)
+        assert (weight, count) == (2, 2)
+        assert angle.value_in_unit(unit.degrees) == pytest.approx(10)
+        assert found is None if torsions is None else found.tolist() == torsions
+        integrator.setTorsionMoveParameters(0, *integrator.getTorsionMoveParameters(0))
+    integrator.setRigidBodyMoveParameters(1, weight=0.5, maxTranslation=1 * unit.angstrom, maxAngle=0.2, molecules=[4])
+    assert integrator.getRigidBodyMoveParameters(1)[3].tolist() == [4]
+    integrator.setRigidBodyMoveParameters(1, *integrator.getRigidBodyMoveParameters(1))
+    integrator.removeMove(0)
+    assert integrator.getNumMoves() == 2
+    assert integrator.getTorsionMoveParameters(1)[2].tolist() == [3]
+
+
+def test_noTorsionsAreNotAllTorsions():
+    integrator = TorsionMonteCarloIntegrator(300)
+    integrator.addTorsionMove(1, 0.1, torsions=None)
+    integrator.addRigidBodyMove(1, 0.1, 0.1, None)
+    for empty in ([], (), np.array([], int)):
+        with pytest.raises(openmm.OpenMMException, match="torsions is empty.*None means all of them"):
+            integrator.addTorsionMove(1, 0.1, torsions=empty)
+        with pytest.raises(openmm.OpenMMException, match="torsions is empty"):
+            integrator.setTorsionMoveParameters(0, 1, 0.1, empty)
+        with pytest.raises(openmm.OpenMMException, match="molecules is empty"):
+            integrator.addRigidBodyMove(1, 0.1, 0.1, empty)
+        with pytest.raises(openmm.OpenMMException, match="molecules is empty"):
+            integrator.setRigidBodyMoveParameters(1, 1, 0.1, 0.1, empty)
+    assert integrator.getNumMoves() == 2
+
+
+def test_anglesInDegreesAreHintedAt():
+    integrator = TorsionMonteCarloIntegrator(300)
+    with pytest.raises(openmm.OpenMMException, match=r"but is 20 radians.*in Python 20\*unit.degrees"):
+        integrator.addTorsionMove(1, 20)
+    integrator.addTorsionMove(1, 20 * unit.degrees)
+    integrator.addTorsionMove(1, 180 * unit.degrees)
+    integrator.addRigidBodyMove(1, 0.1, 180 * unit.degrees)
+
+
+def test_repr():
+    integrator = TorsionMonteCarloIntegrator(300)
+    assert repr(integrator) == "<TorsionMonteCarloIntegrator: 300 K, 100 trials a step, 0 moves>"
+    integrator.addTorsionMove(1, 0.2)
+    assert repr(integrator) == (
+        "<TorsionMonteCarloIntegrator: 300 K, 100 trials a step, 1 move: torsion ±0.2 rad (weight 1, all torsions)>"
+    )
+    integrator.setTemperature(310.5)
+    integrator.setTrialsPerStep(2000)
+    integrator.addTorsionMove(0.5, 1, range(12), 3)
+    integrator.addRigidBodyMove(0.1, 0.05, 0.1)
+    integrator.addRigidBodyMove(0.1, 0.05, 0.1, [3])
+    assert str(integrator) == (
+        "<TorsionMonteCarloIntegrator: 310.5 K, 2,000 trials a step, 4 moves: "
+        "torsion ±0.2 rad (weight 1, all torsions), 3 torsions ±1 rad (weight 0.5, 12 torsions to choose from), "
+        "rigid body ±0.05 nm ±0.1 rad (weight 0.1, all molecules), "
+        "rigid body ±0.05 nm ±0.1 rad (weight 0.1, 1 molecule to choose from)>"
+    )
+    integrator.addTorsionMove(1, 0.3)
+    assert repr(integrator).endswith("5 moves: " + str(integrator).split("moves: ")[1])
+    assert repr(integrator).endswith(", ...>")
 
 
 def test_sameSeedSameTrajectory(villin):
     def end(seed):
         integrator = TorsionMonteCarloIntegrator(300)
         integrator.setRandomNumberSeed(seed)
-        integrator.addTorsionMove(1, 0.3, [], 2)
+        integrator.addTorsionMove(1, 0.3, count=2)
         integrator.addRigidBodyMove(1, 0.1, 0.1)
         force = createStericExclusionForce(villin.topology, villin.positions)
         context = makeContext(villin, force, integrator)
@@ -60,6 +128,7 @@ def test_torsionAngles(villinRun):
     integrator.step(10)
     angles = integrator.getTorsionAngles(context)
     assert angles.dtype == np.float64 and angles.shape == (138,)
+    assert np.array_equal(angles, force.getTorsionAngles(context))
     expected = dihedrals(positionsOf(context), quadruples)
     assert np.exp(1j * angles) == pytest.approx(np.exp(1j * expected), abs=1e-9)
 
@@ -69,10 +138,10 @@ def test_torsionAngles(villinRun):
 
 
 def test_toleratedClashes(villinRun):
-    _, integrator, context = villinRun
-    assert integrator.getNumToleratedClashes(context) == 0
+    force, integrator, context = villinRun
+    assert integrator.getNumToleratedClashes(context) == 0 == force.getNumToleratedClashes(context)
     integrator.step(1)
-    assert integrator.getNumToleratedClashes(context) == 1
+    assert integrator.getNumToleratedClashes(context) == 1 == force.getNumToleratedClashes(context)
 
 
 def test_refusedClash(villin):

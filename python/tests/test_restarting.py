@@ -7,7 +7,7 @@ import numpy as np
 import openmm
 import pytest
 from openmm import app
-from openmmchaintree import TorsionMonteCarloIntegrator, createStericExclusionForce
+from openmmchaintree import StericExclusionForce, TorsionMonteCarloIntegrator, createStericExclusionForce
 from scenes import makeSystem, positionsOf
 
 
@@ -16,7 +16,7 @@ def makeIntegrator(seed=0):
     integrator.setRandomNumberSeed(seed)
     integrator.setTrialsPerStep(5)
     integrator.addTorsionMove(1, 0.3)
-    integrator.addTorsionMove(1, 0.2, [], 3)
+    integrator.addTorsionMove(1, 0.2, count=3)
     return integrator
 
 
@@ -100,6 +100,108 @@ def test_states(villin, tmp_path, viaReporter):
     assert np.array_equal(positionsOf(again.context), positionsOf(simulation.context))
     again.step(1)
     assert again.integrator.getNumToleratedClashes(again.context) == tolerated
+
+
+@pytest.mark.parametrize("make", [makeStericSystem, makeSolvatedSystem])
+def test_statesGoOnBitForBit(villin, make, tmp_path):
+    path = str(tmp_path / "state.xml")
+    simulation = makeSimulation(villin.topology, make(villin))
+    simulation.context.setPositions(villin.positions)
+    simulation.step(3)
+    simulation.saveState(path)
+    state = fullState(simulation.context)
+    simulation.step(3)
+    end = simulation.context.createCheckpoint()
+    ends = []
+    for kind in ("file", "text"):
+        again = makeSimulation(villin.topology, make(villin))
+        if kind == "file":
+            again.loadState(path)
+        else:
+            again.context.setState(openmm.XmlSerializer.deserialize(state))
+        assert again.currentStep == 3
+        again.step(3)
+        ends.append(again.context.createCheckpoint())
+    assert ends == [end, end]
+
+
+def fullState(context):
+    state = context.getState(positions=True, velocities=True, parameters=True, integratorParameters=True)
+    return openmm.XmlSerializer.serialize(state)
+
+
+def test_otherMoves(villin):
+    simulation = makeSimulation(villin.topology, makeStericSystem(villin))
+    simulation.context.setPositions(villin.positions)
+    checkpoint, state = simulation.context.createCheckpoint(), fullState(simulation.context)
+    simulation.integrator.setTorsionMoveParameters(1, 1, 0.25, count=3)
+    with pytest.raises(openmm.OpenMMException, match="of other moves: move 1 has maxAngle 0.2 in it, but 0.25 here"):
+        simulation.context.loadCheckpoint(checkpoint)
+    simulation.context.setState(openmm.XmlSerializer.deserialize(state))
+    simulation.step(1)
+    simulation.integrator.setTorsionMoveParameters(1, 1, 0.2, count=3)
+    simulation.context.loadCheckpoint(checkpoint)
+
+
+# ---- A refused reinitialize() ----
+
+
+def guarded(context):
+    """Yield each call that needs what a refused reinitialize() leaves incomplete."""
+    state = openmm.XmlSerializer.deserialize(fullState(context))
+    checkpoint = context.createCheckpoint()
+    yield lambda: context.loadCheckpoint(checkpoint)
+    yield lambda: context.setState(state)
+    yield lambda: context.getState(integratorParameters=True)
+    yield lambda: context.getIntegrator().step(1)
+    yield lambda: context.getIntegrator().getTorsionAngles(context)
+    yield lambda: context.getIntegrator().getNumToleratedClashes(context)
+
+
+def test_refusedReinitialize(villin):
+    whole, refused = (makeSimulation(villin.topology, makeStericSystem(villin), seed=4) for _ in range(2))
+    for simulation in (whole, refused):
+        simulation.context.setPositions(villin.positions)
+        simulation.step(2)
+    context = refused.context
+    calls = list(guarded(context))
+    for _ in range(2):
+        # The first to refuse is the barostat itself: the System has no box.
+        refused.system.addForce(openmm.MonteCarloBarostat(1, 300))
+        for _ in range(2):
+            with pytest.raises(openmm.OpenMMException, match="barostat"):
+                context.reinitialize(preserveState=True)
+        refused.system.removeForce(1)
+        context.reinitialize(preserveState=True)
+    assert context.createCheckpoint() == whole.context.createCheckpoint()
+
+    refused.system.addForce(openmm.MonteCarloBarostat(1, 300))
+    with pytest.raises(openmm.OpenMMException, match="barostat"):
+        context.reinitialize(preserveState=True)
+    for call in calls:
+        with pytest.raises(openmm.OpenMMException, match=r"reinitialize\(\) was refused"):
+            call()
+    force = StericExclusionForce.cast(refused.system.getForce(0))
+    with pytest.raises(openmm.OpenMMException):
+        force.addTorsion(0, 0, 0, 0)
+        context.reinitialize(preserveState=True)
+    for query in (force.hasClash, force.getClashes, force.getTorsionAngles, force.updateParametersInContext):
+        with pytest.raises(openmm.OpenMMException, match=r"reinitialize\(\) was refused"):
+            query(context)
+
+
+def test_rescueFromRefusedReinitialize(villin):
+    """Whoever cannot mend the System goes on in another: from a checkpoint of the incomplete Context."""
+    simulation = makeSimulation(villin.topology, makeStericSystem(villin))
+    simulation.context.setPositions(villin.positions)
+    simulation.step(2)
+    checkpoint = simulation.context.createCheckpoint()
+    simulation.system.addForce(openmm.MonteCarloBarostat(1, 300))
+    with pytest.raises(openmm.OpenMMException, match="barostat"):
+        simulation.context.reinitialize(preserveState=True)
+    again = makeSimulation(villin.topology, makeStericSystem(villin))
+    again.context.loadCheckpoint(simulation.context.createCheckpoint())
+    assert again.context.createCheckpoint() == checkpoint
 
 
 def test_otherStructure(villin, tmp_path):

@@ -45,6 +45,10 @@ force.proposeTorsions(context, 3, [0.1])  # wrong
 integrator = TorsionMonteCarloIntegrator(300 * unit.kelvin)
 integrator.addTorsionMove(1, 0.1, [0, 1], count=2)
 integrator.addTorsionMove(1, 0.1, count="all")  # wrong
+integrator.setTorsionMoveParameters(0, 1, 0.1, torsions=None)
+integrator.setRigidBodyMoveParameters(1, 1, 0.1, 0.1, [0])
+integrator.removeMove(1)
+force.setTorsionAngles(context, -force.getTorsionAngles(context))
 integrator.getMoveStatistics(0).accepted
 integrator.getMoveStatistics(0).rejected  # wrong
 topology: app.Topology

@@ -76,7 +76,8 @@ namespace ChainTreePlugin {
  * checkpoints and States. Without one, every change of positions that no proposal made starts the limits anew.
  *
  * <b>Periodic boundary conditions are not supported.</b> Distances are those of the positions as they are, whatever the
- * periodic box of the System.
+ * periodic box of the System. If another Force of the System uses periodic boundary conditions, creating a Context
+ * warns of this: on the standard error stream, or in Python by a UserWarning.
  *
  * The force keeps no state of its own: several Contexts may share it. Changing it after a Context was created has no
  * effect on that Context until updateParametersInContext() is called.
@@ -390,6 +391,32 @@ public:
      * @param context  the Context whose limits are to start anew
      */
     void restartLimits(OpenMM::Context& context) const;
+    /**
+     * Get the values of all torsions, at the present positions. It is an error if one of them is undefined because
+     * three of its particles lie on a straight line.
+     *
+     * @param context      the Context whose positions are used
+     * @param[out] angles  the value of each torsion, in (-pi, pi], in radians
+     */
+    void getTorsionAngles(OpenMM::Context& context, std::vector<double>& angles) const;
+    /**
+     * Turn all torsions to given values, clashing or not. Virtual sites are computed anew. Like setting positions, this
+     * starts limits anew. It is an error if one of the torsions is undefined because three of its particles lie on a
+     * straight line.
+     *
+     * @param context  the Context to move
+     * @param angles   the value of each torsion, in radians
+     */
+    void setTorsionAngles(OpenMM::Context& context, const std::vector<double>& angles) const;
+    /**
+     * Get the number of pairs whose limit is not their tolerance, because they clashed when sampling started or after
+     * another Integrator moved particles. It is 0 before sampling starts, that is, before the first step or proposal
+     * after the Context was created or limits started anew; and after Soft steps of a TorsionMonteCarloIntegrator, which
+     * know no limits.
+     *
+     * @param context  the Context to report on
+     */
+    int getNumToleratedClashes(OpenMM::Context& context) const;
     /**
      * Get how much work the queries and trials of a Context took, since it was created or resetTraversalStatistics()
      * was called. Evaluations of energy and forces count as queries, and trials of a TorsionMonteCarloIntegrator too.

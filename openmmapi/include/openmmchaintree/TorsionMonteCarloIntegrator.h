@@ -18,6 +18,7 @@ class SerializationNode;
 namespace ChainTreePlugin {
 
 class CheckpointReader;
+class CheckpointWriter;
 class MonteCarloMove;
 class RandomNumberGenerator;
 class StericExclusionForceImpl;
@@ -78,11 +79,30 @@ class StericExclusionForceImpl;
  * then is where the trials that were accepted have led, and these are counted, but the step is not.
  *
  * <b>Checkpoints and States.</b> With the same random number seed, the same program samples the same trajectory, bit
- * for bit. So does one that is broken off between two steps and goes on from a checkpoint, in which there are the
- * random number generator, the limits and the statistics of the moves. The trial that the user may have opened by
- * StericExclusionForce is not in it. A State with the integrator parameters keeps the limits, but not the random number
- * generator. A checkpoint of other moves or another structure is refused by an exception, but the Context has its
- * positions, velocities, parameters and time by then: OpenMM restores these before it asks the Integrator.
+ * for bit. So does one that is broken off between two steps and goes on from a checkpoint, or from a State with
+ * positions and integrator parameters, as app.Simulation saves it in Python. Both hold the random number generator, the
+ * limits, the statistics of the moves, and what the geometry is computed from. The trial that the user may have opened
+ * by StericExclusionForce is in neither. What a program sets by this class (temperature, trials per step, moves) is in
+ * neither, too: it has to be the same again for the same bits.
+ *
+ * A checkpoint is strict. It is refused by an exception if it is of another structure or if its moves are not those of
+ * this integrator: as many, of the same kinds, and with the same parameters and weights, in the same order. The
+ * exception names the first move that differs. (To go on with other moves, load the checkpoint with the old ones and
+ * change them then.) By the time it is thrown the Context has the checkpoint's positions, velocities, parameters and
+ * time: OpenMM restores these before it asks the Integrator.
+ *
+ * A State is not. Its random number generator and its limits are taken over whatever the moves are, the statistics only
+ * if the moves are the same. If the Context has another structure, or not the bits of the positions that the sampling
+ * stood at (for example because the State was made with enforcePeriodicBox, or holds no positions), sampling goes on
+ * from the positions that the Context has, within rounding. States of version 1 hold limits alone.
+ *
+ * <b>A refused reinitialize().</b> Context::reinitialize() throws an exception if the System has come to hold what a
+ * Force or this integrator refuses, and leaves a Context that is not complete. The integrator then keeps what the
+ * Context held before: positions, velocities, box, parameters, time and the state of sampling. Mend what the exception
+ * named and call reinitialize(true): sampling goes on, bit for bit, as if nothing had been refused. Positions and
+ * velocities that are set in between are kept instead, and the former start limits anew. createCheckpoint() writes what
+ * is kept. All else that would need the state of sampling throws an exception until then. The positions that such a
+ * Context reports are the former ones if it was this integrator that refused, else whatever OpenMM has left there.
  */
 class OPENMM_EXPORT_CHAINTREE TorsionMonteCarloIntegrator : public OpenMM::Integrator {
 public:
@@ -189,9 +209,8 @@ public:
      */
     void setStericMode(StericMode mode);
     /**
-     * Get the number of pairs whose limit is not their tolerance, because they clashed when sampling started or after
-     * another Integrator moved particles. It is 0 before sampling starts, that is, before the first step or proposal
-     * after the Context was created or limits started anew; and after Soft steps, which know no limits.
+     * Get the number of pairs whose limit is not their tolerance. The same as
+     * StericExclusionForce::getNumToleratedClashes().
      *
      * @param context  the Context that this integrator is bound to
      */
@@ -201,8 +220,9 @@ public:
      * -maxAngle to maxAngle.
      *
      * @param weight    how often this move is drawn, relative to the weights of the others, at least 0
-     * @param maxAngle  the largest angle, at least 0, in radians; pi draws torsions anew
-     * @param torsions  the indices of the torsions of the StericExclusionForce to choose from; if empty, all of them
+     * @param maxAngle  the largest angle, from 0 to pi, in radians; pi draws torsions anew
+     * @param torsions  the indices of the torsions of the StericExclusionForce to choose from; if empty, all of them.
+     *                  In Python None means all of them, and an empty list is an error.
      * @param count     the number of torsions that one trial turns
      * @return the index of the move that was added
      */
@@ -215,9 +235,10 @@ public:
      *
      * @param weight          how often this move is drawn, relative to the weights of the others, at least 0
      * @param maxTranslation  the largest translation, at least 0, in nm
-     * @param maxAngle        the largest angle, at least 0, in radians
+     * @param maxAngle        the largest angle, from 0 to pi, in radians
      * @param molecules       the molecules to choose from, each named by any one of its particles; if empty, all
-     *                        molecules without fixed particles
+     *                        molecules without fixed particles. In Python None means all of them, and an empty list is
+     *                        an error.
      * @return the index of the move that was added
      */
     int addRigidBodyMove(double weight, double maxTranslation, double maxAngle,
@@ -229,16 +250,16 @@ public:
     /**
      * Get of which kind a move is.
      *
-     * @param move  the index of the move, in the order in which moves were added
+     * @param move  the index of the move
      */
     MoveType getMoveType(int move) const;
     /**
      * Get the parameters of a move that was added by addTorsionMove(). It is an error if the move is of another kind.
      *
-     * @param move           the index of the move, in the order in which moves were added
+     * @param move           the index of the move
      * @param[out] weight    how often this move is drawn, relative to the weights of the others
      * @param[out] maxAngle  the largest angle, in radians
-     * @param[out] torsions  the indices of the torsions to choose from; empty if they are all torsions
+     * @param[out] torsions  the indices of the torsions to choose from; empty (in Python None) if they are all torsions
      * @param[out] count     the number of torsions that one trial turns
      */
     void getTorsionMoveParameters(int move, double& weight, double& maxAngle, std::vector<int>& torsions,
@@ -246,19 +267,53 @@ public:
     /**
      * Get the parameters of a move that was added by addRigidBodyMove(). It is an error if the move is of another kind.
      *
-     * @param move                 the index of the move, in the order in which moves were added
+     * @param move                 the index of the move
      * @param[out] weight          how often this move is drawn, relative to the weights of the others
      * @param[out] maxTranslation  the largest translation, in nm
      * @param[out] maxAngle        the largest angle, in radians
-     * @param[out] molecules       the molecules to choose from, each named by one of its particles; empty if they are
-     *                             all molecules without fixed particles
+     * @param[out] molecules       the molecules to choose from, each named by one of its particles; empty (in Python
+     *                             None) if they are all molecules without fixed particles
      */
     void getRigidBodyMoveParameters(int move, double& weight, double& maxTranslation, double& maxAngle,
                                     std::vector<int>& molecules) const;
     /**
-     * Get what became of the trials of a move, since the move was added or resetMoveStatistics() was called.
+     * Set the parameters of a move that was added by addTorsionMove(). It is an error if the move is of another kind.
+     * The next trial follows them. The counts of the move start anew, from 0: they tell of the move as it is.
      *
-     * @param move                    the index of the move, in the order in which moves were added
+     * @param move      the index of the move
+     * @param weight    how often this move is drawn, relative to the weights of the others, at least 0
+     * @param maxAngle  the largest angle, from 0 to pi, in radians; pi draws torsions anew
+     * @param torsions  the indices of the torsions of the StericExclusionForce to choose from; if empty, all of them.
+     *                  In Python None means all of them, and an empty list is an error.
+     * @param count     the number of torsions that one trial turns
+     */
+    void setTorsionMoveParameters(int move, double weight, double maxAngle,
+                                  const std::vector<int>& torsions = std::vector<int>(), int count = 1);
+    /**
+     * Set the parameters of a move that was added by addRigidBodyMove(). It is an error if the move is of another kind.
+     * The next trial follows them. The counts of the move start anew, from 0: they tell of the move as it is.
+     *
+     * @param move            the index of the move
+     * @param weight          how often this move is drawn, relative to the weights of the others, at least 0
+     * @param maxTranslation  the largest translation, at least 0, in nm
+     * @param maxAngle        the largest angle, from 0 to pi, in radians
+     * @param molecules       the molecules to choose from, each named by any one of its particles; if empty, all
+     *                        molecules without fixed particles. In Python None means all of them, and an empty list is
+     *                        an error.
+     */
+    void setRigidBodyMoveParameters(int move, double weight, double maxTranslation, double maxAngle,
+                                    const std::vector<int>& molecules = std::vector<int>());
+    /**
+     * Remove a move, and its counts. The indices of the moves after it become lower by one.
+     *
+     * @param move  the index of the move
+     */
+    void removeMove(int move);
+    /**
+     * Get what became of the trials of a move, since the move was added, its parameters were set or
+     * resetMoveStatistics() was called.
+     *
+     * @param move                    the index of the move
      * @param[out] attempted          the number of trials: the sum of the other three
      * @param[out] clashed            the number of trials refused because a pair overlapped beyond its limit
      * @param[out] rejectedByEnergy   the number of trials without a clash that U made unlikely, or whose U was not a
@@ -272,17 +327,15 @@ public:
      */
     void resetMoveStatistics();
     /**
-     * Get the values of all torsions of the StericExclusionForce. It is an error if one of them is
-     * undefined because three of its particles lie on a straight line.
+     * Get the values of all torsions. The same as StericExclusionForce::getTorsionAngles().
      *
      * @param context      the Context that this integrator is bound to
      * @param[out] angles  the value of each torsion, in (-pi, pi], in radians
      */
     void getTorsionAngles(OpenMM::Context& context, std::vector<double>& angles) const;
     /**
-     * Turn all torsions of the StericExclusionForce to given values, clashing or not. Like setting
-     * positions, this starts limits anew. It is an error if one of the torsions is undefined because three of its
-     * particles lie on a straight line.
+     * Turn all torsions to given values, clashing or not. The same as
+     * StericExclusionForce::setTorsionAngles().
      *
      * @param context  the Context that this integrator is bound to
      * @param angles   the value of each torsion, in radians
@@ -312,10 +365,20 @@ protected:
 
 private:
     class MoveInfo;
+    class KeptState;
+    std::unique_ptr<KeptState> keepState();
+    void showKeptState() const;
+    void writeMoves(CheckpointWriter& writer) const;
+    std::vector<long long> readMoves(CheckpointReader& reader) const;
     void restoreCheckpoint(CheckpointReader& reader);
+    void deserializeStatistics(const std::vector<OpenMM::SerializationNode>& nodes);
+    bool deserializeGeometry(const OpenMM::SerializationNode& node);
+    void bindTo(OpenMM::ContextImpl& context);
     int addMove(std::unique_ptr<MonteCarloMove> move, double weight);
+    void setMove(int index, std::unique_ptr<MonteCarloMove> move, double weight);
     template <class Move>
     const Move& getMove(int index, double& weight, const std::string& kind) const;
+    void requireBound() const;
     void requireContext(const OpenMM::Context& context) const;
     double sumWeights() const;
     MoveInfo& drawMove(double weightSum);
@@ -326,8 +389,12 @@ private:
     int randomNumberSeed, trialsPerStep;
     InitialClashPolicy initialClashPolicy;
     StericMode stericMode;
+    /** What a Context held whose reinitialize() has begun and not succeeded yet, else NULL. */
+    std::unique_ptr<KeptState> kept;
     // What follows exists only while the integrator is bound to a Context.
     StericExclusionForceImpl* force;
+    /** Expires when the force does: before cleanup() if a Context ends, after it if it is reinitialized. */
+    std::weak_ptr<const void> forceLife;
     /** The groups of all Forces that can contribute to U, as a bit mask. */
     int groupsWithEnergy;
     std::unique_ptr<RandomNumberGenerator> random;

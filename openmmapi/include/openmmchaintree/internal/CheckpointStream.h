@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <istream>
 #include <ostream>
+#include <string>
 #include <type_traits>
 #include <vector>
 
@@ -31,6 +32,17 @@ public:
         write((uint64_t)values.size());
         for (const T& value : values)
             write(value);
+    }
+    void write(const std::string& text)
+    {
+        write(std::vector<char>(text.begin(), text.end()));
+    }
+    /**
+     * Write bytes that another CheckpointWriter made, without their length.
+     */
+    void append(const std::string& bytes)
+    {
+        stream.write(bytes.data(), bytes.size());
     }
 
 private:
@@ -65,6 +77,11 @@ public:
         for (uint64_t i = 0; i < length; i++)
             values.push_back(read<T>());
         return values;
+    }
+    std::string readString()
+    {
+        std::vector<char> text = readVector<char>();
+        return std::string(text.begin(), text.end());
     }
 
 private:

@@ -6,9 +6,20 @@
 #include "openmmchaintree/internal/RandomNumberGenerator.h"
 #include "openmmchaintree/TorsionMonteCarloIntegrator.h"
 #include <string>
+#include <utility>
 #include <vector>
 
 namespace ChainTreePlugin {
+
+/**
+ * What a move is, in names and values. Moves with the same description draw the same trials.
+ */
+typedef std::vector<std::pair<std::string, std::string>> MoveDescription;
+
+/**
+ * Write a number so that it is read as the same one, in as few digits as this takes.
+ */
+std::string toText(double value);
 
 /**
  * A MonteCarloMove draws the trials of one kind of move. A trial and its reverse must be equally likely.
@@ -19,6 +30,7 @@ public:
     {
     }
     virtual TorsionMonteCarloIntegrator::MoveType getType() const = 0;
+    virtual MoveDescription describe() const = 0;
     /**
      * Find out what there is to move. This is called before propose(), and again whenever the Context is another one.
      *
@@ -42,6 +54,7 @@ public:
     {
         return TorsionMonteCarloIntegrator::TorsionMove;
     }
+    MoveDescription describe() const;
     double getMaxAngle() const
     {
         return maxAngle;
@@ -79,6 +92,7 @@ public:
     {
         return TorsionMonteCarloIntegrator::RigidBodyMove;
     }
+    MoveDescription describe() const;
     double getMaxTranslation() const
     {
         return maxTranslation;

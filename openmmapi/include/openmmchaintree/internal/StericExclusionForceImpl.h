@@ -30,6 +30,18 @@ public:
     {
         return owner;
     }
+    /**
+     * Throw an exception unless initialize() has succeeded. Context::reinitialize() leaves a Context half made if a
+     * Force or the Integrator refuses it.
+     */
+    void requireInitialized() const;
+    /**
+     * Get what expires when this object is destroyed.
+     */
+    std::weak_ptr<const void> getLife() const
+    {
+        return life;
+    }
     double calcForcesAndEnergy(OpenMM::ContextImpl& context, bool includeForces, bool includeEnergy, int groups);
     double computeForce(OpenMM::ContextImpl& context, const std::vector<OpenMM::Vec3>& positions,
                         std::vector<OpenMM::Vec3>& forces);
@@ -68,8 +80,6 @@ public:
                                 long long& nodesUpdated);
     void resetTraversalStatistics();
 
-    // The calls of TorsionMonteCarloIntegrator.
-
     /**
      * Get the values of all torsions, in (-pi, pi].
      */
@@ -82,6 +92,8 @@ public:
      * Get the number of pairs whose limit is not their tolerance.
      */
     int getNumToleratedClashes(OpenMM::ContextImpl& context);
+    // The calls of TorsionMonteCarloIntegrator.
+
     /**
      * Let limits only grow when the step of an Integrator, or a Force at its beginning, has moved particles. Every
      * other change of positions starts limits anew; the caller says by positionsWereSet() when positions were set.
@@ -111,12 +123,12 @@ public:
     void setLimits(OpenMM::ContextImpl& context, const std::vector<std::pair<int, int>>& pairs,
                    const std::vector<double>& limits);
     /**
-     * Write all that decides how sampling goes on, the open trial left out.
+     * Write all that decides how sampling goes on, the open trial and the structure left out.
      */
     void createCheckpoint(CheckpointWriter& writer);
     /**
-     * Go on from what createCheckpoint() wrote, in a Context whose positions were restored already. Throws an
-     * exception, and changes nothing, if it was written for another structure.
+     * Go on from what createCheckpoint() wrote for the same structure, in a Context whose positions were restored
+     * already.
      */
     void loadCheckpoint(CheckpointReader& reader);
     /**
@@ -166,6 +178,8 @@ private:
     void setContextPositions(OpenMM::ContextImpl& context, const std::vector<OpenMM::Vec3>& positions);
     void showState(OpenMM::ContextImpl& context);
     const StericExclusionForce& owner;
+    const std::shared_ptr<const void> life;
+    bool isInitialized;
     /** The force as it was when the Context was created. */
     std::unique_ptr<StericExclusionForce> original;
     std::unique_ptr<LinkStructure> structure;

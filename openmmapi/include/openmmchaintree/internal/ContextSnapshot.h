@@ -1,0 +1,52 @@
+#ifndef OPENMM_CHAINTREE_CONTEXTSNAPSHOT_H_
+#define OPENMM_CHAINTREE_CONTEXTSNAPSHOT_H_
+
+#include "openmm/Context.h"
+#include "openmm/Vec3.h"
+#include "openmmchaintree/internal/CheckpointStream.h"
+#include <map>
+#include <string>
+#include <vector>
+
+namespace ChainTreePlugin {
+
+/**
+ * This class holds what a Context tells about itself: positions, velocities, the box, parameters and time.
+ */
+class ContextSnapshot {
+public:
+    /**
+     * Take a snapshot of a Context.
+     *
+     * @param context          the Context
+     * @param positionsAreSet  whether the Context has positions. If not, restore() will leave positions alone.
+     */
+    ContextSnapshot(const OpenMM::Context& context, bool positionsAreSet);
+    /**
+     * Read what write() wrote.
+     */
+    explicit ContextSnapshot(CheckpointReader& reader);
+    void write(CheckpointWriter& writer) const;
+    /**
+     * Take the positions anew. Returns whether they are others than before.
+     */
+    bool updatePositions(const OpenMM::Context& context);
+    /**
+     * Take the velocities anew.
+     */
+    void updateVelocities(const OpenMM::Context& context);
+    /**
+     * Set all of it in a Context. Parameters that the Context does not have are left out.
+     */
+    void restore(OpenMM::Context& context) const;
+
+private:
+    std::vector<OpenMM::Vec3> positions, velocities, box;
+    std::map<std::string, double> parameters;
+    double time;
+    long long stepCount;
+};
+
+} // namespace ChainTreePlugin
+
+#endif /*OPENMM_CHAINTREE_CONTEXTSNAPSHOT_H_*/
