@@ -506,16 +506,16 @@ static PyObject* toNumPy(const void* values, size_t count, int columns, size_t i
 #define OPENMM_EXPORT_CHAINTREE
 %include "openmmchaintree/StericExclusionForce.h"
 
-/* What a move chooses from. C++ has no other way than an empty vector to say "all", but an empty list in Python is mostly
- * a search that found nothing. */
+/* What a move chooses from. C++ has no other way than an empty vector to say "all", but an empty list in Python is
+ * mostly a search that found nothing. */
 %typemap(in, fragment="FromPython") const std::vector<int>& torsions (std::vector<int> values),
                                     const std::vector<int>& molecules (std::vector<int> values) {
     if ($input != Py_None) {
         if (!toInts($input, "$1_name", values))
             SWIG_fail;
         if (values.empty()) {
-            raiseOpenMMException(
-                "TorsionMonteCarloIntegrator: $1_name is empty, so that the move could move nothing; None means all of them");
+            raiseOpenMMException("TorsionMonteCarloIntegrator: $1_name is empty, so that the move could move nothing; "
+                                 "None means all of them");
             SWIG_fail;
         }
     }
