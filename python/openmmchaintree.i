@@ -402,7 +402,7 @@ static PyObject* toNumPy(const void* values, size_t count, int columns, size_t i
         kelvin = self.getTemperature().value_in_unit(openmm.unit.kelvin)
         return (
             f"<TorsionMonteCarloIntegrator: {kelvin:g} K, {self.getTrialsPerStep():,} trials a step, "
-            f"{count}{': ' if moves else ''}{', '.join(moves)}>"
+            f"{'soft spheres, ' if self.getStericMode() == self.Soft else ''}{count}{': ' if moves else ''}{', '.join(moves)}>"
         )
 
     def _describeMove(self, move):

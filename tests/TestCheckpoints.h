@@ -111,6 +111,15 @@ State fromXml(const string& xml)
     return *read;
 }
 
+/**
+ * As Simulation.saveState() and loadState() do it.
+ */
+State writeAndRead(const Context& context, bool enforcePeriodicBox = false)
+{
+    return fromXml(toXml(context.getState(
+        State::Positions | State::Velocities | State::Parameters | State::IntegratorParameters, enforcePeriodicBox)));
+}
+
 // ---- Checkpoints ----
 
 /**
@@ -251,7 +260,7 @@ void testAfterDynamics(Platform& platform)
         CompoundIntegrator integrator;
         unique_ptr<Context> context;
     };
-    CompoundRun whole(scene, platform), fresh(scene, platform);
+    CompoundRun whole(scene, platform), fresh(scene, platform), fromState(scene, platform);
     whole.context->setPositions(scene.positions);
     whole.step(0, 2);
     int tolerated = dynamic_cast<TorsionMonteCarloIntegrator&>(whole.integrator.getIntegrator(0))
@@ -263,6 +272,7 @@ void testAfterDynamics(Platform& platform)
     whole.context->setVelocities(velocities);
     whole.step(1, 3);
     string checkpoint = whole.createCheckpoint();
+    State state = writeAndRead(*whole.context);
     whole.step(0, 3);
     stringstream stream(checkpoint);
     fresh.context->loadCheckpoint(stream);
@@ -271,6 +281,10 @@ void testAfterDynamics(Platform& platform)
     ASSERT(sampler.getNumToleratedClashes(*fresh.context) >= tolerated);
     fresh.step(0, 3);
     ASSERT(whole.createCheckpoint() == fresh.createCheckpoint());
+    fromState.context->setState(state);
+    fromState.step(0, 3);
+    ASSERT(getOwnPart(whole.createCheckpoint()) == getOwnPart(fromState.createCheckpoint()));
+    assertSameBits(getPositions(*whole.context), getPositions(*fromState.context));
 }
 
 void testReinitialize(Platform& platform)
@@ -644,15 +658,6 @@ void testPositionsOfRefusedCheckpoint(Platform& platform)
 }
 
 // ---- States ----
-
-/**
- * As Simulation.saveState() and loadState() do it.
- */
-State writeAndRead(const Context& context, bool enforcePeriodicBox = false)
-{
-    return fromXml(toXml(context.getState(
-        State::Positions | State::Velocities | State::Parameters | State::IntegratorParameters, enforcePeriodicBox)));
-}
 
 /**
  * As testGoingOn(), but from States.

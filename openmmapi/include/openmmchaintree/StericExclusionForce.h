@@ -411,8 +411,8 @@ public:
     /**
      * Get the number of pairs whose limit is not their tolerance, because they clashed when sampling started or after
      * another Integrator moved particles. It is 0 before sampling starts, that is, before the first step or proposal
-     * after the Context was created or limits started anew; and after Soft steps of a TorsionMonteCarloIntegrator, which
-     * know no limits.
+     * after the Context was created or limits started anew; and after Soft steps of a TorsionMonteCarloIntegrator,
+     * which know no limits.
      *
      * @param context  the Context to report on
      */

@@ -82,8 +82,8 @@ class StericExclusionForceImpl;
  * for bit. So does one that is broken off between two steps and goes on from a checkpoint, or from a State with
  * positions and integrator parameters, as app.Simulation saves it in Python. Both hold the random number generator, the
  * limits, the statistics of the moves, and what the geometry is computed from. The trial that the user may have opened
- * by StericExclusionForce is in neither. What a program sets by this class (temperature, trials per step, moves) is in
- * neither, too: it has to be the same again for the same bits.
+ * by StericExclusionForce is in neither. What a program sets by this class (temperature, steric mode, trials per step,
+ * moves) is in neither, too: it has to be the same again for the same bits.
  *
  * A checkpoint is strict. It is refused by an exception if it is of another structure or if its moves are not those of
  * this integrator: as many, of the same kinds, and with the same parameters and weights, in the same order. The
