@@ -1056,6 +1056,7 @@ void testPeriodicForces(Platform& platform)
     ASSERT_EQUAL(1, warnings.size());
     ASSERT(warnings[0].find("(force 1, NonbondedForce), but spheres ignore periodic images") != string::npos);
     warnings.clear();
+    setWarningHandler(ignoreWarning);
 }
 
 void testBadDefinitions(Platform& platform)

@@ -12,6 +12,7 @@
 #include "openmm/Platform.h"
 #include "openmm/System.h"
 #include "openmm/Vec3.h"
+#include "openmmchaintree/internal/Warnings.h"
 #include "openmmchaintree/StericExclusionForce.h"
 #include <algorithm>
 #include <cmath>
@@ -27,6 +28,13 @@ extern "C" void registerChainTreeReferenceKernelFactories();
 namespace ChainTreePlugin {
 
 /**
+ * Takes no notice of a warning. Tests of warnings set a handler of their own.
+ */
+inline void ignoreWarning(const std::string&)
+{
+}
+
+/**
  * Run tests on a platform. The result is that of the program: 0 if they pass, 1 if one fails, 77 if there is no such
  * platform.
  */
@@ -35,6 +43,7 @@ inline int runOnPlatform(const std::string& name, const std::function<void(OpenM
     try {
         OpenMM::Platform::loadPluginsFromDirectory(OpenMM::Platform::getDefaultPluginsDirectory());
         registerChainTreeReferenceKernelFactories();
+        setWarningHandler(ignoreWarning);
         for (int i = 0; i < OpenMM::Platform::getNumPlatforms(); i++)
             if (OpenMM::Platform::getPlatform(i).getName() == name) {
                 tests(OpenMM::Platform::getPlatform(i));
