@@ -79,6 +79,10 @@ class Sampled:
         """Move both there; pairs that clash there get their overlap as limit."""
         self.context.setPositions(positions)
         self.oracle.setPositions(positions)
+        self.restartLimits()
+
+    def restartLimits(self):
+        """Give the oracle's pairs that clash their overlap as limit, as the plugin does by itself."""
         pairs, overlaps, margins = self.oracle.clashes(0)
         assert np.all(margins > SIGMA), "a pair is too near to its tolerance for this test"
         self.oracle.setLimits(pairs, overlaps + SIGMA)
@@ -213,6 +217,8 @@ def test_verdicts_equal_the_oracles(sampled):
         if trials.uniform() < (0.5 if isFree else 0.02):
             sampled.force.acceptProposal(sampled.context)
             sampled.oracle.commit()
+            if not isFree:
+                sampled.restartLimits()
             hasClashed = hasClashed or not isFree
             if not hasClashed:
                 clashFree = sampled.positions()
