@@ -203,6 +203,7 @@ class Programs(RuleBasedStateMachine):
 
     def _compareVerdict(self, isFree):
         self.isOpen = True
+        self.isFree = isFree
         margin, pair = self.oracle.worstTrialMargin()
         if abs(margin) > DOUBT:
             assert isFree == (margin < 0), f"the worst pair is {pair}, its margin {margin} nm"
@@ -245,6 +246,8 @@ class Programs(RuleBasedStateMachine):
         self.force.acceptProposal(self.context)
         self.oracle.commit()
         self.isOpen = False
+        if not self.isFree:
+            self._restartLimits()
         np.testing.assert_array_equal(self.positions(), proposed)
         np.testing.assert_allclose(proposed, self.oracle.positions(STATE), rtol=0, atol=SAME_NUMBER)
 

@@ -17,6 +17,9 @@ _SHORTEST = 0.05
 # The angles at which bonds meet, with room for what is strained or coarsely resolved.
 _ANGLES = np.radians((75.0, 165.0))
 
+# Of so many atoms all pairs are looked at sooner than SciPy is imported.
+_FEW = 1500
+
 # What metals are bound by, in proteins and their ligands: N, O, F, P, S, Cl, Se, Br, I.
 _DONORS = np.array([7, 8, 9, 15, 16, 17, 34, 35, 53])
 
@@ -53,11 +56,12 @@ def nearPairs(positions, distance):
 
     positions : (n, 3) array; O(n log n) for points that are spread
     """
-    # SciPy takes a while to import.
+    if len(positions) <= _FEW:
+        first, second = np.triu_indices(len(positions), 1)
+        squares = sum((positions[first, k] - positions[second, k]) ** 2 for k in range(3))
+        return np.column_stack([first, second])[squares <= distance**2]
     from scipy.spatial import cKDTree
 
-    if len(positions) < 2:
-        return np.zeros((0, 2), dtype=int)
     pairs = cKDTree(positions).query_pairs(distance, output_type="ndarray")
     return pairs[np.lexsort((pairs[:, 1], pairs[:, 0]))]
 

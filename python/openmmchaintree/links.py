@@ -26,10 +26,10 @@ class Links:
         bonds = np.array(graph.bonds, dtype=int).reshape(-1, 2)
         axes = np.array([torsion.particles[1:3] for torsion in torsions], dtype=int).reshape(-1, 2)
         isAxis = np.isin(_codes(bonds, count), _codes(axes, count))
-        self.ofAtom = _numberByLowest(connectedParts(count, bonds[~isAxis]))
+        self.ofAtom = connectedParts(count, bonds[~isAxis])
         self.count = int(self.ofAtom.max(initial=-1)) + 1
         self.ends = self.ofAtom[axes]
-        self.moleculeOfAtom = _numberByLowest(connectedParts(count, bonds))
+        self.moleculeOfAtom = connectedParts(count, bonds)
         self.moleculeOfLink = np.empty(self.count, dtype=int)
         self.moleculeOfLink[self.ofAtom] = self.moleculeOfAtom
 
@@ -96,9 +96,3 @@ class Links:
 def _codes(pairs, count):
     """Return a number for each pair of atoms, whatever their order."""
     return pairs.min(axis=1) * count + pairs.max(axis=1)
-
-
-def _numberByLowest(parts):
-    """Number parts anew, an (n,) array of the part of each atom, by the order in which atoms meet them."""
-    _, first, part = np.unique(parts, return_index=True, return_inverse=True)
-    return np.argsort(np.argsort(first))[part]
