@@ -204,10 +204,13 @@ class _Search:
     @staticmethod
     def _findRings(graph):
         """Return the reasons why bonds in rings do not turn, with the bonds: rings that can be cut come last."""
-        cuttable = ((DISULFIDE_RING, set(graph.disulfides)), (METAL_RING, set(graph.metalBonds)))
-        closing = set().union(*(bonds for _, bonds in cuttable))
+        disulfides, metalBonds = set(graph.disulfides), set(graph.metalBonds)
+        closing = disulfides | metalBonds
+        kinds = [(RING, set()), (DISULFIDE_RING, disulfides), (METAL_RING, metalBonds)]
+        if disulfides and metalBonds:  # rings that need both
+            kinds.append((METAL_RING, closing))
         found = {}
-        for reason, bonds in ((RING, set()), *cuttable, (METAL_RING, closing)):
+        for reason, bonds in [kinds[0], *(kind for kind in kinds[1:] if kind[1])]:
             kept = [bond for bond in graph.bonds if bond not in closing or bond in bonds]
             for bond in ringBonds(neighborLists(len(graph.atoms), kept)):
                 found.setdefault(bond, reason)

@@ -19,7 +19,7 @@ from .planreport import describePlan
 from .samplereport import printReport, summarize
 from .sampling import Sampling
 from .status import BAD_INPUT, BEYOND_LIMIT, INTERRUPTED
-from .terminal import ReportConsole, interruptFlag, printError, progress
+from .terminal import ReportConsole, collectionPaused, interruptFlag, printError, progress
 from .trajectoryfile import TrajectoryFile
 
 _ENDINGS = {"trajectory": ".dcd", "topology": "-topology.pdb", "picture": ".png"}
@@ -104,7 +104,8 @@ def addArguments(sample):
 
 
 def _run(options):
-    structure = readStructure(options.structure, options.model)
+    with collectionPaused():
+        structure = readStructure(options.structure, options.model)
     outputs = _checkOutputs(options, structure.name)
     console = ReportConsole(outputs.values())
     choice = Choice(
@@ -118,7 +119,8 @@ def _run(options):
     )
     seed = options.seed if options.seed is not None else random.SystemRandom().randint(1, 2**31 - 1)
     try:
-        sampling = Sampling(structure, seed, choice)
+        with collectionPaused():
+            sampling = Sampling(structure, seed, choice)
     except (InputError, openmm.OpenMMException) as error:
         raise InputError(f"{options.structure or structure.name}: {error}") from error
 
