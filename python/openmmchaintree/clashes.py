@@ -53,19 +53,20 @@ def findClashes(
 
     A clash is what `StericExclusionForce` calls so, with the force that `createStericExclusionForce` makes of the
     structure: atoms more than three bonds apart that overlap by more than 0.04 nm, or 0.1 nm where one may donate a
-    hydrogen bond to the other. Positions are taken as they are, without periodic images. An atom of an element without
-    a known radius is not looked at; a warning tells it.
+    hydrogen bond to the other. Molecules split over the periodic box are made whole along their bonds; images are not
+    looked at. Bonds are those of the structure and its chemistry, never of a frame. An atom of an element without a
+    known radius is not looked at; a warning tells it.
 
     Parameters
     ----------
     structure : str or Path
-        a PDB or mmCIF file, plain or gzipped; of alternate conformers the first counts
+        a PDB, mmCIF or BinaryCIF file, plain or compressed; of alternate conformers that of highest occupancy counts
     trajectory : str or Path, optional
         a DCD or XTC file with the same atoms, in place of the models of the structure
     radii : str, optional
         "all-atom" or "united-atom". Default: "all-atom" if the structure has hydrogens, else "united-atom".
     water, ions : bool
-        look at water and at ions (residues of a single atom), too
+        look at water, and at ions that nothing binds, too
 
     Returns
     -------
@@ -75,7 +76,8 @@ def findClashes(
     Raises
     ------
     InputError
-        a ValueError, if a file cannot be read or is damaged; what was found before a damaged frame is its `frames`
+        a ValueError, if a file cannot be read or is damaged, or a molecule is split and there is no box; what was found
+        before that frame is its `frames`
     """
     search = ClashSearch(structure, trajectory, radii, water, ions)
     frames: list[FrameClashes] = []

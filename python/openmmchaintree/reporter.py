@@ -32,7 +32,7 @@ class ClashReporter:
     """A reporter for `openmm.app.Simulation` that writes how many clashes there are, and the worst, as lines of CSV.
 
     If the System has a StericExclusionForce, that tells what a clash is. Else the reporter makes itself one by
-    `createStericExclusionForce`, for all but water and ions (residues of a single atom), and the System stays as it is.
+    `createStericExclusionForce`, for all but water and ions that nothing binds, and the System stays as it is.
     Positions are taken as they are, without periodic images.
 
     The columns are step, time_ps, clashes, worst_overlap_nm, atom1, atom2; the last three are empty without a clash.
