@@ -58,8 +58,8 @@ class BondSearch:
 
     Residues whose own bonds do not hold their atoms together get those of their template, and what is still loose is
     bonded by distance. Residues next to each other in a chain are linked where their ends are near. Last come, by
-    distance: links elsewhere, as of cyclic peptides; disulfides; the bonds of metals that have none to another residue;
-    bonds of residues that are neither amino acids nor nucleotides. Water is bonded to nothing.
+    distance: links elsewhere, as of cyclic peptides; disulfides; bonds of metals; bonds of residues that are neither
+    amino acids nor nucleotides. Water is bonded to nothing.
 
     Attributes
     ----------
@@ -311,9 +311,7 @@ class BondSearch:
         numbers = self._numbers[list(pair)]
         metals = isMetal(numbers)
         if metals.any():
-            # What the file says of a metal is all there is.
-            isFree = not hasOther[np.array(pair)[metals]].any() and not isLooseMetal(numbers).any()
-            return bool(isFree and not metals.all() and bindsMetals(numbers[~metals]).all())
+            return not metals.all() and bool(bindsMetals(numbers[~metals]).all()) and not isLooseMetal(numbers).any()
         if self._isLink(pair):
             return not hasOther[list(pair)].any()
         if (numbers == _SULFUR).all():

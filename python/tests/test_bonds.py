@@ -183,3 +183,11 @@ def test_aResidueThatHoldsEverything(tmp_path):
     positions = np.column_stack([0.125 * np.arange(count), 0.04 * (np.arange(count) % 2) * 2, np.zeros(count)])
     graph = BondGraph(topology, positions)
     assert graph.bonds == [(number, number + 1) for number in range(count - 1)]
+
+
+def test_metalOfWhichTheFileTellsTooLittle(tmp_path):
+    """A zinc with a LINK to one nitrogen, as near to an oxygen."""
+    zinc = pdbLine(20, "ZN", "ZN", "A", 9, 0.4, 4.2, 0.0, record="HETATM", element="ZN")
+    link = "LINK         N   GLY A   2                ZN    ZN A   9     1555   1555  3.90"
+    names = bondNames(read(tmp_path, link, *GLYCINES, zinc).topology)
+    assert {("1 O", "9 ZN"), ("2 N", "9 ZN")} <= set(names)
