@@ -55,7 +55,14 @@ def nearPairs(positions, distance):
     """Return the pairs of points within a distance of each other, as an (m, 2) array, sorted.
 
     positions : (n, 3) array; O(n log n) for points that are spread
+
+    Raises
+    ------
+    ValueError
+        if a coordinate is not a finite number
     """
+    if not np.isfinite(positions).all():
+        raise ValueError("a coordinate is not a finite number")
     if len(positions) <= _FEW:
         first, second = np.triu_indices(len(positions), 1)
         squares = sum((positions[first, k] - positions[second, k]) ** 2 for k in range(3))
