@@ -20,8 +20,8 @@ from .templates import isStandard, templateBonds
 # A bond between residues of a polymer that is longer than this (nm) spans missing residues.
 LONGEST_LINK = 0.4
 
-# The same where the numbers of the residues are not consecutive.
-_LONGEST_LINK_ACROSS_A_JUMP = 0.2
+# Up to this (nm) residues are linked whatever their numbers.
+_LONGEST_CERTAIN_LINK = 0.2
 
 # Atoms farther apart than this (nm) are on two sides of a periodic box, whatever bond there may be.
 LONGEST_BOND = 0.8
@@ -107,7 +107,8 @@ class BondSearch:
         self._linkResidues()
         if positions is not None:
             self._makeWhole()
-            self._bondNearResidues()
+            self._bondNearAtoms()
+            self._linkFarResidues()
         self._findGaps()
         self.bonds = sorted(self._bonds)
         self._classify()
@@ -137,17 +138,15 @@ class BondSearch:
     # ---- Within residues ----
 
     def _completeResidues(self):
-        known, misfits = {}, []
+        known, templates = {}, []
         for residue in self._looseResidues():
             names = tuple(atom.name for atom in residue.atoms())
             if (residue.name, names) not in known:
                 known[residue.name, names] = templateBonds(residue.name, names)
             first = next(residue.atoms()).index
             bonds = [_sorted(first + atom1, first + atom2) for atom1, atom2 in known[residue.name, names]]
-            if isStandard(residue.name) or self._fit(bonds):
-                self._bonds.update(dict.fromkeys(bonds))
-            else:
-                misfits.append((residue, bonds))
+            templates.append((residue, bonds))
+        misfits = self._takeTemplates(templates)
         if self.positions is None:
             return
         self._checkLengths()
@@ -163,13 +162,28 @@ class BondSearch:
             if residue in stillLoose:
                 self._bonds.update(dict.fromkeys(bonds))
 
-    def _fit(self, bonds):
-        """Whether bonds of a template can be some: not much longer than bonds are."""
-        if self.positions is None or not bonds:
-            return True
-        first, second = np.array(bonds).T
-        longest = longestBonds(self._numbers[first], self._numbers[second])
-        return bool((self._distances(first, second) <= _LOOSE_FIT * longest).all())
+    def _takeTemplates(self, templates):
+        """Take the bonds of templates that can be bonds; return the others, as pairs of a residue and its bonds."""
+        pairs = np.array([pair for _, bonds in templates for pair in bonds], dtype=int).reshape(-1, 2)
+        fits = np.ones(len(pairs), dtype=bool)
+        if self.positions is not None:
+            longest = longestBonds(self._numbers[pairs[:, 0]], self._numbers[pairs[:, 1]])
+            fits = self._distances(pairs[:, 0], pairs[:, 1]) <= _LOOSE_FIT * longest
+        misfits, start = [], 0
+        for residue, bonds in templates:
+            isFit = fits[start : start + len(bonds)]
+            start += len(bonds)
+            misfit = [] if isFit.all() else bonds
+            if misfit and isStandard(residue.name):  # names of hydrogens differ between programs
+                others = (pair for pair, isOne in zip(bonds, isFit, strict=True) if not isOne)
+                misfit = [pair for pair in others if self._hasHydrogen(pair)]
+            self._bonds.update(dict.fromkeys(pair for pair in bonds if pair not in misfit))
+            if misfit:
+                misfits.append((residue, misfit))
+        return misfits
+
+    def _hasHydrogen(self, pair):
+        return _HYDROGEN in self._numbers[list(pair)]
 
     def _checkLengths(self):
         """Refuse positions in a wrong unit by the bonds that are known without them."""
@@ -218,21 +232,30 @@ class BondSearch:
         for residue1, residue2 in self._unlinkedNeighbors():
             if isWater(residue1.name) or isWater(residue2.name):
                 continue
-            areConsecutive = _areConsecutive(residue1, residue2)
-            longest = LONGEST_LINK if areConsecutive else _LONGEST_LINK_ACROSS_A_JUMP
             # Where OpenMM knows both residues and did not link them, only positions can tell better.
             if self.positions is None and (
-                not areConsecutive or all(map(isStandard, (residue1.name, residue2.name)))
+                not _areConsecutive(residue1, residue2) or all(map(isStandard, (residue1.name, residue2.name)))
             ):
                 continue
             for ends in self._facingEnds(residue1, residue2):
-                if self._distance(ends) <= longest:
+                if self._distance(ends) <= _LONGEST_CERTAIN_LINK:
                     self._bonds[_sorted(*ends)] = None
+
+    def _linkFarResidues(self):
+        """Link consecutive residues whose ends are farther apart than links are, and that nothing else is linked to."""
+        linked = self._linkedAtoms()
+        for residue1, residue2 in self._unlinkedNeighbors():
+            for ends in self._facingEnds(residue1, residue2) if _areConsecutive(residue1, residue2) else ():
+                if self._distance(ends) <= LONGEST_LINK and linked.isdisjoint(ends):
+                    self._bonds[_sorted(*ends)] = None
+
+    def _linkedAtoms(self):
+        return {atom for pair in self._bonds if not self._areOneResidue(pair) and self._isLink(pair) for atom in pair}
 
     def _findGaps(self):
         """Note polymer residues that follow each other in a chain and are not linked."""
         known = {(gap.residue1.index, gap.residue2.index) for gap in self.gaps}
-        linked = {atom for pair in self._bonds if not self._areOneResidue(pair) and self._isLink(pair) for atom in pair}
+        linked = self._linkedAtoms()
         for residue1, residue2 in self._unlinkedNeighbors():
             if not _areOnePolymer(residue1, residue2) or (residue1.index, residue2.index) in known:
                 continue
@@ -284,7 +307,7 @@ class BondSearch:
         if self._box is not None:
             self.positions = makeWhole(self.positions, list(self._bonds), self._box)
 
-    def _bondNearResidues(self):
+    def _bondNearAtoms(self):
         positions, numbers, residueOf = self.positions, self._numbers, self._residueOf
         hasOther = np.zeros(len(self._atoms), dtype=bool)  # bonds to another residue
         neighbors = [[] for _ in self._atoms]
@@ -298,7 +321,7 @@ class BondSearch:
         near = [bondedPairs(positions, numbers), sulfurs[nearPairs(positions[sulfurs], _LONGEST_DISULFIDE)]]
         for first, second in np.concatenate(near).tolist():
             pair = _sorted(first, second)
-            if residueOf[first] == residueOf[second] or pair in self._bonds or not (bound[first] and bound[second]):
+            if pair in self._bonds or not (bound[first] and bound[second]):
                 continue
             if any(numbers[atom] == _HYDROGEN and neighbors[atom] for atom in pair):
                 continue
@@ -307,11 +330,13 @@ class BondSearch:
                 self._byDistance.append(pair)
 
     def _isBond(self, pair, hasOther, neighbors):
-        """Whether two near atoms of different residues are bonded, by what they are."""
+        """Whether two near atoms are bonded, by what they are."""
         numbers = self._numbers[list(pair)]
         metals = isMetal(numbers)
         if metals.any():
             return not metals.all() and bool(bindsMetals(numbers[~metals]).all()) and not isLooseMetal(numbers).any()
+        if self._areOneResidue(pair):  # as in pyroglutamate under the name of glutamate
+            return set(neighbors[pair[0]]).isdisjoint(neighbors[pair[1]]) and self._lieAsBonds(pair, neighbors)
         if self._isLink(pair):
             return not hasOther[list(pair)].any()
         if (numbers == _SULFUR).all():
@@ -320,9 +345,10 @@ class BondSearch:
         if all(map(_isPolymer, residues)):
             return False
         # A clash can be as near, but rarely lies as a bond does. Single atoms are ions, or marks of programs.
-        return all(len(residue) > 1 for residue in residues) and all(
-            areAnglesOfBonds(self.positions, atom, other, neighbors[atom]) for atom, other in (pair, pair[::-1])
-        )
+        return all(len(residue) > 1 for residue in residues) and self._lieAsBonds(pair, neighbors)
+
+    def _lieAsBonds(self, pair, neighbors):
+        return all(areAnglesOfBonds(self.positions, atom, other, neighbors[atom]) for atom, other in (pair, pair[::-1]))
 
     # ---- What was found ----
 
@@ -404,9 +430,10 @@ def _areOnePolymer(residue1, residue2):
 
 def _areConsecutive(residue1, residue2):
     try:
-        return int(residue2.id) - int(residue1.id) in (0, 1)
+        difference = int(residue2.id) - int(residue1.id)
     except ValueError:
         return True
+    return difference == 1 or (difference == 0 and residue1.insertionCode != residue2.insertionCode)
 
 
 def _sorted(first, second):

@@ -1,7 +1,6 @@
 """Choosing one conformer of each residue where a structure file has several."""
 
 from collections import defaultdict
-from itertools import groupby
 from typing import NamedTuple
 
 import gemmi
@@ -41,8 +40,7 @@ def chooseConformers(model, name):
     chains, described = [], []
     for chain in model:
         residues = []
-        for _, place in groupby(chain, key=lambda residue: residue.seqid):
-            place = list(place)
+        for place in _places(chain):
             if all(atom.altloc == NO_ALTERNATE for residue in place for atom in residue):
                 residues += [(residue, list(residue)) for residue in place]
                 continue
@@ -53,13 +51,32 @@ def chooseConformers(model, name):
     return Choice(chains, described)
 
 
+def _places(chain):
+    """Return the residues of a chain, as lists of those at one place: neighbors of one number, and its alternates."""
+    places, byNumber = [], {}
+    for residue in chain:
+        number = str(residue.seqid)
+        place = places[-1] if places and str(places[-1][0].seqid) == number else None
+        if place is None and any(atom.has_altloc() for atom in residue):
+            place = byNumber.get(number)
+        if place is None:
+            place = []
+            places.append(place)
+        place.append(residue)
+        if any(atom.has_altloc() for atom in residue):
+            byNumber[number] = place
+    return places
+
+
 def _chooseAt(place):
     """Return the (residue, atoms) chosen among those of one place in the chain, and the labels taken."""
     occupancies = defaultdict(list)
     names = defaultdict(set)
+    labelled = {_plainName(atom) for residue in place for atom in residue if atom.has_altloc()}
     for residue in place:
         for atom in residue:
-            if atom.altloc != NO_ALTERNATE:
+            # Some programs give the first conformer no label.
+            if atom.has_altloc() or _plainName(atom) in labelled:
                 occupancies[atom.altloc].append(atom.occ)
                 names[atom.altloc].add(_plainName(atom))
     taken = []
@@ -68,12 +85,17 @@ def _chooseAt(place):
         taken.append(max(labels, key=lambda label: sum(occupancies[label]) / len(occupancies[label])))
     kept = []
     for residue in place:
-        atoms = [atom for atom in residue if atom.altloc == NO_ALTERNATE or atom.altloc in taken]
+        atoms = [atom for atom in residue if atom.altloc in taken or not _hasAlternate(atom, labelled)]
         if atoms:
             kept.append((residue, atoms))
-    named = [(residue, atoms) for residue, atoms in kept if any(atom.altloc in taken for atom in atoms)]
+    named = [(residue, atoms) for residue, atoms in kept if any(_hasAlternate(atom, labelled) for atom in atoms)]
     # Where two names are left, an atom without a label belongs to the one that was chosen.
-    return (kept if len({residue.name for residue, _ in kept}) == 1 else named), taken
+    chosen = kept if len({residue.name for residue, _ in kept}) == 1 else named
+    return chosen, ["without a label" if label == NO_ALTERNATE else label for label in taken]
+
+
+def _hasAlternate(atom, labelled):
+    return atom.has_altloc() or _plainName(atom) in labelled
 
 
 def _alternatives(names):

@@ -191,3 +191,35 @@ def test_metalOfWhichTheFileTellsTooLittle(tmp_path):
     link = "LINK         N   GLY A   2                ZN    ZN A   9     1555   1555  3.90"
     names = bondNames(read(tmp_path, link, *GLYCINES, zinc).topology)
     assert {("1 O", "9 ZN"), ("2 N", "9 ZN")} <= set(names)
+
+
+def test_linksThatOrderAndNumbersDoNotTell(tmp_path):
+    """Residues of one number in any order: the near ends are linked, not those of neighbours in the file."""
+    third = [
+        pdbLine(9, "N", "GLY", "A", 3, 6.1, 3.9, 0), pdbLine(10, "CA", "GLY", "A", 3, 7.55, 4.0, 0),
+        pdbLine(11, "C", "GLY", "A", 3, 8.1, 5.4, 0), pdbLine(12, "O", "GLY", "A", 3, 7.4, 6.4, 0),
+    ]  # fmt: skip
+    expected = bondNames(read(tmp_path, *GLYCINES, *third).topology)
+    mixed = read(tmp_path, *GLYCINES[4:], *third, *GLYCINES[:4])
+    assert bondNames(mixed.topology) == expected and ("1 C", "2 N") in expected and ("2 C", "3 N") in expected
+
+
+def test_ringThatTheNameDoesNotTell(tmp_path):
+    """Glutamate whose nitrogen is bonded to CD, as in pyroglutamate."""
+    lines = [line.replace("GLY A   1", "GLU A   1") for line in GLYCINES[:4]]
+    lines += [
+        pdbLine(20, "CB", "GLU", "A", 1, 1.75, -0.75, 1.3), pdbLine(21, "CG", "GLU", "A", 1, 0.55, -0.55, 2.2),
+        pdbLine(22, "CD", "GLU", "A", 1, -0.5, -0.1, 1.25), pdbLine(23, "OE1", "GLU", "A", 1, -1.7, 0.1, 1.5),
+    ]  # fmt: skip
+    assert ("1 CD", "1 N") in bondNames(read(tmp_path, *lines, *GLYCINES[4:]).topology)
+
+
+def test_hydrogensThatProgramsNameDifferently(tmp_path):
+    """HT1 is mostly a hydrogen of the first nitrogen; here it is one of the methyl group at the chain's end."""
+    lines = [line.replace("GLY A   2", "SER A   2") for line in GLYCINES]
+    cap = [
+        pdbLine(30, "NT", "SER", "A", 2, 6.1, 3.9, 0), pdbLine(31, "CAT", "SER", "A", 2, 7.55, 4.0, 0),
+        pdbLine(32, "HT1", "SER", "A", 2, 8.0, 3.0, 0, element="H"),
+    ]  # fmt: skip
+    names = bondNames(read(tmp_path, *lines, *cap).topology)
+    assert ("2 CAT", "2 HT1") in names and ("2 HT1", "2 N") not in names

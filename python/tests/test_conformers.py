@@ -90,3 +90,22 @@ def test_realMicroheterogeneity(name, residue, kept):
         positions = structure.positions
         Sampling(structure, 1).run(100, lambda: True)
         assert np.array_equal(positions, structure.positions)
+
+
+def test_firstConformerWithoutALabel(tmp_path):
+    """As some programs write it: the same atoms without a label, and again as B."""
+    lines = [*serine("", 0.7, 0.0), *serine("B", 0.3, 0.5)[4:]]
+    places, labels = placesOf(read(tmp_path, *GLYCINES, *lines), 3)
+    assert labels == [""] * 6 and places["CB"] == pytest.approx(0.8)
+    lines = [*serine("", 0.3, 0.0), *serine("B", 0.7, 0.5)[4:]]
+    places, labels = placesOf(read(tmp_path, *GLYCINES, *lines), 3)
+    assert labels == ["", "", "", "", "B", "B"] and places["CB"] == pytest.approx(0.85)
+
+
+def test_conformersInBlocks(tmp_path):
+    """All residues as A, then all as B."""
+    blocks = [line for altloc, share in (("A", 0.4), ("B", 0.6)) for number in (3, 4) for line in
+              serine(altloc, share, 6.0 * (number - 3) + (0.2 if altloc == "B" else 0.0), number=number)]  # fmt: skip
+    structure = read(tmp_path, *GLYCINES, *blocks)
+    assert [residue.id for residue in structure.topology.residues()] == ["1", "2", "3", "4"]
+    assert structure.alternates == [""] * 8 + ["B"] * 12
