@@ -70,7 +70,7 @@ def _describePairs(overlaps, names, limits=None):
 
 def printReport(summary, console, isVerbose):
     """Print a summary on a rich Console; all notes, if that is to be verbose."""
-    kinds = ", ".join(f"{count} {kind}" for kind, count in summary["torsions"].items())
+    kinds = ", ".join(f"{count:,} {kind}" for kind, count in summary["torsions"].items())
     fixed = f", {summary['fixedAtoms']:,} of them fixed" if summary["fixedAtoms"] else ""
     console.print(
         f"{summary['structure']}: {summary['atoms']:,} atoms{fixed}; {sum(summary['torsions'].values()):,} torsions "
