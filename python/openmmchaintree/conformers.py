@@ -72,30 +72,39 @@ def _chooseAt(place):
     """Return the (residue, atoms) chosen among those of one place in the chain, and the labels taken."""
     occupancies = defaultdict(list)
     names = defaultdict(set)
-    labelled = {_plainName(atom) for residue in place for atom in residue if atom.has_altloc()}
+    labelled = {_nameIn(residue, atom) for residue in place for atom in residue if atom.has_altloc()}
     for residue in place:
         for atom in residue:
             # Some programs give the first conformer no label.
-            if atom.has_altloc() or _plainName(atom) in labelled:
+            if atom.has_altloc() or _nameIn(residue, atom) in labelled:
                 occupancies[atom.altloc].append(atom.occ)
                 names[atom.altloc].add(_plainName(atom))
     taken = []
     for labels in _alternatives(names):
         # Python's max returns the first of equals; labels are in the order of the file.
         taken.append(max(labels, key=lambda label: sum(occupancies[label]) / len(occupancies[label])))
+    replaced = {_nameIn(residue, atom) for residue in place for atom in residue if _isTaken(atom, taken)}
     kept = []
     for residue in place:
-        atoms = [atom for atom in residue if atom.altloc in taken or not _hasAlternate(atom, labelled)]
+        atoms = [
+            atom
+            for atom in residue
+            if (atom.altloc in taken if atom.has_altloc() else _nameIn(residue, atom) not in replaced)
+        ]
         if atoms:
             kept.append((residue, atoms))
-    named = [(residue, atoms) for residue, atoms in kept if any(_hasAlternate(atom, labelled) for atom in atoms)]
-    # Where two names are left, an atom without a label belongs to the one that was chosen.
-    chosen = kept if len({residue.name for residue, _ in kept}) == 1 else named
-    return chosen, ["without a label" if label == NO_ALTERNATE else label for label in taken]
+    if len({residue.name for residue, _ in kept}) > 1:
+        # An atom without a label belongs to the residue whose name was chosen.
+        kept = [(residue, atoms) for residue, atoms in kept if any(_isTaken(atom, taken) for atom in atoms)] or kept[:1]
+    return kept, ["without a label" if label == NO_ALTERNATE else label for label in taken]
 
 
-def _hasAlternate(atom, labelled):
-    return atom.has_altloc() or _plainName(atom) in labelled
+def _isTaken(atom, taken):
+    return atom.has_altloc() and atom.altloc in taken
+
+
+def _nameIn(residue, atom):
+    return residue.name, _plainName(atom)
 
 
 def _alternatives(names):

@@ -109,3 +109,12 @@ def test_conformersInBlocks(tmp_path):
     structure = read(tmp_path, *GLYCINES, *blocks)
     assert [residue.id for residue in structure.topology.residues()] == ["1", "2", "3", "4"]
     assert structure.alternates == [""] * 8 + ["B"] * 12
+
+
+def test_whatHasNoLabelGoesWithItsResidue(tmp_path):
+    """Two names at one place, of which one has labels on some of its atoms only."""
+    bare = [line[:16] + " " + line[17:] for line in serine("A", 0.6, 0.0)[2:]]
+    lines = [*serine("A", 0.6, 0.0)[:2], *bare, *serine("B", 0.4, 0.2, name="ALA")]
+    structure = read(tmp_path, *GLYCINES, *lines)
+    assert [residue.name for residue in structure.topology.residues()] == ["GLY", "GLY", "SER"]
+    assert placesOf(structure, 3)[1] == ["A", "A", "", "", "", ""]
