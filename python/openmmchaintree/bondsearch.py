@@ -39,7 +39,8 @@ LINKS = (("C", "N"), ("O3'", "P"))
 # What these atoms hang on.
 _BACKBONE = {"C": "CA", "N": "CA", "O3'": "C3'", "P": "O5'"}
 
-# Residues of which a bond of the template is so much longer than bonds are have names that mean something else.
+# Residues of which a bond of the template is so much longer than bonds are have names that mean something else. With
+# hydrogens there is nothing to gain by patience: they are bonded to what is near.
 _LOOSE_FIT = 1.5
 
 _HYDROGEN, _SULFUR = 1, 16
@@ -168,7 +169,8 @@ class BondSearch:
         fits = np.ones(len(pairs), dtype=bool)
         if self.positions is not None:
             longest = longestBonds(self._numbers[pairs[:, 0]], self._numbers[pairs[:, 1]])
-            fits = self._distances(pairs[:, 0], pairs[:, 1]) <= _LOOSE_FIT * longest
+            hasHydrogen = (self._numbers[pairs] == _HYDROGEN).any(axis=1)
+            fits = self._distances(pairs[:, 0], pairs[:, 1]) <= np.where(hasHydrogen, 1.0, _LOOSE_FIT) * longest
         misfits, start = [], 0
         for residue, bonds in templates:
             isFit = fits[start : start + len(bonds)]

@@ -16,12 +16,16 @@ from .torsions import (
     DISULFIDE_RING,
     METAL_RING,
     QUIET_REASONS,
+    RING,
     Torsion,
     TorsionSearch,
     searchTorsions,
 )
 from .unbonded import unbondedNeighbors
 from .units import Array, Number, inUnit, positionsInNm
+
+# Reasons that name no atoms.
+_COMMON_REASONS = {RING, DISULFIDE_RING, METAL_RING, BETWEEN_FIXED}
 
 _ARGUMENTS = {DISULFIDE_RING: "cutDisulfides", METAL_RING: "cutMetals"}
 
@@ -170,7 +174,11 @@ def notesOnTorsions(leftOut, remedies=_ARGUMENTS):
     byReason = {}
     for torsion in leftOut:
         if not (torsion.nextToGap or torsion.reason in QUIET_REASONS or isAlphaCarbonOnly(torsion.residue)):
-            byReason.setdefault(torsion.reason, []).append(f"{torsion.kind} of {describeResidue(torsion.residue)}")
+            name = f"{torsion.kind} of {describeResidue(torsion.residue)}"
+            if torsion.reason in _COMMON_REASONS:
+                byReason.setdefault(torsion.reason, []).append(name)
+            else:
+                byReason.setdefault("since atoms or bonds are missing", []).append(f"{name} ({torsion.reason})")
     more = {reason: f", which can be cut ({remedy})" for reason, remedy in remedies.items()}
     more[BETWEEN_FIXED] = ", where only side chains turn"
     return [Note(f"torsions left out, {reason}{more.get(reason, '')}", names) for reason, names in byReason.items()]

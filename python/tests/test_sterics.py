@@ -196,3 +196,12 @@ def test_unknownRadius():
     assert force.getParticleParameters(0)[0].value_in_unit(unit.nanometer) == pytest.approx(0.2)
     with pytest.raises(TypeError, match="^unknownRadius must be a length"):
         createStericExclusionForce(topology, unknownRadius=2 * unit.kelvin)
+
+
+def test_missingAtomsAreOneNote():
+    modeller = app.Modeller(peptide("ALA", "LYS", "MET"), np.zeros((18, 3)))
+    modeller.delete([atom for atom in modeller.topology.atoms() if atom.name in ("CE", "NZ")])
+    pattern = r"^torsions left out, since atoms or bonds are missing \(3\): chi3 of .*LYS 2"
+    with pytest.warns(UserWarning, match=pattern) as caught:
+        createStericExclusionForce(modeller.topology)
+    assert len(caught) == 1
