@@ -3,6 +3,7 @@
 import numpy as np
 
 from .bondsearch import LINKS, BondSearch, Gap
+from .components import connectedParts
 
 __all__ = ["LINKS", "BondGraph", "Gap", "molecules", "neighborLists", "ringBonds"]
 
@@ -117,18 +118,6 @@ def ringBonds(neighbors):
 
 
 def molecules(neighbors):
-    """Return the number of the molecule of each atom: connected atoms share one."""
-    molecule = [-1] * len(neighbors)
-    count = 0
-    for start in range(len(neighbors)):
-        if molecule[start] >= 0:
-            continue
-        molecule[start] = count
-        pending = [start]
-        while pending:
-            for other in neighbors[pending.pop()]:
-                if molecule[other] < 0:
-                    molecule[other] = count
-                    pending.append(other)
-        count += 1
-    return molecule
+    """Return the number of the molecule of each atom, as a list: connected atoms share one."""
+    bonds = [(atom, other) for atom, others in enumerate(neighbors) for other in others if atom < other]
+    return connectedParts(len(neighbors), bonds).tolist()

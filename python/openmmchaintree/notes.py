@@ -51,9 +51,3 @@ def warnOf(notes: Iterable[Note], stacklevel: int) -> None:
     """Warn of each of some Notes. A stack level of 1 is the caller."""
     for note in notes:
         warnings.warn(NoteWarning(note), stacklevel=stacklevel + 1)
-
-
-def notesOf(caught: Iterable[warnings.WarningMessage]) -> list[Note]:
-    """Return the Notes of warnings that were caught; other warnings as what they say."""
-    messages = (warning.message for warning in caught)
-    return [message.note if isinstance(message, NoteWarning) else Note(str(message)) for message in messages]
