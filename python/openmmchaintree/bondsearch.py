@@ -252,7 +252,11 @@ class BondSearch:
                     self._bonds[_sorted(*ends)] = None
 
     def _linkedAtoms(self):
-        return {atom for pair in self._bonds if not self._areOneResidue(pair) and self._isLink(pair) for atom in pair}
+        return {atom for pair in self._links() for atom in pair}
+
+    def _links(self):
+        """Return the bonds that link residues of polymers."""
+        return [pair for pair in self._bonds if not self._areOneResidue(pair) and self._isLink(pair)]
 
     def _findGaps(self):
         """Note polymer residues that follow each other in a chain and are not linked."""
@@ -274,10 +278,7 @@ class BondSearch:
 
     def _unlinkedNeighbors(self):
         """Return the pairs of residues that follow each other in a chain and are not linked."""
-        linked = set()
-        for pair in self._bonds:
-            if not self._areOneResidue(pair) and self._isLink(pair):
-                linked.add(_sorted(*self._residueOf[list(pair)].tolist()))
+        linked = {_sorted(*self._residueOf[list(pair)].tolist()) for pair in self._links()}
         pairs = (pair for chain in self._chains for pair in pairwise(chain))
         return [pair for pair in pairs if (pair[0].index, pair[1].index) not in linked]
 

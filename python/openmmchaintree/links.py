@@ -25,8 +25,7 @@ class Links:
         count = len(graph.atoms)
         bonds = np.array(graph.bonds, dtype=int).reshape(-1, 2)
         axes = np.array([torsion.particles[1:3] for torsion in torsions], dtype=int).reshape(-1, 2)
-        isAxis = np.isin(_codes(bonds, count), _codes(axes, count))
-        self.ofAtom = connectedParts(count, bonds[~isAxis])
+        self.ofAtom = rigidLinks(graph, axes.tolist())
         self.count = int(self.ofAtom.max(initial=-1)) + 1
         self.ends = self.ofAtom[axes]
         self.moleculeOfAtom = connectedParts(count, bonds)
@@ -93,6 +92,7 @@ class Links:
         return roots, weight[roots] > 0
 
 
-def _codes(pairs, count):
-    """Return a number for each pair of atoms, whatever their order."""
-    return pairs.min(axis=1) * count + pairs.max(axis=1)
+def rigidLinks(graph, axes):
+    """Return the number of the rigid link of each atom of a BondGraph of which some bonds turn, as an int array."""
+    turning = {(min(axis), max(axis)) for axis in axes}
+    return connectedParts(len(graph.atoms), [bond for bond in graph.bonds if (min(bond), max(bond)) not in turning])

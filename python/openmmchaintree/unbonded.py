@@ -2,8 +2,8 @@
 
 import numpy as np
 
-from .components import connectedParts
 from .covalent import bondedPairs, isMetal
+from .links import rigidLinks
 from .naming import nameAtom
 
 
@@ -62,9 +62,3 @@ def unbondedNeighbors(graph, axes, fixed=(), alternates=None):
         distance = float(np.linalg.norm(graph.positions[atom1] - graph.positions[atom2]))
         found.append(NearPair(graph.atoms[atom1], graph.atoms[atom2], distance))
     return sorted(found, key=lambda pair: pair.distance)
-
-
-def rigidLinks(graph, axes):
-    """Return the number of the rigid link of each atom of a BondGraph of which some bonds turn, as an int array."""
-    turning = {(min(axis), max(axis)) for axis in axes}
-    return connectedParts(len(graph.atoms), [bond for bond in graph.bonds if (min(bond), max(bond)) not in turning])
