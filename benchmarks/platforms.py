@@ -1,6 +1,6 @@
 """What a trial costs on each platform that is here: the villin headpiece, one torsion at a time.
 
-    python examples/benchmarks/platforms.py [TRIALS]
+    python benchmarks/platforms.py [TRIALS]
 
 Without other forces, positions go to the platform once a step of 100 trials. With other forces they go there for each
 trial that is free of clashes: with a single bond, next to nothing is computed, so that this is the cost of handing
