@@ -288,6 +288,10 @@ int main(int argc, char** argv) {
     fputs(optionsUsage, stdout);
     return 0;
   }
+  if (options.about) {
+    rowOfBuild(options.set);
+    return 0;
+  }
   if (options.list) {
     rowsOfContestants(options.set);
     return 0;

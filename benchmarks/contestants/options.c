@@ -47,6 +47,7 @@ const char* const optionsUsage =
     "--obstacles COUNT   [1000]\n"
     "--isa NAME          instruction set: avx512, avx2 or portable [the best that is here]\n"
     "--list              print a line of JSON about each contestant instead\n"
+    "--about             print a line of JSON about how the program was built instead\n"
     "--help\n";
 
 static bool fail(char* error, size_t size, const char* option, const char* value, const char* expected) {
@@ -186,7 +187,8 @@ bool optionsParse(int argc, char** argv, Options* options, char* error, size_t s
   for (int i = 1; i < argc; i += 2) {
     options->help = strcmp(argv[i], "--help") == 0;
     options->list = strcmp(argv[i], "--list") == 0;
-    if (options->help || options->list) {
+    options->about = strcmp(argv[i], "--about") == 0;
+    if (options->help || options->list || options->about) {
       return true;
     }
     if (i + 1 == argc) {

@@ -24,6 +24,7 @@ typedef struct Options {
   const char* record; /* a file, or NULL */
   bool help;
   bool list;
+  bool about;
 } Options;
 
 extern const char* const optionsUsage;

@@ -73,6 +73,20 @@ static void printContestant(const char* measure, const char* name, const char* i
   printString(idea);
 }
 
+void rowOfBuild(const InstructionSet* set) {
+  printf("{\"compiler\": ");
+  printString(BUILD_COMPILER);
+  printf(", \"buildType\": ");
+  printString(BUILD_TYPE);
+  printf(", \"flags\": ");
+  printString(BUILD_FLAGS);
+  printf(", \"flagsAvx2\": ");
+  printString(BUILD_FLAGS_AVX2);
+  printf(", \"flagsAvx512\": ");
+  printString(BUILD_FLAGS_AVX512);
+  printf(", \"isa\": \"%s\", \"contestantsIsa\": \"%s\"}\n", set->name, set->contestantsName);
+}
+
 void rowsOfContestants(const InstructionSet* set) {
   for (const Contestant* const* c = set->contestants; *c != NULL; c++) {
     printContestant("trials", (*c)->name, (*c)->idea);

@@ -18,6 +18,9 @@ void rowCounts(double volumeTests, double particleTests, double updates);
 void rowDrift(const DriftResult* result);
 void rowTouch(const TouchResult* result);
 
+/* A row about the build: compiler, flags, instruction set. */
+void rowOfBuild(const InstructionSet* set);
+
 /* A row for each contestant there is. */
 void rowsOfContestants(const InstructionSet* set);
 

@@ -63,6 +63,14 @@ if(NOT output MATCHES "{\"measure\": \"trials\", \"contestant\": \"ours\", \"ide
     message(SEND_ERROR "--list: ${output}")
 endif()
 
+execute_process(COMMAND "${PROGRAM}" --about OUTPUT_VARIABLE output)
+foreach(word compiler buildType flags isa)
+    string(JSON ${word} GET "${output}" ${word})
+endforeach()
+if(NOT compiler MATCHES "[0-9]" OR NOT flags MATCHES "-ffp-contract=off")
+    message(SEND_ERROR "--about: ${output}")
+endif()
+
 set(record "${CMAKE_CURRENT_BINARY_DIR}/TestContestantsCommand.jsonl")
 check_output(--n 60 --contestants brute,lazygrid,ours --trials 30 --block 10 --record "${record}")
 file(STRINGS "${record}" rows)
