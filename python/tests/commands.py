@@ -2,32 +2,58 @@
 
 import os
 import pty
+import re
+import signal
 import subprocess
 import sys
+import tempfile
 
 COMMAND = [sys.executable, "-m", "openmmchaintree"]
 
 
 def run(*arguments, folder):
     """Run the command in a folder, and return what became of it."""
-    return subprocess.run([*COMMAND, *map(str, arguments)], cwd=folder, capture_output=True, text=True, timeout=300)
+    return subprocess.run([*COMMAND, *map(str, arguments)], cwd=folder, capture_output=True, text=True)
 
 
-def runOnATerminal(*arguments, folder):
-    """Run the command with its error output on a terminal; return its exit status and what is seen there."""
+def readTerminal(controller):
+    """Yield what is shown on a terminal until nobody has it open for writing: who does not read blocks who writes."""
+    while True:
+        try:
+            shown = os.read(controller, 65536)
+        except OSError:  # Linux reports the end so.
+            return
+        if not shown:
+            return
+        yield shown
+
+
+def runOnATerminal(*arguments, folder, interruptAt=None):
+    """Run the command with its error output on a terminal. Return its exit status, its output, and what was shown.
+
+    It is interrupted (Ctrl-C) as soon as the regular expression interruptAt matches what was shown.
+    """
     controller, terminal = pty.openpty()
-    process = subprocess.Popen(
-        [*COMMAND, *map(str, arguments)],
-        cwd=folder,
-        env={**os.environ, "TERM": "xterm"},
-        stdout=subprocess.PIPE,
-        stderr=terminal,
-    )
-    process.communicate(timeout=60)
-    os.close(terminal)
-    shown = os.read(controller, 10**6).decode(errors="replace")
-    os.close(controller)
-    return process.returncode, shown
+    with tempfile.TemporaryFile("w+") as output:
+        process = subprocess.Popen(
+            [*COMMAND, *map(str, arguments)],
+            cwd=folder,
+            env={**os.environ, "TERM": "xterm"},
+            stdout=output,
+            stderr=terminal,
+        )
+        os.close(terminal)
+        shown = b""
+        for part in readTerminal(controller):
+            shown += part
+            if interruptAt is not None and re.search(interruptAt, shown.decode(errors="replace")):
+                process.send_signal(signal.SIGINT)
+                interruptAt = None
+        os.close(controller)
+        process.wait()
+        assert interruptAt is None, "it ended without showing what it was to be interrupted at"
+        output.seek(0)
+        return process.returncode, output.read(), shown.decode(errors="replace")
 
 
 def filesIn(folder):
