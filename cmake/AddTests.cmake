@@ -1,5 +1,15 @@
 # One program, or one file of pytest, is one test. A program that ends with 77 counts as skipped.
 
+# chaintree_label_test(name label ...): labels a test, and limits its time to many times what the slowest takes on two
+# busy cores, so that only what hangs meets the limit.
+function(chaintree_label_test name)
+    set(seconds 900)
+    if("sanitized" IN_LIST ARGN)
+        set(seconds 2700)
+    endif()
+    set_tests_properties(${name} PROPERTIES LABELS "${ARGN}" TIMEOUT ${seconds})
+endfunction()
+
 # chaintree_add_c_tests(SOURCES ... [WITH source ...] [LIBRARIES lib ...] [ARGUMENTS ...] [SANITIZED_LIBRARIES lib ...]
 # [SANITIZED_ARGUMENTS ...]): programs on the engine alone, each with the sources after WITH. Each runs as it is, and,
 # with the arguments and libraries that are given for that instead, a second time with sanitizers.
@@ -15,11 +25,13 @@ function(chaintree_add_c_tests)
         get_filename_component(name "${source}" NAME_WE)
         add_executable(${name} ${source} ${arg_WITH})
         target_link_libraries(${name} PRIVATE chaintree ${arg_LIBRARIES})
-        _chaintree_add_program_test(${name} "engine" ${arg_ARGUMENTS})
+        _chaintree_add_program_test(${name} ${arg_ARGUMENTS})
+        chaintree_label_test(${name} engine)
         if(TARGET chaintree_sanitized)
             add_executable(${name}_sanitized ${source} ${arg_WITH})
             target_link_libraries(${name}_sanitized PRIVATE chaintree_sanitized ${arg_SANITIZED_LIBRARIES})
-            _chaintree_add_program_test(${name}_sanitized "engine;sanitized" ${arg_SANITIZED_ARGUMENTS})
+            _chaintree_add_program_test(${name}_sanitized ${arg_SANITIZED_ARGUMENTS})
+            chaintree_label_test(${name}_sanitized engine sanitized)
         endif()
     endforeach()
 endfunction()
@@ -31,7 +43,8 @@ function(chaintree_add_cxx_tests)
         add_executable(${name} ${source})
         target_include_directories(${name} PRIVATE "${PROJECT_SOURCE_DIR}/tests")
         target_link_libraries(${name} PRIVATE OpenMMChainTreeReference)
-        _chaintree_add_program_test(${name} "api")
+        _chaintree_add_program_test(${name})
+        chaintree_label_test(${name} api)
         # From there come the platforms that are plugins of OpenMM, CPU among them.
         set_tests_properties(${name} PROPERTIES ENVIRONMENT "OPENMM_PLUGIN_DIR=${OpenMM_LIBRARY_DIR}/plugins")
     endforeach()
@@ -44,17 +57,17 @@ function(chaintree_add_python_tests)
         add_test(NAME ${name}
             COMMAND "${Python_EXECUTABLE}" -m pytest -q -rs -p no:cacheprovider "${source}"
             WORKING_DIRECTORY "${PROJECT_BINARY_DIR}")
+        chaintree_label_test(${name} python)
         set_tests_properties(${name} PROPERTIES
-            LABELS python
             SKIP_REGULAR_EXPRESSION "(^|\n)[0-9]+ skipped in "
             ENVIRONMENT "PYTHONPATH=${CHAINTREE_PACKAGE_PARENT_DIR};PYTHONDONTWRITEBYTECODE=1;CHAINTREE_ORACLE=$<TARGET_FILE:chaintree_oracle>")
     endforeach()
 endfunction()
 
-function(_chaintree_add_program_test name labels)
+function(_chaintree_add_program_test name)
     # A test must be able to fail, so its assertions hold in every build.
     target_compile_options(${name} PRIVATE -UNDEBUG)
     chaintree_set_warnings(${name})
     add_test(NAME ${name} COMMAND ${name} ${ARGN})
-    set_tests_properties(${name} PROPERTIES LABELS "${labels}" SKIP_RETURN_CODE 77)
+    set_tests_properties(${name} PROPERTIES SKIP_RETURN_CODE 77)
 endfunction()

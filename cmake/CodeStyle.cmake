@@ -17,7 +17,7 @@ if(CLANG_FORMAT_EXECUTABLE AND clang_format_output MATCHES "version ${clang_form
     add_custom_target(format COMMAND "${CLANG_FORMAT_EXECUTABLE}" -i ${styled_files} VERBATIM)
     if(CHAINTREE_BUILD_TESTS)
         add_test(NAME format COMMAND "${CLANG_FORMAT_EXECUTABLE}" --dry-run --Werror ${styled_files})
-        set_tests_properties(format PROPERTIES LABELS style)
+        chaintree_label_test(format style)
     endif()
 else()
     message(STATUS "clang-format ${clang_format_version} was not found: the format is not checked")

@@ -326,7 +326,7 @@ class Copy:
         return "" if made.returncode == 0 else made.stdout
 
     def failing(self, pattern: str, without: str) -> list[str]:
-        command = ["ctest", "--test-dir", self.build, "-R", pattern, "-E", without, "--timeout", "600"]
+        command = ["ctest", "--test-dir", self.build, "-R", pattern, "-E", without]
         ran = run(command + ([] if self.all else ["--stop-on-failure"]))
         if "No tests were found" in ran.stdout:
             sys.exit(f"no test matches {pattern}")

@@ -27,7 +27,7 @@ def runInstalled(folder, program, entryPoints=_ENTRY_POINTS):
     (information / "entry_points.txt").write_text(entryPoints)
     path = os.pathsep.join([str(folder), *filter(None, sys.path)])
     environment = {**os.environ, "PYTHONPATH": path}
-    return subprocess.run([sys.executable, "-c", program], env=environment, capture_output=True, text=True, timeout=120)
+    return subprocess.run([sys.executable, "-c", program], env=environment, capture_output=True, text=True)
 
 
 def createForces(topology, *files):

@@ -35,7 +35,6 @@ def runWithLargestFile(size, *arguments, folder):
         cwd=folder,
         capture_output=True,
         text=True,
-        timeout=300,
         preexec_fn=lambda: resource.setrlimit(resource.RLIMIT_FSIZE, (size, size)),
     )
 

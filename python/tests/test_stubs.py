@@ -138,7 +138,7 @@ def mypy(folder, *arguments):
     pytest.importorskip("mypy")
     command = [sys.executable, "-m", "mypy", "--config-file", str(_PROJECT / "pyproject.toml"), *arguments]
     environment = {**os.environ, "MYPYPATH": str(_PACKAGE.parent)}
-    return subprocess.run(command, cwd=folder, env=environment, capture_output=True, text=True, timeout=300)
+    return subprocess.run(command, cwd=folder, env=environment, capture_output=True, text=True)
 
 
 def test_mistakesAreFound(tmp_path):
