@@ -20,30 +20,34 @@ static double distance(const Bodies* bodies, int i, int j, const double shift[3]
   return sqrt(squared);
 }
 
-static bool countChanged(void* context, int particle1, int particle2, double before, double after) {
-  (void)particle1;
-  (void)particle2;
-  (void)before;
-  (void)after;
-  ++*(int*)context;
+/* How often each pair was reported, at what distances. */
+typedef struct Found {
+  int times[MOST][MOST];
+  double before[MOST][MOST], after[MOST][MOST];
+} Found;
+
+static bool noteChanged(void* context, int particle1, int particle2, double before, double after) {
+  Found* found = context;
+  const int i = particle1 < particle2 ? particle1 : particle2, j = particle1 < particle2 ? particle2 : particle1;
+  found->times[i][j]++;
+  found->before[i][j] = before;
+  found->after[i][j] = after;
   return true;
 }
 
-/* The second half is a body of its own. */
+/* The second half is a body of its own: pairs across halves that are within the cutoff before or after the shift are
+ * those that change. */
 static void checkPairs(const Bodies* bodies, const double shift[3], double cutoff) {
   static const double still[3] = {0, 0, 0};
+  static Found found;
   double radii[MOST];
   int links[MOST];
   const int parents[2] = {CT_NULL, CT_NULL};
   const uint8_t joints[2] = {ctFreeJoint, ctFreeJoint};
   const int half = bodies->count / 2;
-  int expected = 0;
   for (int i = 0; i < bodies->count; i++) {
     radii[i] = 0.01;
     links[i] = i >= half;
-    for (int j = half; i < half && j < bodies->count; j++) {
-      expected += distance(bodies, i, j, still) <= cutoff || distance(bodies, i, j, shift) <= cutoff;
-    }
   }
   const ctDefinition definition = {.particleCount = bodies->count,
                                    .positions = bodies->positions,
@@ -56,9 +60,16 @@ static void checkPairs(const Bodies* bodies, const double shift[3], double cutof
   ctChange change = {.link = 1};
   memcpy(change.translation, shift, sizeof change.translation);
   CHECK_SUCCESS(ctPropose(tree, 1, &change));
-  int found = 0;
-  CHECK_SUCCESS(ctForEachChangedPair(tree, cutoff, countChanged, &found, NULL));
-  CHECK(found == expected);
+  memset(&found, 0, sizeof found);
+  CHECK_SUCCESS(ctForEachChangedPair(tree, cutoff, noteChanged, &found, NULL));
+  for (int i = 0; i < bodies->count; i++) {
+    for (int j = i; j < bodies->count; j++) {
+      const double before = distance(bodies, i, j, still), after = distance(bodies, i, j, shift);
+      const bool changes = i < half && j >= half && (before <= cutoff || after <= cutoff);
+      CHECK(found.times[i][j] == changes);
+      CHECK(!changes || (fabs(found.before[i][j] - before) < 1e-12 && fabs(found.after[i][j] - after) < 1e-12));
+    }
+  }
   CHECK(ctValidate(tree));
   ctDestroy(tree);
 }
