@@ -164,7 +164,9 @@ class Programs(RuleBasedStateMachine):
         if self.limitsAreCurrent:
             return
         pairs, overlaps, _ = self.oracle.beyondLimits(0)
-        self.limits.update({tuple(pair): overlap + SIGMA for pair, overlap in zip(pairs.tolist(), overlaps)})
+        self.limits.update(
+            {tuple(pair): overlap + SIGMA for pair, overlap in zip(pairs.tolist(), overlaps, strict=True)}
+        )
         self._tellLimits()
         self.limitsAreCurrent = True
 
@@ -273,7 +275,7 @@ class Programs(RuleBasedStateMachine):
 
     def _beyondLimits(self):
         pairs, _, margins = self.oracle.beyondLimits(0)
-        return zip(pairs.tolist(), margins)
+        return zip(pairs.tolist(), margins, strict=True)
 
     # ---- Other changes ----
 
