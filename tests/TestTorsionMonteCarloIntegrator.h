@@ -184,6 +184,54 @@ void testBoltzmannTorsions(Platform& platform)
         ASSERT_EQUAL_TOL(1.0, getDistance(state.getPositions()[i], state.getPositions()[i + 1]), tolerance);
 }
 
+void testIntegrationForceGroups(Platform& platform)
+{
+    // Two strong potentials of one torsion, in groups of their own. Only what is in the integration force groups is
+    // sampled from, also if they change: with k cos(angle - theta0) the mean of cos(angle - theta0) is a ratio of
+    // Bessel functions, and that of the sine is 0. The sum of both is such a potential, too.
+
+    const double k = 6, theta1 = -0.5, theta2 = 1.5;
+    BeadChain chain(4, 0);
+    for (int group : {1, 2}) {
+        CustomTorsionForce* potential = new CustomTorsionForce("k*cos(theta-theta0)");
+        potential->addPerTorsionParameter("k");
+        potential->addPerTorsionParameter("theta0");
+        potential->addTorsion(0, 1, 2, 3, {k, group == 1 ? theta1 : theta2});
+        potential->setForceGroup(group);
+        chain.system.addForce(potential);
+    }
+    TorsionMonteCarloIntegrator integrator(300);
+    integrator.setRandomNumberSeed(5);
+    integrator.setTrialsPerStep(10);
+    integrator.addTorsionMove(1, 2.5);
+    Context context(chain.system, integrator, platform);
+    context.setPositions(chain.positions);
+    const int numSteps = getSampleSize(platform);
+    const double error = 0.025 * sqrt(20000.0 / numSteps);
+    auto check = [&](int groups, double strength, double theta0) {
+        integrator.setIntegrationForceGroups(groups);
+        integrator.step(20);
+        integrator.resetMoveStatistics();
+        double cosines = 0, sines = 0;
+        vector<double> angles;
+        for (int i = 0; i < numSteps; i++) {
+            integrator.step(1);
+            integrator.getTorsionAngles(context, angles);
+            cosines += cos(angles[0] - theta0) / numSteps;
+            sines += sin(angles[0] - theta0) / numSteps;
+        }
+        double expected = -cyl_bessel_i(1.0, strength / THERMAL) / cyl_bessel_i(0.0, strength / THERMAL);
+        ASSERT_USUALLY_EQUAL_TOL(expected, cosines, error);
+        ASSERT_USUALLY_EQUAL_TOL(0, sines, error);
+        ASSERT_EQUAL(strength > 0, Statistics(integrator, 0).rejectedByEnergy > 0);
+    };
+    check(1 << 1, k, theta1);
+    check(1 << 2, k, theta2);
+    check(1 << 1 | 1 << 2, 2 * k * cos((theta2 - theta1) / 2), (theta1 + theta2) / 2);
+    check(1 << 3, 0, 0);
+    check(~(1 << 2), k, theta1);
+}
+
 void testBoltzmannRigidBody(Platform& platform)
 {
     // A rigid rod in a harmonic well, with a pull on one end: <c^2> = 3 kT / (2 K), and <cos> is Langevin's function.
@@ -1670,6 +1718,7 @@ void testTorsionMonteCarloIntegrator(Platform& platform)
     if (getPrecision(platform) == "double") // It takes long, and precision is nothing to it.
         testHardBeads(platform);
     testBoltzmannTorsions(platform);
+    testIntegrationForceGroups(platform);
     testBoltzmannRigidBody(platform);
     testHardSpheresInWell(platform);
     testSoftSpheres(platform);
