@@ -403,8 +403,18 @@ static Counts counts(const void* self) {
   return ((const BinaryTree*)self)->counts;
 }
 
+/* From particle to particle, by the shortcuts of level 0. */
+static void positions(void* self, double* coordinates) {
+  const BinaryTree* tree = self;
+  Rigid frame = rigidIdentity();
+  for (int i = 0; i < tree->scene->particleCount; i++) {
+    memcpy(coordinates + 3 * i, frame.t, sizeof frame.t);
+    frame = rigidCompose(&frame, &tree->levels[0][i].shortcut);
+  }
+}
+
 #define BINARY_TREE(itsName, itsIdea)                                                                   \
   {                                                                                                     \
     .name = itsName, .idea = itsIdea, .make = make, .destroy = destroy, .test = test, .accept = accept, \
-    .reject = reject, .testAll = testAll, .counts = counts                                              \
+    .reject = reject, .testAll = testAll, .counts = counts, .positions = positions                      \
   }

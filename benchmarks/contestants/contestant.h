@@ -46,6 +46,9 @@ typedef struct Contestant {
   /* The particles as they are now, up to a motion of them all; NULL where a contestant does not keep them. */
   const Sphere* (*spheres)(const void* self);
 
+  /* Writes them as 3 * particleCount coordinates; NULL where `spheres` has them already. */
+  void (*positions)(void* self, double* coordinates);
+
   /* The instruction set in use; NULL where it is the one that a contestant is compiled for. */
   const char* (*instructionSet)(const void* self);
 } Contestant;

@@ -6,9 +6,11 @@ extern const Contestant CONTESTANT(contestantFullGrid);
 extern const Contestant CONTESTANT(contestantFullGridPlain);
 extern const Contestant CONTESTANT(contestantImproved);
 extern const Contestant CONTESTANT(contestantKObbTree);
+extern const Contestant CONTESTANT(contestantKObbTreeLeaves);
 extern const Contestant CONTESTANT(contestantLazyGrid);
 extern const Contestant CONTESTANT(contestantLazyGridPlain);
 extern const Contestant CONTESTANT(contestantObbTree1);
+extern const Contestant CONTESTANT(contestantObbTree1Leaves);
 extern const Contestant CONTESTANT(contestantPublished);
 extern const Contestant CONTESTANT(contestantPublishedCapsules);
 extern const Contestant CONTESTANT(contestantPublishedSpheres);
@@ -21,9 +23,11 @@ Roster CONTESTANT(contestants) = {&CONTESTANT(contestantBrute),
                                   &CONTESTANT(contestantFullGridPlain),
                                   &CONTESTANT(contestantImproved),
                                   &CONTESTANT(contestantKObbTree),
+                                  &CONTESTANT(contestantKObbTreeLeaves),
                                   &CONTESTANT(contestantLazyGrid),
                                   &CONTESTANT(contestantLazyGridPlain),
                                   &CONTESTANT(contestantObbTree1),
+                                  &CONTESTANT(contestantObbTree1Leaves),
                                   &CONTESTANT(contestantPublished),
                                   &CONTESTANT(contestantPublishedCapsules),
                                   &CONTESTANT(contestantPublishedSpheres),

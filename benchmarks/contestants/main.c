@@ -85,6 +85,7 @@ static int runTrials(const Options* options, const Scene* scene, char* error, si
                .trialCount = options->trialCount,
                .blockSize = options->blockSize,
                .seconds = options->seconds,
+               .readsPositions = options->readsPositions,
                .judge = contestantFind(options->set, "lazygrid", strlen("lazygrid"))};
   RaceResult results[MOST_LANES];
   for (const char* list = options->contestants; list != NULL;) {
@@ -105,11 +106,14 @@ static int runTrials(const Options* options, const Scene* scene, char* error, si
   }
   for (int i = 0; i < race.laneCount; i++) {
     rowBegin("trials", options, scene, results[i].trials);
-    printf(", \"block\": %d, \"moves\": \"%s\", \"angle\": %.10g, \"kappa\": %d", race.blockSize, options->moves,
+    printf(", \"asked\": %d, \"complete\": %s, \"block\": %d, \"moves\": \"%s\", \"angle\": %.10g, \"kappa\": %d",
+           race.trialCount, results[i].trials == race.trialCount ? "true" : "false", race.blockSize, options->moves,
            race.rule.angle * 180 / PI, race.rule.kappa);
+    printf(", \"positions\": \"%s\", \"rgOfScene\": %.6g, \"rg\": [%.6g, %.6g]", race.readsPositions ? "each" : "none",
+           results[i].gyration[0], results[i].gyration[1], results[i].gyration[2]);
     rowTimes(race.contestants[i]->name, setName(options, results[i].instructionSet), &results[i].microseconds);
     rowCounts(results[i].volumeTests, results[i].particleTests, results[i].updates);
-    printf(", \"accepted\": %.6g}\n", results[i].accepted);
+    printf(", \"accepted\": %.6g, \"bytes\": %lld}\n", results[i].accepted, (long long)results[i].bytes);
   }
   return 0;
 }

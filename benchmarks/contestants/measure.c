@@ -4,10 +4,24 @@
 #include <stdlib.h>
 #include <time.h>
 
+#if defined(__GLIBC__) && (__GLIBC__ > 2 || __GLIBC_MINOR__ >= 33)
+#include <malloc.h>
+#define HAS_MALLINFO2
+#endif
+
 double processorTime(void) {
   struct timespec now;
   clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &now);
   return 1e6 * (double)now.tv_sec + 1e-3 * (double)now.tv_nsec;
+}
+
+int64_t heapBytes(void) {
+#ifdef HAS_MALLINFO2
+  const struct mallinfo2 info = mallinfo2();
+  return (int64_t)(info.uordblks + info.hblkhd);
+#else
+  return -1;
+#endif
 }
 
 static int compare(const void* a, const void* b) {

@@ -39,7 +39,11 @@ const char* const optionsUsage =
     "--kappa COUNT       consecutive torsions that a trial turns [1]\n"
     "--trials COUNT      trials, or how often the question is asked, or turns [20000, 5, 100, 100, 100000, 1400]\n"
     "--block COUNT       trials of one contestant before the next has its turn [2000]\n"
-    "--seconds NUMBER    ends trials sooner: with the block in which contestants have taken that long together;\n"
+    "--positions WHEN    each: all positions are read after each trial that is taken over, which counts; where a\n"
+    "                    contestant keeps them, up to a motion of them all, they cost nothing. none: they are not\n"
+    "                    read [none]\n"
+    "--seconds NUMBER    ends trials sooner, with the block in which contestants have taken that long together: the\n"
+    "                    rows are then marked incomplete;\n"
     "                    drift, where the next ten times as many turns would take a contestant more than its share;\n"
     "                    and touch, with what is searched for\n"
     "--record FILE       write the scene and all trials there, as lines of JSON, for others to run them\n"
@@ -152,6 +156,10 @@ static bool parseOption(const char* name, const char* value, Options* options, c
   }
   if (strcmp(name, "--seconds") == 0) {
     return parseReal(value, INFINITY, &options->seconds) || fail(error, size, name, value, "a positive number");
+  }
+  if (strcmp(name, "--positions") == 0) {
+    options->readsPositions = strcmp(value, "each") == 0;
+    return options->readsPositions || strcmp(value, "none") == 0 || fail(error, size, name, value, "each or none");
   }
   if (strcmp(name, "--record") == 0) {
     options->record = value;

@@ -19,6 +19,7 @@ typedef struct Options {
   double cutoff;
   int obstacleCount;
   double seconds;          /* that a race may last */
+  bool readsPositions;     /* after each trial taken over */
   const char* contestants; /* names with commas between them */
   const InstructionSet* set;
   const char* record; /* a file, or NULL */

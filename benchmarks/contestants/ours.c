@@ -123,14 +123,18 @@ static Counts counts(const void* self) {
   return (Counts){counted->volumeTests, counted->particleTests, counted->nodesUpdated};
 }
 
+static void positions(void* self, double* coordinates) {
+  ctGetPositions(((Ours*)self)->tree, coordinates);
+}
+
 static const char* instructionSet(const void* self) {
   return ctGetInstructionSet(((const Ours*)self)->tree);
 }
 
-#define OURS(itsName, itsIdea, itsMake)                                                                    \
-  {                                                                                                        \
-    .name = itsName, .idea = itsIdea, .make = itsMake, .destroy = destroy, .test = test, .accept = accept, \
-    .reject = reject, .testAll = testAll, .counts = counts, .instructionSet = instructionSet               \
+#define OURS(itsName, itsIdea, itsMake)                                                                              \
+  {                                                                                                                  \
+    .name = itsName, .idea = itsIdea, .make = itsMake, .destroy = destroy, .test = test, .accept = accept,           \
+    .reject = reject, .testAll = testAll, .counts = counts, .positions = positions, .instructionSet = instructionSet \
   }
 
 const Contestant contestantOurs = OURS("ours", "the engine of this project", make);
@@ -150,4 +154,5 @@ const Contestant contestantOursWhole = {.name = "ours-whole",
                                         .accept = acceptWhole,
                                         .reject = rejectWhole,
                                         .counts = counts,
+                                        .positions = positions,
                                         .instructionSet = instructionSet};

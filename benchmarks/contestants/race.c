@@ -1,5 +1,6 @@
 #include "race.h"
 
+#include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -10,8 +11,9 @@
 typedef struct Lane {
   const Contestant* contestant;
   void* self;
-  Counts before; /* counts when the first block was over */
-  double* times; /* of each block that is counted, microseconds per trial */
+  Counts before;     /* counts when the first block was over */
+  double* times;     /* of each block that is counted, microseconds per trial */
+  double* positions; /* as last read; NULL where the contestant keeps them itself */
 } Lane;
 
 /* The trials of one block, and what the first lane says of them. */
@@ -32,6 +34,7 @@ typedef struct Course {
   int blocksRun;          /* without the first, as the following */
   int trialsRun;
   int accepted;
+  double gyration[3]; /* as in RaceResult */
 } Course;
 
 /* ---- Life ---- */
@@ -41,13 +44,18 @@ static void laneEnd(Lane* lane) {
     lane->contestant->destroy(lane->self);
   }
   free(lane->times);
+  free(lane->positions);
+  *lane = (Lane){0};
 }
 
 static bool laneBegin(Lane* lane, const Contestant* contestant, const Scene* scene, int blockCount) {
   lane->contestant = contestant;
   lane->self = contestant->make(scene);
   lane->times = calloc((size_t)blockCount, sizeof(double));
-  return lane->self != NULL && lane->times != NULL;
+  if (contestant->spheres == NULL) {
+    lane->positions = calloc(3 * (size_t)scene->particleCount + 1, sizeof(double));
+  }
+  return lane->self != NULL && lane->times != NULL && (contestant->spheres != NULL || lane->positions != NULL);
 }
 
 static int blockCountOf(const Race* race) {
@@ -94,14 +102,26 @@ static bool courseBegin(Course* course, const Race* race, char* error, size_t si
 
 /* ---- Running ---- */
 
-/* Tests a trial and takes it over unless it clashes; -1 if there is no memory. */
-static int run(const Lane* lane, int kappa, const Turn* turns) {
-  const int clash = lane->contestant->test(lane->self, kappa, turns);
-  if (clash == 0) {
-    return lane->contestant->accept(lane->self) ? 0 : -1;
+static void readPositions(const Lane* lane) {
+  if (lane->positions != NULL) {
+    lane->contestant->positions(lane->self, lane->positions);
   }
-  lane->contestant->reject(lane->self);
-  return clash;
+}
+
+/* Tests a trial and takes it over unless it clashes; -1 if there is no memory. */
+static int run(const Lane* lane, int kappa, const Turn* turns, bool readsPositions) {
+  const int clash = lane->contestant->test(lane->self, kappa, turns);
+  if (clash != 0) {
+    lane->contestant->reject(lane->self);
+    return clash;
+  }
+  if (!lane->contestant->accept(lane->self)) {
+    return -1;
+  }
+  if (readsPositions) {
+    readPositions(lane);
+  }
+  return 0;
 }
 
 static bool makeBlock(Course* course, int count) {
@@ -111,7 +131,7 @@ static bool makeBlock(Course* course, int count) {
     Turn* turns = course->block.turns + i * course->block.kappa;
     const Sphere* spheres = judge->contestant == NULL ? NULL : judge->contestant->spheres(judge->self);
     movesNext(&course->moves, spheres, turns);
-    if (judge->contestant != NULL && run(judge, course->block.kappa, turns) < 0) {
+    if (judge->contestant != NULL && run(judge, course->block.kappa, turns, false) < 0) {
       return false;
     }
   }
@@ -119,10 +139,10 @@ static bool makeBlock(Course* course, int count) {
 }
 
 /* Returns microseconds per trial, negative if there is no memory. */
-static double runBlock(const Lane* lane, const Block* block, unsigned char* clashes) {
+static double runBlock(const Lane* lane, const Block* block, bool readsPositions, unsigned char* clashes) {
   const double start = processorTime();
   for (int i = 0; i < block->count; i++) {
-    const int clash = run(lane, block->kappa, block->turns + i * block->kappa);
+    const int clash = run(lane, block->kappa, block->turns + i * block->kappa, readsPositions);
     if (clash < 0) {
       return -1;
     }
@@ -147,7 +167,7 @@ static double runLanes(Course* course, int firstTrial, char* error, size_t size)
   for (int i = 0; i < course->race->laneCount; i++) {
     Lane* lane = &course->lanes[i];
     unsigned char* clashes = i == 0 ? course->block.clashes : course->clashes;
-    const double time = runBlock(lane, &course->block, clashes);
+    const double time = runBlock(lane, &course->block, course->race->readsPositions, clashes);
     if (time < 0) {
       snprintf(error, size, "not enough memory for a trial of %s", lane->contestant->name);
       return -1;
@@ -176,10 +196,32 @@ static void recordBlock(FILE* record, const Block* block) {
   }
 }
 
+/* By a contestant that keeps positions, if there is one: reading them changes nothing. */
+static double gyrationNow(const Course* course) {
+  const Lane* lane = &course->lanes[0];
+  for (int i = 0; i < course->race->laneCount && lane->positions != NULL; i++) {
+    lane = course->lanes[i].positions == NULL ? &course->lanes[i] : lane;
+  }
+  readPositions(lane);
+  const Sphere* spheres = lane->positions == NULL ? lane->contestant->spheres(lane->self) : NULL;
+  const int count = course->race->scene->particleCount;
+  double sum[3] = {0, 0, 0};
+  double squares = 0;
+  for (int i = 0; i < count; i++) {
+    const double* x = spheres == NULL ? lane->positions + 3 * i : spheres[i].x;
+    for (int k = 0; k < 3; k++) {
+      sum[k] += x[k] / count;
+      squares += x[k] * x[k] / count;
+    }
+  }
+  return sqrt(squares - sum[0] * sum[0] - sum[1] * sum[1] - sum[2] * sum[2]);
+}
+
 /* The first block is run, but not counted. */
 static bool runBlocks(Course* course, char* error, size_t size) {
   const Race* race = course->race;
   double left = 1e6 * race->seconds;
+  course->gyration[0] = gyrationNow(course);
   for (int b = 0; b <= blockCountOf(race) && (left > 0 || b < 2); b++) {
     const int trialsLeft = race->trialCount - course->trialsRun;
     if (!makeBlock(course, trialsLeft < race->blockSize ? trialsLeft : race->blockSize)) {
@@ -202,7 +244,9 @@ static bool runBlocks(Course* course, char* error, size_t size) {
       Lane* lane = &course->lanes[i];
       lane->before = lane->contestant->counts(lane->self);
     }
+    course->gyration[1] = gyrationNow(course);
   }
+  course->gyration[2] = gyrationNow(course);
   return true;
 }
 
@@ -215,11 +259,21 @@ static RaceResult resultOf(const Course* course, const Lane* lane) {
   return (RaceResult){
       .instructionSet = contestant->instructionSet == NULL ? NULL : contestant->instructionSet(lane->self),
       .trials = course->trialsRun,
+      .gyration = {course->gyration[0], course->gyration[1], course->gyration[2]},
       .microseconds = quartilesOf(lane->times, course->blocksRun),
       .accepted = course->accepted / trials,
       .volumeTests = (double)(counts.volumeTests - lane->before.volumeTests) / trials,
       .particleTests = (double)(counts.particleTests - lane->before.particleTests) / trials,
       .updates = (double)(counts.updates - lane->before.updates) / trials};
+}
+
+/* Ends a lane. What the lane itself holds beside the contestant is not counted. */
+static int64_t bytesFreed(Lane* lane) {
+  const int64_t before = heapBytes();
+  lane->contestant->destroy(lane->self);
+  const int64_t after = heapBytes();
+  lane->contestant = NULL;
+  return before < 0 ? -1 : before - after;
 }
 
 bool raceRun(const Race* race, RaceResult* results, char* error, size_t size) {
@@ -230,6 +284,7 @@ bool raceRun(const Race* race, RaceResult* results, char* error, size_t size) {
   const bool success = courseBegin(&course, race, error, size) && runBlocks(&course, error, size);
   for (int i = 0; i < race->laneCount && success; i++) {
     results[i] = resultOf(&course, &course.lanes[i]);
+    results[i].bytes = bytesFreed(&course.lanes[i]);
   }
   courseEnd(&course);
   return success;

@@ -14,8 +14,10 @@ typedef struct Race {
   MoveRule rule;
   uint64_t seed;
   int trialCount;
-  int blockSize;  /* trials of one contestant before the next has its turn */
-  double seconds; /* the race ends with the block in which its contestants have taken that long together */
+  int blockSize;       /* trials of one contestant before the next has its turn */
+  double seconds;      /* the race ends with the block in which its contestants have taken that long together, */
+                       /* and is incomplete unless that is the last one */
+  bool readsPositions; /* all positions are worked out after each trial taken over, as part of its time */
   int laneCount;
   const Contestant* contestants[MOST_LANES];
   const Contestant* judge; /* keeps positions; asked where trials depend on them */
@@ -25,12 +27,15 @@ typedef struct Race {
 /* Of one contestant, over blocks; the first block is run, but not counted. */
 typedef struct RaceResult {
   const char* instructionSet; /* NULL if the contestant does not choose it */
-  int trials;
-  Quartiles microseconds; /* per trial */
-  double accepted;        /* share of trials */
-  double volumeTests;     /* per trial, as the others */
+  int trials;                 /* that counted: fewer than trialCount if the race is incomplete */
+  double gyration[3];         /* radius of gyration, in the scene's unit: of the scene as it is, and before and after */
+                              /* the trials that counted */
+  Quartiles microseconds;     /* per trial */
+  double accepted;            /* share of trials */
+  double volumeTests;         /* per trial, as the others */
   double particleTests;
   double updates;
+  int64_t bytes; /* that destroying the contestant has freed after the race; -1: not known */
 } RaceResult;
 
 /* Fills results[laneCount]. False if that fails, or if contestants disagree about a trial; then `error`, of `size`

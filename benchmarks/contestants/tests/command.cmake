@@ -37,6 +37,17 @@ endforeach()
 check_output(--n 60 --contestants brute,lazygrid,ours --trials 500 --moves biased --kappa 8 --isa portable)
 check_output(--n 60 --contestants brute,fullgrid,ours --trials 500 --moves gaussian --angle 20 --seed 7)
 
+# All positions are those of the same chain, whoever is asked.
+check_output(--n 60 --contestants published,improved,ours --trials 500 --positions each)
+string(JSON size GET "${last_row}" rg 1)
+check_output(--n 60 --contestants brute,kobbtree,lazygrid --trials 500)
+string(JSON same_size GET "${last_row}" rg 1)
+string(JSON bytes GET "${last_row}" bytes)
+string(JSON complete GET "${last_row}" complete)
+if(NOT size EQUAL same_size OR NOT complete OR NOT size GREATER 0)
+    message(SEND_ERROR "sizes: ${size}, ${last_row}")
+endif()
+
 check_output(--measure whole --chain worst --n 60 --contestants brute,published,ours)
 check_output(--measure pairs --n 60 --contestants brute,cells,ours --cutoff 9)
 
@@ -54,7 +65,7 @@ endif()
 
 # Ends with the block in which the time is up, here the first one that counts.
 check_output(--n 60 --contestants brute,lazygrid,ours --trials 100000 --block 10 --seconds 1e-9)
-if(NOT "${last_row}" MATCHES "\"trials\": 10,")
+if(NOT "${last_row}" MATCHES "\"trials\": 10,.*\"asked\": 100000, \"complete\": false")
     message(SEND_ERROR "--seconds: ${last_row}")
 endif()
 
@@ -96,6 +107,7 @@ check_refusal(1 "no turn makes particles touch" --measure touch --n 4)
 check_refusal(2 "--cutoff 0" --cutoff 0)
 check_refusal(2 "--angle 0" --angle 0)
 check_refusal(2 "--seconds 0" --seconds 0)
+check_refusal(2 "expected each or none" --positions all)
 check_refusal(1 "nowhere/record cannot be written" --record nowhere/record)
 check_refusal(2 "--kappa stands without a value" --kappa)
 check_refusal(1 "side chains" --moves sidechain)

@@ -1,0 +1,71 @@
+/* What contestants that keep the positions of all particles have in common. It is their first member, so that its
+ * functions can be theirs. */
+#ifndef KEEPER_H_
+#define KEEPER_H_
+
+#include <stdlib.h>
+#include <string.h>
+
+#include "bodies.h"
+
+typedef struct Keeper {
+  const Scene* scene;
+  Sphere* spheres;
+  Sphere* trial; /* the same in the trial */
+  Counts counts;
+} Keeper;
+
+/* A contestant of this size, zeroed but for its keeper; NULL if there is no memory. */
+static inline void* keeperMake(const Scene* scene, size_t size) {
+  const size_t bytes = ((size_t)scene->particleCount + 1) * sizeof(Sphere);
+  Keeper* keeper = calloc(1, size);
+  if (keeper == NULL) {
+    return NULL;
+  }
+  *keeper = (Keeper){.scene = scene, .spheres = malloc(bytes), .trial = malloc(bytes)};
+  if (keeper->spheres == NULL || keeper->trial == NULL) {
+    free(keeper->spheres);
+    free(keeper->trial);
+    free(keeper);
+    return NULL;
+  }
+  memcpy(keeper->spheres, scene->spheres, bytes - sizeof(Sphere));
+  return keeper;
+}
+
+static inline void keeperDestroy(void* self) {
+  Keeper* keeper = self;
+  if (keeper != NULL) {
+    free(keeper->spheres);
+    free(keeper->trial);
+    free(keeper);
+  }
+}
+
+/* Works out the trial: what moves together, and all particles. */
+static inline void keeperMove(Keeper* keeper, int count, const Turn* turns, Bodies* bodies) {
+  bodiesMove(keeper->scene, keeper->spheres, count, turns, bodies);
+  bodiesApply(bodies, keeper->spheres, keeper->trial);
+}
+
+static inline bool keeperAccept(void* self) {
+  Keeper* keeper = self;
+  Sphere* trial = keeper->spheres;
+  keeper->spheres = keeper->trial;
+  keeper->trial = trial;
+  return true;
+}
+
+static inline void keeperReject(void* self) {
+  (void)self;
+}
+
+static inline Counts keeperCounts(const void* self) {
+  return ((const Keeper*)self)->counts;
+}
+
+static inline const Sphere* keeperSpheres(const void* self) {
+  return ((const Keeper*)self)->spheres;
+}
+
+#endif /* KEEPER_H_ */

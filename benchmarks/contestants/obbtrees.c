@@ -1,0 +1,294 @@
+/* The paper's trees of oriented boxes that are made anew after each change (section 5): 1-OBBTree, one tree of all
+ * spheres, tested against itself; and K-OBBTree, a tree of each rigid piece, tested against those of the others.
+ *
+ * The trees are those of Gottschalk, Lin and Manocha (1996), whose library the paper used: the spheres of a node are
+ * parted where their mean is along the longest edge of its box, until a leaf holds one. With some spheres in a leaf
+ * there are fewer boxes to make, which is faster, but other counts than the paper's; these are contestants of their
+ * own. */
+#include "keeper.h"
+#include "obb.h"
+
+enum { LARGE_LEAF = 8 };
+
+typedef struct ObbNode {
+  Obb box;
+  int first; /* its spheres */
+  int count;
+  int second; /* the second child, behind the first, which is behind the node itself; 0: a leaf */
+} ObbNode;
+
+/* Room for the nodes of one or several trees, and for their spheres. */
+typedef struct ObbForest {
+  Sphere* spheres; /* parted */
+  int* particles;  /* of spheres */
+  int leafSize;    /* nodes of more spheres are parted */
+  int nodeCount;
+  ObbNode* nodes;
+} ObbForest;
+
+static void obbForestFree(ObbForest* forest) {
+  free(forest->spheres);
+  free(forest->particles);
+  free(forest->nodes);
+}
+
+/* For up to `count` spheres; false if there is no memory. */
+static bool obbForestInit(ObbForest* forest, int count, int leafSize) {
+  const size_t size = (size_t)count + 1;
+  forest->leafSize = leafSize;
+  forest->spheres = malloc(size * sizeof(Sphere));
+  forest->particles = malloc(size * sizeof(int));
+  forest->nodes = malloc(2 * size * sizeof(ObbNode));
+  return forest->spheres != NULL && forest->particles != NULL && forest->nodes != NULL;
+}
+
+static void meanOf(const Sphere* spheres, int count, double mean[3]) {
+  double sum[3] = {0, 0, 0};
+  for (int i = 0; i < count; i++) {
+    sum[0] += spheres[i].x[0];
+    sum[1] += spheres[i].x[1];
+    sum[2] += spheres[i].x[2];
+  }
+  for (int k = 0; k < 3; k++) {
+    mean[k] = sum[k] / count;
+  }
+}
+
+/* The eigenvectors of the covariance of the centres. */
+static void principalAxes(const Sphere* spheres, int count, const double mean[3], double axes[3][3]) {
+  double xx = 0, xy = 0, xz = 0, yy = 0, yz = 0, zz = 0;
+  for (int i = 0; i < count; i++) {
+    const double x = spheres[i].x[0] - mean[0];
+    const double y = spheres[i].x[1] - mean[1];
+    const double z = spheres[i].x[2] - mean[2];
+    xx += x * x;
+    xy += x * y;
+    xz += x * z;
+    yy += y * y;
+    yz += y * z;
+    zz += z * z;
+  }
+  double covariance[3][3] = {{xx, xy, xz}, {xy, yy, yz}, {xz, yz, zz}};
+  eigenvectors(covariance, axes);
+}
+
+static void fitBox(const Sphere* spheres, int count, const double mean[3], Obb* box) {
+  if (count == 1) {
+    *box = obbOfSphere(spheres[0].radius);
+    memcpy(box->centre, spheres[0].x, sizeof box->centre);
+    return;
+  }
+  double line[3];
+  subtract(spheres[count - 1].x, spheres[0].x, line);
+  if (count > 2 || !axesAlong(line, &(Obb){.axes = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}}, box->axes)) {
+    principalAxes(spheres, count, mean, box->axes);
+  }
+  double low[3] = {INFINITY, INFINITY, INFINITY};
+  double high[3] = {-INFINITY, -INFINITY, -INFINITY};
+  for (int i = 0; i < count; i++) {
+    for (int k = 0; k < 3; k++) {
+      const double at = dot(spheres[i].x, box->axes[k]);
+      low[k] = at - spheres[i].radius < low[k] ? at - spheres[i].radius : low[k];
+      high[k] = at + spheres[i].radius > high[k] ? at + spheres[i].radius : high[k];
+    }
+  }
+  obbSetExtents(box, low, high);
+}
+
+/* Parts spheres by the side of a plane they are on; returns how many come first, neither none nor all. */
+static int part(Sphere* spheres, int* particles, int count, const double normal[3], double at) {
+  int first = 0;
+  for (int i = 0; i < count; i++) {
+    if (dot(spheres[i].x, normal) < at) {
+      const Sphere sphere = spheres[i];
+      const int particle = particles[i];
+      spheres[i] = spheres[first];
+      particles[i] = particles[first];
+      spheres[first] = sphere;
+      particles[first++] = particle;
+    }
+  }
+  return first == 0 || first == count ? count / 2 : first;
+}
+
+/* Makes the tree of some spheres of the forest, and returns its root. */
+static int obbTreeMake(ObbForest* forest, int first, int count) {
+  const int index = forest->nodeCount++;
+  ObbNode* node = &forest->nodes[index];
+  Sphere* spheres = forest->spheres + first;
+  double mean[3];
+  meanOf(spheres, count, mean);
+  node->first = first;
+  node->count = count;
+  fitBox(spheres, count, mean, &node->box);
+  node->second = 0;
+  if (count > forest->leafSize) {
+    const double* half = node->box.half;
+    const int longest = half[0] >= half[1] ? (half[0] >= half[2] ? 0 : 2) : (half[1] >= half[2] ? 1 : 2);
+    const double* normal = node->box.axes[longest];
+    const int firsts = part(spheres, forest->particles + first, count, normal, dot(mean, normal));
+    obbTreeMake(forest, first, firsts);
+    node->second = obbTreeMake(forest, first + firsts, count - firsts);
+  }
+  return index;
+}
+
+/* Pairs of spheres of a range with those of another, or of the same. */
+static bool rangesClash(const ObbForest* forest, const Scene* scene, const ObbNode* a, const ObbNode* b,
+                        Counts* counts) {
+  for (int i = a->first; i < a->first + a->count; i++) {
+    const Sphere* sphere = &forest->spheres[i];
+    for (int j = a == b ? i + 1 : b->first; j < b->first + b->count; j++) {
+      const double sum = sphere->radius + forest->spheres[j].radius;
+      counts->particleTests++;
+      if (squaredDistance(sphere->x, forest->spheres[j].x) < sum * sum &&
+          !sceneExcludes(scene, forest->particles[i], forest->particles[j])) {
+        return true;
+      }
+    }
+  }
+  return false;
+}
+
+/* Whether spheres of two nodes, neither below the other, clash; the larger box is taken apart first. */
+static bool obbNodesClash(const ObbForest* forest, const Scene* scene, int a, int b, Counts* counts) {
+  const ObbNode* nodeA = &forest->nodes[a];
+  const ObbNode* nodeB = &forest->nodes[b];
+  counts->volumeTests++;
+  if (!obbsOverlapHere(&nodeA->box, &nodeB->box)) {
+    return false;
+  }
+  if (nodeA->second == 0 && nodeB->second == 0) {
+    return rangesClash(forest, scene, nodeA, nodeB, counts);
+  }
+  if (nodeB->second == 0 || (nodeA->second > 0 && obbMeasure(&nodeA->box) >= obbMeasure(&nodeB->box))) {
+    return obbNodesClash(forest, scene, a + 1, b, counts) || obbNodesClash(forest, scene, nodeA->second, b, counts);
+  }
+  return obbNodesClash(forest, scene, a, b + 1, counts) || obbNodesClash(forest, scene, a, nodeB->second, counts);
+}
+
+/* ---- The contestants ---- */
+
+typedef struct ObbTrees {
+  Keeper keeper;
+  ObbForest forest;
+} ObbTrees;
+
+static void destroy(void* self) {
+  ObbTrees* trees = self;
+  if (trees != NULL) {
+    obbForestFree(&trees->forest);
+    keeperDestroy(trees);
+  }
+}
+
+static void* makeWithLeaves(const Scene* scene, int leafSize) {
+  ObbTrees* trees = keeperMake(scene, sizeof *trees);
+  if (trees != NULL && !obbForestInit(&trees->forest, scene->particleCount, leafSize)) {
+    destroy(trees);
+    return NULL;
+  }
+  return trees;
+}
+
+static void* make(const Scene* scene) {
+  return makeWithLeaves(scene, 1);
+}
+
+static void* makeLarge(const Scene* scene) {
+  return makeWithLeaves(scene, LARGE_LEAF);
+}
+
+/* Of two nodes of the forest. */
+static bool nodesClash(ObbTrees* trees, int a, int b) {
+  return obbNodesClash(&trees->forest, trees->keeper.scene, a, b, &trees->keeper.counts);
+}
+
+static bool clashesWithItself(ObbTrees* trees, int node) {
+  const ObbNode* its = &trees->forest.nodes[node];
+  if (its->second == 0) {
+    return rangesClash(&trees->forest, trees->keeper.scene, its, its, &trees->keeper.counts);
+  }
+  return clashesWithItself(trees, node + 1) || clashesWithItself(trees, its->second) ||
+         nodesClash(trees, node + 1, its->second);
+}
+
+static int anyClash(ObbTrees* trees, const Sphere* spheres) {
+  const int particles = trees->keeper.scene->particleCount;
+  memcpy(trees->forest.spheres, spheres, (size_t)particles * sizeof(Sphere));
+  for (int i = 0; i < particles; i++) {
+    trees->forest.particles[i] = i;
+  }
+  trees->forest.nodeCount = 0;
+  const int root = obbTreeMake(&trees->forest, 0, particles);
+  trees->keeper.counts.updates += trees->forest.nodeCount;
+  return clashesWithItself(trees, root);
+}
+
+static int testAll(void* self) {
+  return anyClash(self, ((Keeper*)self)->spheres);
+}
+
+static int testOneTree(void* self, int count, const Turn* turns) {
+  Keeper* keeper = self;
+  Bodies bodies;
+  keeperMove(keeper, count, turns, &bodies);
+  return anyClash(self, keeper->trial);
+}
+
+/* Makes the tree of the particles of one body, as they are in the trial, behind `first` spheres of other trees. */
+static int makeTree(ObbTrees* trees, const Bodies* bodies, int body, int first) {
+  int count = 0;
+  for (int s = 0; s < bodies->segmentCount; s++) {
+    const Segment* segment = &bodies->segments[s];
+    for (int i = segment->first; i < segment->last && segment->body == body; i++) {
+      trees->forest.spheres[first + count] = trees->keeper.trial[i];
+      trees->forest.particles[first + count++] = i;
+    }
+  }
+  return obbTreeMake(&trees->forest, first, count);
+}
+
+static int testTreeOfEachBody(void* self, int count, const Turn* turns) {
+  ObbTrees* trees = self;
+  Bodies bodies;
+  keeperMove(&trees->keeper, count, turns, &bodies);
+  int roots[MOST_TURNS + 1];
+  int rootCount = 0;
+  int first = 0;
+  trees->forest.nodeCount = 0;
+  for (int body = 0; body < bodies.bodyCount; body++) {
+    if (bodies.sizes[body] > 0) {
+      roots[rootCount++] = makeTree(trees, &bodies, body, first);
+      first += bodies.sizes[body];
+    }
+  }
+  trees->keeper.counts.updates += trees->forest.nodeCount;
+  for (int a = 0; a < rootCount; a++) {
+    for (int b = 0; b < a; b++) {
+      if (nodesClash(trees, roots[a], roots[b])) {
+        return 1;
+      }
+    }
+  }
+  return 0;
+}
+
+#define OBB_TREES(itsName, itsIdea, itsMake, itsTest, itsTestAll)                                                   \
+  {                                                                                                                 \
+    .name = itsName, .idea = itsIdea, .make = itsMake, .destroy = destroy, .test = itsTest, .accept = keeperAccept, \
+    .reject = keeperReject, .testAll = itsTestAll, .counts = keeperCounts, .spheres = keeperSpheres                 \
+  }
+
+const Contestant CONTESTANT(contestantObbTree1) = OBB_TREES("obbtree1",
+                                                            "the paper's 1-OBBTree: one tree of boxes, made anew", make,
+                                                            testOneTree, testAll);
+const Contestant CONTESTANT(contestantObbTree1Leaves) = OBB_TREES("obbtree1-leaves",
+                                                                  "the same with eight spheres in a leaf", makeLarge,
+                                                                  testOneTree, testAll);
+const Contestant CONTESTANT(contestantKObbTree) =
+    OBB_TREES("kobbtree", "the paper's K-OBBTree: a tree of boxes of each rigid piece, made anew", make,
+              testTreeOfEachBody, NULL);
+const Contestant CONTESTANT(contestantKObbTreeLeaves) = OBB_TREES("kobbtree-leaves",
+                                                                  "the same with eight spheres in a leaf", makeLarge,
+                                                                  testTreeOfEachBody, NULL);
