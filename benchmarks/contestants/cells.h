@@ -61,8 +61,13 @@ static inline void cellsClear(Cells* cells) {
   memset(cells->heads, -1, cells->count * sizeof(int));
 }
 
+/* Within which the centres of two particles are that meet. */
+static inline double cellsReach(const Scene* scene) {
+  return 2 * sceneLargestRadius(scene);
+}
+
 /* With at least `entriesPerParticle` entries of the table for each particle; false if there is no memory. */
-static inline bool cellsInit(Cells* cells, const Scene* scene, int entriesPerParticle) {
+static inline bool cellsInit(Cells* cells, const Scene* scene, double reach, int entriesPerParticle) {
   int bits = 3 * MOST_CELLS_ALONG / 2;
   while ((1LL << bits) < (long long)entriesPerParticle * scene->particleCount) {
     bits++;
@@ -70,7 +75,7 @@ static inline bool cellsInit(Cells* cells, const Scene* scene, int entriesPerPar
   for (int k = 0; k < 3; k++) {
     cells->bits[k] = (bits + 2 - k) / 3;
   }
-  cells->reach = 2 * sceneLargestRadius(scene);
+  cells->reach = reach;
   cellsChooseEdge(cells, scene);
   cells->count = (size_t)1 << bits;
   cells->heads = malloc(cells->count * sizeof(int));
