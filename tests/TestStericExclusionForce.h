@@ -627,6 +627,16 @@ void testLimits(Platform& platform)
     chain.force->restartLimits(context);
     ASSERT(!chain.force->proposeTorsions(context, {0}, {-0.1}));
 
+    // Whoever starts limits anew while a trial is open has them start from where it leads.
+
+    context.setPositions(BeadChain(4, 0.7, 0.2).positions);
+    ASSERT(chain.force->proposeTorsions(context, {0}, {0.3}));
+    chain.force->restartLimits(context);
+    chain.force->acceptProposal(context);
+    ASSERT_EQUAL(0, chain.force->getNumToleratedClashes(context));
+    ASSERT(!chain.force->proposeTorsions(context, {0}, {-0.1}));
+    context.setPositions(BeadChain(4, 0.7, 0.2).positions);
+
     // Queries have no influence on limits, and limits none on queries.
 
     Pairs pairs;
@@ -1044,8 +1054,14 @@ void testPeriodicForces(Platform& platform)
         Context context(chain.system, integrator, platform);
     }
     ASSERT_EQUAL(0, warnings.size());
+
+    // One warning is enough, however many forces are periodic.
+
     nonbonded->setNonbondedMethod(NonbondedForce::CutoffPeriodic);
     nonbonded->setCutoffDistance(0.5);
+    HarmonicBondForce* bonds = new HarmonicBondForce();
+    bonds->setUsesPeriodicBoundaryConditions(true);
+    chain.system.addForce(bonds);
     {
         VerletIntegrator another(0.001);
         Context context(chain.system, another, platform);

@@ -1461,6 +1461,9 @@ void testThrowingForce(Platform& platform)
         ASSERT_EQUAL(1, context.getStepCount());
         ASSERT_EQUAL(max(0, trial - 1), Statistics(integrator, 0).accepted);
         assertSameBits(trial == 0 ? before : accepted, getPositions(context));
+        assertThrows("there is no open proposal", [&] {
+            chain.force->acceptProposal(context);
+        });
     }
     integrator.step(1);
     ASSERT_EQUAL(2, context.getStepCount());
