@@ -23,8 +23,8 @@ typedef struct Cells {
   int along;        /* so many cells in a row hold all particles within reach of one */
   int bits[3];      /* 2^bits entries along each axis */
   size_t count;
-  int* heads; /* the first particle in each cell, or -1 */
-  int* next;  /* the particle behind each in its cell, or -1 */
+  int* heads; /* the first particle (or block of them) in each cell, or -1 */
+  int* next;  /* the particle behind each in its cell, or -1; NULL if cells hold blocks */
 } Cells;
 
 /* How many particles are within some distance of one, in the mean over some of them, as a density. */
@@ -42,13 +42,15 @@ static inline double cellsDensity(const Scene* scene, double distance) {
   return found / samples / (4.0 / 3 * PI * distance * distance * distance);
 }
 
-/* Few large cells hold more particles than are near, many small ones are too many: the fewest of both together. */
-static inline void cellsChooseEdge(Cells* cells, const Scene* scene) {
+/* Few large cells hold more particles than are near, many small ones are too many: the fewest of both together, where
+ * particles are compared `blockSize` at a time; and large enough to fill the blocks. */
+static inline void cellsChooseEdge(Cells* cells, const Scene* scene, int blockSize) {
   const double density = cellsDensity(scene, 1.5 * cells->reach);
   double leastCost = INFINITY;
   for (int along = 2; along <= MOST_CELLS_ALONG; along++) {
-    const double edge = 2 * cells->reach / (along - 1) * (1 + 1e-9);
-    const double cost = pow(along, 3) + density * pow(along * edge, 3);
+    const double least = 2 * cells->reach / (along - 1) * (1 + 1e-9);
+    const double edge = blockSize > 1 ? fmax(least, cbrt(blockSize / density)) : least;
+    const double cost = pow(along, 3) + density * pow(along * edge, 3) / blockSize;
     if (cost < leastCost) {
       leastCost = cost;
       cells->along = along;
@@ -66,8 +68,9 @@ static inline double cellsReach(const Scene* scene) {
   return 2 * sceneLargestRadius(scene);
 }
 
-/* With at least `entriesPerParticle` entries of the table for each particle; false if there is no memory. */
-static inline bool cellsInit(Cells* cells, const Scene* scene, double reach, int entriesPerParticle) {
+/* With at least `entriesPerParticle` entries of the table for each particle. If `blockSize` is more than 1, cells hold
+ * blocks of so many particles, which are the contestant's. False if there is no memory. */
+static inline bool cellsInit(Cells* cells, const Scene* scene, double reach, int entriesPerParticle, int blockSize) {
   int bits = 3 * MOST_CELLS_ALONG / 2;
   while ((1LL << bits) < (long long)entriesPerParticle * scene->particleCount) {
     bits++;
@@ -76,11 +79,13 @@ static inline bool cellsInit(Cells* cells, const Scene* scene, double reach, int
     cells->bits[k] = (bits + 2 - k) / 3;
   }
   cells->reach = reach;
-  cellsChooseEdge(cells, scene);
+  cellsChooseEdge(cells, scene, blockSize);
   cells->count = (size_t)1 << bits;
   cells->heads = malloc(cells->count * sizeof(int));
-  cells->next = malloc(((size_t)scene->particleCount + 1) * sizeof(int));
-  if (cells->heads == NULL || cells->next == NULL) {
+  if (blockSize == 1) {
+    cells->next = malloc(((size_t)scene->particleCount + 1) * sizeof(int));
+  }
+  if (cells->heads == NULL || (blockSize == 1 && cells->next == NULL)) {
     return false;
   }
   cellsClear(cells);

@@ -24,7 +24,7 @@ static void destroy(void* self) {
 
 static void* make(const Scene* scene) {
   FullGrid* grid = keeperMake(scene, sizeof *grid);
-  if (grid != NULL && !cellsInit(&grid->cells, scene, cellsReach(scene), ENTRIES_PER_PARTICLE)) {
+  if (grid != NULL && !cellsInit(&grid->cells, scene, cellsReach(scene), ENTRIES_PER_PARTICLE, 1)) {
     destroy(grid);
     return NULL;
   }

@@ -13,6 +13,7 @@
 #if defined(__AVX512F__)
 
 enum { LANES = 16 };
+#define LANES_ISA "avx512"
 typedef __m512 Lanes;
 typedef __m512i IntLanes;
 
@@ -55,6 +56,14 @@ static inline Lanes squaredDistances(Lanes ax, Lanes ay, Lanes az, Lanes bx, Lan
   return _mm512_fmadd_ps(x, x, _mm512_fmadd_ps(y, y, _mm512_mul_ps(z, z)));
 }
 
+static inline Lanes lanesSum(Lanes a, Lanes b) {
+  return _mm512_add_ps(a, b);
+}
+
+static inline Lanes lanesSquare(Lanes a) {
+  return _mm512_mul_ps(a, a);
+}
+
 static inline unsigned lanesAtMost(Lanes a, Lanes b) {
   return _mm512_cmp_ps_mask(a, b, _CMP_LE_OQ);
 }
@@ -76,6 +85,7 @@ static inline void lanesStoreSome(float* x, unsigned mask, Lanes lanes) {
 #elif defined(__AVX2__)
 
 enum { LANES = 8 };
+#define LANES_ISA "avx2"
 typedef __m256 Lanes;
 typedef __m256i IntLanes;
 
@@ -118,6 +128,14 @@ static inline Lanes squaredDistances(Lanes ax, Lanes ay, Lanes az, Lanes bx, Lan
   return _mm256_fmadd_ps(x, x, _mm256_fmadd_ps(y, y, _mm256_mul_ps(z, z)));
 }
 
+static inline Lanes lanesSum(Lanes a, Lanes b) {
+  return _mm256_add_ps(a, b);
+}
+
+static inline Lanes lanesSquare(Lanes a) {
+  return _mm256_mul_ps(a, a);
+}
+
 static inline unsigned lanesAtMost(Lanes a, Lanes b) {
   return (unsigned)_mm256_movemask_ps(_mm256_cmp_ps(a, b, _CMP_LE_OQ));
 }
@@ -143,6 +161,7 @@ static inline void lanesStoreSome(float* x, unsigned mask, Lanes lanes) {
 #else
 
 enum { LANES = 4 };
+#define LANES_ISA "portable"
 
 typedef struct Lanes {
   float x[LANES];
@@ -203,6 +222,20 @@ static inline Lanes squaredDistances(Lanes ax, Lanes ay, Lanes az, Lanes bx, Lan
     squared.x[k] = x * x + y * y + z * z;
   }
   return squared;
+}
+
+static inline Lanes lanesSum(Lanes a, Lanes b) {
+  for (int k = 0; k < LANES; k++) {
+    a.x[k] += b.x[k];
+  }
+  return a;
+}
+
+static inline Lanes lanesSquare(Lanes a) {
+  for (int k = 0; k < LANES; k++) {
+    a.x[k] *= a.x[k];
+  }
+  return a;
 }
 
 static inline unsigned lanesAtMost(Lanes a, Lanes b) {

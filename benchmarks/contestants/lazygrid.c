@@ -28,7 +28,7 @@ static void* make(const Scene* scene) {
     return NULL;
   }
   grid->entries = malloc(((size_t)scene->particleCount + 1) * sizeof(int));
-  if (!cellsInit(&grid->cells, scene, cellsReach(scene), ENTRIES_PER_PARTICLE) || grid->entries == NULL) {
+  if (!cellsInit(&grid->cells, scene, cellsReach(scene), ENTRIES_PER_PARTICLE, 1) || grid->entries == NULL) {
     destroy(grid);
     return NULL;
   }

@@ -2,24 +2,15 @@
 
 #include <string.h>
 
-extern Roster contestantsPortable;
-extern Roster precisionsPortable;
-extern KinematicsRoster kinematicsPortable;
-extern PairFinders pairFindersPortable;
-extern NearestFinders nearestFindersPortable;
+extern const InstructionSet instructionSetPortable;
 
 static bool always(void) {
   return true;
 }
 
 #ifdef ROSTER_X86
-extern Roster contestantsAvx2;
-extern Roster precisionsAvx2;
-extern KinematicsRoster kinematicsAvx2;
-extern PairFinders pairFindersAvx2;
-extern NearestFinders nearestFindersAvx2;
-extern PairFinders pairFindersAvx512;
-extern NearestFinders nearestFindersAvx512;
+extern const InstructionSet instructionSetAvx2;
+extern const InstructionSet instructionSetAvx512;
 
 static bool hasAvx2(void) {
   return __builtin_cpu_supports("avx2") && __builtin_cpu_supports("fma") && __builtin_cpu_supports("bmi") &&
@@ -32,21 +23,24 @@ static bool hasAvx512(void) {
 }
 #endif
 
+typedef struct Candidate {
+  const InstructionSet* set;
+  bool (*isHere)(void); /* whether this machine has it */
+} Candidate;
+
 /* The best first. */
-static const InstructionSet sets[] = {
+static const Candidate candidates[] = {
 #ifdef ROSTER_X86
-    /* What gcc makes of contestants that name no instructions is slower with AVX-512 than with AVX2. */
-    {"avx512", hasAvx512, contestantsAvx2, precisionsAvx2, kinematicsAvx2, "avx2", pairFindersAvx512,
-     nearestFindersAvx512},
-    {"avx2", hasAvx2, contestantsAvx2, precisionsAvx2, kinematicsAvx2, "avx2", pairFindersAvx2, nearestFindersAvx2},
+    {&instructionSetAvx512, hasAvx512},
+    {&instructionSetAvx2, hasAvx2},
 #endif
-    {"portable", always, contestantsPortable, precisionsPortable, kinematicsPortable, "portable", pairFindersPortable,
-     nearestFindersPortable}};
+    {&instructionSetPortable, always}};
 
 const InstructionSet* instructionSetFind(const char* name) {
-  for (size_t i = 0; i < sizeof sets / sizeof sets[0]; i++) {
-    if ((name == NULL || strcmp(name, sets[i].name) == 0) && sets[i].isHere()) {
-      return &sets[i];
+  for (size_t i = 0; i < sizeof candidates / sizeof candidates[0]; i++) {
+    const Candidate* candidate = &candidates[i];
+    if ((name == NULL || strcmp(name, candidate->set->name) == 0) && candidate->isHere()) {
+      return candidate->set;
     }
   }
   return NULL;
@@ -56,43 +50,36 @@ static bool isCalled(const char* itsName, const char* name, size_t length) {
   return strlen(itsName) == length && memcmp(itsName, name, length) == 0;
 }
 
-static const Contestant* findIn(const Contestant* const* roster, const char* name, size_t length) {
-  const Contestant* const* c = roster;
-  while (*c != NULL && !isCalled((*c)->name, name, length)) {
-    c++;
-  }
-  return *c;
-}
+/* Ends a function with the entry of a roster that is called `name`, of `length`, or NULL. */
+#define RETURN_NAMED(roster)                         \
+  for (size_t i = 0; (roster)[i] != NULL; i++) {     \
+    if (isCalled((roster)[i]->name, name, length)) { \
+      return (roster)[i];                            \
+    }                                                \
+  }                                                  \
+  return NULL
 
 const Contestant* contestantFind(const InstructionSet* set, const char* name, size_t length) {
-  return findIn(set->contestants, name, length);
+  RETURN_NAMED(set->contestants);
+}
+
+static const Contestant* findPrecision(const InstructionSet* set, const char* name, size_t length) {
+  RETURN_NAMED(set->precisions);
 }
 
 const Contestant* precisionFind(const InstructionSet* set, const char* name, size_t length) {
-  const Contestant* found = findIn(set->precisions, name, length);
+  const Contestant* found = findPrecision(set, name, length);
   return found != NULL ? found : contestantFind(set, name, length);
 }
 
 const Kinematics* kinematicsFind(const InstructionSet* set, const char* name, size_t length) {
-  const Kinematics* const* c = set->kinematics;
-  while (*c != NULL && !isCalled((*c)->name, name, length)) {
-    c++;
-  }
-  return *c;
+  RETURN_NAMED(set->kinematics);
 }
 
 const PairFinder* pairFinderFind(const InstructionSet* set, const char* name, size_t length) {
-  const PairFinder* const* c = set->pairFinders;
-  while (*c != NULL && !isCalled((*c)->name, name, length)) {
-    c++;
-  }
-  return *c;
+  RETURN_NAMED(set->pairFinders);
 }
 
 const NearestFinder* nearestFinderFind(const InstructionSet* set, const char* name, size_t length) {
-  const NearestFinder* const* c = set->nearestFinders;
-  while (*c != NULL && !isCalled((*c)->name, name, length)) {
-    c++;
-  }
-  return *c;
+  RETURN_NAMED(set->nearestFinders);
 }

@@ -7,19 +7,13 @@
 #include "nearest.h"
 #include "pairfinder.h"
 
-/* The contestants of one instruction set, ending with NULL. */
-typedef const Contestant* const Roster[];
-typedef const PairFinder* const PairFinders[];
-typedef const NearestFinder* const NearestFinders[];
-typedef const Kinematics* const KinematicsRoster[];
-
+/* The contestants of one instruction set, in rosters that end with NULL. */
 typedef struct InstructionSet {
   const char* name;
-  bool (*isHere)(void); /* whether this machine has it */
+  const char* contestantsName; /* of the set that contestants are compiled for that choose none */
   const Contestant* const* contestants;
   const Contestant* const* precisions; /* contestants that differ in how exact they are */
   const Kinematics* const* kinematics;
-  const char* contestantsName; /* of the set that these are compiled for */
   const PairFinder* const* pairFinders;
   const NearestFinder* const* nearestFinders;
 } InstructionSet;

@@ -1,12 +1,16 @@
-/* The ChainTree with spheres as its volumes, around particles too, in some precision. A file that includes this is one
- * contestant; before, it defines
+/* Spheres as volumes, around particles too, in some precision. Before binarytrees.c includes this, it defines
  *
- *   VOLUME_REAL       double or float
- *   ROOM              what volumes are larger by for rounding, as a part of the coordinates; 0: not at all
- *   PARTICLE_VOLUMES  as binarytree.h says */
-#include <stdbool.h>
+ *   TREE         what names end with
+ *   VOLUME_REAL  double or float
+ *   ROOM         what volumes are larger by for rounding, as a part of the coordinates; 0: not at all */
 
-#include "rigid.h"
+#define OWN(name) CONTESTANT_JOIN(name, TREE)
+#define RoundVolume OWN(RoundVolume)
+#define roundOfSphere OWN(roundOfSphere)
+#define roundDistance OWN(roundDistance)
+#define roomFor OWN(roomFor)
+#define roundsOverlap OWN(roundsOverlap)
+#define roundOfPair OWN(roundOfPair)
 
 typedef struct RoundVolume {
   VOLUME_REAL centre[3];
@@ -66,7 +70,6 @@ static RoundVolume roundOfPair(const RoundVolume* a, const RoundVolume* b, const
 #define volumeOfSphere roundOfSphere
 #define volumeOfPair roundOfPair
 #define volumesOverlap roundsOverlap
-#define SHRINK_DEPTH 0
-#define IMPROVED 1
 
-#include "binarytree.h"
+#undef VOLUME_REAL
+#undef ROOM

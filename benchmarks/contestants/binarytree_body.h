@@ -1,28 +1,52 @@
-/* The ChainTree of 2002, with a volume to be chosen. A file that includes this is one contestant; before, it defines
+/* The ChainTree of 2002, with a volume to be chosen. Each time that binarytrees.c includes this is one contestant;
+ * before, it defines
  *
+ *   TREE                                        what its names end with
+ *   NAME, IDEA                                  of the contestant
  *   Volume                                      a type
  *   Volume volumeOfSphere(double radius)        around a sphere at the origin
  *   Volume volumeOfPair(a, b, motion)           around a and b, b moved by a rigid motion
  *   bool volumesOverlap(a, b, motion)           whether a and b, moved, overlap
  *   SHRINK_DEPTH                                0, or, of boxes, how many levels below a node they are fitted to
- *   IMPROVED                                    0: as published, a node is not compared with itself if it has not
- *                                               changed. 1: two nodes of one rigid piece are not compared either, and
- *                                               comparisons begin at the joints, where clashes are most likely
- *   PARTICLE_VOLUMES                            if it likes, 1: two particles are compared as volumes before they are
- *                                               as particles, or 2: as volumes only
+ *   SELVES_FIRST                                1: both children of a node are tested against themselves before they
+ *                                               are against each other, since clashes are most likely near the joints.
+ *                                               0: in the order of the paper, which tests (E, E), (E, F'), (F', F')
+ *   SKIPS_RIGID                                 0: as published, a node is not compared with itself if it has not
+ *                                               changed. 1: two nodes of one rigid piece are not compared either
+ *   PARTICLE_VOLUMES                            0; 1: two particles are compared as volumes before they are as
+ *                                               particles; or 2: as volumes only
  *
  * A node of level l stands for 2^l particles in a row. Its frame is that of its first particle: the origin is there,
  * and the axes turn with the particle's link. */
-#include <stdlib.h>
-#include <string.h>
 
-#include "bodies.h"
-
-#ifndef PARTICLE_VOLUMES
-#define PARTICLE_VOLUMES 0
-#endif
-
-enum { MOST_LEVELS = 32, SEVERAL_BODIES = -1 };
+#define OWN(name) CONTESTANT_JOIN(name, TREE)
+#define Node OWN(Node)
+#define SavedNode OWN(SavedNode)
+#define BinaryTree OWN(BinaryTree)
+#define Extents OWN(Extents)
+#define treeDestroy OWN(treeDestroy)
+#define widen OWN(widen)
+#define shrink OWN(shrink)
+#define fitVolume OWN(fitVolume)
+#define composeShortcut OWN(composeShortcut)
+#define build OWN(build)
+#define treeMake OWN(treeMake)
+#define save OWN(save)
+#define relative OWN(relative)
+#define turnJoints OWN(turnJoints)
+#define updateLevel OWN(updateLevel)
+#define change OWN(change)
+#define undo OWN(undo)
+#define bodyOfNode OWN(bodyOfNode)
+#define particlesClash OWN(particlesClash)
+#define nodesClash OWN(nodesClash)
+#define nodeClashesWithItself OWN(nodeClashesWithItself)
+#define treeTest OWN(treeTest)
+#define treeTestAll OWN(treeTestAll)
+#define treeAccept OWN(treeAccept)
+#define treeReject OWN(treeReject)
+#define treeCounts OWN(treeCounts)
+#define treePositions OWN(treePositions)
 
 typedef struct Node {
   Rigid shortcut; /* from the frame of the next node of the level to that of this one (section 2.1) */
@@ -51,7 +75,7 @@ typedef struct BinaryTree {
 
 /* ---- Making ---- */
 
-static void destroy(void* self) {
+static void treeDestroy(void* self) {
   BinaryTree* tree = self;
   if (tree != NULL) {
     free(tree->nodes);
@@ -158,7 +182,7 @@ static void build(BinaryTree* tree) {
   }
 }
 
-static void* make(const Scene* scene) {
+static void* treeMake(const Scene* scene) {
   BinaryTree* tree = calloc(1, sizeof *tree);
   if (tree == NULL) {
     return NULL;
@@ -176,7 +200,7 @@ static void* make(const Scene* scene) {
   tree->axes = calloc((size_t)scene->torsionCount + 1, sizeof *tree->axes);
   tree->saved = calloc((size_t)tree->levelCount * 4 * MOST_TURNS, sizeof(SavedNode));
   if (tree->nodes == NULL || tree->axes == NULL || tree->saved == NULL) {
-    destroy(tree);
+    treeDestroy(tree);
     return NULL;
   }
   Node* level = tree->nodes;
@@ -230,17 +254,6 @@ static void turnJoints(BinaryTree* tree, const Turn* turn, int* joints, int* joi
   joints[(*jointCount)++] = torsion->last - 1;
   save(tree, end);
   end->shortcut = rigidCompose(&correction, &end->shortcut);
-}
-
-static void sortJoints(int* joints, int count) {
-  for (int i = 1; i < count; i++) {
-    const int joint = joints[i];
-    int k = i;
-    for (; k > 0 && joints[k - 1] > joint; k--) {
-      joints[k] = joints[k - 1];
-    }
-    joints[k] = joint;
-  }
 }
 
 /* `joints` are the shortcuts of the level below that have changed, sorted; they become those of this one. A node whose
@@ -330,7 +343,7 @@ static bool nodesClash(BinaryTree* tree, int level, int a, int b, const Rigid* m
   if (level == 0) {
     return particlesClash(tree, a, b, motion);
   }
-  if (IMPROVED) {
+  if (SKIPS_RIGID) {
     const int body = bodyOfNode(tree, level, a);
     if (body != SEVERAL_BODIES && body == bodyOfNode(tree, level, b)) {
       return false;
@@ -365,7 +378,7 @@ static bool nodeClashesWithItself(BinaryTree* tree, int level, int index) {
   if (first + 1 == tree->levelSizes[level - 1]) {
     return nodeClashesWithItself(tree, level - 1, first);
   }
-  if (IMPROVED) {
+  if (SELVES_FIRST) {
     return nodeClashesWithItself(tree, level - 1, first) || nodeClashesWithItself(tree, level - 1, first + 1) ||
            nodesClash(tree, level - 1, first, first + 1, motion);
   }
@@ -375,14 +388,14 @@ static bool nodeClashesWithItself(BinaryTree* tree, int level, int index) {
 
 /* ---- The contestant ---- */
 
-static int test(void* self, int count, const Turn* turns) {
+static int treeTest(void* self, int count, const Turn* turns) {
   BinaryTree* tree = self;
   bodiesCut(tree->scene, count, turns, &tree->bodies);
   change(tree);
   return nodeClashesWithItself(tree, tree->levelCount - 1, 0);
 }
 
-static int testAll(void* self) {
+static int treeTestAll(void* self) {
   BinaryTree* tree = self;
   tree->testsAll = true;
   const bool clash = nodeClashesWithItself(tree, tree->levelCount - 1, 0);
@@ -390,21 +403,21 @@ static int testAll(void* self) {
   return clash;
 }
 
-static bool accept(void* self) {
+static bool treeAccept(void* self) {
   (void)self;
   return true;
 }
 
-static void reject(void* self) {
+static void treeReject(void* self) {
   undo(self);
 }
 
-static Counts counts(const void* self) {
+static Counts treeCounts(const void* self) {
   return ((const BinaryTree*)self)->counts;
 }
 
 /* From particle to particle, by the shortcuts of level 0. */
-static void positions(void* self, double* coordinates) {
+static void treePositions(void* self, double* coordinates) {
   const BinaryTree* tree = self;
   Rigid frame = rigidIdentity();
   for (int i = 0; i < tree->scene->particleCount; i++) {
@@ -413,8 +426,25 @@ static void positions(void* self, double* coordinates) {
   }
 }
 
-#define BINARY_TREE(itsName, itsIdea)                                                                   \
-  {                                                                                                     \
-    .name = itsName, .idea = itsIdea, .make = make, .destroy = destroy, .test = test, .accept = accept, \
-    .reject = reject, .testAll = testAll, .counts = counts, .positions = positions                      \
-  }
+const Contestant CONTESTANT(OWN(contestant)) = {.name = NAME,
+                                                .idea = IDEA,
+                                                .make = treeMake,
+                                                .destroy = treeDestroy,
+                                                .test = treeTest,
+                                                .accept = treeAccept,
+                                                .reject = treeReject,
+                                                .testAll = treeTestAll,
+                                                .counts = treeCounts,
+                                                .positions = treePositions};
+
+#undef TREE
+#undef NAME
+#undef IDEA
+#undef Volume
+#undef volumeOfSphere
+#undef volumeOfPair
+#undef volumesOverlap
+#undef SHRINK_DEPTH
+#undef SELVES_FIRST
+#undef SKIPS_RIGID
+#undef PARTICLE_VOLUMES
