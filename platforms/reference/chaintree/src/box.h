@@ -4,6 +4,7 @@
 
 #include <string.h>
 
+#include "costs.h"
 #include "volume.h"
 
 typedef float Row4 __attribute__((vector_size(16)));
@@ -11,7 +12,7 @@ typedef float Row4 __attribute__((vector_size(16)));
 /* Row d holds coordinate d of the centre and of the three unit axes. */
 typedef struct Box {
   Row4 row[3];
-  Row4 half; /* 0, and half the extents along the axes */
+  Row4 half; /* 0, and half the boxes along the axes */
   bool thin; /* it has much less room than its sphere */
 } Box;
 
@@ -22,9 +23,6 @@ typedef struct BoxBlock {
   float half[3][TREE_WIDTH];
   unsigned thin; /* bit k: that of child k is */
 } BoxBlock;
-
-/* A box with less than this share of the volume of the sphere around the same is worth a test of its own. */
-#define THIN_SHARE 0.2f
 
 static inline Row4 all4(float a) {
   return (Row4){a, a, a, a};
@@ -137,7 +135,7 @@ static inline Float16 dot16(float x, float y, float z, const float v[3][TREE_WID
   return along16(load16(v[0]), load16(v[1]), load16(v[2]), x, y, z);
 }
 
-/* Half the extents of boxes along a unit vector. */
+/* Half the boxes of boxes along a unit vector. */
 static inline Float16 reachAlong(const BoxBlock* boxes, const float u[3]) {
   Float16 reach = all16(0);
   for (int i = 0; i < 3; i++) {

@@ -6,18 +6,18 @@
 
 /* ---- The candidates of a leaf ---- */
 
-/* Adds to `nodes` those of level 1 below an item of a higher level that come near one of them and do not lie before
+/* Adds to `nodes` those of level 1 below a node of a higher level that come near one of them and do not lie before
  * it; returns how many there are then. */
-static int listNodes(const Pass* pass, int level, int item, int node, int count) {
+static int listNodes(const Pass* pass, int level, int node, int own, int count) {
   const Tree* layout = pass->sweep->layout;
   const Snapshot* snapshot = &pass->sweep->snapshot;
   int members;
-  const int first = treeChildren(layout, level, item, &members);
-  const int rank = node - layout->levelBegin[1];
-  /* The item over the node in the level of the members. */
+  const int first = treeChildren(layout, level, node, &members);
+  const int rank = own - layout->levelBegin[1];
+  /* The node over the node in the level of the members. */
   const int over = layout->levelBegin[level - 1] + (rank >> TREE_WIDTH_BITS * (level - 2));
-  const Extents* around = snapshotExtents(snapshot, layout, treeParent(layout, 1, node));
-  unsigned near = membersNear(pass, snapshotExtents(snapshot, layout, item), around, rank % TREE_WIDTH, false);
+  const AxisBoxes* around = snapshotBoxes(snapshot, layout, treeParent(layout, 1, own));
+  unsigned near = membersNear(pass, snapshotBoxes(snapshot, layout, node), around, rank % TREE_WIDTH, false);
   near &= over > first ? ~0u << (over - first) : ~0u;
   pass->task->volumeTests += members;
   for (; near != 0; near &= near - 1) {
@@ -25,7 +25,7 @@ static int listNodes(const Pass* pass, int level, int item, int node, int count)
     if (level == 2) {
       pass->sweep->nodes[count++] = member;
     } else {
-      count = listNodes(pass, level - 1, member, node, count);
+      count = listNodes(pass, level - 1, member, own, count);
     }
   }
   return count;
@@ -36,14 +36,14 @@ static int listNodes(const Pass* pass, int level, int item, int node, int count)
 static int listNear(const Pass* pass, int node, int k, int nodeCount) {
   const Sweep* sweep = pass->sweep;
   const Tree* layout = sweep->layout;
-  const Extents* around = snapshotExtents(&sweep->snapshot, layout, node);
+  const AxisBoxes* around = snapshotBoxes(&sweep->snapshot, layout, node);
   int* leaves = sweep->candidates.leaves;
   size_t count = 0;
   int members;
   for (int n = 0; n < nodeCount; n++) {
     const int other = sweep->nodes[n];
     const int first = treeChildren(layout, 1, other, &members);
-    unsigned near = membersNear(pass, snapshotExtents(&sweep->snapshot, layout, other), around, k, false);
+    unsigned near = membersNear(pass, snapshotBoxes(&sweep->snapshot, layout, other), around, k, false);
     near &= other == node ? ~0u << k : ~0u;
     count += closeNumbers16(sweep->ranks, near, first, leaves + count);
   }
@@ -54,22 +54,22 @@ static int listNear(const Pass* pass, int node, int k, int nodeCount) {
 /* ---- Slots that come near a leaf ---- */
 
 /* From leaf to leaf, in the floats of a snapshot. */
-enum { PLACES = (int)(sizeof(Block) / sizeof(float)) };
+enum { LEAF_FLOATS = (int)(sizeof(Block) / sizeof(float)) };
 
-static inline int slotAt(int place) {
-  return place / PLACES * TREE_WIDTH + place % PLACES;
+static inline int slotAt(int offset) {
+  return offset / LEAF_FLOATS * TREE_WIDTH + offset % LEAF_FLOATS;
 }
 
 /* Forbids pairs of candidates that are slots of one leaf; `forbidden` has bits for each slot of that. */
 static void forbidPairs(const Candidates* candidates, int first, int count, const uint16_t* forbidden) {
   for (int i = first; i < first + count; i++) {
-    const unsigned slot = (unsigned)slotAt(candidates->place[i]) % TREE_WIDTH;
+    const unsigned slot = (unsigned)slotAt(candidates->offset[i]) % TREE_WIDTH;
     candidates->pairs[i] = (uint16_t)(candidates->pairs[i] & ~forbidden[slot]);
   }
 }
 
 /* Gathers the candidates of a leaf, which has a box, from leaves first ... last - 1 of the list. */
-static void gatherCandidates(const Pass* pass, int leaf, const Extent* box, int first, int last) {
+static void gatherCandidates(const Pass* pass, int leaf, const AxisBox* box, int first, int last) {
   /* Within the leaf each pair once. */
   static const uint16_t behind[TREE_WIDTH] = {0xffff, 0xfffe, 0xfffc, 0xfff8, 0xfff0, 0xffe0, 0xffc0, 0xff80,
                                               0xff00, 0xfe00, 0xfc00, 0xf800, 0xf000, 0xe000, 0xc000, 0x8000};
@@ -83,7 +83,7 @@ static void gatherCandidates(const Pass* pass, int leaf, const Extent* box, int 
     const int other = candidates->leaves[i];
     const Slots slots = slotsOf(&sweep->snapshot.leaf[other]);
     const unsigned near = slotsNear(pass, &slots, box, false);
-    closeNumbers16(sweep->ranks, near, other * PLACES, candidates->place + count);
+    closeNumbers16(sweep->ranks, near, other * LEAF_FLOATS, candidates->offset + count);
     storeShorts(candidates->pairs + count, allShorts(0xffff));
     const int size = (int)closeRanks16(sweep->ranks, near, loadIds(sweep->sequence->slotParticle + other * TREE_WIDTH),
                                        candidates->particle + count);
@@ -112,7 +112,7 @@ typedef struct Own {
   Slots slots;
   Ids16 ids;
   Candidates candidates;
-  const float* places;
+  const float* coordinates;
 } Own;
 
 CT_INLINE Own ownOf(const Pass* pass, int leaf) {
@@ -122,7 +122,7 @@ CT_INLINE Own ownOf(const Pass* pass, int leaf) {
 }
 
 CT_INLINE Float16 squaredFromCandidate(const Own* own, int i) {
-  const float* x = own->places + own->candidates.place[i];
+  const float* x = own->coordinates + own->candidates.offset[i];
   const float* y = x + TREE_WIDTH;
   const float* z = y + TREE_WIDTH;
   return squared16(sub16(own->slots.x[0], all16(*x)), sub16(own->slots.x[1], all16(*y)),
@@ -140,7 +140,7 @@ static __attribute__((noinline)) void settleDoubts(const Pass* pass, int leaf, i
   const SweepTask* task = pass->task;
   const Own own = ownOf(pass, leaf);
   for (int i = first; i < first + CANDIDATES_AT_ONCE; i++) {
-    const int slot = slotAt(own.candidates.place[i]);
+    const int slot = slotAt(own.candidates.offset[i]);
     uint16_t* pairs = &own.candidates.pairs[i];
     unsigned doubtful = *pairs & ~greater16(all16(pass->sureSquared), squaredFromCandidate(&own, i));
     for (; doubtful != 0; doubtful &= doubtful - 1) {
@@ -248,7 +248,7 @@ static bool addRows(const Pass* pass, int leaf) {
 }
 
 /* Adds pairs of a leaf with the first leaves of the list. False ends the sweep. */
-static bool addNeighbors(const Pass* pass, int leaf, const Extent* box, int leafCount) {
+static bool addNeighbors(const Pass* pass, int leaf, const AxisBox* box, int leafCount) {
   const Candidates* candidates = &pass->sweep->candidates;
   bool goesOn = true;
   for (int first = 0; first < leafCount && goesOn; first += LEAVES_AT_ONCE) {
@@ -268,7 +268,7 @@ static void addAllNeighbors(const Pass* pass) {
   const Tree* layout = sweep->layout;
   const int top = treeTop(layout);
   if (top == 0) {
-    const Extent everywhere = {{-INFINITY, -INFINITY, -INFINITY}, {INFINITY, INFINITY, INFINITY}, INFINITY};
+    const AxisBox everywhere = {{-INFINITY, -INFINITY, -INFINITY}, {INFINITY, INFINITY, INFINITY}, INFINITY};
     sweep->candidates.leaves[0] = 0;
     addNeighbors(pass, 0, &everywhere, 1);
     return;
@@ -282,7 +282,7 @@ static void addAllNeighbors(const Pass* pass) {
     int members;
     const int first = treeChildren(layout, 1, node, &members);
     for (int k = 0; k < members; k++) {
-      const Extent box = memberOf(snapshotExtents(&sweep->snapshot, layout, node), k);
+      const AxisBox box = memberOf(snapshotBoxes(&sweep->snapshot, layout, node), k);
       if (!addNeighbors(pass, first + k, &box, listNear(pass, node, k, nodeCount))) {
         return;
       }

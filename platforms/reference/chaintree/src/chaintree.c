@@ -47,9 +47,9 @@ ctStatus ctCreate(const ctDefinition* definition, ctChainTree** tree, char* erro
     return ctOutOfMemory;
   }
   scene->overlapTolerance = definition->overlapTolerance;
-  scene->clearance.course = ctChooseTrialCourse();
-  scene->traversal.alwaysBoxes = scene->clearance.course == byTreeAndBoxes;
-  scene->traversal.alwaysDescends = scene->clearance.course != byCost;
+  scene->clearance.method = ctChooseTrialMethod();
+  scene->traversal.alwaysBoxes = scene->clearance.method == byTreeAndBoxes;
+  scene->traversal.alwaysDescends = scene->clearance.method != byCost;
   scene->hydrogenBondAllowance = definition->hydrogenBondAllowance;
   takeReference(scene, definition->positions);
   *tree = scene;

@@ -3,24 +3,15 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "costs.h"
 #include "instructions.h"
 
-enum {
-  TRIALS_A_ROUND = 128,
-  TRIALS_TO_MEASURE_TREE = 8,
-  ROUNDS_A_MEASURE = 16,
-  LEAST_COST_WORTH_SAVING = 1500,
-  LEAST_PATIENCE = 4,
-  MOST_LEAVES = 2048, /* a table of 8 MiB */
-  MOST_PATIENCE = 1 << 12
-};
-
-TrialCourse ctChooseTrialCourse(void) {
+TrialMethod ctChooseTrialMethod(void) {
   static const char* const names[] = {"cost", "tree", "boxes", "clearances"};
   const char* wanted = getenv("CHAINTREE_TRIALS");
-  for (int course = byTree; wanted != NULL && course <= byClearances; course++) {
-    if (strcmp(wanted, names[course]) == 0) {
-      return (TrialCourse)course;
+  for (int method = byTree; wanted != NULL && method <= byClearances; method++) {
+    if (strcmp(wanted, names[method]) == 0) {
+      return (TrialMethod)method;
     }
   }
   return byCost;
@@ -33,7 +24,7 @@ void ctClearanceForget(Clearance* c) {
 void ctClearanceFree(Clearance* c) {
   ctArenaFree(&c->arena);
   free(c->tested);
-  free(c->bodies);
+  free(c->runs);
   *c = (Clearance){0};
 }
 
@@ -57,7 +48,7 @@ static bool reserve(Clearance* c, const Tree* tree) {
 /* Of a test by clearances that finds nothing near: all rows of the moved against all that are not, in sixteens. */
 static int64_t leastCost(const Tree* tree) {
   const int64_t leaves = tree->levelSize[0];
-  const int64_t least = leaves + leaves * leaves / 96;
+  const int64_t least = leaves + leaves * leaves / LEAF_PAIRS_A_UNIT;
   return least > LEAST_COST_WORTH_SAVING ? least : LEAST_COST_WORTH_SAVING;
 }
 
@@ -67,7 +58,7 @@ void ctClearanceGiveUp(Clearance* c) {
   c->cost = 0;
   c->trials = 0;
   c->wait = c->patience;
-  c->patience = c->patience < MOST_PATIENCE ? 2 * c->patience : c->patience;
+  c->patience = c->patience < MOST_CLEARANCE_PATIENCE ? 2 * c->patience : c->patience;
 }
 
 static bool keep(Clearance* c, Traversal* t, double reach) {
@@ -90,35 +81,35 @@ static void choose(Clearance* c, Traversal* t, double reach) {
   }
   if (c->measuresTree) {
     c->measuresTree = false;
-  } else if (c->isKept && 10 * mean > 9 * c->treeCost) {
+  } else if (c->isKept && 10 * mean > TENTHS_THAT_PAY * c->treeCost) {
     ctClearanceGiveUp(c);
   } else if (c->isKept) {
-    c->patience = LEAST_PATIENCE;
+    c->patience = LEAST_CLEARANCE_PATIENCE;
     /* The dearer the tree, the rarer: so that it takes the same part of all time. */
-    c->measuresTree = ++c->rounds * mean >= ROUNDS_A_MEASURE * c->treeCost;
+    c->measuresTree = ++c->rounds * mean >= ROUNDS_A_MEASUREMENT * c->treeCost;
     c->rounds = c->measuresTree ? 0 : c->rounds;
   } else if (c->wait > 0) {
     c->wait--;
   } else if (mean > leastCost(t->tree) && keep(c, t, reach)) {
-    c->patience = c->patience > 0 ? c->patience : LEAST_PATIENCE;
+    c->patience = c->patience > 0 ? c->patience : LEAST_CLEARANCE_PATIENCE;
     c->rounds = 0;
   }
 }
 
 bool ctClearanceIsWanted(Clearance* c, Traversal* t, double reach) {
-  if (c->course == byTree || c->course == byTreeAndBoxes || t->tree->levelCount == 1 ||
+  if (c->method == byTree || c->method == byTreeAndBoxes || t->tree->levelCount == 1 ||
       t->tree->levelSize[0] > MOST_LEAVES) {
     return false;
   }
-  if (c->course == byClearances) {
+  if (c->method == byClearances) {
     c->mostCost = INT64_MAX;
     return c->isKept || keep(c, t, reach);
   }
-  if (c->trials >= (c->measuresTree ? TRIALS_TO_MEASURE_TREE : TRIALS_A_ROUND)) {
+  if (c->trials >= (c->measuresTree ? TRIALS_TO_MEASURE_TREE : CLEARANCE_ROUND)) {
     choose(c, t, reach);
   }
   /* The first tests of a round may have much to learn. */
-  c->mostCost = (TRIALS_A_ROUND / 4 + c->trials) * c->treeCost - c->cost;
+  c->mostCost = (TRIALS_IN_ADVANCE + c->trials) * c->treeCost - c->cost;
   return c->isKept && !c->measuresTree;
 }
 

@@ -8,7 +8,7 @@
  * each other, and puts in what tests have found.
  *
  * That costs O(leaves^2) of very cheap work; the tree costs much dearer work for what is near. Which of them answers is
- * decided by counts of both (never by clocks), so that the same calls give the same course; the verdict is the same. */
+ * decided by counts of both (never by clocks), so that the same calls give the same method; the verdict is the same. */
 #ifndef CT_CLEARANCE_H_
 #define CT_CLEARANCE_H_
 
@@ -35,26 +35,26 @@ typedef struct NearPairs {
 
 /* Leaves that move as one. A leaf in which two pieces of a view meet belongs to both; one in which more do is a body of
  * its own, with several pieces. */
-typedef struct Body {
+typedef struct LeafRun {
   int begin; /* leaves */
   int end;
   int firstPiece;
   int lastPiece;
-} Body;
+} LeafRun;
 
 /* So many clearances of a row are compared at a time. */
 enum { COLUMNS_AT_ONCE = 32 };
 
 /* Who tests trials. */
-typedef enum TrialCourse {
+typedef enum TrialMethod {
   byCost, /* whichever costs less */
   byTree,
   byTreeAndBoxes, /* those at all visits */
   byClearances
-} TrialCourse;
+} TrialMethod;
 
 typedef struct Clearance {
-  TrialCourse course;
+  TrialMethod method;
   bool isKept; /* the clearances are of the state */
   Arena arena; /* of the arrays that follow, which are made when first asked for */
   int leafCount;
@@ -63,9 +63,9 @@ typedef struct Clearance {
   uint16_t* shift; /* per leaf, with padding: a bound of how far two bodies displace it, in units */
   float unit;      /* nm */
   NearPairs* near; /* scratch: of the rows of a node */
-  Body* bodies;    /* of a view, ascending */
-  int bodyCount;
-  int bodyCapacity;
+  LeafRun* runs;   /* of a view, ascending */
+  int runCount;
+  int runCapacity;
   TestedPairs* tested; /* of the open trial */
   int testedCount;
   int testedCapacity;
@@ -83,7 +83,7 @@ typedef struct Clearance {
 
 /* Receives a pair whose spheres may overlap beyond their limit and whether they are of different bodies. Returns their
  * clearance in nm, below 0 if they do. */
-typedef double ClearanceFunction(void* context, int slotA, int slotB, double squaredDistance, bool crosses);
+typedef double ClearanceFunction(void* context, int slotA, int slotB, double squaredDistance, bool ofTwoBodies);
 
 /* What a test by clearances returns instead of its cost if that is out of proportion, or if there is no memory for what
  * it finds: it has no verdict. */
@@ -99,7 +99,7 @@ void ctClearanceCharge(Clearance* clearance, int64_t cost, bool isTest);
 void ctClearanceGiveUp(Clearance* clearance);
 
 /* From the environment, see ctCreate. */
-TrialCourse ctChooseTrialCourse(void);
+TrialMethod ctChooseTrialMethod(void);
 
 /* Something but a commit has changed the state or the limits. */
 void ctClearanceForget(Clearance* clearance);

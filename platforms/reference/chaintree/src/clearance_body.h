@@ -1,5 +1,5 @@
 /* Tests by clearances, compiled once for each instruction set by the file that includes this. */
-#include "crossing_body.h"
+#include "leafrun_body.h"
 
 /* ---- The table ---- */
 
@@ -16,19 +16,19 @@ static uint32_t columnsWithin(int first, int begin, int end) {
   return (uint32_t)(((one << upTo) - 1) & ~((one << before) - 1));
 }
 
-/* Where the columns begin that a crossing has in a row. */
-static int columnsBegin(const Crossing* crossing, int a) {
-  return crossing->beginB > a ? crossing->beginB : a + 1;
+/* Where the columns begin that a runs has in a row. */
+static int columnsBegin(const RunPair* pair, int a) {
+  return pair->beginB > a ? pair->beginB : a + 1;
 }
 
 /* ---- Measuring ---- */
 
 /* Puts all nodes into the world, so that all leaves have their spheres there. */
-static void putNodesToRest(Traversal* t) {
+static void updateWorldNodes(Traversal* t) {
   const Tree* tree = t->tree;
   for (int level = treeTop(tree); level > 0; level--) {
     for (int i = 0; i < tree->levelSize[level]; i++) {
-      putToRest(t, level, tree->levelBegin[level] + i);
+      updateWorld(t, level, tree->levelBegin[level] + i);
     }
   }
 }
@@ -36,7 +36,7 @@ static void putNodesToRest(Traversal* t) {
 static void measureClearances(Clearance* c, Traversal* t, double reach) {
   const View view = ctViewOfState(true, reach);
   startView(t, &view);
-  putNodesToRest(t);
+  updateWorldNodes(t);
   float widest = 0;
   for (int leaf = 0; leaf < c->leafCount; leaf++) {
     const float r = leafSphere(t, leaf).r;
@@ -145,9 +145,9 @@ static float leafClearance(Traversal* t, ClearanceTest* test, int a, int b) {
       const int l = __builtin_ctz(mask);
       const int i = a * TREE_WIDTH + k;
       const int j = b * TREE_WIDTH + l;
-      const bool crosses = motionOfMember(t, a, k) != motionOfMember(t, b, l);
-      const double exact = test->function(test->context, i, j, ctTraversalSquaredDistance(t, i, j), crosses);
-      if (crosses && exact < 0) {
+      const bool ofTwoBodies = motionOfMember(t, a, k) != motionOfMember(t, b, l);
+      const double exact = test->function(test->context, i, j, ctTraversalSquaredDistance(t, i, j), ofTwoBodies);
+      if (ofTwoBodies && exact < 0) {
         test->clash = true;
         return 0;
       }
@@ -159,7 +159,7 @@ static float leafClearance(Traversal* t, ClearanceTest* test, int a, int b) {
 }
 
 static void expandLeaf(Traversal* t, int leaf, int motion) {
-  if (t->itemStamp[leaf] != t->stamp) {
+  if (t->nodeStamp[leaf] != t->stamp) {
     t->motion[leaf] = motion;
     expand(t, 0, leaf);
   }
@@ -171,18 +171,17 @@ static uint16_t boundOfPair(const Clearance* c, int a, int b) {
 }
 
 static bool isStraddler(const Traversal* t, int leaf) {
-  return t->itemStamp[leaf] == t->stamp && t->motion[leaf] < 0;
+  return t->nodeStamp[leaf] == t->stamp && t->motion[leaf] < 0;
 }
 
 /* A pair whose spheres are too near to tell. */
-static void testPair(Clearance* c, Traversal* t, ClearanceTest* test, const Crossing* crossing, TestedPairs* tested,
-                     int k) {
+static void testPair(Clearance* c, Traversal* t, ClearanceTest* test, const RunPair* pair, TestedPairs* tested, int k) {
   const int a = tested->a;
   const int b = tested->first + k;
-  expandLeaf(t, a, crossing->motionA);
-  expandLeaf(t, b, crossing->motionB);
+  expandLeaf(t, a, pair->motionA);
+  expandLeaf(t, b, pair->motionB);
   const float clearance = leafClearance(t, test, a, b);
-  test->cost += 60;
+  test->cost += COST_OF_LEAF_PAIR;
   if (test->clash) {
     return;
   }
@@ -203,15 +202,15 @@ static void testPair(Clearance* c, Traversal* t, ClearanceTest* test, const Cros
 
 /* Pairs of these leaves of A, which are of one node, whose clearance the bound may use up; returns how many. What is
  * found hardly ever is what was found before: so no branch waits for it. */
-static int findNear(const Clearance* c, const Crossing* crossing, int begin, int end, NearPairs* near) {
+static int findNear(const Clearance* c, const RunPair* pair, int begin, int end, NearPairs* near) {
   int count = 0;
   for (int a = begin; a < end; a++) {
-    const int beginB = columnsBegin(crossing, a);
+    const int beginB = columnsBegin(pair, a);
     const uint16_t* row = rowOf(c, a);
     const uint16_t own = c->shift[a];
-    for (int first = beginB / COLUMNS_AT_ONCE * COLUMNS_AT_ONCE; first < crossing->endB; first += COLUMNS_AT_ONCE) {
+    for (int first = beginB / COLUMNS_AT_ONCE * COLUMNS_AT_ONCE; first < pair->endB; first += COLUMNS_AT_ONCE) {
       const uint32_t columns = within32(row + first, c->shift + first, own);
-      near[count] = (NearPairs){a, first, columns & columnsWithin(first, beginB, crossing->endB)};
+      near[count] = (NearPairs){a, first, columns & columnsWithin(first, beginB, pair->endB)};
       count += near[count].columns != 0;
     }
   }
@@ -236,19 +235,19 @@ static void testSpheres(Clearance* c, const Traversal* t, ClearanceTest* test, S
   /* Nearly all clashes are among pairs of which the bound is more than three times the clearance. */
   tested->soon = tested->left & zeroShorts(lessShorts(moreShorts(kept, moreShorts(kept, kept)), bound));
   test->volumeTests += __builtin_popcount(measured);
-  test->cost += 15;
+  test->cost += COST_OF_SPHERES;
 }
 
 /* Tests pairs of leaves by their particles: those likely to clash, or all that are left. True if nothing more is to be
  * tested. */
-static bool testLeft(Clearance* c, Traversal* t, ClearanceTest* test, const Crossing* crossing, int firstTested,
+static bool testLeft(Clearance* c, Traversal* t, ClearanceTest* test, const RunPair* pair, int firstTested,
                      bool onlySoon) {
   for (int i = firstTested; i < c->testedCount; i++) {
     TestedPairs* tested = &c->tested[i];
     const unsigned now = onlySoon ? tested->soon : tested->left;
     tested->left &= ~now;
     for (unsigned pairs = now; pairs != 0; pairs &= pairs - 1) {
-      testPair(c, t, test, crossing, tested, __builtin_ctz(pairs));
+      testPair(c, t, test, pair, tested, __builtin_ctz(pairs));
       if (test->clash || test->cost > c->mostCost) {
         return true;
       }
@@ -259,17 +258,17 @@ static bool testLeft(Clearance* c, Traversal* t, ClearanceTest* test, const Cros
 
 /* Tests what is near in rows of a node: by spheres, and what is likely to clash by particles. True if nothing more is
  * to be tested. */
-static bool testNear(Clearance* c, Traversal* t, ClearanceTest* test, const Crossing* crossing, int count) {
+static bool testNear(Clearance* c, Traversal* t, ClearanceTest* test, const RunPair* pair, int count) {
   if (!ctReserve((void**)&c->tested, &c->testedCapacity, c->testedCount + 2 * count, sizeof(TestedPairs))) {
     test->outOfMemory = true;
     return true;
   }
   /* Only at their ends do bodies share leaves with others. */
-  const int innerBegin = crossing->beginB + isStraddler(t, crossing->beginB);
-  const int innerEnd = crossing->endB - isStraddler(t, crossing->endB - 1);
+  const int innerBegin = pair->beginB + isStraddler(t, pair->beginB);
+  const int innerEnd = pair->endB - isStraddler(t, pair->endB - 1);
   const Block* spheres = leafSpheres(t, c->near[0].a / TREE_WIDTH);
   Block moved = *spheres;
-  moveBlock(spheres, crossing->back, 0xffff, &moved);
+  moveBlock(spheres, pair->back, 0xffff, &moved);
   const int firstTested = c->testedCount;
   for (int i = 0; i < count; i++) {
     const int a = c->near[i].a;
@@ -287,23 +286,23 @@ static bool testNear(Clearance* c, Traversal* t, ClearanceTest* test, const Cros
       }
     }
   }
-  return testLeft(c, t, test, crossing, firstTested, true);
+  return testLeft(c, t, test, pair, firstTested, true);
 }
 
-static bool testCrossing(Clearance* c, Traversal* t, const Crossing* crossing, void* context) {
+static bool testRunPair(Clearance* c, Traversal* t, const RunPair* pair, void* context) {
   ClearanceTest* test = context;
   const int firstTested = c->testedCount;
   int end;
-  for (int begin = crossing->beginA; begin < crossing->endA; begin = end) {
+  for (int begin = pair->beginA; begin < pair->endA; begin = end) {
     end = (begin / TREE_WIDTH + 1) * TREE_WIDTH;
-    end = end < crossing->endA ? end : crossing->endA;
-    test->cost += (int64_t)(end - begin) * (crossing->endB - columnsBegin(crossing, begin)) / TREE_WIDTH;
-    const int count = findNear(c, crossing, begin, end, c->near);
-    if (count > 0 && testNear(c, t, test, crossing, count)) {
+    end = end < pair->endA ? end : pair->endA;
+    test->cost += (int64_t)(end - begin) * (pair->endB - columnsBegin(pair, begin)) / TREE_WIDTH;
+    const int count = findNear(c, pair, begin, end, c->near);
+    if (count > 0 && testNear(c, t, test, pair, count)) {
       return true;
     }
   }
-  return testLeft(c, t, test, crossing, firstTested, false);
+  return testLeft(c, t, test, pair, firstTested, false);
 }
 
 /* Leaves in which pieces meet. */
@@ -311,7 +310,7 @@ static void expandStraddlingLeaves(Traversal* t) {
   const View* view = t->view;
   for (int p = 1; p < view->pieceCount; p++) {
     const int leaf = view->pieces[p].slotBegin / TREE_WIDTH;
-    if (view->pieces[p].slotBegin % TREE_WIDTH != 0 && t->itemStamp[leaf] != t->stamp) {
+    if (view->pieces[p].slotBegin % TREE_WIDTH != 0 && t->nodeStamp[leaf] != t->stamp) {
       expandStraddler(t, 0, leaf, p - 1);
     }
   }
@@ -320,7 +319,7 @@ static void expandStraddlingLeaves(Traversal* t) {
 /* The same against themselves. */
 static bool testStraddlingLeaves(Traversal* t, ClearanceTest* test) {
   for (int i = 0; i < t->straddlerCount && !test->clash; i++) {
-    leafClearance(t, test, t->straddlers[i].item, t->straddlers[i].item);
+    leafClearance(t, test, t->straddlers[i].node, t->straddlers[i].node);
   }
   return test->clash;
 }
@@ -328,41 +327,41 @@ static bool testStraddlingLeaves(Traversal* t, ClearanceTest* test) {
 static int64_t testByClearance(Clearance* c, Traversal* t, const View* view, ClearanceFunction* function, void* context,
                                ctCounts* counts) {
   startView(t, view);
-  putNodesToRest(t);
+  updateWorldNodes(t);
   expandStraddlingLeaves(t);
   ClearanceTest test = {.function = function, .context = context};
   test.room = (float)(view->reach + floatMargin(t->extent + fabs(view->reach)));
   c->testedCount = 0;
-  test.outOfMemory = !listBodies(c, t);
+  test.outOfMemory = !listRuns(c, t);
   if (!test.outOfMemory && !testStraddlingLeaves(t, &test)) {
-    forEachCrossing(c, t, testCrossing, &test, &test.cost);
+    forEachRunPair(c, t, testRunPair, &test, &test.cost);
   }
   if (counts != NULL) {
     counts->volumeTests += test.volumeTests;
     counts->particleTests += test.particleTests;
   }
   const bool gaveUp = !test.clash && (test.outOfMemory || test.cost > c->mostCost);
-  return gaveUp ? GAVE_UP : 300 + c->leafCount / 2 + test.cost;
+  return gaveUp ? GAVE_UP : COST_OF_CLEARANCE_TEST + c->leafCount / LEAVES_A_UNIT + test.cost;
 }
 
 /* ---- Committing ---- */
 
-static bool takeOff(Clearance* c, Traversal* t, const Crossing* crossing, void* context) {
+static bool takeOff(Clearance* c, Traversal* t, const RunPair* pair, void* context) {
   (void)t;
   int64_t* cost = context;
-  for (int a = crossing->beginA; a < crossing->endA; a++) {
-    const int begin = columnsBegin(crossing, a);
+  for (int a = pair->beginA; a < pair->endA; a++) {
+    const int begin = columnsBegin(pair, a);
     uint16_t* row = rowOf(c, a);
     const Short16 own = allShorts(c->shift[a]);
-    for (int first = begin / TREE_WIDTH * TREE_WIDTH; first < crossing->endB; first += TREE_WIDTH) {
+    for (int first = begin / TREE_WIDTH * TREE_WIDTH; first < pair->endB; first += TREE_WIDTH) {
       const Short16 before = loadShorts(row + first);
       Short16 after = lessShorts(before, minShorts(own, loadShorts(c->shift + first)));
-      if (first < begin || crossing->endB - first < TREE_WIDTH) {
-        after = blendShorts(columnsWithin(first, begin, crossing->endB) & 0xffff, before, after);
+      if (first < begin || pair->endB - first < TREE_WIDTH) {
+        after = blendShorts(columnsWithin(first, begin, pair->endB) & 0xffff, before, after);
       }
       storeShorts(row + first, after);
     }
-    *cost += (crossing->endB - begin) / TREE_WIDTH;
+    *cost += (pair->endB - begin) / TREE_WIDTH;
   }
   return false;
 }
@@ -370,10 +369,10 @@ static bool takeOff(Clearance* c, Traversal* t, const Crossing* crossing, void* 
 static int64_t commitClearances(Clearance* c, Traversal* t, const View* view) {
   int64_t cost = c->leafCount;
   startView(t, view);
-  putNodesToRest(t);
-  c->isKept = listBodies(c, t);
+  updateWorldNodes(t);
+  c->isKept = listRuns(c, t);
   if (c->isKept) {
-    forEachCrossing(c, t, takeOff, &cost, &cost);
+    forEachRunPair(c, t, takeOff, &cost, &cost);
   }
   for (int i = 0; i < c->testedCount; i++) {
     const TestedPairs* tested = &c->tested[i];

@@ -148,7 +148,7 @@ static ctStatus checkForest(const ctDefinition* d, char* text, size_t size) {
 }
 
 ctStatus ctDefinitionCheck(const ctDefinition* d, char* text, size_t size) {
-  /* Slots and tree items are counted in int. */
+  /* Slots and tree nodes are counted in int. */
   if (d->particleCount < 0 || d->linkCount < 0 || d->exclusionCount < 0 || d->particleCount > INT_MAX / 4 ||
       d->linkCount > INT_MAX / 4 || d->exclusionCount > INT_MAX / 4) {
     return invalid(text, size, "the scene has %d particles, %d links and %d exclusions; counts must be from 0 to %d",

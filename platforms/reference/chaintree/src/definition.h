@@ -22,7 +22,7 @@ static inline bool areLengths(const double x[3]) {
 
 /* How far a free joint may come to lie from its parent's origin: farther than positions can be given, nearer than
  * squares of a float reach. */
-static inline bool isPlace(const double x[3]) {
+static inline bool isJointPosition(const double x[3]) {
   const double most = 10 * CT_MOST_LENGTH;
   return fabs(x[0]) <= most && fabs(x[1]) <= most && fabs(x[2]) <= most;
 }

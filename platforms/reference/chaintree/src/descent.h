@@ -1,59 +1,53 @@
-/* Scratch of a descent, in sixteens. */
+/* Scratch of a descent that needs vectors of sixteen. */
 #ifndef CT_DESCENT_H_
 #define CT_DESCENT_H_
 
 #include "box.h"
 #include "traverse.h"
 
-/* Traversal.visitsWithoutBoxes is no more than this. */
-enum { MOST_VISITS_WITHOUT_BOXES = 1 << 20 };
-
-/* Slots in a row that move while all else is at rest: up to so many go against that one by one. */
-enum { MOST_MOVERS = 2 * TREE_WIDTH };
-
-/* Boxes of a node's children. */
-typedef struct NodeBoxes {
-  BoxBlock own;      /* in the node's frame; made with the node's own box */
-  BoxBlock rest;     /* in the world as the state has them */
+/* Boxes of an inner node's children. */
+typedef struct ChildBoxes {
+  BoxBlock own;      /* in the node's frame; made together with the node's own box */
+  BoxBlock world;    /* in the world, of the state */
   int64_t ownTime;   /* the tree's when `own` was made, or NEVER */
-  int64_t restSince; /* of the node when `rest` was made */
-  int movedAt;       /* how many others had been moved before in the descent in which these last were */
-} NodeBoxes;
+  int64_t worldTime; /* Traversal.worldTime of the node when `world` was made */
+  int movedAt;       /* value of movedBoxesCount when these were last moved */
+} ChildBoxes;
 
 /* What a descent looks for, and what it has cost. */
 typedef struct Visit {
   CandidateFunction* function;
   void* context;
   float reach;
-  bool boxes; /* are to be looked at */
+  bool boxes; /* this visit looks at boxes */
   int visitsWithBoxes;
-  int pairsBoxed;
-  int pairsParted;
+  int pairsBoxed;   /* pairs of children for which boxes were looked at */
+  int pairsParted;  /* pairs of those that the boxes separated */
   int64_t boxTests; /* of the tests of volumes */
   int64_t volumeTests;
   int64_t particleTests;
 } Visit;
 
-/* An item whose members are of different rigid bodies. */
+/* A node whose members are of different rigid bodies. */
 typedef struct Straddler {
-  int item;
-  Block block;            /* its members as they lie in the view */
+  int node;
+  Block block;            /* its members in the view */
   int motion[TREE_WIDTH]; /* of each member, coded like Traversal.motion */
   bool isBoxed;
-  BoxBlock boxes; /* of the members of a node, in the view */
+  BoxBlock boxes; /* of the children of an inner node, in the view; made if isBoxed */
 } Straddler;
 
-/* A visit looks at those of two nodes and of a parent. */
+/* A visit looks at the boxes of two nodes and of a parent. */
 enum { BOXES_OF_A_VISIT = 3 };
 
-/* The boxes of a node that moves, in the view. */
+/* The boxes of the children of an inner node that moves, in the view. */
 typedef struct MovedBoxes {
   int node;
   uint32_t stamp; /* of the descent */
   BoxBlock boxes;
 } MovedBoxes;
 
-/* The code below Traversal.motion < 0. */
+/* The code below 0 in Traversal.motion. */
 static inline int straddlerCode(int index) {
   return -1 - index;
 }

@@ -17,17 +17,17 @@ static void expandRoot(Traversal* t) {
 }
 
 /* Members of a that are not of the body that its first or its last member is of, whichever has more of them: in a visit
- * of an item with itself those are enough. */
-static unsigned ofLesserBodies(const Traversal* t, int item, int count) {
+ * of a node with itself those are enough. */
+static unsigned ofLesserBodies(const Traversal* t, int node, int count) {
   const unsigned all = (1u << count) - 1;
-  const unsigned first = all & ~ofBody(t, item, motionOfMember(t, item, 0));
-  const unsigned last = all & ~ofBody(t, item, motionOfMember(t, item, count - 1));
+  const unsigned first = all & ~ofBody(t, node, motionOfMember(t, node, 0));
+  const unsigned last = all & ~ofBody(t, node, motionOfMember(t, node, count - 1));
   return __builtin_popcount(first) <= __builtin_popcount(last) ? first : last;
 }
 
-/* Those of the members of item a that come near the volume of item b and are of another body; if a is b, those
+/* Those of the members of node a that come near the volume of node b and are of another body; if a is b, those
  * whose visits are enough. */
-static unsigned nearItem(Traversal* t, Visit* visit, int count, const ItemPair* pair) {
+static unsigned nearNode(Traversal* t, Visit* visit, int count, const NodePair* pair) {
   if (pair->a == pair->b) {
     return ofLesserBodies(t, pair->a, count);
   }
@@ -37,8 +37,8 @@ static unsigned nearItem(Traversal* t, Visit* visit, int count, const ItemPair* 
   return near16(blockOf(t, pair->a), sphere, visit->reach) & ~ofBody(t, pair->a, t->motion[pair->b]);
 }
 
-/* The boxes among which that of an item is, at its own place; NULL if it has none of use. */
-static const BoxBlock* boxesAround(Traversal* t, const ItemPair* pair) {
+/* The boxes among which that of a node is, at its own place; NULL if it has none of use. */
+static const BoxBlock* boxesAround(Traversal* t, const NodePair* pair) {
   if (pair->a == pair->b) {
     return NULL;
   }
@@ -47,7 +47,7 @@ static const BoxBlock* boxesAround(Traversal* t, const ItemPair* pair) {
   return (boxes->thin >> pair->b % TREE_WIDTH & 1) != 0 ? boxes : NULL;
 }
 
-/* In a visit of an item with itself, members whose pairs with member k of `rows` belong to an earlier one of those. */
+/* In a visit of a node with itself, members whose pairs with member k of `rows` belong to an earlier one of those. */
 static unsigned alreadyVisited(unsigned rows, int k) {
   return rows & ((2u << k) - 1);
 }
@@ -84,10 +84,10 @@ static bool testMembers(Traversal* t, Visit* visit, int a, int b, unsigned rows)
   return true;
 }
 
-static bool visitLeaves(Traversal* t, Visit* visit, const ItemPair* pair) {
+static bool visitLeaves(Traversal* t, Visit* visit, const NodePair* pair) {
   int endA;
   const int beginA = treeSlots(t->tree, 0, pair->a, &endA);
-  unsigned near = nearItem(t, visit, endA - beginA, pair);
+  unsigned near = nearNode(t, visit, endA - beginA, pair);
   const BoxBlock* around = visit->boxes && near != 0 ? boxesAround(t, pair) : NULL;
   if (around != NULL) {
     near &= nearBox(blockOf(t, pair->a), around, pair->b % TREE_WIDTH, visit->reach);
@@ -111,13 +111,13 @@ static unsigned boxesPart(Visit* visit, int k, unsigned mask, const BoxBlock* a,
   return mask;
 }
 
-static void visitNodes(Traversal* t, Visit* visit, const ItemPair* pair, int* depth) {
+static void visitInnerNodes(Traversal* t, Visit* visit, const NodePair* pair, int* depth) {
   const int below = pair->level - 1;
   int countA;
   int countB;
   const int firstA = treeChildren(t->tree, pair->level, pair->a, &countA);
   const int firstB = treeChildren(t->tree, pair->level, pair->b, &countB);
-  unsigned near = nearItem(t, visit, countA, pair);
+  unsigned near = nearNode(t, visit, countA, pair);
   if (near == 0) {
     return;
   }
@@ -153,14 +153,14 @@ static void visitNodes(Traversal* t, Visit* visit, const ItemPair* pair, int* de
     for (; mask != 0; mask &= mask - 1) {
       const int l = __builtin_ctz(mask);
       t->motion[firstB + l] = motionOfMember(t, pair->b, l);
-      t->stack[(*depth)++] = (ItemPair){below, i, firstB + l};
+      t->stack[(*depth)++] = (NodePair){below, i, firstB + l};
     }
     straddling |= (unsigned)(pair->a == pair->b && blocks[0]->r[k] >= 0 && motion < 0) << k;
   }
   /* Come first: near a joint all is dense, and clashes are likely. */
   for (; straddling != 0; straddling &= straddling - 1) {
     const int i = firstA + __builtin_ctz(straddling);
-    t->stack[(*depth)++] = (ItemPair){below, i, i};
+    t->stack[(*depth)++] = (NodePair){below, i, i};
   }
 }
 
@@ -170,26 +170,26 @@ static void descend(Traversal* t, Visit* visit) {
   expandRoot(t);
   int depth = 0;
   if (t->motion[root] < 0) {
-    t->stack[depth++] = (ItemPair){treeTop(t->tree), root, root};
+    t->stack[depth++] = (NodePair){treeTop(t->tree), root, root};
   }
   bool goesOn = true;
   for (int visits = 0; goesOn && depth > 0; visits++) {
-    ItemPair pair = t->stack[--depth];
+    NodePair pair = t->stack[--depth];
     /* First go the members of the one that straddles: those that are of the other's body drop out. Otherwise those of
      * one that is expanded: then the other may never have to be. Which that is can hardly be foreseen. */
-    const bool bFirst = (t->motion[pair.b] < 0) | ((t->itemStamp[pair.b] == t->stamp) & (t->motion[pair.a] >= 0));
-    pair = (ItemPair){pair.level, bFirst ? pair.b : pair.a, bFirst ? pair.a : pair.b};
+    const bool bFirst = (t->motion[pair.b] < 0) | ((t->nodeStamp[pair.b] == t->stamp) & (t->motion[pair.a] >= 0));
+    pair = (NodePair){pair.level, bFirst ? pair.b : pair.a, bFirst ? pair.a : pair.b};
     expand(t, pair.level, pair.a);
     visit->boxes = t->alwaysBoxes || visits >= t->visitsWithoutBoxes;
     visit->visitsWithBoxes += visit->boxes;
     if (pair.level == 0) {
       goesOn = visitLeaves(t, visit, &pair);
     } else {
-      visitNodes(t, visit, &pair, &depth);
+      visitInnerNodes(t, visit, &pair, &depth);
     }
   }
   if (visit->pairsBoxed > 0) {
-    const bool pays = 4 * visit->pairsParted > visit->pairsBoxed;
+    const bool pays = PAIRS_A_SEPARATION * visit->pairsParted > visit->pairsBoxed;
     const int next = pays ? t->visitsWithoutBoxes / 2 : 2 * t->visitsWithoutBoxes + 1;
     t->visitsWithoutBoxes = next < MOST_VISITS_WITHOUT_BOXES ? next : MOST_VISITS_WITHOUT_BOXES;
   }

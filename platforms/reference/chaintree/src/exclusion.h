@@ -34,13 +34,13 @@ static inline int exclusionPartner(const Exclusions* exclusions, int leafA, int 
   return i < exclusions->begin[leafA + 1] && exclusions->partner[i] == leafB ? i : CT_NULL;
 }
 
-/* Takes a place among the partners of leafA on to where leafB is or would be; whether leafB is one of them. */
-static inline bool exclusionReaches(const Exclusions* exclusions, int leafA, int leafB, int* place) {
+/* Takes a partner among the partners of leafA on to where leafB is or would be; whether leafB is one of them. */
+static inline bool exclusionReaches(const Exclusions* exclusions, int leafA, int leafB, int* partner) {
   const int end = exclusions->begin[leafA + 1];
-  while (*place < end && exclusions->partner[*place] < leafB) {
-    (*place)++;
+  while (*partner < end && exclusions->partner[*partner] < leafB) {
+    (*partner)++;
   }
-  return *place < end && exclusions->partner[*place] == leafB;
+  return *partner < end && exclusions->partner[*partner] == leafB;
 }
 
 /* Sorts like (lower particle, higher particle). */

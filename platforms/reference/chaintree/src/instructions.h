@@ -13,10 +13,10 @@ typedef struct InstructionSet {
   /* Of a tree, bottom-up; see refresh_body.h. */
   void (*refreshLeaf)(Tree* tree, const Sequence* sequence, int leaf);
   void (*refreshTwig)(Tree* tree, const Sequence* sequence, int link, int leaf);
-  void (*refreshNode)(Tree* tree, int level, int item, const int* changed, int count);
+  void (*refreshInnerNode)(Tree* tree, int level, int node, const int* changed, int count);
 
   /* Behind ctTraversalLeafFrame, ctTraverse and ctTraverseProbe. */
-  void (*putLeafToRest)(Traversal* t, int leaf);
+  void (*updateWorldLeaf)(Traversal* t, int leaf);
   int64_t (*traverse)(Traversal* t, const View* view, CandidateFunction* function, void* context, ctCounts* counts);
   void (*probe)(Traversal* t, const View* view, const double point[3], double radius, ProbeFunction* function,
                 void* context, ctCounts* counts);

@@ -7,10 +7,25 @@
 #include "traverse_body.h"
 #include "witness_body.h"
 
-const InstructionSet ctAvx2 = {"avx2",           refreshLeaf,   refreshTwig,  refreshNode,       putLeafToRest,
-                               traverse,         traverseProbe, askWitnesses, measureClearances, testByClearance,
-                               commitClearances, boundSnapshot, sweepClashes, sweepNeighbors,    neighborDistances,
-                               boundPoints,      findNearest};
+const InstructionSet ctAvx2 = {
+    .name = "avx2",
+    .refreshLeaf = refreshLeaf,
+    .refreshTwig = refreshTwig,
+    .refreshInnerNode = refreshInnerNode,
+    .updateWorldLeaf = updateWorldLeaf,
+    .traverse = traverse,
+    .probe = traverseProbe,
+    .askWitnesses = askWitnesses,
+    .measureClearances = measureClearances,
+    .testByClearance = testByClearance,
+    .commitClearances = commitClearances,
+    .boundSnapshot = boundSnapshot,
+    .sweepClashes = sweepClashes,
+    .sweepNeighbors = sweepNeighbors,
+    .neighborDistances = neighborDistances,
+    .boundPoints = boundPoints,
+    .findNearest = findNearest,
+};
 #else
 typedef int NothingHere; /* a file must declare something */
 #endif

@@ -5,7 +5,22 @@
 #include "traverse_body.h"
 #include "witness_body.h"
 
-const InstructionSet ctPortable = {"portable",       refreshLeaf,   refreshTwig,  refreshNode,       putLeafToRest,
-                                   traverse,         traverseProbe, askWitnesses, measureClearances, testByClearance,
-                                   commitClearances, boundSnapshot, sweepClashes, sweepNeighbors,    neighborDistances,
-                                   boundPoints,      findNearest};
+const InstructionSet ctPortable = {
+    .name = "portable",
+    .refreshLeaf = refreshLeaf,
+    .refreshTwig = refreshTwig,
+    .refreshInnerNode = refreshInnerNode,
+    .updateWorldLeaf = updateWorldLeaf,
+    .traverse = traverse,
+    .probe = traverseProbe,
+    .askWitnesses = askWitnesses,
+    .measureClearances = measureClearances,
+    .testByClearance = testByClearance,
+    .commitClearances = commitClearances,
+    .boundSnapshot = boundSnapshot,
+    .sweepClashes = sweepClashes,
+    .sweepNeighbors = sweepNeighbors,
+    .neighborDistances = neighborDistances,
+    .boundPoints = boundPoints,
+    .findNearest = findNearest,
+};

@@ -4,57 +4,58 @@
 #include "order.h"
 #include "sequence.h"
 
-/* Scratch of ctSequenceBuild. Node 0 is the world, node u + 1 the caller's link u; fixed links are part of node 0. */
+/* Scratch of ctSequenceBuild. Vertex 0 is the world, vertex u + 1 the caller's link u; fixed links are part of vertex
+ * 0. */
 typedef struct Layout {
-  int nodeCount;
+  int vertexCount;
   int* parent;
-  int* slots;      /* of the node itself, 0 for fixed links */
-  int* modelled;   /* modelled particles of the node and all below it */
-  int* weight;     /* slots of the node and all below it */
-  int* childBegin; /* nodeCount + 1 */
+  int* slots;      /* of the vertex itself, 0 for fixed links */
+  int* modelled;   /* modelled particles of the vertex and all below it */
+  int* weight;     /* slots of the vertex and all below it */
+  int* childBegin; /* vertexCount + 1 */
   int* children;   /* in sequence order */
   int* breadthFirst;
   int breadthCount;
-  int* linkOfNode;
+  int* linkOfVertex;
   int* end;           /* per link: one past the last that hangs on it */
   int* next;          /* per link: a cursor */
-  double* rootPoints; /* 3 * nodeCount: where each free root is */
+  double* rootPoints; /* 3 * vertexCount: where each free root is */
 } Layout;
 
 static bool isFixed(const ctDefinition* d, int userLink) {
   return d->linkJoints[userLink] == ctFixedJoint;
 }
 
-static int nodeOfLink(const ctDefinition* d, int userLink) {
+static int vertexOfLink(const ctDefinition* d, int userLink) {
   return userLink == CT_NULL || isFixed(d, userLink) ? 0 : userLink + 1;
 }
 
 static void countParticles(Layout* layout, const ctDefinition* d) {
   for (int i = 0; i < d->particleCount; i++) {
     if (d->radii[i] > 0) {
-      layout->slots[nodeOfLink(d, d->particleLinks[i])]++;
+      layout->slots[vertexOfLink(d, d->particleLinks[i])]++;
     }
   }
-  for (int node = 0; node < layout->nodeCount; node++) {
-    layout->modelled[node] = layout->slots[node];
-    const bool isPartOfWorld = node > 0 && isFixed(d, node - 1);
-    if (layout->slots[node] == 0 && !isPartOfWorld) {
-      layout->slots[node] = 1;
+  for (int vertex = 0; vertex < layout->vertexCount; vertex++) {
+    layout->modelled[vertex] = layout->slots[vertex];
+    const bool isPartOfWorld = vertex > 0 && isFixed(d, vertex - 1);
+    if (layout->slots[vertex] == 0 && !isPartOfWorld) {
+      layout->slots[vertex] = 1;
     }
-    layout->weight[node] = layout->slots[node];
+    layout->weight[vertex] = layout->slots[vertex];
   }
 }
 
 static void listChildren(Layout* layout, const ctDefinition* d) {
   for (int u = 0; u < d->linkCount; u++) {
     if (!isFixed(d, u)) {
-      layout->parent[u + 1] = nodeOfLink(d, d->linkParents[u]);
+      layout->parent[u + 1] = vertexOfLink(d, d->linkParents[u]);
       layout->childBegin[layout->parent[u + 1] + 1]++;
     }
   }
-  ctAccumulate(layout->childBegin, layout->nodeCount);
+  ctAccumulate(layout->childBegin, layout->vertexCount);
   int* next = layout->breadthFirst; /* free until the children are listed */
-  memcpy(next, layout->childBegin, (size_t)layout->nodeCount * sizeof(int));
+  memcpy(next, layout->childBegin, (size_t)layout->vertexCount * sizeof(int));
   for (int u = 0; u < d->linkCount; u++) {
     if (!isFixed(d, u)) {
       layout->children[next[layout->parent[u + 1]]++] = u + 1;
@@ -66,15 +67,15 @@ static void sumBranches(Layout* layout) {
   layout->breadthFirst[0] = 0;
   layout->breadthCount = 1;
   for (int i = 0; i < layout->breadthCount; i++) {
-    const int node = layout->breadthFirst[i];
-    for (int c = layout->childBegin[node]; c < layout->childBegin[node + 1]; c++) {
+    const int vertex = layout->breadthFirst[i];
+    for (int c = layout->childBegin[vertex]; c < layout->childBegin[vertex + 1]; c++) {
       layout->breadthFirst[layout->breadthCount++] = layout->children[c];
     }
   }
   for (int i = layout->breadthCount - 1; i > 0; i--) {
-    const int node = layout->breadthFirst[i];
-    layout->weight[layout->parent[node]] += layout->weight[node];
-    layout->modelled[layout->parent[node]] += layout->modelled[node];
+    const int vertex = layout->breadthFirst[i];
+    layout->weight[layout->parent[vertex]] += layout->weight[vertex];
+    layout->modelled[layout->parent[vertex]] += layout->modelled[vertex];
   }
 }
 
@@ -84,25 +85,25 @@ static void orderMolecules(Layout* layout, const ctDefinition* d) {
   int* children = layout->children + layout->childBegin[0];
   const int count = layout->childBegin[1] - layout->childBegin[0];
   for (int i = d->particleCount - 1; i >= 0; i--) {
-    const int node = nodeOfLink(d, d->particleLinks[i]);
-    memcpy(layout->rootPoints + 3 * (size_t)node, d->positions + 3 * (size_t)i, 3 * sizeof(double));
+    const int vertex = vertexOfLink(d, d->particleLinks[i]);
+    memcpy(layout->rootPoints + 3 * (size_t)vertex, d->positions + 3 * (size_t)i, 3 * sizeof(double));
   }
-  int idle = 0;
+  int unmodelled = 0;
   for (int i = 0; i < count; i++) {
     if (layout->modelled[children[i]] == 0) {
-      const int node = children[i];
-      memmove(children + idle + 1, children + idle, (size_t)(i - idle) * sizeof(int));
-      children[idle++] = node;
+      const int vertex = children[i];
+      memmove(children + unmodelled + 1, children + unmodelled, (size_t)(i - unmodelled) * sizeof(int));
+      children[unmodelled++] = vertex;
     }
   }
-  ctSpatialOrder(children + idle, count - idle, layout->rootPoints);
+  ctSpatialOrder(children + unmodelled, count - unmodelled, layout->rootPoints);
 }
 
 /* The heaviest branch goes last: then its steps need no closure. */
 static void orderChildren(Layout* layout) {
-  for (int node = 0; node < layout->nodeCount; node++) {
-    int* children = layout->children + layout->childBegin[node];
-    const int count = layout->childBegin[node + 1] - layout->childBegin[node];
+  for (int vertex = 0; vertex < layout->vertexCount; vertex++) {
+    int* children = layout->children + layout->childBegin[vertex];
+    const int count = layout->childBegin[vertex + 1] - layout->childBegin[vertex];
     int heaviest = 0;
     for (int i = 1; i < count; i++) {
       if (layout->weight[children[i]] >= layout->weight[children[heaviest]]) {
@@ -124,15 +125,15 @@ static void numberLinks(Layout* layout, Sequence* s, const ctDefinition* d) {
   stack[depth++] = 0;
   int link = 0;
   while (depth > 0) {
-    const int node = stack[--depth];
-    layout->linkOfNode[node] = link;
-    s->parent[link] = node == 0 ? CT_NULL : layout->linkOfNode[layout->parent[node]];
-    s->jointType[link] = node == 0 ? ctFixedJoint : d->linkJoints[node - 1];
+    const int vertex = stack[--depth];
+    layout->linkOfVertex[vertex] = link;
+    s->parent[link] = vertex == 0 ? CT_NULL : layout->linkOfVertex[layout->parent[vertex]];
+    s->jointType[link] = vertex == 0 ? ctFixedJoint : d->linkJoints[vertex - 1];
     if (s->parent[link] == 0) {
       s->branchHead[s->branchCount++] = link;
     }
-    s->slotBegin[link + 1] = s->slotBegin[link] + layout->slots[node];
-    for (int c = layout->childBegin[node + 1] - 1; c >= layout->childBegin[node]; c--) {
+    s->slotBegin[link + 1] = s->slotBegin[link] + layout->slots[vertex];
+    for (int c = layout->childBegin[vertex + 1] - 1; c >= layout->childBegin[vertex]; c--) {
       stack[depth++] = layout->children[c];
     }
     link++;
@@ -144,7 +145,7 @@ static void numberLinks(Layout* layout, Sequence* s, const ctDefinition* d) {
     }
   }
   for (int u = 0; u < d->linkCount; u++) {
-    s->linkOfUser[u] = layout->linkOfNode[nodeOfLink(d, u)];
+    s->linkOfUser[u] = layout->linkOfVertex[vertexOfLink(d, u)];
   }
 }
 
@@ -171,24 +172,24 @@ static void fillSlots(Layout* layout, Sequence* s, const ctDefinition* d) {
   for (int slot = 0; slot < s->slotCount; slot++) {
     const int particle = s->slotParticle[slot];
     if (particle != CT_NULL) {
-      s->placeOf[particle] = slot;
+      s->slotOrLink[particle] = slot;
     }
   }
 }
 
-static void listIdle(Layout* layout, Sequence* s, const ctDefinition* d) {
+static void listUnmodelled(Layout* layout, Sequence* s, const ctDefinition* d) {
   int* next = layout->next;
   memset(next, 0, ((size_t)s->linkCount + 1) * sizeof(int));
   for (int i = 0; i < d->particleCount; i++) {
     if (d->radii[i] <= 0) {
-      s->placeOf[i] = ~s->linkOfUser[d->particleLinks[i]];
-      next[~s->placeOf[i] + 1]++;
+      s->slotOrLink[i] = ~s->linkOfUser[d->particleLinks[i]];
+      next[~s->slotOrLink[i] + 1]++;
     }
   }
   ctAccumulate(next, s->linkCount);
   for (int i = 0; i < d->particleCount; i++) {
-    if (s->placeOf[i] < 0) {
-      s->idleParticle[next[~s->placeOf[i]]++] = i;
+    if (s->slotOrLink[i] < 0) {
+      s->unmodelledParticle[next[~s->slotOrLink[i]]++] = i;
     }
   }
 }
@@ -237,8 +238,8 @@ static bool allocateSequence(Sequence* s, Arena* arena, const ctDefinition* d, i
   s->slotLink = ctArenaAllocate(arena, slots, sizeof(int));
   s->slotParticle = ctArenaAllocate(arena, slots, sizeof(int));
   s->slotType = ctArenaAllocate(arena, slots, sizeof(int));
-  s->placeOf = ctArenaAllocate(arena, particles, sizeof(int));
-  s->idleParticle = ctArenaAllocate(arena, (size_t)s->idleCount, sizeof(int));
+  s->slotOrLink = ctArenaAllocate(arena, particles, sizeof(int));
+  s->unmodelledParticle = ctArenaAllocate(arena, (size_t)s->unmodelledCount, sizeof(int));
   s->pathOf = ctArenaAllocate(arena, links, sizeof(int));
   s->reference = ctArenaAllocate(arena, 3 * particles, sizeof(double));
   s->angle = ctArenaAllocate(arena, links, sizeof(double));
@@ -253,20 +254,20 @@ static bool allocateSequence(Sequence* s, Arena* arena, const ctDefinition* d, i
   return !arena->failed;
 }
 
-static bool allocateLayout(Layout* layout, Arena* arena, int nodeCount) {
-  const size_t nodes = (size_t)nodeCount;
-  layout->nodeCount = nodeCount;
-  layout->parent = ctArenaAllocate(arena, nodes, sizeof(int));
-  layout->slots = ctArenaAllocate(arena, nodes, sizeof(int));
-  layout->modelled = ctArenaAllocate(arena, nodes, sizeof(int));
-  layout->weight = ctArenaAllocate(arena, nodes, sizeof(int));
-  layout->childBegin = ctArenaAllocate(arena, nodes + 1, sizeof(int));
-  layout->children = ctArenaAllocate(arena, nodes, sizeof(int));
-  layout->breadthFirst = ctArenaAllocate(arena, nodes, sizeof(int));
-  layout->linkOfNode = ctArenaAllocate(arena, nodes, sizeof(int));
-  layout->end = ctArenaAllocate(arena, nodes, sizeof(int));
-  layout->next = ctArenaAllocate(arena, nodes + 1, sizeof(int));
-  layout->rootPoints = ctArenaAllocate(arena, 3 * nodes, sizeof(double));
+static bool allocateLayout(Layout* layout, Arena* arena, int vertexCount) {
+  const size_t vertices = (size_t)vertexCount;
+  layout->vertexCount = vertexCount;
+  layout->parent = ctArenaAllocate(arena, vertices, sizeof(int));
+  layout->slots = ctArenaAllocate(arena, vertices, sizeof(int));
+  layout->modelled = ctArenaAllocate(arena, vertices, sizeof(int));
+  layout->weight = ctArenaAllocate(arena, vertices, sizeof(int));
+  layout->childBegin = ctArenaAllocate(arena, vertices + 1, sizeof(int));
+  layout->children = ctArenaAllocate(arena, vertices, sizeof(int));
+  layout->breadthFirst = ctArenaAllocate(arena, vertices, sizeof(int));
+  layout->linkOfVertex = ctArenaAllocate(arena, vertices, sizeof(int));
+  layout->end = ctArenaAllocate(arena, vertices, sizeof(int));
+  layout->next = ctArenaAllocate(arena, vertices + 1, sizeof(int));
+  layout->rootPoints = ctArenaAllocate(arena, 3 * vertices, sizeof(double));
   return !arena->failed;
 }
 
@@ -284,14 +285,14 @@ bool ctSequenceBuild(Sequence* s, Arena* arena, const ctDefinition* d) {
   s->userLinkCount = d->linkCount;
   s->linkCount = layout.breadthCount;
   s->slotCount = layout.weight[0];
-  s->idleCount = d->particleCount - layout.modelled[0];
+  s->unmodelledCount = d->particleCount - layout.modelled[0];
   bool built = allocateSequence(s, arena, d, layout.childBegin[1]);
   if (built) {
     orderMolecules(&layout, d);
     orderChildren(&layout);
     numberLinks(&layout, s, d);
     fillSlots(&layout, s, d);
-    listIdle(&layout, s, d);
+    listUnmodelled(&layout, s, d);
     chooseOrigins(s, d);
     ctSequenceResetTorsions(s);
     built = ctTypesBuild(s, arena, d) && ctPathsBuild(s, arena, layout.end);

@@ -20,17 +20,17 @@ static unsigned slotBits(int begin, int end, int first) {
 }
 
 /* Sixteen slots from any one on, as they are at rest; what is behind slot `end` may be anything that is a number. */
-static void restOfSlots(Traversal* t, int first, int end, Block* rest) {
+static void worldOfSlots(Traversal* t, int first, int end, Block* rest) {
   const int leaf = first / TREE_WIDTH;
   const int at = first % TREE_WIDTH;
   if (at == 0) {
-    *rest = *restOf(t, leaf);
+    *rest = *worldOf(t, leaf);
     return;
   }
   const int next = leaf + ((leaf + 1) * TREE_WIDTH < end);
-  restOf(t, leaf);
-  const Block* above = restOf(t, next);
-  const Block* below = restOf(t, leaf); /* again, as in blocksOf */
+  worldOf(t, leaf);
+  const Block* above = worldOf(t, next);
+  const Block* below = worldOf(t, leaf); /* again, as in blocksOf */
   float row[2 * TREE_WIDTH];
   const float* const from[4][2] = {
       {below->x, above->x}, {below->y, above->y}, {below->z, above->z}, {below->r, above->r}};
@@ -45,7 +45,7 @@ static void restOfSlots(Traversal* t, int first, int end, Block* rest) {
 static void takeMovers(Traversal* t, int begin, int end, int first, Movers* movers) {
   const View* view = t->view;
   Block rest;
-  restOfSlots(t, first, end, &rest);
+  worldOfSlots(t, first, end, &rest);
   store16(rest.r, blend16(slotBits(begin, end, first), all16(-INFINITY), load16(rest.r)));
   movers->begin = begin;
   movers->end = end;
@@ -92,12 +92,12 @@ static unsigned nearMovers(const Block* block, const Movers* movers, float reach
 /* Movers against a leaf that is at rest, but for those of its slots that move. */
 static bool testLeaf(Traversal* t, Visit* visit, const Movers* movers, int leaf, unsigned moved) {
   visit->particleTests += (movers->end - movers->begin) * TREE_WIDTH;
-  if ((nearMovers(restOf(t, leaf), movers, visit->reach) & ~moved) == 0) {
+  if ((nearMovers(worldOf(t, leaf), movers, visit->reach) & ~moved) == 0) {
     return true;
   }
   for (int slot = movers->begin; slot < movers->end; slot++) {
     const Sphere mover = sphereOf(&movers->block, slot - movers->first);
-    const unsigned near = near16(restOf(t, leaf), mover, visit->reach) & ~moved;
+    const unsigned near = near16(worldOf(t, leaf), mover, visit->reach) & ~moved;
     if (near != 0 && !meet(t, visit, slot, near, leaf)) {
       return false;
     }
@@ -148,15 +148,15 @@ static bool probeMovers(Traversal* t, Visit* visit, const Movers* movers, int be
   }
   /* From the lowest level of few nodes on: what is above would part little. */
   int top = treeTop(tree);
-  for (; top > 1 && tree->levelSize[top - 1] <= 2 * TREE_WIDTH; top--) {
+  for (; top > 1 && tree->levelSize[top - 1] <= MOST_FIRST_NODES; top--) {
     for (int i = 0; i < tree->levelSize[top]; i++) {
-      putToRest(t, top, tree->levelBegin[top] + i);
+      updateWorld(t, top, tree->levelBegin[top] + i);
     }
   }
-  int* items = t->nearItems; /* level by level */
+  int* nodes = t->nearNodes; /* level by level */
   int count = 0;
   for (int i = 0; i < tree->levelSize[top]; i++) {
-    items[count++] = tree->levelBegin[top] + i;
+    nodes[count++] = tree->levelBegin[top] + i;
   }
   Sphere sphere = middleOfBlock(&movers->block);
   sphere.r += radiusAbout(sphere, &movers->block, movers->block.r) + (float)floatMargin(t->extent);
@@ -164,20 +164,20 @@ static bool probeMovers(Traversal* t, Visit* visit, const Movers* movers, int be
   for (int level = top; level > 0; level--) {
     const int last = count;
     for (int i = done; i < last; i++) {
-      putToRest(t, level, items[i]);
+      updateWorld(t, level, nodes[i]);
     }
     for (; done < last; done++) {
-      const int first = tree->levelBegin[level - 1] + (items[done] - tree->levelBegin[level]) * TREE_WIDTH;
-      count += indices16(near16(restOf(t, items[done]), sphere, visit->reach), first, items + count);
+      const int first = tree->levelBegin[level - 1] + (nodes[done] - tree->levelBegin[level]) * TREE_WIDTH;
+      count += indices16(near16(worldOf(t, nodes[done]), sphere, visit->reach), first, nodes + count);
       visit->volumeTests += TREE_WIDTH;
     }
   }
   for (; done < count; done++) {
-    const int leaf = items[done];
+    const int leaf = nodes[done];
     if (firstLeaf <= leaf && leaf <= lastLeaf) {
       continue;
     }
-    putToRest(t, 0, leaf);
+    updateWorld(t, 0, leaf);
     if (!testLeaf(t, visit, movers, leaf, 0)) {
       return false;
     }
@@ -189,7 +189,7 @@ static bool probeMovers(Traversal* t, Visit* visit, const Movers* movers, int be
  * straddles. */
 static void visitFew(Traversal* t, Visit* visit, int begin, int end) {
   for (int leaf = begin / TREE_WIDTH; leaf * TREE_WIDTH < end; leaf++) {
-    putLeafToRest(t, leaf);
+    updateWorldLeaf(t, leaf);
   }
   const bool areInOneLeaf = begin / TREE_WIDTH == (end - 1) / TREE_WIDTH;
   Movers movers[MOST_MOVERS / TREE_WIDTH];

@@ -18,7 +18,7 @@ typedef struct Pass {
 } Pass;
 
 /* Of sixteen boxes those that come near box k of others; bits. */
-CT_FOR_BOTH unsigned membersNear(const Pass* pass, const Extents* members, const Extents* others, int k,
+CT_FOR_BOTH unsigned membersNear(const Pass* pass, const AxisBoxes* members, const AxisBoxes* others, int k,
                                  bool surfaces) {
   Float16 squared = all16(0);
   for (int d = 0; d < 3; d++) {
@@ -45,20 +45,20 @@ CT_INLINE Slots slotsOf(const Block* leaf) {
 }
 
 /* A box along the world's axes. */
-typedef struct Extent {
+typedef struct AxisBox {
   float low[3];
   float high[3];
-  float r; /* as in Extents */
-} Extent;
+  float r; /* as in AxisBoxes */
+} AxisBox;
 
-static inline Extent memberOf(const Extents* extents, int k) {
-  return (Extent){{extents->low[0][k], extents->low[1][k], extents->low[2][k]},
-                  {extents->high[0][k], extents->high[1][k], extents->high[2][k]},
-                  extents->r[k]};
+static inline AxisBox memberOf(const AxisBoxes* boxes, int k) {
+  return (AxisBox){{boxes->low[0][k], boxes->low[1][k], boxes->low[2][k]},
+                   {boxes->high[0][k], boxes->high[1][k], boxes->high[2][k]},
+                   boxes->r[k]};
 }
 
 /* Of slots those that come near a box; bits. */
-CT_FOR_BOTH unsigned slotsNear(const Pass* pass, const Slots* slots, const Extent* box, bool surfaces) {
+CT_FOR_BOTH unsigned slotsNear(const Pass* pass, const Slots* slots, const AxisBox* box, bool surfaces) {
   Float16 squared = all16(0);
   for (int d = 0; d < 3; d++) {
     const Float16 inside = min16(max16(slots->x[d], all16(box->low[d])), all16(box->high[d]));

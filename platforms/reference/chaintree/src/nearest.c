@@ -45,31 +45,31 @@ static Cloud cloudOfSlots(ctChainTree* scene, const ctSelection* selection) {
 }
 
 /* Puts the particles without a slot into the world. */
-static Cloud cloudOfIdle(ctChainTree* scene, ctSelection* selection, Nearest* nearest) {
+static Cloud cloudOfUnmodelled(ctChainTree* scene, ctSelection* selection, Nearest* nearest) {
   const Tree* tree = ctSceneTree(scene);
   PositionReader reader = ctPositionReader(&scene->sequence, tree);
-  for (int i = 0; i < selection->idleCount; i++) {
-    double* point = selection->idlePoint[i];
-    ctReadFromOrigin(&reader, selection->idle[i], point);
+  for (int i = 0; i < selection->unmodelledCount; i++) {
+    double* point = selection->unmodelledPoint[i];
+    ctReadFromOrigin(&reader, selection->unmodelled[i], point);
     nearest->extent = larger(nearest->extent, sqrt(dot(point, point)));
   }
-  const double(*points)[3] = (const double(*)[3])selection->idlePoint;
-  tree->instructions->boundPoints(&selection->idleLayout, points, selection->idleBlock);
-  return (Cloud){.layout = &selection->idleLayout,
-                 .mask = selection->idleMask,
-                 .particle = selection->idle,
-                 .block = selection->idleBlock,
+  const double(*points)[3] = (const double(*)[3])selection->unmodelledPoint;
+  tree->instructions->boundPoints(&selection->unmodelledLayout, points, selection->unmodelledBlock);
+  return (Cloud){.layout = &selection->unmodelledLayout,
+                 .mask = selection->unmodelledMask,
+                 .particle = selection->unmodelled,
+                 .block = selection->unmodelledBlock,
                  .point = points};
 }
 
 /* Those of its two clouds that are not empty; returns how many. */
 static int cloudsOf(ctChainTree* scene, ctSelection* selection, Nearest* nearest, Cloud clouds[2]) {
   int count = 0;
-  if (selection->count > selection->idleCount) {
+  if (selection->count > selection->unmodelledCount) {
     clouds[count++] = cloudOfSlots(scene, selection);
   }
-  if (selection->idleCount > 0) {
-    clouds[count++] = cloudOfIdle(scene, selection, nearest);
+  if (selection->unmodelledCount > 0) {
+    clouds[count++] = cloudOfUnmodelled(scene, selection, nearest);
   }
   return count;
 }

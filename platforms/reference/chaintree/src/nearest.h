@@ -7,10 +7,10 @@
 /* Points in a hierarchy: slots of the scene, which a traversal puts into the world, or points of their own. */
 typedef struct Cloud {
   const Tree* layout;       /* nothing else of it is read */
-  const uint16_t* mask;     /* per item: members that hold points of the cloud */
+  const uint16_t* mask;     /* per node: members that hold points of the cloud */
   const int* particle;      /* per slot */
   Traversal* traversal;     /* NULL: points of their own */
-  const Block* block;       /* of those: per item, its members */
+  const Block* block;       /* of those: per node, its members */
   const double (*point)[3]; /* of those: per slot */
 } Cloud;
 

@@ -5,21 +5,21 @@
 
 /* ---- Clouds ---- */
 
-/* An item of a cloud or one slot of a leaf, with a sphere around the centres of its particles. */
+/* A node of a cloud or one slot of a leaf, with a sphere around the centres of its particles. */
 typedef struct Cluster {
   int level;
-  int item;
-  unsigned members; /* of the item that belong to the cluster; bits */
+  int node;
+  unsigned members; /* of the node that belong to the cluster; bits */
   Sphere around;
 } Cluster;
 
-/* The members of an item as they lie in the world, but for their radii. What holds the item has been there before. */
+/* The members of a node as they lie in the world, but for their radii. What holds the node has been there before. */
 static const Block* membersOf(const Cloud* cloud, const Cluster* cluster) {
   if (cloud->traversal == NULL) {
-    return &cloud->block[cluster->item];
+    return &cloud->block[cluster->node];
   }
-  putToRest(cloud->traversal, cluster->level, cluster->item);
-  return restOf(cloud->traversal, cluster->item);
+  updateWorld(cloud->traversal, cluster->level, cluster->node);
+  return worldOf(cloud->traversal, cluster->node);
 }
 
 /* Radii around the centres of particles. */
@@ -28,8 +28,8 @@ static const float* radiiOf(const Cloud* cloud, const Cluster* cluster) {
   if (cluster->level == 0) {
     return points;
   }
-  return cloud->traversal == NULL ? cloud->block[cluster->item].r
-                                  : treeMembers(cloud->traversal->tree, cluster->item)->centres;
+  return cloud->traversal == NULL ? cloud->block[cluster->node].r
+                                  : treeMembers(cloud->traversal->tree, cluster->node)->centres;
 }
 
 static Cluster rootOf(const Cloud* cloud) {
@@ -39,14 +39,14 @@ static Cluster rootOf(const Cloud* cloud) {
 
 /* ---- Points of their own ---- */
 
-/* Blocks of all items over points that have been put into `point`. */
+/* Blocks of all nodes over points that have been put into `point`. */
 static void boundPoints(const Tree* layout, const double (*point)[3], Block* block) {
   for (int level = 0; level < layout->levelCount; level++) {
     for (int i = 0; i < layout->levelSize[level]; i++) {
-      const int item = layout->levelBegin[level] + i;
-      Block* own = &block[item];
+      const int node = layout->levelBegin[level] + i;
+      Block* own = &block[node];
       int end;
-      const int begin = treeSlots(layout, level, item, &end);
+      const int begin = treeSlots(layout, level, node, &end);
       if (level == 0) {
         for (int k = 0; k < TREE_WIDTH; k++) {
           const bool empty = begin + k >= end;
@@ -59,7 +59,7 @@ static void boundPoints(const Tree* layout, const double (*point)[3], Block* blo
       if (level < treeTop(layout)) {
         Sphere sphere = middleOfBlock(own);
         sphere.r = radiusAbout(sphere, own, own->r);
-        Block* parent = &block[treeParent(layout, level, item)];
+        Block* parent = &block[treeParent(layout, level, node)];
         const int k = i % TREE_WIDTH;
         parent->x[k] = sphere.x;
         parent->y[k] = sphere.y;
@@ -112,7 +112,7 @@ static void compareLeaves(Nearest* n, const Cloud clouds[2], const Cluster leave
   Float16 least = all16(INFINITY);
   for (unsigned left = slots; left != 0; left &= left - 1) {
     const int k = __builtin_ctz(left);
-    const unsigned others = other->members & ~itself(clouds, side, one->item, k, other->item);
+    const unsigned others = other->members & ~itself(clouds, side, one->node, k, other->node);
     rows[k] = blend16(others, all16(INFINITY), squaredFrom(otherBlock, block->x[k], block->y[k], block->z[k]));
     least = min16(least, rows[k]);
   }
@@ -125,7 +125,7 @@ static void compareLeaves(Nearest* n, const Cloud clouds[2], const Cluster leave
   for (unsigned left = slots; left != 0; left &= left - 1) {
     const int k = __builtin_ctz(left);
     for (unsigned near = greater16(squaredReach, rows[k]); near != 0; near &= near - 1) {
-      offer(n, clouds, side, one->item * TREE_WIDTH + k, other->item * TREE_WIDTH + __builtin_ctz(near));
+      offer(n, clouds, side, one->node * TREE_WIDTH + k, other->node * TREE_WIDTH + __builtin_ctz(near));
     }
   }
 }
@@ -153,7 +153,7 @@ static int splitCluster(Nearest* n, const Cloud* cloud, const NearestVisit* visi
   }
   const bool isLeaf = whole->level == 0;
   int count;
-  const int first = isLeaf ? 0 : treeChildren(cloud->layout, whole->level, whole->item, &count);
+  const int first = isLeaf ? 0 : treeChildren(cloud->layout, whole->level, whole->node, &count);
   int pushed = 0;
   for (int last = 0; last < 2; last++) {
     for (unsigned members = last ? nearest : near & ~nearest; members != 0; members &= members - 1) {
@@ -161,7 +161,7 @@ static int splitCluster(Nearest* n, const Cloud* cloud, const NearestVisit* visi
       NearestVisit* part = &stack[pushed++];
       part->bound = bound[k];
       const Sphere around = {block->x[k], block->y[k], block->z[k], radii[k]};
-      part->cluster[side] = isLeaf ? (Cluster){0, whole->item, 1u << k, around}
+      part->cluster[side] = isLeaf ? (Cluster){0, whole->node, 1u << k, around}
                                    : (Cluster){whole->level - 1, first + k, cloud->mask[first + k], around};
       part->cluster[1 - side] = visit->cluster[1 - side];
     }
@@ -185,7 +185,7 @@ static void findNearest(Nearest* n, const Cloud clouds[2]) {
   /* What splits leave for later, down both hierarchies and to single slots. */
   NearestVisit stack[2 * (TREE_MAX_LEVELS + 1) * TREE_WIDTH];
   Traversal* t = n->traversal;
-  const View view = ctViewOfState(t->sinceSurfaces, 0);
+  const View view = ctViewOfState(t->worldHasSurfaces, 0);
   startView(t, &view);
   n->margin = (float)floatMargin(larger(t->extent, n->extent));
   const float known = (float)n->known + 2 * n->margin;

@@ -126,11 +126,11 @@ static void readLeaves(PositionReader* reader, int begin, int end, int64_t since
 }
 
 /* Particles [begin, end) of those that have none. */
-static void readIdle(PositionReader* reader, int begin, int end, int64_t since, double* positions) {
+static void readUnmodelled(PositionReader* reader, int begin, int end, int64_t since, double* positions) {
   const Sequence* s = reader->sequence;
   const int firstMoved = treeFirstMoved(reader->tree, since);
   for (int i = begin; i < end; i++) {
-    const int particle = s->idleParticle[i];
+    const int particle = s->unmodelledParticle[i];
     const int leaf = s->slotBegin[particleLink(s, particle)] / TREE_WIDTH;
     if (leaf >= firstMoved || reader->tree->contentTime[leaf] > since) {
       ctReadPosition(reader, particle, positions + 3 * (size_t)particle);
@@ -141,7 +141,7 @@ static void readIdle(PositionReader* reader, int begin, int end, int64_t since, 
 static void readSince(const Sequence* s, const Tree* tree, int64_t since, double* positions) {
   PositionReader reader = ctPositionReader(s, tree);
   readLeaves(&reader, 0, tree->levelSize[0], since, positions);
-  readIdle(&reader, 0, s->idleCount, since, positions);
+  readUnmodelled(&reader, 0, s->unmodelledCount, since, positions);
 }
 
 void ctReadPositions(const Sequence* s, const Tree* tree, double* positions) {
@@ -162,7 +162,7 @@ static void readBranch(const Sequence* s, const Tree* tree, int branch, double* 
   const int end = sequenceEnd(s, head);
   PositionReader reader = ctPositionReader(s, tree);
   readLeaves(&reader, s->slotBegin[head] / TREE_WIDTH, (s->slotBegin[end] - 1) / TREE_WIDTH + 1, NEVER, positions);
-  readIdle(&reader, sequenceIdle(s, head), sequenceIdle(s, end), NEVER, positions);
+  readUnmodelled(&reader, sequenceUnmodelled(s, head), sequenceUnmodelled(s, end), NEVER, positions);
 }
 
 void ctRefreshPositions(Copied* copied, const Sequence* s, const Tree* tree, double* positions) {

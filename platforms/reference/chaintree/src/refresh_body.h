@@ -1,4 +1,4 @@
-/* How an item of the tree follows from what is below it; compiled once for each instruction set by the file that
+/* How a node of the tree follows from what is below it; compiled once for each instruction set by the file that
  * includes this. */
 #include <string.h>
 
@@ -7,7 +7,7 @@
 
 /* ---- Bounds ---- */
 
-/* The radii have room for the rounding to float, relative to coordinates about the item's own origin. */
+/* The radii have room for the rounding to float, relative to coordinates about the node's own origin. */
 static Bound boundOfMembers(const Block* block, const float* centres) {
   const Sphere middle = middleOfBlock(block);
   if (middle.r < 0) {
@@ -76,7 +76,7 @@ CT_INLINE void keepStem(Tree* tree, const Sequence* s, const Walk* walk) {
 
 /* Places slots [begin, end) of a leaf, and takes a walk from the link of the first one, whose followers are opened, to
  * that of the last. A call would put the walk's frame into memory. */
-CT_INLINE void placeSlots(Tree* tree, const Sequence* s, Walk* walk, const Openings* openings, int begin, int end) {
+CT_INLINE void positionSlots(Tree* tree, const Sequence* s, Walk* walk, const Openings* openings, int begin, int end) {
   Leaf* leaf = &tree->leaf[begin / TREE_WIDTH];
   if (s->slotBegin[walk->link] == begin) {
     keepStem(tree, s, walk);
@@ -117,7 +117,7 @@ static void noteLeaf(Tree* tree, int leaf) {
   tree->bound[leaf] = boundOfLeaf(&tree->leaf[leaf]);
   tree->contentTime[leaf] = tree->time;
   tree->hasSum[leaf] = false;
-  tree->isFresh[leaf] = true;
+  tree->boxIsStale[leaf] = true;
 }
 
 static void refreshLeaf(Tree* tree, const Sequence* sequence, int leaf) {
@@ -128,7 +128,7 @@ static void refreshLeaf(Tree* tree, const Sequence* sequence, int leaf) {
   const int last = sequence->slotLink[end < tree->slotCount ? end : end - 1];
   Openings openings;
   openLinks(sequence, walk.link + 1, last + 1, &openings);
-  placeSlots(tree, sequence, &walk, &openings, begin, end);
+  positionSlots(tree, sequence, &walk, &openings, begin, end);
   if (end < tree->slotCount) {
     walkToLeaf(&walk, sequence, &openings, leaf + 1);
   }
@@ -154,16 +154,16 @@ static void refreshTwig(Tree* tree, const Sequence* sequence, int link, int leaf
   walkBeginInTwig(&walk, sequence, sequence->slotLink[begin], &stem);
   Openings openings;
   openLinks(sequence, walk.link + 1, sequence->slotLink[end - 1] + 1, &openings);
-  placeSlots(tree, sequence, &walk, &openings, begin, end);
+  positionSlots(tree, sequence, &walk, &openings, begin, end);
   noteLeaf(tree, leaf);
 }
 
 /* These children have changed (ascending); those behind one whose shortcut is another now have moved. */
-static void refreshNode(Tree* tree, int level, int item, const int* changed, int count) {
+static void refreshInnerNode(Tree* tree, int level, int node, const int* changed, int count) {
   int childCount;
-  const int first = treeChildren(tree, level, item, &childCount);
+  const int first = treeChildren(tree, level, node, &childCount);
   const int last = first + childCount - 1;
-  Members* members = treeMembers(tree, item);
+  Members* members = treeMembers(tree, node);
   Columns pose;
   bool moved = false;
   int done = 0; /* of the changed ones, until one has moved the others */
@@ -187,11 +187,11 @@ static void refreshNode(Tree* tree, int level, int item, const int* changed, int
   }
   if (moved) {
     columnsCompose(&pose, tree->shortcut[last].m[0], 1);
-    tree->shortcut[item] = frameOfColumns(&pose);
-    tree->shortcutTime[item] = tree->time;
+    tree->shortcut[node] = frameOfColumns(&pose);
+    tree->shortcutTime[node] = tree->time;
   }
-  tree->bound[item] = boundOfMembers(&members->block, members->centres);
-  tree->contentTime[item] = tree->time;
-  tree->hasSum[item] = false;
-  tree->isFresh[item] = true;
+  tree->bound[node] = boundOfMembers(&members->block, members->centres);
+  tree->contentTime[node] = tree->time;
+  tree->hasSum[node] = false;
+  tree->boxIsStale[node] = true;
 }

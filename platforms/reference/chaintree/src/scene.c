@@ -24,7 +24,7 @@ Sweep* ctSceneSweep(ctChainTree* scene) {
   if (!ctSweepReserve(sweep)) {
     return NULL;
   }
-  if (sweep->since != scene->staleTree.time) {
+  if (sweep->snapshotTime != scene->staleTree.time) {
     /* The reference whenever it is the state, however that came about: the same state has the same bits. */
     if (scene->sequence.displacedCount == 0) {
       ctSnapshotTakeReference(&sweep->snapshot, &scene->sequence);
@@ -34,7 +34,7 @@ Sweep* ctSceneSweep(ctChainTree* scene) {
       return NULL;
     }
     ctSweepBound(sweep);
-    sweep->since = scene->staleTree.time;
+    sweep->snapshotTime = scene->staleTree.time;
   }
   return sweep;
 }

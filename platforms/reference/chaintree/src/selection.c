@@ -6,13 +6,13 @@
 
 /* ---- Marks ---- */
 
-/* A member of an item is in the set if anything below it is. */
+/* A member of a node is in the set if anything below it is. */
 static void markAbove(const Tree* layout, uint16_t* mask) {
   for (int level = 0; level < treeTop(layout); level++) {
     for (int i = 0; i < layout->levelSize[level]; i++) {
-      const int item = layout->levelBegin[level] + i;
-      if (mask[item] != 0) {
-        uint16_t* above = &mask[treeParent(layout, level, item)];
+      const int node = layout->levelBegin[level] + i;
+      if (mask[node] != 0) {
+        uint16_t* above = &mask[treeParent(layout, level, node)];
         *above = (uint16_t)(*above | 1u << i % TREE_WIDTH);
       }
     }
@@ -32,7 +32,7 @@ static int countMarks(const Tree* layout, const uint16_t* mask) {
 }
 
 /* False if there is no memory. */
-static bool buildIdle(ctSelection* selection, int count, const int* particles) {
+static bool buildUnmodelled(ctSelection* selection, int count, const int* particles) {
   const Sequence* s = &selection->scene->sequence;
   int given = 0;
   for (int i = 0; i < count; i++) {
@@ -41,43 +41,44 @@ static bool buildIdle(ctSelection* selection, int count, const int* particles) {
   if (given == 0) {
     return true;
   }
-  selection->idle = ctArenaAllocate(&selection->arena, (size_t)given, sizeof(int));
+  selection->unmodelled = ctArenaAllocate(&selection->arena, (size_t)given, sizeof(int));
   if (selection->arena.failed) {
     return false;
   }
-  int* idle = selection->idle;
+  int* unmodelled = selection->unmodelled;
   given = 0;
   for (int i = 0; i < count; i++) {
     if (particleSlot(s, particles[i]) == CT_NULL) {
-      idle[given++] = particles[i];
+      unmodelled[given++] = particles[i];
     }
   }
-  ctSortInts(idle, given);
+  ctSortInts(unmodelled, given);
   for (int i = 0; i < given; i++) {
-    if (i == 0 || idle[i] != idle[i - 1]) {
-      idle[selection->idleCount++] = idle[i];
+    if (i == 0 || unmodelled[i] != unmodelled[i - 1]) {
+      unmodelled[selection->unmodelledCount++] = unmodelled[i];
     }
   }
-  Tree* layout = &selection->idleLayout;
-  ctTreeLayOut(layout, selection->idleCount);
-  const size_t items = (size_t)layout->itemCount;
-  selection->idleMask = ctArenaAllocate(&selection->arena, items, sizeof(uint16_t));
-  selection->idleBlock = ctArenaAllocate(&selection->arena, items, sizeof(Block));
-  selection->idlePoint = ctArenaAllocate(&selection->arena, (size_t)selection->idleCount, sizeof(double[3]));
+  Tree* layout = &selection->unmodelledLayout;
+  ctTreeLayOut(layout, selection->unmodelledCount);
+  const size_t nodes = (size_t)layout->nodeCount;
+  selection->unmodelledMask = ctArenaAllocate(&selection->arena, nodes, sizeof(uint16_t));
+  selection->unmodelledBlock = ctArenaAllocate(&selection->arena, nodes, sizeof(Block));
+  selection->unmodelledPoint =
+      ctArenaAllocate(&selection->arena, (size_t)selection->unmodelledCount, sizeof(double[3]));
   if (selection->arena.failed) {
     return false;
   }
-  for (int slot = 0; slot < selection->idleCount; slot++) {
-    markSlot(selection->idleMask, slot);
+  for (int slot = 0; slot < selection->unmodelledCount; slot++) {
+    markSlot(selection->unmodelledMask, slot);
   }
-  markAbove(layout, selection->idleMask);
+  markAbove(layout, selection->unmodelledMask);
   return true;
 }
 
 static bool build(ctSelection* selection, int count, const int* particles) {
   const Tree* layout = &selection->scene->staleTree;
-  selection->mask = ctArenaAllocate(&selection->arena, (size_t)layout->itemCount, sizeof(uint16_t));
-  if (selection->arena.failed || !buildIdle(selection, count, particles)) {
+  selection->mask = ctArenaAllocate(&selection->arena, (size_t)layout->nodeCount, sizeof(uint16_t));
+  if (selection->arena.failed || !buildUnmodelled(selection, count, particles)) {
     return false;
   }
   for (int i = 0; i < count; i++) {
@@ -87,7 +88,7 @@ static bool build(ctSelection* selection, int count, const int* particles) {
     }
   }
   markAbove(layout, selection->mask);
-  selection->count = countMarks(layout, selection->mask) + selection->idleCount;
+  selection->count = countMarks(layout, selection->mask) + selection->unmodelledCount;
   return true;
 }
 
@@ -96,8 +97,8 @@ bool ctSelectionHolds(const ctSelection* selection, int particle) {
   if (slot != CT_NULL) {
     return (selection->mask[slot / TREE_WIDTH] >> slot % TREE_WIDTH & 1) != 0;
   }
-  const int i = ascendingFrom(selection->idle, 0, selection->idleCount, particle);
-  return i < selection->idleCount && selection->idle[i] == particle;
+  const int i = ascendingFrom(selection->unmodelled, 0, selection->unmodelledCount, particle);
+  return i < selection->unmodelledCount && selection->unmodelled[i] == particle;
 }
 
 /* ---- The list of a scene ---- */

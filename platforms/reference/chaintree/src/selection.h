@@ -11,16 +11,16 @@ struct ctSelection {
   ctSelection** listedAt;   /* what points to it there; NULL: it is in none */
   Arena arena;
   int count;
-  uint16_t* mask; /* per item of the tree: members that hold particles of the set */
+  uint16_t* mask; /* per node of the tree: members that hold particles of the set */
   int nearest[2]; /* the pair that was the nearest when last asked: a particle of the set first, or CT_NULL */
 
   /* Its particles without a slot, in a hierarchy of their own. */
-  int idleCount;
-  int* idle; /* ascending */
-  Tree idleLayout;
-  uint16_t* idleMask;     /* per item: all its members */
-  Block* idleBlock;       /* per item; scratch of a query */
-  double (*idlePoint)[3]; /* scratch of a query */
+  int unmodelledCount;
+  int* unmodelled; /* ascending */
+  Tree unmodelledLayout;
+  uint16_t* unmodelledMask;     /* per node: all its members */
+  Block* unmodelledBlock;       /* per node; scratch of a query */
+  double (*unmodelledPoint)[3]; /* scratch of a query */
 };
 
 bool ctSelectionHolds(const ctSelection* selection, int particle);

@@ -69,11 +69,11 @@ typedef struct Sequence {
   int linkCount; /* with the world */
   int slotCount;
   int typeCount;
-  int idleCount;      /* particles that are not modelled */
-  int branchCount;    /* of the world */
-  int twigCount;      /* that lie in no other twig */
-  int closureCount;   /* paths that have closures */
-  int displacedCount; /* joints that are off the reference */
+  int unmodelledCount; /* particles that are not modelled */
+  int branchCount;     /* of the world */
+  int twigCount;       /* that lie in no other twig */
+  int closureCount;    /* paths that have closures */
+  int displacedCount;  /* joints that are off the reference */
 
   /* The caller's links. */
   int* linkOfUser; /* see sequenceLink; of a fixed link ~ of its lowest particle */
@@ -93,8 +93,8 @@ typedef struct Sequence {
   ParticleType* types;
 
   /* Particles. */
-  int* placeOf;      /* its slot, or if it is not modelled ~ of its link */
-  int* idleParticle; /* those that are not modelled, by their links */
+  int* slotOrLink;         /* its slot, or if it is not modelled ~ of its link */
+  int* unmodelledParticle; /* those that are not modelled, by their links */
 
   /* First links, ascending. */
   int* branchHead;
@@ -178,22 +178,22 @@ static inline int sequenceLink(const Sequence* s, int userLink) {
 
 /* The slot of a particle; CT_NULL: it is not modelled. */
 static inline int particleSlot(const Sequence* s, int particle) {
-  return s->placeOf[particle] >= 0 ? s->placeOf[particle] : CT_NULL;
+  return s->slotOrLink[particle] >= 0 ? s->slotOrLink[particle] : CT_NULL;
 }
 
 static inline int particleLink(const Sequence* s, int particle) {
-  const int place = s->placeOf[particle];
+  const int place = s->slotOrLink[particle];
   return place >= 0 ? s->slotLink[place] : ~place;
 }
 
 /* Where the particles of a link and of those behind it begin among those that are not modelled. O(log of their number).
  */
-static inline int sequenceIdle(const Sequence* s, int link) {
+static inline int sequenceUnmodelled(const Sequence* s, int link) {
   int begin = 0;
-  int end = s->idleCount;
+  int end = s->unmodelledCount;
   while (begin < end) {
     const int middle = begin + (end - begin) / 2;
-    if (particleLink(s, s->idleParticle[middle]) < link) {
+    if (particleLink(s, s->unmodelledParticle[middle]) < link) {
       begin = middle + 1;
     } else {
       end = middle;

@@ -2,21 +2,21 @@
 
 #include <string.h>
 
-static void clearExtents(Extents* extents) {
+static void clearBoxes(AxisBoxes* boxes) {
   for (int k = 0; k < TREE_WIDTH; k++) {
     for (int d = 0; d < 3; d++) {
-      extents->low[d][k] = INFINITY;
-      extents->high[d][k] = -INFINITY;
+      boxes->low[d][k] = INFINITY;
+      boxes->high[d][k] = -INFINITY;
     }
-    extents->r[k] = -INFINITY;
+    boxes->r[k] = -INFINITY;
   }
 }
 
 bool ctSnapshotBuild(Snapshot* snapshot, Arena* arena, const Sequence* sequence, const Tree* layout) {
   const size_t leaves = (size_t)layout->levelBegin[1];
-  const size_t nodes = (size_t)layout->itemCount - leaves;
+  const size_t inner = (size_t)layout->nodeCount - leaves;
   snapshot->leaf = ctArenaAllocate(arena, leaves, sizeof(Block));
-  snapshot->extents = ctArenaAllocate(arena, nodes, sizeof(Extents));
+  snapshot->boxes = ctArenaAllocate(arena, inner, sizeof(AxisBoxes));
   if (arena->failed) {
     return false;
   }
@@ -24,8 +24,8 @@ bool ctSnapshotBuild(Snapshot* snapshot, Arena* arena, const Sequence* sequence,
     const bool empty = slot >= layout->slotCount || sequence->slotParticle[slot] == CT_NULL;
     snapshot->leaf[slot / TREE_WIDTH].r[slot % TREE_WIDTH] = empty ? -INFINITY : (float)slotRadius(sequence, slot);
   }
-  for (size_t node = 0; node < nodes; node++) {
-    clearExtents(&snapshot->extents[node]);
+  for (size_t i = 0; i < inner; i++) {
+    clearBoxes(&snapshot->boxes[i]);
   }
   return true;
 }
@@ -55,22 +55,22 @@ static void takeLeaf(Snapshot* snapshot, const Sequence* sequence, const Tree* t
   }
 }
 
-static void takeItem(Snapshot* snapshot, const Sequence* sequence, const Tree* tree, int level, int item,
+static void takeNode(Snapshot* snapshot, const Sequence* sequence, const Tree* tree, int level, int node,
                      const Frame* frame) {
   if (level == 0) {
-    takeLeaf(snapshot, sequence, tree, item, frame);
+    takeLeaf(snapshot, sequence, tree, node, frame);
     return;
   }
   int count;
-  const int first = treeChildren(tree, level, item, &count);
+  const int first = treeChildren(tree, level, node, &count);
   for (int child = first; child < first + count; child++) {
     const Frame inWorld = transformCompose(frame, &tree->pose[child]);
-    takeItem(snapshot, sequence, tree, level - 1, child, &inWorld);
+    takeNode(snapshot, sequence, tree, level - 1, child, &inWorld);
   }
 }
 
 void ctSnapshotTakeTree(Snapshot* snapshot, const Sequence* sequence, const Tree* tree) {
-  takeItem(snapshot, sequence, tree, treeTop(tree), treeRoot(tree), &tree->pose[treeRoot(tree)]);
+  takeNode(snapshot, sequence, tree, treeTop(tree), treeRoot(tree), &tree->pose[treeRoot(tree)]);
   snapshot->position = snapshot->moved;
   memset(snapshot->origin, 0, sizeof snapshot->origin);
 }

@@ -7,15 +7,15 @@
 #include "tree.h"
 
 /* Boxes along the world's axes around what lies below each child of a node. */
-typedef struct Extents {
+typedef struct AxisBoxes {
   float low[3][TREE_WIDTH]; /* of centres of particles; above high: there are none */
   float high[3][TREE_WIDTH];
   float r[TREE_WIDTH]; /* no particle has a larger radius; -INFINITY: there are none */
-} Extents;
+} AxisBoxes;
 
 typedef struct Snapshot {
   Block* leaf;            /* per leaf: floats from `origin`, INFINITY where a slot is empty; and radii */
-  Extents* extents;       /* per item of a higher level, from levelBegin[1] on */
+  AxisBoxes* boxes;       /* per node of a higher level, from levelBegin[1] on */
   const double* position; /* per particle that has a slot, where it is exactly: the reference, or `moved` */
   double origin[3];
   double extent; /* no coordinate from `origin` or radius is larger */
@@ -29,13 +29,13 @@ bool ctSnapshotBuild(Snapshot* snapshot, Arena* arena, const Sequence* sequence,
 /* Makes room for positions that are not the reference; false, and nothing changed, if there is no memory. */
 bool ctSnapshotReserve(Snapshot* snapshot, Arena* arena, const Sequence* sequence);
 
-/* Takes the positions of the reference, or of a fresh tree. Floats and extents are stale then. */
+/* Takes the positions of the reference, or of a fresh tree. Floats and boxes are stale then. */
 void ctSnapshotTakeReference(Snapshot* snapshot, const Sequence* sequence);
 void ctSnapshotTakeTree(Snapshot* snapshot, const Sequence* sequence, const Tree* tree);
 
 /* Boxes of the children of a node. */
-static inline Extents* snapshotExtents(const Snapshot* snapshot, const Tree* layout, int node) {
-  return &snapshot->extents[node - layout->levelBegin[1]];
+static inline AxisBoxes* snapshotBoxes(const Snapshot* snapshot, const Tree* layout, int node) {
+  return &snapshot->boxes[node - layout->levelBegin[1]];
 }
 
 static inline const double* snapshotPosition(const Snapshot* snapshot, int particle) {

@@ -18,7 +18,7 @@ static void fillLeaf(const Snapshot* snapshot, const int* particle, Block* leaf)
   }
 }
 
-static void boundLeaf(const Block* leaf, Extents* around, int k) {
+static void boundLeaf(const Block* leaf, AxisBoxes* around, int k) {
   const unsigned empty = greater16(all16(0), load16(leaf->r));
   const float* axes[3] = {leaf->x, leaf->y, leaf->z};
   for (int d = 0; d < 3; d++) {
@@ -28,7 +28,7 @@ static void boundLeaf(const Block* leaf, Extents* around, int k) {
   around->r[k] = most16(load16(leaf->r));
 }
 
-static void boundNode(const Extents* members, Extents* around, int k) {
+static void boundInnerNode(const AxisBoxes* members, AxisBoxes* around, int k) {
   for (int d = 0; d < 3; d++) {
     around->low[d][k] = least16(load16(members->low[d]));
     around->high[d][k] = most16(load16(members->high[d]));
@@ -37,7 +37,7 @@ static void boundNode(const Extents* members, Extents* around, int k) {
 }
 
 /* No coordinate or radius of member k is larger. */
-static double extentOf(const Extents* around, int k) {
+static double extentOf(const AxisBoxes* around, int k) {
   double corner[3] = {0, 0, 0};
   for (int d = 0; d < 3 && around->r[k] >= 0; d++) {
     corner[d] = larger(fabs((double)around->low[d][k]), fabs((double)around->high[d][k]));
@@ -46,18 +46,18 @@ static double extentOf(const Extents* around, int k) {
 }
 
 static void boundSnapshot(Snapshot* snapshot, const Sequence* sequence, const Tree* layout) {
-  Extents root; /* the root is member 0 of this */
+  AxisBoxes root; /* the root is member 0 of this */
   for (int level = 0; level < layout->levelCount; level++) {
     for (int i = 0; i < layout->levelSize[level]; i++) {
-      const int item = layout->levelBegin[level] + i;
+      const int node = layout->levelBegin[level] + i;
       const bool isRoot = level == treeTop(layout);
-      Extents* around = isRoot ? &root : snapshotExtents(snapshot, layout, treeParent(layout, level, item));
+      AxisBoxes* around = isRoot ? &root : snapshotBoxes(snapshot, layout, treeParent(layout, level, node));
       if (level == 0) {
-        Block* leaf = &snapshot->leaf[item];
-        fillLeaf(snapshot, sequence->slotParticle + item * TREE_WIDTH, leaf);
+        Block* leaf = &snapshot->leaf[node];
+        fillLeaf(snapshot, sequence->slotParticle + node * TREE_WIDTH, leaf);
         boundLeaf(leaf, around, i % TREE_WIDTH);
       } else {
-        boundNode(snapshotExtents(snapshot, layout, item), around, i % TREE_WIDTH);
+        boundInnerNode(snapshotBoxes(snapshot, layout, node), around, i % TREE_WIDTH);
       }
     }
   }

@@ -67,7 +67,7 @@ static bool isJoint(const Sequence* s, int link, const double* numbers, const do
   for (int i = 0; i < 4; i++) {
     norm += numbers[i] * numbers[i];
   }
-  return fabs(norm - 1) <= UNIT_ERROR && isPlace(numbers + 4);
+  return fabs(norm - 1) <= UNIT_ERROR && isJointPosition(numbers + 4);
 }
 
 /* ---- The whole ---- */

@@ -8,7 +8,7 @@ void ctSweepInit(Sweep* sweep, const Tree* layout, const Sequence* sequence, con
   sweep->layout = layout;
   sweep->sequence = sequence;
   sweep->exclusions = exclusions;
-  sweep->since = NEVER;
+  sweep->snapshotTime = NEVER;
 }
 
 void ctSweepFree(Sweep* sweep) {
@@ -58,7 +58,7 @@ bool ctSweepReserve(Sweep* sweep) {
   sweep->highest = ctArenaAllocate(arena, leaves, sizeof *sweep->highest);
   /* Written sixteen at a time. */
   candidates->leaves = ctArenaAllocate(arena, leaves + TREE_WIDTH, sizeof *candidates->leaves);
-  candidates->place = ctArenaAllocate(arena, slots + TREE_WIDTH, sizeof *candidates->place);
+  candidates->offset = ctArenaAllocate(arena, slots + TREE_WIDTH, sizeof *candidates->offset);
   candidates->particle = ctArenaAllocate(arena, slots + TREE_WIDTH, sizeof *candidates->particle);
   candidates->pairs = ctArenaAllocate(arena, slots + TREE_WIDTH, sizeof *candidates->pairs);
   if (!ctSnapshotBuild(&sweep->snapshot, arena, sweep->sequence, sweep->layout)) {

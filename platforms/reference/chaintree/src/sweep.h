@@ -6,7 +6,7 @@
 #include "ranks.h"
 #include "snapshot.h"
 
-/* Two items of one level. */
+/* Two nodes of one level. */
 typedef struct SweepVisit {
   int level;
   int a;
@@ -22,7 +22,7 @@ typedef struct Candidates {
   int count;
   bool rises;      /* the lower particle of each pair is the leaf's */
   int* leaves;     /* all that come near the leaf and do not lie before it */
-  int* place;      /* per slot: of its x, in floats from that of slot 0 */
+  int* offset;     /* per slot: of its x, in floats from that of slot 0 */
   int* particle;   /* per slot */
   uint16_t* pairs; /* per slot, bits: slots of the leaf that may make a pair with it; once compared, that do */
 } Candidates;
@@ -33,8 +33,8 @@ typedef struct Sweep {
   const Exclusions* exclusions;
   Arena arena; /* of all that follows, which is made when first asked for */
   Snapshot snapshot;
-  int64_t since;     /* the tree's time of what the snapshot shows, or NEVER */
-  SweepVisit* stack; /* of a sweep for clashes; what follows is for neighbours */
+  int64_t snapshotTime; /* the tree's time of what the snapshot shows, or NEVER */
+  SweepVisit* stack;    /* of a sweep for clashes; what follows is for neighbours */
   Ranks* ranks;
   int* lowest;  /* per leaf: no particle is below */
   int* highest; /* per leaf: no particle is above, or INT_MAX if they do not ascend */

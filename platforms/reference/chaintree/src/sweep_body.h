@@ -6,17 +6,17 @@
 
 /* ---- Filters ---- */
 
-/* Of sixteen boxes those that come near the box around all members of an item of a level below the top; bits. */
-static unsigned membersNearItem(const Pass* pass, int level, const Extents* members, int item) {
+/* Of sixteen boxes those that come near the box around all members of a node of a level below the top; bits. */
+static unsigned membersNearNode(const Pass* pass, int level, const AxisBoxes* members, int node) {
   const Tree* layout = pass->sweep->layout;
-  const Extents* others = snapshotExtents(&pass->sweep->snapshot, layout, treeParent(layout, level, item));
-  return membersNear(pass, members, others, (item - layout->levelBegin[level]) % TREE_WIDTH, true);
+  const AxisBoxes* others = snapshotBoxes(&pass->sweep->snapshot, layout, treeParent(layout, level, node));
+  return membersNear(pass, members, others, (node - layout->levelBegin[level]) % TREE_WIDTH, true);
 }
 
 /* The slots of leaf a that come near member k of others; bits. */
-static unsigned slotsNearMember(const Pass* pass, int a, const Extents* others, int k) {
+static unsigned slotsNearMember(const Pass* pass, int a, const AxisBoxes* others, int k) {
   const Slots slots = slotsOf(&pass->sweep->snapshot.leaf[a]);
-  const Extent extent = memberOf(others, k);
+  const AxisBox extent = memberOf(others, k);
   return slotsNear(pass, &slots, &extent, true);
 }
 
@@ -70,7 +70,7 @@ static bool findClashes(const Pass* pass, const LeafPair* pair) {
 /* ---- Sweeps ---- */
 
 /* A leaf against leaves whose bits are set, counted from leaf firstB, with boxes aroundB. */
-static bool sweepLeaves(const Pass* pass, int a, int firstB, const Extents* aroundB, unsigned near) {
+static bool sweepLeaves(const Pass* pass, int a, int firstB, const AxisBoxes* aroundB, unsigned near) {
   static const uint16_t nothing[TREE_WIDTH] = {0};
   uint16_t ownExcluded[TREE_WIDTH];
   const Exclusions* exclusions = pass->sweep->exclusions;
@@ -111,14 +111,14 @@ static unsigned rowsOf(const Pass* pass, const SweepVisit* visit, int countA, in
     return (1u << countA) - 1;
   }
   pass->task->volumeTests += countA;
-  const Extents* aroundA = snapshotExtents(snapshot, layout, visit->a);
-  const unsigned rows = membersNearItem(pass, visit->level, aroundA, visit->b);
+  const AxisBoxes* aroundA = snapshotBoxes(snapshot, layout, visit->a);
+  const unsigned rows = membersNearNode(pass, visit->level, aroundA, visit->b);
   if (rows == 0) {
     return 0;
   }
   pass->task->volumeTests += countB;
-  const Extents* aroundB = snapshotExtents(snapshot, layout, visit->b);
-  return membersNearItem(pass, visit->level, aroundB, visit->a) == 0 ? 0 : rows;
+  const AxisBoxes* aroundB = snapshotBoxes(snapshot, layout, visit->b);
+  return membersNearNode(pass, visit->level, aroundB, visit->a) == 0 ? 0 : rows;
 }
 
 static void sweepPairs(const Pass* pass) {
@@ -137,8 +137,8 @@ static void sweepPairs(const Pass* pass) {
     int countB;
     const int firstA = treeChildren(layout, visit.level, visit.a, &countA);
     const int firstB = treeChildren(layout, visit.level, visit.b, &countB);
-    const Extents* aroundA = snapshotExtents(&sweep->snapshot, layout, visit.a);
-    const Extents* aroundB = snapshotExtents(&sweep->snapshot, layout, visit.b);
+    const AxisBoxes* aroundA = snapshotBoxes(&sweep->snapshot, layout, visit.a);
+    const AxisBoxes* aroundB = snapshotBoxes(&sweep->snapshot, layout, visit.b);
     const unsigned rows = rowsOf(pass, &visit, countA, countB);
     for (int i = 0; i < countA; i++) {
       /* What is left for later goes last in, first out: leaves come in ascending order. */

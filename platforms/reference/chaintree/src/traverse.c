@@ -9,52 +9,52 @@
 /* Pairs that one visit can leave for later: all children of one node with all of another. */
 enum { PAIRS_OF_A_VISIT = TREE_WIDTH * TREE_WIDTH };
 
-/* So much is kept of leaves at rest, of items that move and of nodes whose boxes move: beyond that memory costs more
- * than it spares. A visit needs two leaves, two items that move and BOXES_OF_A_VISIT nodes with boxes at a time. */
-enum { MOST_LEAF_PLACES = 8192, MOST_MOVED_PLACES = 1024, MOVED_BOXES_PLACES = 64 };
+/* So much is kept of leaves at rest, of nodes that move and of nodes whose boxes move: beyond that memory costs more
+ * than it spares. A visit needs two leaves, two nodes that move and BOXES_OF_A_VISIT nodes with boxes at a time. */
+enum { MOST_LEAF_ENTRIES = 8192, MOST_MOVED_ENTRIES = 1024, MOST_MOVED_BOXES = 64 };
 
 /* ---- Life ---- */
 
 bool ctTraversalBuild(Traversal* t, Arena* arena, const Tree* tree, const Sequence* sequence,
                       const Exclusions* exclusions) {
-  const size_t items = (size_t)tree->itemCount;
+  const size_t nodes = (size_t)tree->nodeCount;
   const int leaves = tree->levelBegin[1];
-  const size_t nodes = items - (size_t)leaves;
-  t->leafPlaces = leaves < MOST_LEAF_PLACES ? leaves : MOST_LEAF_PLACES;
-  const size_t places = (size_t)t->leafPlaces + nodes;
-  t->movedPlaces = tree->itemCount < MOST_MOVED_PLACES ? tree->itemCount : MOST_MOVED_PLACES;
+  const size_t inner = nodes - (size_t)leaves;
+  t->leafEntryCount = leaves < MOST_LEAF_ENTRIES ? leaves : MOST_LEAF_ENTRIES;
+  const size_t entries = (size_t)t->leafEntryCount + inner;
+  t->movedCapacity = tree->nodeCount < MOST_MOVED_ENTRIES ? tree->nodeCount : MOST_MOVED_ENTRIES;
   t->tree = tree;
   t->sequence = sequence;
   t->exclusions = exclusions;
-  t->since = ctArenaAllocate(arena, items, sizeof(int64_t));
-  t->restAt = ctArenaAllocate(arena, items, sizeof(int));
-  t->leafAt = ctArenaAllocate(arena, (size_t)t->leafPlaces, sizeof(int));
-  t->frame = ctArenaAllocate(arena, places, sizeof(Frame));
-  t->rest = ctArenaAllocate(arena, places, sizeof(Block));
-  t->box = ctArenaAllocate(arena, items, sizeof(Box));
-  t->boxes = ctArenaAllocate(arena, nodes, sizeof(NodeBoxes));
-  t->itemStamp = ctArenaAllocate(arena, items, sizeof(uint32_t));
-  t->motion = ctArenaAllocate(arena, items, sizeof(int));
-  t->inView = ctArenaAllocate(arena, items, sizeof(Block*));
-  t->movedItem = ctArenaAllocate(arena, (size_t)t->movedPlaces, sizeof(int));
-  t->moved = ctArenaAllocate(arena, (size_t)t->movedPlaces, sizeof(Block));
-  t->movedBoxesPlaces = MOVED_BOXES_PLACES;
-  t->movedBoxes = ctArenaAllocate(arena, MOVED_BOXES_PLACES, sizeof(MovedBoxes));
-  t->stack = ctArenaAllocate(arena, (size_t)TREE_MAX_LEVELS * PAIRS_OF_A_VISIT, sizeof(ItemPair));
-  t->nearItems = ctArenaAllocate(arena, items + TREE_WIDTH, sizeof(int));
+  t->worldTime = ctArenaAllocate(arena, nodes, sizeof(int64_t));
+  t->entryOf = ctArenaAllocate(arena, nodes, sizeof(int));
+  t->leafOfEntry = ctArenaAllocate(arena, (size_t)t->leafEntryCount, sizeof(int));
+  t->frame = ctArenaAllocate(arena, entries, sizeof(Frame));
+  t->world = ctArenaAllocate(arena, entries, sizeof(Block));
+  t->box = ctArenaAllocate(arena, nodes, sizeof(Box));
+  t->boxes = ctArenaAllocate(arena, inner, sizeof(ChildBoxes));
+  t->nodeStamp = ctArenaAllocate(arena, nodes, sizeof(uint32_t));
+  t->motion = ctArenaAllocate(arena, nodes, sizeof(int));
+  t->inView = ctArenaAllocate(arena, nodes, sizeof(Block*));
+  t->movedNode = ctArenaAllocate(arena, (size_t)t->movedCapacity, sizeof(int));
+  t->moved = ctArenaAllocate(arena, (size_t)t->movedCapacity, sizeof(Block));
+  t->movedBoxesCapacity = MOST_MOVED_BOXES;
+  t->movedBoxes = ctArenaAllocate(arena, MOST_MOVED_BOXES, sizeof(MovedBoxes));
+  t->stack = ctArenaAllocate(arena, (size_t)TREE_MAX_LEVELS * PAIRS_OF_A_VISIT, sizeof(NodePair));
+  t->nearNodes = ctArenaAllocate(arena, nodes + TREE_WIDTH, sizeof(int));
   if (arena->failed) {
     return false;
   }
-  for (int place = 0; place < t->leafPlaces; place++) {
-    t->leafAt[place] = CT_NULL;
+  for (int entry = 0; entry < t->leafEntryCount; entry++) {
+    t->leafOfEntry[entry] = CT_NULL;
   }
-  for (int item = 0; item < tree->itemCount; item++) {
-    t->since[item] = NEVER;
-    t->restAt[item] = item < leaves ? CT_NULL : t->leafPlaces + item - leaves;
+  for (int node = 0; node < tree->nodeCount; node++) {
+    t->worldTime[node] = NEVER;
+    t->entryOf[node] = node < leaves ? CT_NULL : t->leafEntryCount + node - leaves;
   }
-  for (size_t i = 0; i < nodes; i++) {
+  for (size_t i = 0; i < inner; i++) {
     t->boxes[i].ownTime = NEVER;
-    t->boxes[i].restSince = NEVER;
+    t->boxes[i].worldTime = NEVER;
   }
   return true;
 }
@@ -65,7 +65,7 @@ void ctTraversalFree(Traversal* t) {
 }
 
 bool ctTraversalReserve(Traversal* t, int pieceCount) {
-  /* Where two pieces meet, one item of each level straddles them. */
+  /* Where two pieces meet, one node of each level straddles them. */
   return ctReserve((void**)&t->straddlers, &t->straddlerCapacity, (pieceCount - 1) * t->tree->levelCount,
                    sizeof(Straddler)) &&
          ctReserve((void**)&t->motions, &t->motionCapacity, pieceCount, sizeof(float[12]));
@@ -93,8 +93,8 @@ bool ctViewMovesFew(const Traversal* t, const View* view, int* begin, int* end) 
 }
 
 const Frame* ctTraversalLeafFrame(Traversal* t, int leaf) {
-  t->tree->instructions->putLeafToRest(t, leaf);
-  return &t->frame[t->restAt[leaf]];
+  t->tree->instructions->updateWorldLeaf(t, leaf);
+  return &t->frame[t->entryOf[leaf]];
 }
 
 /* ---- Descents ---- */
@@ -110,12 +110,12 @@ void ctTraverseProbe(Traversal* t, const View* view, const double point[3], doub
 
 void ctPositionInView(Traversal* t, int slot, int motion, double position[3]) {
   const int leaf = slot / TREE_WIDTH;
-  if (t->restAt[leaf] == CT_NULL) {
-    t->tree->instructions->putLeafToRest(t, leaf);
+  if (t->entryOf[leaf] == CT_NULL) {
+    t->tree->instructions->updateWorldLeaf(t, leaf);
   }
   double local[3];
   treeLocal(t->tree, slot, local);
-  transformPoint(&t->frame[t->restAt[leaf]], local, position);
+  transformPoint(&t->frame[t->entryOf[leaf]], local, position);
   if (motion > 0 && t->view->motions != NULL) {
     transformPoint(&t->view->motions[motion], position, position);
   }

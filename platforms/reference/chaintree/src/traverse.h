@@ -1,19 +1,20 @@
-/* The one descent that the clashes and the pairs of a trial share: the tree against itself (section 2.3).
+/* The descent of the tree against itself, which the clash test and the changed pairs of a trial share (section 2.3).
  *
- * A view says which particles move together and how. Nothing of the tree is written: items that lie wholly in one piece
- * keep their volumes and are moved as one, those that straddle pieces get a volume made for this descent. */
+ * A view says which slots move together and how. A descent writes nothing to the tree: a node that lies in one piece
+ * keeps its volume and moves as a whole; a node that straddles pieces gets a volume made for this descent. */
 #ifndef CT_TRAVERSE_H_
 #define CT_TRAVERSE_H_
 
 #include "exclusion.h"
 #include "tree.h"
 
-/* Consecutive slots that move as one rigid body, up to the next piece's begin. */
+/* Consecutive slots, up to the next piece's begin, that move as one rigid body. */
 typedef struct Piece {
   int slotBegin;
-  int motion; /* index into the view's motions; pieces of one motion are one rigid body */
+  int motion; /* index into the view's motions; all pieces of one motion are one rigid body */
 } Piece;
 
+/* The configuration that a descent looks at, as rigid motions of pieces of the state, and how far it looks. */
 typedef struct View {
   const Piece* pieces; /* ascending, the first begins at slot 0 */
   int pieceCount;
@@ -23,70 +24,71 @@ typedef struct View {
   double reach;  /* pairs no farther apart than this are candidates; may be negative */
 } View;
 
-typedef struct ItemPair {
+typedef struct NodePair {
   int level;
   int a;
   int b;
-} ItemPair;
+} NodePair;
 
 struct Box;
 struct MovedBoxes;
-struct NodeBoxes;
+struct ChildBoxes;
 struct Straddler;
 
-/* Scratch of a descent. Coordinates are in the world, from the sequence's worldOrigin. */
+/* Scratch of a descent. World coordinates are from the sequence's worldOrigin. */
 typedef struct Traversal {
   const Tree* tree;
   const Sequence* sequence;
   const Exclusions* exclusions;
   const View* view;
   double extent; /* no coordinate or radius of this view is larger */
-  double band;   /* distances this close to a limit are left to the canonical one */
+  double band;   /* the canonical distance decides about distances this close to a limit */
 
-  /* Per item, of the state; what has not changed since is kept from descent to descent. */
-  int64_t* since;     /* the tree's time at which the item was put into the world, or NEVER */
-  bool sinceSurfaces; /* whether the radii of those are of surfaces */
-  int* restAt;        /* where its frame and members are; CT_NULL: they have had to make room for others */
-  struct Box* box;    /* around its members in its own frame, unless the tree calls the item fresh */
+  /* World coordinates of the state, kept from descent to descent as long as nothing changes them. Per node. */
+  int64_t* worldTime;    /* the tree's time of its world coordinates; NEVER: it has none */
+  bool worldHasSurfaces; /* the radii are of surfaces, else of centres */
+  int* entryOf;          /* its entry in the two arrays below; CT_NULL: another leaf has taken that */
+  struct Box* box;       /* around its members in its own frame; stale where the tree says so */
 
-  /* What has been put into the world: all nodes, and so many leaves, the ones put there last. */
-  int leafPlaces;
-  int nextPlace;
-  int* leafAt; /* per place of a leaf; CT_NULL: none */
-  Frame* frame;
-  Block* rest; /* members */
+  /* The entries: one for each of so many leaves, those updated last, and one for each inner node. */
+  int leafEntryCount;
+  int nextEntry;    /* of a leaf, to be replaced next */
+  int* leafOfEntry; /* per entry of a leaf; CT_NULL: it is free */
+  Frame* frame;     /* per entry: the node's frame in the world */
+  Block* world;     /* per entry: the node's members in the world */
 
-  /* Per node, from levelBegin[1] on: boxes of its children. They are looked at after so many visits of a descent; that
-   * grows while they part too little and shrinks while they part much. */
-  struct NodeBoxes* boxes;
+  /* Boxes of children, per inner node, from levelBegin[1] on. A descent looks at boxes after its first
+   * visitsWithoutBoxes visits; that number grows while boxes separate few pairs, and shrinks while they separate many.
+   */
+  struct ChildBoxes* boxes;
   int visitsWithoutBoxes;
   bool alwaysBoxes;    /* for tests: at all visits */
   bool alwaysDescends; /* for tests: even if few slots move */
 
-  /* Per item, of this descent. */
+  /* Of this descent, per node. */
   uint32_t stamp;
-  uint32_t* itemStamp; /* the item is expanded */
-  int* motion;         /* of which rigid body it is; below 0: it straddles bodies, see straddlerOf */
-  Block** inView;      /* of an expanded item, its members as they lie in the view; NULL: they had to make room */
+  uint32_t* nodeStamp; /* equal to stamp: the node is expanded */
+  int* motion;         /* of its rigid body; below 0: the node straddles bodies, see straddlerOf */
+  Block** inView;      /* the members of an expanded node in the view; NULL: another node has taken their entry */
 
-  /* Members of items that move in this descent; of many, those moved last. */
-  int movedCount;
-  int movedPlaces;
-  int* movedItem; /* per place: whose they are */
+  /* Members of nodes that move in this descent: a ring of the last of them. */
+  int nextMoved;
+  int movedCapacity;
+  int* movedNode; /* per entry */
   Block* moved;
-  int movedBoxesCount;
-  int movedBoxesPlaces;
+  int movedBoxesCount; /* in this descent, with those that have been replaced */
+  int movedBoxesCapacity;
   struct MovedBoxes* movedBoxes;
 
-  /* What straddles bodies, from the root down. */
+  /* The nodes that straddle bodies, from the root down. */
   struct Straddler* straddlers;
   int straddlerCount;
   int straddlerCapacity;
   float (*motions)[12]; /* of the view */
   int motionCapacity;
 
-  ItemPair* stack;
-  int* nearItems; /* found by a probe; with room for sixteen more */
+  NodePair* stack;
+  int* nearNodes; /* found by a probe; with room for sixteen more */
 } Traversal;
 
 /* Receives a candidate and its squared distance; returns false to end the descent. */
@@ -107,7 +109,7 @@ bool ctTraversalReserve(Traversal* traversal, int pieceCount);
 const Frame* ctTraversalLeafFrame(Traversal* traversal, int leaf);
 
 /* Calls `function` at least for every pair of slots of different rigid bodies that is not excluded and within the
- * view's reach, each once. Returns what that has cost, in about the units of Clearance.cost. */
+ * view's reach, each once. Returns what the descent has cost, in the units of costs.h. */
 int64_t ctTraverse(Traversal* traversal, const View* view, CandidateFunction* function, void* context,
                    ctCounts* counts);
 
@@ -115,16 +117,16 @@ int64_t ctTraverse(Traversal* traversal, const View* view, CandidateFunction* fu
 void ctTraverseProbe(Traversal* traversal, const View* view, const double point[3], double radius,
                      ProbeFunction* function, void* context, ctCounts* counts);
 
-/* Where a slot of this motion is in the view; its leaf has been put into the world. */
+/* The position in the view of a slot of this motion. The world coordinates of its leaf must be those of the state. */
 void ctPositionInView(Traversal* traversal, int slot, int motion, double position[3]);
 
-/* Where a slot that the running descent has reached is in its view. */
+/* The position in the view of a slot that the running descent has reached. */
 void ctTraversalPosition(Traversal* traversal, int slot, double position[3]);
 
 /* The squared distance of two such. */
 double ctTraversalSquaredDistance(Traversal* traversal, int slotA, int slotB);
 
-/* Whether all that moves is few slots in a row, and which: [begin, end). */
+/* True if all slots that move are few and stand in a row, [begin, end). */
 bool ctViewMovesFew(const Traversal* traversal, const View* view, int* begin, int* end);
 
 /* The view of the state as it is: one body. */

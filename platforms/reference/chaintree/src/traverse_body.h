@@ -2,9 +2,6 @@
 #include "descent_body.h"
 #include "movers_body.h"
 
-/* Of bringing those of two items into the view, for ctTraverse's result. */
-enum { COST_OF_BOXES = 150 };
-
 static int64_t traverse(Traversal* t, const View* view, CandidateFunction* function, void* context, ctCounts* counts) {
   startView(t, view);
   const double margin = floatMargin(t->extent + fabs(view->reach));
@@ -20,7 +17,8 @@ static int64_t traverse(Traversal* t, const View* view, CandidateFunction* funct
     counts->volumeTests += visit.volumeTests;
     counts->particleTests += visit.particleTests;
   }
-  return visit.volumeTests + visit.particleTests + 2 * visit.boxTests + COST_OF_BOXES * visit.visitsWithBoxes;
+  return visit.volumeTests + visit.particleTests + COST_OF_BOX_TEST * visit.boxTests +
+         COST_OF_BOXES * visit.visitsWithBoxes;
 }
 
 static void traverseProbe(Traversal* t, const View* view, const double point[3], double radius, ProbeFunction* function,
@@ -31,19 +29,19 @@ static void traverseProbe(Traversal* t, const View* view, const double point[3],
   const float reach = (float)(view->reach + floatMargin(size + fabs(view->reach)));
   const Sphere probe = {(float)point[0], (float)point[1], (float)point[2], (float)radius};
   int depth = 0;
-  t->stack[depth++] = (ItemPair){treeTop(t->tree), treeRoot(t->tree), CT_NULL};
+  t->stack[depth++] = (NodePair){treeTop(t->tree), treeRoot(t->tree), CT_NULL};
   bool goesOn = true;
   while (goesOn && depth > 0) {
-    const ItemPair item = t->stack[--depth];
-    expand(t, item.level, item.a);
-    unsigned mask = near16(restOf(t, item.a), probe, reach);
-    if (item.level > 0) {
+    const NodePair node = t->stack[--depth];
+    expand(t, node.level, node.a);
+    unsigned mask = near16(worldOf(t, node.a), probe, reach);
+    if (node.level > 0) {
       int count;
-      const int first = treeChildren(t->tree, item.level, item.a, &count);
+      const int first = treeChildren(t->tree, node.level, node.a, &count);
       for (; mask != 0; mask &= mask - 1) {
         const int child = first + __builtin_ctz(mask);
         t->motion[child] = 0;
-        t->stack[depth++] = (ItemPair){item.level - 1, child, CT_NULL};
+        t->stack[depth++] = (NodePair){node.level - 1, child, CT_NULL};
       }
       if (counts != NULL) {
         counts->volumeTests += count;
@@ -51,7 +49,7 @@ static void traverseProbe(Traversal* t, const View* view, const double point[3],
       continue;
     }
     int end;
-    const int begin = treeSlots(t->tree, 0, item.a, &end);
+    const int begin = treeSlots(t->tree, 0, node.a, &end);
     for (; goesOn && mask != 0; mask &= mask - 1) {
       const int slot = begin + __builtin_ctz(mask);
       double x[3];

@@ -9,20 +9,21 @@
 #define LEAST_LINE (1.0 / 1024)
 
 /* Particles of a link that have no slot, if the link begins at this slot. */
-static int idleAt(const Sequence* sequence, int slot, const int** idle) {
+static int unmodelledAt(const Sequence* sequence, int slot, const int** unmodelled) {
   const int link = sequence->slotLink[slot];
-  if (sequence->idleCount == 0 || sequence->slotBegin[link] != slot) {
+  if (sequence->unmodelledCount == 0 || sequence->slotBegin[link] != slot) {
     return 0;
   }
-  const int begin = sequenceIdle(sequence, link);
-  *idle = sequence->idleParticle + begin;
-  return sequenceIdle(sequence, link + 1) - begin;
+  const int begin = sequenceUnmodelled(sequence, link);
+  *unmodelled = sequence->unmodelledParticle + begin;
+  return sequenceUnmodelled(sequence, link + 1) - begin;
 }
 
 static void countParticles(Tree* tree, const Sequence* sequence) {
-  const int* idle;
+  const int* unmodelled;
   for (int slot = 0; slot < sequence->slotCount; slot++) {
-    tree->particles[slot / TREE_WIDTH] += (sequence->slotParticle[slot] != CT_NULL) + idleAt(sequence, slot, &idle);
+    tree->particles[slot / TREE_WIDTH] +=
+        (sequence->slotParticle[slot] != CT_NULL) + unmodelledAt(sequence, slot, &unmodelled);
   }
   for (int level = 1; level < tree->levelCount; level++) {
     for (int i = 0; i < tree->levelSize[level - 1]; i++) {
@@ -39,7 +40,7 @@ static void clearMembers(Tree* tree, const Sequence* sequence) {
     Leaf* leaf = &tree->leaf[slot / TREE_WIDTH];
     leaf->r[slot % TREE_WIDTH] = empty ? -INFINITY : (float)slotRadius(sequence, slot);
   }
-  for (int node = tree->levelBegin[1]; node < tree->itemCount; node++) {
+  for (int node = tree->levelBegin[1]; node < tree->nodeCount; node++) {
     Members* members = treeMembers(tree, node);
     for (int k = 0; k < TREE_WIDTH; k++) {
       members->block.r[k] = -INFINITY;
@@ -58,25 +59,25 @@ void ctTreeLayOut(Tree* tree, int slotCount) {
     tree->levelBegin[tree->levelCount + 1] = tree->levelBegin[tree->levelCount] + padded;
     tree->levelCount++;
   } while (size > 1);
-  tree->itemCount = tree->levelBegin[tree->levelCount];
+  tree->nodeCount = tree->levelBegin[tree->levelCount];
 }
 
 bool ctTreeBuild(Tree* tree, Arena* arena, const Sequence* sequence, const struct InstructionSet* instructions) {
   tree->instructions = instructions;
   ctTreeLayOut(tree, sequence->slotCount);
-  const size_t items = (size_t)tree->itemCount;
-  tree->shortcut = ctArenaAllocate(arena, items, sizeof(Frame));
-  tree->pose = ctArenaAllocate(arena, items, sizeof(Frame));
-  tree->bound = ctArenaAllocate(arena, items, sizeof(Bound));
-  tree->isFresh = ctArenaAllocate(arena, items, sizeof(bool));
-  tree->contentTime = ctArenaAllocate(arena, items, sizeof(int64_t));
-  tree->shortcutTime = ctArenaAllocate(arena, items, sizeof(int64_t));
+  const size_t nodes = (size_t)tree->nodeCount;
+  tree->shortcut = ctArenaAllocate(arena, nodes, sizeof(Frame));
+  tree->pose = ctArenaAllocate(arena, nodes, sizeof(Frame));
+  tree->bound = ctArenaAllocate(arena, nodes, sizeof(Bound));
+  tree->boxIsStale = ctArenaAllocate(arena, nodes, sizeof(bool));
+  tree->contentTime = ctArenaAllocate(arena, nodes, sizeof(int64_t));
+  tree->shortcutTime = ctArenaAllocate(arena, nodes, sizeof(int64_t));
   tree->leaf = ctArenaAllocate(arena, (size_t)tree->levelBegin[1], sizeof(Leaf));
-  tree->members = ctArenaAllocate(arena, items - (size_t)tree->levelBegin[1], sizeof(Members));
+  tree->members = ctArenaAllocate(arena, nodes - (size_t)tree->levelBegin[1], sizeof(Members));
   tree->stem = ctArenaAllocate(arena, (size_t)sequence->twigCount, sizeof(Frame));
-  tree->sum = ctArenaAllocate(arena, items, sizeof(double[3]));
-  tree->hasSum = ctArenaAllocate(arena, items, sizeof(bool));
-  tree->particles = ctArenaAllocate(arena, items, sizeof(int));
+  tree->sum = ctArenaAllocate(arena, nodes, sizeof(double[3]));
+  tree->hasSum = ctArenaAllocate(arena, nodes, sizeof(bool));
+  tree->particles = ctArenaAllocate(arena, nodes, sizeof(int));
   tree->dirty = ctArenaAllocate(arena, (size_t)tree->levelSize[0], sizeof(int));
   tree->changedLeaf = ctArenaAllocate(arena, (size_t)tree->levelSize[0], sizeof(int));
   tree->changeTime = ctArenaAllocate(arena, (size_t)tree->levelSize[0], sizeof(int64_t));
@@ -121,7 +122,7 @@ void ctTreeRefresh(Tree* tree, const Sequence* sequence) {
       for (int k = 0; k < count; k++) {
         tree->dirty[k] = first + k;
       }
-      tree->instructions->refreshNode(tree, level, node, tree->dirty, count);
+      tree->instructions->refreshInnerNode(tree, level, node, tree->dirty, count);
     }
   }
   refreshRoot(tree);
@@ -191,7 +192,7 @@ int ctTreeUpdate(Tree* tree, const Sequence* sequence, const int* links, int cou
       const int parent = treeParent(tree, level - 1, tree->dirty[i]);
       for (end = i + 1; end < dirty && treeParent(tree, level - 1, tree->dirty[end]) == parent; end++) {
       }
-      tree->instructions->refreshNode(tree, level, parent, tree->dirty + i, end - i);
+      tree->instructions->refreshInnerNode(tree, level, parent, tree->dirty + i, end - i);
       tree->dirty[parents++] = parent;
     }
     dirty = parents;
@@ -202,13 +203,13 @@ int ctTreeUpdate(Tree* tree, const Sequence* sequence, const int* links, int cou
 
 /* ---- Frames ---- */
 
-Frame ctTreeFrame(const Tree* tree, int level, int item) {
+Frame ctTreeFrame(const Tree* tree, int level, int node) {
   int path[TREE_MAX_LEVELS];
   for (int l = level; l < treeTop(tree); l++) {
-    path[l] = item;
-    item = treeParent(tree, l, item);
+    path[l] = node;
+    node = treeParent(tree, l, node);
   }
-  Frame frame = tree->pose[item];
+  Frame frame = tree->pose[node];
   for (int l = treeTop(tree) - 1; l >= level; l--) {
     frame = transformCompose(&frame, &tree->pose[path[l]]);
   }
@@ -253,13 +254,13 @@ double ctTreeSquaredDistance(const Tree* tree, int slotA, int slotB) {
   double b[3];
   treeLocal(tree, slotA, a);
   treeLocal(tree, slotB, b);
-  int itemA = slotA / TREE_WIDTH;
-  int itemB = slotB / TREE_WIDTH;
-  for (int level = 0; itemA != itemB; level++) {
-    transformPoint(&tree->pose[itemA], a, a);
-    transformPoint(&tree->pose[itemB], b, b);
-    itemA = treeParent(tree, level, itemA);
-    itemB = treeParent(tree, level, itemB);
+  int nodeA = slotA / TREE_WIDTH;
+  int nodeB = slotB / TREE_WIDTH;
+  for (int level = 0; nodeA != nodeB; level++) {
+    transformPoint(&tree->pose[nodeA], a, a);
+    transformPoint(&tree->pose[nodeB], b, b);
+    nodeA = treeParent(tree, level, nodeA);
+    nodeB = treeParent(tree, level, nodeB);
   }
   return squaredDistance(a, b);
 }
@@ -267,13 +268,13 @@ double ctTreeSquaredDistance(const Tree* tree, int slotA, int slotB) {
 Frame ctTreeRelative(const Tree* tree, const Sequence* sequence, int linkA, int linkB) {
   Frame a = ctTreeLinkInLeaf(sequence, linkA);
   Frame b = ctTreeLinkInLeaf(sequence, linkB);
-  int itemA = sequence->slotBegin[linkA] / TREE_WIDTH;
-  int itemB = sequence->slotBegin[linkB] / TREE_WIDTH;
-  for (int level = 0; itemA != itemB; level++) {
-    a = transformCompose(&tree->pose[itemA], &a);
-    b = transformCompose(&tree->pose[itemB], &b);
-    itemA = treeParent(tree, level, itemA);
-    itemB = treeParent(tree, level, itemB);
+  int nodeA = sequence->slotBegin[linkA] / TREE_WIDTH;
+  int nodeB = sequence->slotBegin[linkB] / TREE_WIDTH;
+  for (int level = 0; nodeA != nodeB; level++) {
+    a = transformCompose(&tree->pose[nodeA], &a);
+    b = transformCompose(&tree->pose[nodeB], &b);
+    nodeA = treeParent(tree, level, nodeA);
+    nodeB = treeParent(tree, level, nodeB);
   }
   const Frame inverse = transformInverse(&a);
   return transformCompose(&inverse, &b);
@@ -287,8 +288,8 @@ static void add(double sum[3], const double x[3]) {
   sum[2] += x[2];
 }
 
-/* Slots [slotBegin, slotEnd) of a leaf: adds the positions of their particles, and of the idle ones of links that begin
- * there, to sum, in the leaf's frame; returns how many. */
+/* Slots [slotBegin, slotEnd) of a leaf: adds the positions of their particles, and of the unmodelled ones of links that
+ * begin there, to sum, in the leaf's frame; returns how many. */
 static int sumSlots(const Tree* tree, const Sequence* sequence, int leaf, int slotBegin, int slotEnd, double sum[3]) {
   int particles = 0;
   Walk walk;
@@ -300,34 +301,34 @@ static int sumSlots(const Tree* tree, const Sequence* sequence, int leaf, int sl
       add(sum, x);
       particles++;
     }
-    const int* idle;
-    const int idleCount = idleAt(sequence, slot, &idle);
-    if (idleCount > 0) {
+    const int* unmodelled;
+    const int unmodelledCount = unmodelledAt(sequence, slot, &unmodelled);
+    if (unmodelledCount > 0) {
       walkTo(&walk, sequence, sequence->slotLink[slot]);
       const Frame frame = frameOfColumns(&walk.frame);
-      for (int i = 0; i < idleCount; i++) {
-        sequenceLocal(sequence, walk.link, idle[i], x);
+      for (int i = 0; i < unmodelledCount; i++) {
+        sequenceLocal(sequence, walk.link, unmodelled[i], x);
         transformPoint(&frame, x, x);
         add(sum, x);
       }
-      particles += idleCount;
+      particles += unmodelledCount;
     }
   }
   return particles;
 }
 
-static int sumItem(Tree* tree, const Sequence* sequence, int level, int item, int slotBegin, int slotEnd,
+static int sumNode(Tree* tree, const Sequence* sequence, int level, int node, int slotBegin, int slotEnd,
                    double sum[3]);
 
 /* Adds the sum over these slots of a node's children, in the node's frame. */
-static int sumChildren(Tree* tree, const Sequence* sequence, int level, int item, int slotBegin, int slotEnd,
+static int sumChildren(Tree* tree, const Sequence* sequence, int level, int node, int slotBegin, int slotEnd,
                        double sum[3]) {
   int particles = 0;
   int count;
-  const int first = treeChildren(tree, level, item, &count);
+  const int first = treeChildren(tree, level, node, &count);
   for (int child = first; child < first + count; child++) {
     double own[3] = {0, 0, 0};
-    const int inChild = sumItem(tree, sequence, level - 1, child, slotBegin, slotEnd, own);
+    const int inChild = sumNode(tree, sequence, level - 1, child, slotBegin, slotEnd, own);
     if (inChild > 0) {
       rotate(&tree->pose[child], own, own);
       for (int k = 0; k < 3; k++) {
@@ -339,35 +340,35 @@ static int sumChildren(Tree* tree, const Sequence* sequence, int level, int item
   return particles;
 }
 
-/* Slots [slotBegin, slotEnd) of an item: adds their particles' positions to sum, in the item's frame; returns how many.
+/* Slots [slotBegin, slotEnd) of a node: adds their particles' positions to sum, in the node's frame; returns how many.
  */
-static int sumItem(Tree* tree, const Sequence* sequence, int level, int item, int slotBegin, int slotEnd,
+static int sumNode(Tree* tree, const Sequence* sequence, int level, int node, int slotBegin, int slotEnd,
                    double sum[3]) {
   int end;
-  const int begin = treeSlots(tree, level, item, &end);
+  const int begin = treeSlots(tree, level, node, &end);
   if (slotEnd <= begin || end <= slotBegin) {
     return 0;
   }
   const bool whole = slotBegin <= begin && end <= slotEnd;
   double own[3] = {0, 0, 0};
-  int particles = tree->particles[item];
-  if (!whole || !tree->hasSum[item]) {
+  int particles = tree->particles[node];
+  if (!whole || !tree->hasSum[node]) {
     const int from = begin > slotBegin ? begin : slotBegin;
     const int to = end < slotEnd ? end : slotEnd;
-    particles = level == 0 ? sumSlots(tree, sequence, item, from, to, own)
-                           : sumChildren(tree, sequence, level, item, from, to, own);
+    particles = level == 0 ? sumSlots(tree, sequence, node, from, to, own)
+                           : sumChildren(tree, sequence, level, node, from, to, own);
   }
-  if (whole && !tree->hasSum[item]) {
-    memcpy(tree->sum[item], own, sizeof own);
-    tree->hasSum[item] = true;
+  if (whole && !tree->hasSum[node]) {
+    memcpy(tree->sum[node], own, sizeof own);
+    tree->hasSum[node] = true;
   }
-  add(sum, whole ? tree->sum[item] : own);
+  add(sum, whole ? tree->sum[node] : own);
   return particles;
 }
 
 int ctTreeSum(Tree* tree, const Sequence* sequence, int linkBegin, int linkEnd, double sum[3]) {
   sum[0] = sum[1] = sum[2] = 0;
-  return sumItem(tree, sequence, treeTop(tree), treeRoot(tree), sequence->slotBegin[linkBegin],
+  return sumNode(tree, sequence, treeTop(tree), treeRoot(tree), sequence->slotBegin[linkBegin],
                  sequence->slotBegin[linkEnd], sum);
 }
 
@@ -378,12 +379,12 @@ void ctTreeCompleteSums(Tree* tree, const Sequence* sequence) {
 
 /* ---- Validation ---- */
 
-/* Bounds of this item and the particles below it, which lie in [begin, end) and `frame` takes to a common frame. */
-static bool itemHolds(const Tree* tree, const Sequence* sequence, int level, int item) {
+/* Bounds of this node and the particles below it, which lie in [begin, end) and `frame` takes to a common frame. */
+static bool nodeHolds(const Tree* tree, const Sequence* sequence, int level, int node) {
   int end;
-  const int begin = treeSlots(tree, level, item, &end);
-  const Frame frame = ctTreeFrame(tree, level, item);
-  const Bound* bound = &tree->bound[item];
+  const int begin = treeSlots(tree, level, node, &end);
+  const Frame frame = ctTreeFrame(tree, level, node);
+  const Bound* bound = &tree->bound[node];
   double centre[3] = {bound->x, bound->y, bound->z};
   transformPoint(&frame, centre, centre);
   for (int slot = begin; slot < end; slot++) {
@@ -408,7 +409,7 @@ static bool itemHolds(const Tree* tree, const Sequence* sequence, int level, int
 bool ctTreeBoundsHold(const Tree* tree, const Sequence* sequence) {
   for (int level = 0; level < tree->levelCount; level++) {
     for (int i = 0; i < tree->levelSize[level]; i++) {
-      if (!itemHolds(tree, sequence, level, tree->levelBegin[level] + i)) {
+      if (!nodeHolds(tree, sequence, level, tree->levelBegin[level] + i)) {
         return false;
       }
     }

@@ -1,11 +1,11 @@
 /* The tree over the sequence: leaves of TREE_WIDTH slots, nodes of TREE_WIDTH children, all leaves at one level.
  *
- * An item is a leaf (level 0) or a node. Item i of a level covers items TREE_WIDTH * i ... of the level below; items of
- * all levels share one numbering, so that the children of a node are neighbours in every array. The frame of an item is
+ * A node is a leaf (level 0) or a node. Node i of a level covers nodes TREE_WIDTH * i ... of the level below; nodes of
+ * all levels share one numbering, so that the children of a node are neighbours in every array. The frame of a node is
  * that of the link of its first slot, or, if that link is in a twig, of the link on which the twig hangs: so that it
- * stays where it is when a twig moves. Per item the tree keeps the shortcut across it, its frame's pose in the parent's
+ * stays where it is when a twig moves. Per node the tree keeps the shortcut across it, its frame's pose in the parent's
  * frame (a product of its siblings' shortcuts), and a bounding sphere; per slot the position in the leaf's frame. Each
- * is a pure function of the sequence's state and of the items below. */
+ * is a pure function of the sequence's state and of the nodes below. */
 #ifndef CT_TREE_H_
 #define CT_TREE_H_
 
@@ -19,7 +19,7 @@ enum { TREE_MAX_LEVELS = 8 };
 /* Before any of a tree's times. */
 enum { NEVER = -1 };
 
-/* The members of an item in its own frame, or as a view has them in the world. r < 0: no member. */
+/* The members of a node in its own frame, or as a view has them in the world. r < 0: no member. */
 typedef struct Block {
   float x[TREE_WIDTH];
   float y[TREE_WIDTH];
@@ -41,7 +41,7 @@ typedef struct Leaf {
   float r[TREE_WIDTH]; /* of the particle; -INFINITY: none */
 } Leaf;
 
-/* A sphere around the members of an item in its own frame; radii as in Members. */
+/* A sphere around the members of a node in its own frame; radii as in Members. */
 typedef struct Bound {
   float x;
   float y;
@@ -55,32 +55,32 @@ struct InstructionSet;
 typedef struct Tree {
   const struct InstructionSet* instructions;
   int levelCount;
-  int levelBegin[TREE_MAX_LEVELS + 1]; /* first item of each level; a level is padded to a multiple of TREE_WIDTH */
+  int levelBegin[TREE_MAX_LEVELS + 1]; /* first node of each level; a level is padded to a multiple of TREE_WIDTH */
   int levelSize[TREE_MAX_LEVELS];
-  int itemCount; /* with padding */
+  int nodeCount; /* with padding */
   int slotCount;
 
-  Frame* shortcut;  /* per item: the frame of the next item of its level in its own frame; the last one's is unused */
-  Frame* pose;      /* per item: its frame in its parent's frame */
-  Leaf* leaf;       /* per item of level 0 */
-  Members* members; /* per item of a higher level, from levelBegin[1] on */
-  Bound* bound;     /* per item */
-  bool* isFresh;    /* per item: recomputed since whoever keeps more about it has cleared this */
+  Frame* shortcut;  /* per node: the frame of the next node of its level in its own frame; the last one's is unused */
+  Frame* pose;      /* per node: its frame in its parent's frame */
+  Leaf* leaf;       /* per node of level 0 */
+  Members* members; /* per node of a higher level, from levelBegin[1] on */
+  Bound* bound;     /* per node */
+  bool* boxIsStale; /* per node: recomputed since whoever keeps more about it has cleared this */
   Frame* stem;      /* per twig: the frame of the link on which it hangs in that of the leaf where the twig begins */
 
   /* Sums of positions are wanted now and then only: made when asked for. */
-  double (*sum)[3]; /* per item: of the positions of all its particles, modelled or not, in its own frame */
-  bool* hasSum;     /* per item */
-  int* particles;   /* per item: how many those are; one without slot counts where its link begins */
+  double (*sum)[3]; /* per node: of the positions of all its particles, modelled or not, in its own frame */
+  bool* hasSum;     /* per node */
+  int* particles;   /* per node: how many those are; one without slot counts where its link begins */
 
   bool isStale; /* no content but the layout is of the state */
-  int* dirty;   /* scratch: items of one level */
+  int* dirty;   /* scratch: nodes of one level */
 
-  /* When which part of the tree last changed. An item behind a leaf whose shortcut changes is elsewhere from then on:
+  /* When which part of the tree last changed. A node behind a leaf whose shortcut changes is elsewhere from then on:
    * such leaves and times ascend; a change hides earlier ones of later leaves. */
   int64_t time;          /* number of changes so far */
-  int64_t* contentTime;  /* per item: its members were recomputed */
-  int64_t* shortcutTime; /* per item: its shortcut became another */
+  int64_t* contentTime;  /* per node: its members were recomputed */
+  int64_t* shortcutTime; /* per node: its shortcut became another */
   int changeCount;       /* never 0, since a tree is stale at first */
   int* changedLeaf;
   int64_t* changeTime;
@@ -94,23 +94,23 @@ static inline int treeRoot(const Tree* tree) {
   return tree->levelBegin[treeTop(tree)];
 }
 
-/* The parent of an item of a level below the top. */
-static inline int treeParent(const Tree* tree, int level, int item) {
-  return tree->levelBegin[level + 1] + (item - tree->levelBegin[level]) / TREE_WIDTH;
+/* The parent of a node of a level below the top. */
+static inline int treeParent(const Tree* tree, int level, int node) {
+  return tree->levelBegin[level + 1] + (node - tree->levelBegin[level]) / TREE_WIDTH;
 }
 
 /* First child of a node of level > 0, and how many it has. */
-static inline int treeChildren(const Tree* tree, int level, int item, int* count) {
-  const int first = (item - tree->levelBegin[level]) * TREE_WIDTH;
+static inline int treeChildren(const Tree* tree, int level, int node, int* count) {
+  const int first = (node - tree->levelBegin[level]) * TREE_WIDTH;
   const int left = tree->levelSize[level - 1] - first;
   *count = left < TREE_WIDTH ? left : TREE_WIDTH;
   return tree->levelBegin[level - 1] + first;
 }
 
-/* First slot of an item, and one past its last. */
-static inline int treeSlots(const Tree* tree, int level, int item, int* end) {
+/* First slot of a node, and one past its last. */
+static inline int treeSlots(const Tree* tree, int level, int node, int* end) {
   const int64_t width = (int64_t)TREE_WIDTH << TREE_WIDTH_BITS * level;
-  const int64_t begin = (item - tree->levelBegin[level]) * width;
+  const int64_t begin = (node - tree->levelBegin[level]) * width;
   *end = (int)(begin + width < tree->slotCount ? begin + width : tree->slotCount);
   return (int)begin;
 }
@@ -128,7 +128,7 @@ static inline void treeLocal(const Tree* tree, int slot, double local[3]) {
   local[2] = leaf->z[slot % TREE_WIDTH];
 }
 
-/* Whether no item has come to be elsewhere since a time. */
+/* Whether no node has come to be elsewhere since a time. */
 static inline bool treeStays(const Tree* tree, int64_t since) {
   return tree->changeTime[tree->changeCount - 1] <= since;
 }
@@ -150,7 +150,7 @@ static inline bool treeLeavesStay(const Tree* tree, int64_t since, int leafEnd) 
   return treeFirstMoved(tree, since) >= leafEnd;
 }
 
-/* Numbers the items over one slot or more, from a tree of zeros. */
+/* Numbers the nodes over one slot or more, from a tree of zeros. */
 void ctTreeLayOut(Tree* layout, int slotCount);
 
 /* Lays out a tree over a sequence of one slot or more, without content. False if there is no memory. */
@@ -166,8 +166,8 @@ void ctTreeRefresh(Tree* tree, const Sequence* sequence);
  * each once (section 3.1); returns how many. */
 int ctTreeUpdate(Tree* tree, const Sequence* sequence, const int* links, int count);
 
-/* The frame of an item in the world. O(level count). */
-Frame ctTreeFrame(const Tree* tree, int level, int item);
+/* The frame of a node in the world. O(level count). */
+Frame ctTreeFrame(const Tree* tree, int level, int node);
 
 /* Begins a walk at the first link of a leaf, in the frame of the leaf. */
 CT_INLINE void treeWalk(Walk* walk, const Sequence* sequence, int leaf) {
@@ -186,11 +186,11 @@ Frame ctTreeLinkInLeaf(const Sequence* sequence, int link);
 /* A point of a link's torsion axis, and a vector along it, in the frame of the leaf where the link begins. */
 void ctTreeAxis(const Tree* tree, const Sequence* sequence, int link, double point[3], double direction[3]);
 
-/* Positions of two slots in the frame of the lowest item over both: the canonical ones, a pure function of the state.
+/* Positions of two slots in the frame of the lowest node over both: the canonical ones, a pure function of the state.
  */
 double ctTreeSquaredDistance(const Tree* tree, int slotA, int slotB);
 
-/* The frame of linkB in that of linkA, by way of the lowest item over both (section 2.1). O(log N). */
+/* The frame of linkB in that of linkA, by way of the lowest node over both (section 2.1). O(log N). */
 Frame ctTreeRelative(const Tree* tree, const Sequence* sequence, int linkA, int linkB);
 
 /* The sum of the positions of all particles of links [linkBegin, linkEnd) in the world, and how many they are. O(log
@@ -200,7 +200,7 @@ int ctTreeSum(Tree* tree, const Sequence* sequence, int linkBegin, int linkEnd, 
 /* Makes all sums that are not there. */
 void ctTreeCompleteSums(Tree* tree, const Sequence* sequence);
 
-/* Whether every bound of every item holds the particles below it. O(N log N). */
+/* Whether every bound of every node holds the particles below it. O(N log N). */
 bool ctTreeBoundsHold(const Tree* tree, const Sequence* sequence);
 
 #endif /* CT_TREE_H_ */

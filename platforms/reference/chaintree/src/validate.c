@@ -14,14 +14,14 @@ typedef struct Content {
 enum { CONTENT_COUNT = 9 };
 
 static void listContent(const Tree* tree, const Sequence* s, Content content[CONTENT_COUNT]) {
-  const size_t items = (size_t)tree->itemCount;
+  const size_t nodes = (size_t)tree->nodeCount;
   const Content all[CONTENT_COUNT] = {
-      {tree->shortcut, items * sizeof(Frame)},
-      {tree->pose, items * sizeof(Frame)},
-      {tree->bound, items * sizeof(Bound)},
-      {tree->sum, items * sizeof(double[3])},
+      {tree->shortcut, nodes * sizeof(Frame)},
+      {tree->pose, nodes * sizeof(Frame)},
+      {tree->bound, nodes * sizeof(Bound)},
+      {tree->sum, nodes * sizeof(double[3])},
       {tree->leaf, (size_t)tree->levelBegin[1] * sizeof(Leaf)},
-      {tree->members, (items - (size_t)tree->levelBegin[1]) * sizeof(Members)},
+      {tree->members, (nodes - (size_t)tree->levelBegin[1]) * sizeof(Members)},
       {tree->stem, (size_t)s->twigCount * sizeof(Frame)},
       {s->product, (size_t)s->productBegin[s->closureCount] * sizeof(Frame)},
       {s->closure, (size_t)s->closureCount * sizeof(Frame)},
@@ -31,14 +31,14 @@ static void listContent(const Tree* tree, const Sequence* s, Content content[CON
 
 /* ---- Boxes ---- */
 
-/* Whether an item's box, if it has been made, holds all particles below it. */
-static bool boxHolds(const ctChainTree* scene, int level, int item) {
+/* Whether a node's box, if it has been made, holds all particles below it. */
+static bool boxHolds(const ctChainTree* scene, int level, int node) {
   const Tree* tree = &scene->staleTree;
-  const Box* box = &scene->traversal.box[item];
+  const Box* box = &scene->traversal.box[node];
   int end;
-  const int begin = treeSlots(tree, level, item, &end);
-  const Frame frame = ctTreeFrame(tree, level, item);
-  for (int slot = begin; slot < end && !tree->isFresh[item]; slot++) {
+  const int begin = treeSlots(tree, level, node, &end);
+  const Frame frame = ctTreeFrame(tree, level, node);
+  for (int slot = begin; slot < end && !tree->boxIsStale[node]; slot++) {
     if (scene->sequence.slotParticle[slot] == CT_NULL) {
       continue;
     }
@@ -109,7 +109,7 @@ bool ctValidate(ctChainTree* tree) {
   void* kept[CONTENT_COUNT] = {0};
   Tree* made = ctSceneTree(tree);
   ctTreeCompleteSums(made, &tree->sequence);
-  const bool boxesHold = doBoxesHold(tree); /* before all items are fresh again */
+  const bool boxesHold = doBoxesHold(tree); /* before all nodes are fresh again */
   listContent(made, &tree->sequence, content);
   bool same = true;
   for (int i = 0; i < CONTENT_COUNT && same; i++) {

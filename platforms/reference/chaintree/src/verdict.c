@@ -62,7 +62,7 @@ ctStatus ctPropose(ctChainTree* tree, int count, const ctChange* changes) {
   }
   for (int i = 0; i < count; i++) {
     const TrialChange* change = &tree->next.changes[i];
-    if (tree->sequence.jointType[change->link] == ctFreeJoint && !isPlace(change->after.placement.position)) {
+    if (tree->sequence.jointType[change->link] == ctFreeJoint && !isJointPosition(change->after.placement.position)) {
       return ctFail(tree, ctInvalidArgument, "the motion given for link %d takes it too far away",
                     callersLink(tree, change->link));
     }
@@ -103,7 +103,7 @@ typedef struct Verdict {
 } Verdict;
 
 /* How much nearer two particles may come; if they are of different bodies, a clash is noted. */
-static double clearanceOf(void* context, int slotA, int slotB, double squaredDistance, bool crosses) {
+static double clearanceOf(void* context, int slotA, int slotB, double squaredDistance, bool ofTwoBodies) {
   Verdict* verdict = context;
   ctChainTree* tree = verdict->tree;
   const double band = tree->traversal.band;
@@ -115,7 +115,7 @@ static double clearanceOf(void* context, int slotA, int slotB, double squaredDis
     limit = ctLimitsFind(&tree->limits, pair[0], pair[1], limit);
   }
   const double clearance = limit - overlap;
-  if (!crosses || clearance >= band) {
+  if (!ofTwoBodies || clearance >= band) {
     return clearance;
   }
   if (clearance < -band) {

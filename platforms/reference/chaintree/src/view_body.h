@@ -1,4 +1,4 @@
-/* What a view makes of the items of a tree, compiled once for each instruction set by the file that includes this. */
+/* What a view makes of the nodes of a tree, compiled once for each instruction set by the file that includes this. */
 #ifndef CT_VIEW_BODY_H_
 #define CT_VIEW_BODY_H_
 
@@ -24,16 +24,16 @@ static int motionOfSlot(const View* view, int slot) {
   return view->pieces[pieceOf(view, slot)].motion;
 }
 
-/* Of which rigid body a member of an expanded item is, coded like Traversal.motion. */
-static int motionOfMember(const Traversal* t, int item, int k) {
-  const int code = t->motion[item];
+/* Of which rigid body a member of an expanded node is, coded like Traversal.motion. */
+static int motionOfMember(const Traversal* t, int node, int k) {
+  const int code = t->motion[node];
   return code < 0 ? straddlerOf(t, code)->motion[k] : code;
 }
 
-static void restLeaf(Traversal* t, int leaf) {
-  const Frame* f = &t->frame[t->restAt[leaf]];
+static void worldLeaf(Traversal* t, int leaf) {
+  const Frame* f = &t->frame[t->entryOf[leaf]];
   const Leaf* own = &t->tree->leaf[leaf];
-  Block* rest = &t->rest[t->restAt[leaf]];
+  Block* rest = &t->world[t->entryOf[leaf]];
   for (int k = 0; k < TREE_WIDTH; k++) {
     const double x = own->x[k];
     const double y = own->y[k];
@@ -42,7 +42,7 @@ static void restLeaf(Traversal* t, int leaf) {
     rest->y[k] = (float)(f->m[1][0] * x + f->m[1][1] * y + f->m[1][2] * z + f->m[1][3]);
     rest->z[k] = (float)(f->m[2][0] * x + f->m[2][1] * y + f->m[2][2] * z + f->m[2][3]);
   }
-  if (t->sinceSurfaces) {
+  if (t->worldHasSurfaces) {
     memcpy(rest->r, own->r, sizeof rest->r);
   } else {
     leafCentres(own, rest->r);
@@ -56,114 +56,114 @@ static void floatMotion(const Frame* f, float motion[12]) {
   }
 }
 
-static void restNode(Traversal* t, int item) {
-  const Members* own = treeMembers(t->tree, item);
-  Block* rest = &t->rest[t->restAt[item]];
+static void worldInnerNode(Traversal* t, int node) {
+  const Members* own = treeMembers(t->tree, node);
+  Block* rest = &t->world[t->entryOf[node]];
   float motion[12];
-  floatMotion(&t->frame[t->restAt[item]], motion);
+  floatMotion(&t->frame[t->entryOf[node]], motion);
   moveBlock(&own->block, motion, 0xffff, rest);
-  memcpy(rest->r, t->sinceSurfaces ? own->block.r : own->centres, sizeof rest->r);
+  memcpy(rest->r, t->worldHasSurfaces ? own->block.r : own->centres, sizeof rest->r);
 }
 
-/* Whether an item is where it was when it was last put into the world. A leaf that is there unchanged is dated anew, so
+/* Whether a node is where it was when it was last put into the world. A leaf that is there unchanged is dated anew, so
  * as to be told more quickly next time; of nodes the date is that of boxes, too. */
-static bool isThere(Traversal* t, int level, int item) {
-  if (t->since[item] == NEVER) {
+static bool isThere(Traversal* t, int level, int node) {
+  if (t->worldTime[node] == NEVER) {
     return false;
   }
   int end;
-  treeSlots(t->tree, level, item, &end);
-  const bool stays = treeLeavesStay(t->tree, t->since[item], (end + TREE_WIDTH - 1) / TREE_WIDTH);
-  if (stays && level == 0 && t->tree->contentTime[item] <= t->since[item]) {
-    t->since[item] = t->tree->time;
+  treeSlots(t->tree, level, node, &end);
+  const bool stays = treeLeavesStay(t->tree, t->worldTime[node], (end + TREE_WIDTH - 1) / TREE_WIDTH);
+  if (stays && level == 0 && t->tree->contentTime[node] <= t->worldTime[node]) {
+    t->worldTime[node] = t->tree->time;
   }
   return stays;
 }
 
-/* Gives a leaf the place of the one that has been put to rest longest ago. */
-static void takePlace(Traversal* t, int leaf) {
-  const int place = t->nextPlace;
-  const int other = t->leafAt[place];
+/* Gives a leaf the entry of the one that has been put to rest longest ago. */
+static void takeEntry(Traversal* t, int leaf) {
+  const int entry = t->nextEntry;
+  const int other = t->leafOfEntry[entry];
   if (other != CT_NULL) {
-    t->since[other] = NEVER;
-    t->restAt[other] = CT_NULL;
+    t->worldTime[other] = NEVER;
+    t->entryOf[other] = CT_NULL;
     t->inView[other] = NULL; /* positions are read off what is at rest */
   }
-  t->leafAt[place] = leaf;
-  t->restAt[leaf] = place;
-  t->nextPlace = place + 1 < t->leafPlaces ? place + 1 : 0;
+  t->leafOfEntry[entry] = leaf;
+  t->entryOf[leaf] = entry;
+  t->nextEntry = entry + 1 < t->leafEntryCount ? entry + 1 : 0;
 }
 
-static void moveToRest(Traversal* t, int level, int item) {
+static void recomputeWorld(Traversal* t, int level, int node) {
   const Tree* tree = t->tree;
-  if (!isThere(t, level, item)) {
-    if (t->restAt[item] == CT_NULL) {
-      takePlace(t, item);
+  if (!isThere(t, level, node)) {
+    if (t->entryOf[node] == CT_NULL) {
+      takeEntry(t, node);
     }
-    const int place = t->restAt[item];
-    t->frame[place] = tree->pose[item];
+    const int entry = t->entryOf[node];
+    t->frame[entry] = tree->pose[node];
     if (level < treeTop(tree)) {
-      const int parent = treeParent(tree, level, item);
-      t->frame[place] = transformCompose(&t->frame[t->restAt[parent]], &tree->pose[item]);
+      const int parent = treeParent(tree, level, node);
+      t->frame[entry] = transformCompose(&t->frame[t->entryOf[parent]], &tree->pose[node]);
     }
-  } else if (tree->contentTime[item] <= t->since[item]) {
+  } else if (tree->contentTime[node] <= t->worldTime[node]) {
     return;
   }
-  t->since[item] = tree->time;
+  t->worldTime[node] = tree->time;
   if (level == 0) {
-    restLeaf(t, item);
+    worldLeaf(t, node);
   } else {
-    restNode(t, item);
+    worldInnerNode(t, node);
   }
 }
 
-/* Puts the members of an item into the world as the state has them. Its parent has been there before. */
-static inline void putToRest(Traversal* t, int level, int item) {
-  const int64_t since = t->since[item];
-  if (t->tree->contentTime[item] > since || !treeStays(t->tree, since)) {
-    moveToRest(t, level, item);
+/* Puts the members of a node into the world as the state has them. Its parent has been there before. */
+static inline void updateWorld(Traversal* t, int level, int node) {
+  const int64_t since = t->worldTime[node];
+  if (t->tree->contentTime[node] > since || !treeStays(t->tree, since)) {
+    recomputeWorld(t, level, node);
   }
 }
 
 /* With all nodes over it. */
-static void putLeafToRest(Traversal* t, int leaf) {
+static void updateWorldLeaf(Traversal* t, int leaf) {
   for (int level = treeTop(t->tree); level >= 0; level--) {
-    putToRest(t, level, t->tree->levelBegin[level] + (leaf >> TREE_WIDTH_BITS * level));
+    updateWorld(t, level, t->tree->levelBegin[level] + (leaf >> TREE_WIDTH_BITS * level));
   }
 }
 
-/* Members of an item at rest, put there before; its parent is there still. */
-static Block* restOf(Traversal* t, int item) {
-  if (t->restAt[item] == CT_NULL) {
-    putToRest(t, 0, item);
+/* Members of a node at rest, put there before; its parent is there still. */
+static Block* worldOf(Traversal* t, int node) {
+  if (t->entryOf[node] == CT_NULL) {
+    updateWorld(t, 0, node);
   }
-  return &t->rest[t->restAt[item]];
+  return &t->world[t->entryOf[node]];
 }
 
-/* The members of an item that moves. */
-static Block* moveItem(Traversal* t, int item) {
-  const int place = t->movedCount;
-  t->movedCount = place + 1 < t->movedPlaces ? place + 1 : 0;
-  Block* moved = &t->moved[place];
-  const int other = t->movedItem[place];
+/* The members of a node that moves. */
+static Block* moveNode(Traversal* t, int node) {
+  const int entry = t->nextMoved;
+  t->nextMoved = entry + 1 < t->movedCapacity ? entry + 1 : 0;
+  Block* moved = &t->moved[entry];
+  const int other = t->movedNode[entry];
   if (t->inView[other] == moved) {
     t->inView[other] = NULL;
   }
-  t->movedItem[place] = item;
-  Block* rest = restOf(t, item);
-  moveBlock(rest, t->motions[t->motion[item]], 0xffff, moved);
+  t->movedNode[entry] = node;
+  Block* rest = worldOf(t, node);
+  moveBlock(rest, t->motions[t->motion[node]], 0xffff, moved);
   memcpy(moved->r, rest->r, sizeof moved->r);
   return moved;
 }
 
 /* Once a descent. Its parent has been expanded. */
-static void expand(Traversal* t, int level, int item) {
-  if (t->itemStamp[item] == t->stamp) {
+static void expand(Traversal* t, int level, int node) {
+  if (t->nodeStamp[node] == t->stamp) {
     return;
   }
-  t->itemStamp[item] = t->stamp;
-  putToRest(t, level, item);
-  t->inView[item] = moves(t->view, t->motion[item]) ? moveItem(t, item) : restOf(t, item);
+  t->nodeStamp[node] = t->stamp;
+  updateWorld(t, level, node);
+  t->inView[node] = moves(t->view, t->motion[node]) ? moveNode(t, node) : worldOf(t, node);
 }
 
 static Sphere boundOfStraddler(const Traversal* t, const Straddler* s) {
@@ -173,22 +173,22 @@ static Sphere boundOfStraddler(const Traversal* t, const Straddler* s) {
   return bound;
 }
 
-/* An item that straddles pieces, and all such below it; `piece` holds its first slot. */
-static const Straddler* expandStraddler(Traversal* t, int level, int item, int piece) {
+/* A node that straddles pieces, and all such below it; `piece` holds its first slot. */
+static const Straddler* expandStraddler(Traversal* t, int level, int node, int piece) {
   const View* view = t->view;
   const Tree* tree = t->tree;
-  t->itemStamp[item] = t->stamp;
-  t->motion[item] = straddlerCode(t->straddlerCount);
+  t->nodeStamp[node] = t->stamp;
+  t->motion[node] = straddlerCode(t->straddlerCount);
   Straddler* s = &t->straddlers[t->straddlerCount++];
-  s->item = item;
-  putToRest(t, level, item);
-  Block* rest = restOf(t, item);
+  s->node = node;
+  updateWorld(t, level, node);
+  Block* rest = worldOf(t, node);
   s->block = *rest;
   s->isBoxed = false;
   memset(s->motion, 0, sizeof s->motion);
-  t->inView[item] = &s->block;
+  t->inView[node] = &s->block;
   int end;
-  const int begin = treeSlots(tree, level, item, &end);
+  const int begin = treeSlots(tree, level, node, &end);
   const int width = 1 << TREE_WIDTH_BITS * level;
   const int first = level == 0 ? 0 : tree->levelBegin[level - 1] + begin / width;
   const int count = (end - begin + width - 1) / width;
@@ -243,20 +243,20 @@ static void startView(Traversal* t, const View* view) {
   t->extent = size + shift;
   t->band = DOUBLE_MARGIN * t->extent;
   if (++t->stamp == 0) {
-    memset(t->itemStamp, 0, (size_t)tree->itemCount * sizeof(uint32_t));
-    for (int i = 0; i < t->movedBoxesPlaces; i++) {
+    memset(t->nodeStamp, 0, (size_t)tree->nodeCount * sizeof(uint32_t));
+    for (int i = 0; i < t->movedBoxesCapacity; i++) {
       t->movedBoxes[i].stamp = 0;
     }
     t->stamp = 1;
   }
-  if (t->sinceSurfaces != view->surfaces) {
-    for (int item = 0; item < tree->itemCount; item++) {
-      t->since[item] = NEVER;
+  if (t->worldHasSurfaces != view->surfaces) {
+    for (int node = 0; node < tree->nodeCount; node++) {
+      t->worldTime[node] = NEVER;
     }
-    t->sinceSurfaces = view->surfaces;
+    t->worldHasSurfaces = view->surfaces;
   }
   t->straddlerCount = 0;
-  t->movedCount = 0;
+  t->nextMoved = 0;
   t->movedBoxesCount = 0;
 }
 
@@ -265,18 +265,18 @@ static Sphere sphereInView(const Traversal* t, Sphere sphere, int motion) {
   return moves(t->view, motion) ? movedSphere(sphere, t->motions[motion]) : sphere;
 }
 
-static Block* viewAgain(Traversal* t, int item) {
-  const int code = t->motion[item];
-  Block* rest = restOf(t, item);
-  return code < 0 ? &straddlerOf(t, code)->block : moves(t->view, code) ? moveItem(t, item) : rest;
+static Block* viewAgain(Traversal* t, int node) {
+  const int code = t->motion[node];
+  Block* rest = worldOf(t, node);
+  return code < 0 ? &straddlerOf(t, code)->block : moves(t->view, code) ? moveNode(t, node) : rest;
 }
 
-/* An expanded item: its members as they lie in the view. */
-static const Block* blockOf(Traversal* t, int item) {
-  if (t->inView[item] == NULL) {
-    t->inView[item] = viewAgain(t, item);
+/* An expanded node: its members as they lie in the view. */
+static const Block* blockOf(Traversal* t, int node) {
+  if (t->inView[node] == NULL) {
+    t->inView[node] = viewAgain(t, node);
   }
-  return t->inView[item];
+  return t->inView[node];
 }
 
 /* Those of two. The second may have taken the room of the first, which then is made again, elsewhere. */
@@ -286,9 +286,9 @@ static void blocksOf(Traversal* t, int a, int b, const Block* blocks[2]) {
   blocks[0] = blockOf(t, a);
 }
 
-/* Members of an item that are of a rigid body; none, if that straddles. */
-static unsigned ofBody(const Traversal* t, int item, int motion) {
-  const int code = t->motion[item];
+/* Members of a node that are of a rigid body; none, if that straddles. */
+static unsigned ofBody(const Traversal* t, int node, int motion) {
+  const int code = t->motion[node];
   if (code < 0) {
     return motion < 0 ? 0 : equal16(straddlerOf(t, code)->motion, motion);
   }

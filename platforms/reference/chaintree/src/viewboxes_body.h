@@ -1,31 +1,31 @@
-/* Boxes of the items of a view, compiled once for each instruction set by the file that includes this. */
+/* Boxes of the nodes of a view, compiled once for each instruction set by the file that includes this. */
 #ifndef CT_VIEWBOXES_BODY_H_
 #define CT_VIEWBOXES_BODY_H_
 
 #include "view_body.h"
 
-static NodeBoxes* boxesOf(const Traversal* t, int node) {
+static ChildBoxes* boxesOf(const Traversal* t, int node) {
   return &t->boxes[node - t->tree->levelBegin[1]];
 }
 
-/* Around the members of an item in its own frame; with it, the boxes of its children. */
-static const Box* ownBox(Traversal* t, int level, int item) {
+/* Around the members of a node in its own frame; with it, the boxes of its children. */
+static const Box* ownBox(Traversal* t, int level, int node) {
   const Tree* tree = t->tree;
-  Box* box = &t->box[item];
-  if (!tree->isFresh[item]) {
+  Box* box = &t->box[node];
+  if (!tree->boxIsStale[node]) {
     return box;
   }
-  tree->isFresh[item] = false;
+  tree->boxIsStale[node] = false;
   if (level == 0) {
     Block block;
-    leafBlock(&tree->leaf[item], &block);
-    *box = boxAround(&block, NULL, &tree->bound[item]);
+    leafBlock(&tree->leaf[node], &block);
+    *box = boxAround(&block, NULL, &tree->bound[node]);
     return box;
   }
-  NodeBoxes* boxes = boxesOf(t, item);
+  ChildBoxes* boxes = boxesOf(t, node);
   bool moved = false;
   int count;
-  const int first = treeChildren(tree, level, item, &count);
+  const int first = treeChildren(tree, level, node, &count);
   for (int k = 0; k < count; k++) {
     const int child = first + k;
     moved = moved || (k > 0 && tree->shortcutTime[child - 1] > boxes->ownTime);
@@ -37,36 +37,36 @@ static const Box* ownBox(Traversal* t, int level, int item) {
     }
   }
   boxes->ownTime = tree->time;
-  boxes->restSince = NEVER;
+  boxes->worldTime = NEVER;
   /* Nothing is around the root. */
   if (level < treeTop(tree)) {
-    *box = boxAround(&treeMembers(tree, item)->block, &boxes->own, &tree->bound[item]);
+    *box = boxAround(&treeMembers(tree, node)->block, &boxes->own, &tree->bound[node]);
   }
   return box;
 }
 
 static const BoxBlock* boxesInView(Traversal* t, int level, int node);
 
-/* Around the members of an item that straddles, in the view. */
-static Box straddlerBox(Traversal* t, int level, int item) {
-  const Block* block = &straddlerOf(t, t->motion[item])->block;
+/* Around the members of a node that straddles, in the view. */
+static Box straddlerBox(Traversal* t, int level, int node) {
+  const Block* block = &straddlerOf(t, t->motion[node])->block;
   const Sphere middle = middleOfBlock(block);
   const Bound bound = {middle.x, middle.y, middle.z, middle.r + radiusAbout(middle, block, block->r), 0};
   if (level == 0 || bound.r < 0) {
     return boxAround(block, NULL, &bound);
   }
-  return boxAround(block, boxesInView(t, level, item), &bound);
+  return boxAround(block, boxesInView(t, level, node), &bound);
 }
 
 /* Boxes of the children of a node that straddles, in the view. */
 static const BoxBlock* straddlerBoxes(Traversal* t, int level, int node) {
-  const NodeBoxes* boxes = boxesOf(t, node);
+  const ChildBoxes* boxes = boxesOf(t, node);
   Straddler* s = straddlerOf(t, t->motion[node]);
   if (s->isBoxed) {
     return &s->boxes;
   }
   s->isBoxed = true;
-  s->boxes = boxes->rest;
+  s->boxes = boxes->world;
   for (int k = 0; k < TREE_WIDTH;) {
     /* Children that move alike go together. */
     const int motion = s->motion[k];
@@ -76,11 +76,11 @@ static const BoxBlock* straddlerBoxes(Traversal* t, int level, int node) {
     }
     if (moves(t->view, motion)) {
       BoxBlock moved;
-      moveBoxes(&boxes->rest, t->motions[motion], &moved);
+      moveBoxes(&boxes->world, t->motions[motion], &moved);
       replaceBoxes(&s->boxes, run, &moved);
     } else if (motion < 0) {
       const int child = __builtin_ctz(run);
-      const Box box = straddlerBox(t, level - 1, straddlerOf(t, motion)->item);
+      const Box box = straddlerBox(t, level - 1, straddlerOf(t, motion)->node);
       putBox(&s->boxes, child, &box);
     }
   }
@@ -89,29 +89,29 @@ static const BoxBlock* straddlerBoxes(Traversal* t, int level, int node) {
 
 /* Boxes of the children of an expanded node, in the view; they stay for the visit. */
 static const BoxBlock* boxesInView(Traversal* t, int level, int node) {
-  NodeBoxes* boxes = boxesOf(t, node);
+  ChildBoxes* boxes = boxesOf(t, node);
   ownBox(t, level, node);
-  if (boxes->restSince != t->since[node]) {
-    boxes->restSince = t->since[node];
+  if (boxes->worldTime != t->worldTime[node]) {
+    boxes->worldTime = t->worldTime[node];
     float frame[12];
-    floatMotion(&t->frame[t->restAt[node]], frame);
-    moveBoxes(&boxes->own, frame, &boxes->rest);
+    floatMotion(&t->frame[t->entryOf[node]], frame);
+    moveBoxes(&boxes->own, frame, &boxes->world);
   }
   const int code = t->motion[node];
   if (code < 0) {
     return straddlerBoxes(t, level, node);
   }
   if (!moves(t->view, code)) {
-    return &boxes->rest;
+    return &boxes->world;
   }
-  MovedBoxes* moved = &t->movedBoxes[boxes->movedAt % t->movedBoxesPlaces];
+  MovedBoxes* moved = &t->movedBoxes[boxes->movedAt % t->movedBoxesCapacity];
   if (moved->node != node || moved->stamp != t->stamp ||
-      t->movedBoxesCount - boxes->movedAt > t->movedBoxesPlaces - BOXES_OF_A_VISIT) {
+      t->movedBoxesCount - boxes->movedAt > t->movedBoxesCapacity - BOXES_OF_A_VISIT) {
     boxes->movedAt = t->movedBoxesCount++;
-    moved = &t->movedBoxes[boxes->movedAt % t->movedBoxesPlaces];
+    moved = &t->movedBoxes[boxes->movedAt % t->movedBoxesCapacity];
     moved->node = node;
     moved->stamp = t->stamp;
-    moveBoxes(&boxes->rest, t->motions[code], &moved->boxes);
+    moveBoxes(&boxes->world, t->motions[code], &moved->boxes);
   }
   return &moved->boxes;
 }

@@ -1,17 +1,15 @@
 #include "witness.h"
 
-enum { TRIALS_A_ROUND = 64, SEARCHES_REMEMBERED = 16, LEAST_PATIENCE = 4, MOST_PATIENCE = 1 << 6 };
-
 /* At the end of a round. */
 static void choose(Witnesses* w) {
-  w->patience = w->patience > LEAST_PATIENCE ? w->patience : LEAST_PATIENCE;
+  w->patience = w->patience > LEAST_WITNESS_PATIENCE ? w->patience : LEAST_WITNESS_PATIENCE;
   if (w->wait > 0) {
     w->wait--;
   } else if (w->cost > w->clashes * w->searchCost) {
     w->wait = w->patience;
-    w->patience = w->patience < MOST_PATIENCE ? 2 * w->patience : w->patience;
+    w->patience = w->patience < MOST_WITNESS_PATIENCE ? 2 * w->patience : w->patience;
   } else {
-    w->patience = LEAST_PATIENCE;
+    w->patience = LEAST_WITNESS_PATIENCE;
   }
   w->trials = 0;
   w->cost = 0;
@@ -19,7 +17,7 @@ static void choose(Witnesses* w) {
 }
 
 bool ctWitnessesAreWanted(Witnesses* w) {
-  if (w->trials++ == TRIALS_A_ROUND) {
+  if (w->trials++ == WITNESS_ROUND) {
     choose(w);
   }
   return w->wait == 0 && w->count > 0;

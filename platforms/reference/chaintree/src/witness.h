@@ -2,14 +2,12 @@
  * make some of them clash again, which costs a fraction of a search.
  *
  * Whether they are asked is decided by counts (never by clocks) of what that costs and what it spares, so that the same
- * calls give the same course; the verdict is the same. */
+ * calls give the same method; the verdict is the same. */
 #ifndef CT_WITNESS_H_
 #define CT_WITNESS_H_
 
+#include "costs.h"
 #include "traverse.h"
-
-/* The more leaves, the more pairs are remembered. */
-enum { LEAVES_A_WITNESS = 4, LEAST_WITNESSES = 8, MOST_WITNESSES = 64 };
 
 typedef struct Witnesses {
   int pair[MOST_WITNESSES][2]; /* slots */

@@ -5,11 +5,11 @@
 /* The sphere of a slot whose motion is this one, where the view has it. */
 static Sphere slotSphere(Traversal* t, int slot, int motion) {
   const int leaf = slot / TREE_WIDTH;
-  const int64_t since = t->since[leaf];
+  const int64_t since = t->worldTime[leaf];
   if (t->tree->contentTime[leaf] > since || !(treeStays(t->tree, since) || isThere(t, 0, leaf))) {
-    putLeafToRest(t, leaf);
+    updateWorldLeaf(t, leaf);
   }
-  return sphereInView(t, sphereOf(restOf(t, leaf), slot % TREE_WIDTH), motion);
+  return sphereInView(t, sphereOf(worldOf(t, leaf), slot % TREE_WIDTH), motion);
 }
 
 /* True if a witness clashes: `function` has said so then. Adds what that has cost. */
@@ -17,7 +17,7 @@ static bool askWitnesses(const Witnesses* w, Traversal* t, const View* view, Can
                          ctCounts* counts, int64_t* cost) {
   startView(t, view);
   const float room = (float)(view->reach + floatMargin(t->extent + fabs(view->reach)));
-  *cost += 40 + 4 * w->count;
+  *cost += COST_OF_ASKING + COST_OF_WITNESS * w->count;
   int particleTests = 0;
   bool isOver = false;
   for (int i = 0; i < w->count && !isOver; i++) {
@@ -27,7 +27,7 @@ static bool askWitnesses(const Witnesses* w, Traversal* t, const View* view, Can
     if (motionA == motionB) {
       continue;
     }
-    *cost += 20;
+    *cost += COST_OF_WITNESS_TEST;
     particleTests++;
     const Sphere a = slotSphere(t, pair[0], motionA);
     const Sphere b = slotSphere(t, pair[1], motionB);

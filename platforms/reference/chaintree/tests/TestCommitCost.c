@@ -107,14 +107,14 @@ static Storage copyStorage(ctChainTree* scene) {
   Tree* tree = ctSceneTree(scene);
   const Sequence* s = &scene->sequence;
   ctTreeCompleteSums(tree, s);
-  const size_t items = (size_t)tree->itemCount;
+  const size_t nodes = (size_t)tree->nodeCount;
   const size_t leaves = (size_t)tree->levelBegin[1];
-  return (Storage){copyOf(tree->shortcut, items * sizeof(Frame)),
-                   copyOf(tree->pose, items * sizeof(Frame)),
-                   copyOf(tree->bound, items * sizeof(Bound)),
-                   copyOf(tree->sum, items * sizeof(double[3])),
+  return (Storage){copyOf(tree->shortcut, nodes * sizeof(Frame)),
+                   copyOf(tree->pose, nodes * sizeof(Frame)),
+                   copyOf(tree->bound, nodes * sizeof(Bound)),
+                   copyOf(tree->sum, nodes * sizeof(double[3])),
                    copyOf(tree->leaf, leaves * sizeof(Leaf)),
-                   copyOf(tree->members, (items - leaves) * sizeof(Members)),
+                   copyOf(tree->members, (nodes - leaves) * sizeof(Members)),
                    copyOf(s->product, (size_t)s->productBegin[s->closureCount] * sizeof(Frame)),
                    copyOf(s->closure, (size_t)s->closureCount * sizeof(Frame))};
 }
@@ -137,18 +137,18 @@ static bool differ(const void* a, const void* b, size_t size) {
 /* Whether what a node holds has changed: its own shortcut, bound and sum, its children's poses and volumes, a leaf's
  * slots.
  */
-static bool itemChanged(const Storage* a, const Storage* b, const Tree* tree, int level, int item) {
-  bool changed = differ(&a->shortcut[item], &b->shortcut[item], sizeof(Frame)) ||
-                 differ(&a->bound[item], &b->bound[item], sizeof(Bound)) ||
-                 differ(&a->sum[item], &b->sum[item], sizeof(double[3]));
+static bool nodeChanged(const Storage* a, const Storage* b, const Tree* tree, int level, int node) {
+  bool changed = differ(&a->shortcut[node], &b->shortcut[node], sizeof(Frame)) ||
+                 differ(&a->bound[node], &b->bound[node], sizeof(Bound)) ||
+                 differ(&a->sum[node], &b->sum[node], sizeof(double[3]));
   if (level == 0) {
-    return changed || differ(&a->leaf[item], &b->leaf[item], sizeof(Leaf));
+    return changed || differ(&a->leaf[node], &b->leaf[node], sizeof(Leaf));
   }
   int count;
-  const int first = treeChildren(tree, level, item, &count);
-  const int node = item - tree->levelBegin[1];
+  const int first = treeChildren(tree, level, node, &count);
+  const int inner = node - tree->levelBegin[1];
   return changed || differ(&a->pose[first], &b->pose[first], (size_t)count * sizeof(Frame)) ||
-         differ(&a->members[node], &b->members[node], sizeof(Members));
+         differ(&a->members[inner], &b->members[inner], sizeof(Members));
 }
 
 static int countChanged(const Storage* a, const Storage* b, ctChainTree* scene) {
@@ -157,7 +157,7 @@ static int countChanged(const Storage* a, const Storage* b, ctChainTree* scene) 
   int changed = 0;
   for (int level = 0; level < tree->levelCount; level++) {
     for (int i = 0; i < tree->levelSize[level]; i++) {
-      changed += itemChanged(a, b, tree, level, tree->levelBegin[level] + i);
+      changed += nodeChanged(a, b, tree, level, tree->levelBegin[level] + i);
     }
   }
   for (int i = 0; i < s->productBegin[s->closureCount]; i++) {

@@ -17,10 +17,10 @@ typedef struct Record {
   double forces[3 * SITES];
 } Record;
 
-static Record record(const char* set, const char* course) {
+static Record record(const char* set, const char* method) {
   Record result = {0};
   setenv("CHAINTREE_SIMD", set, 1);
-  setenv("CHAINTREE_TRIALS", course, 1);
+  setenv("CHAINTREE_TRIALS", method, 1);
   ctChainTree* tree = makeLattice(ONE_CHAIN, 0.3, 0);
   snprintf(result.name, sizeof result.name, "%s", ctGetInstructionSet(tree));
   unsigned state = 1;

@@ -16,8 +16,8 @@ static bool clashesTurned(ctChainTree* tree, int link, double angle) {
   return clash;
 }
 
-static void testWrap(const char* course) {
-  setenv("CHAINTREE_TRIALS", course, 1);
+static void testWrap(const char* method) {
+  setenv("CHAINTREE_TRIALS", method, 1);
   ctChainTree* tree = makeLattice(ONE_CHAIN, 0.3, 0);
   ctChainTree* other = makeLattice(ONE_CHAIN, 0.3, 0);
   int clashing = 0;
@@ -30,7 +30,7 @@ static void testWrap(const char* course) {
       const double turn = wrap == 0 ? -3 * angle : angle;
       const bool clash = clashesTurned(other, link, turn);
       if (clashesTurned(tree, link, turn) != clash) {
-        reportFailure("by %s, link %d turned by %g is called %d\n", course, link, turn, !clash);
+        reportFailure("by %s, link %d turned by %g is called %d\n", method, link, turn, !clash);
       }
       CHECK(tree->traversal.stamp < 5);
       clashing += clash;

@@ -5,8 +5,8 @@
 #include "../src/scene.h"
 #include "lattice.h"
 
-static ctChainTree* makeTested(const char* course) {
-  setenv("CHAINTREE_TRIALS", course, 1);
+static ctChainTree* makeTested(const char* method) {
+  setenv("CHAINTREE_TRIALS", method, 1);
   ctChainTree* tree = makeLattice(ONE_CHAIN, 0.3, 0);
   unsetenv("CHAINTREE_TRIALS");
   for (int link = 2; link < SITES; link += 50) {
@@ -78,7 +78,7 @@ static void testBoxes(void) {
   CHECK_SUCCESS(ctPropose(scene, 1, &change));
   CHECK_SUCCESS(ctTestTrial(scene, &clash, NULL, NULL));
   int made = 0;
-  while (made < scene->staleTree.levelSize[0] && scene->staleTree.isFresh[made]) {
+  while (made < scene->staleTree.levelSize[0] && scene->staleTree.boxIsStale[made]) {
     made++;
   }
   CHECK(made < scene->staleTree.levelSize[0]);

@@ -1,13 +1,14 @@
 /* Bodies that move against each other in a view, and how far; compiled once for each instruction set by the file that
  * includes this. */
-#ifndef CT_CROSSING_BODY_H_
-#define CT_CROSSING_BODY_H_
+#ifndef CT_LEAFRUN_BODY_H_
+#define CT_LEAFRUN_BODY_H_
 
 #include "clearance.h"
+#include "costs.h"
 #include "view_body.h"
 
 /* Two bodies that move against each other. */
-typedef struct Crossing {
+typedef struct RunPair {
   int beginA; /* leaves */
   int endA;
   int motionA;
@@ -15,18 +16,18 @@ typedef struct Crossing {
   int endB;
   int motionB;
   float back[12]; /* what takes A, at rest, to where B, at rest, sees it in the view, if both are of one piece */
-} Crossing;
+} RunPair;
 
 /* ---- Bodies ---- */
 
 /* False if there is no memory. */
-static bool listBodies(Clearance* c, const Traversal* t) {
+static bool listRuns(Clearance* c, const Traversal* t) {
   const View* view = t->view;
   /* A piece may be followed by a leaf of many. */
-  if (!ctReserve((void**)&c->bodies, &c->bodyCapacity, 2 * view->pieceCount, sizeof(Body))) {
+  if (!ctReserve((void**)&c->runs, &c->runCapacity, 2 * view->pieceCount, sizeof(LeafRun))) {
     return false;
   }
-  c->bodyCount = 0;
+  c->runCount = 0;
   int done = 0; /* leaves of many so far end here */
   for (int p = 0; p < view->pieceCount;) {
     const int first = view->pieces[p].slotBegin / TREE_WIDTH;
@@ -40,10 +41,10 @@ static bool listBodies(Clearance* c, const Traversal* t) {
     const bool meetsMany = q > p + 1;
     const int end = last + !meetsMany;
     if (begin < end) {
-      c->bodies[c->bodyCount++] = (Body){begin, end, p, p};
+      c->runs[c->runCount++] = (LeafRun){begin, end, p, p};
     }
     if (meetsMany) {
-      c->bodies[c->bodyCount++] = (Body){last, last + 1, p, q};
+      c->runs[c->runCount++] = (LeafRun){last, last + 1, p, q};
       done = last + 1;
     }
     p = meetsMany ? q : p + 1;
@@ -51,15 +52,15 @@ static bool listBodies(Clearance* c, const Traversal* t) {
   return true;
 }
 
-static bool isOfMany(const Body* body) {
-  return body->firstPiece < body->lastPiece;
+static bool hasManyPieces(const LeafRun* run) {
+  return run->firstPiece < run->lastPiece;
 }
 
 /* ---- How far bodies go ---- */
 
 /* The spheres of sixteen leaves at rest. */
 static const Block* leafSpheres(const Traversal* t, int block) {
-  return &t->rest[t->restAt[t->tree->levelBegin[1] + block]];
+  return &t->world[t->entryOf[t->tree->levelBegin[1] + block]];
 }
 
 static Sphere leafSphere(const Traversal* t, int leaf) {
@@ -99,9 +100,9 @@ static void boundShifts(Clearance* c, const Traversal* t, const Frame* motion, i
 }
 
 /* The shift of a leaf of many as a body of one piece sees it, and no limit for those of that. */
-static void boundShiftOfMany(Clearance* c, const Traversal* t, const Body* many, const Body* body) {
+static void boundShiftOfMany(Clearance* c, const Traversal* t, const LeafRun* many, const LeafRun* run) {
   const View* view = t->view;
-  const int motion = view->pieces[body->firstPiece].motion;
+  const int motion = view->pieces[run->firstPiece].motion;
   const Frame back = transformInverse(&view->motions[motion]);
   uint16_t most = 0;
   for (int p = many->firstPiece; p <= many->lastPiece; p++) {
@@ -111,48 +112,45 @@ static void boundShiftOfMany(Clearance* c, const Traversal* t, const Body* many,
       most = c->shift[many->begin] > most ? c->shift[many->begin] : most;
     }
   }
-  memset(c->shift + body->begin, 0xff, (size_t)(body->end - body->begin) * sizeof *c->shift);
+  memset(c->shift + run->begin, 0xff, (size_t)(run->end - run->begin) * sizeof *c->shift);
   c->shift[many->begin] = most;
 }
 
 /* The same between two bodies of one piece. */
-static void boundShiftsOfPieces(Clearance* c, const Traversal* t, Crossing* crossing) {
-  const Frame back = transformInverse(&t->view->motions[crossing->motionA]);
-  const Frame between = transformCompose(&back, &t->view->motions[crossing->motionB]);
+static void boundShiftsOfPieces(Clearance* c, const Traversal* t, RunPair* pair) {
+  const Frame back = transformInverse(&t->view->motions[pair->motionA]);
+  const Frame between = transformCompose(&back, &t->view->motions[pair->motionB]);
   const Frame other = transformInverse(&between);
-  floatMotion(&other, crossing->back);
+  floatMotion(&other, pair->back);
   /* A distance changes by no more than either of its ends is displaced. */
-  boundShifts(c, t, &between, crossing->beginA, crossing->endA);
-  boundShifts(c, t, &between, crossing->beginB, crossing->endB);
+  boundShifts(c, t, &between, pair->beginA, pair->endA);
+  boundShifts(c, t, &between, pair->beginB, pair->endB);
 }
-
-/* Of a crossing, beside what its leaves cost. */
-enum { COST_OF_CROSSING = 350 };
 
 /* Calls `visit` for each two bodies that move against each other, their shifts bounded; ends with true as soon as that
  * does. Adds what the bounds cost. */
-typedef bool CrossingFunction(Clearance* c, Traversal* t, const Crossing* crossing, void* context);
+typedef bool RunPairFunction(Clearance* c, Traversal* t, const RunPair* pair, void* context);
 
-static bool forEachCrossing(Clearance* c, Traversal* t, CrossingFunction* visit, void* context, int64_t* cost) {
+static bool forEachRunPair(Clearance* c, Traversal* t, RunPairFunction* visit, void* context, int64_t* cost) {
   const Piece* pieces = t->view->pieces;
-  for (int i = 0; i < c->bodyCount; i++) {
-    for (int j = i + 1; j < c->bodyCount; j++) {
-      const Body* a = &c->bodies[i];
-      const Body* b = &c->bodies[j];
-      Crossing crossing = {
-          a->begin, a->end, pieces[a->firstPiece].motion, b->begin, b->end, pieces[b->firstPiece].motion, {0}};
-      if (isOfMany(a) && isOfMany(b)) {
+  for (int i = 0; i < c->runCount; i++) {
+    for (int j = i + 1; j < c->runCount; j++) {
+      const LeafRun* a = &c->runs[i];
+      const LeafRun* b = &c->runs[j];
+      RunPair pair = {a->begin, a->end, pieces[a->firstPiece].motion, b->begin, b->end, pieces[b->firstPiece].motion,
+                      {0}};
+      if (hasManyPieces(a) && hasManyPieces(b)) {
         c->shift[a->begin] = MOST_CLEARANCE;
         c->shift[b->begin] = MOST_CLEARANCE;
-      } else if (isOfMany(a) || isOfMany(b)) {
-        boundShiftOfMany(c, t, isOfMany(a) ? a : b, isOfMany(a) ? b : a);
-      } else if (crossing.motionA != crossing.motionB) {
-        boundShiftsOfPieces(c, t, &crossing);
+      } else if (hasManyPieces(a) || hasManyPieces(b)) {
+        boundShiftOfMany(c, t, hasManyPieces(a) ? a : b, hasManyPieces(a) ? b : a);
+      } else if (pair.motionA != pair.motionB) {
+        boundShiftsOfPieces(c, t, &pair);
       } else {
         continue;
       }
-      *cost += COST_OF_CROSSING + (crossing.endA - crossing.beginA + crossing.endB - crossing.beginB) / 2;
-      if (visit(c, t, &crossing, context)) {
+      *cost += COST_OF_RUN_PAIR + (pair.endA - pair.beginA + pair.endB - pair.beginB) / LEAVES_A_UNIT;
+      if (visit(c, t, &pair, context)) {
         return true;
       }
     }
@@ -160,4 +158,4 @@ static bool forEachCrossing(Clearance* c, Traversal* t, CrossingFunction* visit,
   return false;
 }
 
-#endif /* CT_CROSSING_BODY_H_ */
+#endif /* CT_LEAFRUN_BODY_H_ */

@@ -1,12 +1,12 @@
-/* A descent keeps so many leaves at rest and so many items that move, and makes those anew that have had to make room:
- * a scene with hardly any room says the same and counts the same. Looks inside the engine. */
+/* A descent keeps world coordinates of some leaves and of some nodes that move, and recomputes those that others have
+ * replaced. A scene that can keep hardly any gives the same answers and the same counts. Looks inside the engine. */
 #define _POSIX_C_SOURCE 200809L /* setenv */
 
 #include "../src/descent.h"
 #include "../src/scene.h"
 #include "lattice.h"
 
-enum { TRIALS = 400, PLACES = 2 };
+enum { TRIALS = 400, ENTRIES = 2 };
 
 typedef struct Answers {
   bool clash;
@@ -67,8 +67,8 @@ static Answers ask(ctChainTree* tree, ctSelection* halves[2], int trial) {
   return answers;
 }
 
-static void testCourse(const char* course) {
-  setenv("CHAINTREE_TRIALS", course, 1);
+static void testMethod(const char* method) {
+  setenv("CHAINTREE_TRIALS", method, 1);
   ctChainTree* trees[2];
   ctSelection* halves[2][2];
   for (int i = 0; i < 2; i++) {
@@ -76,10 +76,11 @@ static void testCourse(const char* course) {
     halves[i][0] = selectHalf(trees[i], 0);
     halves[i][1] = selectHalf(trees[i], SITES / 2);
   }
-  CHECK(trees[0]->traversal.leafPlaces * TREE_WIDTH >= SITES && trees[0]->traversal.movedPlaces >= SITES / TREE_WIDTH);
-  trees[1]->traversal.leafPlaces = PLACES;
-  trees[1]->traversal.movedPlaces = PLACES;
-  trees[1]->traversal.movedBoxesPlaces = BOXES_OF_A_VISIT;
+  CHECK(trees[0]->traversal.leafEntryCount * TREE_WIDTH >= SITES &&
+        trees[0]->traversal.movedCapacity >= SITES / TREE_WIDTH);
+  trees[1]->traversal.leafEntryCount = ENTRIES;
+  trees[1]->traversal.movedCapacity = ENTRIES;
+  trees[1]->traversal.movedBoxesCapacity = BOXES_OF_A_VISIT;
   int clashing = 0;
   for (int trial = 0; trial < TRIALS; trial++) {
     const Answers a = ask(trees[0], halves[0], trial);
@@ -100,9 +101,9 @@ static void testCourse(const char* course) {
 }
 
 int main(void) {
-  testCourse("");
-  testCourse("tree");
-  testCourse("boxes");
-  testCourse("clearances");
+  testMethod("");
+  testMethod("tree");
+  testMethod("boxes");
+  testMethod("clearances");
   return checkResult();
 }

@@ -1,0 +1,98 @@
+/* What decides by which way trials are tested: tree, boxes, clearances, witnesses. Every estimated cost and every
+ * threshold of these choices stands here. None of them changes a verdict, only the time that it takes.
+ *
+ * Unit of a cost: the time of one test of a volume, or of a pair of particles, in a descent of sixteens. That is about
+ * 1 ns on the machine of the project's races, one core of an AMD EPYC (Zen 4) with AVX-512. The numbers were fitted
+ * there by hand, to a few parts in ten; the history of the repository names no machine for a single one of them.
+ *
+ * To measure anew, race the ways against each other on one scene and divide the time of a trial by what it has tested:
+ *
+ *     for way in tree boxes clearances; do
+ *       CHAINTREE_TRIALS=$way openmm-chaintree-contestants --contestants ours --chain random --n 1000 \
+ *           --moves gaussian --angle 1 --trials 20000
+ *     done
+ *
+ * prints, for each, microseconds, volume tests and pair tests. Without CHAINTREE_TRIALS the engine chooses: it should
+ * take no longer than the best of the three. Vary --n (100 ... 10000), --angle (0.1 ... 30) and --kappa (1, 8). */
+#ifndef CT_COSTS_H_
+#define CT_COSTS_H_
+
+#include "order.h"
+
+/* ---- The tree: see descent_body.h ---- */
+
+/* Slots in a row that move while all else is at rest: up to so many are tested against the tree one by one. */
+enum { MOST_MOVERS = 2 * TREE_WIDTH };
+
+/* That test begins at the lowest level with at most so many nodes: it tests all of them. */
+enum { MOST_FIRST_NODES = 2 * TREE_WIDTH };
+
+/* ---- Boxes in a descent: see box.h, descent_body.h ---- */
+
+enum {
+  COST_OF_BOXES = 150, /* of a visit with boxes: moving those of two nodes into the view */
+  COST_OF_BOX_TEST = 2 /* of a pair of boxes, beyond the test of a volume that it counts as */
+};
+
+/* A box with less than this share of the volume of the sphere around the same is worth a test of its own. */
+#define THIN_SHARE 0.2f
+
+/* Boxes pay in a descent if they separate more than one in so many of the pairs that spheres have left. */
+enum { PAIRS_A_SEPARATION = 4 };
+
+/* Most visits of a descent before the first with boxes: beyond this, boxes are not tried again. */
+enum { MOST_VISITS_WITHOUT_BOXES = 1 << 20 };
+
+/* ---- Clearances: see clearance.h ---- */
+
+/* Costs of a test by clearances. */
+enum {
+  COST_OF_CLEARANCE_TEST = 300, /* of each: listing runs of leaves, updating world coordinates */
+  LEAVES_A_UNIT = 2,            /* and a unit for each so many leaves of the scene */
+  COST_OF_RUN_PAIR = 350,       /* of two runs that move against each other: their bounds; and for leaves as above */
+  COST_OF_SPHERES = 15,         /* of a leaf's sphere against sixteen others */
+  COST_OF_LEAF_PAIR = 60        /* of the particles of a leaf against those of another */
+  /* 1: the clearances of sixteen columns of a row, compared with their bounds */
+};
+
+/* Clearances are tried where a test by the tree costs more than this, and more than the comparison of all rows of what
+ * moves with all that does not: about leaves^2 / 96 sixteens. */
+enum { LEAST_COST_WORTH_SAVING = 1500, LEAF_PAIRS_A_UNIT = 96 };
+
+/* They are kept where a test by them costs at most so many tenths of one by the tree. */
+enum { TENTHS_THAT_PAY = 9 };
+
+/* No table of clearances is made for more leaves: it would take more than 8 MiB. */
+enum { MOST_LEAVES = 2048 };
+
+/* The choice between tree and clearances, in rounds of trials. */
+enum {
+  CLEARANCE_ROUND = 128,             /* trials of a round */
+  TRIALS_TO_MEASURE_TREE = 8,        /* trials by the tree, only to know what they cost now */
+  ROUNDS_A_MEASUREMENT = 16,         /* a measurement takes less than one part in so many of the time */
+  LEAST_CLEARANCE_PATIENCE = 4,      /* rounds by the tree after clearances have not paid; doubled each time */
+  MOST_CLEARANCE_PATIENCE = 1 << 12, /* rounds: no more than this */
+  TRIALS_IN_ADVANCE = 32             /* so many trials' cost by the tree may be spent before clearances give up */
+};
+
+/* ---- Witnesses: see witness.h ---- */
+
+/* Costs of asking witnesses. */
+enum {
+  COST_OF_ASKING = 40,      /* a trial */
+  COST_OF_WITNESS = 4,      /* a witness */
+  COST_OF_WITNESS_TEST = 20 /* a witness whose particles move against each other */
+};
+
+/* How many pairs are remembered: one for each so many leaves, within bounds. */
+enum { LEAVES_A_WITNESS = 4, LEAST_WITNESSES = 8, MOST_WITNESSES = 64 };
+
+/* The choice whether to ask witnesses, in rounds of trials. */
+enum {
+  WITNESS_ROUND = 64,            /* trials of a round */
+  SEARCHES_REMEMBERED = 16,      /* weight of the past in the mean cost of a search */
+  LEAST_WITNESS_PATIENCE = 4,    /* rounds without asking after one in which that has not paid; doubled each time */
+  MOST_WITNESS_PATIENCE = 1 << 6 /* rounds: no more than this */
+};
+
+#endif /* CT_COSTS_H_ */
