@@ -39,36 +39,44 @@ static inline void searchAdd(Search* search, const Cells* cells, int particle, c
   search->spheres[search->count++] = *sphere;
 }
 
-/* Whether some searcher overlaps a particle of the lists that counts and is not excluded. Ends the search. */
-__attribute__((always_inline)) static inline bool searchMeets(Search* search, const Cells* cells, const Scene* scene,
-                                                              const Sphere* spheres, CellsFilter* filter,
-                                                              const void* context, int64_t* particleTests) {
+static inline void searchEnd(Search* search) {
+  search->count = 0;
+  search->candidateCount = 0;
+}
+
+/* What to do with a pair that a search finds; true ends it. */
+typedef bool SearchFound(void* context, int searcher, int j);
+
+/* Finds the pairs of a searcher and a particle of the lists that counts whose distance is below the sum of their radii
+ * and `room`. Ends the search, and returns whether `found` did. */
+__attribute__((always_inline)) static inline bool searchFind(Search* search, const Cells* cells, const Sphere* spheres,
+                                                             double room, CellsFilter* filter, SearchFound* found,
+                                                             void* context, int64_t* particleTests) {
   int count = search->candidateCount;
-  bool meets = false;
-  while (count > 0 && !meets) {
+  bool ended = false;
+  while (count > 0 && !ended) {
     int left = 0;
     *particleTests += count;
     for (int k = 0; k < count; k++) {
       const int searcher = search->searchers[k];
       const int j = search->candidates[k];
       const Sphere* sphere = &search->spheres[searcher];
-      const double sum = sphere->radius + spheres[j].radius;
+      const double sum = sphere->radius + spheres[j].radius + room;
       const int next = cells->next[j];
       search->searchers[left] = searcher;
       search->candidates[left] = next;
       left += next >= 0;
       /* One branch, rarely taken; of two, the processor would often guess one wrong. */
       const double limit = sum * sum * (double)filter(context, j);
-      if (squaredDistance(sphere->x, spheres[j].x) < limit && !sceneExcludes(scene, search->particles[searcher], j)) {
-        meets = true;
+      if (squaredDistance(sphere->x, spheres[j].x) < limit && found(context, search->particles[searcher], j)) {
+        ended = true;
         break;
       }
     }
     count = left;
   }
-  search->count = 0;
-  search->candidateCount = 0;
-  return meets;
+  searchEnd(search);
+  return ended;
 }
 
 #endif /* BATCHSEARCH_H_ */

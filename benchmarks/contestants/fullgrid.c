@@ -45,6 +45,10 @@ static int any(const void* context, int j) {
   return 1;
 }
 
+static bool isClash(void* context, int i, int j) {
+  return !sceneExcludes(context, i, j);
+}
+
 /* Puts particles first ... last - 1 in; false if one of them clashes. */
 static bool insert(FullGrid* grid, const Sphere* spheres, int first, int last) {
   const Scene* scene = grid->keeper.scene;
@@ -57,7 +61,7 @@ static bool insert(FullGrid* grid, const Sphere* spheres, int first, int last) {
     }
     cellsInsert(&grid->cells, cellOf(&grid->cells, &spheres[i]), i);
   }
-  return grid->isPlain || !searchMeets(&grid->search, &grid->cells, scene, spheres, any, NULL, tests);
+  return grid->isPlain || !searchFind(&grid->search, &grid->cells, spheres, 0, any, isClash, (void*)scene, tests);
 }
 
 static int anyClash(FullGrid* grid, const Sphere* spheres) {

@@ -28,6 +28,7 @@
   DO(PLAIN(contestantPublishedSelvesFirst)) \
   DO(PLAIN(contestantPublishedSpheres))     \
   DO(PLAIN(contestantPublishedTight))       \
+  DO(PLAIN(contestantVerletList))           \
   DO(CONTESTANT(contestantSimdGrid))        \
   DO(contestantOurs)
 

@@ -30,6 +30,26 @@ typedef struct Run {
   unsigned char body;
 } Run;
 
+/* What a particle is tested against, for searches. */
+typedef struct Others {
+  const Scene* scene;
+  const unsigned char* bodies; /* of each particle */
+  unsigned char body;
+} Others;
+
+static inline Others lazyOthers(const Lazy* lazy, const Run* run) {
+  return (Others){lazy->keeper.scene, lazy->bodies, run->body};
+}
+
+static inline int isOther(const void* context, int j) {
+  const Others* others = context;
+  return others->bodies[j] == others->body;
+}
+
+static inline bool otherIsClash(void* context, int i, int j) {
+  return !sceneExcludes(((const Others*)context)->scene, i, j);
+}
+
 /* Whether the particles of a run clash. */
 typedef bool RunMeets(Lazy* lazy, const Run* run);
 

@@ -41,21 +41,10 @@ static void* make(const Scene* scene) {
 
 /* ---- Test ---- */
 
-/* What a particle is tested against. */
-typedef struct Others {
-  const unsigned char* bodies; /* of each particle */
-  unsigned char body;
-} Others;
-
-static int isOther(const void* context, int j) {
-  const Others* others = context;
-  return others->bodies[j] == others->body;
-}
-
 __attribute__((always_inline)) static inline bool runMeetsAt(Lazy* lazy, const Run* run, bool isSingle) {
   LazyGrid* grid = (LazyGrid*)lazy;
   Keeper* keeper = &lazy->keeper;
-  const Others others = {lazy->bodies, run->body};
+  Others others = lazyOthers(lazy, run);
   for (int i = run->first; i < run->last; i++) {
     run->moved[i] = movedSphere(run->motion, &keeper->spheres[i]);
     for (int k = 0; k < 3 && isSingle; k++) {
@@ -63,8 +52,8 @@ __attribute__((always_inline)) static inline bool runMeetsAt(Lazy* lazy, const R
     }
     searchAdd(&grid->search, &grid->cells, i, &run->moved[i]);
   }
-  return searchMeets(&grid->search, &grid->cells, keeper->scene, keeper->spheres, isOther, &others,
-                     &keeper->counts.particleTests);
+  return searchFind(&grid->search, &grid->cells, keeper->spheres, 0, isOther, otherIsClash, &others,
+                    &keeper->counts.particleTests);
 }
 
 static bool runMeets(Lazy* lazy, const Run* run) {
@@ -78,7 +67,7 @@ static bool runMeetsSingle(Lazy* lazy, const Run* run) {
 static bool runMeetsPlain(Lazy* lazy, const Run* run) {
   LazyGrid* grid = (LazyGrid*)lazy;
   Keeper* keeper = &lazy->keeper;
-  const Others others = {lazy->bodies, run->body};
+  Others others = lazyOthers(lazy, run);
   for (int i = run->first; i < run->last; i++) {
     run->moved[i] = movedSphere(run->motion, &keeper->spheres[i]);
     if (cellsMeet(&grid->cells, keeper->scene, keeper->spheres, i, &run->moved[i], isOther, &others,
