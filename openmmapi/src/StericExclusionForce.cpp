@@ -259,7 +259,7 @@ void StericExclusionForce::rejectProposal(Context& context) const
 
 void StericExclusionForce::restartLimits(Context& context) const
 {
-    toImpl(getImplInContext(context)).restartLimits();
+    toImpl(getImplInContext(context)).getLimitPolicy().restart();
 }
 
 void StericExclusionForce::getTorsionAngles(Context& context, vector<double>& angles) const

@@ -1,18 +1,15 @@
 #include "openmmchaintree/internal/StericExclusionForceImpl.h"
 #include "openmm/OpenMMException.h"
 #include "openmmchaintree/internal/ArgumentChecks.h"
+#include "openmmchaintree/internal/TrialSession.h"
 #include "openmmchaintree/internal/Warnings.h"
 #include <cmath>
 #include <cstring>
-#include <limits>
-#include <sstream>
 #include <string>
 
 using namespace ChainTreePlugin;
 using namespace OpenMM;
 using namespace std;
-
-static const long long NO_STEP = numeric_limits<long long>::min();
 
 static void fail(const string& message)
 {
@@ -83,8 +80,7 @@ static void warnOfPeriodicForces(const System& system)
 
 StericExclusionForceImpl::StericExclusionForceImpl(const StericExclusionForce& owner) :
     CustomCPPForceImpl(owner), owner(owner), life(make_shared<char>()), isInitialized(false), engine(NULL),
-    stepBegun(NO_STEP), limitsAreCurrent(false), dynamicsIsExpected(false), stepsAreAnnounced(true),
-    settingPositions(false), energyIsSuppressed(false), proposalIsFree(false), hasVirtualSites(false)
+    proposalIsFree(false), settingPositions(false), energyIsSuppressed(false), hasVirtualSites(false)
 {
 }
 
@@ -119,6 +115,7 @@ void StericExclusionForceImpl::initialize(ContextImpl& context)
     kernel = platform->createKernel(CalcStericExclusionForceKernel::Name(), context);
     engine = &kernel.getAs<CalcStericExclusionForceKernel>();
     engine->initialize(owner, *structure);
+    limits.setKernel(*engine);
     CustomCPPForceImpl::initialize(context);
     warnOfPeriodicForces(system);
     isInitialized = true;
@@ -145,7 +142,7 @@ void StericExclusionForceImpl::updateParametersInContext(ContextImpl& context)
         fail("its particles, bonds, torsions or exclusions are not those that the Context was created with; "
              "reinitialize the Context");
     engine->copyParameters(owner);
-    limitsAreCurrent = false;
+    limits.parametersWereChanged();
     context.systemChanged();
 }
 
@@ -180,28 +177,14 @@ void StericExclusionForceImpl::adoptPositions(ContextImpl& context, const vector
     if (!haveSameBits(positions, agreedPositions)) {
         engine->setPositions(positions);
         agreedPositions = positions;
-        const bool mayBeDynamics = (stepBegun != NO_STEP || !stepsAreAnnounced);
-        if (dynamicsIsExpected && mayBeDynamics)
-            limitsAreCurrent = false;
-        else
-            restartLimits();
+        limits.particlesWereMoved();
     }
-
-    // A step that is under way has the count with which it began. With another one it is over, and all has been seen.
-
-    if (context.getStepCount() != stepBegun)
-        stepBegun = NO_STEP;
+    limits.positionsWereSeen(context.getStepCount());
 }
 
 void StericExclusionForceImpl::updateContextState(ContextImpl& context, bool&)
 {
-    stepBegun = context.getStepCount();
-}
-
-void StericExclusionForceImpl::expectDynamics(bool announced)
-{
-    dynamicsIsExpected = true;
-    stepsAreAnnounced = announced;
+    limits.stepBegins(context.getStepCount());
 }
 
 void StericExclusionForceImpl::positionsWereSet(ContextImpl& context, const vector<Vec3>& restored)
@@ -213,13 +196,7 @@ void StericExclusionForceImpl::positionsWereSet(ContextImpl& context, const vect
         if (haveSameBits(buffer, restored))
             return;
     }
-    restartLimits();
-}
-
-void StericExclusionForceImpl::restartLimits()
-{
-    engine->clearLimits();
-    limitsAreCurrent = false;
+    limits.restart();
 }
 
 void StericExclusionForceImpl::computeVirtualSites(ContextImpl& context)
@@ -232,19 +209,7 @@ void StericExclusionForceImpl::takeNoticeOfPositions(ContextImpl& context)
 {
     computeVirtualSites(context);
     updatePositions(context);
-    stepBegun = NO_STEP; // Who asks for trials is in the midst of no other Integrator's step.
-}
-
-/**
- * Take notice of the Context's positions and make sure that every pair that clashes in them has its limit.
- */
-void StericExclusionForceImpl::prepareTrial(ContextImpl& context)
-{
-    takeNoticeOfPositions(context);
-    if (!limitsAreCurrent) {
-        engine->raiseLimits();
-        limitsAreCurrent = true;
-    }
+    limits.noStepIsUnderWay(); // Who asks for trials is in the midst of no other Integrator's step.
 }
 
 int StericExclusionForceImpl::getNumToleratedClashes(ContextImpl& context)
@@ -275,15 +240,6 @@ void StericExclusionForceImpl::showState(ContextImpl& context)
 
 // ---- What is kept ----
 
-/**
- * A limit as a checkpoint holds it.
- */
-class LimitRecord {
-public:
-    int particle1, particle2;
-    double limit;
-};
-
 void StericExclusionForceImpl::getLimits(vector<pair<int, int>>& pairs, vector<double>& limits)
 {
     engine->getLimits(pairs, limits);
@@ -293,47 +249,30 @@ void StericExclusionForceImpl::setLimits(ContextImpl& context, const vector<pair
                                          const vector<double>& limits)
 {
     updatePositions(context);
-    engine->setLimits(pairs, limits);
-    limitsAreCurrent = false;
+    this->limits.setLimits(pairs, limits);
 }
 
 void StericExclusionForceImpl::createCheckpoint(CheckpointWriter& writer)
 {
-    vector<double> state, limits;
-    vector<pair<int, int>> pairs;
-    vector<LimitRecord> records;
+    vector<double> state;
     engine->getState(state);
-    engine->getLimits(pairs, limits);
-    for (size_t i = 0; i < pairs.size(); i++)
-        records.push_back({pairs[i].first, pairs[i].second, limits[i]});
     writer.write(state);
-    writer.write(records);
-    writer.write((uint8_t)limitsAreCurrent);
+    limits.writeLimits(writer);
     writer.write(agreedPositions);
-    writer.write(stepBegun);
+    limits.writeStep(writer);
 }
 
 void StericExclusionForceImpl::loadCheckpoint(CheckpointReader& reader)
 {
-    vector<double> state = reader.readVector<double>(), limits;
-    vector<pair<int, int>> pairs;
-    for (const LimitRecord& record : reader.readVector<LimitRecord>()) {
-        pairs.push_back(make_pair(record.particle1, record.particle2));
-        limits.push_back(record.limit);
-    }
-    bool current = (reader.read<uint8_t>() != 0);
-    vector<Vec3> agreed = reader.readVector<Vec3>();
-    long long step = reader.read<long long>();
+    // Should the kernel refuse a part of it, it will take its state from the Context's positions.
 
-    // Should the kernel refuse one of these, it will take its state from the Context's positions.
-
+    vector<double> state = reader.readVector<double>();
     agreedPositions.clear();
     engine->setState(state);
-    if (!state.empty())
-        engine->setLimits(pairs, limits);
-    limitsAreCurrent = current;
+    limits.readLimits(reader, !state.empty());
+    vector<Vec3> agreed = reader.readVector<Vec3>();
+    limits.readStep(reader);
     agreedPositions = agreed;
-    stepBegun = step;
 }
 
 // ---- Energy ----
@@ -413,15 +352,6 @@ void StericExclusionForceImpl::resetTraversalStatistics()
 
 // ---- Trials for anyone's Monte Carlo ----
 
-/**
- * Get whether the trial that was opened is free of clashes, and keep this for acceptProposal().
- */
-bool StericExclusionForceImpl::testProposal()
-{
-    proposalIsFree = engine->isProposalFree();
-    return proposalIsFree;
-}
-
 bool StericExclusionForceImpl::proposeTorsions(ContextImpl& context, const vector<int>& torsions,
                                                const vector<double>& changes)
 {
@@ -437,9 +367,11 @@ bool StericExclusionForceImpl::proposeTorsions(ContextImpl& context, const vecto
             fail("the change of torsion " + to_string(torsions[i]) + " is not finite");
         isNamed[torsions[i]] = true;
     }
-    prepareTrial(context);
-    engine->proposeTorsions(torsions, changes);
-    return testProposal();
+    TrialSession session(*this, context, TrialSession::ApplyLimits);
+    session.proposeTorsions(torsions, changes);
+    const bool isFree = session.isFree();
+    session.leaveOpen();
+    return isFree;
 }
 
 bool StericExclusionForceImpl::proposeRigidMotion(ContextImpl& context, int particle, const Vec3& rotation,
@@ -451,9 +383,11 @@ bool StericExclusionForceImpl::proposeRigidMotion(ContextImpl& context, int part
     int molecule = structure->getParticleMolecule(particle);
     if (structure->getMolecules()[molecule].fixed)
         fail("the molecule of particle " + to_string(particle) + " has fixed particles and cannot move");
-    prepareTrial(context);
-    engine->proposeRigidMotion(molecule, rotation, translation);
-    return testProposal();
+    TrialSession session(*this, context, TrialSession::ApplyLimits);
+    session.proposeRigidMotion(molecule, rotation, translation);
+    const bool isFree = session.isFree();
+    session.leaveOpen();
+    return isFree;
 }
 
 /**
@@ -485,10 +419,9 @@ void StericExclusionForceImpl::acceptProposal(ContextImpl& context)
 {
     updatePositions(context);
     requireProposal();
-    engine->acceptProposal();
-    showState(context);
-    if (!proposalIsFree)
-        restartLimits();
+    TrialSession session(*this, context, TrialSession::ApplyLimits);
+    session.accept();
+    session.end();
 }
 
 void StericExclusionForceImpl::rejectProposal()
@@ -524,49 +457,9 @@ void StericExclusionForceImpl::setTorsionAngles(ContextImpl& context, const vect
             torsions.push_back(i);
             changes.push_back(remainder(angles[i] - presentAngles[i], 2 * M_PI));
         }
-    engine->proposeTorsions(torsions, changes);
-    engine->acceptProposal();
-    showState(context);
-    restartLimits();
-}
-
-// ---- What TorsionMonteCarloIntegrator needs ----
-
-void StericExclusionForceImpl::beginTrials(ContextImpl& context)
-{
-    prepareTrial(context);
-    engine->rejectProposal();
-}
-
-void StericExclusionForceImpl::beginTrialsWithoutLimits(ContextImpl& context)
-{
-    takeNoticeOfPositions(context);
-    restartLimits();
-    engine->rejectProposal();
-}
-
-void StericExclusionForceImpl::refuseToleratedClashes()
-{
-    vector<pair<int, int>> pairs;
-    vector<double> limits;
-    engine->getLimits(pairs, limits);
-    if (pairs.empty())
-        return;
-    stringstream message;
-    message << "particles " << pairs[0].first << " and " << pairs[0].second << " clash when sampling starts, by an "
-            << "overlap of " << limits[0] << " nm";
-    if (pairs.size() > 1)
-        message << "; they are the first of " << pairs.size() << " such pairs";
-    fail(message.str());
-}
-
-void StericExclusionForceImpl::showProposal(ContextImpl& context)
-{
-    setContextPositions(context, engine->followProposal());
-}
-
-void StericExclusionForceImpl::finishTrials(ContextImpl& context)
-{
-    engine->rejectProposal();
-    showState(context);
+    TrialSession session(*this, context, TrialSession::IgnoreLimits);
+    session.proposeTorsions(torsions, changes);
+    session.accept();
+    session.end();
+    limits.restart();
 }

@@ -12,6 +12,7 @@ void callWithoutTrial(Program* p)
     PairList list = {0};
     FAIL(ctNoTrial, ctTestTrial(p->tree, &clash, NULL, NULL));
     FAIL(ctNoTrial, ctGetTrialPositions(p->tree, p->scratch));
+    FAIL(ctNoTrial, ctGetPositionsOf(p->tree, true, 0, NULL, p->scratch));
     FAIL(ctNoTrial, ctForEachChangedPair(p->tree, 0.5, collectChangedPair, &list, NULL));
     FAIL(ctNoTrial, ctCommit(p->tree, NULL));
     require(list.count == 0, p, "pairs came without a trial");
@@ -51,7 +52,7 @@ void queryNonsense(Program* p)
 {
     PairList list = {0};
     double value, vector[3] = {0, chooseNoLength(p), 0};
-    int particle = 0, beyond = p->scene.particleCount, pair[2];
+    int particle = 0, below = -1, beyond = p->scene.particleCount, pair[2];
     ctTransform transform;
     ctSelection *none, *one;
     FAIL(ctInvalidArgument, ctForEachNeighborPair(p->tree, 0, collectPair, &list, NULL));
@@ -62,6 +63,8 @@ void queryNonsense(Program* p)
     FAIL(ctInvalidArgument, ctForEachClashWith(p->tree, vector, 0.1, collectParticle, &list, NULL));
     FAIL(ctInvalidArgument, ctForEachClashWith(p->tree, p->state, -0.1, collectParticle, &list, NULL));
     FAIL(ctInvalidArgument, ctSelect(p->tree, 1, &beyond, &none));
+    FAIL(ctInvalidArgument, ctGetPositionsOf(p->tree, false, 1, &beyond, vector));
+    FAIL(ctInvalidArgument, ctGetPositionsOf(p->tree, p->hasTrial, 1, &below, vector));
     SUCCEED(ctSelect(p->tree, 0, NULL, &none));
     SUCCEED(ctSelect(p->tree, 1, &particle, &one));
     FAIL(ctInvalidArgument, ctGetMinimumDistance(p->tree, none, one, &value, pair, NULL));

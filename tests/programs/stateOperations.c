@@ -71,13 +71,31 @@ void setState(Program* p)
     require(ctValidate(p->tree), p, "ctValidate");
 }
 
+/* Particles asked for by their names, from the last to the first, have the bits that they have among all. */
+static void compareSinglePositions(Program* p, bool inTrial, const double* expected)
+{
+    const int count = p->scene.particleCount;
+    int* particles = programAllocate(count, sizeof(int));
+    double* positions = programAllocate(coordinateCount(p), sizeof(double));
+    for (int i = 0; i < count; i++)
+        particles[i] = count - 1 - i;
+    SUCCEED(ctGetPositionsOf(p->tree, inTrial, count, particles, positions));
+    for (int i = 0; i < count; i++)
+        memcpy(p->scratch + 3 * particles[i], positions + 3 * i, sizeof(double[3]));
+    requireSameBits(p, inTrial ? "single positions of the trial" : "single positions", p->scratch, expected);
+    free(positions);
+    free(particles);
+}
+
 void comparePositions(Program* p)
 {
     requireUntouchedState(p);
     requireOraclePositions(p, ORACLE_STATE, p->state);
+    compareSinglePositions(p, false, p->state);
     if (p->hasTrial) {
         SUCCEED(ctGetTrialPositions(p->tree, p->scratch));
         requireSameBits(p, "the trial has changed", p->scratch, p->trial);
+        compareSinglePositions(p, true, p->trial);
     }
 }
 

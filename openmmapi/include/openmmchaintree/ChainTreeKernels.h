@@ -54,6 +54,10 @@ public:
      */
     virtual void getPositions(std::vector<OpenMM::Vec3>& positions) = 0;
     /**
+     * Get the positions of a few particles of the state, of which the caller knows that they exist.
+     */
+    virtual void getPositionsOf(const std::vector<int>& particles, std::vector<OpenMM::Vec3>& positions) = 0;
+    /**
      * Get the state in numbers, limits and the open trial left out. They are none before there are positions.
      */
     virtual void getState(std::vector<double>& state) = 0;
@@ -112,6 +116,10 @@ public:
      */
     virtual bool isProposalFree() = 0;
     virtual void getProposedPositions(std::vector<OpenMM::Vec3>& positions) = 0;
+    /**
+     * Get the positions of a few particles in the open trial, of which the caller knows that they exist.
+     */
+    virtual void getProposedPositionsOf(const std::vector<int>& particles, std::vector<OpenMM::Vec3>& positions) = 0;
     /**
      * The same in an array that belongs to the kernel and follows one trial after another, so that only what has moved
      * since the last call is computed.

@@ -22,6 +22,7 @@ public:
     void copyParameters(const StericExclusionForce& force);
     void setPositions(const std::vector<OpenMM::Vec3>& positions);
     void getPositions(std::vector<OpenMM::Vec3>& positions);
+    void getPositionsOf(const std::vector<int>& particles, std::vector<OpenMM::Vec3>& positions);
     void getState(std::vector<double>& state);
     void setState(const std::vector<double>& state);
     double getTorsionAngle(int torsion);
@@ -43,6 +44,7 @@ public:
     bool hasProposal();
     bool isProposalFree();
     void getProposedPositions(std::vector<OpenMM::Vec3>& positions);
+    void getProposedPositionsOf(const std::vector<int>& particles, std::vector<OpenMM::Vec3>& positions);
     const std::vector<OpenMM::Vec3>& followProposal();
     double getProposedEnergyChange();
     void getChangedNeighborPairs(double cutoff, std::vector<std::pair<int, int>>& pairs, std::vector<double>& before,

@@ -234,6 +234,12 @@ void ReferenceCalcStericExclusionForceKernel::getPositions(vector<Vec3>& positio
     ctGetPositions(tree.get(), coordinates(positions));
 }
 
+void ReferenceCalcStericExclusionForceKernel::getPositionsOf(const vector<int>& particles, vector<Vec3>& positions)
+{
+    positions.resize(particles.size());
+    check(ctGetPositionsOf(tree.get(), false, particles.size(), particles.data(), coordinates(positions)));
+}
+
 // Scenes that were arranged by other positions agree only up to rounding, so the arrangement is part of the state.
 
 void ReferenceCalcStericExclusionForceKernel::getState(vector<double>& state)
@@ -452,6 +458,13 @@ void ReferenceCalcStericExclusionForceKernel::getProposedPositions(vector<Vec3>&
 {
     positions.resize(parameters.radii.size());
     check(ctGetTrialPositions(tree.get(), coordinates(positions)));
+}
+
+void ReferenceCalcStericExclusionForceKernel::getProposedPositionsOf(const vector<int>& particles,
+                                                                     vector<Vec3>& positions)
+{
+    positions.resize(particles.size());
+    check(ctGetPositionsOf(tree.get(), true, particles.size(), particles.data(), coordinates(positions)));
 }
 
 const vector<Vec3>& ReferenceCalcStericExclusionForceKernel::followProposal()

@@ -6,6 +6,7 @@
 #include "openmm/Kernel.h"
 #include "openmmchaintree/ChainTreeKernels.h"
 #include "openmmchaintree/internal/CheckpointStream.h"
+#include "openmmchaintree/internal/LimitPolicy.h"
 #include "openmmchaintree/internal/LinkStructure.h"
 #include "openmmchaintree/internal/windowsExportChainTree.h"
 #include "openmmchaintree/StericExclusionForce.h"
@@ -19,8 +20,8 @@ namespace ChainTreePlugin {
  * This is the internal implementation of StericExclusionForce: its life in one Context.
  *
  * The geometry is the business of a CalcStericExclusionForceKernel. This class keeps the kernel's state and the
- * Context's positions in step, decides when limits start anew, and checks arguments. Energy and forces reach every
- * Platform by the way of CustomCPPForceImpl.
+ * Context's positions in step and checks arguments. A LimitPolicy decides when limits start anew, and trials are those
+ * of a TrialSession. Energy and forces reach every Platform by the way of CustomCPPForceImpl.
  */
 class OPENMM_EXPORT_CHAINTREE StericExclusionForceImpl : public OpenMM::CustomCPPForceImpl {
 public:
@@ -92,27 +93,22 @@ public:
      * Get the number of pairs whose limit is not their tolerance.
      */
     int getNumToleratedClashes(OpenMM::ContextImpl& context);
-    // The calls of TorsionMonteCarloIntegrator.
+
+    // The calls of TorsionMonteCarloIntegrator. Its trials are those of a TrialSession.
 
     /**
-     * Let limits only grow when the step of an Integrator, or a Force at its beginning, has moved particles. Every
-     * other change of positions starts limits anew; the caller says by positionsWereSet() when positions were set.
-     * Without this call, steps start limits anew too.
-     *
-     * @param announced  whether all Integrators of the Context call updateContextState() when they begin a step. If
-     *                   not, whatever moves particles in silence may have been one of them.
+     * Get the policy of the limits. The kernel's state is theirs, so take notice of the Context's positions first.
      */
-    void expectDynamics(bool announced);
+    LimitPolicy& getLimitPolicy()
+    {
+        return limits;
+    }
     /**
      * Start limits anew because positions were set, unless it was this object that set them, or a checkpoint.
      *
      * @param restored  the positions that a checkpoint has just restored, or empty if none has
      */
     void positionsWereSet(OpenMM::ContextImpl& context, const std::vector<OpenMM::Vec3>& restored);
-    /**
-     * Forget all limits; they start anew with the next trial.
-     */
-    void restartLimits();
     /**
      * Get the pairs whose limit is not their tolerance, and these limits.
      */
@@ -135,48 +131,15 @@ public:
      * Take notice of the Context's positions, before a step begins in which Forces may change them.
      */
     void takeNoticeOfPositions(OpenMM::ContextImpl& context);
-    /**
-     * Take notice of the Context's positions, drop the open trial, and bring limits up to date. From now on trials may
-     * be proposed, accepted and rejected by the kernel alone, until finishTrials() is called.
-     */
-    void beginTrials(OpenMM::ContextImpl& context);
-    /**
-     * The same for trials that know no limits: there are none afterwards.
-     */
-    void beginTrialsWithoutLimits(OpenMM::ContextImpl& context);
-    /**
-     * Throw an exception that names the first pair whose limit is not its tolerance, if there is one.
-     */
-    void refuseToleratedClashes();
-    /**
-     * Get the kernel, for trials between beginTrials() and finishTrials().
-     */
-    CalcStericExclusionForceKernel& getKernel()
-    {
-        return *engine;
-    }
-    /**
-     * Give the Context the positions of the open trial, so that its energy can be computed. The trial stays open.
-     */
-    void showProposal(OpenMM::ContextImpl& context);
-    /**
-     * Compute the energy of force groups at the Context's positions, leaving out this force.
-     */
-    double computeOtherEnergy(OpenMM::ContextImpl& context, int groups);
-    /**
-     * Drop the open trial and move the Context to the kernel's state.
-     */
-    void finishTrials(OpenMM::ContextImpl& context);
-
 private:
+    friend class TrialSession;
     void updatePositions(OpenMM::ContextImpl& context);
     void adoptPositions(OpenMM::ContextImpl& context, const std::vector<OpenMM::Vec3>& positions);
-    void prepareTrial(OpenMM::ContextImpl& context);
-    bool testProposal();
     void requireProposal() const;
     void computeVirtualSites(OpenMM::ContextImpl& context);
     void setContextPositions(OpenMM::ContextImpl& context, const std::vector<OpenMM::Vec3>& positions);
     void showState(OpenMM::ContextImpl& context);
+    double computeOtherEnergy(OpenMM::ContextImpl& context, int groups);
     const StericExclusionForce& owner;
     const std::shared_ptr<const void> life;
     bool isInitialized;
@@ -185,15 +148,13 @@ private:
     std::unique_ptr<LinkStructure> structure;
     OpenMM::Kernel kernel;
     CalcStericExclusionForceKernel* engine;
+    LimitPolicy limits;
     /** The Context's positions when they and the kernel's state were last known to agree; empty before. */
     std::vector<OpenMM::Vec3> agreedPositions;
     std::vector<OpenMM::Vec3> buffer;
-    /** The step count at which the last step began whose changes of positions may not all have been seen, or NO_STEP.
-     *  Positions that differ without such a step were changed between steps: by the minimizer, of which OpenMM tells
-     *  nothing on GPU platforms, or by Context::applyConstraints(). */
-    long long stepBegun;
-    bool limitsAreCurrent, dynamicsIsExpected, stepsAreAnnounced, settingPositions, energyIsSuppressed;
-    bool proposalIsFree, hasVirtualSites;
+    /** Whether the open trial was found to be free of clashes. */
+    bool proposalIsFree;
+    bool settingPositions, energyIsSuppressed, hasVirtualSites;
 };
 
 } // namespace ChainTreePlugin

@@ -160,6 +160,11 @@ void ctGetPositions(ctChainTree* tree, double* positions);
 /* The same for the open trial: the bits that ctGetPositions would give after ctCommit. */
 ctStatus ctGetTrialPositions(ctChainTree* tree, double* positions);
 
+/* The coordinates (nm) of `count` particles alone, three of each: the bits that ctGetPositions gives, or with `inTrial`
+ * those that ctGetTrialPositions gives. O(count log N), in a trial of k changes O((count + k) log N). Errors: an index
+ * out of range; `inTrial` without an open trial. */
+ctStatus ctGetPositionsOf(ctChainTree* tree, bool inTrial, int count, const int* particles, double* positions);
+
 /* The same for an array that is kept from trial to trial: writes only what has other bits than the last call of this
  * function, for an earlier trial, has left there. `anew`: this is another array, and all of it is written. O(what has
  * moved since + N / 16), whatever came in between. */

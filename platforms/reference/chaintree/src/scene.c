@@ -42,3 +42,14 @@ Sweep* ctSceneSweep(ctChainTree* scene) {
 ctStatus ctFailOutOfMemory(ctChainTree* scene) {
   return ctFail(scene, ctOutOfMemory, "out of memory");
 }
+
+ctStatus ctCheckParticles(ctChainTree* scene, int count, const int* particles) {
+  const int particleCount = scene->sequence.particleCount;
+  for (int i = 0; i < count; i++) {
+    if (particles[i] < 0 || particles[i] >= particleCount) {
+      return ctFail(scene, ctInvalidArgument, "there is no particle %d; there are %d particles", particles[i],
+                    particleCount);
+    }
+  }
+  return ctSuccess;
+}

@@ -45,6 +45,9 @@ struct ctChainTree {
 ctStatus ctFail(ctChainTree* scene, ctStatus status, const char* format, ...) __attribute__((format(printf, 3, 4)));
 ctStatus ctFailOutOfMemory(ctChainTree* scene);
 
+/* Fails unless all of these are particles of the scene. */
+ctStatus ctCheckParticles(ctChainTree* scene, int count, const int* particles);
+
 /* The tree of the state. New positions leave it stale until somebody asks for it here. */
 Tree* ctSceneTree(ctChainTree* scene);
 

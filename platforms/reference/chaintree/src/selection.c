@@ -134,11 +134,9 @@ void ctDisownSelections(ctChainTree* scene) {
 
 ctStatus ctSelect(ctChainTree* tree, int count, const int* particles, ctSelection** selection) {
   *selection = NULL;
-  for (int i = 0; i < count; i++) {
-    if (particles[i] < 0 || particles[i] >= tree->sequence.particleCount) {
-      return ctFail(tree, ctInvalidArgument, "there is no particle %d; there are %d particles", particles[i],
-                    tree->sequence.particleCount);
-    }
+  const ctStatus status = ctCheckParticles(tree, count, particles);
+  if (status != ctSuccess) {
+    return status;
   }
   ctSelection* made = calloc(1, sizeof *made);
   if (made != NULL) {

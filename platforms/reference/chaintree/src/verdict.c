@@ -300,6 +300,27 @@ ctStatus ctGetTrialPositions(ctChainTree* tree, double* positions) {
   return ctSuccess;
 }
 
+ctStatus ctGetPositionsOf(ctChainTree* tree, bool inTrial, int count, const int* particles, double* positions) {
+  const ctStatus status = ctCheckParticles(tree, count, particles);
+  if (status != ctSuccess) {
+    return status;
+  }
+  if (inTrial && !tree->trial.open) {
+    return failNoTrial(tree);
+  }
+  if (inTrial) {
+    applyTrial(tree, true);
+  }
+  PositionReader reader = ctPositionReader(&tree->sequence, ctSceneTree(tree));
+  for (int i = 0; i < count; i++) {
+    ctReadPosition(&reader, particles[i], positions + 3 * (size_t)i);
+  }
+  if (inTrial) {
+    applyTrial(tree, false);
+  }
+  return ctSuccess;
+}
+
 ctStatus ctFollowTrialPositions(ctChainTree* tree, bool anew, double* positions) {
   if (!tree->trial.open) {
     return failNoTrial(tree);

@@ -1,0 +1,123 @@
+#ifndef OPENMM_CHAINTREE_TRIALSESSION_H_
+#define OPENMM_CHAINTREE_TRIALSESSION_H_
+
+#include "openmm/internal/ContextImpl.h"
+#include "openmm/Vec3.h"
+#include "openmmchaintree/ChainTreeKernels.h"
+#include <vector>
+
+namespace ChainTreePlugin {
+
+class StericExclusionForceImpl;
+
+/**
+ * A TrialSession is a series of trials on the state of a StericExclusionForce, one after another: each is proposed,
+ * tested, and accepted or rejected. Every trial goes this way, those of TorsionMonteCarloIntegrator as well as those
+ * that users propose by StericExclusionForce.
+ *
+ * The session begins and ends with its scope. In between the kernel's state is ahead of the Context's positions, which
+ * follow only when the session ends. If an exception ends it, the Context is where the accepted trials have led.
+ */
+class TrialSession {
+public:
+    enum Limits {
+        /**
+         * A trial clashes if a pair overlaps beyond its limit.
+         */
+        ApplyLimits,
+        /**
+         * No trial clashes. The caller starts limits anew if this session may have led beyond them.
+         */
+        IgnoreLimits
+    };
+    /**
+     * Take notice of the Context's positions and bring limits up to date, if they apply. The trial that a user may have left open
+     * stays open until another one is proposed.
+     */
+    TrialSession(StericExclusionForceImpl& force, OpenMM::ContextImpl& context, Limits limits);
+    TrialSession(const TrialSession&) = delete;
+    TrialSession& operator=(const TrialSession&) = delete;
+    /**
+     * Do what end() does, unless it was called.
+     */
+    ~TrialSession();
+    /**
+     * Drop the trial that this session has opened, and move the Context to the state. Nothing may be called afterwards.
+     */
+    void end();
+    /**
+     * Let the open trial outlive the session.
+     */
+    void leaveOpen();
+    /**
+     * Open a trial that adds to the values of different torsions. Drops one that was open.
+     */
+    void proposeTorsions(const std::vector<int>& torsions, const std::vector<double>& changes);
+    /**
+     * Open a trial that rotates a molecule of the LinkStructure about its centroid and then translates it. Drops one
+     * that was open.
+     */
+    void proposeRigidMotion(int molecule, const OpenMM::Vec3& rotation, const OpenMM::Vec3& translation);
+    /**
+     * Get whether no pair whose distance the open trial changes overlaps beyond its limit.
+     */
+    bool isFree();
+    /**
+     * Make the open trial the state. If it was not found to be free, limits start anew from it.
+     */
+    void accept();
+    /**
+     * Drop the open trial.
+     */
+    void reject();
+    /**
+     * Get whether trials of this session can clash.
+     */
+    bool hasLimits() const
+    {
+        return limits == ApplyLimits;
+    }
+    /**
+     * Get the positions of a few particles before the open trial. Takes O(log N) time for each of them.
+     */
+    void getPositions(const std::vector<int>& particles, std::vector<OpenMM::Vec3>& positions) const
+    {
+        kernel.getPositionsOf(particles, positions);
+    }
+    /**
+     * Get the positions of a few particles in the open trial. Takes O(log N) time for each of them and each change.
+     */
+    void getProposedPositions(const std::vector<int>& particles, std::vector<OpenMM::Vec3>& positions) const
+    {
+        kernel.getProposedPositionsOf(particles, positions);
+    }
+    /**
+     * Get by how much the energy of the StericExclusionForce would change if the open trial became the state.
+     */
+    double computeSoftEnergyChange()
+    {
+        return kernel.getProposedEnergyChange();
+    }
+    /**
+     * Compute the energy of force groups at the Context's positions, leaving out the StericExclusionForce.
+     */
+    double computeOtherEnergy(int groups);
+    /**
+     * The same at the positions of the open trial.
+     */
+    double computeOtherEnergyOfProposal(int groups);
+
+private:
+    StericExclusionForceImpl& force;
+    OpenMM::ContextImpl& context;
+    CalcStericExclusionForceKernel& kernel;
+    const Limits limits;
+    /** Whether the trial that is open, if one is, ends with this session. */
+    bool ownsTrial;
+    /** Whether the Context may not have the positions of the state. */
+    bool contextIsBehind;
+};
+
+} // namespace ChainTreePlugin
+
+#endif /*OPENMM_CHAINTREE_TRIALSESSION_H_*/

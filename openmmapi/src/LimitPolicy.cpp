@@ -1,0 +1,140 @@
+#include "openmmchaintree/internal/LimitPolicy.h"
+#include "openmm/OpenMMException.h"
+#include <limits>
+#include <sstream>
+
+using namespace ChainTreePlugin;
+using namespace OpenMM;
+using namespace std;
+
+static const long long NO_STEP = numeric_limits<long long>::min();
+
+LimitPolicy::LimitPolicy() :
+    kernel(NULL), isCurrent(false), dynamicsIsExpected(false), stepsAreAnnounced(true), stepBegun(NO_STEP)
+{
+}
+
+void LimitPolicy::setKernel(CalcStericExclusionForceKernel& kernel)
+{
+    this->kernel = &kernel;
+}
+
+void LimitPolicy::expectDynamics(bool announced)
+{
+    dynamicsIsExpected = true;
+    stepsAreAnnounced = announced;
+}
+
+void LimitPolicy::stepBegins(long long stepCount)
+{
+    stepBegun = stepCount;
+}
+
+void LimitPolicy::particlesWereMoved()
+{
+    const bool mayBeDynamics = (stepBegun != NO_STEP || !stepsAreAnnounced);
+    if (dynamicsIsExpected && mayBeDynamics)
+        isCurrent = false;
+    else
+        restart();
+}
+
+void LimitPolicy::positionsWereSeen(long long stepCount)
+{
+    // A step that is under way has the count with which it began. With another one it is over.
+
+    if (stepCount != stepBegun)
+        stepBegun = NO_STEP;
+}
+
+void LimitPolicy::noStepIsUnderWay()
+{
+    stepBegun = NO_STEP;
+}
+
+void LimitPolicy::parametersWereChanged()
+{
+    isCurrent = false;
+}
+
+void LimitPolicy::update()
+{
+    if (!isCurrent) {
+        kernel->raiseLimits();
+        isCurrent = true;
+    }
+}
+
+void LimitPolicy::restart()
+{
+    kernel->clearLimits();
+    isCurrent = false;
+}
+
+void LimitPolicy::setLimits(const vector<pair<int, int>>& pairs, const vector<double>& limits)
+{
+    kernel->setLimits(pairs, limits);
+    isCurrent = false;
+}
+
+void LimitPolicy::refuseToleratedClashes() const
+{
+    vector<pair<int, int>> pairs;
+    vector<double> limits;
+    kernel->getLimits(pairs, limits);
+    if (pairs.empty())
+        return;
+    stringstream message;
+    message << "StericExclusionForce: particles " << pairs[0].first << " and " << pairs[0].second
+            << " clash when sampling starts, by an overlap of " << limits[0] << " nm";
+    if (pairs.size() > 1)
+        message << "; they are the first of " << pairs.size() << " such pairs";
+    throw OpenMMException(message.str());
+}
+
+// ---- Checkpoints ----
+
+/**
+ * A limit as a checkpoint holds it.
+ */
+class LimitRecord {
+public:
+    int particle1, particle2;
+    double limit;
+};
+
+void LimitPolicy::writeLimits(CheckpointWriter& writer) const
+{
+    vector<pair<int, int>> pairs;
+    vector<double> limits;
+    vector<LimitRecord> records;
+    kernel->getLimits(pairs, limits);
+    for (size_t i = 0; i < pairs.size(); i++)
+        records.push_back({pairs[i].first, pairs[i].second, limits[i]});
+    writer.write(records);
+    writer.write((uint8_t)isCurrent);
+}
+
+void LimitPolicy::readLimits(CheckpointReader& reader, bool hasPositions)
+{
+    vector<pair<int, int>> pairs;
+    vector<double> limits;
+    for (const LimitRecord& record : reader.readVector<LimitRecord>()) {
+        pairs.push_back(make_pair(record.particle1, record.particle2));
+        limits.push_back(record.limit);
+    }
+    const bool current = (reader.read<uint8_t>() != 0);
+    if (hasPositions)
+        kernel->setLimits(pairs, limits);
+    isCurrent = current;
+}
+
+void LimitPolicy::writeStep(CheckpointWriter& writer) const
+{
+    writer.write(stepBegun);
+}
+
+void LimitPolicy::readStep(CheckpointReader& reader)
+{
+    stepBegun = reader.read<long long>();
+}
