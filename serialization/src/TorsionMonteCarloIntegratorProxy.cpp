@@ -1,11 +1,9 @@
 #include "TorsionMonteCarloIntegratorProxy.h"
-#include "openmm/OpenMMException.h"
 #include "openmm/serialization/SerializationNode.h"
 #include "openmmchaintree/internal/ArgumentChecks.h"
+#include "openmmchaintree/internal/MoveList.h"
 #include "openmmchaintree/TorsionMonteCarloIntegrator.h"
 #include <memory>
-#include <string>
-#include <vector>
 
 using namespace ChainTreePlugin;
 using namespace OpenMM;
@@ -15,45 +13,6 @@ static const int NEWEST_VERSION = 2;
 
 TorsionMonteCarloIntegratorProxy::TorsionMonteCarloIntegratorProxy() : SerializationProxy("TorsionMonteCarloIntegrator")
 {
-}
-
-static void writeIndices(SerializationNode& node, const string& name, const vector<int>& indices)
-{
-    for (int index : indices)
-        node.createChildNode(name).setIntProperty("index", index);
-}
-
-static vector<int> readIndices(const SerializationNode& node)
-{
-    vector<int> indices;
-    for (auto& child : node.getChildren())
-        indices.push_back(child.getIntProperty("index"));
-    return indices;
-}
-
-static void writeTorsionMove(SerializationNode& moves, const TorsionMonteCarloIntegrator& integrator, int move)
-{
-    double weight, maxAngle;
-    vector<int> torsions;
-    int count;
-    integrator.getTorsionMoveParameters(move, weight, maxAngle, torsions, count);
-    SerializationNode& node = moves.createChildNode("TorsionMove");
-    node.setDoubleProperty("weight", weight);
-    node.setDoubleProperty("maxAngle", maxAngle);
-    node.setIntProperty("count", count);
-    writeIndices(node, "Torsion", torsions);
-}
-
-static void writeRigidBodyMove(SerializationNode& moves, const TorsionMonteCarloIntegrator& integrator, int move)
-{
-    double weight, maxTranslation, maxAngle;
-    vector<int> molecules;
-    integrator.getRigidBodyMoveParameters(move, weight, maxTranslation, maxAngle, molecules);
-    SerializationNode& node = moves.createChildNode("RigidBodyMove");
-    node.setDoubleProperty("weight", weight);
-    node.setDoubleProperty("maxTranslation", maxTranslation);
-    node.setDoubleProperty("maxAngle", maxAngle);
-    writeIndices(node, "Molecule", molecules);
 }
 
 void TorsionMonteCarloIntegratorProxy::serialize(const void* object, SerializationNode& node) const
@@ -68,16 +27,7 @@ void TorsionMonteCarloIntegratorProxy::serialize(const void* object, Serializati
     node.setIntProperty("trialsPerStep", integrator.getTrialsPerStep());
     node.setIntProperty("initialClashPolicy", integrator.getInitialClashPolicy());
     node.setIntProperty("stericMode", integrator.getStericMode());
-    SerializationNode& moves = node.createChildNode("Moves");
-    for (int i = 0; i < integrator.getNumMoves(); i++)
-        switch (integrator.getMoveType(i)) {
-        case TorsionMonteCarloIntegrator::TorsionMove:
-            writeTorsionMove(moves, integrator, i);
-            break;
-        case TorsionMonteCarloIntegrator::RigidBodyMove:
-            writeRigidBodyMove(moves, integrator, i);
-            break;
-        }
+    integrator.moves->writeMoves(node.createChildNode("Moves"));
 }
 
 void* TorsionMonteCarloIntegratorProxy::deserialize(const SerializationNode& node) const
@@ -95,17 +45,6 @@ void* TorsionMonteCarloIntegratorProxy::deserialize(const SerializationNode& nod
         (TorsionMonteCarloIntegrator::InitialClashPolicy)node.getIntProperty("initialClashPolicy"));
     if (version > 1)
         integrator->setStericMode((TorsionMonteCarloIntegrator::StericMode)node.getIntProperty("stericMode"));
-    for (auto& move : node.getChildNode("Moves").getChildren()) {
-        double weight = move.getDoubleProperty("weight");
-        if (move.getName() == "TorsionMove")
-            integrator->addTorsionMove(weight, move.getDoubleProperty("maxAngle"), readIndices(move),
-                                       move.getIntProperty("count"));
-        else if (move.getName() == "RigidBodyMove")
-            integrator->addRigidBodyMove(weight, move.getDoubleProperty("maxTranslation"),
-                                         move.getDoubleProperty("maxAngle"), readIndices(move));
-        else
-            throw OpenMMException("the XML of a TorsionMonteCarloIntegrator has a move of unknown kind: " +
-                                  move.getName());
-    }
+    MoveList::readMoves(node.getChildNode("Moves"), *integrator);
     return integrator.release();
 }

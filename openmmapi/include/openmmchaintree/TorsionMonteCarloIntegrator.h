@@ -18,10 +18,12 @@ class SerializationNode;
 namespace ChainTreePlugin {
 
 class CheckpointReader;
-class CheckpointWriter;
+class EnergyStages;
 class MonteCarloMove;
+class MoveList;
 class RandomNumberGenerator;
 class StericExclusionForceImpl;
+class TrialSession;
 
 /**
  * This Integrator samples molecules by Monte Carlo moves of their torsions and of whole molecules, with bond lengths
@@ -363,28 +365,32 @@ protected:
     void serializeParameters(OpenMM::SerializationNode& node) const;
     void deserializeParameters(const OpenMM::SerializationNode& node);
 
+    /**
+     * Add a move of any kind. Returns its index.
+     */
+    int addMove(std::unique_ptr<MonteCarloMove> move, double weight);
+    /**
+     * Get the stages by which trials without a clash are decided. They exist while the integrator is bound to a
+     * Context.
+     */
+    EnergyStages& getEnergyStages()
+    {
+        return *stages;
+    }
+
 private:
-    class MoveInfo;
+    friend class TorsionMonteCarloIntegratorProxy;
     class KeptState;
     std::unique_ptr<KeptState> keepState();
     void showKeptState() const;
-    void writeMoves(CheckpointWriter& writer) const;
-    std::vector<long long> readMoves(CheckpointReader& reader) const;
     void restoreCheckpoint(CheckpointReader& reader);
-    void deserializeStatistics(const std::vector<OpenMM::SerializationNode>& nodes);
     bool deserializeGeometry(const OpenMM::SerializationNode& node);
     void bindTo(OpenMM::ContextImpl& context);
-    int addMove(std::unique_ptr<MonteCarloMove> move, double weight);
-    void setMove(int index, std::unique_ptr<MonteCarloMove> move, double weight);
-    template <class Move>
-    const Move& getMove(int index, double& weight, const std::string& kind) const;
     void requireBound() const;
     void requireContext(const OpenMM::Context& context) const;
-    double sumWeights() const;
-    MoveInfo& drawMove(double weightSum);
-    bool isAccepted(double energyChange);
-    void runTrials(double weightSum);
-    std::vector<MoveInfo> moves;
+    bool isAccepted(double energyChange, double logRatio);
+    void runTrial(TrialSession& trials, double weightSum);
+    std::unique_ptr<MoveList> moves;
     double temperature;
     int randomNumberSeed, trialsPerStep;
     InitialClashPolicy initialClashPolicy;
@@ -395,8 +401,7 @@ private:
     StericExclusionForceImpl* force;
     /** Expires when the force does: before cleanup() if a Context ends, after it if it is reinitialized. */
     std::weak_ptr<const void> forceLife;
-    /** The groups of all Forces that can contribute to U, as a bit mask. */
-    int groupsWithEnergy;
+    std::unique_ptr<EnergyStages> stages;
     std::unique_ptr<RandomNumberGenerator> random;
     OpenMM::Kernel kernel;
     /** The positions that a checkpoint has restored, until the Context tells of them; else empty. */

@@ -1,36 +1,91 @@
 #ifndef OPENMM_MONTECARLOMOVE_H_
 #define OPENMM_MONTECARLOMOVE_H_
 
-#include "openmmchaintree/ChainTreeKernels.h"
+#include "openmm/serialization/SerializationNode.h"
 #include "openmmchaintree/internal/LinkStructure.h"
 #include "openmmchaintree/internal/RandomNumberGenerator.h"
+#include "openmmchaintree/internal/TrialSession.h"
+#include "openmmchaintree/internal/windowsExportChainTree.h"
 #include "openmmchaintree/TorsionMonteCarloIntegrator.h"
 #include <string>
 #include <utility>
+#include <variant>
 #include <vector>
 
 namespace ChainTreePlugin {
 
 /**
- * What a move is, in names and values. Moves with the same description draw the same trials.
+ * A kind of move: what it is called, and how one is read from XML. Whoever creates a MoveKind makes it known, so each
+ * kind is a constant in the file of its move. A new kind of move takes nothing but such a file, a MoveType, and the
+ * method of TorsionMonteCarloIntegrator that adds it, which is defined in that file, too.
  */
-typedef std::vector<std::pair<std::string, std::string>> MoveDescription;
-
-/**
- * Write a number so that it is read as the same one, in as few digits as this takes.
- */
-std::string toText(double value);
-
-/**
- * A MonteCarloMove draws the trials of one kind of move. A trial and its reverse must be equally likely.
- */
-class MonteCarloMove {
+class OPENMM_EXPORT_CHAINTREE MoveKind {
 public:
+    /**
+     * Reads the parameters that a move's getParameters() gave and adds the move to an integrator.
+     */
+    typedef void Reader(const OpenMM::SerializationNode& node, double weight, TorsionMonteCarloIntegrator& integrator);
+    /**
+     * @param name     what messages, checkpoints and States call a move of this kind, as "torsion"
+     * @param element  the name of its element in XML, as "TorsionMove"
+     * @param type     what TorsionMonteCarloIntegrator::getMoveType() returns
+     * @param read     the function that reads it
+     */
+    MoveKind(const std::string& name, const std::string& element, TorsionMonteCarloIntegrator::MoveType type,
+             Reader& read);
+    /**
+     * Get the kind with this element in XML. It is an error if there is none.
+     */
+    static const MoveKind& find(const std::string& element);
+    const std::string name, element;
+    const TorsionMonteCarloIntegrator::MoveType type;
+    Reader& read;
+};
+
+/**
+ * A parameter of a move: a number, or the indices of what it chooses from, empty for all.
+ */
+class MoveParameter {
+public:
+    std::string name;
+    std::variant<double, int, std::vector<int>> value;
+    /** What one of the indices is called in XML, as "Torsion". */
+    std::string element;
+};
+
+/**
+ * Read the indices that are the children of a node.
+ */
+OPENMM_EXPORT_CHAINTREE std::vector<int> readIndices(const OpenMM::SerializationNode& node);
+
+/**
+ * Throw an exception if an angle is more than any move needs. Mostly it is one in degrees.
+ *
+ * @param angle  the largest angle of a move, in radians
+ * @param kind   the name of its MoveKind
+ */
+OPENMM_EXPORT_CHAINTREE void checkLargestAngle(double angle, const std::string& kind);
+
+/**
+ * A MonteCarloMove draws the trials of one kind of move.
+ */
+class OPENMM_EXPORT_CHAINTREE MonteCarloMove {
+public:
+    explicit MonteCarloMove(const MoveKind& kind) : kind(kind)
+    {
+    }
     virtual ~MonteCarloMove()
     {
     }
-    virtual TorsionMonteCarloIntegrator::MoveType getType() const = 0;
-    virtual MoveDescription describe() const = 0;
+    const MoveKind& getKind() const
+    {
+        return kind;
+    }
+    /**
+     * Get what decides the trials of this move. Checkpoints, States and XML hold it. Moves of the same kind and with
+     * the same parameters draw the same trials.
+     */
+    virtual std::vector<MoveParameter> getParameters() const = 0;
     /**
      * Find out what there is to move. This is called before propose(), and again whenever the Context is another one.
      *
@@ -41,79 +96,18 @@ public:
     /**
      * Draw a trial and open it. This is the innermost loop of sampling: it allocates no memory.
      */
-    virtual void propose(CalcStericExclusionForceKernel& kernel, RandomNumberGenerator& random) = 0;
-};
-
-/**
- * Turns a number of different torsions, each by a uniform angle. See TorsionMonteCarloIntegrator::addTorsionMove().
- */
-class TorsionMove : public MonteCarloMove {
-public:
-    TorsionMove(double maxAngle, const std::vector<int>& torsions, int count);
-    TorsionMonteCarloIntegrator::MoveType getType() const
-    {
-        return TorsionMonteCarloIntegrator::TorsionMove;
-    }
-    MoveDescription describe() const;
-    double getMaxAngle() const
-    {
-        return maxAngle;
-    }
-    /** Get the torsions to choose from as they were given; empty for all. */
-    const std::vector<int>& getTorsions() const
-    {
-        return torsions;
-    }
-    int getCount() const
-    {
-        return count;
-    }
-    void bind(const LinkStructure& structure, const std::string& name);
-    void propose(CalcStericExclusionForceKernel& kernel, RandomNumberGenerator& random);
+    virtual void propose(TrialSession& trials, RandomNumberGenerator& random) = 0;
+    /**
+     * Get the logarithm of the probability density of proposing the reverse of the open trial, from where it leads,
+     * divided by that of proposing it; minus infinity if nothing can lead back. This is asked only about trials without
+     * a clash, once each, so what it costs is spent on no other.
+     *
+     * A move whose trials and their reverses are equally likely can leave it at 0.
+     */
+    virtual double computeLogRatio(TrialSession& trials);
 
 private:
-    const double maxAngle;
-    const std::vector<int> torsions;
-    const int count;
-    /** The torsions to choose from: those given, or all. */
-    std::vector<int> choices;
-    std::vector<bool> isDrawn;
-    std::vector<int> drawnChoices, drawnTorsions;
-    std::vector<double> drawnChanges;
-};
-
-/**
- * Moves a whole molecule as a rigid body. See TorsionMonteCarloIntegrator::addRigidBodyMove().
- */
-class RigidBodyMove : public MonteCarloMove {
-public:
-    RigidBodyMove(double maxTranslation, double maxAngle, const std::vector<int>& molecules);
-    TorsionMonteCarloIntegrator::MoveType getType() const
-    {
-        return TorsionMonteCarloIntegrator::RigidBodyMove;
-    }
-    MoveDescription describe() const;
-    double getMaxTranslation() const
-    {
-        return maxTranslation;
-    }
-    double getMaxAngle() const
-    {
-        return maxAngle;
-    }
-    /** Get the molecules to choose from, each named by one of its particles; empty for all that can move. */
-    const std::vector<int>& getMolecules() const
-    {
-        return molecules;
-    }
-    void bind(const LinkStructure& structure, const std::string& name);
-    void propose(CalcStericExclusionForceKernel& kernel, RandomNumberGenerator& random);
-
-private:
-    const double maxTranslation, maxAngle;
-    const std::vector<int> molecules;
-    /** The molecules to choose from, by their indices in the LinkStructure. */
-    std::vector<int> choices;
+    const MoveKind& kind;
 };
 
 } // namespace ChainTreePlugin

@@ -131,6 +131,7 @@ public:
      * Take notice of the Context's positions, before a step begins in which Forces may change them.
      */
     void takeNoticeOfPositions(OpenMM::ContextImpl& context);
+
 private:
     friend class TrialSession;
     void updatePositions(OpenMM::ContextImpl& context);

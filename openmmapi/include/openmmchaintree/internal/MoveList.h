@@ -1,0 +1,124 @@
+#ifndef OPENMM_CHAINTREE_MOVELIST_H_
+#define OPENMM_CHAINTREE_MOVELIST_H_
+
+#include "openmm/internal/AssertionUtilities.h"
+#include "openmm/serialization/SerializationNode.h"
+#include "openmmchaintree/internal/CheckpointStream.h"
+#include "openmmchaintree/internal/LinkStructure.h"
+#include "openmmchaintree/internal/MonteCarloMove.h"
+#include "openmmchaintree/internal/RandomNumberGenerator.h"
+#include "openmmchaintree/internal/windowsExportChainTree.h"
+#include <memory>
+#include <string>
+#include <utility>
+#include <vector>
+
+namespace ChainTreePlugin {
+
+/**
+ * The moves of a TorsionMonteCarloIntegrator: how often each is drawn, what became of its trials, and how all this is
+ * kept. It knows no kind of move.
+ */
+class OPENMM_EXPORT_CHAINTREE MoveList {
+public:
+    /**
+     * A move, how often it is drawn relative to the others, and what became of its trials.
+     */
+    class Entry {
+    public:
+        std::unique_ptr<MonteCarloMove> move;
+        double weight;
+        long long clashed, rejectedByEnergy, accepted;
+    };
+    MoveList();
+    int size() const
+    {
+        return entries.size();
+    }
+    /**
+     * Add a move. Returns its index.
+     */
+    int add(std::unique_ptr<MonteCarloMove> move, double weight);
+    /**
+     * Put another move in the place of one. Its counts start from 0.
+     */
+    void set(int index, std::unique_ptr<MonteCarloMove> move, double weight);
+    void remove(int index);
+    const Entry& get(int index) const;
+    /**
+     * Throw an exception unless a move is of a kind.
+     */
+    void requireKind(int index, const MoveKind& kind) const;
+    /**
+     * Get a move of a kind as the class of these moves, and its weight.
+     */
+    template <class Move>
+    const Move& get(int index, const MoveKind& kind, double& weight) const
+    {
+        requireKind(index, kind);
+        weight = entries[index].weight;
+        return static_cast<const Move&>(*entries[index].move);
+    }
+    /**
+     * Bind all moves, and those that are added from now on, to the links that they move; with NULL to none.
+     */
+    void bind(const LinkStructure* structure);
+    /**
+     * Get the sum of all weights. It is an error if no move can be drawn.
+     */
+    double sumWeights() const;
+    /**
+     * Draw a move by its weight.
+     *
+     * @param weightSum  what sumWeights() returned
+     */
+    Entry& draw(double weightSum, RandomNumberGenerator& random);
+    void resetStatistics();
+
+    // ---- XML: what moves there are ----
+
+    /**
+     * Write each move as a child of a node.
+     */
+    void writeMoves(OpenMM::SerializationNode& node) const;
+    /**
+     * Add the moves to an integrator that writeMoves() has written.
+     */
+    static void readMoves(const OpenMM::SerializationNode& node, TorsionMonteCarloIntegrator& integrator);
+
+    // ---- Checkpoints and States: what became of them ----
+
+    /**
+     * Write the moves and their counts.
+     */
+    void createCheckpoint(CheckpointWriter& writer) const;
+    /**
+     * Read what createCheckpoint() wrote, and return the counts for setStatistics(). It is an error if these are not
+     * the moves of that checkpoint.
+     */
+    std::vector<long long> readCheckpoint(CheckpointReader& reader) const;
+    /**
+     * Set the counts that readCheckpoint() returned.
+     */
+    void setStatistics(const std::vector<long long>& statistics);
+    /**
+     * Write the moves and their counts as children of a node.
+     */
+    void writeStatistics(OpenMM::SerializationNode& node) const;
+    /**
+     * Read the counts that writeStatistics() wrote, if these are the moves that it wrote them of.
+     */
+    void readStatistics(const OpenMM::SerializationNode& node);
+
+private:
+    /** What a move is, in names and values. */
+    typedef std::vector<std::pair<std::string, std::string>> Description;
+    static Description describe(const Entry& entry);
+    static void checkSame(int index, const Description& written, const Description& own);
+    std::vector<Entry> entries;
+    const LinkStructure* structure;
+};
+
+} // namespace ChainTreePlugin
+
+#endif /*OPENMM_CHAINTREE_MOVELIST_H_*/

@@ -1,0 +1,280 @@
+#include "openmmchaintree/internal/MoveList.h"
+#include "openmm/OpenMMException.h"
+#include "openmmchaintree/internal/ArgumentChecks.h"
+#include <algorithm>
+#include <cstdint>
+#include <limits>
+#include <locale>
+#include <sstream>
+
+using namespace ChainTreePlugin;
+using namespace OpenMM;
+using namespace std;
+
+static void fail(const string& message)
+{
+    throw OpenMMException("TorsionMonteCarloIntegrator: " + message);
+}
+
+MoveList::MoveList() : structure(NULL)
+{
+}
+
+// ---- The list ----
+
+/**
+ * Bind a move to links, if there are any.
+ */
+static void bindMove(MonteCarloMove& move, const LinkStructure* structure, size_t index)
+{
+    if (structure != NULL)
+        move.bind(*structure, "TorsionMonteCarloIntegrator: move " + to_string(index));
+}
+
+static void checkWeight(double weight)
+{
+    checkNotNegative(weight, "TorsionMonteCarloIntegrator: the weight of a move");
+}
+
+int MoveList::add(unique_ptr<MonteCarloMove> move, double weight)
+{
+    checkWeight(weight);
+    bindMove(*move, structure, entries.size());
+    entries.push_back({std::move(move), weight, 0, 0, 0});
+    return entries.size() - 1;
+}
+
+void MoveList::set(int index, unique_ptr<MonteCarloMove> move, double weight)
+{
+    ASSERT_VALID_INDEX(index, entries);
+    checkWeight(weight);
+    bindMove(*move, structure, index);
+    entries[index] = {std::move(move), weight, 0, 0, 0};
+}
+
+void MoveList::remove(int index)
+{
+    ASSERT_VALID_INDEX(index, entries);
+    entries.erase(entries.begin() + index);
+}
+
+const MoveList::Entry& MoveList::get(int index) const
+{
+    ASSERT_VALID_INDEX(index, entries);
+    return entries[index];
+}
+
+void MoveList::requireKind(int index, const MoveKind& kind) const
+{
+    if (&get(index).move->getKind() != &kind)
+        fail("move " + to_string(index) + " is not a " + kind.name + " move");
+}
+
+void MoveList::bind(const LinkStructure* structure)
+{
+    for (size_t i = 0; i < entries.size(); i++)
+        bindMove(*entries[i].move, structure, i);
+    this->structure = structure;
+}
+
+double MoveList::sumWeights() const
+{
+    if (entries.empty())
+        fail("there are no moves; add one by addTorsionMove() or addRigidBodyMove()");
+    double sum = 0;
+    for (const Entry& entry : entries)
+        sum += entry.weight;
+    if (sum == 0)
+        fail("all moves have weight 0");
+    return sum;
+}
+
+MoveList::Entry& MoveList::draw(double weightSum, RandomNumberGenerator& random)
+{
+    double position = random.drawUniform() * weightSum;
+    size_t lastPossible = 0;
+    for (size_t i = 0; i < entries.size(); i++) {
+        if (entries[i].weight == 0)
+            continue;
+        lastPossible = i;
+        if (position < entries[i].weight)
+            break;
+        position -= entries[i].weight;
+    }
+    return entries[lastPossible];
+}
+
+void MoveList::resetStatistics()
+{
+    for (Entry& entry : entries)
+        entry.clashed = entry.rejectedByEnergy = entry.accepted = 0;
+}
+
+// ---- XML ----
+
+void MoveList::writeMoves(SerializationNode& node) const
+{
+    for (const Entry& entry : entries) {
+        SerializationNode& move = node.createChildNode(entry.move->getKind().element);
+        move.setDoubleProperty("weight", entry.weight);
+        for (const MoveParameter& parameter : entry.move->getParameters()) {
+            if (auto real = get_if<double>(&parameter.value))
+                move.setDoubleProperty(parameter.name, *real);
+            else if (auto integer = get_if<int>(&parameter.value))
+                move.setIntProperty(parameter.name, *integer);
+            else
+                for (int index : std::get<vector<int>>(parameter.value))
+                    move.createChildNode(parameter.element).setIntProperty("index", index);
+        }
+    }
+}
+
+void MoveList::readMoves(const SerializationNode& node, TorsionMonteCarloIntegrator& integrator)
+{
+    for (auto& move : node.getChildren())
+        MoveKind::find(move.getName()).read(move, move.getDoubleProperty("weight"), integrator);
+}
+
+// ---- Descriptions ----
+
+/**
+ * Write a number so that it is read as the same one, in as few digits as this takes.
+ */
+static string toText(double value)
+{
+    for (int digits = 1;; digits++) {
+        stringstream text;
+        text.imbue(locale::classic());
+        text.precision(digits);
+        text << value;
+        double read = 0;
+        text >> read;
+        if (read == value || digits == numeric_limits<double>::max_digits10)
+            return text.str();
+    }
+}
+
+static string toText(int value)
+{
+    return to_string(value);
+}
+
+/**
+ * Write the indices that a move chooses from.
+ */
+static string toText(const vector<int>& indices)
+{
+    string text;
+    for (int index : indices)
+        text += (text.empty() ? "" : " ") + to_string(index);
+    return text.empty() ? "all" : text;
+}
+
+MoveList::Description MoveList::describe(const Entry& entry)
+{
+    Description description = {{"kind", entry.move->getKind().name}, {"weight", toText(entry.weight)}};
+    for (const MoveParameter& parameter : entry.move->getParameters()) {
+        auto write = [](const auto& value) {
+            return toText(value);
+        };
+        description.push_back({parameter.name, visit(write, parameter.value)});
+    }
+    return description;
+}
+
+/**
+ * Throw an exception that says how a move differs from that of a checkpoint, if it does.
+ */
+void MoveList::checkSame(int index, const Description& written, const Description& own)
+{
+    const size_t longest = 40; // that a message can show
+    for (size_t i = 0; i < min(written.size(), own.size()); i++) {
+        if (written[i] == own[i])
+            continue;
+        const string &name = own[i].first, &value = written[i].second, &ownValue = own[i].second;
+        bool isShort = (value.size() <= longest && ownValue.size() <= longest);
+        fail("the checkpoint is of other moves: move " + to_string(index) + " has " +
+             (isShort ? name + " " + value + " in it, but " + ownValue + " here"
+                      : "other " + name + " in it than here") +
+             "; give this integrator the moves of the checkpoint, and change them after it is loaded");
+    }
+}
+
+// ---- Checkpoints and States ----
+
+/** How many counts a move has. */
+static const size_t NUM_COUNTS = 3;
+
+void MoveList::createCheckpoint(CheckpointWriter& writer) const
+{
+    writer.write((uint64_t)entries.size());
+    for (const Entry& entry : entries) {
+        Description description = describe(entry);
+        writer.write((uint64_t)description.size());
+        for (auto& property : description) {
+            writer.write(property.first);
+            writer.write(property.second);
+        }
+        writer.write(vector<long long>({entry.clashed, entry.rejectedByEnergy, entry.accepted}));
+    }
+}
+
+vector<long long> MoveList::readCheckpoint(CheckpointReader& reader) const
+{
+    uint64_t count = reader.read<uint64_t>();
+    if (count != entries.size())
+        fail("the checkpoint is of an integrator with " + to_string(count) + " moves, but this one has " +
+             to_string(entries.size()));
+    vector<long long> statistics;
+    for (size_t i = 0; i < entries.size(); i++) {
+        Description description;
+        uint64_t size = reader.read<uint64_t>();
+        for (uint64_t j = 0; j < size; j++) {
+            string name = reader.readString();
+            description.push_back(make_pair(name, reader.readString()));
+        }
+        checkSame(i, description, describe(entries[i]));
+        for (long long number : reader.readVector<long long>())
+            statistics.push_back(number);
+    }
+    if (statistics.size() != NUM_COUNTS * entries.size())
+        fail("the checkpoint is damaged");
+    return statistics;
+}
+
+void MoveList::setStatistics(const vector<long long>& statistics)
+{
+    for (size_t i = 0; i < entries.size(); i++) {
+        entries[i].clashed = statistics[NUM_COUNTS * i];
+        entries[i].rejectedByEnergy = statistics[NUM_COUNTS * i + 1];
+        entries[i].accepted = statistics[NUM_COUNTS * i + 2];
+    }
+}
+
+void MoveList::writeStatistics(SerializationNode& node) const
+{
+    for (const Entry& entry : entries) {
+        SerializationNode& move = node.createChildNode("Move");
+        for (auto& property : describe(entry))
+            move.setStringProperty(property.first, property.second);
+        move.setLongProperty("clashed", entry.clashed)
+            .setLongProperty("rejectedByEnergy", entry.rejectedByEnergy)
+            .setLongProperty("accepted", entry.accepted);
+    }
+}
+
+void MoveList::readStatistics(const SerializationNode& node)
+{
+    const vector<SerializationNode>& moves = node.getChildren();
+    if (moves.size() != entries.size())
+        return;
+    for (size_t i = 0; i < entries.size(); i++)
+        for (auto& property : describe(entries[i]))
+            if (moves[i].getStringProperty(property.first, "") != property.second)
+                return;
+    for (size_t i = 0; i < entries.size(); i++) {
+        entries[i].clashed = moves[i].getLongProperty("clashed");
+        entries[i].rejectedByEnergy = moves[i].getLongProperty("rejectedByEnergy");
+        entries[i].accepted = moves[i].getLongProperty("accepted");
+    }
+}
