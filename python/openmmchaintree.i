@@ -395,7 +395,7 @@ static PyObject* toNumPy(const void* values, size_t count, int columns, size_t i
         return self.getTemperature()
 
     def __repr__(self):
-        moves = [self._describeMove(index) for index in range(min(self.getNumMoves(), 4))]
+        moves = [self.getMoveDescription(index) for index in range(min(self.getNumMoves(), 4))]
         if self.getNumMoves() > len(moves):
             moves.append("...")
         count = "1 move" if self.getNumMoves() == 1 else f"{self.getNumMoves()} moves"
@@ -404,24 +404,6 @@ static PyObject* toNumPy(const void* values, size_t count, int columns, size_t i
             f"<TorsionMonteCarloIntegrator: {kelvin:g} K, {self.getTrialsPerStep():,} trials a step, "
             f"{'soft spheres, ' if self.getStericMode() == self.Soft else ''}{count}{': ' if moves else ''}{', '.join(moves)}>"
         )
-
-    def _describeMove(self, move):
-        if self.getMoveType(move) == self.TorsionMove:
-            weight, angle, torsions, count = self.getTorsionMoveParameters(move)
-            kind = "torsion" if count == 1 else f"{count} torsions"
-            size = ""
-            choices, name = torsions, "torsion"
-        else:
-            weight, translation, angle, molecules = self.getRigidBodyMoveParameters(move)
-            kind = "rigid body"
-            size = f" \u00b1{translation.value_in_unit(openmm.unit.nanometer):g} nm"
-            choices, name = molecules, "molecule"
-        size += f" \u00b1{angle.value_in_unit(openmm.unit.radian):g} rad"
-        if choices is None:
-            choices = f"all {name}s"
-        else:
-            choices = f"{len(choices):,} {name}{'' if len(choices) == 1 else 's'} to choose from"
-        return f"{kind}{size} (weight {weight:g}, {choices})"
 %}
 }
 

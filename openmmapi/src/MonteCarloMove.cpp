@@ -2,6 +2,7 @@
 #include "openmm/OpenMMException.h"
 #include "openmmchaintree/internal/ArgumentChecks.h"
 #include <cmath>
+#include <locale>
 #include <map>
 #include <sstream>
 
@@ -51,6 +52,14 @@ vector<int> ChainTreePlugin::readIndices(const SerializationNode& node)
     for (auto& child : node.getChildren())
         indices.push_back(child.getIntProperty("index"));
     return indices;
+}
+
+string ChainTreePlugin::toSize(double largest, const string& unit)
+{
+    stringstream text;
+    text.imbue(locale::classic());
+    text << "±" << largest << " " << unit;
+    return text.str();
 }
 
 void ChainTreePlugin::checkLargestAngle(double angle, const string& kind)

@@ -200,6 +200,31 @@ void MoveList::checkSame(int index, const Description& written, const Descriptio
     }
 }
 
+/**
+ * Write a number with commas between thousands.
+ */
+static string toGroupedText(size_t value)
+{
+    string text = to_string(value);
+    for (int i = (int)text.size() - 3; i > 0; i -= 3)
+        text.insert(i, ",");
+    return text;
+}
+
+string MoveList::summarize(int index) const
+{
+    const Entry& entry = get(index);
+    string text = entry.move->summarize() + " (weight " + toText(entry.weight);
+    for (const MoveParameter& parameter : entry.move->getParameters())
+        if (auto indices = get_if<vector<int>>(&parameter.value)) {
+            string singular = parameter.name.substr(0, parameter.name.size() - 1);
+            text += indices->empty() ? ", all " + parameter.name
+                                     : ", " + toGroupedText(indices->size()) + " " +
+                                           (indices->size() == 1 ? singular : parameter.name) + " to choose from";
+        }
+    return text + ")";
+}
+
 // ---- Checkpoints and States ----
 
 /** How many counts a move has. */

@@ -157,6 +157,11 @@ TorsionMonteCarloIntegrator::MoveType TorsionMonteCarloIntegrator::getMoveType(i
     return moves->get(move).move->getKind().type;
 }
 
+string TorsionMonteCarloIntegrator::getMoveDescription(int move) const
+{
+    return moves->summarize(move);
+}
+
 void TorsionMonteCarloIntegrator::getMoveStatistics(int move, long long& attempted, long long& clashed,
                                                     long long& rejectedByEnergy, long long& accepted) const
 {

@@ -256,6 +256,12 @@ public:
      */
     MoveType getMoveType(int move) const;
     /**
+     * Get a line about a move for people to read: what moves and how far, its weight, and what it chooses from.
+     *
+     * @param move  the index of the move
+     */
+    std::string getMoveDescription(int move) const;
+    /**
      * Get the parameters of a move that was added by addTorsionMove(). It is an error if the move is of another kind.
      *
      * @param move           the index of the move

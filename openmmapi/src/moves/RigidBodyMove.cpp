@@ -29,6 +29,10 @@ public:
         checkNotNegative(maxTranslation, "TorsionMonteCarloIntegrator: the largest translation of a rigid body move");
         checkLargestAngle(maxAngle, KIND.name);
     }
+    string summarize() const
+    {
+        return KIND.name + " " + toSize(maxTranslation, "nm") + " " + toSize(maxAngle, "rad");
+    }
     vector<MoveParameter> getParameters() const
     {
         return {

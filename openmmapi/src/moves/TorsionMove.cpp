@@ -32,6 +32,10 @@ public:
                                   "least 1, but is " +
                                   to_string(count));
     }
+    string summarize() const
+    {
+        return (count == 1 ? KIND.name : to_string(count) + " torsions") + " " + toSize(maxAngle, "rad");
+    }
     vector<MoveParameter> getParameters() const
     {
         return {{"maxAngle", maxAngle, ""}, {"torsions", torsions, "Torsion"}, {"count", count, ""}};

@@ -59,6 +59,11 @@ public:
 OPENMM_EXPORT_CHAINTREE std::vector<int> readIndices(const OpenMM::SerializationNode& node);
 
 /**
+ * Write how far a move goes, for people to read: the sign, six digits at most, and the unit.
+ */
+OPENMM_EXPORT_CHAINTREE std::string toSize(double largest, const std::string& unit);
+
+/**
  * Throw an exception if an angle is more than any move needs. Mostly it is one in degrees.
  *
  * @param angle  the largest angle of a move, in radians
@@ -81,6 +86,10 @@ public:
     {
         return kind;
     }
+    /**
+     * Get a few words about it for people to read: what moves, and how far, as "torsion ±0.2 rad".
+     */
+    virtual std::string summarize() const = 0;
     /**
      * Get what decides the trials of this move. Checkpoints, States and XML hold it. Moves of the same kind and with
      * the same parameters draw the same trials.

@@ -46,6 +46,10 @@ public:
     void remove(int index);
     const Entry& get(int index) const;
     /**
+     * Get a line about a move for people to read.
+     */
+    std::string summarize(int index) const;
+    /**
      * Throw an exception unless a move is of a kind.
      */
     void requireKind(int index, const MoveKind& kind) const;
