@@ -11,6 +11,7 @@
 #pragma SWIG nowarn=314,325,453
 
 %import(module="openmm") "swig/OpenMMSwigHeaders.i"
+%include "std_string.i"
 
 %{
 #include "OpenMM.h"
