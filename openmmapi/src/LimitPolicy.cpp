@@ -77,8 +77,9 @@ void LimitPolicy::setLimits(const vector<pair<int, int>>& pairs, const vector<do
     isCurrent = false;
 }
 
-void LimitPolicy::refuseToleratedClashes() const
+void LimitPolicy::refuseToleratedClashes()
 {
+    update();
     vector<pair<int, int>> pairs;
     vector<double> limits;
     kernel->getLimits(pairs, limits);

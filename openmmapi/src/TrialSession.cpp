@@ -9,8 +9,6 @@ TrialSession::TrialSession(StericExclusionForceImpl& force, ContextImpl& context
     force(force), context(context), kernel(*force.engine), limits(limits), ownsTrial(false), contextIsBehind(false)
 {
     force.takeNoticeOfPositions(context);
-    if (hasLimits())
-        force.limits.update();
 }
 
 TrialSession::~TrialSession()
@@ -39,18 +37,36 @@ void TrialSession::leaveOpen()
     ownsTrial = false;
 }
 
-void TrialSession::proposeTorsions(const vector<int>& torsions, const vector<double>& changes)
+/**
+ * Bring limits up to date, if they apply. They start from the state before the trial.
+ */
+void TrialSession::updateLimits()
 {
-    kernel.proposeTorsions(torsions, changes);
+    if (hasLimits())
+        force.limits.update();
+}
+
+/**
+ * Take notice that a trial was opened, of which nobody knows whether it is free.
+ */
+void TrialSession::ownTrial()
+{
     ownsTrial = true;
     force.proposalIsFree = false;
 }
 
+void TrialSession::proposeTorsions(const vector<int>& torsions, const vector<double>& changes)
+{
+    updateLimits();
+    kernel.proposeTorsions(torsions, changes);
+    ownTrial();
+}
+
 void TrialSession::proposeRigidMotion(int molecule, const Vec3& rotation, const Vec3& translation)
 {
+    updateLimits();
     kernel.proposeRigidMotion(molecule, rotation, translation);
-    ownsTrial = true;
-    force.proposalIsFree = false;
+    ownTrial();
 }
 
 bool TrialSession::isFree()

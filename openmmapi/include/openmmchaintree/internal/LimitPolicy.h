@@ -66,9 +66,10 @@ public:
      */
     void setLimits(const std::vector<std::pair<int, int>>& pairs, const std::vector<double>& limits);
     /**
-     * Throw an exception that names the first pair whose limit is not its tolerance, if there is one.
+     * Bring limits up to date, and throw an exception that names the first pair whose limit is not its tolerance, if
+     * there is one.
      */
-    void refuseToleratedClashes() const;
+    void refuseToleratedClashes();
     // Checkpoints hold what a step may still change after everything else, so it is written and read apart.
 
     /**

@@ -31,8 +31,8 @@ public:
         IgnoreLimits
     };
     /**
-     * Take notice of the Context's positions and bring limits up to date, if they apply. The trial that a user may have
-     * left open stays open until another one is proposed.
+     * Take notice of the Context's positions. The trial that a user may have left open stays open until another one is
+     * proposed.
      */
     TrialSession(StericExclusionForceImpl& force, OpenMM::ContextImpl& context, Limits limits);
     TrialSession(const TrialSession&) = delete;
@@ -108,6 +108,8 @@ public:
     double computeOtherEnergyOfProposal(int groups);
 
 private:
+    void updateLimits();
+    void ownTrial();
     StericExclusionForceImpl& force;
     OpenMM::ContextImpl& context;
     CalcStericExclusionForceKernel& kernel;
