@@ -213,7 +213,7 @@ void testBetweenRefusalAndSuccess(Platform& platform)
     run.integrator.step(1);
     ASSERT(run.getNumToleratedClashes() > 0);
 
-    // Who asks for a Context without state gets one.
+    // A Context is made without state if that is asked for.
 
     refuse();
     run.context->reinitialize();

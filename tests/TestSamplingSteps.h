@@ -241,7 +241,7 @@ void testLimits(Platform& platform)
     });
     integrator.setInitialClashPolicy(TorsionMonteCarloIntegrator::Tolerate);
 
-    // Whoever wants to starts them anew.
+    // The user can start them anew.
 
     integrator.setTorsionAngles(context, {0.4});
     ASSERT(chain.force->proposeTorsions(context, {0}, {0.4}));

@@ -317,7 +317,7 @@ void testLimits(Platform& platform)
     chain.force->restartLimits(context);
     ASSERT(!chain.force->proposeTorsions(context, {0}, {-0.1}));
 
-    // Whoever starts limits anew while a trial is open has them start from where it leads.
+    // Limits that are started anew while a trial is open start from where it leads.
 
     context.setPositions(BeadChain(4, 0.7, 0.2).positions);
     ASSERT(chain.force->proposeTorsions(context, {0}, {0.3}));

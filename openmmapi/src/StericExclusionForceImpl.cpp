@@ -209,7 +209,7 @@ void StericExclusionForceImpl::takeNoticeOfPositions(ContextImpl& context)
 {
     computeVirtualSites(context);
     updatePositions(context);
-    limits.noStepIsUnderWay(); // Who asks for trials is in the midst of no other Integrator's step.
+    limits.noStepIsUnderWay(); // No other Integrator is in the midst of a step when trials begin.
 }
 
 int StericExclusionForceImpl::getNumToleratedClashes(ContextImpl& context)

@@ -191,7 +191,7 @@ def test_refusedReinitialize(villin):
 
 
 def test_rescueFromRefusedReinitialize(villin):
-    """Whoever cannot mend the System goes on in another: from a checkpoint of the incomplete Context."""
+    """A user who cannot mend the System goes on in another: from a checkpoint of the incomplete Context."""
     simulation = makeSimulation(villin.topology, makeStericSystem(villin))
     simulation.context.setPositions(villin.positions)
     simulation.step(2)

@@ -17,6 +17,6 @@ extern "C" OPENMM_EXPORT_CHAINTREE void registerChainTreeSerializationProxies()
     SerializationProxy::registerProxy(typeid(TorsionMonteCarloIntegrator), new TorsionMonteCarloIntegratorProxy());
 }
 
-// Whoever loads this library can read and write the XML of its classes.
+// A program that loads this library can read and write the XML of its classes.
 
 static const bool proxiesAreRegistered = (registerChainTreeSerializationProxies(), true);

@@ -52,8 +52,8 @@ void compareState(HardCase* hard, double cutoff);
 /* Gives all pairs that clash now a limit of their own, in the engines and then in the oracle. */
 void raiseLimits(HardCase* hard);
 
-/* Trials of random links: turns by large, small and odd angles, and small shifts of links that move freely. Those that
- * are clash-free are accepted, and a few of those that clash; the state is compared a few times. */
+/* Trials of random links: turns by large, small and odd angles, and small shifts of links that move freely. Trials
+ * without a clash are accepted, and a few of the others; the state is compared a few times. */
 void wander(HardCase* hard, randomSource* random, int trials, double step, double cutoff);
 
 /* A point of a cube. Numbers are drawn one after another; as arguments of a call they would be in any order. */

@@ -589,7 +589,7 @@ static void findChangedBefore(void* context, int i, int j)
         append(found, i, j, before, distanceOf(found->scene, ORACLE_TRIAL, i, j));
 }
 
-/* Those that findChangedBefore has not found. */
+/* Pairs that findChangedBefore has not found. */
 static void findChangedAfter(void* context, int i, int j)
 {
     list* found = context;

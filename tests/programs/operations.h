@@ -10,7 +10,7 @@ int runOperations(Program* program, int most);
 
 void printTally(const Tally* tally);
 
-/* trialOperations.c. Those that need an open trial do nothing without one. */
+/* trialOperations.c. Operations that need an open trial do nothing without one. */
 void propose(Program* program);
 void compareVerdicts(Program* program);
 void compareChangedPairs(Program* program);

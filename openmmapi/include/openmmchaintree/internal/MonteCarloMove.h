@@ -15,7 +15,7 @@
 namespace ChainTreePlugin {
 
 /**
- * A kind of move: what it is called, and how one is read from XML. Whoever creates a MoveKind makes it known, so each
+ * A kind of move: what it is called, and how one is read from XML. To create a MoveKind is to make it known, so each
  * kind is a constant in the file of its move. A new kind of move takes nothing but such a file, a MoveType, and the
  * method of TorsionMonteCarloIntegrator that adds it, which is defined in that file, too.
  */
