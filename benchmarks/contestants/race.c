@@ -11,8 +11,7 @@
 typedef struct Lane {
   const Contestant* contestant;
   void* self;
-  Counts before;     /* counts when the first block was over */
-  double* times;     /* of each block that is counted, microseconds per trial */
+  double* times;     /* of each block but the first, microseconds per trial */
   double* positions; /* as last read; NULL where the contestant keeps them itself */
 } Lane;
 
@@ -31,8 +30,9 @@ typedef struct Course {
   Lane lanes[MOST_LANES];
   Block block;
   unsigned char* clashes; /* of the lane that runs */
-  int blocksRun;          /* without the first, as the following */
-  int trialsRun;
+  int blocksTimed;        /* without the first, as the following */
+  int trialsTimed;
+  int trialsRun; /* with the first block, as the following */
   int accepted;
   double gyration[3]; /* as in RaceResult */
 } Course;
@@ -176,14 +176,15 @@ static double runLanes(Course* course, int firstTrial, char* error, size_t size)
       reportDisagreement(course, i, firstTrial, error, size);
       return -1;
     }
-    lane->times[course->blocksRun] = time;
+    lane->times[course->blocksTimed] = time;
     sum += time * course->block.count;
   }
   return sum;
 }
 
-static void countBlock(Course* course) {
-  course->blocksRun++;
+static void countBlock(Course* course, bool isTimed) {
+  course->blocksTimed += isTimed;
+  course->trialsTimed += isTimed ? course->block.count : 0;
   course->trialsRun += course->block.count;
   for (int i = 0; i < course->block.count; i++) {
     course->accepted += !course->block.clashes[i];
@@ -217,13 +218,13 @@ static double gyrationNow(const Course* course) {
   return sqrt(squares - sum[0] * sum[0] - sum[1] * sum[1] - sum[2] * sum[2]);
 }
 
-/* The first block is run, but not counted. */
+/* Caches are cold in the first block, so it is not timed. It is counted: chains are most compact there. */
 static bool runBlocks(Course* course, char* error, size_t size) {
   const Race* race = course->race;
   double left = 1e6 * race->seconds;
   course->gyration[0] = gyrationNow(course);
   for (int b = 0; b <= blockCountOf(race) && (left > 0 || b < 2); b++) {
-    const int trialsLeft = race->trialCount - course->trialsRun;
+    const int trialsLeft = race->trialCount - course->trialsTimed;
     if (!makeBlock(course, trialsLeft < race->blockSize ? trialsLeft : race->blockSize)) {
       snprintf(error, size, "not enough memory for a trial");
       return false;
@@ -236,15 +237,10 @@ static bool runBlocks(Course* course, char* error, size_t size) {
     if (race->record != NULL) {
       recordBlock(race->record, &course->block);
     }
-    if (b > 0) {
-      countBlock(course);
-      continue;
+    countBlock(course, b > 0);
+    if (b == 0) {
+      course->gyration[1] = gyrationNow(course);
     }
-    for (int i = 0; i < race->laneCount; i++) {
-      Lane* lane = &course->lanes[i];
-      lane->before = lane->contestant->counts(lane->self);
-    }
-    course->gyration[1] = gyrationNow(course);
   }
   course->gyration[2] = gyrationNow(course);
   return true;
@@ -258,13 +254,13 @@ static RaceResult resultOf(const Course* course, const Lane* lane) {
   const Counts counts = contestant->counts(lane->self);
   return (RaceResult){
       .instructionSet = contestant->instructionSet == NULL ? NULL : contestant->instructionSet(lane->self),
-      .trials = course->trialsRun,
+      .trials = course->trialsTimed,
       .gyration = {course->gyration[0], course->gyration[1], course->gyration[2]},
-      .microseconds = quartilesOf(lane->times, course->blocksRun),
+      .microseconds = quartilesOf(lane->times, course->blocksTimed),
       .accepted = course->accepted / trials,
-      .volumeTests = (double)(counts.volumeTests - lane->before.volumeTests) / trials,
-      .particleTests = (double)(counts.particleTests - lane->before.particleTests) / trials,
-      .updates = (double)(counts.updates - lane->before.updates) / trials};
+      .volumeTests = (double)counts.volumeTests / trials,
+      .particleTests = (double)counts.particleTests / trials,
+      .updates = (double)counts.updates / trials};
 }
 
 /* Ends a lane. What the lane itself holds beside the contestant is not counted. */

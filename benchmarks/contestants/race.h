@@ -24,12 +24,12 @@ typedef struct Race {
   FILE* record;            /* takes the scene and all trials; may be NULL */
 } Race;
 
-/* Of one contestant, over blocks; the first block is run, but not counted. */
+/* Of one contestant. The first block is not timed, but its trials count where tests and accepted trials are counted. */
 typedef struct RaceResult {
   const char* instructionSet; /* NULL if the contestant does not choose it */
-  int trials;                 /* that counted: fewer than trialCount if the race is incomplete */
+  int trials;                 /* that were timed: fewer than trialCount if the race is incomplete */
   double gyration[3];         /* radius of gyration, in the scene's unit: of the scene as it is, and before and after */
-                              /* the trials that counted */
+                              /* the trials that were timed */
   Quartiles microseconds;     /* per trial */
   double accepted;            /* share of trials */
   double volumeTests;         /* per trial, as the others */
