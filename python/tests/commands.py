@@ -11,9 +11,9 @@ import tempfile
 COMMAND = [sys.executable, "-m", "openmmchaintree"]
 
 
-def run(*arguments, folder):
+def run(*arguments, folder, command=COMMAND):
     """Run the command in a folder, and return what became of it."""
-    return subprocess.run([*COMMAND, *map(str, arguments)], cwd=folder, capture_output=True, text=True)
+    return subprocess.run([*command, *map(str, arguments)], cwd=folder, capture_output=True, text=True)
 
 
 def readTerminal(controller):
@@ -28,7 +28,7 @@ def readTerminal(controller):
         yield shown
 
 
-def runOnATerminal(*arguments, folder, interruptAt=None):
+def runOnATerminal(*arguments, folder, command=COMMAND, interruptAt=None):
     """Run the command with its error output on a terminal. Return its exit status, its output, and what was shown.
 
     It is interrupted (Ctrl-C) as soon as the regular expression interruptAt matches what was shown.
@@ -36,7 +36,7 @@ def runOnATerminal(*arguments, folder, interruptAt=None):
     controller, terminal = pty.openpty()
     with tempfile.TemporaryFile("w+") as output:
         process = subprocess.Popen(
-            [*COMMAND, *map(str, arguments)],
+            [*command, *map(str, arguments)],
             cwd=folder,
             env={**os.environ, "TERM": "xterm"},
             stdout=output,

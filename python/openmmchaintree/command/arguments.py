@@ -1,7 +1,6 @@
 """Reading arguments: every error is one line."""
 
 import argparse
-import math
 import sys
 
 from .status import BAD_INPUT
@@ -24,17 +23,6 @@ def positive(text):
 def notNegative(text):
     """Read a whole number from 0 on."""
     return wholeNumber(text, 0, 10**15)
-
-
-def positiveReal(text):
-    """Read a number above 0."""
-    try:
-        value = float(text)
-    except ValueError:
-        raise argparse.ArgumentTypeError(f"{text!r} is not a number") from None
-    if not 0 < value < math.inf:
-        raise argparse.ArgumentTypeError(f"{text} is not a number above 0")
-    return value
 
 
 def listOf(names):

@@ -17,17 +17,24 @@ from .terminal import printError
 _COMMANDS = {
     "sample": "sample a protein free of clashes",
     "clashes": "find the clashes of a structure or trajectory",
-    "benchmark": "race the engine against other methods",
 }
 
 
 def main(arguments=None):
     """Run the command; return its exit status."""
+    return runParsed(_parser(), arguments)
+
+
+def runParsed(parser, arguments=None):
+    """Run the function `run` that a parser sets, with the options that it reads; return the exit status.
+
+    Every error of the user, of files and of OpenMM becomes one line.
+    """
     if sys.stdout is None:
         sys.stdout = open(os.devnull, "w")
     if isinstance(sys.stdout, io.TextIOWrapper):
         sys.stdout.reconfigure(errors="replace")  # Greek letters must not stop the report on any terminal
-    options = _parser().parse_args(arguments)
+    options = parser.parse_args(arguments)
     try:
         status = options.run(options)
         sys.stdout.flush()
@@ -36,12 +43,12 @@ def main(arguments=None):
         _dropStandardOutput()
         return NOBODY_READS
     except (InputError, OutputError, openmm.OpenMMException) as error:
-        printError(error)
+        printError(error, parser.prog)
         return BAD_INPUT
     except OSError as error:
         if error.filename is None:
             _dropStandardOutput()
-        printError(f"{error.filename or 'standard output'}: {error.strerror or error}")
+        printError(f"{error.filename or 'standard output'}: {error.strerror or error}", parser.prog)
         return BAD_INPUT
     except KeyboardInterrupt:
         return INTERRUPTED
@@ -55,8 +62,7 @@ def _dropStandardOutput():
 def _parser():
     parser = Parser(
         prog="openmm-chaintree",
-        description="Sampling of proteins in torsion space, the clashes of structures and trajectories, and how fast "
-        "both are found.",
+        description="Sampling of proteins in torsion space, and the clashes of structures and trajectories.",
     )
     version = f"openmm-chaintree {__version__}, OpenMM {openmm.Platform.getOpenMMVersion()}"
     parser.add_argument("--version", action="version", version=version)
