@@ -53,6 +53,18 @@ static bool isPossible(bool found, int count, int most, const char* name, size_t
   return found && count < most;
 }
 
+/* Takes those that the user names, found by `find`, or ends a measure. */
+#define CHOOSE(find, chosen, count, most)                                 \
+  for (const char* list = options->contestants; list != NULL;) {          \
+    size_t length;                                                        \
+    const char* name = nextName(&list, &length);                          \
+    const bool found = (find)(options->set, name, length) != NULL;        \
+    if (!isPossible(found, (count), (most), name, length, error, size)) { \
+      return WRONG_USE;                                                   \
+    }                                                                     \
+    (chosen)[(count)++] = (find)(options->set, name, length);             \
+  }
+
 /* ---- Measures: each returns an exit status ---- */
 
 /* The one that a contestant has chosen, or, if it chooses none, is compiled for. */
@@ -88,15 +100,7 @@ static int runTrials(const Options* options, const Scene* scene, char* error, si
                .readsPositions = options->readsPositions,
                .judge = contestantFind(options->set, "lazygrid", strlen("lazygrid"))};
   RaceResult results[MOST_LANES];
-  for (const char* list = options->contestants; list != NULL;) {
-    size_t length;
-    const char* name = nextName(&list, &length);
-    const Contestant* contestant = contestantFind(options->set, name, length);
-    if (!isPossible(contestant != NULL, race.laneCount, MOST_LANES, name, length, error, size)) {
-      return WRONG_USE;
-    }
-    race.contestants[race.laneCount++] = contestant;
-  }
+  CHOOSE(contestantFind, race.contestants, race.laneCount, MOST_LANES)
   if (!beginRecord(options->record, &race.record, error, size)) {
     return FAILED;
   }
@@ -118,20 +122,17 @@ static int runTrials(const Options* options, const Scene* scene, char* error, si
   return 0;
 }
 
+/* A contestant that tests whole chains. */
+static const Contestant* wholeFind(const InstructionSet* set, const char* name, size_t length) {
+  const Contestant* found = contestantFind(set, name, length);
+  return found == NULL || found->testAll == NULL ? NULL : found;
+}
+
 static int runWhole(const Options* options, const Scene* scene, char* error, size_t size) {
   const Contestant* contestants[MOST_LANES];
   WholeResult results[MOST_LANES];
   int count = 0;
-  for (const char* list = options->contestants; list != NULL;) {
-    size_t length;
-    const char* name = nextName(&list, &length);
-    const Contestant* contestant = contestantFind(options->set, name, length);
-    const bool found = contestant != NULL && contestant->testAll != NULL;
-    if (!isPossible(found, count, MOST_LANES, name, length, error, size)) {
-      return WRONG_USE;
-    }
-    contestants[count++] = contestant;
-  }
+  CHOOSE(wholeFind, contestants, count, MOST_LANES)
   for (int i = 0; i < count; i++) {
     if (!wholeRun(scene, contestants[i], options->trialCount, &results[i])) {
       snprintf(error, size, "not enough memory for %s", contestants[i]->name);
@@ -156,15 +157,7 @@ static int runWhole(const Options* options, const Scene* scene, char* error, siz
 static int runPairs(const Options* options, const Scene* scene, char* error, size_t size) {
   PairRace race = {.scene = scene, .cutoff = options->cutoff, .seed = options->seed, .repeats = options->trialCount};
   PairResult results[MOST_PAIR_FINDERS];
-  for (const char* list = options->contestants; list != NULL;) {
-    size_t length;
-    const char* name = nextName(&list, &length);
-    const PairFinder* finder = pairFinderFind(options->set, name, length);
-    if (!isPossible(finder != NULL, race.finderCount, MOST_PAIR_FINDERS, name, length, error, size)) {
-      return WRONG_USE;
-    }
-    race.finders[race.finderCount++] = finder;
-  }
+  CHOOSE(pairFinderFind, race.finders, race.finderCount, MOST_PAIR_FINDERS)
   if (!pairRaceRun(&race, results, error, size)) {
     return FAILED;
   }
@@ -181,15 +174,7 @@ static int runNearest(const Options* options, const Scene* scene, char* error, s
   NearestRace race = {
       .scene = scene, .obstacleCount = options->obstacleCount, .seed = options->seed, .repeats = options->trialCount};
   Quartiles microseconds[MOST_NEAREST_FINDERS];
-  for (const char* list = options->contestants; list != NULL;) {
-    size_t length;
-    const char* name = nextName(&list, &length);
-    const NearestFinder* finder = nearestFinderFind(options->set, name, length);
-    if (!isPossible(finder != NULL, race.finderCount, MOST_NEAREST_FINDERS, name, length, error, size)) {
-      return WRONG_USE;
-    }
-    race.finders[race.finderCount++] = finder;
-  }
+  CHOOSE(nearestFinderFind, race.finders, race.finderCount, MOST_NEAREST_FINDERS)
   if (!nearestRaceRun(&race, microseconds, error, size)) {
     return FAILED;
   }
@@ -212,15 +197,7 @@ static int runDrift(const Options* options, const Scene* scene, char* error, siz
     snprintf(error, size, "drift is measured of moves that turn one torsion, not biased");
     return WRONG_USE;
   }
-  for (const char* list = options->contestants; list != NULL;) {
-    size_t length;
-    const char* name = nextName(&list, &length);
-    const Kinematics* path = kinematicsFind(options->set, name, length);
-    if (!isPossible(path != NULL, race.laneCount, MOST_DRIFT_LANES, name, length, error, size)) {
-      return WRONG_USE;
-    }
-    race.paths[race.laneCount++] = path;
-  }
+  CHOOSE(kinematicsFind, race.paths, race.laneCount, MOST_DRIFT_LANES)
   if (!driftRaceRun(&race, results, error, size)) {
     return FAILED;
   }
@@ -240,15 +217,7 @@ static int runTouch(const Options* options, const Scene* scene, char* error, siz
                     .seconds = options->seconds,
                     .judge = contestantFind(options->set, "lazygrid", strlen("lazygrid"))};
   TouchResult results[MOST_TOUCH_LANES];
-  for (const char* list = options->contestants; list != NULL;) {
-    size_t length;
-    const char* name = nextName(&list, &length);
-    const Contestant* contestant = precisionFind(options->set, name, length);
-    if (!isPossible(contestant != NULL, race.laneCount, MOST_TOUCH_LANES, name, length, error, size)) {
-      return WRONG_USE;
-    }
-    race.contestants[race.laneCount++] = contestant;
-  }
+  CHOOSE(precisionFind, race.contestants, race.laneCount, MOST_TOUCH_LANES)
   if (!touchRaceRun(&race, results, error, size)) {
     return FAILED;
   }

@@ -31,10 +31,10 @@ typedef struct Candidate {
 /* The best first. */
 static const Candidate candidates[] = {
 #ifdef ROSTER_X86
-    {&instructionSetAvx512, hasAvx512},
-    {&instructionSetAvx2, hasAvx2},
+    {.set = &instructionSetAvx512, .isHere = hasAvx512},
+    {.set = &instructionSetAvx2, .isHere = hasAvx2},
 #endif
-    {&instructionSetPortable, always}};
+    {.set = &instructionSetPortable, .isHere = always}};
 
 const InstructionSet* instructionSetFind(const char* name) {
   for (size_t i = 0; i < sizeof candidates / sizeof candidates[0]; i++) {
