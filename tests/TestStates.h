@@ -166,6 +166,29 @@ void testStatesOfVersion1(Platform& platform)
     ASSERT(attempted <= 50);
 }
 
+/**
+ * Limits that come with a State may still grow: a pair that clashes where the Context stands, and in no State, is
+ * tolerated as it is by the next trial.
+ */
+void testLimitsOfStatesGrow(Platform& platform)
+{
+    BeadChain clashing(11, 0.7, 0.5), apart(11, 0.7, 2.5);
+    Run run(clashing.system, 1, platform), other(apart.system, 1, platform);
+    other.context->setPositions(apart.positions);
+    State state = fromXml(toXml(other.context->getState(State::IntegratorParameters)));
+    run.context->setPositions(clashing.positions);
+    run.integrator.step(1);
+    ASSERT(run.getNumToleratedClashes() > 0);
+    run.context->setState(state);
+    ASSERT_EQUAL(0, run.getNumToleratedClashes());
+    vector<pair<int, int>> pairs;
+    vector<double> overlaps;
+    clashing.force->getClashes(*run.context, pairs, overlaps);
+    ASSERT(pairs.size() > 0);
+    run.integrator.step(1);
+    ASSERT_EQUAL(pairs.size(), run.getNumToleratedClashes());
+}
+
 void testStatesOfOtherIntegrators(Platform& platform)
 {
     BeadChain chain(11, 0.45, 2.5);
@@ -208,5 +231,6 @@ void testStates(Platform& platform)
     testGoingOnFromStates(platform);
     testStatesThatDoNotFit(platform);
     testStatesOfVersion1(platform);
+    testLimitsOfStatesGrow(platform);
     testStatesOfOtherIntegrators(platform);
 }

@@ -2,6 +2,7 @@
  * This tests StericExclusionForce in Contexts on one platform: new parameters, bad input, and warnings.
  */
 
+#include "openmm/CustomIntegrator.h"
 #include "openmm/HarmonicBondForce.h"
 #include "openmm/NonbondedForce.h"
 #include "openmm/VerletIntegrator.h"
@@ -96,6 +97,26 @@ void testUpdateParameters(Platform& platform)
 /**
  * An update that is refused leaves everything as it was, the open trial included.
  */
+/**
+ * A CustomIntegrator asks for forces again only if it is told that they have changed.
+ */
+void testUpdateIsTold(Platform& platform)
+{
+    BeadChain chain(4, 0.7, 0.5);
+    chain.force->setForceConstant(1);
+    CustomIntegrator integrator(0.001);
+    integrator.addComputePerDof("v", "f");
+    Context context(chain.system, integrator, platform);
+    context.setPositions(chain.positions);
+    integrator.step(1);
+    const Vec3 before = context.getState(State::Velocities).getVelocities()[0];
+    ASSERT(sqrt(before.dot(before)) > 0.1);
+    chain.force->setForceConstant(3);
+    chain.force->updateParametersInContext(context);
+    integrator.step(1);
+    ASSERT_EQUAL_VEC(before * 3, context.getState(State::Velocities).getVelocities()[0], 1e-5);
+}
+
 void testRefusedUpdate(Platform& platform)
 {
     BeadChain chain(6, 0.4, 0.5);
@@ -348,6 +369,7 @@ void testBadDefinitions(Platform& platform)
 void testStericContexts(Platform& platform)
 {
     testUpdateParameters(platform);
+    testUpdateIsTold(platform);
     testRefusedUpdate(platform);
     testTwoContexts(platform);
     testFailureLeavesContextUsable(platform);

@@ -7,6 +7,7 @@
 #include "openmm/LocalEnergyMinimizer.h"
 #include "openmm/VerletIntegrator.h"
 #include "TestSupport.h"
+#include <functional>
 #include <random>
 #include <set>
 
@@ -243,6 +244,49 @@ void testQueries(Platform& platform)
                          values[i], tolerance);
 }
 
+/**
+ * Whatever is asked first sees the positions that were set before.
+ */
+void testNewPositions(Platform& platform)
+{
+    BeadChain spheres(1, 0.3);
+    spheres.addMolecule(1, 0.3, 0, Vec3());
+    VerletIntegrator integrator(0.001);
+    Context context(spheres.system, integrator, platform);
+    const StericExclusionForce& force = *spheres.force;
+    Pairs pairs;
+    vector<double> values;
+    vector<int> particles;
+    int particle1, particle2;
+    const vector<function<double()>> queries = {
+        [&] {
+            return force.hasClash(context);
+        },
+        [&] {
+            force.getClashes(context, pairs, values);
+            return pairs.size();
+        },
+        [&] {
+            force.getNeighborPairs(context, 1, pairs, values);
+            return pairs.size();
+        },
+        [&] {
+            return force.getMinimumDistance(context, {0}, {1}, particle1, particle2) < 1;
+        },
+        [&] {
+            force.getClashesWith(context, Vec3(0.55, 0, 0), 0.01, particles, values);
+            return particles.size();
+        },
+        [&] {
+            return context.getState(State::Energy).getPotentialEnergy() > 0;
+        }};
+    for (auto& ask : queries)
+        for (double distance : {0.5, 5.0, 0.5}) {
+            context.setPositions({Vec3(), Vec3(distance, 0, 0)});
+            ASSERT_EQUAL(distance < 1 ? 1.0 : 0.0, double(ask()));
+        }
+}
+
 /** The engine keeps the sets that were asked about last, and begins with the pair that was nearest. */
 void testMinimumDistanceAgain(Platform& platform)
 {
@@ -400,6 +444,7 @@ void testStericQueries(Platform& platform)
     testEnergyAndForces(platform);
     testForceGroups(platform);
     testQueries(platform);
+    testNewPositions(platform);
     testMinimumDistanceAgain(platform);
     testStatistics(platform);
     if (canMinimize(platform))

@@ -98,6 +98,14 @@ void testDroppedProposals(Platform& platform)
     });
     assertRounded(platform, chain.positions, getPositions(context));
 
+    chain.force->proposeTorsions(context, {1}, {0.5});
+    context.setPositions(shifted);
+    Pairs pairs;
+    vector<double> before, after;
+    assertThrows("there is no open proposal", [&] {
+        chain.force->getChangedNeighborPairs(context, 1, pairs, before, after);
+    });
+
     // So does molecular dynamics.
 
     chain.force->proposeTorsions(context, {1}, {0.5});
@@ -251,6 +259,20 @@ void testVirtualSites(Platform& platform)
         ASSERT_EQUAL_TOL(0.25, values[1], tolerance);
     }
 
+    // It need not be the last particle.
+
+    const int last = chain.system.addParticle(1);
+    chain.force->addParticle(0.1);
+    chain.positions.push_back(Vec3(0, 0, 9));
+    VerletIntegrator another(0.001);
+    Context inMidst(chain.system, another, platform);
+    inMidst.setPositions(chain.positions);
+    chain.force->proposeTorsions(inMidst, {0, 1}, {0.5, 0.6});
+    chain.force->acceptProposal(inMidst);
+    vector<Vec3> moved = getPositions(inMidst);
+    ASSERT_EQUAL_VEC(moved[4] * 0.25 + moved[5] * 0.75, moved[6], tolerance);
+    assertRounded(platform, {chain.positions[last]}, {moved[last]});
+
     // What the site is set to counts as what the trial proposed, to the last bit: limits stay as they were.
 
     BeadChain clashing(4, 0.7, 0.5);
@@ -302,7 +324,9 @@ void testLimits(Platform& platform)
     vector<Vec3> positions = getPositions(context);
     context.setPositions(BeadChain(4, 0.7, 0.7).positions);
     ASSERT(!chain.force->proposeTorsions(context, {0}, {-0.1}));
+    ASSERT_EQUAL(1, chain.force->getNumToleratedClashes(context));
     context.setPositions(BeadChain(4, 0.7, 0.2).positions);
+    ASSERT_EQUAL(0, chain.force->getNumToleratedClashes(context));
     ASSERT(chain.force->proposeTorsions(context, {0}, {0.1}));
     ASSERT(!chain.force->proposeTorsions(context, {0}, {-0.1}));
 

@@ -1,11 +1,12 @@
-"""Do the tests notice? Puts one fault after another into a copy of the engine and runs the engine's tests on it.
+"""Do the tests notice? Puts one fault after another into a copy of the repository and runs the tests in C or C++ on it.
 
-    python tests/planted_faults.py [--list] [NAME ...]
+    python tests/planted_faults.py [--list | --check] [NAME ...]
 
-A fault is a small edit of the engine's source, such as one could make by mistake. It is caught if a test fails, hangs
-or crashes. Faults that nobody catches, or whose text is no longer in the source, make the exit status 1. The copy lies
-in a temporary folder, or in that which --folder names, where a later run finds what is built. Takes about half a
-minute a fault; see CONTRIBUTING.md.
+A fault is a small edit of a source file, such as one could make by mistake. It is caught if a test of its layer fails,
+hangs or crashes: the tests of the engine for the engine, those of the C++ classes for all that lies over it. Faults
+that nobody catches, or whose text is no longer in the source, make the exit status 1. The copy lies in a temporary
+folder, or in that which --folder names, where a later run finds what is built. Takes about half a minute a fault; see
+CONTRIBUTING.md. --check builds nothing: it only looks whether the text of each fault is in its file once.
 """
 
 import argparse
@@ -20,13 +21,28 @@ import time
 from dataclasses import dataclass
 
 REPOSITORY = pathlib.Path(__file__).resolve().parent.parent
-SOURCES = "platforms/reference/chaintree/src"
 
-# Asked one by one if the others, which take little time, have not caught a fault.
-SLOW = "TestCommitCost|TestSizes|TestCrowds|TestScales|TestRandomPrograms"
+
+@dataclass(frozen=True)
+class Layer:
+    """Where faults are planted, and who may catch them."""
+
+    folder: str  # in which their files lie
+    label: str  # of its tests
+    slow: str  # tests that are asked one by one if the others, which take little time, have not caught a fault
+    never: str  # tests that are not asked
+
+
 # The oracle's test knows nothing of the engine; trajectories may be wrong as long as they are the same; and random
 # programs run without a setting take longest.
-NEVER = ("TestOracle", "TestTrajectories", "TestRandomPrograms")
+ENGINE = Layer(
+    "platforms/reference/chaintree/src",
+    "engine",
+    slow="TestCommitCost|TestSizes|TestCrowds|TestScales|TestRandomPrograms",
+    never="^(TestOracle|TestTrajectories|TestRandomPrograms)$",
+)
+# The platforms differ in little, and OpenCL takes a quarter of an hour.
+API = Layer(".", "api", slow="TestReferenceTorsionMonteCarloIntegrator|TestCpu", never="TestOpenCL")
 
 
 @dataclass(frozen=True)
@@ -38,7 +54,7 @@ class Fault:
 
 
 # fmt: off
-FAULTS = [
+ENGINE_FAULTS = [
     # ---- Volumes ----
     Fault("volume: a sphere around members leaves out their radii", "volume.h",
           "centre.y, centre.z)), load16(radii)));", "centre.y, centre.z)), all16(0)));"),
@@ -277,7 +293,220 @@ FAULTS = [
     Fault("avx2: a blend takes the low half twice", "simd.h",
           "lanes8(mask >> 8))}", "lanes8(mask))}"),
 ]
+FORCE = "openmmapi/src/StericExclusionForce.cpp"
+FORCE_XML = "serialization/src/StericExclusionForceProxy.cpp"
+FOREIGN_ENERGY = "openmmapi/src/ForeignEnergy.cpp"
+IMPL = "openmmapi/src/StericExclusionForceImpl.cpp"
+INTEGRATOR = "openmmapi/src/TorsionMonteCarloIntegrator.cpp"
+INTEGRATOR_XML = "serialization/src/TorsionMonteCarloIntegratorProxy.cpp"
+KERNELS = "platforms/reference/src/ReferenceChainTreeKernels.cpp"
+LIMITS = "openmmapi/src/LimitPolicy.cpp"
+LINKS = "openmmapi/src/LinkStructure.cpp"
+MOVES = "openmmapi/src/MoveList.cpp"
+RIGID_BODY_MOVE = "openmmapi/src/moves/RigidBodyMove.cpp"
+SESSION = "openmmapi/src/TrialSession.cpp"
+SNAPSHOT = "openmmapi/src/ContextSnapshot.cpp"
+TORSION_MOVE = "openmmapi/src/moves/TorsionMove.cpp"
+
+API_FAULTS = [
+    # ---- Links ----
+    Fault("links: virtual sites are tied to nothing", LINKS,
+          "tie(i, site.getParticle(j));", ""),
+    Fault("links: a virtual site is tied to the first of its particles", LINKS,
+          "j < site.getNumParticles()", "j < 1"),
+    Fault("links: a virtual site of mass 0 is fixed", LINKS,
+          " && !system.isVirtualSite(i))", ")"),
+    Fault("links: axes part links one way round", LINKS,
+          "axes.find(minmax(particle, next)) == axes.end()", "axes.find(make_pair(particle, next)) == axes.end()"),
+    Fault("links: fixed molecules are free", LINKS,
+          "molecules.push_back({root, anchors[root] != -1});", "molecules.push_back({root, false});"),
+    Fault("links: links are joined without looking for what they belong to", LINKS,
+          "representative[find(link1)] = find(link2);", "representative[link1] = link2;"),
+    Fault("links: a constraint may span a torsion of the second way", LINKS,
+          "    torsions1.insert(torsions1.end(), torsions2.begin(), torsions2.end());\n", ""),
+    Fault("links: a description does not tell what is fixed", LINKS,
+          "        description.push_back(molecules[link.molecule].fixed);\n", ""),
+    # ---- Definition ----
+    Fault("definition: exclusions reach one bond less far", FORCE,
+          "distance <= bondCutoff &&", "distance < bondCutoff &&"),
+    Fault("definition: exclusions are known one way round", FORCE,
+          "known.insert(minmax(exclusion.first, exclusion.second));", "known.insert(exclusion);"),
+    Fault("definition: the order of pairs counts", FORCE,
+          "return collect(list1) == collect(list2);", "return false;"),
+    Fault("definition: torsions may change in a Context", FORCE,
+          "torsions == other.torsions &&", ""),
+    Fault("definition: a new role is not taken", FORCE,
+          "particles[index] = {radius, hydrogenBondRole};", "particles[index].radius = radius;"),
+    # ---- Snapshots of Contexts ----
+    Fault("snapshot: parameters are not restored", SNAPSHOT,
+          "context.setParameter(known->first, known->second);", ";"),
+    Fault("snapshot: velocities are not restored", SNAPSHOT,
+          "    context.setVelocities(velocities);\n", ""),
+    Fault("snapshot: the box is not restored", SNAPSHOT,
+          "    context.setPeriodicBoxVectors(box[0], box[1], box[2]);\n", ""),
+    Fault("snapshot: the time is not restored", SNAPSHOT,
+          "    context.setTime(time);\n", ""),
+    Fault("snapshot: the step count is not restored", SNAPSHOT,
+          "    context.setStepCount(stepCount);\n", ""),
+    Fault("snapshot: positions are always new", SNAPSHOT,
+          "return present.size() != positions.size() ||", "return true ||"),
+    Fault("snapshot: positions are kept that were never set", SNAPSHOT,
+          "if (positionsAreSet)", "if (true)"),
+    # ---- Kernels ----
+    Fault("kernel: only the first of two can be the donor", KERNELS,
+          " || ((role1 & ctAcceptor) && (role2 & ctDonor))", ""),
+    Fault("kernel: new parameters forget limits", KERNELS,
+          "vector<array<int, 2>> pairs(getNumLimits());", "vector<array<int, 2>> pairs;"),
+    Fault("kernel: a scene of new parameters has all particles in one place", KERNELS,
+          "        getPositions(positions);\n    Tree", "        ;\n    Tree"),
+    Fault("kernel: trials go on from the array of the scene before", KERNELS, "    followed.clear();\n", ""),
+    Fault("kernel: a selection outlives its scene", KERNELS,
+          "    selection2 = KeptSelection();\n", ""),
+    Fault("kernel: a selection serves for other particles", KERNELS,
+          "!kept.selection || kept.particles != particles", "!kept.selection"),
+    Fault("kernel: the arrangement is that of the first scene", KERNELS,
+          "    arrangement = std::move(positions);\n",
+          "    if (arrangement.empty())\n        arrangement = std::move(positions);\n"),
+    Fault("kernel: forces add up", KERNELS,
+          "    fill(forces.begin(), forces.end(), Vec3());\n", ""),
+    Fault("kernel: molecules turn about the origin", KERNELS,
+          "    check(ctGetCentroid(tree.get(), change.link, change.pivot));\n", ""),
+    Fault("kernel: soft spheres reach as far as one radius", KERNELS,
+          "return 2 * largest - parameters.overlapTolerance;", "return largest;"),
+    Fault("kernel: soft spheres had no energy before", KERNELS,
+          "excessAfter * excessAfter - excessBefore * excessBefore", "excessAfter * excessAfter"),
+    Fault("kernel: soft spheres know nothing of hydrogen bonds", KERNELS,
+          "- parameters.getTolerance(particle1, particle2);", "- parameters.overlapTolerance;"),
+    # ---- Positions and limits ----
+    Fault("positions: only the last particle can be a virtual site", IMPL,
+          "hasVirtualSites = hasVirtualSites || system", "hasVirtualSites = system"),
+    Fault("positions: trials begin with old virtual sites", IMPL,
+          "    computeVirtualSites(context);\n    updatePositions(context);", "    updatePositions(context);"),
+    Fault("positions: one that this plugin sets is the user's", IMPL,
+          "    FlagGuard guard(settingPositions);\n", ""),
+    Fault("positions: those of a checkpoint are the user's", IMPL,
+          "        if (haveSameBits(buffer, restored))\n            return;\n", ""),
+    Fault("positions: a query does not look at them anew", IMPL,
+          "    updatePositions(context);\n    return engine->getMinimum", "    return engine->getMinimum"),
+    Fault("positions: an energy does not look at them anew", IMPL,
+          "    adoptPositions(context, positions);\n    return engine", "    return engine"),
+    Fault("positions: a checkpoint agrees on none", IMPL,
+          "    agreedPositions = agreed;\n", ""),
+    Fault("positions: a probe does not look at them anew", IMPL,
+          "    updatePositions(context);\n    engine->getClashesWith", "    engine->getClashesWith"),
+    Fault("positions: changed pairs are those of old ones", IMPL,
+          "    updatePositions(context);\n    requireProposal();\n    engine->getChanged",
+          "    requireProposal();\n    engine->getChanged"),
+    Fault("positions: tolerated clashes are those of old ones", IMPL,
+          "    updatePositions(context);\n    return engine->getNumLimits", "    return engine->getNumLimits"),
+    Fault("parameters: nobody is told of new ones", IMPL,
+          "    context.systemChanged();\n", ""),
+    Fault("angles: setting them keeps limits", IMPL,
+          "    session.end();\n    limits.restart();", "    session.end();"),
+    Fault("warnings: each periodic force makes one", IMPL,
+          '"stand can clash");\n            return;', '"stand can clash");'),
+    Fault("limits: dynamics starts them anew", LIMITS,
+          "if (dynamicsIsExpected && mayBeDynamics)", "if (false)"),
+    Fault("limits: any Integrator's step may raise them", LIMITS,
+          "if (dynamicsIsExpected && mayBeDynamics)", "if (mayBeDynamics)"),
+    Fault("limits: silent steps are unknown", LIMITS,
+          "(stepBegun != NO_STEP || !stepsAreAnnounced)", "(stepBegun != NO_STEP)"),
+    Fault("limits: a step never ends", LIMITS,
+          "    if (stepCount != stepBegun)\n        stepBegun = NO_STEP;\n", ""),
+    Fault("limits: new ones may not grow", LIMITS,
+          "    kernel->clearLimits();\n    isCurrent = false;", "    kernel->clearLimits();"),
+    Fault("limits: those of a State may not grow", LIMITS,
+          "    kernel->setLimits(pairs, limits);\n    isCurrent = false;", "    kernel->setLimits(pairs, limits);"),
+    Fault("limits: old ones stay", LIMITS,
+          "    kernel->clearLimits();\n", ""),
+    Fault("limits: a checkpoint's are always up to date", LIMITS,
+          "    isCurrent = current;", "    isCurrent = true;"),
+    Fault("limits: a checkpoint knows no step", LIMITS,
+          "    stepBegun = reader.read<long long>();", "    reader.read<long long>();"),
+    # ---- Trials ----
+    Fault("session: it leaves its trial open", SESSION,
+          "    if (ownsTrial)\n        reject();\n", ""),
+    Fault("session: an exception leaves the Context behind", SESSION,
+          "        end();\n    }\n    catch", "    }\n    catch"),
+    Fault("session: after an energy the Context stays at the trial", SESSION,
+          "    contextIsBehind = true;\n    force.setContext", "    force.setContext"),
+    Fault("session: soft trials clash", SESSION,
+          "!hasLimits() || kernel", "kernel"),
+    Fault("session: an accepted clash keeps limits", SESSION,
+          "    if (hasLimits() && !force.proposalIsFree)\n        force.limits.restart();\n", ""),
+    Fault("session: acceptance starts limits anew", SESSION,
+          "    if (hasLimits() && !force.proposalIsFree)", "    if (hasLimits())"),
+    Fault("step: forces are told of none", INTEGRATOR,
+          "        context->updateContextState();\n", ""),
+    Fault("step: soft ones keep limits", INTEGRATOR,
+          "        if (stericMode == Soft)\n            force->getLimitPolicy().restart();\n        else if",
+          "        if"),
+    Fault("step: what moves uphill is accepted too often", INTEGRATOR,
+          "random->drawUniform() < exp(exponent)", "random->drawUniform() < 2 * exp(exponent)"),
+    Fault("step: an energy that is not a number is accepted", INTEGRATOR,
+          "std::isnan(energyChange) || ", ""),
+    # ---- Energies ----
+    Fault("energy: all groups count", FOREIGN_ENERGY,
+          "integrator.getIntegrationForceGroups() & groupsWithEnergy", "groupsWithEnergy"),
+    Fault("energy: groups are those of the first step", FOREIGN_ENERGY,
+          "    groups = integrator", "    groups = groups != 0 ? groups : integrator"),
+    Fault("energy: that of the state is that of the first trial", FOREIGN_ENERGY,
+          "    energy = proposedEnergy;\n", ""),
+    Fault("energy: the reciprocal space is forgotten", FOREIGN_ENERGY,
+          "if (nonbonded != NULL && nonbonded->getReciprocalSpaceForceGroup() >= 0)", "if (false)"),
+    Fault("energy: a thermostat has some", FOREIGN_ENERGY,
+          "            dynamic_cast<const AndersenThermostat*>(force) != NULL ||\n", ""),
+    Fault("energy: the spheres' own joins that of others", IMPL,
+          "    FlagGuard guard(energyIsSuppressed);\n", ""),
+    # ---- Moves ----
+    Fault("move: of several torsions the later are drawn with replacement", TORSION_MOVE,
+          "        if (isDrawn[choice])\n            choice = last;\n", ""),
+    Fault("move: what was drawn once is drawn no more", TORSION_MOVE,
+          "        isDrawn[drawnChoices[i]] = false;\n", ""),
+    Fault("move: torsions turn one way", TORSION_MOVE,
+          "random.drawSymmetric(maxAngle)", "random.drawUniform() * maxAngle"),
+    Fault("move: molecules that have come to be fixed are drawn", RIGID_BODY_MOVE,
+          "    choices.clear();\n", ""),
+    Fault("move: molecules move within a cube", RIGID_BODY_MOVE,
+          "random.drawPointInBall(maxTranslation)",
+          "Vec3(random.drawSymmetric(maxTranslation), random.drawSymmetric(maxTranslation), "
+          "random.drawSymmetric(maxTranslation))"),
+    Fault("move: weights are not taken off", MOVES,
+          "        position -= entries[i].weight;\n", ""),
+    Fault("move: a new one keeps the weight", MOVES,
+          "entries[index] = {std::move(move), weight, 0, 0, 0};",
+          "entries[index] = {std::move(move), entries[index].weight, 0, 0, 0};"),
+    # ---- What is kept ----
+    Fault("checkpoint: the random numbers are not restored", INTEGRATOR,
+          "    *random = restored;\n    moves->setStatistics", "    moves->setStatistics"),
+    Fault("checkpoint: counts of refused trials are not restored", MOVES,
+          "        entries[i].rejectedByEnergy = statistics[NUM_COUNTS * i + 1];\n", ""),
+    Fault("checkpoint: any moves will do", MOVES,
+          "        checkSame(i, description, describe(entries[i]));\n", ""),
+    Fault("checkpoint: positions set since are not told", INTEGRATOR,
+          "kept->positionsWereSet ? OfKeptStateWithNewPositions : OfKeptState", "OfKeptState"),
+    Fault("checkpoint: velocities set since are lost", INTEGRATOR,
+          "        kept->context.updateVelocities(*owner);", "        ;"),
+    Fault("saved state: it is believed elsewhere", INTEGRATOR,
+          '    if (fingerprint(positions) != node.getStringProperty("positions"))\n        return false;\n', ""),
+    Fault("saved state: the random numbers are not restored", INTEGRATOR,
+          "    *random = restored;\n    moves->readStatistics", "    moves->readStatistics"),
+    Fault("saved state: that of another structure loses its limits", INTEGRATOR,
+          "    if (!deserializeGeometry(", "    if (false && !deserializeGeometry("),
+    # ---- Serialization ----
+    Fault("xml: roles are lost", FORCE_XML,
+          '.setIntProperty("hydrogenBondRole", role)', '.setIntProperty("hydrogenBondRole", 0)'),
+    Fault("xml: the force group is lost", FORCE_XML,
+          '    force->setForceGroup(node.getIntProperty("forceGroup"));\n', ""),
+    Fault("xml: the integration force groups are lost", INTEGRATOR_XML,
+          '    integrator->setIntegrationForceGroups(node.getIntProperty("integrationForceGroups"));\n', ""),
+    Fault("xml: the first version has a steric mode", INTEGRATOR_XML,
+          "    if (version > 1)\n", ""),
+]
 # fmt: on
+
+
+FAULTS = [(ENGINE, fault) for fault in ENGINE_FAULTS] + [(API, fault) for fault in API_FAULTS]
 
 
 def run(command, **arguments):
@@ -298,20 +527,6 @@ class Copy:
         for path in self.source.rglob("*"):
             if path.is_file() and str(path.relative_to(self.source)) not in tracked:
                 path.unlink()
-        options = {
-            "Python_EXECUTABLE": sys.executable,
-            "CHAINTREE_BUILD_PYTHON": "OFF",
-            "CHAINTREE_BUILD_BENCHMARKS": "OFF",
-            "CHAINTREE_SANITIZE": "",
-            "CMAKE_C_FLAGS_RELEASE": "-O1",
-        }
-        command = ["cmake", "-S", self.source, "-B", self.build, "-G", "Ninja"]
-        configured = run(command + [f"-D{name}={value}" for name, value in options.items()])
-        if configured.returncode != 0:
-            sys.exit(configured.stdout)
-        listed = run(["ctest", "--test-dir", self.build, "-L", "engine", "-N"]).stdout
-        self.tests = [name for name in re.findall(r"Test +#\d+: (\S+)", listed) if name not in NEVER]
-        self.targets = sorted({name.split("_")[0] for name in self.tests})
 
     def write(self, name: str, content: bytes) -> None:
         """Leaves files that are as they should be their time, for the build."""
@@ -320,6 +535,31 @@ class Copy:
         if not path.exists() or path.read_bytes() != content:
             path.write_bytes(content)
 
+
+class Tests:
+    """The tests of a layer, on a copy."""
+
+    def __init__(self, copy: Copy, layer: Layer):
+        self.copy = copy
+        self.layer = layer
+        self.build = copy.build / layer.label
+        options = {
+            "Python_EXECUTABLE": sys.executable,
+            "CHAINTREE_ENGINE_ONLY": "ON" if layer is ENGINE else "OFF",
+            "CHAINTREE_BUILD_PYTHON": "OFF",
+            "CHAINTREE_BUILD_BENCHMARKS": "OFF",
+            "CHAINTREE_SANITIZE": "",
+            "CMAKE_C_FLAGS_RELEASE": "-O1",
+            "CMAKE_CXX_FLAGS_RELEASE": "-O1",
+        }
+        command = ["cmake", "-S", copy.source, "-B", self.build, "-G", "Ninja"]
+        configured = run(command + [f"-D{name}={value}" for name, value in options.items()])
+        if configured.returncode != 0:
+            sys.exit(configured.stdout)
+        listed = run(["ctest", "--test-dir", self.build, "-L", layer.label, "-E", layer.never, "-N"]).stdout
+        self.names = re.findall(r"Test +#\d+: (\S+)", listed)
+        self.targets = sorted({name.split("_")[0] for name in self.names})
+
     def make(self) -> str:
         """Returns what the compiler said if it refused."""
         made = run(["cmake", "--build", self.build, "--target", *self.targets])
@@ -327,66 +567,94 @@ class Copy:
 
     def failing(self, pattern: str, without: str) -> list[str]:
         command = ["ctest", "--test-dir", self.build, "-R", pattern, "-E", without]
-        ran = run(command + ([] if self.all else ["--stop-on-failure"]))
+        ran = run(command + ([] if self.copy.all else ["--stop-on-failure"]))
         if "No tests were found" in ran.stdout:
             sys.exit(f"no test matches {pattern}")
         return re.findall(r"^\t *\d+ - (\S+)", ran.stdout, re.MULTILINE)
 
     def catchers(self) -> list[str]:
-        found = self.failing("^(" + "|".join(self.tests) + ")$", SLOW)
-        for name in self.tests:
-            if not found and any(name.startswith(slow) for slow in SLOW.split("|")):
+        found = self.failing("^(" + "|".join(self.names) + ")$", self.layer.slow)
+        for name in self.names:
+            if not found and re.match(self.layer.slow, name):
                 found = self.failing(f"^{name}$", "^$")
         return found
 
 
-def plant(copy: Copy, fault: Fault) -> str:
+def whyNotPlanted(layer: Layer, fault: Fault) -> str:
+    """Returns why a fault cannot be planted, or an empty text."""
+    path = REPOSITORY / layer.folder / fault.file
+    if not path.exists():
+        return f"there is no {fault.file}"
+    count = path.read_text().count(fault.old)
+    return "" if count == 1 else f"its text is in {fault.file} {count} times"
+
+
+def plant(tests: Tests, fault: Fault) -> str:
     """Returns what came of it, or an empty text if nobody noticed."""
-    name = f"{SOURCES}/{fault.file}"
+    reason = whyNotPlanted(tests.layer, fault)
+    if reason:
+        return f"PLANT IT ANEW: {reason}"
+    name = f"{tests.layer.folder}/{fault.file}"
     sound = (REPOSITORY / name).read_text()
-    count = sound.count(fault.old)
-    if count != 1:
-        return f"PLANT IT ANEW: its text is in {fault.file} {count} times"
-    copy.write(name, sound.replace(fault.old, fault.new).encode())
+    tests.copy.write(name, sound.replace(fault.old, fault.new).encode())
     try:
-        refusal = copy.make()
+        refusal = tests.make()
         if refusal:
             return "PLANT IT ANEW: it does not compile\n" + refusal
-        return ", ".join(copy.catchers())
+        return ", ".join(tests.catchers())
     finally:
-        copy.write(name, sound.encode())
+        tests.copy.write(name, sound.encode())
+
+
+def plantAll(copy: Copy, chosen: list[tuple[Layer, Fault]]) -> int:
+    """Returns how many nobody noticed, or could not be planted."""
+    made = {}
+    for layer in dict.fromkeys(layer for layer, _ in chosen):
+        made[layer] = Tests(copy, layer)
+        failed = made[layer].make() or ", ".join(made[layer].catchers())
+        if failed:
+            sys.exit(f"without any fault: {failed}")
+    bad = 0
+    for number, (layer, fault) in enumerate(chosen, 1):
+        start = time.monotonic()
+        result = plant(made[layer], fault)
+        bad += result == "" or result.startswith("PLANT")
+        seconds = time.monotonic() - start
+        print(f"{number:3} {fault.name}\n    {result or 'NOBODY NOTICED'} ({seconds:.0f} s)", flush=True)
+    print(f"{len(chosen) - bad} of {len(chosen)} faults were caught")
+    return bad
+
+
+def check(chosen: list[tuple[Layer, Fault]]) -> int:
+    """Returns how many faults cannot be planted."""
+    reasons = [(fault.name, whyNotPlanted(layer, fault)) for layer, fault in chosen]
+    bad = [f"{name}: {reason}" for name, reason in reasons if reason]
+    print(*bad, f"{len(chosen) - len(bad)} of {len(chosen)} faults can be planted", sep="\n")
+    return len(bad)
 
 
 def main() -> int:
     parser = argparse.ArgumentParser(description=__doc__.split("\n\n")[0])
     parser.add_argument("names", nargs="*", metavar="NAME", help="faults whose name begins so; all if none is given")
     parser.add_argument("--list", action="store_true", help="only name the faults")
+    parser.add_argument("--check", action="store_true", help="only look whether each text is in its file once")
     parser.add_argument("--all", action="store_true", help="name all quick tests that notice, not only the first")
     parser.add_argument("--folder", type=pathlib.Path, help="where the copy goes, and stays")
     arguments = parser.parse_args()
-    chosen = [fault for fault in FAULTS if not arguments.names or fault.name.startswith(tuple(arguments.names))]
+    names = tuple(arguments.names) or ("",)
+    chosen = [(layer, fault) for layer, fault in FAULTS if fault.name.startswith(names)]
     if arguments.list:
-        print(*(fault.name for fault in chosen), sep="\n")
+        print(*(fault.name for _, fault in chosen), sep="\n")
         return 0
+    if arguments.check:
+        return check(chosen) > 0
     for tool in ("cmake", "ninja", "git"):
         if shutil.which(tool) is None:
             sys.exit(f"{tool} was not found")
     os.environ.pop("CHAINTREE_SIMD", None)
     os.environ.pop("CHAINTREE_TRIALS", None)
     with tempfile.TemporaryDirectory() as temporary:
-        copy = Copy(arguments.folder or pathlib.Path(temporary), arguments.all)
-        failed = copy.make() or ", ".join(copy.catchers())
-        if failed:
-            sys.exit(f"without any fault: {failed}")
-        bad = 0
-        for number, fault in enumerate(chosen, 1):
-            start = time.monotonic()
-            result = plant(copy, fault)
-            bad += result == "" or result.startswith("PLANT")
-            seconds = time.monotonic() - start
-            print(f"{number:3} {fault.name}\n    {result or 'NOBODY NOTICED'} ({seconds:.0f} s)", flush=True)
-    print(f"{len(chosen) - bad} of {len(chosen)} faults were caught")
-    return bad > 0
+        return plantAll(Copy(arguments.folder or pathlib.Path(temporary), arguments.all), chosen) > 0
 
 
 if __name__ == "__main__":
