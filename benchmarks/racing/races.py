@@ -7,7 +7,7 @@ from .course import Course
 from .program import ProgramError
 from .proteins import Model
 
-OURS, LAZY_GRID, FULL_GRID, SIMD_GRID, VERLET = "ours", "lazygrid", "fullgrid", "simdgrid", "verlet"
+OURS, LAZY_GRID, FULL_GRID, SIMD_GRID, VERLET = "ours", "lazygrid", "fullgrid", "simdgrid", "verletlist"
 INSTRUCTION_SETS = ("avx512", "avx2", "portable")
 
 ALL_CHAINS = 10**9  # as many as the user wants

@@ -1,7 +1,10 @@
 """The script race.py, as a user runs it. No test looks at how long anything takes."""
 
 import csv
+import os
+import subprocess
 import sys
+from pathlib import Path
 
 import commands
 import numpy as np
@@ -362,6 +365,15 @@ def test_csvOnStandardOutput(runHere, tmp_path):
     assert result.returncode == 0 and filesIn(tmp_path) == []
     lines = [line for line in result.stdout.splitlines() if not line.startswith("# ")]
     assert len(list(csv.DictReader(lines))) >= 6 and GROUPS["sidechains"] in result.stderr
+
+
+def test_typesFit():
+    pytest.importorskip("mypy")
+    folder = Path(race.__file__).parent
+    options = ["--config-file", folder.parent / "pyproject.toml", "--cache-dir", os.devnull]
+    command = [sys.executable, "-m", "mypy", *options, "race.py", "accuracy.py"]
+    result = subprocess.run(command, cwd=folder, capture_output=True, text=True)
+    assert result.returncode == 0, result.stdout + result.stderr
 
 
 # ---- Tables ----
