@@ -325,6 +325,18 @@ void testPositionsOfRefusedCheckpoint(Platform& platform)
     more.integrator.step(1);
     ASSERT_EQUAL(0, more.getNumToleratedClashes());
     ASSERT(!chain.force->hasClash(*more.context));
+
+    // So do those that are there already.
+
+    more.context->setPositions(chain.positions);
+    more.integrator.step(1);
+    ASSERT(more.getNumToleratedClashes() > 0);
+    run.context->setPositions(getPositions(*more.context));
+    checkpoint = run.createCheckpoint();
+    assertThrows("3 moves", [&] {
+        more.loadCheckpoint(checkpoint);
+    });
+    ASSERT_EQUAL(0, more.getNumToleratedClashes());
 }
 
 void testLoadedCheckpoints(Platform& platform)

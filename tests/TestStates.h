@@ -139,6 +139,7 @@ void testStatesThatDoNotFit(Platform& platform)
     assertThrows("the checkpoint is incomplete", [&] {
         run.context->setState(fromXml(xml.substr(0, end - 40) + xml.substr(end)));
     });
+    ASSERT_EQUAL(0, run.getNumToleratedClashes());
     run.integrator.step(1);
 }
 
