@@ -8,12 +8,12 @@ from .course import Course, measure, summarizeTimes
 from .platforms import whyNot
 from .program import ProgramError
 from .proteins import Model
-from .races import ALL_CHAINS, LAZY_GRID, OURS, Chain, Moves, describeChain, runTrials
+from .races import ALL_CHAINS, BLOCK_SIZE, LAZY_GRID, OURS, Chain, Moves, describeChain, runTrials
 from .recording import makeForce, readRecording
 from .rivals import RIVALS, OurCalls
 from .steps import Simulated
 
-_BLOCK_SIZE = 20
+_SLOW_BLOCK = 20  # trials of a turn, where some take milliseconds for each
 _STEP_SIZE = 100  # trials of a step, as an integrator has it by itself
 
 _IN_COMMON = (
@@ -49,15 +49,17 @@ class PythonRace(NamedTuple):
         ProgramError
             if contestants disagree
         """
-        options = {"--contestants": f"{LAZY_GRID},{OURS}", "--block": _BLOCK_SIZE, "--record": course.recordFile()}
+        block = _SLOW_BLOCK if self.withRivals else BLOCK_SIZE
+        options = {"--contestants": f"{LAZY_GRID},{OURS}", "--block": block, "--record": course.recordFile()}
         entries = runTrials(self, course, seed, options)
         recording = readRecording(course.recordFile())
         rivals = [rival for rival in RIVALS if self.withRivals and whyNot(rival.requirement) is None]
         lanes = [_Lane(rival(recording)) for rival in (OurCalls, *rivals)]
         trials = recording.trials
-        for first in range(0, len(trials), _BLOCK_SIZE):
+        block = entries[0]["block"]  # no larger than the number of trials
+        for first in range(0, len(trials), block):
             for lane in lanes:
-                lane.run(trials[first : first + _BLOCK_SIZE], first)
+                lane.run(trials[first : first + block], first)
         common = {name: entries[0][name] for name in _IN_COMMON}
         entries += [{**common, **lane.summarize()} for lane in lanes]
         return [*entries, {**common, **_runSteps(recording, seed, common["trials"])}]

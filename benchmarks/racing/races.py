@@ -60,6 +60,7 @@ class Race(NamedTuple):
     contestants: Sequence[str]
     slow: Sequence[str] = ()
     readsPositions: bool = False
+    block: int = BLOCK_SIZE
     mostChains: int = ALL_CHAINS
 
     def __str__(self) -> str:
@@ -70,7 +71,7 @@ class Race(NamedTuple):
         isSlow = seed == course.seed
         names = [*self.contestants, *(self.slow if isSlow else ())]
         options = {"--contestants": ",".join(names), "--positions": "each" if self.readsPositions else None}
-        return runTrials(self, course, seed, options)
+        return runTrials(self, course, seed, {**options, "--block": self.block})
 
 
 class Question(NamedTuple):

@@ -72,6 +72,7 @@ _LARGEST = 1000000  # there, the full grid would take all the time
 PAPER_TRIALS = 20000  # the paper's number
 _TRIALS = 4000  # with five chains as many together as the paper's
 _LARGE_TRIALS = 500
+_LARGE_BLOCK = 100  # of trials that take milliseconds
 _PYTHON_TRIALS = 400
 _QUESTIONS = 50
 _WORST_QUESTIONS = 5
@@ -153,9 +154,11 @@ def _chains(plan, group):
 def _large(plan, group):
     for kind, moves in (("hilbert", _UNIFORM), ("serpentine", _ONE_DEGREE)):
         for size in plan.sizes(_SIZES[-1], _LARGE):
-            yield Race(group, Chain(kind, size), moves, _LARGE_TRIALS, plan.pick(*_GRIDS_AND_OURS))
+            names = plan.pick(*_GRIDS_AND_OURS)
+            yield Race(group, Chain(kind, size), moves, _LARGE_TRIALS, names, block=_LARGE_BLOCK)
         for size in plan.sizes(_LARGEST):
-            yield Race(group, Chain(kind, size), moves, _LARGE_TRIALS, plan.pick(*_WITHOUT_FULL_GRID))
+            names = plan.pick(*_WITHOUT_FULL_GRID)
+            yield Race(group, Chain(kind, size), moves, _LARGE_TRIALS, names, block=_LARGE_BLOCK, mostChains=1)
 
 
 def _figures(plan, group):
