@@ -68,7 +68,7 @@ ENGINE_FAULTS = [
           "Surfaces ? own->block.r", "Surfaces ? own->centres"),
     # ---- What descents keep, types, axes ----
     Fault("kept: a leaf that has made room is still seen", "view_body.h",
-          "t->inView[other] = NULL; /* positions", "/* positions"),
+          "t->inView[other] = NULL; /* its", "/* its"),
     Fault("kept: a node that has made room is still seen", "view_body.h",
           "if (t->inView[other] == moved) {", "if (t->inView[other] == NULL) {"),
     Fault("kept: the second of two blocks may stand where the first was", "view_body.h",
@@ -156,7 +156,7 @@ ENGINE_FAULTS = [
           "tree->hasSum[leaf] = false;", ""),
     # ---- Undo ----
     Fault("undo: a verdict leaves the trial applied", "verdict.c",
-          "  applyTrial(tree, false);\n}\n\n/* Looks for a clash", "}\n\n/* Looks for a clash"),
+          "  applyTrial(tree, false);\n}\n\n/* Searches the whole", "}\n\n/* Searches the whole"),
     Fault("undo: back is forward", "trial.c",
           "after ? &change->after : &change->before", "&change->after"),
     Fault("undo: a refused proposal replaces the open trial", "verdict.c",
@@ -167,7 +167,7 @@ ENGINE_FAULTS = [
     Fault("clearance: units are rounded up", "leafrun_body.h",
           "all16(0.999999f / c->unit)", "all16(1.01f / c->unit)"),
     Fault("clearance: a turn does not displace what is off its axis", "leafrun_body.h",
-          "add16(add16(centre, turned), room)", "add16(centre, room)"),
+          "add16(add16(centre, turned), margin)", "add16(centre, margin)"),
     Fault("witnesses: one is believed where it does not clash", "witness_body.h",
           "isOver = !function(context,", "isOver = true || !function(context,"),
     Fault("witnesses: those of one body clash", "witness_body.h",

@@ -3,24 +3,24 @@
  * The method is that of Lotan, Schwarzer, Halperin and Latombe, "Efficient Maintenance and Self-Collision Testing for
  * Kinematic Chains" (2002), cited below by section. Lengths are in nm, angles in rad, energies in kJ/mol.
  *
- * The scene. Particles are spheres; a particle of radius 0 is carried along but not modelled: it takes part in no clash
- * and no neighbour pair. Every particle belongs to a *link*, a rigid set of particles. Links form a forest: each has a
- * parent link or none, and a joint that places it. All links lie in one line, the *sequence*, depth-first from the
- * world, so that what a joint moves is one interval of the sequence. A balanced tree of bounding volumes stands over
- * it; each node caches the *shortcut*, the product of the joints across it (section 2.1), and a volume in its parent's
+ * The scene. Particles are spheres. A particle of radius 0 moves with its link but is not modelled: it is in no clash
+ * and in no neighbour pair. Every particle belongs to a *link*, a rigid set of particles. Links form a forest: each has
+ * a parent link or none, and a joint that places it. The *sequence* holds all links in one line, depth-first from the
+ * world, so that a joint moves one interval of it. Over the sequence there is a balanced tree of bounding volumes. Each
+ * of its nodes caches the *shortcut*, the product of the joints across it (section 2.1), and a volume in its parent's
  * frame (section 2.2).
  *
- * A trial is propose -> test -> commit or discard. Proposing and testing write nothing that a query can see; a
+ * A trial is propose -> test -> commit or discard. Proposing and testing change nothing that a query can see. A
  * discarded trial leaves every bit as it was. A commit updates O(k log N) nodes for k changes, each node at most once
  * (section 3.1).
  *
  * The state is the reference positions, the rotation angle of each torsion since then, and the placement of each free
- * link. Transforms are a pure function of that state, so errors do not grow with the number of moves, and a state
+ * link. Transforms are a pure function of that state. So errors do not grow with the number of moves, and a state
  * reached by commits has the same bits as the same state built anew.
  *
  * Exactness. With sigma = CT_SIGMA, every verdict and every listed pair agrees with exact arithmetic on the positions
- * wherever |overlap - limit| > sigma (|distance - cutoff| > sigma). Nearer than that, all paths decide by one canonical
- * distance, a pure function of the state.
+ * wherever |overlap - limit| > sigma (|distance - cutoff| > sigma). Nearer than that, one canonical distance decides, a
+ * pure function of the state.
  *
  * Errors. Calls that can fail return a ctStatus; ctGetErrorText names the culprit. A failed call changes nothing but
  * that text, a failed allocation included. There are no globals: handles in different threads are independent; one
@@ -40,8 +40,8 @@ extern "C" {
 /* Distances this close (nm) to a limit are decided by the canonical distance. */
 #define CT_SIGMA 1e-9
 
-/* Lengths beyond this (nm) are refused where lengths that are not finite are, since bounds are kept in single
- * precision: coordinates, radii, tolerances, probes, pivots, translations, and rotations by as many rad. */
+/* Lengths (nm) that are not finite or beyond this are refused, since bounds are in single precision: coordinates,
+ * radii, tolerances, probes, pivots and translations; and rotations by more rad. */
 #define CT_MOST_LENGTH 1e15
 
 /* No parent, no particle, no link. */
@@ -70,8 +70,8 @@ typedef enum ctHydrogenBondRole {
 
 /* How a link is placed relative to its parent. */
 typedef enum ctJointKind {
-  ctFixedJoint,  /* at rest in the world; only for a link without a parent */
-  ctFreeJoint,   /* by any rigid transform; a link without a parent that may move, or any other */
+  ctFixedJoint,  /* fixed in the world; only for a link without a parent */
+  ctFreeJoint,   /* by any rigid transform; for a link with a parent or without */
   ctTorsionJoint /* by a rotation about a bond between the link and its parent */
 } ctJointKind;
 
@@ -81,7 +81,7 @@ typedef struct ctTransform {
   double translation[3];
 } ctTransform;
 
-/* What a scene consists of. All arrays are the caller's and may go once ctCreate has returned. */
+/* The description of a scene. All arrays are the caller's, who may free them once ctCreate has returned. */
 typedef struct ctDefinition {
   int particleCount;
   const double* positions;          /* 3 * particleCount, nm: the reference positions */
@@ -102,11 +102,11 @@ typedef struct ctDefinition {
   double hydrogenBondAllowance; /* nm, >= 0: added where one particle may donate and the other accept */
 } ctDefinition;
 
-/* What a call cost. Calls add to the counts they are given; NULL where counts are not wanted. */
+/* The cost of a call. Calls add to the counts that they are given; NULL: no counts are wanted. */
 typedef struct ctCounts {
   int64_t volumeTests;   /* pairs of bounding volumes compared */
   int64_t particleTests; /* pairs of particles whose distance was computed */
-  int64_t nodesUpdated;  /* tree nodes recomputed, leaves included */
+  int64_t nodesUpdated;  /* nodes of the tree recomputed, leaves included */
 } ctCounts;
 
 /* One change of a trial. */
@@ -142,14 +142,15 @@ const char* ctGetErrorText(const ctChainTree* tree);
 /* The instruction set that the scene's tests use: "avx512", "avx2" or "portable", the widest that the machine has.
  * Results have the same bits on each. The environment variable CHAINTREE_SIMD, set to one of these names when the scene
  * is made, asks for that one or, where the machine lacks it, a narrower one. Likewise CHAINTREE_TRIALS=tree,
- * =boxes (the tree, with oriented boxes at all visits) or =clearances asks that trials always be tested in one way,
- * instead of in the one that costs least. */
+ * =boxes (the tree, with oriented boxes at all visits) or =clearances makes the engine test all trials in that way,
+ * instead of in the way that costs least. */
 const char* ctGetInstructionSet(const ctChainTree* tree);
 
 /* ---- State ---- */
 
-/* Makes these 3 * particleCount coordinates (nm) the reference positions: all torsion changes are 0 and all free links
- * unmoved. Drops an open trial, keeps limits. O(N). Errors: a coordinate that is not finite, or beyond CT_MOST_LENGTH.
+/* Makes these 3 * particleCount coordinates (nm) the reference positions: from then on no torsion is turned and no free
+ * link moved. Drops an open trial, keeps limits. O(N). Errors: a coordinate that is not finite, or beyond
+ * CT_MOST_LENGTH.
  */
 ctStatus ctSetPositions(ctChainTree* tree, const double* positions);
 
@@ -165,23 +166,22 @@ ctStatus ctGetTrialPositions(ctChainTree* tree, double* positions);
  * out of range; `inTrial` without an open trial. */
 ctStatus ctGetPositionsOf(ctChainTree* tree, bool inTrial, int count, const int* particles, double* positions);
 
-/* The same for an array that is kept from trial to trial: writes only what has other bits than the last call of this
- * function, for an earlier trial, has left there. `anew`: this is another array, and all of it is written. O(what has
- * moved since + N / 16), whatever came in between. */
+/* ctGetTrialPositions for an array that the caller keeps from trial to trial: writes only coordinates that may have
+ * changed since the last call of this function, for an earlier trial. `anew`: this is another array, and all of it is
+ * written. O(particles that have moved since + N / 16), whatever was called in between. */
 ctStatus ctFollowTrialPositions(ctChainTree* tree, bool anew, double* positions);
 
-/* The state as numbers, to be kept and set again: the reference positions (3 * particleCount, nm); then for each link,
- * in the order of the definition, if it has a torsion joint the angle turned since then (rad, in [-pi, pi]), if a free
- * joint its rotation since then (unit quaternion w, x, y, z) and its origin in its parent's frame (nm). ctGetStateSize
- * tells how many numbers there are. Limits and an open trial are no part of the state. O(N). */
+/* The state as numbers, to be stored and set again: the reference positions (3 * particleCount, nm); then for each
+ * link, in the order of the definition, if it has a torsion joint the angle turned since then (rad, in [-pi, pi]), if a
+ * free joint its rotation since then (unit quaternion w, x, y, z) and its origin in its parent's frame (nm).
+ * ctGetStateSize tells how many numbers there are. Limits and an open trial are not part of the state. O(N). */
 size_t ctGetStateSize(const ctChainTree* tree);
 void ctGetState(const ctChainTree* tree, double* state);
 
-/* Makes numbers from ctGetState the state. Drops an open trial, keeps limits. From then on every result has the bits
- * that it has for the scene they were taken from, if both were made from the same definition; if the positions in it
- * differed, up to rounding, since scenes are laid out by them. O(N). Errors: numbers that are no state of this scene,
- * such as an angle of a torsion whose axis has no length.
- */
+/* Makes numbers from ctGetState the state. Drops an open trial, keeps limits. If both scenes were made from the same
+ * definition, every result has the same bits as in the scene from which the numbers were taken. If only the positions
+ * in the definition differed, results agree up to rounding, since scenes are laid out by positions. O(N). Errors:
+ * numbers that are no state of this scene, such as an angle of a torsion whose axis has no length. */
 ctStatus ctSetState(ctChainTree* tree, const double* state);
 
 /* The dihedral p1-p2-p3-p4 of a torsion joint in (-pi, pi], rad: that of the reference positions plus the turns since.
@@ -189,7 +189,7 @@ ctStatus ctSetState(ctChainTree* tree, const double* state);
 ctStatus ctGetTorsionAngle(ctChainTree* tree, int link, double* angle);
 
 /* The centroid (nm) of all particles, modelled or not, of a link and the links that hang on it. O(log N).
- * Errors: a link with a fixed joint, since all of those are one with the world. */
+ * Errors: a link with a fixed joint, since all of these are part of the world. */
 ctStatus ctGetCentroid(ctChainTree* tree, int link, double centroid[3]);
 
 /* The transform from the frame of linkB to that of linkA, by shortcuts, in O(log N) (section 2.1). A link's frame moves
@@ -199,9 +199,9 @@ ctStatus ctGetRelativeTransform(ctChainTree* tree, int linkA, int linkB, ctTrans
 
 /* ---- Limits of single pairs ---- */
 
-/* A pair's limit is its tolerance unless set otherwise here; a trial is refused by an overlap beyond the limit. */
+/* The limit of a pair is its tolerance, unless it is set here. A trial clashes if an overlap is beyond its limit. */
 
-/* Makes limits (nm, above the tolerance of the pair, else the pair is passed over) the only ones. */
+/* Makes these limits (nm) the only ones. A limit not above its pair's tolerance is ignored. */
 ctStatus ctSetLimits(ctChainTree* tree, int count, const int (*pairs)[2], const double* limits);
 
 /* Gives each pair whose overlap is beyond its limit a new one: its overlap now plus CT_SIGMA, so that rounding cannot
@@ -219,27 +219,27 @@ void ctGetLimits(const ctChainTree* tree, int capacity, int (*pairs)[2], double*
  * finite or beyond CT_MOST_LENGTH, a motion by which a link would come to lie ten times as far away. O(k log N). */
 ctStatus ctPropose(ctChainTree* tree, int count, const ctChange* changes);
 
-/* Whether some pair of the open trial overlaps beyond its limit; pairs that the trial moves as one rigid body are
- * skipped (section 2.3). If so and pair is not NULL, pair holds one such pair, lower index first. */
+/* *clash tells whether some pair overlaps beyond its limit in the open trial. Pairs that the trial moves as one rigid
+ * body are skipped (section 2.3). If there is a clash and pair is not NULL, pair holds one, lower index first. */
 ctStatus ctTestTrial(ctChainTree* tree, bool* clash, int pair[2], ctCounts* counts);
 
-/* Calls function for each pair whose distance the open trial changes and that is within cutoff (nm, > 0) before or in
- * it. */
+/* Calls function for each pair whose distance the open trial changes and that is within cutoff (nm, > 0) before the
+ * trial or in it. */
 ctStatus ctForEachChangedPair(ctChainTree* tree, double cutoff, ctChangedPairFunction* function, void* context,
                               ctCounts* counts);
 
-/* Makes the open trial the state, tested or not, clashing or not. */
+/* Makes the open trial the state, whether it was tested or clashes or not. */
 ctStatus ctCommit(ctChainTree* tree, ctCounts* counts);
 
-/* Ends the open trial, if there is one, without a trace. */
+/* Ends the open trial, if there is one. The state keeps every bit. */
 void ctDiscard(ctChainTree* tree);
 
-/* Whether a trial is open. */
+/* True if a trial is open. */
 bool ctHasTrial(const ctChainTree* tree);
 
 /* ---- Selections ---- */
 
-/* Makes a set of particles (any order, repeats are harmless) for queries of this scene, whatever its state. On failure
+/* Makes a set of particles (any order, repeats are harmless) for queries of this scene in any state. On failure
  * *selection is NULL. O(N / 16 + count). Errors: an index out of range. */
 ctStatus ctSelect(ctChainTree* tree, int count, const int* particles, ctSelection** selection);
 
@@ -248,8 +248,8 @@ void ctFreeSelection(ctSelection* selection);
 
 /* ---- Queries of the state: every pair of modelled particles that is not excluded ---- */
 
-/* Whether some pair overlaps by more than its tolerance (limits of single pairs play no part); if so and pair is not
- * NULL, pair holds one. */
+/* *clash tells whether some pair overlaps by more than its tolerance (limits of single pairs are not used). If so and
+ * pair is not NULL, pair holds one. */
 ctStatus ctHasClash(ctChainTree* tree, bool* clash, int pair[2], ctCounts* counts);
 
 /* Calls function(particle1, particle2, overlap in nm) for each pair that overlaps by more than its tolerance. */
@@ -284,8 +284,8 @@ ctStatus ctComputeEnergy(ctChainTree* tree, double k, double* energy, double* fo
 
 /* ---- For tests ---- */
 
-/* Recomputes transforms and bounds by brute force and compares: true if every cached value has the bits that the state
- * gives, every volume holds what is below it, and what is kept of pairs' clearances is true. O(N^2). */
+/* Recomputes transforms and bounds by brute force and compares. True if every cached value has the bits that the state
+ * gives, every volume holds the particles below it, and no pair has less clearance than is kept for it. O(N^2). */
 bool ctValidate(ctChainTree* tree);
 
 #ifdef __cplusplus

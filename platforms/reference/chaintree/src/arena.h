@@ -9,7 +9,7 @@ typedef struct Arena {
   void** blocks;
   int count;
   int capacity;
-  bool failed; /* an allocation has failed since the arena was made */
+  bool failed; /* an allocation has failed */
 } Arena;
 
 /* A zeroed array, aligned for any SIMD path; NULL, and `failed` set, if there is no memory. */

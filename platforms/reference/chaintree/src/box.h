@@ -1,4 +1,4 @@
-/* Oriented boxes: what spheres are too wide for. */
+/* Oriented boxes: tighter than spheres around long or flat sets of particles. */
 #ifndef CT_BOX_H_
 #define CT_BOX_H_
 
@@ -13,10 +13,10 @@ typedef float Row4 __attribute__((vector_size(16)));
 typedef struct Box {
   Row4 row[3];
   Row4 half; /* 0, and half the boxes along the axes */
-  bool thin; /* it has much less room than its sphere */
+  bool thin; /* its volume is much less than its sphere's: see THIN_SHARE */
 } Box;
 
-/* Boxes of the children of a node, each number in a run of its own. */
+/* Boxes of the children of a node, as a structure of arrays. */
 typedef struct BoxBlock {
   float centre[3][TREE_WIDTH];
   float axis[3][3][TREE_WIDTH]; /* [which][coordinate] */
@@ -39,7 +39,7 @@ static inline Box movedBox(const Box* box, const float motion[12]) {
   return moved;
 }
 
-/* x, y and z of sixteen points along a vector. */
+/* The coordinates of sixteen points along a vector. */
 static inline Float16 along16(Float16 x, Float16 y, Float16 z, float ux, float uy, float uz) {
   return add16(add16(mul16(x, all16(ux)), mul16(y, all16(uy))), mul16(z, all16(uz)));
 }
@@ -49,7 +49,7 @@ static inline int largestMember(Float16 values) {
   return __builtin_ctz(~greater16(all16(most16(values)), values) & 0xffffu);
 }
 
-/* The unit vector along v, or otherwise. */
+/* Makes v the unit vector along it; `otherwise`, if it has no length. */
 static inline void unitOr(const float otherwise[3], float v[3]) {
   const float length = sqrtf(v[0] * v[0] + v[1] * v[1] + v[2] * v[2]);
   for (int d = 0; d < 3; d++) {
@@ -61,14 +61,14 @@ static inline void unitOr(const float otherwise[3], float v[3]) {
 static inline void acrossUnit(const float u[3], float v[3]) {
   static const float x[3] = {1, 0, 0};
   const bool alongX = fabsf(u[0]) > 0.9f;
-  /* The cross product with the axis that is farther off. */
+  /* The cross product with the x or y axis, whichever is farther from u. */
   v[0] = alongX ? u[2] : 0;
   v[1] = alongX ? 0 : u[2];
   v[2] = alongX ? -u[0] : -u[1];
   unitOr(x, v);
 }
 
-/* Takes off axis 1 what rounding has left of it along axis 0, and makes axis 2 from them. */
+/* Makes axis 1 orthogonal to axis 0 again, where rounding has tilted it, and axis 2 the cross product of both. */
 static inline void squareAxes(float axes[3][3], const float otherwise[3]) {
   const float* u = axes[0];
   float* v = axes[1];
@@ -82,7 +82,8 @@ static inline void squareAxes(float axes[3][3], const float otherwise[3]) {
   axes[2][2] = u[0] * v[1] - u[1] * v[0];
 }
 
-/* Axes for a box around spheres: along the line between two far apart, and towards the one farthest from that line. */
+/* Axes for a box around spheres: along the line between two distant ones, and towards the one farthest from that line.
+ */
 static inline void chooseAxes(const Block* block, Sphere middle, float axes[3][3]) {
   const Float16 dx = sub16(load16(block->x), all16(middle.x));
   const Float16 dy = sub16(load16(block->y), all16(middle.y));
@@ -111,7 +112,7 @@ static inline void chooseAxes(const Block* block, Sphere middle, float axes[3][3
   store16(lanes[2], fz);
   float across[3];
   acrossUnit(u, across);
-  /* Of spheres all but on that line the rest is rounding, in any direction. */
+  /* If all spheres lie on that line, their distances from it are rounding, without a direction. */
   const bool isLine = !(most16(farAcross) > 1e-6f * most16(farFromOne));
   for (int d = 0; d < 3; d++) {
     v[d] = isLine ? across[d] : lanes[d][far];
@@ -145,7 +146,7 @@ static inline Float16 reachAlong(const BoxBlock* boxes, const float u[3]) {
   return reach;
 }
 
-/* The axes of the longest thin box, but for the rounding of its way here. */
+/* The axes of the longest thin box, made orthonormal again. */
 static inline void axesOfLongest(const BoxBlock* boxes, float axes[3][3]) {
   const Float16 longest = max16(max16(load16(boxes->half[0]), load16(boxes->half[1])), load16(boxes->half[2]));
   const int k = largestMember(blend16(boxes->thin, all16(-1), longest));
@@ -158,9 +159,20 @@ static inline void axesOfLongest(const BoxBlock* boxes, float axes[3][3]) {
   squareAxes(axes, axes[1]);
 }
 
-/* A box around spheres; of members that have thin boxes among these, if any, the boxes are taken instead. Then it has
- * the axes of the longest of those: a layer of rows is best looked at along its rows, but its corners are farthest
- * apart. */
+/* A box around spheres, or around the boxes of those members whose boxes are thin, if there are boxes. In that case it
+ * takes the axes of the longest thin box: the axes of a layer of rods are those of the rods, not those of its corners.
+ *
+ * Room for rounding: 4e-6 is 67 u (u = 2^-24) of B, the sum of the magnitudes of the bound's centre and radius, which
+ * no coordinate of the members exceeds. The axes are orthonormal up to 5 u (the last has a length of 1 up to 5 u), and
+ * the centre is their sum: 12 u. Coordinates along them: 3 u; sums and differences with radii: 3 u; the centre, a sum
+ * of three products: 7 u; the members' centres, rounded: u; the length of an axis: 5 u. Together 31 u of B.
+ *
+ * The other half is for what comes later: a box is moved up to twice, to the world and into the view, or to the frame
+ * of its parent, each time with an error of 7 u in each axis and its axes no longer orthogonal by 23 u. A test of two
+ * boxes has that room of both, and FLOAT_MARGIN of the extent. Boxes about as large as the whole scene could in
+ * principle need up to three times that, if some hundred roundings were all the largest possible and all in the worst
+ * direction. They are independent of each other: for 4 million pairs of random boxes, up to as large as the scene and
+ * moved twice, the whole error never exceeded 8 u of the extent, and that of a box in its own frame never 6 u of B. */
 static inline Box boxAround(const Block* block, const BoxBlock* boxes, const Bound* bound) {
   Box box;
   float axes[3][3];
@@ -221,8 +233,8 @@ static inline void replaceBoxes(BoxBlock* boxes, unsigned mask, const BoxBlock* 
   }
 }
 
-/* Bit k: box k of a block is farther than reach from box i of another along an axis of either: the first six of the
- * fifteen that could part them. */
+/* Bit k: box k of b is out of reach of box i of a, as seen along an axis of either. These are the first six of the
+ * fifteen axes of the separating axis theorem. */
 static inline unsigned boxesApart(const BoxBlock* a, int i, const BoxBlock* b, float reach) {
   const Float16 x = sub16(load16(b->centre[0]), all16(a->centre[0][i]));
   const Float16 y = sub16(load16(b->centre[1]), all16(a->centre[1][i]));

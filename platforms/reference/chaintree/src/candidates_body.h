@@ -1,4 +1,4 @@
-/* Neighbours of the slots of a leaf, compiled once for each instruction set by the file that includes this. */
+/* The sweep for neighbours, leaf by leaf; compiled once for each instruction set by the file that includes this. */
 #include <limits.h>
 #include <string.h>
 
@@ -6,15 +6,15 @@
 
 /* ---- The candidates of a leaf ---- */
 
-/* Adds to `nodes` those of level 1 below a node of a higher level that come near one of them and do not lie before
- * it; returns how many there are then. */
+/* Adds to `nodes` the nodes of level 1 below a node of a higher level that are within reach of node `own` of level 1
+ * and not before it. Returns how many there are then. */
 static int listNodes(const Pass* pass, int level, int node, int own, int count) {
   const Tree* layout = pass->sweep->layout;
   const Snapshot* snapshot = &pass->sweep->snapshot;
   int members;
   const int first = treeChildren(layout, level, node, &members);
   const int rank = own - layout->levelBegin[1];
-  /* The node over the node in the level of the members. */
+  /* The node over `own` in the level of the members. */
   const int over = layout->levelBegin[level - 1] + (rank >> TREE_WIDTH_BITS * (level - 2));
   const AxisBoxes* around = snapshotBoxes(snapshot, layout, treeParent(layout, 1, own));
   unsigned near = membersNear(pass, snapshotBoxes(snapshot, layout, node), around, rank % TREE_WIDTH, false);
@@ -31,8 +31,8 @@ static int listNodes(const Pass* pass, int level, int node, int own, int count) 
   return count;
 }
 
-/* Makes a list of the leaves that come near a leaf, which is member k of a node, and do not lie before it; the first
- * `nodeCount` of `nodes` hold those that do. Returns how many. */
+/* Lists the leaves that are within reach of a leaf, which is child k of a node, and not before it. They lie in the
+ * first `nodeCount` of `nodes`. Returns how many. */
 static int listNear(const Pass* pass, int node, int k, int nodeCount) {
   const Sweep* sweep = pass->sweep;
   const Tree* layout = sweep->layout;
@@ -51,16 +51,17 @@ static int listNear(const Pass* pass, int node, int k, int nodeCount) {
   return (int)count;
 }
 
-/* ---- Slots that come near a leaf ---- */
+/* ---- Slots near a leaf ---- */
 
-/* From leaf to leaf, in the floats of a snapshot. */
+/* Floats from one leaf to the next in a snapshot. */
 enum { LEAF_FLOATS = (int)(sizeof(Block) / sizeof(float)) };
 
 static inline int slotAt(int offset) {
   return offset / LEAF_FLOATS * TREE_WIDTH + offset % LEAF_FLOATS;
 }
 
-/* Forbids pairs of candidates that are slots of one leaf; `forbidden` has bits for each slot of that. */
+/* Forbids pairs of candidates that are slots of one leaf: for each slot of that, those of the own leaf whose bits are
+ * set in `forbidden`. */
 static void forbidPairs(const Candidates* candidates, int first, int count, const uint16_t* forbidden) {
   for (int i = first; i < first + count; i++) {
     const unsigned slot = (unsigned)slotAt(candidates->offset[i]) % TREE_WIDTH;
@@ -68,9 +69,9 @@ static void forbidPairs(const Candidates* candidates, int first, int count, cons
   }
 }
 
-/* Gathers the candidates of a leaf, which has a box, from leaves first ... last - 1 of the list. */
+/* Gathers the candidates of a leaf, which has this box, from entries first ... last - 1 of the list of leaves. */
 static void gatherCandidates(const Pass* pass, int leaf, const AxisBox* box, int first, int last) {
-  /* Within the leaf each pair once. */
+  /* Within the leaf, each pair once. */
   static const uint16_t behind[TREE_WIDTH] = {0xffff, 0xfffe, 0xfffc, 0xfff8, 0xfff0, 0xffe0, 0xffc0, 0xff80,
                                               0xff00, 0xfe00, 0xfc00, 0xf800, 0xf000, 0xe000, 0xc000, 0x8000};
   const Sweep* sweep = pass->sweep;
@@ -99,7 +100,7 @@ static void gatherCandidates(const Pass* pass, int leaf, const AxisBox* box, int
   }
   pass->task->volumeTests += (last - first) * TREE_WIDTH;
   candidates->count = count;
-  /* What stands behind them is compared too. */
+  /* Up to CANDIDATES_AT_ONCE behind the last are compared too. */
   storeShorts(candidates->pairs + count, allShorts(0));
   pass->task->particleTests += (int64_t)count * TREE_WIDTH;
   candidates->rises = sweep->highest[leaf] < lowest;
@@ -107,7 +108,8 @@ static void gatherCandidates(const Pass* pass, int leaf, const AxisBox* box, int
 
 /* ---- Pairs of a leaf and its candidates ---- */
 
-/* A leaf and its candidates, with all pointers: as far as a compiler knows, pairs may be written over others. */
+/* A leaf and its candidates. Copies of all pointers, since a compiler must assume that writing pairs changes the
+ * originals. */
 typedef struct Own {
   Slots slots;
   Ids16 ids;
@@ -129,13 +131,14 @@ CT_INLINE Float16 squaredFromCandidate(const Own* own, int i) {
                    sub16(own->slots.x[2], all16(*z)));
 }
 
-/* Turns what may make a pair with a candidate into what does. */
+/* Drops the slots of the leaf that are out of reach of a candidate. */
 CT_INLINE void compareCandidate(const Own* own, int i, Under* under) {
   uint16_t* pairs = &own->candidates.pairs[i];
   *pairs = (uint16_t)(*pairs & under16(under, squaredFromCandidate(own, i)));
 }
 
-/* Of some candidates, where float cannot tell, decides by the distance in double. */
+/* Decides about pairs of CANDIDATES_AT_ONCE candidates that are within FLOAT_MARGIN of the cutoff, by distances in
+ * double. */
 static __attribute__((noinline)) void settleDoubts(const Pass* pass, int leaf, int first) {
   const SweepTask* task = pass->task;
   const Own own = ownOf(pass, leaf);
@@ -166,14 +169,14 @@ static bool hasRoom(PairSink* sink) {
   return sink->capacity - sink->count >= PAIRS_AT_ONCE || sink->makeRoom(sink);
 }
 
-/* Has fetched what will be written soon: long lists are seldom in the caches. Past their end that does no harm. */
+/* Prefetches memory that will be written soon: long lists are rarely in caches. Harmless past their end. */
 CT_INLINE void fetchAhead(const int* list) {
   for (int i = 512; i < 512 + 64; i += 16) {
     __builtin_prefetch(list + i, 1);
   }
 }
 
-/* Candidate after candidate. False ends the sweep. */
+/* Adds pairs candidate by candidate. False ends the sweep. */
 CT_INLINE bool addAsTheyCome(const Pass* pass, int leaf, bool rises) {
   const Ranks* ranks = pass->sweep->ranks;
   PairSink* sink = pass->task->sink;
@@ -187,7 +190,7 @@ CT_INLINE bool addAsTheyCome(const Pass* pass, int leaf, bool rises) {
     int* higher = sink->higher + sink->count;
     fetchAhead(lower);
     fetchAhead(higher);
-    /* The next are compared meanwhile: the sooner it is known where pairs go, the less a processor waits. */
+    /* Compares the next candidates while pairs of these are written: neither waits for the other. */
     const int next = first + CANDIDATES_AT_ONCE;
     Under under = underLimits16(pass->nearSquared, pass->sureSquared);
     size_t count = 0;
@@ -206,7 +209,8 @@ CT_INLINE bool addAsTheyCome(const Pass* pass, int leaf, bool rises) {
   return true;
 }
 
-/* Slot after slot of a leaf whose candidates rise above it, so that pairs ascend. False ends the sweep. */
+/* Adds pairs slot by slot of a leaf whose particles are all below their candidates, so that pairs ascend. False ends
+ * the sweep. */
 static bool addRows(const Pass* pass, int leaf) {
   const Sweep* sweep = pass->sweep;
   const Candidates candidates = sweep->candidates;
@@ -235,7 +239,7 @@ static bool addRows(const Pass* pass, int leaf) {
       for (int j = i; j < end; j += TREE_WIDTH) {
         count += closeRanks16(sweep->ranks, candidates.pairs[j + k], loadIds(candidates.particle + j), higher + count);
       }
-      /* So many at a time that once is mostly enough: how many there are is hard to foresee. */
+      /* So many at a time that one turn mostly suffices: processors would mispredict more. */
       for (size_t n = 0; n < count; n += LOWER_AT_ONCE) {
         for (size_t j = n; j < n + LOWER_AT_ONCE; j++) {
           lower[j] = particle;
@@ -247,7 +251,7 @@ static bool addRows(const Pass* pass, int leaf) {
   return true;
 }
 
-/* Adds pairs of a leaf with the first leaves of the list. False ends the sweep. */
+/* Adds pairs of a leaf with the first `leafCount` leaves of the list. False ends the sweep. */
 static bool addNeighbors(const Pass* pass, int leaf, const AxisBox* box, int leafCount) {
   const Candidates* candidates = &pass->sweep->candidates;
   bool goesOn = true;
@@ -262,7 +266,7 @@ static bool addNeighbors(const Pass* pass, int leaf, const AxisBox* box, int lea
   return goesOn;
 }
 
-/* Leaf after leaf, each with itself and those behind it. */
+/* Adds pairs of each leaf with itself and with later ones. */
 static void addAllNeighbors(const Pass* pass) {
   const Sweep* sweep = pass->sweep;
   const Tree* layout = sweep->layout;

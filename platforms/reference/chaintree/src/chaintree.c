@@ -8,7 +8,8 @@
 #include "scene.h"
 #include "selection.h"
 
-/* Below this sine between two bonds a dihedral about them is rounding. */
+/* A dihedral is undefined if the sine between two of its bonds is less. Coordinates of 1 nm are rounded by 1e-16 nm: a
+ * component of 1e-8 of a bond of 0.1 nm has seven digits left. */
 #define COLLINEAR 1e-8
 
 /* ---- Life ---- */
@@ -160,7 +161,8 @@ ctStatus ctGetCentroid(ctChainTree* tree, int link, double centroid[3]) {
   return ctSuccess;
 }
 
-/* The frame of a caller's link in that of the engine's: fixed links are all part of the world. */
+/* The frame of a caller's link in the frame of the engine's link that holds it. They differ for fixed links, which are
+ * part of the world. */
 static Frame userFrame(const Sequence* s, int link) {
   Frame frame = transformIdentity();
   if (sequenceLink(s, link) == 0) {

@@ -28,6 +28,7 @@ void ctClearanceFree(Clearance* c) {
   *c = (Clearance){0};
 }
 
+/* Makes the arrays, if that is not done. False if there is no memory. */
 static bool reserve(Clearance* c, const Tree* tree) {
   if (c->least != NULL) {
     return true;
@@ -45,7 +46,7 @@ static bool reserve(Clearance* c, const Tree* tree) {
   return c->least != NULL;
 }
 
-/* Of a test by clearances that finds nothing near: all rows of the moved against all that are not, in sixteens. */
+/* The cost of a test by clearances that finds nothing near: all rows of leaves that move, sixteen columns at a time. */
 static int64_t leastCost(const Tree* tree) {
   const int64_t leaves = tree->levelSize[0];
   const int64_t least = leaves + leaves * leaves / LEAF_PAIRS_A_UNIT;
@@ -61,6 +62,7 @@ void ctClearanceGiveUp(Clearance* c) {
   c->patience = c->patience < MOST_CLEARANCE_PATIENCE ? 2 * c->patience : c->patience;
 }
 
+/* Measures the table of the state. False if there is no memory. */
 static bool keep(Clearance* c, Traversal* t, double reach) {
   c->isKept = reserve(c, t->tree);
   if (c->isKept) {
@@ -69,7 +71,7 @@ static bool keep(Clearance* c, Traversal* t, double reach) {
   return c->isKept;
 }
 
-/* At the end of a round. */
+/* Makes the choice at the end of a round. */
 static void choose(Clearance* c, Traversal* t, double reach) {
   const int64_t mean = c->cost / c->trials;
   c->cost = 0;
@@ -85,7 +87,7 @@ static void choose(Clearance* c, Traversal* t, double reach) {
     ctClearanceGiveUp(c);
   } else if (c->isKept) {
     c->patience = LEAST_CLEARANCE_PATIENCE;
-    /* The dearer the tree, the rarer: so that it takes the same part of all time. */
+    /* A dear tree is measured rarely, so that measuring takes the same share of the time. */
     c->measuresTree = ++c->rounds * mean >= ROUNDS_A_MEASUREMENT * c->treeCost;
     c->rounds = c->measuresTree ? 0 : c->rounds;
   } else if (c->wait > 0) {
@@ -108,7 +110,7 @@ bool ctClearanceIsWanted(Clearance* c, Traversal* t, double reach) {
   if (c->trials >= (c->measuresTree ? TRIALS_TO_MEASURE_TREE : CLEARANCE_ROUND)) {
     choose(c, t, reach);
   }
-  /* The first tests of a round may have much to learn. */
+  /* The first tests of a round may have many clearances to find. */
   c->mostCost = (TRIALS_IN_ADVANCE + c->trials) * c->treeCost - c->cost;
   return c->isKept && !c->measuresTree;
 }

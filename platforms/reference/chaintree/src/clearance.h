@@ -1,68 +1,69 @@
-/* How far apart the leaves of a dense scene are at least: what spares a small move the tests of pairs that it cannot
- * bring together.
+/* Clearances: lower bounds of how far apart leaves are. They spare a small move the tests of pairs that it cannot bring
+ * together.
  *
- * For each pair of leaves it keeps a lower bound of their clearance, the least amount by which two of their particles
- * would have to come nearer to overlap beyond their limit. A trial moves bodies against each other; no particle of a
- * leaf is displaced, as one body sees the other, by more than a bound that follows from where the leaf is. So a pair
- * with more clearance than that bound needs no test. A commit takes the bounds off the clearances of what moved against
- * each other, and puts in what tests have found.
+ * The clearance of two leaves is the least amount by which two of their particles would have to come nearer to overlap
+ * beyond their limit. A table keeps a lower bound of it for each pair of leaves. A trial moves runs of leaves against
+ * each other. The displacement of a leaf in the frame of another run has a bound that follows from its position. A pair
+ * with more clearance than that bound needs no test. A commit subtracts the bounds from the clearances of what moved
+ * against each other, and enters what tests have found.
  *
- * That costs O(leaves^2) of very cheap work; the tree costs much dearer work for what is near. Which of them answers is
- * decided by counts of both (never by clocks), so that the same calls give the same method; the verdict is the same. */
+ * A test by clearances costs O(leaves^2) very cheap steps; a test by the tree costs fewer and dearer ones. The engine
+ * chooses between them by counts of both, never by clocks: the same calls take the same way. The verdict is the same.
+ */
 #ifndef CT_CLEARANCE_H_
 #define CT_CLEARANCE_H_
 
 #include "traverse.h"
 
-/* Clearances are kept in whole units, 0 up to this. */
+/* Clearances are whole numbers of Clearance.unit, 0 up to this. */
 enum { MOST_CLEARANCE = UINT16_MAX };
 
-/* Pairs of a leaf with sixteen in a row that the open trial has tested. */
+/* Pairs of a leaf with sixteen consecutive ones that the open trial has tested. */
 typedef struct TestedPairs {
   int a;
   int first;                      /* of the sixteen */
-  unsigned left;                  /* bits: those that their spheres leave in doubt */
-  unsigned soon;                  /* bits: those of them that are likely to clash */
+  unsigned left;                  /* bits: pairs that their spheres leave in doubt */
+  unsigned soon;                  /* bits: pairs of those that are likely to clash, to be tested first */
   uint16_t clearance[TREE_WIDTH]; /* in the trial; 0: not known */
 } TestedPairs;
 
-/* Pairs of a leaf with COLUMNS_AT_ONCE in a row whose clearance the open trial may use up. */
+/* Pairs of a leaf with COLUMNS_AT_ONCE consecutive ones that the open trial may bring together. */
 typedef struct NearPairs {
   int a;
   int first;
   uint32_t columns; /* bits */
 } NearPairs;
 
-/* Leaves that move as one. A leaf in which two pieces of a view meet belongs to both; one in which more do is a body of
- * its own, with several pieces. */
+/* Consecutive leaves of one piece of a view. A leaf in which two pieces meet belongs to the runs of both. A leaf in
+ * which more meet is a run of its own, of many pieces. */
 typedef struct LeafRun {
   int begin; /* leaves */
   int end;
   int firstPiece;
-  int lastPiece;
+  int lastPiece; /* after the first: the run is a leaf of many pieces */
 } LeafRun;
 
-/* So many clearances of a row are compared at a time. */
+/* Clearances of a row that are compared at a time. */
 enum { COLUMNS_AT_ONCE = 32 };
 
-/* Who tests trials. */
+/* The ways of testing trials. */
 typedef enum TrialMethod {
-  byCost, /* whichever costs less */
+  byCost, /* by whichever of the others costs least */
   byTree,
-  byTreeAndBoxes, /* those at all visits */
+  byTreeAndBoxes, /* with boxes at all visits */
   byClearances
 } TrialMethod;
 
 typedef struct Clearance {
   TrialMethod method;
-  bool isKept; /* the clearances are of the state */
-  Arena arena; /* of the arrays that follow, which are made when first asked for */
+  bool isKept; /* the table is of the state */
+  Arena arena; /* of the arrays below, which are made when first needed */
   int leafCount;
   int stride;      /* of a row, a multiple of COLUMNS_AT_ONCE */
   uint16_t* least; /* leafCount rows; of leaves a < b in row a, column b */
-  uint16_t* shift; /* per leaf, with padding: a bound of how far two bodies displace it, in units */
+  uint16_t* shift; /* per leaf, with padding: bound of its displacement between two runs, in units */
   float unit;      /* nm */
-  NearPairs* near; /* scratch: of the rows of a node */
+  NearPairs* near; /* scratch: of the rows of an inner node */
   LeafRun* runs;   /* of a view, ascending */
   int runCount;
   int runCapacity;
@@ -70,38 +71,37 @@ typedef struct Clearance {
   int testedCount;
   int testedCapacity;
 
-  /* The choice, made after each round of trials. Costs are in units of about a nanosecond. */
+  /* The choice, made after each round of trials. Costs are in the units of costs.h. */
   int64_t cost;      /* of this round */
   int trials;        /* of this round */
   int64_t treeCost;  /* of a test by the tree, as last measured */
   int64_t mostCost;  /* of a test by clearances before it gives up */
-  bool measuresTree; /* this round is by the tree, only to know that */
-  int rounds;        /* by clearances since they came into use or the tree was measured */
-  int patience;      /* rounds by the tree after clearances have not paid */
-  int wait;          /* of those left */
+  bool measuresTree; /* this round is by the tree, only to measure treeCost */
+  int rounds;        /* by clearances, since the tree was last measured */
+  int patience;      /* rounds by the tree when next clearances do not pay */
+  int wait;          /* rounds by the tree that are left */
 } Clearance;
 
-/* Receives a pair whose spheres may overlap beyond their limit and whether they are of different bodies. Returns their
- * clearance in nm, below 0 if they do. */
+/* Receives a pair whose spheres may overlap beyond their limit, and whether it is of two rigid bodies. Returns its
+ * clearance in nm, below 0 if it clashes. */
 typedef double ClearanceFunction(void* context, int slotA, int slotB, double squaredDistance, bool ofTwoBodies);
 
-/* What a test by clearances returns instead of its cost if that is out of proportion, or if there is no memory for what
- * it finds: it has no verdict. */
+/* Returned by a test by clearances instead of its cost if it has no verdict: it became too dear, or had no memory. */
 enum { GAVE_UP = -1 };
 
-/* Whether the next test should go by clearances; if so they are of the state. `reach` is that of views. */
+/* True if the next test should go by clearances; then the table is of the state. `reach` is that of its view. */
 bool ctClearanceIsWanted(Clearance* clearance, Traversal* traversal, double reach);
 
-/* Adds what a test, or else a commit, has cost. */
+/* Adds what a test or a commit has cost. */
 void ctClearanceCharge(Clearance* clearance, int64_t cost, bool isTest);
 
-/* Clearances don't pay here: back to the tree, for longer each time. */
+/* Goes back to the tree, since clearances do not pay; for longer each time. */
 void ctClearanceGiveUp(Clearance* clearance);
 
-/* From the environment, see ctCreate. */
+/* The way that the environment asks for, see ctGetInstructionSet. */
 TrialMethod ctChooseTrialMethod(void);
 
-/* Something but a commit has changed the state or the limits. */
+/* To be called when anything but a commit has changed the state or the limits: the table is no longer of the state. */
 void ctClearanceForget(Clearance* clearance);
 
 void ctClearanceFree(Clearance* clearance);

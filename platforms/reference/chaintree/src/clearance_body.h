@@ -3,12 +3,12 @@
 
 /* ---- The table ---- */
 
-/* Clearances of a leaf and those after it. */
+/* The clearances of a leaf with the leaves after it. */
 static uint16_t* rowOf(const Clearance* c, int leaf) {
   return c->least + (size_t)leaf * (size_t)c->stride;
 }
 
-/* The columns of a row in [begin, end): mask of those from column `first` on. */
+/* Bit k: column first + k is in [begin, end). */
 static uint32_t columnsWithin(int first, int begin, int end) {
   const int before = begin < first ? 0 : begin - first < COLUMNS_AT_ONCE ? begin - first : COLUMNS_AT_ONCE;
   const int upTo = end < first ? 0 : end - first < COLUMNS_AT_ONCE ? end - first : COLUMNS_AT_ONCE;
@@ -16,14 +16,14 @@ static uint32_t columnsWithin(int first, int begin, int end) {
   return (uint32_t)(((one << upTo) - 1) & ~((one << before) - 1));
 }
 
-/* Where the columns begin that a runs has in a row. */
+/* The first column of row a that belongs to a pair of runs. */
 static int columnsBegin(const RunPair* pair, int a) {
   return pair->beginB > a ? pair->beginB : a + 1;
 }
 
 /* ---- Measuring ---- */
 
-/* Puts all nodes into the world, so that all leaves have their spheres there. */
+/* Updates the world coordinates of all inner nodes: these hold the spheres of all leaves. */
 static void updateWorldNodes(Traversal* t) {
   const Tree* tree = t->tree;
   for (int level = treeTop(tree); level > 0; level--) {
@@ -43,14 +43,14 @@ static void measureClearances(Clearance* c, Traversal* t, double reach) {
     widest = r > widest ? r : widest;
   }
   c->unit = 4 * widest / (float)MOST_CLEARANCE;
-  const Float16 room = all16((float)(reach + floatMargin(t->extent + fabs(reach))));
+  const Float16 nearest = all16((float)(reach + floatMargin(t->extent + fabs(reach))));
   for (int a = 0; a < c->leafCount; a++) {
     const Sphere own = leafSphere(t, a);
     for (int block = a / TREE_WIDTH; block <= (c->leafCount - 1) / TREE_WIDTH; block++) {
       const Block* spheres = leafSpheres(t, block);
       const Float16 distance = sqrt16(squaredFrom(spheres, own.x, own.y, own.z));
       const Float16 radii = max16(add16(load16(spheres->r), all16(own.r)), all16(0));
-      storeShorts(rowOf(c, a) + TREE_WIDTH * block, unitsOf(c, sub16(sub16(distance, radii), room)));
+      storeShorts(rowOf(c, a) + TREE_WIDTH * block, unitsOf(c, sub16(sub16(distance, radii), nearest)));
     }
   }
 }
@@ -60,7 +60,7 @@ static void measureClearances(Clearance* c, Traversal* t, double reach) {
 typedef struct ClearanceTest {
   ClearanceFunction* function;
   void* context;
-  float room; /* reach and the rounding of distances */
+  float reach; /* of the view, and FLOAT_MARGIN */
   bool clash;
   bool outOfMemory;
   int64_t cost;
@@ -68,24 +68,24 @@ typedef struct ClearanceTest {
   int64_t particleTests;
 } ClearanceTest;
 
-/* The members of a leaf, made ready once to be compared with those of another. */
+/* The members of a leaf, prepared for the comparison with those of another. */
 typedef struct Partners {
   Float16 x; /* INFINITY: no member */
   Float16 y;
   Float16 z;
-  Float16 reach; /* their radii and room */
-  float widest;
+  Float16 reach; /* their radii and the test's reach */
+  float widest;  /* the largest of those */
 } Partners;
 
-static Partners partnersOf(const Block* block, float room) {
+static Partners partnersOf(const Block* block, float reach) {
   const Float16 radii = load16(block->r);
   const unsigned empty = greater16(all16(0), radii);
   return (Partners){blend16(empty, load16(block->x), all16(INFINITY)), load16(block->y), load16(block->z),
-                    blend16(empty, add16(radii, all16(room)), all16(0)), most16(radii) + room};
+                    blend16(empty, add16(radii, all16(reach)), all16(0)), most16(radii) + reach};
 }
 
-/* Squared distances from a member less those at which the two would meet: a root for each would cost more than all
- * else. */
+/* Squared distances of a member less the squares of the distances at which the two would clash. A root for each pair
+ * would cost more than everything else. */
 CT_INLINE Float16 beyondMeeting(const Partners* partners, const Block* block, int k) {
   const Float16 squared = squared16(sub16(partners->x, all16(block->x[k])), sub16(partners->y, all16(block->y[k])),
                                     sub16(partners->z, all16(block->z[k])));
@@ -93,17 +93,22 @@ CT_INLINE Float16 beyondMeeting(const Partners* partners, const Block* block, in
   return sub16(squared, mul16(meet, meet));
 }
 
-/* The least clearance of pairs of which this is the least of those squares. */
+/* A lower bound of the clearance of pairs of which the least of those differences is this; no pair clashes from farther
+ * away than `widest`.
+ *
+ * The clearance d - s = (d^2 - s^2) / (d + s) is the less the larger s is. Its error: positions, up to 8 u E for either
+ * particle (u = 2^-24, E: the view's extent), of which d is off by 16 u E; the two squares, 5 u of each, which is 10 u
+ * E of the difference of their roots; root, sum and quotient, 5 u of no more than 2 E. Together 36 u E, of the 67 u E
+ * of FLOAT_MARGIN in the test's reach. */
 static float clearanceBeyond(float square, float widest) {
-  /* d - s = (d^2 - s^2) / (d + s), the less the larger s is. */
   const float meet = widest > 0 ? widest : 0;
   return square > 0 && square < INFINITY ? square / (sqrtf(square + meet * meet) + meet) : square;
 }
 
-/* The least clearance of two leaves of which all pairs count, and the first has no empty slots; below 0: some may
- * overlap. */
-static float clearanceOfFar(const Block* blockA, const Block* blockB, float room) {
-  const Partners partners = partnersOf(blockB, room);
+/* A lower bound of the clearance of two leaves without excluded pairs, the first without empty slots; below 0: some
+ * pairs may clash. */
+static float clearanceOfFar(const Block* blockA, const Block* blockB, float reach) {
+  const Partners partners = partnersOf(blockB, reach);
   Float16 least = all16(INFINITY);
   for (int k = 0; k < TREE_WIDTH; k++) {
     least = min16(least, beyondMeeting(&partners, blockA, k));
@@ -111,8 +116,8 @@ static float clearanceOfFar(const Block* blockA, const Block* blockB, float room
   return clearanceBeyond(least16(least), partners.widest + most16(load16(blockA->r)));
 }
 
-/* The least clearance of the particles of two expanded leaves, or of one with itself, in the view; INFINITY: they have
- * no pair that counts. */
+/* A lower bound of the clearance of two expanded leaves, or of one with itself, in the view; INFINITY: all their pairs
+ * are excluded. Pairs that may clash are handed to the test's function, which knows their exact clearance. */
 static float leafClearance(Traversal* t, ClearanceTest* test, int a, int b) {
   const Block* blocks[2];
   blocksOf(t, a, b, blocks);
@@ -120,12 +125,12 @@ static float leafClearance(Traversal* t, ClearanceTest* test, int a, int b) {
   const int partner = exclusionPartner(t->exclusions, a, b);
   test->particleTests += TREE_WIDTH * TREE_WIDTH;
   if (a != b && partner == CT_NULL && greater16(all16(0), load16(blockA->r)) == 0) {
-    const float clearance = clearanceOfFar(blockA, blocks[1], test->room);
+    const float clearance = clearanceOfFar(blockA, blocks[1], test->reach);
     if (clearance >= 0) {
       return clearance;
     }
   }
-  const Partners partners = partnersOf(blocks[1], test->room);
+  const Partners partners = partnersOf(blocks[1], test->reach);
   Float16 least16s = all16(INFINITY);
   float least = INFINITY;
   float widest = 0;
@@ -165,7 +170,7 @@ static void expandLeaf(Traversal* t, int leaf, int motion) {
   }
 }
 
-/* How much clearance the trial may use up: a distance changes by no more than either of its ends is displaced. */
+/* Bounds by how much the trial changes the clearance of two leaves. */
 static uint16_t boundOfPair(const Clearance* c, int a, int b) {
   return c->shift[a] < c->shift[b] ? c->shift[a] : c->shift[b];
 }
@@ -174,7 +179,7 @@ static bool isStraddler(const Traversal* t, int leaf) {
   return t->nodeStamp[leaf] == t->stamp && t->motion[leaf] < 0;
 }
 
-/* A pair whose spheres are too near to tell. */
+/* Tests the particles of two leaves whose spheres are too near to tell. */
 static void testPair(Clearance* c, Traversal* t, ClearanceTest* test, const RunPair* pair, TestedPairs* tested, int k) {
   const int a = tested->a;
   const int b = tested->first + k;
@@ -185,13 +190,13 @@ static void testPair(Clearance* c, Traversal* t, ClearanceTest* test, const RunP
   if (test->clash) {
     return;
   }
-  const float units = 0.999999f * clearance / c->unit;
+  const float units = 0.999999f * clearance / c->unit; /* rounded down, as in unitsOf */
   const float most = (float)MOST_CLEARANCE;
-  /* Of lengths beyond those of a float nothing is known: no clearance. */
+  /* Nothing is known of lengths beyond those of a float: they count as no clearance, and so does NaN. */
   const float kept = units > 0 ? units : 0;
   const uint16_t found = (uint16_t)(int)(kept < most ? kept : most);
   tested->clearance[k] = found;
-  /* Of pieces that meet in a leaf, another than these may come nearer by more than this bound. */
+  /* In a leaf where pieces meet, another piece than these may come nearer by more than this bound. */
   if (t->view->motionCount == 2 || !(isStraddler(t, a) || isStraddler(t, b))) {
     const uint16_t bound = boundOfPair(c, a, b);
     const uint16_t before = found > bound ? (uint16_t)(found - bound) : 0;
@@ -200,8 +205,8 @@ static void testPair(Clearance* c, Traversal* t, ClearanceTest* test, const RunP
   }
 }
 
-/* Pairs of these leaves of A, which are of one node, whose clearance the bound may use up; returns how many. What is
- * found hardly ever is what was found before: so no branch waits for it. */
+/* Lists the pairs of these leaves of A, which are of one node, with leaves of B that the trial may bring together.
+ * Returns how many entries. Writes without a branch on what is found, which processors would mispredict. */
 static int findNear(const Clearance* c, const RunPair* pair, int begin, int end, NearPairs* near) {
   int count = 0;
   for (int a = begin; a < end; a++) {
@@ -217,13 +222,13 @@ static int findNear(const Clearance* c, const RunPair* pair, int begin, int end,
   return count;
 }
 
-/* What the spheres of sixteen leaves leave to that of a leaf, where they see it: kept for all of those that may be
- * measured so, since it costs no more than for one. */
+/* Clearance between one leaf's sphere, moved into the others' frame, and sixteen leaves' spheres. It enters the table
+ * for all leaves in `measured`, since it costs no more than for one. */
 static void testSpheres(Clearance* c, const Traversal* t, ClearanceTest* test, Sphere sphere, unsigned measured,
                         TestedPairs* tested) {
   const Block* spheres = leafSpheres(t, tested->first / TREE_WIDTH);
   const Float16 distance = sqrt16(squaredFrom(spheres, sphere.x, sphere.y, sphere.z));
-  const Float16 radii = max16(add16(load16(spheres->r), all16(sphere.r + test->room)), all16(0));
+  const Float16 radii = max16(add16(load16(spheres->r), all16(sphere.r + test->reach)), all16(0));
   const Short16 found = blendShorts(measured, allShorts(0), unitsOf(c, sub16(distance, radii)));
   const Short16 bound = minShorts(allShorts(c->shift[tested->a]), loadShorts(c->shift + tested->first));
   const Short16 before = lessShorts(found, bound);
@@ -232,14 +237,13 @@ static void testSpheres(Clearance* c, const Traversal* t, ClearanceTest* test, S
   storeShorts(least, kept);
   storeShorts(tested->clearance, found);
   tested->left &= zeroShorts(before);
-  /* Nearly all clashes are among pairs of which the bound is more than three times the clearance. */
+  /* Nearly all clashes are of pairs whose bound is more than three times their clearance. */
   tested->soon = tested->left & zeroShorts(lessShorts(moreShorts(kept, moreShorts(kept, kept)), bound));
   test->volumeTests += __builtin_popcount(measured);
   test->cost += COST_OF_SPHERES;
 }
 
-/* Tests pairs of leaves by their particles: those likely to clash, or all that are left. True if nothing more is to be
- * tested. */
+/* Tests pairs of leaves by their particles: those likely to clash, or all that are left. True ends the test. */
 static bool testLeft(Clearance* c, Traversal* t, ClearanceTest* test, const RunPair* pair, int firstTested,
                      bool onlySoon) {
   for (int i = firstTested; i < c->testedCount; i++) {
@@ -256,14 +260,14 @@ static bool testLeft(Clearance* c, Traversal* t, ClearanceTest* test, const RunP
   return false;
 }
 
-/* Tests what is near in rows of a node: by spheres, and what is likely to clash by particles. True if nothing more is
- * to be tested. */
+/* Tests the listed pairs of a node's leaves: by spheres, and by particles if they are likely to clash. True ends the
+ * test. */
 static bool testNear(Clearance* c, Traversal* t, ClearanceTest* test, const RunPair* pair, int count) {
   if (!ctReserve((void**)&c->tested, &c->testedCapacity, c->testedCount + 2 * count, sizeof(TestedPairs))) {
     test->outOfMemory = true;
     return true;
   }
-  /* Only at their ends do bodies share leaves with others. */
+  /* Runs share leaves with others only at their ends. */
   const int innerBegin = pair->beginB + isStraddler(t, pair->beginB);
   const int innerEnd = pair->endB - isStraddler(t, pair->endB - 1);
   const Block* spheres = leafSpheres(t, c->near[0].a / TREE_WIDTH);
@@ -305,7 +309,7 @@ static bool testRunPair(Clearance* c, Traversal* t, const RunPair* pair, void* c
   return testLeft(c, t, test, pair, firstTested, false);
 }
 
-/* Leaves in which pieces meet. */
+/* Expands the leaves in which pieces meet. */
 static void expandStraddlingLeaves(Traversal* t) {
   const View* view = t->view;
   for (int p = 1; p < view->pieceCount; p++) {
@@ -316,7 +320,7 @@ static void expandStraddlingLeaves(Traversal* t) {
   }
 }
 
-/* The same against themselves. */
+/* Tests those leaves against themselves. */
 static bool testStraddlingLeaves(Traversal* t, ClearanceTest* test) {
   for (int i = 0; i < t->straddlerCount && !test->clash; i++) {
     leafClearance(t, test, t->straddlers[i].node, t->straddlers[i].node);
@@ -330,7 +334,7 @@ static int64_t testByClearance(Clearance* c, Traversal* t, const View* view, Cle
   updateWorldNodes(t);
   expandStraddlingLeaves(t);
   ClearanceTest test = {.function = function, .context = context};
-  test.room = (float)(view->reach + floatMargin(t->extent + fabs(view->reach)));
+  test.reach = (float)(view->reach + floatMargin(t->extent + fabs(view->reach)));
   c->testedCount = 0;
   test.outOfMemory = !listRuns(c, t);
   if (!test.outOfMemory && !testStraddlingLeaves(t, &test)) {
@@ -346,6 +350,7 @@ static int64_t testByClearance(Clearance* c, Traversal* t, const View* view, Cle
 
 /* ---- Committing ---- */
 
+/* Subtracts the bounds of two runs from the clearances of their leaves. */
 static bool takeOff(Clearance* c, Traversal* t, const RunPair* pair, void* context) {
   (void)t;
   int64_t* cost = context;

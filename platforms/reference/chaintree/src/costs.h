@@ -1,15 +1,16 @@
 /* What decides by which way trials are tested: tree, boxes, clearances, witnesses. Every estimated cost and every
  * threshold of these choices stands here. None of them changes a verdict, only the time that it takes.
  *
- * Unit of a cost: the time of one test of a volume, or of a pair of particles, in a descent of sixteens. That is about
- * 1 ns on the machine of the project's races, one core of an AMD EPYC (Zen 4) with AVX-512. The numbers were fitted
- * there by hand, to a few parts in ten; the history of the repository names no machine for a single one of them.
+ * Unit of a cost: the time of one test of a volume, or of a pair of particles, in a descent. It was meant to be 1 ns on
+ * the machine of the project's races, one core of an AMD EPYC (Zen 4) with AVX-512. The numbers were fitted by hand;
+ * the history of the repository names neither machine nor runs for a single one. With AVX2, on a busy AMD EPYC (Zen 3),
+ * the commands below gave 1.4 ns by the tree, 1.9 ns by boxes, and a third of the time of the tree by clearances.
  *
  * To measure anew, race the ways against each other on one scene and divide the time of a trial by what it has tested:
  *
  *     for way in tree boxes clearances; do
- *       CHAINTREE_TRIALS=$way openmm-chaintree-contestants --contestants ours --chain random --n 1000 \
- *           --moves gaussian --angle 1 --trials 20000
+ *       CHAINTREE_TRIALS=$way build/benchmarks/openmm-chaintree-contestants --contestants ours --chain random \
+ *           --n 1000 --moves gaussian --angle 1 --trials 20000
  *     done
  *
  * prints, for each, microseconds, volume tests and pair tests. Without CHAINTREE_TRIALS the engine chooses: it should

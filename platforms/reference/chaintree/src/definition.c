@@ -17,7 +17,8 @@ static ctStatus invalid(char* errorText, size_t errorSize, const char* format, .
   return ctInvalidArgument;
 }
 
-/* The bits of numbers, without their signs, ascend like their values; then come infinity and what is no number. */
+/* True if all numbers are lengths. Without their signs, the bits of numbers ascend like their values, and those of
+ * infinity and NaN are above. */
 static bool hasLengths(size_t count, const double* x) {
   const double mostLength = CT_MOST_LENGTH;
   uint64_t most;
@@ -114,7 +115,7 @@ static ctStatus checkLinks(const ctDefinition* d, char* text, size_t size) {
   return ctSuccess;
 }
 
-/* Every link must lead to a root, and have a particle. */
+/* Checks that the parents of every link lead to a root, and that every link has a particle. */
 static ctStatus checkForest(const ctDefinition* d, char* text, size_t size) {
   enum { UNSEEN, ON_PATH, DONE };
   uint8_t* mark = calloc((size_t)d->linkCount + 1, 1);

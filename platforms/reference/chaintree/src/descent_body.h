@@ -1,10 +1,11 @@
-/* The descent: the whole tree against itself, compiled once for each instruction set by the file that includes this. */
+/* The descent of the whole tree against itself, compiled once for each instruction set by the file that includes
+ * this. */
 #ifndef CT_DESCENT_BODY_H_
 #define CT_DESCENT_BODY_H_
 
 #include "viewboxes_body.h"
 
-/* What a descent begins with: the root and what straddles. */
+/* Begins a descent: expands the root and all straddlers. */
 static void expandRoot(Traversal* t) {
   const View* view = t->view;
   const int root = treeRoot(t->tree);
@@ -16,8 +17,8 @@ static void expandRoot(Traversal* t) {
   }
 }
 
-/* Members of a that are not of the body that its first or its last member is of, whichever has more of them: in a visit
- * of a node with itself those are enough. */
+/* Members of a node that are not of its largest body, as far as that is the body of its first or last member. In a
+ * visit of the node with itself these suffice: every pair of different bodies holds one of them. */
 static unsigned ofLesserBodies(const Traversal* t, int node, int count) {
   const unsigned all = (1u << count) - 1;
   const unsigned first = all & ~ofBody(t, node, motionOfMember(t, node, 0));
@@ -25,8 +26,8 @@ static unsigned ofLesserBodies(const Traversal* t, int node, int count) {
   return __builtin_popcount(first) <= __builtin_popcount(last) ? first : last;
 }
 
-/* Those of the members of node a that come near the volume of node b and are of another body; if a is b, those
- * whose visits are enough. */
+/* Members of node a that are near the volume of node b and of another body, as bits. If a is b, those that suffice for
+ * a visit of a node with itself. */
 static unsigned nearNode(Traversal* t, Visit* visit, int count, const NodePair* pair) {
   if (pair->a == pair->b) {
     return ofLesserBodies(t, pair->a, count);
@@ -37,7 +38,7 @@ static unsigned nearNode(Traversal* t, Visit* visit, int count, const NodePair* 
   return near16(blockOf(t, pair->a), sphere, visit->reach) & ~ofBody(t, pair->a, t->motion[pair->b]);
 }
 
-/* The boxes among which that of a node is, at its own place; NULL if it has none of use. */
+/* The boxes of the siblings of node b, among which is its own; NULL if that is not thin. */
 static const BoxBlock* boxesAround(Traversal* t, const NodePair* pair) {
   if (pair->a == pair->b) {
     return NULL;
@@ -47,12 +48,12 @@ static const BoxBlock* boxesAround(Traversal* t, const NodePair* pair) {
   return (boxes->thin >> pair->b % TREE_WIDTH & 1) != 0 ? boxes : NULL;
 }
 
-/* In a visit of a node with itself, members whose pairs with member k of `rows` belong to an earlier one of those. */
+/* In a visit of a node with itself: the members whose pairs with member k of `rows` have been visited. */
 static unsigned alreadyVisited(unsigned rows, int k) {
   return rows & ((2u << k) - 1);
 }
 
-/* These members of leaf a, expanded, with all of leaf b. */
+/* Tests these members (bits) of leaf a, which is expanded, against all members of leaf b. False ends the descent. */
 static bool testMembers(Traversal* t, Visit* visit, int a, int b, unsigned rows) {
   int endB;
   const int beginB = treeSlots(t->tree, 0, b, &endB);
@@ -84,6 +85,7 @@ static bool testMembers(Traversal* t, Visit* visit, int a, int b, unsigned rows)
   return true;
 }
 
+/* Tests the particles of two leaves. False ends the descent. */
 static bool visitLeaves(Traversal* t, Visit* visit, const NodePair* pair) {
   int endA;
   const int beginA = treeSlots(t->tree, 0, pair->a, &endA);
@@ -95,7 +97,7 @@ static bool visitLeaves(Traversal* t, Visit* visit, const NodePair* pair) {
   return near == 0 || testMembers(t, visit, pair->a, pair->b, near);
 }
 
-/* Which of these children of one node the boxes part from child k of another. */
+/* Those in `mask`, children of b, whose boxes are out of reach of child k of a. */
 static unsigned boxesPart(Visit* visit, int k, unsigned mask, const BoxBlock* a, const BoxBlock* b) {
   visit->pairsBoxed += __builtin_popcount(mask);
   if ((a->thin >> k & 1) == 0) {
@@ -111,6 +113,7 @@ static unsigned boxesPart(Visit* visit, int k, unsigned mask, const BoxBlock* a,
   return mask;
 }
 
+/* Puts the pairs of children of two inner nodes that are within reach on the stack. */
 static void visitInnerNodes(Traversal* t, Visit* visit, const NodePair* pair, int* depth) {
   const int below = pair->level - 1;
   int countA;
@@ -157,14 +160,14 @@ static void visitInnerNodes(Traversal* t, Visit* visit, const NodePair* pair, in
     }
     straddling |= (unsigned)(pair->a == pair->b && blocks[0]->r[k] >= 0 && motion < 0) << k;
   }
-  /* Come first: near a joint all is dense, and clashes are likely. */
+  /* Visit straddlers first: they hold the joints that turn, and most clashes are near those. */
   for (; straddling != 0; straddling &= straddling - 1) {
     const int i = firstA + __builtin_ctz(straddling);
     t->stack[(*depth)++] = (NodePair){below, i, i};
   }
 }
 
-/* The whole tree against itself. */
+/* Visits all pairs of nodes that may hold a candidate. */
 static void descend(Traversal* t, Visit* visit) {
   const int root = treeRoot(t->tree);
   expandRoot(t);
@@ -175,8 +178,8 @@ static void descend(Traversal* t, Visit* visit) {
   bool goesOn = true;
   for (int visits = 0; goesOn && depth > 0; visits++) {
     NodePair pair = t->stack[--depth];
-    /* First go the members of the one that straddles: those that are of the other's body drop out. Otherwise those of
-     * one that is expanded: then the other may never have to be. Which that is can hardly be foreseen. */
+    /* Take as a the one that straddles: its members that are of b's body drop out. Otherwise one that is expanded: then
+     * b may never have to be. Without a branch, which processors would mispredict. */
     const bool bFirst = (t->motion[pair.b] < 0) | ((t->nodeStamp[pair.b] == t->stamp) & (t->motion[pair.a] >= 0));
     pair = (NodePair){pair.level, bFirst ? pair.b : pair.a, bFirst ? pair.a : pair.b};
     expand(t, pair.level, pair.a);
@@ -189,6 +192,7 @@ static void descend(Traversal* t, Visit* visit) {
     }
   }
   if (visit->pairsBoxed > 0) {
+    /* More than one in PAIRS_A_SEPARATION. */
     const bool pays = PAIRS_A_SEPARATION * visit->pairsParted > visit->pairsBoxed;
     const int next = pays ? t->visitsWithoutBoxes / 2 : 2 * t->visitsWithoutBoxes + 1;
     t->visitsWithoutBoxes = next < MOST_VISITS_WITHOUT_BOXES ? next : MOST_VISITS_WITHOUT_BOXES;

@@ -5,7 +5,7 @@
 
 /* ---- Exclusions ---- */
 
-/* The excluded pairs that both have slots, each both ways round; returns how many. */
+/* Lists the excluded pairs that both have slots, each in both orders; returns how many. */
 static int listPairs(const Sequence* s, const ctDefinition* d, int (*pairs)[2]) {
   int count = 0;
   for (int i = 0; i < d->exclusionCount; i++) {
@@ -20,9 +20,9 @@ static int listPairs(const Sequence* s, const ctDefinition* d, int (*pairs)[2]) 
   return count;
 }
 
-/* The leaves that each leaf has pairs with, each leaf once; begin[leaf] is where its own begin. */
+/* Lists the partners of each leaf, each once, from begin[leaf] on. */
 static void listPartners(int pairCount, const int (*pairs)[2], int leafCount, int* begin, int* partners) {
-  /* Counts two places on, so that filling moves each begin to its place. */
+  /* Counts are kept two entries on, so that filling the list turns them into its begins. */
   int* next = begin + 1;
   for (int i = 0; i < pairCount; i++) {
     next[pairs[i][0] / TREE_WIDTH + 1]++;

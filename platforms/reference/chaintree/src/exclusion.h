@@ -1,18 +1,19 @@
-/* Pairs that don't count, and limits of single pairs. */
+/* Excluded pairs, and limits of single pairs. */
 #ifndef CT_EXCLUSION_H_
 #define CT_EXCLUSION_H_
 
 #include "order.h"
 #include "sequence.h"
 
-/* Per leaf the leaves with slots that its own never clash with, ascending, and which ones; both ways round. */
+/* The excluded pairs of slots. The partners of a leaf, ascending, are the leaves with which it has excluded pairs. Each
+ * pair is kept in both orders. */
 typedef struct Exclusions {
-  int* begin;                   /* per leaf, and one more: where its partners begin */
+  int* begin;                   /* per leaf, and one more: the first of its partners */
   int* partner;                 /* leaves */
-  uint16_t (*mask)[TREE_WIDTH]; /* per partner, of each slot of the leaf: which slots of the partner */
+  uint16_t (*mask)[TREE_WIDTH]; /* per partner and slot of the leaf, bits: the slots of the partner */
 } Exclusions;
 
-/* Pairs of particles whose limit is not their tolerance, by ascending key. */
+/* Pairs of particles whose limit is not their tolerance, ascending by key. */
 typedef struct Limits {
   uint64_t* keys;
   double* values;
@@ -23,18 +24,19 @@ typedef struct Limits {
 
 bool ctExclusionsBuild(Exclusions* exclusions, Arena* arena, const Sequence* sequence, const ctDefinition* definition);
 
-/* Where the partners of leafA begin that are not before leafB. O(log of their number). */
+/* The index of the first partner of leafA that is not before leafB. O(log of their number). */
 static inline int exclusionsFrom(const Exclusions* exclusions, int leafA, int leafB) {
   return ascendingFrom(exclusions->partner, exclusions->begin[leafA], exclusions->begin[leafA + 1], leafB);
 }
 
-/* Where leafB is among the partners of leafA, or CT_NULL. */
+/* The index of leafB among the partners of leafA, or CT_NULL. */
 static inline int exclusionPartner(const Exclusions* exclusions, int leafA, int leafB) {
   const int i = exclusionsFrom(exclusions, leafA, leafB);
   return i < exclusions->begin[leafA + 1] && exclusions->partner[i] == leafB ? i : CT_NULL;
 }
 
-/* Takes a partner among the partners of leafA on to where leafB is or would be; whether leafB is one of them. */
+/* Advances an index among the partners of leafA to leafB, or to the first one behind it; true if leafB is one of them.
+ */
 static inline bool exclusionReaches(const Exclusions* exclusions, int leafA, int leafB, int* partner) {
   const int end = exclusions->begin[leafA + 1];
   while (*partner < end && exclusions->partner[*partner] < leafB) {

@@ -1,4 +1,4 @@
-/* What is compiled once for each instruction set: all that works on sixteen members at a time. */
+/* The functions that are compiled once for each instruction set: those that work on sixteen members at a time. */
 #ifndef CT_INSTRUCTIONS_H_
 #define CT_INSTRUCTIONS_H_
 
@@ -10,12 +10,12 @@
 typedef struct InstructionSet {
   const char* name;
 
-  /* Of a tree, bottom-up; see refresh_body.h. */
+  /* The update of a tree, bottom-up; see refresh_body.h. */
   void (*refreshLeaf)(Tree* tree, const Sequence* sequence, int leaf);
   void (*refreshTwig)(Tree* tree, const Sequence* sequence, int link, int leaf);
   void (*refreshInnerNode)(Tree* tree, int level, int node, const int* changed, int count);
 
-  /* Behind ctTraversalLeafFrame, ctTraverse and ctTraverseProbe. */
+  /* For ctTraversalLeafFrame, ctTraverse and ctTraverseProbe. */
   void (*updateWorldLeaf)(Traversal* t, int leaf);
   int64_t (*traverse)(Traversal* t, const View* view, CandidateFunction* function, void* context, ctCounts* counts);
   void (*probe)(Traversal* t, const View* view, const double point[3], double radius, ProbeFunction* function,
@@ -25,20 +25,20 @@ typedef struct InstructionSet {
   bool (*askWitnesses)(const Witnesses* w, Traversal* t, const View* view, CandidateFunction* function, void* context,
                        ctCounts* counts, int64_t* cost);
 
-  /* Of clearances; the two that return something return what they have cost. See clearance.h. */
+  /* See clearance.h and clearance_body.h; tests and commits return what they have cost. */
   void (*measureClearances)(Clearance* c, Traversal* t, double reach);
   int64_t (*testByClearance)(Clearance* c, Traversal* t, const View* view, ClearanceFunction* function, void* context,
                              ctCounts* counts);
   int64_t (*commitClearances)(Clearance* c, Traversal* t, const View* view);
 
-  /* Behind ctSweepBound, ctSweepClashes, ctSweepNeighbors and ctSweepDistances. */
+  /* For ctSweepBound, ctSweepClashes, ctSweepNeighbors and ctSweepDistances. */
   void (*boundSnapshot)(Snapshot* snapshot, const Sequence* sequence, const Tree* layout);
   void (*sweepClashes)(Sweep* sweep, SweepTask* task);
   void (*sweepNeighbors)(Sweep* sweep, SweepTask* task);
   void (*neighborDistances)(const double* position, double cutoff, size_t count, const int* lower, const int* higher,
                             double* distances);
 
-  /* Behind ctGetMinimumDistance; see nearest_body.h. */
+  /* For ctGetMinimumDistance; see nearest_body.h. */
   void (*boundPoints)(const Tree* layout, const double (*point)[3], Block* block);
   void (*findNearest)(Nearest* nearest, const Cloud clouds[2]);
 } InstructionSet;

@@ -79,8 +79,8 @@ static void sumBranches(Layout* layout) {
   }
 }
 
-/* Free molecules: first those without modelled particles, then the others by place, so that the tree's nodes are
- * compact. */
+/* Orders free molecules: first those without modelled particles, then the others by their position, so that the tree's
+ * nodes are compact. */
 static void orderMolecules(Layout* layout, const ctDefinition* d) {
   int* children = layout->children + layout->childBegin[0];
   const int count = layout->childBegin[1] - layout->childBegin[0];
@@ -99,7 +99,7 @@ static void orderMolecules(Layout* layout, const ctDefinition* d) {
   ctSpatialOrder(children + unmodelled, count - unmodelled, layout->rootPoints);
 }
 
-/* The heaviest branch goes last: then its steps need no closure. */
+/* Puts the heaviest branch of each vertex last: its steps need no closure. */
 static void orderChildren(Layout* layout) {
   for (int vertex = 0; vertex < layout->vertexCount; vertex++) {
     int* children = layout->children + layout->childBegin[vertex];
@@ -118,7 +118,7 @@ static void orderChildren(Layout* layout) {
   }
 }
 
-/* Depth-first; a link's end follows from its weight in links, counted on the way back. */
+/* Numbers links depth-first, and finds one past the last link that hangs on each. */
 static void numberLinks(Layout* layout, Sequence* s, const ctDefinition* d) {
   int* stack = layout->breadthFirst;
   int depth = 0;
@@ -194,7 +194,8 @@ static void listUnmodelled(Layout* layout, Sequence* s, const ctDefinition* d) {
   }
 }
 
-/* After the slots: from then on fixed links know their lowest particle instead of the world. */
+/* Chooses the origins of links. To be called after slots are filled: from then on linkOfUser of a fixed link holds its
+ * lowest particle. */
 static void chooseOrigins(Sequence* s, const ctDefinition* d) {
   s->joint[0].origin = CT_NULL;
   for (int i = d->particleCount - 1; i >= 0; i--) {

@@ -1,5 +1,5 @@
-/* Bodies that move against each other in a view, and how far; compiled once for each instruction set by the file that
- * includes this. */
+/* Runs of leaves that move against each other in a view, and how far at most; compiled once for each instruction set by
+ * the file that includes this. */
 #ifndef CT_LEAFRUN_BODY_H_
 #define CT_LEAFRUN_BODY_H_
 
@@ -7,7 +7,7 @@
 #include "costs.h"
 #include "view_body.h"
 
-/* Two bodies that move against each other. */
+/* Two runs of leaves that move against each other. */
 typedef struct RunPair {
   int beginA; /* leaves */
   int endA;
@@ -15,20 +15,20 @@ typedef struct RunPair {
   int beginB;
   int endB;
   int motionB;
-  float back[12]; /* what takes A, at rest, to where B, at rest, sees it in the view, if both are of one piece */
+  float back[12]; /* A's motion in the frame of B, if both are of one piece: moves A from the world */
 } RunPair;
 
-/* ---- Bodies ---- */
+/* ---- Runs ---- */
 
-/* False if there is no memory. */
+/* Divides the leaves of a view into runs. False if there is no memory. */
 static bool listRuns(Clearance* c, const Traversal* t) {
   const View* view = t->view;
-  /* A piece may be followed by a leaf of many. */
+  /* Each piece may be followed by a leaf of many pieces. */
   if (!ctReserve((void**)&c->runs, &c->runCapacity, 2 * view->pieceCount, sizeof(LeafRun))) {
     return false;
   }
   c->runCount = 0;
-  int done = 0; /* leaves of many so far end here */
+  int done = 0; /* one past the last leaf of many pieces so far */
   for (int p = 0; p < view->pieceCount;) {
     const int first = view->pieces[p].slotBegin / TREE_WIDTH;
     const int begin = first > done ? first : done;
@@ -56,9 +56,9 @@ static bool hasManyPieces(const LeafRun* run) {
   return run->firstPiece < run->lastPiece;
 }
 
-/* ---- How far bodies go ---- */
+/* ---- Bounds ---- */
 
-/* The spheres of sixteen leaves at rest. */
+/* The spheres of sixteen leaves in the world. */
 static const Block* leafSpheres(const Traversal* t, int block) {
   return &t->world[t->entryOf[t->tree->levelBegin[1] + block]];
 }
@@ -67,15 +67,30 @@ static Sphere leafSphere(const Traversal* t, int leaf) {
   return sphereOf(leafSpheres(t, leaf / TREE_WIDTH), leaf % TREE_WIDTH);
 }
 
-/* Turns lengths into units, rounded down. */
+/* Turns lengths into units, rounded down: by the factor too, whose 16.8 u are more than the 3 u of the quotient, the
+ * product and the factor itself (u = 2^-24). */
 CT_INLINE Short16 unitsOf(const Clearance* c, Float16 lengths) {
   const Float16 most = all16((float)MOST_CLEARANCE);
   return shortsOf16(min16(max16(mul16(lengths, all16(0.999999f / c->unit)), all16(0)), most));
 }
 
-/* Bounds how far a rigid motion takes the particles of these leaves, in units, rounded up. */
+/* Bounds how far a rigid motion displaces the particles of these leaves, in units, rounded up. A particle at x + y,
+ * where x is the centre of its leaf's sphere, is displaced by (R - 1) x + t, which is computed, and by (R - 1) y, which
+ * is no longer than |R - 1| r. With u = 2^-24, v = 2^-53, and the view's extent E:
+ *
+ * - |R - 1| = sqrt(3 - trace R), the chord. The trace of a product of k rotations has an error of up to 12 k v,
+ *   which 1e-13 = 900 v exceeds for k <= 75. Beyond, the chord is too short by up to sqrt(12 k v): up to k = 10^6
+ *   by less than 4e-5, and its product with r by less than the unit that remains below.
+ * - (R - 1) x is off by up to 4 u sqrt(2) |R - 1| E (entries, three products, their sums), and by 19 u |R - 1| E
+ *   for the rounding of x itself (see FLOAT_MARGIN); t by 3 u |t|. If |t| > 2 |R - 1| E, the sum is no shorter than
+ *   |t| / 2, and those 3 u |t| are less than the 84 u |t| of the factor 1.00001 = 1 + 168 u; else they are less than
+ *   6 u |R - 1| E. Together 31 u |R - 1| E, of the 67 u |R - 1| E of FLOAT_MARGIN.
+ * - Root, product and sums are off by up to 8 u of their value: another part of that factor.
+ * - unitsOf rounds down by less than 17 u of the value, which that factor exceeds too, and by less than a unit. Two
+ *   are added: the other one covers what positions in double differ by from commit to commit, DOUBLE_MARGIN E, as
+ *   long as E is less than 10^8 times the radius of the largest leaf. */
 static void boundShifts(Clearance* c, const Traversal* t, const Frame* motion, int begin, int end) {
-  /* What the motion adds to a point: small where it is small. */
+  /* R - 1 and t: small where the motion is small. */
   float change[12];
   double trace = 0;
   for (int i = 0; i < 3; i++) {
@@ -84,9 +99,8 @@ static void boundShifts(Clearance* c, const Traversal* t, const Frame* motion, i
     }
     trace += motion->m[i][i];
   }
-  /* |R - 1|, with room for the rounding of the trace, and room for that of the centres. */
   const double chord = sqrt(larger(0, 3 - trace) + 1e-13);
-  const Float16 room = all16((float)(FLOAT_MARGIN * chord * t->extent + 2 * (double)c->unit));
+  const Float16 margin = all16((float)(FLOAT_MARGIN * chord * t->extent + 2 * (double)c->unit));
   for (int block = begin / TREE_WIDTH; block <= (end - 1) / TREE_WIDTH; block++) {
     const Block* spheres = leafSpheres(t, block);
     const Float16 x = moved16(spheres, change);
@@ -94,12 +108,13 @@ static void boundShifts(Clearance* c, const Traversal* t, const Frame* motion, i
     const Float16 z = moved16(spheres, change + 8);
     const Float16 centre = sqrt16(squared16(x, y, z));
     const Float16 turned = mul16(max16(load16(spheres->r), all16(0)), all16((float)chord));
-    const Float16 bounds = mul16(add16(add16(centre, turned), room), all16(1.00001f));
+    const Float16 bounds = mul16(add16(add16(centre, turned), margin), all16(1.00001f));
     storeShorts(c->shift + TREE_WIDTH * block, unitsOf(c, bounds));
   }
 }
 
-/* The shift of a leaf of many as a body of one piece sees it, and no limit for those of that. */
+/* Bounds the displacement of a leaf of many pieces in the frame of a run of one piece. The run's own leaves get no
+ * bound: the bound of a pair is the lesser of two. */
 static void boundShiftOfMany(Clearance* c, const Traversal* t, const LeafRun* many, const LeafRun* run) {
   const View* view = t->view;
   const int motion = view->pieces[run->firstPiece].motion;
@@ -116,19 +131,19 @@ static void boundShiftOfMany(Clearance* c, const Traversal* t, const LeafRun* ma
   c->shift[many->begin] = most;
 }
 
-/* The same between two bodies of one piece. */
+/* Bounds the displacements of two runs of one piece each, in the frame of the other. */
 static void boundShiftsOfPieces(Clearance* c, const Traversal* t, RunPair* pair) {
   const Frame back = transformInverse(&t->view->motions[pair->motionA]);
   const Frame between = transformCompose(&back, &t->view->motions[pair->motionB]);
   const Frame other = transformInverse(&between);
   floatMotion(&other, pair->back);
-  /* A distance changes by no more than either of its ends is displaced. */
+  /* A distance changes by no more than either of its ends is displaced in the frame of the other. */
   boundShifts(c, t, &between, pair->beginA, pair->endA);
   boundShifts(c, t, &between, pair->beginB, pair->endB);
 }
 
-/* Calls `visit` for each two bodies that move against each other, their shifts bounded; ends with true as soon as that
- * does. Adds what the bounds cost. */
+/* Calls `visit` for each two runs that move against each other, once their displacements are bounded. Ends with true as
+ * soon as `visit` does. Adds what the bounds cost. */
 typedef bool RunPairFunction(Clearance* c, Traversal* t, const RunPair* pair, void* context);
 
 static bool forEachRunPair(Clearance* c, Traversal* t, RunPairFunction* visit, void* context, int64_t* cost) {

@@ -1,10 +1,11 @@
-/* Few slots that move against all that rests, compiled once for each instruction set by the file that includes this. */
+/* Trials that move a few slots in a row: these are tested one by one against everything at rest. Compiled once for each
+ * instruction set by the file that includes this. */
 #ifndef CT_MOVERS_BODY_H_
 #define CT_MOVERS_BODY_H_
 
 #include "view_body.h"
 
-/* Slots in a row that move, as they lie in the view: those of [begin, end) among sixteen. */
+/* Slots [begin, end), which move, in the view, among sixteen. */
 typedef struct Movers {
   int begin;
   int end;
@@ -19,12 +20,12 @@ static unsigned slotBits(int begin, int end, int first) {
   return low < high ? (1u << high) - (1u << low) : 0;
 }
 
-/* Sixteen slots from any one on, as they are at rest; what is behind slot `end` may be anything that is a number. */
-static void worldOfSlots(Traversal* t, int first, int end, Block* rest) {
+/* World coordinates of sixteen slots from any one on. Those of slot `end` and later ones may be any numbers. */
+static void worldOfSlots(Traversal* t, int first, int end, Block* world) {
   const int leaf = first / TREE_WIDTH;
   const int at = first % TREE_WIDTH;
   if (at == 0) {
-    *rest = *worldOf(t, leaf);
+    *world = *worldOf(t, leaf);
     return;
   }
   const int next = leaf + ((leaf + 1) * TREE_WIDTH < end);
@@ -34,7 +35,7 @@ static void worldOfSlots(Traversal* t, int first, int end, Block* rest) {
   float row[2 * TREE_WIDTH];
   const float* const from[4][2] = {
       {below->x, above->x}, {below->y, above->y}, {below->z, above->z}, {below->r, above->r}};
-  float* const to[4] = {rest->x, rest->y, rest->z, rest->r};
+  float* const to[4] = {world->x, world->y, world->z, world->r};
   for (int d = 0; d < 4; d++) {
     store16(row, load16(from[d][0]));
     store16(row + TREE_WIDTH, load16(from[d][1]));
@@ -42,25 +43,25 @@ static void worldOfSlots(Traversal* t, int first, int end, Block* rest) {
   }
 }
 
+/* Moves slots [begin, end) into the view; `first` is the first of their sixteen. */
 static void takeMovers(Traversal* t, int begin, int end, int first, Movers* movers) {
   const View* view = t->view;
-  Block rest;
-  worldOfSlots(t, first, end, &rest);
-  store16(rest.r, blend16(slotBits(begin, end, first), all16(-INFINITY), load16(rest.r)));
+  Block world;
+  worldOfSlots(t, first, end, &world);
+  store16(world.r, blend16(slotBits(begin, end, first), all16(-INFINITY), load16(world.r)));
   movers->begin = begin;
   movers->end = end;
   movers->first = first;
-  movers->block = rest;
+  movers->block = world;
   for (int p = pieceOf(view, begin); p < view->pieceCount && view->pieces[p].slotBegin < end; p++) {
     if (moves(view, view->pieces[p].motion)) {
-      moveBlock(&rest, t->motions[view->pieces[p].motion], slotBits(view->pieces[p].slotBegin, end, first),
+      moveBlock(&world, t->motions[view->pieces[p].motion], slotBits(view->pieces[p].slotBegin, end, first),
                 &movers->block);
     }
   }
 }
 
-/* Hands over the pairs of a slot with these of sixteen others of one leaf that are not excluded; whether the search
- * goes on. */
+/* Hands over the pairs of a slot with these slots of a leaf (bits), but for excluded ones. False ends the search. */
 static bool meet(Traversal* t, Visit* visit, int slot, unsigned others, int leaf) {
   const int partner = exclusionPartner(t->exclusions, slot / TREE_WIDTH, leaf);
   if (partner != CT_NULL) {
@@ -79,8 +80,7 @@ static bool meet(Traversal* t, Visit* visit, int slot, unsigned others, int leaf
   return true;
 }
 
-/* Which of sixteen are near any of the movers. How many are near each of them is hard to foresee, and a processor that
- * guesses wrong waits: so all are looked at. */
+/* Bit k: member k is near one of the movers. Looks at all movers, without a branch that processors would mispredict. */
 static unsigned nearMovers(const Block* block, const Movers* movers, float reach) {
   unsigned near = 0;
   for (int k = movers->begin - movers->first; k < movers->end - movers->first; k++) {
@@ -89,7 +89,7 @@ static unsigned nearMovers(const Block* block, const Movers* movers, float reach
   return near;
 }
 
-/* Movers against a leaf that is at rest, but for those of its slots that move. */
+/* Tests movers against the slots of a leaf that are at rest; `moved` are the others. False ends the search. */
 static bool testLeaf(Traversal* t, Visit* visit, const Movers* movers, int leaf, unsigned moved) {
   visit->particleTests += (movers->end - movers->begin) * TREE_WIDTH;
   if ((nearMovers(worldOf(t, leaf), movers, visit->reach) & ~moved) == 0) {
@@ -105,7 +105,7 @@ static bool testLeaf(Traversal* t, Visit* visit, const Movers* movers, int leaf,
   return true;
 }
 
-/* A mover against those of others that are in [begin, end). */
+/* Tests a mover against those of others that are in [begin, end). False ends the search. */
 static bool testMover(Traversal* t, Visit* visit, const Movers* movers, int slot, const Movers* others, int begin,
                       int end) {
   visit->particleTests += TREE_WIDTH;
@@ -120,7 +120,7 @@ static bool testMover(Traversal* t, Visit* visit, const Movers* movers, int slot
   return true;
 }
 
-/* Movers against those among others that come after them and move otherwise. */
+/* Tests movers against those of others that come later and have another motion. False ends the search. */
 static bool testMovers(Traversal* t, Visit* visit, const Movers* movers, const Movers* others) {
   const View* view = t->view;
   for (int slot = movers->begin; slot < movers->end; slot++) {
@@ -136,7 +136,7 @@ static bool testMovers(Traversal* t, Visit* visit, const Movers* movers, const M
   return true;
 }
 
-/* Movers against all that rests, which is what is not in [begin, end). */
+/* Tests movers against everything at rest: all slots but [begin, end), which move. False ends the search. */
 static bool probeMovers(Traversal* t, Visit* visit, const Movers* movers, int begin, int end) {
   const Tree* tree = t->tree;
   const int firstLeaf = begin / TREE_WIDTH;
@@ -146,7 +146,7 @@ static bool probeMovers(Traversal* t, Visit* visit, const Movers* movers, int be
       return false;
     }
   }
-  /* From the lowest level of few nodes on: what is above would part little. */
+  /* Begin at the lowest level of few nodes: the nodes above would separate little. */
   int top = treeTop(tree);
   for (; top > 1 && tree->levelSize[top - 1] <= MOST_FIRST_NODES; top--) {
     for (int i = 0; i < tree->levelSize[top]; i++) {
@@ -185,8 +185,7 @@ static bool probeMovers(Traversal* t, Visit* visit, const Movers* movers, int be
   return true;
 }
 
-/* What moves is some slots in a row, few enough to go against all others one by one: no volume is made for what
- * straddles. */
+/* Tests a view in which only slots [begin, end) move. It needs no volumes of straddlers. */
 static void visitFew(Traversal* t, Visit* visit, int begin, int end) {
   for (int leaf = begin / TREE_WIDTH; leaf * TREE_WIDTH < end; leaf++) {
     updateWorldLeaf(t, leaf);

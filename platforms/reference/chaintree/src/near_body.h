@@ -1,10 +1,10 @@
-/* What of a snapshot comes near one of its leaves, compiled once for each instruction set by the file that includes
- * this. */
+/* Filters of sweeps: which nodes and slots of a snapshot are near others; compiled once for each instruction set by the
+ * file that includes this. */
 #include "instructions.h"
 #include "pairs.h"
 #include "volume.h"
 
-/* Functions that are compiled for clashes and for neighbours: `surfaces` is a constant wherever they are used. */
+/* Functions that are compiled twice, for clashes and for neighbours: `surfaces` is a constant in each use. */
 #define CT_FOR_BOTH CT_INLINE
 
 /* ---- Filters ---- */
@@ -12,12 +12,12 @@
 typedef struct Pass {
   Sweep* sweep;
   SweepTask* task;
-  float reach;       /* with room for rounding */
-  float nearSquared; /* of centres: pairs farther apart do not matter */
-  float sureSquared; /* of centres: pairs nearer are neighbours */
+  float reach;       /* with FLOAT_MARGIN */
+  float nearSquared; /* its square: centres farther apart are no pair */
+  float sureSquared; /* centres nearer than its root are a pair for sure */
 } Pass;
 
-/* Of sixteen boxes those that come near box k of others; bits. */
+/* The members (bits) whose boxes are within reach of box k of others. */
 CT_FOR_BOTH unsigned membersNear(const Pass* pass, const AxisBoxes* members, const AxisBoxes* others, int k,
                                  bool surfaces) {
   Float16 squared = all16(0);
@@ -57,7 +57,7 @@ static inline AxisBox memberOf(const AxisBoxes* boxes, int k) {
                    boxes->r[k]};
 }
 
-/* Of slots those that come near a box; bits. */
+/* The slots (bits) that are within reach of a box. */
 CT_FOR_BOTH unsigned slotsNear(const Pass* pass, const Slots* slots, const AxisBox* box, bool surfaces) {
   Float16 squared = all16(0);
   for (int d = 0; d < 3; d++) {

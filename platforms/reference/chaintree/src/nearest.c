@@ -18,7 +18,7 @@ static bool isBefore(const int one[2], const int other[2]) {
   return one[0] < other[0] || (one[0] == other[0] && one[1] < other[1]);
 }
 
-/* Of pairs equally near the lowest is taken, so that it does not matter in which order they come. */
+/* Of several nearest pairs takes the lowest, so that the result does not depend on their order. */
 void ctNearestOffer(Nearest* n, const Cloud* a, int slotA, const Cloud* b, int slotB) {
   double x[3];
   double y[3];
@@ -44,7 +44,7 @@ static Cloud cloudOfSlots(ctChainTree* scene, const ctSelection* selection) {
                  .traversal = &scene->traversal};
 }
 
-/* Puts the particles without a slot into the world. */
+/* Computes the world coordinates of the particles without a slot. */
 static Cloud cloudOfUnmodelled(ctChainTree* scene, ctSelection* selection, Nearest* nearest) {
   const Tree* tree = ctSceneTree(scene);
   PositionReader reader = ctPositionReader(&scene->sequence, tree);
@@ -62,7 +62,7 @@ static Cloud cloudOfUnmodelled(ctChainTree* scene, ctSelection* selection, Neare
                  .point = points};
 }
 
-/* Those of its two clouds that are not empty; returns how many. */
+/* Lists the two clouds of a selection that are not empty; returns how many. */
 static int cloudsOf(ctChainTree* scene, ctSelection* selection, Nearest* nearest, Cloud clouds[2]) {
   int count = 0;
   if (selection->count > selection->unmodelledCount) {
@@ -74,10 +74,10 @@ static int cloudsOf(ctChainTree* scene, ctSelection* selection, Nearest* nearest
   return count;
 }
 
-/* ---- What was nearest before ---- */
+/* ---- The pair that was nearest before ---- */
 
-/* How near the pair is now that was the nearest when one of the selections was last asked about, if it is a pair of
- * theirs: after a small move little is nearer. */
+/* The distance now of the pair that was nearest in the last query of one of the selections; INFINITY if it is no pair
+ * of these two. After a small move few pairs are nearer. */
 static double knownDistance(ctChainTree* scene, const ctSelection* one, const ctSelection* other) {
   if (one->nearest[0] == CT_NULL || !ctSelectionHolds(other, one->nearest[1])) {
     return INFINITY;

@@ -1,4 +1,4 @@
-/* The search for the nearest, compiled once for each instruction set by the file that includes this. */
+/* The search for the nearest pair, compiled once for each instruction set by the file that includes this. */
 #include "instructions.h"
 #include "nearest.h"
 #include "view_body.h"
@@ -13,7 +13,7 @@ typedef struct Cluster {
   Sphere around;
 } Cluster;
 
-/* The members of a node as they lie in the world, but for their radii. What holds the node has been there before. */
+/* The members of a cluster's node in the world, but for their radii. Its parent must be up to date. */
 static const Block* membersOf(const Cloud* cloud, const Cluster* cluster) {
   if (cloud->traversal == NULL) {
     return &cloud->block[cluster->node];
@@ -22,7 +22,7 @@ static const Block* membersOf(const Cloud* cloud, const Cluster* cluster) {
   return worldOf(cloud->traversal, cluster->node);
 }
 
-/* Radii around the centres of particles. */
+/* The radii of spheres around the centres of particles. */
 static const float* radiiOf(const Cloud* cloud, const Cluster* cluster) {
   static const float points[TREE_WIDTH] = {0};
   if (cluster->level == 0) {
@@ -39,7 +39,7 @@ static Cluster rootOf(const Cloud* cloud) {
 
 /* ---- Points of their own ---- */
 
-/* Blocks of all nodes over points that have been put into `point`. */
+/* Computes the spheres of all nodes over points. They have no room for rounding, see findNearest. */
 static void boundPoints(const Tree* layout, const double (*point)[3], Block* block) {
   for (int level = 0; level < layout->levelCount; level++) {
     for (int i = 0; i < layout->levelSize[level]; i++) {
@@ -73,14 +73,14 @@ static void boundPoints(const Tree* layout, const double (*point)[3], Block* blo
 /* ---- The search ---- */
 
 typedef struct NearestVisit {
-  float bound; /* nothing in one cluster is nearer to anything in the other, but for rounding */
+  float bound; /* of the distance of the two clusters, but for rounding */
   Cluster cluster[2];
 } NearestVisit;
 
-/* Members of leaf b of the other cloud that are the particle of member k of leaf a of one. */
+/* The members (bits) of leaf b of the other cloud that are the same particle as member k of leaf a of one. */
 static unsigned itself(const Cloud clouds[2], int side, int a, int k, int b) {
   if (clouds[0].traversal != clouds[1].traversal) {
-    return 0; /* a particle has a slot or none */
+    return 0; /* a particle with a slot, and one without */
   }
   if (clouds[0].traversal != NULL) {
     return a == b ? 1u << k : 0;
@@ -94,7 +94,7 @@ static void offer(Nearest* n, const Cloud clouds[2], int side, int slot, int oth
 }
 
 static void compareLeaves(Nearest* n, const Cloud clouds[2], const Cluster leaves[2]) {
-  /* Of the larger leaf fewer slots come near the other than the other way round. */
+  /* Fewer slots of the larger leaf are near the smaller one than the other way round. */
   const int side = leaves[1].around.r > leaves[0].around.r;
   const Cluster* one = &leaves[side];
   const Cluster* other = &leaves[1 - side];
@@ -107,7 +107,7 @@ static void compareLeaves(Nearest* n, const Cloud clouds[2], const Cluster leave
       one->members & greater16(all16(far * far), squaredFrom(block, around->x, around->y, around->z));
   n->volumeTests += __builtin_popcount(one->members);
   n->particleTests += __builtin_popcount(slots) * __builtin_popcount(other->members);
-  /* First how near they come, so that few pairs are offered. */
+  /* First the least distance in float, so that few pairs are compared in double. */
   Float16 rows[TREE_WIDTH];
   Float16 least = all16(INFINITY);
   for (unsigned left = slots; left != 0; left &= left - 1) {
@@ -130,7 +130,8 @@ static void compareLeaves(Nearest* n, const Cloud clouds[2], const Cluster leave
   }
 }
 
-/* Puts the members of one cluster on the stack, each with the other cluster; the nearest comes first. */
+/* Puts the members of one cluster on the stack, each with the other cluster; the nearest one last, to be visited first.
+ */
 static int splitCluster(Nearest* n, const Cloud* cloud, const NearestVisit* visit, int side, NearestVisit* stack) {
   const Cluster* whole = &visit->cluster[side];
   const Sphere* other = &visit->cluster[1 - side].around;
@@ -169,20 +170,25 @@ static int splitCluster(Nearest* n, const Cloud* cloud, const NearestVisit* visi
   return pushed;
 }
 
-/* Whether a cluster is a single slot. */
+/* True if a cluster is a single slot. */
 static bool isSlot(const Cluster* cluster) {
   return cluster->level == 0 && (cluster->members & (cluster->members - 1)) == 0;
 }
 
-/* The larger: two of a size are apart as soon as they can be. */
+/* Chooses the cluster to split: the larger one. */
 static int sideToSplit(const Cluster clusters[2]) {
   const Cluster* a = &clusters[0];
   const Cluster* b = &clusters[1];
   return isSlot(a) || (!isSlot(b) && b->around.r > a->around.r);
 }
 
+/* Searches two clouds. The margin: distances of spheres in float are off by up to 38 u E for their centres and 12 u E
+ * for the test (u = 2^-24, E: the larger extent; see FLOAT_MARGIN, here without motions of a view), those of points by
+ * 8 u E. The reach is a distance of points, or one in double, with two margins of 67 u E: one for itself, one for the
+ * spheres. That leaves 76 u E for the radii of spheres around points of their own, which have no room for rounding: 5 u
+ * for each level. */
 static void findNearest(Nearest* n, const Cloud clouds[2]) {
-  /* What splits leave for later, down both hierarchies and to single slots. */
+  /* Splits go down both trees to single slots, each with all members of a node on the stack. */
   NearestVisit stack[2 * (TREE_MAX_LEVELS + 1) * TREE_WIDTH];
   Traversal* t = n->traversal;
   const View view = ctViewOfState(t->worldHasSurfaces, 0);

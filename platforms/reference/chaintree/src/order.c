@@ -9,7 +9,7 @@ typedef struct Key {
   int axis;
 } Key;
 
-/* Ties go by index, so that the order is total. */
+/* Ties are decided by index, so that the order is total. */
 static bool before(const Key* key, int a, int b) {
   const double x = key->points[3 * (size_t)a + (size_t)key->axis];
   const double y = key->points[3 * (size_t)b + (size_t)key->axis];
@@ -22,12 +22,12 @@ static void swap(int* ids, int a, int b) {
   ids[b] = id;
 }
 
-/* Quickselect: the first `middle` ids come before the others. */
+/* Quickselect: moves the `middle` lowest ids to the front. */
 static void selectFirst(const Key* key, int* ids, int count, int middle) {
   int low = 0;
   int high = count - 1;
   while (low < high) {
-    /* Median of three to the front. */
+    /* The median of three is the pivot. */
     const int centre = low + (high - low) / 2;
     if (before(key, ids[centre], ids[low])) {
       swap(ids, centre, low);
@@ -120,7 +120,7 @@ void ctAccumulate(int* begin, int count) {
   }
 }
 
-/* By insertion: quick where they almost ascend, as they do if links and particles are numbered alike. */
+/* Insertion sort: quick if values almost ascend, as they do where links and particles are numbered alike. */
 static void sortFew(int* values, size_t count) {
   for (size_t i = 1; i < count; i++) {
     const int value = values[i];
@@ -132,13 +132,13 @@ static void sortFew(int* values, size_t count) {
   }
 }
 
-/* Pairs come in runs of one id. To count them one after another would be to wait for each sum, so their list is gone
- * through at some places at once, each with a count of its own for each id. */
+/* Pairs come in runs of one id. Counting them one by one would wait for each sum, so the list is read as several
+ * streams at once, each with a count of its own for each id. */
 enum { STREAMS = 4 };
 
-/* Puts the seconds of the pairs with each first behind those of the one before. begins[STREAMS * id] tells where. */
+/* Gathers the second ids of pairs in rows, one for each first id. Row id begins at begins[STREAMS * id]. */
 static void gatherRows(size_t count, const int* firsts, const int* seconds, int idCount, uint32_t* begins, int* rows) {
-  /* Counts two places on, so that filling moves each begin to its place. */
+  /* Counts are kept two entries on, so that filling the list turns them into its begins. */
   uint32_t* next = begins + 1;
   const size_t length = count / STREAMS;
   for (size_t i = 0; i < length; i++) {
@@ -162,7 +162,7 @@ static void gatherRows(size_t count, const int* firsts, const int* seconds, int 
   }
 }
 
-/* Whether pairs ascend; without a branch for each, for most do if any does. */
+/* True if pairs ascend. Without a branch for each: mostly all do, or early ones do not. */
 static bool pairsAscend(size_t count, const int* firsts, const int* seconds) {
   enum { AT_ONCE = 256 };
   for (size_t begin = 0; begin + 1 < count; begin += AT_ONCE) {

@@ -1,22 +1,22 @@
-/* The orders that layouts need. */
+/* Sorting: in space, of numbers, of pairs. */
 #ifndef CT_ORDER_H_
 #define CT_ORDER_H_
 
 #include <stdbool.h>
 #include <stddef.h>
 
-/* Members of a node of the tree: what all orders are made for. */
+/* The number of members of a node of the tree. */
 enum { TREE_WIDTH_BITS = 4, TREE_WIDTH = 1 << TREE_WIDTH_BITS };
 
-/* Permutes ids so that consecutive runs of TREE_WIDTH, and of its powers, are compact in space: what makes the static
- * hierarchy of obstacles and of large links tight. Point id is points[3 * id .. 3 * id + 2]. O(n log n) expected; the
- * result depends on nothing else. */
+/* Permutes ids so that consecutive runs of TREE_WIDTH, and of its powers, are compact in space: this makes the volumes
+ * of obstacles and of large links tight. Point id is points[3 * id .. 3 * id + 2]. O(n log n) expected. The result
+ * depends on nothing else. */
 void ctSpatialOrder(int* ids, int count, const double* points);
 
-/* Ascending. */
+/* Sorts values, ascending. */
 void ctSortInts(int* values, int count);
 
-/* Of ascending values [begin, end) where those begin that are not below one. O(log of their number). */
+/* The index of the first of ascending values [begin, end) that is not below `value`. O(log of their number). */
 static inline int ascendingFrom(const int* values, int begin, int end, int value) {
   while (begin < end) {
     const int middle = begin + (end - begin) / 2;
@@ -33,7 +33,7 @@ static inline int ascendingFrom(const int* values, int begin, int end, int value
  * there is no memory. */
 bool ctSortPairs(size_t count, int* firsts, int* seconds, int idCount);
 
-/* Turns the number of members of each of `count` groups, in begin[group + 1], into where each group begins. */
+/* Turns counts of `count` groups, in begin[group + 1], into the begin of each group. */
 void ctAccumulate(int* begin, int count);
 
 #endif /* CT_ORDER_H_ */

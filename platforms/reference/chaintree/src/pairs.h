@@ -1,4 +1,4 @@
-/* Pairs of ids and distances of pairs, several at a time, on one of the paths of simd.h. */
+/* Writing pairs of ids, and distances of pairs, several at a time, by one of the instruction sets of simd.h. */
 #ifndef CT_PAIRS_H_
 #define CT_PAIRS_H_
 
@@ -7,9 +7,9 @@
 #include "ranks.h"
 #include "simd.h"
 
-/* Sixteen ids; closeRanks16 writes those whose bit is set, closeNumbers16 first + k for each bit k. pairs16 writes the
- * pairs of `id` with them, the lower first; pairsBelow16 takes them to be below it. All return how many they are, and
- * write something up to the sixteenth place. */
+/* Sixteen ids. closeRanks16 writes those whose bit is set, without gaps; closeNumbers16 writes first + k for each bit
+ * k. pairs16 writes the pairs of `id` with those ids, the lower of each to `lower`; pairsBelow16 does so if all are
+ * below it. All return how many they have written, and may overwrite sixteen entries. */
 #if defined(CT_PATH_AVX512)
 
 typedef __m512i Ids16;
@@ -55,7 +55,7 @@ static inline __m256i bits8(const Ranks* ranks, unsigned byte) {
   return _mm256_cvtepu8_epi32(_mm_loadl_epi64((const __m128i*)ranks->bit[byte]));
 }
 
-/* Each eight are closed already. */
+/* Writes two times eight ids that have no gaps. */
 CT_INLINE size_t storeClosed(unsigned mask, __m256i low, __m256i high, int* to) {
   _mm256_storeu_si256((__m256i*)to, low);
   _mm256_storeu_si256((__m256i*)(to + __builtin_popcount(mask & 255)), high);
@@ -95,7 +95,7 @@ static inline Ids16 loadIds(const int* ids) {
   return ids;
 }
 
-/* Where the second eight of sixteen go. */
+/* Where the second eight of sixteen are written. */
 static inline int* behindFirst8(const Ranks* ranks, unsigned mask, int* to) {
   return to + ranks->count[mask & 255];
 }
@@ -145,7 +145,7 @@ static inline size_t pairs16(const Ranks* ranks, unsigned mask, Ids16 ids, int i
 
 #endif
 
-/* The distances of four pairs of points, none above `most`. Reads one number beyond the last point. */
+/* The distances of four pairs of points, none above `most`. May read one number beyond the last point. */
 #if defined(CT_PATH_AVX512) || defined(CT_PATH_AVX2)
 
 static inline void distances4(const double* points, const int* a, const int* b, double most, double* distances) {

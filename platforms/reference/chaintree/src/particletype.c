@@ -1,4 +1,5 @@
-/* Types of particles: what a pair's limit depends on, kept once for all particles that have it. */
+/* Types of particles: radius and role, on which the limit of a pair depends, kept once for all particles that share
+ * them. */
 #include <string.h>
 
 #include "sequence.h"
@@ -18,7 +19,7 @@ static uint32_t hashOf(const ctDefinition* d, int particle) {
   return (uint32_t)((bits ^ roleOf(d, particle)) * 0x9e3779b97f4a7c15u >> 32);
 }
 
-/* Types of slots in the order of the first slot of each; slots without a particle are of any type. */
+/* Numbers the types in the order of their first slots. Slots without a particle get any type. */
 static void numberTypes(Sequence* s, const ctDefinition* d, int* table, uint32_t mask) {
   for (int slot = 0; slot < s->slotCount; slot++) {
     const int particle = s->slotParticle[slot];

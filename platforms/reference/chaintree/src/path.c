@@ -1,15 +1,15 @@
-/* Twigs, the paths that the sequence leaves before its end, and the products that close these. */
+/* Twigs; paths; and the products of a path's openings that its closure inverts. */
 #include "order.h"
 #include "sequence.h"
 
-/* Links over which a path's product is multiplied one by one: keeps the products few. */
+/* Links of a block, whose product is multiplied link by link: fewer products are kept. */
 enum { PATH_BLOCK = 8 };
 
 static int blockCount(const Sequence* s, int path) {
   return (s->pathBegin[path + 1] - s->pathBegin[path] + PATH_BLOCK - 1) / PATH_BLOCK;
 }
 
-/* Products of `blocks` blocks: the blocks, then half as many pairs, down to one. */
+/* The number of products over `blocks` blocks: the blocks, pairs of these, and so on down to one. */
 static int productCount(int blocks) {
   int count = blocks;
   for (int n = blocks; n > 1; n = (n + 1) / 2) {
@@ -18,7 +18,7 @@ static int productCount(int blocks) {
   return count;
 }
 
-/* The last link that hangs on the parent heads no path of its own. */
+/* True if a link is not the last child of its parent: then it begins a path. */
 static bool headsPath(const Sequence* s, const int* end, int link) {
   return end[link] != end[s->parent[link]];
 }
@@ -84,7 +84,7 @@ bool ctPathsBuild(Sequence* s, Arena* arena, const int* end) {
   if (arena->failed) {
     return false;
   }
-  /* Counts two places on, so that filling moves each begin to its place. */
+  /* Counts are kept two entries on, so that filling the list turns them into its begins. */
   int* next = s->pathBegin + 1;
   for (int link = 1; link < s->linkCount; link++) {
     if (closes(s, link)) {
@@ -153,8 +153,7 @@ void ctPathsMultiply(Sequence* s) {
 }
 
 int ctSequenceUpdate(Sequence* s, const int* links, int count, int* scratch) {
-  /* By path, and in it by position: links of one path ascend with their positions, so sorting by path is enough, and a
-   * stable order comes from sorting indices into pathLink. */
+  /* Sorting indices into pathLink sorts by path, and in a path by link. */
   int touched = 0;
   for (int i = 0; i < count; i++) {
     if (closes(s, links[i])) {

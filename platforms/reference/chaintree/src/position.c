@@ -11,7 +11,7 @@ PositionReader ctPositionReader(const Sequence* sequence, const Tree* tree) {
   return reader;
 }
 
-/* Whether a joint has displaced the branch of the world that a link is in. */
+/* True if a joint has displaced the branch of the world that a link is in. */
 static inline bool isDisplaced(PositionReader* reader, int link) {
   const Sequence* s = reader->sequence;
   if (link < reader->branchBegin || link >= reader->branchEnd) {
@@ -103,7 +103,7 @@ static void readLeaf(PositionReader* reader, int leaf, const Frame* frame, doubl
   }
 }
 
-/* Particles of leaves [begin, end) that have a slot, where leaves have changed since. */
+/* Reads the particles with slots of leaves [begin, end) that have changed since a time. */
 static void readLeaves(PositionReader* reader, int begin, int end, int64_t since, double* positions) {
   const Tree* tree = reader->tree;
   const int firstMoved = treeFirstMoved(tree, since);
@@ -125,7 +125,7 @@ static void readLeaves(PositionReader* reader, int begin, int end, int64_t since
   }
 }
 
-/* Particles [begin, end) of those that have none. */
+/* The same for entries [begin, end) of unmodelledParticle. */
 static void readUnmodelled(PositionReader* reader, int begin, int end, int64_t since, double* positions) {
   const Sequence* s = reader->sequence;
   const int firstMoved = treeFirstMoved(reader->tree, since);
@@ -148,7 +148,7 @@ void ctReadPositions(const Sequence* s, const Tree* tree, double* positions) {
   readSince(s, tree, NEVER, positions);
 }
 
-/* ---- Arrays that are kept ---- */
+/* ---- Arrays that the caller keeps ---- */
 
 bool ctCopiedBuild(Copied* copied, Arena* arena, const Sequence* s) {
   copied->time = NEVER;
@@ -156,7 +156,7 @@ bool ctCopiedBuild(Copied* copied, Arena* arena, const Sequence* s) {
   return !arena->failed;
 }
 
-/* A branch that is displaced now and was not, or the other way round. */
+/* Reads all particles of a branch. */
 static void readBranch(const Sequence* s, const Tree* tree, int branch, double* positions) {
   const int head = s->branchHead[branch];
   const int end = sequenceEnd(s, head);

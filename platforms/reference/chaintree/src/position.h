@@ -1,16 +1,16 @@
-/* Positions of particles in the world, read off the tree. */
+/* Positions of particles in the world, from the tree. */
 #ifndef CT_POSITION_H_
 #define CT_POSITION_H_
 
 #include "tree.h"
 
-/* Reads particles one after another; neighbours in the sequence share the work of finding a frame. */
+/* Computes positions one by one, and keeps frames: neighbours in the sequence share them. */
 typedef struct PositionReader {
   const Sequence* sequence;
   const Tree* tree;
-  int leaf; /* whose frame is held */
+  int leaf; /* whose frame is kept */
   Frame leafFrame;
-  int link; /* whose frame in its leaf is held */
+  int link; /* whose frame in its leaf is kept */
   Frame linkInLeaf;
   int branch; /* CT_NULL: the world itself; links [branchBegin, branchEnd) */
   int branchBegin;
@@ -19,7 +19,7 @@ typedef struct PositionReader {
 
 PositionReader ctPositionReader(const Sequence* sequence, const Tree* tree);
 
-/* Particles of a branch that no joint has displaced keep their reference bits. */
+/* The position of a particle. In a branch that no joint has displaced it has the reference bits. */
 void ctReadPosition(PositionReader* reader, int particle, double position[3]);
 
 /* The same from the sequence's worldOrigin. */
@@ -28,16 +28,16 @@ void ctReadFromOrigin(PositionReader* reader, int particle, double position[3]);
 /* All particles: 3 * particleCount coordinates. */
 void ctReadPositions(const Sequence* sequence, const Tree* tree, double* positions);
 
-/* Of which state the coordinates in an array are that somebody keeps. */
+/* The state that an array of coordinates, which the caller keeps, was last filled from. */
 typedef struct Copied {
-  int64_t time;      /* of the tree; NEVER: of none */
-  bool* isDisplaced; /* per branch: whether it was, so that its particles had not their reference bits */
+  int64_t time;      /* of the tree; NEVER: it has not been filled */
+  bool* isDisplaced; /* per branch: a joint had displaced it, so that its particles did not have reference bits */
 } Copied;
 
-/* Of none. False if there is no memory. */
+/* Begins with an array that has not been filled. False if there is no memory. */
 bool ctCopiedBuild(Copied* copied, Arena* arena, const Sequence* sequence);
 
-/* The same as ctReadPositions, but only writes coordinates that may have changed since. */
+/* The same as ctReadPositions, but writes only coordinates that may have changed since the last call. */
 void ctRefreshPositions(Copied* copied, const Sequence* sequence, const Tree* tree, double* positions);
 
 #endif /* CT_POSITION_H_ */

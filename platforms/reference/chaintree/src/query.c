@@ -7,7 +7,7 @@
 
 /* ---- Clashes ---- */
 
-/* What a query does with each clash. */
+/* A query, and what it does with each clash. */
 typedef struct Clashes {
   ctChainTree* tree;
   const Sweep* sweep;
@@ -97,7 +97,7 @@ static bool addEnergy(Clashes* clashes, int slotA, int slotB, double overlap) {
   subtract(snapshotPosition(snapshot, particleA), snapshotPosition(snapshot, particleB), apart);
   double distance = sqrt(dot(apart, apart));
   if (distance <= snapshot->band) {
-    /* Coincident but for rounding: any direction would do, so it is a fixed one. */
+    /* Coincident but for rounding: the direction is a fixed one. */
     apart[0] = particleA < particleB ? 1 : -1;
     apart[1] = 0;
     apart[2] = 0;
@@ -139,7 +139,7 @@ static bool isNeighbor(void* context, int slotA, int slotB, double squaredDistan
   return (doubtful ? canonicalDistance(cutoff->tree, slotA, slotB) : distance) <= cutoff->distance;
 }
 
-/* Pairs on their way to a callback. */
+/* Neighbours that are collected for a callback. */
 enum { NEIGHBORS_AT_ONCE = 2 * PAIRS_AT_ONCE };
 
 typedef struct Neighbors {
@@ -163,7 +163,7 @@ static bool tellNeighbors(PairSink* sink) {
   return neighbors->goesOn;
 }
 
-/* Puts all neighbours into a sink, which must be emptied after that. */
+/* Puts all neighbours into a sink, which may hold some in the end. */
 static ctStatus sweepNeighbors(ctChainTree* tree, double cutoff, PairSink* sink, ctCounts* counts) {
   if (!(cutoff > 0) || !isfinite(cutoff)) {
     return ctFail(tree, ctInvalidArgument, "the cutoff is %g nm; it must be finite and positive", cutoff);
@@ -192,12 +192,13 @@ ctStatus ctForEachNeighborPair(ctChainTree* tree, double cutoff, ctPairFunction*
   return status;
 }
 
-/* The caller's arrays; what may not fit into them any more goes by way of the last. */
+/* The caller's arrays. PAIRS_AT_ONCE pairs are written at a time: when the caller's arrays have no room for so many,
+ * the last arrays take them, and what fits is copied. */
 typedef struct NeighborArrays {
   int* lower;
   int* higher;
   size_t capacity;
-  size_t count; /* of pairs that the last have held before, or the caller's have taken straight */
+  size_t count; /* of pairs that have left the sink */
   int lastLower[NEIGHBORS_AT_ONCE];
   int lastHigher[NEIGHBORS_AT_ONCE];
 } NeighborArrays;
@@ -311,7 +312,7 @@ typedef struct Raise {
 } Raise;
 
 static bool raiseLimit(Clashes* clashes, int slotA, int slotB, double overlap) {
-  (void)overlap; /* a limit is of the canonical distance, like the trials that it judges */
+  (void)overlap; /* limits are of canonical distances, like verdicts */
   Raise* raise = clashes->context;
   ctChainTree* tree = clashes->tree;
   const double canonical = radiusSum(tree, slotA, slotB) - canonicalDistance(tree, slotA, slotB);
@@ -329,7 +330,7 @@ ctStatus ctRaiseLimits(ctChainTree* tree, int* raised, ctCounts* counts) {
   const ctStatus status = sweepClashes(&clashes, counts);
   raise.failed = raise.failed || status != ctSuccess;
   const int count = raise.raised.count;
-  /* The old ones join the new; of a pair's two the larger stays. */
+  /* Adds the old limits; of two of one pair the larger stays. */
   for (int i = 0; i < tree->limits.count && !raise.failed; i++) {
     const uint64_t key = tree->limits.keys[i];
     raise.failed = !ctLimitsAppend(&raise.raised, (int)(key >> 32), (int)(key & 0xffffffffu), tree->limits.values[i]);

@@ -1,10 +1,10 @@
-/* How bits that are set close ranks. */
+/* A table that tells which bits of a byte are set: to write chosen numbers without gaps. */
 #ifndef CT_RANKS_H_
 #define CT_RANKS_H_
 
 #include <stdint.h>
 
-/* Per byte the numbers of its bits, ascending, and how many they are. */
+/* Per byte: the numbers of its set bits, ascending, and how many. */
 typedef struct Ranks {
   uint8_t bit[256][8];
   uint8_t count[256];

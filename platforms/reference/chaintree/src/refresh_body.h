@@ -1,4 +1,4 @@
-/* How a node of the tree follows from what is below it; compiled once for each instruction set by the file that
+/* Recomputes nodes of the tree from what is below them; compiled once for each instruction set by the file that
  * includes this. */
 #include <string.h>
 
@@ -7,7 +7,9 @@
 
 /* ---- Bounds ---- */
 
-/* The radii have room for the rounding to float, relative to coordinates about the node's own origin. */
+/* A sphere around the members of a node, whose coordinates in float are from the node's own origin. Room for rounding:
+ * 1e-6 is 17 u (u = 2^-24) of B, the sum of the magnitudes of the sphere's centre and radius. The members' centres are
+ * rounded (u of B), so are radii (u), and the sphere's radius is computed with up to 5 u of it: 7 u of B. */
 static Bound boundOfMembers(const Block* block, const float* centres) {
   const Sphere middle = middleOfBlock(block);
   if (middle.r < 0) {
@@ -28,13 +30,13 @@ static Bound boundOfLeaf(const Leaf* leaf) {
 
 /* ---- Update, bottom-up ---- */
 
-/* Openings of links in a row, by entries of a Frame's m. */
+/* The openings of consecutive links, as a structure of arrays: by entries of Frame.m. */
 typedef struct Openings {
   int first; /* link */
   double m[12][TREE_WIDTH];
 } Openings;
 
-/* Those of links [begin, end), no more than TREE_WIDTH. */
+/* Computes those of links [begin, end), at most TREE_WIDTH. */
 static void openLinks(const Sequence* s, int begin, int end, Openings* openings) {
   openings->first = begin;
   double w[3][TREE_WIDTH];
@@ -67,15 +69,15 @@ static void openLinks(const Sequence* s, int begin, int end, Openings* openings)
   }
 }
 
-/* If a walk is at the head of a twig, the tree keeps where that hangs. */
+/* If a walk is at the head of a twig, stores the frame of the link on which that hangs. */
 CT_INLINE void keepStem(Tree* tree, const Sequence* s, const Walk* walk) {
   if (s->twigPart[walk->link] == headsTwig) {
     tree->stem[sequenceTwig(s, walk->link)] = frameOfColumns(&walk->stem[0]);
   }
 }
 
-/* Places slots [begin, end) of a leaf, and takes a walk from the link of the first one, whose followers are opened, to
- * that of the last. A call would put the walk's frame into memory. */
+/* Computes the positions of slots [begin, end) of a leaf. Takes the walk from the link of the first one to that of the
+ * last; the links between are opened. Inlined: a call would put the walk's frame into memory. */
 CT_INLINE void positionSlots(Tree* tree, const Sequence* s, Walk* walk, const Openings* openings, int begin, int end) {
   Leaf* leaf = &tree->leaf[begin / TREE_WIDTH];
   if (s->slotBegin[walk->link] == begin) {
@@ -113,6 +115,7 @@ CT_INLINE void walkToLeaf(Walk* walk, const Sequence* s, const Openings* opening
   }
 }
 
+/* Completes a leaf whose slots have new positions. */
 static void noteLeaf(Tree* tree, int leaf) {
   tree->bound[leaf] = boundOfLeaf(&tree->leaf[leaf]);
   tree->contentTime[leaf] = tree->time;
@@ -120,6 +123,7 @@ static void noteLeaf(Tree* tree, int leaf) {
   tree->boxIsStale[leaf] = true;
 }
 
+/* Recomputes a leaf, and its shortcut. */
 static void refreshLeaf(Tree* tree, const Sequence* sequence, int leaf) {
   const int begin = leaf * TREE_WIDTH;
   const int end = begin + TREE_WIDTH < tree->slotCount ? begin + TREE_WIDTH : tree->slotCount;
@@ -133,7 +137,7 @@ static void refreshLeaf(Tree* tree, const Sequence* sequence, int leaf) {
     walkToLeaf(&walk, sequence, &openings, leaf + 1);
   }
   const Frame shortcut = frameOfColumns(&walk.frame);
-  /* Bits are meant, of which 0 has two kinds. NOLINTNEXTLINE(bugprone-suspicious-memory-comparison) */
+  /* Compares bits: 0 and -0 differ. NOLINTNEXTLINE(bugprone-suspicious-memory-comparison) */
   if (memcmp(tree->shortcut[leaf].m, shortcut.m, sizeof shortcut.m) != 0) {
     tree->shortcut[leaf] = shortcut;
     tree->shortcutTime[leaf] = tree->time;
@@ -141,7 +145,7 @@ static void refreshLeaf(Tree* tree, const Sequence* sequence, int leaf) {
   noteLeaf(tree, leaf);
 }
 
-/* What a turn of a link in a twig has moved within one leaf. */
+/* Recomputes the slots of one leaf that a link in a twig moves. */
 static void refreshTwig(Tree* tree, const Sequence* sequence, int link, int leaf) {
   const int slotBegin = sequence->slotBegin[link];
   const int slotEnd = sequence->slotBegin[sequenceEnd(sequence, link)];
@@ -158,7 +162,8 @@ static void refreshTwig(Tree* tree, const Sequence* sequence, int link, int leaf
   noteLeaf(tree, leaf);
 }
 
-/* These children have changed (ascending); those behind one whose shortcut is another now have moved. */
+/* Recomputes an inner node of which these children (ascending) have changed. Children after one whose shortcut has
+ * changed have another pose, too. */
 static void refreshInnerNode(Tree* tree, int level, int node, const int* changed, int count) {
   int childCount;
   const int first = treeChildren(tree, level, node, &childCount);
@@ -166,7 +171,7 @@ static void refreshInnerNode(Tree* tree, int level, int node, const int* changed
   Members* members = treeMembers(tree, node);
   Columns pose;
   bool moved = false;
-  int done = 0; /* of the changed ones, until one has moved the others */
+  int done = 0; /* how many of the changed ones are done, as long as none has moved the others */
   for (int child = changed[0]; child <= last;) {
     if (moved) {
       columnsCompose(&pose, tree->shortcut[child - 1].m[0], 1);

@@ -25,7 +25,7 @@ Sweep* ctSceneSweep(ctChainTree* scene) {
     return NULL;
   }
   if (sweep->snapshotTime != scene->staleTree.time) {
-    /* The reference whenever it is the state, however that came about: the same state has the same bits. */
+    /* Takes the reference whenever it is the state, in whatever way it became so: the same state has the same bits. */
     if (scene->sequence.displacedCount == 0) {
       ctSnapshotTakeReference(&sweep->snapshot, &scene->sequence);
     } else if (ctSnapshotReserve(&sweep->snapshot, &sweep->arena, &scene->sequence)) {

@@ -1,4 +1,4 @@
-/* What is behind a handle, and the pairs' tolerances that trial and queries share. */
+/* The scene behind a handle, and the tolerances of pairs, which trials and queries share. */
 #ifndef CT_SCENE_H_
 #define CT_SCENE_H_
 
@@ -8,11 +8,11 @@
 #include "trial.h"
 #include "witness.h"
 
-/* A pair whose decision needs the canonical distance. */
+/* A pair about which the canonical distance decides. */
 typedef struct SlotPair {
   int slotA;
   int slotB;
-  double value; /* what the distance is compared with, or the distance before the trial */
+  double value; /* the limit of its overlap, or its distance before the trial */
 } SlotPair;
 
 typedef struct SlotPairs {
@@ -26,14 +26,14 @@ struct ctChainTree {
   Sequence sequence;
   Exclusions exclusions;
   Limits limits;
-  Tree staleTree; /* only through ctSceneTree */
+  Tree staleTree; /* may be stale: to be used only by ctSceneTree */
   Traversal traversal;
   Clearance clearance;
   Witnesses witnesses;
-  Sweep ownSweep; /* only through ctSceneSweep */
+  Sweep ownSweep; /* may be stale: to be used only by ctSceneSweep */
   Trial trial;
-  Trial next;      /* where a proposal is made, so that a refused one leaves the open trial alone */
-  Copied followed; /* what ctFollowTrialPositions was given last */
+  Trial next;      /* the scratch of a proposal: a refused one leaves the open trial alone */
+  Copied followed; /* the array of ctFollowTrialPositions */
   SlotPairs undecided;
   ctSelection* selections; /* those that have not been freed */
   double overlapTolerance;
@@ -48,10 +48,10 @@ ctStatus ctFailOutOfMemory(ctChainTree* scene);
 /* Fails unless all of these are particles of the scene. */
 ctStatus ctCheckParticles(ctChainTree* scene, int count, const int* particles);
 
-/* The tree of the state. New positions leave it stale until somebody asks for it here. */
+/* The tree of the state. Refreshes it if new positions have left it stale. */
 Tree* ctSceneTree(ctChainTree* scene);
 
-/* Sweeps of the state; NULL if there is no memory. */
+/* A sweep over the state, with a snapshot of it; NULL if there is no memory. */
 Sweep* ctSceneSweep(ctChainTree* scene);
 
 static inline bool canBond(unsigned donor, unsigned acceptor) {

@@ -6,7 +6,7 @@
 
 /* ---- Marks ---- */
 
-/* A member of a node is in the set if anything below it is. */
+/* Marks the members of inner nodes below which a slot is marked. */
 static void markAbove(const Tree* layout, uint16_t* mask) {
   for (int level = 0; level < treeTop(layout); level++) {
     for (int i = 0; i < layout->levelSize[level]; i++) {

@@ -1,4 +1,4 @@
-/* Sets of particles, prepared for queries. */
+/* Sets of particles for queries. */
 #ifndef CT_SELECTION_H_
 #define CT_SELECTION_H_
 
@@ -6,15 +6,15 @@
 #include "scene.h"
 
 struct ctSelection {
-  const ctChainTree* scene; /* NULL once that is gone */
+  const ctChainTree* scene; /* NULL: it has been freed */
   ctSelection* next;        /* in the scene's list */
-  ctSelection** listedAt;   /* what points to it there; NULL: it is in none */
+  ctSelection** listedAt;   /* the pointer to it in that list; NULL: it is in none */
   Arena arena;
   int count;
   uint16_t* mask; /* per node of the tree: members that hold particles of the set */
-  int nearest[2]; /* the pair that was the nearest when last asked: a particle of the set first, or CT_NULL */
+  int nearest[2]; /* the nearest pair of the last query, first the particle of this set; or CT_NULL */
 
-  /* Its particles without a slot, in a hierarchy of their own. */
+  /* Its particles without slots, in a tree of their own. */
   int unmodelledCount;
   int* unmodelled; /* ascending */
   Tree unmodelledLayout;
@@ -25,7 +25,7 @@ struct ctSelection {
 
 bool ctSelectionHolds(const ctSelection* selection, int particle);
 
-/* Tells all selections of a scene that it is gone: another may come to lie at its address. */
+/* Detaches all selections from a scene that is being freed: a new one may get the same address. */
 void ctDisownSelections(ctChainTree* scene);
 
 #endif /* CT_SELECTION_H_ */

@@ -4,7 +4,7 @@
 #include <float.h>
 #include <string.h>
 
-/* Coordinates in whole registers: number i of them is along axis i % 3. */
+/* Coordinates at a time, to fill registers: number i of them is along axis i % 3. */
 enum { LANES = 12 };
 
 static void findOrigin(Sequence* s) {
@@ -80,9 +80,9 @@ JointState ctSequenceGetJoint(const Sequence* s, int link) {
 double ctAngleTurned(double angle, double turn) {
   const double twoPi = 6.283185307179586476925286766559;
   const double pi = 0.5 * twoPi;
-  /* Over many turns pi in double is too short; sine and cosine know more of its digits. */
+  /* For many turns the digits of pi in double are too few; sine and cosine use more. */
   const double sum = angle + (fabs(turn) > twoPi ? atan2(sin(turn), cos(turn)) : turn);
-  /* Like remainder(sum, twoPi), which takes longer: the sum is below 3 pi. */
+  /* Since the sum is below 3 pi, this is remainder(sum, twoPi), and quicker. */
   return sum - twoPi * ((sum > pi) - (sum < -pi));
 }
 

@@ -11,12 +11,12 @@
  * closure is the inverse of the product of the path's openings, kept as a tree of products, so that a change costs
  * O(log N). A step thus depends on no rotation that does not change it, and untouched steps keep their bits.
  *
- * A branch of few slots that is not the last of its parent is a twig: a side chain, a small molecule. Whoever walks
- * along the sequence enters it from the frame of the link that it hangs on and goes on from that very frame behind it,
- * so no path in it needs a closure, and what moves within a twig leaves everything else alone, bit by bit.
+ * A twig is a branch of few slots that is not the last of its parent: a side chain, a small molecule. A walk along the
+ * sequence enters it from the frame of the link on which it hangs, and behind the twig goes on from that very frame. So
+ * paths in twigs need no closures, and a change within a twig keeps the bits of everything else.
  *
- * A slot is a place for a modelled particle; slots stand in the order of their links. A link without modelled particles
- * has one empty slot, so that TREE_WIDTH slots never span more links than that. */
+ * A slot is the index of a modelled particle in the sequence: slots are in the order of their links. A link without
+ * modelled particles has one empty slot, so that TREE_WIDTH slots never span more than TREE_WIDTH links. */
 #ifndef CT_SEQUENCE_H_
 #define CT_SEQUENCE_H_
 
@@ -25,28 +25,28 @@
 #include "order.h"
 #include "transform.h"
 
-/* A branch of no more slots is a twig. */
+/* A twig has no more slots. */
 enum { TWIG_SLOTS = 2 * TREE_WIDTH };
 
-/* Where a free link is in its parent's frame. */
+/* The rigid transform of a free link in its parent's frame. */
 typedef struct Placement {
   double quaternion[4]; /* w, x, y, z */
   double position[3];
 } Placement;
 
-/* All that the state says of one joint. */
+/* The state of one joint. */
 typedef struct JointState {
   double angle;        /* torsion: turned since the reference, in [-pi, pi] */
   Placement placement; /* free joint */
 } JointState;
 
-/* What tells particles apart, as far as clashes go. */
+/* What the limit of a pair depends on. */
 typedef struct ParticleType {
   double radius;
   unsigned role; /* in hydrogen bonds */
 } ParticleType;
 
-/* What a link is moved by, and the particle at the origin of its frame. */
+/* The particle at the origin of a link's frame, and what its joint depends on. */
 typedef struct Joint {
   int origin; /* on the torsion axis and in the link, or its lowest; CT_NULL for the world */
   union {
@@ -55,12 +55,12 @@ typedef struct Joint {
   };
 } Joint;
 
-/* Which part of a twig a link is. */
+/* The part of a link in a twig. */
 typedef enum TwigPart {
   notInTwig,
-  goesOnInTwig,
-  branchInTwig, /* heads a branch of a twig */
-  headsTwig
+  goesOnInTwig, /* the last child of its parent */
+  branchInTwig, /* the first link of a branch of a twig */
+  headsTwig     /* the first link of a twig that lies in no other */
 } TwigPart;
 
 typedef struct Sequence {
@@ -93,15 +93,15 @@ typedef struct Sequence {
   ParticleType* types;
 
   /* Particles. */
-  int* slotOrLink;         /* its slot, or if it is not modelled ~ of its link */
-  int* unmodelledParticle; /* those that are not modelled, by their links */
+  int* slotOrLink;         /* its slot; if it is not modelled, ~ of its link */
+  int* unmodelledParticle; /* the particles that are not modelled, in the order of their links */
 
-  /* First links, ascending. */
+  /* First links of the world's branches and of twigs, ascending. */
   int* branchHead;
   int* twigHead;
 
-  /* All paths: first those that the sequence leaves before its end and outside of twigs, which have closures, then that
-   * which starts at the world, then those in twigs. */
+  /* Paths. First come those with closures, which the sequence leaves before its end, outside of twigs; then the one
+   * that starts at the world; then those in twigs. */
   int* pathEnd;      /* one past the last link that hangs on any of the path's */
   int* pathBegin;    /* closureCount + 1, into pathLink */
   int* pathLink;     /* links of each path that has a closure, ascending */
@@ -109,7 +109,7 @@ typedef struct Sequence {
   Frame* product;    /* per path: products over PATH_BLOCK links, then over pairs of those, up to the whole */
   Frame* closure;    /* closureCount: inverse of the whole */
 
-  /* State: reference positions, angles, placements; and what follows from one link's share of it alone. */
+  /* The state: reference positions, angles, placements; and what follows from the state of one joint alone. */
   double* reference; /* 3 * particleCount, the caller's bits */
   double worldOrigin[3];
   double* angle;
@@ -121,30 +121,31 @@ typedef struct Sequence {
 /* Lays out a checked definition, without state. False if there is no memory. */
 bool ctSequenceBuild(Sequence* sequence, Arena* arena, const ctDefinition* definition);
 
-/* The part of it that finds twigs and paths, once links have parents and slots; `end` is one past the last link that
- * hangs on each. */
+/* Part of ctSequenceBuild: finds twigs and paths. Links must have parents and slots; `end` of each is one past the last
+ * link that hangs on it. */
 bool ctPathsBuild(Sequence* sequence, Arena* arena, const int* end);
 
-/* The part of it that finds the types of particles, once these have slots. */
+/* Part of ctSequenceBuild: finds the types of particles, which must have slots. */
 bool ctTypesBuild(Sequence* sequence, Arena* arena, const ctDefinition* definition);
 
-/* Nothing is displaced, as far as torsions go; placements are set with each reference. */
+/* Sets all torsions to their reference. Placements are set by ctSequenceSetReference. */
 void ctSequenceResetTorsions(Sequence* sequence);
 
-/* Makes finite positions the reference: angles 0, nothing displaced. Products are stale until ctPathsMultiply. */
+/* Makes finite positions the reference: all angles are 0, and no joint is displaced. Products are stale until
+ * ctPathsMultiply. */
 void ctSequenceSetReference(Sequence* sequence, const double* positions);
 
 /* Recomputes all products of paths. */
 void ctPathsMultiply(Sequence* sequence);
 
-/* Whether the axis particles of a torsion joint are apart in these reference positions. */
+/* True if the two axis particles of a torsion joint are apart in these reference positions. */
 bool ctSequenceCanTurn(const Sequence* sequence, int link, const double* reference);
 
 /* An angle in [-pi, pi] plus any other, in [-pi, pi] again. */
 double ctAngleTurned(double angle, double turn);
 
-/* The state of a joint; and a state moved in the parent's frame by a rotation vector about pivot and then a shift (free
- * joint). */
+/* The state of a joint; and that of a free joint, moved in the parent's frame by a rotation vector about a pivot and
+ * then by a shift. */
 JointState ctSequenceGetJoint(const Sequence* sequence, int link);
 JointState ctJointMoved(const JointState* joint, const double rotation[3], const double pivot[3],
                         const double shift[3]);
@@ -182,12 +183,11 @@ static inline int particleSlot(const Sequence* s, int particle) {
 }
 
 static inline int particleLink(const Sequence* s, int particle) {
-  const int place = s->slotOrLink[particle];
-  return place >= 0 ? s->slotLink[place] : ~place;
+  const int slotOrLink = s->slotOrLink[particle];
+  return slotOrLink >= 0 ? s->slotLink[slotOrLink] : ~slotOrLink;
 }
 
-/* Where the particles of a link and of those behind it begin among those that are not modelled. O(log of their number).
- */
+/* The first entry of unmodelledParticle of a link or a later one. O(log of their number). */
 static inline int sequenceUnmodelled(const Sequence* s, int link) {
   int begin = 0;
   int end = s->unmodelledCount;
@@ -206,18 +206,18 @@ static inline double slotRadius(const Sequence* s, int slot) {
   return s->types[s->slotType[slot]].radius;
 }
 
-/* Where the frame of a link has its origin in the reference positions. */
+/* The origin of a link's frame in the reference positions. */
 static inline const double* sequenceOrigin(const Sequence* s, int link) {
   const int particle = s->joint[link].origin;
   return particle == CT_NULL ? s->worldOrigin : s->reference + 3 * (size_t)particle;
 }
 
-/* Reference position of a particle of a link in the frame of that. */
+/* The reference position of a particle in the frame of its link. */
 static inline void sequenceLocal(const Sequence* s, int link, int particle, double local[3]) {
   subtract(s->reference + 3 * (size_t)particle, sequenceOrigin(s, link), local);
 }
 
-/* Where the link's origin is in its parent's frame in the reference positions. */
+/* The origin of a link in its parent's frame, in the reference positions. */
 static inline void sequenceOffset(const Sequence* s, int link, double offset[3]) {
   subtract(sequenceOrigin(s, link), sequenceOrigin(s, s->parent[link]), offset);
 }
@@ -254,10 +254,10 @@ static inline Frame sequenceOpening(const Sequence* s, int link) {
   return opening;
 }
 
-/* So many twigs are within each other at most: of the slots of the one around it, each has less than half. */
+/* Twigs are nested no deeper: each has less than half of the slots of the one around it. */
 enum { MOST_OPEN_TWIGS = 5 };
 
-/* A walk along the sequence: where a link is in the frame from which the walk began. */
+/* A walk along the sequence: the frame of a link in the frame in which the walk began. */
 typedef struct Walk {
   Columns frame;
   Columns stem[MOST_OPEN_TWIGS]; /* of the twigs that the link is in: the frame of the link on which each hangs */
@@ -265,7 +265,7 @@ typedef struct Walk {
   int link;
 } Walk;
 
-/* Begins at a link that is in no twig. */
+/* Begins a walk at a link that is in no twig. */
 CT_INLINE void walkBegin(Walk* walk, int link) {
   const Frame identity = transformIdentity();
   columnsOf(&identity, &walk->frame);
@@ -273,7 +273,7 @@ CT_INLINE void walkBegin(Walk* walk, int link) {
   walk->link = link;
 }
 
-/* On to a link that hangs on the walk's, by its opening as columnsCompose takes it. */
+/* Takes a walk on to a link that hangs on its own, by the link's opening as columnsCompose takes it. */
 CT_INLINE void walkEnter(Walk* walk, const Sequence* s, int link, const double* opening, size_t stride) {
   if (s->twigPart[link] >= branchInTwig) {
     walk->stem[walk->openCount++] = walk->frame;
@@ -282,7 +282,7 @@ CT_INLINE void walkEnter(Walk* walk, const Sequence* s, int link, const double* 
   walk->link = link;
 }
 
-/* Back to the link on which the next one hangs, if that is not the walk's own. */
+/* Takes a walk back to the parent of the next link, if that is not the walk's own. */
 CT_INLINE void walkLeave(Walk* walk, const Sequence* s) {
   const int parent = s->parent[walk->link + 1];
   if (parent != walk->link) {
@@ -295,14 +295,14 @@ CT_INLINE void walkLeave(Walk* walk, const Sequence* s) {
   }
 }
 
-/* On to the next link. */
+/* Takes a walk on to the next link. */
 CT_INLINE void walkOn(Walk* walk, const Sequence* s, const double* opening, size_t stride) {
   const int next = walk->link + 1;
   walkLeave(walk, s);
   walkEnter(walk, s, next, opening, stride);
 }
 
-/* On to a link that is not before the walk's. */
+/* Takes a walk on to a link that is not before its own. */
 static inline void walkTo(Walk* walk, const Sequence* s, int link) {
   while (walk->link < link) {
     const Frame opening = sequenceOpening(s, walk->link + 1);
@@ -310,7 +310,7 @@ static inline void walkTo(Walk* walk, const Sequence* s, int link) {
   }
 }
 
-/* Begins at a link in a twig, where the frame of the link on which that hangs is `stem`. */
+/* Begins a walk at a link in a twig; `stem` is the frame of the link on which the twig hangs. */
 CT_INLINE void walkBeginInTwig(Walk* walk, const Sequence* s, int link, const Frame* stem) {
   int way[TWIG_SLOTS]; /* links have a slot at least */
   int count = 0;

@@ -1,6 +1,6 @@
-/* Sixteen floats at a time, on one of three paths that give the same bits: every operation rounds each lane once, and
- * none is fused. A file that includes this is compiled once for each path, with CT_PATH_AVX512, CT_PATH_AVX2 or
- * neither.
+/* Sixteen floats at a time, by one of three instruction sets. All give the same bits: every operation rounds each lane
+ * once, and none is fused. A file that includes this is compiled once for each, with CT_PATH_AVX512, CT_PATH_AVX2 or
+ * neither defined.
  */
 #ifndef CT_SIMD_H_
 #define CT_SIMD_H_
@@ -72,7 +72,7 @@ static inline Float16 blend16(unsigned mask, Float16 a, Float16 b) {
   return _mm512_mask_blend_ps((__mmask16)mask, a, b);
 }
 
-/* first + k for each bit k of the mask, ascending; returns how many, and may write up to the sixteenth. */
+/* Writes first + k for each bit k of the mask, ascending; returns how many. May overwrite sixteen entries. */
 static inline int indices16(unsigned mask, int first, int* indices) {
   const __m512i all = _mm512_setr_epi32(0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15);
   const __m512i chosen = _mm512_maskz_compress_epi32((__mmask16)mask, all);
@@ -180,7 +180,7 @@ static inline float most16(Float16 a) {
 
 #else
 
-/* Four vectors of four: what every machine has, by the vector extension of gcc and clang. */
+/* Four vectors of four, by the vector extension of gcc and clang: every machine has them. */
 #ifdef __SSE2__
 #include <emmintrin.h>
 #endif
@@ -342,12 +342,12 @@ static inline int indices16(unsigned mask, int first, int* indices) {
 
 /* ---- Limits ---- */
 
-/* Tells which numbers are under a limit, and whether some of those have not been under a lower one. */
+/* Which numbers are under a limit, and whether some of them may not have been under a lower one. */
 #if defined(CT_PATH_AVX512)
 
 typedef struct Under {
   __m512 limit;
-  __m512i least; /* numbers minus the limit, as integers: those of negative floats fall as the floats rise */
+  __m512i least; /* of numbers minus the limit, as integers: those of negative floats fall as the floats rise */
   __m512i doubt; /* the lower limit minus the limit */
 } Under;
 
@@ -396,7 +396,7 @@ static inline bool someBetween16(const Under* under) {
 
 typedef struct Under {
   Float4 limit;
-  Float4 least; /* how near to the limit a number has come, from either side */
+  Float4 least; /* distance of a number from the limit, on either side */
   float doubt;
 } Under;
 
@@ -410,7 +410,7 @@ static inline unsigned under16(Under* under, Float16 a) {
   unsigned mask = 0;
   for (int i = 0; i < 4; i++) {
     const Float4 above = a.q[i] - under->limit;
-    under->least = min4((Float4)((Int4)above & magnitude), under->least); /* in this order: no number changes nothing */
+    under->least = min4((Float4)((Int4)above & magnitude), under->least); /* in this order NaN changes nothing */
     mask |= bits4((Int4)above) << 4 * i;
   }
   return mask;
@@ -511,7 +511,7 @@ static inline Short16 allShorts(uint16_t a) {
   return (Short16){{all, all}};
 }
 
-/* Of unsigned shorts SSE2 has no other comparison than this. */
+/* a - b, or 0: SSE2 has no other comparison of unsigned shorts. */
 static inline Short8 lessShort8(Short8 a, Short8 b) {
 #ifdef __SSE2__
   return (Short8)_mm_subs_epu16((__m128i)a, (__m128i)b);
@@ -539,7 +539,7 @@ static inline Short16 moreShorts(Short16 a, Short16 b) {
 static inline Short16 shortsOf16(Float16 a) {
   Short16 shorts;
 #ifdef __SSE2__
-  /* Packing saturates as if they were signed. */
+  /* Packing saturates as if numbers were signed, so they are shifted. */
   const __m128i half = _mm_set1_epi32(1 << 15);
   for (int i = 0; i < 2; i++) {
     const __m128i low = _mm_sub_epi32(_mm_cvttps_epi32((__m128)a.q[2 * i]), half);
@@ -601,7 +601,7 @@ static inline uint32_t within32(const uint16_t* a, const uint16_t* b, uint16_t m
 
 /* ---- Points ---- */
 
-/* Four points about an origin, rounded. Reads one number beyond each point. */
+/* Four points from an origin, rounded to float. May read one number beyond each point. */
 #if defined(CT_PATH_AVX512) || defined(CT_PATH_AVX2)
 
 static inline void floats4(const double* const points[4], const double origin[3], float* x, float* y, float* z) {

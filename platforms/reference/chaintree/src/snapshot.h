@@ -1,39 +1,40 @@
-/* Where all slots are in the world, as of one state: for queries that look at every pair. A snapshot is filled from
- * scratch, and straight from the positions where the state is the reference, so that new positions need no tree. */
+/* The positions of all slots in the world, of one state, for queries that look at every pair. A snapshot is filled from
+ * scratch. If the state is the reference, it is filled from the reference positions, so that new positions need no
+ * tree. */
 #ifndef CT_SNAPSHOT_H_
 #define CT_SNAPSHOT_H_
 
 #include "arena.h"
 #include "tree.h"
 
-/* Boxes along the world's axes around what lies below each child of a node. */
+/* Boxes along the world's axes around the members of a node. */
 typedef struct AxisBoxes {
-  float low[3][TREE_WIDTH]; /* of centres of particles; above high: there are none */
+  float low[3][TREE_WIDTH]; /* of centres of particles; above high: no particles */
   float high[3][TREE_WIDTH];
-  float r[TREE_WIDTH]; /* no particle has a larger radius; -INFINITY: there are none */
+  float r[TREE_WIDTH]; /* no particle has a larger radius; -INFINITY: no particles */
 } AxisBoxes;
 
 typedef struct Snapshot {
-  Block* leaf;            /* per leaf: floats from `origin`, INFINITY where a slot is empty; and radii */
-  AxisBoxes* boxes;       /* per node of a higher level, from levelBegin[1] on */
-  const double* position; /* per particle that has a slot, where it is exactly: the reference, or `moved` */
+  Block* leaf;            /* per leaf: positions from `origin`, INFINITY where a slot is empty; and radii */
+  AxisBoxes* boxes;       /* per inner node, from levelBegin[1] on */
+  const double* position; /* per particle that has a slot, in double: the reference, or `moved` */
   double origin[3];
   double extent; /* no coordinate from `origin` or radius is larger */
-  double band;   /* distances this close to a limit are left to the canonical one */
-  double* moved; /* positions that are not the reference, if such have been asked for */
+  double band;   /* the canonical distance decides about distances this close to a limit */
+  double* moved; /* positions that are not the reference; NULL: not needed yet */
 } Snapshot;
 
-/* Makes a snapshot of nothing but radii; false if there is no memory. */
+/* Makes a snapshot with radii but without positions; false if there is no memory. */
 bool ctSnapshotBuild(Snapshot* snapshot, Arena* arena, const Sequence* sequence, const Tree* layout);
 
 /* Makes room for positions that are not the reference; false, and nothing changed, if there is no memory. */
 bool ctSnapshotReserve(Snapshot* snapshot, Arena* arena, const Sequence* sequence);
 
-/* Takes the positions of the reference, or of a fresh tree. Floats and boxes are stale then. */
+/* Takes the positions of the reference, or of a tree that is not stale. Floats and boxes are stale then. */
 void ctSnapshotTakeReference(Snapshot* snapshot, const Sequence* sequence);
 void ctSnapshotTakeTree(Snapshot* snapshot, const Sequence* sequence, const Tree* tree);
 
-/* Boxes of the children of a node. */
+/* The boxes of the children of an inner node. */
 static inline AxisBoxes* snapshotBoxes(const Snapshot* snapshot, const Tree* layout, int node) {
   return &snapshot->boxes[node - layout->levelBegin[1]];
 }

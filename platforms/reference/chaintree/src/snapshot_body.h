@@ -1,8 +1,8 @@
-/* Floats and bounds of snapshots, compiled once for each instruction set by the file that includes this. */
+/* Floats and boxes of snapshots, compiled once for each instruction set by the file that includes this. */
 #include "instructions.h"
 #include "volume.h"
 
-/* Floats of a leaf's particles; an empty slot takes those of any and is put far away. */
+/* Rounds the positions of a leaf's particles to float. An empty slot is put at infinity. */
 static void fillLeaf(const Snapshot* snapshot, const int* particle, Block* leaf) {
   const unsigned empty = greater16(all16(0), load16(leaf->r));
   float* axes[3] = {leaf->x, leaf->y, leaf->z};
@@ -36,7 +36,7 @@ static void boundInnerNode(const AxisBoxes* members, AxisBoxes* around, int k) {
   around->r[k] = most16(load16(members->r));
 }
 
-/* No coordinate or radius of member k is larger. */
+/* A length that no coordinate or radius of member k exceeds. */
 static double extentOf(const AxisBoxes* around, int k) {
   double corner[3] = {0, 0, 0};
   for (int d = 0; d < 3 && around->r[k] >= 0; d++) {

@@ -4,12 +4,13 @@
 #include "definition.h"
 #include "scene.h"
 
-/* Squared length of a unit quaternion, give or take its rounding. */
+/* The squared length of a unit quaternion differs from 1 by no more. The engine's own are within 1e-15; 1e-12 lets
+ * numbers pass that were written with 13 digits. */
 #define UNIT_ERROR 1e-12
 
 enum { TORSION_SIZE = 1, PLACEMENT_SIZE = 7 };
 
-/* Fixed links are all one with the world, whose joint is fixed. */
+/* How many numbers the state of a joint has. Fixed links are part of the world, whose joint is fixed. */
 static int jointSize(const Sequence* s, int link) {
   switch (s->jointType[link]) {
     case ctTorsionJoint:
@@ -57,7 +58,7 @@ static JointState readJoint(const Sequence* s, int link, const double* numbers) 
   return joint;
 }
 
-/* Whether these numbers may be the joint's, with these reference positions. */
+/* True if these numbers can be the state of the joint, with these reference positions. */
 static bool isJoint(const Sequence* s, int link, const double* numbers, const double* reference) {
   const double pi = 3.141592653589793238462643383280;
   if (s->jointType[link] == ctTorsionJoint) {

@@ -49,14 +49,14 @@ bool ctSweepReserve(Sweep* sweep) {
   Candidates* candidates = &sweep->candidates;
   const size_t leaves = (size_t)sweep->layout->levelBegin[1];
   const size_t slots = (leaves < LEAVES_AT_ONCE ? leaves : LEAVES_AT_ONCE) * TREE_WIDTH;
-  /* What a visit leaves for later: all children of one node with all of another. */
+  /* A visit puts the pairs of all children of one node with all of another on the stack at most. */
   const size_t visits = (size_t)TREE_MAX_LEVELS * TREE_WIDTH * TREE_WIDTH;
   SweepVisit* stack = ctArenaAllocate(arena, visits, sizeof(SweepVisit));
   sweep->nodes = ctArenaAllocate(arena, (size_t)sweep->layout->levelSize[1], sizeof *sweep->nodes);
   sweep->ranks = ctArenaAllocate(arena, 1, sizeof(Ranks));
   sweep->lowest = ctArenaAllocate(arena, leaves, sizeof *sweep->lowest);
   sweep->highest = ctArenaAllocate(arena, leaves, sizeof *sweep->highest);
-  /* Written sixteen at a time. */
+  /* With room behind, since they are written sixteen at a time. */
   candidates->leaves = ctArenaAllocate(arena, leaves + TREE_WIDTH, sizeof *candidates->leaves);
   candidates->offset = ctArenaAllocate(arena, slots + TREE_WIDTH, sizeof *candidates->offset);
   candidates->particle = ctArenaAllocate(arena, slots + TREE_WIDTH, sizeof *candidates->particle);

@@ -1,4 +1,4 @@
-/* Sweeps: every pair of near particles of one state that is not excluded, by boxes along the world's axes. */
+/* Sweeps find every pair of near particles of one state that is not excluded, by boxes along the world's axes. */
 #ifndef CT_SWEEP_H_
 #define CT_SWEEP_H_
 
@@ -13,36 +13,36 @@ typedef struct SweepVisit {
   int b;
 } SweepVisit;
 
-/* How much of what a sweep for neighbours finds it works on at a time. A leaf that has more leaves near it is not worth
- * the room. */
+/* What a sweep for neighbours works on at a time. LEAVES_AT_ONCE bounds the memory for candidates: leaves rarely have
+ * more leaves near them. */
 enum { LEAVES_AT_ONCE = 1024, PAIRS_AT_ONCE = 512, CANDIDATES_AT_ONCE = 8, LOWER_AT_ONCE = 64 };
 
-/* The slots that come near a leaf and do not lie before it, ascending, or some of them. */
+/* The slots, ascending, that are near a leaf and not before it; at most those of LEAVES_AT_ONCE leaves. */
 typedef struct Candidates {
   int count;
   bool rises;      /* the lower particle of each pair is the leaf's */
-  int* leaves;     /* all that come near the leaf and do not lie before it */
-  int* offset;     /* per slot: of its x, in floats from that of slot 0 */
+  int* leaves;     /* all that are near the leaf and not before it */
+  int* offset;     /* per slot: of its x from that of slot 0, in floats */
   int* particle;   /* per slot */
-  uint16_t* pairs; /* per slot, bits: slots of the leaf that may make a pair with it; once compared, that do */
+  uint16_t* pairs; /* per slot, bits: slots of the leaf that may be its neighbours; once compared, that are */
 } Candidates;
 
 typedef struct Sweep {
   const Tree* layout; /* its content is not read */
   const Sequence* sequence;
   const Exclusions* exclusions;
-  Arena arena; /* of all that follows, which is made when first asked for */
+  Arena arena; /* of everything below, which is made when first needed */
   Snapshot snapshot;
   int64_t snapshotTime; /* the tree's time of what the snapshot shows, or NEVER */
   SweepVisit* stack;    /* of a sweep for clashes; what follows is for neighbours */
   Ranks* ranks;
   int* lowest;  /* per leaf: no particle is below */
   int* highest; /* per leaf: no particle is above, or INT_MAX if they do not ascend */
-  int* nodes;   /* of level 1, those that come near one of them */
+  int* nodes;   /* of level 1: those near one of them */
   Candidates candidates;
 } Sweep;
 
-/* Where neighbours go, many at a time. */
+/* Receives neighbours, many at a time. */
 typedef struct PairSink {
   int* lower; /* particles of each pair */
   int* higher;
@@ -57,7 +57,7 @@ typedef struct PairSink {
 /* Receives two slots and their squared distance; returns false to end the sweep. */
 typedef bool ClashFunction(void* context, int slotA, int slotB, double squaredDistance);
 
-/* Whether two slots whose distance is within rounding of the cutoff are neighbours. */
+/* Decides whether two slots whose distance is within rounding of the cutoff are neighbours. */
 typedef bool DoubtFunction(void* context, int slotA, int slotB, double squaredDistance);
 
 /* What a sweep looks for, and what it has cost. */
@@ -74,10 +74,10 @@ typedef struct SweepTask {
 void ctSweepInit(Sweep* sweep, const Tree* layout, const Sequence* sequence, const Exclusions* exclusions);
 void ctSweepFree(Sweep* sweep);
 
-/* Makes room for the snapshot; false, and nothing changed, if there is no memory. */
+/* Makes the snapshot and all scratch, if that is not done. False, and nothing changed, if there is no memory. */
 bool ctSweepReserve(Sweep* sweep);
 
-/* Completes a snapshot whose positions are new. */
+/* Recomputes floats and boxes of a snapshot whose positions are new. */
 void ctSweepBound(Sweep* sweep);
 
 /* Calls `function` at least for every pair of slots whose spheres overlap by more than `tolerance`, each once. */
@@ -87,7 +87,7 @@ void ctSweepClashes(Sweep* sweep, double tolerance, ClashFunction* function, voi
 void ctSweepNeighbors(Sweep* sweep, double cutoff, PairSink* sink, DoubtFunction* isNear, void* context,
                       ctCounts* counts);
 
-/* The distances of neighbours; rounding takes none beyond the cutoff. */
+/* The distances of neighbours, none above the cutoff: rounding is cut off. */
 void ctSweepDistances(const Sweep* sweep, double cutoff, size_t count, const int* lower, const int* higher,
                       double* distances);
 

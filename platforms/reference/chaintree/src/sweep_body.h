@@ -1,4 +1,5 @@
-/* Sweeps, compiled once for each instruction set by the file that includes this. */
+/* The sweep for clashes, and what both sweeps begin with; compiled once for each instruction set by the file that
+ * includes this. */
 #include <float.h>
 
 #include "candidates_body.h"
@@ -6,14 +7,14 @@
 
 /* ---- Filters ---- */
 
-/* Of sixteen boxes those that come near the box around all members of a node of a level below the top; bits. */
+/* The members (bits) whose boxes are within reach of the box of a node below the top. */
 static unsigned membersNearNode(const Pass* pass, int level, const AxisBoxes* members, int node) {
   const Tree* layout = pass->sweep->layout;
   const AxisBoxes* others = snapshotBoxes(&pass->sweep->snapshot, layout, treeParent(layout, level, node));
   return membersNear(pass, members, others, (node - layout->levelBegin[level]) % TREE_WIDTH, true);
 }
 
-/* The slots of leaf a that come near member k of others; bits. */
+/* The slots (bits) of leaf a that are within reach of box k of others. */
 static unsigned slotsNearMember(const Pass* pass, int a, const AxisBoxes* others, int k) {
   const Slots slots = slotsOf(&pass->sweep->snapshot.leaf[a]);
   const AxisBox extent = memberOf(others, k);
@@ -25,11 +26,11 @@ static unsigned slotsNearMember(const Pass* pass, int a, const AxisBoxes* others
 typedef struct LeafPair {
   int a;
   int b;
-  unsigned slots;           /* those of a that come near b */
-  const uint16_t* excluded; /* per slot of a those of b that make no pair with it */
+  unsigned slots;           /* bits: those of a that are near b */
+  const uint16_t* excluded; /* per slot of a, bits: those of b that make no pair with it */
 } LeafPair;
 
-/* Per slot of a what has been found among those of b. */
+/* Per slot of a, bits: the slots of b that may clash with it. */
 typedef struct Found {
   uint16_t mask[TREE_WIDTH];
   unsigned any;
@@ -69,7 +70,7 @@ static bool findClashes(const Pass* pass, const LeafPair* pair) {
 
 /* ---- Sweeps ---- */
 
-/* A leaf against leaves whose bits are set, counted from leaf firstB, with boxes aroundB. */
+/* Sweeps a leaf against leaves firstB + k for each bit k; their boxes are aroundB. False ends the sweep. */
 static bool sweepLeaves(const Pass* pass, int a, int firstB, const AxisBoxes* aroundB, unsigned near) {
   static const uint16_t nothing[TREE_WIDTH] = {0};
   uint16_t ownExcluded[TREE_WIDTH];
@@ -84,7 +85,7 @@ static bool sweepLeaves(const Pass* pass, int a, int firstB, const AxisBoxes* ar
       pair.excluded = exclusions->mask[partner];
     }
     if (pair.b == a) {
-      /* Each pair once. */
+      /* Each pair once, and no slot with itself. */
       for (int k = 0; k < TREE_WIDTH; k++) {
         ownExcluded[k] = (uint16_t)(pair.excluded[k] | ((2u << k) - 1));
       }
@@ -102,8 +103,8 @@ static bool sweepLeaves(const Pass* pass, int a, int firstB, const AxisBoxes* ar
   return goesOn;
 }
 
-/* Members of node a that may be near members of node b. Where both wind through the same room the boxes of all but few
- * of their members may be far from the other's (section 4). */
+/* The members (bits) of node a that are near node b. Where the boxes of two nodes overlap, most of their members may
+ * still be far from each other's boxes (section 4). */
 static unsigned rowsOf(const Pass* pass, const SweepVisit* visit, int countA, int countB) {
   const Snapshot* snapshot = &pass->sweep->snapshot;
   const Tree* layout = pass->sweep->layout;
@@ -141,7 +142,7 @@ static void sweepPairs(const Pass* pass) {
     const AxisBoxes* aroundB = snapshotBoxes(&sweep->snapshot, layout, visit.b);
     const unsigned rows = rowsOf(pass, &visit, countA, countB);
     for (int i = 0; i < countA; i++) {
-      /* What is left for later goes last in, first out: leaves come in ascending order. */
+      /* Descending, except leaves: the stack turns the order round, so leaves are swept in ascending order. */
       const int k = visit.level == 1 ? i : countA - 1 - i;
       if ((rows >> k & 1) == 0 || aroundA->r[k] < 0) {
         continue;
@@ -166,11 +167,13 @@ static void sweepPairs(const Pass* pass) {
   }
 }
 
+/* Begins a sweep. Floats are positions from the snapshot's origin, rounded once, and extremes of these, which are
+ * exact: of the 67 u of FLOAT_MARGIN (see there) a sweep needs the 2 u of positions and the 12 u of the test. */
 static Pass startPass(Sweep* sweep, SweepTask* task) {
   const double margin = floatMargin(sweep->snapshot.extent + fabs(task->reach));
   const float near = (float)(task->reach + margin);
   const float sure = (float)larger(task->reach - margin, 0);
-  /* Empty slots are at infinity: not even the widest cutoff may reach them. */
+  /* Empty slots are at infinity, out of reach of the widest cutoff. */
   return (Pass){sweep, task, near, near * near < FLT_MAX ? near * near : FLT_MAX, sure * sure};
 }
 

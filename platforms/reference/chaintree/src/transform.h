@@ -1,5 +1,5 @@
-/* Rigid transforms. Everything the state is made of goes through here, so this code must not be contracted to fused
- * multiply-adds: the same state has the same bits on every machine path. */
+/* Rigid transforms. The whole state goes through here, so this code must not be contracted to fused multiply-adds: the
+ * same state has the same bits with every instruction set. */
 #ifndef CT_TRANSFORM_H_
 #define CT_TRANSFORM_H_
 
@@ -8,12 +8,12 @@
 #include "chaintree.h"
 #include "inline.h"
 
-/* A rigid transform, x -> the rotation in columns 0 to 2 times x, plus column 3: rows that vector units take whole. */
+/* A rigid transform x -> R x + t: columns 0 to 2 are R, column 3 is t. A row fills a vector register. */
 typedef struct Frame {
   double m[3][4];
 } Frame;
 
-/* Of two numbers neither of which is NaN; fmin and fmax are calls. */
+/* The lesser of two numbers that are not NaN. The library's fmin and fmax are calls. */
 static inline double lesser(double a, double b) {
   return a < b ? a : b;
 }
@@ -47,7 +47,7 @@ static inline double squaredDistance(const double a[3], const double b[3]) {
   return dot(d, d);
 }
 
-/* c may be b. */
+/* Rotates b; c may be b. */
 static inline void rotate(const Frame* t, const double b[3], double c[3]) {
   const double x = t->m[0][0] * b[0] + t->m[0][1] * b[1] + t->m[0][2] * b[2];
   const double y = t->m[1][0] * b[0] + t->m[1][1] * b[1] + t->m[1][2] * b[2];
@@ -57,7 +57,7 @@ static inline void rotate(const Frame* t, const double b[3], double c[3]) {
   c[2] = z;
 }
 
-/* By the transpose; c may be b. */
+/* Rotates b by the transpose; c may be b. */
 static inline void rotateBack(const Frame* t, const double b[3], double c[3]) {
   const double x = t->m[0][0] * b[0] + t->m[1][0] * b[1] + t->m[2][0] * b[2];
   const double y = t->m[0][1] * b[0] + t->m[1][1] * b[1] + t->m[2][1] * b[2];
@@ -83,7 +83,7 @@ static inline void setTranslation(Frame* t, const double x[3]) {
   t->m[2][3] = x[2];
 }
 
-/* y may be x. */
+/* Transforms x; y may be x. */
 static inline void transformPoint(const Frame* t, const double x[3], double y[3]) {
   rotate(t, x, y);
   y[0] += t->m[0][3];
@@ -91,6 +91,7 @@ static inline void transformPoint(const Frame* t, const double x[3], double y[3]
   y[2] += t->m[2][3];
 }
 
+/* Transforms x by the inverse; y may be x. */
 static inline void transformPointBack(const Frame* t, const double x[3], double y[3]) {
   double shift[3];
   translationOf(t, shift);
@@ -98,7 +99,7 @@ static inline void transformPointBack(const Frame* t, const double x[3], double 
   rotateBack(t, y, y);
 }
 
-/* A frame by its columns, which take others in without shuffling; the fourth lane is 0. */
+/* A frame by its columns: products with these need no shuffling of lanes. The fourth lane is 0. */
 typedef double Column __attribute__((vector_size(32)));
 
 typedef struct Columns {
@@ -121,7 +122,7 @@ CT_INLINE Frame frameOfColumns(const Columns* columns) {
   return t;
 }
 
-/* y may be x. */
+/* Transforms x; y may be x. */
 CT_INLINE void columnsPoint(const Columns* a, const double x[3], double y[3]) {
   const Column point = a->column[0] * x[0] + a->column[1] * x[1] + (a->column[2] * x[2] + a->column[3]);
   y[0] = point[0];
@@ -129,7 +130,7 @@ CT_INLINE void columnsPoint(const Columns* a, const double x[3], double y[3]) {
   y[2] = point[2];
 }
 
-/* a(b(x)) becomes a, where b is given by the entries of its m, `stride` apart. */
+/* Makes a the transform x -> a(b(x)). b is given by the entries of its m, `stride` apart. */
 CT_INLINE void columnsCompose(Columns* a, const double* b, size_t stride) {
   const Column x = a->column[0];
   const Column y = a->column[1];
@@ -166,13 +167,14 @@ static inline Frame transformInverse(const Frame* a) {
   return c;
 }
 
-/* A rotation about an axis times this is its Rodrigues vector: as long as the tangent of half the angle. */
+/* The factor that makes an axis the Rodrigues vector of a turn about it, whose length is the tangent of half the angle.
+ */
 static inline double rodriguesFactor(const double axis[3], double angle) {
-  /* Sine and cosine together take less time than a tangent. */
+  /* Quicker than a tangent. */
   return sin(0.5 * angle) / (cos(0.5 * angle) * sqrt(dot(axis, axis)));
 }
 
-/* The rotation of a Rodrigues vector, right-handed, into entries of a Frame's m that are `stride` apart. */
+/* Writes the right-handed rotation of a Rodrigues vector into entries of Frame.m that are `stride` apart. */
 static inline void rotationFromRodrigues(double wx, double wy, double wz, double* m, size_t stride) {
   const double f = 2 / (1 + (wx * wx + wy * wy + wz * wz));
   const double x = f * wx;
@@ -189,7 +191,7 @@ static inline void rotationFromRodrigues(double wx, double wy, double wz, double
   m[10 * stride] = 1 - (x * wx + y * wy);
 }
 
-/* Makes t its own rotation about a point, followed by a shift. */
+/* Makes t its own rotation, but about a point, followed by a shift. */
 static inline void transformAbout(const double point[3], const double shift[3], Frame* t) {
   double turned[3];
   rotate(t, point, turned);
@@ -201,7 +203,7 @@ static inline void transformAbout(const double point[3], const double shift[3], 
 /* Unit quaternion (w, x, y, z) of a rotation vector. */
 static inline void quaternionFromVector(const double v[3], double q[4]) {
   const double angle = sqrt(dot(v, v));
-  /* sin(a/2)/a tends to 1/2; below this angle the next term is lost in rounding. */
+  /* sin(a/2)/a = 1/2 - a^2/48 + ...: below 1e-8 the second term is less than 3e-18, far below the rounding of 1/2. */
   const double factor = angle > 1e-8 ? sin(0.5 * angle) / angle : 0.5;
   q[0] = cos(0.5 * angle);
   q[1] = factor * v[0];

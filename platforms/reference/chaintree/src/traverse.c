@@ -6,11 +6,12 @@
 #include "descent.h"
 #include "instructions.h"
 
-/* Pairs that one visit can leave for later: all children of one node with all of another. */
+/* Pairs that one visit puts on the stack at most: all children of one node with all of another. */
 enum { PAIRS_OF_A_VISIT = TREE_WIDTH * TREE_WIDTH };
 
-/* So much is kept of leaves at rest, of nodes that move and of nodes whose boxes move: beyond that memory costs more
- * than it spares. A visit needs two leaves, two nodes that move and BOXES_OF_A_VISIT nodes with boxes at a time. */
+/* Most entries for leaves in the world, for nodes that move, and for nodes whose boxes move: with more of them, caches
+ * of the processor would miss more often than entries spare work. A visit needs at least two leaves, two nodes that
+ * move and BOXES_OF_A_VISIT nodes with boxes. */
 enum { MOST_LEAF_ENTRIES = 8192, MOST_MOVED_ENTRIES = 1024, MOST_MOVED_BOXES = 64 };
 
 /* ---- Life ---- */
@@ -65,7 +66,7 @@ void ctTraversalFree(Traversal* t) {
 }
 
 bool ctTraversalReserve(Traversal* t, int pieceCount) {
-  /* Where two pieces meet, one node of each level straddles them. */
+  /* The boundary of two pieces is straddled by one node of each level at most. */
   return ctReserve((void**)&t->straddlers, &t->straddlerCapacity, (pieceCount - 1) * t->tree->levelCount,
                    sizeof(Straddler)) &&
          ctReserve((void**)&t->motions, &t->motionCapacity, pieceCount, sizeof(float[12]));

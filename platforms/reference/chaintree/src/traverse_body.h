@@ -1,4 +1,4 @@
-/* Behind ctTraverse and ctTraverseProbe, compiled once for each instruction set by the file that includes this. */
+/* ctTraverse and ctTraverseProbe, compiled once for each instruction set by the file that includes this. */
 #include "descent_body.h"
 #include "movers_body.h"
 

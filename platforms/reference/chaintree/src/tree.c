@@ -4,11 +4,12 @@
 
 #include "instructions.h"
 
-/* A line through two points is taken from where those are if its squared length is more than this part of how far they
- * are from their origin: then it is exact to some hundredths of DOUBLE_MARGIN. */
+/* An axis is taken from the positions of its two particles if its squared length is more than this share of the squared
+ * distance from the leaf's origin. Positions in a leaf are off by up to 16 products of transforms, some 4 v of that
+ * distance (v = 2^-53). The direction of a line that is 32 times shorter is off by 128 v, 1/28 of DOUBLE_MARGIN. */
 #define LEAST_LINE (1.0 / 1024)
 
-/* Particles of a link that have no slot, if the link begins at this slot. */
+/* The particles that are not modelled of a link that begins at this slot; returns how many. */
 static int unmodelledAt(const Sequence* sequence, int slot, const int** unmodelled) {
   const int link = sequence->slotLink[slot];
   if (sequence->unmodelledCount == 0 || sequence->slotBegin[link] != slot) {
@@ -33,7 +34,7 @@ static void countParticles(Tree* tree, const Sequence* sequence) {
   }
 }
 
-/* What no update touches: which members there are, and the radii of particles. */
+/* Writes what updates never change: which members there are, and the radii of particles. */
 static void clearMembers(Tree* tree, const Sequence* sequence) {
   for (int slot = 0; slot < tree->levelBegin[1] * TREE_WIDTH; slot++) {
     const bool empty = slot >= tree->slotCount || sequence->slotParticle[slot] == CT_NULL;
@@ -94,6 +95,7 @@ static void refreshRoot(Tree* tree) {
   tree->pose[treeRoot(tree)] = transformIdentity();
 }
 
+/* Notes that all leaves behind this one move now. */
 static void noteChange(Tree* tree, int firstLeaf) {
   while (tree->changeCount > 0 && tree->changedLeaf[tree->changeCount - 1] >= firstLeaf) {
     tree->changeCount--;
@@ -140,7 +142,7 @@ static int refreshStep(Tree* tree, const Sequence* s, int link, int dirty) {
   return dirty;
 }
 
-/* The steps at both ends of what these links move. */
+/* The steps at both ends of the intervals that these links move. */
 static int refreshSteps(Tree* tree, const Sequence* s, const int* links, int count) {
   int dirty = 0;
   for (int i = 0; i < count; i++) {
@@ -155,9 +157,10 @@ static int refreshSteps(Tree* tree, const Sequence* s, const int* links, int cou
   return dirty;
 }
 
-/* What these links move, if they are in twigs. Whole leaves come before, for twigs begin from them. */
+/* Recomputes what these links move, if they are in twigs. To be called after whole leaves have been recomputed: twigs
+ * begin from them. */
 static int refreshTwigs(Tree* tree, const Sequence* s, const int* links, int count, int dirty) {
-  int done = 0; /* a link of a twig moves all behind it up to here */
+  int done = 0; /* all before this link has been recomputed */
   for (int i = 0; i < count; i++) {
     const int link = links[i];
     if (s->twigPart[link] != notInTwig && link >= done) {
@@ -223,8 +226,8 @@ Frame ctTreeLinkInLeaf(const Sequence* sequence, int link) {
   return frameOfColumns(&walk.frame);
 }
 
-/* Where two particles are in a leaf's frame; false if one is not there, or if they are so close together that
- * rounding of where they are could turn the line through them. */
+/* The line from one particle to another in a leaf's frame. False if one of them is in another leaf, or if they are so
+ * close together that the rounding of their positions would turn the line. */
 static bool lineInLeaf(const Tree* tree, const Sequence* sequence, int leaf, int from, int to, double point[3],
                        double direction[3]) {
   const int slotFrom = particleSlot(sequence, from);
@@ -379,7 +382,7 @@ void ctTreeCompleteSums(Tree* tree, const Sequence* sequence) {
 
 /* ---- Validation ---- */
 
-/* Bounds of this node and the particles below it, which lie in [begin, end) and `frame` takes to a common frame. */
+/* True if the bound of a node holds all particles below it. */
 static bool nodeHolds(const Tree* tree, const Sequence* sequence, int level, int node) {
   int end;
   const int begin = treeSlots(tree, level, node, &end);
@@ -396,7 +399,8 @@ static bool nodeHolds(const Tree* tree, const Sequence* sequence, int level, int
     treeLocal(tree, slot, x);
     transformPoint(&leaf, x, x);
     const double distance = sqrt(squaredDistance(x, centre));
-    /* Both positions went through frames in the world: allow for their rounding. */
+    /* Both positions went through up to 9 products to the world, each off by some v = 2^-53 of the coordinates. 1e-13
+     * is 900 v. */
     const double rounding = 1e-13 * (sqrt(dot(x, x)) + sqrt(dot(centre, centre)) + (double)bound->r);
     if (distance > (double)bound->centres + rounding ||
         distance + slotRadius(sequence, slot) > (double)bound->r + rounding) {

@@ -1,11 +1,14 @@
-/* The tree over the sequence: leaves of TREE_WIDTH slots, nodes of TREE_WIDTH children, all leaves at one level.
+/* The tree over the sequence. A node is a leaf (level 0), which covers TREE_WIDTH slots, or an inner node, which covers
+ * TREE_WIDTH nodes of the level below. All leaves are at one level.
  *
- * A node is a leaf (level 0) or a node. Node i of a level covers nodes TREE_WIDTH * i ... of the level below; nodes of
- * all levels share one numbering, so that the children of a node are neighbours in every array. The frame of a node is
- * that of the link of its first slot, or, if that link is in a twig, of the link on which the twig hangs: so that it
- * stays where it is when a twig moves. Per node the tree keeps the shortcut across it, its frame's pose in the parent's
- * frame (a product of its siblings' shortcuts), and a bounding sphere; per slot the position in the leaf's frame. Each
- * is a pure function of the sequence's state and of the nodes below. */
+ * Node i of a level covers nodes TREE_WIDTH * i ... of the level below. The nodes of all levels share one numbering, so
+ * that the children of a node are neighbours in every array. The members of a node are the slots of a leaf, or the
+ * children of an inner node.
+ *
+ * The frame of a node is the frame of the link of its first slot. If that link is in a twig, it is the frame of the
+ * link on which the twig hangs: so it does not move with the twig. For each node the tree keeps the shortcut across it,
+ * its pose in the parent's frame (a product of its siblings' shortcuts), and a bounding sphere; for each slot the
+ * position in the leaf's frame. Each is a pure function of the sequence's state and of the nodes below. */
 #ifndef CT_TREE_H_
 #define CT_TREE_H_
 
@@ -16,24 +19,24 @@
 
 enum { TREE_MAX_LEVELS = 8 };
 
-/* Before any of a tree's times. */
+/* A time before all times of a tree. */
 enum { NEVER = -1 };
 
-/* The members of a node in its own frame, or as a view has them in the world. r < 0: no member. */
+/* The spheres of a node's members, in its own frame, in the world or in a view. r < 0: no member. */
 typedef struct Block {
   float x[TREE_WIDTH];
   float y[TREE_WIDTH];
   float z[TREE_WIDTH];
-  float r[TREE_WIDTH]; /* around the spheres of all particles; -INFINITY: none */
+  float r[TREE_WIDTH]; /* of spheres around all particles with their radii; -INFINITY: no particles */
 } Block;
 
-/* Children of a node. */
+/* The children of an inner node. */
 typedef struct Members {
   Block block;
-  float centres[TREE_WIDTH]; /* radii around the centres of all particles only; -INFINITY: none */
+  float centres[TREE_WIDTH]; /* radii of spheres around the centres of all particles; -INFINITY: no particles */
 } Members;
 
-/* Slots of a leaf. */
+/* The slots of a leaf, in its frame. */
 typedef struct Leaf {
   double x[TREE_WIDTH];
   double y[TREE_WIDTH];
@@ -63,24 +66,24 @@ typedef struct Tree {
   Frame* shortcut;  /* per node: the frame of the next node of its level in its own frame; the last one's is unused */
   Frame* pose;      /* per node: its frame in its parent's frame */
   Leaf* leaf;       /* per node of level 0 */
-  Members* members; /* per node of a higher level, from levelBegin[1] on */
+  Members* members; /* per inner node, from levelBegin[1] on */
   Bound* bound;     /* per node */
-  bool* boxIsStale; /* per node: recomputed since whoever keeps more about it has cleared this */
+  bool* boxIsStale; /* per node: recomputed since Traversal.box was made from it, which clears this */
   Frame* stem;      /* per twig: the frame of the link on which it hangs in that of the leaf where the twig begins */
 
-  /* Sums of positions are wanted now and then only: made when asked for. */
+  /* Sums of positions, made when asked for. */
   double (*sum)[3]; /* per node: of the positions of all its particles, modelled or not, in its own frame */
   bool* hasSum;     /* per node */
-  int* particles;   /* per node: how many those are; one without slot counts where its link begins */
+  int* particles;   /* per node: how many those are; one without a slot counts where its link begins */
 
-  bool isStale; /* no content but the layout is of the state */
+  bool isStale; /* the layout is right, but no content is of the state */
   int* dirty;   /* scratch: nodes of one level */
 
-  /* When which part of the tree last changed. A node behind a leaf whose shortcut changes is elsewhere from then on:
-   * such leaves and times ascend; a change hides earlier ones of later leaves. */
+  /* When which part of the tree last changed. If the shortcut of a leaf changes, all nodes behind that leaf move. The
+   * list of such leaves, with times, ascends in both: a change removes earlier changes of later leaves. */
   int64_t time;          /* number of changes so far */
-  int64_t* contentTime;  /* per node: its members were recomputed */
-  int64_t* shortcutTime; /* per node: its shortcut became another */
+  int64_t* contentTime;  /* per node: when its members were last recomputed */
+  int64_t* shortcutTime; /* per node: when its shortcut last changed */
   int changeCount;       /* never 0, since a tree is stale at first */
   int* changedLeaf;
   int64_t* changeTime;
@@ -115,7 +118,7 @@ static inline int treeSlots(const Tree* tree, int level, int node, int* end) {
   return (int)begin;
 }
 
-/* The members of a node. */
+/* The members of an inner node. */
 static inline Members* treeMembers(const Tree* tree, int node) {
   return &tree->members[node - tree->levelBegin[1]];
 }
@@ -128,14 +131,14 @@ static inline void treeLocal(const Tree* tree, int slot, double local[3]) {
   local[2] = leaf->z[slot % TREE_WIDTH];
 }
 
-/* Whether no node has come to be elsewhere since a time. */
+/* True if no node has moved since a time. */
 static inline bool treeStays(const Tree* tree, int64_t since) {
   return tree->changeTime[tree->changeCount - 1] <= since;
 }
 
-/* The first leaf such that those before it have not; INT_MAX: none has. O(log N). */
+/* The first leaf that may have moved since a time; INT_MAX: none has. O(log N). */
 static inline int treeFirstMoved(const Tree* tree, int64_t since) {
-  /* Where they ended can hardly be foreseen: so no branch depends on it. */
+  /* Without a branch on the result, which processors would mispredict. */
   int low = 0;
   for (int left = tree->changeCount; left > 0;) {
     const int half = (left + 1) / 2;
@@ -145,31 +148,31 @@ static inline int treeFirstMoved(const Tree* tree, int64_t since) {
   return low == tree->changeCount ? INT_MAX : tree->changedLeaf[low];
 }
 
-/* Whether no leaf before `leafEnd` has. O(log N). */
+/* True if no leaf before `leafEnd` has moved since a time. O(log N). */
 static inline bool treeLeavesStay(const Tree* tree, int64_t since, int leafEnd) {
   return treeFirstMoved(tree, since) >= leafEnd;
 }
 
-/* Numbers the nodes over one slot or more, from a tree of zeros. */
+/* Numbers the nodes of a zeroed tree over one slot or more. */
 void ctTreeLayOut(Tree* layout, int slotCount);
 
 /* Lays out a tree over a sequence of one slot or more, without content. False if there is no memory. */
 bool ctTreeBuild(Tree* tree, Arena* arena, const Sequence* sequence, const struct InstructionSet* instructions);
 
-/* The sequence's state is a new one: all content is stale until it is refreshed. */
+/* To be called when the sequence has a new state: all content is stale until it is refreshed. */
 void ctTreeMakeStale(Tree* tree);
 
 /* Recomputes everything from the sequence's state: O(N). */
 void ctTreeRefresh(Tree* tree, const Sequence* sequence);
 
-/* Recomputes what follows from the joints of these links (ascending): leaves, and the nodes over them, level by level,
- * each once (section 3.1); returns how many. */
+/* Recomputes the nodes that depend on the joints of these links (ascending): leaves, then the nodes over them, level by
+ * level, each once (section 3.1). Returns how many. */
 int ctTreeUpdate(Tree* tree, const Sequence* sequence, const int* links, int count);
 
 /* The frame of a node in the world. O(level count). */
 Frame ctTreeFrame(const Tree* tree, int level, int node);
 
-/* Begins a walk at the first link of a leaf, in the frame of the leaf. */
+/* Begins a walk at the first link of a leaf. Its frame is that of the leaf. */
 CT_INLINE void treeWalk(Walk* walk, const Sequence* sequence, int leaf) {
   const int link = sequence->slotLink[leaf * TREE_WIDTH];
   if (sequence->twigPart[link] == notInTwig) {
@@ -186,8 +189,8 @@ Frame ctTreeLinkInLeaf(const Sequence* sequence, int link);
 /* A point of a link's torsion axis, and a vector along it, in the frame of the leaf where the link begins. */
 void ctTreeAxis(const Tree* tree, const Sequence* sequence, int link, double point[3], double direction[3]);
 
-/* Positions of two slots in the frame of the lowest node over both: the canonical ones, a pure function of the state.
- */
+/* The squared canonical distance of two slots: computed in the frame of the lowest node over both, so that it is a pure
+ * function of the state. */
 double ctTreeSquaredDistance(const Tree* tree, int slotA, int slotB);
 
 /* The frame of linkB in that of linkA, by way of the lowest node over both (section 2.1). O(log N). */
@@ -197,10 +200,10 @@ Frame ctTreeRelative(const Tree* tree, const Sequence* sequence, int linkA, int 
  * N). */
 int ctTreeSum(Tree* tree, const Sequence* sequence, int linkBegin, int linkEnd, double sum[3]);
 
-/* Makes all sums that are not there. */
+/* Computes the sums that have not been asked for yet. */
 void ctTreeCompleteSums(Tree* tree, const Sequence* sequence);
 
-/* Whether every bound of every node holds the particles below it. O(N log N). */
+/* True if the bound of every node holds the particles below it. O(N log N). */
 bool ctTreeBoundsHold(const Tree* tree, const Sequence* sequence);
 
 #endif /* CT_TREE_H_ */

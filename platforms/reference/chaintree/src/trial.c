@@ -42,7 +42,7 @@ static Frame linkFrame(const Sequence* sequence, const Tree* tree, int link) {
   return transformCompose(&leaf, &inLeaf);
 }
 
-/* About the axis as it lies in the world. */
+/* Turns a torsion about its axis in the world. */
 static void turnTorsion(TrialChange* change, const Sequence* s, Traversal* t, double angle) {
   static const double still[3] = {0, 0, 0};
   double point[3];
@@ -60,7 +60,7 @@ static void turnTorsion(TrialChange* change, const Sequence* s, Traversal* t, do
   change->after.angle = ctAngleTurned(change->before.angle, angle);
 }
 
-/* Given in the world; the joint's state is kept in the parent's frame. */
+/* Moves a free joint. The change is given in the world; the joint's state is in the parent's frame. */
 static void moveFreely(TrialChange* change, const Sequence* s, const Tree* tree, const ctChange* given) {
   double turn[4];
   quaternionFromVector(given->rotation, turn);
@@ -90,7 +90,8 @@ static void addPiece(Trial* trial, int slotBegin, int motion) {
   trial->pieces[trial->pieceCount++] = (Piece){slotBegin, motion};
 }
 
-/* The intervals of the changes are nested or apart: sweep along the sequence with those that are open on a stack. */
+/* Cuts the sequence into pieces. The intervals of the changes are nested or disjoint: goes along the sequence with a
+ * stack of the open ones. */
 static void cutPieces(Trial* trial, const Sequence* s) {
   int* open = trial->scratch;
   int* motionOf = trial->motionOf;

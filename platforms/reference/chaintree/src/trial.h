@@ -1,4 +1,4 @@
-/* A trial: changes of some joints, and the pieces of the sequence that they move as rigid bodies. */
+/* A trial: changes of joints, and the pieces of the sequence that they move as rigid bodies. */
 #ifndef CT_TRIAL_H_
 #define CT_TRIAL_H_
 
@@ -8,7 +8,7 @@ typedef struct TrialChange {
   int link;
   JointState before;
   JointState after;
-  Frame motion; /* of the link in the world, were this the only change */
+  Frame motion; /* of the link in the world, if this were the only change */
 } TrialChange;
 
 typedef struct Trial {
@@ -19,7 +19,7 @@ typedef struct Trial {
   int pieceCount;
   Piece* pieces;
   int motionCount;
-  Frame* motions; /* of change i and all changes around it: i + 1; 0: the identity */
+  Frame* motions; /* i + 1: of change i together with all changes around it; 0: the identity */
   int* links;     /* of the changes */
   int* motionOf;  /* scratch: one a change */
   int* scratch;   /* scratch: one a change */
@@ -28,17 +28,15 @@ typedef struct Trial {
 /* Makes room for a number of changes; false, and nothing changed, if there is no memory. */
 bool ctTrialReserve(Trial* trial, int count);
 
-/* Completes a trial whose changes 0 .. count - 1 have link and the caller's change, unsorted; computes joint states,
- * motions and pieces from the state. `given` is in the order of the changes. Returns the link that occurs twice, or
- * CT_NULL. */
+/* Opens a trial of the caller's `given` changes, for which there is room: computes joint states, motions and pieces
+ * from the state. Returns a link that is changed twice, or CT_NULL. */
 int ctTrialOpen(Trial* trial, const Sequence* sequence, Traversal* traversal, const ctChange* given, int count);
 
-/* Puts the changes' joints into their states after (or before) the trial, and all that follows from them; returns the
- * number of nodes recomputed. Before, after, before: bit by bit where it was, since everything is a function of the
- * state. */
+/* Sets the joints to their states after or before the trial, and updates sequence and tree; returns how many nodes were
+ * recomputed. After that, applying the state before restores every bit, since everything is a function of the state. */
 int ctTrialApply(Trial* trial, bool after, Sequence* sequence, Tree* tree);
 
-/* The view of the trial; `moved` false: its pieces where they are. */
+/* The view of the trial; if not `moved`, of its pieces before it. */
 View ctTrialView(const Trial* trial, bool moved, bool surfaces, double reach);
 
 void ctTrialFree(Trial* trial);

@@ -1,4 +1,4 @@
-/* For tests: everything that is kept, by brute force. */
+/* For tests: compares everything that is kept with what brute force gives. */
 #include <stdlib.h>
 #include <string.h>
 
@@ -31,7 +31,7 @@ static void listContent(const Tree* tree, const Sequence* s, Content content[CON
 
 /* ---- Boxes ---- */
 
-/* Whether a node's box, if it has been made, holds all particles below it. */
+/* True if a node's box, unless it is stale, holds all particles below it. */
 static bool boxHolds(const ctChainTree* scene, int level, int node) {
   const Tree* tree = &scene->staleTree;
   const Box* box = &scene->traversal.box[node];
@@ -46,7 +46,7 @@ static bool boxHolds(const ctChainTree* scene, int level, int node) {
     double x[3];
     treeLocal(tree, slot, x);
     transformPoint(&leaf, x, x);
-    const double rounding = 1e-13 * sqrt(dot(x, x));
+    const double rounding = 1e-13 * sqrt(dot(x, x)); /* as in nodeHolds */
     transformPointBack(&frame, x, x);
     for (int i = 1; i < 4; i++) {
       double along = 0;
@@ -80,7 +80,7 @@ static bool isExcluded(const Exclusions* exclusions, int slotA, int slotB) {
   return partner != CT_NULL && (exclusions->mask[partner][slotA % TREE_WIDTH] >> slotB % TREE_WIDTH & 1) != 0;
 }
 
-/* Whether no pair of particles has less clearance than is kept for their leaves. O(N^2). */
+/* True if no pair of particles has less clearance than the table has for their leaves. O(N^2). */
 static bool clearancesHold(ctChainTree* scene) {
   const Clearance* c = &scene->clearance;
   const Sequence* s = &scene->sequence;
@@ -109,7 +109,7 @@ bool ctValidate(ctChainTree* tree) {
   void* kept[CONTENT_COUNT] = {0};
   Tree* made = ctSceneTree(tree);
   ctTreeCompleteSums(made, &tree->sequence);
-  const bool boxesHold = doBoxesHold(tree); /* before all nodes are fresh again */
+  const bool boxesHold = doBoxesHold(tree); /* before ctTreeRefresh makes all boxes stale */
   listContent(made, &tree->sequence, content);
   bool same = true;
   for (int i = 0; i < CONTENT_COUNT && same; i++) {

@@ -42,7 +42,7 @@ ctStatus ctPropose(ctChainTree* tree, int count, const ctChange* changes) {
   if (count < 0) {
     return ctFail(tree, ctInvalidArgument, "a trial cannot have %d changes", count);
   }
-  ctSceneTree(tree); /* trials start from where all is */
+  ctSceneTree(tree); /* a trial begins from an up to date tree */
   for (int i = 0; i < count; i++) {
     const ctStatus status = checkChange(tree, &changes[i]);
     if (status != ctSuccess) {
@@ -52,7 +52,7 @@ ctStatus ctPropose(ctChainTree* tree, int count, const ctChange* changes) {
   if (!ctTrialReserve(&tree->next, count > 0 ? count : 1)) {
     return ctFailOutOfMemory(tree);
   }
-  /* A change begins a piece and may end in another. */
+  /* A change begins a piece, and another piece may begin at its end. */
   if (!ctTraversalReserve(&tree->traversal, 2 * count + 1)) {
     return ctFailOutOfMemory(tree);
   }
@@ -102,7 +102,8 @@ typedef struct Verdict {
   int slotB;
 } Verdict;
 
-/* How much nearer two particles may come; if they are of different bodies, a clash is noted. */
+/* The clearance of two particles. If they are of two bodies, notes a clash, or a pair about which the canonical
+ * distance must decide. */
 static double clearanceOf(void* context, int slotA, int slotB, double squaredDistance, bool ofTwoBodies) {
   Verdict* verdict = context;
   ctChainTree* tree = verdict->tree;
@@ -132,7 +133,8 @@ static bool judge(void* context, int slotA, int slotB, double squaredDistance) {
   return clearanceOf(context, slotA, slotB, squaredDistance, true) >= 0;
 }
 
-/* Pairs within rounding of their limits: by the canonical distance that they would have after a commit. */
+/* Decides about pairs within rounding of their limits, by the canonical distance that they would have after a commit.
+ */
 static void judgeUndecided(Verdict* verdict) {
   ctChainTree* tree = verdict->tree;
   applyTrial(tree, true);
@@ -149,7 +151,7 @@ static void judgeUndecided(Verdict* verdict) {
   applyTrial(tree, false);
 }
 
-/* Looks for a clash wherever there may be one; returns what that has cost. */
+/* Searches the whole view for a clash, by clearances or by the tree; returns what that has cost. */
 static int64_t search(ctChainTree* tree, const View* view, bool movesFew, Verdict* verdict, ctCounts* counts) {
   int64_t cost = GAVE_UP;
   if (!movesFew && ctClearanceIsWanted(&tree->clearance, &tree->traversal, view->reach)) {
@@ -169,7 +171,8 @@ static int64_t search(ctChainTree* tree, const View* view, bool movesFew, Verdic
   return cost;
 }
 
-/* Asks the witnesses first. What moves little takes little to search, and rarely twice the same way. */
+/* Tests a view: asks the witnesses, then searches. Views in which few slots move are searched at once: that costs
+ * little, and such trials rarely clash where earlier ones did. */
 static void testView(ctChainTree* tree, const View* view, Verdict* verdict, ctCounts* counts) {
   int few[2];
   if (ctViewMovesFew(&tree->traversal, view, &few[0], &few[1])) {
@@ -258,7 +261,7 @@ ctStatus ctForEachChangedPair(ctChainTree* tree, double cutoff, ctChangedPairFun
   if (!(cutoff > 0) || !isfinite(cutoff)) {
     return ctFail(tree, ctInvalidArgument, "the cutoff is %g nm; it must be finite and positive", cutoff);
   }
-  /* Candidates before and in the trial, then both canonical distances of each. */
+  /* Collects candidates before and in the trial, then computes both canonical distances of each. */
   Collection collection = {tree, false};
   tree->undecided.count = 0;
   for (int moved = 0; moved < 2 && !collection.failed; moved++) {

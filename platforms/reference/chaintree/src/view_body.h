@@ -1,4 +1,5 @@
-/* What a view makes of the nodes of a tree, compiled once for each instruction set by the file that includes this. */
+/* The members of nodes in the world and in a view, compiled once for each instruction set by the file that includes
+ * this. */
 #ifndef CT_VIEW_BODY_H_
 #define CT_VIEW_BODY_H_
 
@@ -19,33 +20,34 @@ static int pieceOf(const View* view, int slot) {
   return piece;
 }
 
-/* Of which rigid body a slot is. */
+/* The motion of a slot. */
 static int motionOfSlot(const View* view, int slot) {
   return view->pieces[pieceOf(view, slot)].motion;
 }
 
-/* Of which rigid body a member of an expanded node is, coded like Traversal.motion. */
+/* The motion of a member of an expanded node, coded like Traversal.motion. */
 static int motionOfMember(const Traversal* t, int node, int k) {
   const int code = t->motion[node];
   return code < 0 ? straddlerOf(t, code)->motion[k] : code;
 }
 
+/* Computes the world coordinates of a leaf's members from its frame. */
 static void worldLeaf(Traversal* t, int leaf) {
   const Frame* f = &t->frame[t->entryOf[leaf]];
   const Leaf* own = &t->tree->leaf[leaf];
-  Block* rest = &t->world[t->entryOf[leaf]];
+  Block* world = &t->world[t->entryOf[leaf]];
   for (int k = 0; k < TREE_WIDTH; k++) {
     const double x = own->x[k];
     const double y = own->y[k];
     const double z = own->z[k];
-    rest->x[k] = (float)(f->m[0][0] * x + f->m[0][1] * y + f->m[0][2] * z + f->m[0][3]);
-    rest->y[k] = (float)(f->m[1][0] * x + f->m[1][1] * y + f->m[1][2] * z + f->m[1][3]);
-    rest->z[k] = (float)(f->m[2][0] * x + f->m[2][1] * y + f->m[2][2] * z + f->m[2][3]);
+    world->x[k] = (float)(f->m[0][0] * x + f->m[0][1] * y + f->m[0][2] * z + f->m[0][3]);
+    world->y[k] = (float)(f->m[1][0] * x + f->m[1][1] * y + f->m[1][2] * z + f->m[1][3]);
+    world->z[k] = (float)(f->m[2][0] * x + f->m[2][1] * y + f->m[2][2] * z + f->m[2][3]);
   }
   if (t->worldHasSurfaces) {
-    memcpy(rest->r, own->r, sizeof rest->r);
+    memcpy(world->r, own->r, sizeof world->r);
   } else {
-    leafCentres(own, rest->r);
+    leafCentres(own, world->r);
   }
 }
 
@@ -56,47 +58,50 @@ static void floatMotion(const Frame* f, float motion[12]) {
   }
 }
 
+/* The same for an inner node. */
 static void worldInnerNode(Traversal* t, int node) {
   const Members* own = treeMembers(t->tree, node);
-  Block* rest = &t->world[t->entryOf[node]];
+  Block* world = &t->world[t->entryOf[node]];
   float motion[12];
   floatMotion(&t->frame[t->entryOf[node]], motion);
-  moveBlock(&own->block, motion, 0xffff, rest);
-  memcpy(rest->r, t->worldHasSurfaces ? own->block.r : own->centres, sizeof rest->r);
+  moveBlock(&own->block, motion, 0xffff, world);
+  memcpy(world->r, t->worldHasSurfaces ? own->block.r : own->centres, sizeof world->r);
 }
 
-/* Whether a node is where it was when it was last put into the world. A leaf that is there unchanged is dated anew, so
- * as to be told more quickly next time; of nodes the date is that of boxes, too. */
-static bool isThere(Traversal* t, int level, int node) {
+/* True if the node's frame in the world is the one that is kept. */
+static bool hasFrame(const Traversal* t, int level, int node) {
   if (t->worldTime[node] == NEVER) {
     return false;
   }
   int end;
   treeSlots(t->tree, level, node, &end);
-  const bool stays = treeLeavesStay(t->tree, t->worldTime[node], (end + TREE_WIDTH - 1) / TREE_WIDTH);
-  if (stays && level == 0 && t->tree->contentTime[node] <= t->worldTime[node]) {
-    t->worldTime[node] = t->tree->time;
-  }
-  return stays;
+  return treeLeavesStay(t->tree, t->worldTime[node], (end + TREE_WIDTH - 1) / TREE_WIDTH);
 }
 
-/* Gives a leaf the entry of the one that has been put to rest longest ago. */
+/* Marks a leaf's world coordinates, which are still right, as of now: the next look at them is quicker. Those of an
+ * inner node keep their time, since its boxes go by it. */
+static void confirmLeaf(Traversal* t, int leaf) {
+  t->worldTime[leaf] = t->tree->time;
+}
+
+/* Gives a leaf the entry of the leaf that has had one longest. */
 static void takeEntry(Traversal* t, int leaf) {
   const int entry = t->nextEntry;
   const int other = t->leafOfEntry[entry];
   if (other != CT_NULL) {
     t->worldTime[other] = NEVER;
     t->entryOf[other] = CT_NULL;
-    t->inView[other] = NULL; /* positions are read off what is at rest */
+    t->inView[other] = NULL; /* its coordinates are overwritten */
   }
   t->leafOfEntry[entry] = leaf;
   t->entryOf[leaf] = entry;
   t->nextEntry = entry + 1 < t->leafEntryCount ? entry + 1 : 0;
 }
 
+/* Recomputes what has changed of a node's frame and members in the world. */
 static void recomputeWorld(Traversal* t, int level, int node) {
   const Tree* tree = t->tree;
-  if (!isThere(t, level, node)) {
+  if (!hasFrame(t, level, node)) {
     if (t->entryOf[node] == CT_NULL) {
       takeEntry(t, node);
     }
@@ -107,6 +112,9 @@ static void recomputeWorld(Traversal* t, int level, int node) {
       t->frame[entry] = transformCompose(&t->frame[t->entryOf[parent]], &tree->pose[node]);
     }
   } else if (tree->contentTime[node] <= t->worldTime[node]) {
+    if (level == 0) {
+      confirmLeaf(t, node);
+    }
     return;
   }
   t->worldTime[node] = tree->time;
@@ -117,7 +125,7 @@ static void recomputeWorld(Traversal* t, int level, int node) {
   }
 }
 
-/* Puts the members of a node into the world as the state has them. Its parent has been there before. */
+/* Brings the world coordinates of a node's members up to date with the state. Its parent's must be so. */
 static inline void updateWorld(Traversal* t, int level, int node) {
   const int64_t since = t->worldTime[node];
   if (t->tree->contentTime[node] > since || !treeStays(t->tree, since)) {
@@ -125,14 +133,15 @@ static inline void updateWorld(Traversal* t, int level, int node) {
   }
 }
 
-/* With all nodes over it. */
+/* The same for a leaf and all nodes over it. */
 static void updateWorldLeaf(Traversal* t, int leaf) {
   for (int level = treeTop(t->tree); level >= 0; level--) {
     updateWorld(t, level, t->tree->levelBegin[level] + (leaf >> TREE_WIDTH_BITS * level));
   }
 }
 
-/* Members of a node at rest, put there before; its parent is there still. */
+/* The members of a node in the world, which were brought up to date before. A leaf may have lost its entry since then;
+ * its parent has not. */
 static Block* worldOf(Traversal* t, int node) {
   if (t->entryOf[node] == CT_NULL) {
     updateWorld(t, 0, node);
@@ -140,7 +149,7 @@ static Block* worldOf(Traversal* t, int node) {
   return &t->world[t->entryOf[node]];
 }
 
-/* The members of a node that moves. */
+/* Moves the members of a node into the view. */
 static Block* moveNode(Traversal* t, int node) {
   const int entry = t->nextMoved;
   t->nextMoved = entry + 1 < t->movedCapacity ? entry + 1 : 0;
@@ -150,13 +159,13 @@ static Block* moveNode(Traversal* t, int node) {
     t->inView[other] = NULL;
   }
   t->movedNode[entry] = node;
-  Block* rest = worldOf(t, node);
-  moveBlock(rest, t->motions[t->motion[node]], 0xffff, moved);
-  memcpy(moved->r, rest->r, sizeof moved->r);
+  Block* world = worldOf(t, node);
+  moveBlock(world, t->motions[t->motion[node]], 0xffff, moved);
+  memcpy(moved->r, world->r, sizeof moved->r);
   return moved;
 }
 
-/* Once a descent. Its parent has been expanded. */
+/* Brings the members of a node into the view, once a descent. Its parent must be expanded. */
 static void expand(Traversal* t, int level, int node) {
   if (t->nodeStamp[node] == t->stamp) {
     return;
@@ -166,14 +175,15 @@ static void expand(Traversal* t, int level, int node) {
   t->inView[node] = moves(t->view, t->motion[node]) ? moveNode(t, node) : worldOf(t, node);
 }
 
+/* A sphere around a straddler's members in the view. */
 static Sphere boundOfStraddler(const Traversal* t, const Straddler* s) {
   Sphere bound = middleOfBlock(&s->block);
-  /* Straddlers lie within straddlers: each level adds its own rounding. */
+  /* The members may be straddlers: each level adds its own rounding, see FLOAT_MARGIN. */
   bound.r += radiusAbout(bound, &s->block, s->block.r) + (float)floatMargin(t->extent);
   return bound;
 }
 
-/* A node that straddles pieces, and all such below it; `piece` holds its first slot. */
+/* Expands a node that straddles pieces, and all such nodes below it. `piece` holds its first slot. */
 static const Straddler* expandStraddler(Traversal* t, int level, int node, int piece) {
   const View* view = t->view;
   const Tree* tree = t->tree;
@@ -182,8 +192,8 @@ static const Straddler* expandStraddler(Traversal* t, int level, int node, int p
   Straddler* s = &t->straddlers[t->straddlerCount++];
   s->node = node;
   updateWorld(t, level, node);
-  Block* rest = worldOf(t, node);
-  s->block = *rest;
+  Block* world = worldOf(t, node);
+  s->block = *world;
   s->isBoxed = false;
   memset(s->motion, 0, sizeof s->motion);
   t->inView[node] = &s->block;
@@ -203,9 +213,9 @@ static const Straddler* expandStraddler(Traversal* t, int level, int node, int p
     if (wholes > k) {
       const int motion = view->pieces[piece].motion;
       if (moves(view, motion)) {
-        moveBlock(rest, t->motions[motion], (1u << wholes) - (1u << k), &s->block);
+        moveBlock(world, t->motions[motion], (1u << wholes) - (1u << k), &s->block);
       }
-      /* How many there are can hardly be foreseen: so no branch depends on it. */
+      /* No branch depends on how many there are: processors would mispredict it. */
       for (int l = 0; l < TREE_WIDTH; l++) {
         s->motion[l] = k <= l && l < wholes ? motion : s->motion[l];
       }
@@ -223,7 +233,7 @@ static const Straddler* expandStraddler(Traversal* t, int level, int node, int p
   return s;
 }
 
-/* A new view: its motions, and how large the scene is in it. */
+/* Begins a descent with a new view: takes its motions, and bounds how large the scene is in it. */
 static void startView(Traversal* t, const View* view) {
   const Tree* tree = t->tree;
   const int root = treeRoot(tree);
@@ -260,18 +270,19 @@ static void startView(Traversal* t, const View* view) {
   t->movedBoxesCount = 0;
 }
 
-/* A sphere at rest of a body of this motion, where the view has it. */
+/* Moves a sphere of this motion from the world into the view. */
 static Sphere sphereInView(const Traversal* t, Sphere sphere, int motion) {
   return moves(t->view, motion) ? movedSphere(sphere, t->motions[motion]) : sphere;
 }
 
+/* The members of an expanded node whose entry another node has taken. */
 static Block* viewAgain(Traversal* t, int node) {
   const int code = t->motion[node];
-  Block* rest = worldOf(t, node);
-  return code < 0 ? &straddlerOf(t, code)->block : moves(t->view, code) ? moveNode(t, node) : rest;
+  Block* world = worldOf(t, node);
+  return code < 0 ? &straddlerOf(t, code)->block : moves(t->view, code) ? moveNode(t, node) : world;
 }
 
-/* An expanded node: its members as they lie in the view. */
+/* The members of an expanded node in the view. */
 static const Block* blockOf(Traversal* t, int node) {
   if (t->inView[node] == NULL) {
     t->inView[node] = viewAgain(t, node);
@@ -279,14 +290,15 @@ static const Block* blockOf(Traversal* t, int node) {
   return t->inView[node];
 }
 
-/* Those of two. The second may have taken the room of the first, which then is made again, elsewhere. */
+/* The members of two expanded nodes in the view. The second may take the entry of the first: so the first is asked for
+ * again. */
 static void blocksOf(Traversal* t, int a, int b, const Block* blocks[2]) {
   blockOf(t, a);
   blocks[1] = blockOf(t, b);
   blocks[0] = blockOf(t, a);
 }
 
-/* Members of a node that are of a rigid body; none, if that straddles. */
+/* The members of a node that have this motion, as bits; none, if it is the code of a straddler. */
 static unsigned ofBody(const Traversal* t, int node, int motion) {
   const int code = t->motion[node];
   if (code < 0) {

@@ -1,14 +1,16 @@
-/* Boxes of the nodes of a view, compiled once for each instruction set by the file that includes this. */
+/* Oriented boxes of nodes in a view, compiled once for each instruction set by the file that includes this. */
 #ifndef CT_VIEWBOXES_BODY_H_
 #define CT_VIEWBOXES_BODY_H_
 
 #include "view_body.h"
 
+/* The boxes of an inner node's children. */
 static ChildBoxes* boxesOf(const Traversal* t, int node) {
   return &t->boxes[node - t->tree->levelBegin[1]];
 }
 
-/* Around the members of a node in its own frame; with it, the boxes of its children. */
+/* The box around the members of a node, in its own frame. Makes it, and the boxes of the node's children, if they are
+ * stale. */
 static const Box* ownBox(Traversal* t, int level, int node) {
   const Tree* tree = t->tree;
   Box* box = &t->box[node];
@@ -38,7 +40,7 @@ static const Box* ownBox(Traversal* t, int level, int node) {
   }
   boxes->ownTime = tree->time;
   boxes->worldTime = NEVER;
-  /* Nothing is around the root. */
+  /* Nobody asks for the box of the root. */
   if (level < treeTop(tree)) {
     *box = boxAround(&treeMembers(tree, node)->block, &boxes->own, &tree->bound[node]);
   }
@@ -47,7 +49,7 @@ static const Box* ownBox(Traversal* t, int level, int node) {
 
 static const BoxBlock* boxesInView(Traversal* t, int level, int node);
 
-/* Around the members of a node that straddles, in the view. */
+/* The box around the members of a straddler, in the view. */
 static Box straddlerBox(Traversal* t, int level, int node) {
   const Block* block = &straddlerOf(t, t->motion[node])->block;
   const Sphere middle = middleOfBlock(block);
@@ -58,7 +60,7 @@ static Box straddlerBox(Traversal* t, int level, int node) {
   return boxAround(block, boxesInView(t, level, node), &bound);
 }
 
-/* Boxes of the children of a node that straddles, in the view. */
+/* The boxes of the children of a straddler, in the view. */
 static const BoxBlock* straddlerBoxes(Traversal* t, int level, int node) {
   const ChildBoxes* boxes = boxesOf(t, node);
   Straddler* s = straddlerOf(t, t->motion[node]);
@@ -68,7 +70,7 @@ static const BoxBlock* straddlerBoxes(Traversal* t, int level, int node) {
   s->isBoxed = true;
   s->boxes = boxes->world;
   for (int k = 0; k < TREE_WIDTH;) {
-    /* Children that move alike go together. */
+    /* Children of one motion are moved together. */
     const int motion = s->motion[k];
     unsigned run = 0;
     for (; k < TREE_WIDTH && motion == s->motion[k]; k++) {
@@ -87,7 +89,7 @@ static const BoxBlock* straddlerBoxes(Traversal* t, int level, int node) {
   return &s->boxes;
 }
 
-/* Boxes of the children of an expanded node, in the view; they stay for the visit. */
+/* The boxes of the children of an expanded node, in the view. They stay for the visit: see BOXES_OF_A_VISIT. */
 static const BoxBlock* boxesInView(Traversal* t, int level, int node) {
   ChildBoxes* boxes = boxesOf(t, node);
   ownBox(t, level, node);

@@ -1,6 +1,6 @@
 #include "witness.h"
 
-/* At the end of a round. */
+/* Makes the choice at the end of a round. */
 static void choose(Witnesses* w) {
   w->patience = w->patience > LEAST_WITNESS_PATIENCE ? w->patience : LEAST_WITNESS_PATIENCE;
   if (w->wait > 0) {

@@ -1,22 +1,28 @@
-/* Asking witnesses, compiled once for each instruction set by the file that includes this. */
+/* Tests of witnesses, compiled once for each instruction set by the file that includes this. */
 #include "view_body.h"
 #include "witness.h"
 
-/* The sphere of a slot whose motion is this one, where the view has it. */
+/* The sphere of a slot of this motion in the view. */
 static Sphere slotSphere(Traversal* t, int slot, int motion) {
   const int leaf = slot / TREE_WIDTH;
   const int64_t since = t->worldTime[leaf];
-  if (t->tree->contentTime[leaf] > since || !(treeStays(t->tree, since) || isThere(t, 0, leaf))) {
+  if (t->tree->contentTime[leaf] > since) {
     updateWorldLeaf(t, leaf);
+  } else if (!treeStays(t->tree, since)) {
+    if (hasFrame(t, 0, leaf)) {
+      confirmLeaf(t, leaf);
+    } else {
+      updateWorldLeaf(t, leaf);
+    }
   }
   return sphereInView(t, sphereOf(worldOf(t, leaf), slot % TREE_WIDTH), motion);
 }
 
-/* True if a witness clashes: `function` has said so then. Adds what that has cost. */
+/* Tests the witnesses: true if one clashes, as `function` says. Adds what that has cost. */
 static bool askWitnesses(const Witnesses* w, Traversal* t, const View* view, CandidateFunction* function, void* context,
                          ctCounts* counts, int64_t* cost) {
   startView(t, view);
-  const float room = (float)(view->reach + floatMargin(t->extent + fabs(view->reach)));
+  const float viewReach = (float)(view->reach + floatMargin(t->extent + fabs(view->reach)));
   *cost += COST_OF_ASKING + COST_OF_WITNESS * w->count;
   int particleTests = 0;
   bool isOver = false;
@@ -31,7 +37,7 @@ static bool askWitnesses(const Witnesses* w, Traversal* t, const View* view, Can
     particleTests++;
     const Sphere a = slotSphere(t, pair[0], motionA);
     const Sphere b = slotSphere(t, pair[1], motionB);
-    const float reach = a.r + b.r + room;
+    const float reach = a.r + b.r + viewReach;
     if ((a.x - b.x) * (a.x - b.x) + (a.y - b.y) * (a.y - b.y) + (a.z - b.z) * (a.z - b.z) >= reach * reach) {
       continue;
     }
