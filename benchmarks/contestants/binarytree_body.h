@@ -1,23 +1,33 @@
 /* The ChainTree of 2002, with a volume to be chosen. Each time that binarytrees.c includes this is one contestant;
  * before, it defines
  *
- *   TREE                                        what its names end with
- *   NAME, IDEA                                  of the contestant
- *   Volume                                      a type
- *   Volume volumeOfSphere(double radius)        around a sphere at the origin
- *   Volume volumeOfPair(a, b, motion)           around a and b, b moved by a rigid motion
- *   bool volumesOverlap(a, b, motion)           whether a and b, moved, overlap
- *   SHRINK_DEPTH                                0, or, of boxes, how many levels below a node they are fitted to
- *   SELVES_FIRST                                1: both children of a node are tested against themselves before they
- *                                               are against each other, since clashes are most likely near the joints.
- *                                               0: in the order of the paper, which tests (E, E), (E, F'), (F', F')
- *   SKIPS_RIGID                                 0: as published, a node is not compared with itself if it has not
- *                                               changed. 1: two nodes of one rigid piece are not compared either
- *   PARTICLE_VOLUMES                            0; 1: two particles are compared as volumes before they are as
- *                                               particles; or 2: as volumes only
+ *   TREE              what its names end with
+ *   NAME, IDEA        of the contestant
+ *   Volume            a type
+ *   VOLUME(what)      what its functions are called; `what` is
+ *                       OfSphere(double radius)   a volume around a sphere at the origin
+ *                       OfPair(a, b, motion)      one around a and b, b moved by a rigid motion
+ *                       sOverlap(a, b, motion)    whether a and b, moved, overlap
+ *   volumeOfPair      if it likes, what to take instead of OfPair
+ *
+ * and, if not 0,
+ *
+ *   SHRINK_DEPTH      of boxes, how many levels below a node they are fitted to
+ *   SELVES_FIRST      1: both children of a node are tested against themselves before they are against each other,
+ *                     since clashes are most likely near the joints. 0: in the order of the paper, which tests
+ *                     (E, E), (E, F'), (F', F')
+ *   SKIPS_RIGID       1: two nodes of one rigid piece are not compared. 0: as published, only a node is not compared
+ *                     with itself if it has not changed
+ *   PARTICLE_VOLUMES  1: two particles are compared as volumes before they are as particles; 2: as volumes only
  *
  * A node of level l stands for 2^l particles in a row. Its frame is that of its first particle: the origin is there,
  * and the axes turn with the particle's link. */
+
+#define volumeOfSphere VOLUME(OfSphere)
+#define volumesOverlap VOLUME(sOverlap)
+#ifndef volumeOfPair
+#define volumeOfPair VOLUME(OfPair)
+#endif
 
 #define OWN(name) CONTESTANT_JOIN(name, TREE)
 #define Node OWN(Node)
@@ -343,12 +353,12 @@ static bool nodesClash(BinaryTree* tree, int level, int a, int b, const Rigid* m
   if (level == 0) {
     return particlesClash(tree, a, b, motion);
   }
-  if (SKIPS_RIGID) {
-    const int body = bodyOfNode(tree, level, a);
-    if (body != SEVERAL_BODIES && body == bodyOfNode(tree, level, b)) {
-      return false;
-    }
+#if SKIPS_RIGID
+  const int body = bodyOfNode(tree, level, a);
+  if (body != SEVERAL_BODIES && body == bodyOfNode(tree, level, b)) {
+    return false;
   }
+#endif
   tree->counts.volumeTests++;
   if (!volumesOverlap(&tree->levels[level][a].volume, &tree->levels[level][b].volume, motion)) {
     return false;
@@ -378,12 +388,13 @@ static bool nodeClashesWithItself(BinaryTree* tree, int level, int index) {
   if (first + 1 == tree->levelSizes[level - 1]) {
     return nodeClashesWithItself(tree, level - 1, first);
   }
-  if (SELVES_FIRST) {
-    return nodeClashesWithItself(tree, level - 1, first) || nodeClashesWithItself(tree, level - 1, first + 1) ||
-           nodesClash(tree, level - 1, first, first + 1, motion);
-  }
+#if SELVES_FIRST
+  return nodeClashesWithItself(tree, level - 1, first) || nodeClashesWithItself(tree, level - 1, first + 1) ||
+         nodesClash(tree, level - 1, first, first + 1, motion);
+#else
   return nodeClashesWithItself(tree, level - 1, first) || nodesClash(tree, level - 1, first, first + 1, motion) ||
          nodeClashesWithItself(tree, level - 1, first + 1);
+#endif
 }
 
 /* ---- The contestant ---- */
@@ -441,6 +452,7 @@ const Contestant CONTESTANT(OWN(contestant)) = {.name = NAME,
 #undef NAME
 #undef IDEA
 #undef Volume
+#undef VOLUME
 #undef volumeOfSphere
 #undef volumeOfPair
 #undef volumesOverlap

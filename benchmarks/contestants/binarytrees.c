@@ -26,26 +26,15 @@ static void sortJoints(int* joints, int count) {
 #define NAME "published"
 #define IDEA "the ChainTree of 2002, children tested in the order of its section 2.3"
 #define Volume Obb
-#define volumeOfSphere obbOfSphere
-#define volumeOfPair obbByCovariance
-#define volumesOverlap obbsOverlap
-#define SHRINK_DEPTH 0
-#define SELVES_FIRST 0
-#define SKIPS_RIGID 0
-#define PARTICLE_VOLUMES 0
+#define VOLUME(what) obb##what
 #include "binarytree_body.h"
 
 #define TREE PublishedSelvesFirst
 #define NAME "published-selves-first"
 #define IDEA "the ChainTree of 2002, both children tested against themselves first"
 #define Volume Obb
-#define volumeOfSphere obbOfSphere
-#define volumeOfPair obbByCovariance
-#define volumesOverlap obbsOverlap
-#define SHRINK_DEPTH 0
+#define VOLUME(what) obb##what
 #define SELVES_FIRST 1
-#define SKIPS_RIGID 0
-#define PARTICLE_VOLUMES 0
 #include "binarytree_body.h"
 
 /* Its boxes shrunk until they touch particles (section 6.1). */
@@ -53,39 +42,22 @@ static void sortJoints(int* joints, int count) {
 #define NAME "published-tight"
 #define IDEA "the ChainTree of 2002 with tight boxes"
 #define Volume Obb
-#define volumeOfSphere obbOfSphere
-#define volumeOfPair obbByCovariance
-#define volumesOverlap obbsOverlap
+#define VOLUME(what) obb##what
 #define SHRINK_DEPTH 32
-#define SELVES_FIRST 0
-#define SKIPS_RIGID 0
-#define PARTICLE_VOLUMES 0
 #include "binarytree_body.h"
 
 #define TREE PublishedCapsules
 #define NAME "published-capsules"
 #define IDEA "the ChainTree of 2002 with line-swept spheres"
 #define Volume Capsule
-#define volumeOfSphere capsuleOfSphere
-#define volumeOfPair capsuleOfPair
-#define volumesOverlap capsulesOverlap
-#define SHRINK_DEPTH 0
-#define SELVES_FIRST 0
-#define SKIPS_RIGID 0
-#define PARTICLE_VOLUMES 0
+#define VOLUME(what) capsule##what
 #include "binarytree_body.h"
 
 #define TREE PublishedSpheres
 #define NAME "published-spheres"
 #define IDEA "the ChainTree of 2002 with spheres"
 #define Volume Ball
-#define volumeOfSphere ballOfSphere
-#define volumeOfPair ballOfPair
-#define volumesOverlap ballsOverlap
-#define SHRINK_DEPTH 0
-#define SELVES_FIRST 0
-#define SKIPS_RIGID 0
-#define PARTICLE_VOLUMES 0
+#define VOLUME(what) ball##what
 #include "binarytree_body.h"
 
 /* ---- Better ---- */
@@ -95,13 +67,11 @@ static void sortJoints(int* joints, int count) {
 #define NAME "improved"
 #define IDEA "the ChainTree of 2002 with better boxes, and without tests within a rigid piece"
 #define Volume Obb
-#define volumeOfSphere obbOfSphere
+#define VOLUME(what) obb##what
 #define volumeOfPair obbByCandidates
-#define volumesOverlap obbsOverlap
 #define SHRINK_DEPTH 2
 #define SELVES_FIRST 1
 #define SKIPS_RIGID 1
-#define PARTICLE_VOLUMES 0
 #include "binarytree_body.h"
 
 /* ---- In several precisions ---- */
@@ -112,7 +82,6 @@ static void sortJoints(int* joints, int count) {
 #define VOLUME_REAL double
 #define ROOM 0
 #include "roundvolume_body.h"
-#define SHRINK_DEPTH 0
 #define SELVES_FIRST 1
 #define SKIPS_RIGID 1
 #define PARTICLE_VOLUMES 1
@@ -124,7 +93,6 @@ static void sortJoints(int* joints, int count) {
 #define VOLUME_REAL double
 #define ROOM 4e-15
 #include "roundvolume_body.h"
-#define SHRINK_DEPTH 0
 #define SELVES_FIRST 1
 #define SKIPS_RIGID 1
 #define PARTICLE_VOLUMES 1
@@ -136,7 +104,6 @@ static void sortJoints(int* joints, int count) {
 #define VOLUME_REAL float
 #define ROOM 0
 #include "roundvolume_body.h"
-#define SHRINK_DEPTH 0
 #define SELVES_FIRST 1
 #define SKIPS_RIGID 1
 #define PARTICLE_VOLUMES 1
@@ -148,7 +115,6 @@ static void sortJoints(int* joints, int count) {
 #define VOLUME_REAL float
 #define ROOM 4e-6
 #include "roundvolume_body.h"
-#define SHRINK_DEPTH 0
 #define SELVES_FIRST 1
 #define SKIPS_RIGID 1
 #define PARTICLE_VOLUMES 1
@@ -160,7 +126,6 @@ static void sortJoints(int* joints, int count) {
 #define VOLUME_REAL float
 #define ROOM 0
 #include "roundvolume_body.h"
-#define SHRINK_DEPTH 0
 #define SELVES_FIRST 1
 #define SKIPS_RIGID 1
 #define PARTICLE_VOLUMES 2

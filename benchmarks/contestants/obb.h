@@ -166,7 +166,7 @@ static inline void eigenvectors(double a[3][3], double axes[3][3]) {
 }
 
 /* Around two boxes, b moved by `motion`, along the eigenvectors of the covariance of their corners. */
-static inline Obb obbByCovariance(const Obb* a, const Obb* b, const Rigid* motion) {
+static inline Obb obbOfPair(const Obb* a, const Obb* b, const Rigid* motion) {
   const Obb moved = obbMoved(b, motion);
   double d[3];
   double covariance[3][3];

@@ -67,9 +67,7 @@ static RoundVolume roundOfPair(const RoundVolume* a, const RoundVolume* b, const
 }
 
 #define Volume RoundVolume
-#define volumeOfSphere roundOfSphere
-#define volumeOfPair roundOfPair
-#define volumesOverlap roundsOverlap
+#define VOLUME(what) round##what
 
 #undef VOLUME_REAL
 #undef ROOM
