@@ -29,6 +29,10 @@ class Course:
         self._folder = Path(folder)
         self._scenes = {}
 
+    def questions(self, usual):
+        """Return how often a question is asked that a row asks so often by itself: not more than that."""
+        return min(self.trials or usual, usual)
+
     def sceneFile(self, model):
         """Return the path of a file with the scene of a Model."""
         if id(model) not in self._scenes:

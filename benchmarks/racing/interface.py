@@ -124,7 +124,7 @@ def _takeTurns(row, protein, course, seed, contestants, check):
     """
     walk = _walk(protein.positions, seed)
     times = {contestant.name: [] for contestant in contestants}
-    blocks = max(1, (course.trials or row.trials) // _BLOCK_SIZE)
+    blocks = max(1, course.questions(row.trials) // _BLOCK_SIZE)
     for _ in range(1 + blocks):
         block = [next(walk) for _ in range(_BLOCK_SIZE)]
         answers = []

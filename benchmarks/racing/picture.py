@@ -54,10 +54,10 @@ def _titleOf(machine, entries):
     trials = ", ".join(f"{count:,}" for count in sorted({entry["trials"] for entry in entries}))
     chains = max(entry["chains"] for entry in entries)
     sets = machine["instruction sets of the engine"]
-    return (
-        f"{machine['processor']}, {sets}\n{trials} trials from each start; up to {chains} chains of each kind: "
-        "medians, bars from least to most"
+    spread = (
+        "one chain of each kind" if chains == 1 else f"up to {chains} chains of each kind: medians, and their range"
     )
+    return f"{machine['processor']}, {sets}\n{trials} trials from each start; {spread}"
 
 
 def _drawTimes(axis, races, title):

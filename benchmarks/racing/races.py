@@ -176,7 +176,7 @@ def askProgram(row, course, seed, options=None):
         **_chainOptions(row.chain, course),
         "--contestants": ",".join(row.contestants),
         "--seed": seed,
-        "--trials": course.trials or row.trials,
+        "--trials": course.questions(row.trials),
         **(options or {}),
     }
     return [_makeEntry(row, line, given["--trials"]) for line in course.program.race(given)]

@@ -180,21 +180,21 @@ def _proteins(plan, group):
 def _windows(plan, group):
     for protein in plan.proteins:
         for moves in _WINDOWS:
-            yield Race(group, protein.heavyAtoms, moves, _TRIALS, plan.pick(*_GRIDS_AND_OURS))
+            yield Race(group, protein.heavyAtoms, moves, _TRIALS, plan.pick(*_WITHOUT_FULL_GRID))
     for size in plan.sizes(_SIZES[0], _SIZES[-1]):
-        yield Race(group, Chain("random", size), _WINDOWS[-1], _TRIALS, plan.pick(*_GRIDS_AND_OURS))
+        yield Race(group, Chain("random", size), _WINDOWS[-1], _TRIALS, plan.pick(*_WITHOUT_FULL_GRID))
 
 
 def _sideChains(plan, group):
     for protein in plan.proteins:
-        yield Race(group, protein.heavyAtoms, _SIDE_CHAIN, _TRIALS, plan.pick(*_GRIDS_AND_OURS))
+        yield Race(group, protein.heavyAtoms, _SIDE_CHAIN, _TRIALS, plan.pick(*_WITHOUT_FULL_GRID))
 
 
 def _positions(plan, group):
     chains = [Chain("random", size) for size in plan.sizes(_SIZES[0], _SIZES[-1])]
     for chain in (*chains, plan.largest()):
         for moves in (_UNIFORM, _ONE_DEGREE):
-            yield Race(group, chain, moves, _TRIALS, plan.pick(*_GRIDS_AND_OURS), readsPositions=True)
+            yield Race(group, chain, moves, _TRIALS, plan.pick(*_WITHOUT_FULL_GRID), readsPositions=True)
 
 
 def _worst(plan, group):

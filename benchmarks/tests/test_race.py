@@ -56,7 +56,7 @@ def test_everythingQuickly(tmp_path):
     assert list(dict.fromkeys(entry["group"] for entry in entries)) == [name for name in GROUPS if name != "large"]
     for entry in entries:
         assert 0 < entry["quartile1"] <= entry["microseconds"] <= entry["quartile3"]
-        assert entry["trials"] == entry["asked"] == 100 and entry["particles"] > 0
+        assert entry["trials"] == entry["asked"] > 0 and entry["particles"] > 0
     races = {}
     for entry in entries:
         key = tuple(entry.get(key) for key in ("group", "chain", "particles", "moves", "seed"))
