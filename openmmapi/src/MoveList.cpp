@@ -80,7 +80,7 @@ void MoveList::bind(const LinkStructure* structure)
 double MoveList::sumWeights() const
 {
     if (entries.empty())
-        fail("there are no moves; add one by addTorsionMove() or addRigidBodyMove()");
+        fail("there are no moves; add one, for example by addTorsionMove()");
     double sum = 0;
     for (const Entry& entry : entries)
         sum += entry.weight;
