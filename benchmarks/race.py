@@ -102,12 +102,16 @@ def _chooseContestants(text, program):
     return text.split(",")
 
 
+# Matplotlib takes longer to import than a short race, so what needs it is imported when a picture is wanted.
+
+
 def _hasPicture(entries):
-    return any(entry["group"] == _PICTURED for entry in entries)
+    from racing.picture import findDrawn
+
+    return bool(findDrawn(entries))
 
 
 def _savePicture(output, machine, entries):
-    # Matplotlib takes longer to import than a short race.
     from racing.picture import savePicture
 
     savePicture(output, machine, entries)

@@ -24,7 +24,7 @@ _PAPER_STYLES = {"ChainTree": "published", "K-OBBTree": "kobbtree"}
 
 def savePicture(output, machine, entries):
     """Write the picture of entries to an Output: of those that ran all their trials, on however many chains."""
-    entries = [entry for entry in combineChains(entries) if _isDrawn(entry)]
+    entries = findDrawn(entries)
     chains = [entry for entry in entries if entry["chain"] == "random compact"]
     proteins = sorted((entry for entry in entries if entry["chain"] != "random compact"), key=sizeOf)
     columns = [(ofOne, keyOf) for ofOne, keyOf in ((chains, sizeOf), (proteins, proteinOf)) if ofOne]
@@ -46,8 +46,10 @@ def savePicture(output, machine, entries):
     writeFigure(figure, output)
 
 
-def _isDrawn(entry):
-    return entry["group"] == "figures" and entry["contestant"] in _STYLES
+def findDrawn(entries):
+    """Return what the picture shows of entries, one for all chains of a contestant."""
+    drawn = [entry for entry in entries if entry["group"] == "figures" and entry["contestant"] in _STYLES]
+    return combineChains(drawn)
 
 
 def _titleOf(machine, entries):

@@ -108,6 +108,12 @@ def test_rowsAndContestantsOfChoice(runHere, tmp_path):
     assert contestants == {"chains": {"brute", "published", "lazygrid"}, "worst": {"brute", "published"}}
 
 
+def test_noPictureOfNobody(runHere, tmp_path):
+    arguments = ["--quick", "--trials", 50, "--chains", 1, "--rows", "figures", "--contestants", "brute"]
+    result = runHere(*arguments, "--picture", "a.png")
+    assert result.returncode == 0 and "wrote" not in result.stdout and filesIn(tmp_path) == []
+
+
 def test_sameSeedSameTrials(runHere, tmp_path):
     def count(name, *arguments):
         # The calmest chain, in which the most happens.
