@@ -120,6 +120,25 @@ void testLimitsAreRestored(Platform& platform)
 }
 
 /**
+ * With new parameters the engine begins anew from where it is, and a checkpoint tells from where.
+ */
+void testAfterNewParameters(Platform& platform)
+{
+    Scene scene;
+    Run whole(scene.system, 5, platform), fresh(scene.system, 77, platform);
+    whole.context->setPositions(scene.positions);
+    whole.integrator.step(3);
+    scene.force->setParticleParameters(3, 0.29);
+    scene.force->updateParametersInContext(*whole.context);
+    scene.force->updateParametersInContext(*fresh.context);
+    whole.integrator.step(1);
+    fresh.loadCheckpoint(whole.createCheckpoint());
+    whole.integrator.step(3);
+    fresh.integrator.step(3);
+    ASSERT(whole.createCheckpoint() == fresh.createCheckpoint());
+}
+
+/**
  * Positions that another integrator has moved since the last step only let limits grow, with or without a checkpoint
  * in between.
  */
@@ -344,6 +363,7 @@ void testLoadedCheckpoints(Platform& platform)
     testGoingOn(platform);
     testNoTrace(platform);
     testLimitsAreRestored(platform);
+    testAfterNewParameters(platform);
     testAfterDynamics(platform);
     testRefusedCheckpoints(platform);
     testCheckpointsOfOtherMoves(platform);

@@ -122,6 +122,27 @@ void testRigidBodyMoves(Platform& platform)
     ASSERT_USUALLY_EQUAL_TOL(0.5, cubes / pow(0.2, 3), 0.02); // The volume within a uniform point's radius is uniform.
 }
 
+/**
+ * What can move is found anew when a Context is.
+ */
+void testMoleculesThatAreFixedLater(Platform& platform)
+{
+    BeadChain chain(4, 0.1);
+    const int second = chain.addMolecule(4, 0.1, 1.0, Vec3(0, 0, 5));
+    TorsionMonteCarloIntegrator integrator(300);
+    integrator.addRigidBodyMove(1, 0.2, 0.5);
+    Context context(chain.system, integrator, platform);
+    chain.system.setParticleMass(second, 0);
+    context.reinitialize();
+    context.setPositions(chain.positions);
+    const vector<Vec3> start = getPositions(context);
+    integrator.step(1);
+    const vector<Vec3> end = getPositions(context);
+    ASSERT(!(start[0] == end[0]));
+    for (int i = second; i < second + 4; i++)
+        assertSameBits({start[i]}, {end[i]});
+}
+
 void testWeights(Platform& platform)
 {
     BeadChain chain(6, 0.3);
@@ -395,6 +416,7 @@ void testMoves(Platform& platform)
 {
     testTorsionMoves(platform);
     testRigidBodyMoves(platform);
+    testMoleculesThatAreFixedLater(platform);
     testWeights(platform);
     testChangingMoves(platform);
     testAnglesInDegrees();

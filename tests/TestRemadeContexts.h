@@ -3,6 +3,7 @@
  */
 
 #include "CheckpointSupport.h"
+#include "openmm/CustomExternalForce.h"
 #include "openmm/HarmonicBondForce.h"
 #include <functional>
 
@@ -110,9 +111,17 @@ void checkRefusal(Platform& platform, const string& message, const function<void
                   const function<void(Scene&)>& mend)
 {
     Scene scene, other;
+    for (Scene* each : {&scene, &other}) {
+        CustomExternalForce* field = new CustomExternalForce("strength*x");
+        field->addGlobalParameter("strength", 0);
+        field->addParticle(3);
+        each->system.addForce(field);
+    }
     Run whole(other.system, 5, platform), refused(scene.system, 5, platform);
     for (Run* run : {&whole, &refused}) {
         run->context->setPositions(scene.positions);
+        run->context->setParameter("strength", 0.5);
+        run->context->setPeriodicBoxVectors(Vec3(20, 0, 0), Vec3(0, 21, 0), Vec3(0, 0, 22));
         run->context->setVelocities(vector<Vec3>(scene.positions.size(), Vec3(1, 2, 3)));
         run->context->setTime(7);
         run->integrator.step(4);
@@ -139,7 +148,7 @@ void checkRefusal(Platform& platform, const string& message, const function<void
     whole.integrator.step(3);
     refused.integrator.step(3);
     ASSERT(getOwnPart(whole.createCheckpoint()) == getOwnPart(refused.createCheckpoint()));
-    const int types = State::Positions | State::Velocities | State::IntegratorParameters;
+    const int types = State::Positions | State::Velocities | State::Parameters | State::IntegratorParameters;
     ASSERT_EQUAL(toXml(whole.context->getState(types)), toXml(refused.context->getState(types)));
 }
 
@@ -175,7 +184,7 @@ void testRefusedReinitialize(Platform& platform)
             scene.system.addForce(bad);
         },
         [](Scene& scene) {
-            scene.system.removeForce(1);
+            scene.system.removeForce(scene.system.getNumForces() - 1);
         });
 }
 

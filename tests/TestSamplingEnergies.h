@@ -75,6 +75,36 @@ void testSoftEnergy(Platform& platform)
     });
 }
 
+/**
+ * Soft spheres that may share a hydrogen bond overlap by the allowance for nothing, whichever is the donor.
+ */
+void testSoftHydrogenBonds(Platform& platform)
+{
+    for (bool donorFirst : {true, false}) {
+        System system;
+        StericExclusionForce* force = new StericExclusionForce();
+        force->setOverlapTolerance(0.1);
+        force->setHydrogenBondAllowance(0.3);
+        for (bool isDonor : {donorFirst, !donorFirst}) {
+            system.addParticle(1);
+            force->addParticle(0.5, isDonor ? StericExclusionForce::Donor : StericExclusionForce::Acceptor);
+        }
+        system.addForce(force);
+        TorsionMonteCarloIntegrator integrator(0);
+        integrator.setStericMode(TorsionMonteCarloIntegrator::Soft);
+        integrator.setRandomNumberSeed(1);
+        integrator.setTrialsPerStep(50);
+        integrator.addRigidBodyMove(1, 0.002, 0);
+        Context context(system, integrator, platform);
+        context.setPositions({Vec3(), Vec3(0.75, 0, 0)});
+        integrator.step(1);
+        ASSERT_EQUAL(50, Statistics(integrator, 0).accepted);
+        context.setPositions({Vec3(), Vec3(0.55, 0, 0)});
+        integrator.step(1);
+        ASSERT(Statistics(integrator, 0).rejectedByEnergy > 10);
+    }
+}
+
 void testStericEnergyIsLeftOut(Platform& platform)
 {
     // A tolerated clash has a large energy in the force group of another force, and yet none of it enters U.
@@ -426,6 +456,7 @@ void testThrowingForce(Platform& platform)
 void testSamplingEnergies(Platform& platform)
 {
     testSoftEnergy(platform);
+    testSoftHydrogenBonds(platform);
     testStericEnergyIsLeftOut(platform);
     testUploads(platform);
     testAthermal(platform);

@@ -92,11 +92,15 @@ void testUpdateParameters(Platform& platform)
     assertThrows("reinitialize the Context", [&] {
         chain.force->updateParametersInContext(context);
     });
+    BeadChain turned(6, 0.1, 0.5);
+    VerletIntegrator another(0.001);
+    Context other(turned.system, another, platform);
+    turned.force->addTorsion(0, 1, 2, 3);
+    assertThrows("reinitialize the Context", [&] {
+        turned.force->updateParametersInContext(other);
+    });
 }
 
-/**
- * An update that is refused leaves everything as it was, the open trial included.
- */
 /**
  * A CustomIntegrator asks for forces again only if it is told that they have changed.
  */
@@ -117,6 +121,9 @@ void testUpdateIsTold(Platform& platform)
     ASSERT_EQUAL_VEC(before * 3, context.getState(State::Velocities).getVelocities()[0], 1e-5);
 }
 
+/**
+ * An update that is refused leaves everything as it was, the open trial included.
+ */
 void testRefusedUpdate(Platform& platform)
 {
     BeadChain chain(6, 0.4, 0.5);

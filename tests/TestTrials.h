@@ -351,6 +351,15 @@ void testLimits(Platform& platform)
     ASSERT(!chain.force->proposeTorsions(context, {0}, {-0.1}));
     context.setPositions(BeadChain(4, 0.7, 0.2).positions);
 
+    // So does a step of an Integrator, where no TorsionMonteCarloIntegrator takes turns with it.
+
+    ASSERT(chain.force->proposeTorsions(context, {0}, {0.1}));
+    ASSERT_EQUAL(1, chain.force->getNumToleratedClashes(context));
+    context.setVelocities(vector<Vec3>(4, Vec3(0, 1, 0)));
+    integrator.step(1);
+    ASSERT_EQUAL(0, chain.force->getNumToleratedClashes(context));
+    context.setPositions(BeadChain(4, 0.7, 0.2).positions);
+
     // Queries have no influence on limits, and limits none on queries.
 
     Pairs pairs;

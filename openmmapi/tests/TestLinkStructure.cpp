@@ -194,6 +194,15 @@ void testRings()
     two.force.addTorsion(0, 1, 2, 3);
     two.force.addTorsion(2, 3, 4, 0);
     two.assertRefused("torsion 1 (2-3-4-0) lies in a ring: 3-2-1-0-4-3");
+
+    // A ring of which every bond turns, closed by the last torsion.
+
+    Graph all(6, {{0, 1}, {1, 2}, {2, 3}, {3, 4}, {4, 5}, {5, 0}});
+    all.force.addTorsion(0, 1, 2, 3);
+    all.force.addTorsion(2, 1, 0, 5);
+    for (int i = 1; i < 5; i++)
+        all.force.addTorsion(i, i + 1, (i + 2) % 6, (i + 3) % 6);
+    all.assertRefused("torsion 5 (4-5-0-1) lies in a ring: 5-4-3-2-1-0-5");
 }
 
 void testTwoFixedParts()
