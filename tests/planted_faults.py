@@ -320,8 +320,6 @@ API_FAULTS = [
           "axes.find(minmax(particle, next)) == axes.end()", "axes.find(make_pair(particle, next)) == axes.end()"),
     Fault("links: fixed molecules are free", LINKS,
           "molecules.push_back({root, anchors[root] != -1});", "molecules.push_back({root, false});"),
-    Fault("links: links are joined without looking for what they belong to", LINKS,
-          "representative[find(link1)] = find(link2);", "representative[link1] = link2;"),
     Fault("links: a constraint may span a torsion of the second way", LINKS,
           "    torsions1.insert(torsions1.end(), torsions2.begin(), torsions2.end());\n", ""),
     Fault("links: a description does not tell what is fixed", LINKS,
