@@ -162,17 +162,20 @@ static inline void axesOfLongest(const BoxBlock* boxes, float axes[3][3]) {
 /* A box around spheres, or around the boxes of those members whose boxes are thin, if there are boxes. In that case it
  * takes the axes of the longest thin box: the axes of a layer of rods are those of the rods, not those of its corners.
  *
- * Room for rounding: 4e-6 is 67 u (u = 2^-24) of B, the sum of the magnitudes of the bound's centre and radius, which
- * no coordinate of the members exceeds. The axes are orthonormal up to 5 u (the last has a length of 1 up to 5 u), and
- * the centre is their sum: 12 u. Coordinates along them: 3 u; sums and differences with radii: 3 u; the centre, a sum
- * of three products: 7 u; the members' centres, rounded: u; the length of an axis: 5 u. Together 31 u of B.
+ * Room for rounding: 1.6e-5 is 268 u (u = 2^-24) of B, the sum of the magnitudes of the bound's centre and radius,
+ * which no coordinate of the members exceeds, nor half a box along an axis. It is for all errors in proportion to B:
  *
- * The other half is for what comes later: a box is moved up to twice, to the world and into the view, or to the frame
- * of its parent, each time with an error of 7 u in each axis and its axes no longer orthogonal by 23 u. A test of two
- * boxes has that room of both, and FLOAT_MARGIN of the extent. Boxes about as large as the whole scene could in
- * principle need up to three times that, if some hundred roundings were all the largest possible and all in the worst
- * direction. They are independent of each other: for 4 million pairs of random boxes, up to as large as the scene and
- * moved twice, the whole error never exceeded 8 u of the extent, and that of a box in its own frame never 6 u of B. */
+ * - The fit. The axes are orthonormal up to 5 u (the last has a length of 1 up to 5 u), and the centre is their sum:
+ *   12 u. Coordinates along them: 3 u; sums and differences with radii: 3 u; the centre, a sum of three products: 7 u;
+ *   the members' centres, rounded: u; the length of an axis: 5 u. Together 31 u B.
+ * - A box is moved up to twice, to the world and into the view, or to the frame of its parent: each time its axes are
+ *   off by 7 u, and no longer orthogonal by 23 u. A test along one of them takes them for orthogonal: up to 51 u of
+ *   three halves, 153 u B. Along an axis of another box they are off by 14 u, and their cosines by 4 u: 54 u B.
+ * - The sum of three halves times cosines: 6 u of it, 18 u B.
+ *
+ * That is 256 u B. What is in proportion to the extent E, FLOAT_MARGIN covers with its 67 u E: centres moved twice,
+ * 14 u E for either box; their difference, of at most 2 E, and its sum of three products along an axis: 22 u E. For 4
+ * million pairs of random boxes, up to as large as the scene and moved twice, the whole error never exceeded 8 u E. */
 static inline Box boxAround(const Block* block, const BoxBlock* boxes, const Bound* bound) {
   Box box;
   float axes[3][3];
@@ -200,7 +203,7 @@ static inline Box boxAround(const Block* block, const BoxBlock* boxes, const Bou
       centre[d] += at * u[d];
     }
   }
-  const float rounding = 4e-6f * (fabsf(bound->x) + fabsf(bound->y) + fabsf(bound->z) + bound->r);
+  const float rounding = 1.6e-5f * (fabsf(bound->x) + fabsf(bound->y) + fabsf(bound->z) + bound->r);
   for (int d = 0; d < 3; d++) {
     box.row[d] = (Row4){centre[d], axes[0][d], axes[1][d], axes[2][d]};
   }

@@ -6,7 +6,7 @@
 
 /* An axis is taken from the positions of its two particles if its squared length is more than this share of the squared
  * distance from the leaf's origin. Positions in a leaf are off by up to 16 products of transforms, some 4 v of that
- * distance (v = 2^-53). The direction of a line that is 32 times shorter is off by 128 v, 1/28 of DOUBLE_MARGIN. */
+ * distance (v = 2^-53). The direction of a line that is 32 times shorter is off by 128 v, 1/84 of DOUBLE_MARGIN. */
 #define LEAST_LINE (1.0 / 1024)
 
 /* The particles that are not modelled of a link that begins at this slot; returns how many. */

@@ -35,11 +35,11 @@ static inline double floatMargin(double size) {
  *
  * The distance in a trial and that after its commit share all shortcuts that the commit leaves alone, bit by bit. They
  * differ by the products that it recomputes: up to 16 openings in a leaf and 15 shortcuts in each of up to 8 levels,
- * 136 products for a particle, however long the chain. Each is off by some v = 2^-53 of the extent. As these roundings
- * are independent of each other, they add up to about sqrt(136) v, 1.3e-15. Chains of 10^3 to 10^6 links, compact or
- * stretched, have shown 1.8e-15 at most. The margin is 200 times that: 3600 v. (If every rounding were the largest
- * possible, and all in one direction, the sum could be about 10^4 v.) */
-#define DOUBLE_MARGIN 4e-13
+ * 136 products for a particle, however long the chain. Each is off by up to 36 v of the extent (v = 2^-53): if every
+ * rounding of both particles is the largest possible, and all are in one direction, the sum is 9800 v. The margin is
+ * 10,800 v. (Roundings are independent of each other: chains of 10^3 to 10^6 links, compact or stretched, have shown
+ * 16 v at most.) */
+#define DOUBLE_MARGIN 1.2e-12
 
 typedef struct Sphere {
   float x;
