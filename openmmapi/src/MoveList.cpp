@@ -187,17 +187,17 @@ MoveList::Description MoveList::describe(const Entry& entry)
  */
 void MoveList::checkSame(int index, const Description& written, const Description& own)
 {
+    size_t i = 0, common = min(written.size(), own.size());
+    while (i < common && written[i] == own[i])
+        i++;
+    if (i == common)
+        return;
     const size_t longest = 40; // that a message can show
-    for (size_t i = 0; i < min(written.size(), own.size()); i++) {
-        if (written[i] == own[i])
-            continue;
-        const string &name = own[i].first, &value = written[i].second, &ownValue = own[i].second;
-        bool isShort = (value.size() <= longest && ownValue.size() <= longest);
-        fail("the checkpoint is of other moves: move " + to_string(index) + " has " +
-             (isShort ? name + " " + value + " in it, but " + ownValue + " here"
-                      : "other " + name + " in it than here") +
-             "; give this integrator the moves of the checkpoint, and change them after it is loaded");
-    }
+    const string &name = own[i].first, &value = written[i].second, &ownValue = own[i].second;
+    bool isShort = (value.size() <= longest && ownValue.size() <= longest);
+    fail("the checkpoint is of other moves: move " + to_string(index) + " has " +
+         (isShort ? name + " " + value + " in it, but " + ownValue + " here" : "other " + name + " in it than here") +
+         "; give this integrator the moves of the checkpoint, and change them after it is loaded");
 }
 
 /**
@@ -217,10 +217,15 @@ string MoveList::summarize(int index) const
     string text = entry.move->summarize() + " (weight " + toText(entry.weight);
     for (const MoveParameter& parameter : entry.move->getParameters())
         if (auto indices = get_if<vector<int>>(&parameter.value)) {
-            string singular = parameter.name.substr(0, parameter.name.size() - 1);
-            text += indices->empty() ? ", all " + parameter.name
-                                     : ", " + toGroupedText(indices->size()) + " " +
-                                           (indices->size() == 1 ? singular : parameter.name) + " to choose from";
+            const string& plural = parameter.name;
+            text += ", ";
+            if (indices->empty())
+                text += "all " + plural;
+            else {
+                text += toGroupedText(indices->size()) + " ";
+                text += indices->size() == 1 ? plural.substr(0, plural.size() - 1) : plural;
+                text += " to choose from";
+            }
         }
     return text + ")";
 }
