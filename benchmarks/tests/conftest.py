@@ -1,6 +1,5 @@
 """What the tests of the scripts start from."""
 
-import subprocess
 import sys
 from pathlib import Path
 
@@ -11,6 +10,8 @@ BENCHMARKS = Path(__file__).parents[1]
 # The scripts with their modules, and what tests of the package's own commands use.
 sys.path[:0] = [str(BENCHMARKS), str(BENCHMARKS.parent / "python" / "tests")]
 
+from commands import callMain  # noqa: E402
+
 
 @pytest.fixture
 def runScriptHere(tmp_path, monkeypatch, capsys):
@@ -19,11 +20,6 @@ def runScriptHere(tmp_path, monkeypatch, capsys):
     def run(main, *arguments):
         monkeypatch.chdir(tmp_path)
         monkeypatch.delenv("CHAINTREE_TEST_DATA", raising=False)
-        try:
-            status = main([*map(str, arguments)])
-        except SystemExit as exit:
-            status = exit.code
-        output, errors = capsys.readouterr()
-        return subprocess.CompletedProcess(arguments, status, output, errors)
+        return callMain(main, arguments, capsys)
 
     return run

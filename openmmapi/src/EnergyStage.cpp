@@ -1,6 +1,5 @@
 #include "openmmchaintree/internal/EnergyStage.h"
 #include <cmath>
-#include <limits>
 
 using namespace ChainTreePlugin;
 using namespace std;
@@ -23,8 +22,8 @@ void EnergyStages::begin(TrialSession& trials)
 double EnergyStages::computeChange(TrialSession& trials)
 {
     double sum = 0;
-    for (numAsked = 0; numAsked < entries.size() && !std::isnan(sum);) {
-        Entry& entry = entries[numAsked++];
+    for (numAsked = 0; numAsked < entries.size() && !std::isnan(sum); numAsked++) {
+        Entry& entry = entries[numAsked];
         if (entry.takesPart) {
             sum += entry.stage->computeChange(trials);
             entry.statistics.computed++;

@@ -417,9 +417,8 @@ void StericExclusionForceImpl::getChangedNeighborPairs(ContextImpl& context, dou
 
 void StericExclusionForceImpl::acceptProposal(ContextImpl& context)
 {
-    updatePositions(context);
-    requireProposal();
     TrialSession session(*this, context, TrialSession::ApplyLimits);
+    requireProposal();
     session.accept();
     session.end();
 }
@@ -447,17 +446,16 @@ void StericExclusionForceImpl::setTorsionAngles(ContextImpl& context, const vect
     for (int i = 0; i < (int)angles.size(); i++)
         if (!isfinite(angles[i]))
             fail("the angle of torsion " + to_string(i) + " is not finite");
-    computeVirtualSites(context);
-    vector<double> presentAngles;
-    getTorsionAngles(context, presentAngles);
+    TrialSession session(*this, context, TrialSession::IgnoreLimits);
     vector<int> torsions;
     vector<double> changes;
-    for (int i = 0; i < (int)angles.size(); i++)
-        if (angles[i] != presentAngles[i]) {
+    for (int i = 0; i < (int)angles.size(); i++) {
+        const double present = engine->getTorsionAngle(i);
+        if (angles[i] != present) {
             torsions.push_back(i);
-            changes.push_back(remainder(angles[i] - presentAngles[i], 2 * M_PI));
+            changes.push_back(remainder(angles[i] - present, 2 * M_PI));
         }
-    TrialSession session(*this, context, TrialSession::IgnoreLimits);
+    }
     session.proposeTorsions(torsions, changes);
     session.accept();
     session.end();

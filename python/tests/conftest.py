@@ -1,9 +1,8 @@
 """What many tests start from."""
 
-import subprocess
-
 import openmmchaintree
 import pytest
+from commands import callMain
 from openmmchaintree.command.cli import main
 from openmmchaintree.structure import readStructure
 from scenes import makeContext, realStructurePath
@@ -37,11 +36,6 @@ def runCommandHere(tmp_path, monkeypatch, capsys):
 
     def run(*arguments):
         monkeypatch.chdir(tmp_path)
-        try:
-            status = main([*map(str, arguments)])
-        except SystemExit as exit:
-            status = exit.code
-        output, errors = capsys.readouterr()
-        return subprocess.CompletedProcess(arguments, status, output, errors)
+        return callMain(main, arguments, capsys)
 
     return run
