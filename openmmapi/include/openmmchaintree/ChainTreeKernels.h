@@ -4,6 +4,7 @@
 #include "openmm/KernelImpl.h"
 #include "openmm/Platform.h"
 #include "openmm/Vec3.h"
+#include "openmmchaintree/internal/EnergyTerms.h"
 #include "openmmchaintree/internal/LinkStructure.h"
 #include "openmmchaintree/StericExclusionForce.h"
 #include <string>
@@ -139,6 +140,31 @@ public:
      * Drop the open trial, if there is one.
      */
     virtual void rejectProposal() = 0;
+
+    /** The parts of an energy, in the order in which a trial computes them. */
+    enum EnergyPart { BondedPart, NearPairsPart, OtherPairsPart };
+    /**
+     * Make these the terms of the energy that the following calls are about. They may be empty.
+     */
+    virtual void setEnergyTerms(const EnergyTerms& terms) = 0;
+    /**
+     * Compute the energy of the state anew, unless what is kept of it is that of the state. With force, compute it
+     * anyway.
+     */
+    virtual void updateEnergy(bool force) = 0;
+    /**
+     * Get the energy as it is kept, of the state that updateEnergy() or the last accepted trial has left.
+     */
+    virtual void getEnergies(double& pairs, std::vector<double>& termSets) = 0;
+    /**
+     * Get how many terms of each set some move could change.
+     */
+    virtual void countChangeableTerms(std::vector<int>& counts) = 0;
+    /**
+     * Compute by how much the open trial changes a part of the energy. Parts are asked for in their order. A trial that
+     * is accepted before all were asked for leaves an energy that updateEnergy() computes anew.
+     */
+    virtual double getProposedEnergyChange(EnergyPart part) = 0;
 
     virtual void getTraversalStatistics(long long& queries, long long& volumeTests, long long& particleTests,
                                         long long& nodesUpdated) = 0;

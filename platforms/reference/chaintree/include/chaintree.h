@@ -88,6 +88,8 @@ typedef struct ctDefinition {
   const double* radii;              /* particleCount, nm, >= 0; 0: not modelled */
   const uint8_t* hydrogenBondRoles; /* particleCount bits of ctHydrogenBondRole, or NULL: none */
   const int* particleLinks;         /* particleCount, the link of each particle */
+  const uint8_t* listed;            /* particleCount flags, or NULL: none. A particle of radius 0 that is listed stands
+                                       in a leaf like those with a radius, and is in no clash and no list all the same */
 
   int linkCount;
   const int* linkParents;       /* linkCount, index of the parent (any order, no cycles), or CT_NULL */
@@ -236,6 +238,58 @@ void ctDiscard(ctChainTree* tree);
 
 /* True if a trial is open. */
 bool ctHasTrial(const ctChainTree* tree);
+
+/* ---- Leaves: for clients that sum something over pairs of particles ---- */
+
+/* The tree's lowest nodes are leaves: CT_LEAF_WIDTH consecutive slots of the sequence, each of which holds a particle
+ * or none. Particles with a radius, and those listed in the definition, have a slot. A client keeps what it has to know
+ * of each particle in columns in this order, and what it has computed for each pair of leaves. */
+#define CT_LEAF_WIDTH 16
+
+/* Positions (nm, world) of the particles of a leaf; 0 where a slot holds none. */
+typedef struct ctLeafPositions {
+  double x[CT_LEAF_WIDTH];
+  double y[CT_LEAF_WIDTH];
+  double z[CT_LEAF_WIDTH];
+} ctLeafPositions;
+
+/* Consecutive slots, up to the next piece's, that an open trial moves as one rigid body. All pieces with one number are
+ * one body, and body 0 is not moved. */
+typedef struct ctPiece {
+  int slotBegin;
+  int body;
+} ctPiece;
+
+/* A pair of leaves a <= b of which some particles move relative to each other in the open trial. */
+typedef struct ctLeafPair {
+  int a;
+  int b;
+  float squaredGap; /* of boxes around their particles: the least before the trial and in it, nm^2; 0 if a == b */
+} ctLeafPair;
+
+/* The number of leaves, and the particle in each of their CT_LEAF_WIDTH slots; CT_NULL: none. */
+int ctGetLeafCount(const ctChainTree* tree);
+void ctGetLeafParticles(const ctChainTree* tree, int* particles);
+
+/* The positions of all leaves in the state, and a number that tells states apart: it grows with each change. The array
+ * belongs to the scene and is up to date until the state changes. O(leaves that have moved since the last call). NULL
+ * if there is no memory. */
+const ctLeafPositions* ctGetLeaves(ctChainTree* tree, int64_t* version);
+
+/* The pieces of the open trial, ascending; the caller's links that it changes, in the order of the sequence. The arrays
+ * belong to the scene, and stay until the trial ends. Without a trial there are none. O(k). */
+int ctGetTrialPieces(const ctChainTree* tree, const ctPiece** pieces);
+int ctGetTrialLinks(const ctChainTree* tree, const int** links);
+
+/* The pairs of leaves of which the open trial moves some particles relative to each other, and whose boxes are at most
+ * cutoff (nm, may be INFINITY) apart before the trial or in it: each once, in an order that depends on nothing but the
+ * trial and the state. And the positions in the trial of all leaves; those in no changed pair may be missing. The
+ * arrays belong to the scene, and stay until the next call or the end of the trial. Errors: no trial; no memory. */
+ctStatus ctGetChangedLeafPairs(ctChainTree* tree, double cutoff, size_t* count, const ctLeafPair** pairs,
+                               const ctLeafPositions** positions, ctCounts* counts);
+
+/* The same of the state: all pairs of leaves whose boxes are at most cutoff apart, each leaf with itself too. */
+ctStatus ctGetLeafPairs(ctChainTree* tree, double cutoff, size_t* count, const ctLeafPair** pairs, ctCounts* counts);
 
 /* ---- Selections ---- */
 

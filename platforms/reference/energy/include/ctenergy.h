@@ -1,0 +1,215 @@
+/* ctenergy.h: energies of trials, by what a trial changes and nothing else.
+ *
+ * An energy belongs to a scene of chaintree.h and follows its state. It has two parts. *Terms* are functions of a few
+ * particles: bonds, angles, torsions, any expression. *Pairs* are Lennard-Jones and Coulomb, of all pairs of particles
+ * that are not excluded. Lengths are in nm, angles in rad, energies in kJ/mol, charges in elementary charges.
+ *
+ * What is kept. Each term has its value, and each pair of leaves (see chaintree.h) that are near the sum of its pairs
+ * of particles. The energy is the sum of these, so it does not drift: each value belongs to the positions that it was
+ * computed from, whatever came before. A trial computes the values that it changes, apart from those of the state. They
+ * replace those if the trial is accepted, and are dropped if not.
+ *
+ * What a trial changes. A term changes only if a torsion between its particles turns, and one does not count if they
+ * keep their distances: a bond and an angle across the torsion's own bond never change. A pair of leaves changes unless
+ * both lie in one rigid body of the trial.
+ *
+ * Accuracy. Terms are in double. Pairs are in single precision, from coordinates relative to the leaves, and summed in
+ * double: about 1e-6 kJ/mol a pair. Results have the same bits on each instruction set.
+ *
+ * Errors. As in chaintree.h. One scene can have one energy or more; handles of one scene serve one thread at a time. The
+ * scene has to outlive them.
+ */
+#ifndef CTENERGY_H_
+#define CTENERGY_H_
+
+#include "chaintree.h"
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+/* 1 / (4 pi epsilon0), kJ nm / (mol e^2), as OpenMM has it. */
+#define CT_COULOMB 138.93545764438198
+
+/* An opaque handle: the energy of one scene. */
+typedef struct ctEnergy ctEnergy;
+
+/* Lennard-Jones and Coulomb between all particles: 4 epsilon ((sigma / r)^12 - (sigma / r)^6) + CT_COULOMB q1 q2 / r,
+ * with sigma the mean of both particles' and epsilon the root of their product. With a cutoff, Coulomb becomes that of
+ * a reaction field, CT_COULOMB q1 q2 (1 / r + k r^2 - c), k = (d - 1) / ((2 d + 1) cutoff^3), c = 3 d / ((2 d + 1)
+ * cutoff), d the dielectric. From the switching distance s to the cutoff, Lennard-Jones is multiplied by 1 - 10 t^3 +
+ * 15 t^4 - 6 t^5, t = (r - s) / (cutoff - s). */
+typedef struct ctNonbonded {
+  const double* charges;  /* one a particle */
+  const double* sigmas;   /* one a particle, nm */
+  const double* epsilons; /* one a particle, kJ/mol, >= 0 */
+  double cutoff;            /* nm; INFINITY: none, and what follows is not read */
+  double switchingDistance; /* nm; not below the cutoff: no switch */
+  double dielectric;
+  int exclusionCount;
+  const int (*exclusions)[2]; /* pairs that have no part in this, either order; repeats are harmless */
+} ctNonbonded;
+
+/* What a term is, with its particles and parameters. */
+typedef enum ctTermKind {
+  ctHarmonicBondTerm,       /* 2; length, k: 1/2 k (r - length)^2 */
+  ctHarmonicAngleTerm,      /* 3; angle, k: 1/2 k (theta - angle)^2 */
+  ctPeriodicTorsionTerm,    /* 4; periodicity n (a whole number, >= 0), phase, k: k (1 + cos(n phi - phase)) */
+  ctRyckaertBellemansTerm,  /* 4; c0 ... c5: sum of ci cos(phi - pi)^i */
+  ctTorsionMapTerm,         /* 8; map: a function of the dihedrals of the first four and of the last four */
+  ctExceptionTerm,          /* 2; product of charges, sigma, epsilon: Lennard-Jones and Coulomb, without cutoff */
+  ctExpressionTerm          /* any; any: see ctExpression */
+} ctTermKind;
+
+/* A periodic function of two angles, each from 0 to 2 pi in `size` steps, by bicubic patches: in patch (s, t), with
+ * u and v in [0, 1] from its lower corner, it is the sum over i, j < 4 of coefficients[16 (s + size t) + 4 i + j] u^i
+ * v^j, where s and u belong to the first angle. */
+typedef struct ctTorsionMap {
+  int size;
+  const double* coefficients; /* 16 * size * size */
+} ctTorsionMap;
+
+/* An input of an expression: something measured of the particles of its term. */
+typedef enum ctMeasure {
+  ctMeasureX, /* of one particle, nm */
+  ctMeasureY,
+  ctMeasureZ,
+  ctMeasureDistance, /* of two, nm */
+  ctMeasureAngle,    /* of three, in [0, pi] */
+  ctMeasureDihedral  /* of four, in [-pi, pi] */
+} ctMeasure;
+
+typedef struct ctInput {
+  ctMeasure measure;
+  int particles[4]; /* as many as needed; 0: the term's first particle */
+} ctInput;
+
+/* What an operation does with the results a, b, c of up to three earlier ones, and with its constant v. */
+typedef enum ctOperator {
+  ctConstantOperator,  /* v */
+  ctInputOperator,     /* input number a */
+  ctParameterOperator, /* the term's parameter number a */
+  ctAddOperator,
+  ctSubtractOperator,
+  ctMultiplyOperator,
+  ctDivideOperator,
+  ctPowerOperator,
+  ctNegateOperator,
+  ctSqrtOperator,
+  ctExpOperator,
+  ctLogOperator,
+  ctSinOperator,
+  ctCosOperator,
+  ctSecOperator,
+  ctCscOperator,
+  ctTanOperator,
+  ctCotOperator,
+  ctAsinOperator,
+  ctAcosOperator,
+  ctAtanOperator,
+  ctAtan2Operator,
+  ctSinhOperator,
+  ctCoshOperator,
+  ctTanhOperator,
+  ctErfOperator,
+  ctErfcOperator,
+  ctStepOperator,  /* 0 if a < 0, else 1 */
+  ctDeltaOperator, /* 1 if a == 0, else 0 */
+  ctSquareOperator,
+  ctCubeOperator,
+  ctReciprocalOperator,
+  ctAddConstantOperator,
+  ctMultiplyConstantOperator,
+  ctPowerConstantOperator, /* a^v */
+  ctMinOperator,
+  ctMaxOperator,
+  ctAbsOperator,
+  ctFloorOperator,
+  ctCeilOperator,
+  ctSelectOperator /* b if a != 0, else c */
+} ctOperator;
+
+typedef struct ctOperation {
+  ctOperator kind;
+  int arguments[3]; /* numbers of earlier operations; of an input; of a parameter */
+  double constant;
+} ctOperation;
+
+/* An expression: the result of its last operation. */
+typedef struct ctExpression {
+  int inputCount;
+  const ctInput* inputs;
+  int operationCount;
+  const ctOperation* operations;
+} ctExpression;
+
+/* Terms of one kind. */
+typedef struct ctTermSet {
+  ctTermKind kind;
+  int count;
+  int particlesPerTerm;
+  const int* particles; /* count * particlesPerTerm */
+  int parametersPerTerm;
+  const double* parameters; /* count * parametersPerTerm */
+  int mapCount;             /* of maps, for ctTorsionMapTerm */
+  const ctTorsionMap* maps;
+  const ctExpression* expression; /* for ctExpressionTerm */
+} ctTermSet;
+
+/* The description of an energy. All arrays are the caller's, who may free them once ctCreateEnergy has returned. */
+typedef struct ctEnergyDefinition {
+  const ctDefinition* scene;    /* what the scene was made from */
+  const ctNonbonded* nonbonded; /* NULL: no pairs */
+  int termSetCount;
+  const ctTermSet* termSets;
+} ctEnergyDefinition;
+
+/* The parts of an energy in the order in which trials compute them, cheapest first. */
+typedef enum ctEnergyPart {
+  ctTermsPart,     /* terms */
+  ctNearPairsPart, /* pairs of leaves whose boxes are nearer than CT_NEAR_LEAVES before the trial or in it */
+  ctOtherPairsPart /* the other pairs of leaves */
+} ctEnergyPart;
+
+enum { CT_ENERGY_PARTS = 3 };
+
+/* nm; see ENERGY in docs/architecture.md for what it was chosen by. */
+#define CT_NEAR_LEAVES 0.02
+
+/* Makes the energy of a scene, in which every particle that is in a term or, with nonbonded, every particle must stand
+ * in a leaf (see ctDefinition.listed). On failure *energy is NULL and errorText says why. O(N + terms). */
+ctStatus ctCreateEnergy(ctChainTree* tree, const ctEnergyDefinition* definition, ctEnergy** energy, char* errorText,
+                        size_t errorSize);
+
+/* Frees an energy; NULL is ignored. */
+void ctDestroyEnergy(ctEnergy* energy);
+
+/* One sentence about the last call that failed. */
+const char* ctGetEnergyErrorText(const ctEnergy* energy);
+
+/* The number of terms of a set that some change of the scene's joints can change. The others cost nothing in trials. */
+int ctCountChangeableTerms(const ctEnergy* energy, int termSet);
+
+/* Computes everything anew from the scene's state: to be called before the first trial and whenever the state has
+ * changed in another way than by ctAcceptEnergyChange. O(all terms and pairs). */
+ctStatus ctRefreshEnergy(ctEnergy* energy, ctCounts* counts);
+
+/* The energy of the state as of the last refresh and all changes accepted since: of all pairs, and of a term set.
+ * O(what is kept). NaN or infinite if some pair or term is. */
+double ctGetPairEnergy(const ctEnergy* energy);
+double ctGetTermEnergy(const ctEnergy* energy, int termSet);
+
+/* By how much the scene's open trial changes a part of the energy. Parts may be asked for in this order alone, each
+ * once a trial; later ones may be left out if the trial is dropped. NaN if before and after are both infinite, or one
+ * is NaN. */
+ctStatus ctComputeEnergyChange(ctEnergy* energy, ctEnergyPart part, double* change, ctCounts* counts);
+
+/* To be called after ctCommit of a trial of which all parts were computed: makes its values those of the state. Errors:
+ * a part was not computed; nothing is changed then, and the energy has to be refreshed. */
+ctStatus ctAcceptEnergyChange(ctEnergy* energy);
+
+#ifdef __cplusplus
+}
+#endif
+
+#endif /* CTENERGY_H_ */
