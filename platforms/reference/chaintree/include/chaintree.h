@@ -276,15 +276,17 @@ void ctGetLeafParticles(const ctChainTree* tree, int* particles);
  * if there is no memory. */
 const ctLeafPositions* ctGetLeaves(ctChainTree* tree, int64_t* version);
 
-/* The pieces of the open trial, ascending; the caller's links that it changes, in the order of the sequence. The arrays
- * belong to the scene, and stay until the trial ends. Without a trial there are none. O(k). */
-int ctGetTrialPieces(const ctChainTree* tree, const ctPiece** pieces);
-int ctGetTrialLinks(const ctChainTree* tree, const int** links);
+/* The pieces of the open trial, ascending, and the motion of each body in the world: in the trial a particle of body b
+ * is where motions[b] takes its position in the state. And the caller's links that the trial changes, in the order of
+ * the sequence. The arrays belong to the scene, and stay until the trial ends. Without a trial there are none. O(k). */
+int ctGetTrialPieces(ctChainTree* tree, const ctPiece** pieces, const ctTransform** motions);
+int ctGetTrialLinks(ctChainTree* tree, const int** links);
 
 /* The pairs of leaves of which the open trial moves some particles relative to each other, and whose boxes are at most
  * cutoff (nm, may be INFINITY) apart before the trial or in it: each once, in an order that depends on nothing but the
- * trial and the state. And the positions in the trial of all leaves; those in no changed pair may be missing. The
- * arrays belong to the scene, and stay until the next call or the end of the trial. Errors: no trial; no memory. */
+ * trial and the state. And the positions in the trial of all leaves, by the motions of ctGetTrialPieces; only those of
+ * leaves in these pairs are written. The arrays belong to the scene, and stay until the next call or the end of the
+ * trial. Errors: no trial; no memory. */
 ctStatus ctGetChangedLeafPairs(ctChainTree* tree, double cutoff, size_t* count, const ctLeafPair** pairs,
                                const ctLeafPositions** positions, ctCounts* counts);
 

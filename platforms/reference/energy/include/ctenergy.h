@@ -16,8 +16,8 @@
  * Accuracy. Terms are in double. Pairs are in single precision, from coordinates relative to the leaves, and summed in
  * double: about 1e-6 kJ/mol a pair. Results have the same bits on each instruction set.
  *
- * Errors. As in chaintree.h. One scene can have one energy or more; handles of one scene serve one thread at a time. The
- * scene has to outlive them.
+ * Errors. As in chaintree.h. One scene can have one energy or more; handles of one scene serve one thread at a time.
+ * The scene has to outlive them.
  */
 #ifndef CTENERGY_H_
 #define CTENERGY_H_
@@ -40,9 +40,9 @@ typedef struct ctEnergy ctEnergy;
  * cutoff), d the dielectric. From the switching distance s to the cutoff, Lennard-Jones is multiplied by 1 - 10 t^3 +
  * 15 t^4 - 6 t^5, t = (r - s) / (cutoff - s). */
 typedef struct ctNonbonded {
-  const double* charges;  /* one a particle */
-  const double* sigmas;   /* one a particle, nm */
-  const double* epsilons; /* one a particle, kJ/mol, >= 0 */
+  const double* charges;    /* one a particle */
+  const double* sigmas;     /* one a particle, nm */
+  const double* epsilons;   /* one a particle, kJ/mol, >= 0 */
   double cutoff;            /* nm; INFINITY: none, and what follows is not read */
   double switchingDistance; /* nm; not below the cutoff: no switch */
   double dielectric;
@@ -52,13 +52,13 @@ typedef struct ctNonbonded {
 
 /* What a term is, with its particles and parameters. */
 typedef enum ctTermKind {
-  ctHarmonicBondTerm,       /* 2; length, k: 1/2 k (r - length)^2 */
-  ctHarmonicAngleTerm,      /* 3; angle, k: 1/2 k (theta - angle)^2 */
-  ctPeriodicTorsionTerm,    /* 4; periodicity n (a whole number, >= 0), phase, k: k (1 + cos(n phi - phase)) */
-  ctRyckaertBellemansTerm,  /* 4; c0 ... c5: sum of ci cos(phi - pi)^i */
-  ctTorsionMapTerm,         /* 8; map: a function of the dihedrals of the first four and of the last four */
-  ctExceptionTerm,          /* 2; product of charges, sigma, epsilon: Lennard-Jones and Coulomb, without cutoff */
-  ctExpressionTerm          /* any; any: see ctExpression */
+  ctHarmonicBondTerm,      /* 2; length, k: 1/2 k (r - length)^2 */
+  ctHarmonicAngleTerm,     /* 3; angle, k: 1/2 k (theta - angle)^2 */
+  ctPeriodicTorsionTerm,   /* 4; periodicity n (a whole number, >= 0), phase, k: k (1 + cos(n phi - phase)) */
+  ctRyckaertBellemansTerm, /* 4; c0 ... c5: sum of ci cos(phi - pi)^i */
+  ctTorsionMapTerm,        /* 8; map: a function of the dihedrals of the first four and of the last four */
+  ctExceptionTerm,         /* 2; product of charges, sigma, epsilon: Lennard-Jones and Coulomb, without cutoff */
+  ctExpressionTerm         /* any; any: see ctExpression */
 } ctTermKind;
 
 /* A periodic function of two angles, each from 0 to 2 pi in `size` steps, by bicubic patches: in patch (s, t), with

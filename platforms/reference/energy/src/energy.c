@@ -1,0 +1,180 @@
+/* Life of an energy, and the order in which a trial's parts are computed. */
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "pairs.h"
+#include "terms.h"
+
+struct ctEnergy {
+  ctChainTree* tree;
+  Terms* terms;
+  Pairs* pairs; /* NULL: there are none */
+  int setCount;
+  int computedParts; /* of the last trial that was asked about */
+  char errorText[200];
+};
+
+static ctStatus fail(ctEnergy* energy, ctStatus status, const char* text) {
+  snprintf(energy->errorText, sizeof energy->errorText, "%s", text);
+  return status;
+}
+
+static ctStatus failOutOfMemory(ctEnergy* energy) {
+  return fail(energy, ctOutOfMemory, "out of memory");
+}
+
+/* ---- Life ---- */
+
+/* The slot of each particle, or CT_NULL; NULL if there is no memory. */
+static int* findSlots(const ctChainTree* tree, int particleCount) {
+  const size_t slots = (size_t)ctGetLeafCount(tree) * CT_LEAF_WIDTH;
+  int* particles = malloc((slots + 1) * sizeof(int));
+  int* slotOf = malloc(((size_t)particleCount + 1) * sizeof(int));
+  if (particles == NULL || slotOf == NULL) {
+    free(particles);
+    free(slotOf);
+    return NULL;
+  }
+  for (int i = 0; i < particleCount; i++) {
+    slotOf[i] = CT_NULL;
+  }
+  ctGetLeafParticles(tree, particles);
+  for (size_t slot = 0; slot < slots; slot++) {
+    if (particles[slot] != CT_NULL) {
+      slotOf[particles[slot]] = (int)slot;
+    }
+  }
+  free(particles);
+  return slotOf;
+}
+
+static ctStatus build(ctEnergy* energy, const ctEnergyDefinition* d, char* errorText, size_t errorSize) {
+  int* slotOf = findSlots(energy->tree, d->scene->particleCount);
+  if (slotOf == NULL) {
+    snprintf(errorText, errorSize, "out of memory");
+    return ctOutOfMemory;
+  }
+  ctStatus status = ctTermsCreate(d->scene, d->termSetCount, d->termSets, slotOf, &energy->terms, errorText, errorSize);
+  if (status == ctSuccess && d->nonbonded != NULL) {
+    status = ctPairsCreate(energy->tree, d->scene->particleCount, d->nonbonded, slotOf, &energy->pairs, errorText,
+                           errorSize);
+  }
+  free(slotOf);
+  return status;
+}
+
+ctStatus ctCreateEnergy(ctChainTree* tree, const ctEnergyDefinition* definition, ctEnergy** energy, char* errorText,
+                        size_t errorSize) {
+  char ignored[1];
+  *energy = NULL;
+  if (errorText == NULL || errorSize == 0) {
+    errorText = ignored;
+    errorSize = sizeof ignored;
+  }
+  errorText[0] = '\0';
+  ctEnergy* made = calloc(1, sizeof *made);
+  if (made == NULL) {
+    snprintf(errorText, errorSize, "out of memory");
+    return ctOutOfMemory;
+  }
+  made->tree = tree;
+  made->setCount = definition->termSetCount;
+  const ctStatus status = build(made, definition, errorText, errorSize);
+  if (status != ctSuccess) {
+    ctDestroyEnergy(made);
+    return status;
+  }
+  *energy = made;
+  return ctSuccess;
+}
+
+void ctDestroyEnergy(ctEnergy* energy) {
+  if (energy != NULL) {
+    ctTermsDestroy(energy->terms);
+    ctPairsDestroy(energy->pairs);
+    free(energy);
+  }
+}
+
+const char* ctGetEnergyErrorText(const ctEnergy* energy) {
+  return energy->errorText;
+}
+
+int ctCountChangeableTerms(const ctEnergy* energy, int termSet) {
+  return ctTermsCountChangeable(energy->terms, termSet);
+}
+
+/* ---- The state ---- */
+
+ctStatus ctRefreshEnergy(ctEnergy* energy, ctCounts* counts) {
+  int64_t version;
+  const ctLeafPositions* leaves = ctGetLeaves(energy->tree, &version);
+  energy->computedParts = 0;
+  if (leaves == NULL || (energy->pairs != NULL && ctPairsRefresh(energy->pairs, counts) != ctSuccess)) {
+    return failOutOfMemory(energy);
+  }
+  ctTermsRefresh(energy->terms, leaves);
+  return ctSuccess;
+}
+
+double ctGetPairEnergy(const ctEnergy* energy) {
+  return energy->pairs != NULL ? ctPairsSum(energy->pairs) : 0;
+}
+
+double ctGetTermEnergy(const ctEnergy* energy, int termSet) {
+  return ctTermsSum(energy->terms, termSet);
+}
+
+/* ---- Trials ---- */
+
+static ctStatus changeTerms(ctEnergy* energy, double* change) {
+  int64_t version;
+  TrialView view;
+  view.state = ctGetLeaves(energy->tree, &version);
+  view.pieceCount = ctGetTrialPieces(energy->tree, &view.pieces, &view.motions);
+  view.linkCount = ctGetTrialLinks(energy->tree, &view.links);
+  if (view.state == NULL) {
+    return ctOutOfMemory;
+  }
+  *change = ctTermsChange(energy->terms, &view);
+  return ctSuccess;
+}
+
+ctStatus ctComputeEnergyChange(ctEnergy* energy, ctEnergyPart part, double* change, ctCounts* counts) {
+  if (!ctHasTrial(energy->tree)) {
+    return fail(energy, ctNoTrial, "there is no open trial");
+  }
+  if (part == ctTermsPart) {
+    energy->computedParts = 0;
+  } else if ((int)part != energy->computedParts || part > ctOtherPairsPart) {
+    return fail(energy, ctInvalidArgument, "the parts of a change have to be computed in their order");
+  }
+  *change = 0;
+  ctStatus status = ctSuccess;
+  if (part == ctTermsPart) {
+    status = changeTerms(energy, change);
+  } else if (energy->pairs != NULL) {
+    status = part == ctNearPairsPart ? ctPairsNearChange(energy->pairs, change, counts)
+                                     : ctPairsOtherChange(energy->pairs, change, counts);
+  }
+  if (status != ctSuccess) {
+    energy->computedParts = 0;
+    return failOutOfMemory(energy);
+  }
+  energy->computedParts = (int)part + 1;
+  return ctSuccess;
+}
+
+ctStatus ctAcceptEnergyChange(ctEnergy* energy) {
+  if (energy->computedParts != CT_ENERGY_PARTS) {
+    return fail(energy, ctInvalidArgument, "not all parts of the change were computed");
+  }
+  energy->computedParts = 0;
+  ctTermsAccept(energy->terms);
+  if (energy->pairs != NULL && ctPairsAccept(energy->pairs) != ctSuccess) {
+    return failOutOfMemory(energy);
+  }
+  return ctSuccess;
+}

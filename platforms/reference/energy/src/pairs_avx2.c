@@ -1,0 +1,1 @@
+typedef int NothingHere; /* a file must declare something */

@@ -1,0 +1,48 @@
+/* What an open trial of the scene moves, and where particles are before it and in it. */
+#ifndef CT_TRIALVIEW_H_
+#define CT_TRIALVIEW_H_
+
+#include "ctenergy.h"
+
+typedef struct TrialView {
+  const ctLeafPositions* state; /* positions of all leaves in the state */
+  int pieceCount;
+  const ctPiece* pieces;
+  const ctTransform* motions; /* of each body */
+  int linkCount;
+  const int* links; /* the caller's links that the trial changes */
+} TrialView;
+
+/* The body of a slot. */
+static inline int trialBody(const TrialView* view, int slot) {
+  int piece = view->pieceCount - 1;
+  while (view->pieces[piece].slotBegin > slot) {
+    piece--;
+  }
+  return view->pieces[piece].body;
+}
+
+/* The position of a slot in the state. */
+static inline void statePosition(const TrialView* view, int slot, double position[3]) {
+  const ctLeafPositions* leaf = &view->state[slot / CT_LEAF_WIDTH];
+  position[0] = leaf->x[slot % CT_LEAF_WIDTH];
+  position[1] = leaf->y[slot % CT_LEAF_WIDTH];
+  position[2] = leaf->z[slot % CT_LEAF_WIDTH];
+}
+
+/* Moves a position by the motion of a body. */
+static inline void moveByBody(const TrialView* view, int body, double position[3]) {
+  if (body == 0) {
+    return;
+  }
+  const ctTransform* motion = &view->motions[body];
+  const double* r = motion->rotation;
+  const double x = position[0];
+  const double y = position[1];
+  const double z = position[2];
+  for (int d = 0; d < 3; d++) {
+    position[d] = r[3 * d] * x + r[3 * d + 1] * y + r[3 * d + 2] * z + motion->translation[d];
+  }
+}
+
+#endif /* CT_TRIALVIEW_H_ */
