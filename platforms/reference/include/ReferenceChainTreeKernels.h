@@ -3,6 +3,7 @@
 
 #include "chaintree.h"
 #include "openmmchaintree/ChainTreeKernels.h"
+#include "TrialEnergy.h"
 #include <array>
 #include <memory>
 #include <string>
@@ -51,6 +52,11 @@ public:
                                  std::vector<double>& after);
     void acceptProposal();
     void rejectProposal();
+    void setEnergyTerms(const EnergyTerms& terms);
+    void updateEnergy(bool force);
+    void getEnergies(double& pairs, std::vector<double>& termSets);
+    void countChangeableTerms(std::vector<int>& counts);
+    double getProposedEnergyChange(EnergyPart part);
     void getTraversalStatistics(long long& queries, long long& volumeTests, long long& particleTests,
                                 long long& nodesUpdated);
     void resetTraversalStatistics();
@@ -77,7 +83,10 @@ private:
         double getTolerance(int particle1, int particle2) const;
     };
     class SoftTerms;
+    TrialEnergy& requireEnergy();
+    void copyLimits(ctChainTree* created);
     static Parameters readParameters(const StericExclusionForce& force);
+    ctDefinition describe(const Parameters& parameters, const std::vector<OpenMM::Vec3>& positions) const;
     Tree createTree(const Parameters& parameters, const std::vector<OpenMM::Vec3>& positions) const;
     struct KeptSelection {
         std::vector<int> particles;
@@ -98,6 +107,11 @@ private:
     std::vector<int> moleculeRoots;
     /** The scene. It is made when there are positions, because the engine arranges it by them. */
     Tree tree;
+    /** The energy of trials, made when it is asked for; and what it is made from. */
+    std::unique_ptr<TrialEnergy> energy;
+    EnergyTerms energyTerms;
+    /** Which particles stand in leaves whatever their radius, because the energy needs them. */
+    std::vector<uint8_t> listed;
     /** The positions that the scene was made from. */
     std::vector<OpenMM::Vec3> arrangement;
     /** The changes of a trial, kept so that trials allocate no memory. */

@@ -169,18 +169,29 @@ void ReferenceCalcStericExclusionForceKernel::copyParameters(const StericExclusi
         getPositions(positions);
     Tree created = createTree(read, positions);
     if (tree) {
-        vector<array<int, 2>> pairs(getNumLimits());
-        vector<double> limits(pairs.size());
-        ctGetLimits(tree.get(), pairs.size(), reinterpret_cast<int(*)[2]>(pairs.data()), limits.data());
-        if (ctSetLimits(created.get(), pairs.size(), rows(pairs), limits.data()) != ctSuccess)
-            throw OpenMMException(string("StericExclusionForce: ") + ctGetErrorText(created.get()));
+        copyLimits(created.get());
         setTree(std::move(created), std::move(positions));
     }
     parameters = std::move(read);
 }
 
-ReferenceCalcStericExclusionForceKernel::Tree
-ReferenceCalcStericExclusionForceKernel::createTree(const Parameters& parameters, const vector<Vec3>& positions) const
+/**
+ * Give a scene made anew the limits of the present one.
+ */
+void ReferenceCalcStericExclusionForceKernel::copyLimits(ctChainTree* created)
+{
+    vector<array<int, 2>> pairs(getNumLimits());
+    vector<double> limits(pairs.size());
+    ctGetLimits(tree.get(), pairs.size(), reinterpret_cast<int(*)[2]>(pairs.data()), limits.data());
+    if (ctSetLimits(created, pairs.size(), rows(pairs), limits.data()) != ctSuccess)
+        throw OpenMMException(string("StericExclusionForce: ") + ctGetErrorText(created));
+}
+
+/**
+ * Describe the scene in arrays that belong to this object or the caller.
+ */
+ctDefinition ReferenceCalcStericExclusionForceKernel::describe(const Parameters& parameters,
+                                                               const vector<Vec3>& positions) const
 {
     ctDefinition definition = {};
     definition.particleCount = parameters.radii.size();
@@ -188,6 +199,7 @@ ReferenceCalcStericExclusionForceKernel::createTree(const Parameters& parameters
     definition.radii = parameters.radii.data();
     definition.hydrogenBondRoles = parameters.roles.data();
     definition.particleLinks = particleLinks.data();
+    definition.listed = listed.empty() ? NULL : listed.data();
     definition.linkCount = linkParents.size();
     definition.linkParents = linkParents.data();
     definition.linkJoints = linkJoints.data();
@@ -196,6 +208,13 @@ ReferenceCalcStericExclusionForceKernel::createTree(const Parameters& parameters
     definition.exclusions = rows(exclusions);
     definition.overlapTolerance = parameters.overlapTolerance;
     definition.hydrogenBondAllowance = parameters.hydrogenBondAllowance;
+    return definition;
+}
+
+ReferenceCalcStericExclusionForceKernel::Tree
+ReferenceCalcStericExclusionForceKernel::createTree(const Parameters& parameters, const vector<Vec3>& positions) const
+{
+    ctDefinition definition = describe(parameters, positions);
     ctChainTree* created;
     char errorText[256];
     if (ctCreate(&definition, &created, errorText, sizeof(errorText)) != ctSuccess)
@@ -205,6 +224,7 @@ ReferenceCalcStericExclusionForceKernel::createTree(const Parameters& parameters
 
 void ReferenceCalcStericExclusionForceKernel::setTree(Tree created, vector<Vec3> positions)
 {
+    energy.reset();
     arrangement = std::move(positions);
     tree = std::move(created);
     followed.clear();
@@ -222,8 +242,11 @@ void ReferenceCalcStericExclusionForceKernel::check(ctStatus status) const
 
 void ReferenceCalcStericExclusionForceKernel::setPositions(const vector<Vec3>& positions)
 {
-    if (tree)
+    if (tree) {
         check(ctSetPositions(tree.get(), coordinates(positions)));
+        if (energy)
+            energy->invalidate();
+    }
     else
         setTree(createTree(parameters, positions), positions);
 }
@@ -549,9 +572,70 @@ void ReferenceCalcStericExclusionForceKernel::getChangedNeighborPairs(double cut
     }
 }
 
+// ---- Energies of trials ----
+
+void ReferenceCalcStericExclusionForceKernel::setEnergyTerms(const EnergyTerms& terms)
+{
+    vector<uint8_t> needed = TrialEnergy::findListed(terms, parameters.radii.size());
+    bool sceneIsOld = false;
+    for (size_t i = 0; i < needed.size(); i++) {
+        needed[i] = needed[i] && parameters.radii[i] == 0;
+        sceneIsOld |= needed[i] != (listed.empty() ? 0 : listed[i]);
+    }
+    energy.reset();
+    energyTerms = terms;
+    if (!sceneIsOld)
+        return;
+    listed.swap(needed);
+    if (!tree)
+        return;
+    vector<double> state(ctGetStateSize(tree.get()));
+    ctGetState(tree.get(), state.data());
+    Tree created = createTree(parameters, arrangement);
+    if (ctSetState(created.get(), state.data()) != ctSuccess)
+        throw OpenMMException(string("StericExclusionForce: ") + ctGetErrorText(created.get()));
+    copyLimits(created.get());
+    setTree(std::move(created), vector<Vec3>(arrangement));
+}
+
+TrialEnergy& ReferenceCalcStericExclusionForceKernel::requireEnergy()
+{
+    if (!energy)
+        energy.reset(new TrialEnergy(tree.get(), describe(parameters, arrangement), energyTerms));
+    return *energy;
+}
+
+void ReferenceCalcStericExclusionForceKernel::updateEnergy(bool force)
+{
+    requireEnergy().update(force, counts);
+}
+
+void ReferenceCalcStericExclusionForceKernel::getEnergies(double& pairs, vector<double>& termSets)
+{
+    requireEnergy().getEnergies(pairs, termSets);
+}
+
+void ReferenceCalcStericExclusionForceKernel::countChangeableTerms(vector<int>& counts)
+{
+    if (tree) {
+        requireEnergy().countChangeableTerms(counts);
+        return;
+    }
+    vector<Vec3> positions(parameters.radii.size());
+    Tree created = createTree(parameters, positions);
+    TrialEnergy(created.get(), describe(parameters, positions), energyTerms).countChangeableTerms(counts);
+}
+
+double ReferenceCalcStericExclusionForceKernel::getProposedEnergyChange(EnergyPart part)
+{
+    return requireEnergy().computeChange((ctEnergyPart)part, counts);
+}
+
 void ReferenceCalcStericExclusionForceKernel::acceptProposal()
 {
     check(ctCommit(tree.get(), &counts));
+    if (energy)
+        energy->accept();
 }
 
 void ReferenceCalcStericExclusionForceKernel::rejectProposal()

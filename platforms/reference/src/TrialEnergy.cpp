@@ -1,0 +1,156 @@
+#include "TrialEnergy.h"
+#include "openmm/OpenMMException.h"
+#include <string>
+
+using namespace ChainTreePlugin;
+using namespace OpenMM;
+using namespace std;
+
+// EnergyTerms has the same kinds in the same order as ctenergy.h.
+
+static_assert((int)EnergyTerms::HarmonicBond == ctHarmonicBondTerm &&
+                  (int)EnergyTerms::HarmonicAngle == ctHarmonicAngleTerm &&
+                  (int)EnergyTerms::PeriodicTorsion == ctPeriodicTorsionTerm &&
+                  (int)EnergyTerms::RyckaertBellemans == ctRyckaertBellemansTerm &&
+                  (int)EnergyTerms::TorsionMap == ctTorsionMapTerm && (int)EnergyTerms::Exception == ctExceptionTerm &&
+                  (int)EnergyTerms::Expression == ctExpressionTerm,
+              "the kinds of terms differ");
+static_assert((int)EnergyTerms::X == ctMeasureX && (int)EnergyTerms::Distance == ctMeasureDistance &&
+                  (int)EnergyTerms::Dihedral == ctMeasureDihedral,
+              "the measures differ");
+static_assert((int)EnergyTerms::Constant == ctConstantOperator && (int)EnergyTerms::Negate == ctNegateOperator &&
+                  (int)EnergyTerms::Cot == ctCotOperator && (int)EnergyTerms::Erf == ctErfOperator &&
+                  (int)EnergyTerms::PowerConstant == ctPowerConstantOperator &&
+                  (int)EnergyTerms::Select == ctSelectOperator,
+              "the operators differ");
+
+/**
+ * The arrays of the library that hold the terms of one set.
+ */
+class LibraryTerms {
+public:
+    explicit LibraryTerms(const EnergyTerms::TermSet& set)
+    {
+        for (const EnergyTerms::Map& map : set.maps)
+            maps.push_back({map.size, map.coefficients.data()});
+        for (const EnergyTerms::Input& input : set.inputs) {
+            const array<int, 4>& p = input.particles;
+            inputs.push_back({(ctMeasure)input.measure, {p[0], p[1], p[2], p[3]}});
+        }
+        for (const EnergyTerms::Operation& operation : set.operations) {
+            const array<int, 3>& a = operation.arguments;
+            operations.push_back({(ctOperator)operation.kind, {a[0], a[1], a[2]}, operation.constant});
+        }
+        expression = {(int)inputs.size(), inputs.data(), (int)operations.size(), operations.data()};
+    }
+    ctTermSet describe(const EnergyTerms::TermSet& set) const
+    {
+        ctTermSet described = {};
+        described.kind = (ctTermKind)set.kind;
+        described.count = set.particles.size() / set.particlesPerTerm;
+        described.particlesPerTerm = set.particlesPerTerm;
+        described.particles = set.particles.data();
+        described.parametersPerTerm = set.parametersPerTerm;
+        described.parameters = set.parameters.data();
+        described.mapCount = maps.size();
+        described.maps = maps.data();
+        described.expression = set.kind == EnergyTerms::Expression ? &expression : NULL;
+        return described;
+    }
+
+private:
+    vector<ctTorsionMap> maps;
+    vector<ctInput> inputs;
+    vector<ctOperation> operations;
+    ctExpression expression;
+};
+
+TrialEnergy::TrialEnergy(ctChainTree* tree, const ctDefinition& scene, const EnergyTerms& terms) :
+    numTermSets(terms.termSets.size()), isCurrent(false), numComputed(0)
+{
+    vector<LibraryTerms> arrays;
+    arrays.reserve(terms.termSets.size());
+    vector<ctTermSet> sets;
+    for (const EnergyTerms::TermSet& set : terms.termSets) {
+        arrays.emplace_back(set);
+        sets.push_back(arrays.back().describe(set));
+    }
+    ctNonbonded nonbonded = {};
+    if (!terms.nonbonded.empty()) {
+        const EnergyTerms::Nonbonded& given = terms.nonbonded[0];
+        nonbonded.charges = given.charges.data();
+        nonbonded.sigmas = given.sigmas.data();
+        nonbonded.epsilons = given.epsilons.data();
+        nonbonded.cutoff = given.cutoff;
+        nonbonded.switchingDistance = given.switchingDistance;
+        nonbonded.dielectric = given.dielectric;
+        nonbonded.exclusionCount = given.exclusions.size();
+        nonbonded.exclusions = reinterpret_cast<const int(*)[2]>(given.exclusions.data());
+    }
+    ctEnergyDefinition definition = {};
+    definition.scene = &scene;
+    definition.nonbonded = terms.nonbonded.empty() ? NULL : &nonbonded;
+    definition.termSetCount = sets.size();
+    definition.termSets = sets.data();
+    ctEnergy* created;
+    char errorText[256];
+    if (ctCreateEnergy(tree, &definition, &created, errorText, sizeof(errorText)) != ctSuccess)
+        throw OpenMMException(string("StericExclusionForce: ") + errorText);
+    energy.reset(created);
+}
+
+vector<uint8_t> TrialEnergy::findListed(const EnergyTerms& terms, int numParticles)
+{
+    vector<uint8_t> listed(numParticles, terms.nonbonded.empty() ? 0 : 1);
+    for (const EnergyTerms::TermSet& set : terms.termSets)
+        for (int particle : set.particles)
+            listed[particle] = 1;
+    return listed;
+}
+
+void TrialEnergy::check(ctStatus status) const
+{
+    if (status != ctSuccess)
+        throw OpenMMException(string("StericExclusionForce: ") + ctGetEnergyErrorText(energy.get()));
+}
+
+void TrialEnergy::update(bool force, ctCounts& counts)
+{
+    if (isCurrent && !force)
+        return;
+    isCurrent = false;
+    check(ctRefreshEnergy(energy.get(), &counts));
+    isCurrent = true;
+}
+
+double TrialEnergy::computeChange(ctEnergyPart part, ctCounts& counts)
+{
+    double change;
+    numComputed = 0;
+    check(ctComputeEnergyChange(energy.get(), part, &change, &counts));
+    numComputed = part + 1;
+    return change;
+}
+
+void TrialEnergy::accept()
+{
+    // What is kept stays that of the earlier state if the trial was not asked about.
+
+    isCurrent = isCurrent && numComputed == CT_ENERGY_PARTS && ctAcceptEnergyChange(energy.get()) == ctSuccess;
+    numComputed = 0;
+}
+
+void TrialEnergy::getEnergies(double& pairs, vector<double>& termSets) const
+{
+    pairs = ctGetPairEnergy(energy.get());
+    termSets.resize(numTermSets);
+    for (int i = 0; i < numTermSets; i++)
+        termSets[i] = ctGetTermEnergy(energy.get(), i);
+}
+
+void TrialEnergy::countChangeableTerms(vector<int>& counts) const
+{
+    counts.resize(numTermSets);
+    for (int i = 0; i < numTermSets; i++)
+        counts[i] = ctCountChangeableTerms(energy.get(), i);
+}
