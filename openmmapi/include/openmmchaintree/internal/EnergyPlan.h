@@ -1,0 +1,95 @@
+#ifndef OPENMM_CHAINTREE_ENERGYPLAN_H_
+#define OPENMM_CHAINTREE_ENERGYPLAN_H_
+
+#include "openmm/internal/ContextImpl.h"
+#include "openmmchaintree/internal/EnergyTerms.h"
+#include "openmmchaintree/internal/windowsExportChainTree.h"
+#include <string>
+#include <vector>
+
+namespace ChainTreePlugin {
+
+/**
+ * Who evaluates the energy of each Force of a Context, and why.
+ *
+ * A plan is made when the Context is: like OpenMM, it goes by the force groups of that time. translate() reads the
+ * Forces; setChangeableTerms() tells it what the kernel has found out about their terms.
+ */
+class OPENMM_EXPORT_CHAINTREE EnergyPlan {
+public:
+    enum Kind {
+        /** It has no part in U. */
+        None,
+        /** The kernel evaluates it once, since no move can change it. */
+        Constant,
+        /** The kernel evaluates what a trial changes of it. */
+        Native,
+        /** OpenMM evaluates it for each trial. */
+        Foreign
+    };
+    class Entry {
+    public:
+        std::string name;
+        /** Its force groups, as a bit mask: one, or two if its reciprocal space has a group of its own. */
+        int groups;
+        Kind kind;
+        /** One clause that says why. */
+        std::string reason;
+    };
+    explicit EnergyPlan(const OpenMM::ContextImpl& context);
+    /**
+     * Decide anew, by the Forces and the Context's parameters as they are now. Until setChangeableTerms() is called,
+     * nothing counts as constant.
+     *
+     * @param groups       the force groups that have a part in U, as a bit mask
+     * @param allowNative  whether anything but OpenMM may evaluate a Force
+     * @param isSoft       whether the spheres of the StericExclusionForce are soft, so that it has a part in U
+     */
+    void translate(int groups, bool allowNative, bool isSoft);
+    /**
+     * Get the terms of all native and constant Forces, for CalcStericExclusionForceKernel::setEnergyTerms().
+     */
+    const EnergyTerms& getTerms() const
+    {
+        return terms;
+    }
+    /**
+     * Take notice of what CalcStericExclusionForceKernel::countChangeableTerms() says.
+     *
+     * @param counts         for each set of terms, how many of them some move could change
+     * @param somethingMoves whether there is anything that a move could change
+     */
+    void setChangeableTerms(const std::vector<int>& counts, bool somethingMoves);
+    /**
+     * Get what was decided about each Force, by its index in the System.
+     */
+    const std::vector<Entry>& getEntries() const
+    {
+        return entries;
+    }
+    /**
+     * Get the force groups that have a Force of this kind, as a bit mask. A group may be among those of several kinds.
+     */
+    int getGroups(Kind kind) const;
+    /**
+     * Get the force groups of U without foreign Forces, but with native or constant ones: there, OpenMM's energy and
+     * that of the kernel are the same.
+     */
+    int getWhollyNativeGroups() const;
+    /**
+     * Sum up energies as CalcStericExclusionForceKernel::getEnergies() gives them: the energy of each Force by its
+     * index in the System, 0 for those that the kernel does not evaluate.
+     */
+    std::vector<double> sumByForce(double pairs, const std::vector<double>& termSets) const;
+
+private:
+    const OpenMM::ContextImpl& context;
+    /** The Forces there were when the plan was made. */
+    std::vector<const OpenMM::Force*> forces;
+    std::vector<Entry> entries;
+    EnergyTerms terms;
+};
+
+} // namespace ChainTreePlugin
+
+#endif /*OPENMM_CHAINTREE_ENERGYPLAN_H_*/

@@ -1,0 +1,74 @@
+#ifndef OPENMM_CHAINTREE_EXPRESSIONTRANSLATOR_H_
+#define OPENMM_CHAINTREE_EXPRESSIONTRANSLATOR_H_
+
+#include "lepton/ExpressionTreeNode.h"
+#include "openmmchaintree/internal/EnergyTerms.h"
+#include "openmmchaintree/internal/windowsExportChainTree.h"
+#include <array>
+#include <map>
+#include <set>
+#include <string>
+#include <tuple>
+#include <vector>
+
+namespace ChainTreePlugin {
+
+/**
+ * Turns an expression, as custom Forces have it, into the inputs and operations of a set of terms. First say what each
+ * name means, then translate(). The expression is simplified as OpenMM does it; what appears more than once is computed
+ * once.
+ */
+class OPENMM_EXPORT_CHAINTREE ExpressionTranslator {
+public:
+    explicit ExpressionTranslator(EnergyTerms::TermSet& set);
+    /**
+     * A name that is measured of the particles of a term. Particles count from 0 within the term.
+     */
+    void addInput(const std::string& name, EnergyTerms::Measure measure, const std::array<int, 4>& particles);
+    /**
+     * A name for the next parameter of a term.
+     */
+    void addParameter(const std::string& name);
+    /**
+     * A name for a number, as a global parameter has it.
+     */
+    void addConstant(const std::string& name, double value);
+    /**
+     * The name of a particle, which the functions distance, angle and dihedral take; so they and their counterparts
+     * pointdistance, pointangle and pointdihedral are known. The names of its coordinates are inputs.
+     */
+    void addParticle(const std::string& name, const std::array<std::string, 3>& coordinates, int particle);
+    /**
+     * The name of a function whose expressions cannot be translated, and what to call it.
+     */
+    void addForeignFunction(const std::string& name, int numArguments, const std::string& description);
+    /**
+     * Translate an expression. Returns an empty text, or else one clause that says why it cannot be translated.
+     */
+    std::string translate(const std::string& expression);
+
+private:
+    class Unknown;
+    typedef std::tuple<int, int, int, int, unsigned long long> Key;
+    int translateNode(const Lepton::ExpressionTreeNode& node);
+    int translateFunction(const Lepton::ExpressionTreeNode& node);
+    int translateVariable(const std::string& name);
+    int measurePoints(const std::string& function, const std::vector<Lepton::ExpressionTreeNode>& coordinates);
+    int addMeasure(EnergyTerms::Measure measure, const std::array<int, 4>& particles);
+    int addOperation(EnergyTerms::Operator kind, const std::array<int, 3>& arguments, double constant = 0);
+    void addName(const std::string& name);
+    EnergyTerms::TermSet& set;
+    std::set<std::string> names;
+    std::string repeatedName;
+    std::map<std::string, EnergyTerms::Input> inputs;
+    std::map<std::string, int> parameters, particles;
+    std::map<std::string, double> constants;
+    std::map<std::string, std::pair<int, std::string>> foreignFunctions;
+    std::map<std::array<std::string, 3>, int> points;
+    /** The operations there are, by what they do. */
+    std::map<Key, int> known;
+};
+
+} // namespace ChainTreePlugin
+
+#endif /*OPENMM_CHAINTREE_EXPRESSIONTRANSLATOR_H_*/

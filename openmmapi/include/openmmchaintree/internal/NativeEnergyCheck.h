@@ -1,0 +1,55 @@
+#ifndef OPENMM_CHAINTREE_NATIVEENERGYCHECK_H_
+#define OPENMM_CHAINTREE_NATIVEENERGYCHECK_H_
+
+#include "openmm/Context.h"
+#include "openmm/internal/ContextImpl.h"
+#include "openmm/System.h"
+#include "openmm/Vec3.h"
+#include "openmmchaintree/internal/EnergyPlan.h"
+#include "openmmchaintree/internal/windowsExportChainTree.h"
+#include <functional>
+#include <memory>
+#include <vector>
+
+namespace ChainTreePlugin {
+
+/**
+ * Compares energies as the kernel holds them with OpenMM's own, Force by Force, so that a Force that was misread cannot
+ * be sampled quietly. OpenMM's are those of copies of the native Forces in a Context of the Reference Platform, which
+ * is made when it is needed first.
+ */
+class OPENMM_EXPORT_CHAINTREE NativeEnergyCheck {
+public:
+    /**
+     * Computes the energy of force groups in the main Context, the StericExclusionForce left out. The Context has to be
+     * at the positions that are compared.
+     */
+    typedef std::function<double(int groups)> GroupEnergy;
+    NativeEnergyCheck(const OpenMM::ContextImpl& context, const EnergyPlan& plan);
+    ~NativeEnergyCheck();
+    /**
+     * Take notice that the plan was translated anew: the next comparison copies its Forces again.
+     */
+    void forgetForces();
+    /**
+     * Throw an exception if the energy of a Force is not what OpenMM computes, within the accuracy of both.
+     *
+     * @param positions     the positions of the kernel's state
+     * @param energies      the energy of each Force in it, as EnergyPlan::sumByForce() gives it
+     * @param groupEnergy   the main Context's energy, which is asked for groups that are wholly native; empty: none are
+     * @return whether this says much. At huge energies, as those of overlapping particles, a misread Force can hide in
+     *         what rounding does to them
+     */
+    bool check(const std::vector<OpenMM::Vec3>& positions, const std::vector<double>& energies,
+               const GroupEnergy& groupEnergy);
+
+private:
+    class Copies;
+    const OpenMM::ContextImpl& context;
+    const EnergyPlan& plan;
+    std::unique_ptr<Copies> copies;
+};
+
+} // namespace ChainTreePlugin
+
+#endif /*OPENMM_CHAINTREE_NATIVEENERGYCHECK_H_*/
