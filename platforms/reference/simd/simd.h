@@ -41,6 +41,10 @@ static inline Float16 mul16(Float16 a, Float16 b) {
   return _mm512_mul_ps(a, b);
 }
 
+static inline Float16 div16(Float16 a, Float16 b) {
+  return _mm512_div_ps(a, b);
+}
+
 static inline Float16 sqrt16(Float16 a) {
   return _mm512_sqrt_ps(a);
 }
@@ -121,6 +125,10 @@ static inline Float16 sub16(Float16 a, Float16 b) {
 
 static inline Float16 mul16(Float16 a, Float16 b) {
   return (Float16){_mm256_mul_ps(a.low, b.low), _mm256_mul_ps(a.high, b.high)};
+}
+
+static inline Float16 div16(Float16 a, Float16 b) {
+  return (Float16){_mm256_div_ps(a.low, b.low), _mm256_div_ps(a.high, b.high)};
 }
 
 static inline Float16 sqrt16(Float16 a) {
@@ -221,6 +229,11 @@ static inline Float16 sub16(Float16 a, Float16 b) {
 
 static inline Float16 mul16(Float16 a, Float16 b) {
   CT_EACH_QUARTER a.q[i] *= b.q[i];
+  return a;
+}
+
+static inline Float16 div16(Float16 a, Float16 b) {
+  CT_EACH_QUARTER a.q[i] /= b.q[i];
   return a;
 }
 

@@ -155,9 +155,10 @@ ctStatus ctComputeEnergyChange(ctEnergy* energy, ctEnergyPart part, double* chan
   ctStatus status = ctSuccess;
   if (part == ctTermsPart) {
     status = changeTerms(energy, change);
+  } else if (energy->pairs != NULL && part == ctNearPairsPart) {
+    status = ctPairsNearChange(energy->pairs, change, counts);
   } else if (energy->pairs != NULL) {
-    status = part == ctNearPairsPart ? ctPairsNearChange(energy->pairs, change, counts)
-                                     : ctPairsOtherChange(energy->pairs, change, counts);
+    *change = ctPairsOtherChange(energy->pairs);
   }
   if (status != ctSuccess) {
     energy->computedParts = 0;

@@ -23,7 +23,7 @@ double ctPairsSum(const Pairs* pairs);
  * come first. Keeps the new sums until the next trial; accepting, once both were asked for and the scene has committed
  * the trial, makes them those of the state. */
 ctStatus ctPairsNearChange(Pairs* pairs, double* change, ctCounts* counts);
-ctStatus ctPairsOtherChange(Pairs* pairs, double* change, ctCounts* counts);
+double ctPairsOtherChange(Pairs* pairs);
 ctStatus ctPairsAccept(Pairs* pairs);
 
 #endif /* CT_PAIRS_H_ */

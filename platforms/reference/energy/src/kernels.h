@@ -1,0 +1,26 @@
+/* The functions that are compiled once for each instruction set. */
+#ifndef CT_KERNELS_H_
+#define CT_KERNELS_H_
+
+#include "leafpair.h"
+
+typedef struct Kernels {
+  const char* name; /* as ctGetInstructionSet has it */
+
+  /* Puts the particles of a leaf, of which there is one at least, into a frame. */
+  void (*makeFrame)(const ctLeafPositions* positions, unsigned occupied, LeafFrame* frame);
+
+  /* The energy of all pairs of particles of two leaves. It is not finite where single precision does not suffice. */
+  double (*leafPairEnergy)(const Potential* potential, const LeafSide* a, const LeafSide* b);
+} Kernels;
+
+/* Those of the instruction set of this name. */
+const Kernels* ctFindKernels(const char* name);
+
+extern const Kernels ctPortableKernels;
+#ifdef __x86_64__
+extern const Kernels ctAvx2Kernels;
+extern const Kernels ctAvx512Kernels;
+#endif
+
+#endif /* CT_KERNELS_H_ */

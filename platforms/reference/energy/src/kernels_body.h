@@ -1,0 +1,145 @@
+/* Leaves in single precision and the energies of their pairs, compiled once for each instruction set by the file that
+ * includes this. It defines before KERNELS, the table, and KERNELS_NAME. */
+#include <math.h>
+
+#include "kernels.h"
+#include "sums.h"
+
+/* ---- Frames ---- */
+
+/* One coordinate from a centre, rounded to float. */
+CT_INLINE Float16 fromCentre(const double* positions, double centre) {
+  float from[CT_LEAF_WIDTH];
+  for (int k = 0; k < CT_LEAF_WIDTH; k++) {
+    from[k] = (float)(positions[k] - centre);
+  }
+  return load16(from);
+}
+
+static double onGrid(double x) {
+  return rint(x * (1 / FRAME_GRID)) * FRAME_GRID;
+}
+
+static void makeFrame(const ctLeafPositions* positions, unsigned occupied, LeafFrame* frame) {
+  const double* axes[3] = {positions->x, positions->y, positions->z};
+  float* placed[3] = {frame->x, frame->y, frame->z};
+  const int first = __builtin_ctz(occupied);
+  for (int d = 0; d < 3; d++) {
+    /* The middle of the box, from any particle. */
+    const double about = onGrid(axes[d][first]);
+    const Float16 rough = fromCentre(axes[d], about);
+    const double low = (double)least16(blend16(occupied, all16(INFINITY), rough));
+    const double high = (double)most16(blend16(occupied, all16(-INFINITY), rough));
+    const double centre = about + onGrid((low + high) / 2);
+    const Float16 x = fromCentre(axes[d], centre);
+    frame->centre[d] = centre;
+    frame->low[d] = least16(blend16(occupied, all16(INFINITY), x));
+    frame->high[d] = most16(blend16(occupied, all16(-INFINITY), x));
+    store16(placed[d], blend16(occupied, all16(NOWHERE), x));
+  }
+}
+
+/* ---- Energies ---- */
+
+/* Particles of side a that may be within the cutoff of some particle of side b, as bits; b's box is shifted. */
+CT_INLINE unsigned rowsNear(const Potential* potential, const LeafSide* a, const LeafSide* b, const float shift[3]) {
+  const float* axes[3] = {a->frame->x, a->frame->y, a->frame->z};
+  Float16 squared = all16(0);
+  for (int d = 0; d < 3; d++) {
+    const Float16 x = load16(axes[d]);
+    const Float16 below = sub16(all16(b->frame->low[d] + shift[d]), x);
+    const Float16 above = sub16(x, all16(b->frame->high[d] + shift[d]));
+    const Float16 apart = max16(max16(below, above), all16(0));
+    squared = add16(squared, mul16(apart, apart));
+  }
+  /* Rounding must not lose a row. */
+  return a->columns->occupied & ~greater16(squared, all16(potential->squaredCutoff * 1.0001f));
+}
+
+/* Rows that are summed in single precision before they are added in double. */
+enum { ROWS_IN_FLOAT = 4 };
+
+/* The energy of the particles of side a in `rows`, against all of side b, whose centre is at `shift` from a's.
+ * Constants for `hasCutoff`, `hasSwitch` and `isMasked` make a function for each case. */
+CT_INLINE double sumRows(const Potential* potential, const LeafSide* a, const LeafSide* b, const float shift[3],
+                         unsigned rows, bool hasCutoff, bool hasSwitch, bool isMasked) {
+  const Float16 xb = add16(load16(b->frame->x), all16(shift[0]));
+  const Float16 yb = add16(load16(b->frame->y), all16(shift[1]));
+  const Float16 zb = add16(load16(b->frame->z), all16(shift[2]));
+  const Float16 chargeB = load16(b->columns->charge);
+  const Float16 sigmaB = load16(b->columns->sigma);
+  const Float16 epsilonB = load16(b->columns->epsilon);
+  const Float16 squaredCutoff = all16(potential->squaredCutoff);
+  const Float16 one = all16(1);
+  Sum16 sum = zeroSum16();
+  while (rows != 0) {
+    Float16 part = all16(0);
+    for (int n = 0; n < ROWS_IN_FLOAT && rows != 0; n++, rows &= rows - 1) {
+      const int k = __builtin_ctz(rows);
+      const Float16 dx = sub16(xb, all16(a->frame->x[k]));
+      const Float16 dy = sub16(yb, all16(a->frame->y[k]));
+      const Float16 dz = sub16(zb, all16(a->frame->z[k]));
+      const Float16 squared = add16(add16(mul16(dx, dx), mul16(dy, dy)), mul16(dz, dz));
+      const Float16 distance = sqrt16(squared);
+      const Float16 inverse = div16(one, distance);
+      const Float16 ratio = mul16(add16(sigmaB, all16(a->columns->sigma[k])), inverse);
+      const Float16 ratio2 = mul16(ratio, ratio);
+      const Float16 ratio6 = mul16(mul16(ratio2, ratio2), ratio2);
+      const Float16 depth = mul16(epsilonB, all16(a->columns->epsilon[k]));
+      Float16 lennardJones = mul16(mul16(depth, ratio6), sub16(ratio6, one));
+      if (hasSwitch) {
+        const Float16 t = mul16(max16(sub16(distance, all16(potential->switchingDistance)), all16(0)),
+                                all16(potential->inverseSwitchWidth));
+        const Float16 cubic = mul16(mul16(t, t), t);
+        const Float16 inner = sub16(mul16(t, sub16(all16(15), mul16(t, all16(6)))), all16(10));
+        lennardJones = mul16(lennardJones, add16(one, mul16(cubic, inner)));
+      }
+      Float16 coulomb = inverse;
+      if (hasCutoff) {
+        coulomb = sub16(add16(inverse, mul16(all16(potential->k), squared)), all16(potential->c));
+      }
+      const Float16 charges = mul16(chargeB, all16(a->columns->charge[k]));
+      Float16 energy = keepBelow16(squared, squaredCutoff, add16(lennardJones, mul16(charges, coulomb)));
+      if (isMasked) {
+        energy = keep16(~(unsigned)a->excluded[k], energy);
+      }
+      part = add16(part, energy);
+    }
+    sum = addToSum16(sum, part);
+  }
+  return total16(sum);
+}
+
+static double leafPairEnergy(const Potential* potential, const LeafSide* a, const LeafSide* b) {
+  float shift[3];
+  float back[3];
+  for (int d = 0; d < 3; d++) {
+    shift[d] = (float)(b->frame->centre[d] - a->frame->centre[d]);
+    back[d] = -shift[d];
+  }
+  /* Each row of one side costs the same, so those of the side with fewer are summed. */
+  unsigned rows = rowsNear(potential, a, b, shift);
+  const unsigned rowsOfB = rowsNear(potential, b, a, back);
+  const float* from = shift;
+  if (__builtin_popcount(rowsOfB) < __builtin_popcount(rows)) {
+    const LeafSide* other = a;
+    a = b;
+    b = other;
+    rows = rowsOfB;
+    from = back;
+  }
+  if (a->excluded != NULL) {
+    return potential->hasSwitch   ? sumRows(potential, a, b, from, rows, true, true, true)
+           : potential->hasCutoff ? sumRows(potential, a, b, from, rows, true, false, true)
+                                  : sumRows(potential, a, b, from, rows, false, false, true);
+  }
+  return potential->hasSwitch   ? sumRows(potential, a, b, from, rows, true, true, false)
+         : potential->hasCutoff ? sumRows(potential, a, b, from, rows, true, false, false)
+                                : sumRows(potential, a, b, from, rows, false, false, false);
+}
+
+const Kernels KERNELS = {
+    .name = KERNELS_NAME,
+    .makeFrame = makeFrame,
+    .leafPairEnergy = leafPairEnergy,
+};

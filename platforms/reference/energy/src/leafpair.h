@@ -1,0 +1,50 @@
+/* What the energy of a pair of leaves is computed from. */
+#ifndef CT_LEAFPAIR_H_
+#define CT_LEAFPAIR_H_
+
+#include "ctenergy.h"
+
+/* Where the particles of a leaf are, in single precision: from a centre among them, so that rounding does not grow with
+ * the scene. Centres are multiples of FRAME_GRID, so that the float from one centre to another is exact. */
+typedef struct LeafFrame {
+  float x[CT_LEAF_WIDTH]; /* of a slot without a particle: NOWHERE */
+  float y[CT_LEAF_WIDTH];
+  float z[CT_LEAF_WIDTH];
+  float low[3]; /* a box around all particles */
+  float high[3];
+  double centre[3]; /* in the world, nm */
+} LeafFrame;
+
+#define FRAME_GRID (1.0 / 1024) /* nm */
+
+/* No particle is so far (nm) from another, and the square of twice this is a float. */
+#define NOWHERE 1e18f
+
+/* What the particles of a leaf have. Where a slot holds none, all are 0. */
+typedef struct LeafColumns {
+  float charge[CT_LEAF_WIDTH];  /* times the root of CT_COULOMB */
+  float sigma[CT_LEAF_WIDTH];   /* half of it, nm */
+  float epsilon[CT_LEAF_WIDTH]; /* twice its root */
+  unsigned occupied;            /* bits: slots that hold a particle */
+} LeafColumns;
+
+/* Lennard-Jones and Coulomb as functions of the distance; see ctNonbonded. */
+typedef struct Potential {
+  bool hasCutoff;
+  bool hasSwitch;
+  float squaredCutoff;
+  float k; /* of the reaction field; 0 without a cutoff */
+  float c;
+  float switchingDistance;
+  float inverseSwitchWidth;
+  double exact[5]; /* cutoff^2, k, c, switching distance, inverse width */
+} Potential;
+
+/* One of the two leaves of a pair. */
+typedef struct LeafSide {
+  const LeafFrame* frame;
+  const LeafColumns* columns;
+  const uint16_t* excluded; /* per slot, bits: slots of the other leaf that do not count; NULL: all do */
+} LeafSide;
+
+#endif /* CT_LEAFPAIR_H_ */

@@ -1,0 +1,126 @@
+#include "leafsums.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+bool ctLeafSumsCreate(LeafSums* sums, int leafCount) {
+  sums->leafCount = leafCount;
+  sums->rows = calloc((size_t)leafCount + 1, sizeof *sums->rows);
+  return sums->rows != NULL;
+}
+
+void ctLeafSumsFree(LeafSums* sums) {
+  for (int leaf = 0; sums->rows != NULL && leaf < sums->leafCount; leaf++) {
+    free(sums->rows[leaf].leaves);
+    free(sums->rows[leaf].sums);
+  }
+  free(sums->rows);
+  sums->rows = NULL;
+}
+
+void ctLeafSumsClear(LeafSums* sums) {
+  for (int leaf = 0; leaf < sums->leafCount; leaf++) {
+    sums->rows[leaf].count = 0;
+    sums->rows[leaf].cursor = 0;
+  }
+}
+
+/* The index of the first pair of a row that is not before `leaf`. */
+static int find(LeafRow* row, int leaf) {
+  for (int i = row->cursor; i < row->count && i < row->cursor + 2; i++) {
+    if (row->leaves[i] == leaf) {
+      row->cursor = i;
+      return i;
+    }
+  }
+  int begin = 0;
+  int end = row->count;
+  while (begin < end) {
+    const int middle = begin + (end - begin) / 2;
+    if (row->leaves[middle] < leaf) {
+      begin = middle + 1;
+    } else {
+      end = middle;
+    }
+  }
+  row->cursor = begin;
+  return begin;
+}
+
+double ctLeafSumsGet(LeafSums* sums, int a, int b) {
+  LeafRow* row = &sums->rows[a];
+  const int i = find(row, b);
+  return i < row->count && row->leaves[i] == b ? row->sums[i] : 0;
+}
+
+/* Removes the pairs of a row that are as good as not kept. */
+static void removeZeros(LeafRow* row) {
+  int kept = 0;
+  for (int i = 0; i < row->count; i++) {
+    if (row->sums[i] != 0) {
+      row->leaves[kept] = row->leaves[i];
+      row->sums[kept++] = row->sums[i];
+    }
+  }
+  row->count = kept;
+}
+
+/* Makes room for one more pair. */
+static bool grow(LeafRow* row) {
+  if (row->count == row->capacity) {
+    removeZeros(row);
+  }
+  if (row->count <= row->capacity - row->capacity / 4 - 1) {
+    return true;
+  }
+  const int capacity = row->capacity + row->capacity / 2 + 8;
+  int* leaves = realloc(row->leaves, (size_t)capacity * sizeof *leaves);
+  if (leaves != NULL) {
+    row->leaves = leaves;
+  }
+  double* values = leaves != NULL ? realloc(row->sums, (size_t)capacity * sizeof *values) : NULL;
+  if (values == NULL) {
+    return row->count < row->capacity;
+  }
+  row->sums = values;
+  row->capacity = capacity;
+  return true;
+}
+
+bool ctLeafSumsSet(LeafSums* sums, int a, int b, double sum) {
+  LeafRow* row = &sums->rows[a];
+  int i = find(row, b);
+  if (i < row->count && row->leaves[i] == b) {
+    row->sums[i] = sum;
+    return true;
+  }
+  if (sum == 0) {
+    return true;
+  }
+  if (row->count == row->capacity) {
+    if (!grow(row)) {
+      return false;
+    }
+    row->cursor = 0;
+    i = find(row, b);
+  }
+  memmove(row->leaves + i + 1, row->leaves + i, (size_t)(row->count - i) * sizeof *row->leaves);
+  memmove(row->sums + i + 1, row->sums + i, (size_t)(row->count - i) * sizeof *row->sums);
+  row->leaves[i] = b;
+  row->sums[i] = sum;
+  row->count++;
+  return true;
+}
+
+double ctLeafSumsTotal(const LeafSums* sums) {
+  double total = 0;
+  for (int leaf = 0; leaf < sums->leafCount; leaf++) {
+    const LeafRow* row = &sums->rows[leaf];
+    double ofRow = 0;
+    for (int i = 0; i < row->count; i++) {
+      ofRow += row->sums[i];
+    }
+    total += ofRow;
+  }
+  return total;
+}

@@ -1,1 +1,0 @@
-typedef int NothingHere; /* a file must declare something */
