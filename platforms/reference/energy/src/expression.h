@@ -1,0 +1,39 @@
+/* Expressions: a tape of operations on what is measured of a term's particles. */
+#ifndef CT_EXPRESSION_H_
+#define CT_EXPRESSION_H_
+
+#include <stdbool.h>
+#include <stddef.h>
+
+#include "ctenergy.h"
+
+/* A copy of a ctExpression. */
+typedef struct Expression {
+  int inputCount;
+  ctInput* inputs;
+  int operationCount;
+  ctOperation* operations;
+} Expression;
+
+/* The number of particles that a measure is of. */
+int ctMeasureWidth(ctMeasure measure);
+
+/* True if an expression can be evaluated for terms of so many particles and parameters; else text, of `size` bytes,
+ * says what is wrong with it, as the end of a sentence. */
+bool ctExpressionIsValid(const ctExpression* expression, int particlesPerTerm, int parametersPerTerm, char* text,
+                         size_t size);
+
+/* Copies a valid expression. False, and nothing copied, if there is no memory. */
+bool ctExpressionCopy(const ctExpression* from, Expression* to);
+
+void ctExpressionFree(Expression* expression);
+
+/* True if some input is a coordinate: a motion of the whole term changes its value. */
+bool ctExpressionHasCoordinate(const ctExpression* expression);
+
+/* The value for the particles and parameters of a term. `results` is scratch for one number an operation, none
+ * of which may be uninitialized. */
+double ctExpressionEvaluate(const Expression* expression, const double (*positions)[3], const double* parameters,
+                            double* results);
+
+#endif /* CT_EXPRESSION_H_ */

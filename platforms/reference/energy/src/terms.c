@@ -1,0 +1,314 @@
+#include "terms.h"
+
+#include <limits.h>
+#include <stdint.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "dependence.h"
+
+struct Terms {
+  int setCount;
+  TermSet* sets;
+  int termCount; /* of all sets, one after the other */
+  double* values;
+  int* setOf;
+  uint8_t* repeats; /* terms that share the dihedral of the term before */
+  Dependence dependence;
+
+  /* The open trial. */
+  uint32_t stamp;
+  uint32_t* stamps; /* of each term: the last trial that had it in the lists of several links */
+  int changedCount;
+  int* changedTerms; /* in the order in which they were computed */
+  double* newValues;
+
+  /* Scratch. */
+  double (*positions)[3]; /* of a term */
+  double* results;        /* of an expression */
+};
+
+/* ---- Life ---- */
+
+static bool describeSets(Terms* terms, int setCount, const ctTermSet* given, const int* slotOf) {
+  terms->sets = calloc((size_t)setCount + 1, sizeof *terms->sets);
+  if (terms->sets == NULL) {
+    return false;
+  }
+  for (; terms->setCount < setCount; terms->setCount++) {
+    TermSet* set = &terms->sets[terms->setCount];
+    if (!ctTermSetCreate(&given[terms->setCount], terms->termCount, slotOf, set)) {
+      ctTermSetFree(set);
+      return false;
+    }
+    terms->termCount += set->count;
+  }
+  return true;
+}
+
+static bool allocateScratch(Terms* terms) {
+  size_t changeable = 0;
+  size_t width = 0;
+  size_t operations = 0;
+  for (int s = 0; s < terms->setCount; s++) {
+    const TermSet* set = &terms->sets[s];
+    changeable += (size_t)set->changeableCount;
+    width = (size_t)set->width > width ? (size_t)set->width : width;
+    operations =
+        (size_t)set->expression.operationCount > operations ? (size_t)set->expression.operationCount : operations;
+  }
+  terms->stamps = calloc((size_t)terms->termCount + 1, sizeof *terms->stamps);
+  terms->changedTerms = malloc((changeable + 1) * sizeof *terms->changedTerms);
+  terms->newValues = malloc((changeable + 1) * sizeof *terms->newValues);
+  terms->positions = malloc((width + 1) * sizeof *terms->positions);
+  terms->results = calloc(operations + 1, sizeof *terms->results);
+  return terms->stamps != NULL && terms->changedTerms != NULL && terms->newValues != NULL && terms->positions != NULL &&
+         terms->results != NULL;
+}
+
+static bool allocateTerms(Terms* terms) {
+  const size_t count = (size_t)terms->termCount + 1;
+  terms->values = calloc(count, sizeof *terms->values);
+  terms->setOf = malloc(count * sizeof *terms->setOf);
+  terms->repeats = calloc(count, sizeof *terms->repeats);
+  if (terms->values == NULL || terms->setOf == NULL || terms->repeats == NULL) {
+    return false;
+  }
+  for (int s = 0; s < terms->setCount; s++) {
+    const TermSet* set = &terms->sets[s];
+    for (int term = 0; term < set->count; term++) {
+      terms->setOf[set->firstTerm + term] = s;
+      terms->repeats[set->firstTerm + term] = ctTermSetRepeats(set, term);
+    }
+  }
+  return true;
+}
+
+static ctStatus checkSets(const ctDefinition* scene, int setCount, const ctTermSet* sets, const int* slotOf,
+                          char* errorText, size_t errorSize) {
+  int termCount = 0;
+  if (setCount < 0) {
+    snprintf(errorText, errorSize, "there are %d term sets", setCount);
+    return ctInvalidArgument;
+  }
+  for (int s = 0; s < setCount; s++) {
+    if (!ctTermSetIsValid(scene, &sets[s], s, slotOf, errorText, errorSize)) {
+      return ctInvalidArgument;
+    }
+    if (sets[s].count > INT_MAX - 1 - termCount) {
+      snprintf(errorText, errorSize, "term set %d has %d terms; with those before it these are too many", s,
+               sets[s].count);
+      return ctInvalidArgument;
+    }
+    termCount += sets[s].count;
+  }
+  return ctSuccess;
+}
+
+ctStatus ctTermsCreate(const ctDefinition* scene, int setCount, const ctTermSet* sets, const int* slotOf, Terms** terms,
+                       char* errorText, size_t errorSize) {
+  *terms = NULL;
+  const ctStatus status = checkSets(scene, setCount, sets, slotOf, errorText, errorSize);
+  if (status != ctSuccess) {
+    return status;
+  }
+  Terms* made = calloc(1, sizeof *made);
+  if (made == NULL || !describeSets(made, setCount, sets, slotOf) || !allocateTerms(made) ||
+      !ctDependenceCreate(scene, setCount, sets, made->sets, &made->dependence) || !allocateScratch(made)) {
+    ctTermsDestroy(made);
+    snprintf(errorText, errorSize, "out of memory");
+    return ctOutOfMemory;
+  }
+  *terms = made;
+  return ctSuccess;
+}
+
+void ctTermsDestroy(Terms* terms) {
+  if (terms == NULL) {
+    return;
+  }
+  for (int s = 0; s < terms->setCount; s++) {
+    ctTermSetFree(&terms->sets[s]);
+  }
+  free(terms->sets);
+  free(terms->values);
+  free(terms->setOf);
+  free(terms->repeats);
+  ctDependenceFree(&terms->dependence);
+  free(terms->stamps);
+  free(terms->changedTerms);
+  free(terms->newValues);
+  free(terms->positions);
+  free(terms->results);
+  free(terms);
+}
+
+/* ---- The state ---- */
+
+void ctTermsRefresh(Terms* terms, const ctLeafPositions* state) {
+  const TrialView view = {.state = state};
+  terms->changedCount = 0;
+  for (int s = 0; s < terms->setCount; s++) {
+    const TermSet* set = &terms->sets[s];
+    Dihedral dihedral = {0, 0};
+    for (int i = 0; i < set->count; i++) {
+      const int* slots = set->slots + (size_t)i * (size_t)set->width;
+      for (int p = 0; p < set->width; p++) {
+        statePosition(&view, slots[p], terms->positions[p]);
+      }
+      const int term = set->firstTerm + i;
+      terms->values[term] = ctTermSetEvaluate(set, i, (const double(*)[3])terms->positions, terms->repeats[term],
+                                              &dihedral, terms->results);
+    }
+  }
+}
+
+double ctTermsSum(const Terms* terms, int set) {
+  const double* values = terms->values + terms->sets[set].firstTerm;
+  double sum = 0;
+  for (int i = 0; i < terms->sets[set].count; i++) {
+    sum += values[i];
+  }
+  return sum;
+}
+
+int ctTermsCountChangeable(const Terms* terms, int set) {
+  return terms->sets[set].changeableCount;
+}
+
+/* ---- Trials ---- */
+
+/* What goes on from term to term of a trial. */
+typedef struct Change {
+  Terms* terms;
+  const TrialView* view;
+  Dihedral dihedral; /* of the last torsion */
+  double sum;
+} Change;
+
+/* Terms that share a dihedral have the same joints and slots, so they come one after the other. */
+static void changeTerm(Change* change, int term) {
+  Terms* terms = change->terms;
+  const TermSet* set = &terms->sets[terms->setOf[term]];
+  const int i = term - set->firstTerm;
+  if (!terms->repeats[term]) {
+    const int* slots = set->slots + (size_t)i * (size_t)set->width;
+    for (int p = 0; p < set->width; p++) {
+      statePosition(change->view, slots[p], terms->positions[p]);
+      moveByBody(change->view, trialBody(change->view, slots[p]), terms->positions[p]);
+    }
+  }
+  const double value = ctTermSetEvaluate(set, i, (const double(*)[3])terms->positions, terms->repeats[term],
+                                         &change->dihedral, terms->results);
+  terms->changedTerms[terms->changedCount] = term;
+  terms->newValues[terms->changedCount++] = value;
+  change->sum += value - terms->values[term];
+}
+
+/* The terms that are listed with changed links. One in the lists of several is taken from the first. */
+static void changeListedTerms(Change* change) {
+  Terms* terms = change->terms;
+  const TrialView* view = change->view;
+  if (view->linkCount > 1 && ++terms->stamp == 0) {
+    memset(terms->stamps, 0, (size_t)terms->termCount * sizeof *terms->stamps);
+    terms->stamp = 1;
+  }
+  for (int l = 0; l < view->linkCount; l++) {
+    const size_t end = terms->dependence.begin[view->links[l] + 1];
+    for (size_t i = terms->dependence.begin[view->links[l]]; i < end; i++) {
+      const int term = terms->dependence.terms[i];
+      if (view->linkCount > 1) {
+        if (terms->stamps[term] == terms->stamp) {
+          continue;
+        }
+        terms->stamps[term] = terms->stamp;
+      }
+      changeTerm(change, term);
+    }
+  }
+}
+
+static int pieceEnd(const TrialView* view, int piece) {
+  return piece + 1 < view->pieceCount ? view->pieces[piece + 1].slotBegin : INT_MAX;
+}
+
+/* The first of `count` wide terms whose first slot is not below a slot. */
+static int firstFrom(const WideTerm* wide, int count, int slot) {
+  int begin = 0;
+  while (begin < count) {
+    const int middle = begin + (count - begin) / 2;
+    if (wide[middle].firstSlot < slot) {
+      begin = middle + 1;
+    } else {
+      count = middle;
+    }
+  }
+  return begin;
+}
+
+/* Terms of one particle change where it moves. */
+static void changeSingles(Change* change) {
+  const Dependence* d = &change->terms->dependence;
+  const TrialView* view = change->view;
+  for (int piece = 0; piece < view->pieceCount && d->singleCount > 0; piece++) {
+    if (view->pieces[piece].body == 0) {
+      continue;
+    }
+    const int end = pieceEnd(view, piece);
+    for (int i = firstFrom(d->singles, d->singleCount, view->pieces[piece].slotBegin);
+         i < d->singleCount && d->singles[i].firstSlot < end; i++) {
+      changeTerm(change, d->singles[i].term);
+    }
+  }
+}
+
+/* True if particles of a term move relative to each other or, if it is anchored, to the world. */
+static bool isParted(const TrialView* view, const TermSet* set, int i) {
+  const int* slots = set->slots + (size_t)i * (size_t)set->width;
+  const int body = set->isAnchored ? 0 : trialBody(view, slots[0]);
+  for (int p = 0; p < set->width; p++) {
+    if (trialBody(view, slots[p]) != body) {
+      return true;
+    }
+  }
+  return false;
+}
+
+/* Most of the others lie in one piece. */
+static void changeAcross(Change* change) {
+  const Terms* terms = change->terms;
+  const Dependence* d = &terms->dependence;
+  const TrialView* view = change->view;
+  int piece = 0;
+  for (int i = 0; i < d->acrossCount; i++) {
+    const WideTerm* wide = &d->across[i];
+    while (pieceEnd(view, piece) <= wide->firstSlot) {
+      piece++;
+    }
+    const bool isInOnePiece = wide->lastSlot < pieceEnd(view, piece);
+    const TermSet* set = &terms->sets[terms->setOf[wide->term]];
+    if (isInOnePiece ? view->pieces[piece].body != 0 && set->isAnchored
+                     : isParted(view, set, wide->term - set->firstTerm)) {
+      changeTerm(change, wide->term);
+    }
+  }
+}
+
+double ctTermsChange(Terms* terms, const TrialView* view) {
+  Change change = {.terms = terms, .view = view};
+  terms->changedCount = 0;
+  if (view->pieceCount > 0) {
+    changeListedTerms(&change);
+    changeSingles(&change);
+    changeAcross(&change);
+  }
+  return change.sum;
+}
+
+void ctTermsAccept(Terms* terms) {
+  for (int i = 0; i < terms->changedCount; i++) {
+    terms->values[terms->changedTerms[i]] = terms->newValues[i];
+  }
+  terms->changedCount = 0;
+}

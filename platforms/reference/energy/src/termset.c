@@ -1,0 +1,249 @@
+#include "termset.h"
+
+#include <limits.h>
+#include <stdarg.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* ---- Checks ---- */
+
+typedef struct Kind {
+  const char* name;
+  int particles; /* CT_NULL: any */
+  int parameters;
+} Kind;
+
+static const Kind kinds[] = {{"harmonic bonds", 2, 2},         {"harmonic angles", 3, 2}, {"periodic torsions", 4, 3},
+                             {"Ryckaert-Bellemans", 4, 6},     {"torsion maps", 8, 1},    {"exceptions", 2, 3},
+                             {"expressions", CT_NULL, CT_NULL}};
+
+static bool invalid(char* text, size_t size, const char* format, ...) __attribute__((format(printf, 3, 4)));
+
+static bool invalid(char* text, size_t size, const char* format, ...) {
+  va_list arguments;
+  va_start(arguments, format);
+  vsnprintf(text, size, format, arguments);
+  va_end(arguments);
+  return false;
+}
+
+static bool countsAreValid(const ctTermSet* set, int number, char* text, size_t size) {
+  if ((int)set->kind < 0 || set->kind > ctExpressionTerm) {
+    return invalid(text, size, "term set %d is of the unknown kind %d", number, (int)set->kind);
+  }
+  const Kind* kind = &kinds[set->kind];
+  if (set->count < 0 || set->particlesPerTerm < 0 || set->parametersPerTerm < 0 || set->mapCount < 0) {
+    return invalid(text, size, "term set %d has a negative count: %d terms of %d particles and %d parameters, %d maps",
+                   number, set->count, set->particlesPerTerm, set->parametersPerTerm, set->mapCount);
+  }
+  if (kind->particles != CT_NULL && set->particlesPerTerm != kind->particles) {
+    return invalid(text, size, "term set %d (%s) has %d particles a term; it needs %d", number, kind->name,
+                   set->particlesPerTerm, kind->particles);
+  }
+  if (kind->parameters != CT_NULL && set->parametersPerTerm != kind->parameters) {
+    return invalid(text, size, "term set %d (%s) has %d parameters a term; it needs %d", number, kind->name,
+                   set->parametersPerTerm, kind->parameters);
+  }
+  for (int i = 0; i < set->mapCount; i++) {
+    if (set->maps[i].size < 1) {
+      return invalid(text, size, "map %d of term set %d has size %d", i, number, set->maps[i].size);
+    }
+  }
+  if (set->kind == ctExpressionTerm) {
+    char flaw[120];
+    if (set->expression == NULL) {
+      return invalid(text, size, "term set %d has no expression", number);
+    }
+    if (!ctExpressionIsValid(set->expression, set->particlesPerTerm, set->parametersPerTerm, flaw, sizeof flaw)) {
+      return invalid(text, size, "the expression of term set %d is wrong: %s", number, flaw);
+    }
+  }
+  return true;
+}
+
+static bool isWholeBelow(double value, double end) {
+  return value >= 0 && value < end && value == floor(value);
+}
+
+static bool termIsValid(const ctDefinition* scene, const ctTermSet* set, int number, int term, const int* slotOf,
+                        char* text, size_t size) {
+  const int* particles = set->particles + (size_t)term * (size_t)set->particlesPerTerm;
+  const double* parameters = set->parameters + (size_t)term * (size_t)set->parametersPerTerm;
+  for (int i = 0; i < set->particlesPerTerm; i++) {
+    if (particles[i] < 0 || particles[i] >= scene->particleCount) {
+      return invalid(text, size, "term %d of term set %d names particle %d; there are %d particles", term, number,
+                     particles[i], scene->particleCount);
+    }
+    if (slotOf[particles[i]] == CT_NULL) {
+      return invalid(text, size, "term %d of term set %d names particle %d, which is not listed in the scene", term,
+                     number, particles[i]);
+    }
+  }
+  if (set->kind == ctPeriodicTorsionTerm && !isWholeBelow(parameters[0], INT_MAX)) {
+    return invalid(text, size, "term %d of term set %d has the periodicity %g, which is not a whole number from 0 on",
+                   term, number, parameters[0]);
+  }
+  if (set->kind == ctTorsionMapTerm && !isWholeBelow(parameters[0], set->mapCount)) {
+    return invalid(text, size, "term %d of term set %d has map %g; there are %d maps", term, number, parameters[0],
+                   set->mapCount);
+  }
+  return true;
+}
+
+bool ctTermSetIsValid(const ctDefinition* scene, const ctTermSet* set, int number, const int* slotOf, char* text,
+                      size_t size) {
+  if (!countsAreValid(set, number, text, size)) {
+    return false;
+  }
+  for (int term = 0; term < set->count; term++) {
+    if (!termIsValid(scene, set, number, term, slotOf, text, size)) {
+      return false;
+    }
+  }
+  return true;
+}
+
+/* ---- Life ---- */
+
+/* Of a periodic torsion: n, k, k cos(phase), k sin(phase). */
+static void prepare(const ctTermSet* from, int term, double* numbers) {
+  const double* given = from->parameters + (size_t)term * (size_t)from->parametersPerTerm;
+  if (from->kind == ctPeriodicTorsionTerm) {
+    numbers[0] = given[0];
+    numbers[1] = given[2];
+    numbers[2] = given[2] * cos(given[1]);
+    numbers[3] = given[2] * sin(given[1]);
+  } else if (from->parametersPerTerm > 0) {
+    memcpy(numbers, given, (size_t)from->parametersPerTerm * sizeof *numbers);
+  }
+}
+
+static bool copyMaps(const ctTermSet* from, TermSet* set) {
+  set->maps = calloc((size_t)from->mapCount + 1, sizeof *set->maps);
+  if (set->maps == NULL) {
+    return false;
+  }
+  set->mapCount = from->mapCount;
+  for (int i = 0; i < from->mapCount; i++) {
+    const size_t size = (size_t)from->maps[i].size;
+    double* coefficients = malloc(16 * size * size * sizeof *coefficients);
+    if (coefficients == NULL) {
+      return false;
+    }
+    memcpy(coefficients, from->maps[i].coefficients, 16 * size * size * sizeof *coefficients);
+    set->maps[i] = (TorsionMap){from->maps[i].size, coefficients};
+  }
+  return true;
+}
+
+bool ctTermSetCreate(const ctTermSet* from, int firstTerm, const int* slotOf, TermSet* set) {
+  const size_t count = (size_t)from->count;
+  const size_t width = (size_t)from->particlesPerTerm;
+  *set = (TermSet){.kind = from->kind,
+                   .count = from->count,
+                   .firstTerm = firstTerm,
+                   .width = from->particlesPerTerm,
+                   .stride = from->kind == ctPeriodicTorsionTerm ? 4 : from->parametersPerTerm};
+  const size_t stride = (size_t)set->stride;
+  set->slots = malloc((count * width + 1) * sizeof *set->slots);
+  set->numbers = malloc((count * stride + 1) * sizeof *set->numbers);
+  if (set->slots == NULL || set->numbers == NULL || !copyMaps(from, set)) {
+    return false;
+  }
+  for (size_t i = 0; i < count * width; i++) {
+    set->slots[i] = slotOf[from->particles[i]];
+  }
+  for (int term = 0; term < from->count; term++) {
+    prepare(from, term, set->numbers + (size_t)term * stride);
+  }
+  if (from->kind == ctExpressionTerm) {
+    set->isAnchored = ctExpressionHasCoordinate(from->expression);
+    return ctExpressionCopy(from->expression, &set->expression);
+  }
+  return true;
+}
+
+void ctTermSetFree(TermSet* set) {
+  for (int i = 0; i < set->mapCount; i++) {
+    free(set->maps[i].coefficients);
+  }
+  free(set->maps);
+  free(set->slots);
+  free(set->numbers);
+  ctExpressionFree(&set->expression);
+}
+
+/* ---- Values ---- */
+
+static double evaluateBond(const double* p, const double (*x)[3]) {
+  const double stretch = measureDistance(x[0], x[1]) - p[0];
+  return 0.5 * p[1] * (stretch * stretch);
+}
+
+static double evaluateAngle(const double* p, const double (*x)[3]) {
+  const double bend = measureAngle(x[0], x[1], x[2]) - p[0];
+  return 0.5 * p[1] * (bend * bend);
+}
+
+/* The nth power of cosine + i sine is that of n times the angle. */
+static Dihedral multiplyAngle(Dihedral z, int n) {
+  Dihedral power = {1, 0};
+  for (; n > 0; n /= 2) {
+    if (n % 2 == 1) {
+      power = (Dihedral){power.cosine * z.cosine - power.sine * z.sine, power.cosine * z.sine + power.sine * z.cosine};
+    }
+    z = (Dihedral){z.cosine * z.cosine - z.sine * z.sine, 2 * z.cosine * z.sine};
+  }
+  return power;
+}
+
+static double evaluatePeriodicTorsion(const double* p, Dihedral dihedral) {
+  const Dihedral multiple = multiplyAngle(dihedral, (int)p[0]);
+  return p[1] + (p[2] * multiple.cosine + p[3] * multiple.sine);
+}
+
+static double evaluateRyckaertBellemans(const double* c, Dihedral dihedral) {
+  const double z = -dihedral.cosine;
+  return c[0] + z * (c[1] + z * (c[2] + z * (c[3] + z * (c[4] + z * c[5]))));
+}
+
+static double evaluateException(const double* p, const double (*x)[3]) {
+  const double inverse = 1 / measureDistance(x[0], x[1]);
+  const double ratio = p[1] * inverse;
+  const double squared = ratio * ratio;
+  const double sixth = squared * squared * squared;
+  return 4 * p[2] * (sixth - 1) * sixth + CT_COULOMB * p[0] * inverse;
+}
+
+double ctTermSetEvaluate(const TermSet* set, int term, const double (*positions)[3], bool sameDihedral,
+                         Dihedral* dihedral, double* results) {
+  const double* p = set->numbers + (size_t)term * (size_t)set->stride;
+  const double(*x)[3] = positions;
+  switch (set->kind) {
+    case ctHarmonicBondTerm:
+      return evaluateBond(p, x);
+    case ctHarmonicAngleTerm:
+      return evaluateAngle(p, x);
+    case ctExceptionTerm:
+      return evaluateException(p, x);
+    case ctPeriodicTorsionTerm:
+    case ctRyckaertBellemansTerm:
+      if (!sameDihedral) {
+        *dihedral = measureDihedral(x[0], x[1], x[2], x[3]);
+      }
+      return set->kind == ctPeriodicTorsionTerm ? evaluatePeriodicTorsion(p, *dihedral)
+                                                : evaluateRyckaertBellemans(p, *dihedral);
+    case ctTorsionMapTerm:
+      return evaluateTorsionMap(&set->maps[(int)p[0]], angleOf(measureDihedral(x[0], x[1], x[2], x[3])),
+                                angleOf(measureDihedral(x[4], x[5], x[6], x[7])));
+    default:
+      return ctExpressionEvaluate(&set->expression, x, p, results);
+  }
+}
+
+bool ctTermSetRepeats(const TermSet* set, int term) {
+  const int* slots = set->slots + 4 * (size_t)term;
+  return (set->kind == ctPeriodicTorsionTerm || set->kind == ctRyckaertBellemansTerm) && term > 0 &&
+         memcmp(slots, slots - 4, 4 * sizeof *slots) == 0;
+}

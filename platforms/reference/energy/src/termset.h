@@ -1,0 +1,41 @@
+/* A set of terms of one kind, as trials need it. */
+#ifndef CT_TERMSET_H_
+#define CT_TERMSET_H_
+
+#include "expression.h"
+#include "torsionmap.h"
+
+typedef struct TermSet {
+  ctTermKind kind;
+  int count;
+  int firstTerm; /* its number among all terms */
+  int width;     /* particles a term */
+  int* slots;    /* width a term */
+  int stride;    /* numbers a term */
+  double* numbers;
+  int mapCount;
+  TorsionMap* maps;
+  Expression expression;
+  bool isAnchored;     /* moves of a whole term change it */
+  int changeableCount; /* terms that some joint can change */
+} TermSet;
+
+/* True if a set is right for a scene; else text, of `size` bytes, says in a sentence which term of set number `number`
+ * is wrong, and why. slotOf[particle] is its slot, or CT_NULL. */
+bool ctTermSetIsValid(const ctDefinition* scene, const ctTermSet* set, int number, const int* slotOf, char* text,
+                      size_t size);
+
+/* Makes a set from a valid description. False if there is no memory; it has to be freed all the same. */
+bool ctTermSetCreate(const ctTermSet* from, int firstTerm, const int* slotOf, TermSet* set);
+
+void ctTermSetFree(TermSet* set);
+
+/* The value of term `term` of the set from the positions of its particles. A dihedral is kept in *dihedral, and used
+ * again if `sameDihedral`. `results` is scratch for the operations of an expression. */
+double ctTermSetEvaluate(const TermSet* set, int term, const double (*positions)[3], bool sameDihedral,
+                         Dihedral* dihedral, double* results);
+
+/* True if a term has the dihedral of the term before, and shares it. */
+bool ctTermSetRepeats(const TermSet* set, int term);
+
+#endif /* CT_TERMSET_H_ */
