@@ -271,9 +271,9 @@ typedef struct ctLeafPair {
 int ctGetLeafCount(const ctChainTree* tree);
 void ctGetLeafParticles(const ctChainTree* tree, int* particles);
 
-/* The positions of all leaves in the state, and a number that tells states apart: it grows with each change. The array
- * belongs to the scene and is up to date until the state changes. O(leaves that have moved since the last call). NULL
- * if there is no memory. */
+/* The positions of all leaves in the state, those of ctGetPositions up to rounding; and a number that tells states
+ * apart: it grows with each change. The array belongs to the scene and is up to date until the state changes. O(leaves
+ * that have moved since the last call). NULL if there is no memory. */
 const ctLeafPositions* ctGetLeaves(ctChainTree* tree, int64_t* version);
 
 /* The pieces of the open trial, ascending, and the motion of each body in the world: in the trial a particle of body b
@@ -283,14 +283,17 @@ int ctGetTrialPieces(ctChainTree* tree, const ctPiece** pieces, const ctTransfor
 int ctGetTrialLinks(ctChainTree* tree, const int** links);
 
 /* The pairs of leaves of which the open trial moves some particles relative to each other, and whose boxes are at most
- * cutoff (nm, may be INFINITY) apart before the trial or in it: each once, in an order that depends on nothing but the
- * trial and the state. And the positions in the trial of all leaves, by the motions of ctGetTrialPieces; only those of
- * leaves in these pairs are written. The arrays belong to the scene, and stay until the next call or the end of the
- * trial. Errors: no trial; no memory. */
+ * cutoff (nm, > 0, may be INFINITY) apart before the trial or in it: each once, in an order that depends on nothing but
+ * the trial and the state. No two particles within the cutoff are lost to rounding: boxes are a little larger than
+ * their particles need, by less than 1e-6 of their distance from the middle of the reference positions. And the
+ * positions in the trial of all leaves, by the motions of ctGetTrialPieces; only those of leaves in these pairs are
+ * right. The arrays belong to the scene, and stay until the next call or the end of the trial. For a turned side chain
+ * O(log N + pairs), otherwise up to O(N + pairs). Errors: no trial; a cutoff that is not positive; no memory. */
 ctStatus ctGetChangedLeafPairs(ctChainTree* tree, double cutoff, size_t* count, const ctLeafPair** pairs,
                                const ctLeafPositions** positions, ctCounts* counts);
 
-/* The same of the state: all pairs of leaves whose boxes are at most cutoff apart, each leaf with itself too. */
+/* The same of the state: all pairs of leaves whose boxes are at most cutoff apart, each leaf with itself too. A leaf
+ * without particles is in no pair, here and there. The array stays until the next call of this function. */
 ctStatus ctGetLeafPairs(ctChainTree* tree, double cutoff, size_t* count, const ctLeafPair** pairs, ctCounts* counts);
 
 /* ---- Selections ---- */

@@ -27,6 +27,7 @@ static void takeReference(ctChainTree* scene, const double* positions) {
   ctSequenceSetReference(&scene->sequence, positions);
   ctTreeMakeStale(&scene->staleTree);
   ctClearanceForget(&scene->clearance);
+  scene->version++;
 }
 
 ctStatus ctCreate(const ctDefinition* definition, ctChainTree** tree, char* errorText, size_t errorSize) {
@@ -66,6 +67,7 @@ void ctDestroy(ctChainTree* tree) {
     ctClearanceFree(&tree->clearance);
     ctSweepFree(&tree->ownSweep);
     ctLimitsFree(&tree->limits);
+    ctLeavesFree(&tree->leaves);
     free(tree->undecided.pairs);
     ctArenaFree(&tree->arena);
     free(tree);

@@ -12,7 +12,7 @@ static void expandRoot(Traversal* t) {
   if (view->pieceCount > 1) {
     expandStraddler(t, treeTop(t->tree), root, 0);
   } else {
-    t->motion[root] = view->pieces[0].motion;
+    t->motion[root] = view->pieces[0].body;
     expand(t, treeTop(t->tree), root);
   }
 }

@@ -3,6 +3,7 @@
 #define CT_INSTRUCTIONS_H_
 
 #include "clearance.h"
+#include "leaves.h"
 #include "nearest.h"
 #include "sweep.h"
 #include "witness.h"
@@ -37,6 +38,10 @@ typedef struct InstructionSet {
   void (*sweepNeighbors)(Sweep* sweep, SweepTask* task);
   void (*neighborDistances)(const double* position, double cutoff, size_t count, const int* lower, const int* higher,
                             double* distances);
+
+  /* See leaves.h; leaves_body.h and leafpairs_body.h. */
+  void (*updateLeaves)(Leaves* leaves, const Tree* tree, const Sequence* sequence);
+  void (*listLeafPairs)(LeafTask* task);
 
   /* For ctGetMinimumDistance; see nearest_body.h. */
   void (*boundPoints)(const Tree* layout, const double (*point)[3], Block* block);

@@ -1,6 +1,7 @@
 /* All that is compiled once for each instruction set, and the table of it. A file that includes this defines before
  * INSTRUCTION_SET, the table, and INSTRUCTION_SET_NAME. */
 #include "clearance_body.h"
+#include "leafpairs_body.h"
 #include "nearest_body.h"
 #include "refresh_body.h"
 #include "sweep_body.h"
@@ -23,6 +24,8 @@ const InstructionSet INSTRUCTION_SET = {
     .sweepClashes = sweepClashes,
     .sweepNeighbors = sweepNeighbors,
     .neighborDistances = neighborDistances,
+    .updateLeaves = updateLeaves,
+    .listLeafPairs = listLeafPairs,
     .boundPoints = boundPoints,
     .findNearest = findNearest,
 };

@@ -117,12 +117,12 @@ static void boundShifts(Clearance* c, const Traversal* t, const Frame* motion, i
  * bound: the bound of a pair is the lesser of two. */
 static void boundShiftOfMany(Clearance* c, const Traversal* t, const LeafRun* many, const LeafRun* run) {
   const View* view = t->view;
-  const int motion = view->pieces[run->firstPiece].motion;
+  const int motion = view->pieces[run->firstPiece].body;
   const Frame back = transformInverse(&view->motions[motion]);
   uint16_t most = 0;
   for (int p = many->firstPiece; p <= many->lastPiece; p++) {
-    if (view->pieces[p].motion != motion) {
-      const Frame between = transformCompose(&back, &view->motions[view->pieces[p].motion]);
+    if (view->pieces[p].body != motion) {
+      const Frame between = transformCompose(&back, &view->motions[view->pieces[p].body]);
       boundShifts(c, t, &between, many->begin, many->end);
       most = c->shift[many->begin] > most ? c->shift[many->begin] : most;
     }
@@ -152,8 +152,7 @@ static bool forEachRunPair(Clearance* c, Traversal* t, RunPairFunction* visit, v
     for (int j = i + 1; j < c->runCount; j++) {
       const LeafRun* a = &c->runs[i];
       const LeafRun* b = &c->runs[j];
-      RunPair pair = {a->begin, a->end, pieces[a->firstPiece].motion, b->begin, b->end, pieces[b->firstPiece].motion,
-                      {0}};
+      RunPair pair = {a->begin, a->end, pieces[a->firstPiece].body, b->begin, b->end, pieces[b->firstPiece].body, {0}};
       if (hasManyPieces(a) && hasManyPieces(b)) {
         c->shift[a->begin] = MOST_CLEARANCE;
         c->shift[b->begin] = MOST_CLEARANCE;

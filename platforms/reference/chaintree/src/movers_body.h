@@ -54,8 +54,8 @@ static void takeMovers(Traversal* t, int begin, int end, int first, Movers* move
   movers->first = first;
   movers->block = world;
   for (int p = pieceOf(view, begin); p < view->pieceCount && view->pieces[p].slotBegin < end; p++) {
-    if (moves(view, view->pieces[p].motion)) {
-      moveBlock(&world, t->motions[view->pieces[p].motion], slotBits(view->pieces[p].slotBegin, end, first),
+    if (moves(view, view->pieces[p].body)) {
+      moveBlock(&world, t->motions[view->pieces[p].body], slotBits(view->pieces[p].slotBegin, end, first),
                 &movers->block);
     }
   }
@@ -127,7 +127,7 @@ static bool testMovers(Traversal* t, Visit* visit, const Movers* movers, const M
     const int own = pieceOf(view, slot);
     for (int p = pieceOf(view, others->end - 1); p > own; p--) {
       const int end = p + 1 < view->pieceCount ? view->pieces[p + 1].slotBegin : others->end;
-      if (view->pieces[p].motion != view->pieces[own].motion &&
+      if (view->pieces[p].body != view->pieces[own].body &&
           !testMover(t, visit, movers, slot, others, view->pieces[p].slotBegin, end)) {
         return false;
       }

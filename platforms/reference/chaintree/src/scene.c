@@ -43,6 +43,10 @@ ctStatus ctFailOutOfMemory(ctChainTree* scene) {
   return ctFail(scene, ctOutOfMemory, "out of memory");
 }
 
+ctStatus ctFailNoTrial(ctChainTree* scene) {
+  return ctFail(scene, ctNoTrial, "there is no open trial");
+}
+
 ctStatus ctCheckParticles(ctChainTree* scene, int count, const int* particles) {
   const int particleCount = scene->sequence.particleCount;
   for (int i = 0; i < count; i++) {

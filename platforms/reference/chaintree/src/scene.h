@@ -3,6 +3,7 @@
 #define CT_SCENE_H_
 
 #include "clearance.h"
+#include "leaves.h"
 #include "position.h"
 #include "sweep.h"
 #include "trial.h"
@@ -35,6 +36,8 @@ struct ctChainTree {
   Trial next;      /* the scratch of a proposal: a refused one leaves the open trial alone */
   Copied followed; /* the array of ctFollowTrialPositions */
   SlotPairs undecided;
+  Leaves leaves;           /* may be stale */
+  int64_t version;         /* of the state: number of changes */
   ctSelection* selections; /* those that have not been freed */
   double overlapTolerance;
   double hydrogenBondAllowance;
@@ -44,6 +47,7 @@ struct ctChainTree {
 /* Keeps the sentence for ctGetErrorText and returns the status. */
 ctStatus ctFail(ctChainTree* scene, ctStatus status, const char* format, ...) __attribute__((format(printf, 3, 4)));
 ctStatus ctFailOutOfMemory(ctChainTree* scene);
+ctStatus ctFailNoTrial(ctChainTree* scene);
 
 /* Fails unless all of these are particles of the scene. */
 ctStatus ctCheckParticles(ctChainTree* scene, int count, const int* particles);

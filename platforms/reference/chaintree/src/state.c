@@ -118,5 +118,6 @@ ctStatus ctSetState(ctChainTree* tree, const double* state) {
   }
   ctTreeMakeStale(&tree->staleTree);
   ctClearanceForget(&tree->clearance);
+  tree->version++;
   return ctSuccess;
 }

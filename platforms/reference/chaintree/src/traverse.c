@@ -79,14 +79,14 @@ View ctViewOfState(bool surfaces, double reach) {
 
 bool ctViewMovesFew(const Traversal* t, const View* view, int* begin, int* end) {
   int p = 0;
-  while (p < view->pieceCount && view->pieces[p].motion == 0) {
+  while (p < view->pieceCount && view->pieces[p].body == 0) {
     p++;
   }
   if (p == view->pieceCount || t->alwaysDescends || treeTop(t->tree) == 0) {
     return false;
   }
   *begin = view->pieces[p].slotBegin;
-  while (p < view->pieceCount && view->pieces[p].motion != 0) {
+  while (p < view->pieceCount && view->pieces[p].body != 0) {
     p++;
   }
   *end = p < view->pieceCount ? view->pieces[p].slotBegin : t->tree->slotCount;

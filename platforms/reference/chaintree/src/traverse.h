@@ -8,11 +8,8 @@
 #include "exclusion.h"
 #include "tree.h"
 
-/* Consecutive slots, up to the next piece's begin, that move as one rigid body. */
-typedef struct Piece {
-  int slotBegin;
-  int motion; /* index into the view's motions; all pieces of one motion are one rigid body */
-} Piece;
+/* Its body is an index into the view's motions: all pieces of one motion are one rigid body. */
+typedef ctPiece Piece;
 
 /* The configuration that a descent looks at, as rigid motions of pieces of the state, and how far it looks. */
 typedef struct View {

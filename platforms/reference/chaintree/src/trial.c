@@ -8,8 +8,8 @@ bool ctTrialReserve(Trial* trial, int count) {
     return true;
   }
   /* Each array keeps its contents if a later one cannot grow, so the old capacity stays right. */
-  int capacity[6];
-  for (int i = 0; i < 6; i++) {
+  int capacity[8];
+  for (int i = 0; i < 8; i++) {
     capacity[i] = trial->capacity;
   }
   if (!ctReserve((void**)&trial->changes, &capacity[0], count, sizeof(TrialChange)) ||
@@ -17,7 +17,9 @@ bool ctTrialReserve(Trial* trial, int count) {
       !ctReserve((void**)&trial->motions, &capacity[2], count, sizeof(Frame[2])) ||
       !ctReserve((void**)&trial->links, &capacity[3], count, sizeof(int)) ||
       !ctReserve((void**)&trial->motionOf, &capacity[4], count, sizeof(int)) ||
-      !ctReserve((void**)&trial->scratch, &capacity[5], count, sizeof(int))) {
+      !ctReserve((void**)&trial->scratch, &capacity[5], count, sizeof(int)) ||
+      !ctReserve((void**)&trial->worldMotions, &capacity[6], count, sizeof(ctTransform[2])) ||
+      !ctReserve((void**)&trial->userLinks, &capacity[7], count, sizeof(int))) {
     return false;
   }
   trial->capacity = count;
@@ -31,6 +33,8 @@ void ctTrialFree(Trial* trial) {
   free(trial->links);
   free(trial->motionOf);
   free(trial->scratch);
+  free(trial->worldMotions);
+  free(trial->userLinks);
   *trial = (Trial){0};
 }
 
@@ -84,7 +88,7 @@ static void addPiece(Trial* trial, int slotBegin, int motion) {
   if (trial->pieceCount > 0 && trial->pieces[trial->pieceCount - 1].slotBegin == slotBegin) {
     trial->pieceCount--; /* the last piece has no slots */
   }
-  if (trial->pieceCount > 0 && trial->pieces[trial->pieceCount - 1].motion == motion) {
+  if (trial->pieceCount > 0 && trial->pieces[trial->pieceCount - 1].body == motion) {
     return;
   }
   trial->pieces[trial->pieceCount++] = (Piece){slotBegin, motion};
@@ -130,6 +134,7 @@ int ctTrialOpen(Trial* trial, const Sequence* s, Traversal* t, const ctChange* g
   for (int i = 0; i < count; i++) {
     TrialChange* change = &trial->changes[i];
     change->link = sequenceLink(s, given[i].link);
+    change->userLink = given[i].link;
     change->before = ctSequenceGetJoint(s, change->link);
     if (s->jointType[change->link] == ctTorsionJoint) {
       turnTorsion(change, s, t, given[i].angle);
@@ -147,12 +152,39 @@ int ctTrialOpen(Trial* trial, const Sequence* s, Traversal* t, const ctChange* g
     }
   }
   cutPieces(trial, s);
+  trial->isShown = false;
   trial->open = true;
   return CT_NULL;
 }
 
 View ctTrialView(const Trial* trial, bool moved, bool surfaces, double reach) {
   return (View){trial->pieces, trial->pieceCount, moved ? trial->motions : NULL, trial->motionCount, surfaces, reach};
+}
+
+/* The motion of a frame, which is from worldOrigin, for absolute positions: x -> R (x - o) + t + o. */
+static ctTransform worldMotion(const Frame* motion, const double origin[3]) {
+  ctTransform world;
+  double turned[3];
+  rotate(motion, origin, turned);
+  for (int i = 0; i < 3; i++) {
+    memcpy(world.rotation + 3 * i, motion->m[i], 3 * sizeof(double));
+    world.translation[i] = motion->m[i][3] + (origin[i] - turned[i]);
+  }
+  return world;
+}
+
+void ctTrialShow(Trial* trial, const Sequence* s) {
+  if (trial->isShown) {
+    return;
+  }
+  trial->worldMotions[0] = (ctTransform){{1, 0, 0, 0, 1, 0, 0, 0, 1}, {0, 0, 0}};
+  for (int i = 1; i < trial->motionCount; i++) {
+    trial->worldMotions[i] = worldMotion(&trial->motions[i], s->worldOrigin);
+  }
+  for (int i = 0; i < trial->count; i++) {
+    trial->userLinks[i] = trial->changes[i].userLink;
+  }
+  trial->isShown = true;
 }
 
 int ctTrialApply(Trial* trial, bool after, Sequence* s, Tree* tree) {

@@ -6,6 +6,7 @@
 
 typedef struct TrialChange {
   int link;
+  int userLink; /* the caller's number of it */
   JointState before;
   JointState after;
   Frame motion; /* of the link in the world, if this were the only change */
@@ -23,6 +24,11 @@ typedef struct Trial {
   int* links;     /* of the changes */
   int* motionOf;  /* scratch: one a change */
   int* scratch;   /* scratch: one a change */
+
+  /* What callers see of it, made when asked for. */
+  bool isShown;
+  ctTransform* worldMotions; /* motions of absolute positions */
+  int* userLinks;            /* of the changes */
 } Trial;
 
 /* Makes room for a number of changes; false, and nothing changed, if there is no memory. */
@@ -38,6 +44,9 @@ int ctTrialApply(Trial* trial, bool after, Sequence* sequence, Tree* tree);
 
 /* The view of the trial; if not `moved`, of its pieces before it. */
 View ctTrialView(const Trial* trial, bool moved, bool surfaces, double reach);
+
+/* Fills what callers see of an open trial, once. */
+void ctTrialShow(Trial* trial, const Sequence* sequence);
 
 void ctTrialFree(Trial* trial);
 

@@ -75,10 +75,6 @@ ctStatus ctPropose(ctChainTree* tree, int count, const ctChange* changes) {
   return ctSuccess;
 }
 
-static ctStatus failNoTrial(ctChainTree* tree) {
-  return ctFail(tree, ctNoTrial, "there is no open trial");
-}
-
 static int applyTrial(ctChainTree* tree, bool after) {
   return ctTrialApply(&tree->trial, after, &tree->sequence, ctSceneTree(tree));
 }
@@ -198,7 +194,7 @@ static void testView(ctChainTree* tree, const View* view, Verdict* verdict, ctCo
 
 ctStatus ctTestTrial(ctChainTree* tree, bool* clash, int pair[2], ctCounts* counts) {
   if (!tree->trial.open) {
-    return failNoTrial(tree);
+    return ctFailNoTrial(tree);
   }
   const View view = ctTrialView(&tree->trial, true, true, -tree->overlapTolerance);
   Verdict verdict = {tree, false, false, CT_NULL, CT_NULL};
@@ -256,7 +252,7 @@ static void dropRepeats(SlotPairs* list) {
 ctStatus ctForEachChangedPair(ctChainTree* tree, double cutoff, ctChangedPairFunction* function, void* context,
                               ctCounts* counts) {
   if (!tree->trial.open) {
-    return failNoTrial(tree);
+    return ctFailNoTrial(tree);
   }
   if (!(cutoff > 0) || !isfinite(cutoff)) {
     return ctFail(tree, ctInvalidArgument, "the cutoff is %g nm; it must be finite and positive", cutoff);
@@ -295,7 +291,7 @@ ctStatus ctForEachChangedPair(ctChainTree* tree, double cutoff, ctChangedPairFun
 
 ctStatus ctGetTrialPositions(ctChainTree* tree, double* positions) {
   if (!tree->trial.open) {
-    return failNoTrial(tree);
+    return ctFailNoTrial(tree);
   }
   applyTrial(tree, true);
   ctReadPositions(&tree->sequence, ctSceneTree(tree), positions);
@@ -309,7 +305,7 @@ ctStatus ctGetPositionsOf(ctChainTree* tree, bool inTrial, int count, const int*
     return status;
   }
   if (inTrial && !tree->trial.open) {
-    return failNoTrial(tree);
+    return ctFailNoTrial(tree);
   }
   if (inTrial) {
     applyTrial(tree, true);
@@ -326,7 +322,7 @@ ctStatus ctGetPositionsOf(ctChainTree* tree, bool inTrial, int count, const int*
 
 ctStatus ctFollowTrialPositions(ctChainTree* tree, bool anew, double* positions) {
   if (!tree->trial.open) {
-    return failNoTrial(tree);
+    return ctFailNoTrial(tree);
   }
   if (anew) {
     tree->followed.time = NEVER;
@@ -339,7 +335,7 @@ ctStatus ctFollowTrialPositions(ctChainTree* tree, bool anew, double* positions)
 
 ctStatus ctCommit(ctChainTree* tree, ctCounts* counts) {
   if (!tree->trial.open) {
-    return failNoTrial(tree);
+    return ctFailNoTrial(tree);
   }
   if (tree->clearance.isKept) {
     const View view = ctTrialView(&tree->trial, true, true, -tree->overlapTolerance);
@@ -349,6 +345,7 @@ ctStatus ctCommit(ctChainTree* tree, ctCounts* counts) {
   }
   const int updated = applyTrial(tree, true);
   tree->trial.open = false;
+  tree->version++;
   if (counts != NULL) {
     counts->nodesUpdated += updated;
   }

@@ -22,7 +22,7 @@ static int pieceOf(const View* view, int slot) {
 
 /* The motion of a slot. */
 static int motionOfSlot(const View* view, int slot) {
-  return view->pieces[pieceOf(view, slot)].motion;
+  return view->pieces[pieceOf(view, slot)].body;
 }
 
 /* The motion of a member of an expanded node, coded like Traversal.motion. */
@@ -211,7 +211,7 @@ static const Straddler* expandStraddler(Traversal* t, int level, int node, int p
     const int next = piece + 1 < view->pieceCount ? view->pieces[piece + 1].slotBegin : end;
     const int wholes = next < end ? (next - begin) / width : count;
     if (wholes > k) {
-      const int motion = view->pieces[piece].motion;
+      const int motion = view->pieces[piece].body;
       if (moves(view, motion)) {
         moveBlock(world, t->motions[motion], (1u << wholes) - (1u << k), &s->block);
       }

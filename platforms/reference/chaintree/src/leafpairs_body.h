@@ -1,0 +1,415 @@
+/* The pairs of leaves that a trial changes, and all that are near; compiled once for each instruction set by the file
+ * that includes this.
+ *
+ * The boxes are descended pair by pair, as in a clash test. A node is opened when it is first reached: its members get
+ * their bodies and, where they move, boxes in the trial. Of a pair of members one at least is not of the body with most
+ * leaves, the major body, since all pairs within that stay as they are: such members are rows, which are compared with
+ * sixteen others at a time. */
+#include <string.h>
+
+#include "leaves_body.h"
+
+/* Of a member that has particles of many bodies. */
+enum { MANY_BODIES = -1 };
+
+/* ---- Members in the trial ---- */
+
+/* The body of the longest piece, unless more slots are at rest: a good guess for the body with most leaves. */
+static int majorBody(const LeafTask* task) {
+  int major = 0;
+  int longest = 0;
+  int atRest = 0;
+  for (int p = 0; p < task->pieceCount; p++) {
+    const int end = p + 1 < task->pieceCount ? task->pieces[p + 1].slotBegin : task->tree->slotCount;
+    const int slots = end - task->pieces[p].slotBegin;
+    if (task->pieces[p].body == 0) {
+      atRest += slots;
+    } else if (slots > longest) {
+      longest = slots;
+      major = task->pieces[p].body;
+    }
+  }
+  return atRest >= longest ? 0 : major;
+}
+
+/* Moves a position as clients do. */
+static void movePosition(const ctTransform* motion, const ctLeafPositions* from, ctLeafPositions* to, int k) {
+  const double* r = motion->rotation;
+  to->x[k] = r[0] * from->x[k] + r[1] * from->y[k] + r[2] * from->z[k] + motion->translation[0];
+  to->y[k] = r[3] * from->x[k] + r[4] * from->y[k] + r[5] * from->z[k] + motion->translation[1];
+  to->z[k] = r[6] * from->x[k] + r[7] * from->y[k] + r[8] * from->z[k] + motion->translation[2];
+}
+
+/* Writes the box around a leaf in the trial as member k of its parent. */
+static void boxTrialLeaf(const LeafTask* task, int leaf, LeafBoxes* around, int k) {
+  const ctLeafPositions* own = &task->leaves->trial[leaf];
+  const double* const axes[3] = {own->x, own->y, own->z};
+  LeafPoints points;
+  for (int d = 0; d < 3; d++) {
+    for (int i = 0; i < TREE_WIDTH; i++) {
+      points.x[d][i] = (float)(axes[d][i] - task->sequence->worldOrigin[d]);
+    }
+  }
+  boxPoints(&points, task->leaves->occupied[leaf], around, k);
+}
+
+/* Moves a leaf of one body. */
+static void moveLeaf(const LeafTask* task, int leaf, int body, LeafBoxes* around, int k) {
+  const ctLeafPositions* from = &task->leaves->state[leaf];
+  ctLeafPositions* to = &task->leaves->trial[leaf];
+  for (int i = 0; i < TREE_WIDTH; i++) {
+    movePosition(&task->worldMotions[body], from, to, i);
+  }
+  clearEmpty(to, task->leaves->occupied[leaf]);
+  boxTrialLeaf(task, leaf, around, k);
+}
+
+/* Moves a leaf of many pieces, the first of which is `piece`. Returns its body. */
+static int moveManyPieces(const LeafTask* task, int leaf, int piece, LeafBoxes* around, int k) {
+  const ctLeafPositions* from = &task->leaves->state[leaf];
+  ctLeafPositions* to = &task->leaves->trial[leaf];
+  const unsigned occupied = task->leaves->occupied[leaf];
+  int common = CT_NULL;
+  *to = *from;
+  for (int i = 0; i < TREE_WIDTH; i++) {
+    while (piece + 1 < task->pieceCount && task->pieces[piece + 1].slotBegin <= leaf * TREE_WIDTH + i) {
+      piece++;
+    }
+    const int body = task->pieces[piece].body;
+    if ((occupied >> i & 1) == 0) {
+      continue;
+    }
+    if (body != 0) {
+      movePosition(&task->worldMotions[body], from, to, i);
+    }
+    common = i == __builtin_ctz(occupied) || common == body ? body : MANY_BODIES;
+  }
+  boxTrialLeaf(task, leaf, around, k);
+  return common;
+}
+
+/* Moves boxes, of which a mask says which: their middles, and half of their sizes as the motion turns them. The margin
+ * is 33 u (u = 2^-24) of what is summed up for a coordinate, whose roundings are below 12 u of it. */
+static void moveAxisBoxes(const LeafBoxes* from, const Frame* motion, unsigned mask, LeafBoxes* to) {
+  Float16 middle[3];
+  Float16 half[3];
+  for (int d = 0; d < 3; d++) {
+    const Float16 low = load16(from->low[d]);
+    const Float16 high = load16(from->high[d]);
+    middle[d] = mul16(all16(0.5f), add16(low, high));
+    half[d] = mul16(all16(0.5f), sub16(high, low));
+  }
+  for (int d = 0; d < 3; d++) {
+    const float shift = (float)motion->m[d][3];
+    Float16 moved = all16(shift);
+    Float16 reach = all16(0);
+    Float16 size = all16(fabsf(shift));
+    for (int e = 0; e < 3; e++) {
+      const Float16 r = all16((float)motion->m[d][e]);
+      const Float16 along = mul16(absolute16(r), half[e]);
+      const Float16 product = mul16(r, middle[e]);
+      moved = add16(moved, product);
+      reach = add16(reach, along);
+      size = add16(size, add16(absolute16(product), along));
+    }
+    reach = add16(reach, add16(mul16(all16(2e-6f), size), all16(FLOAT_FLOOR)));
+    store16(to->low[d], blend16(mask, load16(to->low[d]), sub16(moved, reach)));
+    store16(to->high[d], blend16(mask, load16(to->high[d]), add16(moved, reach)));
+  }
+}
+
+/* Moves the members of a bit mask, all of one body. */
+static void moveMembers(const LeafTask* task, int level, int node, unsigned mask, int body, LeafBoxes* to) {
+  if (level > 1) {
+    moveAxisBoxes(leafBoxes(task->leaves, task->tree, node), &task->motions[body], mask, to);
+    return;
+  }
+  const int first = (node - task->tree->levelBegin[1]) * TREE_WIDTH;
+  for (; mask != 0; mask &= mask - 1) {
+    const int k = __builtin_ctz(mask);
+    moveLeaf(task, first + k, body, to, k);
+  }
+}
+
+/* Makes the trial's positions of members at rest those of the state. */
+static void restLeaves(const LeafTask* task, int node, unsigned atRest) {
+  Leaves* leaves = task->leaves;
+  const int first = (node - task->tree->levelBegin[1]) * TREE_WIDTH;
+  uint16_t* differs = &leaves->differs[node - task->tree->levelBegin[1]];
+  for (unsigned mask = *differs & atRest; mask != 0; mask &= mask - 1) {
+    const int leaf = first + __builtin_ctz(mask);
+    leaves->trial[leaf] = leaves->state[leaf];
+  }
+  *differs = (uint16_t)(leaves->occupied[node] & ~atRest);
+}
+
+static void setBody(TrialMembers* members, unsigned mask, int body) {
+  for (int k = 0; k < TREE_WIDTH; k++) {
+    members->body[k] = (mask >> k & 1) != 0 ? body : members->body[k];
+  }
+}
+
+/* The body of all members of a node that have particles. */
+static int commonBody(const TrialMembers* members, unsigned occupied) {
+  const int body = occupied == 0 ? 0 : members->body[__builtin_ctz(occupied)];
+  return (occupied & ~equal16(members->body, body)) == 0 ? body : MANY_BODIES;
+}
+
+/* Opens a node of many pieces, the first of which is `piece`, and all such nodes below it. Returns its body. */
+static int openMany(const LeafTask* task, int level, int node, int piece) {
+  const Tree* tree = task->tree;
+  Leaves* leaves = task->leaves;
+  TrialMembers* members = trialMembers(leaves, tree, node);
+  members->stamp = leaves->stamp;
+  members->boxes = *leafBoxes(leaves, tree, node);
+  const unsigned occupied = leaves->occupied[node];
+  const int first = (node - tree->levelBegin[level]) * TREE_WIDTH; /* member, in its level */
+  unsigned moving = 0;
+  for (unsigned left = occupied; left != 0;) {
+    const int k = __builtin_ctz(left);
+    int end;
+    const int child = tree->levelBegin[level - 1] + first + k;
+    const int begin = treeSlots(tree, level - 1, child, &end);
+    while (piece + 1 < task->pieceCount && task->pieces[piece + 1].slotBegin <= begin) {
+      piece++;
+    }
+    const int next = piece + 1 < task->pieceCount ? task->pieces[piece + 1].slotBegin : tree->slotCount;
+    int body = task->pieces[piece].body;
+    unsigned done = 1u << k;
+    if (next >= end) {
+      /* As many as lie in this piece. */
+      const int64_t width = (int64_t)1 << TREE_WIDTH_BITS * level;
+      const int64_t wholes = next == tree->slotCount ? TREE_WIDTH : next / width - first;
+      done = left & (wholes < TREE_WIDTH ? (1u << wholes) - 1 : 0xffff);
+      if (body != 0) {
+        moveMembers(task, level, node, done, body, &members->boxes);
+      }
+    } else if (level == 1) {
+      body = moveManyPieces(task, child, piece, &members->boxes, k);
+    } else {
+      body = openMany(task, level - 1, child, piece);
+      boxMembers(&trialMembers(leaves, tree, child)->boxes, &members->boxes, k);
+    }
+    setBody(members, done, body);
+    moving |= body == 0 ? 0 : done;
+    left &= ~done;
+  }
+  if (level == 1) {
+    restLeaves(task, node, occupied & ~moving);
+  }
+  return commonBody(members, occupied);
+}
+
+/* Opens a node of this body, unless that is done. */
+static void openNode(const LeafTask* task, int level, int node, int body) {
+  Leaves* leaves = task->leaves;
+  TrialMembers* members = trialMembers(leaves, task->tree, node);
+  if (members->stamp == leaves->stamp) {
+    return;
+  }
+  const unsigned occupied = leaves->occupied[node];
+  members->stamp = leaves->stamp;
+  setBody(members, 0xffff, body);
+  if (body != 0) {
+    members->boxes = *leafBoxes(leaves, task->tree, node); /* empty members have boxes too */
+    moveMembers(task, level, node, occupied, body, &members->boxes);
+  }
+  if (level == 1) {
+    restLeaves(task, node, body == 0 ? occupied : 0);
+  }
+}
+
+/* ---- Pairs ---- */
+
+/* A node that the descent has reached: member k of its parent. */
+typedef struct Reached {
+  int node;
+  int k;
+  const LeafBoxes* before; /* of its parent's members */
+  const LeafBoxes* after;
+  int body;
+} Reached;
+
+/* An opened node. */
+typedef struct Opened {
+  const LeafBoxes* before; /* of its members */
+  const LeafBoxes* after;
+  const int* body;
+  unsigned occupied;
+  unsigned rows; /* members that are not of the major body */
+  int first;     /* member, in its level */
+} Opened;
+
+/* A descent. */
+typedef struct LeafDescent {
+  LeafTask* task;
+  bool inTrial;
+  int major;
+  float limit; /* of squared gaps */
+} LeafDescent;
+
+/* Squared gaps between a box and sixteen others. */
+CT_INLINE Float16 squaredGaps(const LeafBoxes* row, int k, const LeafBoxes* others) {
+  Float16 gap[3];
+  for (int d = 0; d < 3; d++) {
+    const Float16 below = sub16(load16(others->low[d]), all16(row->high[d][k]));
+    const Float16 above = sub16(all16(row->low[d][k]), load16(others->high[d]));
+    gap[d] = max16(max16(below, above), all16(0));
+  }
+  return squared16(gap[0], gap[1], gap[2]);
+}
+
+/* Those of `columns` that are near a box, before the trial or in it; and their squared gaps. */
+CT_INLINE unsigned findNearBoxes(LeafDescent* d, const LeafBoxes* before, const LeafBoxes* after, int k,
+                                 const Opened* others, unsigned columns, Float16* gaps) {
+  *gaps = squaredGaps(before, k, others->before);
+  if (d->inTrial) {
+    *gaps = min16(*gaps, squaredGaps(after, k, others->after));
+  }
+  d->task->tests += TREE_WIDTH;
+  return columns & ~greater16(*gaps, all16(d->limit));
+}
+
+static void addPairs(LeafDescent* d, int row, const Opened* others, unsigned near, Float16 gaps) {
+  LeafPairs* pairs = d->task->pairs;
+  if (!ctLeafPairsReserve(pairs, pairs->count + TREE_WIDTH)) {
+    d->task->failed = true;
+    return;
+  }
+  float gap[TREE_WIDTH];
+  store16(gap, gaps);
+  ctLeafPair* to = pairs->pairs + pairs->count;
+  for (; near != 0; near &= near - 1) {
+    const int k = __builtin_ctz(near);
+    const int column = others->first + k;
+    *to++ = row < column ? (ctLeafPair){row, column, gap[k]} : (ctLeafPair){column, row, gap[k]};
+  }
+  pairs->count = (size_t)(to - pairs->pairs);
+}
+
+static Opened openReached(const LeafDescent* d, int level, const Reached* reached) {
+  const LeafTask* task = d->task;
+  Opened o = {0};
+  o.before = leafBoxes(task->leaves, task->tree, reached->node);
+  o.after = o.before;
+  o.occupied = task->leaves->occupied[reached->node];
+  o.rows = o.occupied;
+  o.first = (reached->node - task->tree->levelBegin[level]) * TREE_WIDTH;
+  if (d->inTrial) {
+    openNode(task, level, reached->node, reached->body);
+    const TrialMembers* members = trialMembers(task->leaves, task->tree, reached->node);
+    o.after = reached->body == 0 ? o.before : &members->boxes;
+    o.body = members->body;
+    o.rows = o.occupied & ~equal16(members->body, d->major);
+  }
+  return o;
+}
+
+static void descendLeaves(LeafDescent* d, int level, const Reached* a, const Reached* b);
+
+static Reached reachMember(const LeafDescent* d, int level, const Opened* o, int k) {
+  const int node = d->task->tree->levelBegin[level - 1] + o->first + k;
+  return (Reached){node, k, o->before, o->after, d->inTrial ? o->body[k] : 0};
+}
+
+/* Looks at row k of an opened node against these columns of another. */
+static void lookAtRow(LeafDescent* d, int level, const Opened* rows, int k, const Opened* others, unsigned columns) {
+  Float16 gaps;
+  unsigned near = findNearBoxes(d, rows->before, rows->after, k, others, columns, &gaps);
+  if (near == 0) {
+    return;
+  }
+  if (level == 1) {
+    addPairs(d, rows->first + k, others, near, gaps);
+    return;
+  }
+  const Reached row = reachMember(d, level, rows, k);
+  for (; near != 0 && !d->task->failed; near &= near - 1) {
+    const Reached column = reachMember(d, level, others, __builtin_ctz(near));
+    if (row.node <= column.node) {
+      descendLeaves(d, level - 1, &row, &column);
+    } else {
+      descendLeaves(d, level - 1, &column, &row);
+    }
+  }
+}
+
+/* The columns that a row is compared with, all in one node: those that it moves against. */
+static unsigned columnsOfRow(const LeafDescent* d, const Opened* rows, int k, const Opened* others) {
+  if (!d->inTrial || rows->body[k] == MANY_BODIES) {
+    return others->occupied;
+  }
+  return others->occupied & ~equal16(others->body, rows->body[k]);
+}
+
+/* Lists the pairs of leaves below two nodes of a level, or of one node with itself. */
+static void descendLeaves(LeafDescent* d, int level, const Reached* a, const Reached* b) {
+  const Opened first = openReached(d, level, a);
+  if (a->node == b->node) {
+    for (unsigned left = first.rows; left != 0 && !d->task->failed; left &= left - 1) {
+      const int k = __builtin_ctz(left);
+      /* Pairs of two rows belong to the first. */
+      const unsigned earlier = first.rows & ((1u << k) - 1);
+      lookAtRow(d, level, &first, k, &first, columnsOfRow(d, &first, k, &first) & ~earlier);
+    }
+    return;
+  }
+  const Opened second = openReached(d, level, b);
+  Float16 gaps;
+  unsigned left = first.rows;
+  if ((left & (left - 1)) != 0) {
+    left = findNearBoxes(d, b->before, b->after, b->k, &first, left, &gaps);
+  }
+  for (; left != 0 && !d->task->failed; left &= left - 1) {
+    const int k = __builtin_ctz(left);
+    lookAtRow(d, level, &first, k, &second, columnsOfRow(d, &first, k, &second));
+  }
+  const unsigned others = first.occupied & ~first.rows;
+  left = others == 0 ? 0 : second.rows;
+  if ((left & (left - 1)) != 0) {
+    left = findNearBoxes(d, a->before, a->after, a->k, &second, left, &gaps);
+  }
+  for (; left != 0 && !d->task->failed; left &= left - 1) {
+    lookAtRow(d, level, &second, __builtin_ctz(left), &first, others);
+  }
+}
+
+/* The largest distance from worldOrigin of a corner of member 0. */
+static double cornerOf(const LeafBoxes* boxes) {
+  double corner[3];
+  for (int d = 0; d < 3; d++) {
+    corner[d] = larger(fabs((double)boxes->low[d][0]), fabs((double)boxes->high[d][0]));
+  }
+  return sqrt(dot(corner, corner));
+}
+
+/* The largest squared gap of boxes around particles within the cutoff. Positions in the trial and after its commit
+ * differ by DOUBLE_MARGIN of the extent; 1e-6 is 17 u of the square, whose roundings are 5 u. */
+static float gapLimit(const LeafTask* task, const LeafBoxes* before, const LeafBoxes* after) {
+  const double* origin = task->sequence->worldOrigin;
+  const double extent = sqrt(dot(origin, origin)) + cornerOf(before) + cornerOf(after);
+  const double reach = task->cutoff + DOUBLE_MARGIN * extent;
+  return (float)(reach * reach * (1 + 1e-6)) + FLOAT_FLOOR;
+}
+
+static void listLeafPairs(LeafTask* task) {
+  const Tree* tree = task->tree;
+  Leaves* leaves = task->leaves;
+  const int crown = treeCrown(tree);
+  const int level = tree->levelCount;
+  LeafDescent descent = {.task = task, .inTrial = task->pieceCount > 0};
+  Reached top = {.node = crown};
+  if (leaves->occupied[crown] == 0 || task->pieceCount == 1) {
+    return; /* no particles, or all of them move as one */
+  }
+  const LeafBoxes* before = leafBoxes(leaves, tree, crown);
+  const LeafBoxes* after = before;
+  if (descent.inTrial) {
+    leaves->stamp++;
+    descent.major = majorBody(task);
+    top.body = openMany(task, level, crown, 0);
+    after = &trialMembers(leaves, tree, crown)->boxes;
+  }
+  descent.limit = gapLimit(task, before, after);
+  descendLeaves(&descent, level, &top, &top);
+}

@@ -1,0 +1,205 @@
+#include "leaves.h"
+
+#include <stdlib.h>
+
+#include "instructions.h"
+#include "scene.h"
+
+_Static_assert(CT_LEAF_WIDTH == TREE_WIDTH, "clients see the tree's leaves");
+
+/* ---- Memory ---- */
+
+/* Finds which members have particles, from the leaves up. */
+static void findOccupied(Leaves* leaves, const Tree* tree, const Sequence* s) {
+  for (int slot = 0; slot < tree->slotCount; slot++) {
+    if (s->slotParticle[slot] != CT_NULL) {
+      leaves->occupied[slot / TREE_WIDTH] |= (uint16_t)(1u << slot % TREE_WIDTH);
+    }
+  }
+  for (int level = 0; level < tree->levelCount; level++) {
+    for (int i = 0; i < tree->levelSize[level]; i++) {
+      const int node = tree->levelBegin[level] + i;
+      if (leaves->occupied[node] != 0) {
+        leaves->occupied[treeParent(tree, level, node)] |= (uint16_t)(1u << i % TREE_WIDTH);
+      }
+    }
+  }
+}
+
+bool ctLeavesReserve(Leaves* leaves, const Tree* tree, const Sequence* sequence) {
+  if (leaves->state != NULL) {
+    return true;
+  }
+  leaves->state = ctArenaAllocate(&leaves->arena, (size_t)tree->levelSize[0], sizeof(ctLeafPositions));
+  leaves->occupied = ctArenaAllocate(&leaves->arena, (size_t)tree->nodeCount + 1, sizeof(uint16_t));
+  if (leaves->arena.failed) {
+    ctArenaFree(&leaves->arena);
+    leaves->state = NULL;
+    return false;
+  }
+  findOccupied(leaves, tree, sequence);
+  leaves->time = NEVER;
+  return true;
+}
+
+static void clearBoxes(LeafBoxes* boxes) {
+  for (int d = 0; d < 3; d++) {
+    for (int k = 0; k < TREE_WIDTH; k++) {
+      boxes->low[d][k] = INFINITY;
+      boxes->high[d][k] = -INFINITY;
+    }
+  }
+}
+
+bool ctLeavesReservePairs(Leaves* leaves, const Tree* tree) {
+  if (leaves->boxes != NULL) {
+    return true;
+  }
+  const size_t inner = (size_t)(tree->nodeCount - tree->levelBegin[1]) + 1;
+  leaves->boxes = ctArenaAllocate(&leaves->pairArena, inner, sizeof(LeafBoxes));
+  leaves->members = ctArenaAllocate(&leaves->pairArena, inner, sizeof(TrialMembers));
+  leaves->trial = ctArenaAllocate(&leaves->pairArena, (size_t)tree->levelSize[0], sizeof(ctLeafPositions));
+  leaves->differs = ctArenaAllocate(&leaves->pairArena, inner, sizeof(uint16_t));
+  if (leaves->pairArena.failed) {
+    ctArenaFree(&leaves->pairArena);
+    leaves->boxes = NULL;
+    return false;
+  }
+  for (size_t i = 0; i < inner; i++) {
+    clearBoxes(&leaves->boxes[i]);
+    clearBoxes(&leaves->members[i].boxes);
+  }
+  leaves->time = NEVER; /* boxes are made together with positions */
+  return true;
+}
+
+void ctLeavesFree(Leaves* leaves) {
+  ctArenaFree(&leaves->arena);
+  ctArenaFree(&leaves->pairArena);
+  free(leaves->changed.pairs);
+  free(leaves->all.pairs);
+}
+
+bool ctLeafPairsReserve(LeafPairs* pairs, size_t count) {
+  if (count <= pairs->capacity) {
+    return true;
+  }
+  const size_t grown = count > 2 * pairs->capacity ? count : 2 * pairs->capacity;
+  ctLeafPair* moved = grown > SIZE_MAX / sizeof *moved ? NULL : realloc(pairs->pairs, grown * sizeof *moved);
+  if (moved == NULL) {
+    return false;
+  }
+  pairs->pairs = moved;
+  pairs->capacity = grown;
+  return true;
+}
+
+/* ---- Public calls ---- */
+
+int ctGetLeafCount(const ctChainTree* tree) {
+  return tree->staleTree.levelSize[0];
+}
+
+void ctGetLeafParticles(const ctChainTree* tree, int* particles) {
+  const Sequence* s = &tree->sequence;
+  const int slots = ctGetLeafCount(tree) * CT_LEAF_WIDTH;
+  for (int slot = 0; slot < slots; slot++) {
+    particles[slot] = slot < s->slotCount ? s->slotParticle[slot] : CT_NULL;
+  }
+}
+
+/* Makes what is kept that of the state. */
+static void update(ctChainTree* scene) {
+  Tree* tree = ctSceneTree(scene);
+  if (scene->leaves.time != tree->time) {
+    tree->instructions->updateLeaves(&scene->leaves, tree, &scene->sequence);
+    scene->leaves.time = tree->time;
+  }
+}
+
+const ctLeafPositions* ctGetLeaves(ctChainTree* tree, int64_t* version) {
+  if (!ctLeavesReserve(&tree->leaves, &tree->staleTree, &tree->sequence)) {
+    ctFailOutOfMemory(tree);
+    return NULL;
+  }
+  update(tree);
+  *version = tree->version;
+  return tree->leaves.state;
+}
+
+int ctGetTrialPieces(ctChainTree* tree, const ctPiece** pieces, const ctTransform** motions) {
+  Trial* trial = &tree->trial;
+  *pieces = NULL;
+  *motions = NULL;
+  if (!trial->open) {
+    return 0;
+  }
+  ctTrialShow(trial, &tree->sequence);
+  *pieces = trial->pieces;
+  *motions = trial->worldMotions;
+  return trial->pieceCount;
+}
+
+int ctGetTrialLinks(ctChainTree* tree, const int** links) {
+  Trial* trial = &tree->trial;
+  *links = NULL;
+  if (!trial->open) {
+    return 0;
+  }
+  ctTrialShow(trial, &tree->sequence);
+  *links = trial->userLinks;
+  return trial->count;
+}
+
+/* Lists pairs of leaves of the state, or of the open trial. */
+static ctStatus listPairs(ctChainTree* scene, bool inTrial, double cutoff, LeafPairs* pairs, ctCounts* counts) {
+  if (!(cutoff > 0)) {
+    return ctFail(scene, ctInvalidArgument, "the cutoff is %g nm; it must be positive", cutoff);
+  }
+  Leaves* leaves = &scene->leaves;
+  const Tree* tree = ctSceneTree(scene);
+  if (!ctLeavesReserve(leaves, tree, &scene->sequence) || !ctLeavesReservePairs(leaves, tree)) {
+    return ctFailOutOfMemory(scene);
+  }
+  update(scene);
+  LeafTask task = {.leaves = leaves, .tree = tree, .sequence = &scene->sequence, .pairs = pairs, .cutoff = cutoff};
+  if (inTrial) {
+    ctTrialShow(&scene->trial, &scene->sequence);
+    task.pieceCount = scene->trial.pieceCount;
+    task.pieces = scene->trial.pieces;
+    task.motions = scene->trial.motions;
+    task.worldMotions = scene->trial.worldMotions;
+  }
+  pairs->count = 0;
+  tree->instructions->listLeafPairs(&task);
+  if (task.failed) {
+    return ctFailOutOfMemory(scene);
+  }
+  if (counts != NULL) {
+    counts->volumeTests += task.tests;
+  }
+  return ctSuccess;
+}
+
+ctStatus ctGetChangedLeafPairs(ctChainTree* tree, double cutoff, size_t* count, const ctLeafPair** pairs,
+                               const ctLeafPositions** positions, ctCounts* counts) {
+  if (!tree->trial.open) {
+    return ctFailNoTrial(tree);
+  }
+  const ctStatus status = listPairs(tree, true, cutoff, &tree->leaves.changed, counts);
+  if (status == ctSuccess) {
+    *count = tree->leaves.changed.count;
+    *pairs = tree->leaves.changed.pairs;
+    *positions = tree->leaves.trial;
+  }
+  return status;
+}
+
+ctStatus ctGetLeafPairs(ctChainTree* tree, double cutoff, size_t* count, const ctLeafPair** pairs, ctCounts* counts) {
+  const ctStatus status = listPairs(tree, false, cutoff, &tree->leaves.all, counts);
+  if (status == ctSuccess) {
+    *count = tree->leaves.all.count;
+    *pairs = tree->leaves.all.pairs;
+  }
+  return status;
+}

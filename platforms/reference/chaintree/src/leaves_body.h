@@ -1,0 +1,108 @@
+/* Positions of leaves in the world and boxes around them, compiled once for each instruction set by the file that
+ * includes this. */
+#ifndef CT_LEAVES_BODY_H_
+#define CT_LEAVES_BODY_H_
+
+#include "instructions.h"
+#include "leaves.h"
+#include "simd.h"
+#include "volume.h"
+
+/* A coordinate of some particles, from worldOrigin. */
+typedef struct LeafPoints {
+  float x[3][TREE_WIDTH];
+} LeafPoints;
+
+/* What the roundings to float may take from a box of particles: half a unit in the last place. */
+#define BOX_MARGIN 1.2e-7f
+
+/* Writes the box around the points of a leaf as member k of its parent. */
+static void boxPoints(const LeafPoints* points, unsigned occupied, LeafBoxes* around, int k) {
+  for (int d = 0; d < 3; d++) {
+    const Float16 x = load16(points->x[d]);
+    const float low = least16(blend16(occupied, all16(INFINITY), x));
+    const float high = most16(blend16(occupied, all16(-INFINITY), x));
+    around->low[d][k] = low - (BOX_MARGIN * fabsf(low) + FLOAT_FLOOR);
+    around->high[d][k] = high + (BOX_MARGIN * fabsf(high) + FLOAT_FLOOR);
+  }
+}
+
+/* Writes the box around the members of a node as member k of its parent. */
+static void boxMembers(const LeafBoxes* members, LeafBoxes* around, int k) {
+  for (int d = 0; d < 3; d++) {
+    around->low[d][k] = least16(load16(members->low[d]));
+    around->high[d][k] = most16(load16(members->high[d]));
+  }
+}
+
+/* Sets the positions of slots that hold no particle to 0. */
+static void clearEmpty(ctLeafPositions* leaf, unsigned occupied) {
+  for (unsigned empty = ~occupied & 0xffff; empty != 0; empty &= empty - 1) {
+    const int k = __builtin_ctz(empty);
+    leaf->x[k] = 0;
+    leaf->y[k] = 0;
+    leaf->z[k] = 0;
+  }
+}
+
+/* ---- The state ---- */
+
+/* Computes the positions of a leaf, by the sums that ctGetPositions makes. */
+static void placeLeaf(Leaves* leaves, const Tree* tree, const Sequence* s, int leaf, const Frame* frame,
+                      LeafPoints* points) {
+  const Leaf* own = &tree->leaf[leaf];
+  ctLeafPositions* to = &leaves->state[leaf];
+  double* const axes[3] = {to->x, to->y, to->z};
+  for (int d = 0; d < 3; d++) {
+    double* axis = axes[d];
+    for (int k = 0; k < TREE_WIDTH; k++) {
+      const double x =
+          frame->m[d][0] * own->x[k] + frame->m[d][1] * own->y[k] + frame->m[d][2] * own->z[k] + frame->m[d][3];
+      points->x[d][k] = (float)x;
+      axis[k] = x + s->worldOrigin[d];
+    }
+  }
+  clearEmpty(to, leaves->occupied[leaf]);
+}
+
+/* True if a node has not changed or moved since positions were computed. */
+static bool nodeStays(const Leaves* leaves, const Tree* tree, int firstMoved, int level, int node) {
+  const int leafEnd = (node - tree->levelBegin[level] + 1) << TREE_WIDTH_BITS * level;
+  return tree->contentTime[node] <= leaves->time && leafEnd <= firstMoved;
+}
+
+/* Brings the leaves below a node up to date, and its own box, which is member k of its parent. */
+static void updateNode(Leaves* leaves, const Tree* tree, const Sequence* s, int firstMoved, int level, int node,
+                       const Frame* frame) {
+  const bool isBoxed = leaves->boxes != NULL && leaves->occupied[node] != 0;
+  LeafBoxes* around = isBoxed ? leafBoxes(leaves, tree, treeParent(tree, level, node)) : NULL;
+  const int k = (node - tree->levelBegin[level]) % TREE_WIDTH;
+  if (level == 0) {
+    LeafPoints points;
+    placeLeaf(leaves, tree, s, node, frame, &points);
+    if (around != NULL) {
+      boxPoints(&points, leaves->occupied[node], around, k);
+      leaves->differs[treeParent(tree, 0, node) - tree->levelBegin[1]] |= (uint16_t)(1u << k);
+    }
+    return;
+  }
+  int count;
+  const int first = treeChildren(tree, level, node, &count);
+  for (int child = first; child < first + count; child++) {
+    if (!nodeStays(leaves, tree, firstMoved, level - 1, child)) {
+      const Frame inWorld = transformCompose(frame, &tree->pose[child]);
+      updateNode(leaves, tree, s, firstMoved, level - 1, child, &inWorld);
+    }
+  }
+  if (around != NULL) {
+    boxMembers(leafBoxes(leaves, tree, node), around, k);
+  }
+}
+
+static void updateLeaves(Leaves* leaves, const Tree* tree, const Sequence* s) {
+  const int firstMoved = treeFirstMoved(tree, leaves->time);
+  const int root = treeRoot(tree);
+  updateNode(leaves, tree, s, firstMoved, treeTop(tree), root, &tree->pose[root]);
+}
+
+#endif /* CT_LEAVES_BODY_H_ */
