@@ -83,6 +83,7 @@ public:
     std::vector<double> sumByForce(double pairs, const std::vector<double>& termSets) const;
 
 private:
+    void decide(int index, int groupsOfU, bool allowNative, bool isSoft);
     const OpenMM::ContextImpl& context;
     /** The Forces there were when the plan was made. */
     std::vector<const OpenMM::Force*> forces;

@@ -9,6 +9,7 @@
 #include <set>
 #include <string>
 #include <tuple>
+#include <utility>
 #include <vector>
 
 namespace ChainTreePlugin {
@@ -48,22 +49,25 @@ public:
     std::string translate(const std::string& expression);
 
 private:
-    class Unknown;
     typedef std::tuple<int, int, int, int, unsigned long long> Key;
     int translateNode(const Lepton::ExpressionTreeNode& node);
-    int translateFunction(const Lepton::ExpressionTreeNode& node);
     int translateVariable(const std::string& name);
-    int measurePoints(const std::string& function, const std::vector<Lepton::ExpressionTreeNode>& coordinates);
+    int translateFunction(const Lepton::ExpressionTreeNode& node);
+    int translateDistance(const std::vector<Lepton::ExpressionTreeNode>& coordinates);
+    int shorten(EnergyTerms::Operator kind, const std::array<int, 3>& arguments);
     int addMeasure(EnergyTerms::Measure measure, const std::array<int, 4>& particles);
     int addOperation(EnergyTerms::Operator kind, const std::array<int, 3>& arguments, double constant = 0);
     void addName(const std::string& name);
     EnergyTerms::TermSet& set;
+    /** All names but those of particles and functions, and one of those that came twice. */
     std::set<std::string> names;
     std::string repeatedName;
     std::map<std::string, EnergyTerms::Input> inputs;
     std::map<std::string, int> parameters, particles;
     std::map<std::string, double> constants;
+    /** How many arguments they take, and their descriptions. */
     std::map<std::string, std::pair<int, std::string>> foreignFunctions;
+    /** The particles by the names of their coordinates. */
     std::map<std::array<std::string, 3>, int> points;
     /** The operations there are, by what they do. */
     std::map<Key, int> known;

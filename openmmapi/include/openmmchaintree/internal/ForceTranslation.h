@@ -2,6 +2,7 @@
 #define OPENMM_CHAINTREE_FORCETRANSLATION_H_
 
 #include "openmm/Force.h"
+#include "openmm/System.h"
 #include "openmmchaintree/internal/EnergyTerms.h"
 #include "openmmchaintree/internal/windowsExportChainTree.h"
 #include <map>
@@ -33,14 +34,14 @@ public:
 /**
  * Append the energy of a Force to the terms.
  *
- * @param force       the Force, which some Context has taken
- * @param index       its index in the System
+ * @param system      the System of a Context
+ * @param index       the index of the Force in it
  * @param parameters  the values of the Context's parameters
  * @param terms       what to append to
- * @return an empty text, or else one clause that says why this Force has to be evaluated by OpenMM; then the terms are
- *         as they were. This is no error, whatever the Force may be
+ * @return an empty text, or else one clause that says why OpenMM has to evaluate this Force; then the terms are as they
+ *         were. This is no error, whatever the Force may be
  */
-OPENMM_EXPORT_CHAINTREE std::string translateForce(const OpenMM::Force& force, int index,
+OPENMM_EXPORT_CHAINTREE std::string translateForce(const OpenMM::System& system, int index,
                                                    const NativeForceKind::Parameters& parameters, EnergyTerms& terms);
 
 // What translators share.

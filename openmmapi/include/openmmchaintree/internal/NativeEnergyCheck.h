@@ -1,9 +1,7 @@
 #ifndef OPENMM_CHAINTREE_NATIVEENERGYCHECK_H_
 #define OPENMM_CHAINTREE_NATIVEENERGYCHECK_H_
 
-#include "openmm/Context.h"
 #include "openmm/internal/ContextImpl.h"
-#include "openmm/System.h"
 #include "openmm/Vec3.h"
 #include "openmmchaintree/internal/EnergyPlan.h"
 #include "openmmchaintree/internal/windowsExportChainTree.h"
@@ -28,7 +26,8 @@ public:
     NativeEnergyCheck(const OpenMM::ContextImpl& context, const EnergyPlan& plan);
     ~NativeEnergyCheck();
     /**
-     * Take notice that the plan was translated anew: the next comparison copies its Forces again.
+     * Take notice that the plan has changed in more than the values of the Context's parameters: the next comparison
+     * copies its Forces again.
      */
     void forgetForces();
     /**
@@ -37,17 +36,21 @@ public:
      * @param positions     the positions of the kernel's state
      * @param energies      the energy of each Force in it, as EnergyPlan::sumByForce() gives it
      * @param groupEnergy   the main Context's energy, which is asked for groups that are wholly native; empty: none are
-     * @return whether this says much. At huge energies, as those of overlapping particles, a misread Force can hide in
-     *         what rounding does to them
+     * @return whether this says much. At huge forces, as those of overlapping particles, a misread Force can hide in
+     * what rounding does to energies
      */
     bool check(const std::vector<OpenMM::Vec3>& positions, const std::vector<double>& energies,
                const GroupEnergy& groupEnergy);
 
 private:
     class Copies;
+    void copyForces();
+    bool checkForces(const std::vector<OpenMM::Vec3>& positions, const std::vector<double>& energies) const;
+    void checkGroups(const GroupEnergy& groupEnergy) const;
     const OpenMM::ContextImpl& context;
     const EnergyPlan& plan;
-    std::unique_ptr<Copies> copies;
+    /** As many as it takes, since each holds as many Forces as there are groups. */
+    std::vector<std::unique_ptr<Copies>> copies;
 };
 
 } // namespace ChainTreePlugin

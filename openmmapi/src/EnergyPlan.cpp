@@ -1,0 +1,160 @@
+#include "openmmchaintree/internal/EnergyPlan.h"
+#include "openmm/AndersenThermostat.h"
+#include "openmm/CMMotionRemover.h"
+#include "openmm/Force.h"
+#include "openmm/NonbondedForce.h"
+#include "openmm/System.h"
+#include "openmmchaintree/internal/ForceTranslation.h"
+#include "openmmchaintree/StericExclusionForce.h"
+
+using namespace ChainTreePlugin;
+using namespace OpenMM;
+using namespace std;
+
+static bool hasReciprocalSpace(const NonbondedForce& force)
+{
+    const NonbondedForce::NonbondedMethod method = force.getNonbondedMethod();
+    return method != NonbondedForce::NoCutoff && method != NonbondedForce::CutoffNonPeriodic &&
+           method != NonbondedForce::CutoffPeriodic;
+}
+
+/**
+ * Get the force groups in which a Force is evaluated, as a bit mask.
+ */
+static int findGroups(const Force& force)
+{
+    unsigned int groups = 1u << force.getForceGroup();
+    const NonbondedForce* nonbonded = dynamic_cast<const NonbondedForce*>(&force);
+    if (nonbonded != NULL && hasReciprocalSpace(*nonbonded) && nonbonded->getReciprocalSpaceForceGroup() >= 0)
+        groups |= 1u << nonbonded->getReciprocalSpaceForceGroup();
+    return groups;
+}
+
+static bool isSteric(const Force& force)
+{
+    return dynamic_cast<const StericExclusionForce*>(&force) != NULL;
+}
+
+/**
+ * Get whether a Force acts on velocities alone.
+ */
+static bool hasNoEnergy(const Force& force)
+{
+    return dynamic_cast<const CMMotionRemover*>(&force) != NULL ||
+           dynamic_cast<const AndersenThermostat*>(&force) != NULL;
+}
+
+static string plural(long long count, const string& noun)
+{
+    return to_string(count) + " " + noun + (count == 1 ? "" : "s");
+}
+
+EnergyPlan::EnergyPlan(const ContextImpl& context) : context(context)
+{
+    const System& system = context.getSystem();
+    for (int i = 0; i < system.getNumForces(); i++) {
+        const Force& force = system.getForce(i);
+        forces.push_back(&force);
+        entries.push_back({force.getName(), findGroups(force), None, ""});
+    }
+}
+
+/**
+ * Decide about a Force, and append it to the terms if it is native.
+ */
+void EnergyPlan::decide(int index, int groupsOfU, bool allowNative, bool isSoft)
+{
+    Entry& entry = entries[index];
+    const System& system = context.getSystem();
+    auto set = [&](Kind kind, const string& reason) {
+        entry.kind = kind;
+        entry.reason = reason;
+    };
+    if (index >= system.getNumForces() || &system.getForce(index) != forces[index])
+        return set(Foreign, "it was removed from the System after the Context was made");
+    const Force& force = system.getForce(index);
+    entry.name = force.getName();
+    if (isSteric(force)) {
+        if (isSoft)
+            return set(Native, "its soft spheres are a part of the energy");
+        return set(None, "its spheres are hard, so that they have no energy");
+    }
+    if (hasNoEnergy(force))
+        return set(None, "it has no energy");
+    if ((entry.groups & groupsOfU) == 0)
+        return set(None, "its force group is not an integration force group");
+    if (!allowNative)
+        return set(Foreign, "native energies are switched off");
+    const string reason = translateForce(system, index, context.getParameters(), terms);
+    if (!reason.empty())
+        return set(Foreign, reason);
+    set(Native, "openmm-chaintree evaluates it");
+}
+
+void EnergyPlan::translate(int groups, bool allowNative, bool isSoft)
+{
+    terms = EnergyTerms();
+    for (size_t i = 0; i < entries.size(); i++)
+        decide(i, groups, allowNative, isSoft);
+}
+
+void EnergyPlan::setChangeableTerms(const vector<int>& counts, bool somethingMoves)
+{
+    for (size_t i = 0; i < entries.size(); i++) {
+        long long numTerms = 0, numChangeable = 0;
+        bool isTranslated = false, hasPairs = false;
+        for (const EnergyTerms::Nonbonded& nonbonded : terms.nonbonded)
+            hasPairs |= nonbonded.force == (int)i;
+        for (size_t j = 0; j < terms.termSets.size(); j++) {
+            const EnergyTerms::TermSet& set = terms.termSets[j];
+            if (set.force != (int)i)
+                continue;
+            isTranslated = true;
+            numTerms += set.particles.size() / max(1, set.particlesPerTerm);
+            numChangeable += counts[j];
+        }
+        if (!isTranslated)
+            continue;
+        Entry& entry = entries[i];
+        const bool canChange = somethingMoves && (hasPairs || numChangeable > 0);
+        entry.kind = canChange ? Native : Constant;
+        if (hasPairs)
+            entry.reason = canChange ? "openmm-chaintree evaluates the pairs that a trial changes" : "nothing moves";
+        else if (numTerms == 0)
+            entry.reason = "it has no terms";
+        else if (!canChange)
+            entry.reason = "no move changes its " + plural(numTerms, "term");
+        else if (numChangeable == numTerms)
+            entry.reason =
+                "moves change " + string(numTerms == 1 ? "its one term" : "all of its " + plural(numTerms, "term"));
+        else
+            entry.reason = "moves change " + to_string(numChangeable) + " of its " + plural(numTerms, "term");
+    }
+}
+
+int EnergyPlan::getGroups(Kind kind) const
+{
+    int groups = 0;
+    for (const Entry& entry : entries)
+        if (entry.kind == kind)
+            groups |= entry.groups;
+    return groups;
+}
+
+int EnergyPlan::getWhollyNativeGroups() const
+{
+    int native = 0;
+    for (const EnergyTerms::TermSet& set : terms.termSets)
+        native |= entries[set.force].groups;
+    return native & ~getGroups(Foreign);
+}
+
+vector<double> EnergyPlan::sumByForce(double pairs, const vector<double>& termSets) const
+{
+    vector<double> energies(entries.size());
+    for (const EnergyTerms::Nonbonded& nonbonded : terms.nonbonded)
+        energies[nonbonded.force] += pairs;
+    for (size_t i = 0; i < terms.termSets.size(); i++)
+        energies[terms.termSets[i].force] += termSets[i];
+    return energies;
+}

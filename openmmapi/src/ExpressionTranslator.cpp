@@ -1,0 +1,495 @@
+#include "openmmchaintree/internal/ExpressionTranslator.h"
+#include "lepton/CustomFunction.h"
+#include "lepton/Operation.h"
+#include "lepton/ParsedExpression.h"
+#include "lepton/Parser.h"
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+#include <limits>
+#include <memory>
+#include <stdexcept>
+
+using namespace ChainTreePlugin;
+using namespace std;
+using Lepton::ExpressionTreeNode;
+
+namespace {
+
+/**
+ * Says why an expression cannot be translated.
+ */
+class Untranslatable : public runtime_error {
+public:
+    using runtime_error::runtime_error;
+};
+
+/**
+ * Stands for a function whose values the parser does not need. If it asked for one all the same, the expression would
+ * become NaN, which nobody takes for an energy.
+ */
+class Placeholder : public Lepton::CustomFunction {
+public:
+    explicit Placeholder(int numArguments) : numArguments(numArguments)
+    {
+    }
+    int getNumArguments() const
+    {
+        return numArguments;
+    }
+    double evaluate(const double*) const
+    {
+        return numeric_limits<double>::quiet_NaN();
+    }
+    double evaluateDerivative(const double*, const int*) const
+    {
+        return numeric_limits<double>::quiet_NaN();
+    }
+    CustomFunction* clone() const
+    {
+        return new Placeholder(numArguments);
+    }
+
+private:
+    const int numArguments;
+};
+
+/**
+ * A function of particles, or of points.
+ */
+class MeasuringFunction {
+public:
+    const char* name;
+    EnergyTerms::Measure measure;
+    int numPoints;
+    /** Whether it takes the coordinates of points instead of the names of particles. */
+    bool takesCoordinates;
+};
+
+} // namespace
+
+static const MeasuringFunction MEASURING_FUNCTIONS[] = {
+    {"distance", EnergyTerms::Distance, 2, false}, {"angle", EnergyTerms::Angle, 3, false},
+    {"dihedral", EnergyTerms::Dihedral, 4, false}, {"pointdistance", EnergyTerms::Distance, 2, true},
+    {"pointangle", EnergyTerms::Angle, 3, true},   {"pointdihedral", EnergyTerms::Dihedral, 4, true},
+};
+
+static const MeasuringFunction& findMeasuringFunction(const string& name)
+{
+    for (const MeasuringFunction& function : MEASURING_FUNCTIONS)
+        if (name == function.name)
+            return function;
+    throw Untranslatable("its expression has an unknown function, " + name);
+}
+
+/**
+ * Get the name of a variable; empty if it is something else.
+ */
+static string getVariable(const ExpressionTreeNode& node)
+{
+    return node.getOperation().getId() == Lepton::Operation::VARIABLE ? node.getOperation().getName() : "";
+}
+
+static EnergyTerms::Operator findOperator(Lepton::Operation::Id id)
+{
+    switch (id) {
+    case Lepton::Operation::ADD:
+        return EnergyTerms::Add;
+    case Lepton::Operation::SUBTRACT:
+        return EnergyTerms::Subtract;
+    case Lepton::Operation::MULTIPLY:
+        return EnergyTerms::Multiply;
+    case Lepton::Operation::DIVIDE:
+        return EnergyTerms::Divide;
+    case Lepton::Operation::POWER:
+        return EnergyTerms::Power;
+    case Lepton::Operation::NEGATE:
+        return EnergyTerms::Negate;
+    case Lepton::Operation::SQRT:
+        return EnergyTerms::Sqrt;
+    case Lepton::Operation::EXP:
+        return EnergyTerms::Exp;
+    case Lepton::Operation::LOG:
+        return EnergyTerms::Log;
+    case Lepton::Operation::SIN:
+        return EnergyTerms::Sin;
+    case Lepton::Operation::COS:
+        return EnergyTerms::Cos;
+    case Lepton::Operation::SEC:
+        return EnergyTerms::Sec;
+    case Lepton::Operation::CSC:
+        return EnergyTerms::Csc;
+    case Lepton::Operation::TAN:
+        return EnergyTerms::Tan;
+    case Lepton::Operation::COT:
+        return EnergyTerms::Cot;
+    case Lepton::Operation::ASIN:
+        return EnergyTerms::Asin;
+    case Lepton::Operation::ACOS:
+        return EnergyTerms::Acos;
+    case Lepton::Operation::ATAN:
+        return EnergyTerms::Atan;
+    case Lepton::Operation::ATAN2:
+        return EnergyTerms::Atan2;
+    case Lepton::Operation::SINH:
+        return EnergyTerms::Sinh;
+    case Lepton::Operation::COSH:
+        return EnergyTerms::Cosh;
+    case Lepton::Operation::TANH:
+        return EnergyTerms::Tanh;
+    case Lepton::Operation::ERF:
+        return EnergyTerms::Erf;
+    case Lepton::Operation::ERFC:
+        return EnergyTerms::Erfc;
+    case Lepton::Operation::STEP:
+        return EnergyTerms::Step;
+    case Lepton::Operation::DELTA:
+        return EnergyTerms::Delta;
+    case Lepton::Operation::SQUARE:
+        return EnergyTerms::Square;
+    case Lepton::Operation::CUBE:
+        return EnergyTerms::Cube;
+    case Lepton::Operation::RECIPROCAL:
+        return EnergyTerms::Reciprocal;
+    case Lepton::Operation::ADD_CONSTANT:
+        return EnergyTerms::AddConstant;
+    case Lepton::Operation::MULTIPLY_CONSTANT:
+        return EnergyTerms::MultiplyConstant;
+    case Lepton::Operation::POWER_CONSTANT:
+        return EnergyTerms::PowerConstant;
+    case Lepton::Operation::MIN:
+        return EnergyTerms::Min;
+    case Lepton::Operation::MAX:
+        return EnergyTerms::Max;
+    case Lepton::Operation::ABS:
+        return EnergyTerms::Abs;
+    case Lepton::Operation::FLOOR:
+        return EnergyTerms::Floor;
+    case Lepton::Operation::CEIL:
+        return EnergyTerms::Ceil;
+    case Lepton::Operation::SELECT:
+        return EnergyTerms::Select;
+    default:
+        throw Untranslatable("its expression has an operation that openmm-chaintree does not know");
+    }
+}
+
+/**
+ * Get the number that is part of an operation; 0 if none is.
+ */
+static double getOwnConstant(const Lepton::Operation& operation)
+{
+    switch (operation.getId()) {
+    case Lepton::Operation::ADD_CONSTANT:
+        return dynamic_cast<const Lepton::Operation::AddConstant&>(operation).getValue();
+    case Lepton::Operation::MULTIPLY_CONSTANT:
+        return dynamic_cast<const Lepton::Operation::MultiplyConstant&>(operation).getValue();
+    case Lepton::Operation::POWER_CONSTANT:
+        return dynamic_cast<const Lepton::Operation::PowerConstant&>(operation).getValue();
+    default:
+        return 0;
+    }
+}
+
+// ---- What names mean ----
+
+ExpressionTranslator::ExpressionTranslator(EnergyTerms::TermSet& set) : set(set)
+{
+}
+
+void ExpressionTranslator::addName(const string& name)
+{
+    if (!names.insert(name).second)
+        repeatedName = name;
+}
+
+void ExpressionTranslator::addInput(const string& name, EnergyTerms::Measure measure, const array<int, 4>& particles)
+{
+    addName(name);
+    inputs[name] = {measure, particles};
+}
+
+void ExpressionTranslator::addParameter(const string& name)
+{
+    addName(name);
+    const int index = parameters.size();
+    parameters[name] = index;
+}
+
+void ExpressionTranslator::addConstant(const string& name, double value)
+{
+    addName(name);
+    constants[name] = value;
+}
+
+void ExpressionTranslator::addParticle(const string& name, const array<string, 3>& coordinates, int particle)
+{
+    particles[name] = particle;
+    points[coordinates] = particle;
+    addInput(coordinates[0], EnergyTerms::X, {particle});
+    addInput(coordinates[1], EnergyTerms::Y, {particle});
+    addInput(coordinates[2], EnergyTerms::Z, {particle});
+}
+
+void ExpressionTranslator::addForeignFunction(const string& name, int numArguments, const string& description)
+{
+    foreignFunctions[name] = make_pair(numArguments, description);
+}
+
+// ---- Operations ----
+
+int ExpressionTranslator::addOperation(EnergyTerms::Operator kind, const array<int, 3>& arguments, double constant)
+{
+    unsigned long long bits;
+    static_assert(sizeof bits == sizeof constant, "the key holds the bits of a double");
+    memcpy(&bits, &constant, sizeof bits);
+    const Key key(kind, arguments[0], arguments[1], arguments[2], bits);
+    auto found = known.find(key);
+    if (found != known.end())
+        return found->second;
+    const int index = set.operations.size();
+    set.operations.push_back({kind, arguments, constant});
+    known[key] = index;
+    return index;
+}
+
+int ExpressionTranslator::addMeasure(EnergyTerms::Measure measure, const array<int, 4>& particles)
+{
+    auto found = find_if(set.inputs.begin(), set.inputs.end(), [&](const EnergyTerms::Input& input) {
+        return input.measure == measure && input.particles == particles;
+    });
+    const int index = found - set.inputs.begin();
+    if (found == set.inputs.end())
+        set.inputs.push_back({measure, particles});
+    return addOperation(EnergyTerms::InputValue, {index});
+}
+
+int ExpressionTranslator::translateVariable(const string& name)
+{
+    auto input = inputs.find(name);
+    if (input != inputs.end())
+        return addMeasure(input->second.measure, input->second.particles);
+    auto parameter = parameters.find(name);
+    if (parameter != parameters.end())
+        return addOperation(EnergyTerms::ParameterValue, {parameter->second});
+    auto constant = constants.find(name);
+    if (constant != constants.end())
+        return addOperation(EnergyTerms::Constant, {}, constant->second);
+    throw Untranslatable("its expression has an unknown variable, " + name);
+}
+
+/**
+ * Measure the distance of points that are not both particles.
+ */
+int ExpressionTranslator::translateDistance(const vector<ExpressionTreeNode>& coordinates)
+{
+    int sum = -1;
+    for (int i = 0; i < 3; i++) {
+        const int first = translateNode(coordinates[i]), second = translateNode(coordinates[i + 3]);
+        const int square = addOperation(EnergyTerms::Square, {addOperation(EnergyTerms::Subtract, {first, second})});
+        sum = i == 0 ? square : addOperation(EnergyTerms::Add, {sum, square});
+    }
+    return addOperation(EnergyTerms::Sqrt, {sum});
+}
+
+int ExpressionTranslator::translateFunction(const ExpressionTreeNode& node)
+{
+    const string name = node.getOperation().getName();
+    auto foreign = foreignFunctions.find(name);
+    if (foreign != foreignFunctions.end())
+        throw Untranslatable("its expression uses " + foreign->second.second);
+    const MeasuringFunction& function = findMeasuringFunction(name);
+    const vector<ExpressionTreeNode>& arguments = node.getChildren();
+    vector<int> measured;
+    for (int i = 0; i < function.numPoints; i++)
+        if (!function.takesCoordinates) {
+            auto particle = particles.find(getVariable(arguments[i]));
+            if (particle != particles.end())
+                measured.push_back(particle->second);
+        }
+        else {
+            array<string, 3> point;
+            for (int j = 0; j < 3; j++)
+                point[j] = getVariable(arguments[3 * i + j]);
+            auto particle = points.find(point);
+            if (particle != points.end())
+                measured.push_back(particle->second);
+        }
+    if ((int)measured.size() < function.numPoints) {
+        if (function.takesCoordinates && function.measure == EnergyTerms::Distance)
+            return translateDistance(arguments);
+        throw Untranslatable("its expression takes " + name + " of points that are not particles");
+    }
+    if (std::set<int>(measured.begin(), measured.end()).size() < measured.size())
+        throw Untranslatable("its expression takes " + name + " of one particle twice");
+
+    // All of them are the same backwards.
+
+    if (measured.front() > measured.back())
+        reverse(measured.begin(), measured.end());
+    array<int, 4> ordered = {};
+    copy(measured.begin(), measured.end(), ordered.begin());
+    return addMeasure(function.measure, ordered);
+}
+
+/**
+ * Append an operation with a number that is known, in its shorter form. Returns -1 if there is none.
+ */
+int ExpressionTranslator::shorten(EnergyTerms::Operator kind, const array<int, 3>& arguments)
+{
+    const EnergyTerms::Operation first = set.operations[arguments[0]], second = set.operations[arguments[1]];
+    const bool firstIsKnown = first.kind == EnergyTerms::Constant, secondIsKnown = second.kind == EnergyTerms::Constant;
+    switch (kind) {
+    case EnergyTerms::Add:
+        if (secondIsKnown)
+            return addOperation(EnergyTerms::AddConstant, {arguments[0]}, second.constant);
+        return firstIsKnown ? addOperation(EnergyTerms::AddConstant, {arguments[1]}, first.constant) : -1;
+    case EnergyTerms::Subtract:
+        return secondIsKnown ? addOperation(EnergyTerms::AddConstant, {arguments[0]}, -second.constant) : -1;
+    case EnergyTerms::Multiply:
+        if (secondIsKnown)
+            return addOperation(EnergyTerms::MultiplyConstant, {arguments[0]}, second.constant);
+        return firstIsKnown ? addOperation(EnergyTerms::MultiplyConstant, {arguments[1]}, first.constant) : -1;
+    case EnergyTerms::Power:
+        if (!secondIsKnown)
+            return -1;
+        if (second.constant == 1)
+            return arguments[0];
+        if (second.constant == 2)
+            return addOperation(EnergyTerms::Square, {arguments[0]});
+        if (second.constant == 3)
+            return addOperation(EnergyTerms::Cube, {arguments[0]});
+        return addOperation(EnergyTerms::PowerConstant, {arguments[0]}, second.constant);
+    case EnergyTerms::Select:
+        return firstIsKnown ? arguments[first.constant != 0 ? 1 : 2] : -1;
+    default:
+        return -1;
+    }
+}
+
+int ExpressionTranslator::translateNode(const ExpressionTreeNode& node)
+{
+    const Lepton::Operation& operation = node.getOperation();
+    switch (operation.getId()) {
+    case Lepton::Operation::CONSTANT:
+        return addOperation(EnergyTerms::Constant, {},
+                            dynamic_cast<const Lepton::Operation::Constant&>(operation).getValue());
+    case Lepton::Operation::VARIABLE:
+        return translateVariable(operation.getName());
+    case Lepton::Operation::CUSTOM:
+        return translateFunction(node);
+    default:
+        break;
+    }
+    const EnergyTerms::Operator kind = findOperator(operation.getId());
+    array<int, 3> arguments = {};
+    double values[3] = {};
+    bool allAreKnown = true;
+    for (size_t i = 0; i < node.getChildren().size(); i++) {
+        arguments[i] = translateNode(node.getChildren()[i]);
+        const EnergyTerms::Operation& argument = set.operations[arguments[i]];
+        values[i] = argument.constant;
+        allAreKnown &= argument.kind == EnergyTerms::Constant;
+    }
+    if (allAreKnown)
+        return addOperation(EnergyTerms::Constant, {}, operation.evaluate(values, {}));
+    if (node.getChildren().size() > 1) {
+        const int shorter = shorten(kind, arguments);
+        if (shorter != -1)
+            return shorter;
+    }
+
+    // The order of two that are added or multiplied makes no difference.
+
+    if ((kind == EnergyTerms::Add || kind == EnergyTerms::Multiply) && arguments[0] > arguments[1])
+        swap(arguments[0], arguments[1]);
+    return addOperation(kind, arguments, getOwnConstant(operation));
+}
+
+// ---- Expressions ----
+
+/**
+ * Get how many arguments of an operation are numbers of earlier ones.
+ */
+static int countArguments(EnergyTerms::Operator kind)
+{
+    switch (kind) {
+    case EnergyTerms::Constant:
+    case EnergyTerms::InputValue:
+    case EnergyTerms::ParameterValue:
+        return 0;
+    case EnergyTerms::Add:
+    case EnergyTerms::Subtract:
+    case EnergyTerms::Multiply:
+    case EnergyTerms::Divide:
+    case EnergyTerms::Power:
+    case EnergyTerms::Atan2:
+    case EnergyTerms::Min:
+    case EnergyTerms::Max:
+        return 2;
+    case EnergyTerms::Select:
+        return 3;
+    default:
+        return 1;
+    }
+}
+
+/**
+ * Keep the operations and inputs that a result depends on, and make it the last one.
+ */
+static void keepWhatIsUsed(EnergyTerms::TermSet& set, int result)
+{
+    vector<EnergyTerms::Operation> all(set.operations.begin(), set.operations.begin() + result + 1), kept;
+    vector<bool> isUsed(all.size());
+    isUsed[result] = true;
+    for (int i = result; i >= 0; i--)
+        for (int j = 0; isUsed[i] && j < countArguments(all[i].kind); j++)
+            isUsed[all[i].arguments[j]] = true;
+    vector<EnergyTerms::Input> keptInputs;
+    vector<int> newIndex(all.size()), newInput(set.inputs.size(), -1);
+    for (int i = 0; i <= result; i++) {
+        if (!isUsed[i])
+            continue;
+        EnergyTerms::Operation operation = all[i];
+        for (int j = 0; j < countArguments(operation.kind); j++)
+            operation.arguments[j] = newIndex[operation.arguments[j]];
+        if (operation.kind == EnergyTerms::InputValue) {
+            int& input = newInput[operation.arguments[0]];
+            if (input == -1) {
+                input = keptInputs.size();
+                keptInputs.push_back(set.inputs[operation.arguments[0]]);
+            }
+            operation.arguments[0] = input;
+        }
+        newIndex[i] = kept.size();
+        kept.push_back(operation);
+    }
+    set.operations = kept;
+    set.inputs = keptInputs;
+}
+
+string ExpressionTranslator::translate(const string& expression)
+{
+    vector<unique_ptr<Placeholder>> placeholders;
+    map<string, Lepton::CustomFunction*> functions;
+    auto addFunction = [&](const string& name, int numArguments) {
+        placeholders.push_back(make_unique<Placeholder>(numArguments));
+        if (!functions.insert(make_pair(name, placeholders.back().get())).second)
+            repeatedName = name;
+    };
+    for (auto& foreign : foreignFunctions)
+        addFunction(foreign.first, foreign.second.first);
+    if (!particles.empty())
+        for (const MeasuringFunction& function : MEASURING_FUNCTIONS)
+            addFunction(function.name, function.numPoints * (function.takesCoordinates ? 3 : 1));
+    if (!repeatedName.empty())
+        return "the name " + repeatedName + " means two things in its expression";
+    try {
+        Lepton::ParsedExpression parsed = Lepton::Parser::parse(expression, functions).optimize();
+        keepWhatIsUsed(set, translateNode(parsed.getRootNode()));
+    }
+    catch (const Untranslatable& reason) {
+        return reason.what();
+    }
+    return "";
+}

@@ -1,0 +1,148 @@
+#include "openmmchaintree/internal/ForceTranslation.h"
+#include <algorithm>
+#include <cmath>
+#include <cxxabi.h>
+#include <exception>
+#include <memory>
+#include <new>
+#include <typeindex>
+
+using namespace ChainTreePlugin;
+using namespace OpenMM;
+using namespace std;
+
+// ---- Kinds ----
+
+/**
+ * Get all kinds by their classes. Kinds make themselves known before main() begins, in an order that nobody knows.
+ */
+static map<type_index, NativeForceKind::Translator*>& knownKinds()
+{
+    static map<type_index, NativeForceKind::Translator*> kinds;
+    return kinds;
+}
+
+NativeForceKind::NativeForceKind(const type_info& type, Translator& translate)
+{
+    knownKinds()[type] = translate;
+}
+
+// ---- Sets of terms ----
+
+EnergyTerms::TermSet ChainTreePlugin::createTermSet(int force, EnergyTerms::TermKind kind, int particlesPerTerm,
+                                                    int parametersPerTerm)
+{
+    EnergyTerms::TermSet set;
+    set.force = force;
+    set.kind = kind;
+    set.particlesPerTerm = particlesPerTerm;
+    set.parametersPerTerm = parametersPerTerm;
+    return set;
+}
+
+void ChainTreePlugin::addTerm(EnergyTerms::TermSet& set, const vector<int>& particles, const vector<double>& parameters)
+{
+    set.particles.insert(set.particles.end(), particles.begin(), particles.end());
+    set.parameters.insert(set.parameters.end(), parameters.begin(), parameters.end());
+}
+
+// ---- What a Context refuses, but what a Force may have become since then ----
+
+static bool areFinite(const vector<double>& values)
+{
+    return all_of(values.begin(), values.end(), [](double value) {
+        return isfinite(value);
+    });
+}
+
+/**
+ * Check a set of terms. Returns an empty text, or else why it has no energy.
+ */
+static string check(const EnergyTerms::TermSet& set, int numParticles)
+{
+    const size_t numTerms = set.particlesPerTerm < 1 ? 0 : set.particles.size() / set.particlesPerTerm;
+    if (numTerms == 0 && !set.particles.empty())
+        return "its terms have no particles";
+    if (set.particles.size() != numTerms * set.particlesPerTerm ||
+        set.parameters.size() != numTerms * set.parametersPerTerm)
+        return "one of its terms has a wrong number of particles or parameters";
+    for (int particle : set.particles)
+        if (particle < 0 || particle >= numParticles)
+            return "there is no particle " + to_string(particle);
+    bool isFinite = areFinite(set.parameters);
+    for (const EnergyTerms::Map& map : set.maps)
+        isFinite = isFinite && areFinite(map.coefficients);
+    for (const EnergyTerms::Operation& operation : set.operations)
+        isFinite = isFinite && isfinite(operation.constant);
+    if (!isFinite)
+        return "one of its parameters is infinite or not a number";
+    if (set.kind == EnergyTerms::TorsionMap)
+        for (double map : set.parameters)
+            if (map < 0 || map >= set.maps.size())
+                return "one of its torsions has no map";
+    return "";
+}
+
+static string check(const EnergyTerms::Nonbonded& nonbonded, int numParticles)
+{
+    if ((int)nonbonded.charges.size() != numParticles)
+        return "it has not as many particles as the System";
+    if (!areFinite(nonbonded.charges) || !areFinite(nonbonded.sigmas) || !areFinite(nonbonded.epsilons))
+        return "one of its parameters is infinite or not a number";
+    return "";
+}
+
+// ---- Forces ----
+
+/**
+ * Get the name of a Force's class without its namespace.
+ */
+static string getClassName(const Force& force)
+{
+    int status = 0;
+    unique_ptr<char, void (*)(void*)> demangled(abi::__cxa_demangle(typeid(force).name(), NULL, NULL, &status), free);
+    string name = demangled ? demangled.get() : typeid(force).name();
+    return name.substr(name.rfind(':') + 1);
+}
+
+/**
+ * Append the energy of a Force to the terms. Returns an empty text, or else why it cannot; it may have appended
+ * something then.
+ */
+static string append(const System& system, int index, const NativeForceKind::Parameters& parameters, EnergyTerms& terms)
+{
+    const Force& force = system.getForce(index);
+    auto kind = knownKinds().find(typeid(force));
+    if (kind == knownKinds().end())
+        return "openmm-chaintree has no code for a " + getClassName(force);
+    const size_t numNonbonded = terms.nonbonded.size(), numSets = terms.termSets.size();
+    string reason = kind->second(force, index, parameters, terms);
+    if (reason.empty() && force.usesPeriodicBoundaryConditions())
+        reason = "it uses periodic boundary conditions";
+    for (size_t i = numNonbonded; i < terms.nonbonded.size() && reason.empty(); i++)
+        reason = check(terms.nonbonded[i], system.getNumParticles());
+    for (size_t i = numSets; i < terms.termSets.size() && reason.empty(); i++)
+        reason = check(terms.termSets[i], system.getNumParticles());
+    return reason;
+}
+
+string ChainTreePlugin::translateForce(const System& system, int index, const NativeForceKind::Parameters& parameters,
+                                       EnergyTerms& terms)
+{
+    const size_t numNonbonded = terms.nonbonded.size(), numSets = terms.termSets.size();
+    string reason;
+    try {
+        reason = append(system, index, parameters, terms);
+    }
+    catch (const bad_alloc&) {
+        throw;
+    }
+    catch (const exception& error) {
+        reason = string("it cannot be read (") + error.what() + ")";
+    }
+    if (!reason.empty()) {
+        terms.nonbonded.resize(numNonbonded);
+        terms.termSets.resize(numSets);
+    }
+    return reason;
+}

@@ -1,0 +1,225 @@
+#include "openmmchaintree/internal/NativeEnergyCheck.h"
+#include "openmm/Context.h"
+#include "openmm/Force.h"
+#include "openmm/OpenMMException.h"
+#include "openmm/Platform.h"
+#include "openmm/serialization/XmlSerializer.h"
+#include "openmm/System.h"
+#include "openmm/VerletIntegrator.h"
+#include <cmath>
+#include <limits>
+#include <locale>
+#include <set>
+#include <sstream>
+
+using namespace ChainTreePlugin;
+using namespace OpenMM;
+using namespace std;
+
+static const int NUM_GROUPS = 32;
+
+// What may differ. The kernel's terms are in double. Its pairs are in single precision: the distance of two particles
+// is rounded by some 1e-7 nm, since leaves are some nm wide. What that makes of an energy is known from the forces,
+// also where parts of it cancel, and where particles overlap.
+
+/** The promise of the library of energies, kJ/mol and relative. */
+static const double ABSOLUTE = 5e-3, RELATIVE = 1e-6;
+/** The rounding of positions, nm: twice what is usual. */
+static const double ROUNDING = 4e-7;
+/** The rounding of the energy of one pair, kJ/mol. That of N particles' pairs adds up to about N times as much. */
+static const double PAIR_ROUNDING = 1e-6;
+/** Beyond this, kJ/mol, single precision may overflow. */
+static const double HUGE_ENERGY = 1e30;
+/** Mean force on a particle, kJ/mol/nm, beyond which there are overlaps that hide all else. */
+static const double LARGE_FORCE = 25000;
+
+// The same of the Context that is sampled, whose Platform may compute all in single precision.
+
+static const double CONTEXT_ABSOLUTE = 0.5, CONTEXT_RELATIVE = 1e-4;
+static const double CONTEXT_ROUNDING = 1e-6, CONTEXT_HUGE_ENERGY = 1e15;
+
+/**
+ * A Context that evaluates copies of some Forces, each in a group of its own. Particles and virtual sites stand where
+ * they are told, so of the System nothing else is needed.
+ */
+class NativeEnergyCheck::Copies {
+public:
+    /** OpenMM's energy of a Force. */
+    class Result {
+    public:
+        /** The index of the Force in the System that is sampled. */
+        int force;
+        double energy;
+        /** The square root of the sum of all squared forces, kJ/mol/nm. */
+        double gradient;
+    };
+    Copies(const System& original, const vector<int>& forces) : integrator(0.001)
+    {
+        for (int i = 0; i < original.getNumParticles(); i++)
+            system.addParticle(original.getParticleMass(i));
+        for (int index : forces) {
+            Force* copy = XmlSerializer::clone<Force>(original.getForce(index));
+            copy->setForceGroup(system.addForce(copy));
+            results.push_back({index, 0, 0});
+        }
+        context.reset(new Context(system, integrator, Platform::getPlatform("Reference")));
+    }
+    void compute(const vector<Vec3>& positions, const map<string, double>& parameters)
+    {
+        context->setPositions(positions);
+        for (auto& parameter : map<string, double>(context->getParameters()))
+            context->setParameter(parameter.first, parameters.at(parameter.first));
+        for (size_t group = 0; group < results.size(); group++) {
+            State state = context->getState(State::Energy | State::Forces, false, 1u << group);
+            double sum = 0;
+            for (const Vec3& force : state.getForces())
+                sum += force.dot(force);
+            results[group].energy = state.getPotentialEnergy();
+            results[group].gradient = sqrt(sum);
+        }
+    }
+    vector<Result> results;
+
+private:
+    System system;
+    VerletIntegrator integrator;
+    unique_ptr<Context> context;
+};
+
+// ---- What messages say ----
+
+static string toText(double energy)
+{
+    stringstream text;
+    text.imbue(locale::classic());
+    text.precision(10);
+    text << energy << " kJ/mol";
+    return text.str();
+}
+
+static string describe(const EnergyPlan& plan, int force)
+{
+    return "force " + to_string(force) + " (" + plan.getEntries()[force].name + ")";
+}
+
+static void failOfForce(const EnergyPlan& plan, int force, double energy, double ofOpenMM)
+{
+    throw OpenMMException(
+        "TorsionMonteCarloIntegrator: openmm-chaintree and OpenMM do not agree about the energy of " +
+        describe(plan, force) + ": " + toText(energy) + " and " + toText(ofOpenMM) +
+        ". If it was edited after the Context was made, call updateParametersInContext() or "
+        "reinitialize the Context. Otherwise please report this; setNativeEnergies(False) lets OpenMM "
+        "evaluate every Force");
+}
+
+static void failOfGroup(const EnergyPlan& plan, int group, const vector<int>& forces, double energy, double ofContext)
+{
+    string list;
+    for (int force : forces)
+        list += (list.empty() ? "" : ", ") + describe(plan, force);
+    throw OpenMMException("TorsionMonteCarloIntegrator: the Context's energy of force group " + to_string(group) +
+                          " is " + toText(ofContext) + ", but by the Forces as they are now it is " + toText(energy) +
+                          ". Probably one of them was edited after the Context was made, without "
+                          "updateParametersInContext() or in what that does not copy: " +
+                          list +
+                          ". Reinitialize the Context. Otherwise please report this; setNativeEnergies(False) lets "
+                          "OpenMM evaluate every Force");
+}
+
+// ---- Comparison ----
+
+/**
+ * Get whether two energies are the same within a tolerance. If one of them is infinite or no number, so is the other,
+ * or at least huge.
+ */
+static bool agree(double energy1, double energy2, double tolerance, double hugeEnergy)
+{
+    if (isfinite(energy1) && isfinite(energy2))
+        return abs(energy1 - energy2) <= tolerance;
+    return (!isfinite(energy1) || abs(energy1) > hugeEnergy) && (!isfinite(energy2) || abs(energy2) > hugeEnergy);
+}
+
+NativeEnergyCheck::NativeEnergyCheck(const ContextImpl& context, const EnergyPlan& plan) : context(context), plan(plan)
+{
+}
+
+NativeEnergyCheck::~NativeEnergyCheck()
+{
+}
+
+void NativeEnergyCheck::forgetForces()
+{
+    copies.clear();
+}
+
+/**
+ * Compare the energy of each Force.
+ */
+bool NativeEnergyCheck::checkForces(const vector<Vec3>& positions, const vector<double>& energies) const
+{
+    const int pairForce = plan.getTerms().nonbonded.empty() ? -1 : plan.getTerms().nonbonded[0].force;
+    bool saysMuch = true;
+    for (auto& batch : copies)
+        for (const Copies::Result& result : batch->results) {
+            double tolerance = ABSOLUTE + RELATIVE * abs(result.energy);
+            if (result.force == pairForce)
+                tolerance += ROUNDING * result.gradient + PAIR_ROUNDING * positions.size();
+            if (!agree(energies[result.force], result.energy, tolerance, HUGE_ENERGY))
+                failOfForce(plan, result.force, energies[result.force], result.energy);
+            saysMuch = saysMuch && isfinite(result.energy) && result.gradient <= LARGE_FORCE * sqrt(positions.size());
+        }
+    return saysMuch;
+}
+
+/**
+ * Compare the energy of groups with that of the Context that is sampled. It may compute with other parameters than the
+ * Forces have by now.
+ */
+void NativeEnergyCheck::checkGroups(const GroupEnergy& groupEnergy) const
+{
+    const int groups = plan.getWhollyNativeGroups();
+    for (int group = 0; group < NUM_GROUPS; group++) {
+        if ((groups >> group & 1) == 0)
+            continue;
+        vector<int> forces;
+        double energy = 0, tolerance = CONTEXT_ABSOLUTE;
+        for (auto& batch : copies)
+            for (const Copies::Result& result : batch->results)
+                if ((plan.getEntries()[result.force].groups >> group & 1) != 0) {
+                    forces.push_back(result.force);
+                    energy += result.energy;
+                    tolerance += CONTEXT_RELATIVE * abs(result.energy) + CONTEXT_ROUNDING * result.gradient;
+                }
+        const double ofContext = groupEnergy(1u << group);
+        if (!agree(energy, ofContext, tolerance, CONTEXT_HUGE_ENERGY))
+            failOfGroup(plan, group, forces, energy, ofContext);
+    }
+}
+
+void NativeEnergyCheck::copyForces()
+{
+    set<int> native;
+    for (const EnergyTerms::TermSet& terms : plan.getTerms().termSets)
+        native.insert(terms.force);
+    vector<int> batch;
+    for (int force : native) {
+        batch.push_back(force);
+        if ((int)batch.size() == NUM_GROUPS || force == *native.rbegin()) {
+            copies.push_back(make_unique<Copies>(context.getSystem(), batch));
+            batch.clear();
+        }
+    }
+}
+
+bool NativeEnergyCheck::check(const vector<Vec3>& positions, const vector<double>& energies,
+                              const GroupEnergy& groupEnergy)
+{
+    if (copies.empty())
+        copyForces();
+    for (auto& batch : copies)
+        batch->compute(positions, context.getParameters());
+    const bool saysMuch = checkForces(positions, energies);
+    if (groupEnergy)
+        checkGroups(groupEnergy);
+    return saysMuch;
+}

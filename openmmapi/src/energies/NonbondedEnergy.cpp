@@ -1,0 +1,139 @@
+#include "openmm/NonbondedForce.h"
+#include "openmmchaintree/internal/ForceTranslation.h"
+#include <limits>
+#include <set>
+#include <utility>
+
+using namespace ChainTreePlugin;
+using namespace OpenMM;
+using namespace std;
+
+static string describeMethod(NonbondedForce::NonbondedMethod method)
+{
+    switch (method) {
+    case NonbondedForce::CutoffPeriodic:
+        return "its cutoff is periodic";
+    case NonbondedForce::Ewald:
+        return "Ewald summation is periodic";
+    case NonbondedForce::PME:
+        return "PME is periodic";
+    case NonbondedForce::LJPME:
+        return "LJPME is periodic";
+    default:
+        return "openmm-chaintree does not know its nonbonded method";
+    }
+}
+
+namespace {
+
+/**
+ * Charges, or products of charges, with Lennard-Jones parameters.
+ */
+class Values {
+public:
+    double charge, sigma, epsilon;
+};
+
+} // namespace
+
+/**
+ * Add what the Context's parameters make of offsets. Returns an empty text, or else why it cannot: of two offsets of
+ * one particle or exception by one parameter, OpenMM's Platforms add both or keep the last.
+ */
+template <class GetOffset>
+static string addOffsets(int numOffsets, GetOffset getOffset, const NativeForceKind::Parameters& parameters,
+                         vector<Values>& values)
+{
+    set<pair<string, int>> known;
+    for (int i = 0; i < numOffsets; i++) {
+        string parameter;
+        int index;
+        Values scale;
+        getOffset(i, parameter, index, scale);
+        if (!known.insert(make_pair(parameter, index)).second)
+            return "the parameter " + parameter + " appears in two offsets of one particle or exception";
+        const double value = parameters.at(parameter);
+        values[index].charge += value * scale.charge;
+        values[index].sigma += value * scale.sigma;
+        values[index].epsilon += value * scale.epsilon;
+    }
+    return "";
+}
+
+static string translateParticles(const NonbondedForce& force, const NativeForceKind::Parameters& parameters,
+                                 EnergyTerms::Nonbonded& nonbonded)
+{
+    vector<Values> values(force.getNumParticles());
+    for (int i = 0; i < force.getNumParticles(); i++)
+        force.getParticleParameters(i, values[i].charge, values[i].sigma, values[i].epsilon);
+    auto getOffset = [&](int i, string& parameter, int& particle, Values& scale) {
+        force.getParticleParameterOffset(i, parameter, particle, scale.charge, scale.sigma, scale.epsilon);
+    };
+    const string reason = addOffsets(force.getNumParticleParameterOffsets(), getOffset, parameters, values);
+    for (const Values& value : values) {
+        if (value.epsilon < 0)
+            return "a parameter makes the epsilon of a particle negative";
+        nonbonded.charges.push_back(value.charge);
+        nonbonded.sigmas.push_back(value.sigma);
+        nonbonded.epsilons.push_back(value.epsilon);
+    }
+    return reason;
+}
+
+/**
+ * Each exception excludes its pair. Those with parameters are terms, without any cutoff, as in OpenMM.
+ */
+static string translateExceptions(const NonbondedForce& force, const NativeForceKind::Parameters& parameters,
+                                  EnergyTerms::Nonbonded& nonbonded, EnergyTerms::TermSet& exceptions)
+{
+    vector<Values> values(force.getNumExceptions());
+    for (int i = 0; i < force.getNumExceptions(); i++) {
+        int p1, p2;
+        force.getExceptionParameters(i, p1, p2, values[i].charge, values[i].sigma, values[i].epsilon);
+        nonbonded.exclusions.push_back({p1, p2});
+    }
+    auto getOffset = [&](int i, string& parameter, int& exception, Values& scale) {
+        force.getExceptionParameterOffset(i, parameter, exception, scale.charge, scale.sigma, scale.epsilon);
+    };
+    const string reason = addOffsets(force.getNumExceptionParameterOffsets(), getOffset, parameters, values);
+    for (size_t i = 0; i < values.size(); i++)
+        if (values[i].charge != 0 || values[i].epsilon != 0)
+            addTerm(exceptions, {nonbonded.exclusions[i][0], nonbonded.exclusions[i][1]},
+                    {values[i].charge, values[i].sigma, values[i].epsilon});
+    return reason;
+}
+
+static string translateNonbonded(const Force& owner, int index, const NativeForceKind::Parameters& parameters,
+                                 EnergyTerms& terms)
+{
+    const NonbondedForce& force = dynamic_cast<const NonbondedForce&>(owner);
+    const NonbondedForce::NonbondedMethod method = force.getNonbondedMethod();
+    if (method != NonbondedForce::NoCutoff && method != NonbondedForce::CutoffNonPeriodic)
+        return describeMethod(method);
+    if (force.getExceptionsUsePeriodicBoundaryConditions())
+        return "its exceptions use periodic boundary conditions";
+    if (!force.getIncludeDirectSpace())
+        return "its direct space is left out";
+    if (!terms.nonbonded.empty())
+        return "openmm-chaintree has code for one NonbondedForce, and there is another before it";
+    EnergyTerms::Nonbonded nonbonded;
+    nonbonded.force = index;
+    nonbonded.cutoff = numeric_limits<double>::infinity();
+    nonbonded.switchingDistance = nonbonded.cutoff;
+    nonbonded.dielectric = 1;
+    if (method == NonbondedForce::CutoffNonPeriodic) {
+        nonbonded.cutoff = force.getCutoffDistance();
+        nonbonded.switchingDistance =
+            force.getUseSwitchingFunction() ? force.getSwitchingDistance() : force.getCutoffDistance();
+        nonbonded.dielectric = force.getReactionFieldDielectric();
+    }
+    EnergyTerms::TermSet exceptions = createTermSet(index, EnergyTerms::Exception, 2, 3);
+    string reason = translateParticles(force, parameters, nonbonded);
+    if (reason.empty())
+        reason = translateExceptions(force, parameters, nonbonded, exceptions);
+    terms.nonbonded.push_back(nonbonded);
+    terms.termSets.push_back(exceptions);
+    return reason;
+}
+
+static const NativeForceKind KIND(typeid(NonbondedForce), translateNonbonded);

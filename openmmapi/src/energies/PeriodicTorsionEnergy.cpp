@@ -1,0 +1,23 @@
+#include "openmm/PeriodicTorsionForce.h"
+#include "openmmchaintree/internal/ForceTranslation.h"
+
+using namespace ChainTreePlugin;
+using namespace OpenMM;
+using namespace std;
+
+static string translatePeriodicTorsions(const Force& owner, int index, const NativeForceKind::Parameters&,
+                                        EnergyTerms& terms)
+{
+    const PeriodicTorsionForce& force = dynamic_cast<const PeriodicTorsionForce&>(owner);
+    EnergyTerms::TermSet set = createTermSet(index, EnergyTerms::PeriodicTorsion, 4, 3);
+    for (int i = 0; i < force.getNumTorsions(); i++) {
+        int p1, p2, p3, p4, periodicity;
+        double phase, k;
+        force.getTorsionParameters(i, p1, p2, p3, p4, periodicity, phase, k);
+        addTerm(set, {p1, p2, p3, p4}, {(double)periodicity, phase, k});
+    }
+    terms.termSets.push_back(set);
+    return "";
+}
+
+static const NativeForceKind KIND(typeid(PeriodicTorsionForce), translatePeriodicTorsions);
