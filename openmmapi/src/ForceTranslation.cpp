@@ -1,5 +1,6 @@
 #include "openmmchaintree/internal/ForceTranslation.h"
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cxxabi.h>
 #include <exception>
@@ -89,6 +90,10 @@ static string check(const EnergyTerms::Nonbonded& nonbonded, int numParticles)
         return "it has not as many particles as the System";
     if (!areFinite(nonbonded.charges) || !areFinite(nonbonded.sigmas) || !areFinite(nonbonded.epsilons))
         return "one of its parameters is infinite or not a number";
+    for (const array<int, 2>& exclusion : nonbonded.exclusions)
+        for (int particle : exclusion)
+            if (particle < 0 || particle >= numParticles)
+                return "there is no particle " + to_string(particle);
     return "";
 }
 

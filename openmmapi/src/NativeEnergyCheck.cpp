@@ -201,14 +201,16 @@ void NativeEnergyCheck::copyForces()
     set<int> native;
     for (const EnergyTerms::TermSet& terms : plan.getTerms().termSets)
         native.insert(terms.force);
+    vector<unique_ptr<Copies>> made;
     vector<int> batch;
     for (int force : native) {
         batch.push_back(force);
         if ((int)batch.size() == NUM_GROUPS || force == *native.rbegin()) {
-            copies.push_back(make_unique<Copies>(context.getSystem(), batch));
+            made.push_back(make_unique<Copies>(context.getSystem(), batch));
             batch.clear();
         }
     }
+    copies.swap(made);
 }
 
 bool NativeEnergyCheck::check(const vector<Vec3>& positions, const vector<double>& energies,

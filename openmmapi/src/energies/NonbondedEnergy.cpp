@@ -1,5 +1,6 @@
 #include "openmm/NonbondedForce.h"
 #include "openmmchaintree/internal/ForceTranslation.h"
+#include <cmath>
 #include <limits>
 #include <set>
 #include <utility>
@@ -126,6 +127,9 @@ static string translateNonbonded(const Force& owner, int index, const NativeForc
         nonbonded.switchingDistance =
             force.getUseSwitchingFunction() ? force.getSwitchingDistance() : force.getCutoffDistance();
         nonbonded.dielectric = force.getReactionFieldDielectric();
+        if (!(nonbonded.cutoff > 0 && isfinite(nonbonded.cutoff) && isfinite(nonbonded.switchingDistance) &&
+              isfinite(nonbonded.dielectric)))
+            return "its cutoff, switching distance or dielectric makes no sense";
     }
     EnergyTerms::TermSet exceptions = createTermSet(index, EnergyTerms::Exception, 2, 3);
     string reason = translateParticles(force, parameters, nonbonded);

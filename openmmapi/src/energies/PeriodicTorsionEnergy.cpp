@@ -14,6 +14,8 @@ static string translatePeriodicTorsions(const Force& owner, int index, const Nat
         int p1, p2, p3, p4, periodicity;
         double phase, k;
         force.getTorsionParameters(i, p1, p2, p3, p4, periodicity, phase, k);
+        if (periodicity < 0)
+            return "one of its periodicities is negative";
         addTerm(set, {p1, p2, p3, p4}, {(double)periodicity, phase, k});
     }
     terms.termSets.push_back(set);
