@@ -3,6 +3,8 @@
  *
  * Usage: TestEnergyPrograms [programs] [seed]. A failure prints its seed, so that "TestEnergyPrograms 1 SEED" runs that
  * program alone. */
+#define _POSIX_C_SOURCE 200112L /* setenv */
+
 #include "ctenergy.h"
 #include "energies/pairOracle.h"
 #include "oracle/oracle.h"

@@ -57,8 +57,6 @@ private:
     std::unique_ptr<ctEnergy, Deleter> energy;
     int numTermSets;
     bool isCurrent;
-    /** The number of parts computed of the open trial. */
-    int numComputed;
 };
 
 } // namespace ChainTreePlugin

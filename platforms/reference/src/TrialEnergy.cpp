@@ -66,7 +66,7 @@ private:
 };
 
 TrialEnergy::TrialEnergy(ctChainTree* tree, const ctDefinition& scene, const EnergyTerms& terms) :
-    numTermSets(terms.termSets.size()), isCurrent(false), numComputed(0)
+    numTermSets(terms.termSets.size()), isCurrent(false)
 {
     vector<LibraryTerms> arrays;
     arrays.reserve(terms.termSets.size());
@@ -126,18 +126,15 @@ void TrialEnergy::update(bool force, ctCounts& counts)
 double TrialEnergy::computeChange(ctEnergyPart part, ctCounts& counts)
 {
     double change;
-    numComputed = 0;
     check(ctComputeEnergyChange(energy.get(), part, &change, &counts));
-    numComputed = part + 1;
     return change;
 }
 
 void TrialEnergy::accept()
 {
-    // What is kept stays that of the earlier state if the trial was not asked about.
+    // What is kept stays that of the earlier state if not all of the change was asked for.
 
-    isCurrent = isCurrent && numComputed == CT_ENERGY_PARTS && ctAcceptEnergyChange(energy.get()) == ctSuccess;
-    numComputed = 0;
+    isCurrent = isCurrent && ctAcceptEnergyChange(energy.get()) == ctSuccess;
 }
 
 void TrialEnergy::getEnergies(double& pairs, vector<double>& termSets) const

@@ -239,6 +239,9 @@ void ctDiscard(ctChainTree* tree);
 /* True if a trial is open. */
 bool ctHasTrial(const ctChainTree* tree);
 
+/* How many trials have been opened so far: a client tells them apart by this. */
+int64_t ctGetTrialCount(const ctChainTree* tree);
+
 /* ---- Leaves: for clients that sum something over pairs of particles ---- */
 
 /* The tree's lowest nodes are leaves: CT_LEAF_WIDTH consecutive slots of the sequence, each of which holds a particle

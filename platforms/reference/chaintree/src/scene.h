@@ -33,6 +33,7 @@ struct ctChainTree {
   Witnesses witnesses;
   Sweep ownSweep; /* may be stale: to be used only by ctSceneSweep */
   Trial trial;
+  int64_t trialCount;
   Trial next;      /* the scratch of a proposal: a refused one leaves the open trial alone */
   Copied followed; /* the array of ctFollowTrialPositions */
   SlotPairs undecided;

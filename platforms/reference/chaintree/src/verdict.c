@@ -71,6 +71,7 @@ ctStatus ctPropose(ctChainTree* tree, int count, const ctChange* changes) {
   tree->trial = tree->next;
   tree->next = dropped;
   tree->next.open = false;
+  tree->trialCount++;
   tree->clearance.testedCount = 0;
   return ctSuccess;
 }
@@ -358,4 +359,8 @@ void ctDiscard(ctChainTree* tree) {
 
 bool ctHasTrial(const ctChainTree* tree) {
   return tree->trial.open;
+}
+
+int64_t ctGetTrialCount(const ctChainTree* tree) {
+  return tree->trialCount;
 }

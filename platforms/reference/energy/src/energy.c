@@ -12,7 +12,8 @@ struct ctEnergy {
   Terms* terms;
   Pairs* pairs; /* NULL: there are none */
   int setCount;
-  int computedParts; /* of the last trial that was asked about */
+  int64_t trial;     /* the last one that was asked about */
+  int computedParts; /* of it */
   char errorText[200];
 };
 
@@ -146,9 +147,12 @@ ctStatus ctComputeEnergyChange(ctEnergy* energy, ctEnergyPart part, double* chan
   if (!ctHasTrial(energy->tree)) {
     return fail(energy, ctNoTrial, "there is no open trial");
   }
-  if (part == ctTermsPart) {
+  const int64_t trial = ctGetTrialCount(energy->tree);
+  if (part == ctTermsPart || energy->trial != trial) {
+    energy->trial = trial;
     energy->computedParts = 0;
-  } else if ((int)part != energy->computedParts || part > ctOtherPairsPart) {
+  }
+  if ((int)part != energy->computedParts || part > ctOtherPairsPart) {
     return fail(energy, ctInvalidArgument, "the parts of a change have to be computed in their order");
   }
   *change = 0;
@@ -169,7 +173,7 @@ ctStatus ctComputeEnergyChange(ctEnergy* energy, ctEnergyPart part, double* chan
 }
 
 ctStatus ctAcceptEnergyChange(ctEnergy* energy) {
-  if (energy->computedParts != CT_ENERGY_PARTS) {
+  if (energy->computedParts != CT_ENERGY_PARTS || energy->trial != ctGetTrialCount(energy->tree)) {
     return fail(energy, ctInvalidArgument, "not all parts of the change were computed");
   }
   energy->computedParts = 0;
