@@ -123,12 +123,13 @@ void EnergyPlan::setChangeableTerms(const vector<int>& counts, bool somethingMov
         else if (numTerms == 0)
             entry.reason = "it has no terms";
         else if (!canChange)
-            entry.reason = "no move changes its " + plural(numTerms, "term");
+            entry.reason = "no move can change its " + plural(numTerms, "term");
         else if (numChangeable == numTerms)
             entry.reason =
-                "moves change " + string(numTerms == 1 ? "its one term" : "all of its " + plural(numTerms, "term"));
+                "moves can change " + string(numTerms == 1 ? "its one term" : "all of its " + plural(numTerms, "term"));
         else
-            entry.reason = "moves change " + to_string(numChangeable) + " of its " + plural(numTerms, "term");
+            entry.reason = "moves can change " + to_string(numChangeable) + " of its " + plural(numTerms, "term") +
+                           "; the rest are constant";
     }
 }
 

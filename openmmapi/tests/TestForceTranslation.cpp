@@ -1,0 +1,562 @@
+/**
+ * This tests the translation of Forces to terms: each kind with odd parameters against OpenMM, and the reasons why a
+ * Force is left to OpenMM.
+ */
+
+#include "NativeEnergySupport.h"
+#include "openmm/CMAPTorsionForce.h"
+#include "openmm/CustomAngleForce.h"
+#include "openmm/CustomBondForce.h"
+#include "openmm/CustomCompoundBondForce.h"
+#include "openmm/CustomExternalForce.h"
+#include "openmm/CustomGBForce.h"
+#include "openmm/CustomTorsionForce.h"
+#include "openmm/PeriodicTorsionForce.h"
+#include "openmm/RBTorsionForce.h"
+#include "openmm/TabulatedFunction.h"
+#include "openmmchaintree/internal/ForceTranslation.h"
+#include <limits>
+
+using namespace ChainTreePlugin;
+using namespace OpenMM;
+using namespace std;
+
+static const int NUM_TERMS = 12, NUM_BEADS = NativeScene::NUM_BEADS;
+
+/**
+ * Check that a Force is native, and that its energy is that of OpenMM.
+ */
+static void assertNative(Force* force, double tolerance = 1e-7)
+{
+    NativeScene scene;
+    const int index = scene.add(force);
+    scene.build();
+    scene.assertAgreement(index, tolerance);
+}
+
+// ---- Terms of fixed form ----
+
+void testBondsAndAngles()
+{
+    OddNumbers numbers(1);
+    HarmonicBondForce* bonds = new HarmonicBondForce();
+    HarmonicAngleForce* angles = new HarmonicAngleForce();
+    for (int i = 0; i < NUM_TERMS; i++) {
+        vector<int> p = numbers.particles(3, NUM_BEADS);
+        bonds->addBond(p[0], p[1], numbers.between(0, 3), numbers.between(-50, 100));
+        angles->addAngle(p[0], p[1], p[2], numbers.between(0, M_PI), numbers.between(-50, 100));
+    }
+    assertNative(bonds);
+    assertNative(angles);
+}
+
+void testTorsions()
+{
+    OddNumbers numbers(2);
+    PeriodicTorsionForce* periodic = new PeriodicTorsionForce();
+    RBTorsionForce* rb = new RBTorsionForce();
+    for (int i = 0; i < NUM_TERMS; i++) {
+        vector<int> p = numbers.particles(4, NUM_BEADS);
+        periodic->addTorsion(p[0], p[1], p[2], p[3], 1 + numbers.below(7), numbers.between(-9, 9),
+                             numbers.between(-9, 9));
+        double c[6];
+        for (double& coefficient : c)
+            coefficient = numbers.between(-9, 9);
+        rb->addTorsion(p[0], p[1], p[2], p[3], c[0], c[1], c[2], c[3], c[4], c[5]);
+    }
+    assertNative(periodic);
+    assertNative(rb);
+}
+
+void testMaps()
+{
+    OddNumbers numbers(3);
+    CMAPTorsionForce* force = new CMAPTorsionForce();
+    for (int size : {3, 24, 7}) {
+        vector<double> energies(size * size);
+        for (double& energy : energies)
+            energy = numbers.between(-9, 9);
+        force->addMap(size, energies);
+    }
+    for (int i = 0; i < NUM_TERMS; i++) {
+        vector<int> p = numbers.particles(8, NUM_BEADS);
+        force->addTorsion(i % 3, p[0], p[1], p[2], p[3], p[4], p[5], p[6], p[7]);
+    }
+    force->addTorsion(1, 0, 1, 2, 3, 1, 2, 3, 4);
+    assertNative(force);
+}
+
+// ---- Expressions ----
+
+/**
+ * Make bonds of an expression of r, the parameters a, b and big, and the global parameters half and minus.
+ */
+static CustomBondForce* createBonds(const string& expression)
+{
+    OddNumbers numbers(4);
+    CustomBondForce* force = new CustomBondForce(expression);
+    force->addGlobalParameter("half", 0.5);
+    force->addPerBondParameter("a");
+    force->addPerBondParameter("b");
+    force->addPerBondParameter("big");
+    force->addGlobalParameter("minus", -1.25);
+    for (int i = 0; i < NUM_TERMS; i++) {
+        vector<int> p = numbers.particles(2, NUM_BEADS);
+        force->addBond(p[0], p[1], {numbers.between(0.1, 0.9), numbers.between(-0.9, 0.9), numbers.between(10, 20)});
+    }
+    return force;
+}
+
+void testEveryFunction()
+{
+    for (const string expression : {"r+a",
+                                    "r-a",
+                                    "r*b",
+                                    "r/a",
+                                    "(r*a)^b",
+                                    "a^r",
+                                    "-r",
+                                    "sqrt(r)",
+                                    "exp(b*r)",
+                                    "log(r*a)",
+                                    "sin(r)",
+                                    "cos(r)",
+                                    "sec(b*a)+r",
+                                    "csc(a)*r",
+                                    "tan(b)*r",
+                                    "cot(a)*r",
+                                    "asin(b)*r",
+                                    "acos(b)*r",
+                                    "atan(r*b)",
+                                    "atan2(r*b,minus)",
+                                    "atan2(minus,r*b)",
+                                    "sinh(b*r)",
+                                    "cosh(b*r)",
+                                    "tanh(b*r)",
+                                    "erf(r*b)",
+                                    "erfc(r*b)",
+                                    "step(r-2)",
+                                    "step(b)*r",
+                                    "delta(b)*r+delta(0*r)",
+                                    "(r-1)^2",
+                                    "(r-1)^3",
+                                    "(r-b)^4",
+                                    "(r-9)^-3",
+                                    "r^2.5",
+                                    "r^half",
+                                    "1/r",
+                                    "r+3",
+                                    "3-r",
+                                    "r*7",
+                                    "r/7",
+                                    "7/r",
+                                    "min(r,2)",
+                                    "min(2,r)",
+                                    "max(r,2*a)",
+                                    "abs(r-2)",
+                                    "floor(3*r*b)",
+                                    "ceil(3*r*b)",
+                                    "select(step(r-2),r,a)",
+                                    "select(b,a,r)",
+                                    "select(0*r,a,r)",
+                                    "half",
+                                    "a",
+                                    "minus*half",
+                                    "2",
+                                    "r",
+                                    "sqrt(r^2)",
+                                    "(r*minus)^2",
+                                    "r^1",
+                                    "r^0",
+                                    "a^(half+half)",
+                                    "(r+b)^(2*half+1)",
+                                    "(r+b)^(4*half+1)",
+                                    "exp(half)*r",
+                                    "select(half,r,a)",
+                                    "minus+r",
+                                    "r-minus",
+                                    "minus-r",
+                                    "minus*r",
+                                    "r/minus",
+                                    "minus/r",
+                                    "(b*r)^(4*half)"})
+        try {
+            assertNative(createBonds(expression));
+        }
+        catch (const exception& error) {
+            throw OpenMMException(expression + ": " + error.what());
+        }
+}
+
+void testSharedSubexpressions()
+{
+    CustomBondForce* force = createBonds("4*big*(s12-s6)+half*q*(q+s6)+minus; q=x-s6+s12; s12=s6*s6; s6=x^6; x=a/r");
+    NativeScene scene;
+    const int index = scene.add(force);
+    scene.build();
+    scene.assertAgreement(index);
+
+    // What appears more than once is computed once, and nothing is left over.
+
+    const vector<EnergyTerms::Operation>& operations = scene.plan->getTerms().termSets[0].operations;
+    int numPowers = 0;
+    for (const EnergyTerms::Operation& operation : operations)
+        numPowers += operation.kind == EnergyTerms::PowerConstant;
+    ASSERT_EQUAL(1, numPowers);
+    ASSERT_EQUAL(1, scene.plan->getTerms().termSets[0].inputs.size());
+    ASSERT(operations.size() <= 18);
+}
+
+void testCustomAnglesAndTorsions()
+{
+    OddNumbers numbers(5);
+    CustomAngleForce* angles = new CustomAngleForce("k*(theta-theta0)^2*scale+cos(theta)");
+    CustomTorsionForce* torsions =
+        new CustomTorsionForce("scale*k*min(d,2*pi-d)^2+theta+sin(theta); d=abs(theta-theta0); pi=3.1415926535897932");
+    angles->addPerAngleParameter("k");
+    angles->addPerAngleParameter("theta0");
+    angles->addGlobalParameter("scale", 1.75);
+    torsions->addPerTorsionParameter("theta0");
+    torsions->addPerTorsionParameter("k");
+    torsions->addGlobalParameter("scale", 0.75);
+    for (int i = 0; i < NUM_TERMS; i++) {
+        vector<int> p = numbers.particles(4, NUM_BEADS);
+        angles->addAngle(p[0], p[1], p[2], {numbers.between(-9, 9), numbers.between(0, 3)});
+        torsions->addTorsion(p[0], p[1], p[2], p[3], {numbers.between(-3, 3), numbers.between(-9, 9)});
+    }
+    assertNative(angles);
+    assertNative(torsions);
+}
+
+static CustomCompoundBondForce* createCompoundBonds(const string& expression, int numParticles = 5)
+{
+    OddNumbers numbers(6);
+    CustomCompoundBondForce* force = new CustomCompoundBondForce(numParticles, expression);
+    force->addPerBondParameter("a");
+    force->addPerBondParameter("p1"); // Only where a particle is expected does this name one.
+    force->addGlobalParameter("g", 1.5);
+    for (int i = 0; i < NUM_TERMS; i++)
+        force->addBond(numbers.particles(numParticles, NUM_BEADS), {numbers.between(1, 2), numbers.between(-2, 2)});
+    return force;
+}
+
+void testCompoundBonds()
+{
+    for (const string expression :
+         {"a*distance(p1,p2)+p1*angle(p3,p2,p5)^2+g*cos(dihedral(p4,p1,p2,p3))",
+          "distance(p2,p1)+distance(p1,p2)*angle(p1,p2,p3)-angle(p3,p2,p1)+sin(dihedral(p4,p3,p2,p1))",
+          "sin(dihedral(p1,p2,p3,p4))+2*sin(dihedral(p4,p3,p2,p1))-sin(dihedral(p2,p1,p3,p4))", "x1*y2-z3^2+a*y5*x4",
+          "pointdistance(x1,y1,z1,x3,y3,z3)*a",
+          "a*pointangle(x5,y5,z5,x2,y2,z2,x4,y4,z4)+sin(pointdihedral(x5,y5,z5,x2,y2,z2,x4,y4,z4,x1,y1,z1))",
+          "pointdistance(x1,y1,z1,a,g,0.25)^2+pointdistance(0,0,0,x2,y2,z2)",
+          "pointdistance((x1+x2)/2,(y1+y2)/2,(z1+z2)/2,(x3+x4)/2,(y3+y4)/2,(z3+z4)/2)",
+          "pointdistance(x1,y2,z1,x3,y3,z3)", "r1*r2+r1; r1=distance(p1,q); r2=distance(q,p4); q=p3", "a*p1"})
+        try {
+            assertNative(createCompoundBonds(expression));
+        }
+        catch (const exception& error) {
+            throw OpenMMException(expression + ": " + error.what());
+        }
+    assertNative(createCompoundBonds("x1*a+p1", 1));
+    assertNative(createCompoundBonds("sin(x12)*distance(p11,p12)+y1", 12));
+}
+
+void testExternal()
+{
+    OddNumbers numbers(7);
+    CustomExternalForce* force = new CustomExternalForce("k*((x-x0)^2+s*(y-y0)^2+abs(z-z0)+x*y*z)");
+    force->addPerParticleParameter("x0");
+    force->addPerParticleParameter("y0");
+    force->addPerParticleParameter("z0");
+    force->addGlobalParameter("k", 2.5);
+    force->addGlobalParameter("s", -0.5);
+    for (int i = 0; i < NUM_TERMS; i++)
+        force->addParticle(numbers.below(NUM_BEADS),
+                           {numbers.between(-2, 2), numbers.between(-2, 2), numbers.between(-2, 2)});
+    assertNative(force);
+}
+
+void testGlobalParameters()
+{
+    NativeScene scene;
+    const int index = scene.add(createBonds("half*r+minus*big"));
+    scene.build();
+    scene.context->setParameter("half", 3.25);
+    scene.context->setParameter("minus", 0.5);
+    scene.plan->translate(-1, true, false);
+    scene.getKernel().setEnergyTerms(scene.plan->getTerms());
+    scene.assertAgreement(index);
+}
+
+// ---- NonbondedForce ----
+
+/**
+ * Odd particles, and exceptions of all sorts: with parameters and without, of near and of distant particles.
+ */
+static NonbondedForce* createNonbonded()
+{
+    OddNumbers numbers(8);
+    NonbondedForce* force = new NonbondedForce();
+    for (int i = 0; i < NUM_BEADS; i++)
+        force->addParticle(i % 5 == 0 ? 0 : numbers.between(-1, 1), numbers.between(0.1, 0.4),
+                           i % 4 == 0 ? 0 : numbers.between(0, 3));
+    for (int i = 0; i < 8; i++) {
+        force->addException(i, i + 1, 0, i % 2, 0);
+        force->addException(i + 3, i, numbers.between(-1, 1), numbers.between(0.1, 0.9), numbers.between(0, 3));
+    }
+    force->addException(0, 14, 0.7, 0, 0);
+    force->addException(14, 3, 0, 0.5, 2.5);
+    force->addException(4, 12, 0, 0.5, 0);
+    return force;
+}
+
+/** Pairs are in single precision, and their energies of some ten kJ/mol cancel. */
+static const double PAIR_TOLERANCE = 5e-5;
+
+void testNonbonded()
+{
+    assertNative(createNonbonded(), PAIR_TOLERANCE);
+    for (double cutoff : {1.3, 2.5, 100.0})
+        for (double dielectric : {1.0, 7.5, 78.5, 1e10}) {
+            NonbondedForce* force = createNonbonded();
+            force->setNonbondedMethod(NonbondedForce::CutoffNonPeriodic);
+            force->setCutoffDistance(cutoff);
+            force->setReactionFieldDielectric(dielectric);
+            assertNative(force, PAIR_TOLERANCE);
+        }
+    for (double switchingDistance : {0.0, 0.9, 1.79}) {
+        NonbondedForce* force = createNonbonded();
+        force->setNonbondedMethod(NonbondedForce::CutoffNonPeriodic);
+        force->setCutoffDistance(1.8);
+        force->setUseSwitchingFunction(true);
+        force->setSwitchingDistance(switchingDistance);
+        assertNative(force, PAIR_TOLERANCE);
+    }
+
+    // What is said about a cutoff counts only if there is one.
+
+    NonbondedForce* force = createNonbonded();
+    force->setCutoffDistance(1.8);
+    force->setUseSwitchingFunction(true);
+    force->setSwitchingDistance(0.5);
+    force->setReciprocalSpaceForceGroup(7);
+    assertNative(force, PAIR_TOLERANCE);
+}
+
+void testOffsets()
+{
+    NonbondedForce* force = createNonbonded();
+    force->addGlobalParameter("lambda", 0.5);
+    force->addGlobalParameter("mu", -0.25);
+    force->addParticleParameterOffset("lambda", 3, 0.5, 0.1, 2);
+    force->addParticleParameterOffset("mu", 3, -0.5, -0.01, 0.1);
+    force->addParticleParameterOffset("mu", 0, 1, 0, 0);
+    force->addExceptionParameterOffset("lambda", 0, 1.5, 0.25, 3); // of an exception without parameters
+    force->addExceptionParameterOffset("mu", 1, 1.5, 0.25, 3);
+    NativeScene scene;
+    const int index = scene.add(force);
+    scene.build();
+    scene.assertAgreement(index, PAIR_TOLERANCE);
+    for (double lambda : {0.0, 1.5}) {
+        scene.context->setParameter("lambda", lambda);
+        scene.context->setParameter("mu", 0.75);
+        scene.plan->translate(-1, true, false);
+        scene.getKernel().setEnergyTerms(scene.plan->getTerms());
+        scene.assertAgreement(index, PAIR_TOLERANCE);
+    }
+}
+
+// ---- What is left to OpenMM ----
+
+/**
+ * Check that a Force is left to OpenMM for a reason, and that no trace of it is in the terms.
+ */
+static void assertForeign(Force* force, const string& reason)
+{
+    NativeScene scene;
+    scene.add(createBonds("r"));
+    const int index = scene.add(force);
+    scene.chain.system.setDefaultPeriodicBoxVectors(Vec3(9, 0, 0), Vec3(0, 9, 0), Vec3(0, 0, 9));
+    scene.build();
+    const EnergyPlan::Entry& entry = scene.plan->getEntries()[index];
+    ASSERT_EQUAL(EnergyPlan::Foreign, entry.kind);
+    if (entry.reason.find(reason) == string::npos)
+        throw OpenMMException("expected the reason \"" + reason + "\", found \"" + entry.reason + "\"");
+    ASSERT_EQUAL(1, scene.plan->getTerms().termSets.size());
+    ASSERT_EQUAL(0, scene.plan->getTerms().nonbonded.size());
+    ASSERT(scene.computeEnergies()[1] > 0);
+}
+
+void testPeriodicForcesAreForeign()
+{
+    const string reason = "it uses periodic boundary conditions";
+    HarmonicBondForce* bonds = new HarmonicBondForce();
+    bonds->setUsesPeriodicBoundaryConditions(true);
+    assertForeign(bonds, reason);
+    HarmonicAngleForce* angles = new HarmonicAngleForce();
+    angles->setUsesPeriodicBoundaryConditions(true);
+    assertForeign(angles, reason);
+    PeriodicTorsionForce* torsions = new PeriodicTorsionForce();
+    torsions->setUsesPeriodicBoundaryConditions(true);
+    assertForeign(torsions, reason);
+    RBTorsionForce* rb = new RBTorsionForce();
+    rb->setUsesPeriodicBoundaryConditions(true);
+    assertForeign(rb, reason);
+    CMAPTorsionForce* maps = new CMAPTorsionForce();
+    maps->setUsesPeriodicBoundaryConditions(true);
+    assertForeign(maps, reason);
+    CustomBondForce* customBonds = createBonds("r");
+    customBonds->setUsesPeriodicBoundaryConditions(true);
+    assertForeign(customBonds, reason);
+    CustomAngleForce* customAngles = new CustomAngleForce("theta");
+    customAngles->setUsesPeriodicBoundaryConditions(true);
+    assertForeign(customAngles, reason);
+    CustomTorsionForce* customTorsions = new CustomTorsionForce("theta");
+    customTorsions->setUsesPeriodicBoundaryConditions(true);
+    assertForeign(customTorsions, reason);
+    CustomCompoundBondForce* compound = createCompoundBonds("x1");
+    compound->setUsesPeriodicBoundaryConditions(true);
+    assertForeign(compound, reason);
+    assertForeign(new CustomExternalForce("periodicdistance(x,y,z,0,0,0)"), "its expression uses periodicdistance");
+}
+
+void testForeignNonbondedForces()
+{
+    for (auto& method :
+         map<NonbondedForce::NonbondedMethod, string>{{NonbondedForce::CutoffPeriodic, "its cutoff is periodic"},
+                                                      {NonbondedForce::Ewald, "Ewald summation is periodic"},
+                                                      {NonbondedForce::PME, "PME is periodic"},
+                                                      {NonbondedForce::LJPME, "LJPME is periodic"}}) {
+        NonbondedForce* force = createNonbonded();
+        force->setNonbondedMethod(method.first);
+        force->setCutoffDistance(1);
+        assertForeign(force, method.second);
+    }
+    NonbondedForce* force = createNonbonded();
+    force->setExceptionsUsePeriodicBoundaryConditions(true);
+    assertForeign(force, "its exceptions use periodic boundary conditions");
+    force = createNonbonded();
+    force->setIncludeDirectSpace(false);
+    assertForeign(force, "its direct space is left out");
+    force = createNonbonded();
+    force->addGlobalParameter("lambda", 0.5);
+    force->addParticleParameterOffset("lambda", 3, 0.5, 0.1, 2);
+    force->addParticleParameterOffset("lambda", 3, 0.5, 0.1, 2);
+    assertForeign(force, "the parameter lambda appears in two offsets");
+    force = createNonbonded();
+    force->addGlobalParameter("lambda", -2);
+    force->addParticleParameterOffset("lambda", 3, 0.5, 0.1, 2);
+    assertForeign(force, "a parameter makes the epsilon of a particle negative");
+    force = createNonbonded();
+    force->setParticleParameters(2, numeric_limits<double>::infinity(), 1, 1);
+    assertForeign(force, "one of its parameters is infinite or not a number");
+
+    // One is native.
+
+    NativeScene scene;
+    const int first = scene.add(createNonbonded()), second = scene.add(createNonbonded());
+    scene.build();
+    scene.assertAgreement(first, PAIR_TOLERANCE);
+    ASSERT_EQUAL(EnergyPlan::Foreign, scene.plan->getEntries()[second].kind);
+    ASSERT_EQUAL("openmm-chaintree has code for one NonbondedForce, and there is another before it",
+                 scene.plan->getEntries()[second].reason);
+}
+
+void testForeignExpressions()
+{
+    CustomCompoundBondForce* force = createCompoundBonds("table(x1)+distance(p1,p2)");
+    force->addTabulatedFunction("table", new Continuous1DFunction({0, 1, 2}, 0, 1));
+    assertForeign(force, "its expression uses the tabulated function table");
+    force = createCompoundBonds("table(x1,y1)");
+    force->addTabulatedFunction("table", new Discrete2DFunction(2, 2, {0, 1, 2, 3}));
+    assertForeign(force, "its expression uses the tabulated function table");
+    force = createCompoundBonds("pointdistance(x1,y1,z1,x1(0),y1,z1)"); // a function of this name, no particle
+    force->addTabulatedFunction("x1", new Discrete1DFunction({4, 5}));
+    assertForeign(force, "its expression uses the tabulated function x1");
+    assertForeign(createCompoundBonds("pointangle(x1,y1,z1,0,0,0,x2,y2,z2)"),
+                  "its expression takes pointangle of points that are not particles");
+    assertForeign(createCompoundBonds("pointdihedral(x1,y1,z1,0,0,0,x2,y2,z2,x3,y3,z3)"),
+                  "its expression takes pointdihedral of points that are not particles");
+    assertForeign(createCompoundBonds("distance(p1,p1)+x1"), "its expression takes distance of one particle twice");
+    assertForeign(createCompoundBonds("x1+pointangle(0,0,0,1,0,0,1,1,0)"), "its expression");
+    CustomBondForce* bonds = new CustomBondForce("k*r");
+    bonds->addGlobalParameter("k", 1);
+    bonds->addPerBondParameter("k");
+    bonds->addBond(0, 1, {2});
+    assertForeign(bonds, "the name k means two things in its expression");
+    bonds = new CustomBondForce("2*r");
+    bonds->addPerBondParameter("r");
+    assertForeign(bonds, "the name r means two things in its expression");
+    bonds = createBonds("a*r");
+    bonds->addBond(0, 1, {numeric_limits<double>::quiet_NaN(), 0, 0});
+    assertForeign(bonds, "one of its parameters is infinite or not a number");
+
+    // A table that is not used is no hindrance.
+
+    force = createCompoundBonds("x1");
+    force->addTabulatedFunction("table", new Continuous1DFunction({0, 1, 2}, 0, 1));
+    assertNative(force);
+}
+
+/**
+ * A class that knows better than the one it is derived from.
+ */
+class DerivedForce : public HarmonicBondForce {};
+
+void testUnknownForces()
+{
+    assertForeign(new DerivedForce(), "openmm-chaintree has no code for a DerivedForce");
+    CustomGBForce* gb = new CustomGBForce();
+    for (int i = 0; i < NUM_BEADS; i++)
+        gb->addParticle({});
+    assertForeign(gb, "openmm-chaintree has no code for a CustomGBForce");
+}
+
+void testEditedForces()
+{
+    // A Force can become anything after its Context was made.
+
+    NativeScene scene;
+    HarmonicBondForce* bonds = new HarmonicBondForce();
+    bonds->addBond(0, 1, 1, 1);
+    scene.add(bonds);
+    scene.build();
+    EnergyTerms terms;
+    bonds->setBondParameters(0, 0, NUM_BEADS, 1, 1);
+    ASSERT_EQUAL("there is no particle 15", translateForce(scene.chain.system, 1, {}, terms));
+    CustomBondForce* custom = createBonds("unknown*r");
+    scene.chain.system.addForce(custom);
+    ASSERT(
+        translateForce(scene.chain.system, 2, {{"half", 1}, {"minus", 1}}, terms).find("unknown variable, unknown") !=
+        string::npos);
+    custom->setEnergyFunction("r+");
+    ASSERT(translateForce(scene.chain.system, 2, {{"half", 1}, {"minus", 1}}, terms).find("it cannot be read") == 0);
+    custom->setEnergyFunction("a*r");
+    ASSERT(translateForce(scene.chain.system, 2, {}, terms).find("it cannot be read") == 0);
+    custom->addBond(0, 1, {1});
+    ASSERT_EQUAL("one of its terms has a wrong number of particles or parameters",
+                 translateForce(scene.chain.system, 2, {{"half", 1}, {"minus", 1}}, terms));
+    ASSERT_EQUAL(0, terms.termSets.size());
+}
+
+int main()
+{
+    return runOnPlatform("Reference", [](Platform&) {
+        testBondsAndAngles();
+        testTorsions();
+        testMaps();
+        testEveryFunction();
+        testSharedSubexpressions();
+        testCustomAnglesAndTorsions();
+        testCompoundBonds();
+        testExternal();
+        testGlobalParameters();
+        testNonbonded();
+        testOffsets();
+        testPeriodicForcesAreForeign();
+        testForeignNonbondedForces();
+        testForeignExpressions();
+        testUnknownForces();
+        testEditedForces();
+    });
+}

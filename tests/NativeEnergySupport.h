@@ -1,0 +1,189 @@
+#ifndef OPENMM_CHAINTREE_NATIVEENERGYSUPPORT_H_
+#define OPENMM_CHAINTREE_NATIVEENERGYSUPPORT_H_
+
+/**
+ * What the tests of native energies share: a System to give Forces to, and its energies by the kernel and by OpenMM.
+ */
+
+#include "openmm/HarmonicAngleForce.h"
+#include "openmm/HarmonicBondForce.h"
+#include "openmm/Kernel.h"
+#include "openmm/NonbondedForce.h"
+#include "openmm/VerletIntegrator.h"
+#include "openmmchaintree/ChainTreeKernels.h"
+#include "openmmchaintree/internal/EnergyPlan.h"
+#include "openmmchaintree/internal/LinkStructure.h"
+#include "TestSupport.h"
+#include <memory>
+#include <random>
+
+namespace ChainTreePlugin {
+
+/**
+ * Names what Forces know of Contexts.
+ */
+class ContextOpener : public OpenMM::Force {
+public:
+    OpenMM::ContextImpl& open(OpenMM::Context& context)
+    {
+        return getContextImpl(context);
+    }
+
+protected:
+    OpenMM::ForceImpl* createImpl() const
+    {
+        return NULL;
+    }
+};
+
+/**
+ * Numbers for parameters that nobody would choose.
+ */
+class OddNumbers {
+public:
+    explicit OddNumbers(int seed) : engine(seed)
+    {
+    }
+    double between(double low, double high)
+    {
+        return std::uniform_real_distribution<double>(low, high)(engine);
+    }
+    int below(int end)
+    {
+        return std::uniform_int_distribution<int>(0, end - 1)(engine);
+    }
+    /** Different particles. */
+    std::vector<int> particles(int count, int end)
+    {
+        std::vector<int> all(end);
+        for (int i = 0; i < end; i++)
+            all[i] = i;
+        std::shuffle(all.begin(), all.end(), engine);
+        all.resize(count);
+        return all;
+    }
+
+private:
+    std::mt19937 engine;
+};
+
+/**
+ * Two chains of beads whose spheres hardly matter, in a Context with the Forces of a test. Forces are in the System
+ * from index 1 on; each has a force group of its own, unless the test gives it another than 0.
+ */
+class NativeScene {
+public:
+    static const int NUM_BEADS = 15;
+    NativeScene() : chain(9, 0.001, 2.1), numbers(17)
+    {
+        chain.addMolecule(6, 0.001, -1.3, OpenMM::Vec3(0.6, 1.7, 1.9));
+        for (OpenMM::Vec3& position : chain.positions)
+            position +=
+                OpenMM::Vec3(numbers.between(-0.1, 0.1), numbers.between(-0.1, 0.1), numbers.between(-0.1, 0.1));
+    }
+    /**
+     * Add a Force, which belongs to the System from then on. Returns its index.
+     */
+    int add(OpenMM::Force* force)
+    {
+        const int index = chain.system.addForce(force);
+        if (force->getForceGroup() == 0)
+            force->setForceGroup(index % 32);
+        return index;
+    }
+    /**
+     * Make the Context, the plan and the kernel.
+     */
+    void build()
+    {
+        integrator.reset(new OpenMM::VerletIntegrator(0.001));
+        context.reset(new OpenMM::Context(chain.system, *integrator, OpenMM::Platform::getPlatform("Reference")));
+        context->setPositions(chain.positions);
+        plan.reset(new EnergyPlan(getImpl()));
+        plan->translate(-1, true, false);
+        kernel = context->getPlatform().createKernel(CalcStericExclusionForceKernel::Name(), getImpl());
+        getKernel().initialize(*chain.force, LinkStructure(chain.system, *chain.force));
+        getKernel().setEnergyTerms(plan->getTerms());
+        getKernel().setPositions(chain.positions);
+    }
+    OpenMM::ContextImpl& getImpl()
+    {
+        return ContextOpener().open(*context);
+    }
+    CalcStericExclusionForceKernel& getKernel()
+    {
+        return kernel.getAs<CalcStericExclusionForceKernel>();
+    }
+    /**
+     * Get the energy of each Force as the kernel has it.
+     */
+    std::vector<double> computeEnergies(bool force = false)
+    {
+        double pairs;
+        std::vector<double> termSets;
+        getKernel().updateEnergy(force);
+        getKernel().getEnergies(pairs, termSets);
+        return plan->sumByForce(pairs, termSets);
+    }
+    /**
+     * Get OpenMM's energy of force groups at the kernel's positions.
+     */
+    double computeOpenMMEnergy(int groups)
+    {
+        std::vector<OpenMM::Vec3> positions;
+        getKernel().getPositions(positions);
+        context->setPositions(positions);
+        return context->getState(OpenMM::State::Energy, false, groups).getPotentialEnergy();
+    }
+    /**
+     * Compare the energy of a Force, which has to be native, with OpenMM's: as it is computed anew, and as random
+     * trials change it.
+     */
+    void assertAgreement(int index, double tolerance = 1e-7)
+    {
+        using OpenMM::throwException;
+        const EnergyPlan::Entry& entry = plan->getEntries()[index];
+        if (entry.kind != EnergyPlan::Native)
+            throw OpenMM::OpenMMException("force " + std::to_string(index) + " is not native: " + entry.reason);
+        double former = computeOpenMMEnergy(entry.groups);
+        assertClose(former, computeEnergies()[index], tolerance);
+        for (int trial = 0; trial < 30; trial++) {
+            const int torsion = numbers.below(chain.force->getNumTorsions());
+            getKernel().proposeTorsions({torsion}, {numbers.between(-2, 2)});
+            double change = 0;
+            for (int part = 0; part < 3; part++)
+                change += getKernel().getProposedEnergyChange((CalcStericExclusionForceKernel::EnergyPart)part);
+            if (trial % 3 == 0) {
+                getKernel().rejectProposal();
+                continue;
+            }
+            getKernel().acceptProposal();
+            const double energy = computeOpenMMEnergy(entry.groups);
+            if (chain.system.getNumForces() == 2)
+                assertClose(energy - former, change, tolerance * (1 + fabs(former)));
+            assertClose(energy, computeEnergies()[index], tolerance);
+            former = energy;
+        }
+    }
+    BeadChain chain;
+    OddNumbers numbers;
+    std::unique_ptr<OpenMM::VerletIntegrator> integrator;
+    std::unique_ptr<OpenMM::Context> context;
+    std::unique_ptr<EnergyPlan> plan;
+
+private:
+    static void assertClose(double expected, double found, double tolerance)
+    {
+        if (!(fabs(expected - found) <= tolerance * (1 + fabs(expected)))) {
+            std::stringstream message;
+            message.precision(12);
+            message << "expected the energy " << expected << ", found " << found;
+            throw OpenMM::OpenMMException(message.str());
+        }
+    }
+    OpenMM::Kernel kernel;
+};
+
+} // namespace ChainTreePlugin
+
+#endif /*OPENMM_CHAINTREE_NATIVEENERGYSUPPORT_H_*/
