@@ -92,6 +92,16 @@ static inline float most16(Float16 a) {
   return _mm512_reduce_max_ps(a);
 }
 
+/* The least lane of each of four vectors. */
+static inline void least4x16(const Float16 a[4], float least[4]) {
+  const __m512 ab = _mm512_min_ps(_mm512_shuffle_ps(a[0], a[1], 0x44), _mm512_shuffle_ps(a[0], a[1], 0xee));
+  const __m512 cd = _mm512_min_ps(_mm512_shuffle_ps(a[2], a[3], 0x44), _mm512_shuffle_ps(a[2], a[3], 0xee));
+  const __m512 abcd = _mm512_min_ps(_mm512_shuffle_ps(ab, cd, 0x88), _mm512_shuffle_ps(ab, cd, 0xdd));
+  const __m512 two = _mm512_min_ps(abcd, _mm512_shuffle_f32x4(abcd, abcd, 0x4e));
+  const __m512 one = _mm512_min_ps(two, _mm512_shuffle_f32x4(two, two, 0xb1));
+  _mm_storeu_ps(least, _mm512_castps512_ps128(one));
+}
+
 #elif defined(CT_PATH_AVX2)
 
 #include <immintrin.h>
@@ -184,6 +194,19 @@ static inline float most16(Float16 a) {
   __m128 four = _mm_max_ps(_mm256_castps256_ps128(eight), _mm256_extractf128_ps(eight, 1));
   four = _mm_max_ps(four, _mm_movehl_ps(four, four));
   return _mm_cvtss_f32(_mm_max_ss(four, _mm_shuffle_ps(four, four, 1)));
+}
+
+static inline void least4x16(const Float16 a[4], float least[4]) {
+  __m256 eight[4];
+  for (int i = 0; i < 4; i++) {
+    eight[i] = _mm256_min_ps(a[i].low, a[i].high);
+  }
+  const __m256 ab =
+      _mm256_min_ps(_mm256_shuffle_ps(eight[0], eight[1], 0x44), _mm256_shuffle_ps(eight[0], eight[1], 0xee));
+  const __m256 cd =
+      _mm256_min_ps(_mm256_shuffle_ps(eight[2], eight[3], 0x44), _mm256_shuffle_ps(eight[2], eight[3], 0xee));
+  const __m256 abcd = _mm256_min_ps(_mm256_shuffle_ps(ab, cd, 0x88), _mm256_shuffle_ps(ab, cd, 0xdd));
+  _mm_storeu_ps(least, _mm_min_ps(_mm256_castps256_ps128(abcd), _mm256_extractf128_ps(abcd, 1)));
 }
 
 #else
@@ -335,6 +358,21 @@ static inline float most16(Float16 a) {
   const float low = four[0] > four[1] ? four[0] : four[1];
   const float high = four[2] > four[3] ? four[2] : four[3];
   return low > high ? low : high;
+}
+
+static inline void least4x16(const Float16 a[4], float least[4]) {
+#ifdef __SSE2__
+  __m128 four[4];
+  for (int i = 0; i < 4; i++) {
+    four[i] = (__m128)min4(min4(a[i].q[0], a[i].q[1]), min4(a[i].q[2], a[i].q[3]));
+  }
+  _MM_TRANSPOSE4_PS(four[0], four[1], four[2], four[3]);
+  _mm_storeu_ps(least, _mm_min_ps(_mm_min_ps(four[0], four[1]), _mm_min_ps(four[2], four[3])));
+#else
+  for (int i = 0; i < 4; i++) {
+    least[i] = least16(a[i]);
+  }
+#endif
 }
 
 #undef CT_EACH_QUARTER

@@ -55,13 +55,25 @@ static void boxTrialLeaf(const LeafTask* task, int leaf, LeafBoxes* around, int 
 
 /* Moves a leaf of one body. */
 static void moveLeaf(const LeafTask* task, int leaf, int body, LeafBoxes* around, int k) {
-  const ctLeafPositions* from = &task->leaves->state[leaf];
-  ctLeafPositions* to = &task->leaves->trial[leaf];
+  const ctLeafPositions* restrict from = &task->leaves->state[leaf];
+  ctLeafPositions* restrict to = &task->leaves->trial[leaf];
+  const double* o = task->sequence->worldOrigin;
+  const ctTransform motion = task->worldMotions[body];
+  const double* r = motion.rotation;
+  const double* t = motion.translation;
+  LeafPoints points;
+  for (int i = 0; i < TREE_WIDTH; i++) { /* as movePosition */
+    to->x[i] = r[0] * from->x[i] + r[1] * from->y[i] + r[2] * from->z[i] + t[0];
+    to->y[i] = r[3] * from->x[i] + r[4] * from->y[i] + r[5] * from->z[i] + t[1];
+    to->z[i] = r[6] * from->x[i] + r[7] * from->y[i] + r[8] * from->z[i] + t[2];
+  }
   for (int i = 0; i < TREE_WIDTH; i++) {
-    movePosition(&task->worldMotions[body], from, to, i);
+    points.x[0][i] = (float)(to->x[i] - o[0]);
+    points.x[1][i] = (float)(to->y[i] - o[1]);
+    points.x[2][i] = (float)(to->z[i] - o[2]);
   }
   clearEmpty(to, task->leaves->occupied[leaf]);
-  boxTrialLeaf(task, leaf, around, k);
+  boxPoints(&points, task->leaves->occupied[leaf], around, k);
 }
 
 /* Moves a leaf of many pieces, the first of which is `piece`. Returns its body. */
@@ -277,14 +289,17 @@ static void addPairs(LeafDescent* d, int row, const Opened* others, unsigned nea
     return;
   }
   float gap[TREE_WIDTH];
+  int columns[TREE_WIDTH];
   store16(gap, gaps);
+  const int count = indices16(near, 0, columns);
   ctLeafPair* to = pairs->pairs + pairs->count;
-  for (; near != 0; near &= near - 1) {
-    const int k = __builtin_ctz(near);
-    const int column = others->first + k;
-    *to++ = row < column ? (ctLeafPair){row, column, gap[k]} : (ctLeafPair){column, row, gap[k]};
+  for (int i = 0; i < count; i++) {
+    const int column = others->first + columns[i];
+    to[i].a = row < column ? row : column;
+    to[i].b = row < column ? column : row;
+    to[i].squaredGap = gap[columns[i]];
   }
-  pairs->count = (size_t)(to - pairs->pairs);
+  pairs->count += (size_t)count;
 }
 
 static Opened openReached(const LeafDescent* d, int level, const Reached* reached) {

@@ -16,23 +16,41 @@ typedef struct LeafPoints {
 /* What the roundings to float may take from a box of particles: half a unit in the last place. */
 #define BOX_MARGIN 1.2e-7f
 
+/* Writes the box around lows and highs as member k, a little larger. */
+CT_INLINE void storeBox(const Float16 lows[3], const Float16 highs[3], float margin, LeafBoxes* around, int k) {
+  const Float16 zero = all16(0);
+  const Float16 first[4] = {lows[0], lows[1], lows[2], sub16(zero, highs[0])};
+  const Float16 last[4] = {sub16(zero, highs[1]), sub16(zero, highs[2]), zero, zero};
+  float least[8];
+  least4x16(first, least);
+  least4x16(last, least + 4);
+  for (int d = 0; d < 3; d++) {
+    around->low[d][k] = least[d] - margin * fabsf(least[d]);
+    around->high[d][k] = margin * fabsf(least[3 + d]) - least[3 + d];
+  }
+}
+
 /* Writes the box around the points of a leaf as member k of its parent. */
-static void boxPoints(const LeafPoints* points, unsigned occupied, LeafBoxes* around, int k) {
+CT_INLINE void boxPoints(const LeafPoints* points, unsigned occupied, LeafBoxes* around, int k) {
+  Float16 lows[3];
+  Float16 highs[3];
   for (int d = 0; d < 3; d++) {
     const Float16 x = load16(points->x[d]);
-    const float low = least16(blend16(occupied, all16(INFINITY), x));
-    const float high = most16(blend16(occupied, all16(-INFINITY), x));
-    around->low[d][k] = low - (BOX_MARGIN * fabsf(low) + FLOAT_FLOOR);
-    around->high[d][k] = high + (BOX_MARGIN * fabsf(high) + FLOAT_FLOOR);
+    lows[d] = occupied == 0xffff ? x : blend16(occupied, all16(INFINITY), x);
+    highs[d] = occupied == 0xffff ? x : blend16(occupied, all16(-INFINITY), x);
   }
+  storeBox(lows, highs, BOX_MARGIN, around, k);
 }
 
 /* Writes the box around the members of a node as member k of its parent. */
 static void boxMembers(const LeafBoxes* members, LeafBoxes* around, int k) {
+  Float16 lows[3];
+  Float16 highs[3];
   for (int d = 0; d < 3; d++) {
-    around->low[d][k] = least16(load16(members->low[d]));
-    around->high[d][k] = most16(load16(members->high[d]));
+    lows[d] = load16(members->low[d]);
+    highs[d] = load16(members->high[d]);
   }
+  storeBox(lows, highs, 0, around, k);
 }
 
 /* Sets the positions of slots that hold no particle to 0. */
@@ -50,17 +68,25 @@ static void clearEmpty(ctLeafPositions* leaf, unsigned occupied) {
 /* Computes the positions of a leaf, by the sums that ctGetPositions makes. */
 static void placeLeaf(Leaves* leaves, const Tree* tree, const Sequence* s, int leaf, const Frame* frame,
                       LeafPoints* points) {
-  const Leaf* own = &tree->leaf[leaf];
-  ctLeafPositions* to = &leaves->state[leaf];
-  double* const axes[3] = {to->x, to->y, to->z};
-  for (int d = 0; d < 3; d++) {
-    double* axis = axes[d];
-    for (int k = 0; k < TREE_WIDTH; k++) {
-      const double x =
-          frame->m[d][0] * own->x[k] + frame->m[d][1] * own->y[k] + frame->m[d][2] * own->z[k] + frame->m[d][3];
-      points->x[d][k] = (float)x;
-      axis[k] = x + s->worldOrigin[d];
+  const Leaf* restrict own = &tree->leaf[leaf];
+  ctLeafPositions* restrict to = &leaves->state[leaf];
+  const Frame f = *frame;
+  const double* o = s->worldOrigin;
+  double x[3][TREE_WIDTH];
+  for (int k = 0; k < TREE_WIDTH; k++) {
+    for (int d = 0; d < 3; d++) {
+      x[d][k] = f.m[d][0] * own->x[k] + f.m[d][1] * own->y[k] + f.m[d][2] * own->z[k] + f.m[d][3];
     }
+  }
+  for (int d = 0; d < 3; d++) {
+    for (int k = 0; k < TREE_WIDTH; k++) {
+      points->x[d][k] = (float)x[d][k];
+    }
+  }
+  for (int k = 0; k < TREE_WIDTH; k++) {
+    to->x[k] = x[0][k] + o[0];
+    to->y[k] = x[1][k] + o[1];
+    to->z[k] = x[2][k] + o[2];
   }
   clearEmpty(to, leaves->occupied[leaf]);
 }
