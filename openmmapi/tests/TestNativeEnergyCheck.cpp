@@ -1,0 +1,328 @@
+/**
+ * This tests that a Force that was misread is found by comparison with OpenMM, and named.
+ */
+
+#include "NativeEnergySupport.h"
+#include "openmm/CMAPTorsionForce.h"
+#include "openmm/CustomAngleForce.h"
+#include "openmm/CustomBondForce.h"
+#include "openmm/CustomCompoundBondForce.h"
+#include "openmm/CustomExternalForce.h"
+#include "openmm/CustomTorsionForce.h"
+#include "openmm/GBSAOBCForce.h"
+#include "openmm/PeriodicTorsionForce.h"
+#include "openmm/RBTorsionForce.h"
+#include "openmmchaintree/internal/NativeEnergyCheck.h"
+#include <limits>
+#include <map>
+
+using namespace ChainTreePlugin;
+using namespace OpenMM;
+using namespace std;
+
+/**
+ * A scene whose energies are checked.
+ */
+class CheckedScene : public NativeScene {
+public:
+    void build()
+    {
+        NativeScene::build();
+        check.reset(new NativeEnergyCheck(getImpl(), *plan));
+    }
+    /**
+     * Check the kernel's energies.
+     */
+    bool run()
+    {
+        return run(computeEnergies());
+    }
+    bool run(const vector<double>& energies)
+    {
+        vector<Vec3> positions;
+        getKernel().getPositions(positions);
+        groupsAskedFor = 0;
+        return check->check(positions, energies, [this](int groups) {
+            groupsAskedFor |= groups;
+            return computeOpenMMEnergy(groups);
+        });
+    }
+    void assertFound(const string& message)
+    {
+        assertThrows(message, [this] {
+            run();
+        });
+    }
+    void translate()
+    {
+        plan->translate(-1, true, false);
+        getKernel().setEnergyTerms(plan->getTerms());
+    }
+    void setPositions(const vector<Vec3>& positions)
+    {
+        context->setPositions(positions);
+        getKernel().setPositions(positions);
+    }
+    unique_ptr<NativeEnergyCheck> check;
+    int groupsAskedFor;
+};
+
+static NonbondedForce* createNonbonded()
+{
+    OddNumbers numbers(1);
+    NonbondedForce* force = new NonbondedForce();
+    for (int i = 0; i < NativeScene::NUM_BEADS; i++)
+        force->addParticle(numbers.between(-1, 1), numbers.between(0.8, 1), numbers.between(1, 3));
+    for (int i = 0; i < 8; i++)
+        force->addException(i, i + 1, 0, 1, 0);
+    force->addException(0, 3, 0.5, 0.8, 200);
+    force->setNonbondedMethod(NonbondedForce::CutoffNonPeriodic);
+    force->setCutoffDistance(2);
+    force->setUseSwitchingFunction(true);
+    force->setSwitchingDistance(0.5);
+    return force;
+}
+
+/**
+ * Add a Force of each kind that is native.
+ */
+static map<string, int> addAllKinds(NativeScene& scene)
+{
+    HarmonicBondForce* bonds = new HarmonicBondForce();
+    bonds->addBond(0, 4, 1.5, 10);
+    HarmonicAngleForce* angles = new HarmonicAngleForce();
+    angles->addAngle(0, 3, 6, 1.5, 10);
+    PeriodicTorsionForce* periodic = new PeriodicTorsionForce();
+    periodic->addTorsion(0, 1, 2, 3, 3, 0.5, 10);
+    RBTorsionForce* rb = new RBTorsionForce();
+    rb->addTorsion(1, 2, 3, 4, 100, 200, 300, 400, 500, 600);
+    CMAPTorsionForce* maps = new CMAPTorsionForce();
+    maps->addMap(3, {1, 2, 3, 4, -5, 6, 7, 8, -9});
+    maps->addTorsion(0, 0, 1, 2, 3, 1, 2, 3, 4);
+    CustomBondForce* customBonds = new CustomBondForce("k*(r-1)^2");
+    customBonds->addPerBondParameter("k");
+    customBonds->addBond(0, 4, {10});
+    CustomAngleForce* customAngles = new CustomAngleForce("k*(theta-1)^2");
+    customAngles->addPerAngleParameter("k");
+    customAngles->addAngle(0, 3, 6, {10});
+    CustomTorsionForce* customTorsions = new CustomTorsionForce("k*cos(theta-1)");
+    customTorsions->addPerTorsionParameter("k");
+    customTorsions->addTorsion(0, 1, 2, 3, {10});
+    CustomCompoundBondForce* compound = new CustomCompoundBondForce(3, "k*distance(p1,p2)+angle(p1,p2,p3)");
+    compound->addPerBondParameter("k");
+    compound->addBond({0, 5, 9}, {10});
+    CustomExternalForce* external = new CustomExternalForce("k*(x^2+y-z)");
+    external->addPerParticleParameter("k");
+    external->addParticle(7, {10});
+    map<string, int> added;
+    for (Force* force : vector<Force*>{bonds, angles, periodic, rb, maps, customBonds, customAngles, customTorsions,
+                                       compound, external, createNonbonded()})
+        added[force->getName()] = scene.add(force);
+    return added;
+}
+
+void testMisreadForces()
+{
+    CheckedScene scene;
+    map<string, int> added = addAllKinds(scene);
+    scene.build();
+    ASSERT(scene.run());
+    ASSERT_EQUAL(scene.plan->getGroups(EnergyPlan::Native), scene.groupsAskedFor);
+    const EnergyTerms truth = scene.plan->getTerms();
+    auto plant = [&](const string& name, const string& what, const function<void(EnergyTerms&)>& misread) {
+        EnergyTerms terms = truth;
+        misread(terms);
+        scene.getKernel().setEnergyTerms(terms);
+        try {
+            scene.assertFound("the energy of force " + to_string(added[name]) + " (" + name + ")");
+        }
+        catch (const exception& error) {
+            throw OpenMMException(what + ": " + error.what());
+        }
+    };
+    for (size_t i = 0; i < truth.termSets.size(); i++) {
+        const string name = scene.plan->getEntries()[truth.termSets[i].force].name;
+        plant(name, "a wrong particle", [&](EnergyTerms& terms) {
+            terms.termSets[i].particles[0] = 14;
+        });
+        plant(name, "a term left out", [&](EnergyTerms& terms) {
+            terms.termSets[i].particles.clear();
+            terms.termSets[i].parameters.clear();
+        });
+        if (truth.termSets[i].kind != EnergyTerms::TorsionMap)
+            for (size_t j = 0; j < truth.termSets[i].parameters.size(); j++)
+                plant(name, "a wrong parameter " + to_string(j), [&](EnergyTerms& terms) {
+                    double& parameter = terms.termSets[i].parameters[j];
+                    parameter = truth.termSets[i].kind == EnergyTerms::PeriodicTorsion && j == 0 ? 2 : 1.01 * parameter;
+                });
+        for (size_t j = 0; j < truth.termSets[i].operations.size(); j++)
+            if (truth.termSets[i].operations[j].constant != 0)
+                plant(name, "a wrong constant", [&](EnergyTerms& terms) {
+                    terms.termSets[i].operations[j].constant += 0.01;
+                });
+        for (size_t j = 0; j < truth.termSets[i].inputs.size(); j++)
+            if (truth.termSets[i].particlesPerTerm > 1)
+                plant(name, "a wrong input", [&](EnergyTerms& terms) {
+                    swap(terms.termSets[i].inputs[j].particles[0], terms.termSets[i].inputs[j].particles[1]);
+                    terms.termSets[i].inputs[j].measure = EnergyTerms::X;
+                });
+    }
+    plant("CMAPTorsionForce", "angles in the wrong order", [](EnergyTerms& terms) {
+        for (EnergyTerms::TermSet& set : terms.termSets)
+            if (set.kind == EnergyTerms::TorsionMap)
+                rotate(set.particles.begin(), set.particles.begin() + 4, set.particles.end());
+    });
+    const string pairs = "NonbondedForce";
+    plant(pairs, "no pairs", [](EnergyTerms& terms) {
+        terms.nonbonded.clear();
+    });
+    plant(pairs, "a wrong charge", [](EnergyTerms& terms) {
+        terms.nonbonded[0].charges[4] += 0.01;
+    });
+    plant(pairs, "a wrong sigma", [](EnergyTerms& terms) {
+        terms.nonbonded[0].sigmas[4] *= 1.05;
+    });
+    plant(pairs, "a wrong epsilon", [](EnergyTerms& terms) {
+        terms.nonbonded[0].epsilons[4] *= 1.5;
+    });
+    plant(pairs, "a wrong cutoff", [](EnergyTerms& terms) {
+        terms.nonbonded[0].cutoff *= 1.05;
+    });
+    plant(pairs, "no switch", [](EnergyTerms& terms) {
+        terms.nonbonded[0].switchingDistance = terms.nonbonded[0].cutoff;
+    });
+    plant(pairs, "a wrong dielectric", [](EnergyTerms& terms) {
+        terms.nonbonded[0].dielectric = 1;
+    });
+    plant(pairs, "a lost exclusion", [](EnergyTerms& terms) {
+        terms.nonbonded[0].exclusions[0] = {0, 14};
+    });
+    scene.getKernel().setEnergyTerms(truth);
+    ASSERT(scene.run());
+}
+
+void testManyForces()
+{
+    CheckedScene scene;
+    for (int i = 0; i < 70; i++) {
+        HarmonicBondForce* bonds = new HarmonicBondForce();
+        bonds->addBond(0, 3 + i % 8, 1, 1 + i);
+        scene.add(bonds);
+    }
+    scene.build();
+    ASSERT(scene.run());
+    for (int i : {0, 31, 32, 63, 69}) {
+        EnergyTerms terms = scene.plan->getTerms();
+        terms.termSets[i].parameters[0] += 0.1;
+        scene.getKernel().setEnergyTerms(terms);
+        scene.assertFound("the energy of force " + to_string(i + 1) + " (HarmonicBondForce)");
+    }
+}
+
+void testEditedForces()
+{
+    CheckedScene scene;
+    HarmonicBondForce* bonds = new HarmonicBondForce();
+    bonds->addBond(0, 4, 1.5, 10);
+    bonds->setForceGroup(5);
+    HarmonicAngleForce* angles = new HarmonicAngleForce();
+    angles->addAngle(0, 3, 6, 1.5, 10);
+    angles->setForceGroup(5);
+    scene.add(bonds);
+    scene.add(angles);
+    scene.build();
+    ASSERT(scene.run());
+
+    // An edit that OpenMM knows nothing of.
+
+    bonds->setBondParameters(0, 0, 4, 2.5, 100);
+    ASSERT(scene.run());
+    scene.translate();
+    scene.assertFound("the energy of force 1 (HarmonicBondForce)");
+    scene.check->forgetForces();
+    scene.assertFound("the Context's energy of force group 5");
+    scene.assertFound("without updateParametersInContext() or in what that does not copy: force 1 (HarmonicBondForce), "
+                      "force 2 (HarmonicAngleForce)");
+    bonds->updateParametersInContext(*scene.context);
+    ASSERT(scene.run());
+}
+
+void testGlobalParameters()
+{
+    CheckedScene scene;
+    CustomBondForce* bonds = new CustomBondForce("k*r");
+    bonds->addGlobalParameter("k", 2);
+    bonds->addBond(0, 4);
+    scene.add(bonds);
+    scene.build();
+    ASSERT(scene.run());
+    scene.context->setParameter("k", 3);
+    scene.assertFound("the energy of force 1 (CustomBondForce)");
+    scene.translate();
+    ASSERT(scene.run());
+}
+
+void testForeignForcesInAGroup()
+{
+    CheckedScene scene;
+    HarmonicBondForce* bonds = new HarmonicBondForce();
+    bonds->addBond(0, 4, 1.5, 10);
+    bonds->setForceGroup(5);
+    scene.add(bonds);
+    GBSAOBCForce* gb = new GBSAOBCForce();
+    for (int i = 0; i < NativeScene::NUM_BEADS; i++)
+        gb->addParticle(0.5, 0.3, 0.8);
+    gb->setForceGroup(5);
+    scene.add(gb);
+    scene.build();
+    ASSERT(scene.run());
+    ASSERT_EQUAL(0, scene.groupsAskedFor);
+}
+
+void testHugeEnergies()
+{
+    CheckedScene scene;
+    const int pairs = scene.add(createNonbonded());
+    scene.build();
+
+    // Pairs that overlap have energies beyond what single precision resolves, or has at all. Then the check says that
+    // it says little.
+
+    for (double distance : {0.1, 0.01, 1e-3, 1e-4, 1e-6, 1e-12, 0.0}) {
+        vector<Vec3> positions = scene.chain.positions;
+        positions[11] = positions[3] + Vec3(0, distance, 0);
+        scene.setPositions(positions);
+        ASSERT(!scene.run());
+    }
+
+    // Of a sound state nobody may find no energy, nor of another one any.
+
+    scene.setPositions(scene.chain.positions);
+    ASSERT(scene.run());
+    vector<double> energies = scene.computeEnergies();
+    for (double energy : {numeric_limits<double>::quiet_NaN(), numeric_limits<double>::infinity(), 1e300}) {
+        energies[pairs] = energy;
+        assertThrows("the energy of force 1 (NonbondedForce)", [&] {
+            scene.run(energies);
+        });
+    }
+    vector<Vec3> positions = scene.chain.positions;
+    positions[11] = positions[3];
+    scene.setPositions(positions);
+    energies[pairs] = -300;
+    assertThrows("the energy of force 1 (NonbondedForce)", [&] {
+        scene.run(energies);
+    });
+}
+
+int main()
+{
+    return runOnPlatform("Reference", [](Platform&) {
+        testMisreadForces();
+        testManyForces();
+        testEditedForces();
+        testGlobalParameters();
+        testForeignForcesInAGroup();
+        testHugeEnergies();
+    });
+}
