@@ -4,7 +4,7 @@
  * The program puts its own functions before the C library's allocator; where that cannot be done, it is skipped. */
 #define _POSIX_C_SOURCE 200809L /* setenv */
 
-#include "allocator.h"
+#include "failingallocator.h"
 #include "lattice.h"
 
 #ifndef HAS_GLIBC_ALLOCATOR
@@ -14,64 +14,6 @@ int main(void) {
 }
 
 #else
-
-extern void* __libc_malloc(size_t size);
-extern void* __libc_calloc(size_t count, size_t size);
-extern void* __libc_realloc(void* old, size_t size);
-extern void* __libc_memalign(size_t alignment, size_t size);
-extern void __libc_free(void* memory);
-
-static int allocationsLeft = -1; /* until one fails; negative: none does */
-static bool hasFailed = false;   /* one has */
-static int live = 0;             /* blocks that nobody has freed */
-static int asked = 0;            /* allocations so far */
-
-static bool mayAllocate(void) {
-  asked++;
-  if (allocationsLeft == 0) {
-    allocationsLeft = -1;
-    hasFailed = true;
-    return false;
-  }
-  allocationsLeft -= allocationsLeft > 0;
-  return true;
-}
-
-static void failAllocation(int number) {
-  hasFailed = false;
-  allocationsLeft = number;
-}
-
-static void* counted(void* memory) {
-  live += memory != NULL;
-  return memory;
-}
-
-void* malloc(size_t size) {
-  return mayAllocate() ? counted(__libc_malloc(size)) : NULL;
-}
-
-void* calloc(size_t count, size_t size) {
-  return mayAllocate() ? counted(__libc_calloc(count, size)) : NULL;
-}
-
-void* aligned_alloc(size_t alignment, size_t size) {
-  return mayAllocate() ? counted(__libc_memalign(alignment, size)) : NULL;
-}
-
-void* realloc(void* old, size_t size) {
-  if (!mayAllocate()) {
-    return NULL;
-  }
-  void* memory = __libc_realloc(old, size);
-  live += old == NULL && memory != NULL;
-  return memory;
-}
-
-void free(void* memory) {
-  live -= memory != NULL;
-  __libc_free(memory);
-}
 
 /* ---- Creation ---- */
 
