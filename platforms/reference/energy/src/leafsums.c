@@ -21,36 +21,26 @@ void ctLeafSumsFree(LeafSums* sums) {
 void ctLeafSumsClear(LeafSums* sums) {
   for (int leaf = 0; leaf < sums->leafCount; leaf++) {
     sums->rows[leaf].count = 0;
-    sums->rows[leaf].cursor = 0;
   }
 }
 
 /* The index of the first pair of a row that is not before `leaf`. */
-static int find(LeafRow* row, int leaf) {
-  for (int i = row->cursor; i < row->count && i < row->cursor + 2; i++) {
-    if (row->leaves[i] == leaf) {
-      row->cursor = i;
-      return i;
-    }
-  }
+static int placeOf(const LeafRow* row, int leaf) {
+  /* Without a branch on the result, which processors would mispredict. */
   int begin = 0;
-  int end = row->count;
-  while (begin < end) {
-    const int middle = begin + (end - begin) / 2;
-    if (row->leaves[middle] < leaf) {
-      begin = middle + 1;
-    } else {
-      end = middle;
-    }
+  for (int left = row->count; left > 0;) {
+    const int half = (left + 1) / 2;
+    begin += row->leaves[begin + half - 1] < leaf ? half : 0;
+    left -= half;
   }
-  row->cursor = begin;
   return begin;
 }
 
-double ctLeafSumsGet(LeafSums* sums, int a, int b) {
-  LeafRow* row = &sums->rows[a];
-  const int i = find(row, b);
-  return i < row->count && row->leaves[i] == b ? row->sums[i] : 0;
+int ctLeafSumsFind(const LeafSums* sums, int a, int b) {
+  const LeafRow* row = &sums->rows[a];
+  /* Without a cutoff, all leaves from a on are there. */
+  const int i = row->count == sums->leafCount - a ? b - a : placeOf(row, b);
+  return i < row->count && row->leaves[i] == b ? i : ABSENT;
 }
 
 /* Removes the pairs of a row that are as good as not kept. */
@@ -65,11 +55,9 @@ static void removeZeros(LeafRow* row) {
   row->count = kept;
 }
 
-/* Makes room for one more pair. */
+/* Makes room for one more pair in a row that is full. */
 static bool grow(LeafRow* row) {
-  if (row->count == row->capacity) {
-    removeZeros(row);
-  }
+  removeZeros(row);
   if (row->count <= row->capacity - row->capacity / 4 - 1) {
     return true;
   }
@@ -87,23 +75,15 @@ static bool grow(LeafRow* row) {
   return true;
 }
 
-bool ctLeafSumsSet(LeafSums* sums, int a, int b, double sum) {
+bool ctLeafSumsAdd(LeafSums* sums, int a, int b, double sum) {
   LeafRow* row = &sums->rows[a];
-  int i = find(row, b);
-  if (i < row->count && row->leaves[i] == b) {
-    row->sums[i] = sum;
-    return true;
-  }
   if (sum == 0) {
     return true;
   }
-  if (row->count == row->capacity) {
-    if (!grow(row)) {
-      return false;
-    }
-    row->cursor = 0;
-    i = find(row, b);
+  if (row->count == row->capacity && !grow(row)) {
+    return false;
   }
+  const int i = placeOf(row, b);
   memmove(row->leaves + i + 1, row->leaves + i, (size_t)(row->count - i) * sizeof *row->leaves);
   memmove(row->sums + i + 1, row->sums + i, (size_t)(row->count - i) * sizeof *row->sums);
   row->leaves[i] = b;

@@ -6,11 +6,13 @@
 #include <stdbool.h>
 #include <stddef.h>
 
+/* No index. */
+enum { ABSENT = -1 };
+
 /* The pairs whose lower leaf is the same. */
 typedef struct LeafRow {
   int count;
   int capacity;
-  int cursor;   /* where the last pair was found: the next one mostly follows */
   int* leaves;  /* the higher leaf of each, ascending */
   double* sums; /* of each */
 } LeafRow;
@@ -27,12 +29,11 @@ void ctLeafSumsFree(LeafSums* sums);
 /* Forgets all. */
 void ctLeafSumsClear(LeafSums* sums);
 
-/* The sum of a pair, a <= b. O(1) for pairs in ascending order, else O(log of the row). */
-double ctLeafSumsGet(LeafSums* sums, int a, int b);
+/* The index in row a of the pair of a <= b, or ABSENT. It holds until a pair is added to the row. O(log of the row). */
+int ctLeafSumsFind(const LeafSums* sums, int a, int b);
 
-/* Replaces the sum of a pair, a <= b. False, and nothing changed, if there is no memory. O(row) where it was not kept.
- */
-bool ctLeafSumsSet(LeafSums* sums, int a, int b, double sum);
+/* Adds a pair that is absent. False, and nothing changed, if there is no memory. O(row). */
+bool ctLeafSumsAdd(LeafSums* sums, int a, int b, double sum);
 
 /* The sum of all, in a fixed order. */
 double ctLeafSumsTotal(const LeafSums* sums);

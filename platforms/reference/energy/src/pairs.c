@@ -9,12 +9,13 @@
 #include "leafsums.h"
 #include "pairmask.h"
 
-/* The sum of a pair of leaves in a trial, and whether it was computed with the near ones. */
+/* A pair of leaves in a trial. */
 typedef struct StagedSum {
   int a;
   int b;
-  double sum;
+  int kept; /* where the sum of the state is; see ctLeafSumsFind */
   bool isNear;
+  double sum; /* in the trial */
 } StagedSum;
 
 /* What the frames of a trial are made from; they are the scene's, as long as the trial is open. */
@@ -233,7 +234,7 @@ ctStatus ctPairsRefresh(Pairs* pairs, ctCounts* counts) {
     const int a = near[i].a;
     const int b = near[i].b;
     const double sum = pairEnergy(pairs, a, stateFrame(pairs, state, a), b, stateFrame(pairs, state, b));
-    if (!ctLeafSumsSet(&pairs->sums, a, b, sum)) {
+    if (!ctLeafSumsAdd(&pairs->sums, a, b, sum)) {
       return ctOutOfMemory;
     }
   }
@@ -300,7 +301,8 @@ static double computeStaged(Pairs* pairs, bool near) {
       const LeafFrame* a = trialFrame(pairs, staged->a);
       const LeafFrame* b = trialFrame(pairs, staged->b);
       staged->sum = pairEnergy(pairs, staged->a, a, staged->b, b);
-      change += staged->sum - ctLeafSumsGet(&pairs->sums, staged->a, staged->b);
+      staged->kept = ctLeafSumsFind(&pairs->sums, staged->a, staged->b);
+      change += staged->sum - (staged->kept != ABSENT ? pairs->sums.rows[staged->a].sums[staged->kept] : 0);
     }
   }
   return change;
@@ -330,7 +332,7 @@ static ctStatus stage(Pairs* pairs, ctCounts* counts) {
   pairs->pieceCount = pieceCount;
   for (size_t i = 0; i < count; i++) {
     const bool isNear = (double)changed[i].squaredGap < CT_NEAR_LEAVES * CT_NEAR_LEAVES;
-    pairs->staged[i] = (StagedSum){changed[i].a, changed[i].b, 0, isNear};
+    pairs->staged[i] = (StagedSum){changed[i].a, changed[i].b, ABSENT, isNear, 0};
   }
   pairs->stagedCount = (int)count;
   pairs->trial++;
@@ -351,9 +353,18 @@ double ctPairsOtherChange(Pairs* pairs) {
 
 ctStatus ctPairsAccept(Pairs* pairs) {
   bool isKept = true;
+  /* Those that are there first: adding to a row moves them. */
   for (int i = 0; i < pairs->stagedCount; i++) {
     const StagedSum* staged = &pairs->staged[i];
-    isKept = isKept && ctLeafSumsSet(&pairs->sums, staged->a, staged->b, staged->sum);
+    if (staged->kept != ABSENT) {
+      pairs->sums.rows[staged->a].sums[staged->kept] = staged->sum;
+    }
+  }
+  for (int i = 0; i < pairs->stagedCount; i++) {
+    const StagedSum* staged = &pairs->staged[i];
+    if (staged->kept == ABSENT) {
+      isKept = isKept && ctLeafSumsAdd(&pairs->sums, staged->a, staged->b, staged->sum);
+    }
   }
   pairs->stagedCount = 0;
   for (int i = 0; i < pairs->pieceCount; i++) {
