@@ -15,27 +15,28 @@ enum { SCENES = 60, OPERATIONS = 16, MOST_CHANGES = 5, FEW_PARTICLES = 800 };
 
 static int failures;
 
-#define EXPECT(condition)                                             \
-    do {                                                              \
-        if (!(condition)) {                                           \
-            printf("%s:%d: %s\n", __FILE__, __LINE__, #condition);    \
-            failures++;                                               \
-        }                                                             \
+#define EXPECT(condition)                                                                                              \
+    do {                                                                                                               \
+        if (!(condition)) {                                                                                            \
+            printf("%s:%d: %s\n", __FILE__, __LINE__, #condition);                                                     \
+            failures++;                                                                                                \
+        }                                                                                                              \
     } while (0)
 
 /* A scene, and what brute force knows of it. */
 typedef struct Case {
     randomScene scene;
+    unsigned char* flags; /* per particle: listed in the definition; or NULL */
     randomSource random;
     ctChainTree* tree;
     int leafCount;
-    int* particles;       /* per slot */
-    double* state;        /* positions of all particles */
-    double* trial;        /* the same */
-    int* body;            /* per slot, in the open trial */
+    int* particles;        /* per slot */
+    double* state;         /* positions of all particles */
+    double* trial;         /* the same */
+    int* body;             /* per slot, in the open trial */
     unsigned char* listed; /* leafCount * leafCount */
-    double tolerance;     /* of positions */
-    uint64_t hash;        /* of all answers */
+    double tolerance;      /* of positions */
+    uint64_t hash;         /* of all answers */
 } Case;
 
 static void* allocate(size_t count, size_t size)
@@ -53,7 +54,7 @@ static void addToHash(Case* c, const void* data, size_t size)
         c->hash = (c->hash ^ bytes[i]) * 0x100000001b3u;
 }
 
-static ctChainTree* createTree(const randomScene* scene)
+static ctChainTree* createTree(const randomScene* scene, const unsigned char* listed)
 {
     ctDefinition definition = {0};
     definition.particleCount = scene->particleCount;
@@ -61,6 +62,7 @@ static ctChainTree* createTree(const randomScene* scene)
     definition.radii = scene->radii;
     definition.hydrogenBondRoles = scene->roles;
     definition.particleLinks = scene->particleLinks;
+    definition.listed = listed;
     definition.linkCount = scene->linkCount;
     definition.linkParents = scene->linkParents;
     definition.linkJoints = scene->linkJoints;
@@ -151,11 +153,23 @@ static int areOfTwoBodies(const Case* c, int a, int b)
     return 0;
 }
 
+/* No particle is farther from the middle of the reference positions, of which particle 0 is within the extent. */
+static double farthest(const Case* c, const double* trial)
+{
+    double most = 0;
+    for (int i = 0; i < 3 * c->scene.particleCount; i++) {
+        most = fmax(most, fabs(c->state[i] - c->scene.positions[i % 3]));
+        most = fmax(most, fabs(trial[i] - c->scene.positions[i % 3]));
+    }
+    return 2 * most + c->scene.extent;
+}
+
 /* Compares listed pairs with all that there are. In the state, `trial` is the state. */
 static void checkPairs(Case* c, double cutoff, size_t count, const ctLeafPair* pairs, int inTrial)
 {
     size_t leaves = (size_t)c->leafCount;
     const double* trial = inTrial ? c->trial : c->state;
+    const double rounding = 1e-6 * farthest(c, trial) + c->tolerance;
     memset(c->listed, 0, leaves * leaves);
     for (size_t i = 0; i < count; i++) {
         EXPECT(0 <= pairs[i].a && pairs[i].a <= pairs[i].b && pairs[i].b < c->leafCount);
@@ -164,7 +178,7 @@ static void checkPairs(Case* c, double cutoff, size_t count, const ctLeafPair* p
         *listed = 1;
         double before = squaredGap(c, pairs[i].a, pairs[i].b, c->state);
         double gap = fmin(before, squaredGap(c, pairs[i].a, pairs[i].b, trial));
-        double error = 1e-5 * sqrt(gap) + 1e-6 * c->scene.extent + c->tolerance;
+        double error = 1e-5 * sqrt(gap) + rounding;
         EXPECT(gap >= 0 && fabs(sqrt((double)pairs[i].squaredGap) - sqrt(gap)) <= error);
         EXPECT(pairs[i].a != pairs[i].b || pairs[i].squaredGap == 0);
         EXPECT(sqrt(gap) <= cutoff + error);
@@ -319,7 +333,7 @@ static int chooseChanges(Case* c, ctChange* changes)
 
 static ctChainTree* rebuild(Case* c)
 {
-    ctChainTree* tree = createTree(&c->scene);
+    ctChainTree* tree = createTree(&c->scene, c->flags);
     double* state = allocate(ctGetStateSize(c->tree), sizeof(double));
     ctGetState(c->tree, state);
     EXPECT(ctSetState(tree, state) == ctSuccess);
@@ -335,7 +349,8 @@ static void newState(Case* c)
         for (int i = 0; i < 3 * c->scene.particleCount; i++)
             c->state[i] += randomReal(&c->random, -0.01, 0.01);
         EXPECT(ctSetPositions(c->tree, c->state) == ctSuccess);
-    } else {
+    }
+    else {
         ctGetState(c->tree, state);
         EXPECT(ctSetState(c->tree, state) == ctSuccess);
     }
@@ -353,7 +368,8 @@ static void runProgram(Case* c, int operations)
         if (randomChance(&c->random, 0.15)) {
             newState(c);
             changesState = 1;
-        } else {
+        }
+        else {
             ctChange changes[MOST_CHANGES];
             int count = chooseChanges(c, changes), clash;
             bool isClash;
@@ -375,11 +391,29 @@ static void runProgram(Case* c, int operations)
     }
 }
 
+/* Particles with a radius, and those that are listed, stand in one slot each. */
+static void checkSlots(const Case* c)
+{
+    int* slots = allocate((size_t)c->scene.particleCount, sizeof(int));
+    for (int slot = 0; slot < c->leafCount * CT_LEAF_WIDTH; slot++)
+        if (c->particles[slot] != CT_NULL)
+            slots[c->particles[slot]]++;
+    for (int i = 0; i < c->scene.particleCount; i++)
+        EXPECT(slots[i] == (c->scene.radii[i] > 0 || (c->flags != NULL && c->flags[i])));
+    free(slots);
+}
+
 static uint64_t runScene(int seed)
 {
     Case c = {.random = randomSourceFromSeed((uint64_t)seed), .hash = 0xcbf29ce484222325u};
     randomSceneCreate(&c.scene, &c.random);
-    c.tree = createTree(&c.scene);
+    if (randomChance(&c.random, 0.7)) {
+        double chance = randomChance(&c.random, 0.5) ? 1 : 0.5;
+        c.flags = allocate((size_t)c.scene.particleCount, 1);
+        for (int i = 0; i < c.scene.particleCount; i++)
+            c.flags[i] = randomChance(&c.random, chance);
+    }
+    c.tree = createTree(&c.scene, c.flags);
     c.leafCount = ctGetLeafCount(c.tree);
     size_t slots = (size_t)c.leafCount * CT_LEAF_WIDTH, coordinates = 3 * (size_t)c.scene.particleCount;
     c.particles = allocate(slots, sizeof(int));
@@ -388,12 +422,14 @@ static uint64_t runScene(int seed)
     c.trial = allocate(coordinates, sizeof(double));
     c.listed = allocate((size_t)c.leafCount * (size_t)c.leafCount, 1);
     ctGetLeafParticles(c.tree, c.particles);
+    checkSlots(&c);
     double size = c.scene.extent + 100;
     for (int d = 0; d < 3; d++)
         size += fabs(c.scene.positions[d]);
     c.tolerance = 1e-14 * size; /* 1e-12 for the usual scene of 100 nm */
     runProgram(&c, c.scene.particleCount > FEW_PARTICLES ? 2 : OPERATIONS);
     ctDestroy(c.tree);
+    free(c.flags);
     free(c.particles);
     free(c.body);
     free(c.state);

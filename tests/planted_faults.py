@@ -288,9 +288,9 @@ ENGINE_FAULTS = [
     Fault("energy: the tolerance is forgotten", "query.c",
           "const double depth = overlap - pairTolerance(tree, slotA, slotB);", "const double depth = overlap;"),
     # ---- Instruction sets ----
-    Fault("portable: the last quarter is compared like the third", "simd.h",
+    Fault("portable: the last quarter is compared like the third", "../../simd/simd.h",
           "bits4(a.q[3] > b.q[3]) << 12", "bits4(a.q[2] > b.q[2]) << 12"),
-    Fault("avx2: a blend takes the low half twice", "simd.h",
+    Fault("avx2: a blend takes the low half twice", "../../simd/simd.h",
           "lanes8(mask >> 8))}", "lanes8(mask))}"),
 ]
 FORCE = "openmmapi/src/StericExclusionForce.cpp"

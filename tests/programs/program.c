@@ -75,6 +75,7 @@ ctDefinition programDefinition(const Program* p)
                           .radii = scene->radii,
                           .hydrogenBondRoles = scene->roles,
                           .particleLinks = scene->particleLinks,
+                          .listed = p->listed,
                           .linkCount = scene->linkCount,
                           .linkParents = scene->linkParents,
                           .linkJoints = scene->linkJoints,
@@ -116,8 +117,20 @@ oracleScene* createOracle(const ctDefinition* d)
                         (const int*)d->exclusions, d->overlapTolerance, d->hydrogenBondAllowance);
 }
 
+/* Lists no particles, all, every second or some. Takes no choice: corpora and seeds keep their meaning. */
+static void chooseListed(Program* p)
+{
+    const int kind = (p->scene.particleCount + p->scene.linkCount) % 4;
+    if (kind == 0)
+        return;
+    p->listed = programAllocate(p->scene.particleCount, 1);
+    for (int i = 0; i < p->scene.particleCount; i++)
+        p->listed[i] = kind == 1 || (kind == 2 ? i % 2 == 0 : (unsigned)i * 2654435761u >> 29 < 5);
+}
+
 static void createBoth(Program* p)
 {
+    chooseListed(p);
     p->firstPositions = programAllocate(coordinateCount(p), sizeof(double));
     memcpy(p->firstPositions, p->scene.positions, positionBytes(p));
     p->tree = programCreateTree(p);
@@ -168,6 +181,7 @@ void programDestroy(Program* p)
     oracleDestroy(p->oracle);
     randomSceneDestroy(&p->scene);
     free(p->firstPositions);
+    free(p->listed);
     free(p->movable);
     free(p->roots);
     free(p->hasMoved);

@@ -5,12 +5,12 @@
 
 /* ---- Exclusions ---- */
 
-/* Lists the excluded pairs that both have slots, each in both orders; returns how many. */
+/* Lists the excluded pairs of modelled particles, as slots, each in both orders; returns how many. */
 static int listPairs(const Sequence* s, const ctDefinition* d, int (*pairs)[2]) {
   int count = 0;
   for (int i = 0; i < d->exclusionCount; i++) {
-    const int a = particleSlot(s, d->exclusions[i][0]);
-    const int b = particleSlot(s, d->exclusions[i][1]);
+    const int a = modelledSlot(s, d->exclusions[i][0]);
+    const int b = modelledSlot(s, d->exclusions[i][1]);
     if (a != CT_NULL && b != CT_NULL) {
       pairs[count][0] = pairs[count + 1][1] = a;
       pairs[count][1] = pairs[count + 1][0] = b;

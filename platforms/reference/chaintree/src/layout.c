@@ -10,7 +10,7 @@ typedef struct Layout {
   int vertexCount;
   int* parent;
   int* slots;      /* of the vertex itself, 0 for fixed links */
-  int* modelled;   /* modelled particles of the vertex and all below it */
+  int* filled;     /* slots with particles of the vertex and all below it */
   int* weight;     /* slots of the vertex and all below it */
   int* childBegin; /* vertexCount + 1 */
   int* children;   /* in sequence order */
@@ -30,14 +30,19 @@ static int vertexOfLink(const ctDefinition* d, int userLink) {
   return userLink == CT_NULL || isFixed(d, userLink) ? 0 : userLink + 1;
 }
 
+/* True if a particle has a slot. */
+static bool hasSlot(const ctDefinition* d, int particle) {
+  return d->radii[particle] > 0 || (d->listed != NULL && d->listed[particle] != 0);
+}
+
 static void countParticles(Layout* layout, const ctDefinition* d) {
   for (int i = 0; i < d->particleCount; i++) {
-    if (d->radii[i] > 0) {
+    if (hasSlot(d, i)) {
       layout->slots[vertexOfLink(d, d->particleLinks[i])]++;
     }
   }
   for (int vertex = 0; vertex < layout->vertexCount; vertex++) {
-    layout->modelled[vertex] = layout->slots[vertex];
+    layout->filled[vertex] = layout->slots[vertex];
     const bool isPartOfWorld = vertex > 0 && isFixed(d, vertex - 1);
     if (layout->slots[vertex] == 0 && !isPartOfWorld) {
       layout->slots[vertex] = 1;
@@ -75,12 +80,12 @@ static void sumBranches(Layout* layout) {
   for (int i = layout->breadthCount - 1; i > 0; i--) {
     const int vertex = layout->breadthFirst[i];
     layout->weight[layout->parent[vertex]] += layout->weight[vertex];
-    layout->modelled[layout->parent[vertex]] += layout->modelled[vertex];
+    layout->filled[layout->parent[vertex]] += layout->filled[vertex];
   }
 }
 
-/* Orders free molecules: first those without modelled particles, then the others by their position, so that the tree's
- * nodes are compact. */
+/* Orders free molecules: first those whose particles have no slots, then the others by their position, so that the
+ * tree's nodes are compact. */
 static void orderMolecules(Layout* layout, const ctDefinition* d) {
   int* children = layout->children + layout->childBegin[0];
   const int count = layout->childBegin[1] - layout->childBegin[0];
@@ -88,15 +93,15 @@ static void orderMolecules(Layout* layout, const ctDefinition* d) {
     const int vertex = vertexOfLink(d, d->particleLinks[i]);
     memcpy(layout->rootPoints + 3 * (size_t)vertex, d->positions + 3 * (size_t)i, 3 * sizeof(double));
   }
-  int unmodelled = 0;
+  int slotless = 0;
   for (int i = 0; i < count; i++) {
-    if (layout->modelled[children[i]] == 0) {
+    if (layout->filled[children[i]] == 0) {
       const int vertex = children[i];
-      memmove(children + unmodelled + 1, children + unmodelled, (size_t)(i - unmodelled) * sizeof(int));
-      children[unmodelled++] = vertex;
+      memmove(children + slotless + 1, children + slotless, (size_t)(i - slotless) * sizeof(int));
+      children[slotless++] = vertex;
     }
   }
-  ctSpatialOrder(children + unmodelled, count - unmodelled, layout->rootPoints);
+  ctSpatialOrder(children + slotless, count - slotless, layout->rootPoints);
 }
 
 /* Puts the heaviest branch of each vertex last: its steps need no closure. */
@@ -159,7 +164,7 @@ static void fillSlots(Layout* layout, Sequence* s, const ctDefinition* d) {
     }
   }
   for (int i = 0; i < d->particleCount; i++) {
-    if (d->radii[i] > 0) {
+    if (hasSlot(d, i)) {
       s->slotParticle[next[s->linkOfUser[d->particleLinks[i]]]++] = i;
     }
   }
@@ -177,11 +182,11 @@ static void fillSlots(Layout* layout, Sequence* s, const ctDefinition* d) {
   }
 }
 
-static void listUnmodelled(Layout* layout, Sequence* s, const ctDefinition* d) {
+static void listSlotless(Layout* layout, Sequence* s, const ctDefinition* d) {
   int* next = layout->next;
   memset(next, 0, ((size_t)s->linkCount + 1) * sizeof(int));
   for (int i = 0; i < d->particleCount; i++) {
-    if (d->radii[i] <= 0) {
+    if (!hasSlot(d, i)) {
       s->slotOrLink[i] = ~s->linkOfUser[d->particleLinks[i]];
       next[~s->slotOrLink[i] + 1]++;
     }
@@ -189,7 +194,7 @@ static void listUnmodelled(Layout* layout, Sequence* s, const ctDefinition* d) {
   ctAccumulate(next, s->linkCount);
   for (int i = 0; i < d->particleCount; i++) {
     if (s->slotOrLink[i] < 0) {
-      s->unmodelledParticle[next[~s->slotOrLink[i]]++] = i;
+      s->slotlessParticle[next[~s->slotOrLink[i]]++] = i;
     }
   }
 }
@@ -240,7 +245,7 @@ static bool allocateSequence(Sequence* s, Arena* arena, const ctDefinition* d, i
   s->slotParticle = ctArenaAllocate(arena, slots, sizeof(int));
   s->slotType = ctArenaAllocate(arena, slots, sizeof(int));
   s->slotOrLink = ctArenaAllocate(arena, particles, sizeof(int));
-  s->unmodelledParticle = ctArenaAllocate(arena, (size_t)s->unmodelledCount, sizeof(int));
+  s->slotlessParticle = ctArenaAllocate(arena, (size_t)s->slotlessCount, sizeof(int));
   s->pathOf = ctArenaAllocate(arena, links, sizeof(int));
   s->reference = ctArenaAllocate(arena, 3 * particles, sizeof(double));
   s->angle = ctArenaAllocate(arena, links, sizeof(double));
@@ -260,7 +265,7 @@ static bool allocateLayout(Layout* layout, Arena* arena, int vertexCount) {
   layout->vertexCount = vertexCount;
   layout->parent = ctArenaAllocate(arena, vertices, sizeof(int));
   layout->slots = ctArenaAllocate(arena, vertices, sizeof(int));
-  layout->modelled = ctArenaAllocate(arena, vertices, sizeof(int));
+  layout->filled = ctArenaAllocate(arena, vertices, sizeof(int));
   layout->weight = ctArenaAllocate(arena, vertices, sizeof(int));
   layout->childBegin = ctArenaAllocate(arena, vertices + 1, sizeof(int));
   layout->children = ctArenaAllocate(arena, vertices, sizeof(int));
@@ -286,14 +291,14 @@ bool ctSequenceBuild(Sequence* s, Arena* arena, const ctDefinition* d) {
   s->userLinkCount = d->linkCount;
   s->linkCount = layout.breadthCount;
   s->slotCount = layout.weight[0];
-  s->unmodelledCount = d->particleCount - layout.modelled[0];
+  s->slotlessCount = d->particleCount - layout.filled[0];
   bool built = allocateSequence(s, arena, d, layout.childBegin[1]);
   if (built) {
     orderMolecules(&layout, d);
     orderChildren(&layout);
     numberLinks(&layout, s, d);
     fillSlots(&layout, s, d);
-    listUnmodelled(&layout, s, d);
+    listSlotless(&layout, s, d);
     chooseOrigins(s, d);
     ctSequenceResetTorsions(s);
     built = ctTypesBuild(s, arena, d) && ctPathsBuild(s, arena, layout.end);

@@ -44,7 +44,7 @@ static Cloud cloudOfSlots(ctChainTree* scene, const ctSelection* selection) {
                  .traversal = &scene->traversal};
 }
 
-/* Computes the world coordinates of the particles without a slot. */
+/* Computes the world coordinates of the particles that are not modelled. */
 static Cloud cloudOfUnmodelled(ctChainTree* scene, ctSelection* selection, Nearest* nearest) {
   const Tree* tree = ctSceneTree(scene);
   PositionReader reader = ctPositionReader(&scene->sequence, tree);

@@ -125,12 +125,12 @@ static void readLeaves(PositionReader* reader, int begin, int end, int64_t since
   }
 }
 
-/* The same for entries [begin, end) of unmodelledParticle. */
-static void readUnmodelled(PositionReader* reader, int begin, int end, int64_t since, double* positions) {
+/* The same for entries [begin, end) of slotlessParticle. */
+static void readSlotless(PositionReader* reader, int begin, int end, int64_t since, double* positions) {
   const Sequence* s = reader->sequence;
   const int firstMoved = treeFirstMoved(reader->tree, since);
   for (int i = begin; i < end; i++) {
-    const int particle = s->unmodelledParticle[i];
+    const int particle = s->slotlessParticle[i];
     const int leaf = s->slotBegin[particleLink(s, particle)] / TREE_WIDTH;
     if (leaf >= firstMoved || reader->tree->contentTime[leaf] > since) {
       ctReadPosition(reader, particle, positions + 3 * (size_t)particle);
@@ -141,7 +141,7 @@ static void readUnmodelled(PositionReader* reader, int begin, int end, int64_t s
 static void readSince(const Sequence* s, const Tree* tree, int64_t since, double* positions) {
   PositionReader reader = ctPositionReader(s, tree);
   readLeaves(&reader, 0, tree->levelSize[0], since, positions);
-  readUnmodelled(&reader, 0, s->unmodelledCount, since, positions);
+  readSlotless(&reader, 0, s->slotlessCount, since, positions);
 }
 
 void ctReadPositions(const Sequence* s, const Tree* tree, double* positions) {
@@ -162,7 +162,7 @@ static void readBranch(const Sequence* s, const Tree* tree, int branch, double* 
   const int end = sequenceEnd(s, head);
   PositionReader reader = ctPositionReader(s, tree);
   readLeaves(&reader, s->slotBegin[head] / TREE_WIDTH, (s->slotBegin[end] - 1) / TREE_WIDTH + 1, NEVER, positions);
-  readUnmodelled(&reader, sequenceUnmodelled(s, head), sequenceUnmodelled(s, end), NEVER, positions);
+  readSlotless(&reader, sequenceSlotless(s, head), sequenceSlotless(s, end), NEVER, positions);
 }
 
 void ctRefreshPositions(Copied* copied, const Sequence* s, const Tree* tree, double* positions) {

@@ -290,8 +290,8 @@ ctStatus ctSetLimits(ctChainTree* tree, int count, const int (*pairs)[2], const 
       return ctFail(tree, ctInvalidArgument, "limit %d is %g nm for particles %d and %d; there are %d particles", i,
                     limits[i], a, b, s->particleCount);
     }
-    const int slotA = particleSlot(s, a);
-    const int slotB = particleSlot(s, b);
+    const int slotA = modelledSlot(s, a);
+    const int slotB = modelledSlot(s, b);
     if (slotA != CT_NULL && slotB != CT_NULL && limits[i] > pairTolerance(tree, slotA, slotB)) {
       hasMemory = ctLimitsAppend(&fresh, a, b, limits[i]);
     }

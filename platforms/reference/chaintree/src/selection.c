@@ -36,7 +36,7 @@ static bool buildUnmodelled(ctSelection* selection, int count, const int* partic
   const Sequence* s = &selection->scene->sequence;
   int given = 0;
   for (int i = 0; i < count; i++) {
-    given += particleSlot(s, particles[i]) == CT_NULL;
+    given += modelledSlot(s, particles[i]) == CT_NULL;
   }
   if (given == 0) {
     return true;
@@ -48,7 +48,7 @@ static bool buildUnmodelled(ctSelection* selection, int count, const int* partic
   int* unmodelled = selection->unmodelled;
   given = 0;
   for (int i = 0; i < count; i++) {
-    if (particleSlot(s, particles[i]) == CT_NULL) {
+    if (modelledSlot(s, particles[i]) == CT_NULL) {
       unmodelled[given++] = particles[i];
     }
   }
@@ -82,7 +82,7 @@ static bool build(ctSelection* selection, int count, const int* particles) {
     return false;
   }
   for (int i = 0; i < count; i++) {
-    const int slot = particleSlot(&selection->scene->sequence, particles[i]);
+    const int slot = modelledSlot(&selection->scene->sequence, particles[i]);
     if (slot != CT_NULL) {
       markSlot(selection->mask, slot);
     }
@@ -93,7 +93,7 @@ static bool build(ctSelection* selection, int count, const int* particles) {
 }
 
 bool ctSelectionHolds(const ctSelection* selection, int particle) {
-  const int slot = particleSlot(&selection->scene->sequence, particle);
+  const int slot = modelledSlot(&selection->scene->sequence, particle);
   if (slot != CT_NULL) {
     return (selection->mask[slot / TREE_WIDTH] >> slot % TREE_WIDTH & 1) != 0;
   }

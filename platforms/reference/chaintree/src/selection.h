@@ -14,7 +14,7 @@ struct ctSelection {
   uint16_t* mask; /* per node of the tree: members that hold particles of the set */
   int nearest[2]; /* the nearest pair of the last query, first the particle of this set; or CT_NULL */
 
-  /* Its particles without slots, in a tree of their own. */
+  /* Its particles that are not modelled, in a tree of their own. */
   int unmodelledCount;
   int* unmodelled; /* ascending */
   Tree unmodelledLayout;

@@ -15,8 +15,9 @@
  * sequence enters it from the frame of the link on which it hangs, and behind the twig goes on from that very frame. So
  * paths in twigs need no closures, and a change within a twig keeps the bits of everything else.
  *
- * A slot is the index of a modelled particle in the sequence: slots are in the order of their links. A link without
- * modelled particles has one empty slot, so that TREE_WIDTH slots never span more than TREE_WIDTH links. */
+ * A slot is the index of a particle in the sequence: slots are in the order of their links. Particles that are modelled
+ * have one, and those without a radius that are listed, which to all volumes are as if the slot were empty. A link
+ * without such particles has one empty slot, so that TREE_WIDTH slots never span more than TREE_WIDTH links. */
 #ifndef CT_SEQUENCE_H_
 #define CT_SEQUENCE_H_
 
@@ -69,11 +70,11 @@ typedef struct Sequence {
   int linkCount; /* with the world */
   int slotCount;
   int typeCount;
-  int unmodelledCount; /* particles that are not modelled */
-  int branchCount;     /* of the world */
-  int twigCount;       /* that lie in no other twig */
-  int closureCount;    /* paths that have closures */
-  int displacedCount;  /* joints that are off the reference */
+  int slotlessCount;  /* particles without a slot */
+  int branchCount;    /* of the world */
+  int twigCount;      /* that lie in no other twig */
+  int closureCount;   /* paths that have closures */
+  int displacedCount; /* joints that are off the reference */
 
   /* The caller's links. */
   int* linkOfUser; /* see sequenceLink; of a fixed link ~ of its lowest particle */
@@ -93,8 +94,8 @@ typedef struct Sequence {
   ParticleType* types;
 
   /* Particles. */
-  int* slotOrLink;         /* its slot; if it is not modelled, ~ of its link */
-  int* unmodelledParticle; /* the particles that are not modelled, in the order of their links */
+  int* slotOrLink;       /* its slot; if it has none, ~ of its link */
+  int* slotlessParticle; /* the particles without a slot, in the order of their links */
 
   /* First links of the world's branches and of twigs, ascending. */
   int* branchHead;
@@ -177,7 +178,7 @@ static inline int sequenceLink(const Sequence* s, int userLink) {
   return s->linkOfUser[userLink] > 0 ? s->linkOfUser[userLink] : 0;
 }
 
-/* The slot of a particle; CT_NULL: it is not modelled. */
+/* The slot of a particle; CT_NULL: it has none. */
 static inline int particleSlot(const Sequence* s, int particle) {
   return s->slotOrLink[particle] >= 0 ? s->slotOrLink[particle] : CT_NULL;
 }
@@ -187,13 +188,13 @@ static inline int particleLink(const Sequence* s, int particle) {
   return slotOrLink >= 0 ? s->slotLink[slotOrLink] : ~slotOrLink;
 }
 
-/* The first entry of unmodelledParticle of a link or a later one. O(log of their number). */
-static inline int sequenceUnmodelled(const Sequence* s, int link) {
+/* The first entry of slotlessParticle of a link or a later one. O(log of their number). */
+static inline int sequenceSlotless(const Sequence* s, int link) {
   int begin = 0;
-  int end = s->unmodelledCount;
+  int end = s->slotlessCount;
   while (begin < end) {
     const int middle = begin + (end - begin) / 2;
-    if (particleLink(s, s->unmodelledParticle[middle]) < link) {
+    if (particleLink(s, s->slotlessParticle[middle]) < link) {
       begin = middle + 1;
     } else {
       end = middle;
@@ -204,6 +205,17 @@ static inline int sequenceUnmodelled(const Sequence* s, int link) {
 
 static inline double slotRadius(const Sequence* s, int slot) {
   return s->types[s->slotType[slot]].radius;
+}
+
+/* True if a slot holds a particle that is modelled: one with a radius. */
+static inline bool slotIsModelled(const Sequence* s, int slot) {
+  return s->slotParticle[slot] != CT_NULL && slotRadius(s, slot) > 0;
+}
+
+/* The slot of a particle that is modelled, else CT_NULL. */
+static inline int modelledSlot(const Sequence* s, int particle) {
+  const int slot = particleSlot(s, particle);
+  return slot != CT_NULL && slotIsModelled(s, slot) ? slot : CT_NULL;
 }
 
 /* The origin of a link's frame in the reference positions. */

@@ -21,8 +21,8 @@ bool ctSnapshotBuild(Snapshot* snapshot, Arena* arena, const Sequence* sequence,
     return false;
   }
   for (int slot = 0; slot < layout->levelBegin[1] * TREE_WIDTH; slot++) {
-    const bool empty = slot >= layout->slotCount || sequence->slotParticle[slot] == CT_NULL;
-    snapshot->leaf[slot / TREE_WIDTH].r[slot % TREE_WIDTH] = empty ? -INFINITY : (float)slotRadius(sequence, slot);
+    const bool isModelled = slot < layout->slotCount && slotIsModelled(sequence, slot);
+    snapshot->leaf[slot / TREE_WIDTH].r[slot % TREE_WIDTH] = isModelled ? (float)slotRadius(sequence, slot) : -INFINITY;
   }
   for (size_t i = 0; i < inner; i++) {
     clearBoxes(&snapshot->boxes[i]);

@@ -15,7 +15,7 @@ typedef struct AxisBoxes {
 } AxisBoxes;
 
 typedef struct Snapshot {
-  Block* leaf;            /* per leaf: positions from `origin`, INFINITY where a slot is empty; and radii */
+  Block* leaf;            /* per leaf: positions from `origin`, INFINITY where no particle is modelled; and radii */
   AxisBoxes* boxes;       /* per inner node, from levelBegin[1] on */
   const double* position; /* per particle that has a slot, in double: the reference, or `moved` */
   double origin[3];

@@ -34,7 +34,7 @@ static void findParticles(Sweep* sweep) {
       *lowest = INT_MAX;
       *highest = -1;
     }
-    if (particle[slot] != CT_NULL) {
+    if (slotIsModelled(sweep->sequence, slot)) {
       *lowest = particle[slot] < *lowest ? particle[slot] : *lowest;
       *highest = particle[slot] > *highest ? particle[slot] : INT_MAX;
     }

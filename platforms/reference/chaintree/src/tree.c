@@ -9,22 +9,22 @@
  * distance (v = 2^-53). The direction of a line that is 32 times shorter is off by 128 v, 1/84 of DOUBLE_MARGIN. */
 #define LEAST_LINE (1.0 / 1024)
 
-/* The particles that are not modelled of a link that begins at this slot; returns how many. */
-static int unmodelledAt(const Sequence* sequence, int slot, const int** unmodelled) {
+/* The particles without a slot of a link that begins at this one; returns how many. */
+static int slotlessAt(const Sequence* sequence, int slot, const int** slotless) {
   const int link = sequence->slotLink[slot];
-  if (sequence->unmodelledCount == 0 || sequence->slotBegin[link] != slot) {
+  if (sequence->slotlessCount == 0 || sequence->slotBegin[link] != slot) {
     return 0;
   }
-  const int begin = sequenceUnmodelled(sequence, link);
-  *unmodelled = sequence->unmodelledParticle + begin;
-  return sequenceUnmodelled(sequence, link + 1) - begin;
+  const int begin = sequenceSlotless(sequence, link);
+  *slotless = sequence->slotlessParticle + begin;
+  return sequenceSlotless(sequence, link + 1) - begin;
 }
 
 static void countParticles(Tree* tree, const Sequence* sequence) {
-  const int* unmodelled;
+  const int* slotless;
   for (int slot = 0; slot < sequence->slotCount; slot++) {
     tree->particles[slot / TREE_WIDTH] +=
-        (sequence->slotParticle[slot] != CT_NULL) + unmodelledAt(sequence, slot, &unmodelled);
+        (sequence->slotParticle[slot] != CT_NULL) + slotlessAt(sequence, slot, &slotless);
   }
   for (int level = 1; level < tree->levelCount; level++) {
     for (int i = 0; i < tree->levelSize[level - 1]; i++) {
@@ -37,9 +37,9 @@ static void countParticles(Tree* tree, const Sequence* sequence) {
 /* Writes what updates never change: which members there are, and the radii of particles. */
 static void clearMembers(Tree* tree, const Sequence* sequence) {
   for (int slot = 0; slot < tree->levelBegin[1] * TREE_WIDTH; slot++) {
-    const bool empty = slot >= tree->slotCount || sequence->slotParticle[slot] == CT_NULL;
+    const bool isModelled = slot < tree->slotCount && slotIsModelled(sequence, slot);
     Leaf* leaf = &tree->leaf[slot / TREE_WIDTH];
-    leaf->r[slot % TREE_WIDTH] = empty ? -INFINITY : (float)slotRadius(sequence, slot);
+    leaf->r[slot % TREE_WIDTH] = isModelled ? (float)slotRadius(sequence, slot) : -INFINITY;
   }
   for (int node = tree->levelBegin[1]; node < tree->nodeCount; node++) {
     Members* members = treeMembers(tree, node);
@@ -291,8 +291,8 @@ static void add(double sum[3], const double x[3]) {
   sum[2] += x[2];
 }
 
-/* Slots [slotBegin, slotEnd) of a leaf: adds the positions of their particles, and of the unmodelled ones of links that
- * begin there, to sum, in the leaf's frame; returns how many. */
+/* Slots [slotBegin, slotEnd) of a leaf: adds the positions of their particles, and of those without a slot of links
+ * that begin there, to sum, in the leaf's frame; returns how many. */
 static int sumSlots(const Tree* tree, const Sequence* sequence, int leaf, int slotBegin, int slotEnd, double sum[3]) {
   int particles = 0;
   Walk walk;
@@ -304,17 +304,17 @@ static int sumSlots(const Tree* tree, const Sequence* sequence, int leaf, int sl
       add(sum, x);
       particles++;
     }
-    const int* unmodelled;
-    const int unmodelledCount = unmodelledAt(sequence, slot, &unmodelled);
-    if (unmodelledCount > 0) {
+    const int* slotless;
+    const int slotlessCount = slotlessAt(sequence, slot, &slotless);
+    if (slotlessCount > 0) {
       walkTo(&walk, sequence, sequence->slotLink[slot]);
       const Frame frame = frameOfColumns(&walk.frame);
-      for (int i = 0; i < unmodelledCount; i++) {
-        sequenceLocal(sequence, walk.link, unmodelled[i], x);
+      for (int i = 0; i < slotlessCount; i++) {
+        sequenceLocal(sequence, walk.link, slotless[i], x);
         transformPoint(&frame, x, x);
         add(sum, x);
       }
-      particles += unmodelledCount;
+      particles += slotlessCount;
     }
   }
   return particles;
@@ -391,7 +391,7 @@ static bool nodeHolds(const Tree* tree, const Sequence* sequence, int level, int
   double centre[3] = {bound->x, bound->y, bound->z};
   transformPoint(&frame, centre, centre);
   for (int slot = begin; slot < end; slot++) {
-    if (sequence->slotParticle[slot] == CT_NULL) {
+    if (!slotIsModelled(sequence, slot)) {
       continue;
     }
     const Frame leaf = ctTreeFrame(tree, 0, slot / TREE_WIDTH);

@@ -41,7 +41,7 @@ typedef struct Leaf {
   double x[TREE_WIDTH];
   double y[TREE_WIDTH];
   double z[TREE_WIDTH];
-  float r[TREE_WIDTH]; /* of the particle; -INFINITY: none */
+  float r[TREE_WIDTH]; /* of the particle; -INFINITY: none, or one that is not modelled */
 } Leaf;
 
 /* A sphere around the members of a node in its own frame; radii as in Members. */

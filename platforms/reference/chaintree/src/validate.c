@@ -39,7 +39,7 @@ static bool boxHolds(const ctChainTree* scene, int level, int node) {
   const int begin = treeSlots(tree, level, node, &end);
   const Frame frame = ctTreeFrame(tree, level, node);
   for (int slot = begin; slot < end && !tree->boxIsStale[node]; slot++) {
-    if (scene->sequence.slotParticle[slot] == CT_NULL) {
+    if (!slotIsModelled(&scene->sequence, slot)) {
       continue;
     }
     const Frame leaf = ctTreeFrame(tree, 0, slot / TREE_WIDTH);
@@ -89,7 +89,7 @@ static bool clearancesHold(ctChainTree* scene) {
       const int a = i / TREE_WIDTH;
       const int b = j / TREE_WIDTH;
       const uint16_t least = c->least[(size_t)a * (size_t)c->stride + (size_t)b];
-      if (a == b || least == 0 || s->slotParticle[i] == CT_NULL || s->slotParticle[j] == CT_NULL ||
+      if (a == b || least == 0 || !slotIsModelled(s, i) || !slotIsModelled(s, j) ||
           isExcluded(&scene->exclusions, i, j)) {
         continue;
       }
