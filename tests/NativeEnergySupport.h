@@ -68,13 +68,13 @@ private:
 };
 
 /**
- * Two chains of beads whose spheres hardly matter, in a Context with the Forces of a test. Forces are in the System
- * from index 1 on; each has a force group of its own, unless the test gives it another than 0.
+ * Two chains of beads, one without radii and one with tiny ones, in a Context with the Forces of a test. Forces are in
+ * the System from index 1 on; each has a force group of its own, unless the test gives it another than 0.
  */
 class NativeScene {
 public:
     static const int NUM_BEADS = 15;
-    NativeScene() : chain(9, 0.001, 2.1), numbers(17)
+    NativeScene() : chain(9, 0, 2.1), numbers(17)
     {
         chain.addMolecule(6, 0.001, -1.3, OpenMM::Vec3(0.6, 1.7, 1.9));
         for (OpenMM::Vec3& position : chain.positions)
