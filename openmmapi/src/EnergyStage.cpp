@@ -1,4 +1,5 @@
 #include "openmmchaintree/internal/EnergyStage.h"
+#include "openmm/reference/SimTKOpenMMRealType.h"
 #include <cmath>
 
 using namespace ChainTreePlugin;
@@ -13,13 +14,42 @@ void EnergyStages::add(unique_ptr<EnergyStage> stage)
     entries.push_back({std::move(stage), false, {0, 0}});
 }
 
+void EnergyStages::resetStatistics()
+{
+    for (Entry& entry : entries)
+        entry.statistics = {0, 0};
+}
+
 void EnergyStages::begin(TrialSession& trials)
 {
     for (Entry& entry : entries)
         entry.takesPart = entry.stage->begin(trials);
 }
 
-double EnergyStages::computeChange(TrialSession& trials)
+/**
+ * Get by what a change of energy multiplies a probability, as a logarithm.
+ */
+static double toLogRatio(double energyChange, double temperature)
+{
+    return energyChange == 0 ? 0 : -energyChange / (BOLTZ * temperature);
+}
+
+/**
+ * Decide by the Metropolis criterion. A number is drawn only if it matters.
+ */
+static bool isAccepted(double logRatio, RandomNumberGenerator& random)
+{
+    return logRatio >= 0 || random.drawUniform() < exp(logRatio);
+}
+
+bool EnergyStages::decide(TrialSession& trials, double logRatio, double temperature, Rule rule,
+                          RandomNumberGenerator& random)
+{
+    return rule == DecideOneByOne && temperature > 0 ? decideOneByOne(trials, logRatio, temperature, random)
+                                                     : decideBySum(trials, logRatio, temperature, random);
+}
+
+bool EnergyStages::decideBySum(TrialSession& trials, double logRatio, double temperature, RandomNumberGenerator& random)
 {
     double sum = 0;
     for (numAsked = 0; numAsked < entries.size() && !std::isnan(sum); numAsked++) {
@@ -29,7 +59,25 @@ double EnergyStages::computeChange(TrialSession& trials)
             entry.statistics.computed++;
         }
     }
-    return sum;
+    return !std::isnan(sum) && isAccepted(logRatio + toLogRatio(sum, temperature), random);
+}
+
+bool EnergyStages::decideOneByOne(TrialSession& trials, double logRatio, double temperature,
+                                  RandomNumberGenerator& random)
+{
+    bool isFirst = true;
+    for (numAsked = 0; numAsked < entries.size();) {
+        Entry& entry = entries[numAsked++];
+        if (!entry.takesPart)
+            continue;
+        const double drawn = random.drawUniform();
+        const double stageLogRatio = toLogRatio(entry.stage->computeChange(trials), temperature);
+        entry.statistics.computed++;
+        if (!(drawn < exp(isFirst ? logRatio + stageLogRatio : stageLogRatio))) // also if it is not a number
+            return false;
+        isFirst = false;
+    }
+    return !isFirst || isAccepted(logRatio, random);
 }
 
 void EnergyStages::accept()

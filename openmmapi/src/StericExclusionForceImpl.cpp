@@ -80,7 +80,7 @@ static void warnOfPeriodicForces(const System& system)
 
 StericExclusionForceImpl::StericExclusionForceImpl(const StericExclusionForce& owner) :
     CustomCPPForceImpl(owner), owner(owner), life(make_shared<char>()), isInitialized(false), engine(NULL),
-    proposalIsFree(false), settingPositions(false), energyIsSuppressed(false), hasVirtualSites(false)
+    energyTermsOwner(NULL), proposalIsFree(false), settingPositions(false), energyIsSuppressed(false), hasVirtualSites(false)
 {
 }
 
@@ -302,6 +302,13 @@ double StericExclusionForceImpl::computeOtherEnergy(ContextImpl& context, int gr
 {
     FlagGuard guard(energyIsSuppressed);
     return context.calcForcesAndEnergy(false, true, groups);
+}
+
+void StericExclusionForceImpl::setEnergyTerms(const EnergyTerms& terms, const void* owner)
+{
+    energyTermsOwner = NULL;
+    engine->setEnergyTerms(terms);
+    energyTermsOwner = owner;
 }
 
 // ---- Queries ----

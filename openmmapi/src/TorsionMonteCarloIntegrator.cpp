@@ -3,24 +3,21 @@
 #include "openmm/internal/OSRngSeed.h"
 #include "openmm/kernels.h"
 #include "openmm/OpenMMException.h"
-#include "openmm/reference/SimTKOpenMMRealType.h"
 #include "openmm/serialization/SerializationNode.h"
 #include "openmm/VerletIntegrator.h"
 #include "openmmchaintree/internal/ArgumentChecks.h"
 #include "openmmchaintree/internal/CheckpointStream.h"
 #include "openmmchaintree/internal/ContextSnapshot.h"
 #include "openmmchaintree/internal/EnergyStage.h"
-#include "openmmchaintree/internal/ForeignEnergy.h"
 #include "openmmchaintree/internal/Hexadecimal.h"
 #include "openmmchaintree/internal/MonteCarloMove.h"
 #include "openmmchaintree/internal/MoveList.h"
+#include "openmmchaintree/internal/NativeEnergy.h"
 #include "openmmchaintree/internal/RandomNumberGenerator.h"
-#include "openmmchaintree/internal/SoftSphereEnergy.h"
 #include "openmmchaintree/internal/StericExclusionForceImpl.h"
 #include "openmmchaintree/internal/SystemChecks.h"
 #include "openmmchaintree/internal/TrialSession.h"
 #include <algorithm>
-#include <cmath>
 #include <sstream>
 
 using namespace ChainTreePlugin;
@@ -60,7 +57,8 @@ public:
 enum CheckpointForm : uint8_t { OfCompleteContext = 0, OfKeptState = 1, OfKeptStateWithNewPositions = 2 };
 
 TorsionMonteCarloIntegrator::TorsionMonteCarloIntegrator(double temperature) :
-    moves(new MoveList()), trialsPerStep(100), initialClashPolicy(Tolerate), stericMode(Hard), force(NULL)
+    moves(new MoveList()), trialsPerStep(100), initialClashPolicy(Tolerate), stericMode(Hard),
+    nativeEnergies(true), force(NULL)
 {
     setTemperature(temperature);
     setRandomNumberSeed(0);
@@ -175,6 +173,8 @@ void TorsionMonteCarloIntegrator::getMoveStatistics(int move, long long& attempt
 void TorsionMonteCarloIntegrator::resetMoveStatistics()
 {
     moves->resetStatistics();
+    if (stages)
+        stages->resetStatistics();
 }
 
 /**
@@ -243,9 +243,7 @@ void TorsionMonteCarloIntegrator::bindTo(ContextImpl& contextRef)
     moves->bind(&found.getLinkStructure());
     random.reset(new RandomNumberGenerator(randomNumberSeed == 0 ? osrngseed() : randomNumberSeed));
     found.getLimitPolicy().expectDynamics(!hasSilentSteps(contextRef.getIntegrator()));
-    stages.reset(new EnergyStages());
-    stages->add(make_unique<SoftSphereEnergy>(*this));
-    stages->add(make_unique<ForeignEnergy>(*this, system));
+    bindEnergies(found, contextRef);
     force = &found;
     forceLife = found.getLife();
     context = &contextRef;
@@ -264,6 +262,7 @@ void TorsionMonteCarloIntegrator::cleanup()
     context = NULL;
     moves->bind(NULL);
     stages.reset();
+    native.reset();
     random.reset();
     kernel = Kernel();
     restoredPositions.clear();
@@ -312,6 +311,8 @@ void TorsionMonteCarloIntegrator::stateChanged(State::DataType changed)
         kept->positionsWereSet |= kept->context.updatePositions(*owner);
     if (kept && changed == State::Velocities)
         kept->context.updateVelocities(*owner);
+    if (native && (changed == State::Parameters || changed == State::Energy))
+        native->parametersWereChanged();
     if (force == NULL || changed != State::Positions)
         return;
     vector<Vec3> restored;
@@ -331,6 +332,7 @@ void TorsionMonteCarloIntegrator::createCheckpoint(ostream& stream) const
     writer.write(force != NULL ? force->getLinkStructure().describe() : kept->structure);
     moves->createCheckpoint(writer);
     if (force != NULL) {
+        native->computeAnew();
         writer.write(random->getState());
         writer.write(OfCompleteContext);
         force->createCheckpoint(writer);
@@ -400,6 +402,7 @@ static string fingerprint(const vector<Vec3>& positions)
 void TorsionMonteCarloIntegrator::serializeParameters(SerializationNode& node) const
 {
     requireBound();
+    native->computeAnew();
     node.setIntProperty("version", NEWEST_STATE_VERSION);
     moves->writeStatistics(node.createChildNode("Moves"));
     node.createChildNode("Random").setStringProperty("state", random->getState());
@@ -499,18 +502,6 @@ double TorsionMonteCarloIntegrator::computeKineticEnergy()
     return energy;
 }
 
-/**
- * Decide about a trial by the Metropolis criterion.
- *
- * @param energyChange  by how much U changes, in kJ/mol
- * @param logRatio      what MonteCarloMove::computeLogRatio() returned
- */
-bool TorsionMonteCarloIntegrator::isAccepted(double energyChange, double logRatio)
-{
-    const double exponent = logRatio - (energyChange == 0 ? 0 : energyChange / (BOLTZ * temperature));
-    return exponent >= 0 || random->drawUniform() < exp(exponent);
-}
-
 void TorsionMonteCarloIntegrator::step(int steps)
 {
     requireBound();
@@ -524,6 +515,7 @@ void TorsionMonteCarloIntegrator::step(int steps)
             force->getLimitPolicy().restart();
         else if (initialClashPolicy == Refuse)
             force->getLimitPolicy().refuseToleratedClashes();
+        native->begin(trials);
         stages->begin(trials);
         for (int trial = 0; trial < trialsPerStep; trial++)
             runTrial(trials, weightSum);
@@ -546,8 +538,8 @@ void TorsionMonteCarloIntegrator::runTrial(TrialSession& trials, double weightSu
         return;
     }
     const double logRatio = entry.move->computeLogRatio(trials);
-    const double energyChange = stages->computeChange(trials);
-    if (std::isnan(energyChange) || !isAccepted(energyChange, logRatio)) {
+    const EnergyStages::Rule rule = nativeEnergies ? EnergyStages::DecideOneByOne : EnergyStages::DecideBySum;
+    if (!stages->decide(trials, logRatio, temperature, rule, *random)) {
         trials.reject();
         stages->reject();
         entry.rejectedByEnergy++;

@@ -90,6 +90,12 @@ void TrialSession::reject()
     ownsTrial = false;
 }
 
+double TrialSession::computeSoftEnergy()
+{
+    vector<Vec3> forces(context.getSystem().getNumParticles());
+    return kernel.computeEnergy(forces);
+}
+
 double TrialSession::computeOtherEnergy(int groups)
 {
     return force.computeOtherEnergy(context, groups);

@@ -9,7 +9,7 @@ using namespace ChainTreePlugin;
 using namespace OpenMM;
 using namespace std;
 
-static const int NEWEST_VERSION = 2;
+static const int NEWEST_VERSION = 3;
 
 TorsionMonteCarloIntegratorProxy::TorsionMonteCarloIntegratorProxy() : SerializationProxy("TorsionMonteCarloIntegrator")
 {
@@ -27,6 +27,7 @@ void TorsionMonteCarloIntegratorProxy::serialize(const void* object, Serializati
     node.setIntProperty("trialsPerStep", integrator.getTrialsPerStep());
     node.setIntProperty("initialClashPolicy", integrator.getInitialClashPolicy());
     node.setIntProperty("stericMode", integrator.getStericMode());
+    node.setBoolProperty("nativeEnergies", integrator.getNativeEnergies());
     integrator.moves->writeMoves(node.createChildNode("Moves"));
 }
 
@@ -45,6 +46,8 @@ void* TorsionMonteCarloIntegratorProxy::deserialize(const SerializationNode& nod
         (TorsionMonteCarloIntegrator::InitialClashPolicy)node.getIntProperty("initialClashPolicy"));
     if (version > 1)
         integrator->setStericMode((TorsionMonteCarloIntegrator::StericMode)node.getIntProperty("stericMode"));
+    if (version > 2)
+        integrator->setNativeEnergies(node.getBoolProperty("nativeEnergies"));
     MoveList::readMoves(node.getChildNode("Moves"), *integrator);
     return integrator.release();
 }

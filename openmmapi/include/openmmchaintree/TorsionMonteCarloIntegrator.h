@@ -21,6 +21,7 @@ class CheckpointReader;
 class EnergyStages;
 class MonteCarloMove;
 class MoveList;
+class NativeEnergy;
 class RandomNumberGenerator;
 class StericExclusionForceImpl;
 class TrialSession;
@@ -50,9 +51,28 @@ class TrialSession;
  *
  * <b>Steps and trials.</b> A step consists of many trials, 100 by default; see setTrialsPerStep(). Each trial draws one
  * of the moves by its weight and proposes it. A trial in which a pair overlaps beyond its limit is refused at once,
- * which usually takes microseconds. Only for the others is U evaluated, once each, and the trial accepted with
- * probability min(1, exp(-(U' - U)/kT)). A trial whose U' is not a number is refused and counts as rejected by energy.
- * In athermal sampling the positions reach the Context once a step, else for each trial without a clash.
+ * which usually takes microseconds. Only for the others does U matter. A trial whose U' is not a number is refused and
+ * counts as rejected by energy.
+ *
+ * <b>Energies.</b> Each Force of the integration force groups is one of three; getEnergyPlan() tells which, and why.
+ *
+ * - Constant: no move can change it, such as bonds and angles whose particles keep their distances. It costs nothing.
+ * - Native: this library evaluates it, and of it only what a trial changes, in microseconds. It can do so for
+ *   NonbondedForce (without periodic images), HarmonicBondForce, HarmonicAngleForce, PeriodicTorsionForce,
+ *   RBTorsionForce, CMAPTorsionForce, CustomBondForce, CustomAngleForce, CustomTorsionForce, CustomCompoundBondForce and
+ *   CustomExternalForce.
+ * - Foreign: all else. OpenMM evaluates the force groups of these for each trial that has come so far.
+ *
+ * A trial passes the parts of U one by one, cheapest first, and ends at the first that refuses it: bonded terms, pairs
+ * that are near, soft spheres, the other pairs, foreign Forces. By its own change dU of U each part lets the trial pass
+ * with probability min(1, exp(-dU/kT)). This samples exp(-U/kT) exactly (delayed acceptance; Christen and Fox, J. Comput.
+ * Graph. Stat. 14, 795 (2005)). getStageStatistics() tells where trials end. At a temperature of 0, and after
+ * setNativeEnergies(false), the sum decides: a trial is accepted with probability min(1, exp(-(U' - U)/kT)).
+ *
+ * OpenMM's own energy is compared at the first step, after changes of parameters, and every million trials. If a native
+ * Force has another energy than OpenMM says, step() throws an exception that names it.
+ *
+ * The positions reach the Context once a step; if there are foreign Forces, also for each trial that comes to them.
  *
  * <b>Moves.</b> Add at least one by addTorsionMove() or addRigidBodyMove().
  *
@@ -77,15 +97,17 @@ class TrialSession;
  * <b>Errors.</b> Creating a Context throws an exception if its System has no StericExclusionForce or more than one, a
  * barostat (periodic boundary conditions are not supported), or a constraint between particles that a torsion moves
  * relative to each other, and if a move names what does not exist. A step throws an exception if no move can be drawn,
- * if U of the present positions is not a number, if these are not finite, or if another Force throws one. The Context
+ * if U of the present positions is not a number, if these are not finite, if OpenMM has another energy for a native
+ * Force, or if another Force throws one. The Context
  * then is where the trials that were accepted have led, and these are counted, but the step is not.
  *
  * <b>Checkpoints and States.</b> With the same random number seed, the same program samples the same trajectory, bit
  * for bit. So does one that is broken off between two steps and goes on from a checkpoint, or from a State with
  * positions and integrator parameters, as app.Simulation saves it in Python. Both hold the random number generator, the
- * limits, the statistics of the moves, and what the geometry is computed from. The trial that the user may have opened
- * by StericExclusionForce is in neither. What a program sets by this class (temperature, steric mode, trials per step,
- * moves) is in neither, too: it has to be the same again for the same bits.
+ * limits, the statistics of the moves, and what the geometry is computed from. Making one starts the sums of native
+ * energies anew, so a run that makes none can differ from one that does, by the last bits of its energies. The trial
+ * that the user may have opened by StericExclusionForce and the counts of getStageStatistics() are in neither. What a program sets by this class (temperature, steric mode, native energies,
+ * trials per step, moves) is in neither, too: it has to be the same again for the same bits.
  *
  * A checkpoint is strict. It is refused by an exception if it is of another structure or if its moves are not those of
  * this integrator: as many, of the same kinds, and with the same parameters and weights, in the same order. The
@@ -146,6 +168,51 @@ public:
          * A move added by addRigidBodyMove().
          */
         RigidBodyMove = 1
+    };
+    /**
+     * Who evaluates the energy of a Force for a trial.
+     */
+    enum EnergyKind {
+        /**
+         * Nobody: it has no part in U.
+         */
+        NotSampled = 0,
+        /**
+         * This library, once. No move can change it.
+         */
+        Constant = 1,
+        /**
+         * This library, and only what the trial changes.
+         */
+        Native = 2,
+        /**
+         * OpenMM.
+         */
+        Foreign = 3
+    };
+    /**
+     * What getEnergyPlan() tells about a Force.
+     */
+    struct PlannedEnergy {
+        /** The index of the Force in the System. */
+        int force;
+        /** The name of the Force. */
+        std::string name;
+        /** Who evaluates its energy for a trial. */
+        EnergyKind kind;
+        /** Why, in a clause. */
+        std::string reason;
+    };
+    /**
+     * What getStageStatistics() tells about a part of U.
+     */
+    struct StageStatistics {
+        /** What the part is, for people to read. */
+        std::string stage;
+        /** The number of trials that came so far, so that their change of this part was computed. */
+        long long computed;
+        /** How many of them it refused. The others went on to the next part, or were accepted. */
+        long long refused;
     };
     /**
      * Create a TorsionMonteCarloIntegrator without moves.
@@ -210,6 +277,39 @@ public:
      * @param mode  Hard or Soft
      */
     void setStericMode(StericMode mode);
+    /**
+     * Get whether the energies of native Forces are evaluated by this library. The default is true.
+     */
+    bool getNativeEnergies() const;
+    /**
+     * Set whether the energies of native Forces are evaluated by this library. If not, OpenMM evaluates U for each trial
+     * without a clash, and decides it by the sum of all Forces; the same distribution is sampled. This may change
+     * between two steps.
+     *
+     * @param native  whether the library evaluates what it can
+     */
+    void setNativeEnergies(bool native);
+    /**
+     * Get who evaluates the energy of each Force for a trial, and why, by the present choice of integration force
+     * groups, native energies and steric mode.
+     *
+     * @param context  the Context that this integrator is bound to
+     * @return one entry for each Force of the System
+     */
+    std::vector<PlannedEnergy> getEnergyPlan(OpenMM::Context& context) const;
+    /**
+     * Get U of the present positions as sampling has it, with the energy of the StericExclusionForce if spheres are
+     * soft. Native energies are not computed anew after steps of this integrator: what trials have left is summed up.
+     *
+     * @param context  the Context that this integrator is bound to
+     * @return the energy, in kJ/mol
+     */
+    double getPotentialEnergy(OpenMM::Context& context) const;
+    /**
+     * Get where trials without a clash have ended, part by part of U, since the Context was created or
+     * resetMoveStatistics() was called. Parts that had nothing to decide have counts of 0.
+     */
+    std::vector<StageStatistics> getStageStatistics() const;
     /**
      * Get the number of pairs whose limit is not their tolerance. The same as
      * StericExclusionForce::getNumToleratedClashes().
@@ -331,7 +431,7 @@ public:
     void getMoveStatistics(int move, long long& attempted, long long& clashed, long long& rejectedByEnergy,
                            long long& accepted) const;
     /**
-     * Start the counts of all moves anew, from 0.
+     * Start the counts of all moves anew, from 0, and those of getStageStatistics(), too.
      */
     void resetMoveStatistics();
     /**
@@ -394,19 +494,21 @@ private:
     void bindTo(OpenMM::ContextImpl& context);
     void requireBound() const;
     void requireContext(const OpenMM::Context& context) const;
-    bool isAccepted(double energyChange, double logRatio);
+    void bindEnergies(StericExclusionForceImpl& force, OpenMM::ContextImpl& context);
     void runTrial(TrialSession& trials, double weightSum);
     std::unique_ptr<MoveList> moves;
     double temperature;
     int randomNumberSeed, trialsPerStep;
     InitialClashPolicy initialClashPolicy;
     StericMode stericMode;
+    bool nativeEnergies;
     /** What a Context held whose reinitialize() has begun and not succeeded yet, else NULL. */
     std::unique_ptr<KeptState> kept;
     // What follows exists only while the integrator is bound to a Context.
     StericExclusionForceImpl* force;
     /** Expires when the force does: before cleanup() if a Context ends, after it if it is reinitialized. */
     std::weak_ptr<const void> forceLife;
+    std::unique_ptr<NativeEnergy> native;
     std::unique_ptr<EnergyStages> stages;
     std::unique_ptr<RandomNumberGenerator> random;
     OpenMM::Kernel kernel;

@@ -1,10 +1,12 @@
 #ifndef OPENMM_CHAINTREE_ENERGYSTAGE_H_
 #define OPENMM_CHAINTREE_ENERGYSTAGE_H_
 
+#include "openmmchaintree/internal/RandomNumberGenerator.h"
 #include "openmmchaintree/internal/TrialSession.h"
 #include "openmmchaintree/internal/windowsExportChainTree.h"
 #include <cstddef>
 #include <memory>
+#include <string>
 #include <vector>
 
 namespace ChainTreePlugin {
@@ -18,6 +20,10 @@ public:
     virtual ~EnergyStage()
     {
     }
+    /**
+     * Get what the stage is about, in a word or two for people to read.
+     */
+    virtual std::string getName() const = 0;
     /**
      * Begin a series of trials: find out what has to be known about the state, which may be any. Returns whether this
      * part of U can be anything but 0 in these trials; if not, the stage is left alone until the next series.
@@ -49,6 +55,28 @@ public:
 class OPENMM_EXPORT_CHAINTREE EnergyStages {
 public:
     /**
+     * How the stages decide about a trial.
+     */
+    enum Rule {
+        /**
+         * The sum of all changes decides, once.
+         */
+        DecideBySum,
+        /**
+         * Each stage decides by its own change and a random number of its own, which is drawn before the change is
+         * computed (delayed acceptance).
+         *
+         * This samples the same distribution exactly. A trial from x to y is accepted if it passes all stages, with the
+         * probability a(x, y) = product over i of min(1, r_i(x, y)). Here r_i = exp(-change_i / kT), and that of the
+         * first stage is multiplied by the ratio of backward and forward proposal. Each change is that of a function of
+         * the state, or at least of the pair of states such that the way back has the opposite one: r_i(y, x) =
+         * 1 / r_i(x, y). Since min(1, r) / min(1, 1 / r) = r, a(x, y) / a(y, x) is the product of all r_i, which is
+         * what detailed balance asks for. (Christen and Fox, J. Comput. Graph. Stat. 14, 795 (2005).) It accepts less
+         * than the sum would: a stage may refuse what a later one would have made good.
+         */
+        DecideOneByOne
+    };
+    /**
      * What has become of the trials that reached a stage.
      */
     class Statistics {
@@ -60,22 +88,38 @@ public:
     };
     EnergyStages();
     void add(std::unique_ptr<EnergyStage> stage);
+    int size() const
+    {
+        return entries.size();
+    }
+    const EnergyStage& get(int stage) const
+    {
+        return *entries[stage].stage;
+    }
     /**
-     * Get what became of the trials that reached a stage, since it was added.
+     * Get what became of the trials that reached a stage, since it was added or resetStatistics() was called.
      */
     const Statistics& getStatistics(int stage) const
     {
         return entries[stage].statistics;
     }
+    void resetStatistics();
     /**
      * Begin a series of trials.
      */
     void begin(TrialSession& trials);
     /**
-     * Compute by how much U changes if the open trial becomes the state, in kJ/mol; NaN if it has to be refused. Follow
-     * this by accept() or reject().
+     * Decide about the open trial, which is free of clashes. Follow this by accept() or reject(). A trial whose change
+     * of U is not a number is refused.
+     *
+     * @param trials       the session of the trial
+     * @param logRatio     what MonteCarloMove::computeLogRatio() returned
+     * @param temperature  in Kelvin
+     * @param rule         how to decide. At a temperature of 0 it is always the sum: stages that may only go down each
+     *                     would stop at states from which the sum still leads down.
+     * @param random       draws nothing if no stage takes part and logRatio is not negative
      */
-    double computeChange(TrialSession& trials);
+    bool decide(TrialSession& trials, double logRatio, double temperature, Rule rule, RandomNumberGenerator& random);
     void accept();
     void reject();
 
@@ -86,6 +130,8 @@ private:
         bool takesPart;
         Statistics statistics;
     };
+    bool decideBySum(TrialSession& trials, double logRatio, double temperature, RandomNumberGenerator& random);
+    bool decideOneByOne(TrialSession& trials, double logRatio, double temperature, RandomNumberGenerator& random);
     std::vector<Entry> entries;
     /** How many stages the open trial has reached. */
     size_t numAsked;

@@ -1,27 +1,33 @@
 #ifndef OPENMM_CHAINTREE_FOREIGNENERGY_H_
 #define OPENMM_CHAINTREE_FOREIGNENERGY_H_
 
-#include "openmm/Integrator.h"
-#include "openmm/System.h"
 #include "openmmchaintree/internal/EnergyStage.h"
+#include "openmmchaintree/internal/NativeEnergy.h"
 
 namespace ChainTreePlugin {
 
 /**
- * The energy of all other Forces in the integration force groups, by an OpenMM evaluation for each trial.
+ * The energy of the foreign Forces in the integration force groups, by an OpenMM evaluation for each trial.
+ *
+ * OpenMM evaluates whole groups. If native Forces are in them, what the kernel has computed of these is subtracted, so
+ * that the change is that of the foreign Forces alone.
  */
 class ForeignEnergy : public EnergyStage {
 public:
-    ForeignEnergy(const OpenMM::Integrator& integrator, const OpenMM::System& system);
+    explicit ForeignEnergy(const NativeEnergy& native) : native(native), groups(0), energy(0), proposedEnergy(0)
+    {
+    }
+    std::string getName() const
+    {
+        return "foreign forces";
+    }
     bool begin(TrialSession& trials);
     double computeChange(TrialSession& trials);
     void accept();
 
 private:
-    const OpenMM::Integrator& integrator;
-    /** The groups of all Forces that can contribute to U, as a bit mask. */
-    const int groupsWithEnergy;
-    /** Those of them whose energy is sampled. */
+    const NativeEnergy& native;
+    /** The groups that are evaluated. */
     int groups;
     /** The energies of the state and of the open trial. */
     double energy, proposedEnergy;

@@ -14,6 +14,10 @@ public:
     explicit SoftSphereEnergy(const TorsionMonteCarloIntegrator& integrator) : integrator(integrator)
     {
     }
+    std::string getName() const
+    {
+        return "soft spheres";
+    }
     bool begin(TrialSession&)
     {
         return integrator.getStericMode() == TorsionMonteCarloIntegrator::Soft;

@@ -56,6 +56,26 @@ public:
     {
         return *structure;
     }
+    /**
+     * Get the kernel, for energies of trials. Its state is not for others to change.
+     */
+    CalcStericExclusionForceKernel& getKernel()
+    {
+        return *engine;
+    }
+    /**
+     * Give the kernel the terms of energies of trials.
+     *
+     * @param owner  whose they are; several integrators may drive one force in turns
+     */
+    void setEnergyTerms(const EnergyTerms& terms, const void* owner);
+    /**
+     * Get whose terms the kernel has, or NULL.
+     */
+    const void* getOwnerOfEnergyTerms() const
+    {
+        return energyTermsOwner;
+    }
 
     // The calls of StericExclusionForce. Each first takes notice of the Context's positions.
 
@@ -149,6 +169,7 @@ private:
     std::unique_ptr<LinkStructure> structure;
     OpenMM::Kernel kernel;
     CalcStericExclusionForceKernel* engine;
+    const void* energyTermsOwner;
     LimitPolicy limits;
     /** The Context's positions when they and the kernel's state were last known to agree; empty before. */
     std::vector<OpenMM::Vec3> agreedPositions;

@@ -92,6 +92,10 @@ public:
         kernel.getProposedPositionsOf(particles, positions);
     }
     /**
+     * Get the energy of the StericExclusionForce before the open trial.
+     */
+    double computeSoftEnergy();
+    /**
      * Get by how much the energy of the StericExclusionForce would change if the open trial became the state.
      */
     double computeSoftEnergyChange()
