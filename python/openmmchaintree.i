@@ -53,6 +53,33 @@ class MoveStatistics(NamedTuple):
     accepted: int
 
 
+class StageStatistics(NamedTuple):
+    """How many trials a part of the energy was computed for, and how many of them it refused."""
+
+    stage: str
+    computed: int
+    refused: int
+
+
+class PlannedEnergy(NamedTuple):
+    """How the energy of a Force is evaluated for a trial: "constant", "native", "foreign" or "not sampled", and why."""
+
+    force: int
+    name: str
+    kind: str
+    reason: str
+
+
+class EnergyPlan(list):
+    """How the energy of each Force is evaluated: a list of PlannedEnergy that prints as a table."""
+
+    def __str__(self):
+        width = max([len(entry.name) for entry in self], default=0)
+        return "\n".join(
+            f"{entry.force:>3}  {entry.name:<{width}}  {entry.kind:<11}  {entry.reason}".rstrip() for entry in self
+        )
+
+
 class MinimumDistance(NamedTuple):
     """The distance (nm) of the two particles of two sets that are nearest to each other."""
 
@@ -334,6 +361,32 @@ static PyObject* toNumPy(const void* values, size_t count, int columns, size_t i
     $result = SWIG_AppendOutput($result, PyLong_FromLongLong(*$1));
 }
 
+/* Lists of tuples, of which %pythonappend makes named ones. */
+%define %outputTuples(TYPE, FORMAT, VALUES, PYTHON)
+%typemap(out) std::vector<TYPE> {
+    const std::vector<TYPE>& entries = $1;
+    $result = PyList_New(0);
+    for (const TYPE& entry : entries) {
+        PyObject* tuple = Py_BuildValue(FORMAT, VALUES);
+        if (tuple == NULL || PyList_Append($result, tuple) != 0) {
+            Py_XDECREF(tuple);
+            SWIG_fail;
+        }
+        Py_DECREF(tuple);
+    }
+}
+%typemap(doctype) std::vector<TYPE> PYTHON
+%enddef
+
+%header %{
+static const char* const ENERGY_KINDS[] = {"not sampled", "constant", "native", "foreign"};
+%}
+
+%outputTuples(ChainTreePlugin::TorsionMonteCarloIntegrator::PlannedEnergy, "(isss)",
+              %arg(entry.force, entry.name.c_str(), ENERGY_KINDS[entry.kind], entry.reason.c_str()), "EnergyPlan")
+%outputTuples(ChainTreePlugin::TorsionMonteCarloIntegrator::StageStatistics, "(sLL)",
+              %arg(entry.stage.c_str(), entry.computed, entry.refused), "list of StageStatistics")
+
 /* ---- What is Python's own ---- */
 
 /* Parameters come back as OpenMM's own classes give them: as Quantities. */
@@ -380,6 +433,12 @@ static PyObject* toNumPy(const void* values, size_t count, int columns, size_t i
 %}
 %pythonappend ChainTreePlugin::TorsionMonteCarloIntegrator::getMoveStatistics %{
     val = MoveStatistics(*val)
+%}
+%pythonappend ChainTreePlugin::TorsionMonteCarloIntegrator::getStageStatistics %{
+    val = [StageStatistics(*counts) for counts in val]
+%}
+%pythonappend ChainTreePlugin::TorsionMonteCarloIntegrator::getEnergyPlan %{
+    val = EnergyPlan(PlannedEnergy(*entry) for entry in val)
 %}
 
 /* Integrator's own wrapper of step() handles threads and exceptions; the class is not abstract without it. */

@@ -5,7 +5,7 @@ OpenMMException tells of values that are out of range, and a TypeError of a unit
 """
 
 from collections.abc import Sequence
-from typing import Any, NamedTuple, TypeAlias
+from typing import Any, Literal, NamedTuple, TypeAlias
 
 import numpy as np
 import numpy.typing as npt
@@ -30,6 +30,19 @@ class MoveStatistics(NamedTuple):
     clashed: int
     rejectedByEnergy: int
     accepted: int
+
+class StageStatistics(NamedTuple):
+    stage: str
+    computed: int
+    refused: int
+
+class PlannedEnergy(NamedTuple):
+    force: int
+    name: str
+    kind: Literal["not sampled", "constant", "native", "foreign"]
+    reason: str
+
+class EnergyPlan(list[PlannedEnergy]): ...
 
 class MinimumDistance(NamedTuple):
     distance: float
@@ -98,6 +111,10 @@ class TorsionMonteCarloIntegrator(openmm.Integrator):
     Soft: int
     TorsionMove: int
     RigidBodyMove: int
+    NotSampled: int
+    Constant: int
+    Native: int
+    Foreign: int
 
     def __init__(self, temperature: _Number) -> None: ...
     def getTemperature(self) -> Quantity: ...
@@ -110,6 +127,11 @@ class TorsionMonteCarloIntegrator(openmm.Integrator):
     def setInitialClashPolicy(self, policy: int) -> None: ...
     def getStericMode(self) -> int: ...
     def setStericMode(self, mode: int) -> None: ...
+    def getNativeEnergies(self) -> bool: ...
+    def setNativeEnergies(self, native: bool) -> None: ...
+    def getEnergyPlan(self, context: openmm.Context) -> EnergyPlan: ...
+    def getPotentialEnergy(self, context: openmm.Context) -> float: ...
+    def getStageStatistics(self) -> list[StageStatistics]: ...
     def getNumToleratedClashes(self, context: openmm.Context) -> int: ...
     def addTorsionMove(
         self, weight: float, maxAngle: _Number, torsions: _Indices | None = ..., count: int = ...

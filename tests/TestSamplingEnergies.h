@@ -164,15 +164,21 @@ protected:
 
 void testUploads(Platform& platform)
 {
-    // In athermal sampling positions reach the Context once a step, else once more for each trial without a clash.
+    // Positions reach the Context once a step, and with foreign Forces once more for each trial without a clash.
 
     BeadChain chain(6, 0.45);
     chain.system.addForce(new CMMotionRemover());
     chain.system.addForce(new AndersenThermostat(300, 1));
     CustomExternalForce* field = new CustomExternalForce("x");
     field->addParticle(5);
-    field->setForceGroup(1);
+    field->setForceGroup(2);
     chain.system.addForce(field);
+    Probe* probe = new Probe();
+    probe->energy = [](const vector<Vec3>& positions) {
+        return positions[5][0];
+    };
+    probe->setForceGroup(1);
+    chain.system.addForce(probe);
     TorsionMonteCarloIntegrator* integrator = new TorsionMonteCarloIntegrator(300);
     integrator->addTorsionMove(1, M_PI);
     integrator->setIntegrationForceGroups(1);
@@ -185,6 +191,11 @@ void testUploads(Platform& platform)
     counter->numChanges = 0;
     compound.step(5);
     ASSERT_EQUAL(5, counter->numChanges);
+    integrator->setIntegrationForceGroups(1 << 2);
+    counter->numChanges = 0;
+    compound.step(5);
+    ASSERT_EQUAL(5, counter->numChanges);
+    ASSERT(Statistics(*integrator, 0).rejectedByEnergy > 0);
     integrator->setIntegrationForceGroups(3);
     integrator->resetMoveStatistics();
     counter->numChanges = 0;

@@ -271,6 +271,10 @@ public:
     explicit ToldStage(function<double()> say) : say(say)
     {
     }
+    string getName() const
+    {
+        return "told";
+    }
     bool begin(TrialSession&)
     {
         begun++;
@@ -296,22 +300,26 @@ private:
     function<double()> say;
 };
 
-static void testStages(Platform& platform)
+/**
+ * Stages are asked in order, and NaN ends a trial. Of the others, the sum of all changes decides at once, or each stage
+ * by its own.
+ */
+static void testStages(Platform& platform, bool oneByOne)
 {
-    // Stages are asked in order. The first that refuses a trial ends it; the sum of all decides the others.
-
     BeadChain chain(5, 0.4);
     TorsionMonteCarloIntegrator integrator(300);
+    integrator.setNativeEnergies(oneByOne);
     integrator.addTorsionMove(1, M_PI);
     Context context(chain.system, integrator, platform);
     context.setPositions(chain.positions);
     EnergyStages& stages = (integrator.*(&Extension::getEnergyStages))();
+    const int numOwn = stages.size();
     int number = 0;
     auto first = make_unique<ToldStage>([&] {
         return ++number % 4 == 0 ? numeric_limits<double>::quiet_NaN() : number % 4 == 1 ? 1e9 : -1.0;
     });
     auto second = make_unique<ToldStage>([&] {
-        return number % 4 == 2 ? 1e9 : -1.0;
+        return number % 4 == 2 ? 1e9 : -1e10;
     });
     auto idle = make_unique<ToldStage>([] {
         return 1e9;
@@ -330,23 +338,169 @@ static void testStages(Platform& platform)
     ASSERT_EQUAL(4, two.begun);
     ASSERT_EQUAL(4, three.begun);
     ASSERT_EQUAL(number, one.computed);
-    ASSERT_EQUAL(number - number / 4, two.computed);
-    ASSERT_EQUAL((number + 1) / 4, accepted);
+
+    // Of four trials, the first would be made good by the second stage, if it came so far.
+
+    const int refusedByOne = number / 4 + (oneByOne ? (number + 3) / 4 : 0);
+    ASSERT_EQUAL(number - refusedByOne, two.computed);
+    ASSERT_EQUAL((number + 1) / 4 + (oneByOne ? 0 : (number + 3) / 4), accepted);
     ASSERT_EQUAL(accepted, one.accepted);
     ASSERT_EQUAL(accepted, two.accepted);
     ASSERT_EQUAL(number - accepted, one.rejected);
     ASSERT_EQUAL(two.computed - accepted, two.rejected);
     ASSERT_EQUAL(0, three.computed + three.accepted + three.rejected);
 
-    // The library has added two before, of which neither takes part: the spheres are hard, and there is no other force.
+    // None of the library's own takes part: the spheres are hard, and there is no other force.
 
-    ASSERT_EQUAL(0, stages.getStatistics(0).computed);
-    ASSERT_EQUAL(0, stages.getStatistics(1).computed);
-    ASSERT_EQUAL(number, stages.getStatistics(2).computed);
-    ASSERT_EQUAL(number / 4, stages.getStatistics(2).rejected);
-    ASSERT_EQUAL(two.computed, stages.getStatistics(3).computed);
-    ASSERT_EQUAL(two.rejected, stages.getStatistics(3).rejected);
-    ASSERT_EQUAL(0, stages.getStatistics(4).computed);
+    auto counts = integrator.getStageStatistics();
+    ASSERT_EQUAL(numOwn + 3, counts.size());
+    for (int i = 0; i < numOwn; i++) {
+        ASSERT_EQUAL(0, counts[i].computed);
+        ASSERT_EQUAL(0, counts[i].refused);
+    }
+    ASSERT_EQUAL("told", counts[numOwn].stage);
+    ASSERT_EQUAL(number, counts[numOwn].computed);
+    ASSERT_EQUAL(refusedByOne, counts[numOwn].refused);
+    ASSERT_EQUAL(two.computed, counts[numOwn + 1].computed);
+    ASSERT_EQUAL(two.rejected, counts[numOwn + 1].refused);
+    ASSERT_EQUAL(0, counts[numOwn + 2].computed);
+    integrator.resetMoveStatistics();
+    ASSERT_EQUAL(0, integrator.getStageStatistics()[numOwn].computed);
+    ASSERT_EQUAL(0, integrator.getStageStatistics()[numOwn].refused);
+}
+
+/**
+ * At a temperature of 0 the sum decides: a way down that one stage sees as a way up is taken.
+ */
+static void testStagesAtZero(Platform& platform)
+{
+    BeadChain chain(5, 0);
+    TorsionMonteCarloIntegrator integrator(0);
+    integrator.addTorsionMove(1, M_PI);
+    Context context(chain.system, integrator, platform);
+    context.setPositions(chain.positions);
+    EnergyStages& stages = (integrator.*(&Extension::getEnergyStages))();
+    int number = 0;
+    stages.add(make_unique<ToldStage>([] {
+        return 1.0;
+    }));
+    stages.add(make_unique<ToldStage>([&] {
+        return ++number % 2 == 0 ? -1.5 : -0.5;
+    }));
+    integrator.step(1);
+    long long attempted, clashed, rejected, accepted;
+    integrator.getMoveStatistics(0, attempted, clashed, rejected, accepted);
+    ASSERT_EQUAL(50, accepted);
+    ASSERT_EQUAL(50, rejected);
+}
+
+/**
+ * A move that draws a torsion from a density of its own, decided by three stages that share an energy of
+ * height * cos(angle): what is sampled is what that energy says, though two of the stages pull elsewhere.
+ */
+class SharedStage : public EnergyStage {
+public:
+    /** By what a planted error spoils the stage. */
+    enum Fault { Right, ForgetsTheOneBefore, KeepsRejectedValue };
+    SharedStage(function<double(double)> energy, Fault fault) : energy(energy), fault(fault)
+    {
+    }
+    string getName() const
+    {
+        return "shared";
+    }
+    bool begin(TrialSession& trials)
+    {
+        value = energy(getAngle(trials, false));
+        return true;
+    }
+    double computeChange(TrialSession& trials)
+    {
+        proposed = energy(getAngle(trials, true));
+        return proposed - value;
+    }
+    void accept()
+    {
+        value = proposed;
+    }
+    void reject()
+    {
+        if (fault == KeepsRejectedValue)
+            value = proposed;
+    }
+
+private:
+    static double getAngle(TrialSession& trials, bool isProposed)
+    {
+        vector<Vec3> x;
+        if (isProposed)
+            trials.getProposedPositions({0, 1, 2, 3}, x);
+        else
+            trials.getPositions({0, 1, 2, 3}, x);
+        return getDihedral(x[0], x[1], x[2], x[3]);
+    }
+    function<double(double)> energy;
+    const Fault fault;
+    double value = 0, proposed = 0;
+};
+
+/**
+ * Get the mean cosine of the torsion.
+ *
+ * @param sign  1, or 0 for a move that forgets its ratio
+ */
+static double sampleStages(Platform& platform, double height, double sign, SharedStage::Fault fault)
+{
+    BeadChain chain(4, 0);
+    TorsionMonteCarloIntegrator integrator(300);
+    addMove(integrator, make_unique<DrawnMove>(0.8, sign));
+    integrator.setTrialsPerStep(4);
+    integrator.setRandomNumberSeed(7);
+    Context context(chain.system, integrator, platform);
+    context.setPositions(chain.positions);
+    EnergyStages& stages = (integrator.*(&Extension::getEnergyStages))();
+    stages.add(make_unique<SharedStage>(
+        [](double angle) {
+            return 1.5 * sin(angle) - cos(2 * angle);
+        },
+        fault));
+    stages.add(make_unique<SharedStage>(
+        [height](double angle) {
+            return height * cos(angle) - 2 * sin(angle);
+        },
+        fault));
+    if (fault != SharedStage::ForgetsTheOneBefore)
+        stages.add(make_unique<SharedStage>(
+            [](double angle) {
+                return 0.5 * sin(angle) + cos(2 * angle);
+            },
+            fault));
+    const int numSamples = 20000;
+    double sum = 0;
+    vector<double> angles;
+    for (int i = 0; i < numSamples; i++) {
+        integrator.step(1);
+        integrator.getTorsionAngles(context, angles);
+        sum += cos(angles[0]);
+    }
+    return sum / numSamples;
+}
+
+static void testDelayedAcceptance(Platform& platform)
+{
+    const double kT = 300 * 8.31446261815324e-3, height = 2;
+    double weights = 0, expected = 0;
+    for (int i = 0; i < 360; i++) {
+        const double cosine = cos(i * M_PI / 180), weight = exp(-height * cosine / kT);
+        weights += weight;
+        expected += weight * cosine;
+    }
+    expected /= weights;
+    const double error = 0.02;
+    ASSERT_EQUAL_TOL(expected, sampleStages(platform, height, 1, SharedStage::Right), error);
+    for (auto fault : {SharedStage::ForgetsTheOneBefore, SharedStage::KeepsRejectedValue})
+        ASSERT(fabs(sampleStages(platform, height, 1, fault) - expected) > 2 * error);
+    ASSERT(fabs(sampleStages(platform, height, 0, SharedStage::Right) - expected) > 2 * error);
 }
 
 int main()
@@ -356,6 +510,9 @@ int main()
         testImpossibleWayBack(platform);
         testWhatMovesWrite(platform);
         testThrowingMove(platform);
-        testStages(platform);
+        testStages(platform, true);
+        testStages(platform, false);
+        testStagesAtZero(platform);
+        testDelayedAcceptance(platform);
     });
 }

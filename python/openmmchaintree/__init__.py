@@ -18,8 +18,11 @@ from .clashes import Clash, FrameClashes, findClashes  # noqa: E402
 from .errors import InputError  # noqa: E402
 from .naming import AtomName  # noqa: E402
 from .openmmchaintree import (  # noqa: E402
+    EnergyPlan,
     MinimumDistance,
     MoveStatistics,
+    PlannedEnergy,
+    StageStatistics,
     StericExclusionForce,
     TorsionMonteCarloIntegrator,
     TraversalStatistics,
@@ -36,11 +39,14 @@ __all__ = [
     "Clash",
     "ClashError",
     "ClashReporter",
+    "EnergyPlan",
     "FrameClashes",
     "InputError",
     "LeftOutTorsion",
     "MinimumDistance",
     "MoveStatistics",
+    "PlannedEnergy",
+    "StageStatistics",
     "StericExclusionForce",
     "Torsion",
     "TorsionMonteCarloIntegrator",

@@ -31,6 +31,7 @@ void setUp(TorsionMonteCarloIntegrator& integrator)
     integrator.setTrialsPerStep(33);
     integrator.setInitialClashPolicy(TorsionMonteCarloIntegrator::Refuse);
     integrator.setStericMode(TorsionMonteCarloIntegrator::Soft);
+    integrator.setNativeEnergies(false);
     integrator.addTorsionMove(1.0 / 3, 0.2, {4, 0, 2}, 3);
     integrator.addRigidBodyMove(0.5, 1.0 / 7, 0.3, {9, 1});
     integrator.addTorsionMove(0, 0.7);
@@ -71,6 +72,7 @@ void assertSameIntegrators(const TorsionMonteCarloIntegrator& expected, const To
     ASSERT_EQUAL(expected.getTrialsPerStep(), found.getTrialsPerStep());
     ASSERT_EQUAL(expected.getInitialClashPolicy(), found.getInitialClashPolicy());
     ASSERT_EQUAL(expected.getStericMode(), found.getStericMode());
+    ASSERT_EQUAL(expected.getNativeEnergies(), found.getNativeEnergies());
     assertSameMoves(expected, found);
 }
 
@@ -137,17 +139,31 @@ void testRoundTrip()
 
 void testOldXml()
 {
-    // Version 1 knew no steric mode: all sampling was hard.
+    // Version 1 knew no steric mode: all sampling was hard. Until version 2 all energies were OpenMM's; sampling is the
+    // same without them.
 
     TorsionMonteCarloIntegrator integrator(310);
     integrator.setStericMode(TorsionMonteCarloIntegrator::Soft);
-    string xml = toXml(integrator);
-    for (const string text : {"version=\"2\"", " stericMode=\"1\""}) {
-        ASSERT(xml.find(text) != string::npos);
-        xml.replace(xml.find(text), text.size(), text[0] == 'v' ? "version=\"1\"" : "");
-    }
-    auto copy = fromXml(xml);
-    ASSERT(dynamic_cast<TorsionMonteCarloIntegrator&>(*copy).getStericMode() == TorsionMonteCarloIntegrator::Hard);
+    integrator.setNativeEnergies(false);
+    const string xml = toXml(integrator);
+    auto readWithout = [&](const string& version, const vector<string>& properties) {
+        string changed = xml;
+        auto replace = [&](const string& text, const string& with) {
+            ASSERT(changed.find(text) != string::npos);
+            changed.replace(changed.find(text), text.size(), with);
+        };
+        replace("version=\"3\"", "version=\"" + version + "\"");
+        for (const string& property : properties)
+            replace(property, "");
+        return fromXml(changed);
+    };
+    auto first = readWithout("1", {" stericMode=\"1\"", " nativeEnergies=\"0\""});
+    auto second = readWithout("2", {" nativeEnergies=\"0\""});
+    auto& firstCopy = dynamic_cast<TorsionMonteCarloIntegrator&>(*first);
+    auto& secondCopy = dynamic_cast<TorsionMonteCarloIntegrator&>(*second);
+    ASSERT(firstCopy.getStericMode() == TorsionMonteCarloIntegrator::Hard);
+    ASSERT(secondCopy.getStericMode() == TorsionMonteCarloIntegrator::Soft);
+    ASSERT(firstCopy.getNativeEnergies() && secondCopy.getNativeEnergies());
 }
 
 void testInCompoundIntegrator()
@@ -173,10 +189,10 @@ void testBadXml()
         changed.replace(changed.find(good), good.size(), bad);
         fromXml(changed);
     };
-    assertThrows("the XML of a TorsionMonteCarloIntegrator has version 3, but this openmm-chaintree reads only "
-                 "versions 1 to 2",
+    assertThrows("the XML of a TorsionMonteCarloIntegrator has version 4, but this openmm-chaintree reads only "
+                 "versions 1 to 3",
                  [&] {
-                     readWith("version=\"2\"", "version=\"3\"");
+                     readWith("version=\"3\"", "version=\"4\"");
                  });
     assertThrows("move of unknown kind: JumpMove", [&] {
         readWith("<RigidBodyMove", "<JumpMove");
