@@ -232,7 +232,7 @@ void testAthermal(Platform& platform)
     for (int i = 0; i < 5; i++) {
         integrator.step(1);
         double after = context.getState(State::Energy, false, 1 << 4).getPotentialEnergy();
-        ASSERT(after <= before);
+        ASSERT(after <= before * (1 + getTolerance(platform)));
         before = after;
     }
     ASSERT(Statistics(integrator, 0).rejectedByEnergy > 0);
@@ -379,9 +379,10 @@ void testBadEnergy(Platform& platform)
     ASSERT_EQUAL(20000, Statistics(integrator, 0).attempted);
     State state = context.getState(State::Positions);
     context.setPositions({Vec3(2, 0, 0)});
-    assertThrows("the energy of the integration force groups is not a number", [&] {
-        integrator.step(1);
-    });
+    assertThrows("the energy of the integration force groups is not a number: that of force 1, CustomExternalForce",
+                 [&] {
+                     integrator.step(1);
+                 });
     assertRounded(platform, {Vec3(2, 0, 0)}, getPositions(context));
     ASSERT_EQUAL(0, context.getStepCount() - state.getStepCount());
     context.setPositions({Vec3(-1000, 0, 0)});

@@ -21,7 +21,8 @@ static const int NUM_PARTS = 3;
 NativeEnergy::NativeEnergy(const TorsionMonteCarloIntegrator& integrator, StericExclusionForceImpl& force,
                            ContextImpl& context) :
     integrator(integrator),
-    force(force), context(context), kernel(force.getKernel()), plan(context), check(context, plan), choice(getChoice()), planIsOld(true), energyIsOld(true),
+    force(force), context(context), kernel(force.getKernel()), plan(context), check(context, plan), choice(getChoice()), forcesWereChanged(true),
+    parametersWereChanged(false), energyIsOld(true), 
     termsCanChange(false), pairsCanChange(false), foreignGroups(0), foreignGroupsAreShared(false), trialsToCheck(0),
     checkInterval(TRIALS_AFTER_VAGUE_CHECK), numComputed(0), computedChange(0)
 {
@@ -45,10 +46,13 @@ NativeEnergy::Choice NativeEnergy::getChoice() const
 void NativeEnergy::updatePlan()
 {
     const Choice present = getChoice();
-    if (planIsOld || !(present == choice)) {
+    if (forcesWereChanged || parametersWereChanged || !(present == choice)) {
+        const bool copiesAreOld = forcesWereChanged || !(present == choice);
         choice = present;
         translate();
-        planIsOld = false;
+        if (copiesAreOld)
+            check.copyForces();
+        forcesWereChanged = parametersWereChanged = false;
     }
     else if (force.getOwnerOfEnergyTerms() != this)
         force.setEnergyTerms(plan.getTerms(), this);
@@ -57,7 +61,6 @@ void NativeEnergy::updatePlan()
 void NativeEnergy::translate()
 {
     plan.translate(choice.groups, choice.native, choice.soft);
-    check.forgetForces();
     trialsToCheck = 0;
     checkInterval = TRIALS_AFTER_VAGUE_CHECK;
     force.setEnergyTerms(plan.getTerms(), this);

@@ -147,11 +147,6 @@ NativeEnergyCheck::~NativeEnergyCheck()
 {
 }
 
-void NativeEnergyCheck::forgetForces()
-{
-    copies.clear();
-}
-
 /**
  * Compare the energy of each Force.
  */
@@ -198,6 +193,7 @@ void NativeEnergyCheck::checkGroups(const GroupEnergy& groupEnergy) const
 
 void NativeEnergyCheck::copyForces()
 {
+    copies.clear();
     set<int> native;
     for (const EnergyTerms::TermSet& terms : plan.getTerms().termSets)
         native.insert(terms.force);
@@ -216,8 +212,6 @@ void NativeEnergyCheck::copyForces()
 bool NativeEnergyCheck::check(const vector<Vec3>& positions, const vector<double>& energies,
                               const GroupEnergy& groupEnergy)
 {
-    if (copies.empty())
-        copyForces();
     for (auto& batch : copies)
         batch->compute(positions, context.getParameters());
     const bool saysMuch = checkForces(positions, energies);

@@ -311,8 +311,8 @@ void TorsionMonteCarloIntegrator::stateChanged(State::DataType changed)
         kept->positionsWereSet |= kept->context.updatePositions(*owner);
     if (kept && changed == State::Velocities)
         kept->context.updateVelocities(*owner);
-    if (native && (changed == State::Parameters || changed == State::Energy))
-        native->parametersWereChanged();
+    if (native)
+        native->contextWasChanged(changed);
     if (force == NULL || changed != State::Positions)
         return;
     vector<Vec3> restored;

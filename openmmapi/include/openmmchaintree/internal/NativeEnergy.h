@@ -29,11 +29,12 @@ public:
     NativeEnergy(const TorsionMonteCarloIntegrator& integrator, StericExclusionForceImpl& force,
                  OpenMM::ContextImpl& context);
     /**
-     * Take notice that parameters of the Context or of a Force have changed.
+     * Take notice that the Context has told of a change.
      */
-    void parametersWereChanged()
+    void contextWasChanged(OpenMM::State::DataType changed)
     {
-        planIsOld = true;
+        parametersWereChanged |= changed == OpenMM::State::Parameters;
+        forcesWereChanged |= changed == OpenMM::State::Energy; // by updateParametersInContext() of a Force
     }
     /**
      * Compute the energy of the state anew before it is used next. A run that goes on and one that is resumed from what
@@ -118,7 +119,7 @@ private:
     EnergyPlan plan;
     NativeEnergyCheck check;
     Choice choice;
-    bool planIsOld, energyIsOld;
+    bool forcesWereChanged, parametersWereChanged, energyIsOld;
     /** Whether trials can change terms, and pairs. */
     bool termsCanChange, pairsCanChange;
     int foreignGroups;

@@ -13,8 +13,7 @@ namespace ChainTreePlugin {
 
 /**
  * Compares energies as the kernel holds them with OpenMM's own, Force by Force, so that a Force that was misread cannot
- * be sampled quietly. OpenMM's are those of copies of the native Forces in a Context of the Reference Platform, which
- * is made when it is needed first.
+ * be sampled quietly. OpenMM's are those of copies of the native Forces in a Context of the Reference Platform.
  */
 class OPENMM_EXPORT_CHAINTREE NativeEnergyCheck {
 public:
@@ -26,10 +25,11 @@ public:
     NativeEnergyCheck(const OpenMM::ContextImpl& context, const EnergyPlan& plan);
     ~NativeEnergyCheck();
     /**
-     * Take notice that the plan has changed in more than the values of the Context's parameters: the next comparison
-     * copies its Forces again.
+     * Copy the plan's native Forces. This comes before the first comparison, and again when the plan has changed in
+     * more than the values of the Context's parameters. What becomes of the Forces of the System after that means
+     * nothing to the Context, and so it does not here.
      */
-    void forgetForces();
+    void copyForces();
     /**
      * Throw an exception if the energy of a Force is not what OpenMM computes, within the accuracy of both.
      *
@@ -44,7 +44,6 @@ public:
 
 private:
     class Copies;
-    void copyForces();
     bool checkForces(const std::vector<OpenMM::Vec3>& positions, const std::vector<double>& energies) const;
     void checkGroups(const GroupEnergy& groupEnergy) const;
     const OpenMM::ContextImpl& context;

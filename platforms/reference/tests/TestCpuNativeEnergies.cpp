@@ -1,0 +1,6 @@
+#include "TestNativeEnergies.h"
+
+int main()
+{
+    return runOnPlatform("CPU", testNativeEnergies);
+}

@@ -1,0 +1,6 @@
+#include "TestNativeEnergies.h"
+
+int main()
+{
+    return runAtEveryPrecision("OpenCL", testNativeEnergies);
+}
