@@ -22,8 +22,8 @@ protein.delete([residue for residue in pdb.topology.residues() if residue.name i
 system = app.ForceField("amber14-all.xml", "implicit/gbn2.xml").createSystem(protein.topology)
 system.addForce(chaintree.createStericExclusionForce(protein.topology, protein.positions))
 
-# Most of the time is the force field's: trials that clash do not come to it. Torsions of the backbone move half of the
-# protein, so they are turned by little; side chains can take any angle.
+# Most of the time is the solvent's: trials that clash, or that bonded terms and pairs refuse, do not come to it.
+# Torsions of the backbone move half of the protein, so they are turned by little; side chains can take any angle.
 backbone: list[int] = []
 sideChains: list[int] = []
 for number, torsion in enumerate(chaintree.findTorsions(protein.topology, protein.positions).torsions):
@@ -35,6 +35,7 @@ integrator.addTorsionMove(0.5, 180 * unit.degree, sideChains)
 
 simulation = app.Simulation(protein.topology, system, integrator)
 simulation.context.setPositions(protein.positions)
+print(integrator.getEnergyPlan(simulation.context))
 simulation.reporters.append(app.PDBReporter("sampled.pdb", steps))  # the last conformation
 simulation.reporters.append(app.DCDReporter("sampled.dcd", 1))
 simulation.reporters.append(app.StateDataReporter(sys.stdout, 10, step=True, potentialEnergy=True, speed=True))
@@ -46,3 +47,5 @@ for number, name in enumerate(("backbone", "side chains", "rotamers")):
         f"{name}: {statistics.attempted} trials, {statistics.clashed} clashed, "
         f"{statistics.rejectedByEnergy} rejected by energy, {statistics.accepted} accepted"
     )
+for stage in integrator.getStageStatistics():
+    print(f"{stage.stage}: computed for {stage.computed} trials, of which it refused {stage.refused}")

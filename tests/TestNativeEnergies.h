@@ -100,8 +100,8 @@ void assertHeldEnergy(const System& system, Sampler& integrator, Context& contex
         for (int i = 0; i < steps; i++)
             integrator.step(1);
         State state = context.getState(State::Positions | State::Parameters);
-        const double expected = computeEnergy(system, state.getPositions(), state.getParameters(),
-                                              integrator.getIntegrationForceGroups());
+        const double expected =
+            computeEnergy(system, state.getPositions(), state.getParameters(), integrator.getIntegrationForceGroups());
         const double tolerance = getPrecision(context.getPlatform()) == "single" ? 1e-4 : 2e-6;
         ASSERT(fabs(expected - integrator.getPotentialEnergy(context)) <= tolerance * (100 + fabs(expected)));
     }

@@ -30,6 +30,12 @@ def test_sampleProtein(tmp_path):
     assert len(counts) == 3 and sum(move[0] for move in counts) == 100
     assert all(move[0] == sum(move[1:]) for move in counts)
     assert sum(move[3] for move in counts) > 10
+    kinds = re.findall(r"^ +\d  (\w+) +(constant|native|foreign|not sampled)  \w+", output, re.MULTILINE)
+    assert dict(kinds)["HarmonicBondForce"] == "constant"
+    assert dict(kinds)["NonbondedForce"] == "native"
+    assert dict(kinds)["CustomGBForce"] == "foreign"
+    stages = re.findall(r"^([a-z ]+): computed for (\d+) trials, of which it refused (\d+)$", output, re.MULTILINE)
+    assert sum(int(refused) for _, _, refused in stages) == sum(move[2] for move in counts)
     assert (tmp_path / "sampled.pdb").stat().st_size > 0 and (tmp_path / "sampled.dcd").stat().st_size > 0
 
 

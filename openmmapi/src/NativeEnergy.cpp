@@ -21,9 +21,9 @@ static const int NUM_PARTS = 3;
 NativeEnergy::NativeEnergy(const TorsionMonteCarloIntegrator& integrator, StericExclusionForceImpl& force,
                            ContextImpl& context) :
     integrator(integrator),
-    force(force), context(context), kernel(force.getKernel()), plan(context), check(context, plan), choice(getChoice()), forcesWereChanged(true),
-    parametersWereChanged(false), energyIsOld(true), 
-    termsCanChange(false), pairsCanChange(false), foreignGroups(0), foreignGroupsAreShared(false), trialsToCheck(0),
+    force(force), context(context), kernel(force.getKernel()), plan(context), check(context, plan), choice(getChoice()),
+    forcesWereChanged(true), parametersWereChanged(false), energyIsOld(true), termsCanChange(false),
+    pairsCanChange(false), foreignGroups(0), foreignGroupsAreShared(false), trialsToCheck(0),
     checkInterval(TRIALS_AFTER_VAGUE_CHECK), numComputed(0), computedChange(0)
 {
     // The kernel makes another scene for terms that need more particles, so it learns of them before it has made one.
@@ -188,6 +188,7 @@ void NativeEnergy::endTrial()
 
 string NativeEnergyStage::getName() const
 {
-    return part == EnergyKernel::BondedPart ? "bonded terms"
-                                            : part == EnergyKernel::NearPairsPart ? "near pairs" : "other pairs";
+    return part == EnergyKernel::BondedPart      ? "bonded terms"
+           : part == EnergyKernel::NearPairsPart ? "near pairs"
+                                                 : "other pairs";
 }

@@ -80,7 +80,8 @@ static void warnOfPeriodicForces(const System& system)
 
 StericExclusionForceImpl::StericExclusionForceImpl(const StericExclusionForce& owner) :
     CustomCPPForceImpl(owner), owner(owner), life(make_shared<char>()), isInitialized(false), engine(NULL),
-    energyTermsOwner(NULL), proposalIsFree(false), settingPositions(false), energyIsSuppressed(false), hasVirtualSites(false)
+    energyTermsOwner(NULL), proposalIsFree(false), settingPositions(false), energyIsSuppressed(false),
+    hasVirtualSites(false)
 {
 }
 

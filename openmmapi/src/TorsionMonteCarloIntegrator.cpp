@@ -57,8 +57,8 @@ public:
 enum CheckpointForm : uint8_t { OfCompleteContext = 0, OfKeptState = 1, OfKeptStateWithNewPositions = 2 };
 
 TorsionMonteCarloIntegrator::TorsionMonteCarloIntegrator(double temperature) :
-    moves(new MoveList()), trialsPerStep(100), initialClashPolicy(Tolerate), stericMode(Hard),
-    nativeEnergies(true), force(NULL)
+    moves(new MoveList()), trialsPerStep(100), initialClashPolicy(Tolerate), stericMode(Hard), nativeEnergies(true),
+    force(NULL)
 {
     setTemperature(temperature);
     setRandomNumberSeed(0);

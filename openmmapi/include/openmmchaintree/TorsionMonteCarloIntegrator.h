@@ -59,14 +59,14 @@ class TrialSession;
  * - Constant: no move can change it, such as bonds and angles whose particles keep their distances. It costs nothing.
  * - Native: this library evaluates it, and of it only what a trial changes, in microseconds. It can do so for
  *   NonbondedForce (without periodic images), HarmonicBondForce, HarmonicAngleForce, PeriodicTorsionForce,
- *   RBTorsionForce, CMAPTorsionForce, CustomBondForce, CustomAngleForce, CustomTorsionForce, CustomCompoundBondForce and
- *   CustomExternalForce.
+ *   RBTorsionForce, CMAPTorsionForce, CustomBondForce, CustomAngleForce, CustomTorsionForce, CustomCompoundBondForce
+ * and CustomExternalForce.
  * - Foreign: all else. OpenMM evaluates the force groups of these for each trial that has come so far.
  *
  * A trial passes the parts of U one by one, cheapest first, and ends at the first that refuses it: bonded terms, pairs
  * that are near, soft spheres, the other pairs, foreign Forces. By its own change dU of U each part lets the trial pass
- * with probability min(1, exp(-dU/kT)). This samples exp(-U/kT) exactly (delayed acceptance; Christen and Fox, J. Comput.
- * Graph. Stat. 14, 795 (2005)). getStageStatistics() tells where trials end. At a temperature of 0, and after
+ * with probability min(1, exp(-dU/kT)). This samples exp(-U/kT) exactly (delayed acceptance; Christen and Fox, J.
+ * Comput. Graph. Stat. 14, 795 (2005)). getStageStatistics() tells where trials end. At a temperature of 0, and after
  * setNativeEnergies(false), the sum decides: a trial is accepted with probability min(1, exp(-(U' - U)/kT)).
  *
  * OpenMM's own energy is compared at the first step, after changes of parameters, and every million trials. If a native
@@ -106,8 +106,9 @@ class TrialSession;
  * positions and integrator parameters, as app.Simulation saves it in Python. Both hold the random number generator, the
  * limits, the statistics of the moves, and what the geometry is computed from. Making one starts the sums of native
  * energies anew, so a run that makes none can differ from one that does, by the last bits of its energies. The trial
- * that the user may have opened by StericExclusionForce and the counts of getStageStatistics() are in neither. What a program sets by this class (temperature, steric mode, native energies,
- * trials per step, moves) is in neither, too: it has to be the same again for the same bits.
+ * that the user may have opened by StericExclusionForce and the counts of getStageStatistics() are in neither. What a
+ * program sets by this class (temperature, steric mode, native energies, trials per step, moves) is in neither, too: it
+ * has to be the same again for the same bits.
  *
  * A checkpoint is strict. It is refused by an exception if it is of another structure or if its moves are not those of
  * this integrator: as many, of the same kinds, and with the same parameters and weights, in the same order. The
@@ -282,8 +283,8 @@ public:
      */
     bool getNativeEnergies() const;
     /**
-     * Set whether the energies of native Forces are evaluated by this library. If not, OpenMM evaluates U for each trial
-     * without a clash, and decides it by the sum of all Forces; the same distribution is sampled. This may change
+     * Set whether the energies of native Forces are evaluated by this library. If not, OpenMM evaluates U for each
+     * trial without a clash, and decides it by the sum of all Forces; the same distribution is sampled. This may change
      * between two steps.
      *
      * @param native  whether the library evaluates what it can
