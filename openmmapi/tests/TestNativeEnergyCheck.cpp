@@ -29,6 +29,7 @@ public:
     {
         NativeScene::build();
         check.reset(new NativeEnergyCheck(getImpl(), *plan));
+        check->copyForces();
     }
     /**
      * Check the kernel's energies.
@@ -239,7 +240,7 @@ void testEditedForces()
     ASSERT(scene.run());
     scene.translate();
     scene.assertFound("the energy of force 1 (HarmonicBondForce)");
-    scene.check->forgetForces();
+    scene.check->copyForces();
     scene.assertFound("the Context's energy of force group 5");
     scene.assertFound("without updateParametersInContext() or in what that does not copy: force 1 (HarmonicBondForce), "
                       "force 2 (HarmonicAngleForce)");
