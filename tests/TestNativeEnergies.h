@@ -438,6 +438,8 @@ void testChangedParameters(Platform& platform)
     unique_ptr<System> original(XmlSerializer::clone<System>(chain.system));
     chain.pairs->setParticleParameters(4, 0.5, 0.9, 1.5);
     assertHeldEnergy(*original, integrator, context);
+    context.setParameter("scale", 3);
+    assertHeldEnergy(*original, integrator, context);
 }
 
 void testChosenEnergies(Platform& platform)

@@ -30,20 +30,6 @@ static int findGroups(const Force& force)
     return groups;
 }
 
-static bool isSteric(const Force& force)
-{
-    return dynamic_cast<const StericExclusionForce*>(&force) != NULL;
-}
-
-/**
- * Get whether a Force acts on velocities alone.
- */
-static bool hasNoEnergy(const Force& force)
-{
-    return dynamic_cast<const CMMotionRemover*>(&force) != NULL ||
-           dynamic_cast<const AndersenThermostat*>(&force) != NULL;
-}
-
 static string plural(long long count, const string& noun)
 {
     return to_string(count) + " " + noun + (count == 1 ? "" : "s");
@@ -55,8 +41,27 @@ EnergyPlan::EnergyPlan(const ContextImpl& context) : context(context)
     for (int i = 0; i < system.getNumForces(); i++) {
         const Force& force = system.getForce(i);
         forces.push_back(&force);
+        classNames.push_back(getClassName(force));
+        isSteric.push_back(dynamic_cast<const StericExclusionForce*>(&force) != NULL);
+        hasNoEnergy.push_back(dynamic_cast<const CMMotionRemover*>(&force) != NULL ||
+                              dynamic_cast<const AndersenThermostat*>(&force) != NULL);
         entries.push_back({force.getName(), findGroups(force), None, ""});
     }
+    copies.resize(forces.size());
+    copyForces();
+}
+
+void EnergyPlan::copyForces()
+{
+    // A Force that was removed stays what it was: the Context keeps it.
+
+    const System& system = context.getSystem();
+    for (int i = 0; i < system.getNumForces(); i++)
+        for (size_t j = 0; j < forces.size(); j++) {
+            const NativeForceKind* kind = &system.getForce(i) == forces[j] ? NativeForceKind::find(*forces[j]) : NULL;
+            if (kind != NULL)
+                copies[j].reset(kind->copy(*forces[j]));
+        }
 }
 
 /**
@@ -64,28 +69,24 @@ EnergyPlan::EnergyPlan(const ContextImpl& context) : context(context)
  */
 void EnergyPlan::decide(int index, int groupsOfU, bool allowNative, bool isSoft)
 {
-    Entry& entry = entries[index];
-    const System& system = context.getSystem();
     auto set = [&](Kind kind, const string& reason) {
-        entry.kind = kind;
-        entry.reason = reason;
+        entries[index].kind = kind;
+        entries[index].reason = reason;
     };
-    if (index >= system.getNumForces() || &system.getForce(index) != forces[index])
-        return set(Foreign, "it was removed from the System after the Context was made");
-    const Force& force = system.getForce(index);
-    entry.name = force.getName();
-    if (isSteric(force)) {
-        if (isSoft)
-            return set(Native, "its soft spheres are a part of the energy");
+    if (isSteric[index] && isSoft)
+        return set(Native, "its soft spheres are a part of the energy");
+    if (isSteric[index])
         return set(None, "its spheres are hard, so that they have no energy");
-    }
-    if (hasNoEnergy(force))
+    if (hasNoEnergy[index])
         return set(None, "it has no energy");
-    if ((entry.groups & groupsOfU) == 0)
+    if ((entries[index].groups & groupsOfU) == 0)
         return set(None, "its force group is not an integration force group");
     if (!allowNative)
         return set(Foreign, "native energies are switched off");
-    const string reason = translateForce(system, index, context.getParameters(), terms);
+    if (!copies[index])
+        return set(Foreign, "openmm-chaintree has no code for a " + classNames[index]);
+    const int numParticles = context.getSystem().getNumParticles();
+    const string reason = translateForce(*copies[index], index, numParticles, context.getParameters(), terms);
     if (!reason.empty())
         return set(Foreign, reason);
     set(Native, "openmm-chaintree evaluates it");

@@ -17,15 +17,22 @@ using namespace std;
 /**
  * Get all kinds by their classes. Kinds make themselves known before main() begins, in an order that nobody knows.
  */
-static map<type_index, NativeForceKind::Translator*>& knownKinds()
+static map<type_index, const NativeForceKind*>& knownKinds()
 {
-    static map<type_index, NativeForceKind::Translator*> kinds;
+    static map<type_index, const NativeForceKind*> kinds;
     return kinds;
 }
 
-NativeForceKind::NativeForceKind(const type_info& type, Translator& translate)
+NativeForceKind::NativeForceKind(const type_info& type, Translator& translate, Copier& copy) :
+    translate(translate), copy(copy)
 {
-    knownKinds()[type] = translate;
+    knownKinds()[type] = this;
+}
+
+const NativeForceKind* NativeForceKind::find(const Force& force)
+{
+    auto found = knownKinds().find(typeid(force));
+    return found == knownKinds().end() ? NULL : found->second;
 }
 
 // ---- Sets of terms ----
@@ -99,10 +106,7 @@ static string check(const EnergyTerms::Nonbonded& nonbonded, int numParticles)
 
 // ---- Forces ----
 
-/**
- * Get the name of a Force's class without its namespace.
- */
-static string getClassName(const Force& force)
+string ChainTreePlugin::getClassName(const Force& force)
 {
     int status = 0;
     unique_ptr<char, void (*)(void*)> demangled(abi::__cxa_demangle(typeid(force).name(), NULL, NULL, &status), free);
@@ -114,30 +118,30 @@ static string getClassName(const Force& force)
  * Append the energy of a Force to the terms. Returns an empty text, or else why it cannot; it may have appended
  * something then.
  */
-static string append(const System& system, int index, const NativeForceKind::Parameters& parameters, EnergyTerms& terms)
+static string append(const Force& force, int index, int numParticles, const NativeForceKind::Parameters& parameters,
+                     EnergyTerms& terms)
 {
-    const Force& force = system.getForce(index);
-    auto kind = knownKinds().find(typeid(force));
-    if (kind == knownKinds().end())
+    const NativeForceKind* kind = NativeForceKind::find(force);
+    if (kind == NULL)
         return "openmm-chaintree has no code for a " + getClassName(force);
     const size_t numNonbonded = terms.nonbonded.size(), numSets = terms.termSets.size();
-    string reason = kind->second(force, index, parameters, terms);
+    string reason = kind->translate(force, index, parameters, terms);
     if (reason.empty() && force.usesPeriodicBoundaryConditions())
         reason = "it uses periodic boundary conditions";
     for (size_t i = numNonbonded; i < terms.nonbonded.size() && reason.empty(); i++)
-        reason = check(terms.nonbonded[i], system.getNumParticles());
+        reason = check(terms.nonbonded[i], numParticles);
     for (size_t i = numSets; i < terms.termSets.size() && reason.empty(); i++)
-        reason = check(terms.termSets[i], system.getNumParticles());
+        reason = check(terms.termSets[i], numParticles);
     return reason;
 }
 
-string ChainTreePlugin::translateForce(const System& system, int index, const NativeForceKind::Parameters& parameters,
-                                       EnergyTerms& terms)
+string ChainTreePlugin::translateForce(const Force& force, int index, int numParticles,
+                                       const NativeForceKind::Parameters& parameters, EnergyTerms& terms)
 {
     const size_t numNonbonded = terms.nonbonded.size(), numSets = terms.termSets.size();
     string reason;
     try {
-        reason = append(system, index, parameters, terms);
+        reason = append(force, index, numParticles, parameters, terms);
     }
     catch (const bad_alloc&) {
         throw;

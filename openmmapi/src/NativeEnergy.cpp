@@ -49,6 +49,8 @@ void NativeEnergy::updatePlan()
     if (forcesWereChanged || parametersWereChanged || !(present == choice)) {
         const bool copiesAreOld = forcesWereChanged || !(present == choice);
         choice = present;
+        if (forcesWereChanged)
+            plan.copyForces();
         translate();
         if (copiesAreOld)
             check.copyForces();

@@ -3,9 +3,9 @@
 #include "openmm/Force.h"
 #include "openmm/OpenMMException.h"
 #include "openmm/Platform.h"
-#include "openmm/serialization/XmlSerializer.h"
 #include "openmm/System.h"
 #include "openmm/VerletIntegrator.h"
+#include "openmmchaintree/internal/ForceTranslation.h"
 #include <cmath>
 #include <limits>
 #include <locale>
@@ -53,12 +53,12 @@ public:
         /** The square root of the sum of all squared forces, kJ/mol/nm. */
         double gradient;
     };
-    Copies(const System& original, const vector<int>& forces) : integrator(0.001)
+    Copies(const System& original, const EnergyPlan& plan, const vector<int>& forces) : integrator(0.001)
     {
         for (int i = 0; i < original.getNumParticles(); i++)
             system.addParticle(original.getParticleMass(i));
         for (int index : forces) {
-            Force* copy = XmlSerializer::clone<Force>(original.getForce(index));
+            Force* copy = NativeForceKind::find(plan.getCopy(index))->copy(plan.getCopy(index));
             copy->setForceGroup(system.addForce(copy));
             results.push_back({index, 0, 0});
         }
@@ -104,12 +104,9 @@ static string describe(const EnergyPlan& plan, int force)
 
 static void failOfForce(const EnergyPlan& plan, int force, double energy, double ofOpenMM)
 {
-    throw OpenMMException(
-        "TorsionMonteCarloIntegrator: openmm-chaintree and OpenMM do not agree about the energy of " +
-        describe(plan, force) + ": " + toText(energy) + " and " + toText(ofOpenMM) +
-        ". If it was edited after the Context was made, call updateParametersInContext() or "
-        "reinitialize the Context. Otherwise please report this; setNativeEnergies(False) lets OpenMM "
-        "evaluate every Force");
+    throw OpenMMException("TorsionMonteCarloIntegrator: openmm-chaintree and OpenMM do not agree about the energy of " +
+                          describe(plan, force) + ": " + toText(energy) + " and " + toText(ofOpenMM) +
+                          ". Please report this; setNativeEnergies(False) lets OpenMM evaluate every Force");
 }
 
 static void failOfGroup(const EnergyPlan& plan, int group, const vector<int>& forces, double energy, double ofContext)
@@ -118,7 +115,7 @@ static void failOfGroup(const EnergyPlan& plan, int group, const vector<int>& fo
     for (int force : forces)
         list += (list.empty() ? "" : ", ") + describe(plan, force);
     throw OpenMMException("TorsionMonteCarloIntegrator: the Context's energy of force group " + to_string(group) +
-                          " is " + toText(ofContext) + ", but by the Forces as they are now it is " + toText(energy) +
+                          " is " + toText(ofContext) + ", but by its Forces it is " + toText(energy) +
                           ". Probably one of them was edited after the Context was made, without "
                           "updateParametersInContext() or in what that does not copy: " +
                           list +
@@ -202,7 +199,7 @@ void NativeEnergyCheck::copyForces()
     for (int force : native) {
         batch.push_back(force);
         if ((int)batch.size() == NUM_GROUPS || force == *native.rbegin()) {
-            made.push_back(make_unique<Copies>(context.getSystem(), batch));
+            made.push_back(make_unique<Copies>(context.getSystem(), plan, batch));
             batch.clear();
         }
     }

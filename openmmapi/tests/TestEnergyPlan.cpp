@@ -151,19 +151,28 @@ void testGroups()
     ASSERT_EQUAL(0, plan.getWhollyNativeGroups());
 }
 
-void testRemovedForces()
+void testEditedForces()
 {
+    // What becomes of Forces means nothing to a Context until it copies their parameters, nor does it here.
+
     NativeScene scene;
-    for (int i = 0; i < 2; i++) {
-        HarmonicBondForce* bonds = new HarmonicBondForce();
-        bonds->addBond(0, 3, 1, 1 + i);
-        scene.add(bonds);
-    }
+    HarmonicBondForce* edited = new HarmonicBondForce();
+    HarmonicBondForce* removed = new HarmonicBondForce();
+    edited->addBond(0, 3, 1, 10);
+    removed->addBond(0, 4, 1, 20);
+    scene.add(edited);
+    const int removedIndex = scene.add(removed);
     scene.build();
-    scene.chain.system.removeForce(1);
-    scene.plan->translate(-1, true, false);
-    for (int i = 1; i < 3; i++)
-        assertEntry(*scene.plan, i, EnergyPlan::Foreign, "it was removed from the System after the Context was made");
+    EnergyPlan& plan = *scene.plan;
+    edited->setBondParameters(0, 0, 3, 1, 11);
+    scene.chain.system.removeForce(removedIndex);
+    plan.translate(-1, true, false);
+    ASSERT_EQUAL(10, plan.getTerms().termSets[0].parameters[1]);
+    ASSERT_EQUAL(20, plan.getTerms().termSets[1].parameters[1]);
+    plan.copyForces();
+    plan.translate(-1, true, false);
+    ASSERT_EQUAL(11, plan.getTerms().termSets[0].parameters[1]);
+    ASSERT_EQUAL(20, plan.getTerms().termSets[1].parameters[1]);
 }
 
 int main()
@@ -171,6 +180,6 @@ int main()
     return runOnPlatform("Reference", [](Platform&) {
         testKinds();
         testGroups();
-        testRemovedForces();
+        testEditedForces();
     });
 }

@@ -516,26 +516,22 @@ void testEditedForces()
 {
     // A Force can become anything after its Context was made.
 
-    NativeScene scene;
-    HarmonicBondForce* bonds = new HarmonicBondForce();
-    bonds->addBond(0, 1, 1, 1);
-    scene.add(bonds);
-    scene.build();
     EnergyTerms terms;
+    unique_ptr<HarmonicBondForce> bonds(new HarmonicBondForce());
+    bonds->addBond(0, 1, 1, 1);
     bonds->setBondParameters(0, 0, NUM_BEADS, 1, 1);
-    ASSERT_EQUAL("there is no particle 15", translateForce(scene.chain.system, 1, {}, terms));
-    CustomBondForce* custom = createBonds("unknown*r");
-    scene.chain.system.addForce(custom);
+    ASSERT_EQUAL("there is no particle 15", translateForce(*bonds, 1, NUM_BEADS, {}, terms));
+    unique_ptr<CustomBondForce> custom(createBonds("unknown*r"));
     ASSERT(
-        translateForce(scene.chain.system, 2, {{"half", 1}, {"minus", 1}}, terms).find("unknown variable, unknown") !=
+        translateForce(*custom, 2, NUM_BEADS, {{"half", 1}, {"minus", 1}}, terms).find("unknown variable, unknown") !=
         string::npos);
     custom->setEnergyFunction("r+");
-    ASSERT(translateForce(scene.chain.system, 2, {{"half", 1}, {"minus", 1}}, terms).find("it cannot be read") == 0);
+    ASSERT(translateForce(*custom, 2, NUM_BEADS, {{"half", 1}, {"minus", 1}}, terms).find("it cannot be read") == 0);
     custom->setEnergyFunction("a*r");
-    ASSERT(translateForce(scene.chain.system, 2, {}, terms).find("it cannot be read") == 0);
+    ASSERT(translateForce(*custom, 2, NUM_BEADS, {}, terms).find("it cannot be read") == 0);
     custom->addBond(0, 1, {1});
     ASSERT_EQUAL("one of its terms has a wrong number of particles or parameters",
-                 translateForce(scene.chain.system, 2, {{"half", 1}, {"minus", 1}}, terms));
+                 translateForce(*custom, 2, NUM_BEADS, {{"half", 1}, {"minus", 1}}, terms));
     ASSERT_EQUAL(0, terms.termSets.size());
 }
 

@@ -31,4 +31,4 @@ static string translateCMAPTorsions(const Force& owner, int index, const NativeF
     return "";
 }
 
-static const NativeForceKind KIND(typeid(CMAPTorsionForce), translateCMAPTorsions);
+static const NativeForceKind KIND(typeid(CMAPTorsionForce), translateCMAPTorsions, copyForce<CMAPTorsionForce>);

@@ -30,4 +30,4 @@ static string translateCustomAngles(const Force& owner, int index, const NativeF
     return "";
 }
 
-static const NativeForceKind KIND(typeid(CustomAngleForce), translateCustomAngles);
+static const NativeForceKind KIND(typeid(CustomAngleForce), translateCustomAngles, copyForce<CustomAngleForce>);

@@ -30,4 +30,4 @@ static string translateCustomBonds(const Force& owner, int index, const NativeFo
     return "";
 }
 
-static const NativeForceKind KIND(typeid(CustomBondForce), translateCustomBonds);
+static const NativeForceKind KIND(typeid(CustomBondForce), translateCustomBonds, copyForce<CustomBondForce>);

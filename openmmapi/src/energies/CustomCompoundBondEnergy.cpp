@@ -1,4 +1,5 @@
 #include "openmm/CustomCompoundBondForce.h"
+#include "openmm/serialization/XmlSerializer.h"
 #include "openmm/TabulatedFunction.h"
 #include "openmmchaintree/internal/ExpressionTranslator.h"
 #include "openmmchaintree/internal/ForceTranslation.h"
@@ -16,6 +17,14 @@ static int countArguments(const TabulatedFunction& function)
         dynamic_cast<const Discrete2DFunction*>(&function) != NULL)
         return 2;
     return 3;
+}
+
+/**
+ * Copies share their tables with the original, whose destructor deletes them; not so if they are read from XML.
+ */
+static Force* copyCustomCompoundBonds(const Force& force)
+{
+    return XmlSerializer::clone<Force>(force);
 }
 
 static string translateCustomCompoundBonds(const Force& owner, int index, const NativeForceKind::Parameters& parameters,
@@ -51,4 +60,5 @@ static string translateCustomCompoundBonds(const Force& owner, int index, const 
     return "";
 }
 
-static const NativeForceKind KIND(typeid(CustomCompoundBondForce), translateCustomCompoundBonds);
+static const NativeForceKind KIND(typeid(CustomCompoundBondForce), translateCustomCompoundBonds,
+                                  copyCustomCompoundBonds);

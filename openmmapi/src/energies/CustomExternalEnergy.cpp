@@ -33,4 +33,5 @@ static string translateCustomExternalTerms(const Force& owner, int index, const 
     return "";
 }
 
-static const NativeForceKind KIND(typeid(CustomExternalForce), translateCustomExternalTerms);
+static const NativeForceKind KIND(typeid(CustomExternalForce), translateCustomExternalTerms,
+                                  copyForce<CustomExternalForce>);

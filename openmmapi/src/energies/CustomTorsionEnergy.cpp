@@ -30,4 +30,4 @@ static string translateCustomTorsions(const Force& owner, int index, const Nativ
     return "";
 }
 
-static const NativeForceKind KIND(typeid(CustomTorsionForce), translateCustomTorsions);
+static const NativeForceKind KIND(typeid(CustomTorsionForce), translateCustomTorsions, copyForce<CustomTorsionForce>);

@@ -20,4 +20,4 @@ static string translateHarmonicAngles(const Force& owner, int index, const Nativ
     return "";
 }
 
-static const NativeForceKind KIND(typeid(HarmonicAngleForce), translateHarmonicAngles);
+static const NativeForceKind KIND(typeid(HarmonicAngleForce), translateHarmonicAngles, copyForce<HarmonicAngleForce>);

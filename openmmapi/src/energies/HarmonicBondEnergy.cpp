@@ -20,4 +20,4 @@ static string translateHarmonicBonds(const Force& owner, int index, const Native
     return "";
 }
 
-static const NativeForceKind KIND(typeid(HarmonicBondForce), translateHarmonicBonds);
+static const NativeForceKind KIND(typeid(HarmonicBondForce), translateHarmonicBonds, copyForce<HarmonicBondForce>);

@@ -140,4 +140,4 @@ static string translateNonbonded(const Force& owner, int index, const NativeForc
     return reason;
 }
 
-static const NativeForceKind KIND(typeid(NonbondedForce), translateNonbonded);
+static const NativeForceKind KIND(typeid(NonbondedForce), translateNonbonded, copyForce<NonbondedForce>);

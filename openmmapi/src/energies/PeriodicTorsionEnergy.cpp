@@ -22,4 +22,5 @@ static string translatePeriodicTorsions(const Force& owner, int index, const Nat
     return "";
 }
 
-static const NativeForceKind KIND(typeid(PeriodicTorsionForce), translatePeriodicTorsions);
+static const NativeForceKind KIND(typeid(PeriodicTorsionForce), translatePeriodicTorsions,
+                                  copyForce<PeriodicTorsionForce>);

@@ -19,4 +19,4 @@ static string translateRBTorsions(const Force& owner, int index, const NativeFor
     return "";
 }
 
-static const NativeForceKind KIND(typeid(RBTorsionForce), translateRBTorsions);
+static const NativeForceKind KIND(typeid(RBTorsionForce), translateRBTorsions, copyForce<RBTorsionForce>);

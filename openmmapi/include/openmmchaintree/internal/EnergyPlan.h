@@ -1,9 +1,11 @@
 #ifndef OPENMM_CHAINTREE_ENERGYPLAN_H_
 #define OPENMM_CHAINTREE_ENERGYPLAN_H_
 
+#include "openmm/Force.h"
 #include "openmm/internal/ContextImpl.h"
 #include "openmmchaintree/internal/EnergyTerms.h"
 #include "openmmchaintree/internal/windowsExportChainTree.h"
+#include <memory>
 #include <string>
 #include <vector>
 
@@ -12,8 +14,9 @@ namespace ChainTreePlugin {
 /**
  * Who evaluates the energy of each Force of a Context, and why.
  *
- * A plan is made when the Context is: like OpenMM, it goes by the force groups of that time. translate() reads the
- * Forces; setChangeableTerms() tells it what the kernel has found out about their terms.
+ * A plan is made when the Context is. Like OpenMM, it goes by the force groups of that time, and by the Forces as they
+ * were then or at the last copyForces(), whatever becomes of them. translate() turns these copies into terms;
+ * setChangeableTerms() tells what the kernel has found out about those.
  */
 class OPENMM_EXPORT_CHAINTREE EnergyPlan {
 public:
@@ -38,8 +41,12 @@ public:
     };
     explicit EnergyPlan(const OpenMM::ContextImpl& context);
     /**
-     * Decide anew, by the Forces and the Context's parameters as they are now. Until setChangeableTerms() is called,
-     * nothing counts as constant.
+     * Take notice that the parameters of some Force were copied to the Context.
+     */
+    void copyForces();
+    /**
+     * Decide anew, by the values that the Context's parameters have now. Until setChangeableTerms() is called, nothing
+     * counts as constant.
      *
      * @param groups       the force groups that have a part in U, as a bit mask
      * @param allowNative  whether anything but OpenMM may evaluate a Force
@@ -82,11 +89,24 @@ public:
      */
     std::vector<double> sumByForce(double pairs, const std::vector<double>& termSets) const;
 
+    /**
+     * Get the copy of a Force that is native or constant.
+     */
+    const OpenMM::Force& getCopy(int index) const
+    {
+        return *copies[index];
+    }
+
 private:
     void decide(int index, int groupsOfU, bool allowNative, bool isSoft);
     const OpenMM::ContextImpl& context;
-    /** The Forces there were when the plan was made. */
+    /** The Forces there were when the plan was made. Some may have been removed since. */
     std::vector<const OpenMM::Force*> forces;
+    /** The copies of those of native kinds, and the names of all others' classes. */
+    std::vector<std::unique_ptr<OpenMM::Force>> copies;
+    std::vector<std::string> classNames;
+    /** The one that is no part of U if its spheres are hard, and those that act on velocities alone. */
+    std::vector<bool> isSteric, hasNoEnergy;
     std::vector<Entry> entries;
     EnergyTerms terms;
 };

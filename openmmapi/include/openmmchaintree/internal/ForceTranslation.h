@@ -2,7 +2,6 @@
 #define OPENMM_CHAINTREE_FORCETRANSLATION_H_
 
 #include "openmm/Force.h"
-#include "openmm/System.h"
 #include "openmmchaintree/internal/EnergyTerms.h"
 #include "openmmchaintree/internal/windowsExportChainTree.h"
 #include <map>
@@ -28,23 +27,48 @@ public:
      */
     typedef std::string Translator(const OpenMM::Force& force, int index, const Parameters& parameters,
                                    EnergyTerms& terms);
-    NativeForceKind(const std::type_info& type, Translator& translate);
+    /**
+     * Copies a Force.
+     */
+    typedef OpenMM::Force* Copier(const OpenMM::Force& force);
+    NativeForceKind(const std::type_info& type, Translator& translate, Copier& copy);
+    /**
+     * Get the kind of a Force, or NULL if there is none.
+     */
+    static const NativeForceKind* find(const OpenMM::Force& force);
+    Translator& translate;
+    Copier& copy;
 };
+
+/**
+ * Get the name of a Force's class, without its namespace.
+ */
+OPENMM_EXPORT_CHAINTREE std::string getClassName(const OpenMM::Force& force);
 
 /**
  * Append the energy of a Force to the terms.
  *
- * @param system      the System of a Context
- * @param index       the index of the Force in it
- * @param parameters  the values of the Context's parameters
- * @param terms       what to append to
+ * @param force         a Force of a System
+ * @param index         its index there
+ * @param numParticles  how many particles the System has
+ * @param parameters    the values of the Context's parameters
+ * @param terms         what to append to
  * @return an empty text, or else one clause that says why OpenMM has to evaluate this Force; then the terms are as they
  *         were. This is no error, whatever the Force may be
  */
-OPENMM_EXPORT_CHAINTREE std::string translateForce(const OpenMM::System& system, int index,
+OPENMM_EXPORT_CHAINTREE std::string translateForce(const OpenMM::Force& force, int index, int numParticles,
                                                    const NativeForceKind::Parameters& parameters, EnergyTerms& terms);
 
 // What translators share.
+
+/**
+ * Copy a Force by the constructor of its class, which has to hold no pointers.
+ */
+template <class T>
+OpenMM::Force* copyForce(const OpenMM::Force& force)
+{
+    return new T(dynamic_cast<const T&>(force));
+}
 
 /**
  * Make a set of terms without any.

@@ -25,9 +25,8 @@ public:
     NativeEnergyCheck(const OpenMM::ContextImpl& context, const EnergyPlan& plan);
     ~NativeEnergyCheck();
     /**
-     * Copy the plan's native Forces. This comes before the first comparison, and again when the plan has changed in
-     * more than the values of the Context's parameters. What becomes of the Forces of the System after that means
-     * nothing to the Context, and so it does not here.
+     * Take over the plan's native Forces. This comes before the first comparison, and again when the plan has changed
+     * in more than the values of the Context's parameters.
      */
     void copyForces();
     /**
