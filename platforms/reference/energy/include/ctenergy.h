@@ -14,7 +14,8 @@
  * both lie in one rigid body of the trial.
  *
  * Accuracy. Terms are in double. Pairs are in single precision, from coordinates relative to the leaves, and summed in
- * double: about 1e-6 kJ/mol a pair. Results have the same bits on each instruction set.
+ * double: about 1e-6 kJ/mol a pair. Results have the same bits on each instruction set. Between C libraries only those
+ * of expressions may differ, which use its exp, log, sin and the like, and of torsions by their phases' cosines.
  *
  * Errors. As in chaintree.h. One scene can have one energy or more; handles of one scene serve one thread at a time.
  * The scene has to outlive them.

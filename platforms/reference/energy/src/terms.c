@@ -26,6 +26,8 @@ struct Terms {
 
   /* Scratch. */
   double (*positions)[3]; /* of a term */
+  int* slots;             /* whose positions these are; CT_NULL: none's */
+  int width;              /* the most particles of a term */
   double* results;        /* of an expression */
 };
 
@@ -49,22 +51,22 @@ static bool describeSets(Terms* terms, int setCount, const ctTermSet* given, con
 
 static bool allocateScratch(Terms* terms) {
   size_t changeable = 0;
-  size_t width = 0;
   size_t operations = 0;
   for (int s = 0; s < terms->setCount; s++) {
     const TermSet* set = &terms->sets[s];
     changeable += (size_t)set->changeableCount;
-    width = (size_t)set->width > width ? (size_t)set->width : width;
+    terms->width = set->width > terms->width ? set->width : terms->width;
     operations =
         (size_t)set->expression.operationCount > operations ? (size_t)set->expression.operationCount : operations;
   }
   terms->stamps = calloc((size_t)terms->termCount + 1, sizeof *terms->stamps);
   terms->changedTerms = malloc((changeable + 1) * sizeof *terms->changedTerms);
   terms->newValues = malloc((changeable + 1) * sizeof *terms->newValues);
-  terms->positions = malloc((width + 1) * sizeof *terms->positions);
+  terms->positions = malloc(((size_t)terms->width + 1) * sizeof *terms->positions);
+  terms->slots = malloc(((size_t)terms->width + 1) * sizeof *terms->slots);
   terms->results = calloc(operations + 1, sizeof *terms->results);
   return terms->stamps != NULL && terms->changedTerms != NULL && terms->newValues != NULL && terms->positions != NULL &&
-         terms->results != NULL;
+         terms->slots != NULL && terms->results != NULL;
 }
 
 static bool allocateTerms(Terms* terms) {
@@ -140,27 +142,66 @@ void ctTermsDestroy(Terms* terms) {
   free(terms->changedTerms);
   free(terms->newValues);
   free(terms->positions);
+  free(terms->slots);
   free(terms->results);
   free(terms);
+}
+
+/* ---- Values ---- */
+
+/* What goes on from term to term. */
+typedef struct Evaluation {
+  Terms* terms;
+  const TrialView* view; /* without pieces: the state */
+  Dihedral dihedral;     /* of the last torsion */
+} Evaluation;
+
+static Evaluation beginEvaluation(Terms* terms, const TrialView* view) {
+  for (int p = 0; p < terms->width; p++) {
+    terms->slots[p] = CT_NULL;
+  }
+  return (Evaluation){.terms = terms, .view = view};
+}
+
+/* Terms often share some particles with the one before. */
+static void gatherPositions(const Evaluation* evaluation, const int* slots, int width) {
+  Terms* terms = evaluation->terms;
+  const TrialView* view = evaluation->view;
+  for (int p = 0; p < width; p++) {
+    if (slots[p] == terms->slots[p]) {
+      continue;
+    }
+    double x[3];
+    statePosition(view, slots[p], x);
+    if (view->pieceCount > 0) {
+      moveByBody(view, trialBody(view, slots[p]), x);
+    }
+    memcpy(terms->positions[p], x, sizeof x);
+    terms->slots[p] = slots[p];
+  }
+}
+
+/* Terms that share a dihedral have the same joints and slots, so they come one after the other. */
+static double evaluateTerm(Evaluation* evaluation, int term) {
+  Terms* terms = evaluation->terms;
+  const TermSet* set = &terms->sets[terms->setOf[term]];
+  const int i = term - set->firstTerm;
+  const bool repeats = terms->repeats[term];
+  if (!repeats) {
+    gatherPositions(evaluation, set->slots + (size_t)i * (size_t)set->width, set->width);
+  }
+  return ctTermSetEvaluate(set, i, (const double(*)[3])terms->positions, repeats, &evaluation->dihedral,
+                           terms->results);
 }
 
 /* ---- The state ---- */
 
 void ctTermsRefresh(Terms* terms, const ctLeafPositions* state) {
   const TrialView view = {.state = state};
+  Evaluation evaluation = beginEvaluation(terms, &view);
   terms->changedCount = 0;
-  for (int s = 0; s < terms->setCount; s++) {
-    const TermSet* set = &terms->sets[s];
-    Dihedral dihedral = {0, 0};
-    for (int i = 0; i < set->count; i++) {
-      const int* slots = set->slots + (size_t)i * (size_t)set->width;
-      for (int p = 0; p < set->width; p++) {
-        statePosition(&view, slots[p], terms->positions[p]);
-      }
-      const int term = set->firstTerm + i;
-      terms->values[term] = ctTermSetEvaluate(set, i, (const double(*)[3])terms->positions, terms->repeats[term],
-                                              &dihedral, terms->results);
-    }
+  for (int term = 0; term < terms->termCount; term++) {
+    terms->values[term] = evaluateTerm(&evaluation, term);
   }
 }
 
@@ -179,28 +220,14 @@ int ctTermsCountChangeable(const Terms* terms, int set) {
 
 /* ---- Trials ---- */
 
-/* What goes on from term to term of a trial. */
 typedef struct Change {
-  Terms* terms;
-  const TrialView* view;
-  Dihedral dihedral; /* of the last torsion */
+  Evaluation evaluation;
   double sum;
 } Change;
 
-/* Terms that share a dihedral have the same joints and slots, so they come one after the other. */
 static void changeTerm(Change* change, int term) {
-  Terms* terms = change->terms;
-  const TermSet* set = &terms->sets[terms->setOf[term]];
-  const int i = term - set->firstTerm;
-  if (!terms->repeats[term]) {
-    const int* slots = set->slots + (size_t)i * (size_t)set->width;
-    for (int p = 0; p < set->width; p++) {
-      statePosition(change->view, slots[p], terms->positions[p]);
-      moveByBody(change->view, trialBody(change->view, slots[p]), terms->positions[p]);
-    }
-  }
-  const double value = ctTermSetEvaluate(set, i, (const double(*)[3])terms->positions, terms->repeats[term],
-                                         &change->dihedral, terms->results);
+  Terms* terms = change->evaluation.terms;
+  const double value = evaluateTerm(&change->evaluation, term);
   terms->changedTerms[terms->changedCount] = term;
   terms->newValues[terms->changedCount++] = value;
   change->sum += value - terms->values[term];
@@ -208,8 +235,8 @@ static void changeTerm(Change* change, int term) {
 
 /* The terms that are listed with changed links. One in the lists of several is taken from the first. */
 static void changeListedTerms(Change* change) {
-  Terms* terms = change->terms;
-  const TrialView* view = change->view;
+  Terms* terms = change->evaluation.terms;
+  const TrialView* view = change->evaluation.view;
   if (view->linkCount > 1 && ++terms->stamp == 0) {
     memset(terms->stamps, 0, (size_t)terms->termCount * sizeof *terms->stamps);
     terms->stamp = 1;
@@ -249,8 +276,8 @@ static int firstFrom(const WideTerm* wide, int count, int slot) {
 
 /* Terms of one particle change where it moves. */
 static void changeSingles(Change* change) {
-  const Dependence* d = &change->terms->dependence;
-  const TrialView* view = change->view;
+  const Dependence* d = &change->evaluation.terms->dependence;
+  const TrialView* view = change->evaluation.view;
   for (int piece = 0; piece < view->pieceCount && d->singleCount > 0; piece++) {
     if (view->pieces[piece].body == 0) {
       continue;
@@ -277,9 +304,9 @@ static bool isParted(const TrialView* view, const TermSet* set, int i) {
 
 /* Most of the others lie in one piece. */
 static void changeAcross(Change* change) {
-  const Terms* terms = change->terms;
+  const Terms* terms = change->evaluation.terms;
   const Dependence* d = &terms->dependence;
-  const TrialView* view = change->view;
+  const TrialView* view = change->evaluation.view;
   int piece = 0;
   for (int i = 0; i < d->acrossCount; i++) {
     const WideTerm* wide = &d->across[i];
@@ -296,7 +323,7 @@ static void changeAcross(Change* change) {
 }
 
 double ctTermsChange(Terms* terms, const TrialView* view) {
-  Change change = {.terms = terms, .view = view};
+  Change change = {.evaluation = beginEvaluation(terms, view)};
   terms->changedCount = 0;
   if (view->pieceCount > 0) {
     changeListedTerms(&change);

@@ -26,10 +26,11 @@ static inline int trialBody(const TrialView* view, int slot) {
 
 /* The position of a slot in the state. */
 static inline void statePosition(const TrialView* view, int slot, double position[3]) {
-  const ctLeafPositions* leaf = &view->state[slot / CT_LEAF_WIDTH];
-  position[0] = leaf->x[slot % CT_LEAF_WIDTH];
-  position[1] = leaf->y[slot % CT_LEAF_WIDTH];
-  position[2] = leaf->z[slot % CT_LEAF_WIDTH];
+  const ctLeafPositions* leaf = &view->state[(unsigned)slot / CT_LEAF_WIDTH];
+  const unsigned row = (unsigned)slot % CT_LEAF_WIDTH;
+  position[0] = leaf->x[row];
+  position[1] = leaf->y[row];
+  position[2] = leaf->z[row];
 }
 
 /* Moves a position by the motion of a body. */

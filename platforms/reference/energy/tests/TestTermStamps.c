@@ -1,0 +1,33 @@
+/* Trials of several links are told apart by a number of 32 bits. When it starts anew, no term may be taken for one that
+ * was computed already. Looks inside the terms. */
+#include "../src/terms.c"
+
+#include "smallterms.h"
+
+int main(void) {
+  static SmallScene scene;
+  static const int particles[] = {0, 1, 2, 3, 1, 2, 3, 4};
+  static const double parameters[] = {1, 0, 5, 1, 0, 5};
+  static const ctTermSet set = {ctPeriodicTorsionTerm, 2, 4, particles, 3, parameters, 0, NULL, NULL};
+  static const ctPiece pieces[] = {{0, 0}, {3, 1}, {4, 2}};
+  static const ctTransform motions[] = {{{1, 0, 0, 0, 1, 0, 0, 0, 1}, {0, 0, 0}},
+                                        {{1, 0, 0, 0, 1, 0, 0, 0, 1}, {0, 0.1, 0}},
+                                        {{1, 0, 0, 0, 1, 0, 0, 0, 1}, {0, 0, 0.1}}};
+  static const int links[] = {2, 3};
+  char text[200] = "";
+  Terms* terms;
+  makeSmallScene(&scene, CT_NULL);
+  CHECK_SUCCESS(ctTermsCreate(&scene.definition, 1, &set, scene.slotOf, &terms, text, sizeof text));
+  ctTermsRefresh(terms, smallLeaf(&scene));
+  const TrialView view = {&scene.leaf, 3, pieces, motions, 2, links};
+  const double first = ctTermsChange(terms, &view); /* leaves a 1 */
+  CHECK(first != 0 && terms->changedCount == 2);
+  const uint32_t starts[] = {UINT32_MAX, 7, UINT32_MAX - 1, UINT32_MAX};
+  for (int i = 0; i < 4; i++) {
+    terms->stamp = starts[i];
+    CHECK(ctTermsChange(terms, &view) == first);
+    CHECK(terms->changedCount == 2);
+  }
+  ctTermsDestroy(terms);
+  return checkResult();
+}
