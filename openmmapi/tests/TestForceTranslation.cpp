@@ -188,6 +188,78 @@ void testEveryFunction()
         }
 }
 
+/**
+ * Make an expression of r, a, b, big, half, minus and numbers.
+ */
+static string createExpression(OddNumbers& numbers, int depth)
+{
+    static const vector<string> leaves = {"r", "a", "b", "big", "half", "minus", "2", "0.3", "1", "0", "r", "-1"};
+    static const vector<string> functions = {"sqrt(abs(#))",
+                                             "exp(min(#,3))",
+                                             "log(1+abs(#))",
+                                             "sin(#)",
+                                             "cos(#)",
+                                             "sec(0.1*sin(#))",
+                                             "csc(2+sin(#))",
+                                             "tan(sin(#))",
+                                             "cot(2+sin(#))",
+                                             "asin(0.9*sin(#))",
+                                             "acos(0.9*cos(#))",
+                                             "atan(#)",
+                                             "sinh(sin(#))",
+                                             "cosh(sin(#))",
+                                             "tanh(#)",
+                                             "erf(#)",
+                                             "erfc(#)",
+                                             "step(#)",
+                                             "delta(#)",
+                                             "abs(#)",
+                                             "floor(#)",
+                                             "ceil(#)",
+                                             "-(#)",
+                                             "(#)^2",
+                                             "(#)^3",
+                                             "(#)^4",
+                                             "(1+abs(#))^-1",
+                                             "(1+abs(#))^1.5",
+                                             "(#)^1",
+                                             "(#)*minus",
+                                             "(#)/half"};
+    static const vector<string> pairs = {"(#)+(#)",           "(#)-(#)",  "(#)*(#)",  "(#)/(2+sin(#))",
+                                         "(1+abs(#))^sin(#)", "min(#,#)", "max(#,#)", "atan2(#,1.5+sin(#))",
+                                         "(#)*(#)",           "(#)-(#)"};
+    if (depth == 0)
+        return leaves[numbers.below(leaves.size())];
+    const int choice = numbers.below(10);
+    string form = choice == 0  ? "select(#,#,#)"
+                  : choice < 6 ? pairs[numbers.below(pairs.size())]
+                               : functions[numbers.below(functions.size())];
+    string expression;
+    for (char c : form)
+        expression += c == '#' ? createExpression(numbers, depth - 1) : string(1, c);
+    return expression;
+}
+
+void testRandomExpressions()
+{
+    OddNumbers numbers(9);
+    int numCompared = 0;
+    for (int i = 0; i < 500; i++) {
+        const string expression = createExpression(numbers, 1 + i % 5);
+        NativeScene scene;
+        const int index = scene.add(createBonds(expression));
+        scene.build();
+        const double expected = scene.computeOpenMMEnergy(1 << index), found = scene.computeEnergies()[index];
+        if (!(fabs(expected) < 1e9))
+            continue;
+        numCompared++;
+        if (scene.plan->getEntries()[index].kind != EnergyPlan::Native ||
+            !(fabs(found - expected) <= 1e-9 * (1 + fabs(expected))))
+            throw OpenMMException(expression + ": expected " + to_string(expected) + ", found " + to_string(found));
+    }
+    ASSERT(numCompared > 400);
+}
+
 void testSharedSubexpressions()
 {
     CustomBondForce* force = createBonds("4*big*(s12-s6)+half*q*(q+s6)+minus; q=x-s6+s12; s12=s6*s6; s6=x^6; x=a/r");
@@ -542,6 +614,7 @@ int main()
         testTorsions();
         testMaps();
         testEveryFunction();
+        testRandomExpressions();
         testSharedSubexpressions();
         testCustomAnglesAndTorsions();
         testCompoundBonds();

@@ -12,6 +12,7 @@
 #include "openmm/GBSAOBCForce.h"
 #include "openmm/PeriodicTorsionForce.h"
 #include "openmm/RBTorsionForce.h"
+#include "openmm/VirtualSite.h"
 #include "openmmchaintree/internal/NativeEnergyCheck.h"
 #include <limits>
 #include <map>
@@ -321,6 +322,35 @@ void testHugeEnergies()
     });
 }
 
+void testVirtualSites()
+{
+    CheckedScene scene;
+    const int site = scene.chain.system.addParticle(0);
+    scene.chain.system.setVirtualSite(site, new TwoParticleAverageSite(7, 8, 0.3, 0.7));
+    scene.chain.force->addParticle(0);
+    scene.chain.positions.push_back(scene.chain.positions[7] * 0.3 + scene.chain.positions[8] * 0.7);
+    NonbondedForce* pairs = createNonbonded();
+    pairs->addParticle(0.5, 0.5, 1);
+    pairs->addException(site, 7, 0, 1, 0);
+    pairs->addException(site, 8, 0, 1, 0);
+    HarmonicBondForce* bonds = new HarmonicBondForce();
+    bonds->addBond(site, 0, 1, 10);
+    scene.add(pairs);
+    scene.add(bonds);
+    scene.build();
+    ASSERT(scene.run());
+    for (int i = 0; i < 20; i++) {
+        scene.getKernel().proposeTorsions({i % 8}, {0.02});
+        scene.getKernel().acceptProposal();
+        ASSERT(scene.run());
+        vector<Vec3> positions;
+        scene.getKernel().getPositions(positions);
+        scene.context->setPositions(positions);
+        scene.context->computeVirtualSites();
+        ASSERT_EQUAL_VEC(positions[site], getPositions(*scene.context)[site], 1e-12);
+    }
+}
+
 int main()
 {
     return runOnPlatform("Reference", [](Platform&) {
@@ -330,5 +360,6 @@ int main()
         testGlobalParameters();
         testForeignForcesInAGroup();
         testHugeEnergies();
+        testVirtualSites();
     });
 }
