@@ -92,86 +92,50 @@ static string getVariable(const ExpressionTreeNode& node)
 
 static EnergyTerms::Operator findOperator(Lepton::Operation::Id id)
 {
-    switch (id) {
-    case Lepton::Operation::ADD:
-        return EnergyTerms::Add;
-    case Lepton::Operation::SUBTRACT:
-        return EnergyTerms::Subtract;
-    case Lepton::Operation::MULTIPLY:
-        return EnergyTerms::Multiply;
-    case Lepton::Operation::DIVIDE:
-        return EnergyTerms::Divide;
-    case Lepton::Operation::POWER:
-        return EnergyTerms::Power;
-    case Lepton::Operation::NEGATE:
-        return EnergyTerms::Negate;
-    case Lepton::Operation::SQRT:
-        return EnergyTerms::Sqrt;
-    case Lepton::Operation::EXP:
-        return EnergyTerms::Exp;
-    case Lepton::Operation::LOG:
-        return EnergyTerms::Log;
-    case Lepton::Operation::SIN:
-        return EnergyTerms::Sin;
-    case Lepton::Operation::COS:
-        return EnergyTerms::Cos;
-    case Lepton::Operation::SEC:
-        return EnergyTerms::Sec;
-    case Lepton::Operation::CSC:
-        return EnergyTerms::Csc;
-    case Lepton::Operation::TAN:
-        return EnergyTerms::Tan;
-    case Lepton::Operation::COT:
-        return EnergyTerms::Cot;
-    case Lepton::Operation::ASIN:
-        return EnergyTerms::Asin;
-    case Lepton::Operation::ACOS:
-        return EnergyTerms::Acos;
-    case Lepton::Operation::ATAN:
-        return EnergyTerms::Atan;
-    case Lepton::Operation::ATAN2:
-        return EnergyTerms::Atan2;
-    case Lepton::Operation::SINH:
-        return EnergyTerms::Sinh;
-    case Lepton::Operation::COSH:
-        return EnergyTerms::Cosh;
-    case Lepton::Operation::TANH:
-        return EnergyTerms::Tanh;
-    case Lepton::Operation::ERF:
-        return EnergyTerms::Erf;
-    case Lepton::Operation::ERFC:
-        return EnergyTerms::Erfc;
-    case Lepton::Operation::STEP:
-        return EnergyTerms::Step;
-    case Lepton::Operation::DELTA:
-        return EnergyTerms::Delta;
-    case Lepton::Operation::SQUARE:
-        return EnergyTerms::Square;
-    case Lepton::Operation::CUBE:
-        return EnergyTerms::Cube;
-    case Lepton::Operation::RECIPROCAL:
-        return EnergyTerms::Reciprocal;
-    case Lepton::Operation::ADD_CONSTANT:
-        return EnergyTerms::AddConstant;
-    case Lepton::Operation::MULTIPLY_CONSTANT:
-        return EnergyTerms::MultiplyConstant;
-    case Lepton::Operation::POWER_CONSTANT:
-        return EnergyTerms::PowerConstant;
-    case Lepton::Operation::MIN:
-        return EnergyTerms::Min;
-    case Lepton::Operation::MAX:
-        return EnergyTerms::Max;
-    case Lepton::Operation::ABS:
-        return EnergyTerms::Abs;
-    case Lepton::Operation::FLOOR:
-        return EnergyTerms::Floor;
-    case Lepton::Operation::CEIL:
-        return EnergyTerms::Ceil;
-    case Lepton::Operation::SELECT:
-        return EnergyTerms::Select;
-    default:
+    typedef Lepton::Operation In;
+    typedef EnergyTerms Out;
+    static const map<In::Id, Out::Operator> operators = {{In::ADD, Out::Add},
+                                                         {In::SUBTRACT, Out::Subtract},
+                                                         {In::MULTIPLY, Out::Multiply},
+                                                         {In::DIVIDE, Out::Divide},
+                                                         {In::POWER, Out::Power},
+                                                         {In::NEGATE, Out::Negate},
+                                                         {In::SQRT, Out::Sqrt},
+                                                         {In::EXP, Out::Exp},
+                                                         {In::LOG, Out::Log},
+                                                         {In::SIN, Out::Sin},
+                                                         {In::COS, Out::Cos},
+                                                         {In::SEC, Out::Sec},
+                                                         {In::CSC, Out::Csc},
+                                                         {In::TAN, Out::Tan},
+                                                         {In::COT, Out::Cot},
+                                                         {In::ASIN, Out::Asin},
+                                                         {In::ACOS, Out::Acos},
+                                                         {In::ATAN, Out::Atan},
+                                                         {In::ATAN2, Out::Atan2},
+                                                         {In::SINH, Out::Sinh},
+                                                         {In::COSH, Out::Cosh},
+                                                         {In::TANH, Out::Tanh},
+                                                         {In::ERF, Out::Erf},
+                                                         {In::ERFC, Out::Erfc},
+                                                         {In::STEP, Out::Step},
+                                                         {In::DELTA, Out::Delta},
+                                                         {In::SQUARE, Out::Square},
+                                                         {In::CUBE, Out::Cube},
+                                                         {In::RECIPROCAL, Out::Reciprocal},
+                                                         {In::ADD_CONSTANT, Out::AddConstant},
+                                                         {In::MULTIPLY_CONSTANT, Out::MultiplyConstant},
+                                                         {In::POWER_CONSTANT, Out::PowerConstant},
+                                                         {In::MIN, Out::Min},
+                                                         {In::MAX, Out::Max},
+                                                         {In::ABS, Out::Abs},
+                                                         {In::FLOOR, Out::Floor},
+                                                         {In::CEIL, Out::Ceil},
+                                                         {In::SELECT, Out::Select}};
+    auto found = operators.find(id);
+    if (found == operators.end())
         throw Untranslatable("its expression has an operation that openmm-chaintree does not know");
-    }
+    return found->second;
 }
 
 /**
