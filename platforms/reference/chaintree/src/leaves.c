@@ -94,6 +94,13 @@ bool ctLeafPairsReserve(LeafPairs* pairs, size_t count) {
   return true;
 }
 
+void ctLeavesUpdate(Leaves* leaves, const Tree* tree, const Sequence* sequence) {
+  if (leaves->time != tree->time) {
+    tree->instructions->updateLeaves(leaves, tree, sequence);
+    leaves->time = tree->time;
+  }
+}
+
 /* ---- Public calls ---- */
 
 int ctGetLeafCount(const ctChainTree* tree) {
@@ -108,21 +115,12 @@ void ctGetLeafParticles(const ctChainTree* tree, int* particles) {
   }
 }
 
-/* Makes what is kept that of the state. */
-static void update(ctChainTree* scene) {
-  Tree* tree = ctSceneTree(scene);
-  if (scene->leaves.time != tree->time) {
-    tree->instructions->updateLeaves(&scene->leaves, tree, &scene->sequence);
-    scene->leaves.time = tree->time;
-  }
-}
-
 const ctLeafPositions* ctGetLeaves(ctChainTree* tree, int64_t* version) {
   if (!ctLeavesReserve(&tree->leaves, &tree->staleTree, &tree->sequence)) {
     ctFailOutOfMemory(tree);
     return NULL;
   }
-  update(tree);
+  ctLeavesUpdate(&tree->leaves, ctSceneTree(tree), &tree->sequence);
   *version = tree->version;
   return tree->leaves.state;
 }
@@ -161,7 +159,7 @@ static ctStatus listPairs(ctChainTree* scene, bool inTrial, double cutoff, LeafP
   if (!ctLeavesReserve(leaves, tree, &scene->sequence) || !ctLeavesReservePairs(leaves, tree)) {
     return ctFailOutOfMemory(scene);
   }
-  update(scene);
+  ctLeavesUpdate(leaves, tree, &scene->sequence);
   LeafTask task = {.leaves = leaves, .tree = tree, .sequence = &scene->sequence, .pairs = pairs, .cutoff = cutoff};
   if (inTrial) {
     ctTrialShow(&scene->trial, &scene->sequence);

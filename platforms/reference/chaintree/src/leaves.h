@@ -69,6 +69,9 @@ bool ctLeavesReservePairs(Leaves* leaves, const Tree* tree);
 
 void ctLeavesFree(Leaves* leaves);
 
+/* Makes what is kept that of the state; the tree must not be stale. */
+void ctLeavesUpdate(Leaves* leaves, const Tree* tree, const Sequence* sequence);
+
 /* Makes room for so many pairs; false, and nothing changed, if there is no memory. */
 bool ctLeafPairsReserve(LeafPairs* pairs, size_t count);
 

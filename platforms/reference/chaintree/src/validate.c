@@ -104,6 +104,28 @@ static bool clearancesHold(ctChainTree* scene) {
   return true;
 }
 
+/* ---- Leaves ---- */
+
+/* True if positions and boxes that are kept have the bits that the tree gives. False without memory, too. */
+static bool leavesHold(ctChainTree* scene) {
+  Leaves* kept = &scene->leaves;
+  const Tree* tree = ctSceneTree(scene);
+  Leaves made = {0};
+  bool same = true;
+  if (kept->state != NULL) {
+    same = ctLeavesReserve(&made, tree, &scene->sequence) && (kept->boxes == NULL || ctLeavesReservePairs(&made, tree));
+    if (same) {
+      const size_t boxes = (size_t)(treeCrown(tree) - tree->levelBegin[1]) + 1;
+      ctLeavesUpdate(kept, tree, &scene->sequence);
+      ctLeavesUpdate(&made, tree, &scene->sequence);
+      same = memcmp(kept->state, made.state, (size_t)tree->levelSize[0] * sizeof(ctLeafPositions)) == 0 &&
+             (kept->boxes == NULL || memcmp(kept->boxes, made.boxes, boxes * sizeof(LeafBoxes)) == 0);
+    }
+  }
+  ctLeavesFree(&made);
+  return same;
+}
+
 bool ctValidate(ctChainTree* tree) {
   Content content[CONTENT_COUNT];
   void* kept[CONTENT_COUNT] = {0};
@@ -134,5 +156,5 @@ bool ctValidate(ctChainTree* tree) {
   for (int i = 0; i < CONTENT_COUNT; i++) {
     free(kept[i]);
   }
-  return same && ctTreeBoundsHold(made, &tree->sequence) && boxesHold && clearancesHold(tree);
+  return same && ctTreeBoundsHold(made, &tree->sequence) && boxesHold && clearancesHold(tree) && leavesHold(tree);
 }

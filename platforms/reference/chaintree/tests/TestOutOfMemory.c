@@ -139,6 +139,24 @@ static ctStatus sortNeighbors(ctChainTree* tree) {
   return ctGetNeighborPairs(tree, 1.2, true, SITES * SITES, particles[0], particles[1], NULL, &count, NULL);
 }
 
+static ctStatus readLeaves(ctChainTree* tree) {
+  int64_t version;
+  return ctGetLeaves(tree, &version) != NULL ? ctSuccess : ctOutOfMemory;
+}
+
+static ctStatus listLeafPairs(ctChainTree* tree) {
+  size_t count;
+  const ctLeafPair* pairs;
+  return ctGetLeafPairs(tree, 2.5, &count, &pairs, NULL);
+}
+
+static ctStatus listChangedLeafPairs(ctChainTree* tree) {
+  size_t count;
+  const ctLeafPair* pairs;
+  const ctLeafPositions* positions;
+  return ctGetChangedLeafPairs(tree, 2.5, &count, &pairs, &positions, NULL);
+}
+
 static ctStatus findClash(ctChainTree* tree) {
   bool clash;
   return ctHasClash(tree, &clash, NULL, NULL);
@@ -332,6 +350,9 @@ static void testAll(void) {
   testCall("propose", proposeMany, true, 0);
   testCall("test", test, true, 0);
   testCall("list changed pairs", listChanged, true, 0);
+  testCall("read leaves", readLeaves, true, 0);
+  testCall("list pairs of leaves", listLeafPairs, true, 0);
+  testCall("list changed pairs of leaves", listChangedLeafPairs, true, 0);
   testCall("set limits", setLimits, true, 0);
   testCall("raise limits", raiseLimits, true, 0.2);
   testCall("select", selectFew, true, 0);
