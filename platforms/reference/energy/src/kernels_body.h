@@ -72,6 +72,7 @@ CT_INLINE double sumRows(const Potential* potential, const LeafSide* a, const Le
   const Float16 squaredCutoff = all16(potential->squaredCutoff);
   const Float16 one = all16(1);
   Sum16 sum = zeroSum16();
+  Float16 tails = all16(0);
   while (rows != 0) {
     Float16 part = all16(0);
     for (int n = 0; n < ROWS_IN_FLOAT && rows != 0; n++, rows &= rows - 1) {
@@ -98,14 +99,29 @@ CT_INLINE double sumRows(const Potential* potential, const LeafSide* a, const Le
       if (hasCutoff) {
         coulomb = sub16(add16(inverse, mul16(all16(potential->k), squared)), all16(potential->c));
       }
-      const Float16 charges = mul16(chargeB, all16(a->columns->charge[k]));
-      Float16 energy = keepBelow16(squared, squaredCutoff, add16(lennardJones, mul16(charges, coulomb)));
-      if (isMasked) {
-        energy = keep16(~(unsigned)a->excluded[k], energy);
+      /* Not by the product of the charges: pairs of two types would share its rounding, which adds up. */
+      coulomb = mul16(chargeB, mul16(all16(a->columns->charge[k]), coulomb));
+      if (hasCutoff) {
+        Float16 energy = keepBelow16(squared, squaredCutoff, add16(lennardJones, coulomb));
+        if (isMasked) {
+          energy = keep16(~(unsigned)a->excluded[k], energy);
+        }
+        part = add16(part, energy);
+      } else {
+        /* Apart: far away, Lennard-Jones is less than half of what the last bit of Coulomb is worth, but has one sign.
+         * In a slot without a particle both are 0. */
+        if (isMasked) {
+          lennardJones = keep16(~(unsigned)a->excluded[k], lennardJones);
+          coulomb = keep16(~(unsigned)a->excluded[k], coulomb);
+        }
+        part = add16(part, coulomb);
+        tails = add16(tails, lennardJones);
       }
-      part = add16(part, energy);
     }
     sum = addToSum16(sum, part);
+  }
+  if (!hasCutoff) {
+    sum = addToSum16(sum, tails);
   }
   return total16(sum);
 }
