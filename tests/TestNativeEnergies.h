@@ -109,18 +109,22 @@ void assertHeldEnergy(const System& system, Sampler& integrator, Context& contex
 
 // ---- Distributions ----
 
-/** How the energy of the chain is evaluated in a trial. */
-enum Way { AllNative, NothingNative, ForeignInSameGroup, ForeignInOwnGroup, SoftSpheres };
+/** How the energy of the chain is evaluated in a trial. Foreign are all torsions, or half of their energy. */
+enum Way { AllNative, NothingNative, HalfForeignInSameGroup, ForeignInOwnGroup, SoftSpheres };
 
-static const Way WAYS[] = {AllNative, NothingNative, ForeignInSameGroup, ForeignInOwnGroup, SoftSpheres};
+static const Way WAYS[] = {AllNative, NothingNative, HalfForeignInSameGroup, ForeignInOwnGroup, SoftSpheres};
 
 /** The soft spheres of the chain are so large that they make a difference. */
 static const double SOFT_RADIUS = 0.9, SOFT_CONSTANT = 50;
 
+double computeTorsionEnergy1(double angle)
+{
+    return ChargedChain::k1 * (1 + cos(angle));
+}
+
 double computeTorsionEnergy(double angle)
 {
-    typedef ChargedChain C;
-    return C::k1 * (1 + cos(angle)) + C::k2 * (1 + cos(2 * angle - C::phase2));
+    return computeTorsionEnergy1(angle) + ChargedChain::k2 * (1 + cos(2 * angle - ChargedChain::phase2));
 }
 
 /**
@@ -159,23 +163,28 @@ vector<double> integrate(bool soft)
 }
 
 /**
- * Make a chain whose torsions are foreign in some ways.
+ * Make a chain whose torsions are foreign in some ways. If they are in the group of pairs, what is left of them is in
+ * another one.
  */
 unique_ptr<ChargedChain> createChain(Way way, int length)
 {
     auto chain = make_unique<ChargedChain>(length, way == SoftSpheres ? SOFT_RADIUS : 0);
     chain->force->setForceConstant(SOFT_CONSTANT);
-    if (way == ForeignInSameGroup || way == ForeignInOwnGroup) {
+    if (way == HalfForeignInSameGroup || way == ForeignInOwnGroup) {
         Probe* probe = new Probe();
+        auto computeForeign = way == ForeignInOwnGroup ? computeTorsionEnergy : computeTorsionEnergy1;
         probe->energy = [=](const vector<Vec3>& x) {
             double energy = 0;
             for (int i = 3; i < length; i++)
-                energy += computeTorsionEnergy(getDihedral(x[i - 3], x[i - 2], x[i - 1], x[i]));
+                energy += computeForeign(getDihedral(x[i - 3], x[i - 2], x[i - 1], x[i]));
             return energy;
         };
         probe->setForceGroup(way == ForeignInOwnGroup ? 7 : 0);
-        chain->system.removeForce(2);
-        chain->torsions = NULL;
+        for (int i = 3; i < length; i++)
+            for (int j : {0, 1})
+                if (j == 0 || way == ForeignInOwnGroup)
+                    chain->torsions->setTorsionParameters(2 * (i - 3) + j, i - 3, i - 2, i - 1, i, j + 1, 0, 0);
+        chain->torsions->setForceGroup(2);
         chain->system.addForce(probe);
     }
     return chain;
@@ -224,7 +233,7 @@ void testNativeDistributions(Platform& platform)
 
 void testPlan(Platform& platform)
 {
-    auto chain = createChain(ForeignInSameGroup, 6);
+    auto chain = createChain(HalfForeignInSameGroup, 6);
     chain->system.addForce(new CMMotionRemover());
     CustomTorsionForce* elsewhere = new CustomTorsionForce("theta");
     elsewhere->addTorsion(0, 1, 2, 3, {});
@@ -233,7 +242,7 @@ void testPlan(Platform& platform)
     Sampler integrator(300);
     ASSERT(integrator.getNativeEnergies());
     integrator.addTorsionMove(1, 1);
-    integrator.setIntegrationForceGroups(1);
+    integrator.setIntegrationForceGroups(1 | 1 << 2);
     Context context(chain->system, integrator, platform);
     typedef vector<Sampler::EnergyKind> Kinds;
     auto getKinds = [&] {
@@ -247,9 +256,10 @@ void testPlan(Platform& platform)
         return kinds;
     };
 
-    // The plan exists before there are positions. The spheres, bonds, pairs, the probe, the remover, the other group.
+    // The plan exists before there are positions. The spheres, bonds, torsions, pairs, the probe, the remover, and a
+    // Force of another group.
 
-    const Kinds expected = {Sampler::NotSampled, Sampler::Constant,   Sampler::Native,
+    const Kinds expected = {Sampler::NotSampled, Sampler::Constant,   Sampler::Native,    Sampler::Native,
                             Sampler::Foreign,    Sampler::NotSampled, Sampler::NotSampled};
     ASSERT(getKinds() == expected);
     context.setPositions(chain->positions);
@@ -262,12 +272,13 @@ void testPlan(Platform& platform)
     ASSERT_EQUAL(Sampler::Native, getKinds()[0]);
     integrator.setStericMode(Sampler::Hard);
     integrator.setIntegrationForceGroups(1 << 3);
-    ASSERT(getKinds() == Kinds({Sampler::NotSampled, Sampler::NotSampled, Sampler::NotSampled, Sampler::NotSampled,
-                                Sampler::NotSampled, Sampler::Native}));
-    integrator.setIntegrationForceGroups(1);
+    Kinds inOtherGroup(7, Sampler::NotSampled);
+    inOtherGroup[6] = Sampler::Native;
+    ASSERT(getKinds() == inOtherGroup);
+    integrator.setIntegrationForceGroups(1 | 1 << 2);
     integrator.setNativeEnergies(false);
     ASSERT(getKinds() == Kinds({Sampler::NotSampled, Sampler::Foreign, Sampler::Foreign, Sampler::Foreign,
-                                Sampler::NotSampled, Sampler::NotSampled}));
+                                Sampler::Foreign, Sampler::NotSampled, Sampler::NotSampled}));
     Sampler unbound(300);
     assertThrows("not bound to this Context", [&] {
         unbound.getEnergyPlan(context);
@@ -299,7 +310,7 @@ void testStageCounts(Platform& platform)
             accepted += statistics.accepted;
         }
         ASSERT(refused > 100 && accepted > 10);
-        const bool hasForeign = way == NothingNative || way == ForeignInSameGroup || way == ForeignInOwnGroup;
+        const bool hasForeign = way == NothingNative || way == HalfForeignInSameGroup || way == ForeignInOwnGroup;
         const bool hasNative = way != NothingNative; // the exceptions of pairs are terms
         const vector<bool> takesPart = {hasNative, hasNative, way == SoftSpheres, hasNative, hasForeign};
         auto stages = integrator.getStageStatistics();
@@ -440,6 +451,15 @@ void testChangedParameters(Platform& platform)
     assertHeldEnergy(*original, integrator, context);
     context.setParameter("scale", 3);
     assertHeldEnergy(*original, integrator, context);
+
+    // When its Forces are read because of another, that is noticed.
+
+    custom->updateParametersInContext(context);
+    assertThrows("the Context's energy of force group 0 is ", [&] {
+        integrator.step(1);
+    });
+    chain.pairs->updateParametersInContext(context);
+    assertHeldEnergy(chain.system, integrator, context);
 }
 
 void testChosenEnergies(Platform& platform)
@@ -483,7 +503,7 @@ void testChosenEnergies(Platform& platform)
  */
 void testMixedEnergies(Platform& platform)
 {
-    for (Way way : {ForeignInSameGroup, ForeignInOwnGroup}) {
+    for (Way way : {HalfForeignInSameGroup, ForeignInOwnGroup}) {
         auto chain = createChain(way, 7);
         ChargedChain all(7);
         Sampler integrator(500);

@@ -339,6 +339,7 @@ ENGINE_FAULTS = [
 ]
 FORCE = "openmmapi/src/StericExclusionForce.cpp"
 FORCE_XML = "serialization/src/StericExclusionForceProxy.cpp"
+ENERGY_PLAN = "openmmapi/src/EnergyPlan.cpp"
 FOREIGN_ENERGY = "openmmapi/src/ForeignEnergy.cpp"
 IMPL = "openmmapi/src/StericExclusionForceImpl.cpp"
 INTEGRATOR = "openmmapi/src/TorsionMonteCarloIntegrator.cpp"
@@ -347,9 +348,13 @@ KERNELS = "platforms/reference/src/ReferenceChainTreeKernels.cpp"
 LIMITS = "openmmapi/src/LimitPolicy.cpp"
 LINKS = "openmmapi/src/LinkStructure.cpp"
 MOVES = "openmmapi/src/MoveList.cpp"
+NATIVE_ENERGY = "openmmapi/src/NativeEnergy.cpp"
+NATIVE_ENERGY_HEADER = "openmmapi/include/openmmchaintree/internal/NativeEnergy.h"
 RIGID_BODY_MOVE = "openmmapi/src/moves/RigidBodyMove.cpp"
+SAMPLED_ENERGIES = "openmmapi/src/SampledEnergies.cpp"
 SESSION = "openmmapi/src/TrialSession.cpp"
 SNAPSHOT = "openmmapi/src/ContextSnapshot.cpp"
+STAGES = "openmmapi/src/EnergyStage.cpp"
 TORSION_MOVE = "openmmapi/src/moves/TorsionMove.cpp"
 
 API_FAULTS = [
@@ -482,23 +487,72 @@ API_FAULTS = [
     Fault("step: soft ones keep limits", INTEGRATOR,
           "        if (stericMode == Soft)\n            force->getLimitPolicy().restart();\n        else if",
           "        if"),
-    Fault("step: what moves uphill is accepted too often", INTEGRATOR,
-          "random->drawUniform() < exp(exponent)", "random->drawUniform() < 2 * exp(exponent)"),
+    Fault("step: what moves uphill is accepted too often", STAGES,
+          "random.drawUniform() < exp(logRatio)", "random.drawUniform() < 2 * exp(logRatio)"),
     Fault("step: the ratio of proposals does not count", INTEGRATOR,
           "entry.move->computeLogRatio(trials)", "0"),
     # ---- Energies ----
-    Fault("energy: all groups count", FOREIGN_ENERGY,
-          "integrator.getIntegrationForceGroups() & groupsWithEnergy", "groupsWithEnergy"),
-    Fault("energy: groups are those of the first step", FOREIGN_ENERGY,
-          "    groups = integrator", "    groups = groups != 0 ? groups : integrator"),
+    Fault("energy: all groups count", ENERGY_PLAN,
+          "if ((entry.groups & groupsOfU) == 0)", "if (entry.groups == 0)"),
+    Fault("energy: groups are those of the first step", NATIVE_ENERGY,
+          " || !(present == choice)) {", ") {"),
     Fault("energy: that of the state is that of the first trial", FOREIGN_ENERGY,
           "    energy = proposedEnergy;\n", ""),
-    Fault("energy: the reciprocal space is forgotten", FOREIGN_ENERGY,
-          "if (nonbonded != NULL && nonbonded->getReciprocalSpaceForceGroup() >= 0)", "if (false)"),
-    Fault("energy: a thermostat has some", FOREIGN_ENERGY,
-          "            dynamic_cast<const AndersenThermostat*>(force) != NULL ||\n", ""),
+    Fault("energy: the reciprocal space is forgotten", ENERGY_PLAN,
+          "if (nonbonded != NULL && hasReciprocalSpace(*nonbonded) && "
+          "nonbonded->getReciprocalSpaceForceGroup() >= 0)", "if (nonbonded == NULL && &force == NULL)"),
+    Fault("energy: a thermostat has some", ENERGY_PLAN,
+          " ||\n           dynamic_cast<const AndersenThermostat*>(&force) != NULL", ""),
     Fault("energy: the spheres' own joins that of others", IMPL,
           "    FlagGuard guard(energyIsSuppressed);\n", ""),
+    # ---- Stages of energy ----
+    Fault("stages: the ratio of proposals belongs to none", STAGES,
+          "isFirst ? logRatio + stageLogRatio : stageLogRatio", "stageLogRatio"),
+    Fault("stages: the ratio of proposals belongs to each", STAGES,
+          "isFirst ? logRatio + stageLogRatio : stageLogRatio", "logRatio + stageLogRatio"),
+    Fault("stages: one random number decides all", STAGES,
+          "const double drawn = random.drawUniform();", "static double drawn;\n        if (isFirst)\n"
+          "            drawn = random.drawUniform();"),
+    Fault("stages: each decides at a temperature of 0", STAGES,
+          "rule == DecideOneByOne && temperature > 0 ?", "rule == DecideOneByOne ?"),
+    Fault("stages: what is no number passes", STAGES,
+          "if (!(drawn < exp(isFirst ? logRatio + stageLogRatio : stageLogRatio)))",
+          "if (drawn >= exp(isFirst ? logRatio + stageLogRatio : stageLogRatio))"),
+    Fault("stages: soft spheres have no part", SAMPLED_ENERGIES,
+          "    stages->add(make_unique<SoftSphereEnergy>(*this));\n", ""),
+    Fault("stages: the last one has no part", SAMPLED_ENERGIES,
+          "    stages->add(make_unique<ForeignEnergy>(*native));\n", ""),
+    # ---- Native energies ----
+    Fault("native: foreign Forces count those of their groups twice", FOREIGN_ENERGY,
+          "native.sharesForeignGroups() ? native.getComputedChange() : 0", "0"),
+    Fault("native: foreign Forces know the last stage alone", NATIVE_ENERGY,
+          "    computedChange += change;", "    computedChange = change;"),
+    Fault("native: the change of a trial is added to that of the next", NATIVE_ENERGY,
+          "    numComputed = 0;\n    computedChange = 0;", "    numComputed = 0;"),
+    Fault("native: foreign groups are evaluated without the native Forces", NATIVE_ENERGY,
+          "    if (foreignGroupsAreShared)\n", "    if (false)\n"),
+    Fault("native: parts without terms are left out", NATIVE_ENERGY,
+          "(part == EnergyKernel::BondedPart && !pairsCanChange) ? NUM_PARTS : part + 1", "part + 1"),
+    Fault("native: parameters of the Context are read once", NATIVE_ENERGY_HEADER,
+          "        parametersWereChanged |= changed == OpenMM::State::Parameters;\n", "        (void)changed;\n"),
+    Fault("native: Forces are read once", NATIVE_ENERGY_HEADER,
+          "        forcesWereChanged |= changed == OpenMM::State::Energy;", "        //"),
+    Fault("native: terms of another integrator are sampled", NATIVE_ENERGY,
+          "force.getOwnerOfEnergyTerms() != this", "false"),
+    Fault("native: after a checkpoint sums go on", INTEGRATOR,
+          "    if (force != NULL) {\n        native->computeAnew();\n", "    if (force != NULL) {\n"),
+    Fault("native: after a State sums go on", INTEGRATOR,
+          "    native->computeAnew();\n    node.", "    node."),
+    Fault("native: U of foreign groups counts native Forces twice", NATIVE_ENERGY,
+          "if ((plan.getEntries()[i].groups & foreignGroups) == 0)", "if (i < energies.size())"),
+    Fault("native: a present state may have no energy", NATIVE_ENERGY,
+          "    checkNumbers(energies);\n", ""),
+    Fault("native: OpenMM is never asked", NATIVE_ENERGY,
+          "        compareWithOpenMM(trials, energies);", "        trialsToCheck = TRIALS_BETWEEN_CHECKS;"),
+    Fault("native: new positions leave energies as they were", KERNELS,
+          "        if (energy)\n            energy->invalidate();\n", ""),
+    Fault("native: it takes part in what setNativeEnergies refuses", ENERGY_PLAN,
+          "if (!allowNative)", "if (false)"),
     # ---- Moves ----
     Fault("move: of several torsions the later are drawn with replacement", TORSION_MOVE,
           "        if (isDrawn[choice])\n            choice = last;\n", ""),

@@ -225,6 +225,9 @@ void TorsionMonteCarloIntegrator::initialize(ContextImpl& contextRef)
         bindTo(contextRef);
     }
     catch (...) {
+        moves->bind(NULL);
+        stages.reset();
+        native.reset();
         showKeptState();
         throw;
     }
