@@ -493,7 +493,7 @@ API_FAULTS = [
           "entry.move->computeLogRatio(trials)", "0"),
     # ---- Energies ----
     Fault("energy: all groups count", ENERGY_PLAN,
-          "if ((entry.groups & groupsOfU) == 0)", "if (entry.groups == 0)"),
+          "if ((entries[index].groups & groupsOfU) == 0)", "if (entries[index].groups == 0)"),
     Fault("energy: groups are those of the first step", NATIVE_ENERGY,
           " || !(present == choice)) {", ") {"),
     Fault("energy: that of the state is that of the first trial", FOREIGN_ENERGY,
@@ -502,7 +502,7 @@ API_FAULTS = [
           "if (nonbonded != NULL && hasReciprocalSpace(*nonbonded) && "
           "nonbonded->getReciprocalSpaceForceGroup() >= 0)", "if (nonbonded == NULL && &force == NULL)"),
     Fault("energy: a thermostat has some", ENERGY_PLAN,
-          " ||\n           dynamic_cast<const AndersenThermostat*>(&force) != NULL", ""),
+          " ||\n                              dynamic_cast<const AndersenThermostat*>(&force) != NULL", ""),
     Fault("energy: the spheres' own joins that of others", IMPL,
           "    FlagGuard guard(energyIsSuppressed);\n", ""),
     # ---- Stages of energy ----
