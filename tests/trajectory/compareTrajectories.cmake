@@ -50,7 +50,7 @@ function(build_program compiler level program)
         endif()
         execute_process(
             COMMAND "${compiler}" -std=c11 -ffp-contract=off -DNDEBUG ${level} ${options}
-                "-I${engine_dir}/include" "-I${SOURCE_DIR}/tests" -c "${source}" -o "${objects_dir}/${stem}.o"
+                "-I${engine_dir}/include" "-I${engine_dir}/../simd" "-I${SOURCE_DIR}/tests" -c "${source}" -o "${objects_dir}/${stem}.o"
             RESULT_VARIABLE result)
         if(NOT result EQUAL 0)
             message(FATAL_ERROR "${compiler} ${level} cannot compile ${source}")
