@@ -2,9 +2,10 @@
 
     python benchmarks/platforms.py [TRIALS]
 
-Without other forces, positions go to the platform once a step of 100 trials. With other forces they go there for each
-trial that is free of clashes: with a single bond, next to nothing is computed, so that this is the cost of handing
-positions over; with a force field its energy comes on top, measured with a twentieth of the trials.
+Without other forces, positions go to the platform once a step of 100 trials. With other forces, of which the platform
+evaluates all, they go there for each trial that is free of clashes: with a single bond, next to nothing is computed, so
+that this is the cost of handing positions over; with a force field its energy comes on top, measured with a twentieth
+of the trials.
 """
 
 import sys
@@ -40,6 +41,7 @@ def measure(structure, system, platform, precision, trials):
     system.addForce(createStericExclusionForce(structure.topology, structure.positions))
     integrator = TorsionMonteCarloIntegrator(300)
     integrator.setRandomNumberSeed(1)
+    integrator.setNativeEnergies(False)
     integrator.addTorsionMove(1.0, 0.2)
     properties = {"Precision": precision} if precision else {}
     context = openmm.Context(system, integrator, platform, properties)

@@ -19,7 +19,8 @@ _STUBS = {node.name: node for node in _STUB.body if isinstance(node, ast.ClassDe
 _CLASSES = ("StericExclusionForce", "TorsionMonteCarloIntegrator")
 _NUMBERS = re.compile(r"^:type (\w+): .*(?:float|Quantity).*\n:param \1: ((?:.|\n(?!:))*)", re.MULTILINE)
 _UNIT = re.compile(r"\b(nm|radians|Kelvin|K|kJ/mol/nm\^2)\b")
-_TUPLES = ("TraversalStatistics", "MoveStatistics", "MinimumDistance")
+_TUPLES = ("TraversalStatistics", "MoveStatistics", "StageStatistics", "PlannedEnergy", "MinimumDistance")
+_LISTS = ("EnergyPlan",)
 
 # A few lines of each kind, of which a type checker must find those that say so to be wrong.
 _PROGRAM = """
@@ -51,6 +52,12 @@ integrator.removeMove(1)
 force.setTorsionAngles(context, -force.getTorsionAngles(context))
 integrator.getMoveStatistics(0).accepted
 integrator.getMoveStatistics(0).rejected  # wrong
+integrator.setNativeEnergies(False)
+integrator.setNativeEnergies("no")  # wrong
+reason: str = integrator.getEnergyPlan(context)[0].reason
+foreign = [entry.force for entry in integrator.getEnergyPlan(context) if entry.kind == "foreign"]
+energy: float = integrator.getPotentialEnergy(context)
+integrator.getStageStatistics()[0].rejected  # wrong
 topology: app.Topology
 createStericExclusionForce(topology, torsions="phi").addExclusion(0, 1)
 createStericExclusionForce(topology, bondCutoff="3")  # wrong
@@ -108,7 +115,7 @@ def test_fieldsAreThoseOfTheTuple(name):
     assert tuple(fields) == getattr(wrapped, name)._fields
 
 
-@pytest.mark.parametrize("name", (*_CLASSES, *_TUPLES))
+@pytest.mark.parametrize("name", (*_CLASSES, *_TUPLES, *_LISTS))
 def test_documentationIsThatOfTheModule(name):
     documented = getattr(wrapped, name)
     assert ast.get_docstring(_STUBS[name]) == inspect.getdoc(documented)
@@ -128,7 +135,7 @@ def test_everyNumberHasItsUnit(name):
 
 
 def test_nothingIsMissing():
-    assert set(_STUBS) == {*_CLASSES, *_TUPLES}
+    assert set(_STUBS) == {*_CLASSES, *_TUPLES, *_LISTS}
     for name in openmmchaintree.__all__:
         member = getattr(openmmchaintree, name)
         assert not member.__module__.endswith(".openmmchaintree") or name in _STUBS
@@ -146,7 +153,7 @@ def test_mistakesAreFound(tmp_path):
     result = mypy(tmp_path, "--strict", "program.py")
     lines = [number for number, line in enumerate(_PROGRAM.splitlines(), start=1) if line.endswith("# wrong")]
     found = sorted({int(number) for number in re.findall(r"^program\.py:(\d+): error", result.stdout, re.MULTILINE)})
-    assert found == lines and len(lines) == 10, result.stdout
+    assert found == lines and len(lines) == 12, result.stdout
 
 
 def test_thePackageHasNoTypeErrors(tmp_path):
