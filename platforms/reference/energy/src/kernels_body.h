@@ -86,8 +86,7 @@ CT_INLINE double sumRows(const Potential* potential, const LeafSide* a, const Le
       const Float16 ratio = mul16(add16(sigmaB, all16(a->columns->sigma[k])), inverse);
       const Float16 ratio2 = mul16(ratio, ratio);
       const Float16 ratio6 = mul16(mul16(ratio2, ratio2), ratio2);
-      const Float16 depth = mul16(epsilonB, all16(a->columns->epsilon[k]));
-      Float16 lennardJones = mul16(mul16(depth, ratio6), sub16(ratio6, one));
+      Float16 lennardJones = mul16(mul16(epsilonB, mul16(ratio6, sub16(ratio6, one))), all16(a->columns->epsilon[k]));
       if (hasSwitch) {
         const Float16 t = mul16(max16(sub16(distance, all16(potential->switchingDistance)), all16(0)),
                                 all16(potential->inverseSwitchWidth));
