@@ -109,7 +109,7 @@ def placeAtom(anchors, distance, angle, dihedral):
     return anchors[0] + distance * offset
 
 
-@functools.lru_cache(maxsize=None)
+@functools.cache
 def readSystem(name, forceField):
     """Return the topology and positions (nm) of a structure, complete for a force field."""
     if name == "alanine dipeptide":
@@ -172,18 +172,25 @@ class Reference:
         return sum(abs(self.energy(positions, 1 << group)) for group in self.names)
 
 
+# Weights, largest angles and numbers of torsions.
+MOVES = ((1, 0.02, 1), (1, 0.5, 1))
+
+
 class Run:
     """A System under a TorsionMonteCarloIntegrator on the Reference platform."""
 
-    def __init__(self, system, positions, seed=1, native=True, temperature=300, moves=((1, 0.02, 1), (1, 0.5, 1))):
+    def __init__(self, system, positions, seed=1, native=True, temperature=300, moves=MOVES, rigid=None):
         self.integrator = TorsionMonteCarloIntegrator(temperature)
         self.integrator.setRandomNumberSeed(seed)
         self.integrator.setNativeEnergies(native)
         for weight, angle, count in moves:
             self.integrator.addTorsionMove(weight, angle, count=count)
+        if rigid is not None:
+            self.integrator.addRigidBodyMove(1, *rigid)
         self.system = system
         self.context = openmm.Context(system, self.integrator, openmm.Platform.getPlatform("Reference"))
         self.context.setPositions(positions)
+        self.context.computeVirtualSites()
 
     def run(self, trials):
         steps = max(1, trials // 1000)
