@@ -214,9 +214,8 @@ static double chooseCutoff(Case* c)
 
 static void checkState(Case* c, ctChainTree* rebuilt)
 {
-    int64_t version, otherVersion;
-    const ctLeafPositions* leaves = ctGetLeaves(c->tree, &version);
-    const ctLeafPositions* others = ctGetLeaves(rebuilt, &otherVersion);
+    const ctLeafPositions* leaves = ctGetLeaves(c->tree);
+    const ctLeafPositions* others = ctGetLeaves(rebuilt);
     size_t size = (size_t)c->leafCount * sizeof(ctLeafPositions);
     ctGetPositions(c->tree, c->state);
     for (int leaf = 0; leaf < c->leafCount; leaf++)
@@ -241,9 +240,8 @@ static void checkPieces(Case* c)
 {
     const ctPiece* pieces;
     const ctTransform* motions;
-    int64_t version;
     int count = ctGetTrialPieces(c->tree, &pieces, &motions);
-    const ctLeafPositions* leaves = ctGetLeaves(c->tree, &version);
+    const ctLeafPositions* leaves = ctGetLeaves(c->tree);
     EXPECT(count > 0 && pieces[0].slotBegin == 0);
     for (int slot = 0, piece = 0; slot < c->leafCount * CT_LEAF_WIDTH; slot++) {
         if (piece + 1 < count && pieces[piece + 1].slotBegin <= slot)
@@ -362,7 +360,7 @@ static void runProgram(Case* c, int operations)
     for (int n = 0; n < operations; n++) {
         int64_t before, after;
         int changesState = 0;
-        ctGetLeaves(c->tree, &before);
+        before = ctGetChangeCount(c->tree);
         ctChainTree* rebuilt = rebuild(c);
         checkState(c, rebuilt);
         if (randomChance(&c->random, 0.15)) {
@@ -386,7 +384,7 @@ static void runProgram(Case* c, int operations)
             changesState = clash == 1;
         }
         ctDestroy(rebuilt);
-        ctGetLeaves(c->tree, &after);
+        after = ctGetChangeCount(c->tree);
         EXPECT(changesState ? after > before : after == before);
     }
 }

@@ -549,8 +549,8 @@ API_FAULTS = [
           "    checkNumbers(energies);\n", ""),
     Fault("native: OpenMM is never asked", NATIVE_ENERGY,
           "        compareWithOpenMM(trials, energies);", "        trialsToCheck = TRIALS_BETWEEN_CHECKS;"),
-    Fault("native: new positions leave energies as they were", KERNELS,
-          "        if (energy)\n            energy->invalidate();\n", ""),
+    Fault("native: new positions leave energies as they were", "platforms/reference/energy/src/energy.c",
+          "return energy->state == ctGetChangeCount(energy->tree);", "return energy->state != NO_STATE;"),
     Fault("native: it takes part in what setNativeEnergies refuses", ENERGY_PLAN,
           "if (!allowNative)", "if (false)"),
     # ---- Moves ----

@@ -295,6 +295,8 @@ static void setPositions(Program* p)
     if (ctSetPositions(p->tree, p->positions) != ctSuccess)
         fail(p, "setting positions", 1, 0);
     oracleSetPositions(p->oracle, p->positions);
+    if (ctIsEnergyOfState(p->energy))
+        fail(p, "whether an energy is that of new positions", 1, 0);
     refresh(p);
 }
 

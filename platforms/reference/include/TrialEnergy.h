@@ -27,13 +27,6 @@ public:
      */
     static std::vector<uint8_t> findListed(const EnergyTerms& terms, int numParticles);
     /**
-     * Take notice that the state was changed by anything but a trial.
-     */
-    void invalidate()
-    {
-        isCurrent = false;
-    }
-    /**
      * Compute everything anew, unless what is kept belongs to the state. With force, do so anyway.
      */
     void update(bool force, ctCounts& counts);
@@ -56,7 +49,6 @@ private:
     void check(ctStatus status) const;
     std::unique_ptr<ctEnergy, Deleter> energy;
     int numTermSets;
-    bool isCurrent;
 };
 
 } // namespace ChainTreePlugin

@@ -242,11 +242,8 @@ void ReferenceCalcStericExclusionForceKernel::check(ctStatus status) const
 
 void ReferenceCalcStericExclusionForceKernel::setPositions(const vector<Vec3>& positions)
 {
-    if (tree) {
+    if (tree)
         check(ctSetPositions(tree.get(), coordinates(positions)));
-        if (energy)
-            energy->invalidate();
-    }
     else
         setTree(createTree(parameters, positions), positions);
 }

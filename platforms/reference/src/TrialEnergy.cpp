@@ -66,7 +66,7 @@ private:
 };
 
 TrialEnergy::TrialEnergy(ctChainTree* tree, const ctDefinition& scene, const EnergyTerms& terms) :
-    numTermSets(terms.termSets.size()), isCurrent(false)
+    numTermSets(terms.termSets.size())
 {
     vector<LibraryTerms> arrays;
     arrays.reserve(terms.termSets.size());
@@ -116,11 +116,8 @@ void TrialEnergy::check(ctStatus status) const
 
 void TrialEnergy::update(bool force, ctCounts& counts)
 {
-    if (isCurrent && !force)
-        return;
-    isCurrent = false;
-    check(ctRefreshEnergy(energy.get(), &counts));
-    isCurrent = true;
+    if (force || !ctIsEnergyOfState(energy.get()))
+        check(ctRefreshEnergy(energy.get(), &counts));
 }
 
 double TrialEnergy::computeChange(ctEnergyPart part, ctCounts& counts)
@@ -132,9 +129,9 @@ double TrialEnergy::computeChange(ctEnergyPart part, ctCounts& counts)
 
 void TrialEnergy::accept()
 {
-    // What is kept stays that of the earlier state if not all of the change was asked for.
+    // If not all of the change was asked for, this fails, and the next update computes everything.
 
-    isCurrent = isCurrent && ctAcceptEnergyChange(energy.get()) == ctSuccess;
+    ctAcceptEnergyChange(energy.get());
 }
 
 void TrialEnergy::getEnergies(double& pairs, vector<double>& termSets) const

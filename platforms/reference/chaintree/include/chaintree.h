@@ -239,8 +239,10 @@ void ctDiscard(ctChainTree* tree);
 /* True if a trial is open. */
 bool ctHasTrial(const ctChainTree* tree);
 
-/* How many trials have been opened so far: a client tells them apart by this. */
+/* How many trials have been opened so far, and how often the state has changed: a client tells trials and states apart
+ * by these. */
 int64_t ctGetTrialCount(const ctChainTree* tree);
+int64_t ctGetChangeCount(const ctChainTree* tree);
 
 /* ---- Leaves: for clients that sum something over pairs of particles ---- */
 
@@ -274,10 +276,9 @@ typedef struct ctLeafPair {
 int ctGetLeafCount(const ctChainTree* tree);
 void ctGetLeafParticles(const ctChainTree* tree, int* particles);
 
-/* The positions of all leaves in the state, those of ctGetPositions up to rounding; and a number that tells states
- * apart: it grows with each change. The array belongs to the scene and is up to date until the state changes. O(leaves
- * that have moved since the last call). NULL if there is no memory. */
-const ctLeafPositions* ctGetLeaves(ctChainTree* tree, int64_t* version);
+/* The positions of all leaves in the state, those of ctGetPositions up to rounding. The array belongs to the scene and
+ * is up to date until the state changes. O(leaves that have moved since the last call). NULL if there is no memory. */
+const ctLeafPositions* ctGetLeaves(ctChainTree* tree);
 
 /* The pieces of the open trial, ascending, and the motion of each body in the world: in the trial a particle of body b
  * is where motions[b] takes its position in the state. And the caller's links that the trial changes, in the order of

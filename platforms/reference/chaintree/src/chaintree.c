@@ -27,7 +27,7 @@ static void takeReference(ctChainTree* scene, const double* positions) {
   ctSequenceSetReference(&scene->sequence, positions);
   ctTreeMakeStale(&scene->staleTree);
   ctClearanceForget(&scene->clearance);
-  scene->version++;
+  scene->changeCount++;
 }
 
 ctStatus ctCreate(const ctDefinition* definition, ctChainTree** tree, char* errorText, size_t errorSize) {

@@ -115,13 +115,12 @@ void ctGetLeafParticles(const ctChainTree* tree, int* particles) {
   }
 }
 
-const ctLeafPositions* ctGetLeaves(ctChainTree* tree, int64_t* version) {
+const ctLeafPositions* ctGetLeaves(ctChainTree* tree) {
   if (!ctLeavesReserve(&tree->leaves, &tree->staleTree, &tree->sequence)) {
     ctFailOutOfMemory(tree);
     return NULL;
   }
   ctLeavesUpdate(&tree->leaves, ctSceneTree(tree), &tree->sequence);
-  *version = tree->version;
   return tree->leaves.state;
 }
 

@@ -38,7 +38,7 @@ struct ctChainTree {
   Copied followed; /* the array of ctFollowTrialPositions */
   SlotPairs undecided;
   Leaves leaves;           /* may be stale */
-  int64_t version;         /* of the state: number of changes */
+  int64_t changeCount;     /* of the state */
   ctSelection* selections; /* those that have not been freed */
   double overlapTolerance;
   double hydrogenBondAllowance;

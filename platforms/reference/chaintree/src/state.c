@@ -118,6 +118,6 @@ ctStatus ctSetState(ctChainTree* tree, const double* state) {
   }
   ctTreeMakeStale(&tree->staleTree);
   ctClearanceForget(&tree->clearance);
-  tree->version++;
+  tree->changeCount++;
   return ctSuccess;
 }

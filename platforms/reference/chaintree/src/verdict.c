@@ -346,7 +346,7 @@ ctStatus ctCommit(ctChainTree* tree, ctCounts* counts) {
   }
   const int updated = applyTrial(tree, true);
   tree->trial.open = false;
-  tree->version++;
+  tree->changeCount++;
   if (counts != NULL) {
     counts->nodesUpdated += updated;
   }
@@ -363,4 +363,8 @@ bool ctHasTrial(const ctChainTree* tree) {
 
 int64_t ctGetTrialCount(const ctChainTree* tree) {
   return tree->trialCount;
+}
+
+int64_t ctGetChangeCount(const ctChainTree* tree) {
+  return tree->changeCount;
 }

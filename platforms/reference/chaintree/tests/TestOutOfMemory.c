@@ -140,8 +140,7 @@ static ctStatus sortNeighbors(ctChainTree* tree) {
 }
 
 static ctStatus readLeaves(ctChainTree* tree) {
-  int64_t version;
-  return ctGetLeaves(tree, &version) != NULL ? ctSuccess : ctOutOfMemory;
+  return ctGetLeaves(tree) != NULL ? ctSuccess : ctOutOfMemory;
 }
 
 static ctStatus listLeafPairs(ctChainTree* tree) {

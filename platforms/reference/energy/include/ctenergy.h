@@ -195,14 +195,17 @@ int ctCountChangeableTerms(const ctEnergy* energy, int termSet);
  * changed in another way than by ctAcceptEnergyChange. O(all terms and pairs). */
 ctStatus ctRefreshEnergy(ctEnergy* energy, ctCounts* counts);
 
+/* True if what is kept belongs to the scene's state; else the energy has to be refreshed before the next trial. */
+bool ctIsEnergyOfState(const ctEnergy* energy);
+
 /* The energy of the state as of the last refresh and all changes accepted since: of all pairs, and of a term set.
  * O(what is kept). NaN or infinite if some pair or term is. */
 double ctGetPairEnergy(const ctEnergy* energy);
 double ctGetTermEnergy(const ctEnergy* energy, int termSet);
 
 /* By how much the scene's open trial changes a part of the energy. Parts may be asked for in this order alone, each
- * once a trial; later ones may be left out if the trial is dropped. NaN if before and after are both infinite, or one
- * is NaN. */
+ * once a trial; later ones may be left out if the trial is dropped. NaN if one of its values is, or some become
+ * infinite and others finite. */
 ctStatus ctComputeEnergyChange(ctEnergy* energy, ctEnergyPart part, double* change, ctCounts* counts);
 
 /* To be called after ctCommit of a trial of which all parts were computed: makes its values those of the state. Errors:

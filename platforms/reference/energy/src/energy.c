@@ -7,11 +7,14 @@
 #include "pairs.h"
 #include "terms.h"
 
+/* Not the change count of any state. */
+enum { NO_STATE = -1 };
+
 struct ctEnergy {
   ctChainTree* tree;
   Terms* terms;
-  Pairs* pairs; /* NULL: there are none */
-  int setCount;
+  Pairs* pairs;      /* NULL: there are none */
+  int64_t state;     /* the scene's change count of the state that values belong to, or NO_STATE */
   int64_t trial;     /* the last one that was asked about */
   int computedParts; /* of it */
   char errorText[200];
@@ -81,7 +84,7 @@ ctStatus ctCreateEnergy(ctChainTree* tree, const ctEnergyDefinition* definition,
     return ctOutOfMemory;
   }
   made->tree = tree;
-  made->setCount = definition->termSetCount;
+  made->state = NO_STATE;
   const ctStatus status = build(made, definition, errorText, errorSize);
   if (status != ctSuccess) {
     ctDestroyEnergy(made);
@@ -110,14 +113,19 @@ int ctCountChangeableTerms(const ctEnergy* energy, int termSet) {
 /* ---- The state ---- */
 
 ctStatus ctRefreshEnergy(ctEnergy* energy, ctCounts* counts) {
-  int64_t version;
-  const ctLeafPositions* leaves = ctGetLeaves(energy->tree, &version);
+  const ctLeafPositions* leaves = ctGetLeaves(energy->tree);
   energy->computedParts = 0;
+  energy->state = NO_STATE;
   if (leaves == NULL || (energy->pairs != NULL && ctPairsRefresh(energy->pairs, counts) != ctSuccess)) {
     return failOutOfMemory(energy);
   }
   ctTermsRefresh(energy->terms, leaves);
+  energy->state = ctGetChangeCount(energy->tree);
   return ctSuccess;
+}
+
+bool ctIsEnergyOfState(const ctEnergy* energy) {
+  return energy->state == ctGetChangeCount(energy->tree);
 }
 
 double ctGetPairEnergy(const ctEnergy* energy) {
@@ -131,9 +139,8 @@ double ctGetTermEnergy(const ctEnergy* energy, int termSet) {
 /* ---- Trials ---- */
 
 static ctStatus changeTerms(ctEnergy* energy, double* change) {
-  int64_t version;
   TrialView view;
-  view.state = ctGetLeaves(energy->tree, &version);
+  view.state = ctGetLeaves(energy->tree);
   view.pieceCount = ctGetTrialPieces(energy->tree, &view.pieces, &view.motions);
   view.linkCount = ctGetTrialLinks(energy->tree, &view.links);
   if (view.state == NULL) {
@@ -146,6 +153,9 @@ static ctStatus changeTerms(ctEnergy* energy, double* change) {
 ctStatus ctComputeEnergyChange(ctEnergy* energy, ctEnergyPart part, double* change, ctCounts* counts) {
   if (!ctHasTrial(energy->tree)) {
     return fail(energy, ctNoTrial, "there is no open trial");
+  }
+  if (!ctIsEnergyOfState(energy)) {
+    return fail(energy, ctInvalidArgument, "the state has changed since the energy was refreshed");
   }
   const int64_t trial = ctGetTrialCount(energy->tree);
   if (part == ctTermsPart || energy->trial != trial) {
@@ -173,13 +183,16 @@ ctStatus ctComputeEnergyChange(ctEnergy* energy, ctEnergyPart part, double* chan
 }
 
 ctStatus ctAcceptEnergyChange(ctEnergy* energy) {
-  if (energy->computedParts != CT_ENERGY_PARTS || energy->trial != ctGetTrialCount(energy->tree)) {
-    return fail(energy, ctInvalidArgument, "not all parts of the change were computed");
+  if (energy->computedParts != CT_ENERGY_PARTS || energy->trial != ctGetTrialCount(energy->tree) ||
+      energy->state + 1 != ctGetChangeCount(energy->tree)) {
+    return fail(energy, ctInvalidArgument, "not all parts of the last trial's change were computed and then committed");
   }
   energy->computedParts = 0;
+  energy->state = NO_STATE;
   ctTermsAccept(energy->terms);
   if (energy->pairs != NULL && ctPairsAccept(energy->pairs) != ctSuccess) {
     return failOutOfMemory(energy);
   }
+  energy->state = ctGetChangeCount(energy->tree);
   return ctSuccess;
 }

@@ -219,9 +219,8 @@ static const LeafFrame* stateFrame(Pairs* pairs, const ctLeafPositions* state, i
 
 ctStatus ctPairsRefresh(Pairs* pairs, ctCounts* counts) {
   size_t count;
-  int64_t version;
   const ctLeafPair* near;
-  const ctLeafPositions* state = ctGetLeaves(pairs->tree, &version);
+  const ctLeafPositions* state = ctGetLeaves(pairs->tree);
   pairs->stagedCount = 0;
   ctLeafSumsClear(&pairs->sums);
   if (state == NULL || ctGetLeafPairs(pairs->tree, pairs->cutoff, &count, &near, counts) != ctSuccess) {
@@ -302,7 +301,8 @@ static double computeStaged(Pairs* pairs, bool near) {
       const LeafFrame* b = trialFrame(pairs, staged->b);
       staged->sum = pairEnergy(pairs, staged->a, a, staged->b, b);
       staged->kept = ctLeafSumsFind(&pairs->sums, staged->a, staged->b);
-      change += staged->sum - (staged->kept != ABSENT ? pairs->sums.rows[staged->a].sums[staged->kept] : 0);
+      const double before = staged->kept != ABSENT ? pairs->sums.rows[staged->a].sums[staged->kept] : 0;
+      change += changeOf(before, staged->sum);
     }
   }
   return change;
@@ -311,13 +311,12 @@ static double computeStaged(Pairs* pairs, bool near) {
 /* Finds the pairs of leaves that the open trial changes. */
 static ctStatus stage(Pairs* pairs, ctCounts* counts) {
   size_t count;
-  int64_t version;
   const ctLeafPair* changed;
   const ctPiece* pieces;
   const ctTransform* motions;
   TrialPositions* positions = &pairs->positions;
   pairs->stagedCount = 0;
-  positions->state = ctGetLeaves(pairs->tree, &version);
+  positions->state = ctGetLeaves(pairs->tree);
   const ctStatus status =
       ctGetChangedLeafPairs(pairs->tree, pairs->cutoff, &count, &changed, &positions->trial, counts);
   if (positions->state == NULL || status != ctSuccess) {

@@ -230,7 +230,7 @@ static void changeTerm(Change* change, int term) {
   const double value = evaluateTerm(&change->evaluation, term);
   terms->changedTerms[terms->changedCount] = term;
   terms->newValues[terms->changedCount++] = value;
-  change->sum += value - terms->values[term];
+  change->sum += changeOf(terms->values[term], value);
 }
 
 /* The terms that are listed with changed links. One in the lists of several is taken from the first. */

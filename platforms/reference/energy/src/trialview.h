@@ -48,4 +48,9 @@ static inline void moveByBody(const TrialView* view, int body, double position[3
   }
 }
 
+/* By how much a value changes; 0 also between equal infinite ones. */
+static inline double changeOf(double before, double after) {
+  return after == before ? 0 : after - before;
+}
+
 #endif /* CT_TRIALVIEW_H_ */

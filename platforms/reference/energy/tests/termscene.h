@@ -45,10 +45,9 @@ static inline void evaluateOracle(const RandomTerms* random, const double* posit
 
 static inline void refreshTerms(TermScene* scene) {
   static double positions[3 * MOST_ATOMS];
-  int64_t version;
   ctGetPositions(scene->tree, positions);
   evaluateOracle(&scene->random, positions, scene->values);
-  ctTermsRefresh(scene->terms, ctGetLeaves(scene->tree, &version));
+  ctTermsRefresh(scene->terms, ctGetLeaves(scene->tree));
 }
 
 /* Makes scene and terms of branches and sets that have been drawn. */
@@ -73,8 +72,7 @@ static inline void destroyTermScene(TermScene* scene) {
 
 /* The change of all terms in the open trial. */
 static inline double changeOfTerms(TermScene* scene) {
-  int64_t version;
-  TrialView view = {.state = ctGetLeaves(scene->tree, &version)};
+  TrialView view = {.state = ctGetLeaves(scene->tree)};
   view.pieceCount = ctGetTrialPieces(scene->tree, &view.pieces, &view.motions);
   view.linkCount = ctGetTrialLinks(scene->tree, &view.links);
   return ctTermsChange(scene->terms, &view);
