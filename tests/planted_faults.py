@@ -103,7 +103,7 @@ ENGINE_FAULTS = [
     Fault("leaves: boxes have no room for rounding", "leaves_body.h",
           "BOX_MARGIN 1.2e-7f", "BOX_MARGIN -1.2e-5f"),
     Fault("leaves: a state is not told from the one before", "verdict.c",
-          "  tree->version++;", ""),
+          "  tree->changeCount++;", ""),
     Fault("leaves: what a trial shows is of an earlier one", "trial.c",
           "  trial->isShown = false;", ""),
     Fault("leaves: motions are about worldOrigin", "trial.c",
