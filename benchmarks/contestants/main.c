@@ -4,6 +4,7 @@
 
 #include "chains.h"
 #include "driftrace.h"
+#include "energyrace.h"
 #include "nearestrace.h"
 #include "options.h"
 #include "pairrace.h"
@@ -229,6 +230,47 @@ static int runTouch(const Options* options, const Scene* scene, char* error, siz
   return 0;
 }
 
+/* Any set: a contestant chooses its own. */
+static const EnergyContestant* energyFind(const InstructionSet* set, const char* name, size_t length) {
+  (void)set;
+  return energyContestantFind(name, length);
+}
+
+static int runEnergy(const Options* options, const Scene* scene, char* error, size_t size) {
+  EnergyRace race = {.scene = scene,
+                     .rule = options->rule,
+                     .seed = options->seed,
+                     .temperature = options->temperature,
+                     .trialCount = options->trialCount,
+                     .blockSize = options->blockSize,
+                     .recordCount = options->recordCount};
+  EnergyResult results[MOST_ENERGY_LANES];
+  CHOOSE(energyFind, race.contestants, race.laneCount, MOST_ENERGY_LANES)
+  if (options->energy == NULL) {
+    snprintf(error, size, "energies are measured of a scene with an --energy");
+    return WRONG_USE;
+  }
+  Energy* energy = energyRead(options->energy, scene, error, size);
+  if (energy == NULL) {
+    return WRONG_USE;
+  }
+  race.energy = energy;
+  bool success = beginRecord(options->record, &race.record, error, size);
+  if (success) {
+    success = energyRaceRun(&race, results, error, size);
+    success = endRecord(options->record, race.record, error, size) && success;
+  }
+  for (int i = 0; i < race.laneCount && success; i++) {
+    rowBegin("energy", options, scene, options->trialCount);
+    printf(", \"moves\": \"%s\", \"angle\": %.10g, \"kappa\": %d, \"block\": %d", options->moves,
+           race.rule.angle * 180 / PI, race.rule.kappa, race.blockSize);
+    rowTimes(race.contestants[i]->name, results[i].instructionSet, &results[i].microseconds);
+    rowEnergy(&results[i]);
+  }
+  energyFree(energy);
+  return success ? 0 : FAILED;
+}
+
 static int run(const Options* options, const Scene* scene, char* error, size_t size) {
   switch (options->measure) {
     case measureWhole:
@@ -241,6 +283,8 @@ static int run(const Options* options, const Scene* scene, char* error, size_t s
       return runDrift(options, scene, error, size);
     case measureTouch:
       return runTouch(options, scene, error, size);
+    case measureEnergy:
+      return runEnergy(options, scene, error, size);
     default:
       return runTrials(options, scene, error, size);
   }

@@ -15,7 +15,7 @@ bool movesInit(Moves* moves, const Scene* scene, MoveRule rule, uint64_t seed, c
     snprintf(error, size, "not enough memory");
     return false;
   }
-  const bool sideChains = rule.kind == movesSideChain;
+  const bool sideChains = rule.kind == movesSideChain || rule.kind == movesSideChainStep;
   for (int t = 0; t < scene->torsionCount; t++) {
     if (scene->torsions[t].sideChain == sideChains) {
       moves->choices[moves->choiceCount++] = t;
@@ -104,8 +104,9 @@ void movesNext(Moves* moves, const Sphere* spheres, Turn* turns) {
     biasedAngles(moves, spheres, &moves->random, turns);
     return;
   }
+  const bool isStep = moves->rule.kind == movesGaussian || moves->rule.kind == movesSideChainStep;
   for (int i = 0; i < kappa; i++) {
-    turns[i].angle = moves->rule.kind == movesGaussian ? moves->rule.angle * randomGaussian(&moves->random)
-                                                       : PI * (2 * randomReal(&moves->random) - 1);
+    turns[i].angle =
+        isStep ? moves->rule.angle * randomGaussian(&moves->random) : PI * (2 * randomReal(&moves->random) - 1);
   }
 }

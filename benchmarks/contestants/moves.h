@@ -6,10 +6,11 @@
 #include "random.h"
 
 typedef enum MoveKind {
-  movesUniform,  /* of the backbone; a new angle that is uniform, so that the change, modulo a turn, is so too */
-  movesGaussian, /* of the backbone; the change is Gaussian */
-  movesBiased,   /* of the backbone; Gaussian, biased to leave in place what lies behind the last torsion */
-  movesSideChain /* of side chains; the new angle is uniform */
+  movesUniform,      /* of the backbone; a new angle that is uniform, so that the change, modulo a turn, is so too */
+  movesGaussian,     /* of the backbone; the change is Gaussian */
+  movesBiased,       /* of the backbone; Gaussian, biased to leave in place what lies behind the last torsion */
+  movesSideChain,    /* of side chains; the new angle is uniform */
+  movesSideChainStep /* of side chains; the change is Gaussian */
 } MoveKind;
 
 typedef struct MoveRule {

@@ -11,9 +11,10 @@
 enum { BLOCK_SIZE = 2000 };
 
 /* By measure. */
-static const int defaultTrials[] = {20000, 5, 100, 100, 100000, 1400};
-static const char* const defaultContestants[] = {"lazygrid,ours", "published,ours",          "cells,ours",
-                                                 "brute,ours",    "cartesian,ours-portable", "volumes-single,ours"};
+static const int defaultTrials[] = {20000, 5, 100, 100, 100000, 1400, 2000};
+static const char* const defaultContestants[] = {"lazygrid,ours",   "published,ours",          "cells,ours",
+                                                 "brute,ours",      "cartesian,ours-portable", "volumes-single,ours",
+                                                 "ours,ours-stages"};
 
 const char* const optionsUsage =
     "usage: openmm-chaintree-contestants [option value] ...\n"
@@ -26,18 +27,20 @@ const char* const optionsUsage =
     "                    nearest: how near do obstacles come?\n"
     "                    drift: how wrong have positions become after so many turns?\n"
     "                    touch: is the chain free of clashes where particles all but touch?\n"
+    "                    energy: by how much does a change alter the energy of --energy?\n"
     "                    [trials]\n"
     "--contestants LIST  names with commas between them\n"
     "                    [lazygrid,ours; published,ours; cells,ours; brute,ours; cartesian,ours-portable;\n"
-    "                    volumes-single,ours]\n"
+    "                    volumes-single,ours; ours,ours-stages]\n"
     "--chain NAME        random, hilbert, serpentine or worst, or a file with a scene, - for the standard input\n"
     "                    [random]\n"
     "--n COUNT           spheres of a chain that is not from a file [1000]\n"
     "--seed NUMBER       of the random chain and of the moves [1]\n"
-    "--moves KIND        uniform, gaussian, biased or sidechain [uniform]\n"
+    "--moves KIND        uniform, gaussian, biased, sidechain or sidechain-step [uniform]\n"
     "--angle DEGREES     standard deviation of Gaussian changes [5]\n"
     "--kappa COUNT       consecutive torsions that a trial turns [1]\n"
-    "--trials COUNT      trials, or how often the question is asked, or turns [20000, 5, 100, 100, 100000, 1400]\n"
+    "--trials COUNT      trials, or how often the question is asked, or turns [20000, 5, 100, 100, 100000, 1400,\n"
+    "                    2000]\n"
     "--block COUNT       trials of one contestant before the next has its turn [2000]\n"
     "--positions WHEN    each: all positions are read after each trial that is taken over, which counts; where a\n"
     "                    contestant keeps them, up to a motion of them all, they cost nothing. none: they are not\n"
@@ -47,6 +50,9 @@ const char* const optionsUsage =
     "                    drift, where the next ten times as many turns would take a contestant more than its share;\n"
     "                    and touch, with what is searched for\n"
     "--record FILE       write the scene and all trials there, as lines of JSON, for others to run them\n"
+    "--recorded COUNT    of trials with their energies [16]\n"
+    "--energy FILE       what a force field says of a scene from a file\n"
+    "--temperature NUMBER  at which energies decide, K [300]\n"
     "--cutoff LENGTH     of pairs [0.8]\n"
     "--obstacles COUNT   [1000]\n"
     "--isa NAME          instruction set: avx512, avx2 or portable [the best that is here]\n"
@@ -95,18 +101,18 @@ static int parseName(const char* text, const char* const* names, int count) {
 }
 
 static bool parseMeasure(const char* text, Measure* measure) {
-  static const char* const names[] = {"trials", "whole", "pairs", "nearest", "drift", "touch"};
-  static const Measure measures[] = {measureTrials,  measureWhole, measurePairs,
-                                     measureNearest, measureDrift, measureTouch};
-  const int index = parseName(text, names, 6);
+  static const char* const names[] = {"trials", "whole", "pairs", "nearest", "drift", "touch", "energy"};
+  static const Measure measures[] = {measureTrials, measureWhole, measurePairs, measureNearest,
+                                     measureDrift,  measureTouch, measureEnergy};
+  const int index = parseName(text, names, 7);
   *measure = index < 0 ? measureTrials : measures[index];
   return index >= 0;
 }
 
 static bool parseMoves(const char* text, MoveKind* kind) {
-  static const char* const names[] = {"uniform", "gaussian", "biased", "sidechain"};
-  static const MoveKind kinds[] = {movesUniform, movesGaussian, movesBiased, movesSideChain};
-  const int index = parseName(text, names, 4);
+  static const char* const names[] = {"uniform", "gaussian", "biased", "sidechain", "sidechain-step"};
+  static const MoveKind kinds[] = {movesUniform, movesGaussian, movesBiased, movesSideChain, movesSideChainStep};
+  const int index = parseName(text, names, 5);
   *kind = index < 0 ? movesUniform : kinds[index];
   return index >= 0;
 }
@@ -114,7 +120,7 @@ static bool parseMoves(const char* text, MoveKind* kind) {
 static bool parseOption(const char* name, const char* value, Options* options, char* error, size_t size) {
   if (strcmp(name, "--measure") == 0) {
     return parseMeasure(value, &options->measure) ||
-           fail(error, size, name, value, "trials, whole, pairs, nearest, drift or touch");
+           fail(error, size, name, value, "trials, whole, pairs, nearest, drift, touch or energy");
   }
   if (strcmp(name, "--contestants") == 0) {
     options->contestants = value;
@@ -134,7 +140,7 @@ static bool parseOption(const char* name, const char* value, Options* options, c
   if (strcmp(name, "--moves") == 0) {
     options->moves = value;
     return parseMoves(value, &options->rule.kind) ||
-           fail(error, size, name, value, "uniform, gaussian, biased or sidechain");
+           fail(error, size, name, value, "uniform, gaussian, biased, sidechain or sidechain-step");
   }
   if (strcmp(name, "--angle") == 0) {
     double degrees;
@@ -165,6 +171,16 @@ static bool parseOption(const char* name, const char* value, Options* options, c
     options->record = value;
     return true;
   }
+  if (strcmp(name, "--recorded") == 0) {
+    return parseInt(value, 0, INT_MAX, &options->recordCount) || fail(error, size, name, value, "a whole number");
+  }
+  if (strcmp(name, "--energy") == 0) {
+    options->energy = value;
+    return true;
+  }
+  if (strcmp(name, "--temperature") == 0) {
+    return parseReal(value, 1e6, &options->temperature) || fail(error, size, name, value, "a positive number of K");
+  }
   if (strcmp(name, "--cutoff") == 0) {
     return parseReal(value, 1e6, &options->cutoff) || fail(error, size, name, value, "a positive length");
   }
@@ -190,6 +206,8 @@ bool optionsParse(int argc, char** argv, Options* options, char* error, size_t s
                        .blockSize = BLOCK_SIZE,
                        .seconds = INFINITY,
                        .cutoff = 0.8,
+                       .recordCount = 16,
+                       .temperature = 300,
                        .obstacleCount = 1000,
                        .set = instructionSetFind(NULL)};
   for (int i = 1; i < argc; i += 2) {

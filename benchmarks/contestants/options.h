@@ -5,7 +5,15 @@
 #include "moves.h"
 #include "roster.h"
 
-typedef enum Measure { measureTrials, measureWhole, measurePairs, measureNearest, measureDrift, measureTouch } Measure;
+typedef enum Measure {
+  measureTrials,
+  measureWhole,
+  measurePairs,
+  measureNearest,
+  measureDrift,
+  measureTouch,
+  measureEnergy
+} Measure;
 
 typedef struct Options {
   Measure measure;
@@ -23,6 +31,9 @@ typedef struct Options {
   const char* contestants; /* names with commas between them */
   const InstructionSet* set;
   const char* record; /* a file, or NULL */
+  int recordCount;    /* trials with their energies that are written there */
+  const char* energy; /* a file, or NULL */
+  double temperature; /* K */
   bool help;
   bool list;
   bool about;

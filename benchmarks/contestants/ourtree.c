@@ -2,6 +2,7 @@
 #include "ourtree.h"
 
 #include <stdint.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -68,14 +69,36 @@ static void fillObstacles(Arrays* arrays, const Scene* scene, int obstacleCount,
   arrays->joints[scene->linkCount] = ctFixedJoint;
 }
 
-ctChainTree* ourTreeOf(const Scene* scene, int exclusionCount, int obstacleCount, const double* obstacles) {
+/* What the functions below make. */
+typedef struct Wanted {
+  int exclusionCount;
+  int obstacleCount;
+  const double* obstacles;
+  const Energy* energy; /* NULL: none */
+  ctEnergy** made;
+  char* error; /* of `size` bytes, or NULL */
+  size_t size;
+} Wanted;
+
+static void makeEnergy(ctChainTree** tree, const ctDefinition* definition, const Wanted* wanted) {
+  const ctEnergyDefinition energy = {.scene = definition,
+                                     .nonbonded = &wanted->energy->nonbonded,
+                                     .termSetCount = wanted->energy->setCount,
+                                     .termSets = wanted->energy->sets};
+  if (ctCreateEnergy(*tree, &energy, wanted->made, wanted->error, wanted->size) != ctSuccess) {
+    ctDestroy(*tree);
+    *tree = NULL;
+  }
+}
+
+static ctChainTree* makeTree(const Scene* scene, const Wanted* wanted) {
   Arrays arrays = {0};
   ctChainTree* tree = NULL;
-  const int particles = scene->particleCount + obstacleCount;
-  const int links = scene->linkCount + (obstacleCount > 0);
+  const int particles = scene->particleCount + wanted->obstacleCount;
+  const int links = scene->linkCount + (wanted->obstacleCount > 0);
   if (arraysInit(&arrays, (size_t)particles, (size_t)links + 1)) {
     fillScene(&arrays, scene);
-    fillObstacles(&arrays, scene, obstacleCount, obstacles);
+    fillObstacles(&arrays, scene, wanted->obstacleCount, wanted->obstacles);
     const ctDefinition definition = {.particleCount = particles,
                                      .positions = arrays.positions,
                                      .radii = arrays.radii,
@@ -84,27 +107,54 @@ ctChainTree* ourTreeOf(const Scene* scene, int exclusionCount, int obstacleCount
                                      .linkParents = arrays.parents,
                                      .linkJoints = arrays.joints,
                                      .linkTorsions = (const int(*)[4])arrays.torsions,
-                                     .exclusionCount = exclusionCount,
+                                     .exclusionCount = wanted->exclusionCount,
                                      .exclusions = (const int(*)[2])scene->exclusions};
-    ctCreate(&definition, &tree, NULL, 0);
+    ctCreate(&definition, &tree, wanted->error, wanted->size);
+    if (tree != NULL && wanted->energy != NULL) {
+      makeEnergy(&tree, &definition, wanted);
+    }
   }
   arraysFree(&arrays);
   return tree;
 }
 
-ctChainTree* ourTreeWith(const Scene* scene, const char* variable, const char* value) {
+ctChainTree* ourTreeOf(const Scene* scene, int exclusionCount, int obstacleCount, const double* obstacles) {
+  const Wanted wanted = {.exclusionCount = exclusionCount, .obstacleCount = obstacleCount, .obstacles = obstacles};
+  return makeTree(scene, &wanted);
+}
+
+static ctChainTree* makeTreeWith(const Scene* scene, const char* variable, const char* value, const Wanted* wanted) {
   const char* before = getenv(variable);
   char* kept = before == NULL ? NULL : strdup(before);
   ctChainTree* tree = NULL;
   if ((before == NULL || kept != NULL) && setenv(variable, value, 1) == 0) {
-    tree = ourTreeOf(scene, scene->exclusionCount, 0, NULL);
+    tree = makeTree(scene, wanted);
     if (kept == NULL) {
       unsetenv(variable);
     } else if (setenv(variable, kept, 1) != 0) {
+      if (wanted->made != NULL) {
+        ctDestroyEnergy(*wanted->made);
+        *wanted->made = NULL;
+      }
       ctDestroy(tree);
       tree = NULL;
     }
   }
   free(kept);
   return tree;
+}
+
+ctChainTree* ourTreeWith(const Scene* scene, const char* variable, const char* value) {
+  const Wanted wanted = {.exclusionCount = scene->exclusionCount};
+  return makeTreeWith(scene, variable, value, &wanted);
+}
+
+ctChainTree* ourTreeWithEnergy(const Scene* scene, const Energy* energy, const char* instructionSet, ctEnergy** made,
+                               char* error, size_t size) {
+  const Wanted wanted = {
+      .exclusionCount = scene->exclusionCount, .energy = energy, .made = made, .error = error, .size = size};
+  *made = NULL;
+  snprintf(error, size, "not enough memory");
+  return instructionSet == NULL ? makeTree(scene, &wanted)
+                                : makeTreeWith(scene, "CHAINTREE_SIMD", instructionSet, &wanted);
 }

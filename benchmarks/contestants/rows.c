@@ -68,6 +68,18 @@ void rowTouch(const TouchResult* result) {
       result->clashes, result->missed, result->largestMissed, result->gaps, result->invented, result->largestInvented);
 }
 
+void rowEnergy(const EnergyResult* result) {
+  static const char* const parts[CT_ENERGY_PARTS] = {"terms", "near", "other"};
+  printf(", \"mean\": %.6g, \"free\": %d, \"accepted\": %d, \"acceptance\": %.6g, \"refresh\": %.6g", result->mean,
+         result->free, result->accepted, result->acceptance, result->refresh);
+  for (int part = 0; part < CT_ENERGY_PARTS; part++) {
+    printf(", \"%s\": {\"microseconds\": %.6g, \"reached\": %d, \"refused\": %d}", parts[part], result->parts[part],
+           result->reached[part], result->refused[part]);
+  }
+  printf(", \"drift\": %.4g, \"treeBytes\": %lld, \"bytes\": %lld}\n", result->drift, (long long)result->treeBytes,
+         (long long)result->energyBytes);
+}
+
 static void printContestant(const char* measure, const char* name, const char* idea) {
   printf("{\"measure\": \"%s\", \"contestant\": \"%s\", \"idea\": ", measure, name);
   printString(idea);
@@ -106,6 +118,10 @@ void rowsOfContestants(const InstructionSet* set) {
   }
   for (const Contestant* const* c = set->precisions; *c != NULL; c++) {
     printContestant("touch", (*c)->name, (*c)->idea);
+    printf("}\n");
+  }
+  for (const EnergyContestant* c = energyContestants; c->name != NULL; c++) {
+    printContestant("energy", c->name, c->idea);
     printf("}\n");
   }
 }

@@ -3,6 +3,7 @@
 #define ROWS_H_
 
 #include "driftrace.h"
+#include "energyrace.h"
 #include "measure.h"
 #include "options.h"
 #include "touchrace.h"
@@ -17,6 +18,9 @@ void rowCounts(double volumeTests, double particleTests, double updates);
 /* The end of rows about exactness. */
 void rowDrift(const DriftResult* result);
 void rowTouch(const TouchResult* result);
+
+/* The end of a row about energies. */
+void rowEnergy(const EnergyResult* result);
 
 /* A row about the build: compiler, flags, instruction set. */
 void rowOfBuild(const InstructionSet* set);

@@ -18,6 +18,8 @@ class Course:
         of a row, unless it has fewer
     trials : int or None
         of a chain, in place of what a row has by itself
+    folder : Path
+        for files that end with the run
     """
 
     def __init__(self, program, seed, chains, trials, folder):
@@ -26,7 +28,7 @@ class Course:
         self.seed = seed
         self.chains = chains
         self.trials = trials
-        self._folder = Path(folder)
+        self.folder = Path(folder)
         self._scenes = {}
 
     def questions(self, usual):
@@ -36,14 +38,14 @@ class Course:
     def sceneFile(self, model):
         """Return the path of a file with the scene of a Model."""
         if id(model) not in self._scenes:
-            path = self._folder / f"scene-{len(self._scenes)}"
+            path = self.folder / f"scene-{len(self._scenes)}"
             model.scene.write(path)
             self._scenes[id(model)] = path, model  # which keeps the id its own
         return self._scenes[id(model)][0]
 
     def recordFile(self):
         """Return the path of a file for the record of a race, of which there is one at a time."""
-        return self._folder / "record"
+        return self.folder / "record"
 
 
 def measure(function, *arguments):

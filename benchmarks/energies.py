@@ -1,0 +1,151 @@
+"""Measure what energies of trials cost and how exact they are, ours and OpenMM's; see docs/benchmark.md.
+
+PYTHONPATH=build/package python benchmarks/energies.py --markdown energies.md --picture energies.png
+"""
+
+import sys
+
+from energy.goals import judge
+from energy.packing import PackedCopies
+from energy.proteins import METHODS, findFiles, readSampled
+from energy.rows import (
+    GROWTH,
+    PIVOT,
+    SIDE_CHAIN,
+    SMALL_PIVOT,
+    TRIALS,
+    WHOLE_TRIALS,
+    WINDOW,
+    WORK,
+    WORK_TRIALS,
+    GrowthRow,
+    Prepared,
+    WholeRow,
+    WorkRow,
+)
+from energy.tables import makeTables
+from openmmchaintree.command.arguments import Parser, listOf, positive
+from openmmchaintree.command.cli import runParsed
+from racing.platforms import CPU, whyNot
+from racing.running import Maker, Study, addOptions, runStudy
+
+GROUPS = {
+    WORK: "the energy work of a trial: a χ, an open window of eight, a pivot",
+    TRIALS: "whole trials by Simulation.step",
+    GROWTH: "copies of a protein in one chain, 1 to 16",
+}
+
+# What is run where nobody names structures: the villin headpiece, and of these those that are there. The last has no
+# hydrogens, and four chains; it takes part in the first group only.
+_FILES = ("1ubi_h.pdb", "bpti_h.pdb", "5dfr_h.pdb", "4hhb.pdb")
+_OF_WORK_ONLY = ("4hhb.pdb",)
+_PACKED = "5dfr_h.pdb"
+_COPIES = (1, 2, 4, 8, 16)
+
+_RUNS = 5
+_WARM_TRIALS = 200000
+_QUICK_RUNS, _QUICK_TRIALS, _QUICK_COPIES = 1, 200, (1, 2)
+
+
+def main(arguments=None):
+    """Run the script; return its exit status."""
+    parser = Parser(
+        prog="energies.py",
+        description="Measure what the energies of trials of proteins in AMBER14 cost, by our library of energies with "
+        "each set of instructions and by OpenMM's CPU platform with one thread, on the same trials; and how far both "
+        "are from OpenMM's Reference platform. Times are those of the processor. The groups of rows are "
+        + "; ".join(f"{group} ({words})" for group, words in GROUPS.items())
+        + ". What is written to - goes to standard output: Markdown in place of the report, CSV while the report goes "
+        "to standard error.",
+    )
+    parser.set_defaults(run=_run, prog=parser.prog)
+    parser.add_argument(
+        "structures",
+        nargs="*",
+        metavar="structure",
+        help="PDB or mmCIF files, plain or gzipped, of each all amino acids; hydrogens are added if there are none "
+        f"(default: the villin headpiece in OpenMM's package, and of {', '.join(_FILES)} those that are in the folder "
+        "that the variable CHAINTREE_TEST_DATA names)",
+    )
+    parser.add_argument(
+        "--rows", type=listOf(GROUPS), metavar="GROUPS", help="groups of rows, with commas between them (default: all)"
+    )
+    parser.add_argument("--runs", type=positive, help=f"of each row, each by a seed of its own (default: {_RUNS})")
+    parser.add_argument(
+        "--warm",
+        type=positive,
+        metavar="TRIALS",
+        help=f"trials that each protein goes through before anything is measured (default: {_WARM_TRIALS})",
+    )
+    parser.add_argument(
+        "--quick",
+        action="store_true",
+        help=f"only the smallest protein, {_QUICK_RUNS} run a row, {_QUICK_TRIALS} trials each, few copies",
+    )
+    addOptions(
+        parser,
+        f"trials of each run, in place of {WORK_TRIALS} (whole trials: {WHOLE_TRIALS})",
+        "draw times by protein, and error by time",
+    )
+    return runParsed(parser, arguments)
+
+
+def _run(options):
+    groups = list(GROUPS) if options.rows is None else options.rows
+    options.chains = options.runs or (_QUICK_RUNS if options.quick else _RUNS)
+    options.trials = options.trials or (_QUICK_TRIALS if options.quick else None)
+    maker = Maker(makeTables, judge, _hasPicture, _savePicture)
+    return runStudy(options, lambda program: _plan(options, groups), maker, options.structures)
+
+
+def _plan(options, groups):
+    """Return the Study of the rows that the user wants."""
+    if options.structures:
+        paths, missing = options.structures, []
+    else:
+        found, missing = ([], []) if options.quick else findFiles(_FILES)
+        paths = [None, *found]
+    warmTrials = options.warm or (_QUICK_TRIALS if options.quick else _WARM_TRIALS)
+    proteins = {_nameOf(path): Prepared(lambda path=path: readSampled(path).relaxed(warmTrials)) for path in paths}
+    rows = []
+    if WORK in groups:
+        rows += [
+            WorkRow(name, prepared, method, moves)
+            for name, prepared in proteins.items()
+            for method in METHODS
+            for moves in (SIDE_CHAIN, WINDOW, PIVOT)
+        ]
+    if TRIALS in groups:
+        rows += [WholeRow(name, prepared) for name, prepared in proteins.items() if f"{name}.pdb" not in _OF_WORK_ONLY]
+    if GROWTH in groups:
+        name = _nameOf(_PACKED) if _nameOf(_PACKED) in proteins else next(iter(proteins))
+        for copies in _QUICK_COPIES if options.quick else _COPIES:
+            packed = Prepared(lambda copies=copies: PackedCopies(proteins[name].protein, copies))
+            rows += [GrowthRow(name, packed, moves) for moves in (SIDE_CHAIN, SMALL_PIVOT)]
+    skipped = [(name, "not in the folder that CHAINTREE_TEST_DATA names") for name in missing]
+    if whyNot(CPU) is not None:
+        skipped.append(("OpenMM's energies", whyNot(CPU)))
+    return Study(rows, skipped)
+
+
+def _nameOf(path):
+    return "villin" if path is None else str(path).rpartition("/")[2].partition(".")[0]
+
+
+# Matplotlib takes long to import.
+
+
+def _hasPicture(entries):
+    from energy.picture import hasPicture
+
+    return hasPicture(entries)
+
+
+def _savePicture(output, machine, entries):
+    from energy.picture import savePicture
+
+    savePicture(output, machine, entries)
+
+
+if __name__ == "__main__":
+    sys.exit(main())

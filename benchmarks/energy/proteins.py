@@ -1,0 +1,164 @@
+"""Proteins in AMBER14: with hydrogens, as OpenMM's Systems, as hard spheres, after some sampling."""
+
+import os
+from functools import cached_property
+from pathlib import Path
+from typing import NamedTuple
+
+import numpy as np
+import openmm
+from openmm import app, unit
+from openmmchaintree import TorsionMonteCarloIntegrator
+from openmmchaintree.command.allpairs import HardSpheres
+from openmmchaintree.residues import aminoAcid
+from openmmchaintree.sterics import createStericExclusionForce
+from openmmchaintree.structure import readStructure
+from openmmchaintree.torsions import findTorsions
+from racing.platforms import CPU
+from racing.scene import makeScene
+
+from .forcefield import readSystem
+
+FORCE_FIELD = "amber14-all.xml"
+TEMPERATURE = 300  # K
+
+_FOLDER = "CHAINTREE_TEST_DATA"
+_BACKBONE_KINDS = ("phi", "psi")
+_WARM_STEP = 100  # trials
+
+
+class Method(NamedTuple):
+    """How far nonbonded energies reach: a name for tables, and the cutoff of a reaction field in nm, or None."""
+
+    name: str
+    cutoff: float | None
+
+
+REACTION_FIELD, NO_CUTOFF = Method("reaction field 1.0 nm", 1.0), Method("no cutoff", None)
+METHODS = (REACTION_FIELD, NO_CUTOFF)
+
+
+class SampledProtein:
+    """A protein with hydrogens.
+
+    name : str; topology : openmm.app.Topology; positions : (n, 3) float64 array, nm
+    """
+
+    def __init__(self, name, topology, positions):
+        """Take over what there is."""
+        self.name = name
+        self.topology = topology
+        self.positions = positions
+
+    @cached_property
+    def torsions(self):
+        """The Torsions that turn, as they are numbered in the force."""
+        return findTorsions(self.topology, self.positions).torsions
+
+    def isBackbone(self):
+        """Return of each torsion whether it is one of the backbone."""
+        return [torsion.kind in _BACKBONE_KINDS for torsion in self.torsions]
+
+    def makeSystem(self, method, sterics=True):
+        """Make the System of a Method, with or without hard spheres."""
+        if method.cutoff is None:
+            nonbonded = {"nonbondedMethod": app.NoCutoff}
+        else:
+            nonbonded = {"nonbondedMethod": app.CutoffNonPeriodic, "nonbondedCutoff": method.cutoff * unit.nanometer}
+        system = app.ForceField(FORCE_FIELD).createSystem(self.topology, **nonbonded)
+        if sterics:
+            system.addForce(self.makeForce())
+        return system
+
+    def makeForce(self):
+        """Make the StericExclusionForce."""
+        return createStericExclusionForce(self.topology, self.positions, torsions=self.torsions)
+
+    def makeSimulation(self, method, seed, native=True):
+        """Make a Simulation on the CPU platform with one thread, if there is one, with the moves of the example.
+
+        These turn, as in examples/sample_protein.py, the backbone by up to 1 degree, side chains by up to 10 degrees
+        and, half as often, by up to 180.
+        """
+        integrator = TorsionMonteCarloIntegrator(TEMPERATURE * unit.kelvin)
+        integrator.setRandomNumberSeed(seed)
+        integrator.setNativeEnergies(native)
+        backbone = [number for number, isOne in enumerate(self.isBackbone()) if isOne]
+        sideChains = [number for number, isOne in enumerate(self.isBackbone()) if not isOne]
+        integrator.addTorsionMove(1.0, 1 * unit.degree, backbone)
+        integrator.addTorsionMove(1.0, 10 * unit.degree, sideChains)
+        integrator.addTorsionMove(0.5, 180 * unit.degree, sideChains)
+        simulation = app.Simulation(self.topology, self.makeSystem(method), integrator, *choosePlatform())
+        simulation.context.setPositions(self.positions)
+        return simulation
+
+    def relaxed(self, trials, seed=1):
+        """Return the protein after so many trials of these moves, with a reaction field.
+
+        A crystal's hydrogens lie anywhere; what trials are refused by depends on that.
+        """
+        if trials < _WARM_STEP:
+            return self
+        simulation = self.makeSimulation(REACTION_FIELD, seed)
+        simulation.step(trials // _WARM_STEP)
+        return SampledProtein(self.name, self.topology, positionsOf(simulation.context))
+
+    def makeScene(self):
+        """Make the Scene of hard spheres for the program: without roles, and pairs that overlap are excluded."""
+        force = self.makeForce()
+        force.setHydrogenBondAllowance(0)
+        for pair in HardSpheres(force).overlaps(self.positions).pairs.tolist():
+            force.addExclusion(*pair)
+        return makeScene(force, self.positions, [not isBackbone for isBackbone in self.isBackbone()])
+
+    def readTerms(self, method):
+        """Return the ForceFieldTerms of a Method."""
+        return readSystem(self.makeSystem(method, sterics=False))
+
+
+class Evaluator:
+    """OpenMM's energy of positions, on a platform: the CPU platform has one thread."""
+
+    def __init__(self, system, platformName):
+        """Make a Context of a System."""
+        properties = {"Threads": "1"} if platformName == CPU else {}
+        platform = openmm.Platform.getPlatformByName(platformName)
+        self._context = openmm.Context(system, openmm.VerletIntegrator(0.001), platform, properties)
+
+    def energy(self, positions):
+        """Return the energy of (n, 3) positions in nm, kJ/mol."""
+        self._context.setPositions(positions)
+        return self._context.getState(getEnergy=True).getPotentialEnergy()._value
+
+
+def choosePlatform():
+    """Return the CPU platform with one thread as a Simulation takes it, or the Reference platform."""
+    try:
+        return openmm.Platform.getPlatformByName(CPU), {"Threads": "1"}
+    except openmm.OpenMMException:
+        return (openmm.Platform.getPlatformByName("Reference"),)
+
+
+def positionsOf(context):
+    """Return the positions of a Context as an (n, 3) float64 array, nm."""
+    return context.getState(getPositions=True).getPositions(asNumpy=True).value_in_unit(unit.nanometer)
+
+
+def readSampled(path=None):
+    """Read the amino acids of a structure, by default the villin headpiece, and add hydrogens if there are none."""
+    structure = readStructure(path)
+    modeller = app.Modeller(structure.topology, structure.positions * unit.nanometer)
+    modeller.delete([residue for residue in structure.topology.residues() if aminoAcid(residue.name) is None])
+    name = structure.name
+    if not any(atom.element is app.element.hydrogen for atom in modeller.topology.atoms()):
+        modeller.addHydrogens(app.ForceField(FORCE_FIELD))
+        name += ", hydrogens added"
+    positions = np.array(modeller.positions.value_in_unit(unit.nanometer), dtype=np.float64)
+    return SampledProtein(name, modeller.topology, positions)
+
+
+def findFiles(names):
+    """Return which files lie ready, as paths, and the names of the others."""
+    folder = os.environ.get(_FOLDER)
+    found = [Path(folder, name) for name in names if folder and Path(folder, name).exists()]
+    return found, [name for name in names if name not in {path.name for path in found}]
