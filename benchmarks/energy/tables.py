@@ -126,9 +126,9 @@ def _makeWork(rows):
             ]
         )
     notes = [
-        "Of trials that pass the hard spheres: computing all parts of the change of energy and, if the trial is accepted, "
+        "Of trials that pass the hard spheres: computing all parts of the change of energy and, if one is accepted, "
         "making them those of the state. Medians over trials, and over runs (with their range). Until refused: part by "
-        "part, with the mean over trials. OpenMM: positions set and one energy, or two, on the CPU platform with one thread."
+        "part, mean over trials. OpenMM: positions set and one energy, or two, on the CPU platform with one thread."
     ]
     return Table("Energy work of a trial, µs", columns, lines, 3, notes)
 
@@ -197,7 +197,15 @@ def _makeTrials(rows):
 
 
 def _makeStages(rows):
-    stages = list(dict.fromkeys(stage for row in rows if OURS in row for stage in row[OURS].get("stages", {})))
+    stages = list(
+        dict.fromkeys(
+            stage
+            for row in rows
+            if OURS in row
+            for stage, counts in row[OURS].get("stages", {}).items()
+            if counts["computed"] > 0
+        )
+    )
     columns = ["protein", "clash"]
     for stage in stages:
         columns += [f"{stage}: asked", "refused"]
@@ -238,7 +246,7 @@ def _makeGrowth(rows):
         )
     growths = [f"{move} N^{value:.2f}" for move, value in growthOf(rows).items()]
     notes = [
-        "Copies packed in a lattice and linked to one chain, so that a pivot moves all that follows. Reaction field 1.0 nm.",
+        "Copies packed in a lattice and linked to one chain: a pivot moves all that follows. Reaction field 1.0 nm.",
         *([f"Growth, by a fit to the logarithms of all sizes: {', '.join(growths)}."] if growths else []),
     ]
     return Table("Energy work of a trial as chains grow, µs", columns, lines, 2, notes)
