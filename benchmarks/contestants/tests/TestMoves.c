@@ -73,15 +73,22 @@ static void testSideChains(Scene* scene) {
   scene->torsions[3].sideChain = true;
   scene->torsions[5].sideChain = true;
   moves = makeMoves(scene, movesSideChain, 0.1, 1);
+  Moves steps = makeMoves(scene, movesSideChainStep, 0.1, 1);
   Moves backbone = makeMoves(scene, movesUniform, 0.1, 1);
+  double squares = 0;
   for (int i = 0; i < TRIALS; i++) {
     Turn turn;
     movesNext(&moves, NULL, &turn);
     CHECK(scene->torsions[turn.torsion].sideChain);
+    movesNext(&steps, NULL, &turn);
+    CHECK(scene->torsions[turn.torsion].sideChain);
+    squares += turn.angle * turn.angle / TRIALS;
     movesNext(&backbone, NULL, &turn);
     CHECK(!scene->torsions[turn.torsion].sideChain);
   }
+  CHECK(fabs(sqrt(squares) - 0.1) < 0.005);
   movesFree(&moves);
+  movesFree(&steps);
   movesFree(&backbone);
 }
 

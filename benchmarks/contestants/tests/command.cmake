@@ -63,6 +63,22 @@ if(NOT missed GREATER 0)
     message(SEND_ERROR "--measure touch: ${last_row}")
 endif()
 
+# A chain that repels itself.
+set(energy "${CMAKE_CURRENT_BINARY_DIR}/TestContestantsCommand.energy")
+file(WRITE "${energy}" "chaintree-energy 1\nparticles 3 exclusions 0 sets 0\n9 0 78.5\n0.1 1 1\n0.1 1 1\n0.1 1 1\n")
+check_refusal(2 "is no energy of this scene's 60 particles" --measure energy --chain hilbert --n 60 --energy "${energy}")
+string(REPEAT "0.1 1 1\n" 60 rows)
+file(WRITE "${energy}" "chaintree-energy 1\nparticles 60 exclusions 0 sets 0\n9 0 78.5\n${rows}")
+check_output(--measure energy --chain hilbert --n 60 --energy "${energy}" --trials 300 --moves gaussian
+    --contestants ours,ours-portable,ours-stages --temperature 500)
+file(REMOVE "${energy}")
+string(JSON free GET "${last_row}" free)
+string(JSON reached GET "${last_row}" terms reached)
+if(NOT free GREATER 0 OR NOT free EQUAL reached)
+    message(SEND_ERROR "--measure energy: ${last_row}")
+endif()
+check_refusal(2 "of a scene with an --energy" --measure energy)
+
 # Ends with the block in which the time is up, here the first one that counts.
 check_output(--n 60 --contestants brute,lazygrid,ours --trials 100000 --block 10 --seconds 1e-9)
 if(NOT "${last_row}" MATCHES "\"trials\": 10,.*\"asked\": 100000, \"complete\": false")
@@ -105,6 +121,8 @@ check_refusal(2 "there is no contestant nobody for this measure" --measure touch
 check_refusal(2 "moves that turn one torsion" --measure drift --kappa 2)
 check_refusal(1 "no turn makes particles touch" --measure touch --n 4)
 check_refusal(2 "--cutoff 0" --cutoff 0)
+check_refusal(2 "--temperature 0" --temperature 0)
+check_refusal(2 "--recorded -1" --recorded -1)
 check_refusal(2 "--angle 0" --angle 0)
 check_refusal(2 "--seconds 0" --seconds 0)
 check_refusal(2 "expected each or none" --positions all)
