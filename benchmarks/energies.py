@@ -23,7 +23,7 @@ from energy.rows import (
     WholeRow,
     WorkRow,
 )
-from energy.tables import makeTables
+from energy.tables import TABLES, makeTables
 from openmmchaintree.command.arguments import Parser, listOf, positive
 from openmmchaintree.command.cli import runParsed
 from racing.platforms import CPU, whyNot
@@ -42,7 +42,7 @@ _OF_WORK_ONLY = ("4hhb.pdb",)
 _PACKED = "5dfr_h.pdb"
 _COPIES = (1, 2, 4, 8, 16)
 
-_RUNS = 5
+_RUNS = 3
 _WARM_TRIALS = 200000
 _QUICK_RUNS, _QUICK_TRIALS, _QUICK_COPIES = 1, 200, (1, 2)
 
@@ -82,6 +82,13 @@ def main(arguments=None):
         action="store_true",
         help=f"only the smallest protein, {_QUICK_RUNS} run a row, {_QUICK_TRIALS} trials each, few copies",
     )
+    parser.add_argument(
+        "--tables",
+        choices=(*TABLES, "all"),
+        default="all",
+        help=f"which tables are made: {' or '.join(TABLES)}, which docs/benchmark.md and docs/accuracy.md show, or all "
+        "(default: %(default)s)",
+    )
     addOptions(
         parser,
         f"trials of each run, in place of {WORK_TRIALS} (whole trials: {WHOLE_TRIALS})",
@@ -94,7 +101,7 @@ def _run(options):
     groups = list(GROUPS) if options.rows is None else options.rows
     options.chains = options.runs or (_QUICK_RUNS if options.quick else _RUNS)
     options.trials = options.trials or (_QUICK_TRIALS if options.quick else None)
-    maker = Maker(makeTables, judge, _hasPicture, _savePicture)
+    maker = Maker(lambda entries: makeTables(entries, options.tables), judge, _hasPicture, _savePicture)
     return runStudy(options, lambda program: _plan(options, groups), maker, options.structures)
 
 

@@ -31,7 +31,7 @@ MOVE_NAMES = {
     str(SMALL_PIVOT): "pivot, 0.1°",
 }
 
-WORK_TRIALS, WHOLE_TRIALS = 4000, 100000
+WORK_TRIALS, WHOLE_TRIALS = 3000, 100000
 _BLOCK = 500
 _RECORDED = 12  # trials whose energies OpenMM evaluates
 _RECORDED_OF_LARGE = 3

@@ -11,13 +11,26 @@ AVX512, AVX2, PORTABLE = (f"{OURS}-{name}" for name in ("avx512", "avx2", "porta
 _WAYS = {AVX512: "AVX-512", AVX2: "AVX2", PORTABLE: "portable"}
 _PARTS = {"terms": "terms", "near": "near pairs", "other": "other pairs"}
 
+# What can be asked for.
+TABLES = ("times", "errors")
+
 # Whose numbers are medians over runs, under whatever name; the counts are those of all runs.
 _COUNTS = ("free", "attempted", "clashed")
 
 
-def makeTables(entries):
-    """Return the tables of entries."""
+def makeTables(entries, wanted="all"):
+    """Return the tables of entries: of one of TABLES, or all."""
     rows = combineRuns(entries)
+    tables = []
+    if wanted != "errors":
+        tables += _makeTimes(rows)
+    work = [row for row in rows if anyOf(row)["group"] == WORK]
+    if wanted != "times" and work:
+        tables.append(_makeErrors(work))
+    return tables
+
+
+def _makeTimes(rows):
     ofGroup = {group: [row for row in rows if anyOf(row)["group"] == group] for group in (WORK, TRIALS, GROWTH)}
     tables = []
     if ofGroup[WORK]:
@@ -29,8 +42,6 @@ def makeTables(entries):
     memory = [row for row in rows if widest(row) is not None and widest(row).get("bytes", -1) >= 0]
     if memory:
         tables.append(_makeMemory(memory))
-    if ofGroup[WORK]:
-        tables.append(_makeErrors(ofGroup[WORK]))
     return tables
 
 
