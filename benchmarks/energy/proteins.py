@@ -1,7 +1,7 @@
 """Proteins in AMBER14: with hydrogens, as OpenMM's Systems, as hard spheres, after some sampling."""
 
 import os
-from functools import cached_property
+from functools import cache, cached_property
 from pathlib import Path
 from typing import NamedTuple
 
@@ -38,6 +38,11 @@ REACTION_FIELD, NO_CUTOFF = Method("reaction field 1.0 nm", 1.0), Method("no cut
 METHODS = (REACTION_FIELD, NO_CUTOFF)
 
 
+@cache
+def _readForceField():
+    return app.ForceField(FORCE_FIELD)
+
+
 class SampledProtein:
     """A protein with hydrogens.
 
@@ -65,7 +70,7 @@ class SampledProtein:
             nonbonded = {"nonbondedMethod": app.NoCutoff}
         else:
             nonbonded = {"nonbondedMethod": app.CutoffNonPeriodic, "nonbondedCutoff": method.cutoff * unit.nanometer}
-        system = app.ForceField(FORCE_FIELD).createSystem(self.topology, **nonbonded)
+        system = _readForceField().createSystem(self.topology, **nonbonded)
         if sterics:
             system.addForce(self.makeForce())
         return system
@@ -151,7 +156,7 @@ def readSampled(path=None):
     modeller.delete([residue for residue in structure.topology.residues() if aminoAcid(residue.name) is None])
     name = structure.name
     if not any(atom.element is app.element.hydrogen for atom in modeller.topology.atoms()):
-        modeller.addHydrogens(app.ForceField(FORCE_FIELD))
+        modeller.addHydrogens(_readForceField())
         name += ", hydrogens added"
     positions = np.array(modeller.positions.value_in_unit(unit.nanometer), dtype=np.float64)
     return SampledProtein(name, modeller.topology, positions)
