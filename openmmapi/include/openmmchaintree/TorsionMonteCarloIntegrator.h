@@ -60,7 +60,7 @@ class TrialSession;
  * - Native: this library evaluates it, and of it only what a trial changes, in microseconds. It can do so for
  *   NonbondedForce (without periodic images), HarmonicBondForce, HarmonicAngleForce, PeriodicTorsionForce,
  *   RBTorsionForce, CMAPTorsionForce, CustomBondForce, CustomAngleForce, CustomTorsionForce, CustomCompoundBondForce
- * and CustomExternalForce.
+ *   and CustomExternalForce.
  * - Foreign: all else. OpenMM evaluates the force groups of these for each trial that has come so far.
  *
  * A trial passes the parts of U one by one, cheapest first, and ends at the first that refuses it: bonded terms, pairs
@@ -98,8 +98,8 @@ class TrialSession;
  * barostat (periodic boundary conditions are not supported), or a constraint between particles that a torsion moves
  * relative to each other, and if a move names what does not exist. A step throws an exception if no move can be drawn,
  * if U of the present positions is not a number, if these are not finite, if OpenMM has another energy for a native
- * Force, or if another Force throws one. The Context
- * then is where the trials that were accepted have led, and these are counted, but the step is not.
+ * Force, or if another Force throws one. The Context then is where the trials that were accepted have led, and these
+ * are counted, but the step is not.
  *
  * <b>Checkpoints and States.</b> With the same random number seed, the same program samples the same trajectory, bit
  * for bit. So does one that is broken off between two steps and goes on from a checkpoint, or from a State with
