@@ -12,6 +12,9 @@ typedef struct Kernels {
 
   /* The energy of all pairs of particles of two leaves. It is not finite where single precision does not suffice. */
   double (*leafPairEnergy)(const Potential* potential, const LeafSide* a, const LeafSide* b);
+
+  /* The same of some particles of side a, given as bits, with all of side b. */
+  double (*rowsEnergy)(const Potential* potential, const LeafSide* a, const LeafSide* b, unsigned rows);
 } Kernels;
 
 /* Those of the instruction set of this name. */

@@ -41,7 +41,7 @@ static void makeFrame(const ctLeafPositions* positions, unsigned occupied, LeafF
 
 /* ---- Energies ---- */
 
-/* Particles of side a that may be within the cutoff of some particle of side b, as bits; b's box is shifted. */
+/* Slots of side a that may be within the cutoff of some particle of side b, as bits; b's box is shifted. */
 CT_INLINE unsigned rowsNear(const Potential* potential, const LeafSide* a, const LeafSide* b, const float shift[3]) {
   const float* axes[3] = {a->frame->x, a->frame->y, a->frame->z};
   Float16 squared = all16(0);
@@ -53,7 +53,7 @@ CT_INLINE unsigned rowsNear(const Potential* potential, const LeafSide* a, const
     squared = add16(squared, mul16(apart, apart));
   }
   /* Rounding must not lose a row. */
-  return a->columns->occupied & ~greater16(squared, all16(potential->squaredCutoff * 1.0001f));
+  return ~greater16(squared, all16(potential->squaredCutoff * 1.0001f));
 }
 
 /* Rows that are summed in single precision before they are added in double. */
@@ -125,36 +125,59 @@ CT_INLINE double sumRows(const Potential* potential, const LeafSide* a, const Le
   return total16(sum);
 }
 
+/* Sums the rows of side a by the function for this case. */
+CT_INLINE double sumCase(const Potential* potential, const LeafSide* a, const LeafSide* b, const float shift[3],
+                         unsigned rows) {
+  if (a->excluded != NULL) {
+    return potential->hasSwitch   ? sumRows(potential, a, b, shift, rows, true, true, true)
+           : potential->hasCutoff ? sumRows(potential, a, b, shift, rows, true, false, true)
+                                  : sumRows(potential, a, b, shift, rows, false, false, true);
+  }
+  return potential->hasSwitch   ? sumRows(potential, a, b, shift, rows, true, true, false)
+         : potential->hasCutoff ? sumRows(potential, a, b, shift, rows, true, false, false)
+                                : sumRows(potential, a, b, shift, rows, false, false, false);
+}
+
+static void shiftBetween(const LeafSide* a, const LeafSide* b, float shift[3]) {
+  for (int d = 0; d < 3; d++) {
+    shift[d] = (float)(b->frame->centre[d] - a->frame->centre[d]);
+  }
+}
+
+static double rowsEnergy(const Potential* potential, const LeafSide* a, const LeafSide* b, unsigned rows) {
+  float shift[3];
+  shiftBetween(a, b, shift);
+  if (potential->hasCutoff) {
+    rows &= rowsNear(potential, a, b, shift);
+  }
+  return sumCase(potential, a, b, shift, rows);
+}
+
 static double leafPairEnergy(const Potential* potential, const LeafSide* a, const LeafSide* b) {
   float shift[3];
   float back[3];
-  for (int d = 0; d < 3; d++) {
-    shift[d] = (float)(b->frame->centre[d] - a->frame->centre[d]);
-    back[d] = -shift[d];
-  }
-  /* Each row of one side costs the same, so those of the side with fewer are summed. */
-  unsigned rows = rowsNear(potential, a, b, shift);
-  const unsigned rowsOfB = rowsNear(potential, b, a, back);
+  shiftBetween(a, b, shift);
+  unsigned rows = a->columns->occupied;
   const float* from = shift;
-  if (__builtin_popcount(rowsOfB) < __builtin_popcount(rows)) {
-    const LeafSide* other = a;
-    a = b;
-    b = other;
-    rows = rowsOfB;
-    from = back;
+  if (potential->hasCutoff) {
+    /* Each row of one side costs the same, so those of the side with fewer are summed. */
+    shiftBetween(b, a, back);
+    rows &= rowsNear(potential, a, b, shift);
+    const unsigned rowsOfB = b->columns->occupied & rowsNear(potential, b, a, back);
+    if (__builtin_popcount(rowsOfB) < __builtin_popcount(rows)) {
+      const LeafSide* other = a;
+      a = b;
+      b = other;
+      rows = rowsOfB;
+      from = back;
+    }
   }
-  if (a->excluded != NULL) {
-    return potential->hasSwitch   ? sumRows(potential, a, b, from, rows, true, true, true)
-           : potential->hasCutoff ? sumRows(potential, a, b, from, rows, true, false, true)
-                                  : sumRows(potential, a, b, from, rows, false, false, true);
-  }
-  return potential->hasSwitch   ? sumRows(potential, a, b, from, rows, true, true, false)
-         : potential->hasCutoff ? sumRows(potential, a, b, from, rows, true, false, false)
-                                : sumRows(potential, a, b, from, rows, false, false, false);
+  return sumCase(potential, a, b, from, rows);
 }
 
 const Kernels KERNELS = {
     .name = KERNELS_NAME,
     .makeFrame = makeFrame,
     .leafPairEnergy = leafPairEnergy,
+    .rowsEnergy = rowsEnergy,
 };

@@ -12,6 +12,7 @@ typedef struct LeafFrame {
   float z[CT_LEAF_WIDTH];
   float low[3]; /* a box around all particles */
   float high[3];
+  float width;      /* the sum of the box's sides */
   double centre[3]; /* in the world, nm */
 } LeafFrame;
 
