@@ -11,11 +11,11 @@ function(chaintree_label_test name)
 endfunction()
 
 # chaintree_add_c_tests(SOURCES ... [WITH source ...] [LIBRARIES lib ...] [ARGUMENTS ...] [SANITIZED_LIBRARIES lib ...]
-# [SANITIZED_ARGUMENTS ...]): programs on the engine alone, each with the sources after WITH. Each runs as it is, and,
-# with the arguments and libraries that are given for that instead, a second time with sanitizers.
+# [SANITIZED_ARGUMENTS ...] [LABELS ...]): programs on the engine alone, each with the sources after WITH. Each runs as
+# it is, and, with the arguments and libraries that are given for that instead, a second time with sanitizers.
 function(chaintree_add_c_tests)
     cmake_parse_arguments(PARSE_ARGV 0 arg "" ""
-        "SOURCES;WITH;LIBRARIES;ARGUMENTS;SANITIZED_LIBRARIES;SANITIZED_ARGUMENTS")
+        "SOURCES;WITH;LIBRARIES;ARGUMENTS;SANITIZED_LIBRARIES;SANITIZED_ARGUMENTS;LABELS")
     foreach(list LIBRARIES ARGUMENTS)
         if(NOT arg_SANITIZED_${list})
             set(arg_SANITIZED_${list} ${arg_${list}})
@@ -26,12 +26,12 @@ function(chaintree_add_c_tests)
         add_executable(${name} ${source} ${arg_WITH})
         target_link_libraries(${name} PRIVATE chaintree ${arg_LIBRARIES})
         _chaintree_add_program_test(${name} ${arg_ARGUMENTS})
-        chaintree_label_test(${name} engine)
+        chaintree_label_test(${name} engine ${arg_LABELS})
         if(TARGET chaintree_sanitized)
             add_executable(${name}_sanitized ${source} ${arg_WITH})
             target_link_libraries(${name}_sanitized PRIVATE chaintree_sanitized ${arg_SANITIZED_LIBRARIES})
             _chaintree_add_program_test(${name}_sanitized ${arg_SANITIZED_ARGUMENTS})
-            chaintree_label_test(${name}_sanitized engine sanitized)
+            chaintree_label_test(${name}_sanitized engine sanitized ${arg_LABELS})
         endif()
     endforeach()
 endfunction()

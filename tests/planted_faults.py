@@ -41,6 +41,8 @@ ENGINE = Layer(
     slow="TestCommitCost|TestSizes|TestCrowds|TestScales|TestRandomPrograms",
     never="^(TestOracle|TestTrajectories|TestRandomPrograms)$",
 )
+# Of the engine, what energies alone ask for is here, too.
+ENERGY = Layer("platforms/reference/energy/src", "energy", slow="TestEnergyPrograms", never="^$")
 # The platforms differ in little, and OpenCL takes a quarter of an hour.
 API = Layer(".", "api", slow="TestReferenceTorsionMonteCarloIntegrator|TestCpu", never="TestOpenCL")
 
@@ -337,6 +339,116 @@ ENGINE_FAULTS = [
     Fault("avx2: a blend takes the low half twice", "../../simd/simd.h",
           "lanes8(mask >> 8))}", "lanes8(mask))}"),
 ]
+ENERGY_FAULTS = [
+    # ---- Pairs: formulas ----
+    Fault("pairs: the reaction field has another k", "pairs.c",
+          "(d->dielectric - 1) / (both *", "d->dielectric / (both *"),
+    Fault("pairs: the reaction field does not vanish at the cutoff", "pairs.c",
+          "3 * d->dielectric / (both * d->cutoff)", "2 * d->dielectric / (both * d->cutoff)"),
+    Fault("pairs: the switch ends at the wrong distance", "pairs.c",
+          "p->exact[4] = 1 / (d->cutoff - d->switchingDistance);", "p->exact[4] = 1 / d->cutoff;"),
+    Fault("pairs: the switch has another polynomial", "kernels_body.h",
+          "sub16(all16(15), mul16(t, all16(6)))", "sub16(all16(15), mul16(t, all16(5)))"),
+    Fault("pairs: the switch is at work before its distance", "kernels_body.h",
+          "mul16(max16(sub16(distance, all16(potential->switchingDistance)), all16(0)),",
+          "mul16(sub16(distance, all16(potential->switchingDistance)),"),
+    Fault("pairs: sigmas are not halved", "pairs.c",
+          "(float)(d->sigmas[i] / 2)", "(float)(d->sigmas[i])"),
+    Fault("pairs: where floats overflow, exclusions are forgotten", "pairs.c",
+          "& ~(a->excluded != NULL ? (unsigned)a->excluded[k] : 0)", ""),
+    Fault("pairs: rows close to the cutoff are left out", "kernels_body.h",
+          "all16(potential->squaredCutoff * 1.0001f)", "all16(potential->squaredCutoff * 0.9f)"),
+    Fault("pairs: a leaf's box is where its own centre is", "kernels_body.h",
+          "all16(b->frame->low[d] + shift[d])", "all16(b->frame->low[d])"),
+    Fault("pairs: rows of the second leaf are shifted the wrong way", "kernels_body.h",
+          "    from = back;\n", ""),
+    Fault("pairs: the last row of a part is left out", "kernels_body.h",
+          "        part = add16(part, energy);\n", "        part = n < 3 ? add16(part, energy) : part;\n"),
+    Fault("pairs: Lennard-Jones without a cutoff is left out", "kernels_body.h",
+          "    sum = addToSum16(sum, tails);", "    ;"),
+    # ---- Pairs: exclusions ----
+    Fault("masks: the mask is transposed", "pairs.c",
+          "const uint16_t* excluded = pairMaskOf(&pairs->mask, a, b);",
+          "const uint16_t* excluded = pairMaskOf(&pairs->mask, b, a);"),
+    Fault("masks: they are known one way round", "pairmask.c",
+          "    exclude(mask, slotOf[pairs[i][1]], slotOf[pairs[i][0]]);\n", ""),
+    Fault("masks: each particle meets itself", "pairmask.c",
+          "lower <= k; lower++", "lower < k; lower++"),
+    Fault("masks: those without a cutoff do not hold for Lennard-Jones", "kernels_body.h",
+          "          lennardJones = keep16(~(unsigned)a->excluded[k], lennardJones);\n", ""),
+    Fault("masks: those with a cutoff do not hold", "kernels_body.h",
+          "          energy = keep16(~(unsigned)a->excluded[k], energy);\n", ""),
+    # ---- Pairs: what is kept ----
+    Fault("sums: sums of accepted trials are not written", "pairs.c",
+          "      pairs->sums.rows[staged->a].sums[staged->kept] = staged->sum;\n", "      ;\n"),
+    Fault("sums: pairs that an accepted trial brings near are forgotten", "pairs.c",
+          "isKept = isKept && ctLeafSumsAdd(&pairs->sums, staged->a, staged->b, staged->sum);", ";"),
+    Fault("sums: what a discarded trial had stays", "pairs.c",
+          "  pairs->trial++;\n", ""),
+    Fault("sums: frames outlive an accepted trial", "pairs.c",
+          "        pairs->frameIsStale[leaf] = true;\n      }\n    }", "        ;\n      }\n    }"),
+    Fault("sums: of moved leaves the last keeps its frame", "pairs.c",
+          "leaf * CT_LEAF_WIDTH < end; leaf++) {\n        pairs->frameIsStale",
+          "(leaf + 1) * CT_LEAF_WIDTH < end; leaf++) {\n        pairs->frameIsStale"),
+    Fault("sums: frames outlive new positions", "pairs.c",
+          "  for (int leaf = 0; leaf < pairs->leafCount; leaf++) {\n    pairs->frameIsStale[leaf] = true;\n  }\n",
+          "  static bool wasHere;\n  for (int leaf = 0; leaf < pairs->leafCount && !wasHere; leaf++) {\n"
+          "    pairs->frameIsStale[leaf] = true;\n  }\n  wasHere = true;\n"),
+    Fault("sums: sums outlive new positions", "pairs.c",
+          "  ctLeafSumsClear(&pairs->sums);\n",
+          "  if (pairs->trial == 0) {\n    ctLeafSumsClear(&pairs->sums);\n  }\n"),
+    Fault("sums: a leaf moves only if its last slot does", "pairs.c",
+          "while (pairs->pieces[piece].body == 0 && pairs->pieces[piece].slotBegin > leaf * CT_LEAF_WIDTH) {",
+          "while (false) {"),
+    Fault("sums: a sum is found in the next place", "leafsums.c",
+          "row->leaves[begin + half - 1] < leaf ?", "row->leaves[begin + half - 1] <= leaf ?"),
+    Fault("sums: making room loses a sum", "leafsums.c",
+          "    if (row->sums[i] != 0) {", "    if (row->sums[i] != 0 && i != 5) {"),
+    # ---- Parts of a trial ----
+    Fault("parts: near is judged by the trial alone", "../../chaintree/src/leafpairs_body.h",
+          "*gaps = min16(*gaps, squaredGaps(after, k, others->after));",
+          "*gaps = squaredGaps(after, k, others->after);"),
+    Fault("parts: near is judged by the state alone", "../../chaintree/src/leafpairs_body.h",
+          "    *gaps = min16(*gaps, squaredGaps(after, k, others->after));", "    (void)after;"),
+    Fault("parts: the other pairs are computed with the near ones, too", "pairs.c",
+          "if (staged->isNear == near)", "if (staged->isNear || near)"),
+    Fault("parts: the other pairs are left out", "pairs.c",
+          "if (staged->isNear == near)", "if (staged->isNear && near)"),
+    Fault("parts: parts of another trial are taken", "energy.c",
+          "if (part == ctTermsPart || energy->trial != trial) {", "if (part == ctTermsPart) {"),
+    Fault("parts: a trial is accepted without all parts", "energy.c",
+          "energy->computedParts != CT_ENERGY_PARTS || ", ""),
+    Fault("parts: a trial is accepted that was not asked about", "energy.c",
+          " || energy->trial != ctGetTrialCount(energy->tree)", ""),
+    Fault("parts: accepting forgets terms", "energy.c",
+          "  ctTermsAccept(energy->terms);\n", ""),
+    Fault("parts: a refresh forgets terms", "energy.c",
+          "  ctTermsRefresh(energy->terms, leaves);\n", ""),
+    # ---- Terms ----
+    Fault("terms: a list misses a joint", "dependence.c",
+          "if (movesSome && leavesSome) {", "if (movesSome && leavesSome && joints->count < 2) {"),
+    Fault("terms: joints of the second dihedral of a map are left out", "dependence.c",
+          "first < set->particlesPerTerm; first += width", "first < width; first += width"),
+    Fault("terms: particles on the far end of an axis turn", "dependence.c",
+          "particle == scene->linkTorsions[link][1] || ", ""),
+    Fault("terms: a free joint has an axis", "dependence.c",
+          "return scene->linkJoints[link] == ctTorsionJoint &&\n         (", "return ("),
+    Fault("terms: one that two joints change counts twice", "terms.c",
+          "        if (terms->stamps[term] == terms->stamp) {\n          continue;\n        }\n", ""),
+    Fault("terms: positions of the trial are those of the state", "terms.c",
+          "if (view->pieceCount > 0) {\n      moveByBody", "if (false) {\n      moveByBody"),
+    Fault("terms: places of the term before are kept", "terms.c",
+          "    terms->slots[p] = CT_NULL;", "    ;"),
+    Fault("terms: those of one particle stay", "terms.c",
+          "    changeSingles(&change);\n", ""),
+    Fault("terms: wide ones stay", "terms.c",
+          "    changeAcross(&change);\n", ""),
+    Fault("terms: wide ones that are anchored stay where they move as one", "terms.c",
+          "view->pieces[piece].body != 0 && set->isAnchored", "false"),
+    Fault("terms: a discarded trial's are accepted with the next", "terms.c",
+          "  Change change = {.evaluation = beginEvaluation(terms, view)};\n  terms->changedCount = 0;\n",
+          "  Change change = {.evaluation = beginEvaluation(terms, view)};\n  terms->changedCount %= 3;\n"),
+]
 FORCE = "openmmapi/src/StericExclusionForce.cpp"
 FORCE_XML = "serialization/src/StericExclusionForceProxy.cpp"
 ENERGY_PLAN = "openmmapi/src/EnergyPlan.cpp"
@@ -601,7 +713,8 @@ API_FAULTS = [
 # fmt: on
 
 
-FAULTS = [(ENGINE, fault) for fault in ENGINE_FAULTS] + [(API, fault) for fault in API_FAULTS]
+LAYERS = ((ENGINE, ENGINE_FAULTS), (ENERGY, ENERGY_FAULTS), (API, API_FAULTS))
+FAULTS = [(layer, fault) for layer, faults in LAYERS for fault in faults]
 
 
 def run(command, **arguments):
@@ -640,7 +753,7 @@ class Tests:
         self.build = copy.build / layer.label
         options = {
             "Python_EXECUTABLE": sys.executable,
-            "CHAINTREE_ENGINE_ONLY": "ON" if layer is ENGINE else "OFF",
+            "CHAINTREE_ENGINE_ONLY": "OFF" if layer is API else "ON",
             "CHAINTREE_BUILD_PYTHON": "OFF",
             "CHAINTREE_BUILD_BENCHMARKS": "OFF",
             "CHAINTREE_SANITIZE": "",

@@ -209,7 +209,7 @@ double ctGetTermEnergy(const ctEnergy* energy, int termSet);
 ctStatus ctComputeEnergyChange(ctEnergy* energy, ctEnergyPart part, double* change, ctCounts* counts);
 
 /* To be called after ctCommit of a trial of which all parts were computed: makes its values those of the state. Errors:
- * a part was not computed; nothing is changed then, and the energy has to be refreshed. */
+ * a part was not computed, or there is no memory; the energy has to be refreshed then. */
 ctStatus ctAcceptEnergyChange(ctEnergy* energy);
 
 #ifdef __cplusplus
