@@ -179,12 +179,12 @@ MOVES = ((1, 0.02, 1), (1, 0.5, 1))
 class Run:
     """A System under a TorsionMonteCarloIntegrator on the Reference platform."""
 
-    def __init__(self, system, positions, seed=1, native=True, temperature=300, moves=MOVES, rigid=None):
+    def __init__(self, system, positions, seed=1, native=True, temperature=300, moves=MOVES, rigid=None, torsions=None):
         self.integrator = TorsionMonteCarloIntegrator(temperature)
         self.integrator.setRandomNumberSeed(seed)
         self.integrator.setNativeEnergies(native)
         for weight, angle, count in moves:
-            self.integrator.addTorsionMove(weight, angle, count=count)
+            self.integrator.addTorsionMove(weight, angle, torsions, count)
         if rigid is not None:
             self.integrator.addRigidBodyMove(1, *rigid)
         self.system = system
@@ -211,12 +211,18 @@ class Run:
         return sum(integrator.getMoveStatistics(move).accepted for move in range(integrator.getNumMoves()))
 
     @property
-    def force(self):
-        """The StericExclusionForce."""
-        for index in range(self.system.getNumForces()):
-            if isSteric(self.system.getForce(index)):
-                return self.system.getForce(index)
-        raise LookupError("there is no StericExclusionForce")
+    def clashes(self):
+        """Whether spheres overlap by more than they may: then they would have an energy, if they were soft."""
+        for force in self.system.getForces():
+            if isSteric(force):
+                state = self.context.getState(energy=True, groups={force.getForceGroup()})
+                return state.getPotentialEnergy().value_in_unit(unit.kilojoule_per_mole) > 0
+        return False
+
+    @property
+    def torsions(self):
+        """The angles of all torsions, rad."""
+        return np.array(self.integrator.getTorsionAngles(self.context))
 
 
 def positionsOf(context):

@@ -1,0 +1,130 @@
+/* beadenergy.h: a long chain of charged beads and its energy, for tests of the calls on an energy. */
+#ifndef BEADENERGY_H_
+#define BEADENERGY_H_
+
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "../../chaintree/tests/check.h"
+#include "ctenergy.h"
+
+/* A chain of beads, each a link, in which those two apart are excluded. */
+enum { BEADS = 600, LINKS = BEADS - 3 };
+
+static double positions[3 * BEADS];
+static double radii[BEADS];
+static int links[BEADS];
+static int parents[BEADS];
+static uint8_t joints[BEADS];
+static uint8_t listed[BEADS];
+static int torsions[BEADS][4];
+static double charges[BEADS];
+static double sigmas[BEADS];
+static double epsilons[BEADS];
+static int exclusions[BEADS][2];
+static int quadruples[4 * BEADS];
+static double periodic[3 * BEADS];
+
+static const ctDefinition scene = {.particleCount = BEADS,
+                                   .positions = positions,
+                                   .radii = radii,
+                                   .particleLinks = links,
+                                   .listed = listed,
+                                   .linkCount = LINKS,
+                                   .linkParents = parents,
+                                   .linkJoints = joints,
+                                   .linkTorsions = (const int (*)[4])torsions};
+static const ctNonbonded nonbonded = {.charges = charges,
+                                      .sigmas = sigmas,
+                                      .epsilons = epsilons,
+                                      .cutoff = 1.8,
+                                      .switchingDistance = 1.5,
+                                      .dielectric = 78,
+                                      .exclusionCount = BEADS,
+                                      .exclusions = (const int (*)[2])exclusions};
+static const ctTermSet torsionSet = {.kind = ctPeriodicTorsionTerm,
+                                     .count = LINKS,
+                                     .particlesPerTerm = 4,
+                                     .particles = quadruples,
+                                     .parametersPerTerm = 3,
+                                     .parameters = periodic};
+static const ctEnergyDefinition definition = {&scene, &nonbonded, 1, &torsionSet};
+
+/* The first three beads are the root. Each link turns about the bond from the bead before it to its first one. */
+static void describe(void) {
+  for (int i = 0; i < BEADS; i++) {
+    positions[3 * i] = 0.1 * i;
+    positions[3 * i + 1] = i % 4 < 2 ? 0.1 : 0;
+    positions[3 * i + 2] = (i + 1) % 4 < 2 ? 0.1 : 0;
+    listed[i] = 1;
+    charges[i] = i % 2 == 0 ? 0.3 : -0.3;
+    sigmas[i] = 0.1;
+    epsilons[i] = 0.2;
+    links[i] = i < 3 ? 0 : i - 2 < LINKS ? i - 2 : LINKS - 1;
+    exclusions[i][0] = i;
+    exclusions[i][1] = (i + 2) % BEADS;
+    periodic[3 * i] = 1;
+    periodic[3 * i + 2] = 3;
+    for (int k = 0; k < 4 && i < LINKS; k++) {
+      quadruples[4 * i + k] = i + k;
+    }
+  }
+  for (int link = 0; link < LINKS; link++) {
+    parents[link] = link - 1;
+    joints[link] = (uint8_t)(link == 0 ? ctFreeJoint : ctTorsionJoint);
+    for (int k = 0; k < 4; k++) {
+      torsions[link][k] = link + k;
+    }
+  }
+}
+
+/* ---- Scenes ---- */
+
+typedef struct Bench {
+  ctChainTree* tree;
+  ctEnergy* energy;
+} Bench;
+
+static Bench makeBench(void) {
+  Bench bench;
+  CHECK(ctCreate(&scene, &bench.tree, NULL, 0) == ctSuccess);
+  CHECK(ctCreateEnergy(bench.tree, &definition, &bench.energy, NULL, 0) == ctSuccess);
+  return bench;
+}
+
+static void destroyBench(Bench* bench) {
+  ctDestroyEnergy(bench->energy);
+  ctDestroy(bench->tree);
+}
+
+static double total(const Bench* bench) {
+  return ctGetPairEnergy(bench->energy) + ctGetTermEnergy(bench->energy, 0);
+}
+
+/* Folds the chain to a coil, so that some leaves get more neighbours than there is room for. */
+static void propose(const Bench* bench) {
+  static ctChange changes[LINKS];
+  unsigned chance = 1;
+  for (int link = 1; link < LINKS; link++) {
+    chance = chance * 1664525u + 1013904223u;
+    changes[link - 1] = (ctChange){.link = link, .angle = 1e-3 * (double)(chance >> 20)};
+  }
+  CHECK(ctPropose(bench->tree, LINKS - 1, changes) == ctSuccess);
+}
+
+static ctStatus computeChange(const Bench* bench, double* change) {
+  *change = 0;
+  for (int part = 0; part < CT_ENERGY_PARTS; part++) {
+    double ofPart;
+    const ctStatus status = ctComputeEnergyChange(bench->energy, (ctEnergyPart)part, &ofPart, NULL);
+    if (status != ctSuccess) {
+      return status;
+    }
+    *change += ofPart;
+  }
+  return ctSuccess;
+}
+
+#endif /* BEADENERGY_H_ */
