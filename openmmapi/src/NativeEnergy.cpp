@@ -47,13 +47,10 @@ void NativeEnergy::updatePlan()
 {
     const Choice present = getChoice();
     if (forcesWereChanged || parametersWereChanged || !(present == choice)) {
-        const bool copiesAreOld = forcesWereChanged || !(present == choice);
         choice = present;
         if (forcesWereChanged)
             plan.copyForces();
         translate();
-        if (copiesAreOld)
-            check.copyForces();
         forcesWereChanged = parametersWereChanged = false;
     }
     else if (force.getOwnerOfEnergyTerms() != this)

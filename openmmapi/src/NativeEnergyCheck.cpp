@@ -38,21 +38,22 @@ static const double LARGE_FORCE = 25000;
 static const double CONTEXT_ABSOLUTE = 0.5, CONTEXT_RELATIVE = 1e-4;
 static const double CONTEXT_ROUNDING = 1e-6, CONTEXT_HUGE_ENERGY = 1e15;
 
+/** OpenMM's energy of a Force. */
+class NativeEnergyCheck::Result {
+public:
+    /** The index of the Force in the System that is sampled. */
+    int force;
+    double energy;
+    /** The square root of the sum of all squared forces, kJ/mol/nm. */
+    double gradient;
+};
+
 /**
  * A Context that evaluates copies of some Forces, each in a group of its own. Particles and virtual sites stand where
  * they are told, so of the System nothing else is needed.
  */
 class NativeEnergyCheck::Copies {
 public:
-    /** OpenMM's energy of a Force. */
-    class Result {
-    public:
-        /** The index of the Force in the System that is sampled. */
-        int force;
-        double energy;
-        /** The square root of the sum of all squared forces, kJ/mol/nm. */
-        double gradient;
-    };
     Copies(const System& original, const EnergyPlan& plan, const vector<int>& forces) : integrator(0.001)
     {
         for (int i = 0; i < original.getNumParticles(); i++)
@@ -140,26 +141,22 @@ NativeEnergyCheck::NativeEnergyCheck(const ContextImpl& context, const EnergyPla
 {
 }
 
-NativeEnergyCheck::~NativeEnergyCheck()
-{
-}
-
 /**
  * Compare the energy of each Force.
  */
-bool NativeEnergyCheck::checkForces(const vector<Vec3>& positions, const vector<double>& energies) const
+bool NativeEnergyCheck::checkForces(const vector<Result>& results, const vector<double>& energies) const
 {
+    const double numParticles = context.getSystem().getNumParticles();
     const int pairForce = plan.getTerms().nonbonded.empty() ? -1 : plan.getTerms().nonbonded[0].force;
     bool saysMuch = true;
-    for (auto& batch : copies)
-        for (const Copies::Result& result : batch->results) {
-            double tolerance = ABSOLUTE + RELATIVE * abs(result.energy);
-            if (result.force == pairForce)
-                tolerance += ROUNDING * result.gradient + PAIR_ROUNDING * positions.size();
-            if (!agree(energies[result.force], result.energy, tolerance, HUGE_ENERGY))
-                failOfForce(plan, result.force, energies[result.force], result.energy);
-            saysMuch = saysMuch && isfinite(result.energy) && result.gradient <= LARGE_FORCE * sqrt(positions.size());
-        }
+    for (const Result& result : results) {
+        double tolerance = ABSOLUTE + RELATIVE * abs(result.energy);
+        if (result.force == pairForce)
+            tolerance += ROUNDING * result.gradient + PAIR_ROUNDING * numParticles;
+        if (!agree(energies[result.force], result.energy, tolerance, HUGE_ENERGY))
+            failOfForce(plan, result.force, energies[result.force], result.energy);
+        saysMuch = saysMuch && isfinite(result.energy) && result.gradient <= LARGE_FORCE * sqrt(numParticles);
+    }
     return saysMuch;
 }
 
@@ -167,7 +164,7 @@ bool NativeEnergyCheck::checkForces(const vector<Vec3>& positions, const vector<
  * Compare the energy of groups with that of the Context that is sampled. It may compute with other parameters than the
  * Forces have by now.
  */
-void NativeEnergyCheck::checkGroups(const GroupEnergy& groupEnergy) const
+void NativeEnergyCheck::checkGroups(const vector<Result>& results, const GroupEnergy& groupEnergy) const
 {
     const int groups = plan.getWhollyNativeGroups();
     for (int group = 0; group < NUM_GROUPS; group++) {
@@ -175,44 +172,47 @@ void NativeEnergyCheck::checkGroups(const GroupEnergy& groupEnergy) const
             continue;
         vector<int> forces;
         double energy = 0, tolerance = CONTEXT_ABSOLUTE;
-        for (auto& batch : copies)
-            for (const Copies::Result& result : batch->results)
-                if ((plan.getEntries()[result.force].groups >> group & 1) != 0) {
-                    forces.push_back(result.force);
-                    energy += result.energy;
-                    tolerance += CONTEXT_RELATIVE * abs(result.energy) + CONTEXT_ROUNDING * result.gradient;
-                }
+        for (const Result& result : results)
+            if ((plan.getEntries()[result.force].groups >> group & 1) != 0) {
+                forces.push_back(result.force);
+                energy += result.energy;
+                tolerance += CONTEXT_RELATIVE * abs(result.energy) + CONTEXT_ROUNDING * result.gradient;
+            }
         const double ofContext = groupEnergy(1u << group);
         if (!agree(energy, ofContext, tolerance, CONTEXT_HUGE_ENERGY))
             failOfGroup(plan, group, forces, energy, ofContext);
     }
 }
 
-void NativeEnergyCheck::copyForces()
+/**
+ * Let OpenMM evaluate each native Force. Its Contexts take far more memory than the kernel, so each lives only as long
+ * as it is needed.
+ */
+vector<NativeEnergyCheck::Result> NativeEnergyCheck::evaluate(const vector<Vec3>& positions) const
 {
-    copies.clear();
     set<int> native;
     for (const EnergyTerms::TermSet& terms : plan.getTerms().termSets)
         native.insert(terms.force);
-    vector<unique_ptr<Copies>> made;
+    vector<Result> results;
     vector<int> batch;
     for (int force : native) {
         batch.push_back(force);
         if ((int)batch.size() == NUM_GROUPS || force == *native.rbegin()) {
-            made.push_back(make_unique<Copies>(context.getSystem(), plan, batch));
+            Copies copies(context.getSystem(), plan, batch);
+            copies.compute(positions, context.getParameters());
+            results.insert(results.end(), copies.results.begin(), copies.results.end());
             batch.clear();
         }
     }
-    copies.swap(made);
+    return results;
 }
 
 bool NativeEnergyCheck::check(const vector<Vec3>& positions, const vector<double>& energies,
-                              const GroupEnergy& groupEnergy)
+                              const GroupEnergy& groupEnergy) const
 {
-    for (auto& batch : copies)
-        batch->compute(positions, context.getParameters());
-    const bool saysMuch = checkForces(positions, energies);
+    const vector<Result> results = evaluate(positions);
+    const bool saysMuch = checkForces(results, energies);
     if (groupEnergy)
-        checkGroups(groupEnergy);
+        checkGroups(results, groupEnergy);
     return saysMuch;
 }

@@ -30,7 +30,6 @@ public:
     {
         NativeScene::build();
         check.reset(new NativeEnergyCheck(getImpl(), *plan));
-        check->copyForces();
     }
     /**
      * Check the kernel's energies.
@@ -64,7 +63,6 @@ public:
     {
         plan->copyForces();
         translate();
-        check->copyForces();
     }
     void setPositions(const vector<Vec3>& positions)
     {

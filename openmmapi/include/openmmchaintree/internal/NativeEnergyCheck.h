@@ -23,12 +23,6 @@ public:
      */
     typedef std::function<double(int groups)> GroupEnergy;
     NativeEnergyCheck(const OpenMM::ContextImpl& context, const EnergyPlan& plan);
-    ~NativeEnergyCheck();
-    /**
-     * Take over the plan's native Forces. This comes before the first comparison, and again when the plan has changed
-     * in more than the values of the Context's parameters.
-     */
-    void copyForces();
     /**
      * Throw an exception if the energy of a Force is not what OpenMM computes, within the accuracy of both.
      *
@@ -39,16 +33,16 @@ public:
      * what rounding does to energies
      */
     bool check(const std::vector<OpenMM::Vec3>& positions, const std::vector<double>& energies,
-               const GroupEnergy& groupEnergy);
+               const GroupEnergy& groupEnergy) const;
 
 private:
+    class Result;
     class Copies;
-    bool checkForces(const std::vector<OpenMM::Vec3>& positions, const std::vector<double>& energies) const;
-    void checkGroups(const GroupEnergy& groupEnergy) const;
+    std::vector<Result> evaluate(const std::vector<OpenMM::Vec3>& positions) const;
+    bool checkForces(const std::vector<Result>& results, const std::vector<double>& energies) const;
+    void checkGroups(const std::vector<Result>& results, const GroupEnergy& groupEnergy) const;
     const OpenMM::ContextImpl& context;
     const EnergyPlan& plan;
-    /** As many as it takes, since each holds as many Forces as there are groups. */
-    std::vector<std::unique_ptr<Copies>> copies;
 };
 
 } // namespace ChainTreePlugin
