@@ -17,7 +17,7 @@
 
 enum { MOST_PARTICLES = 120, MOST_CHANGES = 6 };
 
-static const int defaultProgramCount = 100;
+static const int defaultProgramCount = 60;
 static const uint64_t defaultSeed = 20021118;
 
 /* What happened in all programs: proof that the comparison was about something. */
