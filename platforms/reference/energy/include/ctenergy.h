@@ -174,7 +174,7 @@ typedef enum ctEnergyPart {
 
 enum { CT_ENERGY_PARTS = 3 };
 
-/* nm; see ENERGY in docs/architecture.md for what it was chosen by. */
+/* nm. A tenth of the work of a pivot is in pairs so near, and more than half of what pairs refuse. */
 #define CT_NEAR_LEAVES 0.02
 
 /* Makes the energy of a scene, in which every particle that is in a term or, with nonbonded, every particle must stand
