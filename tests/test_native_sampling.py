@@ -156,4 +156,4 @@ if __name__ == "__main__":
     for blocks, name in zip(map(blockMeans, rows), ("native", "plain"), strict=True):
         print(name, *(f"{mean:.4f}" for mean in blocks.mean(axis=0)))
     print("p-values", *(f"{value:.3g}" for value in found))
-    sys.exit(found.min() < SIGNIFICANCE / (1 + TORSIONS))
+    sys.exit(int(found.min() < SIGNIFICANCE / (1 + TORSIONS)))
