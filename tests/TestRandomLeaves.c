@@ -10,6 +10,7 @@
 
 #include "chaintree.h"
 #include "oracle/randomScene.h"
+#include "sceneDefinition.h"
 
 enum { SCENES = 60, OPERATIONS = 16, MOST_CHANGES = 5, FEW_PARTICLES = 800 };
 
@@ -56,28 +57,8 @@ static void addToHash(Case* c, const void* data, size_t size)
 
 static ctChainTree* createTree(const randomScene* scene, const unsigned char* listed)
 {
-    ctDefinition definition = {0};
-    definition.particleCount = scene->particleCount;
-    definition.positions = scene->positions;
-    definition.radii = scene->radii;
-    definition.hydrogenBondRoles = scene->roles;
-    definition.particleLinks = scene->particleLinks;
-    definition.listed = listed;
-    definition.linkCount = scene->linkCount;
-    definition.linkParents = scene->linkParents;
-    definition.linkJoints = scene->linkJoints;
-    definition.linkTorsions = (const int(*)[4])scene->linkTorsions;
-    definition.exclusionCount = scene->exclusionCount;
-    definition.exclusions = (const int(*)[2])scene->exclusions;
-    definition.overlapTolerance = scene->overlapTolerance;
-    definition.hydrogenBondAllowance = scene->hydrogenBondAllowance;
-    ctChainTree* tree = NULL;
-    char text[256];
-    if (ctCreate(&definition, &tree, text, sizeof text) != ctSuccess) {
-        printf("%s\n", text);
-        abort();
-    }
-    return tree;
+    const ctDefinition definition = defineScene(scene, listed);
+    return createDefined(&definition);
 }
 
 /* ---- Positions ---- */

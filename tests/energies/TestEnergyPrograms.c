@@ -9,6 +9,7 @@
 #include "energies/pairOracle.h"
 #include "oracle/oracle.h"
 #include "oracle/randomScene.h"
+#include "sceneDefinition.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -109,25 +110,8 @@ static void createProgram(Program* p, uint64_t seed, bool isJudged)
     memset(listed, 1, (size_t)s->particleCount);
     if (randomChance(&p->random, 0.2))
         memset(s->radii, 0, (size_t)s->particleCount * sizeof(double));
-    const ctDefinition definition = {.particleCount = s->particleCount,
-                                     .positions = s->positions,
-                                     .radii = s->radii,
-                                     .hydrogenBondRoles = s->roles,
-                                     .particleLinks = s->particleLinks,
-                                     .listed = listed,
-                                     .linkCount = s->linkCount,
-                                     .linkParents = s->linkParents,
-                                     .linkJoints = s->linkJoints,
-                                     .linkTorsions = (const int(*)[4])s->linkTorsions,
-                                     .exclusionCount = s->exclusionCount,
-                                     .exclusions = (const int(*)[2])s->exclusions,
-                                     .overlapTolerance = s->overlapTolerance,
-                                     .hydrogenBondAllowance = s->hydrogenBondAllowance};
-    char text[200] = "";
-    if (ctCreate(&definition, &p->tree, text, sizeof text) != ctSuccess) {
-        printf("seed %llu: %s\n", (unsigned long long)p->seed, text);
-        exit(1);
-    }
+    const ctDefinition definition = defineScene(s, listed);
+    p->tree = createDefined(&definition);
     p->oracle = oracleCreate(s->particleCount, s->positions, s->radii, s->roles, s->particleLinks, s->linkCount,
                              s->linkParents, s->linkJoints, s->linkTorsions, s->exclusionCount, s->exclusions,
                              s->overlapTolerance, s->hydrogenBondAllowance);

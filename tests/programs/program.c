@@ -1,6 +1,7 @@
 #define _POSIX_C_SOURCE 200809L /* setenv */
 
 #include "program.h"
+#include "sceneDefinition.h"
 
 #include <math.h>
 #include <stdarg.h>
@@ -69,21 +70,9 @@ size_t positionBytes(const Program* p)
 
 ctDefinition programDefinition(const Program* p)
 {
-    const randomScene* scene = &p->scene;
-    return (ctDefinition){.particleCount = scene->particleCount,
-                          .positions = p->firstPositions,
-                          .radii = scene->radii,
-                          .hydrogenBondRoles = scene->roles,
-                          .particleLinks = scene->particleLinks,
-                          .listed = p->listed,
-                          .linkCount = scene->linkCount,
-                          .linkParents = scene->linkParents,
-                          .linkJoints = scene->linkJoints,
-                          .linkTorsions = (const int(*)[4])scene->linkTorsions,
-                          .exclusionCount = scene->exclusionCount,
-                          .exclusions = (const int(*)[2])scene->exclusions,
-                          .overlapTolerance = scene->overlapTolerance,
-                          .hydrogenBondAllowance = scene->hydrogenBondAllowance};
+    ctDefinition definition = defineScene(&p->scene, p->listed);
+    definition.positions = p->firstPositions;
+    return definition;
 }
 
 static void choosePath(Program* p)
