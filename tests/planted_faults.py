@@ -398,7 +398,7 @@ ENERGY_FAULTS = [
           "  ctLeafSumsClear(&pairs->sums);\n",
           "  if (pairs->trial == 0) {\n    ctLeafSumsClear(&pairs->sums);\n  }\n"),
     Fault("sums: a leaf moves only if its last slot does", "pairs.c",
-          "while (pairs->pieces[piece].body == 0 && pairs->pieces[piece].slotBegin > leaf * CT_LEAF_WIDTH) {",
+          "while (piece->body == 0 && piece->slotBegin > begin) {",
           "while (false) {"),
     Fault("sums: a sum is found in the next place", "leafsums.c",
           "row->leaves[begin + half - 1] < leaf ?", "row->leaves[begin + half - 1] <= leaf ?"),

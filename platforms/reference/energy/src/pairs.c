@@ -259,22 +259,14 @@ static bool reserve(void** array, int* capacity, size_t count, size_t size) {
   return true;
 }
 
-/* The index of the piece that a slot is in. */
-static int pieceOf(const Pairs* pairs, int slot) {
-  int piece = pairs->pieceCount - 1;
-  while (pairs->pieces[piece].slotBegin > slot) {
-    piece--;
-  }
-  return piece;
-}
-
 /* True if some slots of a leaf move in the trial. */
 static bool leafMoves(const Pairs* pairs, int leaf) {
-  int piece = pieceOf(pairs, leaf * CT_LEAF_WIDTH + CT_LEAF_WIDTH - 1);
-  while (pairs->pieces[piece].body == 0 && pairs->pieces[piece].slotBegin > leaf * CT_LEAF_WIDTH) {
+  const int begin = leaf * CT_LEAF_WIDTH;
+  const ctPiece* piece = findPiece(pairs->pieces, pairs->pieceCount, begin + CT_LEAF_WIDTH - 1);
+  while (piece->body == 0 && piece->slotBegin > begin) {
     piece--;
   }
-  return pairs->pieces[piece].body != 0;
+  return piece->body != 0;
 }
 
 static const LeafFrame* trialFrame(Pairs* pairs, int leaf) {

@@ -13,15 +13,19 @@ typedef struct TrialView {
   const int* links; /* the caller's links that the trial changes */
 } TrialView;
 
-/* The body of a slot. O(log pieces). */
-static inline int trialBody(const TrialView* view, int slot) {
-  const ctPiece* piece = view->pieces;
-  for (int count = view->pieceCount; count > 1;) {
+/* The piece that a slot is in. O(log pieces). */
+static inline const ctPiece* findPiece(const ctPiece* pieces, int count, int slot) {
+  while (count > 1) {
     const int half = count / 2;
-    piece += piece[half].slotBegin <= slot ? half : 0;
+    pieces += pieces[half].slotBegin <= slot ? half : 0;
     count -= half;
   }
-  return piece->body;
+  return pieces;
+}
+
+/* The body of a slot. */
+static inline int trialBody(const TrialView* view, int slot) {
+  return findPiece(view->pieces, view->pieceCount, slot)->body;
 }
 
 /* The position of a slot in the state. */
