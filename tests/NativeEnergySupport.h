@@ -119,11 +119,13 @@ public:
      */
     std::vector<double> computeEnergies(bool force = false)
     {
-        double pairs;
-        std::vector<double> termSets;
+        double nonbonded, born = 0;
+        std::vector<double> pairSets, termSets;
         getKernel().updateEnergy(force);
-        getKernel().getEnergies(pairs, termSets);
-        return plan->sumByForce(pairs, termSets);
+        getKernel().getEnergies(nonbonded, pairSets, termSets);
+        if (!plan->getTerms().born.empty())
+            getKernel().computeWholeEnergy(nonbonded, born);
+        return plan->sumByForce(nonbonded, born, pairSets, termSets);
     }
     /**
      * Get OpenMM's energy of force groups at the kernel's positions.

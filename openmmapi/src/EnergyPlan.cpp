@@ -151,11 +151,16 @@ int EnergyPlan::getWhollyNativeGroups() const
     return native & ~getGroups(Foreign);
 }
 
-vector<double> EnergyPlan::sumByForce(double pairs, const vector<double>& termSets) const
+vector<double> EnergyPlan::sumByForce(double nonbonded, double born, const vector<double>& pairSets,
+                                      const vector<double>& termSets) const
 {
     vector<double> energies(entries.size());
-    for (const EnergyTerms::Nonbonded& nonbonded : terms.nonbonded)
-        energies[nonbonded.force] += pairs;
+    for (const EnergyTerms::Nonbonded& term : terms.nonbonded)
+        energies[term.force] += nonbonded;
+    for (const EnergyTerms::Born& term : terms.born)
+        energies[term.force] += born;
+    for (size_t i = 0; i < terms.pairSets.size(); i++)
+        energies[terms.pairSets[i].force] += pairSets[i];
     for (size_t i = 0; i < terms.termSets.size(); i++)
         energies[terms.termSets[i].force] += termSets[i];
     return energies;

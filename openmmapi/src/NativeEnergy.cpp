@@ -111,12 +111,14 @@ void NativeEnergy::checkNumbers(const vector<double>& energies) const
  */
 vector<double> NativeEnergy::updateEnergies()
 {
-    double pairs;
-    vector<double> termSets;
+    double nonbonded, born = 0;
+    vector<double> pairSets, termSets;
     kernel.updateEnergy(energyIsOld);
     energyIsOld = false;
-    kernel.getEnergies(pairs, termSets);
-    return plan.sumByForce(pairs, termSets);
+    kernel.getEnergies(nonbonded, pairSets, termSets);
+    if (!plan.getTerms().born.empty())
+        kernel.computeWholeEnergy(nonbonded, born);
+    return plan.sumByForce(nonbonded, born, pairSets, termSets);
 }
 
 void NativeEnergy::compareWithOpenMM(TrialSession& trials, const vector<double>& energies)

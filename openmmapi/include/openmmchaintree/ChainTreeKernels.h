@@ -153,9 +153,10 @@ public:
      */
     virtual void updateEnergy(bool force) = 0;
     /**
-     * Get the energy as it is kept, of the state that updateEnergy() or the last accepted trial has left.
+     * Get the energy as it is kept, of the state that updateEnergy() or the last accepted trial has left. That of pairs
+     * is that of the stand-in, if there is one.
      */
-    virtual void getEnergies(double& pairs, std::vector<double>& termSets) = 0;
+    virtual void getEnergies(double& pairs, std::vector<double>& pairSets, std::vector<double>& termSets) = 0;
     /**
      * Get how many terms of each set some move could change.
      */
@@ -165,6 +166,28 @@ public:
      * is accepted before all were asked for leaves an energy that updateEnergy() computes anew.
      */
     virtual double getProposedEnergyChange(EnergyPart part) = 0;
+    /**
+     * Get the change of near pairs on the way back, once all parts were computed. See ctGetNearChangeBack().
+     */
+    virtual double getNearChangeBack() = 0;
+    /**
+     * Compute the energies that the stand-in stands for, of the state.
+     */
+    virtual void computeWholeEnergy(double& nonbonded, double& born) = 0;
+    /**
+     * Make the stand-in what it is in this state, and compute the energy anew.
+     */
+    virtual void renewStandIn() = 0;
+    /**
+     * Get or set the numbers of the stand-in. They are none if there is none.
+     */
+    virtual void getStandIn(std::vector<double>& numbers) = 0;
+    virtual void setStandIn(const std::vector<double>& numbers) = 0;
+    /**
+     * Keep the state, its limits and its energy, or bring them back bit for bit.
+     */
+    virtual void keepState() = 0;
+    virtual void takeBackState() = 0;
 
     virtual void getTraversalStatistics(long long& queries, long long& volumeTests, long long& particleTests,
                                         long long& nodesUpdated) = 0;

@@ -54,9 +54,16 @@ public:
     void rejectProposal();
     void setEnergyTerms(const EnergyTerms& terms);
     void updateEnergy(bool force);
-    void getEnergies(double& pairs, std::vector<double>& termSets);
+    void getEnergies(double& pairs, std::vector<double>& pairSets, std::vector<double>& termSets);
     void countChangeableTerms(std::vector<int>& counts);
     double getProposedEnergyChange(EnergyPart part);
+    double getNearChangeBack();
+    void computeWholeEnergy(double& nonbonded, double& born);
+    void renewStandIn();
+    void getStandIn(std::vector<double>& numbers);
+    void setStandIn(const std::vector<double>& numbers);
+    void keepState();
+    void takeBackState();
     void getTraversalStatistics(long long& queries, long long& volumeTests, long long& particleTests,
                                 long long& nodesUpdated);
     void resetTraversalStatistics();

@@ -35,7 +35,12 @@ public:
      * Take notice that the open trial has become the state.
      */
     void accept();
-    void getEnergies(double& pairs, std::vector<double>& termSets) const;
+    void getEnergies(double& pairs, std::vector<double>& pairSets, std::vector<double>& termSets) const;
+    double getNearChangeBack() const;
+    void computeWhole(double& nonbonded, double& born, ctCounts& counts);
+    void renewStandIn(ctCounts& counts);
+    void getStandIn(std::vector<double>& numbers) const;
+    void setStandIn(const std::vector<double>& numbers);
     void countChangeableTerms(std::vector<int>& counts) const;
 
 private:
@@ -48,7 +53,9 @@ private:
     };
     void check(ctStatus status) const;
     std::unique_ptr<ctEnergy, Deleter> energy;
-    int numTermSets;
+    int numPairSets, numTermSets;
+    /** How many numbers the stand-in has; 0 if there is none. */
+    int sizeOfStandIn;
 };
 
 } // namespace ChainTreePlugin

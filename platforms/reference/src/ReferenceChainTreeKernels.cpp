@@ -607,9 +607,10 @@ void ReferenceCalcStericExclusionForceKernel::updateEnergy(bool force)
     requireEnergy().update(force, counts);
 }
 
-void ReferenceCalcStericExclusionForceKernel::getEnergies(double& pairs, vector<double>& termSets)
+void ReferenceCalcStericExclusionForceKernel::getEnergies(double& pairs, vector<double>& pairSets,
+                                                          vector<double>& termSets)
 {
-    requireEnergy().getEnergies(pairs, termSets);
+    requireEnergy().getEnergies(pairs, pairSets, termSets);
 }
 
 void ReferenceCalcStericExclusionForceKernel::countChangeableTerms(vector<int>& counts)
@@ -626,6 +627,41 @@ void ReferenceCalcStericExclusionForceKernel::countChangeableTerms(vector<int>& 
 double ReferenceCalcStericExclusionForceKernel::getProposedEnergyChange(EnergyPart part)
 {
     return requireEnergy().computeChange((ctEnergyPart)part, counts);
+}
+
+double ReferenceCalcStericExclusionForceKernel::getNearChangeBack()
+{
+    return requireEnergy().getNearChangeBack();
+}
+
+void ReferenceCalcStericExclusionForceKernel::computeWholeEnergy(double& nonbonded, double& born)
+{
+    requireEnergy().computeWhole(nonbonded, born, counts);
+}
+
+void ReferenceCalcStericExclusionForceKernel::renewStandIn()
+{
+    requireEnergy().renewStandIn(counts);
+}
+
+void ReferenceCalcStericExclusionForceKernel::getStandIn(vector<double>& numbers)
+{
+    requireEnergy().getStandIn(numbers);
+}
+
+void ReferenceCalcStericExclusionForceKernel::setStandIn(const vector<double>& numbers)
+{
+    requireEnergy().setStandIn(numbers);
+}
+
+void ReferenceCalcStericExclusionForceKernel::keepState()
+{
+    throw OpenMMException("StericExclusionForce: keepState() comes with the outer test");
+}
+
+void ReferenceCalcStericExclusionForceKernel::takeBackState()
+{
+    throw OpenMMException("StericExclusionForce: takeBackState() comes with the outer test");
 }
 
 void ReferenceCalcStericExclusionForceKernel::acceptProposal()

@@ -21,7 +21,7 @@ static_assert((int)EnergyTerms::X == ctMeasureX && (int)EnergyTerms::Distance ==
 static_assert((int)EnergyTerms::Constant == ctConstantOperator && (int)EnergyTerms::Negate == ctNegateOperator &&
                   (int)EnergyTerms::Cot == ctCotOperator && (int)EnergyTerms::Erf == ctErfOperator &&
                   (int)EnergyTerms::PowerConstant == ctPowerConstantOperator &&
-                  (int)EnergyTerms::Select == ctSelectOperator,
+                  (int)EnergyTerms::Table == ctTableOperator,
               "the operators differ");
 
 /**
@@ -66,7 +66,8 @@ private:
 };
 
 TrialEnergy::TrialEnergy(ctChainTree* tree, const ctDefinition& scene, const EnergyTerms& terms) :
-    numTermSets(terms.termSets.size())
+    numPairSets(terms.pairSets.size()),
+    numTermSets(terms.termSets.size()), sizeOfStandIn(terms.born.empty() ? 0 : scene.particleCount)
 {
     vector<LibraryTerms> arrays;
     arrays.reserve(terms.termSets.size());
@@ -134,9 +135,42 @@ void TrialEnergy::accept()
     ctAcceptEnergyChange(energy.get());
 }
 
-void TrialEnergy::getEnergies(double& pairs, vector<double>& termSets) const
+double TrialEnergy::getNearChangeBack() const
+{
+    return ctGetNearChangeBack(energy.get());
+}
+
+void TrialEnergy::computeWhole(double& nonbonded, double& born, ctCounts& counts)
+{
+    check(ctComputeWholeEnergy(energy.get(), &nonbonded, &born, &counts));
+}
+
+void TrialEnergy::renewStandIn(ctCounts& counts)
+{
+    check(ctRenewStandIn(energy.get(), &counts));
+}
+
+void TrialEnergy::getStandIn(vector<double>& numbers) const
+{
+    numbers.resize(sizeOfStandIn);
+    if (sizeOfStandIn > 0)
+        ctGetStandIn(energy.get(), numbers.data());
+}
+
+void TrialEnergy::setStandIn(const vector<double>& numbers)
+{
+    if ((int)numbers.size() != sizeOfStandIn)
+        throw OpenMMException("StericExclusionForce: the stand-in is of another energy");
+    if (sizeOfStandIn > 0)
+        ctSetStandIn(energy.get(), numbers.data());
+}
+
+void TrialEnergy::getEnergies(double& pairs, vector<double>& pairSets, vector<double>& termSets) const
 {
     pairs = ctGetPairEnergy(energy.get());
+    pairSets.resize(numPairSets);
+    for (int i = 0; i < numPairSets; i++)
+        pairSets[i] = ctGetPairSetEnergy(energy.get(), i);
     termSets.resize(numTermSets);
     for (int i = 0; i < numTermSets; i++)
         termSets[i] = ctGetTermEnergy(energy.get(), i);

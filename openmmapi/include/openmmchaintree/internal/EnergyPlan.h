@@ -84,10 +84,11 @@ public:
      */
     int getWhollyNativeGroups() const;
     /**
-     * Sum up energies as CalcStericExclusionForceKernel::getEnergies() gives them: the energy of each Force by its
-     * index in the System, 0 for those that the kernel does not evaluate.
+     * Sum up energies as CalcStericExclusionForceKernel::getEnergies() and computeWholeEnergy() give them: the energy
+     * of each Force by its index in the System, 0 for those that the kernel does not evaluate.
      */
-    std::vector<double> sumByForce(double pairs, const std::vector<double>& termSets) const;
+    std::vector<double> sumByForce(double nonbonded, double born, const std::vector<double>& pairSets,
+                                   const std::vector<double>& termSets) const;
 
     /**
      * Get the copy of a Force that is native or constant.

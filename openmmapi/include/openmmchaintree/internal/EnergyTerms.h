@@ -69,7 +69,8 @@ public:
         Abs,
         Floor,
         Ceil,
-        Select
+        Select,
+        Table
     };
     struct Operation {
         Operator kind;
@@ -101,8 +102,55 @@ public:
         double switchingDistance, dielectric;
         std::vector<std::array<int, 2>> exclusions;
     };
+    /** A function by a table; see ctTable. */
+    struct TableFunction {
+        bool discrete, periodic;
+        int dimensions;
+        std::array<int, 3> sizes;
+        std::array<double, 3> minima, maxima;
+        std::vector<double> values;
+    };
+    /** Two sets of particles that interact. */
+    typedef std::array<std::vector<int>, 2> InteractionGroup;
+    /** An expression of two particles, summed over pairs. */
+    struct PairSet {
+        int force;
+        std::vector<Operation> operations;
+        std::vector<TableFunction> tables;
+        int parametersPerParticle;
+        std::vector<double> parameters;
+        /** Infinite if there is none. */
+        double cutoff;
+        double switchingDistance;
+        std::vector<std::array<int, 2>> exclusions;
+        std::vector<InteractionGroup> groups;
+    };
+    /** Generalized Born solvation. */
+    struct Born {
+        int force;
+        std::vector<double> charges, radii, offsetRadii, scaledRadii;
+        bool rescaled;
+        std::vector<double> alphas, betas, gammas;
+        int numNeckTypes;
+        std::vector<int> neckTypes;
+        std::vector<double> neckHeights, neckDistances;
+        double neckScale, neckCut;
+        double coulomb, soluteDielectric, solventDielectric, kappa, surfaceEnergy, probeRadius;
+        /** Infinite if there is none. */
+        double cutoff;
+        double shift;
+    };
+    /** What trials see instead of nonbonded and born. */
+    struct StandIn {
+        double bornCutoff, pairCutoff, gridWidth;
+    };
     /** None or one. */
     std::vector<Nonbonded> nonbonded;
+    /** None or one, which needs a Nonbonded. */
+    std::vector<Born> born;
+    /** Read with a Born alone. */
+    StandIn standIn;
+    std::vector<PairSet> pairSets;
     std::vector<TermSet> termSets;
 };
 

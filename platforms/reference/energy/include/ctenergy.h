@@ -127,7 +127,8 @@ typedef enum ctOperator {
   ctAbsOperator,
   ctFloorOperator,
   ctCeilOperator,
-  ctSelectOperator /* b if a != 0, else c */
+  ctSelectOperator, /* b if a != 0, else c */
+  ctTableOperator   /* of pairs alone: table number v of a, b, c, as many as it has dimensions */
 } ctOperator;
 
 typedef struct ctOperation {
@@ -157,10 +158,104 @@ typedef struct ctTermSet {
   const ctExpression* expression; /* for ctExpressionTerm */
 } ctTermSet;
 
+/* A function of one to three numbers by a table. A discrete one has a value for each whole number from 0, or for each
+ * two or three, the first fastest; numbers are rounded, and NaN is what is outside. One that is not discrete has pieces:
+ * of the range of each number, `sizes` equal intervals. In an interval of one number the function is the sum over i of
+ * values[4 s + i] u^i, u in [0, 1] from its lower end; of two, as in ctTorsionMap. Outside of the range it is 0, unless
+ * it is periodic. */
+typedef struct ctTable {
+  bool isDiscrete;
+  bool isPeriodic;
+  int dimensions; /* 1 to 3; 1 or 2 if not discrete */
+  int sizes[3];
+  double minima[3]; /* of the range, if not discrete */
+  double maxima[3];
+  const double* values;
+} ctTable;
+
+/* The particles of one set interact with those of another. A pair that both orders give counts once. */
+typedef struct ctInteractionGroup {
+  int counts[2];
+  const int* particles[2];
+} ctInteractionGroup;
+
+/* An expression of the distance and the parameters of two particles, which has to be the same in either order, summed
+ * over pairs of particles. Of its operations, input 0 is the distance in nm; parameter p < parametersPerParticle is
+ * that of one particle, and parametersPerParticle + p of the other. From the switching distance s to the cutoff it is
+ * multiplied as Lennard-Jones is in ctNonbonded. */
+typedef struct ctPairSet {
+  int operationCount;
+  const ctOperation* operations;
+  int tableCount;
+  const ctTable* tables;
+  int parametersPerParticle;
+  const double* parameters; /* one particle after another */
+  double cutoff;            /* nm; INFINITY: none */
+  double switchingDistance; /* nm; not below the cutoff: no switch */
+  int exclusionCount;
+  const int (*exclusions)[2];
+  int groupCount; /* 0: all pairs count; else those of each group, once a group */
+  const ctInteractionGroup* groups;
+} ctPairSet;
+
+/* Generalized Born solvation. Particle i has the Born sum I_i = sum over j != i of v(r; o_i, s_j) + neckScale n_ij(r),
+ *   v(r; o, s) = 0 if r + s < o; else 1/2 (1/L - 1/U + 1/4 (r - s^2 / r) (1/U^2 - 1/L^2) + 1/2 log(L / U) / r),
+ *     U = r + s, L = max(o, |r - s|),
+ *   n_ij(r) = m / (1 + 100 (r - d)^2 + 0.3e6 (r - d)^6) if r <= R_i + R_j + neckCut, else 0, where m and d are those of
+ *     neckTypes[i] + neckTypeCount * neckTypes[j],
+ * and the Born radius B_i = 1 / (1/o_i - tanh(alpha p - beta p^2 + gamma p^3) / R_i), p = I_i o_i, or without rescaling
+ * 1 / (1/o_i - I_i). Here o is the offset radius, s the scaled one, R the whole one. The energy is the sum over i of
+ *   -1/2 coulomb (1/soluteDielectric - exp(-kappa B_i) / solventDielectric) q_i^2 / B_i
+ *     + surfaceEnergy (R_i + probeRadius)^2 (R_i / B_i)^6,
+ * and over all pairs i < j, excluded or not, of
+ *   -coulomb (1/soluteDielectric - exp(-kappa f) / solventDielectric) q_i q_j (1/f - shift),
+ *     f = sqrt(r^2 + B_i B_j exp(-r^2 / (4 B_i B_j))).
+ * With a cutoff, pairs that are farther apart count in no sum. */
+typedef struct ctBorn {
+  const double* charges; /* one a particle, as all arrays up to neckTypes */
+  const double* radii;   /* nm */
+  const double* offsetRadii;
+  const double* scaledRadii; /* may be negative */
+  bool isRescaled;
+  const double* alphas; /* these three only if rescaled */
+  const double* betas;
+  const double* gammas;
+  int neckTypeCount; /* 0: there are no necks */
+  const int* neckTypes;
+  const double* neckHeights;   /* m of each two types */
+  const double* neckDistances; /* d, nm */
+  double neckScale;
+  double neckCut; /* nm */
+  double coulomb; /* kJ nm / (mol e^2) */
+  double soluteDielectric;
+  double solventDielectric;
+  double kappa;         /* 1/nm */
+  double surfaceEnergy; /* kJ/mol/nm^2 */
+  double probeRadius;   /* nm */
+  double cutoff;        /* nm; INFINITY: none */
+  double shift;         /* 1/nm */
+} ctBorn;
+
+/* What trials see instead of nonbonded and born, a function U1 of the state that is near both: Lennard-Jones, Coulomb
+ * and Born pairs, the last two together less their value at `pairCutoff`, of pairs within that distance; excluded pairs
+ * have their Born energy alone. Born sums are those over particles within `bornCutoff`, and a constant of each particle
+ * that stands for those farther away (see ctRenewStandIn). In pairs, ln B is rounded to a multiple of gridWidth, and
+ * the first order of what that neglects is added: a radius changes all pairs of its particle only if it crosses the
+ * middle between two of the grid. */
+typedef struct ctStandIn {
+  double bornCutoff; /* nm, finite */
+  double pairCutoff; /* nm, finite */
+  double gridWidth;
+} ctStandIn;
+
 /* The description of an energy. All arrays are the caller's, who may free them once ctCreateEnergy has returned. */
 typedef struct ctEnergyDefinition {
   const ctDefinition* scene;    /* what the scene was made from */
   const ctNonbonded* nonbonded; /* NULL: no pairs */
+  const ctBorn* born;           /* NULL: none; needs nonbonded and standIn */
+  const ctStandIn* standIn;     /* read with born alone */
+  int pairSetCount;
+  const ctPairSet* pairSets;
   int termSetCount;
   const ctTermSet* termSets;
 } ctEnergyDefinition;
@@ -198,9 +293,10 @@ ctStatus ctRefreshEnergy(ctEnergy* energy, ctCounts* counts);
 /* True if what is kept belongs to the scene's state; else the energy has to be refreshed before the next trial. */
 bool ctIsEnergyOfState(const ctEnergy* energy);
 
-/* The energy of the state as of the last refresh and all changes accepted since: of all pairs, and of a term set.
- * O(what is kept). NaN or infinite if some pair or term is. */
+/* The energy of the state as of the last refresh and all changes accepted since: of all pairs (with born, that of the
+ * stand-in), of a pair set, and of a term set. O(what is kept). NaN or infinite if some pair or term is. */
 double ctGetPairEnergy(const ctEnergy* energy);
+double ctGetPairSetEnergy(const ctEnergy* energy, int pairSet);
 double ctGetTermEnergy(const ctEnergy* energy, int termSet);
 
 /* By how much the scene's open trial changes a part of the energy. Parts may be asked for in this order alone, each
@@ -208,9 +304,34 @@ double ctGetTermEnergy(const ctEnergy* energy, int termSet);
  * infinite and others finite. */
 ctStatus ctComputeEnergyChange(ctEnergy* energy, ctEnergyPart part, double* change, ctCounts* counts);
 
+/* With born, the change of near pairs is computed with the Born radii of the state, and so is not the opposite of that of
+ * the way back, which begins with the radii of the trial. This is the change of near pairs on the way back, known once
+ * all parts were computed; without born the opposite of the change. A test of near pairs alone with the probability
+ * a(change) has to be followed by one that multiplies by a(change back) / a(change). */
+double ctGetNearChangeBack(const ctEnergy* energy);
+
 /* To be called after ctCommit of a trial of which all parts were computed: makes its values those of the state. Errors:
  * a part was not computed, or there is no memory; the energy has to be refreshed then. */
 ctStatus ctAcceptEnergyChange(ctEnergy* energy);
+
+/* ---- Two levels ---- */
+
+/* The energies that the stand-in stands for, of the scene's state, computed anew and kept nowhere. O(N^2) without
+ * cutoffs. */
+ctStatus ctComputeWholeEnergy(ctEnergy* energy, double* nonbonded, double* born, ctCounts* counts);
+
+/* Makes the constant of each particle what the state has beyond bornCutoff, and refreshes the energy. O(N^2). */
+ctStatus ctRenewStandIn(ctEnergy* energy, ctCounts* counts);
+
+/* The constants: one a particle, in its order; 0 before the first renewal. Setting them leaves an energy that has to be
+ * refreshed. */
+void ctGetStandIn(const ctEnergy* energy, double* constants);
+void ctSetStandIn(ctEnergy* energy, const double* constants);
+
+/* Keeps a copy of all values of the state, which replaces the former copy. And makes that copy the values, bit for bit,
+ * of a scene that has been brought back to where it was then. O(what is kept). Errors: no memory; there is no copy. */
+ctStatus ctKeepEnergy(ctEnergy* energy);
+ctStatus ctTakeBackEnergy(ctEnergy* energy);
 
 #ifdef __cplusplus
 }

@@ -132,6 +132,12 @@ double ctGetPairEnergy(const ctEnergy* energy) {
   return energy->pairs != NULL ? ctPairsSum(energy->pairs) : 0;
 }
 
+double ctGetPairSetEnergy(const ctEnergy* energy, int pairSet) {
+  (void)energy;
+  (void)pairSet;
+  return 0;
+}
+
 double ctGetTermEnergy(const ctEnergy* energy, int termSet) {
   return ctTermsSum(energy->terms, termSet);
 }
@@ -195,4 +201,40 @@ ctStatus ctAcceptEnergyChange(ctEnergy* energy) {
   }
   energy->state = ctGetChangeCount(energy->tree);
   return ctSuccess;
+}
+
+/* ---- Two levels ---- */
+
+double ctGetNearChangeBack(const ctEnergy* energy) {
+  (void)energy;
+  return 0;
+}
+
+ctStatus ctComputeWholeEnergy(ctEnergy* energy, double* nonbonded, double* born, ctCounts* counts) {
+  (void)counts;
+  *nonbonded = ctGetPairEnergy(energy);
+  *born = 0;
+  return ctSuccess;
+}
+
+ctStatus ctRenewStandIn(ctEnergy* energy, ctCounts* counts) {
+  return ctRefreshEnergy(energy, counts);
+}
+
+void ctGetStandIn(const ctEnergy* energy, double* constants) {
+  (void)energy;
+  (void)constants;
+}
+
+void ctSetStandIn(ctEnergy* energy, const double* constants) {
+  (void)energy;
+  (void)constants;
+}
+
+ctStatus ctKeepEnergy(ctEnergy* energy) {
+  return fail(energy, ctInvalidArgument, "nothing is kept yet");
+}
+
+ctStatus ctTakeBackEnergy(ctEnergy* energy) {
+  return fail(energy, ctInvalidArgument, "nothing is kept yet");
 }

@@ -50,7 +50,8 @@ static const ctTermSet torsionSet = {.kind = ctPeriodicTorsionTerm,
                                      .particles = quadruples,
                                      .parametersPerTerm = 3,
                                      .parameters = periodic};
-static const ctEnergyDefinition definition = {&scene, &nonbonded, 1, &torsionSet};
+static const ctEnergyDefinition definition = {
+    .scene = &scene, .nonbonded = &nonbonded, .termSetCount = 1, .termSets = &torsionSet};
 
 /* The first three beads are the root. Each link turns about the bond from the bead before it to its first one. */
 static void describe(void) {

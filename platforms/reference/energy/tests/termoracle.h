@@ -165,6 +165,8 @@ static inline long double oracleOperation(const ctExpression* e, int number, con
       return ceill(RESULT(0));
     case ctSelectOperator:
       return RESULT(0) != 0 ? RESULT(1) : RESULT(2);
+    case ctTableOperator:
+      abort(); /* of pairs alone */
   }
 #undef RESULT
   abort();
