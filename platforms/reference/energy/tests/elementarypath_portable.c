@@ -1,0 +1,2 @@
+#define PATH portablePath
+#include "elementarypath_body.h"

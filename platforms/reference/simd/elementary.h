@@ -1,0 +1,71 @@
+/* Elementary functions of sixteen floats, without the C library: the same bits on each instruction set of simd.h and on
+ * each machine. What C's functions say about infinite numbers, NaN and numbers outside of a function's range holds for
+ * these, too. Errors are in units in the last place of the float. */
+#ifndef CT_ELEMENTARY_H_
+#define CT_ELEMENTARY_H_
+
+#include "ints.h"
+
+/* The nearest whole number where |a| < 2^22; its low bits hold the number, too. */
+#define CT_WHOLE_MAGIC 12582912.0f
+
+/* c[0] + c[1] x + ... + c[degree] x^degree */
+CT_INLINE Float16 polynomial16(Float16 x, int degree, const float* c) {
+  Float16 sum = all16(c[degree]);
+  for (int i = degree - 1; i >= 0; i--) {
+    sum = add16(mul16(sum, x), all16(c[i]));
+  }
+  return sum;
+}
+
+/* 2^n for ints -126 <= n <= 127. */
+CT_INLINE Float16 twoToInts(Int16 n) {
+  return floatsOfBits(shiftLeftInts(addInts(n, allInts(127)), 23));
+}
+
+/* log(2) in two parts: whole numbers below 2^15 times the first are exact. */
+#define CT_LOG2_HIGH 0.693359375f
+#define CT_LOG2_LOW (-2.12194440e-4f)
+
+/* e^x, error below 1. */
+CT_INLINE Float16 exp16(Float16 x) {
+  const float c[] = {5.0000001201e-1f, 1.6666665459e-1f, 4.1665795894e-2f,
+                     8.3334519073e-3f, 1.3981999507e-3f, 1.9875691500e-4f};
+  /* Beyond these the result is 0 or infinite; subnormal numbers on the way to 0 would take long. NaN passes. */
+  const Float16 least = all16(-104);
+  const Float16 bounded = chooseBelow16(x, least, all16(0), min16(all16(89), x));
+  const Float16 shifted = add16(mul16(bounded, all16(1.44269504f)), all16(CT_WHOLE_MAGIC));
+  const Float16 n = sub16(shifted, all16(CT_WHOLE_MAGIC));
+  const Float16 r = sub16(sub16(bounded, mul16(n, all16(CT_LOG2_HIGH))), mul16(n, all16(CT_LOG2_LOW)));
+  const Float16 curve = mul16(mul16(r, r), polynomial16(r, 5, c));
+  const Float16 power = add16(add16(curve, r), all16(1));
+  /* In two steps, as 2^n may be no normal float. */
+  const Int16 whole = subInts(bitsOf16(shifted), bitsOf16(all16(CT_WHOLE_MAGIC)));
+  const Int16 half = shiftRightInts(whole, 1);
+  const Float16 result = mul16(mul16(power, twoToInts(half)), twoToInts(subInts(whole, half)));
+  return chooseBelow16(x, least, all16(0), result);
+}
+
+/* The natural logarithm, error below 1. */
+CT_INLINE Float16 log16(Float16 x) {
+  const float c[] = {3.3333331174e-1f,  -2.4999993993e-1f, 2.0000714765e-1f,  -1.6668057665e-1f, 1.4249322787e-1f,
+                     -1.2420140846e-1f, 1.1676998740e-1f,  -1.1514610310e-1f, 7.0376836292e-2f};
+  const Float16 least = all16(0x1p-126f);
+  const Float16 normal = chooseBelow16(x, least, mul16(x, all16(0x1p23f)), x);
+  /* x = 2^n (1 + f) with 1 + f from the root of 1/2 to that of 2. */
+  const Int16 bits = subInts(bitsOf16(normal), bitsOf16(all16(0x1.6a09e6p-1f)));
+  const Int16 fraction = andInts(bits, allInts(0x7fffff));
+  const Float16 f = sub16(floatsOfBits(addInts(fraction, bitsOf16(all16(0x1.6a09e6p-1f)))), all16(1));
+  const Float16 n = sub16(floatsOfInts(shiftRightInts(bits, 23)), chooseBelow16(x, least, all16(23), all16(0)));
+  const Float16 square = mul16(f, f);
+  Float16 low = mul16(mul16(f, square), polynomial16(f, 8, c));
+  low = add16(low, mul16(n, all16(CT_LOG2_LOW)));
+  low = sub16(low, mul16(square, all16(0.5f)));
+  const Float16 result = add16(add16(f, low), mul16(n, all16(CT_LOG2_HIGH)));
+  /* What is infinite or NaN stays so; 0 and below it have no logarithm. */
+  const Float16 finite = chooseBelow16(x, all16(INFINITY), result, x);
+  const Float16 positive = chooseBelow16(x, all16(0), all16(NAN), finite);
+  return chooseEqual16(x, all16(0), all16(-INFINITY), positive);
+}
+
+#endif /* CT_ELEMENTARY_H_ */

@@ -1,0 +1,217 @@
+/* Sixteen ints, the bits of sixteen floats, and choices lane by lane, with the same bits on each instruction set of
+ * simd.h. */
+#ifndef CT_INTS_H_
+#define CT_INTS_H_
+
+#include "simd.h"
+
+#if defined(CT_PATH_AVX512)
+
+typedef __m512i Int16;
+
+static inline Int16 allInts(int a) {
+  return _mm512_set1_epi32(a);
+}
+
+/* The bits of floats as ints, and back. */
+static inline Int16 bitsOf16(Float16 a) {
+  return _mm512_castps_si512(a);
+}
+
+static inline Float16 floatsOfBits(Int16 a) {
+  return _mm512_castsi512_ps(a);
+}
+
+static inline Int16 addInts(Int16 a, Int16 b) {
+  return _mm512_add_epi32(a, b);
+}
+
+static inline Int16 subInts(Int16 a, Int16 b) {
+  return _mm512_sub_epi32(a, b);
+}
+
+static inline Int16 andInts(Int16 a, Int16 b) {
+  return _mm512_and_si512(a, b);
+}
+
+static inline Int16 orInts(Int16 a, Int16 b) {
+  return _mm512_or_si512(a, b);
+}
+
+static inline Int16 xorInts(Int16 a, Int16 b) {
+  return _mm512_xor_si512(a, b);
+}
+
+static inline Int16 shiftLeftInts(Int16 a, int by) {
+  return _mm512_slli_epi32(a, (unsigned)by);
+}
+
+/* Keeps the sign. */
+static inline Int16 shiftRightInts(Int16 a, int by) {
+  return _mm512_srai_epi32(a, (unsigned)by);
+}
+
+/* The nearest floats. */
+static inline Float16 floatsOfInts(Int16 a) {
+  return _mm512_cvtepi32_ps(a);
+}
+
+/* In each lane: yes where a < b, else no. */
+static inline Float16 chooseBelow16(Float16 a, Float16 b, Float16 yes, Float16 no) {
+  return _mm512_mask_blend_ps(_mm512_cmp_ps_mask(a, b, _CMP_LT_OQ), no, yes);
+}
+
+/* In each lane: yes where a == b, else no. */
+static inline Float16 chooseEqual16(Float16 a, Float16 b, Float16 yes, Float16 no) {
+  return _mm512_mask_blend_ps(_mm512_cmp_ps_mask(a, b, _CMP_EQ_OQ), no, yes);
+}
+
+#elif defined(CT_PATH_AVX2)
+
+typedef struct Int16 {
+  __m256i low;
+  __m256i high;
+} Int16;
+
+static inline Int16 allInts(int a) {
+  const __m256i all = _mm256_set1_epi32(a);
+  return (Int16){all, all};
+}
+
+static inline Int16 bitsOf16(Float16 a) {
+  return (Int16){_mm256_castps_si256(a.low), _mm256_castps_si256(a.high)};
+}
+
+static inline Float16 floatsOfBits(Int16 a) {
+  return (Float16){_mm256_castsi256_ps(a.low), _mm256_castsi256_ps(a.high)};
+}
+
+static inline Int16 addInts(Int16 a, Int16 b) {
+  return (Int16){_mm256_add_epi32(a.low, b.low), _mm256_add_epi32(a.high, b.high)};
+}
+
+static inline Int16 subInts(Int16 a, Int16 b) {
+  return (Int16){_mm256_sub_epi32(a.low, b.low), _mm256_sub_epi32(a.high, b.high)};
+}
+
+static inline Int16 andInts(Int16 a, Int16 b) {
+  return (Int16){_mm256_and_si256(a.low, b.low), _mm256_and_si256(a.high, b.high)};
+}
+
+static inline Int16 orInts(Int16 a, Int16 b) {
+  return (Int16){_mm256_or_si256(a.low, b.low), _mm256_or_si256(a.high, b.high)};
+}
+
+static inline Int16 xorInts(Int16 a, Int16 b) {
+  return (Int16){_mm256_xor_si256(a.low, b.low), _mm256_xor_si256(a.high, b.high)};
+}
+
+static inline Int16 shiftLeftInts(Int16 a, int by) {
+  return (Int16){_mm256_slli_epi32(a.low, by), _mm256_slli_epi32(a.high, by)};
+}
+
+static inline Int16 shiftRightInts(Int16 a, int by) {
+  return (Int16){_mm256_srai_epi32(a.low, by), _mm256_srai_epi32(a.high, by)};
+}
+
+static inline Float16 floatsOfInts(Int16 a) {
+  return (Float16){_mm256_cvtepi32_ps(a.low), _mm256_cvtepi32_ps(a.high)};
+}
+
+static inline Float16 chooseBelow16(Float16 a, Float16 b, Float16 yes, Float16 no) {
+  return (Float16){_mm256_blendv_ps(no.low, yes.low, _mm256_cmp_ps(a.low, b.low, _CMP_LT_OQ)),
+                   _mm256_blendv_ps(no.high, yes.high, _mm256_cmp_ps(a.high, b.high, _CMP_LT_OQ))};
+}
+
+static inline Float16 chooseEqual16(Float16 a, Float16 b, Float16 yes, Float16 no) {
+  return (Float16){_mm256_blendv_ps(no.low, yes.low, _mm256_cmp_ps(a.low, b.low, _CMP_EQ_OQ)),
+                   _mm256_blendv_ps(no.high, yes.high, _mm256_cmp_ps(a.high, b.high, _CMP_EQ_OQ))};
+}
+
+#else
+
+/* Unsigned, so that sums may wrap. */
+typedef unsigned Unsigned4 __attribute__((vector_size(16)));
+
+typedef struct Int16 {
+  Unsigned4 q[4];
+} Int16;
+
+#define CT_EACH_QUARTER for (int i = 0; i < 4; i++)
+
+static inline Int16 allInts(int a) {
+  const unsigned u = (unsigned)a;
+  const Unsigned4 all = {u, u, u, u};
+  return (Int16){{all, all, all, all}};
+}
+
+static inline Int16 bitsOf16(Float16 a) {
+  return (Int16){{(Unsigned4)a.q[0], (Unsigned4)a.q[1], (Unsigned4)a.q[2], (Unsigned4)a.q[3]}};
+}
+
+static inline Float16 floatsOfBits(Int16 a) {
+  return (Float16){{(Float4)a.q[0], (Float4)a.q[1], (Float4)a.q[2], (Float4)a.q[3]}};
+}
+
+static inline Int16 addInts(Int16 a, Int16 b) {
+  CT_EACH_QUARTER a.q[i] += b.q[i];
+  return a;
+}
+
+static inline Int16 subInts(Int16 a, Int16 b) {
+  CT_EACH_QUARTER a.q[i] -= b.q[i];
+  return a;
+}
+
+static inline Int16 andInts(Int16 a, Int16 b) {
+  CT_EACH_QUARTER a.q[i] &= b.q[i];
+  return a;
+}
+
+static inline Int16 orInts(Int16 a, Int16 b) {
+  CT_EACH_QUARTER a.q[i] |= b.q[i];
+  return a;
+}
+
+static inline Int16 xorInts(Int16 a, Int16 b) {
+  CT_EACH_QUARTER a.q[i] ^= b.q[i];
+  return a;
+}
+
+static inline Int16 shiftLeftInts(Int16 a, int by) {
+  CT_EACH_QUARTER a.q[i] <<= by;
+  return a;
+}
+
+static inline Int16 shiftRightInts(Int16 a, int by) {
+  CT_EACH_QUARTER a.q[i] = (Unsigned4)((Int4)a.q[i] >> by);
+  return a;
+}
+
+static inline Float16 floatsOfInts(Int16 a) {
+  Float16 floats;
+  CT_EACH_QUARTER floats.q[i] = __builtin_convertvector((Int4)a.q[i], Float4);
+  return floats;
+}
+
+static inline Float16 chooseBelow16(Float16 a, Float16 b, Float16 yes, Float16 no) {
+  CT_EACH_QUARTER {
+    const Int4 chosen = a.q[i] < b.q[i];
+    a.q[i] = (Float4)(((Int4)yes.q[i] & chosen) | ((Int4)no.q[i] & ~chosen));
+  }
+  return a;
+}
+
+static inline Float16 chooseEqual16(Float16 a, Float16 b, Float16 yes, Float16 no) {
+  CT_EACH_QUARTER {
+    const Int4 chosen = a.q[i] == b.q[i];
+    a.q[i] = (Float4)(((Int4)yes.q[i] & chosen) | ((Int4)no.q[i] & ~chosen));
+  }
+  return a;
+}
+
+#undef CT_EACH_QUARTER
+
+#endif
+
+#endif /* CT_INTS_H_ */
