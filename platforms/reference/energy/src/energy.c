@@ -4,7 +4,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "pairs.h"
+#include "nonbonded.h"
+#include "pairsums.h"
 #include "terms.h"
 
 /* Not the change count of any state. */
@@ -13,7 +14,10 @@ enum { NO_STATE = -1 };
 struct ctEnergy {
   ctChainTree* tree;
   Terms* terms;
-  Pairs* pairs;      /* NULL: there are none */
+  bool hasPairs;
+  TrialLeaves leaves; /* if there are pairs */
+  Nonbonded nonbonded;
+  PairSums pairs;
   int64_t state;     /* the scene's change count of the state that values belong to, or NO_STATE */
   int64_t trial;     /* the last one that was asked about */
   int computedParts; /* of it */
@@ -54,6 +58,24 @@ static int* findSlots(const ctChainTree* tree, int particleCount) {
   return slotOf;
 }
 
+static ctStatus buildPairs(ctEnergy* energy, const ctEnergyDefinition* d, const int* slotOf, char* errorText,
+                           size_t errorSize) {
+  const int particleCount = d->scene->particleCount;
+  const double cutoff = d->nonbonded->cutoff;
+  const ctStatus status =
+      ctNonbondedCreate(&energy->nonbonded, energy->tree, particleCount, d->nonbonded, slotOf, errorText, errorSize);
+  if (status != ctSuccess) {
+    return status;
+  }
+  if (!ctTrialLeavesCreate(&energy->leaves, energy->tree, cutoff, particleCount, slotOf) ||
+      !ctPairSumsCreate(&energy->pairs, &energy->leaves, cutoff, ctNonbondedEnergy, &energy->nonbonded)) {
+    snprintf(errorText, errorSize, "out of memory");
+    return ctOutOfMemory;
+  }
+  energy->hasPairs = true;
+  return ctSuccess;
+}
+
 static ctStatus build(ctEnergy* energy, const ctEnergyDefinition* d, char* errorText, size_t errorSize) {
   int* slotOf = findSlots(energy->tree, d->scene->particleCount);
   if (slotOf == NULL) {
@@ -62,8 +84,7 @@ static ctStatus build(ctEnergy* energy, const ctEnergyDefinition* d, char* error
   }
   ctStatus status = ctTermsCreate(d->scene, d->termSetCount, d->termSets, slotOf, &energy->terms, errorText, errorSize);
   if (status == ctSuccess && d->nonbonded != NULL) {
-    status = ctPairsCreate(energy->tree, d->scene->particleCount, d->nonbonded, slotOf, &energy->pairs, errorText,
-                           errorSize);
+    status = buildPairs(energy, d, slotOf, errorText, errorSize);
   }
   free(slotOf);
   return status;
@@ -97,7 +118,9 @@ ctStatus ctCreateEnergy(ctChainTree* tree, const ctEnergyDefinition* definition,
 void ctDestroyEnergy(ctEnergy* energy) {
   if (energy != NULL) {
     ctTermsDestroy(energy->terms);
-    ctPairsDestroy(energy->pairs);
+    ctPairSumsFree(&energy->pairs);
+    ctNonbondedFree(&energy->nonbonded);
+    ctTrialLeavesFree(&energy->leaves);
     free(energy);
   }
 }
@@ -112,11 +135,18 @@ int ctCountChangeableTerms(const ctEnergy* energy, int termSet) {
 
 /* ---- The state ---- */
 
+static ctStatus refreshPairs(ctEnergy* energy, ctCounts* counts) {
+  size_t count;
+  const ctLeafPair* near;
+  const ctStatus status = ctTrialLeavesRefresh(&energy->leaves, &count, &near, counts);
+  return status == ctSuccess ? ctPairSumsRefresh(&energy->pairs, count, near) : status;
+}
+
 ctStatus ctRefreshEnergy(ctEnergy* energy, ctCounts* counts) {
   const ctLeafPositions* leaves = ctGetLeaves(energy->tree);
   energy->computedParts = 0;
   energy->state = NO_STATE;
-  if (leaves == NULL || (energy->pairs != NULL && ctPairsRefresh(energy->pairs, counts) != ctSuccess)) {
+  if (leaves == NULL || (energy->hasPairs && refreshPairs(energy, counts) != ctSuccess)) {
     return failOutOfMemory(energy);
   }
   ctTermsRefresh(energy->terms, leaves);
@@ -129,7 +159,7 @@ bool ctIsEnergyOfState(const ctEnergy* energy) {
 }
 
 double ctGetPairEnergy(const ctEnergy* energy) {
-  return energy->pairs != NULL ? ctPairsSum(energy->pairs) : 0;
+  return energy->hasPairs ? ctLeafSumsTotal(&energy->pairs.sums) : 0;
 }
 
 double ctGetPairSetEnergy(const ctEnergy* energy, int pairSet) {
@@ -175,10 +205,13 @@ ctStatus ctComputeEnergyChange(ctEnergy* energy, ctEnergyPart part, double* chan
   ctStatus status = ctSuccess;
   if (part == ctTermsPart) {
     status = changeTerms(energy, change);
-  } else if (energy->pairs != NULL && part == ctNearPairsPart) {
-    status = ctPairsNearChange(energy->pairs, change, counts);
-  } else if (energy->pairs != NULL) {
-    *change = ctPairsOtherChange(energy->pairs);
+  } else if (energy->hasPairs && part == ctNearPairsPart) {
+    status = ctTrialLeavesOpen(&energy->leaves, counts);
+    if (status == ctSuccess) {
+      status = ctPairSumsNearChange(&energy->pairs, change);
+    }
+  } else if (energy->hasPairs) {
+    status = ctPairSumsOtherChange(&energy->pairs, change);
   }
   if (status != ctSuccess) {
     energy->computedParts = 0;
@@ -196,8 +229,11 @@ ctStatus ctAcceptEnergyChange(ctEnergy* energy) {
   energy->computedParts = 0;
   energy->state = NO_STATE;
   ctTermsAccept(energy->terms);
-  if (energy->pairs != NULL && ctPairsAccept(energy->pairs) != ctSuccess) {
-    return failOutOfMemory(energy);
+  if (energy->hasPairs) {
+    ctTrialLeavesAccept(&energy->leaves);
+    if (!ctPairSumsAccept(&energy->pairs)) {
+      return failOutOfMemory(energy);
+    }
   }
   energy->state = ctGetChangeCount(energy->tree);
   return ctSuccess;

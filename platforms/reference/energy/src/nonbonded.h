@@ -1,0 +1,24 @@
+/* Lennard-Jones and Coulomb of all pairs of particles of two leaves. */
+#ifndef CT_NONBONDED_H_
+#define CT_NONBONDED_H_
+
+#include "kernels.h"
+#include "pairmask.h"
+
+typedef struct Nonbonded {
+  const Kernels* kernels;
+  Potential potential;
+  LeafColumns* columns; /* one a leaf */
+  PairMask mask;
+} Nonbonded;
+
+/* slotOf[particle] is its slot, or CT_NULL. On failure there is nothing to free, and errorText (which may not be NULL)
+ * says why. */
+ctStatus ctNonbondedCreate(Nonbonded* nonbonded, const ctChainTree* tree, int particleCount,
+                           const ctNonbonded* description, const int* slotOf, char* errorText, size_t errorSize);
+void ctNonbondedFree(Nonbonded* nonbonded);
+
+/* The energy of leaves a <= b with these frames; a LeafPairFunction of a Nonbonded. */
+double ctNonbondedEnergy(const void* model, int a, const LeafFrame* frameA, int b, const LeafFrame* frameB);
+
+#endif /* CT_NONBONDED_H_ */

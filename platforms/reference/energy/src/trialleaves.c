@@ -1,0 +1,147 @@
+#include "trialleaves.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+#include "trialview.h"
+
+bool ctReserveEntries(void** array, int* capacity, size_t count, size_t size) {
+  if (count > (size_t)*capacity) {
+    const size_t wanted = count + count / 2;
+    void* grown = wanted < INT32_MAX ? realloc(*array, wanted * size) : NULL;
+    if (grown == NULL) {
+      return false;
+    }
+    *array = grown;
+    *capacity = (int)wanted;
+  }
+  return true;
+}
+
+/* ---- Life ---- */
+
+bool ctTrialLeavesCreate(TrialLeaves* leaves, ctChainTree* tree, double cutoff, int particleCount, const int* slotOf) {
+  const int leafCount = ctGetLeafCount(tree);
+  const size_t size = (size_t)leafCount + 1;
+  *leaves = (TrialLeaves){.tree = tree, .cutoff = cutoff, .leafCount = leafCount};
+  leaves->kernels = ctFindKernels(ctGetInstructionSet(tree));
+  leaves->occupied = calloc(size, sizeof *leaves->occupied);
+  leaves->frames = calloc(size, sizeof *leaves->frames);
+  leaves->frameIsStale = calloc(size, sizeof *leaves->frameIsStale);
+  leaves->trialFrames = calloc(size, sizeof *leaves->trialFrames);
+  leaves->trialStamp = calloc(size, sizeof *leaves->trialStamp);
+  leaves->frameInTrial = calloc(size, sizeof *leaves->frameInTrial);
+  if (leaves->occupied == NULL || leaves->frames == NULL || leaves->frameIsStale == NULL ||
+      leaves->trialFrames == NULL || leaves->trialStamp == NULL || leaves->frameInTrial == NULL) {
+    ctTrialLeavesFree(leaves);
+    return false;
+  }
+  for (int i = 0; i < particleCount; i++) {
+    if (slotOf[i] != CT_NULL) {
+      leaves->occupied[slotOf[i] / CT_LEAF_WIDTH] |= 1u << slotOf[i] % CT_LEAF_WIDTH;
+    }
+  }
+  return true;
+}
+
+void ctTrialLeavesFree(TrialLeaves* leaves) {
+  free(leaves->occupied);
+  free(leaves->frames);
+  free(leaves->frameIsStale);
+  free(leaves->trialFrames);
+  free(leaves->trialStamp);
+  free(leaves->frameInTrial);
+  free(leaves->changed);
+  free(leaves->pieces);
+  *leaves = (TrialLeaves){0};
+}
+
+/* ---- The state ---- */
+
+void ctTrialLeavesForget(TrialLeaves* leaves) {
+  leaves->changedCount = 0;
+  leaves->pieceCount = 0;
+  for (int leaf = 0; leaf < leaves->leafCount; leaf++) {
+    leaves->frameIsStale[leaf] = true;
+  }
+  leaves->statePositions = ctGetLeaves(leaves->tree);
+}
+
+ctStatus ctTrialLeavesRefresh(TrialLeaves* leaves, size_t* count, const ctLeafPair** pairs, ctCounts* counts) {
+  ctTrialLeavesForget(leaves);
+  return leaves->statePositions != NULL ? ctGetLeafPairs(leaves->tree, leaves->cutoff, count, pairs, counts)
+                                        : ctOutOfMemory;
+}
+
+const LeafFrame* ctStateFrame(TrialLeaves* leaves, int leaf) {
+  if (leaves->frameIsStale[leaf]) {
+    leaves->frameIsStale[leaf] = false;
+    leaves->kernels->makeFrame(&leaves->statePositions[leaf], leaves->occupied[leaf], &leaves->frames[leaf]);
+  }
+  return &leaves->frames[leaf];
+}
+
+/* ---- Trials ---- */
+
+ctStatus ctTrialLeavesOpen(TrialLeaves* leaves, ctCounts* counts) {
+  size_t count;
+  const ctLeafPair* changed;
+  const ctPiece* pieces;
+  const ctTransform* motions;
+  leaves->changedCount = 0;
+  leaves->statePositions = ctGetLeaves(leaves->tree);
+  const ctStatus status =
+      ctGetChangedLeafPairs(leaves->tree, leaves->cutoff, &count, &changed, &leaves->trialPositions, counts);
+  if (leaves->statePositions == NULL || status != ctSuccess) {
+    return status != ctSuccess ? status : ctOutOfMemory;
+  }
+  const int pieceCount = ctGetTrialPieces(leaves->tree, &pieces, &motions);
+  if (!ctReserveEntries((void**)&leaves->changed, &leaves->changedCapacity, count, sizeof *leaves->changed) ||
+      !ctReserveEntries((void**)&leaves->pieces, &leaves->pieceCapacity, (size_t)pieceCount, sizeof *leaves->pieces)) {
+    return ctOutOfMemory;
+  }
+  memcpy(leaves->pieces, pieces, (size_t)pieceCount * sizeof *pieces);
+  leaves->pieceCount = pieceCount;
+  for (size_t i = 0; i < count; i++) {
+    const float gap = changed[i].squaredGap;
+    leaves->changed[i] = (ChangedPair){changed[i].a, changed[i].b, gap, (double)gap < CT_NEAR_LEAVES * CT_NEAR_LEAVES};
+  }
+  leaves->changedCount = (int)count;
+  leaves->trial++;
+  return ctSuccess;
+}
+
+/* True if some slots of a leaf move in the trial. */
+static bool leafMoves(const TrialLeaves* leaves, int leaf) {
+  const int begin = leaf * CT_LEAF_WIDTH;
+  const ctPiece* piece = findPiece(leaves->pieces, leaves->pieceCount, begin + CT_LEAF_WIDTH - 1);
+  while (piece->body == 0 && piece->slotBegin > begin) {
+    piece--;
+  }
+  return piece->body != 0;
+}
+
+const LeafFrame* ctTrialFrame(TrialLeaves* leaves, int leaf) {
+  if (leaves->trialStamp[leaf] != leaves->trial) {
+    leaves->trialStamp[leaf] = leaves->trial;
+    if (leafMoves(leaves, leaf)) {
+      LeafFrame* frame = &leaves->trialFrames[leaf];
+      leaves->kernels->makeFrame(&leaves->trialPositions[leaf], leaves->occupied[leaf], frame);
+      leaves->frameInTrial[leaf] = frame;
+    } else {
+      leaves->frameInTrial[leaf] = ctStateFrame(leaves, leaf);
+    }
+  }
+  return leaves->frameInTrial[leaf];
+}
+
+void ctTrialLeavesAccept(TrialLeaves* leaves) {
+  for (int i = 0; i < leaves->pieceCount; i++) {
+    if (leaves->pieces[i].body != 0) {
+      const int end = i + 1 < leaves->pieceCount ? leaves->pieces[i + 1].slotBegin : leaves->leafCount * CT_LEAF_WIDTH;
+      for (int leaf = leaves->pieces[i].slotBegin / CT_LEAF_WIDTH; leaf * CT_LEAF_WIDTH < end; leaf++) {
+        leaves->frameIsStale[leaf] = true;
+      }
+    }
+  }
+}

@@ -1,0 +1,69 @@
+/* Leaves before and in the open trial: where their particles are, and which pairs of leaves the trial changes. */
+#ifndef CT_TRIALLEAVES_H_
+#define CT_TRIALLEAVES_H_
+
+#include "kernels.h"
+
+/* A pair of leaves that the open trial changes. */
+typedef struct ChangedPair {
+  int a; /* a <= b */
+  int b;
+  float squaredGap; /* see ctLeafPair */
+  bool isNear;
+} ChangedPair;
+
+typedef struct TrialLeaves {
+  ctChainTree* tree;
+  const Kernels* kernels;
+  double cutoff; /* within which pairs are looked for */
+  int leafCount;
+  unsigned* occupied; /* per leaf, as the five below; bits: slots that hold a particle */
+  LeafFrame* frames;  /* of the state */
+  bool* frameIsStale;
+  LeafFrame* trialFrames;
+  int64_t* trialStamp;            /* the trial in which frameInTrial was found */
+  const LeafFrame** frameInTrial; /* one of the two above */
+  const ctLeafPositions* statePositions;
+
+  /* The last trial that was asked about. */
+  int64_t trial;
+  const ctLeafPositions* trialPositions; /* the scene's, as long as the trial is open */
+  int changedCount;
+  int changedCapacity;
+  ChangedPair* changed;
+  int pieceCount;
+  int pieceCapacity;
+  ctPiece* pieces;
+} TrialLeaves;
+
+/* False if there is no memory. */
+bool ctTrialLeavesCreate(TrialLeaves* leaves, ctChainTree* tree, double cutoff, int particleCount, const int* slotOf);
+void ctTrialLeavesFree(TrialLeaves* leaves);
+
+/* Finds the pairs of leaves of the state that are near, each leaf with itself too, and forgets all frames. The array is
+ * the scene's. */
+ctStatus ctTrialLeavesRefresh(TrialLeaves* leaves, size_t* count, const ctLeafPair** pairs, ctCounts* counts);
+
+/* Finds the pairs of leaves that the open trial changes, and where leaves are in it. */
+ctStatus ctTrialLeavesOpen(TrialLeaves* leaves, ctCounts* counts);
+
+/* Takes notice that the trial has become the state. */
+void ctTrialLeavesAccept(TrialLeaves* leaves);
+
+/* Forgets the frames of the state, which has become another one. */
+void ctTrialLeavesForget(TrialLeaves* leaves);
+
+/* Where the particles of a leaf are in the state, and in the trial. They hold until it ends. */
+const LeafFrame* ctStateFrame(TrialLeaves* leaves, int leaf);
+const LeafFrame* ctTrialFrame(TrialLeaves* leaves, int leaf);
+
+/* True if leaves that are so near can have particles within a cutoff; rounding must not lose a pair. */
+static inline bool ctIsWithin(float squaredGap, double cutoff) {
+  return (double)squaredGap <= cutoff * cutoff * 1.00001;
+}
+
+/* Sees to it that an array has room for `count` entries of this size. False, and nothing changed, if there is no
+ * memory. */
+bool ctReserveEntries(void** array, int* capacity, size_t count, size_t size);
+
+#endif /* CT_TRIALLEAVES_H_ */
