@@ -133,4 +133,63 @@ static inline double total16(Sum16 sum) {
 
 #endif
 
+/* The sum of each of sixteen rows, in single precision: of lanes eight apart, then four, two and one. */
+#if defined(CT_PATH_AVX512)
+
+static inline Float16 sums16x16(const float rows[16][16]) {
+  __m512 fours[4]; /* of rows i, i + 4, i + 8 and i + 12, four lanes each */
+  for (int i = 0; i < 4; i++) {
+    const __m512 a = _mm512_loadu_ps(rows[i]);
+    const __m512 b = _mm512_loadu_ps(rows[i + 4]);
+    const __m512 c = _mm512_loadu_ps(rows[i + 8]);
+    const __m512 d = _mm512_loadu_ps(rows[i + 12]);
+    const __m512 ab = _mm512_add_ps(_mm512_shuffle_f32x4(a, b, 0x44), _mm512_shuffle_f32x4(a, b, 0xee));
+    const __m512 cd = _mm512_add_ps(_mm512_shuffle_f32x4(c, d, 0x44), _mm512_shuffle_f32x4(c, d, 0xee));
+    fours[i] = _mm512_add_ps(_mm512_shuffle_f32x4(ab, cd, 0x88), _mm512_shuffle_f32x4(ab, cd, 0xdd));
+  }
+  const __m512 s =
+      _mm512_add_ps(_mm512_shuffle_ps(fours[0], fours[1], 0x44), _mm512_shuffle_ps(fours[0], fours[1], 0xee));
+  const __m512 t =
+      _mm512_add_ps(_mm512_shuffle_ps(fours[2], fours[3], 0x44), _mm512_shuffle_ps(fours[2], fours[3], 0xee));
+  return _mm512_add_ps(_mm512_shuffle_ps(s, t, 0x88), _mm512_shuffle_ps(s, t, 0xdd));
+}
+
+#elif defined(__SSE2__)
+
+static inline Float16 sums16x16(const float rows[16][16]) {
+  float sums[16];
+  for (int i = 0; i < 16; i += 4) {
+    __m128 four[4];
+    for (int k = 0; k < 4; k++) {
+      const float* row = rows[i + k];
+      four[k] = _mm_add_ps(_mm_add_ps(_mm_loadu_ps(row), _mm_loadu_ps(row + 8)),
+                           _mm_add_ps(_mm_loadu_ps(row + 4), _mm_loadu_ps(row + 12)));
+    }
+    _MM_TRANSPOSE4_PS(four[0], four[1], four[2], four[3]);
+    _mm_storeu_ps(sums + i, _mm_add_ps(_mm_add_ps(four[0], four[2]), _mm_add_ps(four[1], four[3])));
+  }
+  return load16(sums);
+}
+
+#else
+
+static inline Float16 sums16x16(const float rows[16][16]) {
+  float sums[16];
+  for (int i = 0; i < 16; i++) {
+    float lanes[8];
+    for (int k = 0; k < 8; k++) {
+      lanes[k] = rows[i][k] + rows[i][k + 8];
+    }
+    for (int width = 4; width > 0; width /= 2) {
+      for (int k = 0; k < width; k++) {
+        lanes[k] += lanes[k + width];
+      }
+    }
+    sums[i] = lanes[0];
+  }
+  return load16(sums);
+}
+
+#endif
+
 #endif /* CT_SUMS_H_ */

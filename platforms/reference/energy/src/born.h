@@ -1,17 +1,29 @@
-/* Generalized Born as kernels see it: what particles of a leaf have, and sums over two leaves. See ctBorn. */
+/* Generalized Born as kernels see it: what particles of a leaf have, and sums over two leaves. See ctBorn. A leaf is
+ * any sixteen slots here: those of the scene, or others. */
 #ifndef CT_BORN_H_
 #define CT_BORN_H_
 
 #include "leafpair.h"
 
-/* What the particles of a leaf have. Where a slot holds none, radii are 1 and all else is 0. */
+/* What the particles of a leaf have. Where a slot holds none, radii and offset radii are 1 and all else is 0. */
 typedef struct BornColumns {
   float charge[CT_LEAF_WIDTH]; /* times the root of the Coulomb constant of ctBorn */
   float radius[CT_LEAF_WIDTH];
   float offsetRadius[CT_LEAF_WIDTH];
   float scaledRadius[CT_LEAF_WIDTH];
+  float squaredScaled[CT_LEAF_WIDTH]; /* its square, and its cube with the sign */
+  float cubedScaled[CT_LEAF_WIDTH];
   int neckType[CT_LEAF_WIDTH];
+  unsigned occupied; /* bits: slots that hold a particle */
 } BornColumns;
+
+/* Necks between a particle of some type and each particle of a leaf: those that count for it, and for them. */
+typedef struct BornNecks {
+  float heightForOne[CT_LEAF_WIDTH]; /* times neckScale; 0 where a slot holds none */
+  float distanceForOne[CT_LEAF_WIDTH];
+  float heightForLeaf[CT_LEAF_WIDTH];
+  float distanceForLeaf[CT_LEAF_WIDTH];
+} BornNecks;
 
 /* Born radii of the particles of a leaf, as pair energies read them. Where a slot holds none, both are 1. */
 typedef struct BornRadii {
@@ -19,13 +31,25 @@ typedef struct BornRadii {
   float inverse[CT_LEAF_WIDTH];
 } BornRadii;
 
+/* What the Born radius and the energy of a particle by itself are computed from. */
+typedef struct BornParticle {
+  double charge;
+  double radius;
+  double offsetRadius;
+  double alpha;
+  double beta;
+  double gamma;
+} BornParticle;
+
 /* Constants of all kernels. */
 typedef struct BornModel {
   int neckTypeCount; /* 0: no necks */
-  /* Of the particles of each leaf, for each type of a first particle: [leaf * neckTypeCount + type]. */
-  struct BornNecks* necks;
-  float neckScale;
+  bool hasCutoff;
+  bool isRescaled;
+  const BornNecks* necks; /* of each leaf with a particle of each type: [leaf * neckTypeCount + type] */
   float neckCut;
+  float squaredNear;       /* no spheres farther apart overlap, and s / r is below that of the short series */
+  float squaredNeckReach;  /* no particles farther apart have a neck; 0: there are no necks */
   float perDielectrics[2]; /* 1 / soluteDielectric and 1 / solventDielectric */
   float kappa;
   float shift;         /* that of ctBorn */
@@ -33,6 +57,8 @@ typedef struct BornModel {
   double coulomb;
   double dielectrics[2];
   double exactKappa;
+  double exactShift;
+  double exactCutoff; /* squared, nm^2 */
   double surfaceEnergy;
   double probeRadius;
 } BornModel;
@@ -41,12 +67,36 @@ typedef struct BornModel {
 typedef struct BornSide {
   const LeafFrame* frame;
   const BornColumns* columns;
-  unsigned occupied; /* bits: slots that hold a particle */
+  unsigned occupied; /* bits: slots that count, each with a particle */
   int leaf;
 } BornSide;
 
 /* The step of what kernels of Born sums return, nm^-1: their sums in double precision are exact then, so that taking
  * out what was put in leaves the bits that were there. */
 #define BORN_SUM_STEP (1.0 / (1 << 29))
+
+/* s / r up to which far rows use a short series, and near ones a long one. */
+#define BORN_FAR_RATIO 0.35
+#define BORN_NEAR_RATIO 0.7
+
+typedef struct Born {
+  BornModel model;
+  int leafCount;
+  BornColumns* columns;    /* per leaf */
+  BornParticle* particles; /* per slot */
+  BornNecks* necks;        /* that of the model */
+} Born;
+
+/* Makes what kernels need of a description, for particles in leafCount leaves; slotOf[particle] is its slot. On failure
+ * nothing has to be freed and errorText (which may not be NULL) says why. */
+ctStatus ctBornCreate(Born* born, int leafCount, int particleCount, const ctBorn* d, const int* slotOf, char* errorText,
+                      size_t errorSize);
+void ctBornFree(Born* born);
+
+/* The Born radius of a particle with this Born sum, nm. */
+double ctBornRadius(const BornModel* model, const BornParticle* particle, double sum);
+
+/* The energy of a particle by itself: of its charge, and of its surface. */
+double ctBornSelfEnergy(const BornModel* model, const BornParticle* particle, double bornRadius);
 
 #endif /* CT_BORN_H_ */

@@ -2,7 +2,7 @@
 #ifndef CT_KERNELS_H_
 #define CT_KERNELS_H_
 
-#include "leafpair.h"
+#include "born.h"
 
 typedef struct Kernels {
   const char* name; /* as ctGetInstructionSet has it */
@@ -15,6 +15,11 @@ typedef struct Kernels {
 
   /* The same of some particles of side a, given as bits, with all of side b. */
   double (*rowsEnergy)(const Potential* potential, const LeafSide* a, const LeafSide* b, unsigned rows);
+
+  /* What the particles of leaf b within a squared distance contribute to the Born sums of leaf a's, and the other way
+   * round. Of one leaf with itself, all is in ofA. All sums are finite, and multiples of BORN_SUM_STEP. */
+  void (*bornSums)(const BornModel* model, float squaredCutoff, const BornSide* a, const BornSide* b,
+                   float ofA[CT_LEAF_WIDTH], float ofB[CT_LEAF_WIDTH]);
 } Kernels;
 
 /* Those of the instruction set of this name. */

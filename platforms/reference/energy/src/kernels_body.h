@@ -41,19 +41,26 @@ static void makeFrame(const ctLeafPositions* positions, unsigned occupied, LeafF
 
 /* ---- Energies ---- */
 
-/* Slots of side a that may be within the cutoff of some particle of side b, as bits; b's box is shifted. */
-CT_INLINE unsigned rowsNear(const Potential* potential, const LeafSide* a, const LeafSide* b, const float shift[3]) {
-  const float* axes[3] = {a->frame->x, a->frame->y, a->frame->z};
+/* From the centre of leaf a to that of leaf b. */
+static void shiftBetween(const LeafFrame* a, const LeafFrame* b, float shift[3]) {
+  for (int d = 0; d < 3; d++) {
+    shift[d] = (float)(b->centre[d] - a->centre[d]);
+  }
+}
+
+/* Slots of leaf a that may be within this squared distance of some particle of leaf b, as bits; b's box is shifted. */
+CT_INLINE unsigned rowsNear(const LeafFrame* a, const LeafFrame* b, const float shift[3], float squaredReach) {
+  const float* axes[3] = {a->x, a->y, a->z};
   Float16 squared = all16(0);
   for (int d = 0; d < 3; d++) {
     const Float16 x = load16(axes[d]);
-    const Float16 below = sub16(all16(b->frame->low[d] + shift[d]), x);
-    const Float16 above = sub16(x, all16(b->frame->high[d] + shift[d]));
+    const Float16 below = sub16(all16(b->low[d] + shift[d]), x);
+    const Float16 above = sub16(x, all16(b->high[d] + shift[d]));
     const Float16 apart = max16(max16(below, above), all16(0));
     squared = add16(squared, mul16(apart, apart));
   }
   /* Rounding must not lose a row. */
-  return ~greater16(squared, all16(potential->squaredCutoff * 1.0001f));
+  return ~greater16(squared, all16(squaredReach * 1.0001f));
 }
 
 /* Rows that are summed in single precision before they are added in double. */
@@ -138,17 +145,11 @@ CT_INLINE double sumCase(const Potential* potential, const LeafSide* a, const Le
                                 : sumRows(potential, a, b, shift, rows, false, false, false);
 }
 
-static void shiftBetween(const LeafSide* a, const LeafSide* b, float shift[3]) {
-  for (int d = 0; d < 3; d++) {
-    shift[d] = (float)(b->frame->centre[d] - a->frame->centre[d]);
-  }
-}
-
 static double rowsEnergy(const Potential* potential, const LeafSide* a, const LeafSide* b, unsigned rows) {
   float shift[3];
-  shiftBetween(a, b, shift);
+  shiftBetween(a->frame, b->frame, shift);
   if (potential->hasCutoff) {
-    rows &= rowsNear(potential, a, b, shift);
+    rows &= rowsNear(a->frame, b->frame, shift, potential->squaredCutoff);
   }
   return sumCase(potential, a, b, shift, rows);
 }
@@ -156,14 +157,14 @@ static double rowsEnergy(const Potential* potential, const LeafSide* a, const Le
 static double leafPairEnergy(const Potential* potential, const LeafSide* a, const LeafSide* b) {
   float shift[3];
   float back[3];
-  shiftBetween(a, b, shift);
+  shiftBetween(a->frame, b->frame, shift);
   unsigned rows = a->columns->occupied;
   const float* from = shift;
   if (potential->hasCutoff) {
     /* Each row of one side costs the same, so those of the side with fewer are summed. */
-    shiftBetween(b, a, back);
-    rows &= rowsNear(potential, a, b, shift);
-    const unsigned rowsOfB = b->columns->occupied & rowsNear(potential, b, a, back);
+    shiftBetween(b->frame, a->frame, back);
+    rows &= rowsNear(a->frame, b->frame, shift, potential->squaredCutoff);
+    const unsigned rowsOfB = b->columns->occupied & rowsNear(b->frame, a->frame, back, potential->squaredCutoff);
     if (__builtin_popcount(rowsOfB) < __builtin_popcount(rows)) {
       const LeafSide* other = a;
       a = b;
@@ -175,9 +176,12 @@ static double leafPairEnergy(const Potential* potential, const LeafSide* a, cons
   return sumCase(potential, a, b, from, rows);
 }
 
+#include "born_body.h"
+
 const Kernels KERNELS = {
     .name = KERNELS_NAME,
     .makeFrame = makeFrame,
     .leafPairEnergy = leafPairEnergy,
     .rowsEnergy = rowsEnergy,
+    .bornSums = bornSums,
 };
