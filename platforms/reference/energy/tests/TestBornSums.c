@@ -270,7 +270,7 @@ static void checkOnePlace(Pair* p) {
 
 int main(void) {
   static Pair pair;
-  for (int round = 0; round < 4000; round++) {
+  for (int round = 0; round < 1500; round++) {
     makePair(&pair);
     checkPair(&pair);
     checkOnePlace(&pair);
