@@ -92,15 +92,22 @@ public:
         return index;
     }
     /**
-     * Make the Context, the plan and the kernel.
+     * Make the Context and the plan.
      */
-    void build()
+    void makePlan()
     {
         integrator.reset(new OpenMM::VerletIntegrator(0.001));
         context.reset(new OpenMM::Context(chain.system, *integrator, OpenMM::Platform::getPlatform("Reference")));
         context->setPositions(chain.positions);
         plan.reset(new EnergyPlan(getImpl()));
         plan->translate(-1, true, false);
+    }
+    /**
+     * Make the Context, the plan and the kernel.
+     */
+    void build()
+    {
+        makePlan();
         kernel = context->getPlatform().createKernel(CalcStericExclusionForceKernel::Name(), getImpl());
         getKernel().initialize(*chain.force, LinkStructure(chain.system, *chain.force));
         getKernel().setEnergyTerms(plan->getTerms());

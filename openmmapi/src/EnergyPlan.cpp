@@ -6,6 +6,7 @@
 #include "openmm/System.h"
 #include "openmmchaintree/internal/ForceTranslation.h"
 #include "openmmchaintree/StericExclusionForce.h"
+#include <algorithm>
 
 using namespace ChainTreePlugin;
 using namespace OpenMM;
@@ -95,17 +96,38 @@ void EnergyPlan::decide(int index, int groupsOfU, bool allowNative, bool isSoft)
 void EnergyPlan::translate(int groups, bool allowNative, bool isSoft)
 {
     terms = EnergyTerms();
-    for (size_t i = 0; i < entries.size(); i++)
-        decide(i, groups, allowNative, isSoft);
+    auto needsPairs = [&](size_t i) {
+        return copies[i] && NativeForceKind::find(*copies[i])->needsPairs;
+    };
+    for (bool second : {false, true})
+        for (size_t i = 0; i < entries.size(); i++)
+            if (needsPairs(i) == second)
+                decide(i, groups, allowNative, isSoft);
+}
+
+/**
+ * Say what is done about a Force that has pairs.
+ */
+string EnergyPlan::describePairs(int index) const
+{
+    auto isThis = [&](auto& part) {
+        return part.force == index;
+    };
+    const bool isBorn = any_of(terms.born.begin(), terms.born.end(), isThis);
+    const bool isNonbonded = any_of(terms.nonbonded.begin(), terms.nonbonded.end(), isThis);
+    if (isBorn || (isNonbonded && !terms.born.empty()))
+        return "openmm-chaintree evaluates it at each outer test; trials see a stand-in";
+    if (isNonbonded || any_of(terms.pairSets.begin(), terms.pairSets.end(), isThis))
+        return "openmm-chaintree evaluates the pairs that a trial changes";
+    return "";
 }
 
 void EnergyPlan::setChangeableTerms(const vector<int>& counts, bool somethingMoves)
 {
     for (size_t i = 0; i < entries.size(); i++) {
         long long numTerms = 0, numChangeable = 0;
-        bool isTranslated = false, hasPairs = false;
-        for (const EnergyTerms::Nonbonded& nonbonded : terms.nonbonded)
-            hasPairs |= nonbonded.force == (int)i;
+        const string pairs = describePairs(i);
+        bool isTranslated = !pairs.empty();
         for (size_t j = 0; j < terms.termSets.size(); j++) {
             const EnergyTerms::TermSet& set = terms.termSets[j];
             if (set.force != (int)i)
@@ -117,10 +139,10 @@ void EnergyPlan::setChangeableTerms(const vector<int>& counts, bool somethingMov
         if (!isTranslated)
             continue;
         Entry& entry = entries[i];
-        const bool canChange = somethingMoves && (hasPairs || numChangeable > 0);
+        const bool canChange = somethingMoves && (!pairs.empty() || numChangeable > 0);
         entry.kind = canChange ? Native : Constant;
-        if (hasPairs)
-            entry.reason = canChange ? "openmm-chaintree evaluates the pairs that a trial changes" : "nothing moves";
+        if (!pairs.empty())
+            entry.reason = canChange ? pairs : "nothing moves";
         else if (numTerms == 0)
             entry.reason = "it has no terms";
         else if (!canChange)
@@ -143,11 +165,25 @@ int EnergyPlan::getGroups(Kind kind) const
     return groups;
 }
 
+set<int> EnergyPlan::getTranslatedForces() const
+{
+    set<int> translated;
+    auto add = [&](auto& parts) {
+        for (auto& part : parts)
+            translated.insert(part.force);
+    };
+    add(terms.nonbonded);
+    add(terms.born);
+    add(terms.pairSets);
+    add(terms.termSets);
+    return translated;
+}
+
 int EnergyPlan::getWhollyNativeGroups() const
 {
     int native = 0;
-    for (const EnergyTerms::TermSet& set : terms.termSets)
-        native |= entries[set.force].groups;
+    for (int force : getTranslatedForces())
+        native |= entries[force].groups;
     return native & ~getGroups(Foreign);
 }
 

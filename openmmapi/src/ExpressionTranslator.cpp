@@ -3,6 +3,7 @@
 #include "lepton/Operation.h"
 #include "lepton/ParsedExpression.h"
 #include "lepton/Parser.h"
+#include "openmmchaintree/internal/TabulatedFunctions.h"
 #include <algorithm>
 #include <cmath>
 #include <cstring>
@@ -11,6 +12,7 @@
 #include <stdexcept>
 
 using namespace ChainTreePlugin;
+using namespace OpenMM;
 using namespace std;
 using Lepton::ExpressionTreeNode;
 
@@ -157,7 +159,13 @@ static double getOwnConstant(const Lepton::Operation& operation)
 
 // ---- What names mean ----
 
-ExpressionTranslator::ExpressionTranslator(EnergyTerms::TermSet& set) : set(set)
+ExpressionTranslator::ExpressionTranslator(EnergyTerms::TermSet& set) :
+    writtenInputs(set.inputs), operations(set.operations), writtenTables(noTables)
+{
+}
+
+ExpressionTranslator::ExpressionTranslator(EnergyTerms::PairSet& set) :
+    writtenInputs(noInputs), operations(set.operations), writtenTables(set.tables)
 {
 }
 
@@ -173,11 +181,11 @@ void ExpressionTranslator::addInput(const string& name, EnergyTerms::Measure mea
     inputs[name] = {measure, particles};
 }
 
-void ExpressionTranslator::addParameter(const string& name)
+void ExpressionTranslator::addParameter(const string& name, double low, double high)
 {
     addName(name);
-    const int index = parameters.size();
-    parameters[name] = index;
+    parameters[name] = parameterRanges.size();
+    parameterRanges.push_back(make_pair(low, high));
 }
 
 void ExpressionTranslator::addConstant(const string& name, double value)
@@ -200,6 +208,18 @@ void ExpressionTranslator::addForeignFunction(const string& name, int numArgumen
     foreignFunctions[name] = make_pair(numArguments, description);
 }
 
+void ExpressionTranslator::addTable(const string& name, const TabulatedFunction& function)
+{
+    NamedTable& entry = tables[name];
+    if (!ChainTreePlugin::translateTable(function, entry.table)) {
+        tables.erase(name);
+        addForeignFunction(name, countArguments(function), "the tabulated function " + name);
+        return;
+    }
+    entry.function = createFunction(function);
+    entry.index = -1;
+}
+
 // ---- Operations ----
 
 int ExpressionTranslator::addOperation(EnergyTerms::Operator kind, const array<int, 3>& arguments, double constant)
@@ -211,20 +231,20 @@ int ExpressionTranslator::addOperation(EnergyTerms::Operator kind, const array<i
     auto found = known.find(key);
     if (found != known.end())
         return found->second;
-    const int index = set.operations.size();
-    set.operations.push_back({kind, arguments, constant});
+    const int index = operations.size();
+    operations.push_back({kind, arguments, constant});
     known[key] = index;
     return index;
 }
 
 int ExpressionTranslator::addMeasure(EnergyTerms::Measure measure, const array<int, 4>& particles)
 {
-    auto found = find_if(set.inputs.begin(), set.inputs.end(), [&](const EnergyTerms::Input& input) {
+    auto found = find_if(writtenInputs.begin(), writtenInputs.end(), [&](const EnergyTerms::Input& input) {
         return input.measure == measure && input.particles == particles;
     });
-    const int index = found - set.inputs.begin();
-    if (found == set.inputs.end())
-        set.inputs.push_back({measure, particles});
+    const int index = found - writtenInputs.begin();
+    if (found == writtenInputs.end())
+        writtenInputs.push_back({measure, particles});
     return addOperation(EnergyTerms::InputValue, {index});
 }
 
@@ -256,12 +276,53 @@ int ExpressionTranslator::translateDistance(const vector<ExpressionTreeNode>& co
     return addOperation(EnergyTerms::Sqrt, {sum});
 }
 
+/**
+ * Bring an index of a discrete table into its range, as OpenMM does it.
+ */
+int ExpressionTranslator::keepWithin(int operation, int size)
+{
+    const EnergyTerms::Operation& index = operations[operation];
+    if (index.kind == EnergyTerms::ParameterValue) {
+        const pair<double, double>& range = parameterRanges[index.arguments[0]];
+        if (range.first >= 0 && range.second <= size - 1)
+            return operation;
+    }
+    const int first = addOperation(EnergyTerms::Constant, {}, 0);
+    const int last = addOperation(EnergyTerms::Constant, {}, size - 1);
+    return addOperation(EnergyTerms::Min, {addOperation(EnergyTerms::Max, {operation, first}), last});
+}
+
+int ExpressionTranslator::translateTable(NamedTable& table, const vector<ExpressionTreeNode>& children)
+{
+    array<int, 3> arguments = {};
+    double values[3] = {};
+    bool allAreKnown = true;
+    for (size_t i = 0; i < children.size(); i++) {
+        arguments[i] = translateNode(children[i]);
+        const EnergyTerms::Operation& argument = operations[arguments[i]];
+        values[i] = argument.constant;
+        allAreKnown &= argument.kind == EnergyTerms::Constant;
+    }
+    if (allAreKnown)
+        return addOperation(EnergyTerms::Constant, {}, table.function->evaluate(values));
+    if (table.index == -1) {
+        table.index = writtenTables.size();
+        writtenTables.push_back(table.table);
+    }
+    for (size_t i = 0; i < children.size() && table.table.discrete; i++)
+        arguments[i] = keepWithin(arguments[i], table.table.sizes[i]);
+    return addOperation(EnergyTerms::Table, arguments, table.index);
+}
+
 int ExpressionTranslator::translateFunction(const ExpressionTreeNode& node)
 {
     const string name = node.getOperation().getName();
     auto foreign = foreignFunctions.find(name);
     if (foreign != foreignFunctions.end())
         throw Untranslatable("its expression uses " + foreign->second.second);
+    auto table = tables.find(name);
+    if (table != tables.end())
+        return translateTable(table->second, node.getChildren());
     const MeasuringFunction& function = findMeasuringFunction(name);
     const vector<ExpressionTreeNode>& arguments = node.getChildren();
     vector<int> measured;
@@ -301,7 +362,7 @@ int ExpressionTranslator::translateFunction(const ExpressionTreeNode& node)
  */
 int ExpressionTranslator::shorten(EnergyTerms::Operator kind, const array<int, 3>& arguments)
 {
-    const EnergyTerms::Operation first = set.operations[arguments[0]], second = set.operations[arguments[1]];
+    const EnergyTerms::Operation first = operations[arguments[0]], second = operations[arguments[1]];
     const bool firstIsKnown = first.kind == EnergyTerms::Constant, secondIsKnown = second.kind == EnergyTerms::Constant;
     switch (kind) {
     case EnergyTerms::Add:
@@ -351,7 +412,7 @@ int ExpressionTranslator::translateNode(const ExpressionTreeNode& node)
     bool allAreKnown = true;
     for (size_t i = 0; i < node.getChildren().size(); i++) {
         arguments[i] = translateNode(node.getChildren()[i]);
-        const EnergyTerms::Operation& argument = set.operations[arguments[i]];
+        const EnergyTerms::Operation& argument = operations[arguments[i]];
         values[i] = argument.constant;
         allAreKnown &= argument.kind == EnergyTerms::Constant;
     }
@@ -375,9 +436,9 @@ int ExpressionTranslator::translateNode(const ExpressionTreeNode& node)
 /**
  * Get how many arguments of an operation are numbers of earlier ones.
  */
-static int countArguments(EnergyTerms::Operator kind)
+static int countResults(const EnergyTerms::Operation& operation, const vector<EnergyTerms::TableFunction>& tables)
 {
-    switch (kind) {
+    switch (operation.kind) {
     case EnergyTerms::Constant:
     case EnergyTerms::InputValue:
     case EnergyTerms::ParameterValue:
@@ -393,6 +454,8 @@ static int countArguments(EnergyTerms::Operator kind)
         return 2;
     case EnergyTerms::Select:
         return 3;
+    case EnergyTerms::Table:
+        return tables[(int)operation.constant].dimensions;
     default:
         return 1;
     }
@@ -401,56 +464,61 @@ static int countArguments(EnergyTerms::Operator kind)
 /**
  * Keep the operations and inputs that a result depends on, and make it the last one.
  */
-static void keepWhatIsUsed(EnergyTerms::TermSet& set, int result)
+void ExpressionTranslator::keepWhatIsUsed(int result)
 {
-    vector<EnergyTerms::Operation> all(set.operations.begin(), set.operations.begin() + result + 1), kept;
+    const vector<EnergyTerms::Operation> all(operations.begin(), operations.begin() + result + 1);
+    const vector<EnergyTerms::Input> allInputs = writtenInputs;
     vector<bool> isUsed(all.size());
     isUsed[result] = true;
     for (int i = result; i >= 0; i--)
-        for (int j = 0; isUsed[i] && j < countArguments(all[i].kind); j++)
+        for (int j = 0; isUsed[i] && j < countResults(all[i], writtenTables); j++)
             isUsed[all[i].arguments[j]] = true;
-    vector<EnergyTerms::Input> keptInputs;
-    vector<int> newIndex(all.size()), newInput(set.inputs.size(), -1);
+    operations.clear();
+    writtenInputs.clear();
+    vector<int> newIndex(all.size()), newInput(allInputs.size(), -1);
     for (int i = 0; i <= result; i++) {
         if (!isUsed[i])
             continue;
         EnergyTerms::Operation operation = all[i];
-        for (int j = 0; j < countArguments(operation.kind); j++)
+        for (int j = 0; j < countResults(operation, writtenTables); j++)
             operation.arguments[j] = newIndex[operation.arguments[j]];
         if (operation.kind == EnergyTerms::InputValue) {
             int& input = newInput[operation.arguments[0]];
             if (input == -1) {
-                input = keptInputs.size();
-                keptInputs.push_back(set.inputs[operation.arguments[0]]);
+                input = writtenInputs.size();
+                writtenInputs.push_back(allInputs[operation.arguments[0]]);
             }
             operation.arguments[0] = input;
         }
-        newIndex[i] = kept.size();
-        kept.push_back(operation);
+        newIndex[i] = operations.size();
+        operations.push_back(operation);
     }
-    set.operations = kept;
-    set.inputs = keptInputs;
 }
 
 string ExpressionTranslator::translate(const string& expression)
 {
     vector<unique_ptr<Placeholder>> placeholders;
     map<string, Lepton::CustomFunction*> functions;
-    auto addFunction = [&](const string& name, int numArguments) {
-        placeholders.push_back(make_unique<Placeholder>(numArguments));
-        if (!functions.insert(make_pair(name, placeholders.back().get())).second)
+    auto addFunction = [&](const string& name, Lepton::CustomFunction* function) {
+        if (!functions.insert(make_pair(name, function)).second)
             repeatedName = name;
     };
+    auto addPlaceholder = [&](const string& name, int numArguments) {
+        placeholders.push_back(make_unique<Placeholder>(numArguments));
+        addFunction(name, placeholders.back().get());
+    };
     for (auto& foreign : foreignFunctions)
-        addFunction(foreign.first, foreign.second.first);
+        addPlaceholder(foreign.first, foreign.second.first);
+    for (auto& table : tables)
+        addFunction(table.first, table.second.function.get());
     if (!particles.empty())
         for (const MeasuringFunction& function : MEASURING_FUNCTIONS)
-            addFunction(function.name, function.numPoints * (function.takesCoordinates ? 3 : 1));
+            addPlaceholder(function.name, function.numPoints * (function.takesCoordinates ? 3 : 1));
     if (!repeatedName.empty())
         return "the name " + repeatedName + " means two things in its expression";
     try {
         Lepton::ParsedExpression parsed = Lepton::Parser::parse(expression, functions).optimize();
-        keepWhatIsUsed(set, translateNode(parsed.getRootNode()));
+        keepWhatIsUsed(translateNode(parsed.getRootNode()));
     }
     catch (const Untranslatable& reason) {
         return reason.what();

@@ -23,8 +23,8 @@ static map<type_index, const NativeForceKind*>& knownKinds()
     return kinds;
 }
 
-NativeForceKind::NativeForceKind(const type_info& type, Translator& translate, Copier& copy) :
-    translate(translate), copy(copy)
+NativeForceKind::NativeForceKind(const type_info& type, Translator& translate, Copier& copy, Need need) :
+    translate(translate), copy(copy), needsPairs(need == NeedsPairs)
 {
     knownKinds()[type] = this;
 }
@@ -56,6 +56,9 @@ void ChainTreePlugin::addTerm(EnergyTerms::TermSet& set, const vector<int>& part
 
 // ---- What a Context refuses, but what a Force may have become since then ----
 
+static const char NO_NUMBER[] = "one of its parameters is infinite or not a number";
+static const char WRONG_COUNT[] = "it has not as many particles as the System";
+
 static bool areFinite(const vector<double>& values)
 {
     return all_of(values.begin(), values.end(), [](double value) {
@@ -83,7 +86,7 @@ static string check(const EnergyTerms::TermSet& set, int numParticles)
     for (const EnergyTerms::Operation& operation : set.operations)
         isFinite = isFinite && isfinite(operation.constant);
     if (!isFinite)
-        return "one of its parameters is infinite or not a number";
+        return NO_NUMBER;
     if (set.kind == EnergyTerms::TorsionMap)
         for (double map : set.parameters)
             if (map < 0 || map >= set.maps.size())
@@ -91,20 +94,88 @@ static string check(const EnergyTerms::TermSet& set, int numParticles)
     return "";
 }
 
-static string check(const EnergyTerms::Nonbonded& nonbonded, int numParticles)
+static string check(const vector<array<int, 2>>& exclusions, int numParticles)
 {
-    if ((int)nonbonded.charges.size() != numParticles)
-        return "it has not as many particles as the System";
-    if (!areFinite(nonbonded.charges) || !areFinite(nonbonded.sigmas) || !areFinite(nonbonded.epsilons))
-        return "one of its parameters is infinite or not a number";
-    for (const array<int, 2>& exclusion : nonbonded.exclusions)
+    for (const array<int, 2>& exclusion : exclusions)
         for (int particle : exclusion)
             if (particle < 0 || particle >= numParticles)
                 return "there is no particle " + to_string(particle);
     return "";
 }
 
+static string check(const EnergyTerms::Nonbonded& nonbonded, int numParticles)
+{
+    if ((int)nonbonded.charges.size() != numParticles)
+        return WRONG_COUNT;
+    if (!areFinite(nonbonded.charges) || !areFinite(nonbonded.sigmas) || !areFinite(nonbonded.epsilons))
+        return NO_NUMBER;
+    return check(nonbonded.exclusions, numParticles);
+}
+
+static string check(const EnergyTerms::PairSet& set, int numParticles)
+{
+    if (set.parameters.size() != (size_t)numParticles * set.parametersPerParticle)
+        return WRONG_COUNT;
+    bool isFinite = areFinite(set.parameters);
+    for (const EnergyTerms::Operation& operation : set.operations)
+        isFinite = isFinite && isfinite(operation.constant);
+    for (const EnergyTerms::TableFunction& table : set.tables)
+        isFinite = isFinite && areFinite(table.values);
+    if (!isFinite)
+        return NO_NUMBER;
+    for (const EnergyTerms::InteractionGroup& group : set.groups)
+        for (const vector<int>& particles : group)
+            for (int particle : particles)
+                if (particle < 0 || particle >= numParticles)
+                    return "there is no particle " + to_string(particle);
+    return check(set.exclusions, numParticles);
+}
+
+static string check(const EnergyTerms::Born& born, int numParticles)
+{
+    if ((int)born.charges.size() != numParticles)
+        return WRONG_COUNT;
+    for (const vector<double>& values : {born.charges, born.radii, born.offsetRadii, born.scaledRadii, born.alphas,
+                                         born.betas, born.gammas, born.neckHeights, born.neckDistances})
+        if (!areFinite(values))
+            return NO_NUMBER;
+    for (const vector<double>& radii : {born.radii, born.offsetRadii})
+        for (double radius : radii)
+            if (radius <= 0)
+                return "one of its radii is not positive";
+    const double numbers = born.neckScale + born.neckCut + born.coulomb + born.soluteDielectric +
+                           born.solventDielectric + born.kappa + born.surfaceEnergy + born.probeRadius + born.shift;
+    return isfinite(numbers) ? "" : NO_NUMBER;
+}
+
 // ---- Forces ----
+
+namespace {
+
+/**
+ * How much there is of terms.
+ */
+class Size {
+public:
+    explicit Size(const EnergyTerms& terms) :
+        nonbonded(terms.nonbonded.size()), born(terms.born.size()), pairSets(terms.pairSets.size()),
+        termSets(terms.termSets.size())
+    {
+    }
+    /**
+     * Remove what was appended since.
+     */
+    void restore(EnergyTerms& terms) const
+    {
+        terms.nonbonded.resize(nonbonded);
+        terms.born.resize(born);
+        terms.pairSets.resize(pairSets);
+        terms.termSets.resize(termSets);
+    }
+    const size_t nonbonded, born, pairSets, termSets;
+};
+
+} // namespace
 
 string ChainTreePlugin::getClassName(const Force& force)
 {
@@ -124,21 +195,25 @@ static string append(const Force& force, int index, int numParticles, const Nati
     const NativeForceKind* kind = NativeForceKind::find(force);
     if (kind == NULL)
         return "openmm-chaintree has no code for a " + getClassName(force);
-    const size_t numNonbonded = terms.nonbonded.size(), numSets = terms.termSets.size();
+    const Size before(terms);
     string reason = kind->translate(force, index, parameters, terms);
     if (reason.empty() && force.usesPeriodicBoundaryConditions())
         reason = "it uses periodic boundary conditions";
-    for (size_t i = numNonbonded; i < terms.nonbonded.size() && reason.empty(); i++)
-        reason = check(terms.nonbonded[i], numParticles);
-    for (size_t i = numSets; i < terms.termSets.size() && reason.empty(); i++)
-        reason = check(terms.termSets[i], numParticles);
+    auto checkNew = [&](auto& parts, size_t first) {
+        for (size_t i = first; i < parts.size() && reason.empty(); i++)
+            reason = check(parts[i], numParticles);
+    };
+    checkNew(terms.nonbonded, before.nonbonded);
+    checkNew(terms.born, before.born);
+    checkNew(terms.pairSets, before.pairSets);
+    checkNew(terms.termSets, before.termSets);
     return reason;
 }
 
 string ChainTreePlugin::translateForce(const Force& force, int index, int numParticles,
                                        const NativeForceKind::Parameters& parameters, EnergyTerms& terms)
 {
-    const size_t numNonbonded = terms.nonbonded.size(), numSets = terms.termSets.size();
+    const Size before(terms);
     string reason;
     try {
         reason = append(force, index, numParticles, parameters, terms);
@@ -149,9 +224,7 @@ string ChainTreePlugin::translateForce(const Force& force, int index, int numPar
     catch (const exception& error) {
         reason = string("it cannot be read (") + error.what() + ")";
     }
-    if (!reason.empty()) {
-        terms.nonbonded.resize(numNonbonded);
-        terms.termSets.resize(numSets);
-    }
+    if (!reason.empty())
+        before.restore(terms);
     return reason;
 }

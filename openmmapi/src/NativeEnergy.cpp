@@ -76,7 +76,7 @@ void NativeEnergy::translate()
     termsCanChange = any_of(counts.begin(), counts.end(), [](int count) {
         return count > 0;
     });
-    pairsCanChange = !plan.getTerms().nonbonded.empty() && somethingMoves;
+    pairsCanChange = !(plan.getTerms().nonbonded.empty() && plan.getTerms().pairSets.empty()) && somethingMoves;
 
     // Foreign Forces that share a group with native ones are evaluated with all native ones, whose change is known.
 

@@ -142,16 +142,31 @@ NativeEnergyCheck::NativeEnergyCheck(const ContextImpl& context, const EnergyPla
 }
 
 /**
+ * Find the Forces whose energies are of all pairs.
+ */
+static set<int> findPairForces(const EnergyTerms& terms)
+{
+    set<int> forces;
+    for (const EnergyTerms::Nonbonded& nonbonded : terms.nonbonded)
+        forces.insert(nonbonded.force);
+    for (const EnergyTerms::Born& born : terms.born)
+        forces.insert(born.force);
+    for (const EnergyTerms::PairSet& pairs : terms.pairSets)
+        forces.insert(pairs.force);
+    return forces;
+}
+
+/**
  * Compare the energy of each Force.
  */
 bool NativeEnergyCheck::checkForces(const vector<Result>& results, const vector<double>& energies) const
 {
     const double numParticles = context.getSystem().getNumParticles();
-    const int pairForce = plan.getTerms().nonbonded.empty() ? -1 : plan.getTerms().nonbonded[0].force;
+    const set<int> pairForces = findPairForces(plan.getTerms());
     bool saysMuch = true;
     for (const Result& result : results) {
         double tolerance = ABSOLUTE + RELATIVE * abs(result.energy);
-        if (result.force == pairForce)
+        if (pairForces.count(result.force) != 0)
             tolerance += ROUNDING * result.gradient + PAIR_ROUNDING * numParticles;
         if (!agree(energies[result.force], result.energy, tolerance, HUGE_ENERGY))
             failOfForce(plan, result.force, energies[result.force], result.energy);
@@ -190,9 +205,7 @@ void NativeEnergyCheck::checkGroups(const vector<Result>& results, const GroupEn
  */
 vector<NativeEnergyCheck::Result> NativeEnergyCheck::evaluate(const vector<Vec3>& positions) const
 {
-    set<int> native;
-    for (const EnergyTerms::TermSet& terms : plan.getTerms().termSets)
-        native.insert(terms.force);
+    const set<int> native = plan.getTranslatedForces();
     vector<Result> results;
     vector<int> batch;
     for (int force : native) {

@@ -1,23 +1,12 @@
 #include "openmm/CustomCompoundBondForce.h"
 #include "openmm/serialization/XmlSerializer.h"
-#include "openmm/TabulatedFunction.h"
 #include "openmmchaintree/internal/ExpressionTranslator.h"
 #include "openmmchaintree/internal/ForceTranslation.h"
+#include "openmmchaintree/internal/TabulatedFunctions.h"
 
 using namespace ChainTreePlugin;
 using namespace OpenMM;
 using namespace std;
-
-static int countArguments(const TabulatedFunction& function)
-{
-    if (dynamic_cast<const Continuous1DFunction*>(&function) != NULL ||
-        dynamic_cast<const Discrete1DFunction*>(&function) != NULL)
-        return 1;
-    if (dynamic_cast<const Continuous2DFunction*>(&function) != NULL ||
-        dynamic_cast<const Discrete2DFunction*>(&function) != NULL)
-        return 2;
-    return 3;
-}
 
 /**
  * Copies share their tables with the original, whose destructor deletes them; not so if they are read from XML.

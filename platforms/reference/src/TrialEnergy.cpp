@@ -1,5 +1,6 @@
 #include "TrialEnergy.h"
 #include "openmm/OpenMMException.h"
+#include <algorithm>
 #include <string>
 
 using namespace ChainTreePlugin;
@@ -24,6 +25,21 @@ static_assert((int)EnergyTerms::Constant == ctConstantOperator && (int)EnergyTer
                   (int)EnergyTerms::Table == ctTableOperator,
               "the operators differ");
 
+static vector<ctOperation> describe(const vector<EnergyTerms::Operation>& operations)
+{
+    vector<ctOperation> described;
+    for (const EnergyTerms::Operation& operation : operations) {
+        const array<int, 3>& a = operation.arguments;
+        described.push_back({(ctOperator)operation.kind, {a[0], a[1], a[2]}, operation.constant});
+    }
+    return described;
+}
+
+static const int (*describe(const vector<array<int, 2>>& pairs))[2]
+{
+    return reinterpret_cast<const int(*)[2]>(pairs.data());
+}
+
 /**
  * The arrays of the library that hold the terms of one set.
  */
@@ -37,10 +53,7 @@ public:
             const array<int, 4>& p = input.particles;
             inputs.push_back({(ctMeasure)input.measure, {p[0], p[1], p[2], p[3]}});
         }
-        for (const EnergyTerms::Operation& operation : set.operations) {
-            const array<int, 3>& a = operation.arguments;
-            operations.push_back({(ctOperator)operation.kind, {a[0], a[1], a[2]}, operation.constant});
-        }
+        operations = ::describe(set.operations);
         expression = {(int)inputs.size(), inputs.data(), (int)operations.size(), operations.data()};
     }
     ctTermSet describe(const EnergyTerms::TermSet& set) const
@@ -65,9 +78,96 @@ private:
     ctExpression expression;
 };
 
+/**
+ * The same of a set of pairs.
+ */
+class LibraryPairs {
+public:
+    explicit LibraryPairs(const EnergyTerms::PairSet& set) : operations(::describe(set.operations))
+    {
+        for (const EnergyTerms::TableFunction& table : set.tables) {
+            ctTable described = {};
+            described.isDiscrete = table.discrete;
+            described.isPeriodic = table.periodic;
+            described.dimensions = table.dimensions;
+            copy(table.sizes.begin(), table.sizes.end(), described.sizes);
+            copy(table.minima.begin(), table.minima.end(), described.minima);
+            copy(table.maxima.begin(), table.maxima.end(), described.maxima);
+            described.values = table.values.data();
+            tables.push_back(described);
+        }
+        for (const EnergyTerms::InteractionGroup& group : set.groups)
+            groups.push_back({{(int)group[0].size(), (int)group[1].size()}, {group[0].data(), group[1].data()}});
+    }
+    ctPairSet describe(const EnergyTerms::PairSet& set) const
+    {
+        ctPairSet described = {};
+        described.operationCount = operations.size();
+        described.operations = operations.data();
+        described.tableCount = tables.size();
+        described.tables = tables.data();
+        described.parametersPerParticle = set.parametersPerParticle;
+        described.parameters = set.parameters.data();
+        described.cutoff = set.cutoff;
+        described.switchingDistance = set.switchingDistance;
+        described.exclusionCount = set.exclusions.size();
+        described.exclusions = ::describe(set.exclusions);
+        described.groupCount = groups.size();
+        described.groups = groups.data();
+        return described;
+    }
+
+private:
+    vector<ctOperation> operations;
+    vector<ctTable> tables;
+    vector<ctInteractionGroup> groups;
+};
+
+static ctNonbonded describe(const EnergyTerms::Nonbonded& given)
+{
+    ctNonbonded nonbonded = {};
+    nonbonded.charges = given.charges.data();
+    nonbonded.sigmas = given.sigmas.data();
+    nonbonded.epsilons = given.epsilons.data();
+    nonbonded.cutoff = given.cutoff;
+    nonbonded.switchingDistance = given.switchingDistance;
+    nonbonded.dielectric = given.dielectric;
+    nonbonded.exclusionCount = given.exclusions.size();
+    nonbonded.exclusions = describe(given.exclusions);
+    return nonbonded;
+}
+
+static ctBorn describe(const EnergyTerms::Born& given)
+{
+    ctBorn born = {};
+    born.charges = given.charges.data();
+    born.radii = given.radii.data();
+    born.offsetRadii = given.offsetRadii.data();
+    born.scaledRadii = given.scaledRadii.data();
+    born.isRescaled = given.rescaled;
+    born.alphas = given.alphas.data();
+    born.betas = given.betas.data();
+    born.gammas = given.gammas.data();
+    born.neckTypeCount = given.numNeckTypes;
+    born.neckTypes = given.neckTypes.data();
+    born.neckHeights = given.neckHeights.data();
+    born.neckDistances = given.neckDistances.data();
+    born.neckScale = given.neckScale;
+    born.neckCut = given.neckCut;
+    born.coulomb = given.coulomb;
+    born.soluteDielectric = given.soluteDielectric;
+    born.solventDielectric = given.solventDielectric;
+    born.kappa = given.kappa;
+    born.surfaceEnergy = given.surfaceEnergy;
+    born.probeRadius = given.probeRadius;
+    born.cutoff = given.cutoff;
+    born.shift = given.shift;
+    return born;
+}
+
 TrialEnergy::TrialEnergy(ctChainTree* tree, const ctDefinition& scene, const EnergyTerms& terms) :
-    numPairSets(terms.pairSets.size()),
-    numTermSets(terms.termSets.size()), sizeOfStandIn(terms.born.empty() ? 0 : scene.particleCount)
+    numPairSets(terms.pairSets.size()), numTermSets(terms.termSets.size()),
+    sizeOfStandIn(terms.born.empty() ? 0 : scene.particleCount)
 {
     vector<LibraryTerms> arrays;
     arrays.reserve(terms.termSets.size());
@@ -76,21 +176,23 @@ TrialEnergy::TrialEnergy(ctChainTree* tree, const ctDefinition& scene, const Ene
         arrays.emplace_back(set);
         sets.push_back(arrays.back().describe(set));
     }
-    ctNonbonded nonbonded = {};
-    if (!terms.nonbonded.empty()) {
-        const EnergyTerms::Nonbonded& given = terms.nonbonded[0];
-        nonbonded.charges = given.charges.data();
-        nonbonded.sigmas = given.sigmas.data();
-        nonbonded.epsilons = given.epsilons.data();
-        nonbonded.cutoff = given.cutoff;
-        nonbonded.switchingDistance = given.switchingDistance;
-        nonbonded.dielectric = given.dielectric;
-        nonbonded.exclusionCount = given.exclusions.size();
-        nonbonded.exclusions = reinterpret_cast<const int(*)[2]>(given.exclusions.data());
+    vector<LibraryPairs> pairArrays;
+    pairArrays.reserve(terms.pairSets.size());
+    vector<ctPairSet> pairSets;
+    for (const EnergyTerms::PairSet& set : terms.pairSets) {
+        pairArrays.emplace_back(set);
+        pairSets.push_back(pairArrays.back().describe(set));
     }
+    const ctNonbonded nonbonded = terms.nonbonded.empty() ? ctNonbonded() : describe(terms.nonbonded[0]);
+    const ctBorn born = terms.born.empty() ? ctBorn() : describe(terms.born[0]);
+    const ctStandIn standIn = {terms.standIn.bornCutoff, terms.standIn.pairCutoff, terms.standIn.gridWidth};
     ctEnergyDefinition definition = {};
     definition.scene = &scene;
     definition.nonbonded = terms.nonbonded.empty() ? NULL : &nonbonded;
+    definition.born = terms.born.empty() ? NULL : &born;
+    definition.standIn = terms.born.empty() ? NULL : &standIn;
+    definition.pairSetCount = pairSets.size();
+    definition.pairSets = pairSets.data();
     definition.termSetCount = sets.size();
     definition.termSets = sets.data();
     ctEnergy* created;
@@ -103,9 +205,19 @@ TrialEnergy::TrialEnergy(ctChainTree* tree, const ctDefinition& scene, const Ene
 vector<uint8_t> TrialEnergy::findListed(const EnergyTerms& terms, int numParticles)
 {
     vector<uint8_t> listed(numParticles, terms.nonbonded.empty() ? 0 : 1);
-    for (const EnergyTerms::TermSet& set : terms.termSets)
-        for (int particle : set.particles)
+    auto list = [&](const vector<int>& particles) {
+        for (int particle : particles)
             listed[particle] = 1;
+    };
+    for (const EnergyTerms::TermSet& set : terms.termSets)
+        list(set.particles);
+    for (const EnergyTerms::PairSet& set : terms.pairSets) {
+        if (set.groups.empty())
+            listed.assign(numParticles, 1);
+        for (const EnergyTerms::InteractionGroup& group : set.groups)
+            for (const vector<int>& particles : group)
+                list(particles);
+    }
     return listed;
 }
 

@@ -6,6 +6,7 @@
 #include "openmmchaintree/internal/EnergyTerms.h"
 #include "openmmchaintree/internal/windowsExportChainTree.h"
 #include <memory>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -79,6 +80,10 @@ public:
      */
     int getGroups(Kind kind) const;
     /**
+     * Get the indices of the native and constant Forces that the kernel evaluates.
+     */
+    std::set<int> getTranslatedForces() const;
+    /**
      * Get the force groups of U without foreign Forces, but with native or constant ones: there, OpenMM's energy and
      * that of the kernel are the same.
      */
@@ -99,6 +104,7 @@ public:
     }
 
 private:
+    std::string describePairs(int index) const;
     void decide(int index, int groupsOfU, bool allowNative, bool isSoft);
     const OpenMM::ContextImpl& context;
     /** The Forces there were when the plan was made. Some may have been removed since. */

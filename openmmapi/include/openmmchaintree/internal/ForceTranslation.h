@@ -31,13 +31,16 @@ public:
      * Copies a Force.
      */
     typedef OpenMM::Force* Copier(const OpenMM::Force& force);
-    NativeForceKind(const std::type_info& type, Translator& translate, Copier& copy);
+    /** Some energies need a NonbondedForce that is translated before them. */
+    enum Need { NeedsNothing, NeedsPairs };
+    NativeForceKind(const std::type_info& type, Translator& translate, Copier& copy, Need need = NeedsNothing);
     /**
      * Get the kind of a Force, or NULL if there is none.
      */
     static const NativeForceKind* find(const OpenMM::Force& force);
     Translator& translate;
     Copier& copy;
+    const bool needsPairs;
 };
 
 /**

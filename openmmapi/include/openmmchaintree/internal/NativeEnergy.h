@@ -105,7 +105,7 @@ private:
     Choice getChoice() const;
     bool hasTerms() const
     {
-        return !plan.getTerms().termSets.empty() || !plan.getTerms().nonbonded.empty();
+        return !plan.getTranslatedForces().empty();
     }
     void updatePlan();
     void translate();

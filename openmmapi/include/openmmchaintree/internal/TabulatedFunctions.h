@@ -1,0 +1,56 @@
+#ifndef OPENMM_CHAINTREE_TABULATEDFUNCTIONS_H_
+#define OPENMM_CHAINTREE_TABULATEDFUNCTIONS_H_
+
+#include "lepton/CustomFunction.h"
+#include "openmm/TabulatedFunction.h"
+#include "openmmchaintree/internal/EnergyTerms.h"
+#include <map>
+#include <memory>
+#include <string>
+
+namespace ChainTreePlugin {
+
+/**
+ * Get how many arguments a tabulated function has.
+ */
+int countArguments(const OpenMM::TabulatedFunction& function);
+
+/**
+ * Translate a tabulated function. Returns false if the library has no such tables.
+ */
+bool translateTable(const OpenMM::TabulatedFunction& function, EnergyTerms::TableFunction& table);
+
+/**
+ * Make the function that OpenMM's Reference platform evaluates.
+ */
+std::unique_ptr<Lepton::CustomFunction> createFunction(const OpenMM::TabulatedFunction& function);
+
+/**
+ * The tabulated functions of a Force, as the parser takes them.
+ */
+class TabulatedFunctions {
+public:
+    template <class Force>
+    explicit TabulatedFunctions(const Force& force)
+    {
+        for (int i = 0; i < force.getNumTabulatedFunctions(); i++)
+            add(force.getTabulatedFunctionName(i), force.getTabulatedFunction(i));
+    }
+    const std::map<std::string, Lepton::CustomFunction*>& get() const
+    {
+        return pointers;
+    }
+
+private:
+    void add(const std::string& name, const OpenMM::TabulatedFunction& function)
+    {
+        functions[name] = createFunction(function);
+        pointers[name] = functions[name].get();
+    }
+    std::map<std::string, std::unique_ptr<Lepton::CustomFunction>> functions;
+    std::map<std::string, Lepton::CustomFunction*> pointers;
+};
+
+} // namespace ChainTreePlugin
+
+#endif /*OPENMM_CHAINTREE_TABULATEDFUNCTIONS_H_*/
