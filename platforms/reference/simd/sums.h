@@ -192,4 +192,34 @@ static inline Float16 sums16x16(const float rows[16][16]) {
 
 #endif
 
+/* The sum of each of four vectors, in the same order. */
+#if defined(CT_PATH_AVX512)
+
+static inline void total4x16(const Float16 a[4], float totals[4]) {
+  const __m512 ab = _mm512_add_ps(_mm512_shuffle_f32x4(a[0], a[1], 0x44), _mm512_shuffle_f32x4(a[0], a[1], 0xee));
+  const __m512 cd = _mm512_add_ps(_mm512_shuffle_f32x4(a[2], a[3], 0x44), _mm512_shuffle_f32x4(a[2], a[3], 0xee));
+  const __m512 four = _mm512_add_ps(_mm512_shuffle_f32x4(ab, cd, 0x88), _mm512_shuffle_f32x4(ab, cd, 0xdd));
+  const __m512 two = _mm512_add_ps(four, _mm512_shuffle_ps(four, four, 0x4e));
+  const __m512 one = _mm512_add_ps(two, _mm512_shuffle_ps(two, two, 0xb1));
+  const __m512i firsts = _mm512_setr_epi32(0, 4, 8, 12, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0);
+  _mm_storeu_ps(totals, _mm512_castps512_ps128(_mm512_permutexvar_ps(firsts, one)));
+}
+
+#else
+
+static inline void total4x16(const Float16 a[4], float totals[4]) {
+  for (int i = 0; i < 4; i++) {
+    float lanes[16];
+    store16(lanes, a[i]);
+    for (int width = 8; width > 0; width /= 2) {
+      for (int k = 0; k < width; k++) {
+        lanes[k] += lanes[k + width];
+      }
+    }
+    totals[i] = lanes[0];
+  }
+}
+
+#endif
+
 #endif /* CT_SUMS_H_ */

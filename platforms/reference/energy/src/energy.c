@@ -6,6 +6,7 @@
 
 #include "nonbonded.h"
 #include "pairsums.h"
+#include "standin.h"
 #include "terms.h"
 
 /* Not the change count of any state. */
@@ -14,13 +15,16 @@ enum { NO_STATE = -1 };
 struct ctEnergy {
   ctChainTree* tree;
   Terms* terms;
-  bool hasPairs;
-  TrialLeaves leaves; /* if there are pairs */
-  Nonbonded nonbonded;
+  bool hasLeaves; /* what follows is there */
+  bool hasStandIn;
+  TrialLeaves leaves;
+  Nonbonded nonbonded; /* without a stand-in, these two */
   PairSums pairs;
+  StandIn standIn;
   int64_t state;     /* the scene's change count of the state that values belong to, or NO_STATE */
   int64_t trial;     /* the last one that was asked about */
   int computedParts; /* of it */
+  double nearChange; /* its change of near pairs */
   char errorText[200];
 };
 
@@ -58,25 +62,38 @@ static int* findSlots(const ctChainTree* tree, int particleCount) {
   return slotOf;
 }
 
+/* How far apart particles can be that a trial has to look at, nm. */
+static double greatestCutoff(const ctEnergyDefinition* d) {
+  return d->born != NULL ? fmax(d->standIn->bornCutoff, d->standIn->pairCutoff) : d->nonbonded->cutoff;
+}
+
 static ctStatus buildPairs(ctEnergy* energy, const ctEnergyDefinition* d, const int* slotOf, char* errorText,
                            size_t errorSize) {
   const int particleCount = d->scene->particleCount;
-  const double cutoff = d->nonbonded->cutoff;
-  const ctStatus status =
-      ctNonbondedCreate(&energy->nonbonded, energy->tree, particleCount, d->nonbonded, slotOf, errorText, errorSize);
-  if (status != ctSuccess) {
-    return status;
-  }
-  if (!ctTrialLeavesCreate(&energy->leaves, energy->tree, cutoff, particleCount, slotOf) ||
-      !ctPairSumsCreate(&energy->pairs, &energy->leaves, cutoff, ctNonbondedEnergy, &energy->nonbonded)) {
+  if (!ctTrialLeavesCreate(&energy->leaves, energy->tree, greatestCutoff(d), particleCount, slotOf)) {
     snprintf(errorText, errorSize, "out of memory");
     return ctOutOfMemory;
   }
-  energy->hasPairs = true;
-  return ctSuccess;
+  energy->hasLeaves = true;
+  if (d->born != NULL) {
+    energy->hasStandIn = true;
+    return ctStandInCreate(&energy->standIn, &energy->leaves, particleCount, d, slotOf, errorText, errorSize);
+  }
+  const ctStatus status =
+      ctNonbondedCreate(&energy->nonbonded, energy->tree, particleCount, d->nonbonded, slotOf, errorText, errorSize);
+  if (status == ctSuccess &&
+      !ctPairSumsCreate(&energy->pairs, &energy->leaves, d->nonbonded->cutoff, ctNonbondedEnergy, &energy->nonbonded)) {
+    snprintf(errorText, errorSize, "out of memory");
+    return ctOutOfMemory;
+  }
+  return status;
 }
 
 static ctStatus build(ctEnergy* energy, const ctEnergyDefinition* d, char* errorText, size_t errorSize) {
+  if (d->born != NULL && (d->nonbonded == NULL || d->standIn == NULL)) {
+    snprintf(errorText, errorSize, "a Born energy needs a nonbonded energy and a stand-in");
+    return ctInvalidArgument;
+  }
   int* slotOf = findSlots(energy->tree, d->scene->particleCount);
   if (slotOf == NULL) {
     snprintf(errorText, errorSize, "out of memory");
@@ -120,6 +137,7 @@ void ctDestroyEnergy(ctEnergy* energy) {
     ctTermsDestroy(energy->terms);
     ctPairSumsFree(&energy->pairs);
     ctNonbondedFree(&energy->nonbonded);
+    ctStandInFree(&energy->standIn);
     ctTrialLeavesFree(&energy->leaves);
     free(energy);
   }
@@ -139,14 +157,18 @@ static ctStatus refreshPairs(ctEnergy* energy, ctCounts* counts) {
   size_t count;
   const ctLeafPair* near;
   const ctStatus status = ctTrialLeavesRefresh(&energy->leaves, &count, &near, counts);
-  return status == ctSuccess ? ctPairSumsRefresh(&energy->pairs, count, near) : status;
+  if (status != ctSuccess) {
+    return status;
+  }
+  return energy->hasStandIn ? ctStandInRefresh(&energy->standIn, count, near)
+                            : ctPairSumsRefresh(&energy->pairs, count, near);
 }
 
 ctStatus ctRefreshEnergy(ctEnergy* energy, ctCounts* counts) {
   const ctLeafPositions* leaves = ctGetLeaves(energy->tree);
   energy->computedParts = 0;
   energy->state = NO_STATE;
-  if (leaves == NULL || (energy->hasPairs && refreshPairs(energy, counts) != ctSuccess)) {
+  if (leaves == NULL || (energy->hasLeaves && refreshPairs(energy, counts) != ctSuccess)) {
     return failOutOfMemory(energy);
   }
   ctTermsRefresh(energy->terms, leaves);
@@ -159,7 +181,10 @@ bool ctIsEnergyOfState(const ctEnergy* energy) {
 }
 
 double ctGetPairEnergy(const ctEnergy* energy) {
-  return energy->hasPairs ? ctLeafSumsTotal(&energy->pairs.sums) : 0;
+  if (energy->hasStandIn) {
+    return ctStandInEnergy(&energy->standIn);
+  }
+  return energy->hasLeaves ? ctLeafSumsTotal(&energy->pairs.sums) : 0;
 }
 
 double ctGetPairSetEnergy(const ctEnergy* energy, int pairSet) {
@@ -205,13 +230,16 @@ ctStatus ctComputeEnergyChange(ctEnergy* energy, ctEnergyPart part, double* chan
   ctStatus status = ctSuccess;
   if (part == ctTermsPart) {
     status = changeTerms(energy, change);
-  } else if (energy->hasPairs && part == ctNearPairsPart) {
+  } else if (energy->hasLeaves && part == ctNearPairsPart) {
     status = ctTrialLeavesOpen(&energy->leaves, counts);
     if (status == ctSuccess) {
-      status = ctPairSumsNearChange(&energy->pairs, change);
+      status = energy->hasStandIn ? ctStandInNearChange(&energy->standIn, change)
+                                  : ctPairSumsNearChange(&energy->pairs, change);
+      energy->nearChange = *change;
     }
-  } else if (energy->hasPairs) {
-    status = ctPairSumsOtherChange(&energy->pairs, change);
+  } else if (energy->hasLeaves) {
+    status = energy->hasStandIn ? ctStandInOtherChange(&energy->standIn, change)
+                                : ctPairSumsOtherChange(&energy->pairs, change);
   }
   if (status != ctSuccess) {
     energy->computedParts = 0;
@@ -229,9 +257,9 @@ ctStatus ctAcceptEnergyChange(ctEnergy* energy) {
   energy->computedParts = 0;
   energy->state = NO_STATE;
   ctTermsAccept(energy->terms);
-  if (energy->hasPairs) {
+  if (energy->hasLeaves) {
     ctTrialLeavesAccept(&energy->leaves);
-    if (!ctPairSumsAccept(&energy->pairs)) {
+    if (!(energy->hasStandIn ? ctStandInAccept(&energy->standIn) : ctPairSumsAccept(&energy->pairs))) {
       return failOutOfMemory(energy);
     }
   }
@@ -242,8 +270,7 @@ ctStatus ctAcceptEnergyChange(ctEnergy* energy) {
 /* ---- Two levels ---- */
 
 double ctGetNearChangeBack(const ctEnergy* energy) {
-  (void)energy;
-  return 0;
+  return energy->hasStandIn ? energy->standIn.nearChangeBack : -energy->nearChange;
 }
 
 ctStatus ctComputeWholeEnergy(ctEnergy* energy, double* nonbonded, double* born, ctCounts* counts) {

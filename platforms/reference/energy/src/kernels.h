@@ -3,6 +3,7 @@
 #define CT_KERNELS_H_
 
 #include "born.h"
+#include "standinpair.h"
 
 typedef struct Kernels {
   const char* name; /* as ctGetInstructionSet has it */
@@ -20,6 +21,16 @@ typedef struct Kernels {
    * round. Of one leaf with itself, all is in ofA. All sums are finite, and multiples of BORN_SUM_STEP. */
   void (*bornSums)(const BornModel* model, float squaredCutoff, const BornSide* a, const BornSide* b,
                    float ofA[CT_LEAF_WIDTH], float ofB[CT_LEAF_WIDTH]);
+
+  /* Of the stand-in: radii of a leaf by its Born sums over particles that are near; the energy of a leaf's particles by
+   * themselves with what the grid of radii neglects, given the derivatives of pairs by ln B; and the energy of the
+   * pairs of which one particle is in slotsOfA or slotsOfB, whose derivatives are added. A leaf with itself has one
+   * frame. */
+  void (*standInRadii)(const StandInModel* model, const StandInConstants* constants, const double born[CT_LEAF_WIDTH],
+                       StandInRadii* radii);
+  double (*standInLeafEnergy)(const StandInRadii* radii, const double gradient[CT_LEAF_WIDTH]);
+  double (*standInPairs)(const StandInModel* model, const StandInSide* a, const StandInSide* b, unsigned slotsOfA,
+                         unsigned slotsOfB, float gradientA[CT_LEAF_WIDTH], float gradientB[CT_LEAF_WIDTH]);
 } Kernels;
 
 /* Those of the instruction set of this name. */

@@ -177,6 +177,7 @@ static double leafPairEnergy(const Potential* potential, const LeafSide* a, cons
 }
 
 #include "born_body.h"
+#include "standin_body.h"
 
 const Kernels KERNELS = {
     .name = KERNELS_NAME,
@@ -184,4 +185,7 @@ const Kernels KERNELS = {
     .leafPairEnergy = leafPairEnergy,
     .rowsEnergy = rowsEnergy,
     .bornSums = bornSums,
+    .standInRadii = standInRadii,
+    .standInLeafEnergy = standInLeafEnergy,
+    .standInPairs = standInPairs,
 };

@@ -1,0 +1,293 @@
+#include "standin.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* ---- Life ---- */
+
+/* The value of a pair at the cutoff, per product of charges, at this ln(B_i B_j). */
+static double valueAtCutoff(const ctEnergyDefinition* d, double log) {
+  const double cutoff = d->standIn->pairCutoff;
+  const double product = exp(log);
+  const double f = sqrt(cutoff * cutoff + product * exp(-cutoff * cutoff / (4 * product)));
+  const double perDielectric = 1 / d->born->soluteDielectric - exp(-d->born->kappa * f) / d->born->solventDielectric;
+  return 1 / cutoff - perDielectric / f;
+}
+
+/* Where ln(B_i B_j) of two particles in a protein or a nucleic acid can be: radii from 0.1 to 1.5 nm. */
+#define LOWEST_LOG (-4.6)
+#define HIGHEST_LOG 0.8
+
+/* The polynomial of that value by least squares, over nodes that are dense at the ends. */
+static void fitShift(const ctEnergyDefinition* d, double coefficients[SHIFT_TERMS]) {
+  enum { NODES = 64 };
+  double matrix[SHIFT_TERMS][SHIFT_TERMS + 1] = {{0}};
+  for (int node = 0; node < NODES; node++) {
+    const double t = cos(3.14159265358979 * (node + 0.5) / NODES);
+    const double log = LOWEST_LOG + (HIGHEST_LOG - LOWEST_LOG) * (t + 1) / 2;
+    for (int i = 0; i < SHIFT_TERMS; i++) {
+      for (int j = 0; j < SHIFT_TERMS; j++) {
+        matrix[i][j] += pow(log, i + j);
+      }
+      matrix[i][SHIFT_TERMS] += pow(log, i) * valueAtCutoff(d, log);
+    }
+  }
+  /* Gauss and Jordan; the matrix is positive definite. */
+  for (int i = 0; i < SHIFT_TERMS; i++) {
+    for (int row = 0; row < SHIFT_TERMS; row++) {
+      const double factor = row != i ? matrix[row][i] / matrix[i][i] : 0;
+      for (int j = i; j <= SHIFT_TERMS; j++) {
+        matrix[row][j] -= factor * matrix[i][j];
+      }
+    }
+  }
+  for (int i = 0; i < SHIFT_TERMS; i++) {
+    coefficients[i] = matrix[i][SHIFT_TERMS] / matrix[i][i];
+  }
+}
+
+static void setModel(StandInModel* model, const ctEnergyDefinition* d) {
+  double shift[SHIFT_TERMS];
+  fitShift(d, shift);
+  model->hasKappa = d->born->kappa != 0;
+  model->isRescaled = d->born->isRescaled;
+  model->squaredCutoff = (float)(d->standIn->pairCutoff * d->standIn->pairCutoff);
+  model->squaredBornCutoff = (float)(d->standIn->bornCutoff * d->standIn->bornCutoff);
+  model->perDielectrics[0] = (float)(1 / d->born->soluteDielectric);
+  model->perDielectrics[1] = (float)(1 / d->born->solventDielectric);
+  model->kappa = (float)d->born->kappa;
+  model->gridWidth = (float)d->standIn->gridWidth;
+  model->perGridWidth = (float)(1 / d->standIn->gridWidth);
+  model->highestLog = (float)HIGHEST_LOG;
+  for (int i = 0; i < SHIFT_TERMS; i++) {
+    model->shift[i] = (float)shift[i];
+  }
+  for (int i = 1; i < SHIFT_TERMS; i++) {
+    model->shiftSlope[i - 1] = (float)(i * shift[i]);
+  }
+}
+
+static void setConstants(StandIn* standIn, int particleCount, const ctBorn* d, const int* slotOf) {
+  for (int leaf = 0; leaf < standIn->leaves->leafCount; leaf++) {
+    for (int k = 0; k < CT_LEAF_WIDTH; k++) {
+      standIn->constants[leaf].offsetRadius[k] = 1;
+      standIn->constants[leaf].perOffsetRadius[k] = 1;
+      standIn->constants[leaf].perRadius[k] = 1;
+    }
+  }
+  for (int i = 0; i < particleCount; i++) {
+    StandInConstants* c = &standIn->constants[slotOf[i] / CT_LEAF_WIDTH];
+    const int k = slotOf[i] % CT_LEAF_WIDTH;
+    c->offsetRadius[k] = (float)d->offsetRadii[i];
+    c->perOffsetRadius[k] = (float)(1 / d->offsetRadii[i]);
+    c->perRadius[k] = (float)(1 / d->radii[i]);
+    if (d->isRescaled) {
+      c->alpha[k] = (float)d->alphas[i];
+      c->beta[k] = (float)d->betas[i];
+      c->gamma[k] = (float)d->gammas[i];
+    }
+    c->squaredCharge[k] = (float)(0.5 * d->coulomb * d->charges[i] * d->charges[i]);
+    c->surface[k] = (float)(d->surfaceEnergy * pow(d->radii[i] + d->probeRadius, 2) * pow(d->radii[i], 6));
+  }
+}
+
+/* Writes what is wrong with a description; false if nothing is. */
+static bool isWrong(const ctStandIn* d, char* errorText, size_t errorSize) {
+  if (!(isfinite(d->bornCutoff) && d->bornCutoff > 0 && isfinite(d->pairCutoff) && d->pairCutoff > 0)) {
+    return snprintf(errorText, errorSize, "the cutoffs of the stand-in are %g and %g nm, but have to be above 0",
+                    d->bornCutoff, d->pairCutoff) > 0;
+  }
+  if (!(d->gridWidth >= 1e-4 && d->gridWidth <= 1)) {
+    return snprintf(errorText, errorSize, "the grid width of the stand-in is %g, but has to be from 1e-4 to 1",
+                    d->gridWidth) > 0;
+  }
+  return false;
+}
+
+static bool allocate(StandIn* standIn) {
+  const size_t leaves = (size_t)standIn->leaves->leafCount + 1;
+  standIn->constants = calloc(leaves, sizeof *standIn->constants);
+  standIn->state = calloc(leaves, sizeof *standIn->state);
+  standIn->trial = calloc(leaves, sizeof *standIn->trial);
+  standIn->touched = calloc(leaves, sizeof *standIn->touched);
+  return standIn->constants != NULL && standIn->state != NULL && standIn->trial != NULL && standIn->touched != NULL &&
+         ctNeighborsCreate(&standIn->neighbors, standIn->leaves->leafCount);
+}
+
+ctStatus ctStandInCreate(StandIn* standIn, TrialLeaves* leaves, int particleCount, const ctEnergyDefinition* d,
+                         const int* slotOf, char* errorText, size_t errorSize) {
+  *standIn = (StandIn){.leaves = leaves};
+  if (isWrong(d->standIn, errorText, errorSize)) {
+    return ctInvalidArgument;
+  }
+  ctStatus status =
+      ctNonbondedCreate(&standIn->nonbonded, leaves->tree, particleCount, d->nonbonded, slotOf, errorText, errorSize);
+  if (status == ctSuccess) {
+    status = ctBornCreate(&standIn->born, leaves->leafCount, particleCount, d->born, slotOf, errorText, errorSize);
+  }
+  if (status == ctSuccess && !allocate(standIn)) {
+    snprintf(errorText, errorSize, "out of memory");
+    status = ctOutOfMemory;
+  }
+  if (status != ctSuccess) {
+    ctStandInFree(standIn);
+    return status;
+  }
+  standIn->bornCutoff = d->standIn->bornCutoff;
+  standIn->pairCutoff = d->standIn->pairCutoff;
+  setModel(&standIn->model, d);
+  setConstants(standIn, particleCount, d->born, slotOf);
+  return ctSuccess;
+}
+
+void ctStandInFree(StandIn* standIn) {
+  ctNonbondedFree(&standIn->nonbonded);
+  ctBornFree(&standIn->born);
+  ctNeighborsFree(&standIn->neighbors);
+  free(standIn->constants);
+  free(standIn->state);
+  free(standIn->trial);
+  free(standIn->touched);
+  free(standIn->staged);
+  *standIn = (StandIn){0};
+}
+
+/* ---- Pairs and radii ---- */
+
+void ctStandInComputeBorn(const StandIn* standIn, int a, const LeafFrame* frameA, int b, const LeafFrame* frameB,
+                          PairRecord* record) {
+  const Born* born = &standIn->born;
+  const BornSide sideA = {frameA, &born->columns[a], born->columns[a].occupied, a};
+  const BornSide sideB = {frameB, &born->columns[b], born->columns[b].occupied, b};
+  memset(record->born, 0, sizeof record->born);
+  standIn->leaves->kernels->bornSums(&born->model, standIn->model.squaredBornCutoff, &sideA, &sideB, record->born[0],
+                                     record->born[1]);
+}
+
+/* The energy of the pairs of some particles of either leaf, whose gradients are added. */
+static double pairEnergy(const StandIn* standIn, int a, const LeafFrame* frameA, const StandInRadii* radiiA,
+                         unsigned slotsOfA, int b, const LeafFrame* frameB, const StandInRadii* radiiB,
+                         unsigned slotsOfB, float gradient[2][CT_LEAF_WIDTH]) {
+  const Nonbonded* nonbonded = &standIn->nonbonded;
+  const uint16_t* excluded = pairMaskOf(&nonbonded->mask, a, b);
+  const StandInSide sideA = {frameA, &nonbonded->columns[a], standIn->born.columns[a].charge, radiiA, excluded};
+  const StandInSide sideB = {frameB, &nonbonded->columns[b], standIn->born.columns[b].charge, radiiB,
+                             excluded != NULL ? pairMaskOf(&nonbonded->mask, b, a) : NULL};
+  return standIn->leaves->kernels->standInPairs(&standIn->model, &sideA, &sideB, slotsOfA, slotsOfB, gradient[0],
+                                                gradient[1]);
+}
+
+void ctStandInComputePairs(const StandIn* standIn, int a, const LeafFrame* frameA, const StandInRadii* radiiA, int b,
+                           const LeafFrame* frameB, const StandInRadii* radiiB, PairRecord* record) {
+  const LeafColumns* columns = standIn->nonbonded.columns;
+  memset(record->gradient, 0, sizeof record->gradient);
+  record->energy = pairEnergy(standIn, a, frameA, radiiA, columns[a].occupied, b, frameB, radiiB, columns[b].occupied,
+                              record->gradient);
+}
+
+/* From so many particles on, all pairs of two leaves cost less than theirs twice. */
+enum { MOST_EXCHANGED = 4 };
+
+void ctStandInExchangePairs(const StandIn* standIn, int a, const LeafFrame* frameA, const StandInRadii* radiiA,
+                            unsigned slotsOfA, int b, const LeafFrame* frameB, const StandInRadii* radiiB,
+                            unsigned slotsOfB, PairRecord* record) {
+  if (a == b || __builtin_popcount(slotsOfA) + __builtin_popcount(slotsOfB) > MOST_EXCHANGED) {
+    ctStandInComputePairs(standIn, a, frameA, radiiA, b, frameB, radiiB, record);
+    return;
+  }
+  float before[2][CT_LEAF_WIDTH] = {{0}};
+  float after[2][CT_LEAF_WIDTH] = {{0}};
+  const StandInLeaf* state = standIn->state;
+  const double energyBefore =
+      pairEnergy(standIn, a, frameA, &state[a].radii, slotsOfA, b, frameB, &state[b].radii, slotsOfB, before);
+  record->energy += pairEnergy(standIn, a, frameA, radiiA, slotsOfA, b, frameB, radiiB, slotsOfB, after) - energyBefore;
+  for (int side = 0; side < 2; side++) {
+    for (int k = 0; k < CT_LEAF_WIDTH; k++) {
+      record->gradient[side][k] += after[side][k] - before[side][k];
+    }
+  }
+}
+
+void ctStandInComputeRadii(const StandIn* standIn, int number, StandInLeaf* leaf) {
+  standIn->leaves->kernels->standInRadii(&standIn->model, &standIn->constants[number], leaf->born, &leaf->radii);
+}
+
+/* ---- The state ---- */
+
+static void addAll(double* sums, const float* parts) {
+  for (int k = 0; k < CT_LEAF_WIDTH; k++) {
+    sums[k] += (double)parts[k];
+  }
+}
+
+/* Makes pairs of leaves neighbours, with the Born sums that they contribute. */
+static ctStatus findNeighbors(StandIn* standIn, size_t count, const ctLeafPair* near) {
+  for (size_t i = 0; i < count; i++) {
+    const int a = near[i].a;
+    const int b = near[i].b;
+    const bool hasBorn = ctIsWithin(near[i].squaredGap, standIn->bornCutoff);
+    if (!hasBorn && !ctIsWithin(near[i].squaredGap, standIn->pairCutoff)) {
+      continue;
+    }
+    const int pair = ctNeighborsReserve(&standIn->neighbors);
+    if (pair == CT_NULL || !ctNeighborsAdd(&standIn->neighbors, a, b, pair)) {
+      return ctOutOfMemory;
+    }
+    if (hasBorn) {
+      PairRecord* record = stateRecord(&standIn->neighbors, pair);
+      const LeafFrame* frameA = ctStateFrame(standIn->leaves, a);
+      ctStandInComputeBorn(standIn, a, frameA, b, ctStateFrame(standIn->leaves, b), record);
+      addAll(standIn->state[a].born, record->born[0]);
+      addAll(standIn->state[b].born, record->born[1]);
+    }
+  }
+  return ctSuccess;
+}
+
+ctStatus ctStandInRefresh(StandIn* standIn, size_t count, const ctLeafPair* near) {
+  const Kernels* kernels = standIn->leaves->kernels;
+  standIn->stagedCount = 0;
+  standIn->movedCount = 0;
+  ctNeighborsClear(&standIn->neighbors);
+  memset(standIn->state, 0, (size_t)standIn->leaves->leafCount * sizeof *standIn->state);
+  if (findNeighbors(standIn, count, near) != ctSuccess) {
+    return ctOutOfMemory;
+  }
+  for (int leaf = 0; leaf < standIn->leaves->leafCount; leaf++) {
+    ctStandInComputeRadii(standIn, leaf, &standIn->state[leaf]);
+  }
+  for (int a = 0; a < standIn->leaves->leafCount; a++) {
+    const NeighborRow* row = &standIn->neighbors.rows[a];
+    for (int i = 0; i < row->count; i++) {
+      const int b = row->leaves[i];
+      if (b >= a) {
+        PairRecord* record = stateRecord(&standIn->neighbors, row->pairs[i]);
+        const LeafFrame* frameA = ctStateFrame(standIn->leaves, a);
+        ctStandInComputePairs(standIn, a, frameA, &standIn->state[a].radii, b, ctStateFrame(standIn->leaves, b),
+                              &standIn->state[b].radii, record);
+        addAll(standIn->state[a].gradient, record->gradient[0]);
+        addAll(standIn->state[b].gradient, record->gradient[1]);
+      }
+    }
+  }
+  for (int leaf = 0; leaf < standIn->leaves->leafCount; leaf++) {
+    StandInLeaf* state = &standIn->state[leaf];
+    state->energy = kernels->standInLeafEnergy(&state->radii, state->gradient);
+  }
+  return ctSuccess;
+}
+
+double ctStandInEnergy(const StandIn* standIn) {
+  double total = 0;
+  for (int a = 0; a < standIn->leaves->leafCount; a++) {
+    const NeighborRow* row = &standIn->neighbors.rows[a];
+    double ofRow = standIn->state[a].energy;
+    for (int i = 0; i < row->count; i++) {
+      ofRow += row->leaves[i] >= a ? stateRecord(&standIn->neighbors, row->pairs[i])->energy : 0;
+    }
+    total += ofRow;
+  }
+  return total;
+}

@@ -1,0 +1,94 @@
+/* The stand-in of ctStandIn: the energy that trials see instead of Lennard-Jones, Coulomb and Born solvation. */
+#ifndef CT_STANDIN_H_
+#define CT_STANDIN_H_
+
+#include "born.h"
+#include "neighbors.h"
+#include "nonbonded.h"
+#include "trialleaves.h"
+
+/* What the pairs of a leaf add up to. */
+typedef struct StandInLeaf {
+  double born[CT_LEAF_WIDTH];     /* Born sums over particles that are near */
+  double gradient[CT_LEAF_WIDTH]; /* sums of PairRecord.gradient */
+  StandInRadii radii;
+  double energy; /* of the particles by themselves, and the first order in what the grid neglects */
+} StandInLeaf;
+
+/* A leaf that the open trial changes. */
+typedef struct TrialLeaf {
+  StandInLeaf leaf;
+  int64_t stamp; /* the trial; others are of no use */
+  bool bornChanges;
+  unsigned crossing; /* bits: slots whose radius on the grid is another */
+} TrialLeaf;
+
+/* A pair of leaves whose record the open trial changes. */
+typedef struct StagedPair {
+  int a;
+  int b;
+  int pair;
+  bool isNew;  /* no row has it yet */
+  bool isNear; /* its energy was computed first, with the radii of the state */
+  bool isOpen; /* its energy is not computed yet */
+  bool hasBorn;
+} StagedPair;
+
+typedef struct StandIn {
+  TrialLeaves* leaves; /* shared with others */
+  Nonbonded nonbonded; /* columns and exclusions */
+  Born born;
+  StandInModel model;
+  double bornCutoff;
+  double pairCutoff;
+  StandInConstants* constants; /* per leaf */
+  StandInLeaf* state;          /* per leaf */
+  Neighbors neighbors;
+
+  /* The open trial. */
+  TrialLeaf* trial; /* per leaf */
+  int touchedCount;
+  int* touched; /* leaves */
+  int stagedCount;
+  int stagedCapacity;
+  StagedPair* staged; /* those that the trial changes, then those that new radii change */
+  int movedCount;     /* how many of them the trial changes */
+  double nearChange;
+  double nearChangeBack;
+} StandIn;
+
+/* slotOf[particle] is its slot. On failure there is nothing to free and errorText (not NULL) says why. */
+ctStatus ctStandInCreate(StandIn* standIn, TrialLeaves* leaves, int particleCount, const ctEnergyDefinition* d,
+                         const int* slotOf, char* errorText, size_t errorSize);
+void ctStandInFree(StandIn* standIn);
+
+/* Computes everything, given the pairs of leaves that are near in the state. */
+ctStatus ctStandInRefresh(StandIn* standIn, size_t count, const ctLeafPair* near);
+
+/* The energy of the state. */
+double ctStandInEnergy(const StandIn* standIn);
+
+/* As in PairSums. The change of near pairs is that with the radii of the state. */
+ctStatus ctStandInNearChange(StandIn* standIn, double* change);
+ctStatus ctStandInOtherChange(StandIn* standIn, double* change);
+bool ctStandInAccept(StandIn* standIn);
+
+/* ---- What the files of this share ---- */
+
+/* The Born sums that two leaves contribute to each other, and their energy with these radii. The record's other part
+ * stays. */
+void ctStandInComputeBorn(const StandIn* standIn, int a, const LeafFrame* frameA, int b, const LeafFrame* frameB,
+                          PairRecord* record);
+void ctStandInComputePairs(const StandIn* standIn, int a, const LeafFrame* frameA, const StandInRadii* radiiA, int b,
+                           const LeafFrame* frameB, const StandInRadii* radiiB, PairRecord* record);
+
+/* Exchanges in a record what pairs of some particles of either leaf have with the radii of the state by what they have
+ * with these. */
+void ctStandInExchangePairs(const StandIn* standIn, int a, const LeafFrame* frameA, const StandInRadii* radiiA,
+                            unsigned slotsOfA, int b, const LeafFrame* frameB, const StandInRadii* radiiB,
+                            unsigned slotsOfB, PairRecord* record);
+
+/* The radii of a leaf by its sums. */
+void ctStandInComputeRadii(const StandIn* standIn, int number, StandInLeaf* leaf);
+
+#endif /* CT_STANDIN_H_ */

@@ -1,0 +1,247 @@
+/* The stand-in's radii and pairs, compiled once for each instruction set by the file that includes this. */
+#include "elementary.h"
+#include "standinpair.h"
+
+/* ---- Radii ---- */
+
+/* tanh(t) */
+CT_INLINE Float16 tanhOf(Float16 t) {
+  const Float16 bounded = min16(max16(add16(t, t), all16(-40)), all16(40));
+  return sub16(all16(1), div16(all16(2), add16(exp16(bounded), all16(1))));
+}
+
+/* A Born radius has to be positive, however large its sum. */
+#define STANDIN_LEAST_INVERSE 0.01f /* 1/nm */
+
+static void standInRadii(const StandInModel* model, const StandInConstants* constants, const double born[],
+                         StandInRadii* radii) {
+  float sums[CT_LEAF_WIDTH];
+  for (int k = 0; k < CT_LEAF_WIDTH; k++) {
+    sums[k] = (float)(born[k] + constants->far[k]);
+  }
+  const Float16 sum = load16(sums);
+  Float16 inverse = sub16(load16(constants->perOffsetRadius), sum);
+  if (model->isRescaled) {
+    const Float16 psi = mul16(sum, load16(constants->offsetRadius));
+    const Float16 inner = sub16(mul16(psi, load16(constants->gamma)), load16(constants->beta));
+    const Float16 t = mul16(psi, add16(load16(constants->alpha), mul16(psi, inner)));
+    inverse = sub16(load16(constants->perOffsetRadius), mul16(tanhOf(t), load16(constants->perRadius)));
+  }
+  inverse = max16(inverse, all16(STANDIN_LEAST_INVERSE));
+  const Float16 log = sub16(all16(0), log16(inverse));
+  const Float16 magic = all16(CT_WHOLE_MAGIC);
+  const Float16 number = sub16(add16(mul16(log, all16(model->perGridWidth)), magic), magic);
+  const Float16 ofGrid = mul16(number, all16(model->gridWidth));
+  const Float16 inverseOfGrid = exp16(sub16(all16(0), ofGrid));
+  Float16 perDielectric = sub16(all16(model->perDielectrics[0]), all16(model->perDielectrics[1]));
+  if (model->hasKappa) {
+    const Float16 screening = exp16(div16(all16(-model->kappa), inverse));
+    perDielectric = sub16(all16(model->perDielectrics[0]), mul16(screening, all16(model->perDielectrics[1])));
+  }
+  const Float16 inverse3 = mul16(mul16(inverse, inverse), inverse);
+  const Float16 ofCharge = mul16(mul16(load16(constants->squaredCharge), perDielectric), inverse);
+  const Float16 ofSurface = mul16(mul16(load16(constants->surface), inverse3), inverse3);
+  store16(radii->radius, div16(all16(1), inverseOfGrid));
+  store16(radii->halfInverse, mul16(all16(0.5f), inverseOfGrid));
+  store16(radii->log, ofGrid);
+  store16(radii->number, number);
+  store16(radii->beyond, sub16(log, ofGrid));
+  store16(radii->self, sub16(ofSurface, ofCharge));
+}
+
+/* The energies of the particles of a leaf by themselves, and the first order of what the grid neglects of pairs. */
+static double standInLeafEnergy(const StandInRadii* radii, const double gradient[]) {
+  double sums[CT_LEAF_WIDTH];
+  for (int k = 0; k < CT_LEAF_WIDTH; k++) {
+    sums[k] = (double)radii->self[k] + gradient[k] * (double)radii->beyond[k];
+  }
+  for (int width = CT_LEAF_WIDTH / 2; width > 0; width /= 2) {
+    for (int k = 0; k < width; k++) {
+      sums[k] += sums[k + width];
+    }
+  }
+  return sums[0];
+}
+
+/* ---- Pairs ---- */
+
+/* Particles that coincide have a distance, too. */
+#define STANDIN_LEAST_SQUARED 1e-6f /* nm^2 */
+
+/* Adding and taking these away rounds to multiples of 2^-18, and of STANDIN_GRADIENT_STEP. */
+#define ENERGY_MAGIC 96.0f
+#define GRADIENT_MAGIC 12288.0f
+
+/* What is known of sixteen particles of a side, or sixteen times of one of them. */
+typedef struct Sixteen {
+  Float16 x, y, z;
+  Float16 charge, sigma, epsilon;
+  Float16 bornCharge, radius, halfInverse, log;
+} Sixteen;
+
+CT_INLINE Sixteen takeAll(const StandInSide* side) {
+  return (Sixteen){load16(side->frame->x),        load16(side->frame->y),       load16(side->frame->z),
+                   load16(side->columns->charge), load16(side->columns->sigma), load16(side->columns->epsilon),
+                   load16(side->charge),          load16(side->radii->radius),  load16(side->radii->halfInverse),
+                   load16(side->radii->log)};
+}
+
+CT_INLINE Sixteen takeOne(const StandInSide* side, int k) {
+  return (Sixteen){all16(side->frame->x[k]),        all16(side->frame->y[k]),       all16(side->frame->z[k]),
+                   all16(side->columns->charge[k]), all16(side->columns->sigma[k]), all16(side->columns->epsilon[k]),
+                   all16(side->charge[k]),          all16(side->radii->radius[k]),  all16(side->radii->halfInverse[k]),
+                   all16(side->radii->log[k])};
+}
+
+/* e^x for x <= 0, error below 1e-6 of it, or of 1e-30. */
+CT_INLINE Float16 expBelow0(Float16 x) {
+  const float c[] = {1, 1, 5.0000001201e-1f, 1.6666665459e-1f, 4.1665795894e-2f, 8.3334519073e-3f};
+  const Float16 bounded = max16(x, all16(-70));
+  const Float16 shifted = add16(mul16(bounded, all16(1.44269504f)), all16(CT_WHOLE_MAGIC));
+  const Float16 r = sub16(bounded, mul16(sub16(shifted, all16(CT_WHOLE_MAGIC)), all16(0.69314718f)));
+  const Int16 exponent = shiftLeftInts(subInts(bitsOf16(shifted), bitsOf16(all16(CT_WHOLE_MAGIC))), 23);
+  return floatsOfBits(addInts(bitsOf16(polynomial16(r, 5, c)), exponent));
+}
+
+/* The energies of pairs of a particle of side a with one of side b, and their derivatives by ln B of either. The order
+ * of operations is that of the sides, whichever of them is sixteen particles. `counts`: not excluded. */
+CT_INLINE void pairEnergies(const StandInModel* model, const Sixteen* a, const Sixteen* b, bool isMasked,
+                            unsigned counts, bool hasKappa, Float16* energy, Float16* gradient) {
+  const Float16 dx = sub16(b->x, a->x);
+  const Float16 dy = sub16(b->y, a->y);
+  const Float16 dz = sub16(b->z, a->z);
+  const Float16 one = all16(1);
+  const Float16 squared =
+      max16(add16(add16(mul16(dx, dx), mul16(dy, dy)), mul16(dz, dz)), all16(STANDIN_LEAST_SQUARED));
+  /* f^2 = r^2 + B_i B_j exp(-r^2 / (4 B_i B_j)), and both reciprocal squares by one division. */
+  const Float16 product = mul16(a->radius, b->radius);
+  const Float16 exponent = mul16(squared, mul16(a->halfInverse, b->halfInverse));
+  const Float16 decay = expBelow0(sub16(all16(0), exponent));
+  const Float16 squaredF = add16(squared, mul16(product, decay));
+  const Float16 both = div16(one, mul16(squared, squaredF));
+  const Float16 inverse2 = mul16(both, squaredF);
+  const Float16 inverseF2 = mul16(both, squared);
+  const Float16 inverseF = sqrt16(inverseF2);
+  /* Lennard-Jones and Coulomb. */
+  const Float16 sigma = add16(b->sigma, a->sigma);
+  const Float16 ratio2 = mul16(mul16(sigma, sigma), inverse2);
+  const Float16 ratio6 = mul16(mul16(ratio2, ratio2), ratio2);
+  const Float16 lennardJones = mul16(mul16(b->epsilon, mul16(ratio6, sub16(ratio6, one))), a->epsilon);
+  const Float16 coulomb = mul16(mul16(b->charge, a->charge), sqrt16(inverse2));
+  /* The value at the cutoff. */
+  const Float16 charges = mul16(b->bornCharge, a->bornCharge);
+  const Float16 log = min16(add16(a->log, b->log), all16(model->highestLog));
+  const Float16 shift = mul16(charges, polynomial16(log, SHIFT_TERMS - 1, model->shift));
+  Float16 slope = mul16(charges, polynomial16(log, SHIFT_TERMS - 2, model->shiftSlope));
+  Float16 direct = sub16(add16(lennardJones, coulomb), shift);
+  if (isMasked) {
+    direct = keep16(counts, direct);
+    slope = keep16(counts, slope);
+  }
+  Float16 perDielectric = all16(model->perDielectrics[0] - model->perDielectrics[1]);
+  Float16 steepness = mul16(perDielectric, inverseF);
+  if (hasKappa) {
+    const Float16 screening =
+        mul16(expBelow0(mul16(all16(-model->kappa), mul16(squaredF, inverseF))), all16(model->perDielectrics[1]));
+    perDielectric = sub16(all16(model->perDielectrics[0]), screening);
+    steepness = sub16(mul16(perDielectric, inverseF), mul16(all16(model->kappa), screening));
+  }
+  const Float16 born = mul16(charges, mul16(perDielectric, inverseF));
+  const Float16 widening = mul16(mul16(all16(0.5f), decay), add16(product, mul16(all16(0.25f), squared)));
+  const Float16 ofRadii = mul16(mul16(charges, widening), mul16(inverseF2, steepness));
+  const Float16 cutoff = all16(model->squaredCutoff);
+  const Float16 sum = min16(sub16(direct, born), all16(STANDIN_MOST_ENERGY));
+  const Float16 rounded = sub16(add16(sum, all16(ENERGY_MAGIC)), all16(ENERGY_MAGIC));
+  const Float16 total = sub16(ofRadii, slope);
+  const Float16 roundedTotal = sub16(add16(total, all16(GRADIENT_MAGIC)), all16(GRADIENT_MAGIC));
+  *energy = keepBelow16(squared, cutoff, rounded);
+  *gradient = keepBelow16(squared, cutoff, roundedTotal);
+}
+
+/* Adds the pairs of some particles of one side, one after another, with those of the other side in `lanes`. */
+CT_INLINE Sum16 addPairs(const StandInModel* model, const StandInSide* a, const StandInSide* b, const float shift[3],
+                         bool onesAreOfA, unsigned ones, unsigned lanes, bool isSelf, bool isMasked, bool hasKappa,
+                         Sum16 sum, float ofOnes[], float ofLanes[]) {
+  Sixteen sixteen = takeAll(onesAreOfA ? b : a);
+  if (onesAreOfA) {
+    sixteen.x = add16(sixteen.x, all16(shift[0]));
+    sixteen.y = add16(sixteen.y, all16(shift[1]));
+    sixteen.z = add16(sixteen.z, all16(shift[2]));
+  }
+  const uint16_t* excluded = onesAreOfA ? a->excluded : b->excluded;
+  Float16 gradients = load16(ofLanes);
+  while (ones != 0) {
+    Float16 part[4] = {all16(0), all16(0), all16(0), all16(0)};
+    int slots[4];
+    int count = 0;
+    for (; count < 4 && ones != 0; count++, ones &= ones - 1) {
+      const int k = __builtin_ctz(ones);
+      Sixteen single = takeOne(onesAreOfA ? a : b, k);
+      if (!onesAreOfA) {
+        single.x = add16(single.x, all16(shift[0]));
+        single.y = add16(single.y, all16(shift[1]));
+        single.z = add16(single.z, all16(shift[2]));
+      }
+      Float16 energy;
+      Float16 gradient;
+      pairEnergies(model, onesAreOfA ? &single : &sixteen, onesAreOfA ? &sixteen : &single, isMasked,
+                   isMasked ? ~(unsigned)excluded[k] : 0, hasKappa, &energy, &gradient);
+      const unsigned used = isSelf ? lanes & (0xfffeu << k) : lanes;
+      energy = keep16(used, energy);
+      gradient = keep16(used, gradient);
+      sum = addToSum16(sum, energy);
+      gradients = add16(gradients, gradient);
+      part[count] = gradient;
+      slots[count] = k;
+    }
+    float totals[4];
+    total4x16(part, totals);
+    for (int i = 0; i < count; i++) {
+      ofOnes[slots[i]] += totals[i];
+    }
+  }
+  store16(ofLanes, gradients);
+  return sum;
+}
+
+/* The same by the function for this case. */
+CT_INLINE Sum16 addCase(const StandInModel* model, const StandInSide* a, const StandInSide* b, const float shift[3],
+                        bool onesAreOfA, unsigned ones, unsigned lanes, bool isSelf, Sum16 sum, float ofOnes[],
+                        float ofLanes[]) {
+  if (model->hasKappa) {
+    return a->excluded != NULL
+               ? addPairs(model, a, b, shift, onesAreOfA, ones, lanes, isSelf, true, true, sum, ofOnes, ofLanes)
+               : addPairs(model, a, b, shift, onesAreOfA, ones, lanes, isSelf, false, true, sum, ofOnes, ofLanes);
+  }
+  return a->excluded != NULL
+             ? addPairs(model, a, b, shift, onesAreOfA, ones, lanes, isSelf, true, false, sum, ofOnes, ofLanes)
+             : addPairs(model, a, b, shift, onesAreOfA, ones, lanes, isSelf, false, false, sum, ofOnes, ofLanes);
+}
+
+static double standInPairs(const StandInModel* model, const StandInSide* a, const StandInSide* b, unsigned slotsOfA,
+                           unsigned slotsOfB, float gradientA[], float gradientB[]) {
+  float shift[3];
+  float back[3];
+  const bool isSelf = a->frame == b->frame;
+  for (int d = 0; d < 3; d++) {
+    shift[d] = (float)(b->frame->centre[d] - a->frame->centre[d]);
+    back[d] = -shift[d];
+  }
+  unsigned rows = slotsOfA & rowsNear(a->frame, b->frame, shift, model->squaredCutoff);
+  unsigned columns = slotsOfB & rowsNear(b->frame, a->frame, back, model->squaredCutoff);
+  Sum16 sum = zeroSum16();
+  if (isSelf) {
+    return total16(addCase(model, a, b, shift, true, slotsOfA, 0xffff, true, sum, gradientA, gradientB));
+  }
+  if (slotsOfA == a->columns->occupied && slotsOfB == b->columns->occupied) {
+    /* All pairs: by the side with fewer particles near the other. */
+    if (__builtin_popcount(rows) <= __builtin_popcount(columns)) {
+      columns = 0;
+    } else {
+      rows = 0;
+    }
+    slotsOfA = 0;
+  }
+  sum = addCase(model, a, b, shift, true, rows, 0xffff, false, sum, gradientA, gradientB);
+  return total16(addCase(model, a, b, shift, false, columns, 0xffff & ~slotsOfA, false, sum, gradientB, gradientA));
+}

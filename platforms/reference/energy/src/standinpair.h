@@ -1,0 +1,63 @@
+/* What the stand-in of ctStandIn is computed from, as kernels see it. */
+#ifndef CT_STANDINPAIR_H_
+#define CT_STANDINPAIR_H_
+
+#include "leafpair.h"
+
+/* The value of a pair at the cutoff is a polynomial of ln(B_i B_j) with so many coefficients. */
+enum { SHIFT_TERMS = 4 };
+
+typedef struct StandInModel {
+  bool hasKappa;
+  bool isRescaled;
+  float squaredCutoff;
+  float squaredBornCutoff;
+  float perDielectrics[2]; /* 1 / soluteDielectric and 1 / solventDielectric */
+  float kappa;
+  float gridWidth; /* of ln B */
+  float perGridWidth;
+  float shift[SHIFT_TERMS]; /* per product of charges */
+  float shiftSlope[SHIFT_TERMS - 1];
+  float highestLog; /* of B_i B_j, where the polynomial ends */
+} StandInModel;
+
+/* What Born radii and energies of single particles of a leaf are computed from. Where a slot holds none, radii are 1
+ * and all else is 0. */
+typedef struct StandInConstants {
+  double far[CT_LEAF_WIDTH]; /* the part of the Born sum that stands for particles far away */
+  float offsetRadius[CT_LEAF_WIDTH];
+  float perOffsetRadius[CT_LEAF_WIDTH];
+  float perRadius[CT_LEAF_WIDTH];
+  float alpha[CT_LEAF_WIDTH];
+  float beta[CT_LEAF_WIDTH];
+  float gamma[CT_LEAF_WIDTH];
+  float squaredCharge[CT_LEAF_WIDTH]; /* times half of the Coulomb constant */
+  float surface[CT_LEAF_WIDTH];       /* the surface energy, times B^6 */
+} StandInConstants;
+
+/* Born radii of the particles of a leaf. Those of the grid are what pairs see. */
+typedef struct StandInRadii {
+  float radius[CT_LEAF_WIDTH];      /* of the grid */
+  float halfInverse[CT_LEAF_WIDTH]; /* half of its reciprocal */
+  float log[CT_LEAF_WIDTH];         /* its logarithm */
+  float number[CT_LEAF_WIDTH];      /* its number on the grid */
+  float beyond[CT_LEAF_WIDTH];      /* ln B less that of the grid */
+  float self[CT_LEAF_WIDTH];        /* the energy of the particle by itself, kJ/mol */
+} StandInRadii;
+
+/* One of the two leaves of a pair. */
+typedef struct StandInSide {
+  const LeafFrame* frame;
+  const LeafColumns* columns;
+  const float* charge; /* that of ctBorn, times the root of its Coulomb constant */
+  const StandInRadii* radii;
+  const uint16_t* excluded; /* see LeafSide */
+} StandInSide;
+
+/* What kernels return, and what is kept of pairs, are multiples of these. So sums of them are exact in double precision
+ * (gradients already in single): they do not depend on the order, and taking out what was put in leaves the bits that
+ * were there. A pair's energy is rounded to less than 1e-5 kJ/mol, and is at most this. */
+#define STANDIN_GRADIENT_STEP (1.0f / 1024)
+#define STANDIN_MOST_ENERGY 1e6f
+
+#endif /* CT_STANDINPAIR_H_ */
