@@ -285,13 +285,16 @@ ctStatus ctRenewStandIn(ctEnergy* energy, ctCounts* counts) {
 }
 
 void ctGetStandIn(const ctEnergy* energy, double* constants) {
-  (void)energy;
-  (void)constants;
+  if (energy->hasStandIn) {
+    ctStandInGetFar(&energy->standIn, constants);
+  }
 }
 
 void ctSetStandIn(ctEnergy* energy, const double* constants) {
-  (void)energy;
-  (void)constants;
+  if (energy->hasStandIn) {
+    ctStandInSetFar(&energy->standIn, constants);
+    energy->state = NO_STATE;
+  }
 }
 
 ctStatus ctKeepEnergy(ctEnergy* energy) {

@@ -69,7 +69,7 @@ static void setModel(StandInModel* model, const ctEnergyDefinition* d) {
   }
 }
 
-static void setConstants(StandIn* standIn, int particleCount, const ctBorn* d, const int* slotOf) {
+static void setConstants(StandIn* standIn, const ctBorn* d) {
   for (int leaf = 0; leaf < standIn->leaves->leafCount; leaf++) {
     for (int k = 0; k < CT_LEAF_WIDTH; k++) {
       standIn->constants[leaf].offsetRadius[k] = 1;
@@ -77,9 +77,9 @@ static void setConstants(StandIn* standIn, int particleCount, const ctBorn* d, c
       standIn->constants[leaf].perRadius[k] = 1;
     }
   }
-  for (int i = 0; i < particleCount; i++) {
-    StandInConstants* c = &standIn->constants[slotOf[i] / CT_LEAF_WIDTH];
-    const int k = slotOf[i] % CT_LEAF_WIDTH;
+  for (int i = 0; i < standIn->particleCount; i++) {
+    StandInConstants* c = &standIn->constants[standIn->slots[i] / CT_LEAF_WIDTH];
+    const int k = standIn->slots[i] % CT_LEAF_WIDTH;
     c->offsetRadius[k] = (float)d->offsetRadii[i];
     c->perOffsetRadius[k] = (float)(1 / d->offsetRadii[i]);
     c->perRadius[k] = (float)(1 / d->radii[i]);
@@ -106,19 +106,24 @@ static bool isWrong(const ctStandIn* d, char* errorText, size_t errorSize) {
   return false;
 }
 
-static bool allocate(StandIn* standIn) {
+static bool allocate(StandIn* standIn, const int* slotOf) {
   const size_t leaves = (size_t)standIn->leaves->leafCount + 1;
+  const size_t particles = (size_t)standIn->particleCount;
+  standIn->slots = malloc((particles + 1) * sizeof *standIn->slots);
+  if (standIn->slots != NULL && particles > 0) {
+    memcpy(standIn->slots, slotOf, particles * sizeof *slotOf);
+  }
   standIn->constants = calloc(leaves, sizeof *standIn->constants);
   standIn->state = calloc(leaves, sizeof *standIn->state);
   standIn->trial = calloc(leaves, sizeof *standIn->trial);
   standIn->touched = calloc(leaves, sizeof *standIn->touched);
-  return standIn->constants != NULL && standIn->state != NULL && standIn->trial != NULL && standIn->touched != NULL &&
+  return standIn->slots != NULL && standIn->constants != NULL && standIn->state != NULL && standIn->trial != NULL && standIn->touched != NULL &&
          ctNeighborsCreate(&standIn->neighbors, standIn->leaves->leafCount);
 }
 
 ctStatus ctStandInCreate(StandIn* standIn, TrialLeaves* leaves, int particleCount, const ctEnergyDefinition* d,
                          const int* slotOf, char* errorText, size_t errorSize) {
-  *standIn = (StandIn){.leaves = leaves};
+  *standIn = (StandIn){.leaves = leaves, .particleCount = particleCount};
   if (isWrong(d->standIn, errorText, errorSize)) {
     return ctInvalidArgument;
   }
@@ -127,7 +132,7 @@ ctStatus ctStandInCreate(StandIn* standIn, TrialLeaves* leaves, int particleCoun
   if (status == ctSuccess) {
     status = ctBornCreate(&standIn->born, leaves->leafCount, particleCount, d->born, slotOf, errorText, errorSize);
   }
-  if (status == ctSuccess && !allocate(standIn)) {
+  if (status == ctSuccess && !allocate(standIn, slotOf)) {
     snprintf(errorText, errorSize, "out of memory");
     status = ctOutOfMemory;
   }
@@ -138,7 +143,7 @@ ctStatus ctStandInCreate(StandIn* standIn, TrialLeaves* leaves, int particleCoun
   standIn->bornCutoff = d->standIn->bornCutoff;
   standIn->pairCutoff = d->standIn->pairCutoff;
   setModel(&standIn->model, d);
-  setConstants(standIn, particleCount, d->born, slotOf);
+  setConstants(standIn, d->born);
   return ctSuccess;
 }
 
@@ -146,6 +151,7 @@ void ctStandInFree(StandIn* standIn) {
   ctNonbondedFree(&standIn->nonbonded);
   ctBornFree(&standIn->born);
   ctNeighborsFree(&standIn->neighbors);
+  free(standIn->slots);
   free(standIn->constants);
   free(standIn->state);
   free(standIn->trial);
@@ -277,6 +283,24 @@ ctStatus ctStandInRefresh(StandIn* standIn, size_t count, const ctLeafPair* near
     state->energy = kernels->standInLeafEnergy(&state->radii, state->gradient);
   }
   return ctSuccess;
+}
+
+void ctStandInGetFar(const StandIn* standIn, double* far) {
+  for (int i = 0; i < standIn->particleCount; i++) {
+    far[i] = standIn->constants[standIn->slots[i] / CT_LEAF_WIDTH].far[standIn->slots[i] % CT_LEAF_WIDTH];
+  }
+}
+
+void ctStandInSetFar(StandIn* standIn, const double* far) {
+  for (int i = 0; i < standIn->particleCount; i++) {
+    standIn->constants[standIn->slots[i] / CT_LEAF_WIDTH].far[standIn->slots[i] % CT_LEAF_WIDTH] = far[i];
+  }
+}
+
+void ctStandInGetNear(const StandIn* standIn, double* near) {
+  for (int i = 0; i < standIn->particleCount; i++) {
+    near[i] = standIn->state[standIn->slots[i] / CT_LEAF_WIDTH].born[standIn->slots[i] % CT_LEAF_WIDTH];
+  }
 }
 
 double ctStandInEnergy(const StandIn* standIn) {

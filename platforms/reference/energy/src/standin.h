@@ -41,6 +41,8 @@ typedef struct StandIn {
   StandInModel model;
   double bornCutoff;
   double pairCutoff;
+  int particleCount;
+  int* slots;                  /* per particle */
   StandInConstants* constants; /* per leaf */
   StandInLeaf* state;          /* per leaf */
   Neighbors neighbors;
@@ -67,6 +69,13 @@ ctStatus ctStandInRefresh(StandIn* standIn, size_t count, const ctLeafPair* near
 
 /* The energy of the state. */
 double ctStandInEnergy(const StandIn* standIn);
+
+/* Far parts of Born sums, one a particle. Setting them leaves values of no state. */
+void ctStandInGetFar(const StandIn* standIn, double* far);
+void ctStandInSetFar(StandIn* standIn, const double* far);
+
+/* Born sums of the state over particles that are near, one a particle. */
+void ctStandInGetNear(const StandIn* standIn, double* near);
 
 /* As in PairSums. The change of near pairs is that with the radii of the state. */
 ctStatus ctStandInNearChange(StandIn* standIn, double* change);

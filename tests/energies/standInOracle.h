@@ -1,0 +1,18 @@
+/* standInOracle.h: the energy U1 that ctStandIn describes, of all pairs of particles, in long double. It shares nothing
+ * with the library that it judges but the descriptions. */
+#ifndef STANDIN_ORACLE_H_
+#define STANDIN_ORACLE_H_
+
+#include "ctenergy.h"
+
+typedef struct StandInSum {
+    long double energy;
+    long double doubt; /* by how much single precision may miss it */
+    bool isAmbiguous;  /* rounding may decide where a radius is on the grid or a pair at the cutoff, or some pair or
+                          radius is beyond what the stand-in bounds */
+} StandInSum;
+
+/* `far` is the part of each Born sum that stands for particles far away. */
+StandInSum sumStandIn(const ctEnergyDefinition* d, int particleCount, const double* positions, const double* far);
+
+#endif /* STANDIN_ORACLE_H_ */
