@@ -195,7 +195,7 @@ def selectSolute(source, topology, positions, water=False, ions=False):
     if not kept:
         raise InputError(f"{source}: {_NOTHING}")
     atoms = np.array([atom.index for atom in kept], dtype=int)
-    dry = _subset(topology, kept)
+    dry = subset(topology, kept)
     try:
         search = BondSearch(dry, positions[atoms])
     except InputError as error:
@@ -218,7 +218,7 @@ def selectSolute(source, topology, positions, water=False, ions=False):
     )
     left = set(loose)
     stays = np.array([atom.residue not in left for atom in dry.atoms()])
-    whole = _subset(dry, [atom for atom in dry.atoms() if atom.residue not in left], search.bonds)
+    whole = subset(dry, [atom for atom in dry.atoms() if atom.residue not in left], search.bonds)
     return Solute(whole, search.positions[stays], atoms[stays], notes)
 
 
@@ -257,7 +257,21 @@ def _noteWhole(topology, search, positions):
     return Note("molecules split over the periodic box, and made whole", names)
 
 
-def _subset(topology, atoms, bonds=None):
+def withoutAtoms(structure, atoms):
+    """Return a Structure without some of its atoms, an int array."""
+    left = set(atoms.tolist())
+    kept = [atom for atom in structure.topology.atoms() if atom.index not in left]
+    if not kept:
+        raise InputError("nothing is left")
+    indices = [atom.index for atom in kept]
+    return structure._replace(
+        topology=subset(structure.topology, kept),
+        positions=structure.positions[indices],
+        alternates=[structure.alternates[index] for index in indices] if structure.alternates else [],
+    )
+
+
+def subset(topology, atoms, bonds=None):
     """Return a Topology of some of the atoms, in their order, with their bonds or those given as indices."""
     part = openmm.app.Topology()
     part.setPeriodicBoxVectors(topology.getPeriodicBoxVectors())

@@ -33,7 +33,7 @@ def templateBonds(residueName, atomNames):
     name = "HOH" if isWater(residueName) else aminoAcid(residueName) or residueName
     standard = _standardBonds().get(name)
     if standard is not None:
-        aliases = _aliases(name)
+        aliases = atomAliases(name)
         places = {aliases.get(atom, atom): number for number, atom in enumerate(atomNames)}
         bonds = standard
     else:
@@ -56,7 +56,7 @@ def _standardBonds():
 
 
 @cache
-def _aliases(residueName):
+def atomAliases(residueName):
     """Return other names of the atoms of a residue, with the name that OpenMM's table has."""
     aliases = {}
     residues = {residue.attrib["name"]: residue for residue in _names().iter("Residue")}

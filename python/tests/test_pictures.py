@@ -69,6 +69,25 @@ def test_ramachandran(draw, count, residues):
     assert len(start.collections[0].get_offsets()) == residues
 
 
+@pytest.mark.parametrize("start", [-40.0, 1e7])
+@pytest.mark.parametrize("count", [2, 30])
+def test_energy(draw, start, count):
+    """A start with clashes does not dwarf the rest, and is told."""
+    frames = [
+        frame._replace(energy=start if number == 0 else -100.0 - number)
+        for number, frame in enumerate(makeFrames(count, 5, 0))
+    ]
+    figure = draw(samplepicture, "villin", frames, ["phi", "psi"], MOVES)
+    assertSound(figure)
+    (axis,) = [axis for axis in figure.axes if axis.get_ylabel() == "kJ/mol"]
+    low, high = axis.get_ylim()
+    assert low < min(frame.energy for frame in frames) and max(frame.energy for frame in frames[1:]) < high
+    if start < 0 or count == 2:  # of two frames one is the start
+        assert axis.get_title() == "Potential energy" and start < high
+    else:
+        assert "from 10,000,000 kJ/mol down" in axis.get_title() and high < 1000
+
+
 @pytest.mark.parametrize(("kinds", "letters"), [(["psi", "phi"], "φψ"), (3 * NUCLEIC, "αβγεζχ"), (["chi1"], ["χ1"])])
 def test_torsionsByKindWhereNoResidueHasBoth(draw, kinds, letters):
     figure = draw(samplepicture, "1bna", makeFrames(5, 0, len(kinds)), kinds, MOVES)

@@ -43,6 +43,21 @@ def seed(text):
     return wholeNumber(text, 1, 2**31 - 1)
 
 
+def numberIn(least, largest):
+    """Return a function that reads a number of a range."""
+
+    def read(text):
+        try:
+            value = float(text)
+        except ValueError:
+            raise argparse.ArgumentTypeError(f"{text!r} is not a number") from None
+        if not least <= value <= largest:
+            raise argparse.ArgumentTypeError(f"{value:g} is not in the range {least:g} to {largest:g}")
+        return value
+
+    return read
+
+
 def wholeNumber(text, least, largest):
     """Read a whole number of a range."""
     try:

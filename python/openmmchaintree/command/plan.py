@@ -91,8 +91,8 @@ class Plan:
         topology = structure.topology
         self.structure = structure
         self.choice = choice
-        moved = _selectAtoms(topology, "--move", choice.move)
-        self.fixedAtoms = _selectAtoms(topology, "--fix", choice.fix)
+        moved = selectByOption(topology, "--move", choice.move)
+        self.fixedAtoms = selectByOption(topology, "--fix", choice.fix)
         self.graph = graph = BondGraph(topology, structure.positions, choice.cutDisulfides, choice.cutMetals)
         every = searchTorsions(graph, topology, choice.kinds)
         chosen = every if choice.move is None else ofAtoms(every, moved)
@@ -177,7 +177,8 @@ class Plan:
         self.notes.append(note)
 
 
-def _selectAtoms(topology, option, selection):
+def selectByOption(topology, option, selection):
+    """Return the indices of the atoms that a selection selects, none without one; errors name the option."""
     if selection is None:
         return np.empty(0, dtype=int)
     try:

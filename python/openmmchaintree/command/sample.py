@@ -9,12 +9,15 @@ import openmm.app
 from openmm import unit
 
 from ..errors import InputError
-from ..structure import readStructure
+from ..structure import readStructure, withoutAtoms
 from ..torsions import KIND_WORDS
 from .arguments import listOf, notNegative, positive, seed
+from .energyoptions import addEnergyOptions, readEnergyOptions
+from .energyreport import describeEnergies
+from .hydrogens import addHydrogens
 from .noteoutput import addNotes, asText
 from .outputfiles import OutputError, Writing, addOverwrite, asJSON, checkOutputs
-from .plan import DEFAULT_KINDS, Choice
+from .plan import DEFAULT_KINDS, Choice, selectByOption
 from .planreport import describePlan
 from .samplereport import printReport, summarize
 from .sampling import Sampling
@@ -25,11 +28,19 @@ from .trajectoryfile import TrajectoryFile
 _ENDINGS = {"trajectory": ".dcd", "topology": "-topology.pdb", "picture": ".png"}
 
 _DESCRIPTION = """\
-Sample the torsions of proteins and nucleic acids: hard spheres, no other energy. Water and ions are left out; what has
-no torsions stays where it is, as an obstacle. Says what moves and what stays, writes a trajectory (DCD),
-which begins with the start, a PDB file that matches it and a picture, and prints a table."""
+Sample the torsions of proteins and nucleic acids: hard spheres alone, or, with --forcefield, exp(-U/kT) of what they
+leave. Water and ions are left out; what has no torsions stays where it is, as an obstacle. Says what moves and what
+stays, writes a trajectory (DCD), which begins with the start, a PDB file that matches it and a picture, and prints a
+table."""
 
 _SELECTIONS = """
+In a force field, with implicit solvent:
+
+  openmm-chaintree sample my.pdb --add-hydrogens --forcefield amber14-all.xml implicit/gbn2.xml --temperature 300
+
+A force field needs all atoms of each residue: --add-hydrogens adds hydrogens, PDBFixer what else is missing. Steps are
+smaller than those of hard spheres. Bond lengths and angles stay as they are at the start.
+
 A SELECTION is in the language of MDTraj (https://mdtraj.org/latest/atom_selection.html), in quotes:
 
   --move "segname A"                   chain A by its name; "chainid 0" is the first chain of the file
@@ -76,6 +87,7 @@ def addArguments(sample):
     )
     addOverwrite(sample)
     addNotes(sample)
+    addEnergyOptions(sample)
     sample.add_argument(
         "--torsions",
         type=listOf(KIND_WORDS),
@@ -84,6 +96,7 @@ def addArguments(sample):
         help=f"kinds of torsions that turn, with commas between them, of {', '.join(KIND_WORDS)} "
         f"(default: {','.join(DEFAULT_KINDS)})",
     )
+    sample.add_argument("--leave-out", metavar="SELECTION", help="atoms that are left out, such as those of a ligand")
     sample.add_argument("--move", metavar="SELECTION", help="atoms whose torsions turn (default: all); see below")
     sample.add_argument("--fix", metavar="SELECTION", help="atoms that never move (default: none); see below")
     sample.add_argument(
@@ -104,6 +117,7 @@ def addArguments(sample):
 
 
 def _run(options):
+    energyModel, pH = readEnergyOptions(options)
     with collectionPaused():
         structure = readStructure(options.structure, options.model)
     outputs = _checkOutputs(options, structure.name)
@@ -120,7 +134,8 @@ def _run(options):
     seed = options.seed if options.seed is not None else random.SystemRandom().randint(1, 2**31 - 1)
     try:
         with collectionPaused():
-            sampling = Sampling(structure, seed, choice)
+            structure, added = _prepare(structure, options, energyModel, pH, seed)
+            sampling = Sampling(structure, seed, choice, energyModel)
     except (InputError, openmm.OpenMMException) as error:
         raise InputError(f"{options.structure or structure.name}: {error}") from error
 
@@ -128,11 +143,13 @@ def _run(options):
     with _beginFiles(outputs, structure, options.trials, options.frames) as trajectory:
         for line in describePlan(sampling.plan):
             console.print(line)
+        if sampling.energies is not None:
+            console.print(describeEnergies(sampling.energies))
         writing.files = [outputs["topology"].name, outputs["trajectory"].name]
         interrupted = _sample(sampling, options.trials, trajectory, writing.failures)
     if len(sampling.frames) > 1:
         writing.write(outputs["picture"], lambda output: _savePicture(output, structure, sampling))
-    summary = summarize(sampling, structure, seed, writing.files, interrupted)
+    summary = summarize(sampling, structure, seed, writing.files, interrupted, added)
     if "notes" in outputs:
         writing.write(outputs["notes"], lambda output: output.write(asText(sampling.notes)))
     if "json" in outputs:
@@ -145,6 +162,18 @@ def _run(options):
     if writing.failures:
         return BAD_INPUT
     return INTERRUPTED if interrupted else 0
+
+
+def _prepare(structure, options, energyModel, pH, seed):
+    """Return a Structure with atoms left out and hydrogens added as the options say, and how many were added."""
+    if options.leave_out is not None:
+        structure = withoutAtoms(structure, selectByOption(structure.topology, "--leave-out", options.leave_out))
+    if pH is None:
+        return structure, 0
+    structure, added = addHydrogens(structure, pH, seed)
+    if energyModel is not None and len(added) > 0:
+        structure = structure._replace(positions=energyModel.relax(structure, added))
+    return structure, len(added)
 
 
 def _checkOutputs(options, structureName):

@@ -1,4 +1,4 @@
-"""The picture of a sampling run: torsions before and after, radius of gyration and acceptance along it.
+"""The picture of a sampling run: torsions before and after; radius of gyration, acceptance and energy along it.
 
 Torsions are shown as Ramachandran plots; where no residue has both φ and ψ, by kind; and where none turns, not at all.
 """
@@ -10,6 +10,7 @@ from .figures import addCountBar, addLegendBelow, countNorm, makeFigure, setTitl
 _BIN = 10  # degrees
 _EDGES = np.arange(-180, 181, _BIN)
 _COLOR = "#1f5f8b"
+_LARGEST_START = 5  # times the range of the energies that follow
 
 # In the order in which kinds are shown.
 _LETTERS = {
@@ -31,15 +32,20 @@ def savePicture(output, name, frames, torsionKinds, moveNames):
         the kind of each torsion that turns: of `Frame.torsionAngles`, where no residue has both φ and ψ
     moveNames : list of str
     """
-    rows = 2 if torsionKinds else 1
+    hasEnergy = frames[0].energy is not None
+    rows = 1 + bool(torsionKinds) + hasEnergy
     figure = makeFigure(10, 4 * rows)
     setTitle(figure, name, f", {frames[-1].trials:,} trials")
-    axes = figure.subplots(rows, 2, squeeze=False)
+    grid = figure.add_gridspec(rows, 2)
+    row = 0
     if torsionKinds:
         drawTorsions = _drawRamachandran if len(frames[0].phiPsi) else _drawKinds
-        drawTorsions(axes[0], frames, torsionKinds)
-    _drawRadiusOfGyration(axes[-1, 0], frames)
-    _drawAcceptance(axes[-1, 1], frames, moveNames)
+        drawTorsions([figure.add_subplot(grid[0, column]) for column in range(2)], frames, torsionKinds)
+        row = 1
+    if hasEnergy:
+        _drawEnergy(figure.add_subplot(grid[row, :]), frames)
+    _drawRadiusOfGyration(figure.add_subplot(grid[-1, 0]), frames)
+    _drawAcceptance(figure.add_subplot(grid[-1, 1]), frames, moveNames)
     writeFigure(figure, output)
 
 
@@ -92,6 +98,23 @@ def _drawRadiusOfGyration(axis, frames):
     trials = [frame.trials for frame in frames]
     axis.plot(trials, [frame.radiusOfGyration for frame in frames], color=_COLOR)
     axis.set(title="Radius of gyration", xlabel="trials", ylabel="nm", xlim=(0, trials[-1]))
+    _groupThousands(axis)
+
+
+def _drawEnergy(axis, frames):
+    """Draw U along the run; where a start with clashes would dwarf the rest, without it."""
+    trials = np.array([frame.trials for frame in frames])
+    energies = np.array([frame.energy for frame in frames])
+    axis.plot(trials, energies, color=_COLOR)
+    title = "Potential energy"
+    settled = energies[len(energies) // 4 :]
+    low, high = energies.min(), settled.max()
+    room = max(high - low, 1.0)
+    if energies.max() > high + _LARGEST_START * room:
+        axis.set_ylim(low - 0.05 * room, high + room)
+        title += f" (not shown: the beginning, from {energies.max():,.0f} kJ/mol down)"
+    axis.set(title=title, xlabel="trials", ylabel="kJ/mol", xlim=(0, trials[-1]))
+    axis.yaxis.set_major_formatter("{x:,.0f}")
     _groupThousands(axis)
 
 

@@ -6,6 +6,7 @@ from rich.table import Table
 
 from ..naming import describeResidue
 from ..torsions import KINDS
+from .energyreport import printEnergies
 from .noteoutput import asPlain, printNotes
 from .planreport import describePlan
 
@@ -15,14 +16,18 @@ _COUNTS = ("attempted", "clashed", "rejectedByEnergy", "accepted")
 _LONGEST_LIST = 10
 
 
-def summarize(sampling, structure, seed, files, interrupted):
-    """Return everything that a run did as plain dictionaries and lists, for JSON. Lengths are in nm, times in s."""
+def summarize(sampling, structure, seed, files, interrupted, addedHydrogens):
+    """Return everything that a run did as plain dictionaries and lists, for JSON.
+
+    Lengths are in nm, times in s, energies in kJ/mol.
+    """
     verdict, bonds = sampling.check(), sampling.checkBonds()
     kinds = Counter(torsion.kind for torsion in sampling.torsions)
     names = [f"{describeResidue(atom.residue)} {atom.name}" for atom in structure.topology.atoms()]
     return {
         "structure": structure.name,
         "atoms": len(names),
+        "addedHydrogens": addedHydrogens,
         "fixedAtoms": sampling.fixedAtoms,
         "torsions": {kind: kinds[kind] for kind in KINDS if kinds[kind]},
         "plan": describePlan(sampling.plan),
@@ -40,6 +45,7 @@ def summarize(sampling, structure, seed, files, interrupted):
             {"name": move.name, "weight": move.weight, **statistics._asdict()}
             for move, statistics in zip(sampling.moves, sampling.statistics(), strict=True)
         ],
+        "energy": sampling.summarizeEnergies(),
         "radiusOfGyration": [frame.radiusOfGyration for frame in sampling.frames],
         "clashesAtStart": len(sampling.startOverlaps.pairs),
         "toleratedPairs": _describePairs(verdict.tolerated, names),
@@ -72,9 +78,10 @@ def printReport(summary, console, isVerbose):
     """Print a summary on a rich Console; all notes, if that is to be verbose."""
     kinds = ", ".join(f"{count:,} {kind}" for kind, count in summary["torsions"].items())
     fixed = f", {summary['fixedAtoms']:,} of them fixed" if summary["fixedAtoms"] else ""
+    added = f", {summary['addedHydrogens']:,} of them added hydrogens" if summary["addedHydrogens"] else ""
     console.print(
-        f"{summary['structure']}: {summary['atoms']:,} atoms{fixed}; {sum(summary['torsions'].values()):,} torsions "
-        f"({kinds}); seed {summary['seed']}"
+        f"{summary['structure']}: {summary['atoms']:,} atoms{added}{fixed}; "
+        f"{sum(summary['torsions'].values()):,} torsions ({kinds}); seed {summary['seed']}"
     )
     printNotes(summary["notes"], console, isVerbose)
     console.print(_moveTable(summary["moves"]))
@@ -85,6 +92,8 @@ def printReport(summary, console, isVerbose):
         )
     if summary["interrupted"]:
         console.print("interrupted: what was sampled so far is in the files")
+    if summary["energy"] is not None:
+        printEnergies(summary["energy"], console)
     _printVerdict(summary, console)
     count = summary["frames"]
     frames = f"{count:,} frames, the first of them the start" if count > 1 else "a single frame, the start"

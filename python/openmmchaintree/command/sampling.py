@@ -1,4 +1,4 @@
-"""The main job: athermal torsion-space Monte Carlo of what a plan lets move, with everything else as obstacles."""
+"""The main job: torsion-space Monte Carlo of what a plan lets move, with everything else as obstacles."""
 
 from time import perf_counter
 from typing import NamedTuple
@@ -12,6 +12,9 @@ from ..openmmchaintree import TorsionMonteCarloIntegrator
 from ..sterics import makeForce
 from . import allpairs
 from .bondlengths import BondLengths
+from .energies import Energies
+from .energymodel import repeatablePlatform
+from .energyreport import summarizeEnergies
 from .geometry import dihedrals, radiusOfGyration
 from .plan import Choice, Plan
 
@@ -26,18 +29,32 @@ class _MoveKind(NamedTuple):
 
 _PEPTIDE = ("phi", "psi")
 _NUCLEIC = ("alpha", "beta", "gamma", "delta", "epsilon", "zeta")
+_SIDE_CHAINS = ("chi1", "chi2", "chi3", "chi4", "chi")
 
 # Small steps loosen a compact structure; once it is loose, large ones find new conformations.
 _MOVE_KINDS = (
     _MoveKind("φ/ψ", _PEPTIDE, ((2.0, 5), (1.0, 30), (1.0, 180))),
     _MoveKind("ω", ("omega",), ((1.0, 5), (0.5, 180))),
     _MoveKind("α–ζ", _NUCLEIC, ((2.0, 5), (1.0, 30), (1.0, 180))),
-    _MoveKind("χ", ("chi1", "chi2", "chi3", "chi4", "chi"), ((1.0, 30), (1.0, 180))),
+    _MoveKind("χ", _SIDE_CHAINS, ((1.0, 30), (1.0, 180))),
+    _MoveKind("rotor", ("rotor",), ((0.5, 180),)),
+)
+
+# With energies. A turn of the backbone moves half of the protein, so only a small one passes; side chains can take any
+# angle.
+_MOVE_KINDS_WITH_ENERGY = (
+    _MoveKind("φ/ψ", _PEPTIDE, ((1.0, 1),)),
+    _MoveKind("ω", ("omega",), ((0.5, 1),)),
+    _MoveKind("α–ζ", _NUCLEIC, ((1.0, 1),)),
+    _MoveKind("χ", _SIDE_CHAINS, ((1.0, 10), (0.5, 180))),
     _MoveKind("rotor", ("rotor",), ((0.5, 180),)),
 )
 
 # So often can a run be interrupted, whatever the number of trials between frames.
 _TRIALS_PER_STEP = 10000
+
+# With energies, where trials take longer, and a step may end by a look at the whole energy.
+_TRIALS_PER_STEP_WITH_ENERGY = 400
 
 
 class Move(NamedTuple):
@@ -50,6 +67,8 @@ class Move(NamedTuple):
 class Frame(NamedTuple):
     """What is kept of a conformation. Counts are those of each move since the start: (moves, 4).
 
+    The energy is U in kJ/mol, None of hard spheres alone.
+
     Angles are in rad: (residues, 2) where both φ and ψ turn; those of all torsions only if there is no such residue.
     """
 
@@ -58,6 +77,7 @@ class Frame(NamedTuple):
     torsionAngles: np.ndarray
     radiusOfGyration: float
     counts: np.ndarray
+    energy: float | None = None
 
 
 class Sampling:
@@ -85,15 +105,18 @@ class Sampling:
         number of trials so far
     seconds : float
         wall-clock time within the integrator so far
+    energies : Energies or None
+        what U is made of, if there is more than hard spheres
     """
 
-    def __init__(self, structure, seed, choice=Choice()):  # noqa: B008 (a tuple)
-        """Make the System and the Context, ready to run.
+    def __init__(self, structure, seed, choice=Choice(), energyModel=None):  # noqa: B008 (a tuple)
+        """Make the System and the Context, ready to run; with the energies of an EnergyModel, if one is given.
 
         Raises
         ------
         InputError
-            if nothing is left that moves, a selection is wrong, or an element has no radius
+            if nothing is left that moves, a selection is wrong, an element has no radius, or the force field does not
+            fit
         """
         self._structure = structure
         self.plan = Plan(structure, choice)
@@ -102,17 +125,19 @@ class Sampling:
             self.force = makeForce(self.plan.graph, self.torsions)
         except ValueError as error:
             raise InputError(str(error)) from error
-        self.notes = self.plan.notes
+        self.notes = [*self.plan.notes]
         self.fixedAtoms = int(self.plan.fixed.sum())
         elements = [atom.element for atom in structure.topology.atoms()]
         masses = {element: element.mass.value_in_unit(unit.dalton) for element in set(elements)}
         self._masses = np.array([masses[element] for element in elements])
-        self.integrator = TorsionMonteCarloIntegrator(300 * unit.kelvin)
+        temperature = 300.0 if energyModel is None else energyModel.temperature
+        self.integrator = TorsionMonteCarloIntegrator(temperature * unit.kelvin)
         self.integrator.setRandomNumberSeed(seed)
-        self.moves = self._addMoves()
-        platform = openmm.Platform.getPlatformByName("Reference")
-        self.context = openmm.Context(self._makeSystem(), self.integrator, platform)
+        self.moves = self._addMoves(_MOVE_KINDS if energyModel is None else _MOVE_KINDS_WITH_ENERGY)
+        platform = (openmm.Platform.getPlatformByName("Reference"),) if energyModel is None else repeatablePlatform()
+        self.context = openmm.Context(self._makeSystem(energyModel), self.integrator, *platform)
         self.context.setPositions(structure.positions)
+        self.energies = None if energyModel is None else Energies(energyModel, self.integrator, self.context)
         self._phiPsiParticles = _phiPsiParticles(self.torsions)
         shown = [] if len(self._phiPsiParticles) else [torsion.particles for torsion in self.torsions]
         self._torsionParticles = np.array(shown, dtype=int).reshape(-1, 4)
@@ -124,17 +149,23 @@ class Sampling:
         self.seconds = 0.0
         self._keepFrame(structure.positions)
 
-    def _makeSystem(self):
-        system = openmm.System()
-        for mass in np.where(self.plan.fixed, 0.0, self._masses).tolist():
-            system.addParticle(mass)
+    def _makeSystem(self, energyModel):
+        if energyModel is None:
+            system = openmm.System()
+            for mass in self._masses.tolist():
+                system.addParticle(mass)
+        else:
+            system, notes = energyModel.makeSystem(self._structure)
+            self.notes += notes
+        for particle in np.flatnonzero(self.plan.fixed).tolist():
+            system.setParticleMass(particle, 0)
         system.addForce(self.force)
         return system
 
-    def _addMoves(self):
+    def _addMoves(self, moveKinds):
         moves = []
         backboneCount = sum(torsion.kind in _PEPTIDE + _NUCLEIC for torsion in self.torsions)
-        for name, kinds, sizes in _MOVE_KINDS:
+        for name, kinds, sizes in moveKinds:
             torsions = [i for i, torsion in enumerate(self.torsions) if torsion.kind in kinds]
             # Proteins and nucleic acids share the moves of backbones by their numbers of torsions.
             share = len(torsions) / backboneCount if kinds in (_PEPTIDE, _NUCLEIC) and torsions else 1.0
@@ -153,8 +184,11 @@ class Sampling:
         """
         end = self.trials + trials
         going = True
+        usual = _TRIALS_PER_STEP
+        if self.energies is not None:  # no step is shorter, unless all trials are fewer
+            usual = -(-trials // max(1, trials // _TRIALS_PER_STEP_WITH_ENERGY))
         while going and self.trials < end:
-            count = min(end - self.trials, _TRIALS_PER_STEP)
+            count = min(end - self.trials, usual)
             self.integrator.setTrialsPerStep(count)
             start = perf_counter()
             self.integrator.step(1)
@@ -177,6 +211,12 @@ class Sampling:
         """Compare the lengths of bonds at the Context's positions with those at the start: a BondVerdict."""
         return self._bonds.compare(self._positions())
 
+    def summarizeEnergies(self):
+        """Return what became of the energies as plain dictionaries and lists; None of hard spheres alone."""
+        if self.energies is None:
+            return None
+        return summarizeEnergies(self.energies, self.frames, self._positions())
+
     def _positions(self):
         return self.context.getState(positions=True).getPositions(asNumpy=True).value_in_unit(unit.nanometer)
 
@@ -188,6 +228,7 @@ class Sampling:
             torsionAngles=dihedrals(positions, self._torsionParticles),
             radiusOfGyration=radiusOfGyration(positions[atoms], self._masses[atoms]),
             counts=np.array(self.statistics()),
+            energy=None if self.energies is None else self.energies.held(),
         )
         self.frames.append(frame)
 

@@ -1,0 +1,74 @@
+"""The energies of a run: what U is made of, and what OpenMM says of it by itself."""
+
+from typing import NamedTuple
+
+import openmm
+from openmm import unit
+
+from ..openmmchaintree import StericExclusionForce
+
+_GROUPS = 32  # what OpenMM has
+
+
+class ForceEnergy(NamedTuple):
+    """A Force of a System, how its energy in a trial is evaluated and why, and its energy (kJ/mol).
+
+    The energy is None where there are more Forces than OpenMM can tell apart.
+    """
+
+    name: str
+    kind: str
+    reason: str
+    energy: float | None
+
+
+class Energies:
+    """The energies that a run samples with.
+
+    Attributes
+    ----------
+    model : EnergyModel
+    plan : list of PlannedEnergy
+        without the Forces that are not sampled
+    """
+
+    def __init__(self, model, integrator, context):
+        """Take an integrator and its Context."""
+        self.model = model
+        self._integrator = integrator
+        self._context = context
+        self.plan = [entry for entry in integrator.getEnergyPlan(context) if entry.kind != "not sampled"]
+
+    def held(self):
+        """Return U of the present positions as sampling has it, kJ/mol."""
+        return self._integrator.getPotentialEnergy(self._context)
+
+    def stages(self):
+        """Return the StageStatistics of the parts of U that have decided trials."""
+        return [stage for stage in self._integrator.getStageStatistics() if stage.computed]
+
+    def byOpenMM(self, positions):
+        """Return U at positions by OpenMM's Reference platform (kJ/mol), and a list of ForceEnergy."""
+        system = openmm.XmlSerializer.clone(self._context.getSystem())
+        forces = list(system.getForces())
+        for index, force in enumerate(forces):
+            force.setForceGroup(min(index, _GROUPS - 1))
+        sampled = {entry.force for entry in self.plan}
+        for index in reversed(range(len(forces))):
+            if index not in sampled or StericExclusionForce.isinstance(forces[index]):
+                system.removeForce(index)
+        context = openmm.Context(system, openmm.VerletIntegrator(0.001), openmm.Platform.getPlatformByName("Reference"))
+        context.setPositions(positions)
+        groups = sorted({min(entry.force, _GROUPS - 1) for entry in self.plan})
+        energies = {group: _energy(context, {group}) for group in groups}
+        isDistinct = len(forces) <= _GROUPS
+        parts = [
+            ForceEnergy(entry.name, entry.kind, entry.reason, energies[entry.force] if isDistinct else None)
+            for entry in self.plan
+        ]
+        return sum(energies.values()), parts
+
+
+def _energy(context, groups):
+    state = context.getState(energy=True, groups=groups)
+    return state.getPotentialEnergy().value_in_unit(unit.kilojoule_per_mole)

@@ -1,0 +1,146 @@
+"""The energy that a run samples with: files of OpenMM's ForceField, a temperature, a cutoff."""
+
+import os
+
+import openmm
+import openmm.app
+from openmm import unit
+
+from ..bonds import BondGraph
+from ..errors import InputError
+from ..naming import nameAtom
+from ..notes import Note
+from ..openmmchaintree import StericExclusionForce
+from ..structure import subset
+from .misfits import describeMisfits, firstSentence
+
+# The name of the class of a Force that stands for a solvent has one of these.
+_SOLVENTS = ("GB", "Kirkwood")
+
+# Added hydrogens are relaxed with this cutoff (nm), in so many iterations at most.
+_RELAXING_CUTOFF = 1.0
+_RELAXING_ITERATIONS = 100
+
+
+class EnergyModel:
+    """What makes the energies of a run.
+
+    Attributes
+    ----------
+    files : list of str
+        as the user named them
+    temperature : float, K
+    cutoff : float or None, nm
+    """
+
+    def __init__(self, files, temperature, cutoff=None):
+        """Read the files.
+
+        Raises
+        ------
+        InputError
+            if one of them cannot be read, or is no force field
+        """
+        self.files = list(files)
+        self.temperature = temperature
+        self.cutoff = cutoff
+        for file in self.files:
+            if os.path.isfile(file) and not file.lower().endswith(".xml"):
+                raise InputError(f"--forcefield {file}: is no XML file; name the structure before this option")
+        try:
+            self._forceField = openmm.app.ForceField(*self.files)
+        except Exception as error:  # OpenMM raises whatever its parsers do
+            raise InputError(f"--forcefield {' '.join(self.files)}: {firstSentence(error)}") from error
+
+    def __str__(self):
+        cutoff = "no cutoff" if self.cutoff is None else f"pairs up to {self.cutoff:g} nm"
+        return f"{', '.join(self.files)} at {self.temperature:g} K, {cutoff}"
+
+    def makeSystem(self, structure):
+        """Make the System of a Structure; return it with a list of Note.
+
+        Raises
+        ------
+        InputError
+            if the force field does not fit
+        """
+        system, notes = self._fitSystem(structure, self.cutoff)
+        if any(StericExclusionForce.isinstance(force) for force in system.getForces()):
+            raise InputError(f"--forcefield {' '.join(self.files)}: the command adds StericExclusionForce by itself")
+        if not any(map(_isSolvent, system.getForces())):
+            notes.append(Note("the energy is that of a vacuum: water is left out, and no file describes it otherwise"))
+        return system, notes
+
+    def relax(self, structure, atoms):
+        """Return the positions of a Structure with some of its atoms, such as added hydrogens, relaxed.
+
+        Without solvent, which takes most of the time and matters little here.
+
+        Raises
+        ------
+        InputError
+            if the force field does not fit
+        """
+        system, _ = self._fitSystem(structure, _RELAXING_CUTOFF)
+        for index in reversed(range(system.getNumForces())):
+            if _isSolvent(system.getForce(index)):
+                system.removeForce(index)
+        moving = set(atoms.tolist())
+        for particle in range(system.getNumParticles()):
+            if particle not in moving:
+                system.setParticleMass(particle, 0)
+        context = openmm.Context(system, openmm.VerletIntegrator(0.001), *repeatablePlatform())
+        context.setPositions(structure.positions)
+        openmm.LocalEnergyMinimizer.minimize(context, maxIterations=_RELAXING_ITERATIONS)
+        relaxed = context.getState(positions=True).getPositions(asNumpy=True).value_in_unit(unit.nanometer)
+        positions = structure.positions.copy()
+        positions[atoms] = relaxed[atoms]
+        return positions
+
+    def _fitSystem(self, structure, cutoff):
+        """Make a System, if need be without bonds of metals; return it with a list of Note."""
+        try:
+            return self._createSystem(structure.topology, cutoff), []
+        except Exception as first:  # OpenMM raises whatever scripts in these files do
+            error = first
+        topology, names = _withoutMetalBonds(structure)
+        if names:  # most force fields have metals as ions that nothing binds
+            try:
+                system = self._createSystem(topology, cutoff)
+                return system, [Note("bonds of metals that the force field does not have", names)]
+            except Exception as second:
+                error = second
+        raise InputError(describeMisfits(self._forceField, self.files, topology, error)) from error
+
+    def _createSystem(self, topology, cutoff):
+        return self._forceField.createSystem(
+            topology,
+            nonbondedMethod=openmm.app.NoCutoff if cutoff is None else openmm.app.CutoffNonPeriodic,
+            nonbondedCutoff=(1.0 if cutoff is None else cutoff) * unit.nanometer,
+            rigidWater=False,
+            removeCMMotion=False,
+        )
+
+
+def repeatablePlatform():
+    """Return the quickest platform that every machine has, with properties by which a seed gives one trajectory.
+
+    Sums of many threads vary.
+    """
+    return openmm.Platform.getPlatformByName("CPU"), {"Threads": "1"}
+
+
+def _isSolvent(force):
+    return any(name in type(force).__name__ for name in _SOLVENTS)
+
+
+def _withoutMetalBonds(structure):
+    """Return the Topology of a Structure without bonds between metals and other residues, and the names of these."""
+    topology = structure.topology
+    metalBonds = set(BondGraph(topology, structure.positions).metalBonds)
+    if not metalBonds:
+        return topology, []
+    atoms = list(topology.atoms())
+    bonds = [(bond[0].index, bond[1].index) for bond in topology.bonds()]
+    names = [" – ".join(str(nameAtom(atoms[atom])) for atom in bond) for bond in sorted(metalBonds)]
+    return subset(topology, atoms, [bond for bond in bonds if tuple(sorted(bond)) not in metalBonds]), names

@@ -1,0 +1,60 @@
+"""The options that choose a force field, its temperature and hydrogens."""
+
+from ..errors import InputError
+from .arguments import numberIn
+from .energymodel import EnergyModel
+
+_TEMPERATURE = 300.0  # K
+_PH = 7.0
+
+
+def addEnergyOptions(parser):
+    """Add the options of a force field to a parser."""
+    parser.add_argument(
+        "--forcefield",
+        nargs="+",
+        metavar="XML",
+        help="sample exp(-U/kT) with the energy U of these files of OpenMM's ForceField, by path or by the name that "
+        "they have in OpenMM, such as amber14-all.xml implicit/gbn2.xml (default: hard spheres alone)",
+    )
+    parser.add_argument(
+        "--temperature",
+        type=numberIn(0, 1e5),
+        metavar="K",
+        help=f"the temperature in a force field (default: {_TEMPERATURE:g})",
+    )
+    parser.add_argument(
+        "--nonbonded-cutoff",
+        type=numberIn(0.1, 1e3),
+        metavar="NM",
+        help="leave out pairs of atoms beyond this distance (default: none is left out)",
+    )
+    parser.add_argument("--add-hydrogens", action="store_true", help="add hydrogens that are missing")
+    parser.add_argument(
+        "--ph", type=numberIn(0, 14), metavar="PH", help=f"the pH at which to add hydrogens (default: {_PH:g})"
+    )
+
+
+def readEnergyOptions(options):
+    """Return the EnergyModel that the options choose, or None, and the pH at which to add hydrogens, or None.
+
+    Raises
+    ------
+    InputError
+        if an option needs another one, or a file is none of a force field
+    """
+    needs = [
+        ("--temperature", options.temperature, "--forcefield", options.forcefield),
+        ("--nonbonded-cutoff", options.nonbonded_cutoff, "--forcefield", options.forcefield),
+        ("--ph", options.ph, "--add-hydrogens", options.add_hydrogens or None),
+    ]
+    for option, value, needed, given in needs:
+        if value is not None and given is None:
+            raise InputError(f"{option} needs {needed}")
+    pH = None
+    if options.add_hydrogens:
+        pH = _PH if options.ph is None else options.ph
+    if options.forcefield is None:
+        return None, pH
+    temperature = _TEMPERATURE if options.temperature is None else options.temperature
+    return EnergyModel(options.forcefield, temperature, options.nonbonded_cutoff), pH

@@ -1,0 +1,82 @@
+"""What a run with energies did, as tables for people and as JSON for programs. Energies are in kJ/mol."""
+
+from rich.table import Table
+
+
+def describeEnergies(energies):
+    """Return a line on what Energies are made of, and who evaluates it."""
+    byKind = {}
+    for entry in energies.plan:
+        byKind.setdefault(entry.kind, []).append(entry.name)
+    parts = [f"{kind} {', '.join(byKind[kind])}" for kind in ("native", "constant") if kind in byKind]
+    if "foreign" in byKind:
+        parts.append(f"{', '.join(byKind['foreign'])} by OpenMM, which takes much longer")
+    return f"energy: {energies.model}; {'; '.join(parts)}"
+
+
+def summarizeEnergies(energies, frames, positions):
+    """Return what became of the Energies of a run as plain dictionaries and lists.
+
+    Parameters
+    ----------
+    energies : Energies
+    frames : list of Frame
+        the start and what followed
+    positions : (n, 3) float64 array, nm, the last ones
+    """
+    along = [frame.energy for frame in frames]
+    held = energies.held()
+    total, parts = energies.byOpenMM(positions)
+    return {
+        "forceField": energies.model.files,
+        "temperature": energies.model.temperature,
+        "nonbondedCutoff": energies.model.cutoff,
+        "potentialEnergy": {
+            "first": along[0],
+            "mean": sum(along[1:]) / len(along[1:]) if len(along) > 1 else None,
+            "last": held,
+            "lastByOpenMM": total,
+        },
+        "potentialEnergies": along,
+        "forces": [part._asdict() for part in parts],
+        "stages": [stage._asdict() for stage in energies.stages()],
+    }
+
+
+def printEnergies(summary, console):
+    """Print what `summarizeEnergies` returned on a rich Console."""
+    energy = summary["potentialEnergy"]
+    mean = "" if energy["mean"] is None else f", {energy['mean']:,.1f} in the mean of what follows"
+    console.print(
+        f"U: {energy['first']:,.1f} kJ/mol at the start{mean}, {energy['last']:,.1f} at the end; OpenMM's Reference "
+        f"platform differs there by {energy['last'] - energy['lastByOpenMM']:.1g}"
+    )
+    header, *lines = _forceLines(summary["forces"])
+    console.print(header, style="bold")
+    for line in lines:
+        console.print(line)
+    if summary["stages"]:
+        console.print(_stageTable(summary["stages"]))
+
+
+def _forceLines(forces):
+    """Return a line on each Force: a table as wide as it is, since reasons are long."""
+    energies = ["–" if force["energy"] is None else f"{force['energy']:,.1f}" for force in forces]
+    rows = [("force", "kJ/mol", "evaluated", "because")]
+    rows += [
+        (force["name"], energy, force["kind"], force["reason"]) for force, energy in zip(forces, energies, strict=True)
+    ]
+    widths = [max(len(row[column]) for row in rows) for column in range(3)]
+    return [
+        f"{name:<{widths[0]}}  {energy:>{widths[1]}}  {kind:<{widths[2]}}  {why}" for name, energy, kind, why in rows
+    ]
+
+
+def _stageTable(stages):
+    table = Table("decided by", box=None, pad_edge=False, header_style="bold")
+    for heading in ("trials", "refused", "%"):
+        table.add_column(heading, justify="right")
+    for stage in stages:
+        share = f"{100 * stage['refused'] / stage['computed']:.1f}"
+        table.add_row(stage["stage"], f"{stage['computed']:,}", f"{stage['refused']:,}", share)
+    return table

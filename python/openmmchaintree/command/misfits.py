@@ -1,0 +1,146 @@
+"""Why the residues of a structure do not fit a force field, in one line that says what to do."""
+
+import re
+from collections import defaultdict
+
+from openmm.app import element
+
+from ..naming import describeResidue
+from ..notes import Note
+from ..residues import aminoAcid, isNucleotide
+from ..templates import atomAliases
+
+_ADD_ATOMS = "PDBFixer adds them"
+_ADD_RESIDUES = "PDBFixer adds missing residues and ends"
+_LEAVE_OUT = 'name another file that has them, or --leave-out "{}", or, of a polymer, replace them by PDBFixer'
+_REPLACE = "name another file that has them, or replace them by PDBFixer"
+
+# So many names of residues are written out as a selection.
+_LONGEST_SELECTION = 5
+
+
+def describeMisfits(forceField, files, topology, error):
+    """Return one line on why a ForceField cannot make a System.
+
+    Parameters
+    ----------
+    forceField : openmm.app.ForceField
+    files : list of str
+        its files, for the message
+    topology : openmm.app.Topology
+    error : Exception
+        what createSystem raised
+    """
+    name = f"--forcefield {' '.join(files)}"
+    first = re.match(r"No template found for residue (\d+) ", str(error))
+    if first is None:
+        return f"{name}: {firstSentence(error)}"
+    residues = forceField.getUnmatchedResidues(topology)
+    if forceField._patches:  # that list does not know of patches, so some residues in it may fit
+        residues = [residue for residue in residues if residue.index == int(first[1])]
+    misfits = defaultdict(list)
+    for residue in residues:
+        what, remedy, detail = _whyMisfit(forceField, residue)
+        misfits[what, remedy].append((residue, f" ({detail})" if detail else ""))
+    parts = []
+    for (what, remedy), found in misfits.items():
+        items = [f"{describeResidue(residue)}{detail}" for residue, detail in found]
+        parts.append(f"{Note(f'residues {what}', items)}: {remedy.format(_selection(found))}")
+    return f"{name}: {'; '.join(parts) or firstSentence(error)}"
+
+
+def _selection(found):
+    """Return a selection of residues by their names; of too many names, an example."""
+    names = list(dict.fromkeys(residue.name for residue, _ in found))
+    return " or ".join(f"resname {name}" for name in (names if len(names) <= _LONGEST_SELECTION else names[:1]))
+
+
+def firstSentence(error):
+    """Return the first sentence of what OpenMM says, as a part of a line."""
+    text = " ".join(str(error).split()) or type(error).__name__
+    return text.split(".  ")[0].split(". ")[0].rstrip(".")
+
+
+def _whyMisfit(forceField, residue):
+    """Return what is wrong with a residue that no template fits, what to do, and details."""
+    templates = [template for name, template in forceField._templates.items() if _isOf(name, residue.name)]
+    if not templates:
+        return "that the force field does not have", _LEAVE_OUT, ""
+    misfit = min((_Misfit(residue, template) for template in templates), key=_Misfit.size)
+    if misfit.missing:
+        return "that lack heavy atoms", _ADD_ATOMS, ", ".join(sorted(misfit.missing))
+    if misfit.extra:
+        return "with other atoms than those of their names", _REPLACE, ", ".join(sorted(misfit.extra))
+    if misfit.missingBonds:
+        atoms = ", ".join(sorted(misfit.missingBonds))
+        return "that lack their neighbour in the chain, or the atoms of an end", _ADD_RESIDUES, f"at {atoms}"
+    if misfit.extraBonds:
+        return "bound to what the force field does not bind", _REPLACE, _describeBonds(residue, misfit.extraBonds)
+    if misfit.lackingHydrogens > 0 and _isBehindGap(residue):
+        return "that lack their neighbour in the chain, or the atoms of an end", _ADD_RESIDUES, "at N"
+    if misfit.lackingHydrogens > 0:
+        return "that lack hydrogens", "--add-hydrogens adds them", ""
+    if misfit.lackingHydrogens < 0:
+        return "with hydrogens too many", "leave hydrogens out of the file, and give --add-hydrogens", ""
+    return "whose bonds are not those of their names", "give their bonds in the file (CONECT, _struct_conn)", ""
+
+
+class _Misfit:
+    """How a residue differs from a template that its name suggests."""
+
+    def __init__(self, residue, template):
+        heavy, hydrogens = _atomNames(residue.atoms())
+        aliases = atomAliases(aminoAcid(residue.name) or residue.name)
+        heavy = {aliases.get(name, name) for name in heavy}
+        templateHeavy, templateHydrogens = _atomNames(template.atoms)
+        self.missing = templateHeavy - heavy
+        self.extra = heavy - templateHeavy
+        bonds = _externalBonds(residue)
+        templateBonds = {template.atoms[atom].name for atom in template.externalBonds}
+        self.missingBonds = templateBonds - bonds
+        self.extraBonds = bonds - templateBonds
+        self.lackingHydrogens = len(templateHydrogens) - len(hydrogens)
+
+    def size(self):
+        """Return how large the difference is, as a tuple by which templates sort."""
+        bonds = len(self.missingBonds) + len(self.extraBonds)
+        return len(self.missing) + len(self.extra), bonds, abs(self.lackingHydrogens)
+
+
+def _isOf(templateName, residueName):
+    """Whether a template is one of a residue by their names, such as CALA of ALA and DC5 of DC."""
+    if templateName == residueName:
+        return True
+    amino = aminoAcid(residueName)
+    if amino is not None:
+        return aminoAcid(templateName) == amino
+    return isNucleotide(residueName) and templateName in {f"{residueName}{end}" for end in "35N"}
+
+
+def _atomNames(atoms):
+    """Return the names of heavy atoms and of hydrogens, as two sets."""
+    heavy, hydrogens = set(), set()
+    for atom in atoms:
+        if atom.element is not None:
+            (hydrogens if atom.element is element.hydrogen else heavy).add(atom.name)
+    return heavy, hydrogens
+
+
+def _isBehindGap(residue):
+    """Whether an amino acid comes after others in its chain, and nothing is bound to its N."""
+    isFirst = residue is next(residue.chain.residues())
+    return aminoAcid(residue.name) is not None and not isFirst and "N" not in _externalBonds(residue)
+
+
+def _externalBonds(residue):
+    """Return the names of the atoms of a residue that are bound to others."""
+    return {atom.name for bond in residue.external_bonds() for atom in bond if atom.residue is residue}
+
+
+def _describeBonds(residue, names):
+    others = []
+    for bond in residue.external_bonds():
+        for atom, other in (bond, tuple(bond)[::-1]):
+            if atom.residue is residue and atom.name in names:
+                others.append(f"{atom.name} – {describeResidue(other.residue)} {other.name}")
+    return ", ".join(others)

@@ -1,0 +1,330 @@
+"""The command openmm-chaintree sample in a force field, as a user runs it."""
+
+import io
+import json
+
+import commands
+import numpy as np
+import openmm
+import pytest
+from commands import assertRefused, filesIn
+from openmm import app, unit
+from openmmchaintree.command.energies import Energies
+from scenes import GLYCINES, readDCD, writePDB
+
+PROTEIN = "amber14/protein.ff14SB.xml"  # a part of amber14-all.xml, quicker to read
+
+
+@pytest.fixture
+def runHere(runCommandHere):
+    return lambda *arguments: runCommandHere("sample", *arguments)
+
+
+@pytest.fixture(scope="module")
+def lines(villin):
+    """A function that returns the lines of a PDB file of villin's atoms that a function chooses, and names residues."""
+
+    def choose(isChosen, rename=lambda residue: residue.name):
+        modeller = app.Modeller(villin.topology, villin.positions * unit.nanometer)
+        modeller.delete([atom for atom in modeller.topology.atoms() if not isChosen(atom)])
+        for residue in modeller.topology.residues():  # of a copy by now
+            residue.name = rename(residue)
+        text = io.StringIO()
+        app.PDBFile.writeFile(modeller.topology, modeller.positions, text, keepIds=True)
+        text = text.getvalue().splitlines()
+        return [line[:21] + "A" + line[22:] for line in text if line.startswith(("ATOM", "HETATM", "TER"))]
+
+    return choose
+
+
+def isHeavy(atom):
+    return atom.element is not app.element.hydrogen
+
+
+def energyByOpenMM(topology, positions, *files, **arguments):
+    """U of the Reference platform, by files and the topology that the command has written."""
+    system = app.ForceField(*files).createSystem(topology, **arguments)
+    context = openmm.Context(system, openmm.VerletIntegrator(0.001), openmm.Platform.getPlatformByName("Reference"))
+    context.setPositions(positions)
+    return context.getState(energy=True).getPotentialEnergy().value_in_unit(unit.kilojoule_per_mole)
+
+
+def test_villin(runHere, tmp_path):
+    result = runHere(
+        *("--forcefield", "amber14-all.xml", "--temperature", 310, "--trials", 2000, "--frames", 4, "--seed", 1),
+        *("--json", "summary.json"),
+    )
+    assert result.returncode == 0, result.stderr
+    assert filesIn(tmp_path) == ["summary.json", "villin-topology.pdb", "villin.dcd", "villin.png"]
+    summary = json.loads((tmp_path / "summary.json").read_text())
+    assert [move["name"] for move in summary["moves"]] == ["φ/ψ ±1°", "χ ±10°", "χ ±180°"]
+    energy = summary["energy"]
+    assert (energy["forceField"], energy["temperature"], energy["nonbondedCutoff"]) == (["amber14-all.xml"], 310, None)
+
+    frames = readDCD(tmp_path / "villin.dcd")
+    topology = app.PDBFile(str(tmp_path / "villin-topology.pdb")).topology
+    assert frames.shape == (5, topology.getNumAtoms(), 3) and summary["addedHydrogens"] == 0
+    # Positions in the trajectory are in single precision.
+    for frame, held in zip(frames, energy["potentialEnergies"], strict=True):
+        assert held == pytest.approx(energyByOpenMM(topology, frame, "amber14-all.xml"), abs=0.2)
+    assert np.abs(np.diff(energy["potentialEnergies"])).min() > 0.5
+
+    ends = energy["potentialEnergy"]
+    assert ends["first"] == energy["potentialEnergies"][0] and ends["last"] == energy["potentialEnergies"][-1]
+    assert ends["mean"] == pytest.approx(np.mean(energy["potentialEnergies"][1:]))
+    assert ends["lastByOpenMM"] == pytest.approx(ends["last"], rel=1e-6, abs=5e-3)
+    assert sum(force["energy"] for force in energy["forces"]) == pytest.approx(ends["lastByOpenMM"])
+    assert {force["name"]: force["kind"] for force in energy["forces"]} == {
+        "HarmonicBondForce": "constant",
+        "HarmonicAngleForce": "constant",
+        "PeriodicTorsionForce": "native",
+        "NonbondedForce": "native",
+    }
+    assert all(force["reason"] for force in energy["forces"])
+    stages = {stage["stage"]: stage for stage in energy["stages"]}
+    assert list(stages) == ["bonded terms", "near pairs", "other pairs"]
+    refused = sum(move["rejectedByEnergy"] for move in summary["moves"])
+    assert sum(stage["refused"] for stage in stages.values()) == refused > 0
+
+    planned = "energy: amber14-all.xml at 310 K, no cutoff; native PeriodicTorsionForce, NonbondedForce; constant "
+    assert planned in result.stdout
+    assert f"U: {ends['first']:,.1f} kJ/mol at the start, {ends['mean']:,.1f} in the mean" in result.stdout
+    assert "note: the energy is that of a vacuum" in result.stdout
+    for force in energy["forces"]:
+        (line,) = [line for line in result.stdout.splitlines() if line.startswith(f"{force['name']} ")]
+        assert f"{force['energy']:,.1f}  {force['kind']}" in line and line.endswith(force["reason"])
+
+
+def test_hardSpheresAloneHaveNoEnergy(runHere, tmp_path):
+    result = runHere("--trials", 100, "--json", "summary.json")
+    summary = json.loads((tmp_path / "summary.json").read_text())
+    assert summary["energy"] is None and summary["addedHydrogens"] == 0
+    assert "kJ/mol" not in result.stdout and "energy:" not in result.stdout
+
+
+def test_implicitSolvent(runHere, tmp_path):
+    """The file has water, which an implicit solvent stands for."""
+    files = ("amber14-all.xml", "implicit/obc2.xml")
+    result = runHere("--forcefield", *files, "--trials", 5, "--frames", 1, "--seed", 1, "--json", "summary.json")
+    assert result.returncode == 0, result.stderr
+    assert "vacuum" not in result.stdout
+    summary = json.loads((tmp_path / "summary.json").read_text())
+    assert summary["atoms"] == 582
+    topology = app.PDBFile(str(tmp_path / "villin-topology.pdb")).topology
+    last = readDCD(tmp_path / "villin.dcd")[-1]
+    ends = summary["energy"]["potentialEnergy"]
+    assert ends["last"] == pytest.approx(energyByOpenMM(topology, last, *files), abs=0.2)
+    assert ends["lastByOpenMM"] == pytest.approx(ends["last"], rel=1e-5)
+    (solvent,) = [force for force in summary["energy"]["forces"] if force["name"] == "CustomGBForce"]
+    assert solvent["energy"] < -1000
+
+
+def test_cutoff(runHere, tmp_path):
+    result = runHere(
+        *("--forcefield", PROTEIN, "--nonbonded-cutoff", 0.8, "--trials", 400, "--frames", 1, "--seed", 1),
+        *("--json", "summary.json"),
+    )
+    assert "pairs up to 0.8 nm" in result.stdout
+    energy = json.loads((tmp_path / "summary.json").read_text())["energy"]
+    topology = app.PDBFile(str(tmp_path / "villin-topology.pdb")).topology
+    last = readDCD(tmp_path / "villin.dcd")[-1]
+    options = {"nonbondedMethod": app.CutoffNonPeriodic, "nonbondedCutoff": 0.8}
+    assert energy["potentialEnergy"]["last"] == pytest.approx(
+        energyByOpenMM(topology, last, PROTEIN, **options), abs=0.2
+    )
+    assert energy["nonbondedCutoff"] == 0.8
+
+
+def test_temperature(runHere, tmp_path):
+    """At 10,000 K more is accepted."""
+    accepted = []
+    for kelvin in (100, 10000):
+        name = f"{kelvin}.json"
+        options = ("--forcefield", PROTEIN, "--temperature", kelvin, "--trials", 800, "--frames", 1, "--seed", 1)
+        runHere(*options, "--overwrite", "--json", name)
+        summary = json.loads((tmp_path / name).read_text())
+        assert summary["energy"]["temperature"] == kelvin
+        accepted.append(sum(move["accepted"] for move in summary["moves"]))
+    assert accepted[1] > 1.5 * accepted[0]
+
+
+def test_addHydrogens(runHere, tmp_path, villin, lines):
+    writePDB(tmp_path / "bare.pdb", lines(isHeavy))
+    options = ("--add-hydrogens", "--forcefield", PROTEIN, "--trials", 400, "--frames", 2, "--seed", 3)
+    result = runHere("bare.pdb", *options, "--json", "summary.json")
+    assert result.returncode == 0, result.stderr
+    summary = json.loads((tmp_path / "summary.json").read_text())
+    heavy = np.array([isHeavy(atom) for atom in villin.topology.atoms()])
+    assert summary["addedHydrogens"] == np.count_nonzero(~heavy) and summary["atoms"] == 582
+    assert f"582 atoms, {np.count_nonzero(~heavy)} of them added hydrogens" in result.stdout
+
+    pdb = app.PDBFile(str(tmp_path / "bare-topology.pdb"))
+    start = pdb.getPositions(asNumpy=True).value_in_unit(unit.nanometer)
+    frames = readDCD(tmp_path / "bare.dcd")
+    assert frames.shape == (3, 582, 3) and frames[0] == pytest.approx(start, abs=1e-4)
+    # Villin's own file has hydrogens in the same order, and Modeller puts them near to where they are there.
+    places = [(atom.residue.id, atom.element.symbol) for atom in villin.topology.atoms()]
+    assert [(atom.residue.id, atom.element.symbol) for atom in pdb.topology.atoms()] == places
+    assert start[heavy] == pytest.approx(villin.positions[heavy], abs=1e-4)
+    # Hydrogens have the bond lengths of the force field, not those that Modeller begins with.
+    lengths = {"C": 0.109, "N": 0.101, "O": 0.096}
+    for atom1, atom2 in pdb.topology.bonds():
+        parent, child = (atom1, atom2) if isHeavy(atom1) else (atom2, atom1)
+        if not isHeavy(child):
+            length = np.linalg.norm(start[parent.index] - start[child.index])
+            assert length == pytest.approx(lengths.get(parent.element.symbol, 0.134), abs=0.004)
+    ends = summary["energy"]["potentialEnergy"]
+    assert ends["last"] == pytest.approx(energyByOpenMM(pdb.topology, frames[-1], PROTEIN), abs=0.2)
+
+    again = runHere("bare.pdb", *options, "-o", "again")
+    assert again.returncode == 0, again.stderr
+    assert np.array_equal(readDCD(tmp_path / "again.dcd"), frames)
+
+
+def test_hydrogensThatAreThereStay(runHere, tmp_path, villin, lines):
+    """Only those of one residue are missing, and the pH says whether a glutamate has one."""
+    isLeft = lambda atom: isHeavy(atom) or atom.residue.id != "4"  # noqa: E731
+    structure = writePDB(tmp_path / "most.pdb", lines(isLeft, lambda residue: residue.name))
+    assert [residue.name for residue in villin.topology.residues() if residue.id == "4"] == ["GLU"]
+    counts = []
+    for pH in (7, 2):
+        options = ("--add-hydrogens", "--ph", pH, "--trials", 10, "--overwrite", "--json", "summary.json")
+        result = runHere(structure, *options)
+        assert result.returncode == 0, result.stderr
+        counts.append(json.loads((tmp_path / "summary.json").read_text())["addedHydrogens"])
+    assert counts[0] == 6 and counts[1] > 6
+    assert readDCD(tmp_path / "most.dcd").shape[1] == 576 + counts[1]
+
+
+def test_addHydrogensKeepsNames(runHere, tmp_path, lines):
+    """Names of protonation states tell how many hydrogens there are, and stay."""
+    rename = lambda residue: "LYN" if residue.id == "7" else residue.name  # noqa: E731
+    structure = writePDB(tmp_path / "named.pdb", lines(isHeavy, rename))
+    result = runHere(structure, "--add-hydrogens", "--forcefield", PROTEIN, "--trials", 10, "--frames", 1)
+    assert result.returncode == 0, result.stderr
+    assert "A:LYN 7 LYN" in result.stdout
+    text = (tmp_path / "named-topology.pdb").read_text()
+    assert " NZ  LYN A   7" in text and text.count("LYN A   7") == 21
+
+
+def test_leaveOut(runHere, tmp_path, lines):
+    ligand = [
+        "HETATM  900  S   SO4 B   1      40.000  40.000  40.000  1.00  0.00           S",
+        "HETATM  901  O1  SO4 B   1      41.500  40.000  40.000  1.00  0.00           O",
+    ]
+    structure = writePDB(tmp_path / "bound.pdb", [*lines(lambda atom: True), *ligand])
+    options = ("--forcefield", PROTEIN, "--trials", 10, "--frames", 1)
+    assertRefused(
+        runHere(structure, *options),
+        tmp_path,
+        ["bound.pdb"],
+        f"bound.pdb: --forcefield {PROTEIN}: residues that the force field does not have (1): B:SO4 1: ",
+        '--leave-out "resname SO4"',
+    )
+    result = runHere(structure, *options, "--leave-out", "resname SO4", "--json", "summary.json")
+    assert result.returncode == 0, result.stderr
+    assert json.loads((tmp_path / "summary.json").read_text())["atoms"] == 582
+    assertRefused(
+        runHere(structure, "--leave-out", "all", "--overwrite"), tmp_path, filesIn(tmp_path), "nothing is left"
+    )
+    assertRefused(
+        runHere(structure, "--leave-out", "resname XYZ", "--overwrite"), tmp_path, filesIn(tmp_path), "--leave-out"
+    )
+
+
+@pytest.mark.parametrize(
+    ("isChosen", "rename", "words"),
+    [
+        (isHeavy, None, ["residues that lack hydrogens (35): A:LEU 1; ", "and 32 more: --add-hydrogens adds them"]),
+        (
+            lambda atom: atom.residue.id != "7" or atom.name not in ("NZ", "HZ1", "HZ2", "HZ3"),
+            None,
+            ["residues that lack heavy atoms (1): A:LYS 7 (NZ): PDBFixer adds them"],
+        ),
+        (
+            lambda atom: atom.residue.id != "12" and atom.name not in ("OXT", "OC2"),
+            None,
+            ["in the chain, or the atoms of an end (3): A:GLY 11 (at C); A:THR 13 (at N); A:PHE 35 (at C)", "PDBFixer"],
+        ),
+        (
+            lambda atom: True,
+            lambda residue: "TPO" if residue.id == "12" else residue.name,
+            ["residues that the force field does not have (1): A:TPO 12: ", "PDBFixer"],
+        ),
+    ],
+)
+def test_residuesThatDoNotFit(runHere, tmp_path, lines, isChosen, rename, words):
+    chosen = lines(isChosen, *([rename] if rename else []))
+    if rename:  # another atom, else the residue fits by its bonds
+        chosen = [line.replace("ATOM  ", "HETATM").replace(" HA  TPO", " F1  TPO") for line in chosen]
+        chosen = [line[:76] + " F" if " F1  TPO" in line else line for line in chosen]
+    structure = writePDB(tmp_path / "unfit.pdb", chosen)
+    result = runHere(structure, "--forcefield", PROTEIN)
+    assertRefused(result, tmp_path, ["unfit.pdb"], "unfit.pdb: --forcefield", *words)
+
+
+@pytest.mark.parametrize(
+    ("arguments", "words"),
+    [
+        (["--temperature", "300"], "--temperature needs --forcefield"),
+        (["--nonbonded-cutoff", "1"], "--nonbonded-cutoff needs --forcefield"),
+        (["--ph", "7"], "--ph needs --add-hydrogens"),
+        (["--forcefield"], "--forcefield: expected at least one argument"),
+        (["--forcefield", "amber41.xml"], '--forcefield amber41.xml: Could not locate file "amber41.xml"'),
+        (["--forcefield", PROTEIN, "--temperature", "-1"], "-1 is not in the range"),
+        (["--forcefield", PROTEIN, "--temperature", "nan"], "nan is not in the range"),
+        (["--forcefield", PROTEIN, "--temperature", "warm"], "'warm' is not a number"),
+        (["--forcefield", PROTEIN, "--nonbonded-cutoff", "0"], "0 is not in the range"),
+        (["--forcefield", PROTEIN, "--add-hydrogens", "--ph", "15"], "15 is not in the range 0 to 14"),
+        (["--forcefield", PROTEIN, "structure.pdb"], "structure.pdb: is no XML file; name the structure before"),
+        (["--forcefield", "broken.xml"], "--forcefield broken.xml: "),
+        (["--forcefield", PROTEIN, "steric.xml"], "adds StericExclusionForce by itself"),
+        (["--forcefield", "implicit/gbn2.xml"], "--forcefield implicit/gbn2.xml: "),
+        (["--forcefield", "tip3p.xml"], "residues that the force field does not have (35): LEU 1; "),
+    ],
+)
+def test_badArguments(runHere, tmp_path, arguments, words):
+    writePDB(tmp_path / "structure.pdb", GLYCINES)
+    (tmp_path / "broken.xml").write_text("<ForceField><Residues>")
+    (tmp_path / "steric.xml").write_text("<ForceField><StericExclusionForce/></ForceField>")
+    assertRefused(runHere(*arguments), tmp_path, ["broken.xml", "steric.xml", "structure.pdb"], words)
+
+
+def test_nothingIsOverwritten(runHere, tmp_path):
+    (tmp_path / "villin-topology.pdb").write_text("mine")
+    result = runHere("--forcefield", PROTEIN, "--trials", 10)
+    assertRefused(result, tmp_path, ["villin-topology.pdb"], "villin-topology.pdb: exists; --overwrite replaces it")
+    assert (tmp_path / "villin-topology.pdb").read_text() == "mine"
+
+
+def test_fixedAtomsStay(runHere, tmp_path):
+    options = ("--forcefield", PROTEIN, "--trials", 800, "--frames", 2, "--seed", 1, "--json", "summary.json")
+    result = runHere(*options, "--fix", "resSeq 1 to 15", "--move", "resSeq 20 to 30")
+    assert result.returncode == 0, result.stderr
+    frames = readDCD(tmp_path / "villin.dcd")
+    ids = np.array([int(r.id) for r in app.PDBFile(str(tmp_path / "villin-topology.pdb")).topology.residues()])
+    assert len(ids) == 35
+    hasMoved = np.abs(frames[-1] - frames[0]).max(axis=1) > 0
+    atoms = list(app.PDBFile(str(tmp_path / "villin-topology.pdb")).topology.atoms())
+    assert not any(moved and int(atom.residue.id) <= 15 for atom, moved in zip(atoms, hasMoved, strict=True))
+    assert hasMoved.any()
+    ends = json.loads((tmp_path / "summary.json").read_text())["energy"]["potentialEnergy"]
+    assert ends["lastByOpenMM"] == pytest.approx(ends["last"], rel=1e-6, abs=5e-3)
+
+
+def test_aWrongEnergyWouldBeSeen(runHere, monkeypatch):
+    """Were the energy that is held wrong, the comparison with OpenMM would say so."""
+    honest = Energies.held
+    monkeypatch.setattr(Energies, "held", lambda energies: honest(energies) + 7)
+    result = runHere("--forcefield", PROTEIN, "--trials", 10)
+    assert "OpenMM's Reference platform differs there by 7" in result.stdout
+
+
+def test_fewTrialsAndManyFrames(tmp_path):
+    """A step has at least 400 trials, but never more than lie between two frames."""
+    options = ("sample", "--forcefield", PROTEIN, "--seed", 1, "--trials", 1000, "--json", "summary.json")
+    for frames in (3, 10):
+        result = commands.run(*options, "--frames", frames, "--overwrite", folder=tmp_path)
+        assert result.returncode == 0, result.stderr
+        summary = json.loads((tmp_path / "summary.json").read_text())
+        assert summary["trials"] == 1000 and len(summary["energy"]["potentialEnergies"]) == frames + 1
