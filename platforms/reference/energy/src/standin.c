@@ -151,6 +151,8 @@ void ctStandInFree(StandIn* standIn) {
   ctNonbondedFree(&standIn->nonbonded);
   ctBornFree(&standIn->born);
   ctNeighborsFree(&standIn->neighbors);
+  ctNeighborsFree(&standIn->copyOfNeighbors);
+  free(standIn->copyOfState);
   free(standIn->slots);
   free(standIn->constants);
   free(standIn->state);
@@ -314,4 +316,33 @@ double ctStandInEnergy(const StandIn* standIn) {
     total += ofRow;
   }
   return total;
+}
+
+/* ---- Copies ---- */
+
+bool ctStandInKeep(StandIn* standIn) {
+  const size_t leaves = (size_t)standIn->leaves->leafCount;
+  standIn->hasCopy = false;
+  if (standIn->copyOfState == NULL) {
+    standIn->copyOfState = malloc((leaves + 1) * sizeof *standIn->copyOfState);
+  }
+  if (standIn->copyOfState == NULL ||
+      (standIn->copyOfNeighbors.rows == NULL && !ctNeighborsCreate(&standIn->copyOfNeighbors, (int)leaves)) ||
+      !ctNeighborsCopy(&standIn->copyOfNeighbors, &standIn->neighbors)) {
+    return false;
+  }
+  memcpy(standIn->copyOfState, standIn->state, leaves * sizeof *standIn->state);
+  standIn->hasCopy = true;
+  return true;
+}
+
+bool ctStandInTakeBack(StandIn* standIn) {
+  if (!standIn->hasCopy || !ctNeighborsCopy(&standIn->neighbors, &standIn->copyOfNeighbors)) {
+    return false;
+  }
+  memcpy(standIn->state, standIn->copyOfState, (size_t)standIn->leaves->leafCount * sizeof *standIn->state);
+  standIn->stagedCount = 0;
+  standIn->movedCount = 0;
+  standIn->touchedCount = 0;
+  return true;
 }

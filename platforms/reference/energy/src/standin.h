@@ -57,6 +57,11 @@ typedef struct StandIn {
   int movedCount;     /* how many of them the trial changes */
   double nearChange;
   double nearChangeBack;
+
+  /* A copy of what is kept of the state. */
+  bool hasCopy;
+  StandInLeaf* copyOfState;
+  Neighbors copyOfNeighbors;
 } StandIn;
 
 /* slotOf[particle] is its slot. On failure there is nothing to free and errorText (not NULL) says why. */
@@ -81,6 +86,10 @@ void ctStandInGetNear(const StandIn* standIn, double* near);
 ctStatus ctStandInNearChange(StandIn* standIn, double* change);
 ctStatus ctStandInOtherChange(StandIn* standIn, double* change);
 bool ctStandInAccept(StandIn* standIn);
+
+/* Keeps a copy of what is kept of the state, and makes it that again. False if there is no memory, or no copy. */
+bool ctStandInKeep(StandIn* standIn);
+bool ctStandInTakeBack(StandIn* standIn);
 
 /* ---- What the files of this share ---- */
 
