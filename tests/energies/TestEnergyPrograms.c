@@ -7,6 +7,7 @@
 
 #include "ctenergy.h"
 #include "energies/pairOracle.h"
+#include "energies/randomPairSet.h"
 #include "oracle/oracle.h"
 #include "oracle/randomScene.h"
 #include "sceneDefinition.h"
@@ -16,7 +17,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { MOST_PARTICLES = 120, MOST_CHANGES = 6 };
+enum { MOST_PARTICLES = 120, MOST_CHANGES = 6, MOST_PAIR_SETS = 2 };
 
 static const int defaultProgramCount = 60;
 static const uint64_t defaultSeed = 20021118;
@@ -33,6 +34,9 @@ typedef struct Program {
     ctChainTree* tree;
     oracleScene* oracle;
     ctNonbonded nonbonded;
+    bool hasNonbonded;
+    int pairSetCount;
+    randomPairSet pairSets[MOST_PAIR_SETS];
     ctEnergy* energy;
     double* positions;
     int movableCount;
@@ -88,7 +92,17 @@ static void describeNonbonded(Program* p)
 static void createEnergy(Program* p, const ctDefinition* definition)
 {
     char text[200] = "";
-    ctEnergyDefinition energy = {.scene = definition, .nonbonded = &p->nonbonded};
+    ctPairSet sets[MOST_PAIR_SETS];
+    p->pairSetCount = randomInt(&p->random, MOST_PAIR_SETS + 1);
+    for (int n = 0; n < p->pairSetCount; n++) {
+        randomPairSetCreate(&p->pairSets[n], &p->random, p->scene.particleCount);
+        sets[n] = p->pairSets[n].set;
+    }
+    p->hasNonbonded = p->pairSetCount == 0 || randomChance(&p->random, 0.5);
+    ctEnergyDefinition energy = {.scene = definition,
+                                 .nonbonded = p->hasNonbonded ? &p->nonbonded : NULL,
+                                 .pairSetCount = p->pairSetCount,
+                                 .pairSets = sets};
     if (ctCreateEnergy(p->tree, &energy, &p->energy, text, sizeof text) != ctSuccess) {
         printf("seed %llu: %s\n", (unsigned long long)p->seed, text);
         exit(1);
@@ -139,16 +153,44 @@ static void destroyProgram(Program* p)
     free((void*)p->nonbonded.sigmas);
     free((void*)p->nonbonded.epsilons);
     free((void*)p->nonbonded.exclusions);
+    for (int n = 0; n < p->pairSetCount; n++)
+        randomPairSetDestroy(&p->pairSets[n]);
     free(p->positions);
     free(p->movable);
 }
 
-static PairSum oracleSum(Program* p, int which)
+/* The energies of Lennard-Jones and Coulomb, and of each pair set; those that a program does not have are 0. */
+typedef struct PairSums {
+    PairSum parts[1 + MOST_PAIR_SETS];
+} PairSums;
+
+static PairSums oracleSums(Program* p, int which)
 {
+    PairSums sums = {0};
     if (!p->isJudged)
-        return (PairSum){0, 0};
+        return sums;
     oracleGetPositions(p->oracle, which, p->positions);
-    return sumAllPairs(&p->nonbonded, p->scene.particleCount, p->positions);
+    if (p->hasNonbonded)
+        sums.parts[0] = sumAllPairs(&p->nonbonded, p->scene.particleCount, p->positions);
+    for (int n = 0; n < p->pairSetCount; n++)
+        sums.parts[1 + n] = sumPairSet(&p->pairSets[n], p->scene.particleCount, p->positions);
+    return sums;
+}
+
+static bool isBeyondFloats(long double energy)
+{
+    return isinf(energy) || isnan(energy) || fabsl(energy) > 1e30L;
+}
+
+/* Of all parts; infinite if one is beyond floats. */
+static PairSum totalOf(const PairSums* sums)
+{
+    PairSum total = {0, 0};
+    for (int n = 0; n < 1 + MOST_PAIR_SETS; n++) {
+        total.energy += isBeyondFloats(sums->parts[n].energy) ? INFINITY : sums->parts[n].energy;
+        total.doubt += sums->parts[n].doubt;
+    }
+    return total;
 }
 
 /* Far from the origin, positions in double are those of the oracle only so far. */
@@ -167,7 +209,7 @@ static void compare(Program* p, const char* what, double value, PairSum expected
     p->answers = (p->answers ^ bits) * 0x100000001b3;
     if (!p->isJudged)
         return;
-    if (isinf(expected.energy) || isnan(expected.energy) || expected.energy > 1e30L) {
+    if (isBeyondFloats(expected.energy)) {
         tally.infinite++;
         return;
     }
@@ -176,11 +218,28 @@ static void compare(Program* p, const char* what, double value, PairSum expected
         fail(p, what, value, expected.energy);
 }
 
+/* All energies that are kept, with those of the state. */
+static void compareKept(Program* p, const char* what)
+{
+    PairSums expected = oracleSums(p, ORACLE_STATE);
+    compare(p, what, ctGetPairEnergy(p->energy), expected.parts[0]);
+    for (int n = 0; n < p->pairSetCount; n++)
+        compare(p, what, ctGetPairSetEnergy(p->energy, n), expected.parts[1 + n]);
+}
+
+static double totalKept(const Program* p)
+{
+    double total = ctGetPairEnergy(p->energy);
+    for (int n = 0; n < p->pairSetCount; n++)
+        total += ctGetPairSetEnergy(p->energy, n);
+    return total;
+}
+
 static void refresh(Program* p)
 {
     if (ctRefreshEnergy(p->energy, NULL) != ctSuccess)
         fail(p, "a refresh", 1, 0);
-    compare(p, "the energy of the state", ctGetPairEnergy(p->energy), oracleSum(p, ORACLE_STATE));
+    compareKept(p, "the energy of the state");
     tally.refreshes++;
 }
 
@@ -224,8 +283,9 @@ static void propose(Program* p)
 static void tryOne(Program* p)
 {
     propose(p);
-    PairSum before = oracleSum(p, ORACLE_STATE);
-    PairSum after = oracleSum(p, ORACLE_TRIAL);
+    PairSums sums[2] = {oracleSums(p, ORACLE_STATE), oracleSums(p, ORACLE_TRIAL)};
+    PairSum before = totalOf(&sums[0]);
+    PairSum after = totalOf(&sums[1]);
     double change = 0;
     int parts = randomChance(&p->random, 0.8) ? CT_ENERGY_PARTS : randomInt(&p->random, CT_ENERGY_PARTS);
     for (int part = 0; part < parts; part++) {
@@ -238,7 +298,7 @@ static void tryOne(Program* p)
     }
     if (parts == CT_ENERGY_PARTS) {
         PairSum expected = {after.energy - before.energy, before.doubt + after.doubt};
-        if (before.energy > 1e30L)
+        if (isBeyondFloats(before.energy))
             expected.energy = INFINITY;
         compare(p, "the change", change, expected);
     }
@@ -262,12 +322,13 @@ static void tryOne(Program* p)
 /* The energy that is kept must be that of the same state computed anew, but for roundings that fell otherwise. */
 static void compareWithFresh(Program* p)
 {
-    double kept = ctGetPairEnergy(p->energy);
-    PairSum expected = oracleSum(p, ORACLE_STATE);
-    compare(p, "the energy kept", kept, expected);
+    double kept = totalKept(p);
+    PairSums sums = oracleSums(p, ORACLE_STATE);
+    PairSum expected = totalOf(&sums);
+    compareKept(p, "the energy kept");
     refresh(p);
-    double fresh = ctGetPairEnergy(p->energy);
-    if (p->isJudged && expected.energy < 1e30L && !(fabs(kept - fresh) <= (double)expected.doubt + 1e-9))
+    double fresh = totalKept(p);
+    if (p->isJudged && !isBeyondFloats(expected.energy) && !(fabs(kept - fresh) <= (double)expected.doubt + 1e-9))
         fail(p, "the energy kept against a fresh one", kept, fresh);
 }
 

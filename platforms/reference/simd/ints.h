@@ -66,6 +66,20 @@ static inline Float16 chooseEqual16(Float16 a, Float16 b, Float16 yes, Float16 n
   return _mm512_mask_blend_ps(_mm512_cmp_ps_mask(a, b, _CMP_EQ_OQ), no, yes);
 }
 
+/* p[k] of sixteen numbers, for each lane k = indices[...] below 16. */
+static inline Float16 lookup16(const float* p, const int* indices) {
+  return _mm512_permutexvar_ps(_mm512_loadu_si512(indices), _mm512_loadu_ps(p));
+}
+
+/* Writes the lanes of a for which the mask has a bit, ascending, and their numbers; returns how many. May overwrite
+ * sixteen entries. */
+static inline int pack16(unsigned mask, Float16 a, float* packed, int* lanes) {
+  const __m512i all = _mm512_setr_epi32(0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15);
+  _mm512_storeu_ps(packed, _mm512_maskz_compress_ps((__mmask16)mask, a));
+  _mm512_storeu_si512(lanes, _mm512_maskz_compress_epi32((__mmask16)mask, all));
+  return __builtin_popcount(mask);
+}
+
 #elif defined(CT_PATH_AVX2)
 
 typedef struct Int16 {
@@ -126,6 +140,18 @@ static inline Float16 chooseBelow16(Float16 a, Float16 b, Float16 yes, Float16 n
 static inline Float16 chooseEqual16(Float16 a, Float16 b, Float16 yes, Float16 no) {
   return (Float16){_mm256_blendv_ps(no.low, yes.low, _mm256_cmp_ps(a.low, b.low, _CMP_EQ_OQ)),
                    _mm256_blendv_ps(no.high, yes.high, _mm256_cmp_ps(a.high, b.high, _CMP_EQ_OQ))};
+}
+
+static inline __m256 lookup8(__m256 low, __m256 high, const int* indices) {
+  const __m256i all = _mm256_loadu_si256((const __m256i*)indices);
+  const __m256 isHigh = _mm256_castsi256_ps(_mm256_slli_epi32(all, 28));
+  return _mm256_blendv_ps(_mm256_permutevar8x32_ps(low, all), _mm256_permutevar8x32_ps(high, all), isHigh);
+}
+
+static inline Float16 lookup16(const float* p, const int* indices) {
+  const __m256 low = _mm256_loadu_ps(p);
+  const __m256 high = _mm256_loadu_ps(p + 8);
+  return (Float16){lookup8(low, high, indices), lookup8(low, high, indices + 8)};
 }
 
 #else
@@ -210,7 +236,32 @@ static inline Float16 chooseEqual16(Float16 a, Float16 b, Float16 yes, Float16 n
   return a;
 }
 
+static inline Float16 lookup16(const float* p, const int* indices) {
+  float found[16];
+  for (int k = 0; k < 16; k++) {
+    found[k] = p[indices[k]];
+  }
+  return load16(found);
+}
+
 #undef CT_EACH_QUARTER
+
+#endif
+
+#ifndef CT_PATH_AVX512
+
+static inline int pack16(unsigned mask, Float16 a, float* packed, int* lanes) {
+  float all[16];
+  int count = 0;
+  store16(all, a);
+  /* Without branches, which would be mispredicted. */
+  for (int k = 0; k < 16; k++) {
+    packed[count] = all[k];
+    lanes[count] = k;
+    count += (int)(mask >> k & 1);
+  }
+  return count;
+}
 
 #endif
 

@@ -5,7 +5,7 @@
 #include <string.h>
 
 #include "nonbonded.h"
-#include "pairsums.h"
+#include "pairsets.h"
 #include "standin.h"
 #include "terms.h"
 
@@ -15,16 +15,18 @@ enum { NO_STATE = -1 };
 struct ctEnergy {
   ctChainTree* tree;
   Terms* terms;
-  bool hasLeaves; /* what follows is there */
-  bool hasStandIn;
+  bool hasLeaves; /* there are pairs of any kind, and what follows */
   TrialLeaves leaves;
-  Nonbonded nonbonded; /* without a stand-in, these two */
-  PairSums pairs;
-  StandIn standIn;
+  bool hasNonbonded;
+  Nonbonded nonbonded;
+  PairSums pairs; /* of nonbonded */
+  bool hasStandIn;
+  StandIn standIn; /* instead of nonbonded */
+  PairSets pairSets;
   int64_t state;     /* the scene's change count of the state that values belong to, or NO_STATE */
   int64_t trial;     /* the last one that was asked about */
   int computedParts; /* of it */
-  double nearChange; /* its change of near pairs */
+  double nearChange; /* its change of near pairs, but for those of the stand-in */
   char errorText[200];
 };
 
@@ -64,7 +66,29 @@ static int* findSlots(const ctChainTree* tree, int particleCount) {
 
 /* How far apart particles can be that a trial has to look at, nm. */
 static double greatestCutoff(const ctEnergyDefinition* d) {
-  return d->born != NULL ? fmax(d->standIn->bornCutoff, d->standIn->pairCutoff) : d->nonbonded->cutoff;
+  double cutoff = 0;
+  if (d->born != NULL) {
+    cutoff = fmax(d->standIn->bornCutoff, d->standIn->pairCutoff);
+  } else if (d->nonbonded != NULL) {
+    cutoff = d->nonbonded->cutoff;
+  }
+  for (int i = 0; i < d->pairSetCount; i++) {
+    cutoff = fmax(cutoff, d->pairSets[i].cutoff);
+  }
+  return cutoff;
+}
+
+static ctStatus buildNonbonded(ctEnergy* energy, const ctEnergyDefinition* d, const int* slotOf, char* errorText,
+                               size_t errorSize) {
+  energy->hasNonbonded = true;
+  const ctStatus status = ctNonbondedCreate(&energy->nonbonded, energy->tree, d->scene->particleCount, d->nonbonded,
+                                            slotOf, errorText, errorSize);
+  if (status == ctSuccess &&
+      !ctPairSumsCreate(&energy->pairs, &energy->leaves, d->nonbonded->cutoff, ctNonbondedEnergy, &energy->nonbonded)) {
+    snprintf(errorText, errorSize, "out of memory");
+    return ctOutOfMemory;
+  }
+  return status;
 }
 
 static ctStatus buildPairs(ctEnergy* energy, const ctEnergyDefinition* d, const int* slotOf, char* errorText,
@@ -75,16 +99,16 @@ static ctStatus buildPairs(ctEnergy* energy, const ctEnergyDefinition* d, const 
     return ctOutOfMemory;
   }
   energy->hasLeaves = true;
+  ctStatus status = ctSuccess;
   if (d->born != NULL) {
     energy->hasStandIn = true;
-    return ctStandInCreate(&energy->standIn, &energy->leaves, particleCount, d, slotOf, errorText, errorSize);
+    status = ctStandInCreate(&energy->standIn, &energy->leaves, particleCount, d, slotOf, errorText, errorSize);
+  } else if (d->nonbonded != NULL) {
+    status = buildNonbonded(energy, d, slotOf, errorText, errorSize);
   }
-  const ctStatus status =
-      ctNonbondedCreate(&energy->nonbonded, energy->tree, particleCount, d->nonbonded, slotOf, errorText, errorSize);
-  if (status == ctSuccess &&
-      !ctPairSumsCreate(&energy->pairs, &energy->leaves, d->nonbonded->cutoff, ctNonbondedEnergy, &energy->nonbonded)) {
-    snprintf(errorText, errorSize, "out of memory");
-    return ctOutOfMemory;
+  if (status == ctSuccess) {
+    status = ctPairSetsCreate(&energy->pairSets, &energy->leaves, particleCount, d->pairSetCount, d->pairSets, slotOf,
+                              errorText, errorSize);
   }
   return status;
 }
@@ -100,7 +124,7 @@ static ctStatus build(ctEnergy* energy, const ctEnergyDefinition* d, char* error
     return ctOutOfMemory;
   }
   ctStatus status = ctTermsCreate(d->scene, d->termSetCount, d->termSets, slotOf, &energy->terms, errorText, errorSize);
-  if (status == ctSuccess && d->nonbonded != NULL) {
+  if (status == ctSuccess && (d->nonbonded != NULL || d->pairSetCount != 0)) {
     status = buildPairs(energy, d, slotOf, errorText, errorSize);
   }
   free(slotOf);
@@ -135,6 +159,7 @@ ctStatus ctCreateEnergy(ctChainTree* tree, const ctEnergyDefinition* definition,
 void ctDestroyEnergy(ctEnergy* energy) {
   if (energy != NULL) {
     ctTermsDestroy(energy->terms);
+    ctPairSetsFree(&energy->pairSets);
     ctPairSumsFree(&energy->pairs);
     ctNonbondedFree(&energy->nonbonded);
     ctStandInFree(&energy->standIn);
@@ -156,12 +181,13 @@ int ctCountChangeableTerms(const ctEnergy* energy, int termSet) {
 static ctStatus refreshPairs(ctEnergy* energy, ctCounts* counts) {
   size_t count;
   const ctLeafPair* near;
-  const ctStatus status = ctTrialLeavesRefresh(&energy->leaves, &count, &near, counts);
-  if (status != ctSuccess) {
-    return status;
+  ctStatus status = ctTrialLeavesRefresh(&energy->leaves, &count, &near, counts);
+  if (status == ctSuccess && energy->hasStandIn) {
+    status = ctStandInRefresh(&energy->standIn, count, near);
+  } else if (status == ctSuccess && energy->hasNonbonded) {
+    status = ctPairSumsRefresh(&energy->pairs, count, near);
   }
-  return energy->hasStandIn ? ctStandInRefresh(&energy->standIn, count, near)
-                            : ctPairSumsRefresh(&energy->pairs, count, near);
+  return status == ctSuccess ? ctPairSetsRefresh(&energy->pairSets, count, near) : status;
 }
 
 ctStatus ctRefreshEnergy(ctEnergy* energy, ctCounts* counts) {
@@ -184,13 +210,11 @@ double ctGetPairEnergy(const ctEnergy* energy) {
   if (energy->hasStandIn) {
     return ctStandInEnergy(&energy->standIn);
   }
-  return energy->hasLeaves ? ctLeafSumsTotal(&energy->pairs.sums) : 0;
+  return energy->hasNonbonded ? ctLeafSumsTotal(&energy->pairs.sums) : 0;
 }
 
 double ctGetPairSetEnergy(const ctEnergy* energy, int pairSet) {
-  (void)energy;
-  (void)pairSet;
-  return 0;
+  return ctLeafSumsTotal(&energy->pairSets.sums[pairSet].sums);
 }
 
 double ctGetTermEnergy(const ctEnergy* energy, int termSet) {
@@ -209,6 +233,40 @@ static ctStatus changeTerms(ctEnergy* energy, double* change) {
   }
   *change = ctTermsChange(energy->terms, &view);
   return ctSuccess;
+}
+
+static ctStatus changeNearPairs(ctEnergy* energy, double* change, ctCounts* counts) {
+  double ofPairs = 0;
+  double ofSets = 0;
+  double ofStandIn = 0;
+  ctStatus status = ctTrialLeavesOpen(&energy->leaves, counts);
+  if (status == ctSuccess && energy->hasStandIn) {
+    status = ctStandInNearChange(&energy->standIn, &ofStandIn);
+  } else if (status == ctSuccess && energy->hasNonbonded) {
+    status = ctPairSumsNearChange(&energy->pairs, &ofPairs);
+  }
+  if (status == ctSuccess) {
+    status = ctPairSetsNearChange(&energy->pairSets, &ofSets);
+  }
+  energy->nearChange = ofPairs + ofSets;
+  *change = energy->nearChange + ofStandIn;
+  return status;
+}
+
+static ctStatus changeOtherPairs(ctEnergy* energy, double* change) {
+  double ofPairs = 0;
+  double ofSets = 0;
+  ctStatus status = ctSuccess;
+  if (energy->hasStandIn) {
+    status = ctStandInOtherChange(&energy->standIn, &ofPairs);
+  } else if (energy->hasNonbonded) {
+    status = ctPairSumsOtherChange(&energy->pairs, &ofPairs);
+  }
+  if (status == ctSuccess) {
+    status = ctPairSetsOtherChange(&energy->pairSets, &ofSets);
+  }
+  *change = ofPairs + ofSets;
+  return status;
 }
 
 ctStatus ctComputeEnergyChange(ctEnergy* energy, ctEnergyPart part, double* change, ctCounts* counts) {
@@ -231,15 +289,9 @@ ctStatus ctComputeEnergyChange(ctEnergy* energy, ctEnergyPart part, double* chan
   if (part == ctTermsPart) {
     status = changeTerms(energy, change);
   } else if (energy->hasLeaves && part == ctNearPairsPart) {
-    status = ctTrialLeavesOpen(&energy->leaves, counts);
-    if (status == ctSuccess) {
-      status = energy->hasStandIn ? ctStandInNearChange(&energy->standIn, change)
-                                  : ctPairSumsNearChange(&energy->pairs, change);
-      energy->nearChange = *change;
-    }
+    status = changeNearPairs(energy, change, counts);
   } else if (energy->hasLeaves) {
-    status = energy->hasStandIn ? ctStandInOtherChange(&energy->standIn, change)
-                                : ctPairSumsOtherChange(&energy->pairs, change);
+    status = changeOtherPairs(energy, change);
   }
   if (status != ctSuccess) {
     energy->computedParts = 0;
@@ -259,7 +311,8 @@ ctStatus ctAcceptEnergyChange(ctEnergy* energy) {
   ctTermsAccept(energy->terms);
   if (energy->hasLeaves) {
     ctTrialLeavesAccept(&energy->leaves);
-    if (!(energy->hasStandIn ? ctStandInAccept(&energy->standIn) : ctPairSumsAccept(&energy->pairs))) {
+    if ((energy->hasStandIn && !ctStandInAccept(&energy->standIn)) ||
+        (energy->hasNonbonded && !ctPairSumsAccept(&energy->pairs)) || !ctPairSetsAccept(&energy->pairSets)) {
       return failOutOfMemory(energy);
     }
   }
@@ -270,7 +323,7 @@ ctStatus ctAcceptEnergyChange(ctEnergy* energy) {
 /* ---- Two levels ---- */
 
 double ctGetNearChangeBack(const ctEnergy* energy) {
-  return energy->hasStandIn ? energy->standIn.nearChangeBack : -energy->nearChange;
+  return (energy->hasStandIn ? energy->standIn.nearChangeBack : 0) - energy->nearChange;
 }
 
 ctStatus ctComputeWholeEnergy(ctEnergy* energy, double* nonbonded, double* born, ctCounts* counts) {

@@ -22,9 +22,8 @@ int ctMeasureWidth(ctMeasure measure) {
 
 /* ---- Checks ---- */
 
-/* How many results of earlier operations an operator takes. */
-static int argumentCount(ctOperator kind) {
-  switch (kind) {
+int ctArgumentCount(const ctOperation* operation, const ctTable* tables) {
+  switch (operation->kind) {
     case ctConstantOperator:
     case ctInputOperator:
     case ctParameterOperator:
@@ -40,6 +39,8 @@ static int argumentCount(ctOperator kind) {
       return 2;
     case ctSelectOperator:
       return 3;
+    case ctTableOperator:
+      return tables[(int)operation->constant].dimensions;
     default:
       return 1;
   }
@@ -79,7 +80,7 @@ static bool operationIsValid(const ctExpression* e, int number, int parameters, 
     snprintf(text, size, "operation %d reads parameter %d of the term, which has %d", number, first, parameters);
     return false;
   }
-  for (int i = 0; i < argumentCount(operation->kind); i++) {
+  for (int i = 0; i < ctArgumentCount(operation, NULL); i++) {
     if (!isIndex(operation->arguments[i], number)) {
       snprintf(text, size, "operation %d needs the result of operation %d, which is not an earlier one", number,
                operation->arguments[i]);
@@ -139,7 +140,7 @@ bool ctExpressionCopy(const ctExpression* from, Expression* to) {
   for (size_t i = 0; i < operations; i++) {
     ctOperation* operation = &to->operations[i];
     const bool takesNumber = operation->kind == ctInputOperator || operation->kind == ctParameterOperator;
-    for (int k = takesNumber ? 1 : argumentCount(operation->kind); k < 3; k++) {
+    for (int k = takesNumber ? 1 : ctArgumentCount(operation, NULL); k < 3; k++) {
       operation->arguments[k] = 0;
     }
   }
@@ -186,7 +187,7 @@ static double power(double base, double exponent) {
   return result;
 }
 
-static double operate(const ctOperation* operation, double a, double b, double c) {
+double ctOperate(const ctOperation* operation, double a, double b, double c) {
   switch (operation->kind) {
     case ctAddOperator:
       return a + b;
@@ -280,7 +281,7 @@ double ctExpressionEvaluate(const Expression* expression, const double (*positio
     } else if (operation->kind == ctParameterOperator) {
       results[i] = parameters[arguments[0]];
     } else {
-      results[i] = operate(operation, results[arguments[0]], results[arguments[1]], results[arguments[2]]);
+      results[i] = ctOperate(operation, results[arguments[0]], results[arguments[1]], results[arguments[2]]);
     }
   }
   return results[expression->operationCount - 1];

@@ -18,6 +18,12 @@ typedef struct Expression {
 /* The number of particles that a measure is of. */
 int ctMeasureWidth(ctMeasure measure);
 
+/* How many results of earlier operations an operation takes. Tables are read for those that are of one. */
+int ctArgumentCount(const ctOperation* operation, const ctTable* tables);
+
+/* What an operation makes of these, in the C library's functions; not for inputs, parameters and tables. */
+double ctOperate(const ctOperation* operation, double a, double b, double c);
+
 /* True if an expression can be evaluated for terms of so many particles and parameters; else text, of `size` bytes,
  * says what is wrong with it, as the end of a sentence. */
 bool ctExpressionIsValid(const ctExpression* expression, int particlesPerTerm, int parametersPerTerm, char* text,

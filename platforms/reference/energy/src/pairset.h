@@ -1,0 +1,31 @@
+/* Any expression of pairs of particles, of two leaves at a time; see ctPairSet. */
+#ifndef CT_PAIRSET_H_
+#define CT_PAIRSET_H_
+
+#include "pairgroups.h"
+#include "pairmask.h"
+#include "tapekernels.h"
+
+typedef struct PairSet {
+  TapeKernel* kernel;
+  Tape tape;
+  TapeRange range;
+  double cutoff;
+  double switchingDistance;
+  double* parameters; /* of each slot */
+  unsigned* occupied; /* per leaf, bits: slots that hold a particle */
+  PairMask mask;
+  bool hasGroups;
+  PairGroups groups;
+} PairSet;
+
+/* slotOf[particle] is its slot, or CT_NULL; `number` is that of the set, for errorText (which may not be NULL). On
+ * failure there is nothing to free. */
+ctStatus ctPairSetCreate(PairSet* set, const ctChainTree* tree, int particleCount, const ctPairSet* description,
+                         int number, const int* slotOf, char* errorText, size_t errorSize);
+void ctPairSetFree(PairSet* set);
+
+/* The energy of leaves a <= b with these frames; a LeafPairFunction of a PairSet, of which only scratch changes. */
+double ctPairSetEnergy(const void* model, int a, const LeafFrame* frameA, int b, const LeafFrame* frameB);
+
+#endif /* CT_PAIRSET_H_ */

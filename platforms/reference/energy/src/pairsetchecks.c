@@ -1,0 +1,154 @@
+#include "pairsetchecks.h"
+
+#include <math.h>
+#include <stdarg.h>
+#include <stdio.h>
+
+#include "expression.h"
+
+static bool invalid(char* text, size_t size, const char* format, ...) __attribute__((format(printf, 3, 4)));
+
+static bool invalid(char* text, size_t size, const char* format, ...) {
+  va_list arguments;
+  va_start(arguments, format);
+  vsnprintf(text, size, format, arguments);
+  va_end(arguments);
+  return false;
+}
+
+static bool isIndex(int value, int count) {
+  return value >= 0 && value < count;
+}
+
+static bool countsAreValid(const ctPairSet* set, int number, char* text, size_t size) {
+  if (set->operationCount < 1 || set->tableCount < 0 || set->parametersPerParticle < 0 || set->exclusionCount < 0 ||
+      set->groupCount < 0) {
+    return invalid(
+        text, size, "pair set %d has %d operations, %d tables, %d parameters a particle, %d exclusions and %d groups",
+        number, set->operationCount, set->tableCount, set->parametersPerParticle, set->exclusionCount, set->groupCount);
+  }
+  if (!(set->cutoff > 0)) {
+    return invalid(text, size, "the cutoff of pair set %d is %g nm, but has to be above 0", number, set->cutoff);
+  }
+  return true;
+}
+
+static bool tableIsValid(const ctTable* table, int index, int number, char* text, size_t size) {
+  if (table->dimensions < 1 || table->dimensions > (table->isDiscrete ? 3 : 2)) {
+    return invalid(text, size, "table %d of pair set %d has %d dimensions", index, number, table->dimensions);
+  }
+  for (int d = 0; d < table->dimensions; d++) {
+    if (table->sizes[d] < 1) {
+      return invalid(text, size, "table %d of pair set %d has the size %d", index, number, table->sizes[d]);
+    }
+    if (!table->isDiscrete &&
+        !(isfinite(table->minima[d]) && isfinite(table->maxima[d]) && table->minima[d] < table->maxima[d])) {
+      return invalid(text, size, "table %d of pair set %d has the range from %g to %g", index, number, table->minima[d],
+                     table->maxima[d]);
+    }
+  }
+  return true;
+}
+
+static bool operationIsValid(const ctPairSet* set, int i, int number, char* text, size_t size) {
+  const ctOperation* operation = &set->operations[i];
+  const int first = operation->arguments[0];
+  if ((int)operation->kind < 0 || operation->kind > ctTableOperator) {
+    return invalid(text, size, "operation %d of pair set %d has the unknown operator %d", i, number,
+                   (int)operation->kind);
+  }
+  if (operation->kind == ctInputOperator && first != 0) {
+    return invalid(text, size, "operation %d of pair set %d reads input %d; there is the distance alone, 0", i, number,
+                   first);
+  }
+  if (operation->kind == ctParameterOperator && (first < 0 || first / 2 >= set->parametersPerParticle)) {
+    return invalid(text, size, "operation %d of pair set %d reads parameter %d; each particle has %d", i, number, first,
+                   set->parametersPerParticle);
+  }
+  if (operation->kind == ctTableOperator && !(operation->constant >= 0 && operation->constant < set->tableCount &&
+                                              operation->constant == (int)operation->constant)) {
+    return invalid(text, size, "operation %d of pair set %d reads table %g; there are %d", i, number,
+                   operation->constant, set->tableCount);
+  }
+  for (int k = 0; k < ctArgumentCount(operation, set->tables); k++) {
+    if (!isIndex(operation->arguments[k], i)) {
+      return invalid(text, size,
+                     "operation %d of pair set %d needs the result of operation %d, which is not an earlier one", i,
+                     number, operation->arguments[k]);
+    }
+  }
+  return true;
+}
+
+static bool parametersAreValid(const ctPairSet* set, int number, int particleCount, char* text, size_t size) {
+  for (int i = 0; i < particleCount; i++) {
+    for (int p = 0; p < set->parametersPerParticle; p++) {
+      const double value = set->parameters[(size_t)i * (size_t)set->parametersPerParticle + (size_t)p];
+      if (!isfinite(value)) {
+        return invalid(text, size, "parameter %d of particle %d of pair set %d is %g", p, i, number, value);
+      }
+    }
+  }
+  return true;
+}
+
+static bool exclusionsAreValid(const ctPairSet* set, int number, int particleCount, char* text, size_t size) {
+  for (int i = 0; i < set->exclusionCount; i++) {
+    for (int k = 0; k < 2; k++) {
+      if (!isIndex(set->exclusions[i][k], particleCount)) {
+        return invalid(text, size, "exclusion %d of pair set %d names particle %d, but there are %d particles", i,
+                       number, set->exclusions[i][k], particleCount);
+      }
+    }
+  }
+  return true;
+}
+
+static bool groupIsValid(const ctInteractionGroup* group, int index, int number, int particleCount, const int* slotOf,
+                         char* text, size_t size) {
+  for (int k = 0; k < 2; k++) {
+    if (group->counts[k] < 0) {
+      return invalid(text, size, "group %d of pair set %d has a set of %d particles", index, number, group->counts[k]);
+    }
+    for (int i = 0; i < group->counts[k]; i++) {
+      const int particle = group->particles[k][i];
+      if (!isIndex(particle, particleCount)) {
+        return invalid(text, size, "group %d of pair set %d names particle %d, but there are %d particles", index,
+                       number, particle, particleCount);
+      }
+      if (slotOf[particle] == CT_NULL) {
+        return invalid(text, size, "particle %d, which is in group %d of pair set %d, stands in no leaf", particle,
+                       index, number);
+      }
+    }
+  }
+  return true;
+}
+
+bool ctPairSetIsValid(const ctPairSet* set, int number, int particleCount, const int* slotOf, char* text, size_t size) {
+  if (!countsAreValid(set, number, text, size)) {
+    return false;
+  }
+  for (int i = 0; i < set->tableCount; i++) {
+    if (!tableIsValid(&set->tables[i], i, number, text, size)) {
+      return false;
+    }
+  }
+  for (int i = 0; i < set->operationCount; i++) {
+    if (!operationIsValid(set, i, number, text, size)) {
+      return false;
+    }
+  }
+  for (int i = 0; set->groupCount == 0 && i < particleCount; i++) {
+    if (slotOf[i] == CT_NULL) {
+      return invalid(text, size, "particle %d stands in no leaf", i);
+    }
+  }
+  for (int i = 0; i < set->groupCount; i++) {
+    if (!groupIsValid(&set->groups[i], i, number, particleCount, slotOf, text, size)) {
+      return false;
+    }
+  }
+  return parametersAreValid(set, number, particleCount, text, size) &&
+         exclusionsAreValid(set, number, particleCount, text, size);
+}

@@ -1,0 +1,242 @@
+#include "tape.h"
+
+#include <float.h>
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "expression.h"
+#include "pairtable.h"
+
+enum { UNUSED = -1 };
+
+/* ---- Evaluation in double ---- */
+
+double ctTapeEvaluate(const Tape* tape, double distance, const double* first, const double* second) {
+  double* results = tape->results;
+  for (int i = 0; i < tape->operationCount; i++) {
+    const ctOperation* operation = &tape->operations[i];
+    const int* n = operation->arguments;
+    if (operation->kind == ctInputOperator) {
+      results[i] = distance;
+    } else if (operation->kind == ctParameterOperator) {
+      results[i] = n[0] < tape->parametersPerParticle ? first[n[0]] : second[n[0] - tape->parametersPerParticle];
+    } else if (operation->kind == ctTableOperator) {
+      results[i] = tableValue(&tape->tables[(int)operation->constant], results[n[0]], results[n[1]], results[n[2]]);
+    } else {
+      results[i] = ctOperate(operation, results[n[0]], results[n[1]], results[n[2]]);
+    }
+  }
+  return results[tape->operationCount - 1];
+}
+
+/* ---- Steps ---- */
+
+/* The node of each node's last use, or UNUSED; the result is used after all. */
+static void findLastUses(const TapeGraph* graph, const ctTable* tables, int* lastUse) {
+  for (int i = 0; i < graph->nodeCount; i++) {
+    lastUse[i] = UNUSED;
+  }
+  lastUse[graph->root] = graph->nodeCount;
+  for (int i = graph->nodeCount - 1; i >= 0; i--) {
+    const ctOperation* node = &graph->nodes[i];
+    for (int k = 0; lastUse[i] != UNUSED && k < ctArgumentCount(node, tables); k++) {
+      int* last = &lastUse[node->arguments[k]];
+      *last = *last == UNUSED ? i : *last;
+    }
+  }
+}
+
+/* Lines of the scratch, of a number for each pair, that are given to nodes and taken back from them. */
+typedef struct Lines {
+  int firstBegin;
+  int count;
+  int freeCount;
+  int* free;
+} Lines;
+
+static TapeValue takeLine(Lines* lines) {
+  const int line = lines->freeCount > 0 ? lines->free[--lines->freeCount] : lines->count++;
+  return (TapeValue){lines->firstBegin + line * MOST_LEAF_PAIRS, CT_LEAF_WIDTH};
+}
+
+static void giveBack(Lines* lines, TapeValue value) {
+  if (value.step != 0) {
+    lines->free[lines->freeCount++] = (value.begin - lines->firstBegin) / MOST_LEAF_PAIRS;
+  }
+}
+
+static void addStep(Tape* tape, const TapeGraph* graph, int i, const int* lastUse, TapeValue* values, Lines* lines) {
+  const ctOperation* node = &graph->nodes[i];
+  TapeStep* step = &tape->steps[tape->stepCount++];
+  *step = (TapeStep){.kind = node->kind};
+  for (int k = 0; k < ctArgumentCount(node, tape->tables); k++) {
+    step->arguments[k] = values[node->arguments[k]];
+  }
+  if (node->kind == ctParameterOperator) {
+    step->side = graph->columns[node->arguments[0]].side;
+    step->column = node->arguments[0];
+  }
+  if (node->kind == ctTableOperator) {
+    step->table = &tape->tables[(int)node->constant];
+  }
+  /* A result may take the place of what is used here for the last time. */
+  for (int k = 0; k < ctArgumentCount(node, tape->tables); k++) {
+    const int argument = node->arguments[k];
+    bool isRepeated = false;
+    for (int before = 0; before < k; before++) {
+      isRepeated = isRepeated || node->arguments[before] == argument;
+    }
+    if (lastUse[argument] == i && !isRepeated) {
+      giveBack(lines, values[argument]);
+    }
+  }
+  values[i] = takeLine(lines);
+  step->result = values[i].begin;
+}
+
+/* True if a number as a float is off by no more than its rounding. */
+static bool isFloat(double value) {
+  return value == 0 || (fabs(value) >= (double)FLT_MIN && fabs(value) <= (double)FLT_MAX);
+}
+
+static bool makeSteps(Tape* tape, const TapeGraph* graph) {
+  const size_t count = (size_t)graph->nodeCount;
+  int* lastUse = malloc(count * sizeof *lastUse);
+  TapeValue* values = malloc(count * sizeof *values);
+  Lines lines = {.free = malloc(count * sizeof *lines.free)};
+  tape->steps = malloc(count * sizeof *tape->steps);
+  bool isMade = lastUse != NULL && values != NULL && lines.free != NULL && tape->steps != NULL;
+  if (isMade) {
+    findLastUses(graph, tape->tables, lastUse);
+    /* Constants come first. Squares of distances are there when the tape starts, and stay. */
+    for (int i = 0; i < graph->nodeCount; i++) {
+      lastUse[i] = graph->nodes[i].kind == ctInputOperator ? graph->nodeCount : lastUse[i];
+      if (graph->nodes[i].kind == ctConstantOperator && lastUse[i] != UNUSED) {
+        values[i] = (TapeValue){lines.firstBegin, 0};
+        lines.firstBegin += CT_LEAF_WIDTH;
+      }
+    }
+    tape->squaredBegin = takeLine(&lines).begin;
+    for (int i = 0; i < graph->nodeCount; i++) {
+      if (graph->nodes[i].kind == ctInputOperator) {
+        values[i] = (TapeValue){tape->squaredBegin, CT_LEAF_WIDTH};
+      } else if (graph->nodes[i].kind != ctConstantOperator && lastUse[i] != UNUSED) {
+        addStep(tape, graph, i, lastUse, values, &lines);
+      }
+    }
+    tape->result = values[graph->root];
+    /* Listing pairs may write a row beyond the end. */
+    const size_t rows = (size_t)lines.count * CT_LEAF_WIDTH + 1;
+    tape->scratch = calloc((size_t)lines.firstBegin + rows * CT_LEAF_WIDTH, sizeof *tape->scratch);
+    isMade = tape->scratch != NULL;
+  }
+  for (int i = 0; isMade && i < graph->nodeCount; i++) {
+    if (graph->nodes[i].kind == ctConstantOperator && lastUse[i] != UNUSED) {
+      tape->isExact = tape->isExact || !isFloat(graph->nodes[i].constant);
+      for (int k = 0; k < CT_LEAF_WIDTH; k++) {
+        tape->scratch[values[i].begin + k] = (float)graph->nodes[i].constant;
+      }
+    }
+  }
+  free(lastUse);
+  free(values);
+  free(lines.free);
+  return isMade;
+}
+
+/* ---- Columns ---- */
+
+static bool fillColumns(Tape* tape, const TapeGraph* graph, int particleCount, int leafCount, const int* slotOf,
+                        const double* numbers) {
+  const size_t count = (size_t)graph->columnCount;
+  tape->columnCount = graph->columnCount;
+  tape->columns = calloc(count * CT_LEAF_WIDTH * (size_t)leafCount + 1, sizeof *tape->columns);
+  for (int i = 0; tape->columns != NULL && i < particleCount; i++) {
+    for (size_t c = 0; slotOf[i] != CT_NULL && c < count; c++) {
+      const TapeColumn* column = &graph->columns[c];
+      const size_t leaf = (size_t)(slotOf[i] / CT_LEAF_WIDTH);
+      double value = numbers[(size_t)i * (size_t)tape->operationCount + (size_t)column->operation];
+      value = column->isRoot ? sqrt(value) : value;
+      tape->isExact = tape->isExact || (isfinite(value) && !isFloat(value));
+      tape->columns[(leaf * count + c) * CT_LEAF_WIDTH + (size_t)(slotOf[i] % CT_LEAF_WIDTH)] = (float)value;
+    }
+  }
+  return tape->columns != NULL;
+}
+
+/* ---- Life ---- */
+
+static bool copyExpression(Tape* tape, const ctPairSet* set) {
+  const size_t operations = (size_t)set->operationCount;
+  tape->operationCount = set->operationCount;
+  tape->parametersPerParticle = set->parametersPerParticle;
+  tape->operations = malloc(operations * sizeof *tape->operations);
+  tape->results = calloc(operations, sizeof *tape->results);
+  tape->tables = calloc((size_t)set->tableCount + 1, sizeof *tape->tables);
+  if (tape->operations == NULL || tape->results == NULL || tape->tables == NULL) {
+    return false;
+  }
+  for (int i = 0; i < set->tableCount; i++) {
+    const size_t length = tableLength(&set->tables[i]);
+    double* values = malloc(length * sizeof *values);
+    if (values == NULL) {
+      return false;
+    }
+    memcpy(values, set->tables[i].values, length * sizeof *values);
+    tape->tables[i] = set->tables[i];
+    tape->tables[i].values = values;
+    tape->tableCount++;
+  }
+  memcpy(tape->operations, set->operations, operations * sizeof *tape->operations);
+  /* Arguments that are not taken may hold anything. */
+  for (size_t i = 0; i < operations; i++) {
+    ctOperation* operation = &tape->operations[i];
+    const bool takesNumber = operation->kind == ctParameterOperator;
+    for (int k = takesNumber ? 1 : ctArgumentCount(operation, tape->tables); k < 3; k++) {
+      operation->arguments[k] = 0;
+    }
+  }
+  return true;
+}
+
+/* The results of all operations for each particle as both of a pair; NULL if there is no memory. */
+static double* evaluateAlone(const Tape* tape, const ctPairSet* set, int particleCount) {
+  const size_t operations = (size_t)set->operationCount;
+  double* numbers = calloc(((size_t)particleCount + 1) * operations, sizeof *numbers);
+  for (int i = 0; numbers != NULL && i < particleCount; i++) {
+    const double* parameters = set->parameters + (size_t)i * (size_t)set->parametersPerParticle;
+    ctTapeEvaluate(tape, 1, parameters, parameters);
+    memcpy(numbers + (size_t)i * operations, tape->results, operations * sizeof *numbers);
+  }
+  return numbers;
+}
+
+bool ctTapeCreate(Tape* tape, const ctPairSet* set, int particleCount, int leafCount, const int* slotOf) {
+  TapeGraph graph;
+  *tape = (Tape){0};
+  double* numbers = copyExpression(tape, set) ? evaluateAlone(tape, set, particleCount) : NULL;
+  bool isMade = false;
+  if (numbers != NULL && ctTapeGraphCreate(&graph, set, particleCount, numbers)) {
+    isMade = makeSteps(tape, &graph) && fillColumns(tape, &graph, particleCount, leafCount, slotOf, numbers);
+    ctTapeGraphFree(&graph);
+  }
+  free(numbers);
+  if (!isMade) {
+    ctTapeFree(tape);
+  }
+  return isMade;
+}
+
+void ctTapeFree(Tape* tape) {
+  for (int i = 0; i < tape->tableCount; i++) {
+    free((void*)tape->tables[i].values);
+  }
+  free(tape->tables);
+  free(tape->operations);
+  free(tape->results);
+  free(tape->steps);
+  free(tape->scratch);
+  free(tape->columns);
+  *tape = (Tape){0};
+}

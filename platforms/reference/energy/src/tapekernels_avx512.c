@@ -1,0 +1,7 @@
+#ifdef __x86_64__
+#define CT_PATH_AVX512
+#define TAPE_ENERGY ctAvx512TapeEnergy
+#include "tapekernels_body.h"
+#else
+typedef int NothingHere; /* a file must declare something */
+#endif

@@ -1,0 +1,190 @@
+/* Runs a tape on the pairs of particles of two leaves, compiled once for each instruction set by the file that includes
+ * this. It defines TAPE_ENERGY, the name of the function, before. */
+#include "elementary.h"
+#include "pairtable.h"
+#include "rowsnear.h"
+#include "sums.h"
+#include "tapekernels.h"
+
+/* ---- Pairs ---- */
+
+/* The pairs of two leaves that count, without gaps. */
+typedef struct PairList {
+  int count;
+  float* squared; /* of their distances */
+  int rows[MOST_LEAF_PAIRS + CT_LEAF_WIDTH];
+  int lanes[MOST_LEAF_PAIRS + CT_LEAF_WIDTH];
+} PairList;
+
+static void listPairs(const TapePair* pair, const TapeRange* range, PairList* list) {
+  const LeafFrame* a = pair->frames[0];
+  const LeafFrame* b = pair->frames[1];
+  float shift[3];
+  for (int d = 0; d < 3; d++) {
+    shift[d] = (float)(b->centre[d] - a->centre[d]);
+  }
+  unsigned rows = pair->occupied[0];
+  if (range->hasCutoff) {
+    rows &= rowsNear(range->squaredCutoff, a, b, shift);
+  }
+  const Float16 xb = add16(load16(b->x), all16(shift[0]));
+  const Float16 yb = add16(load16(b->y), all16(shift[1]));
+  const Float16 zb = add16(load16(b->z), all16(shift[2]));
+  int count = 0;
+  for (; rows != 0; rows &= rows - 1) {
+    const int k = __builtin_ctz(rows);
+    const Float16 dx = sub16(xb, all16(a->x[k]));
+    const Float16 dy = sub16(yb, all16(a->y[k]));
+    const Float16 dz = sub16(zb, all16(a->z[k]));
+    const Float16 squared = squared16(dx, dy, dz);
+    unsigned mask = pair->occupied[1] & greater16(all16(range->squaredCutoff), squared);
+    if (pair->allowed != NULL) {
+      mask &= pair->allowed[k];
+    }
+    for (int l = 0; l < CT_LEAF_WIDTH; l++) {
+      list->rows[count + l] = k;
+    }
+    count += pack16(mask, squared, list->squared + count, list->lanes + count);
+  }
+  list->count = count;
+  /* What fills the last sixteen has to be as harmless as the others. */
+  for (int i = count; count > 0 && i % CT_LEAF_WIDTH != 0; i++) {
+    list->squared[i] = list->squared[0];
+    list->rows[i] = list->rows[0];
+    list->lanes[i] = list->lanes[0];
+  }
+}
+
+/* ---- Steps ---- */
+
+/* Defines a, b and c, and stores a result for each sixteen pairs. */
+#define EACH_SIXTEEN(value)                            \
+  for (int v = 0; v < count; v++) {                    \
+    const Float16 a = load16(first + v * firstStep);   \
+    const Float16 b = load16(second + v * secondStep); \
+    store16(result + v * CT_LEAF_WIDTH, value);        \
+    (void)a;                                           \
+    (void)b;                                           \
+  }                                                    \
+  break
+
+static void lookUp(const ctTable* table, const float* x, const float* y, const float* z, float* result) {
+  for (int k = 0; k < CT_LEAF_WIDTH; k++) {
+    result[k] = (float)tableValue(table, (double)x[k], (double)y[k], (double)z[k]);
+  }
+}
+
+static void runStep(const TapeStep* step, float* scratch, int count, const TapePair* pair, const PairList* list) {
+  const float* first = scratch + step->arguments[0].begin;
+  const float* second = scratch + step->arguments[1].begin;
+  const float* third = scratch + step->arguments[2].begin;
+  const int firstStep = step->arguments[0].step;
+  const int secondStep = step->arguments[1].step;
+  const int thirdStep = step->arguments[2].step;
+  float* result = scratch + step->result;
+  const Float16 zero = all16(0);
+  const Float16 one = all16(1);
+  switch (step->kind) {
+    case ctParameterOperator: {
+      const float* column = pair->columns[step->side] + step->column * CT_LEAF_WIDTH;
+      const int* slots = step->side == 0 ? list->rows : list->lanes;
+      for (int v = 0; v < count; v++) {
+        store16(result + v * CT_LEAF_WIDTH, lookup16(column, slots + v * CT_LEAF_WIDTH));
+      }
+      break;
+    }
+    case ctAddOperator:
+      EACH_SIXTEEN(add16(a, b));
+    case ctSubtractOperator:
+      EACH_SIXTEEN(sub16(a, b));
+    case ctMultiplyOperator:
+      EACH_SIXTEEN(mul16(a, b));
+    case ctDivideOperator:
+      EACH_SIXTEEN(div16(a, b));
+    case ctSqrtOperator:
+      EACH_SIXTEEN(sqrt16(a));
+    case ctExpOperator:
+      EACH_SIXTEEN(exp16(a));
+    case ctLogOperator:
+      EACH_SIXTEEN(log16(a));
+    /* If one is NaN, the first, as OpenMM does. */
+    case ctMinOperator:
+      EACH_SIXTEEN(chooseBelow16(b, a, b, a));
+    case ctMaxOperator:
+      EACH_SIXTEEN(chooseBelow16(a, b, b, a));
+    case ctAbsOperator:
+      EACH_SIXTEEN(absolute16(a));
+    case ctStepOperator:
+      EACH_SIXTEEN(chooseBelow16(a, zero, zero, chooseEqual16(a, a, one, zero)));
+    case ctDeltaOperator:
+      EACH_SIXTEEN(chooseEqual16(a, zero, one, zero));
+    case ctSelectOperator:
+      for (int v = 0; v < count; v++) {
+        const Float16 a = load16(first + v * firstStep);
+        const Float16 b = load16(second + v * secondStep);
+        const Float16 c = load16(third + v * thirdStep);
+        store16(result + v * CT_LEAF_WIDTH, chooseEqual16(a, zero, c, b));
+      }
+      break;
+    case ctTableOperator:
+      for (int v = 0; v < count; v++) {
+        lookUp(step->table, first + v * firstStep, second + v * secondStep, third + v * thirdStep,
+               result + v * CT_LEAF_WIDTH);
+      }
+      break;
+    default:
+      EACH_SIXTEEN(all16(NAN));
+  }
+}
+
+/* ---- Sums ---- */
+
+/* Sixteen pairs each that are summed in single precision before they are added in double. */
+enum { SUMMED_IN_FLOAT = 4 };
+
+/* How much of the expression counts at these squared distances. */
+CT_INLINE Float16 switchAt(const TapeRange* range, Float16 squared) {
+  const Float16 beyond = max16(sub16(sqrt16(squared), all16(range->switchingDistance)), all16(0));
+  const Float16 t = mul16(beyond, all16(range->inverseSwitchWidth));
+  const Float16 inner = sub16(mul16(t, sub16(all16(15), mul16(t, all16(6)))), all16(10));
+  return add16(all16(1), mul16(mul16(mul16(t, t), t), inner));
+}
+
+double TAPE_ENERGY(const Tape* tape, const TapePair* pair, const TapeRange* range) {
+  PairList list;
+  float* scratch = tape->scratch;
+  list.squared = scratch + tape->squaredBegin;
+  listPairs(pair, range, &list);
+  const int count = (list.count + CT_LEAF_WIDTH - 1) / CT_LEAF_WIDTH;
+  if (count == 0) {
+    return 0;
+  }
+  for (int i = 0; i < tape->stepCount; i++) {
+    runStep(&tape->steps[i], scratch, count, pair, &list);
+  }
+  Sum16 sum = zeroSum16();
+  Float16 part = all16(0);
+  for (int v = 0; v < count; v++) {
+    const int begin = v * CT_LEAF_WIDTH;
+    Float16 energy = load16(scratch + tape->result.begin + v * tape->result.step);
+    if (range->hasSwitch) {
+      energy = mul16(energy, switchAt(range, load16(list.squared + begin)));
+    }
+    if (pair->times != NULL) {
+      float times[CT_LEAF_WIDTH];
+      for (int k = 0; k < CT_LEAF_WIDTH; k++) {
+        times[k] = (float)pair->times[list.rows[begin + k]][list.lanes[begin + k]];
+      }
+      energy = mul16(energy, load16(times));
+    }
+    if (list.count - begin < CT_LEAF_WIDTH) {
+      energy = keep16((1u << (list.count - begin)) - 1, energy);
+    }
+    part = add16(part, energy);
+    if (v % SUMMED_IN_FLOAT == SUMMED_IN_FLOAT - 1 || v == count - 1) {
+      sum = addToSum16(sum, part);
+      part = all16(0);
+    }
+  }
+  return total16(sum);
+}

@@ -1,0 +1,2 @@
+#define TAPE_ENERGY ctPortableTapeEnergy
+#include "tapekernels_body.h"

@@ -1,0 +1,41 @@
+/* randomPairSet.h: pair sets of every kind, by random choices, each with a formula in long double that says what it is.
+ */
+#ifndef RANDOM_PAIR_SET_H_
+#define RANDOM_PAIR_SET_H_
+
+#include "ctenergy.h"
+#include "oracle/randomSource.h"
+#include "pairOracle.h"
+
+/* Where parts of an energy add up, `size` is the sum of what they are without their signs. */
+typedef struct PairValue {
+    long double energy;
+    long double size;
+} PairValue;
+
+typedef struct randomPairSet randomPairSet;
+
+/* The formula of a distance and the parameters of two particles. */
+typedef PairValue pairFormula(const randomPairSet* set, long double r, const double* first, const double* second);
+
+enum { MOST_PAIR_OPERATIONS = 60, MOST_PAIR_TABLES = 2, PAIR_PARAMETERS = 4 };
+
+struct randomPairSet {
+    ctPairSet set; /* of these arrays */
+    pairFormula* formula;
+    int operationCount;
+    ctOperation operations[MOST_PAIR_OPERATIONS];
+    ctTable tables[MOST_PAIR_TABLES];
+    double* values[MOST_PAIR_TABLES];
+    double* parameters;
+    int (*exclusions)[2];
+    ctInteractionGroup* groups;
+};
+
+void randomPairSetCreate(randomPairSet* set, randomSource* random, int particleCount);
+void randomPairSetDestroy(randomPairSet* set);
+
+/* The energy of all pairs of particles that count, at these positions (3 * particleCount). */
+PairSum sumPairSet(const randomPairSet* set, int particleCount, const double* positions);
+
+#endif /* RANDOM_PAIR_SET_H_ */
