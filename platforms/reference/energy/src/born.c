@@ -79,6 +79,11 @@ static double greater(double a, double b) {
   return a > b ? a : b;
 }
 
+/* A little more, so that rounding loses no particle. */
+static float squaredReach(double reach) {
+  return (float)(1.0001 * reach * reach);
+}
+
 static void setModel(BornModel* model, int particleCount, const ctBorn* d, const BornNecks* necks) {
   double radius = 0; /* the largest of each */
   double offset = 0;
@@ -89,6 +94,7 @@ static void setModel(BornModel* model, int particleCount, const ctBorn* d, const
     scaled = greater(scaled, fabs(d->scaledRadii[i]));
   }
   const double near = greater(scaled + offset, scaled / BORN_FAR_RATIO);
+  const double far = scaled / BORN_REMOTE_RATIO;
   const double neckReach = d->neckTypeCount > 0 ? greater(2 * radius + d->neckCut, 0) : 0;
   *model = (BornModel){
       .neckTypeCount = d->neckTypeCount,
@@ -96,8 +102,10 @@ static void setModel(BornModel* model, int particleCount, const ctBorn* d, const
       .isRescaled = d->isRescaled,
       .necks = necks,
       .neckCut = (float)d->neckCut,
-      .squaredNear = (float)(near * near),
-      .squaredNeckReach = (float)(neckReach * neckReach),
+      .squaredNear = squaredReach(near),
+      .squaredFar = squaredReach(far),
+      .squaredNeckReach = squaredReach(neckReach),
+      .squaredReach = squaredReach(greater(greater(near, far), neckReach)),
       .perDielectrics = {(float)(1 / d->soluteDielectric), (float)(1 / d->solventDielectric)},
       .kappa = (float)d->kappa,
       .shift = (float)d->shift,
@@ -109,8 +117,7 @@ static void setModel(BornModel* model, int particleCount, const ctBorn* d, const
       .surfaceEnergy = d->surfaceEnergy,
       .probeRadius = d->probeRadius,
   };
-  /* Without a cutoff, this one tells particles from slots without any. */
-  model->squaredCutoff = model->hasCutoff ? (float)model->exactCutoff : NOWHERE * NOWHERE / 100;
+  model->squaredCutoff = model->hasCutoff ? (float)model->exactCutoff : NO_CUTOFF;
 }
 
 static void setParticles(Born* born, int particleCount, const ctBorn* d, const int* slotOf) {

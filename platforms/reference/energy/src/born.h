@@ -48,8 +48,12 @@ typedef struct BornModel {
   bool isRescaled;
   const BornNecks* necks; /* of each leaf with a particle of each type: [leaf * neckTypeCount + type] */
   float neckCut;
-  float squaredNear;       /* no spheres farther apart overlap, and s / r is below that of the short series */
-  float squaredNeckReach;  /* no particles farther apart have a neck; 0: there are no necks */
+  /* No particles farther apart than this can overlap, or have s / r above BORN_FAR_RATIO; have it above
+   * BORN_REMOTE_RATIO; have a neck; any of these. */
+  float squaredNear;
+  float squaredFar;
+  float squaredNeckReach;
+  float squaredReach;
   float perDielectrics[2]; /* 1 / soluteDielectric and 1 / solventDielectric */
   float kappa;
   float shift;         /* that of ctBorn */
@@ -75,9 +79,10 @@ typedef struct BornSide {
  * out what was put in leaves the bits that were there. */
 #define BORN_SUM_STEP (1.0 / (1 << 29))
 
-/* s / r up to which far rows use a short series, and near ones a long one. */
+/* s / r up to which shorter and longer series hold, where spheres do not overlap. */
+#define BORN_REMOTE_RATIO 0.16
 #define BORN_FAR_RATIO 0.35
-#define BORN_NEAR_RATIO 0.7
+#define BORN_NEAR_RATIO 0.62
 
 typedef struct Born {
   BornModel model;

@@ -7,29 +7,45 @@
 #define FARTHEST 1e3f
 #define NEAREST 1e-6f
 
-/* P(t) up to t = BORN_FAR_RATIO^2, with a relative error below 1.1e-7. */
-CT_INLINE Float16 shortSeries(Float16 t) {
-  Float16 p = add16(mul16(t, all16(0.6296422579f)), all16(0.4244512686f));
-  p = add16(mul16(t, p), all16(0.4294699158f));
-  p = add16(mul16(t, p), all16(0.3999861014f));
-  return add16(mul16(t, p), all16(0.3333333673f));
+/* Where rows are, and so which series holds. */
+typedef enum BornRange {
+  bornRemote, /* s / r is at most BORN_REMOTE_RATIO */
+  bornFar,    /* at most BORN_FAR_RATIO */
+  bornNear    /* any: spheres may overlap */
+} BornRange;
+
+/* P(t), with a relative error below 0.8e-6 for remote rows, which contribute little, and 1.3e-7 for others. */
+CT_INLINE Float16 bornSeries(Float16 t, BornRange range) {
+  const float remote[] = {0.3333335752f, 0.3998299556f, 0.4461475734f};
+  const float far[] = {0.3333333673f, 0.3999861014f, 0.4294699158f, 0.4244512686f, 0.6296422579f};
+  const float near[] = {0.3333332922f, 0.4000137732f, 0.4278248782f, 0.4596163302f,
+                        0.306237974f,  1.224110084f,  -1.580146636f, 2.932006772f};
+  return range == bornRemote ? polynomial16(t, 2, remote)
+         : range == bornFar  ? polynomial16(t, 4, far)
+                             : polynomial16(t, 7, near);
 }
 
-/* P(t) up to t = BORN_NEAR_RATIO^2, with a relative error below 0.5e-7. */
-CT_INLINE Float16 longSeries(Float16 t) {
-  Float16 p = add16(mul16(t, all16(10.43894036f)), all16(-15.09229003f));
-  p = add16(mul16(t, p), all16(11.41293558f));
-  p = add16(mul16(t, p), all16(-3.821611337f));
-  p = add16(mul16(t, p), all16(1.458518087f));
-  p = add16(mul16(t, p), all16(0.3171037598f));
-  p = add16(mul16(t, p), all16(0.4551282738f));
-  p = add16(mul16(t, p), all16(0.4281556975f));
-  p = add16(mul16(t, p), all16(0.4000061979f));
-  return add16(mul16(t, p), all16(0.3333333183f));
+/* log(U / L) where it is large: n log 2 is split off. */
+static Float16 steepLogarithm(Float16 upper, Float16 lower, Float16 apart) {
+  Float16 rest = apart;
+  Float16 whole = all16(0);
+  for (;;) {
+    const Float16 twice = add16(lower, lower);
+    const unsigned isAbove = greater16(upper, twice);
+    if (isAbove == 0) {
+      break;
+    }
+    lower = blend16(isAbove, lower, twice);
+    rest = blend16(isAbove, rest, sub16(upper, twice));
+    whole = blend16(isAbove, whole, add16(whole, all16(0.69314718056f)));
+  }
+  const float c[] = {2, 2.0f / 3, 2.0f / 5, 2.0f / 7, 2.0f / 9, 2.0f / 11, 2.0f / 13};
+  const Float16 z = div16(rest, add16(upper, lower));
+  return add16(whole, mul16(z, polynomial16(mul16(z, z), 6, c)));
 }
 
 /* v(r; o, s) for any spheres, from |s|: where r + s >= o, v is odd in s. With U - L without cancellation. */
-static Float16 overlapOf(Float16 r, Float16 o, Float16 s) {
+CT_INLINE Float16 overlapOf(Float16 r, Float16 inverse, Float16 o, Float16 s) {
   const Float16 zero = all16(0);
   const Float16 one = all16(1);
   const Float16 size = absolute16(s);
@@ -38,45 +54,26 @@ static Float16 overlapOf(Float16 r, Float16 o, Float16 s) {
   const Float16 lower = max16(o, absolute16(between));
   const Float16 least = min16(r, size);
   const Float16 apart = min16(sub16(upper, o), add16(least, least));
-  /* log(U / L) is that of U / M with M = 2^n L, and n log 2. */
-  Float16 below = lower;
-  Float16 rest = apart;
-  Float16 logarithm = zero;
-  for (;;) {
-    const Float16 twice = add16(below, below);
-    const unsigned isAbove = greater16(upper, twice);
-    if (isAbove == 0) {
-      break;
-    }
-    below = blend16(isAbove, below, twice);
-    rest = blend16(isAbove, rest, sub16(upper, twice));
-    logarithm = blend16(isAbove, logarithm, add16(logarithm, all16(0.69314718056f)));
-  }
-  const Float16 z = div16(rest, add16(upper, below));
+  const Float16 sum = add16(upper, lower);
+  const Float16 product = mul16(upper, lower);
+  const Float16 both = div16(one, mul16(product, sum));
+  const Float16 inverseProduct = mul16(both, sum);
+  const Float16 z = mul16(mul16(apart, product), both);
   const Float16 t = mul16(z, z);
-  Float16 p = add16(mul16(t, all16(2.0f / 13)), all16(2.0f / 11));
-  p = add16(mul16(t, p), all16(2.0f / 9));
-  p = add16(mul16(t, p), all16(2.0f / 7));
-  p = add16(mul16(t, p), all16(2.0f / 5));
-  p = add16(mul16(t, p), all16(2.0f / 3));
-  p = add16(mul16(t, p), all16(2));
-  logarithm = add16(logarithm, mul16(z, p));
-  const Float16 inverse = div16(one, r);
-  const Float16 product = div16(one, mul16(lower, upper));
-  const Float16 ratio = mul16(mul16(upper, upper), product);
+  /* 2 atanh(z), with a relative error below 1.2e-7. */
+  const float c[] = {2.00000022f,   0.6666177442f, 0.4017645139f, 0.2621872286f,
+                     0.3678231658f, -0.257447722f, 0.7282185339f};
+  Float16 logarithm = mul16(z, polynomial16(t, 6, c));
+  const unsigned isSteep = greater16(t, all16(0.4225f));
+  if (__builtin_expect(isSteep != 0, 0)) {
+    logarithm = blend16(isSteep, logarithm, steepLogarithm(upper, lower, apart));
+  }
+  const Float16 ratio = mul16(mul16(upper, upper), inverseProduct);
   const Float16 quarter = mul16(mul16(all16(0.25f), mul16(between, inverse)), add16(one, ratio));
-  const Float16 shells = mul16(mul16(apart, product), sub16(one, quarter));
-  Float16 value = mul16(all16(0.5f), sub16(shells, mul16(mul16(all16(0.5f), inverse), logarithm)));
-  value = blend16(greater16(zero, s), value, sub16(zero, value));
-  return blend16(greater16(o, add16(r, s)), value, zero);
-}
-
-/* Replaces v, as the series has it, where that does not hold. */
-CT_INLINE Float16 correctedOverlap(Float16 squared, Float16 t, Float16 o, Float16 s, Float16 v) {
-  const Float16 touching = add16(o, absolute16(s));
-  const unsigned isWrong =
-      greater16(mul16(touching, touching), squared) | greater16(t, all16((float)(BORN_NEAR_RATIO * BORN_NEAR_RATIO)));
-  return isWrong != 0 ? blend16(isWrong, v, overlapOf(sqrt16(squared), o, s)) : v;
+  const Float16 shells = mul16(mul16(apart, inverseProduct), sub16(one, quarter));
+  const Float16 value = mul16(all16(0.5f), sub16(shells, mul16(mul16(all16(0.5f), inverse), logarithm)));
+  const Float16 odd = blend16(greater16(zero, s), value, sub16(zero, value));
+  return blend16(greater16(o, add16(r, s)), odd, zero);
 }
 
 /* The denominator of a neck. */
@@ -86,48 +83,61 @@ CT_INLINE Float16 neckWidth(Float16 r, Float16 distance) {
   return add16(all16(1), mul16(q, add16(all16(100), mul16(all16(0.3e6f), mul16(q, q)))));
 }
 
-/* Sums for the lanes of side b, added to `lanes`, and for each row of side a, not yet added up; b's centre is at
- * `shift` from a's. Of one leaf with itself, that for the lanes is all. Constants for the last three arguments make a
- * function for each case. */
-CT_INLINE Float16 bornRows(const BornModel* model, float squaredCutoff, const BornSide* a, const BornSide* b,
-                           const float shift[3], unsigned rows, Float16 lanes, float (*forRows)[CT_LEAF_WIDTH],
-                           bool isNear, bool hasNecks, bool isSame) {
-  const BornColumns* columnsA = a->columns;
-  const BornColumns* columnsB = b->columns;
-  const Float16 xb = add16(load16(b->frame->x), all16(shift[0]));
-  const Float16 yb = add16(load16(b->frame->y), all16(shift[1]));
-  const Float16 zb = add16(load16(b->frame->z), all16(shift[2]));
+/* The two leaves of a sum, and where the particles of b are from the centre of a. */
+typedef struct BornSides {
+  const BornSide* a;
+  const BornSide* b;
+  Float16 x;
+  Float16 y;
+  Float16 z;
+} BornSides;
+
+/* Sums for the lanes of side b, added to `lanes`, and for each row of side a, not yet added up. Of one leaf with
+ * itself, that for the lanes is all. Constants for the last three arguments make a function for each case. */
+CT_INLINE Float16 bornRows(const BornModel* model, float squaredCutoff, const BornSides* sides, unsigned rows,
+                           Float16 lanes, float (*forRows)[CT_LEAF_WIDTH], BornRange range, bool hasNecks,
+                           bool isSame) {
+  const LeafFrame* frame = sides->a->frame;
+  const BornColumns* columnsA = sides->a->columns;
+  const BornColumns* columnsB = sides->b->columns;
+  const BornNecks* necksB = model->necks + (size_t)sides->b->leaf * (size_t)model->neckTypeCount;
   for (; rows != 0; rows &= rows - 1) {
     const int k = __builtin_ctz(rows);
-    const Float16 dx = sub16(xb, all16(a->frame->x[k]));
-    const Float16 dy = sub16(yb, all16(a->frame->y[k]));
-    const Float16 dz = sub16(zb, all16(a->frame->z[k]));
+    const Float16 dx = sub16(sides->x, all16(frame->x[k]));
+    const Float16 dy = sub16(sides->y, all16(frame->y[k]));
+    const Float16 dz = sub16(sides->z, all16(frame->z[k]));
     const Float16 distance2 = squared16(dx, dy, dz);
     Float16 squared = min16(distance2, all16(FARTHEST * FARTHEST));
-    if (isNear) {
+    if (range == bornNear) {
       squared = max16(squared, all16(NEAREST * NEAREST));
     }
     const Float16 inverse2 = div16(all16(1), squared);
     const Float16 inverse4 = mul16(inverse2, inverse2);
-    const Float16 t = mul16(all16(columnsA->squaredScaled[k]), inverse2);
-    const Float16 series = isNear ? longSeries(t) : shortSeries(t);
-    Float16 forLanes = mul16(all16(columnsA->cubedScaled[k]), mul16(inverse4, series));
-    Float16 forRow = all16(0);
-    if (isNear) {
-      forLanes =
-          correctedOverlap(squared, t, load16(columnsB->offsetRadius), all16(columnsA->scaledRadius[k]), forLanes);
-    }
-    if (!isSame) {
-      const Float16 tb = mul16(load16(columnsB->squaredScaled), inverse2);
-      const Float16 seriesB = isNear ? longSeries(tb) : shortSeries(tb);
-      forRow = mul16(load16(columnsB->cubedScaled), mul16(inverse4, seriesB));
-      if (isNear) {
-        forRow =
-            correctedOverlap(squared, tb, all16(columnsA->offsetRadius[k]), load16(columnsB->scaledRadius), forRow);
+    const Float16 tb = mul16(all16(columnsA->squaredScaled[k]), inverse2);
+    const Float16 ta = isSame ? tb : mul16(load16(columnsB->squaredScaled), inverse2);
+    Float16 forLanes = mul16(all16(columnsA->cubedScaled[k]), mul16(inverse4, bornSeries(tb, range)));
+    Float16 forRow = isSame ? forLanes : mul16(load16(columnsB->cubedScaled), mul16(inverse4, bornSeries(ta, range)));
+    if (range == bornNear) {
+      /* Both ways at once: overlaps are mutual, mostly. */
+      const Float16 offsetA = all16(columnsA->offsetRadius[k]);
+      const Float16 offsetB = load16(columnsB->offsetRadius);
+      const Float16 scaledA = all16(columnsA->scaledRadius[k]);
+      const Float16 scaledB = load16(columnsB->scaledRadius);
+      const Float16 touchingB = add16(offsetB, absolute16(scaledA));
+      const Float16 touching = isSame ? touchingB : max16(touchingB, add16(offsetA, absolute16(scaledB)));
+      const unsigned isWrong = greater16(mul16(touching, touching), squared) |
+                               greater16(max16(ta, tb), all16((float)(BORN_NEAR_RATIO * BORN_NEAR_RATIO)));
+      if (isWrong != 0) {
+        const Float16 r = sqrt16(squared);
+        const Float16 inverse = mul16(r, inverse2);
+        forLanes = blend16(isWrong, forLanes, overlapOf(r, inverse, offsetB, scaledA));
+        if (!isSame) {
+          forRow = blend16(isWrong, forRow, overlapOf(r, inverse, offsetA, scaledB));
+        }
       }
     }
     if (hasNecks) {
-      const BornNecks* necks = &model->necks[b->leaf * model->neckTypeCount + columnsA->neckType[k]];
+      const BornNecks* necks = &necksB[columnsA->neckType[k]];
       const Float16 r = sqrt16(squared);
       const Float16 reach = add16(load16(columnsB->radius), all16(columnsA->radius[k] + model->neckCut));
       const Float16 widthB = neckWidth(r, load16(necks->distanceForLeaf));
@@ -161,59 +171,90 @@ CT_INLINE Float16 toSteps(Float16 a) {
   return blend16(greater16(all16(0), a), size, sub16(all16(0), size));
 }
 
-/* Rows of side a, each by the function for its case. */
-CT_INLINE Float16 bornCases(const BornModel* model, float squaredCutoff, const BornSide* a, const BornSide* b,
-                            const float shift[3], unsigned rows, float (*forRows)[CT_LEAF_WIDTH], bool isSame) {
-  const unsigned near = rows & rowsNear(a->frame, b->frame, shift, model->squaredNear);
-  const unsigned withNecks =
-      model->neckTypeCount > 0 ? rows & rowsNear(a->frame, b->frame, shift, model->squaredNeckReach) : 0;
-  Float16 lanes = all16(0);
-  if ((near & withNecks) != 0) {
-    lanes = bornRows(model, squaredCutoff, a, b, shift, near & withNecks, lanes, forRows, true, true, isSame);
+/* How near the rows of a leaf are to the other leaf, as bits. */
+typedef struct BornBits {
+  unsigned rows; /* within the cutoff */
+  unsigned near;
+  unsigned far;
+  unsigned necks;
+} BornBits;
+
+CT_INLINE BornBits findBornBits(const BornModel* model, float squaredCutoff, const BornSide* a, const BornSide* b,
+                                const float shift[3]) {
+  const Float16 squared = squaredFromBox(a->frame, b->frame, shift);
+  const unsigned rows = a->occupied & ~greater16(squared, all16(squaredCutoff * ROUNDING_OF_BOXES));
+  return (BornBits){
+      .rows = rows,
+      .near = rows & ~greater16(squared, all16(model->squaredNear)),
+      .far = rows & ~greater16(squared, all16(model->squaredFar)),
+      .necks = model->neckTypeCount > 0 ? rows & ~greater16(squared, all16(model->squaredNeckReach)) : 0,
+  };
+}
+
+/* What rows cost, about, in units of a remote one. */
+CT_INLINE int costOf(BornBits bits) {
+  return __builtin_popcount(bits.rows) + 2 * __builtin_popcount(bits.necks) + 3 * __builtin_popcount(bits.near);
+}
+
+/* The squared distance of the boxes of two leaves. */
+CT_INLINE float squaredGap(const LeafFrame* a, const LeafFrame* b, const float shift[3]) {
+  float squared = 0;
+  for (int d = 0; d < 3; d++) {
+    const float below = b->low[d] + shift[d] - a->high[d];
+    const float above = a->low[d] - b->high[d] - shift[d];
+    const float apart = below > above ? below : above;
+    squared += apart > 0 ? apart * apart : 0;
   }
-  if ((near & ~withNecks) != 0) {
-    lanes = bornRows(model, squaredCutoff, a, b, shift, near & ~withNecks, lanes, forRows, true, false, isSame);
-  }
-  if ((withNecks & ~near) != 0) {
-    lanes = bornRows(model, squaredCutoff, a, b, shift, withNecks & ~near, lanes, forRows, false, true, isSame);
-  }
-  const unsigned far = rows & ~near & ~withNecks;
-  if (far != 0) {
-    lanes = bornRows(model, squaredCutoff, a, b, shift, far, lanes, forRows, false, false, isSame);
-  }
-  return lanes;
+  return squared;
 }
 
 static void bornSums(const BornModel* model, float squaredCutoff, const BornSide* a, const BornSide* b,
                      float ofA[CT_LEAF_WIDTH], float ofB[CT_LEAF_WIDTH]) {
   float shift[3];
-  float back[3];
   float forRows[CT_LEAF_WIDTH][CT_LEAF_WIDTH];
   shiftBetween(a->frame, b->frame, shift);
+  BornSides sides = {a, b, load16(b->frame->x), load16(b->frame->y), load16(b->frame->z)};
   if (a->leaf == b->leaf) {
-    store16(ofA, toSteps(bornCases(model, squaredCutoff, a, b, shift, a->occupied, forRows, true)));
+    const Float16 lanes =
+        model->neckTypeCount > 0
+            ? bornRows(model, squaredCutoff, &sides, a->occupied, all16(0), forRows, bornNear, true, true)
+            : bornRows(model, squaredCutoff, &sides, a->occupied, all16(0), forRows, bornNear, false, true);
+    store16(ofA, toSteps(lanes));
     return;
   }
-  /* Each row of one side costs the same, so those of the side with fewer are summed. */
-  shiftBetween(b->frame, a->frame, back);
-  unsigned rows = a->occupied & rowsNear(a->frame, b->frame, shift, squaredCutoff);
-  const unsigned rowsOfB = b->occupied & rowsNear(b->frame, a->frame, back, squaredCutoff);
-  const float* from = shift;
-  if (__builtin_popcount(rowsOfB) < __builtin_popcount(rows)) {
-    const BornSide* side = a;
-    float* of = ofA;
-    a = b;
-    b = side;
-    ofA = ofB;
-    ofB = of;
-    rows = rowsOfB;
-    from = back;
-  }
-  for (int k = 0; k < CT_LEAF_WIDTH; k++) {
-    if ((rows >> k & 1) == 0) {
-      store16(forRows[k], all16(0));
+  BornBits bits = {.rows = a->occupied};
+  if (squaredCutoff < NO_CUTOFF || squaredGap(a->frame, b->frame, shift) <= model->squaredReach) {
+    /* Each row of one side costs the same, so those of the side with fewer are summed. */
+    float back[3];
+    shiftBetween(b->frame, a->frame, back);
+    const BornBits bitsOfB = findBornBits(model, squaredCutoff, b, a, back);
+    bits = findBornBits(model, squaredCutoff, a, b, shift);
+    if (costOf(bitsOfB) < costOf(bits)) {
+      float* of = ofA;
+      ofA = ofB;
+      ofB = of;
+      bits = bitsOfB;
+      sides = (BornSides){b, a, load16(a->frame->x), load16(a->frame->y), load16(a->frame->z)};
+      memcpy(shift, back, sizeof shift);
     }
   }
-  store16(ofB, toSteps(bornCases(model, squaredCutoff, a, b, from, rows, forRows, false)));
+  sides.x = add16(sides.x, all16(shift[0]));
+  sides.y = add16(sides.y, all16(shift[1]));
+  sides.z = add16(sides.z, all16(shift[2]));
+  for (unsigned none = ~bits.rows & 0xffff; none != 0; none &= none - 1) {
+    store16(forRows[__builtin_ctz(none)], all16(0));
+  }
+  Float16 lanes = all16(0);
+  unsigned rows = bits.rows & ~bits.far & ~bits.near & ~bits.necks;
+  lanes = bornRows(model, squaredCutoff, &sides, rows, lanes, forRows, bornRemote, false, false);
+  rows = bits.far & ~bits.near & ~bits.necks;
+  lanes = bornRows(model, squaredCutoff, &sides, rows, lanes, forRows, bornFar, false, false);
+  rows = bits.necks & ~bits.near;
+  lanes = bornRows(model, squaredCutoff, &sides, rows, lanes, forRows, bornFar, true, false);
+  rows = bits.near & ~bits.necks;
+  lanes = bornRows(model, squaredCutoff, &sides, rows, lanes, forRows, bornNear, false, false);
+  rows = bits.near & bits.necks;
+  lanes = bornRows(model, squaredCutoff, &sides, rows, lanes, forRows, bornNear, true, false);
+  store16(ofB, toSteps(lanes));
   store16(ofA, toSteps(sums16x16(forRows)));
 }

@@ -1,7 +1,9 @@
 /* Leaves in single precision and the energies of their pairs, compiled once for each instruction set by the file that
  * includes this. It defines before KERNELS, the table, and KERNELS_NAME. */
 #include <math.h>
+#include <string.h>
 
+#include "elementary.h"
 #include "kernels.h"
 #include "sums.h"
 
@@ -48,8 +50,11 @@ static void shiftBetween(const LeafFrame* a, const LeafFrame* b, float shift[3])
   }
 }
 
-/* Slots of leaf a that may be within this squared distance of some particle of leaf b, as bits; b's box is shifted. */
-CT_INLINE unsigned rowsNear(const LeafFrame* a, const LeafFrame* b, const float shift[3], float squaredReach) {
+/* Rounding must not lose a row. */
+#define ROUNDING_OF_BOXES 1.0001f
+
+/* Squared distances of the particles of leaf a from the box of leaf b, which is shifted. */
+CT_INLINE Float16 squaredFromBox(const LeafFrame* a, const LeafFrame* b, const float shift[3]) {
   const float* axes[3] = {a->x, a->y, a->z};
   Float16 squared = all16(0);
   for (int d = 0; d < 3; d++) {
@@ -59,8 +64,12 @@ CT_INLINE unsigned rowsNear(const LeafFrame* a, const LeafFrame* b, const float 
     const Float16 apart = max16(max16(below, above), all16(0));
     squared = add16(squared, mul16(apart, apart));
   }
-  /* Rounding must not lose a row. */
-  return ~greater16(squared, all16(squaredReach * 1.0001f));
+  return squared;
+}
+
+/* Slots of leaf a that may be within this squared distance of some particle of leaf b, as bits; b's box is shifted. */
+CT_INLINE unsigned rowsNear(const LeafFrame* a, const LeafFrame* b, const float shift[3], float squaredReach) {
+  return ~greater16(squaredFromBox(a, b, shift), all16(squaredReach * ROUNDING_OF_BOXES));
 }
 
 /* Rows that are summed in single precision before they are added in double. */

@@ -21,6 +21,9 @@ typedef struct LeafFrame {
 /* No particle is so far (nm) from another, and the square of twice this is a float. */
 #define NOWHERE 1e18f
 
+/* The squared cutoff where there is none: it tells particles from slots without any. */
+#define NO_CUTOFF (NOWHERE * NOWHERE / 100)
+
 /* What the particles of a leaf have. Where a slot holds none, all are 0. */
 typedef struct LeafColumns {
   float charge[CT_LEAF_WIDTH];  /* times the root of CT_COULOMB */

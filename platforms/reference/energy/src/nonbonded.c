@@ -42,8 +42,7 @@ static void setPotential(Potential* p, const ctNonbonded* d) {
     p->exact[3] = d->switchingDistance;
     p->exact[4] = 1 / (d->cutoff - d->switchingDistance);
   }
-  /* Without a cutoff, this one tells particles from slots without any. */
-  p->squaredCutoff = p->hasCutoff ? (float)p->exact[0] : NOWHERE * NOWHERE / 100;
+  p->squaredCutoff = p->hasCutoff ? (float)p->exact[0] : NO_CUTOFF;
   p->k = (float)p->exact[1];
   p->c = (float)p->exact[2];
   p->switchingDistance = (float)p->exact[3];
