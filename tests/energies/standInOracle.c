@@ -86,7 +86,7 @@ static long double energyOfPair(const ctEnergyDefinition* d, const Shift* shift,
     const ctNonbonded* n = d->nonbonded;
     const long double sigma = ((long double)n->sigmas[i] + n->sigmas[j]) / 2;
     const long double sixth = powl(sigma / r, 6);
-    const long double log = fminl(logI + logJ, 0.8L);
+    const long double log = logI + logJ;
     const long double atCutoff = shift->c[0] + log * (shift->c[1] + log * (shift->c[2] + log * shift->c[3]));
     energy += 4 * sqrtl((long double)n->epsilons[i] * n->epsilons[j]) * sixth * (sixth - 1);
     energy += (long double)CT_COULOMB * n->charges[i] * n->charges[j] / r;
@@ -117,7 +117,7 @@ StandInSum sumStandIn(const ctEnergyDefinition* d, int particleCount, const doub
         const long double log = logl(radius);
         logs[i] = width * rintl(log / width);
         beyond[i] = log - logs[i];
-        sum.isAmbiguous |= fabsl(fabsl(beyond[i]) - width / 2) < 2e-5L || !(radius > 0 && radius < 90);
+        sum.isAmbiguous |= fabsl(fabsl(beyond[i]) - width / 2) < 2e-5L || !(radius > 0 && radius < 1.4L);
         sum.energy += oracleBornSelf(d->born, i, radius);
         sum.doubt += 1e-5L * fabsl(oracleBornSelf(d->born, i, radius));
     }

@@ -117,8 +117,8 @@ static bool allocate(StandIn* standIn, const int* slotOf) {
   standIn->state = calloc(leaves, sizeof *standIn->state);
   standIn->trial = calloc(leaves, sizeof *standIn->trial);
   standIn->touched = calloc(leaves, sizeof *standIn->touched);
-  return standIn->slots != NULL && standIn->constants != NULL && standIn->state != NULL && standIn->trial != NULL && standIn->touched != NULL &&
-         ctNeighborsCreate(&standIn->neighbors, standIn->leaves->leafCount);
+  return standIn->slots != NULL && standIn->constants != NULL && standIn->state != NULL && standIn->trial != NULL &&
+         standIn->touched != NULL && ctNeighborsCreate(&standIn->neighbors, standIn->leaves->leafCount);
 }
 
 ctStatus ctStandInCreate(StandIn* standIn, TrialLeaves* leaves, int particleCount, const ctEnergyDefinition* d,

@@ -43,7 +43,7 @@ static void standInRadii(const StandInModel* model, const StandInConstants* cons
   const Float16 ofSurface = mul16(mul16(load16(constants->surface), inverse3), inverse3);
   store16(radii->radius, div16(all16(1), inverseOfGrid));
   store16(radii->halfInverse, mul16(all16(0.5f), inverseOfGrid));
-  store16(radii->log, ofGrid);
+  store16(radii->log, min16(ofGrid, all16(0.5f * model->highestLog)));
   store16(radii->number, number);
   store16(radii->beyond, sub16(log, ofGrid));
   store16(radii->self, sub16(ofSurface, ofCharge));
@@ -93,13 +93,13 @@ CT_INLINE Sixteen takeOne(const StandInSide* side, int k) {
                    all16(side->radii->log[k])};
 }
 
-/* e^x for x <= 0, error below 1e-6 of it, or of 1e-30. */
-CT_INLINE Float16 expBelow0(Float16 x) {
-  const float c[] = {1, 1, 5.0000001201e-1f, 1.6666665459e-1f, 4.1665795894e-2f, 8.3334519073e-3f};
-  const Float16 bounded = max16(x, all16(-70));
-  const Float16 shifted = add16(mul16(bounded, all16(1.44269504f)), all16(CT_WHOLE_MAGIC));
-  const Float16 r = sub16(bounded, mul16(sub16(shifted, all16(CT_WHOLE_MAGIC)), all16(0.69314718f)));
-  const Int16 exponent = shiftLeftInts(subInts(bitsOf16(shifted), bitsOf16(all16(CT_WHOLE_MAGIC))), 23);
+/* e^-x for x >= 0, error below 1e-6 of it, or of 1e-30. */
+CT_INLINE Float16 expOfMinus(Float16 x) {
+  const float c[] = {1, -1, 5.0000001201e-1f, -1.6666665459e-1f, 4.1665795894e-2f, -8.3334519073e-3f};
+  const Float16 bounded = min16(x, all16(70));
+  const Float16 shifted = add16(mul16(bounded, all16(-1.44269504f)), all16(CT_WHOLE_MAGIC));
+  const Float16 r = add16(bounded, mul16(sub16(shifted, all16(CT_WHOLE_MAGIC)), all16(0.69314718f)));
+  const Int16 exponent = shiftLeftInts(bitsOf16(shifted), 23); /* the magic's bits are shifted out */
   return floatsOfBits(addInts(bitsOf16(polynomial16(r, 5, c)), exponent));
 }
 
@@ -114,10 +114,9 @@ CT_INLINE void pairEnergies(const StandInModel* model, const Sixteen* a, const S
   const Float16 squared =
       max16(add16(add16(mul16(dx, dx), mul16(dy, dy)), mul16(dz, dz)), all16(STANDIN_LEAST_SQUARED));
   /* f^2 = r^2 + B_i B_j exp(-r^2 / (4 B_i B_j)), and both reciprocal squares by one division. */
-  const Float16 product = mul16(a->radius, b->radius);
   const Float16 exponent = mul16(squared, mul16(a->halfInverse, b->halfInverse));
-  const Float16 decay = expBelow0(sub16(all16(0), exponent));
-  const Float16 squaredF = add16(squared, mul16(product, decay));
+  const Float16 widening = mul16(mul16(a->radius, b->radius), expOfMinus(exponent));
+  const Float16 squaredF = add16(squared, widening);
   const Float16 both = div16(one, mul16(squared, squaredF));
   const Float16 inverse2 = mul16(both, squaredF);
   const Float16 inverseF2 = mul16(both, squared);
@@ -130,7 +129,7 @@ CT_INLINE void pairEnergies(const StandInModel* model, const Sixteen* a, const S
   const Float16 coulomb = mul16(mul16(b->charge, a->charge), sqrt16(inverse2));
   /* The value at the cutoff. */
   const Float16 charges = mul16(b->bornCharge, a->bornCharge);
-  const Float16 log = min16(add16(a->log, b->log), all16(model->highestLog));
+  const Float16 log = add16(a->log, b->log);
   const Float16 shift = mul16(charges, polynomial16(log, SHIFT_TERMS - 1, model->shift));
   Float16 slope = mul16(charges, polynomial16(log, SHIFT_TERMS - 2, model->shiftSlope));
   Float16 direct = sub16(add16(lennardJones, coulomb), shift);
@@ -142,26 +141,27 @@ CT_INLINE void pairEnergies(const StandInModel* model, const Sixteen* a, const S
   Float16 steepness = mul16(perDielectric, inverseF);
   if (hasKappa) {
     const Float16 screening =
-        mul16(expBelow0(mul16(all16(-model->kappa), mul16(squaredF, inverseF))), all16(model->perDielectrics[1]));
+        mul16(expOfMinus(mul16(all16(model->kappa), mul16(squaredF, inverseF))), all16(model->perDielectrics[1]));
     perDielectric = sub16(all16(model->perDielectrics[0]), screening);
     steepness = sub16(mul16(perDielectric, inverseF), mul16(all16(model->kappa), screening));
   }
   const Float16 born = mul16(charges, mul16(perDielectric, inverseF));
-  const Float16 widening = mul16(mul16(all16(0.5f), decay), add16(product, mul16(all16(0.25f), squared)));
-  const Float16 ofRadii = mul16(mul16(charges, widening), mul16(inverseF2, steepness));
+  /* d(f^2) / d ln B = widening (1 + exponent). */
+  const Float16 ofF = mul16(mul16(widening, add16(exponent, one)), mul16(all16(0.5f), inverseF2));
   const Float16 cutoff = all16(model->squaredCutoff);
   const Float16 sum = min16(sub16(direct, born), all16(STANDIN_MOST_ENERGY));
   const Float16 rounded = sub16(add16(sum, all16(ENERGY_MAGIC)), all16(ENERGY_MAGIC));
-  const Float16 total = sub16(ofRadii, slope);
+  const Float16 total = sub16(mul16(mul16(charges, ofF), steepness), slope);
   const Float16 roundedTotal = sub16(add16(total, all16(GRADIENT_MAGIC)), all16(GRADIENT_MAGIC));
   *energy = keepBelow16(squared, cutoff, rounded);
   *gradient = keepBelow16(squared, cutoff, roundedTotal);
 }
 
-/* Adds the pairs of some particles of one side, one after another, with those of the other side in `lanes`. */
+/* Adds the pairs of some particles of one side, one after another, with those of the other side in `lanes`; of a leaf
+ * with itself, with those behind them. */
 CT_INLINE Sum16 addPairs(const StandInModel* model, const StandInSide* a, const StandInSide* b, const float shift[3],
-                         bool onesAreOfA, unsigned ones, unsigned lanes, bool isSelf, bool isMasked, bool hasKappa,
-                         Sum16 sum, float ofOnes[], float ofLanes[]) {
+                         bool onesAreOfA, unsigned ones, unsigned lanes, bool isSelf, bool hasLanes, bool isMasked,
+                         bool hasKappa, Sum16 sum, float ofOnes[], float ofLanes[]) {
   Sixteen sixteen = takeAll(onesAreOfA ? b : a);
   if (onesAreOfA) {
     sixteen.x = add16(sixteen.x, all16(shift[0]));
@@ -186,9 +186,11 @@ CT_INLINE Sum16 addPairs(const StandInModel* model, const StandInSide* a, const 
       Float16 gradient;
       pairEnergies(model, onesAreOfA ? &single : &sixteen, onesAreOfA ? &sixteen : &single, isMasked,
                    isMasked ? ~(unsigned)excluded[k] : 0, hasKappa, &energy, &gradient);
-      const unsigned used = isSelf ? lanes & (0xfffeu << k) : lanes;
-      energy = keep16(used, energy);
-      gradient = keep16(used, gradient);
+      if (isSelf || hasLanes) {
+        const unsigned used = isSelf ? 0xfffeu << k : lanes;
+        energy = keep16(used, energy);
+        gradient = keep16(used, gradient);
+      }
       sum = addToSum16(sum, energy);
       gradients = add16(gradients, gradient);
       part[count] = gradient;
@@ -206,16 +208,18 @@ CT_INLINE Sum16 addPairs(const StandInModel* model, const StandInSide* a, const 
 
 /* The same by the function for this case. */
 CT_INLINE Sum16 addCase(const StandInModel* model, const StandInSide* a, const StandInSide* b, const float shift[3],
-                        bool onesAreOfA, unsigned ones, unsigned lanes, bool isSelf, Sum16 sum, float ofOnes[],
-                        float ofLanes[]) {
+                        bool onesAreOfA, unsigned ones, unsigned lanes, bool isSelf, bool hasLanes, Sum16 sum,
+                        float ofOnes[], float ofLanes[]) {
   if (model->hasKappa) {
-    return a->excluded != NULL
-               ? addPairs(model, a, b, shift, onesAreOfA, ones, lanes, isSelf, true, true, sum, ofOnes, ofLanes)
-               : addPairs(model, a, b, shift, onesAreOfA, ones, lanes, isSelf, false, true, sum, ofOnes, ofLanes);
+    return a->excluded != NULL ? addPairs(model, a, b, shift, onesAreOfA, ones, lanes, isSelf, hasLanes, true, true,
+                                          sum, ofOnes, ofLanes)
+                               : addPairs(model, a, b, shift, onesAreOfA, ones, lanes, isSelf, hasLanes, false, true,
+                                          sum, ofOnes, ofLanes);
   }
-  return a->excluded != NULL
-             ? addPairs(model, a, b, shift, onesAreOfA, ones, lanes, isSelf, true, false, sum, ofOnes, ofLanes)
-             : addPairs(model, a, b, shift, onesAreOfA, ones, lanes, isSelf, false, false, sum, ofOnes, ofLanes);
+  return a->excluded != NULL ? addPairs(model, a, b, shift, onesAreOfA, ones, lanes, isSelf, hasLanes, true, false, sum,
+                                        ofOnes, ofLanes)
+                             : addPairs(model, a, b, shift, onesAreOfA, ones, lanes, isSelf, hasLanes, false, false,
+                                        sum, ofOnes, ofLanes);
 }
 
 static double standInPairs(const StandInModel* model, const StandInSide* a, const StandInSide* b, unsigned slotsOfA,
@@ -231,17 +235,17 @@ static double standInPairs(const StandInModel* model, const StandInSide* a, cons
   unsigned columns = slotsOfB & rowsNear(b->frame, a->frame, back, model->squaredCutoff);
   Sum16 sum = zeroSum16();
   if (isSelf) {
-    return total16(addCase(model, a, b, shift, true, slotsOfA, 0xffff, true, sum, gradientA, gradientB));
-  }
-  if (slotsOfA == a->columns->occupied && slotsOfB == b->columns->occupied) {
+    sum = addCase(model, a, b, shift, true, slotsOfA, 0xffff, true, false, sum, gradientA, gradientB);
+  } else if (slotsOfA == a->columns->occupied && slotsOfB == b->columns->occupied) {
     /* All pairs: by the side with fewer particles near the other. */
     if (__builtin_popcount(rows) <= __builtin_popcount(columns)) {
-      columns = 0;
+      sum = addCase(model, a, b, shift, true, rows, 0xffff, false, false, sum, gradientA, gradientB);
     } else {
-      rows = 0;
+      sum = addCase(model, a, b, shift, false, columns, 0xffff, false, false, sum, gradientB, gradientA);
     }
-    slotsOfA = 0;
+  } else {
+    sum = addCase(model, a, b, shift, true, rows, 0xffff, false, false, sum, gradientA, gradientB);
+    sum = addCase(model, a, b, shift, false, columns, ~slotsOfA, false, true, sum, gradientB, gradientA);
   }
-  sum = addCase(model, a, b, shift, true, rows, 0xffff, false, sum, gradientA, gradientB);
-  return total16(addCase(model, a, b, shift, false, columns, 0xffff & ~slotsOfA, false, sum, gradientB, gradientA));
+  return total16(sum);
 }

@@ -39,7 +39,7 @@ typedef struct StandInConstants {
 typedef struct StandInRadii {
   float radius[CT_LEAF_WIDTH];      /* of the grid */
   float halfInverse[CT_LEAF_WIDTH]; /* half of its reciprocal */
-  float log[CT_LEAF_WIDTH];         /* its logarithm */
+  float log[CT_LEAF_WIDTH];         /* its logarithm, or half of StandInModel.highestLog if that is less */
   float number[CT_LEAF_WIDTH];      /* its number on the grid */
   float beyond[CT_LEAF_WIDTH];      /* ln B less that of the grid */
   float self[CT_LEAF_WIDTH];        /* the energy of the particle by itself, kJ/mol */
