@@ -1,5 +1,6 @@
 #include "standInOracle.h"
 
+#include "../../platforms/reference/energy/src/standinpair.h"
 #include "../../platforms/reference/energy/tests/bornoracle.h"
 
 #include <math.h>
@@ -8,11 +9,19 @@
 
 static const long double coordinateRounding = 1.5e-7L; /* nm, of distances up to 1 nm */
 static const long double energyRounding = 2e-6L;       /* of the terms of a pair */
-static const long double pairStep = 1.0L / (1 << 16);  /* kJ/mol, to which a pair's energy is rounded at worst */
 
-enum { COEFFICIENTS = 4, NODES = 64 };
+enum { COEFFICIENTS = SHIFT_TERMS, NODES = 64 };
 
-/* What a pair's Coulomb and Born energy is at the cutoff, per product of charges: a cubic in ln(B_i B_j), by least
+/* e^-x as the stand-in has it. */
+static long double decay(long double x)
+{
+    const float c[] = STANDIN_EXP;
+    const long double n = rintl(x / logl(2));
+    const long double r = x - n * logl(2);
+    return ldexpl(c[0] + r * (c[1] + r * (c[2] + r * c[3])), (int)-n);
+}
+
+/* What a pair's Coulomb and Born energy is at the cutoff, per product of charges: a polynomial in ln(B_i B_j), by least
  * squares over the nodes of Chebyshev from -4.6 to 0.8. */
 typedef struct Shift {
     long double c[COEFFICIENTS];
@@ -79,27 +88,44 @@ static long double energyOfPair(const ctEnergyDefinition* d, const Shift* shift,
 {
     const ctBorn* born = d->born;
     const long double product = expl(logI + logJ);
-    const long double f = sqrtl(r * r + product * expl(-r * r / (4 * product)));
-    long double energy = oracleContrast(born, f) * born->charges[i] * born->charges[j] / f;
+    const long double f = sqrtl(r * r + product * decay(r * r / (4 * product)));
+    const long double contrast =
+        -born->coulomb * (1 / (long double)born->soluteDielectric - decay(born->kappa * f) / born->solventDielectric);
+    long double energy =
+        (born->kappa == 0 ? oracleContrast(born, f) : contrast) * born->charges[i] * born->charges[j] / f;
     if (excluded)
         return energy;
     const ctNonbonded* n = d->nonbonded;
     const long double sigma = ((long double)n->sigmas[i] + n->sigmas[j]) / 2;
     const long double sixth = powl(sigma / r, 6);
     const long double log = logI + logJ;
-    const long double atCutoff = shift->c[0] + log * (shift->c[1] + log * (shift->c[2] + log * shift->c[3]));
+    long double atCutoff = 0;
+    for (int i = COEFFICIENTS - 1; i >= 0; i--)
+        atCutoff = shift->c[i] + log * atCutoff;
     energy += 4 * sqrtl((long double)n->epsilons[i] * n->epsilons[j]) * sixth * (sixth - 1);
     energy += (long double)CT_COULOMB * n->charges[i] * n->charges[j] / r;
     return energy - born->coulomb * born->charges[i] * born->charges[j] * atCutoff;
 }
 
+/* Its derivative by either of them, as if the exponential were its own derivative. */
 static long double slopeOfPair(const ctEnergyDefinition* d, const Shift* shift, int i, int j, long double r,
                                long double logI, long double logJ, bool excluded)
 {
-    const long double h = 1e-5L;
-    return (energyOfPair(d, shift, i, j, r, logI + h, logJ, excluded) -
-            energyOfPair(d, shift, i, j, r, logI - h, logJ, excluded)) /
-           (2 * h);
+    const ctBorn* born = d->born;
+    const long double product = expl(logI + logJ), x = r * r / (4 * product);
+    const long double f = sqrtl(r * r + product * decay(x));
+    const long double slopeOfF = product * decay(x) * (1 + x) / (2 * f);
+    const long double screening = born->kappa == 0 ? 1 : decay(born->kappa * f);
+    const long double contrast = 1 / (long double)born->soluteDielectric - screening / born->solventDielectric;
+    const long double charges = born->coulomb * born->charges[i] * born->charges[j];
+    long double slope =
+        charges * slopeOfF * (contrast / (f * f) - born->kappa * screening / born->solventDielectric / f);
+    if (!excluded) {
+        const long double log = logI + logJ;
+        for (int n = 1; n < COEFFICIENTS; n++)
+            slope -= charges * n * shift->c[n] * powl(log, n - 1);
+    }
+    return slope;
 }
 
 StandInSum sumStandIn(const ctEnergyDefinition* d, int particleCount, const double* positions, const double* far)
@@ -130,7 +156,7 @@ StandInSum sumStandIn(const ctEnergyDefinition* d, int particleCount, const doub
                 continue;
             const long double energy = energyOfPair(d, &shift, i, j, r, logs[i], logs[j], excluded);
             const long double next = energyOfPair(d, &shift, i, j, r + coordinateRounding, logs[i], logs[j], excluded);
-            sum.doubt += 2 * fabsl(next - energy) + energyRounding * fabsl(energy) + pairStep;
+            sum.doubt += 2 * fabsl(next - energy) + energyRounding * fabsl(energy);
             sum.doubt += energyRounding * 1000 * fabsl((long double)d->born->charges[i] * d->born->charges[j]) / r;
             sum.isAmbiguous |= fabsl(r - cutoff) < coordinateRounding || r < 0.002L || energy > 1e5L;
             if (r >= cutoff)

@@ -68,10 +68,6 @@ static double standInLeafEnergy(const StandInRadii* radii, const double gradient
 /* Particles that coincide have a distance, too. */
 #define STANDIN_LEAST_SQUARED 1e-6f /* nm^2 */
 
-/* Adding and taking these away rounds to multiples of 2^-18, and of STANDIN_GRADIENT_STEP. */
-#define ENERGY_MAGIC 96.0f
-#define GRADIENT_MAGIC 12288.0f
-
 /* What is known of sixteen particles of a side, or sixteen times of one of them. */
 typedef struct Sixteen {
   Float16 x, y, z;
@@ -93,14 +89,14 @@ CT_INLINE Sixteen takeOne(const StandInSide* side, int k) {
                    all16(side->radii->log[k])};
 }
 
-/* e^-x for x >= 0, error below 1e-6 of it, or of 1e-30. */
+/* e^-x for x >= 0, by STANDIN_EXP. */
 CT_INLINE Float16 expOfMinus(Float16 x) {
-  const float c[] = {1, -1, 5.0000001201e-1f, -1.6666665459e-1f, 4.1665795894e-2f, -8.3334519073e-3f};
+  const float c[] = STANDIN_EXP;
   const Float16 bounded = min16(x, all16(70));
   const Float16 shifted = add16(mul16(bounded, all16(-1.44269504f)), all16(CT_WHOLE_MAGIC));
   const Float16 r = add16(bounded, mul16(sub16(shifted, all16(CT_WHOLE_MAGIC)), all16(0.69314718f)));
   const Int16 exponent = shiftLeftInts(bitsOf16(shifted), 23); /* the magic's bits are shifted out */
-  return floatsOfBits(addInts(bitsOf16(polynomial16(r, 5, c)), exponent));
+  return floatsOfBits(addInts(bitsOf16(polynomial16(r, 3, c)), exponent));
 }
 
 /* The energies of pairs of a particle of side a with one of side b, and their derivatives by ln B of either. The order
@@ -149,12 +145,8 @@ CT_INLINE void pairEnergies(const StandInModel* model, const Sixteen* a, const S
   /* d(f^2) / d ln B = widening (1 + exponent). */
   const Float16 ofF = mul16(mul16(widening, add16(exponent, one)), mul16(all16(0.5f), inverseF2));
   const Float16 cutoff = all16(model->squaredCutoff);
-  const Float16 sum = min16(sub16(direct, born), all16(STANDIN_MOST_ENERGY));
-  const Float16 rounded = sub16(add16(sum, all16(ENERGY_MAGIC)), all16(ENERGY_MAGIC));
-  const Float16 total = sub16(mul16(mul16(charges, ofF), steepness), slope);
-  const Float16 roundedTotal = sub16(add16(total, all16(GRADIENT_MAGIC)), all16(GRADIENT_MAGIC));
-  *energy = keepBelow16(squared, cutoff, rounded);
-  *gradient = keepBelow16(squared, cutoff, roundedTotal);
+  *energy = keepBelow16(squared, cutoff, min16(sub16(direct, born), all16(STANDIN_MOST_ENERGY)));
+  *gradient = keepBelow16(squared, cutoff, sub16(mul16(mul16(charges, ofF), steepness), slope));
 }
 
 /* Adds the pairs of some particles of one side, one after another, with those of the other side in `lanes`; of a leaf
@@ -171,10 +163,11 @@ CT_INLINE Sum16 addPairs(const StandInModel* model, const StandInSide* a, const 
   const uint16_t* excluded = onesAreOfA ? a->excluded : b->excluded;
   Float16 gradients = load16(ofLanes);
   while (ones != 0) {
-    Float16 part[4] = {all16(0), all16(0), all16(0), all16(0)};
-    int slots[4];
+    Float16 part[ROWS_IN_FLOAT] = {all16(0), all16(0), all16(0), all16(0)};
+    Float16 energies = all16(0);
+    int slots[ROWS_IN_FLOAT];
     int count = 0;
-    for (; count < 4 && ones != 0; count++, ones &= ones - 1) {
+    for (; count < ROWS_IN_FLOAT && ones != 0; count++, ones &= ones - 1) {
       const int k = __builtin_ctz(ones);
       Sixteen single = takeOne(onesAreOfA ? a : b, k);
       if (!onesAreOfA) {
@@ -191,12 +184,13 @@ CT_INLINE Sum16 addPairs(const StandInModel* model, const StandInSide* a, const 
         energy = keep16(used, energy);
         gradient = keep16(used, gradient);
       }
-      sum = addToSum16(sum, energy);
+      energies = add16(energies, energy);
       gradients = add16(gradients, gradient);
       part[count] = gradient;
       slots[count] = k;
     }
-    float totals[4];
+    sum = addToSum16(sum, energies);
+    float totals[ROWS_IN_FLOAT];
     total4x16(part, totals);
     for (int i = 0; i < count; i++) {
       ofOnes[slots[i]] += totals[i];

@@ -5,7 +5,7 @@
 #include "leafpair.h"
 
 /* The value of a pair at the cutoff is a polynomial of ln(B_i B_j) with so many coefficients. */
-enum { SHIFT_TERMS = 4 };
+enum { SHIFT_TERMS = 3 };
 
 typedef struct StandInModel {
   bool hasKappa;
@@ -54,10 +54,12 @@ typedef struct StandInSide {
   const uint16_t* excluded; /* see LeafSide */
 } StandInSide;
 
-/* What kernels return, and what is kept of pairs, are multiples of these. So sums of them are exact in double precision
- * (gradients already in single): they do not depend on the order, and taking out what was put in leaves the bits that
- * were there. A pair's energy is rounded to less than 1e-5 kJ/mol, and is at most this. */
-#define STANDIN_GRADIENT_STEP (1.0f / 1024)
+/* What stands for e^-r, |r| <= log(2) / 2, in pairs: a polynomial within 1e-4 of it, since the stand-in is no nearer to
+ * what it stands for. */
+#define STANDIN_EXP \
+  { 0.9999280303f, -1.0001642792f, 0.5049647859f, -0.1656682461f }
+
+/* A pair has no more than this, kJ/mol. */
 #define STANDIN_MOST_ENERGY 1e6f
 
 #endif /* CT_STANDINPAIR_H_ */
