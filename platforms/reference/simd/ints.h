@@ -154,6 +154,33 @@ static inline Float16 lookup16(const float* p, const int* indices) {
   return (Float16){lookup8(low, high, indices), lookup8(low, high, indices + 8)};
 }
 
+/* The numbers of the bits of a byte that are set, ascending, four bits each from the lowest on. */
+#define CT_ORDER_BIT(byte, k, higher) (((higher) << 4 * ((byte) >> (k)&1)) | ((byte) >> (k)&1) * (k))
+#define CT_ORDER_HIGH(byte) \
+  CT_ORDER_BIT(byte, 4u, CT_ORDER_BIT(byte, 5u, CT_ORDER_BIT(byte, 6u, CT_ORDER_BIT(byte, 7u, 0u))))
+#define CT_ORDER(byte) \
+  CT_ORDER_BIT(byte, 0u, CT_ORDER_BIT(byte, 1u, CT_ORDER_BIT(byte, 2u, CT_ORDER_BIT(byte, 3u, CT_ORDER_HIGH(byte)))))
+#define CT_ORDER_4(byte) CT_ORDER(byte), CT_ORDER(byte + 1u), CT_ORDER(byte + 2u), CT_ORDER(byte + 3u)
+#define CT_ORDER_16(byte) CT_ORDER_4(byte), CT_ORDER_4(byte + 4u), CT_ORDER_4(byte + 8u), CT_ORDER_4(byte + 12u)
+#define CT_ORDER_64(byte) CT_ORDER_16(byte), CT_ORDER_16(byte + 16u), CT_ORDER_16(byte + 32u), CT_ORDER_16(byte + 48u)
+
+static const uint32_t orderOfBits[256] = {CT_ORDER_64(0u), CT_ORDER_64(64u), CT_ORDER_64(128u), CT_ORDER_64(192u)};
+
+static inline void pack8(unsigned mask, __m256 a, int first, float* packed, int* lanes) {
+  const __m256i shifts = _mm256_setr_epi32(0, 4, 8, 12, 16, 20, 24, 28);
+  const __m256i order = _mm256_srlv_epi32(_mm256_set1_epi32((int)orderOfBits[mask]), shifts);
+  const __m256i within = _mm256_and_si256(order, _mm256_set1_epi32(7));
+  _mm256_storeu_ps(packed, _mm256_permutevar8x32_ps(a, within));
+  _mm256_storeu_si256((__m256i*)lanes, _mm256_add_epi32(within, _mm256_set1_epi32(first)));
+}
+
+static inline int pack16(unsigned mask, Float16 a, float* packed, int* lanes) {
+  const int low = __builtin_popcount(mask & 255);
+  pack8(mask & 255, a.low, 0, packed, lanes);
+  pack8(mask >> 8 & 255, a.high, 8, packed + low, lanes + low);
+  return __builtin_popcount(mask);
+}
+
 #else
 
 /* Unsigned, so that sums may wrap. */
@@ -244,12 +271,6 @@ static inline Float16 lookup16(const float* p, const int* indices) {
   return load16(found);
 }
 
-#undef CT_EACH_QUARTER
-
-#endif
-
-#ifndef CT_PATH_AVX512
-
 static inline int pack16(unsigned mask, Float16 a, float* packed, int* lanes) {
   float all[16];
   int count = 0;
@@ -262,6 +283,8 @@ static inline int pack16(unsigned mask, Float16 a, float* packed, int* lanes) {
   }
   return count;
 }
+
+#undef CT_EACH_QUARTER
 
 #endif
 

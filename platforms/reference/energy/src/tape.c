@@ -32,17 +32,36 @@ double ctTapeEvaluate(const Tape* tape, double distance, const double* first, co
 
 /* ---- Steps ---- */
 
-/* The node of each node's last use, or UNUSED; the result is used after all. */
+/* True for a sum, difference or product of columns of both sides, which a step reads itself. */
+static bool isOfColumns(const TapeGraph* graph, const ctOperation* node) {
+  if (node->kind != ctAddOperator && node->kind != ctSubtractOperator && node->kind != ctMultiplyOperator) {
+    return false;
+  }
+  const ctOperation* first = &graph->nodes[node->arguments[0]];
+  const ctOperation* second = &graph->nodes[node->arguments[1]];
+  return first->kind == ctParameterOperator && second->kind == ctParameterOperator &&
+         graph->columns[first->arguments[0]].side != graph->columns[second->arguments[0]].side;
+}
+
+/* How many results of other steps a node needs. */
+static int countResults(const TapeGraph* graph, const ctTable* tables, int i) {
+  const ctOperation* node = &graph->nodes[i];
+  return isOfColumns(graph, node) ? 0 : ctArgumentCount(node, tables);
+}
+
+/* The node of each node's last use, or UNUSED; the result is used after all, and so are squares of distances. */
 static void findLastUses(const TapeGraph* graph, const ctTable* tables, int* lastUse) {
   for (int i = 0; i < graph->nodeCount; i++) {
     lastUse[i] = UNUSED;
   }
   lastUse[graph->root] = graph->nodeCount;
   for (int i = graph->nodeCount - 1; i >= 0; i--) {
-    const ctOperation* node = &graph->nodes[i];
-    for (int k = 0; lastUse[i] != UNUSED && k < ctArgumentCount(node, tables); k++) {
-      int* last = &lastUse[node->arguments[k]];
+    for (int k = 0; lastUse[i] != UNUSED && k < countResults(graph, tables, i); k++) {
+      int* last = &lastUse[graph->nodes[i].arguments[k]];
       *last = *last == UNUSED ? i : *last;
+    }
+    if (graph->nodes[i].kind == ctInputOperator) {
+      lastUse[i] = graph->nodeCount;
     }
   }
 }
@@ -66,27 +85,48 @@ static void giveBack(Lines* lines, TapeValue value) {
   }
 }
 
+/* The number of a column in the tape, which has those alone that are read. */
+static int columnNumber(Tape* tape, const TapeColumn* column) {
+  for (int i = 0; i < tape->columnCount; i++) {
+    const TapeColumn* made = &tape->columnKinds[i];
+    if (made->side == column->side && made->operation == column->operation && made->isRoot == column->isRoot &&
+        made->factor == column->factor) {
+      return i;
+    }
+  }
+  tape->columnKinds[tape->columnCount] = *column;
+  return tape->columnCount++;
+}
+
+static void addColumnsToStep(Tape* tape, const TapeGraph* graph, const ctOperation* node, TapeStep* step) {
+  if (node->kind == ctParameterOperator) {
+    const TapeColumn* column = &graph->columns[node->arguments[0]];
+    step->side = column->side;
+    step->columns[0] = columnNumber(tape, column);
+  } else if (isOfColumns(graph, node)) {
+    step->isOfColumns = true;
+    for (int k = 0; k < 2; k++) {
+      const TapeColumn* column = &graph->columns[graph->nodes[node->arguments[k]].arguments[0]];
+      step->side = k == 0 ? column->side : step->side;
+      step->columns[k] = columnNumber(tape, column);
+    }
+  }
+}
+
 static void addStep(Tape* tape, const TapeGraph* graph, int i, const int* lastUse, TapeValue* values, Lines* lines) {
   const ctOperation* node = &graph->nodes[i];
+  const int count = countResults(graph, tape->tables, i);
   TapeStep* step = &tape->steps[tape->stepCount++];
   *step = (TapeStep){.kind = node->kind};
-  for (int k = 0; k < ctArgumentCount(node, tape->tables); k++) {
-    step->arguments[k] = values[node->arguments[k]];
-  }
-  if (node->kind == ctParameterOperator) {
-    step->side = graph->columns[node->arguments[0]].side;
-    step->column = node->arguments[0];
-  }
+  addColumnsToStep(tape, graph, node, step);
   if (node->kind == ctTableOperator) {
     step->table = &tape->tables[(int)node->constant];
   }
   /* A result may take the place of what is used here for the last time. */
-  for (int k = 0; k < ctArgumentCount(node, tape->tables); k++) {
+  for (int k = 0; k < count; k++) {
     const int argument = node->arguments[k];
-    bool isRepeated = false;
-    for (int before = 0; before < k; before++) {
-      isRepeated = isRepeated || node->arguments[before] == argument;
-    }
+    const bool isRepeated = (k > 0 && argument == node->arguments[0]) || (k > 1 && argument == node->arguments[1]);
+    step->arguments[k] = values[argument];
     if (lastUse[argument] == i && !isRepeated) {
       giveBack(lines, values[argument]);
     }
@@ -106,12 +146,13 @@ static bool makeSteps(Tape* tape, const TapeGraph* graph) {
   TapeValue* values = malloc(count * sizeof *values);
   Lines lines = {.free = malloc(count * sizeof *lines.free)};
   tape->steps = malloc(count * sizeof *tape->steps);
-  bool isMade = lastUse != NULL && values != NULL && lines.free != NULL && tape->steps != NULL;
+  tape->columnKinds = malloc(((size_t)graph->columnCount + 1) * sizeof *tape->columnKinds);
+  bool isMade =
+      lastUse != NULL && values != NULL && lines.free != NULL && tape->steps != NULL && tape->columnKinds != NULL;
   if (isMade) {
     findLastUses(graph, tape->tables, lastUse);
-    /* Constants come first. Squares of distances are there when the tape starts, and stay. */
+    /* Constants come first. Squares of distances are there when the tape starts. */
     for (int i = 0; i < graph->nodeCount; i++) {
-      lastUse[i] = graph->nodes[i].kind == ctInputOperator ? graph->nodeCount : lastUse[i];
       if (graph->nodes[i].kind == ctConstantOperator && lastUse[i] != UNUSED) {
         values[i] = (TapeValue){lines.firstBegin, 0};
         lines.firstBegin += CT_LEAF_WIDTH;
@@ -147,17 +188,15 @@ static bool makeSteps(Tape* tape, const TapeGraph* graph) {
 
 /* ---- Columns ---- */
 
-static bool fillColumns(Tape* tape, const TapeGraph* graph, int particleCount, int leafCount, const int* slotOf,
-                        const double* numbers) {
-  const size_t count = (size_t)graph->columnCount;
-  tape->columnCount = graph->columnCount;
+static bool fillColumns(Tape* tape, int particleCount, int leafCount, const int* slotOf, const double* numbers) {
+  const size_t count = (size_t)tape->columnCount;
   tape->columns = calloc(count * CT_LEAF_WIDTH * (size_t)leafCount + 1, sizeof *tape->columns);
   for (int i = 0; tape->columns != NULL && i < particleCount; i++) {
     for (size_t c = 0; slotOf[i] != CT_NULL && c < count; c++) {
-      const TapeColumn* column = &graph->columns[c];
+      const TapeColumn* kind = &tape->columnKinds[c];
       const size_t leaf = (size_t)(slotOf[i] / CT_LEAF_WIDTH);
-      double value = numbers[(size_t)i * (size_t)tape->operationCount + (size_t)column->operation];
-      value = column->isRoot ? sqrt(value) : value;
+      const double number = numbers[(size_t)i * (size_t)tape->operationCount + (size_t)kind->operation];
+      const double value = kind->factor * (kind->isRoot ? sqrt(number) : number);
       tape->isExact = tape->isExact || (isfinite(value) && !isFloat(value));
       tape->columns[(leaf * count + c) * CT_LEAF_WIDTH + (size_t)(slotOf[i] % CT_LEAF_WIDTH)] = (float)value;
     }
@@ -218,7 +257,7 @@ bool ctTapeCreate(Tape* tape, const ctPairSet* set, int particleCount, int leafC
   double* numbers = copyExpression(tape, set) ? evaluateAlone(tape, set, particleCount) : NULL;
   bool isMade = false;
   if (numbers != NULL && ctTapeGraphCreate(&graph, set, particleCount, numbers)) {
-    isMade = makeSteps(tape, &graph) && fillColumns(tape, &graph, particleCount, leafCount, slotOf, numbers);
+    isMade = makeSteps(tape, &graph) && fillColumns(tape, particleCount, leafCount, slotOf, numbers);
     ctTapeGraphFree(&graph);
   }
   free(numbers);
@@ -237,6 +276,7 @@ void ctTapeFree(Tape* tape) {
   free(tape->results);
   free(tape->steps);
   free(tape->scratch);
+  free(tape->columnKinds);
   free(tape->columns);
   *tape = (Tape){0};
 }

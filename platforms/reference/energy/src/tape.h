@@ -17,9 +17,10 @@ typedef struct TapeValue {
 /* An operation of a graph. */
 typedef struct TapeStep {
   ctOperator kind;
+  bool isOfColumns; /* its arguments are the columns of both sides */
   TapeValue arguments[3];
-  int side;
-  int column;
+  int columns[2]; /* or that of the one column that it reads */
+  int side;       /* of the first of these */
   const ctTable* table;
   int result; /* where it begins in the scratch */
 } TapeStep;
@@ -30,7 +31,8 @@ typedef struct Tape {
   int squaredBegin; /* where the squares of distances go in the scratch */
   TapeValue result;
   float* scratch;
-  int columnCount;
+  int columnCount; /* that steps read */
+  TapeColumn* columnKinds;
   float* columns; /* of each leaf columnCount times sixteen; 0 where a slot holds no particle */
   bool isExact;   /* some number is no float: pairs have to be evaluated in double */
 

@@ -53,11 +53,14 @@ static int addConstant(Builder* b, double value) {
   return addNode(b, ctConstantOperator, 0, 0, 0, value);
 }
 
-static int addColumn(Builder* b, int side, int operation, bool isRoot) {
+static bool sameColumn(const TapeColumn* a, const TapeColumn* b) {
+  return a->side == b->side && a->operation == b->operation && a->isRoot == b->isRoot && a->factor == b->factor;
+}
+
+static int addColumn(Builder* b, TapeColumn column) {
   TapeGraph* graph = b->graph;
   int i = 0;
-  while (i < graph->columnCount && !(graph->columns[i].side == side && graph->columns[i].operation == operation &&
-                                     graph->columns[i].isRoot == isRoot)) {
+  while (i < graph->columnCount && !sameColumn(&graph->columns[i], &column)) {
     i++;
   }
   if (i == graph->columnCount) {
@@ -65,7 +68,7 @@ static int addColumn(Builder* b, int side, int operation, bool isRoot) {
       graph->failed = true;
       return 0;
     }
-    graph->columns[graph->columnCount++] = (TapeColumn){side, operation, isRoot};
+    graph->columns[graph->columnCount++] = column;
   }
   return addNode(b, ctParameterOperator, i, 0, 0, 0);
 }
@@ -90,15 +93,61 @@ static bool isKind(const Builder* b, int node, ctOperator kind) {
 
 /* ---- Products and powers ---- */
 
+/* True if a factor can go into a column that the node has as a factor, or into two that it is the sum of. */
+static bool takesFactor(const Builder* b, int node) {
+  const ctOperation* operation = &b->graph->nodes[node];
+  const int* n = operation->arguments;
+  switch (operation->kind) {
+    case ctParameterOperator:
+      return true;
+    case ctAddOperator:
+    case ctSubtractOperator:
+      return isKind(b, n[0], ctParameterOperator) && isKind(b, n[1], ctParameterOperator);
+    case ctMultiplyOperator:
+      return takesFactor(b, n[0]) || takesFactor(b, n[1]);
+    default:
+      return false;
+  }
+}
+
+/* A node that takes a factor, times that. */
+static int scale(Builder* b, int node, double factor) {
+  if (b->graph->failed) {
+    return 0;
+  }
+  const ctOperation operation = b->graph->nodes[node];
+  const int* n = operation.arguments;
+  if (operation.kind == ctParameterOperator) {
+    TapeColumn column = b->graph->columns[n[0]];
+    column.factor *= factor;
+    return addColumn(b, column);
+  }
+  if (operation.kind != ctMultiplyOperator) {
+    const int first = scale(b, n[0], factor);
+    return addNode(b, operation.kind, first, scale(b, n[1], factor), 0, 0);
+  }
+  const bool isFirst = takesFactor(b, n[0]);
+  const int scaled = scale(b, n[isFirst ? 0 : 1], factor);
+  return addNode(b, ctMultiplyOperator, scaled, n[isFirst ? 1 : 0], 0, 0);
+}
+
 static int multiply(Builder* b, int x, int y) {
   if (x == y && x == b->distance) {
     return squaredNode(b);
   }
-  if (isKind(b, x, ctConstantOperator) && b->graph->nodes[x].constant == 1) {
-    return y;
+  if (isKind(b, x, ctConstantOperator)) {
+    const int other = x;
+    x = y;
+    y = other;
   }
-  if (isKind(b, y, ctConstantOperator) && b->graph->nodes[y].constant == 1) {
-    return x;
+  if (isKind(b, y, ctConstantOperator)) {
+    const double factor = b->graph->nodes[y].constant;
+    if (factor == 1) {
+      return x;
+    }
+    if (takesFactor(b, x)) {
+      return scale(b, x, factor);
+    }
   }
   return addNode(b, ctMultiplyOperator, x, y, 0, 0);
 }
@@ -175,12 +224,16 @@ static double numberOf(const Builder* b, int particle, int operation) {
   return b->numbers[(size_t)particle * (size_t)b->set->operationCount + (size_t)operation];
 }
 
+static TapeColumn columnOf(const Builder* b, int operation, bool isRoot) {
+  return (TapeColumn){b->dependsOn[operation] == ON_FIRST ? 0 : 1, operation, isRoot, 1};
+}
+
 /* The node of an operation that was added, or that depends on no distance and not on both particles. */
 static int nodeOf(Builder* b, int operation) {
   const int dependsOn = b->dependsOn[operation];
   if (b->nodeOf[operation] == NO_NODE) {
-    b->nodeOf[operation] = dependsOn == 0 ? addConstant(b, numberOf(b, 0, operation))
-                                          : addColumn(b, dependsOn == ON_FIRST ? 0 : 1, operation, false);
+    b->nodeOf[operation] =
+        dependsOn == 0 ? addConstant(b, numberOf(b, 0, operation)) : addColumn(b, columnOf(b, operation, false));
   }
   return b->nodeOf[operation];
 }
@@ -203,8 +256,8 @@ static int squareRoot(Builder* b, int argument) {
     const int both = b->dependsOn[first] | b->dependsOn[second] << 4;
     if ((both == (ON_FIRST | ON_SECOND << 4) || both == (ON_SECOND | ON_FIRST << 4)) && isNowhereNegative(b, first) &&
         isNowhereNegative(b, second)) {
-      const int rootOfFirst = addColumn(b, b->dependsOn[first] == ON_FIRST ? 0 : 1, first, true);
-      return multiply(b, rootOfFirst, addColumn(b, b->dependsOn[second] == ON_FIRST ? 0 : 1, second, true));
+      const int rootOfFirst = addColumn(b, columnOf(b, first, true));
+      return multiply(b, rootOfFirst, addColumn(b, columnOf(b, second, true)));
     }
   }
   return addNode(b, ctSqrtOperator, nodeOf(b, argument), 0, 0, 0);

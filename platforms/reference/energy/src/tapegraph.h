@@ -5,12 +5,13 @@
 
 #include "ctenergy.h"
 
-/* A number of each particle: the result of an operation of the expression, or the root of it, for the first or the
- * second particle of a pair. */
+/* A number of each particle: the result of an operation of the expression, or the root of it, times a factor, for the
+ * first or the second particle of a pair. */
 typedef struct TapeColumn {
   int side; /* 0 or 1 */
   int operation;
   bool isRoot;
+  double factor;
 } TapeColumn;
 
 /* The operations of a graph are those of an expression with these exceptions: the one input is the square of the

@@ -57,7 +57,7 @@ static void listPairs(const TapePair* pair, const TapeRange* range, PairList* li
 
 /* ---- Steps ---- */
 
-/* Defines a, b and c, and stores a result for each sixteen pairs. */
+/* Stores a result for each sixteen pairs, of a and b. */
 #define EACH_SIXTEEN(value)                            \
   for (int v = 0; v < count; v++) {                    \
     const Float16 a = load16(first + v * firstStep);   \
@@ -68,13 +68,67 @@ static void listPairs(const TapePair* pair, const TapeRange* range, PairList* li
   }                                                    \
   break
 
+/* As that, with a and b from columns of the two leaves. */
+#define EACH_OF_COLUMNS(value)                                             \
+  for (int v = 0; v < count; v++) {                                        \
+    const Float16 a = lookup16(first, slotsOfFirst + v * CT_LEAF_WIDTH);   \
+    const Float16 b = lookup16(second, slotsOfSecond + v * CT_LEAF_WIDTH); \
+    store16(result + v * CT_LEAF_WIDTH, value);                            \
+  }                                                                        \
+  break
+
 static void lookUp(const ctTable* table, const float* x, const float* y, const float* z, float* result) {
   for (int k = 0; k < CT_LEAF_WIDTH; k++) {
     result[k] = (float)tableValue(table, (double)x[k], (double)y[k], (double)z[k]);
   }
 }
 
-static void runStep(const TapeStep* step, float* scratch, int count, const TapePair* pair, const PairList* list) {
+/* Steps that read columns. */
+static void runOnColumns(const TapeStep* step, float* result, int count, const TapePair* pair, const PairList* list) {
+  const float* first = pair->columns[step->side] + step->columns[0] * CT_LEAF_WIDTH;
+  const float* second = pair->columns[1 - step->side] + step->columns[1] * CT_LEAF_WIDTH;
+  const int* slotsOfFirst = step->side == 0 ? list->rows : list->lanes;
+  const int* slotsOfSecond = step->side == 0 ? list->lanes : list->rows;
+  switch (step->kind) {
+    case ctAddOperator:
+      EACH_OF_COLUMNS(add16(a, b));
+    case ctSubtractOperator:
+      EACH_OF_COLUMNS(sub16(a, b));
+    case ctMultiplyOperator:
+      EACH_OF_COLUMNS(mul16(a, b));
+    default:
+      for (int v = 0; v < count; v++) {
+        store16(result + v * CT_LEAF_WIDTH, lookup16(first, slotsOfFirst + v * CT_LEAF_WIDTH));
+      }
+  }
+}
+
+/* Steps that take long, apart, so that the others need few registers. */
+static __attribute__((noinline)) void runLongStep(const TapeStep* step, float* scratch, int count) {
+  const float* first = scratch + step->arguments[0].begin;
+  const float* second = scratch + step->arguments[1].begin;
+  const float* third = scratch + step->arguments[2].begin;
+  const int firstStep = step->arguments[0].step;
+  const int secondStep = step->arguments[1].step;
+  const int thirdStep = step->arguments[2].step;
+  float* result = scratch + step->result;
+  switch (step->kind) {
+    case ctExpOperator:
+      EACH_SIXTEEN(exp16(a));
+    case ctLogOperator:
+      EACH_SIXTEEN(log16(a));
+    case ctTableOperator:
+      for (int v = 0; v < count; v++) {
+        lookUp(step->table, first + v * firstStep, second + v * secondStep, third + v * thirdStep,
+               result + v * CT_LEAF_WIDTH);
+      }
+      break;
+    default:
+      EACH_SIXTEEN(all16(NAN));
+  }
+}
+
+static void runStep(const TapeStep* step, float* scratch, int count) {
   const float* first = scratch + step->arguments[0].begin;
   const float* second = scratch + step->arguments[1].begin;
   const float* third = scratch + step->arguments[2].begin;
@@ -85,14 +139,6 @@ static void runStep(const TapeStep* step, float* scratch, int count, const TapeP
   const Float16 zero = all16(0);
   const Float16 one = all16(1);
   switch (step->kind) {
-    case ctParameterOperator: {
-      const float* column = pair->columns[step->side] + step->column * CT_LEAF_WIDTH;
-      const int* slots = step->side == 0 ? list->rows : list->lanes;
-      for (int v = 0; v < count; v++) {
-        store16(result + v * CT_LEAF_WIDTH, lookup16(column, slots + v * CT_LEAF_WIDTH));
-      }
-      break;
-    }
     case ctAddOperator:
       EACH_SIXTEEN(add16(a, b));
     case ctSubtractOperator:
@@ -103,10 +149,6 @@ static void runStep(const TapeStep* step, float* scratch, int count, const TapeP
       EACH_SIXTEEN(div16(a, b));
     case ctSqrtOperator:
       EACH_SIXTEEN(sqrt16(a));
-    case ctExpOperator:
-      EACH_SIXTEEN(exp16(a));
-    case ctLogOperator:
-      EACH_SIXTEEN(log16(a));
     /* If one is NaN, the first, as OpenMM does. */
     case ctMinOperator:
       EACH_SIXTEEN(chooseBelow16(b, a, b, a));
@@ -126,14 +168,8 @@ static void runStep(const TapeStep* step, float* scratch, int count, const TapeP
         store16(result + v * CT_LEAF_WIDTH, chooseEqual16(a, zero, c, b));
       }
       break;
-    case ctTableOperator:
-      for (int v = 0; v < count; v++) {
-        lookUp(step->table, first + v * firstStep, second + v * secondStep, third + v * thirdStep,
-               result + v * CT_LEAF_WIDTH);
-      }
-      break;
     default:
-      EACH_SIXTEEN(all16(NAN));
+      runLongStep(step, scratch, count);
   }
 }
 
@@ -160,7 +196,12 @@ double TAPE_ENERGY(const Tape* tape, const TapePair* pair, const TapeRange* rang
     return 0;
   }
   for (int i = 0; i < tape->stepCount; i++) {
-    runStep(&tape->steps[i], scratch, count, pair, &list);
+    const TapeStep* step = &tape->steps[i];
+    if (step->isOfColumns || step->kind == ctParameterOperator) {
+      runOnColumns(step, scratch + step->result, count, pair, &list);
+    } else {
+      runStep(step, scratch, count);
+    }
   }
   Sum16 sum = zeroSum16();
   Float16 part = all16(0);
