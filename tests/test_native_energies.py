@@ -37,15 +37,15 @@ def assertAgreement(run, reference, allowance=0):
     assert abs(error) <= min(ABSOLUTE, RELATIVE * reference.magnitude(positions)) + allowance
 
 
-def runAndCompare(system, positions, accepted, **choice):
+def runAndCompare(system, positions, accepted, allowance=0, **choice):
     """Compare U at the start, and after so many accepted trials."""
     run, reference = Run(system, positions, **choice), Reference(system)
-    assertAgreement(run, reference)
+    assertAgreement(run, reference, allowance)
     while run.accepted < accepted:
         run.run(2000)
         assert run.accepted > 0
     # What is held is from what trials changed, so errors of these would have added up.
-    assertAgreement(run, reference)
+    assertAgreement(run, reference, allowance)
     # Computed anew, it is the same but for roundings that fell otherwise: there is no drift beside them.
     fresh = Run(system, run.positions)
     assert abs(run.energy - fresh.energy) <= ABSOLUTE

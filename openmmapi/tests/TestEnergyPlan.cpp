@@ -6,6 +6,7 @@
 #include "openmm/AndersenThermostat.h"
 #include "openmm/CMMotionRemover.h"
 #include "openmm/CustomBondForce.h"
+#include "openmm/CustomNonbondedForce.h"
 #include "openmm/GBSAOBCForce.h"
 #include "openmm/PeriodicTorsionForce.h"
 
@@ -61,6 +62,10 @@ void testKinds()
     const int single = scene.add(one);
     const int empty = scene.add(new HarmonicAngleForce());
     const int pairs = scene.add(createNonbonded());
+    CustomNonbondedForce* expression = new CustomNonbondedForce("r");
+    for (int i = 0; i < NativeScene::NUM_BEADS; i++)
+        expression->addParticle();
+    const int morePairs = scene.add(expression);
     const int foreign = scene.add(new GBSAOBCForce());
     for (int i = 0; i < NativeScene::NUM_BEADS; i++)
         dynamic_cast<GBSAOBCForce&>(scene.chain.system.getForce(foreign)).addParticle(0.1, 0.3, 0.8);
@@ -77,12 +82,14 @@ void testKinds()
     assertEntry(plan, single, EnergyPlan::Native, "moves can change its one term");
     assertEntry(plan, empty, EnergyPlan::Constant, "it has no terms");
     assertEntry(plan, pairs, EnergyPlan::Native, "openmm-chaintree evaluates the pairs that a trial changes");
+    assertEntry(plan, morePairs, EnergyPlan::Native, "openmm-chaintree evaluates the pairs that a trial changes");
     assertEntry(plan, foreign, EnergyPlan::Foreign, "openmm-chaintree has no code for a GBSAOBCForce");
     assertEntry(plan, remover, EnergyPlan::None, "it has no energy");
     assertEntry(plan, thermostat, EnergyPlan::None, "it has no energy");
     ASSERT_EQUAL("distances", plan.getEntries()[mixed].name);
     ASSERT_EQUAL(1 << constant | 1 << empty, plan.getGroups(EnergyPlan::Constant));
-    ASSERT_EQUAL(1 << mixed | 1 << native | 1 << single | 1 << pairs, plan.getGroups(EnergyPlan::Native));
+    ASSERT_EQUAL(1 << mixed | 1 << native | 1 << single | 1 << pairs | 1 << morePairs,
+                 plan.getGroups(EnergyPlan::Native));
     ASSERT_EQUAL(1 << foreign, plan.getGroups(EnergyPlan::Foreign));
     ASSERT_EQUAL(plan.getGroups(EnergyPlan::Constant) | plan.getGroups(EnergyPlan::Native),
                  plan.getWhollyNativeGroups());
@@ -99,6 +106,7 @@ void testKinds()
     countChangeableTerms(scene, false);
     assertEntry(plan, native, EnergyPlan::Constant, "no move can change its 6 terms");
     assertEntry(plan, pairs, EnergyPlan::Constant, "nothing moves");
+    assertEntry(plan, morePairs, EnergyPlan::Constant, "nothing moves");
 }
 
 void testGroups()

@@ -8,10 +8,12 @@
 #include "openmm/CustomBondForce.h"
 #include "openmm/CustomCompoundBondForce.h"
 #include "openmm/CustomExternalForce.h"
+#include "openmm/CustomNonbondedForce.h"
 #include "openmm/CustomTorsionForce.h"
 #include "openmm/GBSAOBCForce.h"
 #include "openmm/PeriodicTorsionForce.h"
 #include "openmm/RBTorsionForce.h"
+#include "openmm/TabulatedFunction.h"
 #include "openmm/VirtualSite.h"
 #include "openmmchaintree/internal/NativeEnergyCheck.h"
 #include <limits>
@@ -120,9 +122,20 @@ static map<string, int> addAllKinds(NativeScene& scene)
     CustomExternalForce* external = new CustomExternalForce("k*(x^2+y-z)");
     external->addPerParticleParameter("k");
     external->addParticle(7, {10});
+    CustomNonbondedForce* customPairs = new CustomNonbondedForce("20*a1*a2/r+f(floor(r))");
+    customPairs->addPerParticleParameter("a");
+    customPairs->addTabulatedFunction("f", new Discrete1DFunction({1, 2, 4, 7, 9, 10}));
+    customPairs->addInteractionGroup({0, 1, 2, 3}, {7, 8, 9, 10, 11});
+    customPairs->addExclusion(3, 11);
+    for (int i = 0; i < NativeScene::NUM_BEADS; i++)
+        customPairs->addParticle({1 + 0.1 * i});
+    customPairs->setNonbondedMethod(CustomNonbondedForce::CutoffNonPeriodic);
+    customPairs->setCutoffDistance(6);
+    customPairs->setUseSwitchingFunction(true);
+    customPairs->setSwitchingDistance(1);
     map<string, int> added;
     for (Force* force : vector<Force*>{bonds, angles, periodic, rb, maps, customBonds, customAngles, customTorsions,
-                                       compound, external, createNonbonded()})
+                                       compound, external, createNonbonded(), customPairs})
         added[force->getName()] = scene.add(force);
     return added;
 }
@@ -177,6 +190,33 @@ void testMisreadForces()
         for (EnergyTerms::TermSet& set : terms.termSets)
             if (set.kind == EnergyTerms::TorsionMap)
                 rotate(set.particles.begin(), set.particles.begin() + 4, set.particles.end());
+    });
+    const string expressions = "CustomNonbondedForce";
+    plant(expressions, "no pairs", [](EnergyTerms& terms) {
+        terms.pairSets[0].operations = {{EnergyTerms::Constant, {}, 0}};
+    });
+    plant(expressions, "a wrong parameter", [](EnergyTerms& terms) {
+        terms.pairSets[0].parameters[9] *= 1.01;
+    });
+    plant(expressions, "a wrong constant", [](EnergyTerms& terms) {
+        for (EnergyTerms::Operation& operation : terms.pairSets[0].operations)
+            operation.constant *= 1.01;
+    });
+    plant(expressions, "a wrong table", [](EnergyTerms& terms) {
+        for (double& value : terms.pairSets[0].tables[0].values)
+            value += 0.01;
+    });
+    plant(expressions, "a wrong cutoff", [](EnergyTerms& terms) {
+        terms.pairSets[0].cutoff *= 1.05;
+    });
+    plant(expressions, "no switch", [](EnergyTerms& terms) {
+        terms.pairSets[0].switchingDistance = terms.pairSets[0].cutoff;
+    });
+    plant(expressions, "no groups", [](EnergyTerms& terms) {
+        terms.pairSets[0].groups.clear();
+    });
+    plant(expressions, "a lost exclusion", [](EnergyTerms& terms) {
+        terms.pairSets[0].exclusions.clear();
     });
     const string pairs = "NonbondedForce";
     plant(pairs, "no pairs", [](EnergyTerms& terms) {
