@@ -61,6 +61,16 @@ class StageStatistics(NamedTuple):
     refused: int
 
 
+class OuterStatistics(NamedTuple):
+    """What became of outer tests, and the differences (kJ/mol) that they found."""
+
+    attempted: int
+    accepted: int
+    trialsTakenBack: int
+    meanDifference: float
+    standardDeviation: float
+
+
 class PlannedEnergy(NamedTuple):
     """How the energy of a Force is evaluated for a trial: "constant", "native", "foreign" or "not sampled", and why."""
 
@@ -274,7 +284,10 @@ static bool toVec3(PyObject* object, const char* unit, const char* name, OpenMM:
 %unit("rad", rotation)
 %unit("K", temperature)
 %unit("kJ/mol/nm^2", k)
+%unit("nm", bornCutoff)
+%unit("nm", pairCutoff)
 %unit("1", weight)
+%unit("1", width)
 
 %typemap(in, fragment="FromPython") int {
     if (!toInt($input, "$1_name", $1))
@@ -433,6 +446,12 @@ static const char* const ENERGY_KINDS[] = {"not sampled", "constant", "native", 
 %}
 %pythonappend ChainTreePlugin::TorsionMonteCarloIntegrator::getMoveStatistics %{
     val = MoveStatistics(*val)
+%}
+%pythonappend ChainTreePlugin::TorsionMonteCarloIntegrator::getOuterStatistics %{
+    val = OuterStatistics(*val)
+%}
+%pythonappend ChainTreePlugin::TorsionMonteCarloIntegrator::getStandInCutoffs %{
+    val = tuple(openmm.unit.Quantity(cutoff, openmm.unit.nanometer) for cutoff in val)
 %}
 %pythonappend ChainTreePlugin::TorsionMonteCarloIntegrator::getStageStatistics %{
     val = [StageStatistics(*counts) for counts in val]

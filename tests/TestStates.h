@@ -155,7 +155,7 @@ void testStatesOfVersion1(Platform& platform)
     int tolerated = run.getNumToleratedClashes();
     string xml = toXml(writeAndRead(*run.context));
     size_t parameters = xml.find("<IntegratorParameters");
-    size_t version = xml.find("version=\"2\"", parameters);
+    size_t version = xml.find("version=\"3\"", parameters);
     xml.replace(version, 11, "version=\"1\"");
     size_t moves = xml.find("<Moves", parameters), limits = xml.find("<Limits", parameters);
     ASSERT(moves < limits && limits != string::npos);

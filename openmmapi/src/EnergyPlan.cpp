@@ -96,6 +96,7 @@ void EnergyPlan::decide(int index, int groupsOfU, bool allowNative, bool isSoft)
 void EnergyPlan::translate(int groups, bool allowNative, bool isSoft)
 {
     terms = EnergyTerms();
+    terms.standIn = standIn;
     auto needsPairs = [&](size_t i) {
         return copies[i] && NativeForceKind::find(*copies[i])->needsPairs;
     };

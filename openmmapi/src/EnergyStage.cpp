@@ -20,6 +20,20 @@ void EnergyStages::resetStatistics()
         entry.statistics = {0, 0};
 }
 
+vector<EnergyStages::Statistics> EnergyStages::getAllStatistics() const
+{
+    vector<Statistics> statistics;
+    for (const Entry& entry : entries)
+        statistics.push_back(entry.statistics);
+    return statistics;
+}
+
+void EnergyStages::setAllStatistics(const vector<Statistics>& statistics)
+{
+    for (size_t i = 0; i < entries.size(); i++)
+        entries[i].statistics = statistics[i];
+}
+
 void EnergyStages::begin(TrialSession& trials)
 {
     for (Entry& entry : entries)
@@ -67,11 +81,18 @@ bool EnergyStages::decideOneByOne(TrialSession& trials, double logRatio, double 
 {
     bool isFirst = true;
     for (numAsked = 0; numAsked < entries.size();) {
-        Entry& entry = entries[numAsked++];
+        Entry& entry = entries[numAsked];
+        if (entry.takesPart && isFirst && !entry.stage->isAntisymmetric()) {
+            if (!isAccepted(logRatio, random))
+                return false;
+            isFirst = false;
+        }
+        numAsked++;
         if (!entry.takesPart)
             continue;
         const double drawn = random.drawUniform();
-        const double stageLogRatio = toLogRatio(entry.stage->computeChange(trials), temperature);
+        const double change = entry.stage->computeChange(trials);
+        const double stageLogRatio = toLogRatio(change + entry.stage->getCorrection(), temperature);
         entry.statistics.computed++;
         if (!(drawn < exp(isFirst ? logRatio + stageLogRatio : stageLogRatio))) // also if it is not a number
             return false;
@@ -97,4 +118,18 @@ void EnergyStages::reject()
         }
     if (last != NULL)
         last->statistics.rejected++;
+}
+
+void EnergyStages::keep()
+{
+    for (Entry& entry : entries)
+        if (entry.takesPart)
+            entry.stage->keep();
+}
+
+void EnergyStages::takeBack()
+{
+    for (Entry& entry : entries)
+        if (entry.takesPart)
+            entry.stage->takeBack();
 }

@@ -17,7 +17,7 @@ static bool isEnergy(double energy)
 
 bool ForeignEnergy::begin(TrialSession& trials)
 {
-    groups = native.getForeignGroups();
+    groups = native.leavesForeignToOuterTest() ? 0 : native.getForeignGroups();
     if (groups == 0)
         return false;
     energy = trials.computeOtherEnergy(groups);

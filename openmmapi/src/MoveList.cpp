@@ -272,6 +272,14 @@ vector<long long> MoveList::readCheckpoint(CheckpointReader& reader) const
     return statistics;
 }
 
+vector<long long> MoveList::getStatistics() const
+{
+    vector<long long> statistics;
+    for (const Entry& entry : entries)
+        statistics.insert(statistics.end(), {entry.clashed, entry.rejectedByEnergy, entry.accepted});
+    return statistics;
+}
+
 void MoveList::setStatistics(const vector<long long>& statistics)
 {
     for (size_t i = 0; i < entries.size(); i++) {
@@ -293,18 +301,19 @@ void MoveList::writeStatistics(SerializationNode& node) const
     }
 }
 
-void MoveList::readStatistics(const SerializationNode& node)
+bool MoveList::readStatistics(const SerializationNode& node)
 {
     const vector<SerializationNode>& moves = node.getChildren();
     if (moves.size() != entries.size())
-        return;
+        return false;
     for (size_t i = 0; i < entries.size(); i++)
         for (auto& property : describe(entries[i]))
             if (moves[i].getStringProperty(property.first, "") != property.second)
-                return;
+                return false;
     for (size_t i = 0; i < entries.size(); i++) {
         entries[i].clashed = moves[i].getLongProperty("clashed");
         entries[i].rejectedByEnergy = moves[i].getLongProperty("rejectedByEnergy");
         entries[i].accepted = moves[i].getLongProperty("accepted");
     }
+    return true;
 }

@@ -1,8 +1,12 @@
 #include "openmmchaintree/internal/NativeEnergy.h"
 #include "openmm/OpenMMException.h"
+#include "openmmchaintree/internal/CheckpointStream.h"
+#include "openmmchaintree/internal/Hexadecimal.h"
 #include "openmmchaintree/internal/StericExclusionForceImpl.h"
 #include <algorithm>
+#include <cmath>
 #include <limits>
+#include <sstream>
 
 using namespace ChainTreePlugin;
 using namespace OpenMM;
@@ -18,13 +22,17 @@ static const long long TRIALS_AFTER_VAGUE_CHECK = 1000;
 
 static const int NUM_PARTS = 3;
 
+/** The number of trials to an outer test if the user does not say it: a whole energy then takes little of the time. */
+static const int USUAL_TRIALS_PER_OUTER_TEST = 400;
+
 NativeEnergy::NativeEnergy(const TorsionMonteCarloIntegrator& integrator, StericExclusionForceImpl& force,
                            ContextImpl& context) :
     integrator(integrator),
     force(force), context(context), kernel(force.getKernel()), plan(context), check(context, plan), choice(getChoice()),
     forcesWereChanged(true), parametersWereChanged(false), energyIsOld(true), termsCanChange(false),
     pairsCanChange(false), foreignGroups(0), foreignGroupsAreShared(false), trialsToCheck(0),
-    checkInterval(TRIALS_AFTER_VAGUE_CHECK), numComputed(0), computedChange(0)
+    checkInterval(TRIALS_AFTER_VAGUE_CHECK), numComputed(0), computedChange(0), nearChange(0), standInIsSet(false),
+    whole({false, 0, 0}), keptWhole({false, 0, 0})
 {
     // The kernel makes another scene for terms that need more particles, so it learns of them before it has made one.
 
@@ -33,8 +41,11 @@ NativeEnergy::NativeEnergy(const TorsionMonteCarloIntegrator& integrator, Steric
 
 NativeEnergy::Choice NativeEnergy::getChoice() const
 {
+    EnergyTerms::StandIn standIn;
+    integrator.getStandInCutoffs(standIn.bornCutoff, standIn.pairCutoff);
+    standIn.gridWidth = integrator.getStandInGridWidth();
     return {integrator.getIntegrationForceGroups(), integrator.getNativeEnergies(),
-            integrator.getStericMode() == TorsionMonteCarloIntegrator::Soft};
+            integrator.getStericMode() == TorsionMonteCarloIntegrator::Soft, standIn};
 }
 
 // ---- The plan ----
@@ -47,6 +58,8 @@ void NativeEnergy::updatePlan()
 {
     const Choice present = getChoice();
     if (forcesWereChanged || parametersWereChanged || !(present == choice)) {
+        if (present.standIn.bornCutoff != choice.standIn.bornCutoff)
+            standIn.clear(); // its numbers are what lies beyond that
         choice = present;
         if (forcesWereChanged)
             plan.copyForces();
@@ -54,15 +67,22 @@ void NativeEnergy::updatePlan()
         forcesWereChanged = parametersWereChanged = false;
     }
     else if (force.getOwnerOfEnergyTerms() != this)
-        force.setEnergyTerms(plan.getTerms(), this);
+        setKernelTerms();
+}
+
+void NativeEnergy::setKernelTerms()
+{
+    standInIsSet = whole.isCurrent = false;
+    force.setEnergyTerms(plan.getTerms(), this);
 }
 
 void NativeEnergy::translate()
 {
+    plan.setStandIn(choice.standIn);
     plan.translate(choice.groups, choice.native, choice.soft);
     trialsToCheck = 0;
     checkInterval = TRIALS_AFTER_VAGUE_CHECK;
-    force.setEnergyTerms(plan.getTerms(), this);
+    setKernelTerms();
     const LinkStructure& structure = force.getLinkStructure();
     auto& molecules = structure.getMolecules();
     const bool somethingMoves = !structure.getTorsionLinks().empty() ||
@@ -107,18 +127,38 @@ void NativeEnergy::checkNumbers(const vector<double>& energies) const
 }
 
 /**
+ * Bring the kernel's energy up to date and get what it holds.
+ */
+const NativeEnergy::HeldEnergy& NativeEnergy::updateHeld()
+{
+    if (kernel.updateEnergy(energyIsOld))
+        whole.isCurrent = false;
+    energyIsOld = false;
+    kernel.getEnergies(held.pairs, held.pairSets, held.termSets);
+    return held;
+}
+
+/**
+ * Bring up to date what a stand-in stands for. This comes after updateHeld(), which finds out whether it is.
+ */
+const NativeEnergy::WholeEnergy& NativeEnergy::updateWhole()
+{
+    if (!whole.isCurrent)
+        kernel.computeWholeEnergy(whole.nonbonded, whole.born);
+    whole.isCurrent = true;
+    return whole;
+}
+
+/**
  * Bring the kernel's energy up to date and get that of each Force.
  */
 vector<double> NativeEnergy::updateEnergies()
 {
-    double nonbonded, born = 0;
-    vector<double> pairSets, termSets;
-    kernel.updateEnergy(energyIsOld);
-    energyIsOld = false;
-    kernel.getEnergies(nonbonded, pairSets, termSets);
-    if (!plan.getTerms().born.empty())
-        kernel.computeWholeEnergy(nonbonded, born);
-    return plan.sumByForce(nonbonded, born, pairSets, termSets);
+    updateHeld();
+    if (plan.getTerms().born.empty())
+        return plan.sumByForce(held.pairs, 0, held.pairSets, held.termSets);
+    updateWhole();
+    return plan.sumByForce(whole.nonbonded, whole.born, held.pairSets, held.termSets);
 }
 
 void NativeEnergy::compareWithOpenMM(TrialSession& trials, const vector<double>& energies)
@@ -141,6 +181,7 @@ void NativeEnergy::begin(TrialSession& trials)
 
     if (!hasTerms() || !(termsCanChange || pairsCanChange || trialsToCheck <= 0))
         return;
+    updateStandIn();
     const vector<double> energies = updateEnergies();
     checkNumbers(energies);
     if (trialsToCheck <= 0)
@@ -177,6 +218,8 @@ double NativeEnergy::computeChange(EnergyKernel::EnergyPart part)
     double change = 0;
     for (; numComputed < end; numComputed++)
         change += kernel.getProposedEnergyChange((EnergyKernel::EnergyPart)numComputed);
+    if (part == EnergyKernel::NearPairsPart)
+        nearChange = change;
     computedChange += change;
     return change;
 }
@@ -185,6 +228,110 @@ void NativeEnergy::endTrial()
 {
     numComputed = 0;
     computedChange = 0;
+}
+
+// ---- What trials see ----
+
+double NativeEnergy::getNearCorrection()
+{
+    if (!hasStandIn())
+        return 0;
+    const double changeBack = kernel.getNearChangeBack();
+    if (changeBack == -nearChange)
+        return 0; // also if both are infinite
+    if (std::isnan(changeBack))
+        return changeBack;
+    return max(0.0, changeBack) - max(0.0, -nearChange);
+}
+
+int NativeEnergy::getTrialsPerOuterTest() const
+{
+    // Foreign Forces that are asked at each trial bring the whole energy of all native ones if they share a group.
+
+    const int trials = integrator.getTrialsPerOuterTest();
+    const bool foreignIsLeft = trials > 0 && foreignGroups != 0;
+    const bool standInIsLeft = hasStandIn() && (trials > 0 || !foreignGroupsAreShared);
+    if (!foreignIsLeft && !standInIsLeft)
+        return 0;
+    return trials > 0 ? trials : USUAL_TRIALS_PER_OUTER_TEST;
+}
+
+double NativeEnergy::computeDifference(TrialSession& trials)
+{
+    const bool foreignIsLeft = leavesForeignToOuterTest() && foreignGroups != 0;
+    double energy = foreignIsLeft ? trials.computeOtherEnergyOfState(foreignGroups) : 0;
+    if (!foreignGroupsAreShared && !hasStandIn())
+        return energy;
+    updateHeld();
+    if (!foreignGroupsAreShared)
+        energy += updateWhole().nonbonded + whole.born;
+    if (energy == numeric_limits<double>::infinity())
+        return energy;
+    return energy - (foreignGroupsAreShared ? getInnerEnergy() : held.pairs);
+}
+
+double NativeEnergy::getInnerEnergy()
+{
+    if (!termsCanChange && !pairsCanChange)
+        return 0;
+    updateHeld();
+    double energy = 0;
+    const vector<double> energies = plan.sumByForce(held.pairs, 0, held.pairSets, held.termSets);
+    for (size_t i = 0; i < energies.size(); i++)
+        if (plan.getEntries()[i].kind == EnergyPlan::Native)
+            energy += energies[i];
+    return energy;
+}
+
+/**
+ * See to it that the kernel has the numbers of the stand-in. The first series of trials makes them.
+ */
+void NativeEnergy::updateStandIn()
+{
+    if (!hasStandIn() || standInIsSet)
+        return;
+    vector<double> present;
+    kernel.getStandIn(present);
+    if (present.size() == standIn.size())
+        kernel.setStandIn(standIn);
+    else {
+        kernel.renewStandIn();
+        kernel.getStandIn(standIn);
+    }
+    standInIsSet = true;
+}
+
+void NativeEnergy::renewStandIn()
+{
+    updatePlan();
+    if (!hasStandIn())
+        return;
+    kernel.renewStandIn();
+    kernel.getStandIn(standIn);
+    standInIsSet = true;
+}
+
+void NativeEnergy::setStandIn(const vector<double>& numbers)
+{
+    standIn = numbers;
+    standInIsSet = false;
+    energyIsOld = true;
+}
+
+void NativeEnergy::writeStandIn(SerializationNode& node) const
+{
+    stringstream stream;
+    CheckpointWriter(stream).write(standIn);
+    node.setStringProperty("data", toHexadecimal(stream.str()));
+}
+
+void NativeEnergy::readStandIn(const SerializationNode& node)
+{
+    string data;
+    if (!fromHexadecimal(node.getStringProperty("data"), data))
+        throw OpenMMException("TorsionMonteCarloIntegrator: the State is damaged");
+    stringstream stream(data);
+    setStandIn(CheckpointReader(stream).readVector<double>());
 }
 
 string NativeEnergyStage::getName() const

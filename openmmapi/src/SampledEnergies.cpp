@@ -1,12 +1,15 @@
 /* The calls of TorsionMonteCarloIntegrator that are about energies. */
 
 #include "openmm/internal/ContextImpl.h"
+#include "openmm/OpenMMException.h"
 #include "openmmchaintree/internal/EnergyStage.h"
 #include "openmmchaintree/internal/ForeignEnergy.h"
 #include "openmmchaintree/internal/NativeEnergy.h"
+#include "openmmchaintree/internal/OuterTest.h"
 #include "openmmchaintree/internal/SoftSphereEnergy.h"
 #include "openmmchaintree/internal/StericExclusionForceImpl.h"
 #include "openmmchaintree/TorsionMonteCarloIntegrator.h"
+#include <cmath>
 
 using namespace ChainTreePlugin;
 using namespace OpenMM;
@@ -23,6 +26,74 @@ void TorsionMonteCarloIntegrator::setNativeEnergies(bool native)
 {
     nativeEnergies = native;
 }
+
+// ---- Outer tests and what makes them needed ----
+
+int TorsionMonteCarloIntegrator::getTrialsPerOuterTest() const
+{
+    return trialsPerOuterTest;
+}
+
+void TorsionMonteCarloIntegrator::setTrialsPerOuterTest(int trials)
+{
+    if (trials < 0)
+        throw OpenMMException("TorsionMonteCarloIntegrator: the number of trials to an outer test must be at least 0, "
+                              "but is " +
+                              to_string(trials));
+    trialsPerOuterTest = trials;
+}
+
+void TorsionMonteCarloIntegrator::getOuterStatistics(long long& attempted, long long& accepted,
+                                                     long long& trialsTakenBack, double& meanDifference,
+                                                     double& standardDeviation) const
+{
+    attempted = outerStatistics->attempted;
+    accepted = outerStatistics->accepted;
+    trialsTakenBack = outerStatistics->trialsTakenBack;
+    meanDifference = outerStatistics->mean;
+    standardDeviation = outerStatistics->getStandardDeviation();
+}
+
+void TorsionMonteCarloIntegrator::renewStandIns(Context& context)
+{
+    requireContext(context);
+    TrialSession trials(*force, *this->context, TrialSession::IgnoreLimits);
+    native->renewStandIn();
+}
+
+static void checkPositive(double value, const string& name)
+{
+    if (!(value > 0) || !isfinite(value))
+        throw OpenMMException("TorsionMonteCarloIntegrator: " + name +
+                              " must be a finite number above 0, but is " + to_string(value));
+}
+
+void TorsionMonteCarloIntegrator::getStandInCutoffs(double& bornCutoff, double& pairCutoff) const
+{
+    bornCutoff = standInBornCutoff;
+    pairCutoff = standInPairCutoff;
+}
+
+void TorsionMonteCarloIntegrator::setStandInCutoffs(double bornCutoff, double pairCutoff)
+{
+    checkPositive(bornCutoff, "the bornCutoff of stand-ins");
+    checkPositive(pairCutoff, "the pairCutoff of stand-ins");
+    standInBornCutoff = bornCutoff;
+    standInPairCutoff = pairCutoff;
+}
+
+double TorsionMonteCarloIntegrator::getStandInGridWidth() const
+{
+    return standInGridWidth;
+}
+
+void TorsionMonteCarloIntegrator::setStandInGridWidth(double width)
+{
+    checkPositive(width, "the grid width of stand-ins");
+    standInGridWidth = width;
+}
+
+// ---- In a Context ----
 
 /**
  * Make the stages of U, cheapest first.

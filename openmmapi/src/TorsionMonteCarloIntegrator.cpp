@@ -13,6 +13,7 @@
 #include "openmmchaintree/internal/MonteCarloMove.h"
 #include "openmmchaintree/internal/MoveList.h"
 #include "openmmchaintree/internal/NativeEnergy.h"
+#include "openmmchaintree/internal/OuterTest.h"
 #include "openmmchaintree/internal/RandomNumberGenerator.h"
 #include "openmmchaintree/internal/StericExclusionForceImpl.h"
 #include "openmmchaintree/internal/SystemChecks.h"
@@ -27,9 +28,9 @@ using namespace std;
 /** What the integrator's part of a checkpoint begins with: "ChainTMC" where the first byte is the lowest. */
 static const uint64_t CHECKPOINT_MARK = 0x434d546e69616843;
 
-static const int CHECKPOINT_VERSION = 2;
+static const int CHECKPOINT_VERSION = 3;
 
-static const int NEWEST_STATE_VERSION = 2;
+static const int NEWEST_STATE_VERSION = 3;
 
 static void fail(const string& message)
 {
@@ -45,6 +46,7 @@ public:
     ContextSnapshot context;
     vector<int> structure;
     string random;
+    vector<double> standIn;
     /** The part of a checkpoint that is the force's. */
     string geometry;
     /** Whether the user has set positions since. */
@@ -58,8 +60,11 @@ enum CheckpointForm : uint8_t { OfCompleteContext = 0, OfKeptState = 1, OfKeptSt
 
 TorsionMonteCarloIntegrator::TorsionMonteCarloIntegrator(double temperature) :
     moves(new MoveList()), trialsPerStep(100), initialClashPolicy(Tolerate), stericMode(Hard), nativeEnergies(true),
-    force(NULL)
+    trialsPerOuterTest(0), outerStatistics(new OuterStatistics()), force(NULL)
 {
+    const EnergyTerms::StandIn usual;
+    setStandInCutoffs(usual.bornCutoff, usual.pairCutoff);
+    setStandInGridWidth(usual.gridWidth);
     setTemperature(temperature);
     setRandomNumberSeed(0);
     setStepSize(0);
@@ -173,6 +178,7 @@ void TorsionMonteCarloIntegrator::getMoveStatistics(int move, long long& attempt
 void TorsionMonteCarloIntegrator::resetMoveStatistics()
 {
     moves->resetStatistics();
+    *outerStatistics = OuterStatistics();
     if (stages)
         stages->resetStatistics();
 }
@@ -287,8 +293,8 @@ unique_ptr<TorsionMonteCarloIntegrator::KeptState> TorsionMonteCarloIntegrator::
     CheckpointWriter writer(geometry);
     force->createCheckpoint(writer);
     return unique_ptr<KeptState>(new KeptState{ContextSnapshot(context->getOwner(), positionsAreSet),
-                                               force->getLinkStructure().describe(), random->getState(), geometry.str(),
-                                               false, false});
+                                               force->getLinkStructure().describe(), random->getState(),
+                                               native->getStandIn(), geometry.str(), false, false});
 }
 
 /**
@@ -334,15 +340,18 @@ void TorsionMonteCarloIntegrator::createCheckpoint(ostream& stream) const
     writer.write(CHECKPOINT_VERSION);
     writer.write(force != NULL ? force->getLinkStructure().describe() : kept->structure);
     moves->createCheckpoint(writer);
+    outerStatistics->write(writer);
     if (force != NULL) {
         native->computeAnew();
         writer.write(random->getState());
+        writer.write(native->getStandIn());
         writer.write(OfCompleteContext);
         force->createCheckpoint(writer);
         return;
     }
     showKeptState();
     writer.write(kept->random);
+    writer.write(kept->standIn);
     writer.write(kept->positionsWereSet ? OfKeptStateWithNewPositions : OfKeptState);
     kept->context.write(writer);
     writer.append(kept->geometry);
@@ -374,8 +383,11 @@ void TorsionMonteCarloIntegrator::restoreCheckpoint(CheckpointReader& reader)
     if (reader.readVector<int>() != force->getLinkStructure().describe())
         fail("the checkpoint is of another structure: its bonds and torsions make other links");
     vector<long long> statistics = moves->readCheckpoint(reader);
+    OuterStatistics restoredTests;
+    restoredTests.read(reader);
     RandomNumberGenerator restored(0);
     bool isGood = restored.setState(reader.readString());
+    vector<double> standIn = reader.readVector<double>();
     CheckpointForm form = reader.read<CheckpointForm>();
     if (!isGood || form > OfKeptStateWithNewPositions)
         fail("the checkpoint is damaged");
@@ -386,6 +398,8 @@ void TorsionMonteCarloIntegrator::restoreCheckpoint(CheckpointReader& reader)
         context->getPositions(restoredPositions);
     *random = restored;
     moves->setStatistics(statistics);
+    *outerStatistics = restoredTests;
+    native->setStandIn(standIn);
 }
 
 // ---- States ----
@@ -418,6 +432,8 @@ void TorsionMonteCarloIntegrator::serializeParameters(SerializationNode& node) c
     node.createChildNode("Geometry")
         .setStringProperty("positions", fingerprint(positions))
         .setStringProperty("data", toHexadecimal(geometry.str()));
+    outerStatistics->write(node.createChildNode("OuterTests"));
+    native->writeStandIn(node.createChildNode("StandIn"));
     vector<pair<int, int>> pairs;
     vector<double> limits;
     force->getLimits(pairs, limits);
@@ -488,7 +504,11 @@ void TorsionMonteCarloIntegrator::deserializeParameters(const SerializationNode&
     if (!deserializeGeometry(node.getChildNode("Geometry")))
         force->setLimits(*context, pairs, limits);
     *random = restored;
-    moves->readStatistics(node.getChildNode("Moves"));
+    const bool movesAreTheSame = moves->readStatistics(node.getChildNode("Moves"));
+    if (version > 2)
+        native->readStandIn(node.getChildNode("StandIn"));
+    if (version > 2 && movesAreTheSame)
+        outerStatistics->read(node.getChildNode("OuterTests"));
 }
 
 // ---- Sampling ----
@@ -520,8 +540,12 @@ void TorsionMonteCarloIntegrator::step(int steps)
             force->getLimitPolicy().refuseToleratedClashes();
         native->begin(trials);
         stages->begin(trials);
-        for (int trial = 0; trial < trialsPerStep; trial++)
-            runTrial(trials, weightSum);
+        OuterTest test(trials, *native, *stages, *moves, *outerStatistics, *random, temperature, stericMode == Soft);
+        for (int trial = 0; trial < trialsPerStep; trial++) {
+            test.beginTrial();
+            test.endTrial(runTrial(trials, weightSum));
+        }
+        test.end();
         context->setTime(context->getTime() + getStepSize());
         context->setStepCount(context->getStepCount() + 1);
         trials.end();
@@ -529,16 +553,16 @@ void TorsionMonteCarloIntegrator::step(int steps)
 }
 
 /**
- * Run a trial: hard spheres first, since they cost least, then the stages of U.
+ * Run a trial: hard spheres first, since they cost least, then the stages of U. Returns whether it was accepted.
  */
-void TorsionMonteCarloIntegrator::runTrial(TrialSession& trials, double weightSum)
+bool TorsionMonteCarloIntegrator::runTrial(TrialSession& trials, double weightSum)
 {
     MoveList::Entry& entry = moves->draw(weightSum, *random);
     entry.move->propose(trials, *random);
     if (!trials.isFree()) {
         trials.reject();
         entry.clashed++;
-        return;
+        return false;
     }
     const double logRatio = entry.move->computeLogRatio(trials);
     const EnergyStages::Rule rule = nativeEnergies ? EnergyStages::DecideOneByOne : EnergyStages::DecideBySum;
@@ -546,9 +570,10 @@ void TorsionMonteCarloIntegrator::runTrial(TrialSession& trials, double weightSu
         trials.reject();
         stages->reject();
         entry.rejectedByEnergy++;
-        return;
+        return false;
     }
     trials.accept();
     stages->accept();
     entry.accepted++;
+    return true;
 }

@@ -107,3 +107,27 @@ double TrialSession::computeOtherEnergyOfProposal(int groups)
     force.setContextPositions(context, kernel.followProposal());
     return force.computeOtherEnergy(context, groups);
 }
+
+double TrialSession::computeOtherEnergyOfState(int groups)
+{
+    if (contextIsBehind) {
+        contextIsBehind = false;
+        force.showState(context);
+    }
+    return force.computeOtherEnergy(context, groups);
+}
+
+void TrialSession::keepState()
+{
+    // Limits start from the state before the first trial.
+
+    updateLimits();
+    kernel.keepState();
+}
+
+void TrialSession::takeBackState()
+{
+    kernel.takeBackState();
+    ownsTrial = false;
+    contextIsBehind = true;
+}

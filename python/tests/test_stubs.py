@@ -19,7 +19,14 @@ _STUBS = {node.name: node for node in _STUB.body if isinstance(node, ast.ClassDe
 _CLASSES = ("StericExclusionForce", "TorsionMonteCarloIntegrator")
 _NUMBERS = re.compile(r"^:type (\w+): .*(?:float|Quantity).*\n:param \1: ((?:.|\n(?!:))*)", re.MULTILINE)
 _UNIT = re.compile(r"\b(nm|radians|Kelvin|K|kJ/mol/nm\^2)\b")
-_TUPLES = ("TraversalStatistics", "MoveStatistics", "StageStatistics", "PlannedEnergy", "MinimumDistance")
+_TUPLES = (
+    "TraversalStatistics",
+    "MoveStatistics",
+    "StageStatistics",
+    "OuterStatistics",
+    "PlannedEnergy",
+    "MinimumDistance",
+)
 _LISTS = ("EnergyPlan",)
 
 # A few lines of each kind, of which a type checker must find those that say so to be wrong.

@@ -9,7 +9,7 @@ using namespace ChainTreePlugin;
 using namespace OpenMM;
 using namespace std;
 
-static const int NEWEST_VERSION = 3;
+static const int NEWEST_VERSION = 4;
 
 TorsionMonteCarloIntegratorProxy::TorsionMonteCarloIntegratorProxy() : SerializationProxy("TorsionMonteCarloIntegrator")
 {
@@ -28,6 +28,12 @@ void TorsionMonteCarloIntegratorProxy::serialize(const void* object, Serializati
     node.setIntProperty("initialClashPolicy", integrator.getInitialClashPolicy());
     node.setIntProperty("stericMode", integrator.getStericMode());
     node.setBoolProperty("nativeEnergies", integrator.getNativeEnergies());
+    double bornCutoff, pairCutoff;
+    integrator.getStandInCutoffs(bornCutoff, pairCutoff);
+    node.setIntProperty("trialsPerOuterTest", integrator.getTrialsPerOuterTest());
+    node.setDoubleProperty("standInBornCutoff", bornCutoff);
+    node.setDoubleProperty("standInPairCutoff", pairCutoff);
+    node.setDoubleProperty("standInGridWidth", integrator.getStandInGridWidth());
     integrator.moves->writeMoves(node.createChildNode("Moves"));
 }
 
@@ -48,6 +54,12 @@ void* TorsionMonteCarloIntegratorProxy::deserialize(const SerializationNode& nod
         integrator->setStericMode((TorsionMonteCarloIntegrator::StericMode)node.getIntProperty("stericMode"));
     if (version > 2)
         integrator->setNativeEnergies(node.getBoolProperty("nativeEnergies"));
+    if (version > 3) {
+        integrator->setTrialsPerOuterTest(node.getIntProperty("trialsPerOuterTest"));
+        integrator->setStandInCutoffs(node.getDoubleProperty("standInBornCutoff"),
+                                      node.getDoubleProperty("standInPairCutoff"));
+        integrator->setStandInGridWidth(node.getDoubleProperty("standInGridWidth"));
+    }
     MoveList::readMoves(node.getChildNode("Moves"), *integrator);
     return integrator.release();
 }

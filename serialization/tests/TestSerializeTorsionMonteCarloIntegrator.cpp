@@ -32,6 +32,9 @@ void setUp(TorsionMonteCarloIntegrator& integrator)
     integrator.setInitialClashPolicy(TorsionMonteCarloIntegrator::Refuse);
     integrator.setStericMode(TorsionMonteCarloIntegrator::Soft);
     integrator.setNativeEnergies(false);
+    integrator.setTrialsPerOuterTest(29);
+    integrator.setStandInCutoffs(0.7 / 3, 1.1 / 3);
+    integrator.setStandInGridWidth(0.01 / 3);
     integrator.addTorsionMove(1.0 / 3, 0.2, {4, 0, 2}, 3);
     integrator.addRigidBodyMove(0.5, 1.0 / 7, 0.3, {9, 1});
     integrator.addTorsionMove(0, 0.7);
@@ -62,6 +65,17 @@ void assertSameMoves(const TorsionMonteCarloIntegrator& expected, const TorsionM
     }
 }
 
+void assertSameOuterTests(const TorsionMonteCarloIntegrator& expected, const TorsionMonteCarloIntegrator& found)
+{
+    ASSERT_EQUAL(expected.getTrialsPerOuterTest(), found.getTrialsPerOuterTest());
+    double expectedCutoffs[2], foundCutoffs[2];
+    expected.getStandInCutoffs(expectedCutoffs[0], expectedCutoffs[1]);
+    found.getStandInCutoffs(foundCutoffs[0], foundCutoffs[1]);
+    ASSERT_EQUAL(expectedCutoffs[0], foundCutoffs[0]);
+    ASSERT_EQUAL(expectedCutoffs[1], foundCutoffs[1]);
+    ASSERT_EQUAL(expected.getStandInGridWidth(), found.getStandInGridWidth());
+}
+
 void assertSameIntegrators(const TorsionMonteCarloIntegrator& expected, const TorsionMonteCarloIntegrator& found)
 {
     ASSERT_EQUAL(expected.getTemperature(), found.getTemperature());
@@ -73,6 +87,7 @@ void assertSameIntegrators(const TorsionMonteCarloIntegrator& expected, const To
     ASSERT_EQUAL(expected.getInitialClashPolicy(), found.getInitialClashPolicy());
     ASSERT_EQUAL(expected.getStericMode(), found.getStericMode());
     ASSERT_EQUAL(expected.getNativeEnergies(), found.getNativeEnergies());
+    assertSameOuterTests(expected, found);
     assertSameMoves(expected, found);
 }
 
@@ -140,25 +155,34 @@ void testRoundTrip()
 void testOldXml()
 {
     // Version 1 knew no steric mode: all sampling was hard. Until version 2 all energies were OpenMM's; sampling is the
-    // same without them.
+    // same without them. Until version 3 there were no outer tests.
 
     TorsionMonteCarloIntegrator integrator(310);
     integrator.setStericMode(TorsionMonteCarloIntegrator::Soft);
     integrator.setNativeEnergies(false);
+    integrator.setTrialsPerOuterTest(7);
+    integrator.setStandInCutoffs(0.25, 0.5);
+    integrator.setStandInGridWidth(0.125);
+    const vector<string> outer = {" trialsPerOuterTest=\"7\"", " standInBornCutoff=\".25\"",
+                                  " standInPairCutoff=\".5\"", " standInGridWidth=\".125\""};
     const string xml = toXml(integrator);
-    auto readWithout = [&](const string& version, const vector<string>& properties) {
+    auto readWithout = [&](const string& version, vector<string> properties) {
+        properties.insert(properties.end(), outer.begin(), outer.end());
         string changed = xml;
         auto replace = [&](const string& text, const string& with) {
             ASSERT(changed.find(text) != string::npos);
             changed.replace(changed.find(text), text.size(), with);
         };
-        replace("version=\"3\"", "version=\"" + version + "\"");
+        replace("version=\"4\"", "version=\"" + version + "\"");
         for (const string& property : properties)
             replace(property, "");
         return fromXml(changed);
     };
     auto first = readWithout("1", {" stericMode=\"1\"", " nativeEnergies=\"0\""});
     auto second = readWithout("2", {" nativeEnergies=\"0\""});
+    auto third = readWithout("3", {});
+    assertSameOuterTests(TorsionMonteCarloIntegrator(310), dynamic_cast<TorsionMonteCarloIntegrator&>(*third));
+    ASSERT(!dynamic_cast<TorsionMonteCarloIntegrator&>(*third).getNativeEnergies());
     auto& firstCopy = dynamic_cast<TorsionMonteCarloIntegrator&>(*first);
     auto& secondCopy = dynamic_cast<TorsionMonteCarloIntegrator&>(*second);
     ASSERT(firstCopy.getStericMode() == TorsionMonteCarloIntegrator::Hard);
@@ -189,10 +213,10 @@ void testBadXml()
         changed.replace(changed.find(good), good.size(), bad);
         fromXml(changed);
     };
-    assertThrows("the XML of a TorsionMonteCarloIntegrator has version 4, but this openmm-chaintree reads only "
-                 "versions 1 to 3",
+    assertThrows("the XML of a TorsionMonteCarloIntegrator has version 5, but this openmm-chaintree reads only "
+                 "versions 1 to 4",
                  [&] {
-                     readWith("version=\"3\"", "version=\"4\"");
+                     readWith("version=\"4\"", "version=\"5\"");
                  });
     assertThrows("move of unknown kind: JumpMove", [&] {
         readWith("<RigidBodyMove", "<JumpMove");
@@ -205,6 +229,18 @@ void testBadXml()
     });
     assertThrows("the steric mode", [&] {
         readWith("stericMode=\"1\"", "stericMode=\"2\"");
+    });
+    assertThrows("the number of trials to an outer test must be at least 0, but is -1", [&] {
+        readWith("trialsPerOuterTest=\"29\"", "trialsPerOuterTest=\"-1\"");
+    });
+    assertThrows("the bornCutoff of stand-ins must be a finite number above 0", [&] {
+        readWith("standInBornCutoff=\"", "standInBornCutoff=\"-");
+    });
+    assertThrows("the pairCutoff of stand-ins must be a finite number above 0", [&] {
+        readWith("standInPairCutoff=\"", "standInPairCutoff=\"-");
+    });
+    assertThrows("the grid width of stand-ins must be a finite number above 0", [&] {
+        readWith("standInGridWidth=\"", "standInGridWidth=\"-");
     });
     assertThrows("the initial clash policy", [&] {
         readWith("initialClashPolicy=\"1\"", "initialClashPolicy=\"5\"");

@@ -149,9 +149,9 @@ public:
     virtual void setEnergyTerms(const EnergyTerms& terms) = 0;
     /**
      * Compute the energy of the state anew, unless what is kept of it is that of the state. With force, compute it
-     * anyway.
+     * anyway. Returns whether it was computed.
      */
-    virtual void updateEnergy(bool force) = 0;
+    virtual bool updateEnergy(bool force) = 0;
     /**
      * Get the energy as it is kept, of the state that updateEnergy() or the last accepted trial has left. That of pairs
      * is that of the stand-in, if there is one.
@@ -179,14 +179,18 @@ public:
      */
     virtual void renewStandIn() = 0;
     /**
-     * Get or set the numbers of the stand-in. They are none if there is none.
+     * Get or set the numbers of the stand-in, which are none if there is none. They stay what they are in any state,
+     * until the terms are set anew.
      */
     virtual void getStandIn(std::vector<double>& numbers) = 0;
     virtual void setStandIn(const std::vector<double>& numbers) = 0;
     /**
-     * Keep the state, its limits and its energy, or bring them back bit for bit.
+     * Keep the state, its limits and its energy. In between, nothing but trials may change them.
      */
     virtual void keepState() = 0;
+    /**
+     * Bring back what keepState() has kept, bit for bit. It stays kept. Drops the open trial.
+     */
     virtual void takeBackState() = 0;
 
     virtual void getTraversalStatistics(long long& queries, long long& volumeTests, long long& particleTests,

@@ -22,6 +22,7 @@ class EnergyStages;
 class MonteCarloMove;
 class MoveList;
 class NativeEnergy;
+class OuterStatistics;
 class RandomNumberGenerator;
 class StericExclusionForceImpl;
 class TrialSession;
@@ -61,7 +62,8 @@ class TrialSession;
  *   NonbondedForce (without periodic images), HarmonicBondForce, HarmonicAngleForce, PeriodicTorsionForce,
  *   RBTorsionForce, CMAPTorsionForce, CustomBondForce, CustomAngleForce, CustomTorsionForce, CustomCompoundBondForce
  *   and CustomExternalForce.
- * - Foreign: all else. OpenMM evaluates the force groups of these for each trial that has come so far.
+ * - Foreign: all else. OpenMM evaluates the force groups of these for each trial that has come so far, or once for many
+ *   trials; see below.
  *
  * A trial passes the parts of U one by one, cheapest first, and ends at the first that refuses it: bonded terms, pairs
  * that are near, soft spheres, the other pairs, foreign Forces. By its own change dU of U each part lets the trial pass
@@ -72,7 +74,23 @@ class TrialSession;
  * OpenMM's own energy is compared at the first step, after changes of parameters, and every million trials. If a native
  * Force has another energy than OpenMM says, step() throws an exception that names it.
  *
- * The positions reach the Context once a step; if there are foreign Forces, also for each trial that comes to them.
+ * The positions reach the Context once a step; if there are foreign Forces, also for each trial that comes to them, or
+ * for each outer test.
+ *
+ * <b>Outer tests.</b> Trials can do without a dear part of U. They are then decided by the rest, U1, and after a number
+ * of them an outer test keeps all that were accepted since the last test, or takes all back, with probability min(1,
+ * exp(-((U' - U1') - (U - U1))/kT)), where U and U1 are those at the last test. This samples exp(-U/kT) exactly,
+ * however much the dear part is. (At a temperature of 0 the trials are kept unless U has gone up.) What is left to
+ * outer tests are
+ *
+ * - foreign Forces, if setTrialsPerOuterTest() says so: OpenMM then evaluates them once a test and once a step instead
+ *   of once a trial;
+ * - what a stand-in neglects. Generalized Born solvation, in which each pair of particles counts for each other, is
+ *   native, but for trials it is replaced, together with Coulomb energies, by something near that depends on few
+ *   particles; see setStandInCutoffs() and renewStandIns().
+ *
+ * Trials that were taken back leave no trace but in getOuterStatistics(), which tells what became of the tests. If few
+ * of them keep their trials, let them come after fewer trials, or let trials change less.
  *
  * <b>Moves.</b> Add at least one by addTorsionMove() or addRigidBodyMove().
  *
@@ -98,13 +116,14 @@ class TrialSession;
  * barostat (periodic boundary conditions are not supported), or a constraint between particles that a torsion moves
  * relative to each other, and if a move names what does not exist. A step throws an exception if no move can be drawn,
  * if U of the present positions is not a number, if these are not finite, if OpenMM has another energy for a native
- * Force, or if another Force throws one. The Context then is where the trials that were accepted have led, and these
- * are counted, but the step is not.
+ * Force, or if another Force throws one. The Context then is where the trials that were accepted have led (with outer
+ * tests, where the last test has left it), and these are counted, but the step is not.
  *
  * <b>Checkpoints and States.</b> With the same random number seed, the same program samples the same trajectory, bit
  * for bit. So does one that is broken off between two steps and goes on from a checkpoint, or from a State with
  * positions and integrator parameters, as app.Simulation saves it in Python. Both hold the random number generator, the
- * limits, the statistics of the moves, and what the geometry is computed from. Making one starts the sums of native
+ * limits, the statistics of the moves and of outer tests, the numbers of a stand-in, and what the geometry is computed
+ * from. Making one starts the sums of native
  * energies anew, so a run that makes none can differ from one that does, by the last bits of its energies. The trial
  * that the user may have opened by StericExclusionForce and the counts of getStageStatistics() are in neither. What a
  * program sets by this class (temperature, steric mode, native energies, trials per step, moves) is in neither, too: it
@@ -119,7 +138,8 @@ class TrialSession;
  * A State is not. Its random number generator and its limits are taken over whatever the moves are, the statistics only
  * if the moves are the same. If the Context has another structure, or not the bits of the positions that the sampling
  * stood at (for example because the State was made with enforcePeriodicBox, or holds no positions), sampling goes on
- * from the positions that the Context has, within rounding. States of version 1 hold limits alone.
+ * from the positions that the Context has, within rounding. States of version 1 hold limits alone, those of
+ * version 2 nothing of outer tests.
  *
  * <b>A refused reinitialize().</b> Context::reinitialize() throws an exception if the System has come to hold what a
  * Force or this integrator refuses, and leaves a Context that is not complete. The integrator then keeps what the
@@ -291,6 +311,74 @@ public:
      */
     void setNativeEnergies(bool native);
     /**
+     * Get the number of trials to an outer test. See setTrialsPerOuterTest() for details.
+     */
+    int getTrialsPerOuterTest() const;
+    /**
+     * Set the number of trials to an outer test, which keeps all that were accepted since the last one or takes all
+     * back. A step always ends with a test, so there are never more trials to one than there are in a step: for 400,
+     * set 400 or a multiple of it by setTrialsPerStep().
+     *
+     * With 0, which is the default, foreign Forces are not left to an outer test, but decide each trial; a stand-in is
+     * tested after 400 trials. With a number from 1 on, both are tested after so many. Without foreign Forces and
+     * stand-in there is no outer test at all. This may change between two steps.
+     *
+     * @param trials  the number of trials, or 0
+     */
+    void setTrialsPerOuterTest(int trials);
+    /**
+     * Get what became of outer tests, since the integrator was created or resetMoveStatistics() was called. The
+     * difference is by how much the trials of a test changed U - U1, the part of U that they had not seen; that of
+     * tests before which no trial was accepted is left out. It should be a few kJ/mol at most. If its standard
+     * deviation is s, in units of kT, about erfc(s / sqrt(8)) of the tests keep their trials.
+     *
+     * @param[out] attempted          the number of tests
+     * @param[out] accepted           how many of them kept their trials
+     * @param[out] trialsTakenBack    the number of trials that the others took back. They are in no other count, as if
+     *                                they had never been.
+     * @param[out] meanDifference     the mean of the differences, in kJ/mol; 0 if there are none
+     * @param[out] standardDeviation  their standard deviation, in kJ/mol; 0 if there are fewer than two
+     */
+    void getOuterStatistics(long long& attempted, long long& accepted, long long& trialsTakenBack,
+                            double& meanDifference, double& standardDeviation) const;
+    /**
+     * Make the stand-in for a part of the energy what it is in the present positions. The first step of a Context does
+     * so; from then on its numbers stay what they are, in checkpoints and States as well, so that sampling is exact.
+     * Call this in equilibration, or if getOuterStatistics() shows that few tests keep their trials because the
+     * molecules have become others than they were. Nothing happens if there is no stand-in.
+     *
+     * @param context  the Context that this integrator is bound to
+     */
+    void renewStandIns(OpenMM::Context& context);
+    /**
+     * Get the cutoffs of a stand-in. See setStandInCutoffs() for details.
+     *
+     * @param[out] bornCutoff  the largest distance of particles in a Born sum, in nm
+     * @param[out] pairCutoff  the largest distance of particles that interact, in nm
+     */
+    void getStandInCutoffs(double& bornCutoff, double& pairCutoff) const;
+    /**
+     * Set the cutoffs of a stand-in. They have no influence on what is sampled, only on how fast: larger ones make a
+     * trial cost more, smaller ones let fewer outer tests keep their trials. The defaults are 0.8 and 0.9 nm. Another
+     * bornCutoff makes the stand-in anew, as renewStandIns() does.
+     *
+     * @param bornCutoff  the largest distance of particles in a Born sum, in nm; those beyond it are replaced by a
+     *                    constant of each particle
+     * @param pairCutoff  the largest distance of particles that interact, in nm
+     */
+    void setStandInCutoffs(double bornCutoff, double pairCutoff);
+    /**
+     * Get the width of the grid of Born radii of a stand-in. See setStandInGridWidth() for details.
+     */
+    double getStandInGridWidth() const;
+    /**
+     * Set the width of the grid of Born radii of a stand-in: in its pair energies their logarithms are rounded to
+     * multiples of it. It has no influence on what is sampled, only on how fast. The default is 0.05.
+     *
+     * @param width  the width, above 0
+     */
+    void setStandInGridWidth(double width);
+    /**
      * Get who evaluates the energy of each Force for a trial, and why, by the present choice of integration force
      * groups, native energies and steric mode.
      *
@@ -432,7 +520,7 @@ public:
     void getMoveStatistics(int move, long long& attempted, long long& clashed, long long& rejectedByEnergy,
                            long long& accepted) const;
     /**
-     * Start the counts of all moves anew, from 0, and those of getStageStatistics(), too.
+     * Start the counts of all moves anew, from 0, and those of getStageStatistics() and getOuterStatistics(), too.
      */
     void resetMoveStatistics();
     /**
@@ -496,13 +584,16 @@ private:
     void requireBound() const;
     void requireContext(const OpenMM::Context& context) const;
     void bindEnergies(StericExclusionForceImpl& force, OpenMM::ContextImpl& context);
-    void runTrial(TrialSession& trials, double weightSum);
+    bool runTrial(TrialSession& trials, double weightSum);
     std::unique_ptr<MoveList> moves;
     double temperature;
     int randomNumberSeed, trialsPerStep;
     InitialClashPolicy initialClashPolicy;
     StericMode stericMode;
     bool nativeEnergies;
+    int trialsPerOuterTest;
+    double standInBornCutoff, standInPairCutoff, standInGridWidth;
+    std::unique_ptr<OuterStatistics> outerStatistics;
     /** What a Context held whose reinitialize() has begun and not succeeded yet, else NULL. */
     std::unique_ptr<KeptState> kept;
     // What follows exists only while the integrator is bound to a Context.

@@ -42,6 +42,13 @@ public:
     };
     explicit EnergyPlan(const OpenMM::ContextImpl& context);
     /**
+     * Set how a stand-in is made when the Forces are translated next, if they need one.
+     */
+    void setStandIn(const EnergyTerms::StandIn& choice)
+    {
+        standIn = choice;
+    }
+    /**
      * Take notice that the parameters of some Force were copied to the Context.
      */
     void copyForces();
@@ -116,6 +123,7 @@ private:
     std::vector<bool> isSteric, hasNoEnergy;
     std::vector<Entry> entries;
     EnergyTerms terms;
+    EnergyTerms::StandIn standIn;
 };
 
 } // namespace ChainTreePlugin

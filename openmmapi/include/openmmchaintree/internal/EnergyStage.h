@@ -35,6 +35,22 @@ public:
      */
     virtual double computeChange(TrialSession& trials) = 0;
     /**
+     * Get whether the change of the way back would be the opposite one, as that of a function of the state always is. A
+     * stage that is not so needs one after it that makes it good; see EnergyStages::DecideOneByOne.
+     */
+    virtual bool isAntisymmetric() const
+    {
+        return true;
+    }
+    /**
+     * Get what this stage has to add to its change where stages decide one by one, to make good an earlier one that is
+     * not antisymmetric. It is asked for after computeChange().
+     */
+    virtual double getCorrection()
+    {
+        return 0;
+    }
+    /**
      * Take notice that the trial that computeChange() was asked about has become the state.
      */
     virtual void accept()
@@ -44,6 +60,18 @@ public:
      * Take notice that it was dropped.
      */
     virtual void reject()
+    {
+    }
+    /**
+     * Keep what is known about the state.
+     */
+    virtual void keep()
+    {
+    }
+    /**
+     * Take notice that the state is again what it was when keep() was called last, in the same series of trials.
+     */
+    virtual void takeBack()
     {
     }
 };
@@ -73,6 +101,20 @@ public:
          * 1 / r_i(x, y). Since min(1, r) / min(1, 1 / r) = r, a(x, y) / a(y, x) is the product of all r_i, which is
          * what detailed balance asks for. (Christen and Fox, J. Comput. Graph. Stat. 14, 795 (2005).) It accepts less
          * than the sum would: a stage may refuse what a later one would have made good.
+         *
+         * A stage n may have a change d(x, y) that is not the opposite of d(y, x), if another stage l after it, whose
+         * own change c is such that d + c is antisymmetric, adds the correction
+         *
+         *     max(0, d(y, x)) - max(0, -d(x, y))
+         *
+         * to c. It is 0 if d(y, x) = -d(x, y). Proof: since x - max(0, x) = -max(0, -x), c and the correction are
+         *
+         *     C(x, y) = (d + c)(x, y) + max(0, d(y, x)) - max(0, d(x, y)),
+         *
+         * which is antisymmetric, so l contributes exp(-C(x, y) / kT) to a(x, y) / a(y, x). Stage n contributes
+         * min(1, exp(-d(x, y) / kT)) / min(1, exp(-d(y, x) / kT)) = exp(-(max(0, d(x, y)) - max(0, d(y, x))) / kT). The
+         * product is exp(-(d + c) / kT), as if both were antisymmetric. The ratio of proposals must be no part of
+         * stage n, where it would change the maxima: if n is the first one, it is tested before, by itself.
          */
         DecideOneByOne
     };
@@ -105,6 +147,11 @@ public:
     }
     void resetStatistics();
     /**
+     * Get or set the counts of all stages.
+     */
+    std::vector<Statistics> getAllStatistics() const;
+    void setAllStatistics(const std::vector<Statistics>& statistics);
+    /**
      * Begin a series of trials.
      */
     void begin(TrialSession& trials);
@@ -122,6 +169,11 @@ public:
     bool decide(TrialSession& trials, double logRatio, double temperature, Rule rule, RandomNumberGenerator& random);
     void accept();
     void reject();
+    /**
+     * Keep what the stages know about the state, or take notice that it has been brought back.
+     */
+    void keep();
+    void takeBack();
 
 private:
     class Entry {

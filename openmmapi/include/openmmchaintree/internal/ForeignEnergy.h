@@ -7,14 +7,16 @@
 namespace ChainTreePlugin {
 
 /**
- * The energy of the foreign Forces in the integration force groups, by an OpenMM evaluation for each trial.
+ * The energy of the foreign Forces in the integration force groups, by an OpenMM evaluation for each trial. If they are
+ * left to an outer test, the stage has no part in trials.
  *
  * OpenMM evaluates whole groups. If native Forces are in them, what the kernel has computed of these is subtracted, so
  * that the change is that of the foreign Forces alone.
  */
 class ForeignEnergy : public EnergyStage {
 public:
-    explicit ForeignEnergy(const NativeEnergy& native) : native(native), groups(0), energy(0), proposedEnergy(0)
+    explicit ForeignEnergy(const NativeEnergy& native) :
+        native(native), groups(0), energy(0), proposedEnergy(0), keptEnergy(0)
     {
     }
     std::string getName() const
@@ -24,6 +26,14 @@ public:
     bool begin(TrialSession& trials);
     double computeChange(TrialSession& trials);
     void accept();
+    void keep()
+    {
+        keptEnergy = energy;
+    }
+    void takeBack()
+    {
+        energy = keptEnergy;
+    }
 
 private:
     const NativeEnergy& native;
@@ -31,6 +41,8 @@ private:
     int groups;
     /** The energies of the state and of the open trial. */
     double energy, proposedEnergy;
+    /** That of the state that was kept. */
+    double keptEnergy;
 };
 
 } // namespace ChainTreePlugin

@@ -78,6 +78,14 @@ public:
      */
     Entry& draw(double weightSum, RandomNumberGenerator& random);
     void resetStatistics();
+    /**
+     * Get the counts of all moves, for setStatistics().
+     */
+    std::vector<long long> getStatistics() const;
+    /**
+     * Set the counts that getStatistics() or readCheckpoint() returned.
+     */
+    void setStatistics(const std::vector<long long>& statistics);
 
     // ---- XML: what moves there are ----
 
@@ -102,17 +110,14 @@ public:
      */
     std::vector<long long> readCheckpoint(CheckpointReader& reader) const;
     /**
-     * Set the counts that readCheckpoint() returned.
-     */
-    void setStatistics(const std::vector<long long>& statistics);
-    /**
      * Write the moves and their counts as children of a node.
      */
     void writeStatistics(OpenMM::SerializationNode& node) const;
     /**
-     * Read the counts that writeStatistics() wrote, if these are the moves that it wrote them of.
+     * Read the counts that writeStatistics() wrote, if these are the moves that it wrote them of. Returns whether they
+     * are.
      */
-    void readStatistics(const OpenMM::SerializationNode& node);
+    bool readStatistics(const OpenMM::SerializationNode& node);
 
 private:
     /** What a move is, in names and values. */

@@ -2,6 +2,7 @@
 #define OPENMM_CHAINTREE_NATIVEENERGY_H_
 
 #include "openmm/internal/ContextImpl.h"
+#include "openmm/serialization/SerializationNode.h"
 #include "openmmchaintree/internal/EnergyPlan.h"
 #include "openmmchaintree/internal/EnergyStage.h"
 #include "openmmchaintree/internal/NativeEnergyCheck.h"
@@ -66,6 +67,14 @@ public:
      */
     void endTrial();
     /**
+     * The same, and that it has become the state.
+     */
+    void acceptTrial()
+    {
+        whole.isCurrent = false;
+        endTrial();
+    }
+    /**
      * Get by how much the open trial changes the parts that were computed.
      */
     double getComputedChange() const
@@ -91,16 +100,95 @@ public:
      */
     double computeEnergy(TrialSession& trials);
 
+    // ---- What trials see, U1, and the energy U; see OuterTest ----
+
+    /**
+     * Get whether trials see a stand-in for a part of U.
+     */
+    bool hasStandIn() const
+    {
+        return !plan.getTerms().born.empty() && pairsCanChange;
+    }
+    /**
+     * Get what the change of other pairs needs to make good that of near pairs; see EnergyStage::getCorrection().
+     */
+    double getNearCorrection();
+    /**
+     * Get whether trials are decided without the foreign Forces.
+     */
+    bool leavesForeignToOuterTest() const
+    {
+        return integrator.getTrialsPerOuterTest() > 0;
+    }
+    /**
+     * Get how many trials there are to an outer test in the series that has begun; 0 if there is none.
+     */
+    int getTrialsPerOuterTest() const;
+    /**
+     * Compute U - U1 of the state; infinite if U is.
+     */
+    double computeDifference(TrialSession& trials);
+    /**
+     * Get U1 of the state, without what moves cannot change and without soft spheres.
+     */
+    double getInnerEnergy();
+    /**
+     * Keep what is known about the state, or take notice that it has been brought back.
+     */
+    void keep()
+    {
+        keptWhole = whole;
+    }
+    void takeBack()
+    {
+        endTrial();
+        whole = keptWhole;
+    }
+    /**
+     * Make the stand-in what it is in the state, if there is one.
+     */
+    void renewStandIn();
+    /**
+     * Get the numbers of the stand-in; none if there is none, or it was never made.
+     */
+    const std::vector<double>& getStandIn() const
+    {
+        return standIn;
+    }
+    /**
+     * Set the numbers that getStandIn() returned. If they do not fit what is sampled, the stand-in is made anew by the
+     * next series of trials.
+     */
+    void setStandIn(const std::vector<double>& numbers);
+    /**
+     * Write the numbers of the stand-in, or read and set them.
+     */
+    void writeStandIn(OpenMM::SerializationNode& node) const;
+    void readStandIn(const OpenMM::SerializationNode& node);
+
 private:
     /** What the user has chosen that the plan depends on. */
     class Choice {
     public:
         int groups;
         bool native, soft;
+        EnergyTerms::StandIn standIn;
         bool operator==(const Choice& other) const
         {
-            return groups == other.groups && native == other.native && soft == other.soft;
+            return groups == other.groups && native == other.native && soft == other.soft && standIn == other.standIn;
         }
+    };
+    /** The energies of the state that a stand-in stands for. */
+    class WholeEnergy {
+    public:
+        bool isCurrent;
+        double nonbonded, born;
+    };
+    /** What the kernel keeps of the energy of the state. */
+    class HeldEnergy {
+    public:
+        double pairs;
+        std::vector<double> pairSets, termSets;
     };
     Choice getChoice() const;
     bool hasTerms() const
@@ -109,6 +197,10 @@ private:
     }
     void updatePlan();
     void translate();
+    void setKernelTerms();
+    void updateStandIn();
+    const HeldEnergy& updateHeld();
+    const WholeEnergy& updateWhole();
     std::vector<double> updateEnergies();
     void checkNumbers(const std::vector<double>& energies) const;
     void compareWithOpenMM(TrialSession& trials, const std::vector<double>& energies);
@@ -129,6 +221,13 @@ private:
     /** The number of parts of the open trial that were computed, and the sum of their changes. */
     int numComputed;
     double computedChange;
+    /** The change of near pairs in the open trial. */
+    double nearChange;
+    /** The numbers of the stand-in, and whether the kernel has them. */
+    std::vector<double> standIn;
+    bool standInIsSet;
+    HeldEnergy held;
+    WholeEnergy whole, keptWhole;
 };
 
 /**
@@ -149,9 +248,17 @@ public:
     {
         return energy.computeChange(part);
     }
+    bool isAntisymmetric() const
+    {
+        return part != CalcStericExclusionForceKernel::NearPairsPart || !energy.hasStandIn();
+    }
+    double getCorrection()
+    {
+        return part == CalcStericExclusionForceKernel::OtherPairsPart ? energy.getNearCorrection() : 0;
+    }
     void accept()
     {
-        energy.endTrial();
+        energy.acceptTrial();
     }
     void reject()
     {

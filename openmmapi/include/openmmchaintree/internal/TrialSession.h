@@ -110,6 +110,18 @@ public:
      * The same at the positions of the open trial.
      */
     double computeOtherEnergyOfProposal(int groups);
+    /**
+     * The same at the positions of the state.
+     */
+    double computeOtherEnergyOfState(int groups);
+    /**
+     * Keep the state, its limits and what the kernel knows of its energy.
+     */
+    void keepState();
+    /**
+     * Make the state again what it was when keepState() was called last. Drops the open trial.
+     */
+    void takeBackState();
 
 private:
     void updateLimits();

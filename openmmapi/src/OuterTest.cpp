@@ -1,0 +1,169 @@
+#include "openmmchaintree/internal/OuterTest.h"
+#include "openmm/OpenMMException.h"
+#include "openmm/reference/SimTKOpenMMRealType.h"
+#include <cmath>
+#include <limits>
+
+using namespace ChainTreePlugin;
+using namespace OpenMM;
+using namespace std;
+
+// ---- Statistics ----
+
+OuterStatistics::OuterStatistics() :
+    attempted(0), accepted(0), trialsTakenBack(0), numDifferences(0), mean(0), squares(0)
+{
+}
+
+void OuterStatistics::add(double difference)
+{
+    numDifferences++;
+    const double fromFormerMean = difference - mean;
+    mean += fromFormerMean / numDifferences;
+    squares += fromFormerMean * (difference - mean);
+}
+
+double OuterStatistics::getStandardDeviation() const
+{
+    return numDifferences < 2 ? 0 : sqrt(squares / (numDifferences - 1));
+}
+
+void OuterStatistics::write(CheckpointWriter& writer) const
+{
+    writer.write(*this);
+}
+
+void OuterStatistics::read(CheckpointReader& reader)
+{
+    *this = reader.read<OuterStatistics>();
+}
+
+void OuterStatistics::write(SerializationNode& node) const
+{
+    node.setLongProperty("attempted", attempted)
+        .setLongProperty("accepted", accepted)
+        .setLongProperty("trialsTakenBack", trialsTakenBack)
+        .setLongProperty("numDifferences", numDifferences)
+        .setDoubleProperty("mean", mean)
+        .setDoubleProperty("squares", squares);
+}
+
+void OuterStatistics::read(const SerializationNode& node)
+{
+    attempted = node.getLongProperty("attempted");
+    accepted = node.getLongProperty("accepted");
+    trialsTakenBack = node.getLongProperty("trialsTakenBack");
+    numDifferences = node.getLongProperty("numDifferences");
+    mean = node.getDoubleProperty("mean");
+    squares = node.getDoubleProperty("squares");
+}
+
+// ---- Tests ----
+
+/**
+ * Get whether a difference of energies is one that a state can have: neither NaN nor minus infinity.
+ */
+static bool isEnergy(double energy)
+{
+    return energy > -numeric_limits<double>::infinity();
+}
+
+/**
+ * Get by how much an energy changes. From one infinity to the other is no change.
+ */
+static double changeOf(double before, double after)
+{
+    return before == after ? 0 : after - before;
+}
+
+OuterTest::OuterTest(TrialSession& trials, NativeEnergy& native, EnergyStages& stages, MoveList& moves,
+                     OuterStatistics& statistics, RandomNumberGenerator& random, double temperature, bool softSpheres) :
+    trials(trials),
+    native(native), stages(stages), moves(moves), statistics(statistics), random(random), temperature(temperature),
+    softSpheres(softSpheres), size(native.getTrialsPerOuterTest()), numTrials(0), numAccepted(0), stateIsKept(false),
+    start({0, 0})
+{
+    if (size == 0)
+        return;
+    start = computeEnergies();
+    if (!isEnergy(start.difference))
+        throw OpenMMException(
+            "TorsionMonteCarloIntegrator: the energy of the integration force groups is not a number");
+}
+
+OuterTest::~OuterTest()
+{
+    try {
+        if (numTrials > 0)
+            takeBack();
+    }
+    catch (...) {
+        // An exception is under way. What it was that could not be taken back, the next step refuses or starts from.
+    }
+}
+
+OuterTest::Energies OuterTest::computeEnergies()
+{
+    const double difference = native.computeDifference(trials);
+    if (temperature > 0)
+        return {difference, 0};
+    return {difference, native.getInnerEnergy() + (softSpheres ? trials.computeSoftEnergy() : 0)};
+}
+
+void OuterTest::beginBlock()
+{
+    keptMoveCounts = moves.getStatistics();
+    keptStageCounts = stages.getAllStatistics();
+    if (stateIsKept)
+        return;
+    trials.keepState();
+    native.keep();
+    stages.keep();
+    stateIsKept = true;
+}
+
+void OuterTest::endBlock()
+{
+    const double drawn = random.drawUniform();
+    bool isKept = true;
+    if (numAccepted > 0) {
+        const Energies proposed = computeEnergies();
+        isKept = decide(proposed, drawn);
+        if (isKept) {
+            start = proposed;
+            stateIsKept = false;
+        }
+    }
+    if (!isKept) {
+        statistics.trialsTakenBack += numTrials;
+        takeBack();
+    }
+    statistics.attempted++;
+    statistics.accepted += isKept ? 1 : 0;
+    numTrials = numAccepted = 0;
+}
+
+/**
+ * Decide whether a block that has led to a state with these energies is kept.
+ */
+bool OuterTest::decide(const Energies& proposed, double drawn)
+{
+    const double change = changeOf(start.difference, proposed.difference);
+    if (isfinite(change))
+        statistics.add(change);
+    if (!isEnergy(proposed.difference))
+        return false;
+    if (temperature == 0)
+        return changeOf(start.difference + start.inner, proposed.difference + proposed.inner) <= 0;
+    return drawn < exp(-change / (BOLTZ * temperature));
+}
+
+void OuterTest::takeBack()
+{
+    moves.setStatistics(keptMoveCounts);
+    stages.setAllStatistics(keptStageCounts);
+    numTrials = 0;
+    trials.takeBackState();
+    native.takeBack();
+    stages.takeBack();
+}
