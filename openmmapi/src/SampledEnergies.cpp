@@ -64,8 +64,8 @@ void TorsionMonteCarloIntegrator::renewStandIns(Context& context)
 static void checkPositive(double value, const string& name)
 {
     if (!(value > 0) || !isfinite(value))
-        throw OpenMMException("TorsionMonteCarloIntegrator: " + name +
-                              " must be a finite number above 0, but is " + to_string(value));
+        throw OpenMMException("TorsionMonteCarloIntegrator: " + name + " must be a finite number above 0, but is " +
+                              to_string(value));
 }
 
 void TorsionMonteCarloIntegrator::getStandInCutoffs(double& bornCutoff, double& pairCutoff) const

@@ -327,8 +327,7 @@ static void testThrowingForce(Platform& platform)
             run.integrator.step(1);
         });
         assertSameBits(last, getPositions(*run.context));
-        ASSERT_EQUAL(10 * (Tests(run.integrator).attempted - tests),
-                     run.sumMoves(&Statistics::attempted) - former);
+        ASSERT_EQUAL(10 * (Tests(run.integrator).attempted - tests), run.sumMoves(&Statistics::attempted) - former);
         ASSERT_EQUAL(3, run.context->getStepCount());
     }
     scene.say = [](const vector<Vec3>&) {

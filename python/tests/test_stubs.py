@@ -18,7 +18,7 @@ _STUB = ast.parse((_PACKAGE / "openmmchaintree.pyi").read_text(encoding="utf-8")
 _STUBS = {node.name: node for node in _STUB.body if isinstance(node, ast.ClassDef)}
 _CLASSES = ("StericExclusionForce", "TorsionMonteCarloIntegrator")
 _NUMBERS = re.compile(r"^:type (\w+): .*(?:float|Quantity).*\n:param \1: ((?:.|\n(?!:))*)", re.MULTILINE)
-_UNIT = re.compile(r"\b(nm|radians|Kelvin|K|kJ/mol/nm\^2)\b")
+_UNIT = re.compile(r"\b(nm|radians|Kelvin|K|kJ/mol(?:/nm\^2)?)\b")
 _TUPLES = (
     "TraversalStatistics",
     "MoveStatistics",
@@ -135,8 +135,8 @@ def test_everyNumberHasItsUnit(name):
     for method, stub in methodsOf(_STUBS[name]).items():
         text = ast.get_docstring(stub)
         for parameter, description in _NUMBERS.findall(text):
-            # A weight is a number without unit.
-            assert parameter == "weight" or _UNIT.search(description), f"{method}: {parameter}"
+            # Weights, and widths of logarithms, are numbers without unit.
+            assert parameter in ("weight", "width") or _UNIT.search(description), f"{method}: {parameter}"
         if ast.unparse(stub.returns) == "Quantity":
             assert _UNIT.search(text), method
 
