@@ -234,6 +234,38 @@ static void tryOne(Program* p)
     ctDiscard(p->tree);
 }
 
+/* Trials that are taken back leave no trace: the energy has its bits, and so has the change of another trial. */
+static void takeBack(Program* p)
+{
+    double* state = malloc((size_t)ctGetStateSize(p->tree) * sizeof *state);
+    double before[CT_ENERGY_PARTS], after[CT_ENERGY_PARTS], nearBefore, nearAfter;
+    ctChange turn = {.link = randomInt(&p->random, p->scene.linkCount)};
+    if (p->scene.linkJoints[turn.link] == ctTorsionJoint)
+        turn.angle = 0.3;
+    else
+        turn.translation[0] = 0.05;
+    if (state == NULL)
+        abort();
+    const bool isTrial = p->scene.linkJoints[turn.link] != ctFixedJoint && propose(p, &turn, before, &nearBefore);
+    ctDiscard(p->tree);
+    ctGetState(p->tree, state);
+    const double energy = ctGetPairEnergy(p->energy);
+    if (ctKeepEnergy(p->energy) != ctSuccess)
+        fail(p, "keeping", 1, 0);
+    for (int n = 0; n < 6; n++)
+        tryOne(p);
+    if (ctSetState(p->tree, state) != ctSuccess || ctTakeBackEnergy(p->energy) != ctSuccess ||
+        !ctIsEnergyOfState(p->energy))
+        fail(p, "taking back", 1, 0);
+    if (ctGetPairEnergy(p->energy) != energy)
+        fail(p, "the energy that was taken back to", ctGetPairEnergy(p->energy), energy);
+    if (isTrial &&
+        (!propose(p, &turn, after, &nearAfter) || memcmp(before, after, sizeof before) != 0 || nearBefore != nearAfter))
+        fail(p, "a change after taking back", after[ctOtherPairsPart], before[ctOtherPairsPart]);
+    ctDiscard(p->tree);
+    free(state);
+}
+
 static uint64_t runProgram(uint64_t seed, const char* instructions, bool isJudged)
 {
     static Program p;
@@ -246,6 +278,8 @@ static uint64_t runProgram(uint64_t seed, const char* instructions, bool isJudge
         tryOne(&p);
         if (step % 10 == 9)
             compareState(&p);
+        if (step % 10 == 4)
+            takeBack(&p);
     }
     ctDestroyEnergy(p.energy);
     ctDestroy(p.tree);
