@@ -213,6 +213,8 @@ inline double computePlainEnergy(const EnergyTerms::Born& born, const std::vecto
                 sum += 0.5 * (1 / L - 1 / U + 0.25 * (r - s * s / r) * (1 / (U * U) - 1 / (L * L)) +
                               0.5 * std::log(L / U) / r);
             }
+            if (born.filled && o < s - r)
+                sum += 1 / o - 1 / (s - r);
             if (born.numNeckTypes > 0 && r <= born.radii[i] + born.radii[j] + born.neckCut) {
                 const int types = born.neckTypes[i] + born.numNeckTypes * born.neckTypes[j];
                 const double delta = r - born.neckDistances[types];

@@ -225,7 +225,6 @@ ReferenceCalcStericExclusionForceKernel::createTree(const Parameters& parameters
 void ReferenceCalcStericExclusionForceKernel::setTree(Tree created, vector<Vec3> positions)
 {
     energy.reset();
-    kept.exists = false;
     arrangement = std::move(positions);
     tree = std::move(created);
     followed.clear();
@@ -417,18 +416,12 @@ int ReferenceCalcStericExclusionForceKernel::getNumLimits()
     return tree ? ctGetLimitCount(tree.get()) : 0;
 }
 
-void ReferenceCalcStericExclusionForceKernel::readLimits(PairList& pairs, vector<double>& limits)
-{
-    pairs.resize(getNumLimits());
-    limits.resize(pairs.size());
-    if (!pairs.empty())
-        ctGetLimits(tree.get(), pairs.size(), reinterpret_cast<int(*)[2]>(pairs.data()), limits.data());
-}
-
 void ReferenceCalcStericExclusionForceKernel::getLimits(vector<pair<int, int>>& pairs, vector<double>& limits)
 {
-    PairList found;
-    readLimits(found, limits);
+    vector<array<int, 2>> found(getNumLimits());
+    limits.resize(found.size());
+    if (!found.empty())
+        ctGetLimits(tree.get(), found.size(), reinterpret_cast<int(*)[2]>(found.data()), limits.data());
     pairs.clear();
     for (const array<int, 2>& pair : found)
         pairs.push_back(make_pair(pair[0], pair[1]));
@@ -587,9 +580,7 @@ void ReferenceCalcStericExclusionForceKernel::setEnergyTerms(const EnergyTerms& 
         sceneIsOld |= needed[i] != (listed.empty() ? 0 : listed[i]);
     }
     energy.reset();
-    kept.exists = false;
     energyTerms = terms;
-    standIn.clear();
     if (!sceneIsOld)
         return;
     listed.swap(needed);
@@ -606,18 +597,14 @@ void ReferenceCalcStericExclusionForceKernel::setEnergyTerms(const EnergyTerms& 
 
 TrialEnergy& ReferenceCalcStericExclusionForceKernel::requireEnergy()
 {
-    if (!energy) {
-        unique_ptr<TrialEnergy> made(new TrialEnergy(tree.get(), describe(parameters, arrangement), energyTerms));
-        if (!standIn.empty())
-            made->setStandIn(standIn);
-        energy = std::move(made);
-    }
+    if (!energy)
+        energy.reset(new TrialEnergy(tree.get(), describe(parameters, arrangement), energyTerms));
     return *energy;
 }
 
-bool ReferenceCalcStericExclusionForceKernel::updateEnergy(bool force)
+void ReferenceCalcStericExclusionForceKernel::updateEnergy(bool force)
 {
-    return requireEnergy().update(force, counts);
+    requireEnergy().update(force, counts);
 }
 
 void ReferenceCalcStericExclusionForceKernel::getEnergies(double& pairs, vector<double>& pairSets,
@@ -655,7 +642,6 @@ void ReferenceCalcStericExclusionForceKernel::computeWholeEnergy(double& nonbond
 void ReferenceCalcStericExclusionForceKernel::renewStandIn()
 {
     requireEnergy().renewStandIn(counts);
-    energy->getStandIn(standIn);
 }
 
 void ReferenceCalcStericExclusionForceKernel::getStandIn(vector<double>& numbers)
@@ -666,35 +652,16 @@ void ReferenceCalcStericExclusionForceKernel::getStandIn(vector<double>& numbers
 void ReferenceCalcStericExclusionForceKernel::setStandIn(const vector<double>& numbers)
 {
     requireEnergy().setStandIn(numbers);
-    standIn = numbers;
 }
 
 void ReferenceCalcStericExclusionForceKernel::keepState()
 {
-    kept.exists = false;
-    kept.numbers.resize(ctGetStateSize(tree.get()));
-    ctGetState(tree.get(), kept.numbers.data());
-    readLimits(kept.limitedPairs, kept.limits);
-    kept.hasEnergy = (bool)energy;
-    if (energy)
-        energy->keep();
-    kept.exists = true;
+    throw OpenMMException("StericExclusionForce: keepState() comes with the outer test");
 }
 
 void ReferenceCalcStericExclusionForceKernel::takeBackState()
 {
-    if (!kept.exists)
-        throw OpenMMException("StericExclusionForce: no state was kept");
-    check(ctSetState(tree.get(), kept.numbers.data()));
-    PairList pairs;
-    vector<double> limits;
-    readLimits(pairs, limits);
-    if (pairs != kept.limitedPairs || limits != kept.limits)
-        check(ctSetLimits(tree.get(), kept.limits.size(), rows(kept.limitedPairs), kept.limits.data()));
-    if (kept.hasEnergy)
-        energy->takeBack();
-    else
-        energy.reset();
+    throw OpenMMException("StericExclusionForce: takeBackState() comes with the outer test");
 }
 
 void ReferenceCalcStericExclusionForceKernel::acceptProposal()

@@ -144,6 +144,7 @@ static ctBorn describe(const EnergyTerms::Born& given)
     born.radii = given.radii.data();
     born.offsetRadii = given.offsetRadii.data();
     born.scaledRadii = given.scaledRadii.data();
+    born.isFilled = given.filled;
     born.isRescaled = given.rescaled;
     born.alphas = given.alphas.data();
     born.betas = given.betas.data();
@@ -227,12 +228,10 @@ void TrialEnergy::check(ctStatus status) const
         throw OpenMMException(string("StericExclusionForce: ") + ctGetEnergyErrorText(energy.get()));
 }
 
-bool TrialEnergy::update(bool force, ctCounts& counts)
+void TrialEnergy::update(bool force, ctCounts& counts)
 {
-    if (!force && ctIsEnergyOfState(energy.get()))
-        return false;
-    check(ctRefreshEnergy(energy.get(), &counts));
-    return true;
+    if (force || !ctIsEnergyOfState(energy.get()))
+        check(ctRefreshEnergy(energy.get(), &counts));
 }
 
 double TrialEnergy::computeChange(ctEnergyPart part, ctCounts& counts)
@@ -247,16 +246,6 @@ void TrialEnergy::accept()
     // If not all of the change was asked for, this fails, and the next update computes everything.
 
     ctAcceptEnergyChange(energy.get());
-}
-
-void TrialEnergy::keep()
-{
-    check(ctKeepEnergy(energy.get()));
-}
-
-void TrialEnergy::takeBack()
-{
-    check(ctTakeBackEnergy(energy.get()));
 }
 
 double TrialEnergy::getNearChangeBack() const

@@ -129,7 +129,7 @@ public:
     struct Born {
         int force;
         std::vector<double> charges, radii, offsetRadii, scaledRadii;
-        bool rescaled;
+        bool filled, rescaled;
         std::vector<double> alphas, betas, gammas;
         int numNeckTypes;
         std::vector<int> neckTypes;
@@ -140,13 +140,9 @@ public:
         double cutoff;
         double shift;
     };
-    /** What trials see instead of nonbonded and born; by default what TorsionMonteCarloIntegrator has. */
+    /** What trials see instead of nonbonded and born. */
     struct StandIn {
-        double bornCutoff = 0.8, pairCutoff = 0.9, gridWidth = 0.05;
-        bool operator==(const StandIn& other) const
-        {
-            return bornCutoff == other.bornCutoff && pairCutoff == other.pairCutoff && gridWidth == other.gridWidth;
-        }
+        double bornCutoff, pairCutoff, gridWidth;
     };
     /** None or one. */
     std::vector<Nonbonded> nonbonded;

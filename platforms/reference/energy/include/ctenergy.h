@@ -159,10 +159,10 @@ typedef struct ctTermSet {
 } ctTermSet;
 
 /* A function of one to three numbers by a table. A discrete one has a value for each whole number from 0, or for each
- * two or three, the first fastest; numbers are rounded, and NaN is what is outside. One that is not discrete has pieces:
- * of the range of each number, `sizes` equal intervals. In an interval of one number the function is the sum over i of
- * values[4 s + i] u^i, u in [0, 1] from its lower end; of two, as in ctTorsionMap. Outside of the range it is 0, unless
- * it is periodic. */
+ * two or three, the first fastest; numbers are rounded, and NaN is what is outside. One that is not discrete has
+ * pieces: of the range of each number, `sizes` equal intervals. In an interval of one number the function is the sum
+ * over i of values[4 s + i] u^i, u in [0, 1] from its lower end; of two, as in ctTorsionMap. Outside of the range it is
+ * 0, unless it is periodic. */
 typedef struct ctTable {
   bool isDiscrete;
   bool isPeriodic;
@@ -200,7 +200,7 @@ typedef struct ctPairSet {
 
 /* Generalized Born solvation. Particle i has the Born sum I_i = sum over j != i of v(r; o_i, s_j) + neckScale n_ij(r),
  *   v(r; o, s) = 0 if r + s < o; else 1/2 (1/L - 1/U + 1/4 (r - s^2 / r) (1/U^2 - 1/L^2) + 1/2 log(L / U) / r),
- *     U = r + s, L = max(o, |r - s|),
+ *     U = r + s, L = max(o, |r - s|), and 1/o - 1/L more where o < s - r if spheres within others are filled,
  *   n_ij(r) = m / (1 + 100 (r - d)^2 + 0.3e6 (r - d)^6) if r <= R_i + R_j + neckCut, else 0, where m and d are those of
  *     neckTypes[i] + neckTypeCount * neckTypes[j],
  * and the Born radius B_i = 1 / (1/o_i - tanh(alpha p - beta p^2 + gamma p^3) / R_i), p = I_i o_i, or without rescaling
@@ -216,6 +216,7 @@ typedef struct ctBorn {
   const double* radii;   /* nm */
   const double* offsetRadii;
   const double* scaledRadii; /* may be negative */
+  bool isFilled;             /* spheres within others are */
   bool isRescaled;
   const double* alphas; /* these three only if rescaled */
   const double* betas;
@@ -304,10 +305,10 @@ double ctGetTermEnergy(const ctEnergy* energy, int termSet);
  * infinite and others finite. */
 ctStatus ctComputeEnergyChange(ctEnergy* energy, ctEnergyPart part, double* change, ctCounts* counts);
 
-/* With born, the change of near pairs is computed with the Born radii of the state, and so is not the opposite of that of
- * the way back, which begins with the radii of the trial. This is the change of near pairs on the way back, known once
- * all parts were computed; without born the opposite of the change. A test of near pairs alone with the probability
- * a(change) has to be followed by one that multiplies by a(change back) / a(change). */
+/* With born, the change of near pairs is computed with the Born radii of the state, and so is not the opposite of that
+ * of the way back, which begins with the radii of the trial. This is the change of near pairs on the way back, known
+ * once all parts were computed; without born the opposite of the change. A test of near pairs alone with the
+ * probability a(change) has to be followed by one that multiplies by a(change back) / a(change). */
 double ctGetNearChangeBack(const ctEnergy* energy);
 
 /* To be called after ctCommit of a trial of which all parts were computed: makes its values those of the state. Errors:

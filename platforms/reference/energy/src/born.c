@@ -100,6 +100,7 @@ static void setModel(BornModel* model, int particleCount, const ctBorn* d, const
       .neckTypeCount = d->neckTypeCount,
       .hasCutoff = isfinite(d->cutoff),
       .isRescaled = d->isRescaled,
+      .isFilled = d->isFilled,
       .necks = necks,
       .neckCut = (float)d->neckCut,
       .squaredNear = squaredReach(near),

@@ -46,6 +46,7 @@ typedef struct BornModel {
   int neckTypeCount; /* 0: no necks */
   bool hasCutoff;
   bool isRescaled;
+  bool isFilled;
   const BornNecks* necks; /* of each leaf with a particle of each type: [leaf * neckTypeCount + type] */
   float neckCut;
   /* No particles farther apart than this can overlap, or have s / r above BORN_FAR_RATIO; have it above

@@ -76,6 +76,13 @@ CT_INLINE Float16 overlapOf(Float16 r, Float16 inverse, Float16 o, Float16 s) {
   return blend16(greater16(o, add16(r, s)), odd, zero);
 }
 
+/* What v has more where a sphere within another is filled. */
+CT_INLINE Float16 fillingOf(Float16 r, Float16 o, Float16 s) {
+  const Float16 lower = sub16(s, r);
+  const Float16 filling = sub16(div16(all16(1), o), div16(all16(1), lower));
+  return blend16(greater16(lower, o), all16(0), filling);
+}
+
 /* The denominator of a neck. */
 CT_INLINE Float16 neckWidth(Float16 r, Float16 distance) {
   const Float16 from = sub16(r, distance);
@@ -133,6 +140,10 @@ CT_INLINE Float16 bornRows(const BornModel* model, float squaredCutoff, const Bo
         forLanes = blend16(isWrong, forLanes, overlapOf(r, inverse, offsetB, scaledA));
         if (!isSame) {
           forRow = blend16(isWrong, forRow, overlapOf(r, inverse, offsetA, scaledB));
+        }
+        if (model->isFilled) {
+          forLanes = add16(forLanes, fillingOf(r, offsetB, scaledA));
+          forRow = isSame ? forRow : add16(forRow, fillingOf(r, offsetA, scaledB));
         }
       }
     }

@@ -114,6 +114,7 @@ static void makePair(Pair* p) {
                             .neckTypes = p->neckTypes,
                             .neckHeights = p->neckHeights,
                             .neckDistances = p->neckDistances,
+                            .isFilled = drawInt(2) == 0,
                             .coulomb = CT_COULOMB,
                             .soluteDielectric = 1,
                             .solventDielectric = 78.5,
@@ -181,7 +182,7 @@ static void addPart(const Pair* p, int i, int j, long double* sum, long double* 
   const long double close = 3e-7L;
   const long double r = oracleDistance(p->positions, i, j);
   const long double scale = r > 1 ? r : 1; /* far away distances are rounded, too */
-  const long double part = oracleOverlap(r, d->offsetRadii[i], d->scaledRadii[j]);
+  const long double part = oracleSpheres(d, i, j, r);
   const long double neck = oracleNeck(d, i, j, r);
   if (fabsl(r - p->cutoff) < close * scale) {
     *jump += fabsl(oracleBornPart(d, i, j, r * (1 - 1e-9L))) + fabsl(neck);

@@ -17,6 +17,14 @@ static inline long double oracleOverlap(long double r, long double o, long doubl
                  0.5L * logl(lower / upper) / r);
 }
 
+/* The same of two particles; with what it has more if spheres within others are filled. */
+static inline long double oracleSpheres(const ctBorn* d, int i, int j, long double r) {
+  const long double o = d->offsetRadii[i];
+  const long double s = d->scaledRadii[j];
+  const bool isWithin = d->isFilled && o < s - r;
+  return oracleOverlap(r, o, s) + (isWithin ? 1 / o - 1 / (s - r) : 0);
+}
+
 /* What particle j contributes by its neck to the Born sum of i, neckScale included. */
 static inline long double oracleNeck(const ctBorn* d, int i, int j, long double r) {
   if (d->neckTypeCount == 0 || r > (long double)d->radii[i] + d->radii[j] + d->neckCut) {
@@ -29,7 +37,7 @@ static inline long double oracleNeck(const ctBorn* d, int i, int j, long double 
 
 /* What particle j at a distance contributes to the Born sum of i, whatever the cutoff. */
 static inline long double oracleBornPart(const ctBorn* d, int i, int j, long double r) {
-  return oracleOverlap(r, d->offsetRadii[i], d->scaledRadii[j]) + oracleNeck(d, i, j, r);
+  return oracleSpheres(d, i, j, r) + oracleNeck(d, i, j, r);
 }
 
 static inline long double oracleDistance(const double* positions, int i, int j) {
