@@ -53,7 +53,7 @@ public:
     void acceptProposal();
     void rejectProposal();
     void setEnergyTerms(const EnergyTerms& terms);
-    void updateEnergy(bool force);
+    bool updateEnergy(bool force);
     void getEnergies(double& pairs, std::vector<double>& pairSets, std::vector<double>& termSets);
     void countChangeableTerms(std::vector<int>& counts);
     double getProposedEnergyChange(EnergyPart part);
@@ -91,6 +91,8 @@ private:
     };
     class SoftTerms;
     TrialEnergy& requireEnergy();
+    typedef std::vector<std::array<int, 2>> PairList;
+    void readLimits(PairList& pairs, std::vector<double>& limits);
     void copyLimits(ctChainTree* created);
     static Parameters readParameters(const StericExclusionForce& force);
     ctDefinition describe(const Parameters& parameters, const std::vector<OpenMM::Vec3>& positions) const;
@@ -117,6 +119,17 @@ private:
     /** The energy of trials, made when it is asked for; and what it is made from. */
     std::unique_ptr<TrialEnergy> energy;
     EnergyTerms energyTerms;
+    /** The numbers of its stand-in, which outlive the scene; empty until they are set or renewed. */
+    std::vector<double> standIn;
+    /** What keepState() has kept of the scene. */
+    struct KeptState {
+        bool exists = false;
+        std::vector<double> numbers;
+        PairList limitedPairs;
+        std::vector<double> limits;
+        bool hasEnergy = false;
+    };
+    KeptState kept;
     /** Which particles stand in leaves whatever their radius, because the energy needs them. */
     std::vector<uint8_t> listed;
     /** The positions that the scene was made from. */

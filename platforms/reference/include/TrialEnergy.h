@@ -27,9 +27,10 @@ public:
      */
     static std::vector<uint8_t> findListed(const EnergyTerms& terms, int numParticles);
     /**
-     * Compute everything anew, unless what is kept belongs to the state. With force, do so anyway.
+     * Compute everything anew, unless what is kept belongs to the state. With force, do so anyway. Returns whether
+     * it was done.
      */
-    void update(bool force, ctCounts& counts);
+    bool update(bool force, ctCounts& counts);
     double computeChange(ctEnergyPart part, ctCounts& counts);
     /**
      * Take notice that the open trial has become the state.
@@ -42,6 +43,11 @@ public:
     void getStandIn(std::vector<double>& numbers) const;
     void setStandIn(const std::vector<double>& numbers);
     void countChangeableTerms(std::vector<int>& counts) const;
+    /**
+     * Keep what is known of the state, or bring it back once the scene has been.
+     */
+    void keep();
+    void takeBack();
 
 private:
     class Deleter {

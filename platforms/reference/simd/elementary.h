@@ -4,6 +4,7 @@
 #ifndef CT_ELEMENTARY_H_
 #define CT_ELEMENTARY_H_
 
+#include "elementarylanes.h"
 #include "ints.h"
 
 /* The nearest whole number where |a| < 2^22; its low bits hold the number, too. */
@@ -67,5 +68,69 @@ CT_INLINE Float16 log16(Float16 x) {
   const Float16 positive = chooseBelow16(x, all16(0), all16(NAN), finite);
   return chooseEqual16(x, all16(0), all16(-INFINITY), positive);
 }
+
+/* ---- Rounding ---- */
+
+#define CT_SIGNS16 allInts((int)0x80000000u)
+
+/* The nearest whole number below 2^23, with the sign of x. */
+CT_INLINE Float16 nearest16(Float16 x) {
+  const Float16 size = absolute16(x);
+  const Float16 whole = sub16(add16(size, all16(0x1p23f)), all16(0x1p23f));
+  const Float16 nearest = chooseBelow16(size, all16(0x1p23f), whole, size);
+  return floatsOfBits(orInts(bitsOf16(nearest), andInts(bitsOf16(x), CT_SIGNS16)));
+}
+
+CT_INLINE Float16 floor16(Float16 x) {
+  const Float16 nearest = nearest16(x);
+  const Float16 below = sub16(nearest, chooseBelow16(x, nearest, all16(1), all16(0)));
+  return floatsOfBits(orInts(bitsOf16(below), andInts(bitsOf16(x), CT_SIGNS16)));
+}
+
+CT_INLINE Float16 ceil16(Float16 x) {
+  const Float16 nearest = nearest16(x);
+  const Float16 above = add16(nearest, chooseBelow16(nearest, x, all16(1), all16(0)));
+  return floatsOfBits(orInts(bitsOf16(above), andInts(bitsOf16(x), CT_SIGNS16)));
+}
+
+/* ---- Lane by lane, error below 0.51 ---- */
+
+#define CT_DEFINE_OF_ONE(name)            \
+  CT_INLINE Float16 name##16(Float16 x) { \
+    float lanes[16];                      \
+    store16(lanes, x);                    \
+    for (int k = 0; k < 16; k++) {        \
+      lanes[k] = name##Lane(lanes[k]);    \
+    }                                     \
+    return load16(lanes);                 \
+  }
+
+#define CT_DEFINE_OF_TWO(name)                       \
+  CT_INLINE Float16 name##16(Float16 x, Float16 y) { \
+    float lanes[16];                                 \
+    float others[16];                                \
+    store16(lanes, x);                               \
+    store16(others, y);                              \
+    for (int k = 0; k < 16; k++) {                   \
+      lanes[k] = name##Lane(lanes[k], others[k]);    \
+    }                                                \
+    return load16(lanes);                            \
+  }
+
+/* Of angles up to CT_MOST_ANGLE; beyond, NaN. */
+CT_DEFINE_OF_ONE(sin)
+CT_DEFINE_OF_ONE(cos)
+CT_DEFINE_OF_ONE(tan)
+
+CT_DEFINE_OF_ONE(asin)
+CT_DEFINE_OF_ONE(acos)
+CT_DEFINE_OF_ONE(atan)
+CT_DEFINE_OF_TWO(atan2)
+CT_DEFINE_OF_ONE(sinh)
+CT_DEFINE_OF_ONE(cosh)
+CT_DEFINE_OF_ONE(tanh)
+CT_DEFINE_OF_ONE(erf)
+CT_DEFINE_OF_ONE(erfc)
+CT_DEFINE_OF_TWO(pow)
 
 #endif /* CT_ELEMENTARY_H_ */

@@ -225,6 +225,7 @@ ReferenceCalcStericExclusionForceKernel::createTree(const Parameters& parameters
 void ReferenceCalcStericExclusionForceKernel::setTree(Tree created, vector<Vec3> positions)
 {
     energy.reset();
+    kept.exists = false;
     arrangement = std::move(positions);
     tree = std::move(created);
     followed.clear();
@@ -416,12 +417,18 @@ int ReferenceCalcStericExclusionForceKernel::getNumLimits()
     return tree ? ctGetLimitCount(tree.get()) : 0;
 }
 
+void ReferenceCalcStericExclusionForceKernel::readLimits(PairList& pairs, vector<double>& limits)
+{
+    pairs.resize(getNumLimits());
+    limits.resize(pairs.size());
+    if (!pairs.empty())
+        ctGetLimits(tree.get(), pairs.size(), reinterpret_cast<int(*)[2]>(pairs.data()), limits.data());
+}
+
 void ReferenceCalcStericExclusionForceKernel::getLimits(vector<pair<int, int>>& pairs, vector<double>& limits)
 {
-    vector<array<int, 2>> found(getNumLimits());
-    limits.resize(found.size());
-    if (!found.empty())
-        ctGetLimits(tree.get(), found.size(), reinterpret_cast<int(*)[2]>(found.data()), limits.data());
+    PairList found;
+    readLimits(found, limits);
     pairs.clear();
     for (const array<int, 2>& pair : found)
         pairs.push_back(make_pair(pair[0], pair[1]));
@@ -580,7 +587,9 @@ void ReferenceCalcStericExclusionForceKernel::setEnergyTerms(const EnergyTerms& 
         sceneIsOld |= needed[i] != (listed.empty() ? 0 : listed[i]);
     }
     energy.reset();
+    kept.exists = false;
     energyTerms = terms;
+    standIn.clear();
     if (!sceneIsOld)
         return;
     listed.swap(needed);
@@ -597,14 +606,18 @@ void ReferenceCalcStericExclusionForceKernel::setEnergyTerms(const EnergyTerms& 
 
 TrialEnergy& ReferenceCalcStericExclusionForceKernel::requireEnergy()
 {
-    if (!energy)
-        energy.reset(new TrialEnergy(tree.get(), describe(parameters, arrangement), energyTerms));
+    if (!energy) {
+        unique_ptr<TrialEnergy> made(new TrialEnergy(tree.get(), describe(parameters, arrangement), energyTerms));
+        if (!standIn.empty())
+            made->setStandIn(standIn);
+        energy = std::move(made);
+    }
     return *energy;
 }
 
-void ReferenceCalcStericExclusionForceKernel::updateEnergy(bool force)
+bool ReferenceCalcStericExclusionForceKernel::updateEnergy(bool force)
 {
-    requireEnergy().update(force, counts);
+    return requireEnergy().update(force, counts);
 }
 
 void ReferenceCalcStericExclusionForceKernel::getEnergies(double& pairs, vector<double>& pairSets,
@@ -642,6 +655,7 @@ void ReferenceCalcStericExclusionForceKernel::computeWholeEnergy(double& nonbond
 void ReferenceCalcStericExclusionForceKernel::renewStandIn()
 {
     requireEnergy().renewStandIn(counts);
+    energy->getStandIn(standIn);
 }
 
 void ReferenceCalcStericExclusionForceKernel::getStandIn(vector<double>& numbers)
@@ -652,16 +666,35 @@ void ReferenceCalcStericExclusionForceKernel::getStandIn(vector<double>& numbers
 void ReferenceCalcStericExclusionForceKernel::setStandIn(const vector<double>& numbers)
 {
     requireEnergy().setStandIn(numbers);
+    standIn = numbers;
 }
 
 void ReferenceCalcStericExclusionForceKernel::keepState()
 {
-    throw OpenMMException("StericExclusionForce: keepState() comes with the outer test");
+    kept.exists = false;
+    kept.numbers.resize(ctGetStateSize(tree.get()));
+    ctGetState(tree.get(), kept.numbers.data());
+    readLimits(kept.limitedPairs, kept.limits);
+    kept.hasEnergy = (bool)energy;
+    if (energy)
+        energy->keep();
+    kept.exists = true;
 }
 
 void ReferenceCalcStericExclusionForceKernel::takeBackState()
 {
-    throw OpenMMException("StericExclusionForce: takeBackState() comes with the outer test");
+    if (!kept.exists)
+        throw OpenMMException("StericExclusionForce: no state was kept");
+    check(ctSetState(tree.get(), kept.numbers.data()));
+    PairList pairs;
+    vector<double> limits;
+    readLimits(pairs, limits);
+    if (pairs != kept.limitedPairs || limits != kept.limits)
+        check(ctSetLimits(tree.get(), kept.limits.size(), rows(kept.limitedPairs), kept.limits.data()));
+    if (kept.hasEnergy)
+        energy->takeBack();
+    else
+        energy.reset();
 }
 
 void ReferenceCalcStericExclusionForceKernel::acceptProposal()

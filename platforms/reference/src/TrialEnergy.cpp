@@ -228,10 +228,12 @@ void TrialEnergy::check(ctStatus status) const
         throw OpenMMException(string("StericExclusionForce: ") + ctGetEnergyErrorText(energy.get()));
 }
 
-void TrialEnergy::update(bool force, ctCounts& counts)
+bool TrialEnergy::update(bool force, ctCounts& counts)
 {
-    if (force || !ctIsEnergyOfState(energy.get()))
-        check(ctRefreshEnergy(energy.get(), &counts));
+    if (!force && ctIsEnergyOfState(energy.get()))
+        return false;
+    check(ctRefreshEnergy(energy.get(), &counts));
+    return true;
 }
 
 double TrialEnergy::computeChange(ctEnergyPart part, ctCounts& counts)
@@ -246,6 +248,16 @@ void TrialEnergy::accept()
     // If not all of the change was asked for, this fails, and the next update computes everything.
 
     ctAcceptEnergyChange(energy.get());
+}
+
+void TrialEnergy::keep()
+{
+    check(ctKeepEnergy(energy.get()));
+}
+
+void TrialEnergy::takeBack()
+{
+    check(ctTakeBackEnergy(energy.get()));
 }
 
 double TrialEnergy::getNearChangeBack() const

@@ -140,9 +140,13 @@ public:
         double cutoff;
         double shift;
     };
-    /** What trials see instead of nonbonded and born. */
+    /** What trials see instead of nonbonded and born; by default what TorsionMonteCarloIntegrator has. */
     struct StandIn {
-        double bornCutoff, pairCutoff, gridWidth;
+        double bornCutoff = 0.8, pairCutoff = 0.9, gridWidth = 0.05;
+        bool operator==(const StandIn& other) const
+        {
+            return bornCutoff == other.bornCutoff && pairCutoff == other.pairCutoff && gridWidth == other.gridWidth;
+        }
     };
     /** None or one. */
     std::vector<Nonbonded> nonbonded;

@@ -27,6 +27,8 @@ struct ctEnergy {
   int64_t trial;     /* the last one that was asked about */
   int computedParts; /* of it */
   double nearChange; /* its change of near pairs, but for those of the stand-in */
+  bool hasCopy;      /* of all values, see ctKeepEnergy; they were those of the state, or of none */
+  bool copyIsOfState;
   char errorText[200];
 };
 
@@ -350,10 +352,42 @@ void ctSetStandIn(ctEnergy* energy, const double* constants) {
   }
 }
 
+static bool keepPairs(ctEnergy* energy) {
+  return (!energy->hasStandIn || ctStandInKeep(&energy->standIn)) &&
+         (!energy->hasNonbonded || ctPairSumsKeep(&energy->pairs)) && ctPairSetsKeep(&energy->pairSets);
+}
+
+static bool takeBackPairs(ctEnergy* energy) {
+  if (energy->hasNonbonded) {
+    ctPairSumsTakeBack(&energy->pairs);
+  }
+  ctPairSetsTakeBack(&energy->pairSets);
+  ctTrialLeavesForget(&energy->leaves);
+  return energy->leaves.statePositions != NULL && (!energy->hasStandIn || ctStandInTakeBack(&energy->standIn));
+}
+
 ctStatus ctKeepEnergy(ctEnergy* energy) {
-  return fail(energy, ctInvalidArgument, "nothing is kept yet");
+  energy->hasCopy = false;
+  if (!ctTermsKeep(energy->terms) || (energy->hasLeaves && !keepPairs(energy))) {
+    return failOutOfMemory(energy);
+  }
+  energy->hasCopy = true;
+  energy->copyIsOfState = ctIsEnergyOfState(energy);
+  return ctSuccess;
 }
 
 ctStatus ctTakeBackEnergy(ctEnergy* energy) {
-  return fail(energy, ctInvalidArgument, "nothing is kept yet");
+  if (!energy->hasCopy) {
+    return fail(energy, ctInvalidArgument, "there is no copy of the energy");
+  }
+  energy->computedParts = 0;
+  energy->state = NO_STATE;
+  ctTermsTakeBack(energy->terms);
+  if (energy->hasLeaves && !takeBackPairs(energy)) {
+    return failOutOfMemory(energy);
+  }
+  if (energy->copyIsOfState) {
+    energy->state = ctGetChangeCount(energy->tree);
+  }
+  return ctSuccess;
 }

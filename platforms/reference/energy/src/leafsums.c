@@ -55,24 +55,27 @@ static void removeZeros(LeafRow* row) {
   row->count = kept;
 }
 
-/* Makes room for one more pair in a row that is full. */
-static bool grow(LeafRow* row) {
-  removeZeros(row);
-  if (row->count <= row->capacity - row->capacity / 4 - 1) {
-    return true;
-  }
-  const int capacity = row->capacity + row->capacity / 2 + 8;
+static bool setCapacity(LeafRow* row, int capacity) {
   int* leaves = realloc(row->leaves, (size_t)capacity * sizeof *leaves);
   if (leaves != NULL) {
     row->leaves = leaves;
   }
   double* values = leaves != NULL ? realloc(row->sums, (size_t)capacity * sizeof *values) : NULL;
   if (values == NULL) {
-    return row->count < row->capacity;
+    return false;
   }
   row->sums = values;
   row->capacity = capacity;
   return true;
+}
+
+/* Makes room for one more pair in a row that is full. */
+static bool grow(LeafRow* row) {
+  removeZeros(row);
+  if (row->count <= row->capacity - row->capacity / 4 - 1) {
+    return true;
+  }
+  return setCapacity(row, row->capacity + row->capacity / 2 + 8) || row->count < row->capacity;
 }
 
 bool ctLeafSumsAdd(LeafSums* sums, int a, int b, double sum) {
@@ -89,6 +92,23 @@ bool ctLeafSumsAdd(LeafSums* sums, int a, int b, double sum) {
   row->leaves[i] = b;
   row->sums[i] = sum;
   row->count++;
+  return true;
+}
+
+bool ctLeafSumsCopy(const LeafSums* from, LeafSums* to) {
+  for (int leaf = 0; leaf < from->leafCount; leaf++) {
+    const LeafRow* source = &from->rows[leaf];
+    LeafRow* row = &to->rows[leaf];
+    row->count = 0;
+    if (row->capacity < source->count && !setCapacity(row, source->capacity)) {
+      return false;
+    }
+    row->count = source->count;
+    if (row->count > 0) {
+      memcpy(row->leaves, source->leaves, (size_t)row->count * sizeof *row->leaves);
+      memcpy(row->sums, source->sums, (size_t)row->count * sizeof *row->sums);
+    }
+  }
   return true;
 }
 

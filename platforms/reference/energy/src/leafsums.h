@@ -35,6 +35,10 @@ int ctLeafSumsFind(const LeafSums* sums, int a, int b);
 /* Adds a pair that is absent. False, and nothing changed, if there is no memory. O(row). */
 bool ctLeafSumsAdd(LeafSums* sums, int a, int b, double sum);
 
+/* Makes `to`, which is of as many leaves, a copy. False if there is no memory; it can be used and freed all the same.
+ * Where every row of `to` has held as many pairs before, none is needed. */
+bool ctLeafSumsCopy(const LeafSums* from, LeafSums* to);
+
 /* The sum of all, in a fixed order. */
 double ctLeafSumsTotal(const LeafSums* sums);
 

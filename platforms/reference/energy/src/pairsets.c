@@ -90,3 +90,17 @@ bool ctPairSetsAccept(PairSets* sets) {
   }
   return isKept;
 }
+
+bool ctPairSetsKeep(PairSets* sets) {
+  bool isKept = true;
+  for (int i = 0; i < sets->count && isKept; i++) {
+    isKept = ctPairSumsKeep(&sets->sums[i]);
+  }
+  return isKept;
+}
+
+void ctPairSetsTakeBack(PairSets* sets) {
+  for (int i = 0; i < sets->count; i++) {
+    ctPairSumsTakeBack(&sets->sums[i]);
+  }
+}

@@ -22,5 +22,7 @@ ctStatus ctPairSetsRefresh(PairSets* sets, size_t count, const ctLeafPair* near)
 ctStatus ctPairSetsNearChange(PairSets* sets, double* change);
 ctStatus ctPairSetsOtherChange(PairSets* sets, double* change);
 bool ctPairSetsAccept(PairSets* sets);
+bool ctPairSetsKeep(PairSets* sets);
+void ctPairSetsTakeBack(PairSets* sets);
 
 #endif /* CT_PAIRSETS_H_ */

@@ -7,11 +7,12 @@
 bool ctPairSumsCreate(PairSums* pairs, TrialLeaves* leaves, double cutoff, LeafPairFunction* function,
                       const void* model) {
   *pairs = (PairSums){.leaves = leaves, .function = function, .model = model, .cutoff = cutoff};
-  return ctLeafSumsCreate(&pairs->sums, leaves->leafCount);
+  return ctLeafSumsCreate(&pairs->sums, leaves->leafCount) && ctLeafSumsCreate(&pairs->keptSums, leaves->leafCount);
 }
 
 void ctPairSumsFree(PairSums* pairs) {
   ctLeafSumsFree(&pairs->sums);
+  ctLeafSumsFree(&pairs->keptSums);
   free(pairs->staged);
   pairs->staged = NULL;
 }
@@ -81,4 +82,13 @@ bool ctPairSumsAccept(PairSums* pairs) {
   }
   pairs->stagedCount = 0;
   return isKept;
+}
+
+bool ctPairSumsKeep(PairSums* pairs) {
+  return ctLeafSumsCopy(&pairs->sums, &pairs->keptSums);
+}
+
+void ctPairSumsTakeBack(PairSums* pairs) {
+  pairs->stagedCount = 0;
+  ctLeafSumsCopy(&pairs->keptSums, &pairs->sums);
 }

@@ -23,6 +23,7 @@ typedef struct PairSums {
   const void* model;
   double cutoff; /* of the function: beyond it is 0; not above that of the leaves */
   LeafSums sums;
+  LeafSums keptSums;
   int stagedCount;
   int stagedCapacity;
   StagedSum* staged;
@@ -42,5 +43,9 @@ ctStatus ctPairSumsRefresh(PairSums* pairs, size_t count, const ctLeafPair* near
 ctStatus ctPairSumsNearChange(PairSums* pairs, double* change);
 ctStatus ctPairSumsOtherChange(PairSums* pairs, double* change);
 bool ctPairSumsAccept(PairSums* pairs);
+
+/* Keeps a copy of all sums, or makes the copy the sums. Keeping is false if there is no memory. */
+bool ctPairSumsKeep(PairSums* pairs);
+void ctPairSumsTakeBack(PairSums* pairs);
 
 #endif /* CT_PAIRSUMS_H_ */

@@ -117,6 +117,32 @@ static __attribute__((noinline)) void runLongStep(const TapeStep* step, float* s
       EACH_SIXTEEN(exp16(a));
     case ctLogOperator:
       EACH_SIXTEEN(log16(a));
+    case ctPowerOperator:
+      EACH_SIXTEEN(pow16(a, b));
+    case ctSinOperator:
+      EACH_SIXTEEN(sin16(a));
+    case ctCosOperator:
+      EACH_SIXTEEN(cos16(a));
+    case ctTanOperator:
+      EACH_SIXTEEN(tan16(a));
+    case ctAsinOperator:
+      EACH_SIXTEEN(asin16(a));
+    case ctAcosOperator:
+      EACH_SIXTEEN(acos16(a));
+    case ctAtanOperator:
+      EACH_SIXTEEN(atan16(a));
+    case ctAtan2Operator:
+      EACH_SIXTEEN(atan216(a, b));
+    case ctSinhOperator:
+      EACH_SIXTEEN(sinh16(a));
+    case ctCoshOperator:
+      EACH_SIXTEEN(cosh16(a));
+    case ctTanhOperator:
+      EACH_SIXTEEN(tanh16(a));
+    case ctErfOperator:
+      EACH_SIXTEEN(erf16(a));
+    case ctErfcOperator:
+      EACH_SIXTEEN(erfc16(a));
     case ctTableOperator:
       for (int v = 0; v < count; v++) {
         lookUp(step->table, first + v * firstStep, second + v * secondStep, third + v * thirdStep,
@@ -154,6 +180,10 @@ static void runStep(const TapeStep* step, float* scratch, int count) {
       EACH_SIXTEEN(chooseBelow16(b, a, b, a));
     case ctMaxOperator:
       EACH_SIXTEEN(chooseBelow16(a, b, b, a));
+    case ctFloorOperator:
+      EACH_SIXTEEN(floor16(a));
+    case ctCeilOperator:
+      EACH_SIXTEEN(ceil16(a));
     case ctAbsOperator:
       EACH_SIXTEEN(absolute16(a));
     case ctStepOperator:

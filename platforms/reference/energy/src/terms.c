@@ -13,6 +13,7 @@ struct Terms {
   TermSet* sets;
   int termCount; /* of all sets, one after the other */
   double* values;
+  double* keptValues; /* NULL: none were kept */
   int* setOf;
   uint8_t* repeats; /* terms that share the dihedral of the term before */
   Dependence dependence;
@@ -135,6 +136,7 @@ void ctTermsDestroy(Terms* terms) {
   }
   free(terms->sets);
   free(terms->values);
+  free(terms->keptValues);
   free(terms->setOf);
   free(terms->repeats);
   ctDependenceFree(&terms->dependence);
@@ -338,4 +340,23 @@ void ctTermsAccept(Terms* terms) {
     terms->values[terms->changedTerms[i]] = terms->newValues[i];
   }
   terms->changedCount = 0;
+}
+
+/* ---- Taking back ---- */
+
+bool ctTermsKeep(Terms* terms) {
+  const size_t size = ((size_t)terms->termCount + 1) * sizeof *terms->keptValues;
+  if (terms->keptValues == NULL) {
+    terms->keptValues = malloc(size);
+  }
+  if (terms->keptValues == NULL) {
+    return false;
+  }
+  memcpy(terms->keptValues, terms->values, size);
+  return true;
+}
+
+void ctTermsTakeBack(Terms* terms) {
+  terms->changedCount = 0;
+  memcpy(terms->values, terms->keptValues, (size_t)terms->termCount * sizeof *terms->values);
 }

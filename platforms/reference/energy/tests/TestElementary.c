@@ -7,16 +7,33 @@
 #include "../../chaintree/tests/check.h"
 #include "elementarypath.h"
 
+typedef long double OfOne(long double x);
+typedef long double OfTwo(long double x, long double y);
+
 typedef struct Case {
   const char* name;
   size_t member; /* of an ElementaryPath */
-  long double (*exact)(long double x);
-  double most; /* error, in units in the last place */
+  OfOne* exact;  /* or, of two numbers, the next */
+  OfTwo* exactOfTwo;
+  double most;  /* error, in units in the last place */
+  double range; /* beyond which NaN stands for a number, or infinite */
 } Case;
 
+#define OF_ONE(function, most, range) \
+  { #function, offsetof(ElementaryPath, function), function##l, NULL, most, range }
+#define OF_TWO(function, most) \
+  { #function, offsetof(ElementaryPath, function), NULL, function##l, most, INFINITY }
+
 static const Case cases[] = {
-    {"exp", offsetof(ElementaryPath, exp), expl, 1},
-    {"log", offsetof(ElementaryPath, log), logl, 1},
+    OF_ONE(exp, 1, INFINITY),     OF_ONE(log, 1, INFINITY),
+    OF_ONE(sin, 0.51, 0x1p20),    OF_ONE(cos, 0.51, 0x1p20),
+    OF_ONE(tan, 0.51, 0x1p20),    OF_ONE(asin, 0.51, INFINITY),
+    OF_ONE(acos, 0.51, INFINITY), OF_ONE(atan, 0.51, INFINITY),
+    OF_ONE(sinh, 0.51, INFINITY), OF_ONE(cosh, 0.51, INFINITY),
+    OF_ONE(tanh, 0.51, INFINITY), OF_ONE(erf, 0.51, INFINITY),
+    OF_ONE(erfc, 0.51, INFINITY), OF_ONE(floor, 0, INFINITY),
+    OF_ONE(ceil, 0, INFINITY),    OF_TWO(pow, 0.51),
+    OF_TWO(atan2, 0.51),
 };
 
 static ElementaryFunction functionOf(const ElementaryPath* path, const Case* c) {
@@ -33,11 +50,13 @@ static double errorOf(float value, long double exact) {
 
 static double worst = 0;
 
-static void checkValue(const Case* c, float x, float value) {
-  const long double exact = c->exact((long double)x);
+static void checkValue(const Case* c, float x, float y, float value) {
+  const long double exact = c->exact != NULL ? c->exact((long double)x) : c->exactOfTwo((long double)x, (long double)y);
   const float rounded = (float)exact;
   bool isRight = isnan(rounded) ? isnan(value) : value == rounded;
-  if (isfinite(rounded) && isfinite(value)) {
+  if (fabs((double)x) > c->range) {
+    isRight = isnan(value);
+  } else if (isfinite(rounded) && isfinite(value)) {
     const double error = errorOf(value, exact);
     worst = error > worst ? error : worst;
     isRight = error <= c->most && (value != 0 || rounded != 0 || !signbit(value) == !signbit(rounded));
@@ -46,15 +65,15 @@ static void checkValue(const Case* c, float x, float value) {
     isRight = fabsf(isinf(rounded) ? value : rounded) >= FLT_MAX * (1 - 2 * FLT_EPSILON);
   }
   if (!isRight) {
-    reportFailure("%s(%a) is %a, not %La\n", c->name, (double)x, (double)value, exact);
+    reportFailure("%s(%a, %a) is %a, not %La\n", c->name, (double)x, (double)y, (double)value, exact);
   }
 }
 
-static void checkSixteen(const Case* c, const float* x) {
+static void checkSixteen(const Case* c, const float* x, const float* y) {
   float value[16];
-  functionOf(&portablePath, c)(x, value);
+  functionOf(&portablePath, c)(x, y, value);
   for (int k = 0; k < 16; k++) {
-    checkValue(c, x[k], value[k]);
+    checkValue(c, x[k], y[k], value[k]);
   }
 #ifdef __x86_64__
   const ElementaryPath* const others[] = {&avx2Path, &avx512Path};
@@ -63,11 +82,11 @@ static void checkSixteen(const Case* c, const float* x) {
   for (int i = 0; i < 2; i++) {
     float other[16];
     if (isThere[i]) {
-      functionOf(others[i], c)(x, other);
+      functionOf(others[i], c)(x, y, other);
       for (int k = 0; k < 16; k++) {
         /* Not the bits of NaN, which stand for nothing. */
         if (memcmp(&other[k], &value[k], sizeof(float)) != 0 && !(isnan(other[k]) && isnan(value[k]))) {
-          reportFailure("%s(%a) has other bits on instruction set %d\n", c->name, (double)x[k], i);
+          reportFailure("%s(%a, %a) has other bits on instruction set %d\n", c->name, (double)x[k], (double)y[k], i);
         }
       }
     }
@@ -75,15 +94,20 @@ static void checkSixteen(const Case* c, const float* x) {
 #endif
 }
 
-/* Each float of a row of neighbours around a number. */
-static void checkAround(const Case* c, float x) {
+/* Each float of a row of neighbours around a number, with one other number. */
+static void checkAround(const Case* c, float x, float y) {
   float row[64];
+  float others[16];
   for (int k = 0; k < 32; k++) {
     row[31 - k] = k == 0 ? x : nextafterf(row[32 - k], -INFINITY);
     row[32 + k] = nextafterf(k == 0 ? x : row[31 + k], INFINITY);
+    others[k % 16] = y;
   }
   for (int k = 0; k < 64; k += 16) {
-    checkSixteen(c, row + k);
+    checkSixteen(c, row + k, others);
+    if (c->exact == NULL) {
+      checkSixteen(c, others, row + k);
+    }
   }
 }
 
@@ -93,31 +117,41 @@ static float floatOf(uint32_t bits) {
   return x;
 }
 
+static const float special[] = {
+    0,       -0.0f,   1,       -1,        0.5f,      2,        -2,      3,        -3,       88.72284f,     89,
+    100,     -87.3f,  -103.9f, -104,      0.7071f,   1.41421f, 1000,    FLT_MIN,  -FLT_MIN, FLT_MAX,       -FLT_MAX,
+    1e-40f,  -1e-40f, 3e-8f,   -6e-8f,    0x1p22f,   0x1p23f,  0x1p24f, -0x1p23f, 10,       -10,           0.34657f,
+    1.0397f, 0.75f,   -0.75f,  1.570796f, 3.141593f, 4.5f,     0x1p20f, -0x1p20f, 9.2f,     2.71828175f,   0x1p-149f,
+    11,      0.25f,   1e6f,    INFINITY,  -INFINITY, NAN,      1.5f,    -2.5f,    0.3f,     0x1.fffffep23f};
+
+enum { SPECIAL = sizeof special / sizeof special[0] };
+
 int main(void) {
-  const float special[] = {0,        -0.0f,    1,         -1,       0.5f,     2,       88.72284f,   89,
-                           -87.336f, -103.97f, -104,      0.7071f,  1.41421f, 1000,    FLT_MIN,     -FLT_MIN,
-                           FLT_MAX,  -FLT_MAX, 0x1p-149f, -1e-40f,  INFINITY, 3e-8f,   -6e-8f,      0x1p23f,
-                           NAN,      10,       -10,       0.34657f, 1.0397f,  0x1p24f, 2.71828175f, -INFINITY};
   for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
     const Case* c = &cases[i];
-    worst = 0;
-    for (size_t k = 0; k < sizeof special / sizeof special[0]; k++) {
-      checkAround(c, special[k]);
-    }
-    /* One float in some thousand. */
     float row[16];
-    for (uint64_t bits = 0; bits < (uint64_t)1 << 32;) {
-      for (int k = 0; k < 16; k++, bits += 4099) {
-        row[k] = floatOf((uint32_t)bits);
+    float others[16];
+    worst = 0;
+    for (int k = 0; k < SPECIAL; k++) {
+      for (int l = 0; l < (c->exact != NULL ? 1 : SPECIAL); l++) {
+        checkAround(c, special[k], special[l]);
       }
-      checkSixteen(c, row);
+    }
+    /* One float in some ten thousand, with any other. */
+    for (uint64_t bits = 0; bits < (uint64_t)1 << 32;) {
+      for (int k = 0; k < 16; k++, bits += 12289) {
+        row[k] = floatOf((uint32_t)bits);
+        others[k] = floatOf((uint32_t)(bits * 2654435761u));
+      }
+      checkSixteen(c, row, others);
     }
     /* Usual numbers more densely. */
     for (double x = -110; x < 110;) {
-      for (int k = 0; k < 16; k++, x += 1.37e-4 * (1 + fabs(x))) {
+      for (int k = 0; k < 16; k++, x += 2e-4 * (1 + fabs(x))) {
         row[k] = (float)x;
+        others[k] = (float)(k < 4 ? k - 2 : 3 * sin(1e5 * x));
       }
-      checkSixteen(c, row);
+      checkSixteen(c, row, others);
     }
     printf("%s: at most %.3f units in the last place\n", c->name, worst);
   }

@@ -158,6 +158,35 @@ static void testAccept(const Expected* expected) {
   CHECK(refused > 0);
 }
 
+/* A copy that was refused memory is none; one that was made before needs none. */
+static void testKeep(const Expected* expected) {
+  const int before = live;
+  int refused = 0;
+  bool goesOn = true;
+  for (int n = 0; goesOn; n++) {
+    Bench bench = makeBench();
+    CHECK(ctRefreshEnergy(bench.energy, NULL) == ctSuccess);
+    failAllocation(n);
+    const ctStatus status = ctKeepEnergy(bench.energy);
+    allocationsLeft = -1;
+    goesOn = hasFailed;
+    if (status != ctSuccess) {
+      refused++;
+      checkRefusal(&bench, status);
+      CHECK(ctTakeBackEnergy(bench.energy) == ctInvalidArgument);
+      CHECK(ctKeepEnergy(bench.energy) == ctSuccess);
+    }
+    failAllocation(0);
+    CHECK(ctTakeBackEnergy(bench.energy) == ctSuccess);
+    CHECK(ctKeepEnergy(bench.energy) == ctSuccess);
+    allocationsLeft = -1;
+    CHECK(total(&bench) == expected->start);
+    destroyBench(&bench);
+    CHECK(live == before);
+  }
+  CHECK(refused > 3);
+}
+
 int main(void) {
   printf("\n"); /* its buffer is no leak of ours */
   describe();
@@ -169,6 +198,7 @@ int main(void) {
     testRefresh(&expected);
     testChange(&expected);
     testAccept(&expected);
+    testKeep(&expected);
   }
   return checkResult();
 }

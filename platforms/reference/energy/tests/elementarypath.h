@@ -2,12 +2,12 @@
 #ifndef ELEMENTARYPATH_H_
 #define ELEMENTARYPATH_H_
 
-/* Of sixteen numbers. */
-typedef void (*ElementaryFunction)(const float* x, float* result);
+/* Of sixteen numbers, or of sixteen times two. */
+typedef void (*ElementaryFunction)(const float* x, const float* y, float* result);
 
 typedef struct ElementaryPath {
-  ElementaryFunction exp;
-  ElementaryFunction log;
+  ElementaryFunction exp, log, sin, cos, tan, asin, acos, atan, sinh, cosh, tanh, erf, erfc, floor, ceil;
+  ElementaryFunction pow, atan2;
 } ElementaryPath;
 
 extern const ElementaryPath portablePath;
