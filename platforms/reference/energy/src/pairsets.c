@@ -13,6 +13,7 @@ static ctStatus addSet(PairSets* sets, TrialLeaves* leaves, int particleCount, c
     return status;
   }
   if (!ctPairSumsCreate(&sets->sums[i], leaves, set->cutoff, ctPairSetEnergy, set)) {
+    ctPairSumsFree(&sets->sums[i]);
     ctPairSetFree(set);
     snprintf(errorText, errorSize, "out of memory");
     return ctOutOfMemory;
