@@ -1,12 +1,22 @@
-/* Which particles of a leaf may be near those of another. */
+/* From one leaf to another, and which particles of a leaf may be near those of another. */
 #ifndef CT_ROWSNEAR_H_
 #define CT_ROWSNEAR_H_
 
 #include "leafpair.h"
 #include "simd.h"
 
-/* Slots of leaf a that may be within a cutoff of some particle of leaf b, as bits; b's box is shifted. */
-CT_INLINE unsigned rowsNear(float squaredCutoff, const LeafFrame* a, const LeafFrame* b, const float shift[3]) {
+/* From the centre of leaf a to that of leaf b. */
+static inline void shiftBetween(const LeafFrame* a, const LeafFrame* b, float shift[3]) {
+  for (int d = 0; d < 3; d++) {
+    shift[d] = (float)(b->centre[d] - a->centre[d]);
+  }
+}
+
+/* Rounding must not lose a row. */
+#define ROUNDING_OF_BOXES 1.0001f
+
+/* Squared distances of the particles of leaf a from the box of leaf b, which is shifted. */
+CT_INLINE Float16 squaredFromBox(const LeafFrame* a, const LeafFrame* b, const float shift[3]) {
   const float* axes[3] = {a->x, a->y, a->z};
   Float16 squared = all16(0);
   for (int d = 0; d < 3; d++) {
@@ -16,8 +26,12 @@ CT_INLINE unsigned rowsNear(float squaredCutoff, const LeafFrame* a, const LeafF
     const Float16 apart = max16(max16(below, above), all16(0));
     squared = add16(squared, mul16(apart, apart));
   }
-  /* Rounding must not lose a row. */
-  return ~greater16(squared, all16(squaredCutoff * 1.0001f));
+  return squared;
+}
+
+/* Slots of leaf a that may be within this squared distance of some particle of leaf b, as bits; b's box is shifted. */
+CT_INLINE unsigned rowsNear(const LeafFrame* a, const LeafFrame* b, const float shift[3], float squaredReach) {
+  return ~greater16(squaredFromBox(a, b, shift), all16(squaredReach * ROUNDING_OF_BOXES));
 }
 
 #endif /* CT_ROWSNEAR_H_ */

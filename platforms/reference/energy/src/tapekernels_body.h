@@ -20,12 +20,10 @@ static void listPairs(const TapePair* pair, const TapeRange* range, PairList* li
   const LeafFrame* a = pair->frames[0];
   const LeafFrame* b = pair->frames[1];
   float shift[3];
-  for (int d = 0; d < 3; d++) {
-    shift[d] = (float)(b->centre[d] - a->centre[d]);
-  }
+  shiftBetween(a, b, shift);
   unsigned rows = pair->occupied[0];
   if (range->hasCutoff) {
-    rows &= rowsNear(range->squaredCutoff, a, b, shift);
+    rows &= rowsNear(a, b, shift, range->squaredCutoff);
   }
   const Float16 xb = add16(load16(b->x), all16(shift[0]));
   const Float16 yb = add16(load16(b->y), all16(shift[1]));
