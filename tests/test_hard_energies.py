@@ -411,9 +411,11 @@ def test_no_force_but_the_steric_one():
 
 def test_only_a_foreign_force():
     chain = Chain()
-    foreign = openmm.CustomNonbondedForce("0.1/r")
-    for _ in range(LENGTH):
-        foreign.addParticle([])
+    foreign = openmm.CustomCentroidBondForce(2, "0.1/distance(g1,g2)")
+    for particle in range(LENGTH):
+        foreign.addGroup([particle])
+        for other in range(particle):
+            foreign.addBond([other, particle])
     chain.system.addForce(foreign)
     run = chain.run()
     assert "foreign" in kinds(run) and "native" not in kinds(run)

@@ -16,7 +16,7 @@ AMBER_KINDS = {
 AMBER19_KINDS = AMBER_KINDS | {"CMAPTorsionForce": "native"}
 CHARMM_KINDS = AMBER19_KINDS | {
     "CustomTorsionForce": "constant",  # impropers
-    "LennardJones": "foreign",  # a CustomNonbondedForce
+    "LennardJones": "native",  # a CustomNonbondedForce
     "LennardJones14": "native",
 }
 CUTOFF = {"nonbondedMethod": app.CutoffNonPeriodic, "nonbondedCutoff": 1.0}
