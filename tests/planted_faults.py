@@ -464,6 +464,15 @@ ENERGY_FAULTS = [
           "  ctTermsAccept(energy->terms);\n", ""),
     Fault("parts: a refresh forgets terms", "energy.c",
           "  ctTermsRefresh(energy->terms, leaves);\n", ""),
+    # ---- Taking back ----
+    Fault("taken back: terms stay", "energy.c",
+          "  ctTermsTakeBack(energy->terms);\n", ""),
+    Fault("taken back: sums of pairs stay", "pairsums.c",
+          "  ctLeafSumsCopy(&pairs->keptSums, &pairs->sums);\n", ""),
+    Fault("taken back: particles stay where they were", "energy.c",
+          "  ctTrialLeavesForget(&energy->leaves);\n", ""),
+    Fault("taken back: what was kept of no state is of one", "energy.c",
+          "  if (energy->copyIsOfState) {\n", "  {\n"),
     # ---- Terms ----
     Fault("terms: a list misses a joint", "dependence.c",
           "if (movesSome && leavesSome) {", "if (movesSome && leavesSome && joints->count < 2) {"),
@@ -502,6 +511,8 @@ LINKS = "openmmapi/src/LinkStructure.cpp"
 MOVES = "openmmapi/src/MoveList.cpp"
 NATIVE_ENERGY = "openmmapi/src/NativeEnergy.cpp"
 NATIVE_ENERGY_HEADER = "openmmapi/include/openmmchaintree/internal/NativeEnergy.h"
+OUTER_TEST = "openmmapi/src/OuterTest.cpp"
+OUTER_TEST_HEADER = "openmmapi/include/openmmchaintree/internal/OuterTest.h"
 RIGID_BODY_MOVE = "openmmapi/src/moves/RigidBodyMove.cpp"
 SAMPLED_ENERGIES = "openmmapi/src/SampledEnergies.cpp"
 SESSION = "openmmapi/src/TrialSession.cpp"
@@ -675,6 +686,49 @@ API_FAULTS = [
     Fault("stages: the last one has no part", SAMPLED_ENERGIES,
           "    stages->add(make_unique<ForeignEnergy>(*native));\n", ""),
     # ---- Native energies ----
+    Fault("stages: what makes an earlier one good is left out", STAGES,
+          "toLogRatio(change + entry.stage->getCorrection(), temperature)", "toLogRatio(change, temperature)"),
+    Fault("stages: the ratio of proposals is a part of one that has no opposite", STAGES,
+          "entry.takesPart && isFirst && !entry.stage->isAntisymmetric()", "false"),
+    # ---- Outer tests ----
+    Fault("outer: tests see what trials have seen, too", NATIVE_ENERGY,
+          "    return energy - (foreignGroupsAreShared ? getInnerEnergy() : held.pairs);", "    return energy;"),
+    Fault("outer: trials see what is left to tests, too", FOREIGN_ENERGY,
+          "native.leavesForeignToOuterTest() ? 0 : native.getForeignGroups()", "native.getForeignGroups()"),
+    Fault("outer: a test compares with the start of the step", OUTER_TEST,
+          "            start = proposed;\n", ""),
+    Fault("outer: a test leads back to the start of the step", OUTER_TEST,
+          "            stateIsKept = false;\n", ""),
+    Fault("outer: a test asks where the last one left the Context", SESSION,
+          "        force.showState(context);\n    }\n    return", "    }\n    return"),
+    Fault("outer: trials stay", OUTER_TEST,
+          "    trials.takeBackState();\n", ""),
+    Fault("outer: what is taken back stays in the Context", SESSION,
+          "    kernel.takeBackState();\n    ownsTrial = false;\n    contextIsBehind = true;\n",
+          "    kernel.takeBackState();\n    ownsTrial = false;\n"),
+    Fault("outer: limits stay", KERNELS,
+          "    if (pairs != kept.limitedPairs || limits != kept.limits)", "    if (false)"),
+    Fault("outer: the energy is computed anew", KERNELS,
+          "        energy->takeBack();", "        energy->update(true, counts);"),
+    Fault("outer: counts of moves stay", OUTER_TEST,
+          "    moves.setStatistics(keptMoveCounts);\n", ""),
+    Fault("outer: counts of stages stay", OUTER_TEST,
+          "    stages.setAllStatistics(keptStageCounts);\n", ""),
+    Fault("outer: minus infinity is an energy", OUTER_TEST,
+          "    if (!isEnergy(proposed.difference))\n        return false;\n", ""),
+    Fault("outer: a start without an energy is one", OUTER_TEST,
+          "    if (!isEnergy(start.difference))", "    if (false)"),
+    Fault("outer: at a temperature of 0 trials do not count", OUTER_TEST,
+          "native.getInnerEnergy() + (softSpheres", "(softSpheres"),
+    Fault("outer: at a temperature of 0 soft spheres do not count", OUTER_TEST,
+          "(softSpheres ? trials.computeSoftEnergy() : 0)", "0"),
+    Fault("outer: the last trials of a step are not tested", OUTER_TEST_HEADER,
+          "        if (numTrials > 0)\n            endBlock();\n", ""),
+    Fault("outer: an exception leaves trials untested", OUTER_TEST,
+          "        if (numTrials > 0)\n            takeBack();\n", ""),
+    Fault("outer: checkpoints forget the counts", INTEGRATOR,
+          "    *outerStatistics = restoredTests;\n", ""),
+    # ---- Native energies ----
     Fault("native: foreign Forces count those of their groups twice", FOREIGN_ENERGY,
           "native.sharesForeignGroups() ? native.getComputedChange() : 0", "0"),
     Fault("native: foreign Forces know the last stage alone", NATIVE_ENERGY,
@@ -736,8 +790,10 @@ API_FAULTS = [
           "        kept->context.updateVelocities(*owner);", "        ;"),
     Fault("saved state: it is believed elsewhere", INTEGRATOR,
           '    if (fingerprint(positions) != node.getStringProperty("positions"))\n        return false;\n', ""),
+    Fault("saved state: counts of outer tests of other moves are taken", INTEGRATOR,
+          "version > 2 && movesAreTheSame", "version > 2"),
     Fault("saved state: the random numbers are not restored", INTEGRATOR,
-          "    *random = restored;\n    moves->readStatistics", "    moves->readStatistics"),
+          "    *random = restored;\n    const bool movesAreTheSame", "    const bool movesAreTheSame"),
     Fault("saved state: that of another structure loses its limits", INTEGRATOR,
           "    if (!deserializeGeometry(", "    if (false && !deserializeGeometry("),
     # ---- Serialization ----

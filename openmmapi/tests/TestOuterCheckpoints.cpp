@@ -53,7 +53,6 @@ static void testGoingOn(Platform& platform, int trialsPerTest)
     const string end = getOwnPart(whole.createCheckpoint());
     const vector<Vec3> positions = getPositions(*whole.context);
     const Tests tests = getTests(whole);
-cout << trialsPerTest << " " << tests.attempted << " " << tests.accepted << " " << tests.trialsTakenBack << endl;
     ASSERT(tests.accepted > 1 && tests.trialsTakenBack > trialsPerTest && tests.deviation > 0);
     for (int i = 0; i < NUM_STEPS; i++)
         for (bool fromState : {false, true}) {
