@@ -791,7 +791,7 @@ API_FAULTS = [
     Fault("saved state: it is believed elsewhere", INTEGRATOR,
           '    if (fingerprint(positions) != node.getStringProperty("positions"))\n        return false;\n', ""),
     Fault("saved state: counts of outer tests of other moves are taken", INTEGRATOR,
-          "version > 2 && movesAreTheSame", "version > 2"),
+          "version > 2 && movesAreTheSame", "version > 2 || movesAreTheSame"),
     Fault("saved state: the random numbers are not restored", INTEGRATOR,
           "    *random = restored;\n    const bool movesAreTheSame", "    const bool movesAreTheSame"),
     Fault("saved state: that of another structure loses its limits", INTEGRATOR,

@@ -161,6 +161,8 @@ static void testTakenBack(Platform& platform, bool isNative, bool isSoft)
     ASSERT_EQUAL(10 * numKept, attempted);
     for (int move = 0; move < 3; move++)
         ASSERT_EQUAL(counts[3 * move + 2], more[3 * move + 2]);
+    const long long numFree = run.sumMoves(&Statistics::attempted) - run.sumMoves(&Statistics::clashed);
+    ASSERT_EQUAL(isNative ? numFree : 0, run.integrator.getStageStatistics()[0].computed);
     scene.say = [](const vector<Vec3>&) {
         return 0.0;
     };
@@ -312,6 +314,29 @@ static void testZeroTemperature(Platform& platform)
     }
 }
 
+/**
+ * What soft spheres gain makes good what the foreign energy loses.
+ */
+static void testSoftSpheresAtZeroTemperature(Platform& platform)
+{
+    BeadChain chain(20, 0.7, 0.6);
+    Probe* probe = new Probe();
+    int numEvaluations = 0;
+    probe->energy = [&](const vector<Vec3>&) {
+        return 1e-3 * numEvaluations++;
+    };
+    probe->setForceGroup(1);
+    chain.system.addForce(probe);
+    Run run(chain.system, 1, platform);
+    run.integrator.setTemperature(0);
+    run.integrator.setTrialsPerOuterTest(5);
+    run.integrator.setStericMode(TorsionMonteCarloIntegrator::Soft);
+    run.context->setPositions(chain.positions);
+    const double start = run.context->getState(State::Energy, false, 1).getPotentialEnergy();
+    run.integrator.step(40);
+    ASSERT(run.context->getState(State::Energy, false, 1).getPotentialEnergy() < 0.5 * start);
+}
+
 int main()
 {
     return runOnPlatform("Reference", [](Platform& platform) {
@@ -324,5 +349,6 @@ int main()
         testBadStart(platform);
         testThrowingForce(platform);
         testZeroTemperature(platform);
+        testSoftSpheresAtZeroTemperature(platform);
     });
 }
