@@ -2,7 +2,7 @@
 
     python sample_protein.py [STEPS]
 
-The villin headpiece that comes with OpenMM is sampled; a step has 100 trials. Writes sampled.pdb and sampled.dcd.
+The villin headpiece that comes with OpenMM is sampled; a step has 400 trials. Writes sampled.pdb and sampled.dcd.
 """
 
 import sys
@@ -32,6 +32,7 @@ integrator = chaintree.TorsionMonteCarloIntegrator(300 * unit.kelvin)
 integrator.addTorsionMove(1.0, 1 * unit.degree, backbone)
 integrator.addTorsionMove(1.0, 10 * unit.degree, sideChains)
 integrator.addTorsionMove(0.5, 180 * unit.degree, sideChains)
+integrator.setTrialsPerStep(400)
 
 simulation = app.Simulation(protein.topology, system, integrator)
 simulation.context.setPositions(protein.positions)

@@ -33,8 +33,8 @@ class EnergyModel:
     cutoff : float or None, nm
     """
 
-    def __init__(self, files, temperature, cutoff=None):
-        """Read the files.
+    def __init__(self, files, temperature, cutoff=None, hydrogensAreAdded=False):
+        """Read the files; errors say what to do otherwise if hydrogens are added, as far as that is possible.
 
         Raises
         ------
@@ -44,6 +44,7 @@ class EnergyModel:
         self.files = list(files)
         self.temperature = temperature
         self.cutoff = cutoff
+        self._hydrogensAreAdded = hydrogensAreAdded
         for file in self.files:
             if os.path.isfile(file) and not file.lower().endswith(".xml"):
                 raise InputError(f"--forcefield {file}: is no XML file; name the structure before this option")
@@ -110,7 +111,9 @@ class EnergyModel:
                 return system, [Note("bonds of metals that the force field does not have", names)]
             except Exception as second:
                 error = second
-        raise InputError(describeMisfits(self._forceField, self.files, topology, error)) from error
+        raise InputError(
+            describeMisfits(self._forceField, self.files, topology, error, self._hydrogensAreAdded)
+        ) from error
 
     def _createSystem(self, topology, cutoff):
         return self._forceField.createSystem(

@@ -57,4 +57,4 @@ def readEnergyOptions(options):
     if options.forcefield is None:
         return None, pH
     temperature = _TEMPERATURE if options.temperature is None else options.temperature
-    return EnergyModel(options.forcefield, temperature, options.nonbonded_cutoff), pH
+    return EnergyModel(options.forcefield, temperature, options.nonbonded_cutoff, options.add_hydrogens), pH

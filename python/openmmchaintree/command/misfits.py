@@ -7,19 +7,22 @@ from openmm.app import element
 
 from ..naming import describeResidue
 from ..notes import Note
-from ..residues import aminoAcid, isNucleotide
+from ..residues import aminoAcid, isNucleotide, isPolymer
 from ..templates import atomAliases
 
 _ADD_ATOMS = "PDBFixer adds them"
+_ADD_HYDROGENS = "--add-hydrogens adds them"
+_CANNOT_ADD_HYDROGENS = "--add-hydrogens knows no more of them: are names or bonds of atoms unusual?"
 _ADD_RESIDUES = "PDBFixer adds missing residues and ends"
-_LEAVE_OUT = 'name another file that has them, or --leave-out "{}", or, of a polymer, replace them by PDBFixer'
-_REPLACE = "name another file that has them, or replace them by PDBFixer"
+_LEAVE_OUT = 'name another file that has them, or leave them out (--leave-out "{}")'
+_LEAVE_ATOMS = "name another file that has these, or leave atoms out (--leave-out)"
+_REPLACE = "name another file that has them, or let PDBFixer replace them"
 
 # So many names of residues are written out as a selection.
 _LONGEST_SELECTION = 5
 
 
-def describeMisfits(forceField, files, topology, error):
+def describeMisfits(forceField, files, topology, error, hydrogensWereAdded):
     """Return one line on why a ForceField cannot make a System.
 
     Parameters
@@ -30,6 +33,8 @@ def describeMisfits(forceField, files, topology, error):
     topology : openmm.app.Topology
     error : Exception
         what createSystem raised
+    hydrogensWereAdded : bool
+        as far as that was possible
     """
     name = f"--forcefield {' '.join(files)}"
     first = re.match(r"No template found for residue (\d+) ", str(error))
@@ -38,9 +43,12 @@ def describeMisfits(forceField, files, topology, error):
     residues = forceField.getUnmatchedResidues(topology)
     if forceField._patches:  # that list does not know of patches, so some residues in it may fit
         residues = [residue for residue in residues if residue.index == int(first[1])]
+    bonds = _bondsBetweenResidues(topology)
     misfits = defaultdict(list)
     for residue in residues:
-        what, remedy, detail = _whyMisfit(forceField, residue)
+        what, remedy, detail = _whyMisfit(forceField, residue, bonds[residue])
+        if remedy == _ADD_HYDROGENS and hydrogensWereAdded:
+            remedy = _CANNOT_ADD_HYDROGENS
         misfits[what, remedy].append((residue, f" ({detail})" if detail else ""))
     parts = []
     for (what, remedy), found in misfits.items():
@@ -61,25 +69,37 @@ def firstSentence(error):
     return text.split(".  ")[0].split(". ")[0].rstrip(".")
 
 
-def _whyMisfit(forceField, residue):
+def _bondsBetweenResidues(topology):
+    """Return the bonds of each residue to others, as a dictionary of lists of its atom and the other one."""
+    bonds = defaultdict(list)
+    for first, second in topology.bonds():
+        if first.residue is not second.residue:
+            bonds[first.residue].append((first, second))
+            bonds[second.residue].append((second, first))
+    return bonds
+
+
+def _whyMisfit(forceField, residue, bonds):
     """Return what is wrong with a residue that no template fits, what to do, and details."""
     templates = [template for name, template in forceField._templates.items() if _isOf(name, residue.name)]
     if not templates:
-        return "that the force field does not have", _LEAVE_OUT, ""
-    misfit = min((_Misfit(residue, template) for template in templates), key=_Misfit.size)
+        return "that the force field does not have", _REPLACE if isPolymer(residue) else _LEAVE_OUT, ""
+    misfit = min((_Misfit(residue, bonds, template) for template in templates), key=_Misfit.size)
     if misfit.missing:
         return "that lack heavy atoms", _ADD_ATOMS, ", ".join(sorted(misfit.missing))
     if misfit.extra:
-        return "with other atoms than those of their names", _REPLACE, ", ".join(sorted(misfit.extra))
+        return "with atoms that their names do not have", _LEAVE_ATOMS, ", ".join(sorted(misfit.extra))
+    if misfit.lackingHydrogens > 0 and forceField._patches:  # by which bonds may be others
+        return "that lack hydrogens", _ADD_HYDROGENS, ""
     if misfit.missingBonds:
         atoms = ", ".join(sorted(misfit.missingBonds))
         return "that lack their neighbour in the chain, or the atoms of an end", _ADD_RESIDUES, f"at {atoms}"
     if misfit.extraBonds:
-        return "bound to what the force field does not bind", _REPLACE, _describeBonds(residue, misfit.extraBonds)
-    if misfit.lackingHydrogens > 0 and _isBehindGap(residue):
+        return "bound to what the force field does not bind", _REPLACE, _describeBonds(bonds, misfit.extraBonds)
+    if misfit.lackingHydrogens > 0 and _isBehindGap(residue, bonds):
         return "that lack their neighbour in the chain, or the atoms of an end", _ADD_RESIDUES, "at N"
     if misfit.lackingHydrogens > 0:
-        return "that lack hydrogens", "--add-hydrogens adds them", ""
+        return "that lack hydrogens", _ADD_HYDROGENS, ""
     if misfit.lackingHydrogens < 0:
         return "with hydrogens too many", "leave hydrogens out of the file, and give --add-hydrogens", ""
     return "whose bonds are not those of their names", "give their bonds in the file (CONECT, _struct_conn)", ""
@@ -88,17 +108,17 @@ def _whyMisfit(forceField, residue):
 class _Misfit:
     """How a residue differs from a template that its name suggests."""
 
-    def __init__(self, residue, template):
+    def __init__(self, residue, bonds, template):
         heavy, hydrogens = _atomNames(residue.atoms())
         aliases = atomAliases(aminoAcid(residue.name) or residue.name)
         heavy = {aliases.get(name, name) for name in heavy}
         templateHeavy, templateHydrogens = _atomNames(template.atoms)
         self.missing = templateHeavy - heavy
         self.extra = heavy - templateHeavy
-        bonds = _externalBonds(residue)
+        bound = {atom.name for atom, _ in bonds}
         templateBonds = {template.atoms[atom].name for atom in template.externalBonds}
-        self.missingBonds = templateBonds - bonds
-        self.extraBonds = bonds - templateBonds
+        self.missingBonds = templateBonds - bound
+        self.extraBonds = bound - templateBonds
         self.lackingHydrogens = len(templateHydrogens) - len(hydrogens)
 
     def size(self):
@@ -114,7 +134,7 @@ def _isOf(templateName, residueName):
     amino = aminoAcid(residueName)
     if amino is not None:
         return aminoAcid(templateName) == amino
-    return isNucleotide(residueName) and templateName in {f"{residueName}{end}" for end in "35N"}
+    return isNucleotide(residueName) and templateName in {f"{residueName}{end}" for end in "35"}
 
 
 def _atomNames(atoms):
@@ -126,21 +146,13 @@ def _atomNames(atoms):
     return heavy, hydrogens
 
 
-def _isBehindGap(residue):
+def _isBehindGap(residue, bonds):
     """Whether an amino acid comes after others in its chain, and nothing is bound to its N."""
     isFirst = residue is next(residue.chain.residues())
-    return aminoAcid(residue.name) is not None and not isFirst and "N" not in _externalBonds(residue)
+    return aminoAcid(residue.name) is not None and not isFirst and all(atom.name != "N" for atom, _ in bonds)
 
 
-def _externalBonds(residue):
-    """Return the names of the atoms of a residue that are bound to others."""
-    return {atom.name for bond in residue.external_bonds() for atom in bond if atom.residue is residue}
-
-
-def _describeBonds(residue, names):
-    others = []
-    for bond in residue.external_bonds():
-        for atom, other in (bond, tuple(bond)[::-1]):
-            if atom.residue is residue and atom.name in names:
-                others.append(f"{atom.name} – {describeResidue(other.residue)} {other.name}")
-    return ", ".join(others)
+def _describeBonds(bonds, names):
+    return ", ".join(
+        f"{atom.name} – {describeResidue(other.residue)} {other.name}" for atom, other in bonds if atom.name in names
+    )
