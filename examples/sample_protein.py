@@ -50,3 +50,5 @@ for number, name in enumerate(("backbone", "side chains", "rotamers")):
     )
 for stage in integrator.getStageStatistics():
     print(f"{stage.stage}: computed for {stage.computed} trials, of which it refused {stage.refused}")
+outer = integrator.getOuterStatistics()
+print(f"outer tests: {outer.accepted} of {outer.attempted} kept their trials, {outer.trialsTakenBack} were taken back")

@@ -268,6 +268,7 @@ def test_residuesThatDoNotFit(runHere, tmp_path, lines, isChosen, rename, words)
     [
         (["--temperature", "300"], "--temperature needs --forcefield"),
         (["--nonbonded-cutoff", "1"], "--nonbonded-cutoff needs --forcefield"),
+        (["--trials-per-outer-test", "7"], "--trials-per-outer-test needs --forcefield"),
         (["--ph", "7"], "--ph needs --add-hydrogens"),
         (["--forcefield"], "--forcefield: expected at least one argument"),
         (["--forcefield", "amber41.xml"], '--forcefield amber41.xml: Could not locate file "amber41.xml"'),
@@ -318,6 +319,48 @@ def test_aWrongEnergyWouldBeSeen(runHere, monkeypatch):
     monkeypatch.setattr(Energies, "held", lambda energies: honest(energies) + 7)
     result = runHere("--forcefield", PROTEIN, "--trials", 10)
     assert "OpenMM's Reference platform differs there by 7" in result.stdout
+
+
+def test_outerTests(runHere, tmp_path):
+    """A force that the library does not know is evaluated once in 20 trials; those taken back are in no other count."""
+    (tmp_path / "pull.xml").write_text(
+        "<ForceField><Script>\n"
+        "import openmm\n"
+        "force = openmm.CustomCentroidBondForce(2, '100*distance(g1,g2)')\n"
+        "ends = [0], [sys.getNumParticles() - 1]\n"
+        "force.addBond([force.addGroup(end) for end in ends], [])\n"
+        "sys.addForce(force)\n"
+        "</Script></ForceField>"
+    )
+    result = runHere(
+        *("--forcefield", PROTEIN, "pull.xml", "--trials-per-outer-test", 20, "--trials", 2000, "--frames", 2),
+        *("--seed", 1, "--json", "summary.json"),
+    )
+    assert result.returncode == 0, result.stderr
+    summary = json.loads((tmp_path / "summary.json").read_text())
+    outer = summary["energy"]["outerTests"]
+    assert 100 <= outer["attempted"] <= 101 and 0 < outer["accepted"] < outer["attempted"]
+    assert outer["standardDeviation"] > 0
+    attempted = sum(move["attempted"] for move in summary["moves"])
+    assert summary["trials"] == 2000 == attempted + outer["trialsTakenBack"] > attempted
+    (pull,) = [force for force in summary["energy"]["forces"] if force["name"] == "CustomCentroidBondForce"]
+    assert pull["kind"] == "foreign" and pull["energy"] > 0
+    ends = summary["energy"]["potentialEnergy"]
+    assert ends["lastByOpenMM"] == pytest.approx(ends["last"], rel=1e-6, abs=5e-3)
+    assert f"{outer['accepted']} of {outer['attempted']} kept their trials" in result.stdout
+
+
+def test_bondsOfMetalsAreIgnored(runHere, tmp_path, lines):
+    """A metal is an ion to the force field, and moves with what it is bound to all the same."""
+    (zinc,) = [line for line in lines(lambda atom: True) if line[12:16] == " OD1" and line[22:26] == "   3"]
+    x = float(zinc[30:38]) + 2.1
+    zinc = f"HETATM  900 ZN    ZN B   1    {x:8.3f}{zinc[38:54]}  1.00  0.00          ZN"
+    structure = writePDB(tmp_path / "zinc.pdb", [*lines(lambda atom: True), zinc])
+    options = ("--trials", 10, "--frames", 1, "--json", "summary.json")
+    result = runHere(structure, "--forcefield", PROTEIN, "amber14/tip3p.xml", *options)
+    assert result.returncode == 0, result.stderr
+    assert "note: bonds of metals that the force field does not have (" in result.stdout
+    assert json.loads((tmp_path / "summary.json").read_text())["atoms"] == 583
 
 
 def test_fewTrialsAndManyFrames(tmp_path):

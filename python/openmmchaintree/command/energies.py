@@ -47,6 +47,11 @@ class Energies:
         """Return the StageStatistics of the parts of U that have decided trials."""
         return [stage for stage in self._integrator.getStageStatistics() if stage.computed]
 
+    def outerTests(self):
+        """Return the OuterStatistics, or None if there was no outer test."""
+        statistics = self._integrator.getOuterStatistics()
+        return statistics if statistics.attempted else None
+
     def byOpenMM(self, positions):
         """Return U at positions by OpenMM's Reference platform (kJ/mol), and a list of ForceEnergy."""
         system = openmm.XmlSerializer.clone(self._context.getSystem())

@@ -31,9 +31,11 @@ class EnergyModel:
         as the user named them
     temperature : float, K
     cutoff : float or None, nm
+    trialsPerOuterTest : int
+        as in TorsionMonteCarloIntegrator, 0 by default
     """
 
-    def __init__(self, files, temperature, cutoff=None, hydrogensAreAdded=False):
+    def __init__(self, files, temperature, cutoff=None, trialsPerOuterTest=0, hydrogensAreAdded=False):
         """Read the files; errors say what to do otherwise if hydrogens are added, as far as that is possible.
 
         Raises
@@ -44,6 +46,7 @@ class EnergyModel:
         self.files = list(files)
         self.temperature = temperature
         self.cutoff = cutoff
+        self.trialsPerOuterTest = trialsPerOuterTest
         self._hydrogensAreAdded = hydrogensAreAdded
         for file in self.files:
             if os.path.isfile(file) and not file.lower().endswith(".xml"):

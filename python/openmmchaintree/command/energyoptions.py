@@ -1,7 +1,7 @@
 """The options that choose a force field, its temperature and hydrogens."""
 
 from ..errors import InputError
-from .arguments import numberIn
+from .arguments import numberIn, positive
 from .energymodel import EnergyModel
 
 _TEMPERATURE = 300.0  # K
@@ -29,6 +29,13 @@ def addEnergyOptions(parser):
         metavar="NM",
         help="leave out pairs of atoms beyond this distance (default: none is left out)",
     )
+    parser.add_argument(
+        "--trials-per-outer-test",
+        type=positive,
+        metavar="M",
+        help="let OpenMM evaluate forces that are not native once in M trials, all of which are then kept or taken "
+        "back (default: in each trial; what stands in for a solvent is tested after 400 trials)",
+    )
     parser.add_argument("--add-hydrogens", action="store_true", help="add hydrogens that are missing")
     parser.add_argument(
         "--ph", type=numberIn(0, 14), metavar="PH", help=f"the pH at which to add hydrogens (default: {_PH:g})"
@@ -46,6 +53,7 @@ def readEnergyOptions(options):
     needs = [
         ("--temperature", options.temperature, "--forcefield", options.forcefield),
         ("--nonbonded-cutoff", options.nonbonded_cutoff, "--forcefield", options.forcefield),
+        ("--trials-per-outer-test", options.trials_per_outer_test, "--forcefield", options.forcefield),
         ("--ph", options.ph, "--add-hydrogens", options.add_hydrogens or None),
     ]
     for option, value, needed, given in needs:
@@ -57,4 +65,11 @@ def readEnergyOptions(options):
     if options.forcefield is None:
         return None, pH
     temperature = _TEMPERATURE if options.temperature is None else options.temperature
-    return EnergyModel(options.forcefield, temperature, options.nonbonded_cutoff, options.add_hydrogens), pH
+    model = EnergyModel(
+        options.forcefield,
+        temperature,
+        options.nonbonded_cutoff,
+        options.trials_per_outer_test or 0,
+        options.add_hydrogens,
+    )
+    return model, pH

@@ -26,6 +26,7 @@ def summarizeEnergies(energies, frames, positions):
     """
     along = [frame.energy for frame in frames]
     held = energies.held()
+    outer = energies.outerTests()
     total, parts = energies.byOpenMM(positions)
     return {
         "forceField": energies.model.files,
@@ -40,6 +41,7 @@ def summarizeEnergies(energies, frames, positions):
         "potentialEnergies": along,
         "forces": [part._asdict() for part in parts],
         "stages": [stage._asdict() for stage in energies.stages()],
+        "outerTests": None if outer is None else outer._asdict(),
     }
 
 
@@ -57,6 +59,14 @@ def printEnergies(summary, console):
         console.print(line)
     if summary["stages"]:
         console.print(_stageTable(summary["stages"]))
+    outer = summary["outerTests"]
+    if outer is not None:
+        share = 100 * outer["accepted"] / outer["attempted"]
+        console.print(
+            f"outer tests: {outer['accepted']:,} of {outer['attempted']:,} kept their trials ({share:.0f} %), by "
+            f"differences of {outer['meanDifference']:.1f} ± {outer['standardDeviation']:.1f} kJ/mol; "
+            f"{outer['trialsTakenBack']:,} trials were taken back, and are in no other count"
+        )
 
 
 def _forceLines(forces):

@@ -134,6 +134,8 @@ class Sampling:
         self.integrator = TorsionMonteCarloIntegrator(temperature * unit.kelvin)
         self.integrator.setRandomNumberSeed(seed)
         self.moves = self._addMoves(_MOVE_KINDS if energyModel is None else _MOVE_KINDS_WITH_ENERGY)
+        if energyModel is not None:
+            self.integrator.setTrialsPerOuterTest(energyModel.trialsPerOuterTest)
         platform = (openmm.Platform.getPlatformByName("Reference"),) if energyModel is None else repeatablePlatform()
         self.context = openmm.Context(self._makeSystem(energyModel), self.integrator, *platform)
         self.context.setPositions(structure.positions)
