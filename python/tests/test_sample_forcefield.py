@@ -2,6 +2,7 @@
 
 import io
 import json
+import random
 
 import commands
 import numpy as np
@@ -176,6 +177,7 @@ def test_addHydrogens(runHere, tmp_path, villin, lines):
     ends = summary["energy"]["potentialEnergy"]
     assert ends["last"] == pytest.approx(energyByOpenMM(pdb.topology, frames[-1], PROTEIN), abs=0.2)
 
+    random.seed(4)  # Modeller draws random numbers of Python
     again = runHere("bare.pdb", *options, "-o", "again")
     assert again.returncode == 0, again.stderr
     assert np.array_equal(readDCD(tmp_path / "again.dcd"), frames)
@@ -300,14 +302,12 @@ def test_nothingIsOverwritten(runHere, tmp_path):
 
 def test_fixedAtomsStay(runHere, tmp_path):
     options = ("--forcefield", PROTEIN, "--trials", 800, "--frames", 2, "--seed", 1, "--json", "summary.json")
-    result = runHere(*options, "--fix", "resSeq 1 to 15", "--move", "resSeq 20 to 30")
+    result = runHere(*options, "--fix", "resSeq 20 to 30", "--move", "resSeq 1 to 10")
     assert result.returncode == 0, result.stderr
     frames = readDCD(tmp_path / "villin.dcd")
-    ids = np.array([int(r.id) for r in app.PDBFile(str(tmp_path / "villin-topology.pdb")).topology.residues()])
-    assert len(ids) == 35
     hasMoved = np.abs(frames[-1] - frames[0]).max(axis=1) > 0
     atoms = list(app.PDBFile(str(tmp_path / "villin-topology.pdb")).topology.atoms())
-    assert not any(moved and int(atom.residue.id) <= 15 for atom, moved in zip(atoms, hasMoved, strict=True))
+    assert not any(moved and 20 <= int(atom.residue.id) <= 30 for atom, moved in zip(atoms, hasMoved, strict=True))
     assert hasMoved.any()
     ends = json.loads((tmp_path / "summary.json").read_text())["energy"]["potentialEnergy"]
     assert ends["lastByOpenMM"] == pytest.approx(ends["last"], rel=1e-6, abs=5e-3)
