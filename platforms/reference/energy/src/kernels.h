@@ -4,6 +4,7 @@
 
 #include "born.h"
 #include "standinpair.h"
+#include "wholepair.h"
 
 typedef struct Kernels {
   const char* name; /* as ctGetInstructionSet has it */
@@ -21,6 +22,11 @@ typedef struct Kernels {
    * round. Of one leaf with itself, all is in ofA. All sums are finite, and multiples of BORN_SUM_STEP. */
   void (*bornSums)(const BornModel* model, float squaredCutoff, const BornSide* a, const BornSide* b,
                    float ofA[CT_LEAF_WIDTH], float ofB[CT_LEAF_WIDTH]);
+
+  /* Of whole energies, of leaves a <= b: Lennard-Jones, Coulomb and Born without cutoffs; and Born alone with the
+   * cutoff of the model, if there is one. */
+  WholePair (*wholePair)(const BornModel* model, const WholeSide* a, const WholeSide* b);
+  double (*bornPair)(const BornModel* model, const WholeSide* a, const WholeSide* b);
 
   /* Of the stand-in: radii of a leaf by its Born sums over particles that are near; the energy of a leaf's particles by
    * themselves with what the grid of radii neglects, given the derivatives of pairs by ln B; and the energy of the

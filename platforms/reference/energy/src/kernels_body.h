@@ -159,6 +159,7 @@ static double leafPairEnergy(const Potential* potential, const LeafSide* a, cons
 
 #include "born_body.h"
 #include "standin_body.h"
+#include "wholepair_body.h"
 
 const Kernels KERNELS = {
     .name = KERNELS_NAME,
@@ -166,6 +167,8 @@ const Kernels KERNELS = {
     .leafPairEnergy = leafPairEnergy,
     .rowsEnergy = rowsEnergy,
     .bornSums = bornSums,
+    .wholePair = wholePair,
+    .bornPair = bornPair,
     .standInRadii = standInRadii,
     .standInLeafEnergy = standInLeafEnergy,
     .standInPairs = standInPairs,

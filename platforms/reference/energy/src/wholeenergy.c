@@ -1,0 +1,223 @@
+#include "wholeenergy.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+
+/* ---- Life ---- */
+
+/* Lists the particles in the order of their slots, and finds the place of each. False if there is no memory. */
+static bool orderParticles(WholeEnergy* whole, const int* slotOf, int* placeOf) {
+  const size_t slotCount = (size_t)ctGetLeafCount(whole->tree) * CT_LEAF_WIDTH;
+  int* particles = malloc((slotCount + 1) * sizeof *particles);
+  if (particles == NULL) {
+    return false;
+  }
+  for (size_t slot = 0; slot < slotCount; slot++) {
+    particles[slot] = CT_NULL;
+  }
+  for (int i = 0; i < whole->particleCount; i++) {
+    placeOf[i] = CT_NULL; /* of a particle without a slot, which is refused later */
+    if (slotOf[i] != CT_NULL) {
+      particles[slotOf[i]] = i;
+    }
+  }
+  int place = 0;
+  for (size_t slot = 0; slot < slotCount; slot++) {
+    if (particles[slot] != CT_NULL) {
+      whole->slots[place] = (int)slot;
+      whole->particles[place] = particles[slot];
+      placeOf[particles[slot]] = place++;
+    }
+  }
+  free(particles);
+  return true;
+}
+
+ctStatus ctWholeEnergyCreate(WholeEnergy* whole, ctChainTree* tree, int particleCount, const ctNonbonded* nonbonded,
+                             const ctBorn* born, const int* slotOf, char* errorText, size_t errorSize) {
+  const int blockCount = (particleCount + CT_LEAF_WIDTH - 1) / CT_LEAF_WIDTH;
+  const size_t blocks = (size_t)blockCount + 1;
+  int* placeOf = malloc(((size_t)particleCount + 1) * sizeof *placeOf);
+  *whole = (WholeEnergy){
+      .tree = tree,
+      .kernels = ctFindKernels(ctGetInstructionSet(tree)),
+      .particleCount = particleCount,
+      .blockCount = blockCount,
+      .slots = malloc(blocks * CT_LEAF_WIDTH * sizeof *whole->slots),
+      .particles = malloc(blocks * CT_LEAF_WIDTH * sizeof *whole->particles),
+      .frames = calloc(blocks, sizeof *whole->frames),
+      .radii = calloc(blocks, sizeof *whole->radii),
+      .sums = malloc(blocks * CT_LEAF_WIDTH * sizeof *whole->sums),
+  };
+  ctStatus status = ctOutOfMemory;
+  if (placeOf == NULL || whole->slots == NULL || whole->particles == NULL || whole->frames == NULL ||
+      whole->radii == NULL || whole->sums == NULL || !orderParticles(whole, slotOf, placeOf)) {
+    snprintf(errorText, errorSize, "out of memory");
+  } else {
+    status = ctNonbondedCreate(&whole->nonbonded, tree, particleCount, nonbonded, placeOf, errorText, errorSize);
+    if (status == ctSuccess) {
+      status = ctBornCreate(&whole->born, blockCount, particleCount, born, placeOf, errorText, errorSize);
+    }
+  }
+  free(placeOf);
+  if (status != ctSuccess) {
+    ctWholeEnergyFree(whole);
+  }
+  return status;
+}
+
+void ctWholeEnergyFree(WholeEnergy* whole) {
+  free(whole->slots);
+  free(whole->particles);
+  free(whole->frames);
+  free(whole->radii);
+  free(whole->sums);
+  ctNonbondedFree(&whole->nonbonded);
+  ctBornFree(&whole->born);
+  *whole = (WholeEnergy){0};
+}
+
+/* ---- Frames ---- */
+
+/* Where places without a particle are (nm, from the middle of their block): away from particles, but at no distance
+ * whose powers are too small for a normal float, with which processors take long. */
+#define ASIDE 1e3f
+
+/* False if there is no memory. */
+static bool makeFrames(WholeEnergy* whole) {
+  const ctLeafPositions* leaves = ctGetLeaves(whole->tree);
+  if (leaves == NULL) {
+    return false;
+  }
+  for (int block = 0; block < whole->blockCount; block++) {
+    ctLeafPositions positions = {.x = {0}};
+    LeafFrame* frame = &whole->frames[block];
+    const int* slots = whole->slots + CT_LEAF_WIDTH * block;
+    const int left = whole->particleCount - CT_LEAF_WIDTH * block;
+    const int count = left < CT_LEAF_WIDTH ? left : CT_LEAF_WIDTH;
+    for (int k = 0; k < count; k++) {
+      const ctLeafPositions* leaf = &leaves[slots[k] / CT_LEAF_WIDTH];
+      positions.x[k] = leaf->x[slots[k] % CT_LEAF_WIDTH];
+      positions.y[k] = leaf->y[slots[k] % CT_LEAF_WIDTH];
+      positions.z[k] = leaf->z[slots[k] % CT_LEAF_WIDTH];
+    }
+    whole->kernels->makeFrame(&positions, whole->nonbonded.columns[block].occupied, frame);
+    for (int k = count; k < CT_LEAF_WIDTH; k++) {
+      frame->x[k] = frame->y[k] = frame->z[k] = ASIDE;
+    }
+  }
+  return true;
+}
+
+/* The squared distance of the boxes of two blocks, rounded down a little. */
+static double squaredGap(const LeafFrame* a, const LeafFrame* b) {
+  double squared = 0;
+  for (int d = 0; d < 3; d++) {
+    const double shift = b->centre[d] - a->centre[d];
+    const double below = shift + (double)b->low[d] - (double)a->high[d];
+    const double above = (double)a->low[d] - (double)b->high[d] - shift;
+    const double apart = below > above ? below : above;
+    squared += apart > 0 ? apart * apart : 0;
+  }
+  return squared * (1 - 1e-5);
+}
+
+/* ---- Born radii ---- */
+
+static void computeSums(WholeEnergy* whole) {
+  const BornModel* model = &whole->born.model;
+  for (int i = 0; i < whole->blockCount * CT_LEAF_WIDTH; i++) {
+    whole->sums[i] = 0;
+  }
+  for (int a = 0; a < whole->blockCount; a++) {
+    const BornColumns* columnsA = &whole->born.columns[a];
+    const BornSide sideA = {&whole->frames[a], columnsA, columnsA->occupied, a};
+    for (int b = a; b < whole->blockCount; b++) {
+      float ofA[CT_LEAF_WIDTH];
+      float ofB[CT_LEAF_WIDTH] = {0};
+      const BornColumns* columnsB = &whole->born.columns[b];
+      const BornSide sideB = {&whole->frames[b], columnsB, columnsB->occupied, b};
+      if (model->hasCutoff && squaredGap(&whole->frames[a], &whole->frames[b]) > model->exactCutoff) {
+        continue;
+      }
+      whole->kernels->bornSums(model, model->squaredCutoff, &sideA, &sideB, ofA, ofB);
+      for (int k = 0; k < CT_LEAF_WIDTH; k++) {
+        whole->sums[CT_LEAF_WIDTH * a + k] += (double)ofA[k];
+        whole->sums[CT_LEAF_WIDTH * b + k] += (double)ofB[k];
+      }
+    }
+  }
+}
+
+/* Sets Born radii by the sums; returns the energy of particles by themselves, or NaN if some radius is none. */
+static double computeRadii(WholeEnergy* whole) {
+  const BornModel* model = &whole->born.model;
+  double energy = 0;
+  for (int place = 0; place < whole->blockCount * CT_LEAF_WIDTH; place++) {
+    BornRadii* radii = &whole->radii[place / CT_LEAF_WIDTH];
+    const int k = place % CT_LEAF_WIDTH;
+    double radius = 1;
+    if (place < whole->particleCount) {
+      const BornParticle* particle = &whole->born.particles[place];
+      radius = ctBornRadius(model, particle, whole->sums[place]);
+      energy += radius > 0 && isfinite(radius) ? ctBornSelfEnergy(model, particle, radius) : NAN;
+    }
+    radii->radius[k] = (float)radius;
+    radii->inverse[k] = (float)(1 / radius);
+  }
+  return energy;
+}
+
+/* ---- Energies ---- */
+
+/* Adds the pairs of blocks a <= b. */
+static void addBlocks(const WholeEnergy* whole, int a, int b, WholePair* total) {
+  const BornModel* model = &whole->born.model;
+  const Potential* potential = &whole->nonbonded.potential;
+  const LeafFrame* frames = whole->frames;
+  const WholeSide sideA = {&frames[a], &whole->nonbonded.columns[a], &whole->born.columns[a], &whole->radii[a],
+                           pairMaskOf(&whole->nonbonded.mask, a, b)};
+  const WholeSide sideB = {&frames[b], &whole->nonbonded.columns[b], &whole->born.columns[b], &whole->radii[b], NULL};
+  if (!potential->hasCutoff && !model->hasCutoff) {
+    const WholePair pair = whole->kernels->wholePair(model, &sideA, &sideB);
+    total->born += pair.born;
+    total->nonbonded +=
+        isfinite(pair.nonbonded) ? pair.nonbonded : ctNonbondedEnergy(&whole->nonbonded, a, &frames[a], b, &frames[b]);
+    return;
+  }
+  const double gap = squaredGap(&frames[a], &frames[b]);
+  if (gap < potential->exact[0]) {
+    total->nonbonded += ctNonbondedEnergy(&whole->nonbonded, a, &frames[a], b, &frames[b]);
+  }
+  if (gap < model->exactCutoff) {
+    total->born += whole->kernels->bornPair(model, &sideA, &sideB);
+  }
+}
+
+ctStatus ctWholeEnergyCompute(WholeEnergy* whole, double* nonbonded, double* born) {
+  if (!makeFrames(whole)) {
+    return ctOutOfMemory;
+  }
+  computeSums(whole);
+  WholePair total = {.born = computeRadii(whole)};
+  for (int a = 0; a < whole->blockCount; a++) {
+    for (int b = a; b < whole->blockCount; b++) {
+      addBlocks(whole, a, b, &total);
+    }
+  }
+  *nonbonded = total.nonbonded;
+  *born = total.born;
+  return ctSuccess;
+}
+
+ctStatus ctWholeEnergyBornSums(WholeEnergy* whole, double* sums) {
+  if (!makeFrames(whole)) {
+    return ctOutOfMemory;
+  }
+  computeSums(whole);
+  for (int place = 0; place < whole->particleCount; place++) {
+    sums[whole->particles[place]] = whole->sums[place];
+  }
+  return ctSuccess;
+}
