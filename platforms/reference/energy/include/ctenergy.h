@@ -317,7 +317,8 @@ ctStatus ctAcceptEnergyChange(ctEnergy* energy);
 
 /* ---- Two levels ---- */
 
-/* The energies that the stand-in stands for, of the scene's state, computed anew and kept nowhere. O(N^2) without
+/* The energies that the stand-in stands for, of the scene's state, computed anew and kept nowhere; that of Born is NaN
+ * if some Born radius is not a positive number. Without born, the pair energy as it is kept, and 0. O(N^2) without
  * cutoffs. */
 ctStatus ctComputeWholeEnergy(ctEnergy* energy, double* nonbonded, double* born, ctCounts* counts);
 

@@ -8,6 +8,7 @@
 #include "pairsets.h"
 #include "standin.h"
 #include "terms.h"
+#include "wholeenergy.h"
 
 /* Not the change count of any state. */
 enum { NO_STATE = -1 };
@@ -21,7 +22,8 @@ struct ctEnergy {
   Nonbonded nonbonded;
   PairSums pairs; /* of nonbonded */
   bool hasStandIn;
-  StandIn standIn; /* instead of nonbonded */
+  StandIn standIn;   /* instead of nonbonded */
+  WholeEnergy whole; /* with a stand-in */
   PairSets pairSets;
   int64_t state;     /* the scene's change count of the state that values belong to, or NO_STATE */
   int64_t trial;     /* the last one that was asked about */
@@ -105,6 +107,10 @@ static ctStatus buildPairs(ctEnergy* energy, const ctEnergyDefinition* d, const 
   if (d->born != NULL) {
     energy->hasStandIn = true;
     status = ctStandInCreate(&energy->standIn, &energy->leaves, particleCount, d, slotOf, errorText, errorSize);
+    if (status == ctSuccess) {
+      status = ctWholeEnergyCreate(&energy->whole, energy->tree, particleCount, d->nonbonded, d->born, slotOf,
+                                   errorText, errorSize);
+    }
   } else if (d->nonbonded != NULL) {
     status = buildNonbonded(energy, d, slotOf, errorText, errorSize);
   }
@@ -165,6 +171,7 @@ void ctDestroyEnergy(ctEnergy* energy) {
     ctPairSumsFree(&energy->pairs);
     ctNonbondedFree(&energy->nonbonded);
     ctStandInFree(&energy->standIn);
+    ctWholeEnergyFree(&energy->whole);
     ctTrialLeavesFree(&energy->leaves);
     free(energy);
   }
@@ -332,11 +339,31 @@ ctStatus ctComputeWholeEnergy(ctEnergy* energy, double* nonbonded, double* born,
   (void)counts;
   *nonbonded = ctGetPairEnergy(energy);
   *born = 0;
+  if (energy->hasStandIn && ctWholeEnergyCompute(&energy->whole, nonbonded, born) != ctSuccess) {
+    return failOutOfMemory(energy);
+  }
   return ctSuccess;
 }
 
 ctStatus ctRenewStandIn(ctEnergy* energy, ctCounts* counts) {
-  return ctRefreshEnergy(energy, counts);
+  const ctStatus status = ctRefreshEnergy(energy, counts);
+  if (status != ctSuccess || !energy->hasStandIn) {
+    return status;
+  }
+  const size_t count = (size_t)energy->whole.particleCount + 1;
+  double* far = malloc(count * sizeof *far);
+  double* near = malloc(count * sizeof *near);
+  const bool isDone = far != NULL && near != NULL && ctWholeEnergyBornSums(&energy->whole, far) == ctSuccess;
+  if (isDone) {
+    ctStandInGetNear(&energy->standIn, near);
+    for (int i = 0; i < energy->whole.particleCount; i++) {
+      far[i] -= near[i];
+    }
+    ctStandInSetFar(&energy->standIn, far);
+  }
+  free(far);
+  free(near);
+  return isDone ? ctRefreshEnergy(energy, counts) : failOutOfMemory(energy);
 }
 
 void ctGetStandIn(const ctEnergy* energy, double* constants) {

@@ -207,7 +207,7 @@ ctStatus ctWholeEnergyCompute(WholeEnergy* whole, double* nonbonded, double* bor
     }
   }
   *nonbonded = total.nonbonded;
-  *born = total.born;
+  *born = isnan(total.born) ? NAN : total.born; /* one NaN, whatever the instruction set */
   return ctSuccess;
 }
 
