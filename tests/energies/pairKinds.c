@@ -320,6 +320,20 @@ static void writeCounted(randomPairSet* set)
     withConstant(set, ctAddConstantOperator, charges(set), 2.5);
 }
 
+/* On a way that no float goes. */
+static PairValue beyondFloats(const randomPairSet* set, long double r, const double* first, const double* second)
+{
+    (void)set;
+    long double value = product(first, second) + r;
+    return (PairValue){value, fabsl(value) + 1};
+}
+
+static void writeBeyondFloats(randomPairSet* set)
+{
+    int sum = binary(set, ctAddOperator, charges(set), distance(set));
+    withConstant(set, ctMultiplyConstantOperator, withConstant(set, ctMultiplyConstantOperator, sum, 1e200), 1e-200);
+}
+
 const PairKind pairKinds[PAIR_KINDS] = {
     {lennardJones, writeLennardJones, NULL},
     {debyeHueckel, writeDebyeHueckel, NULL},
@@ -329,4 +343,5 @@ const PairKind pairKinds[PAIR_KINDS] = {
     {ashbaughHatch, writeAshbaughHatch, NULL},
     {mixture, writeMixture, NULL},
     {counted, writeCounted, NULL},
+    {beyondFloats, writeBeyondFloats, NULL},
 };

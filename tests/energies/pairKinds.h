@@ -7,7 +7,7 @@
 /* Parameters: sigma (nm), epsilon (kJ/mol), charge, type (a whole number below PAIR_TYPES). */
 enum { SIGMA, EPSILON, CHARGE, TYPE };
 
-enum { PAIR_TYPES = 5, PAIR_KINDS = 8 };
+enum { PAIR_TYPES = 5, PAIR_KINDS = 9 };
 
 typedef struct PairKind {
     pairFormula* formula;

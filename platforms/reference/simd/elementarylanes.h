@@ -4,6 +4,7 @@
 #define CT_ELEMENTARYLANES_H_
 
 #include <math.h>
+#include <stdbool.h>
 #include <stdint.h>
 
 #include "inline.h"
@@ -31,6 +32,16 @@ CT_INLINE double withSignOf(double magnitude, double sign) {
   return doubleOfBits((bitsOfDouble(magnitude) & ~bit) | (bitsOfDouble(sign) & bit));
 }
 
+/* By the bits, as compilers make no vectors of branches. */
+CT_INLINE double chosen(uint64_t condition, double yes, double no) {
+  const uint64_t mask = (uint64_t)0 - (uint64_t)(condition != 0);
+  return doubleOfBits((bitsOfDouble(yes) & mask) | (bitsOfDouble(no) & ~mask));
+}
+
+CT_INLINE double sizeOf(double x) {
+  return doubleOfBits(bitsOfDouble(x) & ~((uint64_t)1 << 63));
+}
+
 /* c[0] + c[1] x + ... + c[degree] x^degree */
 CT_INLINE double polynomialOf(double x, int degree, const double* c) {
   double sum = c[degree];
@@ -46,7 +57,7 @@ CT_INLINE double polynomialOf(double x, int degree, const double* c) {
 CT_INLINE double expOf(double x) {
   const double c[] = {1,         1,          1.0 / 2,     1.0 / 6,      1.0 / 24,     1.0 / 120,
                       1.0 / 720, 1.0 / 5040, 1.0 / 40320, 1.0 / 362880, 1.0 / 3628800};
-  const double bounded = x > 300 ? 300 : x < -300 ? -300 : x;
+  const double bounded = chosen(x > 300, 300, chosen(x < -300, -300, x));
   const double shifted = bounded * 0x1.71547652b82fep+0 + CT_WHOLE_DOUBLE;
   const double n = shifted - CT_WHOLE_DOUBLE;
   const double r = (bounded - n * 0x1.62e42feep-1) - n * 0x1.a39ef35793c76p-33;
@@ -69,19 +80,19 @@ CT_INLINE double logOf(double x) {
 CT_INLINE float powLane(float base, float exponent) {
   const double x = (double)base;
   const double y = (double)exponent;
-  const double size = x < 0 ? -x : x;
-  const double positive = size > 0 && size < INFINITY ? size : 1;
-  const double logarithm = size == 0 ? -INFINITY : size == INFINITY ? INFINITY : logOf(positive);
+  const double size = sizeOf(x);
+  const double positive = chosen((size > 0) & (size < INFINITY), size, 1);
+  const double logarithm = chosen(size == 0, -INFINITY, chosen(size == INFINITY, INFINITY, logOf(positive)));
   /* Whole numbers are even from 2^24 on. */
-  const double bounded = y > 0x1p25 ? 0x1p25 : y < -0x1p25 ? -0x1p25 : y;
+  const double bounded = chosen(y > 0x1p25, 0x1p25, chosen(y < -0x1p25, -0x1p25, y));
   const double half = 0.5 * bounded;
-  const int isWhole = (bounded + CT_WHOLE_DOUBLE) - CT_WHOLE_DOUBLE == bounded;
-  const int isOdd = isWhole && (half + CT_WHOLE_DOUBLE) - CT_WHOLE_DOUBLE != half;
-  const double power = size == 1 ? 1 : expOf(y * logarithm);
-  const double defined = x < 0 && x > -INFINITY && !isWhole ? (double)NAN : power;
-  const double known = x != x || y != y ? (double)NAN : defined;
-  const double isSigned = isOdd && bitsOfDouble(x) >> 63 != 0 ? -known : known;
-  return (float)(y == 0 || x == 1 ? 1 : isSigned);
+  const bool isWhole = (bounded + CT_WHOLE_DOUBLE) - CT_WHOLE_DOUBLE == bounded;
+  const bool isOdd = isWhole & ((half + CT_WHOLE_DOUBLE) - CT_WHOLE_DOUBLE != half);
+  const double power = chosen(size == 1, 1, expOf(y * logarithm));
+  const double defined = chosen((x < 0) & (x > -INFINITY) & !isWhole, (double)NAN, power);
+  const double known = chosen((x != x) | (y != y), (double)NAN, defined);
+  const double withSign = chosen(isOdd, withSignOf(known, x), known);
+  return (float)chosen((y == 0) | (x == 1), 1, withSign);
 }
 
 /* ---- Hyperbolic functions ---- */
@@ -89,14 +100,14 @@ CT_INLINE float powLane(float base, float exponent) {
 /* sinh(x) = x (1 + x^2 / 6 + ...), of small x; exponentials beyond. */
 CT_INLINE double sinhOf(double x) {
   const double c[] = {1, 1.0 / 6, 1.0 / 120, 1.0 / 5040, 1.0 / 362880, 1.0 / 39916800, 1.0 / 6227020800};
-  const double e = expOf(x < 0 ? -x : x);
+  const double e = expOf(sizeOf(x));
   const double far = withSignOf(0.5 * (e - 1 / e), x);
   const double near = x * polynomialOf(x * x, 6, c);
-  return x * x < 1 ? near : far;
+  return chosen(x * x < 1, near, far);
 }
 
 CT_INLINE double coshOf(double x) {
-  const double e = expOf(x);
+  const double e = expOf(sizeOf(x));
   return 0.5 * (e + 1 / e);
 }
 
@@ -104,6 +115,10 @@ CT_INLINE double coshOf(double x) {
 
 /* Beyond this, in radians, sines and their kind are NaN. */
 #define CT_MOST_ANGLE 0x1p20
+
+CT_INLINE double negatedIf(uint64_t condition, double x) {
+  return doubleOfBits(bitsOfDouble(x) ^ (uint64_t)(condition != 0) << 63);
+}
 
 typedef struct Angle {
   double sine;
@@ -127,7 +142,7 @@ CT_INLINE Angle angleOfLane(float x) {
                       2.08757232129817482790e-09,
                       -1.13596475577881948265e-11};
   const double angle = (double)x;
-  const double known = angle <= CT_MOST_ANGLE && angle >= -CT_MOST_ANGLE ? angle : (double)NAN;
+  const double known = chosen(sizeOf(angle) <= CT_MOST_ANGLE, angle, (double)NAN);
   /* From the nearest quarter turn; the first part of it has 33 bits. */
   const double shifted = known * 0x1.45f306dc9c883p-1 + CT_WHOLE_DOUBLE;
   const double n = shifted - CT_WHOLE_DOUBLE;
@@ -136,10 +151,9 @@ CT_INLINE Angle angleOfLane(float x) {
   const double sine = r * polynomialOf(square, 6, s);
   const double cosine = polynomialOf(square, 7, c);
   const uint64_t quarters = bitsOfDouble(shifted);
-  const int swaps = (quarters & 1) != 0;
-  const double first = swaps ? cosine : sine;
-  const double second = swaps ? sine : cosine;
-  return (Angle){(quarters & 2) != 0 ? -first : first, ((quarters + 1) & 2) != 0 ? -second : second};
+  const double first = chosen(quarters & 1, cosine, sine);
+  const double second = chosen(quarters & 1, sine, cosine);
+  return (Angle){negatedIf(quarters & 2, first), negatedIf((quarters + 1) & 2, second)};
 }
 
 /* atan2(y, x) of C. */
@@ -148,15 +162,15 @@ CT_INLINE double angleOfPoint(double y, double x) {
                       0.11105306732424464,   -0.09049179093720577, 0.07495262378099696,  -0.06022196387937433,
                       0.04364658944281667,   -0.02600599597760862, 0.011427633277375594, -0.0031954252407363944,
                       0.00041922786011272897};
-  const double across = x < 0 ? -x : x;
-  const double up = y < 0 ? -y : y;
-  const double most = up > across ? up : across;
-  const double least = up > across ? across : up;
-  const double ratio = least == most ? (most == 0 ? 0 : 1) : least / most;
+  const double across = sizeOf(x);
+  const double up = sizeOf(y);
+  const double most = chosen(up > across, up, across);
+  const double least = chosen(up > across, across, up);
+  const double ratio = chosen(least == most, chosen(most == 0, 0, 1), least / most);
   const double low = ratio * polynomialOf(ratio * ratio, 12, c);
-  const double steep = up > across ? CT_HALF_PI - low : low;
-  const double turned = bitsOfDouble(x) >> 63 != 0 ? CT_PI - steep : steep;
-  return x != x || y != y ? (double)NAN : withSignOf(turned, y);
+  const double steep = chosen(up > across, CT_HALF_PI - low, low);
+  const double turned = chosen(bitsOfDouble(x) >> 63 != 0, CT_PI - steep, steep);
+  return chosen((x != x) | (y != y), (double)NAN, withSignOf(turned, y));
 }
 
 /* ---- The error function ---- */
@@ -168,7 +182,7 @@ CT_INLINE double erfcOfPositive(double x) {
                       -1.0937049574048445,  1.6783581205169948,   -1.501153192639402,   0.7962599667105044,
                       -0.23603582632483058, 0.030433489875911695};
   /* At 11 it is no float any more. */
-  const double bounded = x > 11 ? 11 : x;
+  const double bounded = chosen(x > 11, 11, x);
   const double t = 2 / (2 + bounded);
   return expOf(-bounded * bounded) * t * polynomialOf(t, 13, c);
 }
@@ -227,16 +241,16 @@ CT_INLINE float atan2Lane(float y, float x) {
 }
 
 CT_INLINE float erfLane(float x) {
-  const double size = (double)(x < 0 ? -x : x);
+  const double size = sizeOf((double)x);
   const double far = withSignOf(1 - erfcOfPositive(size), (double)x);
-  return (float)(size < 0.75 ? erfOfSmall((double)x) : far);
+  return (float)chosen(size < 0.75, erfOfSmall((double)x), far);
 }
 
 CT_INLINE float erfcLane(float x) {
-  const double size = (double)(x < 0 ? -x : x);
+  const double size = sizeOf((double)x);
   const double tail = erfcOfPositive(size);
-  const double far = x < 0 ? 2 - tail : tail;
-  return (float)(size < 0.75 ? 1 - erfOfSmall((double)x) : far);
+  const double far = chosen((double)x < 0, 2 - tail, tail);
+  return (float)chosen(size < 0.75, 1 - erfOfSmall((double)x), far);
 }
 
 #endif /* CT_ELEMENTARYLANES_H_ */

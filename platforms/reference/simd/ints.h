@@ -56,6 +56,16 @@ static inline Float16 floatsOfInts(Int16 a) {
   return _mm512_cvtepi32_ps(a);
 }
 
+/* Without what is behind the point; all lie within the range. */
+static inline Int16 intsOf16(Float16 a) {
+  return _mm512_cvttps_epi32(a);
+}
+
+/* p[a[k]] in each lane k. */
+static inline Float16 gather16(const float* p, Int16 a) {
+  return _mm512_i32gather_ps(a, p, 4);
+}
+
 /* In each lane: yes where a < b, else no. */
 static inline Float16 chooseBelow16(Float16 a, Float16 b, Float16 yes, Float16 no) {
   return _mm512_mask_blend_ps(_mm512_cmp_ps_mask(a, b, _CMP_LT_OQ), no, yes);
@@ -130,6 +140,14 @@ static inline Int16 shiftRightInts(Int16 a, int by) {
 
 static inline Float16 floatsOfInts(Int16 a) {
   return (Float16){_mm256_cvtepi32_ps(a.low), _mm256_cvtepi32_ps(a.high)};
+}
+
+static inline Int16 intsOf16(Float16 a) {
+  return (Int16){_mm256_cvttps_epi32(a.low), _mm256_cvttps_epi32(a.high)};
+}
+
+static inline Float16 gather16(const float* p, Int16 a) {
+  return (Float16){_mm256_i32gather_ps(p, a.low, 4), _mm256_i32gather_ps(p, a.high, 4)};
 }
 
 static inline Float16 chooseBelow16(Float16 a, Float16 b, Float16 yes, Float16 no) {
@@ -245,6 +263,20 @@ static inline Float16 floatsOfInts(Int16 a) {
   Float16 floats;
   CT_EACH_QUARTER floats.q[i] = __builtin_convertvector((Int4)a.q[i], Float4);
   return floats;
+}
+
+static inline Int16 intsOf16(Float16 a) {
+  Int16 ints;
+  CT_EACH_QUARTER ints.q[i] = (Unsigned4) __builtin_convertvector(a.q[i], Int4);
+  return ints;
+}
+
+static inline Float16 gather16(const float* p, Int16 a) {
+  float found[16];
+  for (int k = 0; k < 16; k++) {
+    found[k] = p[a.q[k / 4][k % 4]];
+  }
+  return load16(found);
 }
 
 static inline Float16 chooseBelow16(Float16 a, Float16 b, Float16 yes, Float16 no) {

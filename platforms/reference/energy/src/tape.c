@@ -120,7 +120,7 @@ static void addStep(Tape* tape, const TapeGraph* graph, int i, const int* lastUs
   *step = (TapeStep){.kind = node->kind};
   addColumnsToStep(tape, graph, node, step);
   if (node->kind == ctTableOperator) {
-    step->table = &tape->tables[(int)node->constant];
+    step->table = &tape->tapeTables[(int)node->constant];
   }
   /* A result may take the place of what is used here for the last time. */
   for (int k = 0; k < count; k++) {
@@ -206,26 +206,52 @@ static bool fillColumns(Tape* tape, int particleCount, int leafCount, const int*
 
 /* ---- Life ---- */
 
+/* Whole numbers up to here are floats. */
+enum { MOST_WHOLE_FLOAT = 1 << 24 };
+
+static bool copyTable(Tape* tape, const ctTable* given) {
+  const size_t length = tableLength(given);
+  double* values = malloc(length * sizeof *values);
+  float* floats = malloc(length * sizeof *floats);
+  if (values == NULL || floats == NULL) {
+    free(values);
+    free(floats);
+    return false;
+  }
+  for (size_t i = 0; i < length; i++) {
+    values[i] = given->values[i];
+    floats[i] = (float)values[i];
+    tape->isExact = tape->isExact || (isfinite(values[i]) && !isFloat(values[i]));
+  }
+  ctTable* table = &tape->tables[tape->tableCount];
+  *table = *given;
+  table->values = values;
+  tape->tapeTables[tape->tableCount++] = (TapeTable){*table, floats, length > MOST_WHOLE_FLOAT};
+  return true;
+}
+
+static bool copyTables(Tape* tape, const ctPairSet* set) {
+  tape->tables = calloc((size_t)set->tableCount + 1, sizeof *tape->tables);
+  tape->tapeTables = calloc((size_t)set->tableCount + 1, sizeof *tape->tapeTables);
+  if (tape->tables == NULL || tape->tapeTables == NULL) {
+    return false;
+  }
+  for (int i = 0; i < set->tableCount; i++) {
+    if (!copyTable(tape, &set->tables[i])) {
+      return false;
+    }
+  }
+  return true;
+}
+
 static bool copyExpression(Tape* tape, const ctPairSet* set) {
   const size_t operations = (size_t)set->operationCount;
   tape->operationCount = set->operationCount;
   tape->parametersPerParticle = set->parametersPerParticle;
   tape->operations = malloc(operations * sizeof *tape->operations);
   tape->results = calloc(operations, sizeof *tape->results);
-  tape->tables = calloc((size_t)set->tableCount + 1, sizeof *tape->tables);
-  if (tape->operations == NULL || tape->results == NULL || tape->tables == NULL) {
+  if (tape->operations == NULL || tape->results == NULL || !copyTables(tape, set)) {
     return false;
-  }
-  for (int i = 0; i < set->tableCount; i++) {
-    const size_t length = tableLength(&set->tables[i]);
-    double* values = malloc(length * sizeof *values);
-    if (values == NULL) {
-      return false;
-    }
-    memcpy(values, set->tables[i].values, length * sizeof *values);
-    tape->tables[i] = set->tables[i];
-    tape->tables[i].values = values;
-    tape->tableCount++;
   }
   memcpy(tape->operations, set->operations, operations * sizeof *tape->operations);
   /* Arguments that are not taken may hold anything. */
@@ -270,8 +296,10 @@ bool ctTapeCreate(Tape* tape, const ctPairSet* set, int particleCount, int leafC
 void ctTapeFree(Tape* tape) {
   for (int i = 0; i < tape->tableCount; i++) {
     free((void*)tape->tables[i].values);
+    free(tape->tapeTables[i].values);
   }
   free(tape->tables);
+  free(tape->tapeTables);
   free(tape->operations);
   free(tape->results);
   free(tape->steps);

@@ -8,6 +8,13 @@
 /* A pair of leaves has at most so many pairs of particles. */
 enum { MOST_LEAF_PAIRS = CT_LEAF_WIDTH * CT_LEAF_WIDTH };
 
+/* A table, and its values as floats. */
+typedef struct TapeTable {
+  ctTable exact;
+  float* values;
+  bool isLong; /* floats do not count its values */
+} TapeTable;
+
 /* Where numbers are in the scratch: one for each pair, or sixteen that are the same. */
 typedef struct TapeValue {
   int begin;
@@ -21,7 +28,7 @@ typedef struct TapeStep {
   TapeValue arguments[3];
   int columns[2]; /* or that of the one column that it reads */
   int side;       /* of the first of these */
-  const ctTable* table;
+  const TapeTable* table;
   int result; /* where it begins in the scratch */
 } TapeStep;
 
@@ -41,8 +48,9 @@ typedef struct Tape {
   ctOperation* operations;
   int parametersPerParticle;
   int tableCount;
-  ctTable* tables;
-  double* results; /* scratch, one an operation */
+  ctTable* tables;       /* with values of its own */
+  TapeTable* tapeTables; /* of these */
+  double* results;       /* scratch, one an operation */
 } Tape;
 
 /* Which pairs of particles of two leaves count, and how. */

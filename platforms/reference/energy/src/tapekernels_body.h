@@ -75,9 +75,52 @@ static void listPairs(const TapePair* pair, const TapeRange* range, PairList* li
   }                                                                        \
   break
 
-static void lookUp(const ctTable* table, const float* x, const float* y, const float* z, float* result) {
-  for (int k = 0; k < CT_LEAF_WIDTH; k++) {
-    result[k] = (float)tableValue(table, (double)x[k], (double)y[k], (double)z[k]);
+/* As discreteValue. */
+CT_INLINE Float16 discrete16(const TapeTable* table, const Float16 numbers[3]) {
+  Float16 place = all16(0);
+  Float16 known = all16(0); /* or NaN */
+  float step = 1;
+  for (int d = 0; d < table->exact.dimensions; d++) {
+    const Float16 below = chooseBelow16(numbers[d], all16((float)table->exact.sizes[d] - 0.5f), known, all16(NAN));
+    known = chooseBelow16(all16(-0.5f), numbers[d], below, all16(NAN));
+    place = add16(place, mul16(nearest16(numbers[d]), all16(step)));
+    step *= (float)table->exact.sizes[d];
+  }
+  const Float16 inside = chooseEqual16(known, all16(0), place, all16(0));
+  return add16(gather16(table->values, intsOf16(inside)), known);
+}
+
+/* As pieceValue in one dimension. */
+CT_INLINE Float16 line16(const TapeTable* table, Float16 x) {
+  const double low = table->exact.minima[0];
+  const float size = (float)table->exact.sizes[0];
+  Float16 part = mul16(sub16(x, all16((float)low)), all16((float)(1 / (table->exact.maxima[0] - low))));
+  if (table->exact.isPeriodic) {
+    part = sub16(part, floor16(part));
+  }
+  const Float16 outside = chooseBelow16(part, all16(0), all16(1), chooseBelow16(all16(1), part, all16(1), all16(0)));
+  const Float16 place = chooseBelow16(outside, all16(1), mul16(part, all16(size)), all16(0));
+  /* In this order NaN, too, is a place. */
+  const Float16 begin = max16(min16(floor16(place), all16(size - 1)), all16(0));
+  const Int16 first = shiftLeftInts(intsOf16(begin), 2);
+  const Float16 u = sub16(place, begin);
+  Float16 value = gather16(table->values + 3, first);
+  for (int i = 2; i >= 0; i--) {
+    value = add16(mul16(value, u), gather16(table->values + i, first));
+  }
+  return chooseBelow16(outside, all16(1), value, all16(0));
+}
+
+static void lookUp(const TapeTable* table, const float* x, const float* y, const float* z, float* result) {
+  if (!table->isLong && table->exact.isDiscrete) {
+    const Float16 numbers[3] = {load16(x), load16(y), load16(z)};
+    store16(result, discrete16(table, numbers));
+  } else if (!table->isLong && table->exact.dimensions == 1) {
+    store16(result, line16(table, load16(x)));
+  } else {
+    for (int k = 0; k < CT_LEAF_WIDTH; k++) {
+      result[k] = (float)tableValue(&table->exact, (double)x[k], (double)y[k], (double)z[k]);
+    }
   }
 }
 
