@@ -182,7 +182,10 @@ typedef struct ctInteractionGroup {
 /* An expression of the distance and the parameters of two particles, which has to be the same in either order, summed
  * over pairs of particles. Of its operations, input 0 is the distance in nm; parameter p < parametersPerParticle is
  * that of one particle, and parametersPerParticle + p of the other. From the switching distance s to the cutoff it is
- * multiplied as Lennard-Jones is in ctNonbonded. */
+ * multiplied as Lennard-Jones is in ctNonbonded. It is computed in single precision, with an error of some units in the
+ * last place of each operation, by functions of our own. Where that is not finite, or some number is beyond floats, or
+ * an angle beyond 2^20 rad, it is computed in double by the C library's. What depends on one particle alone is computed
+ * once, so that it costs nothing. */
 typedef struct ctPairSet {
   int operationCount;
   const ctOperation* operations;
