@@ -500,7 +500,13 @@ ENERGY_FAULTS = [
 ]
 FORCE = "openmmapi/src/StericExclusionForce.cpp"
 FORCE_XML = "serialization/src/StericExclusionForceProxy.cpp"
+BORN_READER = "openmmapi/src/BornReader.cpp"
 ENERGY_PLAN = "openmmapi/src/EnergyPlan.cpp"
+EXPRESSIONS = "openmmapi/src/ExpressionTranslator.cpp"
+FORCE_TRANSLATION = "openmmapi/src/ForceTranslation.cpp"
+NORMAL_FORM = "openmmapi/src/NormalForm.cpp"
+PAIR_EXPRESSIONS = "openmmapi/src/energies/CustomNonbondedEnergy.cpp"
+TABLES = "openmmapi/src/TabulatedFunctions.cpp"
 FOREIGN_ENERGY = "openmmapi/src/ForeignEnergy.cpp"
 IMPL = "openmmapi/src/StericExclusionForceImpl.cpp"
 INTEGRATOR = "openmmapi/src/TorsionMonteCarloIntegrator.cpp"
@@ -655,6 +661,30 @@ API_FAULTS = [
     Fault("step: the ratio of proposals does not count", INTEGRATOR,
           "entry.move->computeLogRatio(trials)", "0"),
     # ---- Energies ----
+    Fault("pair expressions: they may depend on the order of particles", PAIR_EXPRESSIONS,
+          "if (!isSymmetric(force, globals, functions, set))",
+          "if (!isSymmetric(force, globals, functions, set) && false)"),
+    Fault("pair expressions: copies of tables are not periodic", PAIR_EXPRESSIONS,
+          "getNumTabulatedFunctions() > 0)", "getNumTabulatedFunctions() > 99)"),
+    Fault("pair expressions: an index may lie outside of its table", EXPRESSIONS,
+          "table.table.discrete; i++", "table.table.discrete && i > 9; i++"),
+    Fault("tables: splines have no curvature", TABLES,
+          "3 * c0, c1 - c0}", "0, 0}"),
+    Fault("born: necks are those of the other way round", BORN_READER,
+          "born.neckHeights.push_back(height(i, j, {}));", "born.neckHeights.push_back(height(j, i, {}));"),
+    Fault("born: coefficients of pairs may be anything", BORN_READER,
+          "!isExpected(i, reference) || !isExpected(reference, i)", "i < 0 && !isExpected(reference, i)"),
+    Fault("born: spheres are filled in no model", BORN_READER,
+          "born.filled = match.getIndex() >= FIRST_FILLED;", "born.filled = false;"),
+    Fault("born: it needs no other pairs", FORCE_TRANSLATION,
+          "if (terms.nonbonded.empty())", "if (false)"),
+    Fault("born: it has to come behind its NonbondedForce", ENERGY_PLAN,
+          "if (needsPairs(i) == second)", "if (second && (needsPairs(i) || true))"),
+    Fault("normal form: powers have no part in the shape", NORMAL_FORM,
+          'entry.shape += "*" + factor.atom->shape + "^" + ::toText(factor.power);',
+          'entry.shape += "*" + factor.atom->shape;'),
+    Fault("normal form: a choice is a product whatever else it has", NORMAL_FORM,
+          " || !::evaluate(children[2], value) || value != 0)", " || !::evaluate(children[2], value))"),
     Fault("energy: all groups count", ENERGY_PLAN,
           "if ((entries[index].groups & groupsOfU) == 0)", "if (entries[index].groups == 0)"),
     Fault("energy: groups are those of the first step", NATIVE_ENERGY,

@@ -124,10 +124,16 @@ def readSystem(name, forceField):
     return modeller.topology, np.array(modeller.positions.value_in_unit(unit.nanometer))
 
 
-def makeSystem(name, forceField="amber14-all.xml", method="no cutoff", steric=True, **choice):
-    """Return a System, its topology and positions. Without steric, no particle has a radius."""
+def makeSystem(
+    name, forceField="amber14-all.xml", method="no cutoff", steric=True, solvent=None, options=None, **choice
+):
+    """Return a System, its topology and positions. Without steric, no particle has a radius. The file of an implicit
+    solvent can have options.
+    """
     topology, positions = readSystem(name, forceField)
-    system = app.ForceField(forceField).createSystem(topology, **METHODS[method])
+    files = [forceField] if solvent is None else [forceField, solvent]
+    settings = {key: value * unit.nanometer if "utoff" in key else value for key, value in METHODS[method].items()}
+    system = app.ForceField(*files).createSystem(topology, **settings, **(options or {}))
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")  # of what is left out
         force = createStericExclusionForce(topology, positions, **choice)

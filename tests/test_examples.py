@@ -35,7 +35,7 @@ def test_sampleProtein(tmp_path):
     kinds = re.findall(r"^ +\d  (\w+) +(constant|native|foreign|not sampled) +\w+", output, re.MULTILINE)
     assert dict(kinds)["HarmonicBondForce"] == "constant"
     assert dict(kinds)["NonbondedForce"] == "native"
-    assert dict(kinds)["CustomGBForce"] == "foreign"
+    assert dict(kinds)["CustomGBForce"] == "native"
     stages = re.findall(r"^([a-z ]+): computed for (\d+) trials, of which it refused (\d+)$", output, re.MULTILINE)
     assert sum(int(refused) for _, _, refused in stages) == sum(move[2] for move in counts)
     assert (tmp_path / "sampled.pdb").stat().st_size > 0 and (tmp_path / "sampled.dcd").stat().st_size > 0

@@ -54,6 +54,15 @@ void ChainTreePlugin::addTerm(EnergyTerms::TermSet& set, const vector<int>& part
     set.parameters.insert(set.parameters.end(), parameters.begin(), parameters.end());
 }
 
+string ChainTreePlugin::checkBornPartners(const EnergyTerms& terms)
+{
+    if (terms.nonbonded.empty())
+        return "it needs a NonbondedForce that openmm-chaintree evaluates, too";
+    if (!terms.born.empty())
+        return "openmm-chaintree has code for one Force of generalized Born, and there is another before it";
+    return "";
+}
+
 // ---- What a Context refuses, but what a Force may have become since then ----
 
 static const char NO_NUMBER[] = "one of its parameters is infinite or not a number";
@@ -145,7 +154,11 @@ static string check(const EnergyTerms::Born& born, int numParticles)
                 return "one of its radii is not positive";
     const double numbers = born.neckScale + born.neckCut + born.coulomb + born.soluteDielectric +
                            born.solventDielectric + born.kappa + born.surfaceEnergy + born.probeRadius + born.shift;
-    return isfinite(numbers) ? "" : NO_NUMBER;
+    if (!isfinite(numbers))
+        return NO_NUMBER;
+    if (!(born.soluteDielectric > 0 && born.solventDielectric > 0 && born.kappa >= 0 && born.coulomb >= 0))
+        return "its dielectrics or its screening make no sense";
+    return born.cutoff > 0 ? "" : "its cutoff makes no sense";
 }
 
 // ---- Forces ----

@@ -6,6 +6,7 @@
 #include "openmm/AndersenThermostat.h"
 #include "openmm/CMMotionRemover.h"
 #include "openmm/CustomBondForce.h"
+#include "openmm/CustomCentroidBondForce.h"
 #include "openmm/CustomNonbondedForce.h"
 #include "openmm/GBSAOBCForce.h"
 #include "openmm/PeriodicTorsionForce.h"
@@ -66,9 +67,11 @@ void testKinds()
     for (int i = 0; i < NativeScene::NUM_BEADS; i++)
         expression->addParticle();
     const int morePairs = scene.add(expression);
-    const int foreign = scene.add(new GBSAOBCForce());
-    for (int i = 0; i < NativeScene::NUM_BEADS; i++)
-        dynamic_cast<GBSAOBCForce&>(scene.chain.system.getForce(foreign)).addParticle(0.1, 0.3, 0.8);
+    CustomCentroidBondForce* centroids = new CustomCentroidBondForce(2, "distance(g1,g2)");
+    centroids->addGroup({0, 1, 2});
+    centroids->addGroup({7, 8});
+    centroids->addBond({0, 1});
+    const int foreign = scene.add(centroids);
     const int remover = scene.add(new CMMotionRemover());
     const int thermostat = scene.add(new AndersenThermostat(300, 1));
     scene.build();
@@ -83,7 +86,7 @@ void testKinds()
     assertEntry(plan, empty, EnergyPlan::Constant, "it has no terms");
     assertEntry(plan, pairs, EnergyPlan::Native, "openmm-chaintree evaluates the pairs that a trial changes");
     assertEntry(plan, morePairs, EnergyPlan::Native, "openmm-chaintree evaluates the pairs that a trial changes");
-    assertEntry(plan, foreign, EnergyPlan::Foreign, "openmm-chaintree has no code for a GBSAOBCForce");
+    assertEntry(plan, foreign, EnergyPlan::Foreign, "openmm-chaintree has no code for a CustomCentroidBondForce");
     assertEntry(plan, remover, EnergyPlan::None, "it has no energy");
     assertEntry(plan, thermostat, EnergyPlan::None, "it has no energy");
     ASSERT_EQUAL("distances", plan.getEntries()[mixed].name);
@@ -183,11 +186,42 @@ void testEditedForces()
     ASSERT_EQUAL(20, plan.getTerms().termSets[1].parameters[1]);
 }
 
+void testTwoLevels()
+{
+    NativeScene scene;
+    GBSAOBCForce* solvent = new GBSAOBCForce();
+    for (int i = 0; i < NativeScene::NUM_BEADS; i++)
+        solvent->addParticle(0.1, 0.3, 0.8);
+    CustomNonbondedForce* expression = new CustomNonbondedForce("r");
+    for (int i = 0; i < NativeScene::NUM_BEADS; i++)
+        expression->addParticle();
+    const int born = scene.add(solvent), morePairs = scene.add(expression), pairs = scene.add(createNonbonded());
+    scene.build();
+    EnergyPlan& plan = *scene.plan;
+    countChangeableTerms(scene);
+    const string twoLevels = "openmm-chaintree evaluates it at each outer test; trials see a stand-in";
+    assertEntry(plan, born, EnergyPlan::Native, twoLevels);
+    assertEntry(plan, pairs, EnergyPlan::Native, twoLevels);
+    assertEntry(plan, morePairs, EnergyPlan::Native, "openmm-chaintree evaluates the pairs that a trial changes");
+    ASSERT_EQUAL(1 << born | 1 << pairs | 1 << morePairs, plan.getWhollyNativeGroups());
+    countChangeableTerms(scene, false);
+    assertEntry(plan, born, EnergyPlan::Constant, "nothing moves");
+
+    // Neither is what it is without the other.
+
+    plan.translate(1 << pairs, true, false);
+    countChangeableTerms(scene);
+    assertEntry(plan, pairs, EnergyPlan::Native, "openmm-chaintree evaluates the pairs that a trial changes");
+    plan.translate(1 << born, true, false);
+    assertEntry(plan, born, EnergyPlan::Foreign, "it needs a NonbondedForce that openmm-chaintree evaluates, too");
+}
+
 int main()
 {
     return runOnPlatform("Reference", [](Platform&) {
         testKinds();
         testGroups();
+        testTwoLevels();
         testEditedForces();
     });
 }

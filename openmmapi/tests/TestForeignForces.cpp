@@ -6,9 +6,9 @@
 #include "openmm/CMAPTorsionForce.h"
 #include "openmm/CustomAngleForce.h"
 #include "openmm/CustomBondForce.h"
+#include "openmm/CustomCentroidBondForce.h"
 #include "openmm/CustomCompoundBondForce.h"
 #include "openmm/CustomExternalForce.h"
-#include "openmm/CustomGBForce.h"
 #include "openmm/CustomTorsionForce.h"
 #include "openmm/PeriodicTorsionForce.h"
 #include "openmm/RBTorsionForce.h"
@@ -181,10 +181,7 @@ class DerivedForce : public HarmonicBondForce {};
 void testUnknownForces()
 {
     assertForeign(new DerivedForce(), "openmm-chaintree has no code for a DerivedForce");
-    CustomGBForce* gb = new CustomGBForce();
-    for (int i = 0; i < NUM_BEADS; i++)
-        gb->addParticle({});
-    assertForeign(gb, "openmm-chaintree has no code for a CustomGBForce");
+    assertForeign(new CustomCentroidBondForce(1, "x1"), "openmm-chaintree has no code for a CustomCentroidBondForce");
 }
 
 void testEditedForces()

@@ -247,6 +247,64 @@ void testMisreadForces()
     ASSERT(scene.run());
 }
 
+void testMisreadSolvent()
+{
+    CheckedScene scene;
+    NonbondedForce* pairs = createNonbonded();
+    GBSAOBCForce* solvent = new GBSAOBCForce();
+    for (int i = 0; i < NativeScene::NUM_BEADS; i++) {
+        double charge, sigma, epsilon;
+        pairs->getParticleParameters(i, charge, sigma, epsilon);
+        solvent->addParticle(charge, 0.3 + 0.01 * i, 0.8);
+    }
+    const int index = scene.add(solvent);
+    scene.add(pairs);
+    scene.build();
+    ASSERT(scene.run());
+    ASSERT_EQUAL(scene.plan->getGroups(EnergyPlan::Native), scene.groupsAskedFor);
+    const EnergyTerms truth = scene.plan->getTerms();
+    auto plant = [&](const string& what, const function<void(EnergyTerms::Born&)>& misread) {
+        EnergyTerms terms = truth;
+        misread(terms.born[0]);
+        scene.getKernel().setEnergyTerms(terms);
+        try {
+            scene.assertFound("the energy of force " + to_string(index) + " (GBSAOBCForce)");
+        }
+        catch (const exception& error) {
+            throw OpenMMException(what + ": " + error.what());
+        }
+    };
+    plant("a wrong charge", [](EnergyTerms::Born& born) {
+        born.charges[4] += 0.01;
+    });
+    plant("a wrong radius", [](EnergyTerms::Born& born) {
+        born.radii[4] += 0.02;
+    });
+    plant("a wrong offset radius", [](EnergyTerms::Born& born) {
+        born.offsetRadii[4] += 0.01;
+    });
+    plant("a wrong scaled radius", [](EnergyTerms::Born& born) {
+        born.scaledRadii[4] += 0.1;
+    });
+    plant("another rescaling", [](EnergyTerms::Born& born) {
+        fill(born.alphas.begin(), born.alphas.end(), 0.5);
+    });
+    plant("a wrong dielectric", [](EnergyTerms::Born& born) {
+        born.solventDielectric = 60;
+    });
+    plant("salt", [](EnergyTerms::Born& born) {
+        born.kappa = 1;
+    });
+    plant("no surface", [](EnergyTerms::Born& born) {
+        born.surfaceEnergy = 0;
+    });
+    plant("a cutoff", [](EnergyTerms::Born& born) {
+        born.cutoff = 2;
+    });
+    scene.getKernel().setEnergyTerms(truth);
+    ASSERT(scene.run());
+}
+
 void testManyForces()
 {
     CheckedScene scene;
@@ -393,6 +451,7 @@ int main()
 {
     return runOnPlatform("Reference", [](Platform&) {
         testMisreadForces();
+        testMisreadSolvent();
         testManyForces();
         testEditedForces();
         testGlobalParameters();

@@ -85,6 +85,11 @@ OPENMM_EXPORT_CHAINTREE EnergyTerms::TermSet createTermSet(int force, EnergyTerm
 OPENMM_EXPORT_CHAINTREE void addTerm(EnergyTerms::TermSet& set, const std::vector<int>& particles,
                                      const std::vector<double>& parameters);
 
+/**
+ * Check that generalized Born can be added to the terms. Returns an empty text, or else why it cannot.
+ */
+OPENMM_EXPORT_CHAINTREE std::string checkBornPartners(const EnergyTerms& terms);
+
 } // namespace ChainTreePlugin
 
 #endif /*OPENMM_CHAINTREE_FORCETRANSLATION_H_*/

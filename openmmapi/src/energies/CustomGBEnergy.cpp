@@ -1,0 +1,36 @@
+#include "openmm/CustomGBForce.h"
+#include "openmm/serialization/XmlSerializer.h"
+#include "openmmchaintree/internal/BornReader.h"
+#include "openmmchaintree/internal/ForceTranslation.h"
+
+using namespace ChainTreePlugin;
+using namespace OpenMM;
+using namespace std;
+
+/**
+ * Copies share their tables with the original, whose destructor deletes them; not so if they are read from XML.
+ */
+static Force* copyCustomGB(const Force& force)
+{
+    return XmlSerializer::clone<Force>(force);
+}
+
+static string translateCustomGB(const Force& owner, int index, const NativeForceKind::Parameters& parameters,
+                                EnergyTerms& terms)
+{
+    const CustomGBForce& force = dynamic_cast<const CustomGBForce&>(owner);
+    if (force.getNonbondedMethod() == CustomGBForce::CutoffPeriodic)
+        return "its cutoff is periodic";
+    const string reason = checkBornPartners(terms);
+    if (!reason.empty())
+        return reason;
+    try {
+        terms.born.push_back(BornReader(force, parameters).read(index));
+    }
+    catch (const UnknownBornModel& error) {
+        return error.what();
+    }
+    return "";
+}
+
+static const NativeForceKind KIND(typeid(CustomGBForce), translateCustomGB, copyCustomGB, NativeForceKind::NeedsPairs);
