@@ -1,6 +1,6 @@
 #include "standInOracle.h"
 
-#include "../../platforms/reference/energy/src/standinpair.h"
+#include "../../platforms/reference/energy/src/standin.h"
 #include "../../platforms/reference/energy/tests/bornoracle.h"
 
 #include <math.h>
@@ -9,8 +9,6 @@
 
 static const long double coordinateRounding = 1.5e-7L; /* nm, of distances up to 1 nm */
 static const long double energyRounding = 2e-6L;       /* of the terms of a pair */
-
-enum { COEFFICIENTS = SHIFT_TERMS, NODES = 64 };
 
 /* e^-x as the stand-in has it. */
 static long double decay(long double x)
@@ -21,56 +19,45 @@ static long double decay(long double x)
     return ldexpl(c[0] + r * (c[1] + r * (c[2] + r * c[3])), (int)-n);
 }
 
-/* What a pair's Coulomb and Born energy is at the cutoff, per product of charges: a polynomial in ln(B_i B_j), by least
- * squares over the nodes of Chebyshev from -4.6 to 0.8. */
-typedef struct Shift {
-    long double c[COEFFICIENTS];
-} Shift;
-
-static Shift fitShift(const ctEnergyDefinition* d)
+/* What a pair's Coulomb and Born energy is at the cutoff, per product of charges, as the library approximates it, or
+ * its derivative. */
+static long double shiftOf(const StandInModel* model, int which, long double logI, long double logJ)
 {
-    /* By Gram and Schmidt, another way than the library's. */
-    static long double basis[COEFFICIENTS][NODES];
-    long double nodes[NODES], values[NODES];
-    long double powers[COEFFICIENTS][COEFFICIENTS] = {{0}};
-    const long double cutoff = d->standIn->pairCutoff;
-    for (int n = 0; n < NODES; n++) {
-        nodes[n] = -4.6L + 2.7L * (cosl(3.14159265358979323846L * (n + 0.5L) / NODES) + 1);
-        const long double product = expl(nodes[n]);
-        const long double f = sqrtl(cutoff * cutoff + product * expl(-cutoff * cutoff / (4 * product)));
-        values[n] = 1 / cutoff + oracleContrast(d->born, f) / d->born->coulomb / f;
-    }
-    Shift shift = {{0}};
-    for (int i = 0; i < COEFFICIENTS; i++) {
-        powers[i][i] = 1;
-        for (int n = 0; n < NODES; n++)
-            basis[i][n] = powl(nodes[n], i);
-        for (int pass = 0; pass < 2; pass++)
-            for (int j = 0; j < i; j++) {
-                long double product = 0, square = 0;
-                for (int n = 0; n < NODES; n++) {
-                    product += basis[i][n] * basis[j][n];
-                    square += basis[j][n] * basis[j][n];
-                }
-                for (int n = 0; n < NODES; n++)
-                    basis[i][n] -= product / square * basis[j][n];
-                for (int k = 0; k < COEFFICIENTS; k++)
-                    powers[i][k] -= product / square * powers[j][k];
-            }
-        long double product = 0, square = 0;
-        for (int n = 0; n < NODES; n++) {
-            product += basis[i][n] * values[n];
-            square += basis[i][n] * basis[i][n];
+    long double sum = 0;
+    for (int rank = 0; rank < SHIFT_RANK; rank++) {
+        long double product = model->shiftSign[which][rank];
+        for (int side = 0; side < 2; side++) {
+            const long double t = ((side == 0 ? logI : logJ) - model->middleLog) * model->perHalfWidth;
+            long double value = 0;
+            for (int n = SHIFT_TERMS - 1; n >= 0; n--)
+                value = model->shift[which][rank][n] + value * fminl(1, fmaxl(-1, t));
+            product *= value;
         }
-        for (int k = 0; k < COEFFICIENTS; k++)
-            shift.c[k] += product / square * powers[i][k];
+        sum += product;
     }
-    return shift;
+    return sum;
 }
 
-typedef struct Pair {
-    long double energy, slope, size;
-} Pair;
+long double findWorstShift(const ctEnergyDefinition* d)
+{
+    StandInModel model = {0};
+    long double worst = 0;
+    ctStandInFitShift(&model, d);
+    for (int i = 0; i <= 40; i++)
+        for (int j = 0; j <= 40; j++) {
+            const long double logI = logl(0.1L) + i / 40.0L * logl(7), logJ = logl(0.1L) + j / 40.0L * logl(7);
+            const long double cutoff = d->standIn->pairCutoff, product = expl(logI + logJ);
+            const long double f = sqrtl(cutoff * cutoff + product * expl(-cutoff * cutoff / (4 * product)));
+            const long double value = 1 / cutoff + oracleContrast(d->born, f) / d->born->coulomb / f;
+            worst = fmaxl(worst, fabsl(shiftOf(&model, 0, logI, logJ) - value));
+            const long double h = 1e-3L;
+            const long double slope =
+                (shiftOf(&model, 0, logI + h, logJ) - shiftOf(&model, 0, logI - h, logJ)) / (2 * h);
+            if (i > 0 && i < 40)
+                worst = fmaxl(worst, fabsl(shiftOf(&model, 1, logI, logJ) - slope) / 5);
+        }
+    return worst;
+}
 
 static bool isExcluded(const ctNonbonded* d, int i, int j)
 {
@@ -83,7 +70,7 @@ static bool isExcluded(const ctNonbonded* d, int i, int j)
 }
 
 /* The energy of a pair at these ln B. */
-static long double energyOfPair(const ctEnergyDefinition* d, const Shift* shift, int i, int j, long double r,
+static long double energyOfPair(const ctEnergyDefinition* d, const StandInModel* model, int i, int j, long double r,
                                 long double logI, long double logJ, bool excluded)
 {
     const ctBorn* born = d->born;
@@ -98,17 +85,14 @@ static long double energyOfPair(const ctEnergyDefinition* d, const Shift* shift,
     const ctNonbonded* n = d->nonbonded;
     const long double sigma = ((long double)n->sigmas[i] + n->sigmas[j]) / 2;
     const long double sixth = powl(sigma / r, 6);
-    const long double log = logI + logJ;
-    long double atCutoff = 0;
-    for (int i = COEFFICIENTS - 1; i >= 0; i--)
-        atCutoff = shift->c[i] + log * atCutoff;
+    const long double atCutoff = shiftOf(model, 0, logI, logJ);
     energy += 4 * sqrtl((long double)n->epsilons[i] * n->epsilons[j]) * sixth * (sixth - 1);
     energy += (long double)CT_COULOMB * n->charges[i] * n->charges[j] / r;
     return energy - born->coulomb * born->charges[i] * born->charges[j] * atCutoff;
 }
 
 /* Its derivative by either of them, as if the exponential were its own derivative. */
-static long double slopeOfPair(const ctEnergyDefinition* d, const Shift* shift, int i, int j, long double r,
+static long double slopeOfPair(const ctEnergyDefinition* d, const StandInModel* model, int i, int j, long double r,
                                long double logI, long double logJ, bool excluded)
 {
     const ctBorn* born = d->born;
@@ -120,18 +104,14 @@ static long double slopeOfPair(const ctEnergyDefinition* d, const Shift* shift, 
     const long double charges = born->coulomb * born->charges[i] * born->charges[j];
     long double slope =
         charges * slopeOfF * (contrast / (f * f) - born->kappa * screening / born->solventDielectric / f);
-    if (!excluded) {
-        const long double log = logI + logJ;
-        for (int n = 1; n < COEFFICIENTS; n++)
-            slope -= charges * n * shift->c[n] * powl(log, n - 1);
-    }
-    return slope;
+    return excluded ? slope : slope - charges * shiftOf(model, 1, logI, logJ);
 }
 
 StandInSum sumStandIn(const ctEnergyDefinition* d, int particleCount, const double* positions, const double* far)
 {
     StandInSum sum = {0};
-    const Shift shift = fitShift(d);
+    StandInModel model = {0};
+    ctStandInFitShift(&model, d);
     const long double width = d->standIn->gridWidth;
     long double* logs = malloc(2 * (size_t)particleCount * sizeof *logs);
     long double* beyond = logs + particleCount;
@@ -143,7 +123,7 @@ StandInSum sumStandIn(const ctEnergyDefinition* d, int particleCount, const doub
         const long double log = logl(radius);
         logs[i] = width * rintl(log / width);
         beyond[i] = log - logs[i];
-        sum.isAmbiguous |= fabsl(fabsl(beyond[i]) - width / 2) < 2e-5L || !(radius > 0 && radius < 1.4L);
+        sum.isAmbiguous |= fabsl(fabsl(beyond[i]) - width / 2) < 2e-5L || !(radius > 0 && radius < 90);
         sum.energy += oracleBornSelf(d->born, i, radius);
         sum.doubt += 1e-5L * fabsl(oracleBornSelf(d->born, i, radius));
     }
@@ -154,16 +134,16 @@ StandInSum sumStandIn(const ctEnergyDefinition* d, int particleCount, const doub
             const bool excluded = isExcluded(d->nonbonded, i, j);
             if (r >= cutoff + coordinateRounding)
                 continue;
-            const long double energy = energyOfPair(d, &shift, i, j, r, logs[i], logs[j], excluded);
-            const long double next = energyOfPair(d, &shift, i, j, r + coordinateRounding, logs[i], logs[j], excluded);
+            const long double energy = energyOfPair(d, &model, i, j, r, logs[i], logs[j], excluded);
+            const long double next = energyOfPair(d, &model, i, j, r + coordinateRounding, logs[i], logs[j], excluded);
             sum.doubt += 2 * fabsl(next - energy) + energyRounding * fabsl(energy);
             sum.doubt += energyRounding * 1000 * fabsl((long double)d->born->charges[i] * d->born->charges[j]) / r;
             sum.isAmbiguous |= fabsl(r - cutoff) < coordinateRounding || r < 0.002L || energy > 1e5L;
             if (r >= cutoff)
                 continue;
             sum.energy += energy;
-            sum.energy += beyond[i] * slopeOfPair(d, &shift, i, j, r, logs[i], logs[j], excluded);
-            sum.energy += beyond[j] * slopeOfPair(d, &shift, j, i, r, logs[j], logs[i], excluded);
+            sum.energy += beyond[i] * slopeOfPair(d, &model, i, j, r, logs[i], logs[j], excluded);
+            sum.energy += beyond[j] * slopeOfPair(d, &model, j, i, r, logs[j], logs[i], excluded);
             sum.doubt += (fabsl(beyond[i]) + fabsl(beyond[j])) / 1000;
         }
     free(logs);

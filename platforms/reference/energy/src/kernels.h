@@ -28,12 +28,14 @@ typedef struct Kernels {
   WholePair (*wholePair)(const BornModel* model, const WholeSide* a, const WholeSide* b);
   double (*bornPair)(const BornModel* model, const WholeSide* a, const WholeSide* b);
 
-  /* Of the stand-in: radii of a leaf by its Born sums over particles that are near; the energy of a leaf's particles by
+  /* Of the stand-in: radii of a leaf by its Born sums over particles that are near; what follows from those of the grid
+   * alone; the energy of a leaf's particles by
    * themselves with what the grid of radii neglects, given the derivatives of pairs by ln B; and the energy of the
    * pairs of which one particle is in slotsOfA or slotsOfB, whose derivatives are added. A leaf with itself has one
    * frame. */
   void (*standInRadii)(const StandInModel* model, const StandInConstants* constants, const double born[CT_LEAF_WIDTH],
                        StandInRadii* radii);
+  void (*standInShift)(const StandInModel* model, StandInRadii* radii);
   double (*standInLeafEnergy)(const StandInRadii* radii, const double gradient[CT_LEAF_WIDTH]);
   double (*standInPairs)(const StandInModel* model, const StandInSide* a, const StandInSide* b, unsigned slotsOfA,
                          unsigned slotsOfB, float gradientA[CT_LEAF_WIDTH], float gradientB[CT_LEAF_WIDTH]);

@@ -170,6 +170,7 @@ const Kernels KERNELS = {
     .wholePair = wholePair,
     .bornPair = bornPair,
     .standInRadii = standInRadii,
+    .standInShift = standInShift,
     .standInLeafEnergy = standInLeafEnergy,
     .standInPairs = standInPairs,
 };

@@ -7,50 +7,7 @@
 
 /* ---- Life ---- */
 
-/* The value of a pair at the cutoff, per product of charges, at this ln(B_i B_j). */
-static double valueAtCutoff(const ctEnergyDefinition* d, double log) {
-  const double cutoff = d->standIn->pairCutoff;
-  const double product = exp(log);
-  const double f = sqrt(cutoff * cutoff + product * exp(-cutoff * cutoff / (4 * product)));
-  const double perDielectric = 1 / d->born->soluteDielectric - exp(-d->born->kappa * f) / d->born->solventDielectric;
-  return 1 / cutoff - perDielectric / f;
-}
-
-/* Where ln(B_i B_j) of two particles in a protein or a nucleic acid can be: radii from 0.1 to 1.5 nm. */
-#define LOWEST_LOG (-4.6)
-#define HIGHEST_LOG 0.8
-
-/* The polynomial of that value by least squares, over nodes that are dense at the ends. */
-static void fitShift(const ctEnergyDefinition* d, double coefficients[SHIFT_TERMS]) {
-  enum { NODES = 64 };
-  double matrix[SHIFT_TERMS][SHIFT_TERMS + 1] = {{0}};
-  for (int node = 0; node < NODES; node++) {
-    const double t = cos(3.14159265358979 * (node + 0.5) / NODES);
-    const double log = LOWEST_LOG + (HIGHEST_LOG - LOWEST_LOG) * (t + 1) / 2;
-    for (int i = 0; i < SHIFT_TERMS; i++) {
-      for (int j = 0; j < SHIFT_TERMS; j++) {
-        matrix[i][j] += pow(log, i + j);
-      }
-      matrix[i][SHIFT_TERMS] += pow(log, i) * valueAtCutoff(d, log);
-    }
-  }
-  /* Gauss and Jordan; the matrix is positive definite. */
-  for (int i = 0; i < SHIFT_TERMS; i++) {
-    for (int row = 0; row < SHIFT_TERMS; row++) {
-      const double factor = row != i ? matrix[row][i] / matrix[i][i] : 0;
-      for (int j = i; j <= SHIFT_TERMS; j++) {
-        matrix[row][j] -= factor * matrix[i][j];
-      }
-    }
-  }
-  for (int i = 0; i < SHIFT_TERMS; i++) {
-    coefficients[i] = matrix[i][SHIFT_TERMS] / matrix[i][i];
-  }
-}
-
 static void setModel(StandInModel* model, const ctEnergyDefinition* d) {
-  double shift[SHIFT_TERMS];
-  fitShift(d, shift);
   model->hasKappa = d->born->kappa != 0;
   model->isRescaled = d->born->isRescaled;
   model->squaredCutoff = (float)(d->standIn->pairCutoff * d->standIn->pairCutoff);
@@ -60,13 +17,7 @@ static void setModel(StandInModel* model, const ctEnergyDefinition* d) {
   model->kappa = (float)d->born->kappa;
   model->gridWidth = (float)d->standIn->gridWidth;
   model->perGridWidth = (float)(1 / d->standIn->gridWidth);
-  model->highestLog = (float)HIGHEST_LOG;
-  for (int i = 0; i < SHIFT_TERMS; i++) {
-    model->shift[i] = (float)shift[i];
-  }
-  for (int i = 1; i < SHIFT_TERMS; i++) {
-    model->shiftSlope[i - 1] = (float)(i * shift[i]);
-  }
+  ctStandInFitShift(model, d);
 }
 
 static void setConstants(StandIn* standIn, const ctBorn* d) {
@@ -265,6 +216,7 @@ ctStatus ctStandInRefresh(StandIn* standIn, size_t count, const ctLeafPair* near
   }
   for (int leaf = 0; leaf < standIn->leaves->leafCount; leaf++) {
     ctStandInComputeRadii(standIn, leaf, &standIn->state[leaf]);
+    kernels->standInShift(&standIn->model, &standIn->state[leaf].radii);
   }
   for (int a = 0; a < standIn->leaves->leafCount; a++) {
     const NeighborRow* row = &standIn->neighbors.rows[a];

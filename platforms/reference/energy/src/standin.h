@@ -109,4 +109,8 @@ void ctStandInExchangePairs(const StandIn* standIn, int a, const LeafFrame* fram
 /* The radii of a leaf by its sums. */
 void ctStandInComputeRadii(const StandIn* standIn, int number, StandInLeaf* leaf);
 
+/* Finds the functions of two radii whose products add up to what a pair's Coulomb and Born energy, per product of
+ * charges and in units of Coulomb's constant, is at the cutoff; and to its derivative by ln B. */
+void ctStandInFitShift(StandInModel* model, const ctEnergyDefinition* d);
+
 #endif /* CT_STANDIN_H_ */

@@ -43,10 +43,21 @@ static void standInRadii(const StandInModel* model, const StandInConstants* cons
   const Float16 ofSurface = mul16(mul16(load16(constants->surface), inverse3), inverse3);
   store16(radii->radius, div16(all16(1), inverseOfGrid));
   store16(radii->halfInverse, mul16(all16(0.5f), inverseOfGrid));
-  store16(radii->log, min16(ofGrid, all16(0.5f * model->highestLog)));
   store16(radii->number, number);
   store16(radii->beyond, sub16(log, ofGrid));
   store16(radii->self, sub16(ofSurface, ofCharge));
+}
+
+/* What depends on radii of the grid alone. */
+static void standInShift(const StandInModel* model, StandInRadii* radii) {
+  const Float16 log = mul16(load16(radii->number), all16(model->gridWidth));
+  const Float16 t = mul16(sub16(log, all16(model->middleLog)), all16(model->perHalfWidth));
+  const Float16 bounded = max16(min16(t, all16(1)), all16(-1));
+  for (int which = 0; which < 2; which++) {
+    for (int i = 0; i < SHIFT_RANK; i++) {
+      store16(radii->shift[which][i], polynomial16(bounded, SHIFT_TERMS - 1, model->shift[which][i]));
+    }
+  }
 }
 
 /* The energies of the particles of a leaf by themselves, and the first order of what the grid neglects of pairs. */
@@ -72,21 +83,49 @@ static double standInLeafEnergy(const StandInRadii* radii, const double gradient
 typedef struct Sixteen {
   Float16 x, y, z;
   Float16 charge, sigma, epsilon;
-  Float16 bornCharge, radius, halfInverse, log;
+  Float16 bornCharge, radius, halfInverse;
+  Float16 shift[2][SHIFT_RANK];
 } Sixteen;
 
-CT_INLINE Sixteen takeAll(const StandInSide* side) {
-  return (Sixteen){load16(side->frame->x),        load16(side->frame->y),       load16(side->frame->z),
-                   load16(side->columns->charge), load16(side->columns->sigma), load16(side->columns->epsilon),
-                   load16(side->charge),          load16(side->radii->radius),  load16(side->radii->halfInverse),
-                   load16(side->radii->log)};
+/* `sign` is that of the products of functions, for one of the two sides, or 1. */
+CT_INLINE Sixteen takeAll(const StandInSide* side, const float sign[2][SHIFT_RANK]) {
+  Sixteen all = {load16(side->frame->x),
+                 load16(side->frame->y),
+                 load16(side->frame->z),
+                 load16(side->columns->charge),
+                 load16(side->columns->sigma),
+                 load16(side->columns->epsilon),
+                 load16(side->charge),
+                 load16(side->radii->radius),
+                 load16(side->radii->halfInverse),
+                 {{all16(0), all16(0), all16(0)}}};
+  for (int which = 0; which < 2; which++) {
+    for (int i = 0; i < SHIFT_RANK; i++) {
+      all.shift[which][i] = mul16(all16(sign[which][i]), load16(side->radii->shift[which][i]));
+    }
+  }
+  return all;
 }
 
 CT_INLINE Sixteen takeOne(const StandInSide* side, int k) {
-  return (Sixteen){all16(side->frame->x[k]),        all16(side->frame->y[k]),       all16(side->frame->z[k]),
-                   all16(side->columns->charge[k]), all16(side->columns->sigma[k]), all16(side->columns->epsilon[k]),
-                   all16(side->charge[k]),          all16(side->radii->radius[k]),  all16(side->radii->halfInverse[k]),
-                   all16(side->radii->log[k])};
+  Sixteen one = {all16(side->frame->x[k]),        all16(side->frame->y[k]),       all16(side->frame->z[k]),
+                 all16(side->columns->charge[k]), all16(side->columns->sigma[k]), all16(side->columns->epsilon[k]),
+                 all16(side->charge[k]),          all16(side->radii->radius[k]),  all16(side->radii->halfInverse[k]),
+                 {{all16(0), all16(0), all16(0)}}};
+  for (int which = 0; which < 2; which++) {
+    for (int i = 0; i < SHIFT_RANK; i++) {
+      one.shift[which][i] = all16(side->radii->shift[which][i][k]);
+    }
+  }
+  return one;
+}
+
+/* The value at the cutoff per product of charges, or its derivative. The sign of each product is in the sixteen
+ * particles, whichever side they are of: it changes no bit of a product but its sign. */
+CT_INLINE Float16 atCutoff(const Sixteen* a, const Sixteen* b, int which) {
+  const Float16 two =
+      add16(mul16(a->shift[which][0], b->shift[which][0]), mul16(a->shift[which][1], b->shift[which][1]));
+  return add16(two, mul16(a->shift[which][2], b->shift[which][2]));
 }
 
 /* e^-x for x >= 0, by STANDIN_EXP. */
@@ -125,9 +164,8 @@ CT_INLINE void pairEnergies(const StandInModel* model, const Sixteen* a, const S
   const Float16 coulomb = mul16(mul16(b->charge, a->charge), sqrt16(inverse2));
   /* The value at the cutoff. */
   const Float16 charges = mul16(b->bornCharge, a->bornCharge);
-  const Float16 log = add16(a->log, b->log);
-  const Float16 shift = mul16(charges, polynomial16(log, SHIFT_TERMS - 1, model->shift));
-  Float16 slope = mul16(charges, polynomial16(log, SHIFT_TERMS - 2, model->shiftSlope));
+  const Float16 shift = mul16(charges, atCutoff(a, b, 0));
+  Float16 slope = mul16(charges, atCutoff(a, b, 1));
   Float16 direct = sub16(add16(lennardJones, coulomb), shift);
   if (isMasked) {
     direct = keep16(counts, direct);
@@ -154,7 +192,7 @@ CT_INLINE void pairEnergies(const StandInModel* model, const Sixteen* a, const S
 CT_INLINE Sum16 addPairs(const StandInModel* model, const StandInSide* a, const StandInSide* b, const float shift[3],
                          bool onesAreOfA, unsigned ones, unsigned lanes, bool isSelf, bool hasLanes, bool isMasked,
                          bool hasKappa, Sum16 sum, float ofOnes[], float ofLanes[]) {
-  Sixteen sixteen = takeAll(onesAreOfA ? b : a);
+  Sixteen sixteen = takeAll(onesAreOfA ? b : a, model->shiftSign);
   if (onesAreOfA) {
     sixteen.x = add16(sixteen.x, all16(shift[0]));
     sixteen.y = add16(sixteen.y, all16(shift[1]));

@@ -4,8 +4,9 @@
 
 #include "leafpair.h"
 
-/* The value of a pair at the cutoff is a polynomial of ln(B_i B_j) with so many coefficients. */
-enum { SHIFT_TERMS = 3 };
+/* The value of a pair at the cutoff, and its derivative by ln B of either, are sums of so many products of a function
+ * of one radius and the same of the other; the functions are polynomials with so many coefficients. */
+enum { SHIFT_RANK = 3, SHIFT_TERMS = 8 };
 
 typedef struct StandInModel {
   bool hasKappa;
@@ -16,9 +17,10 @@ typedef struct StandInModel {
   float kappa;
   float gridWidth; /* of ln B */
   float perGridWidth;
-  float shift[SHIFT_TERMS]; /* per product of charges */
-  float shiftSlope[SHIFT_TERMS - 1];
-  float highestLog; /* of B_i B_j, where the polynomial ends */
+  float middleLog; /* of the radii in whose range the polynomials hold, and half of its width */
+  float perHalfWidth;
+  float shift[2][SHIFT_RANK][SHIFT_TERMS]; /* of the value per product of charges, and of its derivative */
+  float shiftSign[2][SHIFT_RANK];          /* of each product */
 } StandInModel;
 
 /* What Born radii and energies of single particles of a leaf are computed from. Where a slot holds none, radii are 1
@@ -37,12 +39,12 @@ typedef struct StandInConstants {
 
 /* Born radii of the particles of a leaf. Those of the grid are what pairs see. */
 typedef struct StandInRadii {
-  float radius[CT_LEAF_WIDTH];      /* of the grid */
-  float halfInverse[CT_LEAF_WIDTH]; /* half of its reciprocal */
-  float log[CT_LEAF_WIDTH];         /* its logarithm, or half of StandInModel.highestLog if that is less */
-  float number[CT_LEAF_WIDTH];      /* its number on the grid */
-  float beyond[CT_LEAF_WIDTH];      /* ln B less that of the grid */
-  float self[CT_LEAF_WIDTH];        /* the energy of the particle by itself, kJ/mol */
+  float radius[CT_LEAF_WIDTH];               /* of the grid */
+  float halfInverse[CT_LEAF_WIDTH];          /* half of its reciprocal */
+  float number[CT_LEAF_WIDTH];               /* its logarithm's number on the grid */
+  float beyond[CT_LEAF_WIDTH];               /* ln B less that of the grid */
+  float self[CT_LEAF_WIDTH];                 /* the energy of the particle by itself, kJ/mol */
+  float shift[2][SHIFT_RANK][CT_LEAF_WIDTH]; /* the functions of its radius of the grid */
 } StandInRadii;
 
 /* One of the two leaves of a pair. */

@@ -137,6 +137,9 @@ static void changeRadii(StandIn* standIn) {
     for (int k = 0; k < CT_LEAF_WIDTH; k++) {
       trial->crossing |= (unsigned)(trial->leaf.radii.number[k] != standIn->state[leaf].radii.number[k]) << k;
     }
+    if (trial->crossing != 0) {
+      standIn->leaves->kernels->standInShift(&standIn->model, &trial->leaf.radii);
+    }
   }
 }
 
