@@ -31,8 +31,8 @@ NativeEnergy::NativeEnergy(const TorsionMonteCarloIntegrator& integrator, Steric
     force(force), context(context), kernel(force.getKernel()), plan(context), check(context, plan), choice(getChoice()),
     forcesWereChanged(true), parametersWereChanged(false), energyIsOld(true), termsCanChange(false),
     pairsCanChange(false), foreignGroups(0), foreignGroupsAreShared(false), trialsToCheck(0),
-    checkInterval(TRIALS_AFTER_VAGUE_CHECK), numComputed(0), computedChange(0), nearChange(0), standInIsSet(false),
-    whole({false, 0, 0}), keptWhole({false, 0, 0})
+    checkInterval(TRIALS_AFTER_VAGUE_CHECK), numComputed(0), computedChange(0), nearChange(0), standInCutoff(0),
+    standInIsSet(false), whole({false, 0, 0}), keptWhole({false, 0, 0})
 {
     // The kernel makes another scene for terms that need more particles, so it learns of them before it has made one.
 
@@ -58,8 +58,6 @@ void NativeEnergy::updatePlan()
 {
     const Choice present = getChoice();
     if (forcesWereChanged || parametersWereChanged || !(present == choice)) {
-        if (present.standIn.bornCutoff != choice.standIn.bornCutoff)
-            standIn.clear(); // its numbers are what lies beyond that
         choice = present;
         if (forcesWereChanged)
             plan.copyForces();
@@ -292,11 +290,12 @@ void NativeEnergy::updateStandIn()
         return;
     vector<double> present;
     kernel.getStandIn(present);
-    if (present.size() == standIn.size())
+    if (present.size() == standIn.size() && standInCutoff == choice.standIn.bornCutoff)
         kernel.setStandIn(standIn);
     else {
         kernel.renewStandIn();
         kernel.getStandIn(standIn);
+        standInCutoff = choice.standIn.bornCutoff;
     }
     standInIsSet = true;
 }
@@ -308,12 +307,14 @@ void NativeEnergy::renewStandIn()
         return;
     kernel.renewStandIn();
     kernel.getStandIn(standIn);
+    standInCutoff = choice.standIn.bornCutoff;
     standInIsSet = true;
 }
 
 void NativeEnergy::setStandIn(const vector<double>& numbers)
 {
     standIn = numbers;
+    standInCutoff = getChoice().standIn.bornCutoff;
     standInIsSet = false;
     energyIsOld = true;
 }

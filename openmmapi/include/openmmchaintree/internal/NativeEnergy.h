@@ -223,8 +223,10 @@ private:
     double computedChange;
     /** The change of near pairs in the open trial. */
     double nearChange;
-    /** The numbers of the stand-in, and whether the kernel has them. */
+    /** The numbers of the stand-in, the cutoff beyond which they are what they stand for, and whether the kernel has
+     *  them. */
     std::vector<double> standIn;
+    double standInCutoff;
     bool standInIsSet;
     HeldEnergy held;
     WholeEnergy whole, keptWhole;
