@@ -2,6 +2,8 @@
 #ifndef CT_SUMS_H_
 #define CT_SUMS_H_
 
+#include <string.h>
+
 #include "simd.h"
 
 /* a where it is below `limit` in lane k of b, and bit k of the mask is set; else 0. */
@@ -53,6 +55,15 @@ typedef struct Sum16 {
   __m512d high;
 } Sum16;
 
+static inline Sum16 loadSum16(const double* p) {
+  return (Sum16){_mm512_loadu_pd(p), _mm512_loadu_pd(p + 8)};
+}
+
+static inline void storeSum16(double* p, Sum16 sum) {
+  _mm512_storeu_pd(p, sum.low);
+  _mm512_storeu_pd(p + 8, sum.high);
+}
+
 static inline Sum16 zeroSum16(void) {
   return (Sum16){_mm512_setzero_pd(), _mm512_setzero_pd()};
 }
@@ -68,6 +79,16 @@ static inline Sum16 addToSum16(Sum16 sum, Float16 a) {
 typedef struct Sum16 {
   __m256d quarter[4];
 } Sum16;
+
+static inline Sum16 loadSum16(const double* p) {
+  return (Sum16){{_mm256_loadu_pd(p), _mm256_loadu_pd(p + 4), _mm256_loadu_pd(p + 8), _mm256_loadu_pd(p + 12)}};
+}
+
+static inline void storeSum16(double* p, Sum16 sum) {
+  for (int i = 0; i < 4; i++) {
+    _mm256_storeu_pd(p + 4 * i, sum.quarter[i]);
+  }
+}
 
 static inline Sum16 zeroSum16(void) {
   const __m256d zero = _mm256_setzero_pd();
@@ -90,6 +111,16 @@ typedef double Double2 __attribute__((vector_size(16)));
 typedef struct Sum16 {
   Double2 pair[8];
 } Sum16;
+
+static inline Sum16 loadSum16(const double* p) {
+  Sum16 sum;
+  memcpy(&sum, p, sizeof sum);
+  return sum;
+}
+
+static inline void storeSum16(double* p, Sum16 sum) {
+  memcpy(p, &sum, sizeof sum);
+}
 
 static inline Sum16 zeroSum16(void) {
   return (Sum16){{{0, 0}}};

@@ -29,13 +29,16 @@ typedef struct Kernels {
   double (*bornPair)(const BornModel* model, const WholeSide* a, const WholeSide* b);
 
   /* Of the stand-in: radii of a leaf by its Born sums over particles that are near; what follows from those of the grid
-   * alone; the energy of a leaf's particles by
-   * themselves with what the grid of radii neglects, given the derivatives of pairs by ln B; and the energy of the
-   * pairs of which one particle is in slotsOfA or slotsOfB, whose derivatives are added. A leaf with itself has one
-   * frame. */
+   * alone; the energy of a leaf's particles by themselves with what the grid of radii neglects, given the derivatives
+   * of pairs by ln B; and the energy of the pairs of which one particle is in slotsOfA or slotsOfB, whose derivatives
+   * are added. A leaf with itself has one frame. */
   void (*standInRadii)(const StandInModel* model, const StandInConstants* constants, const double born[CT_LEAF_WIDTH],
                        StandInRadii* radii);
-  void (*standInShift)(const StandInModel* model, StandInRadii* radii);
+  void (*standInShift)(const StandInModel* model, const StandInRadii* radii, StandInShift* shift);
+
+  /* Takes some parts out of sixteen sums and adds others; false, and nothing changed, if they are the same. */
+  bool (*exchangeParts)(double sums[CT_LEAF_WIDTH], const float before[CT_LEAF_WIDTH],
+                        const float after[CT_LEAF_WIDTH]);
   double (*standInLeafEnergy)(const StandInRadii* radii, const double gradient[CT_LEAF_WIDTH]);
   double (*standInPairs)(const StandInModel* model, const StandInSide* a, const StandInSide* b, unsigned slotsOfA,
                          unsigned slotsOfB, float gradientA[CT_LEAF_WIDTH], float gradientB[CT_LEAF_WIDTH]);

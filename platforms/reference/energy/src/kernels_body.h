@@ -171,6 +171,7 @@ const Kernels KERNELS = {
     .bornPair = bornPair,
     .standInRadii = standInRadii,
     .standInShift = standInShift,
+    .exchangeParts = exchangeParts,
     .standInLeafEnergy = standInLeafEnergy,
     .standInPairs = standInPairs,
 };

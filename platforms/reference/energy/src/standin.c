@@ -65,11 +65,15 @@ static bool allocate(StandIn* standIn, const int* slotOf) {
     memcpy(standIn->slots, slotOf, particles * sizeof *slotOf);
   }
   standIn->constants = calloc(leaves, sizeof *standIn->constants);
-  standIn->state = calloc(leaves, sizeof *standIn->state);
+  standIn->leafSums = calloc(leaves, sizeof *standIn->leafSums);
+  standIn->shifts = calloc(leaves, sizeof *standIn->shifts);
+  standIn->present = calloc(2 * leaves, sizeof *standIn->present);
+  standIn->presentShift = standIn->present != NULL ? standIn->present + leaves : NULL;
   standIn->trial = calloc(leaves, sizeof *standIn->trial);
   standIn->touched = calloc(leaves, sizeof *standIn->touched);
-  return standIn->slots != NULL && standIn->constants != NULL && standIn->state != NULL && standIn->trial != NULL &&
-         standIn->touched != NULL && ctNeighborsCreate(&standIn->neighbors, standIn->leaves->leafCount);
+  return standIn->slots != NULL && standIn->constants != NULL && standIn->leafSums != NULL && standIn->shifts != NULL &&
+         standIn->present != NULL && standIn->trial != NULL && standIn->touched != NULL &&
+         ctNeighborsCreate(&standIn->neighbors, standIn->leaves->leafCount);
 }
 
 ctStatus ctStandInCreate(StandIn* standIn, TrialLeaves* leaves, int particleCount, const ctEnergyDefinition* d,
@@ -103,10 +107,14 @@ void ctStandInFree(StandIn* standIn) {
   ctBornFree(&standIn->born);
   ctNeighborsFree(&standIn->neighbors);
   ctNeighborsFree(&standIn->copyOfNeighbors);
-  free(standIn->copyOfState);
+  free(standIn->copyOfSums);
+  free(standIn->copyOfShifts);
+  free(standIn->copyOfPresent);
   free(standIn->slots);
   free(standIn->constants);
-  free(standIn->state);
+  free(standIn->leafSums);
+  free(standIn->shifts);
+  free(standIn->present);
   free(standIn->trial);
   free(standIn->touched);
   free(standIn->staged);
@@ -126,42 +134,44 @@ void ctStandInComputeBorn(const StandIn* standIn, int a, const LeafFrame* frameA
 }
 
 /* The energy of the pairs of some particles of either leaf, whose gradients are added. */
-static double pairEnergy(const StandIn* standIn, int a, const LeafFrame* frameA, const StandInRadii* radiiA,
-                         unsigned slotsOfA, int b, const LeafFrame* frameB, const StandInRadii* radiiB,
+static double pairEnergy(const StandIn* standIn, const PlacedLeaf* a, unsigned slotsOfA, const PlacedLeaf* b,
                          unsigned slotsOfB, float gradient[2][CT_LEAF_WIDTH]) {
   const Nonbonded* nonbonded = &standIn->nonbonded;
-  const uint16_t* excluded = pairMaskOf(&nonbonded->mask, a, b);
-  const StandInSide sideA = {frameA, &nonbonded->columns[a], standIn->born.columns[a].charge, radiiA, excluded};
-  const StandInSide sideB = {frameB, &nonbonded->columns[b], standIn->born.columns[b].charge, radiiB,
-                             excluded != NULL ? pairMaskOf(&nonbonded->mask, b, a) : NULL};
+  const BornColumns* born = standIn->born.columns;
+  const uint16_t* excluded = pairMaskOf(&nonbonded->mask, a->leaf, b->leaf);
+  const StandInSide sideA = {a->frame, &nonbonded->columns[a->leaf], born[a->leaf].charge, a->radii, a->shift,
+                             excluded};
+  const StandInSide sideB = {b->frame,
+                             &nonbonded->columns[b->leaf],
+                             born[b->leaf].charge,
+                             b->radii,
+                             b->shift,
+                             excluded != NULL ? pairMaskOf(&nonbonded->mask, b->leaf, a->leaf) : NULL};
   return standIn->leaves->kernels->standInPairs(&standIn->model, &sideA, &sideB, slotsOfA, slotsOfB, gradient[0],
                                                 gradient[1]);
 }
 
-void ctStandInComputePairs(const StandIn* standIn, int a, const LeafFrame* frameA, const StandInRadii* radiiA, int b,
-                           const LeafFrame* frameB, const StandInRadii* radiiB, PairRecord* record) {
+void ctStandInComputePairs(const StandIn* standIn, const PlacedLeaf* a, const PlacedLeaf* b, PairRecord* record) {
   const LeafColumns* columns = standIn->nonbonded.columns;
   memset(record->gradient, 0, sizeof record->gradient);
-  record->energy = pairEnergy(standIn, a, frameA, radiiA, columns[a].occupied, b, frameB, radiiB, columns[b].occupied,
-                              record->gradient);
+  record->energy = pairEnergy(standIn, a, columns[a->leaf].occupied, b, columns[b->leaf].occupied, record->gradient);
 }
 
 /* From so many particles on, all pairs of two leaves cost less than theirs twice. */
 enum { MOST_EXCHANGED = 4 };
 
-void ctStandInExchangePairs(const StandIn* standIn, int a, const LeafFrame* frameA, const StandInRadii* radiiA,
-                            unsigned slotsOfA, int b, const LeafFrame* frameB, const StandInRadii* radiiB,
+void ctStandInExchangePairs(const StandIn* standIn, const PlacedLeaf* a, unsigned slotsOfA, const PlacedLeaf* b,
                             unsigned slotsOfB, PairRecord* record) {
-  if (a == b || __builtin_popcount(slotsOfA) + __builtin_popcount(slotsOfB) > MOST_EXCHANGED) {
-    ctStandInComputePairs(standIn, a, frameA, radiiA, b, frameB, radiiB, record);
+  if (a->leaf == b->leaf || __builtin_popcount(slotsOfA) + __builtin_popcount(slotsOfB) > MOST_EXCHANGED) {
+    ctStandInComputePairs(standIn, a, b, record);
     return;
   }
   float before[2][CT_LEAF_WIDTH] = {{0}};
   float after[2][CT_LEAF_WIDTH] = {{0}};
-  const StandInLeaf* state = standIn->state;
-  const double energyBefore =
-      pairEnergy(standIn, a, frameA, &state[a].radii, slotsOfA, b, frameB, &state[b].radii, slotsOfB, before);
-  record->energy += pairEnergy(standIn, a, frameA, radiiA, slotsOfA, b, frameB, radiiB, slotsOfB, after) - energyBefore;
+  const PlacedLeaf stateA = ctStandInPlace(standIn, a->leaf, a->frame);
+  const PlacedLeaf stateB = ctStandInPlace(standIn, b->leaf, b->frame);
+  const double energyBefore = pairEnergy(standIn, &stateA, slotsOfA, &stateB, slotsOfB, before);
+  record->energy += pairEnergy(standIn, a, slotsOfA, b, slotsOfB, after) - energyBefore;
   for (int side = 0; side < 2; side++) {
     for (int k = 0; k < CT_LEAF_WIDTH; k++) {
       record->gradient[side][k] += after[side][k] - before[side][k];
@@ -174,6 +184,10 @@ void ctStandInComputeRadii(const StandIn* standIn, int number, StandInLeaf* leaf
 }
 
 /* ---- The state ---- */
+
+PlacedLeaf ctStandInPlace(const StandIn* standIn, int leaf, const LeafFrame* frame) {
+  return (PlacedLeaf){leaf, frame, &stateLeaf(standIn, leaf)->radii, stateShift(standIn, leaf)};
+}
 
 static void addAll(double* sums, const float* parts) {
   for (int k = 0; k < CT_LEAF_WIDTH; k++) {
@@ -198,8 +212,8 @@ static ctStatus findNeighbors(StandIn* standIn, size_t count, const ctLeafPair* 
       PairRecord* record = stateRecord(&standIn->neighbors, pair);
       const LeafFrame* frameA = ctStateFrame(standIn->leaves, a);
       ctStandInComputeBorn(standIn, a, frameA, b, ctStateFrame(standIn->leaves, b), record);
-      addAll(standIn->state[a].born, record->born[0]);
-      addAll(standIn->state[b].born, record->born[1]);
+      addAll(stateLeaf(standIn, a)->born, record->born[0]);
+      addAll(stateLeaf(standIn, b)->born, record->born[1]);
     }
   }
   return ctSuccess;
@@ -210,13 +224,13 @@ ctStatus ctStandInRefresh(StandIn* standIn, size_t count, const ctLeafPair* near
   standIn->stagedCount = 0;
   standIn->movedCount = 0;
   ctNeighborsClear(&standIn->neighbors);
-  memset(standIn->state, 0, (size_t)standIn->leaves->leafCount * sizeof *standIn->state);
+  memset(standIn->leafSums, 0, (size_t)standIn->leaves->leafCount * sizeof *standIn->leafSums);
   if (findNeighbors(standIn, count, near) != ctSuccess) {
     return ctOutOfMemory;
   }
   for (int leaf = 0; leaf < standIn->leaves->leafCount; leaf++) {
-    ctStandInComputeRadii(standIn, leaf, &standIn->state[leaf]);
-    kernels->standInShift(&standIn->model, &standIn->state[leaf].radii);
+    ctStandInComputeRadii(standIn, leaf, stateLeaf(standIn, leaf));
+    kernels->standInShift(&standIn->model, &stateLeaf(standIn, leaf)->radii, stateShift(standIn, leaf));
   }
   for (int a = 0; a < standIn->leaves->leafCount; a++) {
     const NeighborRow* row = &standIn->neighbors.rows[a];
@@ -224,16 +238,16 @@ ctStatus ctStandInRefresh(StandIn* standIn, size_t count, const ctLeafPair* near
       const int b = row->leaves[i];
       if (b >= a) {
         PairRecord* record = stateRecord(&standIn->neighbors, row->pairs[i]);
-        const LeafFrame* frameA = ctStateFrame(standIn->leaves, a);
-        ctStandInComputePairs(standIn, a, frameA, &standIn->state[a].radii, b, ctStateFrame(standIn->leaves, b),
-                              &standIn->state[b].radii, record);
-        addAll(standIn->state[a].gradient, record->gradient[0]);
-        addAll(standIn->state[b].gradient, record->gradient[1]);
+        const PlacedLeaf placedA = ctStandInPlace(standIn, a, ctStateFrame(standIn->leaves, a));
+        const PlacedLeaf placedB = ctStandInPlace(standIn, b, ctStateFrame(standIn->leaves, b));
+        ctStandInComputePairs(standIn, &placedA, &placedB, record);
+        addAll(stateLeaf(standIn, a)->gradient, record->gradient[0]);
+        addAll(stateLeaf(standIn, b)->gradient, record->gradient[1]);
       }
     }
   }
   for (int leaf = 0; leaf < standIn->leaves->leafCount; leaf++) {
-    StandInLeaf* state = &standIn->state[leaf];
+    StandInLeaf* state = stateLeaf(standIn, leaf);
     state->energy = kernels->standInLeafEnergy(&state->radii, state->gradient);
   }
   return ctSuccess;
@@ -253,7 +267,7 @@ void ctStandInSetFar(StandIn* standIn, const double* far) {
 
 void ctStandInGetNear(const StandIn* standIn, double* near) {
   for (int i = 0; i < standIn->particleCount; i++) {
-    near[i] = standIn->state[standIn->slots[i] / CT_LEAF_WIDTH].born[standIn->slots[i] % CT_LEAF_WIDTH];
+    near[i] = stateLeaf(standIn, standIn->slots[i] / CT_LEAF_WIDTH)->born[standIn->slots[i] % CT_LEAF_WIDTH];
   }
 }
 
@@ -261,7 +275,7 @@ double ctStandInEnergy(const StandIn* standIn) {
   double total = 0;
   for (int a = 0; a < standIn->leaves->leafCount; a++) {
     const NeighborRow* row = &standIn->neighbors.rows[a];
-    double ofRow = standIn->state[a].energy;
+    double ofRow = stateLeaf(standIn, a)->energy;
     for (int i = 0; i < row->count; i++) {
       ofRow += row->leaves[i] >= a ? stateRecord(&standIn->neighbors, row->pairs[i])->energy : 0;
     }
@@ -275,24 +289,39 @@ double ctStandInEnergy(const StandIn* standIn) {
 bool ctStandInKeep(StandIn* standIn) {
   const size_t leaves = (size_t)standIn->leaves->leafCount;
   standIn->hasCopy = false;
-  if (standIn->copyOfState == NULL) {
-    standIn->copyOfState = malloc((leaves + 1) * sizeof *standIn->copyOfState);
+  if (standIn->copyOfPresent == NULL) {
+    standIn->copyOfSums = malloc((leaves + 1) * sizeof *standIn->copyOfSums);
+    standIn->copyOfShifts = malloc((leaves + 1) * sizeof *standIn->copyOfShifts);
+    standIn->copyOfPresent = malloc(2 * (leaves + 1));
+    if (standIn->copyOfSums == NULL || standIn->copyOfShifts == NULL || standIn->copyOfPresent == NULL ||
+        !ctNeighborsCreate(&standIn->copyOfNeighbors, (int)leaves)) {
+      free(standIn->copyOfSums);
+      free(standIn->copyOfShifts);
+      free(standIn->copyOfPresent);
+      standIn->copyOfSums = NULL;
+      standIn->copyOfShifts = NULL;
+      standIn->copyOfPresent = NULL;
+      return false;
+    }
   }
-  if (standIn->copyOfState == NULL ||
-      (standIn->copyOfNeighbors.rows == NULL && !ctNeighborsCreate(&standIn->copyOfNeighbors, (int)leaves)) ||
-      !ctNeighborsCopy(&standIn->copyOfNeighbors, &standIn->neighbors)) {
+  if (!ctNeighborsCopy(&standIn->copyOfNeighbors, &standIn->neighbors)) {
     return false;
   }
-  memcpy(standIn->copyOfState, standIn->state, leaves * sizeof *standIn->state);
+  memcpy(standIn->copyOfSums, standIn->leafSums, leaves * sizeof *standIn->leafSums);
+  memcpy(standIn->copyOfShifts, standIn->shifts, leaves * sizeof *standIn->shifts);
+  memcpy(standIn->copyOfPresent, standIn->present, 2 * (leaves + 1));
   standIn->hasCopy = true;
   return true;
 }
 
 bool ctStandInTakeBack(StandIn* standIn) {
+  const size_t leaves = (size_t)standIn->leaves->leafCount;
   if (!standIn->hasCopy || !ctNeighborsCopy(&standIn->neighbors, &standIn->copyOfNeighbors)) {
     return false;
   }
-  memcpy(standIn->state, standIn->copyOfState, (size_t)standIn->leaves->leafCount * sizeof *standIn->state);
+  memcpy(standIn->leafSums, standIn->copyOfSums, leaves * sizeof *standIn->leafSums);
+  memcpy(standIn->shifts, standIn->copyOfShifts, leaves * sizeof *standIn->shifts);
+  memcpy(standIn->present, standIn->copyOfPresent, 2 * (leaves + 1));
   standIn->stagedCount = 0;
   standIn->movedCount = 0;
   standIn->touchedCount = 0;

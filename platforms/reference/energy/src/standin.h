@@ -15,11 +15,9 @@ typedef struct StandInLeaf {
   double energy; /* of the particles by themselves, and the first order in what the grid neglects */
 } StandInLeaf;
 
-/* A leaf that the open trial changes. */
+/* What the open trial does to a leaf. */
 typedef struct TrialLeaf {
-  StandInLeaf leaf;
-  int64_t stamp; /* the trial; others are of no use */
-  bool bornChanges;
+  int64_t stamp;     /* the trial that has touched it; else the rest is of no use */
   unsigned crossing; /* bits: slots whose radius on the grid is another */
 } TrialLeaf;
 
@@ -44,7 +42,10 @@ typedef struct StandIn {
   int particleCount;
   int* slots;                  /* per particle */
   StandInConstants* constants; /* per leaf */
-  StandInLeaf* state;          /* per leaf */
+  StandInLeaf (*leafSums)[2];  /* per leaf: that of the state, and the other one */
+  StandInShift (*shifts)[2];
+  uint8_t* present; /* per leaf: which of both sums is that of the state */
+  uint8_t* presentShift;
   Neighbors neighbors;
 
   /* The open trial. */
@@ -60,7 +61,9 @@ typedef struct StandIn {
 
   /* A copy of what is kept of the state. */
   bool hasCopy;
-  StandInLeaf* copyOfState;
+  StandInLeaf (*copyOfSums)[2];
+  StandInShift (*copyOfShifts)[2];
+  uint8_t* copyOfPresent; /* of both */
   Neighbors copyOfNeighbors;
 } StandIn;
 
@@ -93,18 +96,44 @@ bool ctStandInTakeBack(StandIn* standIn);
 
 /* ---- What the files of this share ---- */
 
+/* A leaf in the state, and in the trial. */
+static inline StandInLeaf* stateLeaf(const StandIn* standIn, int leaf) {
+  return &standIn->leafSums[leaf][standIn->present[leaf]];
+}
+
+static inline StandInLeaf* otherLeaf(const StandIn* standIn, int leaf) {
+  return &standIn->leafSums[leaf][1 - standIn->present[leaf]];
+}
+
+static inline StandInShift* stateShift(const StandIn* standIn, int leaf) {
+  return &standIn->shifts[leaf][standIn->presentShift[leaf]];
+}
+
+static inline StandInShift* otherShift(const StandIn* standIn, int leaf) {
+  return &standIn->shifts[leaf][1 - standIn->presentShift[leaf]];
+}
+
+/* A leaf of a pair: where it is, and its radii. */
+typedef struct PlacedLeaf {
+  int leaf;
+  const LeafFrame* frame;
+  const StandInRadii* radii;
+  const StandInShift* shift;
+} PlacedLeaf;
+
 /* The Born sums that two leaves contribute to each other, and their energy with these radii. The record's other part
  * stays. */
 void ctStandInComputeBorn(const StandIn* standIn, int a, const LeafFrame* frameA, int b, const LeafFrame* frameB,
                           PairRecord* record);
-void ctStandInComputePairs(const StandIn* standIn, int a, const LeafFrame* frameA, const StandInRadii* radiiA, int b,
-                           const LeafFrame* frameB, const StandInRadii* radiiB, PairRecord* record);
+void ctStandInComputePairs(const StandIn* standIn, const PlacedLeaf* a, const PlacedLeaf* b, PairRecord* record);
 
 /* Exchanges in a record what pairs of some particles of either leaf have with the radii of the state by what they have
  * with these. */
-void ctStandInExchangePairs(const StandIn* standIn, int a, const LeafFrame* frameA, const StandInRadii* radiiA,
-                            unsigned slotsOfA, int b, const LeafFrame* frameB, const StandInRadii* radiiB,
+void ctStandInExchangePairs(const StandIn* standIn, const PlacedLeaf* a, unsigned slotsOfA, const PlacedLeaf* b,
                             unsigned slotsOfB, PairRecord* record);
+
+/* A leaf in this frame, with the radii of the state. */
+PlacedLeaf ctStandInPlace(const StandIn* standIn, int leaf, const LeafFrame* frame);
 
 /* The radii of a leaf by its sums. */
 void ctStandInComputeRadii(const StandIn* standIn, int number, StandInLeaf* leaf);

@@ -49,15 +49,26 @@ static void standInRadii(const StandInModel* model, const StandInConstants* cons
 }
 
 /* What depends on radii of the grid alone. */
-static void standInShift(const StandInModel* model, StandInRadii* radii) {
+static void standInShift(const StandInModel* model, const StandInRadii* radii, StandInShift* shift) {
   const Float16 log = mul16(load16(radii->number), all16(model->gridWidth));
   const Float16 t = mul16(sub16(log, all16(model->middleLog)), all16(model->perHalfWidth));
   const Float16 bounded = max16(min16(t, all16(1)), all16(-1));
   for (int which = 0; which < 2; which++) {
     for (int i = 0; i < SHIFT_RANK; i++) {
-      store16(radii->shift[which][i], polynomial16(bounded, SHIFT_TERMS - 1, model->shift[which][i]));
+      store16(shift->value[which][i], polynomial16(bounded, SHIFT_TERMS - 1, model->shift[which][i]));
     }
   }
+}
+
+/* Exchanges parts of sums; false, and nothing changed, if they are the same. */
+static bool exchangeParts(double sums[], const float before[], const float after[]) {
+  const Float16 from = load16(before);
+  const Float16 to = load16(after);
+  if ((greater16(from, to) | greater16(to, from)) == 0) {
+    return false;
+  }
+  storeSum16(sums, addToSum16(addToSum16(loadSum16(sums), to), sub16(all16(0), from)));
+  return true;
 }
 
 /* The energies of the particles of a leaf by themselves, and the first order of what the grid neglects of pairs. */
@@ -101,7 +112,7 @@ CT_INLINE Sixteen takeAll(const StandInSide* side, const float sign[2][SHIFT_RAN
                  {{all16(0), all16(0), all16(0)}}};
   for (int which = 0; which < 2; which++) {
     for (int i = 0; i < SHIFT_RANK; i++) {
-      all.shift[which][i] = mul16(all16(sign[which][i]), load16(side->radii->shift[which][i]));
+      all.shift[which][i] = mul16(all16(sign[which][i]), load16(side->shift->value[which][i]));
     }
   }
   return all;
@@ -114,7 +125,7 @@ CT_INLINE Sixteen takeOne(const StandInSide* side, int k) {
                  {{all16(0), all16(0), all16(0)}}};
   for (int which = 0; which < 2; which++) {
     for (int i = 0; i < SHIFT_RANK; i++) {
-      one.shift[which][i] = all16(side->radii->shift[which][i][k]);
+      one.shift[which][i] = all16(side->shift->value[which][i][k]);
     }
   }
   return one;

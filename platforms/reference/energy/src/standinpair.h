@@ -39,13 +39,17 @@ typedef struct StandInConstants {
 
 /* Born radii of the particles of a leaf. Those of the grid are what pairs see. */
 typedef struct StandInRadii {
-  float radius[CT_LEAF_WIDTH];               /* of the grid */
-  float halfInverse[CT_LEAF_WIDTH];          /* half of its reciprocal */
-  float number[CT_LEAF_WIDTH];               /* its logarithm's number on the grid */
-  float beyond[CT_LEAF_WIDTH];               /* ln B less that of the grid */
-  float self[CT_LEAF_WIDTH];                 /* the energy of the particle by itself, kJ/mol */
-  float shift[2][SHIFT_RANK][CT_LEAF_WIDTH]; /* the functions of its radius of the grid */
+  float radius[CT_LEAF_WIDTH];      /* of the grid */
+  float halfInverse[CT_LEAF_WIDTH]; /* half of its reciprocal */
+  float number[CT_LEAF_WIDTH];      /* its logarithm's number on the grid */
+  float beyond[CT_LEAF_WIDTH];      /* ln B less that of the grid */
+  float self[CT_LEAF_WIDTH];        /* the energy of the particle by itself, kJ/mol */
 } StandInRadii;
+
+/* The functions of the radii of the grid that make the value of a pair at the cutoff, and its derivative. */
+typedef struct StandInShift {
+  float value[2][SHIFT_RANK][CT_LEAF_WIDTH];
+} StandInShift;
 
 /* One of the two leaves of a pair. */
 typedef struct StandInSide {
@@ -53,6 +57,7 @@ typedef struct StandInSide {
   const LeafColumns* columns;
   const float* charge; /* that of ctBorn, times the root of its Coulomb constant */
   const StandInRadii* radii;
+  const StandInShift* shift;
   const uint16_t* excluded; /* see LeafSide */
 } StandInSide;
 

@@ -9,31 +9,41 @@ static bool isTouched(const StandIn* standIn, int leaf) {
   return standIn->trial[leaf].stamp == standIn->leaves->trial;
 }
 
-/* A leaf as the trial has it. */
-static TrialLeaf* touch(StandIn* standIn, int leaf) {
-  TrialLeaf* trial = &standIn->trial[leaf];
+/* A leaf as the trial has it, but for its radii if their sums are to change. */
+static StandInLeaf* touch(StandIn* standIn, int leaf, bool bornChanges) {
+  StandInLeaf* other = otherLeaf(standIn, leaf);
   if (!isTouched(standIn, leaf)) {
-    trial->leaf = standIn->state[leaf];
-    trial->stamp = standIn->leaves->trial;
-    trial->bornChanges = false;
-    trial->crossing = 0;
+    const StandInLeaf* state = stateLeaf(standIn, leaf);
+    memcpy(other->born, state->born, sizeof other->born);
+    memcpy(other->gradient, state->gradient, sizeof other->gradient);
+    if (!bornChanges) {
+      other->radii = state->radii;
+    }
+    standIn->trial[leaf] = (TrialLeaf){standIn->leaves->trial, 0};
     standIn->touched[standIn->touchedCount++] = leaf;
   }
-  return trial;
-}
-
-static const StandInRadii* trialRadii(const StandIn* standIn, int leaf) {
-  return isTouched(standIn, leaf) ? &standIn->trial[leaf].leaf.radii : &standIn->state[leaf].radii;
+  return other;
 }
 
 static unsigned crossing(const StandIn* standIn, int leaf) {
   return isTouched(standIn, leaf) ? standIn->trial[leaf].crossing : 0;
 }
 
-/* Replaces parts of sums by others. */
-static void replace(double* sums, const float* before, const float* after) {
-  for (int k = 0; k < CT_LEAF_WIDTH; k++) {
-    sums[k] += (double)after[k] - (double)before[k];
+/* A leaf in this frame, with the radii of the trial. */
+static PlacedLeaf placeInTrial(const StandIn* standIn, int leaf, const LeafFrame* frame) {
+  const StandInLeaf* sums = isTouched(standIn, leaf) ? otherLeaf(standIn, leaf) : stateLeaf(standIn, leaf);
+  const bool isCrossed = crossing(standIn, leaf) != 0;
+  return (PlacedLeaf){leaf, frame, &sums->radii, isCrossed ? otherShift(standIn, leaf) : stateShift(standIn, leaf)};
+}
+
+/* Exchanges what a pair contributes to sums of its leaves' gradients. */
+static void exchangeGradients(StandIn* standIn, const StagedPair* staged) {
+  const PairRecord* before = stateRecord(&standIn->neighbors, staged->pair);
+  const PairRecord* after = otherRecord(&standIn->neighbors, staged->pair);
+  const int leaves[2] = {staged->a, staged->b};
+  for (int side = 0; side < 2; side++) {
+    StandInLeaf* leaf = touch(standIn, leaves[side], false);
+    standIn->leaves->kernels->exchangeParts(leaf->gradient, before->gradient[side], after->gradient[side]);
   }
 }
 
@@ -79,13 +89,13 @@ static ctStatus stage(StandIn* standIn, bool near) {
 
 /* Computes the energy of a staged pair in the trial, with radii of the state or of the trial. */
 static void computePairs(StandIn* standIn, const StagedPair* staged, bool radiiOfTrial) {
-  const int a = staged->a;
-  const int b = staged->b;
-  const StandInRadii* radiiA = radiiOfTrial ? trialRadii(standIn, a) : &standIn->state[a].radii;
-  const StandInRadii* radiiB = radiiOfTrial ? trialRadii(standIn, b) : &standIn->state[b].radii;
-  const LeafFrame* frameA = ctTrialFrame(standIn->leaves, a);
-  ctStandInComputePairs(standIn, a, frameA, radiiA, b, ctTrialFrame(standIn->leaves, b), radiiB,
-                        otherRecord(&standIn->neighbors, staged->pair));
+  const LeafFrame* frameA = ctTrialFrame(standIn->leaves, staged->a);
+  const LeafFrame* frameB = ctTrialFrame(standIn->leaves, staged->b);
+  const PlacedLeaf a =
+      radiiOfTrial ? placeInTrial(standIn, staged->a, frameA) : ctStandInPlace(standIn, staged->a, frameA);
+  const PlacedLeaf b =
+      radiiOfTrial ? placeInTrial(standIn, staged->b, frameB) : ctStandInPlace(standIn, staged->b, frameB);
+  ctStandInComputePairs(standIn, &a, &b, otherRecord(&standIn->neighbors, staged->pair));
 }
 
 ctStatus ctStandInNearChange(StandIn* standIn, double* change) {
@@ -118,13 +128,10 @@ static void changeBornSums(StandIn* standIn) {
     }
     const LeafFrame* frameA = ctTrialFrame(standIn->leaves, staged->a);
     ctStandInComputeBorn(standIn, staged->a, frameA, staged->b, ctTrialFrame(standIn->leaves, staged->b), after);
-    if (memcmp(before->born, after->born, sizeof after->born) != 0) {
-      const int leaves[2] = {staged->a, staged->b};
-      for (int side = 0; side < 2; side++) {
-        TrialLeaf* trial = touch(standIn, leaves[side]);
-        trial->bornChanges = true;
-        replace(trial->leaf.born, before->born[side], after->born[side]);
-      }
+    const int leaves[2] = {staged->a, staged->b};
+    for (int side = 0; side < 2; side++) {
+      StandInLeaf* leaf = touch(standIn, leaves[side], true);
+      standIn->leaves->kernels->exchangeParts(leaf->born, before->born[side], after->born[side]);
     }
   }
 }
@@ -132,13 +139,16 @@ static void changeBornSums(StandIn* standIn) {
 static void changeRadii(StandIn* standIn) {
   for (int i = 0; i < standIn->touchedCount; i++) {
     const int leaf = standIn->touched[i];
-    TrialLeaf* trial = &standIn->trial[leaf];
-    ctStandInComputeRadii(standIn, leaf, &trial->leaf);
+    StandInLeaf* other = otherLeaf(standIn, leaf);
+    const StandInLeaf* state = stateLeaf(standIn, leaf);
+    unsigned crossing = 0;
+    ctStandInComputeRadii(standIn, leaf, other);
     for (int k = 0; k < CT_LEAF_WIDTH; k++) {
-      trial->crossing |= (unsigned)(trial->leaf.radii.number[k] != standIn->state[leaf].radii.number[k]) << k;
+      crossing |= (unsigned)(other->radii.number[k] != state->radii.number[k]) << k;
     }
-    if (trial->crossing != 0) {
-      standIn->leaves->kernels->standInShift(&standIn->model, &trial->leaf.radii);
+    standIn->trial[leaf].crossing = crossing;
+    if (crossing != 0) {
+      standIn->leaves->kernels->standInShift(&standIn->model, &other->radii, otherShift(standIn, leaf));
     }
   }
 }
@@ -148,11 +158,9 @@ static void changeRadii(StandIn* standIn) {
 /* The energy that a near pair has before the trial, but with the radii of the trial. */
 static double energyBack(StandIn* standIn, const StagedPair* staged) {
   PairRecord record;
-  const int a = staged->a;
-  const int b = staged->b;
-  const LeafFrame* frameA = ctStateFrame(standIn->leaves, a);
-  ctStandInComputePairs(standIn, a, frameA, trialRadii(standIn, a), b, ctStateFrame(standIn->leaves, b),
-                        trialRadii(standIn, b), &record);
+  const PlacedLeaf a = placeInTrial(standIn, staged->a, ctStateFrame(standIn->leaves, staged->a));
+  const PlacedLeaf b = placeInTrial(standIn, staged->b, ctStateFrame(standIn->leaves, staged->b));
+  ctStandInComputePairs(standIn, &a, &b, &record);
   return staged->isNew ? 0 : record.energy;
 }
 
@@ -176,8 +184,7 @@ static double changeMovedPairs(StandIn* standIn) {
       nearBack += back - after->energy;
     }
     change += after->energy - before->energy;
-    replace(touch(standIn, staged->a)->leaf.gradient, before->gradient[0], after->gradient[0]);
-    replace(touch(standIn, staged->b)->leaf.gradient, before->gradient[1], after->gradient[1]);
+    exchangeGradients(standIn, staged);
   }
   standIn->nearChangeBack = nearBack;
   return change;
@@ -187,15 +194,11 @@ static double changeMovedPairs(StandIn* standIn) {
 static double changeUnmovedPair(StandIn* standIn, const StagedPair* staged) {
   const PairRecord* before = stateRecord(&standIn->neighbors, staged->pair);
   PairRecord* after = otherRecord(&standIn->neighbors, staged->pair);
-  const int a = staged->a;
-  const int b = staged->b;
-  const LeafFrame* frameA = ctStateFrame(standIn->leaves, a);
-  const LeafFrame* frameB = ctStateFrame(standIn->leaves, b);
-  memcpy(after, before, sizeof *after);
-  ctStandInExchangePairs(standIn, a, frameA, trialRadii(standIn, a), crossing(standIn, a), b, frameB,
-                         trialRadii(standIn, b), crossing(standIn, b), after);
-  replace(touch(standIn, a)->leaf.gradient, before->gradient[0], after->gradient[0]);
-  replace(touch(standIn, b)->leaf.gradient, before->gradient[1], after->gradient[1]);
+  const PlacedLeaf a = placeInTrial(standIn, staged->a, ctStateFrame(standIn->leaves, staged->a));
+  const PlacedLeaf b = placeInTrial(standIn, staged->b, ctStateFrame(standIn->leaves, staged->b));
+  *after = *before;
+  ctStandInExchangePairs(standIn, &a, crossing(standIn, staged->a), &b, crossing(standIn, staged->b), after);
+  exchangeGradients(standIn, staged);
   return after->energy - before->energy;
 }
 
@@ -241,9 +244,9 @@ ctStatus ctStandInOtherChange(StandIn* standIn, double* change) {
   }
   for (int i = 0; i < standIn->touchedCount; i++) {
     const int leaf = standIn->touched[i];
-    StandInLeaf* trial = &standIn->trial[leaf].leaf;
-    trial->energy = kernels->standInLeafEnergy(&trial->radii, trial->gradient);
-    total += trial->energy - standIn->state[leaf].energy;
+    StandInLeaf* other = otherLeaf(standIn, leaf);
+    other->energy = kernels->standInLeafEnergy(&other->radii, other->gradient);
+    total += other->energy - stateLeaf(standIn, leaf)->energy;
   }
   *change = total - standIn->nearChange;
   return ctSuccess;
@@ -275,7 +278,9 @@ bool ctStandInAccept(StandIn* standIn) {
     isKept = acceptPair(&standIn->neighbors, &standIn->staged[i]) && isKept;
   }
   for (int i = 0; i < standIn->touchedCount; i++) {
-    standIn->state[standIn->touched[i]] = standIn->trial[standIn->touched[i]].leaf;
+    const int leaf = standIn->touched[i];
+    standIn->present[leaf] ^= 1;
+    standIn->presentShift[leaf] ^= standIn->trial[leaf].crossing != 0;
   }
   standIn->stagedCount = 0;
   standIn->movedCount = 0;
