@@ -130,8 +130,11 @@ static void changeBornSums(StandIn* standIn) {
     ctStandInComputeBorn(standIn, staged->a, frameA, staged->b, ctTrialFrame(standIn->leaves, staged->b), after);
     const int leaves[2] = {staged->a, staged->b};
     for (int side = 0; side < 2; side++) {
-      StandInLeaf* leaf = touch(standIn, leaves[side], true);
-      standIn->leaves->kernels->exchangeParts(leaf->born, before->born[side], after->born[side]);
+      /* Many leaves are near by their boxes alone. */
+      if (memcmp(before->born[side], after->born[side], sizeof after->born[side]) != 0) {
+        StandInLeaf* leaf = touch(standIn, leaves[side], true);
+        standIn->leaves->kernels->exchangeParts(leaf->born, before->born[side], after->born[side]);
+      }
     }
   }
 }
