@@ -1,14 +1,9 @@
 /* Life of an energy, and the order in which a trial's parts are computed. */
-#include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
-#include <string.h>
 
-#include "nonbonded.h"
-#include "pairsets.h"
-#include "standin.h"
+#include "allpairs.h"
 #include "terms.h"
-#include "wholeenergy.h"
 
 /* Not the change count of any state. */
 enum { NO_STATE = -1 };
@@ -16,19 +11,11 @@ enum { NO_STATE = -1 };
 struct ctEnergy {
   ctChainTree* tree;
   Terms* terms;
-  bool hasLeaves; /* there are pairs of any kind, and what follows */
-  TrialLeaves leaves;
-  bool hasNonbonded;
-  Nonbonded nonbonded;
-  PairSums pairs; /* of nonbonded */
-  bool hasStandIn;
-  StandIn standIn;   /* instead of nonbonded */
-  WholeEnergy whole; /* with a stand-in */
-  PairSets pairSets;
+  bool hasPairs; /* of any kind */
+  AllPairs pairs;
   int64_t state;     /* the scene's change count of the state that values belong to, or NO_STATE */
   int64_t trial;     /* the last one that was asked about */
   int computedParts; /* of it */
-  double nearChange; /* its change of near pairs, but for those of the stand-in */
   bool hasCopy;      /* of all values, see ctKeepEnergy; they were those of the state, or of none */
   bool copyIsOfState;
   char errorText[200];
@@ -68,59 +55,6 @@ static int* findSlots(const ctChainTree* tree, int particleCount) {
   return slotOf;
 }
 
-/* How far apart particles can be that a trial has to look at, nm. */
-static double greatestCutoff(const ctEnergyDefinition* d) {
-  double cutoff = 0;
-  if (d->born != NULL) {
-    cutoff = fmax(d->standIn->bornCutoff, d->standIn->pairCutoff);
-  } else if (d->nonbonded != NULL) {
-    cutoff = d->nonbonded->cutoff;
-  }
-  for (int i = 0; i < d->pairSetCount; i++) {
-    cutoff = fmax(cutoff, d->pairSets[i].cutoff);
-  }
-  return cutoff;
-}
-
-static ctStatus buildNonbonded(ctEnergy* energy, const ctEnergyDefinition* d, const int* slotOf, char* errorText,
-                               size_t errorSize) {
-  energy->hasNonbonded = true;
-  const ctStatus status = ctNonbondedCreate(&energy->nonbonded, energy->tree, d->scene->particleCount, d->nonbonded,
-                                            slotOf, errorText, errorSize);
-  if (status == ctSuccess &&
-      !ctPairSumsCreate(&energy->pairs, &energy->leaves, d->nonbonded->cutoff, ctNonbondedEnergy, &energy->nonbonded)) {
-    snprintf(errorText, errorSize, "out of memory");
-    return ctOutOfMemory;
-  }
-  return status;
-}
-
-static ctStatus buildPairs(ctEnergy* energy, const ctEnergyDefinition* d, const int* slotOf, char* errorText,
-                           size_t errorSize) {
-  const int particleCount = d->scene->particleCount;
-  if (!ctTrialLeavesCreate(&energy->leaves, energy->tree, greatestCutoff(d), particleCount, slotOf)) {
-    snprintf(errorText, errorSize, "out of memory");
-    return ctOutOfMemory;
-  }
-  energy->hasLeaves = true;
-  ctStatus status = ctSuccess;
-  if (d->born != NULL) {
-    energy->hasStandIn = true;
-    status = ctStandInCreate(&energy->standIn, &energy->leaves, particleCount, d, slotOf, errorText, errorSize);
-    if (status == ctSuccess) {
-      status = ctWholeEnergyCreate(&energy->whole, energy->tree, particleCount, d->nonbonded, d->born, slotOf,
-                                   errorText, errorSize);
-    }
-  } else if (d->nonbonded != NULL) {
-    status = buildNonbonded(energy, d, slotOf, errorText, errorSize);
-  }
-  if (status == ctSuccess) {
-    status = ctPairSetsCreate(&energy->pairSets, &energy->leaves, particleCount, d->pairSetCount, d->pairSets, slotOf,
-                              errorText, errorSize);
-  }
-  return status;
-}
-
 static ctStatus build(ctEnergy* energy, const ctEnergyDefinition* d, char* errorText, size_t errorSize) {
   if (d->born != NULL && (d->nonbonded == NULL || d->standIn == NULL)) {
     snprintf(errorText, errorSize, "a Born energy needs a nonbonded energy and a stand-in");
@@ -133,7 +67,8 @@ static ctStatus build(ctEnergy* energy, const ctEnergyDefinition* d, char* error
   }
   ctStatus status = ctTermsCreate(d->scene, d->termSetCount, d->termSets, slotOf, &energy->terms, errorText, errorSize);
   if (status == ctSuccess && (d->nonbonded != NULL || d->pairSetCount != 0)) {
-    status = buildPairs(energy, d, slotOf, errorText, errorSize);
+    energy->hasPairs = true;
+    status = ctAllPairsCreate(&energy->pairs, energy->tree, d, slotOf, errorText, errorSize);
   }
   free(slotOf);
   return status;
@@ -167,12 +102,7 @@ ctStatus ctCreateEnergy(ctChainTree* tree, const ctEnergyDefinition* definition,
 void ctDestroyEnergy(ctEnergy* energy) {
   if (energy != NULL) {
     ctTermsDestroy(energy->terms);
-    ctPairSetsFree(&energy->pairSets);
-    ctPairSumsFree(&energy->pairs);
-    ctNonbondedFree(&energy->nonbonded);
-    ctStandInFree(&energy->standIn);
-    ctWholeEnergyFree(&energy->whole);
-    ctTrialLeavesFree(&energy->leaves);
+    ctAllPairsFree(&energy->pairs);
     free(energy);
   }
 }
@@ -187,23 +117,11 @@ int ctCountChangeableTerms(const ctEnergy* energy, int termSet) {
 
 /* ---- The state ---- */
 
-static ctStatus refreshPairs(ctEnergy* energy, ctCounts* counts) {
-  size_t count;
-  const ctLeafPair* near;
-  ctStatus status = ctTrialLeavesRefresh(&energy->leaves, &count, &near, counts);
-  if (status == ctSuccess && energy->hasStandIn) {
-    status = ctStandInRefresh(&energy->standIn, count, near);
-  } else if (status == ctSuccess && energy->hasNonbonded) {
-    status = ctPairSumsRefresh(&energy->pairs, count, near);
-  }
-  return status == ctSuccess ? ctPairSetsRefresh(&energy->pairSets, count, near) : status;
-}
-
 ctStatus ctRefreshEnergy(ctEnergy* energy, ctCounts* counts) {
   const ctLeafPositions* leaves = ctGetLeaves(energy->tree);
   energy->computedParts = 0;
   energy->state = NO_STATE;
-  if (leaves == NULL || (energy->hasLeaves && refreshPairs(energy, counts) != ctSuccess)) {
+  if (leaves == NULL || (energy->hasPairs && ctAllPairsRefresh(&energy->pairs, counts) != ctSuccess)) {
     return failOutOfMemory(energy);
   }
   ctTermsRefresh(energy->terms, leaves);
@@ -216,14 +134,11 @@ bool ctIsEnergyOfState(const ctEnergy* energy) {
 }
 
 double ctGetPairEnergy(const ctEnergy* energy) {
-  if (energy->hasStandIn) {
-    return ctStandInEnergy(&energy->standIn);
-  }
-  return energy->hasNonbonded ? ctLeafSumsTotal(&energy->pairs.sums) : 0;
+  return energy->hasPairs ? ctAllPairsEnergy(&energy->pairs) : 0;
 }
 
 double ctGetPairSetEnergy(const ctEnergy* energy, int pairSet) {
-  return ctLeafSumsTotal(&energy->pairSets.sums[pairSet].sums);
+  return ctLeafSumsTotal(&energy->pairs.sets.sums[pairSet].sums);
 }
 
 double ctGetTermEnergy(const ctEnergy* energy, int termSet) {
@@ -242,40 +157,6 @@ static ctStatus changeTerms(ctEnergy* energy, double* change) {
   }
   *change = ctTermsChange(energy->terms, &view);
   return ctSuccess;
-}
-
-static ctStatus changeNearPairs(ctEnergy* energy, double* change, ctCounts* counts) {
-  double ofPairs = 0;
-  double ofSets = 0;
-  double ofStandIn = 0;
-  ctStatus status = ctTrialLeavesOpen(&energy->leaves, counts);
-  if (status == ctSuccess && energy->hasStandIn) {
-    status = ctStandInNearChange(&energy->standIn, &ofStandIn);
-  } else if (status == ctSuccess && energy->hasNonbonded) {
-    status = ctPairSumsNearChange(&energy->pairs, &ofPairs);
-  }
-  if (status == ctSuccess) {
-    status = ctPairSetsNearChange(&energy->pairSets, &ofSets);
-  }
-  energy->nearChange = ofPairs + ofSets;
-  *change = energy->nearChange + ofStandIn;
-  return status;
-}
-
-static ctStatus changeOtherPairs(ctEnergy* energy, double* change) {
-  double ofPairs = 0;
-  double ofSets = 0;
-  ctStatus status = ctSuccess;
-  if (energy->hasStandIn) {
-    status = ctStandInOtherChange(&energy->standIn, &ofPairs);
-  } else if (energy->hasNonbonded) {
-    status = ctPairSumsOtherChange(&energy->pairs, &ofPairs);
-  }
-  if (status == ctSuccess) {
-    status = ctPairSetsOtherChange(&energy->pairSets, &ofSets);
-  }
-  *change = ofPairs + ofSets;
-  return status;
 }
 
 ctStatus ctComputeEnergyChange(ctEnergy* energy, ctEnergyPart part, double* change, ctCounts* counts) {
@@ -297,10 +178,10 @@ ctStatus ctComputeEnergyChange(ctEnergy* energy, ctEnergyPart part, double* chan
   ctStatus status = ctSuccess;
   if (part == ctTermsPart) {
     status = changeTerms(energy, change);
-  } else if (energy->hasLeaves && part == ctNearPairsPart) {
-    status = changeNearPairs(energy, change, counts);
-  } else if (energy->hasLeaves) {
-    status = changeOtherPairs(energy, change);
+  } else if (energy->hasPairs && part == ctNearPairsPart) {
+    status = ctAllPairsNearChange(&energy->pairs, change, counts);
+  } else if (energy->hasPairs) {
+    status = ctAllPairsOtherChange(&energy->pairs, change);
   }
   if (status != ctSuccess) {
     energy->computedParts = 0;
@@ -318,12 +199,8 @@ ctStatus ctAcceptEnergyChange(ctEnergy* energy) {
   energy->computedParts = 0;
   energy->state = NO_STATE;
   ctTermsAccept(energy->terms);
-  if (energy->hasLeaves) {
-    ctTrialLeavesAccept(&energy->leaves);
-    if ((energy->hasStandIn && !ctStandInAccept(&energy->standIn)) ||
-        (energy->hasNonbonded && !ctPairSumsAccept(&energy->pairs)) || !ctPairSetsAccept(&energy->pairSets)) {
-      return failOutOfMemory(energy);
-    }
+  if (energy->hasPairs && !ctAllPairsAccept(&energy->pairs)) {
+    return failOutOfMemory(energy);
   }
   energy->state = ctGetChangeCount(energy->tree);
   return ctSuccess;
@@ -331,15 +208,19 @@ ctStatus ctAcceptEnergyChange(ctEnergy* energy) {
 
 /* ---- Two levels ---- */
 
+static bool hasStandIn(const ctEnergy* energy) {
+  return energy->hasPairs && energy->pairs.hasStandIn;
+}
+
 double ctGetNearChangeBack(const ctEnergy* energy) {
-  return (energy->hasStandIn ? energy->standIn.nearChangeBack : 0) - energy->nearChange;
+  return energy->hasPairs ? ctAllPairsNearChangeBack(&energy->pairs) : 0;
 }
 
 ctStatus ctComputeWholeEnergy(ctEnergy* energy, double* nonbonded, double* born, ctCounts* counts) {
   (void)counts;
   *nonbonded = ctGetPairEnergy(energy);
   *born = 0;
-  if (energy->hasStandIn && ctWholeEnergyCompute(&energy->whole, nonbonded, born) != ctSuccess) {
+  if (hasStandIn(energy) && ctWholeEnergyCompute(&energy->pairs.whole, nonbonded, born) != ctSuccess) {
     return failOutOfMemory(energy);
   }
   return ctSuccess;
@@ -347,55 +228,33 @@ ctStatus ctComputeWholeEnergy(ctEnergy* energy, double* nonbonded, double* born,
 
 ctStatus ctRenewStandIn(ctEnergy* energy, ctCounts* counts) {
   const ctStatus status = ctRefreshEnergy(energy, counts);
-  if (status != ctSuccess || !energy->hasStandIn) {
+  if (status != ctSuccess || !hasStandIn(energy)) {
     return status;
   }
-  const size_t count = (size_t)energy->whole.particleCount + 1;
-  double* far = malloc(count * sizeof *far);
-  double* near = malloc(count * sizeof *near);
-  const bool isDone = far != NULL && near != NULL && ctWholeEnergyBornSums(&energy->whole, far) == ctSuccess;
-  if (isDone) {
-    ctStandInGetNear(&energy->standIn, near);
-    for (int i = 0; i < energy->whole.particleCount; i++) {
-      far[i] -= near[i];
-    }
-    ctStandInSetFar(&energy->standIn, far);
+  if (ctAllPairsRenewFar(&energy->pairs) != ctSuccess) {
+    return failOutOfMemory(energy);
   }
-  free(far);
-  free(near);
-  return isDone ? ctRefreshEnergy(energy, counts) : failOutOfMemory(energy);
+  energy->copyIsOfState = false;
+  return ctRefreshEnergy(energy, counts);
 }
 
 void ctGetStandIn(const ctEnergy* energy, double* constants) {
-  if (energy->hasStandIn) {
-    ctStandInGetFar(&energy->standIn, constants);
+  if (hasStandIn(energy)) {
+    ctStandInGetFar(&energy->pairs.standIn, constants);
   }
 }
 
 void ctSetStandIn(ctEnergy* energy, const double* constants) {
-  if (energy->hasStandIn) {
-    ctStandInSetFar(&energy->standIn, constants);
+  if (hasStandIn(energy)) {
+    ctStandInSetFar(&energy->pairs.standIn, constants);
     energy->state = NO_STATE;
+    energy->copyIsOfState = false;
   }
-}
-
-static bool keepPairs(ctEnergy* energy) {
-  return (!energy->hasStandIn || ctStandInKeep(&energy->standIn)) &&
-         (!energy->hasNonbonded || ctPairSumsKeep(&energy->pairs)) && ctPairSetsKeep(&energy->pairSets);
-}
-
-static bool takeBackPairs(ctEnergy* energy) {
-  if (energy->hasNonbonded) {
-    ctPairSumsTakeBack(&energy->pairs);
-  }
-  ctPairSetsTakeBack(&energy->pairSets);
-  ctTrialLeavesForget(&energy->leaves);
-  return energy->leaves.statePositions != NULL && (!energy->hasStandIn || ctStandInTakeBack(&energy->standIn));
 }
 
 ctStatus ctKeepEnergy(ctEnergy* energy) {
   energy->hasCopy = false;
-  if (!ctTermsKeep(energy->terms) || (energy->hasLeaves && !keepPairs(energy))) {
+  if (!ctTermsKeep(energy->terms) || (energy->hasPairs && !ctAllPairsKeep(&energy->pairs))) {
     return failOutOfMemory(energy);
   }
   energy->hasCopy = true;
@@ -410,7 +269,7 @@ ctStatus ctTakeBackEnergy(ctEnergy* energy) {
   energy->computedParts = 0;
   energy->state = NO_STATE;
   ctTermsTakeBack(energy->terms);
-  if (energy->hasLeaves && !takeBackPairs(energy)) {
+  if (energy->hasPairs && !ctAllPairsTakeBack(&energy->pairs)) {
     return failOutOfMemory(energy);
   }
   if (energy->copyIsOfState) {

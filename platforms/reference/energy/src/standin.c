@@ -219,10 +219,16 @@ static ctStatus findNeighbors(StandIn* standIn, size_t count, const ctLeafPair* 
   return ctSuccess;
 }
 
-ctStatus ctStandInRefresh(StandIn* standIn, size_t count, const ctLeafPair* near) {
-  const Kernels* kernels = standIn->leaves->kernels;
+/* Whatever the open trial took belongs to nobody. */
+static void dropTrial(StandIn* standIn) {
   standIn->stagedCount = 0;
   standIn->movedCount = 0;
+  standIn->touchedCount = 0;
+}
+
+ctStatus ctStandInRefresh(StandIn* standIn, size_t count, const ctLeafPair* near) {
+  const Kernels* kernels = standIn->leaves->kernels;
+  dropTrial(standIn);
   ctNeighborsClear(&standIn->neighbors);
   memset(standIn->leafSums, 0, (size_t)standIn->leaves->leafCount * sizeof *standIn->leafSums);
   if (findNeighbors(standIn, count, near) != ctSuccess) {
@@ -310,6 +316,12 @@ bool ctStandInKeep(StandIn* standIn) {
   memcpy(standIn->copyOfSums, standIn->leafSums, leaves * sizeof *standIn->leafSums);
   memcpy(standIn->copyOfShifts, standIn->shifts, leaves * sizeof *standIn->shifts);
   memcpy(standIn->copyOfPresent, standIn->present, 2 * (leaves + 1));
+  /* The copy knows nothing of the trial, to which the numbers of new pairs belong. */
+  for (int i = 0; i < standIn->movedCount; i++) {
+    if (standIn->staged[i].isNew) {
+      ctNeighborsRelease(&standIn->copyOfNeighbors, standIn->staged[i].pair);
+    }
+  }
   standIn->hasCopy = true;
   return true;
 }
@@ -322,8 +334,6 @@ bool ctStandInTakeBack(StandIn* standIn) {
   memcpy(standIn->leafSums, standIn->copyOfSums, leaves * sizeof *standIn->leafSums);
   memcpy(standIn->shifts, standIn->copyOfShifts, leaves * sizeof *standIn->shifts);
   memcpy(standIn->present, standIn->copyOfPresent, 2 * (leaves + 1));
-  standIn->stagedCount = 0;
-  standIn->movedCount = 0;
-  standIn->touchedCount = 0;
+  dropTrial(standIn);
   return true;
 }

@@ -102,9 +102,37 @@ static void testWithoutState(void) {
   destroyBench(&bench);
 }
 
+/* What is kept with other constants of the stand-in belongs to no state: it has to be computed anew. */
+static void testConstants(void) {
+  static double constants[BEADS];
+  Bench bench = makeBench();
+  CHECK(ctRefreshEnergy(bench.energy, NULL) == ctSuccess);
+  const double before = total(&bench);
+  CHECK(ctKeepEnergy(bench.energy) == ctSuccess);
+  for (int i = 0; i < BEADS; i++) {
+    constants[i] = 0.3;
+  }
+  ctSetStandIn(bench.energy, constants);
+  CHECK(!ctIsEnergyOfState(bench.energy));
+  CHECK(ctTakeBackEnergy(bench.energy) == ctSuccess);
+  CHECK(!ctIsEnergyOfState(bench.energy));
+  CHECK(ctRefreshEnergy(bench.energy, NULL) == ctSuccess);
+  const double after = total(&bench);
+  CHECK(fabs(after - before) > 1);
+  CHECK(ctKeepEnergy(bench.energy) == ctSuccess);
+  CHECK(ctRenewStandIn(bench.energy, NULL) == ctSuccess);
+  CHECK(ctTakeBackEnergy(bench.energy) == ctSuccess);
+  CHECK(!ctIsEnergyOfState(bench.energy));
+  destroyBench(&bench);
+}
+
 int main(void) {
   describe();
   testBits();
   testWithoutState();
+  described = &definitionWithBorn;
+  testBits();
+  testWithoutState();
+  testConstants();
   return checkResult();
 }

@@ -79,6 +79,48 @@ static const ctEnergyDefinition definition = {.scene = &scene,
                                               .termSetCount = 1,
                                               .termSets = &torsionSet};
 
+/* The same with Born solvation, and so with a stand-in. Some beads have another neck than the others. */
+static double bornRadii[BEADS];
+static double offsetRadii[BEADS];
+static double scaledRadii[BEADS];
+static double alphas[BEADS];
+static double betas[BEADS];
+static double gammas[BEADS];
+static int neckTypes[BEADS];
+static const double neckHeights[] = {0.1, 0.2, 0.2, 0.3};
+static const double neckDistances[] = {0.3, 0.32, 0.32, 0.35};
+static const ctBorn bornOfBeads = {.charges = charges,
+                                   .radii = bornRadii,
+                                   .offsetRadii = offsetRadii,
+                                   .scaledRadii = scaledRadii,
+                                   .isRescaled = true,
+                                   .alphas = alphas,
+                                   .betas = betas,
+                                   .gammas = gammas,
+                                   .neckTypeCount = 2,
+                                   .neckTypes = neckTypes,
+                                   .neckHeights = neckHeights,
+                                   .neckDistances = neckDistances,
+                                   .neckScale = 0.8,
+                                   .neckCut = 0.2,
+                                   .coulomb = 138.935485,
+                                   .soluteDielectric = 1,
+                                   .solventDielectric = 78.5,
+                                   .surfaceEnergy = 28.4,
+                                   .probeRadius = 0.14,
+                                   .cutoff = INFINITY};
+static const ctStandIn standInOfBeads = {.bornCutoff = 0.8, .pairCutoff = 0.9, .gridWidth = 0.05};
+static const ctEnergyDefinition definitionWithBorn = {.scene = &scene,
+                                                      .nonbonded = &nonbonded,
+                                                      .born = &bornOfBeads,
+                                                      .standIn = &standInOfBeads,
+                                                      .pairSetCount = 1,
+                                                      .pairSets = &pairSet,
+                                                      .termSetCount = 1,
+                                                      .termSets = &torsionSet};
+/* That of benches. */
+static const ctEnergyDefinition* described = &definition;
+
 /* The first three beads are the root. Each link turns about the bond from the bead before it to its first one. */
 static void describe(void) {
   for (int i = 0; i < BEADS; i++) {
@@ -92,6 +134,13 @@ static void describe(void) {
     charges[i] = i % 2 == 0 ? 0.3 : -0.3;
     sigmas[i] = 0.1;
     epsilons[i] = 0.2;
+    bornRadii[i] = 0.15;
+    offsetRadii[i] = 0.14;
+    scaledRadii[i] = 0.08;
+    alphas[i] = 1;
+    betas[i] = 0.8;
+    gammas[i] = 4.85;
+    neckTypes[i] = i % 5 == 0;
     links[i] = i < 3 ? 0 : i - 2 < LINKS ? i - 2 : LINKS - 1;
     exclusions[i][0] = i;
     exclusions[i][1] = (i + 2) % BEADS;
@@ -120,7 +169,7 @@ typedef struct Bench {
 static inline Bench makeBench(void) {
   Bench bench;
   CHECK(ctCreate(&scene, &bench.tree, NULL, 0) == ctSuccess);
-  CHECK(ctCreateEnergy(bench.tree, &definition, &bench.energy, NULL, 0) == ctSuccess);
+  CHECK(ctCreateEnergy(bench.tree, described, &bench.energy, NULL, 0) == ctSuccess);
   return bench;
 }
 
