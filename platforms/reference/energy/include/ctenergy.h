@@ -242,10 +242,11 @@ typedef struct ctBorn {
 
 /* What trials see instead of nonbonded and born, a function U1 of the state that is near both: Lennard-Jones, Coulomb
  * and Born pairs, the last two together less their value at `pairCutoff`, of pairs within that distance; excluded pairs
- * have their Born energy alone. Born sums are those over particles within `bornCutoff`, and a constant of each particle
- * that stands for those farther away (see ctRenewStandIn). In pairs, ln B is rounded to a multiple of gridWidth, and
- * the first order of what that neglects is added: a radius changes all pairs of its particle only if it crosses the
- * middle between two of the grid. */
+ * have their Born energy alone. The value is a sum of products of functions of either radius, and exponentials in pairs
+ * are polynomials within 1e-4, since trials need no more; a pair has 1e6 kJ/mol at most. Born sums are those over
+ * particles within `bornCutoff`, and a constant of each particle that stands for those farther away (see
+ * ctRenewStandIn). In pairs, ln B is rounded to a multiple of gridWidth, and the first order of what that neglects is
+ * added: a radius changes all pairs of its particle only if it crosses the middle between two of the grid. */
 typedef struct ctStandIn {
   double bornCutoff; /* nm, finite */
   double pairCutoff; /* nm, finite */
@@ -329,7 +330,7 @@ ctStatus ctComputeWholeEnergy(ctEnergy* energy, double* nonbonded, double* born,
 ctStatus ctRenewStandIn(ctEnergy* energy, ctCounts* counts);
 
 /* The constants: one a particle, in its order; 0 before the first renewal. Setting them leaves an energy that has to be
- * refreshed. */
+ * refreshed; so does taking back to a copy that was made with others. */
 void ctGetStandIn(const ctEnergy* energy, double* constants);
 void ctSetStandIn(ctEnergy* energy, const double* constants);
 

@@ -4,7 +4,7 @@
 
 #include "nonbonded.h"
 
-/* Half of the slots of leaves hold no particle, so particles are put into blocks of sixteen without gaps, in the order
+/* Some slots of leaves hold no particle, so particles are put into blocks of sixteen without gaps, in the order
  * of their slots. A block is what kernels call a leaf. */
 typedef struct WholeEnergy {
   ctChainTree* tree;
