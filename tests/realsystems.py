@@ -183,9 +183,20 @@ MOVES = ((1, 0.02, 1), (1, 0.5, 1))
 
 
 class Run:
-    """A System under a TorsionMonteCarloIntegrator on the Reference platform."""
+    """A System under a TorsionMonteCarloIntegrator."""
 
-    def __init__(self, system, positions, seed=1, native=True, temperature=300, moves=MOVES, rigid=None, torsions=None):
+    def __init__(
+        self,
+        system,
+        positions,
+        seed=1,
+        native=True,
+        temperature=300,
+        moves=MOVES,
+        rigid=None,
+        torsions=None,
+        platform="Reference",
+    ):
         self.integrator = TorsionMonteCarloIntegrator(temperature)
         self.integrator.setRandomNumberSeed(seed)
         self.integrator.setNativeEnergies(native)
@@ -194,7 +205,7 @@ class Run:
         if rigid is not None:
             self.integrator.addRigidBodyMove(1, *rigid)
         self.system = system
-        self.context = openmm.Context(system, self.integrator, openmm.Platform.getPlatform("Reference"))
+        self.context = openmm.Context(system, self.integrator, openmm.Platform.getPlatform(platform))
         self.context.setPositions(positions)
         self.context.computeVirtualSites()
 
@@ -217,13 +228,18 @@ class Run:
         return sum(integrator.getMoveStatistics(move).accepted for move in range(integrator.getNumMoves()))
 
     @property
-    def clashes(self):
-        """Whether spheres overlap by more than they may: then they would have an energy, if they were soft."""
+    def softEnergy(self):
+        """The energy of the spheres, if they were soft."""
         for force in self.system.getForces():
             if isSteric(force):
                 state = self.context.getState(energy=True, groups={force.getForceGroup()})
-                return state.getPotentialEnergy().value_in_unit(unit.kilojoule_per_mole) > 0
-        return False
+                return state.getPotentialEnergy().value_in_unit(unit.kilojoule_per_mole)
+        return 0
+
+    @property
+    def clashes(self):
+        """Whether spheres overlap by more than they may: then they would have an energy, if they were soft."""
+        return self.softEnergy > 0
 
     @property
     def torsions(self):

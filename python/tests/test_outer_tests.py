@@ -9,7 +9,7 @@ import time
 import numpy as np
 import openmm
 import pytest
-from openmm import unit
+from openmm import app, unit
 from openmmchaintree import OuterStatistics, TorsionMonteCarloIntegrator, createStericExclusionForce
 from scenes import makeSystem, positionsOf
 
@@ -123,13 +123,23 @@ with open(checkpointPath, "wb") as file:
 """
 
 
-def test_killedWithinABlock(villin, pulled, tmp_path):
+@pytest.fixture(scope="module")
+def solvated(villin):
+    """The System of villin in generalized Born solvent, for which trials have a stand-in."""
+    system = app.ForceField("amber14-all.xml", "implicit/gbn2.xml").createSystem(villin.topology)
+    system.addForce(createStericExclusionForce(villin.topology, villin.positions))
+    return system
+
+
+@pytest.mark.parametrize("kind", ["pulled", "solvated"])
+def test_killedWithinABlock(villin, kind, tmp_path, request):
+    system = request.getfixturevalue(kind)
     paths = [str(tmp_path / name) for name in ("system", "integrator", "positions")]
-    integrator = makeIntegrator(trialsPerOuterTest=300)
-    integrator.setTrialsPerStep(1000)
-    context = openmm.Context(pulled, integrator, REFERENCE)
+    integrator = makeIntegrator(trialsPerOuterTest=300 if kind == "pulled" else 30)
+    integrator.setTrialsPerStep(1000 if kind == "pulled" else 100)
+    context = openmm.Context(system, integrator, REFERENCE)
     context.setPositions(villin.positions)
-    for path, thing in zip(paths, (pulled, integrator, context.getState(positions=True)), strict=True):
+    for path, thing in zip(paths, (system, integrator, context.getState(positions=True)), strict=True):
         with open(path, "w") as file:
             file.write(openmm.XmlSerializer.serialize(thing))
     killed, whole = (str(tmp_path / name) for name in ("killed", "whole"))

@@ -1,0 +1,191 @@
+"""What is sampled in two levels is exp(-U/kT), whatever the stand-in: molecules of two torsions in generalized Born
+solvent against quadrature of OpenMM's energies.
+
+An alanine dipeptide lies within the default cutoffs, so that its stand-ins neglect only what the grid of radii does;
+absurd ones are the sharp test, at a temperature at which they do not hold chains fast. In a chain of charged beads
+radii change more. Chains begin at different places; means of blocks of theirs are compared with quadrature by
+Student's test. A test fails if one of its p-values is below SIGNIFICANCE divided by their number (Bonferroni); seeds
+are fixed. long_two_levels.py does the same with larger molecules.
+"""
+
+import numpy as np
+import openmm
+import pytest
+from openmmchaintree import StericExclusionForce, TorsionMonteCarloIntegrator
+from realsystems import Reference, Run, isSteric, makeSystem
+from scipy.stats import t
+from test_native_energies import ABSOLUTE
+from test_native_sampling import DIPEPTIDE_MOVES, SIGNIFICANCE
+
+GAS_CONSTANT = 8.31446261815324e-3  # kJ/mol/K
+POINTS = 60  # of the grid of energies, a torsion
+CELLS = 6  # of the histogram, a torsion
+RARE = 0.02  # cells of less than that are taken together
+BLOCKS = 25  # a chain
+STEPS = 200  # a block
+TRIALS = 40  # a step
+SOFT_CONSTANT = 3e3  # kJ/mol/nm^2: so soft that spheres that overlap are sampled
+MEDIUM, HOT = 400, 900  # K
+
+# Cutoffs of Born sums and pairs (nm), the width of the grid, and the trials to an outer test.
+DEFAULT = (0.8, 0.9, 0.05, 40)
+ABSURD = {"cutoffs": (0.3, 0.3, 0.05, 2), "grid": (0.8, 0.9, 1, 5), "both": (0.3, 0.3, 0.5, 2)}
+CONSTANT = (0.05, 2, 0.05, 200)  # radii do not depend on the state
+
+
+class Scene:
+    """A System of two torsions, and what quadrature says of it."""
+
+    def __init__(self, system, positions, temperature, starts, isSoft=False):
+        self.system, self.temperature, self.isSoft = system, temperature, isSoft
+        run, reference = Run(system, positions), Reference(system)
+        self.starts = []
+        for start in starts:
+            run.integrator.setTorsionAngles(run.context, start)
+            assert isSoft or not run.clashes
+            self.starts.append(run.positions)
+        angles = (np.arange(POINTS) + 0.5) / POINTS * 2 * np.pi - np.pi
+        points, energies = [], []
+        for point in np.array(np.meshgrid(angles, angles)).reshape(2, -1).T:
+            run.integrator.setTorsionAngles(run.context, point)
+            softEnergy = run.softEnergy
+            if isSoft or softEnergy == 0:
+                points.append(point)
+                energies.append(reference.energy(run.positions) + softEnergy)
+        self.lowest = min(energies)
+        energies = np.array(energies) - self.lowest
+        weights = np.exp(-energies / (GAS_CONSTANT * temperature))
+        means = weights @ functionsOf(np.array(points), energies) / weights.sum()
+        self.isRare = (np.arange(len(means)) < CELLS**2) & (means < RARE)
+        self.expected = self.pooled(means[None])[0]
+
+    def pooled(self, values):
+        """Return functions of samples, with cells that are rare taken together."""
+        return np.hstack([values[:, ~self.isRare], values[:, self.isRare].sum(axis=1, keepdims=True)])
+
+    def sample(self, standIn, constantsOf="start", renewals=False, seed=1):
+        """Return means of blocks of both chains: (chains, blocks, functions)."""
+        blocks = []
+        for chain, start in enumerate(self.starts):
+            run = Run(self.system, start, seed=seed + chain, temperature=self.temperature, moves=DIPEPTIDE_MOVES)
+            integrator, context = run.integrator, run.context
+            if self.isSoft:
+                integrator.setStericMode(TorsionMonteCarloIntegrator.Soft)
+            *cutoffs, width, trialsPerTest = standIn
+            integrator.setStandInCutoffs(*cutoffs)
+            integrator.setStandInGridWidth(width)
+            integrator.setTrialsPerOuterTest(trialsPerTest)
+            integrator.setTrialsPerStep(max(TRIALS, trialsPerTest))
+            if constantsOf == "other start":
+                context.setPositions(self.starts[1 - chain])
+                integrator.renewStandIns(context)
+                context.setPositions(start)
+            integrator.step(50)
+            angles, energies = [], []
+            for _ in range(BLOCKS * STEPS):
+                integrator.step(1)
+                angles.append(run.torsions)
+                energies.append(run.energy)
+                if renewals:
+                    integrator.renewStandIns(context)
+            values = self.pooled(functionsOf(np.array(angles), np.array(energies) - self.lowest))
+            blocks.append(values.reshape(BLOCKS, STEPS, -1).mean(axis=1))
+            self.tests = integrator.getOuterStatistics()
+        return np.array(blocks)
+
+    def pValue(self, blocks):
+        """Return the lowest of Student's test of the means of blocks, times their number."""
+        rows = blocks.reshape(-1, blocks.shape[2])
+        errors = rows.std(axis=0, ddof=1) / np.sqrt(len(rows)) + 1e-300
+        values = 2 * t.sf(np.abs(rows.mean(axis=0) - self.expected) / errors, len(rows) - 1)
+        return values.min() * len(values)
+
+
+def functionsOf(angles, energies):
+    """Return what is compared of samples: cells that they are in, and U."""
+    cells = np.minimum((angles + np.pi) / (2 * np.pi) * CELLS, CELLS - 1).astype(int)
+    return np.column_stack([np.eye(CELLS**2)[cells[:, 0] * CELLS + cells[:, 1]], energies])
+
+
+def makeDipeptide(temperature, isSoft=False):
+    system, _, positions = makeSystem("alanine dipeptide", solvent="implicit/gbn2.xml", torsions=("phi", "psi"))
+    for force in system.getForces():
+        if isSteric(force) and isSoft:
+            StericExclusionForce.cast(force).setForceConstant(SOFT_CONSTANT)
+    return Scene(system, positions, temperature, ((-2.4, 2.6), (-1.2, -0.6)), isSoft)
+
+
+def makeBeads():
+    """Return a chain of five beads, of which the ends are charged and bury others."""
+    positions = np.array([[0, 0.4, 0], [0, 0, 0], [0.3, 0, 0], [0.3, 0.3, 0], [0.7, 0.3, 0.1]])
+    charges, radii = (0.6, -0.4, 0.4, -0.4, 0.6), (0.35, 0.15, 0.15, 0.15, 0.35)
+    system, steric = openmm.System(), StericExclusionForce()
+    pairs, born = openmm.NonbondedForce(), openmm.GBSAOBCForce()
+    for i in range(5):
+        system.addParticle(10)
+        steric.addParticle(0.01)
+        pairs.addParticle(charges[i], 0.25, 0.5)
+        born.addParticle(charges[i], radii[i], 0.8)
+    for i in range(4):
+        steric.addBond(i, i + 1)
+        pairs.addException(i, i + 1, 0, 1, 0)
+    for i in range(3):
+        pairs.addException(i, i + 2, 0, 1, 0)
+    steric.createExclusionsFromBonds(3)
+    for i in range(2):
+        steric.addTorsion(i, i + 1, i + 2, i + 3)
+    for force in (steric, pairs, born):
+        system.addForce(force)
+    steric.setForceGroup(1)
+    return Scene(system, positions, MEDIUM, ((3, 1), (-1, 2)))
+
+
+@pytest.fixture(scope="module")
+def hot():
+    return makeDipeptide(HOT)
+
+
+@pytest.fixture(scope="module")
+def beads():
+    return makeBeads()
+
+
+@pytest.mark.parametrize("isSoft", [False, True], ids=["hard spheres", "soft spheres"])
+def test_default_stand_in(isSoft):
+    scene = makeDipeptide(MEDIUM, isSoft)
+    assert scene.pValue(scene.sample(DEFAULT)) > SIGNIFICANCE
+
+
+@pytest.mark.parametrize(
+    "name, constantsOf",
+    [("cutoffs", "start"), ("cutoffs", "other start"), ("grid", "start"), ("both", "other start")],
+)
+def test_absurd_stand_in(hot, name, constantsOf):
+    assert hot.pValue(hot.sample(ABSURD[name], constantsOf)) > SIGNIFICANCE
+    assert hot.tests.accepted < hot.tests.attempted
+    assert hot.tests.standardDeviation > 0.2 * GAS_CONSTANT * HOT
+
+
+@pytest.mark.parametrize("constantsOf", ["start", "other start"])
+def test_constant_radii(beads, constantsOf):
+    assert beads.pValue(beads.sample(CONSTANT, constantsOf)) > SIGNIFICANCE
+
+
+def test_constants_renewed_in_mid_run_are_noticed(beads):
+    assert beads.pValue(beads.sample(CONSTANT, renewals=True)) < SIGNIFICANCE
+
+
+@pytest.mark.parametrize("name", ["villin", "bpti_h"])
+def test_energy_of_a_protein_after_many_outer_tests(name):
+    """Some of which keep their trials, and some of which do not."""
+    system, _, positions = makeSystem(name, solvent="implicit/gbn2.xml")
+    run = Run(system, positions, moves=((1, 0.3, 1), (1, 0.05, 1)))
+    run.integrator.setStandInCutoffs(0.6, 0.7)
+    run.integrator.setTrialsPerOuterTest(5)
+    run.run(20000)
+    run.integrator.setTrialsPerOuterTest(40)
+    run.integrator.resetMoveStatistics()
+    run.run(20000)
+    tests = run.integrator.getOuterStatistics()
+    assert min(tests.accepted, tests.attempted - tests.accepted) > 10
+    assert run.energy == pytest.approx(Reference(system).energy(run.positions), abs=ABSOLUTE)
