@@ -3,11 +3,11 @@
     python tests/long_two_levels.py SCENE WAY=SECONDS WAY=SECONDS ...
 
 Samples a scene so many seconds in each way, and compares each way with the last one. Reasonable are peptide two=60
-smaller=60 other=60 plain=600, and villin two=60 larger=60 plain=900. Absurd stand-ins hold chains fast: a ring that does
-not flip keeps the sign that it began with, and p-values say so.
+smaller=60 other=60 plain=600, and villin two=60 larger=60 plain=900. Absurd stand-ins hold chains fast: a ring that
+does not flip keeps the sign that it began with, and p-values say so.
 
-SCENE  peptide: a capped ASP-PHE-LYS-ALA, all of whose torsions move; hot peptide: the same at 900 K; villin: the headpiece, of which ten torsions of
-       side chains move; side chains: the headpiece, of which all torsions of side chains do
+SCENE  peptide: a capped ASP-PHE-LYS-ALA, all of whose torsions move; hot peptide: the same at 900 K; villin: the
+       headpiece, of which ten torsions of side chains move; side chains: the headpiece, of which all of these do
 WAY    two: two levels, as they are by default; larger: with cutoffs of 1.2 nm; smaller: with cutoffs of 0.5 nm; absurd:
        with cutoffs of 0.3 nm; other: with constants of another conformation, and cutoffs of 0.5 nm; plain: OpenMM
        evaluates all Forces at each trial, on its CPU platform
