@@ -34,7 +34,7 @@ CHAINS = 2
 BLOCKS = 12  # a chain
 
 # Born cutoff, cutoff of pairs (nm), trials to an outer test.
-STAND_INS = {"two": (0.8, 0.9, 400), "larger": (1.2, 1.2, 400), "smaller": (0.5, 0.5, 20), "absurd": (0.3, 0.3, 4)}
+STAND_INS = {"two": (0.7, 0.9, 400), "larger": (1.2, 1.2, 400), "smaller": (0.5, 0.5, 20), "absurd": (0.3, 0.3, 4)}
 STAND_INS["other"] = STAND_INS["smaller"]
 
 

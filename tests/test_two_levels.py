@@ -28,7 +28,21 @@ SOFT_CONSTANT = 3e3  # kJ/mol/nm^2: so soft that spheres that overlap are sample
 MEDIUM, HOT = 400, 900  # K
 
 # Cutoffs of Born sums and pairs (nm), the width of the grid, and the trials to an outer test.
-DEFAULT = (0.8, 0.9, 0.05, 40)
+DEFAULT = (0.7, 0.9, 0.1, 40)
+ABSURD = {"cutoffs": (0.3, 0.3, 0.05, 2), "grid": (0.8, 0.9, 1, 5), "both": (0.3, 0.3, 0.5, 2)}
+SHORT = (0.4, 0.45, 0.05, 2)
+CONSTANT = 8.31446261815324e-3  # kJ/mol/K
+POINTS = 60  # of the grid of energies, a torsion
+CELLS = 6  # of the histogram, a torsion
+RARE = 0.02  # cells of less than that are taken together
+BLOCKS = 25  # a chain
+STEPS = 200  # a block
+TRIALS = 40  # a step
+SOFT_CONSTANT = 3e3  # kJ/mol/nm^2: so soft that spheres that overlap are sampled
+MEDIUM, HOT = 400, 900  # K
+
+# Cutoffs of Born sums and pairs (nm), the width of the grid, and the trials to an outer test.
+DEFAULT = (0.7, 0.9, 0.1, 40)
 ABSURD = {"cutoffs": (0.3, 0.3, 0.05, 2), "grid": (0.8, 0.9, 1, 5), "both": (0.3, 0.3, 0.5, 2)}
 CONSTANT = (0.05, 2, 0.05, 200)  # radii do not depend on the state
 
@@ -146,14 +160,23 @@ def hot():
 
 
 @pytest.fixture(scope="module")
+def medium():
+    return makeDipeptide(MEDIUM)
+
+
+@pytest.fixture(scope="module")
 def beads():
     return makeBeads()
 
 
-@pytest.mark.parametrize("isSoft", [False, True], ids=["hard spheres", "soft spheres"])
-def test_default_stand_in(isSoft):
-    scene = makeDipeptide(MEDIUM, isSoft)
+def test_soft_spheres():
+    scene = makeDipeptide(MEDIUM, isSoft=True)
     assert scene.pValue(scene.sample(DEFAULT)) > SIGNIFICANCE
+
+
+@pytest.mark.parametrize("standIn", [DEFAULT, SHORT], ids=["default", "short cutoffs"])
+def test_hard_spheres(medium, standIn):
+    assert medium.pValue(medium.sample(standIn)) > SIGNIFICANCE
 
 
 @pytest.mark.parametrize(

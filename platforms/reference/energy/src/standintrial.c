@@ -160,11 +160,14 @@ static void changeRadii(StandIn* standIn) {
 
 /* The energy that a near pair has before the trial, but with the radii of the trial. */
 static double energyBack(StandIn* standIn, const StagedPair* staged) {
+  if (staged->isNew) {
+    return 0;
+  }
   PairRecord record;
   const PlacedLeaf a = placeInTrial(standIn, staged->a, ctStateFrame(standIn->leaves, staged->a));
   const PlacedLeaf b = placeInTrial(standIn, staged->b, ctStateFrame(standIn->leaves, staged->b));
   ctStandInComputePairs(standIn, &a, &b, &record);
-  return staged->isNew ? 0 : record.energy;
+  return record.energy;
 }
 
 /* Computes what is still to be computed of pairs that move. Returns by how much their energy changes. */
