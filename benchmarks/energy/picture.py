@@ -41,7 +41,9 @@ def savePicture(output, machine, entries):
     lines = (len(panels) + 1) // 2
     most = max([3, *(len(ofOne) for ofOne in work.values())])
     figure = makeFigure(6.2 * columns, 1.6 + (1.2 + 0.28 * most) * lines)
-    figure.suptitle(f"{machine['processor']}, {machine['instruction sets of the engine']}", fontsize="medium")
+    figure.suptitle(
+        ", ".join(filter(None, map(machine.get, ("processor", "instruction sets of the engine")))), fontsize="medium"
+    )
     axes = list(figure.subplots(lines, columns, squeeze=False).flat)
     for draw, axis in zip(panels, axes, strict=False):
         draw(axis)

@@ -25,22 +25,32 @@ TEMPERATURE = 300  # K
 _FOLDER = "CHAINTREE_TEST_DATA"
 _BACKBONE_KINDS = ("phi", "psi")
 _WARM_STEP = 100  # trials
+TRIALS_PER_OUTER_TEST = 400  # the default
 
 
 class Method(NamedTuple):
-    """How far nonbonded energies reach: a name for tables, and the cutoff of a reaction field in nm, or None."""
+    """What U is but for bonded terms.
+
+    name : str, for tables; cutoff : float, of a reaction field in nm, or None; solvent : str, the file of implicit
+    solvent, or None
+    """
 
     name: str
     cutoff: float | None
+    solvent: str | None = None
 
 
 REACTION_FIELD, NO_CUTOFF = Method("reaction field 1.0 nm", 1.0), Method("no cutoff", None)
 METHODS = (REACTION_FIELD, NO_CUTOFF)
+IMPLICIT_SOLVENT = Method("GBn2, no cutoff", None, "implicit/gbn2.xml")
+
+# The moves of examples/sample_protein.py: weight, largest angle in degrees, and whether they are of side chains.
+EXAMPLE_MOVES = ((1.0, 1, False), (1.0, 10, True), (0.5, 180, True))
 
 
 @cache
-def _readForceField():
-    return app.ForceField(FORCE_FIELD)
+def _readForceField(*files):
+    return app.ForceField(FORCE_FIELD, *files)
 
 
 class SampledProtein:
@@ -70,7 +80,8 @@ class SampledProtein:
             nonbonded = {"nonbondedMethod": app.NoCutoff}
         else:
             nonbonded = {"nonbondedMethod": app.CutoffNonPeriodic, "nonbondedCutoff": method.cutoff * unit.nanometer}
-        system = _readForceField().createSystem(self.topology, **nonbonded)
+        files = [] if method.solvent is None else [method.solvent]
+        system = _readForceField(*files).createSystem(self.topology, **nonbonded)
         if sterics:
             system.addForce(self.makeForce())
         return system
@@ -79,33 +90,37 @@ class SampledProtein:
         """Make the StericExclusionForce."""
         return createStericExclusionForce(self.topology, self.positions, torsions=self.torsions)
 
-    def makeSimulation(self, method, seed, native=True):
-        """Make a Simulation on the CPU platform with one thread, if there is one, with the moves of the example.
+    def makeSimulation(self, method, seed, native=True, moves=EXAMPLE_MOVES):
+        """Make a Simulation on the CPU platform with one thread, if there is one, by default with the example's moves.
 
         These turn, as in examples/sample_protein.py, the backbone by up to 1 degree, side chains by up to 10 degrees
         and, half as often, by up to 180.
         """
+        return self.makeSimulationOf(self.makeSystem(method), seed, native, moves)
+
+    def makeSimulationOf(self, system, seed, native=True, moves=EXAMPLE_MOVES):
+        """Make a Simulation of a System with hard spheres."""
         integrator = TorsionMonteCarloIntegrator(TEMPERATURE * unit.kelvin)
         integrator.setRandomNumberSeed(seed)
         integrator.setNativeEnergies(native)
-        backbone = [number for number, isOne in enumerate(self.isBackbone()) if isOne]
-        sideChains = [number for number, isOne in enumerate(self.isBackbone()) if not isOne]
-        integrator.addTorsionMove(1.0, 1 * unit.degree, backbone)
-        integrator.addTorsionMove(1.0, 10 * unit.degree, sideChains)
-        integrator.addTorsionMove(0.5, 180 * unit.degree, sideChains)
-        simulation = app.Simulation(self.topology, self.makeSystem(method), integrator, *choosePlatform())
+        for weight, angle, isSideChain in moves:
+            torsions = [number for number, isOne in enumerate(self.isBackbone()) if isOne != isSideChain]
+            integrator.addTorsionMove(weight, angle * unit.degree, torsions)
+        simulation = app.Simulation(self.topology, system, integrator, *choosePlatform())
         simulation.context.setPositions(self.positions)
         return simulation
 
-    def relaxed(self, trials, seed=1):
-        """Return the protein after so many trials of these moves, with a reaction field.
+    def relaxed(self, trials, seed=1, method=REACTION_FIELD):
+        """Return the protein after so many trials of these moves, by default with a reaction field.
 
         A crystal's hydrogens lie anywhere; what trials are refused by depends on that.
         """
         if trials < _WARM_STEP:
             return self
-        simulation = self.makeSimulation(REACTION_FIELD, seed)
-        simulation.step(trials // _WARM_STEP)
+        simulation = self.makeSimulation(method, seed)
+        perStep = _WARM_STEP if method.solvent is None else min(trials, TRIALS_PER_OUTER_TEST)
+        simulation.integrator.setTrialsPerStep(perStep)
+        simulation.step(trials // perStep)
         return SampledProtein(self.name, self.topology, positionsOf(simulation.context))
 
     def makeScene(self):

@@ -179,19 +179,19 @@ class WholeRow(NamedTuple):
                 **summarizeTimes(ofOne),
             }
             if name in simulations:
-                entry.update(_describeTrials(simulations[name].integrator))
+                entry.update(describeTrials(simulations[name].integrator))
             entries.append(entry)
         return entries
 
 
-def _describeTrials(integrator):
+def describeTrials(integrator):
     """Return what became of the trials: how many clashed, and how many each stage refused."""
     moves = [integrator.getMoveStatistics(move) for move in range(integrator.getNumMoves())]
     attempted = sum(move.attempted for move in moves)
     return {
         "attempted": attempted,
         "clashed": sum(move.clashed for move in moves),
-        "accepted": sum(move.accepted for move in moves) / attempted,
+        "accepted": sum(move.accepted for move in moves) / max(1, attempted),
         "stages": {
             stage.stage: {"computed": stage.computed, "refused": stage.refused}
             for stage in integrator.getStageStatistics()

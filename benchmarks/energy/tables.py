@@ -15,7 +15,7 @@ _PARTS = {"terms": "terms", "near": "near pairs", "other": "other pairs"}
 TABLES = ("times", "errors")
 
 # Whose numbers are medians over runs, under whatever name; the counts are those of all runs.
-_COUNTS = ("free", "attempted", "clashed")
+_COUNTS = ("free", "attempted", "clashed", "tests", "kept")
 
 
 def makeTables(entries, wanted="all"):
@@ -36,7 +36,7 @@ def _makeTimes(rows):
     if ofGroup[WORK]:
         tables += [_makeWork(ofGroup[WORK]), _makeParts(ofGroup[WORK])]
     if ofGroup[TRIALS]:
-        tables += [_makeTrials(ofGroup[TRIALS]), _makeStages(ofGroup[TRIALS])]
+        tables += [_makeTrials(ofGroup[TRIALS]), describeStages(ofGroup[TRIALS])]
     if ofGroup[GROWTH]:
         tables.append(_makeGrowth(ofGroup[GROWTH]))
     memory = [row for row in rows if widest(row) is not None and widest(row).get("bytes", -1) >= 0]
@@ -129,7 +129,7 @@ def _makeWork(rows):
             [
                 *_labels(row),
                 f"{ours['free']:,}",
-                *(_range(row.get(name)) for name in _WAYS),
+                *(timeRange(row.get(name)) for name in _WAYS),
                 _time(row.get(STAGES), "mean"),
                 *(_time(row.get(name)) for name in (ONE_ENERGY, TWO_ENERGIES)),
                 _ratio(row, ONE_ENERGY, OURS),
@@ -144,7 +144,8 @@ def _makeWork(rows):
     return Table("Energy work of a trial, µs", columns, lines, 3, notes)
 
 
-def _range(entry):
+def timeRange(entry):
+    """Return the median of an entry, with its range over runs."""
     if entry is None or entry["runs"] == 1:
         return _time(entry)
     return f"{number(entry['microseconds'])} ({number(entry['least'])}–{number(entry['most'])})"
@@ -192,7 +193,7 @@ def _makeTrials(rows):
                 chain,
                 method,
                 particles,
-                _range(row.get(OURS)),
+                timeRange(row.get(OURS)),
                 *(_time(row.get(name)) for name in (FOREIGN, TWO_ENERGIES)),
                 _ratio(row, FOREIGN, OURS),
                 _ratio(row, TWO_ENERGIES, OURS),
@@ -207,7 +208,8 @@ def _makeTrials(rows):
     return Table("Whole trials, µs", columns, lines, 2, notes)
 
 
-def _makeStages(rows):
+def describeStages(rows):
+    """Return the table of where whole trials end."""
     stages = list(
         dict.fromkeys(
             stage
@@ -253,7 +255,7 @@ def _makeGrowth(rows):
         chain, _, move, particles = _labels(row)
         parts = [number(max(ours[part]["microseconds"], 0.01)) for part in _PARTS]
         lines.append(
-            [chain, move, particles, f"{ours['free']:,}", _range(ours), _time(row.get(STAGES), "mean"), *parts]
+            [chain, move, particles, f"{ours['free']:,}", timeRange(ours), _time(row.get(STAGES), "mean"), *parts]
         )
     growths = [f"{move} N^{value:.2f}" for move, value in growthOf(rows).items()]
     notes = [

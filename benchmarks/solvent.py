@@ -1,0 +1,153 @@
+"""Measure what trials in implicit solvent cost, and how near what they see is to U; see docs/benchmark.md.
+
+PYTHONPATH=build/package python benchmarks/solvent.py --markdown solvent.md --picture solvent.png
+"""
+
+import sys
+
+from energy.proteins import IMPLICIT_SOLVENT, findFiles, readSampled
+from energy.rows import Prepared
+from energy.solventgoals import judge
+from energy.solventrows import (
+    EXPRESSION_MOVES,
+    EXPRESSIONS,
+    SIZES,
+    SOLVENT,
+    STAND_INS,
+    WHOLE,
+    ExpressionRow,
+    SizeRow,
+    SolventRow,
+    StandInRow,
+    WholeEnergyRow,
+)
+from energy.solventtables import makeTables
+from openmmchaintree.command.arguments import Parser, listOf, positive
+from openmmchaintree.command.cli import runParsed
+from racing.platforms import CPU, whyNot
+from racing.running import Maker, Study, addOptions, runStudy
+
+GROUPS = {
+    SOLVENT: "whole trials by Simulation.step, ours and with OpenMM's energies",
+    WHOLE: "one whole energy",
+    STAND_INS: "whole trials by cutoffs of the stand-in and trials of an outer test",
+    SIZES: "trials of side chains, as proteins grow",
+    EXPRESSIONS: "pairs by the expression of a CustomNonbondedForce",
+}
+
+# What is run where nobody names structures: the villin headpiece, and of these those that are there. The last two take
+# part in the growth alone; to 4hhb, of four chains, hydrogens are added.
+_FILES = ("1ubi_h.pdb", "5dfr_h.pdb", "bpti_h.pdb", "4hhb.pdb")
+_OF_SIZES_ONLY = ("bpti_h", "4hhb")
+_ONCE = ("4hhb",)  # a run of it takes minutes
+_WITH_EXPRESSIONS = "5dfr_h"
+
+_RUNS = 3
+_WARM_TRIALS = 200000
+_QUICK_RUNS, _QUICK_TRIALS = 1, 400
+
+
+def main(arguments=None):
+    """Run the script; return its exit status."""
+    parser = Parser(
+        prog="solvent.py",
+        description="Measure what trials of proteins in AMBER14 with GBn2 cost, outer tests included, in turns with "
+        "OpenMM's CPU platform with one thread; and how near stand-ins are to the energy. Times are those of the "
+        "processor. The groups of rows are "
+        + "; ".join(f"{group} ({words})" for group, words in GROUPS.items())
+        + ". What is written to - goes to standard output: Markdown in place of the report, CSV while the report goes "
+        "to standard error.",
+    )
+    parser.set_defaults(run=_run, prog=parser.prog)
+    parser.add_argument(
+        "structures",
+        nargs="*",
+        metavar="structure",
+        help="PDB or mmCIF files, plain or gzipped, of each all amino acids; hydrogens are added if there are none "
+        f"(default: the villin headpiece in OpenMM's package, and of {', '.join(_FILES)} those that are in the folder "
+        "that the variable CHAINTREE_TEST_DATA names)",
+    )
+    parser.add_argument(
+        "--rows", type=listOf(GROUPS), metavar="GROUPS", help="groups of rows, with commas between them (default: all)"
+    )
+    parser.add_argument("--runs", type=positive, help=f"of each row, each by a seed of its own (default: {_RUNS})")
+    parser.add_argument(
+        "--warm",
+        type=positive,
+        metavar="TRIALS",
+        help=f"trials that each protein goes through before anything is measured (default: {_WARM_TRIALS})",
+    )
+    parser.add_argument(
+        "--quick",
+        action="store_true",
+        help=f"only the smallest protein, {_QUICK_RUNS} run a row, {_QUICK_TRIALS} trials each",
+    )
+    addOptions(parser, "trials of each run, in place of those of its row", "draw stand-ins by cutoffs and trials")
+    return runParsed(parser, arguments)
+
+
+def _run(options):
+    groups = list(GROUPS) if options.rows is None else options.rows
+    options.chains = options.runs or (_QUICK_RUNS if options.quick else _RUNS)
+    options.trials = options.trials or (_QUICK_TRIALS if options.quick else None)
+    return runStudy(
+        options,
+        lambda program: _plan(options, groups),
+        Maker(makeTables, judge, _hasPicture, _savePicture),
+        options.structures,
+    )
+
+
+def _plan(options, groups):
+    """Return the Study of the rows that the user wants."""
+    if options.structures:
+        paths, missing = options.structures, []
+    else:
+        found, missing = ([], []) if options.quick else findFiles(_FILES)
+        paths = [None, *found]
+    warmTrials = options.warm or (_QUICK_TRIALS if options.quick else _WARM_TRIALS)
+
+    def prepare(path):
+        return Prepared(lambda: readSampled(path).relaxed(warmTrials, method=IMPLICIT_SOLVENT))
+
+    proteins = {_nameOf(path): prepare(path) for path in paths}
+    chosen = {name: prepared for name, prepared in proteins.items() if name not in _OF_SIZES_ONLY or options.structures}
+    rows = []
+    for group, makeRow in ((SOLVENT, SolventRow), (WHOLE, WholeEnergyRow), (STAND_INS, StandInRow)):
+        if group in groups:
+            rows += [makeRow(name, prepared) for name, prepared in chosen.items()]
+    if EXPRESSIONS in groups:
+        name = _WITH_EXPRESSIONS if _WITH_EXPRESSIONS in proteins else next(iter(proteins))
+        rows += [ExpressionRow(name, proteins[name], moves) for moves in EXPRESSION_MOVES]
+    if SIZES in groups:
+        rows += [
+            SizeRow(name, prepared)._replace(**({"mostChains": 1} if name in _ONCE else {}))
+            for name, prepared in proteins.items()
+        ]
+    skipped = [(name, "not in the folder that CHAINTREE_TEST_DATA names") for name in missing]
+    if whyNot(CPU) is not None:
+        skipped.append(("OpenMM's energies", whyNot(CPU)))
+    return Study(rows, skipped)
+
+
+def _nameOf(path):
+    return "villin" if path is None else str(path).rpartition("/")[2].partition(".")[0]
+
+
+# Matplotlib takes long to import.
+
+
+def _hasPicture(entries):
+    from energy.solventpicture import hasPicture
+
+    return hasPicture(entries)
+
+
+def _savePicture(output, machine, entries):
+    from energy.solventpicture import savePicture
+
+    savePicture(output, machine, entries)
+
+
+if __name__ == "__main__":
+    sys.exit(main())
