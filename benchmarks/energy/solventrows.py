@@ -54,11 +54,12 @@ class _Sampler:
         """Take a Simulation, and the number of trials of its steps."""
         self.simulation = simulation
         self.integrator = simulation.integrator
-        self.integrator.setTrialsPerStep(trials)
         self._trialsPerStep = trials
         self.times = []
         self.trials = 0
+        self.integrator.setTrialsPerStep(1)
         simulation.step(1)
+        self.integrator.setTrialsPerStep(trials)
         self.integrator.resetMoveStatistics()
 
     def run(self, trials):
