@@ -508,7 +508,7 @@ public:
     void removeMove(int move);
     /**
      * Get what became of the trials of a move, since the move was added, its parameters were set or
-     * resetMoveStatistics() was called.
+     * resetMoveStatistics() was called. Trials that an outer test has taken back do not count.
      *
      * @param move                    the index of the move
      * @param[out] attempted          the number of trials: the sum of the other three
