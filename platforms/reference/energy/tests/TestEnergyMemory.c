@@ -261,7 +261,7 @@ static void testDropped(void) {
   double* state = malloc(ctGetStateSize(bench.tree) * sizeof *state);
   ctGetState(bench.tree, state);
   CHECK(ctRefreshEnergy(bench.energy, NULL) == ctSuccess);
-  for (int n = 0; n < 20; n++) {
+  for (int n = 0; n < 200; n++) {
     propose(&bench);
     before = asked;
     CHECK(computeChange(&bench, &change) == ctSuccess);
@@ -281,6 +281,24 @@ static void testDropped(void) {
   destroyBench(&bench);
 }
 
+/* Trials that fold and unfold need no more memory than the first of them. */
+static void testAccepted(void) {
+  Bench bench = makeBench();
+  double change;
+  CHECK(ctRefreshEnergy(bench.energy, NULL) == ctSuccess);
+  for (int n = 0; n < 100; n++) {
+    proposeTimes(&bench, n % 2 == 0 ? 1 : -1);
+    int before = asked;
+    CHECK(computeChange(&bench, &change) == ctSuccess);
+    CHECK(n < 10 || asked == before);
+    CHECK(ctCommit(bench.tree, NULL) == ctSuccess);
+    before = asked;
+    CHECK(ctAcceptEnergyChange(bench.energy) == ctSuccess);
+    CHECK(n < 10 || asked == before);
+  }
+  destroyBench(&bench);
+}
+
 static void testAll(void) {
   const Expected expected = findExpected();
   testCreate();
@@ -289,6 +307,7 @@ static void testAll(void) {
   testAccept(&expected);
   testKeep(&expected);
   testDropped();
+  testAccepted();
 }
 
 int main(void) {

@@ -183,14 +183,18 @@ static inline double total(const Bench* bench) {
 }
 
 /* Folds the chain to a coil, so that some leaves get more neighbours than there is room for. */
-static inline void propose(const Bench* bench) {
+static inline void proposeTimes(const Bench* bench, double factor) {
   static ctChange changes[LINKS];
   unsigned chance = 1;
   for (int link = 1; link < LINKS; link++) {
     chance = chance * 1664525u + 1013904223u;
-    changes[link - 1] = (ctChange){.link = link, .angle = 1e-3 * (double)(chance >> 20)};
+    changes[link - 1] = (ctChange){.link = link, .angle = factor * 1e-3 * (double)(chance >> 20)};
   }
   CHECK(ctPropose(bench->tree, LINKS - 1, changes) == ctSuccess);
+}
+
+static inline void propose(const Bench* bench) {
+  proposeTimes(bench, 1);
 }
 
 static inline ctStatus computeChange(const Bench* bench, double* change) {
