@@ -6,8 +6,9 @@ PYTHONPATH=build/package python benchmarks/energies.py --markdown energies.md --
 import sys
 
 from energy.goals import judge
+from energy.options import addRowOptions, chooseStructures, describeMissing, nameOf
 from energy.packing import PackedCopies
-from energy.proteins import METHODS, findFiles, readSampled
+from energy.proteins import METHODS, readSampled
 from energy.rows import (
     GROWTH,
     PIVOT,
@@ -24,7 +25,7 @@ from energy.rows import (
     WorkRow,
 )
 from energy.tables import TABLES, makeTables
-from openmmchaintree.command.arguments import Parser, listOf, positive
+from openmmchaintree.command.arguments import Parser
 from openmmchaintree.command.cli import runParsed
 from racing.platforms import CPU, whyNot
 from racing.running import Maker, Study, addOptions, runStudy
@@ -59,24 +60,7 @@ def main(arguments=None):
         "to standard error.",
     )
     parser.set_defaults(run=_run, prog=parser.prog)
-    parser.add_argument(
-        "structures",
-        nargs="*",
-        metavar="structure",
-        help="PDB or mmCIF files, plain or gzipped, of each all amino acids; hydrogens are added if there are none "
-        f"(default: the villin headpiece in OpenMM's package, and of {', '.join(_FILES)} those that are in the folder "
-        "that the variable CHAINTREE_TEST_DATA names)",
-    )
-    parser.add_argument(
-        "--rows", type=listOf(GROUPS), metavar="GROUPS", help="groups of rows, with commas between them (default: all)"
-    )
-    parser.add_argument("--runs", type=positive, help=f"of each row, each by a seed of its own (default: {_RUNS})")
-    parser.add_argument(
-        "--warm",
-        type=positive,
-        metavar="TRIALS",
-        help=f"trials that each protein goes through before anything is measured (default: {_WARM_TRIALS})",
-    )
+    addRowOptions(parser, GROUPS, _FILES, _RUNS, _WARM_TRIALS)
     parser.add_argument(
         "--quick",
         action="store_true",
@@ -107,13 +91,9 @@ def _run(options):
 
 def _plan(options, groups):
     """Return the Study of the rows that the user wants."""
-    if options.structures:
-        paths, missing = options.structures, []
-    else:
-        found, missing = ([], []) if options.quick else findFiles(_FILES)
-        paths = [None, *found]
+    paths, missing = chooseStructures(options, _FILES)
     warmTrials = options.warm or (_QUICK_TRIALS if options.quick else _WARM_TRIALS)
-    proteins = {_nameOf(path): Prepared(lambda path=path: readSampled(path).relaxed(warmTrials)) for path in paths}
+    proteins = {nameOf(path): Prepared(lambda path=path: readSampled(path).relaxed(warmTrials)) for path in paths}
     rows = []
     if WORK in groups:
         rows += [
@@ -125,18 +105,14 @@ def _plan(options, groups):
     if TRIALS in groups:
         rows += [WholeRow(name, prepared) for name, prepared in proteins.items() if f"{name}.pdb" not in _OF_WORK_ONLY]
     if GROWTH in groups:
-        name = _nameOf(_PACKED) if _nameOf(_PACKED) in proteins else next(iter(proteins))
+        name = nameOf(_PACKED) if nameOf(_PACKED) in proteins else next(iter(proteins))
         for copies in _QUICK_COPIES if options.quick else _COPIES:
             packed = Prepared(lambda copies=copies: PackedCopies(proteins[name].protein, copies))
             rows += [GrowthRow(name, packed, moves) for moves in (SIDE_CHAIN, SMALL_PIVOT)]
-    skipped = [(name, "not in the folder that CHAINTREE_TEST_DATA names") for name in missing]
+    skipped = describeMissing(missing)
     if whyNot(CPU) is not None:
         skipped.append(("OpenMM's energies", whyNot(CPU)))
     return Study(rows, skipped)
-
-
-def _nameOf(path):
-    return "villin" if path is None else str(path).rpartition("/")[2].partition(".")[0]
 
 
 # Matplotlib takes long to import.

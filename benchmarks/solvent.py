@@ -5,7 +5,8 @@ PYTHONPATH=build/package python benchmarks/solvent.py --markdown solvent.md --pi
 
 import sys
 
-from energy.proteins import IMPLICIT_SOLVENT, findFiles, readSampled
+from energy.options import addRowOptions, chooseStructures, describeMissing, nameOf
+from energy.proteins import IMPLICIT_SOLVENT, readSampled
 from energy.rows import Prepared
 from energy.solventgoals import judge
 from energy.solventrows import (
@@ -22,7 +23,7 @@ from energy.solventrows import (
     WholeEnergyRow,
 )
 from energy.solventtables import makeTables
-from openmmchaintree.command.arguments import Parser, listOf, positive
+from openmmchaintree.command.arguments import Parser
 from openmmchaintree.command.cli import runParsed
 from racing.platforms import CPU, whyNot
 from racing.running import Maker, Study, addOptions, runStudy
@@ -59,24 +60,7 @@ def main(arguments=None):
         "to standard error.",
     )
     parser.set_defaults(run=_run, prog=parser.prog)
-    parser.add_argument(
-        "structures",
-        nargs="*",
-        metavar="structure",
-        help="PDB or mmCIF files, plain or gzipped, of each all amino acids; hydrogens are added if there are none "
-        f"(default: the villin headpiece in OpenMM's package, and of {', '.join(_FILES)} those that are in the folder "
-        "that the variable CHAINTREE_TEST_DATA names)",
-    )
-    parser.add_argument(
-        "--rows", type=listOf(GROUPS), metavar="GROUPS", help="groups of rows, with commas between them (default: all)"
-    )
-    parser.add_argument("--runs", type=positive, help=f"of each row, each by a seed of its own (default: {_RUNS})")
-    parser.add_argument(
-        "--warm",
-        type=positive,
-        metavar="TRIALS",
-        help=f"trials that each protein goes through before anything is measured (default: {_WARM_TRIALS})",
-    )
+    addRowOptions(parser, GROUPS, _FILES, _RUNS, _WARM_TRIALS)
     parser.add_argument(
         "--quick",
         action="store_true",
@@ -100,17 +84,13 @@ def _run(options):
 
 def _plan(options, groups):
     """Return the Study of the rows that the user wants."""
-    if options.structures:
-        paths, missing = options.structures, []
-    else:
-        found, missing = ([], []) if options.quick else findFiles(_FILES)
-        paths = [None, *found]
+    paths, missing = chooseStructures(options, _FILES)
     warmTrials = options.warm or (_QUICK_TRIALS if options.quick else _WARM_TRIALS)
 
     def prepare(path):
         return Prepared(lambda: readSampled(path).relaxed(warmTrials, method=IMPLICIT_SOLVENT))
 
-    proteins = {_nameOf(path): prepare(path) for path in paths}
+    proteins = {nameOf(path): prepare(path) for path in paths}
     chosen = {name: prepared for name, prepared in proteins.items() if name not in _OF_SIZES_ONLY or options.structures}
     rows = []
     for group, makeRow in ((SOLVENT, SolventRow), (WHOLE, WholeEnergyRow), (STAND_INS, StandInRow)):
@@ -124,14 +104,10 @@ def _plan(options, groups):
             SizeRow(name, prepared)._replace(**({"mostChains": 1} if name in _ONCE else {}))
             for name, prepared in proteins.items()
         ]
-    skipped = [(name, "not in the folder that CHAINTREE_TEST_DATA names") for name in missing]
+    skipped = describeMissing(missing)
     if whyNot(CPU) is not None:
         skipped.append(("OpenMM's energies", whyNot(CPU)))
     return Study(rows, skipped)
-
-
-def _nameOf(path):
-    return "villin" if path is None else str(path).rpartition("/")[2].partition(".")[0]
 
 
 # Matplotlib takes long to import.

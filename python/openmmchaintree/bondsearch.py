@@ -378,13 +378,19 @@ class BondSearch:
         ]
         disulfides, metals = set(self.disulfides), set(self.metalBonds)
         others = [pair for pair in self._byDistance if pair not in disulfides and pair not in metals]
-        self.notes = found([
-            Note("gaps in the chain", gaps),
-            Note("disulfides found by distance", map(self.describePair, sorted(disulfides & set(self._byDistance)))),
-            Note("bonds of metals found by distance", map(self.describePair, sorted(metals & set(self._byDistance)))),
-            Note("other bonds found by distance", map(self.describePair, others)),
-            Note("bonds of the file that are too long, and left out", map(self.describePair, self._tooLong)),
-        ])
+        self.notes = found(
+            [
+                Note("gaps in the chain", gaps),
+                Note(
+                    "disulfides found by distance", map(self.describePair, sorted(disulfides & set(self._byDistance)))
+                ),
+                Note(
+                    "bonds of metals found by distance", map(self.describePair, sorted(metals & set(self._byDistance)))
+                ),
+                Note("other bonds found by distance", map(self.describePair, others)),
+                Note("bonds of the file that are too long, and left out", map(self.describePair, self._tooLong)),
+            ]
+        )
 
     def describePair(self, pair):
         """Return two atoms and their distance in words."""

@@ -114,7 +114,7 @@ def test_sampling(villin):
     context = openmm.Context(system, integrator, openmm.Platform.getPlatformByName("Reference"))
     context.setPositions(villin.positions)
     integrator.step(1)
-    assert integrator.getMoveStatistics(0).attempted == 100
+    assert integrator.getMoveStatistics(0).attempted + integrator.getOuterStatistics().trialsTakenBack == 100
 
 
 # ---- In programs that have not imported the package ----

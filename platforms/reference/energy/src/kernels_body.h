@@ -7,6 +7,7 @@
 #include "kernels.h"
 #include "rowsnear.h"
 #include "sums.h"
+#include "switching16.h"
 
 /* ---- Frames ---- */
 
@@ -76,11 +77,8 @@ CT_INLINE double sumRows(const Potential* potential, const LeafSide* a, const Le
       const Float16 ratio6 = mul16(mul16(ratio2, ratio2), ratio2);
       Float16 lennardJones = mul16(mul16(epsilonB, mul16(ratio6, sub16(ratio6, one))), all16(a->columns->epsilon[k]));
       if (hasSwitch) {
-        const Float16 t = mul16(max16(sub16(distance, all16(potential->switchingDistance)), all16(0)),
-                                all16(potential->inverseSwitchWidth));
-        const Float16 cubic = mul16(mul16(t, t), t);
-        const Float16 inner = sub16(mul16(t, sub16(all16(15), mul16(t, all16(6)))), all16(10));
-        lennardJones = mul16(lennardJones, add16(one, mul16(cubic, inner)));
+        lennardJones =
+            mul16(lennardJones, switchFactor16(distance, potential->switchingDistance, potential->inverseSwitchWidth));
       }
       Float16 coulomb = inverse;
       if (hasCutoff) {

@@ -3,6 +3,8 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "sortedleaves.h"
+
 bool ctLeafSumsCreate(LeafSums* sums, int leafCount) {
   sums->leafCount = leafCount;
   sums->rows = calloc((size_t)leafCount + 1, sizeof *sums->rows);
@@ -24,22 +26,10 @@ void ctLeafSumsClear(LeafSums* sums) {
   }
 }
 
-/* The index of the first pair of a row that is not before `leaf`. */
-static int placeOf(const LeafRow* row, int leaf) {
-  /* Without a branch on the result, which processors would mispredict. */
-  int begin = 0;
-  for (int left = row->count; left > 0;) {
-    const int half = (left + 1) / 2;
-    begin += row->leaves[begin + half - 1] < leaf ? half : 0;
-    left -= half;
-  }
-  return begin;
-}
-
 int ctLeafSumsFind(const LeafSums* sums, int a, int b) {
   const LeafRow* row = &sums->rows[a];
   /* Without a cutoff, all leaves from a on are there. */
-  const int i = row->count == sums->leafCount - a ? b - a : placeOf(row, b);
+  const int i = row->count == sums->leafCount - a ? b - a : placeOf(row->leaves, row->count, b);
   return i < row->count && row->leaves[i] == b ? i : ABSENT;
 }
 
@@ -86,7 +76,7 @@ bool ctLeafSumsAdd(LeafSums* sums, int a, int b, double sum) {
   if (row->count == row->capacity && !grow(row)) {
     return false;
   }
-  const int i = placeOf(row, b);
+  const int i = placeOf(row->leaves, row->count, b);
   memmove(row->leaves + i + 1, row->leaves + i, (size_t)(row->count - i) * sizeof *row->leaves);
   memmove(row->sums + i + 1, row->sums + i, (size_t)(row->count - i) * sizeof *row->sums);
   row->leaves[i] = b;

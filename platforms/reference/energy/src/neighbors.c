@@ -3,6 +3,8 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "sortedleaves.h"
+
 bool ctNeighborsCreate(Neighbors* neighbors, int leafCount) {
   *neighbors = (Neighbors){.leafCount = leafCount};
   neighbors->rows = calloc((size_t)leafCount + 1, sizeof *neighbors->rows);
@@ -30,20 +32,9 @@ void ctNeighborsClear(Neighbors* neighbors) {
   neighbors->freeCount = 0;
 }
 
-/* The index of the first neighbour of a row that is not before `leaf`. */
-static int placeOf(const NeighborRow* row, int leaf) {
-  int begin = 0;
-  for (int left = row->count; left > 0;) {
-    const int half = (left + 1) / 2;
-    begin += row->leaves[begin + half - 1] < leaf ? half : 0;
-    left -= half;
-  }
-  return begin;
-}
-
 int ctNeighborsFind(const Neighbors* neighbors, int a, int b) {
   const NeighborRow* row = &neighbors->rows[a];
-  const int i = placeOf(row, b);
+  const int i = placeOf(row->leaves, row->count, b);
   return i < row->count && row->leaves[i] == b ? row->pairs[i] : CT_NULL;
 }
 
@@ -98,7 +89,7 @@ static bool growRow(NeighborRow* row) {
 }
 
 static void insert(NeighborRow* row, int leaf, int pair) {
-  const int i = placeOf(row, leaf);
+  const int i = placeOf(row->leaves, row->count, leaf);
   memmove(row->leaves + i + 1, row->leaves + i, (size_t)(row->count - i) * sizeof *row->leaves);
   memmove(row->pairs + i + 1, row->pairs + i, (size_t)(row->count - i) * sizeof *row->pairs);
   row->leaves[i] = leaf;
@@ -107,7 +98,7 @@ static void insert(NeighborRow* row, int leaf, int pair) {
 }
 
 static void drop(NeighborRow* row, int leaf) {
-  const int i = placeOf(row, leaf);
+  const int i = placeOf(row->leaves, row->count, leaf);
   row->count--;
   memmove(row->leaves + i, row->leaves + i + 1, (size_t)(row->count - i) * sizeof *row->leaves);
   memmove(row->pairs + i, row->pairs + i + 1, (size_t)(row->count - i) * sizeof *row->pairs);

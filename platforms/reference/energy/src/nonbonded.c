@@ -4,6 +4,8 @@
 #include <stdio.h>
 #include <stdlib.h>
 
+#include "switching.h"
+
 /* Writes what is wrong with a description; false if nothing is. */
 static bool isWrong(int particleCount, const ctNonbonded* d, const int* slotOf, char* errorText, size_t errorSize) {
   for (int i = 0; i < particleCount; i++) {
@@ -110,7 +112,7 @@ static double exactEnergy(const Nonbonded* nonbonded, const LeafSide* a, const L
       double energy = (double)a->columns->epsilon[k] * (double)b->columns->epsilon[l] * ratio6 * (ratio6 - 1);
       if (nonbonded->potential.hasSwitch && distance > exact[3]) {
         const double t = (distance - exact[3]) * exact[4];
-        energy *= 1 + t * t * t * (-10 + t * (15 - t * 6));
+        energy *= switchFactor(t);
       }
       sum += energy + (double)a->columns->charge[k] * (double)b->columns->charge[l] *
                           (1 / distance + exact[1] * squared - exact[2]);

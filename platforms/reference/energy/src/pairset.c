@@ -6,6 +6,7 @@
 #include <string.h>
 
 #include "pairsetchecks.h"
+#include "switching.h"
 
 /* ---- Life ---- */
 
@@ -97,7 +98,7 @@ static double exactPair(const PairSet* set, double squared, int slotA, int slotB
     return energy;
   }
   const double t = (distance - set->switchingDistance) / (set->cutoff - set->switchingDistance);
-  return energy * (1 + t * t * t * (-10 + t * (15 - t * 6)));
+  return energy * switchFactor(t);
 }
 
 /* The energy of two leaves in double, where single precision does not suffice. */

@@ -219,13 +219,6 @@ static ctStatus findNeighbors(StandIn* standIn, size_t count, const ctLeafPair* 
   return ctSuccess;
 }
 
-/* Whatever the open trial took belongs to nobody. */
-static void dropTrial(StandIn* standIn) {
-  standIn->stagedCount = 0;
-  standIn->movedCount = 0;
-  standIn->touchedCount = 0;
-}
-
 ctStatus ctStandInRefresh(StandIn* standIn, size_t count, const ctLeafPair* near) {
   const Kernels* kernels = standIn->leaves->kernels;
   dropTrial(standIn);

@@ -96,6 +96,13 @@ bool ctStandInTakeBack(StandIn* standIn);
 
 /* ---- What the files of this share ---- */
 
+/* Whatever the open trial took belongs to nobody. */
+static inline void dropTrial(StandIn* standIn) {
+  standIn->stagedCount = 0;
+  standIn->movedCount = 0;
+  standIn->touchedCount = 0;
+}
+
 /* A leaf in the state, and in the trial. */
 static inline StandInLeaf* stateLeaf(const StandIn* standIn, int leaf) {
   return &standIn->leafSums[leaf][standIn->present[leaf]];

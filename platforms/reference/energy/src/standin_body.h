@@ -131,6 +131,12 @@ CT_INLINE Sixteen takeOne(const StandInSide* side, int k) {
   return one;
 }
 
+CT_INLINE void moveBy(Sixteen* particles, const float shift[3]) {
+  particles->x = add16(particles->x, all16(shift[0]));
+  particles->y = add16(particles->y, all16(shift[1]));
+  particles->z = add16(particles->z, all16(shift[2]));
+}
+
 /* The value at the cutoff per product of charges, or its derivative. The sign of each product is in the sixteen
  * particles, whichever side they are of: it changes no bit of a product but its sign. */
 CT_INLINE Float16 atCutoff(const Sixteen* a, const Sixteen* b, int which) {
@@ -205,9 +211,7 @@ CT_INLINE Sum16 addPairs(const StandInModel* model, const StandInSide* a, const 
                          bool hasKappa, Sum16 sum, float ofOnes[], float ofLanes[]) {
   Sixteen sixteen = takeAll(onesAreOfA ? b : a, model->shiftSign);
   if (onesAreOfA) {
-    sixteen.x = add16(sixteen.x, all16(shift[0]));
-    sixteen.y = add16(sixteen.y, all16(shift[1]));
-    sixteen.z = add16(sixteen.z, all16(shift[2]));
+    moveBy(&sixteen, shift);
   }
   const uint16_t* excluded = onesAreOfA ? a->excluded : b->excluded;
   Float16 gradients = load16(ofLanes);
@@ -220,9 +224,7 @@ CT_INLINE Sum16 addPairs(const StandInModel* model, const StandInSide* a, const 
       const int k = __builtin_ctz(ones);
       Sixteen single = takeOne(onesAreOfA ? a : b, k);
       if (!onesAreOfA) {
-        single.x = add16(single.x, all16(shift[0]));
-        single.y = add16(single.y, all16(shift[1]));
-        single.z = add16(single.z, all16(shift[2]));
+        moveBy(&single, shift);
       }
       Float16 energy;
       Float16 gradient;
@@ -270,10 +272,8 @@ static double standInPairs(const StandInModel* model, const StandInSide* a, cons
   float shift[3];
   float back[3];
   const bool isSelf = a->frame == b->frame;
-  for (int d = 0; d < 3; d++) {
-    shift[d] = (float)(b->frame->centre[d] - a->frame->centre[d]);
-    back[d] = -shift[d];
-  }
+  shiftBetween(a->frame, b->frame, shift);
+  shiftBetween(b->frame, a->frame, back);
   unsigned rows = slotsOfA & rowsNear(a->frame, b->frame, shift, model->squaredCutoff);
   unsigned columns = slotsOfB & rowsNear(b->frame, a->frame, back, model->squaredCutoff);
   Sum16 sum = zeroSum16();

@@ -56,9 +56,7 @@ static void forget(StandIn* standIn) {
       ctNeighborsRelease(&standIn->neighbors, standIn->staged[i].pair);
     }
   }
-  standIn->stagedCount = 0;
-  standIn->movedCount = 0;
-  standIn->touchedCount = 0;
+  dropTrial(standIn);
 }
 
 /* Stages the changed pairs that are near, or the others. */
@@ -288,8 +286,6 @@ bool ctStandInAccept(StandIn* standIn) {
     standIn->present[leaf] ^= 1;
     standIn->presentShift[leaf] ^= standIn->trial[leaf].crossing != 0;
   }
-  standIn->stagedCount = 0;
-  standIn->movedCount = 0;
-  standIn->touchedCount = 0;
+  dropTrial(standIn);
   return isKept;
 }

@@ -4,6 +4,7 @@
 #include "pairtable.h"
 #include "rowsnear.h"
 #include "sums.h"
+#include "switching16.h"
 #include "tapekernels.h"
 
 /* ---- Pairs ---- */
@@ -249,14 +250,6 @@ static void runStep(const TapeStep* step, float* scratch, int count) {
 /* Sixteen pairs each that are summed in single precision before they are added in double. */
 enum { SUMMED_IN_FLOAT = 4 };
 
-/* How much of the expression counts at these squared distances. */
-CT_INLINE Float16 switchAt(const TapeRange* range, Float16 squared) {
-  const Float16 beyond = max16(sub16(sqrt16(squared), all16(range->switchingDistance)), all16(0));
-  const Float16 t = mul16(beyond, all16(range->inverseSwitchWidth));
-  const Float16 inner = sub16(mul16(t, sub16(all16(15), mul16(t, all16(6)))), all16(10));
-  return add16(all16(1), mul16(mul16(mul16(t, t), t), inner));
-}
-
 double TAPE_ENERGY(const Tape* tape, const TapePair* pair, const TapeRange* range) {
   PairList list;
   float* scratch = tape->scratch;
@@ -280,7 +273,8 @@ double TAPE_ENERGY(const Tape* tape, const TapePair* pair, const TapeRange* rang
     const int begin = v * CT_LEAF_WIDTH;
     Float16 energy = load16(scratch + tape->result.begin + v * tape->result.step);
     if (range->hasSwitch) {
-      energy = mul16(energy, switchAt(range, load16(list.squared + begin)));
+      const Float16 distance = sqrt16(load16(list.squared + begin));
+      energy = mul16(energy, switchFactor16(distance, range->switchingDistance, range->inverseSwitchWidth));
     }
     if (pair->times != NULL) {
       float times[CT_LEAF_WIDTH];
