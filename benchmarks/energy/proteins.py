@@ -74,14 +74,14 @@ class SampledProtein:
         """Return of each torsion whether it is one of the backbone."""
         return [torsion.kind in _BACKBONE_KINDS for torsion in self.torsions]
 
-    def makeSystem(self, method, sterics=True):
-        """Make the System of a Method, with or without hard spheres."""
+    def makeSystem(self, method, sterics=True, **options):
+        """Make the System of a Method, with or without hard spheres, with what other options createSystem takes."""
         if method.cutoff is None:
             nonbonded = {"nonbondedMethod": app.NoCutoff}
         else:
             nonbonded = {"nonbondedMethod": app.CutoffNonPeriodic, "nonbondedCutoff": method.cutoff * unit.nanometer}
         files = [] if method.solvent is None else [method.solvent]
-        system = _readForceField(*files).createSystem(self.topology, **nonbonded)
+        system = _readForceField(*files).createSystem(self.topology, **nonbonded, **options)
         if sterics:
             system.addForce(self.makeForce())
         return system

@@ -48,8 +48,11 @@ class Maker(NamedTuple):
 
 
 def addOptions(parser, trials, picture):
-    """Add the options of all scripts; trials and picture are the help on two of them."""
-    parser.add_argument("--trials", type=positive, help=trials)
+    """Add the options of all scripts; trials and picture are the help on two of them. Without trials None is taken."""
+    if trials is None:
+        parser.set_defaults(trials=None)
+    else:
+        parser.add_argument("--trials", type=positive, help=trials)
     parser.add_argument(
         "--seed", type=seed, default=1, help="random number seed, 1 to 2147483647 (default: %(default)s)"
     )
