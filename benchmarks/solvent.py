@@ -8,10 +8,12 @@ import sys
 from energy.options import addRowOptions, chooseStructures, describeMissing, nameOf
 from energy.proteins import IMPLICIT_SOLVENT, readSampled
 from energy.rows import Prepared
+from energy.samplerows import SAMPLES, SampleRow
 from energy.solventgoals import judge
 from energy.solventrows import (
     EXPRESSION_MOVES,
     EXPRESSIONS,
+    SIZE_MOVES,
     SIZES,
     SOLVENT,
     STAND_INS,
@@ -32,7 +34,8 @@ GROUPS = {
     SOLVENT: "whole trials by Simulation.step, ours and with OpenMM's energies",
     WHOLE: "one whole energy",
     STAND_INS: "whole trials by cutoffs of the stand-in and trials of an outer test",
-    SIZES: "trials of side chains, as proteins grow",
+    SAMPLES: "independent samples a second by cutoffs of the stand-in and trials of an outer test",
+    SIZES: "trials that move few atoms, as proteins grow",
     EXPRESSIONS: "pairs by the expression of a CustomNonbondedForce",
 }
 
@@ -41,6 +44,7 @@ GROUPS = {
 _FILES = ("1ubi_h.pdb", "5dfr_h.pdb", "bpti_h.pdb", "4hhb.pdb")
 _OF_SIZES_ONLY = ("bpti_h", "4hhb")
 _ONCE = ("4hhb",)  # a run of it takes minutes
+_WITH_SAMPLES = "villin"
 _WITH_EXPRESSIONS = "5dfr_h"
 
 _RUNS = 3
@@ -96,13 +100,20 @@ def _plan(options, groups):
     for group, makeRow in ((SOLVENT, SolventRow), (WHOLE, WholeEnergyRow), (STAND_INS, StandInRow)):
         if group in groups:
             rows += [makeRow(name, prepared) for name, prepared in chosen.items()]
+    if SAMPLES in groups:
+        rows += [
+            SampleRow(name, prepared)
+            for name, prepared in chosen.items()
+            if name == _WITH_SAMPLES or options.structures
+        ]
     if EXPRESSIONS in groups:
         name = _WITH_EXPRESSIONS if _WITH_EXPRESSIONS in proteins else next(iter(proteins))
         rows += [ExpressionRow(name, proteins[name], moves) for moves in EXPRESSION_MOVES]
     if SIZES in groups:
         rows += [
-            SizeRow(name, prepared)._replace(**({"mostChains": 1} if name in _ONCE else {}))
+            SizeRow(name, prepared, moves)._replace(**({"mostChains": 1} if name in _ONCE else {}))
             for name, prepared in proteins.items()
+            for moves in SIZE_MOVES
         ]
     skipped = describeMissing(missing)
     if whyNot(CPU) is not None:

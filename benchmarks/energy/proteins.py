@@ -44,8 +44,12 @@ REACTION_FIELD, NO_CUTOFF = Method("reaction field 1.0 nm", 1.0), Method("no cut
 METHODS = (REACTION_FIELD, NO_CUTOFF)
 IMPLICIT_SOLVENT = Method("GBn2, no cutoff", None, "implicit/gbn2.xml")
 
-# The moves of examples/sample_protein.py: weight, largest angle in degrees, and whether they are of side chains.
-EXAMPLE_MOVES = ((1.0, 1, False), (1.0, 10, True), (0.5, 180, True))
+# Which torsions a move turns. Those near an end of a chain that are meant move nothing but the residues behind them.
+BACKBONE, SIDE_CHAINS, ENDS = "backbone", "side chains", "ends"
+_END = 8  # residues
+
+# The moves of examples/sample_protein.py: weight, largest angle in degrees, and which torsions.
+EXAMPLE_MOVES = ((1.0, 1, BACKBONE), (1.0, 10, SIDE_CHAINS), (0.5, 180, SIDE_CHAINS))
 
 
 @cache
@@ -73,6 +77,17 @@ class SampledProtein:
     def isBackbone(self):
         """Return of each torsion whether it is one of the backbone."""
         return [torsion.kind in _BACKBONE_KINDS for torsion in self.torsions]
+
+    def torsionsOf(self, which):
+        """Return the numbers of BACKBONE, of SIDE_CHAINS, or of ENDS: the backbone of each chain's last residues."""
+        wanted = [isOne != (which == SIDE_CHAINS) for isOne in self.isBackbone()]
+        if which == ENDS:
+            atoms = list(self.topology.atoms())
+            residues = [atoms[torsion.particles[1]].residue for torsion in self.torsions]
+            last = {chain: max(residue.index for residue in chain.residues()) for chain in self.topology.chains()}
+            isNear = [last[residue.chain] - residue.index < _END for residue in residues]
+            wanted = [one and near for one, near in zip(wanted, isNear, strict=True)]
+        return [number for number, isWanted in enumerate(wanted) if isWanted]
 
     def makeSystem(self, method, sterics=True, **options):
         """Make the System of a Method, with or without hard spheres, with what other options createSystem takes."""
@@ -103,9 +118,8 @@ class SampledProtein:
         integrator = TorsionMonteCarloIntegrator(TEMPERATURE * unit.kelvin)
         integrator.setRandomNumberSeed(seed)
         integrator.setNativeEnergies(native)
-        for weight, angle, isSideChain in moves:
-            torsions = [number for number, isOne in enumerate(self.isBackbone()) if isOne != isSideChain]
-            integrator.addTorsionMove(weight, angle * unit.degree, torsions)
+        for weight, angle, which in moves:
+            integrator.addTorsionMove(weight, angle * unit.degree, self.torsionsOf(which))
         simulation = app.Simulation(self.topology, system, integrator, *choosePlatform())
         simulation.context.setPositions(self.positions)
         return simulation

@@ -24,15 +24,14 @@ def judge(entries):
     """Return lines about goals, and whether energies are wrong. A machine may be slow; that is no failure."""
     rows = combineRuns(entries)
     ofGroup = {
-        group: {anyOf(row)["chain"]: row for row in rows if anyOf(row)["group"] == group}
-        for group in (SOLVENT, WHOLE, SIZES)
+        group: {anyOf(row)["chain"]: row for row in rows if anyOf(row)["group"] == group} for group in (SOLVENT, WHOLE)
     }
     exact, isWrong = _judgeEnergies(entries)
     goals = [
         *exact,
         *_judgeTrials(ofGroup[SOLVENT], ofGroup[WHOLE]),
         *_judgeWhole(ofGroup[WHOLE]),
-        *_judgeGrowth(list(ofGroup[SIZES].values())),
+        *_judgeGrowth([row for row in rows if anyOf(row)["group"] == SIZES]),
         *_judgeExpressions([row for row in rows if anyOf(row)["group"] == EXPRESSIONS]),
     ]
     return [describeGoal(goal) for goal in goals], isWrong
@@ -90,9 +89,8 @@ def _judgeWhole(rows):
 
 
 def _judgeGrowth(rows):
-    growth = sizeGrowth(rows)
-    if growth is not None:
-        yield _goal(f"side chains in solvent: grow up to N^{_GROWTH_GOAL}", growth <= _GROWTH_GOAL, f"N^{growth:.2f}")
+    for moves, growth in sizeGrowth(rows).items():
+        yield _goal(f"{moves}, in solvent: grow up to N^{_GROWTH_GOAL}", growth <= _GROWTH_GOAL, f"N^{growth:.2f}")
 
 
 def _judgeExpressions(rows):

@@ -1,8 +1,10 @@
-"""How near stand-ins are and how many outer tests keep their trials, by the time of a trial."""
+"""How near stand-ins are and how many outer tests keep their trials, by the time of a trial; independent samples."""
 
 from matplotlib.ticker import FuncFormatter, MultipleLocator
 from openmmchaintree.command.figures import makeFigure, writeFigure
 
+from .samplepicture import drawSamples
+from .samplerows import SAMPLES
 from .solventrows import BLOCKS, CUTOFFS, STAND_INS
 from .solventtables import acceptance
 from .tables import anyOf, combineRuns
@@ -14,14 +16,25 @@ _FONT = 8.5
 
 def hasPicture(entries):
     """Return whether there is anything to draw."""
-    return any(entry["group"] == STAND_INS for entry in entries)
+    return any(entry["group"] in (STAND_INS, SAMPLES) for entry in entries)
 
 
 def savePicture(output, machine, entries):
     """Write the picture of entries to an Output."""
     rows = [row for row in combineRuns(entries) if anyOf(row)["group"] == STAND_INS]
-    figure = makeFigure(3.9 * max(2, len(rows)), 6.4)
+    sampled = {(entry["chain"], entry["asked"]) for entry in entries if entry["group"] == SAMPLES}
+    heights = [*([6.0] if rows else []), *([0.7 + 2.0 * len(sampled)] if sampled else [])]
+    figure = makeFigure(3.9 * max(2, len(rows)), 0.4 + sum(heights))
     figure.suptitle(f"AMBER14 with GBn2; {machine['processor']}", fontsize="medium")
+    parts = list(figure.subfigures(len(heights), 1, height_ratios=heights, squeeze=False).flat)
+    if sampled:
+        drawSamples(parts.pop(), entries)
+    if rows:
+        _drawStandIns(parts.pop(), rows)
+    writeFigure(figure, output)
+
+
+def _drawStandIns(figure, rows):
     axes = figure.subplots(2, len(rows), squeeze=False, sharex="col", sharey="row")
     for column, row in enumerate(rows):
         entry = anyOf(row)
@@ -40,7 +53,6 @@ def savePicture(output, machine, entries):
         axes[0][0].plot([], [], marker, color="0.4", label=f"m = {block}")
     handles, labels = axes[0][0].get_legend_handles_labels()
     figure.legend(handles, labels, loc="outside lower center", ncols=4, fontsize=_FONT, frameon=False)
-    writeFigure(figure, output)
 
 
 def _draw(axis, row, valueOf):

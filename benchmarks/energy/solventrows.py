@@ -10,9 +10,12 @@ from racing.platforms import CPU, whyNot
 from racing.races import ALL_CHAINS, OURS
 
 from .proteins import (
+    BACKBONE,
+    ENDS,
     IMPLICIT_SOLVENT,
     NO_CUTOFF,
     REACTION_FIELD,
+    SIDE_CHAINS,
     TEMPERATURE,
     TRIALS_PER_OUTER_TEST,
     Evaluator,
@@ -43,8 +46,8 @@ _PROBED = 40  # outer tests of a turn
 _LONG = 4000  # trials of an outer test that is hardly ever made
 _TINY = 1e-6  # degrees: what a trial turns that changes next to nothing
 
-SIDE_CHAINS, PIVOTS = ((1.0, 10, True),), ((1.0, 1, False),)
-_MOVES = {"χ, up to 10°": SIDE_CHAINS, "pivot, up to 1°": PIVOTS}
+_MOVES = {"χ, up to 10°": ((1.0, 10, SIDE_CHAINS),), "pivot, up to 1°": ((1.0, 1, BACKBONE),)}
+_LOCAL_MOVES = {"χ, up to 10°": ((1.0, 10, SIDE_CHAINS),), "end of a chain, up to 10°": ((1.0, 10, ENDS),)}
 
 
 class _Sampler:
@@ -82,7 +85,8 @@ def describeOuter(statistics):
     }
 
 
-def _common(row, trials, seed, moves="the example's"):
+def describeCommon(row, trials, seed, moves="the example's"):
+    """Return what an entry says of a row."""
     return {
         "group": row.group,
         "chain": row.name,
@@ -128,7 +132,7 @@ class SolventRow(NamedTuple):
                     sampler.run(min(_TURN, trials))
                 elif turn in openMMTurns:
                     sampler.run(_FOREIGN_TRIALS)
-        common = _common(self, trials, seed)
+        common = describeCommon(self, trials, seed)
         entries = [{**common, "contestant": name, **sampler.describe()} for name, sampler in samplers.items()]
         entries[0]["outer"] = describeOuter(samplers[OURS].integrator.getOuterStatistics())
         return entries
@@ -155,7 +159,7 @@ class WholeEnergyRow(NamedTuple):
         """Return an entry for each contestant."""
         tests = min(_PROBED, course.trials or _PROBED)
         protein = self.prepared.protein
-        simulation = protein.makeSimulation(self.method, seed, moves=((1.0, _TINY, True),))
+        simulation = protein.makeSimulation(self.method, seed, moves=((1.0, _TINY, SIDE_CHAINS),))
         integrator = simulation.integrator
         integrator.setTrialsPerStep(tests)
         simulation.step(1)
@@ -176,7 +180,7 @@ class WholeEnergyRow(NamedTuple):
         found = {OUTER_TEST: (ours, integrator.getPotentialEnergy(simulation.context))}
         if evaluators:
             found[ONE_ENERGY] = others, evaluators[0].energy(positions)
-        common = _common(self, _OPENMM_TURNS * tests, seed)
+        common = describeCommon(self, _OPENMM_TURNS * tests, seed)
         return [
             {
                 **common,
@@ -224,7 +228,7 @@ class StandInRow(NamedTuple):
         for (cutoffs, block), (times, tests) in parts.items():
             entries.append(
                 {
-                    **_common(self, trials, seed),
+                    **describeCommon(self, trials, seed),
                     "contestant": f"{cutoffs[0]} / {cutoffs[1]} nm, m = {block}",
                     "bornCutoff": cutoffs[0],
                     "pairCutoff": cutoffs[1],
@@ -252,23 +256,24 @@ def combineOuter(parts):
 
 
 class SizeRow(NamedTuple):
-    """Trials of side chains by up to 10°, in solvent: what a trial costs apart from outer tests, as proteins grow."""
+    """Trials that move few atoms, in solvent: what they cost apart from outer tests, as proteins grow."""
 
     name: str
     prepared: Prepared
+    moves: str
     trials: int = SIZE_TRIALS
     method = IMPLICIT_SOLVENT
     group: str = SIZES
     mostChains: int = ALL_CHAINS
 
     def __str__(self) -> str:
-        return self.name
+        return f"{self.name}, {self.moves}"
 
     def run(self, course: Course, seed: int):
         """Return an entry for the trials, and one for the outer test."""
         trials, protein = course.trials or self.trials, self.prepared.protein
         long = min(_LONG, trials)
-        sampler = _Sampler(protein.makeSimulation(self.method, seed, moves=SIDE_CHAINS), long)
+        sampler = _Sampler(protein.makeSimulation(self.method, seed, moves=_LOCAL_MOVES[self.moves]), long)
         inner, outer = [], []
         for _ in range(max(1, trials // (2 * long))):
             for block in (long, TRIALS_PER_OUTER_TEST):
@@ -278,7 +283,7 @@ class SizeRow(NamedTuple):
             tests = max(2, long // TRIALS_PER_OUTER_TEST)
             outer.append(max(0.0, (several - one) * long / (tests - 1)))
             inner.append(one - outer[-1] / long)
-        common = _common(self, trials, seed, next(iter(_MOVES)))
+        common = describeCommon(self, trials, seed, self.moves)
         return [
             {**common, "contestant": OURS, **sampler.describe(), **summarizeTimes(inner)},
             {**common, "contestant": OUTER_TEST, "trials": len(outer), **summarizeTimes(outer)},
@@ -317,7 +322,7 @@ class ExpressionRow(NamedTuple):
             energy = plain.energy(positionsOf(sampler.simulation.context))
             entries.append(
                 {
-                    **_common(self, trials, seed, self.moves),
+                    **describeCommon(self, trials, seed, self.moves),
                     "contestant": name,
                     **sampler.describe(),
                     "energy": energy,
@@ -327,7 +332,7 @@ class ExpressionRow(NamedTuple):
         return entries
 
 
-EXPRESSION_MOVES = tuple(_MOVES)
+EXPRESSION_MOVES, SIZE_MOVES = tuple(_MOVES), tuple(_LOCAL_MOVES)
 
 
 def replaceNonbonded(system):

@@ -1,9 +1,10 @@
 """Tables of what implicit solvent costs, how exact it is, and how near stand-ins are."""
 
 from racing.races import OURS
-from racing.table import Table, exponent, number
+from racing.table import Table, exponent, groupBy, number
 
 from .rows import FOREIGN, ONE_ENERGY
+from .sampletables import makeSampleTables
 from .solventrows import EXPRESSION, EXPRESSIONS, KT, NO_SOLVENT, OUTER_TEST, SIZES, SOLVENT, STAND_INS, WHOLE
 from .solventrows import TRIALS_PER_OUTER_TEST as USUAL
 from .tables import anyOf, combineRuns, describeStages, timeRange
@@ -23,6 +24,7 @@ def makeTables(entries):
         tables.append(_makeWhole(ofGroup[WHOLE]))
     if ofGroup[STAND_INS]:
         tables.append(_makeStandIns(ofGroup[STAND_INS]))
+    tables += makeSampleTables(entries)
     if ofGroup[SIZES]:
         tables.append(_makeSizes(ofGroup[SIZES]))
     if ofGroup[EXPRESSIONS]:
@@ -44,9 +46,12 @@ def outerShare(row, wholeRows):
 
 
 def sizeGrowth(rows):
-    """Return x where trials of side chains cost N^x, or None."""
-    times = {anyOf(row)["particles"]: row[OURS]["microseconds"] for row in rows}
-    return exponent(times) if len(times) > 1 else None
+    """Return x by the kind of moves, where trials cost N^x; those of rows of one size have none."""
+    kinds = groupBy(rows, lambda row: anyOf(row)["moves"])
+    times = {
+        moves: {anyOf(row)["particles"]: row[OURS]["microseconds"] for row in ofOne} for moves, ofOne in kinds.items()
+    }
+    return {moves: exponent(ofOne) for moves, ofOne in times.items() if len(ofOne) > 1}
 
 
 def _labels(row):
@@ -137,14 +142,21 @@ def _makeStandIns(rows):
 
 
 def _makeSizes(rows):
-    columns = ["protein", "N", "a trial"]
-    lines = [[*_labels(row), timeRange(row[OURS])] for row in rows]
-    growth = sizeGrowth(rows)
+    columns = ["protein", "move", "N", "a trial", "accepted", "an outer test"]
+    lines = []
+    for row in rows:
+        chain, particles = _labels(row)
+        ours = row[OURS]
+        accepted = f"{100 * ours['accepted']:.0f} %"
+        lines.append([chain, ours["moves"], particles, timeRange(ours), accepted, timeRange(row[OUTER_TEST])])
     notes = [
-        "Side chains by up to 10° in GBn2: whole trials, but for outer tests.",
-        *([] if growth is None else [f"Trials grow as N^{growth:.2f}, by a fit to the logarithms of all sizes."]),
+        "Whole trials in GBn2, but for outer tests. End of a chain: φ and ψ of its last eight residues.",
+        *(
+            f"Trials grow as N^{growth:.2f} ({moves}), by a fit to the logarithms of all sizes."
+            for moves, growth in sizeGrowth(rows).items()
+        ),
     ]
-    return Table("Trials of side chains in implicit solvent as proteins grow, µs", columns, lines, 1, notes)
+    return Table("Trials that move few atoms in implicit solvent, as proteins grow, µs", columns, lines, 2, notes)
 
 
 def _makeExpressions(rows):

@@ -1,0 +1,30 @@
+"""How far apart samples of a chain are independent."""
+
+import numpy as np
+
+_WINDOW = 5  # times the result: as far as the sum goes (Sokal, 1997)
+
+
+def statisticalInefficiency(values, mean=None):
+    """Return of each column how many samples are worth an independent one: 1 + 2 Σ ρ, at least 1.
+
+    The autocorrelation ρ is summed over a window of some times the sum itself, since beyond it there is only noise. A
+    chain that is not much longer than that tells too little.
+
+    Parameters
+    ----------
+    values : (n, k) float64 array, columns of a chain
+    mean : (k,) float64 array, if it is known better than from these
+    """
+    values = np.asarray(values, dtype=np.float64)
+    deviations = values - (values.mean(axis=0) if mean is None else mean)
+    count = len(deviations)
+    transformed = np.fft.rfft(deviations, 2 * count, axis=0)
+    sums = np.fft.irfft(np.abs(transformed) ** 2, 2 * count, axis=0)[:count]
+    covariances = sums / np.arange(count, 0, -1)[:, np.newaxis]
+    scale = np.maximum(covariances[0], np.finfo(np.float64).tiny)
+    totals = 2 * np.cumsum(covariances / scale, axis=0) - 1
+    isEnough = np.arange(count)[:, np.newaxis] >= _WINDOW * totals / 2
+    isEnough[-1] = True
+    ends = np.argmax(isEnough, axis=0)
+    return np.maximum(1.0, totals[ends, np.arange(totals.shape[1])])
