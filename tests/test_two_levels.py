@@ -4,8 +4,9 @@ solvent against quadrature of OpenMM's energies.
 An alanine dipeptide lies within the default cutoffs, so that its stand-ins neglect only what the grid of radii does;
 absurd ones are the sharp test, at a temperature at which they do not hold chains fast. In a chain of charged beads
 radii change more. Chains begin at different places; means of blocks of theirs are compared with quadrature by
-Student's test. A test fails if one of its p-values is below SIGNIFICANCE divided by their number (Bonferroni); seeds
-are fixed. long_two_levels.py does the same with larger molecules.
+Student's test. Exact draws do not have to mix: after any number of trials from each of many of them they have to be
+distributed as before. A test fails if one of its p-values is below SIGNIFICANCE divided by their number (Bonferroni);
+seeds are fixed. long_two_levels.py does the same with larger molecules.
 """
 
 import numpy as np
@@ -24,6 +25,8 @@ RARE = 0.02  # cells of less than that are taken together
 BLOCKS = 25  # a chain
 STEPS = 200  # a block
 TRIALS = 40  # a step
+DRAWS = 2000
+LOWER = 1  # kJ/mol, that an energy may be below all of the grid
 SOFT_CONSTANT = 3e3  # kJ/mol/nm^2: so soft that spheres that overlap are sampled
 MEDIUM, HOT = 400, 900  # K
 
@@ -31,19 +34,6 @@ MEDIUM, HOT = 400, 900  # K
 DEFAULT = (0.7, 0.9, 0.1, 40)
 ABSURD = {"cutoffs": (0.3, 0.3, 0.05, 2), "grid": (0.8, 0.9, 1, 5), "both": (0.3, 0.3, 0.5, 2)}
 SHORT = (0.4, 0.45, 0.05, 2)
-CONSTANT = 8.31446261815324e-3  # kJ/mol/K
-POINTS = 60  # of the grid of energies, a torsion
-CELLS = 6  # of the histogram, a torsion
-RARE = 0.02  # cells of less than that are taken together
-BLOCKS = 25  # a chain
-STEPS = 200  # a block
-TRIALS = 40  # a step
-SOFT_CONSTANT = 3e3  # kJ/mol/nm^2: so soft that spheres that overlap are sampled
-MEDIUM, HOT = 400, 900  # K
-
-# Cutoffs of Born sums and pairs (nm), the width of the grid, and the trials to an outer test.
-DEFAULT = (0.7, 0.9, 0.1, 40)
-ABSURD = {"cutoffs": (0.3, 0.3, 0.05, 2), "grid": (0.8, 0.9, 1, 5), "both": (0.3, 0.3, 0.5, 2)}
 CONSTANT = (0.05, 2, 0.05, 200)  # radii do not depend on the state
 
 
@@ -107,12 +97,57 @@ class Scene:
             self.tests = integrator.getOuterStatistics()
         return np.array(blocks)
 
+    def draw(self, count, seed=1):
+        """Return independent draws from exp(-U/kT): torsions, one row a draw, by rejection of uniform ones."""
+        run, generator, draws = Run(self.system, self.starts[0]), np.random.default_rng(seed), []
+        while len(draws) < count:
+            angles = generator.uniform(-np.pi, np.pi, 2)
+            run.integrator.setTorsionAngles(run.context, angles)
+            excess = run.energy - self.lowest + LOWER
+            assert excess > 0
+            if generator.random() < np.exp(-excess / (GAS_CONSTANT * self.temperature)) and not run.clashes:
+                draws.append(angles)
+        return np.array(draws)
+
+    def follow(self, draws, standIn, trials, temperature, seed=1):
+        """Return torsions after so many trials from each draw, by one stand-in."""
+        run = Run(self.system, self.starts[0], seed=seed, temperature=temperature, moves=DIPEPTIDE_MOVES)
+        integrator, ends = run.integrator, []
+        *cutoffs, width, trialsPerTest = standIn
+        integrator.setStandInCutoffs(*cutoffs)
+        integrator.setStandInGridWidth(width)
+        integrator.setTrialsPerOuterTest(trialsPerTest)
+        integrator.setTrialsPerStep(trials)
+        integrator.renewStandIns(run.context)
+        for angles in draws:
+            integrator.setTorsionAngles(run.context, angles)
+            integrator.step(1)
+            ends.append(run.torsions)
+        self.tests = integrator.getOuterStatistics()
+        return np.array(ends)
+
+    def valuesOf(self, angles):
+        """Return what is compared of states with these torsions."""
+        run, energies = Run(self.system, self.starts[0]), []
+        for point in angles:
+            run.integrator.setTorsionAngles(run.context, point)
+            energies.append(run.energy)
+        return self.pooled(functionsOf(np.array(angles), np.array(energies) - self.lowest))
+
     def pValue(self, blocks):
         """Return the lowest of Student's test of the means of blocks, times their number."""
         rows = blocks.reshape(-1, blocks.shape[2])
         errors = rows.std(axis=0, ddof=1) / np.sqrt(len(rows)) + 1e-300
         values = 2 * t.sf(np.abs(rows.mean(axis=0) - self.expected) / errors, len(rows) - 1)
         return values.min() * len(values)
+
+
+def pValueOfChanges(before, after):
+    """Return the lowest of Student's test of the means of changes, one row a draw, times their number."""
+    changes = after - before
+    errors = changes.std(axis=0, ddof=1) / np.sqrt(len(changes)) + 1e-300
+    values = 2 * t.sf(np.abs(changes.mean(axis=0)) / errors, len(changes) - 1)
+    return values.min() * len(values)
 
 
 def functionsOf(angles, energies):
@@ -192,6 +227,31 @@ def test_absurd_stand_in(hot, name, constantsOf):
 @pytest.mark.parametrize("constantsOf", ["start", "other start"])
 def test_constant_radii(beads, constantsOf):
     assert beads.pValue(beads.sample(CONSTANT, constantsOf)) > SIGNIFICANCE
+
+
+@pytest.fixture(scope="module")
+def draws(medium):
+    """Draws at a temperature at which absurd stand-ins hold chains fast, and what is compared of them."""
+    angles = medium.draw(DRAWS)
+    values = medium.valuesOf(angles)
+    assert medium.pValue(values[None]) > SIGNIFICANCE
+    return angles, values
+
+
+@pytest.mark.parametrize("name", ABSURD)
+def test_draws_stay_draws(medium, draws, name):
+    """Whether chains mix or not."""
+    ends = medium.follow(draws[0], ABSURD[name], TRIALS, MEDIUM)
+    values = medium.valuesOf(ends)
+    assert medium.pValue(values[None]) > SIGNIFICANCE
+    assert pValueOfChanges(draws[1], values) > SIGNIFICANCE
+    assert medium.tests.accepted < medium.tests.attempted
+    assert np.mean(np.abs(ends - draws[0]).max(axis=1) > 1e-6) > 0.5  # have moved
+
+
+def test_draws_of_another_temperature_are_noticed(medium, draws):
+    values = medium.valuesOf(medium.follow(draws[0], ABSURD["grid"], TRIALS, 1.2 * MEDIUM))
+    assert pValueOfChanges(draws[1], values) < SIGNIFICANCE
 
 
 def test_constants_renewed_in_mid_run_are_noticed(beads):

@@ -292,12 +292,22 @@ void NativeEnergy::updateStandIn()
     kernel.getStandIn(present);
     if (present.size() == standIn.size() && standInCutoff == choice.standIn.bornCutoff)
         kernel.setStandIn(standIn);
-    else {
-        kernel.renewStandIn();
-        kernel.getStandIn(standIn);
-        standInCutoff = choice.standIn.bornCutoff;
-    }
+    else
+        computeStandIn();
     standInIsSet = true;
+}
+
+/**
+ * Make the numbers of the stand-in those of the present state.
+ */
+void NativeEnergy::computeStandIn()
+{
+    // The kernel looks at new positions here, so that updateHeld() will not find any.
+
+    kernel.renewStandIn();
+    whole.isCurrent = false;
+    kernel.getStandIn(standIn);
+    standInCutoff = choice.standIn.bornCutoff;
 }
 
 void NativeEnergy::renewStandIn()
@@ -305,9 +315,7 @@ void NativeEnergy::renewStandIn()
     updatePlan();
     if (!hasStandIn())
         return;
-    kernel.renewStandIn();
-    kernel.getStandIn(standIn);
-    standInCutoff = choice.standIn.bornCutoff;
+    computeStandIn();
     standInIsSet = true;
 }
 

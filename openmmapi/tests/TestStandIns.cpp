@@ -72,6 +72,24 @@ static void testNumbers(Platform& platform)
     ASSERT(second != getStandIn(run));
 }
 
+static void testNewPositions(Platform& platform)
+{
+    // Numbers that are made for new positions leave no energy of the former ones.
+
+    SolvatedScene scene;
+    OuterRun run(scene, platform, 10), other(scene, platform, 10);
+    run.context->setPositions(scene.positions);
+    run.integrator.step(5);
+    const double former = run.integrator.getPotentialEnergy(*run.context);
+    for (OuterRun* each : {&run, &other}) {
+        each->context->setPositions(scene.positions);
+        each->integrator.renewStandIns(*each->context);
+    }
+    const double expected = other.integrator.getPotentialEnergy(*other.context);
+    ASSERT(fabs(former - expected) > 0.1);
+    ASSERT_EQUAL(expected, run.integrator.getPotentialEnergy(*run.context));
+}
+
 static void testGoingOn(Platform& platform, int trialsPerTest)
 {
     SolvatedScene scene;
@@ -138,6 +156,7 @@ int main()
 {
     return runOnPlatform("Reference", [](Platform& platform) {
         testNumbers(platform);
+        testNewPositions(platform);
         for (int trialsPerTest : {0, 17})
             testGoingOn(platform, trialsPerTest);
         testTakenBack(platform);

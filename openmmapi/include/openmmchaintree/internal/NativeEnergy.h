@@ -199,6 +199,7 @@ private:
     void translate();
     void setKernelTerms();
     void updateStandIn();
+    void computeStandIn();
     const HeldEnergy& updateHeld();
     const WholeEnergy& updateWhole();
     std::vector<double> updateEnergies();
