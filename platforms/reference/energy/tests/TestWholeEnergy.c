@@ -160,6 +160,29 @@ static void testScenes(int count) {
          without);
 }
 
+/* Particles so close together that no radius is above 0: products of two are, so that pairs have energies. They fill
+ * blocks, as what would have filled them has a radius above 0. */
+static void testNoRadii(void) {
+  static WholeScene scene;
+  do {
+    drawWholeScene(&scene);
+  } while (scene.count < 30 || scene.count % CT_LEAF_WIDTH != 0 || scene.born.isRescaled);
+  for (int i = 0; i < scene.count; i++) {
+    for (int d = 0; d < 3; d++) {
+      scene.positions[3 * i + d] *= 0.25;
+    }
+    scene.scaledRadii[i] = scene.offsetRadii[i];
+  }
+  for (int i = 0; i < scene.count; i++) {
+    const long double sum = oracleBornSum(&scene.born, scene.count, scene.positions, i, scene.born.cutoff);
+    CHECK(oracleBornRadius(&scene.born, i, sum) < 0);
+  }
+  const char* const sets[] = {"portable", "avx2", "avx512"};
+  for (int i = 0; i < 3; i++) {
+    CHECK(isnan(compute(&scene, sets[i]).born));
+  }
+}
+
 /* ---- Refusals ---- */
 
 static void checkRefusal(const WholeScene* s, const char* culprit) {
@@ -207,6 +230,7 @@ static void testRefusals(void) {
 
 int main(int argumentCount, char** arguments) {
   testScenes(argumentCount > 1 ? atoi(arguments[1]) : 150);
+  testNoRadii();
   testRefusals();
   CHECK(without > 0);
   return checkResult();
