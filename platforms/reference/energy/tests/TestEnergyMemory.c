@@ -253,6 +253,24 @@ static void testWhole(void) {
   CHECK(refused > 0);
 }
 
+/* Many trials that are dropped, one after another, need no more memory than the first of them, whether they were asked
+ * about all of their change or about near pairs alone. */
+static void testManyDropped(void) {
+  Bench bench = makeBench();
+  double change;
+  CHECK(ctRefreshEnergy(bench.energy, NULL) == ctSuccess);
+  for (int n = 0; n < 100; n++) {
+    propose(&bench);
+    const int before = asked;
+    CHECK(ctComputeEnergyChange(bench.energy, ctTermsPart, &change, NULL) == ctSuccess);
+    CHECK(ctComputeEnergyChange(bench.energy, ctNearPairsPart, &change, NULL) == ctSuccess);
+    CHECK(n % 2 == 1 || ctComputeEnergyChange(bench.energy, ctOtherPairsPart, &change, NULL) == ctSuccess);
+    CHECK(n < 2 || asked == before);
+    ctDiscard(bench.tree);
+  }
+  destroyBench(&bench);
+}
+
 /* Trials that are dropped, and blocks of trials that are taken back, need no more memory than the first of them. */
 static void testDropped(void) {
   int before = 0;
@@ -306,6 +324,7 @@ static void testAll(void) {
   testChange(&expected);
   testAccept(&expected);
   testKeep(&expected);
+  testManyDropped();
   testDropped();
   testAccepted();
 }
