@@ -1,19 +1,28 @@
 """Two levels for longer than tests may take: is the ensemble that of plain sampling, and that of other stand-ins?
 
     python tests/long_two_levels.py SCENE WAY=SECONDS WAY=SECONDS ...
+    python tests/long_two_levels.py SCENE --from WAY=SECONDS WAY WAY ...
+    python tests/long_two_levels.py dipeptide DRAWS
 
 Samples a scene so many seconds in each way, and compares each way with the last one. Reasonable are peptide two=60
-smaller=60 other=60 plain=600, and villin two=60 larger=60 plain=900. Absurd stand-ins hold chains fast: a ring that
-does not flip keeps the sign that it began with, and p-values say so.
+smaller=60 other=60 plain=600, and villin two=120 one=120 smaller=120 bonded=120. Absurd stand-ins hold chains fast: a
+ring that does not flip keeps the sign that it began with, and p-values say so. The line "chains agree" has p-values of
+chains of one way among each other: low ones say that they have not mixed.
 
-SCENE  peptide: a capped ASP-PHE-LYS-ALA, all of whose torsions move; hot peptide: the same at 900 K; villin: the
-       headpiece, of which ten torsions of side chains move; side chains: the headpiece, of which all of these do
-WAY    two: two levels, as they are by default; larger: with cutoffs of 1.2 nm; smaller: with cutoffs of 0.5 nm; absurd:
-       with cutoffs of 0.3 nm; other: with constants of another conformation, and cutoffs of 0.5 nm; plain: OpenMM
-       evaluates all Forces at each trial, on its CPU platform
+With --from, one long chain gives draws, and each other way makes a step from each of them: what ends there has to be
+distributed as the draws, whether that way mixes or not. The p-values are those of the mean changes. The dipeptide has
+exact draws instead, and quadrature to compare them with: see test_two_levels.py.
+
+SCENE  peptide: a capped ASP-PHE-LYS-ALA, all of whose torsions move, at 400 K; hot peptide: the same at 900 K; villin:
+       the headpiece at 300 K, of which ten torsions of side chains move that turn often; side chains: the headpiece at
+       300 K, of which all torsions of side chains move
+WAY    two: two levels, as they are by default; often: with 50 trials to an outer test; one: with one; larger: with
+       cutoffs of 1.0 and 1.2 nm; smaller: with cutoffs of 0.5 nm; absurd: with cutoffs of 0.3 nm; bonded: trials see
+       bonded terms alone, and a test after each decides by our own whole energy; other: with constants of another
+       conformation, and cutoffs of 0.5 nm; plain: OpenMM evaluates all Forces at each trial, on its CPU platform
 
 Prints the means of U (kJ/mol), of the radius of gyration (nm) and of cosines of ten torsions, and for each way p-values
-by means of blocks. Exit status 1 if one of them is below SIGNIFICANCE divided by their number. AMBER14 and GBn2, 400 K.
+by means of blocks. Exit status 1 if one of them is below SIGNIFICANCE divided by their number. AMBER14 and GBn2.
 """
 
 import sys
@@ -22,20 +31,35 @@ import time
 import numpy as np
 import openmm.app as app
 from openmm import unit
-from openmmchaintree import createStericExclusionForce
-from realsystems import Run, makeSystem, readSystem
-from scipy.stats import t
+from openmmchaintree import StericExclusionForce, createStericExclusionForce
+from realsystems import Run, isSteric, makeSystem, readSystem
+from scipy.stats import f_oneway, t
 from test_native_sampling import SIGNIFICANCE, TEMPERATURE
+from test_two_levels import ABSURD, DEFAULT, SHORT, makeDipeptide, pValueOfChanges
 
 FORCE_FIELD = ("amber14-all.xml", "implicit/gbn2.xml")
-HOT = 900  # K
+HOT, COLD = 900, 300  # K
 COLUMNS = 10  # torsions that are looked at
-CHAINS = 2
+CHAINS = 4
 BLOCKS = 12  # a chain
+STEPS = 10  # between two draws
+LENGTHS = 40, 400  # trials from each exact draw
+TOLERANCE = 0.05  # nm, of villin: so that it has no clash, and limits do not depend on where a chain begins
 
 # Born cutoff, cutoff of pairs (nm), trials to an outer test.
-STAND_INS = {"two": (0.7, 0.9, 400), "larger": (1.2, 1.2, 400), "smaller": (0.5, 0.5, 20), "absurd": (0.3, 0.3, 4)}
+STAND_INS = {
+    "two": (0.7, 0.9, 400),
+    "often": (0.7, 0.9, 50),
+    "one": (0.7, 0.9, 1),
+    "larger": (1.0, 1.2, 400),
+    "smaller": (0.5, 0.5, 20),
+    "absurd": (0.3, 0.3, 4),
+    "bonded": (0.05, 0.05, 1),
+}
 STAND_INS["other"] = STAND_INS["smaller"]
+
+# Of the side chains of villin: of GLU 4, ASP 5, LYS 7, ASN 19, HIS 27, LYS 30 and PHE 35.
+FREE = [6, 7, 9, 14, 15, 31, 49, 58, 59, 69]
 
 
 def cutPeptide():
@@ -66,8 +90,9 @@ def makeScene(name):
         system.addForce(createStericExclusionForce(topology, positions))
     else:
         system, _, positions = makeSystem("villin", FORCE_FIELD[0], solvent=FORCE_FIELD[1], torsions=("chi",))
-    count = len(Run(system, positions).torsions)
-    return system, positions, [int(i) for i in np.linspace(0, count - 1, COLUMNS)] if name == "villin" else None
+        force = next(force for force in system.getForces() if isSteric(force))
+        StericExclusionForce.cast(force).setOverlapTolerance(TOLERANCE)
+    return system, positions, FREE if name == "villin" else None
 
 
 def makeRun(scene, way, seed, temperature):
@@ -91,21 +116,30 @@ def makeRun(scene, way, seed, temperature):
     return run
 
 
-def sample(scene, way, seconds, seed, temperature, elsewhere):
-    """Return U, radius of gyration and cosines of torsions, one row a step."""
+def makeRunOf(way, scene, seed, temperature, elsewhere):
+    """Return a run at the start, whose stand-in has the constants that it is to have."""
     run = makeRun(scene, way, seed, temperature)
-    if way == "other":
-        run.context.setPositions(elsewhere)
-        run.integrator.renewStandIns(run.context)
-        run.context.setPositions(scene[1])
+    run.context.setPositions(elsewhere if way == "other" else scene[1])
+    run.integrator.renewStandIns(run.context)
+    run.context.setPositions(scene[1])
+    return run
+
+
+def look(run, columns):
+    """Return U, radius of gyration and cosines of torsions."""
+    assert run.integrator.getNumToleratedClashes(run.context) == 0
+    radius = np.sqrt(run.positions.var(axis=0).sum())
     count = len(run.torsions)
-    columns = scene[2] or [int(i) for i in np.linspace(0, count - 1, COLUMNS)]
+    return [run.energy, radius, *np.cos(run.torsions[columns or [int(i) for i in np.linspace(0, count - 1, COLUMNS)]])]
+
+
+def sample(scene, way, seconds, seed, temperature, elsewhere):
+    """Return what one looks at, one row a step."""
+    run = makeRunOf(way, scene, seed, temperature, elsewhere)
     rows, end = [], time.monotonic() + seconds
     while time.monotonic() < end or len(rows) < 2 * BLOCKS:
         run.integrator.step(1)
-        positions = run.positions
-        radius = np.sqrt(positions.var(axis=0).sum())
-        rows.append([run.energy, radius, *np.cos(run.torsions[columns])])
+        rows.append(look(run, scene[2]))
     tests = run.integrator.getOuterStatistics()
     kept = f", {tests.accepted / tests.attempted:.3f} of outer tests kept" if tests.attempted > 0 else ""
     trials = len(rows) * run.integrator.getTrialsPerStep()
@@ -132,34 +166,97 @@ def pValues(blocks1, blocks2):
     return 2 * t.sf(np.abs(differences) / np.sqrt(total), np.maximum(freedom, 1))
 
 
+def show(title, values, form="{:.3g}"):
+    print(title, *(form.format(value) for value in values), flush=True)
+
+
+def compareChains(ways, scene, relaxed, temperature):
+    """Return whether all ways sample what the last one samples."""
+    blocks = {}
+    for number, (way, seconds) in enumerate(ways.items()):
+        chains = []
+        for chain in range(CHAINS):
+            start = (scene[0], relaxed[chain], scene[2])
+            chains.append(sample(start, way, seconds / CHAINS, 10 * number + chain + 1, temperature, relaxed[CHAINS]))
+        blocks[way] = blockMeans(chains)
+        errors = blocks[way].std(axis=0, ddof=1) / np.sqrt(len(blocks[way]))
+        print(way, *(f"{m:.3f}({e:.3f})" for m, e in zip(blocks[way].mean(axis=0), errors, strict=True)), flush=True)
+        show(f"{way}, chains agree: p-values", f_oneway(*blocks[way].reshape(CHAINS, BLOCKS, -1)).pvalue)
+    *others, last = ways
+    isGood = True
+    for way in others:
+        found = pValues(blocks[way], blocks[last])
+        isGood = isGood and found.min() > SIGNIFICANCE / (len(found) * len(others))
+        show(f"{way} and {last}: p-values", found)
+    return isGood
+
+
+def followDraws(source, seconds, ways, scene, relaxed, temperature):
+    """Return whether a step of each way leaves the distribution of states of another way's chain as it is."""
+    elsewhere = relaxed[CHAINS]
+    start = (scene[0], relaxed[0], scene[2])
+    chain = makeRunOf(source, start, 1, temperature, elsewhere)
+    runs = {way: makeRunOf(way, start, 2 + i, temperature, elsewhere) for i, way in enumerate(ways)}
+    changes, end = {way: [] for way in ways}, time.monotonic() + seconds
+    while time.monotonic() < end:
+        chain.integrator.step(STEPS)
+        state, drawn = chain.positions, np.array(look(chain, scene[2]))
+        for way, run in runs.items():
+            run.context.setPositions(state)
+            run.integrator.step(1)
+            changes[way].append(np.array(look(run, scene[2])) - drawn)
+    isGood = True
+    for way, run in runs.items():
+        rows = np.array(changes[way])
+        tests = run.integrator.getOuterStatistics()
+        kept = f", {tests.accepted / tests.attempted:.3f} of outer tests kept" if tests.attempted > 0 else ""
+        print(f"{way}: {run.integrator.getTrialsPerStep()} trials from each of {len(rows)} draws of {source}{kept}")
+        blocks = rows[: len(rows) // BLOCKS * BLOCKS].reshape(BLOCKS, -1, rows.shape[1]).mean(axis=1)
+        errors = blocks.std(axis=0, ddof=1) / np.sqrt(BLOCKS) + 1e-300
+        print(f"{way}, changes", *(f"{m:.4f}({e:.4f})" for m, e in zip(blocks.mean(axis=0), errors, strict=True)))
+        show(f"{way}, root of mean squared changes", np.sqrt((rows**2).mean(axis=0)))
+        found = 2 * t.sf(np.abs(blocks.mean(axis=0)) / errors, BLOCKS - 1)
+        isGood = isGood and found.min() > SIGNIFICANCE / (len(found) * len(ways))
+        show(f"{way} from draws of {source}: p-values", found)
+    return isGood
+
+
+def followExactDraws(count):
+    """Return whether trials by any stand-in leave exact draws of a dipeptide as they are."""
+    scene = makeDipeptide(TEMPERATURE)
+    draws = scene.draw(count)
+    values = scene.valuesOf(draws)
+    found = [scene.pValue(values[None])]
+    print(f"{count} draws against quadrature: p-value {found[0]:.3g}", flush=True)
+    for name, standIn in {"default": DEFAULT, "short": SHORT, **ABSURD}.items():
+        for trials in LENGTHS:
+            ends = scene.follow(draws, standIn, trials, TEMPERATURE)
+            after = scene.valuesOf(ends)
+            found += [scene.pValue(after[None]), pValueOfChanges(values, after)]
+            kept = scene.tests.accepted / scene.tests.attempted
+            stays = np.corrcoef(np.sin(draws[:, 0]), np.sin(ends[:, 0]))[0, 1]
+            show(f"{name}, {trials} trials: p-values against quadrature, of changes", found[-2:])
+            show("    outer tests kept, correlation of sin(phi) with that before", (kept, stays))
+    return min(found) > SIGNIFICANCE / len(found)
+
+
 def main(arguments):
     name, *ways = arguments
-    seconds = {way: float(value) for way, value in (argument.split("=") for argument in ways)}
-    ways = list(seconds)
+    if name == "dipeptide":
+        return 0 if followExactDraws(int(ways[0])) else 1
+    isFollowed = ways[0] == "--from"
+    seconds = {way: float(value) for way, _, value in (argument.partition("=") for argument in ways if "=" in argument)}
     scene = makeScene(name)
-    temperature = HOT if name.startswith("hot") else TEMPERATURE
+    temperature = TEMPERATURE if name == "peptide" else HOT if name.startswith("hot") else COLD
     relaxed = []
     for seed in range(1, CHAINS + 2):
         run = makeRun(scene, "two", 100 + seed, temperature)
         run.run(200000)
         relaxed.append(run.positions)
-    blocks = {}
-    for number, way in enumerate(ways):
-        chains = []
-        for chain in range(CHAINS):
-            start = (scene[0], relaxed[chain], scene[2])
-            seed = 10 * number + chain + 1
-            chains.append(sample(start, way, seconds[way] / CHAINS, seed, temperature, relaxed[CHAINS]))
-        blocks[way] = blockMeans(chains)
-        errors = blocks[way].std(axis=0, ddof=1) / np.sqrt(len(blocks[way]))
-        means = blocks[way].mean(axis=0)
-        print(way, *(f"{m:.3f}({e:.3f})" for m, e in zip(means, errors, strict=True)), flush=True)
-    isGood = True
-    for way in ways[:-1]:
-        found = pValues(blocks[way], blocks[ways[-1]])
-        isGood = isGood and found.min() > SIGNIFICANCE / (len(found) * (len(ways) - 1))
-        print(f"{way} and {ways[-1]}: p-values", *(f"{value:.3g}" for value in found), flush=True)
-    return 0 if isGood else 1
+    if isFollowed:
+        source, length = next(iter(seconds.items()))
+        return 0 if followDraws(source, length, ways[2:], scene, relaxed, temperature) else 1
+    return 0 if compareChains(seconds, scene, relaxed, temperature) else 1
 
 
 if __name__ == "__main__":

@@ -139,7 +139,7 @@ class Scene:
         rows = blocks.reshape(-1, blocks.shape[2])
         errors = rows.std(axis=0, ddof=1) / np.sqrt(len(rows)) + 1e-300
         values = 2 * t.sf(np.abs(rows.mean(axis=0) - self.expected) / errors, len(rows) - 1)
-        return values.min() * len(values)
+        return min(1, values.min() * len(values))
 
 
 def pValueOfChanges(before, after):
@@ -147,7 +147,7 @@ def pValueOfChanges(before, after):
     changes = after - before
     errors = changes.std(axis=0, ddof=1) / np.sqrt(len(changes)) + 1e-300
     values = 2 * t.sf(np.abs(changes.mean(axis=0)) / errors, len(changes) - 1)
-    return values.min() * len(values)
+    return min(1, values.min() * len(values))
 
 
 def functionsOf(angles, energies):
