@@ -4,6 +4,8 @@
  * no more than chance allows.
  */
 
+#include "openmm/CustomCentroidBondForce.h"
+#include "openmm/CustomTorsionForce.h"
 #include "openmm/GBSAOBCForce.h"
 #include "openmm/NonbondedForce.h"
 #include "openmmchaintree/TorsionMonteCarloIntegrator.h"
@@ -17,8 +19,7 @@ using namespace std;
 
 static const double TEMPERATURE = 400;
 static const double kT = TEMPERATURE * 8.31446261815324e-3;
-static const int NUM_DRAWS = 10000;
-static const int STERIC_GROUP = 1;
+static const int STERIC_GROUP = 1, FOREIGN_GROUP = 2;
 
 /** In standard errors, what a mean may change by. Chance exceeds it once in some 5,000 runs of this test. */
 static const double LARGEST_CHANGE = 4.5;
@@ -33,11 +34,13 @@ public:
 };
 
 /**
- * Five beads with Born solvation, of which the ends are charged and bury others, and draws from exp(-U/kT).
+ * Five beads with Born solvation, of which the ends are charged and bury others, and draws from exp(-U/kT). There can
+ * be a Force that OpenMM evaluates, in the group of the others or not, and bonded terms.
  */
 class SolvatedChain {
 public:
-    SolvatedChain() : force(new StericExclusionForce()), integrator(TEMPERATURE)
+    explicit SolvatedChain(int numDraws, bool hasForeign = false, int foreignGroup = 0) :
+        force(new StericExclusionForce()), integrator(TEMPERATURE)
     {
         positions = {{0, 0.4, 0}, {0, 0, 0}, {0.3, 0, 0}, {0.3, 0.3, 0}, {0.7, 0.3, 0.1}};
         NonbondedForce* pairs = new NonbondedForce();
@@ -62,9 +65,21 @@ public:
         system.addForce(force);
         system.addForce(pairs);
         system.addForce(born);
+        if (hasForeign) {
+            CustomTorsionForce* torsions = new CustomTorsionForce("4*cos(theta-1)");
+            for (int i = 0; i < 2; i++)
+                torsions->addTorsion(i, i + 1, i + 2, i + 3);
+            system.addForce(torsions);
+            CustomCentroidBondForce* foreign = new CustomCentroidBondForce(2, "150*(distance(g1,g2)-0.45)^2");
+            foreign->addGroup({0, 1});
+            foreign->addGroup({3, 4});
+            foreign->addBond({0, 1});
+            foreign->setForceGroup(foreignGroup);
+            system.addForce(foreign);
+        }
         context.reset(new Context(system, integrator, Platform::getPlatform("Reference")));
         context->setPositions(positions);
-        makeDraws();
+        makeDraws(numDraws);
     }
     /**
      * Evaluate what is compared, by OpenMM's energy.
@@ -88,7 +103,7 @@ private:
     /**
      * Draw by rejection: uniform angles are taken with exp(-(U - lowest U)/kT).
      */
-    void makeDraws()
+    void makeDraws(int numDraws)
     {
         const int size = 30;
         double lowest = HUGE_VAL;
@@ -97,7 +112,7 @@ private:
         lowest -= 0.5 * kT;
         mt19937_64 generator(1);
         uniform_real_distribution<double> angle(-M_PI, M_PI), unit(0, 1);
-        while ((int)draws.size() < NUM_DRAWS) {
+        while ((int)draws.size() < numDraws) {
             const vector<double> angles = {angle(generator), angle(generator)};
             const double energy = computeEnergy(angles) - lowest;
             ASSERT(energy > 0);
@@ -122,6 +137,10 @@ static const Setting SETTINGS[] = {{"all pairs", 2, 2, 0.1, 5, 20, 0.95, 1},
                                    {"constant radii", 0.05, 2, 0.1, 4, 12, 0.3, 0.9},
                                    {"wide grid", 2, 2, 1, 5, 20, 0.3, 0.98},
                                    {"bonded terms alone", 0.05, 0.05, 0.1, 1, 10, 0.1, 0.9}};
+
+/** With a Force that is foreign: left to outer tests, or decided in each trial. */
+static const Setting FOREIGN_SETTINGS[] = {{"foreign in tests", 0.4, 0.4, 0.1, 3, 12, 0.2, 0.9},
+                                           {"foreign in trials", 0.4, 0.4, 0.1, 0, 4, 0.2, 0.9}};
 
 /**
  * Get by how many standard errors the mean of a value has changed after trials from each draw, the largest of all.
@@ -156,12 +175,12 @@ static double findLargestChange(SolvatedChain& chain, const Setting& setting, bo
             squares[i] += change * change;
         }
     }
-    ASSERT(numMoved > NUM_DRAWS / 2);
+    ASSERT(numMoved > (int)chain.draws.size() / 2);
     long long attempted, accepted, trialsTakenBack;
     double mean, deviation;
     integrator.getOuterStatistics(attempted, accepted, trialsTakenBack, mean, deviation);
     const double kept = (double)accepted / attempted;
-    if (!constantsOfDraws && !(kept >= setting.leastKept && kept <= setting.mostKept))
+    if (attempted > 0 && !constantsOfDraws && !(kept >= setting.leastKept && kept <= setting.mostKept))
         throw OpenMMException(setting.name + ": " + to_string(kept) + " of the outer tests are passed");
     double largest = 0;
     for (size_t i = 0; i < sums.size(); i++)
@@ -169,19 +188,39 @@ static double findLargestChange(SolvatedChain& chain, const Setting& setting, bo
     return largest;
 }
 
+static void assertUnchanged(SolvatedChain& chain, const Setting& setting)
+{
+    const double largest = findLargestChange(chain, setting, false);
+    if (largest > LARGEST_CHANGE)
+        throw OpenMMException(setting.name + ": a mean changes by " + to_string(largest) + " standard errors");
+}
+
+static void testNativeForces()
+{
+    SolvatedChain chain(10000);
+    for (const Setting& setting : SETTINGS) {
+        assertUnchanged(chain, setting);
+
+        // Constants that depend on where trials begin are noticed.
+
+        if (setting.name == "constant radii")
+            ASSERT(findLargestChange(chain, setting, true) > LARGEST_CHANGE);
+    }
+}
+
+static void testForeignForce()
+{
+    for (int group : {0, FOREIGN_GROUP}) {
+        SolvatedChain chain(4000, true, group);
+        for (const Setting& setting : FOREIGN_SETTINGS)
+            assertUnchanged(chain, setting);
+    }
+}
+
 int main()
 {
     return runOnPlatform("Reference", [](Platform&) {
-        SolvatedChain chain;
-        for (const Setting& setting : SETTINGS) {
-            const double largest = findLargestChange(chain, setting, false);
-            if (largest > LARGEST_CHANGE)
-                throw OpenMMException(setting.name + ": a mean changes by " + to_string(largest) + " standard errors");
-
-            // Constants that depend on where trials begin are noticed.
-
-            if (setting.name == "constant radii")
-                ASSERT(findLargestChange(chain, setting, true) > LARGEST_CHANGE);
-        }
+        testNativeForces();
+        testForeignForce();
     });
 }
