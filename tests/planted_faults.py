@@ -415,7 +415,7 @@ ENERGY_FAULTS = [
           "const int* slotsOfFirst = step->side == 0 ? list->rows : list->lanes;",
           "const int* slotsOfFirst = list->rows;"),
     Fault("tape: what fills the last sixteen counts", "tapekernels_body.h",
-          "      energy = keep16((1u << (list.count - begin)) - 1, energy);\n", "      ;\n"),
+          "      value = keep16((1u << (list.count - begin)) - 1, value);\n", "      ;\n"),
     Fault("tape: the least of two is the greater", "tapekernels_body.h",
           "EACH_SIXTEEN(chooseBelow16(b, a, b, a));", "EACH_SIXTEEN(chooseBelow16(a, b, b, a));"),
     Fault("tape: odd powers are those below", "tapegraph.c",

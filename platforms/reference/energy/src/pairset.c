@@ -60,12 +60,12 @@ static bool createMask(PairSet* set, const ctPairSet* d, int leafCount, const in
 ctStatus ctPairSetCreate(PairSet* set, const ctChainTree* tree, int particleCount, const ctPairSet* description,
                          int number, const int* slotOf, char* errorText, size_t errorSize) {
   const int leafCount = ctGetLeafCount(tree);
-  *set = (PairSet){.kernel = ctFindTapeKernel(ctGetInstructionSet(tree)), .hasGroups = description->groupCount > 0};
+  *set = (PairSet){.kernels = ctFindTapeKernels(ctGetInstructionSet(tree)), .hasGroups = description->groupCount > 0};
   if (!ctPairSetIsValid(description, number, particleCount, slotOf, errorText, errorSize)) {
     return ctInvalidArgument;
   }
   setRange(set, description);
-  if (!ctTapeCreate(&set->tape, description, particleCount, leafCount, slotOf) ||
+  if (!ctTapeCreate(&set->tape, description, description->parametersPerParticle, particleCount, leafCount, slotOf) ||
       !copyParameters(set, description, particleCount, leafCount, slotOf) ||
       !createMask(set, description, leafCount, slotOf) ||
       (set->hasGroups &&
@@ -91,9 +91,9 @@ void ctPairSetFree(PairSet* set) {
 /* The energy of a pair of particles in double. */
 static double exactPair(const PairSet* set, double squared, int slotA, int slotB) {
   const double distance = sqrt(squared);
-  const size_t each = (size_t)set->tape.parametersPerParticle;
-  const double energy = ctTapeEvaluate(&set->tape, distance, set->parameters + (size_t)slotA * each,
-                                       set->parameters + (size_t)slotB * each);
+  const size_t each = (size_t)set->tape.expression.parametersPerParticle;
+  const double energy = ctPairExpressionEvaluate(
+      &set->tape.expression, distance, set->parameters + (size_t)slotA * each, set->parameters + (size_t)slotB * each);
   if (!(distance > set->switchingDistance)) {
     return energy;
   }
@@ -146,7 +146,7 @@ double ctPairSetEnergy(const void* model, int a, const LeafFrame* frameA, int b,
     pair.allowed = allowed;
   }
   if (!set->tape.isExact) {
-    const double energy = set->kernel(&set->tape, &pair, &set->range);
+    const double energy = set->kernels->energy(&set->tape, &pair, &set->range);
     if (isfinite(energy)) {
       return energy;
     }

@@ -7,7 +7,7 @@
 #include "tapekernels.h"
 
 typedef struct PairSet {
-  TapeKernel* kernel;
+  const TapeKernels* kernels;
   Tape tape;
   TapeRange range;
   double cutoff;

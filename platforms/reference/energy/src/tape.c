@@ -10,26 +10,6 @@
 
 enum { UNUSED = -1 };
 
-/* ---- Evaluation in double ---- */
-
-double ctTapeEvaluate(const Tape* tape, double distance, const double* first, const double* second) {
-  double* results = tape->results;
-  for (int i = 0; i < tape->operationCount; i++) {
-    const ctOperation* operation = &tape->operations[i];
-    const int* n = operation->arguments;
-    if (operation->kind == ctInputOperator) {
-      results[i] = distance;
-    } else if (operation->kind == ctParameterOperator) {
-      results[i] = n[0] < tape->parametersPerParticle ? first[n[0]] : second[n[0] - tape->parametersPerParticle];
-    } else if (operation->kind == ctTableOperator) {
-      results[i] = tableValue(&tape->tables[(int)operation->constant], results[n[0]], results[n[1]], results[n[2]]);
-    } else {
-      results[i] = ctOperate(operation, results[n[0]], results[n[1]], results[n[2]]);
-    }
-  }
-  return results[tape->operationCount - 1];
-}
-
 /* ---- Steps ---- */
 
 /* True for a sum, difference or product of columns of both sides, which a step reads itself. */
@@ -115,12 +95,12 @@ static void addColumnsToStep(Tape* tape, const TapeGraph* graph, const ctOperati
 
 static void addStep(Tape* tape, const TapeGraph* graph, int i, const int* lastUse, TapeValue* values, Lines* lines) {
   const ctOperation* node = &graph->nodes[i];
-  const int count = countResults(graph, tape->tables, i);
+  const int count = countResults(graph, tape->expression.tables, i);
   TapeStep* step = &tape->steps[tape->stepCount++];
   *step = (TapeStep){.kind = node->kind};
   addColumnsToStep(tape, graph, node, step);
   if (node->kind == ctTableOperator) {
-    step->table = &tape->tapeTables[(int)node->constant];
+    step->table = &tape->tables[(int)node->constant];
   }
   /* A result may take the place of what is used here for the last time. */
   for (int k = 0; k < count; k++) {
@@ -150,7 +130,7 @@ static bool makeSteps(Tape* tape, const TapeGraph* graph) {
   bool isMade =
       lastUse != NULL && values != NULL && lines.free != NULL && tape->steps != NULL && tape->columnKinds != NULL;
   if (isMade) {
-    findLastUses(graph, tape->tables, lastUse);
+    findLastUses(graph, tape->expression.tables, lastUse);
     /* Constants come first. Squares of distances are there when the tape starts. */
     for (int i = 0; i < graph->nodeCount; i++) {
       if (graph->nodes[i].kind == ctConstantOperator && lastUse[i] != UNUSED) {
@@ -174,7 +154,7 @@ static bool makeSteps(Tape* tape, const TapeGraph* graph) {
   }
   for (int i = 0; isMade && i < graph->nodeCount; i++) {
     if (graph->nodes[i].kind == ctConstantOperator && lastUse[i] != UNUSED) {
-      tape->isExact = tape->isExact || !isFloat(graph->nodes[i].constant);
+      tape->constantsAreExact = tape->constantsAreExact || !isFloat(graph->nodes[i].constant);
       for (int k = 0; k < CT_LEAF_WIDTH; k++) {
         tape->scratch[values[i].begin + k] = (float)graph->nodes[i].constant;
       }
@@ -188,20 +168,24 @@ static bool makeSteps(Tape* tape, const TapeGraph* graph) {
 
 /* ---- Columns ---- */
 
-static bool fillColumns(Tape* tape, int particleCount, int leafCount, const int* slotOf, const double* numbers) {
+void ctTapeSetParameters(Tape* tape, int particleCount, const int* slotOf, const double* parameters, int stride) {
   const size_t count = (size_t)tape->columnCount;
-  tape->columns = calloc(count * CT_LEAF_WIDTH * (size_t)leafCount + 1, sizeof *tape->columns);
-  for (int i = 0; tape->columns != NULL && i < particleCount; i++) {
-    for (size_t c = 0; slotOf[i] != CT_NULL && c < count; c++) {
+  tape->isExact = tape->constantsAreExact;
+  for (int i = 0; i < particleCount; i++) {
+    const double* ofParticle = parameters + (size_t)i * (size_t)stride;
+    if (slotOf[i] == CT_NULL || count == 0) {
+      continue;
+    }
+    ctPairExpressionEvaluate(&tape->expression, 1, ofParticle, ofParticle);
+    float* columns = tape->columns + (size_t)(slotOf[i] / CT_LEAF_WIDTH) * count * CT_LEAF_WIDTH;
+    for (size_t c = 0; c < count; c++) {
       const TapeColumn* kind = &tape->columnKinds[c];
-      const size_t leaf = (size_t)(slotOf[i] / CT_LEAF_WIDTH);
-      const double number = numbers[(size_t)i * (size_t)tape->operationCount + (size_t)kind->operation];
+      const double number = tape->expression.results[kind->operation];
       const double value = kind->factor * (kind->isRoot ? sqrt(number) : number);
       tape->isExact = tape->isExact || (isfinite(value) && !isFloat(value));
-      tape->columns[(leaf * count + c) * CT_LEAF_WIDTH + (size_t)(slotOf[i] % CT_LEAF_WIDTH)] = (float)value;
+      columns[c * CT_LEAF_WIDTH + (size_t)(slotOf[i] % CT_LEAF_WIDTH)] = (float)value;
     }
   }
-  return tape->columns != NULL;
 }
 
 /* ---- Life ---- */
@@ -209,60 +193,24 @@ static bool fillColumns(Tape* tape, int particleCount, int leafCount, const int*
 /* Whole numbers up to here are floats. */
 enum { MOST_WHOLE_FLOAT = 1 << 24 };
 
-static bool copyTable(Tape* tape, const ctTable* given) {
-  const size_t length = tableLength(given);
-  double* values = malloc(length * sizeof *values);
-  float* floats = malloc(length * sizeof *floats);
-  if (values == NULL || floats == NULL) {
-    free(values);
-    free(floats);
-    return false;
-  }
-  for (size_t i = 0; i < length; i++) {
-    values[i] = given->values[i];
-    floats[i] = (float)values[i];
-    tape->isExact = tape->isExact || (isfinite(values[i]) && !isFloat(values[i]));
-  }
-  ctTable* table = &tape->tables[tape->tableCount];
-  *table = *given;
-  table->values = values;
-  tape->tapeTables[tape->tableCount++] = (TapeTable){*table, floats, length > MOST_WHOLE_FLOAT};
-  return true;
-}
-
-static bool copyTables(Tape* tape, const ctPairSet* set) {
-  tape->tables = calloc((size_t)set->tableCount + 1, sizeof *tape->tables);
-  tape->tapeTables = calloc((size_t)set->tableCount + 1, sizeof *tape->tapeTables);
-  if (tape->tables == NULL || tape->tapeTables == NULL) {
-    return false;
-  }
-  for (int i = 0; i < set->tableCount; i++) {
-    if (!copyTable(tape, &set->tables[i])) {
+/* Makes floats of the tables' values. */
+static bool makeTables(Tape* tape) {
+  const PairExpression* expression = &tape->expression;
+  tape->tables = calloc((size_t)expression->tableCount + 1, sizeof *tape->tables);
+  for (int i = 0; tape->tables != NULL && i < expression->tableCount; i++) {
+    const ctTable* exact = &expression->tables[i];
+    const size_t length = tableLength(exact);
+    float* values = malloc(length * sizeof *values);
+    if (values == NULL) {
       return false;
     }
-  }
-  return true;
-}
-
-static bool copyExpression(Tape* tape, const ctPairSet* set) {
-  const size_t operations = (size_t)set->operationCount;
-  tape->operationCount = set->operationCount;
-  tape->parametersPerParticle = set->parametersPerParticle;
-  tape->operations = malloc(operations * sizeof *tape->operations);
-  tape->results = calloc(operations, sizeof *tape->results);
-  if (tape->operations == NULL || tape->results == NULL || !copyTables(tape, set)) {
-    return false;
-  }
-  memcpy(tape->operations, set->operations, operations * sizeof *tape->operations);
-  /* Arguments that are not taken may hold anything. */
-  for (size_t i = 0; i < operations; i++) {
-    ctOperation* operation = &tape->operations[i];
-    const bool takesNumber = operation->kind == ctParameterOperator;
-    for (int k = takesNumber ? 1 : ctArgumentCount(operation, tape->tables); k < 3; k++) {
-      operation->arguments[k] = 0;
+    for (size_t k = 0; k < length; k++) {
+      values[k] = (float)exact->values[k];
+      tape->constantsAreExact = tape->constantsAreExact || (isfinite(exact->values[k]) && !isFloat(exact->values[k]));
     }
+    tape->tables[i] = (TapeTable){*exact, values, length > MOST_WHOLE_FLOAT};
   }
-  return true;
+  return tape->tables != NULL;
 }
 
 /* The results of all operations for each particle as both of a pair; NULL if there is no memory. */
@@ -271,37 +219,45 @@ static double* evaluateAlone(const Tape* tape, const ctPairSet* set, int particl
   double* numbers = calloc(((size_t)particleCount + 1) * operations, sizeof *numbers);
   for (int i = 0; numbers != NULL && i < particleCount; i++) {
     const double* parameters = set->parameters + (size_t)i * (size_t)set->parametersPerParticle;
-    ctTapeEvaluate(tape, 1, parameters, parameters);
-    memcpy(numbers + (size_t)i * operations, tape->results, operations * sizeof *numbers);
+    ctPairExpressionEvaluate(&tape->expression, 1, parameters, parameters);
+    memcpy(numbers + (size_t)i * operations, tape->expression.results, operations * sizeof *numbers);
   }
   return numbers;
 }
 
-bool ctTapeCreate(Tape* tape, const ctPairSet* set, int particleCount, int leafCount, const int* slotOf) {
+static bool makeColumns(Tape* tape, int leafCount) {
+  tape->columns = calloc((size_t)tape->columnCount * CT_LEAF_WIDTH * (size_t)leafCount + 1, sizeof *tape->columns);
+  return tape->columns != NULL;
+}
+
+bool ctTapeCreate(Tape* tape, const ctPairSet* set, int fixedCount, int particleCount, int leafCount,
+                  const int* slotOf) {
   TapeGraph graph;
   *tape = (Tape){0};
-  double* numbers = copyExpression(tape, set) ? evaluateAlone(tape, set, particleCount) : NULL;
+  double* numbers = NULL;
+  if (ctPairExpressionCreate(&tape->expression, set) && makeTables(tape)) {
+    numbers = evaluateAlone(tape, set, particleCount);
+  }
   bool isMade = false;
-  if (numbers != NULL && ctTapeGraphCreate(&graph, set, particleCount, numbers)) {
-    isMade = makeSteps(tape, &graph) && fillColumns(tape, particleCount, leafCount, slotOf, numbers);
+  if (numbers != NULL && ctTapeGraphCreate(&graph, set, fixedCount, particleCount, numbers)) {
+    isMade = makeSteps(tape, &graph) && makeColumns(tape, leafCount);
     ctTapeGraphFree(&graph);
   }
   free(numbers);
-  if (!isMade) {
+  if (isMade) {
+    ctTapeSetParameters(tape, particleCount, slotOf, set->parameters, set->parametersPerParticle);
+  } else {
     ctTapeFree(tape);
   }
   return isMade;
 }
 
 void ctTapeFree(Tape* tape) {
-  for (int i = 0; i < tape->tableCount; i++) {
-    free((void*)tape->tables[i].values);
-    free(tape->tapeTables[i].values);
+  for (int i = 0; tape->tables != NULL && i < tape->expression.tableCount; i++) {
+    free(tape->tables[i].values);
   }
   free(tape->tables);
-  free(tape->tapeTables);
-  free(tape->operations);
-  free(tape->results);
+  ctPairExpressionFree(&tape->expression);
   free(tape->steps);
   free(tape->scratch);
   free(tape->columnKinds);

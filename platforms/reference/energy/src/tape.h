@@ -3,6 +3,7 @@
 #define CT_TAPE_H_
 
 #include "leafpair.h"
+#include "pairexpression.h"
 #include "tapegraph.h"
 
 /* A pair of leaves has at most so many pairs of particles. */
@@ -40,17 +41,11 @@ typedef struct Tape {
   float* scratch;
   int columnCount; /* that steps read */
   TapeColumn* columnKinds;
-  float* columns; /* of each leaf columnCount times sixteen; 0 where a slot holds no particle */
-  bool isExact;   /* some number is no float: pairs have to be evaluated in double */
-
-  /* The expression as it was given, for evaluation in double. */
-  int operationCount;
-  ctOperation* operations;
-  int parametersPerParticle;
-  int tableCount;
-  ctTable* tables;       /* with values of its own */
-  TapeTable* tapeTables; /* of these */
-  double* results;       /* scratch, one an operation */
+  float* columns;         /* of each leaf columnCount times sixteen; 0 where a slot holds no particle */
+  bool constantsAreExact; /* one of them, or of the tables' values, is no float */
+  bool isExact;           /* some number is no float: pairs have to be evaluated in double */
+  PairExpression expression;
+  TapeTable* tables; /* of the expression */
 } Tape;
 
 /* Which pairs of particles of two leaves count, and how. */
@@ -71,11 +66,13 @@ typedef struct TapeRange {
   float inverseSwitchWidth;
 } TapeRange;
 
-/* Makes the tape of a valid pair set. False, and nothing to free, if there is no memory. */
-bool ctTapeCreate(Tape* tape, const ctPairSet* set, int particleCount, int leafCount, const int* slotOf);
+/* Makes the tape of a valid pair set, of which all parameters of a particle but the first `fixedCount` may change
+ * later. False, and nothing to free, if there is no memory. */
+bool ctTapeCreate(Tape* tape, const ctPairSet* set, int fixedCount, int particleCount, int leafCount,
+                  const int* slotOf);
 void ctTapeFree(Tape* tape);
 
-/* The expression of a distance and the parameters of two particles in double, by the C library's functions. */
-double ctTapeEvaluate(const Tape* tape, double distance, const double* first, const double* second);
+/* Sets the parameters of all particles, which are those of one particle every `stride` numbers. */
+void ctTapeSetParameters(Tape* tape, int particleCount, const int* slotOf, const double* parameters, int stride);
 
 #endif /* CT_TAPE_H_ */

@@ -14,9 +14,11 @@ enum { NO_NODE = -1 };
 typedef struct Builder {
   TapeGraph* graph;
   const ctPairSet* set;
+  int fixedCount;
   int particleCount;
   const double* numbers;
-  unsigned char* dependsOn; /* per operation of the set, as the next */
+  unsigned char* dependsOn; /* per operation of the set, as the next two */
+  bool* mayChange;          /* it depends on a parameter that is not fixed */
   int* nodeOf;              /* or NO_NODE */
   int distance;             /* nodes that are made if they are needed, or NO_NODE */
   int inverse;
@@ -238,7 +240,10 @@ static int nodeOf(Builder* b, int operation) {
   return b->nodeOf[operation];
 }
 
-static bool isNowhereNegative(const Builder* b, int operation) {
+static bool isNeverNegative(const Builder* b, int operation) {
+  if (b->mayChange[operation]) {
+    return false;
+  }
   for (int i = 0; i < b->particleCount; i++) {
     if (!(numberOf(b, i, operation) >= 0)) {
       return false;
@@ -254,8 +259,8 @@ static int squareRoot(Builder* b, int argument) {
     const int first = product->arguments[0];
     const int second = product->arguments[1];
     const int both = b->dependsOn[first] | b->dependsOn[second] << 4;
-    if ((both == (ON_FIRST | ON_SECOND << 4) || both == (ON_SECOND | ON_FIRST << 4)) && isNowhereNegative(b, first) &&
-        isNowhereNegative(b, second)) {
+    if ((both == (ON_FIRST | ON_SECOND << 4) || both == (ON_SECOND | ON_FIRST << 4)) && isNeverNegative(b, first) &&
+        isNeverNegative(b, second)) {
       const int rootOfFirst = addColumn(b, columnOf(b, first, true));
       return multiply(b, rootOfFirst, addColumn(b, columnOf(b, second, true)));
     }
@@ -326,11 +331,23 @@ static int dependenceOf(const Builder* b, const ctOperation* operation) {
   return dependsOn;
 }
 
+static bool canChange(const Builder* b, const ctOperation* operation) {
+  if (operation->kind == ctParameterOperator) {
+    return operation->arguments[0] % b->set->parametersPerParticle >= b->fixedCount;
+  }
+  bool mayChange = false;
+  for (int i = 0; i < ctArgumentCount(operation, b->set->tables); i++) {
+    mayChange = mayChange || b->mayChange[operation->arguments[i]];
+  }
+  return mayChange;
+}
+
 static void addAll(Builder* b) {
   const int count = b->set->operationCount;
   for (int i = 0; i < count; i++) {
     const int dependsOn = dependenceOf(b, &b->set->operations[i]);
     b->dependsOn[i] = (unsigned char)dependsOn;
+    b->mayChange[i] = canChange(b, &b->set->operations[i]);
     b->nodeOf[i] = NO_NODE;
     if ((dependsOn & ON_DISTANCE) != 0 || dependsOn == (ON_FIRST | ON_SECOND)) {
       b->nodeOf[i] = addOperation(b, &b->set->operations[i]);
@@ -339,22 +356,26 @@ static void addAll(Builder* b) {
   b->graph->root = nodeOf(b, count - 1);
 }
 
-bool ctTapeGraphCreate(TapeGraph* graph, const ctPairSet* set, int particleCount, const double* numbers) {
+bool ctTapeGraphCreate(TapeGraph* graph, const ctPairSet* set, int fixedCount, int particleCount,
+                       const double* numbers) {
   const size_t count = (size_t)set->operationCount;
   *graph = (TapeGraph){0};
   Builder builder = {.graph = graph,
                      .set = set,
+                     .fixedCount = fixedCount,
                      .particleCount = particleCount,
                      .numbers = numbers,
                      .dependsOn = malloc(count),
+                     .mayChange = malloc(count * sizeof(bool)),
                      .nodeOf = malloc(count * sizeof(int)),
                      .distance = NO_NODE,
                      .inverse = NO_NODE};
-  graph->failed = builder.dependsOn == NULL || builder.nodeOf == NULL;
+  graph->failed = builder.dependsOn == NULL || builder.mayChange == NULL || builder.nodeOf == NULL;
   if (!graph->failed) {
     addAll(&builder);
   }
   free(builder.dependsOn);
+  free(builder.mayChange);
   free(builder.nodeOf);
   if (graph->failed) {
     ctTapeGraphFree(graph);

@@ -28,9 +28,11 @@ typedef struct TapeGraph {
   bool failed;
 } TapeGraph;
 
-/* Makes the graph of a valid pair set; `numbers` are the results of all operations for each particle as both of a pair,
- * one particle after another. False, and nothing to free, if there is no memory. */
-bool ctTapeGraphCreate(TapeGraph* graph, const ctPairSet* set, int particleCount, const double* numbers);
+/* Makes the graph of a valid pair set, of which all parameters of a particle but the first `fixedCount` may change;
+ * `numbers` are the results of all operations for each particle as both of a pair, one particle after another. False,
+ * and nothing to free, if there is no memory. */
+bool ctTapeGraphCreate(TapeGraph* graph, const ctPairSet* set, int fixedCount, int particleCount,
+                       const double* numbers);
 void ctTapeGraphFree(TapeGraph* graph);
 
 #endif /* CT_TAPEGRAPH_H_ */

@@ -2,15 +2,15 @@
 
 #include <string.h>
 
-TapeKernel* ctFindTapeKernel(const char* name) {
+const TapeKernels* ctFindTapeKernels(const char* name) {
 #ifdef __x86_64__
   if (strcmp(name, "avx512") == 0) {
-    return ctAvx512TapeEnergy;
+    return &ctAvx512TapeKernels;
   }
   if (strcmp(name, "avx2") == 0) {
-    return ctAvx2TapeEnergy;
+    return &ctAvx2TapeKernels;
   }
 #endif
   (void)name;
-  return ctPortableTapeEnergy;
+  return &ctPortableTapeKernels;
 }

@@ -4,17 +4,22 @@
 
 #include "tape.h"
 
-/* The energy of pairs of particles. It is not finite where single precision does not suffice. Writes into the tape's
- * scratch. */
-typedef double TapeKernel(const Tape* tape, const TapePair* pair, const TapeRange* range);
+typedef struct TapeKernels {
+  /* The energy of pairs of particles. It is not finite where single precision does not suffice. This and the next write
+   * into the tape's scratch. */
+  double (*energy)(const Tape* tape, const TapePair* pair, const TapeRange* range);
+  /* Adds to the sum of each slot of the first leaf what it has with the second. Range has no switch, and pairs count
+   * once. False, and no sum changed, where single precision does not suffice. */
+  bool (*addRows)(const Tape* tape, const TapePair* pair, const TapeRange* range, double sums[CT_LEAF_WIDTH]);
+} TapeKernels;
 
-/* That of the instruction set of this name, as ctGetInstructionSet has it. */
-TapeKernel* ctFindTapeKernel(const char* name);
+/* Those of the instruction set of this name, as ctGetInstructionSet has it. */
+const TapeKernels* ctFindTapeKernels(const char* name);
 
-TapeKernel ctPortableTapeEnergy;
+extern const TapeKernels ctPortableTapeKernels;
 #ifdef __x86_64__
-TapeKernel ctAvx2TapeEnergy;
-TapeKernel ctAvx512TapeEnergy;
+extern const TapeKernels ctAvx2TapeKernels;
+extern const TapeKernels ctAvx512TapeKernels;
 #endif
 
 #endif /* CT_TAPEKERNELS_H_ */

@@ -1,5 +1,5 @@
 /* Runs a tape on the pairs of particles of two leaves, compiled once for each instruction set by the file that includes
- * this. It defines TAPE_ENERGY, the name of the function, before. */
+ * this. It defines TAPE_KERNELS, the name of the table, before. */
 #include "elementary.h"
 #include "pairtable.h"
 #include "rowsnear.h"
@@ -250,43 +250,49 @@ static void runStep(const TapeStep* step, float* scratch, int count) {
 /* Sixteen pairs each that are summed in single precision before they are added in double. */
 enum { SUMMED_IN_FLOAT = 4 };
 
-double TAPE_ENERGY(const Tape* tape, const TapePair* pair, const TapeRange* range) {
-  PairList list;
+/* Lists the pairs and runs all steps on them; returns how many sixteens there are. */
+static int run(const Tape* tape, const TapePair* pair, const TapeRange* range, PairList* list) {
   float* scratch = tape->scratch;
-  list.squared = scratch + tape->squaredBegin;
-  listPairs(pair, range, &list);
-  const int count = (list.count + CT_LEAF_WIDTH - 1) / CT_LEAF_WIDTH;
-  if (count == 0) {
-    return 0;
-  }
-  for (int i = 0; i < tape->stepCount; i++) {
+  list->squared = scratch + tape->squaredBegin;
+  listPairs(pair, range, list);
+  const int count = (list->count + CT_LEAF_WIDTH - 1) / CT_LEAF_WIDTH;
+  for (int i = 0; count > 0 && i < tape->stepCount; i++) {
     const TapeStep* step = &tape->steps[i];
     if (step->isOfColumns || step->kind == ctParameterOperator) {
-      runOnColumns(step, scratch + step->result, count, pair, &list);
+      runOnColumns(step, scratch + step->result, count, pair, list);
     } else {
       runStep(step, scratch, count);
     }
+  }
+  return count;
+}
+
+static double energy(const Tape* tape, const TapePair* pair, const TapeRange* range) {
+  PairList list;
+  const int count = run(tape, pair, range, &list);
+  if (count == 0) {
+    return 0;
   }
   Sum16 sum = zeroSum16();
   Float16 part = all16(0);
   for (int v = 0; v < count; v++) {
     const int begin = v * CT_LEAF_WIDTH;
-    Float16 energy = load16(scratch + tape->result.begin + v * tape->result.step);
+    Float16 value = load16(tape->scratch + tape->result.begin + v * tape->result.step);
     if (range->hasSwitch) {
       const Float16 distance = sqrt16(load16(list.squared + begin));
-      energy = mul16(energy, switchFactor16(distance, range->switchingDistance, range->inverseSwitchWidth));
+      value = mul16(value, switchFactor16(distance, range->switchingDistance, range->inverseSwitchWidth));
     }
     if (pair->times != NULL) {
       float times[CT_LEAF_WIDTH];
       for (int k = 0; k < CT_LEAF_WIDTH; k++) {
         times[k] = (float)pair->times[list.rows[begin + k]][list.lanes[begin + k]];
       }
-      energy = mul16(energy, load16(times));
+      value = mul16(value, load16(times));
     }
     if (list.count - begin < CT_LEAF_WIDTH) {
-      energy = keep16((1u << (list.count - begin)) - 1, energy);
+      value = keep16((1u << (list.count - begin)) - 1, value);
     }
-    part = add16(part, energy);
+    part = add16(part, value);
     if (v % SUMMED_IN_FLOAT == SUMMED_IN_FLOAT - 1 || v == count - 1) {
       sum = addToSum16(sum, part);
       part = all16(0);
@@ -294,3 +300,24 @@ double TAPE_ENERGY(const Tape* tape, const TapePair* pair, const TapeRange* rang
   }
   return total16(sum);
 }
+
+static bool addRows(const Tape* tape, const TapePair* pair, const TapeRange* range, double sums[CT_LEAF_WIDTH]) {
+  PairList list;
+  double ofRows[CT_LEAF_WIDTH] = {0};
+  run(tape, pair, range, &list);
+  for (int i = 0; i < list.count; i++) {
+    const int place = i / CT_LEAF_WIDTH * tape->result.step + i % CT_LEAF_WIDTH;
+    ofRows[list.rows[i]] += (double)tape->scratch[tape->result.begin + place];
+  }
+  for (int k = 0; k < CT_LEAF_WIDTH; k++) {
+    if (!isfinite(ofRows[k])) {
+      return false;
+    }
+  }
+  for (int k = 0; k < CT_LEAF_WIDTH; k++) {
+    sums[k] += ofRows[k];
+  }
+  return true;
+}
+
+const TapeKernels TAPE_KERNELS = {.energy = energy, .addRows = addRows};

@@ -1,2 +1,2 @@
-#define TAPE_ENERGY ctPortableTapeEnergy
+#define TAPE_KERNELS ctPortableTapeKernels
 #include "tapekernels_body.h"

@@ -117,7 +117,8 @@ static void describe(ctOperation* operations, ctOperator kind, double v) {
 
 /* What each instruction set makes of two particles, 1 nm apart, of one leaf each. */
 static void runAll(const Tape* tape, float results[3]) {
-  TapeKernel* const kernels[] = {ctFindTapeKernel("portable"), ctFindTapeKernel("avx2"), ctFindTapeKernel("avx512")};
+  const TapeKernels* const kernels[] = {ctFindTapeKernels("portable"), ctFindTapeKernels("avx2"),
+                                        ctFindTapeKernels("avx512")};
   static LeafFrame frames[2]; /* all zero but for one coordinate */
   const TapeRange range = {.squaredCutoff = 100};
   const size_t width = (size_t)tape->columnCount * CT_LEAF_WIDTH;
@@ -130,7 +131,7 @@ static void runAll(const Tape* tape, float results[3]) {
   isThere[2] = __builtin_cpu_supports("avx512f") != 0 && __builtin_cpu_supports("avx512bw") != 0;
 #endif
   for (int i = 0; i < 3; i++) {
-    results[i] = isThere[i] ? (float)kernels[i](tape, &pair, &range) : results[0];
+    results[i] = isThere[i] ? (float)kernels[i]->energy(tape, &pair, &range) : results[0];
   }
 }
 
@@ -158,9 +159,9 @@ static void checkCase(const Case* c, const double* numbers, double v) {
                          .operations = operations,
                          .parametersPerParticle = PARAMETERS,
                          .parameters = parameters};
-  CHECK(ctTapeCreate(&tape, &set, PARTICLES, PARTICLES, slotOf));
+  CHECK(ctTapeCreate(&tape, &set, PARAMETERS, PARTICLES, PARTICLES, slotOf));
   const long double expected = c->definition(numbers[0], numbers[1], numbers[2], v);
-  const double inDouble = ctTapeEvaluate(&tape, 1, parameters, parameters + PARAMETERS);
+  const double inDouble = ctPairExpressionEvaluate(&tape.expression, 1, parameters, parameters + PARAMETERS);
   checkValue("in double", (int)c->kind, numbers, inDouble, expected, 1e-13);
   runAll(&tape, results);
   CHECK((isnan(results[0]) && isnan(results[1]) && isnan(results[2])) ||
@@ -207,9 +208,9 @@ static double lookUp(const ctTable* table, const double* numbers) {
                          .tables = table,
                          .parametersPerParticle = PARAMETERS,
                          .parameters = parameters};
-  CHECK(ctTapeCreate(&tape, &set, PARTICLES, PARTICLES, slotOf));
+  CHECK(ctTapeCreate(&tape, &set, PARAMETERS, PARTICLES, PARTICLES, slotOf));
   runAll(&tape, results);
-  const double exact = ctTapeEvaluate(&tape, 1, parameters, parameters + PARAMETERS);
+  const double exact = ctPairExpressionEvaluate(&tape.expression, 1, parameters, parameters + PARAMETERS);
   CHECK(isnan(exact) ? isnan(results[0]) : fabs((double)results[0] - exact) <= 1e-6 * (1 + fabs(exact)));
   CHECK(isnan(exact) || (results[0] == results[1] && results[0] == results[2]));
   ctTapeFree(&tape);
