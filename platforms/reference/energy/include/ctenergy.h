@@ -2,7 +2,8 @@
  *
  * An energy belongs to a scene of chaintree.h and follows its state. It has two parts. *Terms* are functions of a few
  * particles: bonds, angles, torsions, any expression. *Pairs* are Lennard-Jones and Coulomb, of all pairs of particles
- * that are not excluded. Lengths are in nm, angles in rad, energies in kJ/mol, charges in elementary charges.
+ * that are not excluded. Beside them, energies of *values* are computed as a whole wherever they are asked for. Lengths
+ * are in nm, angles in rad, energies in kJ/mol, charges in elementary charges.
  *
  * What is kept. Each term has its value, and each pair of leaves (see chaintree.h) that are near the sum of its pairs
  * of particles. The energy is the sum of these, so it does not drift: each value belongs to the positions that it was
@@ -128,7 +129,7 @@ typedef enum ctOperator {
   ctFloorOperator,
   ctCeilOperator,
   ctSelectOperator, /* b if a != 0, else c */
-  ctTableOperator   /* of pairs alone: table number v of a, b, c, as many as it has dimensions */
+  ctTableOperator   /* not of terms: table number v of a, b, c, as many as it has dimensions */
 } ctOperator;
 
 typedef struct ctOperation {
@@ -253,6 +254,44 @@ typedef struct ctStandIn {
   double gridWidth;
 } ctStandIn;
 
+/* What an expression of a ctValueEnergy is of. */
+typedef enum ctExtent {
+  ctOfParticles,
+  ctOfPairs,   /* that are not excluded */
+  ctOfAllPairs /* excluded ones, too */
+} ctExtent;
+
+/* An expression of the numbers of a particle or of two, see ctValueEnergy. */
+typedef struct ctValueExpression {
+  ctExtent extent;
+  int operationCount;
+  const ctOperation* operations;
+  int tableCount;
+  const ctTable* tables;
+} ctValueExpression;
+
+/* An energy of values that particles have, such as radii that depend on where all others are. The numbers of a particle
+ * are its parameters, then its values, then its coordinates. Each value is an expression of the numbers before it and
+ * of coordinates, or the sum over all other particles within the cutoff of an expression of pairs. The energy is the
+ * sum of the terms: expressions of particles, summed over all, and of pairs, which have to be the same in either order,
+ * summed over those within the cutoff.
+ *
+ * In operations of particles, parameter p is number p. In those of pairs there are no coordinates: input 0 is the
+ * distance, parameter p < parametersPerParticle + valueCount is that number of one particle (in a value, of the one
+ * that has it), and those that follow are of the other. Expressions of pairs are computed as in ctPairSet, those of
+ * particles in double by the C library's functions. */
+typedef struct ctValueEnergy {
+  int parametersPerParticle;
+  const double* parameters; /* one particle after another */
+  int valueCount;
+  const ctValueExpression* values;
+  int termCount;
+  const ctValueExpression* terms;
+  double cutoff; /* nm; INFINITY: none */
+  int exclusionCount;
+  const int (*exclusions)[2];
+} ctValueEnergy;
+
 /* The description of an energy. All arrays are the caller's, who may free them once ctCreateEnergy has returned. */
 typedef struct ctEnergyDefinition {
   const ctDefinition* scene;    /* what the scene was made from */
@@ -263,6 +302,8 @@ typedef struct ctEnergyDefinition {
   const ctPairSet* pairSets;
   int termSetCount;
   const ctTermSet* termSets;
+  int valueEnergyCount;
+  const ctValueEnergy* valueEnergies;
 } ctEnergyDefinition;
 
 /* The parts of an energy in the order in which trials compute them, cheapest first. */
@@ -318,6 +359,13 @@ double ctGetNearChangeBack(const ctEnergy* energy);
 /* To be called after ctCommit of a trial of which all parts were computed: makes its values those of the state. Errors:
  * a part was not computed, or there is no memory; the energy has to be refreshed then. */
 ctStatus ctAcceptEnergyChange(ctEnergy* energy);
+
+/* ---- Energies of values ---- */
+
+/* The value energies of the scene's state, or of its open trial, computed anew and kept nowhere: functions of the
+ * positions alone. So that of a trial has the same bits once it is the state. NaN or infinite if some number is. The
+ * parts above have nothing of them. O(N^2) without cutoffs. Errors: `inTrial` without an open trial. */
+ctStatus ctComputeValueEnergies(ctEnergy* energy, bool inTrial, double* energies);
 
 /* ---- Two levels ---- */
 

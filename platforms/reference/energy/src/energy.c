@@ -4,6 +4,7 @@
 
 #include "allpairs.h"
 #include "terms.h"
+#include "valueenergies.h"
 
 /* Not the change count of any state. */
 enum { NO_STATE = -1 };
@@ -13,6 +14,7 @@ struct ctEnergy {
   Terms* terms;
   bool hasPairs; /* of any kind */
   AllPairs pairs;
+  ValueEnergies values;
   int64_t state;     /* the scene's change count of the state that values belong to, or NO_STATE */
   int64_t trial;     /* the last one that was asked about */
   int computedParts; /* of it */
@@ -71,7 +73,9 @@ static ctStatus build(ctEnergy* energy, const ctEnergyDefinition* d, char* error
     status = ctAllPairsCreate(&energy->pairs, energy->tree, d, slotOf, errorText, errorSize);
   }
   free(slotOf);
-  return status;
+  return status != ctSuccess ? status
+                             : ctValueEnergiesCreate(&energy->values, energy->tree, d->scene->particleCount,
+                                                     d->valueEnergyCount, d->valueEnergies, errorText, errorSize);
 }
 
 ctStatus ctCreateEnergy(ctChainTree* tree, const ctEnergyDefinition* definition, ctEnergy** energy, char* errorText,
@@ -103,6 +107,7 @@ void ctDestroyEnergy(ctEnergy* energy) {
   if (energy != NULL) {
     ctTermsDestroy(energy->terms);
     ctAllPairsFree(&energy->pairs);
+    ctValueEnergiesFree(&energy->values);
     free(energy);
   }
 }
@@ -204,6 +209,13 @@ ctStatus ctAcceptEnergyChange(ctEnergy* energy) {
   }
   energy->state = ctGetChangeCount(energy->tree);
   return ctSuccess;
+}
+
+/* ---- Energies of values ---- */
+
+ctStatus ctComputeValueEnergies(ctEnergy* energy, bool inTrial, double* energies) {
+  const ctStatus status = ctValueEnergiesCompute(&energy->values, energy->tree, inTrial, energies);
+  return status == ctSuccess ? ctSuccess : fail(energy, status, "there is no open trial");
 }
 
 /* ---- Two levels ---- */

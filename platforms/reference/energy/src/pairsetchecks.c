@@ -33,48 +33,73 @@ static bool countsAreValid(const ctPairSet* set, int number, char* text, size_t 
   return true;
 }
 
-static bool tableIsValid(const ctTable* table, int index, int number, char* text, size_t size) {
+static bool tableIsValid(const ctTable* table, int index, const char* name, char* text, size_t size) {
   if (table->dimensions < 1 || table->dimensions > (table->isDiscrete ? 3 : 2)) {
-    return invalid(text, size, "table %d of pair set %d has %d dimensions", index, number, table->dimensions);
+    return invalid(text, size, "table %d of %s has %d dimensions", index, name, table->dimensions);
   }
   for (int d = 0; d < table->dimensions; d++) {
     if (table->sizes[d] < 1) {
-      return invalid(text, size, "table %d of pair set %d has the size %d", index, number, table->sizes[d]);
+      return invalid(text, size, "table %d of %s has the size %d", index, name, table->sizes[d]);
     }
     if (!table->isDiscrete &&
         !(isfinite(table->minima[d]) && isfinite(table->maxima[d]) && table->minima[d] < table->maxima[d])) {
-      return invalid(text, size, "table %d of pair set %d has the range from %g to %g", index, number, table->minima[d],
+      return invalid(text, size, "table %d of %s has the range from %g to %g", index, name, table->minima[d],
                      table->maxima[d]);
     }
   }
   return true;
 }
 
-static bool operationIsValid(const ctPairSet* set, int i, int number, char* text, size_t size) {
+/* What the operations of an expression can read. */
+typedef struct Readable {
+  const char* name; /* of the expression */
+  bool hasDistance;
+  int parameterCount;
+} Readable;
+
+static bool operationIsValid(const ctPairSet* set, int i, const Readable* readable, char* text, size_t size) {
   const ctOperation* operation = &set->operations[i];
+  const char* name = readable->name;
   const int first = operation->arguments[0];
   if ((int)operation->kind < 0 || operation->kind > ctTableOperator) {
-    return invalid(text, size, "operation %d of pair set %d has the unknown operator %d", i, number,
-                   (int)operation->kind);
+    return invalid(text, size, "operation %d of %s has the unknown operator %d", i, name, (int)operation->kind);
   }
-  if (operation->kind == ctInputOperator && first != 0) {
-    return invalid(text, size, "operation %d of pair set %d reads input %d; there is the distance alone, 0", i, number,
-                   first);
+  if (operation->kind == ctInputOperator && !(readable->hasDistance && first == 0)) {
+    return invalid(text, size, "operation %d of %s reads input %d; there is %s", i, name, first,
+                   readable->hasDistance ? "the distance alone, 0" : "none");
   }
-  if (operation->kind == ctParameterOperator && (first < 0 || first / 2 >= set->parametersPerParticle)) {
-    return invalid(text, size, "operation %d of pair set %d reads parameter %d; each particle has %d", i, number, first,
-                   set->parametersPerParticle);
+  if (operation->kind == ctParameterOperator && !isIndex(first, readable->parameterCount)) {
+    return invalid(text, size, "operation %d of %s reads parameter %d; there are %d", i, name, first,
+                   readable->parameterCount);
   }
   if (operation->kind == ctTableOperator && !(operation->constant >= 0 && operation->constant < set->tableCount &&
                                               operation->constant == (int)operation->constant)) {
-    return invalid(text, size, "operation %d of pair set %d reads table %g; there are %d", i, number,
-                   operation->constant, set->tableCount);
+    return invalid(text, size, "operation %d of %s reads table %g; there are %d", i, name, operation->constant,
+                   set->tableCount);
   }
   for (int k = 0; k < ctArgumentCount(operation, set->tables); k++) {
     if (!isIndex(operation->arguments[k], i)) {
-      return invalid(text, size,
-                     "operation %d of pair set %d needs the result of operation %d, which is not an earlier one", i,
-                     number, operation->arguments[k]);
+      return invalid(text, size, "operation %d of %s needs the result of operation %d, which is not an earlier one", i,
+                     name, operation->arguments[k]);
+    }
+  }
+  return true;
+}
+
+bool ctOperationsAreValid(const ctPairSet* set, bool hasDistance, int parameterCount, const char* name, char* text,
+                          size_t size) {
+  const Readable readable = {name, hasDistance, parameterCount};
+  if (set->operationCount < 1 || set->tableCount < 0) {
+    return invalid(text, size, "%s has %d operations and %d tables", name, set->operationCount, set->tableCount);
+  }
+  for (int i = 0; i < set->tableCount; i++) {
+    if (!tableIsValid(&set->tables[i], i, name, text, size)) {
+      return false;
+    }
+  }
+  for (int i = 0; i < set->operationCount; i++) {
+    if (!operationIsValid(set, i, &readable, text, size)) {
+      return false;
     }
   }
   return true;
@@ -129,15 +154,10 @@ bool ctPairSetIsValid(const ctPairSet* set, int number, int particleCount, const
   if (!countsAreValid(set, number, text, size)) {
     return false;
   }
-  for (int i = 0; i < set->tableCount; i++) {
-    if (!tableIsValid(&set->tables[i], i, number, text, size)) {
-      return false;
-    }
-  }
-  for (int i = 0; i < set->operationCount; i++) {
-    if (!operationIsValid(set, i, number, text, size)) {
-      return false;
-    }
+  char name[40];
+  snprintf(name, sizeof name, "pair set %d", number);
+  if (!ctOperationsAreValid(set, true, 2 * set->parametersPerParticle, name, text, size)) {
+    return false;
   }
   for (int i = 0; set->groupCount == 0 && i < particleCount; i++) {
     if (slotOf[i] == CT_NULL) {

@@ -4,6 +4,8 @@
 #include <stdio.h>
 #include <stdlib.h>
 
+#include "blockgap.h"
+
 /* ---- Life ---- */
 
 /* Lists the particles in the order of their slots, and finds the place of each. False if there is no memory. */
@@ -108,19 +110,6 @@ static bool makeFrames(WholeEnergy* whole) {
     }
   }
   return true;
-}
-
-/* The squared distance of the boxes of two blocks, rounded down a little. */
-static double squaredGap(const LeafFrame* a, const LeafFrame* b) {
-  double squared = 0;
-  for (int d = 0; d < 3; d++) {
-    const double shift = b->centre[d] - a->centre[d];
-    const double below = shift + (double)b->low[d] - (double)a->high[d];
-    const double above = (double)a->low[d] - (double)b->high[d] - shift;
-    const double apart = below > above ? below : above;
-    squared += apart > 0 ? apart * apart : 0;
-  }
-  return squared * (1 - 1e-5);
 }
 
 /* ---- Born radii ---- */

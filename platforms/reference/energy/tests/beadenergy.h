@@ -72,12 +72,31 @@ static const ctPairSet pairSet = {.operationCount = 6,
                                   .exclusions = (const int (*)[2])exclusions,
                                   .groupCount = 1,
                                   .groups = &evenGroup};
+/* Of each bead the sum of the same over all others, and its square. */
+static const ctOperation squareOfValue[] = {{ctParameterOperator, {1}, 0}, {ctSquareOperator, {0}, 0}};
+static const ctOperation valueOperations[] = {{ctInputOperator, {0}, 0},     {ctParameterOperator, {0}, 0},
+                                              {ctParameterOperator, {2}, 0}, {ctTableOperator, {1, 2}, 0},
+                                              {ctSquareOperator, {0}, 0},    {ctDivideOperator, {3, 4}, 0}};
+static const ctValueExpression sumOfBead = {
+    .extent = ctOfPairs, .operationCount = 6, .operations = valueOperations, .tableCount = 1, .tables = &heightTable};
+static const ctValueExpression termOfBead = {.extent = ctOfParticles, .operationCount = 2, .operations = squareOfValue};
+static const ctValueEnergy valueEnergy = {.parametersPerParticle = 1,
+                                          .parameters = kinds,
+                                          .valueCount = 1,
+                                          .values = &sumOfBead,
+                                          .termCount = 1,
+                                          .terms = &termOfBead,
+                                          .cutoff = 1.2,
+                                          .exclusionCount = BEADS,
+                                          .exclusions = (const int (*)[2])exclusions};
 static const ctEnergyDefinition definition = {.scene = &scene,
                                               .nonbonded = &nonbonded,
                                               .pairSetCount = 1,
                                               .pairSets = &pairSet,
                                               .termSetCount = 1,
-                                              .termSets = &torsionSet};
+                                              .termSets = &torsionSet,
+                                              .valueEnergyCount = 1,
+                                              .valueEnergies = &valueEnergy};
 
 /* The same with Born solvation, and so with a stand-in. Some beads have another neck than the others. */
 static double bornRadii[BEADS];

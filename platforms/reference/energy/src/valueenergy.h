@@ -1,0 +1,45 @@
+/* An energy of values that particles have, computed as a whole; see ctValueEnergy. */
+#ifndef CT_VALUEENERGY_H_
+#define CT_VALUEENERGY_H_
+
+#include "kernels.h"
+#include "pairmask.h"
+#include "tapekernels.h"
+
+/* A value or a term. */
+typedef struct ValueTape {
+  ctExtent extent;
+  PairExpression expression; /* if it is of particles */
+  Tape tape;                 /* if it is of pairs */
+} ValueTape;
+
+/* Sixteen particles in their order are a block, which is what tapes call a leaf. */
+typedef struct ValueEnergy {
+  const Kernels* kernels;
+  const TapeKernels* tapeKernels;
+  int particleCount;
+  int blockCount;
+  int* places; /* of particles in blocks: their own numbers */
+  int parametersPerParticle;
+  int valueCount;
+  int numbersPerParticle;
+  double* numbers; /* of one particle after another */
+  ValueTape* values;
+  int termCount;
+  ValueTape* terms;
+  double cutoff;
+  TapeRange range;
+  PairMask masks[2]; /* of ctOfPairs, and of ctOfAllPairs */
+  LeafFrame* frames; /* per block */
+  double* sums;      /* per particle: those of a value */
+} ValueEnergy;
+
+/* `number` is that of the energy, for errorText (which may not be NULL). On failure there is nothing to free. */
+ctStatus ctValueEnergyCreate(ValueEnergy* energy, const ctChainTree* tree, int particleCount,
+                             const ctValueEnergy* description, int number, char* errorText, size_t errorSize);
+void ctValueEnergyFree(ValueEnergy* energy);
+
+/* The energy of 3 * particleCount coordinates. */
+double ctValueEnergyCompute(ValueEnergy* energy, const double* positions);
+
+#endif /* CT_VALUEENERGY_H_ */
