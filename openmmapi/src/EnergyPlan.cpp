@@ -120,6 +120,9 @@ string EnergyPlan::describePairs(int index) const
         return "openmm-chaintree evaluates it at each outer test; trials see a stand-in";
     if (isNonbonded || any_of(terms.pairSets.begin(), terms.pairSets.end(), isThis))
         return "openmm-chaintree evaluates the pairs that a trial changes";
+    for (const EnergyTerms::ValueEnergy& energy : terms.valueEnergies)
+        if (energy.force == index)
+            return "openmm-chaintree evaluates all of it in each trial, or each outer test: " + energy.reason;
     return "";
 }
 
@@ -177,6 +180,7 @@ set<int> EnergyPlan::getTranslatedForces() const
     add(terms.born);
     add(terms.pairSets);
     add(terms.termSets);
+    add(terms.valueEnergies);
     return translated;
 }
 
@@ -189,7 +193,7 @@ int EnergyPlan::getWhollyNativeGroups() const
 }
 
 vector<double> EnergyPlan::sumByForce(double nonbonded, double born, const vector<double>& pairSets,
-                                      const vector<double>& termSets) const
+                                      const vector<double>& termSets, const vector<double>& valueEnergies) const
 {
     vector<double> energies(entries.size());
     for (const EnergyTerms::Nonbonded& term : terms.nonbonded)
@@ -200,5 +204,7 @@ vector<double> EnergyPlan::sumByForce(double nonbonded, double born, const vecto
         energies[terms.pairSets[i].force] += pairSets[i];
     for (size_t i = 0; i < terms.termSets.size(); i++)
         energies[terms.termSets[i].force] += termSets[i];
+    for (size_t i = 0; i < terms.valueEnergies.size(); i++)
+        energies[terms.valueEnergies[i].force] += valueEnergies[i];
     return energies;
 }

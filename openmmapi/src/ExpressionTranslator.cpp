@@ -169,6 +169,11 @@ ExpressionTranslator::ExpressionTranslator(EnergyTerms::PairSet& set) :
 {
 }
 
+ExpressionTranslator::ExpressionTranslator(EnergyTerms::ValueExpression& expression) :
+    writtenInputs(noInputs), operations(expression.operations), writtenTables(expression.tables)
+{
+}
+
 void ExpressionTranslator::addName(const string& name)
 {
     if (!names.insert(name).second)
@@ -186,6 +191,11 @@ void ExpressionTranslator::addParameter(const string& name, double low, double h
     addName(name);
     parameters[name] = parameterRanges.size();
     parameterRanges.push_back(make_pair(low, high));
+}
+
+void ExpressionTranslator::skipParameters(int count)
+{
+    parameterRanges.insert(parameterRanges.end(), count, make_pair(-INFINITY, INFINITY));
 }
 
 void ExpressionTranslator::addConstant(const string& name, double value)

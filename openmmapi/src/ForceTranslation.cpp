@@ -161,6 +161,30 @@ static string check(const EnergyTerms::Born& born, int numParticles)
     return born.cutoff > 0 ? "" : "its cutoff makes no sense";
 }
 
+static bool areFinite(const vector<EnergyTerms::ValueExpression>& expressions)
+{
+    for (const EnergyTerms::ValueExpression& expression : expressions) {
+        for (const EnergyTerms::Operation& operation : expression.operations)
+            if (!isfinite(operation.constant))
+                return false;
+        for (const EnergyTerms::TableFunction& table : expression.tables)
+            if (!areFinite(table.values))
+                return false;
+    }
+    return true;
+}
+
+static string check(const EnergyTerms::ValueEnergy& energy, int numParticles)
+{
+    if (energy.parameters.size() != (size_t)numParticles * energy.parametersPerParticle)
+        return WRONG_COUNT;
+    if (!areFinite(energy.parameters) || !areFinite(energy.values) || !areFinite(energy.terms))
+        return NO_NUMBER;
+    if (!(energy.cutoff > 0))
+        return "its cutoff makes no sense";
+    return check(energy.exclusions, numParticles);
+}
+
 // ---- Forces ----
 
 namespace {
@@ -172,7 +196,7 @@ class Size {
 public:
     explicit Size(const EnergyTerms& terms) :
         nonbonded(terms.nonbonded.size()), born(terms.born.size()), pairSets(terms.pairSets.size()),
-        termSets(terms.termSets.size())
+        termSets(terms.termSets.size()), valueEnergies(terms.valueEnergies.size())
     {
     }
     /**
@@ -184,8 +208,9 @@ public:
         terms.born.resize(born);
         terms.pairSets.resize(pairSets);
         terms.termSets.resize(termSets);
+        terms.valueEnergies.resize(valueEnergies);
     }
-    const size_t nonbonded, born, pairSets, termSets;
+    const size_t nonbonded, born, pairSets, termSets, valueEnergies;
 };
 
 } // namespace
@@ -220,6 +245,7 @@ static string append(const Force& force, int index, int numParticles, const Nati
     checkNew(terms.born, before.born);
     checkNew(terms.pairSets, before.pairSets);
     checkNew(terms.termSets, before.termSets);
+    checkNew(terms.valueEnergies, before.valueEnergies);
     return reason;
 }
 

@@ -30,9 +30,9 @@ NativeEnergy::NativeEnergy(const TorsionMonteCarloIntegrator& integrator, Steric
     integrator(integrator),
     force(force), context(context), kernel(force.getKernel()), plan(context), check(context, plan), choice(getChoice()),
     forcesWereChanged(true), parametersWereChanged(false), energyIsOld(true), termsCanChange(false),
-    pairsCanChange(false), foreignGroups(0), foreignGroupsAreShared(false), trialsToCheck(0),
+    pairsCanChange(false), valuesCanChange(false), foreignGroups(0), foreignGroupsAreShared(false), trialsToCheck(0),
     checkInterval(TRIALS_AFTER_VAGUE_CHECK), numComputed(0), computedChange(0), nearChange(0), standInCutoff(0),
-    standInIsSet(false), whole({false, 0, 0}), keptWhole({false, 0, 0})
+    standInIsSet(false), whole({false, 0, 0}), keptWhole({false, 0, 0}), values({false, {}}), keptValues({false, {}})
 {
     // The kernel makes another scene for terms that need more particles, so it learns of them before it has made one.
 
@@ -70,7 +70,7 @@ void NativeEnergy::updatePlan()
 
 void NativeEnergy::setKernelTerms()
 {
-    standInIsSet = whole.isCurrent = false;
+    standInIsSet = whole.isCurrent = values.isCurrent = false;
     force.setEnergyTerms(plan.getTerms(), this);
 }
 
@@ -95,6 +95,7 @@ void NativeEnergy::translate()
         return count > 0;
     });
     pairsCanChange = !(plan.getTerms().nonbonded.empty() && plan.getTerms().pairSets.empty()) && somethingMoves;
+    valuesCanChange = !plan.getTerms().valueEnergies.empty() && somethingMoves;
 
     // Foreign Forces that share a group with native ones are evaluated with all native ones, whose change is known.
 
@@ -130,7 +131,7 @@ void NativeEnergy::checkNumbers(const vector<double>& energies) const
 const NativeEnergy::HeldEnergy& NativeEnergy::updateHeld()
 {
     if (kernel.updateEnergy(energyIsOld))
-        whole.isCurrent = false;
+        whole.isCurrent = values.isCurrent = false;
     energyIsOld = false;
     kernel.getEnergies(held.pairs, held.pairSets, held.termSets);
     return held;
@@ -148,15 +149,29 @@ const NativeEnergy::WholeEnergy& NativeEnergy::updateWhole()
 }
 
 /**
+ * Bring the energies of values up to date. This comes after updateHeld(), too, if it is not within a trial.
+ */
+const vector<double>& NativeEnergy::updateValues()
+{
+    if (plan.getTerms().valueEnergies.empty())
+        values.energies.clear();
+    else if (!values.isCurrent)
+        kernel.computeValueEnergies(false, values.energies);
+    values.isCurrent = true;
+    return values.energies;
+}
+
+/**
  * Bring the kernel's energy up to date and get that of each Force.
  */
 vector<double> NativeEnergy::updateEnergies()
 {
     updateHeld();
+    updateValues();
     if (plan.getTerms().born.empty())
-        return plan.sumByForce(held.pairs, 0, held.pairSets, held.termSets);
+        return plan.sumByForce(held.pairs, 0, held.pairSets, held.termSets, values.energies);
     updateWhole();
-    return plan.sumByForce(whole.nonbonded, whole.born, held.pairSets, held.termSets);
+    return plan.sumByForce(whole.nonbonded, whole.born, held.pairSets, held.termSets, values.energies);
 }
 
 void NativeEnergy::compareWithOpenMM(TrialSession& trials, const vector<double>& energies)
@@ -177,7 +192,7 @@ void NativeEnergy::begin(TrialSession& trials)
 
     // What no move can change is looked at once.
 
-    if (!hasTerms() || !(termsCanChange || pairsCanChange || trialsToCheck <= 0))
+    if (!hasTerms() || !(termsCanChange || pairsCanChange || valuesCanChange || trialsToCheck <= 0))
         return;
     updateStandIn();
     const vector<double> energies = updateEnergies();
@@ -222,6 +237,31 @@ double NativeEnergy::computeChange(EnergyKernel::EnergyPart part)
     return change;
 }
 
+/**
+ * Add up energies of which one may be infinite.
+ */
+static double sumOf(const vector<double>& energies)
+{
+    double sum = 0;
+    for (double energy : energies)
+        sum += energy;
+    return sum;
+}
+
+double NativeEnergy::computeValuesChange()
+{
+    if (!termsCanChange && !pairsCanChange)
+        trialsToCheck--;
+    const double before = sumOf(updateValues());
+    kernel.computeValueEnergies(true, proposedValues);
+    const double after = sumOf(proposedValues);
+    if (!(after > -numeric_limits<double>::infinity()))
+        return numeric_limits<double>::quiet_NaN();
+    const double change = after == before ? 0 : after - before;
+    computedChange += change;
+    return change;
+}
+
 void NativeEnergy::endTrial()
 {
     numComputed = 0;
@@ -249,7 +289,8 @@ int NativeEnergy::getTrialsPerOuterTest() const
     const int trials = integrator.getTrialsPerOuterTest();
     const bool foreignIsLeft = trials > 0 && foreignGroups != 0;
     const bool standInIsLeft = hasStandIn() && (trials > 0 || !foreignGroupsAreShared);
-    if (!foreignIsLeft && !standInIsLeft)
+    const bool valuesAreLeft = trials > 0 && valuesCanChange;
+    if (!foreignIsLeft && !standInIsLeft && !valuesAreLeft)
         return 0;
     return trials > 0 ? trials : USUAL_TRIALS_PER_OUTER_TEST;
 }
@@ -258,23 +299,31 @@ double NativeEnergy::computeDifference(TrialSession& trials)
 {
     const bool foreignIsLeft = leavesForeignToOuterTest() && foreignGroups != 0;
     double energy = foreignIsLeft ? trials.computeOtherEnergyOfState(foreignGroups) : 0;
-    if (!foreignGroupsAreShared && !hasStandIn())
+    const bool valuesAreLeft = valuesCanChange && !decidesByValues();
+    if (valuesAreLeft && !termsCanChange && !pairsCanChange)
+        trialsToCheck -= getTrialsPerOuterTest();
+    if (!foreignGroupsAreShared && !hasStandIn() && !valuesAreLeft)
         return energy;
     updateHeld();
-    if (!foreignGroupsAreShared)
+    if (!foreignGroupsAreShared && hasStandIn())
         energy += updateWhole().nonbonded + whole.born;
+    if (!foreignGroupsAreShared && valuesAreLeft)
+        energy += sumOf(updateValues());
     if (energy == numeric_limits<double>::infinity())
         return energy;
-    return energy - (foreignGroupsAreShared ? getInnerEnergy() : held.pairs);
+    return energy - (foreignGroupsAreShared ? getInnerEnergy() : hasStandIn() ? held.pairs : 0);
 }
 
 double NativeEnergy::getInnerEnergy()
 {
-    if (!termsCanChange && !pairsCanChange)
+    if (!termsCanChange && !pairsCanChange && !decidesByValues())
         return 0;
     updateHeld();
     double energy = 0;
-    const vector<double> energies = plan.sumByForce(held.pairs, 0, held.pairSets, held.termSets);
+    vector<double> ofValues(plan.getTerms().valueEnergies.size());
+    if (decidesByValues())
+        ofValues = updateValues();
+    const vector<double> energies = plan.sumByForce(held.pairs, 0, held.pairSets, held.termSets, ofValues);
     for (size_t i = 0; i < energies.size(); i++)
         if (plan.getEntries()[i].kind == EnergyPlan::Native)
             energy += energies[i];

@@ -153,6 +153,8 @@ static set<int> findPairForces(const EnergyTerms& terms)
         forces.insert(born.force);
     for (const EnergyTerms::PairSet& pairs : terms.pairSets)
         forces.insert(pairs.force);
+    for (const EnergyTerms::ValueEnergy& energy : terms.valueEnergies)
+        forces.insert(energy.force);
     return forces;
 }
 

@@ -106,6 +106,7 @@ void TorsionMonteCarloIntegrator::bindEnergies(StericExclusionForceImpl& force, 
     stages->add(make_unique<NativeEnergyStage>(*native, EnergyKernel::NearPairsPart));
     stages->add(make_unique<SoftSphereEnergy>(*this));
     stages->add(make_unique<NativeEnergyStage>(*native, EnergyKernel::OtherPairsPart));
+    stages->add(make_unique<ValueEnergyStage>(*native));
     stages->add(make_unique<ForeignEnergy>(*native));
 }
 

@@ -175,6 +175,10 @@ public:
      */
     virtual void computeWholeEnergy(double& nonbonded, double& born) = 0;
     /**
+     * Compute the energies of EnergyTerms::valueEnergies, of the state or of the open trial. Nothing is kept of them.
+     */
+    virtual void computeValueEnergies(bool inTrial, std::vector<double>& energies) = 0;
+    /**
      * Make the stand-in what it is in this state, and compute the energy anew.
      */
     virtual void renewStandIn() = 0;

@@ -60,16 +60,18 @@ class TrialSession;
  * - Constant: no move can change it, such as bonds and angles whose particles keep their distances. It costs nothing.
  * - Native: this library evaluates it, and of it only what a trial changes, in microseconds. It can do so for
  *   NonbondedForce (without periodic images), HarmonicBondForce, HarmonicAngleForce, PeriodicTorsionForce,
- *   RBTorsionForce, CMAPTorsionForce, CustomBondForce, CustomAngleForce, CustomTorsionForce, CustomCompoundBondForce
- *   and CustomExternalForce.
+ *   RBTorsionForce, CMAPTorsionForce, CustomBondForce, CustomAngleForce, CustomTorsionForce, CustomCompoundBondForce,
+ *   CustomExternalForce, CustomNonbondedForce, and generalized Born. Of CustomGBForces of another form it evaluates all
+ *   in each trial that has come so far, or once for many trials, as of foreign ones; that takes milliseconds.
  * - Foreign: all else. OpenMM evaluates the force groups of these for each trial that has come so far, or once for many
  *   trials; see below.
  *
  * A trial passes the parts of U one by one, cheapest first, and ends at the first that refuses it: bonded terms, pairs
- * that are near, soft spheres, the other pairs, foreign Forces. By its own change dU of U each part lets the trial pass
- * with probability min(1, exp(-dU/kT)). This samples exp(-U/kT) exactly (delayed acceptance; Christen and Fox, J.
- * Comput. Graph. Stat. 14, 795 (2005)). getStageStatistics() tells where trials end. At a temperature of 0, and after
- * setNativeEnergies(false), the sum decides: a trial is accepted with probability min(1, exp(-(U' - U)/kT)).
+ * that are near, soft spheres, the other pairs, computed values, foreign Forces. By its own change dU of U each part
+ * lets the trial pass with probability min(1, exp(-dU/kT)). This samples exp(-U/kT) exactly (delayed acceptance;
+ * Christen and Fox, J. Comput. Graph. Stat. 14, 795 (2005)). getStageStatistics() tells where trials end. At a
+ * temperature of 0, and after setNativeEnergies(false), the sum decides: a trial is accepted with probability min(1,
+ * exp(-(U' - U)/kT)).
  *
  * OpenMM's own energy is compared at the first step, after changes of parameters, and every million trials. If a native
  * Force has another energy than OpenMM says, step() throws an exception that names it.

@@ -2,6 +2,7 @@
 #include "openmm/serialization/XmlSerializer.h"
 #include "openmmchaintree/internal/BornReader.h"
 #include "openmmchaintree/internal/ForceTranslation.h"
+#include "openmmchaintree/internal/ValueTranslation.h"
 
 using namespace ChainTreePlugin;
 using namespace OpenMM;
@@ -21,16 +22,23 @@ static string translateCustomGB(const Force& owner, int index, const NativeForce
     const CustomGBForce& force = dynamic_cast<const CustomGBForce&>(owner);
     if (force.getNonbondedMethod() == CustomGBForce::CutoffPeriodic)
         return "its cutoff is periodic";
-    const string reason = checkBornPartners(terms);
-    if (!reason.empty())
-        return reason;
+    string whyNoBorn = checkBornPartners(terms);
     try {
-        terms.born.push_back(BornReader(force, parameters).read(index));
+        if (whyNoBorn.empty()) {
+            terms.born.push_back(BornReader(force, parameters).read(index));
+            return "";
+        }
     }
     catch (const UnknownBornModel& error) {
-        return error.what();
+        whyNoBorn = error.what();
     }
-    return "";
+    EnergyTerms::ValueEnergy energy;
+    energy.force = index;
+    energy.reason = whyNoBorn;
+    const string reason = translateValues(force, parameters, energy);
+    if (reason.empty())
+        terms.valueEnergies.push_back(energy);
+    return reason;
 }
 
 static const NativeForceKind KIND(typeid(CustomGBForce), translateCustomGB, copyCustomGB, NativeForceKind::NeedsPairs);

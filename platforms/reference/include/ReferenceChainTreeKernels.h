@@ -59,6 +59,7 @@ public:
     double getProposedEnergyChange(EnergyPart part);
     double getNearChangeBack();
     void computeWholeEnergy(double& nonbonded, double& born);
+    void computeValueEnergies(bool inTrial, std::vector<double>& energies);
     void renewStandIn();
     void getStandIn(std::vector<double>& numbers);
     void setStandIn(const std::vector<double>& numbers);

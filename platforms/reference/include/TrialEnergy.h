@@ -39,6 +39,7 @@ public:
     void getEnergies(double& pairs, std::vector<double>& pairSets, std::vector<double>& termSets) const;
     double getNearChangeBack() const;
     void computeWhole(double& nonbonded, double& born, ctCounts& counts);
+    void computeValues(bool inTrial, std::vector<double>& energies);
     void renewStandIn(ctCounts& counts);
     void getStandIn(std::vector<double>& numbers) const;
     void setStandIn(const std::vector<double>& numbers);
@@ -59,7 +60,7 @@ private:
     };
     void check(ctStatus status) const;
     std::unique_ptr<ctEnergy, Deleter> energy;
-    int numPairSets, numTermSets;
+    int numPairSets, numTermSets, numValueEnergies;
     /** How many numbers the stand-in has; 0 if there is none. */
     int sizeOfStandIn;
 };

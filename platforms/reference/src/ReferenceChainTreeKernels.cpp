@@ -652,6 +652,11 @@ void ReferenceCalcStericExclusionForceKernel::computeWholeEnergy(double& nonbond
     requireEnergy().computeWhole(nonbonded, born, counts);
 }
 
+void ReferenceCalcStericExclusionForceKernel::computeValueEnergies(bool inTrial, vector<double>& energies)
+{
+    requireEnergy().computeValues(inTrial, energies);
+}
+
 void ReferenceCalcStericExclusionForceKernel::renewStandIn()
 {
     requireEnergy().renewStandIn(counts);

@@ -24,6 +24,9 @@ static_assert((int)EnergyTerms::Constant == ctConstantOperator && (int)EnergyTer
                   (int)EnergyTerms::PowerConstant == ctPowerConstantOperator &&
                   (int)EnergyTerms::Table == ctTableOperator,
               "the operators differ");
+static_assert((int)EnergyTerms::Particles == ctOfParticles && (int)EnergyTerms::Pairs == ctOfPairs &&
+                  (int)EnergyTerms::AllPairs == ctOfAllPairs,
+              "the extents differ");
 
 static vector<ctOperation> describe(const vector<EnergyTerms::Operation>& operations)
 {
@@ -38,6 +41,23 @@ static vector<ctOperation> describe(const vector<EnergyTerms::Operation>& operat
 static const int (*describe(const vector<array<int, 2>>& pairs))[2]
 {
     return reinterpret_cast<const int(*)[2]>(pairs.data());
+}
+
+static vector<ctTable> describe(const vector<EnergyTerms::TableFunction>& tables)
+{
+    vector<ctTable> described;
+    for (const EnergyTerms::TableFunction& given : tables) {
+        ctTable table = {};
+        table.isDiscrete = given.discrete;
+        table.isPeriodic = given.periodic;
+        table.dimensions = given.dimensions;
+        copy(given.sizes.begin(), given.sizes.end(), table.sizes);
+        copy(given.minima.begin(), given.minima.end(), table.minima);
+        copy(given.maxima.begin(), given.maxima.end(), table.maxima);
+        table.values = given.values.data();
+        described.push_back(table);
+    }
+    return described;
 }
 
 /**
@@ -83,19 +103,9 @@ private:
  */
 class LibraryPairs {
 public:
-    explicit LibraryPairs(const EnergyTerms::PairSet& set) : operations(::describe(set.operations))
+    explicit LibraryPairs(const EnergyTerms::PairSet& set) :
+        operations(::describe(set.operations)), tables(::describe(set.tables))
     {
-        for (const EnergyTerms::TableFunction& table : set.tables) {
-            ctTable described = {};
-            described.isDiscrete = table.discrete;
-            described.isPeriodic = table.periodic;
-            described.dimensions = table.dimensions;
-            copy(table.sizes.begin(), table.sizes.end(), described.sizes);
-            copy(table.minima.begin(), table.minima.end(), described.minima);
-            copy(table.maxima.begin(), table.maxima.end(), described.maxima);
-            described.values = table.values.data();
-            tables.push_back(described);
-        }
         for (const EnergyTerms::InteractionGroup& group : set.groups)
             groups.push_back({{(int)group[0].size(), (int)group[1].size()}, {group[0].data(), group[1].data()}});
     }
@@ -121,6 +131,48 @@ private:
     vector<ctOperation> operations;
     vector<ctTable> tables;
     vector<ctInteractionGroup> groups;
+};
+
+/**
+ * The same of a value energy.
+ */
+class LibraryValues {
+public:
+    explicit LibraryValues(const EnergyTerms::ValueEnergy& energy) : values(energy.values), terms(energy.terms)
+    {
+    }
+    ctValueEnergy describe(const EnergyTerms::ValueEnergy& energy) const
+    {
+        ctValueEnergy described = {};
+        described.parametersPerParticle = energy.parametersPerParticle;
+        described.parameters = energy.parameters.data();
+        described.valueCount = values.described.size();
+        described.values = values.described.data();
+        described.termCount = terms.described.size();
+        described.terms = terms.described.data();
+        described.cutoff = energy.cutoff;
+        described.exclusionCount = energy.exclusions.size();
+        described.exclusions = ::describe(energy.exclusions);
+        return described;
+    }
+
+private:
+    class Expressions {
+    public:
+        explicit Expressions(const vector<EnergyTerms::ValueExpression>& expressions)
+        {
+            for (const EnergyTerms::ValueExpression& expression : expressions) {
+                operations.push_back(::describe(expression.operations));
+                tables.push_back(::describe(expression.tables));
+                described.push_back({(ctExtent)expression.extent, (int)operations.back().size(),
+                                     operations.back().data(), (int)tables.back().size(), tables.back().data()});
+            }
+        }
+        vector<vector<ctOperation>> operations;
+        vector<vector<ctTable>> tables;
+        vector<ctValueExpression> described;
+    };
+    Expressions values, terms;
 };
 
 static ctNonbonded describe(const EnergyTerms::Nonbonded& given)
@@ -168,7 +220,7 @@ static ctBorn describe(const EnergyTerms::Born& given)
 
 TrialEnergy::TrialEnergy(ctChainTree* tree, const ctDefinition& scene, const EnergyTerms& terms) :
     numPairSets(terms.pairSets.size()), numTermSets(terms.termSets.size()),
-    sizeOfStandIn(terms.born.empty() ? 0 : scene.particleCount)
+    numValueEnergies(terms.valueEnergies.size()), sizeOfStandIn(terms.born.empty() ? 0 : scene.particleCount)
 {
     vector<LibraryTerms> arrays;
     arrays.reserve(terms.termSets.size());
@@ -184,6 +236,13 @@ TrialEnergy::TrialEnergy(ctChainTree* tree, const ctDefinition& scene, const Ene
         pairArrays.emplace_back(set);
         pairSets.push_back(pairArrays.back().describe(set));
     }
+    vector<LibraryValues> valueArrays;
+    valueArrays.reserve(terms.valueEnergies.size());
+    vector<ctValueEnergy> valueEnergies;
+    for (const EnergyTerms::ValueEnergy& valueEnergy : terms.valueEnergies) {
+        valueArrays.emplace_back(valueEnergy);
+        valueEnergies.push_back(valueArrays.back().describe(valueEnergy));
+    }
     const ctNonbonded nonbonded = terms.nonbonded.empty() ? ctNonbonded() : describe(terms.nonbonded[0]);
     const ctBorn born = terms.born.empty() ? ctBorn() : describe(terms.born[0]);
     const ctStandIn standIn = {terms.standIn.bornCutoff, terms.standIn.pairCutoff, terms.standIn.gridWidth};
@@ -196,6 +255,8 @@ TrialEnergy::TrialEnergy(ctChainTree* tree, const ctDefinition& scene, const Ene
     definition.pairSets = pairSets.data();
     definition.termSetCount = sets.size();
     definition.termSets = sets.data();
+    definition.valueEnergyCount = valueEnergies.size();
+    definition.valueEnergies = valueEnergies.data();
     ctEnergy* created;
     char errorText[256];
     if (ctCreateEnergy(tree, &definition, &created, errorText, sizeof(errorText)) != ctSuccess)
@@ -268,6 +329,12 @@ double TrialEnergy::getNearChangeBack() const
 void TrialEnergy::computeWhole(double& nonbonded, double& born, ctCounts& counts)
 {
     check(ctComputeWholeEnergy(energy.get(), &nonbonded, &born, &counts));
+}
+
+void TrialEnergy::computeValues(bool inTrial, vector<double>& energies)
+{
+    energies.resize(numValueEnergies);
+    check(ctComputeValueEnergies(energy.get(), inTrial, energies.data()));
 }
 
 void TrialEnergy::renewStandIn(ctCounts& counts)

@@ -96,11 +96,12 @@ public:
      */
     int getWhollyNativeGroups() const;
     /**
-     * Sum up energies as CalcStericExclusionForceKernel::getEnergies() and computeWholeEnergy() give them: the energy
-     * of each Force by its index in the System, 0 for those that the kernel does not evaluate.
+     * Sum up energies as CalcStericExclusionForceKernel::getEnergies(), computeWholeEnergy() and
+     * computeValueEnergies() give them: the energy of each Force by its index in the System, 0 for those that the
+     * kernel does not evaluate.
      */
     std::vector<double> sumByForce(double nonbonded, double born, const std::vector<double>& pairSets,
-                                   const std::vector<double>& termSets) const;
+                                   const std::vector<double>& termSets, const std::vector<double>& valueEnergies) const;
 
     /**
      * Get the copy of a Force that is native or constant.

@@ -2,6 +2,7 @@
 #define OPENMM_CHAINTREE_ENERGYTERMS_H_
 
 #include <array>
+#include <string>
 #include <vector>
 
 namespace ChainTreePlugin {
@@ -140,6 +141,26 @@ public:
         double cutoff;
         double shift;
     };
+    /** What an expression of a ValueEnergy is of; see ctExtent. */
+    enum Extent { Particles, Pairs, AllPairs };
+    /** An expression of the numbers of a particle or of two. */
+    struct ValueExpression {
+        Extent extent;
+        std::vector<Operation> operations;
+        std::vector<TableFunction> tables;
+    };
+    /** An energy of values that particles have; see ctValueEnergy. */
+    struct ValueEnergy {
+        int force;
+        /** One clause that says why it is no Born. */
+        std::string reason;
+        int parametersPerParticle;
+        std::vector<double> parameters;
+        std::vector<ValueExpression> values, terms;
+        /** Infinite if there is none. */
+        double cutoff;
+        std::vector<std::array<int, 2>> exclusions;
+    };
     /** What trials see instead of nonbonded and born; by default what TorsionMonteCarloIntegrator has. */
     struct StandIn {
         double bornCutoff = 0.7, pairCutoff = 0.9, gridWidth = 0.1;
@@ -156,6 +177,7 @@ public:
     StandIn standIn;
     std::vector<PairSet> pairSets;
     std::vector<TermSet> termSets;
+    std::vector<ValueEnergy> valueEnergies;
 };
 
 } // namespace ChainTreePlugin

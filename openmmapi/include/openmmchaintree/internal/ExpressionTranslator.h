@@ -30,6 +30,10 @@ public:
      * Of pairs, the one input there may be is the distance.
      */
     explicit ExpressionTranslator(EnergyTerms::PairSet& set);
+    /**
+     * The same of a value or term of a ValueEnergy, which may be of particles: then it has no input.
+     */
+    explicit ExpressionTranslator(EnergyTerms::ValueExpression& expression);
     ExpressionTranslator(const ExpressionTranslator&) = delete;
     ExpressionTranslator& operator=(const ExpressionTranslator&) = delete;
     /**
@@ -40,6 +44,10 @@ public:
      * A name for the next parameter of a term or pair, and the range of its values, if that is known.
      */
     void addParameter(const std::string& name, double low = -INFINITY, double high = INFINITY);
+    /**
+     * Leave out parameters that have no name.
+     */
+    void skipParameters(int count);
     /**
      * A name for a number, as a global parameter has it.
      */
@@ -54,8 +62,8 @@ public:
      */
     void addForeignFunction(const std::string& name, int numArguments, const std::string& description);
     /**
-     * The name of a tabulated function, in expressions of pairs. If the library has no such tables, it is a foreign
-     * one.
+     * The name of a tabulated function, which expressions of terms cannot have. If the library has no such tables, it
+     * is a foreign one.
      */
     void addTable(const std::string& name, const OpenMM::TabulatedFunction& function);
     /**

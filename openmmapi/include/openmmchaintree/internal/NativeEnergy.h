@@ -71,7 +71,7 @@ public:
      */
     void acceptTrial()
     {
-        whole.isCurrent = false;
+        whole.isCurrent = values.isCurrent = false;
         endTrial();
     }
     /**
@@ -80,6 +80,27 @@ public:
     double getComputedChange() const
     {
         return computedChange;
+    }
+    /**
+     * Get whether trials are decided by the energies of values, too. If not, but moves can change them, they are left
+     * to the outer test.
+     */
+    bool decidesByValues() const
+    {
+        return valuesCanChange && !leavesForeignToOuterTest();
+    }
+    /**
+     * Compute by how much the open trial changes the energies of values. This comes after all parts.
+     */
+    double computeValuesChange();
+    /**
+     * Take notice that the trial of the last computeValuesChange() has become the state, after acceptTrial().
+     */
+    void acceptValues()
+    {
+        values.energies.swap(proposedValues);
+        values.isCurrent = true;
+        endTrial();
     }
     /**
      * Get the force groups that OpenMM has to evaluate for the foreign Forces; 0 if there are none.
@@ -114,7 +135,7 @@ public:
      */
     double getNearCorrection();
     /**
-     * Get whether trials are decided without the foreign Forces.
+     * Get whether trials are decided without the foreign Forces, and without energies of values.
      */
     bool leavesForeignToOuterTest() const
     {
@@ -138,11 +159,13 @@ public:
     void keep()
     {
         keptWhole = whole;
+        keptValues = values;
     }
     void takeBack()
     {
         endTrial();
         whole = keptWhole;
+        values = keptValues;
     }
     /**
      * Make the stand-in what it is in the state, if there is one.
@@ -184,6 +207,12 @@ private:
         bool isCurrent;
         double nonbonded, born;
     };
+    /** The energies of values in the state. */
+    class ValueEnergies {
+    public:
+        bool isCurrent;
+        std::vector<double> energies;
+    };
     /** What the kernel keeps of the energy of the state. */
     class HeldEnergy {
     public:
@@ -202,6 +231,7 @@ private:
     void computeStandIn();
     const HeldEnergy& updateHeld();
     const WholeEnergy& updateWhole();
+    const std::vector<double>& updateValues();
     std::vector<double> updateEnergies();
     void checkNumbers(const std::vector<double>& energies) const;
     void compareWithOpenMM(TrialSession& trials, const std::vector<double>& energies);
@@ -213,8 +243,8 @@ private:
     NativeEnergyCheck check;
     Choice choice;
     bool forcesWereChanged, parametersWereChanged, energyIsOld;
-    /** Whether trials can change terms, and pairs. */
-    bool termsCanChange, pairsCanChange;
+    /** Whether trials can change terms, pairs, and energies of values. */
+    bool termsCanChange, pairsCanChange, valuesCanChange;
     int foreignGroups;
     bool foreignGroupsAreShared;
     /** The number of trials until OpenMM's energy is compared again, and how many there were to be the last time. */
@@ -231,6 +261,9 @@ private:
     bool standInIsSet;
     HeldEnergy held;
     WholeEnergy whole, keptWhole;
+    ValueEnergies values, keptValues;
+    /** The energies of values in the open trial. */
+    std::vector<double> proposedValues;
 };
 
 /**
@@ -271,6 +304,40 @@ public:
 private:
     NativeEnergy& energy;
     const CalcStericExclusionForceKernel::EnergyPart part;
+};
+
+/**
+ * Energies of values, which the kernel evaluates as a whole. If they are left to an outer test, the stage has no part
+ * in trials. It comes after all others of the kernel.
+ */
+class ValueEnergyStage : public EnergyStage {
+public:
+    explicit ValueEnergyStage(NativeEnergy& energy) : energy(energy)
+    {
+    }
+    std::string getName() const
+    {
+        return "computed values";
+    }
+    bool begin(TrialSession&)
+    {
+        return energy.decidesByValues();
+    }
+    double computeChange(TrialSession&)
+    {
+        return energy.computeValuesChange();
+    }
+    void accept()
+    {
+        energy.acceptValues();
+    }
+    void reject()
+    {
+        energy.endTrial();
+    }
+
+private:
+    NativeEnergy& energy;
 };
 
 } // namespace ChainTreePlugin
