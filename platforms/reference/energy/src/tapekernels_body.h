@@ -304,10 +304,18 @@ static double energy(const Tape* tape, const TapePair* pair, const TapeRange* ra
 static bool addRows(const Tape* tape, const TapePair* pair, const TapeRange* range, double sums[CT_LEAF_WIDTH]) {
   PairList list;
   double ofRows[CT_LEAF_WIDTH] = {0};
-  run(tape, pair, range, &list);
-  for (int i = 0; i < list.count; i++) {
-    const int place = i / CT_LEAF_WIDTH * tape->result.step + i % CT_LEAF_WIDTH;
-    ofRows[list.rows[i]] += (double)tape->scratch[tape->result.begin + place];
+  const int count = run(tape, pair, range, &list);
+  for (int v = 0; v < count; v++) {
+    const int begin = v * CT_LEAF_WIDTH;
+    const int end = begin + CT_LEAF_WIDTH < list.count ? begin + CT_LEAF_WIDTH : list.count;
+    const float* values = tape->scratch + tape->result.begin + v * tape->result.step;
+    if (end == begin + CT_LEAF_WIDTH && list.rows[begin] == list.rows[end - 1]) {
+      ofRows[list.rows[begin]] += total16(addToSum16(zeroSum16(), load16(values)));
+      continue;
+    }
+    for (int i = begin; i < end; i++) {
+      ofRows[list.rows[i]] += (double)values[i - begin];
+    }
   }
   for (int k = 0; k < CT_LEAF_WIDTH; k++) {
     if (!isfinite(ofRows[k])) {
