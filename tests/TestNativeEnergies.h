@@ -312,7 +312,7 @@ void testStageCounts(Platform& platform)
         ASSERT(refused > 100 && accepted > 10);
         const bool hasForeign = way == NothingNative || way == HalfForeignInSameGroup || way == ForeignInOwnGroup;
         const bool hasNative = way != NothingNative; // the exceptions of pairs are terms
-        const vector<bool> takesPart = {hasNative, hasNative, way == SoftSpheres, hasNative, hasForeign};
+        const vector<bool> takesPart = {hasNative, hasNative, way == SoftSpheres, hasNative, false, hasForeign};
         auto stages = integrator.getStageStatistics();
         ASSERT_EQUAL(takesPart.size(), stages.size());
         for (size_t i = 0; i < stages.size(); i++) {

@@ -8,6 +8,8 @@
 #include "openmm/GBSAOBCForce.h"
 #include "openmm/TabulatedFunction.h"
 #include "PlainEnergies.h"
+#include <array>
+#include <cmath>
 
 using namespace ChainTreePlugin;
 using namespace OpenMM;
@@ -133,10 +135,34 @@ static void assertForeign(Force* force, const string& reason, bool hasNonbonded 
     ASSERT_EQUAL(0, scene.plan->getTerms().born.size());
 }
 
+/**
+ * Check that a Force is native as one of values, for a reason, and that its energy is that of OpenMM.
+ */
+static void assertWhole(Force* force, const string& reason, bool hasNonbonded = true)
+{
+    NativeScene scene;
+    if (hasNonbonded)
+        scene.add(createNonbonded());
+    const int index = scene.add(force);
+    scene.build();
+    const EnergyPlan::Entry& entry = scene.plan->getEntries()[index];
+    if (entry.kind != EnergyPlan::Native)
+        throw OpenMMException("it is not native: " + entry.reason);
+    const EnergyTerms& terms = scene.plan->getTerms();
+    ASSERT_EQUAL(0, terms.born.size());
+    ASSERT_EQUAL(1, terms.valueEnergies.size());
+    if (terms.valueEnergies[0].reason != reason)
+        throw OpenMMException("expected \"" + reason + "\", found \"" + terms.valueEnergies[0].reason + "\"");
+    const double expected = scene.context->getState(State::Energy, false, entry.groups).getPotentialEnergy();
+    const double found = scene.computeEnergies()[index];
+    if (isfinite(expected) || isfinite(found))
+        ASSERT_EQUAL_TOL(expected, found, 1e-6);
+}
+
 static void assertUnknown(const Texts& texts, const string& what)
 {
-    assertForeign(createForce(texts),
-                  "its " + what + " is not that of a generalized Born model that openmm-chaintree knows");
+    assertWhole(createForce(texts),
+                "its " + what + " is not that of a generalized Born model that openmm-chaintree knows");
 }
 
 // ---- What is recognized ----
@@ -365,14 +391,21 @@ void testOtherModels()
     assertEdited(&Texts::surface, "^6", "^4", self);
     assertEdited(&Texts::surface, "28.39", "alpha*28.39", "surface");
     assertEdited(&Texts::pairs, "4*", "4.00001*", pairs);
-    assertEdited(&Texts::pairs, "charge1*charge2", "charge1*charge1", pairs);
-    assertEdited(&Texts::pairs, "charge1*charge2", "charge1*(charge2+1e-5)", pairs);
     assertEdited(&Texts::pairs, "charge1*charge2", "(charge1*charge2+1e-5*delta(radindex1)*delta(radindex2))", pairs);
     assertEdited(&Texts::pairs, "charge1*charge2", "(charge1*charge2+1e-5*step(0.3-charge1^2)*step(0.3-charge2^2))",
                  pairs);
     assertEdited(&Texts::pairs, "charge1*charge2", "charge1*charge2*step(3-r)", pairs);
-    assertEdited(&Texts::pairs, "charge2/f", "charge2*(1/f-0.4*charge1)", pairs);
-    assertEdited(&Texts::pairs, "B1*B2*", "B1*B1*", pairs);
+
+    // Nor the same in either order.
+
+    for (auto& edited : vector<array<string, 2>>{{"charge1*charge2", "charge1*charge1"},
+                                                 {"charge1*charge2", "charge1*(charge2+1e-5)"},
+                                                 {"charge2/f", "charge2*(1/f-0.4*charge1)"},
+                                                 {"B1*B2*", "B1*B1*"}}) {
+        Texts other;
+        other.pairs = edit(other.pairs, edited[0], edited[1]);
+        assertForeign(createForce(other), "its expression is not the same in either order of two particles");
+    }
 
     Texts screened;
     screened.self = SCREENED;
@@ -387,13 +420,13 @@ void testOtherForms()
     const string unknown = " is not that of a generalized Born model that openmm-chaintree knows";
     CustomGBForce* force = createForce(Texts());
     force->addComputedValue("C", "B^2", CustomGBForce::SingleParticle);
-    assertForeign(force, "its number of computed values" + unknown);
+    assertWhole(force, "its number of computed values" + unknown);
     force = createForce(Texts());
     force->addEnergyTerm("B", CustomGBForce::SingleParticle);
-    assertForeign(force, "its energy of particles" + unknown);
+    assertWhole(force, "its energy of particles" + unknown);
     force = createForce(Texts());
     force->addEnergyTerm("1/r", CustomGBForce::ParticlePairNoExclusions);
-    assertForeign(force, "its pair energy" + unknown);
+    assertWhole(force, "its pair energy" + unknown);
 
     // Excluded pairs matter only if there are some.
 
@@ -412,24 +445,31 @@ void testOtherForms()
     force->getEnergyTermParameters(2, text, type);
     force->setEnergyTermParameters(2, text, CustomGBForce::ParticlePair);
     force->addExclusion(0, 1);
-    assertForeign(force, "its exclusion of pairs" + unknown);
+    assertWhole(force, "its exclusion of pairs" + unknown);
 }
 
 void testPartners()
 {
-    assertForeign(createForce(Texts()), "it needs a NonbondedForce that openmm-chaintree evaluates, too", false);
+    const string noPairs = "it needs a NonbondedForce that openmm-chaintree evaluates, too";
+    assertWhole(createForce(Texts()), noPairs, false);
     NativeScene scene;
     const int first = scene.add(createForce(Texts())), second = scene.add(createForce(Texts()));
     scene.add(createNonbonded());
     scene.makePlan();
     ASSERT_EQUAL(EnergyPlan::Native, scene.plan->getEntries()[first].kind);
+    ASSERT_EQUAL(EnergyPlan::Native, scene.plan->getEntries()[second].kind);
+    ASSERT_EQUAL(1, scene.plan->getTerms().born.size());
+    ASSERT_EQUAL(1, scene.plan->getTerms().valueEnergies.size());
+    ASSERT_EQUAL(second, scene.plan->getTerms().valueEnergies[0].force);
     ASSERT_EQUAL("openmm-chaintree has code for one Force of generalized Born, and there is another before it",
-                 scene.plan->getEntries()[second].reason);
+                 scene.plan->getTerms().valueEnergies[0].reason);
 
     // If the NonbondedForce has no part in U, it is not there.
 
     scene.plan->translate(1 << first, true, false);
-    ASSERT_EQUAL(EnergyPlan::Foreign, scene.plan->getEntries()[first].kind);
+    ASSERT_EQUAL(0, scene.plan->getTerms().born.size());
+    ASSERT_EQUAL(first, scene.plan->getTerms().valueEnergies[0].force);
+    ASSERT_EQUAL(noPairs, scene.plan->getTerms().valueEnergies[0].reason);
 }
 
 int main()

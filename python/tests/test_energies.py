@@ -108,7 +108,14 @@ def test_stageStatistics(amber, villin):
     stages = integrator.getStageStatistics()
     assert all(isinstance(stage, StageStatistics) for stage in stages)
     counts = {stage.stage: (stage.computed, stage.refused) for stage in stages}
-    assert list(counts) == ["bonded terms", "near pairs", "soft spheres", "other pairs", "foreign forces"]
+    assert list(counts) == [
+        "bonded terms",
+        "near pairs",
+        "soft spheres",
+        "other pairs",
+        "computed values",
+        "foreign forces",
+    ]
     assert counts["soft spheres"] == counts["foreign forces"] == (0, 0)
     assert counts["bonded terms"][0] - counts["bonded terms"][1] == counts["near pairs"][0] > 0
     refused = sum(integrator.getMoveStatistics(move).rejectedByEnergy for move in range(2))
