@@ -354,7 +354,7 @@ void NativeEnergy::computeStandIn()
     // The kernel looks at new positions here, so that updateHeld() will not find any.
 
     kernel.renewStandIn();
-    whole.isCurrent = false;
+    whole.isCurrent = values.isCurrent = false;
     kernel.getStandIn(standIn);
     standInCutoff = choice.standIn.bornCutoff;
 }

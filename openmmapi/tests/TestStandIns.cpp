@@ -2,6 +2,7 @@
  * This tests the stand-in that trials see instead of Born solvation: when its numbers are made, and that they are kept.
  */
 
+#include "openmm/CustomGBForce.h"
 #include "openmm/GBSAOBCForce.h"
 #include "OuterTestSupport.h"
 
@@ -74,9 +75,15 @@ static void testNumbers(Platform& platform)
 
 static void testNewPositions(Platform& platform)
 {
-    // Numbers that are made for new positions leave no energy of the former ones.
+    // Numbers that are made for new positions leave no energy of the former ones, nor one of computed values.
 
     SolvatedScene scene;
+    CustomGBForce* values = new CustomGBForce();
+    values->addComputedValue("v", "exp(-r^2)", CustomGBForce::ParticlePairNoExclusions);
+    values->addEnergyTerm("10*v^2", CustomGBForce::SingleParticle);
+    for (int i = 0; i < scene.system.getNumParticles(); i++)
+        values->addParticle({});
+    scene.system.addForce(values);
     OuterRun run(scene, platform, 10), other(scene, platform, 10);
     run.context->setPositions(scene.positions);
     run.integrator.step(5);
