@@ -198,17 +198,22 @@ static void testScenes(int count) {
 
 /* ---- Where floats overflow ---- */
 
+/* Two particles of one body this far apart. */
+static void drawPair(ValueScene* s, double distance) {
+  do {
+    drawWholeScene(&s->particles);
+  } while (s->particles.count < 2);
+  s->particles.count = s->particles.definition.particleCount = 2;
+  const double positions[] = {0, 0, 0, 0, distance, 0};
+  memcpy(s->particles.positions, positions, sizeof positions);
+  s->particles.links[1] = 0;
+  s->particles.definition.linkCount = 1;
+}
+
 /* Two particles 2^-13 nm apart of sum r^-12, whose value is beyond floats, and the energy of its logarithm. */
 static void testOverflow(void) {
   static ValueScene s;
-  do {
-    drawWholeScene(&s.particles);
-  } while (s.particles.count < 2);
-  s.particles.count = s.particles.definition.particleCount = 2;
-  const double positions[] = {0, 0, 0, 0, 0x1p-13, 0};
-  memcpy(s.particles.positions, positions, sizeof positions);
-  s.particles.links[1] = 0;
-  s.particles.definition.linkCount = 1;
+  drawPair(&s, 0x1p-13);
   const ctOperation power[] = {{ctInputOperator, {0}, 0}, {ctPowerConstantOperator, {0}, -12}};
   const ctOperation logarithm[] = {{ctParameterOperator, {0}, 0}, {ctLogOperator, {0}, 0}};
   const ctOperation product[] = {
@@ -226,6 +231,22 @@ static void testOverflow(void) {
       destroyBench(&bench);
     }
   }
+}
+
+/* The root of a product is that of roots only if no value can be below 0, as both are here. */
+static void testRoots(void) {
+  static ValueScene s;
+  drawPair(&s, 0.25);
+  const ctOperation negative[] = {{ctInputOperator, {0}, 0}, {ctNegateOperator, {0}, 0}};
+  const ctOperation root[] = {{ctConstantOperator, {0}, 2},  {ctParameterOperator, {0}, 0},
+                              {ctParameterOperator, {1}, 0}, {ctMultiplyOperator, {1, 2}, 0},
+                              {ctSqrtOperator, {3}, 0},      {ctMinOperator, {0, 4}, 0}};
+  const ctValueExpression value = {ctOfPairs, 2, negative, 0, NULL};
+  const ctValueExpression term = {ctOfPairs, 6, root, 0, NULL};
+  s.energy = (ctValueEnergy){.valueCount = 1, .values = &value, .termCount = 1, .terms = &term, .cutoff = INFINITY};
+  Bench bench = makeBench(&s, "portable");
+  CHECK_NEAR(compute(&bench, false), 0.25, 1e-6);
+  destroyBench(&bench);
 }
 
 /* ---- Refusals ---- */
@@ -316,6 +337,7 @@ static void testRefusals(void) {
 int main(int argumentCount, char** arguments) {
   testScenes(argumentCount > 1 ? atoi(arguments[1]) : 100);
   testOverflow();
+  testRoots();
   setenv("CHAINTREE_SIMD", "portable", 1);
   testRefusals();
   return checkResult();
