@@ -86,7 +86,7 @@ class TrialSession;
  * outer tests are
  *
  * - foreign Forces, if setTrialsPerOuterTest() says so: OpenMM then evaluates them once a test and once a step instead
- *   of once a trial;
+ *   of once a trial; and with them CustomGBForces that this library evaluates as a whole;
  * - what a stand-in neglects. Generalized Born solvation, in which each pair of particles counts for each other, is
  *   native, but for trials it is replaced, together with Coulomb energies, by something near that depends on few
  *   particles; see setStandInCutoffs() and renewStandIns().
@@ -205,7 +205,7 @@ public:
          */
         Constant = 1,
         /**
-         * This library, and only what the trial changes.
+         * This library, and mostly only what the trial changes.
          */
         Native = 2,
         /**
@@ -321,9 +321,10 @@ public:
      * back. A step always ends with a test, so there are never more trials to one than there are in a step: for 400,
      * set 400 or a multiple of it by setTrialsPerStep().
      *
-     * With 0, which is the default, foreign Forces are not left to an outer test, but decide each trial; a stand-in is
-     * tested after 400 trials. With a number from 1 on, both are tested after so many. Without foreign Forces and
-     * stand-in there is no outer test at all. This may change between two steps.
+     * With 0, which is the default, foreign Forces and CustomGBForces that are evaluated as a whole are not left to an
+     * outer test, but decide each trial; a stand-in is tested after 400 trials. With a number from 1 on, all of them are
+     * tested after so many. Where there are none of these there is no outer test at all. This may change between two
+     * steps.
      *
      * @param trials  the number of trials, or 0
      */
