@@ -137,7 +137,7 @@ bool ValueTranslator::isSymmetric(const string& expression) const
     const vector<int>& different = model.getDifferentParticles();
     mt19937 random(1);
     uniform_int_distribution<int> particle(0, different.size() - 1);
-    uniform_real_distribution<double> distance(0.1, min(energy.cutoff, 3.0)), number(0.05, 2);
+    uniform_real_distribution<double> distance(0.1, max(0.2, min(energy.cutoff, 3.0))), number(0.05, 2);
     for (int i = 0; i < NUM_TRIED_PAIRS; i++) {
         const int particle1 = different[particle(random)], particle2 = different[particle(random)];
         Variables there, back;

@@ -322,9 +322,9 @@ public:
      * set 400 or a multiple of it by setTrialsPerStep().
      *
      * With 0, which is the default, foreign Forces and CustomGBForces that are evaluated as a whole are not left to an
-     * outer test, but decide each trial; a stand-in is tested after 400 trials. With a number from 1 on, all of them are
-     * tested after so many. Where there are none of these there is no outer test at all. This may change between two
-     * steps.
+     * outer test, but decide each trial; a stand-in is tested after 400 trials. With a number from 1 on, all of them
+     * are tested after so many. Where there are none of these there is no outer test at all. This may change between
+     * two steps.
      *
      * @param trials  the number of trials, or 0
      */
