@@ -86,4 +86,21 @@ def _describe(settings):
     if errors["chi"] is not None:
         words = ", ".join(f"{OBSERVABLE_NAMES[key]} {100 * error:.0f} %" for key, error in errors.items())
         notes.append(f"Standard error of a number in its column, from the runs of all lines: {words}.")
-    return notes
+    return [*notes, _describeMeans(settings)]
+
+
+def _describeMeans(settings):
+    """Return the rates of torsions of side chains by cutoffs alone and by m alone: their errors are smaller."""
+    cutoffs = groupBy(settings, lambda setting: f"{setting['bornCutoff']} / {setting['pairCutoff']} nm")
+    blocks = groupBy(settings, lambda setting: f"m = {setting['block']}")
+    parts = []
+    for groups in (cutoffs, blocks):
+        means = {name: _mean([setting["rate"]["chi"] for setting in ofOne]) for name, ofOne in groups.items()}
+        errors = [relativeError(ofOne, "chi") for ofOne in groups.values()]
+        if None in errors:
+            error = ""
+        else:
+            pooled = np.sqrt(np.mean(np.square(errors)) / np.mean([len(ofOne) for ofOne in groups.values()]))
+            error = f" (± {100 * pooled:.0f} %)"
+        parts.append(", ".join(f"{name}: {number(value)}" for name, value in means.items()) + error)
+    return f"χ, a second, in the mean over all m: {parts[0]}; over all cutoffs: {parts[1]}."

@@ -142,6 +142,9 @@ def test_ratesAndTheirErrorAreOfAllRuns():
     assert settings[0]["kept"] == 0.8
     # Of the logarithms: a variance of 2 ln(2)² in one line, none in the other; two runs.
     assert relativeError(settings, "chi") == pytest.approx(np.log(2) / np.sqrt(2))
+    # By cutoffs there is one mean, of two lines, and so has half of their variance; by m there are two.
+    means = makeTables(entries)[0].notes[-1]
+    assert "0.7 / 0.9 nm: 2.45 (± 35 %); over" in means and "m = 100: 2.00, m = 400: 3.00 (± 49 %)" in means
     (alone,) = combineSamples(entries[:1]).values()
     assert relativeError(alone, "chi") is None
     assert "Standard error" not in str(makeTables(entries[:1])) and "Standard error" in str(makeTables(entries))
