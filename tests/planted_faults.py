@@ -948,7 +948,7 @@ API_FAULTS = [
           "        energy.cutoff = force.getCutoffDistance();", "        ;"),
     Fault("value energies: of the second particle earlier values are read", VALUES,
           "    translator.skipParameters(values.size() - numValues);\n", ""),
-    Fault("value energies: terms read the last value in place of none", VALUES,
+    Fault("value energies: terms do not know the last value", VALUES,
           "add(term, values.size(), energy.terms)", "add(term, values.size() - 1, energy.terms)"),
     Fault("value energies: nobody tries the order of particles", VALUES,
           "        if (term.type != CustomGBForce::SingleParticle && !isSymmetric(term.expression))",

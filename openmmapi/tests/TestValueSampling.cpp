@@ -143,7 +143,8 @@ private:
     explicit Run(double temperature) : chain(30, 0.3), integrator(temperature), index(2)
     {
         chain.force->setForceGroup(5);
-        CustomTorsionForce* torsions = new CustomTorsionForce("-2*cos(theta)");
+        CustomTorsionForce* torsions = new CustomTorsionForce("height*cos(theta)");
+        torsions->addGlobalParameter("height", -2);
         for (int i = 0; i + 3 < 30; i++)
             torsions->addTorsion(i, i + 1, i + 2, i + 3);
         chain.system.addForce(torsions);
@@ -197,23 +198,31 @@ static void testDecisions()
 }
 
 /**
- * At a temperature of 0 the energy never goes up, whoever is asked when.
+ * At a temperature of 0 the energy never goes up, whoever is asked when. And it goes down.
  */
+static void assertDownhill(bool withBorn, int trialsPerTest, double scale, double height)
+{
+    auto run = Run::create<CustomGBForce>(trialsPerTest, 0, 1, withBorn);
+    run->context->setParameter("scale", scale);
+    run->context->setParameter("height", height);
+    const double start = run->computeEnergy();
+    double before = start;
+    for (int i = 0; i < 20; i++) {
+        run->integrator.step(1);
+        const double energy = run->computeEnergy();
+        ASSERT(energy <= before + 1e-5 * fabs(before));
+        before = energy;
+    }
+    ASSERT(before < start - 10);
+}
+
 static void testDownhill()
 {
-    for (bool withBorn : {false, true})
-        for (int trialsPerTest : {0, 4}) {
-            auto run = Run::create<CustomGBForce>(trialsPerTest, 0, 1, withBorn);
-            double before = run->computeEnergy();
-            const double start = before;
-            for (int i = 0; i < 20; i++) {
-                run->integrator.step(1);
-                const double energy = run->computeEnergy();
-                ASSERT(energy <= before + 1e-5 * fabs(before));
-                before = energy;
-            }
-            ASSERT(before < start - 10);
-        }
+    for (bool withBorn : {false, true}) {
+        assertDownhill(withBorn, 0, 1, -2);
+        assertDownhill(withBorn, 4, 1, -2);
+        assertDownhill(withBorn, 0, 10, 2); // all else has to go up
+    }
 }
 
 /**
