@@ -150,8 +150,8 @@ def _makeSizes(rows):
         accepted = f"{100 * ours['accepted']:.0f} %"
         lines.append([chain, ours["moves"], particles, timeRange(ours), accepted, timeRange(row[OUTER_TEST])])
     notes = [
-        "Whole trials in GBn2, but for outer tests. End of a chain: φ and ψ of its last eight residues. Outer tests: by a "
-        "difference, rough below 2,000 µs.",
+        "Whole trials in GBn2, but for outer tests. End of a chain: φ and ψ of its last eight residues. Outer tests: "
+        "by a difference, rough below 2,000 µs.",
         *(
             f"Trials grow as N^{growth:.2f} ({moves}), by a fit to the logarithms of all sizes."
             for moves, growth in sizeGrowth(rows).items()
