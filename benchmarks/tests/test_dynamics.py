@@ -6,7 +6,7 @@ import pytest
 from commands import assertRefused
 from energy.dynamicsrows import LANGEVIN, Pair
 from energy.dynamicstables import makeTables
-from energy.proteins import IMPLICIT_SOLVENT, Evaluator, positionsOf, readSampled
+from energy.proteins import IMPLICIT_SOLVENT, SIDE_CHAINS, Evaluator, positionsOf, readSampled
 from racing.races import OURS
 from racing.report import readCSV
 
@@ -72,6 +72,19 @@ def test_whatIsSaidOfAStateIsTrueOfIt():
     expected = np.sqrt(np.mean(np.sum((first @ turn - second) ** 2, axis=1)))
     assert said["rmsd"] == pytest.approx(expected, abs=1e-4)
     assert said["rg"] == pytest.approx(np.sqrt(np.var(positions, axis=0).sum()), rel=1e-4)
+
+
+def test_sideChainsThatHaveTurnedAreNotForgotten():
+    pair = Pair(readSampled, 1)
+    pair.begin(1)
+    run = pair.runs[OURS]
+    integrator, context = run._simulation.integrator, run._simulation.context
+    sideChains, start = pair.protein.torsionsOf(SIDE_CHAINS), integrator.getTorsionAngles(context)
+    for turn, expected in ((0.9, 0), (2.0, 1), (0.0, 1), (2 * np.pi, 1)):  # the limit is 60°
+        angles = start.copy()
+        angles[sideChains[0]] += turn
+        integrator.setTorsionAngles(context, angles)
+        assert run.describe()["turned"] == pytest.approx(expected / len(sideChains))
 
 
 def makeEntry(turn, energy):
