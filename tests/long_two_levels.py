@@ -4,6 +4,8 @@
     python tests/long_two_levels.py SCENE --from WAY=SECONDS WAY WAY ...
     python tests/long_two_levels.py dipeptide DRAWS
 
+--seed=NUMBER at the end chooses other random numbers.
+
 Samples a scene so many seconds of processor time in each way, and compares each way with the last one. Reasonable are
 peptide two=60 smaller=60 other=60 plain=600, and villin larger=60 smaller=60 other=60 two=90. Absurd stand-ins hold
 chains fast: a ring that does not flip keeps the sign that it began with, and p-values say so. The line "chains agree"
@@ -171,14 +173,15 @@ def show(title, values, form="{:.3g}"):
     print(title, *(form.format(value) for value in values), flush=True)
 
 
-def compareChains(ways, scene, relaxed, temperature):
+def compareChains(ways, scene, relaxed, temperature, firstSeed):
     """Return whether all ways sample what the last one samples."""
     blocks = {}
     for number, (way, seconds) in enumerate(ways.items()):
         chains = []
         for chain in range(CHAINS):
             start = (scene[0], relaxed[chain], scene[2])
-            chains.append(sample(start, way, seconds / CHAINS, 10 * number + chain + 1, temperature, relaxed[CHAINS]))
+            seed = firstSeed + 10 * number + chain
+            chains.append(sample(start, way, seconds / CHAINS, seed, temperature, relaxed[CHAINS]))
         blocks[way] = blockMeans(chains)
         errors = blocks[way].std(axis=0, ddof=1) / np.sqrt(len(blocks[way]))
         print(way, *(f"{m:.3f}({e:.3f})" for m, e in zip(blocks[way].mean(axis=0), errors, strict=True)), flush=True)
@@ -192,12 +195,12 @@ def compareChains(ways, scene, relaxed, temperature):
     return isGood
 
 
-def followDraws(source, seconds, ways, scene, relaxed, temperature):
+def followDraws(source, seconds, ways, scene, relaxed, temperature, firstSeed):
     """Return whether a step of each way leaves the distribution of states of another way's chain as it is."""
     elsewhere = relaxed[CHAINS]
     start = (scene[0], relaxed[0], scene[2])
-    chain = makeRunOf(source, start, 1, temperature, elsewhere)
-    runs = {way: makeRunOf(way, start, 2 + i, temperature, elsewhere) for i, way in enumerate(ways)}
+    chain = makeRunOf(source, start, firstSeed, temperature, elsewhere)
+    runs = {way: makeRunOf(way, start, firstSeed + 1 + i, temperature, elsewhere) for i, way in enumerate(ways)}
     changes, end = {way: [] for way in ways}, time.process_time() + seconds
     while time.process_time() < end:
         chain.integrator.step(STEPS)
@@ -246,18 +249,21 @@ def main(arguments):
     if name == "dipeptide":
         return 0 if followExactDraws(int(ways[0])) else 1
     isFollowed = ways[0] == "--from"
+    firstSeed = 1
+    if ways[-1].startswith("--seed="):
+        firstSeed = 1 + 1000 * int(ways.pop().partition("=")[2])
     seconds = {way: float(value) for way, _, value in (argument.partition("=") for argument in ways if "=" in argument)}
     scene = makeScene(name)
     temperature = TEMPERATURE if name == "peptide" else HOT if name.startswith("hot") else COLD
     relaxed = []
     for seed in range(1, CHAINS + 2):
-        run = makeRun(scene, "two", 100 + seed, temperature)
+        run = makeRun(scene, "two", 99 + firstSeed + seed, temperature)
         run.run(RELAXATION)
         relaxed.append(run.positions)
     if isFollowed:
         source, length = next(iter(seconds.items()))
-        return 0 if followDraws(source, length, ways[2:], scene, relaxed, temperature) else 1
-    return 0 if compareChains(seconds, scene, relaxed, temperature) else 1
+        return 0 if followDraws(source, length, ways[2:], scene, relaxed, temperature, firstSeed) else 1
+    return 0 if compareChains(seconds, scene, relaxed, temperature, firstSeed) else 1
 
 
 if __name__ == "__main__":
