@@ -13,9 +13,9 @@ static const long double energyRounding = 2e-6L;       /* of the terms of a pair
 /* e^-x as the stand-in has it. */
 static long double decay(long double x)
 {
-    const float c[] = STANDIN_EXP;
+    const float c[] = STANDIN_POWER;
     const long double n = rintl(x / logl(2));
-    const long double r = x - n * logl(2);
+    const long double r = x / logl(2) - n;
     return ldexpl(c[0] + r * (c[1] + r * (c[2] + r * c[3])), (int)-n);
 }
 
@@ -54,7 +54,7 @@ long double findWorstShift(const ctEnergyDefinition* d)
             const long double slope =
                 (shiftOf(&model, 0, logI + h, logJ) - shiftOf(&model, 0, logI - h, logJ)) / (2 * h);
             if (i > 0 && i < 40)
-                worst = fmaxl(worst, fabsl(shiftOf(&model, 1, logI, logJ) - slope) / 5);
+                worst = fmaxl(worst, fabsl(shiftOf(&model, 1, logI, logJ) * STANDIN_GRADIENT - slope) / 5);
         }
     return worst;
 }
@@ -104,7 +104,7 @@ static long double slopeOfPair(const ctEnergyDefinition* d, const StandInModel* 
     const long double charges = born->coulomb * born->charges[i] * born->charges[j];
     long double slope =
         charges * slopeOfF * (contrast / (f * f) - born->kappa * screening / born->solventDielectric / f);
-    return excluded ? slope : slope - charges * shiftOf(model, 1, logI, logJ);
+    return excluded ? slope : slope - charges * shiftOf(model, 1, logI, logJ) * STANDIN_GRADIENT;
 }
 
 StandInSum sumStandIn(const ctEnergyDefinition* d, int particleCount, const double* positions, const double* far)

@@ -17,6 +17,11 @@ static inline Float16 keep16(unsigned mask, Float16 a) {
   return _mm512_maskz_mov_ps((__mmask16)mask, a);
 }
 
+/* Both. */
+static inline Float16 keepBelowAmong16(unsigned mask, Float16 b, Float16 limit, Float16 a) {
+  return _mm512_maskz_mov_ps(_mm512_mask_cmp_ps_mask((__mmask16)mask, b, limit, _CMP_LT_OQ), a);
+}
+
 #elif defined(CT_PATH_AVX2)
 
 static inline Float16 keepBelow16(Float16 b, Float16 limit, Float16 a) {
@@ -43,6 +48,14 @@ static inline Float16 keep16(unsigned mask, Float16 a) {
     a.q[i] = (Float4)((((Int4){part, part, part, part} & bits) == bits) & (Int4)a.q[i]);
   }
   return a;
+}
+
+#endif
+
+#ifndef CT_PATH_AVX512
+
+static inline Float16 keepBelowAmong16(unsigned mask, Float16 b, Float16 limit, Float16 a) {
+  return keep16(mask, keepBelow16(b, limit, a));
 }
 
 #endif

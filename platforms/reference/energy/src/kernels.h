@@ -34,7 +34,8 @@ typedef struct Kernels {
    * are added. A leaf with itself has one frame. */
   void (*standInRadii)(const StandInModel* model, const StandInConstants* constants, const double born[CT_LEAF_WIDTH],
                        StandInRadii* radii);
-  void (*standInShift)(const StandInModel* model, const StandInRadii* radii, StandInShift* shift);
+  void (*standInShift)(const StandInModel* model, const float charge[CT_LEAF_WIDTH], const StandInRadii* radii,
+                       StandInShift* shift);
 
   /* Takes some parts out of sixteen sums and adds others; false, and nothing changed, if they are the same. */
   bool (*exchangeParts)(double sums[CT_LEAF_WIDTH], const float before[CT_LEAF_WIDTH],

@@ -15,6 +15,7 @@ static void setModel(StandInModel* model, const ctEnergyDefinition* d) {
   model->perDielectrics[0] = (float)(1 / d->born->soluteDielectric);
   model->perDielectrics[1] = (float)(1 / d->born->solventDielectric);
   model->kappa = (float)d->born->kappa;
+  model->kappaOfTwo = (float)(d->born->kappa * 1.44269504088896341);
   model->gridWidth = (float)d->standIn->gridWidth;
   model->perGridWidth = (float)(1 / d->standIn->gridWidth);
   ctStandInFitShift(model, d);
@@ -229,7 +230,8 @@ ctStatus ctStandInRefresh(StandIn* standIn, size_t count, const ctLeafPair* near
   }
   for (int leaf = 0; leaf < standIn->leaves->leafCount; leaf++) {
     ctStandInComputeRadii(standIn, leaf, stateLeaf(standIn, leaf));
-    kernels->standInShift(&standIn->model, &stateLeaf(standIn, leaf)->radii, stateShift(standIn, leaf));
+    kernels->standInShift(&standIn->model, standIn->born.columns[leaf].charge, &stateLeaf(standIn, leaf)->radii,
+                          stateShift(standIn, leaf));
   }
   for (int a = 0; a < standIn->leaves->leafCount; a++) {
     const NeighborRow* row = &standIn->neighbors.rows[a];

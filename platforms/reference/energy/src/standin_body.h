@@ -42,20 +42,22 @@ static void standInRadii(const StandInModel* model, const StandInConstants* cons
   const Float16 ofCharge = mul16(mul16(load16(constants->squaredCharge), perDielectric), inverse);
   const Float16 ofSurface = mul16(mul16(load16(constants->surface), inverse3), inverse3);
   store16(radii->radius, div16(all16(1), inverseOfGrid));
-  store16(radii->halfInverse, mul16(all16(0.5f), inverseOfGrid));
+  store16(radii->decay, mul16(all16(0.60056120f), inverseOfGrid)); /* root of log2(e) / 4 */
   store16(radii->number, number);
-  store16(radii->beyond, sub16(log, ofGrid));
+  store16(radii->beyond, mul16(all16(STANDIN_GRADIENT), sub16(log, ofGrid)));
   store16(radii->self, sub16(ofSurface, ofCharge));
 }
 
 /* What depends on radii of the grid alone. */
-static void standInShift(const StandInModel* model, const StandInRadii* radii, StandInShift* shift) {
+static void standInShift(const StandInModel* model, const float charge[], const StandInRadii* radii,
+                         StandInShift* shift) {
   const Float16 log = mul16(load16(radii->number), all16(model->gridWidth));
   const Float16 t = mul16(sub16(log, all16(model->middleLog)), all16(model->perHalfWidth));
   const Float16 bounded = max16(min16(t, all16(1)), all16(-1));
   for (int which = 0; which < 2; which++) {
     for (int i = 0; i < SHIFT_RANK; i++) {
-      store16(shift->value[which][i], polynomial16(bounded, SHIFT_TERMS - 1, model->shift[which][i]));
+      const Float16 value = polynomial16(bounded, SHIFT_TERMS - 1, model->shift[which][i]);
+      store16(shift->value[which][i], mul16(load16(charge), value));
     }
   }
 }
@@ -90,29 +92,32 @@ static double standInLeafEnergy(const StandInRadii* radii, const double gradient
 /* Particles that coincide have a distance, too. */
 #define STANDIN_LEAST_SQUARED 1e-6f /* nm^2 */
 
-/* What is known of sixteen particles of a side, or sixteen times of one of them. */
+/* What is known of sixteen particles, or sixteen times of one of them. */
 typedef struct Sixteen {
   Float16 x, y, z;
   Float16 charge, sigma, epsilon;
-  Float16 bornCharge, radius, halfInverse;
+  Float16 bornCharge, radius, decay;
   Float16 shift[2][SHIFT_RANK];
 } Sixteen;
 
-/* `sign` is that of the products of functions, for one of the two sides, or 1. */
-CT_INLINE Sixteen takeAll(const StandInSide* side, const float sign[2][SHIFT_RANK]) {
-  Sixteen all = {load16(side->frame->x),
-                 load16(side->frame->y),
-                 load16(side->frame->z),
+/* All particles of a leaf, from the centre of another, with all factors of products that are the same for all pairs. */
+CT_INLINE Sixteen takeAll(const StandInModel* model, const StandInSide* side, const float shift[3]) {
+  Sixteen all = {add16(load16(side->frame->x), all16(shift[0])),
+                 add16(load16(side->frame->y), all16(shift[1])),
+                 add16(load16(side->frame->z), all16(shift[2])),
                  load16(side->columns->charge),
                  load16(side->columns->sigma),
                  load16(side->columns->epsilon),
                  load16(side->charge),
                  load16(side->radii->radius),
-                 load16(side->radii->halfInverse),
+                 load16(side->radii->decay),
                  {{all16(0), all16(0), all16(0)}}};
+  if (!model->hasKappa) {
+    all.bornCharge = mul16(all.bornCharge, all16(model->perDielectrics[0] - model->perDielectrics[1]));
+  }
   for (int which = 0; which < 2; which++) {
     for (int i = 0; i < SHIFT_RANK; i++) {
-      all.shift[which][i] = mul16(all16(sign[which][i]), load16(side->shift->value[which][i]));
+      all.shift[which][i] = mul16(all16(model->shiftSign[which][i]), load16(side->shift->value[which][i]));
     }
   }
   return all;
@@ -121,7 +126,7 @@ CT_INLINE Sixteen takeAll(const StandInSide* side, const float sign[2][SHIFT_RAN
 CT_INLINE Sixteen takeOne(const StandInSide* side, int k) {
   Sixteen one = {all16(side->frame->x[k]),        all16(side->frame->y[k]),       all16(side->frame->z[k]),
                  all16(side->columns->charge[k]), all16(side->columns->sigma[k]), all16(side->columns->epsilon[k]),
-                 all16(side->charge[k]),          all16(side->radii->radius[k]),  all16(side->radii->halfInverse[k]),
+                 all16(side->charge[k]),          all16(side->radii->radius[k]),  all16(side->radii->decay[k]),
                  {{all16(0), all16(0), all16(0)}}};
   for (int which = 0; which < 2; which++) {
     for (int i = 0; i < SHIFT_RANK; i++) {
@@ -131,164 +136,168 @@ CT_INLINE Sixteen takeOne(const StandInSide* side, int k) {
   return one;
 }
 
-CT_INLINE void moveBy(Sixteen* particles, const float shift[3]) {
-  particles->x = add16(particles->x, all16(shift[0]));
-  particles->y = add16(particles->y, all16(shift[1]));
-  particles->z = add16(particles->z, all16(shift[2]));
-}
-
-/* The value at the cutoff per product of charges, or its derivative. The sign of each product is in the sixteen
- * particles, whichever side they are of: it changes no bit of a product but its sign. */
-CT_INLINE Float16 atCutoff(const Sixteen* a, const Sixteen* b, int which) {
+/* The value at the cutoff, or its derivative. */
+CT_INLINE Float16 atCutoff(const Sixteen* one, const Sixteen* all, int which) {
   const Float16 two =
-      add16(mul16(a->shift[which][0], b->shift[which][0]), mul16(a->shift[which][1], b->shift[which][1]));
-  return add16(two, mul16(a->shift[which][2], b->shift[which][2]));
+      add16(mul16(one->shift[which][0], all->shift[which][0]), mul16(one->shift[which][1], all->shift[which][1]));
+  return add16(two, mul16(one->shift[which][2], all->shift[which][2]));
 }
 
-/* e^-x for x >= 0, by STANDIN_EXP. */
-CT_INLINE Float16 expOfMinus(Float16 x) {
-  const float c[] = STANDIN_EXP;
-  const Float16 bounded = min16(x, all16(70));
-  const Float16 shifted = add16(mul16(bounded, all16(-1.44269504f)), all16(CT_WHOLE_MAGIC));
-  const Float16 r = add16(bounded, mul16(sub16(shifted, all16(CT_WHOLE_MAGIC)), all16(0.69314718f)));
+/* 2^-x for x >= 0, by STANDIN_POWER. */
+CT_INLINE Float16 powerOfMinus(Float16 x) {
+  const float c[] = STANDIN_POWER;
+  const Float16 magic = all16(CT_WHOLE_MAGIC);
+  const Float16 bounded = min16(x, all16(100));
+  const Float16 shifted = sub16(magic, bounded);
+  const Float16 rest = add16(bounded, sub16(shifted, magic));
   const Int16 exponent = shiftLeftInts(bitsOf16(shifted), 23); /* the magic's bits are shifted out */
-  return floatsOfBits(addInts(bitsOf16(polynomial16(r, 3, c)), exponent));
+  return floatsOfBits(addInts(bitsOf16(polynomial16(rest, 3, c)), exponent));
 }
 
-/* The energies of pairs of a particle of side a with one of side b, and their derivatives by ln B of either. The order
- * of operations is that of the sides, whichever of them is sixteen particles. `counts`: not excluded. */
-CT_INLINE void pairEnergies(const StandInModel* model, const Sixteen* a, const Sixteen* b, bool isMasked,
-                            unsigned counts, bool hasKappa, Float16* energy, Float16* gradient) {
-  const Float16 dx = sub16(b->x, a->x);
-  const Float16 dy = sub16(b->y, a->y);
-  const Float16 dz = sub16(b->z, a->z);
-  const Float16 one = all16(1);
-  const Float16 squared =
-      max16(add16(add16(mul16(dx, dx), mul16(dy, dy)), mul16(dz, dz)), all16(STANDIN_LEAST_SQUARED));
-  /* f^2 = r^2 + B_i B_j exp(-r^2 / (4 B_i B_j)), and both reciprocal squares by one division. */
-  const Float16 exponent = mul16(squared, mul16(a->halfInverse, b->halfInverse));
-  const Float16 widening = mul16(mul16(a->radius, b->radius), expOfMinus(exponent));
-  const Float16 squaredF = add16(squared, widening);
-  const Float16 both = div16(one, mul16(squared, squaredF));
-  const Float16 inverse2 = mul16(both, squaredF);
-  const Float16 inverseF2 = mul16(both, squared);
-  const Float16 inverseF = sqrt16(inverseF2);
-  /* Lennard-Jones and Coulomb. */
-  const Float16 sigma = add16(b->sigma, a->sigma);
-  const Float16 ratio2 = mul16(mul16(sigma, sigma), inverse2);
+/* How far the particles of a row of pairs are apart: r, and f of generalized Born. */
+typedef struct Separation {
+  Float16 squared;  /* r^2 */
+  Float16 exponent; /* r^2 / (4 B_i B_j), as one of 2 */
+  Float16 widening; /* f^2 - r^2 = B_i B_j exp(-r^2 / (4 B_i B_j)) */
+  Float16 inverse2; /* 1 / r^2 */
+  Float16 inverseF2;
+} Separation;
+
+CT_INLINE void separate(const Sixteen* one, const Sixteen* all, Separation* s) {
+  const Float16 dx = sub16(all->x, one->x);
+  const Float16 dy = sub16(all->y, one->y);
+  const Float16 dz = sub16(all->z, one->z);
+  s->squared = max16(squared16(dx, dy, dz), all16(STANDIN_LEAST_SQUARED));
+  s->exponent = mul16(s->squared, mul16(one->decay, all->decay));
+  s->widening = mul16(mul16(one->radius, all->radius), powerOfMinus(s->exponent));
+}
+
+/* Both reciprocal squares by one division. */
+CT_INLINE void invert(Separation* s) {
+  const Float16 squaredF = add16(s->squared, s->widening);
+  const Float16 both = div16(all16(1), mul16(s->squared, squaredF));
+  s->inverse2 = mul16(both, squaredF);
+  s->inverseF2 = mul16(both, s->squared);
+}
+
+/* The energies of a row of pairs, and their derivatives by ln B of either in units of STANDIN_GRADIENT. `used`: those
+ * that count; `direct`: those that are not excluded. */
+CT_INLINE void pairEnergies(const StandInModel* model, const Sixteen* one, const Sixteen* all, const Separation* s,
+                            unsigned used, unsigned direct, bool isMasked, bool hasKappa, Float16* energy,
+                            Float16* gradient) {
+  const Float16 inverseF = sqrt16(s->inverseF2);
+  const Float16 sigma = add16(one->sigma, all->sigma);
+  const Float16 ratio2 = mul16(mul16(sigma, sigma), s->inverse2);
   const Float16 ratio6 = mul16(mul16(ratio2, ratio2), ratio2);
-  const Float16 lennardJones = mul16(mul16(b->epsilon, mul16(ratio6, sub16(ratio6, one))), a->epsilon);
-  const Float16 coulomb = mul16(mul16(b->charge, a->charge), sqrt16(inverse2));
-  /* The value at the cutoff. */
-  const Float16 charges = mul16(b->bornCharge, a->bornCharge);
-  const Float16 shift = mul16(charges, atCutoff(a, b, 0));
-  Float16 slope = mul16(charges, atCutoff(a, b, 1));
-  Float16 direct = sub16(add16(lennardJones, coulomb), shift);
+  const Float16 epsilon = mul16(one->epsilon, all->epsilon);
+  const Float16 lennardJones = mul16(epsilon, mul16(ratio6, sub16(ratio6, all16(1))));
+  const Float16 coulomb = mul16(mul16(one->charge, all->charge), sqrt16(s->inverse2));
+  Float16 withoutBorn = sub16(add16(lennardJones, coulomb), atCutoff(one, all, 0));
+  Float16 slope = atCutoff(one, all, 1);
   if (isMasked) {
-    direct = keep16(counts, direct);
-    slope = keep16(counts, slope);
+    withoutBorn = keep16(direct, withoutBorn);
+    slope = keep16(direct, slope);
   }
-  Float16 perDielectric = all16(model->perDielectrics[0] - model->perDielectrics[1]);
-  Float16 steepness = mul16(perDielectric, inverseF);
+  const Float16 charges = mul16(one->bornCharge, all->bornCharge);
+  Float16 born = mul16(charges, inverseF);
+  Float16 steepness = born;
   if (hasKappa) {
-    const Float16 screening =
-        mul16(expOfMinus(mul16(all16(model->kappa), mul16(squaredF, inverseF))), all16(model->perDielectrics[1]));
-    perDielectric = sub16(all16(model->perDielectrics[0]), screening);
-    steepness = sub16(mul16(perDielectric, inverseF), mul16(all16(model->kappa), screening));
+    const Float16 f = mul16(add16(s->squared, s->widening), inverseF);
+    const Float16 screening = mul16(powerOfMinus(mul16(all16(model->kappaOfTwo), f)), all16(model->perDielectrics[1]));
+    const Float16 perDielectric = sub16(all16(model->perDielectrics[0]), screening);
+    steepness = mul16(charges, sub16(mul16(perDielectric, inverseF), mul16(all16(model->kappa), screening)));
+    born = mul16(born, perDielectric);
   }
-  const Float16 born = mul16(charges, mul16(perDielectric, inverseF));
-  /* d(f^2) / d ln B = widening (1 + exponent). */
-  const Float16 ofF = mul16(mul16(widening, add16(exponent, one)), mul16(all16(0.5f), inverseF2));
+  /* d(f^2) / d ln B = widening (1 + r^2 / (4 B_i B_j)). */
+  const Float16 ofF = mul16(mul16(s->widening, add16(s->exponent, all16(1.44269504f))), s->inverseF2);
+  const Float16 bounded = min16(sub16(withoutBorn, born), all16(STANDIN_MOST_ENERGY));
   const Float16 cutoff = all16(model->squaredCutoff);
-  *energy = keepBelow16(squared, cutoff, min16(sub16(direct, born), all16(STANDIN_MOST_ENERGY)));
-  *gradient = keepBelow16(squared, cutoff, sub16(mul16(mul16(charges, ofF), steepness), slope));
+  *energy = keepBelowAmong16(used, s->squared, cutoff, bounded);
+  *gradient = keepBelowAmong16(used, s->squared, cutoff, sub16(mul16(ofF, steepness), slope));
 }
 
-/* Adds the pairs of some particles of one side, one after another, with those of the other side in `lanes`; of a leaf
- * with itself, with those behind them. */
-CT_INLINE Sum16 addPairs(const StandInModel* model, const StandInSide* a, const StandInSide* b, const float shift[3],
-                         bool onesAreOfA, unsigned ones, unsigned lanes, bool isSelf, bool hasLanes, bool isMasked,
-                         bool hasKappa, Sum16 sum, float ofOnes[], float ofLanes[]) {
-  Sixteen sixteen = takeAll(onesAreOfA ? b : a, model->shiftSign);
-  if (onesAreOfA) {
-    moveBy(&sixteen, shift);
+/* Rows of pairs: some particles of one side, with some of the other. */
+typedef struct StandInRows {
+  const StandInSide* ones;
+  const StandInSide* all;
+  float shift[3]; /* from the centre of the former to that of the latter */
+  unsigned slots; /* of the ones, as bits */
+  unsigned lanes; /* of the others */
+  float* ofOnes;  /* gradients */
+  float* ofAll;
+} StandInRows;
+
+/* Adds rows, of a leaf with itself with those behind each. Operations of one row wait for each other, so each step is
+ * that of all rows. */
+CT_INLINE Sum16 addRows(const StandInModel* model, const StandInRows* rows, bool isMasked, bool hasKappa, Sum16 sum) {
+  const bool isSelf = rows->ones->frame == rows->all->frame;
+  const Sixteen all = takeAll(model, rows->all, rows->shift);
+  Separation separations[CT_LEAF_WIDTH];
+  int slots[CT_LEAF_WIDTH];
+  const int count = indices16(rows->slots, 0, slots);
+  for (int i = 0; i < count; i++) {
+    const Sixteen one = takeOne(rows->ones, slots[i]);
+    separate(&one, &all, &separations[i]);
   }
-  const uint16_t* excluded = onesAreOfA ? a->excluded : b->excluded;
-  Float16 gradients = load16(ofLanes);
-  while (ones != 0) {
+  for (int i = 0; i < count; i++) {
+    invert(&separations[i]);
+  }
+  Float16 gradients = load16(rows->ofAll);
+  for (int begin = 0; begin < count; begin += ROWS_IN_FLOAT) {
+    const int end = begin + ROWS_IN_FLOAT < count ? begin + ROWS_IN_FLOAT : count;
     Float16 part[ROWS_IN_FLOAT] = {all16(0), all16(0), all16(0), all16(0)};
     Float16 energies = all16(0);
-    int slots[ROWS_IN_FLOAT];
-    int count = 0;
-    for (; count < ROWS_IN_FLOAT && ones != 0; count++, ones &= ones - 1) {
-      const int k = __builtin_ctz(ones);
-      Sixteen single = takeOne(onesAreOfA ? a : b, k);
-      if (!onesAreOfA) {
-        moveBy(&single, shift);
-      }
+    for (int i = begin; i < end; i++) {
+      const int k = slots[i];
+      const Sixteen one = takeOne(rows->ones, k);
+      const unsigned used = isSelf ? 0xfffeu << k : rows->lanes;
+      const unsigned direct = isMasked ? ~(unsigned)rows->ones->excluded[k] : 0;
       Float16 energy;
-      Float16 gradient;
-      pairEnergies(model, onesAreOfA ? &single : &sixteen, onesAreOfA ? &sixteen : &single, isMasked,
-                   isMasked ? ~(unsigned)excluded[k] : 0, hasKappa, &energy, &gradient);
-      if (isSelf || hasLanes) {
-        const unsigned used = isSelf ? 0xfffeu << k : lanes;
-        energy = keep16(used, energy);
-        gradient = keep16(used, gradient);
-      }
+      pairEnergies(model, &one, &all, &separations[i], used, direct, isMasked, hasKappa, &energy, &part[i - begin]);
       energies = add16(energies, energy);
-      gradients = add16(gradients, gradient);
-      part[count] = gradient;
-      slots[count] = k;
+      gradients = add16(gradients, part[i - begin]);
     }
     sum = addToSum16(sum, energies);
     float totals[ROWS_IN_FLOAT];
     total4x16(part, totals);
-    for (int i = 0; i < count; i++) {
-      ofOnes[slots[i]] += totals[i];
+    for (int i = begin; i < end; i++) {
+      rows->ofOnes[slots[i]] += totals[i - begin];
     }
   }
-  store16(ofLanes, gradients);
+  store16(rows->ofAll, gradients);
   return sum;
-}
-
-/* The same by the function for this case. */
-CT_INLINE Sum16 addCase(const StandInModel* model, const StandInSide* a, const StandInSide* b, const float shift[3],
-                        bool onesAreOfA, unsigned ones, unsigned lanes, bool isSelf, bool hasLanes, Sum16 sum,
-                        float ofOnes[], float ofLanes[]) {
-  if (model->hasKappa) {
-    return a->excluded != NULL ? addPairs(model, a, b, shift, onesAreOfA, ones, lanes, isSelf, hasLanes, true, true,
-                                          sum, ofOnes, ofLanes)
-                               : addPairs(model, a, b, shift, onesAreOfA, ones, lanes, isSelf, hasLanes, false, true,
-                                          sum, ofOnes, ofLanes);
-  }
-  return a->excluded != NULL ? addPairs(model, a, b, shift, onesAreOfA, ones, lanes, isSelf, hasLanes, true, false, sum,
-                                        ofOnes, ofLanes)
-                             : addPairs(model, a, b, shift, onesAreOfA, ones, lanes, isSelf, hasLanes, false, false,
-                                        sum, ofOnes, ofLanes);
 }
 
 static double standInPairs(const StandInModel* model, const StandInSide* a, const StandInSide* b, unsigned slotsOfA,
                            unsigned slotsOfB, float gradientA[], float gradientB[]) {
-  float shift[3];
-  float back[3];
-  const bool isSelf = a->frame == b->frame;
-  shiftBetween(a->frame, b->frame, shift);
-  shiftBetween(b->frame, a->frame, back);
-  unsigned rows = slotsOfA & rowsNear(a->frame, b->frame, shift, model->squaredCutoff);
-  unsigned columns = slotsOfB & rowsNear(b->frame, a->frame, back, model->squaredCutoff);
-  Sum16 sum = zeroSum16();
-  if (isSelf) {
-    sum = addCase(model, a, b, shift, true, slotsOfA, 0xffff, true, false, sum, gradientA, gradientB);
+  StandInRows rows[2] = {{.ones = a, .all = b, .lanes = 0xffff, .ofOnes = gradientA, .ofAll = gradientB},
+                         {.ones = b, .all = a, .lanes = 0xffff, .ofOnes = gradientB, .ofAll = gradientA}};
+  shiftBetween(a->frame, b->frame, rows[0].shift);
+  shiftBetween(b->frame, a->frame, rows[1].shift);
+  rows[0].slots = slotsOfA & rowsNear(a->frame, b->frame, rows[0].shift, model->squaredCutoff);
+  rows[1].slots = slotsOfB & rowsNear(b->frame, a->frame, rows[1].shift, model->squaredCutoff);
+  if (a->frame == b->frame) {
+    rows[0].slots = slotsOfA;
+    rows[1].slots = 0;
   } else if (slotsOfA == a->columns->occupied && slotsOfB == b->columns->occupied) {
     /* All pairs: by the side with fewer particles near the other. */
-    if (__builtin_popcount(rows) <= __builtin_popcount(columns)) {
-      sum = addCase(model, a, b, shift, true, rows, 0xffff, false, false, sum, gradientA, gradientB);
-    } else {
-      sum = addCase(model, a, b, shift, false, columns, 0xffff, false, false, sum, gradientB, gradientA);
-    }
+    const bool aIsLess = __builtin_popcount(rows[0].slots) <= __builtin_popcount(rows[1].slots);
+    rows[aIsLess ? 1 : 0].slots = 0;
   } else {
-    sum = addCase(model, a, b, shift, true, rows, 0xffff, false, false, sum, gradientA, gradientB);
-    sum = addCase(model, a, b, shift, false, columns, ~slotsOfA, false, true, sum, gradientB, gradientA);
+    rows[1].lanes = ~slotsOfA;
+  }
+  Sum16 sum = zeroSum16();
+  for (int i = 0; i < 2; i++) {
+    if (rows[i].slots == 0) {
+      continue;
+    }
+    if (model->hasKappa) {
+      sum =
+          a->excluded != NULL ? addRows(model, &rows[i], true, true, sum) : addRows(model, &rows[i], false, true, sum);
+    } else {
+      sum = a->excluded != NULL ? addRows(model, &rows[i], true, false, sum)
+                                : addRows(model, &rows[i], false, false, sum);
+    }
   }
   return total16(sum);
 }

@@ -15,7 +15,8 @@ typedef struct StandInModel {
   float squaredBornCutoff;
   float perDielectrics[2]; /* 1 / soluteDielectric and 1 / solventDielectric */
   float kappa;
-  float gridWidth; /* of ln B */
+  float kappaOfTwo; /* times log2(e) */
+  float gridWidth;  /* of ln B */
   float perGridWidth;
   float middleLog; /* of the radii in whose range the polynomials hold, and half of its width */
   float perHalfWidth;
@@ -39,14 +40,15 @@ typedef struct StandInConstants {
 
 /* Born radii of the particles of a leaf. Those of the grid are what pairs see. */
 typedef struct StandInRadii {
-  float radius[CT_LEAF_WIDTH];      /* of the grid */
-  float halfInverse[CT_LEAF_WIDTH]; /* half of its reciprocal */
-  float number[CT_LEAF_WIDTH];      /* its logarithm's number on the grid */
-  float beyond[CT_LEAF_WIDTH];      /* ln B less that of the grid */
-  float self[CT_LEAF_WIDTH];        /* the energy of the particle by itself, kJ/mol */
+  float radius[CT_LEAF_WIDTH]; /* of the grid */
+  float decay[CT_LEAF_WIDTH];  /* the product of two is log2(e) / (4 B_i B_j) */
+  float number[CT_LEAF_WIDTH]; /* its logarithm's number on the grid */
+  float beyond[CT_LEAF_WIDTH]; /* ln B less that of the grid, times STANDIN_GRADIENT */
+  float self[CT_LEAF_WIDTH];   /* the energy of the particle by itself, kJ/mol */
 } StandInRadii;
 
-/* The functions of the radii of the grid that make the value of a pair at the cutoff, and its derivative. */
+/* The functions of the radii of the grid that make the value of a pair at the cutoff, and its derivative, times the
+ * charges. */
 typedef struct StandInShift {
   float value[2][SHIFT_RANK][CT_LEAF_WIDTH];
 } StandInShift;
@@ -61,10 +63,13 @@ typedef struct StandInSide {
   const uint16_t* excluded; /* see LeafSide */
 } StandInSide;
 
-/* What stands for e^-r, |r| <= log(2) / 2, in pairs: a polynomial within 1e-4 of it, since the stand-in is no nearer to
- * what it stands for. */
-#define STANDIN_EXP \
-  { 0.9999280303f, -1.0001642792f, 0.5049647859f, -0.1656682461f }
+/* What stands for 2^-x, |x| <= 1/2, in pairs: a polynomial within 1e-4 of it, since the stand-in is no nearer to what
+ * it stands for. */
+#define STANDIN_POWER \
+  { 0.9999280303f, -0.6932610502f, 0.2426118533f, -0.0551716100f }
+
+/* The unit of derivatives of pairs by ln B, log(2) / 2: that of f^2 has it with an exponent of 2. */
+#define STANDIN_GRADIENT 0.34657359f
 
 /* A pair has no more than this, kJ/mol. */
 #define STANDIN_MOST_ENERGY 1e6f

@@ -19,10 +19,10 @@ static double valueAt(const ctEnergyDefinition* d, double log) {
   return 1 / cutoff - perDielectric / f;
 }
 
-/* Its derivative by ln B. */
+/* Its derivative by ln B, in units of STANDIN_GRADIENT. */
 static double slopeAt(const ctEnergyDefinition* d, double log) {
   const double step = 1e-4;
-  return (valueAt(d, log + step) - valueAt(d, log - step)) / (2 * step);
+  return (valueAt(d, log + step) - valueAt(d, log - step)) / (2 * step * (double)STANDIN_GRADIENT);
 }
 
 /* The eigenvector of a symmetric matrix whose eigenvalue is the largest in magnitude, by powers of it; returns the

@@ -149,7 +149,8 @@ static void changeRadii(StandIn* standIn) {
     }
     standIn->trial[leaf].crossing = crossing;
     if (crossing != 0) {
-      standIn->leaves->kernels->standInShift(&standIn->model, &other->radii, otherShift(standIn, leaf));
+      standIn->leaves->kernels->standInShift(&standIn->model, standIn->born.columns[leaf].charge, &other->radii,
+                                             otherShift(standIn, leaf));
     }
   }
 }
