@@ -85,17 +85,6 @@ static ctStatus stage(StandIn* standIn, bool near) {
   return ctSuccess;
 }
 
-/* Computes the energy of a staged pair in the trial, with radii of the state or of the trial. */
-static void computePairs(StandIn* standIn, const StagedPair* staged, bool radiiOfTrial) {
-  const LeafFrame* frameA = ctTrialFrame(standIn->leaves, staged->a);
-  const LeafFrame* frameB = ctTrialFrame(standIn->leaves, staged->b);
-  const PlacedLeaf a =
-      radiiOfTrial ? placeInTrial(standIn, staged->a, frameA) : ctStandInPlace(standIn, staged->a, frameA);
-  const PlacedLeaf b =
-      radiiOfTrial ? placeInTrial(standIn, staged->b, frameB) : ctStandInPlace(standIn, staged->b, frameB);
-  ctStandInComputePairs(standIn, &a, &b, otherRecord(&standIn->neighbors, staged->pair));
-}
-
 ctStatus ctStandInNearChange(StandIn* standIn, double* change) {
   forget(standIn);
   *change = 0;
@@ -104,10 +93,12 @@ ctStatus ctStandInNearChange(StandIn* standIn, double* change) {
   }
   for (int i = 0; i < standIn->stagedCount; i++) {
     StagedPair* staged = &standIn->staged[i];
-    computePairs(standIn, staged, false);
+    PairRecord* after = otherRecord(&standIn->neighbors, staged->pair);
+    const PlacedLeaf a = ctStandInPlace(standIn, staged->a, ctTrialFrame(standIn->leaves, staged->a));
+    const PlacedLeaf b = ctStandInPlace(standIn, staged->b, ctTrialFrame(standIn->leaves, staged->b));
+    ctStandInComputePairs(standIn, &a, &b, after);
     staged->isOpen = false;
-    *change +=
-        otherRecord(&standIn->neighbors, staged->pair)->energy - stateRecord(&standIn->neighbors, staged->pair)->energy;
+    *change += after->energy - stateRecord(&standIn->neighbors, staged->pair)->energy;
   }
   standIn->nearChange = *change;
   return ctSuccess;
@@ -157,16 +148,15 @@ static void changeRadii(StandIn* standIn) {
 
 /* ---- Energies with these radii ---- */
 
-/* The energy that a near pair has before the trial, but with the radii of the trial. */
-static double energyBack(StandIn* standIn, const StagedPair* staged) {
-  if (staged->isNew) {
-    return 0;
-  }
-  PairRecord record;
-  const PlacedLeaf a = placeInTrial(standIn, staged->a, ctStateFrame(standIn->leaves, staged->a));
-  const PlacedLeaf b = placeInTrial(standIn, staged->b, ctStateFrame(standIn->leaves, staged->b));
-  ctStandInComputePairs(standIn, &a, &b, &record);
-  return record.energy;
+/* Exchanges in a record what particles whose radii change have by what they have with the radii of the trial, where
+ * they are in the trial or in the state. */
+static void exchangeRadii(StandIn* standIn, const StagedPair* staged, bool inTrial, PairRecord* record) {
+  TrialLeaves* leaves = standIn->leaves;
+  const LeafFrame* frameA = inTrial ? ctTrialFrame(leaves, staged->a) : ctStateFrame(leaves, staged->a);
+  const LeafFrame* frameB = inTrial ? ctTrialFrame(leaves, staged->b) : ctStateFrame(leaves, staged->b);
+  const PlacedLeaf a = placeInTrial(standIn, staged->a, frameA);
+  const PlacedLeaf b = placeInTrial(standIn, staged->b, frameB);
+  ctStandInExchangePairs(standIn, &a, crossing(standIn, staged->a), &b, crossing(standIn, staged->b), record);
 }
 
 /* Computes what is still to be computed of pairs that move. Returns by how much their energy changes. */
@@ -176,14 +166,20 @@ static double changeMovedPairs(StandIn* standIn) {
   for (int i = 0; i < standIn->movedCount; i++) {
     const StagedPair* staged = &standIn->staged[i];
     const PairRecord* before = stateRecord(&standIn->neighbors, staged->pair);
-    const PairRecord* after = otherRecord(&standIn->neighbors, staged->pair);
+    PairRecord* after = otherRecord(&standIn->neighbors, staged->pair);
     const bool isCrossed = (crossing(standIn, staged->a) | crossing(standIn, staged->b)) != 0;
     double back = before->energy;
-    if (staged->isNear && isCrossed) {
-      back = energyBack(standIn, staged);
+    if (staged->isNear && isCrossed && !staged->isNew) {
+      PairRecord record = *before;
+      exchangeRadii(standIn, staged, false, &record);
+      back = record.energy;
     }
-    if (staged->isOpen || isCrossed) {
-      computePairs(standIn, staged, true);
+    if (staged->isOpen) {
+      const PlacedLeaf a = placeInTrial(standIn, staged->a, ctTrialFrame(standIn->leaves, staged->a));
+      const PlacedLeaf b = placeInTrial(standIn, staged->b, ctTrialFrame(standIn->leaves, staged->b));
+      ctStandInComputePairs(standIn, &a, &b, after);
+    } else if (isCrossed) {
+      exchangeRadii(standIn, staged, true, after);
     }
     if (staged->isNear) {
       nearBack += back - after->energy;
@@ -195,14 +191,12 @@ static double changeMovedPairs(StandIn* standIn) {
   return change;
 }
 
-/* Exchanges what some particles of an unmoved pair have by what they have with the radii of the trial. */
+/* The change of a pair that does not move. */
 static double changeUnmovedPair(StandIn* standIn, const StagedPair* staged) {
   const PairRecord* before = stateRecord(&standIn->neighbors, staged->pair);
   PairRecord* after = otherRecord(&standIn->neighbors, staged->pair);
-  const PlacedLeaf a = placeInTrial(standIn, staged->a, ctStateFrame(standIn->leaves, staged->a));
-  const PlacedLeaf b = placeInTrial(standIn, staged->b, ctStateFrame(standIn->leaves, staged->b));
   *after = *before;
-  ctStandInExchangePairs(standIn, &a, crossing(standIn, staged->a), &b, crossing(standIn, staged->b), after);
+  exchangeRadii(standIn, staged, false, after);
   exchangeGradients(standIn, staged);
   return after->energy - before->energy;
 }
