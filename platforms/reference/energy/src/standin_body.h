@@ -163,11 +163,14 @@ typedef struct Separation {
   Float16 inverseF2;
 } Separation;
 
-CT_INLINE void separate(const Sixteen* one, const Sixteen* all, Separation* s) {
+CT_INLINE Float16 squaredDistance(const Sixteen* one, const Sixteen* all) {
   const Float16 dx = sub16(all->x, one->x);
   const Float16 dy = sub16(all->y, one->y);
   const Float16 dz = sub16(all->z, one->z);
-  s->squared = max16(squared16(dx, dy, dz), all16(STANDIN_LEAST_SQUARED));
+  return max16(squared16(dx, dy, dz), all16(STANDIN_LEAST_SQUARED));
+}
+
+CT_INLINE void widen(const Sixteen* one, const Sixteen* all, Separation* s) {
   s->exponent = mul16(s->squared, mul16(one->decay, all->decay));
   s->widening = mul16(mul16(one->radius, all->radius), powerOfMinus(s->exponent));
 }
@@ -227,17 +230,31 @@ typedef struct StandInRows {
   float* ofAll;
 } StandInRows;
 
+/* The lanes that count in the row of slot k. */
+CT_INLINE unsigned lanesOf(const StandInRows* rows, bool isSelf, int k) {
+  return isSelf ? 0xfffeu << k : rows->lanes;
+}
+
 /* Adds rows, of a leaf with itself with those behind each. Operations of one row wait for each other, so each step is
  * that of all rows. */
 CT_INLINE Sum16 addRows(const StandInModel* model, const StandInRows* rows, bool isMasked, bool hasKappa, Sum16 sum) {
   const bool isSelf = rows->ones->frame == rows->all->frame;
   const Sixteen all = takeAll(model, rows->all, rows->shift);
+  const Float16 cutoff = all16(model->squaredCutoff);
   Separation separations[CT_LEAF_WIDTH];
   int slots[CT_LEAF_WIDTH];
-  const int count = indices16(rows->slots, 0, slots);
+  int count = 0;
+  for (unsigned ones = rows->slots; ones != 0; ones &= ones - 1) {
+    const int k = __builtin_ctz(ones);
+    const Sixteen one = takeOne(rows->ones, k);
+    separations[count].squared = squaredDistance(&one, &all);
+    slots[count] = k;
+    /* A particle near the box of a leaf may be near none in it. Without a branch, which could not be foreseen. */
+    count += (greater16(cutoff, separations[count].squared) & lanesOf(rows, isSelf, k)) != 0 ? 1 : 0;
+  }
   for (int i = 0; i < count; i++) {
     const Sixteen one = takeOne(rows->ones, slots[i]);
-    separate(&one, &all, &separations[i]);
+    widen(&one, &all, &separations[i]);
   }
   for (int i = 0; i < count; i++) {
     invert(&separations[i]);
@@ -250,10 +267,10 @@ CT_INLINE Sum16 addRows(const StandInModel* model, const StandInRows* rows, bool
     for (int i = begin; i < end; i++) {
       const int k = slots[i];
       const Sixteen one = takeOne(rows->ones, k);
-      const unsigned used = isSelf ? 0xfffeu << k : rows->lanes;
       const unsigned direct = isMasked ? ~(unsigned)rows->ones->excluded[k] : 0;
       Float16 energy;
-      pairEnergies(model, &one, &all, &separations[i], used, direct, isMasked, hasKappa, &energy, &part[i - begin]);
+      pairEnergies(model, &one, &all, &separations[i], lanesOf(rows, isSelf, k), direct, isMasked, hasKappa, &energy,
+                   &part[i - begin]);
       energies = add16(energies, energy);
       gradients = add16(gradients, part[i - begin]);
     }
