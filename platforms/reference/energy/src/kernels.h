@@ -30,8 +30,9 @@ typedef struct Kernels {
 
   /* Of the stand-in: radii of a leaf by its Born sums over particles that are near; what follows from those of the grid
    * alone; the energy of a leaf's particles by themselves with what the grid of radii neglects, given the derivatives
-   * of pairs by ln B; and the energy of the pairs of which one particle is in slotsOfA or slotsOfB, whose derivatives
-   * are added. A leaf with itself has one frame. */
+   * of pairs by ln B; the energy of all pairs of two leaves, whose derivatives are added (a leaf with itself has one
+   * frame); and, of pairs of which one particle is in slotsOfA or slotsOfB, what they have with the radii of the first
+   * version of each side less what they have with those of the second. */
   void (*standInRadii)(const StandInModel* model, const StandInConstants* constants, const double born[CT_LEAF_WIDTH],
                        StandInRadii* radii);
   void (*standInShift)(const StandInModel* model, const float charge[CT_LEAF_WIDTH], const StandInRadii* radii,
@@ -41,8 +42,11 @@ typedef struct Kernels {
   bool (*exchangeParts)(double sums[CT_LEAF_WIDTH], const float before[CT_LEAF_WIDTH],
                         const float after[CT_LEAF_WIDTH]);
   double (*standInLeafEnergy)(const StandInRadii* radii, const double gradient[CT_LEAF_WIDTH]);
-  double (*standInPairs)(const StandInModel* model, const StandInSide* a, const StandInSide* b, unsigned slotsOfA,
-                         unsigned slotsOfB, float gradientA[CT_LEAF_WIDTH], float gradientB[CT_LEAF_WIDTH]);
+  double (*standInPairs)(const StandInModel* model, const StandInSide* a, const StandInSide* b,
+                         float gradientA[CT_LEAF_WIDTH], float gradientB[CT_LEAF_WIDTH]);
+  double (*standInExchange)(const StandInModel* model, const StandInSide a[2], const StandInSide b[2],
+                            unsigned slotsOfA, unsigned slotsOfB, float gradientA[CT_LEAF_WIDTH],
+                            float gradientB[CT_LEAF_WIDTH]);
 } Kernels;
 
 /* Those of the instruction set of this name. */

@@ -172,4 +172,5 @@ const Kernels KERNELS = {
     .exchangeParts = exchangeParts,
     .standInLeafEnergy = standInLeafEnergy,
     .standInPairs = standInPairs,
+    .standInExchange = standInExchange,
 };

@@ -134,28 +134,23 @@ void ctStandInComputeBorn(const StandIn* standIn, int a, const LeafFrame* frameA
                                      record->born[1]);
 }
 
-/* The energy of the pairs of some particles of either leaf, whose gradients are added. */
-static double pairEnergy(const StandIn* standIn, const PlacedLeaf* a, unsigned slotsOfA, const PlacedLeaf* b,
-                         unsigned slotsOfB, float gradient[2][CT_LEAF_WIDTH]) {
-  const Nonbonded* nonbonded = &standIn->nonbonded;
-  const BornColumns* born = standIn->born.columns;
-  const uint16_t* excluded = pairMaskOf(&nonbonded->mask, a->leaf, b->leaf);
-  const StandInSide sideA = {a->frame, &nonbonded->columns[a->leaf], born[a->leaf].charge, a->radii, a->shift,
-                             excluded};
-  const StandInSide sideB = {b->frame,
-                             &nonbonded->columns[b->leaf],
-                             born[b->leaf].charge,
-                             b->radii,
-                             b->shift,
-                             excluded != NULL ? pairMaskOf(&nonbonded->mask, b->leaf, a->leaf) : NULL};
-  return standIn->leaves->kernels->standInPairs(&standIn->model, &sideA, &sideB, slotsOfA, slotsOfB, gradient[0],
-                                                gradient[1]);
+/* A leaf in a pair with another. */
+static StandInSide sideOf(const StandIn* standIn, const PlacedLeaf* placed, int other) {
+  const int leaf = placed->leaf;
+  return (StandInSide){.frame = placed->frame,
+                       .columns = &standIn->nonbonded.columns[leaf],
+                       .charge = standIn->born.columns[leaf].charge,
+                       .radii = placed->radii,
+                       .shift = placed->shift,
+                       .excluded = pairMaskOf(&standIn->nonbonded.mask, leaf, other)};
 }
 
 void ctStandInComputePairs(const StandIn* standIn, const PlacedLeaf* a, const PlacedLeaf* b, PairRecord* record) {
-  const LeafColumns* columns = standIn->nonbonded.columns;
+  const StandInSide sideA = sideOf(standIn, a, b->leaf);
+  const StandInSide sideB = sideOf(standIn, b, a->leaf);
   memset(record->gradient, 0, sizeof record->gradient);
-  record->energy = pairEnergy(standIn, a, columns[a->leaf].occupied, b, columns[b->leaf].occupied, record->gradient);
+  record->energy =
+      standIn->leaves->kernels->standInPairs(&standIn->model, &sideA, &sideB, record->gradient[0], record->gradient[1]);
 }
 
 /* From so many particles on, all pairs of two leaves cost less than theirs twice. */
@@ -167,17 +162,16 @@ void ctStandInExchangePairs(const StandIn* standIn, const PlacedLeaf* a, unsigne
     ctStandInComputePairs(standIn, a, b, record);
     return;
   }
-  float before[2][CT_LEAF_WIDTH] = {{0}};
-  float after[2][CT_LEAF_WIDTH] = {{0}};
-  const PlacedLeaf stateA = ctStandInPlace(standIn, a->leaf, a->frame);
-  const PlacedLeaf stateB = ctStandInPlace(standIn, b->leaf, b->frame);
-  const double energyBefore = pairEnergy(standIn, &stateA, slotsOfA, &stateB, slotsOfB, before);
-  record->energy += pairEnergy(standIn, a, slotsOfA, b, slotsOfB, after) - energyBefore;
-  for (int side = 0; side < 2; side++) {
-    for (int k = 0; k < CT_LEAF_WIDTH; k++) {
-      record->gradient[side][k] += after[side][k] - before[side][k];
-    }
-  }
+  StandInSide sideA[2] = {sideOf(standIn, a, b->leaf)};
+  StandInSide sideB[2] = {sideOf(standIn, b, a->leaf)};
+  sideA[1] = sideA[0];
+  sideB[1] = sideB[0];
+  sideA[1].radii = &stateLeaf(standIn, a->leaf)->radii;
+  sideB[1].radii = &stateLeaf(standIn, b->leaf)->radii;
+  sideA[1].shift = stateShift(standIn, a->leaf);
+  sideB[1].shift = stateShift(standIn, b->leaf);
+  record->energy += standIn->leaves->kernels->standInExchange(&standIn->model, sideA, sideB, slotsOfA, slotsOfB,
+                                                              record->gradient[0], record->gradient[1]);
 }
 
 void ctStandInComputeRadii(const StandIn* standIn, int number, StandInLeaf* leaf) {

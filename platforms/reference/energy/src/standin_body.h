@@ -183,28 +183,37 @@ CT_INLINE void invert(Separation* s) {
   s->inverseF2 = mul16(both, s->squared);
 }
 
+/* What is added up: pairs as they are, or what they have with other radii less what they have with those that were. */
+typedef struct StandInCase {
+  bool isExchange; /* without what does not depend on radii */
+  bool isMasked;   /* some pairs are excluded */
+  bool hasKappa;
+} StandInCase;
+
 /* The energies of a row of pairs, and their derivatives by ln B of either in units of STANDIN_GRADIENT. `used`: those
  * that count; `direct`: those that are not excluded. */
 CT_INLINE void pairEnergies(const StandInModel* model, const Sixteen* one, const Sixteen* all, const Separation* s,
-                            unsigned used, unsigned direct, bool isMasked, bool hasKappa, Float16* energy,
-                            Float16* gradient) {
+                            unsigned used, unsigned direct, StandInCase its, Float16* energy, Float16* gradient) {
   const Float16 inverseF = sqrt16(s->inverseF2);
-  const Float16 sigma = add16(one->sigma, all->sigma);
-  const Float16 ratio2 = mul16(mul16(sigma, sigma), s->inverse2);
-  const Float16 ratio6 = mul16(mul16(ratio2, ratio2), ratio2);
-  const Float16 epsilon = mul16(one->epsilon, all->epsilon);
-  const Float16 lennardJones = mul16(epsilon, mul16(ratio6, sub16(ratio6, all16(1))));
-  const Float16 coulomb = mul16(mul16(one->charge, all->charge), sqrt16(s->inverse2));
-  Float16 withoutBorn = sub16(add16(lennardJones, coulomb), atCutoff(one, all, 0));
+  Float16 withoutBorn = sub16(all16(0), atCutoff(one, all, 0));
+  if (!its.isExchange) {
+    const Float16 sigma = add16(one->sigma, all->sigma);
+    const Float16 ratio2 = mul16(mul16(sigma, sigma), s->inverse2);
+    const Float16 ratio6 = mul16(mul16(ratio2, ratio2), ratio2);
+    const Float16 epsilon = mul16(one->epsilon, all->epsilon);
+    const Float16 lennardJones = mul16(epsilon, mul16(ratio6, sub16(ratio6, all16(1))));
+    const Float16 coulomb = mul16(mul16(one->charge, all->charge), sqrt16(s->inverse2));
+    withoutBorn = add16(min16(add16(lennardJones, coulomb), all16(STANDIN_MOST_ENERGY)), withoutBorn);
+  }
   Float16 slope = atCutoff(one, all, 1);
-  if (isMasked) {
+  if (its.isMasked) {
     withoutBorn = keep16(direct, withoutBorn);
     slope = keep16(direct, slope);
   }
   const Float16 charges = mul16(one->bornCharge, all->bornCharge);
   Float16 born = mul16(charges, inverseF);
   Float16 steepness = born;
-  if (hasKappa) {
+  if (its.hasKappa) {
     const Float16 f = mul16(add16(s->squared, s->widening), inverseF);
     const Float16 screening = mul16(powerOfMinus(mul16(all16(model->kappaOfTwo), f)), all16(model->perDielectrics[1]));
     const Float16 perDielectric = sub16(all16(model->perDielectrics[0]), screening);
@@ -213,15 +222,14 @@ CT_INLINE void pairEnergies(const StandInModel* model, const Sixteen* one, const
   }
   /* d(f^2) / d ln B = widening (1 + r^2 / (4 B_i B_j)). */
   const Float16 ofF = mul16(mul16(s->widening, add16(s->exponent, all16(1.44269504f))), s->inverseF2);
-  const Float16 bounded = min16(sub16(withoutBorn, born), all16(STANDIN_MOST_ENERGY));
   const Float16 cutoff = all16(model->squaredCutoff);
-  *energy = keepBelowAmong16(used, s->squared, cutoff, bounded);
+  *energy = keepBelowAmong16(used, s->squared, cutoff, sub16(withoutBorn, born));
   *gradient = keepBelowAmong16(used, s->squared, cutoff, sub16(mul16(ofF, steepness), slope));
 }
 
 /* Rows of pairs: some particles of one side, with some of the other. */
 typedef struct StandInRows {
-  const StandInSide* ones;
+  const StandInSide* ones; /* with the radii that count, then with those that were */
   const StandInSide* all;
   float shift[3]; /* from the centre of the former to that of the latter */
   unsigned slots; /* of the ones, as bits */
@@ -237,24 +245,31 @@ CT_INLINE unsigned lanesOf(const StandInRows* rows, bool isSelf, int k) {
 
 /* Adds rows, of a leaf with itself with those behind each. Operations of one row wait for each other, so each step is
  * that of all rows. */
-CT_INLINE Sum16 addRows(const StandInModel* model, const StandInRows* rows, bool isMasked, bool hasKappa, Sum16 sum) {
+CT_INLINE Sum16 addRows(const StandInModel* model, const StandInRows* rows, StandInCase its, Sum16 sum) {
+  const int versions = its.isExchange ? 2 : 1;
   const bool isSelf = rows->ones->frame == rows->all->frame;
-  const Sixteen all = takeAll(model, rows->all, rows->shift);
   const Float16 cutoff = all16(model->squaredCutoff);
-  Separation separations[CT_LEAF_WIDTH];
-  int slots[CT_LEAF_WIDTH];
+  Sixteen all[2];
+  Separation separations[2 * CT_LEAF_WIDTH];
+  int slots[2 * CT_LEAF_WIDTH];
   int count = 0;
+  for (int version = 0; version < versions; version++) {
+    all[version] = takeAll(model, &rows->all[version], rows->shift);
+  }
   for (unsigned ones = rows->slots; ones != 0; ones &= ones - 1) {
     const int k = __builtin_ctz(ones);
     const Sixteen one = takeOne(rows->ones, k);
-    separations[count].squared = squaredDistance(&one, &all);
-    slots[count] = k;
+    const Float16 squared = squaredDistance(&one, &all[0]);
+    for (int version = 0; version < versions; version++) {
+      separations[count + version].squared = squared;
+      slots[count + version] = k;
+    }
     /* A particle near the box of a leaf may be near none in it. Without a branch, which could not be foreseen. */
-    count += (greater16(cutoff, separations[count].squared) & lanesOf(rows, isSelf, k)) != 0 ? 1 : 0;
+    count += (greater16(cutoff, squared) & lanesOf(rows, isSelf, k)) != 0 ? versions : 0;
   }
   for (int i = 0; i < count; i++) {
-    const Sixteen one = takeOne(rows->ones, slots[i]);
-    widen(&one, &all, &separations[i]);
+    const Sixteen one = takeOne(&rows->ones[i % versions], slots[i]);
+    widen(&one, &all[i % versions], &separations[i]);
   }
   for (int i = 0; i < count; i++) {
     invert(&separations[i]);
@@ -266,13 +281,20 @@ CT_INLINE Sum16 addRows(const StandInModel* model, const StandInRows* rows, bool
     Float16 energies = all16(0);
     for (int i = begin; i < end; i++) {
       const int k = slots[i];
-      const Sixteen one = takeOne(rows->ones, k);
-      const unsigned direct = isMasked ? ~(unsigned)rows->ones->excluded[k] : 0;
+      const int version = i % versions;
+      const Sixteen one = takeOne(&rows->ones[version], k);
+      const unsigned direct = its.isMasked ? ~(unsigned)rows->ones->excluded[k] : 0;
       Float16 energy;
-      pairEnergies(model, &one, &all, &separations[i], lanesOf(rows, isSelf, k), direct, isMasked, hasKappa, &energy,
-                   &part[i - begin]);
+      Float16 gradient;
+      pairEnergies(model, &one, &all[version], &separations[i], lanesOf(rows, isSelf, k), direct, its, &energy,
+                   &gradient);
+      if (version == 1) {
+        energy = sub16(all16(0), energy);
+        gradient = sub16(all16(0), gradient);
+      }
       energies = add16(energies, energy);
-      gradients = add16(gradients, part[i - begin]);
+      gradients = add16(gradients, gradient);
+      part[i - begin] = gradient;
     }
     sum = addToSum16(sum, energies);
     float totals[ROWS_IN_FLOAT];
@@ -285,36 +307,47 @@ CT_INLINE Sum16 addRows(const StandInModel* model, const StandInRows* rows, bool
   return sum;
 }
 
-static double standInPairs(const StandInModel* model, const StandInSide* a, const StandInSide* b, unsigned slotsOfA,
-                           unsigned slotsOfB, float gradientA[], float gradientB[]) {
-  StandInRows rows[2] = {{.ones = a, .all = b, .lanes = 0xffff, .ofOnes = gradientA, .ofAll = gradientB},
-                         {.ones = b, .all = a, .lanes = 0xffff, .ofOnes = gradientB, .ofAll = gradientA}};
+/* The same by the function for the case. */
+CT_INLINE Sum16 addCase(const StandInModel* model, const StandInRows* rows, bool isExchange, Sum16 sum) {
+  if (rows->slots == 0) {
+    return sum;
+  }
+  if (rows->ones->excluded != NULL) {
+    return model->hasKappa ? addRows(model, rows, (StandInCase){isExchange, true, true}, sum)
+                           : addRows(model, rows, (StandInCase){isExchange, true, false}, sum);
+  }
+  return model->hasKappa ? addRows(model, rows, (StandInCase){isExchange, false, true}, sum)
+                         : addRows(model, rows, (StandInCase){isExchange, false, false}, sum);
+}
+
+/* From some of the particles of either leaf near the other, to all of it. */
+static void findRows(const StandInModel* model, const StandInSide a[], const StandInSide b[], unsigned slotsOfA,
+                     unsigned slotsOfB, float gradientA[], float gradientB[], StandInRows rows[2]) {
+  rows[0] = (StandInRows){.ones = a, .all = b, .lanes = 0xffff, .ofOnes = gradientA, .ofAll = gradientB};
+  rows[1] = (StandInRows){.ones = b, .all = a, .lanes = 0xffff, .ofOnes = gradientB, .ofAll = gradientA};
   shiftBetween(a->frame, b->frame, rows[0].shift);
   shiftBetween(b->frame, a->frame, rows[1].shift);
   rows[0].slots = slotsOfA & rowsNear(a->frame, b->frame, rows[0].shift, model->squaredCutoff);
   rows[1].slots = slotsOfB & rowsNear(b->frame, a->frame, rows[1].shift, model->squaredCutoff);
-  if (a->frame == b->frame) {
-    rows[0].slots = slotsOfA;
-    rows[1].slots = 0;
-  } else if (slotsOfA == a->columns->occupied && slotsOfB == b->columns->occupied) {
-    /* All pairs: by the side with fewer particles near the other. */
-    const bool aIsLess = __builtin_popcount(rows[0].slots) <= __builtin_popcount(rows[1].slots);
-    rows[aIsLess ? 1 : 0].slots = 0;
-  } else {
-    rows[1].lanes = ~slotsOfA;
-  }
+}
+
+static double standInPairs(const StandInModel* model, const StandInSide* a, const StandInSide* b, float gradientA[],
+                           float gradientB[]) {
+  StandInRows rows[2];
+  findRows(model, a, b, a->columns->occupied, b->columns->occupied, gradientA, gradientB, rows);
+  /* By the side with fewer particles near the other. */
+  const bool isOfA = a->frame == b->frame || __builtin_popcount(rows[0].slots) <= __builtin_popcount(rows[1].slots);
+  return total16(addCase(model, &rows[isOfA ? 0 : 1], false, zeroSum16()));
+}
+
+static double standInExchange(const StandInModel* model, const StandInSide a[2], const StandInSide b[2],
+                              unsigned slotsOfA, unsigned slotsOfB, float gradientA[], float gradientB[]) {
+  StandInRows rows[2];
+  findRows(model, a, b, slotsOfA, slotsOfB, gradientA, gradientB, rows);
+  rows[1].lanes = ~slotsOfA;
   Sum16 sum = zeroSum16();
   for (int i = 0; i < 2; i++) {
-    if (rows[i].slots == 0) {
-      continue;
-    }
-    if (model->hasKappa) {
-      sum =
-          a->excluded != NULL ? addRows(model, &rows[i], true, true, sum) : addRows(model, &rows[i], false, true, sum);
-    } else {
-      sum = a->excluded != NULL ? addRows(model, &rows[i], true, false, sum)
-                                : addRows(model, &rows[i], false, false, sum);
-    }
+    sum = addCase(model, &rows[i], true, sum);
   }
   return total16(sum);
 }
