@@ -202,6 +202,22 @@ CT_INLINE BornBits findBornBits(const BornModel* model, float squaredCutoff, con
   };
 }
 
+/* Those of some rows with a particle of side b within this squared distance: one near its box may be near none in it.
+ */
+CT_INLINE unsigned rowsWithin(const BornSides* sides, unsigned rows, float squaredReach) {
+  const LeafFrame* frame = sides->a->frame;
+  const Float16 reach = all16(squaredReach * ROUNDING_OF_BOXES);
+  unsigned within = 0;
+  for (; rows != 0; rows &= rows - 1) {
+    const int k = __builtin_ctz(rows);
+    const Float16 dx = sub16(sides->x, all16(frame->x[k]));
+    const Float16 dy = sub16(sides->y, all16(frame->y[k]));
+    const Float16 dz = sub16(sides->z, all16(frame->z[k]));
+    within |= (unsigned)(greater16(reach, squared16(dx, dy, dz)) != 0) << k;
+  }
+  return within;
+}
+
 /* What rows cost, about, in units of a remote one. */
 CT_INLINE int costOf(BornBits bits) {
   return __builtin_popcount(bits.rows) + 2 * __builtin_popcount(bits.necks) + 3 * __builtin_popcount(bits.near);
@@ -252,6 +268,12 @@ static void bornSums(const BornModel* model, float squaredCutoff, const BornSide
   sides.x = add16(sides.x, all16(shift[0]));
   sides.y = add16(sides.y, all16(shift[1]));
   sides.z = add16(sides.z, all16(shift[2]));
+  bits.near = rowsWithin(&sides, bits.near, model->squaredNear);
+  if (squaredCutoff < NO_CUTOFF) {
+    bits.rows = bits.near | rowsWithin(&sides, bits.rows & ~bits.near, squaredCutoff);
+    bits.far &= bits.rows;
+    bits.necks &= bits.rows;
+  }
   for (unsigned none = ~bits.rows & 0xffff; none != 0; none &= none - 1) {
     store16(forRows[__builtin_ctz(none)], all16(0));
   }
