@@ -13,7 +13,7 @@ from precision.softforce import whyNoReference
 from precision.tables import makeTables
 from racing.platforms import CPU, whyNot
 from racing.races import LAZY_GRID
-from racing.running import Maker, Study, addOptions, runStudy
+from racing.running import Maker, Study, addOptions, drawnBy, runStudy
 
 _SIZES = (100, 1000, 10000, 100000)
 _QUICK_SIZES, _QUICK_TURNS = (100, 1000), 10000
@@ -38,7 +38,7 @@ def _run(options):
     options.chains = 1
     options.trials = options.trials or (_QUICK_TURNS if options.quick else TURNS)
     sizes = _QUICK_SIZES if options.quick else _SIZES
-    maker = Maker(makeTables, _judge, _hasPicture, _savePicture)
+    maker = Maker(makeTables, _judge, *drawnBy("precision.picture"))
     return runStudy(options, lambda program: _plan(sizes, program), maker)
 
 
@@ -61,17 +61,6 @@ def _namesOf(program, measure):
 def _judge(entries):
     goals = judgeGoals(entries)
     return [describeGoal(goal) for goal in goals], any(goal["reached"] is False for goal in goals)
-
-
-def _hasPicture(entries):
-    return any(entry["group"] in (DRIFT, TOUCH) for entry in entries)
-
-
-def _savePicture(output, machine, entries):
-    # Matplotlib takes long to import.
-    from precision.picture import savePicture
-
-    savePicture(output, machine, entries)
 
 
 if __name__ == "__main__":

@@ -12,7 +12,7 @@ from energy.proteins import readSampled
 from openmmchaintree.command.arguments import Parser, numberIn, positive
 from openmmchaintree.command.cli import runParsed
 from racing.platforms import CPU, whyNot
-from racing.running import Maker, Study, addOptions, runStudy
+from racing.running import Maker, Study, addOptions, drawnBy, runStudy
 
 _MINUTES, _TURNS, _ITERATIONS = 10, 300, 200
 _QUICK_MINUTES, _QUICK_TURNS, _QUICK_ITERATIONS = 0.01, 4, 2
@@ -47,7 +47,7 @@ def main(arguments=None):
 def _run(options):
     options.chains = 1
     inputs = [] if options.structure is None else [options.structure]
-    maker = Maker(makeTables, lambda entries: ([], False), _hasPicture, _savePicture)
+    maker = Maker(makeTables, lambda entries: ([], False), *drawnBy("energy.dynamicspicture"))
     return runStudy(options, lambda program: _plan(options), maker, inputs)
 
 
@@ -61,21 +61,6 @@ def _plan(options):
     rows = [TurnRow(nameOf(options.structure), pair, turn, turns, seconds) for turn in range(turns + 1)]
     skipped = [] if whyNot(CPU) is None else [("OpenMM's CPU platform", f"{whyNot(CPU)}; dynamics takes Reference")]
     return Study(rows, skipped)
-
-
-# Matplotlib takes long to import.
-
-
-def _hasPicture(entries):
-    from energy.dynamicspicture import hasPicture
-
-    return hasPicture(entries)
-
-
-def _savePicture(output, machine, entries):
-    from energy.dynamicspicture import savePicture
-
-    savePicture(output, machine, entries)
 
 
 if __name__ == "__main__":

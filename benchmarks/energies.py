@@ -6,7 +6,7 @@ PYTHONPATH=build/package python benchmarks/energies.py --markdown energies.md --
 import sys
 
 from energy.goals import judge
-from energy.options import addRowOptions, chooseStructures, describeMissing, nameOf
+from energy.options import addRowOptions, chooseStructures, describeSkipped, nameOf, settle
 from energy.packing import PackedCopies
 from energy.proteins import METHODS, readSampled
 from energy.rows import (
@@ -27,8 +27,7 @@ from energy.rows import (
 from energy.tables import TABLES, makeTables
 from openmmchaintree.command.arguments import Parser
 from openmmchaintree.command.cli import runParsed
-from racing.platforms import CPU, whyNot
-from racing.running import Maker, Study, addOptions, runStudy
+from racing.running import Maker, Study, addOptions, drawnBy, runStudy
 
 GROUPS = {
     WORK: "the energy work of a trial: a χ, an open window of eight, a pivot",
@@ -82,52 +81,31 @@ def main(arguments=None):
 
 
 def _run(options):
-    groups = list(GROUPS) if options.rows is None else options.rows
-    options.chains = options.runs or (_QUICK_RUNS if options.quick else _RUNS)
-    options.trials = options.trials or (_QUICK_TRIALS if options.quick else None)
-    maker = Maker(lambda entries: makeTables(entries, options.tables), judge, _hasPicture, _savePicture)
-    return runStudy(options, lambda program: _plan(options, groups), maker, options.structures)
+    settle(options, GROUPS, _RUNS, _WARM_TRIALS, _QUICK_RUNS, _QUICK_TRIALS)
+    maker = Maker(lambda entries: makeTables(entries, options.tables), judge, *drawnBy("energy.picture"))
+    return runStudy(options, lambda program: _plan(options), maker, options.structures)
 
 
-def _plan(options, groups):
+def _plan(options):
     """Return the Study of the rows that the user wants."""
     paths, missing = chooseStructures(options, _FILES)
-    warmTrials = options.warm or (_QUICK_TRIALS if options.quick else _WARM_TRIALS)
-    proteins = {nameOf(path): Prepared(lambda path=path: readSampled(path).relaxed(warmTrials)) for path in paths}
+    proteins = {nameOf(path): Prepared(lambda path=path: readSampled(path).relaxed(options.warm)) for path in paths}
     rows = []
-    if WORK in groups:
+    if WORK in options.rows:
         rows += [
             WorkRow(name, prepared, method, moves)
             for name, prepared in proteins.items()
             for method in METHODS
             for moves in (SIDE_CHAIN, WINDOW, PIVOT)
         ]
-    if TRIALS in groups:
+    if TRIALS in options.rows:
         rows += [WholeRow(name, prepared) for name, prepared in proteins.items() if f"{name}.pdb" not in _OF_WORK_ONLY]
-    if GROWTH in groups:
+    if GROWTH in options.rows:
         name = nameOf(_PACKED) if nameOf(_PACKED) in proteins else next(iter(proteins))
         for copies in _QUICK_COPIES if options.quick else _COPIES:
             packed = Prepared(lambda copies=copies: PackedCopies(proteins[name].protein, copies))
             rows += [GrowthRow(name, packed, moves) for moves in (SIDE_CHAIN, SMALL_PIVOT)]
-    skipped = describeMissing(missing)
-    if whyNot(CPU) is not None:
-        skipped.append(("OpenMM's energies", whyNot(CPU)))
-    return Study(rows, skipped)
-
-
-# Matplotlib takes long to import.
-
-
-def _hasPicture(entries):
-    from energy.picture import hasPicture
-
-    return hasPicture(entries)
-
-
-def _savePicture(output, machine, entries):
-    from energy.picture import savePicture
-
-    savePicture(output, machine, entries)
+    return Study(rows, describeSkipped(missing))
 
 
 if __name__ == "__main__":

@@ -10,7 +10,7 @@ from openmmchaintree.command.cli import runParsed
 from openmmchaintree.errors import InputError
 from racing.proteins import ProteinModels, findProteins, readProtein
 from racing.rows import GROUPS, WITH_PROTEINS, Plan
-from racing.running import Maker, Study, addOptions, runStudy
+from racing.running import Maker, Study, addOptions, drawnBy, runStudy
 from racing.tables import makeTables
 
 _PICTURED = "figures"  # the group that the picture shows
@@ -75,7 +75,7 @@ def _run(options):
     def plan(program):
         return _plan(options, groups, program)
 
-    maker = Maker(makeTables, lambda entries: ([], False), _hasPicture, _savePicture)
+    maker = Maker(makeTables, lambda entries: ([], False), *drawnBy("racing.picture"))
     return runStudy(options, plan, maker, options.structures)
 
 
@@ -100,21 +100,6 @@ def _chooseContestants(text, program):
         if name not in known:
             raise InputError(f"there is no contestant {name!r}; there are {', '.join(known)}")
     return text.split(",")
-
-
-# Matplotlib takes longer to import than a short race, so what needs it is imported when a picture is wanted.
-
-
-def _hasPicture(entries):
-    from racing.picture import findDrawn
-
-    return bool(findDrawn(entries))
-
-
-def _savePicture(output, machine, entries):
-    from racing.picture import savePicture
-
-    savePicture(output, machine, entries)
 
 
 if __name__ == "__main__":

@@ -5,7 +5,7 @@ PYTHONPATH=build/package python benchmarks/solvent.py --markdown solvent.md --pi
 
 import sys
 
-from energy.options import addRowOptions, chooseStructures, describeMissing, nameOf
+from energy.options import addRowOptions, chooseStructures, describeSkipped, nameOf, settle
 from energy.proteins import IMPLICIT_SOLVENT, readSampled
 from energy.rows import Prepared
 from energy.samplerows import SAMPLES, SampleRow
@@ -27,8 +27,7 @@ from energy.solventrows import (
 from energy.solventtables import makeTables
 from openmmchaintree.command.arguments import Parser
 from openmmchaintree.command.cli import runParsed
-from racing.platforms import CPU, whyNot
-from racing.running import Maker, Study, addOptions, runStudy
+from racing.running import Maker, Study, addOptions, drawnBy, runStudy
 
 GROUPS = {
     SOLVENT: "whole trials by Simulation.step, ours and with OpenMM's energies",
@@ -75,65 +74,44 @@ def main(arguments=None):
 
 
 def _run(options):
-    groups = list(GROUPS) if options.rows is None else options.rows
-    options.chains = options.runs or (_QUICK_RUNS if options.quick else _RUNS)
-    options.trials = options.trials or (_QUICK_TRIALS if options.quick else None)
+    settle(options, GROUPS, _RUNS, _WARM_TRIALS, _QUICK_RUNS, _QUICK_TRIALS)
     return runStudy(
         options,
-        lambda program: _plan(options, groups),
-        Maker(makeTables, judge, _hasPicture, _savePicture),
+        lambda program: _plan(options),
+        Maker(makeTables, judge, *drawnBy("energy.solventpicture")),
         options.structures,
     )
 
 
-def _plan(options, groups):
+def _plan(options):
     """Return the Study of the rows that the user wants."""
     paths, missing = chooseStructures(options, _FILES)
-    warmTrials = options.warm or (_QUICK_TRIALS if options.quick else _WARM_TRIALS)
 
     def prepare(path):
-        return Prepared(lambda: readSampled(path).relaxed(warmTrials, method=IMPLICIT_SOLVENT))
+        return Prepared(lambda: readSampled(path).relaxed(options.warm, method=IMPLICIT_SOLVENT))
 
     proteins = {nameOf(path): prepare(path) for path in paths}
     chosen = {name: prepared for name, prepared in proteins.items() if name not in _OF_SIZES_ONLY or options.structures}
     rows = []
     for group, makeRow in ((SOLVENT, SolventRow), (WHOLE, WholeEnergyRow), (STAND_INS, StandInRow)):
-        if group in groups:
+        if group in options.rows:
             rows += [makeRow(name, prepared) for name, prepared in chosen.items()]
-    if SAMPLES in groups:
+    if SAMPLES in options.rows:
         rows += [
             SampleRow(name, prepared)
             for name, prepared in chosen.items()
             if name == _WITH_SAMPLES or options.structures
         ]
-    if EXPRESSIONS in groups:
+    if EXPRESSIONS in options.rows:
         name = _WITH_EXPRESSIONS if _WITH_EXPRESSIONS in proteins else next(iter(proteins))
         rows += [ExpressionRow(name, proteins[name], moves) for moves in EXPRESSION_MOVES]
-    if SIZES in groups:
+    if SIZES in options.rows:
         rows += [
             SizeRow(name, prepared, moves)._replace(**({"mostChains": 1} if name in _ONCE else {}))
             for name, prepared in proteins.items()
             for moves in SIZE_MOVES
         ]
-    skipped = describeMissing(missing)
-    if whyNot(CPU) is not None:
-        skipped.append(("OpenMM's energies", whyNot(CPU)))
-    return Study(rows, skipped)
-
-
-# Matplotlib takes long to import.
-
-
-def _hasPicture(entries):
-    from energy.solventpicture import hasPicture
-
-    return hasPicture(entries)
-
-
-def _savePicture(output, machine, entries):
-    from energy.solventpicture import savePicture
-
-    savePicture(output, machine, entries)
+    return Study(rows, describeSkipped(missing))
 
 
 if __name__ == "__main__":

@@ -10,7 +10,15 @@ from openmm import app, unit
 from racing.course import Course
 from racing.races import OURS
 
-from .proteins import IMPLICIT_SOLVENT, TEMPERATURE, TRIALS_PER_OUTER_TEST, SampledProtein, choosePlatform, positionsOf
+from .proteins import (
+    IMPLICIT_SOLVENT,
+    SIDE_CHAINS,
+    TEMPERATURE,
+    TRIALS_PER_OUTER_TEST,
+    SampledProtein,
+    choosePlatform,
+    positionsOf,
+)
 
 GROUP = "dynamics"  # of rows
 LANGEVIN = "Langevin dynamics"  # the contestant
@@ -184,11 +192,7 @@ class _Observer:
         """Take the SampledProtein at the start."""
         self._topology = mdtraj.Topology.from_openmm(protein.topology)
         self._carbons = self._topology.select("name CA")
-        ofSideChains = [
-            torsion.particles
-            for torsion, isBackbone in zip(protein.torsions, protein.isBackbone(), strict=True)
-            if not isBackbone
-        ]
+        ofSideChains = [protein.torsions[number].particles for number in protein.torsionsOf(SIDE_CHAINS)]
         self.sideChainCount = len(ofSideChains)
         self._sideChains = np.array(ofSideChains, dtype=int).reshape(-1, 4)
         self._start = self._frame(protein.positions)

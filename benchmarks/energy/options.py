@@ -1,6 +1,7 @@
 """What the command lines of the benchmarks of energies have in common."""
 
 from openmmchaintree.command.arguments import listOf, positive
+from racing.platforms import CPU, whyNot
 
 from energy.proteins import findFiles
 
@@ -27,6 +28,14 @@ def addRowOptions(parser, groups, files, runs, warmTrials):
     )
 
 
+def settle(options, groups, runs, warmTrials, quickRuns, quickTrials):
+    """Set what the user has left to the defaults, those of a quick run if one is wanted."""
+    options.rows = list(groups) if options.rows is None else options.rows
+    options.chains = options.runs or (quickRuns if options.quick else runs)
+    options.trials = options.trials or (quickTrials if options.quick else None)
+    options.warm = options.warm or (quickTrials if options.quick else warmTrials)
+
+
 def chooseStructures(options, files):
     """Return the paths of what is run, None for the villin headpiece, and the names of files that are not there."""
     if options.structures:
@@ -40,6 +49,7 @@ def nameOf(path):
     return "villin" if path is None else str(path).rpartition("/")[2].partition(".")[0]
 
 
-def describeMissing(missing):
-    """Return why rows of these files are left out."""
-    return [(name, "not in the folder that CHAINTREE_TEST_DATA names") for name in missing]
+def describeSkipped(missing):
+    """Return what is left out, and why: rows of these files, and OpenMM's energies where it lacks the platform."""
+    skipped = [(name, "not in the folder that CHAINTREE_TEST_DATA names") for name in missing]
+    return skipped if whyNot(CPU) is None else [*skipped, ("OpenMM's energies", whyNot(CPU))]

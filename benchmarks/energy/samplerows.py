@@ -3,13 +3,13 @@
 from typing import NamedTuple
 
 import numpy as np
-from racing.course import Course, measure, summarizeTimes
+from racing.course import Course, summarizeTimes
 from racing.races import ALL_CHAINS
 
 from .autocorrelation import statisticalInefficiency
 from .proteins import BACKBONE, IMPLICIT_SOLVENT, SIDE_CHAINS, positionsOf
 from .rows import Prepared
-from .solventrows import describeCommon, describeOuter
+from .solventrows import Sampler, describeCommon, describeOuter, describeStandIn
 
 SAMPLES = "samples"  # the group of rows
 
@@ -46,7 +46,7 @@ class SampleRow(NamedTuple):
         count = max(_LEAST, min(_TURN, trials // _SAMPLE))
         for _ in range(max(1, trials // (count * _SAMPLE))):
             for chain in chains:
-                chain.run(count)
+                chain.sample(count)
         samples = np.array([chain.kept() for chain in chains])
         mean = samples.mean(axis=(0, 1))  # all chains sample the same, so they tell it together
         torsions = {"chi": protein.torsionsOf(SIDE_CHAINS), "backbone": protein.torsionsOf(BACKBONE)}
@@ -57,11 +57,8 @@ class SampleRow(NamedTuple):
             entries.append(
                 {
                     **describeCommon(self, trials, seed),
-                    "contestant": f"{cutoffs[0]} / {cutoffs[1]} nm, m = {block}",
-                    "bornCutoff": cutoffs[0],
-                    "pairCutoff": cutoffs[1],
-                    "block": block,
-                    "trials": len(chain.samples) * _SAMPLE,
+                    **describeStandIn(cutoffs, block),
+                    "trials": chain.trials,
                     **times,
                     "outer": describeOuter(chain.integrator.getOuterStatistics()),
                     "apart": dict(zip(OBSERVABLES, apart.tolist(), strict=True)),
@@ -71,24 +68,19 @@ class SampleRow(NamedTuple):
         return entries
 
 
-class _Chain:
+class _Chain(Sampler):
     """A Simulation with a stand-in, and what is looked at of it after each step."""
 
     def __init__(self, simulation, cutoffs, block):
-        self.integrator = simulation.integrator
-        self._simulation = simulation
-        self.times, self.samples = [], []
-        self.integrator.setStandInCutoffs(*cutoffs)
-        self.integrator.setTrialsPerOuterTest(block)
-        self.integrator.setTrialsPerStep(1)
-        simulation.step(1)
-        self.integrator.setTrialsPerStep(_SAMPLE)
-        self.integrator.resetMoveStatistics()
+        simulation.integrator.setStandInCutoffs(*cutoffs)
+        simulation.integrator.setTrialsPerOuterTest(block)
+        super().__init__(simulation, _SAMPLE)
+        self.samples = []
 
-    def run(self, count):
+    def sample(self, count):
         """Time so many steps, and look at the state after each."""
         for _ in range(count):
-            self.times.append(measure(self._simulation.step, 1)[1] / _SAMPLE)
+            self.run(_SAMPLE)
             self.samples.append(self._look())
 
     def kept(self):
@@ -96,7 +88,7 @@ class _Chain:
         return np.array(self.samples[len(self.samples) // _LEFT_OUT :])
 
     def _look(self):
-        context = self._simulation.context
+        context = self.simulation.context
         radius = np.sqrt(positionsOf(context).var(axis=0).sum())
         return [self.integrator.getPotentialEnergy(context), radius, *np.cos(self.integrator.getTorsionAngles(context))]
 

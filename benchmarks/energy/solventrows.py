@@ -50,7 +50,7 @@ _MOVES = {"χ, up to 10°": ((1.0, 10, SIDE_CHAINS),), "pivot, up to 1°": ((1.0
 _LOCAL_MOVES = {"χ, up to 10°": ((1.0, 10, SIDE_CHAINS),), "end of a chain, up to 10°": ((1.0, 10, ENDS),)}
 
 
-class _Sampler:
+class Sampler:
     """A Simulation whose trials are timed in turns, and what became of them."""
 
     def __init__(self, simulation, trials=TRIALS_PER_OUTER_TEST):
@@ -82,6 +82,16 @@ def describeOuter(statistics):
         "tests": statistics.attempted,
         "kept": statistics.accepted,
         "deviation": statistics.standardDeviation,
+    }
+
+
+def describeStandIn(cutoffs, block):
+    """Return what an entry says of a stand-in: cutoffs of Born sums and of pairs, nm, and trials of an outer test."""
+    return {
+        "contestant": f"{cutoffs[0]} / {cutoffs[1]} nm, m = {block}",
+        "bornCutoff": cutoffs[0],
+        "pairCutoff": cutoffs[1],
+        "block": block,
     }
 
 
@@ -121,9 +131,9 @@ class SolventRow(NamedTuple):
         """Return an entry for each contestant."""
         trials, protein = course.trials or self.trials, self.prepared.protein
         samplers = {
-            OURS: _Sampler(protein.makeSimulation(self.method, seed)),
-            NO_SOLVENT: _Sampler(protein.makeSimulation(NO_CUTOFF, seed)),
-            FOREIGN: _Sampler(protein.makeSimulation(self.method, seed, native=False), _FOREIGN_TRIALS),
+            OURS: Sampler(protein.makeSimulation(self.method, seed)),
+            NO_SOLVENT: Sampler(protein.makeSimulation(NO_CUTOFF, seed)),
+            FOREIGN: Sampler(protein.makeSimulation(self.method, seed, native=False), _FOREIGN_TRIALS),
         }
         turns, openMMTurns = _turns(trials)
         for turn in range(turns):
@@ -214,7 +224,7 @@ class StandInRow(NamedTuple):
         for cutoffs in CUTOFFS:
             simulation = protein.makeSimulation(self.method, seed)
             simulation.integrator.setStandInCutoffs(*cutoffs)
-            samplers[cutoffs] = _Sampler(simulation)
+            samplers[cutoffs] = Sampler(simulation)
         parts = {(cutoffs, block): ([], []) for cutoffs in CUTOFFS for block in BLOCKS}
         for _ in range(max(1, trials // _TURN)):
             for (cutoffs, block), (times, tests) in parts.items():
@@ -229,10 +239,7 @@ class StandInRow(NamedTuple):
             entries.append(
                 {
                     **describeCommon(self, trials, seed),
-                    "contestant": f"{cutoffs[0]} / {cutoffs[1]} nm, m = {block}",
-                    "bornCutoff": cutoffs[0],
-                    "pairCutoff": cutoffs[1],
-                    "block": block,
+                    **describeStandIn(cutoffs, block),
                     "trials": len(times) * min(_TURN, trials),
                     **summarizeTimes(times),
                     "outer": combineOuter(tests),
@@ -273,7 +280,7 @@ class SizeRow(NamedTuple):
         """Return an entry for the trials, and one for the outer test."""
         trials, protein = course.trials or self.trials, self.prepared.protein
         long = min(_LONG, trials)
-        sampler = _Sampler(protein.makeSimulation(self.method, seed, moves=_LOCAL_MOVES[self.moves]), long)
+        sampler = Sampler(protein.makeSimulation(self.method, seed, moves=_LOCAL_MOVES[self.moves]), long)
         inner, outer = [], []
         for _ in range(max(1, trials // (2 * long))):
             for block in (long, TRIALS_PER_OUTER_TEST):
@@ -310,7 +317,7 @@ class ExpressionRow(NamedTuple):
         systems = {name: protein.makeSystem(self.method) for name in (OURS, EXPRESSION)}
         replaceNonbonded(systems[EXPRESSION])
         samplers = {
-            name: _Sampler(protein.makeSimulationOf(system, seed, moves=_MOVES[self.moves]))
+            name: Sampler(protein.makeSimulationOf(system, seed, moves=_MOVES[self.moves]))
             for name, system in systems.items()
         }
         for _ in range(max(1, trials // _TURN)):

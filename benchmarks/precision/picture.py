@@ -20,6 +20,11 @@ _WIDTH = 22  # of labels, letters
 _BAND = SIGMA / 10  # where those stand who make no mistake
 
 
+def hasPicture(entries):
+    """Return whether there is anything to draw."""
+    return any(entry["group"] in ("drift", "touch") for entry in entries)
+
+
 def savePicture(output, machine, entries):
     """Write the picture of entries, with positions or verdicts, to an Output."""
     drift = _ofOneSize([entry for entry in entries if entry["group"] == "drift"])

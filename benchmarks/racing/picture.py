@@ -22,6 +22,11 @@ _STYLES = {
 _PAPER_STYLES = {"ChainTree": "published", "K-OBBTree": "kobbtree"}
 
 
+def hasPicture(entries):
+    """Return whether there is anything to draw."""
+    return bool(findDrawn(entries))
+
+
 def savePicture(output, machine, entries):
     """Write the picture of entries to an Output: of those that ran all their trials, on however many chains."""
     entries = findDrawn(entries)

@@ -2,6 +2,7 @@
 
 import tempfile
 from collections.abc import Callable
+from importlib import import_module
 from typing import Any, NamedTuple
 
 from openmmchaintree.command.arguments import positive, seed
@@ -45,6 +46,18 @@ class Maker(NamedTuple):
     makeRemarks: Callable[[list[dict]], tuple[list[str], bool]]
     hasPicture: Callable[[list[dict]], bool]
     savePicture: Callable[[Output, dict[str, str], list[dict]], None]
+
+
+def drawnBy(module):
+    """Return hasPicture and savePicture of a module that is imported as late as they are called: Matplotlib takes long.
+
+    A picture may well not be wanted, and to import Matplotlib takes longer than a short race.
+    """
+
+    def late(name):
+        return lambda *arguments: getattr(import_module(module), name)(*arguments)
+
+    return late("hasPicture"), late("savePicture")
 
 
 def addOptions(parser, trials, picture):
