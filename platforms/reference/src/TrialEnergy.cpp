@@ -218,31 +218,31 @@ static ctBorn describe(const EnergyTerms::Born& given)
     return born;
 }
 
+/**
+ * Describe terms by arrays of which each keeps what one description points to.
+ */
+template <class Description, class Arrays, class Given>
+static vector<Description> describeAll(const vector<Given>& given, vector<Arrays>& arrays)
+{
+    vector<Description> described;
+    arrays.reserve(given.size());
+    for (const Given& one : given) {
+        arrays.emplace_back(one);
+        described.push_back(arrays.back().describe(one));
+    }
+    return described;
+}
+
 TrialEnergy::TrialEnergy(ctChainTree* tree, const ctDefinition& scene, const EnergyTerms& terms) :
     numPairSets(terms.pairSets.size()), numTermSets(terms.termSets.size()),
     numValueEnergies(terms.valueEnergies.size()), sizeOfStandIn(terms.born.empty() ? 0 : scene.particleCount)
 {
     vector<LibraryTerms> arrays;
-    arrays.reserve(terms.termSets.size());
-    vector<ctTermSet> sets;
-    for (const EnergyTerms::TermSet& set : terms.termSets) {
-        arrays.emplace_back(set);
-        sets.push_back(arrays.back().describe(set));
-    }
+    const vector<ctTermSet> sets = describeAll<ctTermSet>(terms.termSets, arrays);
     vector<LibraryPairs> pairArrays;
-    pairArrays.reserve(terms.pairSets.size());
-    vector<ctPairSet> pairSets;
-    for (const EnergyTerms::PairSet& set : terms.pairSets) {
-        pairArrays.emplace_back(set);
-        pairSets.push_back(pairArrays.back().describe(set));
-    }
+    const vector<ctPairSet> pairSets = describeAll<ctPairSet>(terms.pairSets, pairArrays);
     vector<LibraryValues> valueArrays;
-    valueArrays.reserve(terms.valueEnergies.size());
-    vector<ctValueEnergy> valueEnergies;
-    for (const EnergyTerms::ValueEnergy& valueEnergy : terms.valueEnergies) {
-        valueArrays.emplace_back(valueEnergy);
-        valueEnergies.push_back(valueArrays.back().describe(valueEnergy));
-    }
+    const vector<ctValueEnergy> valueEnergies = describeAll<ctValueEnergy>(terms.valueEnergies, valueArrays);
     const ctNonbonded nonbonded = terms.nonbonded.empty() ? ctNonbonded() : describe(terms.nonbonded[0]);
     const ctBorn born = terms.born.empty() ? ctBorn() : describe(terms.born[0]);
     const ctStandIn standIn = {terms.standIn.bornCutoff, terms.standIn.pairCutoff, terms.standIn.gridWidth};

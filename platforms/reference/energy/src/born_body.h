@@ -99,21 +99,26 @@ typedef struct BornSides {
   Float16 z;
 } BornSides;
 
+/* Squared distances of particle k of side a from the particles of side b. */
+CT_INLINE Float16 squaredFrom(const BornSides* sides, int k) {
+  const LeafFrame* frame = sides->a->frame;
+  const Float16 dx = sub16(sides->x, all16(frame->x[k]));
+  const Float16 dy = sub16(sides->y, all16(frame->y[k]));
+  const Float16 dz = sub16(sides->z, all16(frame->z[k]));
+  return squared16(dx, dy, dz);
+}
+
 /* Sums for the lanes of side b, added to `lanes`, and for each row of side a, not yet added up. Of one leaf with
  * itself, that for the lanes is all. Constants for the last three arguments make a function for each case. */
 CT_INLINE Float16 bornRows(const BornModel* model, float squaredCutoff, const BornSides* sides, unsigned rows,
                            Float16 lanes, float (*forRows)[CT_LEAF_WIDTH], BornRange range, bool hasNecks,
                            bool isSame) {
-  const LeafFrame* frame = sides->a->frame;
   const BornColumns* columnsA = sides->a->columns;
   const BornColumns* columnsB = sides->b->columns;
   const BornNecks* necksB = model->necks + (size_t)sides->b->leaf * (size_t)model->neckTypeCount;
   for (; rows != 0; rows &= rows - 1) {
     const int k = __builtin_ctz(rows);
-    const Float16 dx = sub16(sides->x, all16(frame->x[k]));
-    const Float16 dy = sub16(sides->y, all16(frame->y[k]));
-    const Float16 dz = sub16(sides->z, all16(frame->z[k]));
-    const Float16 distance2 = squared16(dx, dy, dz);
+    const Float16 distance2 = squaredFrom(sides, k);
     Float16 squared = min16(distance2, all16(FARTHEST * FARTHEST));
     if (range == bornNear) {
       squared = max16(squared, all16(NEAREST * NEAREST));
@@ -205,15 +210,11 @@ CT_INLINE BornBits findBornBits(const BornModel* model, float squaredCutoff, con
 /* Those of some rows with a particle of side b within this squared distance: one near its box may be near none in it.
  */
 CT_INLINE unsigned rowsWithin(const BornSides* sides, unsigned rows, float squaredReach) {
-  const LeafFrame* frame = sides->a->frame;
   const Float16 reach = all16(squaredReach * ROUNDING_OF_BOXES);
   unsigned within = 0;
   for (; rows != 0; rows &= rows - 1) {
     const int k = __builtin_ctz(rows);
-    const Float16 dx = sub16(sides->x, all16(frame->x[k]));
-    const Float16 dy = sub16(sides->y, all16(frame->y[k]));
-    const Float16 dz = sub16(sides->z, all16(frame->z[k]));
-    within |= (unsigned)(greater16(reach, squared16(dx, dy, dz)) != 0) << k;
+    within |= (unsigned)(greater16(reach, squaredFrom(sides, k)) != 0) << k;
   }
   return within;
 }
@@ -221,18 +222,6 @@ CT_INLINE unsigned rowsWithin(const BornSides* sides, unsigned rows, float squar
 /* What rows cost, about, in units of a remote one. */
 CT_INLINE int costOf(BornBits bits) {
   return __builtin_popcount(bits.rows) + 2 * __builtin_popcount(bits.necks) + 3 * __builtin_popcount(bits.near);
-}
-
-/* The squared distance of the boxes of two leaves. */
-CT_INLINE float squaredGap(const LeafFrame* a, const LeafFrame* b, const float shift[3]) {
-  float squared = 0;
-  for (int d = 0; d < 3; d++) {
-    const float below = b->low[d] + shift[d] - a->high[d];
-    const float above = a->low[d] - b->high[d] - shift[d];
-    const float apart = below > above ? below : above;
-    squared += apart > 0 ? apart * apart : 0;
-  }
-  return squared;
 }
 
 static void bornSums(const BornModel* model, float squaredCutoff, const BornSide* a, const BornSide* b,
@@ -250,7 +239,7 @@ static void bornSums(const BornModel* model, float squaredCutoff, const BornSide
     return;
   }
   BornBits bits = {.rows = a->occupied};
-  if (squaredCutoff < NO_CUTOFF || squaredGap(a->frame, b->frame, shift) <= model->squaredReach) {
+  if (squaredCutoff < NO_CUTOFF || squaredGap(a->frame, b->frame) <= (double)model->squaredReach) {
     /* Each row of one side costs the same, so those of the side with fewer are summed. */
     float back[3];
     shiftBetween(b->frame, a->frame, back);

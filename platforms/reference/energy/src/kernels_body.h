@@ -3,6 +3,7 @@
 #include <math.h>
 #include <string.h>
 
+#include "blockgap.h"
 #include "elementary.h"
 #include "kernels.h"
 #include "rowsnear.h"

@@ -5,7 +5,7 @@
 #include <math.h>
 #include <stdlib.h>
 
-#include "ctenergy.h"
+#include "operatororacle.h"
 
 #define LONG_PI 3.14159265358979323846264338327950288L
 
@@ -81,7 +81,6 @@ static inline long double oracleMeasure(const ctInput* input, const double* posi
 static inline long double oracleOperation(const ctExpression* e, int number, const double* positions,
                                           const int* particles, const double* parameters) {
   const ctOperation* operation = &e->operations[number];
-#define RESULT(i) oracleOperation(e, operation->arguments[i], positions, particles, parameters)
   switch (operation->kind) {
     case ctConstantOperator:
       return operation->constant;
@@ -89,87 +88,14 @@ static inline long double oracleOperation(const ctExpression* e, int number, con
       return oracleMeasure(&e->inputs[operation->arguments[0]], positions, particles);
     case ctParameterOperator:
       return parameters[operation->arguments[0]];
-    case ctAddOperator:
-      return RESULT(0) + RESULT(1);
-    case ctSubtractOperator:
-      return RESULT(0) - RESULT(1);
-    case ctMultiplyOperator:
-      return RESULT(0) * RESULT(1);
-    case ctDivideOperator:
-      return RESULT(0) / RESULT(1);
-    case ctPowerOperator:
-      return powl(RESULT(0), RESULT(1));
-    case ctNegateOperator:
-      return -RESULT(0);
-    case ctSqrtOperator:
-      return sqrtl(RESULT(0));
-    case ctExpOperator:
-      return expl(RESULT(0));
-    case ctLogOperator:
-      return logl(RESULT(0));
-    case ctSinOperator:
-      return sinl(RESULT(0));
-    case ctCosOperator:
-      return cosl(RESULT(0));
-    case ctSecOperator:
-      return 1 / cosl(RESULT(0));
-    case ctCscOperator:
-      return 1 / sinl(RESULT(0));
-    case ctTanOperator:
-      return tanl(RESULT(0));
-    case ctCotOperator:
-      return 1 / tanl(RESULT(0));
-    case ctAsinOperator:
-      return asinl(RESULT(0));
-    case ctAcosOperator:
-      return acosl(RESULT(0));
-    case ctAtanOperator:
-      return atanl(RESULT(0));
-    case ctAtan2Operator:
-      return atan2l(RESULT(0), RESULT(1));
-    case ctSinhOperator:
-      return sinhl(RESULT(0));
-    case ctCoshOperator:
-      return coshl(RESULT(0));
-    case ctTanhOperator:
-      return tanhl(RESULT(0));
-    case ctErfOperator:
-      return erfl(RESULT(0));
-    case ctErfcOperator:
-      return erfcl(RESULT(0));
-    case ctStepOperator:
-      return RESULT(0) < 0 ? 0 : 1;
-    case ctDeltaOperator:
-      return RESULT(0) == 0 ? 1 : 0;
-    case ctSquareOperator:
-      return powl(RESULT(0), 2);
-    case ctCubeOperator:
-      return powl(RESULT(0), 3);
-    case ctReciprocalOperator:
-      return 1 / RESULT(0);
-    case ctAddConstantOperator:
-      return RESULT(0) + operation->constant;
-    case ctMultiplyConstantOperator:
-      return RESULT(0) * operation->constant;
-    case ctPowerConstantOperator:
-      return powl(RESULT(0), operation->constant);
-    case ctMinOperator:
-      return fminl(RESULT(0), RESULT(1));
-    case ctMaxOperator:
-      return fmaxl(RESULT(0), RESULT(1));
-    case ctAbsOperator:
-      return fabsl(RESULT(0));
-    case ctFloorOperator:
-      return floorl(RESULT(0));
-    case ctCeilOperator:
-      return ceill(RESULT(0));
-    case ctSelectOperator:
-      return RESULT(0) != 0 ? RESULT(1) : RESULT(2);
-    case ctTableOperator:
-      abort(); /* of pairs alone */
+    default:
+      break;
   }
-#undef RESULT
-  abort();
+  long double results[3] = {0, 0, 0};
+  for (int i = 0; i < takes(operation->kind); i++) {
+    results[i] = oracleOperation(e, operation->arguments[i], positions, particles, parameters);
+  }
+  return oracleOperator(operation, results[0], results[1], results[2]);
 }
 
 static inline long double oracleMap(const ctTorsionMap* map, long double first, long double second) {

@@ -2,6 +2,7 @@
 #ifndef VALUESCENE_H_
 #define VALUESCENE_H_
 
+#include "operatororacle.h"
 #include "wholescene.h"
 
 enum {
@@ -41,13 +42,6 @@ static const ctOperator drawnOperators[] = {ctAddOperator,          ctAddOperato
                                             ctExpOperator,          ctDivideOperator,
                                             ctPowerOperator,        ctReciprocalOperator,
                                             ctPowerConstantOperator};
-
-static inline int takes(ctOperator kind) {
-  return kind == ctAddOperator || kind == ctSubtractOperator || kind == ctMultiplyOperator || kind == ctMinOperator ||
-                 kind == ctMaxOperator || kind == ctDivideOperator || kind == ctPowerOperator
-             ? 2
-             : 1;
-}
 
 /* True for those that need a number of at least 1/2, as 1/2 + |a| is. */
 static inline bool needsPositive(ctOperator kind) {
@@ -147,57 +141,8 @@ static inline void drawValueScene(ValueScene* s) {
 
 /* ---- In long double ---- */
 
-static inline long double oracleOperation(const ctOperation* o, long double a, long double b) {
-  switch (o->kind) {
-    case ctAddOperator:
-      return a + b;
-    case ctSubtractOperator:
-      return a - b;
-    case ctMultiplyOperator:
-      return a * b;
-    case ctDivideOperator:
-      return a / b;
-    case ctPowerOperator:
-      return powl(a, b);
-    case ctNegateOperator:
-      return -a;
-    case ctSqrtOperator:
-      return sqrtl(a);
-    case ctExpOperator:
-      return expl(a);
-    case ctLogOperator:
-      return logl(a);
-    case ctSinOperator:
-      return sinl(a);
-    case ctCosOperator:
-      return cosl(a);
-    case ctAtanOperator:
-      return atanl(a);
-    case ctTanhOperator:
-      return tanhl(a);
-    case ctErfOperator:
-      return erfl(a);
-    case ctSquareOperator:
-      return a * a;
-    case ctReciprocalOperator:
-      return 1 / a;
-    case ctAddConstantOperator:
-      return a + o->constant;
-    case ctMultiplyConstantOperator:
-      return a * o->constant;
-    case ctPowerConstantOperator:
-      return powl(a, o->constant);
-    case ctMinOperator:
-      return fminl(a, b);
-    case ctMaxOperator:
-      return fmaxl(a, b);
-    case ctAbsOperator:
-      return fabsl(a);
-    case ctTableOperator:
-      return a < -1 || a > 2 ? 0 : a * a - 1;
-    default:
-      return NAN;
-  }
+static inline long double oracleTable(long double a) {
+  return a < -1 || a > 2 ? 0 : a * a - 1;
 }
 
 /* Of numbers of one particle and, for pairs, of the other. */
@@ -210,7 +155,9 @@ static inline long double oracleExpression(const ctValueExpression* e, int each,
     results[i] = o->kind == ctInputOperator ? distance
                  : o->kind == ctParameterOperator
                      ? (e->extent == ctOfParticles || n[0] < each ? first[n[0]] : second[n[0] - each])
-                     : oracleOperation(o, results[n[0]], takes(o->kind) == 2 ? results[n[1]] : 0);
+                 : o->kind == ctTableOperator
+                     ? oracleTable(results[n[0]])
+                     : oracleOperator(o, results[n[0]], takes(o->kind) == 2 ? results[n[1]] : 0, 0);
   }
   return results[e->operationCount - 1];
 }
