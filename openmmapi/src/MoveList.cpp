@@ -40,7 +40,7 @@ int MoveList::add(unique_ptr<MonteCarloMove> move, double weight)
 {
     checkWeight(weight);
     bindMove(*move, structure, entries.size());
-    entries.push_back({std::move(move), weight, 0, 0, 0});
+    entries.push_back({std::move(move), weight, 0, 0, 0, 0});
     return entries.size() - 1;
 }
 
@@ -49,7 +49,7 @@ void MoveList::set(int index, unique_ptr<MonteCarloMove> move, double weight)
     ASSERT_VALID_INDEX(index, entries);
     checkWeight(weight);
     bindMove(*move, structure, index);
-    entries[index] = {std::move(move), weight, 0, 0, 0};
+    entries[index] = {std::move(move), weight, 0, 0, 0, 0};
 }
 
 void MoveList::remove(int index)
@@ -107,7 +107,7 @@ MoveList::Entry& MoveList::draw(double weightSum, RandomNumberGenerator& random)
 void MoveList::resetStatistics()
 {
     for (Entry& entry : entries)
-        entry.clashed = entry.rejectedByEnergy = entry.accepted = 0;
+        entry.refused = entry.clashed = entry.rejectedByEnergy = entry.accepted = 0;
 }
 
 // ---- XML ----
@@ -233,7 +233,7 @@ string MoveList::summarize(int index) const
 // ---- Checkpoints and States ----
 
 /** How many counts a move has. */
-static const size_t NUM_COUNTS = 3;
+static const size_t NUM_COUNTS = 4;
 
 void MoveList::createCheckpoint(CheckpointWriter& writer) const
 {
@@ -245,7 +245,7 @@ void MoveList::createCheckpoint(CheckpointWriter& writer) const
             writer.write(property.first);
             writer.write(property.second);
         }
-        writer.write(vector<long long>({entry.clashed, entry.rejectedByEnergy, entry.accepted}));
+        writer.write(vector<long long>({entry.refused, entry.clashed, entry.rejectedByEnergy, entry.accepted}));
     }
 }
 
@@ -276,16 +276,17 @@ vector<long long> MoveList::getStatistics() const
 {
     vector<long long> statistics;
     for (const Entry& entry : entries)
-        statistics.insert(statistics.end(), {entry.clashed, entry.rejectedByEnergy, entry.accepted});
+        statistics.insert(statistics.end(), {entry.refused, entry.clashed, entry.rejectedByEnergy, entry.accepted});
     return statistics;
 }
 
 void MoveList::setStatistics(const vector<long long>& statistics)
 {
     for (size_t i = 0; i < entries.size(); i++) {
-        entries[i].clashed = statistics[NUM_COUNTS * i];
-        entries[i].rejectedByEnergy = statistics[NUM_COUNTS * i + 1];
-        entries[i].accepted = statistics[NUM_COUNTS * i + 2];
+        entries[i].refused = statistics[NUM_COUNTS * i];
+        entries[i].clashed = statistics[NUM_COUNTS * i + 1];
+        entries[i].rejectedByEnergy = statistics[NUM_COUNTS * i + 2];
+        entries[i].accepted = statistics[NUM_COUNTS * i + 3];
     }
 }
 
@@ -295,7 +296,8 @@ void MoveList::writeStatistics(SerializationNode& node) const
         SerializationNode& move = node.createChildNode("Move");
         for (auto& property : describe(entry))
             move.setStringProperty(property.first, property.second);
-        move.setLongProperty("clashed", entry.clashed)
+        move.setLongProperty("refused", entry.refused)
+            .setLongProperty("clashed", entry.clashed)
             .setLongProperty("rejectedByEnergy", entry.rejectedByEnergy)
             .setLongProperty("accepted", entry.accepted);
     }
@@ -311,6 +313,7 @@ bool MoveList::readStatistics(const SerializationNode& node)
             if (moves[i].getStringProperty(property.first, "") != property.second)
                 return false;
     for (size_t i = 0; i < entries.size(); i++) {
+        entries[i].refused = moves[i].getLongProperty("refused", 0); // States of former versions have none
         entries[i].clashed = moves[i].getLongProperty("clashed");
         entries[i].rejectedByEnergy = moves[i].getLongProperty("rejectedByEnergy");
         entries[i].accepted = moves[i].getLongProperty("accepted");

@@ -19,6 +19,7 @@
 #include "openmmchaintree/internal/SystemChecks.h"
 #include "openmmchaintree/internal/TrialSession.h"
 #include <algorithm>
+#include <limits>
 #include <sstream>
 
 using namespace ChainTreePlugin;
@@ -28,7 +29,7 @@ using namespace std;
 /** What the integrator's part of a checkpoint begins with: "ChainTMC" where the first byte is the lowest. */
 static const uint64_t CHECKPOINT_MARK = 0x434d546e69616843;
 
-static const int CHECKPOINT_VERSION = 3;
+static const int CHECKPOINT_VERSION = 4;
 
 static const int NEWEST_STATE_VERSION = 3;
 
@@ -169,7 +170,7 @@ void TorsionMonteCarloIntegrator::getMoveStatistics(int move, long long& attempt
                                                     long long& rejectedByEnergy, long long& accepted) const
 {
     const MoveList::Entry& entry = moves->get(move);
-    attempted = entry.clashed + entry.rejectedByEnergy + entry.accepted;
+    attempted = entry.refused + entry.clashed + entry.rejectedByEnergy + entry.accepted;
     clashed = entry.clashed;
     rejectedByEnergy = entry.rejectedByEnergy;
     accepted = entry.accepted;
@@ -558,13 +559,21 @@ void TorsionMonteCarloIntegrator::step(int steps)
 bool TorsionMonteCarloIntegrator::runTrial(TrialSession& trials, double weightSum)
 {
     MoveList::Entry& entry = moves->draw(weightSum, *random);
-    entry.move->propose(trials, *random);
+    if (!entry.move->propose(trials, *random)) {
+        entry.refused++;
+        return false;
+    }
     if (!trials.isFree()) {
         trials.reject();
         entry.clashed++;
         return false;
     }
     const double logRatio = entry.move->computeLogRatio(trials);
+    if (logRatio == -numeric_limits<double>::infinity()) {
+        trials.reject();
+        entry.refused++;
+        return false;
+    }
     const EnergyStages::Rule rule = nativeEnergies ? EnergyStages::DecideOneByOne : EnergyStages::DecideBySum;
     if (!stages->decide(trials, logRatio, temperature, rule, *random)) {
         trials.reject();

@@ -158,13 +158,14 @@ public:
     void bind(const LinkStructure&, const string&)
     {
     }
-    void propose(TrialSession& trials, RandomNumberGenerator& random)
+    bool propose(TrialSession& trials, RandomNumberGenerator& random)
     {
         do
             angle = random.drawSymmetric(M_PI);
         while (random.drawUniform() * (1 + lean) > 1 + lean * cos(angle));
         former = getAngle(trials, false);
         trials.proposeTorsions({0}, {angle - former});
+        return true;
     }
     double computeLogRatio(TrialSession&)
     {

@@ -190,7 +190,23 @@ public:
         /**
          * A move added by addRigidBodyMove().
          */
-        RigidBodyMove = 1
+        RigidBodyMove = 1,
+        /**
+         * A move added by addClosedMove().
+         */
+        ClosedMove = 2,
+        /**
+         * A move added by addLocalMove().
+         */
+        LocalMove = 3,
+        /**
+         * A move added by addDrawnMove().
+         */
+        DrawnMove = 4,
+        /**
+         * A move added by addPivotMove().
+         */
+        PivotMove = 5
     };
     /**
      * Who evaluates the energy of a Force for a trial.
@@ -514,7 +530,8 @@ public:
      * resetMoveStatistics() was called. Trials that an outer test has taken back do not count.
      *
      * @param move                    the index of the move
-     * @param[out] attempted          the number of trials: the sum of the other three
+     * @param[out] attempted          the number of trials: the sum of the other three, and of those that could not be
+     * made or that nothing leads back from, as of a window that does not close
      * @param[out] clashed            the number of trials refused because a pair overlapped beyond its limit
      * @param[out] rejectedByEnergy   the number of trials without a clash that U made unlikely, or whose U was not a
      *                                number

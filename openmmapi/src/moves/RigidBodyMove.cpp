@@ -29,6 +29,10 @@ public:
         checkNotNegative(maxTranslation, "TorsionMonteCarloIntegrator: the largest translation of a rigid body move");
         checkLargestAngle(maxAngle, KIND.name);
     }
+    bool hasSize() const
+    {
+        return maxTranslation > 0 || maxAngle > 0;
+    }
     string summarize() const
     {
         return KIND.name + " " + toSize(maxTranslation, "nm") + " " + toSize(maxAngle, "rad");
@@ -39,7 +43,7 @@ public:
             {"maxTranslation", maxTranslation, ""}, {"maxAngle", maxAngle, ""}, {"molecules", molecules, "Molecule"}};
     }
     void bind(const LinkStructure& structure, const string& name);
-    void propose(TrialSession& trials, RandomNumberGenerator& random);
+    bool propose(TrialSession& trials, RandomNumberGenerator& random);
     const double maxTranslation, maxAngle;
     /** The molecules to choose from, each named by one of its particles; empty for all that can move. */
     const vector<int> molecules;
@@ -75,12 +79,13 @@ void RigidBodyMove::bind(const LinkStructure& structure, const string& name)
         throw OpenMMException(name + " moves molecules, but all molecules have fixed particles");
 }
 
-void RigidBodyMove::propose(TrialSession& trials, RandomNumberGenerator& random)
+bool RigidBodyMove::propose(TrialSession& trials, RandomNumberGenerator& random)
 {
     int molecule = choices[random.drawIndex(choices.size())];
-    Vec3 translation = random.drawPointInBall(maxTranslation);
-    Vec3 rotation = random.drawDirection() * random.drawSymmetric(maxAngle);
+    Vec3 translation = random.drawPointInBall(getScale() * maxTranslation);
+    Vec3 rotation = random.drawDirection() * random.drawSymmetric(getScale() * maxAngle);
     trials.proposeRigidMotion(molecule, rotation, translation);
+    return true;
 }
 
 // ---- The methods of the integrator ----

@@ -32,6 +32,10 @@ public:
                                   "least 1, but is " +
                                   to_string(count));
     }
+    bool hasSize() const
+    {
+        return maxAngle > 0;
+    }
     string summarize() const
     {
         return (count == 1 ? KIND.name : to_string(count) + " torsions") + " " + toSize(maxAngle, "rad");
@@ -41,7 +45,7 @@ public:
         return {{"maxAngle", maxAngle, ""}, {"torsions", torsions, "Torsion"}, {"count", count, ""}};
     }
     void bind(const LinkStructure& structure, const string& name);
-    void propose(TrialSession& trials, RandomNumberGenerator& random);
+    bool propose(TrialSession& trials, RandomNumberGenerator& random);
     const double maxAngle;
     /** The torsions to choose from as they were given; empty for all. */
     const vector<int> torsions;
@@ -89,7 +93,7 @@ void TorsionMove::bind(const LinkStructure& structure, const string& name)
     drawnChanges.resize(count);
 }
 
-void TorsionMove::propose(TrialSession& trials, RandomNumberGenerator& random)
+bool TorsionMove::propose(TrialSession& trials, RandomNumberGenerator& random)
 {
     // Floyd's algorithm: every set of `count` choices is equally likely, and nothing is remembered between trials.
 
@@ -104,9 +108,10 @@ void TorsionMove::propose(TrialSession& trials, RandomNumberGenerator& random)
     for (int i = 0; i < count; i++) {
         isDrawn[drawnChoices[i]] = false;
         drawnTorsions[i] = choices[drawnChoices[i]];
-        drawnChanges[i] = random.drawSymmetric(maxAngle);
+        drawnChanges[i] = random.drawSymmetric(getScale() * maxAngle);
     }
     trials.proposeTorsions(drawnTorsions, drawnChanges);
+    return true;
 }
 
 // ---- The methods of the integrator ----

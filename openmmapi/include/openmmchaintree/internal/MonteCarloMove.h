@@ -103,9 +103,11 @@ public:
      */
     virtual void bind(const LinkStructure& structure, const std::string& name) = 0;
     /**
-     * Draw a trial and open it. This is the innermost loop of sampling: it allocates no memory.
+     * Draw a trial and open it. This is the innermost loop of sampling: it allocates no memory. Returns false, with no
+     * trial open, if what was drawn cannot be made, as a window that does not close. The present state then counts once
+     * more, as after any refused trial.
      */
-    virtual void propose(TrialSession& trials, RandomNumberGenerator& random) = 0;
+    virtual bool propose(TrialSession& trials, RandomNumberGenerator& random) = 0;
     /**
      * Get the logarithm of the probability density of proposing the reverse of the open trial, from where it leads,
      * divided by that of proposing it; minus infinity if nothing can lead back. This is asked only about trials without
@@ -114,9 +116,33 @@ public:
      * A move whose trials and their reverses are equally likely can leave it at 0.
      */
     virtual double computeLogRatio(TrialSession& trials);
+    /**
+     * Get whether the trials of this move have a size, so that setScale() has an effect.
+     */
+    virtual bool hasSize() const
+    {
+        return false;
+    }
+    /**
+     * Get the factor by which trials are smaller than the parameters say. See setScale().
+     */
+    double getScale() const
+    {
+        return scale;
+    }
+    /**
+     * Make trials smaller than the parameters say.
+     *
+     * @param scale  a factor in (0, 1]
+     */
+    void setScale(double scale)
+    {
+        this->scale = scale;
+    }
 
 private:
     const MoveKind& kind;
+    double scale = 1;
 };
 
 } // namespace ChainTreePlugin

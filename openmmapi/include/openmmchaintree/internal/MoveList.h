@@ -28,7 +28,7 @@ public:
     public:
         std::unique_ptr<MonteCarloMove> move;
         double weight;
-        long long clashed, rejectedByEnergy, accepted;
+        long long refused, clashed, rejectedByEnergy, accepted;
     };
     MoveList();
     int size() const

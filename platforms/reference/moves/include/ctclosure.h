@@ -1,0 +1,56 @@
+/* ctclosure.h: windows of torsions that turn so that all behind them stays where it is.
+ *
+ * A window is a row of torsions along a chain. Turning torsion i by a_i turns all that lies behind it about its axis,
+ * so the tail, what lies behind the last one, moves by the product E_0(a_0) E_1(a_1) ... E_n-1(a_n-1), where E_i(a) is
+ * the rotation by a about axis i as the axis lies now. The window closes if this product is the identity. Six of its
+ * torsions, the pivots, are solved for; the others, the drivers, are given.
+ *
+ * With U uniform in torsions and both ends fixed, the density per volume of the drivers is 1/|J|, J being the 6 x 6
+ * determinant of the pivots' screws (u, r x u).
+ *
+ * Lengths are in nm, angles in rad. No call allocates memory. Everything is a pure function of its arguments.
+ */
+#ifndef CT_CLOSURE_H_
+#define CT_CLOSURE_H_
+
+#include <stdbool.h>
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+/* The most torsions of a window, and the number that close it. */
+#define CT_WINDOW_MOST 16
+#define CT_PIVOTS 6
+
+/* The most solutions of a closure. */
+#define CT_CLOSURES_MOST 16
+
+/* A window as it lies now. A positive turn about an axis is right-handed. */
+typedef struct ctWindow {
+  int count;                        /* torsions, CT_PIVOTS to CT_WINDOW_MOST */
+  int pivots[CT_PIVOTS];            /* which of them close the window, ascending; the axes of the first and second, of
+                                       the third and fourth and of the fifth and sixth meet in a point each */
+  double points[CT_WINDOW_MOST][3]; /* nm, a point of each axis; of pivots the point where the two meet */
+  double axes[CT_WINDOW_MOST][3];   /* unit vectors, from the root to the tail */
+} ctWindow;
+
+/* Turns the torsions of a window: its axes as they lie after turns by `angles` (one a torsion). */
+void ctTurnWindow(const ctWindow* window, const double* angles, ctWindow* turned);
+
+/* log |J| of a window as it lies. */
+double ctComputeLogJacobian(const ctWindow* window);
+
+/* Closes a window by Newton's method, from where it is: `angles` holds the turns of the drivers, and gets those of the
+ * pivots. The tail is where it was up to rounding. False if it does not converge. */
+bool ctCloseNear(const ctWindow* window, double* angles);
+
+/* Finds all ways to close a window after the drivers' turns in `angles`: turns of the six pivots, in (-pi, pi].
+ * Returns their number. */
+int ctFindClosures(const ctWindow* window, const double* angles, double solutions[CT_CLOSURES_MOST][CT_PIVOTS]);
+
+#ifdef __cplusplus
+}
+#endif
+
+#endif /* CT_CLOSURE_H_ */
