@@ -1,5 +1,6 @@
 #include "openmmchaintree/internal/ArgumentChecks.h"
 #include "openmm/OpenMMException.h"
+#include <algorithm>
 #include <cmath>
 #include <sstream>
 
@@ -22,6 +23,14 @@ void ChainTreePlugin::checkIndex(int index, int count, const string& what, const
     stringstream message;
     message << whose << " names " << what << " " << index << ", but there are " << count << " " << what << "s";
     throw OpenMMException(message.str());
+}
+
+void ChainTreePlugin::checkUnique(vector<int> values, const string& message)
+{
+    sort(values.begin(), values.end());
+    auto repeated = adjacent_find(values.begin(), values.end());
+    if (repeated != values.end())
+        throw OpenMMException(message + to_string(*repeated) + " twice");
 }
 
 void ChainTreePlugin::checkVersion(int version, int newest, const string& what)

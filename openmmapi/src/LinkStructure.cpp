@@ -107,7 +107,7 @@ LinkStructure::LinkStructure(const System& system, const StericExclusionForce& f
 }
 
 /**
- * Record the axis of each torsion, having checked that it lies in the bonds.
+ * Record the particles of each torsion, having checked that they are bonded in a row.
  */
 void LinkStructure::checkTorsions(const BondGraph& graph, const StericExclusionForce& force)
 {
@@ -127,7 +127,7 @@ void LinkStructure::checkTorsions(const BondGraph& graph, const StericExclusionF
         auto added = torsionAbout.insert(make_pair(minmax(p[1], p[2]), i));
         if (!added.second)
             fail(describeTorsion(force, added.first->second) + " and " + name + " are about the same bond");
-        torsionAxes.push_back(make_pair(p[1], p[2]));
+        torsionParticles.push_back({{p[0], p[1], p[2], p[3]}});
     }
 }
 
@@ -137,8 +137,8 @@ void LinkStructure::checkTorsions(const BondGraph& graph, const StericExclusionF
 void LinkStructure::findLinks(const BondGraph& graph)
 {
     set<pair<int, int>> axes;
-    for (auto& axis : torsionAxes)
-        axes.insert(minmax(axis.first, axis.second));
+    for (auto& p : torsionParticles)
+        axes.insert(minmax(p[1], p[2]));
     for (int start = 0; start < (int)particleLinks.size(); start++) {
         if (particleLinks[start] != -1)
             continue;
@@ -172,8 +172,8 @@ vector<vector<int>> LinkStructure::joinLinks(const BondGraph& graph, const Steri
             link = representative[link] = representative[representative[link]];
         return link;
     };
-    for (int torsion = 0; torsion < (int)torsionAxes.size(); torsion++) {
-        int particle1 = torsionAxes[torsion].first, particle2 = torsionAxes[torsion].second;
+    for (int torsion = 0; torsion < (int)torsionParticles.size(); torsion++) {
+        int particle1 = torsionParticles[torsion][1], particle2 = torsionParticles[torsion][2];
         int link1 = particleLinks[particle1], link2 = particleLinks[particle2];
         if (find(link1) == find(link2)) {
             stringstream ring;
@@ -231,8 +231,8 @@ vector<int> LinkStructure::hangLinks(int root, int molecule, const vector<vector
         int parent = hung[i];
         for (int torsion : linkTorsions[parent])
             if (torsion != links[parent].torsion) {
-                int link1 = particleLinks[torsionAxes[torsion].first];
-                int link2 = particleLinks[torsionAxes[torsion].second];
+                int link1 = particleLinks[torsionParticles[torsion][1]];
+                int link2 = particleLinks[torsionParticles[torsion][2]];
                 int child = (link1 == parent ? link2 : link1);
                 links[child] = {parent, torsion, molecule};
                 torsionLinks[torsion] = child;
@@ -240,6 +240,14 @@ vector<int> LinkStructure::hangLinks(int root, int molecule, const vector<vector
             }
     }
     return hung;
+}
+
+array<int, 4> LinkStructure::getTorsionParticles(int torsion) const
+{
+    array<int, 4> particles = torsionParticles[torsion];
+    if (particleLinks[particles[2]] != torsionLinks[torsion])
+        reverse(particles.begin(), particles.end());
+    return particles;
 }
 
 int LinkStructure::findTorsionBetween(int particle1, int particle2) const
@@ -258,7 +266,7 @@ int LinkStructure::findTorsionBetween(int particle1, int particle2) const
     }
     torsions1.insert(torsions1.end(), torsions2.begin(), torsions2.end());
     for (int torsion : torsions1) {
-        auto& axis = torsionAxes[torsion];
+        const pair<int, int> axis = getAxis(torsion);
         bool onAxis = (particle1 == axis.first || particle1 == axis.second || particle2 == axis.first ||
                        particle2 == axis.second);
         if (!onAxis)
@@ -274,9 +282,9 @@ vector<int> LinkStructure::describe() const
         description.push_back(link.parent);
         description.push_back(molecules[link.molecule].fixed);
         if (link.parent != -1) {
-            auto axis = minmax(torsionAxes[link.torsion].first, torsionAxes[link.torsion].second);
-            description.push_back(axis.first);
-            description.push_back(axis.second);
+            const pair<int, int> axis = getAxis(link.torsion);
+            description.push_back(min(axis.first, axis.second));
+            description.push_back(max(axis.first, axis.second));
         }
     }
     return description;

@@ -2,7 +2,6 @@
 #include "openmmchaintree/internal/ArgumentChecks.h"
 #include "openmmchaintree/internal/MonteCarloMove.h"
 #include "openmmchaintree/internal/MoveList.h"
-#include <algorithm>
 
 using namespace ChainTreePlugin;
 using namespace OpenMM;
@@ -60,17 +59,6 @@ private:
 };
 
 } // namespace
-
-/**
- * Throw an exception if a number appears twice in a list.
- */
-static void checkUnique(vector<int> values, const string& message)
-{
-    sort(values.begin(), values.end());
-    auto repeated = adjacent_find(values.begin(), values.end());
-    if (repeated != values.end())
-        throw OpenMMException(message + to_string(*repeated) + " twice");
-}
 
 void TorsionMove::bind(const LinkStructure& structure, const string& name)
 {

@@ -2,6 +2,7 @@
 #define OPENMM_CHAINTREE_ARGUMENTCHECKS_H_
 
 #include <string>
+#include <vector>
 
 namespace ChainTreePlugin {
 
@@ -22,6 +23,14 @@ void checkNotNegative(double value, const std::string& name);
  * @param whose  who named it, the class it belongs to included
  */
 void checkIndex(int index, int count, const std::string& what, const std::string& whose);
+
+/**
+ * Throw an OpenMMException if a number appears twice in a list.
+ *
+ * @param values   the list
+ * @param message  what the message says before the number
+ */
+void checkUnique(std::vector<int> values, const std::string& message);
 
 /**
  * Throw an OpenMMException unless something that was saved can be read: its version is one of 1 ... newest.

@@ -4,6 +4,7 @@
 #include "openmm/System.h"
 #include "openmmchaintree/internal/windowsExportChainTree.h"
 #include "openmmchaintree/StericExclusionForce.h"
+#include <array>
 #include <utility>
 #include <vector>
 
@@ -73,6 +74,12 @@ public:
         return torsionLinks;
     }
     /**
+     * Get the four particles of a torsion, those on the root's side first: as they were given, or the other way round.
+     * To add to the torsion's value is to turn what it moves right-handedly about the axis from the second to the
+     * third.
+     */
+    std::array<int, 4> getTorsionParticles(int torsion) const;
+    /**
      * The molecule of a particle.
      */
     int getParticleMolecule(int particle) const
@@ -93,6 +100,10 @@ public:
 
 private:
     class BondGraph;
+    std::pair<int, int> getAxis(int torsion) const
+    {
+        return std::make_pair(torsionParticles[torsion][1], torsionParticles[torsion][2]);
+    }
     void checkTorsions(const BondGraph& graph, const StericExclusionForce& force);
     void findLinks(const BondGraph& graph);
     std::vector<std::vector<int>> joinLinks(const BondGraph& graph, const StericExclusionForce& force) const;
@@ -104,7 +115,7 @@ private:
     std::vector<Molecule> molecules;
     std::vector<int> particleLinks;
     std::vector<int> torsionLinks;
-    std::vector<std::pair<int, int>> torsionAxes;
+    std::vector<std::array<int, 4>> torsionParticles;
 };
 
 } // namespace ChainTreePlugin

@@ -1,0 +1,40 @@
+#ifndef OPENMM_CHAINTREE_TORSIONWINDOWS_H_
+#define OPENMM_CHAINTREE_TORSIONWINDOWS_H_
+
+#include "openmmchaintree/internal/LinkStructure.h"
+#include "openmmchaintree/internal/windowsExportChainTree.h"
+#include <string>
+#include <vector>
+
+namespace ChainTreePlugin {
+
+/**
+ * Get the torsions of the backbones of all molecules. A backbone begins at the root of a molecule and goes on with the
+ * torsion that moves most particles, to the end of the chain. A branch has a backbone, too, if that has at least 8
+ * torsions, which is more than side chains of proteins and nucleic acids have.
+ */
+OPENMM_EXPORT_CHAINTREE std::vector<int> findBackboneTorsions(const LinkStructure& structure);
+
+/**
+ * Get the torsions that moves of windows choose from: those given, or those of the backbones if none are.
+ *
+ * Throws an exception if there are no torsions, or one that is given does not exist or is given twice.
+ *
+ * @param name  what to call the move when throwing an exception
+ */
+OPENMM_EXPORT_CHAINTREE std::vector<int> findWindowTorsions(const LinkStructure& structure,
+                                                            const std::vector<int>& torsions, const std::string& name);
+
+/**
+ * Get all windows: rows of consecutive torsions of a pool, the one nearest to the root first. Each torsion of a window
+ * moves the axes of all after it. Torsions between them that are not of the pool stay as they are.
+ *
+ * For each torsion of the pool there is the window of `size` torsions that ends with it. Where a chain begins or ends,
+ * there are also the shorter windows that begin or end with it, so that a torsion there is in as many as others.
+ */
+OPENMM_EXPORT_CHAINTREE std::vector<std::vector<int>> findTorsionWindows(const LinkStructure& structure,
+                                                                         const std::vector<int>& pool, int size);
+
+} // namespace ChainTreePlugin
+
+#endif /*OPENMM_CHAINTREE_TORSIONWINDOWS_H_*/

@@ -1,0 +1,111 @@
+#include "openmmchaintree/internal/TorsionWindows.h"
+#include "openmm/OpenMMException.h"
+#include "openmmchaintree/internal/ArgumentChecks.h"
+
+using namespace ChainTreePlugin;
+using namespace OpenMM;
+using namespace std;
+
+/** The least torsions of a branch that has a backbone of its own. */
+static const int LEAST_BRANCH = 8;
+
+/**
+ * Get all links, each after its parent.
+ */
+static vector<int> sortRootFirst(const LinkStructure& structure)
+{
+    const auto& links = structure.getLinks();
+    vector<vector<int>> children(links.size());
+    for (int link = 0; link < (int)links.size(); link++)
+        if (links[link].parent != -1)
+            children[links[link].parent].push_back(link);
+    vector<int> sorted;
+    for (auto& molecule : structure.getMolecules())
+        sorted.push_back(molecule.root);
+    for (size_t i = 0; i < sorted.size(); i++)
+        sorted.insert(sorted.end(), children[sorted[i]].begin(), children[sorted[i]].end());
+    return sorted;
+}
+
+vector<int> ChainTreePlugin::findBackboneTorsions(const LinkStructure& structure)
+{
+    const auto& links = structure.getLinks();
+    const int numLinks = links.size();
+    const vector<int> sorted = sortRootFirst(structure);
+
+    // From the ends of branches: the particles that each link carries, itself included, and how its backbone goes on.
+
+    vector<int> carried(numLinks, 0), length(numLinks, 0), next(numLinks, -1);
+    for (int link : structure.getParticleLinks())
+        carried[link]++;
+    for (int i = numLinks - 1; i >= 0; i--) {
+        const int link = sorted[i], parent = links[link].parent;
+        if (next[link] != -1)
+            length[link] = length[next[link]] + 1;
+        if (parent == -1)
+            continue;
+        carried[parent] += carried[link];
+        if (next[parent] == -1 || carried[link] > carried[next[parent]])
+            next[parent] = link;
+    }
+
+    // From the roots: what goes on with the backbone of its parent, or has one that is long enough.
+
+    vector<bool> isBackbone(numLinks, false);
+    vector<int> torsions;
+    for (int link : sorted) {
+        const int parent = links[link].parent;
+        isBackbone[link] =
+            (parent == -1 || (isBackbone[parent] && next[parent] == link) || length[link] + 1 >= LEAST_BRANCH);
+        if (isBackbone[link] && parent != -1)
+            torsions.push_back(links[link].torsion);
+    }
+    return torsions;
+}
+
+vector<int> ChainTreePlugin::findWindowTorsions(const LinkStructure& structure, const vector<int>& torsions,
+                                                const string& name)
+{
+    const int numTorsions = structure.getTorsionLinks().size();
+    if (numTorsions == 0)
+        throw OpenMMException(name + " turns torsions, but the StericExclusionForce has none");
+    for (int torsion : torsions)
+        checkIndex(torsion, numTorsions, "torsion", name);
+    checkUnique(torsions, name + " names torsion ");
+    return torsions.empty() ? findBackboneTorsions(structure) : torsions;
+}
+
+vector<vector<int>> ChainTreePlugin::findTorsionWindows(const LinkStructure& structure, const vector<int>& pool,
+                                                        int size)
+{
+    // The torsion of the pool that comes before each of them.
+
+    const auto& links = structure.getLinks();
+    const vector<int>& torsionLinks = structure.getTorsionLinks();
+    vector<bool> isInPool(torsionLinks.size(), false), hasNext(torsionLinks.size(), false);
+    for (int torsion : pool)
+        isInPool[torsion] = true;
+    vector<int> before(links.size(), -1);
+    for (int link : sortRootFirst(structure)) {
+        const int parent = links[link].parent, torsion = parent == -1 ? -1 : links[parent].torsion;
+        if (torsion != -1)
+            before[link] = isInPool[torsion] ? torsion : before[parent];
+        if (before[link] != -1 && isInPool[links[link].torsion])
+            hasNext[before[link]] = true;
+    }
+    vector<vector<int>> windows;
+    for (int torsion : pool) {
+        vector<int> window;
+        for (int next = torsion; next != -1 && (int)window.size() < size; next = before[torsionLinks[next]])
+            window.push_back(next);
+        windows.emplace_back(window.rbegin(), window.rend());
+    }
+    const size_t numLongest = windows.size();
+    for (size_t i = 0; i < numLongest; i++)
+        if (!hasNext[windows[i].back()])
+            for (size_t first = 1; first < windows[i].size(); first++) {
+                const vector<int> longest = windows[i];
+                windows.emplace_back(longest.begin() + first, longest.end());
+            }
+    return windows;
+}
