@@ -4,7 +4,7 @@
 #include <stdint.h>
 
 #include "../../chaintree/tests/check.h"
-#include "../src/arctangent.h"
+#include "../../simd/arctangent.h"
 
 static double most = 0; /* error so far, in units in the last place */
 

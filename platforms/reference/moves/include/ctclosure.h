@@ -30,19 +30,22 @@ extern "C" {
 typedef struct ctWindow {
   int count;                        /* torsions, CT_PIVOTS to CT_WINDOW_MOST */
   int pivots[CT_PIVOTS];            /* which of them close the window, ascending; the axes of the first and second, of
-                                       the third and fourth and of the fifth and sixth meet in a point each */
+                                       the third and fourth and of the fifth and sixth meet in a point each, and no
+                                       torsion lies between these two */
   double points[CT_WINDOW_MOST][3]; /* nm, a point of each axis; of pivots the point where the two meet */
   double axes[CT_WINDOW_MOST][3];   /* unit vectors, from the root to the tail */
 } ctWindow;
 
-/* Turns the torsions of a window: its axes as they lie after turns by `angles` (one a torsion). */
+/* Turns the torsions of a window: its axes as they lie after turns by `angles` (one a torsion). `turned` may be the
+ * window itself. */
 void ctTurnWindow(const ctWindow* window, const double* angles, ctWindow* turned);
 
-/* log |J| of a window as it lies. */
+/* log |J| of a window as it lies, in nm^3; -inf if its pivots' points lie on a line. */
 double ctComputeLogJacobian(const ctWindow* window);
 
 /* Closes a window by Newton's method, from where it is: `angles` holds the turns of the drivers, and gets those of the
- * pivots. The tail is where it was up to rounding. False if it does not converge. */
+ * pivots, in (-pi, pi]. The tail is where it was up to rounding: 5e-14 nm at 10 nm from the window. False if it does
+ * not converge, or if the window is none: torsions out of order, parallel axes in a point, points on a line. */
 bool ctCloseNear(const ctWindow* window, double* angles);
 
 /* Finds all ways to close a window after the drivers' turns in `angles`: turns of the six pivots, in (-pi, pi].
