@@ -108,8 +108,10 @@ class MinimumDistance(NamedTuple):
 %keywords(ChainTreePlugin::StericExclusionForce::setParticleParameters)
 %keywords(ChainTreePlugin::TorsionMonteCarloIntegrator::addTorsionMove)
 %keywords(ChainTreePlugin::TorsionMonteCarloIntegrator::addRigidBodyMove)
+%keywords(ChainTreePlugin::TorsionMonteCarloIntegrator::addClosedMove)
 %keywords(ChainTreePlugin::TorsionMonteCarloIntegrator::setTorsionMoveParameters)
 %keywords(ChainTreePlugin::TorsionMonteCarloIntegrator::setRigidBodyMoveParameters)
+%keywords(ChainTreePlugin::TorsionMonteCarloIntegrator::setClosedMoveParameters)
 
 %header %{
 static void raiseOpenMMException(const char* message) {
@@ -288,6 +290,7 @@ static bool toVec3(PyObject* object, const char* unit, const char* name, OpenMM:
 %unit("nm", pairCutoff)
 %unit("1", weight)
 %unit("1", width)
+%unit("1", hop)
 
 %typemap(in, fragment="FromPython") int {
     if (!toInt($input, "$1_name", $1))
@@ -436,6 +439,10 @@ static const char* const ENERGY_KINDS[] = {"not sampled", "constant", "native", 
     val = TraversalStatistics(*val)
 %}
 %pythonappend ChainTreePlugin::TorsionMonteCarloIntegrator::getTorsionMoveParameters %{
+    val[1] = openmm.unit.Quantity(val[1], openmm.unit.radian)
+    val[2] = val[2] if len(val[2]) > 0 else None
+%}
+%pythonappend ChainTreePlugin::TorsionMonteCarloIntegrator::getClosedMoveParameters %{
     val[1] = openmm.unit.Quantity(val[1], openmm.unit.radian)
     val[2] = val[2] if len(val[2]) > 0 else None
 %}

@@ -34,6 +34,7 @@ def makeIntegrator():
     integrator.setStericMode(integrator.Soft)
     integrator.addTorsionMove(0.5, 0.2, [4, 0], 2)
     integrator.addRigidBodyMove(2, 0.1, 0.3)
+    integrator.addClosedMove(1, 0.2, hop=0.3)
     return integrator
 
 
@@ -120,7 +121,7 @@ def test_castFromCompoundIntegrator():
     for owner in (compound, copy.deepcopy(compound)):
         assert not TorsionMonteCarloIntegrator.isinstance(owner.getIntegrator(0))
         integrator = TorsionMonteCarloIntegrator.cast(owner.getIntegrator(1))
-        assert integrator.getNumMoves() == 2
+        assert integrator.getNumMoves() == 3
         assert not integrator.thisown
 
 

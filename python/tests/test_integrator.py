@@ -54,6 +54,16 @@ def test_movesAreSetAsTheyAreRead():
     integrator.setRigidBodyMoveParameters(1, weight=0.5, maxTranslation=1 * unit.angstrom, maxAngle=0.2, molecules=[4])
     assert integrator.getRigidBodyMoveParameters(1)[3].tolist() == [4]
     integrator.setRigidBodyMoveParameters(1, *integrator.getRigidBodyMoveParameters(1))
+    closed = integrator.addClosedMove(1, 10 * unit.degrees, hop=0.5)
+    assert integrator.getMoveType(closed) == TorsionMonteCarloIntegrator.ClosedMove
+    weight, angle, found, hop = integrator.getClosedMoveParameters(closed)
+    assert (weight, found, hop) == (1, None, 0.5)
+    assert angle.value_in_unit(unit.degrees) == pytest.approx(10)
+    integrator.setClosedMoveParameters(closed, weight=2, maxAngle=0.1, torsions=[2, 1], hop=0)
+    integrator.setClosedMoveParameters(closed, *integrator.getClosedMoveParameters(closed))
+    weight, angle, found, hop = integrator.getClosedMoveParameters(closed)
+    assert (weight, angle, found.tolist(), hop) == (2, 0.1 * unit.radian, [2, 1], 0)
+    integrator.removeMove(closed)
     integrator.removeMove(0)
     assert integrator.getNumMoves() == 2
     assert integrator.getTorsionMoveParameters(1)[2].tolist() == [3]
@@ -68,6 +78,8 @@ def test_noTorsionsAreNotAllTorsions():
             integrator.addTorsionMove(1, 0.1, torsions=empty)
         with pytest.raises(openmm.OpenMMException, match="torsions is empty"):
             integrator.setTorsionMoveParameters(0, 1, 0.1, empty)
+        with pytest.raises(openmm.OpenMMException, match="torsions is empty"):
+            integrator.addClosedMove(1, 0.1, empty)
         with pytest.raises(openmm.OpenMMException, match="molecules is empty"):
             integrator.addRigidBodyMove(1, 0.1, 0.1, empty)
         with pytest.raises(openmm.OpenMMException, match="molecules is empty"):

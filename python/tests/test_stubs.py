@@ -54,6 +54,8 @@ integrator = TorsionMonteCarloIntegrator(300 * unit.kelvin)
 integrator.addTorsionMove(1, 0.1, [0, 1], count=2)
 integrator.addTorsionMove(1, 0.1, count="all")  # wrong
 integrator.setTorsionMoveParameters(0, 1, 0.1, torsions=None)
+integrator.addClosedMove(1, 0.1, [0, 1], hop=0.5)
+integrator.addClosedMove(1, 0.1, hop=[0.5])  # wrong
 integrator.setRigidBodyMoveParameters(1, 1, 0.1, 0.1, [0])
 integrator.removeMove(1)
 force.setTorsionAngles(context, -force.getTorsionAngles(context))
@@ -135,8 +137,8 @@ def test_everyNumberHasItsUnit(name):
     for method, stub in methodsOf(_STUBS[name]).items():
         text = ast.get_docstring(stub)
         for parameter, description in _NUMBERS.findall(text):
-            # Weights, and widths of logarithms, are numbers without unit.
-            assert parameter in ("weight", "width") or _UNIT.search(description), f"{method}: {parameter}"
+            # Weights, widths of logarithms, and shares are numbers without unit.
+            assert parameter in ("weight", "width", "hop") or _UNIT.search(description), f"{method}: {parameter}"
         if ast.unparse(stub.returns) == "Quantity":
             assert _UNIT.search(text), method
 
@@ -160,7 +162,7 @@ def test_mistakesAreFound(tmp_path):
     result = mypy(tmp_path, "--strict", "program.py")
     lines = [number for number, line in enumerate(_PROGRAM.splitlines(), start=1) if line.endswith("# wrong")]
     found = sorted({int(number) for number in re.findall(r"^program\.py:(\d+): error", result.stdout, re.MULTILINE)})
-    assert found == lines and len(lines) == 12, result.stdout
+    assert found == lines and len(lines) == 13, result.stdout
 
 
 def test_thePackageHasNoTypeErrors(tmp_path):

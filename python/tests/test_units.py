@@ -80,6 +80,8 @@ _WRONG = [
     (lambda x, i, c: i.addTorsionMove(1 * unit.nanometer, 1), "weight must be a number"),
     (lambda x, i, c: i.addRigidBodyMove(1, 1 * unit.degree, 1), "maxTranslation must be a length"),
     (lambda x, i, c: i.addRigidBodyMove(1, 1, 1 * unit.angstrom), "maxAngle must be an angle"),
+    (lambda x, i, c: i.addClosedMove(1, 1 * unit.nanometer), "maxAngle must be an angle"),
+    (lambda x, i, c: i.addClosedMove(1, 1, hop=1 * unit.degree), "hop must be a number"),
     (lambda x, i, c: i.setTorsionAngles(c, np.zeros(138) * unit.nanometer), "angles must be an angle"),
 ]
 

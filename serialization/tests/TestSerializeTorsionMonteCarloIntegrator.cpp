@@ -39,6 +39,7 @@ void setUp(TorsionMonteCarloIntegrator& integrator)
     integrator.addRigidBodyMove(0.5, 1.0 / 7, 0.3, {9, 1});
     integrator.addTorsionMove(0, 0.7);
     integrator.addRigidBodyMove(2, 0, 0.4);
+    integrator.addClosedMove(0.25, 0.1 / 3, {3, 1}, 0.7 / 3);
 }
 
 void assertSameMoves(const TorsionMonteCarloIntegrator& expected, const TorsionMonteCarloIntegrator& found)
@@ -49,10 +50,16 @@ void assertSameMoves(const TorsionMonteCarloIntegrator& expected, const TorsionM
         double weight1, weight2, angle1, angle2, translation1, translation2;
         vector<int> choices1, choices2;
         int count1, count2;
+        double hop1, hop2;
         if (expected.getMoveType(i) == TorsionMonteCarloIntegrator::TorsionMove) {
             expected.getTorsionMoveParameters(i, weight1, angle1, choices1, count1);
             found.getTorsionMoveParameters(i, weight2, angle2, choices2, count2);
             ASSERT_EQUAL(count1, count2);
+        }
+        else if (expected.getMoveType(i) == TorsionMonteCarloIntegrator::ClosedMove) {
+            expected.getClosedMoveParameters(i, weight1, angle1, choices1, hop1);
+            found.getClosedMoveParameters(i, weight2, angle2, choices2, hop2);
+            ASSERT_EQUAL(hop1, hop2);
         }
         else {
             expected.getRigidBodyMoveParameters(i, weight1, translation1, angle1, choices1);
@@ -128,6 +135,13 @@ void testGetters()
     ASSERT_EQUAL(1, count);
     integrator.getRigidBodyMoveParameters(3, weight, translation, angle, choices);
     ASSERT(choices.empty());
+    double hop;
+    ASSERT_EQUAL(TorsionMonteCarloIntegrator::ClosedMove, integrator.getMoveType(4));
+    integrator.getClosedMoveParameters(4, weight, angle, choices, hop);
+    ASSERT_EQUAL(0.25, weight);
+    ASSERT_EQUAL(0.1 / 3, angle);
+    ASSERT_EQUAL_CONTAINERS(vector<int>({3, 1}), choices);
+    ASSERT_EQUAL(0.7 / 3, hop);
     assertThrows("move 1 is not a torsion move", [&] {
         integrator.getTorsionMoveParameters(1, weight, angle, choices, count);
     });
@@ -135,7 +149,7 @@ void testGetters()
         integrator.getRigidBodyMoveParameters(0, weight, translation, angle, choices);
     });
     assertThrows("Index out of range", [&] {
-        integrator.getMoveType(4);
+        integrator.getMoveType(5);
     });
     assertThrows("Index out of range", [&] {
         integrator.getTorsionMoveParameters(-1, weight, angle, choices, count);

@@ -454,6 +454,40 @@ public:
     int addRigidBodyMove(double weight, double maxTranslation, double maxAngle,
                          const std::vector<int>& molecules = std::vector<int>());
     /**
+     * Add a move that turns a few torsions in a row so that all that lies behind them stays where it is: an exact
+     * concerted rotation. In a folded molecule it changes a piece of the backbone without moving the rest.
+     *
+     * A <i>window</i> is a row of eight torsions of the list (nine or seven where eight cannot be) along a chain, each
+     * of which moves the next. Six of them, the pivots, close it: three pairs of neighbours, the two bonds of a pair
+     * sharing a particle, such as phi and psi of a residue. The others, the drivers, are drawn. What lies between two
+     * torsions of a window, and what branches off there, moves as a rigid body, whatever its shape. Torsions of the
+     * chain that are not in the list stay as they are.
+     *
+     * A trial draws a window, adds angles drawn uniformly from -maxAngle to maxAngle to its drivers, and turns the
+     * pivots so that the window closes: mostly to the solution that Newton's method finds from where they are, and in a
+     * share `hop` of the trials to one of all solutions, near ones preferred. The ratio holds the Jacobians of both
+     * states and the weights of the solutions, and a trial from which the same way does not lead back is refused, so
+     * that with neither energy nor spheres torsions are sampled uniformly. Trials that do not close count as attempted
+     * only.
+     *
+     * What follows the last window of a chain never moves by this move alone, so add a move by addTorsionMove(), too.
+     *
+     * See Dodd, Boone and Theodorou, Mol. Phys. 78, 961 (1993); Coutsias, Seok, Jacobson and Dill, J. Comput. Chem. 25,
+     * 510 (2004); Hoffmann and Knapp, Eur. Biophys. J. 24, 387 (1996).
+     *
+     * It is an error, found when the Context is made, if the torsions have no window.
+     *
+     * @param weight    how often this move is drawn, relative to the weights of the others, at least 0
+     * @param maxAngle  the largest angle of a driver, from 0 to pi, in radians
+     * @param torsions  the indices of the torsions of the StericExclusionForce that windows may turn; if empty, those
+     * of backbones: of all torsions, windows are in rows in which each torsion leads to the heaviest of the branches
+     * that part there. In Python None means these, and an empty list is an error.
+     * @param hop       the share of trials that choose among all solutions, from 0 to 1
+     * @return the index of the move that was added
+     */
+    int addClosedMove(double weight, double maxAngle, const std::vector<int>& torsions = std::vector<int>(),
+                      double hop = 0.2);
+    /**
      * Get the number of moves.
      */
     int getNumMoves() const;
@@ -493,6 +527,18 @@ public:
     void getRigidBodyMoveParameters(int move, double& weight, double& maxTranslation, double& maxAngle,
                                     std::vector<int>& molecules) const;
     /**
+     * Get the parameters of a move that was added by addClosedMove(). It is an error if the move is of another kind.
+     *
+     * @param move           the index of the move
+     * @param[out] weight    how often this move is drawn, relative to the weights of the others
+     * @param[out] maxAngle  the largest angle of a driver, in radians
+     * @param[out] torsions  the indices of the torsions that windows may turn; empty (in Python None) if they are those
+     * of backbones
+     * @param[out] hop       the share of trials that choose among all solutions
+     */
+    void getClosedMoveParameters(int move, double& weight, double& maxAngle, std::vector<int>& torsions,
+                                 double& hop) const;
+    /**
      * Set the parameters of a move that was added by addTorsionMove(). It is an error if the move is of another kind.
      * The next trial follows them. The counts of the move start anew, from 0: they tell of the move as it is.
      *
@@ -519,6 +565,19 @@ public:
      */
     void setRigidBodyMoveParameters(int move, double weight, double maxTranslation, double maxAngle,
                                     const std::vector<int>& molecules = std::vector<int>());
+    /**
+     * Set the parameters of a move that was added by addClosedMove(). It is an error if the move is of another kind.
+     * The next trial follows them. The counts of the move start anew, from 0: they tell of the move as it is.
+     *
+     * @param move      the index of the move
+     * @param weight    how often this move is drawn, relative to the weights of the others, at least 0
+     * @param maxAngle  the largest angle of a driver, from 0 to pi, in radians
+     * @param torsions  the indices of the torsions of the StericExclusionForce that windows may turn; if empty, those
+     * of backbones. In Python None means these, and an empty list is an error.
+     * @param hop       the share of trials that choose among all solutions, from 0 to 1
+     */
+    void setClosedMoveParameters(int move, double weight, double maxAngle,
+                                 const std::vector<int>& torsions = std::vector<int>(), double hop = 0.2);
     /**
      * Remove a move, and its counts. The indices of the moves after it become lower by one.
      *

@@ -1,0 +1,256 @@
+#include "ctclosure.h"
+#include "openmm/OpenMMException.h"
+#include "openmmchaintree/internal/ArgumentChecks.h"
+#include "openmmchaintree/internal/ClosedWindows.h"
+#include "openmmchaintree/internal/MonteCarloMove.h"
+#include "openmmchaintree/internal/MoveList.h"
+#include "openmmchaintree/internal/TorsionWindows.h"
+#include <cmath>
+#include <limits>
+
+using namespace ChainTreePlugin;
+using namespace OpenMM;
+using namespace std;
+
+static void readClosedMove(const SerializationNode& node, double weight, TorsionMonteCarloIntegrator& integrator)
+{
+    integrator.addClosedMove(weight, node.getDoubleProperty("maxAngle"), readIndices(node),
+                             node.getDoubleProperty("hop"));
+}
+
+static const MoveKind KIND("closed", "ClosedMove", TorsionMonteCarloIntegrator::ClosedMove, readClosedMove);
+
+/** A way back has led back if no torsion is farther from where it was, in radians: some 1e-7 nm. */
+static const double RETURN_TOLERANCE = 1e-6;
+/** Of two solutions the one nearer to the state is preferred; those within this many radians are all near. */
+static const double NEARNESS = 0.35;
+
+namespace {
+
+typedef double Solutions[CT_CLOSURES_MOST][CT_PIVOTS];
+
+/**
+ * Turns torsions in a row so that what is behind them stays. See TorsionMonteCarloIntegrator::addClosedMove().
+ */
+class ClosedMove : public MonteCarloMove {
+public:
+    ClosedMove(double maxAngle, const vector<int>& torsions, double hop) :
+        MonteCarloMove(KIND), maxAngle(maxAngle), torsions(torsions), hop(hop)
+    {
+        checkLargestAngle(maxAngle, KIND.name);
+        if (!(hop >= 0 && hop <= 1))
+            throw OpenMMException("TorsionMonteCarloIntegrator: the share of hops of a closed move must be from 0 to "
+                                  "1, but is " +
+                                  to_string(hop));
+    }
+    bool hasSize() const
+    {
+        return maxAngle > 0;
+    }
+    string summarize() const
+    {
+        return KIND.name + " " + toSize(maxAngle, "rad");
+    }
+    vector<MoveParameter> getParameters() const
+    {
+        return {{"maxAngle", maxAngle, ""}, {"torsions", torsions, "Torsion"}, {"hop", hop, ""}};
+    }
+    void bind(const LinkStructure& structure, const string& name);
+    bool propose(TrialSession& trials, RandomNumberGenerator& random);
+    double computeLogRatio(TrialSession& trials);
+    const double maxAngle;
+    /** The torsions that windows may have, as they were given; empty for those of backbones. */
+    const vector<int> torsions;
+    const double hop;
+
+private:
+    void lookAt(TrialSession& trials, const ClosedWindows::Window& drawn, const ClosedWindows::Pivots& pivots);
+    bool drawSolution(RandomNumberGenerator& random);
+    bool leadsBack(const ctWindow& turned, double& logWeights) const;
+    unique_ptr<ClosedWindows> windows;
+    /** The window of the trial, as it lies before it; its turns; and whether it chose among all solutions. */
+    ctWindow window;
+    double angles[CT_WINDOW_MOST];
+    bool isHop;
+    /** The logarithm of the sum of the weights of all solutions, of a hop. */
+    double logWeights;
+    vector<Vec3> positions;
+    /** The turns by the number of torsions of their window, so that none is allocated. */
+    vector<double> changes[CT_WINDOW_MOST + 1];
+};
+
+} // namespace
+
+void ClosedMove::bind(const LinkStructure& structure, const string& name)
+{
+    windows = make_unique<ClosedWindows>(structure, findWindowTorsions(structure, torsions, name));
+    if (windows->getWindows().empty())
+        throw OpenMMException(name +
+                              " turns windows of eight torsions in a row, but its torsions have none: among seven, "
+                              "eight or nine that follow each other along a chain there must be three pairs of "
+                              "neighbours whose bonds share a particle");
+    for (const ClosedWindows::Window& found : windows->getWindows()) {
+        changes[found.torsions.size()].resize(found.torsions.size());
+        positions.reserve(found.particles.size());
+    }
+}
+
+/**
+ * Get where the axes of a window lie.
+ */
+void ClosedMove::lookAt(TrialSession& trials, const ClosedWindows::Window& drawn, const ClosedWindows::Pivots& pivots)
+{
+    trials.getPositions(drawn.particles, positions);
+    window.count = drawn.torsions.size();
+    copy(pivots.begin(), pivots.end(), window.pivots);
+    for (int i = 0; i < window.count; i++) {
+        const Vec3 &begin = positions[drawn.axes[i].first], &end = positions[drawn.axes[i].second];
+        const Vec3 axis = (end - begin) / sqrt((end - begin).dot(end - begin));
+        for (int j = 0; j < 3; j++) {
+            window.points[i][j] = end[j];
+            window.axes[i][j] = axis[j];
+        }
+    }
+
+    // The axes of a pair of pivots meet at the end of the first, which is the beginning of the second.
+
+    for (int i = 1; i < CT_PIVOTS; i += 2)
+        copy_n(window.points[pivots[i - 1]], 3, window.points[pivots[i]]);
+}
+
+/**
+ * Get the weight of a solution by how far it is from the state. From one to the other it is the same as back.
+ */
+static double computeWeight(const double* turns)
+{
+    double squared = NEARNESS * NEARNESS;
+    for (int i = 0; i < CT_PIVOTS; i++)
+        squared += turns[i] * turns[i];
+    return 1 / (squared * squared);
+}
+
+static double sumWeights(const Solutions& solutions, int count)
+{
+    double sum = 0;
+    for (int i = 0; i < count; i++)
+        sum += computeWeight(solutions[i]);
+    return sum;
+}
+
+/**
+ * Draw one of all solutions by its weight. Returns false if there is none.
+ */
+bool ClosedMove::drawSolution(RandomNumberGenerator& random)
+{
+    Solutions solutions;
+    const int count = ctFindClosures(&window, angles, solutions);
+    if (count == 0)
+        return false;
+    const double sum = sumWeights(solutions, count);
+    logWeights = log(sum);
+    double left = random.drawUniform() * sum;
+    int drawn = 0;
+    while (drawn < count - 1 && (left -= computeWeight(solutions[drawn])) >= 0)
+        drawn++;
+    for (int i = 0; i < CT_PIVOTS; i++)
+        angles[window.pivots[i]] = solutions[drawn][i];
+    return true;
+}
+
+bool ClosedMove::propose(TrialSession& trials, RandomNumberGenerator& random)
+{
+    const vector<ClosedWindows::Window>& all = windows->getWindows();
+    const ClosedWindows::Window& drawn = all[random.drawIndex(all.size())];
+    const vector<ClosedWindows::Pivots>& choices = windows->getChoices(drawn);
+    lookAt(trials, drawn, choices[random.drawIndex(choices.size())]);
+    fill_n(angles, window.count, 0.0);
+    for (int i = 0, pivot = 0; i < window.count; i++)
+        if (pivot < CT_PIVOTS && window.pivots[pivot] == i)
+            pivot++;
+        else
+            angles[i] = random.drawSymmetric(getScale() * maxAngle);
+    isHop = random.drawUniform() < hop;
+    if (isHop ? !drawSolution(random) : !ctCloseNear(&window, angles))
+        return false;
+    copy_n(angles, window.count, changes[window.count].begin());
+    trials.proposeTorsions(drawn.torsions, changes[window.count]);
+    return true;
+}
+
+/**
+ * Get whether turns of the pivots undo those of the trial.
+ */
+static bool undo(const ctWindow& window, const double* angles, const double* pivotTurns)
+{
+    for (int i = 0; i < CT_PIVOTS; i++)
+        if (!(fabs(remainder(angles[window.pivots[i]] + pivotTurns[i], 2 * M_PI)) <= RETURN_TOLERANCE))
+            return false;
+    return true;
+}
+
+/**
+ * Get whether the same way, with the drivers turned back, can lead to where the trial began.
+ *
+ * @param turned            the window after the trial
+ * @param[out] logWeights   the logarithm of the sum of the weights of all solutions there, of a hop
+ */
+bool ClosedMove::leadsBack(const ctWindow& turned, double& logWeights) const
+{
+    double back[CT_WINDOW_MOST];
+    for (int i = 0; i < window.count; i++)
+        back[i] = -angles[i];
+    if (isHop) {
+        Solutions solutions;
+        const int count = ctFindClosures(&turned, back, solutions);
+        logWeights = log(sumWeights(solutions, count));
+        for (int i = 0; i < count; i++)
+            if (undo(window, angles, solutions[i]))
+                return true;
+        return false;
+    }
+
+    // Newton's method begins where the trial leads, and knows nothing of the pivots before.
+
+    for (int pivot : window.pivots)
+        back[pivot] = 0;
+    if (!ctCloseNear(&turned, back))
+        return false;
+    double pivotTurns[CT_PIVOTS];
+    for (int i = 0; i < CT_PIVOTS; i++)
+        pivotTurns[i] = back[window.pivots[i]];
+    return undo(window, angles, pivotTurns);
+}
+
+double ClosedMove::computeLogRatio(TrialSession&)
+{
+    ctWindow turned;
+    ctTurnWindow(&window, angles, &turned);
+    double logWeightsBack = 0;
+    if (!leadsBack(turned, logWeightsBack))
+        return -numeric_limits<double>::infinity();
+    const double ratio = ctComputeLogJacobian(&window) - ctComputeLogJacobian(&turned);
+    return isHop ? ratio + logWeights - logWeightsBack : ratio;
+}
+
+// ---- The methods of the integrator ----
+
+int TorsionMonteCarloIntegrator::addClosedMove(double weight, double maxAngle, const vector<int>& torsions, double hop)
+{
+    return addMove(make_unique<::ClosedMove>(maxAngle, torsions, hop), weight);
+}
+
+void TorsionMonteCarloIntegrator::getClosedMoveParameters(int move, double& weight, double& maxAngle,
+                                                          vector<int>& torsions, double& hop) const
+{
+    auto& found = moves->get<::ClosedMove>(move, KIND, weight);
+    maxAngle = found.maxAngle;
+    torsions = found.torsions;
+    hop = found.hop;
+}
+
+void TorsionMonteCarloIntegrator::setClosedMoveParameters(int move, double weight, double maxAngle,
+                                                          const vector<int>& torsions, double hop)
+{
+    moves->requireKind(move, KIND);
+    moves->set(move, make_unique<::ClosedMove>(maxAngle, torsions, hop), weight);
+}
