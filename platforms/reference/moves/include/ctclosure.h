@@ -44,11 +44,11 @@ void ctTurnWindow(const ctWindow* window, const double* angles, ctWindow* turned
 double ctComputeLogJacobian(const ctWindow* window);
 
 /* Closes a window by Newton's method, from where it is: `angles` holds the turns of the drivers, and gets those of the
- * pivots, in (-pi, pi]. The tail is where it was up to rounding: 5e-14 nm at 10 nm from the window. False if it does
+ * pivots, in [-pi, pi]. The tail is where it was up to rounding: 5e-14 nm at 10 nm from the window. False if it does
  * not converge, or if the window is none: torsions out of order, parallel axes in a point, points on a line. */
 bool ctCloseNear(const ctWindow* window, double* angles);
 
-/* Finds all ways to close a window after the drivers' turns in `angles`: turns of the six pivots, in (-pi, pi].
+/* Finds all ways to close a window after the drivers' turns in `angles`: turns of the six pivots, in [-pi, pi].
  * Returns their number. */
 int ctFindClosures(const ctWindow* window, const double* angles, double solutions[CT_CLOSURES_MOST][CT_PIVOTS]);
 

@@ -1,5 +1,6 @@
 #include "ctclosure.h"
 
+#include "search.h"
 #include "triangle.h"
 #include "turning.h"
 
@@ -51,8 +52,14 @@ bool ctCloseNear(const ctWindow* window, double* angles) {
 }
 
 int ctFindClosures(const ctWindow* window, const double* angles, double solutions[CT_CLOSURES_MOST][CT_PIVOTS]) {
-  (void)window;
-  (void)angles;
-  (void)solutions;
-  return 0;
+  Triangle triangle;
+  if (!makeTriangle(window, angles, &triangle)) {
+    return 0;
+  }
+  Sway sways[CT_CLOSURES_MOST];
+  const int count = findSways(&triangle, sways);
+  for (int i = 0; i < count; i++) {
+    turnsOfTriangle(&triangle, &sways[i], solutions[i]);
+  }
+  return count;
 }

@@ -1,0 +1,157 @@
+/* All ways to close a window: none missed and none invented, by brute force in long double; the present state is one of
+ * them; there and back; degenerate windows are refused. The long version is examples/validation/closures.py. */
+#include "comparison.h"
+
+static void checkComparison(const Comparison* sum) {
+  printf("%d windows: %d solutions, %d by brute force, %d missed, %d invented, %d not known, %.2g nm\n", sum->windows,
+         sum->solutions, sum->known, sum->missed, sum->invented, sum->doubtful, sum->worstGap);
+  CHECK(sum->missed == 0);
+  CHECK(sum->invented == 0);
+  CHECK(sum->doubtful == 0);
+  CHECK(sum->solutions == sum->known);
+}
+
+static void testAgainstBruteForce(void) {
+  Comparison proteins = {0}, others = {0};
+  double angles[CT_WINDOW_MOST];
+  ctWindow window;
+  for (int n = 0; n < 40; n++) {
+    drawProteinWindow(&window, 1 + n % 4, 1);
+    drawDrivers(&window, n % 3 * 0.15, angles);
+    compareClosures(&window, angles, 400, &proteins);
+  }
+  checkComparison(&proteins);
+  for (int n = 0; n < 40; n++) {
+    drawArbitraryWindow(&window, n % 5);
+    drawDrivers(&window, n % 3 * 0.3, angles);
+    compareClosures(&window, angles, 400, &others);
+  }
+  checkComparison(&others);
+}
+
+/* Of a window as it is, to turn nothing is a way to close it. */
+static void testKnowsPresentState(void) {
+  int lost = 0;
+  const int windows = 4000;
+  for (int n = 0; n < windows; n++) {
+    ctWindow window;
+    if (n % 2) {
+      drawProteinWindow(&window, 2, 1);
+    } else {
+      drawArbitraryWindow(&window, 2);
+    }
+    const double angles[CT_WINDOW_MOST] = {0};
+    double solutions[CT_CLOSURES_MOST][CT_PIVOTS];
+    const int count = ctFindClosures(&window, angles, solutions);
+    CHECK(count <= CT_CLOSURES_MOST && count % 2 == 0);
+    double least = 1;
+    for (int i = 0; i < count; i++) {
+      least = fmin(least, farthest(solutions[i], angles));
+    }
+    lost += least > 1e-7 ? 1 : 0;
+  }
+  CHECK(lost == 0);
+}
+
+/* From each solution, the solutions of the way back are what the present state has. */
+static void testThereAndBack(void) {
+  int compared = 0;
+  for (int n = 0; n < 100; n++) {
+    ctWindow window, turned;
+    drawProteinWindow(&window, 3, 1);
+    const double none[CT_WINDOW_MOST] = {0};
+    double angles[CT_WINDOW_MOST], all[CT_WINDOW_MOST], back[CT_WINDOW_MOST];
+    drawDrivers(&window, 0.2, angles);
+    double here[CT_CLOSURES_MOST][CT_PIVOTS], there[CT_CLOSURES_MOST][CT_PIVOTS], again[CT_CLOSURES_MOST][CT_PIVOTS];
+    const int countHere = ctFindClosures(&window, none, here);
+    const int countThere = ctFindClosures(&window, angles, there);
+    for (int i = 0; i < countThere; i++) {
+      putTurns(&window, angles, there[i], all);
+      ctTurnWindow(&window, all, &turned);
+      for (int k = 0; k < window.count; k++) {
+        back[k] = -angles[k];
+      }
+      const int countAgain = ctFindClosures(&turned, back, again);
+      CHECK(countAgain == countHere);
+      for (int j = 0; j < countHere; j++) {
+        double least = 1;
+        for (int m = 0; m < countAgain; m++) {
+          double total[CT_PIVOTS];
+          for (int k = 0; k < CT_PIVOTS; k++) {
+            total[k] = there[i][k] + again[m][k];
+          }
+          least = fmin(least, farthest(total, here[j]));
+        }
+        CHECK(least < 1e-6);
+        compared++;
+      }
+    }
+  }
+  CHECK(compared > 500);
+}
+
+/* Newton's method leads to one of them. */
+static void testKnowsNear(void) {
+  int compared = 0;
+  for (int n = 0; n < 2000; n++) {
+    ctWindow window;
+    double angles[CT_WINDOW_MOST];
+    drawProteinWindow(&window, 3, 1);
+    drawDrivers(&window, 0.2, angles);
+    double solutions[CT_CLOSURES_MOST][CT_PIVOTS];
+    const int count = ctFindClosures(&window, angles, solutions);
+    if (ctCloseNear(&window, angles)) {
+      double turns[CT_PIVOTS], least = 1;
+      for (int k = 0; k < CT_PIVOTS; k++) {
+        turns[k] = angles[window.pivots[k]];
+      }
+      for (int i = 0; i < count; i++) {
+        least = fmin(least, farthest(solutions[i], turns));
+      }
+      CHECK(least < 1e-7);
+      compared++;
+    }
+  }
+  CHECK(compared > 1000);
+}
+
+static void testRefuses(void) {
+  ctWindow good, bad;
+  const double none[CT_WINDOW_MOST] = {0};
+  double solutions[CT_CLOSURES_MOST][CT_PIVOTS];
+  drawProteinWindow(&good, 2, 1);
+  CHECK(ctFindClosures(&good, none, solutions) > 0);
+  bad = good;
+  memcpy(bad.axes[bad.pivots[1]], bad.axes[bad.pivots[0]], sizeof bad.axes[0]);
+  CHECK(ctFindClosures(&bad, none, solutions) == 0);
+  bad = good;
+  memcpy(bad.points[bad.pivots[2]], bad.points[bad.pivots[0]], sizeof bad.points[0]);
+  CHECK(ctFindClosures(&bad, none, solutions) == 0);
+  bad = good;
+  bad.points[bad.pivots[2]][1] = NAN;
+  CHECK(ctFindClosures(&bad, none, solutions) == 0);
+  /* A piece that is straight: its turn changes nothing, and solutions are no points. */
+  bad = good;
+  double* axis = bad.axes[bad.pivots[1]];
+  double square = 0;
+  for (int k = 0; k < 3; k++) {
+    axis[k] = bad.points[bad.pivots[2]][k] - bad.points[bad.pivots[0]][k];
+    square += axis[k] * axis[k];
+  }
+  for (int k = 0; k < 3; k++) {
+    axis[k] /= sqrt(square);
+    bad.axes[bad.pivots[2]][k] = axis[k];
+  }
+  CHECK(!(ctComputeLogJacobian(&bad) > -20));
+  const int count = ctFindClosures(&bad, none, solutions);
+  CHECK(count >= 0 && count <= CT_CLOSURES_MOST);
+}
+
+int main(void) {
+  testAgainstBruteForce();
+  testKnowsPresentState();
+  testThereAndBack();
+  testKnowsNear();
+  testRefuses();
+  return checkResult();
+}
