@@ -652,6 +652,8 @@ FORCE_TRANSLATION = "openmmapi/src/ForceTranslation.cpp"
 NORMAL_FORM = "openmmapi/src/NormalForm.cpp"
 PAIR_EXPRESSIONS = "openmmapi/src/energies/CustomNonbondedEnergy.cpp"
 TABLES = "openmmapi/src/TabulatedFunctions.cpp"
+CLOSED_MOVE = "openmmapi/src/moves/ClosedMove.cpp"
+CLOSED_WINDOWS = "openmmapi/src/moves/ClosedWindows.cpp"
 FOREIGN_ENERGY = "openmmapi/src/ForeignEnergy.cpp"
 IMPL = "openmmapi/src/StericExclusionForceImpl.cpp"
 INTEGRATOR = "openmmapi/src/TorsionMonteCarloIntegrator.cpp"
@@ -991,23 +993,42 @@ API_FAULTS = [
     Fault("move: what was drawn once is drawn no more", TORSION_MOVE,
           "        isDrawn[drawnChoices[i]] = false;\n", ""),
     Fault("move: torsions turn one way", TORSION_MOVE,
-          "random.drawSymmetric(maxAngle)", "random.drawUniform() * maxAngle"),
+          "random.drawSymmetric(getScale() * maxAngle)", "random.drawUniform() * maxAngle"),
     Fault("move: molecules that have come to be fixed are drawn", RIGID_BODY_MOVE,
           "    choices.clear();\n", ""),
     Fault("move: molecules move within a cube", RIGID_BODY_MOVE,
-          "random.drawPointInBall(maxTranslation)",
+          "random.drawPointInBall(getScale() * maxTranslation)",
           "Vec3(random.drawSymmetric(maxTranslation), random.drawSymmetric(maxTranslation), "
           "random.drawSymmetric(maxTranslation))"),
+    Fault("closed move: no Jacobian", CLOSED_MOVE,
+          "ctComputeLogJacobian(&window) - ctComputeLogJacobian(&turned)", "0"),
+    Fault("closed move: the ratio is turned over", CLOSED_MOVE,
+          "ctComputeLogJacobian(&window) - ctComputeLogJacobian(&turned)",
+          "ctComputeLogJacobian(&turned) - ctComputeLogJacobian(&window)"),
+    Fault("closed move: any way back will do", CLOSED_MOVE,
+          "return undo(window, angles, pivotTurns);", "return undo(window, angles, pivotTurns) || true;"),
+    Fault("closed move: the weights of solutions are left out", CLOSED_MOVE,
+          "isHop ? ratio + logWeights - logWeightsBack : ratio", "ratio"),
+    Fault("closed move: all solutions are drawn alike", CLOSED_MOVE,
+          "left -= computeWeight(solutions[drawn])", "left -= sum / count"),
+    Fault("closed move: weights are those of turns from elsewhere", CLOSED_MOVE,
+          "angles[window.pivots[i]] = solutions[drawn][i];", "angles[window.pivots[i]] = solutions[0][i];"),
+    Fault("closed windows: the last torsion is left out of choices", CLOSED_WINDOWS,
+          "k < LARGEST_SIZE", "k + 2 < LARGEST_SIZE"),
+    Fault("closed windows: neighbours need share no particle", CLOSED_WINDOWS,
+          "window.particles.back() == p[1]", "window.particles.back() != -1"),
+    Fault("closed windows: rows are cut at the wrong end", CLOSED_WINDOWS,
+          "vector<int>(row.end() - size, row.end())", "vector<int>(row.begin(), row.begin() + size)"),
     Fault("move: weights are not taken off", MOVES,
           "        position -= entries[i].weight;\n", ""),
     Fault("move: a new one keeps the weight", MOVES,
-          "entries[index] = {std::move(move), weight, 0, 0, 0};",
-          "entries[index] = {std::move(move), entries[index].weight, 0, 0, 0};"),
+          "entries[index] = {std::move(move), weight, 0, 0, 0, 0};",
+          "entries[index] = {std::move(move), entries[index].weight, 0, 0, 0, 0};"),
     # ---- What is kept ----
     Fault("checkpoint: the random numbers are not restored", INTEGRATOR,
           "    *random = restored;\n    moves->setStatistics", "    moves->setStatistics"),
     Fault("checkpoint: counts of refused trials are not restored", MOVES,
-          "        entries[i].rejectedByEnergy = statistics[NUM_COUNTS * i + 1];\n", ""),
+          "        entries[i].rejectedByEnergy = statistics[NUM_COUNTS * i + 2];\n", ""),
     Fault("checkpoint: a refused one keeps limits", INTEGRATOR,
           "already.\n\n        force->getLimitPolicy().restart();\n", "already.\n\n"),
     Fault("checkpoint: any moves will do", MOVES,

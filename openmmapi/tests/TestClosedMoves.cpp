@@ -351,8 +351,9 @@ int main(int argc, char** argv)
 {
     const double factor = argc > 1 ? atof(argv[1]) : 1;
     return runOnPlatform("Reference", [&](Platform& platform) {
-        const Setting settings[] = {{"Newton, one window", 8, 0, 0.5, 0, 6, 4000},
-                                    {"Newton, all windows", 12, 1, 0.5, 0, 12, 4000}};
+        const Setting settings[] = {{"Newton, far", 8, 0, 1.5, 0, 20, 16000},
+                                    {"hops", 8, 0, 0.5, 1, 4, 12000},
+                                    {"all windows", 12, 1, 0.5, 0.3, 12, 4000}};
         for (const Setting& setting : settings)
             testUniform(platform, setting, factor);
         testNoDrift(platform);
