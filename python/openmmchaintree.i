@@ -112,6 +112,8 @@ class MinimumDistance(NamedTuple):
 %keywords(ChainTreePlugin::TorsionMonteCarloIntegrator::setTorsionMoveParameters)
 %keywords(ChainTreePlugin::TorsionMonteCarloIntegrator::setRigidBodyMoveParameters)
 %keywords(ChainTreePlugin::TorsionMonteCarloIntegrator::setClosedMoveParameters)
+%keywords(ChainTreePlugin::TorsionMonteCarloIntegrator::addLocalMove)
+%keywords(ChainTreePlugin::TorsionMonteCarloIntegrator::setLocalMoveParameters)
 
 %header %{
 static void raiseOpenMMException(const char* message) {
@@ -281,6 +283,8 @@ static bool toVec3(PyObject* object, const char* unit, const char* name, OpenMM:
 %unit("nm", position)
 %unit("nm", translation)
 %unit("rad", maxAngle)
+%unit("rad", sigma)
+%unit("nm^-2", stiffness)
 %unit("rad", changes)
 %unit("rad", angles)
 %unit("rad", rotation)
@@ -449,6 +453,11 @@ static const char* const ENERGY_KINDS[] = {"not sampled", "constant", "native", 
 %pythonappend ChainTreePlugin::TorsionMonteCarloIntegrator::getRigidBodyMoveParameters %{
     val[1] = openmm.unit.Quantity(val[1], openmm.unit.nanometer)
     val[2] = openmm.unit.Quantity(val[2], openmm.unit.radian)
+    val[3] = val[3] if len(val[3]) > 0 else None
+%}
+%pythonappend ChainTreePlugin::TorsionMonteCarloIntegrator::getLocalMoveParameters %{
+    val[1] = openmm.unit.Quantity(val[1], openmm.unit.radian)
+    val[2] = openmm.unit.Quantity(val[2], openmm.unit.nanometer**-2)
     val[3] = val[3] if len(val[3]) > 0 else None
 %}
 %pythonappend ChainTreePlugin::TorsionMonteCarloIntegrator::getMoveStatistics %{

@@ -62,16 +62,19 @@ string ChainTreePlugin::toSize(double largest, const string& unit)
     return text.str();
 }
 
-void ChainTreePlugin::checkLargestAngle(double angle, const string& kind)
+void ChainTreePlugin::checkAngle(double angle, const string& name)
 {
-    string name = "the largest angle of a " + kind + " move";
-    checkNotNegative(angle, "TorsionMonteCarloIntegrator: " + name);
+    checkNotNegative(angle, name);
     const double rounding = 1e-9; // of a half turn that was computed
     if (angle > M_PI * (1 + rounding)) {
         stringstream message;
-        message << "TorsionMonteCarloIntegrator: " << name << " must be at most pi, half a turn, but is " << angle
-                << " radians; " << angle << " degrees are " << angle * M_PI / 180 << " radians (in Python " << angle
-                << "*unit.degrees)";
+        message << name << " must be at most pi, half a turn, but is " << angle << " radians; " << angle
+                << " degrees are " << angle * M_PI / 180 << " radians (in Python " << angle << "*unit.degrees)";
         throw OpenMMException(message.str());
     }
+}
+
+void ChainTreePlugin::checkLargestAngle(double angle, const string& kind)
+{
+    checkAngle(angle, "TorsionMonteCarloIntegrator: the largest angle of a " + kind + " move");
 }

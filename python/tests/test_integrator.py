@@ -69,6 +69,23 @@ def test_movesAreSetAsTheyAreRead():
     assert integrator.getTorsionMoveParameters(1)[2].tolist() == [3]
 
 
+def test_localMoves():
+    integrator = TorsionMonteCarloIntegrator(300)
+    integrator.addLocalMove(0.5, 10 * unit.degrees, 4 / unit.angstrom**2, [4, 0], window=2)
+    assert integrator.getMoveType(0) == TorsionMonteCarloIntegrator.LocalMove
+    weight, sigma, stiffness, torsions, window = integrator.getLocalMoveParameters(0)
+    assert (weight, torsions.tolist(), window) == (0.5, [4, 0], 2)
+    assert sigma.value_in_unit(unit.degrees) == pytest.approx(10)
+    assert stiffness.value_in_unit(unit.nanometer**-2) == pytest.approx(400)
+    integrator.setLocalMoveParameters(0, weight=1, sigma=0.1, stiffness=50)
+    assert integrator.getLocalMoveParameters(0)[3:] == [None, 8]
+    integrator.setLocalMoveParameters(0, *integrator.getLocalMoveParameters(0))
+    with pytest.raises(TypeError, match="stiffness must be an inverse square of a length"):
+        integrator.addLocalMove(1, 0.1, 4 / unit.angstrom)
+    with pytest.raises(openmm.OpenMMException, match="torsions is empty.*None means all of them"):
+        integrator.addLocalMove(1, 0.1, 50, [])
+
+
 def test_noTorsionsAreNotAllTorsions():
     integrator = TorsionMonteCarloIntegrator(300)
     integrator.addTorsionMove(1, 0.1, torsions=None)

@@ -40,6 +40,7 @@ void setUp(TorsionMonteCarloIntegrator& integrator)
     integrator.addTorsionMove(0, 0.7);
     integrator.addRigidBodyMove(2, 0, 0.4);
     integrator.addClosedMove(0.25, 0.1 / 3, {3, 1}, 0.7 / 3);
+    integrator.addLocalMove(0.75, 1.0 / 9, 1.0 / 11, {3, 4}, 5);
 }
 
 void assertSameMoves(const TorsionMonteCarloIntegrator& expected, const TorsionMonteCarloIntegrator& found)
@@ -60,6 +61,13 @@ void assertSameMoves(const TorsionMonteCarloIntegrator& expected, const TorsionM
             expected.getClosedMoveParameters(i, weight1, angle1, choices1, hop1);
             found.getClosedMoveParameters(i, weight2, angle2, choices2, hop2);
             ASSERT_EQUAL(hop1, hop2);
+        }
+        else if (expected.getMoveType(i) == TorsionMonteCarloIntegrator::LocalMove) {
+            double stiffness1, stiffness2;
+            expected.getLocalMoveParameters(i, weight1, angle1, stiffness1, choices1, count1);
+            found.getLocalMoveParameters(i, weight2, angle2, stiffness2, choices2, count2);
+            ASSERT_EQUAL(stiffness1, stiffness2);
+            ASSERT_EQUAL(count1, count2);
         }
         else {
             expected.getRigidBodyMoveParameters(i, weight1, translation1, angle1, choices1);

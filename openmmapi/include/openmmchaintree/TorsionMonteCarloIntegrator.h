@@ -94,7 +94,7 @@ class TrialSession;
  * Trials that were taken back leave no trace but in getOuterStatistics(), which tells what became of the tests. If few
  * of them keep their trials, let them come after fewer trials, or let trials change less.
  *
- * <b>Moves.</b> Add at least one by addTorsionMove() or addRigidBodyMove().
+ * <b>Moves.</b> Add at least one by addTorsionMove(), addRigidBodyMove(), addClosedMove() or addLocalMove().
  *
  * @code
  * TorsionMonteCarloIntegrator integrator(300);
@@ -488,6 +488,37 @@ public:
     int addClosedMove(double weight, double maxAngle, const std::vector<int>& torsions = std::vector<int>(),
                       double hop = 0.2);
     /**
+     * Add a move that turns a window of consecutive torsions by small angles at once, so that what lies behind the
+     * window is shifted little: biased Gaussian steps (Favrin, Irback and Sjunnesson, J. Chem. Phys. 114, 8154 (2001)).
+     *
+     * The three ends of a window are the particles of the axis of its last torsion and the particle that this torsion
+     * has next to it, on the side that it turns. With their positions r_k (nm), and G_ij = sum_k dr_k/dphi_i .
+     * dr_k/dphi_j (nm^2), the changes d of the torsions are drawn from a normal distribution with a density of
+     * sqrt(det A) exp(-d A d / 2), A = (I + stiffness*G)/sigma^2. So torsions that make up for each other turn by about
+     * sigma, and what shifts the ends is rare. The ratio of the densities of the step back and of the step,
+     * sqrt(det A'/det A) exp(-d (A' - A) d / 2), is a part of the probability of accepting it, so that sampling is
+     * exact.
+     *
+     * All windows are equally likely: the rows of `window` torsions of the list that follow each other from the root
+     * of a molecule outwards, and where chains begin and end the shorter rows that begin or end with them, so that a
+     * torsion there is in as many as others. Torsions that are not in the list stay as they are, and do not end a
+     * window.
+     *
+     * @param weight     how often this move is drawn, relative to the weights of the others, at least 0
+     * @param sigma      the standard deviation of the change of a torsion that shifts no end, above 0 and at most pi,
+     *                   in radians
+     * @param stiffness  how rare it is that the ends are shifted, at least 0, in nm^-2: the standard deviation of a
+     *                   change that shifts the ends by r for each radian is sigma/sqrt(1 + stiffness*r^2)
+     * @param torsions   the indices of the torsions of the StericExclusionForce that windows consist of; if empty,
+     *                   those of all backbones: of the way from the root of a molecule along which torsions move most
+     *                   particles, and of branches with at least 8 torsions. In Python None means these, and an empty
+     *                   list is an error.
+     * @param window     the number of torsions of a window, from 1 to 32
+     * @return the index of the move that was added
+     */
+    int addLocalMove(double weight, double sigma, double stiffness,
+                     const std::vector<int>& torsions = std::vector<int>(), int window = 8);
+    /**
      * Get the number of moves.
      */
     int getNumMoves() const;
@@ -539,6 +570,19 @@ public:
     void getClosedMoveParameters(int move, double& weight, double& maxAngle, std::vector<int>& torsions,
                                  double& hop) const;
     /**
+     * Get the parameters of a move that was added by addLocalMove(). It is an error if the move is of another kind.
+     *
+     * @param move            the index of the move
+     * @param[out] weight     how often this move is drawn, relative to the weights of the others
+     * @param[out] sigma      the standard deviation of the change of a torsion that shifts no end, in radians
+     * @param[out] stiffness  how rare it is that the ends are shifted, in nm^-2
+     * @param[out] torsions   the indices of the torsions that windows consist of; empty (in Python None) if they are
+     *                        those of all backbones
+     * @param[out] window     the number of torsions of a window
+     */
+    void getLocalMoveParameters(int move, double& weight, double& sigma, double& stiffness, std::vector<int>& torsions,
+                                int& window) const;
+    /**
      * Set the parameters of a move that was added by addTorsionMove(). It is an error if the move is of another kind.
      * The next trial follows them. The counts of the move start anew, from 0: they tell of the move as it is.
      *
@@ -579,6 +623,22 @@ public:
     void setClosedMoveParameters(int move, double weight, double maxAngle,
                                  const std::vector<int>& torsions = std::vector<int>(), double hop = 0.2);
     /**
+     * Set the parameters of a move that was added by addLocalMove(), which explains them. It is an error if the move is
+     * of another kind. The next trial follows them. The counts of the move start anew, from 0: they tell of the move as
+     * it is.
+     *
+     * @param move       the index of the move
+     * @param weight     how often this move is drawn, relative to the weights of the others, at least 0
+     * @param sigma      the standard deviation of the change of a torsion that shifts no end, above 0 and at most pi,
+     *                   in radians
+     * @param stiffness  how rare it is that the ends are shifted, at least 0, in nm^-2
+     * @param torsions   the indices of the torsions that windows consist of; if empty, those of all backbones. In
+     *                   Python None means these, and an empty list is an error.
+     * @param window     the number of torsions of a window, from 1 to 32
+     */
+    void setLocalMoveParameters(int move, double weight, double sigma, double stiffness,
+                                const std::vector<int>& torsions = std::vector<int>(), int window = 8);
+    /**
      * Remove a move, and its counts. The indices of the moves after it become lower by one.
      *
      * @param move  the index of the move
@@ -592,8 +652,8 @@ public:
      * @param[out] attempted          the number of trials: the sum of the other three, and of those that could not be
      * made or that nothing leads back from, as of a window that does not close
      * @param[out] clashed            the number of trials refused because a pair overlapped beyond its limit
-     * @param[out] rejectedByEnergy   the number of trials without a clash that U made unlikely, or whose U was not a
-     *                                number
+     * @param[out] rejectedByEnergy   the number of trials without a clash that U or the density of the way back made
+     *                                unlikely, or whose U was not a number
      * @param[out] accepted           the number of trials accepted
      */
     void getMoveStatistics(int move, long long& attempted, long long& clashed, long long& rejectedByEnergy,

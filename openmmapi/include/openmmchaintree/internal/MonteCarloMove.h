@@ -66,7 +66,15 @@ OPENMM_EXPORT_CHAINTREE std::string toSize(double largest, const std::string& un
 /**
  * Throw an exception if an angle is more than any move needs. Mostly it is one in degrees.
  *
- * @param angle  the largest angle of a move, in radians
+ * @param angle  the angle, in radians
+ * @param name   what the message calls it, the class it belongs to included
+ */
+OPENMM_EXPORT_CHAINTREE void checkAngle(double angle, const std::string& name);
+
+/**
+ * The same of the largest angle of a move.
+ *
+ * @param angle  the angle, in radians
  * @param kind   the name of its MoveKind
  */
 OPENMM_EXPORT_CHAINTREE void checkLargestAngle(double angle, const std::string& kind);

@@ -48,6 +48,20 @@ public:
         return value % range;
     }
     /**
+     * Draw a number from the normal distribution of mean 0 and variance 1, by Marsaglia's polar method. The second
+     * number that it could give is not kept, so that all numbers to come are decided by the engine alone.
+     */
+    double drawNormal()
+    {
+        double x, square;
+        do {
+            x = drawSymmetric(1);
+            const double y = drawSymmetric(1);
+            square = x * x + y * y;
+        } while (square >= 1 || square == 0);
+        return x * std::sqrt(-2 * std::log(square) / square);
+    }
+    /**
      * Draw a point from a ball about the origin.
      */
     OpenMM::Vec3 drawPointInBall(double radius)
