@@ -661,6 +661,8 @@ INTEGRATOR_XML = "serialization/src/TorsionMonteCarloIntegratorProxy.cpp"
 KERNELS = "platforms/reference/src/ReferenceChainTreeKernels.cpp"
 LIMITS = "openmmapi/src/LimitPolicy.cpp"
 LINKS = "openmmapi/src/LinkStructure.cpp"
+LOCAL_GEOMETRY = "platforms/reference/moves/src/local.c"
+LOCAL_MOVE = "openmmapi/src/moves/LocalMove.cpp"
 MOVES = "openmmapi/src/MoveList.cpp"
 NATIVE_ENERGY = "openmmapi/src/NativeEnergy.cpp"
 NATIVE_ENERGY_HEADER = "openmmapi/include/openmmchaintree/internal/NativeEnergy.h"
@@ -673,6 +675,7 @@ SNAPSHOT = "openmmapi/src/ContextSnapshot.cpp"
 STAGES = "openmmapi/src/EnergyStage.cpp"
 TORSION_MOVE = "openmmapi/src/moves/TorsionMove.cpp"
 VALUES = "openmmapi/src/ValueTranslation.cpp"
+WINDOWS = "openmmapi/src/TorsionWindows.cpp"
 
 API_FAULTS = [
     # ---- Links ----
@@ -994,6 +997,22 @@ API_FAULTS = [
           "        isDrawn[drawnChoices[i]] = false;\n", ""),
     Fault("move: torsions turn one way", TORSION_MOVE,
           "random.drawSymmetric(getScale() * maxAngle)", "random.drawUniform() * maxAngle"),
+    Fault("local move: there is no ratio", LOCAL_MOVE,
+          "    return ctComputeLocalLogDensity(", "    return 0;\n    return ctComputeLocalLogDensity("),
+    Fault("local move: the ratio is turned over", LOCAL_MOVE,
+          "(&stepsBack, changes.data()) - ctComputeLocalLogDensity(&steps, changes.data())",
+          "(&steps, changes.data()) - ctComputeLocalLogDensity(&stepsBack, changes.data())"),
+    Fault("local move: the ratio lacks the determinant", LOCAL_GEOMETRY,
+          "return logarithm - 0.5 * squares;", "return 0 * logarithm - 0.5 * squares;"),
+    Fault("local move: the ratio lacks the exponential", LOCAL_GEOMETRY,
+          "return logarithm - 0.5 * squares;", "return logarithm - 0 * squares;"),
+    Fault("local move: windows have no end particle off the axis", LOCAL_MOVE,
+          "particles.push_back(structure.getTorsionParticles(torsions.back())[3]);",
+          "particles.push_back(structure.getTorsionParticles(torsions.back())[2]);"),
+    Fault("windows: shorter ones are missing where chains end", WINDOWS,
+          "if (!hasNext[windows[i].back()])", "if (false)"),
+    Fault("windows: side chains are backbones", WINDOWS,
+          "length[link] + 1 >= LEAST_BRANCH", "length[link] + 1 >= 1"),
     Fault("move: molecules that have come to be fixed are drawn", RIGID_BODY_MOVE,
           "    choices.clear();\n", ""),
     Fault("move: molecules move within a cube", RIGID_BODY_MOVE,
