@@ -53,6 +53,17 @@ static void starProduct(const Curve* p, const Curve* q, double* product) {
   addProduct(3, -1, p->m[2], q->m[2], product);
 }
 
+/* The largest Bernstein coefficient of a polynomial of degree 8. */
+static double sizeOf(const double b[9]) {
+  static const double binomials[9] = {1, 8, 28, 56, 70, 56, 28, 8, 1};
+  double most = 0;
+  for (int i = 0; i < 9; i++) {
+    const double size = fabs(b[i]) / binomials[i];
+    most = size > most ? size : most;
+  }
+  return most;
+}
+
 static double star(const double p[3], const double q[3]) {
   return p[0] * q[0] - p[1] * q[1] - p[2] * q[2];
 }
@@ -130,6 +141,8 @@ void makeResultant(const Triangle* t, int piece, double cosine, double sine, Res
   }
   addProduct(9, 1, u, u, r->f);
   addProduct(9, -4, both, ss, r->f);
+  const double size = sizeOf(u);
+  r->scale = size * size + 4 * sizeOf(both) * sizeOf(ss);
   for (int i = 0; i <= CT_REACH; i++) {
     r->y[i] = -vv[i];
     r->z[i] = -ww[i];
@@ -150,7 +163,7 @@ static void pointsOnLine(const double v[3], double points[2][3]) {
   }
 }
 
-void guessOthers(const Resultant* r, double cosine, double sine, double y[2], double z[2]) {
+void findOthers(const Resultant* r, double cosine, double sine, Others others[4]) {
   double v[3], w[3], ys[2][3], zs[2][3];
   for (int k = 0; k < 3; k++) {
     v[k] = r->a[0][k] + r->a[1][k] * cosine + r->a[2][k] * sine;
@@ -158,7 +171,6 @@ void guessOthers(const Resultant* r, double cosine, double sine, double y[2], do
   }
   pointsOnLine(v, ys);
   pointsOnLine(w, zs);
-  double least = INFINITY;
   for (int i = 0; i < 2; i++) {
     double m[3];
     for (int k = 0; k < 3; k++) {
@@ -166,13 +178,7 @@ void guessOthers(const Resultant* r, double cosine, double sine, double y[2], do
     }
     for (int j = 0; j < 2; j++) {
       const double gap = fabs(dot(m, zs[j]));
-      if (gap < least) {
-        least = gap;
-        y[0] = ys[i][1];
-        y[1] = ys[i][2];
-        z[0] = zs[j][1];
-        z[1] = zs[j][2];
-      }
+      others[2 * i + j] = (Others){{ys[i][1], ys[i][2]}, {zs[j][1], zs[j][2]}, gap};
     }
   }
 }

@@ -17,6 +17,7 @@ typedef struct Resultant {
   double c[3][3];
   /* Polynomials in t = tan(x / 2), by powers. */
   double f[CT_ROOTS + 1]; /* zero where y and z exist, real or not; positive where just one of them is real */
+  double scale;           /* of the terms whose difference f is: coefficients of its Bernstein form are no larger */
   double y[CT_REACH + 1]; /* negative where no y is real */
   double z[CT_REACH + 1]; /* negative where no z is real */
 } Resultant;
@@ -24,7 +25,14 @@ typedef struct Resultant {
 /* The resultant of a triangle after one of its pieces has turned by atan2(sine, cosine). */
 void makeResultant(const Triangle* triangle, int piece, double cosine, double sine, Resultant* resultant);
 
-/* The y and z that are nearest to a solution, for x by cosine and sine. */
-void guessOthers(const Resultant* resultant, double cosine, double sine, double y[2], double z[2]);
+/* A y and a z that fulfil the two equations which x is in. */
+typedef struct Others {
+  double y[2]; /* cosine and sine */
+  double z[2];
+  double gap; /* what is left of the third equation */
+} Others;
+
+/* The four of x, given by cosine and sine. Where y or z is not real, the nearest. */
+void findOthers(const Resultant* resultant, double cosine, double sine, Others others[4]);
 
 #endif /* CT_RESULTANT_H_ */

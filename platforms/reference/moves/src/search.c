@@ -1,23 +1,13 @@
 #include "search.h"
 
-#include "resultant.h"
+#include "arc.h"
 #include "vector.h"
 
-/* The resultant on an arc of turns, by Bernstein coefficients: no more roots than changes of sign (Lane, Riesenfeld
- * 1981). A turn x has tan(x / 2) = +-l / (1 - l), one sign in each half of the circle. */
-typedef struct Arc {
-  double f[CT_ROOTS + 1];
-  double y[CT_REACH + 1];
-  double z[CT_REACH + 1];
-  double from; /* least and largest l */
-  double to;
-} Arc;
-
-/* Where nothing is special: the present turns are all 0. */
+/* Turns count from here, where nothing is special: the present turns are all 0. */
 #define ZERO_COSINE 0.28
 #define ZERO_SINE 0.96
 
-/* An arc that is halved so often that it is a point. */
+/* An arc that has been halved so often is a point. */
 #define DEPTH 48
 
 /* Two closures are one if no cosine and no sine differs by more. */
@@ -26,55 +16,18 @@ typedef struct Arc {
 /* How far beyond the ends of an arc its root may lie by rounding. */
 #define BEYOND 1e-7
 
-static const double binomials16[CT_ROOTS + 1] = {1,     16,   120,  560,  1820, 4368, 8008, 11440, 12870,
-                                                 11440, 8008, 4368, 1820, 560,  120,  16,   1};
-static const double binomials4[CT_REACH + 1] = {1, 4, 6, 4, 1};
+/* Rounding of coefficients, as a part of the terms that they are the difference of; some ten times what it is. */
+#define NOISE 4e-15
 
-static void bernsteinOf(int degree, const double* powers, const double* binomials, double sign, double* b) {
-  double factor = 1;
-  for (int i = 0; i <= degree; i++) {
-    b[i] = factor * powers[i] / binomials[i];
-    factor *= sign;
-  }
-}
-
-/* De Casteljau's algorithm: b becomes the right half. */
-CT_INLINE void halve(int degree, double* b, double* left) {
-  left[0] = b[0];
-  for (int i = 1; i <= degree; i++) {
-    for (int j = 0; j <= degree - i; j++) {
-      b[j] = 0.5 * (b[j] + b[j + 1]);
-    }
-    left[i] = b[0];
-  }
-}
-
-static bool isNegative(const double* b) {
-  for (int i = 0; i <= CT_REACH; i++) {
-    if (b[i] >= 0) {
-      return false;
-    }
-  }
-  return true;
-}
-
-static int countChanges(const double* f) {
-  int changes = 0;
-  for (int i = 0; i < CT_ROOTS; i++) {
-    changes += (f[i] < 0) != (f[i + 1] < 0) ? 1 : 0;
-  }
-  return changes;
-}
-
-/* Where the polygon of the coefficients crosses zero first. */
-static double crossing(const Arc* arc) {
-  int i = 0;
-  while (i < CT_ROOTS - 1 && (arc->f[i] < 0) == (arc->f[i + 1] < 0)) {
-    i++;
-  }
-  const double part = arc->f[i] / (arc->f[i] - arc->f[i + 1]);
-  return arc->from + (arc->to - arc->from) * (i + part) / CT_ROOTS;
-}
+typedef struct Search {
+  const Triangle* triangle;
+  Resultant resultant;
+  double sign;     /* which half of the circle */
+  bool isDoubtful; /* rounding may have hidden a root */
+  int count;
+  Sway* sways;
+  bool isTaken[CT_CLOSURES_MOST]; /* by an arc, as its root */
+} Search;
 
 static bool isSame(const Sway* a, const Sway* b) {
   for (int k = 0; k < 3; k++) {
@@ -85,112 +38,124 @@ static bool isSame(const Sway* a, const Sway* b) {
   return true;
 }
 
-typedef struct Search {
-  const Triangle* triangle;
-  Resultant resultant;
-  double sign; /* which half of the circle */
-  int count;
-  Sway* sways;
-} Search;
+/* The closure to which Newton's method leads from a turn and the others, new or not; -1 if to none. */
+static int closeFrom(Search* search, double cosine, double sine, const Others* others) {
+  const int i = search->resultant.piece;
+  const int j = (i + 1) % 3;
+  const int k = (i + 2) % 3;
+  Sway sway;
+  sway.c[i] = cosine * ZERO_COSINE - sine * ZERO_SINE;
+  sway.s[i] = cosine * ZERO_SINE + sine * ZERO_COSINE;
+  sway.c[j] = others->y[0];
+  sway.s[j] = others->y[1];
+  sway.c[k] = others->z[0];
+  sway.s[k] = others->z[1];
+  if (!closeTriangle(search->triangle, &sway)) {
+    return -1;
+  }
+  int n = 0;
+  while (n < search->count && !isSame(&search->sways[n], &sway)) {
+    n++;
+  }
+  if (n == CT_CLOSURES_MOST) {
+    return -1;
+  }
+  if (n == search->count) {
+    search->sways[n] = sway;
+    search->isTaken[n] = false;
+    search->count++;
+  }
+  return n;
+}
 
-/* Newton's method from l on an arc; true if it leads to a new closure on the arc. */
-static bool closeFrom(Search* search, const Arc* arc, double l) {
-  const Resultant* r = &search->resultant;
+/* l of a closure, as Arc has it. */
+static double placeOf(const Search* search, const Sway* sway) {
+  const int i = search->resultant.piece;
+  const double c = sway->c[i] * ZERO_COSINE + sway->s[i] * ZERO_SINE;
+  const double s = search->sign * (sway->s[i] * ZERO_COSINE - sway->c[i] * ZERO_SINE);
+  return c > 0 ? s / (1 + c + s) : (1 - c) / (s + 1 - c);
+}
+
+/* Newton's method from about where the root of an arc is, from the likeliest of four branches first. True if it leads
+ * to a closure on the arc that no other arc has taken. Closures elsewhere count, too, but leave the arc's root to be
+ * found.
+ */
+static bool closeArc(Search* search, const Arc* arc) {
+  const double l = placeOfRoot(arc);
   const double u = 1 - l;
   const double w = search->sign * l;
   const double factor = 1 / (u * u + w * w);
   const double cosine = (u * u - w * w) * factor;
   const double sine = 2 * u * w * factor;
-  double y[2], z[2];
-  guessOthers(r, cosine, sine, y, z);
-  Sway sway;
-  const int i = r->piece;
-  const int j = (i + 1) % 3;
-  const int k = (i + 2) % 3;
-  sway.c[i] = cosine * ZERO_COSINE - sine * ZERO_SINE;
-  sway.s[i] = cosine * ZERO_SINE + sine * ZERO_COSINE;
-  sway.c[j] = y[0];
-  sway.s[j] = y[1];
-  sway.c[k] = z[0];
-  sway.s[k] = z[1];
-  if (!closeTriangle(search->triangle, &sway)) {
-    return false;
-  }
-  const double c = sway.c[i] * ZERO_COSINE + sway.s[i] * ZERO_SINE;
-  const double s = search->sign * (sway.s[i] * ZERO_COSINE - sway.c[i] * ZERO_SINE);
-  const double near = c > 0 ? s / (1 + c + s) : (1 - c) / (s + 1 - c);
-  if (!(near >= arc->from - BEYOND && near <= arc->to + BEYOND)) {
-    return false;
-  }
-  for (int n = 0; n < search->count; n++) {
-    if (isSame(&search->sways[n], &sway)) {
-      return false;
+  Others others[4];
+  findOthers(&search->resultant, cosine, sine, others);
+  for (int attempt = 0; attempt < 4; attempt++) {
+    int best = 0;
+    for (int i = 1; i < 4; i++) {
+      best = others[i].gap < others[best].gap ? i : best;
     }
-  }
-  if (search->count < CT_CLOSURES_MOST) {
-    search->sways[search->count++] = sway;
-  }
-  return true;
-}
-
-#ifdef STATS
-long arcsSeen, halvings, tries, successes;
-#define STAT(x) (x)
-#else
-#define STAT(x) ((void)0)
-#endif
-
-static void searchHalf(Search* search) {
-  Arc arcs[DEPTH + 2];
-  int depths[DEPTH + 2];
-  const Resultant* r = &search->resultant;
-  bernsteinOf(CT_ROOTS, r->f, binomials16, search->sign, arcs[0].f);
-  bernsteinOf(CT_REACH, r->y, binomials4, search->sign, arcs[0].y);
-  bernsteinOf(CT_REACH, r->z, binomials4, search->sign, arcs[0].z);
-  arcs[0].from = 0;
-  arcs[0].to = 1;
-  depths[0] = 0;
-  int count = 1;
-  while (count > 0) {
-    Arc* arc = &arcs[count - 1];
-    STAT(arcsSeen++);
-    const int changes = countChanges(arc->f);
-    if (changes == 0 || isNegative(arc->y) || isNegative(arc->z)) {
-      count--;
-      continue;
-    }
-    if (changes == 1) {
-      STAT(tries++);
-      if (closeFrom(search, arc, crossing(arc))) {
-        STAT(successes++);
-        count--;
-        continue;
+    const int n = closeFrom(search, cosine, sine, &others[best]);
+    if (n >= 0 && !search->isTaken[n]) {
+      const double place = placeOf(search, &search->sways[n]);
+      if (place >= arc->from - BEYOND && place <= arc->to + BEYOND) {
+        search->isTaken[n] = true;
+        return true;
       }
     }
-    if (depths[count - 1] == DEPTH) {
+    others[best].gap = INFINITY;
+  }
+  return false;
+}
+
+/* True if an arc has no root, or the one that it has is found, or rounding lets us see no more. */
+static bool isDone(Search* search, const Arc* arc) {
+  if (isUnreal(arc)) {
+    return true;
+  }
+  const double noise = NOISE * search->resultant.scale;
+  double least, most;
+  rangeOfArc(arc, &least, &most);
+  const int changes = countChanges(arc);
+  search->isDoubtful = search->isDoubtful || (changes < 2 && least < noise);
+  if (changes == 0 || (changes == 1 && closeArc(search, arc))) {
+    return true;
+  }
+  if (arc->depth == DEPTH || most < noise) {
+    search->isDoubtful = true;
+    return true;
+  }
+  return false;
+}
+
+static void searchHalfCircle(Search* search, double sign) {
+  Arc arcs[DEPTH + 1];
+  search->sign = sign;
+  makeHalfCircle(&search->resultant, sign, &arcs[0]);
+  int count = 1;
+  while (count > 0) {
+    if (isDone(search, &arcs[count - 1])) {
       count--;
-      continue;
+    } else {
+      halveArc(&arcs[count - 1], &arcs[count]);
+      count++;
     }
-    STAT(halvings++);
-    const double middle = 0.5 * (arc->from + arc->to);
-    Arc* left = arc + 1;
-    halve(CT_ROOTS, arc->f, left->f);
-    halve(CT_REACH, arc->y, left->y);
-    halve(CT_REACH, arc->z, left->z);
-    left->from = arc->from;
-    left->to = middle;
-    arc->from = middle;
-    depths[count] = ++depths[count - 1];
-    count++;
   }
 }
 
 int findSways(const Triangle* triangle, Sway sways[CT_CLOSURES_MOST]) {
   Search search = {.triangle = triangle, .count = 0, .sways = sways};
-  makeResultant(triangle, 0, ZERO_COSINE, ZERO_SINE, &search.resultant);
-  search.sign = 1;
-  searchHalf(&search);
-  search.sign = -1;
-  searchHalf(&search);
+  /* The turn of another piece has other roots, which rounding hides elsewhere. Closures come in pairs. */
+  for (int piece = 0; piece < 3; piece++) {
+    makeResultant(triangle, piece, ZERO_COSINE, ZERO_SINE, &search.resultant);
+    for (int i = 0; i < search.count; i++) {
+      search.isTaken[i] = false;
+    }
+    search.isDoubtful = false;
+    searchHalfCircle(&search, 1);
+    searchHalfCircle(&search, -1);
+    if (!search.isDoubtful && search.count % 2 == 0) {
+      break;
+    }
+  }
   return search.count;
 }

@@ -4,7 +4,7 @@
 
 #include "triangle.h"
 
-/* Finds them, ascending in no turn. Returns their number. */
+/* Finds them. Returns their number. */
 int findSways(const Triangle* triangle, Sway sways[CT_CLOSURES_MOST]);
 
 #endif /* CT_SEARCH_H_ */

@@ -195,8 +195,8 @@ static double determinant(const Slopes* s) {
   return s->after[0] * s->after[1] * s->after[2] + s->before[0] * s->before[1] * s->before[2];
 }
 
-/* More steps than one that converges needs, and the longest, in rad. */
-#define STEPS 30
+/* One in a thousand closures takes more steps; the longest, in rad. */
+#define STEPS 16
 #define LONGEST_STEP 0.5
 
 /* The square of a step so short that what is left after it is rounding. */
