@@ -21,6 +21,7 @@
 #include "openmm/RPMDMonteCarloBarostat.h"
 #include "openmmchaintree/internal/Warnings.h"
 #include "openmmchaintree/StericExclusionForce.h"
+#include "openmmchaintree/TorsionDensity.h"
 #include "openmmchaintree/TorsionMonteCarloIntegrator.h"
 #include <cstring>
 #include <string>
@@ -32,7 +33,10 @@
 import copy
 from typing import NamedTuple
 
+import numpy
 import openmm
+
+from .units import inUnit
 
 
 class TraversalStatistics(NamedTuple):
@@ -295,6 +299,11 @@ static bool toVec3(PyObject* object, const char* unit, const char* name, OpenMM:
 %unit("1", weight)
 %unit("1", width)
 %unit("1", hop)
+%unit("1", floor)
+%unit("1", values)
+%unit("1", weights)
+%unit("rad", means)
+%unit("rad", widths)
 
 %typemap(in, fragment="FromPython") int {
     if (!toInt($input, "$1_name", $1))
@@ -366,6 +375,11 @@ static PyObject* toNumPy(const void* values, size_t count, int columns, size_t i
 %outputArray(std::vector<double>, 0, double, float64, (n), before)
 %outputArray(std::vector<double>, 0, double, float64, (n), after)
 %outputArray(std::vector<double>, 0, double, float64, (n), angles)
+%outputArray(std::vector<int>, 0, int, int32, (n), numBins)
+%outputArray(std::vector<double>, 0, double, float64, (n), values)
+%outputArray(std::vector<double>, 0, double, float64, (n), weights)
+%outputArray(std::vector<double>, 0, double, float64, (n), means)
+%outputArray(std::vector<double>, 0, double, float64, (n), widths)
 %outputArray(std::vector<OpenMM::Vec3>, 3, double, float64, %arg((n, 3)), positions)
 
 %typemap(in, numinputs=0) double& (double value), int& (int value), long long& (long long value) {
@@ -582,6 +596,280 @@ static const char* const ENERGY_KINDS[] = {"not sampled", "constant", "native", 
 
 #define OPENMM_EXPORT_CHAINTREE
 %include "openmmchaintree/StericExclusionForce.h"
+
+/* ---- Densities, and moves that draw from them ---- */
+
+/* Tables come with their shape, and a mean and a width for each torsion of a rotamer come in rows. */
+%feature("compactdefaultargs") ChainTreePlugin::TorsionDensity::fromTable;
+%rename(_fromTable) ChainTreePlugin::TorsionDensity::fromTable;
+%rename(_fromRotamers) ChainTreePlugin::TorsionDensity::fromRotamers;
+%rename(_getTable) ChainTreePlugin::TorsionDensity::getTable;
+%rename(_getRotamers) ChainTreePlugin::TorsionDensity::getRotamers;
+%rename(_isSame) ChainTreePlugin::TorsionDensity::operator==;
+
+%extend ChainTreePlugin::TorsionDensity {
+%pythoncode %{
+    __hash__ = None
+
+    @staticmethod
+    def fromTable(values, floor=0.0):
+        """Create a density that is constant in each bin of a grid, which cuts the circle of each torsion into bins of
+        equal width. The first bin of each begins at -pi.
+
+        Parameters
+        ----------
+        values : array
+            a number for each bin, proportional to the density in it, with as many dimensions as there are torsions.
+            Without a floor each has to be above 0, with one at least 0.
+        floor : float
+            the share of draws that are uniform, from 0 to 1
+
+        Returns
+        -------
+        TorsionDensity
+        """
+        values = numpy.asarray(values, dtype=numpy.float64)
+        return TorsionDensity._fromTable(values.shape, values.ravel(), floor)
+
+    @staticmethod
+    def fromRotamers(weights, means, widths, floor):
+        """Create a density that is a sum of rotamers. Each of them is drawn as often as its weight says, and then each
+        of its torsions from a bell about its mean: a cubic B-spline, wrapped around the circle, which differs from a
+        normal density of the same standard deviation by 4% of its height at most, and ends after 3.46 deviations.
+
+        Parameters
+        ----------
+        weights : array of shape (rotamers)
+            how often each rotamer is drawn, relative to the others
+        means : array of shape (rotamers, torsions) or Quantity
+            the mean of each torsion in each rotamer, from -pi to pi, in radians
+        widths : array of shape (rotamers, torsions) or Quantity
+            the standard deviations, above 0 and at most pi, in radians
+        floor : float
+            the share of draws of each torsion that are uniform whatever the rotamer, above 0 and at most 1
+
+        Returns
+        -------
+        TorsionDensity
+        """
+        arrays = [
+            numpy.asarray(inUnit(values, "rad", name), dtype=numpy.float64)
+            for values, name in ((means, "means"), (widths, "widths"))
+        ]
+        if any(values.ndim != 2 or len(values) != len(weights) for values in arrays):
+            raise ValueError(f"means and widths must have a row for each of {len(weights)} rotamers")
+        return TorsionDensity._fromRotamers(weights, *(values.ravel() for values in arrays), floor)
+
+    def getTable(self):
+        """Get the values that fromTable() was given. It is an error if this is a sum of rotamers.
+
+        Returns
+        -------
+        numpy.ndarray of float64
+            a number for each bin, with as many dimensions as there are torsions
+        """
+        numBins, values = self._getTable()
+        return values.reshape(numBins)
+
+    def getRotamers(self):
+        """Get what fromRotamers() was given. It is an error if this is a table.
+
+        Returns
+        -------
+        weights, means, widths : numpy.ndarray of float64
+            of the shapes (rotamers), (rotamers, torsions) and (rotamers, torsions); angles in radians
+        """
+        weights, means, widths = self._getRotamers()
+        return weights, means.reshape(len(weights), -1), widths.reshape(len(weights), -1)
+
+    def __eq__(self, other):
+        return self._isSame(other) if isinstance(other, TorsionDensity) else NotImplemented
+
+    def __reduce__(self):
+        if self.isTable():
+            return TorsionDensity.fromTable, (self.getTable(), self.getFloor())
+        return TorsionDensity.fromRotamers, (*self.getRotamers(), self.getFloor())
+
+    def __copy__(self):
+        return self
+
+    def __deepcopy__(self, memo):
+        return self
+
+    def __repr__(self):
+        if self.isTable():
+            kind = " x ".join(str(count) for count in self.getTable().shape) + " bins"
+        else:
+            kind = f"{len(self.getRotamers()[0])} rotamers of {self.getNumTorsions()} torsions"
+        return f"<TorsionDensity: {kind}, floor {self.getFloor():g}>"
+%}
+}
+
+%include "openmmchaintree/TorsionDensity.h"
+
+%fragment("DrawnSets", "header", fragment="FromPython") {
+/* Sets of torsions; a number alone is a set of one. */
+static bool toSets(PyObject* object, const char* name, std::vector<std::vector<int> >& sets) {
+    PyObject* sequence = toSequence(object, name);
+    if (sequence == NULL)
+        return false;
+    Py_ssize_t count = PySequence_Fast_GET_SIZE(sequence);
+    sets.resize(count);
+    bool ok = true;
+    for (Py_ssize_t i = 0; ok && i < count; i++) {
+        PyObject* item = PySequence_Fast_GET_ITEM(sequence, i);
+        if (!PySequence_Check(item)) {
+            sets[i].resize(1);
+            ok = toInt(item, name, sets[i][0]);
+        }
+        else
+            ok = toInts(item, name, sets[i]);
+    }
+    Py_DECREF(sequence);
+    return ok;
+}
+
+/* A density, or a sequence of densities. */
+static bool toDensities(PyObject* object, const char* name, std::vector<ChainTreePlugin::TorsionDensity>& densities) {
+    void* density;
+    if (SWIG_IsOK(SWIG_ConvertPtr(object, &density, $descriptor(ChainTreePlugin::TorsionDensity*), SWIG_POINTER_NO_NULL))) {
+        densities.push_back(*(ChainTreePlugin::TorsionDensity*) density);
+        return true;
+    }
+    PyObject* sequence = PySequence_Fast(object, "");
+    if (sequence == NULL) {
+        PyErr_Format(PyExc_TypeError, "%s must be a TorsionDensity or a sequence of them, not %s", name,
+                     Py_TYPE(object)->tp_name);
+        return false;
+    }
+    Py_ssize_t count = PySequence_Fast_GET_SIZE(sequence);
+    bool ok = true;
+    for (Py_ssize_t i = 0; ok && i < count; i++) {
+        PyObject* item = PySequence_Fast_GET_ITEM(sequence, i);
+        ok = SWIG_IsOK(SWIG_ConvertPtr(item, &density, $descriptor(ChainTreePlugin::TorsionDensity*), SWIG_POINTER_NO_NULL));
+        if (ok)
+            densities.push_back(*(ChainTreePlugin::TorsionDensity*) density);
+        else
+            PyErr_Format(PyExc_TypeError, "%s must be a TorsionDensity or a sequence of them, not of %s", name,
+                         Py_TYPE(item)->tp_name);
+    }
+    Py_DECREF(sequence);
+    return ok;
+}
+}
+
+%typemap(in, fragment="DrawnSets") const std::vector<std::vector<int> >& torsions (std::vector<std::vector<int> > sets) {
+    if (!toSets($input, "$1_name", sets))
+        SWIG_fail;
+    $1 = &sets;
+}
+%typemap(in, fragment="DrawnSets") const std::vector<ChainTreePlugin::TorsionDensity>& densities (std::vector<ChainTreePlugin::TorsionDensity> values) {
+    if (!toDensities($input, "density", values))
+        SWIG_fail;
+    $1 = &values;
+}
+%typemap(in, numinputs=0) std::vector<std::vector<int> >& torsions (std::vector<std::vector<int> > sets) {
+    $1 = &sets;
+}
+%typemap(in, numinputs=0) std::vector<ChainTreePlugin::TorsionDensity>& densities (std::vector<ChainTreePlugin::TorsionDensity> values) {
+    $1 = &values;
+}
+%typemap(argout) const std::vector<std::vector<int> >& torsions, const std::vector<ChainTreePlugin::TorsionDensity>& densities ""
+%typemap(argout) std::vector<std::vector<int> >& torsions {
+    PyObject* list = PyList_New(0);
+    for (const std::vector<int>& set : *$1) {
+        PyObject* tuple = PyTuple_New(set.size());
+        for (size_t i = 0; tuple != NULL && i < set.size(); i++)
+            PyTuple_SET_ITEM(tuple, i, PyLong_FromLong(set[i]));
+        if (tuple == NULL || PyList_Append(list, tuple) != 0) {
+            Py_XDECREF(tuple);
+            SWIG_fail;
+        }
+        Py_DECREF(tuple);
+    }
+    $result = SWIG_AppendOutput($result, list);
+}
+%typemap(argout) std::vector<ChainTreePlugin::TorsionDensity>& densities {
+    PyObject* list = PyList_New(0);
+    for (const ChainTreePlugin::TorsionDensity& density : *$1) {
+        PyObject* item = SWIG_NewPointerObj(new ChainTreePlugin::TorsionDensity(density),
+                                            $descriptor(ChainTreePlugin::TorsionDensity*), SWIG_POINTER_OWN);
+        if (item == NULL || PyList_Append(list, item) != 0) {
+            Py_XDECREF(item);
+            SWIG_fail;
+        }
+        Py_DECREF(item);
+    }
+    $result = SWIG_AppendOutput($result, list);
+}
+
+%rename(_addDrawnMove) ChainTreePlugin::TorsionMonteCarloIntegrator::addDrawnMove;
+%rename(_setDrawnMoveParameters) ChainTreePlugin::TorsionMonteCarloIntegrator::setDrawnMoveParameters;
+
+%pythoncode %{
+def _setsAndDensities(torsions, density):
+    """Return what a drawn move is made of: if the density is None, the sets have to come with their densities."""
+    if density is None:
+        if not hasattr(torsions, "density"):
+            raise TypeError(
+                "without a density torsions must be what rotamerDensities() or ramachandranDensities() returned"
+            )
+        return torsions.torsions, torsions.density
+    return getattr(torsions, "torsions", torsions), density
+%}
+
+%extend ChainTreePlugin::TorsionMonteCarloIntegrator {
+%pythoncode %{
+    def addDrawnMove(self, weight, torsions, density=None):
+        """Add a move that draws torsions anew from a density, wherever they are: one of some sets of torsions, such as
+        all those of a side chain or phi and psi of a residue, each set equally often. With p the density of the set, q
+        the values that it has and q' those that are drawn, a trial is accepted with
+        min(1, exp(-(U' - U)/kT) p(q)/p(q')), so that what is sampled does not depend on the density.
+
+        A good density is one that U agrees with. For side chains and backbones of proteins, write
+
+            integrator.addDrawnMove(1, rotamerDensities(topology, force))
+            integrator.addDrawnMove(1, ramachandranDensities(topology, force))
+
+        The values of the torsions are those of their four particles. If one has none, because three of these are
+        collinear, the trial that would draw it is an error.
+
+        Parameters
+        ----------
+        weight : float
+            how often this move is drawn, relative to the weights of the others, at least 0
+        torsions : DrawnTorsions, or sequence of int or of sequences of int
+            the sets, each of different torsions of the StericExclusionForce, by their indices; a number alone is a set
+            of one. Different sets can have torsions in common.
+        density : TorsionDensity, or sequence of TorsionDensity, optional
+            the density of each set, which is of as many torsions, in their order; or one density for all. Default:
+            those that come with DrawnTorsions, from tables by residue.
+
+        Returns
+        -------
+        int
+            the index of the move that was added
+        """
+        return self._addDrawnMove(weight, *_setsAndDensities(torsions, density))
+
+    def setDrawnMoveParameters(self, move, weight, torsions, density=None):
+        """Set the parameters of a move that was added by addDrawnMove(). It is an error if the move is of another kind.
+        The next trial follows them. The counts of the move start anew, from 0: they tell of the move as it is.
+
+        Parameters
+        ----------
+        move : int
+            the index of the move
+        weight : float
+            how often this move is drawn, relative to the weights of the others, at least 0
+        torsions : DrawnTorsions, or sequence of int or of sequences of int
+            the sets of torsions
+        density : TorsionDensity, or sequence of TorsionDensity, optional
+            the density of each set, or one density for all. Default: those that come with DrawnTorsions.
+        """
+        self._setDrawnMoveParameters(move, weight, *_setsAndDensities(torsions, density))
+%}
+}
 
 /* What a move chooses from. C++ has no other way than an empty vector to say "all", but an empty list in Python is
  * mostly a search that found nothing. */

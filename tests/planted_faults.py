@@ -43,6 +43,7 @@ ENGINE = Layer(
 )
 # Of the engine, what energies alone ask for is here, too.
 ENERGY = Layer("platforms/reference/energy/src", "energy", slow="TestEnergyPrograms", never="^$")
+GEOMETRY = Layer("platforms/reference/moves/src", "moves", slow="^$", never="^$")
 # The platforms differ in little, and OpenCL takes a quarter of an hour.
 API = Layer(".", "api", slow="TestReferenceTorsionMonteCarloIntegrator|TestCpu", never="TestOpenCL")
 
@@ -653,6 +654,7 @@ NORMAL_FORM = "openmmapi/src/NormalForm.cpp"
 PAIR_EXPRESSIONS = "openmmapi/src/energies/CustomNonbondedEnergy.cpp"
 TABLES = "openmmapi/src/TabulatedFunctions.cpp"
 CLOSED_MOVE = "openmmapi/src/moves/ClosedMove.cpp"
+DRAWN_MOVE = "openmmapi/src/moves/DrawnMove.cpp"
 CLOSED_WINDOWS = "openmmapi/src/moves/ClosedWindows.cpp"
 FOREIGN_ENERGY = "openmmapi/src/ForeignEnergy.cpp"
 IMPL = "openmmapi/src/StericExclusionForceImpl.cpp"
@@ -1013,6 +1015,21 @@ API_FAULTS = [
           "if (!hasNext[windows[i].back()])", "if (false)"),
     Fault("windows: side chains are backbones", WINDOWS,
           "length[link] + 1 >= LEAST_BRANCH", "length[link] + 1 >= 1"),
+    Fault("drawn move: no ratio", DRAWN_MOVE,
+          "    return log(ctGetDensity(density, former.data()) / ctGetDensity(density, drawn.data()));",
+          "    return 0 * ctCountUniforms(density);"),
+    Fault("drawn move: the ratio is turned over", DRAWN_MOVE,
+          "    return log(ctGetDensity(density, former.data()) / ",
+          "    return -log(ctGetDensity(density, former.data()) / "),
+    Fault("drawn move: values are those of the first set", DRAWN_MOVE,
+          "former[i] = trials.getTorsionAngle(set[i]);", "former[i] = trials.getTorsionAngle(torsions[0][i]);"),
+    Fault("drawn move: the density is that of the first set", DRAWN_MOVE,
+          "double DrawnMove::computeLogRatio(TrialSession&)\n{\n    const ctDensity* density = densityOf(drawnSet)",
+          "double DrawnMove::computeLogRatio(TrialSession&)\n{\n    const ctDensity* density = densityOf(0)"),
+    Fault("drawn move: checkpoints know nothing of floors", DRAWN_MOVE,
+          "{(double)density.getNumTorsions(), density.getFloor()}", "{(double)density.getNumTorsions(), 0.0}"),
+    Fault("drawn move: XML has one density for all", DRAWN_MOVE,
+          'set.setIntProperty("density", numbers[i])', 'set.setIntProperty("density", numbers[0])'),
     Fault("move: molecules that have come to be fixed are drawn", RIGID_BODY_MOVE,
           "    choices.clear();\n", ""),
     Fault("move: molecules move within a cube", RIGID_BODY_MOVE,
@@ -1055,7 +1072,7 @@ API_FAULTS = [
     Fault("checkpoint: velocities set since are lost", INTEGRATOR,
           "        kept->context.updateVelocities(*owner);", "        ;"),
     Fault("saved state: it is believed elsewhere", INTEGRATOR,
-          '    if (fingerprint(positions) != node.getStringProperty("positions"))\n        return false;\n', ""),
+          '    if (fingerprintOf(positions) != node.getStringProperty("positions"))\n        return false;\n', ""),
     Fault("saved state: counts of outer tests of other moves are taken", INTEGRATOR,
           "version > 2 && movesAreTheSame", "version > 2 || movesAreTheSame"),
     Fault("saved state: the random numbers are not restored", INTEGRATOR,
@@ -1074,8 +1091,32 @@ API_FAULTS = [
 ]
 # fmt: on
 
+# fmt: off
+GEOMETRY_FAULTS = [
+    Fault("density: aliases are not asked", "density.c",
+          "? i : table->alias[i]", "? i : i"),
+    Fault("density: the first torsion's bins run fastest", "density.c",
+          "for (int k = density->torsionCount - 1; k >= 0; k--) {\n    const int count",
+          "for (int k = 0; k < density->torsionCount; k++) {\n    const int count"),
+    Fault("density: tables are evaluated without their floor", "density.c",
+          "(1 - floor) * (values[i] / sum) + floor / count", "values[i] / sum"),
+    Fault("density: rotamers are evaluated without their floor", "density.c",
+          "const double base = density->floor / TWO_PI;", "const double base = 0 * density->floor;"),
+    Fault("density: a bell is a tenth too wide", "density.c",
+          "bells->reach[i] = reach;", "bells->reach[i] = 1.1 * reach;"),
+    Fault("density: a bell is a sum of three numbers", "density.c",
+          "(u[1] + u[2] + u[3] + u[4] - 2)", "(u[1] + u[2] + u[3] + 0.5 - 2)"),
+    Fault("density: bells end at the end of the circle", "density.c",
+          "spline(fabs(wrap(angle - mean[i])) * scale[i])", "spline(fabs(angle - mean[i]) * scale[i])"),
+    Fault("density: wide bells are not wrapped", "density.c",
+          "for (int turn = -bells->images; turn <= bells->images; turn++)", "for (int turn = 0; turn <= 0; turn++)"),
+    Fault("density: weights of rotamers are not normalized", "density.c",
+          "density->weight[i] = weights[i] / sum;", "density->weight[i] = weights[i];"),
+]
+# fmt: on
 
-LAYERS = ((ENGINE, ENGINE_FAULTS), (ENERGY, ENERGY_FAULTS), (API, API_FAULTS))
+
+LAYERS = ((ENGINE, ENGINE_FAULTS), (ENERGY, ENERGY_FAULTS), (GEOMETRY, GEOMETRY_FAULTS), (API, API_FAULTS))
 FAULTS = [(layer, fault) for layer, faults in LAYERS for fault in faults]
 
 

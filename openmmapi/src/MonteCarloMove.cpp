@@ -39,6 +39,22 @@ const MoveKind& MoveKind::find(const string& element)
 
 // ---- Moves ----
 
+void MonteCarloMove::write(SerializationNode& node) const
+{
+    for (const MoveParameter& parameter : getParameters()) {
+        if (auto real = get_if<double>(&parameter.value))
+            node.setDoubleProperty(parameter.name, *real);
+        else if (auto integer = get_if<int>(&parameter.value))
+            node.setIntProperty(parameter.name, *integer);
+        else if (auto indices = get_if<vector<int>>(&parameter.value))
+            for (int index : *indices)
+                node.createChildNode(parameter.element).setIntProperty("index", index);
+        else
+            for (double number : std::get<vector<double>>(parameter.value))
+                node.createChildNode(parameter.element).setDoubleProperty("value", number);
+    }
+}
+
 double MonteCarloMove::computeLogRatio(TrialSession&)
 {
     return 0;

@@ -1,6 +1,7 @@
 #include "openmmchaintree/internal/MoveList.h"
 #include "openmm/OpenMMException.h"
 #include "openmmchaintree/internal/ArgumentChecks.h"
+#include "openmmchaintree/internal/Fingerprint.h"
 #include <algorithm>
 #include <cstdint>
 #include <limits>
@@ -117,15 +118,7 @@ void MoveList::writeMoves(SerializationNode& node) const
     for (const Entry& entry : entries) {
         SerializationNode& move = node.createChildNode(entry.move->getKind().element);
         move.setDoubleProperty("weight", entry.weight);
-        for (const MoveParameter& parameter : entry.move->getParameters()) {
-            if (auto real = get_if<double>(&parameter.value))
-                move.setDoubleProperty(parameter.name, *real);
-            else if (auto integer = get_if<int>(&parameter.value))
-                move.setIntProperty(parameter.name, *integer);
-            else
-                for (int index : std::get<vector<int>>(parameter.value))
-                    move.createChildNode(parameter.element).setIntProperty("index", index);
-        }
+        entry.move->write(move);
     }
 }
 
@@ -168,6 +161,15 @@ static string toText(const vector<int>& indices)
     for (int index : indices)
         text += (text.empty() ? "" : " ") + to_string(index);
     return text.empty() ? "all" : text;
+}
+
+/**
+ * Tell many numbers from others, by their bits.
+ */
+static string toText(const vector<double>& values)
+{
+    return to_string(values.size()) + " numbers with fingerprint " +
+           fingerprint(values.data(), values.size() * sizeof(double));
 }
 
 MoveList::Description MoveList::describe(const Entry& entry)

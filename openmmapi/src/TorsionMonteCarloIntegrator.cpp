@@ -9,6 +9,7 @@
 #include "openmmchaintree/internal/CheckpointStream.h"
 #include "openmmchaintree/internal/ContextSnapshot.h"
 #include "openmmchaintree/internal/EnergyStage.h"
+#include "openmmchaintree/internal/Fingerprint.h"
 #include "openmmchaintree/internal/Hexadecimal.h"
 #include "openmmchaintree/internal/MonteCarloMove.h"
 #include "openmmchaintree/internal/MoveList.h"
@@ -405,16 +406,9 @@ void TorsionMonteCarloIntegrator::restoreCheckpoint(CheckpointReader& reader)
 
 // ---- States ----
 
-/**
- * Get a text that tells positions from others, by their bits (FNV-1a).
- */
-static string fingerprint(const vector<Vec3>& positions)
+static string fingerprintOf(const vector<Vec3>& positions)
 {
-    uint64_t hash = 0xcbf29ce484222325;
-    const unsigned char* bytes = reinterpret_cast<const unsigned char*>(positions.data());
-    for (size_t i = 0; i < positions.size() * sizeof(Vec3); i++)
-        hash = (hash ^ bytes[i]) * 0x100000001b3;
-    return to_string(hash);
+    return fingerprint(positions.data(), positions.size() * sizeof(Vec3));
 }
 
 void TorsionMonteCarloIntegrator::serializeParameters(SerializationNode& node) const
@@ -431,7 +425,7 @@ void TorsionMonteCarloIntegrator::serializeParameters(SerializationNode& node) c
     writer.write(force->getLinkStructure().describe());
     force->createCheckpoint(writer);
     node.createChildNode("Geometry")
-        .setStringProperty("positions", fingerprint(positions))
+        .setStringProperty("positions", fingerprintOf(positions))
         .setStringProperty("data", toHexadecimal(geometry.str()));
     outerStatistics->write(node.createChildNode("OuterTests"));
     native->writeStandIn(node.createChildNode("StandIn"));
@@ -454,7 +448,7 @@ bool TorsionMonteCarloIntegrator::deserializeGeometry(const SerializationNode& n
 {
     vector<Vec3> positions;
     context->getPositions(positions);
-    if (fingerprint(positions) != node.getStringProperty("positions"))
+    if (fingerprintOf(positions) != node.getStringProperty("positions"))
         return false;
     string data;
     if (!fromHexadecimal(node.getStringProperty("data"), data))

@@ -35,23 +35,23 @@ static void addMove(TorsionMonteCarloIntegrator& integrator, unique_ptr<MonteCar
 
 // ---- A move that is not as likely as its reverse ----
 
-static void readDrawnMove(const SerializationNode& node, double weight, TorsionMonteCarloIntegrator& integrator);
+static void readBiasedMove(const SerializationNode& node, double weight, TorsionMonteCarloIntegrator& integrator);
 
-static const TorsionMonteCarloIntegrator::MoveType DRAWN = (TorsionMonteCarloIntegrator::MoveType)1000;
+static const TorsionMonteCarloIntegrator::MoveType BIASED = (TorsionMonteCarloIntegrator::MoveType)1000;
 
-static const MoveKind KIND("drawn", "DrawnMove", DRAWN, readDrawnMove);
+static const MoveKind KIND("biased", "BiasedMove", BIASED, readBiasedMove);
 
 /**
  * Draws torsion 0 anew, whatever it was, with a density of 1 + bias cos(angle).
  */
-class DrawnMove : public MonteCarloMove {
+class BiasedMove : public MonteCarloMove {
 public:
-    DrawnMove(double bias, double sign = 1) : MonteCarloMove(KIND), bias(bias), sign(sign), angle(0)
+    BiasedMove(double bias, double sign = 1) : MonteCarloMove(KIND), bias(bias), sign(sign), angle(0)
     {
     }
     string summarize() const
     {
-        return "drawn torsion";
+        return "biased torsion";
     }
     vector<MoveParameter> getParameters() const
     {
@@ -92,10 +92,10 @@ private:
     vector<Vec3> ends;
 };
 
-static void readDrawnMove(const SerializationNode& node, double weight, TorsionMonteCarloIntegrator& integrator)
+static void readBiasedMove(const SerializationNode& node, double weight, TorsionMonteCarloIntegrator& integrator)
 {
     ASSERT(readIndices(node) == vector<int>({0}));
-    addMove(integrator, make_unique<DrawnMove>(node.getDoubleProperty("bias")), weight);
+    addMove(integrator, make_unique<BiasedMove>(node.getDoubleProperty("bias")), weight);
 }
 
 /**
@@ -113,7 +113,7 @@ static double sampleCosine(Platform& platform, double height, double sign)
         chain.system.addForce(energy);
     }
     TorsionMonteCarloIntegrator integrator(300);
-    addMove(integrator, make_unique<DrawnMove>(0.8, sign));
+    addMove(integrator, make_unique<BiasedMove>(0.8, sign));
     integrator.setTrialsPerStep(2);
     integrator.setRandomNumberSeed(7);
     Context context(chain.system, integrator, platform);
@@ -154,9 +154,9 @@ static void testImpossibleWayBack(Platform& platform)
 {
     // A trial from which nothing leads back is refused, and counted.
 
-    class OneWay : public DrawnMove {
+    class OneWay : public BiasedMove {
     public:
-        OneWay() : DrawnMove(0)
+        OneWay() : BiasedMove(0)
         {
         }
         double computeLogRatio(TrialSession&)
@@ -183,16 +183,16 @@ static void testWhatMovesWrite(Platform& platform)
 
     BeadChain chain(4, 0);
     TorsionMonteCarloIntegrator integrator(300);
-    addMove(integrator, make_unique<DrawnMove>(0.25), 2.5);
+    addMove(integrator, make_unique<BiasedMove>(0.25), 2.5);
     integrator.addTorsionMove(1, 0.5);
     stringstream xml;
     XmlSerializer::serialize<Integrator>(&integrator, "Integrator", xml);
-    ASSERT(xml.str().find("<DrawnMove bias=\".25\" weight=\"2.5\">") != string::npos);
+    ASSERT(xml.str().find("<BiasedMove bias=\".25\" weight=\"2.5\">") != string::npos);
     unique_ptr<Integrator> read(XmlSerializer::deserialize<Integrator>(xml));
     auto& copy = dynamic_cast<TorsionMonteCarloIntegrator&>(*read);
     ASSERT_EQUAL(2, copy.getNumMoves());
-    ASSERT_EQUAL(DRAWN, copy.getMoveType(0));
-    ASSERT_EQUAL("drawn torsion (weight 2.5, 1 torsion to choose from)", copy.getMoveDescription(0));
+    ASSERT_EQUAL(BIASED, copy.getMoveType(0));
+    ASSERT_EQUAL("biased torsion (weight 2.5, 1 torsion to choose from)", copy.getMoveDescription(0));
     ASSERT_EQUAL(TorsionMonteCarloIntegrator::TorsionMove, copy.getMoveType(1));
     double weight, maxAngle;
     vector<int> torsions;
@@ -213,7 +213,7 @@ static void testWhatMovesWrite(Platform& platform)
     copy.step(1);
     assertSameBits(getPositions(context), getPositions(copiedContext));
     TorsionMonteCarloIntegrator other(300);
-    addMove(other, make_unique<DrawnMove>(0.5), 2.5);
+    addMove(other, make_unique<BiasedMove>(0.5), 2.5);
     other.addTorsionMove(1, 0.5);
     Context otherContext(chain.system, other, platform);
     context.createCheckpoint(wrongCheckpoint);
@@ -223,7 +223,7 @@ static void testWhatMovesWrite(Platform& platform)
     BeadChain bond(2, 0);
     assertThrows("TorsionMonteCarloIntegrator: move 0 finds no torsion", [&] {
         TorsionMonteCarloIntegrator unbound(300);
-        addMove(unbound, make_unique<DrawnMove>(0));
+        addMove(unbound, make_unique<BiasedMove>(0));
         Context refused(bond.system, unbound, platform);
     });
 }
@@ -236,7 +236,7 @@ static void testThrowingMove(Platform& platform)
     BeadChain chain(4, 0);
     TorsionMonteCarloIntegrator integrator(300);
     integrator.setRandomNumberSeed(1); // one by which the first trial is not the one that throws
-    auto move = make_unique<DrawnMove>(0);
+    auto move = make_unique<BiasedMove>(0);
     move->throwAbove = 3;
     addMove(integrator, std::move(move));
     Context context(chain.system, integrator, platform);
@@ -455,7 +455,7 @@ static double sampleStages(Platform& platform, double height, double sign, Share
 {
     BeadChain chain(4, 0);
     TorsionMonteCarloIntegrator integrator(300);
-    addMove(integrator, make_unique<DrawnMove>(0.8, sign));
+    addMove(integrator, make_unique<BiasedMove>(0.8, sign));
     integrator.setTrialsPerStep(4);
     integrator.setRandomNumberSeed(7);
     Context context(chain.system, integrator, platform);

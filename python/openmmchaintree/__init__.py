@@ -15,6 +15,7 @@ registerParser()
 
 from . import _build  # noqa: E402
 from .clashes import Clash, FrameClashes, findClashes  # noqa: E402
+from .densities import DrawnTorsions, ramachandranDensities, rotamerDensities  # noqa: E402
 from .errors import InputError  # noqa: E402
 from .naming import AtomName  # noqa: E402
 from .openmmchaintree import (  # noqa: E402
@@ -25,6 +26,7 @@ from .openmmchaintree import (  # noqa: E402
     PlannedEnergy,
     StageStatistics,
     StericExclusionForce,
+    TorsionDensity,
     TorsionMonteCarloIntegrator,
     TraversalStatistics,
 )
@@ -40,6 +42,7 @@ __all__ = [
     "Clash",
     "ClashError",
     "ClashReporter",
+    "DrawnTorsions",
     "EnergyPlan",
     "FrameClashes",
     "InputError",
@@ -51,11 +54,14 @@ __all__ = [
     "StageStatistics",
     "StericExclusionForce",
     "Torsion",
+    "TorsionDensity",
     "TorsionMonteCarloIntegrator",
     "TorsionSearch",
     "TraversalStatistics",
     "createStericExclusionForce",
     "findClashes",
     "findTorsions",
+    "ramachandranDensities",
+    "rotamerDensities",
     "selectAtoms",
 ]

@@ -9,7 +9,7 @@ import sys
 import openmm
 import pytest
 from openmm import unit
-from openmmchaintree import StericExclusionForce, TorsionMonteCarloIntegrator
+from openmmchaintree import StericExclusionForce, TorsionDensity, TorsionMonteCarloIntegrator
 
 
 def makeForce():
@@ -35,6 +35,7 @@ def makeIntegrator():
     integrator.addTorsionMove(0.5, 0.2, [4, 0], 2)
     integrator.addRigidBodyMove(2, 0.1, 0.3)
     integrator.addClosedMove(1, 0.2, hop=0.3)
+    integrator.addDrawnMove(1, [3, (4,)], TorsionDensity.fromTable([1, 2, 0], floor=0.1))
     return integrator
 
 
@@ -121,7 +122,7 @@ def test_castFromCompoundIntegrator():
     for owner in (compound, copy.deepcopy(compound)):
         assert not TorsionMonteCarloIntegrator.isinstance(owner.getIntegrator(0))
         integrator = TorsionMonteCarloIntegrator.cast(owner.getIntegrator(1))
-        assert integrator.getNumMoves() == 3
+        assert integrator.getNumMoves() == 4
         assert not integrator.thisown
 
 

@@ -16,7 +16,7 @@ _PROJECT = Path(__file__).parents[2]
 _PACKAGE = Path(wrapped.__file__).parent
 _STUB = ast.parse((_PACKAGE / "openmmchaintree.pyi").read_text(encoding="utf-8"))
 _STUBS = {node.name: node for node in _STUB.body if isinstance(node, ast.ClassDef)}
-_CLASSES = ("StericExclusionForce", "TorsionMonteCarloIntegrator")
+_CLASSES = ("StericExclusionForce", "TorsionDensity", "TorsionMonteCarloIntegrator")
 _NUMBERS = re.compile(r"^:type (\w+): .*(?:float|Quantity).*\n:param \1: ((?:.|\n(?!:))*)", re.MULTILINE)
 _UNIT = re.compile(r"\b(nm|radians|Kelvin|K|kJ/mol(?:/nm\^2)?)\b")
 _TUPLES = (
@@ -56,6 +56,10 @@ integrator.addTorsionMove(1, 0.1, count="all")  # wrong
 integrator.setTorsionMoveParameters(0, 1, 0.1, torsions=None)
 integrator.addClosedMove(1, 0.1, [0, 1], hop=0.5)
 integrator.addClosedMove(1, 0.1, hop=[0.5])  # wrong
+density = TorsionDensity.fromTable(np.ones((3, 4)), floor=0.1)
+TorsionDensity.fromRotamers([1], [[60]] * unit.degrees, [[0.2]])  # wrong
+integrator.addDrawnMove(1, [(0, 1)], density)
+integrator.addDrawnMove(1, [0, 1], 0.5)  # wrong
 integrator.setRigidBodyMoveParameters(1, 1, 0.1, 0.1, [0])
 integrator.removeMove(1)
 force.setTorsionAngles(context, -force.getTorsionAngles(context))
@@ -162,7 +166,7 @@ def test_mistakesAreFound(tmp_path):
     result = mypy(tmp_path, "--strict", "program.py")
     lines = [number for number, line in enumerate(_PROGRAM.splitlines(), start=1) if line.endswith("# wrong")]
     found = sorted({int(number) for number in re.findall(r"^program\.py:(\d+): error", result.stdout, re.MULTILINE)})
-    assert found == lines and len(lines) == 13, result.stdout
+    assert found == lines and len(lines) == 15, result.stdout
 
 
 def test_thePackageHasNoTypeErrors(tmp_path):

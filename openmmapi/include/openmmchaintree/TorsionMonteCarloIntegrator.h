@@ -6,6 +6,7 @@
 #include "openmm/Integrator.h"
 #include "openmm/Kernel.h"
 #include "openmm/State.h"
+#include "TorsionDensity.h"
 #include <iosfwd>
 #include <memory>
 #include <string>
@@ -519,6 +520,26 @@ public:
     int addLocalMove(double weight, double sigma, double stiffness,
                      const std::vector<int>& torsions = std::vector<int>(), int window = 8);
     /**
+     * Add a move that draws torsions anew from a density, wherever they are: one of some sets of torsions, such as all
+     * those of a side chain or phi and psi of a residue, each set equally often. With p the density of the set, q the
+     * values that it has and q' those that are drawn, a trial is accepted with min(1, exp(-(U' - U)/kT) p(q)/p(q')), so
+     * that what is sampled does not depend on the density.
+     *
+     * A good density is one that U agrees with: that of rotamers for side chains, or that of coil residues for phi and
+     * psi. In Python rotamerDensities() and ramachandranDensities() find sets and densities in a Topology.
+     *
+     * The values of the torsions are those of their four particles (see StericExclusionForce::addTorsion()). If one has
+     * none, because three of these are collinear, the trial that would draw it is an error.
+     *
+     * @param weight     how often this move is drawn, relative to the weights of the others, at least 0
+     * @param torsions   the sets, each of different torsions of the StericExclusionForce, by their indices. Different
+     *                   sets can have torsions in common.
+     * @param densities  the density of each set, which is of as many torsions, in their order; or one density for all
+     * @return the index of the move that was added
+     */
+    int addDrawnMove(double weight, const std::vector<std::vector<int>>& torsions,
+                     const std::vector<TorsionDensity>& densities);
+    /**
      * Get the number of moves.
      */
     int getNumMoves() const;
@@ -583,6 +604,16 @@ public:
     void getLocalMoveParameters(int move, double& weight, double& sigma, double& stiffness, std::vector<int>& torsions,
                                 int& window) const;
     /**
+     * Get the parameters of a move that was added by addDrawnMove(). It is an error if the move is of another kind.
+     *
+     * @param move            the index of the move
+     * @param[out] weight     how often this move is drawn, relative to the weights of the others
+     * @param[out] torsions   the sets of torsions
+     * @param[out] densities  the density of each set, or one density for all
+     */
+    void getDrawnMoveParameters(int move, double& weight, std::vector<std::vector<int>>& torsions,
+                                std::vector<TorsionDensity>& densities) const;
+    /**
      * Set the parameters of a move that was added by addTorsionMove(). It is an error if the move is of another kind.
      * The next trial follows them. The counts of the move start anew, from 0: they tell of the move as it is.
      *
@@ -638,6 +669,17 @@ public:
      */
     void setLocalMoveParameters(int move, double weight, double sigma, double stiffness,
                                 const std::vector<int>& torsions = std::vector<int>(), int window = 8);
+    /**
+     * Set the parameters of a move that was added by addDrawnMove(). It is an error if the move is of another kind. The
+     * next trial follows them. The counts of the move start anew, from 0: they tell of the move as it is.
+     *
+     * @param move       the index of the move
+     * @param weight     how often this move is drawn, relative to the weights of the others, at least 0
+     * @param torsions   the sets of torsions
+     * @param densities  the density of each set, or one density for all
+     */
+    void setDrawnMoveParameters(int move, double weight, const std::vector<std::vector<int>>& torsions,
+                                const std::vector<TorsionDensity>& densities);
     /**
      * Remove a move, and its counts. The indices of the moves after it become lower by one.
      *

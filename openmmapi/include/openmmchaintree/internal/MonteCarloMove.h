@@ -43,13 +43,13 @@ public:
 };
 
 /**
- * A parameter of a move: a number, or the indices of what it chooses from, empty for all.
+ * A parameter of a move: a number, the indices of what it chooses from, empty for all, or many numbers.
  */
 class MoveParameter {
 public:
     std::string name;
-    std::variant<double, int, std::vector<int>> value;
-    /** What one of the indices is called in XML, as "Torsion". */
+    std::variant<double, int, std::vector<int>, std::vector<double>> value;
+    /** What one of the indices or of many numbers is called in XML, as "Torsion". */
     std::string element;
 };
 
@@ -103,6 +103,10 @@ public:
      * the same parameters draw the same trials.
      */
     virtual std::vector<MoveParameter> getParameters() const = 0;
+    /**
+     * Write to XML what the kind's Reader reads. It is the parameters, unless a move has a better form for them.
+     */
+    virtual void write(OpenMM::SerializationNode& node) const;
     /**
      * Find out what there is to move. This is called before propose(), and again whenever the Context is another one.
      *

@@ -92,6 +92,14 @@ public:
         kernel.getProposedPositionsOf(particles, positions);
     }
     /**
+     * Get the value of a torsion before the open trial, in (-pi, pi]. It is an error if it is undefined. Takes constant
+     * time.
+     */
+    double getTorsionAngle(int torsion) const
+    {
+        return kernel.getTorsionAngle(torsion);
+    }
+    /**
      * Get the energy of the StericExclusionForce before the open trial.
      */
     double computeSoftEnergy();

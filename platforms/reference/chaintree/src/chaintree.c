@@ -132,17 +132,20 @@ ctStatus ctGetTorsionAngle(ctChainTree* tree, int link, double* angle) {
   if (s->jointType[own] != ctTorsionJoint) {
     return ctFail(tree, ctInvalidArgument, "link %d has no torsion joint", link);
   }
-  const Joint* joint = &s->joint[own];
-  const int p[4] = {joint->torsion[1], joint->torsion[0], joint->origin, joint->torsion[2]};
-  double reference;
-  if (!dihedral(s->reference + 3 * (size_t)p[0], s->reference + 3 * (size_t)p[1], s->reference + 3 * (size_t)p[2],
-                s->reference + 3 * (size_t)p[3], &reference)) {
-    return ctFail(tree, ctInvalidArgument,
-                  "the dihedral of particles %d, %d, %d and %d is undefined: three are collinear", p[0], p[1], p[2],
-                  p[3]);
+  if (isnan(s->dihedral[own])) {
+    const Joint* joint = &s->joint[own];
+    const int p[4] = {joint->torsion[1], joint->torsion[0], joint->origin, joint->torsion[2]};
+    double reference;
+    if (!dihedral(s->reference + 3 * (size_t)p[0], s->reference + 3 * (size_t)p[1], s->reference + 3 * (size_t)p[2],
+                  s->reference + 3 * (size_t)p[3], &reference)) {
+      return ctFail(tree, ctInvalidArgument,
+                    "the dihedral of particles %d, %d, %d and %d is undefined: three are collinear", p[0], p[1], p[2],
+                    p[3]);
+    }
+    s->dihedral[own] = reference;
   }
   const double pi = 3.141592653589793238462643383280;
-  const double turned = remainder(reference + s->angle[own], 2 * pi);
+  const double turned = ctAngleTurned(s->dihedral[own], s->angle[own]);
   *angle = turned <= -pi ? pi : turned;
   return ctSuccess;
 }

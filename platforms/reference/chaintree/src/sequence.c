@@ -54,6 +54,7 @@ void ctSequenceSetReference(Sequence* s, const double* positions) {
     ctSequenceResetTorsions(s);
   }
   for (int link = 1; link < s->linkCount; link++) {
+    s->dihedral[link] = NAN;
     if (s->jointType[link] == ctFreeJoint) {
       Placement* placement = &s->placement[s->joint[link].placement];
       *placement = REFERENCE_JOINT.placement;

@@ -1,0 +1,55 @@
+/* ctdensity.h: probability densities of torsions that are drawn anew, independent of where they are.
+ *
+ * A density belongs to a set of torsions, such as all those of a side chain, and is normalized: its integral over all
+ * their angles is 1. What is drawn has exactly the density that is evaluated. It is above 0 everywhere, so that every
+ * state can be left as well as reached; the caller sees to that by values above 0 or by a floor.
+ *
+ * Angles are in rad, densities per rad^torsionCount. A density is never changed once it is made, so threads can share
+ * it. Only the two functions that make one allocate memory.
+ */
+#ifndef CT_DENSITY_H_
+#define CT_DENSITY_H_
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+/* The most torsions of a density, and the most numbers that drawing them takes. */
+#define CT_DENSITY_MOST 8
+#define CT_UNIFORMS_MOST (1 + 5 * CT_DENSITY_MOST)
+
+typedef struct ctDensity ctDensity;
+
+/* Makes a density that is constant in each bin of a periodic grid. The circle of torsion k is cut into binCounts[k]
+ * bins of equal width, the first of which begins at -pi. values[b] is proportional to the density in bin b, the index
+ * of the last torsion running fastest; it is finite and at least 0, and the sum is finite and above 0. A share `floor`,
+ * in [0, 1], of the draws is uniform. Returns NULL if there is no memory. */
+ctDensity* ctCreateTable(int torsionCount, const int* binCounts, const double* values, double floor);
+
+/* Makes a density with a peak at each of some rotamers: a product of bells, one a torsion. A bell is a cubic B-spline
+ * of that mean and standard deviation, wrapped around the circle: at most .015/deviation from a normal density, and 0
+ * from 3.46 deviations on, so that no exponential is needed to draw or evaluate it. A share `floor`, in [0, 1], of the
+ * draws of each torsion is uniform instead, whatever becomes of the others. weights  rotamerCount, finite and at least
+ * 0, of a sum above 0: proportional to how often each rotamer is drawn means    rotamerCount rows of torsionCount, in
+ * [-pi, pi] widths   the same, standard deviations, in (0, pi] Returns NULL if there is no memory. */
+ctDensity* ctCreateRotamers(int torsionCount, int rotamerCount, const double* weights, const double* means,
+                            const double* widths, double floor);
+
+/* NULL is allowed. */
+void ctDestroyDensity(ctDensity* density);
+
+/* How many uniform numbers ctDrawAngles() takes, at most CT_UNIFORMS_MOST. */
+int ctCountUniforms(const ctDensity* density);
+
+/* Draws angles, in [-pi, pi], from independent uniform numbers in [0, 1). Takes O(torsionCount) time. */
+void ctDrawAngles(const ctDensity* density, const double* uniforms, double* angles);
+
+/* The density at these angles, in [-pi, pi]. Takes O(torsionCount) time for a table, O(torsionCount rotamerCount) for
+ * rotamers. */
+double ctGetDensity(const ctDensity* density, const double* angles);
+
+#ifdef __cplusplus
+}
+#endif
+
+#endif /* CT_DENSITY_H_ */

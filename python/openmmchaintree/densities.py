@@ -1,0 +1,204 @@
+"""Densities of the torsions of proteins, by residue, for moves that draw them anew.
+
+The tables are in `tables`, each with its source.
+"""
+
+import csv
+import functools
+from pathlib import Path
+from typing import NamedTuple
+
+import numpy as np
+from openmm import app
+
+from .openmmchaintree import StericExclusionForce, TorsionDensity
+from .residues import aminoAcid
+from .selection import AtomSelection
+from .torsions import findTorsions
+
+_TABLES = Path(__file__).parent / "tables"
+
+# The table of rotamers gives the last chi of these modulo half a turn.
+_ENDS_ALIKE = ("ASP", "GLU", "PHE", "TYR")
+# Amino acids that have no rotamers of their own in the table.
+_STAND_INS = {"MSE": "MET"}
+
+
+class DrawnTorsions(NamedTuple):
+    """Sets of torsions, by their indices in a StericExclusionForce, and the density of each."""
+
+    torsions: list[tuple[int, ...]]
+    density: list[TorsionDensity]
+
+
+def rotamerDensities(
+    topology: app.Topology,
+    force: StericExclusionForce,
+    selection: AtomSelection | None = None,
+    floor: float = 0.1,
+) -> DrawnTorsions:
+    """Find the side chains of a Topology, each as a whole, with the density of its rotamers.
+
+    A set is all χ of a residue that are torsions of the force. Its density is a sum of bells, one a rotamer, by the
+    frequencies, means and standard deviations of MolProbity's ultimate rotamer library (Hintze, Lewis, Richardson and
+    Richardson, Proteins 84, 1177 (2016)), whatever the backbone is. Where only some χ are torsions it is the density of
+    these. Residues that are no amino acids of the library (or selenomethionine, as methionine) have no set.
+
+    Parameters
+    ----------
+    topology : openmm.app.Topology
+        that the force was made for
+    force : StericExclusionForce
+        as `createStericExclusionForce` makes it; a torsion that it defines by other particles than `findTorsions` names
+        has no χ, and is left out
+    selection : str, array of int or bool, or callable, optional
+        the atoms whose torsions are wanted, as in `findTorsions`. Default: all.
+    floor : float
+        the share of draws of each χ that are uniform, above 0 and at most 1
+
+    Returns
+    -------
+    DrawnTorsions
+        torsions: the sets; density: one for each. `TorsionMonteCarloIntegrator.addDrawnMove` takes it as it is.
+
+    Raises
+    ------
+    ValueError
+        if there is no such torsion, or the selection selects nothing
+    """
+    densities = {}
+    drawn = DrawnTorsions([], [])
+    for residue, torsions in _torsionsByResidue(topology, force, ("chi1", "chi2", "chi3", "chi4"), selection):
+        name = aminoAcid(residue.name)
+        name = _STAND_INS.get(name, name)
+        if name not in _rotamers():
+            continue
+        chis = tuple(sorted(int(kind[-1]) - 1 for kind in torsions))
+        if (name, chis) not in densities:
+            densities[name, chis] = _rotamerDensity(name, chis, floor)
+        drawn.torsions.append(tuple(torsions[f"chi{chi + 1}"] for chi in chis))
+        drawn.density.append(densities[name, chis])
+    return _notEmpty(drawn, "side chains")
+
+
+def ramachandranDensities(
+    topology: app.Topology,
+    force: StericExclusionForce,
+    selection: AtomSelection | None = None,
+    floor: float = 0.1,
+) -> DrawnTorsions:
+    """Find φ and ψ of the residues of a Topology, with their density in loops.
+
+    A set is φ and ψ of a residue as far as they are torsions of the force. Its density is a table of how often residues
+    of its kind outside helices and strands have them, in bins of 12°: the loops of the Ramachandran Z-score (Sobolev et
+    al., Structure 28, 1249 (2020)). Residues before a proline have a table of their own. Of prolines it is that of ψ in
+    trans prolines. Residues that are no amino acids have no set.
+
+    Parameters
+    ----------
+    topology : openmm.app.Topology
+        that the force was made for
+    force : StericExclusionForce
+        as `createStericExclusionForce` makes it; a torsion that it defines by other particles than `findTorsions` names
+        is left out
+    selection : str, array of int or bool, or callable, optional
+        the atoms whose torsions are wanted, as in `findTorsions`. Default: all.
+    floor : float
+        the share of draws that are uniform, above 0 and at most 1
+
+    Returns
+    -------
+    DrawnTorsions
+        torsions: the sets; density: one for each. `TorsionMonteCarloIntegrator.addDrawnMove` takes it as it is.
+
+    Raises
+    ------
+    ValueError
+        if there is no such torsion, or the selection selects nothing
+    """
+    densities = {}
+    drawn = DrawnTorsions([], [])
+    atoms = list(topology.atoms())
+    for residue, torsions in _torsionsByResidue(topology, force, ("phi", "psi"), selection):
+        following = None
+        if "psi" in torsions:
+            ends = (force.getTorsionParticles(torsions["psi"])[end] for end in (0, 3))
+            following = next((atoms[end].residue for end in ends if atoms[end].residue is not residue), None)
+        name = _loopKind(residue, following)
+        if name is None:
+            continue
+        kinds = tuple(kind for kind in ("phi", "psi") if kind in torsions)
+        if (name, kinds) not in densities:
+            counts = _loops()[name]
+            if len(kinds) == 1:
+                counts = counts.sum(axis=1 if kinds == ("phi",) else 0)
+            densities[name, kinds] = TorsionDensity.fromTable(counts, floor)
+        drawn.torsions.append(tuple(torsions[kind] for kind in kinds))
+        drawn.density.append(densities[name, kinds])
+    return _notEmpty(drawn, "backbones of proteins")
+
+
+def _torsionsByResidue(topology, force, kinds, selection):
+    """Generate (residue, {kind: index of the force's torsion}) for residues with torsions of these kinds."""
+    indices = {}
+    for index in range(force.getNumTorsions()):
+        particles = tuple(force.getTorsionParticles(index))
+        indices[particles] = indices[particles[::-1]] = index
+    found = {}
+    search = findTorsions(topology, kinds=kinds, cutDisulfides=True, cutMetals=True, selection=selection)
+    for torsion in search.torsions:
+        if torsion.particles in indices:
+            _, torsions = found.setdefault(torsion.residue.index, (torsion.residue, {}))
+            torsions[torsion.kind] = indices[torsion.particles]
+    yield from found.values()
+
+
+def _notEmpty(drawn, what):
+    if not drawn.torsions:
+        raise ValueError(f"no torsion of the StericExclusionForce is one of {what} in tables")
+    return drawn
+
+
+def _rotamerDensity(name, chis, floor):
+    counts, means, deviations = _rotamers()[name]
+    last = means.shape[1] - 1
+    if name in _ENDS_ALIKE and last in chis:
+        turned = means + np.where(np.arange(last + 1) == last, 180, 0)
+        counts, deviations = np.tile(counts, 2), np.tile(deviations, (2, 1))
+        means = (np.concatenate((means, turned)) + 180) % 360 - 180
+    return TorsionDensity.fromRotamers(counts, np.radians(means[:, chis]), np.radians(deviations[:, chis]), floor)
+
+
+def _loopKind(residue, following):
+    name = aminoAcid(residue.name)
+    name = _STAND_INS.get(name, name)
+    if name == "PRO":
+        return "transPRO"
+    if following is not None and aminoAcid(following.name) == "PRO" and name not in (None, "GLY"):
+        return "prePRO"
+    return name
+
+
+@functools.cache
+def _rotamers():
+    """Return for each amino acid the counts of its rotamers, and means and deviations of each χ in degrees."""
+    rows = {}
+    for residue, _, *numbers in _readTable("rotamers.csv"):
+        rows.setdefault(residue, []).append([float(number) for number in numbers])
+    tables = {residue: np.array(table) for residue, table in rows.items()}
+    return {residue: (table[:, 0], table[:, 1::2], table[:, 2::2]) for residue, table in tables.items()}
+
+
+@functools.cache
+def _loops():
+    """Return for each kind of residue the counts by φ and ψ."""
+    rows = {}
+    for residue, _, counts in _readTable("loops.csv"):
+        rows.setdefault(residue, []).append([int(count) for count in counts.split()])
+    return {residue: np.array(table) for residue, table in rows.items()}
+
+
+def _readTable(name):
+    """Return the rows of a file in the folder of tables, without its comments and the line of names."""
+    with open(_TABLES / name, encoding="ascii", newline="") as file:
+        return list(csv.reader(line for line in file if not line.startswith("#")))[1:]
