@@ -157,7 +157,7 @@ void testGetters()
         integrator.getRigidBodyMoveParameters(0, weight, translation, angle, choices);
     });
     assertThrows("Index out of range", [&] {
-        integrator.getMoveType(5);
+        integrator.getMoveType(integrator.getNumMoves());
     });
     assertThrows("Index out of range", [&] {
         integrator.getTorsionMoveParameters(-1, weight, angle, choices, count);
