@@ -210,6 +210,10 @@ static void tryOne(Program* p)
         for (int d = 0; d < 3; d++) {
             there.translation[d] = randomReal(&p->random, -0.1, 0.1);
             back.translation[d] = -there.translation[d];
+            if (p->scene.linkJoints[link] == ctBallJoint) {
+                there.rotation[d] = 5 * there.translation[d];
+                back.rotation[d] = -there.rotation[d];
+            }
         }
     double parts[CT_ENERGY_PARTS], partsBack[CT_ENERGY_PARTS], nearBack, nearThere;
     const double before = ctGetPairEnergy(p->energy);

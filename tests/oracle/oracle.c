@@ -155,6 +155,15 @@ static motion freeMotion(const double* change)
     return m;
 }
 
+/* About the particle that the joint names as p2. */
+static motion ballMotion(const oracleScene* scene, int link, const double* change)
+{
+    motion m = freeMotion(change);
+    m.center = scene->positions[ORACLE_STATE][scene->linkTorsions[4 * link + 1]];
+    m.shift = (vec){0, 0, 0};
+    return m;
+}
+
 /* A point of a link in the trial: the changes from its link upward, inner ones first, each about the axis that it has
  * before the trial; so an outer change carries the inner one's result along. */
 static vec moveWithLink(const oracleScene* scene, int link, vec x)
@@ -396,14 +405,16 @@ void oracleDestroy(oracleScene* scene)
 
 /* ---- State ---- */
 
-/* The particle at the origin of a link's frame: that of the torsion axis, else its lowest-numbered; -1 if it has none.
- */
+/* The particle at the origin of a link's frame: that of the torsion axis, that about which a ball joint turns, else its
+ * lowest-numbered; -1 if it has none. */
 static int originOf(const oracleScene* scene, int link)
 {
     if (scene->linkJoints[link] == ORACLE_TORSION) {
         int p3 = scene->linkTorsions[4 * link + 2];
         return scene->particleLinks[p3] == link ? p3 : scene->linkTorsions[4 * link + 1];
     }
+    if (scene->linkJoints[link] == ORACLE_BALL)
+        return scene->linkTorsions[4 * link + 1];
     for (int i = 0; i < scene->particleCount; i++)
         if (scene->particleLinks[i] == link)
             return i;
@@ -532,6 +543,8 @@ void oraclePropose(oracleScene* scene, int count, const int* links, const double
             scene->motions[link] = torsionMotion(scene, link, change[0]);
             scene->turns[ORACLE_TRIAL][link] += change[0];
         }
+        else if (scene->linkJoints[link] == ORACLE_BALL)
+            scene->motions[link] = ballMotion(scene, link, change);
         else
             scene->motions[link] = freeMotion(change);
     }

@@ -20,10 +20,10 @@ extern "C" {
 #endif
 
 /* Joint kinds of a link, and bits of hydrogen bond roles: the numbers that chaintree.h gives them. */
-enum { ORACLE_FIXED = 0, ORACLE_FREE = 1, ORACLE_TORSION = 2 };
+enum { ORACLE_FIXED = 0, ORACLE_FREE = 1, ORACLE_TORSION = 2, ORACLE_BALL = 3 };
 enum { ORACLE_DONOR = 1, ORACLE_ACCEPTOR = 2 };
 
-/* Doubles that describe one change: angle, rotation vector, pivot, translation. */
+/* Doubles that describe one change: angle, rotation vector, pivot, translation. A ball joint has a rotation alone. */
 enum { ORACLE_CHANGE_SIZE = 10 };
 
 /* Which positions a function is to look at. */

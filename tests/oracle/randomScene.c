@@ -224,6 +224,27 @@ static void makeTorsions(randomScene* scene, randomSource* random)
     }
 }
 
+static int firstParticleOf(const randomScene* scene, int link)
+{
+    int first = 0;
+    while (scene->particleLinks[first] != link)
+        first++;
+    return first;
+}
+
+/* Every other inner link with a free joint gets a ball joint, about a particle of its parent or its own. Nothing is
+ * drawn, so that all else of a scene is what it was before there were ball joints. */
+static void makeBallJoints(randomScene* scene)
+{
+    for (int link = 1; link < scene->linkCount; link += 2) {
+        int parent = scene->linkParents[link];
+        if (scene->linkJoints[link] != ORACLE_FREE || parent < 0)
+            continue;
+        scene->linkJoints[link] = ORACLE_BALL;
+        scene->linkTorsions[4 * link + 1] = firstParticleOf(scene, link % 4 == 1 ? parent : link);
+    }
+}
+
 /* ---- Exclusions ---- */
 
 static void addExclusion(randomScene* scene, randomSource* random, int i, int j)
@@ -318,6 +339,7 @@ void randomSceneCreate(randomScene* scene, randomSource* random)
     makePositions(scene, random);
     makeRadii(scene, random);
     makeTorsions(scene, random);
+    makeBallJoints(scene);
     makeExclusions(scene, random);
     if (randomChance(random, 0.5))
         shuffleLinks(scene, random);

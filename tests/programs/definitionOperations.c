@@ -89,7 +89,7 @@ static void spoilLink(Program* p, Copies* copies, ctDefinition* d)
             copies->joints[link] = ctTorsionJoint; /* which needs a parent */
         break;
     case 1:
-        copies->joints[link] = (unsigned char)(3 + randomInt(&p->random, 253));
+        copies->joints[link] = (unsigned char)(4 + randomInt(&p->random, 252));
         break;
     case 2:
         closeRing(copies, link);
@@ -100,6 +100,8 @@ static void spoilLink(Program* p, Copies* copies, ctDefinition* d)
     default:
         if (copies->joints[link] == ctTorsionJoint)
             copies->torsions[4 * link + randomInt(&p->random, 4)] = chooseNoIndex(p, d->particleCount);
+        else if (copies->joints[link] == ctBallJoint)
+            copies->torsions[4 * link + 1] = chooseNoIndex(p, d->particleCount);
         else
             copies->joints[link] = copies->parents[link] == CT_NULL ? ctTorsionJoint : ctFixedJoint;
     }

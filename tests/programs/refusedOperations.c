@@ -27,7 +27,9 @@ static void proposeNonsenseFor(Program* p, int link)
         changes[0].angle = randomChance(&p->random, 0.5) ? NAN : INFINITY;
     else {
         double* vectors[] = {changes[0].rotation, changes[0].pivot, changes[0].translation};
-        vectors[randomInt(&p->random, 3)][randomInt(&p->random, 3)] = chooseNoLength(p);
+        const int vector = randomInt(&p->random, 3);
+        const bool isBall = p->scene.linkJoints[link] == ctBallJoint;
+        vectors[isBall ? 0 : vector][randomInt(&p->random, 3)] = chooseNoLength(p);
     }
     FAIL(ctInvalidArgument, ctPropose(p->tree, 1, changes));
 }

@@ -14,8 +14,8 @@
  * discarded trial leaves every bit as it was. A commit updates O(k log N) nodes for k changes, each node at most once
  * (section 3.1).
  *
- * The state is the reference positions, the rotation angle of each torsion since then, and the placement of each free
- * link. Transforms are a pure function of that state. So errors do not grow with the number of moves, and a state
+ * The state is the reference positions, since then the rotation angle of each torsion and the rotation of each ball
+ * joint, and the placement of each free link. Transforms are a pure function of that state. So errors do not grow with the number of moves, and a state
  * reached by commits has the same bits as the same state built anew.
  *
  * Exactness. With sigma = CT_SIGMA, every verdict and every listed pair agrees with exact arithmetic on the positions
@@ -71,8 +71,9 @@ typedef enum ctHydrogenBondRole {
 /* How a link is placed relative to its parent. */
 typedef enum ctJointKind {
   ctFixedJoint,  /* fixed in the world; only for a link without a parent */
-  ctFreeJoint,   /* by any rigid transform; for a link with a parent or without */
-  ctTorsionJoint /* by a rotation about a bond between the link and its parent */
+  ctFreeJoint,    /* by any rigid transform; for a link with a parent or without */
+  ctTorsionJoint, /* by a rotation about a bond between the link and its parent */
+  ctBallJoint     /* by any rotation about a particle of the link or of its parent */
 } ctJointKind;
 
 /* x -> rotation * x + translation; rotation is row-major. */
@@ -95,7 +96,8 @@ typedef struct ctDefinition {
   const int* linkParents;       /* linkCount, index of the parent (any order, no cycles), or CT_NULL */
   const uint8_t* linkJoints;    /* linkCount values of ctJointKind */
   const int (*linkTorsions)[4]; /* linkCount; for a torsion joint p1-p2-p3-p4: of the axis particles p2 and p3, one lies
-                                   in the link and the other in its parent. Not read for other joints; NULL if none */
+                                   in the link and the other in its parent. For a ball joint p2 is the particle about
+                                   which it turns. Not read for other joints; NULL if none */
 
   int exclusionCount;
   const int (*exclusions)[2]; /* pairs that never clash and are in no list, either order; repeats are harmless */
@@ -113,11 +115,11 @@ typedef struct ctCounts {
 
 /* One change of a trial. */
 typedef struct ctChange {
-  int link;              /* with a torsion or free joint */
+  int link;              /* with a joint that is not fixed */
   double angle;          /* torsion joint: added to the dihedral p1-p2-p3-p4, rad */
-  double rotation[3];    /* free joint: rotation vector, world frame, rad, about pivot */
-  double pivot[3];       /* nm, world frame */
-  double translation[3]; /* nm, world frame, after the rotation */
+  double rotation[3];    /* free joint: rotation vector, world frame, rad, about pivot; ball joint: about its particle */
+  double pivot[3];       /* free joint: nm, world frame */
+  double translation[3]; /* free joint: nm, world frame, after the rotation */
 } ctChange;
 
 /* Receives a pair with particle1 < particle2; return false to end the query. The order of pairs is not defined. */
@@ -175,7 +177,8 @@ ctStatus ctFollowTrialPositions(ctChainTree* tree, bool anew, double* positions)
 
 /* The state as numbers, to be stored and set again: the reference positions (3 * particleCount, nm); then for each
  * link, in the order of the definition, if it has a torsion joint the angle turned since then (rad, in [-pi, pi]), if a
- * free joint its rotation since then (unit quaternion w, x, y, z) and its origin in its parent's frame (nm).
+ * ball joint its rotation since then in its parent's frame (unit quaternion w, x, y, z), if a free joint the same and
+ * its origin in its parent's frame (nm).
  * ctGetStateSize tells how many numbers there are. Limits and an open trial are not part of the state. O(N). */
 size_t ctGetStateSize(const ctChainTree* tree);
 void ctGetState(const ctChainTree* tree, double* state);
@@ -196,7 +199,7 @@ ctStatus ctGetCentroid(ctChainTree* tree, int link, double centroid[3]);
 
 /* The transform from the frame of linkB to that of linkA, by shortcuts, in O(log N) (section 2.1). A link's frame moves
  * with it; in the reference positions its axes are the world's and its origin is the link's particle on the torsion
- * axis, or for other joints its lowest-numbered particle. */
+ * axis, the particle about which a ball joint turns, or for other joints its lowest-numbered particle. */
 ctStatus ctGetRelativeTransform(ctChainTree* tree, int linkA, int linkB, ctTransform* transform);
 
 /* ---- Limits of single pairs ---- */

@@ -84,6 +84,22 @@ static ctStatus checkTorsion(const ctDefinition* d, int link, char* text, size_t
   return ctSuccess;
 }
 
+static ctStatus checkBall(const ctDefinition* d, int link, char* text, size_t size) {
+  if (d->linkTorsions == NULL) {
+    return invalid(text, size, "link %d has a ball joint but no particle is given about which it turns", link);
+  }
+  const int pivot = d->linkTorsions[link][1];
+  if (!isIndex(pivot, d->particleCount)) {
+    return invalid(text, size, "the ball joint of link %d names particle %d; there are %d particles", link, pivot,
+                   d->particleCount);
+  }
+  if (d->particleLinks[pivot] != link && d->particleLinks[pivot] != d->linkParents[link]) {
+    return invalid(text, size, "link %d turns about particle %d, which is neither in it nor in its parent %d", link,
+                   pivot, d->linkParents[link]);
+  }
+  return ctSuccess;
+}
+
 static ctStatus checkLinks(const ctDefinition* d, char* text, size_t size) {
   for (int i = 0; i < d->linkCount; i++) {
     const int parent = d->linkParents[i];
@@ -98,11 +114,13 @@ static ctStatus checkLinks(const ctDefinition* d, char* text, size_t size) {
         break;
       case ctFreeJoint:
         break;
-      case ctTorsionJoint: {
+      case ctTorsionJoint:
+      case ctBallJoint: {
+        const bool isBall = d->linkJoints[i] == ctBallJoint;
         if (parent == CT_NULL) {
-          return invalid(text, size, "link %d has a torsion joint and no parent", i);
+          return invalid(text, size, "link %d has a %s joint and no parent", i, isBall ? "ball" : "torsion");
         }
-        const ctStatus status = checkTorsion(d, i, text, size);
+        const ctStatus status = isBall ? checkBall(d, i, text, size) : checkTorsion(d, i, text, size);
         if (status != ctSuccess) {
           return status;
         }

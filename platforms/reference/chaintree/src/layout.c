@@ -221,11 +221,13 @@ static void chooseOrigins(Sequence* s, const ctDefinition* d) {
       joint->torsion[0] = thirdMoves ? p[1] : p[2];
       joint->torsion[1] = thirdMoves ? p[0] : p[3];
       joint->torsion[2] = thirdMoves ? p[3] : p[0];
+    } else if (d->linkJoints[u] == ctBallJoint) {
+      joint->origin = d->linkTorsions[u][1];
     }
   }
   int placements = 0;
   for (int link = 0; link < s->linkCount; link++) {
-    if (s->jointType[link] == ctFreeJoint) {
+    if (isPlaced(s, link)) {
       s->joint[link].placement = placements++;
     }
   }
@@ -255,7 +257,7 @@ static bool allocateSequence(Sequence* s, Arena* arena, const ctDefinition* d, i
   s->displaced = ctArenaAllocate(arena, (size_t)branches, sizeof(int));
   int placements = 0;
   for (int u = 0; u < d->linkCount; u++) {
-    placements += d->linkJoints[u] == ctFreeJoint;
+    placements += d->linkJoints[u] == ctFreeJoint || d->linkJoints[u] == ctBallJoint;
   }
   s->placement = ctArenaAllocate(arena, (size_t)placements, sizeof(Placement));
   return !arena->failed;

@@ -55,7 +55,7 @@ void ctSequenceSetReference(Sequence* s, const double* positions) {
   }
   for (int link = 1; link < s->linkCount; link++) {
     s->dihedral[link] = NAN;
-    if (s->jointType[link] == ctFreeJoint) {
+    if (isPlaced(s, link)) {
       Placement* placement = &s->placement[s->joint[link].placement];
       *placement = REFERENCE_JOINT.placement;
       sequenceOffset(s, link, placement->position);
@@ -72,7 +72,7 @@ bool ctSequenceCanTurn(const Sequence* s, int link, const double* reference) {
 JointState ctSequenceGetJoint(const Sequence* s, int link) {
   JointState joint = REFERENCE_JOINT;
   joint.angle = s->angle[link];
-  if (s->jointType[link] == ctFreeJoint) {
+  if (isPlaced(s, link)) {
     joint.placement = s->placement[s->joint[link].placement];
   }
   return joint;
@@ -87,9 +87,17 @@ double ctAngleTurned(double angle, double turn) {
   return sum - twoPi * ((sum > pi) - (sum < -pi));
 }
 
+JointState ctJointTurned(const JointState* joint, const double rotation[3]) {
+  JointState turned = *joint;
+  double turn[4];
+  quaternionFromVector(rotation, turn);
+  quaternionMultiply(turn, joint->placement.quaternion, turned.placement.quaternion);
+  return turned;
+}
+
 JointState ctJointMoved(const JointState* joint, const double rotation[3], const double pivot[3],
                         const double shift[3]) {
-  JointState moved = *joint;
+  JointState moved = ctJointTurned(joint, rotation);
   double turn[4];
   Frame motion;
   quaternionFromVector(rotation, turn);
@@ -100,7 +108,6 @@ JointState ctJointMoved(const JointState* joint, const double rotation[3], const
   for (int k = 0; k < 3; k++) {
     moved.placement.position[k] = pivot[k] + arm[k] + shift[k];
   }
-  quaternionMultiply(turn, joint->placement.quaternion, moved.placement.quaternion);
   return moved;
 }
 
@@ -130,7 +137,7 @@ void ctSequenceSetJoint(Sequence* s, int link, const JointState* joint) {
   const int before = isDisplaced(s, link);
   s->angle[link] = joint->angle;
   s->rodrigues[link] = rodriguesAt(s, link, joint->angle);
-  if (s->jointType[link] == ctFreeJoint) {
+  if (isPlaced(s, link)) {
     s->placement[s->joint[link].placement] = joint->placement;
   }
   const int change = isDisplaced(s, link) - before;

@@ -29,7 +29,8 @@
 /* A twig has no more slots. */
 enum { TWIG_SLOTS = 2 * TREE_WIDTH };
 
-/* The rigid transform of a free link in its parent's frame. */
+/* The rigid transform of a link with a free or ball joint in its parent's frame. The origin of a ball joint's link is
+ * what it turns about, so its position stays that of the reference, and bonds to it keep their lengths. */
 typedef struct Placement {
   double quaternion[4]; /* w, x, y, z */
   double position[3];
@@ -38,7 +39,7 @@ typedef struct Placement {
 /* The state of one joint. */
 typedef struct JointState {
   double angle;        /* torsion: turned since the reference, in [-pi, pi] */
-  Placement placement; /* free joint */
+  Placement placement; /* free joint, ball joint */
 } JointState;
 
 /* What the limit of a pair depends on. */
@@ -49,10 +50,10 @@ typedef struct ParticleType {
 
 /* The particle at the origin of a link's frame, and what its joint depends on. */
 typedef struct Joint {
-  int origin; /* on the torsion axis and in the link, or its lowest; CT_NULL for the world */
+  int origin; /* on the torsion axis and in the link; a ball joint's pivot; or its lowest; CT_NULL for the world */
   union {
     int torsion[3]; /* torsion joint: p2, p1 and p4 of the torsion whose p3 is the origin */
-    int placement;  /* free joint: index into the sequence's placement */
+    int placement;  /* free or ball joint: index into the sequence's placement */
   };
 } Joint;
 
@@ -146,9 +147,10 @@ bool ctSequenceCanTurn(const Sequence* sequence, int link, const double* referen
 /* An angle in [-pi, pi] plus any other, in [-pi, pi] again. */
 double ctAngleTurned(double angle, double turn);
 
-/* The state of a joint; and that of a free joint, moved in the parent's frame by a rotation vector about a pivot and
- * then by a shift. */
+/* The state of a joint; that of a ball joint, turned in the parent's frame by a rotation vector; and that of a free
+ * joint, moved in the parent's frame by a rotation vector about a pivot and then by a shift. */
 JointState ctSequenceGetJoint(const Sequence* sequence, int link);
+JointState ctJointTurned(const JointState* joint, const double rotation[3]);
 JointState ctJointMoved(const JointState* joint, const double rotation[3], const double pivot[3],
                         const double shift[3]);
 
@@ -158,6 +160,11 @@ void ctSequenceSetJoint(Sequence* sequence, int link, const JointState* joint);
 /* Recomputes the products over these links (ascending), each once, and returns how many. `scratch` holds `count` ints.
  */
 int ctSequenceUpdate(Sequence* sequence, const int* links, int count, int* scratch);
+
+/* True if a link has a placement. */
+static inline bool isPlaced(const Sequence* s, int link) {
+  return s->jointType[link] == ctFreeJoint || s->jointType[link] == ctBallJoint;
+}
 
 /* One past the last link that hangs on a link. */
 static inline int sequenceEnd(const Sequence* s, int link) {

@@ -8,13 +8,15 @@
  * numbers pass that were written with 13 digits. */
 #define UNIT_ERROR 1e-12
 
-enum { TORSION_SIZE = 1, PLACEMENT_SIZE = 7 };
+enum { TORSION_SIZE = 1, QUATERNION_SIZE = 4, PLACEMENT_SIZE = 7 };
 
 /* How many numbers the state of a joint has. Fixed links are part of the world, whose joint is fixed. */
 static int jointSize(const Sequence* s, int link) {
   switch (s->jointType[link]) {
     case ctTorsionJoint:
       return TORSION_SIZE;
+    case ctBallJoint:
+      return QUATERNION_SIZE;
     case ctFreeJoint:
       return PLACEMENT_SIZE;
     default:
@@ -43,7 +45,9 @@ static void writeJoint(const Sequence* s, int link, double* numbers) {
     numbers[0] = joint.angle;
   } else {
     memcpy(numbers, joint.placement.quaternion, sizeof joint.placement.quaternion);
-    memcpy(numbers + 4, joint.placement.position, sizeof joint.placement.position);
+  }
+  if (s->jointType[link] == ctFreeJoint) {
+    memcpy(numbers + QUATERNION_SIZE, joint.placement.position, sizeof joint.placement.position);
   }
 }
 
@@ -53,7 +57,9 @@ static JointState readJoint(const Sequence* s, int link, const double* numbers) 
     joint.angle = numbers[0];
   } else {
     memcpy(joint.placement.quaternion, numbers, sizeof joint.placement.quaternion);
-    memcpy(joint.placement.position, numbers + 4, sizeof joint.placement.position);
+  }
+  if (s->jointType[link] == ctFreeJoint) {
+    memcpy(joint.placement.position, numbers + QUATERNION_SIZE, sizeof joint.placement.position);
   }
   return joint;
 }
@@ -68,7 +74,8 @@ static bool isJoint(const Sequence* s, int link, const double* numbers, const do
   for (int i = 0; i < 4; i++) {
     norm += numbers[i] * numbers[i];
   }
-  return fabs(norm - 1) <= UNIT_ERROR && isJointPosition(numbers + 4);
+  return fabs(norm - 1) <= UNIT_ERROR &&
+         (s->jointType[link] == ctBallJoint || isJointPosition(numbers + QUATERNION_SIZE));
 }
 
 /* ---- The whole ---- */

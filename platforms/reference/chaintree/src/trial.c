@@ -64,6 +64,24 @@ static void turnTorsion(TrialChange* change, const Sequence* s, Traversal* t, do
   change->after.angle = ctAngleTurned(change->before.angle, angle);
 }
 
+/* Turns a ball joint about its pivot, the origin of its link. The change is given in the world; the joint's state is in
+ * the parent's frame. */
+static void turnBall(TrialChange* change, const Sequence* s, const Tree* tree, const ctChange* given) {
+  static const double still[3] = {0, 0, 0};
+  double turn[4];
+  quaternionFromVector(given->rotation, turn);
+  rotationFromQuaternion(turn, &change->motion);
+  const Frame own = linkFrame(s, tree, change->link);
+  double pivot[3];
+  translationOf(&own, pivot);
+  transformAbout(pivot, still, &change->motion);
+
+  const Frame parent = linkFrame(s, tree, s->parent[change->link]);
+  double rotation[3];
+  rotateBack(&parent, given->rotation, rotation);
+  change->after = ctJointTurned(&change->before, rotation);
+}
+
 /* Moves a free joint. The change is given in the world; the joint's state is in the parent's frame. */
 static void moveFreely(TrialChange* change, const Sequence* s, const Tree* tree, const ctChange* given) {
   double turn[4];
@@ -138,6 +156,8 @@ int ctTrialOpen(Trial* trial, const Sequence* s, Traversal* t, const ctChange* g
     change->before = ctSequenceGetJoint(s, change->link);
     if (s->jointType[change->link] == ctTorsionJoint) {
       turnTorsion(change, s, t, given[i].angle);
+    } else if (s->jointType[change->link] == ctBallJoint) {
+      turnBall(change, s, t->tree, &given[i]);
     } else {
       moveFreely(change, s, t->tree, &given[i]);
     }

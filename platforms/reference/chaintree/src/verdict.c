@@ -24,6 +24,10 @@ static ctStatus checkChange(ctChainTree* tree, const ctChange* change) {
       return ctFail(tree, ctInvalidArgument, "link %d cannot turn: its axis particles %d and %d are at one place",
                     change->link, s->joint[link].torsion[0], s->joint[link].origin);
     }
+  } else if (s->jointType[link] == ctBallJoint) {
+    if (!areLengths(change->rotation)) {
+      return ctFail(tree, ctInvalidArgument, "the rotation given for link %d " CT_NO_LENGTH " or rad", change->link);
+    }
   } else if (!areLengths(change->rotation) || !areLengths(change->pivot) || !areLengths(change->translation)) {
     return ctFail(tree, ctInvalidArgument, "the motion given for link %d " CT_NO_LENGTH " or rad", change->link);
   }

@@ -84,7 +84,7 @@ static void testLinks(void) {
   REFUSED(scene.parents[2] = LINKS, "link 2");
   REFUSED(scene.parents[2] = -2, "link 2");
   REFUSED(scene.parents[2] = 2, "link 2");
-  REFUSED(scene.joints[2] = 3, "link 2");
+  REFUSED(scene.joints[2] = 4, "link 2");
   REFUSED((scene.joints[2] = ctFixedJoint, scene.parents[2] = 0), "link 2");
   REFUSED(scene.joints[2] = ctTorsionJoint, "link 2");
   REFUSED((scene.particleLinks[4] = 1, scene.particleLinks[5] = 1), "link 2");
@@ -101,6 +101,13 @@ static void testTorsions(void) {
   REFUSED(scene.torsions[1][1] = 4, "particles 4 and 2");
   REFUSED(scene.torsions[1][2] = 0, "particles 1 and 0");
   REFUSED((scene.torsions[1][1] = 2, scene.torsions[1][2] = 3), "particles 2 and 3");
+}
+
+static void testBallJoints(void) {
+  REFUSED((scene.joints[1] = ctBallJoint, scene.definition.linkTorsions = NULL), "link 1");
+  REFUSED((scene.joints[1] = ctBallJoint, scene.torsions[1][1] = PARTICLES), "particle 6");
+  REFUSED((scene.joints[1] = ctBallJoint, scene.torsions[1][1] = 4), "particle 4");
+  REFUSED((scene.joints[2] = ctBallJoint), "no parent");
 }
 
 static void testPairs(void) {
@@ -172,6 +179,7 @@ int main(void) {
   testParticles();
   testLinks();
   testTorsions();
+  testBallJoints();
   testPairs();
   testErrorText();
   testSound();

@@ -39,12 +39,18 @@ static bool makeForest(const ctDefinition* scene, Forest* forest) {
   return true;
 }
 
-/* True if the joint of a vertex turns about an axis through a particle, which therefore keeps its place relative to
- * both sides. */
+/* True if the joint of a vertex turns about an axis through a particle, or about the particle itself, which therefore
+ * keeps its place relative to both sides. */
 static bool isOnAxis(const ctDefinition* scene, int vertex, int particle) {
   const int link = vertex - 1;
-  return scene->linkJoints[link] == ctTorsionJoint &&
-         (particle == scene->linkTorsions[link][1] || particle == scene->linkTorsions[link][2]);
+  switch (scene->linkJoints[link]) {
+    case ctTorsionJoint:
+      return particle == scene->linkTorsions[link][1] || particle == scene->linkTorsions[link][2];
+    case ctBallJoint:
+      return particle == scene->linkTorsions[link][1];
+    default:
+      return false;
+  }
 }
 
 /* ---- The joints that change a term ---- */
