@@ -113,6 +113,8 @@ class MinimumDistance(NamedTuple):
 %keywords(ChainTreePlugin::TorsionMonteCarloIntegrator::addTorsionMove)
 %keywords(ChainTreePlugin::TorsionMonteCarloIntegrator::addRigidBodyMove)
 %keywords(ChainTreePlugin::TorsionMonteCarloIntegrator::addClosedMove)
+%keywords(ChainTreePlugin::TorsionMonteCarloIntegrator::addPivotMove)
+%keywords(ChainTreePlugin::TorsionMonteCarloIntegrator::setPivotMoveParameters)
 %keywords(ChainTreePlugin::TorsionMonteCarloIntegrator::setTorsionMoveParameters)
 %keywords(ChainTreePlugin::TorsionMonteCarloIntegrator::setRigidBodyMoveParameters)
 %keywords(ChainTreePlugin::TorsionMonteCarloIntegrator::setClosedMoveParameters)
@@ -257,6 +259,23 @@ static bool toVec3(PyObject* object, const char* unit, const char* name, OpenMM:
     value = OpenMM::Vec3(values[0], values[1], values[2]);
     return true;
 }
+
+static bool toVec3s(PyObject* object, const char* unit, const char* name, std::vector<OpenMM::Vec3>& values) {
+    PyObject* numbers = removeUnit(object, unit, name);
+    if (numbers == NULL)
+        return false;
+    PyObject* sequence = toSequence(numbers, name);
+    Py_DECREF(numbers);
+    if (sequence == NULL)
+        return false;
+    Py_ssize_t count = PySequence_Fast_GET_SIZE(sequence);
+    values.resize(count);
+    bool ok = true;
+    for (Py_ssize_t i = 0; ok && i < count; i++)
+        ok = toVec3(PySequence_Fast_GET_ITEM(sequence, i), unit, name, values[i]);
+    Py_DECREF(sequence);
+    return ok;
+}
 }
 
 %define %unit(UNIT, NAME)
@@ -274,7 +293,13 @@ static bool toVec3(PyObject* object, const char* unit, const char* name, OpenMM:
         SWIG_fail;
     $1 = &value;
 }
+%typemap(in, fragment="FromPython") const std::vector<OpenMM::Vec3>& NAME (std::vector<OpenMM::Vec3> values) {
+    if (!toVec3s($input, UNIT, "NAME", values))
+        SWIG_fail;
+    $1 = &values;
+}
 %typemap(doctype) double NAME "float or Quantity"
+%typemap(doctype) const std::vector<OpenMM::Vec3>& NAME "sequence of shape (n, 3), or Quantity"
 %typemap(doctype) const std::vector<double>& NAME "sequence of float, or Quantity"
 %typemap(doctype) const OpenMM::Vec3& NAME "sequence of 3 floats, or Quantity"
 %enddef
@@ -292,6 +317,7 @@ static bool toVec3(PyObject* object, const char* unit, const char* name, OpenMM:
 %unit("rad", changes)
 %unit("rad", angles)
 %unit("rad", rotation)
+%unit("rad", rotations)
 %unit("K", temperature)
 %unit("kJ/mol/nm^2", k)
 %unit("nm", bornCutoff)
@@ -370,6 +396,7 @@ static PyObject* toNumPy(const void* values, size_t count, int columns, size_t i
 %outputArray(std::vector<int>, 0, int, int32, (n), particles)
 %outputArray(std::vector<int>, 0, int, int32, (n), torsions)
 %outputArray(std::vector<int>, 0, int, int32, (n), molecules)
+%outputArray(std::vector<int>, 0, int, int32, (n), ballJoints)
 %outputArray(std::vector<double>, 0, double, float64, (n), overlaps)
 %outputArray(std::vector<double>, 0, double, float64, (n), distances)
 %outputArray(std::vector<double>, 0, double, float64, (n), before)
@@ -474,6 +501,10 @@ static const char* const ENERGY_KINDS[] = {"not sampled", "constant", "native", 
     val[2] = openmm.unit.Quantity(val[2], openmm.unit.nanometer**-2)
     val[3] = val[3] if len(val[3]) > 0 else None
 %}
+%pythonappend ChainTreePlugin::TorsionMonteCarloIntegrator::getPivotMoveParameters %{
+    val[1] = openmm.unit.Quantity(val[1], openmm.unit.radian)
+    val[2] = val[2] if len(val[2]) > 0 else None
+%}
 %pythonappend ChainTreePlugin::TorsionMonteCarloIntegrator::getMoveStatistics %{
     val = MoveStatistics(*val)
 %}
@@ -520,9 +551,10 @@ static const char* const ENERGY_KINDS[] = {"not sampled", "constant", "native", 
 %pythoncode %{
     def __repr__(self):
         tolerance = self.getOverlapTolerance().value_in_unit(openmm.unit.nanometer)
+        ballJoints = f"{self.getNumBallJoints():,} ball joints, " if self.getNumBallJoints() > 0 else ""
         return (
             f"<StericExclusionForce: {self.getNumParticles():,} particles, {self.getNumBonds():,} bonds, "
-            f"{self.getNumTorsions():,} torsions, {self.getNumExclusions():,} exclusions, "
+            f"{self.getNumTorsions():,} torsions, {ballJoints}{self.getNumExclusions():,} exclusions, "
             f"overlapTolerance {tolerance:g} nm>"
         )
 %}
@@ -874,6 +906,7 @@ def _setsAndDensities(torsions, density):
 /* What a move chooses from. C++ has no other way than an empty vector to say "all", but an empty list in Python is
  * mostly a search that found nothing. */
 %typemap(in, fragment="FromPython") const std::vector<int>& torsions (std::vector<int> values),
+                                    const std::vector<int>& ballJoints (std::vector<int> values),
                                     const std::vector<int>& molecules (std::vector<int> values) {
     if ($input != Py_None) {
         if (!toInts($input, "$1_name", values))
@@ -886,6 +919,7 @@ def _setsAndDensities(torsions, density):
     }
     $1 = &values;
 }
-%typemap(doctype) const std::vector<int>& torsions, const std::vector<int>& molecules "sequence of int, or None"
+%typemap(doctype) const std::vector<int>& torsions, const std::vector<int>& ballJoints,
+                  const std::vector<int>& molecules "sequence of int, or None"
 
 %include "openmmchaintree/TorsionMonteCarloIntegrator.h"

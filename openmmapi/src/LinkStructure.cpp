@@ -18,16 +18,47 @@ static void fail(const string& message)
 }
 
 /**
- * Name a torsion as "torsion 3 (4-5-6-7)".
+ * What moves a link relative to its parent: a torsion, or a ball joint, which turns about the first of its particles.
  */
-static string describeTorsion(const StericExclusionForce& force, int torsion)
-{
-    int p1, p2, p3, p4;
-    force.getTorsionParticles(torsion, p1, p2, p3, p4);
-    stringstream text;
-    text << "torsion " << torsion << " (" << p1 << "-" << p2 << "-" << p3 << "-" << p4 << ")";
-    return text.str();
-}
+class LinkStructure::Joint {
+public:
+    Joint(const string& kind, int index, const vector<int>& particles) :
+        name(kind + " " + to_string(index)), particles(particles)
+    {
+    }
+    bool isBall() const
+    {
+        return particles.size() == 2;
+    }
+    /**
+     * Get the two particles of the bond that it is about.
+     */
+    pair<int, int> getBond() const
+    {
+        return isBall() ? make_pair(particles[0], particles[1]) : make_pair(particles[1], particles[2]);
+    }
+    /**
+     * Get whether a particle keeps its place relative to both sides.
+     */
+    bool leavesInPlace(int particle) const
+    {
+        return particle == getBond().first || (!isBall() && particle == getBond().second);
+    }
+    /**
+     * Name it as "torsion 3 (4-5-6-7)".
+     */
+    string describe() const
+    {
+        stringstream text;
+        text << name << " (" << particles[0];
+        for (size_t i = 1; i < particles.size(); i++)
+            text << "-" << particles[i];
+        text << ")";
+        return text.str();
+    }
+    string name;
+    vector<int> particles;
+};
 
 /**
  * What is tied together: bonds, and virtual sites with the particles that define them.
@@ -94,63 +125,102 @@ private:
 };
 
 LinkStructure::LinkStructure(const System& system, const StericExclusionForce& force) :
-    particleLinks(force.getNumParticles(), -1), torsionLinks(force.getNumTorsions(), -1)
+    particleLinks(force.getNumParticles(), -1), torsionLinks(force.getNumTorsions(), -1),
+    ballJointLinks(force.getNumBallJoints(), -1)
 {
     BondGraph graph(system, force);
-    checkTorsions(graph, force);
+    listJoints(graph, force);
+    checkDihedrals();
     findLinks(graph);
-    vector<vector<int>> linkTorsions = joinLinks(graph, force);
+    vector<vector<int>> linkJoints = joinLinks(graph);
     vector<int> anchors = findAnchors(system);
     for (int link = 0; link < (int)links.size(); link++)
         if (links[link].molecule == -1)
-            growMolecule(link, anchors, linkTorsions, force);
+            growMolecule(link, anchors, linkJoints);
+}
+
+LinkStructure::~LinkStructure()
+{
 }
 
 /**
- * Record the particles of each torsion, having checked that they are bonded in a row.
+ * List the joints, having checked that they lie in the bonds.
  */
-void LinkStructure::checkTorsions(const BondGraph& graph, const StericExclusionForce& force)
+void LinkStructure::listJoints(const BondGraph& graph, const StericExclusionForce& force)
 {
-    map<pair<int, int>, int> torsionAbout;
     for (int i = 0; i < force.getNumTorsions(); i++) {
-        string name = describeTorsion(force, i);
-        int p[4];
+        vector<int> p(4);
         force.getTorsionParticles(i, p[0], p[1], p[2], p[3]);
+        joints.push_back(Joint("torsion", i, p));
+    }
+    for (int i = 0; i < force.getNumBallJoints(); i++) {
+        vector<int> p(2);
+        force.getBallJointParticles(i, p[0], p[1]);
+        joints.push_back(Joint("ball joint", i, p));
+    }
+    map<pair<int, int>, int> jointAbout;
+    for (int i = 0; i < (int)joints.size(); i++) {
+        const vector<int>& p = joints[i].particles;
+        string name = joints[i].describe();
         for (int particle : p)
             checkIndex(particle, force.getNumParticles(), "particle", "StericExclusionForce: " + name);
-        if (set<int>(p, p + 4).size() < 4)
+        if (set<int>(p.begin(), p.end()).size() < p.size())
             fail(name + " names a particle twice");
-        for (int j = 0; j < 3; j++)
+        for (size_t j = 0; j + 1 < p.size(); j++)
             if (!graph.hasBond(p[j], p[j + 1]))
-                fail("the particles of " + name + " must be bonded in a row, but there is no bond between particles " +
-                     to_string(p[j]) + " and " + to_string(p[j + 1]));
-        auto added = torsionAbout.insert(make_pair(minmax(p[1], p[2]), i));
+                fail("the particles of " + name + " must be bonded" + (joints[i].isBall() ? "" : " in a row") +
+                     ", but there is no bond between particles " + to_string(p[j]) + " and " + to_string(p[j + 1]));
+        auto added = jointAbout.insert(make_pair(minmax(joints[i].getBond().first, joints[i].getBond().second), i));
         if (!added.second)
-            fail(describeTorsion(force, added.first->second) + " and " + name + " are about the same bond");
-        torsionParticles.push_back({{p[0], p[1], p[2], p[3]}});
+            fail(joints[added.first->second].describe() + " and " + name + " are about the same bond");
     }
 }
 
 /**
- * Collect what hangs together without crossing the axis of a torsion.
+ * Throw an exception if a ball joint moves an outer particle of a torsion about the axis of that. The value of the
+ * torsion would not be the sum of its turns.
+ */
+void LinkStructure::checkDihedrals() const
+{
+    map<pair<int, int>, int> ballAt; // by the particle that it turns about and the other one
+    for (int i = 0; i < (int)joints.size(); i++)
+        if (joints[i].isBall())
+            ballAt[joints[i].getBond()] = i;
+    for (const Joint& torsion : joints) {
+        if (torsion.isBall())
+            break;
+        for (int side = 0; side < 2; side++) {
+            const vector<int>& p = torsion.particles;
+            const int inner = side == 0 ? p[1] : p[2], outer = side == 0 ? p[0] : p[3];
+            auto found = ballAt.find(make_pair(inner, outer));
+            if (found != ballAt.end())
+                fail(joints[found->second].describe() + " changes the dihedral of " + torsion.describe() +
+                     "; name another particle bonded to particle " + to_string(inner) + " in the torsion, or leave " +
+                     "the torsion out");
+        }
+    }
+}
+
+/**
+ * Collect what hangs together without crossing the bond of a joint.
  */
 void LinkStructure::findLinks(const BondGraph& graph)
 {
-    set<pair<int, int>> axes;
-    for (auto& p : torsionParticles)
-        axes.insert(minmax(p[1], p[2]));
+    set<pair<int, int>> cuts;
+    for (const Joint& joint : joints)
+        cuts.insert(minmax(joint.getBond().first, joint.getBond().second));
     for (int start = 0; start < (int)particleLinks.size(); start++) {
         if (particleLinks[start] != -1)
             continue;
         int link = links.size();
-        links.push_back({-1, -1, -1});
+        links.push_back({-1, -1, -1, -1});
         particleLinks[start] = link;
         vector<int> pending(1, start);
         while (!pending.empty()) {
             int particle = pending.back();
             pending.pop_back();
             for (int next : graph.getNeighbors(particle))
-                if (particleLinks[next] == -1 && axes.find(minmax(particle, next)) == axes.end()) {
+                if (particleLinks[next] == -1 && cuts.find(minmax(particle, next)) == cuts.end()) {
                     particleLinks[next] = link;
                     pending.push_back(next);
                 }
@@ -159,11 +229,11 @@ void LinkStructure::findLinks(const BondGraph& graph)
 }
 
 /**
- * List the torsions at each link. A torsion that joins what is joined already closes a ring.
+ * List the joints at each link. One that joins what is joined already closes a ring.
  */
-vector<vector<int>> LinkStructure::joinLinks(const BondGraph& graph, const StericExclusionForce& force) const
+vector<vector<int>> LinkStructure::joinLinks(const BondGraph& graph) const
 {
-    vector<vector<int>> linkTorsions(links.size());
+    vector<vector<int>> linkJoints(links.size());
     vector<int> representative(links.size());
     for (int link = 0; link < (int)links.size(); link++)
         representative[link] = link;
@@ -172,20 +242,20 @@ vector<vector<int>> LinkStructure::joinLinks(const BondGraph& graph, const Steri
             link = representative[link] = representative[representative[link]];
         return link;
     };
-    for (int torsion = 0; torsion < (int)torsionParticles.size(); torsion++) {
-        int particle1 = torsionParticles[torsion][1], particle2 = torsionParticles[torsion][2];
+    for (int joint = 0; joint < (int)joints.size(); joint++) {
+        int particle1 = joints[joint].getBond().first, particle2 = joints[joint].getBond().second;
         int link1 = particleLinks[particle1], link2 = particleLinks[particle2];
         if (find(link1) == find(link2)) {
             stringstream ring;
             for (int particle : graph.findDetour(particle1, particle2))
                 ring << particle << "-";
-            fail(describeTorsion(force, torsion) + " lies in a ring: " + ring.str() + to_string(particle1));
+            fail(joints[joint].describe() + " lies in a ring: " + ring.str() + to_string(particle1));
         }
         representative[find(link1)] = find(link2);
-        linkTorsions[link1].push_back(torsion);
-        linkTorsions[link2].push_back(torsion);
+        linkJoints[link1].push_back(joint);
+        linkJoints[link2].push_back(joint);
     }
-    return linkTorsions;
+    return linkJoints;
 }
 
 /**
@@ -201,41 +271,47 @@ vector<int> LinkStructure::findAnchors(const System& system) const
 }
 
 /**
- * Make a molecule of a link and all that torsions join to it.
+ * Make a molecule of a link and all that joints join to it.
  */
-void LinkStructure::growMolecule(int firstLink, const vector<int>& anchors, const vector<vector<int>>& linkTorsions,
-                                 const StericExclusionForce& force)
+void LinkStructure::growMolecule(int firstLink, const vector<int>& anchors, const vector<vector<int>>& linkJoints)
 {
     int molecule = molecules.size();
     int root = firstLink;
-    for (int link : hangLinks(firstLink, molecule, linkTorsions))
+    for (int link : hangLinks(firstLink, molecule, linkJoints))
         if (anchors[link] != -1) {
             root = link;
             break;
         }
     molecules.push_back({root, anchors[root] != -1});
-    for (int link : hangLinks(root, molecule, linkTorsions))
+    for (int link : hangLinks(root, molecule, linkJoints))
         if (link != root && anchors[link] != -1)
-            fail(describeTorsion(force, links[link].torsion) + " lies between two fixed parts: particles " +
+            fail(joints[findJointOf(links[link])].describe() + " lies between two fixed parts: particles " +
                  to_string(anchors[root]) + " and " + to_string(anchors[link]) + " both have mass 0");
 }
 
 /**
- * Hang all links that torsions join to a root on it, and return them, parents first.
+ * Hang all links that joints join to a root on it, and return them, parents first.
  */
-vector<int> LinkStructure::hangLinks(int root, int molecule, const vector<vector<int>>& linkTorsions)
+vector<int> LinkStructure::hangLinks(int root, int molecule, const vector<vector<int>>& linkJoints)
 {
-    links[root] = {-1, -1, molecule};
+    const int numTorsions = torsionLinks.size();
+    links[root] = {-1, -1, -1, molecule};
     vector<int> hung(1, root);
     for (size_t i = 0; i < hung.size(); i++) {
         int parent = hung[i];
-        for (int torsion : linkTorsions[parent])
-            if (torsion != links[parent].torsion) {
-                int link1 = particleLinks[torsionParticles[torsion][1]];
-                int link2 = particleLinks[torsionParticles[torsion][2]];
+        for (int joint : linkJoints[parent])
+            if (joint != findJointOf(links[parent])) {
+                int link1 = particleLinks[joints[joint].getBond().first];
+                int link2 = particleLinks[joints[joint].getBond().second];
                 int child = (link1 == parent ? link2 : link1);
-                links[child] = {parent, torsion, molecule};
-                torsionLinks[torsion] = child;
+                if (joints[joint].isBall()) {
+                    links[child] = {parent, -1, joint - numTorsions, molecule};
+                    ballJointLinks[joint - numTorsions] = child;
+                }
+                else {
+                    links[child] = {parent, joint, -1, molecule};
+                    torsionLinks[joint] = child;
+                }
                 hung.push_back(child);
             }
     }
@@ -244,35 +320,40 @@ vector<int> LinkStructure::hangLinks(int root, int molecule, const vector<vector
 
 array<int, 4> LinkStructure::getTorsionParticles(int torsion) const
 {
-    array<int, 4> particles = torsionParticles[torsion];
+    const vector<int>& given = joints[torsion].particles;
+    array<int, 4> particles = {{given[0], given[1], given[2], given[3]}};
     if (particleLinks[particles[2]] != torsionLinks[torsion])
         reverse(particles.begin(), particles.end());
     return particles;
 }
 
-int LinkStructure::findTorsionBetween(int particle1, int particle2) const
+/**
+ * Get the joint by which a link hangs on its parent, or -1 if it is a root.
+ */
+int LinkStructure::findJointOf(const Link& link) const
+{
+    return link.ballJoint == -1 ? link.torsion : (int)torsionLinks.size() + link.ballJoint;
+}
+
+string LinkStructure::findJointBetween(int particle1, int particle2) const
 {
     auto findRootward = [&](int link) {
-        vector<int> torsions;
+        vector<int> found;
         for (; links[link].parent != -1; link = links[link].parent)
-            torsions.push_back(links[link].torsion);
-        return torsions;
+            found.push_back(findJointOf(links[link]));
+        return found;
     };
-    vector<int> torsions1 = findRootward(particleLinks[particle1]);
-    vector<int> torsions2 = findRootward(particleLinks[particle2]);
-    while (!torsions1.empty() && !torsions2.empty() && torsions1.back() == torsions2.back()) {
-        torsions1.pop_back();
-        torsions2.pop_back();
+    vector<int> joints1 = findRootward(particleLinks[particle1]);
+    vector<int> joints2 = findRootward(particleLinks[particle2]);
+    while (!joints1.empty() && !joints2.empty() && joints1.back() == joints2.back()) {
+        joints1.pop_back();
+        joints2.pop_back();
     }
-    torsions1.insert(torsions1.end(), torsions2.begin(), torsions2.end());
-    for (int torsion : torsions1) {
-        const pair<int, int> axis = getAxis(torsion);
-        bool onAxis = (particle1 == axis.first || particle1 == axis.second || particle2 == axis.first ||
-                       particle2 == axis.second);
-        if (!onAxis)
-            return torsion;
-    }
-    return -1;
+    joints1.insert(joints1.end(), joints2.begin(), joints2.end());
+    for (int joint : joints1)
+        if (!joints[joint].leavesInPlace(particle1) && !joints[joint].leavesInPlace(particle2))
+            return joints[joint].name;
+    return "";
 }
 
 vector<int> LinkStructure::describe() const
@@ -282,9 +363,13 @@ vector<int> LinkStructure::describe() const
         description.push_back(link.parent);
         description.push_back(molecules[link.molecule].fixed);
         if (link.parent != -1) {
-            const pair<int, int> axis = getAxis(link.torsion);
-            description.push_back(min(axis.first, axis.second));
-            description.push_back(max(axis.first, axis.second));
+            // Of a ball joint the particle that it turns about stands twice, which tells it from a torsion.
+
+            auto bond = joints[findJointOf(link)].getBond();
+            if (link.ballJoint != -1)
+                bond.second = bond.first;
+            description.push_back(min(bond.first, bond.second));
+            description.push_back(max(bond.first, bond.second));
         }
     }
     return description;

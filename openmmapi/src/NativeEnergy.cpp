@@ -83,7 +83,7 @@ void NativeEnergy::translate()
     setKernelTerms();
     const LinkStructure& structure = force.getLinkStructure();
     auto& molecules = structure.getMolecules();
-    const bool somethingMoves = !structure.getTorsionLinks().empty() ||
+    const bool somethingMoves = structure.hasJoints() ||
                                 any_of(molecules.begin(), molecules.end(), [](const LinkStructure::Molecule& molecule) {
                                     return !molecule.fixed;
                                 });

@@ -50,6 +50,11 @@ int StericExclusionForce::getNumTorsions() const
     return torsions.size();
 }
 
+int StericExclusionForce::getNumBallJoints() const
+{
+    return ballJoints.size();
+}
+
 int StericExclusionForce::getNumExclusions() const
 {
     return exclusions.size();
@@ -103,6 +108,19 @@ void StericExclusionForce::getTorsionParticles(int index, int& particle1, int& p
     particle2 = torsions[index][1];
     particle3 = torsions[index][2];
     particle4 = torsions[index][3];
+}
+
+int StericExclusionForce::addBallJoint(int particle1, int particle2)
+{
+    ballJoints.push_back(make_pair(particle1, particle2));
+    return ballJoints.size() - 1;
+}
+
+void StericExclusionForce::getBallJointParticles(int index, int& particle1, int& particle2) const
+{
+    ASSERT_VALID_INDEX(index, ballJoints);
+    particle1 = ballJoints[index].first;
+    particle2 = ballJoints[index].second;
 }
 
 int StericExclusionForce::addExclusion(int particle1, int particle2)
@@ -229,6 +247,12 @@ bool StericExclusionForce::proposeTorsions(Context& context, const vector<int>& 
     return toImpl(getImplInContext(context)).proposeTorsions(getContextImpl(context), torsions, changes);
 }
 
+bool StericExclusionForce::proposeBallRotations(Context& context, const vector<int>& ballJoints,
+                                                const vector<Vec3>& rotations) const
+{
+    return toImpl(getImplInContext(context)).proposeBallRotations(getContextImpl(context), ballJoints, rotations);
+}
+
 bool StericExclusionForce::proposeRigidMotion(Context& context, int particle, const Vec3& rotation,
                                               const Vec3& translation) const
 {
@@ -309,7 +333,7 @@ static bool haveSamePairs(const vector<pair<int, int>>& list1, const vector<pair
  */
 bool StericExclusionForce::hasStructureOf(const StericExclusionForce& other) const
 {
-    return particles.size() == other.particles.size() && torsions == other.torsions &&
+    return particles.size() == other.particles.size() && torsions == other.torsions && ballJoints == other.ballJoints &&
            haveSamePairs(bonds, other.bonds) && haveSamePairs(exclusions, other.exclusions);
 }
 

@@ -140,7 +140,8 @@ vector<pair<int, int>> StericExclusionForceImpl::getBondedParticles() const
 void StericExclusionForceImpl::updateParametersInContext(ContextImpl& context)
 {
     if (!owner.hasStructureOf(*original))
-        fail("its particles, bonds, torsions or exclusions are not those that the Context was created with; "
+        fail("its particles, bonds, torsions, ball joints or exclusions are not those that the Context was created "
+             "with; "
              "reinitialize the Context");
     engine->copyParameters(owner);
     limits.parametersWereChanged();
@@ -360,23 +361,52 @@ void StericExclusionForceImpl::resetTraversalStatistics()
 
 // ---- Trials for anyone's Monte Carlo ----
 
+/**
+ * Throw an exception unless different joints are named.
+ *
+ * @param kind    what such a joint is called, as "torsion"
+ * @param caller  the function that they were given to, as "proposeTorsions()"
+ */
+static void checkJoints(const vector<int>& joints, int numJoints, const string& kind, const string& caller)
+{
+    vector<bool> isNamed(numJoints, false);
+    for (int joint : joints) {
+        checkIndex(joint, numJoints, kind, "StericExclusionForce: " + caller);
+        if (isNamed[joint])
+            fail(caller + " names " + kind + " " + to_string(joint) + " twice");
+        isNamed[joint] = true;
+    }
+}
+
 bool StericExclusionForceImpl::proposeTorsions(ContextImpl& context, const vector<int>& torsions,
                                                const vector<double>& changes)
 {
     if (torsions.size() != changes.size())
         fail("proposeTorsions() was given " + to_string(torsions.size()) + " torsions, but " +
              to_string(changes.size()) + " changes");
-    vector<bool> isNamed(original->getNumTorsions(), false);
-    for (size_t i = 0; i < torsions.size(); i++) {
-        checkIndex(torsions[i], original->getNumTorsions(), "torsion", "StericExclusionForce: proposeTorsions()");
-        if (isNamed[torsions[i]])
-            fail("proposeTorsions() names torsion " + to_string(torsions[i]) + " twice");
+    checkJoints(torsions, original->getNumTorsions(), "torsion", "proposeTorsions()");
+    for (size_t i = 0; i < torsions.size(); i++)
         if (!isfinite(changes[i]))
             fail("the change of torsion " + to_string(torsions[i]) + " is not finite");
-        isNamed[torsions[i]] = true;
-    }
     TrialSession session(*this, context, TrialSession::ApplyLimits);
     session.proposeTorsions(torsions, changes);
+    const bool isFree = session.isFree();
+    session.leaveOpen();
+    return isFree;
+}
+
+bool StericExclusionForceImpl::proposeBallRotations(ContextImpl& context, const vector<int>& ballJoints,
+                                                    const vector<Vec3>& rotations)
+{
+    if (ballJoints.size() != rotations.size())
+        fail("proposeBallRotations() was given " + to_string(ballJoints.size()) + " ball joints, but " +
+             to_string(rotations.size()) + " rotations");
+    checkJoints(ballJoints, original->getNumBallJoints(), "ball joint", "proposeBallRotations()");
+    for (size_t i = 0; i < ballJoints.size(); i++)
+        if (!isFinite(rotations[i]))
+            fail("the rotation of ball joint " + to_string(ballJoints[i]) + " is not finite");
+    TrialSession session(*this, context, TrialSession::ApplyLimits);
+    session.proposeBallRotations(ballJoints, rotations);
     const bool isFree = session.isFree();
     session.leaveOpen();
     return isFree;

@@ -61,9 +61,9 @@ static void checkConstraints(const System& system, const LinkStructure& structur
                       " cannot hold: ";
         if (structure.getParticleMolecule(particle1) != structure.getParticleMolecule(particle2))
             fail(name + "they are in different molecules of the StericExclusionForce; add a bond between them");
-        int torsion = structure.findTorsionBetween(particle1, particle2);
-        if (torsion != -1)
-            fail(name + "torsion " + to_string(torsion) + " moves them relative to each other");
+        const string joint = structure.findJointBetween(particle1, particle2);
+        if (!joint.empty())
+            fail(name + joint + " moves them relative to each other");
     }
 }
 

@@ -57,7 +57,7 @@ vector<int> ChainTreePlugin::findBackboneTorsions(const LinkStructure& structure
         const int parent = links[link].parent;
         isBackbone[link] =
             (parent == -1 || (isBackbone[parent] && next[parent] == link) || length[link] + 1 >= LEAST_BRANCH);
-        if (isBackbone[link] && parent != -1)
+        if (isBackbone[link] && links[link].torsion != -1)
             torsions.push_back(links[link].torsion);
     }
     return torsions;
@@ -90,7 +90,7 @@ vector<vector<int>> ChainTreePlugin::findTorsionWindows(const LinkStructure& str
         const int parent = links[link].parent, torsion = parent == -1 ? -1 : links[parent].torsion;
         if (torsion != -1)
             before[link] = isInPool[torsion] ? torsion : before[parent];
-        if (before[link] != -1 && isInPool[links[link].torsion])
+        if (before[link] != -1 && links[link].torsion != -1 && isInPool[links[link].torsion])
             hasNext[before[link]] = true;
     }
     vector<vector<int>> windows;

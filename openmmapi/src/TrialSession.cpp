@@ -62,6 +62,13 @@ void TrialSession::proposeTorsions(const vector<int>& torsions, const vector<dou
     ownTrial();
 }
 
+void TrialSession::proposeBallRotations(const vector<int>& ballJoints, const vector<Vec3>& rotations)
+{
+    updateLimits();
+    kernel.proposeBallRotations(ballJoints, rotations);
+    ownTrial();
+}
+
 void TrialSession::proposeRigidMotion(int molecule, const Vec3& rotation, const Vec3& translation)
 {
     updateLimits();

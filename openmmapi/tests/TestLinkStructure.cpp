@@ -118,25 +118,102 @@ void testVirtualSites()
     graph.assertRefused("torsion 0 (0-1-2-3) lies in a ring: 1-6-3-2-1");
 }
 
-void testTorsionBetween()
+void testJointBetween()
 {
     Graph graph(8, {{0, 1}, {1, 2}, {2, 3}, {3, 4}, {4, 5}, {2, 6}, {6, 7}});
     graph.force.addTorsion(0, 1, 2, 3);
     graph.force.addTorsion(2, 3, 4, 5);
     graph.force.addTorsion(1, 2, 6, 7);
     LinkStructure structure = graph.findLinks();
-    ASSERT_EQUAL(0, structure.findTorsionBetween(0, 3));
-    ASSERT_EQUAL(0, structure.findTorsionBetween(3, 0));
-    ASSERT_EQUAL(1, structure.findTorsionBetween(5, 2));
-    ASSERT_EQUAL(2, structure.findTorsionBetween(7, 3));
-    ASSERT_EQUAL(-1, structure.findTorsionBetween(2, 3));
+    ASSERT_EQUAL(string("torsion 0"), structure.findJointBetween(0, 3));
+    ASSERT_EQUAL(string("torsion 0"), structure.findJointBetween(3, 0));
+    ASSERT_EQUAL(string("torsion 1"), structure.findJointBetween(5, 2));
+    ASSERT_EQUAL(string("torsion 2"), structure.findJointBetween(7, 3));
+    ASSERT_EQUAL(string(), structure.findJointBetween(2, 3));
 
     // Particles on the axis keep their distance to both sides of it.
 
-    ASSERT_EQUAL(-1, structure.findTorsionBetween(1, 2));
-    ASSERT_EQUAL(-1, structure.findTorsionBetween(1, 3));
-    ASSERT_EQUAL(-1, structure.findTorsionBetween(2, 4));
-    ASSERT_EQUAL(-1, structure.findTorsionBetween(0, 2));
+    ASSERT_EQUAL(string(), structure.findJointBetween(1, 2));
+    ASSERT_EQUAL(string(), structure.findJointBetween(1, 3));
+    ASSERT_EQUAL(string(), structure.findJointBetween(2, 4));
+    ASSERT_EQUAL(string(), structure.findJointBetween(0, 2));
+}
+
+void testBallJoints()
+{
+    // 0-1-2-3-4-5, which may turn about 1 and 4; between, a torsion. Beyond 4, joints move the side without the root.
+
+    Graph graph(6, {{0, 1}, {1, 2}, {2, 3}, {3, 4}, {4, 5}});
+    graph.force.addBallJoint(4, 5);
+    graph.force.addTorsion(1, 2, 3, 4);
+    graph.force.addBallJoint(1, 2);
+    LinkStructure structure = graph.findLinks();
+    ASSERT_EQUAL_CONTAINERS((vector<int>{0, 0, 1, 2, 2, 3}), structure.getParticleLinks());
+    ASSERT_EQUAL_CONTAINERS((vector<int>{2}), structure.getTorsionLinks());
+    ASSERT_EQUAL_CONTAINERS((vector<int>{3, 1}), structure.getBallJointLinks());
+    ASSERT_EQUAL(1, structure.getLinks()[1].ballJoint);
+    ASSERT_EQUAL(-1, structure.getLinks()[1].torsion);
+    ASSERT_EQUAL(-1, structure.getLinks()[2].ballJoint);
+    ASSERT_EQUAL(0, structure.getLinks()[2].torsion);
+    ASSERT_EQUAL(0, structure.getLinks()[3].ballJoint);
+
+    // The particle that a joint turns about keeps its distance to both sides, the other one does not.
+
+    ASSERT_EQUAL(string("ball joint 1"), structure.findJointBetween(0, 2));
+    ASSERT_EQUAL(string("ball joint 0"), structure.findJointBetween(3, 5));
+    ASSERT_EQUAL(string("torsion 0"), structure.findJointBetween(1, 4));
+    ASSERT_EQUAL(string(), structure.findJointBetween(1, 2));
+    ASSERT_EQUAL(string(), structure.findJointBetween(1, 3));
+    ASSERT_EQUAL(string(), structure.findJointBetween(4, 5));
+
+    // With the root at the end the same joints move the other sides.
+
+    graph.system.setParticleMass(5, 0);
+    LinkStructure reversed = graph.findLinks();
+    ASSERT_EQUAL_CONTAINERS((vector<int>{2, 0}), reversed.getBallJointLinks());
+    ASSERT_EQUAL(string("ball joint 1"), reversed.findJointBetween(0, 2));
+    ASSERT(structure.describe() != reversed.describe());
+}
+
+void testBadBallJoints()
+{
+    const vector<pair<int, int>> chain = {{0, 1}, {1, 2}, {2, 3}, {3, 4}};
+    auto assertRefused = [&](const string& message, const vector<pair<int, int>>& ballJoints) {
+        Graph graph(5, chain);
+        graph.force.addTorsion(0, 1, 2, 3);
+        for (auto& joint : ballJoints)
+            graph.force.addBallJoint(joint.first, joint.second);
+        graph.assertRefused(message);
+    };
+    assertRefused("ball joint 1 (4-5) names particle 5, but there are 5 particles", {{2, 3}, {4, 5}});
+    assertRefused("ball joint 0 (3-3) names a particle twice", {{3, 3}});
+    assertRefused("the particles of ball joint 0 (1-3) must be bonded, but there is no bond between particles 1 and 3",
+                  {{1, 3}});
+    assertRefused("torsion 0 (0-1-2-3) and ball joint 0 (2-1) are about the same bond", {{2, 1}});
+    assertRefused("ball joint 0 (3-4) and ball joint 1 (4-3) are about the same bond", {{3, 4}, {4, 3}});
+
+    // What is at an end of a torsion may not turn about its axis by itself, but the whole side may about it.
+
+    assertRefused("ball joint 0 (1-0) changes the dihedral of torsion 0 (0-1-2-3); name another particle bonded to "
+                  "particle 1",
+                  {{1, 0}});
+    assertRefused("ball joint 1 (2-3) changes the dihedral of torsion 0 (0-1-2-3)", {{3, 4}, {2, 3}});
+    Graph sound(5, chain);
+    sound.force.addTorsion(0, 1, 2, 3);
+    sound.force.addBallJoint(0, 1);
+    sound.force.addBallJoint(3, 2);
+    sound.findLinks();
+
+    Graph ring(4, {{0, 1}, {1, 2}, {2, 0}, {2, 3}});
+    ring.force.addBallJoint(2, 3);
+    ring.force.addBallJoint(0, 1);
+    ring.assertRefused("ball joint 1 (0-1) lies in a ring: 0-2-1-0");
+
+    Graph fixed(4, {{0, 1}, {1, 2}, {2, 3}});
+    fixed.force.addBallJoint(1, 2);
+    fixed.system.setParticleMass(0, 0);
+    fixed.system.setParticleMass(3, 0);
+    fixed.assertRefused("ball joint 0 (1-2) lies between two fixed parts: particles 0 and 3 both have mass 0");
 }
 
 void testBadBonds()
@@ -241,6 +318,16 @@ void testDescriptions()
     ASSERT(description != describe({first, third}, {}, 0));
     ASSERT(description != describe({first, third}, {}, 5));
     ASSERT(describe({first, third}, {}, 0) == describe({first, third}, {}, 1));
+
+    // A ball joint is described by what turns about which particle.
+
+    auto describeJoint = [](int particle1, int particle2) {
+        Graph graph(3, {{0, 1}, {1, 2}});
+        graph.force.addBallJoint(particle1, particle2);
+        return graph.findLinks().describe();
+    };
+    ASSERT(describeJoint(0, 1) != describeJoint(1, 0));
+    ASSERT(describeJoint(1, 0) != describeJoint(1, 2));
 }
 
 int main()
@@ -250,7 +337,9 @@ int main()
         testFixedRoot();
         testMolecules();
         testVirtualSites();
-        testTorsionBetween();
+        testJointBetween();
+        testBallJoints();
+        testBadBallJoints();
         testBadBonds();
         testBadTorsions();
         testRings();

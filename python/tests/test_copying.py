@@ -175,6 +175,6 @@ for thing in (force, integrator, system):
 
 
 def test_unknownVersion():
-    xml = toXml(makeForce()).replace('version="1"', 'version="2"')
-    with pytest.raises(openmm.OpenMMException, match="reads only versions 1 to 1"):
+    xml = toXml(makeForce()).replace('version="1"', 'version="3"')
+    with pytest.raises(openmm.OpenMMException, match="reads only versions 1 to 2"):
         openmm.XmlSerializer.deserialize(xml)

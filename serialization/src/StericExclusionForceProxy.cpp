@@ -8,7 +8,8 @@ using namespace ChainTreePlugin;
 using namespace OpenMM;
 using namespace std;
 
-static const int NEWEST_VERSION = 1;
+static const int NEWEST_VERSION = 2;
+static const int VERSION_WITHOUT_BALL_JOINTS = 1;
 
 StericExclusionForceProxy::StericExclusionForceProxy() : SerializationProxy("StericExclusionForce")
 {
@@ -17,7 +18,9 @@ StericExclusionForceProxy::StericExclusionForceProxy() : SerializationProxy("Ste
 void StericExclusionForceProxy::serialize(const void* object, SerializationNode& node) const
 {
     const StericExclusionForce& force = *reinterpret_cast<const StericExclusionForce*>(object);
-    node.setIntProperty("version", NEWEST_VERSION);
+    // A force without ball joints can be read by releases that know none.
+
+    node.setIntProperty("version", force.getNumBallJoints() == 0 ? VERSION_WITHOUT_BALL_JOINTS : NEWEST_VERSION);
     node.setIntProperty("forceGroup", force.getForceGroup());
     node.setStringProperty("name", force.getName());
     node.setDoubleProperty("overlapTolerance", force.getOverlapTolerance());
@@ -48,6 +51,14 @@ void StericExclusionForceProxy::serialize(const void* object, SerializationNode&
             .setIntProperty("p3", p3)
             .setIntProperty("p4", p4);
     }
+    if (force.getNumBallJoints() > 0) {
+        SerializationNode& ballJoints = node.createChildNode("BallJoints");
+        for (int i = 0; i < force.getNumBallJoints(); i++) {
+            int p1, p2;
+            force.getBallJointParticles(i, p1, p2);
+            ballJoints.createChildNode("BallJoint").setIntProperty("p1", p1).setIntProperty("p2", p2);
+        }
+    }
     SerializationNode& exclusions = node.createChildNode("Exclusions");
     for (int i = 0; i < force.getNumExclusions(); i++) {
         int p1, p2;
@@ -58,7 +69,8 @@ void StericExclusionForceProxy::serialize(const void* object, SerializationNode&
 
 void* StericExclusionForceProxy::deserialize(const SerializationNode& node) const
 {
-    checkVersion(node.getIntProperty("version"), NEWEST_VERSION, "the XML of a StericExclusionForce");
+    const int version = node.getIntProperty("version");
+    checkVersion(version, NEWEST_VERSION, "the XML of a StericExclusionForce");
     unique_ptr<StericExclusionForce> force(new StericExclusionForce());
     force->setForceGroup(node.getIntProperty("forceGroup"));
     force->setName(node.getStringProperty("name"));
@@ -73,6 +85,9 @@ void* StericExclusionForceProxy::deserialize(const SerializationNode& node) cons
     for (auto& torsion : node.getChildNode("Torsions").getChildren())
         force->addTorsion(torsion.getIntProperty("p1"), torsion.getIntProperty("p2"), torsion.getIntProperty("p3"),
                           torsion.getIntProperty("p4"));
+    if (version > VERSION_WITHOUT_BALL_JOINTS)
+        for (auto& joint : node.getChildNode("BallJoints").getChildren())
+            force->addBallJoint(joint.getIntProperty("p1"), joint.getIntProperty("p2"));
     for (auto& exclusion : node.getChildNode("Exclusions").getChildren())
         force->addExclusion(exclusion.getIntProperty("p1"), exclusion.getIntProperty("p2"));
     return force.release();

@@ -38,6 +38,8 @@ unique_ptr<StericExclusionForce> createForce()
     force->addBond(3, 2);
     force->addTorsion(0, 1, 2, 3);
     force->addTorsion(3, 2, 1, 0);
+    force->addBallJoint(2, 1);
+    force->addBallJoint(0, 3);
     force->addExclusion(2, 0);
     force->addExclusion(1, 3);
     return force;
@@ -72,6 +74,13 @@ void assertSameForces(const StericExclusionForce& expected, const StericExclusio
         expected.getTorsionParticles(i, a[0], a[1], a[2], a[3]);
         found.getTorsionParticles(i, b[0], b[1], b[2], b[3]);
         ASSERT(equal(a, a + 4, b));
+    }
+    ASSERT_EQUAL(expected.getNumBallJoints(), found.getNumBallJoints());
+    for (int i = 0; i < expected.getNumBallJoints(); i++) {
+        int a[2], b[2];
+        expected.getBallJointParticles(i, a[0], a[1]);
+        found.getBallJointParticles(i, b[0], b[1]);
+        ASSERT(equal(a, a + 2, b));
     }
     ASSERT_EQUAL(expected.getNumExclusions(), found.getNumExclusions());
     for (int i = 0; i < expected.getNumExclusions(); i++) {
@@ -124,11 +133,11 @@ void testBadXml()
     };
     string version = "type=\"StericExclusionForce\" version=\"";
     assertThrows(
-        "the XML of a StericExclusionForce has version 2, but this openmm-chaintree reads only versions 1 to 1", [&] {
-            readWith(version + "1", version + "2");
+        "the XML of a StericExclusionForce has version 3, but this openmm-chaintree reads only versions 1 to 2", [&] {
+            readWith(version + "2", version + "3");
         });
     assertThrows("has version 0", [&] {
-        readWith(version + "1", version + "0");
+        readWith(version + "2", version + "0");
     });
     assertThrows("the radius of particle 0", [&] {
         readWith("radius=\".17\"", "radius=\"-1\"");
@@ -141,10 +150,23 @@ void testBadXml()
     });
 }
 
+/**
+ * Without ball joints the XML is what it was when there were none.
+ */
+void testFormerVersion()
+{
+    StericExclusionForce force;
+    force.addParticle(0.1);
+    const string xml = toXml(force);
+    ASSERT(xml.find("version=\"1\"") != string::npos && xml.find("BallJoint") == string::npos);
+    assertSameForces(force, dynamic_cast<StericExclusionForce&>(*fromXml(xml)));
+}
+
 int main()
 {
     try {
         testRoundTrip();
+        testFormerVersion();
         testInSystem();
         testBadXml();
     }

@@ -41,6 +41,8 @@ void setUp(TorsionMonteCarloIntegrator& integrator)
     integrator.addRigidBodyMove(2, 0, 0.4);
     integrator.addClosedMove(0.25, 0.1 / 3, {3, 1}, 0.7 / 3);
     integrator.addLocalMove(0.75, 1.0 / 9, 1.0 / 11, {3, 4}, 5);
+    integrator.addPivotMove(0.7, 0.1 / 3, {5, 3});
+    integrator.addPivotMove(0, M_PI);
 }
 
 void assertSameMoves(const TorsionMonteCarloIntegrator& expected, const TorsionMonteCarloIntegrator& found)
@@ -68,6 +70,10 @@ void assertSameMoves(const TorsionMonteCarloIntegrator& expected, const TorsionM
             found.getLocalMoveParameters(i, weight2, angle2, stiffness2, choices2, count2);
             ASSERT_EQUAL(stiffness1, stiffness2);
             ASSERT_EQUAL(count1, count2);
+        }
+        else if (expected.getMoveType(i) == TorsionMonteCarloIntegrator::PivotMove) {
+            expected.getPivotMoveParameters(i, weight1, angle1, choices1);
+            found.getPivotMoveParameters(i, weight2, angle2, choices2);
         }
         else {
             expected.getRigidBodyMoveParameters(i, weight1, translation1, angle1, choices1);

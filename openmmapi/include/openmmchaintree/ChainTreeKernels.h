@@ -108,6 +108,11 @@ public:
      */
     virtual void proposeTorsions(const std::vector<int>& torsions, const std::vector<double>& changes) = 0;
     /**
+     * Open a trial that turns different ball joints by rotation vectors in the world. Drops one that was open.
+     */
+    virtual void proposeBallRotations(const std::vector<int>& ballJoints,
+                                      const std::vector<OpenMM::Vec3>& rotations) = 0;
+    /**
      * Open a trial that rotates a molecule about its centroid and then translates it. Drops one that was open.
      */
     virtual void proposeRigidMotion(int molecule, const OpenMM::Vec3& rotation, const OpenMM::Vec3& translation) = 0;

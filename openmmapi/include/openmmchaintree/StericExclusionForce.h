@@ -33,22 +33,23 @@ namespace ChainTreePlugin {
  * nm, angles in radians, energies in kJ/mol.
  *
  * <b>Describing the molecules.</b> Call addParticle() once for each particle of the System. Then describe how the
- * particles hang together: addBond() for every bond, and addTorsion() for each bond about which molecules may turn.
- * Bonds without a torsion are rigid, so everything that no torsion moves relative to each other is one rigid
- * <i>link</i>, and a molecule without torsions is one rigid body. Exclude bonded neighbours by
- * createExclusionsFromBonds().
+ * particles hang together: addBond() for every bond, addTorsion() for each bond about which molecules may turn, and
+ * addBallJoint() for each at which they may turn in any way, as chains of beads do. Bonds without either are rigid, so
+ * everything that no torsion or ball joint moves relative to each other is one rigid <i>link</i>, and a molecule
+ * without any is one rigid body. Exclude bonded neighbours by createExclusionsFromBonds().
  *
  * A particle of mass 0 that is not a virtual site is <i>fixed</i>. The fixed particles of a molecule must all lie in
  * one link; that link never moves. In a molecule without fixed particles the link with the lowest-numbered particle
- * plays this part. A torsion moves the side without it. A virtual site moves with the particles that define it.
+ * plays this part. A torsion or ball joint moves the side without it. A virtual site moves with the particles that
+ * define it.
  *
  * <b>Queries.</b> hasClash(), getClashes(), getNeighborPairs(), getMinimumDistance() and getClashesWith() answer for
  * the present positions of a Context. They cover every pair, however the particles came to where they are.
  *
- * <b>Trials, for anyone's Monte Carlo.</b> proposeTorsions() and proposeRigidMotion() open a trial and return whether
- * it is free of clashes, usually in microseconds and without moving anything; acceptProposal() then moves the Context
- * there, and rejectProposal() forgets it. There is one open trial at a time: a new one, a step of a
- * TorsionMonteCarloIntegrator, or positions that changed in any other way drop it.
+ * <b>Trials, for anyone's Monte Carlo.</b> proposeTorsions(), proposeBallRotations() and proposeRigidMotion() open a
+ * trial and return whether it is free of clashes, usually in microseconds and without moving anything;
+ * acceptProposal() then moves the Context there, and rejectProposal() forgets it. There is one open trial at a time: a
+ * new one, a step of a TorsionMonteCarloIntegrator, or positions that changed in any other way drop it.
  *
  * @code
  * StericExclusionForce* force = new StericExclusionForce();
@@ -123,6 +124,10 @@ public:
      */
     int getNumTorsions() const;
     /**
+     * Get the number of ball joints.
+     */
+    int getNumBallJoints() const;
+    /**
      * Get the number of exclusions, as they were added.
      */
     int getNumExclusions() const;
@@ -194,6 +199,31 @@ public:
      */
     void getTorsionParticles(int index, int& particle1, int& particle2, int& particle3, int& particle4) const;
     /**
+     * Add a ball joint: the two sides of the bond between particle1 and particle2 turn relative to each other in any
+     * way about particle1, which keeps its place in both. So the bond keeps its length, and nothing else has to stay:
+     * angles at particle1 change. Two rigid bodies are joined by one ball joint, and a chain of beads by one for each
+     * bond, particle1 being the bead that is nearer to the root (the lowest-numbered particle, or the fixed ones): then
+     * every bond can take any direction.
+     *
+     * The two particles must be bonded. When a Context is created it is an error if the bond lies in a ring, if there
+     * is another ball joint or a torsion about it (which a ball joint comprises), if particles on both sides of it are
+     * fixed, or if a torsion names particle2 as the particle next to the end particle1 of its axis, because the ball
+     * joint would change its value.
+     *
+     * @param particle1  the index of the particle about which the sides turn
+     * @param particle2  the index of a particle bonded to particle1
+     * @return the index of the ball joint that was added
+     */
+    int addBallJoint(int particle1, int particle2);
+    /**
+     * Get the particles of a ball joint.
+     *
+     * @param index           the index of the ball joint
+     * @param[out] particle1  the index of the particle about which the sides turn
+     * @param[out] particle2  the index of a particle bonded to particle1
+     */
+    void getBallJointParticles(int index, int& particle1, int& particle2) const;
+    /**
      * Exclude a pair of particles: it never clashes and is in no list of neighbours. Excluding a pair twice is
      * harmless.
      *
@@ -254,10 +284,10 @@ public:
      * Context. An open trial is dropped; limits of pairs are kept where they are above the pair's new tolerance and
      * both radii above 0, and grow at the next trial where the new parameters make new clashes.
      *
-     * Bonds, torsions, exclusions and the number of particles cannot be changed this way: if they are not what they
-     * were when the Context was created, this throws an exception. Reinitialize the Context instead. (Bonds and
-     * exclusions that are there already may be repeated.) All or nothing: if an exception is thrown, for these or for
-     * any other parameters, the Context has what it had, the open trial included.
+     * Bonds, torsions, ball joints, exclusions and the number of particles cannot be changed this way: if they are not
+     * what they were when the Context was created, this throws an exception. Reinitialize the Context instead. (Bonds
+     * and exclusions that are there already may be repeated.) All or nothing: if an exception is thrown, for these or
+     * for any other parameters, the Context has what it had, the open trial included.
      *
      * This takes O(N log N) time.
      *
@@ -338,6 +368,21 @@ public:
      */
     bool proposeTorsions(OpenMM::Context& context, const std::vector<int>& torsions,
                          const std::vector<double>& changes) const;
+    /**
+     * Open a trial that turns ball joints, and test it. Nothing moves until acceptProposal() is called. For k ball
+     * joints this usually takes O(k log N) time, and less if there is a clash.
+     *
+     * If one joint moves the particle of another, the outer rotation carries the inner one's result along: each turns
+     * about the place that its particle has before the trial, and the one nearer to the root comes last.
+     *
+     * @param context     the Context whose positions are the start
+     * @param ballJoints  the indices of the ball joints to turn, each at most once
+     * @param rotations   the rotation of the side that moves, for each of these joints: a vector along the axis whose
+     *                    length is the angle, in radians
+     * @return true if no pair whose distance the trial changes overlaps beyond its limit
+     */
+    bool proposeBallRotations(OpenMM::Context& context, const std::vector<int>& ballJoints,
+                              const std::vector<OpenMM::Vec3>& rotations) const;
     /**
      * Open a trial that moves a whole molecule as a rigid body, and test it. Nothing moves until acceptProposal() is
      * called. It is an error if the molecule has fixed particles.
@@ -446,6 +491,7 @@ private:
     std::vector<ParticleInfo> particles;
     std::vector<std::pair<int, int>> bonds;
     std::vector<std::array<int, 4>> torsions;
+    std::vector<std::pair<int, int>> ballJoints;
     std::vector<std::pair<int, int>> exclusions;
     double overlapTolerance, hydrogenBondAllowance, forceConstant;
 };

@@ -29,10 +29,11 @@ class StericExclusionForceImpl;
 class TrialSession;
 
 /**
- * This Integrator samples molecules by Monte Carlo moves of their torsions and of whole molecules, with bond lengths
- * and bond angles frozen. It drives the one StericExclusionForce of its System.
+ * This Integrator samples molecules by Monte Carlo moves of their torsions, of their ball joints and of whole
+ * molecules, with bond lengths and, but at ball joints, bond angles frozen. It drives the one StericExclusionForce of
+ * its System.
  *
- * What it samples is, uniform in the torsion angles and in the placement of rigid bodies,
+ * What it samples is, uniform in torsion angles, in the rotations of ball joints and in the placement of rigid bodies,
  *
  *     pi(x) ~ exp(-U(x)/kT) * 1[no pair of particles overlaps beyond its limit]
  *
@@ -116,11 +117,11 @@ class TrialSession;
  * example as a label of frames, can set another one. Velocities are left alone.
  *
  * <b>Errors.</b> Creating a Context throws an exception if its System has no StericExclusionForce or more than one, a
- * barostat (periodic boundary conditions are not supported), or a constraint between particles that a torsion moves
- * relative to each other, and if a move names what does not exist. A step throws an exception if no move can be drawn,
- * if U of the present positions is not a number, if these are not finite, if OpenMM has another energy for a native
- * Force, or if another Force throws one. The Context then is where the trials that were accepted have led (with outer
- * tests, where the last test has left it), and these are counted, but the step is not.
+ * barostat (periodic boundary conditions are not supported), or a constraint between particles that a torsion
+ * or ball joint moves relative to each other, and if a move names what does not exist. A step throws an exception if no
+ * move can be drawn, if U of the present positions is not a number, if these are not finite, if OpenMM has another
+ * energy for a native Force, or if another Force throws one. The Context then is where the trials that were accepted
+ * have led (with outer tests, where the last test has left it), and these are counted, but the step is not.
  *
  * <b>Checkpoints and States.</b> With the same random number seed, the same program samples the same trajectory, bit
  * for bit. So does one that is broken off between two steps and goes on from a checkpoint, or from a State with
@@ -540,6 +541,24 @@ public:
     int addDrawnMove(double weight, const std::vector<std::vector<int>>& torsions,
                      const std::vector<TorsionDensity>& densities);
     /**
+     * Add a move that turns one ball joint, drawn uniformly from a list: all that hangs by it turns about the joint's
+     * particle, which with chains of beads is the pivot algorithm. The axis is drawn uniformly from all directions and
+     * the angle uniformly from -maxAngle to maxAngle. With a maxAngle of pi all rotations are equally likely, so that
+     * the new directions do not depend on the old ones. (An angle drawn uniformly from -pi to pi would prefer small
+     * rotations.) Either way a rotation and its reverse are equally likely.
+     *
+     * Large rotations change the shape of a loose chain in few trials, since many of them are free of clashes (Lal,
+     * Mol. Phys. 17, 57 (1969); Madras and Sokal, J. Stat. Phys. 50, 109 (1988)). A compact chain needs small ones.
+     * Most chains do best with a move of each kind.
+     *
+     * @param weight      how often this move is drawn, relative to the weights of the others, at least 0
+     * @param maxAngle    the largest angle, from 0 to pi, in radians; pi draws rotations anew
+     * @param ballJoints  the indices of the ball joints of the StericExclusionForce to choose from; if empty, all of
+     *                    them. In Python None means all of them, and an empty list is an error.
+     * @return the index of the move that was added
+     */
+    int addPivotMove(double weight, double maxAngle, const std::vector<int>& ballJoints = std::vector<int>());
+    /**
      * Get the number of moves.
      */
     int getNumMoves() const;
@@ -614,6 +633,16 @@ public:
     void getDrawnMoveParameters(int move, double& weight, std::vector<std::vector<int>>& torsions,
                                 std::vector<TorsionDensity>& densities) const;
     /**
+     * Get the parameters of a move that was added by addPivotMove(). It is an error if the move is of another kind.
+     *
+     * @param move             the index of the move
+     * @param[out] weight      how often this move is drawn, relative to the weights of the others
+     * @param[out] maxAngle    the largest angle, in radians
+     * @param[out] ballJoints  the indices of the ball joints to choose from; empty (in Python None) if they are all
+     * ball joints
+     */
+    void getPivotMoveParameters(int move, double& weight, double& maxAngle, std::vector<int>& ballJoints) const;
+    /**
      * Set the parameters of a move that was added by addTorsionMove(). It is an error if the move is of another kind.
      * The next trial follows them. The counts of the move start anew, from 0: they tell of the move as it is.
      *
@@ -680,6 +709,18 @@ public:
      */
     void setDrawnMoveParameters(int move, double weight, const std::vector<std::vector<int>>& torsions,
                                 const std::vector<TorsionDensity>& densities);
+    /**
+     * Set the parameters of a move that was added by addPivotMove(). It is an error if the move is of another kind. The
+     * next trial follows them. The counts of the move start anew, from 0: they tell of the move as it is.
+     *
+     * @param move        the index of the move
+     * @param weight      how often this move is drawn, relative to the weights of the others, at least 0
+     * @param maxAngle    the largest angle, from 0 to pi, in radians; pi draws rotations anew
+     * @param ballJoints  the indices of the ball joints of the StericExclusionForce to choose from; if empty, all of
+     *                    them. In Python None means all of them, and an empty list is an error.
+     */
+    void setPivotMoveParameters(int move, double weight, double maxAngle,
+                                const std::vector<int>& ballJoints = std::vector<int>());
     /**
      * Remove a move, and its counts. The indices of the moves after it become lower by one.
      *

@@ -41,6 +41,7 @@ public:
     void getLimits(std::vector<std::pair<int, int>>& pairs, std::vector<double>& limits);
     void setLimits(const std::vector<std::pair<int, int>>& pairs, const std::vector<double>& limits);
     void proposeTorsions(const std::vector<int>& torsions, const std::vector<double>& changes);
+    void proposeBallRotations(const std::vector<int>& ballJoints, const std::vector<OpenMM::Vec3>& rotations);
     void proposeRigidMotion(int molecule, const OpenMM::Vec3& rotation, const OpenMM::Vec3& translation);
     bool hasProposal();
     bool isProposalFree();
@@ -112,8 +113,8 @@ private:
     std::vector<uint8_t> linkJoints;
     std::vector<std::array<int, 4>> linkTorsions;
     std::vector<std::array<int, 2>> exclusions;
-    // What torsions and molecules are called there.
-    std::vector<int> torsionLinks;
+    // What torsions, ball joints and molecules are called there.
+    std::vector<int> torsionLinks, ballJointLinks;
     std::vector<int> moleculeRoots;
     /** The scene. It is made when there are positions, because the engine arranges it by them. */
     Tree tree;

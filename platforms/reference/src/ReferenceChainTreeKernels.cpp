@@ -115,14 +115,19 @@ void ReferenceCalcStericExclusionForceKernel::initialize(const StericExclusionFo
 {
     particleLinks = structure.getParticleLinks();
     torsionLinks = structure.getTorsionLinks();
+    ballJointLinks = structure.getBallJointLinks();
     for (const LinkStructure::Molecule& molecule : structure.getMolecules())
         moleculeRoots.push_back(molecule.root);
     for (const LinkStructure::Link& link : structure.getLinks()) {
         array<int, 4> torsion = {{CT_NULL, CT_NULL, CT_NULL, CT_NULL}};
         uint8_t joint = structure.getMolecules()[link.molecule].fixed ? ctFixedJoint : ctFreeJoint;
-        if (link.parent != -1) {
+        if (link.torsion != -1) {
             force.getTorsionParticles(link.torsion, torsion[0], torsion[1], torsion[2], torsion[3]);
             joint = ctTorsionJoint;
+        }
+        else if (link.ballJoint != -1) {
+            force.getBallJointParticles(link.ballJoint, torsion[1], torsion[2]);
+            joint = ctBallJoint;
         }
         linkParents.push_back(link.parent);
         linkJoints.push_back(joint);
@@ -131,7 +136,7 @@ void ReferenceCalcStericExclusionForceKernel::initialize(const StericExclusionFo
     exclusions.resize(force.getNumExclusions());
     for (int i = 0; i < force.getNumExclusions(); i++)
         force.getExclusionParticles(i, exclusions[i][0], exclusions[i][1]);
-    changes.resize(torsionLinks.size());
+    changes.resize(max(torsionLinks.size(), ballJointLinks.size()));
     parameters = readParameters(force);
 }
 
@@ -453,6 +458,17 @@ void ReferenceCalcStericExclusionForceKernel::proposeTorsions(const vector<int>&
         changes[i].angle = angles[i];
     }
     check(ctPropose(tree.get(), torsions.size(), changes.data()));
+}
+
+void ReferenceCalcStericExclusionForceKernel::proposeBallRotations(const vector<int>& ballJoints,
+                                                                   const vector<Vec3>& rotations)
+{
+    for (size_t i = 0; i < ballJoints.size(); i++) {
+        changes[i].link = ballJointLinks[ballJoints[i]];
+        for (int j = 0; j < 3; j++)
+            changes[i].rotation[j] = rotations[i][j];
+    }
+    check(ctPropose(tree.get(), ballJoints.size(), changes.data()));
 }
 
 void ReferenceCalcStericExclusionForceKernel::proposeRigidMotion(int molecule, const Vec3& rotation,

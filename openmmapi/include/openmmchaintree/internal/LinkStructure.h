@@ -5,19 +5,20 @@
 #include "openmmchaintree/internal/windowsExportChainTree.h"
 #include "openmmchaintree/StericExclusionForce.h"
 #include <array>
+#include <string>
 #include <utility>
 #include <vector>
 
 namespace ChainTreePlugin {
 
 /**
- * This class works out which particles are rigid relative to each other, from the bonds and torsions of a
+ * This class works out which particles are rigid relative to each other, from the bonds, torsions and ball joints of a
  * StericExclusionForce and the masses and virtual sites of a System.
  *
- * A molecule is a connected component of the bonds, a virtual site being tied to the particles that define it. The
- * torsions cut it into links, which form a tree. Its root is the link with the molecule's fixed particles, else the one
- * with its lowest-numbered particle. Every other link hangs on its parent by one torsion, and that torsion moves it and
- * everything that hangs on it.
+ * A molecule is a connected component of the bonds, a virtual site being tied to the particles that define it. Torsions
+ * and ball joints cut it into links, which form a tree. Its root is the link with the molecule's fixed particles, else
+ * the one with its lowest-numbered particle. Every other link hangs on its parent by one torsion or ball joint, which
+ * moves it and everything that hangs on it.
  */
 class OPENMM_EXPORT_CHAINTREE LinkStructure {
 public:
@@ -25,8 +26,10 @@ public:
     public:
         /** The link that this one hangs on, or -1 if it is the root of its molecule. */
         int parent;
-        /** The torsion between this link and its parent, or -1 if it is the root of its molecule. */
+        /** The torsion between this link and its parent, or -1 if it is a root or hangs by a ball joint. */
         int torsion;
+        /** The ball joint between this link and its parent, or -1 if it is a root or hangs by a torsion. */
+        int ballJoint;
         /** The molecule that this link belongs to. */
         int molecule;
     };
@@ -38,13 +41,14 @@ public:
         bool fixed;
     };
     /**
-     * Work out the links. Takes O((N + torsions) log N) time for N particles and bonds.
+     * Work out the links. Takes O((N + joints) log N) time for N particles and bonds.
      *
-     * Throws an OpenMMException that names the culprit if an index is out of range, a particle is bonded to itself, a
-     * torsion's particles are not bonded in a row, there are two torsions about one bond, a torsion lies in a ring, or
-     * there are fixed particles on both sides of a torsion.
+     * Throws an OpenMMException that names the culprit if an index is out of range, a particle is bonded to itself, the
+     * particles of a torsion or ball joint are not bonded in a row, there are two joints about one bond, a joint lies
+     * in a ring, there are fixed particles on both sides of a joint, or a ball joint changes the dihedral of a torsion.
      */
     LinkStructure(const OpenMM::System& system, const StericExclusionForce& force);
+    ~LinkStructure();
     /**
      * All links, in the order of their lowest-numbered particles.
      */
@@ -80,6 +84,20 @@ public:
      */
     std::array<int, 4> getTorsionParticles(int torsion) const;
     /**
+     * The link that each ball joint moves, together with everything that hangs on it.
+     */
+    const std::vector<int>& getBallJointLinks() const
+    {
+        return ballJointLinks;
+    }
+    /**
+     * Whether there is a torsion or a ball joint.
+     */
+    bool hasJoints() const
+    {
+        return !(torsionLinks.empty() && ballJointLinks.empty());
+    }
+    /**
      * The molecule of a particle.
      */
     int getParticleMolecule(int particle) const
@@ -87,10 +105,11 @@ public:
         return links[particleLinks[particle]].molecule;
     }
     /**
-     * Get a torsion that changes the distance between two particles of one molecule, or -1 if none does. Particles on
-     * the axis of a torsion keep their distance to both sides of it.
+     * Get the name of a torsion or ball joint that changes the distance between two particles of one molecule, as
+     * "torsion 3", or nothing if none does. Particles on the axis of a torsion keep their distance to both sides of it,
+     * and so does the particle about which a ball joint turns.
      */
-    int findTorsionBetween(int particle1, int particle2) const;
+    std::string findJointBetween(int particle1, int particle2) const;
 
     /**
      * Get numbers that two structures share if, and only if, they have the same links, hanging on each other in the
@@ -100,22 +119,21 @@ public:
 
 private:
     class BondGraph;
-    std::pair<int, int> getAxis(int torsion) const
-    {
-        return std::make_pair(torsionParticles[torsion][1], torsionParticles[torsion][2]);
-    }
-    void checkTorsions(const BondGraph& graph, const StericExclusionForce& force);
+    class Joint;
+    void listJoints(const BondGraph& graph, const StericExclusionForce& force);
+    void checkDihedrals() const;
     void findLinks(const BondGraph& graph);
-    std::vector<std::vector<int>> joinLinks(const BondGraph& graph, const StericExclusionForce& force) const;
+    std::vector<std::vector<int>> joinLinks(const BondGraph& graph) const;
     std::vector<int> findAnchors(const OpenMM::System& system) const;
-    void growMolecule(int firstLink, const std::vector<int>& anchors, const std::vector<std::vector<int>>& linkTorsions,
-                      const StericExclusionForce& force);
-    std::vector<int> hangLinks(int root, int molecule, const std::vector<std::vector<int>>& linkTorsions);
+    void growMolecule(int firstLink, const std::vector<int>& anchors, const std::vector<std::vector<int>>& linkJoints);
+    std::vector<int> hangLinks(int root, int molecule, const std::vector<std::vector<int>>& linkJoints);
+    int findJointOf(const Link& link) const;
     std::vector<Link> links;
     std::vector<Molecule> molecules;
     std::vector<int> particleLinks;
-    std::vector<int> torsionLinks;
-    std::vector<std::array<int, 4>> torsionParticles;
+    std::vector<int> torsionLinks, ballJointLinks;
+    /** All joints: first the torsions, then the ball joints. */
+    std::vector<Joint> joints;
 };
 
 } // namespace ChainTreePlugin

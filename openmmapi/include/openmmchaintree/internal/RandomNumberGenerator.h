@@ -79,6 +79,20 @@ public:
         while (point.dot(point) < 1e-6);
         return point / std::sqrt(point.dot(point));
     }
+    /**
+     * Draw a rotation vector: about an axis in any direction, by an angle from -limit to limit. If the limit is pi, or
+     * more by rounding, all rotations are equally likely: the density of the angle is (1 - cos(angle))/(2 pi) then, not
+     * uniform.
+     */
+    OpenMM::Vec3 drawRotation(double limit)
+    {
+        OpenMM::Vec3 axis = drawDirection();
+        double angle = drawSymmetric(limit);
+        if (limit >= M_PI)
+            while (2 * drawUniform() > 1 - std::cos(angle))
+                angle = drawSymmetric(limit);
+        return axis * angle;
+    }
 
     /**
      * Get what decides all numbers still to be drawn.

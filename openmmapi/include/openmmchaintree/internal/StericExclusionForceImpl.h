@@ -90,6 +90,8 @@ public:
                         std::vector<int>& particles, std::vector<double>& overlaps);
     bool proposeTorsions(OpenMM::ContextImpl& context, const std::vector<int>& torsions,
                          const std::vector<double>& changes);
+    bool proposeBallRotations(OpenMM::ContextImpl& context, const std::vector<int>& ballJoints,
+                              const std::vector<OpenMM::Vec3>& rotations);
     bool proposeRigidMotion(OpenMM::ContextImpl& context, int particle, const OpenMM::Vec3& rotation,
                             const OpenMM::Vec3& translation);
     void getProposedPositions(OpenMM::ContextImpl& context, std::vector<OpenMM::Vec3>& positions);

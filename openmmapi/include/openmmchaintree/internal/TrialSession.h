@@ -54,6 +54,11 @@ public:
      */
     void proposeTorsions(const std::vector<int>& torsions, const std::vector<double>& changes);
     /**
+     * Open a trial that turns different ball joints, each by a rotation vector in the world about its particle. Drops
+     * one that was open.
+     */
+    void proposeBallRotations(const std::vector<int>& ballJoints, const std::vector<OpenMM::Vec3>& rotations);
+    /**
      * Open a trial that rotates a molecule of the LinkStructure about its centroid and then translates it. Drops one
      * that was open.
      */

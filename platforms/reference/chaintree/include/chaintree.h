@@ -15,8 +15,8 @@
  * (section 3.1).
  *
  * The state is the reference positions, since then the rotation angle of each torsion and the rotation of each ball
- * joint, and the placement of each free link. Transforms are a pure function of that state. So errors do not grow with the number of moves, and a state
- * reached by commits has the same bits as the same state built anew.
+ * joint, and the placement of each free link. Transforms are a pure function of that state. So errors do not grow with
+ * the number of moves, and a state reached by commits has the same bits as the same state built anew.
  *
  * Exactness. With sigma = CT_SIGMA, every verdict and every listed pair agrees with exact arithmetic on the positions
  * wherever |overlap - limit| > sigma (|distance - cutoff| > sigma). Nearer than that, one canonical distance decides, a
@@ -70,7 +70,7 @@ typedef enum ctHydrogenBondRole {
 
 /* How a link is placed relative to its parent. */
 typedef enum ctJointKind {
-  ctFixedJoint,  /* fixed in the world; only for a link without a parent */
+  ctFixedJoint,   /* fixed in the world; only for a link without a parent */
   ctFreeJoint,    /* by any rigid transform; for a link with a parent or without */
   ctTorsionJoint, /* by a rotation about a bond between the link and its parent */
   ctBallJoint     /* by any rotation about a particle of the link or of its parent */
@@ -115,10 +115,10 @@ typedef struct ctCounts {
 
 /* One change of a trial. */
 typedef struct ctChange {
-  int link;              /* with a joint that is not fixed */
-  double angle;          /* torsion joint: added to the dihedral p1-p2-p3-p4, rad */
-  double rotation[3];    /* free joint: rotation vector, world frame, rad, about pivot; ball joint: about its particle */
-  double pivot[3];       /* free joint: nm, world frame */
+  int link;           /* with a joint that is not fixed */
+  double angle;       /* torsion joint: added to the dihedral p1-p2-p3-p4, rad */
+  double rotation[3]; /* free joint: rotation vector, world frame, rad, about pivot; ball joint: about its particle */
+  double pivot[3];    /* free joint: nm, world frame */
   double translation[3]; /* free joint: nm, world frame, after the rotation */
 } ctChange;
 
