@@ -39,9 +39,17 @@ private:
         return densities.size() == 1 ? densities[0] : densities[set];
     }
     vector<int> numberDensities(vector<TorsionDensity>& different) const;
+    double evaluateFormer();
     /** The set that was drawn last, the values that its torsions had, those that were drawn, and the changes. */
     int drawnSet;
     vector<double> former, drawn, changes;
+    /** Where the density of a set was evaluated last, as long as it has torsions, and what it was there. */
+    class Evaluated {
+    public:
+        vector<double> angles;
+        double density;
+    };
+    vector<Evaluated> evaluated;
 };
 
 } // namespace
@@ -78,6 +86,8 @@ DrawnMove::DrawnMove(const vector<vector<int>>& torsions, const vector<TorsionDe
     former.resize(most);
     drawn.resize(most);
     changes.resize(most);
+    for (auto& set : torsions)
+        evaluated.push_back({vector<double>(set.size(), HUGE_VAL), 0});
 }
 
 string DrawnMove::summarize() const
@@ -233,10 +243,22 @@ bool DrawnMove::propose(TrialSession& trials, RandomNumberGenerator& random)
     return true;
 }
 
+/**
+ * Get the density of the values that the set had. Most trials are refused, so that they are what they were.
+ */
+double DrawnMove::evaluateFormer()
+{
+    Evaluated& last = evaluated[drawnSet];
+    if (!equal(last.angles.begin(), last.angles.end(), former.begin())) {
+        copy_n(former.begin(), last.angles.size(), last.angles.begin());
+        last.density = ctGetDensity(densityOf(drawnSet).getEngine(), former.data());
+    }
+    return last.density;
+}
+
 double DrawnMove::computeLogRatio(TrialSession&)
 {
-    const ctDensity* density = densityOf(drawnSet).getEngine();
-    return log(ctGetDensity(density, former.data()) / ctGetDensity(density, drawn.data()));
+    return log(evaluateFormer() / ctGetDensity(densityOf(drawnSet).getEngine(), drawn.data()));
 }
 
 // ---- The methods of the integrator ----

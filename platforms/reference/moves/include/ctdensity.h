@@ -16,7 +16,7 @@ extern "C" {
 
 /* The most torsions of a density, and the most numbers that drawing them takes. */
 #define CT_DENSITY_MOST 8
-#define CT_UNIFORMS_MOST (1 + 5 * CT_DENSITY_MOST)
+#define CT_UNIFORMS_MOST (1 + 4 * CT_DENSITY_MOST)
 
 typedef struct ctDensity ctDensity;
 
