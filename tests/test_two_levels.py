@@ -12,8 +12,14 @@ seeds are fixed. long_two_levels.py does the same with larger molecules.
 import numpy as np
 import openmm
 import pytest
-from openmmchaintree import StericExclusionForce, TorsionMonteCarloIntegrator
-from realsystems import Reference, Run, isSteric, makeSystem
+from openmmchaintree import (
+    StericExclusionForce,
+    TorsionDensity,
+    TorsionMonteCarloIntegrator,
+    createStericExclusionForce,
+    ramachandranDensities,
+)
+from realsystems import Reference, Run, isSteric, makeSystem, readSystem
 from scipy.stats import t
 from test_native_energies import ABSOLUTE
 from test_native_sampling import DIPEPTIDE_MOVES, SIGNIFICANCE
@@ -67,12 +73,17 @@ class Scene:
         """Return functions of samples, with cells that are rare taken together."""
         return np.hstack([values[:, ~self.isRare], values[:, self.isRare].sum(axis=1, keepdims=True)])
 
-    def sample(self, standIn, constantsOf="start", renewals=False, seed=1):
-        """Return means of blocks of both chains: (chains, blocks, functions)."""
+    def sample(self, standIn, constantsOf="start", renewals=False, seed=1, drawn=None):
+        """Return means of blocks of both chains: (chains, blocks, functions). The torsions are turned, or drawn from a
+        density.
+        """
         blocks = []
         for chain, start in enumerate(self.starts):
-            run = Run(self.system, start, seed=seed + chain, temperature=self.temperature, moves=DIPEPTIDE_MOVES)
+            moves = () if drawn is not None else DIPEPTIDE_MOVES
+            run = Run(self.system, start, seed=seed + chain, temperature=self.temperature, moves=moves)
             integrator, context = run.integrator, run.context
+            if drawn is not None:
+                integrator.addDrawnMove(1, [(0, 1)], drawn)
             if self.isSoft:
                 integrator.setStericMode(TorsionMonteCarloIntegrator.Soft)
             *cutoffs, width, trialsPerTest = standIn
@@ -212,6 +223,15 @@ def test_soft_spheres():
 @pytest.mark.parametrize("standIn", [DEFAULT, SHORT], ids=["default", "short cutoffs"])
 def test_hard_spheres(medium, standIn):
     assert medium.pValue(medium.sample(standIn)) > SIGNIFICANCE
+
+
+def test_drawn_moves(medium):
+    """By phi and psi of alanines in loops, and by a density that is high where hardly any of them are."""
+    topology, _ = readSystem("alanine dipeptide", None)
+    (loops,) = ramachandranDensities(topology, createStericExclusionForce(topology)).density
+    elsewhere = TorsionDensity.fromRotamers([1, 1], [[-2, 0.5], [1, 2]], [[0.5, 0.5], [0.5, 0.5]], 0.5)
+    for density in (loops, elsewhere):
+        assert medium.pValue(medium.sample(DEFAULT, drawn=density)) > SIGNIFICANCE
 
 
 @pytest.mark.parametrize(
