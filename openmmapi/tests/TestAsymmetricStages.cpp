@@ -333,7 +333,8 @@ static void testRatioAlone(Platform& platform)
     ASSERT_EQUAL(0, integrator.getStageStatistics().back().refused);
     long long attempted, clashed, rejected, accepted;
     integrator.getMoveStatistics(0, attempted, clashed, rejected, accepted);
-    ASSERT_EQUAL(100, rejected);
+    ASSERT_EQUAL(100, attempted);
+    ASSERT_EQUAL(0, clashed + rejected + accepted);
 }
 
 int main()
