@@ -64,22 +64,44 @@ static void turnTorsion(TrialChange* change, const Sequence* s, Traversal* t, do
   change->after.angle = ctAngleTurned(change->before.angle, angle);
 }
 
-/* Turns a ball joint about its pivot, the origin of its link. The change is given in the world; the joint's state is in
- * the parent's frame. */
-static void turnBall(TrialChange* change, const Sequence* s, const Tree* tree, const ctChange* given) {
+/* Where the particle is about which a ball joint turns, in the world. */
+static void findPivot(const Sequence* s, Traversal* t, int link, double pivot[3]) {
+  const int slot = particleSlot(s, s->joint[link].origin);
+  if (slot != CT_NULL) {
+    treeLocal(t->tree, slot, pivot);
+    transformPoint(ctTraversalLeafFrame(t, slot / TREE_WIDTH), pivot, pivot);
+  } else {
+    const Frame own = linkFrame(s, t->tree, link);
+    translationOf(&own, pivot);
+  }
+}
+
+/* Turns a ball joint about its pivot. */
+static void turnBall(TrialChange* change, const Sequence* s, Traversal* t, const double rotation[3]) {
   static const double still[3] = {0, 0, 0};
   double turn[4];
-  quaternionFromVector(given->rotation, turn);
-  rotationFromQuaternion(turn, &change->motion);
-  const Frame own = linkFrame(s, tree, change->link);
   double pivot[3];
-  translationOf(&own, pivot);
+  quaternionFromVector(rotation, turn);
+  rotationFromQuaternion(turn, &change->motion);
+  findPivot(s, t, change->link, pivot);
   transformAbout(pivot, still, &change->motion);
+  memcpy(change->rotation, rotation, sizeof change->rotation);
+  change->isTurnOfBall = true;
+}
 
-  const Frame parent = linkFrame(s, tree, s->parent[change->link]);
-  double rotation[3];
-  rotateBack(&parent, given->rotation, rotation);
-  change->after = ctJointTurned(&change->before, rotation);
+/* Finds the states of ball joints after the trial, which takes a walk to each. So that is left until someone asks: most
+ * trials clash. The tree must be that of the state before. */
+static void turnBalls(Trial* trial, const Sequence* s, const Tree* tree) {
+  for (int i = 0; i < trial->count; i++) {
+    TrialChange* change = &trial->changes[i];
+    if (change->isTurnOfBall) {
+      const Frame parent = linkFrame(s, tree, s->parent[change->link]);
+      double rotation[3];
+      rotateBack(&parent, change->rotation, rotation);
+      change->after = ctJointTurned(&change->before, rotation);
+      change->isTurnOfBall = false;
+    }
+  }
 }
 
 /* Moves a free joint. The change is given in the world; the joint's state is in the parent's frame. */
@@ -154,10 +176,11 @@ int ctTrialOpen(Trial* trial, const Sequence* s, Traversal* t, const ctChange* g
     change->link = sequenceLink(s, given[i].link);
     change->userLink = given[i].link;
     change->before = ctSequenceGetJoint(s, change->link);
+    change->isTurnOfBall = false;
     if (s->jointType[change->link] == ctTorsionJoint) {
       turnTorsion(change, s, t, given[i].angle);
     } else if (s->jointType[change->link] == ctBallJoint) {
-      turnBall(change, s, t->tree, &given[i]);
+      turnBall(change, s, t, given[i].rotation);
     } else {
       moveFreely(change, s, t->tree, &given[i]);
     }
@@ -208,6 +231,9 @@ void ctTrialShow(Trial* trial, const Sequence* s) {
 }
 
 int ctTrialApply(Trial* trial, bool after, Sequence* s, Tree* tree) {
+  if (after) {
+    turnBalls(trial, s, tree);
+  }
   for (int i = 0; i < trial->count; i++) {
     const TrialChange* change = &trial->changes[i];
     ctSequenceSetJoint(s, change->link, after ? &change->after : &change->before);

@@ -9,7 +9,9 @@ typedef struct TrialChange {
   int userLink; /* the caller's number of it */
   JointState before;
   JointState after;
-  Frame motion; /* of the link in the world, if this were the only change */
+  bool isTurnOfBall;  /* a ball joint's, whose state after it is not known yet */
+  double rotation[3]; /* of a ball joint, in the world */
+  Frame motion;       /* of the link in the world, if this were the only change */
 } TrialChange;
 
 typedef struct Trial {
