@@ -5,7 +5,7 @@ from collections.abc import Iterable
 import numpy as np
 from openmm import app
 
-from .bonds import BondGraph
+from .bonds import BondGraph, ringBonds
 from .naming import describeResidue
 from .notes import Note, found, warnOf
 from .openmmchaintree import StericExclusionForce
@@ -40,6 +40,7 @@ def createStericExclusionForce(
     forceGroup: int = 31,
     unknownRadius: Number | None = None,
     cutMetals: bool = False,
+    ballJoints: str | Iterable[tuple[int, int]] = (),
 ) -> StericExclusionForce:
     """Create a StericExclusionForce for the molecules of a Topology.
 
@@ -77,6 +78,12 @@ def createStericExclusionForce(
         the force group of the force, of its own unless other forces use it
     unknownRadius : float or Quantity, optional
         the radius in nm of atoms of elements for which the set of radii has none. Default: they are an error.
+    ballJoints : "bonds" or iterable of (int, int)
+        pairs of bonded atoms, about the first of which the molecule turns freely; or "bonds" for all bonds that lie in
+        no ring and have no torsion: each then turns about the atom that is nearer to the lowest-numbered one of its
+        molecule, so that of a chain every bond can take any direction. Models of beads want ``torsions=()``,
+        ``ballJoints="bonds"``, radii, and mostly ``bondCutoff=1``. Where a bead is fixed that is not the first of its
+        molecule, give pairs that lead away from it.
 
     Returns
     -------
@@ -95,7 +102,11 @@ def createStericExclusionForce(
     graph = BondGraph(topology, positions, cutDisulfides, cutMetals)
     search = _torsionsOf(graph, topology, torsions)
     force = makeForce(graph, search.torsions, radii, bondCutoff, forceGroup, unknownRadius)
-    warnOf([*graph.notes, *notesOnGeometry(graph, search.torsions), *notesOnTorsions(search.leftOut)], stacklevel=2)
+    joints = _ballJointsOf(graph, search.torsions, ballJoints)
+    for atom1, atom2 in joints:
+        force.addBallJoint(atom1, atom2)
+    notes = notesOnGeometry(graph, search.torsions) if not joints else []
+    warnOf([*graph.notes, *notes, *notesOnTorsions(search.leftOut)], stacklevel=2)
     return force
 
 
@@ -131,6 +142,28 @@ def _radiiAndRoles(graph, radii, unknownRadius):
     if values.shape != (len(graph.atoms),):
         raise ValueError(f"radii must have the shape ({len(graph.atoms)},), not {values.shape}")
     return values, hydrogenBondRoles(graph, defaultRadii(graph))
+
+
+def _ballJointsOf(graph, torsions, ballJoints):
+    """Return pairs of atoms: those given, or all bonds that can be ball joints, each from the side of the root."""
+    if not isinstance(ballJoints, str):
+        return [(int(atom1), int(atom2)) for atom1, atom2 in ballJoints]
+    if ballJoints != "bonds":
+        raise ValueError(f'ballJoints must be "bonds" or pairs of atoms, not {ballJoints!r}')
+    stiff = ringBonds(graph.neighbors) | {tuple(sorted(torsion.particles[1:3])) for torsion in torsions}
+    joints, reached = [], [False] * len(graph.atoms)
+    for root in range(len(graph.atoms)):
+        pending = [] if reached[root] else [root]
+        reached[root] = True
+        while pending:
+            atom = pending.pop()
+            for other in graph.neighbors[atom]:
+                if not reached[other]:
+                    reached[other] = True
+                    pending.append(other)
+                    if (min(atom, other), max(atom, other)) not in stiff:
+                        joints.append((atom, other))
+    return sorted(joints)
 
 
 def _torsionsOf(graph, topology, torsions):

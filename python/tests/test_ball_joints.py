@@ -1,12 +1,13 @@
 """Ball joints and pivot moves as Python sees them."""
 
 import copy
+import warnings
 
 import numpy as np
 import openmm
 import openmmchaintree as ct
 import pytest
-from openmm import unit
+from openmm import app, unit
 
 
 def beadChain(count):
@@ -72,3 +73,30 @@ def test_pivotMoves():
     assert 0 < statistics.clashed < 500
     end = context.getState(positions=True).getPositions(asNumpy=True).value_in_unit(unit.nanometer)
     assert np.linalg.norm(np.diff(end, axis=0), axis=1) == pytest.approx(0.5, abs=1e-13)
+
+
+def beadTopology(bonds, count):
+    topology = app.Topology()
+    chain = topology.addChain()
+    atoms = [topology.addAtom("CA", app.element.carbon, topology.addResidue("ALA", chain)) for _ in range(count)]
+    for i, j in bonds:
+        topology.addBond(atoms[i], atoms[j])
+    return topology
+
+
+def test_ballJointsOfATopology():
+    # A ring of three with two tails, of which one begins with the highest number; and a molecule of its own.
+    bonds = [(1, 2), (2, 3), (3, 1), (3, 6), (6, 0), (2, 4), (7, 5)]
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        force = ct.createStericExclusionForce(
+            beadTopology(bonds, 8), radii=[0.2] * 8, torsions=(), ballJoints="bonds", bondCutoff=1
+        )
+    joints = [tuple(force.getBallJointParticles(i)) for i in range(force.getNumBallJoints())]
+    assert joints == [(0, 6), (2, 4), (5, 7), (6, 3)]
+    assert force.getNumTorsions() == 0
+    assert force.getNumExclusions() == len(bonds)
+    given = ct.createStericExclusionForce(beadTopology(bonds, 8), radii=[0.2] * 8, torsions=(), ballJoints=[(4, 2)])
+    assert list(given.getBallJointParticles(0)) == [4, 2]
+    with pytest.raises(ValueError, match='ballJoints must be "bonds" or pairs of atoms'):
+        ct.createStericExclusionForce(beadTopology(bonds, 8), radii=[0.2] * 8, ballJoints="all")
