@@ -137,6 +137,8 @@ LinkStructure::LinkStructure(const System& system, const StericExclusionForce& f
     for (int link = 0; link < (int)links.size(); link++)
         if (links[link].molecule == -1)
             growMolecule(link, anchors, linkJoints);
+    orderLinks();
+    findClosures(graph, force);
 }
 
 LinkStructure::~LinkStructure()
@@ -318,6 +320,104 @@ vector<int> LinkStructure::hangLinks(int root, int molecule, const vector<vector
     return hung;
 }
 
+/**
+ * Number all links so that those that hang on one follow it.
+ */
+void LinkStructure::orderLinks()
+{
+    vector<vector<int>> children(links.size());
+    for (int link = 0; link < (int)links.size(); link++)
+        if (links[link].parent != -1)
+            children[links[link].parent].push_back(link);
+    order.resize(links.size());
+    ends.resize(links.size());
+    vector<int> sorted;
+    for (const Molecule& molecule : molecules) {
+        vector<int> pending(1, molecule.root);
+        while (!pending.empty()) {
+            const int link = pending.back();
+            pending.pop_back();
+            order[link] = sorted.size();
+            sorted.push_back(link);
+            pending.insert(pending.end(), children[link].begin(), children[link].end());
+        }
+    }
+    for (int i = sorted.size() - 1; i >= 0; i--) {
+        const int link = sorted[i];
+        ends[link] = i + 1;
+        for (int child : children[link])
+            ends[link] = max(ends[link], ends[child]);
+    }
+}
+
+/**
+ * List a link and those on which it hangs, without the root.
+ */
+vector<int> LinkStructure::findRootward(int link) const
+{
+    vector<int> way;
+    for (; links[link].parent != -1; link = links[link].parent)
+        way.push_back(link);
+    return way;
+}
+
+/**
+ * Record what each closure keeps together, having checked that it can, and the joints of its ring.
+ */
+void LinkStructure::findClosures(const BondGraph& graph, const StericExclusionForce& force)
+{
+    linkClosures.assign(links.size(), -1);
+    keptWith.resize(links.size());
+    for (int link = 0; link < (int)links.size(); link++)
+        keptWith[link] = link;
+    for (int i = 0; i < force.getNumClosures(); i++) {
+        int p[4];
+        force.getClosureParticles(i, p[0], p[1], p[2], p[3]);
+        stringstream text;
+        text << "closure " << i << " (" << p[0] << "-" << p[1] << "-" << p[2] << "-" << p[3] << ")";
+        const string name = text.str();
+        for (int particle : p)
+            checkIndex(particle, force.getNumParticles(), "particle", "StericExclusionForce: " + name);
+        for (int j = 0; j < 4; j += 2)
+            if (!graph.hasBond(p[j], p[j + 1]))
+                fail("the first two particles of " + name + " must be bonded, and the last two, but there is no bond " +
+                     "between particles " + to_string(p[j]) + " and " + to_string(p[j + 1]));
+        if (p[1] == p[2] || graph.hasBond(p[1], p[2]))
+            fail("the bond of " + name + ", between particles " + to_string(p[1]) + " and " + to_string(p[2]) +
+                 ", must not be among the bonds");
+        const pair<int, int> bond = minmax(p[1], p[2]);
+        if (find(closureBonds.begin(), closureBonds.end(), bond) != closureBonds.end())
+            fail("the bond of " + name + " has a closure already");
+        const int link1 = particleLinks[p[1]], link2 = particleLinks[p[2]];
+        const int molecule1 = links[link1].molecule, molecule2 = links[link2].molecule;
+        if (molecule1 != molecule2 && !(molecules[molecule1].fixed && molecules[molecule2].fixed))
+            fail(name + " closes nothing: particles " + to_string(p[1]) + " and " + to_string(p[2]) +
+                 " belong to different molecules, and not both of these have fixed particles; add a bond instead");
+        closureBonds.push_back(bond);
+        closures.push_back(make_pair(link1, link2));
+        vector<int> way1 = findRootward(link1), way2 = findRootward(link2);
+        while (!way1.empty() && !way2.empty() && way1.back() == way2.back()) {
+            way1.pop_back();
+            way2.pop_back();
+        }
+        way1.insert(way1.end(), way2.begin(), way2.end());
+        for (int link : way1)
+            if (linkClosures[link] == -1)
+                linkClosures[link] = i;
+        const int kept = keptWith[link1], joined = keptWith[link2];
+        replace(keptWith.begin(), keptWith.end(), joined, kept);
+    }
+}
+
+void LinkStructure::checkNoClosure(int link, const string& name) const
+{
+    const int closure = linkClosures[link];
+    if (closure != -1)
+        throw OpenMMException(name + " names " + joints[findJointOf(links[link])].name +
+                              ", which lies in the ring of closure " + to_string(closure) + "; " +
+                              (links[link].torsion == -1 ? "no move turns it" : "only closed moves turn it"));
+}
+
 array<int, 4> LinkStructure::getTorsionParticles(int torsion) const
 {
     const vector<int>& given = joints[torsion].particles;
@@ -371,6 +471,12 @@ vector<int> LinkStructure::describe() const
             description.push_back(min(bond.first, bond.second));
             description.push_back(max(bond.first, bond.second));
         }
+    }
+    vector<pair<int, int>> bonds = closureBonds;
+    sort(bonds.begin(), bonds.end());
+    for (auto& bond : bonds) {
+        description.push_back(bond.first);
+        description.push_back(bond.second);
     }
     return description;
 }

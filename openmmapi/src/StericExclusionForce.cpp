@@ -55,6 +55,11 @@ int StericExclusionForce::getNumBallJoints() const
     return ballJoints.size();
 }
 
+int StericExclusionForce::getNumClosures() const
+{
+    return closures.size();
+}
+
 int StericExclusionForce::getNumExclusions() const
 {
     return exclusions.size();
@@ -123,6 +128,22 @@ void StericExclusionForce::getBallJointParticles(int index, int& particle1, int&
     particle2 = ballJoints[index].second;
 }
 
+int StericExclusionForce::addClosure(int particle1, int particle2, int particle3, int particle4)
+{
+    closures.push_back({{particle1, particle2, particle3, particle4}});
+    return closures.size() - 1;
+}
+
+void StericExclusionForce::getClosureParticles(int index, int& particle1, int& particle2, int& particle3,
+                                               int& particle4) const
+{
+    ASSERT_VALID_INDEX(index, closures);
+    particle1 = closures[index][0];
+    particle2 = closures[index][1];
+    particle3 = closures[index][2];
+    particle4 = closures[index][3];
+}
+
 int StericExclusionForce::addExclusion(int particle1, int particle2)
 {
     exclusions.push_back(make_pair(particle1, particle2));
@@ -141,12 +162,16 @@ void StericExclusionForce::createExclusionsFromBonds(int bondCutoff)
     if (bondCutoff < 0)
         throw OpenMMException("StericExclusionForce: bondCutoff must be at least 0, but is " + to_string(bondCutoff));
     vector<vector<int>> neighbors(particles.size());
-    for (auto& bond : bonds) {
-        checkIndex(bond.first, particles.size(), "particle", "StericExclusionForce: a bond");
-        checkIndex(bond.second, particles.size(), "particle", "StericExclusionForce: a bond");
-        neighbors[bond.first].push_back(bond.second);
-        neighbors[bond.second].push_back(bond.first);
-    }
+    auto tie = [&](int particle1, int particle2, const string& name) {
+        checkIndex(particle1, particles.size(), "particle", "StericExclusionForce: " + name);
+        checkIndex(particle2, particles.size(), "particle", "StericExclusionForce: " + name);
+        neighbors[particle1].push_back(particle2);
+        neighbors[particle2].push_back(particle1);
+    };
+    for (auto& bond : bonds)
+        tie(bond.first, bond.second, "a bond");
+    for (auto& closure : closures)
+        tie(closure[1], closure[2], "a closure");
     set<pair<int, int>> known;
     for (auto& exclusion : exclusions)
         known.insert(minmax(exclusion.first, exclusion.second));
@@ -334,7 +359,8 @@ static bool haveSamePairs(const vector<pair<int, int>>& list1, const vector<pair
 bool StericExclusionForce::hasStructureOf(const StericExclusionForce& other) const
 {
     return particles.size() == other.particles.size() && torsions == other.torsions && ballJoints == other.ballJoints &&
-           haveSamePairs(bonds, other.bonds) && haveSamePairs(exclusions, other.exclusions);
+           closures == other.closures && haveSamePairs(bonds, other.bonds) &&
+           haveSamePairs(exclusions, other.exclusions);
 }
 
 ForceImpl* StericExclusionForce::createImpl() const

@@ -11,6 +11,9 @@ using namespace ChainTreePlugin;
 using namespace OpenMM;
 using namespace std;
 
+/** A torsion in a ring that is to turn by no more than this is to stay, in radians. */
+static const double LEAST_CLOSED_CHANGE = 1e-9;
+
 static void fail(const string& message)
 {
     throw OpenMMException("StericExclusionForce: " + message);
@@ -134,13 +137,19 @@ vector<pair<int, int>> StericExclusionForceImpl::getBondedParticles() const
     vector<pair<int, int>> bonds(owner.getNumBonds());
     for (int i = 0; i < owner.getNumBonds(); i++)
         owner.getBondParticles(i, bonds[i].first, bonds[i].second);
+    for (int i = 0; i < owner.getNumClosures(); i++) {
+        int particle1, particle2, particle3, particle4;
+        owner.getClosureParticles(i, particle1, particle2, particle3, particle4);
+        bonds.push_back(make_pair(particle2, particle3));
+    }
     return bonds;
 }
 
 void StericExclusionForceImpl::updateParametersInContext(ContextImpl& context)
 {
     if (!owner.hasStructureOf(*original))
-        fail("its particles, bonds, torsions, ball joints or exclusions are not those that the Context was created "
+        fail("its particles, bonds, torsions, ball joints, closures or exclusions are not those that the Context was "
+             "created "
              "with; "
              "reinitialize the Context");
     engine->copyParameters(owner);
@@ -367,11 +376,13 @@ void StericExclusionForceImpl::resetTraversalStatistics()
  * @param kind    what such a joint is called, as "torsion"
  * @param caller  the function that they were given to, as "proposeTorsions()"
  */
-static void checkJoints(const vector<int>& joints, int numJoints, const string& kind, const string& caller)
+static void checkJoints(const vector<int>& joints, const vector<int>& links, const LinkStructure& structure,
+                        const string& kind, const string& caller)
 {
-    vector<bool> isNamed(numJoints, false);
+    vector<bool> isNamed(links.size(), false);
     for (int joint : joints) {
-        checkIndex(joint, numJoints, kind, "StericExclusionForce: " + caller);
+        checkIndex(joint, links.size(), kind, "StericExclusionForce: " + caller);
+        structure.checkNoClosure(links[joint], "StericExclusionForce: " + caller);
         if (isNamed[joint])
             fail(caller + " names " + kind + " " + to_string(joint) + " twice");
         isNamed[joint] = true;
@@ -384,7 +395,7 @@ bool StericExclusionForceImpl::proposeTorsions(ContextImpl& context, const vecto
     if (torsions.size() != changes.size())
         fail("proposeTorsions() was given " + to_string(torsions.size()) + " torsions, but " +
              to_string(changes.size()) + " changes");
-    checkJoints(torsions, original->getNumTorsions(), "torsion", "proposeTorsions()");
+    checkJoints(torsions, structure->getTorsionLinks(), *structure, "torsion", "proposeTorsions()");
     for (size_t i = 0; i < torsions.size(); i++)
         if (!isfinite(changes[i]))
             fail("the change of torsion " + to_string(torsions[i]) + " is not finite");
@@ -401,7 +412,7 @@ bool StericExclusionForceImpl::proposeBallRotations(ContextImpl& context, const 
     if (ballJoints.size() != rotations.size())
         fail("proposeBallRotations() was given " + to_string(ballJoints.size()) + " ball joints, but " +
              to_string(rotations.size()) + " rotations");
-    checkJoints(ballJoints, original->getNumBallJoints(), "ball joint", "proposeBallRotations()");
+    checkJoints(ballJoints, structure->getBallJointLinks(), *structure, "ball joint", "proposeBallRotations()");
     for (size_t i = 0; i < ballJoints.size(); i++)
         if (!isFinite(rotations[i]))
             fail("the rotation of ball joint " + to_string(ballJoints[i]) + " is not finite");
@@ -488,10 +499,16 @@ void StericExclusionForceImpl::setTorsionAngles(ContextImpl& context, const vect
     vector<int> torsions;
     vector<double> changes;
     for (int i = 0; i < (int)angles.size(); i++) {
-        const double present = engine->getTorsionAngle(i);
-        if (angles[i] != present) {
+        const double present = engine->getTorsionAngle(i), change = remainder(angles[i] - present, 2 * M_PI);
+        if (structure->getLinkClosure(structure->getTorsionLinks()[i]) != -1) {
+            // Angles that were read and come back may differ by their rounding.
+
+            if (fabs(change) > LEAST_CLOSED_CHANGE)
+                structure->checkNoClosure(structure->getTorsionLinks()[i], "StericExclusionForce: setTorsionAngles()");
+        }
+        else if (angles[i] != present) {
             torsions.push_back(i);
-            changes.push_back(remainder(angles[i] - present, 2 * M_PI));
+            changes.push_back(change);
         }
     }
     session.proposeTorsions(torsions, changes);

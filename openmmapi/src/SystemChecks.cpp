@@ -57,6 +57,8 @@ static void checkConstraints(const System& system, const LinkStructure& structur
         int particle1, particle2;
         double distance;
         system.getConstraintParameters(i, particle1, particle2, distance);
+        if (structure.areKeptTogether(particle1, particle2))
+            continue;
         string name = "the constraint between particles " + to_string(particle1) + " and " + to_string(particle2) +
                       " cannot hold: ";
         if (structure.getParticleMolecule(particle1) != structure.getParticleMolecule(particle2))

@@ -1,6 +1,7 @@
 #include "openmmchaintree/internal/TorsionWindows.h"
 #include "openmm/OpenMMException.h"
 #include "openmmchaintree/internal/ArgumentChecks.h"
+#include <algorithm>
 
 using namespace ChainTreePlugin;
 using namespace OpenMM;
@@ -64,7 +65,7 @@ vector<int> ChainTreePlugin::findBackboneTorsions(const LinkStructure& structure
 }
 
 vector<int> ChainTreePlugin::findWindowTorsions(const LinkStructure& structure, const vector<int>& torsions,
-                                                const string& name)
+                                                const string& name, bool keepsClosures)
 {
     const int numTorsions = structure.getTorsionLinks().size();
     if (numTorsions == 0)
@@ -72,7 +73,16 @@ vector<int> ChainTreePlugin::findWindowTorsions(const LinkStructure& structure, 
     for (int torsion : torsions)
         checkIndex(torsion, numTorsions, "torsion", name);
     checkUnique(torsions, name + " names torsion ");
-    return torsions.empty() ? findBackboneTorsions(structure) : torsions;
+    vector<int> found = torsions.empty() ? findBackboneTorsions(structure) : torsions;
+    if (keepsClosures)
+        return found;
+    for (int torsion : torsions)
+        structure.checkNoClosure(structure.getTorsionLinks()[torsion], name);
+    auto isInRing = [&](int torsion) {
+        return structure.getLinkClosure(structure.getTorsionLinks()[torsion]) != -1;
+    };
+    found.erase(remove_if(found.begin(), found.end(), isInRing), found.end());
+    return found;
 }
 
 vector<vector<int>> ChainTreePlugin::findTorsionWindows(const LinkStructure& structure, const vector<int>& pool,

@@ -5,10 +5,9 @@
  * The argument multiplies the number of samples: TestClosedMoves 100 takes minutes and says what it finds.
  */
 
-#include "ctclosure.h"
+#include "BackboneSupport.h"
 #include "openmmchaintree/TorsionMonteCarloIntegrator.h"
 #include "Significance.h"
-#include "TestSupport.h"
 #include <cstdlib>
 #include <iomanip>
 #include <new>
@@ -37,110 +36,6 @@ void operator delete(void* memory) noexcept
 void operator delete(void* memory, size_t) noexcept
 {
     free(memory);
-}
-
-/**
- * A backbone of n, alpha and c, whose phi and psi turn, with peptide bonds of any dihedral: one is cis, none is flat.
- */
-class Backbone {
-public:
-    /**
-     * @param numTorsions  psi of the first residue and so on
-     */
-    Backbone(int numTorsions, double radius) : force(new StericExclusionForce())
-    {
-        system.addForce(force);
-        force->setOverlapTolerance(0);
-        const double lengths[] = {0.1329, 0.1458, 0.1525}, angles[] = {2.03, 2.12, 1.94};
-        const double omegas[] = {3.1, -2.9, 0.2, -3.0};
-        const int numParticles = 3 * (numTorsions / 2 + 1) + (numTorsions % 2 == 0 ? 0 : 1);
-        for (int i = 0; i < numParticles; i++) {
-            const int kind = i % 3; // n, alpha, c
-            system.addParticle(1);
-            force->addParticle(radius);
-            if (i > 0)
-                force->addBond(i - 1, i);
-            const double dihedral = kind == 1 ? omegas[i / 3 % 4] : kind == 2 ? -1.2 : 2.3;
-            positions.push_back(place(lengths[kind], angles[(i + 2) % 3], dihedral));
-            if (i > 2 && kind != 1)
-                force->addTorsion(i - 3, i - 2, i - 1, i);
-        }
-        ASSERT_EQUAL(numTorsions, force->getNumTorsions());
-        force->createExclusionsFromBonds(3);
-    }
-    System system;
-    StericExclusionForce* force;
-    vector<Vec3> positions;
-
-private:
-    /** The position at a distance from the last, with an angle there and a dihedral. */
-    Vec3 place(double length, double angle, double dihedral) const
-    {
-        const int size = positions.size();
-        if (size == 0)
-            return Vec3();
-        if (size == 1)
-            return Vec3(length, 0, 0);
-        const Vec3 last = positions[size - 1],
-                   axis = (last - positions[size - 2]) / getDistance(last, positions[size - 2]);
-        const Vec3 before = size == 2 ? Vec3(0, 1, 0) : positions[size - 3] - positions[size - 2];
-        Vec3 side = before - axis * before.dot(axis);
-        side = side / sqrt(side.dot(side));
-        return last + rotate(axis * -cos(angle) + side * sin(angle), Vec3(), axis, dihedral) * length;
-    }
-};
-
-/**
- * The window whose drivers are the first and last of eight torsions from psi of a residue on.
- */
-static ctWindow findWindow(const vector<Vec3>& positions, int residue)
-{
-    ctWindow window;
-    window.count = 8;
-    for (int i = 0; i < 8; i++) {
-        // The bonds after alpha and before alpha, in turns.
-
-        const int begin = 3 * residue + 1 + 3 * (i / 2) + (i % 2 == 0 ? 0 : 2);
-        const Vec3 axis =
-            (positions[begin + 1] - positions[begin]) / getDistance(positions[begin + 1], positions[begin]);
-        const Vec3 point = positions[i % 2 == 0 ? begin : begin + 1];
-        for (int j = 0; j < 3; j++) {
-            window.points[i][j] = point[j];
-            window.axes[i][j] = axis[j];
-        }
-        if (i > 0 && i < 7)
-            window.pivots[i - 1] = i;
-    }
-    return window;
-}
-
-/**
- * The logarithm of the determinant of the pivots' screws.
- */
-static double computeLogJacobian(const ctWindow& window)
-{
-    double m[6][6];
-    for (int i = 0; i < 6; i++) {
-        const double *u = window.axes[window.pivots[i]], *p = window.points[window.pivots[i]];
-        const Vec3 axis(u[0], u[1], u[2]), moment = Vec3(p[0], p[1], p[2]).cross(axis);
-        for (int j = 0; j < 3; j++) {
-            m[i][j] = axis[j];
-            m[i][j + 3] = moment[j];
-        }
-    }
-    double sum = 0;
-    for (int k = 0; k < 6; k++) {
-        int pivot = k;
-        for (int i = k + 1; i < 6; i++)
-            if (fabs(m[i][k]) > fabs(m[pivot][k]))
-                pivot = i;
-        swap_ranges(m[k], m[k] + 6, m[pivot]);
-        sum += log(fabs(m[k][k]));
-        for (int i = k + 1; i < 6; i++)
-            for (int j = 5; j >= k; j--)
-                m[i][j] -= m[i][k] / m[k][k] * m[k][j];
-    }
-    return sum;
 }
 
 static int countSolutions(const ctWindow& window)

@@ -9,7 +9,8 @@ using namespace OpenMM;
 using namespace std;
 
 static const int NEWEST_VERSION = 2;
-static const int VERSION_WITHOUT_BALL_JOINTS = 1;
+/** That of forces with torsions alone. */
+static const int VERSION_OF_TORSIONS = 1;
 
 StericExclusionForceProxy::StericExclusionForceProxy() : SerializationProxy("StericExclusionForce")
 {
@@ -18,9 +19,11 @@ StericExclusionForceProxy::StericExclusionForceProxy() : SerializationProxy("Ste
 void StericExclusionForceProxy::serialize(const void* object, SerializationNode& node) const
 {
     const StericExclusionForce& force = *reinterpret_cast<const StericExclusionForce*>(object);
-    // A force without ball joints can be read by releases that know none.
+    // A force without ball joints and closures can be read by releases that know none.
 
-    node.setIntProperty("version", force.getNumBallJoints() == 0 ? VERSION_WITHOUT_BALL_JOINTS : NEWEST_VERSION);
+    const bool hasOnlyTorsions = (force.getNumBallJoints() == 0 && force.getNumClosures() == 0);
+    const int version = hasOnlyTorsions ? VERSION_OF_TORSIONS : NEWEST_VERSION;
+    node.setIntProperty("version", version);
     node.setIntProperty("forceGroup", force.getForceGroup());
     node.setStringProperty("name", force.getName());
     node.setDoubleProperty("overlapTolerance", force.getOverlapTolerance());
@@ -51,12 +54,22 @@ void StericExclusionForceProxy::serialize(const void* object, SerializationNode&
             .setIntProperty("p3", p3)
             .setIntProperty("p4", p4);
     }
-    if (force.getNumBallJoints() > 0) {
+    if (version > VERSION_OF_TORSIONS) {
         SerializationNode& ballJoints = node.createChildNode("BallJoints");
         for (int i = 0; i < force.getNumBallJoints(); i++) {
             int p1, p2;
             force.getBallJointParticles(i, p1, p2);
             ballJoints.createChildNode("BallJoint").setIntProperty("p1", p1).setIntProperty("p2", p2);
+        }
+        SerializationNode& closures = node.createChildNode("Closures");
+        for (int i = 0; i < force.getNumClosures(); i++) {
+            int p1, p2, p3, p4;
+            force.getClosureParticles(i, p1, p2, p3, p4);
+            closures.createChildNode("Closure")
+                .setIntProperty("p1", p1)
+                .setIntProperty("p2", p2)
+                .setIntProperty("p3", p3)
+                .setIntProperty("p4", p4);
         }
     }
     SerializationNode& exclusions = node.createChildNode("Exclusions");
@@ -85,9 +98,13 @@ void* StericExclusionForceProxy::deserialize(const SerializationNode& node) cons
     for (auto& torsion : node.getChildNode("Torsions").getChildren())
         force->addTorsion(torsion.getIntProperty("p1"), torsion.getIntProperty("p2"), torsion.getIntProperty("p3"),
                           torsion.getIntProperty("p4"));
-    if (version > VERSION_WITHOUT_BALL_JOINTS)
+    if (version > VERSION_OF_TORSIONS) {
         for (auto& joint : node.getChildNode("BallJoints").getChildren())
             force->addBallJoint(joint.getIntProperty("p1"), joint.getIntProperty("p2"));
+        for (auto& closure : node.getChildNode("Closures").getChildren())
+            force->addClosure(closure.getIntProperty("p1"), closure.getIntProperty("p2"), closure.getIntProperty("p3"),
+                              closure.getIntProperty("p4"));
+    }
     for (auto& exclusion : node.getChildNode("Exclusions").getChildren())
         force->addExclusion(exclusion.getIntProperty("p1"), exclusion.getIntProperty("p2"));
     return force.release();

@@ -40,6 +40,8 @@ unique_ptr<StericExclusionForce> createForce()
     force->addTorsion(3, 2, 1, 0);
     force->addBallJoint(2, 1);
     force->addBallJoint(0, 3);
+    force->addClosure(1, 0, 3, 2);
+    force->addClosure(3, 2, 0, 1);
     force->addExclusion(2, 0);
     force->addExclusion(1, 3);
     return force;
@@ -81,6 +83,13 @@ void assertSameForces(const StericExclusionForce& expected, const StericExclusio
         expected.getBallJointParticles(i, a[0], a[1]);
         found.getBallJointParticles(i, b[0], b[1]);
         ASSERT(equal(a, a + 2, b));
+    }
+    ASSERT_EQUAL(expected.getNumClosures(), found.getNumClosures());
+    for (int i = 0; i < expected.getNumClosures(); i++) {
+        int a[4], b[4];
+        expected.getClosureParticles(i, a[0], a[1], a[2], a[3]);
+        found.getClosureParticles(i, b[0], b[1], b[2], b[3]);
+        ASSERT(equal(a, a + 4, b));
     }
     ASSERT_EQUAL(expected.getNumExclusions(), found.getNumExclusions());
     for (int i = 0; i < expected.getNumExclusions(); i++) {
@@ -151,7 +160,7 @@ void testBadXml()
 }
 
 /**
- * Without ball joints the XML is what it was when there were none.
+ * Without ball joints and closures the XML is what it was when there were none.
  */
 void testFormerVersion()
 {
@@ -160,6 +169,9 @@ void testFormerVersion()
     const string xml = toXml(force);
     ASSERT(xml.find("version=\"1\"") != string::npos && xml.find("BallJoint") == string::npos);
     assertSameForces(force, dynamic_cast<StericExclusionForce&>(*fromXml(xml)));
+    force.addClosure(0, 1, 2, 3);
+    ASSERT(toXml(force).find("version=\"2\"") != string::npos);
+    assertSameForces(force, dynamic_cast<StericExclusionForce&>(*fromXml(toXml(force))));
 }
 
 int main()

@@ -43,6 +43,10 @@ namespace ChainTreePlugin {
  * plays this part. A torsion or ball joint moves the side without it. A virtual site moves with the particles that
  * define it.
  *
+ * <b>Rings and loops.</b> Bonds and torsions make a tree: no torsion can be about a bond in a ring, or between two
+ * fixed parts. A <i>closure</i> is a bond that is not among the bonds and is kept all the same: see addClosure(). With
+ * it the torsions of a disulfide's ring, of a cyclic peptide, or of a loop between fixed parts turn, by closed moves.
+ *
  * <b>Queries.</b> hasClash(), getClashes(), getNeighborPairs(), getMinimumDistance() and getClashesWith() answer for
  * the present positions of a Context. They cover every pair, however the particles came to where they are.
  *
@@ -127,6 +131,10 @@ public:
      * Get the number of ball joints.
      */
     int getNumBallJoints() const;
+    /**
+     * Get the number of closures.
+     */
+    int getNumClosures() const;
     /**
      * Get the number of exclusions, as they were added.
      */
@@ -224,6 +232,36 @@ public:
      */
     void getBallJointParticles(int index, int& particle1, int& particle2) const;
     /**
+     * Add a closure: a bond between particle2 and particle3 that closes a ring, or a loop between fixed parts, and must
+     * not be among the bonds. What hangs together with particle2 and what hangs together with particle3 stay as they
+     * are relative to each other, with the bond's length, its angles and its dihedral.
+     *
+     * Torsions that would move the one relative to the other, those of the ring, are turned by closed moves alone
+     * (TorsionMonteCarloIntegrator::addClosedMove()), in windows that keep the closure. Other moves leave them out; one
+     * that names them is an error, and so are proposeTorsions() and setTorsionAngles() that turn them.
+     *
+     * When a Context is created it is an error if particle1 and particle2, or particle3 and particle4, are not bonded,
+     * if particle2 and particle3 are, if the bond has a closure already, or if particle2 and particle3 belong to
+     * different molecules of which one has no fixed particles: then nothing but the bond holds them together.
+     *
+     * @param particle1  the index of a particle bonded to particle2
+     * @param particle2  the index of the first particle of the bond
+     * @param particle3  the index of the second particle of the bond
+     * @param particle4  the index of a particle bonded to particle3
+     * @return the index of the closure that was added
+     */
+    int addClosure(int particle1, int particle2, int particle3, int particle4);
+    /**
+     * Get the particles of a closure.
+     *
+     * @param index           the index of the closure
+     * @param[out] particle1  the index of a particle bonded to particle2
+     * @param[out] particle2  the index of the first particle of the bond
+     * @param[out] particle3  the index of the second particle of the bond
+     * @param[out] particle4  the index of a particle bonded to particle3
+     */
+    void getClosureParticles(int index, int& particle1, int& particle2, int& particle3, int& particle4) const;
+    /**
      * Exclude a pair of particles: it never clashes and is in no list of neighbours. Excluding a pair twice is
      * harmless.
      *
@@ -241,8 +279,8 @@ public:
      */
     void getExclusionParticles(int index, int& particle1, int& particle2) const;
     /**
-     * Exclude all pairs of particles that are up to a number of bonds apart, along the bonds added so far. Pairs that
-     * are excluded already are not added again.
+     * Exclude all pairs of particles that are up to a number of bonds apart, along the bonds and closures added so far.
+     * Pairs that are excluded already are not added again.
      *
      * @param bondCutoff  the largest number of bonds between two excluded particles. 3 is usual: it excludes particles
      *                    whose distance bond lengths, bond angles and one torsion decide.
@@ -284,10 +322,10 @@ public:
      * Context. An open trial is dropped; limits of pairs are kept where they are above the pair's new tolerance and
      * both radii above 0, and grow at the next trial where the new parameters make new clashes.
      *
-     * Bonds, torsions, ball joints, exclusions and the number of particles cannot be changed this way: if they are not
-     * what they were when the Context was created, this throws an exception. Reinitialize the Context instead. (Bonds
-     * and exclusions that are there already may be repeated.) All or nothing: if an exception is thrown, for these or
-     * for any other parameters, the Context has what it had, the open trial included.
+     * Bonds, torsions, ball joints, closures, exclusions and the number of particles cannot be changed this way: if
+     * they are not what they were when the Context was created, this throws an exception. Reinitialize the Context
+     * instead. (Bonds and exclusions that are there already may be repeated.) All or nothing: if an exception is
+     * thrown, for these or for any other parameters, the Context has what it had, the open trial included.
      *
      * This takes O(N log N) time.
      *
@@ -359,7 +397,8 @@ public:
                         std::vector<int>& particles, std::vector<double>& overlaps) const;
     /**
      * Open a trial that turns torsions, and test it. Nothing moves until acceptProposal() is called. For k torsions
-     * this usually takes O(k log N) time, and less if there is a clash.
+     * this usually takes O(k log N) time, and less if there is a clash. It is an error if a torsion lies in the ring of
+     * a closure.
      *
      * @param context   the Context whose positions are the start
      * @param torsions  the indices of the torsions to turn, each at most once
@@ -447,7 +486,7 @@ public:
     /**
      * Turn all torsions to given values, clashing or not. Virtual sites are computed anew. Like setting positions, this
      * starts limits anew. It is an error if one of the torsions is undefined because three of its particles lie on a
-     * straight line.
+     * straight line, or if one that lies in the ring of a closure would turn.
      *
      * @param context  the Context to move
      * @param angles   the value of each torsion, in radians
@@ -492,6 +531,7 @@ private:
     std::vector<std::pair<int, int>> bonds;
     std::vector<std::array<int, 4>> torsions;
     std::vector<std::pair<int, int>> ballJoints;
+    std::vector<std::array<int, 4>> closures;
     std::vector<std::pair<int, int>> exclusions;
     double overlapTolerance, hydrogenBondAllowance, forceConstant;
 };

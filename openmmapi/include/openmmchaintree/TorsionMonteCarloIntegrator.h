@@ -472,6 +472,9 @@ public:
      * that with neither energy nor spheres torsions are sampled uniformly. Trials that do not close count as attempted
      * only.
      *
+     * Torsions in rings of closures (StericExclusionForce::addClosure()) turn by this move only. Windows leave what a
+     * closure keeps together where it is, or move it as one piece.
+     *
      * What follows the last window of a chain never moves by this move alone, so add a move by addTorsionMove(), too.
      *
      * See Dodd, Boone and Theodorou, Mol. Phys. 78, 961 (1993); Coutsias, Seok, Jacobson and Dill, J. Comput. Chem. 25,

@@ -83,12 +83,12 @@ private:
 
 void ClosedMove::bind(const LinkStructure& structure, const string& name)
 {
-    windows = make_unique<ClosedWindows>(structure, findWindowTorsions(structure, torsions, name));
+    windows = make_unique<ClosedWindows>(structure, findWindowTorsions(structure, torsions, name, true));
     if (windows->getWindows().empty())
         throw OpenMMException(name +
                               " turns windows of eight torsions in a row, but its torsions have none: among seven, "
                               "eight or nine that follow each other along a chain there must be three pairs of "
-                              "neighbours whose bonds share a particle");
+                              "neighbours whose bonds share a particle, and the turns must keep all closures");
     for (const ClosedWindows::Window& found : windows->getWindows()) {
         changes[found.torsions.size()].resize(found.torsions.size());
         positions.reserve(found.particles.size());

@@ -26,10 +26,34 @@ static vector<ClosedWindows::Pivots> listChoices(unsigned joints)
 }
 
 /**
+ * Get how many of the torsions of a window move a link; 0 if all do, which leaves it where it is.
+ */
+static int findPiece(const LinkStructure& structure, const vector<int>& torsions, int link)
+{
+    size_t piece = 0;
+    while (piece < torsions.size() && structure.moves(torsions[piece], link))
+        piece++;
+    return piece == torsions.size() ? 0 : piece;
+}
+
+/**
+ * Get whether the links of each closure stay, or move as one piece.
+ */
+static bool keepsClosures(const LinkStructure& structure, const vector<int>& torsions)
+{
+    for (auto& links : structure.getClosures())
+        if (findPiece(structure, torsions, links.first) != findPiece(structure, torsions, links.second))
+            return false;
+    return true;
+}
+
+/**
  * Add a window of these torsions. Returns false if they can't be one.
  */
 bool ClosedWindows::addWindow(const LinkStructure& structure, const vector<int>& torsions)
 {
+    if (!keepsClosures(structure, torsions))
+        return false;
     Window window;
     window.torsions = torsions;
     unsigned joints = 0;

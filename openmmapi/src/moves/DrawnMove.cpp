@@ -220,8 +220,10 @@ static void readDrawnMove(const SerializationNode& node, double weight, TorsionM
 void DrawnMove::bind(const LinkStructure& structure, const string& name)
 {
     for (auto& set : torsions)
-        for (int torsion : set)
+        for (int torsion : set) {
             checkIndex(torsion, structure.getTorsionLinks().size(), "torsion", name);
+            structure.checkNoClosure(structure.getTorsionLinks()[torsion], name);
+        }
 }
 
 bool DrawnMove::propose(TrialSession& trials, RandomNumberGenerator& random)

@@ -61,10 +61,15 @@ void PivotMove::bind(const LinkStructure& structure, const string& name)
     for (int ballJoint : ballJoints)
         checkIndex(ballJoint, numBallJoints, "ball joint", name);
     checkUnique(ballJoints, name + " names ball joint ");
+    for (int ballJoint : ballJoints)
+        structure.checkNoClosure(structure.getBallJointLinks()[ballJoint], name);
     choices = ballJoints;
-    if (choices.empty())
+    if (ballJoints.empty())
         for (int ballJoint = 0; ballJoint < numBallJoints; ballJoint++)
-            choices.push_back(ballJoint);
+            if (structure.getLinkClosure(structure.getBallJointLinks()[ballJoint]) == -1)
+                choices.push_back(ballJoint);
+    if (choices.empty())
+        throw OpenMMException(name + " turns ball joints, but all of them lie in rings of closures");
 }
 
 bool PivotMove::propose(TrialSession& trials, RandomNumberGenerator& random)

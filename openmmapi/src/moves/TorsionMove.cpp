@@ -68,10 +68,17 @@ void TorsionMove::bind(const LinkStructure& structure, const string& name)
     for (int torsion : torsions)
         checkIndex(torsion, numTorsions, "torsion", name);
     checkUnique(torsions, name + " names torsion ");
+    for (int torsion : torsions)
+        structure.checkNoClosure(structure.getTorsionLinks()[torsion], name);
     choices = torsions;
-    if (choices.empty())
+    if (torsions.empty())
         for (int torsion = 0; torsion < numTorsions; torsion++)
-            choices.push_back(torsion);
+            if (structure.getLinkClosure(structure.getTorsionLinks()[torsion]) == -1)
+                choices.push_back(torsion);
+    if (choices.empty())
+        throw OpenMMException(name +
+                              " turns torsions, but all of them lie in rings of closures; only closed moves turn "
+                              "these");
     if (count > (int)choices.size())
         throw OpenMMException(name + " turns " + to_string(count) + " torsions at once, but has only " +
                               to_string(choices.size()) + " to choose from");

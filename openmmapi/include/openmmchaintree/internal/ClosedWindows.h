@@ -11,7 +11,7 @@ namespace ChainTreePlugin {
 
 /**
  * The windows of closed moves: rows of torsions, each of which moves the next, that can turn so that all behind them
- * stays where it is.
+ * stays where it is. What each closure keeps together is left as it is, or moves as one piece.
  */
 class OPENMM_EXPORT_CHAINTREE ClosedWindows {
 public:

@@ -19,6 +19,10 @@ namespace ChainTreePlugin {
  * and ball joints cut it into links, which form a tree. Its root is the link with the molecule's fixed particles, else
  * the one with its lowest-numbered particle. Every other link hangs on its parent by one torsion or ball joint, which
  * moves it and everything that hangs on it.
+ *
+ * A closure keeps two links as they are relative to each other. Its ring are the joints on the way from one to the
+ * other: those between them and the link on which both hang or, if they are of two fixed molecules, between them and
+ * the roots.
  */
 class OPENMM_EXPORT_CHAINTREE LinkStructure {
 public:
@@ -45,7 +49,8 @@ public:
      *
      * Throws an OpenMMException that names the culprit if an index is out of range, a particle is bonded to itself, the
      * particles of a torsion or ball joint are not bonded in a row, there are two joints about one bond, a joint lies
-     * in a ring, there are fixed particles on both sides of a joint, or a ball joint changes the dihedral of a torsion.
+     * in a ring, there are fixed particles on both sides of a joint, a ball joint changes the dihedral of a torsion, or
+     * a closure cannot be one.
      */
     LinkStructure(const OpenMM::System& system, const StericExclusionForce& force);
     ~LinkStructure();
@@ -98,6 +103,42 @@ public:
         return !(torsionLinks.empty() && ballJointLinks.empty());
     }
     /**
+     * Get the two links that each closure keeps together.
+     */
+    const std::vector<std::pair<int, int>>& getClosures() const
+    {
+        return closures;
+    }
+    /**
+     * Get a closure in whose ring a link's joint to its parent lies, or -1 if there is none. Only what keeps the
+     * closure may move such a joint.
+     */
+    int getLinkClosure(int link) const
+    {
+        return linkClosures[link];
+    }
+    /**
+     * Throw an exception if a link's joint lies in the ring of a closure.
+     *
+     * @param name  what to call that which names the joint
+     */
+    void checkNoClosure(int link, const std::string& name) const;
+    /**
+     * Get whether closures keep two particles as they are relative to each other, as if they were in one link.
+     */
+    bool areKeptTogether(int particle1, int particle2) const
+    {
+        return keptWith[particleLinks[particle1]] == keptWith[particleLinks[particle2]];
+    }
+    /**
+     * Get whether a torsion moves a link.
+     */
+    bool moves(int torsion, int link) const
+    {
+        const int first = torsionLinks[torsion];
+        return order[link] >= order[first] && order[link] < ends[first];
+    }
+    /**
      * The molecule of a particle.
      */
     int getParticleMolecule(int particle) const
@@ -128,12 +169,22 @@ private:
     void growMolecule(int firstLink, const std::vector<int>& anchors, const std::vector<std::vector<int>>& linkJoints);
     std::vector<int> hangLinks(int root, int molecule, const std::vector<std::vector<int>>& linkJoints);
     int findJointOf(const Link& link) const;
+    void orderLinks();
+    void findClosures(const BondGraph& graph, const StericExclusionForce& force);
+    std::vector<int> findRootward(int link) const;
     std::vector<Link> links;
     std::vector<Molecule> molecules;
     std::vector<int> particleLinks;
     std::vector<int> torsionLinks, ballJointLinks;
     /** All joints: first the torsions, then the ball joints. */
     std::vector<Joint> joints;
+    /** The particles of the bonds of closures, the lower first, and the links that they keep together. */
+    std::vector<std::pair<int, int>> closureBonds, closures;
+    std::vector<int> linkClosures;
+    /** A link that stands for all that closures keep together with this one. */
+    std::vector<int> keptWith;
+    /** The place of each link in an order in which all that hangs on it follows it, up to the place in `ends`. */
+    std::vector<int> order, ends;
 };
 
 } // namespace ChainTreePlugin

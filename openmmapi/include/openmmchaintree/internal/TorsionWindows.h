@@ -16,14 +16,18 @@ namespace ChainTreePlugin {
 OPENMM_EXPORT_CHAINTREE std::vector<int> findBackboneTorsions(const LinkStructure& structure);
 
 /**
- * Get the torsions that moves of windows choose from: those given, or those of the backbones if none are.
+ * Get the torsions that moves of windows choose from: those given, or those of the backbones if none are. Those in
+ * rings of closures are left out, unless the move keeps closures.
  *
- * Throws an exception if there are no torsions, or one that is given does not exist or is given twice.
+ * Throws an exception if there are no torsions, or if one that is given does not exist, is given twice, or lies in the
+ * ring of a closure that the move does not keep.
  *
- * @param name  what to call the move when throwing an exception
+ * @param name          what to call the move when throwing an exception
+ * @param keepsClosures whether the move keeps closures
  */
 OPENMM_EXPORT_CHAINTREE std::vector<int> findWindowTorsions(const LinkStructure& structure,
-                                                            const std::vector<int>& torsions, const std::string& name);
+                                                            const std::vector<int>& torsions, const std::string& name,
+                                                            bool keepsClosures = false);
 
 /**
  * Get all windows: rows of consecutive torsions of a pool, the one nearest to the root first. Each torsion of a window
