@@ -29,17 +29,19 @@ by means of blocks. Exit status 1 if one of them is below SIGNIFICANCE divided b
 
 import sys
 import time
+from pathlib import Path
 
 import numpy as np
 import openmm.app as app
-from openmm import unit
 from openmmchaintree import StericExclusionForce, createStericExclusionForce
-from realsystems import Run, isSteric, makeSystem, readSystem
+from realsystems import Run, isSteric, makeSystem
 from scipy.stats import f_oneway, t
 from test_native_sampling import SIGNIFICANCE, TEMPERATURE
 from test_two_levels import ABSURD, DEFAULT, SHORT, makeDipeptide, pValueOfChanges
 
-FORCE_FIELD = ("amber14-all.xml", "implicit/gbn2.xml")
+sys.path.append(str(Path(__file__).parents[1] / "examples" / "validation"))
+from peptide import FORCE_FIELD, cutPeptide  # noqa: E402
+
 HOT, COLD = 900, 300  # K
 COLUMNS = 10  # torsions that are looked at
 CHAINS = 4
@@ -63,26 +65,6 @@ STAND_INS["other"] = STAND_INS["smaller"]
 
 # Of the side chains of villin: of GLU 4, ASP 5, LYS 7, ASN 19, HIS 27, LYS 30 and PHE 35.
 FREE = [6, 7, 9, 14, 15, 31, 49, 58, 59, 69]
-
-
-def cutPeptide():
-    """Return residues 5 to 8 of the villin headpiece, ASP-PHE-LYS-ALA, capped: topology and positions (nm)."""
-    whole, positions = readSystem("villin", FORCE_FIELD[0])
-    residues = list(whole.residues())[3:9]
-    topology, places = app.Topology(), []
-    chain = topology.addChain()
-    caps = {0: ("ACE", {"CA": "CH3", "C": "C", "O": "O"}), 5: ("NME", {"N": "N", "CA": "C"})}
-    for index, old in enumerate(residues):
-        name, names = caps.get(index, (old.name, None))
-        new = topology.addResidue(name, chain)
-        for atom in old.atoms():
-            if names is None or atom.name in names:
-                topology.addAtom(atom.name if names is None else names[atom.name], atom.element, new)
-                places.append(positions[atom.index])
-    topology.createStandardBonds()
-    modeller = app.Modeller(topology, np.array(places) * unit.nanometer)
-    modeller.addHydrogens(app.ForceField(*FORCE_FIELD))
-    return modeller.topology, np.array(modeller.positions.value_in_unit(unit.nanometer))
 
 
 def makeScene(name):

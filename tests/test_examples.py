@@ -64,3 +64,12 @@ def test_noTypeErrors(tmp_path):
     environment = {**os.environ, "MYPYPATH": str(Path(openmmchaintree.__file__).parents[1])}
     result = subprocess.run(command, env=environment, cwd=tmp_path, capture_output=True, text=True)
     assert result.returncode == 0, result.stdout
+
+
+def test_peptideMoves(tmp_path):
+    """A run so short that it sees only gross errors; the long one is for people."""
+    output = run("validation/peptide_moves.py", "--draws", 40, "closed and hops", "local", "all", folder=tmp_path)
+    accepted = re.findall(r"^(.+): 40 draws, ([0-9.]+) accepted", output, re.MULTILINE)
+    assert [name for name, _ in accepted] == ["closed and hops", "local", "all"]
+    assert all(float(share) > 0.05 for _, share in accepted)
+    assert float(re.search(r"^least of \d+ p-values: (\S+),", output, re.MULTILINE)[1]) > 1e-6

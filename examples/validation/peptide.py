@@ -1,0 +1,29 @@
+"""A capped tetrapeptide, to look at sampling with: ASP-PHE-LYS-ALA of the villin headpiece that comes with OpenMM."""
+
+from pathlib import Path
+
+import numpy as np
+import openmm.app as app
+from openmm import unit
+
+FORCE_FIELD = ("amber14-all.xml", "implicit/gbn2.xml")
+
+
+def cutPeptide():
+    """Return residues 5 to 8 of the villin headpiece with caps: topology and positions (nm)."""
+    pdb = app.PDBFile(str(Path(app.__file__).parent / "data" / "test.pdb"))
+    places = np.array(pdb.positions.value_in_unit(unit.nanometer))
+    topology, kept = app.Topology(), []
+    chain = topology.addChain()
+    caps = {0: ("ACE", {"CA": "CH3", "C": "C", "O": "O"}), 5: ("NME", {"N": "N", "CA": "C"})}
+    for index, old in enumerate(list(pdb.topology.residues())[3:9]):
+        name, names = caps.get(index, (old.name, None))
+        new = topology.addResidue(name, chain)
+        for atom in old.atoms():
+            if names is None or atom.name in names:
+                topology.addAtom(atom.name if names is None else names[atom.name], atom.element, new)
+                kept.append(places[atom.index])
+    topology.createStandardBonds()
+    modeller = app.Modeller(topology, np.array(kept) * unit.nanometer)
+    modeller.addHydrogens(app.ForceField(*FORCE_FIELD))
+    return modeller.topology, np.array(modeller.positions.value_in_unit(unit.nanometer))
