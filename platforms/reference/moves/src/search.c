@@ -16,8 +16,10 @@
 /* How far beyond the ends of an arc its root may lie by rounding. */
 #define BEYOND 1e-7
 
-/* Rounding of coefficients, as a part of the terms that they are the difference of; some ten times what it is. */
+/* Rounding of coefficients, as a part of the terms that they are the difference of: below the first it may have changed
+ * signs, and below the second it is all that there is. */
 #define NOISE 4e-15
+#define NOTHING 4e-17
 
 typedef struct Search {
   const Triangle* triangle;
@@ -112,15 +114,15 @@ static bool isDone(Search* search, const Arc* arc) {
   if (isUnreal(arc)) {
     return true;
   }
-  const double noise = NOISE * search->resultant.scale;
+  const double scale = search->resultant.scale;
   double least, most;
   rangeOfArc(arc, &least, &most);
   const int changes = countChanges(arc);
-  search->isDoubtful = search->isDoubtful || (changes < 2 && least < noise);
+  search->isDoubtful = search->isDoubtful || (changes < 2 && least < NOISE * scale);
   if (changes == 0 || (changes == 1 && closeArc(search, arc))) {
     return true;
   }
-  if (arc->depth == DEPTH || most < noise) {
+  if (arc->depth == DEPTH || most < NOTHING * scale) {
     search->isDoubtful = true;
     return true;
   }

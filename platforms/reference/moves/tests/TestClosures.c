@@ -32,6 +32,7 @@ static void testAgainstBruteForce(void) {
 /* Of a window as it is, to turn nothing is a way to close it. */
 static void testKnowsPresentState(void) {
   int lost = 0;
+  int singular = 0; /* nearly */
   const int windows = 4000;
   for (int n = 0; n < windows; n++) {
     ctWindow window;
@@ -49,8 +50,37 @@ static void testKnowsPresentState(void) {
       least = fmin(least, farthest(solutions[i], angles));
     }
     lost += least > 1e-7 ? 1 : 0;
+    singular += ctComputeLogJacobian(&window) < log(1e-3) ? 1 : 0;
   }
   CHECK(lost == 0);
+  CHECK(singular > 100);
+}
+
+/* Where the polynomial in the turn of one piece has two roots so near to each other that rounding hides them. */
+static void testNearRoots(void) {
+  const uint64_t proteins[] = {8723287385621352597u, 8839694166876283767u, 12327378728707669711u};
+  const uint64_t others[] = {5299158327871293978u, 1245677412847254615u, 10731169760453925197u, 1264934582216476889u,
+                             5961263560821056698u, 2654312196754200459u, 8869858072843282675u,  615133437816013239u};
+  const uint64_t former = chance;
+  for (int n = 0; n < 11; n++) {
+    ctWindow window;
+    if (n < 3) {
+      chance = proteins[n];
+      drawProteinWindow(&window, 2, 1);
+    } else {
+      chance = others[n - 3];
+      drawArbitraryWindow(&window, 2);
+    }
+    const double angles[CT_WINDOW_MOST] = {0};
+    double solutions[CT_CLOSURES_MOST][CT_PIVOTS], least = 1;
+    const int count = ctFindClosures(&window, angles, solutions);
+    for (int i = 0; i < count; i++) {
+      least = fmin(least, farthest(solutions[i], angles));
+    }
+    CHECK(least < 1e-7);
+    CHECK(count % 2 == 0);
+  }
+  chance = former;
 }
 
 /* From each solution, the solutions of the way back are what the present state has. */
@@ -150,6 +180,7 @@ static void testRefuses(void) {
 int main(void) {
   testAgainstBruteForce();
   testKnowsPresentState();
+  testNearRoots();
   testThereAndBack();
   testKnowsNear();
   testRefuses();

@@ -3,10 +3,10 @@
  *     chaintree_closures WINDOWS STEPS SEED < backbones
  *
  * The input has a line for each residue: nine coordinates in nm, of N, CA and C, and whether phi and psi are free; an
- * empty line ends a chain. A window is eight or nine free torsions in a row, with three residues as pivots of which both
- * are free. In every other window drivers turn by up to 16 degrees, as they do on the way there; in the others they do
- * not, and one closure is known, as on the way back. Brute force begins with STEPS turns of the first pivot; 0 leaves it
- * out. The program prints a line of JSON, and returns 1 if the solver has missed or invented a closure.
+ * empty line ends a chain. A window is eight or nine free torsions in a row, with three residues as pivots of which
+ * both are free. In every other window drivers turn by up to 16 degrees, as they do on the way there; in the others
+ * they do not, and one closure is known, as on the way back. Brute force begins with STEPS turns of the first pivot; 0
+ * leaves it out. The program prints a line of JSON, and returns 1 if the solver has missed or invented a closure.
  */
 #define _POSIX_C_SOURCE 199309L
 #include <time.h>
