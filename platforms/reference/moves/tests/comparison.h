@@ -39,26 +39,39 @@ static inline double jacobianAt(const ctWindow* window, const double* drivers, c
   return exp(ctComputeLogJacobian(&turned));
 }
 
-/* Compares the solutions of one window. Brute force takes finer steps where it knows fewer than the solver. */
+/* Compares the solutions of one window. Brute force takes finer steps where it does not know all that close it. */
 static inline void compareClosures(const ctWindow* window, const double* drivers, int steps, Comparison* sum) {
   double solutions[CT_CLOSURES_MOST][CT_PIVOTS];
   const int count = ctFindClosures(window, drivers, solutions);
+  bool isInvented[CT_CLOSURES_MOST] = {false};
   bool isKnown[CT_CLOSURES_MOST] = {false};
+  int right = count;
+  for (int j = 0; j < count; j++) {
+    double angles[CT_WINDOW_MOST];
+    putTurns(window, drivers, solutions[j], angles);
+    const double gap = gapOf(window, angles, 1);
+    isInvented[j] = !(gap < 1e-9);
+    for (int i = 0; i < j; i++) {
+      isInvented[j] = isInvented[j] || farthest(solutions[i], solutions[j]) < 1e-9;
+    }
+    right -= isInvented[j] ? 1 : 0;
+    sum->worstGap = fmax(sum->worstGap, gap);
+  }
   int missed = 0;
-  int unknown = 0;
+  int known = 0;
   Brute brute;
-  for (int attempt = 0; attempt < 3; attempt++) {
+  for (int attempt = 0; attempt < 3 && (attempt == 0 || known < right); attempt++) {
     closeByBrute(window, drivers, steps, &brute);
     steps *= 16;
     missed = 0;
-    unknown = count;
+    known = 0;
     memset(isKnown, 0, sizeof isKnown);
     for (int i = 0; i < brute.count; i++) {
       int best = -1;
       double least = 1e-6;
       for (int j = 0; j < count; j++) {
         const double distance = farthest(brute.solutions[i], solutions[j]);
-        if (!isKnown[j] && distance < least) {
+        if (!isKnown[j] && !isInvented[j] && distance < least) {
           least = distance;
           best = j;
         }
@@ -67,28 +80,14 @@ static inline void compareClosures(const ctWindow* window, const double* drivers
         missed++;
       } else {
         isKnown[best] = true;
-        unknown--;
+        known++;
       }
-    }
-    if (unknown == 0) {
-      break;
     }
   }
   for (int j = 0; j < count; j++) {
-    double angles[CT_WINDOW_MOST];
-    putTurns(window, drivers, solutions[j], angles);
-    const double gap = gapOf(window, angles, 1);
-    bool isTwice = false;
-    for (int i = 0; i < j; i++) {
-      isTwice = isTwice || farthest(solutions[i], solutions[j]) < 1e-9;
-    }
-    const bool isInvented = !(gap < 1e-9) || isTwice;
-    sum->invented += isInvented ? 1 : 0;
-    sum->doubtful += !isInvented && !isKnown[j] ? 1 : 0;
-    sum->worstGap = fmax(sum->worstGap, gap);
-    if (isInvented || !isKnown[j]) {
-      printf("window %d: solution %d is %s, gap %.3g nm, |J| %.3g nm^3\n", sum->windows, j,
-             isInvented ? "invented" : "not known", gap, jacobianAt(window, drivers, solutions[j]));
+    if (isInvented[j] || !isKnown[j]) {
+      printf("window %d: solution %d is %s, |J| %.3g nm^3\n", sum->windows, j, isInvented[j] ? "invented" : "not known",
+             jacobianAt(window, drivers, solutions[j]));
     }
   }
   if (missed > 0) {
@@ -102,6 +101,8 @@ static inline void compareClosures(const ctWindow* window, const double* drivers
   sum->solutions += count;
   sum->known += brute.count;
   sum->missed += missed;
+  sum->invented += count - right;
+  sum->doubtful += right - known;
 }
 
 #endif /* COMPARISON_H_ */
