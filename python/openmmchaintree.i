@@ -323,6 +323,7 @@ static bool toVec3s(PyObject* object, const char* unit, const char* name, std::v
 %unit("nm", bornCutoff)
 %unit("nm", pairCutoff)
 %unit("1", weight)
+%unit("1", scale)
 %unit("1", width)
 %unit("1", hop)
 %unit("1", floor)

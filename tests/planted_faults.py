@@ -673,6 +673,7 @@ OUTER_TEST_HEADER = "openmmapi/include/openmmchaintree/internal/OuterTest.h"
 RIGID_BODY_MOVE = "openmmapi/src/moves/RigidBodyMove.cpp"
 SAMPLED_ENERGIES = "openmmapi/src/SampledEnergies.cpp"
 SESSION = "openmmapi/src/TrialSession.cpp"
+SIZES = "openmmapi/src/SizeAdaptation.cpp"
 SNAPSHOT = "openmmapi/src/ContextSnapshot.cpp"
 STAGES = "openmmapi/src/EnergyStage.cpp"
 TORSION_MOVE = "openmmapi/src/moves/TorsionMove.cpp"
@@ -1011,6 +1012,22 @@ API_FAULTS = [
     Fault("local move: windows have no end particle off the axis", LOCAL_MOVE,
           "particles.push_back(structure.getTorsionParticles(torsions.back())[3]);",
           "particles.push_back(structure.getTorsionParticles(torsions.back())[2]);"),
+    Fault("local move: the step back has another size", LOCAL_MOVE,
+          "ctFindLocalSteps(&after, getScale() * sigma", "ctFindLocalSteps(&after, sigma"),
+    Fault("sizes: they adapt away from what is wished", SIZES,
+          "exp(gain * excess)", "exp(-gain * excess)"),
+    Fault("sizes: steps become ever less", SIZES,
+          "max(LEAST_GAIN, 1 / sqrt((double)numBlocks))", "1 / (double)numBlocks"),
+    Fault("sizes: a checkpoint forgets what the next depend on", MOVES,
+          "        entries[i].adaptation.setState(progress.adaptations[i]);\n", ""),
+    Fault("sizes: a State forgets what the next depend on", MOVES,
+          "        entries[i].adaptation.setState(state);\n", ""),
+    Fault("sizes: XML forgets scales", MOVES,
+          "if (entry.move->getScale() != 1)\n            move.", "if (false)\n            move."),
+    Fault("sizes: counts go on when adaptation ends", INTEGRATOR,
+          "    moves->restartAdaptation();\n    resetMoveStatistics();", "    moves->restartAdaptation();"),
+    Fault("sizes: they adapt without being asked to", INTEGRATOR,
+          "            if (adaptMoveSizes)\n", ""),
     Fault("windows: shorter ones are missing where chains end", WINDOWS,
           "if (!hasNext[windows[i].back()])", "if (false)"),
     Fault("windows: side chains are backbones", WINDOWS,
@@ -1072,11 +1089,11 @@ API_FAULTS = [
     Fault("move: weights are not taken off", MOVES,
           "        position -= entries[i].weight;\n", ""),
     Fault("move: a new one keeps the weight", MOVES,
-          "entries[index] = {std::move(move), weight, 0, 0, 0, 0};",
-          "entries[index] = {std::move(move), entries[index].weight, 0, 0, 0, 0};"),
+          "entries[index] = {std::move(move), weight, 0, 0, 0, 0, {}};",
+          "entries[index] = {std::move(move), entries[index].weight, 0, 0, 0, 0, {}};"),
     # ---- What is kept ----
     Fault("checkpoint: the random numbers are not restored", INTEGRATOR,
-          "    *random = restored;\n    moves->setStatistics", "    moves->setStatistics"),
+          "    *random = restored;\n    moves->setProgress", "    moves->setProgress"),
     Fault("checkpoint: counts of refused trials are not restored", MOVES,
           "        entries[i].rejectedByEnergy = statistics[NUM_COUNTS * i + 2];\n", ""),
     Fault("checkpoint: a refused one keeps limits", INTEGRATOR,

@@ -41,7 +41,7 @@ int MoveList::add(unique_ptr<MonteCarloMove> move, double weight)
 {
     checkWeight(weight);
     bindMove(*move, structure, entries.size());
-    entries.push_back({std::move(move), weight, 0, 0, 0, 0});
+    entries.push_back({std::move(move), weight, 0, 0, 0, 0, {}});
     return entries.size() - 1;
 }
 
@@ -50,7 +50,7 @@ void MoveList::set(int index, unique_ptr<MonteCarloMove> move, double weight)
     ASSERT_VALID_INDEX(index, entries);
     checkWeight(weight);
     bindMove(*move, structure, index);
-    entries[index] = {std::move(move), weight, 0, 0, 0, 0};
+    entries[index] = {std::move(move), weight, 0, 0, 0, 0, {}};
 }
 
 void MoveList::remove(int index)
@@ -118,14 +118,19 @@ void MoveList::writeMoves(SerializationNode& node) const
     for (const Entry& entry : entries) {
         SerializationNode& move = node.createChildNode(entry.move->getKind().element);
         move.setDoubleProperty("weight", entry.weight);
+        if (entry.move->getScale() != 1)
+            move.setDoubleProperty("scale", entry.move->getScale());
         entry.move->write(move);
     }
 }
 
 void MoveList::readMoves(const SerializationNode& node, TorsionMonteCarloIntegrator& integrator)
 {
-    for (auto& move : node.getChildren())
+    for (auto& move : node.getChildren()) {
         MoveKind::find(move.getName()).read(move, move.getDoubleProperty("weight"), integrator);
+        if (move.hasProperty("scale"))
+            integrator.setMoveScale(integrator.getNumMoves() - 1, move.getDoubleProperty("scale"));
+    }
 }
 
 // ---- Descriptions ----
@@ -217,6 +222,13 @@ string MoveList::summarize(int index) const
 {
     const Entry& entry = get(index);
     string text = entry.move->summarize() + " (weight " + toText(entry.weight);
+    if (entry.move->getScale() != 1) {
+        stringstream scale;
+        scale.imbue(locale::classic());
+        scale.precision(3);
+        scale << entry.move->getScale();
+        text += ", scaled by " + scale.str();
+    }
     for (const MoveParameter& parameter : entry.move->getParameters())
         if (auto indices = get_if<vector<int>>(&parameter.value)) {
             const string& plural = parameter.name;
@@ -232,10 +244,34 @@ string MoveList::summarize(int index) const
     return text + ")";
 }
 
+// ---- Sizes ----
+
+void MoveList::setScale(int index, double scale)
+{
+    const string name = "move " + to_string(index);
+    if (!get(index).move->hasSize())
+        fail(name + " has no size that could be scaled");
+    if (!(scale > 0 && scale <= 1))
+        fail("the scale of " + name + " must be above 0 and at most 1, but is " + toText(scale));
+    Entry& entry = entries[index];
+    entry.move->setScale(scale);
+    entry.adaptation = SizeAdaptation();
+    entry.refused = entry.clashed = entry.rejectedByEnergy = entry.accepted = 0;
+}
+
+void MoveList::restartAdaptation()
+{
+    for (Entry& entry : entries)
+        entry.adaptation = SizeAdaptation();
+}
+
 // ---- Checkpoints and States ----
 
 /** How many counts a move has. */
 static const size_t NUM_COUNTS = 4;
+
+/** What States call the parts of a SizeAdaptation::State. */
+static const char* const ADAPTATION_NAMES[] = {"adaptationBlocks", "adaptationTrials", "adaptationAccepted"};
 
 void MoveList::createCheckpoint(CheckpointWriter& writer) const
 {
@@ -248,16 +284,18 @@ void MoveList::createCheckpoint(CheckpointWriter& writer) const
             writer.write(property.second);
         }
         writer.write(vector<long long>({entry.refused, entry.clashed, entry.rejectedByEnergy, entry.accepted}));
+        writer.write(entry.move->getScale());
+        writer.write(entry.adaptation.getState());
     }
 }
 
-vector<long long> MoveList::readCheckpoint(CheckpointReader& reader) const
+MoveList::Progress MoveList::readCheckpoint(CheckpointReader& reader) const
 {
     uint64_t count = reader.read<uint64_t>();
     if (count != entries.size())
         fail("the checkpoint is of an integrator with " + to_string(count) + " moves, but this one has " +
              to_string(entries.size()));
-    vector<long long> statistics;
+    Progress progress;
     for (size_t i = 0; i < entries.size(); i++) {
         Description description;
         uint64_t size = reader.read<uint64_t>();
@@ -267,11 +305,22 @@ vector<long long> MoveList::readCheckpoint(CheckpointReader& reader) const
         }
         checkSame(i, description, describe(entries[i]));
         for (long long number : reader.readVector<long long>())
-            statistics.push_back(number);
+            progress.statistics.push_back(number);
+        progress.scales.push_back(reader.read<double>());
+        progress.adaptations.push_back(reader.read<SizeAdaptation::State>());
     }
-    if (statistics.size() != NUM_COUNTS * entries.size())
+    if (progress.statistics.size() != NUM_COUNTS * entries.size())
         fail("the checkpoint is damaged");
-    return statistics;
+    return progress;
+}
+
+void MoveList::setProgress(const Progress& progress)
+{
+    setStatistics(progress.statistics);
+    for (size_t i = 0; i < entries.size(); i++) {
+        entries[i].move->setScale(progress.scales[i]);
+        entries[i].adaptation.setState(progress.adaptations[i]);
+    }
 }
 
 vector<long long> MoveList::getStatistics() const
@@ -292,7 +341,7 @@ void MoveList::setStatistics(const vector<long long>& statistics)
     }
 }
 
-void MoveList::writeStatistics(SerializationNode& node) const
+void MoveList::writeProgress(SerializationNode& node) const
 {
     for (const Entry& entry : entries) {
         SerializationNode& move = node.createChildNode("Move");
@@ -301,11 +350,15 @@ void MoveList::writeStatistics(SerializationNode& node) const
         move.setLongProperty("refused", entry.refused)
             .setLongProperty("clashed", entry.clashed)
             .setLongProperty("rejectedByEnergy", entry.rejectedByEnergy)
-            .setLongProperty("accepted", entry.accepted);
+            .setLongProperty("accepted", entry.accepted)
+            .setDoubleProperty("scale", entry.move->getScale());
+        const SizeAdaptation::State state = entry.adaptation.getState();
+        for (size_t i = 0; i < state.size(); i++)
+            move.setLongProperty(ADAPTATION_NAMES[i], state[i]);
     }
 }
 
-bool MoveList::readStatistics(const SerializationNode& node)
+bool MoveList::readProgress(const SerializationNode& node)
 {
     const vector<SerializationNode>& moves = node.getChildren();
     if (moves.size() != entries.size())
@@ -315,7 +368,14 @@ bool MoveList::readStatistics(const SerializationNode& node)
             if (moves[i].getStringProperty(property.first, "") != property.second)
                 return false;
     for (size_t i = 0; i < entries.size(); i++) {
-        entries[i].refused = moves[i].getLongProperty("refused", 0); // States of former versions have none
+        // States of former versions have neither trials that could not be made nor scales.
+
+        entries[i].refused = moves[i].getLongProperty("refused", 0);
+        entries[i].move->setScale(moves[i].getDoubleProperty("scale", 1));
+        SizeAdaptation::State state;
+        for (size_t j = 0; j < state.size(); j++)
+            state[j] = moves[i].getLongProperty(ADAPTATION_NAMES[j], 0);
+        entries[i].adaptation.setState(state);
         entries[i].clashed = moves[i].getLongProperty("clashed");
         entries[i].rejectedByEnergy = moves[i].getLongProperty("rejectedByEnergy");
         entries[i].accepted = moves[i].getLongProperty("accepted");

@@ -61,8 +61,8 @@ public:
 enum CheckpointForm : uint8_t { OfCompleteContext = 0, OfKeptState = 1, OfKeptStateWithNewPositions = 2 };
 
 TorsionMonteCarloIntegrator::TorsionMonteCarloIntegrator(double temperature) :
-    moves(new MoveList()), trialsPerStep(100), initialClashPolicy(Tolerate), stericMode(Hard), nativeEnergies(true),
-    trialsPerOuterTest(0), outerStatistics(new OuterStatistics()), force(NULL)
+    moves(new MoveList()), adaptMoveSizes(false), trialsPerStep(100), initialClashPolicy(Tolerate), stericMode(Hard),
+    nativeEnergies(true), trialsPerOuterTest(0), outerStatistics(new OuterStatistics()), force(NULL)
 {
     const EnergyTerms::StandIn usual;
     setStandInCutoffs(usual.bornCutoff, usual.pairCutoff);
@@ -183,6 +183,30 @@ void TorsionMonteCarloIntegrator::resetMoveStatistics()
     *outerStatistics = OuterStatistics();
     if (stages)
         stages->resetStatistics();
+}
+
+bool TorsionMonteCarloIntegrator::getAdaptMoveSizes() const
+{
+    return adaptMoveSizes;
+}
+
+void TorsionMonteCarloIntegrator::setAdaptMoveSizes(bool adapt)
+{
+    if (adapt == adaptMoveSizes)
+        return;
+    adaptMoveSizes = adapt;
+    moves->restartAdaptation();
+    resetMoveStatistics();
+}
+
+double TorsionMonteCarloIntegrator::getMoveScale(int move) const
+{
+    return moves->get(move).move->getScale();
+}
+
+void TorsionMonteCarloIntegrator::setMoveScale(int move, double scale)
+{
+    moves->setScale(move, scale);
 }
 
 /**
@@ -384,7 +408,7 @@ void TorsionMonteCarloIntegrator::restoreCheckpoint(CheckpointReader& reader)
                               ", but this openmm-chaintree reads only version " + to_string(CHECKPOINT_VERSION));
     if (reader.readVector<int>() != force->getLinkStructure().describe())
         fail("the checkpoint is of another structure: its bonds and torsions make other links");
-    vector<long long> statistics = moves->readCheckpoint(reader);
+    const MoveList::Progress progress = moves->readCheckpoint(reader);
     OuterStatistics restoredTests;
     restoredTests.read(reader);
     RandomNumberGenerator restored(0);
@@ -399,7 +423,7 @@ void TorsionMonteCarloIntegrator::restoreCheckpoint(CheckpointReader& reader)
     if (form != OfKeptStateWithNewPositions)
         context->getPositions(restoredPositions);
     *random = restored;
-    moves->setStatistics(statistics);
+    moves->setProgress(progress);
     *outerStatistics = restoredTests;
     native->setStandIn(standIn);
 }
@@ -416,7 +440,7 @@ void TorsionMonteCarloIntegrator::serializeParameters(SerializationNode& node) c
     requireBound();
     native->computeAnew();
     node.setIntProperty("version", NEWEST_STATE_VERSION);
-    moves->writeStatistics(node.createChildNode("Moves"));
+    moves->writeProgress(node.createChildNode("Moves"));
     node.createChildNode("Random").setStringProperty("state", random->getState());
     vector<Vec3> positions;
     context->getPositions(positions);
@@ -499,7 +523,7 @@ void TorsionMonteCarloIntegrator::deserializeParameters(const SerializationNode&
     if (!deserializeGeometry(node.getChildNode("Geometry")))
         force->setLimits(*context, pairs, limits);
     *random = restored;
-    const bool movesAreTheSame = moves->readStatistics(node.getChildNode("Moves"));
+    const bool movesAreTheSame = moves->readProgress(node.getChildNode("Moves"));
     if (version > 2)
         native->readStandIn(node.getChildNode("StandIn"));
     if (version > 2 && movesAreTheSame)
@@ -520,40 +544,14 @@ double TorsionMonteCarloIntegrator::computeKineticEnergy()
     return energy;
 }
 
-void TorsionMonteCarloIntegrator::step(int steps)
-{
-    requireBound();
-    const double weightSum = moves->sumWeights();
-    force->takeNoticeOfPositions(*context);
-    for (int i = 0; i < steps; i++) {
-        context->updateContextState();
-        TrialSession trials(*force, *context,
-                            stericMode == Hard ? TrialSession::ApplyLimits : TrialSession::IgnoreLimits);
-        if (stericMode == Soft)
-            force->getLimitPolicy().restart();
-        else if (initialClashPolicy == Refuse)
-            force->getLimitPolicy().refuseToleratedClashes();
-        native->begin(trials);
-        stages->begin(trials);
-        OuterTest test(trials, *native, *stages, *moves, *outerStatistics, *random, temperature, stericMode == Soft);
-        for (int trial = 0; trial < trialsPerStep; trial++) {
-            test.beginTrial();
-            test.endTrial(runTrial(trials, weightSum));
-        }
-        test.end();
-        context->setTime(context->getTime() + getStepSize());
-        context->setStepCount(context->getStepCount() + 1);
-        trials.end();
-    }
-}
-
 /**
- * Run a trial: hard spheres first, since they cost least, then the stages of U. Returns whether it was accepted.
+ * Run a trial of a move: hard spheres first, since they cost least, then the stages of U. Returns whether it was
+ * accepted.
  */
-bool TorsionMonteCarloIntegrator::runTrial(TrialSession& trials, double weightSum)
+static bool runTrial(MoveList::Entry& entry, TrialSession& trials, EnergyStages& stages, double temperature,
+                     EnergyStages::Rule rule, RandomNumberGenerator& random)
 {
-    MoveList::Entry& entry = moves->draw(weightSum, *random);
-    if (!entry.move->propose(trials, *random)) {
+    if (!entry.move->propose(trials, random)) {
         entry.refused++;
         return false;
     }
@@ -568,15 +566,46 @@ bool TorsionMonteCarloIntegrator::runTrial(TrialSession& trials, double weightSu
         entry.refused++;
         return false;
     }
-    const EnergyStages::Rule rule = nativeEnergies ? EnergyStages::DecideOneByOne : EnergyStages::DecideBySum;
-    if (!stages->decide(trials, logRatio, temperature, rule, *random)) {
+    if (!stages.decide(trials, logRatio, temperature, rule, random)) {
         trials.reject();
-        stages->reject();
+        stages.reject();
         entry.rejectedByEnergy++;
         return false;
     }
     trials.accept();
-    stages->accept();
+    stages.accept();
     entry.accepted++;
     return true;
+}
+
+void TorsionMonteCarloIntegrator::step(int steps)
+{
+    requireBound();
+    const double weightSum = moves->sumWeights();
+    const EnergyStages::Rule rule = nativeEnergies ? EnergyStages::DecideOneByOne : EnergyStages::DecideBySum;
+    force->takeNoticeOfPositions(*context);
+    for (int i = 0; i < steps; i++) {
+        context->updateContextState();
+        TrialSession trials(*force, *context,
+                            stericMode == Hard ? TrialSession::ApplyLimits : TrialSession::IgnoreLimits);
+        if (stericMode == Soft)
+            force->getLimitPolicy().restart();
+        else if (initialClashPolicy == Refuse)
+            force->getLimitPolicy().refuseToleratedClashes();
+        native->begin(trials);
+        stages->begin(trials);
+        OuterTest test(trials, *native, *stages, *moves, *outerStatistics, *random, temperature, stericMode == Soft);
+        for (int trial = 0; trial < trialsPerStep; trial++) {
+            test.beginTrial();
+            MoveList::Entry& move = moves->draw(weightSum, *random);
+            const bool accepted = runTrial(move, trials, *stages, temperature, rule, *random);
+            if (adaptMoveSizes)
+                move.adaptSize(accepted);
+            test.endTrial(accepted);
+        }
+        test.end();
+        context->setTime(context->getTime() + getStepSize());
+        context->setStepCount(context->getStepCount() + 1);
+        trials.end();
+    }
 }

@@ -86,6 +86,20 @@ def test_localMoves():
         integrator.addLocalMove(1, 0.1, 50, [])
 
 
+def test_sizesAdaptInEquilibration(villinRun):
+    _, integrator, context = villinRun
+    integrator.setTorsionMoveParameters(0, 1, 180 * unit.degrees)
+    integrator.setAdaptMoveSizes(True)
+    integrator.step(200)
+    integrator.setAdaptMoveSizes(False)
+    assert integrator.getMoveStatistics(0).attempted == 0
+    scale = integrator.getMoveScale(0)
+    assert 0 < scale < 1
+    assert f"scaled by {scale:.3g}" in integrator.getMoveDescription(0)
+    integrator.setMoveScale(0, scale=1)
+    assert integrator.getMoveScale(0) == 1
+
+
 def test_noTorsionsAreNotAllTorsions():
     integrator = TorsionMonteCarloIntegrator(300)
     integrator.addTorsionMove(1, 0.1, torsions=None)

@@ -34,6 +34,7 @@ void TorsionMonteCarloIntegratorProxy::serialize(const void* object, Serializati
     node.setDoubleProperty("standInBornCutoff", bornCutoff);
     node.setDoubleProperty("standInPairCutoff", pairCutoff);
     node.setDoubleProperty("standInGridWidth", integrator.getStandInGridWidth());
+    node.setBoolProperty("adaptMoveSizes", integrator.getAdaptMoveSizes());
     integrator.moves->writeMoves(node.createChildNode("Moves"));
 }
 
@@ -60,6 +61,7 @@ void* TorsionMonteCarloIntegratorProxy::deserialize(const SerializationNode& nod
                                       node.getDoubleProperty("standInPairCutoff"));
         integrator->setStandInGridWidth(node.getDoubleProperty("standInGridWidth"));
     }
+    integrator->setAdaptMoveSizes(node.getBoolProperty("adaptMoveSizes", false));
     MoveList::readMoves(node.getChildNode("Moves"), *integrator);
     return integrator.release();
 }

@@ -126,12 +126,12 @@ class TrialSession;
  * <b>Checkpoints and States.</b> With the same random number seed, the same program samples the same trajectory, bit
  * for bit. So does one that is broken off between two steps and goes on from a checkpoint, or from a State with
  * positions and integrator parameters, as app.Simulation saves it in Python. Both hold the random number generator, the
- * limits, the statistics of the moves and of outer tests, the numbers of a stand-in, and what the geometry is computed
- * from. Making one starts the sums of native
- * energies anew, so a run that makes none can differ from one that does, by the last bits of its energies. The trial
- * that the user may have opened by StericExclusionForce and the counts of getStageStatistics() are in neither. What a
- * program sets by this class (temperature, steric mode, native energies, trials per step, moves) is in neither, too: it
- * has to be the same again for the same bits.
+ * limits, the statistics of the moves and of outer tests, the scales of moves, the numbers of a stand-in, and what the
+ * geometry is computed from. Making one starts the sums of native energies anew, so a run that makes none can differ
+ * from one that does, by the last bits of its energies. The trial that the user may have opened by StericExclusionForce
+ * and the counts of getStageStatistics() are in neither. What a program sets by this class (temperature, steric mode,
+ * native energies, trials per step, moves, whether their sizes adapt) is in neither, too: it has to be the same again
+ * for the same bits.
  *
  * A checkpoint is strict. It is refused by an exception if it is of another structure or if its moves are not those of
  * this integrator: as many, of the same kinds, and with the same parameters and weights, in the same order. The
@@ -139,11 +139,11 @@ class TrialSession;
  * change them then.) By the time it is thrown the Context has the checkpoint's positions, velocities, parameters and
  * time: OpenMM restores these before it asks the Integrator.
  *
- * A State is not. Its random number generator and its limits are taken over whatever the moves are, the statistics only
- * if the moves are the same. If the Context has another structure, or not the bits of the positions that the sampling
- * stood at (for example because the State was made with enforcePeriodicBox, or holds no positions), sampling goes on
- * from the positions that the Context has, within rounding. States of version 1 hold limits alone, those of
- * version 2 nothing of outer tests.
+ * A State is not. Its random number generator and its limits are taken over whatever the moves are, the statistics and
+ * scales only if the moves are the same. If the Context has another structure, or not the bits of the positions that
+ * the sampling stood at (for example because the State was made with enforcePeriodicBox, or holds no positions),
+ * sampling goes on from the positions that the Context has, within rounding. States of version 1 hold limits alone,
+ * those of version 2 nothing of outer tests.
  *
  * <b>A refused reinitialize().</b> Context::reinitialize() throws an exception if the System has come to hold what a
  * Force or this integrator refuses, and leaves a Context that is not complete. The integrator then keeps what the
@@ -749,6 +749,50 @@ public:
      */
     void resetMoveStatistics();
     /**
+     * Get whether the sizes of moves adapt. The default is false.
+     */
+    bool getAdaptMoveSizes() const;
+    /**
+     * Set whether the sizes of moves adapt to an acceptance of 40 percent. Use this in equilibration only: while sizes
+     * adapt, what is sampled is not exactly the distribution that it should be.
+     *
+     * The parameters of a move are its largest sizes. After every 100 trials of a move they are scaled by a factor of
+     * their own, at most 1, that becomes less if too few trials were accepted, and larger if too many were. So add
+     * moves with sizes that are rather too large. A trial that could not be made counts as one that was not accepted,
+     * and what outer tests take back as it was decided before. Of moves without a size nothing adapts.
+     *
+     * When adaptation ends, by setAdaptMoveSizes(false), sizes stay as they are: each move goes on with the scale that
+     * getMoveScale() returns. The counts of getMoveStatistics(), getStageStatistics() and getOuterStatistics() start
+     * anew, from 0, both when adaptation begins and when it ends, so that those of equilibration are apart from those
+     * of sampling. Checkpoints and States hold the scales; so does the XML of this integrator.
+     *
+     * @code
+     * integrator.setAdaptMoveSizes(true);
+     * integrator.step(1000);
+     * integrator.setAdaptMoveSizes(false);
+     * integrator.step(100000);
+     * @endcode
+     *
+     * @param adapt  whether sizes adapt from now on
+     */
+    void setAdaptMoveSizes(bool adapt);
+    /**
+     * Get the factor by which the sizes of a move are multiplied: 1 unless they have adapted, or setMoveScale() has set
+     * it. The present sizes are this times the parameters of the move: its maxAngle, maxTranslation or sigma.
+     *
+     * @param move  the index of the move
+     */
+    double getMoveScale(int move) const;
+    /**
+     * Set the factor by which the sizes of a move are multiplied, for example to what getMoveScale() has returned in
+     * another run. Setting the parameters of a move makes it 1. The counts of the move start anew, from 0. It is an
+     * error if the move has no size.
+     *
+     * @param move   the index of the move
+     * @param scale  the factor, above 0 and at most 1
+     */
+    void setMoveScale(int move, double scale);
+    /**
      * Get the values of all torsions. The same as StericExclusionForce::getTorsionAngles().
      *
      * @param context      the Context that this integrator is bound to
@@ -809,8 +853,8 @@ private:
     void requireBound() const;
     void requireContext(const OpenMM::Context& context) const;
     void bindEnergies(StericExclusionForceImpl& force, OpenMM::ContextImpl& context);
-    bool runTrial(TrialSession& trials, double weightSum);
     std::unique_ptr<MoveList> moves;
+    bool adaptMoveSizes;
     double temperature;
     int randomNumberSeed, trialsPerStep;
     InitialClashPolicy initialClashPolicy;

@@ -7,6 +7,7 @@
 #include "openmmchaintree/internal/LinkStructure.h"
 #include "openmmchaintree/internal/MonteCarloMove.h"
 #include "openmmchaintree/internal/RandomNumberGenerator.h"
+#include "openmmchaintree/internal/SizeAdaptation.h"
 #include "openmmchaintree/internal/windowsExportChainTree.h"
 #include <memory>
 #include <string>
@@ -29,6 +30,24 @@ public:
         std::unique_ptr<MonteCarloMove> move;
         double weight;
         long long refused, clashed, rejectedByEnergy, accepted;
+        SizeAdaptation adaptation;
+        /**
+         * Let the size of the move follow from what became of a trial.
+         */
+        void adaptSize(bool accepted)
+        {
+            if (move->hasSize())
+                move->setScale(adaptation.countTrial(accepted, move->getScale()));
+        }
+    };
+    /**
+     * What became of all moves: their counts, and for each its scale and what decides how that goes on.
+     */
+    class Progress {
+    public:
+        std::vector<long long> statistics;
+        std::vector<double> scales;
+        std::vector<SizeAdaptation::State> adaptations;
     };
     MoveList();
     int size() const
@@ -79,11 +98,19 @@ public:
     Entry& draw(double weightSum, RandomNumberGenerator& random);
     void resetStatistics();
     /**
+     * Set the scale of a move. Its counts start from 0. It is an error if it has no size.
+     */
+    void setScale(int index, double scale);
+    /**
+     * Let the adaptation of all sizes begin anew, from their present scales.
+     */
+    void restartAdaptation();
+    /**
      * Get the counts of all moves, for setStatistics().
      */
     std::vector<long long> getStatistics() const;
     /**
-     * Set the counts that getStatistics() or readCheckpoint() returned.
+     * Set the counts that getStatistics() returned.
      */
     void setStatistics(const std::vector<long long>& statistics);
 
@@ -101,23 +128,24 @@ public:
     // ---- Checkpoints and States: what became of them ----
 
     /**
-     * Write the moves and their counts.
+     * Write the moves and their progress.
      */
     void createCheckpoint(CheckpointWriter& writer) const;
     /**
-     * Read what createCheckpoint() wrote, and return the counts for setStatistics(). It is an error if these are not
+     * Read what createCheckpoint() wrote, and return the progress for setProgress(). It is an error if these are not
      * the moves of that checkpoint.
      */
-    std::vector<long long> readCheckpoint(CheckpointReader& reader) const;
+    Progress readCheckpoint(CheckpointReader& reader) const;
+    void setProgress(const Progress& progress);
     /**
-     * Write the moves and their counts as children of a node.
+     * Write the moves and their progress as children of a node.
      */
-    void writeStatistics(OpenMM::SerializationNode& node) const;
+    void writeProgress(OpenMM::SerializationNode& node) const;
     /**
-     * Read the counts that writeStatistics() wrote, if these are the moves that it wrote them of. Returns whether they
+     * Read the progress that writeProgress() wrote, if these are the moves that it wrote it of. Returns whether they
      * are.
      */
-    bool readStatistics(const OpenMM::SerializationNode& node);
+    bool readProgress(const OpenMM::SerializationNode& node);
 
 private:
     /** What a move is, in names and values. */
