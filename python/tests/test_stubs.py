@@ -141,8 +141,8 @@ def test_everyNumberHasItsUnit(name):
     for method, stub in methodsOf(_STUBS[name]).items():
         text = ast.get_docstring(stub)
         for parameter, description in _NUMBERS.findall(text):
-            # Weights, widths of logarithms, and shares are numbers without unit.
-            assert parameter in ("weight", "width", "hop") or _UNIT.search(description), f"{method}: {parameter}"
+            # Weights, widths of logarithms, shares and factors are numbers without unit.
+            assert parameter in ("weight", "width", "hop", "scale") or _UNIT.search(description), f"{method}: {parameter}"
         if ast.unparse(stub.returns) == "Quantity":
             assert _UNIT.search(text), method
 
