@@ -318,7 +318,7 @@ static void testRatioAlone(Platform& platform)
         }
         double computeLogRatio(TrialSession&)
         {
-            return -numeric_limits<double>::max(); // minus infinity would count as no way back
+            return -numeric_limits<double>::infinity();
         }
     };
     BeadChain chain(4, 0);
