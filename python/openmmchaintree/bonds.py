@@ -25,6 +25,9 @@ class BondGraph:
         the bonds between sulfurs, and those of metals, to other residues, cut or not
     cut : list of (int, int)
         those of them that are not in `bonds`
+    closures : list of (int, int, int, int)
+        bonds that are not in `bonds` either, but that moves keep: those between the second and third of these atoms,
+        each with a neighbor
     positions : (n, 3) float64 array or None
         those given, with molecules that the periodic box of the Topology tears apart made whole
     overlong : list of (int, int)
@@ -33,7 +36,7 @@ class BondGraph:
         gaps; bonds that the Topology does not have, or has and that cannot be
     """
 
-    def __init__(self, topology, positions=None, cutDisulfides=False, cutMetals=False):
+    def __init__(self, topology, positions=None, cutDisulfides=False, cutMetals=False, closures=()):
         """Find the bonds of a Topology: its own, those of residue templates, and, with positions, those by distance.
 
         Parameters
@@ -43,6 +46,8 @@ class BondGraph:
             nm; with them, bonds between residues are checked for gaps
         cutDisulfides, cutMetals : bool
             leave disulfide bonds, or bonds between metals and other residues, out of `bonds`
+        closures : "disulfides" or iterable of (int, int), optional
+            bonds that become closures; "disulfides" are those that close a ring
         """
         search = BondSearch(topology, positions)
         self.atoms = list(topology.atoms())
@@ -54,10 +59,46 @@ class BondGraph:
         self.overlong = search.overlong
         self.notes = search.notes
         self.cut = [*(search.disulfides if cutDisulfides else []), *(search.metalBonds if cutMetals else [])]
-        areCut = set(self.cut)
+        self.describePair = search.describePair
+        closing = self._bondsOf(closures, search)
+        self.cut = [bond for bond in self.cut if bond not in closing]
+        areCut = closing.union(self.cut)
         self.bonds = [bond for bond in search.bonds if bond not in areCut]
         self.neighbors = neighborLists(len(self.atoms), self.bonds)
-        self.describePair = search.describePair
+        self.closures = [(self._neighborOf(a), a, b, self._neighborOf(b)) for a, b in sorted(closing)]
+
+    def _bondsOf(self, closures, search):
+        """Return the bonds that are to be closures as a set of (lower, higher) index."""
+        if isinstance(closures, str):
+            if closures != "disulfides":
+                raise ValueError(f'closures must be "disulfides" or pairs of atoms, not {closures!r}')
+            return self._disulfidesInRings(search)
+        closing = set()
+        known = set(search.bonds)
+        for atom1, atom2 in closures:
+            bond = (min(int(atom1), int(atom2)), max(int(atom1), int(atom2)))
+            if bond not in known:
+                raise ValueError(f"closures names atoms {atom1} and {atom2}, which are not bonded")
+            closing.add(bond)
+        return closing
+
+    def _disulfidesInRings(self, search):
+        """Return the disulfides but for those that hold together what nothing else does, as parts of two chains."""
+        closing = set()
+        others = set(search.bonds).difference(search.disulfides)
+        parts = connectedParts(len(self.atoms), sorted(others))
+        for atom1, atom2 in search.disulfides:
+            if parts[atom1] == parts[atom2]:
+                closing.add((atom1, atom2))
+            parts[parts == parts[atom2]] = parts[atom1]
+        return closing
+
+    def _neighborOf(self, atom):
+        """Return an atom that is bonded to one at the end of a closure, by `bonds`."""
+        others = self.heavyNeighborsOf(atom) or self.neighbors[atom]
+        if not others:
+            raise ValueError(f"closures names atom {atom}, which has no other bond")
+        return min(others)
 
     def elementNumber(self, atom):
         """Return the atomic number of an atom, 0 for an extra particle."""

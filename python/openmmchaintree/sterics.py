@@ -41,6 +41,7 @@ def createStericExclusionForce(
     unknownRadius: Number | None = None,
     cutMetals: bool = False,
     ballJoints: str | Iterable[tuple[int, int]] = (),
+    closures: str | Iterable[tuple[int, int]] = (),
 ) -> StericExclusionForce:
     """Create a StericExclusionForce for the molecules of a Topology.
 
@@ -84,6 +85,11 @@ def createStericExclusionForce(
         molecule, so that of a chain every bond can take any direction. Models of beads want ``torsions=()``,
         ``ballJoints="bonds"``, radii, and mostly ``bondCutoff=1``. Where a bead is fixed that is not the first of its
         molecule, give pairs that lead away from it.
+    closures : "disulfides" or iterable of (int, int)
+        bonds that close rings, or loops between fixed parts, and become closures (`StericExclusionForce.addClosure`):
+        the torsions of their rings turn by closed moves, which keep them. "disulfides" are all that close a ring. For a
+        loop between fixed parts give the last bond of its backbone, from C to N, here and to `findTorsions`, with
+        `fixed` atoms there, and its torsions here.
 
     Returns
     -------
@@ -99,7 +105,7 @@ def createStericExclusionForce(
     """
     if positions is not None:
         positions = positionsInNm(positions, topology.getNumAtoms())
-    graph = BondGraph(topology, positions, cutDisulfides, cutMetals)
+    graph = BondGraph(topology, positions, cutDisulfides, cutMetals, closures)
     search = _torsionsOf(graph, topology, torsions)
     force = makeForce(graph, search.torsions, radii, bondCutoff, forceGroup, unknownRadius)
     joints = _ballJointsOf(graph, search.torsions, ballJoints)
@@ -122,6 +128,8 @@ def makeForce(graph, torsions, radii=None, bondCutoff=3, forceGroup=31, unknownR
         force.addBond(atom1, atom2)
     for torsion in torsions:
         force.addTorsion(*torsion.particles)
+    for closure in graph.closures:
+        force.addClosure(*closure)
     force.createExclusionsFromBonds(bondCutoff)
     for atom1, atom2 in graph.cut:
         for pair in _pairsAcross(graph.neighbors, atom1, atom2, bondCutoff):

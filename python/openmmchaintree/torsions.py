@@ -96,6 +96,7 @@ def findTorsions(
     cutMetals: bool = False,
     selection: AtomSelection | None = None,
     fixed: AtomSelection | None = None,
+    closures: str | Iterable[tuple[int, int]] = (),
 ) -> TorsionSearch:
     """Find the torsions of the amino acids and nucleotides of a Topology.
 
@@ -123,6 +124,11 @@ def findTorsions(
     fixed : str, array of int or bool, or callable, optional
         atoms that are not to move, which get the mass 0 in the System. Torsions between two of them that are not in
         one rigid part, as those of the backbone between fixed ends, are left out.
+    closures : "disulfides" or iterable of (int, int), optional
+        bonds that close rings, or loops between fixed parts, and that closed moves keep, as in
+        `createStericExclusionForce`: what only these close is no ring, and a loop is not between fixed parts. Next to
+        such a bond a torsion has another particle instead of the one beyond it, so that its value is another than
+        IUPAC's.
 
     Returns
     -------
@@ -140,7 +146,7 @@ def findTorsions(
     """
     if positions is not None:
         positions = positionsInNm(positions, topology.getNumAtoms())
-    graph = BondGraph(topology, positions, cutDisulfides, cutMetals)
+    graph = BondGraph(topology, positions, cutDisulfides, cutMetals, closures)
     search = searchTorsions(graph, topology, kinds)
     if selection is not None:
         search = ofAtoms(search, selectAtoms(topology, selection))
@@ -219,7 +225,7 @@ class _Search:
     def _linkedResidues(self):
         """Map residues to those that come before and after them in the polymer, by its bonds."""
         previous, following = {}, {}
-        for bond in self._graph.bonds:
+        for bond in [*self._graph.bonds, *(closure[1:3] for closure in self._graph.closures)]:
             for atom1, atom2 in (bond, bond[::-1]):
                 first, second = self._graph.atoms[atom1], self._graph.atoms[atom2]
                 if first.residue is not second.residue and (first.name, second.name) in LINKS:
@@ -334,6 +340,7 @@ class _Search:
 
     def _add(self, kind, residue, particles):
         neighbors = self._graph.neighbors
+        particles = self._besideClosures(particles)
         for atom, other in pairwise(particles):
             if other not in neighbors[atom]:
                 names = [self._graph.atoms[particle].name for particle in (atom, other)]
@@ -348,6 +355,16 @@ class _Search:
             self._leaveOut(kind, residue, self._rings[axis])
         else:
             self.torsions.append(Torsion(tuple(particles), kind, residue))
+
+    def _besideClosures(self, particles):
+        """Return the particles of a torsion, another of the same side for one that is beyond a closure."""
+        closing = {frozenset(closure[1:3]) for closure in self._graph.closures}
+        particles = list(particles)
+        for beyond, end, inner in ((0, 1, 2), (3, 2, 1)):
+            if frozenset((particles[beyond], particles[end])) in closing:
+                others = [other for other in self._graph.neighbors[particles[end]] if other != particles[inner]]
+                particles[beyond] = min(others, default=particles[beyond])
+        return particles
 
     def _leaveOut(self, kind, residue, reason, nextToGap=False):
         self.leftOut.append(LeftOutTorsion(kind, residue, reason, nextToGap))

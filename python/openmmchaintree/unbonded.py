@@ -51,7 +51,7 @@ def unbondedNeighbors(graph, axes, fixed=(), alternates=None):
     isPassed = isMetal(graph.numbers) | ((graph.numbers == 1) & isBonded)
     first, second = pairs.T
     pairs = pairs[(link[first] != link[second]) & ~isPassed[first] & ~isPassed[second]]
-    known = {(min(bond), max(bond)) for bond in graph.cut}
+    known = {(min(bond), max(bond)) for bond in [*graph.cut, *(closure[1:3] for closure in graph.closures)]}
     found = []
     for atom1, atom2 in pairs.tolist():
         neighbors1, neighbors2 = graph.neighbors[atom1], graph.neighbors[atom2]
