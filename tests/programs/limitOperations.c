@@ -107,6 +107,13 @@ void raiseLimits(Program* p)
     requireUntouchedState(p);
 }
 
+/* Whether the open trial changes a distance by more than what counts as unmoved. */
+static bool isMoved(const Program* p, const int* pair)
+{
+    const double before = oracleDistance(p->oracle, ORACLE_STATE, pair[0], pair[1]);
+    return fabs(oracleDistance(p->oracle, ORACLE_TRIAL, pair[0], pair[1]) - before) > COUNTS_AS_UNMOVED;
+}
+
 /* From a state within its limits: a trial is refused just if its state is beyond them, for one distance decides both.
  */
 void commitAndRaiseLimits(Program* p)
@@ -121,8 +128,9 @@ void commitAndRaiseLimits(Program* p)
     require(!clash || raised > 0, p, "a refused trial is within all limits");
     for (int n = 0; n < limits.count && !clash; n++) {
         const int* pair = limits.pairs[n].particles;
-        require(!isRaised(p, limits.pairs + n) || !oracleIsPairChanged(p->oracle, pair[0], pair[1]), p,
-                "%d-%d is beyond its limit after a clash-free trial", pair[0], pair[1]);
+        require(!isRaised(p, limits.pairs + n) || !oracleIsPairChanged(p->oracle, pair[0], pair[1]) ||
+                    !isMoved(p, pair),
+                p, "%d-%d is beyond its limit after a clash-free trial", pair[0], pair[1]);
     }
     oracleCommit(p->oracle);
     adoptLimits(p, limits);

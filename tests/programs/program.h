@@ -18,6 +18,9 @@
 /* Within this of a limit either answer is right. Raised limits lie CT_SIGMA above their overlap: not so near. */
 #define DOUBT (0.99 * CT_SIGMA)
 
+/* nm: a pair whose distance a trial changes by no more may be listed as changed or not. */
+#define COUNTS_AS_UNMOVED 2.1e-11
+
 #define PI 3.14159265358979323846
 
 enum { OPERATION_KINDS = 28 };

@@ -148,7 +148,9 @@ void compareChangedPairs(Program* p)
     Expected expected = expectedCreate(count);
     oracleListChangedPairs(p->oracle, cutoff + DOUBT, count, expected.particles, expected.values, expected.others);
     for (int e = 0; e < count; e++)
-        expected.margins[e] = cutoff - fmin(expected.values[e], expected.others[e]);
+        expected.margins[e] = fabs(expected.values[e] - expected.others[e]) <= COUNTS_AS_UNMOVED
+                                  ? 0
+                                  : cutoff - fmin(expected.values[e], expected.others[e]);
     PairList list = {0};
     ctCounts counts;
     SUCCEED(ctForEachChangedPair(p->tree, cutoff, collectChangedPair, &list, chooseCounts(p, &counts)));

@@ -276,6 +276,10 @@ void ReferenceCalcStericExclusionForceKernel::getState(vector<double>& state)
     state.resize(3 * arrangement.size() + ctGetStateSize(tree.get()));
     copy_n(coordinates(arrangement), 3 * arrangement.size(), state.begin());
     ctGetState(tree.get(), &state[3 * arrangement.size()]);
+
+    // A run that goes on has the bits of one that begins with these numbers.
+
+    ctRenew(tree.get());
 }
 
 void ReferenceCalcStericExclusionForceKernel::setState(const vector<double>& state)

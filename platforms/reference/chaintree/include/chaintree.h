@@ -18,6 +18,16 @@
  * joint, and the placement of each free link. Transforms are a pure function of that state. So errors do not grow with
  * the number of moves, and a state reached by commits has the same bits as the same state built anew.
  *
+ * Closed windows. Torsions may turn so that what lies behind them stays where it is, up to rounding. A body that a
+ * trial of two changes or more displaces by less than 2e-11 nm, roundings of the scene's size included, counts as
+ * unmoved, and one that moves as another body does, up to as much, as part of that. What such bodies have among
+ * themselves is neither tested, listed nor moved. The state itself is exact: only verdicts, and what is kept for
+ * clients that sum over leaves, lag behind. Each commit adds what it has skipped to a sum. Before that reaches CT_SIGMA
+ * / 2, ctTestTrial looks at all pairs of the state, by their limits, and the sum becomes what the farthest is beyond
+ * its own; kept positions are made anew. If that is too far, which takes a pair that rounding has moved beyond its
+ * limit in ever so many trials or a state that was made otherwise than by trials without clashes, then trials are
+ * tested in full, as if nothing counted as unmoved, until such a look finds less. Limits never change by themselves.
+ *
  * Exactness. With sigma = CT_SIGMA, every verdict and every listed pair agrees with exact arithmetic on the positions
  * wherever |overlap - limit| > sigma (|distance - cutoff| > sigma). Nearer than that, one canonical distance decides, a
  * pure function of the state.
@@ -189,6 +199,10 @@ void ctGetState(const ctChainTree* tree, double* state);
  * numbers that are no state of this scene, such as an angle of a torsion whose axis has no length. */
 ctStatus ctSetState(ctChainTree* tree, const double* state);
 
+/* Makes all that follows have the bits that it has after ctSetState with the numbers of ctGetState: forgets what is
+ * kept and lags behind the state (see above, closed windows). O(1), and O(N) when something is asked for next. */
+void ctRenew(ctChainTree* tree);
+
 /* The dihedral p1-p2-p3-p4 of a torsion joint in (-pi, pi], rad: that of the reference positions plus the turns since.
  * Errors: not a torsion joint; a dihedral that is undefined because three of its particles are collinear. */
 ctStatus ctGetTorsionAngle(ctChainTree* tree, int link, double* angle);
@@ -225,10 +239,12 @@ void ctGetLimits(const ctChainTree* tree, int capacity, int (*pairs)[2], double*
 ctStatus ctPropose(ctChainTree* tree, int count, const ctChange* changes);
 
 /* *clash tells whether some pair overlaps beyond its limit in the open trial. Pairs that the trial moves as one rigid
- * body are skipped (section 2.3). If there is a clash and pair is not NULL, pair holds one, lower index first. */
+ * body are skipped (section 2.3); so are those of bodies that count as unmoved (see above, closed windows). If there is
+ * a clash and pair is not NULL, pair holds one, lower index first. */
 ctStatus ctTestTrial(ctChainTree* tree, bool* clash, int pair[2], ctCounts* counts);
 
-/* Calls function for each pair whose distance the open trial changes and that is within cutoff (nm, > 0) before the
+/* Calls function for each pair whose distance the open trial changes, by more than the roundings of closed windows, and
+ * that is within cutoff (nm, > 0) before the
  * trial or in it. */
 ctStatus ctForEachChangedPair(ctChainTree* tree, double cutoff, ctChangedPairFunction* function, void* context,
                               ctCounts* counts);
@@ -238,6 +254,10 @@ ctStatus ctCommit(ctChainTree* tree, ctCounts* counts);
 
 /* Ends the open trial, if there is one. The state keeps every bit. */
 void ctDiscard(ctChainTree* tree);
+
+/* The sum, over all commits so far, of how far each may have displaced particles that counted as unmoved, nm: what a
+ * client keeps for pairs of these lags behind by that. */
+double ctGetTotalShift(const ctChainTree* tree);
 
 /* True if a trial is open. */
 bool ctHasTrial(const ctChainTree* tree);
@@ -262,7 +282,7 @@ typedef struct ctLeafPositions {
 } ctLeafPositions;
 
 /* Consecutive slots, up to the next piece's, that an open trial moves as one rigid body. All pieces with one number are
- * one body, and body 0 is not moved. */
+ * one body, and body 0 is not moved; both up to what counts as unmoved. */
 typedef struct ctPiece {
   int slotBegin;
   int body;
@@ -279,8 +299,9 @@ typedef struct ctLeafPair {
 int ctGetLeafCount(const ctChainTree* tree);
 void ctGetLeafParticles(const ctChainTree* tree, int* particles);
 
-/* The positions of all leaves in the state, those of ctGetPositions up to rounding. The array belongs to the scene and
- * is up to date until the state changes. O(leaves that have moved since the last call). NULL if there is no memory. */
+/* The positions of all leaves in the state, those of ctGetPositions up to rounding and to CT_SIGMA / 2 of what counted
+ * as unmoved; up to rounding alone after ctRenew. The array belongs to the scene and is up to date until the state
+ * changes. O(leaves that have moved since the last call). NULL if there is no memory. */
 const ctLeafPositions* ctGetLeaves(ctChainTree* tree);
 
 /* The pieces of the open trial, ascending, and the motion of each body in the world: in the trial a particle of body b

@@ -27,6 +27,8 @@ static void takeReference(ctChainTree* scene, const double* positions) {
   ctSequenceSetReference(&scene->sequence, positions);
   ctTreeMakeStale(&scene->staleTree);
   ctClearanceForget(&scene->clearance);
+  ctSkippedForget(scene);
+  ctLeavesForget(&scene->leaves);
   scene->changeCount++;
 }
 
@@ -83,6 +85,11 @@ const char* ctGetInstructionSet(const ctChainTree* tree) {
 }
 
 /* ---- State ---- */
+
+void ctRenew(ctChainTree* tree) {
+  ctSkippedForget(tree);
+  ctLeavesForget(&tree->leaves);
+}
 
 static bool isUserLink(const ctChainTree* tree, int link) {
   return link >= 0 && link < tree->sequence.userLinkCount;

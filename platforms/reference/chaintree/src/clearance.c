@@ -21,6 +21,16 @@ void ctClearanceForget(Clearance* c) {
   c->isKept = false;
 }
 
+/* Bounds of displacements have room for so much of a unit, see boundShifts. */
+#define MOST_UNITS_SKIPPED 0.25
+
+void ctClearanceSkip(Clearance* c, double slack) {
+  c->skipped += slack;
+  if (c->skipped > MOST_UNITS_SKIPPED * (double)c->unit) {
+    c->isKept = false;
+  }
+}
+
 void ctClearanceFree(Clearance* c) {
   ctArenaFree(&c->arena);
   free(c->tested);
@@ -67,6 +77,7 @@ static bool keep(Clearance* c, Traversal* t, double reach) {
   c->isKept = reserve(c, t->tree);
   if (c->isKept) {
     t->tree->instructions->measureClearances(c, t, reach);
+    c->skipped = 0;
   }
   return c->isKept;
 }

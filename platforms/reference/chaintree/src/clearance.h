@@ -63,6 +63,8 @@ typedef struct Clearance {
   uint16_t* least; /* leafCount rows; of leaves a < b in row a, column b */
   uint16_t* shift; /* per leaf, with padding: bound of its displacement between two runs, in units */
   float unit;      /* nm */
+  double skipped;  /* nm: of pairs that trials have skipped since the table was measured, clearances are less by so much
+                      at  most */
   NearPairs* near; /* scratch: of the rows of an inner node */
   LeafRun* runs;   /* of a view, ascending */
   int runCount;
@@ -100,6 +102,9 @@ void ctClearanceGiveUp(Clearance* clearance);
 
 /* The way that the environment asks for, see ctGetInstructionSet. */
 TrialMethod ctChooseTrialMethod(void);
+
+/* Adds by how much a commit may change clearances of pairs that its trial skips. */
+void ctClearanceSkip(Clearance* clearance, double slack);
 
 /* To be called when anything but a commit has changed the state or the limits: the table is no longer of the state. */
 void ctClearanceForget(Clearance* clearance);

@@ -40,7 +40,7 @@ typedef struct InstructionSet {
                             double* distances);
 
   /* See leaves.h; leaves_body.h and leafpairs_body.h. */
-  void (*updateLeaves)(Leaves* leaves, const Tree* tree, const Sequence* sequence);
+  void (*updateLeaves)(const LeafUpdate* update);
   void (*listLeafPairs)(LeafTask* task);
 
   /* For ctGetMinimumDistance; see nearest_body.h. */

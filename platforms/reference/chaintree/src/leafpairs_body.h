@@ -399,11 +399,11 @@ static double cornerOf(const LeafBoxes* boxes) {
 }
 
 /* The largest squared gap of boxes around particles within the cutoff. Positions in the trial and after its commit
- * differ by DOUBLE_MARGIN of the extent; 1e-6 is 17 u of the square, whose roundings are 5 u. */
+ * differ by DOUBLE_MARGIN of the extent, and may lag; 1e-6 is 17 u of the square, whose roundings are 5 u. */
 static float gapLimit(const LeafTask* task, const LeafBoxes* before, const LeafBoxes* after) {
   const double* origin = task->sequence->worldOrigin;
   const double extent = sqrt(dot(origin, origin)) + cornerOf(before) + cornerOf(after);
-  const double reach = task->cutoff + DOUBLE_MARGIN * extent;
+  const double reach = task->cutoff + DOUBLE_MARGIN * extent + task->leaves->lag;
   return (float)(reach * reach * (1 + 1e-6)) + FLOAT_FLOOR;
 }
 

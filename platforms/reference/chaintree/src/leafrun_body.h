@@ -87,8 +87,9 @@ CT_INLINE Short16 unitsOf(const Clearance* c, Float16 lengths) {
  *   6 u |R - 1| E. Together 31 u |R - 1| E, of the 67 u |R - 1| E of FLOAT_MARGIN.
  * - Root, product and sums are off by up to 8 u of their value: another part of that factor.
  * - unitsOf rounds down by less than 17 u of the value, which that factor exceeds too, and by less than a unit. Two
- *   are added: the other one covers what positions in double differ by from commit to commit, DOUBLE_MARGIN E, as
- *   long as E is less than 3 10^7 times the radius of the largest leaf. */
+ *   are added: the other one covers a quarter of a unit by which clearances of skipped pairs may be too large, see
+ *   ctClearanceSkip, and what positions in double differ by from commit to commit, DOUBLE_MARGIN E, as long as E is
+ *   less than 3 10^7 times the radius of the largest leaf. */
 static void boundShifts(Clearance* c, const Traversal* t, const Frame* motion, int begin, int end) {
   /* R - 1 and t: small where the motion is small. */
   float change[12];

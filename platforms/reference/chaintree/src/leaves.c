@@ -95,10 +95,34 @@ bool ctLeafPairsReserve(LeafPairs* pairs, size_t count) {
 }
 
 void ctLeavesUpdate(Leaves* leaves, const Tree* tree, const Sequence* sequence) {
+  if (leaves->time == NEVER) {
+    leaves->lag = 0; /* all of them are made anew */
+  }
   if (leaves->time != tree->time) {
-    tree->instructions->updateLeaves(leaves, tree, sequence);
+    const LeafUpdate update = {leaves, tree, sequence, treeFirstMoved(tree, leaves->time), 0, NULL};
+    tree->instructions->updateLeaves(&update);
     leaves->time = tree->time;
   }
+}
+
+void ctLeavesForget(Leaves* leaves) {
+  leaves->time = NEVER;
+}
+
+bool ctLeavesAreOf(const Leaves* leaves, const Tree* tree) {
+  return leaves->state != NULL && leaves->time == tree->time;
+}
+
+void ctLeavesFollow(Leaves* leaves, const Tree* tree, const Sequence* sequence, int pieceCount, const Piece* pieces,
+                    double slack) {
+  leaves->lag += slack;
+  if (leaves->lag > MOST_EXCESS) {
+    ctLeavesForget(leaves);
+    return;
+  }
+  const LeafUpdate update = {leaves, tree, sequence, 0, pieceCount, pieces};
+  tree->instructions->updateLeaves(&update);
+  leaves->time = tree->time;
 }
 
 /* ---- Public calls ---- */

@@ -4,10 +4,14 @@
  * Positions and boxes are kept from state to state, and recomputed where the tree says that something has moved. Boxes
  * are along the world's axes, in float from worldOrigin, and a little larger than the particles need. A node's boxes
  * are those of its members, so that one box is compared with sixteen others at a time; one more node, the crown, has
- * the root as its only member. */
+ * the root as its only member.
+ *
+ * What lies behind a closed window moves by rounding alone. Its positions stay as they are, and lag behind the tree's.
+ */
 #ifndef CT_LEAVES_H_
 #define CT_LEAVES_H_
 
+#include "skipped.h"
 #include "traverse.h"
 
 /* The boxes of the members of a node; low above high: the member has no particles. */
@@ -36,6 +40,7 @@ typedef struct Leaves {
   ctLeafPositions* state; /* per leaf; NULL: nobody has asked */
   uint16_t* occupied;     /* per node and the crown: bit k is set if member k has particles */
   int64_t time;           /* the tree's, of positions and boxes; NEVER: they have none */
+  double lag;             /* nm: no distance between these positions is off by more, see ctLeavesFollow */
 
   /* Made when pairs are asked for. The arrays of inner nodes are indexed from levelBegin[1] on. */
   Arena pairArena;
@@ -47,6 +52,16 @@ typedef struct Leaves {
   LeafPairs changed; /* in the trial */
   LeafPairs all;     /* of the state */
 } Leaves;
+
+/* Which leaves are to be recomputed: those that the tree has changed since, or those that pieces move. */
+typedef struct LeafUpdate {
+  Leaves* leaves;
+  const Tree* tree;
+  const Sequence* sequence;
+  int firstMoved;      /* leaf, since leaves->time */
+  int pieceCount;      /* 0: by the tree */
+  const Piece* pieces; /* ascending */
+} LeafUpdate;
 
 /* What pairs are asked of: the state, or a trial. */
 typedef struct LeafTask {
@@ -71,6 +86,17 @@ void ctLeavesFree(Leaves* leaves);
 
 /* Makes what is kept that of the state; the tree must not be stale. */
 void ctLeavesUpdate(Leaves* leaves, const Tree* tree, const Sequence* sequence);
+
+/* To be called when the state has become another one than by a commit. */
+void ctLeavesForget(Leaves* leaves);
+
+/* True if what is kept is that of the state. */
+bool ctLeavesAreOf(const Leaves* leaves, const Tree* tree);
+
+/* Makes what is kept that of the state that a trial has become, if it was that of the state before: recomputes leaves
+ * with slots that are not at rest in these pieces. Other distances have changed by no more than `slack`: they lag. */
+void ctLeavesFollow(Leaves* leaves, const Tree* tree, const Sequence* sequence, int pieceCount, const Piece* pieces,
+                    double slack);
 
 /* Makes room for so many pairs; false, and nothing changed, if there is no memory. */
 bool ctLeafPairsReserve(LeafPairs* pairs, size_t count);

@@ -91,21 +91,43 @@ static void placeLeaf(Leaves* leaves, const Tree* tree, const Sequence* s, int l
   clearEmpty(to, leaves->occupied[leaf]);
 }
 
+/* True if all slots of a node are at rest. */
+static bool isAtRest(const LeafUpdate* u, int level, int node) {
+  int end;
+  const int begin = treeSlots(u->tree, level, node, &end);
+  for (int p = u->pieceCount - 1; p >= 0; p--) {
+    if (u->pieces[p].slotBegin < end) {
+      if (u->pieces[p].body != 0) {
+        return false;
+      }
+      end = u->pieces[p].slotBegin;
+    }
+    if (end <= begin) {
+      break;
+    }
+  }
+  return true;
+}
+
 /* True if a node has not changed or moved since positions were computed. */
-static bool nodeStays(const Leaves* leaves, const Tree* tree, int firstMoved, int level, int node) {
-  const int leafEnd = (node - tree->levelBegin[level] + 1) << TREE_WIDTH_BITS * level;
-  return tree->contentTime[node] <= leaves->time && leafEnd <= firstMoved;
+static bool nodeStays(const LeafUpdate* u, int level, int node) {
+  if (u->pieceCount > 0) {
+    return isAtRest(u, level, node);
+  }
+  const int leafEnd = (node - u->tree->levelBegin[level] + 1) << TREE_WIDTH_BITS * level;
+  return u->tree->contentTime[node] <= u->leaves->time && leafEnd <= u->firstMoved;
 }
 
 /* Brings the leaves below a node up to date, and its own box, which is member k of its parent. */
-static void updateNode(Leaves* leaves, const Tree* tree, const Sequence* s, int firstMoved, int level, int node,
-                       const Frame* frame) {
+static void updateNode(const LeafUpdate* u, int level, int node, const Frame* frame) {
+  Leaves* leaves = u->leaves;
+  const Tree* tree = u->tree;
   const bool isBoxed = leaves->boxes != NULL && leaves->occupied[node] != 0;
   LeafBoxes* around = isBoxed ? leafBoxes(leaves, tree, treeParent(tree, level, node)) : NULL;
   const int k = (node - tree->levelBegin[level]) % TREE_WIDTH;
   if (level == 0) {
     LeafPoints points;
-    placeLeaf(leaves, tree, s, node, frame, &points);
+    placeLeaf(leaves, tree, u->sequence, node, frame, &points);
     if (around != NULL) {
       boxPoints(&points, leaves->occupied[node], around, k);
       leaves->differs[treeParent(tree, 0, node) - tree->levelBegin[1]] |= (uint16_t)(1u << k);
@@ -115,9 +137,9 @@ static void updateNode(Leaves* leaves, const Tree* tree, const Sequence* s, int 
   int count;
   const int first = treeChildren(tree, level, node, &count);
   for (int child = first; child < first + count; child++) {
-    if (!nodeStays(leaves, tree, firstMoved, level - 1, child)) {
+    if (!nodeStays(u, level - 1, child)) {
       const Frame inWorld = transformCompose(frame, &tree->pose[child]);
-      updateNode(leaves, tree, s, firstMoved, level - 1, child, &inWorld);
+      updateNode(u, level - 1, child, &inWorld);
     }
   }
   if (around != NULL) {
@@ -125,10 +147,9 @@ static void updateNode(Leaves* leaves, const Tree* tree, const Sequence* s, int 
   }
 }
 
-static void updateLeaves(Leaves* leaves, const Tree* tree, const Sequence* s) {
-  const int firstMoved = treeFirstMoved(tree, leaves->time);
-  const int root = treeRoot(tree);
-  updateNode(leaves, tree, s, firstMoved, treeTop(tree), root, &tree->pose[root]);
+static void updateLeaves(const LeafUpdate* u) {
+  const int root = treeRoot(u->tree);
+  updateNode(u, treeTop(u->tree), root, &u->tree->pose[root]);
 }
 
 #endif /* CT_LEAVES_BODY_H_ */

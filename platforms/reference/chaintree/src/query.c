@@ -303,6 +303,7 @@ ctStatus ctSetLimits(ctChainTree* tree, int count, const int (*pairs)[2], const 
   ctLimitsFree(&tree->limits);
   tree->limits = fresh;
   ctClearanceForget(&tree->clearance);
+  ctSkippedForget(tree);
   return ctSuccess;
 }
 
@@ -341,8 +342,33 @@ ctStatus ctRaiseLimits(ctChainTree* tree, int* raised, ctCounts* counts) {
   }
   ctLimitsFree(&tree->limits);
   tree->limits = raise.raised;
+  ctSkippedForget(tree);
   *raised = count;
   return ctSuccess;
+}
+
+typedef struct Excess {
+  double most; /* the search ends beyond this */
+  double found;
+} Excess;
+
+static bool measureExcess(Clashes* clashes, int slotA, int slotB, double overlap) {
+  (void)overlap; /* as in raiseLimit */
+  Excess* excess = clashes->context;
+  ctChainTree* tree = clashes->tree;
+  const double canonical = radiusSum(tree, slotA, slotB) - canonicalDistance(tree, slotA, slotB);
+  int pair[2];
+  particlesOf(tree, slotA, slotB, pair);
+  const double limit = ctLimitsFind(&tree->limits, pair[0], pair[1], pairTolerance(tree, slotA, slotB));
+  excess->found = larger(excess->found, canonical - limit);
+  return excess->found <= excess->most;
+}
+
+double ctSceneExcess(ctChainTree* scene, double most, ctCounts* counts) {
+  Excess excess = {most, 0};
+  Clashes clashes = {.tree = scene, .found = measureExcess, .context = &excess};
+  const bool isKnown = sweepClashes(&clashes, counts) == ctSuccess && excess.found <= most;
+  return isKnown ? excess.found : INFINITY;
 }
 
 int ctGetLimitCount(const ctChainTree* tree) {

@@ -5,6 +5,7 @@
 #include "clearance.h"
 #include "leaves.h"
 #include "position.h"
+#include "skipped.h"
 #include "sweep.h"
 #include "trial.h"
 #include "witness.h"
@@ -31,6 +32,7 @@ struct ctChainTree {
   Traversal traversal;
   Clearance clearance;
   Witnesses witnesses;
+  Skipped skipped;
   Sweep ownSweep; /* may be stale: to be used only by ctSceneSweep */
   Trial trial;
   int64_t trialCount;
@@ -55,6 +57,10 @@ ctStatus ctCheckParticles(ctChainTree* scene, int count, const int* particles);
 
 /* The tree of the state. Refreshes it if new positions have left it stale. */
 Tree* ctSceneTree(ctChainTree* scene);
+
+/* How far some pair is beyond its limit at most, nm; 0: none is. INFINITY: farther than `most`, or there is no memory.
+ */
+double ctSceneExcess(ctChainTree* scene, double most, ctCounts* counts);
 
 /* A sweep over the state, with a snapshot of it; NULL if there is no memory. */
 Sweep* ctSceneSweep(ctChainTree* scene);

@@ -125,6 +125,8 @@ ctStatus ctSetState(ctChainTree* tree, const double* state) {
   }
   ctTreeMakeStale(&tree->staleTree);
   ctClearanceForget(&tree->clearance);
+  ctSkippedForget(tree);
+  ctLeavesForget(&tree->leaves);
   tree->changeCount++;
   return ctSuccess;
 }

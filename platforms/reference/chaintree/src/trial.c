@@ -3,23 +3,26 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "volume.h"
+
 bool ctTrialReserve(Trial* trial, int count) {
   if (count <= trial->capacity) {
     return true;
   }
   /* Each array keeps its contents if a later one cannot grow, so the old capacity stays right. */
-  int capacity[8];
-  for (int i = 0; i < 8; i++) {
+  int capacity[9];
+  for (int i = 0; i < 9; i++) {
     capacity[i] = trial->capacity;
   }
   if (!ctReserve((void**)&trial->changes, &capacity[0], count, sizeof(TrialChange)) ||
       !ctReserve((void**)&trial->pieces, &capacity[1], count, sizeof(Piece[3])) ||
       !ctReserve((void**)&trial->motions, &capacity[2], count, sizeof(Frame[2])) ||
       !ctReserve((void**)&trial->links, &capacity[3], count, sizeof(int)) ||
-      !ctReserve((void**)&trial->motionOf, &capacity[4], count, sizeof(int)) ||
+      !ctReserve((void**)&trial->motionOf, &capacity[4], count, sizeof(int[2])) ||
       !ctReserve((void**)&trial->scratch, &capacity[5], count, sizeof(int)) ||
       !ctReserve((void**)&trial->worldMotions, &capacity[6], count, sizeof(ctTransform[2])) ||
-      !ctReserve((void**)&trial->userLinks, &capacity[7], count, sizeof(int))) {
+      !ctReserve((void**)&trial->userLinks, &capacity[7], count, sizeof(int)) ||
+      !ctReserve((void**)&trial->apart, &capacity[8], count, sizeof(Piece[3]))) {
     return false;
   }
   trial->capacity = count;
@@ -35,6 +38,7 @@ void ctTrialFree(Trial* trial) {
   free(trial->scratch);
   free(trial->worldMotions);
   free(trial->userLinks);
+  free(trial->apart);
   *trial = (Trial){0};
 }
 
@@ -163,6 +167,111 @@ static void cutPieces(Trial* trial, const Sequence* s) {
   }
 }
 
+/* ---- Bodies that move as another does ---- */
+
+/* nm: a body counts as another if that changes no distance by more. Of two looks at all pairs, see skipped.h, so many
+ * trials are at least 25 apart. */
+#define UNMOVED 2e-11
+
+/* A body is compared with those of so many changes before its own, and with what is at rest: windows close within so
+ * many. */
+enum { MOST_COMPARED = 16 };
+
+/* Bounds what a distance may differ by if it is computed by way of different products of transforms, relative to the
+ * extent: DOUBLE_MARGIN for a tree of so many levels. */
+static double productMargin(int levelCount) {
+  return DOUBLE_MARGIN * (TREE_WIDTH + (TREE_WIDTH - 1) * levelCount) /
+         (TREE_WIDTH + (TREE_WIDTH - 1) * TREE_MAX_LEVELS);
+}
+
+static bool mayBeOne(const Frame* a, const Frame* b) {
+  return fabs(a->m[0][3] - b->m[0][3]) <= UNMOVED && fabs(a->m[1][3] - b->m[1][3]) <= UNMOVED &&
+         fabs(a->m[2][3] - b->m[2][3]) <= UNMOVED;
+}
+
+/* Bounds how far apart two motions take what is no farther than `reach` from worldOrigin. */
+static double motionsApart(const Frame* a, const Frame* b, double reach) {
+  double turned = 0;
+  double shifted = 0;
+  for (int i = 0; i < 3; i++) {
+    for (int j = 0; j < 3; j++) {
+      turned += (a->m[i][j] - b->m[i][j]) * (a->m[i][j] - b->m[i][j]);
+    }
+    shifted += (a->m[i][3] - b->m[i][3]) * (a->m[i][3] - b->m[i][3]);
+  }
+  return sqrt(turned) * reach + sqrt(shifted);
+}
+
+/* The motions that motion i is compared with: 0, and those from this one on. */
+static int firstCompared(int i) {
+  return i > MOST_COMPARED ? i - MOST_COMPARED : 1;
+}
+
+bool ctTrialMayMerge(const Trial* trial) {
+  for (int i = 1; i < trial->motionCount && trial->count > 1; i++) {
+    if (mayBeOne(&trial->motions[i], &trial->motions[0])) {
+      return true;
+    }
+    for (int j = firstCompared(i); j < i; j++) {
+      if (mayBeOne(&trial->motions[i], &trial->motions[j])) {
+        return true;
+      }
+    }
+  }
+  return false;
+}
+
+/* The lowest motion that takes everything where motion i does, up to UNMOVED; i if there is none. `bodyOf`: of lower
+ * motions. */
+static int sameMotion(const Trial* trial, const int* bodyOf, int i, double reach, double* apart) {
+  for (int j = 0; j < i; j = j == 0 ? firstCompared(i) : j + 1) {
+    if (bodyOf[j] == j && mayBeOne(&trial->motions[i], &trial->motions[j])) {
+      *apart = motionsApart(&trial->motions[i], &trial->motions[j], reach);
+      if (*apart <= UNMOVED) {
+        return j;
+      }
+    }
+  }
+  return i;
+}
+
+static double farthestShift(const Trial* trial) {
+  double farthest = 0;
+  for (int i = 1; i < trial->motionCount; i++) {
+    double shift[3];
+    translationOf(&trial->motions[i], shift);
+    farthest = larger(farthest, sqrt(dot(shift, shift)));
+  }
+  return farthest;
+}
+
+void ctTrialMerge(Trial* trial, double reach, int levelCount) {
+  int* bodyOf = trial->motionOf;
+  double shift = 0;
+  bool areMerged = false;
+  bodyOf[0] = 0;
+  for (int i = 1; i < trial->motionCount; i++) {
+    double apart = 0;
+    bodyOf[i] = sameMotion(trial, bodyOf, i, reach, &apart);
+    areMerged = areMerged || bodyOf[i] != i;
+    shift = bodyOf[i] != i ? larger(shift, apart) : shift;
+  }
+  /* Either particle of a pair may be displaced. The canonical distances before and after the trial differ from those by
+   * its motions by a margin each. */
+  const double slack = 2 * shift + 2 * productMargin(levelCount) * (reach + farthestShift(trial));
+  if (!areMerged || !(slack <= UNMOVED)) {
+    return;
+  }
+  trial->shift = shift;
+  trial->slack = slack;
+  trial->apartCount = trial->pieceCount;
+  memcpy(trial->apart, trial->pieces, (size_t)trial->pieceCount * sizeof *trial->pieces);
+  trial->pieceCount = 0;
+  for (int p = 0; p < trial->apartCount; p++) {
+    addPiece(trial, trial->apart[p].slotBegin, bodyOf[trial->apart[p].body]);
+  }
+}
+
 static int compareChanges(const void* a, const void* b) {
   const int x = ((const TrialChange*)a)->link;
   const int y = ((const TrialChange*)b)->link;
@@ -195,6 +304,9 @@ int ctTrialOpen(Trial* trial, const Sequence* s, Traversal* t, const ctChange* g
     }
   }
   cutPieces(trial, s);
+  trial->shift = 0;
+  trial->slack = 0;
+  trial->isFree = false;
   trial->isShown = false;
   trial->open = true;
   return CT_NULL;
@@ -202,6 +314,16 @@ int ctTrialOpen(Trial* trial, const Sequence* s, Traversal* t, const ctChange* g
 
 View ctTrialView(const Trial* trial, bool moved, bool surfaces, double reach) {
   return (View){trial->pieces, trial->pieceCount, moved ? trial->motions : NULL, trial->motionCount, surfaces, reach};
+}
+
+View ctTrialViewApart(const Trial* trial, bool surfaces, double reach) {
+  const bool areMerged = trial->slack > 0;
+  return (View){areMerged ? trial->apart : trial->pieces,
+                areMerged ? trial->apartCount : trial->pieceCount,
+                trial->motions,
+                trial->motionCount,
+                surfaces,
+                reach};
 }
 
 /* The motion of a frame, which is from worldOrigin, for absolute positions: x -> R (x - o) + t + o. */

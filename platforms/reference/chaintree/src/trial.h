@@ -23,9 +23,18 @@ typedef struct Trial {
   Piece* pieces;
   int motionCount;
   Frame* motions; /* i + 1: of change i together with all changes around it; 0: the identity */
-  int* links;     /* of the changes */
-  int* motionOf;  /* scratch: one a change */
-  int* scratch;   /* scratch: one a change */
+
+  /* Bodies that move as another does, up to rounding, have its number in `pieces`, see ctTrialMerge. */
+  double shift; /* nm: none of their particles is displaced by more from where that number takes it */
+  double slack; /* nm: no distance within a body of `pieces` changes by more; 0: there are no such bodies */
+  int apartCount;
+  Piece* apart; /* if there are: the pieces with the numbers of their own */
+
+  bool isFree;       /* tested, and free of clashes */
+  bool isSkipTested; /* that test has skipped pairs within bodies of `pieces` */
+  int* links;        /* of the changes */
+  int* motionOf;     /* scratch: one a change, and one more */
+  int* scratch;      /* scratch: one a change */
 
   /* What callers see of it, made when asked for. */
   bool isShown;
@@ -40,12 +49,22 @@ bool ctTrialReserve(Trial* trial, int count);
  * from the state. Returns a link that is changed twice, or CT_NULL. */
 int ctTrialOpen(Trial* trial, const Sequence* sequence, Traversal* traversal, const ctChange* given, int count);
 
+/* True if some body may move as another does, up to rounding. One change alone moves something, however little. */
+bool ctTrialMayMerge(const Trial* trial);
+
+/* Gives bodies that move as another does, up to rounding, the number of that: what lies behind a closed window counts
+ * as unmoved. `reach`: in the state no particle with a slot is farther from worldOrigin. */
+void ctTrialMerge(Trial* trial, double reach, int levelCount);
+
 /* Sets the joints to their states after or before the trial, and updates sequence and tree; returns how many nodes were
  * recomputed. After that, applying the state before restores every bit, since everything is a function of the state. */
 int ctTrialApply(Trial* trial, bool after, Sequence* sequence, Tree* tree);
 
 /* The view of the trial; if not `moved`, of its pieces before it. */
 View ctTrialView(const Trial* trial, bool moved, bool surfaces, double reach);
+
+/* The view of the trial in which no body has another's number. */
+View ctTrialViewApart(const Trial* trial, bool surfaces, double reach);
 
 /* Fills what callers see of an open trial, once. */
 void ctTrialShow(Trial* trial, const Sequence* sequence);

@@ -96,7 +96,7 @@ static bool clearancesHold(ctChainTree* scene) {
       int pair[2];
       particlesOf(scene, i, j, pair);
       const double limit = ctLimitsFind(&scene->limits, pair[0], pair[1], pairTolerance(scene, i, j));
-      if (limit - radiusSum(scene, i, j) + canonicalDistance(scene, i, j) < (double)c->unit * least) {
+      if (limit - radiusSum(scene, i, j) + canonicalDistance(scene, i, j) + c->skipped < (double)c->unit * least) {
         return false;
       }
     }
@@ -106,7 +106,27 @@ static bool clearancesHold(ctChainTree* scene) {
 
 /* ---- Leaves ---- */
 
-/* True if positions and boxes that are kept have the bits that the tree gives. False without memory, too. */
+static bool areNear(size_t count, const double* a, const double* b, double most) {
+  for (size_t i = 0; i < count; i++) {
+    if (!(fabs(a[i] - b[i]) <= most)) {
+      return false;
+    }
+  }
+  return true;
+}
+
+/* True if a box that is kept lags by no more than this, and by the rounding of a box. Empty boxes are infinite. */
+static bool areNearBoxes(size_t count, const float* a, const float* b, double most) {
+  for (size_t i = 0; i < count; i++) {
+    if (a[i] != b[i] && !(fabs((double)a[i] - (double)b[i]) <= most + 4e-7 * fabs((double)a[i]))) {
+      return false;
+    }
+  }
+  return true;
+}
+
+/* True if positions and boxes that are kept have the bits that the tree gives, or lag by no more than they may. False
+ * without memory, too. */
 static bool leavesHold(ctChainTree* scene) {
   Leaves* kept = &scene->leaves;
   const Tree* tree = ctSceneTree(scene);
@@ -118,8 +138,13 @@ static bool leavesHold(ctChainTree* scene) {
       const size_t boxes = (size_t)(treeCrown(tree) - tree->levelBegin[1]) + 1;
       ctLeavesUpdate(kept, tree, &scene->sequence);
       ctLeavesUpdate(&made, tree, &scene->sequence);
-      same = memcmp(kept->state, made.state, (size_t)tree->levelSize[0] * sizeof(ctLeafPositions)) == 0 &&
-             (kept->boxes == NULL || memcmp(kept->boxes, made.boxes, boxes * sizeof(LeafBoxes)) == 0);
+      const size_t leaves = (size_t)tree->levelSize[0];
+      same = kept->lag > 0
+                 ? areNear(leaves * 3 * TREE_WIDTH, kept->state->x, made.state->x, kept->lag) &&
+                       (kept->boxes == NULL ||
+                        areNearBoxes(boxes * 6 * TREE_WIDTH, kept->boxes->low[0], made.boxes->low[0], kept->lag))
+                 : memcmp(kept->state, made.state, leaves * sizeof(ctLeafPositions)) == 0 &&
+                       (kept->boxes == NULL || memcmp(kept->boxes, made.boxes, boxes * sizeof(LeafBoxes)) == 0);
     }
   }
   ctLeavesFree(&made);

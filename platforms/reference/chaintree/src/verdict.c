@@ -71,6 +71,9 @@ ctStatus ctPropose(ctChainTree* tree, int count, const ctChange* changes) {
                     callersLink(tree, change->link));
     }
   }
+  if (ctTrialMayMerge(&tree->next)) {
+    ctTrialMerge(&tree->next, ctSceneReach(tree), ctSceneTree(tree)->levelCount);
+  }
   const Trial dropped = tree->trial;
   tree->trial = tree->next;
   tree->next = dropped;
@@ -82,6 +85,20 @@ ctStatus ctPropose(ctChainTree* tree, int count, const ctChange* changes) {
 
 static int applyTrial(ctChainTree* tree, bool after) {
   return ctTrialApply(&tree->trial, after, &tree->sequence, ctSceneTree(tree));
+}
+
+/* Makes the open trial the state for a while; then the state is the former one again, bit by bit. */
+static bool enterTrial(ctChainTree* tree) {
+  const bool areLeavesKept = ctLeavesAreOf(&tree->leaves, ctSceneTree(tree));
+  applyTrial(tree, true);
+  return areLeavesKept;
+}
+
+static void leaveTrial(ctChainTree* tree, bool areLeavesKept) {
+  applyTrial(tree, false);
+  if (areLeavesKept) {
+    tree->leaves.time = ctSceneTree(tree)->time;
+  }
 }
 
 static bool addUndecided(ctChainTree* tree, int slotA, int slotB, double value) {
@@ -138,7 +155,7 @@ static bool judge(void* context, int slotA, int slotB, double squaredDistance) {
  */
 static void judgeUndecided(Verdict* verdict) {
   ctChainTree* tree = verdict->tree;
-  applyTrial(tree, true);
+  const bool areLeavesKept = enterTrial(tree);
   for (int i = 0; i < tree->undecided.count && !verdict->clash; i++) {
     const SlotPair* pair = &tree->undecided.pairs[i];
     const double overlap =
@@ -149,7 +166,7 @@ static void judgeUndecided(Verdict* verdict) {
       verdict->slotB = pair->slotB;
     }
   }
-  applyTrial(tree, false);
+  leaveTrial(tree, areLeavesKept);
 }
 
 /* Searches the whole view for a clash, by clearances or by the tree; returns what that has cost. */
@@ -201,8 +218,11 @@ ctStatus ctTestTrial(ctChainTree* tree, bool* clash, int pair[2], ctCounts* coun
   if (!tree->trial.open) {
     return ctFailNoTrial(tree);
   }
-  const View view = ctTrialView(&tree->trial, true, true, -tree->overlapTolerance);
+  const double reach = -tree->overlapTolerance;
+  const bool skips = ctMaySkip(tree, counts);
+  const View view = skips ? ctTrialView(&tree->trial, true, true, reach) : ctTrialViewApart(&tree->trial, true, reach);
   Verdict verdict = {tree, false, false, CT_NULL, CT_NULL};
+  tree->trial.isFree = false;
   tree->undecided.count = 0;
   testView(tree, &view, &verdict, counts);
   if (verdict.failed) {
@@ -211,6 +231,8 @@ ctStatus ctTestTrial(ctChainTree* tree, bool* clash, int pair[2], ctCounts* coun
   if (!verdict.clash && tree->undecided.count > 0) {
     judgeUndecided(&verdict);
   }
+  tree->trial.isFree = !verdict.clash;
+  tree->trial.isSkipTested = skips;
   *clash = verdict.clash;
   if (verdict.clash && pair != NULL) {
     particlesOf(tree, verdict.slotA, verdict.slotB, pair);
@@ -277,7 +299,7 @@ ctStatus ctForEachChangedPair(ctChainTree* tree, double cutoff, ctChangedPairFun
   for (int i = 0; i < pairs->count; i++) {
     pairs->pairs[i].value = canonicalDistance(tree, pairs->pairs[i].slotA, pairs->pairs[i].slotB);
   }
-  applyTrial(tree, true);
+  const bool areLeavesKept = enterTrial(tree);
   bool goesOn = true;
   for (int i = 0; i < pairs->count && goesOn; i++) {
     const double before = pairs->pairs[i].value;
@@ -288,7 +310,7 @@ ctStatus ctForEachChangedPair(ctChainTree* tree, double cutoff, ctChangedPairFun
       goesOn = function(context, pair[0], pair[1], before, after);
     }
   }
-  applyTrial(tree, false);
+  leaveTrial(tree, areLeavesKept);
   return ctSuccess;
 }
 
@@ -298,9 +320,9 @@ ctStatus ctGetTrialPositions(ctChainTree* tree, double* positions) {
   if (!tree->trial.open) {
     return ctFailNoTrial(tree);
   }
-  applyTrial(tree, true);
+  const bool areLeavesKept = enterTrial(tree);
   ctReadPositions(&tree->sequence, ctSceneTree(tree), positions);
-  applyTrial(tree, false);
+  leaveTrial(tree, areLeavesKept);
   return ctSuccess;
 }
 
@@ -312,15 +334,16 @@ ctStatus ctGetPositionsOf(ctChainTree* tree, bool inTrial, int count, const int*
   if (inTrial && !tree->trial.open) {
     return ctFailNoTrial(tree);
   }
+  bool areLeavesKept = false;
   if (inTrial) {
-    applyTrial(tree, true);
+    areLeavesKept = enterTrial(tree);
   }
   PositionReader reader = ctPositionReader(&tree->sequence, ctSceneTree(tree));
   for (int i = 0; i < count; i++) {
     ctReadPosition(&reader, particles[i], positions + 3 * (size_t)i);
   }
   if (inTrial) {
-    applyTrial(tree, false);
+    leaveTrial(tree, areLeavesKept);
   }
   return ctSuccess;
 }
@@ -332,9 +355,9 @@ ctStatus ctFollowTrialPositions(ctChainTree* tree, bool anew, double* positions)
   if (anew) {
     tree->followed.time = NEVER;
   }
-  applyTrial(tree, true);
+  const bool areLeavesKept = enterTrial(tree);
   ctRefreshPositions(&tree->followed, &tree->sequence, ctSceneTree(tree), positions);
-  applyTrial(tree, false);
+  leaveTrial(tree, areLeavesKept);
   return ctSuccess;
 }
 
@@ -348,7 +371,14 @@ ctStatus ctCommit(ctChainTree* tree, ctCounts* counts) {
     ctClearanceCharge(&tree->clearance, instructions->commitClearances(&tree->clearance, &tree->traversal, &view),
                       false);
   }
+  const Trial* trial = &tree->trial;
+  const bool leavesFollow = trial->slack > 0 && ctLeavesAreOf(&tree->leaves, ctSceneTree(tree));
+  ctSkippedCommit(tree);
+  ctClearanceSkip(&tree->clearance, trial->slack);
   const int updated = applyTrial(tree, true);
+  if (leavesFollow) {
+    ctLeavesFollow(&tree->leaves, ctSceneTree(tree), &tree->sequence, trial->pieceCount, trial->pieces, trial->slack);
+  }
   tree->trial.open = false;
   tree->changeCount++;
   if (counts != NULL) {
@@ -367,6 +397,10 @@ bool ctHasTrial(const ctChainTree* tree) {
 
 int64_t ctGetTrialCount(const ctChainTree* tree) {
   return tree->trialCount;
+}
+
+double ctGetTotalShift(const ctChainTree* tree) {
+  return tree->skipped.total;
 }
 
 int64_t ctGetChangeCount(const ctChainTree* tree) {

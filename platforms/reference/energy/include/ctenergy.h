@@ -14,6 +14,9 @@
  * keep their distances: a bond and an angle across the torsion's own bond never change. A pair of leaves changes unless
  * both lie in one rigid body of the trial.
  *
+ * What counts as unmoved (see chaintree.h, closed windows) does not change, so values of it lag behind. What is kept
+ * belongs to positions that are off by no more than CT_MOST_LAG: before that, ctAcceptEnergyChange computes all anew.
+ *
  * Accuracy. Terms are in double. Pairs are in single precision, from coordinates relative to the leaves, and summed in
  * double: about 1e-6 kJ/mol a pair. Results have the same bits on each instruction set. Between C libraries only those
  * of expressions may differ, which use its exp, log, sin and the like, and of torsions by their phases' cosines.
@@ -29,6 +32,9 @@
 #ifdef __cplusplus
 extern "C" {
 #endif
+
+/* nm. A body on which others have a net force of 1e4 kJ/mol/nm changes the energy by 1e-5 kJ/mol. */
+#define CT_MOST_LAG CT_SIGMA
 
 /* 1 / (4 pi epsilon0), kJ nm / (mol e^2), as OpenMM has it. */
 #define CT_COULOMB 138.93545764438198
@@ -356,8 +362,8 @@ ctStatus ctComputeEnergyChange(ctEnergy* energy, ctEnergyPart part, double* chan
  * probability a(change) has to be followed by one that multiplies by a(change back) / a(change). */
 double ctGetNearChangeBack(const ctEnergy* energy);
 
-/* To be called after ctCommit of a trial of which all parts were computed: makes its values those of the state. Errors:
- * a part was not computed, or there is no memory; the energy has to be refreshed then. */
+/* To be called after ctCommit of a trial of which all parts were computed: makes its values those of the state, or
+ * computes all anew. Errors: a part was not computed, or there is no memory; the energy has to be refreshed then. */
 ctStatus ctAcceptEnergyChange(ctEnergy* energy);
 
 /* ---- Energies of values ---- */

@@ -16,10 +16,12 @@ struct ctEnergy {
   AllPairs pairs;
   ValueEnergies values;
   int64_t state;     /* the scene's change count of the state that values belong to, or NO_STATE */
+  double shift;      /* the scene's total shift when values were last computed anew, nm */
   int64_t trial;     /* the last one that was asked about */
   int computedParts; /* of it */
   bool hasCopy;      /* of all values, see ctKeepEnergy; they were those of the state, or of none */
   bool copyIsOfState;
+  double lagOfCopy;
   char errorText[200];
 };
 
@@ -122,7 +124,13 @@ int ctCountChangeableTerms(const ctEnergy* energy, int termSet) {
 
 /* ---- The state ---- */
 
+/* How far particles may have been displaced that counted as unmoved, since values were last computed anew. */
+static double lag(const ctEnergy* energy) {
+  return ctGetTotalShift(energy->tree) - energy->shift;
+}
+
 ctStatus ctRefreshEnergy(ctEnergy* energy, ctCounts* counts) {
+  ctRenew(energy->tree);
   const ctLeafPositions* leaves = ctGetLeaves(energy->tree);
   energy->computedParts = 0;
   energy->state = NO_STATE;
@@ -130,6 +138,7 @@ ctStatus ctRefreshEnergy(ctEnergy* energy, ctCounts* counts) {
     return failOutOfMemory(energy);
   }
   ctTermsRefresh(energy->terms, leaves);
+  energy->shift = ctGetTotalShift(energy->tree);
   energy->state = ctGetChangeCount(energy->tree);
   return ctSuccess;
 }
@@ -208,7 +217,7 @@ ctStatus ctAcceptEnergyChange(ctEnergy* energy) {
     return failOutOfMemory(energy);
   }
   energy->state = ctGetChangeCount(energy->tree);
-  return ctSuccess;
+  return lag(energy) <= CT_MOST_LAG ? ctSuccess : ctRefreshEnergy(energy, NULL);
 }
 
 /* ---- Energies of values ---- */
@@ -271,6 +280,7 @@ ctStatus ctKeepEnergy(ctEnergy* energy) {
   }
   energy->hasCopy = true;
   energy->copyIsOfState = ctIsEnergyOfState(energy);
+  energy->lagOfCopy = lag(energy);
   return ctSuccess;
 }
 
@@ -284,6 +294,7 @@ ctStatus ctTakeBackEnergy(ctEnergy* energy) {
   if (energy->hasPairs && !ctAllPairsTakeBack(&energy->pairs)) {
     return failOutOfMemory(energy);
   }
+  energy->shift = ctGetTotalShift(energy->tree) - energy->lagOfCopy;
   if (energy->copyIsOfState) {
     energy->state = ctGetChangeCount(energy->tree);
   }
