@@ -29,6 +29,7 @@ TRIALS = 400  # a step, and from each draw
 STEPS_BETWEEN_DRAWS = 5
 RELAXATION = 200  # steps
 BLOCKS = 20
+ROUNDING = 1e-10  # torsions that a move leaves alone come back with less than that
 
 MOVES = {
     "torsion": lambda integrator, scene: integrator.addTorsionMove(1, 0.3),
@@ -94,7 +95,7 @@ class Run:
 def pValues(changes):
     """Return those of Student's test that the means of changes, one row a draw, are 0: one a column."""
     rows = changes[: len(changes) // BLOCKS * BLOCKS].reshape(BLOCKS, -1, changes.shape[1]).mean(axis=1)
-    errors = rows.std(axis=0, ddof=1) / np.sqrt(BLOCKS) + 1e-300
+    errors = rows.std(axis=0, ddof=1) / np.sqrt(BLOCKS) + ROUNDING
     return 2 * t.sf(np.abs(rows.mean(axis=0)) / errors, BLOCKS - 1)
 
 
