@@ -1207,8 +1207,6 @@ GEOMETRY_FAULTS = [
           "turnDrivers(w, angles, origin, 0, w->pivots[0], &turning) || isTurned", "isTurned"),
     Fault("triangle: drivers behind the pivots are forgotten", "triangle.c",
           "to == 0 ? w->count : w->pivots[2 * to]", "to == 0 ? first : w->pivots[2 * to]"),
-    Fault("triangle: three points on a line are a triangle", "triangle.c",
-          "square > FLAT * FLAT * l[i] * l[i]", "square > -1"),
     Fault("triangle: axes that are parallel may be pivots", "triangle.c",
           "if (!(dot(across, across) > PARALLEL * PARALLEL)) {", "if (0) {"),
     Fault("Newton: it ends a step too early", "triangle.c",
