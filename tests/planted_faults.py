@@ -1198,9 +1198,9 @@ GEOMETRY_FAULTS = [
           "w->axes[w->pivots[2 * k + 1]], normals[k]);",
           "w->axes[w->pivots[2 * k + 1]], normals[k]);\n    scale(normals[k], 1 / sqrt(dot(normals[k], normals[k])));"),
     Fault("closure: one in a hundred is lost", "closure.c",
-          "const int count = findSways(&triangle, sways);",
-          "int count = findSways(&triangle, sways);\n"
-          "  count -= count > 0 && (long long)(1e9 * fabs(sways[0].s[0])) % 100 == 0;"),
+          "const int found = findSways(&triangle, sways);",
+          "int found = findSways(&triangle, sways);\n"
+          "  found -= found > 0 && (long long)(1e9 * fabs(sways[0].s[0])) % 100 == 0;"),
     Fault("turned window: an axis is turned by its own torsion", "closure.c",
           "    if (i > 0) {\n      turnPoint", "    turnFirst(&behind, &turn);\n    if (i > 0) {\n      turnPoint"),
     Fault("triangle: drivers before the pivots are forgotten", "triangle.c",

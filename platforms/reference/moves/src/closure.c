@@ -40,11 +40,11 @@ double ctComputeLogJacobian(const ctWindow* w) {
 bool ctCloseNear(const ctWindow* window, double* angles) {
   Triangle triangle;
   Sway sway = {{1, 1, 1}, {0, 0, 0}};
-  if (!makeTriangle(window, angles, &triangle) || !closeTriangle(&triangle, &sway)) {
+  double turns[CT_PIVOTS];
+  if (!makeTriangle(window, angles, &triangle) || !closeTriangle(&triangle, &sway) ||
+      !turnsOfTriangle(&triangle, &sway, turns)) {
     return false;
   }
-  double turns[CT_PIVOTS];
-  turnsOfTriangle(&triangle, &sway, turns);
   for (int k = 0; k < CT_PIVOTS; k++) {
     angles[window->pivots[k]] = turns[k];
   }
@@ -57,9 +57,10 @@ int ctFindClosures(const ctWindow* window, const double* angles, double solution
     return 0;
   }
   Sway sways[CT_CLOSURES_MOST];
-  const int count = findSways(&triangle, sways);
-  for (int i = 0; i < count; i++) {
-    turnsOfTriangle(&triangle, &sways[i], solutions[i]);
+  const int found = findSways(&triangle, sways);
+  int count = 0;
+  for (int i = 0; i < found; i++) {
+    count += turnsOfTriangle(&triangle, &sways[i], solutions[count]) ? 1 : 0;
   }
   return count;
 }

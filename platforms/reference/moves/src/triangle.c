@@ -253,7 +253,8 @@ static double angleAbout(const double axis[3], const double from[3], const doubl
   return arctangent2(dot(axis, across), dot(from, to) - dot(axis, from) * dot(axis, to));
 }
 
-void turnsOfTriangle(const Triangle* t, const Sway* sway, double turns[CT_PIVOTS]) {
+bool turnsOfTriangle(const Triangle* t, const Sway* sway, double turns[CT_PIVOTS]) {
+  bool areNumbers = true;
   for (int k = 0; k < 3; k++) {
     const int i = k == 0 ? 2 : k - 1;
     Corner before, after;
@@ -265,7 +266,9 @@ void turnsOfTriangle(const Triangle* t, const Sway* sway, double turns[CT_PIVOTS
      * part of it. */
     turns[2 * k] = angleAbout(before.first, before.second, after.second);
     turns[2 * k + 1] = angleAbout(after.second, before.first, after.first);
+    areNumbers = areNumbers && isfinite(turns[2 * k]) && isfinite(turns[2 * k + 1]);
   }
+  return areNumbers;
 }
 
 double jacobianOfTriangle(const Triangle* t, const Sway* sway) {

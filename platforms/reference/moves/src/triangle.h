@@ -43,8 +43,9 @@ bool makeTriangle(const ctWindow* window, const double* angles, Triangle* triang
 /* Closes it by Newton's method. */
 bool closeTriangle(const Triangle* triangle, Sway* sway);
 
-/* The turns of the pivots that make the closed triangle of the window. */
-void turnsOfTriangle(const Triangle* triangle, const Sway* sway, double turns[CT_PIVOTS]);
+/* The turns of the pivots that make the closed triangle of the window. False if they are no numbers, as for axes whose
+ * squares overflow. */
+bool turnsOfTriangle(const Triangle* triangle, const Sway* sway, double turns[CT_PIVOTS]);
 
 /* |J| of the closed triangle, in nm^3. */
 double jacobianOfTriangle(const Triangle* triangle, const Sway* sway);

@@ -177,6 +177,36 @@ static void testRefuses(void) {
   CHECK(count >= 0 && count <= CT_CLOSURES_MOST);
 }
 
+/* Whatever is given, there are no more solutions than there can be, and they are angles. */
+static void testAnyNumbers(void) {
+  const double numbers[] = {NAN, INFINITY, 0, 1e200, -1e-200, 5e-324, 1, -1, 1e5};
+  for (int n = 0; n < 5000; n++) {
+    ctWindow window;
+    drawProteinWindow(&window, 2, 1);
+    double angles[CT_WINDOW_MOST], solutions[CT_CLOSURES_MOST][CT_PIVOTS];
+    drawDrivers(&window, 0.2, angles);
+    for (int i = 0; i < 1 + n % 5; i++) {
+      const double number = numbers[(int)uniform(0, 9)];
+      const int torsion = (int)uniform(0, window.count);
+      double* const places[] = {window.axes[torsion], window.points[torsion], &angles[torsion]};
+      const int place = (int)uniform(0, 3);
+      places[place][place < 2 ? (int)uniform(0, 3) : 0] = number;
+    }
+    const int count = ctFindClosures(&window, angles, solutions);
+    CHECK(count >= 0 && count <= CT_CLOSURES_MOST);
+    for (int i = 0; i < count; i++) {
+      for (int k = 0; k < CT_PIVOTS; k++) {
+        CHECK(fabs(solutions[i][k]) <= PI);
+      }
+    }
+    if (ctCloseNear(&window, angles)) {
+      for (int k = 0; k < CT_PIVOTS; k++) {
+        CHECK(fabs(angles[window.pivots[k]]) <= PI);
+      }
+    }
+  }
+}
+
 int main(void) {
   testAgainstBruteForce();
   testKnowsPresentState();
@@ -184,5 +214,6 @@ int main(void) {
   testThereAndBack();
   testKnowsNear();
   testRefuses();
+  testAnyNumbers();
   return checkResult();
 }
