@@ -36,13 +36,15 @@ def rotamerDensities(
     force: StericExclusionForce,
     selection: AtomSelection | None = None,
     floor: float = 0.1,
+    tails: bool = True,
 ) -> DrawnTorsions:
-    """Find the side chains of a Topology, each as a whole, with the density of its rotamers.
+    """Find the side chains of a Topology, with the density of their rotamers.
 
-    A set is all χ of a residue that are torsions of the force. Its density is a sum of bells, one a rotamer, by the
-    frequencies, means and standard deviations of MolProbity's ultimate rotamer library (Hintze, Lewis, Richardson and
-    Richardson, Proteins 84, 1177 (2016)), whatever the backbone is. Where only some χ are torsions it is the density of
-    these. Residues that are no amino acids of the library (or selenomethionine, as methionine) have no set.
+    A set is all χ of a residue that are torsions of the force, or all from one of them on: where a protein is folded, a
+    side chain often has room to turn its end alone. Its density is a sum of bells, one a rotamer, by the frequencies,
+    means and standard deviations of MolProbity's ultimate rotamer library (Hintze, Lewis, Richardson and Richardson,
+    Proteins 84, 1177 (2016)), whatever the backbone and the χ that are not in the set are. Residues that are no amino
+    acids of the library (or selenomethionine, as methionine) have no set.
 
     Parameters
     ----------
@@ -55,6 +57,8 @@ def rotamerDensities(
         the atoms whose torsions are wanted, as in `findTorsions`. Default: all.
     floor : float
         the share of draws of each χ that are uniform, above 0 and at most 1
+    tails : bool
+        whether there are sets that begin with χ2, χ3 and so on. Without, each side chain is drawn as a whole.
 
     Returns
     -------
@@ -74,10 +78,12 @@ def rotamerDensities(
         if name not in _rotamers():
             continue
         chis = tuple(sorted(int(kind[-1]) - 1 for kind in torsions))
-        if (name, chis) not in densities:
-            densities[name, chis] = _rotamerDensity(name, chis, floor)
-        drawn.torsions.append(tuple(torsions[f"chi{chi + 1}"] for chi in chis))
-        drawn.density.append(densities[name, chis])
+        for first in range(len(chis) if tails else 1):
+            tail = chis[first:]
+            if (name, tail) not in densities:
+                densities[name, tail] = _rotamerDensity(name, tail, floor)
+            drawn.torsions.append(tuple(torsions[f"chi{chi + 1}"] for chi in tail))
+            drawn.density.append(densities[name, tail])
     return _notEmpty(drawn, "side chains")
 
 
