@@ -7,10 +7,10 @@
  *
  * With U uniform in torsions and both ends fixed, the density per volume of the drivers is 1/|J|, J being the 6 x 6
  * determinant of the pivots' screws (u, r x u). So a move whose drivers are drawn alike both ways is accepted with
- * |J| / |J'| beside exp(-beta dU), unprimed before it, if what leads there leads back: Newton's method from the new state
- * has to end on the old one. A move that draws one of all closures by weights g, which are the same both ways, has the
- * ratio |J| Z / (|J'| Z') with the sums Z of the weights of all closures; the state that it comes from has to be among
- * those of the way back.
+ * |J| / |J'| beside exp(-beta dU), unprimed before it, if what leads there leads back: Newton's method from the new
+ * state has to end on the old one. A move that draws one of all closures by weights g, which are the same both ways,
+ * has the ratio |J| Z / (|J'| Z') with the sums Z of the weights of all closures; the state that it comes from has to
+ * be among those of the way back.
  *
  * Lengths are in nm, angles in rad. No call allocates memory. Everything is a pure function of its arguments.
  */
@@ -53,8 +53,8 @@ double ctComputeLogJacobian(const ctWindow* window);
 bool ctCloseNear(const ctWindow* window, double* angles);
 
 /* Finds all ways to close a window after the drivers' turns in `angles`: turns of the six pivots, in [-pi, pi], each
- * closing it as well as ctCloseNear does. Their order means nothing. Returns their number; 0 for what is no window. Close
- * to a singularity (|J| below 1e-6 nm^3) one can be missed. */
+ * closing it as well as ctCloseNear does. Their order means nothing. Returns their number; 0 for what is no window.
+ * Close to a singularity (|J| below 1e-6 nm^3) one can be missed. */
 int ctFindClosures(const ctWindow* window, const double* angles, double solutions[CT_CLOSURES_MOST][CT_PIVOTS]);
 
 #ifdef __cplusplus
