@@ -318,8 +318,14 @@ ENGINE_FAULTS = [
     Fault("state: quaternions are not normalised", "transform.h",
           "const double norm = sqrt(w * w + x * x + y * y + z * z);", "const double norm = 1;"),
     Fault("state: a placement is multiplied from the wrong side", "sequence.c",
-          "quaternionMultiply(turn, joint->placement.quaternion, moved.placement.quaternion)",
-          "quaternionMultiply(joint->placement.quaternion, turn, moved.placement.quaternion)"),
+          "quaternionMultiply(turn, joint->placement.quaternion, turned.placement.quaternion)",
+          "quaternionMultiply(joint->placement.quaternion, turn, turned.placement.quaternion)"),
+    Fault("state: a ball joint turns in its parent's frame as in the world", "trial.c",
+          "rotateBack(&parent, change->rotation, rotation);", "memcpy(rotation, change->rotation, sizeof rotation);"),
+    Fault("state: a ball joint turned twice in a trial", "trial.c",
+          "      change->isTurnOfBall = false;\n    }\n", "      change->before = change->after;\n    }\n"),
+    Fault("state: a ball joint turns about its lowest particle", "layout.c",
+          "      joint->origin = d->linkTorsions[u][1];\n", ""),
     Fault("state: verdicts near a limit are not canonical", "verdict.c",
           "if (!ofTwoBodies || clearance >= band) {", "if (!ofTwoBodies || clearance >= 0) {"),
     # ---- Sweeps ----
@@ -675,7 +681,11 @@ ENERGY_FAULTS = [
     Fault("terms: particles on the far end of an axis turn", "dependence.c",
           "particle == scene->linkTorsions[link][1] || ", ""),
     Fault("terms: a free joint has an axis", "dependence.c",
-          "return scene->linkJoints[link] == ctTorsionJoint &&\n         (", "return ("),
+          "    default:\n      return false;\n  }\n}\n\n/* ---- The joints",
+          "    default:\n      return particle == scene->linkTorsions[link][1];\n  }\n}\n\n/* ---- The joints"),
+    Fault("terms: a ball joint has an axis", "dependence.c",
+          "    case ctBallJoint:\n      return particle == scene->linkTorsions[link][1];\n", "    case ctBallJoint:\n"
+          "      return particle == scene->linkTorsions[link][1] || particle == scene->linkTorsions[link][2];\n"),
     Fault("terms: one that two joints change counts twice", "terms.c",
           "        if (terms->stamps[term] == terms->stamp) {\n          continue;\n        }\n", ""),
     Fault("terms: positions of the trial are those of the state", "terms.c",
@@ -718,6 +728,7 @@ NATIVE_ENERGY = "openmmapi/src/NativeEnergy.cpp"
 NATIVE_ENERGY_HEADER = "openmmapi/include/openmmchaintree/internal/NativeEnergy.h"
 OUTER_TEST = "openmmapi/src/OuterTest.cpp"
 OUTER_TEST_HEADER = "openmmapi/include/openmmchaintree/internal/OuterTest.h"
+PIVOT_MOVE = "openmmapi/src/moves/PivotMove.cpp"
 RIGID_BODY_MOVE = "openmmapi/src/moves/RigidBodyMove.cpp"
 SAMPLED_ENERGIES = "openmmapi/src/SampledEnergies.cpp"
 SESSION = "openmmapi/src/TrialSession.cpp"
@@ -737,11 +748,19 @@ API_FAULTS = [
     Fault("links: a virtual site of mass 0 is fixed", LINKS,
           " && !system.isVirtualSite(i))", ")"),
     Fault("links: axes part links one way round", LINKS,
-          "axes.find(minmax(particle, next)) == axes.end()", "axes.find(make_pair(particle, next)) == axes.end()"),
+          "cuts.find(minmax(particle, next)) == cuts.end()", "cuts.find(make_pair(particle, next)) == cuts.end()"),
     Fault("links: fixed molecules are free", LINKS,
           "molecules.push_back({root, anchors[root] != -1});", "molecules.push_back({root, false});"),
     Fault("links: a constraint may span a torsion of the second way", LINKS,
-          "    torsions1.insert(torsions1.end(), torsions2.begin(), torsions2.end());\n", ""),
+          "    joints1.insert(joints1.end(), joints2.begin(), joints2.end());\n", ""),
+    Fault("links: the second particle of a ball joint keeps its place", LINKS,
+          "(!isBall() && particle == getBond().second)", "particle == getBond().second"),
+    Fault("links: a ball joint may change a dihedral", LINKS, "    checkDihedrals();\n", ""),
+    Fault("links: a description does not tell about which end a ball joint turns", LINKS,
+          "            if (link.ballJoint != -1)\n                bond.second = bond.first;\n", ""),
+    Fault("links: ball joints turn about their second particle", KERNELS,
+          "getBallJointParticles(link.ballJoint, torsion[1], torsion[2])",
+          "getBallJointParticles(link.ballJoint, torsion[2], torsion[1])"),
     Fault("links: a description does not tell what is fixed", LINKS,
           "        description.push_back(molecules[link.molecule].fixed);\n", ""),
     # ---- Definition ----
@@ -1048,6 +1067,10 @@ API_FAULTS = [
           "        isDrawn[drawnChoices[i]] = false;\n", ""),
     Fault("move: torsions turn one way", TORSION_MOVE,
           "random.drawSymmetric(getScale() * maxAngle)", "random.drawUniform() * maxAngle"),
+    Fault("pivot move: all rotations are drawn by a uniform angle", "openmmapi/include/openmmchaintree/internal/"
+          "RandomNumberGenerator.h", "if (limit >= M_PI)", "if (false)"),
+    Fault("pivot move: others than those listed turn", PIVOT_MOVE,
+          "choices[random.drawIndex(choices.size())]", "random.drawIndex(choices.size())"),
     Fault("local move: there is no ratio", LOCAL_MOVE,
           "    return ctComputeLocalLogDensity(", "    return 0;\n    return ctComputeLocalLogDensity("),
     Fault("local move: the ratio is turned over", LOCAL_MOVE,
