@@ -15,6 +15,7 @@ registerParser()
 
 from . import _build  # noqa: E402
 from .clashes import Clash, FrameClashes, findClashes  # noqa: E402
+from .defaultmoves import AddedMove, AddedMoves, addDefaultMoves  # noqa: E402
 from .densities import DrawnTorsions, ramachandranDensities, rotamerDensities  # noqa: E402
 from .errors import InputError  # noqa: E402
 from .naming import AtomName  # noqa: E402
@@ -38,6 +39,8 @@ from .torsions import LeftOutTorsion, Torsion, TorsionSearch, findTorsions  # no
 __version__: str = _build.VERSION
 
 __all__ = [
+    "AddedMove",
+    "AddedMoves",
     "AtomName",
     "Clash",
     "ClashError",
@@ -58,6 +61,7 @@ __all__ = [
     "TorsionMonteCarloIntegrator",
     "TorsionSearch",
     "TraversalStatistics",
+    "addDefaultMoves",
     "createStericExclusionForce",
     "findClashes",
     "findTorsions",

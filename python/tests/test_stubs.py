@@ -142,7 +142,9 @@ def test_everyNumberHasItsUnit(name):
         text = ast.get_docstring(stub)
         for parameter, description in _NUMBERS.findall(text):
             # Weights, widths of logarithms, shares and factors are numbers without unit.
-            assert parameter in ("weight", "width", "hop", "scale") or _UNIT.search(description), f"{method}: {parameter}"
+            assert parameter in ("weight", "width", "hop", "scale") or _UNIT.search(description), (
+                f"{method}: {parameter}"
+            )
         if ast.unparse(stub.returns) == "Quantity":
             assert _UNIT.search(text), method
 

@@ -1,0 +1,265 @@
+"""What single moves do from a folded start, and how many independent samples a second mixtures of them give."""
+
+from collections.abc import Callable, Sequence
+from typing import NamedTuple
+
+import mdtraj
+import numpy as np
+from openmm import unit
+from openmmchaintree import StericExclusionForce, rotamerDensities
+from racing.course import Course, measure, summarizeTimes
+from racing.races import ALL_CHAINS, OURS
+
+from .autocorrelation import statisticalInefficiency
+from .proteins import BACKBONE, IMPLICIT_SOLVENT, SIDE_CHAINS, positionsOf
+from .rows import Prepared
+
+MOVES, MIXTURES = "moves", "mixtures"  # groups of rows
+
+MOVE_TRIALS, MIXTURE_TRIALS = 8000, 400000
+_STEP = 400  # trials, and an outer test
+_SHIFTED = 20  # the part of trials whose shift is measured, each with an outer test of its own
+_LEAST_SHIFTED = 10
+_TURN, _LEAST = 25, 2  # steps
+_LEFT_OUT = 10  # the first of so many parts of a chain
+_SLOW = 0.9  # the quantile of torsions that stands for the slow ones
+
+
+class Move(NamedTuple):
+    """A move of a protein: add(integrator, weight, protein, force) adds it.
+
+    name : str, for tables
+    """
+
+    name: str
+    add: Callable
+
+
+def turn(which, degrees):
+    """Return the Move that turns one torsion of BACKBONE or SIDE_CHAINS."""
+    name = f"{'pivot' if which == BACKBONE else 'χ'}, {degrees}°"
+    angle = degrees * unit.degrees
+    return Move(name, lambda i, weight, protein, force: i.addTorsionMove(weight, angle, protein.torsionsOf(which)))
+
+
+def close(degrees, hop=0.2):
+    """Return the closed Move of backbones."""
+    angle = degrees * unit.degrees
+    name = f"closed, {degrees}°" + ("" if hop == 0.2 else f", hop {hop}")
+    return Move(
+        name, lambda i, weight, protein, force: i.addClosedMove(weight, angle, protein.torsionsOf(BACKBONE), hop)
+    )
+
+
+def bend(degrees, stiffness, window=8):
+    """Return the local Move of backbones."""
+    sigma = degrees * unit.degrees
+    name = f"local, {degrees}°, {stiffness} nm⁻²" + ("" if window == 8 else f", window {window}")
+    return Move(
+        name,
+        lambda i, weight, protein, force: i.addLocalMove(
+            weight, sigma, stiffness, protein.torsionsOf(BACKBONE), window
+        ),
+    )
+
+
+ROTAMERS = Move(
+    "side chains drawn",
+    lambda i, weight, protein, force: i.addDrawnMove(weight, *rotamerDensities(protein.topology, force)),
+)
+
+SINGLE_MOVES = (
+    *(turn(BACKBONE, degrees) for degrees in (0.5, 1, 2)),
+    *(close(degrees) for degrees in (4, 8, 12)),
+    close(8, hop=0.0),
+    *(bend(*sizes) for sizes in ((2, 1000), (2, 10000), (4, 3000), (4, 10000))),
+    turn(SIDE_CHAINS, 10),
+    turn(SIDE_CHAINS, 30),
+    ROTAMERS,
+)
+
+# Moves by their weights.
+PIVOTS = "pivots alone"
+ALL_MIXTURES = {
+    PIVOTS: ((1.0, turn(BACKBONE, 1)), (1.0, turn(SIDE_CHAINS, 10)), (0.5, turn(SIDE_CHAINS, 180))),
+    "pivots, rotamers": ((1.0, turn(BACKBONE, 1)), (0.5, turn(SIDE_CHAINS, 10)), (0.5, ROTAMERS)),
+    "closed": ((1.0, close(8)), (0.5, turn(SIDE_CHAINS, 10)), (0.5, ROTAMERS), (0.1, turn(BACKBONE, 1))),
+    "local": ((1.0, bend(2, 1000)), (0.5, turn(SIDE_CHAINS, 10)), (0.5, ROTAMERS), (0.1, turn(BACKBONE, 1))),
+    "closed, local": (
+        (0.7, close(8)),
+        (0.4, bend(4, 3000)),
+        (0.5, turn(SIDE_CHAINS, 10)),
+        (0.5, ROTAMERS),
+        (0.1, turn(BACKBONE, 1)),
+    ),
+}
+
+OBSERVABLES = ("phi", "psi", "chi1", "rmsd")
+
+
+def makeSimulation(protein, system, seed, moves):
+    """Make a Simulation of a SampledProtein and its System with (weight, Move) pairs."""
+    simulation = protein.makeSimulationOf(system, seed, moves=())
+    force = next(StericExclusionForce.cast(one) for one in system.getForces() if StericExclusionForce.isinstance(one))
+    for weight, move in moves:
+        move.add(simulation.integrator, weight, protein, force)
+    simulation.integrator.setTrialsPerStep(_STEP)
+    return simulation
+
+
+class MoveRow(NamedTuple):
+    """One move alone, from a folded start: its acceptance, how far it moves atoms, its time."""
+
+    name: str
+    prepared: Prepared
+    moves: Sequence[Move] = SINGLE_MOVES
+    trials: int = MOVE_TRIALS
+    group: str = MOVES
+    mostChains: int = ALL_CHAINS
+
+    def __str__(self) -> str:
+        return self.name
+
+    def run(self, course: Course, seed: int):
+        """Return an entry for each move."""
+        trials, protein = course.trials or self.trials, self.prepared.protein
+        system = protein.makeSystem(IMPLICIT_SOLVENT)
+        return [
+            {**_describe(self, trials, seed), **_runMove(protein, system, seed, move, trials)} for move in self.moves
+        ]
+
+
+def _describe(row, trials, seed):
+    return {
+        "group": row.group,
+        "chain": row.name,
+        "method": IMPLICIT_SOLVENT.name,
+        "particles": len(row.prepared.protein.positions),
+        "seed": seed,
+        "asked": trials,
+        "contestant": OURS,
+    }
+
+
+def _runMove(protein, system, seed, move, trials):
+    simulation = makeSimulation(protein, system, seed, [(1.0, move)])
+    integrator, context = simulation.integrator, simulation.context
+    simulation.step(1)  # compares energies with OpenMM's
+    integrator.resetMoveStatistics()
+    times = []
+    for _ in range(max(_LEAST, trials // _STEP)):
+        _, microseconds = measure(simulation.step, 1)
+        times.append(microseconds / _STEP)
+    statistics = integrator.getMoveStatistics(0)
+    integrator.setTrialsPerStep(1)
+    shifts, before = [], positionsOf(context)
+    for _ in range(max(_LEAST_SHIFTED, trials // _SHIFTED)):
+        simulation.step(1)
+        after = positionsOf(context)
+        shifts.append(float(((after - before) ** 2).sum()))
+        before = after
+    return {
+        "moves": move.name,
+        "trials": len(times) * _STEP,
+        **summarizeTimes(times),
+        "attempted": statistics.attempted,
+        "clashed": statistics.clashed,
+        "rejected": statistics.rejectedByEnergy,
+        "accepted": statistics.accepted,
+        "shift": float(np.mean(shifts)),
+    }
+
+
+class MixtureRow(NamedTuple):
+    """Chains of mixtures of moves from a folded start, in turns, and how far apart their samples are independent."""
+
+    name: str
+    prepared: Prepared
+    names: Sequence[str] = tuple(ALL_MIXTURES)
+    trials: int = MIXTURE_TRIALS
+    group: str = MIXTURES
+    mostChains: int = ALL_CHAINS
+
+    def __str__(self) -> str:
+        return self.name
+
+    def run(self, course: Course, seed: int):
+        """Return an entry for each mixture."""
+        trials, protein = course.trials or self.trials, self.prepared.protein
+        system = protein.makeSystem(IMPLICIT_SOLVENT)
+        chains = {name: _Chain(protein, system, seed, ALL_MIXTURES[name]) for name in self.names}
+        count = max(_LEAST, min(_TURN, trials // _STEP))
+        for _ in range(max(1, trials // (count * _STEP))):
+            for chain in chains.values():
+                chain.sample(count)
+        mean = np.mean([chain.kept().mean(axis=0) for chain in chains.values()], axis=0)  # all sample the same
+        entries = []
+        for name, chain in chains.items():
+            times = summarizeTimes(chain.times)
+            apart = {
+                key: _STEP * value
+                for key, value in summarize(statisticalInefficiency(chain.kept(), mean), chain.kinds).items()
+            }
+            statistics = chain.integrator.getOuterStatistics()
+            entries.append(
+                {
+                    **_describe(self, trials, seed),
+                    "moves": name,
+                    "trials": len(chain.samples) * _STEP,
+                    **times,
+                    "kept": statistics.accepted / max(1, statistics.attempted),
+                    "apart": apart,
+                    "rate": {key: 1e6 / (times["microseconds"] * value) for key, value in apart.items()},
+                }
+            )
+        return entries
+
+
+class _Chain:
+    """A Simulation of a mixture, and what is looked at of it after each step."""
+
+    def __init__(self, protein, system, seed, moves):
+        self._simulation = makeSimulation(protein, system, seed, moves)
+        self.integrator = self._simulation.integrator
+        kinds = np.array([torsion.kind for torsion in protein.torsions])
+        self._watched = np.isin(kinds, OBSERVABLES)
+        self.kinds = kinds[self._watched]
+        self._topology = mdtraj.Topology.from_openmm(protein.topology)
+        self._heavy = self._topology.select("element != H")
+        self._start = self._frame(protein.positions)
+        self.times, self.samples = [], []
+
+    def sample(self, count):
+        """Time so many steps, and look at the state after each."""
+        for _ in range(count):
+            _, microseconds = measure(self._simulation.step, 1)
+            self.times.append(microseconds / _STEP)
+            self.samples.append(self._look())
+
+    def kept(self):
+        """Return the samples without those of the beginning: an (n, k) array."""
+        return np.array(self.samples[len(self.samples) // _LEFT_OUT :])
+
+    def _look(self):
+        context = self._simulation.context
+        angles = self.integrator.getTorsionAngles(context)[self._watched]
+        rmsd = mdtraj.rmsd(self._frame(positionsOf(context)), self._start, atom_indices=self._heavy)[0]
+        return [rmsd, *np.cos(angles), *np.sin(angles)]
+
+    def _frame(self, positions):
+        return mdtraj.Trajectory(positions[np.newaxis].astype(np.float32), self._topology)
+
+
+def summarize(inefficiencies, kinds):
+    """Return how many samples are worth one, for each of OBSERVABLES, and for the slow torsions of all.
+
+    Of a torsion that is the worse of cosine and sine; of those of a kind the median.
+
+    Parameters
+    ----------
+    inefficiencies : (1 + 2k,) float64 array, of the RMSD, of cosines, of sines
+    kinds : (k,) array of str
+    """
+    rmsd, ofTorsions = inefficiencies[0], inefficiencies[1:].reshape(2, -1).max(axis=0)
+    found = {kind: float(np.median(ofTorsions[kinds == kind])) for kind in OBSERVABLES[:3] if kind in kinds}
+    return {**found, "slow": float(np.quantile(ofTorsions, _SLOW)), "rmsd": float(rmsd)}

@@ -1,0 +1,87 @@
+"""Tables of what moves do, and of independent samples a second by mixtures of moves."""
+
+import numpy as np
+from racing.table import Table, groupBy, number
+
+from .moverows import MIXTURES, MOVES, PIVOTS
+
+
+def makeTables(entries):
+    """Return the tables of entries."""
+    makers = {MOVES: _makeMoves, MIXTURES: _makeMixtures}
+    return [
+        makers[group]([entry for entry in entries if entry["group"] == group])
+        for group in makers
+        if any(entry["group"] == group for entry in entries)
+    ]
+
+
+def combine(entries):
+    """Return the entries of runs that differ in nothing but the seed as one: medians of times, sums of counts."""
+    counts = ("attempted", "clashed", "rejected", "accepted", "trials")
+    combined = []
+    for same in groupBy(entries, lambda entry: (entry["chain"], entry["moves"])).values():
+        one = dict(same[0])
+        for key, value in one.items():
+            values = [entry[key] for entry in same]
+            if key in counts:
+                one[key] = sum(values)
+            elif isinstance(value, dict):
+                one[key] = {name: float(np.median([each[name] for each in values])) for name in value}
+            elif isinstance(value, float):
+                one[key] = float(np.median(values))
+        combined.append(one)
+    return combined
+
+
+def _makeMoves(entries):
+    columns = ["protein", "move", "accepted", "clashed", "Σdr² a trial, nm²", "µs a trial", "Σdr², nm² a ms"]
+    lines = []
+    for entry in combine(entries):
+        attempted = max(1, entry["attempted"])
+        lines.append(
+            [
+                entry["chain"],
+                entry["moves"],
+                f"{entry['accepted'] / attempted:.3f}",
+                f"{entry['clashed'] / attempted:.3f}",
+                f"{entry['shift']:.2g}",
+                number(entry["microseconds"]),
+                f"{1e3 * entry['shift'] / entry['microseconds']:.2g}",
+            ]
+        )
+    notes = [
+        "AMBER14 with GBn2 at 300 K, hard spheres, from the folded state after trials. Accepted: by what trials see, "
+        "before outer tests. Σdr²: of all atoms, over all trials, each with an outer test of its own. µs: an outer "
+        "test after 400 trials is in it."
+    ]
+    return Table("Moves from the folded state", columns, lines, 2, notes)
+
+
+def _makeMixtures(entries):
+    names = {"phi": "φ", "psi": "ψ", "chi1": "χ1", "slow": "slow torsions", "rmsd": "RMSD"}
+    keys = [key for key in names if any(key in entry["rate"] for entry in entries)]
+    columns = ["protein", "mixture", "µs a trial", "outer tests kept", *(names[key] for key in keys), "to pivots"]
+    combined = combine(entries)
+    lines = []
+    for entry in combined:
+        pivots = next((e for e in combined if e["chain"] == entry["chain"] and e["moves"] == PIVOTS), entry)
+        ratios = [entry["rate"][key] / pivots["rate"][key] for key in ("slow", "rmsd")]
+        lines.append(
+            [
+                entry["chain"],
+                entry["moves"],
+                number(entry["microseconds"]),
+                f"{entry['kept']:.2f}",
+                *(f"{entry['rate'].get(key, float('nan')):.3g}" for key in keys),
+                f"{ratios[0]:.2g}, {ratios[1]:.2g}",
+            ]
+        )
+    notes = [
+        "AMBER14 with GBn2 at 300 K from the folded state. Independent samples a second of the processor's time, from "
+        "the autocorrelation of cosines and sines of torsions (medians over those of a kind; slow: that which nine "
+        "tenths of torsions exceed) and of the heavy atoms' RMSD from the start. To pivots: the last two by those of "
+        "pivots alone. A chain that is not much longer than its correlations tells too little: look for rates "
+        "well above a few in the time of the chain."
+    ]
+    return Table("Independent samples a second by mixtures of moves", columns, lines, 2, notes)

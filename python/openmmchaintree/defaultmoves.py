@@ -1,0 +1,267 @@
+"""Mixtures of moves that were found by measuring, for those who do not want to choose."""
+
+import copy
+import warnings
+from typing import NamedTuple
+
+import numpy as np
+import openmm
+from openmm import app, unit
+
+from .components import connectedParts
+from .densities import ramachandranDensities, rotamerDensities
+from .openmmchaintree import StericExclusionForce, TorsionMonteCarloIntegrator
+from .torsions import KINDS, findTorsions
+
+_DEGREE = unit.degree
+
+_PEPTIDE_BACKBONE = ("phi", "psi")
+_SIDE_CHAINS = ("chi1", "chi2", "chi3", "chi4")
+_NUCLEOTIDE_BACKBONE = ("alpha", "beta", "gamma", "delta", "epsilon", "zeta")
+
+_HALF_TURN = 180  # degrees: a torsion drawn anew
+_TORSION_STEP, _PIVOT_STEP, _BALL_STEP = 10, 1, 30  # degrees
+_RIGID_SHIFT, _RIGID_TURN = 0.02, 2  # nm, degrees
+_RIGID_WEIGHT = 0.1  # to one for all torsions and joints
+
+
+class AddedMove(NamedTuple):
+    """A move that `addDefaultMoves` has added: its index, its description, and what it is for."""
+
+    move: int
+    description: str
+    purpose: str
+
+
+class AddedMoves(list[AddedMove]):
+    """The moves that `addDefaultMoves` has added: a list of AddedMove that prints as a table."""
+
+    def __str__(self) -> str:
+        width = max((len(added.description) for added in self), default=0)
+        return "\n".join(f"{added.move:>3}  {added.description:<{width}}  {added.purpose}" for added in self)
+
+
+def addDefaultMoves(
+    integrator: TorsionMonteCarloIntegrator,
+    topology: app.Topology,
+    system: openmm.System,
+    disordered: bool = False,
+) -> AddedMoves:
+    """Add moves to an integrator that suit what there is: proteins, nucleic acids, chains of beads, other molecules.
+
+    The weights of the mixture for folded proteins were found by measuring independent samples a second of torsions and
+    of the RMSD in implicit solvent (benchmarks/moves.py). Backbones of proteins and nucleic acids get closed and local
+    moves, which leave the rest of a chain where it is, and few turns that do not; side chains get small turns, and are
+    drawn anew from the density of their rotamers. Bases are turned by a little and drawn anew. Ball joints get pivot
+    moves. All other torsions are turned by a little, and drawn anew. Molecules without fixed particles get rigid-body
+    moves if there is more than one molecule.
+
+    Sizes are rather large. Let them adapt in equilibration:
+
+        print(addDefaultMoves(integrator, topology, system))
+        context = openmm.Context(system, integrator)
+        context.setPositions(positions)
+        integrator.setAdaptMoveSizes(True)
+        integrator.step(1000)
+        integrator.setAdaptMoveSizes(False)
+
+    Parameters
+    ----------
+    integrator : TorsionMonteCarloIntegrator
+        to which moves are added; those that it has stay
+    topology : openmm.app.Topology
+        of the System
+    system : openmm.System
+        with its StericExclusionForce, whose torsions and ball joints are those that move
+    disordered : bool
+        whether chains are loose, as those of disordered proteins: then backbones are mostly drawn anew, by the density
+        of residues in loops, and turned by much
+
+    Returns
+    -------
+    AddedMoves
+        a list of (move, description, purpose), in the order in which moves were added; it prints as a table
+
+    Raises
+    ------
+    ValueError
+        if the System has another number of particles than the Topology has atoms, no StericExclusionForce or more than
+        one, or nothing that could move
+    """
+    scene = _Scene(topology, system)
+    adder = _Adder(integrator)
+    total = sum(len(torsions) for torsions in scene.torsions.values()) + scene.force.getNumBallJoints()
+    for name, addMoves in _MIXTURES.items():
+        if scene.torsions[name]:
+            adder.share = len(scene.torsions[name]) / total
+            addMoves(adder, scene, disordered)
+    if scene.force.getNumBallJoints() > 0:
+        adder.share = scene.force.getNumBallJoints() / total
+        adder.add("chains of beads", lambda weight: integrator.addPivotMove(weight, _BALL_STEP * _DEGREE), 0.5)
+        adder.add("chains of beads", lambda weight: integrator.addPivotMove(weight, _HALF_TURN * _DEGREE), 0.5)
+    free = scene.freeMolecules()
+    adder.share = 1.0
+    if free and scene.moleculeCount > 1:
+        adder.add(
+            "where molecules are",
+            lambda weight: integrator.addRigidBodyMove(weight, _RIGID_SHIFT, _RIGID_TURN * _DEGREE, free),
+            _RIGID_WEIGHT,
+        )
+    if not adder.added:
+        raise ValueError("there is nothing to move: no torsion, no ball joint, and no molecule beside another")
+    return adder.added
+
+
+class _Adder:
+    """Adds moves and writes down what they are for.
+
+    share : float, by which weights are multiplied
+    """
+
+    def __init__(self, integrator):
+        self.integrator = integrator
+        self.share = 1.0
+        self.added = AddedMoves()
+
+    def add(self, purpose, addMove, weight):
+        """Add a move by a function of its weight."""
+        index = addMove(float(f"{self.share * weight:.3g}"))
+        self.added.append(AddedMove(index, self.integrator.getMoveDescription(index), purpose))
+
+    def turn(self, purpose, weight, degrees, torsions):
+        """Add a move that turns one of some torsions."""
+        self.add(purpose, lambda share: self.integrator.addTorsionMove(share, degrees * _DEGREE, torsions), weight)
+
+    def close(self, weight, degrees, torsions):
+        """Add a closed move of backbones."""
+        purpose = "backbones: the rest stays where it is"
+        self.add(purpose, lambda share: self.integrator.addClosedMove(share, degrees * _DEGREE, torsions), weight)
+
+    def bend(self, weight, degrees, stiffness, torsions):
+        """Add a local move of backbones."""
+        purpose = "backbones and their ends: the rest hardly moves"
+        self.add(
+            purpose, lambda share: self.integrator.addLocalMove(share, degrees * _DEGREE, stiffness, torsions), weight
+        )
+
+
+class _Scene:
+    """What there is to move.
+
+    topology : openmm.app.Topology; force : StericExclusionForce; moleculeCount : int
+    torsions : dict of lists of int, by what they are
+    """
+
+    def __init__(self, topology, system):
+        particles, atoms = system.getNumParticles(), topology.getNumAtoms()
+        if particles != atoms:
+            raise ValueError(f"the System has {particles:,} particles, but the Topology {atoms:,} atoms")
+        forces = [force for force in system.getForces() if StericExclusionForce.isinstance(force)]
+        if len(forces) != 1:
+            raise ValueError(f"the System must have one StericExclusionForce, but has {len(forces)}")
+        self.topology = topology
+        self.force = StericExclusionForce.cast(forces[0])
+        self._system = system
+        bonds = [self.force.getBondParticles(index) for index in range(self.force.getNumBonds())]
+        self._parts = connectedParts(system.getNumParticles(), bonds)
+        self.moleculeCount = len(np.unique(self._parts))
+        self.torsions = self._sortTorsions()
+
+    def _sortTorsions(self):
+        search = findTorsions(self.topology, kinds=KINDS, cutDisulfides=True, cutMetals=True)
+        kinds = {}
+        for torsion in search.torsions:
+            kinds[torsion.particles] = kinds[torsion.particles[::-1]] = torsion.kind
+        found = {name: [] for name in _MIXTURES}
+        for index in range(self.force.getNumTorsions()):
+            kind = kinds.get(tuple(self.force.getTorsionParticles(index)))
+            found[next(name for name, ofName in _KINDS_OF.items() if ofName is None or kind in ofName)].append(index)
+        return found
+
+    def freeMolecules(self):
+        """Return a particle of each molecule without fixed particles."""
+        isFixed = np.zeros(self.moleculeCount, dtype=bool)
+        for particle, part in enumerate(self._parts.tolist()):
+            mass = self._system.getParticleMass(particle)
+            isFixed[part] |= mass == 0 * unit.dalton and not self._system.isVirtualSite(particle)
+        first = np.unique(self._parts, return_index=True)[1]
+        return [int(particle) for particle, fixed in zip(first, isFixed, strict=True) if not fixed]
+
+    def canClose(self, torsions):
+        """Return whether closed moves find windows among torsions: a Context of hard spheres alone tells."""
+        bare = openmm.System()
+        for particle in range(self._system.getNumParticles()):
+            isVirtual = self._system.isVirtualSite(particle)
+            bare.addParticle(1 if isVirtual else self._system.getParticleMass(particle))
+        bare.addForce(copy.copy(self.force))
+        integrator = TorsionMonteCarloIntegrator(0)
+        integrator.addClosedMove(1, 0.1, torsions)
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore")  # those of the force come again with the user's Context
+            try:
+                openmm.Context(bare, integrator, openmm.Platform.getPlatformByName("Reference"))
+            except openmm.OpenMMException as error:
+                if "window" not in str(error):
+                    raise
+                return False
+        return True
+
+
+def _addPeptideBackbones(adder, scene, disordered):
+    torsions = scene.torsions["peptide backbones"]
+    canClose = scene.canClose(torsions)
+    if disordered:
+        loops = ramachandranDensities(scene.topology, scene.force)
+        adder.add("residues of loose chains", lambda weight: adder.integrator.addDrawnMove(weight, *loops), 0.5)
+        adder.turn("loose chains", 0.3, 60, torsions)
+        if canClose:
+            adder.close(0.2, 20, torsions)
+        return
+    if canClose:
+        adder.close(0.6, 8, torsions)
+    adder.bend(0.3 if canClose else 0.9, 4, 3000, torsions)
+    adder.turn("how parts of a chain lie to each other", 0.1, _PIVOT_STEP, torsions)
+
+
+def _addSideChains(adder, scene, disordered):
+    torsions = scene.torsions["side chains"]
+    adder.turn("side chains within a rotamer", 0.5, _TORSION_STEP, torsions)
+    try:
+        rotamers = rotamerDensities(scene.topology, scene.force)
+    except ValueError:
+        adder.turn("side chains from rotamer to rotamer", 0.5, _HALF_TURN, torsions)
+    else:
+        purpose = "side chains from rotamer to rotamer"
+        adder.add(purpose, lambda weight: adder.integrator.addDrawnMove(weight, *rotamers), 0.5)
+
+
+def _addNucleotideBackbones(adder, scene, disordered):
+    torsions = scene.torsions["nucleotide backbones"]
+    canClose = scene.canClose(torsions)
+    if canClose:
+        adder.close(0.6 if not disordered else 0.3, 8, torsions)
+    adder.bend(0.3 if canClose else 0.9, 4, 3000, torsions)
+    degrees = _PIVOT_STEP if not disordered else 60
+    adder.turn("how parts of a chain lie to each other", 0.1 if not disordered else 0.4, degrees, torsions)
+
+
+def _addOthers(adder, scene, disordered, name, words):
+    adder.turn(f"{words}, by a little", 0.5, _TORSION_STEP, scene.torsions[name])
+    adder.turn(f"{words}, drawn anew", 0.5, _HALF_TURN, scene.torsions[name])
+
+
+# Torsions by what they are, the others last; and what moves they get.
+_KINDS_OF = {
+    "peptide backbones": _PEPTIDE_BACKBONE,
+    "side chains": _SIDE_CHAINS,
+    "nucleotide backbones": _NUCLEOTIDE_BACKBONE,
+    "bases": ("chi",),
+    "others": None,
+}
+_MIXTURES = {
+    "peptide backbones": _addPeptideBackbones,
+    "side chains": _addSideChains,
+    "nucleotide backbones": _addNucleotideBackbones,
+    "bases": lambda *arguments: _addOthers(*arguments, "bases", "bases"),
+    "others": lambda *arguments: _addOthers(*arguments, "others", "other torsions"),
+}

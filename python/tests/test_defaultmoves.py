@@ -1,0 +1,120 @@
+"""The mixtures of moves that addDefaultMoves adds."""
+
+import re
+
+import numpy as np
+import openmm
+import pytest
+from openmm import app
+from openmmchaintree import (
+    AddedMoves,
+    StericExclusionForce,
+    TorsionMonteCarloIntegrator,
+    addDefaultMoves,
+    createStericExclusionForce,
+)
+from scenes import makeSystem, peptide
+
+
+def add(topology, force, **options):
+    integrator = TorsionMonteCarloIntegrator(300)
+    system = openmm.System()
+    for _ in topology.atoms():
+        system.addParticle(1)
+    system.addForce(force)
+    return integrator, addDefaultMoves(integrator, topology, system, **options), system
+
+
+def kindsOf(integrator):
+    return [integrator.getMoveType(move) for move in range(integrator.getNumMoves())]
+
+
+def test_aProteinGetsAllMovesAndMoves(villin):
+    force = createStericExclusionForce(villin.topology, villin.positions)
+    system = makeSystem(villin, force)
+    integrator = TorsionMonteCarloIntegrator(300)
+    integrator.setRandomNumberSeed(1)
+    before = integrator.addTorsionMove(0, 0.1)
+    added = addDefaultMoves(integrator, villin.topology, system)
+    assert isinstance(added, AddedMoves) and [one.move for one in added] == list(range(before + 1, len(added) + 1))
+    kinds = kindsOf(integrator)[1:]
+    for kind in (integrator.ClosedMove, integrator.LocalMove, integrator.TorsionMove, integrator.DrawnMove):
+        assert kind in kinds
+    assert integrator.RigidBodyMove not in kinds
+    for one, line in zip(added, str(added).splitlines(), strict=True):
+        assert one.description == integrator.getMoveDescription(one.move)
+        assert line.split() == [str(one.move), *one.description.split(), *one.purpose.split()]
+    # Each torsion of the force is turned by some move: all angles change.
+    context = openmm.Context(system, integrator, openmm.Platform.getPlatformByName("Reference"))
+    context.setPositions(villin.positions)
+    start = integrator.getTorsionAngles(context)
+    integrator.step(200)
+    for one in added:
+        assert integrator.getMoveStatistics(one.move).accepted > 0
+    turned = np.angle(np.exp(1j * (integrator.getTorsionAngles(context) - start)))
+    assert np.count_nonzero(np.abs(turned) > 1e-9) == force.getNumTorsions()
+
+
+def test_loosePeptides():
+    topology = peptide(*["ALA"] * 12)
+    force = createStericExclusionForce(topology)
+    integrator, added, _ = add(topology, force, disordered=True)
+    kinds = kindsOf(integrator)
+    assert kinds[0] == integrator.DrawnMove and integrator.ClosedMove in kinds
+    assert sum(kind == integrator.TorsionMove for kind in kinds) == 1
+    assert integrator.LocalMove not in kinds and len(added) == len(kinds)
+
+
+def test_whatIsTooShortForClosedMovesGetsNone():
+    topology = peptide("ALA", "SER", "ALA")
+    integrator, added, system = add(topology, createStericExclusionForce(topology))
+    assert integrator.ClosedMove not in kindsOf(integrator) and integrator.LocalMove in kindsOf(integrator)
+    openmm.Context(system, integrator, openmm.Platform.getPlatformByName("Reference"))
+
+
+def test_beads():
+    topology = app.Topology()
+    for _ in range(2):
+        chain = topology.addChain()
+        for _ in range(6):
+            topology.addAtom("CA", app.element.carbon, topology.addResidue("BEA", chain))
+    atoms = list(topology.atoms())
+    for first in (0, 6):
+        for bead in range(first, first + 5):
+            topology.addBond(atoms[bead], atoms[bead + 1])
+    force = createStericExclusionForce(topology, radii=[0.2] * 12, torsions=(), bondCutoff=1, ballJoints="bonds")
+    integrator, added, system = add(topology, force)
+    assert kindsOf(integrator) == [integrator.PivotMove, integrator.PivotMove, integrator.RigidBodyMove]
+    assert [one.purpose for one in added][-1] == "where molecules are"
+    # A fixed molecule is not moved as a body.
+    system.setParticleMass(0, 0)
+    other = TorsionMonteCarloIntegrator(300)
+    addDefaultMoves(other, topology, system)
+    assert other.getRigidBodyMoveParameters(2)[3].tolist() == [6]
+
+
+def test_otherTorsionsAreTurnedToo():
+    topology = peptide("ALA", "ALA", "ALA")
+    force = createStericExclusionForce(topology, torsions=("omega",))
+    integrator, added, _ = add(topology, force)
+    assert kindsOf(integrator) == [integrator.TorsionMove] * 2
+    assert all(re.match("other torsions", one.purpose) for one in added)
+
+
+def test_badArguments(villin):
+    integrator = TorsionMonteCarloIntegrator(300)
+    system = openmm.System()
+    with pytest.raises(ValueError, match="the System has 0 particles, but the Topology"):
+        addDefaultMoves(integrator, villin.topology, system)
+    system = makeSystem(villin)
+    with pytest.raises(ValueError, match="must have one StericExclusionForce, but has 0"):
+        addDefaultMoves(integrator, villin.topology, system)
+    force = StericExclusionForce()
+    for _ in range(system.getNumParticles()):
+        force.addParticle(0.1)
+    system.addForce(force)
+    for particle in range(system.getNumParticles()):
+        system.setParticleMass(particle, 0)
+    with pytest.raises(ValueError, match="nothing to move"):
+        addDefaultMoves(integrator, villin.topology, system)
+    assert integrator.getNumMoves() == 0
