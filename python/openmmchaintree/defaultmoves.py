@@ -245,9 +245,17 @@ def _addNucleotideBackbones(adder, scene, disordered):
     adder.turn("how parts of a chain lie to each other", 0.1 if not disordered else 0.4, degrees, torsions)
 
 
-def _addOthers(adder, scene, disordered, name, words):
-    adder.turn(f"{words}, by a little", 0.5, _TORSION_STEP, scene.torsions[name])
-    adder.turn(f"{words}, drawn anew", 0.5, _HALF_TURN, scene.torsions[name])
+def _addBases(adder, scene, disordered):
+    _turnAndDraw(adder, "bases", scene.torsions["bases"])
+
+
+def _addOthers(adder, scene, disordered):
+    _turnAndDraw(adder, "other torsions", scene.torsions["others"])
+
+
+def _turnAndDraw(adder, words, torsions):
+    adder.turn(f"{words}, by a little", 0.5, _TORSION_STEP, torsions)
+    adder.turn(f"{words}, drawn anew", 0.5, _HALF_TURN, torsions)
 
 
 # Torsions by what they are, the others last; and what moves they get.
@@ -262,6 +270,6 @@ _MIXTURES = {
     "peptide backbones": _addPeptideBackbones,
     "side chains": _addSideChains,
     "nucleotide backbones": _addNucleotideBackbones,
-    "bases": lambda *arguments: _addOthers(*arguments, "bases", "bases"),
-    "others": lambda *arguments: _addOthers(*arguments, "others", "other torsions"),
+    "bases": _addBases,
+    "others": _addOthers,
 }
