@@ -73,3 +73,10 @@ def test_peptideMoves(tmp_path):
     assert [name for name, _ in accepted] == ["closed and hops", "local", "all"]
     assert all(float(share) > 0.05 for _, share in accepted)
     assert float(re.search(r"^least of \d+ p-values: (\S+),", output, re.MULTILINE)[1]) > 1e-6
+
+
+def test_drawnMoves(tmp_path):
+    output = run("validation/drawn_moves.py", "uniform", "--draws", 1000, folder=tmp_path)
+    assert re.search(r"^least p-value of 59 densities, times their number: (\S+)$", output, re.MULTILINE)
+    shares = [float(share) for share in re.findall(r"accepted ([0-9.]+)", output)]
+    assert len(shares) == 59 and all(0.01 < share < 0.9 for share in shares)

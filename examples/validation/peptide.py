@@ -9,14 +9,14 @@ from openmm import unit
 FORCE_FIELD = ("amber14-all.xml", "implicit/gbn2.xml")
 
 
-def cutPeptide():
-    """Return residues 5 to 8 of the villin headpiece with caps: topology and positions (nm)."""
+def cutPeptide(first=4, count=4):
+    """Return residues of the villin headpiece, counted from 0, with caps: topology and positions (nm)."""
     pdb = app.PDBFile(str(Path(app.__file__).parent / "data" / "test.pdb"))
     places = np.array(pdb.positions.value_in_unit(unit.nanometer))
     topology, kept = app.Topology(), []
     chain = topology.addChain()
-    caps = {0: ("ACE", {"CA": "CH3", "C": "C", "O": "O"}), 5: ("NME", {"N": "N", "CA": "C"})}
-    for index, old in enumerate(list(pdb.topology.residues())[3:9]):
+    caps = {0: ("ACE", {"CA": "CH3", "C": "C", "O": "O"}), count + 1: ("NME", {"N": "N", "CA": "C"})}
+    for index, old in enumerate(list(pdb.topology.residues())[first - 1 : first + count + 1]):
         name, names = caps.get(index, (old.name, None))
         new = topology.addResidue(name, chain)
         for atom in old.atoms():
