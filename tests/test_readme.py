@@ -23,8 +23,10 @@ def test_theExamplesInPythonRun(tmp_path, monkeypatch):
     exec(example, variables)
 
     assert Path("protein.dcd").stat().st_size > 0
-    attempted, clashed, rejected, accepted = variables["integrator"].getMoveStatistics(0)
-    takenBack = variables["integrator"].getOuterStatistics().trialsTakenBack
+    integrator = variables["integrator"]
+    statistics = [integrator.getMoveStatistics(move) for move in range(integrator.getNumMoves())]
+    attempted, clashed, rejected, accepted = map(sum, zip(*statistics, strict=True))
+    takenBack = integrator.getOuterStatistics().trialsTakenBack
     assert attempted + takenBack == 40000
     assert min(clashed, rejected, accepted) > 0
 
