@@ -1,6 +1,6 @@
 """Measure what moves do to folded proteins, and how many independent samples mixtures give; see docs/benchmark.md.
 
-PYTHONPATH=build/package python benchmarks/moves.py --csv moves.csv --markdown moves.md
+PYTHONPATH=build/package python benchmarks/moves.py --csv moves.csv --markdown moves.md --picture moves.png
 """
 
 import sys
@@ -12,7 +12,7 @@ from energy.proteins import IMPLICIT_SOLVENT, readSampled
 from energy.rows import Prepared
 from openmmchaintree.command.arguments import Parser
 from openmmchaintree.command.cli import runParsed
-from racing.running import Maker, Study, addOptions, runStudy
+from racing.running import Maker, Study, addOptions, drawnBy, runStudy
 
 GROUPS = {
     MOVES: "acceptance, shift and time of each move alone",
@@ -44,13 +44,17 @@ def main(arguments=None):
         action="store_true",
         help=f"only the smallest protein and few moves, {_QUICK_RUNS} run a row, {_QUICK_TRIALS} trials each",
     )
-    addOptions(parser, "trials of each run, in place of those of its row", "draw nothing yet")
+    addOptions(
+        parser,
+        "trials of each run, in place of those of its row",
+        "draw acceptance and shift of moves, and what mixtures give beside pivots",
+    )
     return runParsed(parser, arguments)
 
 
 def _run(options):
     settle(options, GROUPS, _RUNS, _WARM_TRIALS, _QUICK_RUNS, _QUICK_TRIALS)
-    maker = Maker(makeTables, lambda entries: ([], False), lambda entries: False, lambda *arguments: None)
+    maker = Maker(makeTables, lambda entries: ([], False), *drawnBy("energy.movepicture"))
     return runStudy(options, lambda program: _plan(options), maker, options.structures)
 
 
