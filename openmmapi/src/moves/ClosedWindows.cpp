@@ -5,21 +5,23 @@
 using namespace ChainTreePlugin;
 using namespace std;
 
-/** How many torsions a window has, in the order in which they are tried: two drivers are best, one can do. */
-static const size_t SIZES[] = {8, 9, 7};
-static const int LARGEST_SIZE = 9;
+/** The most torsions of a window. */
+static const size_t LARGEST_SIZE = 9;
 
 /**
  * List the ways to choose three pairs of neighbours.
  *
- * @param joints  a bit for each torsion that shares a particle with the next
+ * @param joints        a bit for each torsion that shares a particle with the next
+ * @param size          the number of torsions
+ * @param endsAreFree   whether neither the first nor the last torsion may be in a pair
  */
-static vector<ClosedWindows::Pivots> listChoices(unsigned joints)
+static vector<ClosedWindows::Pivots> listChoices(unsigned joints, int size, bool endsAreFree)
 {
+    const int begin = endsAreFree ? 1 : 0, end = endsAreFree ? size - 2 : size - 1;
     vector<ClosedWindows::Pivots> choices;
-    for (int i = 0; i < LARGEST_SIZE; i++)
-        for (int j = i + 2; j < LARGEST_SIZE; j++)
-            for (int k = j + 2; k < LARGEST_SIZE; k++)
+    for (int i = begin; i < end; i++)
+        for (int j = i + 2; j < end; j++)
+            for (int k = j + 2; k < end; k++)
                 if ((joints >> i & joints >> j & joints >> k & 1) != 0)
                     choices.push_back({i, i + 1, j, j + 1, k, k + 1});
     return choices;
@@ -48,17 +50,33 @@ static bool keepsClosures(const LinkStructure& structure, const vector<int>& tor
 }
 
 /**
- * Add a window of these torsions. Returns false if they can't be one.
+ * Get the index of a list of choices, which is made if there is none like it.
  */
-bool ClosedWindows::addWindow(const LinkStructure& structure, const vector<int>& torsions)
+int ClosedWindows::findChoices(unsigned joints, int size, bool endsAreFree)
 {
-    if (!keepsClosures(structure, torsions))
+    const array<int, 3> key = {{(int)joints, size, endsAreFree}};
+    auto known = find(choicesOf.begin(), choicesOf.end(), key);
+    if (known != choicesOf.end())
+        return known - choicesOf.begin();
+    choicesOf.push_back(key);
+    choices.push_back(listChoices(joints, size, endsAreFree));
+    return choices.size() - 1;
+}
+
+/**
+ * Add the window of the last torsions of a row. Returns false if they can't be one.
+ */
+bool ClosedWindows::addWindow(const LinkStructure& structure, const vector<int>& row, size_t size, bool endsAreFree)
+{
+    if (row.size() < size)
         return false;
     Window window;
-    window.torsions = torsions;
+    window.torsions.assign(row.end() - size, row.end());
+    if (!keepsClosures(structure, window.torsions))
+        return false;
     unsigned joints = 0;
-    for (size_t i = 0; i < torsions.size(); i++) {
-        const array<int, 4> p = structure.getTorsionParticles(torsions[i]);
+    for (size_t i = 0; i < size; i++) {
+        const array<int, 4> p = structure.getTorsionParticles(window.torsions[i]);
         if (i > 0 && window.particles.back() == p[1])
             joints |= 1u << (i - 1);
         else
@@ -67,12 +85,7 @@ bool ClosedWindows::addWindow(const LinkStructure& structure, const vector<int>&
         const int last = window.particles.size() - 1;
         window.axes.push_back({last - 1, last});
     }
-    auto known = find(choicesOf.begin(), choicesOf.end(), joints);
-    window.choices = known - choicesOf.begin();
-    if (known == choicesOf.end()) {
-        choicesOf.push_back(joints);
-        choices.push_back(listChoices(joints));
-    }
+    window.choices = findChoices(joints, size, endsAreFree);
     if (choices[window.choices].empty())
         return false;
     windows.push_back(window);
@@ -83,12 +96,22 @@ ClosedWindows::ClosedWindows(const LinkStructure& structure, const vector<int>& 
 {
     // Of rows that end with the same torsion all but the longest are parts of it.
 
-    vector<vector<int>> rows(structure.getTorsionLinks().size());
+    const int numTorsions = structure.getTorsionLinks().size();
+    vector<vector<int>> rows(numTorsions);
     for (const vector<int>& row : findTorsionWindows(structure, torsions, LARGEST_SIZE))
         if (row.size() > rows[row.back()].size())
             rows[row.back()] = row;
     for (const vector<int>& row : rows)
-        for (size_t size : SIZES)
-            if (size <= row.size() && addWindow(structure, vector<int>(row.end() - size, row.end())))
-                break;
+        addWindow(structure, row, 8, true);
+    vector<bool> isTurned(numTorsions, false);
+    for (const Window& window : windows)
+        for (int torsion : window.torsions)
+            isTurned[torsion] = true;
+    auto isLeftOut = [&](int torsion) {
+        return !isTurned[torsion];
+    };
+    for (const vector<int>& row : rows)
+        if (any_of(row.begin(), row.end(), isLeftOut))
+            addWindow(structure, row, 9, true) || addWindow(structure, row, 8, false) ||
+                addWindow(structure, row, 9, false) || addWindow(structure, row, 7, false);
 }

@@ -30,8 +30,10 @@ public:
         int choices;
     };
     /**
-     * Find all windows: for each torsion the one that ends with it, of eight torsions, or of nine or seven where there
-     * is none of eight. There may be none at all.
+     * Find all windows. For each torsion there is the one of eight torsions that ends with it, if its first and its
+     * last torsion can be drivers: such windows shift least of what they turn, and are accepted twice as often as
+     * others. What these leave out is turned by windows of nine, eight or seven torsions with any pivots. There may be
+     * none at all.
      *
      * @param structure  the links of the molecules
      * @param torsions   the torsions that windows may have
@@ -50,11 +52,12 @@ public:
     }
 
 private:
-    bool addWindow(const LinkStructure& structure, const std::vector<int>& torsions);
+    int findChoices(unsigned joints, int size, bool endsAreFree);
+    bool addWindow(const LinkStructure& structure, const std::vector<int>& row, size_t size, bool endsAreFree);
     std::vector<Window> windows;
-    /** Lists of choices, and what they belong to: a bit for each torsion that shares a particle with the next. */
+    /** Lists of choices, and what they belong to: what findChoices() was given. */
     std::vector<std::vector<Pivots>> choices;
-    std::vector<unsigned> choicesOf;
+    std::vector<std::array<int, 3>> choicesOf;
 };
 
 } // namespace ChainTreePlugin
