@@ -6,7 +6,7 @@ from typing import NamedTuple
 import mdtraj
 import numpy as np
 from openmm import unit
-from openmmchaintree import StericExclusionForce, rotamerDensities
+from openmmchaintree import StericExclusionForce, addDefaultMoves, rotamerDensities
 from racing.course import Course, measure, summarizeTimes
 from racing.races import ALL_CHAINS, OURS
 
@@ -26,7 +26,7 @@ _SLOW = 0.9  # the quantile of torsions that stands for the slow ones
 
 
 class Move(NamedTuple):
-    """A move of a protein: add(integrator, weight, protein, force) adds it.
+    """A move of a protein: add(integrator, weight, protein, system) adds it.
 
     name : str, for tables
     """
@@ -39,7 +39,7 @@ def turn(which, degrees):
     """Return the Move that turns one torsion of BACKBONE or SIDE_CHAINS."""
     name = f"{'pivot' if which == BACKBONE else 'χ'}, {degrees}°"
     angle = degrees * unit.degrees
-    return Move(name, lambda i, weight, protein, force: i.addTorsionMove(weight, angle, protein.torsionsOf(which)))
+    return Move(name, lambda i, weight, protein, system: i.addTorsionMove(weight, angle, protein.torsionsOf(which)))
 
 
 def close(degrees, hop=0.2):
@@ -47,7 +47,7 @@ def close(degrees, hop=0.2):
     angle = degrees * unit.degrees
     name = f"closed, {degrees}°" + ("" if hop == 0.2 else f", hop {hop}")
     return Move(
-        name, lambda i, weight, protein, force: i.addClosedMove(weight, angle, protein.torsionsOf(BACKBONE), hop)
+        name, lambda i, weight, protein, system: i.addClosedMove(weight, angle, protein.torsionsOf(BACKBONE), hop)
     )
 
 
@@ -57,7 +57,7 @@ def bend(degrees, stiffness, window=8):
     name = f"local, {degrees}°, {stiffness} nm⁻²" + ("" if window == 8 else f", window {window}")
     return Move(
         name,
-        lambda i, weight, protein, force: i.addLocalMove(
+        lambda i, weight, protein, system: i.addLocalMove(
             weight, sigma, stiffness, protein.torsionsOf(BACKBONE), window
         ),
     )
@@ -65,8 +65,10 @@ def bend(degrees, stiffness, window=8):
 
 ROTAMERS = Move(
     "side chains drawn",
-    lambda i, weight, protein, force: i.addDrawnMove(weight, *rotamerDensities(protein.topology, force)),
+    lambda i, weight, protein, system: i.addDrawnMove(weight, *rotamerDensities(protein.topology, _forceOf(system))),
 )
+
+DEFAULTS = Move("addDefaultMoves", lambda i, weight, protein, system: addDefaultMoves(i, protein.topology, system))
 
 SINGLE_MOVES = (
     *(turn(BACKBONE, degrees) for degrees in (0.5, 1, 2)),
@@ -92,17 +94,21 @@ ALL_MIXTURES = {
         (0.5, ROTAMERS),
         (0.1, turn(BACKBONE, 1)),
     ),
+    DEFAULTS.name: ((1.0, DEFAULTS),),
 }
 
 OBSERVABLES = ("phi", "psi", "chi1", "rmsd")
 
 
+def _forceOf(system):
+    return next(StericExclusionForce.cast(one) for one in system.getForces() if StericExclusionForce.isinstance(one))
+
+
 def makeSimulation(protein, system, seed, moves):
     """Make a Simulation of a SampledProtein and its System with (weight, Move) pairs."""
     simulation = protein.makeSimulationOf(system, seed, moves=())
-    force = next(StericExclusionForce.cast(one) for one in system.getForces() if StericExclusionForce.isinstance(one))
     for weight, move in moves:
-        move.add(simulation.integrator, weight, protein, force)
+        move.add(simulation.integrator, weight, protein, system)
     simulation.integrator.setTrialsPerStep(_STEP)
     return simulation
 

@@ -21,6 +21,7 @@ _NUCLEOTIDE_BACKBONE = ("alpha", "beta", "gamma", "delta", "epsilon", "zeta")
 
 _HALF_TURN = 180  # degrees: a torsion drawn anew
 _TORSION_STEP, _PIVOT_STEP, _BALL_STEP = 10, 1, 30  # degrees
+_END = 5  # residues
 _RIGID_SHIFT, _RIGID_TURN = 0.02, 2  # nm, degrees
 _RIGID_WEIGHT = 0.1  # to one for all torsions and joints
 
@@ -49,12 +50,12 @@ def addDefaultMoves(
 ) -> AddedMoves:
     """Add moves to an integrator that suit what there is: proteins, nucleic acids, chains of beads, other molecules.
 
-    The weights of the mixture for folded proteins were found by measuring independent samples a second of torsions and
-    of the RMSD in implicit solvent (benchmarks/moves.py). Backbones of proteins and nucleic acids get closed and local
-    moves, which leave the rest of a chain where it is, and few turns that do not; side chains get small turns, and are
-    drawn anew from the density of their rotamers. Bases are turned by a little and drawn anew. Ball joints get pivot
-    moves. All other torsions are turned by a little, and drawn anew. Molecules without fixed particles get rigid-body
-    moves if there is more than one molecule.
+    The weights for folded proteins were found by measuring independent samples a second of torsions and of the RMSD in
+    implicit solvent, those for loose chains by that of the radius of gyration (benchmarks/moves.py). Backbones of
+    proteins and nucleic acids get closed and local moves, which leave the rest of a chain where it is, turns of the
+    ends of chains, and few turns elsewhere. Side chains get small turns, and are drawn anew from the density of their
+    rotamers. Bases, and torsions of other kinds, are turned by a little and drawn anew. Ball joints get pivot moves.
+    Molecules without fixed particles get rigid-body moves if there is more than one molecule.
 
     Sizes are rather large. Let them adapt in equilibration:
 
@@ -132,6 +133,15 @@ class _Adder:
         """Add a move that turns one of some torsions."""
         self.add(purpose, lambda share: self.integrator.addTorsionMove(share, degrees * _DEGREE, torsions), weight)
 
+    def draw(self, purpose, weight, findDensities, scene, torsions):
+        """Add a move that draws torsions from densities of residues, or uniformly if no residue has one."""
+        try:
+            drawn = findDensities(scene.topology, scene.force)
+        except ValueError:
+            self.turn(purpose, weight, _HALF_TURN, torsions)
+        else:
+            self.add(purpose, lambda share: self.integrator.addDrawnMove(share, *drawn), weight)
+
     def close(self, weight, degrees, torsions):
         """Add a closed move of backbones."""
         purpose = "backbones: the rest stays where it is"
@@ -165,18 +175,33 @@ class _Scene:
         bonds = [self.force.getBondParticles(index) for index in range(self.force.getNumBonds())]
         self._parts = connectedParts(system.getNumParticles(), bonds)
         self.moleculeCount = len(np.unique(self._parts))
+        self._residues = []  # of torsions, None where it is not known
         self.torsions = self._sortTorsions()
 
     def _sortTorsions(self):
         search = findTorsions(self.topology, kinds=KINDS, cutDisulfides=True, cutMetals=True)
-        kinds = {}
+        known = {}
         for torsion in search.torsions:
-            kinds[torsion.particles] = kinds[torsion.particles[::-1]] = torsion.kind
+            known[torsion.particles] = known[torsion.particles[::-1]] = torsion
         found = {name: [] for name in _MIXTURES}
         for index in range(self.force.getNumTorsions()):
-            kind = kinds.get(tuple(self.force.getTorsionParticles(index)))
+            torsion = known.get(tuple(self.force.getTorsionParticles(index)))
+            self._residues.append(torsion and torsion.residue)
+            kind = torsion and torsion.kind
             found[next(name for name, ofName in _KINDS_OF.items() if ofName is None or kind in ofName)].append(index)
         return found
+
+    def endsOf(self, torsions):
+        """Return those of torsions of residues that are near the first or the last of their chain, if not all are."""
+        chains = {}
+        for torsion in torsions:
+            residue = self._residues[torsion]
+            chains.setdefault(residue.chain.index, []).append((residue.index, torsion))
+        ends = []
+        for ofChain in chains.values():
+            first, last = min(ofChain)[0] + _END, max(ofChain)[0] - _END
+            ends += [torsion for residue, torsion in ofChain if residue < first or residue > last]
+        return ends if len(ends) < len(torsions) else []
 
     def freeMolecules(self):
         """Return a particle of each molecule without fixed particles."""
@@ -209,40 +234,40 @@ class _Scene:
 
 def _addPeptideBackbones(adder, scene, disordered):
     torsions = scene.torsions["peptide backbones"]
-    canClose = scene.canClose(torsions)
     if disordered:
-        loops = ramachandranDensities(scene.topology, scene.force)
-        adder.add("residues of loose chains", lambda weight: adder.integrator.addDrawnMove(weight, *loops), 0.5)
-        adder.turn("loose chains", 0.3, 60, torsions)
-        if canClose:
-            adder.close(0.2, 20, torsions)
+        adder.draw("loose chains, by residue", 0.4, ramachandranDensities, scene, torsions)
+        adder.turn("loose chains, drawn anew", 0.3, _HALF_TURN, torsions)
+        adder.turn("loose chains, by some degrees", 0.2, 30, torsions)
+        if scene.canClose(torsions):
+            adder.close(0.1, 20, torsions)
         return
+    _addFoldedBackbones(adder, scene, torsions)
+
+
+def _addFoldedBackbones(adder, scene, torsions):
+    canClose = scene.canClose(torsions)
     if canClose:
         adder.close(0.6, 8, torsions)
-    adder.bend(0.3 if canClose else 0.9, 4, 3000, torsions)
-    adder.turn("how parts of a chain lie to each other", 0.1, _PIVOT_STEP, torsions)
+    adder.bend(0.2 if canClose else 0.8, 4, 3000, torsions)
+    ends = scene.endsOf(torsions)
+    if ends:
+        adder.turn("ends of chains", 0.15, _TORSION_STEP, ends)
+    adder.turn("how parts of a chain lie to each other", 0.05 if ends else 0.2, _PIVOT_STEP, torsions)
 
 
 def _addSideChains(adder, scene, disordered):
     torsions = scene.torsions["side chains"]
     adder.turn("side chains within a rotamer", 0.5, _TORSION_STEP, torsions)
-    try:
-        rotamers = rotamerDensities(scene.topology, scene.force)
-    except ValueError:
-        adder.turn("side chains from rotamer to rotamer", 0.5, _HALF_TURN, torsions)
-    else:
-        purpose = "side chains from rotamer to rotamer"
-        adder.add(purpose, lambda weight: adder.integrator.addDrawnMove(weight, *rotamers), 0.5)
+    adder.draw("side chains from rotamer to rotamer", 0.5, rotamerDensities, scene, torsions)
 
 
 def _addNucleotideBackbones(adder, scene, disordered):
     torsions = scene.torsions["nucleotide backbones"]
-    canClose = scene.canClose(torsions)
-    if canClose:
-        adder.close(0.6 if not disordered else 0.3, 8, torsions)
-    adder.bend(0.3 if canClose else 0.9, 4, 3000, torsions)
-    degrees = _PIVOT_STEP if not disordered else 60
-    adder.turn("how parts of a chain lie to each other", 0.1 if not disordered else 0.4, degrees, torsions)
+    if disordered:
+        adder.turn("loose chains, by some degrees", 0.5, 30, torsions)
+        adder.turn("loose chains, drawn anew", 0.5, _HALF_TURN, torsions)
+        return
+    _addFoldedBackbones(adder, scene, torsions)
 
 
 def _addBases(adder, scene, disordered):

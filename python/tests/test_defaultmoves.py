@@ -61,7 +61,7 @@ def test_loosePeptides():
     integrator, added, _ = add(topology, force, disordered=True)
     kinds = kindsOf(integrator)
     assert kinds[0] == integrator.DrawnMove and integrator.ClosedMove in kinds
-    assert sum(kind == integrator.TorsionMove for kind in kinds) == 1
+    assert sum(kind == integrator.TorsionMove for kind in kinds) == 2
     assert integrator.LocalMove not in kinds and len(added) == len(kinds)
 
 
