@@ -74,13 +74,18 @@ def test_theCommandSaysWhatToInstall(site, tmp_path):
 def test_publicHeadersAndNothingInternalAreThere(site):
     package = site / "openmmchaintree"
     headers = {str(path.relative_to(package / "include")) for path in package.glob("include/**/*.h")}
-    classes = {"StericExclusionForce", "TorsionMonteCarloIntegrator", "internal/windowsExportChainTree"}
+    classes = {
+        "StericExclusionForce",
+        "TorsionDensity",
+        "TorsionMonteCarloIntegrator",
+        "internal/windowsExportChainTree",
+    }
     assert headers == {"OpenMMChainTree.h", *(f"openmmchaintree/{name}.h" for name in classes)}
     assert not list(package.glob("**/*.a"))
 
 
-def test_typesAreThere(site):
-    for name in ["py.typed", "openmmchaintree.pyi"]:
+def test_typesAndTablesAreThere(site):
+    for name in ["py.typed", "openmmchaintree.pyi", "tables/loops.csv", "tables/rotamers.csv"]:
         assert (site / "openmmchaintree" / name).is_file()
 
 

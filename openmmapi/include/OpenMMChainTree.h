@@ -6,6 +6,7 @@
  */
 
 #include "openmmchaintree/StericExclusionForce.h"
+#include "openmmchaintree/TorsionDensity.h"
 #include "openmmchaintree/TorsionMonteCarloIntegrator.h"
 
 #endif /*OPENMM_CHAINTREE_H_*/
