@@ -11,12 +11,12 @@ from beads.tables import makeTables
 from openmmchaintree.command.arguments import Parser, numberIn
 from openmmchaintree.command.cli import runParsed
 from racing.platforms import CPU, whyNot
-from racing.races import ALL_CHAINS
 from racing.running import Maker, Study, addOptions, runStudy
 
 _SIZES, _QUICK_SIZES = (1000, 10000), (300,)
 _ANGLES = {COMPACT: (np.pi, np.radians(5), np.radians(1)), COIL: (np.pi, np.radians(5))}
 _LENGTH, _QUICK_LENGTH = 300, 30
+_CHAINS = 5
 _SECONDS = 60  # of a minute
 _MINUTES, _QUICK_MINUTES = 10, 0.02
 _OUR_SHARE = 0.1  # of the time of dynamics
@@ -39,7 +39,7 @@ def main(arguments=None):
 
 
 def _run(options):
-    options.chains = 1 if options.quick else ALL_CHAINS
+    options.chains = 1 if options.quick else _CHAINS
     maker = Maker(makeTables, lambda entries: ([], False), lambda entries: False, lambda *arguments: None)
     return runStudy(options, lambda program: _plan(options), maker)
 

@@ -26,19 +26,22 @@ def compactWalk(count, spacing, random):
     row, layer = index // side, index // side**2
     x, y = index % side, row % side
     x, y = np.where(row % 2 == 0, x, side - 1 - x), np.where(layer % 2 == 0, y, side - 1 - y)
-    sites = np.stack([x, y, layer], axis=1)
-    places = np.full((side, side, side), -1)
-    places[tuple(sites.T)] = index
-    for _ in range(_BACKBITES_PER_SITE * count):
-        atStart, direction = random.integers(2) == 0, random.integers(6)
-        site = sites[0 if atStart else -1].copy()
-        site[direction // 2] += 1 - 2 * (direction % 2)
-        if not 0 <= site[direction // 2] < side or places[tuple(site)] < 0:
+    strides = (1, side, side**2)
+    sites = x + side * y + side**2 * layer
+    places = np.full(side**3, -1)
+    places[sites] = index
+    for atStart, axis, step in zip(
+        *(random.integers(high, size=_BACKBITES_PER_SITE * count) for high in (2, 3, 2)), strict=True
+    ):
+        site = sites[0 if atStart else -1]
+        along = site // strides[axis] % side + 2 * step - 1
+        site += (2 * step - 1) * strides[axis]
+        if not 0 <= along < side or places[site] < 0:
             continue
-        turned = slice(0, places[tuple(site)]) if atStart else slice(places[tuple(site)] + 1, count)
+        turned = slice(0, places[site]) if atStart else slice(places[site] + 1, count)
         sites[turned] = sites[turned][::-1].copy()
-        places[tuple(sites[turned].T)] = index[turned]
-    return spacing * sites
+        places[sites[turned]] = index[turned]
+    return spacing * np.stack([sites // stride % side for stride in strides], axis=1)
 
 
 def makeForce(count, radius):

@@ -265,7 +265,7 @@ def exponent(report, effort, seed, largest=65536):
     while beads <= largest:
         begin = time.process_time()
         chain = Beads(stairs(beads, 1), 0.5, seed + beads)
-        chain.run(int(15 * beads * np.log(beads)))
+        chain.run(int(4 * beads * np.log(beads)))  # each joint turns some ten times
         samples = []
         for _ in range(int(20000 * effort)):
             chain.run(60)

@@ -47,13 +47,19 @@ static void testPivot(void) {
       CHECK_NEAR(after[3 * i + 1], pivot[1] + (before[3 * i] - pivot[0]), 1e-14);
       CHECK_NEAR(after[3 * i + 2], before[3 * i + 2], 1e-14);
     }
-    /* The axis is one of the world, however far the parent has turned. */
+    /* Axes are those of the world, however far the parent and the link have turned: about x, then about z. */
     memcpy(before, after, sizeof before);
-    turn(tree, 5, 0, 0, 0.5 * PI);
+    turn(tree, 4, 0.5 * PI, 0, 0);
+    turn(tree, 4, 0, 0, 0.5 * PI);
     ctGetPositions(tree, after);
-    pivot = before + (size_t)(aboutOwn ? 15 : 12);
-    CHECK_NEAR(after[15], pivot[0] - (before[16] - pivot[1]), 1e-14);
-    CHECK_NEAR(after[16], pivot[1] + (before[15] - pivot[0]), 1e-14);
+    pivot = before + (size_t)(aboutOwn ? 12 : 9);
+    double arm[3];
+    for (int k = 0; k < 3; k++) {
+      arm[k] = before[15 + k] - pivot[k];
+    }
+    CHECK_NEAR(after[15], pivot[0] + arm[2], 1e-14);
+    CHECK_NEAR(after[16], pivot[1] + arm[0], 1e-14);
+    CHECK_NEAR(after[17], pivot[2] + arm[1], 1e-14);
     CHECK(ctValidate(tree));
     ctDestroy(tree);
   }
