@@ -71,6 +71,7 @@ void ctDestroy(ctChainTree* tree) {
     ctLimitsFree(&tree->limits);
     ctLeavesFree(&tree->leaves);
     free(tree->undecided.pairs);
+    free(tree->sequence.dihedral);
     ctArenaFree(&tree->arena);
     free(tree);
   }
@@ -130,6 +131,19 @@ static bool dihedral(const double* p1, const double* p2, const double* p3, const
   return true;
 }
 
+/* Keeps a reference dihedral, for those who ask for it in each trial. Without memory it is computed each time. */
+static void keepDihedral(Sequence* s, int link, double angle) {
+  if (s->dihedral == NULL) {
+    s->dihedral = malloc((size_t)s->linkCount * sizeof *s->dihedral);
+    for (int i = 0; s->dihedral != NULL && i < s->linkCount; i++) {
+      s->dihedral[i] = NAN;
+    }
+  }
+  if (s->dihedral != NULL) {
+    s->dihedral[link] = angle;
+  }
+}
+
 ctStatus ctGetTorsionAngle(ctChainTree* tree, int link, double* angle) {
   if (!isUserLink(tree, link)) {
     return failNoLink(tree, link);
@@ -139,20 +153,20 @@ ctStatus ctGetTorsionAngle(ctChainTree* tree, int link, double* angle) {
   if (s->jointType[own] != ctTorsionJoint) {
     return ctFail(tree, ctInvalidArgument, "link %d has no torsion joint", link);
   }
-  if (isnan(s->dihedral[own])) {
+  double reference = s->dihedral == NULL ? NAN : s->dihedral[own];
+  if (isnan(reference)) {
     const Joint* joint = &s->joint[own];
     const int p[4] = {joint->torsion[1], joint->torsion[0], joint->origin, joint->torsion[2]};
-    double reference;
     if (!dihedral(s->reference + 3 * (size_t)p[0], s->reference + 3 * (size_t)p[1], s->reference + 3 * (size_t)p[2],
                   s->reference + 3 * (size_t)p[3], &reference)) {
       return ctFail(tree, ctInvalidArgument,
                     "the dihedral of particles %d, %d, %d and %d is undefined: three are collinear", p[0], p[1], p[2],
                     p[3]);
     }
-    s->dihedral[own] = reference;
+    keepDihedral(&tree->sequence, own, reference);
   }
   const double pi = 3.141592653589793238462643383280;
-  const double turned = ctAngleTurned(s->dihedral[own], s->angle[own]);
+  const double turned = ctAngleTurned(reference, s->angle[own]);
   *angle = turned <= -pi ? pi : turned;
   return ctSuccess;
 }

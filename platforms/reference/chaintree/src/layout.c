@@ -251,7 +251,6 @@ static bool allocateSequence(Sequence* s, Arena* arena, const ctDefinition* d, i
   s->pathOf = ctArenaAllocate(arena, links, sizeof(int));
   s->reference = ctArenaAllocate(arena, 3 * particles, sizeof(double));
   s->angle = ctArenaAllocate(arena, links, sizeof(double));
-  s->dihedral = ctArenaAllocate(arena, links, sizeof(double));
   s->rodrigues = ctArenaAllocate(arena, links, sizeof(double));
   s->branchHead = ctArenaAllocate(arena, (size_t)branches, sizeof(int));
   s->displaced = ctArenaAllocate(arena, (size_t)branches, sizeof(int));

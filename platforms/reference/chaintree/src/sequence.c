@@ -54,7 +54,9 @@ void ctSequenceSetReference(Sequence* s, const double* positions) {
     ctSequenceResetTorsions(s);
   }
   for (int link = 1; link < s->linkCount; link++) {
-    s->dihedral[link] = NAN;
+    if (s->dihedral != NULL) {
+      s->dihedral[link] = NAN;
+    }
     if (isPlaced(s, link)) {
       Placement* placement = &s->placement[s->joint[link].placement];
       *placement = REFERENCE_JOINT.placement;

@@ -115,7 +115,8 @@ typedef struct Sequence {
   double* reference; /* 3 * particleCount, the caller's bits */
   double worldOrigin[3];
   double* angle;
-  double* dihedral;  /* of a torsion joint: p1-p2-p3-p4 of the reference positions, NaN until somebody has asked */
+  double* dihedral;  /* of a torsion joint: p1-p2-p3-p4 of the reference positions, NaN until somebody has asked for it;
+                        allocated when somebody asks for the first */
   double* rodrigues; /* of a torsion joint: its Rodrigues vector over its axis */
   Placement* placement;
   int* displaced; /* per branch: how many of its joints are off the reference */
