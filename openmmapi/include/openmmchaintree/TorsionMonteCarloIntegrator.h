@@ -461,9 +461,9 @@ public:
      *
      * A <i>window</i> is a row of eight torsions of the list (nine or seven where eight cannot be) along a chain, each
      * of which moves the next. Six of them, the pivots, close it: three pairs of neighbours, the two bonds of a pair
-     * sharing a particle, such as phi and psi of a residue. The others, the drivers, are drawn. What lies between two
-     * torsions of a window, and what branches off there, moves as a rigid body, whatever its shape. Torsions of the
-     * chain that are not in the list stay as they are.
+     * sharing a particle, such as phi and psi of a residue. The others, the drivers, are drawn: the first and the last
+     * where this can be. What lies between two torsions of a window, and what branches off there, moves as a rigid
+     * body, whatever its shape. Torsions of the chain that are not in the list stay as they are.
      *
      * A trial draws a window, adds angles drawn uniformly from -maxAngle to maxAngle to its drivers, and turns the
      * pivots so that the window closes: mostly to the solution that Newton's method finds from where they are, and in a
@@ -473,7 +473,8 @@ public:
      * only.
      *
      * Torsions in rings of closures (StericExclusionForce::addClosure()) turn by this move only. Windows leave what a
-     * closure keeps together where it is, or move it as one piece.
+     * closure keeps together where it is, or move it as one piece. So chi of that cystine stays which is nearer to the
+     * root of its molecule.
      *
      * What follows the last window of a chain never moves by this move alone, so add a move by addTorsionMove(), too.
      *
@@ -484,9 +485,9 @@ public:
      *
      * @param weight    how often this move is drawn, relative to the weights of the others, at least 0
      * @param maxAngle  the largest angle of a driver, from 0 to pi, in radians
-     * @param torsions  the indices of the torsions of the StericExclusionForce that windows may turn; if empty, those
-     * of backbones: of all torsions, windows are in rows in which each torsion leads to the heaviest of the branches
-     * that part there. In Python None means these, and an empty list is an error.
+     * @param torsions  the indices of the torsions of the StericExclusionForce that windows may turn; if empty,
+     *                  those of all backbones, as addLocalMove() has them, and those in rings of closures. In Python
+     *                  None means these, and an empty list is an error.
      * @param hop       the share of trials that choose among all solutions, from 0 to 1
      * @return the index of the move that was added
      */
@@ -606,8 +607,8 @@ public:
      * @param move           the index of the move
      * @param[out] weight    how often this move is drawn, relative to the weights of the others
      * @param[out] maxAngle  the largest angle of a driver, in radians
-     * @param[out] torsions  the indices of the torsions that windows may turn; empty (in Python None) if they are those
-     * of backbones
+     * @param[out] torsions  the indices of the torsions that windows may turn; empty (in Python None) if they are
+     *                       those of backbones and of rings
      * @param[out] hop       the share of trials that choose among all solutions
      */
     void getClosedMoveParameters(int move, double& weight, double& maxAngle, std::vector<int>& torsions,
@@ -679,8 +680,9 @@ public:
      * @param move      the index of the move
      * @param weight    how often this move is drawn, relative to the weights of the others, at least 0
      * @param maxAngle  the largest angle of a driver, from 0 to pi, in radians
-     * @param torsions  the indices of the torsions of the StericExclusionForce that windows may turn; if empty, those
-     * of backbones. In Python None means these, and an empty list is an error.
+     * @param torsions  the indices of the torsions of the StericExclusionForce that windows may turn; if empty,
+     *                  those of all backbones and those in rings of closures. In Python None means these, and an
+     *                  empty list is an error.
      * @param hop       the share of trials that choose among all solutions, from 0 to 1
      */
     void setClosedMoveParameters(int move, double weight, double maxAngle,

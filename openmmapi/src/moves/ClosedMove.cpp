@@ -81,9 +81,26 @@ private:
 
 } // namespace
 
+/**
+ * Add the torsions in rings of closures that a pool does not have. Nothing but closed moves turns these.
+ */
+static void addRings(const LinkStructure& structure, vector<int>& pool)
+{
+    const vector<int>& links = structure.getTorsionLinks();
+    vector<bool> isInPool(links.size(), false);
+    for (int torsion : pool)
+        isInPool[torsion] = true;
+    for (int torsion = 0; torsion < (int)links.size(); torsion++)
+        if (!isInPool[torsion] && structure.getLinkClosure(links[torsion]) != -1)
+            pool.push_back(torsion);
+}
+
 void ClosedMove::bind(const LinkStructure& structure, const string& name)
 {
-    windows = make_unique<ClosedWindows>(structure, findWindowTorsions(structure, torsions, name, true));
+    vector<int> pool = findWindowTorsions(structure, torsions, name, true);
+    if (torsions.empty())
+        addRings(structure, pool);
+    windows = make_unique<ClosedWindows>(structure, pool);
     if (windows->getWindows().empty())
         throw OpenMMException(name +
                               " turns windows of eight torsions in a row, but its torsions have none: among seven, "
