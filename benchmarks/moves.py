@@ -5,6 +5,7 @@ PYTHONPATH=build/package python benchmarks/moves.py --csv moves.csv --markdown m
 
 import sys
 
+from energy.coilrows import COILS, CoilRow
 from energy.moverows import ALL_MIXTURES, DEFAULTS, MIXTURES, MOVES, PIVOTS, SINGLE_MOVES, MixtureRow, MoveRow
 from energy.movetables import makeTables
 from energy.options import addRowOptions, chooseStructures, describeSkipped, nameOf, settle
@@ -17,6 +18,7 @@ from racing.running import Maker, Study, addOptions, drawnBy, runStudy
 GROUPS = {
     MOVES: "acceptance, shift and time of each move alone",
     MIXTURES: "independent samples a second by mixtures of moves",
+    COILS: "independent radii of gyration a second of a loose chain of hard spheres",
 }
 
 _FILES = ("1ubi_h.pdb", "5dfr_h.pdb")
@@ -31,8 +33,8 @@ def main(arguments=None):
     """Run the script; return its exit status."""
     parser = Parser(
         prog="moves.py",
-        description="Measure moves of proteins in AMBER14 with GBn2 at 300 K from the folded state. Times are those of "
-        "the processor. The groups of rows are "
+        description="Measure moves of proteins in AMBER14 with GBn2 at 300 K from the folded state, and of a loose "
+        "chain. Times are those of the processor. The groups of rows are "
         + "; ".join(f"{group} ({words})" for group, words in GROUPS.items())
         + ". What is written to - goes to standard output: Markdown in place of the report, CSV while the report goes "
         "to standard error.",
@@ -71,6 +73,9 @@ def _plan(options):
     for group, makeRow, of in ((MOVES, MoveRow, moves), (MIXTURES, MixtureRow, mixtures)):
         if group in options.rows:
             rows += [makeRow(name, prepared, of) for name, prepared in proteins.items()]
+    if COILS in options.rows:
+        longest = paths[-1]
+        rows.append(CoilRow(nameOf(longest), Prepared(lambda: readSampled(longest))))
     return Study(rows, describeSkipped(missing))
 
 

@@ -3,12 +3,13 @@
 import numpy as np
 from racing.table import Table, groupBy, number
 
+from .coilrows import COILS, LOCAL
 from .moverows import MIXTURES, MOVES, PIVOTS
 
 
 def makeTables(entries):
     """Return the tables of entries."""
-    makers = {MOVES: _makeMoves, MIXTURES: _makeMixtures}
+    makers = {MOVES: _makeMoves, MIXTURES: _makeMixtures, COILS: _makeCoils}
     return [
         makers[group]([entry for entry in entries if entry["group"] == group])
         for group in makers
@@ -85,3 +86,30 @@ def _makeMixtures(entries):
         "well above a few in the time of the chain."
     ]
     return Table("Independent samples a second by mixtures of moves", columns, lines, 2, notes)
+
+
+def _makeCoils(entries):
+    columns = [
+        "protein",
+        "moves",
+        "µs a trial",
+        "radius of gyration, nm",
+        "independent ones a second",
+        "to local moves",
+    ]
+    lines = []
+    combined = combine(entries)
+    for entry in combined:
+        local = next((e for e in combined if e["chain"] == entry["chain"] and e["moves"] == LOCAL), entry)
+        lines.append(
+            [
+                entry["chain"],
+                entry["moves"],
+                number(entry["microseconds"]),
+                f"{entry['rg']:.2f}",
+                f"{entry['rate']['rg']:.3g}",
+                f"{entry['rate']['rg'] / local['rate']['rg']:.2g}",
+            ]
+        )
+    notes = ["Hard spheres without energy, unfolded by trials that draw a torsion of the backbone anew."]
+    return Table("A loose chain of hard spheres", columns, lines, 2, notes)

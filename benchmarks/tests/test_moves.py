@@ -31,8 +31,10 @@ def test_everythingQuickly(runHere, tmp_path):
         assert entry["apart"].keys() == {*OBSERVABLES, "slow"}
         for key, apart in entry["apart"].items():
             assert apart >= 400 and entry["rate"][key] * apart * entry["microseconds"] == pytest.approx(1e6)
+    coils = [entry for entry in entries if entry["group"] == "coils"]
+    assert len(coils) == 3 and all(entry["rate"]["rg"] > 0 and entry["rg"] > 0.5 for entry in coils)
     tables = (tmp_path / "a.md").read_text(encoding="utf-8").split("\n**")[1:]
-    assert len(tables) == 2
+    assert len(tables) == 3
     for table in tables:
         lines = [line for line in table.splitlines() if line.startswith("|")]
         assert len(lines) == 5 and len({line.count("|") for line in lines}) == 1
