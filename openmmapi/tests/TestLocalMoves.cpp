@@ -289,6 +289,25 @@ static void testBadMoves(Platform& platform)
         other.addLocalMove(1, 0.1, 10);
         Context refused(rigid.system, other, platform);
     });
+
+    // Torsions in the ring of a closure are not in windows.
+
+    BeadChain ring(9, 0), tail(9, 0);
+    ring.force->addClosure(1, 0, 8, 7);
+    assertThrows("move 0 turns windows of torsions, but all of them lie in rings of closures", [&] {
+        TorsionMonteCarloIntegrator other(300);
+        other.addLocalMove(1, 0.1, 10);
+        Context refused(ring.system, other, platform);
+    });
+    tail.force->addClosure(1, 0, 4, 3);
+    TorsionMonteCarloIntegrator ofTail(300);
+    ofTail.addLocalMove(1, 0.1, 10);
+    Context tailContext(tail.system, ofTail, platform);
+    tailContext.setPositions(tail.positions);
+    ofTail.step(1);
+    const vector<Vec3> x = getPositions(tailContext);
+    assertSameBits({tail.positions.begin(), tail.positions.begin() + 5}, {x.begin(), x.begin() + 5});
+    ASSERT(getDistance(x[8], tail.positions[8]) > 1e-3);
 }
 
 int main()

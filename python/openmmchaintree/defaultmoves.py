@@ -2,6 +2,7 @@
 
 import copy
 import warnings
+from itertools import pairwise
 from typing import NamedTuple
 
 import numpy as np
@@ -90,7 +91,7 @@ def addDefaultMoves(
         one, or nothing that could move
     """
     scene = _Scene(topology, system)
-    adder = _Adder(integrator)
+    adder = _Adder(integrator, scene.findRings())
     total = sum(len(torsions) for torsions in scene.torsions.values()) + scene.force.getNumBallJoints()
     for name, addMoves in _MIXTURES.items():
         if scene.torsions[name]:
@@ -116,11 +117,12 @@ def addDefaultMoves(
 class _Adder:
     """Adds moves and writes down what they are for.
 
-    share : float, by which weights are multiplied
+    share : float, by which weights are multiplied; inRings : set of int, torsions that only closed moves turn
     """
 
-    def __init__(self, integrator):
+    def __init__(self, integrator, inRings):
         self.integrator = integrator
+        self.inRings = inRings
         self.share = 1.0
         self.added = AddedMoves()
 
@@ -130,17 +132,23 @@ class _Adder:
         self.added.append(AddedMove(index, self.integrator.getMoveDescription(index), purpose))
 
     def turn(self, purpose, weight, degrees, torsions):
-        """Add a move that turns one of some torsions."""
-        self.add(purpose, lambda share: self.integrator.addTorsionMove(share, degrees * _DEGREE, torsions), weight)
+        """Add a move that turns one of some torsions, those in rings of closures left out."""
+        torsions = self.outsideRings(torsions)
+        if torsions:
+            self.add(purpose, lambda share: self.integrator.addTorsionMove(share, degrees * _DEGREE, torsions), weight)
 
     def draw(self, purpose, weight, findDensities, scene, torsions):
         """Add a move that draws torsions from densities of residues, or uniformly if no residue has one."""
         try:
-            drawn = findDensities(scene.topology, scene.force)
+            found = findDensities(scene.topology, scene.force)
         except ValueError:
+            found = ([], [])
+        drawn = [one for one in zip(*found, strict=True) if self.inRings.isdisjoint(one[0])]
+        if not drawn:
             self.turn(purpose, weight, _HALF_TURN, torsions)
-        else:
-            self.add(purpose, lambda share: self.integrator.addDrawnMove(share, *drawn), weight)
+            return
+        sets, densities = zip(*drawn, strict=True)
+        self.add(purpose, lambda share: self.integrator.addDrawnMove(share, list(sets), list(densities)), weight)
 
     def close(self, weight, degrees, torsions):
         """Add a closed move of backbones."""
@@ -148,11 +156,19 @@ class _Adder:
         self.add(purpose, lambda share: self.integrator.addClosedMove(share, degrees * _DEGREE, torsions), weight)
 
     def bend(self, weight, degrees, stiffness, torsions):
-        """Add a local move of backbones."""
+        """Add a local move of backbones, without torsions in rings of closures."""
         purpose = "backbones and their ends: the rest hardly moves"
-        self.add(
-            purpose, lambda share: self.integrator.addLocalMove(share, degrees * _DEGREE, stiffness, torsions), weight
-        )
+        torsions = self.outsideRings(torsions)
+        if torsions:
+            self.add(
+                purpose,
+                lambda share: self.integrator.addLocalMove(share, degrees * _DEGREE, stiffness, torsions),
+                weight,
+            )
+
+    def outsideRings(self, torsions):
+        """Return those of torsions that moves may turn that keep no closures."""
+        return [torsion for torsion in torsions if torsion not in self.inRings]
 
 
 class _Scene:
@@ -172,8 +188,8 @@ class _Scene:
         self.topology = topology
         self.force = StericExclusionForce.cast(forces[0])
         self._system = system
-        bonds = [self.force.getBondParticles(index) for index in range(self.force.getNumBonds())]
-        self._parts = connectedParts(system.getNumParticles(), bonds)
+        self._bonds = [self.force.getBondParticles(index) for index in range(self.force.getNumBonds())]
+        self._parts = connectedParts(system.getNumParticles(), self._bonds)
         self.moleculeCount = len(np.unique(self._parts))
         self._residues = []  # of torsions, None where it is not known
         self.torsions = self._sortTorsions()
@@ -203,12 +219,42 @@ class _Scene:
             ends += [torsion for residue, torsion in ofChain if residue < first or residue > last]
         return ends if len(ends) < len(torsions) else []
 
+    def findRings(self):
+        """Return the torsions in rings of closures: those on the way from one end of a closure's bond to the other."""
+        closures = [self.force.getClosureParticles(index)[1:3] for index in range(self.force.getNumClosures())]
+        if not closures:
+            return set()
+        neighbors = [[] for _ in range(self._system.getNumParticles())]
+        fixed = [particle for particle in range(len(neighbors)) if self._isFixed(particle)]
+        for one, other in [*self._bonds, *pairwise(fixed)]:  # what is fixed is one part
+            neighbors[one].append(other)
+            neighbors[other].append(one)
+        axes = {}
+        for index in range(self.force.getNumTorsions()):
+            axes[frozenset(self.force.getTorsionParticles(index)[1:3])] = index
+        found = set()
+        for start, end in closures:
+            former = {start: None}
+            reached = [start]
+            for particle in reached:
+                for neighbor in neighbors[particle]:
+                    if neighbor not in former:
+                        former[neighbor] = particle
+                        reached.append(neighbor)
+            while former.get(end) is not None:
+                found.add(axes.get(frozenset((end, former[end]))))
+                end = former[end]
+        return found - {None}
+
+    def _isFixed(self, particle):
+        isMassless = self._system.getParticleMass(particle) == 0 * unit.dalton
+        return isMassless and not self._system.isVirtualSite(particle)
+
     def freeMolecules(self):
         """Return a particle of each molecule without fixed particles."""
         isFixed = np.zeros(self.moleculeCount, dtype=bool)
         for particle, part in enumerate(self._parts.tolist()):
-            mass = self._system.getParticleMass(particle)
-            isFixed[part] |= mass == 0 * unit.dalton and not self._system.isVirtualSite(particle)
+            isFixed[part] |= self._isFixed(particle)
         first = np.unique(self._parts, return_index=True)[1]
         return [int(particle) for particle, fixed in zip(first, isFixed, strict=True) if not fixed]
 

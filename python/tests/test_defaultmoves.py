@@ -72,6 +72,27 @@ def test_whatIsTooShortForClosedMovesGetsNone():
     openmm.Context(system, integrator, openmm.Platform.getPlatformByName("Reference"))
 
 
+def test_closuresAreKept():
+    # Cystines between the second and the last residues, whose bond is a closure: side chains of these are in its ring.
+    topology = peptide("ALA", "CYS", *["SER"] * 9, "CYS", "ALA")
+    force = createStericExclusionForce(topology)
+    atoms = {(atom.residue.index, atom.name): atom.index for atom in topology.atoms()}
+    force.addClosure(*(atoms[place] for place in ((1, "CB"), (1, "SG"), (11, "SG"), (11, "CB"))))
+    integrator, added, system = add(topology, force)
+    kinds = kindsOf(integrator)
+    assert integrator.ClosedMove in kinds and integrator.DrawnMove in kinds
+    openmm.Context(
+        system, integrator, openmm.Platform.getPlatformByName("Reference")
+    )  # which refuses torsions of the ring
+    turned = set()
+    for move, kind in enumerate(kinds):
+        if kind == integrator.TorsionMove:
+            turned |= set(integrator.getTorsionMoveParameters(move)[2].tolist())
+    axes = {tuple(sorted(force.getTorsionParticles(torsion)[1:3])) for torsion in turned}
+    assert (atoms[1, "CA"], atoms[1, "CB"]) not in axes and (atoms[2, "CA"], atoms[2, "CB"]) in axes
+    assert (atoms[0, "CA"], atoms[0, "C"]) in axes and (atoms[5, "CA"], atoms[5, "C"]) not in axes
+
+
 def test_beads():
     topology = app.Topology()
     for _ in range(2):

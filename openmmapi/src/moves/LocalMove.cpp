@@ -113,6 +113,10 @@ void LocalMove::bind(const LinkStructure& structure, const string& name)
         choices.push_back(describeWindow(structure, found));
         numParticles = max(numParticles, choices.back().particles.size());
     }
+    if (choices.empty())
+        throw OpenMMException(name +
+                              " turns windows of torsions, but all of them lie in rings of closures; only closed "
+                              "moves turn these");
     positions.reserve(numParticles);
     changes.reserve(window);
     normals.reserve(window);
