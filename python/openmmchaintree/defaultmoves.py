@@ -294,7 +294,7 @@ def _addFoldedBackbones(adder, scene, torsions):
     canClose = scene.canClose(torsions)
     if canClose:
         adder.close(0.6, 8, torsions)
-    adder.bend(0.2 if canClose else 0.8, 4, 3000, torsions)
+    adder.bend(0.2 if canClose else 0.8, 4, 10000, torsions)
     ends = scene.endsOf(torsions)
     if ends:
         adder.turn("ends of chains", 0.15, _TORSION_STEP, ends)
