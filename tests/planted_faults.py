@@ -242,6 +242,8 @@ ENGINE_FAULTS = [
           "tree->changedLeaf[tree->changeCount] = firstLeaf;", "tree->changedLeaf[tree->changeCount] = firstLeaf + 2;"),
     Fault("update: a sum outlives a change", "refresh_body.h",
           "tree->hasSum[leaf] = false;", ""),
+    Fault("state: new positions keep the dihedrals of the old", "sequence.c",
+          "      s->dihedral[link] = NAN;\n", "      ;\n"),
     # ---- Undo ----
     Fault("undo: a verdict leaves the trial applied", "verdict.c",
           "  leaveTrial(tree, areLeavesKept);\n}\n\n/* Searches the whole", "  (void)areLeavesKept;\n}\n\n/* Searches the whole"),

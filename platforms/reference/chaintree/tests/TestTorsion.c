@@ -106,8 +106,10 @@ static void testNewReference(void) {
   turnArm(tree, 1, 1);
   double positions[15];
   ctGetPositions(tree, positions);
-  CHECK_SUCCESS(ctSetPositions(tree, positions));
   double angle;
+  CHECK_SUCCESS(ctGetTorsionAngle(tree, 1, &angle)); /* of the old reference, which is forgotten */
+  CHECK_NEAR(angle, 1.2, 1e-14);
+  CHECK_SUCCESS(ctSetPositions(tree, positions));
   CHECK_SUCCESS(ctGetTorsionAngle(tree, 1, &angle));
   CHECK_NEAR(angle, 1.2, 1e-14);
   turnArm(tree, 1, -1);
