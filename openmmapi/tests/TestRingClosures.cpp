@@ -213,6 +213,39 @@ static void testRefusals(Platform& platform)
         Context ringContext(ring.system, other, platform);
     });
 
+    // Ball joints of a ring turn by no move.
+
+    System beads;
+    StericExclusionForce* joined = new StericExclusionForce();
+    beads.addForce(joined);
+    for (int i = 0; i < 5; i++) {
+        beads.addParticle(1);
+        joined->addParticle(0);
+        if (i > 0) {
+            joined->addBond(i - 1, i);
+            joined->addBallJoint(i - 1, i);
+        }
+    }
+    joined->addClosure(2, 3, 0, 1);
+    TorsionMonteCarloIntegrator pivots(300);
+    pivots.addPivotMove(1, 0.1);
+    Context beadContext(beads, pivots, platform);
+    assertThrows("move 1 names ball joint 2, which lies in the ring of closure 0; no move turns it", [&] {
+        pivots.addPivotMove(1, 0.1, {3, 2});
+    });
+    vector<Vec3> circle;
+    for (int i = 0; i < 5; i++)
+        circle.push_back(Vec3(cos(i), sin(i), 0.1 * i));
+    beadContext.setPositions(circle);
+    pivots.step(1);
+    const vector<Vec3> turned = getPositions(beadContext);
+    for (int i = 0; i < 4; i++)
+        ASSERT(getDistance(circle[i], turned[i]) < 1e-12);
+    ASSERT(getDistance(circle[4], turned[4]) > 1e-3);
+    assertThrows("proposeBallRotations() names ball joint 0, which lies in the ring of closure 0", [&] {
+        joined->proposeBallRotations(beadContext, {0}, {Vec3(0.1, 0, 0)});
+    });
+
     // A window must keep the closure: none of 8 torsions of a chain, to whose middle its end is tied.
 
     Backbone tied(8, 0);
