@@ -246,6 +246,8 @@ double ClosedMove::computeLogRatio(TrialSession&)
     if (!leadsBack(turned, logWeightsBack))
         return -numeric_limits<double>::infinity();
     const double ratio = ctComputeLogJacobian(&window) - ctComputeLogJacobian(&turned);
+    if (!isfinite(ratio)) // A state whose pivots lie on a line is neither left nor entered.
+        return -numeric_limits<double>::infinity();
     return isHop ? ratio + logWeights - logWeightsBack : ratio;
 }
 
