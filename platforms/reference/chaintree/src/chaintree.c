@@ -15,6 +15,8 @@
 /* ---- Life ---- */
 
 static bool build(ctChainTree* scene, const ctDefinition* definition) {
+  scene->trial = &scene->trials[0];
+  scene->next = &scene->trials[1];
   ctSweepInit(&scene->ownSweep, &scene->staleTree, &scene->sequence, &scene->exclusions);
   return ctSequenceBuild(&scene->sequence, &scene->arena, definition) &&
          ctExclusionsBuild(&scene->exclusions, &scene->arena, &scene->sequence, definition) &&
@@ -63,8 +65,8 @@ ctStatus ctCreate(const ctDefinition* definition, ctChainTree** tree, char* erro
 void ctDestroy(ctChainTree* tree) {
   if (tree != NULL) {
     ctDisownSelections(tree);
-    ctTrialFree(&tree->trial);
-    ctTrialFree(&tree->next);
+    ctTrialFree(&tree->trials[0]);
+    ctTrialFree(&tree->trials[1]);
     ctTraversalFree(&tree->traversal);
     ctClearanceFree(&tree->clearance);
     ctSweepFree(&tree->ownSweep);

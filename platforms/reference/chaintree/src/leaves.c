@@ -149,7 +149,7 @@ const ctLeafPositions* ctGetLeaves(ctChainTree* tree) {
 }
 
 int ctGetTrialPieces(ctChainTree* tree, const ctPiece** pieces, const ctTransform** motions) {
-  Trial* trial = &tree->trial;
+  Trial* trial = tree->trial;
   *pieces = NULL;
   *motions = NULL;
   if (!trial->open) {
@@ -162,7 +162,7 @@ int ctGetTrialPieces(ctChainTree* tree, const ctPiece** pieces, const ctTransfor
 }
 
 int ctGetTrialLinks(ctChainTree* tree, const int** links) {
-  Trial* trial = &tree->trial;
+  Trial* trial = tree->trial;
   *links = NULL;
   if (!trial->open) {
     return 0;
@@ -185,11 +185,11 @@ static ctStatus listPairs(ctChainTree* scene, bool inTrial, double cutoff, LeafP
   ctLeavesUpdate(leaves, tree, &scene->sequence);
   LeafTask task = {.leaves = leaves, .tree = tree, .sequence = &scene->sequence, .pairs = pairs, .cutoff = cutoff};
   if (inTrial) {
-    ctTrialShow(&scene->trial, &scene->sequence);
-    task.pieceCount = scene->trial.pieceCount;
-    task.pieces = scene->trial.pieces;
-    task.motions = scene->trial.motions;
-    task.worldMotions = scene->trial.worldMotions;
+    ctTrialShow(scene->trial, &scene->sequence);
+    task.pieceCount = scene->trial->pieceCount;
+    task.pieces = scene->trial->pieces;
+    task.motions = scene->trial->motions;
+    task.worldMotions = scene->trial->worldMotions;
   }
   pairs->count = 0;
   tree->instructions->listLeafPairs(&task);
@@ -204,7 +204,7 @@ static ctStatus listPairs(ctChainTree* scene, bool inTrial, double cutoff, LeafP
 
 ctStatus ctGetChangedLeafPairs(ctChainTree* tree, double cutoff, size_t* count, const ctLeafPair** pairs,
                                const ctLeafPositions** positions, ctCounts* counts) {
-  if (!tree->trial.open) {
+  if (!tree->trial->open) {
     return ctFailNoTrial(tree);
   }
   const ctStatus status = listPairs(tree, true, cutoff, &tree->leaves.changed, counts);

@@ -61,12 +61,8 @@ static void takeMovers(Traversal* t, int begin, int end, int first, Movers* move
   }
 }
 
-/* Hands over the pairs of a slot with these slots of a leaf (bits), but for excluded ones. False ends the search. */
+/* Hands over the pairs of a slot with these slots of a leaf (bits). False ends the search. */
 static bool meet(Traversal* t, Visit* visit, int slot, unsigned others, int leaf) {
-  const int partner = exclusionPartner(t->exclusions, slot / TREE_WIDTH, leaf);
-  if (partner != CT_NULL) {
-    others &= ~(unsigned)t->exclusions->mask[partner][slot % TREE_WIDTH];
-  }
   for (; others != 0; others &= others - 1) {
     const int other = leaf * TREE_WIDTH + __builtin_ctz(others);
     double a[3];
@@ -80,25 +76,39 @@ static bool meet(Traversal* t, Visit* visit, int slot, unsigned others, int leaf
   return true;
 }
 
-/* Bit k: member k is near one of the movers. Looks at all movers, without a branch that processors would mispredict. */
-static unsigned nearMovers(const Block* block, const Movers* movers, float reach) {
-  unsigned near = 0;
+/* Which members of a leaf each mover is near, as bits. Looks at all movers, without a branch that processors would
+ * mispredict. Returns those that are near any. */
+CT_INLINE unsigned nearMovers(const Block* block, const Movers* movers, float reach, unsigned near[TREE_WIDTH]) {
+  unsigned any = 0;
   for (int k = movers->begin - movers->first; k < movers->end - movers->first; k++) {
-    near |= near16(block, sphereOf(&movers->block, k), reach);
+    near[k] = near16(block, sphereOf(&movers->block, k), reach);
+    any |= near[k];
   }
-  return near;
+  return any;
 }
 
 /* Tests movers against the slots of a leaf that are at rest; `moved` are the others. False ends the search. */
 static bool testLeaf(Traversal* t, Visit* visit, const Movers* movers, int leaf, unsigned moved) {
+  unsigned near[TREE_WIDTH];
   visit->particleTests += (movers->end - movers->begin) * TREE_WIDTH;
-  if ((nearMovers(worldOf(t, leaf), movers, visit->reach) & ~moved) == 0) {
+  if ((nearMovers(worldOf(t, leaf), movers, visit->reach, near) & ~moved) == 0) {
     return true;
   }
+  int leafOfMovers = CT_NULL;
+  int partner = CT_NULL;
   for (int slot = movers->begin; slot < movers->end; slot++) {
-    const Sphere mover = sphereOf(&movers->block, slot - movers->first);
-    const unsigned near = near16(worldOf(t, leaf), mover, visit->reach) & ~moved;
-    if (near != 0 && !meet(t, visit, slot, near, leaf)) {
+    unsigned others = near[slot - movers->first] & ~moved;
+    if (others == 0) {
+      continue;
+    }
+    if (leafOfMovers != slot / TREE_WIDTH) {
+      leafOfMovers = slot / TREE_WIDTH;
+      partner = exclusionPartner(t->exclusions, leafOfMovers, leaf);
+    }
+    if (partner != CT_NULL) {
+      others &= ~(unsigned)t->exclusions->mask[partner][slot % TREE_WIDTH];
+    }
+    if (others != 0 && !meet(t, visit, slot, others, leaf)) {
       return false;
     }
   }
@@ -113,6 +123,10 @@ static bool testMover(Traversal* t, Visit* visit, const Movers* movers, int slot
                   slotBits(begin, end, others->first);
   for (; near != 0; near &= near - 1) {
     const int other = others->first + __builtin_ctz(near);
+    const int partner = exclusionPartner(t->exclusions, slot / TREE_WIDTH, other / TREE_WIDTH);
+    if (partner != CT_NULL && (t->exclusions->mask[partner][slot % TREE_WIDTH] >> other % TREE_WIDTH & 1) != 0) {
+      continue;
+    }
     if (!meet(t, visit, slot, 1u << other % TREE_WIDTH, other / TREE_WIDTH)) {
       return false;
     }

@@ -36,9 +36,21 @@ typedef struct Openings {
   double m[12][TREE_WIDTH];
 } Openings;
 
+/* So many are computed one by one. */
+enum { FEW_LINKS = 3 };
+
 /* Computes those of links [begin, end), at most TREE_WIDTH. */
 static void openLinks(const Sequence* s, int begin, int end, Openings* openings) {
   openings->first = begin;
+  if (end - begin <= FEW_LINKS) {
+    for (int link = begin; link < end; link++) {
+      const Frame opening = sequenceOpening(s, link);
+      for (int k = 0; k < 12; k++) {
+        openings->m[k][link - begin] = opening.m[k / 4][k % 4];
+      }
+    }
+    return;
+  }
   double w[3][TREE_WIDTH];
   bool onlyTorsions = true;
   for (int i = 0; i < TREE_WIDTH; i++) {

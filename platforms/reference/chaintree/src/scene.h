@@ -34,9 +34,10 @@ struct ctChainTree {
   Witnesses witnesses;
   Skipped skipped;
   Sweep ownSweep; /* may be stale: to be used only by ctSceneSweep */
-  Trial trial;
+  Trial trials[2];
+  Trial* trial; /* that is open, if one is */
+  Trial* next;  /* the scratch of a proposal: a refused one leaves the open trial alone */
   int64_t trialCount;
-  Trial next;      /* the scratch of a proposal: a refused one leaves the open trial alone */
   Copied followed; /* the array of ctFollowTrialPositions */
   SlotPairs undecided;
   Leaves leaves;           /* may be stale */

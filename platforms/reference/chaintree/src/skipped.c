@@ -11,13 +11,13 @@ void ctSkippedForget(ctChainTree* scene) {
 
 /* True if the trial that is committed leaves no pair farther beyond its limit than MOST_EXCESS. */
 static bool isLittle(const ctChainTree* scene) {
-  return scene->skipped.excess + scene->trial.slack <= MOST_EXCESS;
+  return scene->skipped.excess + scene->trial->slack <= MOST_EXCESS;
 }
 
 bool ctMaySkip(ctChainTree* scene, ctCounts* counts) {
   Skipped* skipped = &scene->skipped;
-  if (scene->trial.slack == 0 || isLittle(scene)) {
-    return scene->trial.slack > 0;
+  if (isLittle(scene)) {
+    return true;
   }
   if (skipped->wait > 0) {
     skipped->wait--;
@@ -35,7 +35,7 @@ bool ctMaySkip(ctChainTree* scene, ctCounts* counts) {
 
 void ctSkippedCommit(ctChainTree* scene) {
   Skipped* skipped = &scene->skipped;
-  const Trial* trial = &scene->trial;
+  const Trial* trial = scene->trial;
   if (!trial->isFree) {
     skipped->excess = INFINITY;
   } else if (trial->isSkipTested) {

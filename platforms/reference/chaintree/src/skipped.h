@@ -29,7 +29,8 @@ typedef struct Skipped {
 /* To be called when the state has become another one than by a commit, and when limits are others. */
 void ctSkippedForget(ctChainTree* scene);
 
-/* True if the open trial's test may skip pairs. Looks at all pairs of the state if need be. */
+/* True if the test of the open trial, of which some bodies have another's number, may skip pairs. Looks at all pairs of
+ * the state if need be. */
 bool ctMaySkip(ctChainTree* scene, ctCounts* counts);
 
 /* To be called when the open trial is committed. */

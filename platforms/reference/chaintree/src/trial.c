@@ -294,7 +294,11 @@ int ctTrialOpen(Trial* trial, const Sequence* s, Traversal* t, const ctChange* g
       moveFreely(change, s, t->tree, &given[i]);
     }
   }
-  if (count > 1) {
+  bool isAscending = true;
+  for (int i = 1; i < count && isAscending; i++) {
+    isAscending = trial->changes[i - 1].link <= trial->changes[i].link;
+  }
+  if (!isAscending) {
     qsort(trial->changes, (size_t)count, sizeof(TrialChange), compareChanges);
   }
   for (int i = 0; i < count; i++) {
@@ -314,16 +318,6 @@ int ctTrialOpen(Trial* trial, const Sequence* s, Traversal* t, const ctChange* g
 
 View ctTrialView(const Trial* trial, bool moved, bool surfaces, double reach) {
   return (View){trial->pieces, trial->pieceCount, moved ? trial->motions : NULL, trial->motionCount, surfaces, reach};
-}
-
-View ctTrialViewApart(const Trial* trial, bool surfaces, double reach) {
-  const bool areMerged = trial->slack > 0;
-  return (View){areMerged ? trial->apart : trial->pieces,
-                areMerged ? trial->apartCount : trial->pieceCount,
-                trial->motions,
-                trial->motionCount,
-                surfaces,
-                reach};
 }
 
 /* The motion of a frame, which is from worldOrigin, for absolute positions: x -> R (x - o) + t + o. */

@@ -63,9 +63,6 @@ int ctTrialApply(Trial* trial, bool after, Sequence* sequence, Tree* tree);
 /* The view of the trial; if not `moved`, of its pieces before it. */
 View ctTrialView(const Trial* trial, bool moved, bool surfaces, double reach);
 
-/* The view of the trial in which no body has another's number. */
-View ctTrialViewApart(const Trial* trial, bool surfaces, double reach);
-
 /* Fills what callers see of an open trial, once. */
 void ctTrialShow(Trial* trial, const Sequence* sequence);
 

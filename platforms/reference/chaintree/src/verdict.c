@@ -53,38 +53,38 @@ ctStatus ctPropose(ctChainTree* tree, int count, const ctChange* changes) {
       return status;
     }
   }
-  if (!ctTrialReserve(&tree->next, count > 0 ? count : 1)) {
+  if (!ctTrialReserve(tree->next, count > 0 ? count : 1)) {
     return ctFailOutOfMemory(tree);
   }
   /* A change begins a piece, and another piece may begin at its end. */
   if (!ctTraversalReserve(&tree->traversal, 2 * count + 1)) {
     return ctFailOutOfMemory(tree);
   }
-  const int twice = ctTrialOpen(&tree->next, &tree->sequence, &tree->traversal, changes, count);
+  const int twice = ctTrialOpen(tree->next, &tree->sequence, &tree->traversal, changes, count);
   if (twice != CT_NULL) {
     return ctFail(tree, ctInvalidArgument, "link %d is changed twice in one trial", callersLink(tree, twice));
   }
   for (int i = 0; i < count; i++) {
-    const TrialChange* change = &tree->next.changes[i];
+    const TrialChange* change = &tree->next->changes[i];
     if (tree->sequence.jointType[change->link] == ctFreeJoint && !isJointPosition(change->after.placement.position)) {
       return ctFail(tree, ctInvalidArgument, "the motion given for link %d takes it too far away",
                     callersLink(tree, change->link));
     }
   }
-  if (ctTrialMayMerge(&tree->next)) {
-    ctTrialMerge(&tree->next, ctSceneReach(tree), ctSceneTree(tree)->levelCount);
+  if (ctTrialMayMerge(tree->next)) {
+    ctTrialMerge(tree->next, ctSceneReach(tree), ctSceneTree(tree)->levelCount);
   }
-  const Trial dropped = tree->trial;
+  Trial* dropped = tree->trial;
   tree->trial = tree->next;
   tree->next = dropped;
-  tree->next.open = false;
+  tree->next->open = false;
   tree->trialCount++;
   tree->clearance.testedCount = 0;
   return ctSuccess;
 }
 
 static int applyTrial(ctChainTree* tree, bool after) {
-  return ctTrialApply(&tree->trial, after, &tree->sequence, ctSceneTree(tree));
+  return ctTrialApply(tree->trial, after, &tree->sequence, ctSceneTree(tree));
 }
 
 /* Makes the open trial the state for a while; then the state is the former one again, bit by bit. */
@@ -215,14 +215,19 @@ static void testView(ctChainTree* tree, const View* view, Verdict* verdict, ctCo
 }
 
 ctStatus ctTestTrial(ctChainTree* tree, bool* clash, int pair[2], ctCounts* counts) {
-  if (!tree->trial.open) {
+  if (!tree->trial->open) {
     return ctFailNoTrial(tree);
   }
   const double reach = -tree->overlapTolerance;
-  const bool skips = ctMaySkip(tree, counts);
-  const View view = skips ? ctTrialView(&tree->trial, true, true, reach) : ctTrialViewApart(&tree->trial, true, reach);
+  View view = ctTrialView(tree->trial, true, true, reach);
+  const bool mayBeSkipped = tree->trial->slack > 0;
+  const bool skips = mayBeSkipped && ctMaySkip(tree, counts);
+  if (mayBeSkipped && !skips) {
+    view.pieces = tree->trial->apart;
+    view.pieceCount = tree->trial->apartCount;
+  }
   Verdict verdict = {tree, false, false, CT_NULL, CT_NULL};
-  tree->trial.isFree = false;
+  tree->trial->isFree = false;
   tree->undecided.count = 0;
   testView(tree, &view, &verdict, counts);
   if (verdict.failed) {
@@ -231,8 +236,8 @@ ctStatus ctTestTrial(ctChainTree* tree, bool* clash, int pair[2], ctCounts* coun
   if (!verdict.clash && tree->undecided.count > 0) {
     judgeUndecided(&verdict);
   }
-  tree->trial.isFree = !verdict.clash;
-  tree->trial.isSkipTested = skips;
+  tree->trial->isFree = !verdict.clash;
+  tree->trial->isSkipTested = skips;
   *clash = verdict.clash;
   if (verdict.clash && pair != NULL) {
     particlesOf(tree, verdict.slotA, verdict.slotB, pair);
@@ -278,7 +283,7 @@ static void dropRepeats(SlotPairs* list) {
 
 ctStatus ctForEachChangedPair(ctChainTree* tree, double cutoff, ctChangedPairFunction* function, void* context,
                               ctCounts* counts) {
-  if (!tree->trial.open) {
+  if (!tree->trial->open) {
     return ctFailNoTrial(tree);
   }
   if (!(cutoff > 0) || !isfinite(cutoff)) {
@@ -288,7 +293,7 @@ ctStatus ctForEachChangedPair(ctChainTree* tree, double cutoff, ctChangedPairFun
   Collection collection = {tree, false};
   tree->undecided.count = 0;
   for (int moved = 0; moved < 2 && !collection.failed; moved++) {
-    const View view = ctTrialView(&tree->trial, moved == 1, false, cutoff);
+    const View view = ctTrialView(tree->trial, moved == 1, false, cutoff);
     ctTraverse(&tree->traversal, &view, collect, &collection, counts);
   }
   if (collection.failed) {
@@ -317,7 +322,7 @@ ctStatus ctForEachChangedPair(ctChainTree* tree, double cutoff, ctChangedPairFun
 /* ---- End ---- */
 
 ctStatus ctGetTrialPositions(ctChainTree* tree, double* positions) {
-  if (!tree->trial.open) {
+  if (!tree->trial->open) {
     return ctFailNoTrial(tree);
   }
   const bool areLeavesKept = enterTrial(tree);
@@ -331,7 +336,7 @@ ctStatus ctGetPositionsOf(ctChainTree* tree, bool inTrial, int count, const int*
   if (status != ctSuccess) {
     return status;
   }
-  if (inTrial && !tree->trial.open) {
+  if (inTrial && !tree->trial->open) {
     return ctFailNoTrial(tree);
   }
   bool areLeavesKept = false;
@@ -349,7 +354,7 @@ ctStatus ctGetPositionsOf(ctChainTree* tree, bool inTrial, int count, const int*
 }
 
 ctStatus ctFollowTrialPositions(ctChainTree* tree, bool anew, double* positions) {
-  if (!tree->trial.open) {
+  if (!tree->trial->open) {
     return ctFailNoTrial(tree);
   }
   if (anew) {
@@ -362,16 +367,16 @@ ctStatus ctFollowTrialPositions(ctChainTree* tree, bool anew, double* positions)
 }
 
 ctStatus ctCommit(ctChainTree* tree, ctCounts* counts) {
-  if (!tree->trial.open) {
+  if (!tree->trial->open) {
     return ctFailNoTrial(tree);
   }
   if (tree->clearance.isKept) {
-    const View view = ctTrialView(&tree->trial, true, true, -tree->overlapTolerance);
+    const View view = ctTrialView(tree->trial, true, true, -tree->overlapTolerance);
     const InstructionSet* instructions = ctSceneTree(tree)->instructions;
     ctClearanceCharge(&tree->clearance, instructions->commitClearances(&tree->clearance, &tree->traversal, &view),
                       false);
   }
-  const Trial* trial = &tree->trial;
+  const Trial* trial = tree->trial;
   const bool leavesFollow = trial->slack > 0 && ctLeavesAreOf(&tree->leaves, ctSceneTree(tree));
   ctSkippedCommit(tree);
   ctClearanceSkip(&tree->clearance, trial->slack);
@@ -379,7 +384,7 @@ ctStatus ctCommit(ctChainTree* tree, ctCounts* counts) {
   if (leavesFollow) {
     ctLeavesFollow(&tree->leaves, ctSceneTree(tree), &tree->sequence, trial->pieceCount, trial->pieces, trial->slack);
   }
-  tree->trial.open = false;
+  tree->trial->open = false;
   tree->changeCount++;
   if (counts != NULL) {
     counts->nodesUpdated += updated;
@@ -388,11 +393,11 @@ ctStatus ctCommit(ctChainTree* tree, ctCounts* counts) {
 }
 
 void ctDiscard(ctChainTree* tree) {
-  tree->trial.open = false;
+  tree->trial->open = false;
 }
 
 bool ctHasTrial(const ctChainTree* tree) {
-  return tree->trial.open;
+  return tree->trial->open;
 }
 
 int64_t ctGetTrialCount(const ctChainTree* tree) {

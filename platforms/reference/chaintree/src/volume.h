@@ -109,14 +109,19 @@ static inline Sphere middleOfBlock(const Block* block) {
   const Float16 x = load16(block->x);
   const Float16 y = load16(block->y);
   const Float16 z = load16(block->z);
-  const float lowX = least16(sub16(x, r));
-  const float highX = most16(add16(x, r));
-  if (!(lowX <= highX)) {
+  /* Four at a time; the most of a number is the least of its opposite. */
+  const Float16 zero = all16(0);
+  const Float16 first[4] = {sub16(x, r), sub16(y, r), sub16(z, r), sub16(zero, add16(x, r))};
+  const Float16 last[4] = {sub16(zero, add16(y, r)), sub16(zero, add16(z, r)), zero, zero};
+  float least[8];
+  least4x16(first, least);
+  least4x16(last, least + 4);
+  if (!(least[0] <= -least[3])) {
     return (Sphere){0, 0, 0, -INFINITY};
   }
   /* Adding 0 turns -0 into 0: all paths give the same bits. */
-  return (Sphere){0.5f * (lowX + highX) + 0.0f, 0.5f * (least16(sub16(y, r)) + most16(add16(y, r))) + 0.0f,
-                  0.5f * (least16(sub16(z, r)) + most16(add16(z, r))) + 0.0f, 0};
+  return (Sphere){0.5f * (least[0] - least[3]) + 0.0f, 0.5f * (least[1] - least[4]) + 0.0f,
+                  0.5f * (least[2] - least[5]) + 0.0f, 0};
 }
 
 /* The radius about a centre of a sphere around all members, each with a radius of its own. It is computed with a
