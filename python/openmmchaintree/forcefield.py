@@ -58,6 +58,7 @@ _ARGUMENTS = {
     "torsions": str.split,
     "bondCutoff": int,
     "cutDisulfides": _readTruth,
+    "closures": str,
     "forceGroup": int,
 }
 _PARAMETERS = {

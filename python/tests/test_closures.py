@@ -7,7 +7,12 @@ import numpy as np
 import openmm
 import pytest
 from openmm import app
-from openmmchaintree import TorsionMonteCarloIntegrator, createStericExclusionForce, findTorsions
+from openmmchaintree import (
+    StericExclusionForce,
+    TorsionMonteCarloIntegrator,
+    createStericExclusionForce,
+    findTorsions,
+)
 from scenes import makeSystem, peptide, positionsOf, realStructurePath
 
 
@@ -140,3 +145,16 @@ def test_disulfidesOfAProtein():
     assert integrator.getMoveStatistics(0).accepted > 200
     assert np.sqrt(np.mean((end - start) ** 2)) > 1e-3
     assertKept(closures, start, end)
+
+
+def test_disulfidesOfAForceField(tmp_path):
+    # The tag in a file of ForceField has closures, too.
+    structure = app.PDBFile(str(realStructurePath("bpti_h.pdb")))
+    path = tmp_path / "spheres.xml"
+    path.write_text("<ForceField><StericExclusionForce closures='disulfides'/></ForceField>")
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")
+        system = app.ForceField("amber14-all.xml", str(path)).createSystem(structure.topology)
+        expected = createStericExclusionForce(structure.topology, closures="disulfides")
+    (force,) = (force for force in system.getForces() if StericExclusionForce.isinstance(force))
+    assert closuresOf(StericExclusionForce.cast(force)) == closuresOf(expected) != []

@@ -96,7 +96,11 @@ def test_badAttributes(attributes, message):
 
 
 def test_valuesOutOfRangeAreToldWhenTheSystemIsMade(villin):
-    for attributes, words in [("radii='bondi'", "'bondi' is no set of radii"), ("torsions='tau'", "'tau' is no kind")]:
+    for attributes, words in [
+        ("radii='bondi'", "'bondi' is no set of radii"),
+        ("torsions='tau'", "'tau' is no kind"),
+        ("closures='rings'", "closures must be"),
+    ]:
         with pytest.raises(ValueError, match=words):
             createForces(villin.topology, tag(attributes))
 
