@@ -307,7 +307,8 @@ int main(int argumentCount, char** arguments)
            count.closed, count.unmoved, count.accepted, count.refused);
     printf("%ld windows were accepted that took a pair beyond its limit by less than CT_SIGMA\n", count.late);
     /* A trial beside the window may take all with it, and molecules stray too far. */
-    if (count.unmoved < count.closed / 2 || count.accepted < 1000 || count.refused < 100 || count.late == 0) {
+    if (count.unmoved < count.closed / 2 || count.accepted < 25 * programs || count.refused < 5 * programs ||
+        count.late == 0) {
         printf("too few to tell anything\n");
         return 1;
     }
