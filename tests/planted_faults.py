@@ -246,7 +246,8 @@ ENGINE_FAULTS = [
           "      s->dihedral[link] = NAN;\n", "      ;\n"),
     # ---- Undo ----
     Fault("undo: a verdict leaves the trial applied", "verdict.c",
-          "  leaveTrial(tree, areLeavesKept);\n}\n\n/* Searches the whole", "  (void)areLeavesKept;\n}\n\n/* Searches the whole"),
+          "  leaveTrial(tree, areLeavesKept);\n}\n\n/* Searches the whole",
+          "  (void)areLeavesKept;\n}\n\n/* Searches the whole"),
     Fault("undo: back is forward", "trial.c",
           "after ? &change->after : &change->before", "&change->after"),
     Fault("undo: a refused proposal replaces the open trial", "verdict.c",
