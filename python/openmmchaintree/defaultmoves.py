@@ -12,6 +12,7 @@ from openmm import app, unit
 from .components import connectedParts
 from .densities import ramachandranDensities, rotamerDensities
 from .openmmchaintree import StericExclusionForce, TorsionMonteCarloIntegrator
+from .residues import polymerBackbone
 from .torsions import KINDS, findTorsions
 
 _DEGREE = unit.degree
@@ -33,6 +34,13 @@ class AddedMove(NamedTuple):
     move: int
     description: str
     purpose: str
+
+
+class NamedMove(NamedTuple):
+    """A move by a short name, for tables, and its weight."""
+
+    name: str
+    weight: float
 
 
 class AddedMoves(list[AddedMove]):
@@ -88,80 +96,122 @@ def addDefaultMoves(
         one, or nothing that could move
     """
     scene = _Scene(topology, system)
+    rigidBodies = scene.freeMolecules() if scene.moleculeCount > 1 else []
+    return _addMixtures(integrator, scene, rigidBodies, disordered).added
+
+
+def addMovesOfPlan(integrator, topology, system, torsions, rigidBodies):
+    """Add the moves of `addDefaultMoves` for a list of Torsion, and for molecules by a particle of each.
+
+    Return the NamedMoves in the order in which they were added.
+    """
+    return _addMixtures(integrator, _Scene(topology, system, torsions), rigidBodies, disordered=False).named
+
+
+def _addMixtures(integrator, scene, rigidBodies, disordered):
+    """Add the moves of all that there is; return the _Adder."""
     adder = _Adder(integrator, scene.findRings())
     total = sum(len(torsions) for torsions in scene.torsions.values()) + scene.force.getNumBallJoints()
     for name, addMoves in _MIXTURES.items():
         if scene.torsions[name]:
-            adder.share = len(scene.torsions[name]) / total
+            adder.begin(_NAMES[name], len(scene.torsions[name]) / total)
             addMoves(adder, scene, disordered)
     if scene.force.getNumBallJoints() > 0:
-        adder.share = scene.force.getNumBallJoints() / total
-        adder.add("chains of beads", lambda weight: integrator.addPivotMove(weight, _BALL_STEP * _DEGREE), 0.5)
-        adder.add("chains of beads", lambda weight: integrator.addPivotMove(weight, _HALF_TURN * _DEGREE), 0.5)
-    free = scene.freeMolecules()
-    adder.share = 1.0
-    if free and scene.moleculeCount > 1:
-        adder.add(
-            "where molecules are",
-            lambda weight: integrator.addRigidBodyMove(weight, _RIGID_SHIFT, _RIGID_TURN * _DEGREE, free),
-            _RIGID_WEIGHT,
-        )
+        adder.begin("beads", scene.force.getNumBallJoints() / total)
+        for degrees in (_BALL_STEP, _HALF_TURN):
+            adder.pivot("chains of beads", 0.5, degrees)
+    if rigidBodies:
+        adder.begin("rigid body", 1.0)
+        adder.shift("where molecules are", _RIGID_WEIGHT, rigidBodies)
     if not adder.added:
         raise ValueError("there is nothing to move: no torsion, no ball joint, and no molecule beside another")
-    return adder.added
+    return adder
 
 
 class _Adder:
-    """Adds moves and writes down what they are for.
+    """Adds moves, names them and writes down what they are for.
 
-    share : float, by which weights are multiplied; inRings : set of int, torsions that only closed moves turn
+    inRings : set of int, torsions that only closed moves turn; added : AddedMoves; named : list of NamedMove
     """
 
     def __init__(self, integrator, inRings):
         self.integrator = integrator
         self.inRings = inRings
-        self.share = 1.0
         self.added = AddedMoves()
+        self.named = []
 
-    def add(self, purpose, addMove, weight):
+    def begin(self, name, share):
+        """Begin with other torsions or joints: by their short name, and by what weights are multiplied."""
+        self._name = name
+        self._share = share
+
+    def add(self, purpose, size, addMove, weight):
         """Add a move by a function of its weight."""
-        index = addMove(float(f"{self.share * weight:.3g}"))
+        share = float(f"{self._share * weight:.3g}")
+        index = addMove(share)
         self.added.append(AddedMove(index, self.integrator.getMoveDescription(index), purpose))
+        self.named.append(NamedMove(f"{self._name} {size}", share))
 
-    def turn(self, purpose, weight, degrees, torsions):
+    def turn(self, purpose, weight, degrees, torsions, where=""):
         """Add a move that turns one of some torsions, those in rings of closures left out."""
         torsions = self.outsideRings(torsions)
         if torsions:
-            self.add(purpose, lambda share: self.integrator.addTorsionMove(share, degrees * _DEGREE, torsions), weight)
+            self.add(
+                purpose,
+                f"{where}±{degrees}°",
+                lambda share: self.integrator.addTorsionMove(share, degrees * _DEGREE, torsions),
+                weight,
+            )
 
-    def draw(self, purpose, weight, findDensities, scene, torsions):
-        """Add a move that draws torsions from densities of residues, or uniformly if no residue has one."""
+    def draw(self, purpose, size, weight, findDensities, scene, torsions):
+        """Add a move that draws torsions from densities of residues, and one that draws those without uniformly."""
         try:
             found = findDensities(scene.topology, scene.force)
         except ValueError:
             found = ([], [])
         drawn = [one for one in zip(*found, strict=True) if self.inRings.isdisjoint(one[0])]
-        if not drawn:
-            self.turn(purpose, weight, _HALF_TURN, torsions)
-            return
-        sets, densities = zip(*drawn, strict=True)
-        self.add(purpose, lambda share: self.integrator.addDrawnMove(share, list(sets), list(densities)), weight)
+        hasDensity = {torsion for one in drawn for torsion in one[0]}
+        others = [torsion for torsion in self.outsideRings(torsions) if torsion not in hasDensity]
+        ofOthers = len(others) / max(1, len(others) + len(hasDensity)) * weight
+        if drawn:
+            sets, densities = map(list, zip(*drawn, strict=True))
+            self.add(
+                purpose, size, lambda share: self.integrator.addDrawnMove(share, sets, densities), weight - ofOthers
+            )
+        self.turn(purpose, ofOthers, _HALF_TURN, others)
 
     def close(self, weight, degrees, torsions):
         """Add a closed move of backbones."""
-        purpose = "backbones: the rest stays where it is"
-        self.add(purpose, lambda share: self.integrator.addClosedMove(share, degrees * _DEGREE, torsions), weight)
+        self.add(
+            "backbones: the rest stays where it is",
+            f"closed {degrees}°",
+            lambda share: self.integrator.addClosedMove(share, degrees * _DEGREE, torsions),
+            weight,
+        )
 
     def bend(self, weight, degrees, stiffness, torsions):
         """Add a local move of backbones, without torsions in rings of closures."""
-        purpose = "backbones and their ends: the rest hardly moves"
         torsions = self.outsideRings(torsions)
         if torsions:
             self.add(
-                purpose,
+                "backbones and their ends: the rest hardly moves",
+                f"local {degrees}°",
                 lambda share: self.integrator.addLocalMove(share, degrees * _DEGREE, stiffness, torsions),
                 weight,
             )
+
+    def pivot(self, purpose, weight, degrees):
+        """Add a pivot move of all ball joints."""
+        self.add(purpose, f"±{degrees}°", lambda share: self.integrator.addPivotMove(share, degrees * _DEGREE), weight)
+
+    def shift(self, purpose, weight, molecules):
+        """Add a rigid-body move of molecules."""
+        self.add(
+            purpose,
+            f"{_RIGID_SHIFT} nm, ±{_RIGID_TURN}°",
+            lambda share: self.integrator.addRigidBodyMove(share, _RIGID_SHIFT, _RIGID_TURN * _DEGREE, molecules),
+            weight,
+        )
 
     def outsideRings(self, torsions):
         """Return those of torsions that moves may turn that keep no closures."""
@@ -175,7 +225,8 @@ class _Scene:
     torsions : dict of lists of int, by what they are
     """
 
-    def __init__(self, topology, system):
+    def __init__(self, topology, system, torsions=None):
+        """Sort the torsions of a System's force, as a list of Torsion or `findTorsions` knows them."""
         particles, atoms = system.getNumParticles(), topology.getNumAtoms()
         if particles != atoms:
             raise ValueError(f"the System has {particles:,} particles, but the Topology {atoms:,} atoms")
@@ -189,12 +240,13 @@ class _Scene:
         self._parts = connectedParts(system.getNumParticles(), self._bonds)
         self.moleculeCount = len(np.unique(self._parts))
         self._residues = []  # of torsions, None where it is not known
-        self.torsions = self._sortTorsions()
+        if torsions is None:
+            torsions = findTorsions(topology, kinds=KINDS, cutDisulfides=True, cutMetals=True).torsions
+        self.torsions = self._sortTorsions(torsions)
 
-    def _sortTorsions(self):
-        search = findTorsions(self.topology, kinds=KINDS, cutDisulfides=True, cutMetals=True)
+    def _sortTorsions(self, torsions):
         known = {}
-        for torsion in search.torsions:
+        for torsion in torsions:
             known[torsion.particles] = known[torsion.particles[::-1]] = torsion
         found = {name: [] for name in _MIXTURES}
         for index in range(self.force.getNumTorsions()):
@@ -206,14 +258,16 @@ class _Scene:
 
     def endsOf(self, torsions):
         """Return those of torsions of residues that are near the first or the last of their chain, if not all are."""
-        chains = {}
+        bounds = {}
+        for residue in self.topology.residues():
+            if polymerBackbone(residue):
+                bounds.setdefault(residue.chain.index, []).append(residue.index)
+        ends = []
         for torsion in torsions:
             residue = self._residues[torsion]
-            chains.setdefault(residue.chain.index, []).append((residue.index, torsion))
-        ends = []
-        for ofChain in chains.values():
-            first, last = min(ofChain)[0] + _END, max(ofChain)[0] - _END
-            ends += [torsion for residue, torsion in ofChain if residue < first or residue > last]
+            chain = bounds.get(residue.chain.index, [residue.index])
+            if residue.index < chain[0] + _END or residue.index > chain[-1] - _END:
+                ends.append(torsion)
         return ends if len(ends) < len(torsions) else []
 
     def findRings(self):
@@ -278,7 +332,7 @@ class _Scene:
 def _addPeptideBackbones(adder, scene, disordered):
     torsions = scene.torsions["peptide backbones"]
     if disordered:
-        adder.draw("loose chains, by residue", 0.4, ramachandranDensities, scene, torsions)
+        adder.draw("loose chains, by residue", "by residue", 0.4, ramachandranDensities, scene, torsions)
         adder.turn("loose chains, drawn anew", 0.3, _HALF_TURN, torsions)
         adder.turn("loose chains, by some degrees", 0.2, 30, torsions)
         if scene.canClose(torsions):
@@ -294,14 +348,14 @@ def _addFoldedBackbones(adder, scene, torsions):
     adder.bend(0.2 if canClose else 0.8, 4, 10000, torsions)
     ends = scene.endsOf(torsions)
     if ends:
-        adder.turn("ends of chains", 0.15, _TORSION_STEP, ends)
+        adder.turn("ends of chains", 0.15, _TORSION_STEP, ends, "ends ")
     adder.turn("how parts of a chain lie to each other", 0.05 if ends else 0.2, _PIVOT_STEP, torsions)
 
 
 def _addSideChains(adder, scene, disordered):
     torsions = scene.torsions["side chains"]
     adder.turn("side chains within a rotamer", 0.5, _TORSION_STEP, torsions)
-    adder.draw("side chains from rotamer to rotamer", 0.5, rotamerDensities, scene, torsions)
+    adder.draw("side chains from rotamer to rotamer", "rotamers", 0.5, rotamerDensities, scene, torsions)
 
 
 def _addNucleotideBackbones(adder, scene, disordered):
@@ -317,21 +371,31 @@ def _addBases(adder, scene, disordered):
     _turnAndDraw(adder, "bases", scene.torsions["bases"])
 
 
+def _addPeptideBonds(adder, scene, disordered):
+    _turnAndDraw(adder, "other torsions", scene.torsions["peptide bonds"], _PIVOT_STEP)
+
+
+def _addRotors(adder, scene, disordered):
+    _turnAndDraw(adder, "other torsions", scene.torsions["rotors"])
+
+
 def _addOthers(adder, scene, disordered):
     _turnAndDraw(adder, "other torsions", scene.torsions["others"])
 
 
-def _turnAndDraw(adder, words, torsions):
-    adder.turn(f"{words}, by a little", 0.5, _TORSION_STEP, torsions)
+def _turnAndDraw(adder, words, torsions, step=_TORSION_STEP):
+    adder.turn(f"{words}, by a little", 0.5, step, torsions)
     adder.turn(f"{words}, drawn anew", 0.5, _HALF_TURN, torsions)
 
 
-# Torsions by what they are, the others last; and what moves they get.
+# Torsions by what they are, the others last; what moves they get, and how tables call them.
 _KINDS_OF = {
     "peptide backbones": _PEPTIDE_BACKBONE,
     "side chains": _SIDE_CHAINS,
     "nucleotide backbones": _NUCLEOTIDE_BACKBONE,
     "bases": ("chi",),
+    "peptide bonds": ("omega",),
+    "rotors": ("rotor",),
     "others": None,
 }
 _MIXTURES = {
@@ -339,5 +403,16 @@ _MIXTURES = {
     "side chains": _addSideChains,
     "nucleotide backbones": _addNucleotideBackbones,
     "bases": _addBases,
+    "peptide bonds": _addPeptideBonds,
+    "rotors": _addRotors,
     "others": _addOthers,
+}
+_NAMES = {
+    "peptide backbones": "φ/ψ",
+    "side chains": "χ",
+    "nucleotide backbones": "α–ζ",
+    "bases": "χ of bases",
+    "peptide bonds": "ω",
+    "rotors": "rotor",
+    "others": "others",
 }

@@ -12,6 +12,7 @@ from openmmchaintree import (
     TorsionMonteCarloIntegrator,
     addDefaultMoves,
     createStericExclusionForce,
+    findTorsions,
 )
 from scenes import makeSystem, peptide
 
@@ -70,6 +71,18 @@ def test_whatIsTooShortForClosedMovesGetsNone():
     integrator, added, system = add(topology, createStericExclusionForce(topology))
     assert integrator.ClosedMove not in kindsOf(integrator) and integrator.LocalMove in kindsOf(integrator)
     openmm.Context(system, integrator, openmm.Platform.getPlatformByName("Reference"))
+
+
+def test_theMiddleOfAChainHasNoEnds():
+    """Ends are those of the chain, not those of the torsions that move."""
+    topology = peptide(*["ALA"] * 30)
+    purposes = {}
+    for selection in ("resid 10 to 20", "resid 3 to 12"):
+        torsions = findTorsions(topology, selection=selection).torsions
+        _, added, _ = add(topology, createStericExclusionForce(topology, torsions=torsions))
+        purposes[selection] = {one.purpose for one in added}
+    assert purposes["resid 3 to 12"] - purposes["resid 10 to 20"] == {"ends of chains"}
+    assert purposes["resid 10 to 20"] < purposes["resid 3 to 12"]
 
 
 def test_closuresAreKept():

@@ -39,6 +39,10 @@ def test_villinByDefault(tmp_path):
     assert summary["torsions"] == {"phi": 33, "psi": 34, "chi1": 29, "chi2": 25, "chi3": 11, "chi4": 6}
     for move in summary["moves"]:
         assert move["attempted"] == move["clashed"] + move["rejectedByEnergy"] + move["accepted"] > 0
+        assert move["notMade"] == 0
+    assert [move["name"] for move in summary["moves"]] == [
+        *(f"{torsions} ±{size}°" for torsions, size in (("φ/ψ", 5), ("φ/ψ", 30), ("φ/ψ", 180), ("χ", 30), ("χ", 180)))
+    ]
     assert sum(move["attempted"] for move in summary["moves"]) == 5000
     assert sum(move["accepted"] for move in summary["moves"]) > 500
     assert summary["trialsPerSecond"] == pytest.approx(5000 / summary["secondsInSteps"])
@@ -52,6 +56,7 @@ def test_villinByDefault(tmp_path):
 
     for heading in ("attempted", "clashed", "rejected", "accepted"):
         assert heading in result.stdout
+    assert "not made" not in result.stdout
     assert "µs a trial" in result.stdout and "trials a second" in result.stdout
     assert "none beyond its limit" in result.stdout
     assert 0 < summary["largestBondChange"] < 1e-12 and summary["changedBonds"] == []

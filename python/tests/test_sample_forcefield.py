@@ -3,6 +3,7 @@
 import io
 import json
 import random
+import re
 
 import commands
 import numpy as np
@@ -11,7 +12,7 @@ import pytest
 from commands import assertRefused, filesIn
 from openmm import app, unit
 from openmmchaintree.command.energies import Energies
-from scenes import GLYCINES, readDCD, writePDB
+from scenes import GLYCINES, readDCD, realStructurePath, writePDB
 
 PROTEIN = "amber14/protein.ff14SB.xml"  # a part of amber14-all.xml, quicker to read
 
@@ -50,6 +51,31 @@ def energyByOpenMM(topology, positions, *files, **arguments):
     return context.getState(energy=True).getPotentialEnergy().value_in_unit(unit.kilojoule_per_mole)
 
 
+_FATES = {"notMade": "not made", "clashed": "clashed", "rejectedByEnergy": "rejected", "accepted": "accepted"}
+
+
+def assertTrialsAddUp(summary, output):
+    """Each trial was not made, clashed, was rejected or accepted, in the table as in JSON; return those not made."""
+    moves = summary["moves"]
+    for move in moves:
+        assert move["attempted"] == sum(move[fate] for fate in _FATES)
+    outer = summary["energy"]["outerTests"]
+    takenBack = outer["trialsTakenBack"] if outer else 0
+    assert sum(move["attempted"] for move in moves) + takenBack == summary["trials"]
+    notMade = {move["name"]: move["notMade"] for move in moves}
+    fates = [fate for fate in _FATES if fate != "notMade" or any(notMade.values())]
+    lines = output.splitlines()
+    header = next(index for index, line in enumerate(lines) if line.split()[:2] == ["move", "attempted"])
+    assert re.split("  +", lines[header].strip()) == ["move", "attempted", *(_FATES[fate] for fate in fates), "%"]
+    for line, move in zip(lines[header + 1 :], moves, strict=False):
+        name, *counts, _ = re.split("  +", line.strip())
+        assert name == move["name"]
+        assert [int(count.replace(",", "")) for count in counts] == [move[key] for key in ("attempted", *fates)]
+    below = lines[header + 1 + len(moves) + (len(moves) > 1)]
+    assert below.startswith("not made: ") == any(notMade.values())
+    return notMade
+
+
 def test_villin(runHere, tmp_path):
     result = runHere(
         *("--forcefield", "amber14-all.xml", "--temperature", 310, "--trials", 2000, "--frames", 4, "--seed", 1),
@@ -58,7 +84,12 @@ def test_villin(runHere, tmp_path):
     assert result.returncode == 0, result.stderr
     assert filesIn(tmp_path) == ["summary.json", "villin-topology.pdb", "villin.dcd", "villin.png"]
     summary = json.loads((tmp_path / "summary.json").read_text())
-    assert [move["name"] for move in summary["moves"]] == ["φ/ψ ±1°", "χ ±10°", "χ ±180°"]
+    assert [move["name"] for move in summary["moves"]] == [
+        *("φ/ψ closed 8°", "φ/ψ local 4°", "φ/ψ ends ±10°", "φ/ψ ±1°", "χ ±10°", "χ rotamers")
+    ]
+    notMade = assertTrialsAddUp(summary, result.stdout)
+    assert notMade.pop("φ/ψ closed 8°") > 0 and not any(notMade.values())
+    assert all(move["accepted"] > 0 for move in summary["moves"])
     energy = summary["energy"]
     assert (energy["forceField"], energy["temperature"], energy["nonbondedCutoff"]) == (["amber14-all.xml"], 310, None)
 
@@ -94,6 +125,51 @@ def test_villin(runHere, tmp_path):
     for force in energy["forces"]:
         (line,) = [line for line in result.stdout.splitlines() if line.startswith(f"{force['name']} ")]
         assert f"{force['energy']:,.1f}  {force['kind']}" in line and line.endswith(force["reason"])
+
+
+def test_oneResidueHasNoWindows(runHere, tmp_path):
+    """Nothing closes among φ, ψ and three χ in the middle of the chain, which is no end either."""
+    options = ("--forcefield", PROTEIN, "--trials", 800, "--frames", 2, "--seed", 1, "--json", "summary.json")
+    result = runHere(*options, "--move", "resSeq 17")
+    assert result.returncode == 0, result.stderr
+    summary = json.loads((tmp_path / "summary.json").read_text())
+    assert [move["name"] for move in summary["moves"]] == ["φ/ψ local 4°", "φ/ψ ±1°", "χ ±10°", "χ rotamers"]
+    assert not any(assertTrialsAddUp(summary, result.stdout).values())
+
+
+def test_otherKindsOfTorsions(runHere, tmp_path):
+    """ω turns by little and to the other side, rotors by more; all are named."""
+    options = ("--forcefield", PROTEIN, "--trials", 400, "--frames", 1, "--seed", 1, "--json", "summary.json")
+    result = runHere(*options, "--torsions", "omega,rotor")
+    assert result.returncode == 0, result.stderr
+    summary = json.loads((tmp_path / "summary.json").read_text())
+    assert [move["name"] for move in summary["moves"]] == ["ω ±1°", "ω ±180°", "rotor ±10°", "rotor ±180°"]
+    assertTrialsAddUp(summary, result.stdout)
+
+
+def test_nucleicAcid(runHere, tmp_path):
+    files = ("amber14/DNA.OL15.xml", "implicit/gbn2.xml")
+    result = runHere(
+        *(realStructurePath("1bna.pdb"), "--add-hydrogens", "--forcefield", *files, "--trials", 800, "--frames", 2),
+        *("--seed", 1, "--json", "summary.json"),
+    )
+    assert result.returncode == 0, result.stderr
+    summary = json.loads((tmp_path / "summary.json").read_text())
+    assert [move["name"] for move in summary["moves"]] == [
+        *("α–ζ closed 8°", "α–ζ local 4°", "α–ζ ends ±10°", "α–ζ ±1°", "χ of bases ±10°", "χ of bases ±180°")
+    ]
+    assert assertTrialsAddUp(summary, result.stdout)["α–ζ closed 8°"] > 0
+
+
+def test_sameSeedSameFrames(runHere, tmp_path):
+    moves = {}
+    for name, seed in (("first", 7), ("second", 7), ("third", 8)):
+        options = ("--forcefield", PROTEIN, "--trials", 800, "--frames", 2, "--seed", seed)
+        assert runHere(*options, "--json", f"{name}.json", "-o", name).returncode == 0
+        moves[name] = json.loads((tmp_path / f"{name}.json").read_text())["moves"]
+    frames = {name: readDCD(tmp_path / f"{name}.dcd") for name in moves}
+    assert np.array_equal(frames["first"], frames["second"]) and moves["first"] == moves["second"]
+    assert not np.array_equal(frames["first"], frames["third"]) and moves["first"] != moves["third"]
 
 
 def test_hardSpheresAloneHaveNoEnergy(runHere, tmp_path):
@@ -339,6 +415,7 @@ def test_outerTests(runHere, tmp_path):
     assert result.returncode == 0, result.stderr
     summary = json.loads((tmp_path / "summary.json").read_text())
     outer = summary["energy"]["outerTests"]
+    assertTrialsAddUp(summary, result.stdout)
     assert 100 <= outer["attempted"] <= 101 and 0 < outer["accepted"] < outer["attempted"]
     assert outer["standardDeviation"] > 0
     attempted = sum(move["attempted"] for move in summary["moves"])

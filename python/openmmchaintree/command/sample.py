@@ -38,8 +38,10 @@ In a force field, with implicit solvent:
 
   openmm-chaintree sample my.pdb --add-hydrogens --forcefield amber14-all.xml implicit/gbn2.xml --temperature 300
 
-A force field needs all atoms of each residue: --add-hydrogens adds hydrogens, PDBFixer what else is missing. Steps are
-smaller than those of hard spheres. Bond lengths and angles stay as they are at the start.
+A force field needs all atoms of each residue: --add-hydrogens adds hydrogens, PDBFixer what else is missing. Moves
+are those that folded chains accept, where hard spheres alone just turn torsions: windows of the backbone turn so that
+what lies behind them stays or hardly moves, and side chains turn by a little and go from rotamer to rotamer. Bond
+lengths and angles stay as they are at the start.
 
 A SELECTION is in the language of MDTraj (https://mdtraj.org/latest/atom_selection.html), in quotes:
 

@@ -10,6 +10,8 @@ from .figures import addCountBar, addLegendBelow, countNorm, makeFigure, setTitl
 _BIN = 10  # degrees
 _EDGES = np.arange(-180, 181, _BIN)
 _COLOR = "#1f5f8b"
+_FEWEST_TRIALS = 20  # of a move between points of acceptance
+_FEWEST_INTERVALS, _MOST_INTERVALS = 10, 40
 _LARGEST_START = 5  # times the range of the energies that follow
 
 # In the order in which kinds are shown.
@@ -120,8 +122,9 @@ def _drawEnergy(axis, frames):
 
 def _drawAcceptance(axis, frames, moveNames):
     trials = np.array([frame.trials for frame in frames])
-    # Several frames together where a single one holds too few trials for a smooth line.
-    edges = np.unique(np.linspace(0, len(frames) - 1, min(len(frames), 41)).astype(int))
+    # Several frames together where a single one holds too few trials of the rarest move for a smooth line.
+    intervals = np.clip(frames[-1].counts[:, 0].min() // _FEWEST_TRIALS, _FEWEST_INTERVALS, _MOST_INTERVALS)
+    edges = np.unique(np.linspace(0, len(frames) - 1, min(len(frames), intervals + 1)).astype(int))
     counts = np.diff(np.array([frames[edge].counts for edge in edges]), axis=0)
     middles = (trials[edges[1:]] + trials[edges[:-1]]) / 2
     marker = "o" if len(middles) == 1 else None

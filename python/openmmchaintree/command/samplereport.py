@@ -10,7 +10,8 @@ from .energyreport import printEnergies
 from .noteoutput import asPlain, printNotes
 from .planreport import describePlan
 
-_COUNTS = ("attempted", "clashed", "rejectedByEnergy", "accepted")
+# What becomes of trials, by the keys of JSON and the headings of the table; each trial is one of them.
+_FATES = {"notMade": "not made", "clashed": "clashed", "rejectedByEnergy": "rejected", "accepted": "accepted"}
 
 # More tolerated pairs or changed bonds than this are left to the JSON file.
 _LONGEST_LIST = 10
@@ -42,7 +43,7 @@ def summarize(sampling, structure, seed, files, interrupted, addedHydrogens):
         "microsecondsPerTrial": 1e6 * sampling.seconds / sampling.trials if sampling.trials else None,
         "trialsPerSecond": sampling.trials / sampling.seconds if sampling.trials else None,
         "moves": [
-            {"name": move.name, "weight": move.weight, **statistics._asdict()}
+            {"name": move.name, "weight": move.weight, **_describeTrials(statistics)}
             for move, statistics in zip(sampling.moves, sampling.statistics(), strict=True)
         ],
         "energy": sampling.summarizeEnergies(),
@@ -57,6 +58,12 @@ def summarize(sampling, structure, seed, files, interrupted, addedHydrogens):
         ],
         "files": files,
     }
+
+
+def _describeTrials(statistics):
+    """Return MoveStatistics as a dictionary, with the trials that could not be made."""
+    attempted, *decided = statistics
+    return {"attempted": attempted, "notMade": attempted - sum(decided), **statistics._asdict()}
 
 
 def _describePairs(overlaps, names, limits=None):
@@ -85,6 +92,8 @@ def printReport(summary, console, isVerbose):
     )
     printNotes(summary["notes"], console, isVerbose)
     console.print(_moveTable(summary["moves"]))
+    if any(move["notMade"] for move in summary["moves"]):
+        console.print("not made: refused, since a window did not close after its turn, or would not on the way back")
     if summary["trials"]:
         console.print(
             f"{summary['trials']:,} trials in {summary['secondsInSteps']:.3f} s: "
@@ -101,10 +110,12 @@ def printReport(summary, console, isVerbose):
 
 
 def _moveTable(moves):
+    """Make a table of what became of the trials of each move; trials not made have a column where there are any."""
+    fates = [fate for fate in _FATES if fate != "notMade" or any(move["notMade"] for move in moves)]
     table = Table("move", box=None, pad_edge=False, header_style="bold")
-    for heading in ("attempted", "clashed", "rejected", "accepted", "%"):
+    for heading in ("attempted", *(_FATES[fate] for fate in fates), "%"):
         table.add_column(heading, justify="right")
-    rows = [(move["name"], *(move[key] for key in _COUNTS)) for move in moves]
+    rows = [(move["name"], *(move[key] for key in ("attempted", *fates))) for move in moves]
     if len(rows) > 1:
         rows.append(("all", *(sum(column) for column in list(zip(*rows, strict=True))[1:])))
     for name, attempted, *counts in rows:

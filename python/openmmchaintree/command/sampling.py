@@ -7,6 +7,7 @@ import numpy as np
 import openmm
 from openmm import unit
 
+from ..defaultmoves import NamedMove, addMovesOfPlan
 from ..errors import InputError
 from ..openmmchaintree import TorsionMonteCarloIntegrator
 from ..sterics import makeForce
@@ -31,7 +32,8 @@ _PEPTIDE = ("phi", "psi")
 _NUCLEIC = ("alpha", "beta", "gamma", "delta", "epsilon", "zeta")
 _SIDE_CHAINS = ("chi1", "chi2", "chi3", "chi4", "chi")
 
-# Small steps loosen a compact structure; once it is loose, large ones find new conformations.
+# Of hard spheres alone. Small steps loosen a compact structure; once it is loose, large ones find new conformations.
+# With energies, moves are those of `addDefaultMoves`.
 _MOVE_KINDS = (
     _MoveKind("φ/ψ", _PEPTIDE, ((2.0, 5), (1.0, 30), (1.0, 180))),
     _MoveKind("ω", ("omega",), ((1.0, 5), (0.5, 180))),
@@ -40,28 +42,11 @@ _MOVE_KINDS = (
     _MoveKind("rotor", ("rotor",), ((0.5, 180),)),
 )
 
-# With energies. A turn of the backbone moves half of the protein, so only a small one passes; side chains can take any
-# angle.
-_MOVE_KINDS_WITH_ENERGY = (
-    _MoveKind("φ/ψ", _PEPTIDE, ((1.0, 1),)),
-    _MoveKind("ω", ("omega",), ((0.5, 1),)),
-    _MoveKind("α–ζ", _NUCLEIC, ((1.0, 1),)),
-    _MoveKind("χ", _SIDE_CHAINS, ((1.0, 10), (0.5, 180))),
-    _MoveKind("rotor", ("rotor",), ((0.5, 180),)),
-)
-
 # So often can a run be interrupted, whatever the number of trials between frames.
 _TRIALS_PER_STEP = 10000
 
 # With energies, where trials take longer, and a step may end by a look at the whole energy.
 _TRIALS_PER_STEP_WITH_ENERGY = 400
-
-
-class Move(NamedTuple):
-    """A kind of trial: its name in tables and how often it is drawn relative to the others."""
-
-    name: str
-    weight: float
 
 
 class Frame(NamedTuple):
@@ -95,7 +80,7 @@ class Sampling:
         those of the plan
     fixedAtoms : int
         number of atoms that are obstacles
-    moves : list of Move
+    moves : list of NamedMove
         in the order of the integrator's moves
     startOverlaps : allpairs.Overlaps
         found without the engine
@@ -119,8 +104,8 @@ class Sampling:
             fit
         """
         self._structure = structure
-        self.plan = Plan(structure, choice)
-        self.torsions = self.plan.torsions
+        self.plan = plan = Plan(structure, choice)
+        self.torsions = plan.torsions
         try:
             self.force = makeForce(self.plan.graph, self.torsions)
         except ValueError as error:
@@ -133,11 +118,19 @@ class Sampling:
         temperature = 300.0 if energyModel is None else energyModel.temperature
         self.integrator = TorsionMonteCarloIntegrator(temperature * unit.kelvin)
         self.integrator.setRandomNumberSeed(seed)
-        self.moves = self._addMoves(_MOVE_KINDS if energyModel is None else _MOVE_KINDS_WITH_ENERGY)
-        if energyModel is not None:
+        system = self._makeSystem(energyModel)
+        if energyModel is None:
+            self.moves = self._addMovesOfSpheres()
+        else:
+            try:
+                self.moves = addMovesOfPlan(
+                    self.integrator, structure.topology, system, plan.torsions, plan.rigidBodies
+                )
+            except ValueError as error:  # a file may have added particles
+                raise InputError(str(error)) from error
             self.integrator.setTrialsPerOuterTest(energyModel.trialsPerOuterTest)
         platform = (openmm.Platform.getPlatformByName("Reference"),) if energyModel is None else repeatablePlatform()
-        self.context = openmm.Context(self._makeSystem(energyModel), self.integrator, *platform)
+        self.context = openmm.Context(system, self.integrator, *platform)
         self.context.setPositions(structure.positions)
         self.energies = None if energyModel is None else Energies(energyModel, self.integrator, self.context)
         self._phiPsiParticles = _phiPsiParticles(self.torsions)
@@ -164,19 +157,19 @@ class Sampling:
         system.addForce(self.force)
         return system
 
-    def _addMoves(self, moveKinds):
+    def _addMovesOfSpheres(self):
         moves = []
         backboneCount = sum(torsion.kind in _PEPTIDE + _NUCLEIC for torsion in self.torsions)
-        for name, kinds, sizes in moveKinds:
+        for name, kinds, sizes in _MOVE_KINDS:
             torsions = [i for i, torsion in enumerate(self.torsions) if torsion.kind in kinds]
             # Proteins and nucleic acids share the moves of backbones by their numbers of torsions.
             share = len(torsions) / backboneCount if kinds in (_PEPTIDE, _NUCLEIC) and torsions else 1.0
             for weight, degrees in sizes if torsions else ():
                 self.integrator.addTorsionMove(share * weight, degrees * unit.degrees, torsions)
-                moves.append(Move(f"{name} ±{degrees}°", share * weight))
+                moves.append(NamedMove(f"{name} ±{degrees}°", share * weight))
         if self.plan.rigidBodies:
             self.integrator.addRigidBodyMove(1.0, 0.01 * unit.nanometer, 1 * unit.degrees, self.plan.rigidBodies)
-            moves.append(Move("rigid body 0.01 nm, ±1°", 1.0))
+            moves.append(NamedMove("rigid body 0.01 nm, ±1°", 1.0))
         return moves
 
     def run(self, trials, proceed):
