@@ -15,9 +15,10 @@ registerParser()
 
 from . import _build  # noqa: E402
 from .clashes import Clash, FrameClashes, findClashes  # noqa: E402
-from .defaultmoves import AddedMove, AddedMoves, addDefaultMoves  # noqa: E402
+from .defaultmoves import addDefaultMoves  # noqa: E402
 from .densities import DrawnTorsions, ramachandranDensities, rotamerDensities  # noqa: E402
 from .errors import InputError  # noqa: E402
+from .moveadder import AddedMove, AddedMoves  # noqa: E402
 from .naming import AtomName  # noqa: E402
 from .openmmchaintree import (  # noqa: E402
     EnergyPlan,

@@ -3,7 +3,6 @@
 import copy
 import warnings
 from itertools import pairwise
-from typing import NamedTuple
 
 import numpy as np
 import openmm
@@ -11,44 +10,20 @@ from openmm import app, unit
 
 from .components import connectedParts
 from .densities import ramachandranDensities, rotamerDensities
+from .moveadder import HALF_TURN, AddedMoves, MoveAdder
 from .openmmchaintree import StericExclusionForce, TorsionMonteCarloIntegrator
 from .residues import polymerBackbone
 from .torsions import KINDS, findTorsions
-
-_DEGREE = unit.degree
 
 _PEPTIDE_BACKBONE = ("phi", "psi")
 _SIDE_CHAINS = ("chi1", "chi2", "chi3", "chi4")
 _NUCLEOTIDE_BACKBONE = ("alpha", "beta", "gamma", "delta", "epsilon", "zeta")
 
-_HALF_TURN = 180  # degrees: a torsion drawn anew
 _TORSION_STEP, _PIVOT_STEP, _BALL_STEP = 10, 1, 30  # degrees
 _END = 5  # residues
-_RIGID_SHIFT, _RIGID_TURN = 0.02, 2  # nm, degrees
+_RIGID_STEP = 0.02, 2  # nm, degrees
+_BOUND_STEP = 0.01, 1  # of molecules that touch others
 _RIGID_WEIGHT = 0.1  # to one for all torsions and joints
-
-
-class AddedMove(NamedTuple):
-    """A move that `addDefaultMoves` has added: its index, its description, and what it is for."""
-
-    move: int
-    description: str
-    purpose: str
-
-
-class NamedMove(NamedTuple):
-    """A move by a short name, for tables, and its weight."""
-
-    name: str
-    weight: float
-
-
-class AddedMoves(list[AddedMove]):
-    """The moves that `addDefaultMoves` has added: a list of AddedMove that prints as a table."""
-
-    def __str__(self) -> str:
-        width = max((len(added.description) for added in self), default=0)
-        return "\n".join(f"{added.move:>3}  {added.description:<{width}}  {added.purpose}" for added in self)
 
 
 def addDefaultMoves(
@@ -97,7 +72,7 @@ def addDefaultMoves(
     """
     scene = _Scene(topology, system)
     rigidBodies = scene.freeMolecules() if scene.moleculeCount > 1 else []
-    return _addMixtures(integrator, scene, rigidBodies, disordered).added
+    return _addMixtures(integrator, scene, rigidBodies, _RIGID_STEP, disordered).added
 
 
 def addMovesOfPlan(integrator, topology, system, torsions, rigidBodies):
@@ -105,12 +80,13 @@ def addMovesOfPlan(integrator, topology, system, torsions, rigidBodies):
 
     Return the NamedMoves in the order in which they were added.
     """
-    return _addMixtures(integrator, _Scene(topology, system, torsions), rigidBodies, disordered=False).named
+    scene = _Scene(topology, system, torsions)
+    return _addMixtures(integrator, scene, rigidBodies, _BOUND_STEP, disordered=False).named
 
 
-def _addMixtures(integrator, scene, rigidBodies, disordered):
-    """Add the moves of all that there is; return the _Adder."""
-    adder = _Adder(integrator, scene.findRings())
+def _addMixtures(integrator, scene, rigidBodies, rigidStep, disordered):
+    """Add the moves of all that there is; return the MoveAdder."""
+    adder = MoveAdder(integrator, scene.findRings())
     total = sum(len(torsions) for torsions in scene.torsions.values()) + scene.force.getNumBallJoints()
     for name, addMoves in _MIXTURES.items():
         if scene.torsions[name]:
@@ -118,104 +94,14 @@ def _addMixtures(integrator, scene, rigidBodies, disordered):
             addMoves(adder, scene, disordered)
     if scene.force.getNumBallJoints() > 0:
         adder.begin("beads", scene.force.getNumBallJoints() / total)
-        for degrees in (_BALL_STEP, _HALF_TURN):
+        for degrees in (_BALL_STEP, HALF_TURN):
             adder.pivot("chains of beads", 0.5, degrees)
     if rigidBodies:
         adder.begin("rigid body", 1.0)
-        adder.shift("where molecules are", _RIGID_WEIGHT, rigidBodies)
+        adder.shift("where molecules are", _RIGID_WEIGHT, *rigidStep, rigidBodies)
     if not adder.added:
         raise ValueError("there is nothing to move: no torsion, no ball joint, and no molecule beside another")
     return adder
-
-
-class _Adder:
-    """Adds moves, names them and writes down what they are for.
-
-    inRings : set of int, torsions that only closed moves turn; added : AddedMoves; named : list of NamedMove
-    """
-
-    def __init__(self, integrator, inRings):
-        self.integrator = integrator
-        self.inRings = inRings
-        self.added = AddedMoves()
-        self.named = []
-
-    def begin(self, name, share):
-        """Begin with other torsions or joints: by their short name, and by what weights are multiplied."""
-        self._name = name
-        self._share = share
-
-    def add(self, purpose, size, addMove, weight):
-        """Add a move by a function of its weight."""
-        share = float(f"{self._share * weight:.3g}")
-        index = addMove(share)
-        self.added.append(AddedMove(index, self.integrator.getMoveDescription(index), purpose))
-        self.named.append(NamedMove(f"{self._name} {size}", share))
-
-    def turn(self, purpose, weight, degrees, torsions, where=""):
-        """Add a move that turns one of some torsions, those in rings of closures left out."""
-        torsions = self.outsideRings(torsions)
-        if torsions:
-            self.add(
-                purpose,
-                f"{where}±{degrees}°",
-                lambda share: self.integrator.addTorsionMove(share, degrees * _DEGREE, torsions),
-                weight,
-            )
-
-    def draw(self, purpose, size, weight, findDensities, scene, torsions):
-        """Add a move that draws torsions from densities of residues, and one that draws those without uniformly."""
-        try:
-            found = findDensities(scene.topology, scene.force)
-        except ValueError:
-            found = ([], [])
-        drawn = [one for one in zip(*found, strict=True) if self.inRings.isdisjoint(one[0])]
-        hasDensity = {torsion for one in drawn for torsion in one[0]}
-        others = [torsion for torsion in self.outsideRings(torsions) if torsion not in hasDensity]
-        ofOthers = len(others) / max(1, len(others) + len(hasDensity)) * weight
-        if drawn:
-            sets, densities = map(list, zip(*drawn, strict=True))
-            self.add(
-                purpose, size, lambda share: self.integrator.addDrawnMove(share, sets, densities), weight - ofOthers
-            )
-        self.turn(purpose, ofOthers, _HALF_TURN, others)
-
-    def close(self, weight, degrees, torsions):
-        """Add a closed move of backbones."""
-        self.add(
-            "backbones: the rest stays where it is",
-            f"closed {degrees}°",
-            lambda share: self.integrator.addClosedMove(share, degrees * _DEGREE, torsions),
-            weight,
-        )
-
-    def bend(self, weight, degrees, stiffness, torsions):
-        """Add a local move of backbones, without torsions in rings of closures."""
-        torsions = self.outsideRings(torsions)
-        if torsions:
-            self.add(
-                "backbones and their ends: the rest hardly moves",
-                f"local {degrees}°",
-                lambda share: self.integrator.addLocalMove(share, degrees * _DEGREE, stiffness, torsions),
-                weight,
-            )
-
-    def pivot(self, purpose, weight, degrees):
-        """Add a pivot move of all ball joints."""
-        self.add(purpose, f"±{degrees}°", lambda share: self.integrator.addPivotMove(share, degrees * _DEGREE), weight)
-
-    def shift(self, purpose, weight, molecules):
-        """Add a rigid-body move of molecules."""
-        self.add(
-            purpose,
-            f"{_RIGID_SHIFT} nm, ±{_RIGID_TURN}°",
-            lambda share: self.integrator.addRigidBodyMove(share, _RIGID_SHIFT, _RIGID_TURN * _DEGREE, molecules),
-            weight,
-        )
-
-    def outsideRings(self, torsions):
-        """Return those of torsions that moves may turn that keep no closures."""
-        return [torsion for torsion in torsions if torsion not in self.inRings]
 
 
 class _Scene:
@@ -333,7 +219,7 @@ def _addPeptideBackbones(adder, scene, disordered):
     torsions = scene.torsions["peptide backbones"]
     if disordered:
         adder.draw("loose chains, by residue", "by residue", 0.4, ramachandranDensities, scene, torsions)
-        adder.turn("loose chains, drawn anew", 0.3, _HALF_TURN, torsions)
+        adder.turn("loose chains, drawn anew", 0.3, HALF_TURN, torsions)
         adder.turn("loose chains, by some degrees", 0.2, 30, torsions)
         if scene.canClose(torsions):
             adder.close(0.1, 20, torsions)
@@ -362,7 +248,7 @@ def _addNucleotideBackbones(adder, scene, disordered):
     torsions = scene.torsions["nucleotide backbones"]
     if disordered:
         adder.turn("loose chains, by some degrees", 0.5, 30, torsions)
-        adder.turn("loose chains, drawn anew", 0.5, _HALF_TURN, torsions)
+        adder.turn("loose chains, drawn anew", 0.5, HALF_TURN, torsions)
         return
     _addFoldedBackbones(adder, scene, torsions)
 
@@ -385,7 +271,7 @@ def _addOthers(adder, scene, disordered):
 
 def _turnAndDraw(adder, words, torsions, step=_TORSION_STEP):
     adder.turn(f"{words}, by a little", 0.5, step, torsions)
-    adder.turn(f"{words}, drawn anew", 0.5, _HALF_TURN, torsions)
+    adder.turn(f"{words}, drawn anew", 0.5, HALF_TURN, torsions)
 
 
 # Torsions by what they are, the others last; what moves they get, and how tables call them.

@@ -150,13 +150,14 @@ def test_otherKindsOfTorsions(runHere, tmp_path):
 def test_nucleicAcid(runHere, tmp_path):
     files = ("amber14/DNA.OL15.xml", "implicit/gbn2.xml")
     result = runHere(
-        *(realStructurePath("1bna.pdb"), "--add-hydrogens", "--forcefield", *files, "--trials", 800, "--frames", 2),
-        *("--seed", 1, "--json", "summary.json"),
+        *(realStructurePath("1bna.pdb"), "--add-hydrogens", "--forcefield", *files, "--trials", 800, "--frames", 20),
+        *("--rigid-bodies", "--seed", 1, "--json", "summary.json"),
     )
     assert result.returncode == 0, result.stderr
     summary = json.loads((tmp_path / "summary.json").read_text())
     assert [move["name"] for move in summary["moves"]] == [
-        *("α–ζ closed 8°", "α–ζ local 4°", "α–ζ ends ±10°", "α–ζ ±1°", "χ of bases ±10°", "χ of bases ±180°")
+        *("α–ζ closed 8°", "α–ζ local 4°", "α–ζ ends ±10°", "α–ζ ±1°", "χ of bases ±10°", "χ of bases ±180°"),
+        "rigid body 0.01 nm, ±1°",
     ]
     assert assertTrialsAddUp(summary, result.stdout)["α–ζ closed 8°"] > 0
 

@@ -7,8 +7,9 @@ import numpy as np
 import openmm
 from openmm import unit
 
-from ..defaultmoves import NamedMove, addMovesOfPlan
+from ..defaultmoves import addMovesOfPlan
 from ..errors import InputError
+from ..moveadder import NamedMove
 from ..openmmchaintree import TorsionMonteCarloIntegrator
 from ..sterics import makeForce
 from . import allpairs

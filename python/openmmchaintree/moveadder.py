@@ -1,0 +1,122 @@
+"""Adds moves to an integrator, names them and writes down what they are for."""
+
+from typing import NamedTuple
+
+from openmm import unit
+
+HALF_TURN = 180  # degrees: a torsion drawn anew
+
+_DEGREE = unit.degree
+
+
+class AddedMove(NamedTuple):
+    """A move that `addDefaultMoves` has added: its index, its description, and what it is for."""
+
+    move: int
+    description: str
+    purpose: str
+
+
+class NamedMove(NamedTuple):
+    """A move by a short name, for tables, and its weight."""
+
+    name: str
+    weight: float
+
+
+class AddedMoves(list[AddedMove]):
+    """The moves that `addDefaultMoves` has added: a list of AddedMove that prints as a table."""
+
+    def __str__(self) -> str:
+        width = max((len(added.description) for added in self), default=0)
+        return "\n".join(f"{added.move:>3}  {added.description:<{width}}  {added.purpose}" for added in self)
+
+
+class MoveAdder:
+    """Adds moves, names them and writes down what they are for.
+
+    inRings : set of int, torsions that only closed moves turn; added : AddedMoves; named : list of NamedMove
+    """
+
+    def __init__(self, integrator, inRings):
+        self.integrator = integrator
+        self.inRings = inRings
+        self.added = AddedMoves()
+        self.named = []
+
+    def begin(self, name, share):
+        """Begin with other torsions or joints: by their short name, and by what weights are multiplied."""
+        self._name = name
+        self._share = share
+
+    def add(self, purpose, size, addMove, weight):
+        """Add a move by a function of its weight."""
+        share = float(f"{self._share * weight:.3g}")
+        index = addMove(share)
+        self.added.append(AddedMove(index, self.integrator.getMoveDescription(index), purpose))
+        self.named.append(NamedMove(f"{self._name} {size}", share))
+
+    def turn(self, purpose, weight, degrees, torsions, where=""):
+        """Add a move that turns one of some torsions, those in rings of closures left out."""
+        torsions = self.outsideRings(torsions)
+        if torsions:
+            self.add(
+                purpose,
+                f"{where}±{degrees}°",
+                lambda share: self.integrator.addTorsionMove(share, degrees * _DEGREE, torsions),
+                weight,
+            )
+
+    def draw(self, purpose, size, weight, findDensities, scene, torsions):
+        """Add a move that draws torsions from densities of residues, and one that draws those without uniformly."""
+        try:
+            found = findDensities(scene.topology, scene.force)
+        except ValueError:
+            found = ([], [])
+        drawn = [one for one in zip(*found, strict=True) if self.inRings.isdisjoint(one[0])]
+        hasDensity = {torsion for one in drawn for torsion in one[0]}
+        others = [torsion for torsion in self.outsideRings(torsions) if torsion not in hasDensity]
+        ofOthers = len(others) / max(1, len(others) + len(hasDensity)) * weight
+        if drawn:
+            sets, densities = map(list, zip(*drawn, strict=True))
+            self.add(
+                purpose, size, lambda share: self.integrator.addDrawnMove(share, sets, densities), weight - ofOthers
+            )
+        self.turn(purpose, ofOthers, HALF_TURN, others)
+
+    def close(self, weight, degrees, torsions):
+        """Add a closed move of backbones."""
+        self.add(
+            "backbones: the rest stays where it is",
+            f"closed {degrees}°",
+            lambda share: self.integrator.addClosedMove(share, degrees * _DEGREE, torsions),
+            weight,
+        )
+
+    def bend(self, weight, degrees, stiffness, torsions):
+        """Add a local move of backbones, without torsions in rings of closures."""
+        torsions = self.outsideRings(torsions)
+        if torsions:
+            self.add(
+                "backbones and their ends: the rest hardly moves",
+                f"local {degrees}°",
+                lambda share: self.integrator.addLocalMove(share, degrees * _DEGREE, stiffness, torsions),
+                weight,
+            )
+
+    def pivot(self, purpose, weight, degrees):
+        """Add a pivot move of all ball joints."""
+        self.add(purpose, f"±{degrees}°", lambda share: self.integrator.addPivotMove(share, degrees * _DEGREE), weight)
+
+    def shift(self, purpose, weight, length, degrees, molecules):
+        """Add a rigid-body move of molecules; the length is in nm."""
+        self.add(
+            purpose,
+            f"{length} nm, ±{degrees}°",
+            lambda share: self.integrator.addRigidBodyMove(share, length, degrees * _DEGREE, molecules),
+            weight,
+        )
+
+    def outsideRings(self, torsions):
+        """Return those of torsions that moves may turn that keep no closures."""
+        return [torsion for torsion in torsions if torsion not in self.inRings]
