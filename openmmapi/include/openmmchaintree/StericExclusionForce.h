@@ -445,7 +445,8 @@ public:
     /**
      * Get the pairs of particles whose distance the open trial changes and which are within a cutoff distance of each
      * other before the trial, or in it, or both. This is what a pair energy needs to be brought up to date. Excluded
-     * pairs and particles of radius 0 are left out. It is an error if no trial is open.
+     * pairs and particles of radius 0 are left out, and so may be pairs that a trial of several torsions moves relative
+     * to each other by rounding alone, up to 2e-11 nm, as behind a closed window. It is an error if no trial is open.
      *
      * @param context      the Context in which the trial was opened
      * @param cutoff       the cutoff distance, above 0, in nm
