@@ -8,7 +8,13 @@ from .movetables import combine
 
 _KINDS = {"pivot": "#d55e00", "closed": "#1f5f8b", "local": "#009e73", "χ": "#7a5195", "side": "#e69f00"}
 _MARKERS = ("o", "s", "^", "D")
-_WORDS = {"slow": "slow torsions", "rmsd": "RMSD"}
+# What bars stand for; not the RMSD, of which chains of minutes have too few independent ones.
+_BARS = {
+    "phi": ("φ", "#1f5f8b"),
+    "psi": ("ψ", "#56b4e9"),
+    "chi1": ("χ1", "#e69f00"),
+    "slow": ("slow torsions", "#d55e00"),
+}
 _FONT = 8.5
 
 
@@ -63,14 +69,17 @@ def _drawMoves(axis, entries):
 
 def _drawMixtures(axis, entries):
     lines = [entry for entry in entries if entry["moves"] != PIVOTS]
+    height = 0.8 / len(_BARS)
     for place, entry in enumerate(lines):
         pivots = next((one for one in entries if one["chain"] == entry["chain"] and one["moves"] == PIVOTS), None)
         if pivots is None:
             continue
-        for shift, (key, color) in zip((-0.18, 0.18), (("slow", "#1f5f8b"), ("rmsd", "#d55e00")), strict=True):
-            axis.barh(place + shift, entry["rate"][key] / pivots["rate"][key], 0.34, color=color)
-    for key, color in (("slow", "#1f5f8b"), ("rmsd", "#d55e00")):
-        axis.barh([0], [0], color=color, label=_WORDS[key])
+        for number, (key, (_, color)) in enumerate(_BARS.items()):
+            if key in entry["rate"]:
+                top = place - 0.4 + (number + 0.5) * height
+                axis.barh(top, entry["rate"][key] / pivots["rate"][key], 0.9 * height, color=color)
+    for words, color in _BARS.values():
+        axis.barh([0], [0], color=color, label=words)
     axis.axvline(1, color="0.3", linewidth=1)
     axis.set_yticks(range(len(lines)), [f"{entry['chain']}: {entry['moves']}" for entry in lines])
     axis.invert_yaxis()
