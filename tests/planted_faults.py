@@ -1143,7 +1143,7 @@ API_FAULTS = [
     Fault("closed windows: the last torsion is left out of choices", CLOSED_WINDOWS,
           "k < end; k++", "k < end - 1; k++"),
     Fault("closed windows: neighbours need share no particle", CLOSED_WINDOWS,
-          "window.particles.back() == p[1]", "window.particles.back() != -1"),
+          "window.axes[i].first == window.axes[i - 1].second", "window.axes[i].first != -1"),
     Fault("closed windows: what those of eight leave out stays", CLOSED_WINDOWS,
           "return !isTurned[torsion];", "return windows.empty() && !isTurned[torsion];"),
     Fault("closed windows: rows are cut at the wrong end", CLOSED_WINDOWS,

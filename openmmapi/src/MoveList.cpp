@@ -108,7 +108,7 @@ MoveList::Entry& MoveList::draw(double weightSum, RandomNumberGenerator& random)
 void MoveList::resetStatistics()
 {
     for (Entry& entry : entries)
-        entry.refused = entry.clashed = entry.rejectedByEnergy = entry.accepted = 0;
+        entry.resetCounts();
 }
 
 // ---- XML ----
@@ -256,7 +256,7 @@ void MoveList::setScale(int index, double scale)
     Entry& entry = entries[index];
     entry.move->setScale(scale);
     entry.adaptation = SizeAdaptation();
-    entry.refused = entry.clashed = entry.rejectedByEnergy = entry.accepted = 0;
+    entry.resetCounts();
 }
 
 void MoveList::restartAdaptation()

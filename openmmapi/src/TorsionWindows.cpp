@@ -2,6 +2,8 @@
 #include "openmm/OpenMMException.h"
 #include "openmmchaintree/internal/ArgumentChecks.h"
 #include <algorithm>
+#include <array>
+#include <cmath>
 
 using namespace ChainTreePlugin;
 using namespace OpenMM;
@@ -118,4 +120,26 @@ vector<vector<int>> ChainTreePlugin::findTorsionWindows(const LinkStructure& str
                 windows.emplace_back(longest.begin() + first, longest.end());
             }
     return windows;
+}
+
+WindowAxes ChainTreePlugin::findWindowAxes(const LinkStructure& structure, const vector<int>& torsions,
+                                           vector<int>& particles)
+{
+    WindowAxes axes;
+    particles.clear();
+    for (int torsion : torsions) {
+        const array<int, 4> row = structure.getTorsionParticles(torsion);
+        if (particles.empty() || particles.back() != row[1])
+            particles.push_back(row[1]);
+        particles.push_back(row[2]);
+        const int last = particles.size() - 1;
+        axes.push_back({last - 1, last});
+    }
+    return axes;
+}
+
+Vec3 ChainTreePlugin::getAxisDirection(const vector<Vec3>& positions, const pair<int, int>& axis)
+{
+    const Vec3 direction = positions[axis.second] - positions[axis.first];
+    return direction / sqrt(direction.dot(direction));
 }

@@ -73,8 +73,7 @@ def rotamerDensities(
     densities = {}
     drawn = DrawnTorsions([], [])
     for residue, torsions in _torsionsByResidue(topology, force, ("chi1", "chi2", "chi3", "chi4"), selection):
-        name = aminoAcid(residue.name)
-        name = _STAND_INS.get(name, name)
+        name = _nameInTables(residue)
         if name not in _rotamers():
             continue
         chis = tuple(sorted(int(kind[-1]) - 1 for kind in torsions))
@@ -175,9 +174,13 @@ def _rotamerDensity(name, chis, floor):
     return TorsionDensity.fromRotamers(counts, np.radians(means[:, chis]), np.radians(deviations[:, chis]), floor)
 
 
-def _loopKind(residue, following):
+def _nameInTables(residue):
     name = aminoAcid(residue.name)
-    name = _STAND_INS.get(name, name)
+    return _STAND_INS.get(name, name)
+
+
+def _loopKind(residue, following):
+    name = _nameInTables(residue)
     if name == "PRO":
         return "transPRO"
     if following is not None and aminoAcid(following.name) == "PRO" and name not in (None, "GLY"):

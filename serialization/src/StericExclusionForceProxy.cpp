@@ -2,7 +2,9 @@
 #include "openmm/serialization/SerializationNode.h"
 #include "openmmchaintree/internal/ArgumentChecks.h"
 #include "openmmchaintree/StericExclusionForce.h"
+#include <initializer_list>
 #include <memory>
+#include <string>
 
 using namespace ChainTreePlugin;
 using namespace OpenMM;
@@ -14,6 +16,16 @@ static const int VERSION_OF_TORSIONS = 1;
 
 StericExclusionForceProxy::StericExclusionForceProxy() : SerializationProxy("StericExclusionForce")
 {
+}
+
+/**
+ * Write particles as the properties p1, p2 and so on.
+ */
+static void writeParticles(SerializationNode& node, initializer_list<int> particles)
+{
+    int number = 0;
+    for (int particle : particles)
+        node.setIntProperty("p" + to_string(++number), particle);
 }
 
 void StericExclusionForceProxy::serialize(const void* object, SerializationNode& node) const
@@ -42,41 +54,33 @@ void StericExclusionForceProxy::serialize(const void* object, SerializationNode&
     for (int i = 0; i < force.getNumBonds(); i++) {
         int p1, p2;
         force.getBondParticles(i, p1, p2);
-        bonds.createChildNode("Bond").setIntProperty("p1", p1).setIntProperty("p2", p2);
+        writeParticles(bonds.createChildNode("Bond"), {p1, p2});
     }
     SerializationNode& torsions = node.createChildNode("Torsions");
     for (int i = 0; i < force.getNumTorsions(); i++) {
         int p1, p2, p3, p4;
         force.getTorsionParticles(i, p1, p2, p3, p4);
-        torsions.createChildNode("Torsion")
-            .setIntProperty("p1", p1)
-            .setIntProperty("p2", p2)
-            .setIntProperty("p3", p3)
-            .setIntProperty("p4", p4);
+        writeParticles(torsions.createChildNode("Torsion"), {p1, p2, p3, p4});
     }
     if (version > VERSION_OF_TORSIONS) {
         SerializationNode& ballJoints = node.createChildNode("BallJoints");
         for (int i = 0; i < force.getNumBallJoints(); i++) {
             int p1, p2;
             force.getBallJointParticles(i, p1, p2);
-            ballJoints.createChildNode("BallJoint").setIntProperty("p1", p1).setIntProperty("p2", p2);
+            writeParticles(ballJoints.createChildNode("BallJoint"), {p1, p2});
         }
         SerializationNode& closures = node.createChildNode("Closures");
         for (int i = 0; i < force.getNumClosures(); i++) {
             int p1, p2, p3, p4;
             force.getClosureParticles(i, p1, p2, p3, p4);
-            closures.createChildNode("Closure")
-                .setIntProperty("p1", p1)
-                .setIntProperty("p2", p2)
-                .setIntProperty("p3", p3)
-                .setIntProperty("p4", p4);
+            writeParticles(closures.createChildNode("Closure"), {p1, p2, p3, p4});
         }
     }
     SerializationNode& exclusions = node.createChildNode("Exclusions");
     for (int i = 0; i < force.getNumExclusions(); i++) {
         int p1, p2;
         force.getExclusionParticles(i, p1, p2);
-        exclusions.createChildNode("Exclusion").setIntProperty("p1", p1).setIntProperty("p2", p2);
+        writeParticles(exclusions.createChildNode("Exclusion"), {p1, p2});
     }
 }
 

@@ -121,8 +121,8 @@ void ClosedMove::lookAt(TrialSession& trials, const ClosedWindows::Window& drawn
     window.count = drawn.torsions.size();
     copy(pivots.begin(), pivots.end(), window.pivots);
     for (int i = 0; i < window.count; i++) {
-        const Vec3 &begin = positions[drawn.axes[i].first], &end = positions[drawn.axes[i].second];
-        const Vec3 axis = (end - begin) / sqrt((end - begin).dot(end - begin));
+        const Vec3& end = positions[drawn.axes[i].second];
+        const Vec3 axis = getAxisDirection(positions, drawn.axes[i]);
         for (int j = 0; j < 3; j++) {
             window.points[i][j] = end[j];
             window.axes[i][j] = axis[j];

@@ -1,5 +1,4 @@
 #include "openmmchaintree/internal/ClosedWindows.h"
-#include "openmmchaintree/internal/TorsionWindows.h"
 #include <algorithm>
 
 using namespace ChainTreePlugin;
@@ -74,17 +73,11 @@ bool ClosedWindows::addWindow(const LinkStructure& structure, const vector<int>&
     window.torsions.assign(row.end() - size, row.end());
     if (!keepsClosures(structure, window.torsions))
         return false;
+    window.axes = findWindowAxes(structure, window.torsions, window.particles);
     unsigned joints = 0;
-    for (size_t i = 0; i < size; i++) {
-        const array<int, 4> p = structure.getTorsionParticles(window.torsions[i]);
-        if (i > 0 && window.particles.back() == p[1])
+    for (size_t i = 1; i < size; i++)
+        if (window.axes[i].first == window.axes[i - 1].second)
             joints |= 1u << (i - 1);
-        else
-            window.particles.push_back(p[1]);
-        window.particles.push_back(p[2]);
-        const int last = window.particles.size() - 1;
-        window.axes.push_back({last - 1, last});
-    }
     window.choices = findChoices(joints, size, endsAreFree);
     if (choices[window.choices].empty())
         return false;

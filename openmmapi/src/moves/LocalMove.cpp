@@ -60,8 +60,7 @@ private:
         vector<int> torsions;
         /** The particles of all axes, each once, in the order of the chain, and the one behind the last. */
         vector<int> particles;
-        /** For each torsion, where in `particles` its axis begins; it ends with the next. */
-        vector<int> axes;
+        WindowAxes axes;
     };
     static Choice describeWindow(const LinkStructure& structure, const vector<int>& torsions);
     vector<Choice> choices;
@@ -93,15 +92,8 @@ LocalMove::Choice LocalMove::describeWindow(const LinkStructure& structure, cons
 {
     Choice choice;
     choice.torsions = torsions;
-    vector<int>& particles = choice.particles;
-    for (int torsion : torsions) {
-        const array<int, 4> row = structure.getTorsionParticles(torsion);
-        if (particles.empty() || particles.back() != row[1])
-            particles.push_back(row[1]);
-        choice.axes.push_back(particles.size() - 1);
-        particles.push_back(row[2]);
-    }
-    particles.push_back(structure.getTorsionParticles(torsions.back())[3]);
+    choice.axes = findWindowAxes(structure, torsions, choice.particles);
+    choice.particles.push_back(structure.getTorsionParticles(torsions.back())[3]);
     return choice;
 }
 
@@ -134,10 +126,8 @@ bool LocalMove::propose(TrialSession& trials, RandomNumberGenerator& random)
     trials.getPositions(choice.particles, positions);
     before.count = choice.torsions.size();
     for (int i = 0; i < before.count; i++) {
-        const Vec3& start = positions[choice.axes[i]];
-        const Vec3 axis = positions[choice.axes[i] + 1] - start;
-        copyTo(before.points[i], start);
-        copyTo(before.axes[i], axis / sqrt(axis.dot(axis)));
+        copyTo(before.points[i], positions[choice.axes[i].first]);
+        copyTo(before.axes[i], getAxisDirection(positions, choice.axes[i]));
     }
     for (int i = 0; i < CT_LOCAL_ENDS; i++)
         copyTo(before.ends[i], positions[positions.size() - CT_LOCAL_ENDS + i]);

@@ -2,9 +2,9 @@
 #define OPENMM_CHAINTREE_CLOSEDWINDOWS_H_
 
 #include "openmmchaintree/internal/LinkStructure.h"
+#include "openmmchaintree/internal/TorsionWindows.h"
 #include "openmmchaintree/internal/windowsExportChainTree.h"
 #include <array>
-#include <utility>
 #include <vector>
 
 namespace ChainTreePlugin {
@@ -23,9 +23,7 @@ public:
         std::vector<int> torsions;
         /** The particles of their axes, each once. */
         std::vector<int> particles;
-        /** The axis of each torsion: the places of its two particles in `particles`, the one on the root's side first.
-         */
-        std::vector<std::pair<int, int>> axes;
+        WindowAxes axes;
         /** The index of the list of its choices of pivots. */
         int choices;
     };

@@ -31,6 +31,10 @@ public:
         double weight;
         long long refused, clashed, rejectedByEnergy, accepted;
         SizeAdaptation adaptation;
+        void resetCounts()
+        {
+            refused = clashed = rejectedByEnergy = accepted = 0;
+        }
         /**
          * Let the size of the move follow from what became of a trial.
          */

@@ -1,9 +1,11 @@
 #ifndef OPENMM_CHAINTREE_TORSIONWINDOWS_H_
 #define OPENMM_CHAINTREE_TORSIONWINDOWS_H_
 
+#include "openmm/Vec3.h"
 #include "openmmchaintree/internal/LinkStructure.h"
 #include "openmmchaintree/internal/windowsExportChainTree.h"
 #include <string>
+#include <utility>
 #include <vector>
 
 namespace ChainTreePlugin {
@@ -38,6 +40,28 @@ OPENMM_EXPORT_CHAINTREE std::vector<int> findWindowTorsions(const LinkStructure&
  */
 OPENMM_EXPORT_CHAINTREE std::vector<std::vector<int>> findTorsionWindows(const LinkStructure& structure,
                                                                          const std::vector<int>& pool, int size);
+
+/**
+ * The axis of each torsion of a window: the places of its two particles in a list, the one on the root's side first.
+ */
+typedef std::vector<std::pair<int, int>> WindowAxes;
+
+/**
+ * Find the axes of the torsions of a window.
+ *
+ * @param torsions         the torsions, each of which moves the next
+ * @param[out] particles   the particles of all axes, each once, in the order of the chain
+ */
+OPENMM_EXPORT_CHAINTREE WindowAxes findWindowAxes(const LinkStructure& structure, const std::vector<int>& torsions,
+                                                  std::vector<int>& particles);
+
+/**
+ * Get the unit vector of an axis, from the root's side on.
+ *
+ * @param positions  those of the particles that findWindowAxes() has listed
+ */
+OPENMM_EXPORT_CHAINTREE OpenMM::Vec3 getAxisDirection(const std::vector<OpenMM::Vec3>& positions,
+                                                      const std::pair<int, int>& axis);
 
 } // namespace ChainTreePlugin
 
