@@ -7,6 +7,7 @@
 
 #include "chaintree.h"
 #include "inline.h"
+#include "vector.h"
 
 /* A rigid transform x -> R x + t: columns 0 to 2 are R, column 3 is t. A row fills a vector register. */
 typedef struct Frame {
@@ -20,25 +21,6 @@ static inline double lesser(double a, double b) {
 
 static inline double larger(double a, double b) {
   return a > b ? a : b;
-}
-
-static inline double dot(const double a[3], const double b[3]) {
-  return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
-}
-
-static inline void cross(const double a[3], const double b[3], double c[3]) {
-  const double x = a[1] * b[2] - a[2] * b[1];
-  const double y = a[2] * b[0] - a[0] * b[2];
-  const double z = a[0] * b[1] - a[1] * b[0];
-  c[0] = x;
-  c[1] = y;
-  c[2] = z;
-}
-
-static inline void subtract(const double a[3], const double b[3], double c[3]) {
-  c[0] = a[0] - b[0];
-  c[1] = a[1] - b[1];
-  c[2] = a[2] - b[2];
 }
 
 static inline double squaredDistance(const double a[3], const double b[3]) {

@@ -1,6 +1,6 @@
 #include "triangle.h"
 
-#include "../../simd/arctangent.h"
+#include "arctangent.h"
 #include "turning.h"
 
 /* A triangle is flat if its height is below this part of its longest side. There, J is zero. */

@@ -1,5 +1,5 @@
-/* Vectors of three numbers. The state is made from what moves compute, so nothing here may be contracted to fused
- * multiply-adds. */
+/* Vectors of three numbers. The state is made of them, by the engine and by moves, so nothing here may be contracted to
+ * fused multiply-adds. */
 #ifndef CT_VECTOR_H_
 #define CT_VECTOR_H_
 
