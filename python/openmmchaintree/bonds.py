@@ -1,11 +1,18 @@
 """The bonds of a Topology as a graph, without disulfides and metals' bonds on request; and its rings."""
 
+from collections.abc import Iterable
+from typing import TypeAlias
+
 import numpy as np
 
 from .bondsearch import LINKS, BondSearch, Gap
 from .components import connectedParts
+from .loops import loopBonds
 
 __all__ = ["LINKS", "BondGraph", "Gap", "molecules", "neighborLists", "ringBonds"]
+
+DISULFIDES, LOOPS = "disulfides", "loops"  # what can be closed by name
+Closures: TypeAlias = str | Iterable[str | tuple[int, int]]
 
 
 class BondGraph:
@@ -36,7 +43,7 @@ class BondGraph:
         gaps; bonds that the Topology does not have, or has and that cannot be
     """
 
-    def __init__(self, topology, positions=None, cutDisulfides=False, cutMetals=False, closures=()):
+    def __init__(self, topology, positions=None, cutDisulfides=False, cutMetals=False, closures=(), fixed=()):
         """Find the bonds of a Topology: its own, those of residue templates, and, with positions, those by distance.
 
         Parameters
@@ -46,8 +53,11 @@ class BondGraph:
             nm; with them, bonds between residues are checked for gaps
         cutDisulfides, cutMetals : bool
             leave disulfide bonds, or bonds between metals and other residues, out of `bonds`
-        closures : "disulfides" or iterable of (int, int), optional
-            bonds that become closures; "disulfides" are those that close a ring
+        closures : "disulfides", "loops" or an iterable of these and of (int, int), optional
+            bonds that become closures; "disulfides" are those that close a ring, "loops" the last one of each loop
+            between fixed atoms
+        fixed : iterable of int, optional
+            those atoms
         """
         search = BondSearch(topology, positions)
         self.atoms = list(topology.atoms())
@@ -60,26 +70,29 @@ class BondGraph:
         self.notes = search.notes
         self.cut = [*(search.disulfides if cutDisulfides else []), *(search.metalBonds if cutMetals else [])]
         self.describePair = search.describePair
-        closing = self._bondsOf(closures, search)
+        closing = self._bondsOf(closures, search, fixed)
         self.cut = [bond for bond in self.cut if bond not in closing]
         areCut = closing.union(self.cut)
         self.bonds = [bond for bond in search.bonds if bond not in areCut]
         self.neighbors = neighborLists(len(self.atoms), self.bonds)
         self.closures = [(self._neighborOf(a), a, b, self._neighborOf(b)) for a, b in sorted(closing)]
 
-    def _bondsOf(self, closures, search):
+    def _bondsOf(self, closures, search, fixed):
         """Return the bonds that are to be closures as a set of (lower, higher) index."""
-        if isinstance(closures, str):
-            if closures != "disulfides":
-                raise ValueError(f'closures must be "disulfides" or pairs of atoms, not {closures!r}')
-            return self._disulfidesInRings(search)
         closing = set()
         known = set(search.bonds)
-        for atom1, atom2 in closures:
-            bond = (min(int(atom1), int(atom2)), max(int(atom1), int(atom2)))
-            if bond not in known:
-                raise ValueError(f"closures names atoms {atom1} and {atom2}, which are not bonded")
-            closing.add(bond)
+        for which in (closures,) if isinstance(closures, str) else closures:
+            if not isinstance(which, str):
+                atom1, atom2 = sorted(map(int, which))
+                if (atom1, atom2) not in known:
+                    raise ValueError(f"closures names atoms {atom1} and {atom2}, which are not bonded")
+                closing.add((atom1, atom2))
+            elif which == DISULFIDES:
+                closing |= self._disulfidesInRings(search)
+            elif which == LOOPS:
+                closing |= loopBonds(self.atoms, search.bonds, fixed)
+            else:
+                raise ValueError(f'closures must be "disulfides", "loops" or pairs of atoms, not {which!r}')
         return closing
 
     def _disulfidesInRings(self, search):

@@ -1,26 +1,14 @@
 """Mixtures of moves that were found by measuring, for those who do not want to choose."""
 
-import copy
-import warnings
-from itertools import pairwise
-
-import numpy as np
 import openmm
-from openmm import app, unit
+from openmm import app
 
-from .components import connectedParts
 from .densities import ramachandranDensities, rotamerDensities
 from .moveadder import HALF_TURN, AddedMoves, MoveAdder
-from .openmmchaintree import StericExclusionForce, TorsionMonteCarloIntegrator
-from .residues import polymerBackbone
-from .torsions import KINDS, findTorsions
-
-_PEPTIDE_BACKBONE = ("phi", "psi")
-_SIDE_CHAINS = ("chi1", "chi2", "chi3", "chi4")
-_NUCLEOTIDE_BACKBONE = ("alpha", "beta", "gamma", "delta", "epsilon", "zeta")
+from .movescene import MoveScene
+from .openmmchaintree import TorsionMonteCarloIntegrator
 
 _TORSION_STEP, _PIVOT_STEP, _BALL_STEP = 10, 1, 30  # degrees
-_END = 5  # residues
 _RIGID_STEP = 0.02, 2  # nm, degrees
 _BOUND_STEP = 0.01, 1  # of molecules that touch others
 _RIGID_WEIGHT = 0.1  # to one for all torsions and joints
@@ -70,7 +58,7 @@ def addDefaultMoves(
         if the System has another number of particles than the Topology has atoms, no StericExclusionForce or more than
         one, or nothing that could move
     """
-    scene = _Scene(topology, system)
+    scene = MoveScene(topology, system)
     rigidBodies = scene.freeMolecules() if scene.moleculeCount > 1 else []
     return _addMixtures(integrator, scene, rigidBodies, _RIGID_STEP, disordered).added
 
@@ -80,7 +68,7 @@ def addMovesOfPlan(integrator, topology, system, torsions, rigidBodies):
 
     Return the NamedMoves in the order in which they were added.
     """
-    scene = _Scene(topology, system, torsions)
+    scene = MoveScene(topology, system, torsions)
     return _addMixtures(integrator, scene, rigidBodies, _BOUND_STEP, disordered=False).named
 
 
@@ -104,117 +92,6 @@ def _addMixtures(integrator, scene, rigidBodies, rigidStep, disordered):
     return adder
 
 
-class _Scene:
-    """What there is to move.
-
-    topology : openmm.app.Topology; force : StericExclusionForce; moleculeCount : int
-    torsions : dict of lists of int, by what they are
-    """
-
-    def __init__(self, topology, system, torsions=None):
-        """Sort the torsions of a System's force, as a list of Torsion or `findTorsions` knows them."""
-        particles, atoms = system.getNumParticles(), topology.getNumAtoms()
-        if particles != atoms:
-            raise ValueError(f"the System has {particles:,} particles, but the Topology {atoms:,} atoms")
-        forces = [force for force in system.getForces() if StericExclusionForce.isinstance(force)]
-        if len(forces) != 1:
-            raise ValueError(f"the System must have one StericExclusionForce, but has {len(forces)}")
-        self.topology = topology
-        self.force = StericExclusionForce.cast(forces[0])
-        self._system = system
-        self._bonds = [self.force.getBondParticles(index) for index in range(self.force.getNumBonds())]
-        self._parts = connectedParts(system.getNumParticles(), self._bonds)
-        self.moleculeCount = len(np.unique(self._parts))
-        self._residues = []  # of torsions, None where it is not known
-        if torsions is None:
-            torsions = findTorsions(topology, kinds=KINDS, cutDisulfides=True, cutMetals=True).torsions
-        self.torsions = self._sortTorsions(torsions)
-
-    def _sortTorsions(self, torsions):
-        known = {}
-        for torsion in torsions:
-            known[torsion.particles] = known[torsion.particles[::-1]] = torsion
-        found = {name: [] for name in _MIXTURES}
-        for index in range(self.force.getNumTorsions()):
-            torsion = known.get(tuple(self.force.getTorsionParticles(index)))
-            self._residues.append(torsion and torsion.residue)
-            kind = torsion and torsion.kind
-            found[next(name for name, ofName in _KINDS_OF.items() if ofName is None or kind in ofName)].append(index)
-        return found
-
-    def endsOf(self, torsions):
-        """Return those of torsions of residues that are near the first or the last of their chain, if not all are."""
-        bounds = {}
-        for residue in self.topology.residues():
-            if polymerBackbone(residue):
-                bounds.setdefault(residue.chain.index, []).append(residue.index)
-        ends = []
-        for torsion in torsions:
-            residue = self._residues[torsion]
-            chain = bounds.get(residue.chain.index, [residue.index])
-            if residue.index < chain[0] + _END or residue.index > chain[-1] - _END:
-                ends.append(torsion)
-        return ends if len(ends) < len(torsions) else []
-
-    def findRings(self):
-        """Return the torsions in rings of closures: those on the way from one end of a closure's bond to the other."""
-        closures = [self.force.getClosureParticles(index)[1:3] for index in range(self.force.getNumClosures())]
-        if not closures:
-            return set()
-        neighbors = [[] for _ in range(self._system.getNumParticles())]
-        fixed = [particle for particle in range(len(neighbors)) if self._isFixed(particle)]
-        for one, other in [*self._bonds, *pairwise(fixed)]:  # what is fixed is one part
-            neighbors[one].append(other)
-            neighbors[other].append(one)
-        axes = {}
-        for index in range(self.force.getNumTorsions()):
-            axes[frozenset(self.force.getTorsionParticles(index)[1:3])] = index
-        found = set()
-        for start, end in closures:
-            former = {start: None}
-            reached = [start]
-            for particle in reached:
-                for neighbor in neighbors[particle]:
-                    if neighbor not in former:
-                        former[neighbor] = particle
-                        reached.append(neighbor)
-            while former.get(end) is not None:
-                found.add(axes.get(frozenset((end, former[end]))))
-                end = former[end]
-        return found - {None}
-
-    def _isFixed(self, particle):
-        isMassless = self._system.getParticleMass(particle) == 0 * unit.dalton
-        return isMassless and not self._system.isVirtualSite(particle)
-
-    def freeMolecules(self):
-        """Return a particle of each molecule without fixed particles."""
-        isFixed = np.zeros(self.moleculeCount, dtype=bool)
-        for particle, part in enumerate(self._parts.tolist()):
-            isFixed[part] |= self._isFixed(particle)
-        first = np.unique(self._parts, return_index=True)[1]
-        return [int(particle) for particle, fixed in zip(first, isFixed, strict=True) if not fixed]
-
-    def canClose(self, torsions):
-        """Return whether closed moves find windows among torsions: a Context of hard spheres alone tells."""
-        bare = openmm.System()
-        for particle in range(self._system.getNumParticles()):
-            isVirtual = self._system.isVirtualSite(particle)
-            bare.addParticle(1 if isVirtual else self._system.getParticleMass(particle))
-        bare.addForce(copy.copy(self.force))
-        integrator = TorsionMonteCarloIntegrator(0)
-        integrator.addClosedMove(1, 0.1, torsions)
-        with warnings.catch_warnings():
-            warnings.simplefilter("ignore")  # those of the force come again with the user's Context
-            try:
-                openmm.Context(bare, integrator, openmm.Platform.getPlatformByName("Reference"))
-            except openmm.OpenMMException as error:
-                if "window" not in str(error):
-                    raise
-                return False
-        return True
-
-
 def _addPeptideBackbones(adder, scene, disordered):
     torsions = scene.torsions["peptide backbones"]
     if disordered:
@@ -228,9 +105,10 @@ def _addPeptideBackbones(adder, scene, disordered):
 
 
 def _addFoldedBackbones(adder, scene, torsions):
-    canClose = scene.canClose(torsions)
+    ringsAndBackbones = sorted(adder.inRings.union(torsions))
+    canClose = scene.canClose(ringsAndBackbones)
     if canClose:
-        adder.close(0.6, 8, torsions)
+        adder.close(0.6, 8, ringsAndBackbones)
     adder.bend(0.2 if canClose else 0.8, 4, 10000, torsions)
     ends = scene.endsOf(torsions)
     if ends:
@@ -274,16 +152,7 @@ def _turnAndDraw(adder, words, torsions, step=_TORSION_STEP):
     adder.turn(f"{words}, drawn anew", 0.5, HALF_TURN, torsions)
 
 
-# Torsions by what they are, the others last; what moves they get, and how tables call them.
-_KINDS_OF = {
-    "peptide backbones": _PEPTIDE_BACKBONE,
-    "side chains": _SIDE_CHAINS,
-    "nucleotide backbones": _NUCLEOTIDE_BACKBONE,
-    "bases": ("chi",),
-    "peptide bonds": ("omega",),
-    "rotors": ("rotor",),
-    "others": None,
-}
+# What moves torsions get by what they are, and how tables call them.
 _MIXTURES = {
     "peptide backbones": _addPeptideBackbones,
     "side chains": _addSideChains,

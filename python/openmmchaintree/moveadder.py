@@ -85,7 +85,7 @@ class MoveAdder:
         self.turn(purpose, ofOthers, HALF_TURN, others)
 
     def close(self, weight, degrees, torsions):
-        """Add a closed move of backbones."""
+        """Add a closed move of backbones, to which those of rings may belong."""
         self.add(
             "backbones: the rest stays where it is",
             f"closed {degrees}°",

@@ -5,12 +5,13 @@ from collections.abc import Iterable
 import numpy as np
 from openmm import app
 
-from .bonds import BondGraph, ringBonds
+from .bonds import LOOPS, BondGraph, Closures, ringBonds
 from .naming import describeResidue
 from .notes import Note, found, warnOf
 from .openmmchaintree import StericExclusionForce
 from .radii import RADII_SETS, defaultRadii, hydrogenBondRoles, particleRadii
 from .residues import aminoAcid, isAlphaCarbonOnly
+from .selection import AtomSelection, selectAtoms
 from .torsions import (
     BETWEEN_FIXED,
     DISULFIDE_RING,
@@ -20,6 +21,7 @@ from .torsions import (
     Torsion,
     TorsionSearch,
     searchTorsions,
+    withoutThoseBetween,
 )
 from .unbonded import unbondedNeighbors
 from .units import Array, Number, inUnit, positionsInNm
@@ -27,7 +29,11 @@ from .units import Array, Number, inUnit, positionsInNm
 # Reasons that name no atoms.
 _COMMON_REASONS = {RING, DISULFIDE_RING, METAL_RING, BETWEEN_FIXED}
 
-_ARGUMENTS = {DISULFIDE_RING: "cutDisulfides", METAL_RING: "cutMetals"}
+_ARGUMENTS = {
+    DISULFIDE_RING: 'which can be cut (cutDisulfides) or closed (closures="disulfides")',
+    METAL_RING: "which can be cut (cutMetals)",
+    BETWEEN_FIXED: f'where only side chains turn, unless loops are closed (closures="{LOOPS}")',
+}
 
 
 def createStericExclusionForce(
@@ -41,7 +47,8 @@ def createStericExclusionForce(
     unknownRadius: Number | None = None,
     cutMetals: bool = False,
     ballJoints: str | Iterable[tuple[int, int]] = (),
-    closures: str | Iterable[tuple[int, int]] = (),
+    closures: Closures = (),
+    fixed: AtomSelection | None = None,
 ) -> StericExclusionForce:
     """Create a StericExclusionForce for the molecules of a Topology.
 
@@ -85,11 +92,13 @@ def createStericExclusionForce(
         molecule, so that of a chain every bond can take any direction. Models of beads want ``torsions=()``,
         ``ballJoints="bonds"``, radii, and mostly ``bondCutoff=1``. Where a bead is fixed that is not the first of its
         molecule, give pairs that lead away from it.
-    closures : "disulfides" or iterable of (int, int)
+    closures : "disulfides", "loops" or an iterable of these and of (int, int)
         bonds that close rings, or loops between fixed parts, and become closures (`StericExclusionForce.addClosure`):
-        the torsions of their rings turn by closed moves, which keep them. "disulfides" are all that close a ring. For a
-        loop between fixed parts give the last bond of its backbone, from C to N, here and to `findTorsions`, with
-        `fixed` atoms there, and its torsions here.
+        the torsions of their rings turn by closed moves, which keep them. "disulfides" are all that close a ring;
+        "loops" are the last bonds, from C to N or O3' to P, of all rows of residues between those with `fixed` atoms.
+    fixed : str, array of int or bool, or callable, optional
+        atoms that are not to move, as in `findTorsions`, to which the System gives the mass 0: torsions between two of
+        them are left out. So ``fixed="not resSeq 20 to 30", closures="loops"`` samples a loop.
 
     Returns
     -------
@@ -105,8 +114,9 @@ def createStericExclusionForce(
     """
     if positions is not None:
         positions = positionsInNm(positions, topology.getNumAtoms())
-    graph = BondGraph(topology, positions, cutDisulfides, cutMetals, closures)
-    search = _torsionsOf(graph, topology, torsions)
+    held = np.empty(0, dtype=int) if fixed is None else selectAtoms(topology, fixed)
+    graph = BondGraph(topology, positions, cutDisulfides, cutMetals, closures, held)
+    search = _torsionsOf(graph, topology, torsions, held)
     force = makeForce(graph, search.torsions, radii, bondCutoff, forceGroup, unknownRadius)
     joints = _ballJointsOf(graph, search.torsions, ballJoints)
     for atom1, atom2 in joints:
@@ -174,12 +184,12 @@ def _ballJointsOf(graph, torsions, ballJoints):
     return sorted(joints)
 
 
-def _torsionsOf(graph, topology, torsions):
+def _torsionsOf(graph, topology, torsions, fixed):
     if not isinstance(torsions, str):
         torsions = tuple(torsions)
         if all(isinstance(torsion, Torsion) for torsion in torsions):
             return TorsionSearch(list(torsions), [])
-    return searchTorsions(graph, topology, torsions)
+    return withoutThoseBetween(searchTorsions(graph, topology, torsions), graph, fixed)
 
 
 def notesOnGeometry(graph, torsions):
@@ -209,8 +219,8 @@ def notesOnAlphaCarbons(graph):
 def notesOnTorsions(leftOut, remedies=_ARGUMENTS):
     """Return a Note for each reason why torsions are left out, but for what nobody expects to turn.
 
-    Those next to a gap, and of residues that are but a Cα atom, have notes of their own. The remedies are what cuts the
-    bonds that close rings.
+    Those next to a gap, and of residues that are but a Cα atom, have notes of their own. The remedies say by reason
+    what could be done.
     """
     byReason = {}
     for torsion in leftOut:
@@ -220,8 +230,7 @@ def notesOnTorsions(leftOut, remedies=_ARGUMENTS):
                 byReason.setdefault(torsion.reason, []).append(name)
             else:
                 byReason.setdefault("since atoms or bonds are missing", []).append(f"{name} ({torsion.reason})")
-    more = {reason: f", which can be cut ({remedy})" for reason, remedy in remedies.items()}
-    more[BETWEEN_FIXED] = ", where only side chains turn"
+    more = {reason: f", {remedy}" for reason, remedy in remedies.items()}
     return [Note(f"torsions left out, {reason}{more.get(reason, '')}", names) for reason, names in byReason.items()]
 
 

@@ -4,10 +4,11 @@ from collections.abc import Iterable
 from itertools import pairwise
 from typing import NamedTuple
 
+import numpy as np
 from openmm import app
 from openmm.app import Residue
 
-from .bonds import LINKS, BondGraph, neighborLists, ringBonds
+from .bonds import LINKS, BondGraph, Closures, neighborLists, ringBonds
 from .links import Links
 from .naming import describeResidue
 from .residues import (
@@ -60,8 +61,9 @@ METAL_RING = "in a ring that bonds of metals close"
 PROLINE_RING = "in the ring of proline"
 SUGAR_RING = "in the ring of the sugar"
 BETWEEN_FIXED = "between two fixed parts"
+FIXED = "about a bond between fixed atoms"
 # Nobody expects these to turn.
-QUIET_REASONS = (PROLINE_RING, SUGAR_RING)
+QUIET_REASONS = (PROLINE_RING, SUGAR_RING, FIXED)
 
 
 class Torsion(NamedTuple):
@@ -96,7 +98,7 @@ def findTorsions(
     cutMetals: bool = False,
     selection: AtomSelection | None = None,
     fixed: AtomSelection | None = None,
-    closures: str | Iterable[tuple[int, int]] = (),
+    closures: Closures = (),
 ) -> TorsionSearch:
     """Find the torsions of the amino acids and nucleotides of a Topology.
 
@@ -124,7 +126,7 @@ def findTorsions(
     fixed : str, array of int or bool, or callable, optional
         atoms that are not to move, which get the mass 0 in the System. Torsions between two of them that are not in
         one rigid part, as those of the backbone between fixed ends, are left out.
-    closures : "disulfides" or iterable of (int, int), optional
+    closures : "disulfides", "loops" or an iterable of these and of (int, int), optional
         bonds that close rings, or loops between fixed parts, and that closed moves keep, as in
         `createStericExclusionForce`: what only these close is no ring, and a loop is not between fixed parts. Next to
         such a bond a torsion has another particle instead of the one beyond it, so that its value is another than
@@ -146,13 +148,12 @@ def findTorsions(
     """
     if positions is not None:
         positions = positionsInNm(positions, topology.getNumAtoms())
-    graph = BondGraph(topology, positions, cutDisulfides, cutMetals, closures)
+    held = np.empty(0, dtype=int) if fixed is None else selectAtoms(topology, fixed)
+    graph = BondGraph(topology, positions, cutDisulfides, cutMetals, closures, held)
     search = searchTorsions(graph, topology, kinds)
     if selection is not None:
         search = ofAtoms(search, selectAtoms(topology, selection))
-    if fixed is not None:
-        search = withoutThoseBetween(search, graph, selectAtoms(topology, fixed))
-    return search
+    return withoutThoseBetween(search, graph, held)
 
 
 def searchTorsions(graph, topology, kinds):
@@ -182,7 +183,11 @@ def withoutThoseBetween(search, graph, fixed):
     between = Links(graph, search.torsions).torsionsBetween(fixed).tolist()
     turning = [torsion for torsion, isBetween in zip(search.torsions, between, strict=True) if not isBetween]
     stuck = [torsion for torsion, isBetween in zip(search.torsions, between, strict=True) if isBetween]
-    leftOut = [LeftOutTorsion(torsion.kind, torsion.residue, BETWEEN_FIXED) for torsion in stuck]
+    held = set(fixed.tolist())
+    reasons = [FIXED if held.issuperset(torsion.particles[1:3]) else BETWEEN_FIXED for torsion in stuck]
+    leftOut = [
+        LeftOutTorsion(torsion.kind, torsion.residue, reason) for torsion, reason in zip(stuck, reasons, strict=True)
+    ]
     return TorsionSearch(turning, search.leftOut + leftOut)
 
 

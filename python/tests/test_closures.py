@@ -102,7 +102,7 @@ def test_badClosures():
     topology, sulfurs = cystines()
     with pytest.raises(ValueError, match="closures names atoms 5 and 17, which are not bonded"):
         createStericExclusionForce(topology, closures=[(5, 17)])
-    with pytest.raises(ValueError, match="closures must be \"disulfides\" or pairs of atoms, not 'rings'"):
+    with pytest.raises(ValueError, match='closures must be "disulfides", "loops" or pairs of atoms, not \'rings\''):
         findTorsions(topology, closures="rings")
     with pytest.raises(ValueError, match="closures names atom 5, which has no other bond"):
         createStericExclusionForce(topology, closures=[(4, 5)])
@@ -132,6 +132,30 @@ def test_loopOfAFixedProtein(villin):
     assert moved[atomOf(topology, 12, "CA")] > 0.005
     assert integrator.getMoveStatistics(0).accepted > 500
     assertKept([closure], start, end)
+
+
+def test_loopsBetweenFixedParts(villin):
+    # The bond at the end of a loop is found; a row of two residues is too short, and the end of a chain is no loop.
+    topology = villin.topology
+
+    def make(fixed, closures="loops"):
+        return createStericExclusionForce(topology, villin.positions, closures=closures, fixed=fixed)
+
+    bond = (atomOf(topology, 15, "C"), atomOf(topology, 16, "N"))
+    given = findTorsions(topology, villin.positions, fixed="not resid 9 to 15", closures=[bond])
+    force = make("not resid 9 to 15")
+    assert [closure[1:3] for closure in closuresOf(force)] == [bond]
+    assert force.getNumTorsions() == len(given.torsions)
+    assert exclusionsOf(force) == exclusionsOf(make(None, ()))
+    assert findTorsions(topology, villin.positions, fixed="not resid 9 to 15", closures="loops").torsions == (
+        given.torsions
+    )
+    assert [closure[1:3] for closure in closuresOf(make("not (resid 9 to 15 or resid 20 to 22)"))] == [
+        bond,
+        (atomOf(topology, 22, "C"), atomOf(topology, 23, "N")),
+    ]
+    for fixed in ("not resid 9 to 10", "resid 0 to 20", "resid 20 to 35"):
+        assert closuresOf(make(fixed, ["disulfides", "loops"])) == []
 
 
 def test_disulfidesOfAProtein():

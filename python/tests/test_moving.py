@@ -12,6 +12,10 @@ from openmmchaintree.command.planreport import describePlan
 from openmmchaintree.structure import Structure
 from scenes import GLYCINES, readDCD, realStructurePath, writePDB
 
+LEFT_OUT = (
+    "torsions left out, between two fixed parts, where only side chains turn, unless loops are closed (--close loops)"
+)
+
 
 @pytest.fixture
 def sample(runCommandHere, tmp_path):
@@ -118,7 +122,7 @@ def test_fixedPartDoesNotMoveAsAWhole(sample, twoChains):
     assert "as a whole chain B, LIG (2 atoms)" in summary["plan"][0]
     assert not hasMoved(frames, [1, 5], startOf(twoChains))
     (note,) = summary["notes"]
-    assert note["kind"] == "torsions left out, between two fixed parts, where only side chains turn"
+    assert note["kind"] == LEFT_OUT
     assert len(note["items"]) == 2
 
 
@@ -145,7 +149,7 @@ def test_loopBetweenFixedEnds(sample, villin):
     moved = {atoms[i].residue.index for i in np.flatnonzero(np.abs(frames[-1] - villin.positions).max(axis=1) > 1e-4)}
     assert moved and moved <= set(range(10, 15))
     kinds = [note["kind"] for note in summary["notes"]]
-    assert any(kind.endswith("between two fixed parts, where only side chains turn") for kind in kinds)
+    assert any(kind == LEFT_OUT for kind in kinds)
 
 
 @pytest.mark.parametrize(
@@ -212,6 +216,33 @@ def test_cutsAreReported(sample, tmp_path):
 def test_nothingToCutIsSaid(sample):
     summary, *_ = sample("--cut-disulfides")
     assert {"kind": "there is no disulfide to cut", "items": []} in summary["notes"] and summary["cutDisulfides"] == []
+
+
+def test_loopIsSampledClosed(sample):
+    # Closed moves turn the loop and single turns its side chains; nothing else moves, and no bond changes.
+    summary, frames, atoms = sample("--fix", "not resid 9 to 15", "--close", "loops")
+    inLoop = np.array([9 <= atom.residue.index <= 15 for atom in atoms])
+    moved = np.abs(frames[-1] - frames[0]).max(axis=1)
+    assert not moved[~inLoop].any() and (moved[inLoop] > 1e-3).mean() > 0.5
+    assert (
+        len(summary["closed"]) == 1
+        and f"bonds that closed moves keep: {' – '.join(summary['closed'][0])}" in (summary["plan"])
+    )
+    assert summary["moves"][0]["name"] == "closed 12°" and summary["moves"][0]["accepted"] > 0
+    assert summary["changedBonds"] == [] and summary["torsions"]["phi"] >= 6
+
+
+def test_disulfidesAreSampledClosed(sample):
+    summary, frames, _ = sample(realStructurePath("bpti_h.pdb"), "--close", "disulfides")
+    assert len(summary["closed"]) == 3 and summary["changedBonds"] == []
+    assert summary["moves"][0]["name"] == "closed 12°" and summary["moves"][0]["accepted"] > 0
+    assert not any("disulfide" in note["kind"] for note in summary["notes"])
+
+
+def test_nothingToCloseIsSaid(sample):
+    summary, *_ = sample("--close", "disulfides,loops")
+    assert {"kind": "there is no bond to close (disulfides, loops)", "items": []} in summary["notes"]
+    assert summary["closed"] == []
 
 
 def test_disulfideCoreHolds(realStructure):

@@ -22,11 +22,12 @@ class BondVerdict(NamedTuple):
 
 
 class BondLengths:
-    """The lengths of the bonds of a StericExclusionForce at the start."""
+    """The lengths of the bonds, and of the closures, of a StericExclusionForce at the start."""
 
     def __init__(self, force, positions):
         """Positions are those of the start, a float64 array of shape (n, 3) in nm."""
         bonds = [force.getBondParticles(i) for i in range(force.getNumBonds())]
+        bonds += [force.getClosureParticles(i)[1:3] for i in range(force.getNumClosures())]
         self._bonds = np.array(bonds, dtype=int).reshape(-1, 2)
         self._lengths = self._measure(positions)
 

@@ -4,7 +4,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ..bonds import BondGraph
+from ..bonds import DISULFIDES, LOOPS, BondGraph
 from ..errors import InputError
 from ..links import Links
 from ..naming import describeResidue
@@ -12,15 +12,19 @@ from ..notes import Note
 from ..residues import polymerBackbone
 from ..selection import selectAtoms
 from ..sterics import notesOnAlphaCarbons, notesOnTorsions
-from ..torsions import DISULFIDE_RING, METAL_RING, ofAtoms, searchTorsions, withoutThoseBetween
+from ..torsions import BETWEEN_FIXED, DISULFIDE_RING, METAL_RING, ofAtoms, searchTorsions, withoutThoseBetween
 from ..unbonded import unbondedNeighbors
 
 # Those of proteins and nucleic acids; δ lies in the sugar's ring, ω and rotors turn on request.
 DEFAULT_KINDS = ("phi", "psi", "chi", "alpha", "beta", "gamma", "epsilon", "zeta")
 
 
-# What cuts the bonds that close rings.
-_OPTIONS = {DISULFIDE_RING: "--cut-disulfides", METAL_RING: "--cut-metals"}
+# What can be done for torsions that are left out.
+_OPTIONS = {
+    DISULFIDE_RING: f"which can be cut (--cut-disulfides) or closed (--close {DISULFIDES})",
+    METAL_RING: "which can be cut (--cut-metals)",
+    BETWEEN_FIXED: f"where only side chains turn, unless loops are closed (--close {LOOPS})",
+}
 
 
 class Choice(NamedTuple):
@@ -31,6 +35,7 @@ class Choice(NamedTuple):
     rigidBodies : bool, whether molecules move as a whole, too
     cutDisulfides, cutMetals : bool
     allowUnbonded : bool, whether atoms at covalent distance that are not bonded may leave each other
+    close : "disulfides", "loops" or both, bonds that only closed moves keep
     """
 
     kinds: tuple[str, ...] = DEFAULT_KINDS
@@ -40,6 +45,7 @@ class Choice(NamedTuple):
     cutDisulfides: bool = False
     cutMetals: bool = False
     allowUnbonded: bool = False
+    close: tuple[str, ...] = ()
 
 
 class Plan:
@@ -76,6 +82,8 @@ class Plan:
         those that end at a gap in a chain
     cutDisulfides, cutMetals : list of (str, str)
         the residues between which disulfides, and bonds of metals, were cut
+    closed : list of (str, str)
+        the residues between which bonds are kept by closed moves
     notes : list of Note
         on bonds, and on what was left out and why
     """
@@ -93,7 +101,9 @@ class Plan:
         self.choice = choice
         moved = selectByOption(topology, "--move", choice.move)
         self.fixedAtoms = selectByOption(topology, "--fix", choice.fix)
-        self.graph = graph = BondGraph(topology, structure.positions, choice.cutDisulfides, choice.cutMetals)
+        self.graph = graph = BondGraph(
+            topology, structure.positions, choice.cutDisulfides, choice.cutMetals, choice.close, self.fixedAtoms
+        )
         every = searchTorsions(graph, topology, choice.kinds)
         chosen = every if choice.move is None else ofAtoms(every, moved)
         search = withoutThoseBetween(chosen, graph, self.fixedAtoms)
@@ -119,8 +129,10 @@ class Plan:
         self.inMovingMolecules = (self.isTurning | self.isRigidBody)[self.molecules]
         _, firstAtoms = np.unique(self.molecules, return_index=True)
         self.rigidBodies = firstAtoms[self.isRigidBody].tolist()
-        self.cutDisulfides = self._describeCuts(choice.cutDisulfides, graph.disulfides, "disulfide")
-        self.cutMetals = self._describeCuts(choice.cutMetals, graph.metalBonds, "bond of a metal")
+        self.cutDisulfides = self._describeCuts(choice.cutDisulfides, graph.disulfides, "disulfide to cut")
+        self.cutMetals = self._describeCuts(choice.cutMetals, graph.metalBonds, "bond of a metal to cut")
+        closing = [closure[1:3] for closure in graph.closures]
+        self.closed = self._describeCuts(choice.close, closing, f"bond to close ({', '.join(choice.close)})")
         self._checkUnbonded()
 
     def _moleculesWith(self, torsions):
@@ -161,7 +173,7 @@ class Plan:
         if not areCut:
             return []
         if not bonds:
-            self.notes.append(Note(f"there is no {name} to cut"))
+            self.notes.append(Note(f"there is no {name}"))
         atoms = self.graph.atoms
         return [tuple(describeResidue(atoms[atom].residue) for atom in sorted(pair)) for pair in sorted(bonds)]
 

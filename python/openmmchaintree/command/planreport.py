@@ -15,9 +15,13 @@ _LONGEST_LIST = 5
 def describePlan(plan):
     """Return three lines on a Plan: what moves, what stays and why, what holds what moves; and lines on cuts."""
     lines = _Describer(plan).lines()
-    for what, bonds in (("disulfides", plan.cutDisulfides), ("bonds of metals", plan.cutMetals)):
+    for what, bonds in (
+        ("cut disulfides", plan.cutDisulfides),
+        ("cut bonds of metals", plan.cutMetals),
+        ("bonds that closed moves keep", plan.closed),
+    ):
         if bonds:
-            lines.append(f"cut {what}: {', '.join(' – '.join(residues) for residues in bonds)}")
+            lines.append(f"{what}: {', '.join(' – '.join(residues) for residues in bonds)}")
     return lines
 
 

@@ -8,6 +8,7 @@ import random
 import openmm.app
 from openmm import unit
 
+from ..bonds import DISULFIDES, LOOPS
 from ..errors import InputError
 from ..structure import readStructure, withoutAtoms
 from ..torsions import KIND_WORDS
@@ -55,7 +56,9 @@ A SELECTION is in the language of MDTraj (https://mdtraj.org/latest/atom_selecti
 --move chooses which torsions turn: those whose third atom (of C-N-CA-C: CA) it selects. So "backbone" selects φ and ψ,
 "sidechain" all χ. What hangs on them goes along; of each molecule the largest part of the backbone that does not turn
 stays where it is. Atoms of --fix never move, whatever turns: torsions between two fixed parts are left out, so that of
-a loop between fixed ends only the side chains turn.
+a loop between fixed ends only the side chains turn. To sample a loop as a whole, by moves that keep it closed:
+
+  --fix "not resSeq 20 to 30" --close loops
 """
 
 
@@ -112,6 +115,14 @@ def addArguments(sample):
         "--cut-metals", action="store_true", help="let the torsions between residues that bind a metal turn"
     )
     sample.add_argument(
+        "--close",
+        type=listOf((DISULFIDES, LOOPS)),
+        default=(),
+        metavar="WHAT",
+        help=f"{DISULFIDES}, {LOOPS} or both with a comma between: let the torsions of rings that disulfides close, "
+        "and of loops between parts that --fix holds, turn by closed moves, which keep the bonds",
+    )
+    sample.add_argument(
         "--allow-unbonded",
         action="store_true",
         help="go on though atoms as near as if they were bonded, but that are not, would leave each other",
@@ -132,6 +143,7 @@ def _run(options):
         options.cut_disulfides,
         options.cut_metals,
         options.allow_unbonded,
+        tuple(options.close),
     )
     seed = options.seed if options.seed is not None else random.SystemRandom().randint(1, 2**31 - 1)
     try:

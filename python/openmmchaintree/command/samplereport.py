@@ -34,6 +34,7 @@ def summarize(sampling, structure, seed, files, interrupted, addedHydrogens):
         "plan": describePlan(sampling.plan),
         "cutDisulfides": sampling.plan.cutDisulfides,
         "cutMetals": sampling.plan.cutMetals,
+        "closed": sampling.plan.closed,
         "notes": asPlain(sampling.notes),
         "seed": seed,
         "interrupted": interrupted,

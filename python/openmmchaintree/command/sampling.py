@@ -10,6 +10,7 @@ from openmm import unit
 from ..defaultmoves import addMovesOfPlan
 from ..errors import InputError
 from ..moveadder import NamedMove
+from ..movescene import MoveScene
 from ..openmmchaintree import TorsionMonteCarloIntegrator
 from ..sterics import makeForce
 from . import allpairs
@@ -42,6 +43,9 @@ _MOVE_KINDS = (
     _MoveKind("χ", _SIDE_CHAINS, ((1.0, 30), (1.0, 180))),
     _MoveKind("rotor", ("rotor",), ((0.5, 180),)),
 )
+
+# Where closures are kept.
+_CLOSED_WEIGHT, _CLOSED_STEP = 2.0, 12  # degrees
 
 # So often can a run be interrupted, whatever the number of trials between frames.
 _TRIALS_PER_STEP = 10000
@@ -121,7 +125,7 @@ class Sampling:
         self.integrator.setRandomNumberSeed(seed)
         system = self._makeSystem(energyModel)
         if energyModel is None:
-            self.moves = self._addMovesOfSpheres()
+            self.moves = self._addMovesOfSpheres(system)
         else:
             try:
                 self.moves = addMovesOfPlan(
@@ -158,13 +162,18 @@ class Sampling:
         system.addForce(self.force)
         return system
 
-    def _addMovesOfSpheres(self):
+    def _addMovesOfSpheres(self, system):
         moves = []
-        backboneCount = sum(torsion.kind in _PEPTIDE + _NUCLEIC for torsion in self.torsions)
+        scene = MoveScene(self._structure.topology, system, self.torsions)
+        inRings = scene.findRings()
+        backbones = [i for i, torsion in enumerate(self.torsions) if torsion.kind in _PEPTIDE + _NUCLEIC]
+        if inRings and scene.canClose(pool := sorted(inRings.union(backbones))):
+            self.integrator.addClosedMove(_CLOSED_WEIGHT, _CLOSED_STEP * unit.degrees, pool)
+            moves.append(NamedMove(f"closed {_CLOSED_STEP}°", _CLOSED_WEIGHT))
         for name, kinds, sizes in _MOVE_KINDS:
-            torsions = [i for i, torsion in enumerate(self.torsions) if torsion.kind in kinds]
+            torsions = [i for i, one in enumerate(self.torsions) if one.kind in kinds and i not in inRings]
             # Proteins and nucleic acids share the moves of backbones by their numbers of torsions.
-            share = len(torsions) / backboneCount if kinds in (_PEPTIDE, _NUCLEIC) and torsions else 1.0
+            share = len(torsions) / len(backbones) if kinds in (_PEPTIDE, _NUCLEIC) and torsions else 1.0
             for weight, degrees in sizes if torsions else ():
                 self.integrator.addTorsionMove(share * weight, degrees * unit.degrees, torsions)
                 moves.append(NamedMove(f"{name} ±{degrees}°", share * weight))

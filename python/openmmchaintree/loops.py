@@ -1,0 +1,39 @@
+"""Loops of polymers between fixed parts, and the bonds by which they can be closed."""
+
+from .bondsearch import LINKS
+
+# Fewer residues have too few torsions for a closed window.
+_SHORTEST = 3
+
+
+def loopBonds(atoms, bonds, fixed):
+    """Return the last bond of each loop: of residues in a row without fixed atoms, between two with some.
+
+    All of a loop then hangs on one fixed part, so that windows lie anywhere in it.
+
+    Parameters
+    ----------
+    atoms : list of openmm.app.Atom
+    bonds : iterable of (int, int)
+    fixed : iterable of int
+
+    Returns
+    -------
+    set of (int, int), lower index first
+    """
+    held = {atoms[atom].residue.index for atom in fixed}
+    following = {}  # the residue after a residue, and the bond between them
+    for bond in bonds:
+        for atom1, atom2 in (bond, bond[::-1]):
+            first, second = atoms[atom1], atoms[atom2]
+            if first.residue is not second.residue and (first.name, second.name) in LINKS:
+                following[first.residue.index] = second.residue.index, (min(bond), max(bond))
+    found = set()
+    for start in sorted(held):
+        row, residue = [], start
+        while residue in following and (residue == start or residue not in held):
+            residue, bond = following[residue]
+            row.append(bond)
+        if residue in held and len(row) > _SHORTEST:
+            found.add(row[-1])
+    return found

@@ -1,0 +1,138 @@
+"""What there is to move: torsions by what they are, rings that closures keep, molecules."""
+
+import copy
+import warnings
+from itertools import pairwise
+
+import numpy as np
+import openmm
+from openmm import unit
+
+from .components import connectedParts
+from .openmmchaintree import StericExclusionForce, TorsionMonteCarloIntegrator
+from .residues import polymerBackbone
+from .torsions import KINDS, findTorsions
+
+_END = 5  # residues
+
+# Torsions by what they are, the others last.
+_KINDS_OF = {
+    "peptide backbones": ("phi", "psi"),
+    "side chains": ("chi1", "chi2", "chi3", "chi4"),
+    "nucleotide backbones": ("alpha", "beta", "gamma", "delta", "epsilon", "zeta"),
+    "bases": ("chi",),
+    "peptide bonds": ("omega",),
+    "rotors": ("rotor",),
+    "others": None,
+}
+
+
+class MoveScene:
+    """What there is to move.
+
+    topology : openmm.app.Topology; force : StericExclusionForce; moleculeCount : int
+    torsions : dict of lists of int, by what they are
+    """
+
+    def __init__(self, topology, system, torsions=None):
+        """Sort the torsions of a System's force, as a list of Torsion or `findTorsions` knows them."""
+        particles, atoms = system.getNumParticles(), topology.getNumAtoms()
+        if particles != atoms:
+            raise ValueError(f"the System has {particles:,} particles, but the Topology {atoms:,} atoms")
+        forces = [force for force in system.getForces() if StericExclusionForce.isinstance(force)]
+        if len(forces) != 1:
+            raise ValueError(f"the System must have one StericExclusionForce, but has {len(forces)}")
+        self.topology = topology
+        self.force = StericExclusionForce.cast(forces[0])
+        self._system = system
+        self._bonds = [self.force.getBondParticles(index) for index in range(self.force.getNumBonds())]
+        self._parts = connectedParts(system.getNumParticles(), self._bonds)
+        self.moleculeCount = len(np.unique(self._parts))
+        self._residues = []  # of torsions, None where it is not known
+        if torsions is None:
+            torsions = findTorsions(topology, kinds=KINDS, cutDisulfides=True, cutMetals=True).torsions
+        self.torsions = self._sortTorsions(torsions)
+
+    def _sortTorsions(self, torsions):
+        known = {}
+        for torsion in torsions:
+            known[torsion.particles] = known[torsion.particles[::-1]] = torsion
+        found = {name: [] for name in _KINDS_OF}
+        for index in range(self.force.getNumTorsions()):
+            torsion = known.get(tuple(self.force.getTorsionParticles(index)))
+            self._residues.append(torsion and torsion.residue)
+            kind = torsion and torsion.kind
+            found[next(name for name, ofName in _KINDS_OF.items() if ofName is None or kind in ofName)].append(index)
+        return found
+
+    def endsOf(self, torsions):
+        """Return those of torsions of residues that are near the first or the last of their chain, if not all are."""
+        bounds = {}
+        for residue in self.topology.residues():
+            if polymerBackbone(residue):
+                bounds.setdefault(residue.chain.index, []).append(residue.index)
+        ends = []
+        for torsion in torsions:
+            residue = self._residues[torsion]
+            chain = bounds.get(residue.chain.index, [residue.index])
+            if residue.index < chain[0] + _END or residue.index > chain[-1] - _END:
+                ends.append(torsion)
+        return ends if len(ends) < len(torsions) else []
+
+    def findRings(self):
+        """Return the torsions in rings of closures: those on the way from one end of a closure's bond to the other."""
+        closures = [self.force.getClosureParticles(index)[1:3] for index in range(self.force.getNumClosures())]
+        if not closures:
+            return set()
+        neighbors = [[] for _ in range(self._system.getNumParticles())]
+        fixed = [particle for particle in range(len(neighbors)) if self._isFixed(particle)]
+        for one, other in [*self._bonds, *pairwise(fixed)]:  # what is fixed is one part
+            neighbors[one].append(other)
+            neighbors[other].append(one)
+        axes = {}
+        for index in range(self.force.getNumTorsions()):
+            axes[frozenset(self.force.getTorsionParticles(index)[1:3])] = index
+        found = set()
+        for start, end in closures:
+            former = {start: None}
+            reached = [start]
+            for particle in reached:
+                for neighbor in neighbors[particle]:
+                    if neighbor not in former:
+                        former[neighbor] = particle
+                        reached.append(neighbor)
+            while former.get(end) is not None:
+                found.add(axes.get(frozenset((end, former[end]))))
+                end = former[end]
+        return found - {None}
+
+    def _isFixed(self, particle):
+        isMassless = self._system.getParticleMass(particle) == 0 * unit.dalton
+        return isMassless and not self._system.isVirtualSite(particle)
+
+    def freeMolecules(self):
+        """Return a particle of each molecule without fixed particles."""
+        isFixed = np.zeros(self.moleculeCount, dtype=bool)
+        for particle, part in enumerate(self._parts.tolist()):
+            isFixed[part] |= self._isFixed(particle)
+        first = np.unique(self._parts, return_index=True)[1]
+        return [int(particle) for particle, fixed in zip(first, isFixed, strict=True) if not fixed]
+
+    def canClose(self, torsions):
+        """Return whether closed moves find windows among torsions: a Context of hard spheres alone tells."""
+        bare = openmm.System()
+        for particle in range(self._system.getNumParticles()):
+            isVirtual = self._system.isVirtualSite(particle)
+            bare.addParticle(1 if isVirtual else self._system.getParticleMass(particle))
+        bare.addForce(copy.copy(self.force))
+        integrator = TorsionMonteCarloIntegrator(0)
+        integrator.addClosedMove(1, 0.1, torsions)
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore")  # those of the force come again with the user's Context
+            try:
+                openmm.Context(bare, integrator, openmm.Platform.getPlatformByName("Reference"))
+            except openmm.OpenMMException as error:
+                if "window" not in str(error):
+                    raise
+                return False
+        return True
