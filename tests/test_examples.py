@@ -12,6 +12,7 @@ import pytest
 
 PROJECT = Path(__file__).parents[1]
 EXAMPLES = sorted((PROJECT / "examples").glob("*.py"))
+DOCS = PROJECT / "docs"
 
 
 def run(name, *arguments, folder):
@@ -33,6 +34,8 @@ def test_sampleProtein(tmp_path):
     assert all(move[0] == sum(move[1:]) for move in counts)
     assert sum(move[3] for move in counts) + int(outer[3]) > 10  # the one test may well take all of them back
     kinds = re.findall(r"^ +\d  (\w+) +(constant|native|foreign|not sampled) +\w+", output, re.MULTILINE)
+    plan = re.findall(r"^ +\d  \w+ .*$", output, re.MULTILINE)
+    assert len(plan) == 7 and "\n".join(plan) in (DOCS / "sampling.md").read_text(encoding="utf-8")
     assert dict(kinds)["HarmonicBondForce"] == "constant"
     assert dict(kinds)["NonbondedForce"] == "native"
     assert dict(kinds)["CustomGBForce"] == "native"
@@ -47,6 +50,21 @@ def test_ownMonteCarlo(tmp_path):
     assert start == pytest.approx(1.02, abs=0.01) and end == pytest.approx(3.0, abs=0.8)
     assert re.search(r"^20000 trials, \d+ clashed, \d+ accepted$", output, re.MULTILINE)
     assert int(re.search(r"clashes now: (\d+)", output)[1]) <= 1  # there is one at the start
+    assert f"\n{output}" in (DOCS / "own-monte-carlo.md").read_text(encoding="utf-8")
+
+
+def test_validateTrajectory(tmp_path):
+    output = run("validate_trajectory.py", folder=tmp_path)
+    assert "dynamics.pdb: 1.7 clashes in 1,000 atoms\n" in output
+    frames = re.search(r"^20 frames: (\S+) to (\S+), median (\S+)$", output, re.MULTILINE)
+    least, most, median = map(float, frames.groups())
+    assert 0 < least <= median <= most < 60
+    # The worst pairs, those of most frames first.
+    pairs = re.findall(r"^A:\w+ \d+ and A:\w+ \d+: in (\d+) frames, by up to 0\.(\d+) nm$", output, re.MULTILINE)
+    assert len(pairs) == 3 and sorted((int(count) for count, _ in pairs), reverse=True) == [int(n) for n, _ in pairs]
+    assert all(40 < int(overlap) < 150 for _, overlap in pairs)
+    bonds = re.search(r"^589 bonds: lengths change by (\S+) nm in the mean, (\S+) at most$", output, re.MULTILINE)
+    assert 0.003 < float(bonds[1]) < float(bonds[2]) < 0.04
 
 
 def test_watchClashes(tmp_path):
@@ -58,7 +76,7 @@ def test_watchClashes(tmp_path):
 
 def test_noTypeErrors(tmp_path):
     pytest.importorskip("mypy")
-    assert len(EXAMPLES) >= 3
+    assert len(EXAMPLES) >= 4
     options = ["--strict", "--follow-imports", "silent", "--config-file", PROJECT / "pyproject.toml"]
     command = [sys.executable, "-m", "mypy", *options, *EXAMPLES]
     environment = {**os.environ, "MYPYPATH": str(Path(openmmchaintree.__file__).parents[1])}

@@ -122,6 +122,21 @@ def test_parametersAreThoseOfTheMethods(name):
         assert parametersOf(stub) == parametersAtRunTime(getattr(getattr(wrapped, name), method)), method
 
 
+@pytest.mark.parametrize("name", _CLASSES)
+def test_defaultsAreThoseOfTheHeader(name):
+    header = (_PROJECT / "openmmapi" / "include" / "openmmchaintree" / f"{name}.h").read_text(encoding="utf-8")
+    for method, stub in methodsOf(_STUBS[name]).items():
+        names = [argument.arg for argument in stub.args.args]
+        for parameter, default in zip(reversed(names), reversed(stub.args.defaults), strict=False):
+            known = inspect.signature(getattr(getattr(wrapped, name), method)).parameters
+            if parameter in known:  # written in Python
+                expected = repr(known[parameter].default)
+            else:
+                declaration = rf"\b{method}\((?:[^;()]|\(\))*\b{parameter} = ([\w.:<>]+(?:\(\))?)"
+                expected = re.search(declaration, header)[1]
+            assert ast.unparse(default) == {"std::vector<int>()": "None"}.get(expected, expected), (method, parameter)
+
+
 @pytest.mark.parametrize("name", _TUPLES)
 def test_fieldsAreThoseOfTheTuple(name):
     fields = [node.target.id for node in _STUBS[name].body if isinstance(node, ast.AnnAssign)]

@@ -1,0 +1,76 @@
+"""What pages show of files beside docs: links to the page that shows them, or else to nothing; and pieces of programs.
+
+Pages are read in the repository, too, where ../CONTRIBUTING.md is a file. On the site it is a page.
+"""
+
+import re
+from pathlib import PurePosixPath
+
+from docutils import nodes
+
+# Files and folders of the repository, and the pages that show them.
+PAGES = {
+    "README.md": "index.md",
+    "CHANGELOG.md": "changelog.md",
+    "CONTRIBUTING.md": "contributing.md",
+    "CITATION.cff": "citing.md",
+    "examples": "examples.md",
+    "examples/own_monte_carlo.py": "own-monte-carlo.md",
+    "examples/sample_protein.py": "sampling.md",
+    "examples/validate_trajectory.py": "validating.md",
+    "examples/watch_clashes.py": "validating.md",
+    "platforms/reference/chaintree/include/chaintree.h": "c.md",
+    "platforms/reference/energy/include/ctenergy.h": "c.md",
+}
+_LINK = re.compile(r"(?<!!)\[([^][]*)\]\((?!https?:|#|mailto:)([^()#\s]*)(#[^()\s]*)?\)")
+
+
+def setup(app):
+    app.connect("source-read", _onSourceRead)
+    app.connect("include-read", _onIncludeRead)
+    app.connect("doctree-read", _endPieces)
+    return {"parallel_read_safe": True}
+
+
+def _onSourceRead(app, name, source):
+    source[0] = _LINK.sub(_pageLink, source[0])
+
+
+def _onIncludeRead(app, path, parent, source):
+    """Do the same in what is included: README.md and its like lie beside docs, where the way to a page begins so."""
+    if path.suffix == ".md" and path.parent.as_posix() == "..":
+        source[0] = _LINK.sub(lambda match: _pageLink(match, "."), source[0])
+
+
+def _endPieces(app, doctree):
+    """End blocks of code with their last line: pieces of programs come with the empty lines before the next piece."""
+    for block in doctree.findall(nodes.literal_block):
+        if block.rawsource == block.astext():  # or else it is highlighted otherwise
+            block.rawsource = block.rawsource.rstrip()
+            block[:] = [nodes.Text(block.rawsource)]
+
+
+def _pageLink(match, folder="docs"):
+    """Return what stands for a link that a file of a folder of the repository has."""
+    text, target, anchor = match.group(1), match.group(2), match.group(3) or ""
+    path = _normal(PurePosixPath(folder) / target) if target else folder
+    isPath = path.endswith(text)
+    if not target:
+        return match[0]
+    if path.startswith("docs/"):
+        return f"[{PurePosixPath(path).stem.capitalize() if isPath else text}]({path.removeprefix('docs/')}{anchor})"
+    if isPath:
+        text = f"`{text}`"
+    if path in PAGES:
+        return f"[{text}]({PAGES[path]}{anchor})"
+    return text if isPath or "`" in text else f"{text} (`{path}`)"
+
+
+def _normal(path):
+    parts = []
+    for part in path.parts:
+        if part == "..":
+            parts.pop()
+        elif part != ".":
+            parts.append(part)
+    return "/".join(parts)

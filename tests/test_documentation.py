@@ -1,0 +1,98 @@
+"""The site is built without a warning, and every link in it leads somewhere."""
+
+import html
+import re
+import shutil
+import subprocess
+import sys
+from html.parser import HTMLParser
+from pathlib import Path
+from urllib.parse import unquote, urlsplit
+
+import openmmchaintree
+import pytest
+
+PROJECT = Path(__file__).parents[1]
+
+
+@pytest.fixture(scope="module")
+def site(tmp_path_factory):
+    """The folder of the site."""
+    for module in ("sphinx", "myst_parser", "breathe", "furo", "sphinx_copybutton"):
+        pytest.importorskip(module, reason="the group docs of pyproject.toml is not installed")
+    if shutil.which("doxygen") is None:
+        pytest.skip("doxygen is not installed")
+    folder = tmp_path_factory.mktemp("site")
+    command = [sys.executable, "-m", "sphinx", "-W", "--keep-going", "-n", "-q", "-d", str(folder / "doctrees")]
+    result = subprocess.run([*command, str(PROJECT / "docs"), str(folder / "html")], capture_output=True, text=True)
+    assert result.returncode == 0, result.stderr
+    return folder / "html"
+
+
+class Page(HTMLParser):
+    """What a page links to, what can be linked to in it, and its text."""
+
+    def __init__(self, path):
+        super().__init__()
+        self.links, self.names = [], set()
+        self.feed(path.read_text(encoding="utf-8"))
+
+    def handle_starttag(self, tag, attributes):
+        for name, value in attributes:
+            if name in ("href", "src") and value:
+                self.links.append(value)
+            elif name == "id":
+                self.names.add(value)
+
+
+def test_everyLinkWithinTheSiteLeadsSomewhere(site):
+    pages = {path: Page(path) for path in site.rglob("*.html")}
+    assert len(pages) > 15
+    lost, count = [], 0
+    for path, page in pages.items():
+        for link in page.links:
+            parts = urlsplit(link)
+            if parts.scheme or parts.netloc:
+                continue
+            target = (path.parent / unquote(parts.path)).resolve() if parts.path else path
+            target = target / "index.html" if target.is_dir() else target
+            names = pages[target].names if target in pages else set()
+            count += 1
+            if not target.exists() or (parts.fragment and unquote(parts.fragment) not in names | {"top"}):
+                lost.append(f"{path.relative_to(site)}: {link}")
+    assert not lost and count > 1000
+
+
+def test_nothingIsTakenFromOtherSites(site):
+    """A page needs no network, and tells nobody who reads it."""
+    for path in site.rglob("*.html"):
+        text = path.read_text(encoding="utf-8")
+        taken = re.findall(r'<(?:script|img|iframe)[^>]*\ssrc="(https?:[^"]*)"', text)
+        taken += re.findall(r'<link[^>]*rel="(?:stylesheet|preload)"[^>]*href="(https?:[^"]*)"', text)
+        assert not taken, path
+
+
+def test_everyPublicNameIsThere(site):
+    names = set().union(*(Page(path).names for path in site.glob("python*.html")))
+    missing = [name for name in openmmchaintree.__all__ if f"openmmchaintree.{name}" not in names]
+    for owner in ("StericExclusionForce", "TorsionMonteCarloIntegrator", "TorsionDensity"):
+        members = (name for name in vars(getattr(openmmchaintree, owner)) if name[0] != "_" and name != "thisown")
+        missing += [name for member in members if (name := f"openmmchaintree.{owner}.{member}") not in names]
+    assert not missing
+
+
+def test_resultsStandUnderReturns(site):
+    """SWIG writes results among the parameters; and aliases are what they are called in the source."""
+    text = re.sub(r"<[^>]+>", "", (site / "python-force.html").read_text(encoding="utf-8"))
+    text = re.sub(r"\s+", " ", html.unescape(text))
+    clashes = text[text.index("getClashes(context") :]
+    assert re.match(r"getClashes\(context: openmm\.Context\) → tuple\[Ints, Floats\]", clashes)
+    parameters, returns = clashes.index("Parameters"), clashes.index("Returns")
+    assert parameters < clashes.index("context", parameters) < returns < clashes.index("overlaps", returns)
+    assert "pairs" not in clashes[parameters:returns]
+    assert "NDArray[np." not in text
+
+
+def test_theCitationIsOfThisVersion():
+    citation = (PROJECT / "CITATION.cff").read_text(encoding="utf-8")
+    assert re.search(r"^version: (\S+)$", citation, re.MULTILINE)[1] == openmmchaintree.__version__

@@ -1,0 +1,92 @@
+"""What tutorials show is what runs.
+
+The pieces of a program that a page shows are the whole program, in its order; test_examples.py runs that. All code of a
+page, what stands between these pieces too, runs from top to bottom; and so do its commands.
+"""
+
+import re
+import shlex
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+PROJECT = Path(__file__).parents[1]
+DOCS = PROJECT / "docs"
+_BLOCK = re.compile(r"^```(?:\{literalinclude\} (\S+)\n((?::.*\n)*)|(python|sh)\n([\s\S]*?))```$", re.MULTILINE)
+_OPTION = re.compile(r'^:([a-z-]+): "?(.*?)"?$', re.MULTILINE)
+
+TUTORIALS = {
+    "sampling.md": "sample_protein.py",
+    "own-monte-carlo.md": "own_monte_carlo.py",
+    "validating.md": "validate_trajectory.py",
+}
+
+
+def blocksOf(page):
+    """Generate (name of a file, or the language of what the page has itself; text) of the blocks of code of a page."""
+    for path, options, language, text in _BLOCK.findall((DOCS / page).read_text(encoding="utf-8")):
+        if path:
+            file = DOCS / path
+            yield file.name, cut(file.read_text(encoding="utf-8"), dict(_OPTION.findall(options)))
+        else:
+            yield language, text
+
+
+def cut(text, options):
+    """Return what literalinclude takes of a text: from the first line with start-at to the next with end-before."""
+    lines = text.splitlines(keepends=True)
+    start, end = (options.get(name, "").replace('\\"', '"') for name in ("start-at", "end-before"))
+    first = next(number for number, line in enumerate(lines) if start in line)
+    behind = [number for number, line in enumerate(lines) if number > first and end in line] if end else [len(lines)]
+    return "".join(lines[first : behind[0]])
+
+
+@pytest.mark.parametrize("page, program", TUTORIALS.items())
+def test_theTutorialShowsTheWholeProgram(page, program):
+    _, _, body = (PROJECT / "examples" / program).read_text(encoding="utf-8").split('"""', 2)
+    shown = "".join(text for name, text in blocksOf(page) if name == program)
+    assert shown.strip() == body.strip()
+
+
+def test_theExamplesPageShowsAllExamples():
+    shown = {name for name, _ in blocksOf("examples.md")}
+    assert shown == {path.name for path in (PROJECT / "examples").glob("*.py")}
+
+
+@pytest.mark.parametrize("page", ["sampling.md", "own-monte-carlo.md"])
+def test_thePageRunsFromTopToBottom(page, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setenv("OPENMM_DEFAULT_PLATFORM", "CPU")
+    monkeypatch.setattr(sys, "argv", [page, "1"])  # a step, or a trial
+    blocks = [text for name, text in blocksOf(page) if name in (TUTORIALS[page], "python")]
+    assert sum(name == "python" for name, _ in blocksOf(page)) == 1
+    variables = {}
+    for text in blocks:
+        exec(compile(text, page, "exec"), variables)
+    if page == "sampling.md":
+        integrator = variables["integrator"]
+        moves = range(integrator.getNumMoves())
+        assert len(moves) > 6  # of the program, and those of addDefaultMoves
+        attempted = sum(integrator.getMoveStatistics(move).attempted for move in moves)
+        assert attempted + integrator.getOuterStatistics().trialsTakenBack == 400
+    else:
+        pairs, before, after = (variables[name] for name in ("pairs", "before", "after"))
+        assert len(pairs) == len(before) == len(after) > 100 and variables["change"] != 0
+
+
+def test_theCommandsRun(tmp_path):
+    sample, clashes = (shlex.split(text) for page in TUTORIALS for name, text in blocksOf(page) if name == "sh")
+    assert [*sample[:2], *clashes[:2]] == ["openmm-chaintree", "sample", "openmm-chaintree", "clashes"]
+    runCommand(sample, tmp_path)
+    (tmp_path / "solvated-topology.pdb").replace(tmp_path / "my.pdb")
+    (tmp_path / "solvated.dcd").replace(tmp_path / "my.dcd")
+    runCommand(clashes, tmp_path)
+    assert (tmp_path / "clashes.csv").exists()
+
+
+def runCommand(words, folder):
+    command = [sys.executable, "-m", "openmmchaintree", *words[1:]]
+    result = subprocess.run(command, cwd=folder, capture_output=True, text=True)
+    assert result.returncode == 0, result.stderr
