@@ -1,6 +1,6 @@
 # The test `format` and the target `tidy`, over all C and C++ of the project.
 
-set(styled_dirs openmmapi serialization platforms python tests benchmarks cmake)
+set(styled_dirs openmmapi serialization platforms python tests benchmarks examples cmake)
 foreach(dir IN LISTS styled_dirs)
     file(GLOB_RECURSE files CONFIGURE_DEPENDS
         "${PROJECT_SOURCE_DIR}/${dir}/*.h" "${PROJECT_SOURCE_DIR}/${dir}/*.c" "${PROJECT_SOURCE_DIR}/${dir}/*.cpp")

@@ -2,11 +2,14 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <cxxabi.h>
 #include <exception>
 #include <memory>
 #include <new>
 #include <typeindex>
+#if __has_include(<cxxabi.h>)
+#include <cxxabi.h>
+#define HAS_MANGLED_NAMES
+#endif
 
 using namespace ChainTreePlugin;
 using namespace OpenMM;
@@ -217,9 +220,13 @@ public:
 
 string ChainTreePlugin::getClassName(const Force& force)
 {
+    string name = typeid(force).name();
+#ifdef HAS_MANGLED_NAMES
     int status = 0;
-    unique_ptr<char, void (*)(void*)> demangled(abi::__cxa_demangle(typeid(force).name(), NULL, NULL, &status), free);
-    string name = demangled ? demangled.get() : typeid(force).name();
+    unique_ptr<char, void (*)(void*)> demangled(abi::__cxa_demangle(name.c_str(), NULL, NULL, &status), free);
+    if (demangled)
+        name = demangled.get();
+#endif
     return name.substr(name.rfind(':') + 1);
 }
 

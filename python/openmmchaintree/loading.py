@@ -1,6 +1,8 @@
 """Loading the plugin's libraries into OpenMM, and telling in one sentence what to install where that cannot work."""
 
+import os
 import sys
+from contextlib import ExitStack
 from pathlib import Path
 
 try:
@@ -43,11 +45,15 @@ def loadPlugin():
 
     reinstall = f"install openmm-chaintree again, beside OpenMM {built}"
     try:
-        from . import _openmmchaintree  # noqa: F401
+        with ExitStack() as folders:
+            if sys.platform == "win32":  # libraries there do not say where the others are
+                for folder in (openmm.version.openmm_library_path, Path(__file__).parent / "lib"):
+                    folders.enter_context(os.add_dll_directory(str(folder)))
+            from . import _openmmchaintree  # noqa: F401
     except ImportError as error:
         raise ImportError(f"openmmchaintree cannot load its libraries ({error}): {reinstall}") from None
     folder = compiledFolder() / "lib" / "plugins"
-    libraries = sorted(folder.glob("*OpenMMChainTree*"))
+    libraries = sorted(file for file in folder.glob("*OpenMMChainTree*") if file.suffix != ".lib")
     if not libraries:
         raise ImportError(f"openmmchaintree has no plugin library in {folder}: {reinstall}")
     for library in libraries:

@@ -60,6 +60,20 @@ static void takeState(uint64_t* number, ctChainTree* tree, int particleCount)
     take(number, &energy, sizeof energy);
 }
 
+/* ---- The C library ---- */
+
+/* What trajectories depend on beside the engine: not all C libraries round sines and cosines alike. */
+static void printFunctions(void)
+{
+    uint64_t number = 0xcbf29ce484222325u;
+    for (int i = 0; i < 50000; i++) {
+        const double x = 6.4 * fmod(i * 0.618033988749894848, 1) - 3.2;
+        const double values[3] = {sin(x), cos(x), atan2(sin(x), cos(x))};
+        take(&number, values, sizeof values);
+    }
+    printf("sin, cos and atan2: %016llx\n", (unsigned long long)number);
+}
+
 /* ---- Trials ---- */
 
 static ctChange chooseChange(const Scene* scene, int link, double step, randomSource* random)
@@ -153,6 +167,7 @@ int main(void)
     Scene globule = {.overlapTolerance = 0.02}, bushes = {.overlapTolerance = 0.01};
     addGlobule(&globule, 900, &random);
     addBushes(&bushes, 75, &random);
+    printFunctions();
     follow("globule", &globule, 4000, 0.03, &random);
     follow("bushes", &bushes, 4000, 0.5, &random);
     sceneFree(&globule);

@@ -5,7 +5,28 @@
 #include <stdlib.h>
 #include <string.h>
 
+#ifdef _WIN32
+#include <malloc.h>
+#endif
+
 enum { ALIGNMENT = 64 };
+
+/* Windows has no aligned_alloc, and frees what it has instead by a function of its own. */
+static void* allocateAligned(size_t bytes) {
+#ifdef _WIN32
+  return _aligned_malloc(bytes, ALIGNMENT);
+#else
+  return aligned_alloc(ALIGNMENT, bytes);
+#endif
+}
+
+static void freeAligned(void* block) {
+#ifdef _WIN32
+  _aligned_free(block);
+#else
+  free(block);
+#endif
+}
 
 bool ctReserve(void** array, int* capacity, int count, size_t size) {
   if (count <= *capacity) {
@@ -31,7 +52,7 @@ void* ctArenaAllocate(Arena* arena, size_t count, size_t size) {
     return NULL;
   }
   const size_t bytes = (count * size / ALIGNMENT + 1) * ALIGNMENT;
-  void* block = aligned_alloc(ALIGNMENT, bytes);
+  void* block = allocateAligned(bytes);
   if (block == NULL) {
     arena->failed = true;
     return NULL;
@@ -43,7 +64,7 @@ void* ctArenaAllocate(Arena* arena, size_t count, size_t size) {
 
 void ctArenaFree(Arena* arena) {
   for (int i = 0; i < arena->count; i++) {
-    free(arena->blocks[i]);
+    freeAligned(arena->blocks[i]);
   }
   free(arena->blocks);
   *arena = (Arena){0};
