@@ -22,9 +22,11 @@ extensions = [
     "headers",
     "pythonreference",
     "repositorylinks",
+    "tables",
 ]
 exclude_patterns = ["site"]
 nitpicky = True
+toc_object_entries_show_parents = "hide"
 
 html_theme = "furo"
 html_title = f"{project} {version}"

@@ -21,7 +21,7 @@ _PACKAGE = Path(openmmchaintree.__file__).parent
 # Aliases of the stub, which a leading underscore keeps out of the module, are shown without it.
 _ALIAS = re.compile(r"\b_(?=[A-Z])")
 _FIELD = re.compile(r"^:(type|param|rtype|return)(?: (\w+))?: *(.*)$")
-_CALL = re.compile(r"(?<![\w`.:~])(?:(\w+)(?:::|\.))?(\w+)\(\)")
+_CALL = re.compile(r"(?<![\w`.:~])(?:(\w+)(?:::|\.))?(\w+)\(([^()`]*)\)")
 _SECTION = re.compile(r"^(?=\w+\n-+$)", re.MULTILINE)
 _INDENTED = re.compile(r"(?<!code-block:: c\+\+\n\n)(?<=\n\n)((?: {4}.*\n|\n)*(?: {4}.*(?:\n|$)))")
 _TYPES = {"boolean": "bool", "string": "str", ":py:class:`Context`": "openmm.Context"}
@@ -79,6 +79,7 @@ def setup(app):
     app.connect("autodoc-process-signature", _processSignature)
     app.connect("autodoc-process-docstring", _processDocstring, priority=100)  # before napoleon
     app.connect("autodoc-skip-member", _skipMember)
+    app.connect("doctree-read", _linkNames)
     app.connect("missing-reference", _leaveName)
     app.add_role("chaintree-name", _nameRole)
     return {"parallel_read_safe": True}
@@ -96,17 +97,40 @@ def _definitionOf(name):
 
 def _nameRole(role, rawtext, text, lineno, inliner, options=None, content=()):
     environment = inliner.document.settings.env
+    return [_reference(environment, text.removeprefix("openmmchaintree."), nodes.literal(rawtext, text))], []
+
+
+def _reference(environment, target, literal):
     attributes = {
         "refdomain": "py",
         "reftype": "obj",
-        "reftarget": text.removeprefix("openmmchaintree."),
+        "reftarget": target,
         "refdoc": environment.docname,
         "refspecific": True,
         "py:module": "openmmchaintree",
         "py:class": environment.ref_context.get("py:class"),
         "chaintreename": True,
     }
-    return [addnodes.pending_xref(rawtext, nodes.literal(rawtext, text), **attributes)], []
+    return addnodes.pending_xref("", literal, **attributes)
+
+
+def _linkNames(app, doctree):
+    """Do the same for code within the text of Markdown pages: a name, or a call with its arguments."""
+    if app.env.docname in ("c", "cpp", "architecture"):  # where classes are those of C++
+        return
+    for literal in list(doctree.findall(nodes.literal)):
+        name = re.fullmatch(r"(?:\w+\.)?(\w+)(?:\(.*\))?", literal.astext())
+        target = name and _targetOf(name[1])
+        if target and not isinstance(literal.parent, nodes.reference | addnodes.pending_xref | nodes.title):
+            literal.replace_self(_reference(app.env, target, literal.deepcopy()))
+
+
+def _targetOf(name):
+    """Return the full name of what a page may mean by a name, or None."""
+    if name in openmmchaintree.__all__:
+        return f"openmmchaintree.{name}"
+    owners = (owner for owner in ("TorsionMonteCarloIntegrator", "StericExclusionForce") if f"{owner}.{name}" in _STUB)
+    return next((f"openmmchaintree.{owner}.{name}" for owner in owners), None)
 
 
 def _leaveName(app, environment, node, content):
@@ -220,10 +244,10 @@ def _linkCalls(text, owner):
     """Link what reads as a call of a method of this package."""
 
     def link(match):
-        named, method = match.groups()
+        named, method, arguments = match.groups()
         for one in (named,) if named else (owner, "StericExclusionForce", "TorsionMonteCarloIntegrator"):
             if f"{one}.{method}" in _STUB:
-                return f":py:meth:`~openmmchaintree.{one}.{method}`"
+                return f":py:meth:`{method}({arguments}) <openmmchaintree.{one}.{method}>`"
         return match[0]
 
     return "\n".join(line if line.startswith("    ") else _CALL.sub(link, line) for line in text.split("\n"))

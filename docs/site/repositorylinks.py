@@ -54,7 +54,7 @@ def _pageLink(match, folder="docs"):
     """Return what stands for a link that a file of a folder of the repository has."""
     text, target, anchor = match.group(1), match.group(2), match.group(3) or ""
     path = _normal(PurePosixPath(folder) / target) if target else folder
-    isPath = path.endswith(text)
+    isPath = text != "" and path.endswith(text)
     if not target:
         return match[0]
     if path.startswith("docs/"):
