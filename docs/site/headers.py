@@ -12,7 +12,16 @@ REFERENCE = PROJECT / "platforms" / "reference"
 API = PROJECT / "openmmapi" / "include" / "openmmchaintree"
 
 CPP_HEADERS = [API / f"{name}.h" for name in ("StericExclusionForce", "TorsionDensity", "TorsionMonteCarloIntegrator")]
-C_HEADERS = [REFERENCE / "chaintree/include/chaintree.h", REFERENCE / "energy/include/ctenergy.h"]
+C_HEADERS = [
+    REFERENCE / library / "include" / f"{name}.h"
+    for library, name in (
+        ("chaintree", "chaintree"),
+        ("energy", "ctenergy"),
+        ("moves", "ctclosure"),
+        ("moves", "ctlocal"),
+        ("moves", "ctdensity"),
+    )
+]
 
 _SETTINGS = """
 INPUT = {inputs}

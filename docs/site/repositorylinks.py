@@ -15,12 +15,16 @@ PAGES = {
     "CONTRIBUTING.md": "contributing.md",
     "CITATION.cff": "citing.md",
     "examples": "examples.md",
+    "examples/engine": "c.md",
     "examples/own_monte_carlo.py": "own-monte-carlo.md",
     "examples/sample_protein.py": "sampling.md",
     "examples/validate_trajectory.py": "validating.md",
     "examples/watch_clashes.py": "validating.md",
     "platforms/reference/chaintree/include/chaintree.h": "c.md",
     "platforms/reference/energy/include/ctenergy.h": "c.md",
+    "platforms/reference/moves/include/ctclosure.h": "c.md",
+    "platforms/reference/moves/include/ctdensity.h": "c.md",
+    "platforms/reference/moves/include/ctlocal.h": "c.md",
 }
 _LINK = re.compile(r"(?<!!)\[([^][]*)\]\((?!https?:|#|mailto:)([^()#\s]*)(#[^()\s]*)?\)")
 

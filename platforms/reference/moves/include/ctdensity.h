@@ -29,9 +29,10 @@ ctDensity* ctCreateTable(int torsionCount, const int* binCounts, const double* v
 /* Makes a density with a peak at each of some rotamers: a product of bells, one a torsion. A bell is a cubic B-spline
  * of that mean and standard deviation, wrapped around the circle: at most .015/deviation from a normal density, and 0
  * from 3.46 deviations on, so that no exponential is needed to draw or evaluate it. A share `floor`, in [0, 1], of the
- * draws of each torsion is uniform instead, whatever becomes of the others. weights  rotamerCount, finite and at least
- * 0, of a sum above 0: proportional to how often each rotamer is drawn means    rotamerCount rows of torsionCount, in
- * [-pi, pi] widths   the same, standard deviations, in (0, pi] Returns NULL if there is no memory. */
+ * draws of each torsion is uniform instead, whatever becomes of the others. `weights` are rotamerCount numbers, finite
+ * and at least 0, of a sum above 0: proportional to how often each rotamer is drawn. `means` are rotamerCount rows of
+ * torsionCount angles, in [-pi, pi], and `widths` as many standard deviations, in (0, pi]. Returns NULL if there is no
+ * memory. */
 ctDensity* ctCreateRotamers(int torsionCount, int rotamerCount, const double* weights, const double* means,
                             const double* widths, double floor);
 

@@ -4,8 +4,8 @@
  * Turning one of them turns all that lies behind it about its axis. Three particles behind the last torsion, the ends,
  * say where the rest of the chain is. Turns d of all torsions are drawn from a normal distribution, whose density is
  *
- *   sqrt(det A) / (2 pi)^(n/2) exp(-d A d / 2),   A = (I + stiffness G) / sigma^2,   G_ij = sum_k dr_k/da_i .
- * dr_k/da_j,
+ *     sqrt(det A) / (2 pi)^(n/2) exp(-d A d / 2),   A = (I + stiffness G) / sigma^2,
+ *     G_ij = sum_k dr_k/da_i . dr_k/da_j,
  *
  * r_k being the positions of the ends and a_i the angles: what shifts the ends is rare. A and so the density are others
  * where the step leads, which is what the acceptance of a step has to mend.
