@@ -39,6 +39,44 @@ typedef struct Openings {
 /* So many are computed one by one. */
 enum { FEW_LINKS = 3 };
 
+/* Computes those of the torsion joints (bits) among sixteen links from this one on. */
+static void openTorsions(const Sequence* s, int begin, unsigned torsions, Openings* openings) {
+  double w[3][TREE_WIDTH];
+  for (int i = 0; i < TREE_WIDTH; i++) {
+    double offset[3] = {0, 0, 0};
+    double vector[3] = {0, 0, 0};
+    if ((torsions >> i & 1) != 0) {
+      sequenceOffset(s, begin + i, offset);
+      sequenceRodrigues(s, begin + i, vector);
+    }
+    for (int k = 0; k < 3; k++) {
+      w[k][i] = vector[k];
+      openings->m[4 * k + 3][i] = offset[k];
+    }
+  }
+  for (int i = 0; i < TREE_WIDTH; i++) {
+    rotationFromRodrigues(w[0][i], w[1][i], w[2][i], &openings->m[0][i], TREE_WIDTH);
+  }
+}
+
+/* Computes those of links [begin, end), all of which have placements. */
+static void openPlaced(const Sequence* s, int begin, int end, Openings* openings) {
+  double q[4][TREE_WIDTH];
+  for (int i = 0; i < TREE_WIDTH; i++) {
+    const int link = begin + i < end ? begin + i : begin;
+    const Placement* placement = &s->placement[s->joint[link].placement];
+    for (int k = 0; k < 4; k++) {
+      q[k][i] = placement->quaternion[k];
+    }
+    for (int k = 0; k < 3; k++) {
+      openings->m[4 * k + 3][i] = placement->position[k];
+    }
+  }
+  for (int i = 0; i < TREE_WIDTH; i++) {
+    rotationFromUnit(q[0][i], q[1][i], q[2][i], q[3][i], &openings->m[0][i], TREE_WIDTH);
+  }
+}
+
 /* Computes those of links [begin, end), at most TREE_WIDTH. */
 static void openLinks(const Sequence* s, int begin, int end, Openings* openings) {
   openings->first = begin;
@@ -51,32 +89,21 @@ static void openLinks(const Sequence* s, int begin, int end, Openings* openings)
     }
     return;
   }
-  double w[3][TREE_WIDTH];
-  bool onlyTorsions = true;
-  for (int i = 0; i < TREE_WIDTH; i++) {
-    const int link = begin + i;
-    double offset[3] = {0, 0, 0};
-    double vector[3] = {0, 0, 0};
-    if (link < end) {
-      sequenceOffset(s, link, offset);
-      if (s->jointType[link] == ctTorsionJoint) {
-        sequenceRodrigues(s, link, vector);
-      } else {
-        onlyTorsions = false;
-      }
-    }
-    for (int k = 0; k < 3; k++) {
-      w[k][i] = vector[k];
-      openings->m[4 * k + 3][i] = offset[k];
-    }
+  const unsigned all = (1u << (end - begin)) - 1;
+  unsigned torsions = 0;
+  for (int link = begin; link < end; link++) {
+    torsions |= (unsigned)(s->jointType[link] == ctTorsionJoint) << (link - begin);
   }
-  for (int i = 0; i < TREE_WIDTH; i++) {
-    rotationFromRodrigues(w[0][i], w[1][i], w[2][i], &openings->m[0][i], TREE_WIDTH);
+  if (torsions == 0) {
+    openPlaced(s, begin, end, openings);
+    return;
   }
-  for (int link = begin; link < end && !onlyTorsions; link++) {
-    const Frame opening = sequenceOpening(s, link);
+  openTorsions(s, begin, torsions, openings);
+  for (unsigned left = all & ~torsions; left != 0; left &= left - 1) {
+    const int i = __builtin_ctz(left);
+    const Frame opening = sequenceOpening(s, begin + i);
     for (int k = 0; k < 12; k++) {
-      openings->m[k][link - begin] = opening.m[k / 4][k % 4];
+      openings->m[k][i] = opening.m[k / 4][k % 4];
     }
   }
 }

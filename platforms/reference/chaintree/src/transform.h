@@ -4,6 +4,7 @@
 #define CT_TRANSFORM_H_
 
 #include <math.h>
+#include <string.h>
 
 #include "chaintree.h"
 #include "inline.h"
@@ -125,12 +126,13 @@ CT_INLINE void columnsCompose(Columns* a, const double* b, size_t stride) {
 
 /* x -> a(b(x)) */
 static inline Frame transformCompose(const Frame* a, const Frame* b) {
+  Column rows[3];
+  memcpy(rows, b->m, sizeof rows);
   Frame c;
   for (int i = 0; i < 3; i++) {
-    for (int j = 0; j < 4; j++) {
-      c.m[i][j] = a->m[i][0] * b->m[0][j] + a->m[i][1] * b->m[1][j] + a->m[i][2] * b->m[2][j];
-    }
-    c.m[i][3] += a->m[i][3];
+    Column row = a->m[i][0] * rows[0] + a->m[i][1] * rows[1] + a->m[i][2] * rows[2];
+    row += (Column){-0.0, -0.0, -0.0, a->m[i][3]}; /* adding -0 changes no bit */
+    memcpy(c.m[i], &row, sizeof row);
   }
   return c;
 }
@@ -206,18 +208,22 @@ static inline void quaternionMultiply(const double a[4], const double b[4], doub
   c[3] = z / norm;
 }
 
+/* Writes the rotation of a unit quaternion into entries of Frame.m that are `stride` apart. */
+static inline void rotationFromUnit(double w, double x, double y, double z, double* m, size_t stride) {
+  m[0] = 1 - 2 * (y * y + z * z);
+  m[stride] = 2 * (x * y - w * z);
+  m[2 * stride] = 2 * (x * z + w * y);
+  m[4 * stride] = 2 * (x * y + w * z);
+  m[5 * stride] = 1 - 2 * (x * x + z * z);
+  m[6 * stride] = 2 * (y * z - w * x);
+  m[8 * stride] = 2 * (x * z - w * y);
+  m[9 * stride] = 2 * (y * z + w * x);
+  m[10 * stride] = 1 - 2 * (x * x + y * y);
+}
+
 /* Makes the rotation of t that of a unit quaternion. */
 static inline void rotationFromQuaternion(const double q[4], Frame* t) {
-  const double w = q[0], x = q[1], y = q[2], z = q[3];
-  t->m[0][0] = 1 - 2 * (y * y + z * z);
-  t->m[0][1] = 2 * (x * y - w * z);
-  t->m[0][2] = 2 * (x * z + w * y);
-  t->m[1][0] = 2 * (x * y + w * z);
-  t->m[1][1] = 1 - 2 * (x * x + z * z);
-  t->m[1][2] = 2 * (y * z - w * x);
-  t->m[2][0] = 2 * (x * z - w * y);
-  t->m[2][1] = 2 * (y * z + w * x);
-  t->m[2][2] = 1 - 2 * (x * x + y * y);
+  rotationFromUnit(q[0], q[1], q[2], q[3], t->m[0], 1);
 }
 
 #endif /* CT_TRANSFORM_H_ */

@@ -93,8 +93,8 @@ static void turnBall(TrialChange* change, const Sequence* s, Traversal* t, const
   change->isTurnOfBall = true;
 }
 
-/* Finds the states of ball joints after the trial, which takes a walk to each. So that is left until someone asks: most
- * trials clash. The tree must be that of the state before. */
+/* Finds the states of ball joints before and after the trial, which takes a walk to each. So that is left until someone
+ * asks: most trials clash. The tree must be that of the state before. */
 static void turnBalls(Trial* trial, const Sequence* s, const Tree* tree) {
   for (int i = 0; i < trial->count; i++) {
     TrialChange* change = &trial->changes[i];
@@ -102,6 +102,7 @@ static void turnBalls(Trial* trial, const Sequence* s, const Tree* tree) {
       const Frame parent = linkFrame(s, tree, s->parent[change->link]);
       double rotation[3];
       rotateBack(&parent, change->rotation, rotation);
+      change->before = ctSequenceGetJoint(s, change->link);
       change->after = ctJointTurned(&change->before, rotation);
       change->isTurnOfBall = false;
     }
@@ -284,12 +285,14 @@ int ctTrialOpen(Trial* trial, const Sequence* s, Traversal* t, const ctChange* g
     TrialChange* change = &trial->changes[i];
     change->link = sequenceLink(s, given[i].link);
     change->userLink = given[i].link;
+    if (s->jointType[change->link] == ctBallJoint) {
+      turnBall(change, s, t, given[i].rotation);
+      continue;
+    }
     change->before = ctSequenceGetJoint(s, change->link);
     change->isTurnOfBall = false;
     if (s->jointType[change->link] == ctTorsionJoint) {
       turnTorsion(change, s, t, given[i].angle);
-    } else if (s->jointType[change->link] == ctBallJoint) {
-      turnBall(change, s, t, given[i].rotation);
     } else {
       moveFreely(change, s, t->tree, &given[i]);
     }

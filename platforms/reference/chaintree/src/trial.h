@@ -9,7 +9,7 @@ typedef struct TrialChange {
   int userLink; /* the caller's number of it */
   JointState before;
   JointState after;
-  bool isTurnOfBall;  /* a ball joint's, whose state after it is not known yet */
+  bool isTurnOfBall;  /* a ball joint's, of which neither state is known yet */
   double rotation[3]; /* of a ball joint, in the world */
   Frame motion;       /* of the link in the world, if this were the only change */
 } TrialChange;
