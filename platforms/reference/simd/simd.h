@@ -76,6 +76,29 @@ static inline Float16 blend16(unsigned mask, Float16 a, Float16 b) {
   return _mm512_mask_blend_ps((__mmask16)mask, a, b);
 }
 
+/* Sixteen ints, all equal: to be blended and stored only. */
+static inline Float16 allInts16(int a) {
+  return _mm512_castsi512_ps(_mm512_set1_epi32(a));
+}
+
+static inline void storeInts16(int* p, Float16 a) {
+  _mm512_storeu_si512(p, _mm512_castps_si512(a));
+}
+
+/* x * row[0] + y * row[1] + z * row[2] + row[3] in double, rounded to float. */
+static inline Float16 rounded16(const double* x, const double* y, const double* z, const double row[4]) {
+  __m256 halves[2];
+  for (int i = 0; i < 2; i++) {
+    const __m512d ax = _mm512_mul_pd(_mm512_loadu_pd(x + 8 * i), _mm512_set1_pd(row[0]));
+    const __m512d by = _mm512_mul_pd(_mm512_loadu_pd(y + 8 * i), _mm512_set1_pd(row[1]));
+    const __m512d cz = _mm512_mul_pd(_mm512_loadu_pd(z + 8 * i), _mm512_set1_pd(row[2]));
+    const __m512d sum = _mm512_add_pd(_mm512_add_pd(_mm512_add_pd(ax, by), cz), _mm512_set1_pd(row[3]));
+    halves[i] = _mm512_cvtpd_ps(sum);
+  }
+  const __m512d low = _mm512_castpd256_pd512(_mm256_castps_pd(halves[0]));
+  return _mm512_castpd_ps(_mm512_insertf64x4(low, _mm256_castps_pd(halves[1]), 1));
+}
+
 /* Writes first + k for each bit k of the mask, ascending; returns how many. May overwrite sixteen entries. */
 static inline int indices16(unsigned mask, int first, int* indices) {
   const __m512i all = _mm512_setr_epi32(0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15);
@@ -180,6 +203,28 @@ static inline __m256 lanes8(unsigned mask) {
 
 static inline Float16 blend16(unsigned mask, Float16 a, Float16 b) {
   return (Float16){_mm256_blendv_ps(a.low, b.low, lanes8(mask)), _mm256_blendv_ps(a.high, b.high, lanes8(mask >> 8))};
+}
+
+static inline Float16 allInts16(int a) {
+  const __m256 all = _mm256_castsi256_ps(_mm256_set1_epi32(a));
+  return (Float16){all, all};
+}
+
+static inline void storeInts16(int* p, Float16 a) {
+  _mm256_storeu_si256((__m256i*)p, _mm256_castps_si256(a.low));
+  _mm256_storeu_si256((__m256i*)(p + 8), _mm256_castps_si256(a.high));
+}
+
+static inline Float16 rounded16(const double* x, const double* y, const double* z, const double row[4]) {
+  __m128 quarters[4];
+  for (int i = 0; i < 4; i++) {
+    const __m256d ax = _mm256_mul_pd(_mm256_loadu_pd(x + 4 * i), _mm256_set1_pd(row[0]));
+    const __m256d by = _mm256_mul_pd(_mm256_loadu_pd(y + 4 * i), _mm256_set1_pd(row[1]));
+    const __m256d cz = _mm256_mul_pd(_mm256_loadu_pd(z + 4 * i), _mm256_set1_pd(row[2]));
+    const __m256d sum = _mm256_add_pd(_mm256_add_pd(_mm256_add_pd(ax, by), cz), _mm256_set1_pd(row[3]));
+    quarters[i] = _mm256_cvtpd_ps(sum);
+  }
+  return (Float16){_mm256_set_m128(quarters[1], quarters[0]), _mm256_set_m128(quarters[3], quarters[2])};
 }
 
 static inline float least16(Float16 a) {
@@ -310,6 +355,23 @@ static inline Float16 blend16(unsigned mask, Float16 a, Float16 b) {
     a.q[i] = (Float4)(((Int4)a.q[i] & ~chosen) | ((Int4)b.q[i] & chosen));
   }
   return a;
+}
+
+static inline Float16 allInts16(int a) {
+  const Int4 all = {a, a, a, a};
+  return (Float16){{(Float4)all, (Float4)all, (Float4)all, (Float4)all}};
+}
+
+static inline void storeInts16(int* p, Float16 a) {
+  __builtin_memcpy(p, &a, sizeof a);
+}
+
+static inline Float16 rounded16(const double* x, const double* y, const double* z, const double row[4]) {
+  float rounded[16];
+  for (int k = 0; k < 16; k++) {
+    rounded[k] = (float)(x[k] * row[0] + y[k] * row[1] + z[k] * row[2] + row[3]);
+  }
+  return load16(rounded);
 }
 
 static inline Float16 absolute16(Float16 a) {

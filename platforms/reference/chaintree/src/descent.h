@@ -20,6 +20,7 @@ typedef struct Visit {
   void* context;
   float reach;
   bool boxes; /* this visit looks at boxes */
+  int visits;
   int visitsWithBoxes;
   int pairsBoxed;   /* pairs of children for which boxes were looked at */
   int pairsParted;  /* pairs of those that the boxes separated */
@@ -28,11 +29,18 @@ typedef struct Visit {
   int64_t particleTests;
 } Visit;
 
+/* Two nodes of a level. */
+typedef struct NodePair {
+  int level;
+  int a;
+  int b;
+} NodePair;
+
 /* A node whose members are of different rigid bodies. */
 typedef struct Straddler {
+  _Alignas(64) Block block; /* its members in the view */
+  int motion[TREE_WIDTH];   /* of each member, coded like Traversal.motion */
   int node;
-  Block block;            /* its members in the view */
-  int motion[TREE_WIDTH]; /* of each member, coded like Traversal.motion */
   bool isBoxed;
   BoxBlock boxes; /* of the children of an inner node, in the view; made if isBoxed */
 } Straddler;

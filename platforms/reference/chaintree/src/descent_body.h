@@ -5,18 +5,6 @@
 
 #include "viewboxes_body.h"
 
-/* Begins a descent: expands the root and all straddlers. */
-static void expandRoot(Traversal* t) {
-  const View* view = t->view;
-  const int root = treeRoot(t->tree);
-  if (view->pieceCount > 1) {
-    expandStraddler(t, treeTop(t->tree), root, 0);
-  } else {
-    t->motion[root] = view->pieces[0].body;
-    expand(t, treeTop(t->tree), root);
-  }
-}
-
 /* Members of a node that are not of its largest body, as far as that is the body of its first or last member. In a
  * visit of the node with itself these suffice: every pair of different bodies holds one of them. */
 static unsigned ofLesserBodies(const Traversal* t, int node, int count) {
@@ -24,18 +12,6 @@ static unsigned ofLesserBodies(const Traversal* t, int node, int count) {
   const unsigned first = all & ~ofBody(t, node, motionOfMember(t, node, 0));
   const unsigned last = all & ~ofBody(t, node, motionOfMember(t, node, count - 1));
   return __builtin_popcount(first) <= __builtin_popcount(last) ? first : last;
-}
-
-/* Members of node a that are near the volume of node b and of another body, as bits. If a is b, those that suffice for
- * a visit of a node with itself. */
-static unsigned nearNode(Traversal* t, Visit* visit, int count, const NodePair* pair) {
-  if (pair->a == pair->b) {
-    return ofLesserBodies(t, pair->a, count);
-  }
-  visit->volumeTests += count;
-  const Block* around = blockOf(t, treeParent(t->tree, pair->level, pair->b));
-  const Sphere sphere = sphereOf(around, pair->b % TREE_WIDTH);
-  return near16(blockOf(t, pair->a), sphere, visit->reach) & ~ofBody(t, pair->a, t->motion[pair->b]);
 }
 
 /* The boxes of the siblings of node b, among which is its own; NULL if that is not thin. */
@@ -53,48 +29,50 @@ static unsigned alreadyVisited(unsigned rows, int k) {
   return rows & ((2u << k) - 1);
 }
 
-/* Tests these members (bits) of leaf a, which is expanded, against all members of leaf b. False ends the descent. */
-static bool testMembers(Traversal* t, Visit* visit, int a, int b, unsigned rows) {
-  int endB;
-  const int beginB = treeSlots(t->tree, 0, b, &endB);
-  expand(t, 0, b);
-  const Block* blocks[2];
-  blocksOf(t, a, b, blocks);
-  const int partner = exclusionPartner(t->exclusions, a, b);
-  for (unsigned left = rows; left != 0; left &= left - 1) {
-    const int k = __builtin_ctz(left);
+/* Calls the visit's function for members (bits) of leaf b, with member k of leaf a. False ends the descent. */
+CT_NOINLINE bool visitMembers(Traversal* t, const Visit* visit, int a, int k, int b, unsigned mask) {
+  mask &= ~ofBody(t, b, motionOfMember(t, a, k));
+  const int partner = mask != 0 ? exclusionPartner(t->exclusions, a, b) : CT_NULL;
+  if (partner != CT_NULL) {
+    mask &= ~(unsigned)t->exclusions->mask[partner][k];
+  }
+  for (; mask != 0; mask &= mask - 1) {
     const int i = a * TREE_WIDTH + k;
-    unsigned mask = near16(blocks[1], sphereOf(blocks[0], k), visit->reach);
-    visit->particleTests += endB - beginB;
-    if (a == b) {
-      mask &= ~alreadyVisited(rows, k);
-    }
-    if (mask != 0) {
-      mask &= ~ofBody(t, b, motionOfMember(t, a, k));
-    }
-    if (partner != CT_NULL) {
-      mask &= ~(unsigned)t->exclusions->mask[partner][k];
-    }
-    for (; mask != 0; mask &= mask - 1) {
-      const int j = beginB + __builtin_ctz(mask);
-      if (!visit->function(visit->context, i, j, ctTraversalSquaredDistance(t, i, j))) {
-        return false;
-      }
+    const int j = b * TREE_WIDTH + __builtin_ctz(mask);
+    if (!visit->function(visit->context, i, j, ctTraversalSquaredDistance(t, i, j))) {
+      return false;
     }
   }
   return true;
 }
 
-/* Tests the particles of two leaves. False ends the descent. */
-static bool visitLeaves(Traversal* t, Visit* visit, const NodePair* pair) {
-  int endA;
-  const int beginA = treeSlots(t->tree, 0, pair->a, &endA);
-  unsigned near = nearNode(t, visit, endA - beginA, pair);
-  const BoxBlock* around = visit->boxes && near != 0 ? boxesAround(t, pair) : NULL;
+/* Tests these members (bits) of leaf a, which is expanded, against all members of leaf b. False ends the descent. */
+CT_NOINLINE bool visitLeaves(Traversal* t, Visit* visit, const NodePair* pair, unsigned rows) {
+  const int a = pair->a;
+  const int b = pair->b;
+  const BoxBlock* around = visit->boxes ? boxesAround(t, pair) : NULL;
   if (around != NULL) {
-    near &= nearBox(blockOf(t, pair->a), around, pair->b % TREE_WIDTH, visit->reach);
+    rows &= nearBox(blockOf(t, a), around, b % TREE_WIDTH, visit->reach);
   }
-  return near == 0 || testMembers(t, visit, pair->a, pair->b, near);
+  if (rows == 0) {
+    return true;
+  }
+  expand(t, 0, b);
+  const Block* blocks[2];
+  blocksOf(t, a, b, blocks);
+  const int countB = treeMemberCount(t->tree, 0, b);
+  for (unsigned left = rows; left != 0; left &= left - 1) {
+    const int k = __builtin_ctz(left);
+    unsigned mask = near16(blocks[1], sphereOf(blocks[0], k), visit->reach);
+    visit->particleTests += countB;
+    if (a == b) {
+      mask &= ~alreadyVisited(rows, k);
+    }
+    if (mask != 0 && !visitMembers(t, visit, a, k, b, mask)) {
+      return false;
+    }
+  }
+  return true;
 }
 
 /* Those in `mask`, children of b, whose boxes are out of reach of child k of a. */
@@ -113,83 +91,123 @@ static unsigned boxesPart(Visit* visit, int k, unsigned mask, const BoxBlock* a,
   return mask;
 }
 
-/* Puts the pairs of children of two inner nodes that are within reach on the stack. */
-static void visitInnerNodes(Traversal* t, Visit* visit, const NodePair* pair, int* depth) {
+/* Those of `near`, children of a, whose boxes are not out of reach of the box of b. */
+CT_NOINLINE unsigned nearBoxOf(Traversal* t, const Visit* visit, const NodePair* pair, unsigned near) {
+  const BoxBlock* own = boxesInView(t, pair->level, pair->a);
+  const BoxBlock* around = boxesAround(t, pair);
+  return around != NULL ? near & ~boxesApart(around, pair->b % TREE_WIDTH, own, visit->reach) : near;
+}
+
+/* Those in `mask`, children of b, whose boxes are not out of reach of the box of child k of a. */
+CT_NOINLINE unsigned nearBoxes(Traversal* t, Visit* visit, const NodePair* pair, int k, unsigned mask) {
+  const BoxBlock* a = boxesInView(t, pair->level, pair->a);
+  return mask & ~boxesPart(visit, k, mask, a, boxesInView(t, pair->level, pair->b));
+}
+
+CT_NOINLINE bool visitChildren(Traversal* t, Visit* visit, const NodePair* pair, unsigned near);
+
+/* Goes on with two nodes, of which a is expanded and has these members (bits) within reach of b. Functions of their
+ * own, so that pairs of nodes without such members take no more than that test. False ends the descent. */
+static inline bool visitNear(Traversal* t, Visit* visit, const NodePair* pair, unsigned near) {
+  return near == 0 || (pair->level == 0 ? visitLeaves(t, visit, pair, near) : visitChildren(t, visit, pair, near));
+}
+
+static inline void beginVisit(const Traversal* t, Visit* visit) {
+  visit->boxes = t->alwaysBoxes || visit->visits >= t->visitsWithoutBoxes;
+  visit->visits++;
+  visit->visitsWithBoxes += visit->boxes;
+}
+
+/* Visits children k of node a and l of node b, which are within reach of each other. False ends the descent. */
+static inline bool visitPair(Traversal* t, Visit* visit, const NodePair* parents, int k, int l, NodePair pair) {
+  /* Expand one that straddles: its members that are of the other's body drop out. Otherwise one that is expanded: then
+   * the other may never have to be. Without a branch, which processors would mispredict. */
+  const bool bFirst = (t->motion[pair.b] < 0) | ((t->nodeStamp[pair.b] == t->stamp) & (t->motion[pair.a] >= 0));
+  const Sphere sphere = sphereOf(blockOf(t, bFirst ? parents->a : parents->b), bFirst ? k : l);
+  pair = (NodePair){pair.level, bFirst ? pair.b : pair.a, bFirst ? pair.a : pair.b};
+  expand(t, pair.level, pair.a);
+  beginVisit(t, visit);
+  visit->volumeTests += treeMemberCount(t->tree, pair.level, pair.a);
+  unsigned near = near16(blockOf(t, pair.a), sphere, visit->reach);
+  if (t->motion[pair.a] < 0) {
+    near &= ~ofBody(t, pair.a, t->motion[pair.b]);
+  }
+  return visitNear(t, visit, &pair, near);
+}
+
+/* Visits all pairs of children of two inner nodes, a is expanded, that are within reach: those of a in `near` (bits),
+ * which are near b and of another body. Leaves out nodes that straddle with themselves. False ends the descent. */
+CT_NOINLINE bool visitChildren(Traversal* t, Visit* visit, const NodePair* pair, unsigned near) {
   const int below = pair->level - 1;
-  int countA;
   int countB;
-  const int firstA = treeChildren(t->tree, pair->level, pair->a, &countA);
   const int firstB = treeChildren(t->tree, pair->level, pair->b, &countB);
-  unsigned near = nearNode(t, visit, countA, pair);
-  if (near == 0) {
-    return;
-  }
+  const int firstA = firstB + (pair->a - pair->b) * TREE_WIDTH;
+  const bool withBoxes = visit->boxes;
   expand(t, pair->level, pair->b);
-  const Block* blocks[2];
-  blocksOf(t, pair->a, pair->b, blocks);
-  const BoxBlock* boxes[2] = {NULL, NULL};
-  if (visit->boxes) {
-    boxes[0] = boxesInView(t, pair->level, pair->a);
-    boxes[1] = boxesInView(t, pair->level, pair->b);
-    const BoxBlock* around = boxesAround(t, pair);
-    if (around != NULL) {
-      near &= ~boxesApart(around, pair->b % TREE_WIDTH, boxes[0], visit->reach);
-    }
+  if (withBoxes) {
+    near = nearBoxOf(t, visit, pair, near);
   }
-  unsigned straddling = 0;
   for (unsigned left = near; left != 0; left &= left - 1) {
+    const Block* blocks[2];
+    blocksOf(t, pair->a, pair->b, blocks);
     const int k = __builtin_ctz(left);
-    const int i = firstA + k;
-    const int motion = motionOfMember(t, pair->a, k);
-    t->motion[i] = motion;
     unsigned mask = near16(blocks[1], sphereOf(blocks[0], k), visit->reach);
     visit->volumeTests += countB;
     if (pair->a == pair->b) {
       mask &= ~alreadyVisited(near, k);
     }
+    const int motion = motionOfMember(t, pair->a, k);
     if (mask != 0) {
       mask &= ~ofBody(t, pair->b, motion);
     }
-    if (mask != 0 && visit->boxes) {
-      mask &= ~boxesPart(visit, k, mask, boxes[0], boxes[1]);
+    if (mask != 0 && withBoxes) {
+      mask = nearBoxes(t, visit, pair, k, mask);
     }
+    t->motion[firstA + k] = motion;
     for (; mask != 0; mask &= mask - 1) {
       const int l = __builtin_ctz(mask);
       t->motion[firstB + l] = motionOfMember(t, pair->b, l);
-      t->stack[(*depth)++] = (NodePair){below, i, firstB + l};
+      if (!visitPair(t, visit, pair, k, l, (NodePair){below, firstA + k, firstB + l})) {
+        return false;
+      }
     }
-    straddling |= (unsigned)(pair->a == pair->b && blocks[0]->r[k] >= 0 && motion < 0) << k;
   }
-  /* Visit straddlers first: they hold the joints that turn, and most clashes are near those. */
-  for (; straddling != 0; straddling &= straddling - 1) {
-    const int i = firstA + __builtin_ctz(straddling);
-    t->stack[(*depth)++] = (NodePair){below, i, i};
+  return true;
+}
+
+/* Visits a node that straddles pieces with itself. False ends the descent. */
+static bool visitSelf(Traversal* t, Visit* visit, int level, int node) {
+  const NodePair pair = {level, node, node};
+  beginVisit(t, visit);
+  return visitNear(t, visit, &pair, ofLesserBodies(t, node, treeMemberCount(t->tree, level, node)));
+}
+
+/* Climbs to a node that straddles pieces, from all such nodes below it: visits each with itself. Those hold the joints
+ * that turn, and most clashes are near joints. `piece` holds the node's first slot. False ends the descent. */
+static bool climb(Traversal* t, Visit* visit, int level, int node, int piece) {
+  const View* view = t->view;
+  updateWorld(t, level, node);
+  int end;
+  const int begin = treeSlots(t->tree, level, node, &end);
+  const int bits = TREE_WIDTH_BITS * level; /* of the width of a member */
+  for (int p = piece + 1, done = CT_NULL; level > 0 && p < view->pieceCount && view->pieces[p].slotBegin < end; p++) {
+    const int child = (view->pieces[p].slotBegin - begin) >> bits;
+    const bool straddles = view->pieces[p].slotBegin > begin + (child << bits);
+    if (straddles && child != done) {
+      done = child;
+      if (!climb(t, visit, level - 1, t->tree->levelBegin[level - 1] + (begin >> bits) + child, p - 1)) {
+        return false;
+      }
+    }
   }
+  expandStraddler(t, level, node, piece);
+  return visitSelf(t, visit, level, node);
 }
 
 /* Visits all pairs of nodes that may hold a candidate. */
 static void descend(Traversal* t, Visit* visit) {
-  const int root = treeRoot(t->tree);
-  expandRoot(t);
-  int depth = 0;
-  if (t->motion[root] < 0) {
-    t->stack[depth++] = (NodePair){treeTop(t->tree), root, root};
-  }
-  bool goesOn = true;
-  for (int visits = 0; goesOn && depth > 0; visits++) {
-    NodePair pair = t->stack[--depth];
-    /* Take as a the one that straddles: its members that are of b's body drop out. Otherwise one that is expanded: then
-     * b may never have to be. Without a branch, which processors would mispredict. */
-    const bool bFirst = (t->motion[pair.b] < 0) | ((t->nodeStamp[pair.b] == t->stamp) & (t->motion[pair.a] >= 0));
-    pair = (NodePair){pair.level, bFirst ? pair.b : pair.a, bFirst ? pair.a : pair.b};
-    expand(t, pair.level, pair.a);
-    visit->boxes = t->alwaysBoxes || visits >= t->visitsWithoutBoxes;
-    visit->visitsWithBoxes += visit->boxes;
-    if (pair.level == 0) {
-      goesOn = visitLeaves(t, visit, &pair);
-    } else {
-      visitInnerNodes(t, visit, &pair, &depth);
-    }
+  if (t->view->pieceCount > 1) {
+    climb(t, visit, treeTop(t->tree), treeRoot(t->tree), 0);
   }
   if (visit->pairsBoxed > 0) {
     /* More than one in PAIRS_A_SEPARATION. */

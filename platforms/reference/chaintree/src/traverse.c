@@ -6,9 +6,6 @@
 #include "descent.h"
 #include "instructions.h"
 
-/* Pairs that one visit puts on the stack at most: all children of one node with all of another. */
-enum { PAIRS_OF_A_VISIT = TREE_WIDTH * TREE_WIDTH };
-
 /* Most entries for leaves in the world, for nodes that move, and for nodes whose boxes move: with more of them, caches
  * of the processor would miss more often than entries spare work. A visit needs at least two leaves, two nodes that
  * move and BOXES_OF_A_VISIT nodes with boxes. */
@@ -41,7 +38,7 @@ bool ctTraversalBuild(Traversal* t, Arena* arena, const Tree* tree, const Sequen
   t->moved = ctArenaAllocate(arena, (size_t)t->movedCapacity, sizeof(Block));
   t->movedBoxesCapacity = MOST_MOVED_BOXES;
   t->movedBoxes = ctArenaAllocate(arena, MOST_MOVED_BOXES, sizeof(MovedBoxes));
-  t->stack = ctArenaAllocate(arena, (size_t)TREE_MAX_LEVELS * PAIRS_OF_A_VISIT, sizeof(NodePair));
+  t->stack = ctArenaAllocate(arena, (size_t)TREE_MAX_LEVELS * TREE_WIDTH, sizeof(ProbedNode));
   t->nearNodes = ctArenaAllocate(arena, nodes + TREE_WIDTH, sizeof(int));
   if (arena->failed) {
     return false;
@@ -61,14 +58,30 @@ bool ctTraversalBuild(Traversal* t, Arena* arena, const Tree* tree, const Sequen
 }
 
 void ctTraversalFree(Traversal* t) {
-  free(t->straddlers);
+  ctArenaFree(&t->straddlerArena);
   free(t->motions);
+}
+
+static bool reserveStraddlers(Traversal* t, int count) {
+  if (count <= t->straddlerCapacity) {
+    return true;
+  }
+  Arena grown = {0};
+  Straddler* straddlers = ctArenaAllocate(&grown, (size_t)count, sizeof(Straddler));
+  if (straddlers == NULL) {
+    ctArenaFree(&grown);
+    return false;
+  }
+  ctArenaFree(&t->straddlerArena);
+  t->straddlerArena = grown;
+  t->straddlers = straddlers;
+  t->straddlerCapacity = count;
+  return true;
 }
 
 bool ctTraversalReserve(Traversal* t, int pieceCount) {
   /* The boundary of two pieces is straddled by one node of each level at most. */
-  return ctReserve((void**)&t->straddlers, &t->straddlerCapacity, (pieceCount - 1) * t->tree->levelCount,
-                   sizeof(Straddler)) &&
+  return reserveStraddlers(t, (pieceCount - 1) * t->tree->levelCount) &&
          ctReserve((void**)&t->motions, &t->motionCapacity, pieceCount, sizeof(float[12]));
 }
 

@@ -21,11 +21,10 @@ typedef struct View {
   double reach;  /* pairs no farther apart than this are candidates; may be negative */
 } View;
 
-typedef struct NodePair {
+typedef struct ProbedNode {
   int level;
-  int a;
-  int b;
-} NodePair;
+  int node;
+} ProbedNode;
 
 struct Box;
 struct MovedBoxes;
@@ -77,15 +76,16 @@ typedef struct Traversal {
   int movedBoxesCapacity;
   struct MovedBoxes* movedBoxes;
 
-  /* The nodes that straddle bodies, from the root down. */
+  /* The nodes that straddle bodies, each after those below it. */
   struct Straddler* straddlers;
+  Arena straddlerArena;
   int straddlerCount;
   int straddlerCapacity;
   float (*motions)[12]; /* of the view */
   int motionCapacity;
 
-  NodePair* stack;
-  int* nearNodes; /* found by a probe; with room for sixteen more */
+  ProbedNode* stack; /* of a probe */
+  int* nearNodes;    /* found by a probe; with room for sixteen more */
 } Traversal;
 
 /* Receives a candidate and its squared distance; returns false to end the descent. */

@@ -5,7 +5,7 @@
 static int64_t traverse(Traversal* t, const View* view, CandidateFunction* function, void* context, ctCounts* counts) {
   startView(t, view);
   const double margin = floatMargin(t->extent + fabs(view->reach));
-  Visit visit = {function, context, (float)(view->reach + margin), false, 0, 0, 0, 0, 0, 0};
+  Visit visit = {function, context, (float)(view->reach + margin), false, 0, 0, 0, 0, 0, 0, 0};
   int slotBegin;
   int slotEnd;
   if (ctViewMovesFew(t, view, &slotBegin, &slotEnd)) {
@@ -24,24 +24,25 @@ static int64_t traverse(Traversal* t, const View* view, CandidateFunction* funct
 static void traverseProbe(Traversal* t, const View* view, const double point[3], double radius, ProbeFunction* function,
                           void* context, ctCounts* counts) {
   startView(t, view);
-  expandRoot(t);
+  t->motion[treeRoot(t->tree)] = view->pieces[0].body;
   const double size = t->extent + sqrt(dot(point, point)) + radius;
   const float reach = (float)(view->reach + floatMargin(size + fabs(view->reach)));
   const Sphere probe = {(float)point[0], (float)point[1], (float)point[2], (float)radius};
   int depth = 0;
-  t->stack[depth++] = (NodePair){treeTop(t->tree), treeRoot(t->tree), CT_NULL};
+  t->stack[depth++] = (ProbedNode){treeTop(t->tree), treeRoot(t->tree)};
   bool goesOn = true;
   while (goesOn && depth > 0) {
-    const NodePair node = t->stack[--depth];
-    expand(t, node.level, node.a);
-    unsigned mask = near16(worldOf(t, node.a), probe, reach);
-    if (node.level > 0) {
+    const ProbedNode probed = t->stack[--depth];
+    const int node = probed.node;
+    expand(t, probed.level, node);
+    unsigned mask = near16(worldOf(t, node), probe, reach);
+    if (probed.level > 0) {
       int count;
-      const int first = treeChildren(t->tree, node.level, node.a, &count);
+      const int first = treeChildren(t->tree, probed.level, node, &count);
       for (; mask != 0; mask &= mask - 1) {
         const int child = first + __builtin_ctz(mask);
         t->motion[child] = 0;
-        t->stack[depth++] = (NodePair){node.level - 1, child, CT_NULL};
+        t->stack[depth++] = (ProbedNode){probed.level - 1, child};
       }
       if (counts != NULL) {
         counts->volumeTests += count;
@@ -49,7 +50,7 @@ static void traverseProbe(Traversal* t, const View* view, const double point[3],
       continue;
     }
     int end;
-    const int begin = treeSlots(t->tree, 0, node.a, &end);
+    const int begin = treeSlots(t->tree, 0, node, &end);
     for (; goesOn && mask != 0; mask &= mask - 1) {
       const int slot = begin + __builtin_ctz(mask);
       double x[3];

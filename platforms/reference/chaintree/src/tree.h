@@ -118,6 +118,13 @@ static inline int treeSlots(const Tree* tree, int level, int node, int* end) {
   return (int)begin;
 }
 
+/* How many members a node has: children, or slots of a leaf. */
+static inline int treeMemberCount(const Tree* tree, int level, int node) {
+  const int all = level == 0 ? tree->slotCount : tree->levelSize[level - 1];
+  const int left = all - (node - tree->levelBegin[level]) * TREE_WIDTH;
+  return left < TREE_WIDTH ? left : TREE_WIDTH;
+}
+
 /* The members of an inner node. */
 static inline Members* treeMembers(const Tree* tree, int node) {
   return &tree->members[node - tree->levelBegin[1]];

@@ -36,16 +36,11 @@ static void worldLeaf(Traversal* t, int leaf) {
   const Frame* f = &t->frame[t->entryOf[leaf]];
   const Leaf* own = &t->tree->leaf[leaf];
   Block* world = &t->world[t->entryOf[leaf]];
-  for (int k = 0; k < TREE_WIDTH; k++) {
-    const double x = own->x[k];
-    const double y = own->y[k];
-    const double z = own->z[k];
-    world->x[k] = (float)(f->m[0][0] * x + f->m[0][1] * y + f->m[0][2] * z + f->m[0][3]);
-    world->y[k] = (float)(f->m[1][0] * x + f->m[1][1] * y + f->m[1][2] * z + f->m[1][3]);
-    world->z[k] = (float)(f->m[2][0] * x + f->m[2][1] * y + f->m[2][2] * z + f->m[2][3]);
-  }
+  store16(world->x, rounded16(own->x, own->y, own->z, f->m[0]));
+  store16(world->y, rounded16(own->x, own->y, own->z, f->m[1]));
+  store16(world->z, rounded16(own->x, own->y, own->z, f->m[2]));
   if (t->worldHasSurfaces) {
-    memcpy(world->r, own->r, sizeof world->r);
+    store16(world->r, load16(own->r));
   } else {
     leafCentres(own, world->r);
   }
@@ -64,8 +59,7 @@ static void worldInnerNode(Traversal* t, int node) {
   Block* world = &t->world[t->entryOf[node]];
   float motion[12];
   floatMotion(&t->frame[t->entryOf[node]], motion);
-  moveBlock(&own->block, motion, 0xffff, world);
-  memcpy(world->r, t->worldHasSurfaces ? own->block.r : own->centres, sizeof world->r);
+  moveAll(&own->block, t->worldHasSurfaces ? own->block.r : own->centres, motion, world);
 }
 
 /* True if the node's frame in the world is the one that is kept. */
@@ -160,8 +154,7 @@ static Block* moveNode(Traversal* t, int node) {
   }
   t->movedNode[entry] = node;
   Block* world = worldOf(t, node);
-  moveBlock(world, t->motions[t->motion[node]], 0xffff, moved);
-  memcpy(moved->r, world->r, sizeof moved->r);
+  moveAll(world, world->r, t->motions[t->motion[node]], moved);
   return moved;
 }
 
@@ -183,54 +176,62 @@ static Sphere boundOfStraddler(const Traversal* t, const Straddler* s) {
   return bound;
 }
 
-/* Expands a node that straddles pieces, and all such nodes below it. `piece` holds its first slot. */
-static const Straddler* expandStraddler(Traversal* t, int level, int node, int piece) {
+/* Expands a node that straddles pieces; such nodes below it must be expanded. `piece` holds its first slot. */
+static void expandStraddler(Traversal* t, int level, int node, int piece) {
   const View* view = t->view;
   const Tree* tree = t->tree;
   t->nodeStamp[node] = t->stamp;
   t->motion[node] = straddlerCode(t->straddlerCount);
   Straddler* s = &t->straddlers[t->straddlerCount++];
   s->node = node;
-  updateWorld(t, level, node);
-  Block* world = worldOf(t, node);
-  s->block = *world;
   s->isBoxed = false;
-  memset(s->motion, 0, sizeof s->motion);
   t->inView[node] = &s->block;
+  updateWorld(t, level, node);
+  const Block* world = worldOf(t, node);
+  Float16 x = load16(world->x);
+  Float16 y = load16(world->y);
+  Float16 z = load16(world->z);
+  Float16 r = load16(world->r);
+  Float16 motions = allInts16(0);
   int end;
   const int begin = treeSlots(tree, level, node, &end);
-  const int width = 1 << TREE_WIDTH_BITS * level;
-  const int first = level == 0 ? 0 : tree->levelBegin[level - 1] + begin / width;
-  const int count = (end - begin + width - 1) / width;
+  const int bits = TREE_WIDTH_BITS * level; /* of the width of a member */
+  const int first = level == 0 ? 0 : tree->levelBegin[level - 1] + (begin >> bits);
+  const int count = (end - begin + (1 << bits) - 1) >> bits;
   int k = 0;
   while (k < count) {
-    const int from = begin + k * width;
+    const int from = begin + (k << bits);
     while (piece + 1 < view->pieceCount && view->pieces[piece + 1].slotBegin <= from) {
       piece++;
     }
     const int next = piece + 1 < view->pieceCount ? view->pieces[piece + 1].slotBegin : end;
-    const int wholes = next < end ? (next - begin) / width : count;
+    const int wholes = next < end ? (next - begin) >> bits : count;
     if (wholes > k) {
       const int motion = view->pieces[piece].body;
+      const unsigned mask = (1u << wholes) - (1u << k);
       if (moves(view, motion)) {
-        moveBlock(world, t->motions[motion], (1u << wholes) - (1u << k), &s->block);
+        x = blend16(mask, x, moved16(world, t->motions[motion]));
+        y = blend16(mask, y, moved16(world, t->motions[motion] + 4));
+        z = blend16(mask, z, moved16(world, t->motions[motion] + 8));
       }
-      /* No branch depends on how many there are: processors would mispredict it. */
-      for (int l = 0; l < TREE_WIDTH; l++) {
-        s->motion[l] = k <= l && l < wholes ? motion : s->motion[l];
-      }
+      motions = blend16(mask, motions, allInts16(motion));
       k = wholes;
     } else if (level > 0) { /* a slot straddles nothing */
-      const Sphere bound = boundOfStraddler(t, expandStraddler(t, level - 1, first + k, piece));
-      s->block.x[k] = bound.x;
-      s->block.y[k] = bound.y;
-      s->block.z[k] = bound.z;
-      s->block.r[k] = bound.r;
-      s->motion[k] = t->motion[first + k];
+      const int code = t->motion[first + k];
+      const Sphere bound = boundOfStraddler(t, straddlerOf(t, code));
+      x = blend16(1u << k, x, all16(bound.x));
+      y = blend16(1u << k, y, all16(bound.y));
+      z = blend16(1u << k, z, all16(bound.z));
+      r = blend16(1u << k, r, all16(bound.r));
+      motions = blend16(1u << k, motions, allInts16(code));
       k++;
     }
   }
-  return s;
+  store16(s->block.x, x);
+  store16(s->block.y, y);
+  store16(s->block.z, z);
+  store16(s->block.r, r);
+  storeInts16(s->motion, motions);
 }
 
 /* Begins a descent with a new view: takes its motions, and bounds how large the scene is in it. */

@@ -78,9 +78,8 @@ static inline void leafBlock(const Leaf* leaf, Block* block) {
 
 /* The radii around the centres alone of a leaf's particles: 0, or -INFINITY for none. */
 static inline void leafCentres(const Leaf* leaf, float* centres) {
-  for (int k = 0; k < TREE_WIDTH; k++) {
-    centres[k] = leaf->r[k] < 0 ? -INFINITY : 0;
-  }
+  const Float16 none = all16(-INFINITY);
+  store16(centres, blend16(greater16(all16(0), load16(leaf->r)), all16(0), none));
 }
 
 /* Bit k is set if member k is nearer than its radius + the sphere's + reach. */
@@ -101,6 +100,15 @@ static inline void moveBlock(const Block* from, const float motion[12], unsigned
   store16(to->x, blend16(mask, load16(to->x), moved16(from, motion)));
   store16(to->y, blend16(mask, load16(to->y), moved16(from, motion + 4)));
   store16(to->z, blend16(mask, load16(to->z), moved16(from, motion + 8)));
+}
+
+/* Moves all members, and gives them these radii. They are stored as they will be loaded: a processor waits for what it
+ * loads at once and has stored in parts. */
+static inline void moveAll(const Block* from, const float* radii, const float motion[12], Block* to) {
+  store16(to->x, moved16(from, motion));
+  store16(to->y, moved16(from, motion + 4));
+  store16(to->z, moved16(from, motion + 8));
+  store16(to->r, load16(radii));
 }
 
 /* The middle of the box around all members; its radius is -INFINITY if there are none, else 0. */
