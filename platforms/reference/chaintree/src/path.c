@@ -33,7 +33,7 @@ static TwigPart findPart(const Sequence* s, const int* end, int link) {
 
 static bool findTwigs(Sequence* s, Arena* arena, const int* end) {
   for (int link = 1; link < s->linkCount; link++) {
-    s->twigPart[link] = findPart(s, end, link);
+    s->twigPart[link] = (uint8_t)findPart(s, end, link);
     s->twigCount += s->twigPart[link] == headsTwig;
   }
   s->twigHead = ctArenaAllocate(arena, (size_t)s->twigCount, sizeof(int));
