@@ -67,8 +67,9 @@ bool ctExclusionsBuild(Exclusions* exclusions, Arena* arena, const Sequence* s, 
     const int pairCount = listPairs(s, d, pairs);
     listPartners(pairCount, (const int(*)[2])pairs, leafCount, exclusions->begin, partners);
     const size_t partnerCount = (size_t)exclusions->begin[leafCount];
-    exclusions->partner = ctArenaAllocate(arena, partnerCount, sizeof(int));
-    exclusions->mask = ctArenaAllocate(arena, partnerCount, sizeof(uint16_t[TREE_WIDTH]));
+    exclusions->partner = ctArenaAllocate(arena, partnerCount + TREE_WIDTH, sizeof(int));
+    exclusions->mask = ctArenaAllocate(arena, partnerCount + 1, sizeof(uint16_t[TREE_WIDTH]));
+    exclusions->emptyMask = (int)partnerCount;
     if (!arena->failed) {
       memcpy(exclusions->partner, partners, partnerCount * sizeof(int));
       setMasks(exclusions, pairCount, (const int(*)[2])pairs);

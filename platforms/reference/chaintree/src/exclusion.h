@@ -9,8 +9,9 @@
  * pair is kept in both orders. */
 typedef struct Exclusions {
   int* begin;                   /* per leaf, and one more: the first of its partners */
-  int* partner;                 /* leaves */
-  uint16_t (*mask)[TREE_WIDTH]; /* per partner and slot of the leaf, bits: the slots of the partner */
+  int* partner;                 /* leaves; sixteen more may be read */
+  uint16_t (*mask)[TREE_WIDTH]; /* per partner and slot of the leaf, bits: the slots of the partner; one more, empty */
+  int emptyMask;                /* index of that */
 } Exclusions;
 
 /* Pairs of particles whose limit is not their tolerance, ascending by key. */

@@ -15,10 +15,14 @@ typedef struct InstructionSet {
   void (*refreshLeaf)(Tree* tree, const Sequence* sequence, int leaf);
   void (*refreshTwig)(Tree* tree, const Sequence* sequence, int link, int leaf);
   void (*refreshInnerNode)(Tree* tree, int level, int node, const int* changed, int count);
+  void (*refreshMember)(Tree* tree, int leaf);
+  void (*refreshBound)(Tree* tree, int node);
 
-  /* For ctTraversalLeafFrame, ctTraverse and ctTraverseProbe. */
+  /* For ctTraversalLeafFrame, ctTraverse, ctTraverseFew and ctTraverseProbe. */
   void (*updateWorldLeaf)(Traversal* t, int leaf);
   int64_t (*traverse)(Traversal* t, const View* view, CandidateFunction* function, void* context, ctCounts* counts);
+  void (*traverseFew)(Traversal* t, const View* view, int begin, int end, CandidateFunction* function, void* context,
+                      ctCounts* counts);
   void (*probe)(Traversal* t, const View* view, const double point[3], double radius, ProbeFunction* function,
                 void* context, ctCounts* counts);
 

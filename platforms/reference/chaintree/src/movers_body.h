@@ -10,6 +10,7 @@ typedef struct Movers {
   int begin;
   int end;
   int first; /* of the sixteen; the others are empty */
+  int leaf;  /* of begin */
   Block block;
 } Movers;
 
@@ -52,6 +53,7 @@ static void takeMovers(Traversal* t, int begin, int end, int first, Movers* move
   movers->begin = begin;
   movers->end = end;
   movers->first = first;
+  movers->leaf = begin / TREE_WIDTH;
   movers->block = world;
   for (int p = pieceOf(view, begin); p < view->pieceCount && view->pieces[p].slotBegin < end; p++) {
     if (moves(view, view->pieces[p].body)) {
@@ -61,58 +63,92 @@ static void takeMovers(Traversal* t, int begin, int end, int first, Movers* move
   }
 }
 
-/* Hands over the pairs of a slot with these slots of a leaf (bits). False ends the search. */
-static bool meet(Traversal* t, Visit* visit, int slot, unsigned others, int leaf) {
-  for (; others != 0; others &= others - 1) {
-    const int other = leaf * TREE_WIDTH + __builtin_ctz(others);
-    double a[3];
-    double b[3];
-    ctPositionInView(t, slot, motionOfSlot(t->view, slot), a);
-    ctPositionInView(t, other, motionOfSlot(t->view, other), b);
-    if (!visit->function(visit->context, slot, other, squaredDistance(a, b))) {
-      return false;
+/* The box around the centres of movers, along the world's axes. */
+typedef struct MoverBox {
+  float low[3];
+  float high[3];
+  float r; /* the largest radius */
+} MoverBox;
+
+/* If there are no particles, nothing is near the box. */
+static MoverBox boxOfMovers(const Block* block) {
+  const unsigned some = greater16(load16(block->r), all16(-1)); /* members of radius -INFINITY are none */
+  const Float16 zero = all16(0);
+  const Float16 none = all16(INFINITY);
+  const Float16 x = load16(block->x);
+  const Float16 y = load16(block->y);
+  const Float16 z = load16(block->z);
+  /* Four at a time; the most of a number is the least of its opposite. */
+  const Float16 first[4] = {blend16(some, none, x), blend16(some, none, y), blend16(some, none, z),
+                            blend16(some, none, sub16(zero, x))};
+  const Float16 last[4] = {blend16(some, none, sub16(zero, y)), blend16(some, none, sub16(zero, z)),
+                           sub16(zero, load16(block->r)), zero};
+  float least[8];
+  least4x16(first, least);
+  least4x16(last, least + 4);
+  return (MoverBox){{least[0], least[1], least[2]}, {-least[3], -least[4], -least[5]}, -least[6]};
+}
+
+/* Bit k is set if member k may be near a mover. It is if near16 says so: no operation here gives less than there. */
+CT_INLINE unsigned nearBoxOfMovers(const Block* block, const MoverBox* box, float reach) {
+  const float* const from[3] = {block->x, block->y, block->z};
+  Float16 gaps[3];
+  for (int d = 0; d < 3; d++) {
+    const Float16 x = load16(from[d]);
+    gaps[d] = sub16(x, min16(max16(x, all16(box->low[d])), all16(box->high[d])));
+  }
+  const Float16 sum = max16(add16(load16(block->r), all16(box->r + reach)), all16(0));
+  return greater16(mul16(sum, sum), squared16(gaps[0], gaps[1], gaps[2]));
+}
+
+/* Hands over the pairs of movers with the members of a leaf that each is near (bits). False ends the search. */
+static bool meet(Traversal* t, Visit* visit, const Movers* movers, const unsigned near[TREE_WIDTH], int leaf) {
+  for (int slot = movers->begin; slot < movers->end; slot++) {
+    for (unsigned others = near[slot - movers->first]; others != 0; others &= others - 1) {
+      const int other = leaf * TREE_WIDTH + __builtin_ctz(others);
+      double a[3];
+      double b[3];
+      ctPositionInView(t, slot, motionOfSlot(t->view, slot), a);
+      ctPositionInView(t, other, 0, b);
+      if (!visit->function(visit->context, slot, other, squaredDistance(a, b))) {
+        return false;
+      }
     }
   }
   return true;
 }
 
-/* Which members of a leaf each mover is near, as bits. Looks at all movers, without a branch that processors would
- * mispredict. Returns those that are near any. */
-CT_INLINE unsigned nearMovers(const Block* block, const Movers* movers, float reach, unsigned near[TREE_WIDTH]) {
+/* The index of the masks of leafA's slots with those of leafB. Without a branch for what is usual, so that nothing is
+ * mispredicted. */
+CT_INLINE int exclusionMask(const Exclusions* e, int leafA, int leafB) {
+  const int begin = e->begin[leafA];
+  const int count = e->begin[leafA + 1] - begin;
+  if (count > TREE_WIDTH) {
+    const int partner = exclusionPartner(e, leafA, leafB);
+    return partner == CT_NULL ? e->emptyMask : partner;
+  }
+  const unsigned at = equal16(e->partner + begin, leafB) & ((1u << count) - 1);
+  return at == 0 ? e->emptyMask : begin + __builtin_ctz(at);
+}
+
+/* Tests movers against these slots (bits) of a leaf at rest. False ends the search. */
+CT_INLINE bool testLeaf(Traversal* t, Visit* visit, const Movers* movers, int leaf, unsigned slots) {
+  const Exclusions* e = t->exclusions;
+  const Block* block = worldOf(t, leaf);
+  const uint16_t* masks[2] = {e->mask[exclusionMask(e, movers->leaf, leaf)], e->mask[e->emptyMask]};
+  if (movers->leaf < (movers->end - 1) / TREE_WIDTH) {
+    masks[1] = e->mask[exclusionMask(e, movers->leaf + 1, leaf)];
+  }
+  unsigned near[TREE_WIDTH];
   unsigned any = 0;
-  for (int k = movers->begin - movers->first; k < movers->end - movers->first; k++) {
-    near[k] = near16(block, sphereOf(&movers->block, k), reach);
+  for (int slot = movers->begin; slot < movers->end; slot++) {
+    const int k = slot - movers->first;
+    const unsigned excluded = masks[slot / TREE_WIDTH - movers->leaf][slot % TREE_WIDTH];
+    near[k] = near16(block, sphereOf(&movers->block, k), visit->reach) & slots & ~excluded;
     any |= near[k];
   }
-  return any;
-}
-
-/* Tests movers against the slots of a leaf that are at rest; `moved` are the others. False ends the search. */
-static bool testLeaf(Traversal* t, Visit* visit, const Movers* movers, int leaf, unsigned moved) {
-  unsigned near[TREE_WIDTH];
   visit->particleTests += (movers->end - movers->begin) * TREE_WIDTH;
-  if ((nearMovers(worldOf(t, leaf), movers, visit->reach, near) & ~moved) == 0) {
-    return true;
-  }
-  int leafOfMovers = CT_NULL;
-  int partner = CT_NULL;
-  for (int slot = movers->begin; slot < movers->end; slot++) {
-    unsigned others = near[slot - movers->first] & ~moved;
-    if (others == 0) {
-      continue;
-    }
-    if (leafOfMovers != slot / TREE_WIDTH) {
-      leafOfMovers = slot / TREE_WIDTH;
-      partner = exclusionPartner(t->exclusions, leafOfMovers, leaf);
-    }
-    if (partner != CT_NULL) {
-      others &= ~(unsigned)t->exclusions->mask[partner][slot % TREE_WIDTH];
-    }
-    if (others != 0 && !meet(t, visit, slot, others, leaf)) {
-      return false;
-    }
-  }
-  return true;
+  return any == 0 || meet(t, visit, movers, near, leaf);
 }
 
 /* Tests a mover against those of others that are in [begin, end). False ends the search. */
@@ -127,7 +163,11 @@ static bool testMover(Traversal* t, Visit* visit, const Movers* movers, int slot
     if (partner != CT_NULL && (t->exclusions->mask[partner][slot % TREE_WIDTH] >> other % TREE_WIDTH & 1) != 0) {
       continue;
     }
-    if (!meet(t, visit, slot, 1u << other % TREE_WIDTH, other / TREE_WIDTH)) {
+    double a[3];
+    double b[3];
+    ctPositionInView(t, slot, motionOfSlot(t->view, slot), a);
+    ctPositionInView(t, other, motionOfSlot(t->view, other), b);
+    if (!visit->function(visit->context, slot, other, squaredDistance(a, b))) {
       return false;
     }
   }
@@ -150,39 +190,60 @@ static bool testMovers(Traversal* t, Visit* visit, const Movers* movers, const M
   return true;
 }
 
+/* The level with which tests begin: the lowest of few nodes, since the nodes above would separate little. */
+static int firstLevel(const Tree* tree) {
+  int level = treeTop(tree);
+  while (level > 1 && tree->levelSize[level - 1] <= MOST_FIRST_NODES) {
+    level--;
+  }
+  return level;
+}
+
+/* Brings the nodes of that level up to date, and these leaves. */
+static void updateFirst(Traversal* t, int begin, int end) {
+  const Tree* tree = t->tree;
+  const int first = firstLevel(tree);
+  if (t->firstNodesTime != tree->time) {
+    t->firstNodesTime = tree->time;
+    for (int level = treeTop(tree); level >= first; level--) {
+      for (int i = 0; i < tree->levelSize[level]; i++) {
+        updateFrame(t, level, tree->levelBegin[level] + i);
+      }
+    }
+  }
+  for (int leaf = begin; leaf < end; leaf++) {
+    for (int level = first - 1; level >= 0; level--) {
+      updateWorld(t, level, tree->levelBegin[level] + (leaf >> TREE_WIDTH_BITS * level));
+    }
+  }
+}
+
 /* Tests movers against everything at rest: all slots but [begin, end), which move. False ends the search. */
 static bool probeMovers(Traversal* t, Visit* visit, const Movers* movers, int begin, int end) {
   const Tree* tree = t->tree;
+  const MoverBox box = boxOfMovers(&movers->block);
   const int firstLeaf = begin / TREE_WIDTH;
   const int lastLeaf = (end - 1) / TREE_WIDTH;
   for (int leaf = firstLeaf; leaf <= lastLeaf; leaf++) {
-    if (!testLeaf(t, visit, movers, leaf, slotBits(begin, end, leaf * TREE_WIDTH))) {
+    if (!testLeaf(t, visit, movers, leaf, ~slotBits(begin, end, leaf * TREE_WIDTH))) {
       return false;
     }
   }
-  /* Begin at the lowest level of few nodes: the nodes above would separate little. */
-  int top = treeTop(tree);
-  for (; top > 1 && tree->levelSize[top - 1] <= MOST_FIRST_NODES; top--) {
-    for (int i = 0; i < tree->levelSize[top]; i++) {
-      updateWorld(t, top, tree->levelBegin[top] + i);
-    }
-  }
+  const int top = firstLevel(tree);
   int* nodes = t->nearNodes; /* level by level */
   int count = 0;
   for (int i = 0; i < tree->levelSize[top]; i++) {
     nodes[count++] = tree->levelBegin[top] + i;
   }
-  Sphere sphere = middleOfBlock(&movers->block);
-  sphere.r += radiusAbout(sphere, &movers->block, movers->block.r) + (float)floatMargin(t->extent);
   int done = 0;
   for (int level = top; level > 0; level--) {
     const int last = count;
-    for (int i = done; i < last; i++) {
+    for (int i = done; i < last && level < top; i++) {
       updateWorld(t, level, nodes[i]);
     }
     for (; done < last; done++) {
       const int first = tree->levelBegin[level - 1] + (nodes[done] - tree->levelBegin[level]) * TREE_WIDTH;
-      count += indices16(near16(worldOf(t, nodes[done]), sphere, visit->reach), first, nodes + count);
+      count += indices16(nearBoxOfMovers(worldOf(t, nodes[done]), &box, visit->reach), first, nodes + count);
       visit->volumeTests += TREE_WIDTH;
     }
   }
@@ -192,7 +253,7 @@ static bool probeMovers(Traversal* t, Visit* visit, const Movers* movers, int be
       continue;
     }
     updateWorld(t, 0, leaf);
-    if (!testLeaf(t, visit, movers, leaf, 0)) {
+    if (!testLeaf(t, visit, movers, leaf, 0xffff)) {
       return false;
     }
   }
@@ -201,9 +262,7 @@ static bool probeMovers(Traversal* t, Visit* visit, const Movers* movers, int be
 
 /* Tests a view in which only slots [begin, end) move. It needs no volumes of straddlers. */
 static void visitFew(Traversal* t, Visit* visit, int begin, int end) {
-  for (int leaf = begin / TREE_WIDTH; leaf * TREE_WIDTH < end; leaf++) {
-    updateWorldLeaf(t, leaf);
-  }
+  updateFirst(t, begin / TREE_WIDTH, (end - 1) / TREE_WIDTH + 1);
   const bool areInOneLeaf = begin / TREE_WIDTH == (end - 1) / TREE_WIDTH;
   Movers movers[MOST_MOVERS / TREE_WIDTH];
   int count = 0;

@@ -31,19 +31,10 @@ static TwigPart findPart(const Sequence* s, const int* end, int link) {
   return heads && s->slotBegin[end[link]] - s->slotBegin[link] <= TWIG_SLOTS ? headsTwig : notInTwig;
 }
 
-static bool findTwigs(Sequence* s, Arena* arena, const int* end) {
+static void findTwigs(Sequence* s, const int* end) {
   for (int link = 1; link < s->linkCount; link++) {
     s->twigPart[link] = (uint8_t)findPart(s, end, link);
-    s->twigCount += s->twigPart[link] == headsTwig;
   }
-  s->twigHead = ctArenaAllocate(arena, (size_t)s->twigCount, sizeof(int));
-  int twig = 0;
-  for (int link = 1; link < s->linkCount && !arena->failed; link++) {
-    if (s->twigPart[link] == headsTwig) {
-      s->twigHead[twig++] = link;
-    }
-  }
-  return !arena->failed;
 }
 
 static bool numberPaths(Sequence* s, Arena* arena, const int* end) {
@@ -53,6 +44,7 @@ static bool numberPaths(Sequence* s, Arena* arena, const int* end) {
     pathCount += heads;
     s->closureCount += heads && s->twigPart[link] == notInTwig;
   }
+  s->openPathCount = pathCount - s->closureCount;
   s->pathEnd = ctArenaAllocate(arena, (size_t)pathCount, sizeof(int));
   if (arena->failed) {
     return false;
@@ -75,7 +67,8 @@ static bool closes(const Sequence* s, int link) {
 }
 
 bool ctPathsBuild(Sequence* s, Arena* arena, const int* end) {
-  if (!findTwigs(s, arena, end) || !numberPaths(s, arena, end)) {
+  findTwigs(s, end);
+  if (!numberPaths(s, arena, end)) {
     return false;
   }
   s->pathBegin = ctArenaAllocate(arena, (size_t)s->closureCount + 2, sizeof(int));

@@ -15,9 +15,16 @@ static Bound boundOfMembers(const Block* block, const float* centres) {
   if (middle.r < 0) {
     return (Bound){0, 0, 0, -INFINITY, -INFINITY};
   }
-  const float r = radiusAbout(middle, block, block->r);
+  /* As radiusAbout, for both radii at a time: the most of a number is the least of its opposite. */
+  const Float16 zero = all16(0);
+  const Float16 away = sqrt16(squaredFrom(block, middle.x, middle.y, middle.z));
+  const Float16 ends[4] = {sub16(zero, add16(away, load16(block->r))), sub16(zero, add16(away, load16(centres))), zero,
+                           zero};
+  float least[4];
+  least4x16(ends, least);
+  const float r = -least[0];
   const float rounding = 1e-6f * (fabsf(middle.x) + fabsf(middle.y) + fabsf(middle.z) + r) + FLOAT_FLOOR;
-  return (Bound){middle.x, middle.y, middle.z, r + rounding, radiusAbout(middle, block, centres) + rounding};
+  return (Bound){middle.x, middle.y, middle.z, r + rounding, rounding - least[1]};
 }
 
 static Bound boundOfLeaf(const Leaf* leaf) {
@@ -111,7 +118,7 @@ static void openLinks(const Sequence* s, int begin, int end, Openings* openings)
 /* If a walk is at the head of a twig, stores the frame of the link on which that hangs. */
 CT_INLINE void keepStem(Tree* tree, const Sequence* s, const Walk* walk) {
   if (s->twigPart[walk->link] == headsTwig) {
-    tree->stem[sequenceTwig(s, walk->link)] = frameOfColumns(&walk->stem[0]);
+    tree->stem[sequenceOpenPath(s, walk->link)] = frameOfColumns(&walk->stem[0]);
   }
 }
 
@@ -190,15 +197,55 @@ static void refreshTwig(Tree* tree, const Sequence* sequence, int link, int leaf
   const int slotEnd = sequence->slotBegin[sequenceEnd(sequence, link)];
   const int begin = slotBegin > leaf * TREE_WIDTH ? slotBegin : leaf * TREE_WIDTH;
   const int end = slotEnd < (leaf + 1) * TREE_WIDTH ? slotEnd : (leaf + 1) * TREE_WIDTH;
-  const int twig = sequenceTwig(sequence, link);
-  const bool beginsHere = sequence->slotBegin[sequence->twigHead[twig]] >= leaf * TREE_WIDTH;
-  const Frame stem = beginsHere ? tree->stem[twig] : transformIdentity();
+  const int head = sequenceTwigHead(sequence, link);
+  const bool beginsHere = sequence->slotBegin[head] >= leaf * TREE_WIDTH;
+  const Frame stem = beginsHere ? tree->stem[sequenceOpenPath(sequence, head)] : transformIdentity();
   Walk walk;
   walkBeginInTwig(&walk, sequence, sequence->slotLink[begin], &stem);
   Openings openings;
   openLinks(sequence, walk.link + 1, sequence->slotLink[end - 1] + 1, &openings);
   positionSlots(tree, sequence, &walk, &openings, begin, end);
   noteLeaf(tree, leaf);
+}
+
+/* Makes the sphere of a child that of its parent's member. */
+CT_INLINE void placeMember(Tree* tree, const Columns* pose, int child, int k, Members* members) {
+  const Bound* own = &tree->bound[child];
+  double centre[3] = {own->x, own->y, own->z};
+  columnsPoint(pose, centre, centre);
+  members->block.x[k] = (float)centre[0];
+  members->block.y[k] = (float)centre[1];
+  members->block.z[k] = (float)centre[2];
+  members->block.r[k] = own->r;
+  members->centres[k] = own->centres;
+}
+
+/* Recomputes the bound of an inner node from its members. */
+static void refreshBound(Tree* tree, int node) {
+  const Members* members = treeMembers(tree, node);
+  tree->bound[node] = boundOfMembers(&members->block, members->centres);
+}
+
+/* How far member k of a node sticks out of the node's bound; a little more, for roundings. */
+static float sticksOut(const Bound* bound, const Members* members, int k) {
+  const float x = members->block.x[k] - bound->x;
+  const float y = members->block.y[k] - bound->y;
+  const float z = members->block.z[k] - bound->z;
+  const float away = sqrtf(x * x + y * y + z * z) + members->block.r[k];
+  return away - bound->r + 1e-5f * away;
+}
+
+/* Recomputes the member of the node over a leaf which has changed, but not its shortcut. The bound of that node lags.
+ */
+static void refreshMember(Tree* tree, int leaf) {
+  const int node = treeParent(tree, 0, leaf);
+  const int k = leaf % TREE_WIDTH;
+  Members* members = treeMembers(tree, node);
+  Columns pose;
+  columnsOf(&tree->pose[leaf], &pose);
+  placeMember(tree, &pose, leaf, k, members);
+  tree->outside = fmaxf(tree->outside, sticksOut(&tree->bound[node], members, k));
+  tree->contentTime[node] = tree->time;
 }
 
 /* Recomputes an inner node of which these children (ascending) have changed. Children after one whose shortcut has
@@ -218,14 +265,7 @@ static void refreshInnerNode(Tree* tree, int level, int node, const int* changed
     } else {
       columnsOf(&tree->pose[child], &pose);
     }
-    const Bound* own = &tree->bound[child];
-    double centre[3] = {own->x, own->y, own->z};
-    columnsPoint(&pose, centre, centre);
-    members->block.x[child - first] = (float)centre[0];
-    members->block.y[child - first] = (float)centre[1];
-    members->block.z[child - first] = (float)centre[2];
-    members->block.r[child - first] = own->r;
-    members->centres[child - first] = own->centres;
+    placeMember(tree, &pose, child, child - first, members);
     moved = moved || tree->shortcutTime[child] == tree->time;
     child = moved ? child + 1 : ++done < count ? changed[done] : last + 1;
   }
@@ -234,7 +274,7 @@ static void refreshInnerNode(Tree* tree, int level, int node, const int* changed
     tree->shortcut[node] = frameOfColumns(&pose);
     tree->shortcutTime[node] = tree->time;
   }
-  tree->bound[node] = boundOfMembers(&members->block, members->centres);
+  refreshBound(tree, node);
   tree->contentTime[node] = tree->time;
   tree->hasSum[node] = false;
   tree->boxIsStale[node] = true;

@@ -11,12 +11,18 @@ ctStatus ctFail(ctChainTree* scene, ctStatus status, const char* format, ...) {
   return status;
 }
 
-Tree* ctSceneTree(ctChainTree* scene) {
+Tree* ctSceneLaggingTree(ctChainTree* scene) {
   if (scene->staleTree.isStale) {
     ctPathsMultiply(&scene->sequence);
     ctTreeRefresh(&scene->staleTree, &scene->sequence);
   }
   return &scene->staleTree;
+}
+
+Tree* ctSceneTree(ctChainTree* scene) {
+  Tree* tree = ctSceneLaggingTree(scene);
+  ctTreeCatchUp(tree);
+  return tree;
 }
 
 Sweep* ctSceneSweep(ctChainTree* scene) {

@@ -59,6 +59,9 @@ ctStatus ctCheckParticles(ctChainTree* scene, int count, const int* particles);
 /* The tree of the state. Refreshes it if new positions have left it stale. */
 Tree* ctSceneTree(ctChainTree* scene);
 
+/* The same, but bounds of inner nodes may lag, see tree.h. For trials of few slots. */
+Tree* ctSceneLaggingTree(ctChainTree* scene);
+
 /* How far some pair is beyond its limit at most, nm; 0: none is. INFINITY: farther than `most`, or there is no memory.
  */
 double ctSceneExcess(ctChainTree* scene, double most, ctCounts* counts);

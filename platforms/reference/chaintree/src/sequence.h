@@ -73,8 +73,8 @@ typedef struct Sequence {
   int typeCount;
   int slotlessCount;  /* particles without a slot */
   int branchCount;    /* of the world */
-  int twigCount;      /* that lie in no other twig */
   int closureCount;   /* paths that have closures */
+  int openPathCount;  /* the others */
   int displacedCount; /* joints that are off the reference */
 
   /* The caller's links. */
@@ -98,9 +98,7 @@ typedef struct Sequence {
   int* slotOrLink;       /* its slot; if it has none, ~ of its link */
   int* slotlessParticle; /* the particles without a slot, in the order of their links */
 
-  /* First links of the world's branches and of twigs, ascending. */
-  int* branchHead;
-  int* twigHead;
+  int* branchHead; /* first links of the world's branches, ascending */
 
   /* Paths. First come those with closures, which the sequence leaves before its end, outside of twigs; then the one
    * that starts at the world; then those in twigs. */
@@ -177,9 +175,17 @@ static inline int sequenceBranch(const Sequence* s, int link) {
   return ascendingFrom(s->branchHead, 0, s->branchCount, link + 1) - 1;
 }
 
-/* The outermost twig that a link in one is in. O(log of their number). */
-static inline int sequenceTwig(const Sequence* s, int link) {
-  return ascendingFrom(s->twigHead, 0, s->twigCount, link + 1) - 1;
+/* The first link of the outermost twig that a link is in. */
+static inline int sequenceTwigHead(const Sequence* s, int link) {
+  while (s->twigPart[link] != headsTwig) {
+    link = s->parent[link];
+  }
+  return link;
+}
+
+/* The number of a path that has no closure, such as one that a twig begins with. */
+static inline int sequenceOpenPath(const Sequence* s, int link) {
+  return s->pathOf[link] - s->closureCount;
 }
 
 /* The link that holds a caller's: the world, if that is fixed. */

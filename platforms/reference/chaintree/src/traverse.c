@@ -22,6 +22,7 @@ bool ctTraversalBuild(Traversal* t, Arena* arena, const Tree* tree, const Sequen
   const size_t entries = (size_t)t->leafEntryCount + inner;
   t->movedCapacity = tree->nodeCount < MOST_MOVED_ENTRIES ? tree->nodeCount : MOST_MOVED_ENTRIES;
   t->tree = tree;
+  t->firstNodesTime = NEVER;
   t->sequence = sequence;
   t->exclusions = exclusions;
   t->worldTime = ctArenaAllocate(arena, nodes, sizeof(int64_t));
@@ -115,6 +116,11 @@ const Frame* ctTraversalLeafFrame(Traversal* t, int leaf) {
 
 int64_t ctTraverse(Traversal* t, const View* view, CandidateFunction* function, void* context, ctCounts* counts) {
   return t->tree->instructions->traverse(t, view, function, context, counts);
+}
+
+void ctTraverseFew(Traversal* t, const View* view, int begin, int end, CandidateFunction* function, void* context,
+                   ctCounts* counts) {
+  t->tree->instructions->traverseFew(t, view, begin, end, function, context, counts);
 }
 
 void ctTraverseProbe(Traversal* t, const View* view, const double point[3], double radius, ProbeFunction* function,

@@ -41,10 +41,11 @@ typedef struct Traversal {
   double band;   /* the canonical distance decides about distances this close to a limit */
 
   /* World coordinates of the state, kept from descent to descent as long as nothing changes them. Per node. */
-  int64_t* worldTime;    /* the tree's time of its world coordinates; NEVER: it has none */
-  bool worldHasSurfaces; /* the radii are of surfaces, else of centres */
-  int* entryOf;          /* its entry in the two arrays below; CT_NULL: another leaf has taken that */
-  struct Box* box;       /* around its members in its own frame; stale where the tree says so */
+  int64_t* worldTime;     /* the tree's time of its world coordinates; NEVER: it has none */
+  bool worldHasSurfaces;  /* the radii are of surfaces, else of centres */
+  int64_t firstNodesTime; /* the tree's time when all nodes with which tests of few slots begin were up to date */
+  int* entryOf;           /* its entry in the two arrays below; CT_NULL: another leaf has taken that */
+  struct Box* box;        /* around its members in its own frame; stale where the tree says so */
 
   /* The entries: one for each of so many leaves, those updated last, and one for each inner node. */
   int leafEntryCount;
@@ -109,6 +110,10 @@ const Frame* ctTraversalLeafFrame(Traversal* traversal, int leaf);
  * view's reach, each once. Returns what the descent has cost, in the units of costs.h. */
 int64_t ctTraverse(Traversal* traversal, const View* view, CandidateFunction* function, void* context,
                    ctCounts* counts);
+
+/* The same for a view in which only slots [begin, end) move, see ctViewMovesFew. Bounds of inner nodes may lag. */
+void ctTraverseFew(Traversal* traversal, const View* view, int begin, int end, CandidateFunction* function,
+                   void* context, ctCounts* counts);
 
 /* The same for a sphere at a point of the world (from worldOrigin), against everything. */
 void ctTraverseProbe(Traversal* traversal, const View* view, const double point[3], double radius,

@@ -2,23 +2,32 @@
 #include "descent_body.h"
 #include "movers_body.h"
 
-static int64_t traverse(Traversal* t, const View* view, CandidateFunction* function, void* context, ctCounts* counts) {
+static Visit startVisit(Traversal* t, const View* view, CandidateFunction* function, void* context) {
   startView(t, view);
   const double margin = floatMargin(t->extent + fabs(view->reach));
-  Visit visit = {function, context, (float)(view->reach + margin), false, 0, 0, 0, 0, 0, 0, 0};
-  int slotBegin;
-  int slotEnd;
-  if (ctViewMovesFew(t, view, &slotBegin, &slotEnd)) {
-    visitFew(t, &visit, slotBegin, slotEnd);
-  } else {
-    descend(t, &visit);
-  }
+  return (Visit){function, context, (float)(view->reach + margin), false, 0, 0, 0, 0, 0, 0, 0};
+}
+
+static void addCounts(const Visit* visit, ctCounts* counts) {
   if (counts != NULL) {
-    counts->volumeTests += visit.volumeTests;
-    counts->particleTests += visit.particleTests;
+    counts->volumeTests += visit->volumeTests;
+    counts->particleTests += visit->particleTests;
   }
+}
+
+static int64_t traverse(Traversal* t, const View* view, CandidateFunction* function, void* context, ctCounts* counts) {
+  Visit visit = startVisit(t, view, function, context);
+  descend(t, &visit);
+  addCounts(&visit, counts);
   return visit.volumeTests + visit.particleTests + COST_OF_BOX_TEST * visit.boxTests +
          COST_OF_BOXES * visit.visitsWithBoxes;
+}
+
+static void traverseFew(Traversal* t, const View* view, int begin, int end, CandidateFunction* function, void* context,
+                        ctCounts* counts) {
+  Visit visit = startVisit(t, view, function, context);
+  visitFew(t, &visit, begin, end);
+  addCounts(&visit, counts);
 }
 
 static void traverseProbe(Traversal* t, const View* view, const double point[3], double radius, ProbeFunction* function,

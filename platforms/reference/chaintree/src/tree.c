@@ -2,37 +2,13 @@
 
 #include <string.h>
 
+#include "costs.h"
 #include "instructions.h"
 
 /* An axis is taken from the positions of its two particles if its squared length is more than this share of the squared
  * distance from the leaf's origin. Positions in a leaf are off by up to 16 products of transforms, some 4 v of that
  * distance (v = 2^-53). The direction of a line that is 32 times shorter is off by 128 v, 1/84 of DOUBLE_MARGIN. */
 #define LEAST_LINE (1.0 / 1024)
-
-/* The particles without a slot of a link that begins at this one; returns how many. */
-static int slotlessAt(const Sequence* sequence, int slot, const int** slotless) {
-  const int link = sequence->slotLink[slot];
-  if (sequence->slotlessCount == 0 || sequence->slotBegin[link] != slot) {
-    return 0;
-  }
-  const int begin = sequenceSlotless(sequence, link);
-  *slotless = sequence->slotlessParticle + begin;
-  return sequenceSlotless(sequence, link + 1) - begin;
-}
-
-static void countParticles(Tree* tree, const Sequence* sequence) {
-  const int* slotless;
-  for (int slot = 0; slot < sequence->slotCount; slot++) {
-    tree->particles[slot / TREE_WIDTH] +=
-        (sequence->slotParticle[slot] != CT_NULL) + slotlessAt(sequence, slot, &slotless);
-  }
-  for (int level = 1; level < tree->levelCount; level++) {
-    for (int i = 0; i < tree->levelSize[level - 1]; i++) {
-      const int child = tree->levelBegin[level - 1] + i;
-      tree->particles[treeParent(tree, level - 1, child)] += tree->particles[child];
-    }
-  }
-}
 
 /* Writes what updates never change: which members there are, and the radii of particles. */
 static void clearMembers(Tree* tree, const Sequence* sequence) {
@@ -75,17 +51,19 @@ bool ctTreeBuild(Tree* tree, Arena* arena, const Sequence* sequence, const struc
   tree->shortcutTime = ctArenaAllocate(arena, nodes, sizeof(int64_t));
   tree->leaf = ctArenaAllocate(arena, (size_t)tree->levelBegin[1], sizeof(Leaf));
   tree->members = ctArenaAllocate(arena, nodes - (size_t)tree->levelBegin[1], sizeof(Members));
-  tree->stem = ctArenaAllocate(arena, (size_t)sequence->twigCount, sizeof(Frame));
+  tree->stem = ctArenaAllocate(arena, (size_t)sequence->openPathCount, sizeof(Frame));
   tree->sum = ctArenaAllocate(arena, nodes, sizeof(double[3]));
   tree->hasSum = ctArenaAllocate(arena, nodes, sizeof(bool));
   tree->particles = ctArenaAllocate(arena, nodes, sizeof(int));
   tree->dirty = ctArenaAllocate(arena, (size_t)tree->levelSize[0], sizeof(int));
+  tree->lagging = ctArenaAllocate(arena, (size_t)tree->levelSize[0], sizeof(int));
+  tree->lags = ctArenaAllocate(arena, nodes, sizeof(bool));
   tree->changedLeaf = ctArenaAllocate(arena, (size_t)tree->levelSize[0], sizeof(int));
   tree->changeTime = ctArenaAllocate(arena, (size_t)tree->levelSize[0], sizeof(int64_t));
   if (arena->failed) {
     return false;
   }
-  countParticles(tree, sequence);
+  ctTreeCountParticles(tree, sequence);
   return true;
 }
 
@@ -110,6 +88,14 @@ void ctTreeMakeStale(Tree* tree) {
   noteChange(tree, 0);
 }
 
+static void forgetLagging(Tree* tree) {
+  for (int i = 0; i < tree->laggingCount; i++) {
+    tree->lags[tree->lagging[i]] = false;
+  }
+  tree->laggingCount = 0;
+  tree->outside = 0;
+}
+
 void ctTreeRefresh(Tree* tree, const Sequence* sequence) {
   clearMembers(tree, sequence);
   for (int leaf = 0; leaf < tree->levelSize[0]; leaf++) {
@@ -128,6 +114,7 @@ void ctTreeRefresh(Tree* tree, const Sequence* sequence) {
     }
   }
   refreshRoot(tree);
+  forgetLagging(tree);
   tree->isStale = false;
 }
 
@@ -176,19 +163,10 @@ static int refreshTwigs(Tree* tree, const Sequence* s, const int* links, int cou
   return dirty;
 }
 
-int ctTreeUpdate(Tree* tree, const Sequence* sequence, const int* links, int count) {
-  tree->time++;
-  int dirty = refreshSteps(tree, sequence, links, count);
-  dirty = refreshTwigs(tree, sequence, links, count, dirty);
-  ctSortInts(tree->dirty, dirty);
-  for (int i = 0; i < dirty; i++) {
-    if (tree->shortcutTime[tree->dirty[i]] == tree->time) {
-      noteChange(tree, tree->dirty[i]);
-      break;
-    }
-  }
-  int updated = dirty;
-  for (int level = 1; level < tree->levelCount; level++) {
+/* Recomputes the nodes over dirty ones of a level, level by level; returns how many. */
+static int refreshAbove(Tree* tree, int level, int dirty) {
+  int updated = 0;
+  for (level++; level < tree->levelCount; level++) {
     int parents = 0;
     int end;
     for (int i = 0; i < dirty; i = end) {
@@ -202,6 +180,73 @@ int ctTreeUpdate(Tree* tree, const Sequence* sequence, const int* links, int cou
     updated += dirty;
   }
   return updated;
+}
+
+/* Refreshes the members that dirty leaves are, and notes that the nodes over them lag; returns how many these are. */
+static int lagAbove(Tree* tree, int dirty) {
+  int lagging = 0;
+  for (int i = 0; i < dirty; i++) {
+    tree->instructions->refreshMember(tree, tree->dirty[i]);
+    int node = tree->dirty[i];
+    int before = i > 0 ? tree->dirty[i - 1] : CT_NULL;
+    for (int level = 0; level < treeTop(tree); level++) {
+      node = treeParent(tree, level, node);
+      before = before == CT_NULL ? CT_NULL : treeParent(tree, level, before);
+      if (node == before) {
+        break;
+      }
+      tree->hasSum[node] = false;
+      tree->boxIsStale[node] = true;
+      if (level == 0 && !tree->lags[node]) {
+        tree->lags[node] = true;
+        tree->lagging[tree->laggingCount++] = node;
+      }
+      lagging++;
+    }
+  }
+  return lagging;
+}
+
+void ctTreeCatchUp(Tree* tree) {
+  if (tree->laggingCount > 0) {
+    ctSortInts(tree->lagging, tree->laggingCount);
+    for (int i = 0; i < tree->laggingCount; i++) {
+      tree->dirty[i] = tree->lagging[i];
+      tree->instructions->refreshBound(tree, tree->lagging[i]);
+    }
+    refreshAbove(tree, 1, tree->laggingCount);
+    forgetLagging(tree);
+  }
+}
+
+/* True if these links move no more than twigs, and trials of few slots begin with the nodes over leaves. */
+static bool mayLag(const Tree* tree, const Sequence* s, const int* links, int count) {
+  for (int i = 0; i < count; i++) {
+    if (s->twigPart[links[i]] == notInTwig) {
+      return false;
+    }
+  }
+  return tree->levelCount > 1 && tree->levelSize[1] <= MOST_FIRST_NODES;
+}
+
+int ctTreeUpdate(Tree* tree, const Sequence* sequence, const int* links, int count) {
+  if (mayLag(tree, sequence, links, count)) {
+    tree->time++;
+    const int leaves = refreshTwigs(tree, sequence, links, count, 0);
+    return leaves + lagAbove(tree, leaves);
+  }
+  ctTreeCatchUp(tree);
+  tree->time++;
+  int dirty = refreshSteps(tree, sequence, links, count);
+  dirty = refreshTwigs(tree, sequence, links, count, dirty);
+  ctSortInts(tree->dirty, dirty);
+  for (int i = 0; i < dirty; i++) {
+    if (tree->shortcutTime[tree->dirty[i]] == tree->time) {
+      noteChange(tree, tree->dirty[i]);
+      break;
+    }
+  }
+  return dirty + refreshAbove(tree, 0, dirty);
 }
 
 /* ---- Frames ---- */
@@ -281,103 +326,6 @@ Frame ctTreeRelative(const Tree* tree, const Sequence* sequence, int linkA, int 
   }
   const Frame inverse = transformInverse(&a);
   return transformCompose(&inverse, &b);
-}
-
-/* ---- Sums ---- */
-
-static void add(double sum[3], const double x[3]) {
-  sum[0] += x[0];
-  sum[1] += x[1];
-  sum[2] += x[2];
-}
-
-/* Slots [slotBegin, slotEnd) of a leaf: adds the positions of their particles, and of those without a slot of links
- * that begin there, to sum, in the leaf's frame; returns how many. */
-static int sumSlots(const Tree* tree, const Sequence* sequence, int leaf, int slotBegin, int slotEnd, double sum[3]) {
-  int particles = 0;
-  Walk walk;
-  treeWalk(&walk, sequence, leaf);
-  for (int slot = slotBegin; slot < slotEnd; slot++) {
-    double x[3];
-    if (sequence->slotParticle[slot] != CT_NULL) {
-      treeLocal(tree, slot, x);
-      add(sum, x);
-      particles++;
-    }
-    const int* slotless;
-    const int slotlessCount = slotlessAt(sequence, slot, &slotless);
-    if (slotlessCount > 0) {
-      walkTo(&walk, sequence, sequence->slotLink[slot]);
-      const Frame frame = frameOfColumns(&walk.frame);
-      for (int i = 0; i < slotlessCount; i++) {
-        sequenceLocal(sequence, walk.link, slotless[i], x);
-        transformPoint(&frame, x, x);
-        add(sum, x);
-      }
-      particles += slotlessCount;
-    }
-  }
-  return particles;
-}
-
-static int sumNode(Tree* tree, const Sequence* sequence, int level, int node, int slotBegin, int slotEnd,
-                   double sum[3]);
-
-/* Adds the sum over these slots of a node's children, in the node's frame. */
-static int sumChildren(Tree* tree, const Sequence* sequence, int level, int node, int slotBegin, int slotEnd,
-                       double sum[3]) {
-  int particles = 0;
-  int count;
-  const int first = treeChildren(tree, level, node, &count);
-  for (int child = first; child < first + count; child++) {
-    double own[3] = {0, 0, 0};
-    const int inChild = sumNode(tree, sequence, level - 1, child, slotBegin, slotEnd, own);
-    if (inChild > 0) {
-      rotate(&tree->pose[child], own, own);
-      for (int k = 0; k < 3; k++) {
-        sum[k] += own[k] + inChild * tree->pose[child].m[k][3];
-      }
-      particles += inChild;
-    }
-  }
-  return particles;
-}
-
-/* Slots [slotBegin, slotEnd) of a node: adds their particles' positions to sum, in the node's frame; returns how many.
- */
-static int sumNode(Tree* tree, const Sequence* sequence, int level, int node, int slotBegin, int slotEnd,
-                   double sum[3]) {
-  int end;
-  const int begin = treeSlots(tree, level, node, &end);
-  if (slotEnd <= begin || end <= slotBegin) {
-    return 0;
-  }
-  const bool whole = slotBegin <= begin && end <= slotEnd;
-  double own[3] = {0, 0, 0};
-  int particles = tree->particles[node];
-  if (!whole || !tree->hasSum[node]) {
-    const int from = begin > slotBegin ? begin : slotBegin;
-    const int to = end < slotEnd ? end : slotEnd;
-    particles = level == 0 ? sumSlots(tree, sequence, node, from, to, own)
-                           : sumChildren(tree, sequence, level, node, from, to, own);
-  }
-  if (whole && !tree->hasSum[node]) {
-    memcpy(tree->sum[node], own, sizeof own);
-    tree->hasSum[node] = true;
-  }
-  add(sum, whole ? tree->sum[node] : own);
-  return particles;
-}
-
-int ctTreeSum(Tree* tree, const Sequence* sequence, int linkBegin, int linkEnd, double sum[3]) {
-  sum[0] = sum[1] = sum[2] = 0;
-  return sumNode(tree, sequence, treeTop(tree), treeRoot(tree), sequence->slotBegin[linkBegin],
-                 sequence->slotBegin[linkEnd], sum);
-}
-
-void ctTreeCompleteSums(Tree* tree, const Sequence* sequence) {
-  double all[3];
-  ctTreeSum(tree, sequence, 0, sequence->linkCount, all);
 }
 
 /* ---- Validation ---- */

@@ -69,7 +69,8 @@ typedef struct Tree {
   Members* members; /* per inner node, from levelBegin[1] on */
   Bound* bound;     /* per node */
   bool* boxIsStale; /* per node: recomputed since Traversal.box was made from it, which clears this */
-  Frame* stem;      /* per twig: the frame of the link on which it hangs in that of the leaf where the twig begins */
+  Frame* stem;      /* per path without closure, if a twig begins with it: the frame of the link on which that twig
+                       hangs in the frame of the leaf where it begins */
 
   /* Sums of positions, made when asked for. */
   double (*sum)[3]; /* per node: of the positions of all its particles, modelled or not, in its own frame */
@@ -78,6 +79,13 @@ typedef struct Tree {
 
   bool isStale; /* the layout is right, but no content is of the state */
   int* dirty;   /* scratch: nodes of one level */
+
+  /* A turn in a twig leaves the bounds of all inner nodes as they are, until they are asked for: a trial of few slots
+   * looks at the members of the nodes over leaves alone. */
+  int laggingCount; /* of nodes over leaves below which twigs have turned since; of these all other nodes lag, too */
+  int* lagging;
+  bool* lags;    /* per node */
+  float outside; /* nm: no particle sticks farther out of the root's bound, as that is */
 
   /* When which part of the tree last changed. If the shortcut of a leaf changes, all nodes behind that leaf move. The
    * list of such leaves, with times, ascends in both: a change removes earlier changes of later leaves. */
@@ -172,8 +180,11 @@ void ctTreeMakeStale(Tree* tree);
 /* Recomputes everything from the sequence's state: O(N). */
 void ctTreeRefresh(Tree* tree, const Sequence* sequence);
 
+/* Recomputes what lags. */
+void ctTreeCatchUp(Tree* tree);
+
 /* Recomputes the nodes that depend on the joints of these links (ascending): leaves, then the nodes over them, level by
- * level, each once (section 3.1). Returns how many. */
+ * level, each once (section 3.1), or notes that they lag. Returns how many. */
 int ctTreeUpdate(Tree* tree, const Sequence* sequence, const int* links, int count);
 
 /* The frame of a node in the world. O(level count). */
@@ -202,6 +213,9 @@ double ctTreeSquaredDistance(const Tree* tree, int slotA, int slotB);
 
 /* The frame of linkB in that of linkA, by way of the lowest node over both (section 2.1). O(log N). */
 Frame ctTreeRelative(const Tree* tree, const Sequence* sequence, int linkA, int linkB);
+
+/* Part of ctTreeBuild: counts the particles of all nodes. */
+void ctTreeCountParticles(Tree* tree, const Sequence* sequence);
 
 /* The sum of the positions of all particles of links [linkBegin, linkEnd) in the world, and how many they are. O(log
  * N). */

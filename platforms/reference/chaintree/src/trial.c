@@ -50,9 +50,10 @@ static Frame linkFrame(const Sequence* sequence, const Tree* tree, int link) {
   return transformCompose(&leaf, &inLeaf);
 }
 
-/* Turns a torsion about its axis in the world. */
-static void turnTorsion(TrialChange* change, const Sequence* s, Traversal* t, double angle) {
+/* Turns a torsion about its axis in the world. The placements of its states stay undefined: nobody looks at them. */
+static void turnTorsion(TrialChange* change, const Sequence* s, Traversal* t, Frame* motion) {
   static const double still[3] = {0, 0, 0};
+  const double angle = change->given->angle;
   double point[3];
   double direction[3];
   const Frame* leaf = ctTraversalLeafFrame(t, s->slotBegin[change->link] / TREE_WIDTH);
@@ -60,11 +61,9 @@ static void turnTorsion(TrialChange* change, const Sequence* s, Traversal* t, do
   transformPoint(leaf, point, point);
   rotate(leaf, direction, direction);
   const double factor = rodriguesFactor(direction, angle);
-  for (int k = 0; k < 3; k++) {
-    direction[k] *= factor;
-  }
-  rotationFromRodrigues(direction[0], direction[1], direction[2], change->motion.m[0], 1);
-  transformAbout(point, still, &change->motion);
+  rotationFromRodrigues(factor * direction[0], factor * direction[1], factor * direction[2], motion->m[0], 1);
+  transformAbout(point, still, motion);
+  change->before.angle = s->angle[change->link];
   change->after.angle = ctAngleTurned(change->before.angle, angle);
 }
 
@@ -81,14 +80,15 @@ static void findPivot(const Sequence* s, Traversal* t, int link, double pivot[3]
 }
 
 /* Turns a ball joint about its pivot. */
-static void turnBall(TrialChange* change, const Sequence* s, Traversal* t, const double rotation[3]) {
+static void turnBall(TrialChange* change, const Sequence* s, Traversal* t, Frame* motion) {
   static const double still[3] = {0, 0, 0};
+  const double* rotation = change->given->rotation;
   double turn[4];
   double pivot[3];
   quaternionFromVector(rotation, turn);
-  rotationFromQuaternion(turn, &change->motion);
+  rotationFromQuaternion(turn, motion);
   findPivot(s, t, change->link, pivot);
-  transformAbout(pivot, still, &change->motion);
+  transformAbout(pivot, still, motion);
   memcpy(change->rotation, rotation, sizeof change->rotation);
   change->isTurnOfBall = true;
 }
@@ -110,13 +110,14 @@ static void turnBalls(Trial* trial, const Sequence* s, const Tree* tree) {
 }
 
 /* Moves a free joint. The change is given in the world; the joint's state is in the parent's frame. */
-static void moveFreely(TrialChange* change, const Sequence* s, const Tree* tree, const ctChange* given) {
+static void moveFreely(TrialChange* change, const Sequence* s, const Tree* tree, Frame* motion) {
+  const ctChange* given = change->given;
   double turn[4];
   quaternionFromVector(given->rotation, turn);
-  rotationFromQuaternion(turn, &change->motion);
+  rotationFromQuaternion(turn, motion);
   double pivot[3];
   subtract(given->pivot, s->worldOrigin, pivot);
-  transformAbout(pivot, given->translation, &change->motion);
+  transformAbout(pivot, given->translation, motion);
 
   const Frame parent = linkFrame(s, tree, s->parent[change->link]);
   double rotation[3];
@@ -139,8 +140,8 @@ static void addPiece(Trial* trial, int slotBegin, int motion) {
   trial->pieces[trial->pieceCount++] = (Piece){slotBegin, motion};
 }
 
-/* Cuts the sequence into pieces. The intervals of the changes are nested or disjoint: goes along the sequence with a
- * stack of the open ones. */
+/* Cuts the sequence into pieces, and composes motions with those around them. The intervals of the changes are nested
+ * or disjoint: goes along the sequence with a stack of the open ones. */
 static void cutPieces(Trial* trial, const Sequence* s) {
   int* open = trial->scratch;
   int* motionOf = trial->motionOf;
@@ -160,7 +161,9 @@ static void cutPieces(Trial* trial, const Sequence* s) {
     if (i < trial->count) {
       const TrialChange* change = &trial->changes[i];
       const int around = depth > 0 ? motionOf[depth - 1] : 0;
-      trial->motions[i + 1] = around == 0 ? change->motion : transformCompose(&trial->motions[around], &change->motion);
+      if (around != 0) {
+        trial->motions[i + 1] = transformCompose(&trial->motions[around], &trial->motions[i + 1]);
+      }
       motionOf[depth] = i + 1; /* the motion that goes with the open interval */
       open[depth++] = change->link;
       addPiece(trial, s->slotBegin[change->link], i + 1);
@@ -279,35 +282,47 @@ static int compareChanges(const void* a, const void* b) {
   return (x > y) - (x < y);
 }
 
+/* Sorts the changes by link; returns a link that is changed twice, or CT_NULL. */
+static int sortChanges(Trial* trial) {
+  bool isAscending = true;
+  for (int i = 1; i < trial->count && isAscending; i++) {
+    isAscending = trial->changes[i - 1].link <= trial->changes[i].link;
+  }
+  if (!isAscending) {
+    qsort(trial->changes, (size_t)trial->count, sizeof(TrialChange), compareChanges);
+  }
+  for (int i = 0; i < trial->count; i++) {
+    trial->links[i] = trial->changes[i].link;
+    if (i > 0 && trial->links[i] == trial->links[i - 1]) {
+      return trial->links[i];
+    }
+  }
+  return CT_NULL;
+}
+
 int ctTrialOpen(Trial* trial, const Sequence* s, Traversal* t, const ctChange* given, int count) {
   trial->count = count;
   for (int i = 0; i < count; i++) {
     TrialChange* change = &trial->changes[i];
     change->link = sequenceLink(s, given[i].link);
     change->userLink = given[i].link;
-    if (s->jointType[change->link] == ctBallJoint) {
-      turnBall(change, s, t, given[i].rotation);
-      continue;
-    }
-    change->before = ctSequenceGetJoint(s, change->link);
     change->isTurnOfBall = false;
-    if (s->jointType[change->link] == ctTorsionJoint) {
-      turnTorsion(change, s, t, given[i].angle);
-    } else {
-      moveFreely(change, s, t->tree, &given[i]);
-    }
+    change->given = &given[i];
   }
-  bool isAscending = true;
-  for (int i = 1; i < count && isAscending; i++) {
-    isAscending = trial->changes[i - 1].link <= trial->changes[i].link;
-  }
-  if (!isAscending) {
-    qsort(trial->changes, (size_t)count, sizeof(TrialChange), compareChanges);
+  const int twice = sortChanges(trial);
+  if (twice != CT_NULL) {
+    return twice;
   }
   for (int i = 0; i < count; i++) {
-    trial->links[i] = trial->changes[i].link;
-    if (i > 0 && trial->links[i] == trial->links[i - 1]) {
-      return trial->links[i];
+    TrialChange* change = &trial->changes[i];
+    Frame* motion = &trial->motions[i + 1]; /* of the link in the world, if this were the only change */
+    if (s->jointType[change->link] == ctTorsionJoint) {
+      turnTorsion(change, s, t, motion);
+    } else if (s->jointType[change->link] == ctBallJoint) {
+      turnBall(change, s, t, motion);
+    } else {
+      change->before = ctSequenceGetJoint(s, change->link);
+      moveFreely(change, s, t->tree, motion);
     }
   }
   cutPieces(trial, s);

@@ -9,9 +9,9 @@ typedef struct TrialChange {
   int userLink; /* the caller's number of it */
   JointState before;
   JointState after;
-  bool isTurnOfBall;  /* a ball joint's, of which neither state is known yet */
-  double rotation[3]; /* of a ball joint, in the world */
-  Frame motion;       /* of the link in the world, if this were the only change */
+  bool isTurnOfBall;     /* a ball joint's, of which neither state is known yet */
+  double rotation[3];    /* of a ball joint, in the world */
+  const ctChange* given; /* by the caller, while the trial is opened */
 } TrialChange;
 
 typedef struct Trial {

@@ -22,7 +22,7 @@ static void listContent(const Tree* tree, const Sequence* s, Content content[CON
       {tree->sum, nodes * sizeof(double[3])},
       {tree->leaf, (size_t)tree->levelBegin[1] * sizeof(Leaf)},
       {tree->members, (nodes - (size_t)tree->levelBegin[1]) * sizeof(Members)},
-      {tree->stem, (size_t)s->twigCount * sizeof(Frame)},
+      {tree->stem, (size_t)s->openPathCount * sizeof(Frame)},
       {s->product, (size_t)s->productBegin[s->closureCount] * sizeof(Frame)},
       {s->closure, (size_t)s->closureCount * sizeof(Frame)},
   };

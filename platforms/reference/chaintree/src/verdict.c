@@ -46,7 +46,7 @@ ctStatus ctPropose(ctChainTree* tree, int count, const ctChange* changes) {
   if (count < 0) {
     return ctFail(tree, ctInvalidArgument, "a trial cannot have %d changes", count);
   }
-  ctSceneTree(tree); /* a trial begins from an up to date tree */
+  ctSceneLaggingTree(tree); /* a trial begins from an up to date tree */
   for (int i = 0; i < count; i++) {
     const ctStatus status = checkChange(tree, &changes[i]);
     if (status != ctSuccess) {
@@ -84,7 +84,7 @@ ctStatus ctPropose(ctChainTree* tree, int count, const ctChange* changes) {
 }
 
 static int applyTrial(ctChainTree* tree, bool after) {
-  return ctTrialApply(tree->trial, after, &tree->sequence, ctSceneTree(tree));
+  return ctTrialApply(tree->trial, after, &tree->sequence, ctSceneLaggingTree(tree));
 }
 
 /* Makes the open trial the state for a while; then the state is the former one again, bit by bit. */
@@ -170,9 +170,9 @@ static void judgeUndecided(Verdict* verdict) {
 }
 
 /* Searches the whole view for a clash, by clearances or by the tree; returns what that has cost. */
-static int64_t search(ctChainTree* tree, const View* view, bool movesFew, Verdict* verdict, ctCounts* counts) {
+static int64_t search(ctChainTree* tree, const View* view, Verdict* verdict, ctCounts* counts) {
   int64_t cost = GAVE_UP;
-  if (!movesFew && ctClearanceIsWanted(&tree->clearance, &tree->traversal, view->reach)) {
+  if (ctClearanceIsWanted(&tree->clearance, &tree->traversal, view->reach)) {
     const InstructionSet* instructions = ctSceneTree(tree)->instructions;
     cost = instructions->testByClearance(&tree->clearance, &tree->traversal, view, clearanceOf, verdict, counts);
     if (cost == GAVE_UP) {
@@ -183,9 +183,7 @@ static int64_t search(ctChainTree* tree, const View* view, bool movesFew, Verdic
   if (cost == GAVE_UP) {
     cost = ctTraverse(&tree->traversal, view, judge, verdict, counts);
   }
-  if (!movesFew) {
-    ctClearanceCharge(&tree->clearance, cost, true);
-  }
+  ctClearanceCharge(&tree->clearance, cost, true);
   return cost;
 }
 
@@ -194,13 +192,13 @@ static int64_t search(ctChainTree* tree, const View* view, bool movesFew, Verdic
 static void testView(ctChainTree* tree, const View* view, Verdict* verdict, ctCounts* counts) {
   int few[2];
   if (ctViewMovesFew(&tree->traversal, view, &few[0], &few[1])) {
-    search(tree, view, true, verdict, counts);
+    ctTraverseFew(&tree->traversal, view, few[0], few[1], judge, verdict, counts);
     return;
   }
   Witnesses* witnesses = &tree->witnesses;
+  const InstructionSet* instructions = ctSceneTree(tree)->instructions;
   if (ctWitnessesAreWanted(witnesses)) {
     int64_t cost = 0;
-    const InstructionSet* instructions = ctSceneTree(tree)->instructions;
     const bool isOver = instructions->askWitnesses(witnesses, &tree->traversal, view, judge, verdict, counts, &cost);
     ctWitnessesCharge(witnesses, cost, isOver);
     tree->undecided.count = 0;
@@ -208,7 +206,7 @@ static void testView(ctChainTree* tree, const View* view, Verdict* verdict, ctCo
       return;
     }
   }
-  const int64_t cost = search(tree, view, false, verdict, counts);
+  const int64_t cost = search(tree, view, verdict, counts);
   if (verdict->clash) {
     ctWitnessesAdd(witnesses, ctSceneTree(tree), verdict->slotA, verdict->slotB, cost);
   }
@@ -291,10 +289,16 @@ ctStatus ctForEachChangedPair(ctChainTree* tree, double cutoff, ctChangedPairFun
   }
   /* Collects candidates before and in the trial, then computes both canonical distances of each. */
   Collection collection = {tree, false};
+  ctSceneTree(tree);
   tree->undecided.count = 0;
   for (int moved = 0; moved < 2 && !collection.failed; moved++) {
     const View view = ctTrialView(tree->trial, moved == 1, false, cutoff);
-    ctTraverse(&tree->traversal, &view, collect, &collection, counts);
+    int few[2];
+    if (ctViewMovesFew(&tree->traversal, &view, &few[0], &few[1])) {
+      ctTraverseFew(&tree->traversal, &view, few[0], few[1], collect, &collection, counts);
+    } else {
+      ctTraverse(&tree->traversal, &view, collect, &collection, counts);
+    }
   }
   if (collection.failed) {
     return ctFailOutOfMemory(tree);

@@ -92,19 +92,25 @@ static void takeEntry(Traversal* t, int leaf) {
   t->nextEntry = entry + 1 < t->leafEntryCount ? entry + 1 : 0;
 }
 
+/* Recomputes a node's frame in the world from that of its parent. */
+static void recomputeFrame(Traversal* t, int level, int node) {
+  const Tree* tree = t->tree;
+  if (t->entryOf[node] == CT_NULL) {
+    takeEntry(t, node);
+  }
+  const int entry = t->entryOf[node];
+  t->frame[entry] = tree->pose[node];
+  if (level < treeTop(tree)) {
+    const int parent = treeParent(tree, level, node);
+    t->frame[entry] = transformCompose(&t->frame[t->entryOf[parent]], &tree->pose[node]);
+  }
+}
+
 /* Recomputes what has changed of a node's frame and members in the world. */
 static void recomputeWorld(Traversal* t, int level, int node) {
   const Tree* tree = t->tree;
   if (!hasFrame(t, level, node)) {
-    if (t->entryOf[node] == CT_NULL) {
-      takeEntry(t, node);
-    }
-    const int entry = t->entryOf[node];
-    t->frame[entry] = tree->pose[node];
-    if (level < treeTop(tree)) {
-      const int parent = treeParent(tree, level, node);
-      t->frame[entry] = transformCompose(&t->frame[t->entryOf[parent]], &tree->pose[node]);
-    }
+    recomputeFrame(t, level, node);
   } else if (tree->contentTime[node] <= t->worldTime[node]) {
     if (level == 0) {
       confirmLeaf(t, node);
@@ -127,10 +133,20 @@ static inline void updateWorld(Traversal* t, int level, int node) {
   }
 }
 
-/* The same for a leaf and all nodes over it. */
+/* Brings at least the frame of a node up to date with the state: its members may lag. */
+static inline void updateFrame(Traversal* t, int level, int node) {
+  if (level < 2 || t->tree->laggingCount == 0) {
+    updateWorld(t, level, node);
+  } else if (!treeStays(t->tree, t->worldTime[node]) && !hasFrame(t, level, node)) {
+    t->worldTime[node] = NEVER;
+    recomputeFrame(t, level, node);
+  }
+}
+
+/* Brings the world coordinates of a leaf up to date, and those of the nodes over it, which may lag. */
 static void updateWorldLeaf(Traversal* t, int leaf) {
   for (int level = treeTop(t->tree); level >= 0; level--) {
-    updateWorld(t, level, t->tree->levelBegin[level] + (leaf >> TREE_WIDTH_BITS * level));
+    updateFrame(t, level, t->tree->levelBegin[level] + (leaf >> TREE_WIDTH_BITS * level));
   }
 }
 
@@ -241,7 +257,7 @@ static void startView(Traversal* t, const View* view) {
   const Bound* bound = &tree->bound[root];
   const double centre[3] = {bound->x, bound->y, bound->z};
   t->view = view;
-  const double size = bound->r < 0 ? 0 : sqrt(dot(centre, centre)) + (double)bound->r;
+  const double size = bound->r < 0 ? 0 : sqrt(dot(centre, centre)) + (double)bound->r + (double)tree->outside;
   double shift = 0;
   if (view->motions != NULL) {
     for (int i = 1; i < view->motionCount; i++) {
@@ -265,6 +281,7 @@ static void startView(Traversal* t, const View* view) {
       t->worldTime[node] = NEVER;
     }
     t->worldHasSurfaces = view->surfaces;
+    t->firstNodesTime = NEVER;
   }
   t->straddlerCount = 0;
   t->nextMoved = 0;
