@@ -21,7 +21,7 @@ GROUPS = {
     COILS: "independent radii of gyration a second of a loose chain of hard spheres",
 }
 
-_FILES = ("1ubi_h.pdb", "5dfr_h.pdb")
+_FILES = ("1bna.pdb", "1ubi_h.pdb", "5dfr_h.pdb")
 _RUNS = 3
 _WARM_TRIALS = 200000
 _QUICK_RUNS, _QUICK_TRIALS = 1, 800

@@ -11,15 +11,15 @@ from racing.course import Course, measure, summarizeTimes
 from racing.races import ALL_CHAINS, OURS
 
 from .autocorrelation import statisticalInefficiency
-from .proteins import BACKBONE, IMPLICIT_SOLVENT, SIDE_CHAINS, positionsOf
+from .proteins import BACKBONE, IMPLICIT_SOLVENT, NUCLEOTIDE_BACKBONE, SIDE_CHAINS, positionsOf
 from .rows import Prepared
 
 MOVES, MIXTURES = "moves", "mixtures"  # groups of rows
 
-MOVE_TRIALS, MIXTURE_TRIALS = 8000, 400000
+MOVE_TRIALS, MIXTURE_TRIALS = 80000, 400000
 _STEP = 400  # trials, and an outer test
-_SHIFTED = 20  # the part of trials whose shift is measured, each with an outer test of its own
-_LEAST_SHIFTED = 10
+_LEAST_SHIFTED, _MOST_SHIFTED = 10, 400  # trials whose shift is measured, each with an outer test of its own
+_SHIFTED = 20  # the part of trials that they are in between
 _TURN, _LEAST = 25, 2  # steps
 _LEFT_OUT = 10  # the first of so many parts of a chain
 _SLOW = 0.9  # the quantile of torsions that stands for the slow ones
@@ -28,18 +28,21 @@ _SLOW = 0.9  # the quantile of torsions that stands for the slow ones
 class Move(NamedTuple):
     """A move of a protein: add(integrator, weight, protein, system) adds it.
 
-    name : str, for tables
+    name : str, for tables; turns : BACKBONE, SIDE_CHAINS, or None for all
     """
 
     name: str
     add: Callable
+    turns: str | None = None
 
 
 def turn(which, degrees):
     """Return the Move that turns one torsion of BACKBONE or SIDE_CHAINS."""
     name = f"{'pivot' if which == BACKBONE else 'χ'}, {degrees}°"
     angle = degrees * unit.degrees
-    return Move(name, lambda i, weight, protein, system: i.addTorsionMove(weight, angle, protein.torsionsOf(which)))
+    return Move(
+        name, lambda i, weight, protein, system: i.addTorsionMove(weight, angle, protein.torsionsOf(which)), which
+    )
 
 
 def close(degrees, hop=0.2):
@@ -47,7 +50,9 @@ def close(degrees, hop=0.2):
     angle = degrees * unit.degrees
     name = f"closed, {degrees}°" + ("" if hop == 0.2 else f", hop {hop}")
     return Move(
-        name, lambda i, weight, protein, system: i.addClosedMove(weight, angle, protein.torsionsOf(BACKBONE), hop)
+        name,
+        lambda i, weight, protein, system: i.addClosedMove(weight, angle, protein.torsionsOf(BACKBONE), hop),
+        BACKBONE,
     )
 
 
@@ -60,13 +65,19 @@ def bend(degrees, stiffness, window=8):
         lambda i, weight, protein, system: i.addLocalMove(
             weight, sigma, stiffness, protein.torsionsOf(BACKBONE), window
         ),
+        BACKBONE,
     )
 
 
-ROTAMERS = Move(
-    "side chains drawn",
-    lambda i, weight, protein, system: i.addDrawnMove(weight, *rotamerDensities(protein.topology, _forceOf(system))),
-)
+def _draw(integrator, weight, protein, system):
+    """Draw side chains from rotamers; bases, which have none, uniformly."""
+    if any(torsion.kind == "chi1" for torsion in protein.torsions):
+        integrator.addDrawnMove(weight, *rotamerDensities(protein.topology, _forceOf(system)))
+    else:
+        integrator.addTorsionMove(weight, np.pi, protein.torsionsOf(SIDE_CHAINS))
+
+
+ROTAMERS = Move("side chains drawn", _draw, SIDE_CHAINS)
 
 DEFAULTS = Move("addDefaultMoves", lambda i, weight, protein, system: addDefaultMoves(i, protein.topology, system))
 
@@ -97,7 +108,8 @@ ALL_MIXTURES = {
     DEFAULTS.name: ((1.0, DEFAULTS),),
 }
 
-OBSERVABLES = ("phi", "psi", "chi1", "rmsd")
+# Torsions that are looked at together, by their kinds: those of proteins, and of nucleic acids.
+WATCHED = {"phi": ("phi",), "psi": ("psi",), "chi1": ("chi1",), "backbone": NUCLEOTIDE_BACKBONE, "bases": ("chi",)}
 
 
 def _forceOf(system):
@@ -135,6 +147,21 @@ class MoveRow(NamedTuple):
         ]
 
 
+def inefficiencyOfAngles(angles):
+    """Return how many samples are worth one of each angle that turns: the worse of its cosine and its sine.
+
+    If none turns, all samples are.
+
+    Parameters
+    ----------
+    angles : (n, k) float64 array, rad
+    """
+    angles = angles[:, np.ptp(angles, axis=0) > 0]
+    if angles.shape[1] == 0:
+        return np.array([float(len(angles))])
+    return np.maximum(statisticalInefficiency(np.cos(angles)), statisticalInefficiency(np.sin(angles)))
+
+
 def _describe(row, trials, seed):
     return {
         "group": row.group,
@@ -152,14 +179,17 @@ def _runMove(protein, system, seed, move, trials):
     integrator, context = simulation.integrator, simulation.context
     simulation.step(1)  # compares energies with OpenMM's
     integrator.resetMoveStatistics()
-    times = []
+    turned = slice(None) if move.turns is None else protein.torsionsOf(move.turns)
+    times, angles = [], []
     for _ in range(max(_LEAST, trials // _STEP)):
         _, microseconds = measure(simulation.step, 1)
         times.append(microseconds / _STEP)
+        angles.append(integrator.getTorsionAngles(context)[turned])
+    apart = _STEP * float(np.median(inefficiencyOfAngles(np.array(angles))))
     statistics = integrator.getMoveStatistics(0)
     integrator.setTrialsPerStep(1)
     shifts, before = [], positionsOf(context)
-    for _ in range(max(_LEAST_SHIFTED, trials // _SHIFTED)):
+    for _ in range(min(_MOST_SHIFTED, max(_LEAST_SHIFTED, trials // _SHIFTED))):
         simulation.step(1)
         after = positionsOf(context)
         shifts.append(float(((after - before) ** 2).sum()))
@@ -173,6 +203,7 @@ def _runMove(protein, system, seed, move, trials):
         "rejected": statistics.rejectedByEnergy,
         "accepted": statistics.accepted,
         "shift": float(np.mean(shifts)),
+        "apart": apart,
     }
 
 
@@ -228,7 +259,7 @@ class _Chain:
         self._simulation = makeSimulation(protein, system, seed, moves)
         self.integrator = self._simulation.integrator
         kinds = np.array([torsion.kind for torsion in protein.torsions])
-        self._watched = np.isin(kinds, OBSERVABLES)
+        self._watched = np.isin(kinds, [kind for ofOne in WATCHED.values() for kind in ofOne])
         self.kinds = kinds[self._watched]
         self._topology = mdtraj.Topology.from_openmm(protein.topology)
         self._heavy = self._topology.select("element != H")
@@ -257,7 +288,7 @@ class _Chain:
 
 
 def summarize(inefficiencies, kinds):
-    """Return how many samples are worth one, for each of OBSERVABLES, and for the slow torsions of all.
+    """Return how many samples are worth one, for each of WATCHED that there are, the slow torsions of all, the RMSD.
 
     Of a torsion that is the worse of cosine and sine; of those of a kind the median.
 
@@ -267,5 +298,9 @@ def summarize(inefficiencies, kinds):
     kinds : (k,) array of str
     """
     rmsd, ofTorsions = inefficiencies[0], inefficiencies[1:].reshape(2, -1).max(axis=0)
-    found = {kind: float(np.median(ofTorsions[kinds == kind])) for kind in OBSERVABLES[:3] if kind in kinds}
+    found = {
+        name: float(np.median(ofTorsions[np.isin(kinds, ofName)]))
+        for name, ofName in WATCHED.items()
+        if np.isin(kinds, ofName).any()
+    }
     return {**found, "slow": float(np.quantile(ofTorsions, _SLOW)), "rmsd": float(rmsd)}

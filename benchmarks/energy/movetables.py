@@ -6,6 +6,8 @@ from racing.table import Table, groupBy, number
 from .coilrows import COILS, LOCAL
 from .moverows import MIXTURES, MOVES, PIVOTS
 
+_LONGEST_SHARE = 10  # what part of a chain's length its correlations may be, to be measured
+
 
 def makeTables(entries):
     """Return the tables of entries."""
@@ -36,7 +38,17 @@ def combine(entries):
 
 
 def _makeMoves(entries):
-    columns = ["protein", "move", "accepted", "clashed", "Σdr² a trial, nm²", "µs a trial", "Σdr², nm² a ms"]
+    columns = [
+        "protein",
+        "move",
+        "accepted",
+        "clashed",
+        "Σdr² a trial, nm²",
+        "µs a trial",
+        "Σdr², nm² a ms",
+        "trials apart",
+        "independent a second",
+    ]
     lines = []
     for entry in combine(entries):
         attempted = max(1, entry["attempted"])
@@ -49,18 +61,37 @@ def _makeMoves(entries):
                 f"{entry['shift']:.2g}",
                 number(entry["microseconds"]),
                 f"{1e3 * entry['shift'] / entry['microseconds']:.2g}",
+                *_describeApart(entry),
             ]
         )
     notes = [
         "AMBER14 with GBn2 at 300 K, hard spheres, from the folded state after trials. Accepted: by what trials see, "
         "before outer tests. Σdr²: of all atoms, over all trials, each with an outer test of its own. µs: an outer "
-        "test after 400 trials is in it."
+        "test after 400 trials is in it. Trials apart: how far apart samples of a torsion that the move turns are "
+        "independent, by the autocorrelation of its cosine and sine, the median over torsions; above a tenth of the "
+        "trials of a run it is too long to tell."
     ]
     return Table("Moves from the folded state", columns, lines, 2, notes)
 
 
+def _describeApart(entry):
+    """Return how many trials apart samples are independent, and how many a second, as far as a run of trials tells."""
+    longest = entry["asked"] / _LONGEST_SHARE
+    if entry["apart"] > longest:
+        return [f"> {number(longest)}", f"< {1e6 / (longest * entry['microseconds']):.2g}"]
+    return [number(entry["apart"]), f"{1e6 / (entry['apart'] * entry['microseconds']):.2g}"]
+
+
 def _makeMixtures(entries):
-    names = {"phi": "φ", "psi": "ψ", "chi1": "χ1", "slow": "slow torsions", "rmsd": "RMSD"}
+    names = {
+        "phi": "φ",
+        "psi": "ψ",
+        "chi1": "χ1",
+        "backbone": "α–ζ",
+        "bases": "χ of bases",
+        "slow": "slow torsions",
+        "rmsd": "RMSD",
+    }
     keys = [key for key in names if any(key in entry["rate"] for entry in entries)]
     columns = ["protein", "mixture", "µs a trial", "outer tests kept", *(names[key] for key in keys), "to pivots"]
     combined = combine(entries)
@@ -74,7 +105,7 @@ def _makeMixtures(entries):
                 entry["moves"],
                 number(entry["microseconds"]),
                 f"{entry['kept']:.2f}",
-                *(f"{entry['rate'].get(key, float('nan')):.3g}" for key in keys),
+                *(f"{entry['rate'][key]:.3g}" if key in entry["rate"] else "–" for key in keys),
                 f"{ratios[0]:.2g}, {ratios[1]:.2g}",
             ]
         )

@@ -1,4 +1,4 @@
-"""Proteins in AMBER14: with hydrogens, as OpenMM's Systems, as hard spheres, after some sampling."""
+"""Proteins and nucleic acids in AMBER14: with hydrogens, as OpenMM's Systems, as hard spheres, after some sampling."""
 
 import os
 from functools import cache, cached_property
@@ -10,7 +10,8 @@ import openmm
 from openmm import app, unit
 from openmmchaintree import TorsionMonteCarloIntegrator
 from openmmchaintree.command.allpairs import HardSpheres
-from openmmchaintree.residues import aminoAcid
+from openmmchaintree.command.plan import DEFAULT_KINDS
+from openmmchaintree.residues import aminoAcid, isNucleotide
 from openmmchaintree.sterics import createStericExclusionForce
 from openmmchaintree.structure import readStructure
 from openmmchaintree.torsions import findTorsions
@@ -23,7 +24,8 @@ FORCE_FIELD = "amber14-all.xml"
 TEMPERATURE = 300  # K
 
 _FOLDER = "CHAINTREE_TEST_DATA"
-_BACKBONE_KINDS = ("phi", "psi")
+NUCLEOTIDE_BACKBONE = ("alpha", "beta", "gamma", "epsilon", "zeta")
+_BACKBONE_KINDS = ("phi", "psi", *NUCLEOTIDE_BACKBONE)
 _WARM_STEP = 100  # trials
 TRIALS_PER_OUTER_TEST = 400  # the default
 
@@ -72,7 +74,7 @@ class SampledProtein:
     @cached_property
     def torsions(self):
         """The Torsions that turn, as they are numbered in the force."""
-        return findTorsions(self.topology, self.positions).torsions
+        return findTorsions(self.topology, self.positions, DEFAULT_KINDS).torsions
 
     def isBackbone(self):
         """Return of each torsion whether it is one of the backbone."""
@@ -178,11 +180,15 @@ def positionsOf(context):
     return context.getState(getPositions=True).getPositions(asNumpy=True).value_in_unit(unit.nanometer)
 
 
+def _isKnown(name):
+    return aminoAcid(name) is not None or isNucleotide(name)
+
+
 def readSampled(path=None):
-    """Read the amino acids of a structure, by default the villin headpiece, and add hydrogens if there are none."""
+    """Read what is a polymer in a structure, by default the villin headpiece, and add hydrogens if there are none."""
     structure = readStructure(path)
     modeller = app.Modeller(structure.topology, structure.positions * unit.nanometer)
-    modeller.delete([residue for residue in structure.topology.residues() if aminoAcid(residue.name) is None])
+    modeller.delete([residue for residue in structure.topology.residues() if not _isKnown(residue.name)])
     name = structure.name
     if not any(atom.element is app.element.hydrogen for atom in modeller.topology.atoms()):
         modeller.addHydrogens(_readForceField())

@@ -4,7 +4,7 @@ import moves
 import numpy as np
 import pytest
 from commands import assertRefused
-from energy.moverows import OBSERVABLES, PIVOTS, summarize
+from energy.moverows import PIVOTS, inefficiencyOfAngles, summarize
 from energy.movetables import combine
 from racing.report import readCSV
 
@@ -24,11 +24,15 @@ def test_everythingQuickly(runHere, tmp_path):
     for entry in singles:
         assert 0 < entry["attempted"] <= entry["trials"] == 800
         assert entry["accepted"] + entry["clashed"] + entry["rejected"] <= entry["attempted"]
-        assert entry["shift"] >= 0 and entry["quartile1"] <= entry["microseconds"] <= entry["quartile3"]
+        assert (
+            entry["apart"] >= 400
+            and entry["shift"] >= 0
+            and entry["quartile1"] <= entry["microseconds"] <= entry["quartile3"]
+        )
     mixtures = [entry for entry in entries if entry["group"] == "mixtures"]
     assert [entry["moves"] for entry in mixtures][0] == PIVOTS and len(mixtures) == 3
     for entry in mixtures:
-        assert entry["apart"].keys() == {*OBSERVABLES, "slow"}
+        assert entry["apart"].keys() == {"phi", "psi", "chi1", "slow", "rmsd"}
         for key, apart in entry["apart"].items():
             assert apart >= 400 and entry["rate"][key] * apart * entry["microseconds"] == pytest.approx(1e6)
     coils = [entry for entry in entries if entry["group"] == "coils"]
@@ -63,6 +67,21 @@ def test_runsAreCombined():
 def test_whatIsSlowIsSeen():
     kinds = np.array(["phi", "psi", "psi", "chi1"])
     cosines, sines = [1, 2, 3, 40], [5, 1, 1, 1]
+    assert summarize(np.array([7.0, 3, 5, 2, 4]), np.array(["alpha", "chi"])).keys() == {
+        "backbone",
+        "bases",
+        "slow",
+        "rmsd",
+    }
     found = summarize(np.array([7.0, *cosines, *sines]), kinds)
     assert found["rmsd"] == 7 and (found["phi"], found["psi"], found["chi1"]) == (5, 2.5, 40)
     assert 5 < found["slow"] <= 40
+
+
+def test_anglesThatStayDoNotCount():
+    # White noise is independent each time; a walk by small steps is not; what stays has no say.
+    random = np.random.default_rng(1)
+    noise, walk = random.uniform(-np.pi, np.pi, 2000), np.cumsum(random.normal(0, 0.1, 2000))
+    found = inefficiencyOfAngles(np.stack([noise, np.ones(2000), walk], axis=1))
+    assert len(found) == 2 and found[0] < 1.5 and found[1] > 50
+    assert inefficiencyOfAngles(np.ones((5, 2))) == [5]

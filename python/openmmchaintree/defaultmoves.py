@@ -82,8 +82,8 @@ def _addMixtures(integrator, scene, rigidBodies, rigidStep, disordered):
             addMoves(adder, scene, disordered)
     if scene.force.getNumBallJoints() > 0:
         adder.begin("beads", scene.force.getNumBallJoints() / total)
-        for degrees in (_BALL_STEP, HALF_TURN):
-            adder.pivot("chains of beads", 0.5, degrees)
+        adder.pivot("chains of beads, all directions", 0.8, HALF_TURN)
+        adder.pivot("chains of beads where there is no room", 0.2, _BALL_STEP)
     if rigidBodies:
         adder.begin("rigid body", 1.0)
         adder.shift("where molecules are", _RIGID_WEIGHT, *rigidStep, rigidBodies)
