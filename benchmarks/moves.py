@@ -46,6 +46,11 @@ def main(arguments=None):
         action="store_true",
         help=f"only the smallest protein and few moves, {_QUICK_RUNS} run a row, {_QUICK_TRIALS} trials each",
     )
+    parser.add_argument(
+        "--defaults",
+        action="store_true",
+        help="of the mixtures only pivots alone and what addDefaultMoves adds, for long chains",
+    )
     addOptions(
         parser,
         "trials of each run, in place of those of its row",
@@ -69,6 +74,7 @@ def _plan(options):
 
     proteins = {nameOf(path): prepare(path) for path in paths}
     moves, mixtures = (_QUICK_MOVES, _QUICK_MIXTURES) if options.quick else (SINGLE_MOVES, tuple(ALL_MIXTURES))
+    mixtures = (PIVOTS, DEFAULTS.name) if options.defaults else mixtures
     rows = []
     for group, makeRow, of in ((MOVES, MoveRow, moves), (MIXTURES, MixtureRow, mixtures)):
         if group in options.rows:
