@@ -244,8 +244,7 @@ void StericExclusionForceImpl::showState(ContextImpl& context)
     // A platform may round positions, so what is agreed on is what the Context returns, and nothing if this fails.
 
     agreedPositions.clear();
-    engine->getPositions(buffer);
-    setContextPositions(context, buffer);
+    setContextPositions(context, engine->followState());
     context.getPositions(agreedPositions);
 }
 

@@ -132,6 +132,10 @@ public:
      */
     virtual const std::vector<OpenMM::Vec3>& followProposal() = 0;
     /**
+     * Get the positions of the state in that same array.
+     */
+    virtual const std::vector<OpenMM::Vec3>& followState() = 0;
+    /**
      * Get by how much the energy would change if the open trial became the state.
      */
     virtual double getProposedEnergyChange() = 0;

@@ -48,6 +48,7 @@ public:
     void getProposedPositions(std::vector<OpenMM::Vec3>& positions);
     void getProposedPositionsOf(const std::vector<int>& particles, std::vector<OpenMM::Vec3>& positions);
     const std::vector<OpenMM::Vec3>& followProposal();
+    const std::vector<OpenMM::Vec3>& followState();
     double getProposedEnergyChange();
     void getChangedNeighborPairs(double cutoff, std::vector<std::pair<int, int>>& pairs, std::vector<double>& before,
                                  std::vector<double>& after);
@@ -138,7 +139,7 @@ private:
     std::vector<OpenMM::Vec3> arrangement;
     /** The changes of a trial, kept so that trials allocate no memory. */
     std::vector<ctChange> changes;
-    /** The positions of the last trial that followProposal() was asked about; empty if that was in another scene. */
+    /** What followProposal() or followState() returned last; empty if that was of another scene. */
     std::vector<OpenMM::Vec3> followed;
     /** Where neighbour pairs are put, kept so that there is room for as many as the last time. */
     std::vector<int> neighbors1, neighbors2;

@@ -524,6 +524,14 @@ const vector<Vec3>& ReferenceCalcStericExclusionForceKernel::followProposal()
     return followed;
 }
 
+const vector<Vec3>& ReferenceCalcStericExclusionForceKernel::followState()
+{
+    const bool anew = followed.empty();
+    followed.resize(parameters.radii.size());
+    ctFollowPositions(tree.get(), anew, coordinates(followed));
+    return followed;
+}
+
 /**
  * Collects by how much a trial changes (overlap - tolerance)^2 of the pairs that clash before or in it.
  */

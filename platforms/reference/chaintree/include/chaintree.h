@@ -185,6 +185,9 @@ ctStatus ctGetPositionsOf(ctChainTree* tree, bool inTrial, int count, const int*
  * written. O(particles that have moved since + N / 16), whatever was called in between. */
 ctStatus ctFollowTrialPositions(ctChainTree* tree, bool anew, double* positions);
 
+/* The same for the state, in the same array: the bits of ctGetPositions. */
+void ctFollowPositions(ctChainTree* tree, bool anew, double* positions);
+
 /* The state as numbers, to be stored and set again: the reference positions (3 * particleCount, nm); then for each
  * link, in the order of the definition, if it has a torsion joint the angle turned since then (rad, in [-pi, pi]), if a
  * ball joint its rotation since then in its parent's frame (unit quaternion w, x, y, z), if a free joint the same and

@@ -116,6 +116,13 @@ void ctGetPositions(ctChainTree* tree, double* positions) {
   ctReadPositions(&tree->sequence, ctSceneTree(tree), positions);
 }
 
+void ctFollowPositions(ctChainTree* tree, bool anew, double* positions) {
+  if (anew) {
+    tree->followed.time = NEVER;
+  }
+  ctRefreshPositions(&tree->followed, &tree->sequence, ctSceneTree(tree), positions);
+}
+
 static bool dihedral(const double* p1, const double* p2, const double* p3, const double* p4, double* angle) {
   double b1[3], b2[3], b3[3], n1[3], n2[3], m[3];
   subtract(p2, p1, b1);

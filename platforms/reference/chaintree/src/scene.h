@@ -38,7 +38,7 @@ struct ctChainTree {
   Trial* trial; /* that is open, if one is */
   Trial* next;  /* the scratch of a proposal: a refused one leaves the open trial alone */
   int64_t trialCount;
-  Copied followed; /* the array of ctFollowTrialPositions */
+  Copied followed; /* the array of ctFollowPositions and ctFollowTrialPositions */
   SlotPairs undecided;
   Leaves leaves;           /* may be stale */
   int64_t changeCount;     /* of the state */

@@ -361,11 +361,8 @@ ctStatus ctFollowTrialPositions(ctChainTree* tree, bool anew, double* positions)
   if (!tree->trial->open) {
     return ctFailNoTrial(tree);
   }
-  if (anew) {
-    tree->followed.time = NEVER;
-  }
   const bool areLeavesKept = enterTrial(tree);
-  ctRefreshPositions(&tree->followed, &tree->sequence, ctSceneTree(tree), positions);
+  ctFollowPositions(tree, anew, positions);
   leaveTrial(tree, areLeavesKept);
   return ctSuccess;
 }

@@ -88,6 +88,32 @@ static void testFollowing(void) {
   ctDestroy(arm);
 }
 
+/* So does one that is the state's and a trial's in turns. */
+static void testFollowingState(void) {
+  ctChainTree* arm = makeArm(LINKS, ctFreeJoint, 0.1);
+  double followed[COORDINATES];
+  double state[COORDINATES];
+  for (int i = 0; i < 12; i++) {
+    const ctChange change = {.link = 3 + 2 * i, .angle = 0.3};
+    CHECK_SUCCESS(ctPropose(arm, 1, &change));
+    if (i % 3 != 0) {
+      checkFollowed(arm, false, followed);
+    }
+    if (i % 2 == 0) {
+      CHECK_SUCCESS(ctCommit(arm, NULL));
+    }
+    if (i != 8) {
+      ctGetPositions(arm, state);
+      ctFollowPositions(arm, i == 7, followed);
+      CHECK(memcmp(followed, state, sizeof state) == 0);
+    }
+  }
+  followed[0] = NAN;
+  ctFollowPositions(arm, false, followed);
+  CHECK(isnan(followed[0]));
+  ctDestroy(arm);
+}
+
 /* A proposal takes the place of the one before; one that fails does not. */
 static void testReplacement(void) {
   ctChainTree* arm = makeArm(LINKS, ctFixedJoint, 0.1);
@@ -244,6 +270,7 @@ static void testShortAxis(void) {
 int main(void) {
   testBits();
   testFollowing();
+  testFollowingState();
   testReplacement();
   testVerdict();
   testNothing();
