@@ -86,10 +86,13 @@ def setup(app):
 
 
 def _definitionOf(name):
-    """Return the node of a public name, such as openmmchaintree.Clash or openmmchaintree.Clash.method, or None."""
+    """Return the node of a name, such as openmmchaintree.Clash or openmmchaintree.Clash.method, or None.
+
+    What is no part of the package itself has the name of its module in between.
+    """
     _, owner, *member = name.split(".")
-    module = getattr(openmmchaintree, owner).__module__.rpartition(".")[2]
-    return _SOURCES[module].get(".".join([owner, *member]))
+    module = getattr(getattr(openmmchaintree, owner), "__module__", owner).rpartition(".")[2]
+    return _SOURCES.get(module, {}).get(".".join([owner, *member] if module != owner else member))
 
 
 # ---- Names in single backticks: links where they are of this package, else text ----
