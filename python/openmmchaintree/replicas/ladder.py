@@ -1,0 +1,108 @@
+"""Temperatures that replicas exchange, and who exchanges with whom, decided from energies alone."""
+
+import math
+
+import numpy as np
+
+from ..errors import InputError
+
+_GAS_CONSTANT = 8.31446261815324e-3  # kJ/mol/K
+
+# What tells random numbers of exchanges from those that seeds are made of.
+_SEEDS, _EXCHANGES = 0, 1
+
+
+def geometricLadder(lowest, highest, count):
+    """Return temperatures (K) from the lowest to the highest, each by the same factor above the one before."""
+    if count == 1:
+        return [lowest]
+    factor = (highest / lowest) ** (1 / (count - 1))
+    return [lowest, *(lowest * factor**i for i in range(1, count - 1)), highest]
+
+
+def readLadder(text):
+    """Return the temperatures (K) that a text tells: LOWEST:HIGHEST:COUNT, or some with commas between them.
+
+    Raises
+    ------
+    InputError
+        if it tells none
+    """
+    try:
+        if ":" in text:
+            lowest, highest, count = text.split(":")
+            first, last, number = float(lowest), float(highest), int(count)
+            if number < 2:
+                raise InputError(f"{text!r}: an exchange needs at least 2 temperatures")
+            if not 0 < first < last < math.inf:
+                raise InputError(f"{text!r}: the first temperature must be above 0, and the last one above the first")
+            return geometricLadder(first, last, number)
+        temperatures = [float(part) for part in text.split(",")]
+    except InputError:
+        raise
+    except ValueError:
+        raise InputError(
+            f"{text!r} is neither LOWEST:HIGHEST:COUNT, such as 300:450:12, nor temperatures with commas between them"
+        ) from None
+    if len(temperatures) < 2:
+        raise InputError(f"{text!r}: an exchange needs at least 2 temperatures")
+    isRising = all(low < high for low, high in zip(temperatures, temperatures[1:], strict=False))
+    if not (isRising and temperatures[0] > 0 and temperatures[-1] < math.inf):
+        raise InputError(f"{text!r}: temperatures must be above 0, and each above the one before")
+    return temperatures
+
+
+def deriveSeeds(seed, count):
+    """Return so many seeds of random number generators, from 1 to 2147483647, all different.
+
+    Those of fewer replicas are the first of those of more.
+    """
+    random = np.random.default_rng((seed, _SEEDS))
+    seeds = {}
+    while len(seeds) < count:
+        seeds[int(random.integers(1, 2**31))] = None
+    return list(seeds)
+
+
+def logExchangeRatio(temperature1, energy1, temperature2, energy2):
+    """Return the logarithm of the ratio by which two replicas exchange their temperatures.
+
+    That is ln of exp(-U2/kT1 - U1/kT2) / exp(-U1/kT1 - U2/kT2), with U in kJ/mol and T in K.
+    """
+    return (1 / temperature1 - 1 / temperature2) * (energy1 - energy2) / _GAS_CONSTANT
+
+
+class Exchanges:
+    """Decides which replicas exchange their temperatures after each round.
+
+    After even rounds the temperatures 0 and 1, 2 and 3, … are tried, after odd ones 1 and 2, 3 and 4, …. A decision
+    depends on the seed, the round, the pair and the two energies: so it is the same whoever comes first.
+    """
+
+    def __init__(self, temperatures, seed):
+        """Take temperatures in K, from low to high, and the seed of the run."""
+        self.temperatures = list(temperatures)
+        self._seed = seed
+        self._drawn = {}
+
+    def lowerOfPair(self, round, index):
+        """Return the lower of the two temperatures that are tried, of which the other is `index`, or None."""
+        lower = index - (index + round) % 2
+        return lower if 0 <= lower and lower + 1 < len(self.temperatures) else None
+
+    def decide(self, round, lower, lowerEnergy, upperEnergy):
+        """Whether the replicas at two temperatures, `lower` and the next, exchange them, by their energies in kJ/mol.
+
+        Energies that are not numbers are not exchanged.
+        """
+        temperature1, temperature2 = self.temperatures[lower : lower + 2]
+        logRatio = logExchangeRatio(temperature1, lowerEnergy, temperature2, upperEnergy)
+        return bool(math.log(self._draw(round, lower)) < logRatio)
+
+    def _draw(self, round, lower):
+        """Return the random number in (0, 1] of a pair after a round."""
+        if round not in self._drawn:
+            random = np.random.default_rng((self._seed, _EXCHANGES, round))
+            self._drawn[round] = 1 - random.random(len(self.temperatures) - 1)
+            self._drawn.pop(round - len(self.temperatures) - 1, None)
+        return self._drawn[round][lower]
