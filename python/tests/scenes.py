@@ -138,3 +138,36 @@ def bondNames(topology):
     """Return the bonds of a Topology as sorted pairs of "residue number, atom"."""
     names = [sorted(f"{atom.residue.id} {atom.name}" for atom in bond) for bond in topology.bonds()]
     return sorted(map(tuple, names))
+
+
+# ACE-ALA-NME with all hydrogens, extended.
+DIPEPTIDE = [
+    pdbLine(serial, name, residue, "A", number, *position)
+    for serial, (residue, number, name, *position) in enumerate(
+        [
+            ("ACE", 1, "HH31", 0.000, 0.000, 0.000),
+            ("ACE", 1, "CH3", 1.090, 0.000, 0.000),
+            ("ACE", 1, "HH32", 1.454, 1.027, 0.000),
+            ("ACE", 1, "HH33", 1.454, -0.514, 0.890),
+            ("ACE", 1, "C", 1.598, -0.717, -1.242),
+            ("ACE", 1, "O", 0.806, -1.187, -2.057),
+            ("ALA", 2, "N", 2.923, -0.800, -1.385),
+            ("ALA", 2, "H", 3.529, -0.396, -0.686),
+            ("ALA", 2, "CA", 3.531, -1.458, -2.525),
+            ("ALA", 2, "HA", 3.024, -1.146, -3.438),
+            ("ALA", 2, "CB", 5.006, -1.078, -2.611),
+            ("ALA", 2, "HB1", 5.516, -1.390, -1.699),
+            ("ALA", 2, "HB2", 5.460, -1.574, -3.469),
+            ("ALA", 2, "HB3", 5.098, 0.002, -2.726),
+            ("ALA", 2, "C", 3.414, -2.968, -2.380),
+            ("ALA", 2, "O", 3.396, -3.487, -1.266),
+            ("NME", 3, "N", 3.336, -3.673, -3.511),
+            ("NME", 3, "H", 3.356, -3.196, -4.401),
+            ("NME", 3, "CH3", 3.222, -5.117, -3.507),
+            ("NME", 3, "HH31", 2.317, -5.409, -2.975),
+            ("NME", 3, "HH32", 3.172, -5.481, -4.533),
+            ("NME", 3, "HH33", 4.090, -5.549, -3.010),
+        ],
+        start=1,
+    )
+]

@@ -67,7 +67,7 @@ def oneLine(text):
 
 def test_sampleOverwritesNothing(runHere, tmp_path):
     arguments = ["sample", "--trials", 10, "--frames", 2, "--json", "a.json"]
-    files = ["a.json", "run-topology.pdb", "run.dcd", "run.png"]
+    files = ["a.json", "run-settings.toml", "run-topology.pdb", "run.dcd", "run.png"]
     for name in files:
         (tmp_path / name).write_text("mine")
         result = runHere(*arguments)
@@ -78,7 +78,9 @@ def test_sampleOverwritesNothing(runHere, tmp_path):
         (tmp_path / name).write_text("mine")
     result = runHere(*arguments)
     assert result.returncode == 2
-    assert "run.dcd, run-topology.pdb, run.png, a.json: exist; --overwrite replaces them" in oneLine(result.stderr)
+    assert "run.dcd, run-topology.pdb, run.png, run-settings.toml, a.json: exist; --overwrite replaces them" in oneLine(
+        result.stderr
+    )
     result = runHere(*arguments, "--overwrite")
     assert result.returncode == 0 and result.stderr == ""
     assert filesIn(tmp_path) == sorted([*files, STRUCTURE])
@@ -152,8 +154,8 @@ def test_jsonOnStandardOutput(runHere, tmp_path):
     result = runHere("sample", "--trials", 10, "--json", "-")
     assert result.returncode == 0
     assert json.loads(result.stdout)["atoms"] == 8
-    assert "wrote run-topology.pdb, run.dcd, run.png; 11 frames" in result.stderr
-    assert filesIn(tmp_path) == ["run-topology.pdb", "run.dcd", STRUCTURE, "run.png"]
+    assert "wrote run-topology.pdb, run.dcd, run-settings.toml, run.png; 11 frames" in result.stderr
+    assert filesIn(tmp_path) == ["run-settings.toml", "run-topology.pdb", "run.dcd", STRUCTURE, "run.png"]
     result = runHere("clashes", "--json", "-")
     assert result.returncode == 0
     assert json.loads(result.stdout)["atoms"] == 8
@@ -211,7 +213,7 @@ def test_noRoomForOneFileOfARun(runHere, tmp_path, name):
     result = runHere("sample", "--trials", 100, "--frames", 3, "--json", "a.json")
     assert result.returncode == 2
     assert oneLine(result.stderr) == f"openmm-chaintree: {name}: cannot be written ({NO_SPACE})"
-    others = {"run-topology.pdb", "run.dcd", "run.png", "a.json"} - {name}
+    others = {"run-settings.toml", "run-topology.pdb", "run.dcd", "run.png", "a.json"} - {name}
     wrote = result.stdout.splitlines()[-1]
     assert "attempted" in result.stdout and name not in wrote and all(other in wrote for other in others)
     assert filesIn(tmp_path) == sorted([*others, name, STRUCTURE])
@@ -237,7 +239,7 @@ def test_theDiskFillsWhileSampling(tmp_path):
     assert result.returncode == 2
     partial = "run.dcd: cannot be written (File too large); run.dcd is partial: it holds the first 81 of 201 frames"
     assert oneLine(result.stderr) == f"openmm-chaintree: {partial}; run.png: cannot be written (File too large)"
-    assert filesIn(tmp_path) == ["a.json", "run-topology.pdb", "run.dcd", STRUCTURE]
+    assert filesIn(tmp_path) == ["a.json", "run-settings.toml", "run-topology.pdb", "run.dcd", STRUCTURE]
     assert "none beyond its limit" in result.stdout
     frames = readDCD(tmp_path / "run.dcd")
     summary = json.loads((tmp_path / "a.json").read_text())

@@ -31,7 +31,13 @@ def test_villinByDefault(tmp_path):
     result = run("--trials", 5000, "--frames", 20, "--seed", 1, "--json", "summary.json", folder=tmp_path)
     assert result.returncode == 0, result.stderr
     assert result.stderr == ""
-    assert filesIn(tmp_path) == ["summary.json", "villin-topology.pdb", "villin.dcd", "villin.png"]
+    assert filesIn(tmp_path) == [
+        "summary.json",
+        "villin-settings.toml",
+        "villin-topology.pdb",
+        "villin.dcd",
+        "villin.png",
+    ]
 
     summary = json.loads((tmp_path / "summary.json").read_text())
     assert summary["trials"] == 5000 and summary["seed"] == 1 and not summary["interrupted"]
@@ -182,7 +188,9 @@ def test_smallestProtein(tmp_path):
     structure = writePDB(tmp_path / "glycines.pdb", GLYCINES)
     result = run(structure, "--trials", 500, "--frames", 5, folder=tmp_path)
     assert result.returncode == 0, result.stderr
-    assert filesIn(tmp_path) == ["glycines-topology.pdb", "glycines.dcd", "glycines.pdb", "glycines.png"]
+    assert filesIn(tmp_path) == [
+        f"glycines{ending}" for ending in ("-settings.toml", "-topology.pdb", ".dcd", ".pdb", ".png")
+    ]
     assert "1 phi, 1 psi" in result.stdout
 
 
@@ -320,5 +328,5 @@ def test_filesAreNamedAfterTheStructure(tmp_path):
     work = tmp_path / "work"
     work.mkdir()
     run(structure, "--trials", 100, folder=work)
-    assert filesIn(work) == ["glycines-topology.pdb", "glycines.dcd", "glycines.png"]
+    assert filesIn(work) == ["glycines-settings.toml", "glycines-topology.pdb", "glycines.dcd", "glycines.png"]
     assert filesIn(Path(structure).parent) == ["glycines.pdb"]

@@ -82,7 +82,13 @@ def test_villin(runHere, tmp_path):
         *("--json", "summary.json"),
     )
     assert result.returncode == 0, result.stderr
-    assert filesIn(tmp_path) == ["summary.json", "villin-topology.pdb", "villin.dcd", "villin.png"]
+    assert filesIn(tmp_path) == [
+        "summary.json",
+        "villin-settings.toml",
+        "villin-topology.pdb",
+        "villin.dcd",
+        "villin.png",
+    ]
     summary = json.loads((tmp_path / "summary.json").read_text())
     assert [move["name"] for move in summary["moves"]] == [
         *("φ/ψ closed 8°", "φ/ψ local 4°", "φ/ψ ends ±10°", "φ/ψ ±1°", "χ ±10°", "χ rotamers")

@@ -76,5 +76,14 @@ class _CommandParser(Parser):
     """The parser of a command, which is imported only once it is called."""
 
     def parse_known_args(self, args=None, namespace=None):
-        importlib.import_module(f".{self.command}", __package__).addArguments(self)
+        command = importlib.import_module(f".{self.command}", __package__)
+        command.addArguments(self)
+        if hasattr(command, "expandArguments"):
+            args = self._expand(command, args)
         return super().parse_known_args(args, namespace)
+
+    def _expand(self, command, args):
+        try:
+            return command.expandArguments(self, args)
+        except InputError as error:
+            self.error(str(error))

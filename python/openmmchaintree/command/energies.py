@@ -37,6 +37,7 @@ class Energies:
         self.model = model
         self._integrator = integrator
         self._context = context
+        self._reference = None
         self.plan = [entry for entry in integrator.getEnergyPlan(context) if entry.kind != "not sampled"]
 
     def held(self):
@@ -54,6 +55,21 @@ class Energies:
 
     def byOpenMM(self, positions):
         """Return U at positions by OpenMM's Reference platform (kJ/mol), and a list of ForceEnergy."""
+        if self._reference is None:
+            self._reference = self._makeReference()
+        context = self._reference
+        context.setPositions(positions)
+        groups = sorted({min(entry.force, _GROUPS - 1) for entry in self.plan})
+        energies = {group: _energy(context, {group}) for group in groups}
+        isDistinct = self._context.getSystem().getNumForces() <= _GROUPS
+        parts = [
+            ForceEnergy(entry.name, entry.kind, entry.reason, energies[entry.force] if isDistinct else None)
+            for entry in self.plan
+        ]
+        return sum(energies.values()), parts
+
+    def _makeReference(self):
+        """Make a Context of what is sampled, each Force in a group of its own."""
         system = openmm.XmlSerializer.clone(self._context.getSystem())
         forces = list(system.getForces())
         for index, force in enumerate(forces):
@@ -62,16 +78,7 @@ class Energies:
         for index in reversed(range(len(forces))):
             if index not in sampled or StericExclusionForce.isinstance(forces[index]):
                 system.removeForce(index)
-        context = openmm.Context(system, openmm.VerletIntegrator(0.001), openmm.Platform.getPlatformByName("Reference"))
-        context.setPositions(positions)
-        groups = sorted({min(entry.force, _GROUPS - 1) for entry in self.plan})
-        energies = {group: _energy(context, {group}) for group in groups}
-        isDistinct = len(forces) <= _GROUPS
-        parts = [
-            ForceEnergy(entry.name, entry.kind, entry.reason, energies[entry.force] if isDistinct else None)
-            for entry in self.plan
-        ]
-        return sum(energies.values()), parts
+        return openmm.Context(system, openmm.VerletIntegrator(0.001), openmm.Platform.getPlatformByName("Reference"))
 
 
 def _energy(context, groups):

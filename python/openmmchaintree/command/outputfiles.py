@@ -30,6 +30,11 @@ class Output:
     isStandardOutput : bool
     """
 
+    @property
+    def path(self):
+        """The Path of the file itself, where its name is a link."""
+        return self._path
+
     def __init__(self, name, overwrite=False):
         """Take a name; a file that exists is replaced only if overwrite says so."""
         self.name = name
@@ -87,6 +92,21 @@ class Output:
         """
         with self.explainingErrors():
             return io.FileIO(self._path, "w" if self._overwrite or self._isSpecial else "x")
+
+    def openThere(self):
+        """Open the file, which is there already, for reading and writing, unbuffered.
+
+        Raises
+        ------
+        InputError
+            if it is not there
+        OutputError
+            if it cannot be opened
+        """
+        if not self._path.is_file():
+            raise InputError(f"{self.name}: there is no such file to go on with")
+        with self.explainingErrors():
+            return io.FileIO(self._path, "r+")
 
     def remove(self):
         """Remove the file."""

@@ -1,18 +1,19 @@
 """The command openmm-chaintree sample."""
 
 import argparse
-import io
 import os
 import random
+from typing import NamedTuple
 
-import openmm.app
-from openmm import unit
+import openmm
 
 from ..bonds import DISULFIDES, LOOPS
 from ..errors import InputError
 from ..structure import readStructure, withoutAtoms
 from ..torsions import KIND_WORDS
 from .arguments import listOf, notNegative, positive, seed
+from .config import addConfig, expandArguments, readSettings, settingsOf
+from .energymodel import EnergyModel
 from .energyoptions import addEnergyOptions, readEnergyOptions
 from .energyreport import describeEnergies
 from .hydrogens import addHydrogens
@@ -20,13 +21,19 @@ from .noteoutput import addNotes, asText
 from .outputfiles import OutputError, Writing, addOverwrite, asJSON, checkOutputs
 from .plan import DEFAULT_KINDS, Choice, selectByOption
 from .planreport import describePlan
+from .replicaoptions import addReplicaOptions, readReplicaOptions
+from .replicarun import SavedRun
+from .replicasample import replicaNames, sampleReplicas
 from .samplereport import printReport, summarize
 from .sampling import Sampling
+from .scenefiles import removeScene, writeScene
 from .status import BAD_INPUT, BEYOND_LIMIT, INTERRUPTED
 from .terminal import ReportConsole, collectionPaused, interruptFlag, printError, progress
 from .trajectoryfile import TrajectoryFile
 
-_ENDINGS = {"trajectory": ".dcd", "topology": "-topology.pdb", "picture": ".png"}
+__all__ = ["addArguments", "expandArguments"]
+
+_ENDINGS = {"trajectory": ".dcd", "topology": "-topology.pdb", "picture": ".png", "settings": "-settings.toml"}
 
 _DESCRIPTION = """\
 Sample the torsions of proteins and nucleic acids: hard spheres alone, or, with --forcefield, exp(-U/kT) of what they
@@ -67,7 +74,7 @@ def addArguments(sample):
     sample.description = _DESCRIPTION
     sample.epilog = _SELECTIONS
     sample.formatter_class = argparse.RawDescriptionHelpFormatter
-    sample.set_defaults(run=_run)
+    sample.set_defaults(run=_run, parser=sample)
     sample.add_argument(
         "structure",
         nargs="?",
@@ -92,7 +99,9 @@ def addArguments(sample):
     )
     addOverwrite(sample)
     addNotes(sample)
+    addConfig(sample)
     addEnergyOptions(sample)
+    addReplicaOptions(sample)
     sample.add_argument(
         "--torsions",
         type=listOf(KIND_WORDS),
@@ -129,11 +138,36 @@ def addArguments(sample):
     )
 
 
+class Prepared(NamedTuple):
+    """A run before it begins.
+
+    options : argparse.Namespace; settings : dict, for --config; outputs : dict of Output by kind; console : Console;
+    sampling : Sampling; energyModel : EnergyModel or None; seed : int; addedHydrogens : int
+    """
+
+    options: argparse.Namespace
+    settings: dict
+    outputs: dict
+    console: ReportConsole
+    sampling: Sampling
+    energyModel: EnergyModel | None
+    seed: int
+    addedHydrogens: int
+
+
 def _run(options):
+    saved = None if options.resume is None else SavedRun(options.resume)
     energyModel, pH = readEnergyOptions(options)
+    replicas = readReplicaOptions(options)
+    if replicas is not None and replicas.temperatures is not None:
+        energyModel.temperature = replicas.temperatures[0]
+    seed = options.seed if options.seed is not None else random.SystemRandom().randint(1, 2**31 - 1)
+    settings = {**settingsOf(options.parser, options), "seed": seed}
+    if saved is not None:
+        saved.checkSettings(settings)
     with collectionPaused():
         structure = readStructure(options.structure, options.model)
-    outputs = _checkOutputs(options, structure.name)
+    outputs = _checkOutputs(options, structure.name, settings, replicas, saved)
     console = ReportConsole(outputs.values())
     choice = Choice(
         tuple(options.torsions),
@@ -145,25 +179,30 @@ def _run(options):
         options.allow_unbonded,
         tuple(options.close),
     )
-    seed = options.seed if options.seed is not None else random.SystemRandom().randint(1, 2**31 - 1)
     try:
         with collectionPaused():
             structure, added = _prepare(structure, options, energyModel, pH, seed)
             sampling = Sampling(structure, seed, choice, energyModel)
     except (InputError, openmm.OpenMMException) as error:
         raise InputError(f"{options.structure or structure.name}: {error}") from error
+    prepared = Prepared(options, settings, outputs, console, sampling, energyModel, seed, added)
+    return _sampleOne(prepared) if replicas is None else sampleReplicas(prepared, replicas, saved)
 
+
+def _sampleOne(prepared):
+    """Run one replica; return the exit status."""
+    options, settings, outputs, console, sampling, _, seed, added = prepared
     writing = Writing()
-    with _beginFiles(outputs, structure, options.trials, options.frames) as trajectory:
+    with _beginFiles(outputs, sampling.structure, settings, options.trials, options.frames) as trajectory:
         for line in describePlan(sampling.plan):
             console.print(line)
         if sampling.energies is not None:
             console.print(describeEnergies(sampling.energies))
-        writing.files = [outputs["topology"].name, outputs["trajectory"].name]
+        writing.files = [outputs[kind].name for kind in ("topology", "trajectory", "settings") if kind in outputs]
         interrupted = _sample(sampling, options.trials, trajectory, writing.failures)
     if len(sampling.frames) > 1:
-        writing.write(outputs["picture"], lambda output: _savePicture(output, structure, sampling))
-    summary = summarize(sampling, structure, seed, writing.files, interrupted, added)
+        writing.write(outputs["picture"], lambda output: _savePicture(output, sampling.structure, sampling))
+    summary = summarize(sampling, seed, writing.files, interrupted, added)
     if "notes" in outputs:
         writing.write(outputs["notes"], lambda output: output.write(asText(sampling.notes)))
     if "json" in outputs:
@@ -190,29 +229,35 @@ def _prepare(structure, options, energyModel, pH, seed):
     return structure, len(added)
 
 
-def _checkOutputs(options, structureName):
-    """Return the Outputs by their kind."""
+def _checkOutputs(options, structureName, settings, replicas, saved):
+    """Return the Outputs by their kind. A file of settings that is read, and says the same, is not written again."""
     prefix = structureName if options.output is None else options.output
     folder, beginning = os.path.split(prefix)
     if beginning in ("", ".", ".."):
         example = os.path.join(folder, beginning, structureName)
         raise InputError(f"-o {prefix or repr('')}: the names of output files need a beginning, such as {example}")
     names = {kind: f"{prefix}{ending}" for kind, ending in _ENDINGS.items()}
-    inputs = [] if options.structure is None else [options.structure]
-    return checkOutputs({**names, "json": options.json, "notes": options.notes}, inputs, options.overwrite)
+    if replicas is not None:
+        del names["trajectory"]
+        names |= replicaNames(prefix, replicas)
+    names |= {"json": options.json, "notes": options.notes}
+    inputs = [name for name in (options.structure, options.config) if name is not None]
+    if options.config is not None and os.path.realpath(options.config) == os.path.realpath(names["settings"]):
+        if readSettings(options.config) == settings:
+            del names["settings"]
+    check = checkOutputs if saved is None else saved.checkOutputs
+    return check(names, inputs, options.overwrite)
 
 
-def _beginFiles(outputs, structure, trials, frames):
-    """Write the PDB file, and the start into the trajectory; return that. Neither stays if either fails."""
-    text = io.StringIO()
-    openmm.app.PDBFile.writeFile(structure.topology, structure.positions * unit.nanometer, text, keepIds=True)
-    outputs["topology"].write(text.getvalue())
+def _beginFiles(outputs, structure, settings, trials, frames):
+    """Write what stays as it is, and the start into the trajectory; return that. None stays if one fails."""
+    writeScene(outputs, structure, settings)
     try:
         interval = -(-trials // frames)
         expected = 1 + -(-trials // interval)
         return TrajectoryFile(outputs["trajectory"], structure.topology, structure.positions, interval, expected)
     except BaseException:
-        outputs["topology"].remove()
+        removeScene(outputs)
         raise
 
 

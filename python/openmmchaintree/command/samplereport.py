@@ -17,25 +17,13 @@ _FATES = {"notMade": "not made", "clashed": "clashed", "rejectedByEnergy": "reje
 _LONGEST_LIST = 10
 
 
-def summarize(sampling, structure, seed, files, interrupted, addedHydrogens):
+def summarize(sampling, seed, files, interrupted, addedHydrogens):
     """Return everything that a run did as plain dictionaries and lists, for JSON.
 
     Lengths are in nm, times in s, energies in kJ/mol.
     """
-    verdict, bonds = sampling.check(), sampling.checkBonds()
-    kinds = Counter(torsion.kind for torsion in sampling.torsions)
-    names = [f"{describeResidue(atom.residue)} {atom.name}" for atom in structure.topology.atoms()]
     return {
-        "structure": structure.name,
-        "atoms": len(names),
-        "addedHydrogens": addedHydrogens,
-        "fixedAtoms": sampling.fixedAtoms,
-        "torsions": {kind: kinds[kind] for kind in KINDS if kinds[kind]},
-        "plan": describePlan(sampling.plan),
-        "cutDisulfides": sampling.plan.cutDisulfides,
-        "cutMetals": sampling.plan.cutMetals,
-        "closed": sampling.plan.closed,
-        "notes": asPlain(sampling.notes),
+        **describeScene(sampling, addedHydrogens),
         "seed": seed,
         "interrupted": interrupted,
         "trials": sampling.trials,
@@ -44,12 +32,39 @@ def summarize(sampling, structure, seed, files, interrupted, addedHydrogens):
         "microsecondsPerTrial": 1e6 * sampling.seconds / sampling.trials if sampling.trials else None,
         "trialsPerSecond": sampling.trials / sampling.seconds if sampling.trials else None,
         "moves": [
-            {"name": move.name, "weight": move.weight, **_describeTrials(statistics)}
+            describeMove(move, statistics)
             for move, statistics in zip(sampling.moves, sampling.statistics(), strict=True)
         ],
         "energy": sampling.summarizeEnergies(),
         "radiusOfGyration": [frame.radiusOfGyration for frame in sampling.frames],
         "clashesAtStart": len(sampling.startOverlaps.pairs),
+        **describeVerdict(sampling),
+        "files": files,
+    }
+
+
+def describeScene(sampling, addedHydrogens):
+    """Return what there is, and what moves of it, as plain dictionaries and lists."""
+    kinds = Counter(torsion.kind for torsion in sampling.torsions)
+    return {
+        "structure": sampling.structure.name,
+        "atoms": sampling.structure.topology.getNumAtoms(),
+        "addedHydrogens": addedHydrogens,
+        "fixedAtoms": sampling.fixedAtoms,
+        "torsions": {kind: kinds[kind] for kind in KINDS if kinds[kind]},
+        "plan": describePlan(sampling.plan),
+        "cutDisulfides": sampling.plan.cutDisulfides,
+        "cutMetals": sampling.plan.cutMetals,
+        "closed": sampling.plan.closed,
+        "notes": asPlain(sampling.notes),
+    }
+
+
+def describeVerdict(sampling):
+    """Return what a comparison of all pairs and bonds with the start says of the Context's positions."""
+    verdict, bonds = sampling.check(), sampling.checkBonds()
+    names = [f"{describeResidue(atom.residue)} {atom.name}" for atom in sampling.structure.topology.atoms()]
+    return {
         "toleratedPairs": _describePairs(verdict.tolerated, names),
         "pairsBeyondLimit": _describePairs(verdict.beyond, names, verdict.beyondLimits),
         "largestBondChange": bonds.largestChange,
@@ -57,14 +72,14 @@ def summarize(sampling, structure, seed, files, interrupted, addedHydrogens):
             {"particles": [first, second], "atoms": [names[first], names[second]], "change": float(change)}
             for (first, second), change in zip(bonds.changed.tolist(), bonds.changes, strict=True)
         ],
-        "files": files,
     }
 
 
-def _describeTrials(statistics):
-    """Return MoveStatistics as a dictionary, with the trials that could not be made."""
+def describeMove(move, statistics):
+    """Return a NamedMove and its MoveStatistics as a dictionary, with the trials that could not be made."""
     attempted, *decided = statistics
-    return {"attempted": attempted, "notMade": attempted - sum(decided), **statistics._asdict()}
+    counts = {"attempted": attempted, "notMade": attempted - sum(decided), **statistics._asdict()}
+    return {"name": move.name, "weight": move.weight, **counts}
 
 
 def _describePairs(overlaps, names, limits=None):
@@ -84,22 +99,8 @@ def _describePairs(overlaps, names, limits=None):
 
 def printReport(summary, console, isVerbose):
     """Print a summary on a rich Console; all notes, if that is to be verbose."""
-    kinds = ", ".join(f"{count:,} {kind}" for kind, count in summary["torsions"].items())
-    fixed = f", {summary['fixedAtoms']:,} of them fixed" if summary["fixedAtoms"] else ""
-    added = f", {summary['addedHydrogens']:,} of them added hydrogens" if summary["addedHydrogens"] else ""
-    console.print(
-        f"{summary['structure']}: {summary['atoms']:,} atoms{added}{fixed}; "
-        f"{sum(summary['torsions'].values()):,} torsions ({kinds}); seed {summary['seed']}"
-    )
-    printNotes(summary["notes"], console, isVerbose)
-    console.print(_moveTable(summary["moves"]))
-    if any(move["notMade"] for move in summary["moves"]):
-        console.print("not made: refused, since a window did not close after its turn, or would not on the way back")
-    if summary["trials"]:
-        console.print(
-            f"{summary['trials']:,} trials in {summary['secondsInSteps']:.3f} s: "
-            f"{summary['microsecondsPerTrial']:.2f} µs a trial, {summary['trialsPerSecond']:,.0f} trials a second"
-        )
+    printScene(summary, console, isVerbose)
+    _printTrials(summary, console)
     if summary["interrupted"]:
         console.print("interrupted: what was sampled so far is in the files")
     if summary["energy"] is not None:
@@ -108,6 +109,34 @@ def printReport(summary, console, isVerbose):
     count = summary["frames"]
     frames = f"{count:,} frames, the first of them the start" if count > 1 else "a single frame, the start"
     console.print(f"wrote {', '.join(summary['files'])}; {frames}")
+
+
+def printScene(summary, console, isVerbose):
+    """Print what there is, and the notes."""
+    kinds = ", ".join(f"{count:,} {kind}" for kind, count in summary["torsions"].items())
+    fixed = f", {summary['fixedAtoms']:,} of them fixed" if summary["fixedAtoms"] else ""
+    added = f", {summary['addedHydrogens']:,} of them added hydrogens" if summary["addedHydrogens"] else ""
+    console.print(
+        f"{summary['structure']}: {summary['atoms']:,} atoms{added}{fixed}; "
+        f"{sum(summary['torsions'].values()):,} torsions ({kinds}); seed {summary['seed']}"
+    )
+    printNotes(summary["notes"], console, isVerbose)
+
+
+def printMoves(moves, console):
+    """Print a table of what became of the trials of each move."""
+    console.print(_moveTable(moves))
+    if any(move["notMade"] for move in moves):
+        console.print("not made: refused, since a window did not close after its turn, or would not on the way back")
+
+
+def _printTrials(summary, console):
+    printMoves(summary["moves"], console)
+    if summary["trials"]:
+        console.print(
+            f"{summary['trials']:,} trials in {summary['secondsInSteps']:.3f} s: "
+            f"{summary['microsecondsPerTrial']:.2f} µs a trial, {summary['trialsPerSecond']:,.0f} trials a second"
+        )
 
 
 def _moveTable(moves):

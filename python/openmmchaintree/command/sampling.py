@@ -12,6 +12,7 @@ from ..errors import InputError
 from ..moveadder import NamedMove
 from ..movescene import MoveScene
 from ..openmmchaintree import TorsionMonteCarloIntegrator
+from ..replicas.segment import makeModel, splitTrials
 from ..sterics import makeForce
 from . import allpairs
 from .bondlengths import BondLengths
@@ -47,12 +48,6 @@ _MOVE_KINDS = (
 # Where closures are kept.
 _CLOSED_WEIGHT, _CLOSED_STEP = 2.0, 12  # degrees
 
-# So often can a run be interrupted, whatever the number of trials between frames.
-_TRIALS_PER_STEP = 10000
-
-# With energies, where trials take longer, and a step may end by a look at the whole energy.
-_TRIALS_PER_STEP_WITH_ENERGY = 400
-
 
 class Frame(NamedTuple):
     """What is kept of a conformation. Counts are those of each move since the start: (moves, 4).
@@ -75,6 +70,7 @@ class Sampling:
 
     Attributes
     ----------
+    structure : Structure
     force, integrator, context
         what runs
     plan : Plan
@@ -108,7 +104,7 @@ class Sampling:
             if nothing is left that moves, a selection is wrong, an element has no radius, or the force field does not
             fit
         """
-        self._structure = structure
+        self.structure = structure
         self.plan = plan = Plan(structure, choice)
         self.torsions = plan.torsions
         try:
@@ -155,7 +151,7 @@ class Sampling:
             for mass in self._masses.tolist():
                 system.addParticle(mass)
         else:
-            system, notes = energyModel.makeSystem(self._structure)
+            system, notes = energyModel.makeSystem(self.structure)
             self.notes += notes
         for particle in np.flatnonzero(self.plan.fixed).tolist():
             system.setParticleMass(particle, 0)
@@ -164,7 +160,7 @@ class Sampling:
 
     def _addMovesOfSpheres(self, system):
         moves = []
-        scene = MoveScene(self._structure.topology, system, self.torsions)
+        scene = MoveScene(self.structure.topology, system, self.torsions)
         inRings = scene.findRings()
         backbones = [i for i, torsion in enumerate(self.torsions) if torsion.kind in _PEPTIDE + _NUCLEIC]
         if inRings and scene.canClose(pool := sorted(inRings.union(backbones))):
@@ -187,19 +183,14 @@ class Sampling:
 
         Return the positions, a float64 array of shape (n, 3) in nm.
         """
-        end = self.trials + trials
-        going = True
-        usual = _TRIALS_PER_STEP
-        if self.energies is not None:  # no step is shorter, unless all trials are fewer
-            usual = -(-trials // max(1, trials // _TRIALS_PER_STEP_WITH_ENERGY))
-        while going and self.trials < end:
-            count = min(end - self.trials, usual)
+        for count in splitTrials(trials, self.energies is not None):
             self.integrator.setTrialsPerStep(count)
             start = perf_counter()
             self.integrator.step(1)
             self.seconds += perf_counter() - start
             self.trials += count
-            going = proceed()
+            if not proceed():
+                break
         positions = self._positions()
         self._keepFrame(positions)
         return positions
@@ -208,13 +199,41 @@ class Sampling:
         """Return the MoveStatistics of each move."""
         return [self.integrator.getMoveStatistics(i) for i in range(len(self.moves))]
 
-    def check(self):
-        """Judge the Context's positions by comparing all pairs, without the engine: an allpairs.Verdict."""
-        return allpairs.compare(self.startOverlaps, self._spheres.overlaps(self._positions()))
+    def check(self, positions=None):
+        """Judge positions, or the Context's, by comparing all pairs, without the engine: an allpairs.Verdict."""
+        return allpairs.compare(self.startOverlaps, self._spheres.overlaps(self._orOurs(positions)))
 
-    def checkBonds(self):
-        """Compare the lengths of bonds at the Context's positions with those at the start: a BondVerdict."""
-        return self._bonds.compare(self._positions())
+    def checkBonds(self, positions=None):
+        """Compare the lengths of bonds at positions, or the Context's, with those at the start: a BondVerdict."""
+        return self._bonds.compare(self._orOurs(positions))
+
+    def radiusOfGyration(self, positions):
+        """Return the radius of gyration (nm) of the molecules that move."""
+        atoms = self.plan.inMovingMolecules
+        return radiusOfGyration(positions[atoms], self._masses[atoms])
+
+    def takeUp(self, checkpoint):
+        """Go to where a replica of this run is; None is the start."""
+        if checkpoint is not None:
+            self.context.loadCheckpoint(checkpoint)
+
+    def energyByOpenMM(self):
+        """Return U of the Context's positions by OpenMM's Reference platform, kJ/mol."""
+        return self.energies.byOpenMM(self._positions())[0]
+
+    def model(self):
+        """Return the Model of replicas of this run, which start where it started."""
+        platform = self.context.getPlatform()
+        names = platform.getPropertyNames() if self.energies is not None else ()
+        properties = {name: platform.getPropertyValue(self.context, name) for name in names if name == "Threads"}
+        return makeModel(
+            self.context.getSystem(),
+            self.integrator,
+            self.structure.positions,
+            platform.getName(),
+            properties,
+            self.energies is not None,
+        )
 
     def summarizeEnergies(self):
         """Return what became of the energies as plain dictionaries and lists; None of hard spheres alone."""
@@ -222,16 +241,18 @@ class Sampling:
             return None
         return summarizeEnergies(self.energies, self.frames, self._positions())
 
+    def _orOurs(self, positions):
+        return self._positions() if positions is None else positions
+
     def _positions(self):
         return self.context.getState(positions=True).getPositions(asNumpy=True).value_in_unit(unit.nanometer)
 
     def _keepFrame(self, positions):
-        atoms = self.plan.inMovingMolecules
         frame = Frame(
             trials=self.trials,
             phiPsi=dihedrals(positions, self._phiPsiParticles).reshape(-1, 2),
             torsionAngles=dihedrals(positions, self._torsionParticles),
-            radiusOfGyration=radiusOfGyration(positions[atoms], self._masses[atoms]),
+            radiusOfGyration=self.radiusOfGyration(positions),
             counts=np.array(self.statistics()),
             energy=None if self.energies is None else self.energies.held(),
         )

@@ -1,0 +1,201 @@
+"""What a run of replicas writes while it runs: trajectories, and an index of their frames."""
+
+import csv
+import io
+import os
+from contextlib import ExitStack
+
+import numpy as np
+
+from ..errors import InputError
+from .trajectoryfile import TrajectoryFile
+
+_COLUMNS = ("frame", "trials", "replica", "temperature", "potentialEnergy", "radiusOfGyration")
+
+
+def trajectoryNames(prefix, replicas, temperatures, byTemperature):
+    """Return the names of the trajectories of so many replicas, or of temperatures (K)."""
+    if not byTemperature:
+        width = len(str(replicas - 1))
+        return [f"{prefix}-replica-{replica:0{width}}.dcd" for replica in range(replicas)]
+    for digits in range(10):
+        names = [f"{temperature:.{digits}f}" for temperature in temperatures]
+        isExact = all(float(name) == temperature for name, temperature in zip(names, temperatures, strict=True))
+        if isExact or digits >= 1 and len({*names}) == len(names):
+            break
+    return [f"{prefix}-{name}K.dcd" for name in names]
+
+
+class IndexFile:
+    """A table (CSV) of all frames of all replicas, in the order of frames and, of each, of replicas.
+
+    Numbers of frames and replicas are from 0; frame 0 is the start. Energies are in kJ/mol, lengths in nm.
+    """
+
+    def __init__(self, output, size=None):
+        """Begin the file of an Output; or go on with one, of which so many bytes count."""
+        self._output = output
+        self._file = output.open() if size is None else output.openThere()
+        self._size = 0
+        try:
+            if size is None:
+                self._append(_asLine(_COLUMNS))
+            else:
+                self._goOn(size)
+        except BaseException:
+            self._file.close()
+            raise
+
+    def _goOn(self, size):
+        """Cut off what does not count."""
+        header = _asLine(_COLUMNS).encode()
+        with self._output.explainingErrors():
+            isOurs = self._file.read(len(header)) == header and self._file.seek(0, os.SEEK_END) >= size
+        if not isOurs:
+            raise InputError(f"{self._output.name}: is not the index that the run has written")
+        with self._output.explainingErrors():
+            self._file.truncate(size)
+            self._file.seek(size)
+        self._size = size
+
+    @property
+    def size(self):
+        """The number of bytes that are complete."""
+        return self._size
+
+    def write(self, rows):
+        """Add rows, each a sequence of the values of columns."""
+        self._append("".join(map(_asLine, rows)))
+
+    def sync(self):
+        """Wait until what was written is on the disk."""
+        with self._output.explainingErrors():
+            os.fsync(self._file.fileno())
+
+    def close(self):
+        """Close the file, without what is not complete."""
+        with self._output.explainingErrors():
+            self._file.truncate(self._size)
+            self._file.close()
+
+    def remove(self):
+        """Remove the file, after it was closed."""
+        self._output.remove()
+
+    def _append(self, text):
+        data = text.encode()
+        with self._output.explainingErrors():
+            while data:
+                written = self._file.write(data)
+                data = data[written:]
+        self._size += len(text.encode())
+
+
+def _asLine(values):
+    line = io.StringIO()
+    csv.writer(line, lineterminator="\n").writerow(["" if value is None else value for value in values])
+    return line.getvalue()
+
+
+def readIndex(path):
+    """Return the columns of an index as a dictionary of arrays; empty cells are NaN."""
+    orNaN = dict.fromkeys(range(3, len(_COLUMNS)), lambda text: float(text or "nan"))
+    columns = np.loadtxt(path, delimiter=",", skiprows=1, ndmin=2, converters=orNaN, encoding="utf-8").T
+    return {
+        name: column.astype(int) if number < 3 else column
+        for number, (name, column) in enumerate(zip(_COLUMNS, columns, strict=True))
+    }
+
+
+class ReplicaFiles:
+    """The trajectories and the index of a run. As a context manager it closes them.
+
+    Attributes
+    ----------
+    trajectories : list of TrajectoryFile
+    index : IndexFile
+    """
+
+    def __init__(self, outputs, plan, byTemperature, start, round=0, indexSize=None):
+        """Begin all files by the start; or go on with what they held when a round began. None stays if one fails.
+
+        Parameters
+        ----------
+        outputs : dict
+            "index": an Output; "trajectories": a list of them
+        plan : RunPlan
+        byTemperature : bool
+            whether each temperature has a trajectory, not each replica
+        start : Sampling
+            that has not moved
+        round : int
+        indexSize : int or None
+            the size of the index when that round began, None of a new run
+        """
+        self._plan = plan
+        self._byTemperature = byTemperature
+        self._start = start
+        self._rows = {}
+        self.trajectories = []
+        self.index = None
+        isNew = indexSize is None
+        topology, positions, schedule = start.structure.topology, start.structure.positions, plan.schedule
+        frames = 0 if isNew else 1 + schedule.framesBefore(round)
+        self._nextFrame = max(1, frames)
+        try:
+            for output in outputs["trajectories"]:
+                expected = 1 + schedule.frames
+                self.trajectories.append(
+                    TrajectoryFile(output, topology, positions, schedule.interval, expected, frames)
+                )
+            self.index = IndexFile(outputs["index"], indexSize)
+            if isNew:
+                energy = start.frames[0].energy
+                self.index.write([self._row(0, *place, positions, energy) for place in self._startPlaces()])
+        except BaseException:
+            self.close()
+            if isNew:
+                self.remove()
+            raise
+
+    def remove(self):
+        """Remove the files, after they were closed."""
+        for file in (*self.trajectories, self.index):
+            if file is not None:
+                file.remove()
+
+    def add(self, frame, replica, temperature, kept):
+        """Add a KeptFrame of a replica, which has one of the temperatures by its number."""
+        self.trajectories[temperature if self._byTemperature else replica].write(kept.positions)
+        self._rows.setdefault(frame, {})[replica] = self._row(frame, replica, temperature, kept.positions, kept.energy)
+        while len(self._rows.get(self._nextFrame, ())) == len(self._plan.seeds):
+            rows = self._rows.pop(self._nextFrame)
+            self.index.write([rows[replica] for replica in sorted(rows)])
+            self._nextFrame += 1
+
+    def sync(self):
+        """Wait until all that was written is on the disk."""
+        for file in (*self.trajectories, self.index):
+            file.sync()
+
+    def close(self):
+        """Close all files."""
+        with ExitStack() as stack:
+            for file in (*self.trajectories, self.index):
+                if file is not None:
+                    stack.callback(file.close)
+
+    def __enter__(self):
+        return self
+
+    def __exit__(self, *exception):
+        self.close()
+
+    def _startPlaces(self):
+        count = len(self._plan.seeds)
+        return [(replica, replica if self._plan.isExchange else 0) for replica in range(count)]
+
+    def _row(self, frame, replica, temperature, positions, energy):
+        radius = self._start.radiusOfGyration(positions)
+        kelvin = None if energy is None else self._plan.temperatures[temperature]
+        return frame, self._plan.schedule.trialsOfFrame(frame), replica, kelvin, energy, radius

@@ -1,0 +1,132 @@
+"""The options of runs with many replicas."""
+
+import os
+from typing import NamedTuple
+
+from ..errors import InputError
+from ..replicas.coordinator import RunPlan
+from ..replicas.ladder import deriveSeeds, readLadder
+from ..replicas.schedule import Schedule
+from .arguments import numberIn, positive
+
+_TRIALS_PER_EXCHANGE = 4000
+_TRIALS_PER_ROUND = 10000  # of replicas that exchange nothing
+_CHECKPOINT_INTERVAL = 60.0  # s
+
+
+class ReplicaChoice(NamedTuple):
+    """What the user chose.
+
+    temperatures : list of float, K: those that are exchanged, or None
+    replicas, workers : int
+    trialsPerRound : int
+    filesByTemperature : bool, whether each temperature has a trajectory, not each replica
+    checkpointInterval : float, s
+    """
+
+    temperatures: list[float] | None
+    replicas: int
+    workers: int
+    trialsPerRound: int
+    filesByTemperature: bool
+    checkpointInterval: float
+
+
+def addReplicaOptions(parser):
+    """Add the options of replicas to a parser."""
+    parser.add_argument(
+        "--replicas",
+        type=positive,
+        metavar="N",
+        help="run N replicas from the same start, each with all trials and frames and random numbers of its own",
+    )
+    parser.add_argument(
+        "--temperatures",
+        metavar="LOW:HIGH:N",
+        help="exchange N temperatures, each by the same factor above the one before, among N replicas; or temperatures "
+        "with commas between them (K); needs --forcefield",
+    )
+    parser.add_argument(
+        "--trials-per-exchange",
+        type=positive,
+        metavar="M",
+        help=f"trials of each replica between exchanges (default: {_TRIALS_PER_EXCHANGE})",
+    )
+    parser.add_argument(
+        "--workers",
+        type=positive,
+        metavar="W",
+        help="replicas that run at a time (default: as many as there are cores)",
+    )
+    parser.add_argument(
+        "--trajectories",
+        choices=("replica", "temperature"),
+        help="what each trajectory follows (default: the temperature where they are exchanged, else the replica)",
+    )
+    parser.add_argument(
+        "--checkpoint-interval",
+        type=numberIn(0, 1e9),
+        metavar="S",
+        help=f"seconds between checkpoints of all replicas (default: {_CHECKPOINT_INTERVAL:g}); 0: after each round",
+    )
+    parser.add_argument(
+        "--resume",
+        metavar="FILE",
+        help="go on from the checkpoint of a run with replicas, with all its settings",
+    )
+
+
+def readReplicaOptions(options):
+    """Return the ReplicaChoice that the options make, or None of a single run.
+
+    Raises
+    ------
+    InputError
+        if an option needs another one, or does not fit it
+    """
+    temperatures = None
+    if options.temperatures is not None:
+        try:
+            temperatures = readLadder(options.temperatures)
+        except InputError as error:
+            raise InputError(f"--temperatures {error}") from error
+        if options.forcefield is None:
+            raise InputError("--temperatures needs --forcefield: hard spheres alone have no energy to exchange by")
+        if options.temperature is not None:
+            raise InputError("--temperature and --temperatures cannot be used together")
+        if options.replicas not in (None, len(temperatures)):
+            raise InputError(
+                f"--replicas {options.replicas}: there is one replica for each of {len(temperatures)} temperatures"
+            )
+    elif options.trials_per_exchange is not None:
+        raise InputError("--trials-per-exchange needs --temperatures")
+    elif options.trajectories == "temperature":
+        raise InputError("--trajectories temperature needs --temperatures")
+    if temperatures is None and options.replicas is None:
+        for name in ("workers", "trajectories", "checkpoint_interval", "resume"):
+            if getattr(options, name) is not None:
+                raise InputError(
+                    f"--{name.replace('_', '-')} needs --replicas or --temperatures; --replicas 1 is a run of one"
+                )
+        return None
+    workers = options.workers or _usableCores()
+    interval = _CHECKPOINT_INTERVAL if options.checkpoint_interval is None else options.checkpoint_interval
+    return ReplicaChoice(
+        temperatures,
+        options.replicas if temperatures is None else len(temperatures),
+        workers,
+        _TRIALS_PER_ROUND if temperatures is None else options.trials_per_exchange or _TRIALS_PER_EXCHANGE,
+        options.trajectories != "replica" if temperatures is not None else False,
+        interval,
+    )
+
+
+def _usableCores():
+    return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
+
+
+def makePlan(choice, options, energyModel, seed):
+    """Return the RunPlan of a ReplicaChoice."""
+    temperatures = choice.temperatures or [300.0 if energyModel is None else energyModel.temperature]
+    schedule = Schedule(options.trials, choice.trialsPerRound, -(-options.trials // options.frames))
+    return RunPlan(schedule, temperatures, deriveSeeds(seed, choice.replicas), seed)

@@ -1,0 +1,187 @@
+"""What a run of replicas did, as tables for people and as JSON for programs."""
+
+import numpy as np
+from rich.table import Table
+
+from ..openmmchaintree import MoveStatistics
+from .samplereport import describeMove, describeScene, describeVerdict, printMoves, printScene
+
+
+def summarizeReplicas(sampling, plan, state, index, *, seed, workers, interrupted, addedHydrogens):
+    """Return everything that a run of replicas did as plain dictionaries and lists, for JSON.
+
+    Lengths are in nm, times in s, energies in kJ/mol, temperatures in K. The Context of the Sampling, from which the
+    replicas began, takes up one after another to look at where they are.
+
+    Parameters
+    ----------
+    sampling : Sampling
+    plan : RunPlan
+    state : RunState
+        at the end
+    index : dict of arrays
+        what `readIndex` returned
+    """
+    trials = plan.schedule.trialsBefore(state.round)
+    allTrials = trials * len(plan.seeds)
+    counts = state.counts.sum(axis=0)
+    return {
+        **describeScene(sampling, addedHydrogens),
+        "seed": seed,
+        "interrupted": interrupted,
+        "replicas": len(plan.seeds),
+        "workers": workers,
+        "trials": trials,
+        "frames": 1 + plan.schedule.framesBefore(state.round),
+        "trialsPerRound": plan.schedule.trialsPerRound,
+        "secondsInSteps": state.secondsInSteps,
+        "secondsInSegments": state.seconds,
+        "wallSeconds": state.wallSeconds,
+        "microsecondsPerTrial": 1e6 * state.secondsInSteps / allTrials if allTrials else None,
+        "trialsPerSecond": allTrials / state.wallSeconds if allTrials else None,
+        "busy": state.seconds / (workers * state.wallSeconds) if allTrials else None,
+        "moves": _describeMoves(sampling, counts),
+        "temperatures": [_describeTemperature(sampling, plan, state, index, k) for k in range(len(plan.temperatures))],
+        "exchanges": [
+            {
+                "temperatures": plan.temperatures[lower : lower + 2],
+                "attempted": int(state.attempted[lower]),
+                "accepted": int(state.accepted[lower]),
+            }
+            for lower in range(len(state.attempted))
+        ],
+        "roundTrips": state.roundTrips if plan.isExchange else None,
+        "clashesAtStart": len(sampling.startOverlaps.pairs),
+        "ends": [_describeEnd(sampling, plan, state, replica) for replica in range(len(plan.seeds))],
+    }
+
+
+def _describeMoves(sampling, counts):
+    return [describeMove(move, MoveStatistics(*row)) for move, row in zip(sampling.moves, counts.tolist(), strict=True)]
+
+
+def _describeTemperature(sampling, plan, state, index, number):
+    temperature = plan.temperatures[number]
+    attempted, accepted, takenBack = state.outerTests[number].tolist()
+    rows = index["frame"] > 0
+    if plan.isExchange:
+        rows &= index["temperature"] == temperature
+    description = {
+        "temperature": temperature if sampling.energies is not None else None,
+        "frames": int(rows.sum()),
+        "moves": _describeMoves(sampling, state.counts[number]),
+        "outerTests": {"attempted": attempted, "accepted": accepted, "trialsTakenBack": takenBack},
+        "radiusOfGyration": _describeValues(index["radiusOfGyration"][rows]),
+    }
+    if sampling.energies is not None:
+        description["potentialEnergy"] = _describeValues(index["potentialEnergy"][rows])
+    return description
+
+
+def _describeValues(values):
+    if len(values) == 0:
+        return {"mean": None, "standardDeviation": None}
+    return {"mean": float(np.mean(values)), "standardDeviation": float(np.std(values))}
+
+
+def _describeEnd(sampling, plan, state, replica):
+    """Return where a replica is, and what all pairs and bonds say of it."""
+    checkpoint = state.checkpoints[replica]
+    sampling.takeUp(checkpoint)
+    end = {
+        "replica": replica,
+        "seed": plan.seeds[replica],
+        "temperature": plan.temperatures[state.temperatureOf[replica]] if sampling.energies is not None else None,
+        "accepted": int(state.countsOfReplica[replica, :, 3].sum()),
+        **describeVerdict(sampling),
+    }
+    if sampling.energies is not None:
+        end["potentialEnergy"] = sampling.energies.held()
+        end["potentialEnergyByOpenMM"] = sampling.energyByOpenMM()
+    return end
+
+
+def isBeyond(summary):
+    """Whether a replica ended with pairs beyond their limit, or with changed bonds."""
+    return any(end["pairsBeyondLimit"] or end["changedBonds"] for end in summary["ends"])
+
+
+def printReplicaReport(summary, console, isVerbose):
+    """Print what `summarizeReplicas` returned on a rich Console; all notes, if that is to be verbose."""
+    printScene(summary, console, isVerbose)
+    printMoves(summary["moves"], console)
+    if summary["trials"]:
+        console.print(
+            f"{summary['replicas']} replicas, {summary['trials']:,} trials of each, by {summary['workers']} workers in "
+            f"{summary['wallSeconds']:.1f} s: {summary['microsecondsPerTrial']:.2f} µs a trial on one core, "
+            f"{summary['trialsPerSecond']:,.0f} trials a second in all; workers were busy "
+            f"{100 * summary['busy']:.0f} % of the time"
+        )
+    if summary["interrupted"]:
+        console.print("interrupted: what was sampled so far is in the files, and --resume goes on")
+    if any("potentialEnergy" in temperature for temperature in summary["temperatures"]):
+        console.print(_temperatureTable(summary))
+    if summary["roundTrips"] is not None:
+        trips = sum(summary["roundTrips"])
+        console.print(f"{trips:,} round trip{'' if trips == 1 else 's'} between the lowest temperature and the highest")
+    _printEnds(summary, console)
+    count = summary["frames"]
+    frames = f"{count:,} frames each, the first of them the start" if count > 1 else "a single frame each, the start"
+    console.print(f"wrote {', '.join(summary['files'])}; {frames}")
+
+
+def _temperatureTable(summary):
+    """Make a table with a row for each temperature."""
+    table = Table("K", box=None, pad_edge=False, header_style="bold")
+    hasOuterTests = any(temperature["outerTests"]["attempted"] for temperature in summary["temperatures"])
+    headings = ["U (kJ/mol)", "±", "nm", "accepted %", *(["outer tests kept %"] if hasOuterTests else [])]
+    for heading in [*headings, *(["exchanged with the next %"] if summary["exchanges"] else [])]:
+        table.add_column(heading, justify="right")
+    for number, temperature in enumerate(summary["temperatures"]):
+        energy, radius, outer = (temperature[key] for key in ("potentialEnergy", "radiusOfGyration", "outerTests"))
+        attempted, accepted = (sum(move[key] for move in temperature["moves"]) for key in ("attempted", "accepted"))
+        cells = [
+            f"{temperature['temperature']:.1f}",
+            _format(energy["mean"], ",.1f"),
+            _format(energy["standardDeviation"], ",.1f"),
+            _format(radius["mean"], ".3f"),
+            _share(accepted, attempted),
+        ]
+        if hasOuterTests:
+            cells.append(_share(outer["accepted"], outer["attempted"]))
+        if number < len(summary["exchanges"]):
+            exchange = summary["exchanges"][number]
+            cells.append(_share(exchange["accepted"], exchange["attempted"]))
+        table.add_row(*cells)
+    return table
+
+
+def _share(part, whole):
+    return f"{100 * part / whole:.1f}" if whole else "–"
+
+
+def _format(value, form):
+    return "–" if value is None else f"{value:{form}}"
+
+
+def _printEnds(summary, console):
+    ends = summary["ends"]
+    beyond = sum(len(end["pairsBeyondLimit"]) for end in ends)
+    count = f"{beyond} beyond their limit" if beyond else "none beyond its limit"
+    change = max(end["largestBondChange"] for end in ends)
+    console.print(
+        f"last positions of all replicas, all pairs compared: {count} "
+        f"({summary['clashesAtStart']} clashed at the start); largest change of a bond's length: {change:.1g} nm"
+    )
+    for end in ends:
+        for pair in end["pairsBeyondLimit"]:
+            names = " – ".join(pair["atoms"])
+            console.print(f"  beyond its limit: replica {end['replica']}, {names}, overlap {pair['overlap']:.9f} nm")
+        for bond in end["changedBonds"][:1]:
+            console.print(
+                f"  bonds changed: replica {end['replica']}, {len(end['changedBonds']):,}, such as "
+                f"{' – '.join(bond['atoms'])}, by {bond['change']:.3g} nm"
+            )
+    if "potentialEnergy" in ends[0]:
+        difference = max(abs(end["potentialEnergy"] - end["potentialEnergyByOpenMM"]) for end in ends)
+        console.print(f"U of last positions: OpenMM's Reference platform differs by {difference:.1g} kJ/mol at most")

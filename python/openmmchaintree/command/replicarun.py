@@ -1,0 +1,191 @@
+"""Runs replicas for the command: from the start or from a checkpoint, to the end or until the user interrupts."""
+
+import os
+from concurrent.futures import ThreadPoolExecutor
+from time import monotonic
+
+import openmm
+
+from .. import __version__
+from ..errors import InputError
+from ..replicas.checkpointfile import readCheckpoint, writeCheckpoint
+from ..replicas.coordinator import Coordinator, RunState
+from ..replicas.segment import Workplace
+from .outputfiles import OutputError, checkOutputs
+from .replicafiles import ReplicaFiles
+from .terminal import interruptFlag, printError, progress
+
+# Settings that a run may go on with in another way.
+_FREE_SETTINGS = ("workers", "checkpoint-interval", "json", "notes")
+
+# The kinds of outputs that are written at the end.
+_REPORTS = ("picture", "json", "notes")
+
+# Segments are handed out so that no worker waits for the next one.
+_SEGMENTS_PER_WORKER = 2
+
+
+class ReplicaRun:
+    """Replicas of a Sampling, and the files that they write.
+
+    Attributes
+    ----------
+    plan : RunPlan
+    state : RunState
+    isInterrupted : bool
+    reports : list of str
+        the names of files that were written at the end, so far
+    """
+
+    def __init__(self, sampling, plan, choice, settings, outputs):
+        """Take a Sampling that has not moved, a RunPlan, a ReplicaChoice, settings and Outputs.
+
+        outputs : dict of "checkpoint" and "index", Outputs, and "trajectories", a list of them
+        """
+        self._sampling = sampling
+        self._workplace = Workplace(sampling.model())
+        self._choice = choice
+        self._settings = settings
+        self._outputs = outputs
+        self._indexSize = None
+        self.plan = plan
+        self.state = RunState(plan, len(sampling.moves))
+        self.isInterrupted = False
+        self.reports = []
+
+    def goOn(self, saved):
+        """Go on from a SavedRun.
+
+        Raises
+        ------
+        InputError
+            if it is of another structure or force field
+        """
+        if saved.header["model"] != self._workplace.model.key:
+            raise InputError(
+                f"{saved.path}: is of a run from another structure, force field or version "
+                f"(that was openmm-chaintree {saved.header['madeBy']}, this is {__version__})"
+            )
+        checkpoints = [saved.checkpoints.get(replica) for replica in range(len(self.plan.seeds))]
+        self.state.restore(saved.header["state"], checkpoints)
+        self._indexSize = saved.header["indexSize"]
+        self.reports = saved.header["reports"]
+
+    def begin(self):
+        """Begin the files, or open them to go on."""
+        byTemperature, round = self._choice.filesByTemperature, self.state.round
+        self._files = ReplicaFiles(self._outputs, self.plan, byTemperature, self._sampling, round, self._indexSize)
+        try:
+            self._sync()
+            self._save()
+        except BaseException:
+            self._files.close()
+            if self._indexSize is None:
+                self._files.remove()
+            raise
+
+    def run(self):
+        """Run to the end, or until the user interrupts.
+
+        Raises
+        ------
+        OutputError
+            if a file cannot be written, or OpenMM refuses; the run goes on from its last checkpoint
+        """
+        plan, state = self.plan, self.state
+        total = plan.schedule.trials * len(plan.seeds)
+        with self._files:
+            pool = ThreadPoolExecutor(self._choice.workers)
+            try:
+                with interruptFlag() as interrupted, progress(total) as advance:
+                    while state.round < plan.schedule.rounds and not interrupted:
+                        self._runFor(self._choice.checkpointInterval, pool, interrupted, advance)
+                        self._sync()
+                        self._save()
+                    self.isInterrupted = bool(interrupted)
+            except (OutputError, openmm.OpenMMException) as error:
+                raise OutputError(f"{error}; {self._whereItStopped()}") from error
+            except KeyboardInterrupt:
+                printError(f"interrupted; {self._whereItStopped()}")
+                raise
+            finally:
+                pool.shutdown(cancel_futures=True)
+
+    def _runFor(self, seconds, pool, interrupted, advance):
+        """Run rounds for so many seconds, at least one."""
+        coordinator = Coordinator(self.plan, self.state, self._files.add)
+        begun = monotonic()
+
+        def shouldHold():
+            advance(coordinator.trials)
+            return bool(interrupted) or monotonic() >= begun + seconds
+
+        slots = _SEGMENTS_PER_WORKER * self._choice.workers
+        coordinator.run(lambda segment: pool.submit(self._workplace.run, segment), slots, shouldHold)
+        self.state.wallSeconds += monotonic() - begun
+
+    def noteReports(self, names):
+        """Note the names of files that were written at the end, which a run that goes on from here replaces."""
+        self.reports = sorted({*self.reports, *names})
+        self._save()
+
+    def _sync(self):
+        """Wait until all that was written is on the disk, and take its size."""
+        self._files.sync()
+        self._indexSize = self._files.index.size
+
+    def _save(self):
+        """Write the checkpoint; all that it counts is on the disk."""
+        header = {
+            "model": self._workplace.model.key,
+            "madeBy": __version__,
+            "settings": self._settings,
+            "indexSize": self._indexSize,
+            "reports": self.reports,
+            "state": self.state.asPlain(),
+        }
+        output = self._outputs["checkpoint"]
+        with output.explainingErrors():
+            writeCheckpoint(output.path, header, self.state.checkpoints)
+
+    def _whereItStopped(self):
+        name = self._outputs["checkpoint"].name
+        return f"the run goes on from its last checkpoint by --resume {name}"
+
+
+class SavedRun:
+    """What a checkpoint file holds. path : str; header : dict; checkpoints : dict of bytes by replica."""
+
+    def __init__(self, path):
+        """Read a file.
+
+        Raises
+        ------
+        InputError
+            if it is no checkpoint
+        """
+        self.path = path
+        self.header, self.checkpoints = readCheckpoint(path)
+
+    @property
+    def settings(self):
+        """The settings of the run."""
+        return self.header["settings"]
+
+    def checkSettings(self, settings):
+        """Refuse settings that are not those of the run."""
+        names = {*self.settings, *settings}.difference(_FREE_SETTINGS)
+        for name in sorted(names):
+            if self.settings.get(name) != settings.get(name):
+                option = name if name == "structure" else f"--{name}"
+                raise InputError(f"--resume {self.path}: a run goes on with its own settings, without another {option}")
+
+    def checkOutputs(self, names, inputs, overwrite):
+        """Return the Outputs of the run that goes on, as `checkOutputs` does: what the run has written is there."""
+        reports = self.header["reports"]
+        ours = {kind: name for kind, name in names.items() if kind not in _REPORTS or name in reports}
+        others = {kind: name for kind, name in names.items() if kind not in ours}
+        outputs = {**checkOutputs(ours, inputs, True), **checkOutputs(others, inputs, overwrite)}
+        if os.path.realpath(self.path) != str(outputs["checkpoint"].path):
+            raise InputError(f"--resume {self.path}: the run writes its checkpoints to {outputs['checkpoint'].name}")
+        return outputs

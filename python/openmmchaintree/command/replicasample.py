@@ -1,0 +1,98 @@
+"""What openmm-chaintree sample does with replicas: names their files, runs them, reports."""
+
+from .energyreport import describeEnergies
+from .noteoutput import asText
+from .outputfiles import Writing, asJSON
+from .planreport import describePlan
+from .replicafiles import readIndex, trajectoryNames
+from .replicaoptions import makePlan
+from .replicareport import isBeyond, printReplicaReport, summarizeReplicas
+from .replicarun import ReplicaRun
+from .scenefiles import removeScene, writeScene
+from .status import BAD_INPUT, BEYOND_LIMIT, INTERRUPTED
+from .terminal import printError
+
+_TRAJECTORY = "trajectory "
+
+
+def replicaNames(prefix, choice):
+    """Return the names of the files of a ReplicaChoice by their kind."""
+    names = trajectoryNames(prefix, choice.replicas, choice.temperatures, choice.filesByTemperature)
+    numbered = {f"{_TRAJECTORY}{number}": name for number, name in enumerate(names)}
+    return {"index": f"{prefix}-index.csv", "checkpoint": f"{prefix}.checkpoint", **numbered}
+
+
+def sampleReplicas(prepared, choice, saved):
+    """Run the replicas of a ReplicaChoice, from a SavedRun on if there is one; return the exit status."""
+    options, settings, outputs, console, sampling, energyModel, seed, added = prepared
+    trajectories = [output for kind, output in outputs.items() if kind.startswith(_TRAJECTORY)]
+    files = {"trajectories": trajectories, "index": outputs["index"], "checkpoint": outputs["checkpoint"]}
+    run = ReplicaRun(sampling, makePlan(choice, options, energyModel, seed), choice, settings, files)
+    if saved is not None:
+        run.goOn(saved)
+    writing = Writing()
+    if saved is None:
+        outputs["checkpoint"].remove()  # of a former run, whose files are replaced now
+        writeScene(outputs, sampling.structure, settings)
+    try:
+        run.begin()
+    except BaseException:
+        if saved is None:
+            removeScene(outputs)
+        raise
+    for line in describePlan(sampling.plan):
+        console.print(line)
+    if sampling.energies is not None:
+        console.print(describeEnergies(sampling.energies))
+    console.print(_describeRun(run, choice))
+    run.run()
+
+    index = readIndex(outputs["index"].path)
+    summary = summarizeReplicas(
+        sampling,
+        run.plan,
+        run.state,
+        index,
+        seed=seed,
+        workers=choice.workers,
+        interrupted=run.isInterrupted,
+        addedHydrogens=added,
+    )
+    written = ["topology", "settings", "index", "checkpoint"]
+    writing.files = [
+        *(outputs[kind].name for kind in written if kind in outputs),
+        *(file.name for file in trajectories),
+    ]
+    if summary["frames"] > 1:
+        writing.write(outputs["picture"], lambda output: _savePicture(output, summary, index))
+    summary["files"] = writing.files
+    if "notes" in outputs:
+        writing.write(outputs["notes"], lambda output: output.write(asText(sampling.notes)))
+    if "json" in outputs:
+        writing.write(outputs["json"], lambda output: output.write(asJSON(summary)))
+    run.noteReports(outputs[kind].name for kind in ("picture", "notes", "json") if kind in outputs)
+    printReplicaReport(summary, console, options.verbose)
+    if writing.failures:
+        printError(writing.describeFailures())
+    if isBeyond(summary):
+        return BEYOND_LIMIT
+    if writing.failures:
+        return BAD_INPUT
+    return INTERRUPTED if run.isInterrupted else 0
+
+
+def _describeRun(run, choice):
+    """Return a line on the replicas of a ReplicaRun."""
+    plan, trials = run.plan, run.plan.schedule.trialsBefore(run.state.round)
+    words = f"replicas: {len(plan.seeds)} by {choice.workers} worker{'' if choice.workers == 1 else 's'}"
+    if plan.isExchange:
+        kelvins = ", ".join(f"{temperature:.1f}" for temperature in plan.temperatures)
+        words += f", which exchange the temperatures {kelvins} K every {plan.schedule.trialsPerRound:,} trials"
+    return f"{words}; going on after {trials:,} trials of each" if trials else words
+
+
+def _savePicture(output, summary, index):
+    # Matplotlib takes longer to import than a short run.
+    from .replicapicture import saveReplicaPicture
+
+    saveReplicaPicture(output, summary, index)

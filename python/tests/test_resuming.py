@@ -1,0 +1,274 @@
+"""Runs of replicas that are killed, interrupted or fail, and go on: what they write is what one run writes."""
+
+import io
+import json
+import random
+import shutil
+import signal
+import subprocess
+import sys
+import tempfile
+import time
+import zipfile
+from pathlib import Path
+
+import pytest
+from commands import COMMAND, assertRefused, filesIn
+from openmmchaintree.command import replicafiles, replicarun
+from openmmchaintree.command.replicafiles import ReplicaFiles
+from openmmchaintree.replicas import checkpointfile
+from scenes import DIPEPTIDE, GLYCINES, readDCD, writePDB
+from test_outputs import largestFile
+from test_replicas import PROTEIN, contents
+
+OPTIONS = ("run.pdb", "--replicas", 2, "--workers", 2, "--trials", 600000, "--frames", 29, "--seed", 3)
+OPTIONS += ("--checkpoint-interval", 0)
+IN_FORCE_FIELD = (
+    "dipeptide.pdb",
+    "--temperatures",
+    "300:500:3",
+    "--forcefield",
+    PROTEIN,
+    "--trials-per-exchange",
+    800,
+    "--seed",
+    3,
+)
+
+
+@pytest.fixture
+def runHere(runCommandHere, tmp_path):
+    writePDB(tmp_path / "run.pdb", GLYCINES)
+    writePDB(tmp_path / "dipeptide.pdb", DIPEPTIDE)
+    return lambda *arguments: runCommandHere("sample", *arguments)
+
+
+def counted(folder, name):
+    """What a summary counts; times are left out."""
+    summary = json.loads((folder / name).read_text())
+    return {key: value for key, value in summary.items() if "econd" not in key and key not in ("busy", "files")}
+
+
+def killAndResume(folder, options, kills, seed):
+    """Run in a folder, killed so many times after times drawn at random, and resumed; return how often that worked."""
+    chance, cuts, hasBegun = random.Random(seed), 0, False
+    while True:
+        arguments = ["--resume", "cut.checkpoint"] if hasBegun else [*options, "-o", "cut", "--json", "cut.json"]
+        command = [*COMMAND, "sample", *map(str, arguments)]
+        process = subprocess.Popen(command, cwd=folder, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+        if kills > 0:
+            waitForChange(process, folder / "cut.checkpoint")
+            time.sleep(chance.uniform(0, 0.2))
+            cuts += process.poll() is None
+            process.kill()
+            kills -= 1
+        _, errors = process.communicate()
+        hasBegun = True
+        if process.returncode != -signal.SIGKILL:
+            assert process.returncode == 0, errors
+            return cuts
+
+
+def waitForChange(process, path):
+    """Wait until a file has come or changed, or the process has ended."""
+    before = path.stat().st_mtime_ns if path.exists() else None
+    while process.poll() is None and not (path.exists() and path.stat().st_mtime_ns != before):
+        time.sleep(0.001)
+
+
+def test_killedAtRandomTimes(runHere, tmp_path, kills=2, seed=1):
+    """By SIGKILL, at any moment: nothing is lost or counted twice."""
+    assert runHere(*OPTIONS, "-o", "whole", "--json", "whole.json").returncode == 0
+    assert killAndResume(tmp_path, OPTIONS, kills, seed) > kills / 2
+    assert contents(tmp_path, "cut") == contents(tmp_path, "whole")
+    assert counted(tmp_path, "cut.json") == counted(tmp_path, "whole.json")
+    for replica in range(2):
+        assert len(readDCD(tmp_path / f"cut-replica-{replica}.dcd")) == 30
+    assert not list(tmp_path.glob("*.part"))
+
+
+class Killed(BaseException):
+    """What nobody handles."""
+
+
+def killAfter(monkeypatch, owner, name, calls, before):
+    """Raise Killed at the so many-th call of a function, before or after it does what it does."""
+    honest = getattr(owner, name)
+
+    def counting(*arguments, **named):
+        nonlocal calls
+        calls -= 1
+        if calls == 0 and before:
+            raise Killed
+        result = honest(*arguments, **named)
+        if calls == 0:
+            raise Killed
+        return result
+
+    monkeypatch.setattr(owner, name, counting)
+
+
+@pytest.mark.parametrize(
+    ("owner", "name", "calls", "before"),
+    [
+        (ReplicaFiles, "add", 5, False),
+        (replicafiles.IndexFile, "write", 4, False),
+        (ReplicaFiles, "sync", 3, False),
+        (checkpointfile.os, "replace", 5, True),
+        (replicarun, "writeCheckpoint", 3, False),
+    ],
+)
+def test_killedAtEachMoment(runHere, tmp_path, monkeypatch, owner, name, calls, before):
+    """Replicas that exchange, killed where files and the checkpoint do not agree yet."""
+    options = (*IN_FORCE_FIELD, "--trials", 2400, "--frames", 5, "--checkpoint-interval", 0, "--workers", 1)
+    if not WHOLE:
+        assert runHere(*options, "-o", "whole", "--json", "whole.json").returncode == 0
+        WHOLE["contents"], WHOLE["counts"] = contents(tmp_path, "whole"), counted(tmp_path, "whole.json")
+    with monkeypatch.context() as patches, pytest.raises(Killed):
+        killAfter(patches, owner, name, calls, before)
+        runHere(*options, "-o", "cut", "--json", "cut.json")
+    assert not (tmp_path / "cut.json").exists()
+    result = runHere("--resume", "cut.checkpoint", "--workers", 2)
+    assert result.returncode == 0, result.stderr
+    assert contents(tmp_path, "cut") == WHOLE["contents"]
+    assert counted(tmp_path, "cut.json") == {**WHOLE["counts"], "workers": 2}
+    assert not (tmp_path / "cut.checkpoint.part").exists()
+
+
+WHOLE = {}
+
+
+def test_interruptedOnce(tmp_path):
+    """Ctrl-C: what there is is told, and can go on."""
+    writePDB(tmp_path / "run.pdb", GLYCINES)
+    command = [*COMMAND, "sample", "run.pdb", "--replicas", "2", "--trials", "100000000", "--seed", "1"]
+    command += ["--frames", "10000", "--json", "a.json"]
+    process = subprocess.Popen(command, cwd=tmp_path, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+    while not (tmp_path / "run-index.csv").exists() or (tmp_path / "run-index.csv").stat().st_size < 300:
+        time.sleep(0.01)
+    process.send_signal(signal.SIGINT)
+    output, errors = process.communicate()
+    assert process.returncode == 130 and errors == ""
+    assert "interrupted: what was sampled so far is in the files, and --resume goes on" in output
+    summary = json.loads((tmp_path / "a.json").read_text())
+    assert summary["interrupted"] and 0 < summary["trials"] < 100000000 and summary["trials"] % 10000 == 0
+    assert summary["frames"] == 1 + summary["trials"] // 10000
+    for replica in range(2):
+        assert len(readDCD(tmp_path / f"run-replica-{replica}.dcd")) == summary["frames"]
+    assert len((tmp_path / "run-index.csv").read_text().splitlines()) == 1 + 2 * summary["frames"]
+
+
+@pytest.fixture(scope="module")
+def finishedRun(tmp_path_factory):
+    """A folder with a run that has come to its end."""
+    folder = tmp_path_factory.mktemp("finished")
+    writePDB(folder / "run.pdb", GLYCINES)
+    command = [*COMMAND, "sample", "run.pdb", "--replicas", "2", "--trials", "30", "--frames", "3", "--json", "a.json"]
+    subprocess.run(command, cwd=folder, check=True, capture_output=True)
+    return folder
+
+
+@pytest.fixture
+def finished(finishedRun, tmp_path):
+    """A copy of that folder, which is the present one to the command."""
+    shutil.copytree(finishedRun, tmp_path, dirs_exist_ok=True)
+
+
+def test_aFinishedRunReportsAgain(finished, runHere, tmp_path):
+    before, files = contents(tmp_path, "run"), filesIn(tmp_path)
+    counts = counted(tmp_path, "a.json")
+    (tmp_path / "run.png").unlink()
+    result = runHere("--resume", "run.checkpoint")
+    assert result.returncode == 0 and "going on after 30 trials of each" in result.stdout
+    assert contents(tmp_path, "run") == before and filesIn(tmp_path) == files
+    assert counted(tmp_path, "a.json") == counts
+    (tmp_path / "b.json").write_text("mine")
+    result = runHere("--resume", "run.checkpoint", "--json", "b.json")
+    assertRefused(result, tmp_path, sorted([*files, "b.json"]), "b.json: exists; --overwrite replaces it")
+    assert (tmp_path / "b.json").read_text() == "mine"
+
+
+@pytest.mark.parametrize(
+    ("options", "words"),
+    [
+        (["--trials", 40], "run.checkpoint: a run goes on with its own settings, without another --trials"),
+        (["--seed", 2], "without another --seed"),
+        (["-o", "other"], "without another --output"),
+        (["other.pdb"], "without another structure"),
+        (["--config", "run-settings.toml"], "--config and --resume cannot be used together"),
+    ],
+)
+def test_otherSettings(finished, runHere, tmp_path, options, words):
+    writePDB(tmp_path / "other.pdb", GLYCINES)
+    files = filesIn(tmp_path)
+    assertRefused(runHere("--resume", "run.checkpoint", *options), tmp_path, files, words)
+
+
+def spoil(path, what):
+    data = bytearray(path.read_bytes())
+    if what == "cut":
+        del data[-10:]
+    elif what == "flip":
+        data[len(data) // 3] ^= 1
+    elif what == "text":
+        data = b"mine"
+    elif what == "version":
+        source = zipfile.ZipFile(io.BytesIO(data))
+        with zipfile.ZipFile(path, "w") as archive:
+            archive.writestr("run.json", source.read("run.json").replace(b'"version": 1', b'"version": 9'))
+        return
+    elif what == "gone":
+        return path.unlink()
+    path.write_bytes(data)
+
+
+@pytest.mark.parametrize(
+    ("name", "what", "words"),
+    [
+        ("run.checkpoint", "gone", "run.checkpoint: there is no such file"),
+        ("run.checkpoint", "cut", "run.checkpoint: is no checkpoint of this command, or damaged"),
+        ("run.checkpoint", "flip", "run.checkpoint: is no checkpoint of this command, or damaged"),
+        ("run.checkpoint", "text", "run.checkpoint: is no checkpoint of this command, or damaged"),
+        ("run.checkpoint", "version", "run.checkpoint: is of another version of openmm-chaintree"),
+        ("run-replica-1.dcd", "gone", "run-replica-1.dcd: there is no such file to go on with"),
+        ("run-replica-1.dcd", "cut", "run-replica-1.dcd: is not the trajectory that the run has written"),
+        ("run-replica-1.dcd", "text", "run-replica-1.dcd: is not the trajectory that the run has written"),
+        ("run-index.csv", "gone", "run-index.csv: there is no such file to go on with"),
+        ("run-index.csv", "cut", "run-index.csv: is not the index that the run has written"),
+    ],
+)
+def test_damagedFiles(finished, runHere, tmp_path, name, what, words):
+    spoil(tmp_path / name, what)
+    before = {path: (tmp_path / path).read_bytes() for path in filesIn(tmp_path)}
+    assertRefused(runHere("--resume", "run.checkpoint"), tmp_path, sorted(before), words)
+    assert before == {path: (tmp_path / path).read_bytes() for path in before}
+
+
+def test_anotherStructure(finished, runHere, tmp_path):
+    writePDB(tmp_path / "run.pdb", [line.replace("2.870", "2.880") for line in GLYCINES])
+    files = filesIn(tmp_path)
+    assertRefused(runHere("--resume", "run.checkpoint"), tmp_path, files, "run.checkpoint: is of a run from another")
+
+
+def test_theDiskFills(runHere, tmp_path):
+    """One line says how to go on, and with room it does."""
+    options = ("run.pdb", "--replicas", 2, "--workers", 1, "--trials", 40000, "--frames", 400, "--seed", 1)
+    with largestFile(20000):
+        result = runHere(*options, "--checkpoint-interval", 0)
+    assert result.returncode == 2 and len(result.stderr.splitlines()) == 1
+    assert "cannot be written (File too large)" in result.stderr
+    assert "the run goes on from its last checkpoint by --resume run.checkpoint" in result.stderr
+    assert runHere("--resume", "run.checkpoint").returncode == 0
+    assert runHere(*options, "-o", "whole").returncode == 0
+    assert contents(tmp_path, "run") == contents(tmp_path, "whole")
+
+
+if __name__ == "__main__":  # python test_resuming.py KILLS SEED: in a folder of its own, with many kills
+    with tempfile.TemporaryDirectory() as folder:
+        writePDB(Path(folder) / "run.pdb", GLYCINES)
+
+        def runThere(*arguments):
+            return subprocess.run([*COMMAND, "sample", *map(str, arguments)], cwd=folder, capture_output=True)
+
+        test_killedAtRandomTimes(runThere, Path(folder), kills=int(sys.argv[1]), seed=int(sys.argv[2]))
+    print(f"{sys.argv[1]} kills: the same bits")
