@@ -32,6 +32,7 @@ from .openmmchaintree import (  # noqa: E402
     TorsionMonteCarloIntegrator,
     TraversalStatistics,
 )
+from .replicaexchange import ParallelReplicaExchangeSampler  # noqa: E402
 from .reporter import ClashError, ClashReporter  # noqa: E402
 from .selection import selectAtoms  # noqa: E402
 from .sterics import createStericExclusionForce  # noqa: E402
@@ -54,6 +55,7 @@ __all__ = [
     "MinimumDistance",
     "MoveStatistics",
     "OuterStatistics",
+    "ParallelReplicaExchangeSampler",
     "PlannedEnergy",
     "StageStatistics",
     "StericExclusionForce",

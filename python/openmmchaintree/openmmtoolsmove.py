@@ -1,0 +1,87 @@
+"""TorsionMonteCarloIntegrator as a move of openmmtools, which has to be installed for this module."""
+
+from typing import Any
+
+try:
+    from openmmtools import mcmc
+except ModuleNotFoundError as error:
+    raise ModuleNotFoundError(
+        "openmmchaintree.openmmtoolsmove needs openmmtools: pip install openmmtools", name=error.name
+    ) from error
+
+from .openmmchaintree import MoveStatistics, StericExclusionForce, TorsionMonteCarloIntegrator
+
+
+class TorsionMonteCarloMove(mcmc.IntegratorMove):  # type: ignore[misc]
+    """Steps of a TorsionMonteCarloIntegrator, at the temperature of the thermodynamic state.
+
+    openmmtools exchanges replicas by the energy of all Forces, with the StericExclusionForce. Hard spheres have no
+    energy, so the two agree where nothing clashes. A state with clashes is an error, unless the integrator's steric
+    mode is Soft. That mode is the one for a SequenceMove with dynamics, too.
+
+    Replicas that run in processes of their own (MPI) need an integrator with the seed 0, which draws one in each.
+
+    Parameters
+    ----------
+    integrator : TorsionMonteCarloIntegrator
+        with its moves; a copy of it is used
+    n_steps : int
+        the number of steps, of `setTrialsPerStep` trials each
+    **kwargs
+        as in openmmtools.mcmc.IntegratorMove
+
+    Attributes
+    ----------
+    statistics : list of MoveStatistics
+        what became of the trials of each move of the integrator, in all states together
+    """
+
+    def __init__(self, integrator: TorsionMonteCarloIntegrator, n_steps: int = 1, **kwargs: Any) -> None:
+        if not isinstance(integrator, TorsionMonteCarloIntegrator):
+            raise TypeError(
+                f"TorsionMonteCarloMove takes a TorsionMonteCarloIntegrator, not {type(integrator).__name__}"
+            )
+        super().__init__(integrator, n_steps, **{"n_restart_attempts": 0, **kwargs})
+        self._counts = [(0, 0, 0, 0)] * integrator.getNumMoves()
+
+    @property
+    def statistics(self) -> list[MoveStatistics]:
+        return [MoveStatistics(*counts) for counts in self._counts]
+
+    @statistics.setter
+    def statistics(self, value: list[Any]) -> None:
+        self._counts = [tuple(counts) for counts in value]
+
+    def _get_integrator(self, thermodynamic_state):
+        integrator = super()._get_integrator(thermodynamic_state)
+        integrator.setTemperature(thermodynamic_state.temperature)
+        return integrator
+
+    def _before_integration(self, context, thermodynamic_state):
+        integrator = context.getIntegrator()
+        integrator.resetMoveStatistics()
+        if integrator.getStericMode() == integrator.Soft:
+            return
+        for force in context.getSystem().getForces():
+            if StericExclusionForce.isinstance(force):
+                count = len(StericExclusionForce.cast(force).getClashes(context)[0])
+                if count > 0:
+                    raise ValueError(
+                        f"TorsionMonteCarloMove: {count} pairs of atoms clash, which has an energy to openmmtools, but "
+                        "none to hard spheres: relax the positions, or call setStericMode(integrator.Soft)"
+                    )
+
+    def _after_integration(self, context, thermodynamic_state):
+        integrator = context.getIntegrator()
+        self._counts = [
+            tuple(sum(pair) for pair in zip(counts, integrator.getMoveStatistics(move), strict=True))
+            for move, counts in enumerate(self._counts)
+        ]
+
+    def __getstate__(self):
+        return {**super().__getstate__(), "counts": [list(counts) for counts in self._counts]}
+
+    def __setstate__(self, serialization):
+        super().__setstate__(serialization)
+        self.integrator = TorsionMonteCarloIntegrator.cast(self.integrator)
+        self.statistics = serialization["counts"]
