@@ -16,6 +16,7 @@
 #include "openmmchaintree/internal/NativeEnergy.h"
 #include "openmmchaintree/internal/OuterTest.h"
 #include "openmmchaintree/internal/RandomNumberGenerator.h"
+#include "openmmchaintree/internal/SerializationLock.h"
 #include "openmmchaintree/internal/StericExclusionForceImpl.h"
 #include "openmmchaintree/internal/SystemChecks.h"
 #include "openmmchaintree/internal/TrialSession.h"
@@ -437,6 +438,7 @@ static string fingerprintOf(const vector<Vec3>& positions)
 
 void TorsionMonteCarloIntegrator::serializeParameters(SerializationNode& node) const
 {
+    SerializationLock lock;
     requireBound();
     native->computeAnew();
     node.setIntProperty("version", NEWEST_STATE_VERSION);
@@ -493,6 +495,7 @@ bool TorsionMonteCarloIntegrator::deserializeGeometry(const SerializationNode& n
 
 void TorsionMonteCarloIntegrator::deserializeParameters(const SerializationNode& node)
 {
+    SerializationLock lock;
     requireBound();
 
     // Many integrators keep nothing in a State. Sampling may well start from what they have made.

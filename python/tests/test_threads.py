@@ -5,8 +5,9 @@ from concurrent.futures import ThreadPoolExecutor
 import numpy as np
 import openmm
 import pytest
+from openmm import app
 from openmmchaintree import StericExclusionForce, TorsionMonteCarloIntegrator, createStericExclusionForce
-from scenes import makeSystem, positionsOf
+from scenes import DIPEPTIDE, makeSystem, positionsOf, writePDB
 
 
 def reference():
@@ -53,3 +54,31 @@ def test_exceptionsStayInTheirThread(villin):
     assert [futures[i].result() for i in (0, 1, 3)] == [0, 1, 3]
     with pytest.raises(openmm.OpenMMException, match="names torsion 1000"):
         futures[2].result()
+
+
+def test_solventIsCheckedInSeveralThreads(tmp_path):
+    """Each load of a checkpoint makes the next step compare the energy with OpenMM's, of a copy of the Forces.
+
+    Forces are copied by OpenMM's XML, whose numbers several threads must not write at a time.
+    """
+    pdb = app.PDBFile(str(writePDB(tmp_path / "dipeptide.pdb", DIPEPTIDE)))
+    system = app.ForceField("amber14/protein.ff14SB.xml", "implicit/gbn2.xml").createSystem(pdb.topology)
+    system.addForce(createStericExclusionForce(pdb.topology, pdb.positions))
+
+    def sampleAndLoad(seed):
+        integrator = TorsionMonteCarloIntegrator(300)
+        integrator.setRandomNumberSeed(seed)
+        integrator.addTorsionMove(1, 0.3)
+        integrator.setTrialsPerStep(5)
+        context = openmm.Context(system, integrator, reference())
+        context.setPositions(pdb.positions)
+        for _ in range(30):
+            integrator.step(1)
+            context.getState(integratorParameters=True)
+            context.loadCheckpoint(context.createCheckpoint())
+        return positionsOf(context)
+
+    alone = [sampleAndLoad(seed) for seed in (1, 2)]
+    with ThreadPoolExecutor(4) as pool:
+        together = list(pool.map(sampleAndLoad, (1, 2, 1, 2)))
+    assert all(np.array_equal(alone[number % 2], positions) for number, positions in enumerate(together))

@@ -2,6 +2,7 @@
 #include "openmm/serialization/XmlSerializer.h"
 #include "openmmchaintree/internal/ExpressionTranslator.h"
 #include "openmmchaintree/internal/ForceTranslation.h"
+#include "openmmchaintree/internal/SerializationLock.h"
 #include "openmmchaintree/internal/TabulatedFunctions.h"
 
 using namespace ChainTreePlugin;
@@ -13,6 +14,7 @@ using namespace std;
  */
 static Force* copyCustomCompoundBonds(const Force& force)
 {
+    SerializationLock lock;
     return XmlSerializer::clone<Force>(force);
 }
 

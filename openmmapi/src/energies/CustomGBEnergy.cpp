@@ -2,6 +2,7 @@
 #include "openmm/serialization/XmlSerializer.h"
 #include "openmmchaintree/internal/BornReader.h"
 #include "openmmchaintree/internal/ForceTranslation.h"
+#include "openmmchaintree/internal/SerializationLock.h"
 #include "openmmchaintree/internal/ValueTranslation.h"
 
 using namespace ChainTreePlugin;
@@ -13,6 +14,7 @@ using namespace std;
  */
 static Force* copyCustomGB(const Force& force)
 {
+    SerializationLock lock;
     return XmlSerializer::clone<Force>(force);
 }
 

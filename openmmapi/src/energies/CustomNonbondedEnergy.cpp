@@ -4,6 +4,7 @@
 #include "openmm/serialization/XmlSerializer.h"
 #include "openmmchaintree/internal/ExpressionTranslator.h"
 #include "openmmchaintree/internal/ForceTranslation.h"
+#include "openmmchaintree/internal/SerializationLock.h"
 #include "openmmchaintree/internal/TabulatedFunctions.h"
 #include <cmath>
 #include <limits>
@@ -21,8 +22,10 @@ typedef map<string, double> Variables;
  */
 static Force* copyCustomNonbonded(const Force& force)
 {
-    if (dynamic_cast<const CustomNonbondedForce&>(force).getNumTabulatedFunctions() > 0)
+    if (dynamic_cast<const CustomNonbondedForce&>(force).getNumTabulatedFunctions() > 0) {
+        SerializationLock lock;
         return XmlSerializer::clone<Force>(force);
+    }
     return copyForce<CustomNonbondedForce>(force);
 }
 
