@@ -3,6 +3,7 @@
 import copy
 import math
 from concurrent.futures import ThreadPoolExecutor
+from threading import Lock
 from typing import Any
 
 import numpy as np
@@ -10,6 +11,9 @@ import openmm
 from openmm import app, unit
 
 from .openmmchaintree import StericExclusionForce, TorsionMonteCarloIntegrator
+
+# OpenMM's conversions between numbers and text, which States of integrators ask for, share memory among all threads.
+_serializing = Lock()
 
 _Base: Any = getattr(app, "ReplicaExchangeSampler", object)
 
@@ -155,13 +159,15 @@ class _Replica:
     def takeUp(self, conformation):
         """Go to a State, unless this replica stands there."""
         if conformation is not self._conformation:
-            self.context.setState(conformation)
+            with _serializing:
+                self.context.setState(conformation)
 
     def look(self):
         """Return the State."""
-        self._conformation = self.context.getState(
-            positions=True, velocities=True, parameters=True, integratorParameters=True
-        )
+        with _serializing:
+            self._conformation = self.context.getState(
+                positions=True, velocities=True, parameters=True, integratorParameters=True
+            )
         return self._conformation
 
     def energies(self):

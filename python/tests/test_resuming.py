@@ -16,6 +16,7 @@ import pytest
 from commands import COMMAND, assertRefused, filesIn
 from openmmchaintree.command import replicafiles, replicarun
 from openmmchaintree.command.replicafiles import ReplicaFiles
+from openmmchaintree.errors import InputError
 from openmmchaintree.replicas import checkpointfile
 from scenes import DIPEPTIDE, GLYCINES, readDCD, writePDB
 from test_outputs import largestFile
@@ -242,6 +243,25 @@ def test_damagedFiles(finished, runHere, tmp_path, name, what, words):
     before = {path: (tmp_path / path).read_bytes() for path in filesIn(tmp_path)}
     assertRefused(runHere("--resume", "run.checkpoint"), tmp_path, sorted(before), words)
     assert before == {path: (tmp_path / path).read_bytes() for path in before}
+
+
+def test_anyDamageIsNoticed(tmp_path):
+    """A bit that is wrong changes nothing that counts, or is noticed."""
+    path = tmp_path / "a.checkpoint"
+    content = {"counts": list(range(100))}, [random.Random(1).randbytes(300), b"text " * 100]
+    checkpointfile.writeCheckpoint(path, *content)
+    whole, sound = path.read_bytes(), checkpointfile.readCheckpoint(path)
+    assert sound[0]["counts"] == content[0]["counts"] and [sound[1][0], sound[1][1]] == content[1]
+    noticed = 0
+    for bit in range(0, 8 * len(whole), 7):
+        data = bytearray(whole)
+        data[bit // 8] ^= 1 << bit % 8
+        path.write_bytes(data)
+        try:
+            assert checkpointfile.readCheckpoint(path) == sound
+        except InputError:
+            noticed += 1
+    assert noticed > 0.8 * 8 * len(whole) / 7
 
 
 def test_anotherStructure(finished, runHere, tmp_path):

@@ -72,7 +72,7 @@ def test_solventIsCheckedInSeveralThreads(tmp_path):
         integrator.setTrialsPerStep(5)
         context = openmm.Context(system, integrator, reference())
         context.setPositions(pdb.positions)
-        for _ in range(30):
+        for _ in range(10):
             integrator.step(1)
             context.getState(integratorParameters=True)
             context.loadCheckpoint(context.createCheckpoint())
