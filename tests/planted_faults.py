@@ -194,6 +194,8 @@ ENGINE_FAULTS = [
           "all16(box->r + reach)", "all16(reach)"),
     Fault("traversal: the box of movers is open on one side", "movers_body.h",
           "{-least[3], -least[4], -least[5]}, -least[6]}", "{-least[3], -least[4], -INFINITY}, -least[6]}"),
+    Fault("traversal: first nodes outlive a change", "movers_body.h",
+          "if (t->firstNodesTime != tree->time) {", "if (t->firstNodesTime == NEVER) {"),
     Fault("exclusion: movers of the next leaf have those of the first", "movers_body.h",
           "exclusionMask(e, movers->leaf + 1, leaf)", "exclusionMask(e, movers->leaf, leaf)"),
     Fault("traversal: movers do not meet each other", "movers_body.h",

@@ -67,6 +67,16 @@ static Answers ask(ctChainTree* tree, ctSelection* halves[2], int trial) {
   return answers;
 }
 
+/* A trial of the last beads alone, right after whatever was accepted before. */
+static Answers askTip(ctChainTree* tree, int trial) {
+  const ctChange tip = {.link = SITES - 10 - trial % 12, .angle = 2 * sin(3 * trial)};
+  Answers answers = {0};
+  CHECK_SUCCESS(ctPropose(tree, 1, &tip));
+  CHECK_SUCCESS(ctTestTrial(tree, &answers.clash, NULL, &answers.counts));
+  ctDiscard(tree);
+  return answers;
+}
+
 static void testMethod(const char* method) {
   setenv("CHAINTREE_TRIALS", method, 1);
   ctChainTree* trees[2];
@@ -82,7 +92,13 @@ static void testMethod(const char* method) {
   trees[1]->traversal.movedCapacity = ENTRIES;
   trees[1]->traversal.movedBoxesCapacity = BOXES_OF_A_VISIT;
   int clashing = 0;
+  int tipsClashing = 0;
   for (int trial = 0; trial < TRIALS; trial++) {
+    trees[1]->traversal.firstNodesTime = NEVER;
+    const Answers tips[2] = {askTip(trees[0], trial), askTip(trees[1], trial)};
+    CHECK(tips[0].clash == tips[1].clash);
+    CHECK(tips[0].counts.particleTests == tips[1].counts.particleTests);
+    tipsClashing += tips[0].clash;
     const Answers a = ask(trees[0], halves[0], trial);
     const Answers b = ask(trees[1], halves[1], trial);
     CHECK(a.clash == b.clash && a.changedCount == b.changedCount && a.touched == b.touched);
@@ -92,6 +108,7 @@ static void testMethod(const char* method) {
     clashing += a.clash;
   }
   CHECK(clashing > TRIALS / 20 && clashing < TRIALS - TRIALS / 20);
+  CHECK(tipsClashing > TRIALS / 20 && tipsClashing < TRIALS - TRIALS / 20);
   CHECK(ctValidate(trees[0]) && ctValidate(trees[1]));
   for (int i = 0; i < 2; i++) {
     ctFreeSelection(halves[i][0]);
