@@ -23,19 +23,29 @@ static long double decay(long double x)
  * its derivative. */
 static long double shiftOf(const StandInModel* model, int which, long double logI, long double logJ)
 {
+    const int begin = which == 0 ? 0 : VALUE_RANK;
+    const int end = which == 0 ? VALUE_RANK : SHIFT_RANK;
     long double sum = 0;
-    for (int rank = 0; rank < SHIFT_RANK; rank++) {
-        long double product = model->shiftSign[which][rank];
+    for (int rank = begin; rank < end; rank++) {
+        long double product = model->shiftSign[rank];
         for (int side = 0; side < 2; side++) {
             const long double t = ((side == 0 ? logI : logJ) - model->middleLog) * model->perHalfWidth;
             long double value = 0;
             for (int n = SHIFT_TERMS - 1; n >= 0; n--)
-                value = model->shift[which][rank][n] + value * fminl(1, fmaxl(-1, t));
+                value = model->shift[rank][n] + value * fminl(1, fmaxl(-1, t));
             product *= value;
         }
         sum += product;
     }
     return sum;
+}
+
+/* How much of that is taken from a pair at this distance. */
+static long double fadeOf(const ctEnergyDefinition* d, long double r)
+{
+    const float c[] = STANDIN_FADE;
+    const long double x = r * r / (d->standIn->pairCutoff * d->standIn->pairCutoff);
+    return c[0] + x * (c[1] + x * c[2]);
 }
 
 long double findWorstShift(const ctEnergyDefinition* d)
@@ -85,7 +95,7 @@ static long double energyOfPair(const ctEnergyDefinition* d, const StandInModel*
     const ctNonbonded* n = d->nonbonded;
     const long double sigma = ((long double)n->sigmas[i] + n->sigmas[j]) / 2;
     const long double sixth = powl(sigma / r, 6);
-    const long double atCutoff = shiftOf(model, 0, logI, logJ);
+    const long double atCutoff = fadeOf(d, r) * shiftOf(model, 0, logI, logJ);
     energy += 4 * sqrtl((long double)n->epsilons[i] * n->epsilons[j]) * sixth * (sixth - 1);
     energy += (long double)CT_COULOMB * n->charges[i] * n->charges[j] / r;
     return energy - born->coulomb * born->charges[i] * born->charges[j] * atCutoff;
@@ -104,7 +114,7 @@ static long double slopeOfPair(const ctEnergyDefinition* d, const StandInModel* 
     const long double charges = born->coulomb * born->charges[i] * born->charges[j];
     long double slope =
         charges * slopeOfF * (contrast / (f * f) - born->kappa * screening / born->solventDielectric / f);
-    return excluded ? slope : slope - charges * shiftOf(model, 1, logI, logJ) * STANDIN_GRADIENT;
+    return excluded ? slope : slope - charges * fadeOf(d, r) * shiftOf(model, 1, logI, logJ) * STANDIN_GRADIENT;
 }
 
 StandInSum sumStandIn(const ctEnergyDefinition* d, int particleCount, const double* positions, const double* far)
@@ -112,7 +122,6 @@ StandInSum sumStandIn(const ctEnergyDefinition* d, int particleCount, const doub
     StandInSum sum = {0};
     StandInModel model = {0};
     ctStandInFitShift(&model, d);
-    const long double width = d->standIn->gridWidth;
     long double* logs = malloc(2 * (size_t)particleCount * sizeof *logs);
     long double* beyond = logs + particleCount;
     if (logs == NULL)
@@ -121,6 +130,9 @@ StandInSum sumStandIn(const ctEnergyDefinition* d, int particleCount, const doub
         const long double born = far[i] + oracleBornSum(d->born, particleCount, positions, i, d->standIn->bornCutoff);
         const long double radius = oracleBornRadius(d->born, i, born);
         const long double log = logl(radius);
+        const long double charge = fabsl((long double)d->born->charges[i]);
+        const long double factor = powl(charge / STANDIN_GRID_CHARGE, STANDIN_GRID_POWER);
+        const long double width = (float)(d->standIn->gridWidth * fminl(factor, STANDIN_WIDEST_GRID));
         logs[i] = width * rintl(log / width);
         beyond[i] = log - logs[i];
         sum.isAmbiguous |= fabsl(fabsl(beyond[i]) - width / 2) < 2e-5L || !(radius > 0 && radius < 90);

@@ -380,7 +380,7 @@ public:
     void getStandInCutoffs(double& bornCutoff, double& pairCutoff) const;
     /**
      * Set the cutoffs of a stand-in. They have no influence on what is sampled, only on how fast: larger ones make a
-     * trial cost more, smaller ones let fewer outer tests keep their trials. The defaults are 0.7 and 0.9 nm. Another
+     * trial cost more, smaller ones let fewer outer tests keep their trials. The defaults are 0.65 and 0.8 nm. Another
      * bornCutoff makes the stand-in anew, as renewStandIns() does.
      *
      * @param bornCutoff  the largest distance of particles in a Born sum, in nm; those beyond it are replaced by a
@@ -394,7 +394,8 @@ public:
     double getStandInGridWidth() const;
     /**
      * Set the width of the grid of Born radii of a stand-in: in its pair energies their logarithms are rounded to
-     * multiples of it. It has no influence on what is sampled, only on how fast. The default is 0.1.
+     * multiples of it, or of up to four times as much where the charge is small. It has no influence on what is
+     * sampled, only on how fast. The default is 0.1.
      *
      * @param width  the width, above 0
      */

@@ -16,17 +16,22 @@ static void setModel(StandInModel* model, const ctEnergyDefinition* d) {
   model->perDielectrics[1] = (float)(1 / d->born->solventDielectric);
   model->kappa = (float)d->born->kappa;
   model->kappaOfTwo = (float)(d->born->kappa * 1.44269504088896341);
-  model->gridWidth = (float)d->standIn->gridWidth;
-  model->perGridWidth = (float)(1 / d->standIn->gridWidth);
   ctStandInFitShift(model, d);
 }
 
-static void setConstants(StandIn* standIn, const ctBorn* d) {
+double ctStandInGridFactor(double charge) {
+  const double factor = pow(fabs(charge) / STANDIN_GRID_CHARGE, STANDIN_GRID_POWER);
+  return fmin(factor, STANDIN_WIDEST_GRID); /* infinite without a charge */
+}
+
+static void setConstants(StandIn* standIn, const ctBorn* d, double gridWidth) {
   for (int leaf = 0; leaf < standIn->leaves->leafCount; leaf++) {
     for (int k = 0; k < CT_LEAF_WIDTH; k++) {
       standIn->constants[leaf].offsetRadius[k] = 1;
       standIn->constants[leaf].perOffsetRadius[k] = 1;
       standIn->constants[leaf].perRadius[k] = 1;
+      standIn->constants[leaf].gridWidth[k] = 1;
+      standIn->constants[leaf].perGridWidth[k] = 1;
     }
   }
   for (int i = 0; i < standIn->particleCount; i++) {
@@ -41,6 +46,8 @@ static void setConstants(StandIn* standIn, const ctBorn* d) {
       c->gamma[k] = (float)d->gammas[i];
     }
     c->squaredCharge[k] = (float)(0.5 * d->coulomb * d->charges[i] * d->charges[i]);
+    c->gridWidth[k] = (float)(gridWidth * ctStandInGridFactor(d->charges[i]));
+    c->perGridWidth[k] = 1 / c->gridWidth[k];
     c->surface[k] = (float)(d->surfaceEnergy * pow(d->radii[i] + d->probeRadius, 2) * pow(d->radii[i], 6));
   }
 }
@@ -99,7 +106,7 @@ ctStatus ctStandInCreate(StandIn* standIn, TrialLeaves* leaves, int particleCoun
   standIn->bornCutoff = d->standIn->bornCutoff;
   standIn->pairCutoff = d->standIn->pairCutoff;
   setModel(&standIn->model, d);
-  setConstants(standIn, d->born);
+  setConstants(standIn, d->born, d->standIn->gridWidth);
   return ctSuccess;
 }
 

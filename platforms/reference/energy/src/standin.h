@@ -145,8 +145,12 @@ PlacedLeaf ctStandInPlace(const StandIn* standIn, int leaf, const LeafFrame* fra
 /* The radii of a leaf by its sums. */
 void ctStandInComputeRadii(const StandIn* standIn, int number, StandInLeaf* leaf);
 
+/* How much wider than said the grid of radii is for a particle with this charge. */
+double ctStandInGridFactor(double charge);
+
 /* Finds the functions of two radii whose products add up to what a pair's Coulomb and Born energy, per product of
- * charges and in units of Coulomb's constant, is at the cutoff; and to its derivative by ln B. */
+ * charges and in units of Coulomb's constant, is at the cutoff; and to its derivative by ln B. And sets how that fades
+ * within the cutoff. */
 void ctStandInFitShift(StandInModel* model, const ctEnergyDefinition* d);
 
 #endif /* CT_STANDIN_H_ */

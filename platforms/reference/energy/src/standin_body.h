@@ -30,8 +30,8 @@ static void standInRadii(const StandInModel* model, const StandInConstants* cons
   inverse = max16(inverse, all16(STANDIN_LEAST_INVERSE));
   const Float16 log = sub16(all16(0), log16(inverse));
   const Float16 magic = all16(CT_WHOLE_MAGIC);
-  const Float16 number = sub16(add16(mul16(log, all16(model->perGridWidth)), magic), magic);
-  const Float16 ofGrid = mul16(number, all16(model->gridWidth));
+  const Float16 number = sub16(add16(mul16(log, load16(constants->perGridWidth)), magic), magic);
+  const Float16 ofGrid = mul16(number, load16(constants->gridWidth));
   const Float16 inverseOfGrid = exp16(sub16(all16(0), ofGrid));
   Float16 perDielectric = sub16(all16(model->perDielectrics[0]), all16(model->perDielectrics[1]));
   if (model->hasKappa) {
@@ -43,7 +43,7 @@ static void standInRadii(const StandInModel* model, const StandInConstants* cons
   const Float16 ofSurface = mul16(mul16(load16(constants->surface), inverse3), inverse3);
   store16(radii->radius, div16(all16(1), inverseOfGrid));
   store16(radii->decay, mul16(all16(0.60056120f), inverseOfGrid)); /* root of log2(e) / 4 */
-  store16(radii->number, number);
+  store16(radii->log, ofGrid);
   store16(radii->beyond, mul16(all16(STANDIN_GRADIENT), sub16(log, ofGrid)));
   store16(radii->self, sub16(ofSurface, ofCharge));
 }
@@ -51,14 +51,10 @@ static void standInRadii(const StandInModel* model, const StandInConstants* cons
 /* What depends on radii of the grid alone. */
 static void standInShift(const StandInModel* model, const float charge[], const StandInRadii* radii,
                          StandInShift* shift) {
-  const Float16 log = mul16(load16(radii->number), all16(model->gridWidth));
-  const Float16 t = mul16(sub16(log, all16(model->middleLog)), all16(model->perHalfWidth));
+  const Float16 t = mul16(sub16(load16(radii->log), all16(model->middleLog)), all16(model->perHalfWidth));
   const Float16 bounded = max16(min16(t, all16(1)), all16(-1));
-  for (int which = 0; which < 2; which++) {
-    for (int i = 0; i < SHIFT_RANK; i++) {
-      const Float16 value = polynomial16(bounded, SHIFT_TERMS - 1, model->shift[which][i]);
-      store16(shift->value[which][i], mul16(load16(charge), value));
-    }
+  for (int i = 0; i < SHIFT_RANK; i++) {
+    store16(shift->value[i], mul16(load16(charge), polynomial16(bounded, SHIFT_TERMS - 1, model->shift[i])));
   }
 }
 
@@ -97,7 +93,7 @@ typedef struct Sixteen {
   Float16 x, y, z;
   Float16 charge, sigma, epsilon;
   Float16 bornCharge, radius, decay;
-  Float16 shift[2][SHIFT_RANK];
+  Float16 shift[SHIFT_RANK];
 } Sixteen;
 
 /* All particles of a leaf, from the centre of another, with all factors of products that are the same for all pairs. */
@@ -111,36 +107,41 @@ CT_INLINE Sixteen takeAll(const StandInModel* model, const StandInSide* side, co
                  load16(side->charge),
                  load16(side->radii->radius),
                  load16(side->radii->decay),
-                 {{all16(0), all16(0), all16(0)}}};
+                 {all16(0)}};
   if (!model->hasKappa) {
     all.bornCharge = mul16(all.bornCharge, all16(model->perDielectrics[0] - model->perDielectrics[1]));
   }
-  for (int which = 0; which < 2; which++) {
-    for (int i = 0; i < SHIFT_RANK; i++) {
-      all.shift[which][i] = mul16(all16(model->shiftSign[which][i]), load16(side->shift->value[which][i]));
-    }
+  for (int i = 0; i < SHIFT_RANK; i++) {
+    all.shift[i] = mul16(all16(model->shiftSign[i]), load16(side->shift->value[i]));
   }
   return all;
 }
 
 CT_INLINE Sixteen takeOne(const StandInSide* side, int k) {
-  Sixteen one = {all16(side->frame->x[k]),        all16(side->frame->y[k]),       all16(side->frame->z[k]),
-                 all16(side->columns->charge[k]), all16(side->columns->sigma[k]), all16(side->columns->epsilon[k]),
-                 all16(side->charge[k]),          all16(side->radii->radius[k]),  all16(side->radii->decay[k]),
-                 {{all16(0), all16(0), all16(0)}}};
-  for (int which = 0; which < 2; which++) {
-    for (int i = 0; i < SHIFT_RANK; i++) {
-      one.shift[which][i] = all16(side->shift->value[which][i][k]);
-    }
+  Sixteen one = {all16(side->frame->x[k]),       all16(side->frame->y[k]),
+                 all16(side->frame->z[k]),       all16(side->columns->charge[k]),
+                 all16(side->columns->sigma[k]), all16(side->columns->epsilon[k]),
+                 all16(side->charge[k]),         all16(side->radii->radius[k]),
+                 all16(side->radii->decay[k]),   {all16(0)}};
+  for (int i = 0; i < SHIFT_RANK; i++) {
+    one.shift[i] = all16(side->shift->value[i][k]);
   }
   return one;
 }
 
-/* The value at the cutoff, or its derivative. */
-CT_INLINE Float16 atCutoff(const Sixteen* one, const Sixteen* all, int which) {
-  const Float16 two =
-      add16(mul16(one->shift[which][0], all->shift[which][0]), mul16(one->shift[which][1], all->shift[which][1]));
-  return add16(two, mul16(one->shift[which][2], all->shift[which][2]));
+/* The value at the cutoff (rank VALUE_RANK from the first on), or its derivative (SLOPE_RANK behind these). */
+CT_INLINE Float16 atCutoff(const Sixteen* one, const Sixteen* all, int first, int rank) {
+  Float16 sum = mul16(one->shift[first], all->shift[first]);
+  for (int i = first + 1; i < first + rank; i++) {
+    sum = add16(sum, mul16(one->shift[i], all->shift[i]));
+  }
+  return sum;
+}
+
+/* STANDIN_FADE at this squared distance. */
+CT_INLINE Float16 fadeAt(const StandInModel* model, Float16 squared) {
+  const Float16 high = add16(all16(model->fade[1]), mul16(all16(model->fade[2]), squared));
+  return add16(all16(model->fade[0]), mul16(high, squared));
 }
 
 /* 2^-x for x >= 0, by STANDIN_POWER. */
@@ -195,7 +196,8 @@ typedef struct StandInCase {
 CT_INLINE void pairEnergies(const StandInModel* model, const Sixteen* one, const Sixteen* all, const Separation* s,
                             unsigned used, unsigned direct, StandInCase its, Float16* energy, Float16* gradient) {
   const Float16 inverseF = sqrt16(s->inverseF2);
-  Float16 withoutBorn = sub16(all16(0), atCutoff(one, all, 0));
+  const Float16 fade = fadeAt(model, s->squared);
+  Float16 withoutBorn = sub16(all16(0), mul16(fade, atCutoff(one, all, 0, VALUE_RANK)));
   if (!its.isExchange) {
     const Float16 sigma = add16(one->sigma, all->sigma);
     const Float16 ratio2 = mul16(mul16(sigma, sigma), s->inverse2);
@@ -205,7 +207,7 @@ CT_INLINE void pairEnergies(const StandInModel* model, const Sixteen* one, const
     const Float16 coulomb = mul16(mul16(one->charge, all->charge), sqrt16(s->inverse2));
     withoutBorn = add16(min16(add16(lennardJones, coulomb), all16(STANDIN_MOST_ENERGY)), withoutBorn);
   }
-  Float16 slope = atCutoff(one, all, 1);
+  Float16 slope = mul16(fade, atCutoff(one, all, VALUE_RANK, SLOPE_RANK));
   if (its.isMasked) {
     withoutBorn = keep16(direct, withoutBorn);
     slope = keep16(direct, slope);

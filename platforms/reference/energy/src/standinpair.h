@@ -5,8 +5,9 @@
 #include "leafpair.h"
 
 /* The value of a pair at the cutoff, and its derivative by ln B of either, are sums of so many products of a function
- * of one radius and the same of the other; the functions are polynomials with so many coefficients. */
-enum { SHIFT_RANK = 3, SHIFT_TERMS = 8 };
+ * of one radius and the same of the other; the functions are polynomials with so many coefficients. The derivative is
+ * multiplied by what the grid neglects, which is little. */
+enum { VALUE_RANK = 3, SLOPE_RANK = 2, SHIFT_RANK = VALUE_RANK + SLOPE_RANK, SHIFT_TERMS = 8 };
 
 typedef struct StandInModel {
   bool hasKappa;
@@ -16,12 +17,11 @@ typedef struct StandInModel {
   float perDielectrics[2]; /* 1 / soluteDielectric and 1 / solventDielectric */
   float kappa;
   float kappaOfTwo; /* times log2(e) */
-  float gridWidth;  /* of ln B */
-  float perGridWidth;
-  float middleLog; /* of the radii in whose range the polynomials hold, and half of its width */
+  float middleLog;  /* of the radii in whose range the polynomials hold, and half of its width */
   float perHalfWidth;
-  float shift[2][SHIFT_RANK][SHIFT_TERMS]; /* of the value per product of charges, and of its derivative */
-  float shiftSign[2][SHIFT_RANK];          /* of each product */
+  float shift[SHIFT_RANK][SHIFT_TERMS]; /* of the value per product of charges, then of its derivative */
+  float shiftSign[SHIFT_RANK];          /* of each product */
+  float fade[3];                        /* STANDIN_FADE as factors of 1, r^2 and r^4 */
 } StandInModel;
 
 /* What Born radii and energies of single particles of a leaf are computed from. Where a slot holds none, radii are 1
@@ -36,13 +36,15 @@ typedef struct StandInConstants {
   float gamma[CT_LEAF_WIDTH];
   float squaredCharge[CT_LEAF_WIDTH]; /* times half of the Coulomb constant */
   float surface[CT_LEAF_WIDTH];       /* the surface energy, times B^6 */
+  float gridWidth[CT_LEAF_WIDTH];     /* of ln B */
+  float perGridWidth[CT_LEAF_WIDTH];
 } StandInConstants;
 
 /* Born radii of the particles of a leaf. Those of the grid are what pairs see. */
 typedef struct StandInRadii {
   float radius[CT_LEAF_WIDTH]; /* of the grid */
   float decay[CT_LEAF_WIDTH];  /* the product of two is log2(e) / (4 B_i B_j) */
-  float number[CT_LEAF_WIDTH]; /* its logarithm's number on the grid */
+  float log[CT_LEAF_WIDTH];    /* its logarithm */
   float beyond[CT_LEAF_WIDTH]; /* ln B less that of the grid, times STANDIN_GRADIENT */
   float self[CT_LEAF_WIDTH];   /* the energy of the particle by itself, kJ/mol */
 } StandInRadii;
@@ -50,7 +52,7 @@ typedef struct StandInRadii {
 /* The functions of the radii of the grid that make the value of a pair at the cutoff, and its derivative, times the
  * charges. */
 typedef struct StandInShift {
-  float value[2][SHIFT_RANK][CT_LEAF_WIDTH];
+  float value[SHIFT_RANK][CT_LEAF_WIDTH];
 } StandInShift;
 
 /* One of the two leaves of a pair. */
@@ -67,6 +69,20 @@ typedef struct StandInSide {
  * it stands for. */
 #define STANDIN_POWER \
   { 0.9999280303f, -0.6932610502f, 0.2426118533f, -0.0551716100f }
+
+/* What is taken from a pair is its value at the cutoff, times c[0] + c[1] x + c[2] x^2 with x = (r / cutoff)^2, which
+ * is 1 at the cutoff. So what pairs beyond the cutoff have goes on smoothly within, and nearly cancels in a sum over
+ * all of them. By least squares, of what 400 trials change U less the stand-in by in villin and DHFR, for cutoffs from
+ * 0.75 to 0.9 nm. */
+#define STANDIN_FADE \
+  { -0.6f, 4.4f, -2.8f }
+
+/* The grid of radii is as wide as it is said for particles with this charge, in units of the elementary one. Its errors
+ * grow with the charge and with the square of the width. What fits best at a number of crossings has widths that go
+ * with this power of the charge; but not beyond so many times the width. */
+#define STANDIN_GRID_CHARGE 0.5
+#define STANDIN_GRID_POWER (-0.4)
+#define STANDIN_WIDEST_GRID 4
 
 /* The unit of derivatives of pairs by ln B, log(2) / 2: that of f^2 has it with an exponent of 2. */
 #define STANDIN_GRADIENT 0.34657359f

@@ -87,9 +87,8 @@ static void interpolate(const double nodes[SHIFT_TERMS], const double values[SHI
 }
 
 /* Takes the largest products from a matrix of values at pairs of nodes, one after another. */
-static void factor(Matrix m, const double nodes[SHIFT_TERMS], float c[SHIFT_RANK][SHIFT_TERMS],
-                   float sign[SHIFT_RANK]) {
-  for (int rank = 0; rank < SHIFT_RANK; rank++) {
+static void factor(Matrix m, const double nodes[SHIFT_TERMS], int ranks, float c[][SHIFT_TERMS], float sign[]) {
+  for (int rank = 0; rank < ranks; rank++) {
     double vector[SHIFT_TERMS];
     const double value = findLargest((const double(*)[SHIFT_TERMS])m, vector);
     for (int i = 0; i < SHIFT_TERMS; i++) {
@@ -122,6 +121,11 @@ void ctStandInFitShift(StandInModel* model, const ctEnergyDefinition* d) {
   }
   model->middleLog = (float)middle;
   model->perHalfWidth = (float)(1 / half);
-  factor(values, nodes, model->shift[0], model->shiftSign[0]);
-  factor(slopes, nodes, model->shift[1], model->shiftSign[1]);
+  factor(values, nodes, VALUE_RANK, model->shift, model->shiftSign);
+  factor(slopes, nodes, SLOPE_RANK, model->shift + VALUE_RANK, model->shiftSign + VALUE_RANK);
+  const float fade[] = STANDIN_FADE;
+  const double squared = d->standIn->pairCutoff * d->standIn->pairCutoff;
+  model->fade[0] = fade[0];
+  model->fade[1] = (float)((double)fade[1] / squared);
+  model->fade[2] = (float)((double)fade[2] / (squared * squared));
 }

@@ -136,7 +136,7 @@ static void changeRadii(StandIn* standIn) {
     unsigned crossing = 0;
     ctStandInComputeRadii(standIn, leaf, other);
     for (int k = 0; k < CT_LEAF_WIDTH; k++) {
-      crossing |= (unsigned)(other->radii.number[k] != state->radii.number[k]) << k;
+      crossing |= (unsigned)(other->radii.log[k] != state->radii.log[k]) << k;
     }
     standIn->trial[leaf].crossing = crossing;
     if (crossing != 0) {
