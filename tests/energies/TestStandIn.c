@@ -310,8 +310,8 @@ int main(int argumentCount, char** arguments)
            "opposite on the way back, %ld of %ld ways doubtful\n",
            tally.programs, tally.trials, tally.accepted, tally.compared, tally.ambiguous, tally.bentBack,
            tally.otherWays, tally.ways);
-    /* Back and forth leaves roundings, by which a radius can fall to another one of the grid: in some 2 %, but those of a
-     * scene are alike. */
+    /* Back and forth leaves roundings, by which a radius can fall to another one of the grid: in some 2 %, but those of
+     * a scene are alike. */
     if (tally.otherWays > 3 + tally.ways / 25) {
         printf("near pairs of %ld ways of %ld change otherwise than those back\n", tally.otherWays, tally.ways);
         return 1;
