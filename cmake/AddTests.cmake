@@ -67,6 +67,10 @@ endfunction()
 function(_chaintree_add_program_test name)
     # A test must be able to fail, so its assertions hold in every build.
     target_compile_options(${name} PRIVATE -UNDEBUG)
+    if(WIN32)
+        target_compile_options(${name} PRIVATE
+            "$<$<COMPILE_LANGUAGE:C>:SHELL:-include \"${PROJECT_SOURCE_DIR}/tests/windowsEnvironment.h\">")
+    endif()
     chaintree_set_warnings(${name})
     add_test(NAME ${name} COMMAND ${name} ${ARGN})
     set_tests_properties(${name} PROPERTIES SKIP_RETURN_CODE 77)
