@@ -225,7 +225,7 @@ def test_exchangesKeepTheDistributions():
     assert pValues().min() > SIGNIFICANCE / (2 * len(TEMPERATURES))
 
 
-@pytest.mark.parametrize("factor", [-1, 0, 0.5, 2])
+@pytest.mark.parametrize("factor", [-1, 2])
 def test_aWrongExponentIsNoticed(monkeypatch, factor):
     honest = ladder.logExchangeRatio
     monkeypatch.setattr(ladder, "logExchangeRatio", lambda *values: factor * honest(*values))

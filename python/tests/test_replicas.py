@@ -31,16 +31,16 @@ def contents(folder, prefix):
 
 
 def test_sameBitsWhateverTheWorkers(runHere, tmp_path):
-    for workers in (1, 2, 5):
+    for workers in (1, 3):
         options = ("--replicas", 3, "--workers", workers, "--trials", 25000, "--frames", 7, "--seed", 3)
         result = runHere("run.pdb", *options, "-o", f"by{workers}", "--json", f"by{workers}.json")
         assert result.returncode == 0, result.stderr
     assert len(contents(tmp_path, "by1")) == 4
-    assert contents(tmp_path, "by1") == contents(tmp_path, "by2") == contents(tmp_path, "by5")
-    summaries = [json.loads((tmp_path / f"by{workers}.json").read_text()) for workers in (1, 2, 5)]
+    assert contents(tmp_path, "by1") == contents(tmp_path, "by3")
+    summaries = [json.loads((tmp_path / f"by{workers}.json").read_text()) for workers in (1, 3)]
     for key in ("moves", "ends", "temperatures"):
-        assert summaries[0][key] == summaries[1][key] == summaries[2][key]
-    assert [summary["workers"] for summary in summaries] == [1, 2, 5]
+        assert summaries[0][key] == summaries[1][key]
+    assert [summary["workers"] for summary in summaries] == [1, 3]
 
 
 def test_files(runHere, tmp_path):
