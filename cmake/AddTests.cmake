@@ -7,6 +7,9 @@ function(chaintree_label_test name)
     if("sanitized" IN_LIST ARGN)
         set(seconds 2700)
     endif()
+    if(CMAKE_CROSSCOMPILING)
+        math(EXPR seconds "10 * ${seconds}") # an emulator runs them
+    endif()
     set_tests_properties(${name} PROPERTIES LABELS "${ARGN}" TIMEOUT ${seconds})
 endfunction()
 
