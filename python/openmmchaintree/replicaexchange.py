@@ -32,7 +32,8 @@ class ParallelReplicaExchangeSampler(_Base):
         sampler.simulate(1000)
 
     Any integrator can be used that releases Python's lock in its steps, as all of OpenMM do. On a GPU platform all
-    Contexts share the device, and little is gained.
+    Contexts share the device, and little is gained. On the Reference platform OpenMM's own integrators draw from random
+    numbers that all Contexts of a process share: there what replicas do depends on who comes first.
 
     Parameters
     ----------

@@ -40,10 +40,10 @@ def torsionIntegrator():
     return integrator
 
 
-def makeSampler(dipeptide, integrator=None, **options):
+def makeSampler(dipeptide, integrator=None, platform=("Reference",), **options):
     topology, system, positions = dipeptide
-    platform = openmm.Platform.getPlatformByName("Reference")
-    simulation = app.Simulation(topology, system, integrator or torsionIntegrator(), platform)
+    platform = (openmm.Platform.getPlatformByName(platform[0]), *platform[1:])
+    simulation = app.Simulation(topology, system, integrator or torsionIntegrator(), *platform)
     simulation.context.setPositions(positions)
     return ParallelReplicaExchangeSampler(STATES, simulation, 2, **options)
 
@@ -59,12 +59,19 @@ def test_olderVersionsOfOpenMM(dipeptide, monkeypatch):
 
 
 @needsSampler
-@pytest.mark.parametrize("make", [torsionIntegrator, lambda: openmm.LangevinMiddleIntegrator(300, 1, 0.002)])
-def test_sameWhateverTheWorkers(dipeptide, tmp_path, make):
+@pytest.mark.parametrize(
+    ("make", "platform"),
+    [
+        (torsionIntegrator, ("Reference",)),
+        # On Reference all Contexts share the random numbers of dynamics.
+        (lambda: openmm.LangevinMiddleIntegrator(300, 1, 0.002), ("CPU", {"Threads": "1"})),
+    ],
+)
+def test_sameWhateverTheWorkers(dipeptide, tmp_path, make, platform):
     found = []
     for workers in (1, 3):
         random.seed(4)
-        sampler = makeSampler(dipeptide, make(), workers=workers, seed=7)
+        sampler = makeSampler(dipeptide, make(), platform, workers=workers, seed=7)
         report = tmp_path / str(workers)
         sampler.reporters.append(app.ReplicaExchangeReporter(str(report), 1, sampler, energy=True))
         sampler.simulate(6)

@@ -132,7 +132,7 @@ class Workplace:
         return replica.run(segment)
 
 
-_workplaces = {}
+_workplaces: dict[str, Workplace] = {}
 
 
 def runSegment(model, segment):
