@@ -46,6 +46,18 @@ class FrameClashes(NamedTuple):
     clashesPer1000Atoms: float
 
 
+class FrameOverlaps(NamedTuple):
+    """The clashes of a model or a frame as arrays, which take less memory than a FrameClashes.
+
+    number : int, from 0; pairs : (n, 2) int32 array; overlaps : (n,) float64 array, nm; clashesPer1000Atoms : float
+    """
+
+    number: int
+    pairs: np.ndarray
+    overlaps: np.ndarray
+    clashesPer1000Atoms: float
+
+
 def findClashes(
     structure: Path, trajectory: Path | None = None, radii: str | None = None, water: bool = False, ions: bool = False
 ) -> list[FrameClashes]:
@@ -92,9 +104,10 @@ def findClashes(
 
 
 class ClashSearch:
-    """The search that `findClashes` does, frame by frame: iterate it once.
+    """The search that `findClashes` does, frame by frame: iterate it once, or ask for parts of it.
 
-    Iteration gives a FrameClashes for each frame, and raises an InputError at a damaged one.
+    Iteration gives a FrameClashes for each frame, `overlaps` a FrameOverlaps. At a damaged frame both raise an
+    InputError.
 
     Attributes
     ----------
@@ -104,6 +117,8 @@ class ClashSearch:
         how many frames there are, if that is known
     notes : list of Note
         what the user should know of the input; complete after the iteration
+    madeWhole : list of int
+        frames in which molecules were made whole, so far
     """
 
     def __init__(self, structure=None, trajectory=None, radii=None, water=False, ions=False):
@@ -117,6 +132,7 @@ class ClashSearch:
         self.finder = ClashFinder(topology, positions, self.structure, radii, water, ions)
         self.notes = [*self._models.notes, *self.finder.notes]
         self.frameCount = len(self._models.positions)
+        self.madeWhole = []
         if trajectory is not None:
             self._openTrajectory()
 
@@ -129,32 +145,51 @@ class ClashSearch:
             self.notes.append(Note(f"{self.trajectory}: {counts}"))
 
     def __iter__(self):
-        frames = self._models.positions if self.trajectory is None else self._trajectoryFrames()
-        madeWhole = []
         try:
-            for number, frame in enumerate(frames):
-                source = f"{self.trajectory or self.structure}: {self._word} {number} (from 0)"
-                positions, box = frame if isinstance(frame, tuple) else (frame, self._box)
-                whole = self.finder.makeWhole(positions, box, source)
-                if whole is not positions:
-                    madeWhole.append(f"{self._word} {number} (from 0)")
-                clashes = self.finder.find(whole)
-                yield FrameClashes(number, clashes, 1000 * len(clashes) / self.finder.checkedCount)
+            for number, pairs, overlaps, score in self.overlaps():
+                yield FrameClashes(number, nameClashes(pairs, overlaps, self.finder.names), score)
         finally:
-            kind = f"{self._word}s in which molecules were split over the periodic box, and made whole"
-            self.notes += found([Note(kind, madeWhole)])
-        if self.trajectory is None and self._models.damage is not None:
+            self.noteMadeWhole()
+            self.close()
+
+    def overlaps(self, begin=0, end=None):
+        """Yield a FrameOverlaps for each frame from one to another, which is not among them; None: to the last.
+
+        Where there is more to ask for, it has to come to its end first.
+        """
+        frames = self._modelFrames(begin, end) if self.trajectory is None else self._trajectoryFrames(begin, end)
+        for number, (positions, box) in enumerate(frames, begin):
+            source = f"{self.trajectory or self.structure}: {self._word} {number} (from 0)"
+            whole = self.finder.makeWhole(positions, box, source)
+            if whole is not positions:
+                self.madeWhole.append(number)
+            pairs, overlaps = self.finder.findOverlaps(whole)
+            yield FrameOverlaps(number, pairs, overlaps, 1000 * len(pairs) / self.finder.checkedCount)
+
+    def noteMadeWhole(self):
+        """Add to the notes what `madeWhole` tells."""
+        kind = f"{self._word}s in which molecules were split over the periodic box, and made whole"
+        self.notes += found([Note(kind, [f"{self._word} {number} (from 0)" for number in self.madeWhole])])
+
+    def close(self):
+        """Close the trajectory."""
+        if self.trajectory is not None:
+            self._trajectory.close()
+
+    def _modelFrames(self, begin, end):
+        for positions in self._models.positions[begin:end]:
+            yield positions, self._box
+        if end in (None, self.frameCount) and self._models.damage is not None:
             raise self._models.damage
 
-    def _trajectoryFrames(self):
+    def _trajectoryFrames(self, begin, end):
         topology = self._models.topology
-        with self._trajectory as frames:
-            for index, (positions, box) in enumerate(frames):
-                if len(positions) != topology.getNumAtoms():
-                    counts = f"has {len(positions):,} atoms, but {self.structure} has {topology.getNumAtoms():,}"
-                    raise InputError(f"{self.trajectory}: {counts}")
-                checkFinite(positions, topology, f"{self.trajectory}: frame {index} (from 0)")
-                yield positions, box
+        for index, (positions, box) in enumerate(self._trajectory.frames(begin, -1 if end is None else end), begin):
+            if len(positions) != topology.getNumAtoms():
+                counts = f"has {len(positions):,} atoms, but {self.structure} has {topology.getNumAtoms():,}"
+                raise InputError(f"{self.trajectory}: {counts}")
+            checkFinite(positions, topology, f"{self.trajectory}: frame {index} (from 0)")
+            yield positions, box
 
 
 class ClashFinder:
@@ -246,9 +281,13 @@ class ClashFinder:
 
     def find(self, positions):
         """Return the list of Clash at positions of all atoms of the Topology, a float64 array of shape (n, 3) in nm."""
+        return nameClashes(*self.findOverlaps(positions), self.names)
+
+    def findOverlaps(self, positions):
+        """Return the pairs that clash, an (n, 2) int32 array, and their overlaps; positions as for `find`."""
         self._context.setPositions(positions[self.atoms])
         pairs, overlaps = self.force.getClashes(self._context)
-        return nameClashes(self.atoms[pairs], overlaps, self.names)
+        return self.atoms[pairs].astype(np.int32), overlaps
 
 
 def nameClashes(pairs, overlaps, names):

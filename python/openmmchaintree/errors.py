@@ -15,3 +15,7 @@ class InputError(ValueError):
     """
 
     frames: "Sequence[FrameClashes]" = ()
+
+
+class ClusterError(InputError):
+    """What is wrong with a scheduler or with workers on other machines, in one sentence that names them."""

@@ -128,7 +128,7 @@ def search(tmp_path, villin, frames, name="run"):
 def test_clashes(draw, tmp_path, villin, scales):
     """Of one frame or several, with none, one or thousands of clashes."""
     found = search(tmp_path, villin, [scale * villin.positions for scale in scales])
-    assertSound(draw(clashpicture, found, list(found)))
+    assertSound(draw(clashpicture, found, list(found.overlaps())))
 
 
 def test_longNamesOfClashes(draw, tmp_path, villin, monkeypatch):
@@ -138,7 +138,7 @@ def test_longNamesOfClashes(draw, tmp_path, villin, monkeypatch):
         name._replace(chain=f"Chain-{number // 200}", residue=f"{name.residue} and more")
         for number, name in enumerate(finder.names)
     ]
-    frames = list(found)
+    frames = list(found.overlaps())
     for shown in (frames, frames[:1]):
         figure = draw(clashpicture, found, shown)
         assertSound(figure)
@@ -152,7 +152,7 @@ def test_manyChains(draw, tmp_path, villin):
         name._replace(chain=f"{number // 12:03}", residue=f"GLY {number}")
         for number, name in enumerate(found.finder.names)
     ]
-    figure = draw(clashpicture, found, list(found))
+    figure = draw(clashpicture, found, list(found.overlaps()))
     assertSound(figure)
     boxes = [label.get_window_extent() for label in figure.axes[0].get_xticklabels() if label.get_text()]
     assert len(boxes) > 3

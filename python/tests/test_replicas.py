@@ -81,6 +81,15 @@ def test_oneReplicaOfMoreIsTheSame(runHere, tmp_path):
     assert contents(tmp_path, "of1")["-replica-0.dcd"] == contents(tmp_path, "of3")["-replica-0.dcd"]
 
 
+def test_roundsOfAnyLength(runHere, tmp_path):
+    """Hard spheres go the same way, whenever they are looked at."""
+    for trials in (700, 10000):
+        options = ("--replicas", 2, "--trials", 3000, "--frames", 4, "--trials-per-round", trials, "--seed", 3)
+        assert runHere("run.pdb", *options, "-o", f"by{trials}", "--json", f"{trials}.json").returncode == 0
+        assert json.loads((tmp_path / f"{trials}.json").read_text())["trialsPerRound"] == trials
+    assert contents(tmp_path, "by700") == contents(tmp_path, "by10000")
+
+
 # ---- Exchange ----
 
 
@@ -151,6 +160,11 @@ def test_namesOfTemperatures():
         (["--checkpoint-interval", 2], "--checkpoint-interval needs --replicas or --temperatures"),
         (["--trajectories", "replica"], "--trajectories needs --replicas or --temperatures"),
         (["--trials-per-exchange", 2], "--trials-per-exchange needs --temperatures"),
+        (["--trials-per-round", 2], "--trials-per-round needs --replicas or --temperatures"),
+        (
+            ["--temperatures", "300:450:4", "--forcefield", PROTEIN, "--trials-per-round", 2],
+            "--trials-per-round and --temperatures cannot be used together",
+        ),
         (["--replicas", 2, "--trials-per-exchange", 2], "--trials-per-exchange needs --temperatures"),
         (["--replicas", 2, "--trajectories", "temperature"], "--trajectories temperature needs --temperatures"),
         (["--temperatures", "300:450:4"], "--temperatures needs --forcefield: hard spheres alone have no energy"),

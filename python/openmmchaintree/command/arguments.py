@@ -1,6 +1,7 @@
 """Reading arguments: every error is one line."""
 
 import argparse
+import os
 import sys
 
 from .status import BAD_INPUT
@@ -67,3 +68,17 @@ def wholeNumber(text, least, largest):
     if not least <= value <= largest:
         raise argparse.ArgumentTypeError(f"{value} is not in the range {least} to {largest}")
     return value
+
+
+def addScheduler(parser, what):
+    """Add the option of a scheduler whose workers do something."""
+    parser.add_argument(
+        "--scheduler",
+        metavar="ADDRESS",
+        help=f"run {what} on the workers of a Dask scheduler, such as tcp://host:8786; needs the package distributed",
+    )
+
+
+def usableCores():
+    """Return how many cores this process may use."""
+    return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1

@@ -1,10 +1,13 @@
 """The command openmm-chaintree clashes."""
 
+from contextlib import closing, contextmanager
+from functools import partial
+
 from ..clashes import ClashSearch
-from ..errors import InputError
+from ..errors import ClusterError, InputError
 from ..radii import RADII_SETS
-from .arguments import positive
-from .clashreport import asCSV, printReport, summarize
+from .arguments import addScheduler, positive
+from .clashreport import asCSV, asPlainFrames, printReport, summarize
 from .noteoutput import addNotes, asText
 from .outputfiles import Writing, addOverwrite, asJSON, checkOutputs, checkPicture
 from .status import BAD_INPUT, INTERRUPTED
@@ -40,31 +43,37 @@ def addArguments(clashes):
     clashes.add_argument("--csv", metavar="FILE", help="write a line of CSV for every clash (-: print them)")
     clashes.add_argument("--json", metavar="FILE", help="write everything as JSON (-: print it)")
     clashes.add_argument("--picture", metavar="FILE", help="draw the clashes by frame and residue (.png, .pdf or .svg)")
+    clashes.add_argument(
+        "--workers", type=positive, metavar="W", help="processes that look at frames side by side (default: this one)"
+    )
+    addScheduler(clashes, "the search of frames, whose files they have to see by the same names,")
     addOverwrite(clashes)
     addNotes(clashes)
 
 
 def _run(options):
+    if options.workers is not None and options.scheduler is not None:
+        raise InputError("--workers and --scheduler cannot be used together: a scheduler has workers of its own")
     names = {"csv": options.csv, "json": options.json, "picture": options.picture, "notes": options.notes}
     inputs = [path for path in (options.structure, options.trajectory) if path is not None]
     outputs = checkOutputs(names, inputs, options.overwrite)
     if "picture" in outputs:
         checkPicture(outputs["picture"])
     search = ClashSearch(options.structure, options.trajectory, options.radii, options.water, options.ions)
-    frames, damage, interrupted = _findAll(search)
+    frames, damage, interrupted = _findAll(search, options)
     if damage is not None and not frames:
         raise damage
     summary = summarize(search, frames, damage, interrupted)
     writing = Writing()
     writers = {
-        "csv": lambda output: output.write(asCSV(frames)),
-        "json": lambda output: output.write(asJSON(summary)),
+        "csv": lambda output: output.write(asCSV(search, frames)),
+        "json": lambda output: output.write(asJSON({**summary, "frames": asPlainFrames(search, frames)})),
         "picture": lambda output: _savePicture(output, search, frames),
         "notes": lambda output: output.write(asText(search.notes)),
     }
     for kind, output in outputs.items():
         writing.write(output, writers[kind])
-    printReport(summary, writing.files, options.rows, ReportConsole(outputs.values()), options.verbose)
+    printReport(summary, search, frames, writing.files, options.rows, ReportConsole(outputs.values()), options.verbose)
     errors = [writing.describeFailures()] if writing.failures else []
     if damage is not None:
         errors.append(f"{damage}; the results are those of the frames before it")
@@ -74,20 +83,45 @@ def _run(options):
     return INTERRUPTED if interrupted else 0
 
 
-def _findAll(search):
-    """Return the list of FrameClashes before a damaged frame or an interrupt; that damage; whether that interrupt."""
+def _findAll(search, options):
+    """Return the list of FrameOverlaps before a damaged frame or an interrupt; that damage; whether that interrupt."""
     frames = []
     damage = None
     with interruptFlag() as interrupted, progress(search.frameCount) as advance:
         try:
-            for frame in search:
-                frames.append(frame)
-                advance(len(frames))
-                if interrupted:
-                    break
+            with _found(search, options) as found:
+                for frame in found:
+                    frames.append(frame)
+                    advance(len(frames))
+                    if interrupted:
+                        break
+        except ClusterError:
+            raise
         except InputError as error:
             damage = error
+        finally:
+            search.noteMadeWhole()
+            search.close()
         return frames, damage, bool(interrupted)
+
+
+@contextmanager
+def _found(search, options):
+    """Give an iterator of the FrameOverlaps of a ClashSearch, which workers find if there are any."""
+    if options.scheduler is None and options.workers in (None, 1) or search.frameCount is None:
+        yield search.overlaps()
+        return
+    from .. import clashchunks
+
+    if options.scheduler is None:
+        makeWorkers = partial(clashchunks.ProcessChunks, options.workers)
+    else:
+        from ..cluster import Cluster  # Dask takes long to import
+
+        makeWorkers = partial(clashchunks.ClusterChunks, Cluster(options.scheduler))
+    files = clashchunks.describeFiles(search, options.radii, options.water, options.ions)
+    with closing(makeWorkers()) as workers:
+        yield clashchunks.searchInChunks(search, files, workers)
 
 
 def _savePicture(output, search, frames):

@@ -25,7 +25,7 @@ _LARGEST_MAP = 500
 
 
 def savePicture(output, search, frames):
-    """Write the picture of the FrameClashes that a ClashSearch found to an Output."""
+    """Write the picture of the FrameOverlaps that a ClashSearch found to an Output."""
     figure = makeFigure(10, 7)
     source = Path(search.structure if search.trajectory is None else search.trajectory).name
     score = sum(frame.clashesPer1000Atoms for frame in frames) / len(frames)
@@ -56,7 +56,9 @@ class _Residues:
             chains.setdefault(name.chain, {}).setdefault(name.describeResidue())
         self.labels = [label for residues in chains.values() for label in residues]
         numbers = {label: number for number, label in enumerate(self.labels)}
-        self._ofParticle = {atom: numbers[name.describeResidue()] for atom, name in names.items()}
+        self._ofParticle = np.full(len(search.finder.names), -1)
+        for atom, name in names.items():
+            self._ofParticle[atom] = numbers[name.describeResidue()]
         self.chains = []
         end = 0
         for chain, residues in chains.items():
@@ -65,11 +67,9 @@ class _Residues:
 
     def countClashes(self, frame):
         """Return the number of clashes of each residue in a frame, as an int array."""
-        counts = np.zeros(len(self.labels), dtype=int)
-        for clash in frame.clashes:
-            for residue in {self._ofParticle[clash.particle1], self._ofParticle[clash.particle2]}:
-                counts[residue] += 1
-        return counts
+        first, second = self._ofParticle[frame.pairs].T
+        residues = np.concatenate([first, second[second != first]])
+        return np.bincount(residues, minlength=len(self.labels))
 
 
 def _drawResidues(axis, frame, residues):
@@ -94,7 +94,7 @@ def _drawResidues(axis, frame, residues):
 
 
 def _drawOverlaps(axis, frame):
-    overlaps = [clash.overlap for clash in frame.clashes]
+    overlaps = frame.overlaps.tolist()
     bins = np.arange(0.04, max([0.14, *overlaps]) + 0.01, 0.005)
     counts, *_ = axis.hist(overlaps, bins=bins, color=_COLOR, edgecolor="white")
     axis.set(title="Overlaps", xlabel="overlap (nm)", ylabel="clashes", ylim=(0, 1.05 * max(counts.max(), 1)))

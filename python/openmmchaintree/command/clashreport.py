@@ -2,12 +2,12 @@
 
 import csv
 import io
-from collections import defaultdict
+from typing import NamedTuple
 
+import numpy as np
 from openmm import unit
 from rich.table import Table
 
-from ..naming import AtomName
 from .noteoutput import asPlain, printNotes
 
 # So many residues are named for each frame.
@@ -15,17 +15,18 @@ _WORST_OF_A_FRAME = 5
 
 
 def summarize(search, frames, damage, interrupted):
-    """Return everything that a ClashSearch found as plain dictionaries and lists, for JSON. Lengths are in nm.
+    """Return what a ClashSearch found as plain dictionaries and lists; `asPlainFrames` has the frames. In nm.
 
     Parameters
     ----------
     search : ClashSearch
-    frames : list of FrameClashes, at least one
+    frames : list of FrameOverlaps, at least one
     damage : InputError or None
         why there are not more frames
     interrupted : bool
         whether the user did not wait for more of them
     """
+    ranking = _Ranking(search.finder.names)
     return {
         "structure": str(search.structure),
         "trajectory": None if search.trajectory is None else str(search.trajectory),
@@ -37,74 +38,130 @@ def summarize(search, frames, damage, interrupted):
         "notes": asPlain(search.notes),
         "damage": None if damage is None else str(damage),
         "interrupted": interrupted,
-        "clashesPerFrame": sum(len(frame.clashes) for frame in frames) / len(frames),
+        "clashesPerFrame": sum(len(frame.pairs) for frame in frames) / len(frames),
         "clashesPer1000Atoms": sum(frame.clashesPer1000Atoms for frame in frames) / len(frames),
-        "residues": _rankResidues(frames),
-        "pairs": _rankPairs(frames),
-        "frames": [_describeFrame(frame) for frame in frames],
+        "residues": ranking.rankResidues(frames),
+        "pairs": ranking.rankPairs(frames),
     }
 
 
-def _describeFrame(frame):
+def asPlainFrames(search, frames):
+    """Return each of the FrameOverlaps that a ClashSearch found, with all clashes, as plain dictionaries and lists."""
+    ranking = _Ranking(search.finder.names)
+    names = [name._asdict() for name in search.finder.names]
+    return [
+        {
+            "index": frame.number,
+            "clashesPer1000Atoms": frame.clashesPer1000Atoms,
+            "worstResidues": [entry["residue"] for entry in ranking.rankResidues([frame])[:_WORST_OF_A_FRAME]],
+            "clashes": [_describeClash(pair, overlap, names) for pair, overlap in _clashesOf(frame)],
+        }
+        for frame in frames
+    ]
+
+
+def _clashesOf(frame):
+    """Return the pair and the overlap of each clash of a FrameOverlaps."""
+    return zip(frame.pairs.tolist(), frame.overlaps.tolist(), strict=True)
+
+
+def _describeClash(pair, overlap, names):
+    first, second = pair
     return {
-        "index": frame.number,
-        "clashesPer1000Atoms": frame.clashesPer1000Atoms,
-        "worstResidues": [entry["residue"] for entry in _rankResidues([frame])[:_WORST_OF_A_FRAME]],
-        "clashes": [
-            {**clash._asdict(), "atom1": clash.atom1._asdict(), "atom2": clash.atom2._asdict()}
-            for clash in frame.clashes
-        ],
+        "particle1": first,
+        "particle2": second,
+        "atom1": names[first],
+        "atom2": names[second],
+        "overlap": overlap,
     }
 
 
-def _rankResidues(frames):
-    """Return the residues that clash, those with most clashes first."""
-    met = defaultdict(list)
-    for frame in frames:
-        for clash in frame.clashes:
-            for residue in dict.fromkeys((clash.atom1.describeResidue(), clash.atom2.describeResidue())):
-                met[residue].append((frame.number, clash.overlap))
-    return _rank({"residue": residue, **_count(found)} for residue, found in met.items())
+class _Ranking:
+    """Ranks the residues and the pairs of atoms that clash."""
+
+    def __init__(self, names):
+        """Take the AtomName of each atom."""
+        self._names = names
+        numbers = {}
+        self._residueOf = np.array([numbers.setdefault(name.describeResidue(), len(numbers)) for name in names])
+        self._residues = list(numbers)
+
+    def rankResidues(self, frames):
+        """Return the residues that clash, those with most clashes first."""
+        met = _gather(frames)
+        residues = self._residueOf[met.pairs]
+        # Both of a clash, one after the other; one that clashes with itself counts once.
+        counts = np.ones(residues.shape, dtype=bool)
+        counts[:, 1] = residues[:, 0] != residues[:, 1]
+        counts = counts.ravel()
+        keys, _, ranked = _rank(
+            residues.ravel()[counts], np.repeat(met.frames, 2)[counts], np.repeat(met.overlaps, 2)[counts]
+        )
+        return [{"residue": self._residues[key], **counted} for key, counted in zip(keys.tolist(), ranked, strict=True)]
+
+    def rankPairs(self, frames):
+        """Return the pairs of atoms that clash, those that do so in most frames first."""
+        met = _gather(frames)
+        first, second = met.pairs.astype(np.int64).T
+        _, places, ranked = _rank(first * len(self._names) + second, met.frames, met.overlaps)
+        pairs = met.pairs[places].tolist()
+        return [
+            {"particles": pair, "atoms": [str(self._names[atom]) for atom in pair], **counted}
+            for pair, counted in zip(pairs, ranked, strict=True)
+        ]
 
 
-def _rankPairs(frames):
-    """Return the pairs of atoms that clash, those that do so in most frames first."""
-    met = defaultdict(list)
-    for frame in frames:
-        for clash in frame.clashes:
-            met[clash[:4]].append((frame.number, clash.overlap))
-    return _rank(
-        {"particles": pair[:2], "atoms": [str(name) for name in pair[2:]], **_count(found)}
-        for pair, found in met.items()
-    )
+class _Met(NamedTuple):
+    """All clashes: pairs : (n, 2) int array; frames : (n,) int array, their numbers; overlaps : (n,) float64 array."""
+
+    pairs: np.ndarray
+    frames: np.ndarray
+    overlaps: np.ndarray
 
 
-def _count(found):
-    """Return what is told of the (frame, overlap) of some clashes."""
-    overlap, frame = max((overlap, -frame) for frame, overlap in found)
-    frames = {frame for frame, _ in found}
-    return {"clashes": len(found), "frames": len(frames), "worstOverlap": overlap, "worstFrame": -frame}
+def _gather(frames):
+    """Return all clashes of a list of FrameOverlaps."""
+    counts = [len(frame.pairs) for frame in frames]
+    numbers = np.repeat([frame.number for frame in frames], counts)
+    pairs, overlaps = (np.concatenate([frame[field] for frame in frames]) for field in (1, 2))
+    return _Met(pairs, numbers, overlaps)
 
 
-def _rank(entries):
-    return sorted(entries, key=lambda entry: (-entry["clashes"], -entry["worstOverlap"]))
+def _rank(keys, frames, overlaps):
+    """Count clashes by keys, of which some are equal: those with most first, then those with the worst, then the first.
+
+    Return keys, where each was met first, and a list of what is told of them.
+    """
+    unique, places, inverse, clashes = np.unique(keys, return_index=True, return_inverse=True, return_counts=True)
+    span = int(frames.max(initial=0)) + 1
+    framesOf = np.bincount(np.unique(inverse * span + frames) // span, minlength=len(unique))
+    worst = np.lexsort((frames, -overlaps, inverse))  # the worst of each key comes first
+    worst = worst[np.searchsorted(inverse[worst], np.arange(len(unique)))]
+    order = np.lexsort((places, -overlaps[worst], -clashes))
+    columns = (clashes, framesOf, overlaps[worst], frames[worst])
+    names = ("clashes", "frames", "worstOverlap", "worstFrame")
+    rows = zip(*(column[order].tolist() for column in columns), strict=True)
+    return unique[order], places[order], [dict(zip(names, row, strict=True)) for row in rows]
 
 
-def asCSV(frames):
-    """Return CSV: a heading, and a line for every clash."""
+def asCSV(search, frames):
+    """Return CSV of the FrameOverlaps that a ClashSearch found: a heading, and a line for every clash."""
+    names = search.finder.names
     text = io.StringIO()
     lines = csv.writer(text, lineterminator="\n")
     atoms = [f"{word}{number}" for number in (1, 2) for word in ("particle", "chain", "residue", "atom")]
     lines.writerow(["frame", *atoms, "overlap_nm"])
     for frame in frames:
-        for clash in frame.clashes:
-            atoms = [clash.particle1, *clash.atom1, clash.particle2, *clash.atom2]
-            lines.writerow([frame.number, *atoms, f"{clash.overlap:.6f}"])
+        for (first, second), overlap in _clashesOf(frame):
+            lines.writerow([frame.number, first, *names[first], second, *names[second], f"{overlap:.6f}"])
     return text.getvalue()
 
 
-def printReport(summary, files, rows, console, isVerbose):
-    """Print a summary on a rich Console, with tables of up to a number of rows; all notes, if that is to be verbose."""
+def printReport(summary, search, frames, files, rows, console, isVerbose):
+    """Print a summary of FrameOverlaps on a rich Console, with tables of up to a number of rows.
+
+    All notes are printed, if that is to be verbose.
+    """
     tolerance = summary["overlapTolerance"]
     console.print(
         f"{summary['trajectory'] or summary['structure']}: {summary['atomsLookedAt']:,} of {summary['atoms']:,} atoms "
@@ -112,23 +169,23 @@ def printReport(summary, files, rows, console, isVerbose):
         f"{tolerance + summary['hydrogenBondAllowance']:g} nm where a hydrogen bond may be"
     )
     printNotes(summary["notes"], console, isVerbose)
-    if len(summary["frames"]) == 1:
-        _printFrame(summary, rows, console)
+    if len(frames) == 1:
+        _printFrame(summary, search, frames[0], rows, console)
     else:
-        _printFrames(summary, rows, console)
+        _printFrames(summary, search, frames, rows, console)
     if summary["interrupted"]:
         console.print("interrupted: this is what was found so far")
     if files:
         console.print(f"wrote {', '.join(map(str, files))}")
 
 
-def _printFrame(summary, rows, console):
-    (frame,) = summary["frames"]
-    clashes = sorted(frame["clashes"], key=_overlapOf, reverse=True)
-    console.print(f"{_countClashes(len(clashes))}, {frame['clashesPer1000Atoms']:.1f} per 1,000 atoms")
+def _printFrame(summary, search, frame, rows, console):
+    names = search.finder.names
+    clashes = sorted(_clashesOf(frame), key=lambda clash: clash[1], reverse=True)
+    console.print(f"{_countClashes(len(clashes))}, {frame.clashesPer1000Atoms:.1f} per 1,000 atoms")
     table = _Table("worst clashes", ["overlap (nm)"], ["between", "and"])
-    for clash in clashes:
-        table.add(f"{clash['overlap']:.4f}", _name(clash["atom1"]), _name(clash["atom2"]))
+    for (first, second), overlap in clashes:
+        table.add(f"{overlap:.4f}", str(names[first]), str(names[second]))
     table.print(rows, console)
     table = _Table("residues with most clashes", ["clashes", "worst overlap (nm)"], ["residue"])
     for entry in summary["residues"]:
@@ -136,21 +193,23 @@ def _printFrame(summary, rows, console):
     table.print(rows, console)
 
 
-def _printFrames(summary, rows, console):
-    frames = sorted(summary["frames"], key=lambda frame: len(frame["clashes"]), reverse=True)
+def _printFrames(summary, search, frames, rows, console):
+    names = search.finder.names
+    frames = sorted(frames, key=lambda frame: len(frame.pairs), reverse=True)
     count = len(frames)
     word = "model" if summary["trajectory"] is None else "frame"
     console.print(
         f"{count:,} {word}s: {_countClashes(summary['clashesPerFrame'], '.1f')} a {word} "
-        f"({len(frames[-1]['clashes']):,} to {len(frames[0]['clashes']):,}), "
+        f"({len(frames[-1].pairs):,} to {len(frames[0].pairs):,}), "
         f"{summary['clashesPer1000Atoms']:.1f} per 1,000 atoms"
     )
     table = _Table(f"{word}s with most clashes", [word, "clashes", "per 1,000 atoms", "worst (nm)"], ["between", "and"])
     for frame in frames:
-        if frame["clashes"]:
-            worst = max(frame["clashes"], key=_overlapOf)
-            numbers = [frame["index"], len(frame["clashes"]), f"{frame['clashesPer1000Atoms']:.1f}"]
-            table.add(*numbers, f"{worst['overlap']:.4f}", _name(worst["atom1"]), _name(worst["atom2"]))
+        if len(frame.pairs) > 0:
+            worst = np.argmax(frame.overlaps)
+            first, second = frame.pairs[worst]
+            numbers = [frame.number, len(frame.pairs), f"{frame.clashesPer1000Atoms:.1f}"]
+            table.add(*numbers, f"{frame.overlaps[worst]:.4f}", str(names[first]), str(names[second]))
     table.print(rows, console)
     table = _Table("most frequent clashes", [f"% of {word}s", "worst (nm)", f"in {word}"], ["between", "and"])
     for entry in summary["pairs"]:
@@ -169,14 +228,6 @@ def _shareAndWorst(entry, frameCount):
 
 def _countClashes(count, form=","):
     return f"{count:{form}} {'clash' if count == 1 else 'clashes'}"
-
-
-def _overlapOf(clash):
-    return clash["overlap"]
-
-
-def _name(atom):
-    return str(AtomName(**atom))
 
 
 class _Table:

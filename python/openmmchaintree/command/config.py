@@ -12,7 +12,7 @@ else:
     import tomli as tomllib
 
 # What says how a run is told, not what it does.
-_NOT_SETTINGS = ("help", "config", "resume", "overwrite", "verbose")
+_NOT_SETTINGS = ("help", "config", "resume", "overwrite", "verbose", "scheduler")
 
 _TABLE = "sample"
 
@@ -37,6 +37,7 @@ def expandArguments(parser, arguments):
     finder = argparse.ArgumentParser(add_help=False, allow_abbrev=False, exit_on_error=False)
     finder.add_argument("--config")
     finder.add_argument("--resume")
+    finder.add_argument("--scheduler")
     try:
         found, _ = finder.parse_known_args(arguments)
     except argparse.ArgumentError:
@@ -46,7 +47,10 @@ def expandArguments(parser, arguments):
     if found.config is not None:
         return _withSettings(parser, readSettings(found.config), ["--config", found.config], arguments)
     if found.resume is not None:
-        return _withSettings(parser, SavedRun(found.resume).settings, ["--resume", found.resume], arguments)
+        settings = SavedRun(found.resume).settings
+        if found.scheduler is not None:
+            settings.pop("workers", None)  # those of this machine
+        return _withSettings(parser, settings, ["--resume", found.resume], arguments)
     return arguments
 
 

@@ -1,13 +1,12 @@
 """The options of runs with many replicas."""
 
-import os
 from typing import NamedTuple
 
 from ..errors import InputError
 from ..replicas.coordinator import RunPlan
 from ..replicas.ladder import deriveSeeds, readLadder
 from ..replicas.schedule import Schedule
-from .arguments import numberIn, positive
+from .arguments import addScheduler, numberIn, positive, usableCores
 
 _TRIALS_PER_EXCHANGE = 4000
 _TRIALS_PER_ROUND = 10000  # of replicas that exchange nothing
@@ -22,6 +21,7 @@ class ReplicaChoice(NamedTuple):
     trialsPerRound : int
     filesByTemperature : bool, whether each temperature has a trajectory, not each replica
     checkpointInterval : float, s
+    scheduler : str, the address of a Dask scheduler whose workers run replicas, or None
     """
 
     temperatures: list[float] | None
@@ -30,6 +30,7 @@ class ReplicaChoice(NamedTuple):
     trialsPerRound: int
     filesByTemperature: bool
     checkpointInterval: float
+    scheduler: str | None
 
 
 def addReplicaOptions(parser):
@@ -53,11 +54,19 @@ def addReplicaOptions(parser):
         help=f"trials of each replica between exchanges (default: {_TRIALS_PER_EXCHANGE})",
     )
     parser.add_argument(
+        "--trials-per-round",
+        type=positive,
+        metavar="M",
+        help="trials of each replica between two moments at which a run can be interrupted and go on, of replicas that "
+        f"exchange nothing (default: {_TRIALS_PER_ROUND}); more of them for many workers, so that they ask less often",
+    )
+    parser.add_argument(
         "--workers",
         type=positive,
         metavar="W",
         help="replicas that run at a time (default: as many as there are cores)",
     )
+    addScheduler(parser, "replicas")
     parser.add_argument(
         "--trajectories",
         choices=("replica", "temperature"),
@@ -94,6 +103,8 @@ def readReplicaOptions(options):
             raise InputError("--temperatures needs --forcefield: hard spheres alone have no energy to exchange by")
         if options.temperature is not None:
             raise InputError("--temperature and --temperatures cannot be used together")
+        if options.trials_per_round is not None:
+            raise InputError("--trials-per-round and --temperatures cannot be used together: see --trials-per-exchange")
         if options.replicas not in (None, len(temperatures)):
             raise InputError(
                 f"--replicas {options.replicas}: there is one replica for each of {len(temperatures)} temperatures"
@@ -103,26 +114,29 @@ def readReplicaOptions(options):
     elif options.trajectories == "temperature":
         raise InputError("--trajectories temperature needs --temperatures")
     if temperatures is None and options.replicas is None:
-        for name in ("workers", "trajectories", "checkpoint_interval", "resume"):
+        for name in ("workers", "scheduler", "trials_per_round", "trajectories", "checkpoint_interval", "resume"):
             if getattr(options, name) is not None:
                 raise InputError(
                     f"--{name.replace('_', '-')} needs --replicas or --temperatures; --replicas 1 is a run of one"
                 )
         return None
-    workers = options.workers or _usableCores()
+    if options.scheduler is not None and options.workers is not None:
+        raise InputError("--workers and --scheduler cannot be used together: a scheduler has workers of its own")
+    workers = options.workers or usableCores()
     interval = _CHECKPOINT_INTERVAL if options.checkpoint_interval is None else options.checkpoint_interval
+    if temperatures is None:
+        trialsPerRound = options.trials_per_round or _TRIALS_PER_ROUND
+    else:
+        trialsPerRound = options.trials_per_exchange or _TRIALS_PER_EXCHANGE
     return ReplicaChoice(
         temperatures,
         options.replicas if temperatures is None else len(temperatures),
         workers,
-        _TRIALS_PER_ROUND if temperatures is None else options.trials_per_exchange or _TRIALS_PER_EXCHANGE,
+        trialsPerRound,
         options.trajectories != "replica" if temperatures is not None else False,
         interval,
+        options.scheduler,
     )
-
-
-def _usableCores():
-    return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
 
 
 def makePlan(choice, options, energyModel, seed):

@@ -1,16 +1,14 @@
 """Runs replicas for the command: from the start or from a checkpoint, to the end or until the user interrupts."""
 
 import os
-from concurrent.futures import ThreadPoolExecutor
 from time import monotonic
 
 import openmm
 
 from .. import __version__
-from ..errors import InputError
+from ..errors import ClusterError, InputError
 from ..replicas.checkpointfile import readCheckpoint, writeCheckpoint
 from ..replicas.coordinator import Coordinator, RunState
-from ..replicas.segment import Workplace
 from .outputfiles import OutputError, checkOutputs
 from .replicafiles import ReplicaFiles
 from .terminal import interruptFlag, printError, progress
@@ -20,9 +18,6 @@ _FREE_SETTINGS = ("workers", "checkpoint-interval", "json", "notes")
 
 # The kinds of outputs that are written at the end.
 _REPORTS = ("picture", "json", "notes")
-
-# Segments are handed out so that no worker waits for the next one.
-_SEGMENTS_PER_WORKER = 2
 
 
 class ReplicaRun:
@@ -37,13 +32,15 @@ class ReplicaRun:
         the names of files that were written at the end, so far
     """
 
-    def __init__(self, sampling, plan, choice, settings, outputs):
-        """Take a Sampling that has not moved, a RunPlan, a ReplicaChoice, settings and Outputs.
+    def __init__(self, sampling, plan, choice, settings, outputs, model, workers):
+        """Take a Sampling that has not moved, a RunPlan, a ReplicaChoice, settings, Outputs, and who runs Segments.
 
         outputs : dict of "checkpoint" and "index", Outputs, and "trajectories", a list of them
+        model : Model, of the Sampling; workers : ThreadReplicas or ClusterReplicas of that Model
         """
         self._sampling = sampling
-        self._workplace = Workplace(sampling.model())
+        self._model = model
+        self._workers = workers
         self._choice = choice
         self._settings = settings
         self._outputs = outputs
@@ -61,7 +58,7 @@ class ReplicaRun:
         InputError
             if it is of another structure or force field
         """
-        if saved.header["model"] != self._workplace.model.key:
+        if saved.header["model"] != self._model.key:
             raise InputError(
                 f"{saved.path}: is of a run from another structure, force field or version "
                 f"(that was openmm-chaintree {saved.header['madeBy']}, this is {__version__})"
@@ -90,28 +87,25 @@ class ReplicaRun:
         Raises
         ------
         OutputError
-            if a file cannot be written, or OpenMM refuses; the run goes on from its last checkpoint
+            if a file cannot be written, OpenMM refuses, or a cluster is lost; the run goes on from its last checkpoint
         """
         plan, state = self.plan, self.state
         total = plan.schedule.trials * len(plan.seeds)
         with self._files:
-            pool = ThreadPoolExecutor(self._choice.workers)
             try:
                 with interruptFlag() as interrupted, progress(total) as advance:
                     while state.round < plan.schedule.rounds and not interrupted:
-                        self._runFor(self._choice.checkpointInterval, pool, interrupted, advance)
+                        self._runFor(self._choice.checkpointInterval, interrupted, advance)
                         self._sync()
                         self._save()
                     self.isInterrupted = bool(interrupted)
-            except (OutputError, openmm.OpenMMException) as error:
+            except (OutputError, ClusterError, openmm.OpenMMException) as error:
                 raise OutputError(f"{error}; {self._whereItStopped()}") from error
             except KeyboardInterrupt:
                 printError(f"interrupted; {self._whereItStopped()}")
                 raise
-            finally:
-                pool.shutdown(cancel_futures=True)
 
-    def _runFor(self, seconds, pool, interrupted, advance):
+    def _runFor(self, seconds, interrupted, advance):
         """Run rounds for so many seconds, at least one."""
         coordinator = Coordinator(self.plan, self.state, self._files.add)
         begun = monotonic()
@@ -120,8 +114,7 @@ class ReplicaRun:
             advance(coordinator.trials)
             return bool(interrupted) or monotonic() >= begun + seconds
 
-        slots = _SEGMENTS_PER_WORKER * self._choice.workers
-        coordinator.run(lambda segment: pool.submit(self._workplace.run, segment), slots, shouldHold)
+        coordinator.run(self._workers.submit, self._workers.slots(), shouldHold)
         self.state.wallSeconds += monotonic() - begun
 
     def noteReports(self, names):
@@ -137,7 +130,7 @@ class ReplicaRun:
     def _save(self):
         """Write the checkpoint; all that it counts is on the disk."""
         header = {
-            "model": self._workplace.model.key,
+            "model": self._model.key,
             "madeBy": __version__,
             "settings": self._settings,
             "indexSize": self._indexSize,

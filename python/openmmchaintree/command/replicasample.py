@@ -1,5 +1,8 @@
 """What openmm-chaintree sample does with replicas: names their files, runs them, reports."""
 
+from contextlib import closing
+
+from ..replicas.threads import ThreadReplicas
 from .energyreport import describeEnergies
 from .noteoutput import asText
 from .outputfiles import Writing, asJSON
@@ -24,10 +27,25 @@ def replicaNames(prefix, choice):
 
 def sampleReplicas(prepared, choice, saved):
     """Run the replicas of a ReplicaChoice, from a SavedRun on if there is one; return the exit status."""
+    model = prepared.sampling.model()
+    with closing(_makeWorkers(choice, model)) as workers:
+        return _sampleBy(workers, model, prepared, choice._replace(workers=workers.count), saved)
+
+
+def _makeWorkers(choice, model):
+    """Return who runs Segments of a Model."""
+    if choice.scheduler is None:
+        return ThreadReplicas(model, choice.workers)
+    from ..cluster import Cluster, ClusterReplicas  # Dask takes long to import
+
+    return ClusterReplicas(Cluster(choice.scheduler), model)
+
+
+def _sampleBy(workers, model, prepared, choice, saved):
     options, settings, outputs, console, sampling, energyModel, seed, added = prepared
     trajectories = [output for kind, output in outputs.items() if kind.startswith(_TRAJECTORY)]
     files = {"trajectories": trajectories, "index": outputs["index"], "checkpoint": outputs["checkpoint"]}
-    run = ReplicaRun(sampling, makePlan(choice, options, energyModel, seed), choice, settings, files)
+    run = ReplicaRun(sampling, makePlan(choice, options, energyModel, seed), choice, settings, files, model, workers)
     if saved is not None:
         run.goOn(saved)
     writing = Writing()
@@ -85,6 +103,8 @@ def _describeRun(run, choice):
     """Return a line on the replicas of a ReplicaRun."""
     plan, trials = run.plan, run.plan.schedule.trialsBefore(run.state.round)
     words = f"replicas: {len(plan.seeds)} by {choice.workers} worker{'' if choice.workers == 1 else 's'}"
+    if choice.scheduler is not None:
+        words += f" of {choice.scheduler}"
     if plan.isExchange:
         kelvins = ", ".join(f"{temperature:.1f}" for temperature in plan.temperatures)
         words += f", which exchange the temperatures {kelvins} K every {plan.schedule.trialsPerRound:,} trials"

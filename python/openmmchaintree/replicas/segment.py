@@ -2,6 +2,7 @@
 
 import copy
 import hashlib
+from threading import Lock
 from time import perf_counter
 from typing import NamedTuple
 
@@ -119,27 +120,38 @@ class Workplace:
     its checkpoint. Loading one would make all that is known of energies anew, and take as long as thousands of trials.
     """
 
-    def __init__(self, model):
-        """Take a Model."""
+    def __init__(self, model, most=None):
+        """Take a Model, and how many Contexts are kept at most; None: all. Those that ran last are kept."""
         self.model = model
-        self._replicas = {}
+        self._most = most
+        self._replicas = {}  # the one that ran last comes last
+        self._lock = Lock()
 
     def run(self, segment):
         """Run a Segment; return a SegmentResult. No other Segment of the same replica may run at that time."""
-        replica = self._replicas.get(segment.replica)
+        with self._lock:
+            replica = self._replicas.pop(segment.replica, None)
         if replica is None or segment.checkpoint is None:
-            replica = self._replicas[segment.replica] = _Replica(self.model, segment.seed)
-        return replica.run(segment)
+            replica = _Replica(self.model, segment.seed)
+        result = replica.run(segment)
+        with self._lock:
+            self._replicas[segment.replica] = replica
+            while self._most is not None and len(self._replicas) > self._most:
+                del self._replicas[next(iter(self._replicas))]
+        return result
 
 
 _workplaces: dict[str, Workplace] = {}
+
+# A process of a cluster meets any replica now and then, and must not keep them all.
+_MOST_CONTEXTS = 32
 
 
 def runSegment(model, segment):
     """Run a Segment of a Model in the one Workplace of this process, which is of the last Model that was met."""
     if model.key not in _workplaces:
         _workplaces.clear()
-    return _workplaces.setdefault(model.key, Workplace(model)).run(segment)
+    return _workplaces.setdefault(model.key, Workplace(model, _MOST_CONTEXTS)).run(segment)
 
 
 class _Replica:

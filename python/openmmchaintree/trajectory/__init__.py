@@ -5,6 +5,7 @@ import os
 import pickle
 import subprocess
 import sys
+from contextlib import suppress
 from pathlib import Path
 
 from ..errors import InputError
@@ -16,10 +17,10 @@ _READER = Path(__file__).with_name("reader.py")
 
 
 class Trajectory:
-    """A trajectory, to be iterated once. As a context manager it closes itself.
+    """A trajectory. As a context manager it closes itself.
 
-    Iteration gives pairs of the positions, a float64 array of shape (n, 3) in nm, and the periodic box, one of shape
-    (3, 3) with a vector a row, or None.
+    `frames`, and iteration for all of them, gives pairs of the positions, a float64 array of shape (n, 3) in nm, and
+    the periodic box, one of shape (3, 3) with a vector a row, or None.
 
     Attributes
     ----------
@@ -54,7 +55,7 @@ class Trajectory:
             raise InputError(f"{path}: reading trajectories needs MDTraj (pip install mdtraj)")
         self._process = subprocess.Popen(
             [sys.executable, str(_READER), str(path)],
-            stdin=subprocess.DEVNULL,
+            stdin=subprocess.PIPE,
             stdout=subprocess.PIPE,
             start_new_session=True,  # Ctrl-C is for the program that asked
             env={**os.environ, "PYTHONPATH": os.pathsep.join(filter(None, sys.path))},
@@ -66,7 +67,17 @@ class Trajectory:
             raise
 
     def __iter__(self):
-        index = 0
+        return self.frames()
+
+    def frames(self, begin=0, end=-1):
+        """Return an iterator of frames from one to another, which is not among them; -1: to the last.
+
+        It has to come to its end before the next one begins. A number of frames has to be known for any other end.
+        """
+        index = begin
+        with suppress(OSError):  # a reader that has ended says why
+            self._process.stdin.write(f"{begin} {end}\n".encode())
+            self._process.stdin.flush()
         while True:
             received = self._receive(index)
             if received is None:
@@ -85,6 +96,8 @@ class Trajectory:
     def close(self):
         """End the reading process."""
         self._process.kill()
+        with suppress(OSError):
+            self._process.stdin.close()
         self._process.stdout.close()
         self._process.wait()
 

@@ -2,8 +2,10 @@
 
 A program of its own, so that nothing in a damaged file can harm the one that asked: on those, the C code that all
 readers of these formats stand on may crash, and prints what it thinks. It writes pickles: the number of frames that the
-file says it has and the number that it has (each None if nobody knows), then, for each frame, the positions and the
-periodic box (None without one) as float64 arrays in nm, and at the end what is wrong with the file in words, or None.
+file says it has and the number that it has (each None if nobody knows). Each line of standard input then asks for
+frames, by the number of the first (from 0) and of the one after the last, or -1 for all that are left. The answer has,
+for each frame, the positions and the periodic box (None without one) as float64 arrays in nm, and at the end what is
+wrong with the file in words, or None.
 """
 
 import os
@@ -23,49 +25,69 @@ def main(path):
         os.dup2(silent, 1)
         os.dup2(silent, 2)
         try:
-            damage = _writeFrames(Path(path), output)
+            _answer(Path(path), output)
         except BrokenPipeError:
             os._exit(0)  # nobody wants the rest
-        pickle.dump(damage, output)
 
 
-def _writeFrames(path, output):
-    """Write the counts and the frames; return what is wrong with the file."""
+def _answer(path, output):
+    """Write the counts, and what is asked for."""
     try:
         from mdtraj.formats import DCDTrajectoryFile, XTCTrajectoryFile
     except ImportError as error:
-        pickle.dump((None, None), output)
-        return f"MDTraj, which reads it, cannot be imported ({error})"
+        return _refuse(output, f"MDTraj, which reads it, cannot be imported ({error})")
     isDCD = path.suffix.lower() == ".dcd"
     try:
         file = (DCDTrajectoryFile if isDCD else XTCTrajectoryFile)(str(path))
     except Exception:
-        pickle.dump((None, None), output)
-        return f"{'not a DCD' if isDCD else 'not an XTC'} file, or damaged at its start"
+        return _refuse(output, f"{'not a DCD' if isDCD else 'not an XTC'} file, or damaged at its start")
     with file:
         header = _DCDHeader(path) if isDCD else None
         count = _length(file)
-        pickle.dump((header.frames if isDCD else None, count), output)
-        scale = 0.1 if file.distance_unit == "angstroms" else 1.0
-        index = 0
-        while True:
-            try:
-                positions, *others = file.read(1)
-            except Exception:
-                return f"frame {index} (from 0) is damaged"
-            if len(positions) == 0:
-                break
-            box = (_boxOfDCD if isDCD else _boxOfXTC)(*others)
-            if box is not None and np.diag(box).min() < _SMALLEST_BOX:
-                box = None
-            pickle.dump((positions[0].astype("float64") * scale, box), output)
-            output.flush()
-            index += 1
-    if isDCD and index < count:
-        return f"frame {index} (from 0) is damaged"
-    if isDCD and not header.endsWithAFrame():
-        return f"frame {index} (from 0) is cut off"
-    return None if index > 0 else "there are no frames"
+        _write((header.frames if isDCD else None, count), output)
+        place = 0
+        for line in sys.stdin:
+            begin, end = map(int, line.split())
+            if begin != place:
+                file.seek(begin)
+            place = None  # a damaged frame may leave the file anywhere
+            damage, place = _writeFrames(file, header, count, begin, end, output)
+            _write(damage, output)
+
+
+def _refuse(output, reason):
+    """Write that nobody knows the counts, and the reason as the answer to whatever is asked."""
+    for content in ((None, None), reason):
+        _write(content, output)
+
+
+def _write(content, output):
+    pickle.dump(content, output, pickle.HIGHEST_PROTOCOL)
+    output.flush()
+
+
+def _writeFrames(file, header, count, begin, end, output):
+    """Write frames from one to another, -1 for the end; return what is wrong with them, and where the file is then."""
+    isDCD = header is not None
+    scale = 0.1 if file.distance_unit == "angstroms" else 1.0
+    index = begin
+    while index != end:
+        try:
+            positions, *others = file.read(1)
+        except Exception:
+            return f"frame {index} (from 0) is damaged", None
+        if len(positions) == 0:
+            break
+        box = (_boxOfDCD if isDCD else _boxOfXTC)(*others)
+        if box is not None and np.diag(box).min() < _SMALLEST_BOX:
+            box = None
+        _write((positions[0].astype("float64") * scale, box), output)
+        index += 1
+    if index < end or isDCD and end == -1 and index < count:
+        return f"frame {index} (from 0) is damaged", None
+    if isDCD and end in (-1, count) and not header.endsWithAFrame():
+        return f"frame {index} (from 0) is cut off", None
+    return (None if index > 0 else "there are no frames"), index
 
 
 def _boxOfDCD(lengths, angles):
