@@ -27,6 +27,7 @@ PAGES = {
     "platforms/reference/moves/include/ctlocal.h": "c.md",
 }
 _LINK = re.compile(r"(?<!!)\[([^][]*)\]\((?!https?:|#|mailto:)([^()#\s]*)(#[^()\s]*)?\)")
+_PICTURE = re.compile(r"(!\[[^][]*\]\()docs/")
 
 
 def setup(app):
@@ -43,7 +44,7 @@ def _onSourceRead(app, name, source):
 def _onIncludeRead(app, path, parent, source):
     """Do the same in what is included: README.md and its like lie beside docs, where the way to a page begins so."""
     if path.suffix == ".md" and path.parent.as_posix() == "..":
-        source[0] = _LINK.sub(lambda match: _pageLink(match, "."), source[0])
+        source[0] = _PICTURE.sub(r"\1", _LINK.sub(lambda match: _pageLink(match, "."), source[0]))
 
 
 def _endPieces(app, doctree):
