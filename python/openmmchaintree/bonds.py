@@ -5,11 +5,11 @@ from typing import TypeAlias
 
 import numpy as np
 
-from .bondsearch import LINKS, BondSearch, Gap
+from .bondsearch import BondSearch, Gap, polymerLinks
 from .components import connectedParts
 from .loops import loopBonds
 
-__all__ = ["LINKS", "BondGraph", "Gap", "molecules", "neighborLists", "ringBonds"]
+__all__ = ["BondGraph", "Gap", "molecules", "neighborLists", "polymerLinks", "ringBonds"]
 
 DISULFIDES, LOOPS = "disulfides", "loops"  # what can be closed by name
 Closures: TypeAlias = str | Iterable[str | tuple[int, int]]

@@ -415,6 +415,21 @@ class BondSearch:
         return np.where((distances > LONGEST_LINK) & (images <= _LONGEST_ACROSS_THE_BOX), images, distances)
 
 
+def polymerLinks(atoms, bonds):
+    """Yield the pairs of atoms of those bonds that link residues of a polymer, each in the order of the chain.
+
+    Parameters
+    ----------
+    atoms : list of openmm.app.Atom
+    bonds : iterable of (int, int)
+    """
+    for bond in bonds:
+        for atom1, atom2 in (bond, bond[::-1]):
+            first, second = atoms[atom1], atoms[atom2]
+            if first.residue is not second.residue and (first.name, second.name) in LINKS:
+                yield first, second
+
+
 def boxOf(topology):
     """Return the periodic box of a Topology as a (3, 3) float64 array in nm, a vector a row; None without one."""
     vectors = topology.getPeriodicBoxVectors()

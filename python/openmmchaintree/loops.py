@@ -1,6 +1,6 @@
 """Loops of polymers between fixed parts, and the bonds by which they can be closed."""
 
-from .bondsearch import LINKS
+from .bondsearch import polymerLinks
 
 # Fewer residues have too few torsions for a closed window.
 _SHORTEST = 3
@@ -23,11 +23,9 @@ def loopBonds(atoms, bonds, fixed):
     """
     held = {atoms[atom].residue.index for atom in fixed}
     following = {}  # the residue after a residue, and the bond between them
-    for bond in bonds:
-        for atom1, atom2 in (bond, bond[::-1]):
-            first, second = atoms[atom1], atoms[atom2]
-            if first.residue is not second.residue and (first.name, second.name) in LINKS:
-                following[first.residue.index] = second.residue.index, (min(bond), max(bond))
+    for first, second in polymerLinks(atoms, bonds):
+        bond = min(first.index, second.index), max(first.index, second.index)
+        following[first.residue.index] = second.residue.index, bond
     found = set()
     for start in sorted(held):
         row, residue = [], start

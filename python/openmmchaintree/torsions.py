@@ -8,7 +8,7 @@ import numpy as np
 from openmm import app
 from openmm.app import Residue
 
-from .bonds import LINKS, BondGraph, Closures, neighborLists, ringBonds
+from .bonds import BondGraph, Closures, neighborLists, polymerLinks, ringBonds
 from .links import Links
 from .naming import describeResidue
 from .residues import (
@@ -230,12 +230,10 @@ class _Search:
     def _linkedResidues(self):
         """Map residues to those that come before and after them in the polymer, by its bonds."""
         previous, following = {}, {}
-        for bond in [*self._graph.bonds, *(closure[1:3] for closure in self._graph.closures)]:
-            for atom1, atom2 in (bond, bond[::-1]):
-                first, second = self._graph.atoms[atom1], self._graph.atoms[atom2]
-                if first.residue is not second.residue and (first.name, second.name) in LINKS:
-                    previous[second.residue.index] = first.residue
-                    following[first.residue.index] = second.residue
+        bonds = [*self._graph.bonds, *(closure[1:3] for closure in self._graph.closures)]
+        for first, second in polymerLinks(self._graph.atoms, bonds):
+            previous[second.residue.index] = first.residue
+            following[first.residue.index] = second.residue
         return previous, following
 
     def addResidue(self, residue, kinds):
