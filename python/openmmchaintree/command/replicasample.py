@@ -3,17 +3,15 @@
 from contextlib import closing
 
 from ..replicas.threads import ThreadReplicas
+from .ending import endRun, writeReports
 from .energyreport import describeEnergies
-from .noteoutput import asText
-from .outputfiles import Writing, asJSON
+from .outputfiles import Writing
 from .planreport import describePlan
 from .replicafiles import readIndex, trajectoryNames
 from .replicaoptions import makePlan
 from .replicareport import isBeyond, printReplicaReport, summarizeReplicas
 from .replicarun import ReplicaRun
 from .scenefiles import removeScene, writeScene
-from .status import BAD_INPUT, BEYOND_LIMIT, INTERRUPTED
-from .terminal import printError
 
 _TRAJECTORY = "trajectory "
 
@@ -84,19 +82,10 @@ def _sampleBy(workers, model, prepared, choice, saved):
     if summary["frames"] > 1:
         writing.write(outputs["picture"], lambda output: _savePicture(output, summary, index))
     summary["files"] = writing.files
-    if "notes" in outputs:
-        writing.write(outputs["notes"], lambda output: output.write(asText(sampling.notes)))
-    if "json" in outputs:
-        writing.write(outputs["json"], lambda output: output.write(asJSON(summary)))
+    writeReports(writing, outputs, sampling.notes, summary)
     run.noteReports(outputs[kind].name for kind in ("picture", "notes", "json") if kind in outputs)
     printReplicaReport(summary, console, options.verbose)
-    if writing.failures:
-        printError(writing.describeFailures())
-    if isBeyond(summary):
-        return BEYOND_LIMIT
-    if writing.failures:
-        return BAD_INPUT
-    return INTERRUPTED if run.isInterrupted else 0
+    return endRun(writing, isBeyond(summary), run.isInterrupted)
 
 
 def _describeRun(run, choice):

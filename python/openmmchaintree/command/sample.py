@@ -13,12 +13,13 @@ from ..structure import readStructure, withoutAtoms
 from ..torsions import KIND_WORDS
 from .arguments import listOf, notNegative, positive, seed
 from .config import addConfig, expandArguments, readSettings, settingsOf
+from .ending import endRun, writeReports
 from .energymodel import EnergyModel
 from .energyoptions import addEnergyOptions, readEnergyOptions
 from .energyreport import describeEnergies
 from .hydrogens import addHydrogens
-from .noteoutput import addNotes, asText
-from .outputfiles import OutputError, Writing, addOverwrite, asJSON, checkOutputs
+from .noteoutput import addNotes
+from .outputfiles import OutputError, Writing, addOverwrite, checkOutputs
 from .plan import DEFAULT_KINDS, Choice, selectByOption
 from .planreport import describePlan
 from .replicaoptions import addReplicaOptions, readReplicaOptions
@@ -27,7 +28,6 @@ from .replicasample import replicaNames, sampleReplicas
 from .samplereport import printReport, summarize
 from .sampling import Sampling
 from .scenefiles import removeScene, writeScene
-from .status import BAD_INPUT, BEYOND_LIMIT, INTERRUPTED
 from .terminal import ReportConsole, collectionPaused, interruptFlag, printError, progress
 from .trajectoryfile import TrajectoryFile
 
@@ -203,18 +203,9 @@ def _sampleOne(prepared):
     if len(sampling.frames) > 1:
         writing.write(outputs["picture"], lambda output: _savePicture(output, sampling.structure, sampling))
     summary = summarize(sampling, seed, writing.files, interrupted, added)
-    if "notes" in outputs:
-        writing.write(outputs["notes"], lambda output: output.write(asText(sampling.notes)))
-    if "json" in outputs:
-        writing.write(outputs["json"], lambda output: output.write(asJSON(summary)))
+    writeReports(writing, outputs, sampling.notes, summary)
     printReport(summary, console, options.verbose)
-    if writing.failures:
-        printError(writing.describeFailures())
-    if summary["pairsBeyondLimit"] or summary["changedBonds"]:
-        return BEYOND_LIMIT
-    if writing.failures:
-        return BAD_INPUT
-    return INTERRUPTED if interrupted else 0
+    return endRun(writing, summary["pairsBeyondLimit"] or summary["changedBonds"], interrupted)
 
 
 def _prepare(structure, options, energyModel, pH, seed):

@@ -1,0 +1,28 @@
+"""How a run of the command ends: what it writes of itself, and its exit status."""
+
+from .noteoutput import asText
+from .outputfiles import asJSON
+from .status import BAD_INPUT, BEYOND_LIMIT, INTERRUPTED
+from .terminal import printError
+
+
+def writeReports(writing, outputs, notes, summary):
+    """Write the notes and the summary of a run to those of the Outputs "notes" and "json" that there are."""
+    if "notes" in outputs:
+        writing.write(outputs["notes"], lambda output: output.write(asText(notes)))
+    if "json" in outputs:
+        writing.write(outputs["json"], lambda output: output.write(asJSON(summary)))
+
+
+def endRun(writing, isBeyond, isInterrupted):
+    """Tell what could not be written; return the exit status.
+
+    isBeyond : whether pairs are beyond their limit, or bonds have changed
+    """
+    if writing.failures:
+        printError(writing.describeFailures())
+    if isBeyond:
+        return BEYOND_LIMIT
+    if writing.failures:
+        return BAD_INPUT
+    return INTERRUPTED if isInterrupted else 0
