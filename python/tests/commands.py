@@ -10,6 +10,9 @@ import tempfile
 
 COMMAND = [sys.executable, "-m", "openmmchaintree"]
 
+# What the command writes of the villin headpiece.
+VILLIN_FILES = ["villin-settings.toml", "villin-topology.pdb", "villin.dcd", "villin.png"]
+
 
 def run(*arguments, folder, command=COMMAND):
     """Run the command in a folder, and return what became of it."""

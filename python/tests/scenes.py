@@ -171,3 +171,9 @@ DIPEPTIDE = [
         start=1,
     )
 ]
+
+
+def writeSmallStructures(folder):
+    """Write run.pdb, two glycines, and dipeptide.pdb to a folder."""
+    writePDB(folder / "run.pdb", GLYCINES)
+    writePDB(folder / "dipeptide.pdb", DIPEPTIDE)

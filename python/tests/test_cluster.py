@@ -12,7 +12,7 @@ from commands import assertRefused, filesIn
 from openmm import app, unit
 from openmmchaintree import cluster
 from openmmchaintree.command.replicafiles import ReplicaFiles
-from scenes import DIPEPTIDE, GLYCINES, writeDCD, writePDB
+from scenes import writeDCD, writeSmallStructures
 from test_replicas import PROTEIN, contents
 
 distributed = pytest.importorskip("distributed")
@@ -75,8 +75,7 @@ def dask(tmp_path_factory):
 
 @pytest.fixture
 def runHere(runCommandHere, tmp_path):
-    writePDB(tmp_path / "run.pdb", GLYCINES)
-    writePDB(tmp_path / "dipeptide.pdb", DIPEPTIDE)
+    writeSmallStructures(tmp_path)
     return runCommandHere
 
 

@@ -8,7 +8,7 @@ import pytest
 from commands import assertRefused, filesIn
 from openmm import app, unit
 from openmmchaintree.command.replicafiles import readIndex, trajectoryNames
-from scenes import DIPEPTIDE, GLYCINES, readDCD, writePDB
+from scenes import readDCD, writeSmallStructures
 
 PROTEIN = "amber14/protein.ff14SB.xml"
 IN_FORCE_FIELD = ("dipeptide.pdb", "--forcefield", PROTEIN, "--seed", 5)
@@ -16,8 +16,7 @@ IN_FORCE_FIELD = ("dipeptide.pdb", "--forcefield", PROTEIN, "--seed", 5)
 
 @pytest.fixture
 def runHere(runCommandHere, tmp_path):
-    writePDB(tmp_path / "run.pdb", GLYCINES)
-    writePDB(tmp_path / "dipeptide.pdb", DIPEPTIDE)
+    writeSmallStructures(tmp_path)
     return lambda *arguments: runCommandHere("sample", *arguments)
 
 

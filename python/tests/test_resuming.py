@@ -18,7 +18,7 @@ from openmmchaintree.command import replicafiles, replicarun
 from openmmchaintree.command.replicafiles import ReplicaFiles
 from openmmchaintree.errors import InputError
 from openmmchaintree.replicas import checkpointfile
-from scenes import DIPEPTIDE, GLYCINES, readDCD, writePDB
+from scenes import GLYCINES, readDCD, writePDB, writeSmallStructures
 from test_outputs import largestFile
 from test_replicas import PROTEIN, contents
 
@@ -39,8 +39,7 @@ IN_FORCE_FIELD = (
 
 @pytest.fixture
 def runHere(runCommandHere, tmp_path):
-    writePDB(tmp_path / "run.pdb", GLYCINES)
-    writePDB(tmp_path / "dipeptide.pdb", DIPEPTIDE)
+    writeSmallStructures(tmp_path)
     return lambda *arguments: runCommandHere("sample", *arguments)
 
 

@@ -31,13 +31,7 @@ def test_villinByDefault(tmp_path):
     result = run("--trials", 5000, "--frames", 20, "--seed", 1, "--json", "summary.json", folder=tmp_path)
     assert result.returncode == 0, result.stderr
     assert result.stderr == ""
-    assert filesIn(tmp_path) == [
-        "summary.json",
-        "villin-settings.toml",
-        "villin-topology.pdb",
-        "villin.dcd",
-        "villin.png",
-    ]
+    assert filesIn(tmp_path) == ["summary.json", *commands.VILLIN_FILES]
 
     summary = json.loads((tmp_path / "summary.json").read_text())
     assert summary["trials"] == 5000 and summary["seed"] == 1 and not summary["interrupted"]

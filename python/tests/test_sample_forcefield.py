@@ -9,7 +9,7 @@ import commands
 import numpy as np
 import openmm
 import pytest
-from commands import assertRefused, filesIn
+from commands import VILLIN_FILES, assertRefused, filesIn
 from openmm import app, unit
 from openmmchaintree.command.energies import Energies
 from scenes import GLYCINES, readDCD, realStructurePath, writePDB
@@ -82,13 +82,7 @@ def test_villin(runHere, tmp_path):
         *("--json", "summary.json"),
     )
     assert result.returncode == 0, result.stderr
-    assert filesIn(tmp_path) == [
-        "summary.json",
-        "villin-settings.toml",
-        "villin-topology.pdb",
-        "villin.dcd",
-        "villin.png",
-    ]
+    assert filesIn(tmp_path) == ["summary.json", *VILLIN_FILES]
     summary = json.loads((tmp_path / "summary.json").read_text())
     assert [move["name"] for move in summary["moves"]] == [
         *("φ/ψ closed 8°", "φ/ψ local 4°", "φ/ψ ends ±10°", "φ/ψ ±1°", "χ ±10°", "χ rotamers")
@@ -133,24 +127,32 @@ def test_villin(runHere, tmp_path):
         assert f"{force['energy']:,.1f}  {force['kind']}" in line and line.endswith(force["reason"])
 
 
-def test_oneResidueHasNoWindows(runHere, tmp_path):
+@pytest.fixture
+def sampleMoves(runHere, tmp_path):
+    """A function that samples for so many trials with options; it returns how many were not made, by moves."""
+
+    def sample(trials, *options):
+        common = ("--forcefield", PROTEIN, "--frames", trials // 400, "--seed", 1, "--json", "summary.json")
+        result = runHere(*common, "--trials", trials, *options)
+        assert result.returncode == 0, result.stderr
+        summary = json.loads((tmp_path / "summary.json").read_text())
+        notMade = assertTrialsAddUp(summary, result.stdout)
+        assert list(notMade) == [move["name"] for move in summary["moves"]]
+        return notMade
+
+    return sample
+
+
+def test_oneResidueHasNoWindows(sampleMoves):
     """Nothing closes among φ, ψ and three χ in the middle of the chain, which is no end either."""
-    options = ("--forcefield", PROTEIN, "--trials", 800, "--frames", 2, "--seed", 1, "--json", "summary.json")
-    result = runHere(*options, "--move", "resSeq 17")
-    assert result.returncode == 0, result.stderr
-    summary = json.loads((tmp_path / "summary.json").read_text())
-    assert [move["name"] for move in summary["moves"]] == ["φ/ψ local 4°", "φ/ψ ±1°", "χ ±10°", "χ rotamers"]
-    assert not any(assertTrialsAddUp(summary, result.stdout).values())
+    notMade = sampleMoves(800, "--move", "resSeq 17")
+    assert list(notMade) == ["φ/ψ local 4°", "φ/ψ ±1°", "χ ±10°", "χ rotamers"]
+    assert not any(notMade.values())
 
 
-def test_otherKindsOfTorsions(runHere, tmp_path):
+def test_otherKindsOfTorsions(sampleMoves):
     """ω turns by little and to the other side, rotors by more; all are named."""
-    options = ("--forcefield", PROTEIN, "--trials", 400, "--frames", 1, "--seed", 1, "--json", "summary.json")
-    result = runHere(*options, "--torsions", "omega,rotor")
-    assert result.returncode == 0, result.stderr
-    summary = json.loads((tmp_path / "summary.json").read_text())
-    assert [move["name"] for move in summary["moves"]] == ["ω ±1°", "ω ±180°", "rotor ±10°", "rotor ±180°"]
-    assertTrialsAddUp(summary, result.stdout)
+    assert list(sampleMoves(400, "--torsions", "omega,rotor")) == ["ω ±1°", "ω ±180°", "rotor ±10°", "rotor ±180°"]
 
 
 def test_nucleicAcid(runHere, tmp_path):
