@@ -28,12 +28,13 @@ void* operator new(size_t size)
     return memory;
 }
 
-void operator delete(void* memory) noexcept
+// Inlined without operator new, they would look to gcc as if they freed what another one has allocated.
+[[gnu::noinline]] void operator delete(void* memory) noexcept
 {
     free(memory);
 }
 
-void operator delete(void* memory, size_t) noexcept
+[[gnu::noinline]] void operator delete(void* memory, size_t) noexcept
 {
     free(memory);
 }
