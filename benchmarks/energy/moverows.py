@@ -18,6 +18,7 @@ MOVES, MIXTURES = "moves", "mixtures"  # groups of rows
 
 MOVE_TRIALS, MIXTURE_TRIALS = 80000, 400000
 _STEP = 400  # trials, and an outer test
+_LAG = 8000  # trials, after which it is seen how far torsions have turned
 _LEAST_SHIFTED, _MOST_SHIFTED = 10, 400  # trials whose shift is measured, each with an outer test of its own
 _SHIFTED = 20  # the part of trials that they are in between
 _TURN, _LEAST = 25, 2  # steps
@@ -147,19 +148,17 @@ class MoveRow(NamedTuple):
         ]
 
 
-def inefficiencyOfAngles(angles):
-    """Return how many samples are worth one of each angle that turns: the worse of its cosine and its sine.
+def autocorrelation(angles, lag):
+    """Return the mean of cos(θ(t + lag) − θ(t)) over samples t and angles θ: 1 as long as nothing turns.
 
-    If none turns, all samples are.
+    It needs no mean of the ensemble, so that a chain tells it long before it has independent samples.
 
     Parameters
     ----------
     angles : (n, k) float64 array, rad
+    lag : int, samples, less than n
     """
-    angles = angles[:, np.ptp(angles, axis=0) > 0]
-    if angles.shape[1] == 0:
-        return np.array([float(len(angles))])
-    return np.maximum(statisticalInefficiency(np.cos(angles)), statisticalInefficiency(np.sin(angles)))
+    return float(np.cos(angles[lag:] - angles[:-lag]).mean())
 
 
 def _describe(row, trials, seed):
@@ -185,7 +184,7 @@ def _runMove(protein, system, seed, move, trials):
         _, microseconds = measure(simulation.step, 1)
         times.append(microseconds / _STEP)
         angles.append(integrator.getTorsionAngles(context)[turned])
-    apart = _STEP * float(np.median(inefficiencyOfAngles(np.array(angles))))
+    lag = min(_LAG // _STEP, len(angles) - 1)
     statistics = integrator.getMoveStatistics(0)
     integrator.setTrialsPerStep(1)
     shifts, before = [], positionsOf(context)
@@ -203,7 +202,8 @@ def _runMove(protein, system, seed, move, trials):
         "rejected": statistics.rejectedByEnergy,
         "accepted": statistics.accepted,
         "shift": float(np.mean(shifts)),
-        "apart": apart,
+        "lag": lag * _STEP,
+        "autocorrelation": autocorrelation(np.array(angles), lag),
     }
 
 

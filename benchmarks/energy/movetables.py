@@ -6,8 +6,6 @@ from racing.table import Table, groupBy, number
 from .coilrows import COILS, LOCAL
 from .moverows import MIXTURES, MOVES, PIVOTS
 
-_LONGEST_SHARE = 10  # what part of a chain's length its correlations may be, to be measured
-
 
 def makeTables(entries):
     """Return the tables of entries."""
@@ -38,6 +36,7 @@ def combine(entries):
 
 
 def _makeMoves(entries):
+    lag = f"{max(entry['lag'] for entry in entries):,}"
     columns = [
         "protein",
         "move",
@@ -46,8 +45,8 @@ def _makeMoves(entries):
         "Σdr² a trial, nm²",
         "µs a trial",
         "Σdr², nm² a ms",
-        "trials apart",
-        "independent a second",
+        f"1 − ρ, {lag} trials",
+        "1 − ρ a second",
     ]
     lines = []
     for entry in combine(entries):
@@ -61,25 +60,17 @@ def _makeMoves(entries):
                 f"{entry['shift']:.2g}",
                 number(entry["microseconds"]),
                 f"{1e3 * entry['shift'] / entry['microseconds']:.2g}",
-                *_describeApart(entry),
+                f"{1 - entry['autocorrelation']:.2g}",
+                f"{1e6 * (1 - entry['autocorrelation']) / (entry['lag'] * entry['microseconds']):.2g}",
             ]
         )
     notes = [
         "AMBER14 with GBn2 at 300 K, hard spheres, from the folded state after trials. Accepted: by what trials see, "
         "before outer tests. Σdr²: of all atoms, over all trials, each with an outer test of its own. µs: an outer "
-        "test after 400 trials is in it. Trials apart: how far apart samples of a torsion that the move turns are "
-        "independent, by the autocorrelation of its cosine and sine, the median over torsions; above a tenth of the "
-        "trials of a run it is too long to tell."
+        "test after 400 trials is in it. ρ: the autocorrelation ⟨cos Δθ⟩ of the torsions that the move turns, "
+        f"{lag} trials apart, the mean over them."
     ]
     return Table("Moves from the folded state", columns, lines, 2, notes)
-
-
-def _describeApart(entry):
-    """Return how many trials apart samples are independent, and how many a second, as far as a run of trials tells."""
-    longest = entry["asked"] / _LONGEST_SHARE
-    if entry["apart"] > longest:
-        return [f"> {number(longest)}", f"< {1e6 / (longest * entry['microseconds']):.2g}"]
-    return [number(entry["apart"]), f"{1e6 / (entry['apart'] * entry['microseconds']):.2g}"]
 
 
 def _makeMixtures(entries):

@@ -4,7 +4,7 @@ import moves
 import numpy as np
 import pytest
 from commands import assertRefused
-from energy.moverows import PIVOTS, inefficiencyOfAngles, summarize
+from energy.moverows import PIVOTS, autocorrelation, summarize
 from energy.movetables import combine
 from racing.report import readCSV
 
@@ -25,7 +25,8 @@ def test_everythingQuickly(runHere, tmp_path):
         assert 0 < entry["attempted"] <= entry["trials"] == 800
         assert entry["accepted"] + entry["clashed"] + entry["rejected"] <= entry["attempted"]
         assert (
-            entry["apart"] >= 400
+            -1 <= entry["autocorrelation"] <= 1
+            and entry["lag"] == 400
             and entry["shift"] >= 0
             and entry["quartile1"] <= entry["microseconds"] <= entry["quartile3"]
         )
@@ -78,10 +79,11 @@ def test_whatIsSlowIsSeen():
     assert 5 < found["slow"] <= 40
 
 
-def test_anglesThatStayDoNotCount():
-    # White noise is independent each time; a walk by small steps is not; what stays has no say.
+def test_autocorrelationOfAngles():
+    # What stays is 1, white noise 0, what turns by half a radian a sample is the cosine of the lag's.
     random = np.random.default_rng(1)
-    noise, walk = random.uniform(-np.pi, np.pi, 2000), np.cumsum(random.normal(0, 0.1, 2000))
-    found = inefficiencyOfAngles(np.stack([noise, np.ones(2000), walk], axis=1))
-    assert len(found) == 2 and found[0] < 1.5 and found[1] > 50
-    assert inefficiencyOfAngles(np.ones((5, 2))) == [5]
+    noise, steady = random.uniform(-np.pi, np.pi, (20000, 1)), np.arange(1000)[:, np.newaxis] * 0.5
+    assert autocorrelation(np.ones((5, 2)), 1) == 1
+    assert abs(autocorrelation(noise, 3)) < 5 / np.sqrt(20000)
+    assert autocorrelation(steady, 4) == pytest.approx(np.cos(2))
+    assert autocorrelation(np.hstack([steady, np.ones((1000, 1))]), 4) == pytest.approx((1 + np.cos(2)) / 2)
