@@ -2,12 +2,11 @@
 
 import csv
 import io
-import os
 from contextlib import ExitStack
 
 import numpy as np
 
-from ..errors import InputError
+from .growingfile import GrowingFile
 from .trajectoryfile import TrajectoryFile
 
 _COLUMNS = ("frame", "trials", "replica", "temperature", "potentialEnergy", "radiusOfGyration")
@@ -34,61 +33,37 @@ class IndexFile:
 
     def __init__(self, output, size=None):
         """Begin the file of an Output; or go on with one, of which so many bytes count."""
-        self._output = output
-        self._file = output.open() if size is None else output.openThere()
-        self._size = 0
+        header = _asLine(_COLUMNS).encode()
+        if size is not None:
+            self._file = GrowingFile.goOn(output, size, header, "index")
+            return
+        self._file = GrowingFile(output)
         try:
-            if size is None:
-                self._append(_asLine(_COLUMNS))
-            else:
-                self._goOn(size)
+            self._file.append(header)
         except BaseException:
             self._file.close()
             raise
 
-    def _goOn(self, size):
-        """Cut off what does not count."""
-        header = _asLine(_COLUMNS).encode()
-        with self._output.explainingErrors():
-            isOurs = self._file.read(len(header)) == header and self._file.seek(0, os.SEEK_END) >= size
-        if not isOurs:
-            raise InputError(f"{self._output.name}: is not the index that the run has written")
-        with self._output.explainingErrors():
-            self._file.truncate(size)
-            self._file.seek(size)
-        self._size = size
-
     @property
     def size(self):
         """The number of bytes that are complete."""
-        return self._size
+        return self._file.size
 
     def write(self, rows):
         """Add rows, each a sequence of the values of columns."""
-        self._append("".join(map(_asLine, rows)))
+        self._file.append("".join(map(_asLine, rows)).encode())
 
     def sync(self):
         """Wait until what was written is on the disk."""
-        with self._output.explainingErrors():
-            os.fsync(self._file.fileno())
+        self._file.sync()
 
     def close(self):
         """Close the file, without what is not complete."""
-        with self._output.explainingErrors():
-            self._file.truncate(self._size)
-            self._file.close()
+        self._file.close()
 
     def remove(self):
         """Remove the file, after it was closed."""
-        self._output.remove()
-
-    def _append(self, text):
-        data = text.encode()
-        with self._output.explainingErrors():
-            while data:
-                written = self._file.write(data)
-                data = data[written:]
-        self._size += len(text.encode())
+        self._file.remove()
 
 
 def _asLine(values):

@@ -1,15 +1,13 @@
 """Writing a trajectory (DCD) that is sound after every frame, whatever may end the run."""
 
 import io
-import os
 import struct
-from contextlib import suppress
 
 import numpy as np
 import openmm.app
 from openmm import unit
 
-from ..errors import InputError
+from .growingfile import GrowingFile
 from .outputfiles import OutputError
 
 # Where in the header of a DCD file is what each frame changes: the number of frames, the step of the last one.
@@ -56,40 +54,23 @@ class TrajectoryFile:
         openmm.app.DCDFile(header, topology, self._step * unit.picosecond, 0, interval // self._step)
         header = header.getvalue()
         if framesThere > 0:
-            self._size = len(header) + framesThere * 3 * (4 * len(positions) + 8)
-            self._goOn(header)
-            return
-        self._file = output.open()
-        self._size = 0  # of what is complete
+            size = len(header) + framesThere * 3 * (4 * len(positions) + 8)
+            self._file = GrowingFile.goOn(output, size, header, "trajectory", _withoutCounts)
+        else:
+            self._file = GrowingFile(output)
         try:
-            self._append(header)
-            self._size = len(header)
-            self.write(positions)
+            if framesThere > 0:
+                self._setCounts(framesThere)
+            else:
+                self._file.append(header)
+                self.write(positions)
         except BaseException:
             self.close()
             raise
 
-    def _goOn(self, header):
-        """Open the file that is there, and cut off what does not count."""
-        self._file = self._output.openThere()
-        try:
-            with self._output.explainingErrors():
-                there = self._file.read(len(header))
-                size = self._file.seek(0, os.SEEK_END)
-            if _withoutCounts(there) != _withoutCounts(header) or size < self._size:
-                raise InputError(f"{self._output.name}: is not the trajectory that the run has written")
-            with self._output.explainingErrors():
-                self._file.truncate(self._size)
-                self._file.seek(self._size)
-            self._setCounts(self.frames)
-        except BaseException:
-            self._file.close()
-            raise
-
     def sync(self):
         """Wait until what was written is on the disk."""
-        with self._output.explainingErrors():
-            os.fsync(self._file.fileno())
+        self._file.sync()
 
     def write(self, positions):
         """Add positions, a float64 array of shape (n, 3) in nm.
@@ -102,14 +83,14 @@ class TrajectoryFile:
         axes = np.zeros(3, [("before", "<i4"), ("values", "<f4", len(positions)), ("after", "<i4")])
         axes["before"] = axes["after"] = 4 * len(positions)
         axes["values"] = 10 * positions.T
-        data = axes.tobytes()
+        size = self._file.size
         try:
-            self._append(data)
+            self._file.append(axes.tobytes())
             self._setCounts(self.frames + 1)
         except OutputError as error:
+            self._file.size = size
             raise OutputError(f"{error}; {self.describe()}" if self.frames > 0 else str(error)) from error
         self.frames += 1
-        self._size += len(data)
 
     def describe(self):
         """Say how much of the trajectory there is."""
@@ -118,18 +99,17 @@ class TrajectoryFile:
 
     def close(self):
         """Close the file, without what is not a complete frame; without any, remove it."""
-        with suppress(OSError):  # a device has no size
-            self._file.truncate(self._size)
-        if self.frames > 0:
-            self._setCounts(self.frames)
-        with self._output.explainingErrors():
+        try:
+            if self.frames > 0:
+                self._setCounts(self.frames)
+        finally:
             self._file.close()
         if self.frames == 0:
-            self._output.remove()
+            self.remove()
 
     def remove(self):
         """Remove the file, after it was closed."""
-        self._output.remove()
+        self._file.remove()
 
     def __enter__(self):
         return self
@@ -137,16 +117,10 @@ class TrajectoryFile:
     def __exit__(self, *exception):
         self.close()
 
-    def _append(self, data):
-        with self._output.explainingErrors():
-            while data:
-                data = data[self._file.write(data) :]
-
     def _setCounts(self, frames):
         """Tell in the header how many frames there are."""
-        with self._output.explainingErrors():
-            os.pwrite(self._file.fileno(), struct.pack("<i", frames), _FRAME_COUNT)
-            os.pwrite(self._file.fileno(), struct.pack("<i", (frames - 1) * (self.interval // self._step)), _LAST_STEP)
+        self._file.replace(_FRAME_COUNT, struct.pack("<i", frames))
+        self._file.replace(_LAST_STEP, struct.pack("<i", (frames - 1) * (self.interval // self._step)))
 
 
 def _withoutCounts(header):
