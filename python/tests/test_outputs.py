@@ -272,23 +272,34 @@ def test_whatWasThereStaysIfThereIsNoRoom(tmp_path):
     assert (tmp_path / "a.json").read_text() == "old" and filesIn(tmp_path) == ["a.json"]
 
 
+@pytest.mark.parametrize("items", [[], [{"a": [1, "b\nc"], "ü": None}], [1, [], {}]])
+def test_pieces(tmp_path, items):
+    """What is yielded piece by piece is what would be written at once."""
+    Output(str(tmp_path / "a.json")).write(outputfiles.asJSONWith({"x": 1.5, "y": [2]}, "items", iter(items)))
+    assert (tmp_path / "a.json").read_text("utf-8") == outputfiles.asJSON({"x": 1.5, "y": [2], "items": items})
+
+
 # ---- Ctrl-C ----
 
 
 @pytest.mark.parametrize("overwrite", [False, True])
-@pytest.mark.parametrize("moment", ["write_bytes", "replace"])
+@pytest.mark.parametrize("moment", ["write", "replace"])
 def test_interruptWhileAFileIsWritten(tmp_path, monkeypatch, overwrite, moment):
     if overwrite:
         (tmp_path / "a.json").write_text("old")
 
-    def interrupted(path, *arguments):
-        if moment == "write_bytes":
-            path.write_text("half")
+    def interrupted(*arguments):
         raise KeyboardInterrupt
 
-    monkeypatch.setattr(outputfiles.Path, moment, interrupted)
+    def pieces():
+        yield "new" * 10000
+        if moment == "write":
+            interrupted()
+
+    if moment == "replace":
+        monkeypatch.setattr(outputfiles.Path, "replace", interrupted)
     with pytest.raises(KeyboardInterrupt):
-        Output(str(tmp_path / "a.json"), overwrite).write("new")
+        Output(str(tmp_path / "a.json"), overwrite).write(pieces())
     assert filesIn(tmp_path) == (["a.json"] if overwrite else [])
     assert not overwrite or (tmp_path / "a.json").read_text() == "old"
 

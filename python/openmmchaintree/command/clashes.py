@@ -7,9 +7,10 @@ from ..clashes import ClashSearch
 from ..errors import ClusterError, InputError
 from ..radii import RADII_SETS
 from .arguments import addScheduler, positive
-from .clashreport import asCSV, asPlainFrames, printReport, summarize
+from .clashranking import ClashRanking
+from .clashreport import asCSV, plainFrames, printReport, summarize
 from .noteoutput import addNotes, asText
-from .outputfiles import Writing, addOverwrite, asJSON, checkOutputs, checkPicture
+from .outputfiles import Writing, addOverwrite, asJSONWith, checkOutputs, checkPicture
 from .status import BAD_INPUT, INTERRUPTED
 from .terminal import ReportConsole, interruptFlag, printError, progress
 
@@ -60,14 +61,15 @@ def _run(options):
     if "picture" in outputs:
         checkPicture(outputs["picture"])
     search = ClashSearch(options.structure, options.trajectory, options.radii, options.water, options.ions)
-    frames, damage, interrupted = _findAll(search, options)
+    ranking = ClashRanking(search.finder.names)
+    frames, damage, interrupted = _findAll(search, options, ranking)
     if damage is not None and not frames:
         raise damage
-    summary = summarize(search, frames, damage, interrupted)
+    summary = summarize(search, frames, ranking, damage, interrupted)
     writing = Writing()
     writers = {
         "csv": lambda output: output.write(asCSV(search, frames)),
-        "json": lambda output: output.write(asJSON({**summary, "frames": asPlainFrames(search, frames)})),
+        "json": lambda output: output.write(asJSONWith(summary, "frames", plainFrames(search, frames))),
         "picture": lambda output: _savePicture(output, search, frames),
         "notes": lambda output: output.write(asText(search.notes)),
     }
@@ -83,8 +85,11 @@ def _run(options):
     return INTERRUPTED if interrupted else 0
 
 
-def _findAll(search, options):
-    """Return the list of FrameOverlaps before a damaged frame or an interrupt; that damage; whether that interrupt."""
+def _findAll(search, options, ranking):
+    """Return the list of FrameOverlaps before a damaged frame or an interrupt; that damage; whether that interrupt.
+
+    A ClashRanking counts them meanwhile, while workers look at others.
+    """
     frames = []
     damage = None
     with interruptFlag() as interrupted, progress(search.frameCount) as advance:
@@ -92,6 +97,7 @@ def _findAll(search, options):
             with _found(search, options) as found:
                 for frame in found:
                     frames.append(frame)
+                    ranking.add(frame)
                     advance(len(frames))
                     if interrupted:
                         break

@@ -2,31 +2,31 @@
 
 import csv
 import io
-from typing import NamedTuple
 
 import numpy as np
 from openmm import unit
 from rich.table import Table
 
+from .clashranking import ClashRanking
 from .noteoutput import asPlain, printNotes
 
 # So many residues are named for each frame.
 _WORST_OF_A_FRAME = 5
 
 
-def summarize(search, frames, damage, interrupted):
-    """Return what a ClashSearch found as plain dictionaries and lists; `asPlainFrames` has the frames. In nm.
+def summarize(search, frames, ranking, damage, interrupted):
+    """Return what a ClashSearch found as plain dictionaries and lists; `plainFrames` has the frames. In nm.
 
     Parameters
     ----------
     search : ClashSearch
     frames : list of FrameOverlaps, at least one
+    ranking : ClashRanking, which has counted them
     damage : InputError or None
         why there are not more frames
     interrupted : bool
         whether the user did not wait for more of them
     """
-    ranking = _Ranking(search.finder.names)
     return {
         "structure": str(search.structure),
         "trajectory": None if search.trajectory is None else str(search.trajectory),
@@ -40,24 +40,23 @@ def summarize(search, frames, damage, interrupted):
         "interrupted": interrupted,
         "clashesPerFrame": sum(len(frame.pairs) for frame in frames) / len(frames),
         "clashesPer1000Atoms": sum(frame.clashesPer1000Atoms for frame in frames) / len(frames),
-        "residues": ranking.rankResidues(frames),
-        "pairs": ranking.rankPairs(frames),
+        "residues": ranking.rankResidues(),
+        "pairs": ranking.rankPairs(),
     }
 
 
-def asPlainFrames(search, frames):
-    """Return each of the FrameOverlaps that a ClashSearch found, with all clashes, as plain dictionaries and lists."""
-    ranking = _Ranking(search.finder.names)
+def plainFrames(search, frames):
+    """Yield each of the FrameOverlaps that a ClashSearch found, with all clashes, as plain dictionaries and lists."""
     names = [name._asdict() for name in search.finder.names]
-    return [
-        {
+    for frame in frames:
+        ranking = ClashRanking(search.finder.names)
+        ranking.add(frame)
+        yield {
             "index": frame.number,
             "clashesPer1000Atoms": frame.clashesPer1000Atoms,
-            "worstResidues": [entry["residue"] for entry in ranking.rankResidues([frame])[:_WORST_OF_A_FRAME]],
+            "worstResidues": [entry["residue"] for entry in ranking.rankResidues()[:_WORST_OF_A_FRAME]],
             "clashes": [_describeClash(pair, overlap, names) for pair, overlap in _clashesOf(frame)],
         }
-        for frame in frames
-    ]
 
 
 def _clashesOf(frame):
@@ -76,84 +75,21 @@ def _describeClash(pair, overlap, names):
     }
 
 
-class _Ranking:
-    """Ranks the residues and the pairs of atoms that clash."""
-
-    def __init__(self, names):
-        """Take the AtomName of each atom."""
-        self._names = names
-        numbers = {}
-        self._residueOf = np.array([numbers.setdefault(name.describeResidue(), len(numbers)) for name in names])
-        self._residues = list(numbers)
-
-    def rankResidues(self, frames):
-        """Return the residues that clash, those with most clashes first."""
-        met = _gather(frames)
-        residues = self._residueOf[met.pairs]
-        # Both of a clash, one after the other; one that clashes with itself counts once.
-        counts = np.ones(residues.shape, dtype=bool)
-        counts[:, 1] = residues[:, 0] != residues[:, 1]
-        counts = counts.ravel()
-        keys, _, ranked = _rank(
-            residues.ravel()[counts], np.repeat(met.frames, 2)[counts], np.repeat(met.overlaps, 2)[counts]
-        )
-        return [{"residue": self._residues[key], **counted} for key, counted in zip(keys.tolist(), ranked, strict=True)]
-
-    def rankPairs(self, frames):
-        """Return the pairs of atoms that clash, those that do so in most frames first."""
-        met = _gather(frames)
-        first, second = met.pairs.astype(np.int64).T
-        _, places, ranked = _rank(first * len(self._names) + second, met.frames, met.overlaps)
-        pairs = met.pairs[places].tolist()
-        return [
-            {"particles": pair, "atoms": [str(self._names[atom]) for atom in pair], **counted}
-            for pair, counted in zip(pairs, ranked, strict=True)
-        ]
-
-
-class _Met(NamedTuple):
-    """All clashes: pairs : (n, 2) int array; frames : (n,) int array, their numbers; overlaps : (n,) float64 array."""
-
-    pairs: np.ndarray
-    frames: np.ndarray
-    overlaps: np.ndarray
-
-
-def _gather(frames):
-    """Return all clashes of a list of FrameOverlaps."""
-    counts = [len(frame.pairs) for frame in frames]
-    numbers = np.repeat([frame.number for frame in frames], counts)
-    pairs, overlaps = (np.concatenate([frame[field] for frame in frames]) for field in (1, 2))
-    return _Met(pairs, numbers, overlaps)
-
-
-def _rank(keys, frames, overlaps):
-    """Count clashes by keys, of which some are equal: those with most first, then those with the worst, then the first.
-
-    Return keys, where each was met first, and a list of what is told of them.
-    """
-    unique, places, inverse, clashes = np.unique(keys, return_index=True, return_inverse=True, return_counts=True)
-    span = int(frames.max(initial=0)) + 1
-    framesOf = np.bincount(np.unique(inverse * span + frames) // span, minlength=len(unique))
-    worst = np.lexsort((frames, -overlaps, inverse))  # the worst of each key comes first
-    worst = worst[np.searchsorted(inverse[worst], np.arange(len(unique)))]
-    order = np.lexsort((places, -overlaps[worst], -clashes))
-    columns = (clashes, framesOf, overlaps[worst], frames[worst])
-    names = ("clashes", "frames", "worstOverlap", "worstFrame")
-    rows = zip(*(column[order].tolist() for column in columns), strict=True)
-    return unique[order], places[order], [dict(zip(names, row, strict=True)) for row in rows]
-
-
 def asCSV(search, frames):
-    """Return CSV of the FrameOverlaps that a ClashSearch found: a heading, and a line for every clash."""
+    """Yield CSV of the FrameOverlaps that a ClashSearch found, in pieces: a heading, and a line for every clash."""
     names = search.finder.names
-    text = io.StringIO()
-    lines = csv.writer(text, lineterminator="\n")
     atoms = [f"{word}{number}" for number in (1, 2) for word in ("particle", "chain", "residue", "atom")]
-    lines.writerow(["frame", *atoms, "overlap_nm"])
+    yield _asLines([["frame", *atoms, "overlap_nm"]])
     for frame in frames:
-        for (first, second), overlap in _clashesOf(frame):
-            lines.writerow([frame.number, first, *names[first], second, *names[second], f"{overlap:.6f}"])
+        yield _asLines(
+            [frame.number, first, *names[first], second, *names[second], f"{overlap:.6f}"]
+            for (first, second), overlap in _clashesOf(frame)
+        )
+
+
+def _asLines(rows):
+    text = io.StringIO()
+    csv.writer(text, lineterminator="\n").writerows(rows)
     return text.getvalue()
 
 

@@ -8,6 +8,7 @@ import shutil
 import sys
 from contextlib import contextmanager
 from pathlib import Path
+from textwrap import indent
 
 from ..errors import InputError
 
@@ -46,29 +47,32 @@ class Output:
         self._path = Path(name if self._isSpecial else os.path.realpath(name))
 
     def write(self, content):
-        """Write a text or bytes whole; where that fails, what was there before stays.
+        """Write a text, bytes, or texts that are yielded, whole; where that fails, what was there before stays.
 
         Raises
         ------
         OutputError
             if the file cannot be written
         """
-        data = content.encode("utf-8") if isinstance(content, str) else content
+        if isinstance(content, bytes):
+            pieces = [content]
+        else:
+            pieces = (text.encode("utf-8") for text in ([content] if isinstance(content, str) else content))
         if self.isStandardOutput:
             sys.stdout.flush()
-            sys.stdout.buffer.write(data)
+            sys.stdout.buffer.writelines(pieces)
             return
         with self.explainingErrors():
             if self._isSpecial:
-                self._path.write_bytes(data)
+                _writePieces(self._path, pieces)
             else:
-                self._writeBeside(data)
+                self._writeBeside(pieces)
 
-    def _writeBeside(self, data):
+    def _writeBeside(self, pieces):
         """Write a file beside the one that is wanted, and give it that one's name once it is whole."""
         temporary = self._temporaryPath()
         try:
-            temporary.write_bytes(data)
+            _writePieces(temporary, pieces)
             if self._overwrite and self._path.exists():
                 shutil.copymode(self._path, temporary)
             elif not self._overwrite:
@@ -161,6 +165,11 @@ class Output:
         return self._path.with_name(f".{secrets.token_hex(8)}.part")
 
 
+def _writePieces(path, pieces):
+    with path.open("wb") as file:
+        file.writelines(pieces)
+
+
 class Writing:
     """Outputs being written, so that one that fails does not take the others with it.
 
@@ -247,3 +256,13 @@ def checkPicture(output):
 def asJSON(content):
     """Return plain dictionaries and lists as JSON."""
     return json.dumps(content, indent=2, ensure_ascii=False, allow_nan=False) + "\n"
+
+
+def asJSONWith(content, name, items):
+    """Yield the JSON of a dictionary whose last entry is a list, of which items are yielded one by one, in pieces."""
+    yield asJSON(content).removesuffix("\n}\n") + f",\n  {json.dumps(name)}: ["
+    separator = "\n"
+    for item in items:
+        yield separator + indent(asJSON(item).removesuffix("\n"), 4 * " ")
+        separator = ",\n"
+    yield "]\n}\n" if separator == "\n" else "\n  ]\n}\n"

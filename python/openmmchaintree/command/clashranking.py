@@ -1,0 +1,127 @@
+"""Ranks the residues and the pairs of atoms that clash, as frames come in."""
+
+from typing import NamedTuple
+
+import numpy as np
+
+# So many clashes are looked at together: enough that sorting them takes the time, and not much memory.
+_BATCH = 100000
+
+
+class ClashRanking:
+    """Counts how often residues and pairs of atoms clash. It keeps what it counts, not the frames."""
+
+    def __init__(self, names):
+        """Take the AtomName of each atom."""
+        self._names = names
+        numbers = {}
+        self._residueOf = np.array([numbers.setdefault(name.describeResidue(), len(numbers)) for name in names])
+        self._residueNames = list(numbers)
+        self._residues = _Tally()
+        self._pairs = _Tally()
+        self._waiting = []  # frames
+        self._waitingClashes = 0
+
+    def add(self, frame):
+        """Count the clashes of a FrameOverlaps, whose number is above those before it."""
+        self._waiting.append(frame)
+        self._waitingClashes += len(frame.pairs)
+        if self._waitingClashes >= _BATCH:
+            self._countWaiting()
+
+    def rankResidues(self):
+        """Return the residues that clash as plain dictionaries, those with most clashes first."""
+        self._countWaiting()
+        ranked = self._residues.rank()
+        return [
+            {"residue": self._residueNames[key], **counted}
+            for key, counted in zip(ranked.keys.tolist(), _describe(ranked), strict=True)
+        ]
+
+    def rankPairs(self):
+        """Return the pairs of atoms that clash as plain dictionaries, those that do so in most frames first."""
+        self._countWaiting()
+        ranked = self._pairs.rank()
+        pairs = np.stack(np.divmod(ranked.keys, len(self._names)), axis=1).tolist()
+        return [
+            {"particles": pair, "atoms": [str(self._names[atom]) for atom in pair], **counted}
+            for pair, counted in zip(pairs, _describe(ranked), strict=True)
+        ]
+
+    def _countWaiting(self):
+        if self._waitingClashes > 0:
+            frames = np.repeat([frame.number for frame in self._waiting], [len(frame.pairs) for frame in self._waiting])
+            pairs, overlaps = (np.concatenate([frame[field] for frame in self._waiting]) for field in (1, 2))
+            first, second = pairs.astype(np.int64).T
+            self._pairs.add(first * len(self._names) + second, frames, overlaps)
+            residues = self._residueOf[pairs]
+            # Both of a clash, one after the other; one that clashes with itself counts once.
+            counts = np.ones(residues.shape, dtype=bool)
+            counts[:, 1] = residues[:, 0] != residues[:, 1]
+            counts = counts.ravel()
+            self._residues.add(residues.ravel()[counts], np.repeat(frames, 2)[counts], np.repeat(overlaps, 2)[counts])
+        self._waiting, self._waitingClashes = [], 0
+
+
+class _Rows(NamedTuple):
+    """What is counted of each key, in arrays.
+
+    keys : each once; clashes, frames : how many, and in how many frames; worst, worstFrame : the largest overlap, and
+    the first frame that has it; places : where among all clashes each was met first
+    """
+
+    keys: np.ndarray
+    clashes: np.ndarray
+    frames: np.ndarray
+    worst: np.ndarray
+    worstFrame: np.ndarray
+    places: np.ndarray
+
+
+class _Tally:
+    """Counts clashes by keys, of which some are equal."""
+
+    def __init__(self):
+        self._rows = None
+        self._met = 0
+
+    def add(self, keys, frames, overlaps):
+        """Count clashes, one or more, by their keys; in the order of frames, whose numbers are above those before."""
+        order = np.argsort(keys, kind="stable")
+        keys, frames = keys[order], frames[order]
+        isNewFrame = np.ones(len(keys), dtype=np.int64)
+        isNewFrame[1:] = (keys[1:] != keys[:-1]) | (frames[1:] != frames[:-1])
+        rows = _Rows(keys, np.ones(len(keys), dtype=np.int64), isNewFrame, overlaps[order], frames, self._met + order)
+        self._met += len(keys)
+        if self._rows is not None:
+            rows = _Rows(*map(np.concatenate, zip(self._rows, _joinEqual(rows), strict=True)))
+            order = np.argsort(rows.keys, kind="stable")
+            rows = _Rows(*(column[order] for column in rows))
+        self._rows = _joinEqual(rows)
+
+    def rank(self):
+        """Return the _Rows, those with most clashes first, then those with the worst, then the first."""
+        if self._rows is None:
+            return _Rows(*(np.empty(0, dtype=np.int64) for _ in _Rows._fields))
+        order = np.lexsort((self._rows.places, -self._rows.worst, -self._rows.clashes))
+        return _Rows(*(column[order] for column in self._rows))
+
+
+def _joinEqual(rows):
+    """Return _Rows with each key once, of _Rows that are sorted by keys, and for each by frames."""
+    isFirst = np.ones(len(rows.keys), dtype=bool)
+    isFirst[1:] = rows.keys[1:] != rows.keys[:-1]
+    begins = np.flatnonzero(isFirst)
+    clashes, frames = (np.add.reduceat(column, begins) for column in (rows.clashes, rows.frames))
+    worst = np.maximum.reduceat(rows.worst, begins)
+    group = np.cumsum(isFirst) - 1
+    holders = np.flatnonzero(rows.worst == worst[group])
+    holders = holders[np.searchsorted(group[holders], np.arange(len(begins)))]  # the first of each group
+    return _Rows(rows.keys[begins], clashes, frames, worst, rows.worstFrame[holders], rows.places[begins])
+
+
+def _describe(rows):
+    """Return what is told of each key as dictionaries."""
+    names = ("clashes", "frames", "worstOverlap", "worstFrame")
+    columns = (rows.clashes, rows.frames, rows.worst, rows.worstFrame)
+    return [dict(zip(names, row, strict=True)) for row in zip(*(column.tolist() for column in columns), strict=True)]
