@@ -191,7 +191,7 @@ def test_aFinishedRunReportsAgain(finished, runHere, tmp_path):
 @pytest.mark.parametrize(
     ("options", "words"),
     [
-        (["--trials", 40], "run.checkpoint: a run goes on with its own settings, without another --trials"),
+        (["--frames", 4], "run.checkpoint: a run goes on with its own settings, without another --frames"),
         (["--seed", 2], "without another --seed"),
         (["-o", "other"], "without another --output"),
         (["other.pdb"], "without another structure"),
@@ -202,6 +202,65 @@ def test_otherSettings(finished, runHere, tmp_path, options, words):
     writePDB(tmp_path / "other.pdb", GLYCINES)
     files = filesIn(tmp_path)
     assertRefused(runHere("--resume", "run.checkpoint", *options), tmp_path, files, words)
+
+
+# ---- More trials ----
+
+
+@pytest.mark.parametrize(
+    ("options", "trials", "frames"),
+    [
+        (("run.pdb", "--replicas", 2, "--trials-per-round", 250, "--seed", 3), (500, 2000), (4, 16)),
+        (IN_FORCE_FIELD, (1600, 2400, 4800), (4, 6, 12)),
+    ],
+)
+def test_moreTrials(runHere, tmp_path, monkeypatch, options, trials, frames):
+    """A run that goes on, and is killed meanwhile, is one that was to have as many trials from the start."""
+    options = (*options, "--workers", 1, "--checkpoint-interval", 0)
+    whole = ("--trials", trials[-1], "--frames", frames[-1], "-o", "whole", "--json", "whole.json")
+    assert runHere(*options, *whole).returncode == 0
+    cut = ("--trials", trials[0], "--frames", frames[0], "-o", "cut", "--json", "cut.json")
+    assert runHere(*options, *cut).returncode == 0
+    for more in trials[1:]:
+        with monkeypatch.context() as patches, pytest.raises(Killed):
+            killAfter(patches, replicarun, "writeCheckpoint", 3, True)
+            runHere("--resume", "cut.checkpoint", "--trials", more)
+        result = runHere("--resume", "cut.checkpoint")
+        assert result.returncode == 0, result.stderr
+    assert contents(tmp_path, "cut") == contents(tmp_path, "whole")
+    assert counted(tmp_path, "cut.json") == counted(tmp_path, "whole.json")
+    settings = (tmp_path / "cut-settings.toml").read_text()
+    assert settings.replace('"cut', '"whole') == (tmp_path / "whole-settings.toml").read_text()
+    assert len(readDCD(next(tmp_path.glob("cut-*.dcd")))) == 1 + frames[-1]
+
+
+@pytest.mark.parametrize(
+    ("trials", "frames", "perRound", "more", "words"),
+    [
+        (30, 3, 10, 20, "run.checkpoint: a run of 30 trials goes on to more of them, not to 20"),
+        (30, 3, 10, 45, "run.checkpoint: --trials has to be a multiple of the 10 between frames"),
+        (30, 3, 20, 40, "cannot go on to more trials, since its last round ended after fewer than 20 of them"),
+        (30, 4, 10, 40, "cannot go on to more trials, since its last frame came after fewer than 8 of them"),
+        (30, 3, 10, 2**31 + 2, "cannot go on to more trials, since its trajectories cannot count so many"),
+    ],
+)
+def test_noMoreTrials(runHere, tmp_path, trials, frames, perRound, more, words):
+    options = ("--replicas", 1, "--trials", trials, "--frames", frames, "--trials-per-round", perRound)
+    assert runHere("run.pdb", *options).returncode == 0
+    before = {path: (tmp_path / path).read_bytes() for path in filesIn(tmp_path)}
+    assertRefused(runHere("--resume", "run.checkpoint", "--trials", more), tmp_path, sorted(before), words)
+    assert before == {path: (tmp_path / path).read_bytes() for path in before}
+
+
+def test_settingsOfTheUserStay(runHere, tmp_path):
+    """A file of settings that is not as the run has written it."""
+    options = ("--replicas", 1, "--trials", 30, "--frames", 3, "--trials-per-round", 10)
+    assert runHere("run.pdb", *options).returncode == 0
+    path = tmp_path / "run-settings.toml"
+    path.write_text("# mine\n" + path.read_text())
+    before = path.read_text()
+    assert runHere("--resume", "run.checkpoint", "--trials", 60).returncode == 0
+    assert path.read_text() == before and len(readDCD(tmp_path / "run-replica-0.dcd")) == 7
 
 
 def spoil(path, what):

@@ -81,7 +81,7 @@ def addReplicaOptions(parser):
     parser.add_argument(
         "--resume",
         metavar="FILE",
-        help="go on from the checkpoint of a run with replicas, with all its settings",
+        help="go on from the checkpoint of a run with replicas, with all its settings; with --trials, to more trials",
     )
 
 

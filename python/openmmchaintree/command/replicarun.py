@@ -9,12 +9,14 @@ from .. import __version__
 from ..errors import ClusterError, InputError
 from ..replicas.checkpointfile import readCheckpoint, writeCheckpoint
 from ..replicas.coordinator import Coordinator, RunState
+from ..replicas.schedule import Schedule
 from .outputfiles import OutputError, checkOutputs
 from .replicafiles import ReplicaFiles
 from .terminal import interruptFlag, printError, progress
+from .trajectoryfile import trialsOfAStep
 
 # Settings that a run may go on with in another way.
-_FREE_SETTINGS = ("workers", "checkpoint-interval", "json", "notes")
+FREE_SETTINGS = ("workers", "checkpoint-interval", "json", "notes")
 
 # The kinds of outputs that are written at the end.
 _REPORTS = ("picture", "json", "notes")
@@ -56,7 +58,7 @@ class ReplicaRun:
         Raises
         ------
         InputError
-            if it is of another structure or force field
+            if it is of another structure or force field, or cannot go on to as many trials
         """
         if saved.header["model"] != self._model.key:
             raise InputError(
@@ -65,6 +67,7 @@ class ReplicaRun:
             )
         checkpoints = [saved.checkpoints.get(replica) for replica in range(len(self.plan.seeds))]
         self.state.restore(saved.header["state"], checkpoints)
+        saved.checkSchedule(self.plan.schedule, self.state.round)
         self._indexSize = saved.header["indexSize"]
         self.reports = saved.header["reports"]
 
@@ -166,12 +169,52 @@ class SavedRun:
         return self.header["settings"]
 
     def checkSettings(self, settings):
-        """Refuse settings that are not those of the run."""
-        names = {*self.settings, *settings}.difference(_FREE_SETTINGS)
+        """Refuse settings that are not those of the run; it may go on to more trials."""
+        names = {*self.settings, *settings}.difference(FREE_SETTINGS, ("trials",))
         for name in sorted(names):
             if self.settings.get(name) != settings.get(name):
                 option = name if name == "structure" else f"--{name}"
                 raise InputError(f"--resume {self.path}: a run goes on with its own settings, without another {option}")
+
+    def framesOf(self, trials):
+        """Return the number of frames of so many trials, as far apart as those of the run.
+
+        Raises
+        ------
+        InputError
+            if these are fewer trials than the run has, or no multiple of those between frames
+        """
+        former, interval = self.settings["trials"], self._schedule.interval
+        if trials == former:
+            return self.settings["frames"]
+        if trials < former:
+            raise InputError(
+                f"--resume {self.path}: a run of {former:,} trials goes on to more of them, not to {trials:,}"
+            )
+        if trials % interval != 0:
+            raise InputError(f"--resume {self.path}: --trials has to be a multiple of the {interval:,} between frames")
+        return trials // interval
+
+    @property
+    def _schedule(self):
+        """The Schedule of the run, but for its rounds."""
+        trials = self.settings["trials"]
+        return Schedule(trials, 1, -(-trials // self.settings["frames"]))
+
+    def checkSchedule(self, schedule, round):
+        """Refuse a Schedule that is another one than that of the run before a round."""
+        former = self._schedule._replace(trialsPerRound=schedule.trialsPerRound)
+        begins = [each.trialsBefore(round) for each in (former, schedule)]
+        frames = [each.trialsOfFrame(each.framesBefore(round)) for each in (former, schedule)]
+        steps = [trialsOfAStep(each.interval, 1 + each.frames) for each in (former, schedule)]
+        reasons = {
+            f"its last round ended after fewer than {schedule.trialsPerRound:,} of them": begins[0] != begins[1],
+            f"its last frame came after fewer than {former.interval:,} of them": frames[0] != frames[1],
+            "its trajectories cannot count so many": steps[0] != steps[1],
+        }
+        for reason, isSo in reasons.items():
+            if isSo:
+                raise InputError(f"--resume {self.path}: the run cannot go on to more trials, since {reason}")
 
     def checkOutputs(self, names, inputs, overwrite):
         """Return the Outputs of the run that goes on, as `checkOutputs` does: what the run has written is there."""

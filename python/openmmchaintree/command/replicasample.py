@@ -10,8 +10,8 @@ from .planreport import describePlan
 from .replicafiles import readIndex, trajectoryNames
 from .replicaoptions import makePlan
 from .replicareport import isBeyond, printReplicaReport, summarizeReplicas
-from .replicarun import ReplicaRun
-from .scenefiles import removeScene, writeScene
+from .replicarun import FREE_SETTINGS, ReplicaRun
+from .scenefiles import removeScene, renewSettings, writeScene
 
 _TRAJECTORY = "trajectory "
 
@@ -56,6 +56,8 @@ def _sampleBy(workers, model, prepared, choice, saved):
         if saved is None:
             removeScene(outputs)
         raise
+    if saved is not None:
+        renewSettings(outputs, settings, FREE_SETTINGS)
     for line in describePlan(sampling.plan):
         console.print(line)
     if sampling.energies is not None:

@@ -165,6 +165,7 @@ def _run(options):
     settings = {**settingsOf(options.parser, options), "seed": seed}
     if saved is not None:
         saved.checkSettings(settings)
+        options.frames = settings["frames"] = saved.framesOf(options.trials)
     with collectionPaused():
         structure = readStructure(options.structure, options.model)
     outputs = _checkOutputs(options, structure.name, settings, replicas, saved)

@@ -5,7 +5,11 @@ import io
 import openmm.app
 from openmm import unit
 
-from .config import asTOML
+from ..errors import InputError
+from .config import asTOML, readSettings
+
+# What a run that goes on may change.
+_CHANGED = ("trials", "frames")
 
 
 def writeScene(outputs, structure, settings):
@@ -19,6 +23,22 @@ def writeScene(outputs, structure, settings):
         except BaseException:
             outputs["topology"].remove()
             raise
+
+
+def renewSettings(outputs, settings, free):
+    """Write the settings of a run that goes on to more trials to the Output "settings".
+
+    A file that is not as the run has written it stays: it may be the user's. free : names of settings that do not count
+    """
+    output = outputs["settings"]
+    try:
+        there = readSettings(output.path)
+    except InputError:
+        return
+    former, present = ({**those, **dict.fromkeys((*free, *_CHANGED))} for those in (there, settings))
+    isOurs = former == present and output.path.read_text(encoding="utf-8") == asTOML(there)
+    if isOurs and any(there.get(name) != settings[name] for name in _CHANGED):
+        output.write(asTOML(settings))
 
 
 def removeScene(outputs):

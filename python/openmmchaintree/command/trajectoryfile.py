@@ -19,6 +19,11 @@ _TITLE, _TITLE_LENGTH = 180, 80
 _LARGEST_STEP = 2**31 - 1  # what a DCD file can hold
 
 
+def trialsOfAStep(interval, expectedFrames):
+    """Return how many trials are a step in a trajectory; where steps are too many for the format, they are longer."""
+    return 1 if interval * expectedFrames <= _LARGEST_STEP else interval
+
+
 class TrajectoryFile:
     """A DCD file, to which `write` adds a frame. As a context manager it closes itself.
 
@@ -48,8 +53,7 @@ class TrajectoryFile:
         self._output = output
         self._expectedFrames = expectedFrames
         self.interval = interval
-        # Where steps are too many for the format, they are longer.
-        self._step = 1 if interval * expectedFrames <= _LARGEST_STEP else interval
+        self._step = trialsOfAStep(interval, expectedFrames)
         header = io.BytesIO()
         openmm.app.DCDFile(header, topology, self._step * unit.picosecond, 0, interval // self._step)
         header = header.getvalue()
