@@ -242,6 +242,7 @@ static bool allocateSequence(Sequence* s, Arena* arena, const ctDefinition* d, i
   s->jointType = ctArenaAllocate(arena, links, sizeof(uint8_t));
   s->twigPart = ctArenaAllocate(arena, links, sizeof(uint8_t));
   s->joint = ctArenaAllocate(arena, links, sizeof(Joint));
+  s->axisPlaces = ctArenaAllocate(arena, links, sizeof(uint8_t));
   s->slotBegin = ctArenaAllocate(arena, links + 1, sizeof(int));
   s->slotLink = ctArenaAllocate(arena, slots, sizeof(int));
   s->slotParticle = ctArenaAllocate(arena, slots, sizeof(int));

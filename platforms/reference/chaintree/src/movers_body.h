@@ -5,12 +5,21 @@
 
 #include "view_body.h"
 
+/* The box around the centres of movers, along the world's axes. */
+typedef struct MoverBox {
+  float low[3];
+  float high[3];
+  float r; /* the largest radius */
+} MoverBox;
+
 /* Slots [begin, end), which move, in the view, among sixteen. */
 typedef struct Movers {
   int begin;
   int end;
-  int first; /* of the sixteen; the others are empty */
-  int leaf;  /* of begin */
+  int first;     /* of the sixteen; the others are empty */
+  int leaf;      /* of begin */
+  unsigned bits; /* of begin to end */
+  MoverBox box;
   Block block;
 } Movers;
 
@@ -21,13 +30,13 @@ static unsigned slotBits(int begin, int end, int first) {
   return low < high ? (1u << high) - (1u << low) : 0;
 }
 
-/* World coordinates of sixteen slots from any one on. Those of slot `end` and later ones may be any numbers. */
-static void worldOfSlots(Traversal* t, int first, int end, Block* world) {
+/* World coordinates of sixteen slots from any one on. Those of slot `end` and later ones may be any numbers. Writes to
+ * `own` if they are of two leaves. */
+static const Block* worldOfSlots(Traversal* t, int first, int end, Block* own) {
   const int leaf = first / TREE_WIDTH;
   const int at = first % TREE_WIDTH;
   if (at == 0) {
-    *world = *worldOf(t, leaf);
-    return;
+    return worldOf(t, leaf);
   }
   const int next = leaf + ((leaf + 1) * TREE_WIDTH < end);
   worldOf(t, leaf);
@@ -36,57 +45,59 @@ static void worldOfSlots(Traversal* t, int first, int end, Block* world) {
   float row[2 * TREE_WIDTH];
   const float* const from[4][2] = {
       {below->x, above->x}, {below->y, above->y}, {below->z, above->z}, {below->r, above->r}};
-  float* const to[4] = {world->x, world->y, world->z, world->r};
+  float* const to[4] = {own->x, own->y, own->z, own->r};
   for (int d = 0; d < 4; d++) {
     store16(row, load16(from[d][0]));
     store16(row + TREE_WIDTH, load16(from[d][1]));
     store16(to[d], load16(row + at));
   }
+  return own;
+}
+
+/* If there are no particles, nothing is near the box. Those without a radius have -INFINITY. */
+CT_INLINE MoverBox boxOfMovers(Float16 x, Float16 y, Float16 z, Float16 r) {
+  const unsigned some = greater16(r, all16(-1));
+  const Float16 zero = all16(0);
+  const Float16 none = all16(INFINITY);
+  /* Four at a time; the most of a number is the least of its opposite. */
+  const Float16 first[4] = {blend16(some, none, x), blend16(some, none, y), blend16(some, none, z),
+                            blend16(some, none, sub16(zero, x))};
+  const Float16 last[4] = {blend16(some, none, sub16(zero, y)), blend16(some, none, sub16(zero, z)), sub16(zero, r),
+                           zero};
+  float least[8];
+  least4x16(first, least);
+  least4x16(last, least + 4);
+  return (MoverBox){{least[0], least[1], least[2]}, {-least[3], -least[4], -least[5]}, -least[6]};
 }
 
 /* Moves slots [begin, end) into the view; `first` is the first of their sixteen. */
 static void takeMovers(Traversal* t, int begin, int end, int first, Movers* movers) {
   const View* view = t->view;
-  Block world;
-  worldOfSlots(t, first, end, &world);
-  store16(world.r, blend16(slotBits(begin, end, first), all16(-INFINITY), load16(world.r)));
+  Block own;
+  const Block* world = worldOfSlots(t, first, end, &own);
   movers->begin = begin;
   movers->end = end;
   movers->first = first;
   movers->leaf = begin / TREE_WIDTH;
-  movers->block = world;
+  movers->bits = slotBits(begin, end, first);
+  Float16 x = load16(world->x);
+  Float16 y = load16(world->y);
+  Float16 z = load16(world->z);
+  const Float16 r = blend16(movers->bits, all16(-INFINITY), load16(world->r));
   for (int p = pieceOf(view, begin); p < view->pieceCount && view->pieces[p].slotBegin < end; p++) {
     if (moves(view, view->pieces[p].body)) {
-      moveBlock(&world, t->motions[view->pieces[p].body], slotBits(view->pieces[p].slotBegin, end, first),
-                &movers->block);
+      const float* motion = t->motions[view->pieces[p].body];
+      const unsigned mask = slotBits(view->pieces[p].slotBegin, end, first);
+      x = blend16(mask, x, moved16(world, motion));
+      y = blend16(mask, y, moved16(world, motion + 4));
+      z = blend16(mask, z, moved16(world, motion + 8));
     }
   }
-}
-
-/* The box around the centres of movers, along the world's axes. */
-typedef struct MoverBox {
-  float low[3];
-  float high[3];
-  float r; /* the largest radius */
-} MoverBox;
-
-/* If there are no particles, nothing is near the box. */
-static MoverBox boxOfMovers(const Block* block) {
-  const unsigned some = greater16(load16(block->r), all16(-1)); /* members of radius -INFINITY are none */
-  const Float16 zero = all16(0);
-  const Float16 none = all16(INFINITY);
-  const Float16 x = load16(block->x);
-  const Float16 y = load16(block->y);
-  const Float16 z = load16(block->z);
-  /* Four at a time; the most of a number is the least of its opposite. */
-  const Float16 first[4] = {blend16(some, none, x), blend16(some, none, y), blend16(some, none, z),
-                            blend16(some, none, sub16(zero, x))};
-  const Float16 last[4] = {blend16(some, none, sub16(zero, y)), blend16(some, none, sub16(zero, z)),
-                           sub16(zero, load16(block->r)), zero};
-  float least[8];
-  least4x16(first, least);
-  least4x16(last, least + 4);
-  return (MoverBox){{least[0], least[1], least[2]}, {-least[3], -least[4], -least[5]}, -least[6]};
+  movers->box = boxOfMovers(x, y, z, r);
+  store16(movers->block.x, x);
+  store16(movers->block.y, y);
+  store16(movers->block.z, z);
+  store16(movers->block.r, r);
 }
 
 /* Bit k is set if member k may be near a mover. It is if near16 says so: no operation here gives less than there. */
@@ -101,21 +112,13 @@ CT_INLINE unsigned nearBoxOfMovers(const Block* block, const MoverBox* box, floa
   return greater16(mul16(sum, sum), squared16(gaps[0], gaps[1], gaps[2]));
 }
 
-/* Hands over the pairs of movers with the members of a leaf that each is near (bits). False ends the search. */
-static bool meet(Traversal* t, Visit* visit, const Movers* movers, const unsigned near[TREE_WIDTH], int leaf) {
-  for (int slot = movers->begin; slot < movers->end; slot++) {
-    for (unsigned others = near[slot - movers->first]; others != 0; others &= others - 1) {
-      const int other = leaf * TREE_WIDTH + __builtin_ctz(others);
-      double a[3];
-      double b[3];
-      ctPositionInView(t, slot, motionOfSlot(t->view, slot), a);
-      ctPositionInView(t, other, 0, b);
-      if (!visit->function(visit->context, slot, other, squaredDistance(a, b))) {
-        return false;
-      }
-    }
-  }
-  return true;
+/* Hands over the pair of a mover and a slot that has this motion. False ends the search. */
+static bool meet(Traversal* t, const Visit* visit, int mover, int slot, int motion) {
+  double a[3];
+  double b[3];
+  ctPositionInView(t, mover, motionOfSlot(t->view, mover), a);
+  ctPositionInView(t, slot, motion, b);
+  return visit->function(visit->context, mover, slot, squaredDistance(a, b));
 }
 
 /* The index of the masks of leafA's slots with those of leafB. Without a branch for what is usual, so that nothing is
@@ -131,58 +134,79 @@ CT_INLINE int exclusionMask(const Exclusions* e, int leafA, int leafB) {
   return at == 0 ? e->emptyMask : begin + __builtin_ctz(at);
 }
 
-/* Tests movers against these slots (bits) of a leaf at rest. False ends the search. */
-CT_INLINE bool testLeaf(Traversal* t, Visit* visit, const Movers* movers, int leaf, unsigned slots) {
-  const Exclusions* e = t->exclusions;
-  const Block* block = worldOf(t, leaf);
-  const uint16_t* masks[2] = {e->mask[exclusionMask(e, movers->leaf, leaf)], e->mask[e->emptyMask]};
+/* The excluded pairs of movers with the slots of a leaf: a row for each mover. Writes to `own` if these are of two
+ * leaves. */
+CT_INLINE const uint16_t* excludedRows(const Exclusions* e, const Movers* movers, int leaf,
+                                       uint16_t own[2 * TREE_WIDTH]) {
+  const uint16_t* rows = e->mask[exclusionMask(e, movers->leaf, leaf)];
   if (movers->leaf < (movers->end - 1) / TREE_WIDTH) {
-    masks[1] = e->mask[exclusionMask(e, movers->leaf + 1, leaf)];
+    memcpy(own, rows, TREE_WIDTH * sizeof *own);
+    memcpy(own + TREE_WIDTH, e->mask[exclusionMask(e, movers->leaf + 1, leaf)], TREE_WIDTH * sizeof *own);
+    rows = own;
   }
-  unsigned near[TREE_WIDTH];
-  unsigned any = 0;
-  for (int slot = movers->begin; slot < movers->end; slot++) {
-    const int k = slot - movers->first;
-    const unsigned excluded = masks[slot / TREE_WIDTH - movers->leaf][slot % TREE_WIDTH];
-    near[k] = near16(block, sphereOf(&movers->block, k), visit->reach) & slots & ~excluded;
-    any |= near[k];
-  }
-  visit->particleTests += (movers->end - movers->begin) * TREE_WIDTH;
-  return any == 0 || meet(t, visit, movers, near, leaf);
+  return rows + movers->begin % TREE_WIDTH;
 }
 
-/* Tests a mover against those of others that are in [begin, end). False ends the search. */
-static bool testMover(Traversal* t, Visit* visit, const Movers* movers, int slot, const Movers* others, int begin,
-                      int end) {
-  visit->particleTests += TREE_WIDTH;
-  unsigned near = near16(&others->block, sphereOf(&movers->block, slot - movers->first), visit->reach) &
-                  slotBits(begin, end, others->first);
-  for (; near != 0; near &= near - 1) {
-    const int other = others->first + __builtin_ctz(near);
-    const int partner = exclusionPartner(t->exclusions, slot / TREE_WIDTH, other / TREE_WIDTH);
-    if (partner != CT_NULL && (t->exclusions->mask[partner][slot % TREE_WIDTH] >> other % TREE_WIDTH & 1) != 0) {
-      continue;
+/* Tests movers against these slots (bits) of a leaf, which are at rest. False ends the search. */
+CT_INLINE bool testLeaf(Traversal* t, Visit* visit, const Movers* movers, int leaf, unsigned slots) {
+  const int count = movers->end - movers->begin;
+  const int from = movers->begin - movers->first;
+  const Block* block = worldOf(t, leaf);
+  uint16_t own[2 * TREE_WIDTH];
+  const uint16_t* excluded = excludedRows(t->exclusions, movers, leaf, own);
+  unsigned near[TREE_WIDTH];
+  unsigned any = 0;
+  for (int i = 0; i < count; i++) {
+    near[i] = near16(block, sphereOf(&movers->block, from + i), visit->reach) & slots & ~(unsigned)excluded[i];
+    any |= near[i];
+  }
+  visit->particleTests += count * TREE_WIDTH;
+  for (int i = 0; i < count && any != 0; i++) {
+    for (; near[i] != 0; near[i] &= near[i] - 1) {
+      if (!meet(t, visit, movers->begin + i, leaf * TREE_WIDTH + __builtin_ctz(near[i]), 0)) {
+        return false;
+      }
     }
-    double a[3];
-    double b[3];
-    ctPositionInView(t, slot, motionOfSlot(t->view, slot), a);
-    ctPositionInView(t, other, motionOfSlot(t->view, other), b);
-    if (!visit->function(visit->context, slot, other, squaredDistance(a, b))) {
+  }
+  return true;
+}
+
+/* Hands over the pairs of a slot, which has this motion, with the movers that are near it (bits), but for those that
+ * are excluded. False ends the search. A function of its own, since this is rare. */
+CT_NOINLINE bool meetMovers(Traversal* t, const Visit* visit, const Movers* movers, unsigned near, int slot,
+                            int motion) {
+  for (; near != 0; near &= near - 1) {
+    const int mover = movers->first + __builtin_ctz(near);
+    const int excluded = exclusionMask(t->exclusions, slot / TREE_WIDTH, mover / TREE_WIDTH);
+    if ((t->exclusions->mask[excluded][slot % TREE_WIDTH] >> mover % TREE_WIDTH & 1) == 0 &&
+        !meet(t, visit, mover, slot, motion)) {
       return false;
     }
   }
   return true;
 }
 
+/* The slots of piece p among movers, as bits. */
+static unsigned bitsOfPiece(const View* view, int p, const Movers* movers) {
+  const int begin = view->pieces[p].slotBegin > movers->begin ? view->pieces[p].slotBegin : movers->begin;
+  const int next = p + 1 < view->pieceCount ? view->pieces[p + 1].slotBegin : movers->end;
+  return slotBits(begin, next < movers->end ? next : movers->end, movers->first);
+}
+
 /* Tests movers against those of others that come later and have another motion. False ends the search. */
 static bool testMovers(Traversal* t, Visit* visit, const Movers* movers, const Movers* others) {
   const View* view = t->view;
-  for (int slot = movers->begin; slot < movers->end; slot++) {
-    const int own = pieceOf(view, slot);
-    for (int p = pieceOf(view, others->end - 1); p > own; p--) {
-      const int end = p + 1 < view->pieceCount ? view->pieces[p + 1].slotBegin : others->end;
-      if (view->pieces[p].body != view->pieces[own].body &&
-          !testMover(t, visit, movers, slot, others, view->pieces[p].slotBegin, end)) {
+  const int last = pieceOf(view, others->end - 1);
+  for (int own = pieceOf(view, movers->begin); own < last && view->pieces[own].slotBegin < movers->end; own++) {
+    unsigned later = 0;
+    for (int p = own + 1; p <= last; p++) {
+      later |= view->pieces[p].body != view->pieces[own].body ? bitsOfPiece(view, p, others) : 0;
+    }
+    for (unsigned left = bitsOfPiece(view, own, movers); left != 0; left &= left - 1) {
+      const int k = __builtin_ctz(left);
+      const unsigned near = near16(&others->block, sphereOf(&movers->block, k), visit->reach) & later;
+      visit->particleTests += TREE_WIDTH;
+      if (near != 0 && !meetMovers(t, visit, others, near, movers->first + k, view->pieces[own].body)) {
         return false;
       }
     }
@@ -218,10 +242,56 @@ static void updateFirst(Traversal* t, int begin, int end) {
   }
 }
 
+/* Lists the members that may be near movers of consecutive nodes or leaves, whose first member has this number. Returns
+ * how many. */
+CT_INLINE int listNearBox(const Block* blocks, int count, const MoverBox* box, float reach, int first, int* near) {
+  int found = 0;
+  for (int i = 0; i < count; i++) {
+    found += indices16(nearBoxOfMovers(&blocks[i], box, reach), first + i * TREE_WIDTH, near + found);
+  }
+  return found;
+}
+
+/* Lists the leaves that may be near movers, and returns them. */
+static const int* listNearLeaves(Traversal* t, Visit* visit, const Movers* movers, int* leafCount) {
+  const Tree* tree = t->tree;
+  const int top = firstLevel(tree);
+  int* nodes = t->nearNodes; /* level by level */
+  int count = listNearBox(worldOf(t, tree->levelBegin[top]), tree->levelSize[top], &movers->box, visit->reach,
+                          tree->levelBegin[top - 1], nodes);
+  visit->volumeTests += tree->levelSize[top] * TREE_WIDTH;
+  int done = 0;
+  for (int level = top - 1; level > 0; level--) {
+    const int last = count;
+    for (int i = done; i < last; i++) {
+      updateWorld(t, level, nodes[i]);
+    }
+    visit->volumeTests += (last - done) * TREE_WIDTH;
+    for (; done < last; done++) {
+      const int first = tree->levelBegin[level - 1] + (nodes[done] - tree->levelBegin[level]) * TREE_WIDTH;
+      count += listNearBox(worldOf(t, nodes[done]), 1, &movers->box, visit->reach, first, nodes + count);
+    }
+  }
+  *leafCount = count - done;
+  return nodes + done;
+}
+
+/* Tests movers against slots at rest. False ends the search. */
+static bool testSlots(Traversal* t, Visit* visit, const Movers* movers, const int* slots, int count) {
+  visit->particleTests += count * (movers->end - movers->begin);
+  for (int i = 0; i < count; i++) {
+    const Sphere sphere = sphereOf(worldOf(t, slots[i] / TREE_WIDTH), slots[i] % TREE_WIDTH);
+    const unsigned near = near16(&movers->block, sphere, visit->reach) & movers->bits;
+    if (near != 0 && !meetMovers(t, visit, movers, near, slots[i], 0)) {
+      return false;
+    }
+  }
+  return true;
+}
+
 /* Tests movers against everything at rest: all slots but [begin, end), which move. False ends the search. */
 static bool probeMovers(Traversal* t, Visit* visit, const Movers* movers, int begin, int end) {
-  const Tree* tree = t->tree;
-  const MoverBox box = boxOfMovers(&movers->block);
+  enum { MOST_SLOTS = 256 };
   const int firstLeaf = begin / TREE_WIDTH;
   const int lastLeaf = (end - 1) / TREE_WIDTH;
   for (int leaf = firstLeaf; leaf <= lastLeaf; leaf++) {
@@ -229,35 +299,25 @@ static bool probeMovers(Traversal* t, Visit* visit, const Movers* movers, int be
       return false;
     }
   }
-  const int top = firstLevel(tree);
-  int* nodes = t->nearNodes; /* level by level */
+  int leafCount;
+  const int* leaves = listNearLeaves(t, visit, movers, &leafCount);
+  int slots[MOST_SLOTS + TREE_WIDTH]; /* that are near the box: few, so that most leaves cost no more than that */
   int count = 0;
-  for (int i = 0; i < tree->levelSize[top]; i++) {
-    nodes[count++] = tree->levelBegin[top] + i;
-  }
-  int done = 0;
-  for (int level = top; level > 0; level--) {
-    const int last = count;
-    for (int i = done; i < last && level < top; i++) {
-      updateWorld(t, level, nodes[i]);
-    }
-    for (; done < last; done++) {
-      const int first = tree->levelBegin[level - 1] + (nodes[done] - tree->levelBegin[level]) * TREE_WIDTH;
-      count += indices16(nearBoxOfMovers(worldOf(t, nodes[done]), &box, visit->reach), first, nodes + count);
-      visit->volumeTests += TREE_WIDTH;
-    }
-  }
-  for (; done < count; done++) {
-    const int leaf = nodes[done];
-    if (firstLeaf <= leaf && leaf <= lastLeaf) {
-      continue;
-    }
-    updateWorld(t, 0, leaf);
-    if (!testLeaf(t, visit, movers, leaf, 0xffff)) {
-      return false;
+  visit->volumeTests += leafCount * TREE_WIDTH;
+  for (int i = 0; i < leafCount; i++) {
+    const int leaf = leaves[i];
+    if (leaf < firstLeaf || lastLeaf < leaf) {
+      updateWorld(t, 0, leaf);
+      count += listNearBox(worldOf(t, leaf), 1, &movers->box, visit->reach, leaf * TREE_WIDTH, slots + count);
+      if (count > MOST_SLOTS) {
+        if (!testSlots(t, visit, movers, slots, count)) {
+          return false;
+        }
+        count = 0;
+      }
     }
   }
-  return true;
+  return testSlots(t, visit, movers, slots, count);
 }
 
 /* Tests a view in which only slots [begin, end) move. It needs no volumes of straddlers. */

@@ -45,6 +45,17 @@ void ctSequenceResetTorsions(Sequence* s) {
   s->displacedCount = 0;
 }
 
+static uint8_t axisPlacesOf(const Sequence* s, int link) {
+  if (!ctSequenceCanTurn(s, link, s->reference)) {
+    return axisIsNoLine;
+  }
+  const int from = particleSlot(s, s->joint[link].torsion[0]);
+  const int to = particleSlot(s, s->joint[link].origin);
+  const int leaf = s->slotBegin[link] / TREE_WIDTH;
+  const bool areHere = from != CT_NULL && to != CT_NULL && from / TREE_WIDTH == leaf && to / TREE_WIDTH == leaf;
+  return areHere ? (uint8_t)(TREE_WIDTH * (from % TREE_WIDTH) + to % TREE_WIDTH) : axisElsewhere;
+}
+
 void ctSequenceSetReference(Sequence* s, const double* positions) {
   if (s->particleCount > 0) { /* else positions may be NULL */
     memcpy(s->reference, positions, 3 * (size_t)s->particleCount * sizeof(double));
@@ -56,6 +67,9 @@ void ctSequenceSetReference(Sequence* s, const double* positions) {
   for (int link = 1; link < s->linkCount; link++) {
     if (s->dihedral != NULL) {
       s->dihedral[link] = NAN;
+    }
+    if (s->jointType[link] == ctTorsionJoint) {
+      s->axisPlaces[link] = axisPlacesOf(s, link);
     }
     if (isPlaced(s, link)) {
       Placement* placement = &s->placement[s->joint[link].placement];

@@ -57,6 +57,14 @@ typedef struct Joint {
   };
 } Joint;
 
+/* Where the two axis particles of a torsion joint are in the leaf where its link begins: 16 * place of the first +
+ * place of the second. No two particles have one place, so equal places can mean something else. Trials turn joints in
+ * any order, and would wait for memory if they had to look this up. */
+enum {
+  axisElsewhere = 0x00, /* not both are there */
+  axisIsNoLine = 0x11   /* they are at one place in the reference positions, so that the joint cannot turn */
+};
+
 /* The part of a link in a twig. */
 typedef enum TwigPart {
   notInTwig,
@@ -85,6 +93,7 @@ typedef struct Sequence {
   uint8_t* jointType;
   uint8_t* twigPart;
   Joint* joint;
+  uint8_t* axisPlaces; /* of a torsion joint */
   int* pathOf;
 
   /* Slots. */

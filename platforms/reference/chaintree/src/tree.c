@@ -271,25 +271,21 @@ Frame ctTreeLinkInLeaf(const Sequence* sequence, int link) {
   return frameOfColumns(&walk.frame);
 }
 
-/* The line from one particle to another in a leaf's frame. False if one of them is in another leaf, or if they are so
- * close together that the rounding of their positions would turn the line. */
-static bool lineInLeaf(const Tree* tree, const Sequence* sequence, int leaf, int from, int to, double point[3],
-                       double direction[3]) {
-  const int slotFrom = particleSlot(sequence, from);
-  const int slotTo = particleSlot(sequence, to);
-  if (slotFrom == CT_NULL || slotTo == CT_NULL || slotFrom / TREE_WIDTH != leaf || slotTo / TREE_WIDTH != leaf) {
+/* An axis in the frame of the leaf where its link begins. False if not both of its particles are there, or if they are
+ * so close together that the rounding of their positions would turn the line. */
+static bool lineInLeaf(const Tree* tree, int leaf, int places, double point[3], double direction[3]) {
+  if (places == axisElsewhere) {
     return false;
   }
-  treeLocal(tree, slotFrom, direction);
-  treeLocal(tree, slotTo, point);
+  treeLocal(tree, leaf * TREE_WIDTH + places / TREE_WIDTH, direction);
+  treeLocal(tree, leaf * TREE_WIDTH + places % TREE_WIDTH, point);
   subtract(point, direction, direction);
   return dot(direction, direction) > LEAST_LINE * dot(point, point);
 }
 
 void ctTreeAxis(const Tree* tree, const Sequence* sequence, int link, double point[3], double direction[3]) {
   const int leaf = sequence->slotBegin[link] / TREE_WIDTH;
-  if (!lineInLeaf(tree, sequence, leaf, sequence->joint[link].torsion[0], sequence->joint[link].origin, point,
-                  direction)) {
+  if (!lineInLeaf(tree, leaf, sequence->axisPlaces[link], point, direction)) {
     const Frame frame = ctTreeLinkInLeaf(sequence, link);
     translationOf(&frame, point);
     sequenceAxis(sequence, link, sequence->reference, direction);

@@ -20,7 +20,7 @@ static ctStatus checkChange(ctChainTree* tree, const ctChange* change) {
     if (!isfinite(change->angle)) {
       return ctFail(tree, ctInvalidArgument, "the angle given for link %d is not finite", change->link);
     }
-    if (!ctSequenceCanTurn(s, link, s->reference)) {
+    if (s->axisPlaces[link] == axisIsNoLine) {
       return ctFail(tree, ctInvalidArgument, "link %d cannot turn: its axis particles %d and %d are at one place",
                     change->link, s->joint[link].torsion[0], s->joint[link].origin);
     }
