@@ -2,10 +2,10 @@
 #define OPENMM_CHAINTREE_RANDOMNUMBERGENERATOR_H_
 
 #include "openmm/Vec3.h"
+#include "openmmchaintree/internal/MersenneTwister.h"
 #include <cmath>
 #include <cstdint>
 #include <locale>
-#include <random>
 #include <sstream>
 #include <string>
 
@@ -39,12 +39,10 @@ public:
      */
     int drawIndex(int count)
     {
-        uint64_t range = count;
-        uint64_t end = UINT64_MAX - UINT64_MAX % range;
-        uint64_t value;
-        do
+        const uint64_t range = count;
+        uint64_t value = engine();
+        while (value > UINT64_MAX - range && value >= UINT64_MAX - UINT64_MAX % range)
             value = engine();
-        while (value >= end);
         return value % range;
     }
     /**
@@ -101,7 +99,7 @@ public:
     {
         std::stringstream stream;
         stream.imbue(std::locale::classic());
-        stream << engine;
+        engine.write(stream);
         return stream.str();
     }
     /**
@@ -111,12 +109,7 @@ public:
     {
         std::stringstream stream(state);
         stream.imbue(std::locale::classic());
-        std::mt19937_64 restored;
-        stream >> restored;
-        if (!stream)
-            return false;
-        engine = restored;
-        return true;
+        return engine.read(stream);
     }
 
 private:
@@ -129,7 +122,7 @@ private:
         while (point.dot(point) > 1);
         return point;
     }
-    std::mt19937_64 engine;
+    MersenneTwister engine;
 };
 
 } // namespace ChainTreePlugin
