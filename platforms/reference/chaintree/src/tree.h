@@ -165,6 +165,10 @@ static inline int treeFirstMoved(const Tree* tree, int64_t since) {
 
 /* True if no leaf before `leafEnd` has moved since a time. O(log N). */
 static inline bool treeLeavesStay(const Tree* tree, int64_t since, int leafEnd) {
+  const int last = tree->changeCount - 1;
+  if (tree->changedLeaf[last] < leafEnd) { /* mostly */
+    return tree->changeTime[last] <= since;
+  }
   return treeFirstMoved(tree, since) >= leafEnd;
 }
 
