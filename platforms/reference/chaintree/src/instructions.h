@@ -13,6 +13,7 @@ typedef struct InstructionSet {
 
   /* The update of a tree, bottom-up; see refresh_body.h. */
   void (*refreshLeaf)(Tree* tree, const Sequence* sequence, int leaf);
+  Frame (*linkInLeaf)(const Sequence* sequence, int link);
   void (*refreshTwig)(Tree* tree, const Sequence* sequence, int link, int leaf);
   void (*refreshInnerNode)(Tree* tree, int level, int node, const int* changed, int count);
   void (*refreshMember)(Tree* tree, int leaf);

@@ -11,6 +11,7 @@
 const InstructionSet INSTRUCTION_SET = {
     .name = INSTRUCTION_SET_NAME,
     .refreshLeaf = refreshLeaf,
+    .linkInLeaf = linkInLeaf,
     .refreshTwig = refreshTwig,
     .refreshInnerNode = refreshInnerNode,
     .refreshMember = refreshMember,

@@ -36,7 +36,7 @@ static void readFrame(PositionReader* reader, int link, int particle, double pos
   } else {
     if (link != reader->link) {
       reader->link = link;
-      reader->linkInLeaf = ctTreeLinkInLeaf(s, link);
+      reader->linkInLeaf = ctTreeLinkInLeaf(reader->tree, s, link);
     }
     sequenceLocal(s, link, particle, local);
     transformPoint(&reader->linkInLeaf, local, local);

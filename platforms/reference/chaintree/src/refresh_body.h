@@ -169,12 +169,30 @@ static void noteLeaf(Tree* tree, int leaf) {
   tree->boxIsStale[leaf] = true;
 }
 
+/* The frame of a link in the frame of its leaf. */
+static Frame linkInLeaf(const Sequence* sequence, int link) {
+  Walk walk;
+  treeWalk(&walk, sequence, sequence->slotBegin[link] / TREE_WIDTH);
+  Openings openings;
+  openLinks(sequence, walk.link + 1, link + 1, &openings);
+  while (walk.link < link) {
+    walkOn(&walk, sequence, &openings.m[0][walk.link + 1 - openings.first], TREE_WIDTH);
+  }
+  return frameOfColumns(&walk.frame);
+}
+
 /* Recomputes a leaf, and its shortcut. */
 static void refreshLeaf(Tree* tree, const Sequence* sequence, int leaf) {
-  const int begin = leaf * TREE_WIDTH;
+  int begin = leaf * TREE_WIDTH;
   const int end = begin + TREE_WIDTH < tree->slotCount ? begin + TREE_WIDTH : tree->slotCount;
   Walk walk;
-  treeWalk(&walk, sequence, leaf);
+  if (tree->knownLink != CT_NULL && sequence->slotBegin[tree->knownLink] / TREE_WIDTH == leaf) {
+    walkBegin(&walk, tree->knownLink);
+    columnsOf(&tree->knownInLeaf, &walk.frame);
+    begin = sequence->slotBegin[tree->knownLink];
+  } else {
+    treeWalk(&walk, sequence, leaf);
+  }
   const int last = sequence->slotLink[end < tree->slotCount ? end : end - 1];
   Openings openings;
   openLinks(sequence, walk.link + 1, last + 1, &openings);

@@ -41,6 +41,7 @@ void ctTreeLayOut(Tree* tree, int slotCount) {
 
 bool ctTreeBuild(Tree* tree, Arena* arena, const Sequence* sequence, const struct InstructionSet* instructions) {
   tree->instructions = instructions;
+  tree->knownLink = CT_NULL;
   ctTreeLayOut(tree, sequence->slotCount);
   const size_t nodes = (size_t)tree->nodeCount;
   tree->shortcut = ctArenaAllocate(arena, nodes, sizeof(Frame));
@@ -264,11 +265,8 @@ Frame ctTreeFrame(const Tree* tree, int level, int node) {
   return frame;
 }
 
-Frame ctTreeLinkInLeaf(const Sequence* sequence, int link) {
-  Walk walk;
-  treeWalk(&walk, sequence, sequence->slotBegin[link] / TREE_WIDTH);
-  walkTo(&walk, sequence, link);
-  return frameOfColumns(&walk.frame);
+Frame ctTreeLinkInLeaf(const Tree* tree, const Sequence* sequence, int link) {
+  return tree->instructions->linkInLeaf(sequence, link);
 }
 
 /* An axis in the frame of the leaf where its link begins. False if not both of its particles are there, or if they are
@@ -286,7 +284,7 @@ static bool lineInLeaf(const Tree* tree, int leaf, int places, double point[3], 
 void ctTreeAxis(const Tree* tree, const Sequence* sequence, int link, double point[3], double direction[3]) {
   const int leaf = sequence->slotBegin[link] / TREE_WIDTH;
   if (!lineInLeaf(tree, leaf, sequence->axisPlaces[link], point, direction)) {
-    const Frame frame = ctTreeLinkInLeaf(sequence, link);
+    const Frame frame = ctTreeLinkInLeaf(tree, sequence, link);
     translationOf(&frame, point);
     sequenceAxis(sequence, link, sequence->reference, direction);
     rotate(&frame, direction, direction);
@@ -310,8 +308,8 @@ double ctTreeSquaredDistance(const Tree* tree, int slotA, int slotB) {
 }
 
 Frame ctTreeRelative(const Tree* tree, const Sequence* sequence, int linkA, int linkB) {
-  Frame a = ctTreeLinkInLeaf(sequence, linkA);
-  Frame b = ctTreeLinkInLeaf(sequence, linkB);
+  Frame a = ctTreeLinkInLeaf(tree, sequence, linkA);
+  Frame b = ctTreeLinkInLeaf(tree, sequence, linkB);
   int nodeA = sequence->slotBegin[linkA] / TREE_WIDTH;
   int nodeB = sequence->slotBegin[linkB] / TREE_WIDTH;
   for (int level = 0; nodeA != nodeB; level++) {

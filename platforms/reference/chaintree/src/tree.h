@@ -77,6 +77,11 @@ typedef struct Tree {
   bool* hasSum;     /* per node */
   int* particles;   /* per node: how many those are; one without a slot counts where its link begins */
 
+  /* During an update: a link of no twig whose frame in its leaf is known, and before which nothing changes. CT_NULL:
+   * none. The walk through that leaf begins there. */
+  int knownLink;
+  Frame knownInLeaf;
+
   bool isStale; /* the layout is right, but no content is of the state */
   int* dirty;   /* scratch: nodes of one level */
 
@@ -206,7 +211,7 @@ CT_INLINE void treeWalk(Walk* walk, const Sequence* sequence, int leaf) {
 }
 
 /* The frame of a link in the frame of its leaf. */
-Frame ctTreeLinkInLeaf(const Sequence* sequence, int link);
+Frame ctTreeLinkInLeaf(const Tree* tree, const Sequence* sequence, int link);
 
 /* A point of a link's torsion axis, and a vector along it, in the frame of the leaf where the link begins. */
 void ctTreeAxis(const Tree* tree, const Sequence* sequence, int link, double point[3], double direction[3]);

@@ -44,10 +44,14 @@ void ctTrialFree(Trial* trial) {
 
 /* ---- Motions ---- */
 
-static Frame linkFrame(const Sequence* sequence, const Tree* tree, int link) {
-  const Frame leaf = ctTreeFrame(tree, 0, sequence->slotBegin[link] / TREE_WIDTH);
-  const Frame inLeaf = ctTreeLinkInLeaf(sequence, link);
-  return transformCompose(&leaf, &inLeaf);
+/* The frame of a link in the world, if that in its leaf is known. */
+static Frame linkFromLeaf(const Sequence* sequence, Traversal* t, int link, const Frame* inLeaf) {
+  return transformCompose(ctTraversalLeafFrame(t, sequence->slotBegin[link] / TREE_WIDTH), inLeaf);
+}
+
+static Frame linkFrame(const Sequence* sequence, Traversal* t, int link) {
+  const Frame inLeaf = ctTreeLinkInLeaf(t->tree, sequence, link);
+  return linkFromLeaf(sequence, t, link, &inLeaf);
 }
 
 /* Turns a torsion about its axis in the world. The placements of its states stay undefined: nobody looks at them. */
@@ -74,7 +78,7 @@ static void findPivot(const Sequence* s, Traversal* t, int link, double pivot[3]
     treeLocal(t->tree, slot, pivot);
     transformPoint(ctTraversalLeafFrame(t, slot / TREE_WIDTH), pivot, pivot);
   } else {
-    const Frame own = linkFrame(s, t->tree, link);
+    const Frame own = linkFrame(s, t, link);
     translationOf(&own, pivot);
   }
 }
@@ -94,12 +98,19 @@ static void turnBall(TrialChange* change, const Sequence* s, Traversal* t, Frame
 }
 
 /* Finds the states of ball joints before and after the trial, which takes a walk to each. So that is left until someone
- * asks: most trials clash. The tree must be that of the state before. */
-static void turnBalls(Trial* trial, const Sequence* s, const Tree* tree) {
+ * asks: most trials clash. The tree must be that of the state before. Its update goes on from the walk to the parent of
+ * the first. */
+static void turnBalls(Trial* trial, const Sequence* s, Tree* tree, Traversal* t) {
   for (int i = 0; i < trial->count; i++) {
     TrialChange* change = &trial->changes[i];
     if (change->isTurnOfBall) {
-      const Frame parent = linkFrame(s, tree, s->parent[change->link]);
+      const int link = s->parent[change->link];
+      const Frame inLeaf = ctTreeLinkInLeaf(tree, s, link);
+      const Frame parent = linkFromLeaf(s, t, link, &inLeaf);
+      if (i == 0 && s->twigPart[link] == notInTwig) {
+        tree->knownLink = link;
+        tree->knownInLeaf = inLeaf;
+      }
       double rotation[3];
       rotateBack(&parent, change->rotation, rotation);
       change->before = ctSequenceGetJoint(s, change->link);
@@ -110,7 +121,7 @@ static void turnBalls(Trial* trial, const Sequence* s, const Tree* tree) {
 }
 
 /* Moves a free joint. The change is given in the world; the joint's state is in the parent's frame. */
-static void moveFreely(TrialChange* change, const Sequence* s, const Tree* tree, Frame* motion) {
+static void moveFreely(TrialChange* change, const Sequence* s, Traversal* t, Frame* motion) {
   const ctChange* given = change->given;
   double turn[4];
   quaternionFromVector(given->rotation, turn);
@@ -119,7 +130,7 @@ static void moveFreely(TrialChange* change, const Sequence* s, const Tree* tree,
   subtract(given->pivot, s->worldOrigin, pivot);
   transformAbout(pivot, given->translation, motion);
 
-  const Frame parent = linkFrame(s, tree, s->parent[change->link]);
+  const Frame parent = linkFrame(s, t, s->parent[change->link]);
   double rotation[3];
   double shift[3];
   rotateBack(&parent, given->rotation, rotation);
@@ -322,7 +333,7 @@ int ctTrialOpen(Trial* trial, const Sequence* s, Traversal* t, const ctChange* g
       turnBall(change, s, t, motion);
     } else {
       change->before = ctSequenceGetJoint(s, change->link);
-      moveFreely(change, s, t->tree, motion);
+      moveFreely(change, s, t, motion);
     }
   }
   cutPieces(trial, s);
@@ -364,14 +375,16 @@ void ctTrialShow(Trial* trial, const Sequence* s) {
   trial->isShown = true;
 }
 
-int ctTrialApply(Trial* trial, bool after, Sequence* s, Tree* tree) {
+int ctTrialApply(Trial* trial, bool after, Sequence* s, Tree* tree, Traversal* t) {
   if (after) {
-    turnBalls(trial, s, tree);
+    turnBalls(trial, s, tree, t);
   }
   for (int i = 0; i < trial->count; i++) {
     const TrialChange* change = &trial->changes[i];
     ctSequenceSetJoint(s, change->link, after ? &change->after : &change->before);
   }
   const int products = ctSequenceUpdate(s, trial->links, trial->count, trial->scratch);
-  return products + ctTreeUpdate(tree, s, trial->links, trial->count);
+  const int nodes = ctTreeUpdate(tree, s, trial->links, trial->count);
+  tree->knownLink = CT_NULL;
+  return products + nodes;
 }

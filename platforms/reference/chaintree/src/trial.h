@@ -58,7 +58,7 @@ void ctTrialMerge(Trial* trial, double reach, int levelCount);
 
 /* Sets the joints to their states after or before the trial, and updates sequence and tree; returns how many nodes were
  * recomputed. After that, applying the state before restores every bit, since everything is a function of the state. */
-int ctTrialApply(Trial* trial, bool after, Sequence* sequence, Tree* tree);
+int ctTrialApply(Trial* trial, bool after, Sequence* sequence, Tree* tree, Traversal* traversal);
 
 /* The view of the trial; if not `moved`, of its pieces before it. */
 View ctTrialView(const Trial* trial, bool moved, bool surfaces, double reach);

@@ -84,7 +84,7 @@ ctStatus ctPropose(ctChainTree* tree, int count, const ctChange* changes) {
 }
 
 static int applyTrial(ctChainTree* tree, bool after) {
-  return ctTrialApply(tree->trial, after, &tree->sequence, ctSceneLaggingTree(tree));
+  return ctTrialApply(tree->trial, after, &tree->sequence, ctSceneLaggingTree(tree), &tree->traversal);
 }
 
 /* Makes the open trial the state for a while; then the state is the former one again, bit by bit. */
