@@ -43,13 +43,15 @@ private:
     /** The set that was drawn last, the values that its torsions had, those that were drawn, and the changes. */
     int drawnSet;
     vector<double> former, drawn, changes;
-    /** Where the density of a set was evaluated last, as long as it has torsions, and what it was there. */
-    class Evaluated {
+    /** The density of a set, how many random numbers it takes, where it was evaluated last, and what it was there. */
+    class SetDensity {
     public:
+        const ctDensity* engine;
+        int numUniforms;
         vector<double> angles;
-        double density;
+        double value;
     };
-    vector<Evaluated> evaluated;
+    vector<SetDensity> setDensities;
 };
 
 } // namespace
@@ -86,8 +88,10 @@ DrawnMove::DrawnMove(const vector<vector<int>>& torsions, const vector<TorsionDe
     former.resize(most);
     drawn.resize(most);
     changes.resize(most);
-    for (auto& set : torsions)
-        evaluated.push_back({vector<double>(set.size(), HUGE_VAL), 0});
+    for (size_t i = 0; i < torsions.size(); i++) {
+        const ctDensity* engine = densityOf(i).getEngine();
+        setDensities.push_back({engine, ctCountUniforms(engine), vector<double>(torsions[i].size(), HUGE_VAL), 0});
+    }
 }
 
 string DrawnMove::summarize() const
@@ -230,12 +234,11 @@ bool DrawnMove::propose(TrialSession& trials, RandomNumberGenerator& random)
 {
     drawnSet = random.drawIndex(torsions.size());
     const vector<int>& set = torsions[drawnSet];
-    const ctDensity* density = densityOf(drawnSet).getEngine();
+    const SetDensity& density = setDensities[drawnSet];
     double uniforms[CT_UNIFORMS_MOST];
-    const int numUniforms = ctCountUniforms(density);
-    for (int i = 0; i < numUniforms; i++)
+    for (int i = 0; i < density.numUniforms; i++)
         uniforms[i] = random.drawUniform();
-    ctDrawAngles(density, uniforms, drawn.data());
+    ctDrawAngles(density.engine, uniforms, drawn.data());
     for (size_t i = 0; i < set.size(); i++) {
         former[i] = trials.getTorsionAngle(set[i]);
         const double change = drawn[i] - former[i];
@@ -250,17 +253,17 @@ bool DrawnMove::propose(TrialSession& trials, RandomNumberGenerator& random)
  */
 double DrawnMove::evaluateFormer()
 {
-    Evaluated& last = evaluated[drawnSet];
-    if (!equal(last.angles.begin(), last.angles.end(), former.begin())) {
-        copy_n(former.begin(), last.angles.size(), last.angles.begin());
-        last.density = ctGetDensity(densityOf(drawnSet).getEngine(), former.data());
+    SetDensity& density = setDensities[drawnSet];
+    if (!equal(density.angles.begin(), density.angles.end(), former.begin())) {
+        copy_n(former.begin(), density.angles.size(), density.angles.begin());
+        density.value = ctGetDensity(density.engine, former.data());
     }
-    return last.density;
+    return density.value;
 }
 
 double DrawnMove::computeLogRatio(TrialSession&)
 {
-    return log(evaluateFormer() / ctGetDensity(densityOf(drawnSet).getEngine(), drawn.data()));
+    return log(evaluateFormer() / ctGetDensity(setDensities[drawnSet].engine, drawn.data()));
 }
 
 // ---- The methods of the integrator ----

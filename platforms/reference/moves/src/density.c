@@ -275,17 +275,22 @@ CT_INLINE void multiplyBells(const Bells* bells, int first, double angle, double
 
 CT_INLINE double sumRotamers(const ctDensity* density, const double* angles) {
   const double base = density->floor / TWO_PI;
-  double products[BATCH], sum = 0;
+  double products[BATCH], sums[BATCH] = {0};
   for (int first = 0; first < density->paddedCount; first += BATCH) {
     memcpy(products, density->weight + first, sizeof products);
     for (int k = 0; k < density->torsionCount; k++) {
       multiplyBells(&density->bells[k], first, angles[k], base, products);
     }
     for (int i = 0; i < BATCH; i++) {
-      sum += products[i];
+      sums[i] += products[i];
     }
   }
-  return sum;
+  for (int half = BATCH / 2; half > 0; half /= 2) {
+    for (int i = 0; i < half; i++) {
+      sums[i] += sums[half + i];
+    }
+  }
+  return sums[0];
 }
 
 #ifdef __x86_64__
