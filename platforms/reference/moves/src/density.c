@@ -172,8 +172,13 @@ static double distance(double angle1, double angle2) {
   return PI - fabs(PI - fabs(angle1 - angle2));
 }
 
+/* On Windows gcc does not align what it keeps of wide vectors on the stack. */
+#if defined(__x86_64__) && !defined(_WIN32)
+#define BY_AVX2
+#endif
+
 static bool hasAvx2(void) {
-#ifdef __x86_64__
+#ifdef BY_AVX2
   const char* wanted = getenv("CHAINTREE_SIMD");
   return (wanted == NULL || strcmp(wanted, "portable") != 0) && __builtin_cpu_supports("avx2");
 #else
@@ -293,7 +298,7 @@ CT_INLINE double sumRotamers(const ctDensity* density, const double* angles) {
   return sums[0];
 }
 
-#ifdef __x86_64__
+#ifdef BY_AVX2
 __attribute__((target("avx2")))
 #endif
 static double
