@@ -281,13 +281,34 @@ static bool lineInLeaf(const Tree* tree, int leaf, int places, double point[3], 
   return dot(direction, direction) > LEAST_LINE * dot(point, point);
 }
 
+/* The frame of the parent of a link in a twig, in the frame of the leaf where the link begins. */
+static Frame twigParentInLeaf(const Tree* tree, const Sequence* sequence, int link) {
+  const int parent = sequence->parent[link];
+  const int head = sequenceTwigHead(sequence, link);
+  const bool beginsHere = sequence->slotBegin[head] / TREE_WIDTH == sequence->slotBegin[link] / TREE_WIDTH;
+  const Frame stem = beginsHere ? tree->stem[sequenceOpenPath(sequence, head)] : transformIdentity();
+  if (link == head) {
+    return stem;
+  }
+  Walk walk;
+  walkBeginInTwig(&walk, sequence, parent, &stem);
+  return frameOfColumns(&walk.frame);
+}
+
 void ctTreeAxis(const Tree* tree, const Sequence* sequence, int link, double point[3], double direction[3]) {
   const int leaf = sequence->slotBegin[link] / TREE_WIDTH;
   if (!lineInLeaf(tree, leaf, sequence->axisPlaces[link], point, direction)) {
-    const Frame frame = ctTreeLinkInLeaf(tree, sequence, link);
-    translationOf(&frame, point);
     sequenceAxis(sequence, link, sequence->reference, direction);
-    rotate(&frame, direction, direction);
+    if (sequence->twigPart[link] != notInTwig) {
+      const Frame parent = twigParentInLeaf(tree, sequence, link);
+      sequenceOffset(sequence, link, point);
+      transformPoint(&parent, point, point);
+      rotate(&parent, direction, direction);
+    } else {
+      const Frame frame = ctTreeLinkInLeaf(tree, sequence, link);
+      translationOf(&frame, point);
+      rotate(&frame, direction, direction);
+    }
   }
 }
 
