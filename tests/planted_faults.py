@@ -213,6 +213,10 @@ ENGINE_FAULTS = [
           "  treeLocal(tree, leaf * TREE_WIDTH + places % TREE_WIDTH, point);",
           "treeLocal(tree, leaf * TREE_WIDTH + places % TREE_WIDTH, direction);\n"
           "  treeLocal(tree, leaf * TREE_WIDTH + places / TREE_WIDTH, point);"),
+    Fault("torsions: the axis of a link in a twig is in the frame of the twig's stem", "tree.c",
+          "if (link == head) {", "if (true) {"),
+    Fault("torsions: the axis of a twig from another leaf is in the frame of that", "tree.c",
+          "sequence->slotBegin[head] / TREE_WIDTH == sequence->slotBegin[link] / TREE_WIDTH;", "true;"),
     Fault("torsions: an axis of no length turns", "verdict.c",
           "if (s->axisPlaces[link] == axisIsNoLine) {", "if (false) {"),
     Fault("torsions: places of axes outlive the reference", "sequence.c",
