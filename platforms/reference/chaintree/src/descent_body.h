@@ -118,16 +118,11 @@ static inline void beginVisit(const Traversal* t, Visit* visit) {
   visit->visitsWithBoxes += visit->boxes;
 }
 
-/* Which of two nodes to expand first: one that straddles, so that its members that are of the other's body drop out;
- * otherwise one that is expanded, so that the other may never have to be. Without a branch, which processors would
- * mispredict. */
-static bool isFirst(const Traversal* t, int a, int b) {
-  return (t->motion[b] < 0) | ((t->nodeStamp[b] == t->stamp) & (t->motion[a] >= 0));
-}
-
 /* Visits children k of node a and l of node b, which are within reach of each other. False ends the descent. */
 static inline bool visitPair(Traversal* t, Visit* visit, const NodePair* parents, int k, int l, NodePair pair) {
-  const bool bFirst = isFirst(t, pair.a, pair.b);
+  /* Expand one that straddles: its members that are of the other's body drop out. Otherwise one that is expanded: then
+   * the other may never have to be. Without a branch, which processors would mispredict. */
+  const bool bFirst = (t->motion[pair.b] < 0) | ((t->nodeStamp[pair.b] == t->stamp) & (t->motion[pair.a] >= 0));
   const Sphere sphere = sphereOf(blockOf(t, bFirst ? parents->a : parents->b), bFirst ? k : l);
   pair = (NodePair){pair.level, bFirst ? pair.b : pair.a, bFirst ? pair.a : pair.b};
   expand(t, pair.level, pair.a);
@@ -180,152 +175,11 @@ CT_NOINLINE bool visitChildren(Traversal* t, Visit* visit, const NodePair* pair,
   return true;
 }
 
-/* ---- Level by level ---- */
-
-/* So many pairs of nodes are listed at most. */
-enum { MOST_LISTED = 128 };
-
-/* Two nodes whose parents' members are within reach of each other; a is to be expanded. */
-typedef struct ListedPair {
-  int a;
-  int b;
-  Sphere sphere; /* around b, in the view */
-} ListedPair;
-
-/* Two nodes of which a is expanded, and has these members (bits) within reach of b. */
-typedef struct NearPair {
-  int a;
-  int b;
-  unsigned near;
-} NearPair;
-
-/* Writes the motions of an expanded node's members where the descent looks for those of its children. */
-CT_INLINE void passMotions(Traversal* t, int level, int node) {
-  const int code = t->motion[node];
-  const int first = t->tree->levelBegin[level - 1] + (node - t->tree->levelBegin[level]) * TREE_WIDTH;
-  if (code < 0) {
-    memcpy(&t->motion[first], straddlerOf(t, code)->motion, TREE_WIDTH * sizeof(int));
-  } else {
-    storeInts16(&t->motion[first], allInts16(code));
-  }
-}
-
-/* Lists the pairs of children of two inner nodes that visitChildren would visit if it had no boxes. Returns how many
- * are listed then; CT_NULL, and none of these is, if they are too many. */
-static int listChildren(Traversal* t, Visit* visit, int level, const NearPair* pair, ListedPair* listed, int count) {
-  int countB;
-  const int firstB = treeChildren(t->tree, level, pair->b, &countB);
-  const int firstA = firstB + (pair->a - pair->b) * TREE_WIDTH;
-  expand(t, level, pair->b);
-  const Block* blocks[2];
-  blocksOf(t, pair->a, pair->b, blocks);
-  const bool areWhole = t->motion[pair->a] >= 0 && t->motion[pair->b] >= 0;
-  int found[MOST_LISTED + TREE_WIDTH]; /* TREE_WIDTH * member of a + member of b */
-  int foundCount = 0;
-  for (unsigned left = pair->near; left != 0; left &= left - 1) {
-    const int k = __builtin_ctz(left);
-    unsigned mask = near16(blocks[1], sphereOf(blocks[0], k), visit->reach);
-    visit->volumeTests += countB;
-    if (pair->a == pair->b) {
-      mask &= ~alreadyVisited(pair->near, k);
-    }
-    if (!areWhole) {
-      mask &= ~ofBody(t, pair->b, motionOfMember(t, pair->a, k));
-    }
-    if (count + foundCount + __builtin_popcount(mask) > MOST_LISTED) {
-      return CT_NULL;
-    }
-    foundCount += indices16(mask, TREE_WIDTH * k, found + foundCount);
-  }
-  passMotions(t, level, pair->a);
-  passMotions(t, level, pair->b);
-  for (int i = 0; i < foundCount; i++) {
-    const int k = found[i] / TREE_WIDTH;
-    const int l = found[i] % TREE_WIDTH;
-    const int a = firstA + k;
-    const int b = firstB + l;
-    const bool bFirst = isFirst(t, a, b);
-    const Sphere sphere = sphereOf(blocks[bFirst ? 0 : 1], bFirst ? k : l);
-    listed[count++] = (ListedPair){bFirst ? b : a, bFirst ? a : b, sphere};
-  }
-  visit->visits += foundCount;
-  return count;
-}
-
-/* Adds the pairs of children to `count` listed ones; visits them at once if they are too many. False ends the descent.
- */
-static bool listOrVisit(Traversal* t, Visit* visit, int level, const NearPair* pair, ListedPair* listed, int* count) {
-  const int more = listChildren(t, visit, level, pair, listed, *count);
-  if (more == CT_NULL) {
-    const NodePair nodes = {level, pair->a, pair->b};
-    return visitChildren(t, visit, &nodes, pair->near);
-  }
-  *count = more;
-  return true;
-}
-
-/* Expands the first node of a listed pair, and tells which of its members are within reach of the second. */
-CT_INLINE NearPair lookAt(Traversal* t, Visit* visit, int level, const ListedPair* pair) {
-  expand(t, level, pair->a);
-  visit->volumeTests += treeMemberCount(t->tree, level, pair->a);
-  unsigned near = near16(blockOf(t, pair->a), pair->sphere, visit->reach);
-  if (t->motion[pair->a] < 0) {
-    near &= ~ofBody(t, pair->a, t->motion[pair->b]);
-  }
-  return (NearPair){pair->a, pair->b, near};
-}
-
-/* False ends the descent. */
-static bool visitListedLeaves(Traversal* t, Visit* visit, const ListedPair* listed, int count) {
-  for (int i = 0; i < count; i++) {
-    const NearPair near = lookAt(t, visit, 0, &listed[i]);
-    const NodePair pair = {0, near.a, near.b};
-    if (near.near != 0 && !visitLeaves(t, visit, &pair, near.near)) {
-      return false;
-    }
-  }
-  return true;
-}
-
-/* Goes on with a node that straddles pieces and has these members (bits) to be visited with the others. Lists all pairs
- * of a level, then looks at each: so the processor need not wait for what comes of one before it begins with the next,
- * as it must in visitChildren. Pairs of leaves are visited as soon as they are listed, since a clash ends the descent.
- * False ends the descent. */
-static bool visitLevels(Traversal* t, Visit* visit, int level, int node, unsigned members) {
-  ListedPair listed[MOST_LISTED];
-  NearPair nearPairs[MOST_LISTED] = {{node, node, members}};
-  int nearCount = 1;
-  for (; level > 1; level--) {
-    int count = 0;
-    for (int i = 0; i < nearCount; i++) {
-      if (!listOrVisit(t, visit, level, &nearPairs[i], listed, &count)) {
-        return false;
-      }
-    }
-    nearCount = 0;
-    for (int i = 0; i < count; i++) {
-      nearPairs[nearCount] = lookAt(t, visit, level - 1, &listed[i]);
-      nearCount += nearPairs[nearCount].near != 0;
-    }
-  }
-  for (int i = 0; i < nearCount; i++) {
-    int count = 0;
-    if (!listOrVisit(t, visit, 1, &nearPairs[i], listed, &count) || !visitListedLeaves(t, visit, listed, count)) {
-      return false;
-    }
-  }
-  return true;
-}
-
 /* Visits a node that straddles pieces with itself. False ends the descent. */
 static bool visitSelf(Traversal* t, Visit* visit, int level, int node) {
   const NodePair pair = {level, node, node};
   beginVisit(t, visit);
-  const unsigned near = ofLesserBodies(t, node, treeMemberCount(t->tree, level, node));
-  if (level > 0 && !visit->boxes) {
-    return visitLevels(t, visit, level, node, near);
-  }
-  return visitNear(t, visit, &pair, near);
+  return visitNear(t, visit, &pair, ofLesserBodies(t, node, treeMemberCount(t->tree, level, node)));
 }
 
 /* Climbs to a node that straddles pieces, from all such nodes below it: visits each with itself. Those hold the joints
