@@ -108,7 +108,10 @@ bool ctViewMovesFew(const Traversal* t, const View* view, int* begin, int* end) 
 }
 
 const Frame* ctTraversalLeafFrame(Traversal* t, int leaf) {
-  t->tree->instructions->updateWorldLeaf(t, leaf);
+  const int64_t since = t->worldTime[leaf];
+  if (t->tree->contentTime[leaf] > since || !treeStays(t->tree, since)) {
+    t->tree->instructions->updateWorldLeaf(t, leaf);
+  }
   return &t->frame[t->entryOf[leaf]];
 }
 

@@ -143,13 +143,8 @@ static inline void updateFrame(Traversal* t, int level, int node) {
   }
 }
 
-/* Brings the world coordinates of a leaf up to date, if they are not. So it does those of the nodes over it, which may
- * lag. */
+/* Brings the world coordinates of a leaf up to date, and those of the nodes over it, which may lag. */
 static void updateWorldLeaf(Traversal* t, int leaf) {
-  const int64_t since = t->worldTime[leaf];
-  if (t->tree->contentTime[leaf] <= since && treeStays(t->tree, since)) {
-    return;
-  }
   for (int level = treeTop(t->tree); level >= 0; level--) {
     updateFrame(t, level, t->tree->levelBegin[level] + (leaf >> TREE_WIDTH_BITS * level));
   }
