@@ -1,15 +1,17 @@
-"""Do the tests notice? Puts one fault after another into a copy of the repository and runs the tests in C or C++ on it.
+"""Do the tests notice? Puts one fault after another into a copy of the repository and runs tests of its layer on it.
 
     python tests/planted_faults.py [--list | --check] [NAME ...]
 
 A fault is a small edit of a source file, such as one could make by mistake. It is caught if a test of its layer fails,
-hangs or crashes: the tests of the engine for the engine, those of the C++ classes for all that lies over it. Faults
+hangs or crashes: the tests of the engine for the engine, those of the C++ classes for all that lies over it, and those
+in Python for what is in Python, which take what is compiled from where the package is imported (PYTHONPATH). Faults
 that nobody catches, or whose text is no longer in the source, make the exit status 1. The copy lies in a temporary
 folder, or in that which --folder names, where a later run finds what is built. Takes about half a minute a fault; see
 CONTRIBUTING.md. --check builds nothing: it only looks whether the text of each fault is in its file once.
 """
 
 import argparse
+import importlib.util
 import os
 import pathlib
 import re
@@ -46,6 +48,13 @@ ENERGY = Layer("platforms/reference/energy/src", "energy", slow="TestEnergyProgr
 GEOMETRY = Layer("platforms/reference/moves/src", "moves", slow="^$", never="^$")
 # The platforms differ in little, and OpenCL takes a quarter of an hour.
 API = Layer(".", "api", slow="TestReferenceTorsionMonteCarloIntegrator|TestCpu", never="TestOpenCL")
+# Of Python, what is done by many at a time; other tests know nothing of it.
+PYTHON = Layer(
+    "python/openmmchaintree",
+    "python",
+    slow="test_(resuming|cluster)",
+    never="^(?!test_(replica|clash_|parallel_sampler|resuming|cluster))",
+)
 
 
 @dataclass(frozen=True)
@@ -1331,8 +1340,145 @@ GEOMETRY_FAULTS = [
 ]
 # fmt: on
 
+# fmt: off
+COORDINATOR = "replicas/coordinator.py"
+LADDER = "replicas/ladder.py"
+SCHEDULE = "replicas/schedule.py"
+SEGMENT = "replicas/segment.py"
+RUN = "command/replicarun.py"
+RANKING = "command/clashranking.py"
 
-LAYERS = ((ENGINE, ENGINE_FAULTS), (ENERGY, ENERGY_FAULTS), (GEOMETRY, GEOMETRY_FAULTS), (API, API_FAULTS))
+PYTHON_FAULTS = [
+    # ---- Replicas ----
+    Fault("exchange: the exponent has the other sign", LADDER,
+          "return (1 / temperature1 - 1 / temperature2)", "return (1 / temperature2 - 1 / temperature1)"),
+    Fault("exchange: the exponent is half as large", LADDER,
+          "return (1 / temperature1 - 1 / temperature2)", "return 0.5 * (1 / temperature1 - 1 / temperature2)"),
+    Fault("exchange: all rounds draw the same random numbers", LADDER,
+          "default_rng((self._seed, _EXCHANGES, round))", "default_rng((self._seed, _EXCHANGES))"),
+    Fault("exchange: after all rounds the same pairs are tried", LADDER,
+          "(index + round) % 2", "index % 2"),
+    Fault("exchange: replicas keep their temperatures", COORDINATOR,
+          "state.temperatureOf[hot] = lower + 1, lower", "state.temperatureOf[hot] = lower, lower + 1"),
+    Fault("exchange: energies are taken for each other's", COORDINATOR,
+          "self._exchanges.decide(result.round, lower, coldEnergy, hotEnergy)",
+          "self._exchanges.decide(result.round, lower, hotEnergy, coldEnergy)"),
+    Fault("exchange: replicas that come in another order change places", COORDINATOR,
+          "            pair.sort(key=lambda entry: state.temperatureOf[entry[0]])\n", ""),
+    Fault("exchange: half a round trip counts", COORDINATOR,
+          "state.roundTrips[replica] += state.wasHotLast[replica] is True",
+          "state.roundTrips[replica] += state.wasHotLast[replica] is not None"),
+    Fault("seeds: two replicas share one", LADDER,
+          "return list(seeds)\n", "return [*list(seeds)[:1], *list(seeds)[:-1]]\n"),
+    Fault("seeds: replicas have that of the Model", SEGMENT,
+          "        self._integrator.setRandomNumberSeed(seed)\n", ""),
+    Fault("segment: a replica keeps its first temperature", SEGMENT,
+          "        self._integrator.setTemperature(segment.temperature * unit.kelvin)\n",
+          "        if segment.round == 0:\n"
+          "            self._integrator.setTemperature(segment.temperature * unit.kelvin)\n"),
+    Fault("segment: a replica that was elsewhere meanwhile stays where it is", SEGMENT,
+          "if segment.checkpoint != self._checkpoint:",
+          "if segment.checkpoint != self._checkpoint and self._checkpoint is None:"),
+    Fault("segment: it begins at the start", SEGMENT,
+          "            self._context.loadCheckpoint(segment.checkpoint)\n", "            pass\n"),
+    Fault("segment: counts of former ones count again", SEGMENT,
+          "self._counts() - counts,", "self._counts(),"),
+    Fault("segment: the energy is that of its first frame", SEGMENT,
+          "energy = self._energy()  # before", "energy = frames[0].energy if frames else self._energy()  # before"),
+    Fault("segment: a frame is kept before its trials", SEGMENT,
+          "            start = perf_counter()\n",
+          "            start = perf_counter()\n"
+          "            if stop.keepsFrame:\n"
+          "                frames.append(KeptFrame(self._positions(), self._energy()))\n"
+          "            stop = Stop(stop.trials, False)\n"),
+    Fault("schedule: the last frame of a shorter interval is lost", SCHEDULE,
+          "return self.frames if trials == self.trials else trials // self.interval", "return trials // self.interval"),
+    Fault("schedule: the last round is as long as the others", SCHEDULE,
+          "min(round * self.trialsPerRound, self.trials)", "round * self.trialsPerRound"),
+    # ---- What a run writes, and goes on from ----
+    Fault("resume: the last round is done and counted once more", RUN,
+          'self.state.restore(saved.header["state"], checkpoints)\n',
+          'self.state.restore(saved.header["state"], checkpoints)\n'
+          "        self.state.round = max(0, self.state.round - 1)\n"),
+    Fault("resume: all replicas go on from the first one's checkpoint", RUN,
+          "saved.checkpoints.get(replica) for replica", "saved.checkpoints.get(0) for replica"),
+    Fault("resume: what no checkpoint counts stays", "command/growingfile.py",
+          "growing._file.truncate(size)\n                growing._file.seek(size)",
+          "growing._file.seek(0, os.SEEK_END)"),
+    Fault("resume: temperatures are those of the start", COORDINATOR,
+          "if name != \"checkpoints\"}", "if name not in (\"checkpoints\", \"temperatureOf\")}"),
+    Fault("resume: a run of another structure is taken up", RUN,
+          'if saved.header["model"] != self._model.key:', "if False:"),
+    Fault("saved run: it is written before what it counts", RUN,
+          "                        self._sync()\n                        self._save()\n",
+          "                        self._save()\n                        self._sync()\n"),
+    Fault("saved run: it is written over the former one", "replicas/checkpointfile.py",
+          'temporary = path.with_name(f"{path.name}.part")', "temporary = path"),
+    Fault("saved run: damage is not noticed", "replicas/checkpointfile.py",
+          'if sha256(checkpoint).hexdigest() != header["digests"][name]:', "if False:"),
+    Fault("more trials: frames come farther apart", "command/sample.py",
+          "saved.framesOf(options.trials)", 'saved.settings["frames"]'),
+    Fault("more trials: a last round that was shorter is one of the others", RUN,
+          "begins[0] != begins[1],", "False,"),
+    Fault("more trials: a last frame that came early is one of the others", RUN,
+          "frames[0] != frames[1],", "False,"),
+    Fault("files: each replica has a trajectory of a temperature", "command/replicafiles.py",
+          "temperature if self._byTemperature else replica", "replica"),
+    Fault("files: the index has replicas in the order in which they come", "command/replicafiles.py",
+          "rows[replica] for replica in sorted(rows)", "rows[replica] for replica in rows"),
+    Fault("files: the hottest is told to be the coldest", COORDINATOR,
+          "self._addFrame(frame, result.replica, temperature, kept)",
+          "self._addFrame(frame, result.replica, len(self._plan.temperatures) - 1 - temperature, kept)"),
+    # ---- OpenMM's sampler ----
+    Fault("sampler: replicas share their random numbers", "replicaexchange.py",
+          "            integrator.setRandomNumberSeed(seed)\n", ""),
+    Fault("sampler: replicas keep their state", "replicaexchange.py",
+          "        replica.sampler.applyState(state)\n", ""),
+    Fault("sampler: tolerated clashes have an energy", "replicaexchange.py",
+          "if _differInTemperature(self._states):\n            energy = self._ours.getPotentialEnergy(self.context)",
+          "if _differInTemperature(self._states):\n"
+          "            energy = self.context.getState(energy=True).getPotentialEnergy()._value"),
+    Fault("sampler: a State that was loaded is passed over", "replicaexchange.py",
+          "if conformation is not self._conformation:", "if conformation is None:"),
+    # ---- Clashes in chunks ----
+    Fault("chunks: the last one is lost", "clashchunks.py",
+          "range(0, max(1, count), length)", "range(0, max(1, count - length), length)"),
+    Fault("chunks: the latest that was asked for comes first", "clashchunks.py",
+          "asked.popleft()", "asked.pop()"),
+    Fault("chunks: frames are numbered anew in each", "clashchunks.py",
+          "chunk.counts.tolist(), strict=True), begin)", "chunk.counts.tolist(), strict=True), 0)"),
+    Fault("chunks: what follows a damaged frame counts", "clashchunks.py",
+          "if chunk.damage is not None:", "if False:"),
+    Fault("chunks: frames that were made whole are told again and again", "clashchunks.py",
+          "    search.madeWhole.clear()\n", ""),
+    Fault("chunks: another file is not noticed", "clashchunks.py",
+          "if found != size:", "if False:"),
+    Fault("ranking: each clash is in a frame of its own", RANKING,
+          "(keys[1:] != keys[:-1]) | (frames[1:] != frames[:-1])", "1"),
+    Fault("ranking: what comes after the last whole batch is lost", RANKING,
+          '        self._countWaiting()\n        ranked = self._pairs.rank()', '        ranked = self._pairs.rank()'),
+    Fault("ranking: of equal overlaps the last one's frame is told", RANKING,
+          "np.searchsorted(group[holders], np.arange(len(begins)))",
+          'np.searchsorted(group[holders], np.arange(len(begins)), side="right") - 1'),
+    Fault("ranking: a residue that clashes with itself counts twice", RANKING,
+          "counts[:, 1] = residues[:, 0] != residues[:, 1]", "counts[:, 1] = True"),
+    # ---- Clusters ----
+    Fault("cluster: workers of another version are taken", "cluster.py",
+          "if theirs != ours:\n                    raise ClusterError",
+          "if False:\n                    raise ClusterError"),
+    Fault("cluster: a segment is done only by who has its replica", "cluster.py",
+          "allow_other_workers=worker is not None", "allow_other_workers=False"),
+]
+# fmt: on
+
+
+LAYERS = (
+    (ENGINE, ENGINE_FAULTS),
+    (ENERGY, ENERGY_FAULTS),
+    (GEOMETRY, GEOMETRY_FAULTS),
+    (API, API_FAULTS),
+    (PYTHON, PYTHON_FAULTS),
+)
 FAULTS = [(layer, fault) for layer, faults in LAYERS for fault in faults]
 
 
@@ -1407,6 +1553,62 @@ class Tests:
         return found
 
 
+class PythonTests:
+    """The tests of what is in Python, on a copy of the package that is imported here, with the copy's own modules."""
+
+    def __init__(self, copy: Copy, layer: Layer):
+        self.copy = copy
+        self.layer = layer
+        self.tests = copy.source / "python" / "tests"
+        self.package = copy.build / layer.label
+        found = importlib.util.find_spec("openmmchaintree")
+        if found is None or found.origin is None:
+            sys.exit("openmmchaintree cannot be imported, whose compiled part these tests need: set PYTHONPATH")
+        built = pathlib.Path(found.origin).parent
+        for folder in built.parent.glob("openmmchaintree*"):
+            shutil.copytree(folder, self.package / folder.name, dirs_exist_ok=True)
+        names = [path.stem for path in self.tests.glob("test_*.py")]
+        # Of replicas first, which most faults are of.
+        names = sorted((name for name in names if not re.match(layer.never, name)), reverse=True)
+        self.names = sorted(names, key=self.isSlow)
+
+    def isSlow(self, name: str) -> bool:
+        return re.match(self.layer.slow, name) is not None
+
+    def make(self) -> str:
+        """Returns what Python said if it refused."""
+        for path in (self.copy.source / self.layer.folder).rglob("*.py"):
+            text = path.read_text()
+            try:
+                compile(text, str(path), "exec")
+            except SyntaxError as error:
+                return str(error)
+            (self.package / "openmmchaintree" / path.relative_to(self.copy.source / self.layer.folder)).write_text(text)
+        return ""
+
+    def failing(self, names: list[str]) -> list[str]:
+        files = [self.tests / f"{name}.py" for name in names]
+        stop = [] if self.copy.all else ["-x"]
+        try:
+            ran = run(
+                [sys.executable, "-m", "pytest", "-q", "-p", "no:cacheprovider", *stop, *files],
+                cwd=self.package,
+                env={**os.environ, "PYTHONPATH": str(self.package), "PYTHONDONTWRITEBYTECODE": "1"},
+                timeout=1800,
+            )
+        except subprocess.TimeoutExpired:
+            return ["a test that hangs"]
+        failed = re.findall(r"^(?:FAILED|ERROR) .*?(test_\w+\.py\S*)", ran.stdout, re.MULTILINE)
+        return failed if failed or ran.returncode == 0 else [f"exit status {ran.returncode}"]
+
+    def catchers(self) -> list[str]:
+        quick = [name for name in self.names if not self.isSlow(name)]
+        found = self.failing(quick)
+        for name in self.names[len(quick) :]:
+            found = found or self.failing([name])
+        return found
+
+
 def whyNotPlanted(layer: Layer, fault: Fault) -> str:
     """Returns why a fault cannot be planted, or an empty text."""
     path = REPOSITORY / layer.folder / fault.file
@@ -1416,7 +1618,7 @@ def whyNotPlanted(layer: Layer, fault: Fault) -> str:
     return "" if count == 1 else f"its text is in {fault.file} {count} times"
 
 
-def plant(tests: Tests, fault: Fault) -> str:
+def plant(tests: Tests | PythonTests, fault: Fault) -> str:
     """Returns what came of it, or an empty text if nobody noticed."""
     reason = whyNotPlanted(tests.layer, fault)
     if reason:
@@ -1435,9 +1637,9 @@ def plant(tests: Tests, fault: Fault) -> str:
 
 def plantAll(copy: Copy, chosen: list[tuple[Layer, Fault]]) -> int:
     """Returns how many nobody noticed, or could not be planted."""
-    made = {}
+    made: dict[Layer, Tests | PythonTests] = {}
     for layer in dict.fromkeys(layer for layer, _ in chosen):
-        made[layer] = Tests(copy, layer)
+        made[layer] = (PythonTests if layer is PYTHON else Tests)(copy, layer)
         failed = made[layer].make() or ", ".join(made[layer].catchers())
         if failed:
             sys.exit(f"without any fault: {failed}")
