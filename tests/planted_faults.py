@@ -1431,7 +1431,7 @@ PYTHON_FAULTS = [
           "self._addFrame(frame, result.replica, len(self._plan.temperatures) - 1 - temperature, kept)"),
     # ---- OpenMM's sampler ----
     Fault("sampler: replicas share their random numbers", "replicaexchange.py",
-          "            integrator.setRandomNumberSeed(seed)\n", ""),
+          "integrator.setRandomNumberSeed(seed)", "integrator.setRandomNumberSeed(1)"),
     Fault("sampler: replicas keep their state", "replicaexchange.py",
           "        replica.sampler.applyState(state)\n", ""),
     Fault("sampler: tolerated clashes have an energy", "replicaexchange.py",

@@ -107,6 +107,20 @@ def test_energiesAreThoseThatAreSampled(dipeptide):
 
 
 @needsSampler
+def test_statesAreSampled(dipeptide, monkeypatch):
+    """Hot replicas have more energy than cold ones."""
+    monkeypatch.setattr(f"{__name__}.STATES", [{"temperature": kelvin * unit.kelvin} for kelvin in (5000, 20)])
+    sampler = makeSampler(dipeptide, seed=1)
+    sampler.exchangeReplicas = lambda: None
+    energies = []
+    for _ in range(20):
+        sampler.simulate(1)
+        energies.append([row[0].value_in_unit(unit.kilojoule_per_mole) for row in sampler.replicaStateEnergy])
+    hot, cold = np.mean(energies[5:], axis=0)
+    assert hot > cold + 15
+
+
+@needsSampler
 def test_parametersAndSharedGroups(dipeptide):
     """States that differ in a parameter: the spheres' energy is left out, for which they need a group of their own."""
     topology, system, positions = dipeptide
