@@ -7,8 +7,12 @@ import openmm
 import pytest
 from commands import assertRefused, filesIn
 from openmm import app, unit
+from openmmchaintree.command.plan import DEFAULT_KINDS, Choice
 from openmmchaintree.command.replicafiles import readIndex, trajectoryNames
-from scenes import readDCD, writeSmallStructures
+from openmmchaintree.command.sampling import Sampling
+from openmmchaintree.replicas.segment import Segment, Stop, Workplace
+from openmmchaintree.structure import readStructure
+from scenes import GLYCINES, readDCD, writePDB, writeSmallStructures
 
 PROTEIN = "amber14/protein.ff14SB.xml"
 IN_FORCE_FIELD = ("dipeptide.pdb", "--forcefield", PROTEIN, "--seed", 5)
@@ -87,6 +91,24 @@ def test_roundsOfAnyLength(runHere, tmp_path):
         assert runHere("run.pdb", *options, "-o", f"by{trials}", "--json", f"{trials}.json").returncode == 0
         assert json.loads((tmp_path / f"{trials}.json").read_text())["trialsPerRound"] == trials
     assert contents(tmp_path, "by700") == contents(tmp_path, "by10000")
+
+
+def test_aReplicaThatWasElsewhere(tmp_path):
+    """A workplace that has a replica's Context takes up what another one has done with it since."""
+    structure = readStructure(writePDB(tmp_path / "run.pdb", GLYCINES), 0)
+    choice = Choice(tuple(DEFAULT_KINDS), None, None, False, False, False, False, ())
+    sampling = Sampling(structure, 1, choice, None)  # whose Context has the System
+    here, there = (Workplace(sampling.model()) for _ in range(2))
+
+    def segment(round, checkpoint):
+        return Segment(0, round, 7, 300.0, checkpoint, (Stop(100, True),))
+
+    first = here.run(segment(0, None))
+    second = there.run(segment(1, first.checkpoint))
+    third, expected = (place.run(segment(2, second.checkpoint)) for place in (here, there))
+    assert third.checkpoint == expected.checkpoint and len({first.checkpoint, second.checkpoint, third.checkpoint}) == 3
+    assert np.array_equal(third.counts, expected.counts) and third.counts[:, 0].sum() == 100
+    assert np.array_equal(third.frames[0].positions, expected.frames[0].positions)
 
 
 # ---- Exchange ----
