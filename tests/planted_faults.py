@@ -1592,7 +1592,7 @@ class PythonTests:
         try:
             ran = run(
                 [sys.executable, "-m", "pytest", "-q", "-p", "no:cacheprovider", *stop, *files],
-                cwd=self.package,
+                cwd=self.copy.build,  # not where the package is, since some tests start Python with another one
                 env={**os.environ, "PYTHONPATH": str(self.package), "PYTHONDONTWRITEBYTECODE": "1"},
                 timeout=1800,
             )

@@ -7,12 +7,13 @@ import openmm
 import pytest
 from commands import assertRefused, filesIn
 from openmm import app, unit
+from openmmchaintree import TorsionMonteCarloIntegrator, createStericExclusionForce
 from openmmchaintree.command.plan import DEFAULT_KINDS, Choice
 from openmmchaintree.command.replicafiles import readIndex, trajectoryNames
 from openmmchaintree.command.sampling import Sampling
-from openmmchaintree.replicas.segment import Segment, Stop, Workplace
+from openmmchaintree.replicas.segment import Segment, Stop, Workplace, makeModel
 from openmmchaintree.structure import readStructure
-from scenes import GLYCINES, readDCD, writePDB, writeSmallStructures
+from scenes import DIPEPTIDE, GLYCINES, readDCD, writePDB, writeSmallStructures
 
 PROTEIN = "amber14/protein.ff14SB.xml"
 IN_FORCE_FIELD = ("dipeptide.pdb", "--forcefield", PROTEIN, "--seed", 5)
@@ -163,6 +164,21 @@ def energyByOpenMM(folder, positions):
 
 
 energyByOpenMM.context = None
+
+
+def test_energyOfASegment(tmp_path):
+    """What decides exchanges is the energy where a segment ends."""
+    pdb = app.PDBFile(str(writePDB(tmp_path / "dipeptide.pdb", DIPEPTIDE)))
+    positions = pdb.getPositions(asNumpy=True).value_in_unit(unit.nanometer)
+    system = app.ForceField(PROTEIN).createSystem(pdb.topology)
+    system.addForce(createStericExclusionForce(pdb.topology, positions))
+    integrator = TorsionMonteCarloIntegrator(300)
+    integrator.addTorsionMove(1, 0.5)
+    model = makeModel(system, integrator, positions, "Reference", {}, True)
+    result = Workplace(model).run(Segment(0, 0, 1, 300.0, None, (Stop(50, True), Stop(50, True), Stop(50, False))))
+    middle, end = Workplace(model).run(Segment(0, 0, 1, 300.0, None, (Stop(100, True), Stop(50, True)))).frames
+    assert result.frames[1].energy == middle.energy and result.energy == end.energy
+    assert len({frame.energy for frame in (*result.frames, end)}) == 3
 
 
 def test_namesOfTemperatures():
