@@ -57,8 +57,12 @@ static void testBadStates()
 {
     RandomNumberGenerator random(1);
     const string state = random.getState();
-    const string bad[] = {"", "1 2 3", state.substr(0, state.rfind(' ')), state.substr(0, state.rfind(' ')) + " 313",
-                          state.substr(0, state.rfind(' ')) + " -1", "x" + state};
+    const string bad[] = {"",
+                          "1 2 3",
+                          state.substr(0, state.rfind(' ')),
+                          state.substr(0, state.rfind(' ')) + " 313",
+                          state.substr(0, state.rfind(' ')) + " -1",
+                          "x" + state};
     for (const string& text : bad) {
         ASSERT(!random.setState(text));
         ASSERT(random.getState() == state);
