@@ -53,9 +53,9 @@ TOLERANCE = 0.05  # nm, of villin: so that it has no clash, and limits do not de
 
 # Born cutoff, cutoff of pairs (nm), trials to an outer test.
 STAND_INS = {
-    "two": (0.65, 0.8, 400),
-    "often": (0.65, 0.8, 50),
-    "one": (0.65, 0.8, 1),
+    "two": (0.55, 0.8, 400),
+    "often": (0.55, 0.8, 50),
+    "one": (0.55, 0.8, 1),
     "larger": (1.0, 1.2, 400),
     "smaller": (0.5, 0.5, 20),
     "absurd": (0.3, 0.3, 4),

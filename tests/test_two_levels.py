@@ -37,7 +37,7 @@ SOFT_CONSTANT = 3e3  # kJ/mol/nm^2: so soft that spheres that overlap are sample
 MEDIUM, HOT = 400, 900  # K
 
 # Cutoffs of Born sums and pairs (nm), the width of the grid, and the trials to an outer test.
-DEFAULT = (0.65, 0.8, 0.1, 40)
+DEFAULT = (0.55, 0.8, 0.1, 40)
 ABSURD = {"cutoffs": (0.3, 0.3, 0.05, 2), "grid": (0.8, 0.9, 1, 5), "both": (0.3, 0.3, 0.5, 2)}
 SHORT = (0.4, 0.45, 0.05, 2)
 CONSTANT = (0.05, 2, 0.05, 200)  # radii do not depend on the state

@@ -45,7 +45,7 @@ static long double fadeOf(const ctEnergyDefinition* d, long double r)
 {
     const float c[] = STANDIN_FADE;
     const long double x = r * r / (d->standIn->pairCutoff * d->standIn->pairCutoff);
-    return c[0] + x * (c[1] + x * c[2]);
+    return x * (c[0] + x * c[1]);
 }
 
 long double findWorstShift(const ctEnergyDefinition* d)
@@ -90,20 +90,19 @@ static long double energyOfPair(const ctEnergyDefinition* d, const StandInModel*
         -born->coulomb * (1 / (long double)born->soluteDielectric - decay(born->kappa * f) / born->solventDielectric);
     long double energy =
         (born->kappa == 0 ? oracleContrast(born, f) : contrast) * born->charges[i] * born->charges[j] / f;
+    energy -= born->coulomb * born->charges[i] * born->charges[j] * fadeOf(d, r) * shiftOf(model, 0, logI, logJ);
     if (excluded)
         return energy;
     const ctNonbonded* n = d->nonbonded;
     const long double sigma = ((long double)n->sigmas[i] + n->sigmas[j]) / 2;
     const long double sixth = powl(sigma / r, 6);
-    const long double atCutoff = fadeOf(d, r) * shiftOf(model, 0, logI, logJ);
     energy += 4 * sqrtl((long double)n->epsilons[i] * n->epsilons[j]) * sixth * (sixth - 1);
-    energy += (long double)CT_COULOMB * n->charges[i] * n->charges[j] / r;
-    return energy - born->coulomb * born->charges[i] * born->charges[j] * atCutoff;
+    return energy + (long double)CT_COULOMB * n->charges[i] * n->charges[j] / r;
 }
 
 /* Its derivative by either of them, as if the exponential were its own derivative. */
 static long double slopeOfPair(const ctEnergyDefinition* d, const StandInModel* model, int i, int j, long double r,
-                               long double logI, long double logJ, bool excluded)
+                               long double logI, long double logJ)
 {
     const ctBorn* born = d->born;
     const long double product = expl(logI + logJ), x = r * r / (4 * product);
@@ -112,9 +111,9 @@ static long double slopeOfPair(const ctEnergyDefinition* d, const StandInModel* 
     const long double screening = born->kappa == 0 ? 1 : decay(born->kappa * f);
     const long double contrast = 1 / (long double)born->soluteDielectric - screening / born->solventDielectric;
     const long double charges = born->coulomb * born->charges[i] * born->charges[j];
-    long double slope =
+    const long double slope =
         charges * slopeOfF * (contrast / (f * f) - born->kappa * screening / born->solventDielectric / f);
-    return excluded ? slope : slope - charges * fadeOf(d, r) * shiftOf(model, 1, logI, logJ) * STANDIN_GRADIENT;
+    return slope - charges * fadeOf(d, r) * shiftOf(model, 1, logI, logJ) * STANDIN_GRADIENT;
 }
 
 StandInSum sumStandIn(const ctEnergyDefinition* d, int particleCount, const double* positions, const double* far)
@@ -127,7 +126,8 @@ StandInSum sumStandIn(const ctEnergyDefinition* d, int particleCount, const doub
     if (logs == NULL)
         abort();
     for (int i = 0; i < particleCount; i++) {
-        const long double born = far[i] + oracleBornSum(d->born, particleCount, positions, i, d->standIn->bornCutoff);
+        const long double born = far[i] + oracleBornSum(d->born, particleCount, positions, i, d->standIn->bornCutoff) -
+                                 oracleBornTaken(d->born, particleCount, positions, i, d->standIn->bornCutoff);
         const long double radius = oracleBornRadius(d->born, i, born);
         const long double log = logl(radius);
         const long double charge = fabsl((long double)d->born->charges[i]);
@@ -154,8 +154,8 @@ StandInSum sumStandIn(const ctEnergyDefinition* d, int particleCount, const doub
             if (r >= cutoff)
                 continue;
             sum.energy += energy;
-            sum.energy += beyond[i] * slopeOfPair(d, &model, i, j, r, logs[i], logs[j], excluded);
-            sum.energy += beyond[j] * slopeOfPair(d, &model, j, i, r, logs[j], logs[i], excluded);
+            sum.energy += beyond[i] * slopeOfPair(d, &model, i, j, r, logs[i], logs[j]);
+            sum.energy += beyond[j] * slopeOfPair(d, &model, j, i, r, logs[j], logs[i]);
             sum.doubt += (fabsl(beyond[i]) + fabsl(beyond[j])) / 1000;
         }
     free(logs);

@@ -380,7 +380,7 @@ public:
     void getStandInCutoffs(double& bornCutoff, double& pairCutoff) const;
     /**
      * Set the cutoffs of a stand-in. They have no influence on what is sampled, only on how fast: larger ones make a
-     * trial cost more, smaller ones let fewer outer tests keep their trials. The defaults are 0.65 and 0.8 nm. Another
+     * trial cost more, smaller ones let fewer outer tests keep their trials. The defaults are 0.55 and 0.8 nm. Another
      * bornCutoff makes the stand-in anew, as renewStandIns() does.
      *
      * @param bornCutoff  the largest distance of particles in a Born sum, in nm; those beyond it are replaced by a

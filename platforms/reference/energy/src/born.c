@@ -86,10 +86,12 @@ static float squaredReach(double reach) {
 
 static void setModel(BornModel* model, int particleCount, const ctBorn* d, const BornNecks* necks) {
   double radius = 0; /* the largest of each */
+  double leastRadius = INFINITY;
   double offset = 0;
   double scaled = 0;
   for (int i = 0; i < particleCount; i++) {
     radius = greater(radius, d->radii[i]);
+    leastRadius = fmin(leastRadius, d->radii[i]);
     offset = greater(offset, d->offsetRadii[i]);
     scaled = greater(scaled, fabs(d->scaledRadii[i]));
   }
@@ -106,6 +108,7 @@ static void setModel(BornModel* model, int particleCount, const ctBorn* d, const
       .squaredNear = squaredReach(near),
       .squaredFar = squaredReach(far),
       .squaredNeckReach = squaredReach(neckReach),
+      .squaredLeastNeckReach = (float)(0.9999 * pow(greater(2 * leastRadius + d->neckCut, 0), 2)),
       .squaredReach = squaredReach(greater(greater(near, far), neckReach)),
       .perDielectrics = {(float)(1 / d->soluteDielectric), (float)(1 / d->solventDielectric)},
       .kappa = (float)d->kappa,

@@ -55,6 +55,7 @@ typedef struct BornModel {
   float squaredFar;
   float squaredNeckReach;
   float squaredReach;
+  float squaredLeastNeckReach; /* within this, all have necks */
   float perDielectrics[2]; /* 1 / soluteDielectric and 1 / solventDielectric */
   float kappa;
   float shift;         /* that of ctBorn */

@@ -28,6 +28,10 @@ typedef struct Kernels {
   WholePair (*wholePair)(const BornModel* model, const WholeSide* a, const WholeSide* b);
   double (*bornPair)(const BornModel* model, const WholeSide* a, const WholeSide* b);
 
+  /* The same of the stand-in, within its cutoff; false if all sums are 0. */
+  bool (*standInBorn)(const BornModel* model, const StandInModel* standIn, const BornSide* a, const BornSide* b,
+                      float ofA[CT_LEAF_WIDTH], float ofB[CT_LEAF_WIDTH]);
+
   /* Of the stand-in: radii of a leaf by its Born sums over particles that are near; what follows from those of the grid
    * alone; the energy of a leaf's particles by themselves with what the grid of radii neglects, given the derivatives
    * of pairs by ln B; the energy of all pairs of two leaves, whose derivatives are added (a leaf with itself has one

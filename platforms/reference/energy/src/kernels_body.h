@@ -158,6 +158,7 @@ static double leafPairEnergy(const Potential* potential, const LeafSide* a, cons
 
 #include "born_body.h"
 #include "standin_body.h"
+#include "standinborn_body.h"
 #include "wholepair_body.h"
 
 const Kernels KERNELS = {
@@ -168,6 +169,7 @@ const Kernels KERNELS = {
     .bornSums = bornSums,
     .wholePair = wholePair,
     .bornPair = bornPair,
+    .standInBorn = standInBorn,
     .standInRadii = standInRadii,
     .standInShift = standInShift,
     .exchangeParts = exchangeParts,

@@ -136,9 +136,8 @@ void ctStandInComputeBorn(const StandIn* standIn, int a, const LeafFrame* frameA
   const Born* born = &standIn->born;
   const BornSide sideA = {frameA, &born->columns[a], born->columns[a].occupied, a};
   const BornSide sideB = {frameB, &born->columns[b], born->columns[b].occupied, b};
-  memset(record->born, 0, sizeof record->born);
-  standIn->leaves->kernels->bornSums(&born->model, standIn->model.squaredBornCutoff, &sideA, &sideB, record->born[0],
-                                     record->born[1]);
+  standIn->leaves->kernels->standInBorn(&born->model, &standIn->model, &sideA, &sideB, record->born[0],
+                                        record->born[1]);
 }
 
 /* A leaf in a pair with another. */

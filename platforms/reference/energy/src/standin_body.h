@@ -140,8 +140,7 @@ CT_INLINE Float16 atCutoff(const Sixteen* one, const Sixteen* all, int first, in
 
 /* STANDIN_FADE at this squared distance. */
 CT_INLINE Float16 fadeAt(const StandInModel* model, Float16 squared) {
-  const Float16 high = add16(all16(model->fade[1]), mul16(all16(model->fade[2]), squared));
-  return add16(all16(model->fade[0]), mul16(high, squared));
+  return mul16(squared, add16(all16(model->fade[0]), mul16(all16(model->fade[1]), squared)));
 }
 
 /* 2^-x for x >= 0, by STANDIN_POWER. */
@@ -197,21 +196,6 @@ CT_INLINE void pairEnergies(const StandInModel* model, const Sixteen* one, const
                             unsigned used, unsigned direct, StandInCase its, Float16* energy, Float16* gradient) {
   const Float16 inverseF = sqrt16(s->inverseF2);
   const Float16 fade = fadeAt(model, s->squared);
-  Float16 withoutBorn = sub16(all16(0), mul16(fade, atCutoff(one, all, 0, VALUE_RANK)));
-  if (!its.isExchange) {
-    const Float16 sigma = add16(one->sigma, all->sigma);
-    const Float16 ratio2 = mul16(mul16(sigma, sigma), s->inverse2);
-    const Float16 ratio6 = mul16(mul16(ratio2, ratio2), ratio2);
-    const Float16 epsilon = mul16(one->epsilon, all->epsilon);
-    const Float16 lennardJones = mul16(epsilon, mul16(ratio6, sub16(ratio6, all16(1))));
-    const Float16 coulomb = mul16(mul16(one->charge, all->charge), sqrt16(s->inverse2));
-    withoutBorn = add16(min16(add16(lennardJones, coulomb), all16(STANDIN_MOST_ENERGY)), withoutBorn);
-  }
-  Float16 slope = mul16(fade, atCutoff(one, all, VALUE_RANK, SLOPE_RANK));
-  if (its.isMasked) {
-    withoutBorn = keep16(direct, withoutBorn);
-    slope = keep16(direct, slope);
-  }
   const Float16 charges = mul16(one->bornCharge, all->bornCharge);
   Float16 born = mul16(charges, inverseF);
   Float16 steepness = born;
@@ -222,10 +206,26 @@ CT_INLINE void pairEnergies(const StandInModel* model, const Sixteen* one, const
     steepness = mul16(charges, sub16(mul16(perDielectric, inverseF), mul16(all16(model->kappa), screening)));
     born = mul16(born, perDielectric);
   }
+  born = add16(born, mul16(fade, atCutoff(one, all, 0, VALUE_RANK)));
+  Float16 sum = sub16(all16(0), born);
+  if (!its.isExchange) {
+    const Float16 sigma = add16(one->sigma, all->sigma);
+    const Float16 ratio2 = mul16(mul16(sigma, sigma), s->inverse2);
+    const Float16 ratio6 = mul16(mul16(ratio2, ratio2), ratio2);
+    const Float16 epsilon = mul16(one->epsilon, all->epsilon);
+    const Float16 lennardJones = mul16(epsilon, mul16(ratio6, sub16(ratio6, all16(1))));
+    const Float16 coulomb = mul16(mul16(one->charge, all->charge), sqrt16(s->inverse2));
+    Float16 unbound = min16(add16(lennardJones, coulomb), all16(STANDIN_MOST_ENERGY));
+    if (its.isMasked) {
+      unbound = keep16(direct, unbound);
+    }
+    sum = sub16(unbound, born);
+  }
+  const Float16 slope = mul16(fade, atCutoff(one, all, VALUE_RANK, SLOPE_RANK));
   /* d(f^2) / d ln B = widening (1 + r^2 / (4 B_i B_j)). */
   const Float16 ofF = mul16(mul16(s->widening, add16(s->exponent, all16(1.44269504f))), s->inverseF2);
   const Float16 cutoff = all16(model->squaredCutoff);
-  *energy = keepBelowAmong16(used, s->squared, cutoff, sub16(withoutBorn, born));
+  *energy = keepBelowAmong16(used, s->squared, cutoff, sum);
   *gradient = keepBelowAmong16(used, s->squared, cutoff, sub16(mul16(ofF, steepness), slope));
 }
 

@@ -124,8 +124,11 @@ void ctStandInFitShift(StandInModel* model, const ctEnergyDefinition* d) {
   factor(values, nodes, VALUE_RANK, model->shift, model->shiftSign);
   factor(slopes, nodes, SLOPE_RANK, model->shift + VALUE_RANK, model->shiftSign + VALUE_RANK);
   const float fade[] = STANDIN_FADE;
+  const float bornFade[] = STANDIN_BORN_FADE;
   const double squared = d->standIn->pairCutoff * d->standIn->pairCutoff;
-  model->fade[0] = fade[0];
-  model->fade[1] = (float)((double)fade[1] / squared);
-  model->fade[2] = (float)((double)fade[2] / (squared * squared));
+  const double bornSquared = d->standIn->bornCutoff * d->standIn->bornCutoff;
+  model->fade[0] = (float)((double)fade[0] / squared);
+  model->fade[1] = (float)((double)fade[1] / (squared * squared));
+  model->bornFade[0] = (float)((double)bornFade[0] / (3 * bornSquared * bornSquared));
+  model->bornFade[1] = (float)((double)bornFade[1] / (3 * bornSquared * bornSquared * bornSquared));
 }

@@ -62,6 +62,20 @@ static inline long double oracleBornSum(const ctBorn* d, int particleCount, cons
   return sum;
 }
 
+/* What the stand-in takes from that; see ctStandIn. */
+static inline long double oracleBornTaken(const ctBorn* d, int particleCount, const double* positions, int i,
+                                          long double cutoff) {
+  long double taken = 0;
+  for (int j = 0; j < particleCount; j++) {
+    const long double r = j != i ? oracleDistance(positions, i, j) : INFINITY;
+    if (r < cutoff) {
+      const long double atCutoff = powl(d->scaledRadii[j], 3) / (3 * powl(cutoff, 4));
+      taken += atCutoff * (-2.2L + 3.4L * r * r / (cutoff * cutoff));
+    }
+  }
+  return taken;
+}
+
 static inline long double oracleBornRadius(const ctBorn* d, int i, long double sum) {
   const long double inverse = 1 / (long double)d->offsetRadii[i];
   if (!d->isRescaled) {
