@@ -28,9 +28,11 @@ typedef struct Kernels {
   WholePair (*wholePair)(const BornModel* model, const WholeSide* a, const WholeSide* b);
   double (*bornPair)(const BornModel* model, const WholeSide* a, const WholeSide* b);
 
-  /* The same of the stand-in, within its cutoff; false if all sums are 0. */
-  bool (*standInBorn)(const BornModel* model, const StandInModel* standIn, const BornSide* a, const BornSide* b,
-                      float ofA[CT_LEAF_WIDTH], float ofB[CT_LEAF_WIDTH]);
+  /* Of the stand-in: which particles of two leaves are near the other one; and the same sums of these, within its
+   * cutoff. */
+  void (*nearRows)(const StandInModel* standIn, const LeafFrame* a, const LeafFrame* b, NearRows* rows);
+  void (*standInBorn)(const BornModel* model, const StandInModel* standIn, const BornSide* a, const BornSide* b,
+                      const NearRows* rows, float ofA[CT_LEAF_WIDTH], float ofB[CT_LEAF_WIDTH]);
 
   /* Of the stand-in: radii of a leaf by its Born sums over particles that are near; what follows from those of the grid
    * alone; the energy of a leaf's particles by themselves with what the grid of radii neglects, given the derivatives
@@ -46,10 +48,10 @@ typedef struct Kernels {
   bool (*exchangeParts)(double sums[CT_LEAF_WIDTH], const float before[CT_LEAF_WIDTH],
                         const float after[CT_LEAF_WIDTH]);
   double (*standInLeafEnergy)(const StandInRadii* radii, const double gradient[CT_LEAF_WIDTH]);
-  double (*standInPairs)(const StandInModel* model, const StandInSide* a, const StandInSide* b,
+  double (*standInPairs)(const StandInModel* model, const StandInSide* a, const StandInSide* b, const NearRows* rows,
                          float gradientA[CT_LEAF_WIDTH], float gradientB[CT_LEAF_WIDTH]);
   double (*standInExchange)(const StandInModel* model, const StandInSide a[2], const StandInSide b[2],
-                            unsigned slotsOfA, unsigned slotsOfB, float gradientA[CT_LEAF_WIDTH],
+                            const NearRows* rows, unsigned slotsOfA, unsigned slotsOfB, float gradientA[CT_LEAF_WIDTH],
                             float gradientB[CT_LEAF_WIDTH]);
 } Kernels;
 

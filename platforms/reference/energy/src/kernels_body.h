@@ -169,6 +169,7 @@ const Kernels KERNELS = {
     .bornSums = bornSums,
     .wholePair = wholePair,
     .bornPair = bornPair,
+    .nearRows = nearRows,
     .standInBorn = standInBorn,
     .standInRadii = standInRadii,
     .standInShift = standInShift,

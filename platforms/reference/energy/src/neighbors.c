@@ -65,7 +65,9 @@ int ctNeighborsReserve(Neighbors* neighbors) {
   const int pair = neighbors->freeCount > 0 ? neighbors->free[--neighbors->freeCount] : neighbors->pairCount++;
   neighbors->present[pair] = 0;
   neighbors->stamp[pair] = 0;
-  memset(&neighbors->records[pair][0], 0, sizeof(PairRecord));
+  PairRecord* record = &neighbors->records[pair][0];
+  record->energy = 0;
+  record->hasPairs = record->hasBorn = false;
   return pair;
 }
 

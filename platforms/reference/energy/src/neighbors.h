@@ -7,6 +7,8 @@
 /* What is kept of leaves a <= b. A trial that is accepted makes its record that of the state by a flip. */
 typedef struct PairRecord {
   double energy;
+  bool hasPairs;                    /* else the energy and derivatives are 0, whatever is written there */
+  bool hasBorn;                     /* the same of Born sums */
   float born[2][CT_LEAF_WIDTH];     /* what b contributes to the Born sums of a's particles, and a to b's */
   float gradient[2][CT_LEAF_WIDTH]; /* dE / d ln B of a's particles, and of b's, by this pair */
 } PairRecord;
@@ -41,7 +43,7 @@ void ctNeighborsClear(Neighbors* neighbors);
 /* The number of the pair of leaves a and b, or CT_NULL. O(log of the row). */
 int ctNeighborsFind(const Neighbors* neighbors, int a, int b);
 
-/* Gives out a number for a pair, with a record of the state that is all 0; CT_NULL if there is no memory. */
+/* Gives out a number for a pair, with an empty record of the state; CT_NULL if there is no memory. */
 int ctNeighborsReserve(Neighbors* neighbors);
 
 /* Takes a number back that no row has. */
@@ -54,6 +56,17 @@ void ctNeighborsRemove(Neighbors* neighbors, int a, int b);
 
 /* Makes one a copy of another for as many leaves. False if there is no memory; then the copy is of no use. */
 bool ctNeighborsCopy(Neighbors* copy, const Neighbors* original);
+
+/* Sixteen zeros, or what a record has of one of its leaves. */
+static inline const float* bornOf(const PairRecord* record, int side) {
+  static const float none[CT_LEAF_WIDTH];
+  return record->hasBorn ? record->born[side] : none;
+}
+
+static inline const float* gradientOf(const PairRecord* record, int side) {
+  static const float none[CT_LEAF_WIDTH];
+  return record->hasPairs ? record->gradient[side] : none;
+}
 
 /* The record of the state, and the other one. */
 static inline PairRecord* stateRecord(const Neighbors* neighbors, int pair) {

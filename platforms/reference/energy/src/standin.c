@@ -106,6 +106,7 @@ ctStatus ctStandInCreate(StandIn* standIn, TrialLeaves* leaves, int particleCoun
   standIn->bornCutoff = d->standIn->bornCutoff;
   standIn->pairCutoff = d->standIn->pairCutoff;
   setModel(&standIn->model, d);
+  standIn->model.squaredOverlap = standIn->born.model.squaredNear;
   setConstants(standIn, d->born, d->standIn->gridWidth);
   return ctSuccess;
 }
@@ -132,12 +133,15 @@ void ctStandInFree(StandIn* standIn) {
 /* ---- Pairs and radii ---- */
 
 void ctStandInComputeBorn(const StandIn* standIn, int a, const LeafFrame* frameA, int b, const LeafFrame* frameB,
-                          PairRecord* record) {
+                          const NearRows* rows, PairRecord* record) {
   const Born* born = &standIn->born;
   const BornSide sideA = {frameA, &born->columns[a], born->columns[a].occupied, a};
   const BornSide sideB = {frameB, &born->columns[b], born->columns[b].occupied, b};
-  standIn->leaves->kernels->standInBorn(&born->model, &standIn->model, &sideA, &sideB, record->born[0],
-                                        record->born[1]);
+  record->hasBorn = hasBorn(rows);
+  if (record->hasBorn) {
+    standIn->leaves->kernels->standInBorn(&born->model, &standIn->model, &sideA, &sideB, rows, record->born[0],
+                                          record->born[1]);
+  }
 }
 
 /* A leaf in a pair with another. */
@@ -151,12 +155,17 @@ static StandInSide sideOf(const StandIn* standIn, const PlacedLeaf* placed, int 
                        .excluded = pairMaskOf(&standIn->nonbonded.mask, leaf, other)};
 }
 
-void ctStandInComputePairs(const StandIn* standIn, const PlacedLeaf* a, const PlacedLeaf* b, PairRecord* record) {
-  const StandInSide sideA = sideOf(standIn, a, b->leaf);
-  const StandInSide sideB = sideOf(standIn, b, a->leaf);
-  memset(record->gradient, 0, sizeof record->gradient);
-  record->energy =
-      standIn->leaves->kernels->standInPairs(&standIn->model, &sideA, &sideB, record->gradient[0], record->gradient[1]);
+void ctStandInComputePairs(const StandIn* standIn, const PlacedLeaf* a, const PlacedLeaf* b, const NearRows* rows,
+                           PairRecord* record) {
+  record->energy = 0;
+  record->hasPairs = hasPairs(rows);
+  if (record->hasPairs) {
+    const StandInSide sideA = sideOf(standIn, a, b->leaf);
+    const StandInSide sideB = sideOf(standIn, b, a->leaf);
+    memset(record->gradient, 0, sizeof record->gradient);
+    record->energy = standIn->leaves->kernels->standInPairs(&standIn->model, &sideA, &sideB, rows, record->gradient[0],
+                                                            record->gradient[1]);
+  }
 }
 
 /* From so many particles on, all pairs of two leaves cost less than theirs twice. */
@@ -164,8 +173,13 @@ enum { MOST_EXCHANGED = 4 };
 
 void ctStandInExchangePairs(const StandIn* standIn, const PlacedLeaf* a, unsigned slotsOfA, const PlacedLeaf* b,
                             unsigned slotsOfB, PairRecord* record) {
+  if (!record->hasPairs) {
+    return;
+  }
+  NearRows rows;
+  standIn->leaves->kernels->nearRows(&standIn->model, a->frame, b->frame, &rows);
   if (a->leaf == b->leaf || __builtin_popcount(slotsOfA) + __builtin_popcount(slotsOfB) > MOST_EXCHANGED) {
-    ctStandInComputePairs(standIn, a, b, record);
+    ctStandInComputePairs(standIn, a, b, &rows, record);
     return;
   }
   StandInSide sideA[2] = {sideOf(standIn, a, b->leaf)};
@@ -176,7 +190,7 @@ void ctStandInExchangePairs(const StandIn* standIn, const PlacedLeaf* a, unsigne
   sideB[1].radii = &stateLeaf(standIn, b->leaf)->radii;
   sideA[1].shift = stateShift(standIn, a->leaf);
   sideB[1].shift = stateShift(standIn, b->leaf);
-  record->energy += standIn->leaves->kernels->standInExchange(&standIn->model, sideA, sideB, slotsOfA, slotsOfB,
+  record->energy += standIn->leaves->kernels->standInExchange(&standIn->model, sideA, sideB, &rows, slotsOfA, slotsOfB,
                                                               record->gradient[0], record->gradient[1]);
 }
 
@@ -196,26 +210,32 @@ static void addAll(double* sums, const float* parts) {
   }
 }
 
+/* Which particles of two leaves are near in the state. */
+static NearRows rowsInState(const StandIn* standIn, int a, int b) {
+  NearRows rows;
+  const LeafFrame* frameA = ctStateFrame(standIn->leaves, a);
+  standIn->leaves->kernels->nearRows(&standIn->model, frameA, ctStateFrame(standIn->leaves, b), &rows);
+  return rows;
+}
+
 /* Makes pairs of leaves neighbours, with the Born sums that they contribute. */
 static ctStatus findNeighbors(StandIn* standIn, size_t count, const ctLeafPair* near) {
   for (size_t i = 0; i < count; i++) {
     const int a = near[i].a;
     const int b = near[i].b;
-    const bool hasBorn = ctIsWithin(near[i].squaredGap, standIn->bornCutoff);
-    if (!hasBorn && !ctIsWithin(near[i].squaredGap, standIn->pairCutoff)) {
+    const NearRows rows = rowsInState(standIn, a, b);
+    if (!hasPairs(&rows) && !hasBorn(&rows)) {
       continue;
     }
     const int pair = ctNeighborsReserve(&standIn->neighbors);
     if (pair == CT_NULL || !ctNeighborsAdd(&standIn->neighbors, a, b, pair)) {
       return ctOutOfMemory;
     }
-    if (hasBorn) {
-      PairRecord* record = stateRecord(&standIn->neighbors, pair);
-      const LeafFrame* frameA = ctStateFrame(standIn->leaves, a);
-      ctStandInComputeBorn(standIn, a, frameA, b, ctStateFrame(standIn->leaves, b), record);
-      addAll(stateLeaf(standIn, a)->born, record->born[0]);
-      addAll(stateLeaf(standIn, b)->born, record->born[1]);
-    }
+    PairRecord* record = stateRecord(&standIn->neighbors, pair);
+    const LeafFrame* frameA = ctStateFrame(standIn->leaves, a);
+    ctStandInComputeBorn(standIn, a, frameA, b, ctStateFrame(standIn->leaves, b), &rows, record);
+    addAll(stateLeaf(standIn, a)->born, bornOf(record, 0));
+    addAll(stateLeaf(standIn, b)->born, bornOf(record, 1));
   }
   return ctSuccess;
 }
@@ -241,9 +261,10 @@ ctStatus ctStandInRefresh(StandIn* standIn, size_t count, const ctLeafPair* near
         PairRecord* record = stateRecord(&standIn->neighbors, row->pairs[i]);
         const PlacedLeaf placedA = ctStandInPlace(standIn, a, ctStateFrame(standIn->leaves, a));
         const PlacedLeaf placedB = ctStandInPlace(standIn, b, ctStateFrame(standIn->leaves, b));
-        ctStandInComputePairs(standIn, &placedA, &placedB, record);
-        addAll(stateLeaf(standIn, a)->gradient, record->gradient[0]);
-        addAll(stateLeaf(standIn, b)->gradient, record->gradient[1]);
+        const NearRows rows = rowsInState(standIn, a, b);
+        ctStandInComputePairs(standIn, &placedA, &placedB, &rows, record);
+        addAll(stateLeaf(standIn, a)->gradient, gradientOf(record, 0));
+        addAll(stateLeaf(standIn, b)->gradient, gradientOf(record, 1));
       }
     }
   }

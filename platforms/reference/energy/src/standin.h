@@ -26,10 +26,10 @@ typedef struct StagedPair {
   int a;
   int b;
   int pair;
-  bool isNew;  /* no row has it yet */
-  bool isNear; /* its energy was computed first, with the radii of the state */
-  bool isOpen; /* its energy is not computed yet */
-  bool hasBorn;
+  bool isNew;    /* no row has it yet */
+  bool isNear;   /* its energy was computed first, with the radii of the state */
+  bool isOpen;   /* its energy is not computed yet */
+  NearRows rows; /* in the trial */
 } StagedPair;
 
 typedef struct StandIn {
@@ -128,11 +128,12 @@ typedef struct PlacedLeaf {
   const StandInShift* shift;
 } PlacedLeaf;
 
-/* The Born sums that two leaves contribute to each other, and their energy with these radii. The record's other part
- * stays. */
+/* The Born sums that two leaves contribute to each other, given which particles of these are near; and their energy
+ * with these radii. The record's other part stays. */
 void ctStandInComputeBorn(const StandIn* standIn, int a, const LeafFrame* frameA, int b, const LeafFrame* frameB,
-                          PairRecord* record);
-void ctStandInComputePairs(const StandIn* standIn, const PlacedLeaf* a, const PlacedLeaf* b, PairRecord* record);
+                          const NearRows* rows, PairRecord* record);
+void ctStandInComputePairs(const StandIn* standIn, const PlacedLeaf* a, const PlacedLeaf* b, const NearRows* rows,
+                           PairRecord* record);
 
 /* Exchanges in a record what pairs of some particles of either leaf have with the radii of the state by what they have
  * with these. */

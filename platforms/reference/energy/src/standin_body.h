@@ -322,30 +322,44 @@ CT_INLINE Sum16 addCase(const StandInModel* model, const StandInRows* rows, bool
                          : addRows(model, rows, (StandInCase){isExchange, false, false}, sum);
 }
 
-/* From some of the particles of either leaf near the other, to all of it. */
-static void findRows(const StandInModel* model, const StandInSide a[], const StandInSide b[], unsigned slotsOfA,
-                     unsigned slotsOfB, float gradientA[], float gradientB[], StandInRows rows[2]) {
-  rows[0] = (StandInRows){.ones = a, .all = b, .lanes = 0xffff, .ofOnes = gradientA, .ofAll = gradientB};
-  rows[1] = (StandInRows){.ones = b, .all = a, .lanes = 0xffff, .ofOnes = gradientB, .ofAll = gradientA};
-  shiftBetween(a->frame, b->frame, rows[0].shift);
-  shiftBetween(b->frame, a->frame, rows[1].shift);
-  rows[0].slots = slotsOfA & rowsNear(a->frame, b->frame, rows[0].shift, model->squaredCutoff);
-  rows[1].slots = slotsOfB & rowsNear(b->frame, a->frame, rows[1].shift, model->squaredCutoff);
+static void nearRows(const StandInModel* model, const LeafFrame* a, const LeafFrame* b, NearRows* rows) {
+  const Float16 pairs = all16(model->squaredCutoff * ROUNDING_OF_BOXES);
+  const Float16 born = all16(model->squaredBornCutoff * ROUNDING_OF_BOXES);
+  const Float16 overlap = all16(model->squaredOverlap * ROUNDING_OF_BOXES);
+  const LeafFrame* frames[2] = {a, b};
+  for (int side = 0; side < 2; side++) {
+    float shift[3];
+    shiftBetween(frames[side], frames[1 - side], shift);
+    /* Slots without a particle are far from any box. */
+    const Float16 squared = squaredFromBox(frames[side], frames[1 - side], shift);
+    rows->pairs[side] = (uint16_t)~greater16(squared, pairs);
+    rows->born[side] = (uint16_t)~greater16(squared, born);
+    rows->overlaps[side] = (uint16_t)~greater16(squared, overlap);
+  }
 }
 
-static double standInPairs(const StandInModel* model, const StandInSide* a, const StandInSide* b, float gradientA[],
-                           float gradientB[]) {
-  StandInRows rows[2];
-  findRows(model, a, b, a->columns->occupied, b->columns->occupied, gradientA, gradientB, rows);
+/* From some of the particles of one leaf to all of the other. */
+static StandInRows rowsOf(const StandInSide ones[], const StandInSide all[], unsigned slots, float ofOnes[],
+                          float ofAll[]) {
+  StandInRows rows = {.ones = ones, .all = all, .slots = slots, .lanes = 0xffff, .ofOnes = ofOnes, .ofAll = ofAll};
+  shiftBetween(ones->frame, all->frame, rows.shift);
+  return rows;
+}
+
+static double standInPairs(const StandInModel* model, const StandInSide* a, const StandInSide* b, const NearRows* near,
+                           float gradientA[], float gradientB[]) {
   /* By the side with fewer particles near the other. */
-  const bool isOfA = a->frame == b->frame || __builtin_popcount(rows[0].slots) <= __builtin_popcount(rows[1].slots);
-  return total16(addCase(model, &rows[isOfA ? 0 : 1], false, zeroSum16()));
+  const bool isOfA = __builtin_popcount(near->pairs[0]) <= __builtin_popcount(near->pairs[1]);
+  const StandInRows rows =
+      isOfA ? rowsOf(a, b, near->pairs[0], gradientA, gradientB) : rowsOf(b, a, near->pairs[1], gradientB, gradientA);
+  return total16(addCase(model, &rows, false, zeroSum16()));
 }
 
 static double standInExchange(const StandInModel* model, const StandInSide a[2], const StandInSide b[2],
-                              unsigned slotsOfA, unsigned slotsOfB, float gradientA[], float gradientB[]) {
-  StandInRows rows[2];
-  findRows(model, a, b, slotsOfA, slotsOfB, gradientA, gradientB, rows);
+                              const NearRows* near, unsigned slotsOfA, unsigned slotsOfB, float gradientA[],
+                              float gradientB[]) {
+  StandInRows rows[2] = {rowsOf(a, b, slotsOfA & near->pairs[0], gradientA, gradientB),
+                         rowsOf(b, a, slotsOfB & near->pairs[1], gradientB, gradientA)};
   rows[1].lanes = ~slotsOfA;
   Sum16 sum = zeroSum16();
   for (int i = 0; i < 2; i++) {

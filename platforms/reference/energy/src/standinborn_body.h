@@ -162,46 +162,29 @@ CT_INLINE Float16 standInBornCase(const BornModel* model, const StandInModel* st
              : standInBornRows(model, standIn, sides, slots, near, forRows, isSame, true, false);
 }
 
-static bool standInBorn(const BornModel* model, const StandInModel* standIn, const BornSide* a, const BornSide* b,
-                        float ofA[CT_LEAF_WIDTH], float ofB[CT_LEAF_WIDTH]) {
+static void standInBorn(const BornModel* model, const StandInModel* standIn, const BornSide* a, const BornSide* b,
+                        const NearRows* near, float ofA[CT_LEAF_WIDTH], float ofB[CT_LEAF_WIDTH]) {
   float shift[3];
-  float back[3];
   float forRows[CT_LEAF_WIDTH][CT_LEAF_WIDTH];
-  shiftBetween(a->frame, b->frame, shift);
-  BornSides sides = {a, b, load16(b->frame->x), load16(b->frame->y), load16(b->frame->z)};
-  if (a->leaf == b->leaf) {
-    const unsigned all = a->occupied;
-    store16(ofA, toSteps(standInBornCase(model, standIn, &sides, all, all, forRows, true)));
-    store16(ofB, all16(0));
-    return true;
-  }
   /* Each row of one side costs the same, so those of the side with fewer are summed. */
-  shiftBetween(b->frame, a->frame, back);
-  const Float16 reach = all16(standIn->squaredBornCutoff * ROUNDING_OF_BOXES);
-  const Float16 squaredOfA = squaredFromBox(a->frame, b->frame, shift);
-  const Float16 squaredOfB = squaredFromBox(b->frame, a->frame, back);
-  const unsigned rowsOfA = a->occupied & ~greater16(squaredOfA, reach);
-  const unsigned rowsOfB = b->occupied & ~greater16(squaredOfB, reach);
-  if (rowsOfA == 0 || rowsOfB == 0) {
-    store16(ofA, all16(0));
+  const bool isOfA = __builtin_popcount(near->born[0]) <= __builtin_popcount(near->born[1]);
+  const BornSide* ones = isOfA ? a : b;
+  const BornSide* all = isOfA ? b : a;
+  const unsigned rows = near->born[isOfA ? 0 : 1];
+  const unsigned overlaps = near->overlaps[isOfA ? 0 : 1];
+  shiftBetween(ones->frame, all->frame, shift);
+  const BornSides sides = {ones, all, add16(load16(all->frame->x), all16(shift[0])),
+                           add16(load16(all->frame->y), all16(shift[1])),
+                           add16(load16(all->frame->z), all16(shift[2]))};
+  if (a->leaf == b->leaf) {
+    store16(ofA, toSteps(standInBornCase(model, standIn, &sides, rows, overlaps, forRows, true)));
     store16(ofB, all16(0));
-    return false;
+    return;
   }
-  const bool isOfA = __builtin_popcount(rowsOfA) <= __builtin_popcount(rowsOfB);
-  if (!isOfA) {
-    sides = (BornSides){b, a, load16(a->frame->x), load16(a->frame->y), load16(a->frame->z)};
-  }
-  const float* from = isOfA ? shift : back;
-  sides.x = add16(sides.x, all16(from[0]));
-  sides.y = add16(sides.y, all16(from[1]));
-  sides.z = add16(sides.z, all16(from[2]));
-  const unsigned rows = isOfA ? rowsOfA : rowsOfB;
-  const unsigned near = rows & ~greater16(isOfA ? squaredOfA : squaredOfB, all16(model->squaredNear));
   for (int k = 0; k < CT_LEAF_WIDTH; k++) {
     store16(forRows[k], all16(0));
   }
-  const Float16 lanes = standInBornCase(model, standIn, &sides, rows, near, forRows, false);
+  const Float16 lanes = standInBornCase(model, standIn, &sides, rows, overlaps, forRows, false);
   store16(isOfA ? ofB : ofA, toSteps(lanes));
   store16(isOfA ? ofA : ofB, toSteps(sums16x16((const float(*)[CT_LEAF_WIDTH])forRows)));
-  return true;
 }

@@ -14,6 +14,7 @@ typedef struct StandInModel {
   bool isRescaled;
   float squaredCutoff;
   float squaredBornCutoff;
+  float squaredOverlap;    /* no particles farther apart overlap */
   float perDielectrics[2]; /* 1 / soluteDielectric and 1 / solventDielectric */
   float kappa;
   float kappaOfTwo; /* times log2(e) */
@@ -55,6 +56,22 @@ typedef struct StandInRadii {
 typedef struct StandInShift {
   float value[SHIFT_RANK][CT_LEAF_WIDTH];
 } StandInShift;
+
+/* Which particles of two leaves may be near some of the other one, as bits of their slots, by its box. */
+typedef struct NearRows {
+  uint16_t pairs[2]; /* within the cutoff of pairs: of the first leaf, and of the second */
+  uint16_t born[2];  /* within that of Born sums */
+  uint16_t overlaps[2];
+} NearRows;
+
+/* True if two leaves can have an energy, or contribute to each other's Born sums. */
+static inline bool hasPairs(const NearRows* rows) {
+  return rows->pairs[0] != 0 && rows->pairs[1] != 0;
+}
+
+static inline bool hasBorn(const NearRows* rows) {
+  return rows->born[0] != 0 && rows->born[1] != 0;
+}
 
 /* One of the two leaves of a pair. */
 typedef struct StandInSide {

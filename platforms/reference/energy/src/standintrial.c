@@ -40,10 +40,13 @@ static PlacedLeaf placeInTrial(const StandIn* standIn, int leaf, const LeafFrame
 static void exchangeGradients(StandIn* standIn, const StagedPair* staged) {
   const PairRecord* before = stateRecord(&standIn->neighbors, staged->pair);
   const PairRecord* after = otherRecord(&standIn->neighbors, staged->pair);
+  if (!before->hasPairs && !after->hasPairs) {
+    return;
+  }
   const int leaves[2] = {staged->a, staged->b};
   for (int side = 0; side < 2; side++) {
     StandInLeaf* leaf = touch(standIn, leaves[side], false);
-    standIn->leaves->kernels->exchangeParts(leaf->gradient, before->gradient[side], after->gradient[side]);
+    standIn->leaves->kernels->exchangeParts(leaf->gradient, gradientOf(before, side), gradientOf(after, side));
   }
 }
 
@@ -68,18 +71,23 @@ static ctStatus stage(StandIn* standIn, bool near) {
   }
   for (int i = 0; i < leaves->changedCount; i++) {
     const ChangedPair* changed = &leaves->changed[i];
-    const bool hasBorn = ctIsWithin(changed->squaredGap, standIn->bornCutoff);
-    if (changed->isNear != near || !(hasBorn || ctIsWithin(changed->squaredGap, standIn->pairCutoff))) {
+    if (changed->isNear != near) {
       continue;
     }
+    NearRows rows;
+    const LeafFrame* frameA = ctTrialFrame(standIn->leaves, changed->a);
+    leaves->kernels->nearRows(&standIn->model, frameA, ctTrialFrame(standIn->leaves, changed->b), &rows);
     const int found = ctNeighborsFind(&standIn->neighbors, changed->a, changed->b);
+    if (found == CT_NULL && !hasPairs(&rows) && !hasBorn(&rows)) {
+      continue;
+    }
     const int pair = found != CT_NULL ? found : ctNeighborsReserve(&standIn->neighbors);
     if (pair == CT_NULL) {
       return ctOutOfMemory;
     }
     standIn->neighbors.stamp[pair] = leaves->trial;
     standIn->staged[standIn->stagedCount++] =
-        (StagedPair){changed->a, changed->b, pair, found == CT_NULL, near, true, hasBorn};
+        (StagedPair){changed->a, changed->b, pair, found == CT_NULL, near, true, rows};
     standIn->movedCount = standIn->stagedCount;
   }
   return ctSuccess;
@@ -96,7 +104,7 @@ ctStatus ctStandInNearChange(StandIn* standIn, double* change) {
     PairRecord* after = otherRecord(&standIn->neighbors, staged->pair);
     const PlacedLeaf a = ctStandInPlace(standIn, staged->a, ctTrialFrame(standIn->leaves, staged->a));
     const PlacedLeaf b = ctStandInPlace(standIn, staged->b, ctTrialFrame(standIn->leaves, staged->b));
-    ctStandInComputePairs(standIn, &a, &b, after);
+    ctStandInComputePairs(standIn, &a, &b, &staged->rows, after);
     staged->isOpen = false;
     *change += after->energy - stateRecord(&standIn->neighbors, staged->pair)->energy;
   }
@@ -111,18 +119,17 @@ static void changeBornSums(StandIn* standIn) {
     const StagedPair* staged = &standIn->staged[i];
     const PairRecord* before = stateRecord(&standIn->neighbors, staged->pair);
     PairRecord* after = otherRecord(&standIn->neighbors, staged->pair);
-    if (!staged->hasBorn) {
-      memset(after->born, 0, sizeof after->born);
-      continue;
-    }
     const LeafFrame* frameA = ctTrialFrame(standIn->leaves, staged->a);
-    ctStandInComputeBorn(standIn, staged->a, frameA, staged->b, ctTrialFrame(standIn->leaves, staged->b), after);
+    const LeafFrame* frameB = ctTrialFrame(standIn->leaves, staged->b);
+    ctStandInComputeBorn(standIn, staged->a, frameA, staged->b, frameB, &staged->rows, after);
     const int leaves[2] = {staged->a, staged->b};
-    for (int side = 0; side < 2; side++) {
+    for (int side = 0; side < 2 && (before->hasBorn || after->hasBorn); side++) {
+      const float* from = bornOf(before, side);
+      const float* to = bornOf(after, side);
       /* Many leaves are near by their boxes alone. */
-      if (memcmp(before->born[side], after->born[side], sizeof after->born[side]) != 0) {
+      if (memcmp(from, to, sizeof after->born[side]) != 0) {
         StandInLeaf* leaf = touch(standIn, leaves[side], true);
-        standIn->leaves->kernels->exchangeParts(leaf->born, before->born[side], after->born[side]);
+        standIn->leaves->kernels->exchangeParts(leaf->born, from, to);
       }
     }
   }
@@ -169,7 +176,7 @@ static double changeMovedPairs(StandIn* standIn) {
     PairRecord* after = otherRecord(&standIn->neighbors, staged->pair);
     const bool isCrossed = (crossing(standIn, staged->a) | crossing(standIn, staged->b)) != 0;
     double back = before->energy;
-    if (staged->isNear && isCrossed && !staged->isNew) {
+    if (staged->isNear && isCrossed && before->hasPairs) {
       PairRecord record = *before;
       exchangeRadii(standIn, staged, false, &record);
       back = record.energy;
@@ -177,7 +184,7 @@ static double changeMovedPairs(StandIn* standIn) {
     if (staged->isOpen) {
       const PlacedLeaf a = placeInTrial(standIn, staged->a, ctTrialFrame(standIn->leaves, staged->a));
       const PlacedLeaf b = placeInTrial(standIn, staged->b, ctTrialFrame(standIn->leaves, staged->b));
-      ctStandInComputePairs(standIn, &a, &b, after);
+      ctStandInComputePairs(standIn, &a, &b, &staged->rows, after);
     } else if (isCrossed) {
       exchangeRadii(standIn, staged, true, after);
     }
@@ -219,7 +226,7 @@ static ctStatus changeUnmovedPairs(StandIn* standIn, double* change) {
     for (int n = 0; n < row->count; n++) {
       const int other = row->leaves[n];
       const int pair = row->pairs[n];
-      if (neighbors->stamp[pair] != standIn->leaves->trial) {
+      if (neighbors->stamp[pair] != standIn->leaves->trial && stateRecord(neighbors, pair)->hasPairs) {
         neighbors->stamp[pair] = standIn->leaves->trial;
         StagedPair* staged = &standIn->staged[standIn->stagedCount++];
         *staged = (StagedPair){.a = leaf < other ? leaf : other, .b = leaf < other ? other : leaf, .pair = pair};
@@ -253,14 +260,10 @@ ctStatus ctStandInOtherChange(StandIn* standIn, double* change) {
 
 /* ---- The end of a trial ---- */
 
-static bool isEmpty(const PairRecord* record) {
-  static const PairRecord empty;
-  return memcmp(record, &empty, sizeof empty) == 0;
-}
-
 /* Makes the record of the trial that of the state, if it is worth keeping. */
 static bool acceptPair(Neighbors* neighbors, const StagedPair* staged) {
-  if (isEmpty(otherRecord(neighbors, staged->pair))) {
+  const PairRecord* record = otherRecord(neighbors, staged->pair);
+  if (!record->hasPairs && !record->hasBorn) {
     if (!staged->isNew) {
       ctNeighborsRemove(neighbors, staged->a, staged->b);
     }
