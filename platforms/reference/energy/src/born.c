@@ -141,6 +141,10 @@ static void setParticles(Born* born, int particleCount, const ctBorn* d, const i
     columns->scaledRadius[k] = (float)scaled;
     columns->squaredScaled[k] = (float)(scaled * scaled);
     columns->cubedScaled[k] = (float)(scaled * scaled * scaled);
+    const float series[] = BORN_REMOTE_SERIES;
+    for (int n = 0; n < 3; n++) {
+      columns->remote[n][k] = (float)((double)series[n] * pow(scaled, 3 + 2 * n));
+    }
     columns->neckType[k] = d->neckTypeCount > 0 ? d->neckTypes[i] : 0;
     columns->occupied |= 1u << k;
     born->particles[slotOf[i]] = (BornParticle){

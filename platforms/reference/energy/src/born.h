@@ -13,6 +13,7 @@ typedef struct BornColumns {
   float scaledRadius[CT_LEAF_WIDTH];
   float squaredScaled[CT_LEAF_WIDTH]; /* its square, and its cube with the sign */
   float cubedScaled[CT_LEAF_WIDTH];
+  float remote[3][CT_LEAF_WIDTH]; /* factors of r^-4, r^-6 and r^-8 of what they contribute far away */
   int neckType[CT_LEAF_WIDTH];
   unsigned occupied; /* bits: slots that hold a particle */
 } BornColumns;
@@ -56,7 +57,7 @@ typedef struct BornModel {
   float squaredNeckReach;
   float squaredReach;
   float squaredLeastNeckReach; /* within this, all have necks */
-  float perDielectrics[2]; /* 1 / soluteDielectric and 1 / solventDielectric */
+  float perDielectrics[2];     /* 1 / soluteDielectric and 1 / solventDielectric */
   float kappa;
   float shift;         /* that of ctBorn */
   float squaredCutoff; /* of ctBorn; where there is none, that of slots without a particle */
@@ -83,6 +84,8 @@ typedef struct BornSide {
 
 /* s / r up to which shorter and longer series hold, where spheres do not overlap. */
 #define BORN_REMOTE_RATIO 0.16
+#define BORN_REMOTE_SERIES \
+  { 0.3333335752f, 0.3998299556f, 0.4461475734f }
 #define BORN_FAR_RATIO 0.35
 #define BORN_NEAR_RATIO 0.62
 

@@ -16,7 +16,7 @@ typedef enum BornRange {
 
 /* P(t), with a relative error below 0.8e-6 for remote rows, which contribute little, and 1.3e-7 for others. */
 CT_INLINE Float16 bornSeries(Float16 t, BornRange range) {
-  const float remote[] = {0.3333335752f, 0.3998299556f, 0.4461475734f};
+  const float remote[] = BORN_REMOTE_SERIES;
   const float far[] = {0.3333333673f, 0.3999861014f, 0.4294699158f, 0.4244512686f, 0.6296422579f};
   const float near[] = {0.3333332922f, 0.4000137732f, 0.4278248782f, 0.4596163302f,
                         0.306237974f,  1.224110084f,  -1.580146636f, 2.932006772f};
@@ -224,6 +224,36 @@ CT_INLINE int costOf(BornBits bits) {
   return __builtin_popcount(bits.rows) + 2 * __builtin_popcount(bits.necks) + 3 * __builtin_popcount(bits.near);
 }
 
+/* The sums of full leaves that are remote from each other, without a cutoff. The series is that of bornRemote, with its
+ * coefficients in the columns. */
+static void remoteSums(const BornSide* a, const BornSide* b, float ofA[CT_LEAF_WIDTH], float ofB[CT_LEAF_WIDTH]) {
+  float shift[3];
+  float forRows[CT_LEAF_WIDTH][CT_LEAF_WIDTH];
+  shiftBetween(a->frame, b->frame, shift);
+  const BornSides sides = {a, b, add16(load16(b->frame->x), all16(shift[0])),
+                           add16(load16(b->frame->y), all16(shift[1])), add16(load16(b->frame->z), all16(shift[2]))};
+  const Float16 first = load16(b->columns->remote[0]);
+  const Float16 second = load16(b->columns->remote[1]);
+  const Float16 third = load16(b->columns->remote[2]);
+  Float16 forLanes = all16(0);
+  /* Two reciprocals by one division. */
+  _Pragma("GCC unroll 4") for (int k = 0; k < CT_LEAF_WIDTH; k += 2) {
+    const Float16 squared[2] = {squaredFrom(&sides, k), squaredFrom(&sides, k + 1)};
+    const Float16 both = div16(all16(1), mul16(squared[0], squared[1]));
+    for (int i = 0; i < 2; i++) {
+      const Float16 inverse2 = mul16(both, squared[1 - i]);
+      const Float16 inverse4 = mul16(inverse2, inverse2);
+      const Float16 highA =
+          add16(all16(a->columns->remote[1][k + i]), mul16(all16(a->columns->remote[2][k + i]), inverse2));
+      const Float16 highB = add16(second, mul16(third, inverse2));
+      forLanes = add16(forLanes, mul16(inverse4, add16(all16(a->columns->remote[0][k + i]), mul16(highA, inverse2))));
+      store16(forRows[k + i], mul16(inverse4, add16(first, mul16(highB, inverse2))));
+    }
+  }
+  store16(ofB, toSteps(forLanes));
+  store16(ofA, toSteps(sums16x16(forRows)));
+}
+
 static void bornSums(const BornModel* model, float squaredCutoff, const BornSide* a, const BornSide* b,
                      float ofA[CT_LEAF_WIDTH], float ofB[CT_LEAF_WIDTH]) {
   float shift[3];
@@ -238,21 +268,23 @@ static void bornSums(const BornModel* model, float squaredCutoff, const BornSide
     store16(ofA, toSteps(lanes));
     return;
   }
-  BornBits bits = {.rows = a->occupied};
-  if (squaredCutoff < NO_CUTOFF || squaredGap(a->frame, b->frame) <= (double)model->squaredReach) {
-    /* Each row of one side costs the same, so those of the side with fewer are summed. */
-    float back[3];
-    shiftBetween(b->frame, a->frame, back);
-    const BornBits bitsOfB = findBornBits(model, squaredCutoff, b, a, back);
-    bits = findBornBits(model, squaredCutoff, a, b, shift);
-    if (costOf(bitsOfB) < costOf(bits)) {
-      float* of = ofA;
-      ofA = ofB;
-      ofB = of;
-      bits = bitsOfB;
-      sides = (BornSides){b, a, load16(a->frame->x), load16(a->frame->y), load16(a->frame->z)};
-      memcpy(shift, back, sizeof shift);
-    }
+  const bool isFull = (a->occupied & b->occupied) == 0xffff;
+  if (isFull && squaredCutoff >= NO_CUTOFF && squaredGap(a->frame, b->frame) > (double)model->squaredReach) {
+    remoteSums(a, b, ofA, ofB);
+    return;
+  }
+  /* Each row of one side costs the same, so those of the side with fewer are summed. */
+  float back[3];
+  shiftBetween(b->frame, a->frame, back);
+  const BornBits bitsOfB = findBornBits(model, squaredCutoff, b, a, back);
+  BornBits bits = findBornBits(model, squaredCutoff, a, b, shift);
+  if (costOf(bitsOfB) < costOf(bits)) {
+    float* of = ofA;
+    ofA = ofB;
+    ofB = of;
+    bits = bitsOfB;
+    sides = (BornSides){b, a, load16(a->frame->x), load16(a->frame->y), load16(a->frame->z)};
+    memcpy(shift, back, sizeof shift);
   }
   sides.x = add16(sides.x, all16(shift[0]));
   sides.y = add16(sides.y, all16(shift[1]));

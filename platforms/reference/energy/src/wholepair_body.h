@@ -15,16 +15,6 @@ CT_INLINE Float16 powerOfTwo(Float16 x) {
   return floatsOfBits(addInts(bitsOf16(power), shiftLeftInts(bitsOf16(shifted), 23)));
 }
 
-/* 1 / sqrt(x) for normal x > 0, error below 2 units in the last place: from bits, and two steps of Halley and Newton.
- * Root and division of the processor would take as long, but are busy with distances. */
-CT_INLINE Float16 inverseRoot(Float16 x) {
-  const Float16 guess = floatsOfBits(subInts(allInts(0x5f375a86), shiftRightInts(bitsOf16(x), 1)));
-  const Float16 h = mul16(mul16(x, guess), guess);
-  const Float16 better = mul16(guess, add16(all16(1.875f), mul16(h, sub16(mul16(h, all16(0.375f)), all16(1.25f)))));
-  const Float16 rest = sub16(all16(1), mul16(mul16(x, better), better));
-  return add16(better, mul16(mul16(better, all16(0.5f)), rest));
-}
-
 /* Side b of two blocks, from the centre of side a, and what sums have come to. */
 typedef struct WholeSums {
   Float16 x, y, z;
@@ -52,9 +42,18 @@ CT_INLINE void addWholeRows(const BornModel* model, const WholeSide* a, const Wh
     squared[i] = squared16(dx, dy, dz);
   }
   if (hasNonbonded) {
-    /* Early, as this takes long but leaves the processor free for Born. */
-    EACH_ROW {
-      inverse[i] = div16(all16(1), sqrt16(squared[i]));
+    /* Early, as this takes long but leaves the processor free for Born. Two reciprocals by one division, unless a pair
+     * may be of one particle with itself. Where particles coincide, the sum is not finite. */
+    if (count == ROWS_IN_FLOAT && !isMasked) {
+      for (int i = 0; i < ROWS_IN_FLOAT; i += 2) {
+        const Float16 both = div16(all16(1), mul16(squared[i], squared[i + 1]));
+        inverse[i] = sqrt16(mul16(both, squared[i + 1]));
+        inverse[i + 1] = sqrt16(mul16(both, squared[i]));
+      }
+    } else {
+      EACH_ROW {
+        inverse[i] = div16(all16(1), sqrt16(squared[i]));
+      }
     }
   }
   EACH_ROW {
@@ -67,7 +66,7 @@ CT_INLINE void addWholeRows(const BornModel* model, const WholeSide* a, const Wh
   Float16 part = all16(0);
   EACH_ROW {
     const int k = slots[i];
-    const Float16 inverseF = inverseRoot(squaredF[i]);
+    const Float16 inverseF = div16(all16(1), sqrt16(squaredF[i]));
     Float16 energy = mul16(all16(a->born->charge[k]), sub16(inverseF, all16(model->shift)));
     if (hasKappa) {
       const Float16 f = mul16(squaredF[i], inverseF);
