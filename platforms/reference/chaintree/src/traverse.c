@@ -23,6 +23,7 @@ bool ctTraversalBuild(Traversal* t, Arena* arena, const Tree* tree, const Sequen
   t->movedCapacity = tree->nodeCount < MOST_MOVED_ENTRIES ? tree->nodeCount : MOST_MOVED_ENTRIES;
   t->tree = tree;
   t->firstNodesTime = NEVER;
+  t->mostFirstNodes = MOST_FIRST_NODES;
   t->sequence = sequence;
   t->exclusions = exclusions;
   t->worldTime = ctArenaAllocate(arena, nodes, sizeof(int64_t));
@@ -39,6 +40,9 @@ bool ctTraversalBuild(Traversal* t, Arena* arena, const Tree* tree, const Sequen
   t->moved = ctArenaAllocate(arena, (size_t)t->movedCapacity, sizeof(Block));
   t->movedBoxesCapacity = MOST_MOVED_BOXES;
   t->movedBoxes = ctArenaAllocate(arena, MOST_MOVED_BOXES, sizeof(MovedBoxes));
+  if (treeHasFewParents(tree)) {
+    t->parents = ctArenaAllocate(arena, (size_t)tree->levelSize[2], sizeof(Block));
+  }
   t->stack = ctArenaAllocate(arena, (size_t)TREE_MAX_LEVELS * TREE_WIDTH, sizeof(ProbedNode));
   t->nearNodes = ctArenaAllocate(arena, nodes + TREE_WIDTH, sizeof(int));
   if (arena->failed) {

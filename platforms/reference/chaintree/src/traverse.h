@@ -44,6 +44,9 @@ typedef struct Traversal {
   int64_t* worldTime;     /* the tree's time of its world coordinates; NEVER: it has none */
   bool worldHasSurfaces;  /* the radii are of surfaces, else of centres */
   int64_t firstNodesTime; /* the tree's time when all nodes with which tests of few slots begin were up to date */
+  int mostFirstNodes;     /* MOST_FIRST_NODES, but for tests */
+  Block* parents;         /* the members of the parents of nodes over leaves, at that time; NULL: they are too many */
+  float parentsOutside;   /* nm: these lag by so much at most */
   int* entryOf;           /* its entry in the two arrays below; CT_NULL: another leaf has taken that */
   struct Box* box;        /* around its members in its own frame; stale where the tree says so */
 

@@ -220,14 +220,15 @@ void ctTreeCatchUp(Tree* tree) {
   }
 }
 
-/* True if these links move no more than twigs, and trials of few slots begin with the nodes over leaves. */
+/* True if these links move no more than twigs, and trials of few slots begin with the nodes over leaves or with their
+ * parents. */
 static bool mayLag(const Tree* tree, const Sequence* s, const int* links, int count) {
   for (int i = 0; i < count; i++) {
     if (s->twigPart[links[i]] == notInTwig) {
       return false;
     }
   }
-  return tree->levelCount > 1 && tree->levelSize[1] <= MOST_FIRST_NODES;
+  return tree->levelCount > 1 && (tree->levelSize[1] <= MOST_FIRST_NODES || treeHasFewParents(tree));
 }
 
 int ctTreeUpdate(Tree* tree, const Sequence* sequence, const int* links, int count) {

@@ -14,6 +14,7 @@
 
 #include <limits.h>
 
+#include "costs.h"
 #include "order.h"
 #include "sequence.h"
 
@@ -90,7 +91,7 @@ typedef struct Tree {
   int laggingCount; /* of nodes over leaves below which twigs have turned since; of these all other nodes lag, too */
   int* lagging;
   bool* lags;    /* per node */
-  float outside; /* nm: no particle sticks farther out of the root's bound, as that is */
+  float outside; /* nm: no particle sticks farther out of the bound of an inner node over it, as that is */
 
   /* When which part of the tree last changed. If the shortcut of a leaf changes, all nodes behind that leaf move. The
    * list of such leaves, with times, ascends in both: a change removes earlier changes of later leaves. */
@@ -136,6 +137,11 @@ static inline int treeMemberCount(const Tree* tree, int level, int node) {
   const int all = level == 0 ? tree->slotCount : tree->levelSize[level - 1];
   const int left = all - (node - tree->levelBegin[level]) * TREE_WIDTH;
   return left < TREE_WIDTH ? left : TREE_WIDTH;
+}
+
+/* True if the nodes over leaves have parents, and so few that a trial of few slots may test all of these. */
+static inline bool treeHasFewParents(const Tree* tree) {
+  return tree->levelCount > 2 && tree->levelSize[2] <= MOST_FIRST_NODES;
 }
 
 /* The members of an inner node. */
