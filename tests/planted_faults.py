@@ -1447,7 +1447,7 @@ PYTHON_FAULTS = [
           "                        self._save()\n                        self._sync()\n"),
     Fault("saved run: it is written over the former one", "replicas/checkpointfile.py",
           'temporary = path.with_name(f"{path.name}.part")', "temporary = path"),
-    Fault("saved run: damage is not noticed", "replicas/checkpointfile.py",
+    Fault("saved run: replicas may have changed places", "replicas/checkpointfile.py",
           'if sha256(checkpoint).hexdigest() != header["digests"][name]:', "if False:"),
     Fault("more trials: frames come farther apart", "command/sample.py",
           "saved.framesOf(options.trials)", 'saved.settings["frames"]'),
@@ -1499,8 +1499,6 @@ PYTHON_FAULTS = [
     Fault("cluster: workers of another version are taken", "cluster.py",
           "if theirs != ours:\n                    raise ClusterError",
           "if False:\n                    raise ClusterError"),
-    Fault("cluster: a segment is done only by who has its replica", "cluster.py",
-          "allow_other_workers=worker is not None", "allow_other_workers=False"),
 ]
 # fmt: on
 

@@ -272,10 +272,15 @@ def spoil(path, what):
         data[len(data) // 3] ^= 1
     elif what == "text":
         data = b"mine"
-    elif what == "version":
+    elif what in ("version", "swap"):
         source = zipfile.ZipFile(io.BytesIO(data))
         with zipfile.ZipFile(path, "w") as archive:
-            archive.writestr("run.json", source.read("run.json").replace(b'"version": 1', b'"version": 9'))
+            header = source.read("run.json")
+            archive.writestr(
+                "run.json", header.replace(b'"version": 1', b'"version": 9') if what == "version" else header
+            )
+            for name, other in (("0", "1"), ("1", "0")):
+                archive.writestr(name, source.read(other))
         return
     elif what == "gone":
         return path.unlink()
@@ -290,6 +295,7 @@ def spoil(path, what):
         ("run.checkpoint", "flip", "run.checkpoint: is no checkpoint of this command, or damaged"),
         ("run.checkpoint", "text", "run.checkpoint: is no checkpoint of this command, or damaged"),
         ("run.checkpoint", "version", "run.checkpoint: is of another version of openmm-chaintree"),
+        ("run.checkpoint", "swap", "or damaged (the checkpoint of replica 0 is not what was written)"),
         ("run-replica-1.dcd", "gone", "run-replica-1.dcd: there is no such file to go on with"),
         ("run-replica-1.dcd", "cut", "run-replica-1.dcd: is not the trajectory that the run has written"),
         ("run-replica-1.dcd", "text", "run-replica-1.dcd: is not the trajectory that the run has written"),
