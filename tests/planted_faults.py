@@ -640,7 +640,8 @@ ENERGY_FAULTS = [
     Fault("whole energy: of two rows, both have the first one's distance", "wholepair_body.h",
           "inverse[i + 1] = sqrt16(mul16(both, squared[i]));", "inverse[i + 1] = sqrt16(mul16(both, squared[i + 1]));"),
     Fault("Born sums: remote leaves have the second term twice", "born_body.h",
-          "const Float16 third = load16(b->columns->remote[2]);", "const Float16 third = load16(b->columns->remote[1]);"),
+          "const Float16 third = load16(b->columns->remote[2]);",
+          "const Float16 third = load16(b->columns->remote[1]);"),
     Fault("Born sums: leaves with empty slots are summed as full ones", "born_body.h",
           "  const bool isFull = (a->occupied & b->occupied) == 0xffff;\n", "  const bool isFull = true;\n"),
     # ---- The stand-in ----
