@@ -13,7 +13,7 @@ from .solventrows import Sampler, describeCommon, describeOuter, describeStandIn
 
 SAMPLES = "samples"  # the group of rows
 
-SAMPLE_CUTOFFS = ((0.65, 0.75), (0.65, 0.8), (0.7, 0.9), (1.0, 1.2))  # of Born sums and of pairs, nm
+SAMPLE_CUTOFFS = ((0.55, 0.7), (0.55, 0.8), (0.65, 0.9), (1.0, 1.2))  # of Born sums and of pairs, nm
 SAMPLE_BLOCKS = (50, 100, 200, 400, 800)  # trials of an outer test
 SAMPLE_TRIALS = 80000  # a chain
 

@@ -31,7 +31,7 @@ OUTER_TEST = f"{OURS}, an outer test"
 EXPRESSION = f"{OURS}, CustomNonbondedForce"
 NO_SOLVENT = f"{OURS}, without solvent"
 
-CUTOFFS = ((0.55, 0.7), (0.65, 0.75), (0.65, 0.8), (0.7, 0.9), (1.0, 1.2))  # of Born sums and of pairs, nm
+CUTOFFS = ((0.45, 0.7), (0.55, 0.7), (0.55, 0.8), (0.65, 0.9), (1.0, 1.2))  # of Born sums and of pairs, nm
 BLOCKS = (50, 100, 400)  # trials of an outer test
 
 # µs are those of so many trials a run.
