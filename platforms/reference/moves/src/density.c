@@ -6,8 +6,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "inline.h"
-
 static const double PI = 3.141592653589793238462643383280;
 static const double TWO_PI = 6.283185307179586476925286766559;
 
@@ -41,7 +39,6 @@ struct ctDensity {
   double* weight;                 /* paddedCount, of a sum of 1 */
   Bells bells[CT_DENSITY_MOST];
   double floor;
-  bool takesAvx2; /* rotamers are evaluated by AVX2, which gives the same bits in less time */
 };
 
 /* Takes probabilities of any sum. False if there is no memory. */
@@ -172,20 +169,6 @@ static double distance(double angle1, double angle2) {
   return PI - fabs(PI - fabs(angle1 - angle2));
 }
 
-/* On Windows gcc does not align what it keeps of wide vectors on the stack. */
-#if defined(__x86_64__) && !defined(_WIN32)
-#define BY_AVX2
-#endif
-
-static bool hasAvx2(void) {
-#ifdef BY_AVX2
-  const char* wanted = getenv("CHAINTREE_SIMD");
-  return (wanted == NULL || strcmp(wanted, "portable") != 0) && __builtin_cpu_supports("avx2");
-#else
-  return false;
-#endif
-}
-
 /* Fills the bells of torsion k. False if there is no memory. */
 static bool createBells(ctDensity* density, int k, int rotamerCount, const double* means, const double* widths) {
   Bells* bells = &density->bells[k];
@@ -223,7 +206,6 @@ ctDensity* ctCreateRotamers(int torsionCount, int rotamerCount, const double* we
     ctDestroyDensity(density);
     return NULL;
   }
-  density->takesAvx2 = hasAvx2();
   double sum = 0;
   for (int i = 0; i < rotamerCount; i++) {
     sum += weights[i];
@@ -260,7 +242,7 @@ static void drawFromRotamers(const ctDensity* density, const double* uniforms, d
 }
 
 /* Multiplies products, one a rotamer of a batch, by the densities of torsion k at an angle. */
-CT_INLINE void multiplyBells(const Bells* bells, int first, double angle, double base, double* restrict products) {
+static void multiplyBells(const Bells* bells, int first, double angle, double base, double* restrict products) {
   const double *mean = bells->mean + first, *scale = bells->scale + first, *height = bells->height + first;
   if (bells->images == 0) {
     for (int i = 0; i < BATCH; i++) {
@@ -278,7 +260,7 @@ CT_INLINE void multiplyBells(const Bells* bells, int first, double angle, double
   }
 }
 
-CT_INLINE double sumRotamers(const ctDensity* density, const double* angles) {
+static double getRotamerDensity(const ctDensity* density, const double* angles) {
   const double base = density->floor / TWO_PI;
   double products[BATCH], sums[BATCH] = {0};
   for (int first = 0; first < density->paddedCount; first += BATCH) {
@@ -296,18 +278,6 @@ CT_INLINE double sumRotamers(const ctDensity* density, const double* angles) {
     }
   }
   return sums[0];
-}
-
-#ifdef BY_AVX2
-__attribute__((target("avx2")))
-#endif
-static double
-sumRotamersByAvx2(const ctDensity* density, const double* angles) {
-  return sumRotamers(density, angles);
-}
-
-static double getRotamerDensity(const ctDensity* density, const double* angles) {
-  return density->takesAvx2 ? sumRotamersByAvx2(density, angles) : sumRotamers(density, angles);
 }
 
 /* ---- Either ---- */
