@@ -17,7 +17,7 @@
 
 enum { MOST_PARTICLES = 300, NECK_TYPES = 3 };
 
-static const int defaultProgramCount = 40;
+static const int defaultProgramCount = 60;
 static const uint64_t defaultSeed = 20261122;
 
 static struct Tally {
@@ -206,15 +206,18 @@ static void tryOne(Program* p)
         there.angle = randomReal(&p->random, -most, most);
         back.angle = -there.angle;
     }
-    else
+    else {
+        /* Far enough that leaves which touch each other part, or meet. */
+        const double farthest = randomChance(&p->random, 0.3) ? 1.5 : 0.1;
         for (int d = 0; d < 3; d++) {
-            there.translation[d] = randomReal(&p->random, -0.1, 0.1);
+            there.translation[d] = randomReal(&p->random, -farthest, farthest);
             back.translation[d] = -there.translation[d];
             if (p->scene.linkJoints[link] == ctBallJoint) {
                 there.rotation[d] = 5 * there.translation[d];
                 back.rotation[d] = -there.rotation[d];
             }
         }
+    }
     double parts[CT_ENERGY_PARTS], partsBack[CT_ENERGY_PARTS], nearBack, nearThere;
     const double before = ctGetPairEnergy(p->energy);
     if (!propose(p, &there, parts, &nearBack))
