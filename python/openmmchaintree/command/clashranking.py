@@ -17,6 +17,10 @@ class ClashRanking:
         numbers = {}
         self._residueOf = np.array([numbers.setdefault(name.describeResidue(), len(numbers)) for name in names])
         self._residueNames = list(numbers)
+        self.clear()
+
+    def clear(self):
+        """Forget all clashes."""
         self._residues = _Tally()
         self._pairs = _Tally()
         self._waiting = []  # frames

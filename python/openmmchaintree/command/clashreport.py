@@ -48,8 +48,9 @@ def summarize(search, frames, ranking, damage, interrupted):
 def plainFrames(search, frames):
     """Yield each of the FrameOverlaps that a ClashSearch found, with all clashes, as plain dictionaries and lists."""
     names = [name._asdict() for name in search.finder.names]
+    ranking = ClashRanking(search.finder.names)
     for frame in frames:
-        ranking = ClashRanking(search.finder.names)
+        ranking.clear()
         ranking.add(frame)
         yield {
             "index": frame.number,
