@@ -817,6 +817,7 @@ FORCE_TRANSLATION = "openmmapi/src/ForceTranslation.cpp"
 NORMAL_FORM = "openmmapi/src/NormalForm.cpp"
 PAIR_EXPRESSIONS = "openmmapi/src/energies/CustomNonbondedEnergy.cpp"
 TABLES = "openmmapi/src/TabulatedFunctions.cpp"
+STATE_NUMBER = "openmmapi/src/StateNumber.cpp"
 CLOSED_MOVE = "openmmapi/src/moves/ClosedMove.cpp"
 DRAWN_MOVE = "openmmapi/src/moves/DrawnMove.cpp"
 CLOSED_WINDOWS = "openmmapi/src/moves/ClosedWindows.cpp"
@@ -1000,9 +1001,13 @@ API_FAULTS = [
           "if (!isSymmetric(force, globals, functions, set))",
           "if (!isSymmetric(force, globals, functions, set) && false)"),
     Fault("pair expressions: copies of tables are not periodic", PAIR_EXPRESSIONS,
-          "getNumTabulatedFunctions() > 0)", "getNumTabulatedFunctions() > 99)"),
+          "restorePeriod(original.getTabulatedFunction(i), copy->getTabulatedFunction(i));", ";"),
     Fault("pair expressions: an index may lie outside of its table", EXPRESSIONS,
           "table.table.discrete; i++", "table.table.discrete && i > 9; i++"),
+    Fault("tables: copies forget that they are periodic", TABLES,
+          "dynamic_cast<Table&>(copy) = *table;", "dynamic_cast<const Table&>(copy);"),
+    Fault("states: numbers are short", STATE_NUMBER,
+          "digits == numeric_limits<double>::max_digits10", "digits == 6"),
     Fault("tables: splines have no curvature", TABLES,
           "3 * c0, c1 - c0}", "0, 0}"),
     Fault("born: necks are those of the other way round", BORN_READER,

@@ -2,11 +2,9 @@
 #include "openmm/OpenMMException.h"
 #include "openmmchaintree/internal/ArgumentChecks.h"
 #include "openmmchaintree/internal/Fingerprint.h"
+#include "openmmchaintree/internal/StateNumber.h"
 #include <algorithm>
 #include <cstdint>
-#include <limits>
-#include <locale>
-#include <sstream>
 
 using namespace ChainTreePlugin;
 using namespace OpenMM;
@@ -135,21 +133,9 @@ void MoveList::readMoves(const SerializationNode& node, TorsionMonteCarloIntegra
 
 // ---- Descriptions ----
 
-/**
- * Write a number so that it is read as the same one, in as few digits as this takes.
- */
 static string toText(double value)
 {
-    for (int digits = 1;; digits++) {
-        stringstream text;
-        text.imbue(locale::classic());
-        text.precision(digits);
-        text << value;
-        double read = 0;
-        text >> read;
-        if (read == value || digits == numeric_limits<double>::max_digits10)
-            return text.str();
-    }
+    return writeNumber(value);
 }
 
 static string toText(int value)
@@ -350,8 +336,8 @@ void MoveList::writeProgress(SerializationNode& node) const
         move.setLongProperty("refused", entry.refused)
             .setLongProperty("clashed", entry.clashed)
             .setLongProperty("rejectedByEnergy", entry.rejectedByEnergy)
-            .setLongProperty("accepted", entry.accepted)
-            .setDoubleProperty("scale", entry.move->getScale());
+            .setLongProperty("accepted", entry.accepted);
+        setNumber(move, "scale", entry.move->getScale());
         const SizeAdaptation::State state = entry.adaptation.getState();
         for (size_t i = 0; i < state.size(); i++)
             move.setLongProperty(ADAPTATION_NAMES[i], state[i]);
@@ -371,7 +357,7 @@ bool MoveList::readProgress(const SerializationNode& node)
         // States of former versions have neither trials that could not be made nor scales.
 
         entries[i].refused = moves[i].getLongProperty("refused", 0);
-        entries[i].move->setScale(moves[i].getDoubleProperty("scale", 1));
+        entries[i].move->setScale(moves[i].hasProperty("scale") ? getNumber(moves[i], "scale") : 1);
         SizeAdaptation::State state;
         for (size_t j = 0; j < state.size(); j++)
             state[j] = moves[i].getLongProperty(ADAPTATION_NAMES[j], 0);

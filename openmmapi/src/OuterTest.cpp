@@ -1,6 +1,7 @@
 #include "openmmchaintree/internal/OuterTest.h"
 #include "openmm/OpenMMException.h"
 #include "openmm/reference/SimTKOpenMMRealType.h"
+#include "openmmchaintree/internal/StateNumber.h"
 #include <cmath>
 #include <limits>
 
@@ -43,9 +44,9 @@ void OuterStatistics::write(SerializationNode& node) const
     node.setLongProperty("attempted", attempted)
         .setLongProperty("accepted", accepted)
         .setLongProperty("trialsTakenBack", trialsTakenBack)
-        .setLongProperty("numDifferences", numDifferences)
-        .setDoubleProperty("mean", mean)
-        .setDoubleProperty("squares", squares);
+        .setLongProperty("numDifferences", numDifferences);
+    setNumber(node, "mean", mean);
+    setNumber(node, "squares", squares);
 }
 
 void OuterStatistics::read(const SerializationNode& node)
@@ -54,8 +55,8 @@ void OuterStatistics::read(const SerializationNode& node)
     accepted = node.getLongProperty("accepted");
     trialsTakenBack = node.getLongProperty("trialsTakenBack");
     numDifferences = node.getLongProperty("numDifferences");
-    mean = node.getDoubleProperty("mean");
-    squares = node.getDoubleProperty("squares");
+    mean = getNumber(node, "mean");
+    squares = getNumber(node, "squares");
 }
 
 // ---- Tests ----

@@ -23,6 +23,26 @@ unique_ptr<Lepton::CustomFunction> ChainTreePlugin::createFunction(const Tabulat
     return unique_ptr<Lepton::CustomFunction>(createReferenceTabulatedFunction(function));
 }
 
+// ---- Copies ----
+
+/**
+ * Assign a function to its copy if they are of that class.
+ */
+template <class Table>
+static void assignAs(const TabulatedFunction& original, TabulatedFunction& copy)
+{
+    const Table* table = dynamic_cast<const Table*>(&original);
+    if (table != NULL)
+        dynamic_cast<Table&>(copy) = *table;
+}
+
+void ChainTreePlugin::restorePeriod(const TabulatedFunction& original, TabulatedFunction& copy)
+{
+    assignAs<Continuous1DFunction>(original, copy);
+    assignAs<Continuous2DFunction>(original, copy);
+    assignAs<Continuous3DFunction>(original, copy);
+}
+
 // ---- Discrete tables ----
 
 static bool translateDiscrete(const TabulatedFunction& function, EnergyTerms::TableFunction& table)

@@ -16,7 +16,7 @@
 #include "openmmchaintree/internal/NativeEnergy.h"
 #include "openmmchaintree/internal/OuterTest.h"
 #include "openmmchaintree/internal/RandomNumberGenerator.h"
-#include "openmmchaintree/internal/SerializationLock.h"
+#include "openmmchaintree/internal/StateNumber.h"
 #include "openmmchaintree/internal/StericExclusionForceImpl.h"
 #include "openmmchaintree/internal/SystemChecks.h"
 #include "openmmchaintree/internal/TrialSession.h"
@@ -438,7 +438,6 @@ static string fingerprintOf(const vector<Vec3>& positions)
 
 void TorsionMonteCarloIntegrator::serializeParameters(SerializationNode& node) const
 {
-    SerializationLock lock;
     requireBound();
     native->computeAnew();
     node.setIntProperty("version", NEWEST_STATE_VERSION);
@@ -459,11 +458,11 @@ void TorsionMonteCarloIntegrator::serializeParameters(SerializationNode& node) c
     vector<double> limits;
     force->getLimits(pairs, limits);
     SerializationNode& limitList = node.createChildNode("Limits");
-    for (size_t i = 0; i < pairs.size(); i++)
-        limitList.createChildNode("Limit")
-            .setIntProperty("p1", pairs[i].first)
-            .setIntProperty("p2", pairs[i].second)
-            .setDoubleProperty("overlap", limits[i]);
+    for (size_t i = 0; i < pairs.size(); i++) {
+        SerializationNode& limit = limitList.createChildNode("Limit");
+        limit.setIntProperty("p1", pairs[i].first).setIntProperty("p2", pairs[i].second);
+        setNumber(limit, "overlap", limits[i]);
+    }
 }
 
 /**
@@ -495,7 +494,6 @@ bool TorsionMonteCarloIntegrator::deserializeGeometry(const SerializationNode& n
 
 void TorsionMonteCarloIntegrator::deserializeParameters(const SerializationNode& node)
 {
-    SerializationLock lock;
     requireBound();
 
     // Many integrators keep nothing in a State. Sampling may well start from what they have made.
@@ -514,7 +512,7 @@ void TorsionMonteCarloIntegrator::deserializeParameters(const SerializationNode&
     vector<double> limits;
     for (auto& limit : node.getChildNode("Limits").getChildren()) {
         pairs.push_back(make_pair(limit.getIntProperty("p1"), limit.getIntProperty("p2")));
-        limits.push_back(limit.getDoubleProperty("overlap"));
+        limits.push_back(getNumber(limit, "overlap"));
     }
     if (version == 1) {
         force->setLimits(*context, pairs, limits);

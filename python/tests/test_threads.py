@@ -1,6 +1,8 @@
 """Several Contexts in several threads of Python."""
 
+import copy
 from concurrent.futures import ThreadPoolExecutor
+from threading import Event
 
 import numpy as np
 import openmm
@@ -59,7 +61,8 @@ def test_exceptionsStayInTheirThread(villin):
 def test_solventIsCheckedInSeveralThreads(tmp_path):
     """Each load of a checkpoint makes the next step compare the energy with OpenMM's, of a copy of the Forces.
 
-    Forces are copied by OpenMM's XML, whose numbers several threads must not write at a time.
+    Meanwhile others write and read XML, as copies of integrators do. OpenMM's numbers in XML share memory among all
+    threads, and Python's lock alone keeps them apart; steps and States go on without that lock.
     """
     pdb = app.PDBFile(str(writePDB(tmp_path / "dipeptide.pdb", DIPEPTIDE)))
     system = app.ForceField("amber14/protein.ff14SB.xml", "implicit/gbn2.xml").createSystem(pdb.topology)
@@ -78,7 +81,20 @@ def test_solventIsCheckedInSeveralThreads(tmp_path):
             context.loadCheckpoint(context.createCheckpoint())
         return positionsOf(context)
 
+    def copyUntil(stop):
+        integrator = TorsionMonteCarloIntegrator(300)
+        for size in np.linspace(0.1, 1, 100):
+            integrator.addTorsionMove(size / 3, size)
+        sizes = [integrator.getTorsionMoveParameters(move) for move in range(integrator.getNumMoves())]
+        while not stop.is_set():
+            integrator = copy.copy(integrator)
+            assert [integrator.getTorsionMoveParameters(move) for move in range(integrator.getNumMoves())] == sizes
+
     alone = [sampleAndLoad(seed) for seed in (1, 2)]
-    with ThreadPoolExecutor(4) as pool:
+    stop = Event()
+    with ThreadPoolExecutor(5) as pool:
+        copies = pool.submit(copyUntil, stop)
         together = list(pool.map(sampleAndLoad, (1, 2, 1, 2)))
+        stop.set()
+        copies.result()
     assert all(np.array_equal(alone[number % 2], positions) for number, positions in enumerate(together))

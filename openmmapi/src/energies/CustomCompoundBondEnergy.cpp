@@ -1,21 +1,32 @@
 #include "openmm/CustomCompoundBondForce.h"
-#include "openmm/serialization/XmlSerializer.h"
 #include "openmmchaintree/internal/ExpressionTranslator.h"
 #include "openmmchaintree/internal/ForceTranslation.h"
-#include "openmmchaintree/internal/SerializationLock.h"
 #include "openmmchaintree/internal/TabulatedFunctions.h"
+#include <memory>
 
 using namespace ChainTreePlugin;
 using namespace OpenMM;
 using namespace std;
 
 /**
- * Copies share their tables with the original, whose destructor deletes them; not so if they are read from XML.
+ * Not by OpenMM's XML: its numbers share memory among all threads, and steps copy Forces.
  */
 static Force* copyCustomCompoundBonds(const Force& force)
 {
-    SerializationLock lock;
-    return XmlSerializer::clone<Force>(force);
+    const CustomCompoundBondForce& original = dynamic_cast<const CustomCompoundBondForce&>(force);
+    unique_ptr<CustomCompoundBondForce> copy(
+        new CustomCompoundBondForce(original.getNumParticlesPerBond(), original.getEnergyFunction()));
+    copyGlobals(original, *copy);
+    copy->setUsesPeriodicBoundaryConditions(original.usesPeriodicBoundaryConditions());
+    for (int i = 0; i < original.getNumPerBondParameters(); i++)
+        copy->addPerBondParameter(original.getPerBondParameterName(i));
+    vector<int> particles;
+    vector<double> parameters;
+    for (int i = 0; i < original.getNumBonds(); i++) {
+        original.getBondParameters(i, particles, parameters);
+        copy->addBond(particles, parameters);
+    }
+    return copy.release();
 }
 
 static string translateCustomCompoundBonds(const Force& owner, int index, const NativeForceKind::Parameters& parameters,

@@ -1,21 +1,47 @@
 #include "openmm/CustomGBForce.h"
-#include "openmm/serialization/XmlSerializer.h"
 #include "openmmchaintree/internal/BornReader.h"
 #include "openmmchaintree/internal/ForceTranslation.h"
-#include "openmmchaintree/internal/SerializationLock.h"
+#include "openmmchaintree/internal/TabulatedFunctions.h"
 #include "openmmchaintree/internal/ValueTranslation.h"
+#include <memory>
 
 using namespace ChainTreePlugin;
 using namespace OpenMM;
 using namespace std;
 
 /**
- * Copies share their tables with the original, whose destructor deletes them; not so if they are read from XML.
+ * Not by OpenMM's XML: its numbers share memory among all threads, and steps copy Forces.
  */
 static Force* copyCustomGB(const Force& force)
 {
-    SerializationLock lock;
-    return XmlSerializer::clone<Force>(force);
+    const CustomGBForce& original = dynamic_cast<const CustomGBForce&>(force);
+    unique_ptr<CustomGBForce> copy(new CustomGBForce());
+    copyGlobals(original, *copy);
+    copy->setNonbondedMethod(original.getNonbondedMethod());
+    copy->setCutoffDistance(original.getCutoffDistance());
+    for (int i = 0; i < original.getNumPerParticleParameters(); i++)
+        copy->addPerParticleParameter(original.getPerParticleParameterName(i));
+    vector<double> parameters;
+    for (int i = 0; i < original.getNumParticles(); i++) {
+        original.getParticleParameters(i, parameters);
+        copy->addParticle(parameters);
+    }
+    for (int i = 0; i < original.getNumExclusions(); i++) {
+        int particle1, particle2;
+        original.getExclusionParticles(i, particle1, particle2);
+        copy->addExclusion(particle1, particle2);
+    }
+    string name, expression;
+    CustomGBForce::ComputationType type;
+    for (int i = 0; i < original.getNumComputedValues(); i++) {
+        original.getComputedValueParameters(i, name, expression, type);
+        copy->addComputedValue(name, expression, type);
+    }
+    for (int i = 0; i < original.getNumEnergyTerms(); i++) {
+        original.getEnergyTermParameters(i, expression, type);
+        copy->addEnergyTerm(expression, type);
+    }
+    return copy.release();
 }
 
 static string translateCustomGB(const Force& owner, int index, const NativeForceKind::Parameters& parameters,

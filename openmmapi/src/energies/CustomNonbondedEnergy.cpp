@@ -1,13 +1,12 @@
 #include "lepton/ParsedExpression.h"
 #include "lepton/Parser.h"
 #include "openmm/CustomNonbondedForce.h"
-#include "openmm/serialization/XmlSerializer.h"
 #include "openmmchaintree/internal/ExpressionTranslator.h"
 #include "openmmchaintree/internal/ForceTranslation.h"
-#include "openmmchaintree/internal/SerializationLock.h"
 #include "openmmchaintree/internal/TabulatedFunctions.h"
 #include <cmath>
 #include <limits>
+#include <memory>
 #include <random>
 #include <set>
 
@@ -18,15 +17,16 @@ using namespace std;
 typedef map<string, double> Variables;
 
 /**
- * Copies of tables forget that they are periodic; not so if they are read from XML.
+ * The constructor that copies makes tables forget that they are periodic. Not by OpenMM's XML: its numbers share memory
+ * among all threads, and steps copy Forces.
  */
 static Force* copyCustomNonbonded(const Force& force)
 {
-    if (dynamic_cast<const CustomNonbondedForce&>(force).getNumTabulatedFunctions() > 0) {
-        SerializationLock lock;
-        return XmlSerializer::clone<Force>(force);
-    }
-    return copyForce<CustomNonbondedForce>(force);
+    const CustomNonbondedForce& original = dynamic_cast<const CustomNonbondedForce&>(force);
+    unique_ptr<CustomNonbondedForce> copy(new CustomNonbondedForce(original));
+    for (int i = 0; i < original.getNumTabulatedFunctions(); i++)
+        restorePeriod(original.getTabulatedFunction(i), copy->getTabulatedFunction(i));
+    return copy.release();
 }
 
 static Variables getGlobals(const CustomNonbondedForce& force, const NativeForceKind::Parameters& parameters)

@@ -16,6 +16,32 @@ namespace ChainTreePlugin {
 int countArguments(const OpenMM::TabulatedFunction& function);
 
 /**
+ * Make a function that Copy() has made periodic if the original is: Copy() forgets that.
+ */
+void restorePeriod(const OpenMM::TabulatedFunction& original, OpenMM::TabulatedFunction& copy);
+
+/**
+ * Give a new Force what all kinds of Forces have, and the global parameters, derivatives and tables of another. The
+ * constructor that copies would let both own the same tables.
+ */
+template <class Force>
+void copyGlobals(const Force& from, Force& to)
+{
+    to.setForceGroup(from.getForceGroup());
+    to.setName(from.getName());
+    for (int i = 0; i < from.getNumGlobalParameters(); i++)
+        to.addGlobalParameter(from.getGlobalParameterName(i), from.getGlobalParameterDefaultValue(i));
+    for (int i = 0; i < from.getNumEnergyParameterDerivatives(); i++)
+        to.addEnergyParameterDerivative(from.getEnergyParameterDerivativeName(i));
+    for (int i = 0; i < from.getNumTabulatedFunctions(); i++) {
+        const OpenMM::TabulatedFunction& original = from.getTabulatedFunction(i);
+        std::unique_ptr<OpenMM::TabulatedFunction> table(original.Copy());
+        restorePeriod(original, *table);
+        to.addTabulatedFunction(from.getTabulatedFunctionName(i), table.release());
+    }
+}
+
+/**
  * Translate a tabulated function. Returns false if the library has no such tables.
  */
 bool translateTable(const OpenMM::TabulatedFunction& function, EnergyTerms::TableFunction& table);
