@@ -11,6 +11,7 @@ from energy.movetables import makeTables
 from energy.options import addRowOptions, chooseStructures, describeSkipped, nameOf, settle
 from energy.proteins import IMPLICIT_SOLVENT, readSampled
 from energy.rows import Prepared
+from energy.stationaryrows import STATIONARY, StationaryRow
 from openmmchaintree.command.arguments import Parser
 from openmmchaintree.command.cli import runParsed
 from racing.running import Maker, Study, addOptions, drawnBy, runStudy
@@ -18,6 +19,7 @@ from racing.running import Maker, Study, addOptions, drawnBy, runStudy
 GROUPS = {
     MOVES: "acceptance, shift and time of each move alone",
     MIXTURES: "independent samples a second by mixtures of moves",
+    STATIONARY: "independent samples a second by the default moves, and the most that pivots alone can give",
     COILS: "independent radii of gyration a second of a loose chain of hard spheres",
 }
 
@@ -79,6 +81,8 @@ def _plan(options):
     for group, makeRow, of in ((MOVES, MoveRow, moves), (MIXTURES, MixtureRow, mixtures)):
         if group in options.rows:
             rows += [makeRow(name, prepared, of) for name, prepared in proteins.items()]
+    if STATIONARY in options.rows:
+        rows += [StationaryRow(name, prepared) for name, prepared in proteins.items()]
     if COILS in options.rows:
         longest = paths[-1]
         rows.append(CoilRow(nameOf(longest), Prepared(lambda: readSampled(longest))))

@@ -28,3 +28,27 @@ def statisticalInefficiency(values, mean=None):
     isEnough[-1] = True
     ends = np.argmax(isEnough, axis=0)
     return np.maximum(1.0, totals[ends, np.arange(totals.shape[1])])
+
+
+def leastInefficiency(chains, variances, lag):
+    """Return of each column how many samples are worth an independent one, at least, from chains that may be short.
+
+    The chains begin with states of the ensemble. Their mean square change and the variances of the ensemble are the
+    autocorrelation ρ up to some lag L. Where moves are drawn with detailed balance, and samples are an even number of
+    steps apart, ρ is a sum of exponentials with positive weights: it falls the slower the longer the lag, and beyond L
+    is at least ρ(L)^(t/L). So is known what is at least left of 1 + 2 Σ ρ.
+
+    Parameters
+    ----------
+    chains : sequence of (n, k) float64 arrays
+    variances : (k,) float64 array
+    lag : int, samples, less than n
+    """
+    scale = np.maximum(variances, np.finfo(np.float64).tiny)
+    seen = np.ones(len(scale))
+    for t in range(1, lag + 1):
+        change = np.mean([((chain[t:] - chain[:-t]) ** 2).mean(axis=0) for chain in chains], axis=0) / 2
+        last = 1 - change / scale
+        seen += 2 * last if t < lag else 0
+    last = np.clip(last, 0, 1 - 1e-9)
+    return np.maximum(1.0, seen + 2 * last / (1 - last ** (1 / lag)))

@@ -3,7 +3,6 @@
 from collections.abc import Callable, Sequence
 from typing import NamedTuple
 
-import mdtraj
 import numpy as np
 from openmm import unit
 from openmmchaintree import StericExclusionForce, addDefaultMoves, rotamerDensities
@@ -11,13 +10,14 @@ from racing.course import Course, measure, summarizeTimes
 from racing.races import ALL_CHAINS, OURS
 
 from .autocorrelation import statisticalInefficiency
+from .chain import Chain
 from .proteins import BACKBONE, IMPLICIT_SOLVENT, NUCLEOTIDE_BACKBONE, SIDE_CHAINS, positionsOf
 from .rows import Prepared
 
 MOVES, MIXTURES = "moves", "mixtures"  # groups of rows
 
 MOVE_TRIALS, MIXTURE_TRIALS = 80000, 400000
-_STEP = 400  # trials, and an outer test
+STEP = 400  # trials, and an outer test
 _LAG = 8000  # trials, after which it is seen how far torsions have turned
 _LEAST_SHIFTED, _MOST_SHIFTED = 10, 400  # trials whose shift is measured, each with an outer test of its own
 _SHIFTED = 20  # the part of trials that they are in between
@@ -117,12 +117,18 @@ def _forceOf(system):
     return next(StericExclusionForce.cast(one) for one in system.getForces() if StericExclusionForce.isinstance(one))
 
 
+def makeChain(protein, system, seed, name):
+    """Make a Chain of the mixture of that name."""
+    kinds = [kind for ofOne in WATCHED.values() for kind in ofOne]
+    return Chain(protein, makeSimulation(protein, system, seed, ALL_MIXTURES[name]), kinds, STEP)
+
+
 def makeSimulation(protein, system, seed, moves):
     """Make a Simulation of a SampledProtein and its System with (weight, Move) pairs."""
     simulation = protein.makeSimulationOf(system, seed, moves=())
     for weight, move in moves:
         move.add(simulation.integrator, weight, protein, system)
-    simulation.integrator.setTrialsPerStep(_STEP)
+    simulation.integrator.setTrialsPerStep(STEP)
     return simulation
 
 
@@ -144,7 +150,7 @@ class MoveRow(NamedTuple):
         trials, protein = course.trials or self.trials, self.prepared.protein
         system = protein.makeSystem(IMPLICIT_SOLVENT)
         return [
-            {**_describe(self, trials, seed), **_runMove(protein, system, seed, move, trials)} for move in self.moves
+            {**describe(self, trials, seed), **_runMove(protein, system, seed, move, trials)} for move in self.moves
         ]
 
 
@@ -161,7 +167,8 @@ def autocorrelation(angles, lag):
     return float(np.cos(angles[lag:] - angles[:-lag]).mean())
 
 
-def _describe(row, trials, seed):
+def describe(row, trials, seed):
+    """Return what entries of a row have in common."""
     return {
         "group": row.group,
         "chain": row.name,
@@ -180,11 +187,11 @@ def _runMove(protein, system, seed, move, trials):
     integrator.resetMoveStatistics()
     turned = slice(None) if move.turns is None else protein.torsionsOf(move.turns)
     times, angles = [], []
-    for _ in range(max(_LEAST, trials // _STEP)):
+    for _ in range(max(_LEAST, trials // STEP)):
         _, microseconds = measure(simulation.step, 1)
-        times.append(microseconds / _STEP)
+        times.append(microseconds / STEP)
         angles.append(integrator.getTorsionAngles(context)[turned])
-    lag = min(_LAG // _STEP, len(angles) - 1)
+    lag = min(_LAG // STEP, len(angles) - 1)
     statistics = integrator.getMoveStatistics(0)
     integrator.setTrialsPerStep(1)
     shifts, before = [], positionsOf(context)
@@ -195,14 +202,14 @@ def _runMove(protein, system, seed, move, trials):
         before = after
     return {
         "moves": move.name,
-        "trials": len(times) * _STEP,
+        "trials": len(times) * STEP,
         **summarizeTimes(times),
         "attempted": statistics.attempted,
         "clashed": statistics.clashed,
         "rejected": statistics.rejectedByEnergy,
         "accepted": statistics.accepted,
         "shift": float(np.mean(shifts)),
-        "lag": lag * _STEP,
+        "lag": lag * STEP,
         "autocorrelation": autocorrelation(np.array(angles), lag),
     }
 
@@ -224,27 +231,27 @@ class MixtureRow(NamedTuple):
         """Return an entry for each mixture."""
         trials, protein = course.trials or self.trials, self.prepared.protein
         system = protein.makeSystem(IMPLICIT_SOLVENT)
-        chains = {name: _Chain(protein, system, seed, ALL_MIXTURES[name]) for name in self.names}
-        count = max(_LEAST, min(_TURN, trials // _STEP))
-        for _ in range(max(1, trials // (count * _STEP))):
+        chains = {name: makeChain(protein, system, seed, name) for name in self.names}
+        count = max(_LEAST, min(_TURN, trials // STEP))
+        for _ in range(max(1, trials // (count * STEP))):
             for chain in chains.values():
                 chain.sample(count)
-        mean = np.mean([chain.kept().mean(axis=0) for chain in chains.values()], axis=0)  # all sample the same
+        kept = {name: chain.values()[chain.count // _LEFT_OUT :] for name, chain in chains.items()}
+        mean = np.mean([values.mean(axis=0) for values in kept.values()], axis=0)  # all sample the same
         entries = []
         for name, chain in chains.items():
             times = summarizeTimes(chain.times)
             apart = {
-                key: _STEP * value
-                for key, value in summarize(statisticalInefficiency(chain.kept(), mean), chain.kinds).items()
+                key: STEP * value
+                for key, value in summarize(statisticalInefficiency(kept[name], mean), chain.kinds).items()
             }
-            statistics = chain.integrator.getOuterStatistics()
             entries.append(
                 {
-                    **_describe(self, trials, seed),
+                    **describe(self, trials, seed),
                     "moves": name,
-                    "trials": len(chain.samples) * _STEP,
+                    "trials": chain.count * STEP,
                     **times,
-                    "kept": statistics.accepted / max(1, statistics.attempted),
+                    "kept": chain.outerTestsKept(),
                     "apart": apart,
                     "rate": {key: 1e6 / (times["microseconds"] * value) for key, value in apart.items()},
                 }
@@ -252,43 +259,8 @@ class MixtureRow(NamedTuple):
         return entries
 
 
-class _Chain:
-    """A Simulation of a mixture, and what is looked at of it after each step."""
-
-    def __init__(self, protein, system, seed, moves):
-        self._simulation = makeSimulation(protein, system, seed, moves)
-        self.integrator = self._simulation.integrator
-        kinds = np.array([torsion.kind for torsion in protein.torsions])
-        self._watched = np.isin(kinds, [kind for ofOne in WATCHED.values() for kind in ofOne])
-        self.kinds = kinds[self._watched]
-        self._topology = mdtraj.Topology.from_openmm(protein.topology)
-        self._heavy = self._topology.select("element != H")
-        self._start = self._frame(protein.positions)
-        self.times, self.samples = [], []
-
-    def sample(self, count):
-        """Time so many steps, and look at the state after each."""
-        for _ in range(count):
-            _, microseconds = measure(self._simulation.step, 1)
-            self.times.append(microseconds / _STEP)
-            self.samples.append(self._look())
-
-    def kept(self):
-        """Return the samples without those of the beginning: an (n, k) array."""
-        return np.array(self.samples[len(self.samples) // _LEFT_OUT :])
-
-    def _look(self):
-        context = self._simulation.context
-        angles = self.integrator.getTorsionAngles(context)[self._watched]
-        rmsd = mdtraj.rmsd(self._frame(positionsOf(context)), self._start, atom_indices=self._heavy)[0]
-        return [rmsd, *np.cos(angles), *np.sin(angles)]
-
-    def _frame(self, positions):
-        return mdtraj.Trajectory(positions[np.newaxis].astype(np.float32), self._topology)
-
-
 def summarize(inefficiencies, kinds):
-    """Return how many samples are worth one, for each of WATCHED that there are, the slow torsions of all, the RMSD.
+    """Return how many samples are worth one, for each of WATCHED that there are, slow and slowest torsions, the RMSD.
 
     Of a torsion that is the worse of cosine and sine; of those of a kind the median.
 
@@ -303,4 +275,5 @@ def summarize(inefficiencies, kinds):
         for name, ofName in WATCHED.items()
         if np.isin(kinds, ofName).any()
     }
-    return {**found, "slow": float(np.quantile(ofTorsions, _SLOW)), "rmsd": float(rmsd)}
+    found |= {"slow": float(np.quantile(ofTorsions, _SLOW)), "slowest": float(ofTorsions.max())}
+    return {**found, "rmsd": float(rmsd)}

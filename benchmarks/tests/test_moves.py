@@ -4,6 +4,7 @@ import moves
 import numpy as np
 import pytest
 from commands import assertRefused
+from energy.autocorrelation import leastInefficiency, statisticalInefficiency
 from energy.moverows import PIVOTS, autocorrelation, summarize
 from energy.movetables import combine
 from racing.report import readCSV
@@ -33,13 +34,16 @@ def test_everythingQuickly(runHere, tmp_path):
     mixtures = [entry for entry in entries if entry["group"] == "mixtures"]
     assert [entry["moves"] for entry in mixtures][0] == PIVOTS and len(mixtures) == 3
     for entry in mixtures:
-        assert entry["apart"].keys() == {"phi", "psi", "chi1", "slow", "rmsd"}
+        assert entry["apart"].keys() == {"phi", "psi", "chi1", "slow", "slowest", "rmsd"}
         for key, apart in entry["apart"].items():
             assert apart >= 400 and entry["rate"][key] * apart * entry["microseconds"] == pytest.approx(1e6)
+    pivots, ours = [entry for entry in entries if entry["group"] == "stationary"]
+    assert pivots["moves"] == PIVOTS and pivots["apart"].keys() == ours["apart"].keys() == mixtures[0]["apart"].keys()
+    assert pivots["lag"] > 0 and 0 <= ours["kept"] <= 1
     coils = [entry for entry in entries if entry["group"] == "coils"]
     assert len(coils) == 3 and all(entry["rate"]["rg"] > 0 and entry["rg"] > 0.5 for entry in coils)
     tables = (tmp_path / "a.md").read_text(encoding="utf-8").split("\n**")[1:]
-    assert len(tables) == 3
+    assert len(tables) == 4
     for table in tables:
         lines = [line for line in table.splitlines() if line.startswith("|")]
         assert len(lines) == 5 and len({line.count("|") for line in lines}) == 1
@@ -72,11 +76,12 @@ def test_whatIsSlowIsSeen():
         "backbone",
         "bases",
         "slow",
+        "slowest",
         "rmsd",
     }
     found = summarize(np.array([7.0, *cosines, *sines]), kinds)
     assert found["rmsd"] == 7 and (found["phi"], found["psi"], found["chi1"]) == (5, 2.5, 40)
-    assert 5 < found["slow"] <= 40
+    assert 5 < found["slow"] <= found["slowest"] == 40
 
 
 def test_autocorrelationOfAngles():
@@ -87,3 +92,32 @@ def test_autocorrelationOfAngles():
     assert abs(autocorrelation(noise, 3)) < 5 / np.sqrt(20000)
     assert autocorrelation(steady, 4) == pytest.approx(np.cos(2))
     assert autocorrelation(np.hstack([steady, np.ones((1000, 1))]), 4) == pytest.approx((1 + np.cos(2)) / 2)
+
+
+def decay(random, a, count, length):
+    """Return chains of a stationary autoregressive process of variance 1, whose autocorrelation is a^lag."""
+    values = np.empty((length, count))
+    values[0] = random.normal(size=count)
+    for i in range(1, length):
+        values[i] = a * values[i - 1] + np.sqrt(1 - a**2) * random.normal(size=count)
+    return values
+
+
+def test_shortChainsTellHowSlowTheyAreAtLeast():
+    random = np.random.default_rng(1)
+    fast, slow = decay(random, 0.9, 400, 400), decay(random, 0.995, 400, 400)
+    # One exponential is known from any lag, though chains are as long as a sample is worth.
+    chains = [slow[:, i, np.newaxis] for i in range(400)]
+    for lag in (10, 100):
+        assert leastInefficiency(chains, np.ones(1), lag)[0] == pytest.approx(1.995 / 0.005, rel=0.1)
+    # Of two, the slower is seen the better the longer the lag; what is said stays below the truth.
+    both = [(one[:, np.newaxis] + other[:, np.newaxis]) / np.sqrt(2) for one, other in zip(fast.T, slow.T, strict=True)]
+    truth = (19 + 399) / 2
+    least = [leastInefficiency(both, np.ones(1), lag)[0] for lag in (1, 20, 80)]
+    assert 19 < least[0] < least[1] < least[2] < 1.05 * truth
+    # The other estimate needs long chains.
+    long = decay(random, 0.9, 20, 40000)
+    assert statisticalInefficiency(long).mean() == pytest.approx(19, rel=0.05)
+    # What has come apart wholly tells nothing, and what does not move is no error.
+    assert leastInefficiency([random.normal(size=(5000, 1))], np.ones(1), 3)[0] < 5
+    assert np.isfinite(leastInefficiency([np.ones((10, 1))], np.ones(1), 3)[0])

@@ -1,0 +1,65 @@
+"""A chain of states of a protein, and what is looked at of them."""
+
+import mdtraj
+import numpy as np
+from openmm import unit
+from racing.course import measure
+
+from .proteins import positionsOf
+
+
+class Chain:
+    """A Simulation, and what is looked at of it after some steps: torsions of some kinds, and the heavy atoms' RMSD.
+
+    kinds : (k,) array of str, of the torsions
+    times : list of float, µs a trial, of the steps between looks
+    count : int, looks
+    """
+
+    def __init__(self, protein, simulation, kinds, trialsPerStep):
+        """Take a SampledProtein, from whose positions RMSDs are counted, a Simulation of it, and kinds of torsions."""
+        self._simulation, self._trials = simulation, trialsPerStep
+        all_ = np.array([torsion.kind for torsion in protein.torsions])
+        self._watched = np.isin(all_, kinds)
+        self.kinds = all_[self._watched]
+        self._topology = mdtraj.Topology.from_openmm(protein.topology)
+        self._heavy = self._topology.select("element != H")
+        self._start = self._frame(protein.positions)
+        self.times, self._samples = [], []
+
+    @property
+    def count(self):
+        return len(self._samples)
+
+    def begin(self, positions):
+        """Go to positions, an (n, 3) array in nm."""
+        self._simulation.context.setPositions(positions * unit.nanometer)
+
+    def sample(self, count, steps=1):
+        """Time so many times some steps, and look at the state after each time."""
+        for _ in range(count):
+            _, microseconds = measure(self._simulation.step, steps)
+            self.times.append(microseconds / (steps * self._trials))
+            self._samples.append(self._look())
+
+    def values(self):
+        """Return what was looked at: an (n, 1 + 2k) array of RMSDs (nm), cosines, sines."""
+        return np.array(self._samples)
+
+    def positions(self):
+        """Return where all atoms are, an (n, 3) array in nm."""
+        return positionsOf(self._simulation.context)
+
+    def outerTestsKept(self):
+        """Return the part of outer tests that kept what trials had made."""
+        statistics = self._simulation.integrator.getOuterStatistics()
+        return statistics.accepted / max(1, statistics.attempted)
+
+    def _look(self):
+        context = self._simulation.context
+        angles = self._simulation.integrator.getTorsionAngles(context)[self._watched]
+        rmsd = mdtraj.rmsd(self._frame(positionsOf(context)), self._start, atom_indices=self._heavy)
+        return np.concatenate([rmsd, np.cos(angles), np.sin(angles)])
+
+    def _frame(self, positions):
+        return mdtraj.Trajectory(positions[np.newaxis].astype(np.float32), self._topology)

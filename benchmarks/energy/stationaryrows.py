@@ -1,0 +1,86 @@
+"""Independent samples a second of the default moves, and the most that pivots alone can give from the same states."""
+
+from typing import NamedTuple
+
+import numpy as np
+from racing.course import Course, summarizeTimes
+from racing.races import ALL_CHAINS
+
+from .autocorrelation import leastInefficiency, statisticalInefficiency
+from .moverows import DEFAULTS, PIVOTS, STEP, describe, makeChain, summarize
+from .proteins import IMPLICIT_SOLVENT
+from .rows import Prepared
+
+STATIONARY = "stationary"  # a group of rows
+
+STATIONARY_TRIALS = 4000000
+_STEPS = 8  # from one look to the next: even, for leastInefficiency
+_LEFT_OUT = 4  # the first of so many parts of the long chain
+_STARTS = 6  # chains of pivots, from states that are evenly spaced in the rest
+_PART = 12  # each is the long chain's length by this
+_LAG = 4  # what is seen of their changes is after their length by this
+_LEAST = 8  # looks at the long chain
+
+
+class StationaryRow(NamedTuple):
+    """A long chain of the default moves, and chains of pivots from its states."""
+
+    name: str
+    prepared: Prepared
+    trials: int = STATIONARY_TRIALS
+    group: str = STATIONARY
+    mostChains: int = ALL_CHAINS
+
+    def __str__(self) -> str:
+        return self.name
+
+    def run(self, course: Course, seed: int):
+        """Return an entry for pivots and one for the default moves."""
+        trials, protein = course.trials or self.trials, self.prepared.protein
+        system = protein.makeSystem(IMPLICIT_SOLVENT)
+        looks = max(_LEAST, trials // (_STEPS * STEP))
+        long = makeChain(protein, system, seed, DEFAULTS.name)
+        long.sample(looks // _LEFT_OUT, _STEPS)
+        starts = []
+        for _ in range(_STARTS):
+            long.sample((looks - looks // _LEFT_OUT) // _STARTS, _STEPS)
+            starts.append(long.positions())
+        values = long.values()[looks // _LEFT_OUT :]
+        ofLong = statisticalInefficiency(values)
+        chains = []
+        for number, start in enumerate(starts):
+            chain = makeChain(protein, system, seed + number, PIVOTS)
+            chain.begin(start)
+            chain.sample(max(_LAG, looks // _PART), _STEPS)
+            chains.append(chain)
+        lag = chains[0].count // _LAG
+        ofPivots = leastInefficiency([chain.values() for chain in chains], values.var(axis=0), lag)
+        ofLong, ofPivots = _chooseSlower(ofLong, ofPivots)
+        return [
+            self._summarize(PIVOTS, trials, seed, chains, ofPivots, lag),
+            self._summarize(DEFAULTS.name, trials, seed, [long], ofLong, 0),
+        ]
+
+    def _summarize(self, moves, trials, seed, chains, inefficiencies, lag):
+        times = summarizeTimes([time for chain in chains for time in chain.times])
+        apart = summarize(_STEPS * STEP * inefficiencies, chains[0].kinds)
+        return {
+            **describe(self, trials, seed),
+            "moves": moves,
+            "trials": sum(chain.count for chain in chains) * _STEPS * STEP,
+            "lag": lag * _STEPS * STEP,
+            **times,
+            "kept": float(np.mean([chain.outerTestsKept() for chain in chains])),
+            "apart": apart,
+            "rate": {key: 1e6 / (times["microseconds"] * value) for key, value in apart.items()},
+        }
+
+
+def _chooseSlower(ofLong, ofPivots):
+    """Return inefficiencies of which only those of cosines or of sines are left, as is slower in the long chain.
+
+    Otherwise the pivots' would be the worse of two estimates, and the larger for it.
+    """
+    cosines, sines = ofLong[1:].reshape(2, -1)
+    isKept = np.concatenate([[True], cosines >= sines, cosines < sines])
+    return np.where(isKept, ofLong, 0), np.where(isKept, ofPivots, 0)
