@@ -3,6 +3,8 @@
 #ifndef CT_INTS_H_
 #define CT_INTS_H_
 
+#include <string.h>
+
 #include "simd.h"
 
 #if defined(CT_PATH_AVX512)
@@ -76,17 +78,22 @@ static inline Float16 chooseEqual16(Float16 a, Float16 b, Float16 yes, Float16 n
   return _mm512_mask_blend_ps(_mm512_cmp_ps_mask(a, b, _CMP_EQ_OQ), no, yes);
 }
 
-/* p[k] of sixteen numbers, for each lane k = indices[...] below 16. */
-static inline Float16 lookup16(const float* p, const int* indices) {
-  return _mm512_permutexvar_ps(_mm512_loadu_si512(indices), _mm512_loadu_ps(p));
+static inline Int16 loadInts(const int* p) {
+  return _mm512_loadu_si512(p);
 }
 
-/* Writes the lanes of a for which the mask has a bit, ascending, and their numbers; returns how many. May overwrite
- * sixteen entries. */
-static inline int pack16(unsigned mask, Float16 a, float* packed, int* lanes) {
+/* p[k] of sixteen numbers, where k are the lowest four bits of each index. */
+static inline Float16 lookup16(const float* p, Int16 indices) {
+  return _mm512_permutexvar_ps(indices, _mm512_loadu_ps(p));
+}
+
+/* Writes the lanes of a for which the mask has a bit, ascending, and `first` plus their numbers; returns how many. May
+ * overwrite sixteen entries. */
+static inline int pack16(unsigned mask, Float16 a, int first, float* packed, int* places) {
   const __m512i all = _mm512_setr_epi32(0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15);
+  const __m512i chosen = _mm512_maskz_compress_epi32((__mmask16)mask, _mm512_add_epi32(all, _mm512_set1_epi32(first)));
   _mm512_storeu_ps(packed, _mm512_maskz_compress_ps((__mmask16)mask, a));
-  _mm512_storeu_si512(lanes, _mm512_maskz_compress_epi32((__mmask16)mask, all));
+  _mm512_storeu_si512(places, chosen);
   return __builtin_popcount(mask);
 }
 
@@ -160,16 +167,19 @@ static inline Float16 chooseEqual16(Float16 a, Float16 b, Float16 yes, Float16 n
                    _mm256_blendv_ps(no.high, yes.high, _mm256_cmp_ps(a.high, b.high, _CMP_EQ_OQ))};
 }
 
-static inline __m256 lookup8(__m256 low, __m256 high, const int* indices) {
-  const __m256i all = _mm256_loadu_si256((const __m256i*)indices);
-  const __m256 isHigh = _mm256_castsi256_ps(_mm256_slli_epi32(all, 28));
-  return _mm256_blendv_ps(_mm256_permutevar8x32_ps(low, all), _mm256_permutevar8x32_ps(high, all), isHigh);
+static inline Int16 loadInts(const int* p) {
+  return (Int16){_mm256_loadu_si256((const __m256i*)p), _mm256_loadu_si256((const __m256i*)(p + 8))};
 }
 
-static inline Float16 lookup16(const float* p, const int* indices) {
+static inline __m256 lookup8(__m256 low, __m256 high, __m256i indices) {
+  const __m256 isHigh = _mm256_castsi256_ps(_mm256_slli_epi32(indices, 28));
+  return _mm256_blendv_ps(_mm256_permutevar8x32_ps(low, indices), _mm256_permutevar8x32_ps(high, indices), isHigh);
+}
+
+static inline Float16 lookup16(const float* p, Int16 indices) {
   const __m256 low = _mm256_loadu_ps(p);
   const __m256 high = _mm256_loadu_ps(p + 8);
-  return (Float16){lookup8(low, high, indices), lookup8(low, high, indices + 8)};
+  return (Float16){lookup8(low, high, indices.low), lookup8(low, high, indices.high)};
 }
 
 /* The numbers of the bits of a byte that are set, ascending, four bits each from the lowest on. */
@@ -184,18 +194,18 @@ static inline Float16 lookup16(const float* p, const int* indices) {
 
 static const uint32_t orderOfBits[256] = {CT_ORDER_64(0u), CT_ORDER_64(64u), CT_ORDER_64(128u), CT_ORDER_64(192u)};
 
-static inline void pack8(unsigned mask, __m256 a, int first, float* packed, int* lanes) {
+static inline void pack8(unsigned mask, __m256 a, int first, float* packed, int* places) {
   const __m256i shifts = _mm256_setr_epi32(0, 4, 8, 12, 16, 20, 24, 28);
   const __m256i order = _mm256_srlv_epi32(_mm256_set1_epi32((int)orderOfBits[mask]), shifts);
   const __m256i within = _mm256_and_si256(order, _mm256_set1_epi32(7));
   _mm256_storeu_ps(packed, _mm256_permutevar8x32_ps(a, within));
-  _mm256_storeu_si256((__m256i*)lanes, _mm256_add_epi32(within, _mm256_set1_epi32(first)));
+  _mm256_storeu_si256((__m256i*)places, _mm256_add_epi32(within, _mm256_set1_epi32(first)));
 }
 
-static inline int pack16(unsigned mask, Float16 a, float* packed, int* lanes) {
+static inline int pack16(unsigned mask, Float16 a, int first, float* packed, int* places) {
   const int low = __builtin_popcount(mask & 255);
-  pack8(mask & 255, a.low, 0, packed, lanes);
-  pack8(mask >> 8 & 255, a.high, 8, packed + low, lanes + low);
+  pack8(mask & 255, a.low, first, packed, places);
+  pack8(mask >> 8 & 255, a.high, first + 8, packed + low, places + low);
   return __builtin_popcount(mask);
 }
 
@@ -295,22 +305,28 @@ static inline Float16 chooseEqual16(Float16 a, Float16 b, Float16 yes, Float16 n
   return a;
 }
 
-static inline Float16 lookup16(const float* p, const int* indices) {
+static inline Int16 loadInts(const int* p) {
+  Int16 ints;
+  memcpy(&ints, p, sizeof ints);
+  return ints;
+}
+
+static inline Float16 lookup16(const float* p, Int16 indices) {
   float found[16];
   for (int k = 0; k < 16; k++) {
-    found[k] = p[indices[k]];
+    found[k] = p[indices.q[k / 4][k % 4] & 15];
   }
   return load16(found);
 }
 
-static inline int pack16(unsigned mask, Float16 a, float* packed, int* lanes) {
+static inline int pack16(unsigned mask, Float16 a, int first, float* packed, int* places) {
   float all[16];
   int count = 0;
   store16(all, a);
   /* Without branches, which would be mispredicted. */
   for (int k = 0; k < 16; k++) {
     packed[count] = all[k];
-    lanes[count] = k;
+    places[count] = first + k;
     count += (int)(mask >> k & 1);
   }
   return count;

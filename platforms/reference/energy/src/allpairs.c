@@ -26,7 +26,7 @@ static ctStatus createNonbonded(AllPairs* pairs, const ctEnergyDefinition* d, co
   const ctStatus status = ctNonbondedCreate(&pairs->nonbonded, pairs->leaves.tree, d->scene->particleCount,
                                             d->nonbonded, slotOf, errorText, errorSize);
   if (status == ctSuccess &&
-      !ctPairSumsCreate(&pairs->sums, &pairs->leaves, d->nonbonded->cutoff, ctNonbondedEnergy, &pairs->nonbonded)) {
+      !ctPairSumsCreate(&pairs->sums, &pairs->leaves, d->nonbonded->cutoff, ctNonbondedEnergies, &pairs->nonbonded)) {
     snprintf(errorText, errorSize, "out of memory");
     return ctOutOfMemory;
   }

@@ -16,6 +16,13 @@ typedef struct LeafFrame {
   double centre[3]; /* in the world, nm */
 } LeafFrame;
 
+/* Two leaves a <= b that are summed over. */
+typedef struct FramedPair {
+  int a;
+  int b;
+  const LeafFrame* frames[2];
+} FramedPair;
+
 #define FRAME_GRID (1.0 / 1024) /* nm */
 
 /* No particle is so far (nm) from another, and the square of twice this is a float. */

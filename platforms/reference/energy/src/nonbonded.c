@@ -121,11 +121,17 @@ static double exactEnergy(const Nonbonded* nonbonded, const LeafSide* a, const L
   return sum;
 }
 
-double ctNonbondedEnergy(const void* model, int a, const LeafFrame* frameA, int b, const LeafFrame* frameB) {
-  const Nonbonded* nonbonded = model;
+double ctNonbondedEnergy(const Nonbonded* nonbonded, int a, const LeafFrame* frameA, int b, const LeafFrame* frameB) {
   const uint16_t* excluded = pairMaskOf(&nonbonded->mask, a, b);
   const LeafSide sideA = {frameA, &nonbonded->columns[a], excluded};
   const LeafSide sideB = {frameB, &nonbonded->columns[b], excluded != NULL ? pairMaskOf(&nonbonded->mask, b, a) : NULL};
   const double energy = nonbonded->kernels->leafPairEnergy(&nonbonded->potential, &sideA, &sideB);
   return isfinite(energy) ? energy : exactEnergy(nonbonded, &sideA, &sideB);
+}
+
+void ctNonbondedEnergies(const void* model, int count, const FramedPair* pairs, double* energies) {
+  for (int i = 0; i < count; i++) {
+    const FramedPair* pair = &pairs[i];
+    energies[i] = ctNonbondedEnergy(model, pair->a, pair->frames[0], pair->b, pair->frames[1]);
+  }
 }

@@ -18,7 +18,10 @@ ctStatus ctNonbondedCreate(Nonbonded* nonbonded, const ctChainTree* tree, int pa
                            const ctNonbonded* description, const int* slotOf, char* errorText, size_t errorSize);
 void ctNonbondedFree(Nonbonded* nonbonded);
 
-/* The energy of leaves a <= b with these frames; a LeafPairFunction of a Nonbonded. */
-double ctNonbondedEnergy(const void* model, int a, const LeafFrame* frameA, int b, const LeafFrame* frameB);
+/* The energy of leaves a <= b with these frames. */
+double ctNonbondedEnergy(const Nonbonded* nonbonded, int a, const LeafFrame* frameA, int b, const LeafFrame* frameB);
+
+/* A LeafPairFunction of a Nonbonded. */
+void ctNonbondedEnergies(const void* model, int count, const FramedPair* pairs, double* energies);
 
 #endif /* CT_NONBONDED_H_ */

@@ -124,32 +124,60 @@ static double exactEnergy(const PairSet* set, const TapePair* pair, int a, int b
   return sum;
 }
 
-double ctPairSetEnergy(const void* model, int a, const LeafFrame* frameA, int b, const LeafFrame* frameB) {
-  const PairSet* set = model;
-  const size_t width = (size_t)set->tape.columnCount * CT_LEAF_WIDTH;
+/* Which particles of two leaves count, and how often. */
+typedef struct OpenedPair {
+  TapePair pair;
   uint16_t allowed[CT_LEAF_WIDTH];
   int times[CT_LEAF_WIDTH][CT_LEAF_WIDTH];
-  TapePair pair = {.frames = {frameA, frameB},
-                   .columns = {set->tape.columns + (size_t)a * width, set->tape.columns + (size_t)b * width},
-                   .occupied = {set->occupied[a], set->occupied[b]}};
+} OpenedPair;
+
+/* False if no pair of particles counts. */
+static bool openPair(const PairSet* set, const FramedPair* framed, OpenedPair* opened) {
+  const size_t width = (size_t)set->tape.columnCount * CT_LEAF_WIDTH;
+  const int a = framed->a;
+  const int b = framed->b;
+  TapePair* pair = &opened->pair;
+  uint16_t* allowed = opened->allowed;
+  *pair = (TapePair){.frames = {framed->frames[0], framed->frames[1]},
+                     .columns = {set->tape.columns + (size_t)a * width, set->tape.columns + (size_t)b * width},
+                     .occupied = {set->occupied[a], set->occupied[b]}};
   if (set->hasGroups) {
-    const GroupedPairs found = ctFindGroupedPairs(&set->groups, a, b, allowed, times);
+    const GroupedPairs found = ctFindGroupedPairs(&set->groups, a, b, allowed, opened->times);
     if (found == NO_PAIR_COUNTS) {
-      return 0;
+      return false;
     }
-    pair.allowed = allowed;
-    pair.times = found == PAIRS_COUNT_OFTEN ? times : NULL;
+    pair->allowed = allowed;
+    pair->times = found == PAIRS_COUNT_OFTEN ? opened->times : NULL;
   }
   const uint16_t* excluded = pairMaskOf(&set->mask, a, b);
   for (int k = 0; excluded != NULL && k < CT_LEAF_WIDTH; k++) {
     allowed[k] = (uint16_t)((set->hasGroups ? allowed[k] : ~0u) & ~(unsigned)excluded[k]);
-    pair.allowed = allowed;
+    pair->allowed = allowed;
   }
-  if (!set->tape.isExact) {
-    const double energy = set->kernels->energy(&set->tape, &pair, &set->range);
-    if (isfinite(energy)) {
-      return energy;
+  return true;
+}
+
+void ctPairSetEnergies(const void* model, int count, const FramedPair* pairs, double* energies) {
+  const PairSet* set = model;
+  const Tape* tape = &set->tape;
+  OpenedPair opened;
+  for (int i = 0; i < count; i++) {
+    energies[i] = 0;
+    if (openPair(set, &pairs[i], &opened)) {
+      if (tape->isExact) {
+        energies[i] = NAN;
+        continue;
+      }
+      set->kernels->add(tape, &opened.pair, &set->range, i);
+      if (tape->batch->count > MOST_SIXTEENS - CT_LEAF_WIDTH) {
+        set->kernels->finish(tape, &set->range, energies);
+      }
     }
   }
-  return exactEnergy(set, &pair, a, b);
+  set->kernels->finish(tape, &set->range, energies);
+  for (int i = 0; i < count; i++) {
+    if (!isfinite(energies[i]) && openPair(set, &pairs[i], &opened)) {
+      energies[i] = exactEnergy(set, &opened.pair, pairs[i].a, pairs[i].b);
+    }
+  }
 }

@@ -25,7 +25,7 @@ ctStatus ctPairSetCreate(PairSet* set, const ctChainTree* tree, int particleCoun
                          int number, const int* slotOf, char* errorText, size_t errorSize);
 void ctPairSetFree(PairSet* set);
 
-/* The energy of leaves a <= b with these frames; a LeafPairFunction of a PairSet, of which only scratch changes. */
-double ctPairSetEnergy(const void* model, int a, const LeafFrame* frameA, int b, const LeafFrame* frameB);
+/* A LeafPairFunction of a PairSet, of which only scratch changes. */
+void ctPairSetEnergies(const void* model, int count, const FramedPair* pairs, double* energies);
 
 #endif /* CT_PAIRSET_H_ */

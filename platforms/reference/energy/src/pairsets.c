@@ -12,7 +12,7 @@ static ctStatus addSet(PairSets* sets, TrialLeaves* leaves, int particleCount, c
   if (status != ctSuccess) {
     return status;
   }
-  if (!ctPairSumsCreate(&sets->sums[i], leaves, set->cutoff, ctPairSetEnergy, set)) {
+  if (!ctPairSumsCreate(&sets->sums[i], leaves, set->cutoff, ctPairSetEnergies, set)) {
     ctPairSumsFree(&sets->sums[i]);
     ctPairSetFree(set);
     snprintf(errorText, errorSize, "out of memory");

@@ -17,16 +17,25 @@ void ctPairSumsFree(PairSums* pairs) {
   pairs->staged = NULL;
 }
 
+/* Pairs of leaves that are summed over at a time. */
+enum { MOST_AT_A_TIME = 16 };
+
 ctStatus ctPairSumsRefresh(PairSums* pairs, size_t count, const ctLeafPair* near) {
+  FramedPair framed[MOST_AT_A_TIME];
+  double sums[MOST_AT_A_TIME];
   pairs->stagedCount = 0;
   ctLeafSumsClear(&pairs->sums);
-  for (size_t i = 0; i < count; i++) {
-    const int a = near[i].a;
-    const int b = near[i].b;
-    if (ctIsWithin(near[i].squaredGap, pairs->cutoff)) {
-      const LeafFrame* frameA = ctStateFrame(pairs->leaves, a);
-      const double sum = pairs->function(pairs->model, a, frameA, b, ctStateFrame(pairs->leaves, b));
-      if (!ctLeafSumsAdd(&pairs->sums, a, b, sum)) {
+  for (size_t i = 0; i < count;) {
+    int few = 0;
+    for (; i < count && few < MOST_AT_A_TIME; i++) {
+      if (ctIsWithin(near[i].squaredGap, pairs->cutoff)) {
+        const LeafFrame* frameA = ctStateFrame(pairs->leaves, near[i].a);
+        framed[few++] = (FramedPair){near[i].a, near[i].b, {frameA, ctStateFrame(pairs->leaves, near[i].b)}};
+      }
+    }
+    pairs->function(pairs->model, few, framed, sums);
+    for (int k = 0; k < few; k++) {
+      if (!ctLeafSumsAdd(&pairs->sums, framed[k].a, framed[k].b, sums[k])) {
         return ctOutOfMemory;
       }
     }
@@ -34,9 +43,23 @@ ctStatus ctPairSumsRefresh(PairSums* pairs, size_t count, const ctLeafPair* near
   return ctSuccess;
 }
 
+/* Stages the sums of these pairs, and adds by how much they change. */
+static void stageFew(PairSums* pairs, int count, const FramedPair* framed, double* change) {
+  double sums[MOST_AT_A_TIME];
+  pairs->function(pairs->model, count, framed, sums);
+  for (int i = 0; i < count; i++) {
+    const int a = framed[i].a;
+    const int kept = ctLeafSumsFind(&pairs->sums, a, framed[i].b);
+    pairs->staged[pairs->stagedCount++] = (StagedSum){a, framed[i].b, kept, sums[i]};
+    *change += changeOf(kept != ABSENT ? pairs->sums.rows[a].sums[kept] : 0, sums[i]);
+  }
+}
+
 /* Computes the sums of those changed pairs that are near, or of the others, and by how much these change. */
 static ctStatus stage(PairSums* pairs, bool near, double* change) {
   TrialLeaves* leaves = pairs->leaves;
+  FramedPair framed[MOST_AT_A_TIME];
+  int few = 0;
   const size_t most = (size_t)leaves->changedCount;
   *change = 0;
   if (!ctReserveEntries((void**)&pairs->staged, &pairs->stagedCapacity, most, sizeof *pairs->staged)) {
@@ -45,14 +68,15 @@ static ctStatus stage(PairSums* pairs, bool near, double* change) {
   for (int i = 0; i < leaves->changedCount; i++) {
     const ChangedPair* pair = &leaves->changed[i];
     if (pair->isNear == near && ctIsWithin(pair->squaredGap, pairs->cutoff)) {
-      const LeafFrame* a = ctTrialFrame(leaves, pair->a);
-      const LeafFrame* b = ctTrialFrame(leaves, pair->b);
-      const double sum = pairs->function(pairs->model, pair->a, a, pair->b, b);
-      const int kept = ctLeafSumsFind(&pairs->sums, pair->a, pair->b);
-      pairs->staged[pairs->stagedCount++] = (StagedSum){pair->a, pair->b, kept, sum};
-      *change += changeOf(kept != ABSENT ? pairs->sums.rows[pair->a].sums[kept] : 0, sum);
+      const LeafFrame* frameA = ctTrialFrame(leaves, pair->a);
+      framed[few++] = (FramedPair){pair->a, pair->b, {frameA, ctTrialFrame(leaves, pair->b)}};
+      if (few == MOST_AT_A_TIME) {
+        stageFew(pairs, few, framed, change);
+        few = 0;
+      }
     }
   }
+  stageFew(pairs, few, framed, change);
   return ctSuccess;
 }
 

@@ -6,8 +6,8 @@
 #include "leafsums.h"
 #include "trialleaves.h"
 
-/* The sum over pairs of particles of leaves a <= b with these frames. */
-typedef double LeafPairFunction(const void* model, int a, const LeafFrame* frameA, int b, const LeafFrame* frameB);
+/* For each of some pairs of leaves the sum over their pairs of particles. */
+typedef void LeafPairFunction(const void* model, int count, const FramedPair* pairs, double* sums);
 
 /* The new sum of a pair of leaves that the trial changes. */
 typedef struct StagedSum {

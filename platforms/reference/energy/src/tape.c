@@ -10,6 +10,8 @@
 
 enum { UNUSED = -1 };
 
+enum { CACHE_LINE = 64 }; /* bytes */
+
 /* ---- Steps ---- */
 
 /* True for a sum, difference or product of columns of both sides, which a step reads itself. */
@@ -23,27 +25,112 @@ static bool isOfColumns(const TapeGraph* graph, const ctOperation* node) {
          graph->columns[first->arguments[0]].side != graph->columns[second->arguments[0]].side;
 }
 
-/* How many results of other steps a node needs. */
-static int countResults(const TapeGraph* graph, const ctTable* tables, int i) {
-  const ctOperation* node = &graph->nodes[i];
-  return isOfColumns(graph, node) ? 0 : ctArgumentCount(node, tables);
+static bool isSum(const ctOperation* node) {
+  return node->kind == ctAddOperator || node->kind == ctSubtractOperator || node->kind == ctMultiplyOperator;
 }
 
-/* The node of each node's last use, or UNUSED; the result is used after all, and so are squares of distances. */
-static void findLastUses(const TapeGraph* graph, const ctTable* tables, int* lastUse) {
-  for (int i = 0; i < graph->nodeCount; i++) {
-    lastUse[i] = UNUSED;
+/* What becomes steps: which nodes, and what they need. */
+typedef struct Plan {
+  const TapeGraph* graph;
+  const ctTable* tables;
+  int* uses;    /* of each node, by other nodes */
+  int* first;   /* the node whose result goes on in this one's step, or UNUSED */
+  int* lastUse; /* the node whose step uses a result last, or UNUSED: it has no step */
+} Plan;
+
+/* The results of other steps that a node needs, and which arguments of its step they are. */
+typedef struct Needs {
+  int count;
+  int nodes[3];
+  int places[3];
+} Needs;
+
+static void addNeed(Needs* needs, int node, int place) {
+  needs->nodes[needs->count] = node;
+  needs->places[needs->count++] = place;
+}
+
+static Needs needsOf(const Plan* plan, int i) {
+  Needs needs = {0};
+  const ctOperation* node = &plan->graph->nodes[i];
+  const int first = plan->first[i];
+  const ctOperation* begin = first == UNUSED ? node : &plan->graph->nodes[first];
+  const int count = isOfColumns(plan->graph, begin) ? 0 : ctArgumentCount(begin, plan->tables);
+  for (int k = 0; k < count; k++) {
+    addNeed(&needs, begin->arguments[k], k);
   }
-  lastUse[graph->root] = graph->nodeCount;
+  if (first != UNUSED) {
+    addNeed(&needs, node->arguments[node->arguments[0] == first ? 1 : 0], 2);
+  }
+  return needs;
+}
+
+static void countUses(const Plan* plan) {
+  plan->uses[plan->graph->root] = 1;
+  for (int i = plan->graph->nodeCount - 1; i >= 0; i--) {
+    const Needs needs = needsOf(plan, i);
+    for (int k = 0; plan->uses[i] > 0 && k < needs.count; k++) {
+      plan->uses[needs.nodes[k]]++;
+    }
+  }
+}
+
+/* A result that is used once, by the next sum, difference or product, needs no place. */
+static void joinNodes(const Plan* plan) {
+  const TapeGraph* graph = plan->graph;
+  for (int i = 0; i < graph->nodeCount; i++) {
+    const ctOperation* node = &graph->nodes[i];
+    for (int k = 0; k < 2 && plan->uses[i] > 0 && isSum(node) && !isOfColumns(graph, node); k++) {
+      const int argument = node->arguments[k];
+      if (plan->first[i] == UNUSED && plan->uses[argument] == 1 && isSum(&graph->nodes[argument]) &&
+          plan->first[argument] == UNUSED) {
+        plan->first[i] = argument;
+      }
+    }
+  }
+}
+
+/* The result is used after all, and so are squares of distances. */
+static void findLastUses(const Plan* plan) {
+  const TapeGraph* graph = plan->graph;
+  plan->lastUse[graph->root] = graph->nodeCount;
   for (int i = graph->nodeCount - 1; i >= 0; i--) {
-    for (int k = 0; lastUse[i] != UNUSED && k < countResults(graph, tables, i); k++) {
-      int* last = &lastUse[graph->nodes[i].arguments[k]];
+    const Needs needs = needsOf(plan, i);
+    for (int k = 0; plan->lastUse[i] != UNUSED && k < needs.count; k++) {
+      int* last = &plan->lastUse[needs.nodes[k]];
       *last = *last == UNUSED ? i : *last;
     }
     if (graph->nodes[i].kind == ctInputOperator) {
-      lastUse[i] = graph->nodeCount;
+      plan->lastUse[i] = graph->nodeCount;
     }
   }
+}
+
+/* False if there is no memory; to be freed all the same. */
+static bool makePlan(Plan* plan, const TapeGraph* graph, const ctTable* tables) {
+  const size_t count = (size_t)graph->nodeCount;
+  *plan = (Plan){.graph = graph,
+                 .tables = tables,
+                 .uses = calloc(count, sizeof(int)),
+                 .first = malloc(count * sizeof(int)),
+                 .lastUse = malloc(count * sizeof(int))};
+  if (plan->uses == NULL || plan->first == NULL || plan->lastUse == NULL) {
+    return false;
+  }
+  for (size_t i = 0; i < count; i++) {
+    plan->first[i] = UNUSED;
+    plan->lastUse[i] = UNUSED;
+  }
+  countUses(plan);
+  joinNodes(plan);
+  findLastUses(plan);
+  return true;
+}
+
+static void freePlan(Plan* plan) {
+  free(plan->uses);
+  free(plan->first);
+  free(plan->lastUse);
 }
 
 /* Lines of the scratch, of a number for each pair, that are given to nodes and taken back from them. */
@@ -56,12 +143,12 @@ typedef struct Lines {
 
 static TapeValue takeLine(Lines* lines) {
   const int line = lines->freeCount > 0 ? lines->free[--lines->freeCount] : lines->count++;
-  return (TapeValue){lines->firstBegin + line * MOST_LEAF_PAIRS, CT_LEAF_WIDTH};
+  return (TapeValue){lines->firstBegin + line * MOST_BATCH, CT_LEAF_WIDTH};
 }
 
 static void giveBack(Lines* lines, TapeValue value) {
   if (value.step != 0) {
-    lines->free[lines->freeCount++] = (value.begin - lines->firstBegin) / MOST_LEAF_PAIRS;
+    lines->free[lines->freeCount++] = (value.begin - lines->firstBegin) / MOST_BATCH;
   }
 }
 
@@ -93,22 +180,36 @@ static void addColumnsToStep(Tape* tape, const TapeGraph* graph, const ctOperati
   }
 }
 
-static void addStep(Tape* tape, const TapeGraph* graph, int i, const int* lastUse, TapeValue* values, Lines* lines) {
-  const ctOperation* node = &graph->nodes[i];
-  const int count = countResults(graph, tape->expression.tables, i);
+static TapeSequel sequelOf(const ctOperation* node, bool isFirst) {
+  switch (node->kind) {
+    case ctAddOperator:
+      return THEN_ADD;
+    case ctMultiplyOperator:
+      return THEN_MULTIPLY;
+    default:
+      return isFirst ? THEN_SUBTRACT : THEN_SUBTRACT_FROM;
+  }
+}
+
+static void addStep(Tape* tape, const Plan* plan, int i, TapeValue* values, Lines* lines) {
+  const ctOperation* node = &plan->graph->nodes[i];
+  const int first = plan->first[i];
+  const ctOperation* begin = first == UNUSED ? node : &plan->graph->nodes[first];
+  const Needs needs = needsOf(plan, i);
   TapeStep* step = &tape->steps[tape->stepCount++];
-  *step = (TapeStep){.kind = node->kind};
-  addColumnsToStep(tape, graph, node, step);
+  *step = (TapeStep){.kind = begin->kind};
+  step->sequel = first == UNUSED ? NO_SEQUEL : sequelOf(node, node->arguments[0] == first);
+  addColumnsToStep(tape, plan->graph, begin, step);
   if (node->kind == ctTableOperator) {
     step->table = &tape->tables[(int)node->constant];
   }
   /* A result may take the place of what is used here for the last time. */
-  for (int k = 0; k < count; k++) {
-    const int argument = node->arguments[k];
-    const bool isRepeated = (k > 0 && argument == node->arguments[0]) || (k > 1 && argument == node->arguments[1]);
-    step->arguments[k] = values[argument];
-    if (lastUse[argument] == i && !isRepeated) {
-      giveBack(lines, values[argument]);
+  for (int k = 0; k < needs.count; k++) {
+    const int need = needs.nodes[k];
+    const bool isRepeated = (k > 0 && need == needs.nodes[0]) || (k > 1 && need == needs.nodes[1]);
+    step->arguments[needs.places[k]] = values[need];
+    if (plan->lastUse[need] == i && !isRepeated) {
+      giveBack(lines, values[need]);
     }
   }
   values[i] = takeLine(lines);
@@ -122,15 +223,15 @@ static bool isFloat(double value) {
 
 static bool makeSteps(Tape* tape, const TapeGraph* graph) {
   const size_t count = (size_t)graph->nodeCount;
-  int* lastUse = malloc(count * sizeof *lastUse);
+  Plan plan;
+  const bool isPlanned = makePlan(&plan, graph, tape->expression.tables);
+  const int* lastUse = plan.lastUse;
   TapeValue* values = malloc(count * sizeof *values);
   Lines lines = {.free = malloc(count * sizeof *lines.free)};
   tape->steps = malloc(count * sizeof *tape->steps);
   tape->columnKinds = malloc(((size_t)graph->columnCount + 1) * sizeof *tape->columnKinds);
-  bool isMade =
-      lastUse != NULL && values != NULL && lines.free != NULL && tape->steps != NULL && tape->columnKinds != NULL;
+  bool isMade = isPlanned && values != NULL && lines.free != NULL && tape->steps != NULL && tape->columnKinds != NULL;
   if (isMade) {
-    findLastUses(graph, tape->expression.tables, lastUse);
     /* Constants come first. Squares of distances are there when the tape starts. */
     for (int i = 0; i < graph->nodeCount; i++) {
       if (graph->nodes[i].kind == ctConstantOperator && lastUse[i] != UNUSED) {
@@ -143,14 +244,16 @@ static bool makeSteps(Tape* tape, const TapeGraph* graph) {
       if (graph->nodes[i].kind == ctInputOperator) {
         values[i] = (TapeValue){tape->squaredBegin, CT_LEAF_WIDTH};
       } else if (graph->nodes[i].kind != ctConstantOperator && lastUse[i] != UNUSED) {
-        addStep(tape, graph, i, lastUse, values, &lines);
+        addStep(tape, &plan, i, values, &lines);
       }
     }
     tape->result = values[graph->root];
     /* Listing pairs may write a row beyond the end. */
-    const size_t rows = (size_t)lines.count * CT_LEAF_WIDTH + 1;
-    tape->scratch = calloc((size_t)lines.firstBegin + rows * CT_LEAF_WIDTH, sizeof *tape->scratch);
-    isMade = tape->scratch != NULL;
+    const size_t size = (size_t)lines.firstBegin + (size_t)lines.count * MOST_BATCH + CT_LEAF_WIDTH;
+    tape->memory = calloc(size + CACHE_LINE / sizeof *tape->memory, sizeof *tape->memory);
+    tape->batch = calloc(1, sizeof *tape->batch);
+    isMade = tape->memory != NULL && tape->batch != NULL;
+    tape->scratch = isMade ? tape->memory + (CACHE_LINE - (uintptr_t)tape->memory % CACHE_LINE) / sizeof(float) : NULL;
   }
   for (int i = 0; isMade && i < graph->nodeCount; i++) {
     if (graph->nodes[i].kind == ctConstantOperator && lastUse[i] != UNUSED) {
@@ -160,7 +263,7 @@ static bool makeSteps(Tape* tape, const TapeGraph* graph) {
       }
     }
   }
-  free(lastUse);
+  freePlan(&plan);
   free(values);
   free(lines.free);
   return isMade;
@@ -259,7 +362,8 @@ void ctTapeFree(Tape* tape) {
   free(tape->tables);
   ctPairExpressionFree(&tape->expression);
   free(tape->steps);
-  free(tape->scratch);
+  free(tape->memory);
+  free(tape->batch);
   free(tape->columnKinds);
   free(tape->columns);
   *tape = (Tape){0};

@@ -22,10 +22,15 @@ typedef struct TapeValue {
   int step; /* from sixteen pairs to the next: 16 or 0 */
 } TapeValue;
 
-/* An operation of a graph. */
+/* What a step that adds, subtracts or multiplies does next, with its third argument, so that nothing is written between
+ * two operations. */
+typedef enum TapeSequel { NO_SEQUEL, THEN_ADD, THEN_SUBTRACT, THEN_SUBTRACT_FROM, THEN_MULTIPLY } TapeSequel;
+
+/* An operation of a graph, or two. */
 typedef struct TapeStep {
   ctOperator kind;
-  bool isOfColumns; /* its arguments are the columns of both sides */
+  TapeSequel sequel;
+  bool isOfColumns; /* its first two arguments are the columns of both sides */
   TapeValue arguments[3];
   int columns[2]; /* or that of the one column that it reads */
   int side;       /* of the first of these */
@@ -33,12 +38,37 @@ typedef struct TapeStep {
   int result; /* where it begins in the scratch */
 } TapeStep;
 
+/* Sixteen pairs of particles each that a tape runs on at a time: so many that going from step to step costs little, so
+ * few that results stay near. At least those of two leaves. */
+enum { MOST_SIXTEENS = 32, MOST_BATCH = MOST_SIXTEENS * CT_LEAF_WIDTH };
+
+/* The pairs of particles of two leaves, in a batch. */
+typedef struct TapePart {
+  int number; /* the caller's */
+  int begin;  /* its first sixteen */
+  int pairCount;
+  bool hasTimes;
+} TapePart;
+
+/* Pairs of particles of some pairs of leaves: those that count, without gaps but at the end of a part. */
+typedef struct TapeBatch {
+  int count; /* sixteens */
+  int partCount;
+  TapePart parts[MOST_SIXTEENS];
+  const float* columns[2][MOST_SIXTEENS]; /* of both leaves, for each sixteen */
+  /* Sixteen times the slot of the first leaf, plus that of the second. */
+  int places[MOST_BATCH + CT_LEAF_WIDTH];
+  float times[MOST_BATCH]; /* how often a pair counts, where a part has times */
+} TapeBatch;
+
 typedef struct Tape {
   int stepCount;
   TapeStep* steps;
   int squaredBegin; /* where the squares of distances go in the scratch */
   TapeValue result;
-  float* scratch;
+  float* memory;
+  float* scratch; /* in it, where a line of the cache begins */
+  TapeBatch* batch;
   int columnCount; /* that steps read */
   TapeColumn* columnKinds;
   float* columns;         /* of each leaf columnCount times sixteen; 0 where a slot holds no particle */

@@ -85,7 +85,7 @@ static int distanceNode(Builder* b) {
 }
 
 static int inverseNode(Builder* b) {
-  b->inverse = addNode(b, ctDivideOperator, addConstant(b, 1), distanceNode(b), 0, 0);
+  b->inverse = addNode(b, INVERSE_ROOT_OPERATOR, squaredNode(b), 0, 0, 0);
   return b->inverse;
 }
 

@@ -14,9 +14,13 @@ typedef struct TapeColumn {
   double factor;
 } TapeColumn;
 
+/* 1 / sqrt(a), which no expression has. */
+#define INVERSE_ROOT_OPERATOR ((ctOperator)(ctTableOperator + 1))
+
 /* The operations of a graph are those of an expression with these exceptions: the one input is the square of the
  * distance; a parameter is a column; there are no squares, cubes, reciprocals, negations, additions or products with
- * a constant, no secants and their kind, and no constant powers; these are made of others. None is there twice. */
+ * a constant, no secants and their kind, and no constant powers; these are made of others. The reciprocal of the
+ * distance is an operation. None is there twice. */
 typedef struct TapeGraph {
   int nodeCount;
   int nodeCapacity;

@@ -5,11 +5,16 @@
 #include "tape.h"
 
 typedef struct TapeKernels {
-  /* The energy of pairs of particles. It is not finite where single precision does not suffice. This and the next write
-   * into the tape's scratch. */
+  /* Adds the pairs of particles of two leaves to the tape's batch, which has to have room for CT_LEAF_WIDTH sixteens;
+   * `number` is the caller's. False if none of them count. */
+  bool (*add)(const Tape* tape, const TapePair* pair, const TapeRange* range, int number);
+  /* Computes the energies of all that was added, energies[number], and empties the batch. An energy is not finite where
+   * single precision does not suffice. */
+  void (*finish)(const Tape* tape, const TapeRange* range, double* energies);
+  /* The energy of pairs of particles, as above. The batch has to be empty. */
   double (*energy)(const Tape* tape, const TapePair* pair, const TapeRange* range);
   /* Adds to the sum of each slot of the first leaf what it has with the second. Range has no switch, and pairs count
-   * once. False, and no sum changed, where single precision does not suffice. */
+   * once. False, and no sum changed, where single precision does not suffice. The batch has to be empty. */
   bool (*addRows)(const Tape* tape, const TapePair* pair, const TapeRange* range, double sums[CT_LEAF_WIDTH]);
 } TapeKernels;
 

@@ -6,7 +6,7 @@
 typedef void (*ElementaryFunction)(const float* x, const float* y, float* result);
 
 typedef struct ElementaryPath {
-  ElementaryFunction exp, log, sin, cos, tan, asin, acos, atan, sinh, cosh, tanh, erf, erfc, floor, ceil;
+  ElementaryFunction exp, log, sin, cos, tan, asin, acos, atan, sinh, cosh, tanh, erf, erfc, floor, ceil, inverseRoot;
   ElementaryFunction pow, atan2;
 } ElementaryPath;
 

@@ -28,6 +28,7 @@ DEFINE_OF_ONE(erf)
 DEFINE_OF_ONE(erfc)
 DEFINE_OF_ONE(floor)
 DEFINE_OF_ONE(ceil)
+DEFINE_OF_ONE(inverseRoot)
 DEFINE_OF_TWO(pow)
 DEFINE_OF_TWO(atan2)
 
@@ -46,5 +47,6 @@ const ElementaryPath PATH = {.exp = expOfAll,
                              .erfc = erfcOfAll,
                              .floor = floorOfAll,
                              .ceil = ceilOfAll,
+                             .inverseRoot = inverseRootOfAll,
                              .pow = powOfAll,
                              .atan2 = atan2OfAll};
