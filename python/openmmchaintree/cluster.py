@@ -55,8 +55,8 @@ class Cluster:
         try:
             with warnings.catch_warnings():
                 warnings.simplefilter("ignore")
-                self._client = Client(address, timeout=_CONNECT_SECONDS, set_as_default=False, name="openmm-chaintree")
-        except (OSError, ValueError, ImportError, RuntimeError) as error:
+                self._client = _connect(Client, address)
+        except (OSError, ValueError, TypeError, ImportError, RuntimeError) as error:
             raise InputError(f"--scheduler {address}: cannot be reached ({_firstLine(error)})") from error
         try:
             self.checkWorkers()
@@ -204,6 +204,17 @@ class _SegmentTask:
         worker, result = self._task.result()
         self._workers[result.replica] = worker
         return result
+
+
+def _connect(Client, address):
+    """Return a Client of a scheduler. One that fails counts as closed: else Python would wait for it, in vain."""
+    client = Client.__new__(Client)
+    try:
+        client.__init__(address, timeout=_CONNECT_SECONDS, set_as_default=False, name="openmm-chaintree")
+    except BaseException:
+        client.status = "closed"
+        raise
+    return client
 
 
 def _runThere(versions, model, segment):

@@ -8,7 +8,7 @@ import time
 from contextlib import suppress
 
 import pytest
-from commands import assertRefused, filesIn
+from commands import assertRefused, filesIn, run
 from openmm import app, unit
 from openmmchaintree import cluster
 from openmmchaintree.command.replicafiles import ReplicaFiles
@@ -191,6 +191,15 @@ def test_noScheduler(runHere, tmp_path, monkeypatch, command):
     for address, words in (("tcp://127.0.0.1:1", "cannot be reached"), ("what://x:1", "cannot be reached")):
         result = runHere(*command, "--scheduler", address)
         assertRefused(result, tmp_path, files, f"--scheduler {address}: {words}")
+
+
+@pytest.mark.parametrize("address", ["localhost", "tls://127.0.0.1:1"])
+def test_noAddress(tmp_path, address):
+    """One line, and the process ends: without a port, without the keys of a scheduler that has some."""
+    writeSmallStructures(tmp_path)
+    files = filesIn(tmp_path)
+    result = run("sample", *OPTIONS, "--scheduler", address, folder=tmp_path)
+    assertRefused(result, tmp_path, files, f"--scheduler {address}: cannot be reached")
 
 
 def test_anotherVersion(dask, runHere, tmp_path, tmp_path_factory):

@@ -18,6 +18,7 @@ from openmm import app
 from openmmchaintree.command import outputfiles
 from openmmchaintree.command.outputfiles import Output, OutputError
 from openmmchaintree.command.trajectoryfile import TrajectoryFile
+from openmmchaintree.errors import InputError
 from scenes import GLYCINES, readDCD, writePDB
 
 FULL = "/dev/full"  # a disk that is full, to every write
@@ -133,6 +134,41 @@ def test_linksAndRightsAreKept(tmp_path):
     assert (tmp_path / "link.json").is_symlink() and (tmp_path / "new.json").is_symlink()
     assert (tmp_path / "a.json").read_text() == (tmp_path / "b.json").read_text() == "new"
     assert stat.S_IMODE((tmp_path / "a.json").stat().st_mode) == 0o640
+
+
+def test_whatSomebodyWritesIsLeftAlone(tmp_path):
+    """A file that is open for writing is not opened once more, nor is it emptied."""
+    path = tmp_path / "a.csv"
+    with Output(str(path)).open() as file:
+        file.write(b"theirs")
+        other = Output(str(path), True)
+        for attempt in (other.check, other.open, other.openThere):
+            with pytest.raises(OutputError, match="a.csv: another run is writing it"):
+                attempt()
+    assert path.read_bytes() == b"theirs"
+    other.check()
+    other.open().close()
+    assert path.read_bytes() == b""
+
+
+def test_manyOutputs(tmp_path):
+    """Each is looked at once, not once for each other one; two names of one file are found all the same."""
+    names = {number: str(tmp_path / f"{number}.dcd") for number in range(20000)}
+    with pytest.raises(InputError, match="again.dcd: is named for two outputs"):
+        (tmp_path / "19999.dcd").touch()
+        (tmp_path / "again.dcd").symlink_to("19999.dcd")
+        outputfiles.checkOutputs({**names, "again": str(tmp_path / "again.dcd")}, [], True)
+
+
+def test_aNameThatIsNoText(runHere, tmp_path):
+    """Settings cannot hold it, JSON can."""
+    name = os.fsdecode(b"m\xe9in.pdb")
+    (tmp_path / STRUCTURE).rename(tmp_path / name)
+    result = commands.run("sample", name, "--replicas", 1, folder=tmp_path)
+    assertRefused(result, tmp_path, [name], "structure 'm\\udce9in.pdb': is no text in utf-8")
+    result = commands.run("clashes", name, "--json", "a.json", folder=tmp_path)
+    assert result.returncode == 0, result.stderr
+    assert json.loads((tmp_path / "a.json").read_text())["structure"] == name
 
 
 def test_aPipeIsWrittenTo(tmp_path):

@@ -14,7 +14,7 @@ from pathlib import Path
 
 import pytest
 from commands import COMMAND, assertRefused, filesIn
-from openmmchaintree.command import replicafiles, replicarun
+from openmmchaintree.command import outputfiles, replicafiles, replicarun
 from openmmchaintree.command.replicafiles import ReplicaFiles
 from openmmchaintree.errors import InputError
 from openmmchaintree.replicas import checkpointfile
@@ -205,6 +205,59 @@ def test_otherSettings(finished, runHere, tmp_path, options, words):
     assertRefused(runHere("--resume", "run.checkpoint", *options), tmp_path, files, words)
 
 
+def test_killedBetweenReports(runHere, tmp_path, monkeypatch):
+    """What was written at the end is the run's, whatever came after it; what anybody else has written is not."""
+    arguments = ("run.pdb", "--replicas", 1, "--trials", 30, "--frames", 3, "--json", "a.json", "--notes", "a.txt")
+    with monkeypatch.context() as patches, pytest.raises(Killed):
+        killAfter(patches, outputfiles.Writing, "write", 2, False)
+        runHere(*arguments)
+    assert (tmp_path / "run.png").exists() and not (tmp_path / "a.json").exists()
+    (tmp_path / "a.json").write_text("mine")
+    result = runHere("--resume", "run.checkpoint")
+    assert result.stderr == "openmm-chaintree: a.json: exists; --overwrite replaces it\n"
+    assert (tmp_path / "a.json").read_text() == "mine"
+    (tmp_path / "a.json").unlink()
+    result = runHere("--resume", "run.checkpoint")
+    assert result.returncode == 0, result.stderr
+    (tmp_path / "run.png").write_text("drawn anew")
+    files = filesIn(tmp_path)
+    assertRefused(runHere("--resume", "run.checkpoint"), tmp_path, files, "run.png: exists; --overwrite replaces it")
+    assert (tmp_path / "run.png").read_text() == "drawn anew"
+
+
+def test_twoAtATime(runHere, tmp_path, monkeypatch):
+    """A run that is being written is left alone by all others."""
+    arguments = ("run.pdb", "--replicas", 2, "--workers", 1, "--trials", 60000, "--frames", 30, "--seed", 1)
+    assert runHere(*arguments, "-o", "whole").returncode == 0
+    refusals = []
+
+    def tryOthers(*options):
+        if not refusals:
+            for others in (["--resume", "run.checkpoint"], [*arguments, "--overwrite"], ["run.pdb", "--overwrite"]):
+                command = [*COMMAND, "sample", *map(str, others)]
+                refusals.append(subprocess.run(command, cwd=tmp_path, capture_output=True, text=True))
+        return honest(*options)
+
+    honest = ReplicaFiles.add
+    monkeypatch.setattr(ReplicaFiles, "add", tryOthers)
+    (tmp_path / "run.dcd").symlink_to("run-replica-0.dcd")
+    assert runHere(*arguments, "--checkpoint-interval", 0).returncode == 0
+    for refusal, name in zip(refusals, ("run-index.csv", "run-index.csv", "run.dcd"), strict=True):
+        assert (refusal.returncode, refusal.stdout) == (2, "")
+        assert refusal.stderr == f"openmm-chaintree: {name}: another run is writing it\n"
+    assert contents(tmp_path, "run") == contents(tmp_path, "whole")
+
+
+@pytest.mark.parametrize(("option", "name"), [("--resume", "run.checkpoint"), ("--config", "run-settings.toml")])
+def test_fromAnotherFolder(finished, runHere, tmp_path, option, name):
+    """Names in a file mean what they mean beside the command, which one line says where they mean nothing."""
+    (tmp_path / "inner").mkdir()
+    shutil.copy(tmp_path / name, tmp_path / "inner")
+    (tmp_path / "run.pdb").unlink()
+    words = f"run.pdb: there is no such file; names in inner/{name} are relative to where the command runs"
+    assertRefused(runHere(option, f"inner/{name}"), tmp_path, filesIn(tmp_path), words)
+
+
 # ---- More trials ----
 
 
@@ -327,6 +380,16 @@ def test_anyDamageIsNoticed(tmp_path):
         except InputError:
             noticed += 1
     assert noticed > 0.8 * 8 * len(whole) / 7
+
+
+def test_noRoomForACheckpoint(tmp_path):
+    """The former one stays, and nothing else."""
+    path = tmp_path / "a.checkpoint"
+    checkpointfile.writeCheckpoint(path, {"counts": 1}, [b"former"])
+    with largestFile(1000), pytest.raises(OSError):
+        checkpointfile.writeCheckpoint(path, {"counts": 2}, [random.Random(1).randbytes(2000)])
+    header, checkpoints = checkpointfile.readCheckpoint(path)
+    assert header["counts"] == 1 and checkpoints == {0: b"former"} and filesIn(tmp_path) == ["a.checkpoint"]
 
 
 def test_anotherStructure(finished, runHere, tmp_path):

@@ -109,13 +109,31 @@ def readSettings(path):
 
 
 def settingsOf(parser, options):
-    """Return the settings among the options of a run as a dictionary; options that are not given stay out."""
+    """Return the settings among the options of a run as a dictionary; options that are not given stay out.
+
+    Raises
+    ------
+    InputError
+        if one cannot be written as TOML: a name that is no text
+    """
     settings = {name: getattr(options, action.dest) for name, action in _settingsOf(parser).items()}
+    for name, value in settings.items():
+        for text in value if isinstance(value, (list, tuple)) else [value]:
+            _checkText(name, text)
     return {
         name: list(value) if isinstance(value, tuple) else value
         for name, value in settings.items()
         if value is not None and value is not False and value != () and value != []
     }
+
+
+def _checkText(name, value):
+    """Refuse a name of a file whose bytes are no text, which Python holds all the same."""
+    try:
+        str(value).encode("utf-8")
+    except UnicodeEncodeError as error:
+        encoding = sys.getfilesystemencoding()
+        raise InputError(f"{name} {value!r}: is no text in {encoding}, so that settings cannot hold it") from error
 
 
 def asTOML(settings):

@@ -12,6 +12,11 @@ from textwrap import indent
 
 from ..errors import InputError
 
+try:
+    import fcntl
+except ImportError:  # on Windows
+    fcntl = None
+
 _STANDARD_OUTPUT = "-"
 
 _PICTURES = (".png", ".pdf", ".svg")
@@ -57,7 +62,7 @@ class Output:
         if isinstance(content, bytes):
             pieces = [content]
         else:
-            pieces = (text.encode("utf-8") for text in ([content] if isinstance(content, str) else content))
+            pieces = (encoded(text) for text in ([content] if isinstance(content, str) else content))
         if self.isStandardOutput:
             sys.stdout.flush()
             sys.stdout.buffer.writelines(pieces)
@@ -87,7 +92,7 @@ class Output:
             temporary.unlink(missing_ok=True)
 
     def open(self):
-        """Open the file for writing piece by piece, unbuffered.
+        """Open the file for writing piece by piece, unbuffered. Until it is closed no other run writes it.
 
         Raises
         ------
@@ -95,10 +100,20 @@ class Output:
             if it cannot be opened
         """
         with self.explainingErrors():
-            return io.FileIO(self._path, "w" if self._overwrite or self._isSpecial else "x")
+            if self._isSpecial:
+                return io.FileIO(self._path, "w")
+            if not self._overwrite:
+                return self._locked(io.FileIO(self._path, "x"))
+            file = self._locked(io.FileIO(self._path, "r+", opener=_openOrMake))
+            try:
+                file.truncate()
+            except BaseException:
+                file.close()
+                raise
+            return file
 
     def openThere(self):
-        """Open the file, which is there already, for reading and writing, unbuffered.
+        """Open the file, which is there already, for reading and writing, as `open` does.
 
         Raises
         ------
@@ -110,7 +125,19 @@ class Output:
         if not self._path.is_file():
             raise InputError(f"{self.name}: there is no such file to go on with")
         with self.explainingErrors():
-            return io.FileIO(self._path, "r+")
+            return self._locked(io.FileIO(self._path, "r+"))
+
+    def _locked(self, file):
+        """Return a file, which no other run writes until it is closed, as far as its file system can tell."""
+        try:
+            if fcntl is not None:
+                fcntl.flock(file.fileno(), fcntl.LOCK_EX | fcntl.LOCK_NB)
+        except BlockingIOError as error:
+            file.close()
+            raise OutputError(f"{self.name}: another run is writing it") from error
+        except OSError:  # a file system without locks
+            pass
+        return file
 
     def remove(self):
         """Remove the file."""
@@ -127,11 +154,6 @@ class Output:
         except OSError as error:
             raise OutputError(f"{self.name}: cannot be written ({error.strerror})") from error
 
-    def isFile(self, path):
-        """Whether it is the file that has this path."""
-        path = Path(os.path.realpath(path))
-        return path == self._path or (path.exists() and self._path.exists() and path.samefile(self._path))
-
     def needsOverwrite(self):
         """Whether a file is there that must not be replaced."""
         return self._path.is_file() and not self._overwrite
@@ -144,7 +166,7 @@ class Output:
         InputError
             if it is a folder, or in none
         OutputError
-            if it cannot be written
+            if it cannot be written, or another run is writing it
         """
         if self._path.is_dir() or self.name.endswith(os.sep):
             raise InputError(f"{self.name}: is a folder, not a file")
@@ -154,7 +176,7 @@ class Output:
             return
         with self.explainingErrors():
             if self._path.exists():
-                self._path.open("ab").close()
+                self._locked(self._path.open("ab")).close()
                 path = self._temporaryPath()
             else:
                 path = self._path
@@ -163,6 +185,25 @@ class Output:
 
     def _temporaryPath(self):
         return self._path.with_name(f".{secrets.token_hex(8)}.part")
+
+
+def encoded(text):
+    """Return a text as bytes. What a name has that is no text becomes an escape, which JSON reads as the name again."""
+    return text.encode("utf-8", "backslashreplace")
+
+
+def _openOrMake(path, flags):
+    return os.open(path, flags | os.O_CREAT, 0o666)
+
+
+def _identities(path):
+    """Return what two paths of the same file have in common."""
+    path = os.path.realpath(path)
+    try:
+        found = os.stat(path)
+    except OSError:
+        return {path}
+    return {path, (found.st_dev, found.st_ino)}
 
 
 def _writePieces(path, pieces):
@@ -197,7 +238,7 @@ class Writing:
 
     def describeFailures(self):
         """Return all failures in one line."""
-        return "; ".join(map(str, self.failures))
+        return "; ".join(dict.fromkeys(map(str, self.failures)))
 
 
 def addOverwrite(parser):
@@ -228,11 +269,15 @@ def checkOutputs(names, inputs, overwrite):
     files = [output for output in outputs.values() if not output.isStandardOutput]
     if len(outputs) > len(files) + 1:
         raise InputError("standard output (-): is named for two outputs")
-    for number, output in enumerate(files):
-        if any(output.isFile(path) for path in inputs):
+    areRead = set().union(*map(_identities, inputs))
+    areWritten = set()
+    for output in files:
+        identities = _identities(output.path)
+        if identities & areRead:
             raise InputError(f"{output.name}: would overwrite a file that is read")
-        if any(output.isFile(other.name) for other in files[:number]):
+        if identities & areWritten:
             raise InputError(f"{output.name}: is named for two outputs")
+        areWritten |= identities
         output.check()
     existing = [output.name for output in files if output.needsOverwrite()]
     if existing:

@@ -1,6 +1,7 @@
 """Runs replicas for the command: from the start or from a checkpoint, to the end or until the user interrupts."""
 
 import os
+from hashlib import sha256
 from time import monotonic
 
 import openmm
@@ -10,16 +11,16 @@ from ..errors import ClusterError, InputError
 from ..replicas.checkpointfile import readCheckpoint, writeCheckpoint
 from ..replicas.coordinator import Coordinator, RunState
 from ..replicas.schedule import Schedule
-from .outputfiles import OutputError, checkOutputs
+from .outputfiles import OutputError, checkOutputs, encoded
 from .replicafiles import ReplicaFiles
 from .terminal import interruptFlag, printError, progress
 from .trajectoryfile import trialsOfAStep
 
+# The kinds of outputs that are written at the end.
+REPORTS = ("picture", "notes", "json")
+
 # Settings that a run may go on with in another way.
 FREE_SETTINGS = ("workers", "checkpoint-interval", "json", "notes")
-
-# The kinds of outputs that are written at the end.
-_REPORTS = ("picture", "json", "notes")
 
 
 class ReplicaRun:
@@ -31,7 +32,7 @@ class ReplicaRun:
     state : RunState
     isInterrupted : bool
     reports : list of str
-        the names of files that were written at the end, so far
+        the digests of what was written at the end, so far
     """
 
     def __init__(self, sampling, plan, choice, settings, outputs, model, workers):
@@ -120,9 +121,9 @@ class ReplicaRun:
         coordinator.run(self._workers.submit, self._workers.slots(), shouldHold)
         self.state.wallSeconds += monotonic() - begun
 
-    def noteReports(self, names):
-        """Note the names of files that were written at the end, which a run that goes on from here replaces."""
-        self.reports = sorted({*self.reports, *names})
+    def noteReport(self, content):
+        """Note bytes that are about to be written at the end: a run that goes on from here may replace them."""
+        self.reports = sorted({*self.reports, sha256(content).hexdigest()})
         self._save()
 
     def _sync(self):
@@ -218,10 +219,34 @@ class SavedRun:
 
     def checkOutputs(self, names, inputs, overwrite):
         """Return the Outputs of the run that goes on, as `checkOutputs` does: what the run has written is there."""
-        reports = self.header["reports"]
-        ours = {kind: name for kind, name in names.items() if kind not in _REPORTS or name in reports}
+        ours = {kind: name for kind, name in names.items() if kind not in REPORTS or self._hasWritten(name)}
         others = {kind: name for kind, name in names.items() if kind not in ours}
         outputs = {**checkOutputs(ours, inputs, True), **checkOutputs(others, inputs, overwrite)}
         if os.path.realpath(self.path) != str(outputs["checkpoint"].path):
             raise InputError(f"--resume {self.path}: the run writes its checkpoints to {outputs['checkpoint'].name}")
         return outputs
+
+    def _hasWritten(self, name):
+        """Whether a file is a report of the run, as it was written."""
+        if name is None or not os.path.isfile(name):
+            return False
+        with open(name, "rb") as file:
+            return sha256(file.read()).hexdigest() in self.header["reports"]
+
+
+class NotedReport:
+    """A report of a ReplicaRun: an Output whose content the checkpoint knows before it is written."""
+
+    def __init__(self, output, run):
+        """Take the Output and the ReplicaRun."""
+        self._output = output
+        self._run = run
+        self.name = output.name
+        self.isStandardOutput = output.isStandardOutput
+
+    def write(self, content):
+        """Note a text or bytes, and write them, as `Output.write` does."""
+        content = content if isinstance(content, bytes) else encoded(content)
+        if not self.isStandardOutput:
+            self._run.noteReport(content)
+        self._output.write(content)

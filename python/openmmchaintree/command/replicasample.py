@@ -10,7 +10,7 @@ from .planreport import describePlan
 from .replicafiles import readIndex, trajectoryNames
 from .replicaoptions import makePlan
 from .replicareport import isBeyond, printReplicaReport, summarizeReplicas
-from .replicarun import FREE_SETTINGS, ReplicaRun
+from .replicarun import FREE_SETTINGS, REPORTS, NotedReport, ReplicaRun
 from .scenefiles import removeScene, renewSettings, writeScene
 
 _TRAJECTORY = "trajectory "
@@ -81,11 +81,11 @@ def _sampleBy(workers, model, prepared, choice, saved):
         *(outputs[kind].name for kind in written if kind in outputs),
         *(file.name for file in trajectories),
     ]
+    reports = {kind: NotedReport(outputs[kind], run) for kind in REPORTS if kind in outputs}
     if summary["frames"] > 1:
-        writing.write(outputs["picture"], lambda output: _savePicture(output, summary, index))
+        writing.write(reports["picture"], lambda output: _savePicture(output, summary, index))
     summary["files"] = writing.files
-    writeReports(writing, outputs, sampling.notes, summary)
-    run.noteReports(outputs[kind].name for kind in ("picture", "notes", "json") if kind in outputs)
+    writeReports(writing, reports, sampling.notes, summary)
     printReplicaReport(summary, console, options.verbose)
     return endRun(writing, isBeyond(summary), run.isInterrupted)
 

@@ -166,6 +166,7 @@ def _run(options):
     if saved is not None:
         saved.checkSettings(settings)
         options.frames = settings["frames"] = saved.framesOf(options.trials)
+    _checkFolder(options)
     with collectionPaused():
         structure = readStructure(options.structure, options.model)
     outputs = _checkOutputs(options, structure.name, settings, replicas, saved)
@@ -188,6 +189,13 @@ def _run(options):
         raise InputError(f"{options.structure or structure.name}: {error}") from error
     prepared = Prepared(options, settings, outputs, console, sampling, energyModel, seed, added)
     return _sampleOne(prepared) if replicas is None else sampleReplicas(prepared, replicas, saved)
+
+
+def _checkFolder(options):
+    """Refuse a structure that is named by settings and is not there: perhaps the command runs in another folder."""
+    source, name = options.resume or options.config, options.structure
+    if source is not None and name is not None and not os.path.isabs(name) and not os.path.exists(name):
+        raise InputError(f"{name}: there is no such file; names in {source} are relative to where the command runs")
 
 
 def _sampleOne(prepared):

@@ -22,20 +22,24 @@ _HEADER = "run.json"
 def writeCheckpoint(path, header, checkpoints):
     """Write a dictionary of plain values and the checkpoints of replicas, None for none.
 
-    Whatever ends the process or the machine, the file is the former one or this one.
+    Whatever ends the process or the machine, the file is the former one or this one. Nothing stays if writing fails.
     """
     held = {str(replica): checkpoint for replica, checkpoint in enumerate(checkpoints) if checkpoint is not None}
     digests = {name: sha256(checkpoint).hexdigest() for name, checkpoint in held.items()}
     path = Path(path)
     temporary = path.with_name(f"{path.name}.part")
-    with open(temporary, "wb") as file:
-        with zipfile.ZipFile(file, "w", zipfile.ZIP_DEFLATED, compresslevel=1) as archive:
-            archive.writestr(_HEADER, json.dumps({"version": _VERSION, "digests": digests, **header}))
-            for name, checkpoint in held.items():
-                archive.writestr(name, checkpoint)
-        file.flush()
-        os.fsync(file.fileno())
-    os.replace(temporary, path)
+    try:
+        with open(temporary, "wb") as file:
+            with zipfile.ZipFile(file, "w", zipfile.ZIP_DEFLATED, compresslevel=1) as archive:
+                archive.writestr(_HEADER, json.dumps({"version": _VERSION, "digests": digests, **header}))
+                for name, checkpoint in held.items():
+                    archive.writestr(name, checkpoint)
+            file.flush()
+            os.fsync(file.fileno())
+        os.replace(temporary, path)
+    except BaseException:
+        temporary.unlink(missing_ok=True)
+        raise
     folder = os.open(path.parent, os.O_RDONLY)
     try:
         os.fsync(folder)
