@@ -4,6 +4,8 @@ import logging
 import pickle
 import sys
 import warnings
+from queue import Empty, SimpleQueue
+from threading import Thread
 from uuid import uuid4
 
 import openmm
@@ -13,6 +15,10 @@ from .errors import ClusterError, InputError
 from .replicas.segment import runSegment
 
 _CONNECT_SECONDS = 10
+_ANSWER_SECONDS = 3  # more than a Client takes to say that it cannot connect
+
+# What a Client raises that cannot connect, and says why.
+_REASONS = (OSError, ValueError, TypeError, ImportError, RuntimeError)
 
 # Evaluated by a worker that may lack the package, or have another one: so it is text.
 _VERSIONS = (
@@ -56,7 +62,7 @@ class Cluster:
             with warnings.catch_warnings():
                 warnings.simplefilter("ignore")
                 self._client = _connect(Client, address)
-        except (OSError, ValueError, TypeError, ImportError, RuntimeError) as error:
+        except _REASONS as error:
             raise InputError(f"--scheduler {address}: cannot be reached ({_firstLine(error)})") from error
         try:
             self.checkWorkers()
@@ -207,14 +213,33 @@ class _SegmentTask:
 
 
 def _connect(Client, address):
-    """Return a Client of a scheduler. One that fails counts as closed: else Python would wait for it, in vain."""
-    client = Client.__new__(Client)
+    """Return a Client of a scheduler, or raise what keeps it from connecting.
+
+    It connects in a thread of its own, since it would wait forever for what is no scheduler, such as a dashboard. A
+    Client that fails counts as closed: else Python would wait for it, in vain.
+    """
+    ends = SimpleQueue()
+
+    def connect():
+        client = Client.__new__(Client)
+        try:
+            client.__init__(address, timeout=_CONNECT_SECONDS, set_as_default=False, name="openmm-chaintree")
+        except BaseException as error:
+            client.status = "closed"
+            ends.put(error)
+        else:
+            ends.put(client)
+
+    Thread(target=connect, daemon=True).start()
     try:
-        client.__init__(address, timeout=_CONNECT_SECONDS, set_as_default=False, name="openmm-chaintree")
-    except BaseException:
-        client.status = "closed"
-        raise
-    return client
+        end = ends.get(timeout=_CONNECT_SECONDS + _ANSWER_SECONDS)
+    except Empty:
+        end = None
+    if isinstance(end, _REASONS):
+        raise end
+    if end is None or isinstance(end, BaseException):  # such as MemoryError, by what it took for a length
+        raise ConnectionError("what is there does not answer as a scheduler does") from end
+    return end
 
 
 def _runThere(versions, model, segment):

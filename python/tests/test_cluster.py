@@ -2,10 +2,12 @@
 
 import json
 import os
+import socket
 import subprocess
 import sys
 import time
 from contextlib import suppress
+from threading import Thread
 
 import pytest
 from commands import assertRefused, filesIn, run
@@ -200,6 +202,23 @@ def test_noAddress(tmp_path, address):
     files = filesIn(tmp_path)
     result = run("sample", *OPTIONS, "--scheduler", address, folder=tmp_path)
     assertRefused(result, tmp_path, files, f"--scheduler {address}: cannot be reached")
+
+
+def test_noSchedulerButAnother(runHere, tmp_path, monkeypatch):
+    """A server that answers, but as a page of the web."""
+    monkeypatch.setattr(cluster, "_CONNECT_SECONDS", 0.2)
+    monkeypatch.setattr(cluster, "_ANSWER_SECONDS", 0.5)
+    files = filesIn(tmp_path)
+    with socket.create_server(("127.0.0.1", 0)) as server:
+
+        def answer():
+            server.accept()[0].sendall(b"HTTP/1.0 400 Bad Request\r\n\r\n")
+
+        Thread(target=answer, daemon=True).start()
+        address = f"tcp://127.0.0.1:{server.getsockname()[1]}"
+        result = runHere("sample", *OPTIONS, "--scheduler", address)
+    words = f"--scheduler {address}: cannot be reached (what is there does not answer as a scheduler does)"
+    assertRefused(result, tmp_path, files, words)
 
 
 def test_anotherVersion(dask, runHere, tmp_path, tmp_path_factory):

@@ -99,7 +99,7 @@ def test_listsEndBeforeTheStructure(runHere, tmp_path):
         ("[sample]\ntrials = 1.5", "argument --trials: '1.5' is not a whole number"),
         ('[sample]\ntorsions = ["phi", "pi"]', "argument --torsions: 'pi' is none of"),
         ('[sample]\nmove = "--fix"', "--move: "),
-        ('[sample]\nstructure = "missing.pdb"', "missing.pdb: No such file"),
+        ('[sample]\nstructure = "missing.pdb"', "missing.pdb: there is no such file; names in c.toml are relative"),
     ],
 )
 def test_badSettings(runHere, tmp_path, content, words):
