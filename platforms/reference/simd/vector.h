@@ -18,10 +18,15 @@ static inline void cross(const double a[3], const double b[3], double c[3]) {
   c[2] = z;
 }
 
+/* c may be a or b. Without a loop, so that compilers keep short arrays in registers: they make vectors of loops, which
+ * load at once what has been stored in parts, and a processor waits for that. */
 static inline void subtract(const double a[3], const double b[3], double c[3]) {
-  for (int k = 0; k < 3; k++) {
-    c[k] = a[k] - b[k];
-  }
+  const double x = a[0] - b[0];
+  const double y = a[1] - b[1];
+  const double z = a[2] - b[2];
+  c[0] = x;
+  c[1] = y;
+  c[2] = z;
 }
 
 /* a = a + f b */

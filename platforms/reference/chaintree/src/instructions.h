@@ -14,10 +14,10 @@ typedef struct InstructionSet {
   /* The update of a tree, bottom-up; see refresh_body.h. */
   void (*refreshLeaf)(Tree* tree, const Sequence* sequence, int leaf);
   Frame (*linkInLeaf)(const Sequence* sequence, int link);
-  void (*refreshTwig)(Tree* tree, const Sequence* sequence, int link, int leaf);
+  bool (*refreshTwig)(Tree* tree, const Sequence* sequence, int link, int leaf);
   void (*refreshInnerNode)(Tree* tree, int level, int node, const int* changed, int count);
-  void (*refreshMember)(Tree* tree, int leaf);
-  void (*refreshBound)(Tree* tree, int node);
+  void (*refreshLeafBound)(Tree* tree, int leaf);
+  void (*widenAbove)(Tree* tree, int leaf);
 
   /* For ctTraversalLeafFrame, ctTraverse, ctTraverseFew and ctTraverseProbe. */
   void (*updateWorldLeaf)(Traversal* t, int leaf);

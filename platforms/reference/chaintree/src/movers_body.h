@@ -223,32 +223,16 @@ static int firstLevel(const Traversal* t) {
   return level;
 }
 
-/* Moves the members of the parents of nodes over leaves into the world: their bounds, which may lag. */
-static void updateParents(Traversal* t) {
-  const Tree* tree = t->tree;
-  for (int i = 0; i < tree->levelSize[2]; i++) {
-    const int node = tree->levelBegin[2] + i;
-    const Members* own = treeMembers(tree, node);
-    float motion[12];
-    floatMotion(&t->frame[t->entryOf[node]], motion);
-    moveAll(&own->block, t->worldHasSurfaces ? own->block.r : own->centres, motion, &t->parents[i]);
-  }
-  t->parentsOutside = tree->outside;
-}
-
 /* Brings the nodes of that level up to date, and these leaves. */
 static void updateFirst(Traversal* t, int begin, int end) {
   const Tree* tree = t->tree;
   const int first = firstLevel(t);
-  if (t->firstNodesTime != tree->time) {
-    t->firstNodesTime = tree->time;
+  if (t->firstNodesTime < tree->innerTime || !treeStays(tree, t->firstNodesTime)) {
+    t->firstNodesTime = tree->innerTime > tree->time ? tree->innerTime : tree->time;
     for (int level = treeTop(tree); level >= first; level--) {
       for (int i = 0; i < tree->levelSize[level]; i++) {
-        updateFrame(t, level, tree->levelBegin[level] + i);
+        updateWorld(t, level, tree->levelBegin[level] + i);
       }
-    }
-    if (first == 2 && t->parents != NULL) {
-      updateParents(t);
     }
   }
   for (int leaf = begin; leaf < end; leaf++) {
@@ -272,11 +256,9 @@ CT_INLINE int listNearBox(const Block* blocks, int count, const MoverBox* box, f
 static const int* listNearLeaves(Traversal* t, Visit* visit, const Movers* movers, int* leafCount) {
   const Tree* tree = t->tree;
   const int top = firstLevel(t);
-  const bool lags = top == 2 && t->parents != NULL;
-  const Block* blocks = lags ? t->parents : worldOf(t, tree->levelBegin[top]);
-  const float reach = visit->reach + (lags ? 1.001f * t->parentsOutside : 0);
+  const Block* blocks = worldOf(t, tree->levelBegin[top]);
   int* nodes = t->nearNodes; /* level by level */
-  int count = listNearBox(blocks, tree->levelSize[top], &movers->box, reach, tree->levelBegin[top - 1], nodes);
+  int count = listNearBox(blocks, tree->levelSize[top], &movers->box, visit->reach, tree->levelBegin[top - 1], nodes);
   visit->volumeTests += tree->levelSize[top] * TREE_WIDTH;
   int done = 0;
   for (int level = top - 1; level > 0; level--) {

@@ -122,6 +122,15 @@ CT_INLINE void keepStem(Tree* tree, const Sequence* s, const Walk* walk) {
   }
 }
 
+/* Computes the position of a particle of a link, which has this frame, and puts it into its leaf. */
+CT_INLINE void placeParticle(const Sequence* s, const Columns* frame, int link, int slot, Leaf* leaf, double x[3]) {
+  sequenceLocal(s, link, s->slotParticle[slot], x);
+  columnsPoint(frame, x, x);
+  leaf->x[slot % TREE_WIDTH] = x[0];
+  leaf->y[slot % TREE_WIDTH] = x[1];
+  leaf->z[slot % TREE_WIDTH] = x[2];
+}
+
 /* Computes the positions of slots [begin, end) of a leaf. Takes the walk from the link of the first one to that of the
  * last; the links between are opened. Inlined: a call would put the walk's frame into memory. */
 CT_INLINE void positionSlots(Tree* tree, const Sequence* s, Walk* walk, const Openings* openings, int begin, int end) {
@@ -134,15 +143,9 @@ CT_INLINE void positionSlots(Tree* tree, const Sequence* s, Walk* walk, const Op
       walkOn(walk, s, &openings->m[0][walk->link + 1 - openings->first], TREE_WIDTH);
       keepStem(tree, s, walk);
     }
-    const int particle = s->slotParticle[slot];
-    if (particle != CT_NULL) {
-      double local[3];
-      sequenceLocal(s, walk->link, particle, local);
+    if (s->slotParticle[slot] != CT_NULL) {
       double x[3];
-      columnsPoint(&walk->frame, local, x);
-      leaf->x[slot % TREE_WIDTH] = x[0];
-      leaf->y[slot % TREE_WIDTH] = x[1];
-      leaf->z[slot % TREE_WIDTH] = x[2];
+      placeParticle(s, &walk->frame, walk->link, slot, leaf, x);
     }
   }
 }
@@ -161,9 +164,13 @@ CT_INLINE void walkToLeaf(Walk* walk, const Sequence* s, const Openings* opening
   }
 }
 
-/* Completes a leaf whose slots have new positions. */
-static void noteLeaf(Tree* tree, int leaf) {
+/* Recomputes the bound of a leaf. */
+static void refreshLeafBound(Tree* tree, int leaf) {
   tree->bound[leaf] = boundOfLeaf(&tree->leaf[leaf]);
+}
+
+/* Notes that slots of a leaf have new positions. */
+static void noteLeaf(Tree* tree, int leaf) {
   tree->contentTime[leaf] = tree->time;
   tree->hasSum[leaf] = false;
   tree->boxIsStale[leaf] = true;
@@ -206,11 +213,84 @@ static void refreshLeaf(Tree* tree, const Sequence* sequence, int leaf) {
     tree->shortcut[leaf] = shortcut;
     tree->shortcutTime[leaf] = tree->time;
   }
+  refreshLeafBound(tree, leaf);
   noteLeaf(tree, leaf);
 }
 
-/* Recomputes the slots of one leaf that a link in a twig moves. */
-static void refreshTwig(Tree* tree, const Sequence* sequence, int link, int leaf) {
+/* Widens the bound of a leaf so that it holds these of its slots, with the room of boundOfMembers. */
+static void widenBound(Tree* tree, int leaf, int begin, int end) {
+  const Leaf* own = &tree->leaf[leaf];
+  Bound* bound = &tree->bound[leaf];
+  const double centre[3] = {bound->x, bound->y, bound->z};
+  for (int k = begin % TREE_WIDTH; k < begin % TREE_WIDTH + end - begin; k++) {
+    if (own->r[k] >= 0) {
+      const double x[3] = {own->x[k], own->y[k], own->z[k]};
+      const float away = (float)sqrt(squaredDistance(x, centre));
+      const float rounding =
+          1e-6f * (fabsf(bound->x) + fabsf(bound->y) + fabsf(bound->z) + away + own->r[k]) + FLOAT_FLOOR;
+      bound->r = fmaxf(bound->r, away + own->r[k] + rounding);
+      bound->centres = fmaxf(bound->centres, away + rounding);
+    }
+  }
+}
+
+/* True if a bound holds a particle at x; those that are not modelled need not be held. */
+CT_INLINE bool holdsParticle(const Bound* bound, const double x[3], float radius) {
+  const double centre[3] = {bound->x, bound->y, bound->z};
+  const double away = squaredDistance(x, centre);
+  const double room = (double)bound->r - (double)radius;
+  const double centres = bound->centres;
+  return (radius < 0) | ((room >= 0) & (away <= room * room) & (away <= centres * centres));
+}
+
+/* Computes the positions of slots that a link in a twig moves, up to `end`, in the leaf where the link begins: first
+ * the frames of all links, then the slots, since loops within loops are mispredicted. `stem` as in twigParent. True if
+ * the leaf's bound holds them. */
+static bool positionTwig(Tree* tree, const Sequence* s, int link, const Frame* stem, int end) {
+  Columns frames[TREE_WIDTH + 1]; /* of the parent, then of links from this one on */
+  const int begin = s->slotBegin[link];
+  const int last = s->slotLink[end - 1];
+  Leaf* leaf = &tree->leaf[begin / TREE_WIDTH];
+  const Bound bound = tree->bound[begin / TREE_WIDTH];
+  twigParent(s, link, stem, &frames[0]);
+  for (int l = link; l <= last; l++) {
+    const Frame opening = sequenceOpening(s, l);
+    Columns frame = frames[l == link ? 0 : s->parent[l] - link + 1];
+    columnsCompose(&frame, opening.m[0], 1);
+    frames[l - link + 1] = frame;
+  }
+  bool holds = true;
+  for (int slot = begin; slot < end; slot++) {
+    if (s->slotParticle[slot] != CT_NULL) {
+      const int own = s->slotLink[slot];
+      double x[3];
+      placeParticle(s, &frames[own - link + 1], own, slot, leaf, x);
+      holds &= holdsParticle(&bound, x, leaf->r[slot % TREE_WIDTH]);
+    }
+  }
+  return holds;
+}
+
+/* The same for all slots of a leaf that a link moves which begins in an earlier leaf. */
+static bool positionRest(Tree* tree, const Sequence* s, const Frame* stem, int begin, int end) {
+  const Leaf* leaf = &tree->leaf[begin / TREE_WIDTH];
+  Walk walk;
+  walkBeginInTwig(&walk, s, s->slotLink[begin], stem);
+  Openings openings;
+  openLinks(s, walk.link + 1, s->slotLink[end - 1] + 1, &openings);
+  positionSlots(tree, s, &walk, &openings, begin, end);
+  bool holds = true;
+  for (int slot = begin; slot < end; slot++) {
+    double x[3];
+    treeLocal(tree, slot, x);
+    holds &= holdsParticle(&tree->bound[begin / TREE_WIDTH], x, leaf->r[slot % TREE_WIDTH]);
+  }
+  return holds;
+}
+
+/* Recomputes the slots of one leaf that a link in a twig moves. The leaf's bound is only widened: false if that was
+ * necessary. */
+static bool refreshTwig(Tree* tree, const Sequence* sequence, int link, int leaf) {
   const int slotBegin = sequence->slotBegin[link];
   const int slotEnd = sequence->slotBegin[sequenceEnd(sequence, link)];
   const int begin = slotBegin > leaf * TREE_WIDTH ? slotBegin : leaf * TREE_WIDTH;
@@ -218,12 +298,13 @@ static void refreshTwig(Tree* tree, const Sequence* sequence, int link, int leaf
   const int head = sequenceTwigHead(sequence, link);
   const bool beginsHere = sequence->slotBegin[head] >= leaf * TREE_WIDTH;
   const Frame stem = beginsHere ? tree->stem[sequenceOpenPath(sequence, head)] : transformIdentity();
-  Walk walk;
-  walkBeginInTwig(&walk, sequence, sequence->slotLink[begin], &stem);
-  Openings openings;
-  openLinks(sequence, walk.link + 1, sequence->slotLink[end - 1] + 1, &openings);
-  positionSlots(tree, sequence, &walk, &openings, begin, end);
+  const bool holds = begin == slotBegin ? positionTwig(tree, sequence, link, &stem, end)
+                                        : positionRest(tree, sequence, &stem, begin, end);
   noteLeaf(tree, leaf);
+  if (!holds) {
+    widenBound(tree, leaf, begin, end);
+  }
+  return holds;
 }
 
 /* Makes the sphere of a child that of its parent's member. */
@@ -238,32 +319,34 @@ CT_INLINE void placeMember(Tree* tree, const Columns* pose, int child, int k, Me
   members->centres[k] = own->centres;
 }
 
-/* Recomputes the bound of an inner node from its members. */
-static void refreshBound(Tree* tree, int node) {
-  const Members* members = treeMembers(tree, node);
-  tree->bound[node] = boundOfMembers(&members->block, members->centres);
-}
-
-/* How far member k of a node sticks out of the node's bound; a little more, for roundings. */
-static float sticksOut(const Bound* bound, const Members* members, int k) {
-  const float x = members->block.x[k] - bound->x;
-  const float y = members->block.y[k] - bound->y;
-  const float z = members->block.z[k] - bound->z;
-  const float away = sqrtf(x * x + y * y + z * z) + members->block.r[k];
-  return away - bound->r + 1e-5f * away;
-}
-
-/* Recomputes the member of the node over a leaf which has changed, but not its shortcut. The bound of that node lags.
- */
-static void refreshMember(Tree* tree, int leaf) {
-  const int node = treeParent(tree, 0, leaf);
-  const int k = leaf % TREE_WIDTH;
-  Members* members = treeMembers(tree, node);
-  Columns pose;
-  columnsOf(&tree->pose[leaf], &pose);
-  placeMember(tree, &pose, leaf, k, members);
-  tree->outside = fmaxf(tree->outside, sticksOut(&tree->bound[node], members, k));
-  tree->contentTime[node] = tree->time;
+/* Recomputes the members of the nodes over a leaf whose bound has been widened, and widens their bounds, as far up as
+ * something sticks out. A little more, for roundings. */
+static void widenAbove(Tree* tree, int leaf) {
+  int child = leaf;
+  for (int level = 0; level < treeTop(tree); level++) {
+    const int node = treeParent(tree, level, child);
+    const int k = (child - tree->levelBegin[level]) % TREE_WIDTH;
+    Members* members = treeMembers(tree, node);
+    Bound* bound = &tree->bound[node];
+    Columns pose;
+    columnsOf(&tree->pose[child], &pose);
+    placeMember(tree, &pose, child, k, members);
+    tree->contentTime[node] = tree->time;
+    tree->innerTime = tree->time;
+    const float x = members->block.x[k] - bound->x;
+    const float y = members->block.y[k] - bound->y;
+    const float z = members->block.z[k] - bound->z;
+    const float away = sqrtf(x * x + y * y + z * z);
+    const float rounding = 1e-6f * (fabsf(bound->x) + fabsf(bound->y) + fabsf(bound->z) + away + members->block.r[k]);
+    const float r = away + members->block.r[k] + rounding + FLOAT_FLOOR;
+    const float centres = away + members->centres[k] + rounding + FLOAT_FLOOR;
+    if (r <= bound->r && centres <= bound->centres) {
+      return;
+    }
+    bound->r = fmaxf(bound->r, r);
+    bound->centres = fmaxf(bound->centres, centres);
+    child = node;
+  }
 }
 
 /* Recomputes an inner node of which these children (ascending) have changed. Children after one whose shortcut has
@@ -292,8 +375,9 @@ static void refreshInnerNode(Tree* tree, int level, int node, const int* changed
     tree->shortcut[node] = frameOfColumns(&pose);
     tree->shortcutTime[node] = tree->time;
   }
-  refreshBound(tree, node);
+  tree->bound[node] = boundOfMembers(&members->block, members->centres);
   tree->contentTime[node] = tree->time;
+  tree->innerTime = tree->time;
   tree->hasSum[node] = false;
   tree->boxIsStale[node] = true;
 }

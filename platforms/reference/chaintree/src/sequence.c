@@ -150,13 +150,15 @@ static double rodriguesAt(const Sequence* s, int link, double angle) {
 }
 
 void ctSequenceSetJoint(Sequence* s, int link, const JointState* joint) {
-  const int before = isDisplaced(s, link);
+  const bool before = isDisplaced(s, link);
   s->angle[link] = joint->angle;
   s->rodrigues[link] = rodriguesAt(s, link, joint->angle);
   if (isPlaced(s, link)) {
     s->placement[s->joint[link].placement] = joint->placement;
   }
-  const int change = isDisplaced(s, link) - before;
-  s->displaced[sequenceBranch(s, link)] += change;
-  s->displacedCount += change;
+  const bool after = isDisplaced(s, link);
+  if (after != before) {
+    s->displaced[sequenceBranch(s, link)] += after ? 1 : -1;
+    s->displacedCount += after ? 1 : -1;
+  }
 }

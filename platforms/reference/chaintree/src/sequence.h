@@ -364,4 +364,18 @@ CT_INLINE void walkBeginInTwig(Walk* walk, const Sequence* s, int link, const Fr
   }
 }
 
+/* The frame of the parent of a link in a twig, in that in which a walk would begin; `stem` as above. */
+CT_INLINE void twigParent(const Sequence* s, int link, const Frame* stem, Columns* frame) {
+  int way[TWIG_SLOTS];
+  int count = 0;
+  for (; s->twigPart[link] != headsTwig; link = s->parent[link]) {
+    way[count++] = s->parent[link];
+  }
+  columnsOf(stem, frame);
+  while (count > 0) {
+    const Frame opening = sequenceOpening(s, way[--count]);
+    columnsCompose(frame, opening.m[0], 1);
+  }
+}
+
 #endif /* CT_SEQUENCE_H_ */

@@ -179,9 +179,9 @@ static inline void rotationFromRodrigues(double wx, double wy, double wz, double
 static inline void transformAbout(const double point[3], const double shift[3], Frame* t) {
   double turned[3];
   rotate(t, point, turned);
-  for (int k = 0; k < 3; k++) {
-    t->m[k][3] = point[k] - turned[k] + shift[k];
-  }
+  t->m[0][3] = point[0] - turned[0] + shift[0];
+  t->m[1][3] = point[1] - turned[1] + shift[1];
+  t->m[2][3] = point[2] - turned[2] + shift[2];
 }
 
 /* Unit quaternion (w, x, y, z) of a rotation vector. */

@@ -40,9 +40,6 @@ bool ctTraversalBuild(Traversal* t, Arena* arena, const Tree* tree, const Sequen
   t->moved = ctArenaAllocate(arena, (size_t)t->movedCapacity, sizeof(Block));
   t->movedBoxesCapacity = MOST_MOVED_BOXES;
   t->movedBoxes = ctArenaAllocate(arena, MOST_MOVED_BOXES, sizeof(MovedBoxes));
-  if (treeHasFewParents(tree)) {
-    t->parents = ctArenaAllocate(arena, (size_t)tree->levelSize[2], sizeof(Block));
-  }
   t->stack = ctArenaAllocate(arena, (size_t)TREE_MAX_LEVELS * TREE_WIDTH, sizeof(ProbedNode));
   t->nearNodes = ctArenaAllocate(arena, nodes + TREE_WIDTH, sizeof(int));
   if (arena->failed) {
@@ -97,6 +94,11 @@ View ctViewOfState(bool surfaces, double reach) {
 
 bool ctViewMovesFew(const Traversal* t, const View* view, int* begin, int* end) {
   int p = 0;
+  if (view->pieceCount == 3 && view->pieces[0].body == 0 && view->pieces[1].body != 0 && view->pieces[2].body == 0) {
+    *begin = view->pieces[1].slotBegin;
+    *end = view->pieces[2].slotBegin;
+    return *end - *begin <= MOST_MOVERS && !t->alwaysDescends && treeTop(t->tree) > 0;
+  }
   while (p < view->pieceCount && view->pieces[p].body == 0) {
     p++;
   }

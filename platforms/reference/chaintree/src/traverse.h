@@ -45,8 +45,6 @@ typedef struct Traversal {
   bool worldHasSurfaces;  /* the radii are of surfaces, else of centres */
   int64_t firstNodesTime; /* the tree's time when all nodes with which tests of few slots begin were up to date */
   int mostFirstNodes;     /* MOST_FIRST_NODES, but for tests */
-  Block* parents;         /* the members of the parents of nodes over leaves, at that time; NULL: they are too many */
-  float parentsOutside;   /* nm: these lag by so much at most */
   int* entryOf;           /* its entry in the two arrays below; CT_NULL: another leaf has taken that */
   struct Box* box;        /* around its members in its own frame; stale where the tree says so */
 
@@ -114,7 +112,8 @@ const Frame* ctTraversalLeafFrame(Traversal* traversal, int leaf);
 int64_t ctTraverse(Traversal* traversal, const View* view, CandidateFunction* function, void* context,
                    ctCounts* counts);
 
-/* The same for a view in which only slots [begin, end) move, see ctViewMovesFew. Bounds of inner nodes may lag. */
+/* The same for a view in which only slots [begin, end) move, see ctViewMovesFew. Bounds may be wider than need be.
+ */
 void ctTraverseFew(Traversal* traversal, const View* view, int begin, int end, CandidateFunction* function,
                    void* context, ctCounts* counts);
 

@@ -5,11 +5,6 @@
 #include "costs.h"
 #include "instructions.h"
 
-/* An axis is taken from the positions of its two particles if its squared length is more than this share of the squared
- * distance from the leaf's origin. Positions in a leaf are off by up to 16 products of transforms, some 4 v of that
- * distance (v = 2^-53). The direction of a line that is 32 times shorter is off by 128 v, 1/84 of DOUBLE_MARGIN. */
-#define LEAST_LINE (1.0 / 1024)
-
 /* Writes what updates never change: which members there are, and the radii of particles. */
 static void clearMembers(Tree* tree, const Sequence* sequence) {
   for (int slot = 0; slot < tree->levelBegin[1] * TREE_WIDTH; slot++) {
@@ -58,7 +53,7 @@ bool ctTreeBuild(Tree* tree, Arena* arena, const Sequence* sequence, const struc
   tree->particles = ctArenaAllocate(arena, nodes, sizeof(int));
   tree->dirty = ctArenaAllocate(arena, (size_t)tree->levelSize[0], sizeof(int));
   tree->lagging = ctArenaAllocate(arena, (size_t)tree->levelSize[0], sizeof(int));
-  tree->lags = ctArenaAllocate(arena, nodes, sizeof(bool));
+  tree->lags = ctArenaAllocate(arena, (size_t)tree->levelSize[0], sizeof(bool));
   tree->changedLeaf = ctArenaAllocate(arena, (size_t)tree->levelSize[0], sizeof(int));
   tree->changeTime = ctArenaAllocate(arena, (size_t)tree->levelSize[0], sizeof(int64_t));
   if (arena->failed) {
@@ -85,7 +80,7 @@ static void noteChange(Tree* tree, int firstLeaf) {
 
 void ctTreeMakeStale(Tree* tree) {
   tree->isStale = true;
-  tree->time++;
+  tree->time += 2;
   noteChange(tree, 0);
 }
 
@@ -94,7 +89,6 @@ static void forgetLagging(Tree* tree) {
     tree->lags[tree->lagging[i]] = false;
   }
   tree->laggingCount = 0;
-  tree->outside = 0;
 }
 
 void ctTreeRefresh(Tree* tree, const Sequence* sequence) {
@@ -146,8 +140,8 @@ static int refreshSteps(Tree* tree, const Sequence* s, const int* links, int cou
 }
 
 /* Recomputes what these links move, if they are in twigs. To be called after whole leaves have been recomputed: twigs
- * begin from them. */
-static int refreshTwigs(Tree* tree, const Sequence* s, const int* links, int count, int dirty) {
+ * begin from them. If bounds lag, they are only widened. */
+static int refreshTwigs(Tree* tree, const Sequence* s, const int* links, int count, int dirty, bool boundsLag) {
   int done = 0; /* all before this link has been recomputed */
   for (int i = 0; i < count; i++) {
     const int link = links[i];
@@ -157,7 +151,12 @@ static int refreshTwigs(Tree* tree, const Sequence* s, const int* links, int cou
         if (tree->contentTime[leaf] != tree->time) {
           tree->dirty[dirty++] = leaf;
         }
-        tree->instructions->refreshTwig(tree, s, link, leaf);
+        const bool holds = tree->instructions->refreshTwig(tree, s, link, leaf);
+        if (!boundsLag) {
+          tree->instructions->refreshLeafBound(tree, leaf);
+        } else if (!holds) {
+          tree->instructions->widenAbove(tree, leaf);
+        }
       }
     }
   }
@@ -183,24 +182,21 @@ static int refreshAbove(Tree* tree, int level, int dirty) {
   return updated;
 }
 
-/* Refreshes the members that dirty leaves are, and notes that the nodes over them lag; returns how many these are. */
+/* Notes that dirty leaves lag; returns how many nodes are over them. */
 static int lagAbove(Tree* tree, int dirty) {
   int lagging = 0;
   for (int i = 0; i < dirty; i++) {
-    tree->instructions->refreshMember(tree, tree->dirty[i]);
     int node = tree->dirty[i];
     int before = i > 0 ? tree->dirty[i - 1] : CT_NULL;
+    if (!tree->lags[node]) {
+      tree->lags[node] = true;
+      tree->lagging[tree->laggingCount++] = node;
+    }
     for (int level = 0; level < treeTop(tree); level++) {
       node = treeParent(tree, level, node);
       before = before == CT_NULL ? CT_NULL : treeParent(tree, level, before);
       if (node == before) {
         break;
-      }
-      tree->hasSum[node] = false;
-      tree->boxIsStale[node] = true;
-      if (level == 0 && !tree->lags[node]) {
-        tree->lags[node] = true;
-        tree->lagging[tree->laggingCount++] = node;
       }
       lagging++;
     }
@@ -208,39 +204,50 @@ static int lagAbove(Tree* tree, int dirty) {
   return lagging;
 }
 
+/* Notes that inner nodes over leaves that lagged have been recomputed after this time and before the next: who has
+ * taken over the widened bounds takes over these, which are those that further turns must not stick out of. */
+static void noteTightened(Tree* tree) {
+  for (int i = 0; i < tree->laggingCount; i++) {
+    int node = tree->lagging[i];
+    for (int level = 0; level < treeTop(tree); level++) {
+      node = treeParent(tree, level, node);
+      tree->contentTime[node] = tree->time + 1;
+    }
+  }
+  tree->innerTime = tree->time + 1;
+}
+
 void ctTreeCatchUp(Tree* tree) {
   if (tree->laggingCount > 0) {
     ctSortInts(tree->lagging, tree->laggingCount);
     for (int i = 0; i < tree->laggingCount; i++) {
       tree->dirty[i] = tree->lagging[i];
-      tree->instructions->refreshBound(tree, tree->lagging[i]);
+      tree->instructions->refreshLeafBound(tree, tree->lagging[i]);
     }
-    refreshAbove(tree, 1, tree->laggingCount);
+    refreshAbove(tree, 0, tree->laggingCount);
+    noteTightened(tree);
     forgetLagging(tree);
   }
 }
 
-/* True if these links move no more than twigs, and trials of few slots begin with the nodes over leaves or with their
- * parents. */
-static bool mayLag(const Tree* tree, const Sequence* s, const int* links, int count) {
+/* True if these links move no more than twigs. */
+static bool moveTwigs(const Sequence* s, const int* links, int count) {
   for (int i = 0; i < count; i++) {
     if (s->twigPart[links[i]] == notInTwig) {
       return false;
     }
   }
-  return tree->levelCount > 1 && (tree->levelSize[1] <= MOST_FIRST_NODES || treeHasFewParents(tree));
+  return true;
 }
 
 int ctTreeUpdate(Tree* tree, const Sequence* sequence, const int* links, int count) {
-  if (mayLag(tree, sequence, links, count)) {
-    tree->time++;
-    const int leaves = refreshTwigs(tree, sequence, links, count, 0);
+  tree->time += 2;
+  if (moveTwigs(sequence, links, count)) {
+    const int leaves = refreshTwigs(tree, sequence, links, count, 0, true);
     return leaves + lagAbove(tree, leaves);
   }
-  ctTreeCatchUp(tree);
-  tree->time++;
   int dirty = refreshSteps(tree, sequence, links, count);
-  dirty = refreshTwigs(tree, sequence, links, count, dirty);
+  dirty = refreshTwigs(tree, sequence, links, count, dirty, false);
   ctSortInts(tree->dirty, dirty);
   for (int i = 0; i < dirty; i++) {
     if (tree->shortcutTime[tree->dirty[i]] == tree->time) {
@@ -270,18 +277,6 @@ Frame ctTreeLinkInLeaf(const Tree* tree, const Sequence* sequence, int link) {
   return tree->instructions->linkInLeaf(sequence, link);
 }
 
-/* An axis in the frame of the leaf where its link begins. False if not both of its particles are there, or if they are
- * so close together that the rounding of their positions would turn the line. */
-static bool lineInLeaf(const Tree* tree, int leaf, int places, double point[3], double direction[3]) {
-  if (places == axisElsewhere) {
-    return false;
-  }
-  treeLocal(tree, leaf * TREE_WIDTH + places / TREE_WIDTH, direction);
-  treeLocal(tree, leaf * TREE_WIDTH + places % TREE_WIDTH, point);
-  subtract(point, direction, direction);
-  return dot(direction, direction) > LEAST_LINE * dot(point, point);
-}
-
 /* The frame of the parent of a link in a twig, in the frame of the leaf where the link begins. */
 static Frame twigParentInLeaf(const Tree* tree, const Sequence* sequence, int link) {
   const int parent = sequence->parent[link];
@@ -296,20 +291,17 @@ static Frame twigParentInLeaf(const Tree* tree, const Sequence* sequence, int li
   return frameOfColumns(&walk.frame);
 }
 
-void ctTreeAxis(const Tree* tree, const Sequence* sequence, int link, double point[3], double direction[3]) {
-  const int leaf = sequence->slotBegin[link] / TREE_WIDTH;
-  if (!lineInLeaf(tree, leaf, sequence->axisPlaces[link], point, direction)) {
-    sequenceAxis(sequence, link, sequence->reference, direction);
-    if (sequence->twigPart[link] != notInTwig) {
-      const Frame parent = twigParentInLeaf(tree, sequence, link);
-      sequenceOffset(sequence, link, point);
-      transformPoint(&parent, point, point);
-      rotate(&parent, direction, direction);
-    } else {
-      const Frame frame = ctTreeLinkInLeaf(tree, sequence, link);
-      translationOf(&frame, point);
-      rotate(&frame, direction, direction);
-    }
+void ctTreeWalkToAxis(const Tree* tree, const Sequence* sequence, int link, double point[3], double direction[3]) {
+  sequenceAxis(sequence, link, sequence->reference, direction);
+  if (sequence->twigPart[link] != notInTwig) {
+    const Frame parent = twigParentInLeaf(tree, sequence, link);
+    sequenceOffset(sequence, link, point);
+    transformPoint(&parent, point, point);
+    rotate(&parent, direction, direction);
+  } else {
+    const Frame frame = ctTreeLinkInLeaf(tree, sequence, link);
+    translationOf(&frame, point);
+    rotate(&frame, direction, direction);
   }
 }
 

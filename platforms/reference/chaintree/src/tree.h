@@ -86,17 +86,18 @@ typedef struct Tree {
   bool isStale; /* the layout is right, but no content is of the state */
   int* dirty;   /* scratch: nodes of one level */
 
-  /* A turn in a twig leaves the bounds of all inner nodes as they are, until they are asked for: a trial of few slots
-   * looks at the members of the nodes over leaves alone. */
-  int laggingCount; /* of nodes over leaves below which twigs have turned since; of these all other nodes lag, too */
+  /* A turn in a twig only widens bounds where something sticks out of them, until somebody asks for bounds that are as
+   * tight as they can be: a leaf whose twigs have turned often has a bound that holds them however they turn, so that
+   * another turn changes no node but the leaf. */
+  int laggingCount; /* of leaves whose twigs have turned since; nodes over them lag, too */
   int* lagging;
-  bool* lags;    /* per node */
-  float outside; /* nm: no particle sticks farther out of the bound of an inner node over it, as that is */
+  bool* lags; /* per leaf */
 
   /* When which part of the tree last changed. If the shortcut of a leaf changes, all nodes behind that leaf move. The
    * list of such leaves, with times, ascends in both: a change removes earlier changes of later leaves. */
-  int64_t time;          /* number of changes so far */
+  int64_t time;          /* twice the number of changes so far; odd times: bounds have been made tight after a change */
   int64_t* contentTime;  /* per node: when its members were last recomputed */
+  int64_t innerTime;     /* when those of an inner node were last recomputed */
   int64_t* shortcutTime; /* per node: when its shortcut last changed */
   int changeCount;       /* never 0, since a tree is stale at first */
   int* changedLeaf;
@@ -137,11 +138,6 @@ static inline int treeMemberCount(const Tree* tree, int level, int node) {
   const int all = level == 0 ? tree->slotCount : tree->levelSize[level - 1];
   const int left = all - (node - tree->levelBegin[level]) * TREE_WIDTH;
   return left < TREE_WIDTH ? left : TREE_WIDTH;
-}
-
-/* True if the nodes over leaves have parents, and so few that a trial of few slots may test all of these. */
-static inline bool treeHasFewParents(const Tree* tree) {
-  return tree->levelCount > 2 && tree->levelSize[2] <= MOST_FIRST_NODES;
 }
 
 /* The members of an inner node. */
@@ -219,8 +215,38 @@ CT_INLINE void treeWalk(Walk* walk, const Sequence* sequence, int leaf) {
 /* The frame of a link in the frame of its leaf. */
 Frame ctTreeLinkInLeaf(const Tree* tree, const Sequence* sequence, int link);
 
-/* A point of a link's torsion axis, and a vector along it, in the frame of the leaf where the link begins. */
-void ctTreeAxis(const Tree* tree, const Sequence* sequence, int link, double point[3], double direction[3]);
+/* An axis is taken from the positions of its two particles if its squared length is more than this share of the squared
+ * distance from the leaf's origin. Positions in a leaf are off by up to 16 products of transforms, some 4 v of that
+ * distance (v = 2^-53). The direction of a line that is 32 times shorter is off by 128 v, 1/84 of DOUBLE_MARGIN. */
+#define LEAST_LINE (1.0 / 1024)
+
+/* A point of a link's torsion axis, and a vector along it, in the frame of the leaf where the link begins. For those
+ * whose particles are not both there, or so close together that the rounding of their positions would turn the line. */
+void ctTreeWalkToAxis(const Tree* tree, const Sequence* sequence, int link, double point[3], double direction[3]);
+
+/* The same for any. Inlined, since it begins every turn: its numbers stay in registers. */
+CT_INLINE void treeAxis(const Tree* tree, const Sequence* sequence, int link, double point[3], double direction[3]) {
+  const int leaf = sequence->slotBegin[link] / TREE_WIDTH;
+  const int places = sequence->axisPlaces[link];
+  double near[3];
+  double far[3];
+  treeLocal(tree, leaf * TREE_WIDTH + places / TREE_WIDTH, near);
+  treeLocal(tree, leaf * TREE_WIDTH + places % TREE_WIDTH, far);
+  subtract(far, near, direction);
+  point[0] = far[0];
+  point[1] = far[1];
+  point[2] = far[2];
+  if (places == axisElsewhere || !(dot(direction, direction) > LEAST_LINE * dot(point, point))) {
+    double walked[2][3];
+    ctTreeWalkToAxis(tree, sequence, link, walked[0], walked[1]);
+    point[0] = walked[0][0];
+    point[1] = walked[0][1];
+    point[2] = walked[0][2];
+    direction[0] = walked[1][0];
+    direction[1] = walked[1][1];
+    direction[2] = walked[1][2];
+  }
+}
 
 /* The squared canonical distance of two slots: computed in the frame of the lowest node over both, so that it is a pure
  * function of the state. */

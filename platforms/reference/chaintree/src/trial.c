@@ -59,14 +59,16 @@ static void turnTorsion(TrialChange* change, const Sequence* s, Traversal* t, Fr
   static const double still[3] = {0, 0, 0};
   const double angle = change->given->angle;
   double point[3];
-  double direction[3];
+  double axis[3];
   const Frame* leaf = ctTraversalLeafFrame(t, s->slotBegin[change->link] / TREE_WIDTH);
-  ctTreeAxis(t->tree, s, change->link, point, direction);
+  treeAxis(t->tree, s, change->link, point, axis);
   transformPoint(leaf, point, point);
-  rotate(leaf, direction, direction);
-  const double factor = rodriguesFactor(direction, angle);
-  rotationFromRodrigues(factor * direction[0], factor * direction[1], factor * direction[2], motion->m[0], 1);
-  transformAbout(point, still, motion);
+  rotate(leaf, axis, axis);
+  const double factor = sin(0.5 * angle) / sqrt(dot(axis, axis));
+  Frame turn;
+  rotationFromUnit(cos(0.5 * angle), factor * axis[0], factor * axis[1], factor * axis[2], turn.m[0], 1);
+  transformAbout(point, still, &turn);
+  *motion = turn;
   change->before.angle = s->angle[change->link];
   change->after.angle = ctAngleTurned(change->before.angle, angle);
 }
@@ -179,6 +181,20 @@ static void cutPieces(Trial* trial, const Sequence* s) {
       open[depth++] = change->link;
       addPiece(trial, s->slotBegin[change->link], i + 1);
     }
+  }
+}
+
+/* The same for one change: what stands before its interval, the interval, and what stands behind it. */
+static void cutAround(Trial* trial, const Sequence* s) {
+  const int link = trial->changes[0].link;
+  const int end = sequenceEnd(s, link);
+  trial->motions[0] = transformIdentity();
+  trial->motionCount = 2;
+  trial->pieces[0] = (Piece){0, 0};
+  trial->pieceCount = s->slotBegin[link] > 0;
+  trial->pieces[trial->pieceCount++] = (Piece){s->slotBegin[link], 1};
+  if (end < s->linkCount) {
+    trial->pieces[trial->pieceCount++] = (Piece){s->slotBegin[end], 0};
   }
 }
 
@@ -319,8 +335,9 @@ int ctTrialOpen(Trial* trial, const Sequence* s, Traversal* t, const ctChange* g
     change->userLink = given[i].link;
     change->isTurnOfBall = false;
     change->given = &given[i];
+    trial->links[i] = change->link;
   }
-  const int twice = sortChanges(trial);
+  const int twice = count > 1 ? sortChanges(trial) : CT_NULL;
   if (twice != CT_NULL) {
     return twice;
   }
@@ -336,7 +353,11 @@ int ctTrialOpen(Trial* trial, const Sequence* s, Traversal* t, const ctChange* g
       moveFreely(change, s, t, motion);
     }
   }
-  cutPieces(trial, s);
+  if (count == 1) {
+    cutAround(trial, s);
+  } else {
+    cutPieces(trial, s);
+  }
   trial->shift = 0;
   trial->slack = 0;
   trial->isFree = false;

@@ -46,10 +46,15 @@ static void worldLeaf(Traversal* t, int leaf) {
   }
 }
 
+/* Two at a time, as frames are stored: a processor waits for what it loads at once and has stored in parts. */
 static void floatMotion(const Frame* f, float motion[12]) {
-  const double* m = f->m[0];
-  for (int i = 0; i < 12; i++) {
-    motion[i] = (float)m[i];
+  typedef double Doubles __attribute__((vector_size(16)));
+  typedef float Floats __attribute__((vector_size(8)));
+  for (int i = 0; i < 12; i += 2) {
+    Doubles pair;
+    memcpy(&pair, f->m[0] + i, sizeof pair);
+    const Floats rounded = __builtin_convertvector(pair, Floats);
+    memcpy(motion + i, &rounded, sizeof rounded);
   }
 }
 
@@ -117,7 +122,7 @@ static void recomputeWorld(Traversal* t, int level, int node) {
     }
     return;
   }
-  t->worldTime[node] = tree->time;
+  t->worldTime[node] = tree->contentTime[node] > tree->time ? tree->contentTime[node] : tree->time;
   if (level == 0) {
     worldLeaf(t, node);
   } else {
@@ -133,20 +138,10 @@ static inline void updateWorld(Traversal* t, int level, int node) {
   }
 }
 
-/* Brings at least the frame of a node up to date with the state: its members may lag. */
-static inline void updateFrame(Traversal* t, int level, int node) {
-  if (level < 2 || t->tree->laggingCount == 0) {
-    updateWorld(t, level, node);
-  } else if (!treeStays(t->tree, t->worldTime[node]) && !hasFrame(t, level, node)) {
-    t->worldTime[node] = NEVER;
-    recomputeFrame(t, level, node);
-  }
-}
-
-/* Brings the world coordinates of a leaf up to date, and those of the nodes over it, which may lag. */
+/* Brings the world coordinates of a leaf up to date, and those of the nodes over it. */
 static void updateWorldLeaf(Traversal* t, int leaf) {
   for (int level = treeTop(t->tree); level >= 0; level--) {
-    updateFrame(t, level, t->tree->levelBegin[level] + (leaf >> TREE_WIDTH_BITS * level));
+    updateWorld(t, level, t->tree->levelBegin[level] + (leaf >> TREE_WIDTH_BITS * level));
   }
 }
 
@@ -257,7 +252,7 @@ static void startView(Traversal* t, const View* view) {
   const Bound* bound = &tree->bound[root];
   const double centre[3] = {bound->x, bound->y, bound->z};
   t->view = view;
-  const double size = bound->r < 0 ? 0 : sqrt(dot(centre, centre)) + (double)bound->r + (double)tree->outside;
+  const double size = bound->r < 0 ? 0 : sqrt(dot(centre, centre)) + (double)bound->r;
   double shift = 0;
   if (view->motions != NULL) {
     for (int i = 1; i < view->motionCount; i++) {

@@ -38,7 +38,7 @@ static const Box* ownBox(Traversal* t, int level, int node) {
       putBox(&boxes->own, k, &inner);
     }
   }
-  boxes->ownTime = tree->time;
+  boxes->ownTime = tree->time + 1; /* bounds are tight then */
   boxes->worldTime = NEVER;
   /* Nobody asks for the box of the root. */
   if (level < treeTop(tree)) {
