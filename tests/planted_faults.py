@@ -1533,6 +1533,8 @@ PYTHON_FAULTS = [
     Fault("ranking: a residue that clashes with itself counts twice", RANKING,
           "counts[:, 1] = residues[:, 0] != residues[:, 1]", "counts[:, 1] = True"),
     # ---- Clusters ----
+    Fault("cluster: a Client that cannot connect is waited for", "cluster.py",
+          '            client.status = "closed"\n', ""),
     Fault("cluster: workers of another version are taken", "cluster.py",
           "if theirs != ours:\n                    raise ClusterError",
           "if False:\n                    raise ClusterError"),
