@@ -26,10 +26,12 @@ typedef struct BornNecks {
   float distanceForLeaf[CT_LEAF_WIDTH];
 } BornNecks;
 
-/* Born radii of the particles of a leaf, as pair energies read them. Where a slot holds none, both are 1. */
+/* Born radii of the particles of a leaf, as pair energies read them. Where a slot holds none, they are 1. */
 typedef struct BornRadii {
   float radius[CT_LEAF_WIDTH];
   float inverse[CT_LEAF_WIDTH];
+  float rate[CT_LEAF_WIDTH]; /* -log2(e) / (4 R) */
+  float root[CT_LEAF_WIDTH]; /* (2 R)^(-1/2) */
 } BornRadii;
 
 /* What the Born radius and the energy of a particle by itself are computed from. */

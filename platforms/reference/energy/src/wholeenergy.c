@@ -154,6 +154,8 @@ static double computeRadii(WholeEnergy* whole) {
     }
     radii->radius[k] = (float)radius;
     radii->inverse[k] = (float)(1 / radius);
+    radii->rate[k] = (float)(-0.36067376022224085 / radius);
+    radii->root[k] = (float)sqrt(0.5 / radius);
   }
   return energy;
 }
@@ -168,7 +170,7 @@ static void addBlocks(const WholeEnergy* whole, int a, int b, WholePair* total) 
   const WholeSide sideA = {&frames[a], &whole->nonbonded.columns[a], &whole->born.columns[a], &whole->radii[a],
                            pairMaskOf(&whole->nonbonded.mask, a, b)};
   const WholeSide sideB = {&frames[b], &whole->nonbonded.columns[b], &whole->born.columns[b], &whole->radii[b], NULL};
-  if (!potential->hasCutoff && !model->hasCutoff) {
+  if (!potential->hasCutoff && !model->hasCutoff && model->shift == 0) {
     const WholePair pair = whole->kernels->wholePair(model, &sideA, &sideB);
     total->born += pair.born;
     total->nonbonded +=

@@ -15,9 +15,19 @@ CT_INLINE Float16 powerOfTwo(Float16 x) {
   return floatsOfBits(addInts(bitsOf16(power), shiftLeftInts(bitsOf16(shifted), 23)));
 }
 
-/* Side b of two blocks, from the centre of side a, and what sums have come to. */
+/* Where the pairs of a row are, by x = r^2 / (4 R_i R_j). */
+typedef enum WholeRange {
+  wholeFar,   /* at WHOLE_FAR or farther: 1 / f is 1 / r within 5e-8 */
+  wholeApart, /* at WHOLE_APART or farther: 1 / f is 1 / r less a little */
+  wholeNear   /* anywhere */
+} WholeRange;
+
+#define WHOLE_FAR 12.0f
+#define WHOLE_FAR_ROOT 3.4641016f
+#define WHOLE_APART 2.0f
+
+/* What sums have come to. */
 typedef struct WholeSums {
-  Float16 x, y, z;
   Sum16 nonbonded;
   Sum16 born;
   Float16 tails; /* of Lennard-Jones, still to be multiplied by b's epsilons */
@@ -26,50 +36,124 @@ typedef struct WholeSums {
 /* Operations of one row wait for each other: rows side by side keep the processor busy. */
 #define EACH_ROW _Pragma("GCC unroll 4") for (int i = 0; i < count; i++)
 
-/* Adds `count` <= ROWS_IN_FLOAT rows. The charges of side b are multiplied when these are summed: see the same of
- * Coulomb in sumRows. The other arguments are those of sumWholeRows. */
-CT_INLINE void addWholeRows(const BornModel* model, const WholeSide* a, const WholeSide* b, const int slots[],
-                            int count, WholeSums* sums, bool hasNonbonded, bool hasCutoff, bool hasKappa,
-                            bool isMasked) {
+/* Up to ROWS_IN_FLOAT particles of side a, and their distances from all of side b. */
+typedef struct WholeRows {
+  const int* slots;
+  WholeRange range;
   Float16 squared[ROWS_IN_FLOAT];
-  Float16 squaredF[ROWS_IN_FLOAT];
   Float16 inverse[ROWS_IN_FLOAT];
+} WholeRows;
+
+/* Inverts distances. Two by one division, as divisions take long. Where particles coincide, nothing is finite. */
+CT_INLINE void invertRows(WholeRows* rows, int count) {
+  if (count != ROWS_IN_FLOAT) {
+    EACH_ROW {
+      rows->inverse[i] = div16(all16(1), sqrt16(rows->squared[i]));
+    }
+    return;
+  }
+  for (int i = 0; i < ROWS_IN_FLOAT; i += 2) {
+    const Float16 both = div16(all16(1), mul16(rows->squared[i], rows->squared[i + 1]));
+    rows->inverse[i] = sqrt16(mul16(both, rows->squared[i + 1]));
+    rows->inverse[i + 1] = sqrt16(mul16(both, rows->squared[i]));
+  }
+}
+
+/* Sets all but slots and count. `from`: side b from the centre of side a. */
+CT_INLINE void measureRows(const WholeSide* a, const WholeSide* b, const Float16 from[3], int count, bool hasNonbonded,
+                           bool areToldApart, bool isMasked, WholeRows* rows) {
   EACH_ROW {
-    const int k = slots[i];
-    const Float16 dx = sub16(sums->x, all16(a->frame->x[k]));
-    const Float16 dy = sub16(sums->y, all16(a->frame->y[k]));
-    const Float16 dz = sub16(sums->z, all16(a->frame->z[k]));
-    squared[i] = squared16(dx, dy, dz);
+    const int k = rows->slots[i];
+    const Float16 dx = sub16(from[0], all16(a->frame->x[k]));
+    const Float16 dy = sub16(from[1], all16(a->frame->y[k]));
+    const Float16 dz = sub16(from[2], all16(a->frame->z[k]));
+    rows->squared[i] = squared16(dx, dy, dz);
+    if (isMasked && a->frame == b->frame) {
+      /* A particle does not coincide with itself: else all would be computed again. */
+      rows->squared[i] = blend16(1u << k, rows->squared[i], all16(1));
+    }
   }
   if (hasNonbonded) {
-    /* Early, as this takes long but leaves the processor free for Born. Two reciprocals by one division, unless a pair
-     * may be of one particle with itself. Where particles coincide, the sum is not finite. */
-    if (count == ROWS_IN_FLOAT && !isMasked) {
-      for (int i = 0; i < ROWS_IN_FLOAT; i += 2) {
-        const Float16 both = div16(all16(1), mul16(squared[i], squared[i + 1]));
-        inverse[i] = sqrt16(mul16(both, squared[i + 1]));
-        inverse[i + 1] = sqrt16(mul16(both, squared[i]));
-      }
-    } else {
-      EACH_ROW {
-        inverse[i] = div16(all16(1), sqrt16(squared[i]));
-      }
+    invertRows(rows, count);
+  }
+  rows->range = wholeNear;
+  if (areToldApart) {
+    Float16 least = all16(INFINITY);
+    EACH_ROW {
+      least = min16(least, mul16(rows->squared[i], all16(a->radii->inverse[rows->slots[i]])));
+    }
+    least = mul16(least, load16(b->radii->inverse));
+    if (greater16(least, all16(4 * WHOLE_APART)) == 0xffff) {
+      rows->range = greater16(least, all16(4 * WHOLE_FAR)) == 0xffff ? wholeFar : wholeApart;
+    }
+  }
+}
+
+/* 1 / f of rows that are apart. */
+CT_INLINE void approach(const WholeSide* a, const WholeSide* b, const int slots[], int count, const Float16 squared[],
+                        const Float16 inverse[], Float16 inverseF[]) {
+  /* The fourth root of 1 - r / f = 1 - (1 + exp(-x) / (4 x))^(-1/2): in all within 6e-8. */
+  const float c[] = {1.03539319f, -0.752652272f, 0.188662942f, -0.0162621104f};
+  Float16 root[ROWS_IN_FLOAT];
+  Float16 power[ROWS_IN_FLOAT];
+  EACH_ROW {
+    root[i] = mul16(load16(b->radii->root), all16(a->radii->root[slots[i]]));
+  }
+  EACH_ROW {
+    root[i] = mul16(mul16(squared[i], inverse[i]), root[i]);
+  }
+  EACH_ROW {
+    root[i] = min16(root[i], all16(WHOLE_FAR_ROOT));
+    power[i] = all16(c[3]);
+  }
+  for (int n = 2; n >= 0; n--) {
+    EACH_ROW {
+      power[i] = add16(mul16(power[i], root[i]), all16(c[n]));
+    }
+  }
+  for (int n = 0; n < 2; n++) {
+    EACH_ROW {
+      power[i] = mul16(power[i], power[i]);
     }
   }
   EACH_ROW {
-    const int k = slots[i];
-    const Float16 product = mul16(load16(b->radii->radius), all16(a->radii->radius[k]));
-    const Float16 rate = all16(a->radii->inverse[k] * -0.3606737602f); /* -log2(e) / 4 */
-    const Float16 decay = powerOfTwo(mul16(squared[i], mul16(load16(b->radii->inverse), rate)));
-    squaredF[i] = add16(squared[i], mul16(product, decay));
+    inverseF[i] = sub16(inverse[i], mul16(inverse[i], power[i]));
+  }
+}
+
+/* Adds `count` <= ROWS_IN_FLOAT rows. The charges of side b are multiplied when these are summed: see
+ * the same of Coulomb in sumRows. The other arguments are those of sumWholeRows. */
+CT_INLINE void addWholeRows(const BornModel* model, const WholeSide* a, const WholeSide* b, const WholeRows* rows,
+                            int count, WholeSums* sums, WholeRange range, bool hasNonbonded, bool hasCutoff,
+                            bool hasKappa, bool isMasked) {
+  const int* slots = rows->slots;
+  const Float16* squared = rows->squared;
+  const Float16* inverse = rows->inverse;
+  Float16 inverseF[ROWS_IN_FLOAT];
+  if (range == wholeApart) {
+    approach(a, b, slots, count, squared, inverse, inverseF);
+  } else if (range == wholeNear) {
+    EACH_ROW {
+      const int k = slots[i];
+      const Float16 product = mul16(load16(b->radii->radius), all16(a->radii->radius[k]));
+      const Float16 rate = mul16(load16(b->radii->inverse), all16(a->radii->rate[k]));
+      const Float16 decay = powerOfTwo(mul16(squared[i], rate));
+      inverseF[i] = add16(squared[i], mul16(product, decay));
+    }
+    EACH_ROW {
+      inverseF[i] = div16(all16(1), sqrt16(inverseF[i]));
+    }
   }
   Float16 part = all16(0);
   EACH_ROW {
     const int k = slots[i];
-    const Float16 inverseF = div16(all16(1), sqrt16(squaredF[i]));
-    Float16 energy = mul16(all16(a->born->charge[k]), sub16(inverseF, all16(model->shift)));
+    Float16 energy = range == wholeFar ? inverse[i] : inverseF[i];
+    if (hasCutoff) {
+      energy = sub16(energy, all16(model->shift));
+    }
+    energy = mul16(all16(a->born->charge[k]), energy);
     if (hasKappa) {
-      const Float16 f = mul16(squaredF[i], inverseF);
+      const Float16 f = div16(all16(1), inverseF[i]);
       const Float16 screening = powerOfTwo(mul16(f, all16(model->kappa * -1.442695041f))); /* -log2(e) */
       energy = mul16(energy, sub16(all16(model->perDielectrics[0]), mul16(screening, all16(model->perDielectrics[1]))));
     }
@@ -79,11 +163,10 @@ CT_INLINE void addWholeRows(const BornModel* model, const WholeSide* a, const Wh
     if (hasCutoff) {
       energy = keepBelow16(squared[i], all16(model->squaredCutoff), energy);
     }
-    part = add16(part, energy);
+    part = i == 0 ? energy : add16(part, energy);
   }
   sums->born = addToSum16(sums->born, mul16(load16(b->born->charge), part));
   if (hasNonbonded) {
-    Float16 coulombPart = all16(0);
     EACH_ROW {
       const int k = slots[i];
       const Float16 ratio = mul16(add16(load16(b->columns->sigma), all16(a->columns->sigma[k])), inverse[i]);
@@ -96,9 +179,9 @@ CT_INLINE void addWholeRows(const BornModel* model, const WholeSide* a, const Wh
         coulomb = keep16(~(unsigned)a->excluded[k], coulomb);
       }
       sums->tails = add16(sums->tails, lennardJones);
-      coulombPart = add16(coulombPart, coulomb);
+      part = i == 0 ? coulomb : add16(part, coulomb);
     }
-    sums->nonbonded = addToSum16(sums->nonbonded, mul16(load16(b->columns->charge), coulombPart));
+    sums->nonbonded = addToSum16(sums->nonbonded, mul16(load16(b->columns->charge), part));
   }
 }
 
@@ -106,21 +189,37 @@ CT_INLINE void addWholeRows(const BornModel* model, const WholeSide* a, const Wh
  * cutoff. `isMasked`: some pairs do not count in these; of one leaf with itself, only pairs of a slot with a higher one
  * count in anything. */
 CT_INLINE WholePair sumWholeRows(const BornModel* model, const WholeSide* a, const WholeSide* b, const float shift[3],
-                                 unsigned rows, bool hasNonbonded, bool hasCutoff, bool hasKappa, bool isMasked) {
-  WholeSums sums = {.x = add16(load16(b->frame->x), all16(shift[0])),
-                    .y = add16(load16(b->frame->y), all16(shift[1])),
-                    .z = add16(load16(b->frame->z), all16(shift[2])),
-                    .nonbonded = zeroSum16(),
-                    .born = zeroSum16(),
-                    .tails = all16(0)};
+                                 unsigned bits, bool hasNonbonded, bool hasCutoff, bool hasKappa, bool isMasked) {
+  WholeSums sums = {.nonbonded = zeroSum16(), .born = zeroSum16(), .tails = all16(0)};
+  const bool areToldApart = hasNonbonded && !hasKappa;
+  const Float16 from[3] = {add16(load16(b->frame->x), all16(shift[0])), add16(load16(b->frame->y), all16(shift[1])),
+                           add16(load16(b->frame->z), all16(shift[2]))};
   int slots[CT_LEAF_WIDTH];
-  const int count = indices16(rows, 0, slots);
+  const int count = indices16(bits, 0, slots);
   int i = 0;
+  WholeRows next = {.slots = slots};
+  if (count >= ROWS_IN_FLOAT) {
+    measureRows(a, b, from, ROWS_IN_FLOAT, hasNonbonded, areToldApart, isMasked, &next);
+  }
   for (; i + ROWS_IN_FLOAT <= count; i += ROWS_IN_FLOAT) {
-    addWholeRows(model, a, b, slots + i, ROWS_IN_FLOAT, &sums, hasNonbonded, hasCutoff, hasKappa, isMasked);
+    /* The next distances are inverted while these are used, as that takes long. */
+    const WholeRows rows = next;
+    if (i + 2 * ROWS_IN_FLOAT <= count) {
+      next.slots = rows.slots + ROWS_IN_FLOAT;
+      measureRows(a, b, from, ROWS_IN_FLOAT, hasNonbonded, areToldApart, isMasked, &next);
+    }
+    if (areToldApart && rows.range == wholeFar) {
+      addWholeRows(model, a, b, &rows, ROWS_IN_FLOAT, &sums, wholeFar, true, false, false, isMasked);
+    } else if (areToldApart && rows.range == wholeApart) {
+      addWholeRows(model, a, b, &rows, ROWS_IN_FLOAT, &sums, wholeApart, true, false, false, isMasked);
+    } else {
+      addWholeRows(model, a, b, &rows, ROWS_IN_FLOAT, &sums, wholeNear, hasNonbonded, hasCutoff, hasKappa, isMasked);
+    }
   }
   for (; i < count; i++) {
-    addWholeRows(model, a, b, slots + i, 1, &sums, hasNonbonded, hasCutoff, hasKappa, isMasked);
+    next.slots = slots + i;
+    measureRows(a, b, from, 1, hasNonbonded, false, isMasked, &next);
+    addWholeRows(model, a, b, &next, 1, &sums, wholeNear, hasNonbonded, hasCutoff, hasKappa, isMasked);
   }
   const double contrast = hasKappa ? 1 : 1 / model->dielectrics[0] - 1 / model->dielectrics[1];
   const Float16 tails = mul16(load16(b->columns->epsilon), sums.tails);

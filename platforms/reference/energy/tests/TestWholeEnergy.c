@@ -160,6 +160,35 @@ static void testScenes(int count) {
          without);
 }
 
+/* One pair of charges, in two clusters farther and farther apart: 1 / f is found in three ways. */
+static void testRanges(void) {
+  static WholeScene s;
+  do {
+    drawWholeScene(&s);
+  } while (s.count < 2 * CT_LEAF_WIDTH);
+  s.count = s.definition.particleCount = 2 * CT_LEAF_WIDTH;
+  s.linkCount = s.definition.linkCount = 2;
+  s.nonbonded.exclusionCount = 0;
+  s.nonbonded.cutoff = s.born.cutoff = INFINITY;
+  s.born.shift = s.born.kappa = 0;
+  s.born.isRescaled = s.born.isFilled = false;
+  s.born.neckTypeCount = 0;
+  for (int n = 0; n < 60; n++) {
+    for (int i = 0; i < s.count; i++) {
+      s.links[i] = i / CT_LEAF_WIDTH;
+      s.charges[i] = s.epsilons[i] = s.scaledRadii[i] = 0;
+      for (int d = 0; d < 3; d++) {
+        const double middle = d == 0 ? s.links[i] * (0.2 + 0.02 * n) : 0;
+        s.positions[3 * i + d] = rint((middle + draw(-0.02, 0.02)) * (1 << 20)) / (1 << 20);
+      }
+    }
+    s.charges[drawInt(CT_LEAF_WIDTH)] = 0.8;
+    s.charges[CT_LEAF_WIDTH + drawInt(CT_LEAF_WIDTH)] = -0.7;
+    const Whole found = compute(&s, "portable");
+    checkWhole(&s, &found);
+  }
+}
+
 /* Particles so close together that no radius is above 0: products of two are, so that pairs have energies. They fill
  * blocks, as what would have filled them has a radius above 0. */
 static void testNoRadii(void) {
@@ -230,6 +259,7 @@ static void testRefusals(void) {
 
 int main(int argumentCount, char** arguments) {
   testScenes(argumentCount > 1 ? atoi(arguments[1]) : 150);
+  testRanges();
   testNoRadii();
   testRefusals();
   CHECK(without > 0);

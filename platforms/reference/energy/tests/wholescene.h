@@ -51,9 +51,10 @@ static inline int drawInt(int count) {
   return (int)draw(0, count);
 }
 
-/* Positions are multiples of 2^-20 nm, so that single precision holds them. On a lattice, so that few are close. */
+/* Positions are multiples of 2^-20 nm, so that single precision holds them. On a lattice, so that few are close; in
+ * some scenes so wide that distances are large, measured by Born radii. */
 static inline void drawPositions(WholeScene* s) {
-  const double spacing = draw(0.15, 0.4);
+  const double spacing = draw(0.15, 0.4) * (drawInt(3) == 0 ? 3 : 1);
   int body = 0;
   for (int i = 0; i < s->count; i++) {
     const int places[] = {i % 5, i / 5 % 5, i / 25};
