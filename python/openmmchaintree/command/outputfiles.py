@@ -15,7 +15,7 @@ from ..errors import InputError
 try:
     import fcntl
 except ImportError:  # on Windows
-    fcntl = None
+    fcntl = None  # type: ignore[assignment]
 
 _STANDARD_OUTPUT = "-"
 
