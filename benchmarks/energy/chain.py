@@ -13,12 +13,14 @@ class Chain:
 
     kinds : (k,) array of str, of the torsions
     times : list of float, µs a trial, of the steps between looks
-    count : int, looks
+    trialsPerLook, count : int, trials from one look to the next, and looks
     """
 
-    def __init__(self, protein, simulation, kinds, trialsPerStep):
-        """Take a SampledProtein, from whose positions RMSDs are counted, a Simulation of it, and kinds of torsions."""
-        self._simulation, self._trials = simulation, trialsPerStep
+    def __init__(self, protein, simulation, kinds, steps):
+        """Take a SampledProtein, from whose positions RMSDs are counted, a Simulation of it, kinds of torsions, and how
+        many steps lie between looks."""
+        self._simulation, self._steps = simulation, steps
+        self.trialsPerLook = steps * simulation.integrator.getTrialsPerStep()
         all_ = np.array([torsion.kind for torsion in protein.torsions])
         self._watched = np.isin(all_, kinds)
         self.kinds = all_[self._watched]
@@ -35,11 +37,11 @@ class Chain:
         """Go to positions, an (n, 3) array in nm."""
         self._simulation.context.setPositions(positions * unit.nanometer)
 
-    def sample(self, count, steps=1):
-        """Time so many times some steps, and look at the state after each time."""
+    def sample(self, count):
+        """Time the steps to so many looks at the state."""
         for _ in range(count):
-            _, microseconds = measure(self._simulation.step, steps)
-            self.times.append(microseconds / (steps * self._trials))
+            _, microseconds = measure(self._simulation.step, self._steps)
+            self.times.append(microseconds / self.trialsPerLook)
             self._samples.append(self._look())
 
     def values(self):

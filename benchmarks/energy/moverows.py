@@ -117,10 +117,24 @@ def _forceOf(system):
     return next(StericExclusionForce.cast(one) for one in system.getForces() if StericExclusionForce.isinstance(one))
 
 
-def makeChain(protein, system, seed, name):
-    """Make a Chain of the mixture of that name."""
+def makeChain(protein, system, seed, name, steps=1):
+    """Make a Chain of the mixture of that name, with so many steps between looks."""
     kinds = [kind for ofOne in WATCHED.values() for kind in ofOne]
-    return Chain(protein, makeSimulation(protein, system, seed, ALL_MIXTURES[name]), kinds, STEP)
+    return Chain(protein, makeSimulation(protein, system, seed, ALL_MIXTURES[name]), kinds, steps)
+
+
+def describeChains(name, chains, inefficiencies):
+    """Return what an entry says of Chains of the mixture of that name, whose looks are so often worth a sample."""
+    times = summarizeTimes([time for chain in chains for time in chain.times])
+    apart = summarize(chains[0].trialsPerLook * inefficiencies, chains[0].kinds)
+    return {
+        "moves": name,
+        "trials": sum(chain.count * chain.trialsPerLook for chain in chains),
+        **times,
+        "kept": float(np.mean([chain.outerTestsKept() for chain in chains])),
+        "apart": apart,
+        "rate": {key: 1e6 / (times["microseconds"] * value) for key, value in apart.items()},
+    }
 
 
 def makeSimulation(protein, system, seed, moves):
@@ -238,25 +252,13 @@ class MixtureRow(NamedTuple):
                 chain.sample(count)
         kept = {name: chain.values()[chain.count // _LEFT_OUT :] for name, chain in chains.items()}
         mean = np.mean([values.mean(axis=0) for values in kept.values()], axis=0)  # all sample the same
-        entries = []
-        for name, chain in chains.items():
-            times = summarizeTimes(chain.times)
-            apart = {
-                key: STEP * value
-                for key, value in summarize(statisticalInefficiency(kept[name], mean), chain.kinds).items()
+        return [
+            {
+                **describe(self, trials, seed),
+                **describeChains(name, [chain], statisticalInefficiency(kept[name], mean)),
             }
-            entries.append(
-                {
-                    **describe(self, trials, seed),
-                    "moves": name,
-                    "trials": chain.count * STEP,
-                    **times,
-                    "kept": chain.outerTestsKept(),
-                    "apart": apart,
-                    "rate": {key: 1e6 / (times["microseconds"] * value) for key, value in apart.items()},
-                }
-            )
-        return entries
+            for name, chain in chains.items()
+        ]
 
 
 def summarize(inefficiencies, kinds):

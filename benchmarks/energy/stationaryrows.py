@@ -3,11 +3,11 @@
 from typing import NamedTuple
 
 import numpy as np
-from racing.course import Course, summarizeTimes
+from racing.course import Course
 from racing.races import ALL_CHAINS
 
 from .autocorrelation import leastInefficiency, statisticalInefficiency
-from .moverows import DEFAULTS, PIVOTS, STEP, describe, makeChain, summarize
+from .moverows import DEFAULTS, PIVOTS, STEP, describe, describeChains, makeChain
 from .proteins import IMPLICIT_SOLVENT
 from .rows import Prepared
 
@@ -39,41 +39,28 @@ class StationaryRow(NamedTuple):
         trials, protein = course.trials or self.trials, self.prepared.protein
         system = protein.makeSystem(IMPLICIT_SOLVENT)
         looks = max(_LEAST, trials // (_STEPS * STEP))
-        long = makeChain(protein, system, seed, DEFAULTS.name)
-        long.sample(looks // _LEFT_OUT, _STEPS)
+        long = makeChain(protein, system, seed, DEFAULTS.name, _STEPS)
+        long.sample(looks // _LEFT_OUT)
         starts = []
         for _ in range(_STARTS):
-            long.sample((looks - looks // _LEFT_OUT) // _STARTS, _STEPS)
+            long.sample((looks - looks // _LEFT_OUT) // _STARTS)
             starts.append(long.positions())
         values = long.values()[looks // _LEFT_OUT :]
         ofLong = statisticalInefficiency(values)
         chains = []
         for number, start in enumerate(starts):
-            chain = makeChain(protein, system, seed + number, PIVOTS)
+            chain = makeChain(protein, system, seed + number, PIVOTS, _STEPS)
             chain.begin(start)
-            chain.sample(max(_LAG, looks // _PART), _STEPS)
+            chain.sample(max(_LAG, looks // _PART))
             chains.append(chain)
         lag = chains[0].count // _LAG
         ofPivots = leastInefficiency([chain.values() for chain in chains], values.var(axis=0), lag)
         ofLong, ofPivots = _chooseSlower(ofLong, ofPivots)
+        common = describe(self, trials, seed)
         return [
-            self._summarize(PIVOTS, trials, seed, chains, ofPivots, lag),
-            self._summarize(DEFAULTS.name, trials, seed, [long], ofLong, 0),
+            {**common, "lag": lag * long.trialsPerLook, **describeChains(PIVOTS, chains, ofPivots)},
+            {**common, "lag": 0, **describeChains(DEFAULTS.name, [long], ofLong)},
         ]
-
-    def _summarize(self, moves, trials, seed, chains, inefficiencies, lag):
-        times = summarizeTimes([time for chain in chains for time in chain.times])
-        apart = summarize(_STEPS * STEP * inefficiencies, chains[0].kinds)
-        return {
-            **describe(self, trials, seed),
-            "moves": moves,
-            "trials": sum(chain.count for chain in chains) * _STEPS * STEP,
-            "lag": lag * _STEPS * STEP,
-            **times,
-            "kept": float(np.mean([chain.outerTestsKept() for chain in chains])),
-            "apart": apart,
-            "rate": {key: 1e6 / (times["microseconds"] * value) for key, value in apart.items()},
-        }
 
 
 def _chooseSlower(ofLong, ofPivots):
