@@ -29,7 +29,7 @@ NativeEnergy::NativeEnergy(const TorsionMonteCarloIntegrator& integrator, Steric
                            ContextImpl& context) :
     integrator(integrator),
     force(force), context(context), kernel(force.getKernel()), plan(context), check(context, plan), choice(getChoice()),
-    forcesWereChanged(true), parametersWereChanged(false), energyIsOld(true), termsCanChange(false),
+    forcesWereChanged(false), parametersWereChanged(true), energyIsOld(true), termsCanChange(false),
     pairsCanChange(false), valuesCanChange(false), foreignGroups(0), foreignGroupsAreShared(false), trialsToCheck(0),
     checkInterval(TRIALS_AFTER_VAGUE_CHECK), numComputed(0), computedChange(0), nearChange(0), standInCutoff(0),
     standInIsSet(false), whole({false, 0, 0}), keptWhole({false, 0, 0}), values({false, {}}), keptValues({false, {}})
