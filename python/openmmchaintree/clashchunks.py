@@ -9,7 +9,7 @@ import signal
 from collections import deque
 from concurrent.futures import ProcessPoolExecutor
 from concurrent.futures.process import BrokenProcessPool
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from multiprocessing import get_context, parent_process
 from threading import Thread, local
 from typing import NamedTuple
@@ -18,6 +18,7 @@ import numpy as np
 
 from .clashes import ClashSearch, FrameOverlaps
 from .errors import ClusterError, InputError
+from .structure import villinPath
 
 # Chunks are short enough that nobody waits long for the last one, and long enough that asking for them takes no time.
 _LONGEST_CHUNK = 2000
@@ -55,9 +56,10 @@ class ChunkOverlaps(NamedTuple):
     damage: str | None
 
 
-def describeFiles(search, radii, water, ions):
-    """Return the SearchedFiles of a ClashSearch, with absolute paths."""
-    paths = [os.path.abspath(path) for path in (search.structure, search.trajectory) if path is not None]
+def describeFiles(structure, trajectory, radii, water, ions):
+    """Return the SearchedFiles of a ClashSearch with these arguments, with absolute paths; OSError: one is missing."""
+    given = (villinPath() if structure is None else structure, trajectory)
+    paths = [os.path.abspath(path) for path in given if path is not None]
     sizes = tuple(os.path.getsize(path) for path in paths)
     return SearchedFiles(paths[0], paths[1] if len(paths) > 1 else None, radii, water, ions, sizes)
 
@@ -73,11 +75,7 @@ def searchChunk(files, begin, end):
     ClusterError
         if these files are not here
     """
-    if getattr(_ofThread, "files", None) != files:
-        _close()
-        _ofThread.search = _open(files)
-        _ofThread.files = files
-    search, frames, damage = _ofThread.search, [], None
+    search, frames, damage = _searchOf(files), [], None
     search.madeWhole.clear()
     try:
         frames.extend(search.overlaps(begin, end))
@@ -91,6 +89,15 @@ def searchChunk(files, begin, end):
         list(search.madeWhole),
         damage,
     )
+
+
+def _searchOf(files):
+    """Return the ClashSearch that this thread keeps, of these SearchedFiles."""
+    if getattr(_ofThread, "files", None) != files:
+        _close()
+        _ofThread.search = _open(files)
+        _ofThread.files = files
+    return _ofThread.search
 
 
 def _open(files):
@@ -113,11 +120,11 @@ def _close():
 class ProcessChunks:
     """Searches chunks by a number of processes, its count."""
 
-    def __init__(self, count):
-        """Take how many processes there are."""
+    def __init__(self, count, files):
+        """Start so many processes, which open SearchedFiles meanwhile."""
         self.count = count
         # Processes that are forked from one with threads may hang.
-        self._pool = ProcessPoolExecutor(count, get_context("spawn"), _beginProcess)
+        self._pool = ProcessPoolExecutor(count, get_context("spawn"), _beginProcess, (files,))
         # All begin now: a pool that starts one while another is killed can wait for it for ever.
         for _ in range(count):
             self._pool.submit(os.getpid)
@@ -148,10 +155,12 @@ class ClusterChunks:
         self._cluster.close()
 
 
-def _beginProcess():
-    """Leave Ctrl-C, which a terminal sends to all processes, to the one that asked; end when that one does."""
+def _beginProcess(files):
+    """Open SearchedFiles. Leave Ctrl-C, which a terminal sends to all processes, to the one that asked; end with it."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     Thread(target=_endWithParent, daemon=True).start()
+    with suppress(Exception):  # the one that asked opens them, too, and tells
+        _searchOf(files)
 
 
 def _endWithParent():
@@ -160,7 +169,7 @@ def _endWithParent():
 
 
 def searchInChunks(search, files, workers):
-    """Yield what `search.overlaps()` would, of a ClashSearch whose number of frames is known, found by workers.
+    """Yield what `search.overlaps()` would, of a ClashSearch, found by workers if the number of frames is known.
 
     files : SearchedFiles, of the search; workers : ProcessChunks or ClusterChunks
 
@@ -172,6 +181,9 @@ def searchInChunks(search, files, workers):
         if a worker is lost for good
     """
     count = search.frameCount
+    if count is None:
+        yield from search.overlaps()
+        return
     length = max(1, min(_LONGEST_CHUNK, -(-count // (_CHUNKS_PER_WORKER * workers.count))))
     begins, asked = iter(range(0, max(1, count), length)), deque()
     while True:

@@ -10,7 +10,7 @@ from openmm import unit
 from .bonds import BondGraph
 from .bondsearch import LONGEST_BOND, boxOf
 from .errors import InputError
-from .images import makeWhole
+from .images import makeWhole, shortestTear
 from .naming import AtomName, nameAtom
 from .notes import Note, found, warnOf
 from .radii import defaultRadii
@@ -125,19 +125,28 @@ class ClashSearch:
         """Read the structure, or the villin headpiece of OpenMM's package; arguments are those of `findClashes`."""
         self.structure = villinPath() if structure is None else structure
         self.trajectory = trajectory
+        # Its reader starts while we look at the structure.
+        self._trajectory = None if trajectory is None else Trajectory(trajectory)
+        try:
+            self._readStructure(radii, water, ions)
+            if trajectory is not None:
+                self._readHeader()
+        except BaseException:
+            self.close()
+            raise
+        self.madeWhole = []
+
+    def _readStructure(self, radii, water, ions):
         self._models = readModels(self.structure)
         topology, positions = self._models.topology, self._models.positions[0]
         self._box = boxOf(topology)
-        self._word = "model" if trajectory is None else "frame"
+        self._word = "model" if self.trajectory is None else "frame"
         self.finder = ClashFinder(topology, positions, self.structure, radii, water, ions)
         self.notes = [*self._models.notes, *self.finder.notes]
         self.frameCount = len(self._models.positions)
-        self.madeWhole = []
-        if trajectory is not None:
-            self._openTrajectory()
 
-    def _openTrajectory(self):
-        self._trajectory = Trajectory(self.trajectory)
+    def _readHeader(self):
+        self._trajectory.readHeader()
         self.frameCount = self._trajectory.frameCount
         announced, held = self._trajectory.announced, self.frameCount
         if announced is not None and held is not None and announced > held:
@@ -173,7 +182,7 @@ class ClashSearch:
 
     def close(self):
         """Close the trajectory."""
-        if self.trajectory is not None:
+        if self._trajectory is not None:
             self._trajectory.close()
 
     def _modelFrames(self, begin, end):
@@ -224,7 +233,7 @@ class ClashFinder:
         self.atoms = solute.atoms
         self._graph = BondGraph(solute.topology, solute.positions)
         self.radii = defaultRadii(self._graph) if radii is None else radii
-        self._bonds = np.array(self._graph.bonds, dtype=int).reshape(-1, 2)
+        self._bonds = np.array(self._graph.bonds, dtype=int).reshape(-1, 2).T.copy()
         # Torsions do not change what clashes; with them, the engine has less to compute anew at other positions.
         torsions = searchTorsions(self._graph, solute.topology, ("phi", "psi", "chi")).torsions
         self.force = makeForce(self._graph, torsions, self.radii, unknownRadius=0)
@@ -264,9 +273,13 @@ class ClashFinder:
         InputError
             if bonded atoms are far apart all the same; source says where
         """
-        chosen = positions[self.atoms]
-        whole = chosen if box is None else makeWhole(chosen, self._bonds, box)
-        first, second = self._bonds.T
+        first, second = self._bonds
+        chosen = positions.take(self.atoms, axis=0)
+        vectors = chosen.take(first, axis=0) - chosen.take(second, axis=0)
+        longest = np.sqrt(np.einsum("ij,ij->i", vectors, vectors).max(initial=0))
+        if longest <= LONGEST_BOND and (box is None or longest < shortestTear(box)):
+            return positions
+        whole = chosen if box is None else makeWhole(chosen, self._bonds.T, box)
         lengths = np.linalg.norm(whole[first] - whole[second], axis=1)
         torn = np.flatnonzero(lengths > LONGEST_BOND)
         if len(torn):
@@ -285,7 +298,7 @@ class ClashFinder:
 
     def findOverlaps(self, positions):
         """Return the pairs that clash, an (n, 2) int32 array, and their overlaps; positions as for `find`."""
-        self._context.setPositions(positions[self.atoms])
+        self._context.setPositions(positions.take(self.atoms, axis=0))
         pairs, overlaps = self.force.getClashes(self._context)
         return self.atoms[pairs].astype(np.int32), overlaps
 

@@ -28,6 +28,15 @@ def reducedBox(box):
     return np.array([a, b, c])
 
 
+def shortestTear(box):
+    """Return a length (nm) that is too short for a vector to have a shorter image, in any direction.
+
+    box : (3, 3) array, nm, a vector a row
+    """
+    # Less than a half: what rounding adds could not make up for the rest.
+    return 0.49 / np.linalg.norm(np.linalg.inv(box), axis=0).max()
+
+
 def makeWhole(positions, bonds, box):
     """Shift atoms by box vectors so that all bonds are as short as they can be.
 

@@ -156,9 +156,10 @@ def _positionsOf(source, made, other):
 
 def checkFinite(positions, topology, source):
     """Raise an InputError that names the first atom with a coordinate that is not a number, and the source."""
-    bad = np.flatnonzero(~np.isfinite(positions).all(axis=1))
-    if len(bad):
-        atom = next(atom for atom in topology.atoms() if atom.index == bad[0])
+    isFinite = np.isfinite(positions)
+    if not isFinite.all():
+        bad = np.flatnonzero(~isFinite.all(axis=1))[0]
+        atom = next(atom for atom in topology.atoms() if atom.index == bad)
         raise InputError(f"{source}: atom {_describe(atom)} has a coordinate that is not a finite number")
 
 

@@ -71,7 +71,7 @@ def assertSame(structure, trajectory, frames, damage=None, count=3):
     expected = listFrames(search, search.overlaps())
     assert len(expected[0]) == frames and (expected[1] is None if damage is None else damage in expected[1])
     search = ClashSearch(structure, trajectory)
-    files = describeFiles(search, None, False, False)
+    files = describeFiles(search.structure, search.trajectory, None, False, False)
     assert listFrames(search, searchInChunks(search, files, Here(count))) == expected
     return expected
 
@@ -125,7 +125,7 @@ def test_splitOverTheBox(folder, tmp_path, villin):
 def test_otherFiles(folder):
     """A worker that sees other files than we do refuses."""
     search = ClashSearch(folder / "villin.pdb", folder / "villin.dcd")
-    files = describeFiles(search, None, False, False)
+    files = describeFiles(search.structure, search.trajectory, None, False, False)
     with pytest.raises(InputError, match="villin.dcd: a worker finds another file there, of"):
         searchChunk(files._replace(sizes=(files.sizes[0], 7)), 0, 1)
     with pytest.raises(InputError, match="gone.dcd: cannot be read by a worker"):

@@ -112,7 +112,7 @@ def test_aReaderThatCrashes(tmp_path, villin, structure, frames, monkeypatch):
     reader.write_text(
         "import os, pickle, signal, sys\n"
         "import numpy as np\n"
-        "pickle.dump((3, 3), sys.stdout.buffer)\n"
+        "pickle.dump((3, 3, 1.0), sys.stdout.buffer)\n"
         "for _ in range(2):\n"
         f"    pickle.dump((np.load({str(tmp_path / 'loose.npy')!r}), None), sys.stdout.buffer)\n"
         "sys.stdout.buffer.write(b'half a pick')\n"
@@ -122,6 +122,23 @@ def test_aReaderThatCrashes(tmp_path, villin, structure, frames, monkeypatch):
     monkeypatch.setattr(trajectory, "_READER", reader)
     path = writeDCD(tmp_path / "good", villin.topology, frames)
     assert damageIn(structure, path) == (f"{path}: frame 2 (from 0) is damaged so that its reader crashed", [0, 0])
+
+
+def test_theReaderEndsIfTheStructureIsDamaged(tmp_path, villin, frames, monkeypatch):
+    """It has started before the structure is read."""
+    readers = []
+    honest = trajectory.Trajectory.__init__
+
+    def note(reader, path):
+        honest(reader, path)
+        readers.append(reader._process)
+
+    monkeypatch.setattr(trajectory.Trajectory, "__init__", note)
+    (tmp_path / "text.pdb").write_text("not a structure\n")
+    path = writeDCD(tmp_path / "good", villin.topology, frames)
+    with pytest.raises(InputError, match="text.pdb"):
+        findClashes(tmp_path / "text.pdb", path)
+    assert [reader.poll() is not None for reader in readers] == [True]
 
 
 @pytest.mark.parametrize("name", ["text.dcd", "text.xtc"])

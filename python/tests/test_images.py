@@ -7,7 +7,7 @@ import openmm
 import pytest
 from openmm import app, unit
 from openmmchaintree import InputError, findClashes
-from openmmchaintree.images import makeWhole, reducedBox
+from openmmchaintree.images import makeWhole, nearestImage, reducedBox, shortestTear
 from openmmchaintree.structure import readStructure
 from scenes import bondNames, realStructurePath, writeDCD, writeXTC
 
@@ -37,6 +37,16 @@ def test_wholeAgain(villin, box):
 def test_nothingToDo(villin):
     bonds = [[atom.index for atom in bond] for bond in villin.topology.bonds()]
     assert makeWhole(villin.positions, bonds, _BOXES[0]) is villin.positions
+
+
+@pytest.mark.parametrize("box", _BOXES, ids=["rectangular", "triclinic"])
+def test_shortestTear(box):
+    """Nothing shorter has a shorter image, in whatever direction; what is a little longer may have one."""
+    directions = np.random.default_rng(2).normal(size=(20000, 3))
+    directions /= np.linalg.norm(directions, axis=1)[:, np.newaxis]
+    short, long = (factor * shortestTear(box) * directions for factor in (1, 1.05))
+    assert np.array_equal(nearestImage(short, box), short)
+    assert not np.array_equal(nearestImage(long, box), long)
 
 
 def test_reducedBox():

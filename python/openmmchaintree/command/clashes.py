@@ -1,7 +1,6 @@
 """The command openmm-chaintree clashes."""
 
 from contextlib import closing, contextmanager
-from functools import partial
 
 from ..clashes import ClashSearch
 from ..errors import ClusterError, InputError
@@ -60,9 +59,11 @@ def _run(options):
     outputs = checkOutputs(names, inputs, options.overwrite)
     if "picture" in outputs:
         checkPicture(outputs["picture"])
-    search = ClashSearch(options.structure, options.trajectory, options.radii, options.water, options.ions)
-    ranking = ClashRanking(search.finder.names)
-    frames, damage, interrupted = _findAll(search, options, ranking)
+    arguments = (options.structure, options.trajectory, options.radii, options.water, options.ions)
+    with _startWorkers(options, arguments) as searchFrames:
+        search = ClashSearch(*arguments)
+        ranking = ClashRanking(search.finder.names)
+        frames, damage, interrupted = _findAll(search, searchFrames, ranking)
     if damage is not None and not frames:
         raise damage
     summary = summarize(search, frames, ranking, damage, interrupted)
@@ -85,16 +86,16 @@ def _run(options):
     return INTERRUPTED if interrupted else 0
 
 
-def _findAll(search, options, ranking):
+def _findAll(search, searchFrames, ranking):
     """Return the list of FrameOverlaps before a damaged frame or an interrupt; that damage; whether that interrupt.
 
-    A ClashRanking counts them meanwhile, while workers look at others.
+    They are those of searchFrames(search). A ClashRanking counts them meanwhile, while workers look at others.
     """
     frames = []
     damage = None
     with interruptFlag() as interrupted, progress(search.frameCount) as advance:
         try:
-            with _found(search, options) as found:
+            with closing(searchFrames(search)) as found:
                 for frame in found:
                     frames.append(frame)
                     ranking.add(frame)
@@ -112,22 +113,34 @@ def _findAll(search, options, ranking):
 
 
 @contextmanager
-def _found(search, options):
-    """Give an iterator of the FrameOverlaps of a ClashSearch, which workers find if there are any."""
-    if options.scheduler is None and options.workers in (None, 1) or search.frameCount is None:
-        yield search.overlaps()
+def _startWorkers(options, arguments):
+    """Start the workers that options ask for; give a function that yields the FrameOverlaps of a ClashSearch by them.
+
+    arguments are those of the ClashSearch, which can begin while the workers start.
+    """
+    if options.scheduler is None and options.workers in (None, 1):
+        yield ClashSearch.overlaps
         return
     from .. import clashchunks
 
+    try:
+        files = clashchunks.describeFiles(*arguments)
+    except OSError:
+        yield ClashSearch.overlaps  # the search itself says what is missing
+        return
     if options.scheduler is None:
-        makeWorkers = partial(clashchunks.ProcessChunks, options.workers)
+        workers = clashchunks.ProcessChunks(options.workers, files)
     else:
         from ..cluster import Cluster  # Dask takes long to import
 
-        makeWorkers = partial(clashchunks.ClusterChunks, Cluster(options.scheduler))
-    files = clashchunks.describeFiles(search, options.radii, options.water, options.ions)
-    with closing(makeWorkers()) as workers:
-        yield clashchunks.searchInChunks(search, files, workers)
+        workers = clashchunks.ClusterChunks(Cluster(options.scheduler))
+
+    def searchFrames(search):
+        with closing(workers):
+            yield from clashchunks.searchInChunks(search, files, workers)
+
+    with closing(workers):
+        yield searchFrames
 
 
 def _savePicture(output, search, frames):

@@ -8,12 +8,18 @@ import sys
 from contextlib import suppress
 from pathlib import Path
 
+if sys.platform == "linux":
+    import fcntl
+
 from ..errors import InputError
 
 _FORMATS = (".dcd", ".xtc")
 
 # Run by its path, not as a module of the package, since it has no need of OpenMM.
 _READER = Path(__file__).with_name("reader.py")
+
+# The reader goes ahead by as much as its pipe holds (bytes): some frames, not one.
+_PIPE_SIZE = 1 << 18
 
 
 class Trajectory:
@@ -30,17 +36,19 @@ class Trajectory:
     announced : int or None
         the number of frames that the file's header tells; programs write it when they start, or correct it at the end
 
+    Both are known after `readHeader`, which comes before all frames.
+
     Iteration raises an InputError at the first damaged frame, after the sound ones. A damaged file can do no other
     harm: it is read by a process of its own.
     """
 
     def __init__(self, path):
-        """Open a trajectory.
+        """Begin to open a trajectory, which takes a while that one can use for something else.
 
         Raises
         ------
         InputError
-            if this is no trajectory
+            if the file cannot be opened, or its name is not that of a trajectory
         """
         self.path = Path(path)
         if self.path.suffix.lower() not in _FORMATS:
@@ -58,13 +66,22 @@ class Trajectory:
             stdin=subprocess.PIPE,
             stdout=subprocess.PIPE,
             start_new_session=True,  # Ctrl-C is for the program that asked
-            env={**os.environ, "PYTHONPATH": os.pathsep.join(filter(None, sys.path))},
+            # Threads for linear algebra would wait for work that never comes.
+            env={**os.environ, "PYTHONPATH": os.pathsep.join(filter(None, sys.path)), "OPENBLAS_NUM_THREADS": "1"},
         )
-        try:
-            self.announced, self.frameCount = self._receive(0)
-        except InputError:
-            self.close()
-            raise
+        if sys.platform == "linux":
+            with suppress(OSError):  # it may be more than the system grants
+                fcntl.fcntl(self._process.stdout, fcntl.F_SETPIPE_SZ, _PIPE_SIZE)
+
+    def readHeader(self):
+        """Wait until the trajectory is open, and learn what its header tells.
+
+        Raises
+        ------
+        InputError
+            if its reader crashes; other damage is told in place of frames
+        """
+        self.announced, self.frameCount, self._unit = self._receive(0)
 
     def __iter__(self):
         return self.frames()
@@ -84,7 +101,8 @@ class Trajectory:
                 return
             if isinstance(received, str):
                 raise InputError(f"{self.path}: {received}")
-            yield received
+            positions, box = received
+            yield positions.astype("float64") * self._unit, box
             index += 1
 
     def __enter__(self):

@@ -2,10 +2,10 @@
 
 A program of its own, so that nothing in a damaged file can harm the one that asked: on those, the C code that all
 readers of these formats stand on may crash, and prints what it thinks. It writes pickles: the number of frames that the
-file says it has and the number that it has (each None if nobody knows). Each line of standard input then asks for
-frames, by the number of the first (from 0) and of the one after the last, or -1 for all that are left. The answer has,
-for each frame, the positions and the periodic box (None without one) as float64 arrays in nm, and at the end what is
-wrong with the file in words, or None.
+file says it has and the number that it has (each None if nobody knows), and its unit of length in nm. Each line of
+standard input then asks for frames, by the number of the first (from 0) and of the one after the last, or -1 for all
+that are left. The answer has, for each frame, the positions as a float32 array in that unit and the periodic box as a
+float64 array in nm (None without one), and at the end what is wrong with the file in words, or None.
 """
 
 import os
@@ -44,7 +44,8 @@ def _answer(path, output):
     with file:
         header = _DCDHeader(path) if isDCD else None
         count = _length(file)
-        _write((header.frames if isDCD else None, count), output)
+        unit = 0.1 if file.distance_unit == "angstroms" else 1.0
+        _write((header.frames if isDCD else None, count, unit), output)
         place = 0
         for line in sys.stdin:
             begin, end = map(int, line.split())
@@ -57,7 +58,7 @@ def _answer(path, output):
 
 def _refuse(output, reason):
     """Write that nobody knows the counts, and the reason as the answer to whatever is asked."""
-    for content in ((None, None), reason):
+    for content in ((None, None, None), reason):
         _write(content, output)
 
 
@@ -69,7 +70,6 @@ def _write(content, output):
 def _writeFrames(file, header, count, begin, end, output):
     """Write frames from one to another, -1 for the end; return what is wrong with them, and where the file is then."""
     isDCD = header is not None
-    scale = 0.1 if file.distance_unit == "angstroms" else 1.0
     index = begin
     while index != end:
         try:
@@ -81,7 +81,7 @@ def _writeFrames(file, header, count, begin, end, output):
         box = (_boxOfDCD if isDCD else _boxOfXTC)(*others)
         if box is not None and np.diag(box).min() < _SMALLEST_BOX:
             box = None
-        _write((positions[0].astype("float64") * scale, box), output)
+        _write((positions[0], box), output)
         index += 1
     if index < end or isDCD and end == -1 and index < count:
         return f"frame {index} (from 0) is damaged", None
