@@ -10,7 +10,7 @@ from openmm.app import Residue
 
 from .components import connectedParts
 from .covalent import areAnglesOfBonds, bindsMetals, bondedPairs, isLooseMetal, isMetal, longestBonds, nearPairs
-from .images import SMALLEST_BOX, makeWhole, nearestImage
+from .images import isBox, makeWhole, nearestImage
 from .lengthunits import checkBondLengths
 from .naming import describeResidue
 from .notes import Note, found
@@ -436,7 +436,7 @@ def boxOf(topology):
     if vectors is None:
         return None
     box = np.array(vectors.value_in_unit(unit.nanometer), dtype=np.float64)
-    return box if np.diag(box).min() >= SMALLEST_BOX else None
+    return box if isBox(box) else None
 
 
 def _atomNamed(name, residue):

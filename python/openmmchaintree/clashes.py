@@ -10,7 +10,7 @@ from openmm import unit
 from .bonds import BondGraph
 from .bondsearch import LONGEST_BOND, boxOf
 from .errors import InputError
-from .images import makeWhole, shortestTear
+from .images import leastWidth, makeWhole
 from .naming import AtomName, nameAtom
 from .notes import Note, found, warnOf
 from .radii import defaultRadii
@@ -277,7 +277,8 @@ class ClashFinder:
         chosen = positions.take(self.atoms, axis=0)
         vectors = chosen.take(first, axis=0) - chosen.take(second, axis=0)
         longest = np.sqrt(np.einsum("ij,ij->i", vectors, vectors).max(initial=0))
-        if longest <= LONGEST_BOND and (box is None or longest < shortestTear(box)):
+        # Less than half a width has no shorter image; rounding could not make up for the rest.
+        if longest <= LONGEST_BOND and (box is None or longest < 0.49 * leastWidth(box)):
             return positions
         whole = chosen if box is None else makeWhole(chosen, self._bonds.T, box)
         lengths = np.linalg.norm(whole[first] - whole[second], axis=1)

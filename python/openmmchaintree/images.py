@@ -4,8 +4,26 @@ import numpy as np
 
 from .components import connectedParts
 
-# Boxes with a side below this (nm) stand for none: some programs write 1 Å.
-SMALLEST_BOX = 0.5
+# Narrower boxes (nm) stand for none: some programs write 1 Å, or zeros.
+_LEAST_WIDTH = 0.5
+
+
+def isBox(vectors):
+    """Whether vectors, a (3, 3) array in nm with one a row, span a box that a molecule can be split over."""
+    return leastWidth(vectors) >= _LEAST_WIDTH
+
+
+def leastWidth(box):
+    """Return how far apart opposite faces of a box are at least, in nm; 0 if its vectors span none.
+
+    box : (3, 3) array, nm, a vector a row
+    """
+    if not np.isfinite(box).all():
+        return 0.0
+    try:
+        return 1 / np.linalg.norm(np.linalg.inv(box), axis=0).max()
+    except np.linalg.LinAlgError:
+        return 0.0
 
 
 def nearestImage(vectors, box):
@@ -26,15 +44,6 @@ def reducedBox(box):
     c = c - a * np.rint(c[0] / a[0])
     b = b - a * np.rint(b[0] / a[0])
     return np.array([a, b, c])
-
-
-def shortestTear(box):
-    """Return a length (nm) that is too short for a vector to have a shorter image, in any direction.
-
-    box : (3, 3) array, nm, a vector a row
-    """
-    # Less than a half: what rounding adds could not make up for the rest.
-    return 0.49 / np.linalg.norm(np.linalg.inv(box), axis=0).max()
 
 
 def makeWhole(positions, bonds, box):

@@ -5,9 +5,10 @@ import copy
 import numpy as np
 import openmm
 import pytest
+from mdtraj.formats import XTCTrajectoryFile
 from openmm import app, unit
 from openmmchaintree import InputError, findClashes
-from openmmchaintree.images import makeWhole, nearestImage, reducedBox, shortestTear
+from openmmchaintree.images import isBox, leastWidth, makeWhole, nearestImage, reducedBox
 from openmmchaintree.structure import readStructure
 from scenes import bondNames, realStructurePath, writeDCD, writeXTC
 
@@ -40,11 +41,11 @@ def test_nothingToDo(villin):
 
 
 @pytest.mark.parametrize("box", _BOXES, ids=["rectangular", "triclinic"])
-def test_shortestTear(box):
-    """Nothing shorter has a shorter image, in whatever direction; what is a little longer may have one."""
+def test_leastWidth(box):
+    """What is shorter than half of it has no shorter image, in whatever direction; what is longer may have one."""
     directions = np.random.default_rng(2).normal(size=(20000, 3))
     directions /= np.linalg.norm(directions, axis=1)[:, np.newaxis]
-    short, long = (factor * shortestTear(box) * directions for factor in (1, 1.05))
+    short, long = (factor * leastWidth(box) * directions for factor in (0.49, 0.51))
     assert np.array_equal(nearestImage(short, box), short)
     assert not np.array_equal(nearestImage(long, box), long)
 
@@ -69,6 +70,30 @@ def write(path, villin, positions, box):
     with open(path, "w") as file:
         (app.PDBxFile if path.suffix == ".cif" else app.PDBFile).writeFile(topology, positions * unit.nanometer, file)
     return path
+
+
+@pytest.mark.parametrize(
+    "vectors",
+    [
+        np.zeros((3, 3)),
+        np.ones((3, 3)),
+        np.full((3, 3), np.nan),
+        np.diag([5, np.inf, 5]),
+        np.diag([5, 5, 0.1]),
+        [[5, 0, 0], [5, 1e-9, 0], [0, 0, 5]],
+    ],
+    ids=["zeros", "ones", "nan", "infinite", "flat", "skewed"],
+)
+def test_noBoxAtAll(villin, tmp_path, vectors):
+    """Vectors that span no box stand for none."""
+    vectors = np.array(vectors, dtype=np.float32)
+    assert not isBox(vectors) and all(map(isBox, _BOXES))
+    structure, path = tmp_path / "villin.pdb", tmp_path / "villin.xtc"
+    write(structure, villin, villin.positions, None)
+    with XTCTrajectoryFile(str(path), "w") as file:
+        file.write(villin.positions[np.newaxis].astype(np.float32), box=vectors[np.newaxis])
+    (expected,), (found,) = findClashes(structure), findClashes(structure, path)
+    assert [clash[:4] for clash in found.clashes] == [clash[:4] for clash in expected.clashes]
 
 
 @pytest.mark.parametrize("kind", ["pdb", "cif"])

@@ -12,6 +12,7 @@ if sys.platform == "linux":
     import fcntl
 
 from ..errors import InputError
+from ..images import isBox
 
 _FORMATS = (".dcd", ".xtc")
 
@@ -102,7 +103,7 @@ class Trajectory:
             if isinstance(received, str):
                 raise InputError(f"{self.path}: {received}")
             positions, box = received
-            yield positions.astype("float64") * self._unit, box
+            yield positions.astype("float64") * self._unit, box if box is not None and isBox(box) else None
             index += 1
 
     def __enter__(self):

@@ -16,8 +16,6 @@ from pathlib import Path
 
 import numpy as np
 
-_SMALLEST_BOX = 0.5  # nm; smaller ones stand for none
-
 
 def main(path):
     with os.fdopen(os.dup(1), "wb") as output:
@@ -79,8 +77,6 @@ def _writeFrames(file, header, count, begin, end, output):
         if len(positions) == 0:
             break
         box = (_boxOfDCD if isDCD else _boxOfXTC)(*others)
-        if box is not None and np.diag(box).min() < _SMALLEST_BOX:
-            box = None
         _write((positions[0], box), output)
         index += 1
     if index < end or isDCD and end == -1 and index < count:
