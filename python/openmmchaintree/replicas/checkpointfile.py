@@ -40,6 +40,8 @@ def writeCheckpoint(path, header, checkpoints):
     except BaseException:
         temporary.unlink(missing_ok=True)
         raise
+    if os.name == "nt":  # there folders cannot be opened
+        return
     folder = os.open(path.parent, os.O_RDONLY)
     try:
         os.fsync(folder)
