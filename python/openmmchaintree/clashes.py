@@ -15,7 +15,7 @@ from .naming import AtomName, nameAtom
 from .notes import Note, found, warnOf
 from .radii import defaultRadii
 from .sterics import makeForce
-from .structure import checkFinite, readModels, selectSolute, tornError, villinPath
+from .structure import checkPositions, readModels, selectSolute, tornError, villinPath
 from .torsions import searchTorsions
 from .trajectory import Trajectory
 
@@ -197,7 +197,7 @@ class ClashSearch:
             if len(positions) != topology.getNumAtoms():
                 counts = f"has {len(positions):,} atoms, but {self.structure} has {topology.getNumAtoms():,}"
                 raise InputError(f"{self.trajectory}: {counts}")
-            checkFinite(positions, topology, f"{self.trajectory}: frame {index} (from 0)")
+            checkPositions(positions, topology, f"{self.trajectory}: frame {index} (from 0)")
             yield positions, box
 
 

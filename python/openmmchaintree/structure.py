@@ -19,6 +19,8 @@ from .structurefile import readFile
 
 _NOTHING = "nothing but water and ions"
 
+_MOST_COORDINATE = 1e15  # nm, as in the engine
+
 
 class Models(NamedTuple):
     """What a structure file holds.
@@ -150,17 +152,20 @@ def _positionsOf(source, made, other):
         for atom, expected in zip(other.topology.atoms(), made.topology.atoms(), strict=True):
             if (atom.name, atom.residue.name) != (expected.name, expected.residue.name):
                 raise InputError(f"{source} has atom {nameAtom(atom)} where model 0 has {nameAtom(expected)}")
-    checkFinite(other.positions, other.topology, source)
+    checkPositions(other.positions, other.topology, source)
     return other.positions
 
 
-def checkFinite(positions, topology, source):
-    """Raise an InputError that names the first atom with a coordinate that is not a number, and the source."""
-    isFinite = np.isfinite(positions)
-    if not isFinite.all():
-        bad = np.flatnonzero(~isFinite.all(axis=1))[0]
+def checkPositions(positions, topology, source):
+    """Raise an InputError that names the first atom with a coordinate that is none, and the source."""
+    arePossible = np.abs(positions) <= _MOST_COORDINATE
+    if not arePossible.all():
+        bad = np.flatnonzero(~arePossible.all(axis=1))[0]
         atom = next(atom for atom in topology.atoms() if atom.index == bad)
-        raise InputError(f"{source}: atom {_describe(atom)} has a coordinate that is not a finite number")
+        reason = (
+            f"beyond {_MOST_COORDINATE:g} nm" if np.isfinite(positions[bad]).all() else "that is not a finite number"
+        )
+        raise InputError(f"{source}: atom {_describe(atom)} has a coordinate {reason}")
 
 
 def selectSolute(source, topology, positions, water=False, ions=False):

@@ -9,6 +9,7 @@ import gzip
 import io
 import re
 import zlib
+from contextlib import contextmanager
 
 import gemmi
 
@@ -34,8 +35,8 @@ _REQUIRED = {
     "pdbx_PDB_model_num": (None, "1"),
 }
 
-# What of a BinaryCIF file is read.
-_CATEGORIES = ("atom_site", "cell", "symmetry", "struct_conn", "struct_conn_type", "entry")
+# What of an mmCIF or BinaryCIF file is read.
+_CATEGORIES = ("atom_site", "atom_sites", "cell", "symmetry", "struct_conn", "struct_conn_type", "entry")
 
 
 def readFile(path):
@@ -55,10 +56,10 @@ def readFile(path):
     """
     data = _readBytes(path)
     if data[:1] >= b"\x80" and b"dataBlocks" in data[:1000]:
-        structure, damage = _fromBlock(path, _readBinaryCIF(path, data)), None
+        structure, damage = _readBinaryCIF(path, data), None
     else:
         text = data.decode("utf-8", errors="replace")
-        structure, damage = _readMmCIF(path, text) if _isMmCIF(text) else _readPDB(path, text)
+        structure, damage = (_readMmCIF(path, text), None) if _isMmCIF(text) else _readPDB(path, text)
     structure.remove_empty_chains()
     if len(structure) == 0 or not any(len(chain) for model in structure for chain in model):
         raise InputError(f"{path}: there are no atoms")
@@ -83,19 +84,28 @@ def _isMmCIF(text):
     return re.match(r"(\s|#.*\n)*data_", text, re.IGNORECASE) is not None
 
 
-def _readMmCIF(path, text):
-    """Return a Structure, and None for no damage: what is damaged in mmCIF cannot be read at all."""
+@contextmanager
+def _explaining(path, kind):
+    """Turn what a reader raises for whatever is wrong in a file of this kind into an InputError."""
     try:
+        yield
+    except InputError:
+        raise
+    except Exception as error:
+        raise InputError(f"{path}: not {kind} file that can be read ({_firstLine(error)})") from error
+
+
+def _readMmCIF(path, text):
+    """Return a Structure; what is damaged in mmCIF cannot be read at all."""
+    with _explaining(path, "an mmCIF"):
         document = gemmi.cif.read_string(text)
-    except (ValueError, RuntimeError) as error:
-        raise InputError(f"{path}: not an mmCIF file that can be read ({_firstLine(error)})") from error
-    for block in document:
-        if block.find_mmcif_category("_atom_site."):
-            _fillIn(block)
-            return _fromBlock(path, block), None
-    for block in document:
-        if block.find_mmcif_category("_chem_comp_atom."):
-            return gemmi.make_structure_from_chemcomp_block(block), None
+        for block in document:
+            if block.find_mmcif_category("_atom_site."):
+                _fillIn(block)
+                return _fromBlock(path, block)
+        for block in document:
+            if block.find_mmcif_category("_chem_comp_atom."):
+                return gemmi.make_structure_from_chemcomp_block(block)
     raise InputError(f"{path}: there are no atoms")
 
 
@@ -117,26 +127,31 @@ def _fillIn(block):
 
 
 def _fromBlock(path, block):
-    try:
-        return gemmi.make_structure_from_block(block)
-    except (ValueError, RuntimeError) as error:
-        raise InputError(f"{path}: not an mmCIF file that can be read ({_firstLine(error)})") from error
+    # Nothing that we have no use for can keep the rest from being read.
+    for category in block.get_mmcif_category_names():
+        if category.strip("_.").lower() not in _CATEGORIES:
+            block.find_mmcif_category(category).erase()
+    # The reader takes the first byte of these.
+    for code in ("label_alt_id", "pdbx_PDB_ins_code"):
+        strange = next((value for value in block.find_values(f"_atom_site.{code}") if not value.isascii()), None)
+        if strange is not None:
+            raise InputError(f"{path}: the {code} of an atom, {strange}, is not ASCII")
+    return gemmi.make_structure_from_block(block)
 
 
 def _readBinaryCIF(path, data):
+    """Return a Structure."""
     # Few files are of this kind, and the package takes a second to import.
     from biotite.structure.io.pdbx import BinaryCIFFile
 
-    try:
+    with _explaining(path, "a BinaryCIF"):
         block = BinaryCIFFile.read(io.BytesIO(data)).block
         converted = gemmi.cif.Block("structure")
         for category in _CATEGORIES:
             if category in block:
                 columns = {name: _textOf(column) for name, column in block[category].items()}
                 converted.set_mmcif_category(f"_{category}.", columns, raw=True)
-        return converted
-    except Exception as error:  # biotite reports what it cannot read by whatever exception comes up
-        raise InputError(f"{path}: not a BinaryCIF file that can be read ({_firstLine(error)})") from error
+        return _fromBlock(path, converted)
 
 
 def _textOf(column):
@@ -146,16 +161,15 @@ def _textOf(column):
 
 def _readPDB(path, text):
     """Return a Structure of the models before the first damaged one, and that damage as an InputError or None."""
+    text = text.encode("ascii", errors="replace").decode()  # columns are of one byte each
     if not any(line[:6].upper() in ("ATOM  ", "HETATM") for line in text.splitlines()):
         raise InputError(f"{path}: there are no atoms; is it a PDB or mmCIF file?")
     lines = repairLines(text)
     damage = None if lines.damage is None else InputError(f"{path}: {lines.damage}")
     if lines.text is None:
         raise damage
-    try:
+    with _explaining(path, "a PDB"):
         structure = gemmi.read_pdb_string(lines.text, split_chain_on_ter=True)
-    except (ValueError, RuntimeError) as error:
-        raise InputError(f"{path}: not a PDB file that can be read ({_firstLine(error)})") from error
     for model in structure:
         for chain in model:
             for residue in chain:
@@ -164,4 +178,4 @@ def _readPDB(path, text):
 
 
 def _firstLine(error):
-    return str(error).strip().splitlines()[0]
+    return (str(error).strip() or type(error).__name__).splitlines()[0]

@@ -214,6 +214,12 @@ def test_damagedPDB(tmp_path, lines, words, count):
     assert clashes == [0] * count
 
 
+def test_coordinateBeyondAll(tmp_path):
+    lines = models(same, lambda line: line.replace("   1.420", "   1e300"))
+    message, clashes = damageIn(writePDB(tmp_path / "far.pdb", lines))
+    assert message.endswith("model 1 (from 0): atom C of A:GLY 1 has a coordinate beyond 1e+15 nm") and clashes == [0]
+
+
 def test_modelsOfDifferentSize(tmp_path):
     lines = [*models(same), "MODEL        2", *GLYCINES[:-1], "ENDMDL", *models(same)]
     message, clashes = damageIn(writePDB(tmp_path / "bad.pdb", lines))
@@ -240,8 +246,15 @@ def test_damagedMmCIF(tmp_path, villin):
         app.PDBxFile.writeFile(villin.topology, villin.positions * unit.nanometer, file)
     text = path.read_text()
     row = text.index("ATOM    100 ")
+    unreadable = "not an mmCIF file that can be read ("
     for content, words in [
-        (text[: row + 30], "not an mmCIF file that can be read (string:35:0("),
+        (text.replace("_atom_site.label_atom_id", "_atom_site'.label_atom_id"), unreadable + "Tag _atom_site'"),
+        ("data_LIG\nloop_\n_chem_comp_atom.comp_id\n_chem.atom_id\nLIG C1\n", unreadable + "Tag _chem.atom_id"),
+        (
+            text[:row] + re.sub(r"7 \. ", "7 'é' ", text[row:], count=1),
+            "the pdbx_PDB_ins_code of an atom, 'é', is not ASCII",
+        ),
+        (text[: row + 30], unreadable + "string:35:0("),
         ("data_nothing\n#\n", "there are no atoms"),
         (text[:row] + re.sub(r"\.\d", ".x", text[row:], count=1), "atom "),
     ]:

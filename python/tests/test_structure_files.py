@@ -1,6 +1,7 @@
 """Files as programs write them: what other tools read is read, or refused with the line."""
 
 import gzip
+import io
 
 import gemmi
 import numpy as np
@@ -54,6 +55,28 @@ def test_modelsOfOtherAtoms(tmp_path):
 def test_serialNumbersDoNotMatter(tmp_path, serial):
     lines = [line[:6] + serial + line[11:] for line in GLYCINES]
     assert bondNames(read(tmp_path, *lines).topology) == bondNames(read(tmp_path, *GLYCINES).topology)
+
+
+def test_whatIsOfNoUseMayBeDamaged(tmp_path, villin):
+    """Here a sequence refers to one of a database that the file does not tell of."""
+    names = ("align_id", "ref_id", "pdbx_strand_id", "seq_align_beg", "seq_align_end", "db_align_beg", "db_align_end")
+    text = io.StringIO("".join(["data_villin\n", *(f"_struct_ref_seq.{name} 1\n" for name in names)]))
+    text.seek(0, io.SEEK_END)
+    app.PDBxFile.writeFile(villin.topology, villin.positions * unit.nanometer, text)
+    path = tmp_path / "villin.cif"
+    path.write_text(text.getvalue().replace("data_cell\n", ""))
+    assert readStructure(path).topology.getNumAtoms() == villin.topology.getNumAtoms()
+
+
+@pytest.mark.parametrize("encoding", ["latin-1", "utf-8"])
+def test_lettersThatAreNotASCII(tmp_path, encoding):
+    """They take a column each, in whatever bytes."""
+    lines = ["REMARK  \u00c5ngstr\u00f6m", *(line[:6] + "  \u00e9 1" + line[11:] for line in GLYCINES)]
+    path = tmp_path / "letters.pdb"
+    path.write_bytes("\n".join(lines).encode(encoding))
+    found, expected = readStructure(path), read(tmp_path, *GLYCINES)
+    assert np.array_equal(found.positions, expected.positions)
+    assert bondNames(found.topology) == bondNames(expected.topology)
 
 
 def test_endsOfLinesAndLetters(tmp_path):
