@@ -94,6 +94,7 @@ def test_listsEndBeforeTheStructure(runHere, tmp_path):
         ("[sample]\ntrials = true", "c.toml: trials must be a value, not true or false"),
         ("[sample]\nrigid-bodies = 1", "c.toml: rigid-bodies must be true or false"),
         ("[sample]\ntrials = 1979-05-27", "c.toml: trials must be a text, a number or a list of these"),
+        ('[sample]\noutput = "a\\u0000"', "c.toml: output has a character that no argument may have, NUL"),
         ("[sample]\nforcefield = []", "c.toml: forcefield must be a text, a number or a list of these"),
         ("[sample]\ntrials = 0", "argument --trials: 0 is not in the range"),
         ("[sample]\ntrials = 1.5", "argument --trials: '1.5' is not a whole number"),

@@ -82,6 +82,8 @@ def _asTexts(action, value, name):
     values = value if isinstance(value, list) else [value]
     if not values or not all(isinstance(item, (str, int, float)) for item in values):
         raise InputError(f"{name} must be a text, a number or a list of these")
+    if any("\0" in str(item) for item in values):
+        raise InputError(f"{name} has a character that no argument may have, NUL")
     return [item if isinstance(item, str) else repr(item) for item in values]
 
 
