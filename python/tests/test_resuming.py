@@ -330,7 +330,7 @@ def spoil(path, what):
         with zipfile.ZipFile(path, "w") as archive:
             header = source.read("run.json")
             archive.writestr(
-                "run.json", header.replace(b'"version": 1', b'"version": 9') if what == "version" else header
+                "run.json", header.replace(b'"version": 2', b'"version": 9') if what == "version" else header
             )
             for name, other in (("0", "1"), ("1", "0")):
                 archive.writestr(name, source.read(other))
@@ -354,6 +354,7 @@ def spoil(path, what):
         ("run-replica-1.dcd", "text", "run-replica-1.dcd: is not the trajectory that the run has written"),
         ("run-index.csv", "gone", "run-index.csv: there is no such file to go on with"),
         ("run-index.csv", "cut", "run-index.csv: is not the index that the run has written"),
+        ("run-index.csv", "flip", "run-index.csv: is not the index that the run has written"),
     ],
 )
 def test_damagedFiles(finished, runHere, tmp_path, name, what, words):

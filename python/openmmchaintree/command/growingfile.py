@@ -2,6 +2,7 @@
 
 import os
 import stat
+import zlib
 
 from ..errors import InputError
 
@@ -28,7 +29,7 @@ class GrowingFile:
         self.size = 0
 
     @classmethod
-    def goOn(cls, output, size, header, what, normalize=bytes):
+    def goOn(cls, output, size, header, what, normalize=bytes, checksum=None):
         """Go on with a file that is there, of which so many bytes count: what follows them is cut off.
 
         Parameters
@@ -41,6 +42,8 @@ class GrowingFile:
             what it is, for errors
         normalize : callable
             makes of a header what of it never changes
+        checksum : int or None
+            what `zlib.crc32` gives for the bytes that count, if they never change
 
         Raises
         ------
@@ -56,7 +59,8 @@ class GrowingFile:
             with output.explainingErrors():
                 isOurs = normalize(growing._file.read(len(header))) == normalize(header)
                 isWhole = growing._file.seek(0, os.SEEK_END) >= size
-            if not (isOurs and isWhole):
+                isAsWritten = checksum is None or growing._checksumOf(size) == checksum
+            if not (isOurs and isWhole and isAsWritten):
                 raise InputError(f"{output.name}: is not the {what} that the run has written")
             with output.explainingErrors():
                 growing._file.truncate(size)
@@ -66,6 +70,13 @@ class GrowingFile:
             raise
         growing.size = size
         return growing
+
+    def _checksumOf(self, size):
+        checksum = self._file.seek(0)
+        while size > 0 and (piece := self._file.read(min(size, 1 << 20))):
+            checksum = zlib.crc32(piece, checksum)
+            size -= len(piece)
+        return checksum
 
     def append(self, data):
         """Add bytes; if that fails, the size stays as it is.

@@ -2,6 +2,7 @@
 
 import csv
 import io
+import zlib
 from contextlib import ExitStack
 
 import numpy as np
@@ -31,27 +32,32 @@ class IndexFile:
     Numbers of frames and replicas are from 0; frame 0 is the start. Energies are in kJ/mol, lengths in nm.
     """
 
-    def __init__(self, output, size=None):
-        """Begin the file of an Output; or go on with one, of which so many bytes count."""
+    def __init__(self, output, mark=None):
+        """Begin the file of an Output; or go on with one where its mark was this."""
         header = _asLine(_COLUMNS).encode()
-        if size is not None:
-            self._file = GrowingFile.goOn(output, size, header, "index")
+        if mark is not None:
+            size, self._checksum = mark
+            self._file = GrowingFile.goOn(output, size, header, "index", checksum=self._checksum)
             return
-        self._file = GrowingFile(output)
+        self._file, self._checksum = GrowingFile(output), 0
         try:
-            self._file.append(header)
+            self._append(header)
         except BaseException:
             self._file.close()
             raise
 
     @property
-    def size(self):
-        """The number of bytes that are complete."""
-        return self._file.size
+    def mark(self):
+        """The number of bytes that are complete, and what `zlib.crc32` gives for them."""
+        return self._file.size, self._checksum
 
     def write(self, rows):
         """Add rows, each a sequence of the values of columns."""
-        self._file.append("".join(map(_asLine, rows)).encode())
+        self._append("".join(map(_asLine, rows)).encode())
+
+    def _append(self, data):
+        self._file.append(data)
+        self._checksum = zlib.crc32(data, self._checksum)
 
     def sync(self):
         """Wait until what was written is on the disk."""
@@ -91,7 +97,7 @@ class ReplicaFiles:
     index : IndexFile
     """
 
-    def __init__(self, outputs, plan, byTemperature, start, round=0, indexSize=None):
+    def __init__(self, outputs, plan, byTemperature, start, round=0, indexMark=None):
         """Begin all files by the start; or go on with what they held when a round began. None stays if one fails.
 
         Parameters
@@ -104,8 +110,8 @@ class ReplicaFiles:
         start : Sampling
             that has not moved
         round : int
-        indexSize : int or None
-            the size of the index when that round began, None of a new run
+        indexMark : (int, int) or None
+            the mark of the index when that round began, None of a new run
         """
         self._plan = plan
         self._byTemperature = byTemperature
@@ -113,7 +119,7 @@ class ReplicaFiles:
         self._rows = {}
         self.trajectories = []
         self.index = None
-        isNew = indexSize is None
+        isNew = indexMark is None
         topology, positions, schedule = start.structure.topology, start.structure.positions, plan.schedule
         frames = 0 if isNew else 1 + schedule.framesBefore(round)
         self._nextFrame = max(1, frames)
@@ -123,7 +129,7 @@ class ReplicaFiles:
                 self.trajectories.append(
                     TrajectoryFile(output, topology, positions, schedule.interval, expected, frames)
                 )
-            self.index = IndexFile(outputs["index"], indexSize)
+            self.index = IndexFile(outputs["index"], indexMark)
             if isNew:
                 energy = start.frames[0].energy
                 self.index.write([self._row(0, *place, positions, energy) for place in self._startPlaces()])

@@ -47,7 +47,7 @@ class ReplicaRun:
         self._choice = choice
         self._settings = settings
         self._outputs = outputs
-        self._indexSize = None
+        self._indexMark = None
         self.plan = plan
         self.state = RunState(plan, len(sampling.moves))
         self.isInterrupted = False
@@ -69,19 +69,19 @@ class ReplicaRun:
         checkpoints = [saved.checkpoints.get(replica) for replica in range(len(self.plan.seeds))]
         self.state.restore(saved.header["state"], checkpoints)
         saved.checkSchedule(self.plan.schedule, self.state.round)
-        self._indexSize = saved.header["indexSize"]
+        self._indexMark = tuple(saved.header["index"])
         self.reports = saved.header["reports"]
 
     def begin(self):
         """Begin the files, or open them to go on."""
         byTemperature, round = self._choice.filesByTemperature, self.state.round
-        self._files = ReplicaFiles(self._outputs, self.plan, byTemperature, self._sampling, round, self._indexSize)
+        self._files = ReplicaFiles(self._outputs, self.plan, byTemperature, self._sampling, round, self._indexMark)
         try:
             self._sync()
             self._save()
         except BaseException:
             self._files.close()
-            if self._indexSize is None:
+            if self._indexMark is None:
                 self._files.remove()
             raise
 
@@ -127,9 +127,9 @@ class ReplicaRun:
         self._save()
 
     def _sync(self):
-        """Wait until all that was written is on the disk, and take its size."""
+        """Wait until all that was written is on the disk, and take the mark of the index."""
         self._files.sync()
-        self._indexSize = self._files.index.size
+        self._indexMark = self._files.index.mark
 
     def _save(self):
         """Write the checkpoint; all that it counts is on the disk."""
@@ -137,7 +137,7 @@ class ReplicaRun:
             "model": self._model.key,
             "madeBy": __version__,
             "settings": self._settings,
-            "indexSize": self._indexSize,
+            "index": self._indexMark,
             "reports": self.reports,
             "state": self.state.asPlain(),
         }

@@ -9,7 +9,7 @@ from pathlib import Path
 
 from ..errors import InputError
 
-_VERSION = 1
+_VERSION = 2
 
 # What reading raises where bytes are wrong.
 _DAMAGES = (
