@@ -1,5 +1,18 @@
 # One program, or one file of pytest, is one test. A program that ends with 77 counts as skipped.
 
+# Those that take longest begin first, so that none is left to run alone at the end: about how many seconds each takes.
+# ctest measures that, too, but knows nothing of it in its first run.
+set(CHAINTREE_LONG_TESTS
+    test_package=58 test_race=47 test_two_levels=45 test_sample_forcefield=41 test_native_energies=40 test_native_solvent=40
+    test_real_structures=38 test_sample_command=38 test_resuming=36 TestTrajectories=35 test_sampling_statistics=33
+    test_native_sampling=29 test_native_pairs=29 test_dynamics=28 test_solvent=28 test_random_programs=20 test_examples=21
+    test_cluster=21 TestRandomPrograms_clearances=13 TestCrowds_sanitized=20 TestRandomPrograms_portable=13
+    TestRandomPrograms_boxes=13 TestRandomPrograms_avx2=13 test_energies=19 test_accuracy=18 test_clashes=17
+    TestRandomPrograms=12 test_moving=17 TestRandomPrograms_sanitized=16 test_moves=16
+    test_clash_chunks=14 TestEnergyPrograms_sanitized=14 test_native_values=14
+    test_clashes_command=13 TestThreads=13 TestCounts_sanitized=13 test_pictures=13 TestRandomLeaves_sanitized=12
+    TestStandIn=12 test_outputs=12 test_hard_structures=12 TestScales_sanitized=11 test_damaged_files=11)
+
 # chaintree_label_test(name label ...): labels a test, and limits its time to many times what the slowest takes on two
 # busy cores, so that only what hangs meets the limit.
 function(chaintree_label_test name)
@@ -11,6 +24,10 @@ function(chaintree_label_test name)
         math(EXPR seconds "10 * ${seconds}") # an emulator runs them
     endif()
     set_tests_properties(${name} PROPERTIES LABELS "${ARGN}" TIMEOUT ${seconds})
+    string(REGEX MATCH "(^|;)${name}=([0-9]+)" cost "${CHAINTREE_LONG_TESTS}")
+    if(cost)
+        set_tests_properties(${name} PROPERTIES COST ${CMAKE_MATCH_2})
+    endif()
 endfunction()
 
 # chaintree_add_c_tests(SOURCES ... [WITH source ...] [LIBRARIES lib ...] [ARGUMENTS ...] [SANITIZED_LIBRARIES lib ...]
@@ -32,6 +49,7 @@ function(chaintree_add_c_tests)
         chaintree_label_test(${name} engine ${arg_LABELS})
         if(TARGET chaintree_sanitized)
             add_executable(${name}_sanitized ${source} ${arg_WITH})
+            target_compile_options(${name}_sanitized PRIVATE ${CHAINTREE_SANITIZED_LEVEL})
             target_link_libraries(${name}_sanitized PRIVATE chaintree_sanitized ${arg_SANITIZED_LIBRARIES})
             _chaintree_add_program_test(${name}_sanitized ${arg_SANITIZED_ARGUMENTS})
             chaintree_label_test(${name}_sanitized engine sanitized ${arg_LABELS})
@@ -42,17 +60,31 @@ endfunction()
 # chaintree_add_cxx_tests(source ...): programs on the plugin's libraries.
 function(chaintree_add_cxx_tests)
     foreach(source IN LISTS ARGN)
+        chaintree_add_cxx_program("${source}")
         get_filename_component(name "${source}" NAME_WE)
-        add_executable(${name} ${source})
-        # They are compiled more often than they run, and what takes time is in the libraries.
-        target_compile_options(${name} PRIVATE $<$<CONFIG:Release>:-O1>)
-        target_include_directories(${name} PRIVATE "${PROJECT_SOURCE_DIR}/tests")
-        target_link_libraries(${name} PRIVATE OpenMMChainTreeReference)
-        _chaintree_add_program_test(${name})
-        chaintree_label_test(${name} api)
-        # From there come the platforms that are plugins of OpenMM, CPU among them.
-        set_tests_properties(${name} PROPERTIES ENVIRONMENT "OPENMM_PLUGIN_DIR=${OpenMM_LIBRARY_DIR}/plugins")
+        chaintree_add_cxx_test(${name} ${name})
     endforeach()
+endfunction()
+
+# chaintree_add_cxx_program(source): a program that is named after its source.
+function(chaintree_add_cxx_program source)
+    get_filename_component(name "${source}" NAME_WE)
+    add_executable(${name} ${source})
+    target_include_directories(${name} PRIVATE "${PROJECT_SOURCE_DIR}/tests")
+    target_link_libraries(${name} PRIVATE OpenMMChainTreeReference)
+    # They are compiled more often than they run, and what takes time is in the libraries.
+    target_compile_options(${name} PRIVATE $<$<CONFIG:Release>:-O1>)
+    _chaintree_set_test_options(${name})
+endfunction()
+
+# chaintree_add_cxx_test(name program [argument ...]): a run of such a program.
+function(chaintree_add_cxx_test name program)
+    add_test(NAME ${name} COMMAND ${program} ${ARGN})
+    chaintree_label_test(${name} api)
+    # From that folder come the platforms that are plugins of OpenMM, CPU among them.
+    set_tests_properties(${name} PROPERTIES
+        SKIP_RETURN_CODE 77
+        ENVIRONMENT "OPENMM_PLUGIN_DIR=${OpenMM_LIBRARY_DIR}/plugins")
 endfunction()
 
 # chaintree_add_python_tests(source ...): files of pytest, run on the package in the build tree.
@@ -70,6 +102,12 @@ function(chaintree_add_python_tests)
 endfunction()
 
 function(_chaintree_add_program_test name)
+    _chaintree_set_test_options(${name})
+    add_test(NAME ${name} COMMAND ${name} ${ARGN})
+    set_tests_properties(${name} PROPERTIES SKIP_RETURN_CODE 77)
+endfunction()
+
+function(_chaintree_set_test_options name)
     # A test must be able to fail, so its assertions hold in every build.
     target_compile_options(${name} PRIVATE -UNDEBUG)
     if(WIN32)
@@ -77,6 +115,4 @@ function(_chaintree_add_program_test name)
             "$<$<COMPILE_LANGUAGE:C>:SHELL:-include \"${PROJECT_SOURCE_DIR}/tests/windowsEnvironment.h\">")
     endif()
     chaintree_set_warnings(${name})
-    add_test(NAME ${name} COMMAND ${name} ${ARGN})
-    set_tests_properties(${name} PROPERTIES SKIP_RETURN_CODE 77)
 endfunction()

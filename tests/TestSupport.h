@@ -35,8 +35,25 @@ inline void ignoreWarning(const std::string&)
 }
 
 /**
- * Run tests on a platform. The result is that of the program: 0 if they pass, 1 if one fails, 77 if there is no such
- * platform.
+ * Run tests on a platform, at each precision if it has a choice.
+ */
+inline void runAtEveryPrecision(OpenMM::Platform& platform, const std::function<void(OpenMM::Platform&)>& tests)
+{
+    const std::vector<std::string>& properties = platform.getPropertyNames();
+    if (std::find(properties.begin(), properties.end(), "Precision") == properties.end()) {
+        tests(platform);
+        return;
+    }
+    for (const std::string precision : {"double", "mixed", "single"}) {
+        std::cout << "Precision: " << precision << std::endl;
+        platform.setPropertyDefaultValue("Precision", precision);
+        tests(platform);
+    }
+}
+
+/**
+ * Run tests on the platform of a name. The result is that of the program: 0 if they pass, 1 if one fails, 77 if there
+ * is no such platform.
  */
 inline int runOnPlatform(const std::string& name, const std::function<void(OpenMM::Platform&)>& tests)
 {
@@ -46,7 +63,7 @@ inline int runOnPlatform(const std::string& name, const std::function<void(OpenM
         setWarningHandler(ignoreWarning);
         for (int i = 0; i < OpenMM::Platform::getNumPlatforms(); i++)
             if (OpenMM::Platform::getPlatform(i).getName() == name) {
-                tests(OpenMM::Platform::getPlatform(i));
+                runAtEveryPrecision(OpenMM::Platform::getPlatform(i), tests);
                 std::cout << "Done" << std::endl;
                 return 0;
             }
@@ -57,20 +74,6 @@ inline int runOnPlatform(const std::string& name, const std::function<void(OpenM
         std::cout << "exception: " << e.what() << std::endl;
         return 1;
     }
-}
-
-/**
- * Run tests on a platform that has a choice of precision, at each.
- */
-inline int runAtEveryPrecision(const std::string& name, const std::function<void(OpenMM::Platform&)>& tests)
-{
-    return runOnPlatform(name, [&](OpenMM::Platform& platform) {
-        for (const std::string precision : {"double", "mixed", "single"}) {
-            std::cout << "Precision: " << precision << std::endl;
-            platform.setPropertyDefaultValue("Precision", precision);
-            tests(platform);
-        }
-    });
 }
 
 /**

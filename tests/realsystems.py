@@ -173,9 +173,9 @@ class Reference:
         forces = self.context.getState(forces=True, groups=pairs[0]).getForces(asNumpy=True)
         return np.linalg.norm(forces.value_in_unit(unit.kilojoule_per_mole / unit.nanometer))
 
-    def magnitude(self, positions):
-        """Return the sum of the absolute energies of the Forces."""
-        return sum(abs(self.energy(positions, 1 << group)) for group in self.names)
+    def energies(self, positions):
+        """Return the energy of each Force."""
+        return np.array([self.energy(positions, 1 << group) for group in self.names])
 
 
 # Weights, largest angles and numbers of torsions.

@@ -26,9 +26,10 @@ def makeSolvated(name, model, method="no cutoff", options=None, forceField=AMBER
 
 def assertEnergy(run, reference, absolute=ABSOLUTE):
     positions = run.positions
-    error = run.energy - reference.energy(positions)
+    energies = reference.energies(positions)
+    error = run.energy - energies.sum()
     assert abs(error) <= absolute
-    assert abs(error) <= RELATIVE * reference.magnitude(positions)
+    assert abs(error) <= RELATIVE * abs(energies).sum()
 
 
 def checkSolvated(system, positions, trials, absolute=ABSOLUTE):

@@ -228,9 +228,10 @@ def test_trajectoryAgainstAKDTree():
     # A frame is three records, each between markers of four bytes.
     records = np.fromfile(trajectory, np.uint8)[-98 * 3 * (4 * 3341 + 8) :].reshape(98, 3, -1)[:, :, 4:-4]
     coordinates = np.ascontiguousarray(records).view("<f4").astype(float) / 10
-    for frame, positions in zip(frames, coordinates.transpose(0, 2, 1), strict=True):
-        assertSame(frame, reference.clashes(positions), 1e-6)
-        assert len(frame.clashes) > 20
+    assert len(frames) == len(coordinates) and all(len(frame.clashes) > 20 for frame in frames)
+    for number in (0, 1, *range(7, 97, 10), 96, 97):
+        positions = coordinates[number].T
+        assertSame(frames[number], reference.clashes(positions), 1e-6)
 
 
 @pytest.mark.parametrize(("name", "accuracy"), [("1l2y.dcd", 1e-6), ("1l2y.xtc", 0.002)])

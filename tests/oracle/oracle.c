@@ -308,11 +308,30 @@ static void append(list* found, int i, int j, real value1, real value2)
     found->entries[found->count++] = (entry){{i, j}, {(double)value1, (double)value2}};
 }
 
+/* Sorts by one of the two particles; what has the same one stays in order. */
+static void sortByParticle(list* found, int which)
+{
+    int end = 0;
+    for (int n = 0; n < found->count; n++)
+        end = found->entries[n].pair[which] >= end ? found->entries[n].pair[which] + 1 : end;
+    int* begin = allocate(end + 1, sizeof(int));
+    entry* sorted = allocate(found->count, sizeof(entry));
+    for (int n = 0; n < found->count; n++)
+        begin[found->entries[n].pair[which] + 1]++;
+    for (int particle = 0; particle < end; particle++)
+        begin[particle + 1] += begin[particle];
+    for (int n = 0; n < found->count; n++)
+        sorted[begin[found->entries[n].pair[which]]++] = found->entries[n];
+    free(begin);
+    free(found->entries);
+    found->entries = sorted;
+}
+
 /* Sorts, writes the first `capacity` entries, frees, and returns the number of all. */
 static int deliver(list* found, int capacity, int* pairs, double* values1, double* values2)
 {
-    if (found->count > 0)
-        qsort(found->entries, (size_t)found->count, sizeof(entry), comparePairs);
+    for (int which = 1; which >= 0; which--)
+        sortByParticle(found, which);
     for (int n = 0; n < found->count && n < capacity; n++) {
         memcpy(pairs + 2 * n, found->entries[n].pair, 2 * sizeof(int));
         values1[n] = found->entries[n].values[0];

@@ -1,10 +1,10 @@
 # Builds the engine and trajectory.c without and with optimization, by every compiler that there is, and requires that
-# what the program prints is the same for all, on every instruction set and however trials are tested; and what it has
+# what the program prints is the same for all and the project's own build (which is that with optimization in a Release), on every instruction set and however trials are tested; and what it has
 # printed on other machines (expected.txt), where the C library has the same sines and cosines.
 #
-# cmake -DPROGRAM=... -DSOURCE_DIR=... -DWORK_DIR=... -DCOMPILERS="..." -DAVX2=... -DAVX512=... -DEMULATOR=...
+# cmake -DPROGRAM=... -DSOURCE_DIR=... -DWORK_DIR=... -DCOMPILERS="..." -DOWN="..." -DAVX2=... -DAVX512=... -DEMULATOR=...
 #     -P compareTrajectories.cmake
-# PROGRAM is that of the project's own build; AVX2 and AVX512 are the options of the files for these instruction sets.
+# PROGRAM is that of the project's own build by OWN, empty unless it is a Release; AVX2 and AVX512 are the options of the files for these instruction sets.
 # EMULATOR runs programs where they are for another processor.
 
 set(engine_dir "${SOURCE_DIR}/platforms/reference/chaintree")
@@ -79,7 +79,11 @@ endif()
 compare_program("${PROGRAM}")
 foreach(compiler IN LISTS COMPILERS)
     get_filename_component(name "${compiler}" NAME)
-    foreach(level -O0 -O3)
+    set(levels -O0 -O3)
+    if(compiler STREQUAL OWN)
+        set(levels -O0)
+    endif()
+    foreach(level IN LISTS levels)
         set(program "${WORK_DIR}/trajectory-${name}${level}")
         build_program("${compiler}" ${level} "${program}")
         compare_program("${program}")

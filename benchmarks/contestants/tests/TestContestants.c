@@ -1,13 +1,19 @@
 /* Every contestant, in every instruction set that is here, gives the verdicts of all pairs, trial after trial, whether
- * trials are taken over or not. */
+ * trials are taken over or not.
+ *
+ * Usage: TestContestants [trials of a scene].
+ */
 #include <math.h>
+#include <stdlib.h>
 #include <string.h>
 
 #include "branches.h"
 #include "chains.h"
 #include "sets.h"
 
-enum { TRIALS = 400, MOST_PARTICLES = 200 };
+enum { MOST_PARTICLES = 200 };
+
+static int trialCount = 400;
 
 typedef struct Rival {
   const InstructionSet* set;
@@ -84,7 +90,7 @@ static void testScene(const char* name, Scene* scene, double width, uint64_t see
   const Contestant* brute = contestantFind(portable, "brute", strlen("brute"));
   void* judge = brute->make(scene);
   int clashes = 0;
-  for (int trial = 0; trial < TRIALS; trial++) {
+  for (int trial = 0; trial < trialCount; trial++) {
     Turn turns[8];
     const int turnCount = randomTurns(scene, width, &random, turns);
     const int expected = brute->test(judge, turnCount, turns);
@@ -108,7 +114,7 @@ static void testScene(const char* name, Scene* scene, double width, uint64_t see
     }
   }
   /* else nothing was tested */
-  CHECK(clashes > TRIALS / 50 && clashes < TRIALS - TRIALS / 50);
+  CHECK(clashes > trialCount / 50 && clashes < trialCount - trialCount / 50);
   for (int i = 0; i < count; i++) {
     checkPositions(scene, &rivals[i], brute->spheres(judge));
     rivals[i].contestant->destroy(rivals[i].self);
@@ -142,7 +148,10 @@ static void testWholeChains(void) {
   CHECK(clashes >= 5 && clashes <= 25);
 }
 
-int main(void) {
+int main(int argumentCount, char** arguments) {
+  if (argumentCount > 1) {
+    trialCount = atoi(arguments[1]);
+  }
   Random random = {1};
   testScene("random, large turns", chainRandom(100, &random), PI, 1);
   testScene("random, small turns", chainRandom(200, &random), 0.1, 2);

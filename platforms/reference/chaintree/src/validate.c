@@ -85,12 +85,18 @@ static bool clearancesHold(ctChainTree* scene) {
   const Clearance* c = &scene->clearance;
   const Sequence* s = &scene->sequence;
   for (int i = 0; i < s->slotCount && c->isKept; i++) {
-    for (int j = i + 1; j < s->slotCount; j++) {
-      const int a = i / TREE_WIDTH;
+    if (!slotIsModelled(s, i)) {
+      continue;
+    }
+    const int a = i / TREE_WIDTH;
+    for (int j = (a + 1) * TREE_WIDTH; j < s->slotCount; j++) {
       const int b = j / TREE_WIDTH;
       const uint16_t least = c->least[(size_t)a * (size_t)c->stride + (size_t)b];
-      if (a == b || least == 0 || !slotIsModelled(s, i) || !slotIsModelled(s, j) ||
-          isExcluded(&scene->exclusions, i, j)) {
+      if (least == 0) {
+        j = (b + 1) * TREE_WIDTH - 1;
+        continue;
+      }
+      if (!slotIsModelled(s, j) || isExcluded(&scene->exclusions, i, j)) {
         continue;
       }
       int pair[2];

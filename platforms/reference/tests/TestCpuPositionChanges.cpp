@@ -1,6 +1,0 @@
-#include "TestPositionChanges.h"
-
-int main()
-{
-    return runOnPlatform("CPU", testPositionChanges);
-}

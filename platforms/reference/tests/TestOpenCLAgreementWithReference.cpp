@@ -1,6 +1,0 @@
-#include "TestAgreementWithReference.h"
-
-int main()
-{
-    return runAtEveryPrecision("OpenCL", testAgreementWithReference);
-}

@@ -1,6 +1,0 @@
-#include "TestNativeEnergies.h"
-
-int main()
-{
-    return runAtEveryPrecision("OpenCL", testNativeEnergies);
-}

@@ -1,6 +1,0 @@
-#include "TestStericExclusionForce.h"
-
-int main()
-{
-    return runAtEveryPrecision("OpenCL", testStericExclusionForce);
-}

@@ -1,6 +1,0 @@
-#include "TestTorsionMonteCarloIntegrator.h"
-
-int main()
-{
-    return runAtEveryPrecision("OpenCL", testTorsionMonteCarloIntegrator);
-}

@@ -1,6 +1,0 @@
-#include "TestCheckpoints.h"
-
-int main()
-{
-    return runOnPlatform("Reference", testCheckpoints);
-}
