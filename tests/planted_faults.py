@@ -366,13 +366,16 @@ ENGINE_FAULTS = [
           "values[middle] < value", "values[middle] <= value"),
     # ---- Limits ----
     Fault("limit: the search goes too far", "exclusion.c",
-          "limits->keys[middle] < key", "limits->keys[middle] <= key"),
+          "limits->keys[low + half - 1] < key", "limits->keys[low + half - 1] <= key"),
     Fault("limit: of two the lesser stays", "exclusion.c",
           "(x->value < y->value) - (x->value > y->value)", "(x->value > y->value) - (x->value < y->value)"),
     Fault("limit: a raised one is within rounding", "query.c",
           "canonical + CT_SIGMA", "canonical"),
     Fault("limit: trials know only tolerances", "verdict.c",
-          "limit = ctLimitsFind(&tree->limits, pair[0], pair[1], limit);", ""),
+          "return ctLimitsFind(&tree->limits, pair[0], pair[1], tolerance);", "return tolerance;"),
+    Fault("limit: within rounding of a float two movers surely clash", "movers_body.h",
+          "(double)sqrtf(x * x + y * y + z * z) + visit->margin;",
+          "(double)sqrtf(x * x + y * y + z * z) - visit->margin;"),
     # ---- State ----
     Fault("state: an angle grows beyond pi", "sequence.c",
           "return sum - twoPi * ((sum > pi) - (sum < -pi));", "return sum;"),

@@ -17,9 +17,11 @@ typedef struct ChildBoxes {
 /* What a descent looks for, and what it has cost. */
 typedef struct Visit {
   CandidateFunction* function;
+  ClashFunction* clashes; /* may be NULL */
   void* context;
-  float reach;
-  bool boxes; /* this visit looks at boxes */
+  float reach;   /* with the margin */
+  double margin; /* for roundings of tests in float */
+  bool boxes;    /* this visit looks at boxes */
   int visits;
   int visitsWithBoxes;
   int pairsBoxed;   /* pairs of children for which boxes were looked at */

@@ -84,15 +84,12 @@ bool ctExclusionsBuild(Exclusions* exclusions, Arena* arena, const Sequence* s, 
 
 double ctLimitsFind(const Limits* limits, int particle1, int particle2, double otherwise) {
   const uint64_t key = pairKey(particle1, particle2);
+  /* Without a branch on the result, which processors would mispredict. */
   int low = 0;
-  int high = limits->count;
-  while (low < high) {
-    const int middle = low + (high - low) / 2;
-    if (limits->keys[middle] < key) {
-      low = middle + 1;
-    } else {
-      high = middle;
-    }
+  for (int left = limits->count; left > 0;) {
+    const int half = (left + 1) / 2;
+    low += limits->keys[low + half - 1] < key ? half : 0;
+    left -= half;
   }
   return low < limits->count && limits->keys[low] == key ? limits->values[low] : otherwise;
 }

@@ -22,8 +22,8 @@ typedef struct InstructionSet {
   /* For ctTraversalLeafFrame, ctTraverse, ctTraverseFew and ctTraverseProbe. */
   void (*updateWorldLeaf)(Traversal* t, int leaf);
   int64_t (*traverse)(Traversal* t, const View* view, CandidateFunction* function, void* context, ctCounts* counts);
-  void (*traverseFew)(Traversal* t, const View* view, int begin, int end, CandidateFunction* function, void* context,
-                      ctCounts* counts);
+  void (*traverseFew)(Traversal* t, const View* view, int begin, int end, CandidateFunction* function,
+                      ClashFunction* clashes, void* context, ctCounts* counts);
   void (*probe)(Traversal* t, const View* view, const double point[3], double radius, ProbeFunction* function,
                 void* context, ctCounts* counts);
 

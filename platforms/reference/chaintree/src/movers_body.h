@@ -112,8 +112,20 @@ CT_INLINE unsigned nearBoxOfMovers(const Block* block, const MoverBox* box, floa
   return greater16(mul16(sum, sum), squared16(gaps[0], gaps[1], gaps[2]));
 }
 
-/* Hands over the pair of a mover and a slot that has this motion. False ends the search. */
-static bool meet(Traversal* t, const Visit* visit, int mover, int slot, int motion) {
+/* Bounds the distance of two centres by their coordinates in float, which are those of near16, with its margin. */
+static double farthestOf(const Visit* visit, Sphere a, Sphere b) {
+  const float x = a.x - b.x;
+  const float y = a.y - b.y;
+  const float z = a.z - b.z;
+  return (double)sqrtf(x * x + y * y + z * z) + visit->margin;
+}
+
+/* Hands over the pair of a mover and a slot that has this motion, and their spheres in the view. Most pairs clash by
+ * far, which these show: positions in double take several times as long. False ends the search. */
+static bool meet(Traversal* t, const Visit* visit, int mover, Sphere sphere, int slot, Sphere other, int motion) {
+  if (visit->clashes != NULL && visit->clashes(visit->context, mover, slot, farthestOf(visit, sphere, other))) {
+    return false;
+  }
   double a[3];
   double b[3];
   ctPositionInView(t, mover, motionOfSlot(t->view, mover), a);
@@ -163,7 +175,9 @@ CT_INLINE bool testLeaf(Traversal* t, Visit* visit, const Movers* movers, int le
   visit->particleTests += count * TREE_WIDTH;
   for (int i = 0; i < count && any != 0; i++) {
     for (; near[i] != 0; near[i] &= near[i] - 1) {
-      if (!meet(t, visit, movers->begin + i, leaf * TREE_WIDTH + __builtin_ctz(near[i]), 0)) {
+      const int k = __builtin_ctz(near[i]);
+      if (!meet(t, visit, movers->begin + i, sphereOf(&movers->block, from + i), leaf * TREE_WIDTH + k,
+                sphereOf(block, k), 0)) {
         return false;
       }
     }
@@ -174,12 +188,13 @@ CT_INLINE bool testLeaf(Traversal* t, Visit* visit, const Movers* movers, int le
 /* Hands over the pairs of a slot, which has this motion, with the movers that are near it (bits), but for those that
  * are excluded. False ends the search. A function of its own, since this is rare. */
 CT_NOINLINE bool meetMovers(Traversal* t, const Visit* visit, const Movers* movers, unsigned near, int slot,
-                            int motion) {
+                            Sphere sphere, int motion) {
   for (; near != 0; near &= near - 1) {
-    const int mover = movers->first + __builtin_ctz(near);
+    const int k = __builtin_ctz(near);
+    const int mover = movers->first + k;
     const int excluded = exclusionMask(t->exclusions, slot / TREE_WIDTH, mover / TREE_WIDTH);
     if ((t->exclusions->mask[excluded][slot % TREE_WIDTH] >> mover % TREE_WIDTH & 1) == 0 &&
-        !meet(t, visit, mover, slot, motion)) {
+        !meet(t, visit, mover, sphereOf(&movers->block, k), slot, sphere, motion)) {
       return false;
     }
   }
@@ -204,9 +219,10 @@ static bool testMovers(Traversal* t, Visit* visit, const Movers* movers, const M
     }
     for (unsigned left = bitsOfPiece(view, own, movers); left != 0; left &= left - 1) {
       const int k = __builtin_ctz(left);
-      const unsigned near = near16(&others->block, sphereOf(&movers->block, k), visit->reach) & later;
+      const Sphere sphere = sphereOf(&movers->block, k);
+      const unsigned near = near16(&others->block, sphere, visit->reach) & later;
       visit->particleTests += TREE_WIDTH;
-      if (near != 0 && !meetMovers(t, visit, others, near, movers->first + k, view->pieces[own].body)) {
+      if (near != 0 && !meetMovers(t, visit, others, near, movers->first + k, sphere, view->pieces[own].body)) {
         return false;
       }
     }
@@ -282,7 +298,7 @@ static bool testSlots(Traversal* t, Visit* visit, const Movers* movers, const in
   for (int i = 0; i < count; i++) {
     const Sphere sphere = sphereOf(worldOf(t, slots[i] / TREE_WIDTH), slots[i] % TREE_WIDTH);
     const unsigned near = near16(&movers->block, sphere, visit->reach) & movers->bits;
-    if (near != 0 && !meetMovers(t, visit, movers, near, slots[i], 0)) {
+    if (near != 0 && !meetMovers(t, visit, movers, near, slots[i], sphere, 0)) {
       return false;
     }
   }

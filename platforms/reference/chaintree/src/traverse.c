@@ -127,9 +127,9 @@ int64_t ctTraverse(Traversal* t, const View* view, CandidateFunction* function, 
   return t->tree->instructions->traverse(t, view, function, context, counts);
 }
 
-void ctTraverseFew(Traversal* t, const View* view, int begin, int end, CandidateFunction* function, void* context,
-                   ctCounts* counts) {
-  t->tree->instructions->traverseFew(t, view, begin, end, function, context, counts);
+void ctTraverseFew(Traversal* t, const View* view, int begin, int end, CandidateFunction* function,
+                   ClashFunction* clashes, void* context, ctCounts* counts) {
+  t->tree->instructions->traverseFew(t, view, begin, end, function, clashes, context, counts);
 }
 
 void ctTraverseProbe(Traversal* t, const View* view, const double point[3], double radius, ProbeFunction* function,

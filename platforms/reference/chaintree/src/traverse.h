@@ -93,6 +93,10 @@ typedef struct Traversal {
 /* Receives a candidate and its squared distance; returns false to end the descent. */
 typedef bool CandidateFunction(void* context, int slotA, int slotB, double squaredDistance);
 
+/* Receives a candidate and what its distance is not above; returns true to end the descent. Else the candidate is
+ * handed over with its distance. */
+typedef bool ClashFunction(void* context, int slotA, int slotB, double farthest);
+
 /* Receives a slot near a probe. */
 typedef bool ProbeFunction(void* context, int slot, double squaredDistance);
 
@@ -113,9 +117,9 @@ int64_t ctTraverse(Traversal* traversal, const View* view, CandidateFunction* fu
                    ctCounts* counts);
 
 /* The same for a view in which only slots [begin, end) move, see ctViewMovesFew. Bounds may be wider than need be.
- */
+ * First asks `clashes` about each candidate, unless that is NULL. */
 void ctTraverseFew(Traversal* traversal, const View* view, int begin, int end, CandidateFunction* function,
-                   void* context, ctCounts* counts);
+                   ClashFunction* clashes, void* context, ctCounts* counts);
 
 /* The same for a sphere at a point of the world (from worldOrigin), against everything. */
 void ctTraverseProbe(Traversal* traversal, const View* view, const double point[3], double radius,

@@ -5,7 +5,7 @@
 static Visit startVisit(Traversal* t, const View* view, CandidateFunction* function, void* context) {
   startView(t, view);
   const double margin = floatMargin(t->extent + fabs(view->reach));
-  return (Visit){function, context, (float)(view->reach + margin), false, 0, 0, 0, 0, 0, 0, 0};
+  return (Visit){.function = function, .context = context, .reach = (float)(view->reach + margin), .margin = margin};
 }
 
 static void addCounts(const Visit* visit, ctCounts* counts) {
@@ -23,9 +23,10 @@ static int64_t traverse(Traversal* t, const View* view, CandidateFunction* funct
          COST_OF_BOXES * visit.visitsWithBoxes;
 }
 
-static void traverseFew(Traversal* t, const View* view, int begin, int end, CandidateFunction* function, void* context,
-                        ctCounts* counts) {
+static void traverseFew(Traversal* t, const View* view, int begin, int end, CandidateFunction* function,
+                        ClashFunction* clashes, void* context, ctCounts* counts) {
   Visit visit = startVisit(t, view, function, context);
+  visit.clashes = clashes;
   visitFew(t, &visit, begin, end);
   addCounts(&visit, counts);
 }

@@ -120,6 +120,18 @@ typedef struct Verdict {
   int slotB;
 } Verdict;
 
+/* How far two particles may overlap. Only if they overlap by more than their tolerance it is looked up whether they
+ * have a limit of their own. */
+static double limitAt(const ctChainTree* tree, int slotA, int slotB, double overlap) {
+  const double tolerance = pairTolerance(tree, slotA, slotB);
+  if (overlap <= tolerance || tree->limits.count == 0) {
+    return tolerance;
+  }
+  int pair[2];
+  particlesOf(tree, slotA, slotB, pair);
+  return ctLimitsFind(&tree->limits, pair[0], pair[1], tolerance);
+}
+
 /* The clearance of two particles. If they are of two bodies, notes a clash, or a pair about which the canonical
  * distance must decide. */
 static double clearanceOf(void* context, int slotA, int slotB, double squaredDistance, bool ofTwoBodies) {
@@ -127,12 +139,7 @@ static double clearanceOf(void* context, int slotA, int slotB, double squaredDis
   ctChainTree* tree = verdict->tree;
   const double band = tree->traversal.band;
   const double overlap = radiusSum(tree, slotA, slotB) - sqrt(squaredDistance);
-  double limit = pairTolerance(tree, slotA, slotB);
-  if (overlap > limit - band) {
-    int pair[2];
-    particlesOf(tree, slotA, slotB, pair);
-    limit = ctLimitsFind(&tree->limits, pair[0], pair[1], limit);
-  }
+  const double limit = limitAt(tree, slotA, slotB, overlap + band);
   const double clearance = limit - overlap;
   if (!ofTwoBodies || clearance >= band) {
     return clearance;
@@ -145,6 +152,20 @@ static double clearanceOf(void* context, int slotA, int slotB, double squaredDis
   }
   verdict->failed = !addUndecided(tree, slotA, slotB, limit);
   return verdict->failed ? -1 : 0;
+}
+
+/* Notes a clash of two particles of two bodies if they clash however far they are apart, up to this. */
+static bool surelyClash(void* context, int slotA, int slotB, double farthest) {
+  Verdict* verdict = context;
+  const ctChainTree* tree = verdict->tree;
+  const double overlap = radiusSum(tree, slotA, slotB) - farthest - tree->traversal.band;
+  if (!(overlap > limitAt(tree, slotA, slotB, overlap))) {
+    return false;
+  }
+  verdict->clash = true;
+  verdict->slotA = slotA;
+  verdict->slotB = slotB;
+  return true;
 }
 
 static bool judge(void* context, int slotA, int slotB, double squaredDistance) {
@@ -192,7 +213,7 @@ static int64_t search(ctChainTree* tree, const View* view, Verdict* verdict, ctC
 static void testView(ctChainTree* tree, const View* view, Verdict* verdict, ctCounts* counts) {
   int few[2];
   if (ctViewMovesFew(&tree->traversal, view, &few[0], &few[1])) {
-    ctTraverseFew(&tree->traversal, view, few[0], few[1], judge, verdict, counts);
+    ctTraverseFew(&tree->traversal, view, few[0], few[1], judge, surelyClash, verdict, counts);
     return;
   }
   Witnesses* witnesses = &tree->witnesses;
@@ -295,7 +316,7 @@ ctStatus ctForEachChangedPair(ctChainTree* tree, double cutoff, ctChangedPairFun
     const View view = ctTrialView(tree->trial, moved == 1, false, cutoff);
     int few[2];
     if (ctViewMovesFew(&tree->traversal, &view, &few[0], &few[1])) {
-      ctTraverseFew(&tree->traversal, &view, few[0], few[1], collect, &collection, counts);
+      ctTraverseFew(&tree->traversal, &view, few[0], few[1], collect, NULL, &collection, counts);
     } else {
       ctTraverse(&tree->traversal, &view, collect, &collection, counts);
     }
