@@ -10,7 +10,7 @@ typedef struct ChildBoxes {
   BoxBlock own;      /* in the node's frame; made together with the node's own box */
   BoxBlock world;    /* in the world, of the state */
   int64_t ownTime;   /* the tree's when `own` was made, or NEVER */
-  int64_t worldTime; /* Traversal.worldTime of the node when `world` was made */
+  int64_t worldTime; /* Traversal.membersTime of the node when `world` was made */
   int movedAt;       /* value of movedBoxesCount when these were last moved */
 } ChildBoxes;
 

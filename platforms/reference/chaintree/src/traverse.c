@@ -33,6 +33,7 @@ bool ctTraversalBuild(Traversal* t, Arena* arena, const Tree* tree, const Sequen
   t->world = ctArenaAllocate(arena, entries, sizeof(Block));
   t->box = ctArenaAllocate(arena, nodes, sizeof(Box));
   t->boxes = ctArenaAllocate(arena, inner, sizeof(ChildBoxes));
+  t->membersTime = ctArenaAllocate(arena, inner, sizeof(int64_t));
   t->nodeStamp = ctArenaAllocate(arena, nodes, sizeof(uint32_t));
   t->motion = ctArenaAllocate(arena, nodes, sizeof(int));
   t->inView = ctArenaAllocate(arena, nodes, sizeof(Block*));
@@ -114,8 +115,7 @@ bool ctViewMovesFew(const Traversal* t, const View* view, int* begin, int* end) 
 }
 
 const Frame* ctTraversalLeafFrame(Traversal* t, int leaf) {
-  const int64_t since = t->worldTime[leaf];
-  if (t->tree->contentTime[leaf] > since || !treeStays(t->tree, since)) {
+  if (!traversalHasWorld(t, leaf)) {
     t->tree->instructions->updateWorldLeaf(t, leaf);
   }
   return &t->frame[t->entryOf[leaf]];

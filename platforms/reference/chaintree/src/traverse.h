@@ -41,7 +41,7 @@ typedef struct Traversal {
   double band;   /* the canonical distance decides about distances this close to a limit */
 
   /* World coordinates of the state, kept from descent to descent as long as nothing changes them. Per node. */
-  int64_t* worldTime;     /* the tree's time of its world coordinates; NEVER: it has none */
+  int64_t* worldTime;     /* the tree's time when its world coordinates were right; NEVER: it has none */
   bool worldHasSurfaces;  /* the radii are of surfaces, else of centres */
   int64_t firstNodesTime; /* the tree's time when all nodes with which tests of few slots begin were up to date */
   int mostFirstNodes;     /* MOST_FIRST_NODES, but for tests */
@@ -59,6 +59,7 @@ typedef struct Traversal {
    * visitsWithoutBoxes visits; that number grows while boxes separate few pairs, and shrinks while they separate many.
    */
   struct ChildBoxes* boxes;
+  int64_t* membersTime; /* the tree's when the children's world coordinates were computed */
   int visitsWithoutBoxes;
   bool alwaysBoxes;    /* for tests: at all visits */
   bool alwaysDescends; /* for tests: even if few slots move */
@@ -107,6 +108,12 @@ void ctTraversalFree(Traversal* traversal);
 
 /* Makes room for views of this many pieces; false, and nothing changed, if there is no memory. */
 bool ctTraversalReserve(Traversal* traversal, int pieceCount);
+
+/* True if the world coordinates of a node are known to be those of the state. */
+static inline bool traversalHasWorld(const Traversal* t, int node) {
+  const int64_t since = t->worldTime[node];
+  return t->tree->contentTime[node] <= since && treeStays(t->tree, since);
+}
 
 /* The frame of a leaf in the world. */
 const Frame* ctTraversalLeafFrame(Traversal* traversal, int leaf);

@@ -77,10 +77,9 @@ static bool hasFrame(const Traversal* t, int level, int node) {
   return treeLeavesStay(t->tree, t->worldTime[node], (end + TREE_WIDTH - 1) / TREE_WIDTH);
 }
 
-/* Marks a leaf's world coordinates, which are still right, as of now: the next look at them is quicker. Those of an
- * inner node keep their time, since its boxes go by it. */
-static void confirmLeaf(Traversal* t, int leaf) {
-  t->worldTime[leaf] = t->tree->time;
+/* Marks a node's world coordinates, which are still right, as of now: the next look at them is quicker. */
+static void confirmWorld(Traversal* t, int node) {
+  t->worldTime[node] = t->tree->time;
 }
 
 /* Gives a leaf the entry of the leaf that has had one longest. */
@@ -117,9 +116,7 @@ static void recomputeWorld(Traversal* t, int level, int node) {
   if (!hasFrame(t, level, node)) {
     recomputeFrame(t, level, node);
   } else if (tree->contentTime[node] <= t->worldTime[node]) {
-    if (level == 0) {
-      confirmLeaf(t, node);
-    }
+    confirmWorld(t, node);
     return;
   }
   t->worldTime[node] = tree->contentTime[node] > tree->time ? tree->contentTime[node] : tree->time;
@@ -127,13 +124,13 @@ static void recomputeWorld(Traversal* t, int level, int node) {
     worldLeaf(t, node);
   } else {
     worldInnerNode(t, node);
+    t->membersTime[node - tree->levelBegin[1]] = t->worldTime[node];
   }
 }
 
 /* Brings the world coordinates of a node's members up to date with the state. Its parent's must be so. */
 static inline void updateWorld(Traversal* t, int level, int node) {
-  const int64_t since = t->worldTime[node];
-  if (t->tree->contentTime[node] > since || !treeStays(t->tree, since)) {
+  if (!traversalHasWorld(t, node)) {
     recomputeWorld(t, level, node);
   }
 }

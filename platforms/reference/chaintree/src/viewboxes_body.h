@@ -93,8 +93,9 @@ static const BoxBlock* straddlerBoxes(Traversal* t, int level, int node) {
 static const BoxBlock* boxesInView(Traversal* t, int level, int node) {
   ChildBoxes* boxes = boxesOf(t, node);
   ownBox(t, level, node);
-  if (boxes->worldTime != t->worldTime[node]) {
-    boxes->worldTime = t->worldTime[node];
+  const int64_t membersTime = t->membersTime[node - t->tree->levelBegin[1]];
+  if (boxes->worldTime != membersTime) {
+    boxes->worldTime = membersTime;
     float frame[12];
     floatMotion(&t->frame[t->entryOf[node]], frame);
     moveBoxes(&boxes->own, frame, &boxes->world);

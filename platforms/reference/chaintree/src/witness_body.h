@@ -10,7 +10,7 @@ static Sphere slotSphere(Traversal* t, int slot, int motion) {
     updateWorldLeaf(t, leaf);
   } else if (!treeStays(t->tree, since)) {
     if (hasFrame(t, 0, leaf)) {
-      confirmLeaf(t, leaf);
+      confirmWorld(t, leaf);
     } else {
       updateWorldLeaf(t, leaf);
     }
