@@ -14,6 +14,7 @@ typedef struct InstructionSet {
   /* The update of a tree, bottom-up; see refresh_body.h. */
   void (*refreshLeaf)(Tree* tree, const Sequence* sequence, int leaf);
   Frame (*linkInLeaf)(const Sequence* sequence, int link);
+  Frame (*openLeaf)(const Sequence* sequence, int link, Openings* openings);
   bool (*refreshTwig)(Tree* tree, const Sequence* sequence, int link, int leaf);
   void (*refreshInnerNode)(Tree* tree, int level, int node, const int* changed, int count);
   void (*refreshLeafBound)(Tree* tree, int leaf);

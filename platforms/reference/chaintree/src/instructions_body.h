@@ -12,6 +12,7 @@ const InstructionSet INSTRUCTION_SET = {
     .name = INSTRUCTION_SET_NAME,
     .refreshLeaf = refreshLeaf,
     .linkInLeaf = linkInLeaf,
+    .openLeaf = openLeaf,
     .refreshTwig = refreshTwig,
     .refreshInnerNode = refreshInnerNode,
     .refreshLeafBound = refreshLeafBound,

@@ -37,12 +37,6 @@ static Bound boundOfLeaf(const Leaf* leaf) {
 
 /* ---- Update, bottom-up ---- */
 
-/* The openings of consecutive links, as a structure of arrays: by entries of Frame.m. */
-typedef struct Openings {
-  int first; /* link */
-  double m[12][TREE_WIDTH];
-} Openings;
-
 /* So many are computed one by one. */
 enum { FEW_LINKS = 3 };
 
@@ -84,15 +78,20 @@ static void openPlaced(const Sequence* s, int begin, int end, Openings* openings
   }
 }
 
+/* Computes that of one link. */
+static void openLink(const Sequence* s, int link, Openings* openings) {
+  const Frame opening = sequenceOpening(s, link);
+  for (int k = 0; k < 12; k++) {
+    openings->m[k][link - openings->first] = opening.m[k / 4][k % 4];
+  }
+}
+
 /* Computes those of links [begin, end), at most TREE_WIDTH. */
 static void openLinks(const Sequence* s, int begin, int end, Openings* openings) {
   openings->first = begin;
   if (end - begin <= FEW_LINKS) {
     for (int link = begin; link < end; link++) {
-      const Frame opening = sequenceOpening(s, link);
-      for (int k = 0; k < 12; k++) {
-        openings->m[k][link - begin] = opening.m[k / 4][k % 4];
-      }
+      openLink(s, link, openings);
     }
     return;
   }
@@ -107,11 +106,7 @@ static void openLinks(const Sequence* s, int begin, int end, Openings* openings)
   }
   openTorsions(s, begin, torsions, openings);
   for (unsigned left = all & ~torsions; left != 0; left &= left - 1) {
-    const int i = __builtin_ctz(left);
-    const Frame opening = sequenceOpening(s, begin + i);
-    for (int k = 0; k < 12; k++) {
-      openings->m[k][i] = opening.m[k / 4][k % 4];
-    }
+    openLink(s, begin + __builtin_ctz(left), openings);
   }
 }
 
@@ -176,36 +171,57 @@ static void noteLeaf(Tree* tree, int leaf) {
   tree->boxIsStale[leaf] = true;
 }
 
-/* The frame of a link in the frame of its leaf. */
-static Frame linkInLeaf(const Sequence* sequence, int link) {
+/* The frame of a link in the frame of its leaf. Opens all links there up to `end`. */
+CT_INLINE Frame walkToLink(const Sequence* sequence, int link, int end, Openings* openings) {
   Walk walk;
   treeWalk(&walk, sequence, sequence->slotBegin[link] / TREE_WIDTH);
-  Openings openings;
-  openLinks(sequence, walk.link + 1, link + 1, &openings);
+  openLinks(sequence, walk.link + 1, end, openings);
   while (walk.link < link) {
-    walkOn(&walk, sequence, &openings.m[0][walk.link + 1 - openings.first], TREE_WIDTH);
+    walkOn(&walk, sequence, &openings->m[0][walk.link + 1 - openings->first], TREE_WIDTH);
   }
   return frameOfColumns(&walk.frame);
+}
+
+static Frame linkInLeaf(const Sequence* sequence, int link) {
+  Openings openings;
+  return walkToLink(sequence, link, link + 1, &openings);
+}
+
+/* One past the last link that a walk through a leaf opens, which is the first of the next leaf. */
+static int endOfOpened(const Sequence* sequence, int leaf) {
+  const int next = (leaf + 1) * TREE_WIDTH;
+  return sequence->slotLink[next < sequence->slotCount ? next : sequence->slotCount - 1] + 1;
+}
+
+/* The frame of a link in the frame of its leaf, and the openings of all links there. */
+static Frame openLeaf(const Sequence* sequence, int link, Openings* openings) {
+  const int leaf = sequence->slotBegin[link] / TREE_WIDTH;
+  return walkToLink(sequence, link, endOfOpened(sequence, leaf), openings);
 }
 
 /* Recomputes a leaf, and its shortcut. */
 static void refreshLeaf(Tree* tree, const Sequence* sequence, int leaf) {
   int begin = leaf * TREE_WIDTH;
   const int end = begin + TREE_WIDTH < tree->slotCount ? begin + TREE_WIDTH : tree->slotCount;
+  const int endOfLinks = endOfOpened(sequence, leaf);
   Walk walk;
+  Openings own;
+  Openings* openings = &own;
   if (tree->knownLink != CT_NULL && sequence->slotBegin[tree->knownLink] / TREE_WIDTH == leaf) {
+    openings = &tree->knownOpenings;
     walkBegin(&walk, tree->knownLink);
     columnsOf(&tree->knownInLeaf, &walk.frame);
     begin = sequence->slotBegin[tree->knownLink];
+    if (tree->knownChange < endOfLinks) {
+      openLink(sequence, tree->knownChange, openings);
+    }
   } else {
     treeWalk(&walk, sequence, leaf);
+    openLinks(sequence, walk.link + 1, endOfLinks, openings);
   }
-  const int last = sequence->slotLink[end < tree->slotCount ? end : end - 1];
-  Openings openings;
-  openLinks(sequence, walk.link + 1, last + 1, &openings);
-  positionSlots(tree, sequence, &walk, &openings, begin, end);
+  positionSlots(tree, sequence, &walk, openings, begin, end);
   if (end < tree->slotCount) {
-    walkToLeaf(&walk, sequence, &openings, leaf + 1);
+    walkToLeaf(&walk, sequence, openings, leaf + 1);
   }
   const Frame shortcut = frameOfColumns(&walk.frame);
   /* Compares bits: 0 and -0 differ. NOLINTNEXTLINE(bugprone-suspicious-memory-comparison) */

@@ -277,6 +277,13 @@ Frame ctTreeLinkInLeaf(const Tree* tree, const Sequence* sequence, int link) {
   return tree->instructions->linkInLeaf(sequence, link);
 }
 
+Frame ctTreeKnowLink(Tree* tree, const Sequence* sequence, int link, int change) {
+  tree->knownLink = link;
+  tree->knownChange = change;
+  tree->knownInLeaf = tree->instructions->openLeaf(sequence, link, &tree->knownOpenings);
+  return tree->knownInLeaf;
+}
+
 /* The frame of the parent of a link in a twig, in the frame of the leaf where the link begins. */
 static Frame twigParentInLeaf(const Tree* tree, const Sequence* sequence, int link) {
   const int parent = sequence->parent[link];

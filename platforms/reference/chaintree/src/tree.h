@@ -54,6 +54,12 @@ typedef struct Bound {
   float centres;
 } Bound;
 
+/* The openings of consecutive links, as a structure of arrays: by entries of Frame.m. */
+typedef struct Openings {
+  int first; /* link */
+  double m[12][TREE_WIDTH];
+} Openings;
+
 struct InstructionSet;
 
 typedef struct Tree {
@@ -78,10 +84,12 @@ typedef struct Tree {
   bool* hasSum;     /* per node */
   int* particles;   /* per node: how many those are; one without a slot counts where its link begins */
 
-  /* During an update: a link of no twig whose frame in its leaf is known, and before which nothing changes. CT_NULL:
-   * none. The walk through that leaf begins there. */
+  /* During an update by one change: a link of no twig whose frame in its leaf is known, and before which nothing
+   * changes. CT_NULL: none. The walk through that leaf begins there. */
   int knownLink;
+  int knownChange; /* the link that changes */
   Frame knownInLeaf;
+  Openings knownOpenings; /* of the links of that leaf, before the change */
 
   bool isStale; /* the layout is right, but no content is of the state */
   int* dirty;   /* scratch: nodes of one level */
@@ -214,6 +222,9 @@ CT_INLINE void treeWalk(Walk* walk, const Sequence* sequence, int leaf) {
 
 /* The frame of a link in the frame of its leaf. */
 Frame ctTreeLinkInLeaf(const Tree* tree, const Sequence* sequence, int link);
+
+/* The same of a link of no twig, which is kept as knownLink for an update by one change. */
+Frame ctTreeKnowLink(Tree* tree, const Sequence* sequence, int link, int change);
 
 /* An axis is taken from the positions of its two particles if its squared length is more than this share of the squared
  * distance from the leaf's origin. Positions in a leaf are off by up to 16 products of transforms, some 4 v of that

@@ -100,19 +100,16 @@ static void turnBall(TrialChange* change, const Sequence* s, Traversal* t, Frame
 }
 
 /* Finds the states of ball joints before and after the trial, which takes a walk to each. So that is left until someone
- * asks: most trials clash. The tree must be that of the state before. Its update goes on from the walk to the parent of
- * the first. */
+ * asks: most trials clash. The tree must be that of the state before. Its update goes on from the walk to the parent,
+ * if there is only one. */
 static void turnBalls(Trial* trial, const Sequence* s, Tree* tree, Traversal* t) {
   for (int i = 0; i < trial->count; i++) {
     TrialChange* change = &trial->changes[i];
     if (change->isTurnOfBall) {
       const int link = s->parent[change->link];
-      const Frame inLeaf = ctTreeLinkInLeaf(tree, s, link);
+      const bool isKept = trial->count == 1 && s->twigPart[link] == notInTwig;
+      const Frame inLeaf = isKept ? ctTreeKnowLink(tree, s, link, change->link) : ctTreeLinkInLeaf(tree, s, link);
       const Frame parent = linkFromLeaf(s, t, link, &inLeaf);
-      if (i == 0 && s->twigPart[link] == notInTwig) {
-        tree->knownLink = link;
-        tree->knownInLeaf = inLeaf;
-      }
       double rotation[3];
       rotateBack(&parent, change->rotation, rotation);
       change->before = ctSequenceGetJoint(s, change->link);
