@@ -249,8 +249,26 @@ void testBetweenRefusalAndSuccess(Platform& platform)
     run.integrator.step(1);
 }
 
+/**
+ * An integrator whose Context has been deleted says so.
+ */
+void testDeletedContext(Platform& platform)
+{
+    BeadChain chain(5, 0);
+    TorsionMonteCarloIntegrator integrator(300);
+    integrator.addTorsionMove(1, 1);
+    unique_ptr<Context> context(new Context(chain.system, integrator, platform));
+    context->setPositions(chain.positions);
+    integrator.step(1);
+    context.reset();
+    assertThrows("its Context was deleted", [&] {
+        integrator.step(1);
+    });
+}
+
 void testRemadeContexts(Platform& platform)
 {
+    testDeletedContext(platform);
     testReinitialize(platform);
     testRefusedReinitialize(platform);
     testBetweenRefusalAndSuccess(platform);

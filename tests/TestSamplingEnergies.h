@@ -401,6 +401,7 @@ void testInfiniteEnergy(Platform& platform)
     probe->energy = [=](const vector<Vec3>& x) {
         return x[0][0] > 1 ? infinity : x[0][0] < 0 ? -infinity : 0;
     };
+    probe->setName("Wall");
     system.addParticle(1);
     force->addParticle(0.1);
     system.addForce(force);
@@ -417,7 +418,7 @@ void testInfiniteEnergy(Platform& platform)
         ASSERT(x <= 1 && x >= 0);
     }
     context.setPositions({Vec3(-1, 0, 0)});
-    assertThrows("the energy of the integration force groups is not a number", [&] {
+    assertThrows("the energy of the integration force groups is not a number: that of force 1, Wall", [&] {
         integrator.step(1);
     });
 }

@@ -1336,6 +1336,8 @@ API_FAULTS = [
           "version > 2 && movesAreTheSame", "version > 2 || movesAreTheSame"),
     Fault("saved state: the random numbers are not restored", INTEGRATOR,
           "    *random = restored;\n    const bool movesAreTheSame", "    const bool movesAreTheSame"),
+    Fault("context: that it was deleted is taken for a refused reinitialize()", INTEGRATOR,
+          "contextHasEnded = true;", "contextHasEnded = false;"),
     Fault("saved state: that of another structure loses its limits", INTEGRATOR,
           "    if (!deserializeGeometry(", "    if (false && !deserializeGeometry("),
     # ---- Serialization ----

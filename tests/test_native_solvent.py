@@ -94,3 +94,12 @@ def test_energy_follows_the_charges_that_are_set():
     run.run(1000)
     assert (run.positions != before).any()
     assertEnergy(run, Reference(system))
+
+
+def test_particles_at_one_place_have_no_energy():
+    """By OpenMM. Two that differ are at the same place only by mistake, and no fault of a Force was found."""
+    system, _, positions = makeSolvated("alanine dipeptide", "gbn2")
+    positions[21] = positions[0]
+    run = Run(system, positions)
+    with pytest.raises(openmm.OpenMMException, match=r"is not a number: that of force \d \(CustomGBForce\) by OpenMM"):
+        run.run(1)

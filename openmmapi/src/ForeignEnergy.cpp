@@ -22,9 +22,24 @@ bool ForeignEnergy::begin(TrialSession& trials)
         return false;
     energy = trials.computeOtherEnergy(groups);
     if (!isEnergy(energy))
-        throw OpenMMException(
-            "TorsionMonteCarloIntegrator: the energy of the integration force groups is not a number");
+        fail(trials);
     return true;
+}
+
+/**
+ * Throw an exception that names those of the Forces whose groups have no energy by themselves.
+ */
+void ForeignEnergy::fail(TrialSession& trials) const
+{
+    int failing = 0;
+    for (int group = 0; group < numeric_limits<unsigned int>::digits; group++) {
+        const int mask = groups & (int)(1u << group);
+        if (mask != 0 && !isEnergy(trials.computeOtherEnergy(mask)))
+            failing |= mask;
+    }
+    throw OpenMMException("TorsionMonteCarloIntegrator: the energy of the integration force groups is not a number: "
+                          "that of " +
+                          native.describeForeignForces(failing != 0 ? failing : groups));
 }
 
 double ForeignEnergy::computeChange(TrialSession& trials)

@@ -111,6 +111,20 @@ const EnergyPlan& NativeEnergy::getPlan()
     return plan;
 }
 
+string NativeEnergy::describeForeignForces(int groups) const
+{
+    vector<string> names;
+    for (size_t i = 0; i < plan.getEntries().size(); i++) {
+        const EnergyPlan::Entry& entry = plan.getEntries()[i];
+        if (entry.kind == EnergyPlan::Foreign && (entry.groups & groups) != 0)
+            names.push_back("force " + to_string(i) + ", " + entry.name);
+    }
+    string list = names.size() > 1 ? "one of " : "";
+    for (size_t i = 0; i < names.size(); i++)
+        list += (i > 0 ? "; " : "") + names[i];
+    return list;
+}
+
 // ---- The state ----
 
 /**

@@ -170,7 +170,13 @@ bool NativeEnergyCheck::checkForces(const vector<Result>& results, const vector<
         double tolerance = ABSOLUTE + RELATIVE * abs(result.energy);
         if (pairForces.count(result.force) != 0)
             tolerance += ROUNDING * result.gradient + PAIR_ROUNDING * numParticles;
-        if (!agree(energies[result.force], result.energy, tolerance, HUGE_ENERGY))
+        const bool agrees = agree(energies[result.force], result.energy, tolerance, HUGE_ENERGY);
+        if (!agrees && std::isnan(result.energy))
+            throw OpenMMException("TorsionMonteCarloIntegrator: the energy of the integration force groups is not a "
+                                  "number: that of " +
+                                  describe(plan, result.force) +
+                                  " by OpenMM. Probably some particles are at the same place");
+        if (!agrees)
             failOfForce(plan, result.force, energies[result.force], result.energy);
         saysMuch = saysMuch && isfinite(result.energy) && result.gradient <= LARGE_FORCE * sqrt(numParticles);
     }

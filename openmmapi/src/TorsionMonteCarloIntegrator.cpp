@@ -219,6 +219,8 @@ void TorsionMonteCarloIntegrator::requireBound() const
         return;
     if (owner == NULL)
         throw OpenMMException("This Integrator is not bound to a context!");
+    if (contextHasEnded)
+        fail("its Context was deleted; an Integrator serves one Context, so make a new one of both");
     fail("its Context is not complete, because reinitialize() was refused; mend what the exception named and call "
          "reinitialize() again");
 }
@@ -292,6 +294,8 @@ void TorsionMonteCarloIntegrator::cleanup()
 
     if (force != NULL && !forceLife.expired())
         kept = keepState();
+    else if (force != NULL)
+        contextHasEnded = true;
     if (kept)
         kept->isShown = false;
     force = NULL;

@@ -872,6 +872,7 @@ private:
     StericExclusionForceImpl* force;
     /** Expires when the force does: before cleanup() if a Context ends, after it if it is reinitialized. */
     std::weak_ptr<const void> forceLife;
+    bool contextHasEnded = false;
     std::unique_ptr<NativeEnergy> native;
     std::unique_ptr<EnergyStages> stages;
     std::unique_ptr<RandomNumberGenerator> random;

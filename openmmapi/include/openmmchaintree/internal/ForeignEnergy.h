@@ -36,6 +36,7 @@ public:
     }
 
 private:
+    [[noreturn]] void fail(TrialSession& trials) const;
     const NativeEnergy& native;
     /** The groups that are evaluated. */
     int groups;

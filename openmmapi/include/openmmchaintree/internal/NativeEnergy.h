@@ -103,6 +103,10 @@ public:
         endTrial();
     }
     /**
+     * Name the foreign Forces of some groups, for a message.
+     */
+    std::string describeForeignForces(int groups) const;
+    /**
      * Get the force groups that OpenMM has to evaluate for the foreign Forces; 0 if there are none.
      */
     int getForeignGroups() const
