@@ -28,6 +28,9 @@ enum { MOST_MOVERS = 2 * TREE_WIDTH };
 /* That test begins at the lowest level with at most so many nodes: it tests all of them. */
 enum { MOST_FIRST_NODES = 2 * TREE_WIDTH };
 
+/* If these are more, only those near the movers are tested. In a protein that was most of 17, but half of 23. */
+enum { MOST_UNASKED_NODES = 20 };
+
 /* ---- Boxes in a descent: see box.h, descent_body.h ---- */
 
 enum {

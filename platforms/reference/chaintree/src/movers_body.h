@@ -268,14 +268,42 @@ CT_INLINE int listNearBox(const Block* blocks, int count, const MoverBox* box, f
   return found;
 }
 
+/* Lists the members that may be near movers of those nodes of a level, all up to date, that may be so themselves.
+ * Returns how many. */
+CT_NOINLINE int listNearOfMany(Traversal* t, Visit* visit, const Movers* movers, int level, int* near) {
+  const Tree* tree = t->tree;
+  const Block* blocks = worldOf(t, tree->levelBegin[level]);
+  const Block* parents = worldOf(t, tree->levelBegin[level + 1]);
+  const int parentCount = tree->levelSize[level + 1];
+  int nodes[MOST_FIRST_NODES + TREE_WIDTH];
+  const int count = listNearBox(parents, parentCount, &movers->box, visit->reach, 0, nodes);
+  const int first = tree->levelBegin[level - 1];
+  int found = 0;
+  for (int i = 0; i < count; i++) {
+    found += listNearBox(&blocks[nodes[i]], 1, &movers->box, visit->reach, first + nodes[i] * TREE_WIDTH, near + found);
+  }
+  visit->volumeTests += (parentCount + count) * TREE_WIDTH;
+  return found;
+}
+
+/* The same of all nodes of the level with which tests begin. */
+CT_INLINE int listNearFirst(Traversal* t, Visit* visit, const Movers* movers, int level, int* near) {
+  const Tree* tree = t->tree;
+  const int count = tree->levelSize[level];
+  if (count > t->mostUnaskedNodes) {
+    return listNearOfMany(t, visit, movers, level, near);
+  }
+  const Block* blocks = worldOf(t, tree->levelBegin[level]);
+  visit->volumeTests += count * TREE_WIDTH;
+  return listNearBox(blocks, count, &movers->box, visit->reach, tree->levelBegin[level - 1], near);
+}
+
 /* Lists the leaves that may be near movers, and returns them. */
 static const int* listNearLeaves(Traversal* t, Visit* visit, const Movers* movers, int* leafCount) {
   const Tree* tree = t->tree;
   const int top = firstLevel(t);
-  const Block* blocks = worldOf(t, tree->levelBegin[top]);
   int* nodes = t->nearNodes; /* level by level */
-  int count = listNearBox(blocks, tree->levelSize[top], &movers->box, visit->reach, tree->levelBegin[top - 1], nodes);
-  visit->volumeTests += tree->levelSize[top] * TREE_WIDTH;
+  int count = listNearFirst(t, visit, movers, top, nodes);
   int done = 0;
   for (int level = top - 1; level > 0; level--) {
     const int last = count;

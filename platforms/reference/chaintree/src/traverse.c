@@ -24,6 +24,7 @@ bool ctTraversalBuild(Traversal* t, Arena* arena, const Tree* tree, const Sequen
   t->tree = tree;
   t->firstNodesTime = NEVER;
   t->mostFirstNodes = MOST_FIRST_NODES;
+  t->mostUnaskedNodes = MOST_UNASKED_NODES;
   t->sequence = sequence;
   t->exclusions = exclusions;
   t->worldTime = ctArenaAllocate(arena, nodes, sizeof(int64_t));

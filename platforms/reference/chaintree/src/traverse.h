@@ -45,6 +45,7 @@ typedef struct Traversal {
   bool worldHasSurfaces;  /* the radii are of surfaces, else of centres */
   int64_t firstNodesTime; /* the tree's time when all nodes with which tests of few slots begin were up to date */
   int mostFirstNodes;     /* MOST_FIRST_NODES, but for tests */
+  int mostUnaskedNodes;   /* MOST_UNASKED_NODES, but for tests */
   int* entryOf;           /* its entry in the two arrays below; CT_NULL: another leaf has taken that */
   struct Box* box;        /* around its members in its own frame; stale where the tree says so */
 

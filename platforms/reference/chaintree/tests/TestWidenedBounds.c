@@ -87,9 +87,10 @@ static void catchUp(ctChainTree* tree) {
   CHECK(tree->staleTree.laggingCount == 0);
 }
 
-static void testFirstNodes(int mostFirstNodes) {
+static void testFirstNodes(int mostFirstNodes, int mostUnaskedNodes) {
   ctChainTree* tree = makeTree(FIRST - 47, FIRST + 2);
   tree->traversal.mostFirstNodes = mostFirstNodes;
+  tree->traversal.mostUnaskedNodes = mostUnaskedNodes;
   CHECK(tree->staleTree.levelSize[1] == 3);
   for (int turn = 0; turn < 2; turn++) {
     const int rod = turn; /* that sticks out */
@@ -171,7 +172,8 @@ static void testWorld(void) {
 
 int main(void) {
   testWorld();
-  testFirstNodes(MOST_FIRST_NODES);
-  testFirstNodes(1);
+  testFirstNodes(MOST_FIRST_NODES, MOST_UNASKED_NODES);
+  testFirstNodes(MOST_FIRST_NODES, 1);
+  testFirstNodes(1, MOST_UNASKED_NODES);
   return checkResult();
 }
