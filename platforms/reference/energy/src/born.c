@@ -141,10 +141,16 @@ static void setParticles(Born* born, int particleCount, const ctBorn* d, const i
     columns->scaledRadius[k] = (float)scaled;
     columns->squaredScaled[k] = (float)(scaled * scaled);
     columns->cubedScaled[k] = (float)(scaled * scaled * scaled);
-    const float series[] = BORN_REMOTE_SERIES;
-    for (int n = 0; n < 3; n++) {
-      columns->remote[n][k] = (float)((double)series[n] * pow(scaled, 3 + 2 * n));
+    const float remote[] = BORN_REMOTE_SERIES;
+    const float far[] = BORN_FAR_SERIES;
+    for (int n = 0; n < 5; n++) {
+      const double power = pow(scaled, 3 + 2 * n);
+      if (n < 3) {
+        columns->remote[n][k] = (float)((double)remote[n] * power);
+      }
+      columns->far[n][k] = (float)((double)far[n] * power);
     }
+    columns->neckReach[k] = (float)(d->radii[i] + d->neckCut);
     columns->neckType[k] = d->neckTypeCount > 0 ? d->neckTypes[i] : 0;
     columns->occupied |= 1u << k;
     born->particles[slotOf[i]] = (BornParticle){

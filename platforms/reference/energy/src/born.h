@@ -13,7 +13,10 @@ typedef struct BornColumns {
   float scaledRadius[CT_LEAF_WIDTH];
   float squaredScaled[CT_LEAF_WIDTH]; /* its square, and its cube with the sign */
   float cubedScaled[CT_LEAF_WIDTH];
-  float remote[3][CT_LEAF_WIDTH]; /* factors of r^-4, r^-6 and r^-8 of what they contribute far away */
+  /* Factors of r^-4, r^-6 ... of what they contribute up to BORN_REMOTE_RATIO and BORN_FAR_RATIO. */
+  float remote[3][CT_LEAF_WIDTH];
+  float far[5][CT_LEAF_WIDTH];
+  float neckReach[CT_LEAF_WIDTH]; /* from the surface of another particle */
   int neckType[CT_LEAF_WIDTH];
   unsigned occupied; /* bits: slots that hold a particle */
 } BornColumns;
@@ -89,6 +92,8 @@ typedef struct BornSide {
 #define BORN_REMOTE_SERIES \
   { 0.3333335752f, 0.3998299556f, 0.4461475734f }
 #define BORN_FAR_RATIO 0.35
+#define BORN_FAR_SERIES \
+  { 0.3333333673f, 0.3999861014f, 0.4294699158f, 0.4244512686f, 0.6296422579f }
 #define BORN_NEAR_RATIO 0.62
 
 typedef struct Born {

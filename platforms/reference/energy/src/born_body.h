@@ -14,15 +14,12 @@ typedef enum BornRange {
   bornNear    /* any: spheres may overlap */
 } BornRange;
 
-/* P(t), with a relative error below 0.8e-6 for remote rows, which contribute little, and 1.3e-7 for others. */
-CT_INLINE Float16 bornSeries(Float16 t, BornRange range) {
-  const float remote[] = BORN_REMOTE_SERIES;
-  const float far[] = {0.3333333673f, 0.3999861014f, 0.4294699158f, 0.4244512686f, 0.6296422579f};
-  const float near[] = {0.3333332922f, 0.4000137732f, 0.4278248782f, 0.4596163302f,
-                        0.306237974f,  1.224110084f,  -1.580146636f, 2.932006772f};
-  return range == bornRemote ? polynomial16(t, 2, remote)
-         : range == bornFar  ? polynomial16(t, 4, far)
-                             : polynomial16(t, 7, near);
+/* P(t) where rows are near. The relative errors of series are below 0.8e-6 for remote rows, which contribute little,
+ * and 1.3e-7 for others. */
+CT_INLINE Float16 nearestSeries(Float16 t) {
+  const float c[] = {0.3333332922f, 0.4000137732f, 0.4278248782f, 0.4596163302f,
+                     0.306237974f,  1.224110084f,  -1.580146636f, 2.932006772f};
+  return polynomial16(t, 7, c);
 }
 
 /* log(U / L) where it is large: n log 2 is split off. */
@@ -108,8 +105,9 @@ CT_INLINE Float16 squaredFrom(const BornSides* sides, int k) {
   return squared16(dx, dy, dz);
 }
 
-/* Sums for the lanes of side b, added to `lanes`, and for each row of side a, not yet added up. Of one leaf with
- * itself, that for the lanes is all. Constants for the last three arguments make a function for each case. */
+/* Sums for the lanes of side b, added to `lanes`, and for each row of side a, added to `forRows`, not yet added up. Of
+ * one leaf with itself, that for the lanes is all. Constants for the last three arguments make a function for each
+ * case. */
 CT_INLINE Float16 bornRows(const BornModel* model, float squaredCutoff, const BornSides* sides, unsigned rows,
                            Float16 lanes, float (*forRows)[CT_LEAF_WIDTH], BornRange range, bool hasNecks,
                            bool isSame) {
@@ -125,10 +123,28 @@ CT_INLINE Float16 bornRows(const BornModel* model, float squaredCutoff, const Bo
     }
     const Float16 inverse2 = div16(all16(1), squared);
     const Float16 inverse4 = mul16(inverse2, inverse2);
-    const Float16 tb = mul16(all16(columnsA->squaredScaled[k]), inverse2);
-    const Float16 ta = isSame ? tb : mul16(load16(columnsB->squaredScaled), inverse2);
-    Float16 forLanes = mul16(all16(columnsA->cubedScaled[k]), mul16(inverse4, bornSeries(tb, range)));
-    Float16 forRow = isSame ? forLanes : mul16(load16(columnsB->cubedScaled), mul16(inverse4, bornSeries(ta, range)));
+    Float16 forLanes;
+    Float16 forRow;
+    Float16 ta = all16(0); /* of near rows only */
+    Float16 tb = all16(0);
+    if (range == bornNear) {
+      tb = mul16(all16(columnsA->squaredScaled[k]), inverse2);
+      ta = isSame ? tb : mul16(load16(columnsB->squaredScaled), inverse2);
+      forLanes = mul16(all16(columnsA->cubedScaled[k]), mul16(inverse4, nearestSeries(tb)));
+      forRow = isSame ? forLanes : mul16(load16(columnsB->cubedScaled), mul16(inverse4, nearestSeries(ta)));
+    } else {
+      const float(*ofA)[CT_LEAF_WIDTH] = range == bornRemote ? columnsA->remote : columnsA->far;
+      const float(*ofB)[CT_LEAF_WIDTH] = range == bornRemote ? columnsB->remote : columnsB->far;
+      const int last = range == bornRemote ? 2 : 4;
+      forLanes = all16(ofA[last][k]);
+      forRow = load16(ofB[last]);
+      _Pragma("GCC unroll 4") for (int n = last - 1; n >= 0; n--) {
+        forLanes = add16(mul16(forLanes, inverse2), all16(ofA[n][k]));
+        forRow = add16(mul16(forRow, inverse2), load16(ofB[n]));
+      }
+      forLanes = mul16(forLanes, inverse4);
+      forRow = mul16(forRow, inverse4);
+    }
     if (range == bornNear) {
       /* Both ways at once: overlaps are mutual, mostly. */
       const Float16 offsetA = all16(columnsA->offsetRadius[k]);
@@ -155,24 +171,22 @@ CT_INLINE Float16 bornRows(const BornModel* model, float squaredCutoff, const Bo
     if (hasNecks) {
       const BornNecks* necks = &necksB[columnsA->neckType[k]];
       const Float16 r = sqrt16(squared);
-      const Float16 reach = add16(load16(columnsB->radius), all16(columnsA->radius[k] + model->neckCut));
+      const Float16 reach = add16(load16(columnsB->radius), all16(columnsA->neckReach[k]));
       const Float16 widthB = neckWidth(r, load16(necks->distanceForLeaf));
       if (isSame) {
         forLanes = add16(forLanes, keepBelow16(r, reach, div16(load16(necks->heightForLeaf), widthB)));
       } else {
         const Float16 widthA = neckWidth(r, load16(necks->distanceForOne));
-        const Float16 both = div16(all16(1), mul16(widthA, widthB));
-        const Float16 neckB = mul16(mul16(load16(necks->heightForLeaf), widthA), both);
-        const Float16 neckA = mul16(mul16(load16(necks->heightForOne), widthB), both);
-        forLanes = add16(forLanes, keepBelow16(r, reach, neckB));
-        forRow = add16(forRow, keepBelow16(r, reach, neckA));
+        const Float16 both = keepBelow16(r, reach, div16(all16(1), mul16(widthA, widthB)));
+        forLanes = add16(forLanes, mul16(mul16(load16(necks->heightForLeaf), widthA), both));
+        forRow = add16(forRow, mul16(mul16(load16(necks->heightForOne), widthB), both));
       }
     }
     forLanes = keepBelow16(distance2, all16(squaredCutoff), forLanes);
     if (isSame) {
       forLanes = keep16(~(1u << k), forLanes);
     } else {
-      store16(forRows[k], keepBelow16(distance2, all16(squaredCutoff), forRow));
+      store16(forRows[k], add16(load16(forRows[k]), keepBelow16(distance2, all16(squaredCutoff), forRow)));
     }
     lanes = add16(lanes, forLanes);
   }
@@ -219,96 +233,105 @@ CT_INLINE unsigned rowsWithin(const BornSides* sides, unsigned rows, float squar
   return within;
 }
 
-/* What rows cost, about, in units of a remote one. */
-CT_INLINE int costOf(BornBits bits) {
-  return __builtin_popcount(bits.rows) + 2 * __builtin_popcount(bits.necks) + 3 * __builtin_popcount(bits.near);
-}
-
-/* The sums of full leaves that are remote from each other, without a cutoff. The series is that of bornRemote, with its
- * coefficients in the columns. */
-static void remoteSums(const BornSide* a, const BornSide* b, float ofA[CT_LEAF_WIDTH], float ofB[CT_LEAF_WIDTH]) {
-  float shift[3];
-  float forRows[CT_LEAF_WIDTH][CT_LEAF_WIDTH];
-  shiftBetween(a->frame, b->frame, shift);
-  const BornSides sides = {a, b, add16(load16(b->frame->x), all16(shift[0])),
-                           add16(load16(b->frame->y), all16(shift[1])), add16(load16(b->frame->z), all16(shift[2]))};
-  const Float16 first = load16(b->columns->remote[0]);
-  const Float16 second = load16(b->columns->remote[1]);
-  const Float16 third = load16(b->columns->remote[2]);
+/* Of full leaves that are remote from each other, without a cutoff. The series is that of bornRemote, with its
+ * coefficients in the columns. The others that return sums for lanes are bornRows and mixedRows. */
+CT_INLINE Float16 remoteRows(const BornSides* sides, float (*forRows)[CT_LEAF_WIDTH]) {
+  const BornColumns* columnsA = sides->a->columns;
+  const BornColumns* columnsB = sides->b->columns;
+  const Float16 first = load16(columnsB->remote[0]);
+  const Float16 second = load16(columnsB->remote[1]);
+  const Float16 third = load16(columnsB->remote[2]);
   Float16 forLanes = all16(0);
   /* Two reciprocals by one division. */
   _Pragma("GCC unroll 4") for (int k = 0; k < CT_LEAF_WIDTH; k += 2) {
-    const Float16 squared[2] = {squaredFrom(&sides, k), squaredFrom(&sides, k + 1)};
+    const Float16 squared[2] = {squaredFrom(sides, k), squaredFrom(sides, k + 1)};
     const Float16 both = div16(all16(1), mul16(squared[0], squared[1]));
     for (int i = 0; i < 2; i++) {
       const Float16 inverse2 = mul16(both, squared[1 - i]);
       const Float16 inverse4 = mul16(inverse2, inverse2);
       const Float16 highA =
-          add16(all16(a->columns->remote[1][k + i]), mul16(all16(a->columns->remote[2][k + i]), inverse2));
+          add16(all16(columnsA->remote[1][k + i]), mul16(all16(columnsA->remote[2][k + i]), inverse2));
       const Float16 highB = add16(second, mul16(third, inverse2));
-      forLanes = add16(forLanes, mul16(inverse4, add16(all16(a->columns->remote[0][k + i]), mul16(highA, inverse2))));
-      store16(forRows[k + i], mul16(inverse4, add16(first, mul16(highB, inverse2))));
+      const Float16 forRow = mul16(inverse4, add16(first, mul16(highB, inverse2)));
+      forLanes = add16(forLanes, mul16(inverse4, add16(all16(columnsA->remote[0][k + i]), mul16(highA, inverse2))));
+      store16(forRows[k + i], add16(load16(forRows[k + i]), forRow));
     }
   }
-  store16(ofB, toSteps(forLanes));
-  store16(ofA, toSteps(sums16x16(forRows)));
+  return forLanes;
 }
 
-static void bornSums(const BornModel* model, float squaredCutoff, const BornSide* a, const BornSide* b,
-                     float ofA[CT_LEAF_WIDTH], float ofB[CT_LEAF_WIDTH]) {
-  float shift[3];
-  float forRows[CT_LEAF_WIDTH][CT_LEAF_WIDTH];
-  shiftBetween(a->frame, b->frame, shift);
-  BornSides sides = {a, b, load16(b->frame->x), load16(b->frame->y), load16(b->frame->z)};
-  if (a->leaf == b->leaf) {
-    const Float16 lanes =
-        model->neckTypeCount > 0
-            ? bornRows(model, squaredCutoff, &sides, a->occupied, all16(0), forRows, bornNear, true, true)
-            : bornRows(model, squaredCutoff, &sides, a->occupied, all16(0), forRows, bornNear, false, true);
-    store16(ofA, toSteps(lanes));
-    return;
-  }
-  const bool isFull = (a->occupied & b->occupied) == 0xffff;
-  if (isFull && squaredCutoff >= NO_CUTOFF && squaredGap(a->frame, b->frame) > (double)model->squaredReach) {
-    remoteSums(a, b, ofA, ofB);
-    return;
-  }
-  /* Each row of one side costs the same, so those of the side with fewer are summed. */
-  float back[3];
-  shiftBetween(b->frame, a->frame, back);
-  const BornBits bitsOfB = findBornBits(model, squaredCutoff, b, a, back);
-  BornBits bits = findBornBits(model, squaredCutoff, a, b, shift);
-  if (costOf(bitsOfB) < costOf(bits)) {
-    float* of = ofA;
-    ofA = ofB;
-    ofB = of;
-    bits = bitsOfB;
-    sides = (BornSides){b, a, load16(a->frame->x), load16(a->frame->y), load16(a->frame->z)};
-    memcpy(shift, back, sizeof shift);
-  }
-  sides.x = add16(sides.x, all16(shift[0]));
-  sides.y = add16(sides.y, all16(shift[1]));
-  sides.z = add16(sides.z, all16(shift[2]));
-  bits.near = rowsWithin(&sides, bits.near, model->squaredNear);
+/* Of two other leaves. `shift` leads from the centre of a to that of b. */
+CT_INLINE Float16 mixedRows(const BornModel* model, float squaredCutoff, const BornSides* sides, const float shift[3],
+                            float (*forRows)[CT_LEAF_WIDTH]) {
+  BornBits bits = findBornBits(model, squaredCutoff, sides->a, sides->b, shift);
+  bits.near = rowsWithin(sides, bits.near, model->squaredNear);
   if (squaredCutoff < NO_CUTOFF) {
-    bits.rows = bits.near | rowsWithin(&sides, bits.rows & ~bits.near, squaredCutoff);
+    bits.rows = bits.near | rowsWithin(sides, bits.rows & ~bits.near, squaredCutoff);
     bits.far &= bits.rows;
     bits.necks &= bits.rows;
   }
-  for (unsigned none = ~bits.rows & 0xffff; none != 0; none &= none - 1) {
-    store16(forRows[__builtin_ctz(none)], all16(0));
-  }
   Float16 lanes = all16(0);
   unsigned rows = bits.rows & ~bits.far & ~bits.near & ~bits.necks;
-  lanes = bornRows(model, squaredCutoff, &sides, rows, lanes, forRows, bornRemote, false, false);
+  lanes = bornRows(model, squaredCutoff, sides, rows, lanes, forRows, bornRemote, false, false);
   rows = bits.far & ~bits.near & ~bits.necks;
-  lanes = bornRows(model, squaredCutoff, &sides, rows, lanes, forRows, bornFar, false, false);
+  lanes = bornRows(model, squaredCutoff, sides, rows, lanes, forRows, bornFar, false, false);
   rows = bits.necks & ~bits.near;
-  lanes = bornRows(model, squaredCutoff, &sides, rows, lanes, forRows, bornFar, true, false);
+  lanes = bornRows(model, squaredCutoff, sides, rows, lanes, forRows, bornFar, true, false);
   rows = bits.near & ~bits.necks;
-  lanes = bornRows(model, squaredCutoff, &sides, rows, lanes, forRows, bornNear, false, false);
+  lanes = bornRows(model, squaredCutoff, sides, rows, lanes, forRows, bornNear, false, false);
   rows = bits.near & bits.necks;
-  lanes = bornRows(model, squaredCutoff, &sides, rows, lanes, forRows, bornNear, true, false);
-  store16(ofB, toSteps(lanes));
-  store16(ofA, toSteps(sums16x16(forRows)));
+  lanes = bornRows(model, squaredCutoff, sides, rows, lanes, forRows, bornNear, true, false);
+  return keep16(sides->b->occupied, lanes);
+}
+
+/* Of a leaf with itself. */
+CT_INLINE Float16 ownRows(const BornModel* model, float squaredCutoff, const BornSide* a) {
+  const BornSides sides = {a, a, load16(a->frame->x), load16(a->frame->y), load16(a->frame->z)};
+  const Float16 lanes =
+      model->neckTypeCount > 0
+          ? bornRows(model, squaredCutoff, &sides, a->occupied, all16(0), NULL, bornNear, true, true)
+          : bornRows(model, squaredCutoff, &sides, a->occupied, all16(0), NULL, bornNear, false, true);
+  return keep16(a->occupied, lanes);
+}
+
+CT_INLINE void addToSums(double sums[CT_LEAF_WIDTH], Float16 a) {
+  storeSum16(sums, addToSum16(loadSum16(sums), a));
+}
+
+/* Adds leaves from `first` to `end`, over which rows are added up in single precision. */
+CT_INLINE void sumLeaves(const BornModel* model, float squaredCutoff, const LeafFrame* frames,
+                         const BornColumns* columns, int leaf, int first, int end, double* sums) {
+  const BornSide a = {&frames[leaf], &columns[leaf], columns[leaf].occupied, leaf};
+  const bool hasCutoff = squaredCutoff < NO_CUTOFF;
+  float forRows[CT_LEAF_WIDTH][CT_LEAF_WIDTH] = {{0}};
+  for (int other = first; other < end; other++) {
+    const BornSide b = {&frames[other], &columns[other], columns[other].occupied, other};
+    double* sumsOfB = sums + CT_LEAF_WIDTH * other;
+    if (other == leaf) {
+      addToSums(sumsOfB, ownRows(model, squaredCutoff, &a));
+      continue;
+    }
+    const double gap = squaredGap(a.frame, b.frame);
+    if (hasCutoff && gap > (double)(squaredCutoff * ROUNDING_OF_BOXES)) {
+      continue;
+    }
+    float shift[3];
+    shiftBetween(a.frame, b.frame, shift);
+    const BornSides sides = {&a, &b, add16(load16(b.frame->x), all16(shift[0])),
+                             add16(load16(b.frame->y), all16(shift[1])), add16(load16(b.frame->z), all16(shift[2]))};
+    const bool areFull = (a.occupied & b.occupied) == 0xffff;
+    const bool areRemote = areFull && !hasCutoff && gap > (double)model->squaredReach;
+    addToSums(sumsOfB,
+              areRemote ? remoteRows(&sides, forRows) : mixedRows(model, squaredCutoff, &sides, shift, forRows));
+  }
+  addToSums(sums + CT_LEAF_WIDTH * leaf, sums16x16((const float(*)[CT_LEAF_WIDTH])forRows));
+}
+
+static void bornSums(const BornModel* model, float squaredCutoff, const LeafFrame* frames, const BornColumns* columns,
+                     int leaf, int first, int end, double* sums) {
+  enum { LEAVES_IN_FLOAT = 64 };
+  for (; first + LEAVES_IN_FLOAT < end; first += LEAVES_IN_FLOAT) {
+    sumLeaves(model, squaredCutoff, frames, columns, leaf, first, first + LEAVES_IN_FLOAT, sums);
+  }
+  sumLeaves(model, squaredCutoff, frames, columns, leaf, first, end, sums);
 }

@@ -18,14 +18,17 @@ typedef struct Kernels {
   /* The same of some particles of side a, given as bits, with all of side b. */
   double (*rowsEnergy)(const Potential* potential, const LeafSide* a, const LeafSide* b, unsigned rows);
 
-  /* What the particles of leaf b within a squared distance contribute to the Born sums of leaf a's, and the other way
-   * round. Of one leaf with itself, all is in ofA. All sums are finite, and multiples of BORN_SUM_STEP. */
-  void (*bornSums)(const BornModel* model, float squaredCutoff, const BornSide* a, const BornSide* b,
-                   float ofA[CT_LEAF_WIDTH], float ofB[CT_LEAF_WIDTH]);
+  /* Adds to the Born sums of a leaf's particles what those of the leaves from `first` to `end` within a squared
+   * distance contribute, and to the sums of these the other way round; among the leaves may be the first one itself.
+   * There are sixteen sums a leaf, and all stay finite. */
+  void (*bornSums)(const BornModel* model, float squaredCutoff, const LeafFrame* frames, const BornColumns* columns,
+                   int leaf, int first, int end, double* sums);
 
-  /* Of whole energies, of leaves a <= b: Lennard-Jones, Coulomb and Born without cutoffs; and Born alone with the
+  /* Of whole energies: Lennard-Jones, Coulomb and Born without cutoffs of a leaf with those from `first` to `end`, none
+   * of which comes before it; all have the same excluded pairs, NULL: none. And Born alone of leaves a <= b, with the
    * cutoff of the model, if there is one. */
-  WholePair (*wholePair)(const BornModel* model, const WholeSide* a, const WholeSide* b);
+  WholePair (*wholePairs)(const BornModel* model, const WholeLeaves* leaves, int leaf, int first, int end,
+                          const uint16_t* excluded);
   double (*bornPair)(const BornModel* model, const WholeSide* a, const WholeSide* b);
 
   /* Of the stand-in: which particles of two leaves are near the other one; and the same sums of these, within its

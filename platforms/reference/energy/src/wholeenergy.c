@@ -119,23 +119,9 @@ static void computeSums(WholeEnergy* whole) {
   for (int i = 0; i < whole->blockCount * CT_LEAF_WIDTH; i++) {
     whole->sums[i] = 0;
   }
-  for (int a = 0; a < whole->blockCount; a++) {
-    const BornColumns* columnsA = &whole->born.columns[a];
-    const BornSide sideA = {&whole->frames[a], columnsA, columnsA->occupied, a};
-    for (int b = a; b < whole->blockCount; b++) {
-      float ofA[CT_LEAF_WIDTH];
-      float ofB[CT_LEAF_WIDTH] = {0};
-      const BornColumns* columnsB = &whole->born.columns[b];
-      const BornSide sideB = {&whole->frames[b], columnsB, columnsB->occupied, b};
-      if (model->hasCutoff && squaredGap(&whole->frames[a], &whole->frames[b]) > model->exactCutoff) {
-        continue;
-      }
-      whole->kernels->bornSums(model, model->squaredCutoff, &sideA, &sideB, ofA, ofB);
-      for (int k = 0; k < CT_LEAF_WIDTH; k++) {
-        whole->sums[CT_LEAF_WIDTH * a + k] += (double)ofA[k];
-        whole->sums[CT_LEAF_WIDTH * b + k] += (double)ofB[k];
-      }
-    }
+  for (int block = 0; block < whole->blockCount; block++) {
+    whole->kernels->bornSums(model, model->squaredCutoff, whole->frames, whole->born.columns, block, block,
+                             whole->blockCount, whole->sums);
   }
 }
 
@@ -162,26 +148,60 @@ static double computeRadii(WholeEnergy* whole) {
 
 /* ---- Energies ---- */
 
-/* Adds the pairs of blocks a <= b. */
-static void addBlocks(const WholeEnergy* whole, int a, int b, WholePair* total) {
+static WholeLeaves leavesOf(const WholeEnergy* whole) {
+  return (WholeLeaves){whole->frames, whole->nonbonded.columns, whole->born.columns, whole->radii};
+}
+
+/* Adds the pairs of block a with those from `first` to `end`, without cutoffs. */
+static void addRun(const WholeEnergy* whole, int a, int first, int end, const uint16_t* excluded, WholePair* total) {
   const BornModel* model = &whole->born.model;
-  const Potential* potential = &whole->nonbonded.potential;
-  const LeafFrame* frames = whole->frames;
-  const WholeSide sideA = {&frames[a], &whole->nonbonded.columns[a], &whole->born.columns[a], &whole->radii[a],
-                           pairMaskOf(&whole->nonbonded.mask, a, b)};
-  const WholeSide sideB = {&frames[b], &whole->nonbonded.columns[b], &whole->born.columns[b], &whole->radii[b], NULL};
-  if (!potential->hasCutoff && !model->hasCutoff && model->shift == 0) {
-    const WholePair pair = whole->kernels->wholePair(model, &sideA, &sideB);
-    total->born += pair.born;
-    total->nonbonded +=
-        isfinite(pair.nonbonded) ? pair.nonbonded : ctNonbondedEnergy(&whole->nonbonded, a, &frames[a], b, &frames[b]);
+  const WholeLeaves leaves = leavesOf(whole);
+  const WholePair run = whole->kernels->wholePairs(model, &leaves, a, first, end, excluded);
+  total->born += run.born;
+  if (isfinite(run.nonbonded)) {
+    total->nonbonded += run.nonbonded;
     return;
   }
+  for (int b = first; b < end; b++) {
+    const WholePair pair = whole->kernels->wholePairs(model, &leaves, a, b, b + 1, excluded);
+    total->nonbonded += isfinite(pair.nonbonded)
+                            ? pair.nonbonded
+                            : ctNonbondedEnergy(&whole->nonbonded, a, &whole->frames[a], b, &whole->frames[b]);
+  }
+}
+
+/* Adds the pairs of block a with itself and those after it, without cutoffs. */
+static void addBlock(const WholeEnergy* whole, int a, WholePair* total) {
+  const PairMask* mask = &whole->nonbonded.mask;
+  int first = a;
+  for (int n = mask->begin[a]; n < mask->begin[a + 1]; n++) {
+    const int partner = mask->partners[n];
+    if (partner < a) {
+      continue;
+    }
+    if (first < partner) {
+      addRun(whole, a, first, partner, NULL, total);
+    }
+    addRun(whole, a, partner, partner + 1, mask->bits[n], total);
+    first = partner + 1;
+  }
+  if (first < whole->blockCount) {
+    addRun(whole, a, first, whole->blockCount, NULL, total);
+  }
+}
+
+/* Adds the pairs of blocks a <= b, with cutoffs or without. */
+static void addBlocks(const WholeEnergy* whole, int a, int b, WholePair* total) {
+  const BornModel* model = &whole->born.model;
+  const LeafFrame* frames = whole->frames;
+  const WholeLeaves leaves = leavesOf(whole);
   const double gap = squaredGap(&frames[a], &frames[b]);
-  if (gap < potential->exact[0]) {
+  if (gap < whole->nonbonded.potential.exact[0]) {
     total->nonbonded += ctNonbondedEnergy(&whole->nonbonded, a, &frames[a], b, &frames[b]);
   }
   if (gap < model->exactCutoff) {
+    const WholeSide sideA = wholeSide(&leaves, a, pairMaskOf(&whole->nonbonded.mask, a, b));
+    const WholeSide sideB = wholeSide(&leaves, b, NULL);
     total->born += whole->kernels->bornPair(model, &sideA, &sideB);
   }
 }
@@ -192,7 +212,13 @@ ctStatus ctWholeEnergyCompute(WholeEnergy* whole, double* nonbonded, double* bor
   }
   computeSums(whole);
   WholePair total = {.born = computeRadii(whole)};
+  const BornModel* model = &whole->born.model;
+  const bool isPlain = !whole->nonbonded.potential.hasCutoff && !model->hasCutoff && model->shift == 0;
   for (int a = 0; a < whole->blockCount; a++) {
+    if (isPlain) {
+      addBlock(whole, a, &total);
+      continue;
+    }
     for (int b = a; b < whole->blockCount; b++) {
       addBlocks(whole, a, b, &total);
     }

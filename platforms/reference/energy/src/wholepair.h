@@ -13,7 +13,20 @@ typedef struct WholeSide {
   const uint16_t* excluded; /* as in LeafSide */
 } WholeSide;
 
-/* Energies of all pairs of particles of two leaves. */
+/* What all leaves have, one entry a leaf. */
+typedef struct WholeLeaves {
+  const LeafFrame* frames;
+  const LeafColumns* columns;
+  const BornColumns* born;
+  const BornRadii* radii;
+} WholeLeaves;
+
+static inline WholeSide wholeSide(const WholeLeaves* leaves, int leaf, const uint16_t* excluded) {
+  return (WholeSide){&leaves->frames[leaf], &leaves->columns[leaf], &leaves->born[leaf], &leaves->radii[leaf],
+                     excluded};
+}
+
+/* Energies of pairs of particles. */
 typedef struct WholePair {
   double nonbonded; /* not finite where single precision does not suffice */
   double born;

@@ -185,19 +185,18 @@ CT_INLINE void addWholeRows(const BornModel* model, const WholeSide* a, const Wh
   }
 }
 
-/* Constants for the last four arguments make a function for each case. With Lennard-Jones and Coulomb there is no
- * cutoff. `isMasked`: some pairs do not count in these; of one leaf with itself, only pairs of a slot with a higher one
- * count in anything. */
-CT_INLINE WholePair sumWholeRows(const BornModel* model, const WholeSide* a, const WholeSide* b, const float shift[3],
-                                 unsigned bits, bool hasNonbonded, bool hasCutoff, bool hasKappa, bool isMasked) {
-  WholeSums sums = {.nonbonded = zeroSum16(), .born = zeroSum16(), .tails = all16(0)};
+/* Adds the rows of side a in `slots`. Constants for the last four arguments make a function for each case. With
+ * Lennard-Jones and Coulomb there is no cutoff. `isMasked`: some pairs do not count in these; of one leaf with itself,
+ * only pairs of a slot with a higher one count in anything. */
+CT_INLINE void sumWholeRows(const BornModel* model, const WholeSide* a, const WholeSide* b, const float shift[3],
+                            const int slots[], int count, WholeSums* sums, bool hasNonbonded, bool hasCutoff,
+                            bool hasKappa, bool isMasked) {
   const bool areToldApart = hasNonbonded && !hasKappa;
   const Float16 from[3] = {add16(load16(b->frame->x), all16(shift[0])), add16(load16(b->frame->y), all16(shift[1])),
                            add16(load16(b->frame->z), all16(shift[2]))};
-  int slots[CT_LEAF_WIDTH];
-  const int count = indices16(bits, 0, slots);
   int i = 0;
   WholeRows next = {.slots = slots};
+  sums->tails = all16(0);
   if (count >= ROWS_IN_FLOAT) {
     measureRows(a, b, from, ROWS_IN_FLOAT, hasNonbonded, areToldApart, isMasked, &next);
   }
@@ -209,43 +208,66 @@ CT_INLINE WholePair sumWholeRows(const BornModel* model, const WholeSide* a, con
       measureRows(a, b, from, ROWS_IN_FLOAT, hasNonbonded, areToldApart, isMasked, &next);
     }
     if (areToldApart && rows.range == wholeFar) {
-      addWholeRows(model, a, b, &rows, ROWS_IN_FLOAT, &sums, wholeFar, true, false, false, isMasked);
+      addWholeRows(model, a, b, &rows, ROWS_IN_FLOAT, sums, wholeFar, true, false, false, isMasked);
     } else if (areToldApart && rows.range == wholeApart) {
-      addWholeRows(model, a, b, &rows, ROWS_IN_FLOAT, &sums, wholeApart, true, false, false, isMasked);
+      addWholeRows(model, a, b, &rows, ROWS_IN_FLOAT, sums, wholeApart, true, false, false, isMasked);
     } else {
-      addWholeRows(model, a, b, &rows, ROWS_IN_FLOAT, &sums, wholeNear, hasNonbonded, hasCutoff, hasKappa, isMasked);
+      addWholeRows(model, a, b, &rows, ROWS_IN_FLOAT, sums, wholeNear, hasNonbonded, hasCutoff, hasKappa, isMasked);
     }
   }
   for (; i < count; i++) {
     next.slots = slots + i;
     measureRows(a, b, from, 1, hasNonbonded, false, isMasked, &next);
-    addWholeRows(model, a, b, &next, 1, &sums, wholeNear, hasNonbonded, hasCutoff, hasKappa, isMasked);
+    addWholeRows(model, a, b, &next, 1, sums, wholeNear, hasNonbonded, hasCutoff, hasKappa, isMasked);
   }
-  const double contrast = hasKappa ? 1 : 1 / model->dielectrics[0] - 1 / model->dielectrics[1];
-  const Float16 tails = mul16(load16(b->columns->epsilon), sums.tails);
-  return (WholePair){
-      .nonbonded = hasNonbonded ? total16(addToSum16(sums.nonbonded, tails)) : 0,
-      .born = -contrast * total16(sums.born),
-  };
+  if (hasNonbonded) {
+    sums->nonbonded = addToSum16(sums->nonbonded, mul16(load16(b->columns->epsilon), sums->tails));
+  }
 }
 
-static WholePair wholePair(const BornModel* model, const WholeSide* a, const WholeSide* b) {
-  float shift[3];
-  shiftBetween(a->frame, b->frame, shift);
-  const unsigned rows = a->columns->occupied;
-  const bool hasKappa = model->kappa > 0;
-  if (a->excluded != NULL) {
-    return hasKappa ? sumWholeRows(model, a, b, shift, rows, true, false, true, true)
-                    : sumWholeRows(model, a, b, shift, rows, true, false, false, true);
+CT_INLINE double bornTotal(const BornModel* model, const WholeSums* sums) {
+  const double contrast = model->kappa > 0 ? 1 : 1 / model->dielectrics[0] - 1 / model->dielectrics[1];
+  return -contrast * total16(sums->born);
+}
+
+/* wholePairs for constants of the last two arguments. */
+CT_INLINE WholePair sumWholePairs(const BornModel* model, const WholeLeaves* leaves, int leaf, int first, int end,
+                                  const uint16_t* excluded, bool hasKappa, bool isMasked) {
+  WholeSums sums = {.nonbonded = zeroSum16(), .born = zeroSum16()};
+  const WholeSide a = wholeSide(leaves, leaf, excluded);
+  int slots[CT_LEAF_WIDTH];
+  const int count = indices16(a.columns->occupied, 0, slots);
+  for (int other = first; other < end; other++) {
+    const WholeSide b = wholeSide(leaves, other, NULL);
+    float shift[3];
+    shiftBetween(a.frame, b.frame, shift);
+    sumWholeRows(model, &a, &b, shift, slots, count, &sums, true, false, hasKappa, isMasked);
   }
-  return hasKappa ? sumWholeRows(model, a, b, shift, rows, true, false, true, false)
-                  : sumWholeRows(model, a, b, shift, rows, true, false, false, false);
+  return (WholePair){total16(sums.nonbonded), bornTotal(model, &sums)};
+}
+
+static WholePair wholePairs(const BornModel* model, const WholeLeaves* leaves, int leaf, int first, int end,
+                            const uint16_t* excluded) {
+  const bool hasKappa = model->kappa > 0;
+  if (excluded != NULL) {
+    return hasKappa ? sumWholePairs(model, leaves, leaf, first, end, excluded, true, true)
+                    : sumWholePairs(model, leaves, leaf, first, end, excluded, false, true);
+  }
+  return hasKappa ? sumWholePairs(model, leaves, leaf, first, end, NULL, true, false)
+                  : sumWholePairs(model, leaves, leaf, first, end, NULL, false, false);
 }
 
 static double bornPair(const BornModel* model, const WholeSide* a, const WholeSide* b) {
+  WholeSums sums = {.nonbonded = zeroSum16(), .born = zeroSum16()};
   float shift[3];
+  int slots[CT_LEAF_WIDTH];
   shiftBetween(a->frame, b->frame, shift);
   const unsigned rows = a->columns->occupied & rowsNear(a->frame, b->frame, shift, model->squaredCutoff);
-  return model->kappa > 0 ? sumWholeRows(model, a, b, shift, rows, false, true, true, true).born
-                          : sumWholeRows(model, a, b, shift, rows, false, true, false, true).born;
+  const int count = indices16(rows, 0, slots);
+  if (model->kappa > 0) {
+    sumWholeRows(model, a, b, shift, slots, count, &sums, false, true, true, true);
+  } else {
+    sumWholeRows(model, a, b, shift, slots, count, &sums, false, true, false, true);
+  }
+  return bornTotal(model, &sums);
 }

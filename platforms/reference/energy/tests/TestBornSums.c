@@ -140,25 +140,21 @@ static void makePair(Pair* p) {
 
 /* Sums by the kernel: those of each slot over the other leaf, and those over its own. */
 typedef struct Sums {
-  float cross[SLOTS];
-  float own[SLOTS];
+  double cross[SLOTS];
+  double own[SLOTS];
 } Sums;
 
 static void sumBy(const Kernels* kernels, const Pair* p, int first, Sums* sums) {
   LeafFrame frames[LEAVES];
-  BornSide sides[LEAVES];
-  float unused[CT_LEAF_WIDTH];
+  const BornColumns* columns = p->born.columns;
   const float squaredCutoff = isfinite(p->cutoff) ? (float)(p->cutoff * p->cutoff) : p->born.model.squaredCutoff;
+  memset(sums, 0, sizeof *sums);
   for (int leaf = 0; leaf < LEAVES; leaf++) {
-    const unsigned occupied = p->born.columns[leaf].occupied;
-    kernels->makeFrame(&p->leaves[leaf], occupied, &frames[leaf]);
-    sides[leaf] = (BornSide){&frames[leaf], &p->born.columns[leaf], occupied, leaf};
+    kernels->makeFrame(&p->leaves[leaf], columns[leaf].occupied, &frames[leaf]);
   }
-  kernels->bornSums(&p->born.model, squaredCutoff, &sides[first], &sides[1 - first],
-                    sums->cross + CT_LEAF_WIDTH * first, sums->cross + CT_LEAF_WIDTH * (1 - first));
+  kernels->bornSums(&p->born.model, squaredCutoff, frames, columns, first, 1 - first, 2 - first, sums->cross);
   for (int leaf = 0; leaf < LEAVES; leaf++) {
-    kernels->bornSums(&p->born.model, squaredCutoff, &sides[leaf], &sides[leaf], sums->own + CT_LEAF_WIDTH * leaf,
-                      unused);
+    kernels->bornSums(&p->born.model, squaredCutoff, frames, columns, leaf, leaf, leaf + 1, sums->own);
   }
 }
 
@@ -203,7 +199,7 @@ static void addPart(const Pair* p, int i, int j, long double* sum, long double* 
   }
 }
 
-static void checkSum(const Pair* p, int i, bool isOwn, float found) {
+static void checkSum(const Pair* p, int i, bool isOwn, double found) {
   long double sum = 0;
   long double size = 0;
   long double blur = 0;
@@ -215,13 +211,12 @@ static void checkSum(const Pair* p, int i, bool isOwn, float found) {
   }
   const double error = (double)(fabsl((long double)found - sum) - jump);
   /* The spheres of pairs contribute up to some 1 / o, of which what is left can be little. */
-  const double bound = (double)size * 3e-7 + 1e-7 / p->offsetRadii[i] + (double)blur + BORN_SUM_STEP;
+  const double bound = (double)size * 3e-7 + 1e-7 / p->offsetRadii[i] + (double)blur + 1e-9;
   worst = fmax(worst, error / bound);
   if (!(error <= bound)) {
     reportFailure("the %s sum of particle %d is %.9g, not %.9Lg, off by %.3g of %.3Lg\n", isOwn ? "own" : "cross", i,
-                  (double)found, sum, error, size);
+                  found, sum, error, size);
   }
-  CHECK(rint((double)found / BORN_SUM_STEP) == (double)found / BORN_SUM_STEP);
 }
 
 static bool machineHas(const Kernels* kernels) {
@@ -240,7 +235,6 @@ static void checkPair(const Pair* p) {
   const Kernels* sets[] = {ctFindKernels("portable"), ctFindKernels("avx2"), ctFindKernels("avx512")};
   Sums sums;
   Sums other;
-  memset(&sums, 0, sizeof sums);
   sumBy(sets[0], p, 0, &sums);
   for (int i = 0; i < p->count; i++) {
     checkSum(p, i, false, sums.cross[p->slotOf[i]]);
@@ -258,14 +252,37 @@ static void checkPair(const Pair* p) {
   }
   sumBy(sets[0], p, 1, &other);
   for (int i = 0; i < p->count; i++) {
-    const double parted = fabs((double)other.cross[p->slotOf[i]] - (double)sums.cross[p->slotOf[i]]);
-    CHECK(parted <= 1e-5 + 1e-6 * fabs((double)sums.cross[p->slotOf[i]]));
+    const double parted = fabs(other.cross[p->slotOf[i]] - sums.cross[p->slotOf[i]]);
+    CHECK(parted <= 1e-5 + 1e-6 * fabs(sums.cross[p->slotOf[i]]));
+  }
+}
+
+/* A leaf with so many others that its rows are added up in parts: all are copies of one. */
+static void checkManyLeaves(const Pair* p) {
+  enum { MANY = 150 };
+  static LeafFrame frames[MANY];
+  static BornColumns columns[MANY];
+  double one[MANY * CT_LEAF_WIDTH] = {0};
+  double all[MANY * CT_LEAF_WIDTH] = {0};
+  const Kernels* kernels = ctFindKernels("portable");
+  BornModel model = p->born.model;
+  model.neckTypeCount = 0; /* those of so many leaves are not there */
+  for (int leaf = 0; leaf < MANY; leaf++) {
+    columns[leaf] = p->born.columns[leaf == 0 ? 0 : 1];
+    kernels->makeFrame(&p->leaves[leaf == 0 ? 0 : 1], columns[leaf].occupied, &frames[leaf]);
+  }
+  kernels->bornSums(&model, model.squaredCutoff, frames, columns, 0, 1, 2, one);
+  kernels->bornSums(&model, model.squaredCutoff, frames, columns, 0, 1, MANY, all);
+  for (int k = 0; k < CT_LEAF_WIDTH; k++) {
+    const double sum = (MANY - 1) * one[k];
+    CHECK(fabs(all[k] - sum) <= 1e-5 + 1e-5 * fabs(sum));
+    CHECK(all[(MANY - 1) * CT_LEAF_WIDTH + k] == one[CT_LEAF_WIDTH + k]);
   }
 }
 
 /* Particles in one place, whatever the formula gives, leave finite sums. */
 static void checkOnePlace(Pair* p) {
-  float own[CT_LEAF_WIDTH];
+  double own[CT_LEAF_WIDTH] = {0};
   LeafFrame frame;
   const unsigned occupied = p->born.columns[0].occupied;
   const Kernels* kernels = ctFindKernels("portable");
@@ -273,8 +290,7 @@ static void checkOnePlace(Pair* p) {
     p->leaves[0].x[k] = p->leaves[0].y[k] = p->leaves[0].z[k] = 1;
   }
   kernels->makeFrame(&p->leaves[0], occupied, &frame);
-  const BornSide side = {&frame, &p->born.columns[0], occupied, 0};
-  kernels->bornSums(&p->born.model, p->born.model.squaredCutoff, &side, &side, own, own);
+  kernels->bornSums(&p->born.model, p->born.model.squaredCutoff, &frame, p->born.columns, 0, 0, 1, own);
   for (int k = 0; k < CT_LEAF_WIDTH; k++) {
     CHECK(isfinite(own[k]));
   }
@@ -285,6 +301,9 @@ int main(void) {
   for (int round = 0; round < 1500; round++) {
     makePair(&pair);
     checkPair(&pair);
+    if (round % 50 == 0) {
+      checkManyLeaves(&pair);
+    }
     checkOnePlace(&pair);
     ctBornFree(&pair.born);
   }
