@@ -59,6 +59,8 @@ class BondGraph:
         fixed : iterable of int, optional
             those atoms
         """
+        if topology.getNumAtoms() == 0:
+            raise ValueError("the Topology has no atoms")
         search = BondSearch(topology, positions)
         self.atoms = list(topology.atoms())
         self.numbers = np.array([0 if atom.element is None else atom.element.atomic_number for atom in self.atoms])

@@ -186,6 +186,11 @@ def test_caps():
     ]
 
 
+def test_aTopologyWithoutAtomsIsRefused():
+    with pytest.raises(ValueError, match="^the Topology has no atoms$"):
+        findTorsions(app.Topology())
+
+
 def test_positionsOfAnotherSizeAreRefused():
     with pytest.raises(ValueError, match=r"^positions must have the shape \(5, 3\)"):
         findTorsions(peptide("ALA"), np.zeros((4, 3)))
