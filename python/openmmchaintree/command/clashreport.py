@@ -121,17 +121,17 @@ def _printFrame(summary, search, frame, rows, console):
     clashes = sorted(_clashesOf(frame), key=lambda clash: clash[1], reverse=True)
     console.print(f"{_countClashes(len(clashes))}, {frame.clashesPer1000Atoms:.1f} per 1,000 atoms")
     table = _Table("worst clashes", ["overlap (nm)"], ["between", "and"])
-    for (first, second), overlap in clashes:
-        table.add(f"{overlap:.4f}", str(names[first]), str(names[second]))
-    table.print(rows, console)
+    table.print(clashes, lambda clash: (f"{clash[1]:.4f}", *(str(names[atom]) for atom in clash[0])), rows, console)
     table = _Table("residues with most clashes", ["clashes", "worst overlap (nm)"], ["residue"])
-    for entry in summary["residues"]:
-        table.add(entry["clashes"], f"{entry['worstOverlap']:.4f}", entry["residue"])
-    table.print(rows, console)
+    table.print(
+        summary["residues"],
+        lambda entry: (entry["clashes"], f"{entry['worstOverlap']:.4f}", entry["residue"]),
+        rows,
+        console,
+    )
 
 
 def _printFrames(summary, search, frames, rows, console):
-    names = search.finder.names
     frames = sorted(frames, key=lambda frame: len(frame.pairs), reverse=True)
     count = len(frames)
     word = "model" if summary["trajectory"] is None else "frame"
@@ -141,22 +141,24 @@ def _printFrames(summary, search, frames, rows, console):
         f"{summary['clashesPer1000Atoms']:.1f} per 1,000 atoms"
     )
     table = _Table(f"{word}s with most clashes", [word, "clashes", "per 1,000 atoms", "worst (nm)"], ["between", "and"])
-    for frame in frames:
-        if len(frame.pairs) > 0:
-            worst = np.argmax(frame.overlaps)
-            first, second = frame.pairs[worst]
-            numbers = [frame.number, len(frame.pairs), f"{frame.clashesPer1000Atoms:.1f}"]
-            table.add(*numbers, f"{frame.overlaps[worst]:.4f}", str(names[first]), str(names[second]))
-    table.print(rows, console)
+    clashing = [frame for frame in frames if len(frame.pairs) > 0]
+    table.print(clashing, lambda frame: _countsAndWorst(frame, search.finder.names), rows, console)
     table = _Table("most frequent clashes", [f"% of {word}s", "worst (nm)", f"in {word}"], ["between", "and"])
-    for entry in summary["pairs"]:
-        table.add(*_shareAndWorst(entry, count), *entry["atoms"])
-    table.print(rows, console)
+    table.print(summary["pairs"], lambda entry: (*_shareAndWorst(entry, count), *entry["atoms"]), rows, console)
     numbers = [f"a {word}", f"% of {word}s", "worst (nm)", f"in {word}"]
     table = _Table("residues with most clashes", numbers, ["residue"])
-    for entry in summary["residues"]:
-        table.add(f"{entry['clashes'] / count:.2f}", *_shareAndWorst(entry, count), entry["residue"])
-    table.print(rows, console)
+    table.print(
+        summary["residues"],
+        lambda entry: (f"{entry['clashes'] / count:.2f}", *_shareAndWorst(entry, count), entry["residue"]),
+        rows,
+        console,
+    )
+
+
+def _countsAndWorst(frame, names):
+    worst = np.argmax(frame.overlaps)
+    counts = frame.number, len(frame.pairs), f"{frame.clashesPer1000Atoms:.1f}"
+    return *counts, f"{frame.overlaps[worst]:.4f}", *(str(names[atom]) for atom in frame.pairs[worst])
 
 
 def _shareAndWorst(entry, frameCount):
@@ -174,22 +176,19 @@ class _Table:
         self._heading = heading
         self._numbers = numbers
         self._words = words
-        self._rows = []
 
-    def add(self, *cells):
-        self._rows.append([f"{cell:,}" if isinstance(cell, int) else cell for cell in cells])
-
-    def print(self, rows, console):
-        if not self._rows:
+    def print(self, entries, describe, rows, console):
+        """Print the first of some entries, of which a function makes the cells."""
+        if not entries:
             return
         table = Table(box=None, pad_edge=False, header_style="bold")
         for heading in self._numbers:
             table.add_column(heading, justify="right")
         for heading in self._words:
             table.add_column(heading)
-        for row in self._rows[:rows]:
-            table.add_row(*row)
-        left = len(self._rows) - rows
+        for entry in entries[:rows]:
+            table.add_row(*(f"{cell:,}" if isinstance(cell, int) else cell for cell in describe(entry)))
+        left = len(entries) - rows
         console.print()
         console.print(f"{self._heading}{f' ({left:,} more not shown)' if left > 0 else ''}:")
         console.print(table)
