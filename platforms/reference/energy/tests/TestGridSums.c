@@ -148,20 +148,13 @@ static void runTrials(const char* what, bool alone) {
   }
 }
 
-/* Two molecules in one place but for what they are `apart` along x; all far out along y. */
+/* Two molecules `apart` from each other along x, all far out along y. */
 static void describe(uint64_t seed, double apart, double farOut) {
   memset(&branches, 0, sizeof branches);
   branches.chance = seed;
   addMolecule(&branches, 75, ctFreeJoint, 0.2, 0.5);
   addMolecule(&branches, 57, ctFreeJoint, 0.2, 0.5);
-  double shift[3];
-  for (int d = 0; d < 3; d++) {
-    shift[d] = branches.positions[3 * 40 + d] - branches.positions[3 * 100 + d] + 0.1;
-  }
   for (int i = 0; i < branches.atomCount; i++) {
-    for (int d = 0; d < 3; d++) {
-      branches.positions[3 * i + d] += i < 75 ? 0 : shift[d];
-    }
     branches.radii[i] = 0;
     listed[i] = 1;
     charges[i] = drawReal(&branches) - 0.4;
