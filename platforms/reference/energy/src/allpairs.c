@@ -58,8 +58,8 @@ ctStatus ctAllPairsCreate(AllPairs* pairs, ctChainTree* tree, const ctEnergyDefi
     status = createNonbonded(pairs, d, slotOf, errorText, errorSize);
   }
   return status != ctSuccess ? status
-                             : ctPairSetsCreate(&pairs->sets, &pairs->leaves, d->scene, d->pairSetCount, d->pairSets,
-                                                slotOf, errorText, errorSize);
+                             : ctPairSetsCreate(&pairs->sets, &pairs->leaves, particleCount, d->pairSetCount,
+                                                d->pairSets, slotOf, errorText, errorSize);
 }
 
 void ctAllPairsFree(AllPairs* pairs) {

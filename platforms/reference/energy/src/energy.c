@@ -152,7 +152,7 @@ double ctGetPairEnergy(const ctEnergy* energy) {
 }
 
 double ctGetPairSetEnergy(const ctEnergy* energy, int pairSet) {
-  return ctPairSetsEnergy(&energy->pairs.sets, pairSet);
+  return ctLeafSumsTotal(&energy->pairs.sets.sums[pairSet].sums);
 }
 
 double ctGetTermEnergy(const ctEnergy* energy, int termSet) {

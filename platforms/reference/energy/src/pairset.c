@@ -101,25 +101,20 @@ static double exactPair(const PairSet* set, double squared, int slotA, int slotB
   return energy * switchFactor(t);
 }
 
-/* Coordinates of the particles of a leaf. */
-typedef struct LeafCoordinates {
-  double x[3][CT_LEAF_WIDTH];
-} LeafCoordinates;
-
 /* The energy of two leaves in double, where single precision does not suffice. */
-static double exactEnergy(const PairSet* set, const TapePair* pair, int a, int b, const LeafCoordinates* ofA,
-                          const LeafCoordinates* ofB) {
+static double exactEnergy(const PairSet* set, const TapePair* pair, int a, int b) {
+  const LeafFrame* frameA = pair->frames[0];
+  const LeafFrame* frameB = pair->frames[1];
   double sum = 0;
   for (unsigned rows = pair->occupied[0]; rows != 0; rows &= rows - 1) {
     const int k = __builtin_ctz(rows);
     unsigned others = pair->occupied[1] & (pair->allowed != NULL ? (unsigned)pair->allowed[k] : ~0u);
     for (; others != 0; others &= others - 1) {
       const int l = __builtin_ctz(others);
-      double squared = 0;
-      for (int d = 0; d < 3; d++) {
-        const double along = ofB->x[d][l] - ofA->x[d][k];
-        squared += along * along;
-      }
+      const double x = frameB->centre[0] - frameA->centre[0] + (double)frameB->x[l] - (double)frameA->x[k];
+      const double y = frameB->centre[1] - frameA->centre[1] + (double)frameB->y[l] - (double)frameA->y[k];
+      const double z = frameB->centre[2] - frameA->centre[2] + (double)frameB->z[l] - (double)frameA->z[k];
+      const double squared = x * x + y * y + z * z;
       if (squared < set->cutoff * set->cutoff) {
         const double energy = exactPair(set, squared, a * CT_LEAF_WIDTH + k, b * CT_LEAF_WIDTH + l);
         sum += pair->times != NULL ? pair->times[k][l] * energy : energy;
@@ -127,17 +122,6 @@ static double exactEnergy(const PairSet* set, const TapePair* pair, int a, int b
     }
   }
   return sum;
-}
-
-/* Those of a frame, from some point. */
-static LeafCoordinates fromPoint(const LeafFrame* frame, const double point[3]) {
-  LeafCoordinates coordinates;
-  for (int k = 0; k < CT_LEAF_WIDTH; k++) {
-    coordinates.x[0][k] = frame->centre[0] - point[0] + (double)frame->x[k];
-    coordinates.x[1][k] = frame->centre[1] - point[1] + (double)frame->y[k];
-    coordinates.x[2][k] = frame->centre[2] - point[2] + (double)frame->z[k];
-  }
-  return coordinates;
 }
 
 /* Which particles of two leaves count, and how often. */
@@ -148,11 +132,14 @@ typedef struct OpenedPair {
 } OpenedPair;
 
 /* False if no pair of particles counts. */
-static bool openPair(const PairSet* set, int a, int b, OpenedPair* opened) {
+static bool openPair(const PairSet* set, const FramedPair* framed, OpenedPair* opened) {
   const size_t width = (size_t)set->tape.columnCount * CT_LEAF_WIDTH;
+  const int a = framed->a;
+  const int b = framed->b;
   TapePair* pair = &opened->pair;
   uint16_t* allowed = opened->allowed;
-  *pair = (TapePair){.columns = {set->tape.columns + (size_t)a * width, set->tape.columns + (size_t)b * width},
+  *pair = (TapePair){.frames = {framed->frames[0], framed->frames[1]},
+                     .columns = {set->tape.columns + (size_t)a * width, set->tape.columns + (size_t)b * width},
                      .occupied = {set->occupied[a], set->occupied[b]}};
   if (set->hasGroups) {
     const GroupedPairs found = ctFindGroupedPairs(&set->groups, a, b, allowed, opened->times);
@@ -176,9 +163,7 @@ void ctPairSetEnergies(const void* model, int count, const FramedPair* pairs, do
   OpenedPair opened;
   for (int i = 0; i < count; i++) {
     energies[i] = 0;
-    if (openPair(set, pairs[i].a, pairs[i].b, &opened)) {
-      opened.pair.frames[0] = pairs[i].frames[0];
-      opened.pair.frames[1] = pairs[i].frames[1];
+    if (openPair(set, &pairs[i], &opened)) {
       if (tape->isExact) {
         energies[i] = NAN;
         continue;
@@ -191,79 +176,8 @@ void ctPairSetEnergies(const void* model, int count, const FramedPair* pairs, do
   }
   set->kernels->finish(tape, &set->range, energies);
   for (int i = 0; i < count; i++) {
-    if (!isfinite(energies[i]) && openPair(set, pairs[i].a, pairs[i].b, &opened)) {
-      const double* point = pairs[i].frames[0]->centre;
-      const LeafCoordinates ofA = fromPoint(pairs[i].frames[0], point);
-      const LeafCoordinates ofB = fromPoint(pairs[i].frames[1], point);
-      energies[i] = exactEnergy(set, &opened.pair, pairs[i].a, pairs[i].b, &ofA, &ofB);
+    if (!isfinite(energies[i]) && openPair(set, &pairs[i], &opened)) {
+      energies[i] = exactEnergy(set, &opened.pair, pairs[i].a, pairs[i].b);
     }
   }
-}
-
-/* ---- On the grid ---- */
-
-/* Of two leaves of which one at least is wide, which pairs may be within the cutoff: the grid does not tell. */
-static void allowNear(const LeafGrid* a, const LeafGrid* b, OpenedPair* opened) {
-  const ctLeafPositions* p = a->positions;
-  const ctLeafPositions* q = b->positions;
-  for (int k = 0; k < CT_LEAF_WIDTH; k++) {
-    unsigned near = 0;
-    for (int l = 0; l < CT_LEAF_WIDTH; l++) {
-      const bool isNear = fabs(q->x[l] - p->x[k]) < 2 * MOST_GRID_CUTOFF &&
-                          fabs(q->y[l] - p->y[k]) < 2 * MOST_GRID_CUTOFF &&
-                          fabs(q->z[l] - p->z[k]) < 2 * MOST_GRID_CUTOFF;
-      near |= isNear ? 1u << l : 0;
-    }
-    opened->allowed[k] = (uint16_t)(near & (opened->pair.allowed != NULL ? opened->allowed[k] : ~0u));
-  }
-  opened->pair.allowed = opened->allowed;
-}
-
-void ctPairSetAddOnGrid(const PairSet* set, const LeafOnGrid* rowSide, const LeafOnGrid* columnSide, unsigned rows,
-                        bool isSwapped, GridSum* sum) {
-  const size_t width = (size_t)set->tape.columnCount * CT_LEAF_WIDTH;
-  const int a = rowSide->leaf;
-  const int b = columnSide->leaf;
-  const bool isWide = rowSide->grid->isWide || columnSide->grid->isWide;
-  OpenedPair opened;
-  GridPair pair = {.grids = {rowSide->grid, columnSide->grid},
-                   .columns = {set->tape.columns + (size_t)a * width, set->tape.columns + (size_t)b * width},
-                   .sections = {rowSide->sections, columnSide->sections},
-                   .rows = rows & set->occupied[a],
-                   .occupied = set->occupied[b],
-                   .isSwapped = isSwapped};
-  if (isWide || set->hasGroups || pairMaskOf(&set->mask, a, b) != NULL) {
-    pair.rows = openPair(set, a, b, &opened) ? pair.rows : 0;
-    if (isWide) {
-      allowNear(rowSide->grid, columnSide->grid, &opened);
-    }
-    pair.allowed = opened.pair.allowed;
-    pair.times = opened.pair.times;
-  }
-  if (rows == 0xffff && !isWide) {
-    pair.rows = set->kernels->rowsOnGrid(&pair, &set->range);
-  }
-  set->kernels->addOnGrid(&set->tape, &pair, &set->range, sum);
-}
-
-/* In the world, on the grid; no coordinate is 32 nm off. */
-static LeafCoordinates fromGrid(const LeafGrid* grid) {
-  LeafCoordinates coordinates;
-  const ctLeafPositions* own = grid->positions;
-  for (int k = 0; k < CT_LEAF_WIDTH; k++) {
-    coordinates.x[0][k] = rint(own->x[k] * GRID_STEPS) / GRID_STEPS;
-    coordinates.x[1][k] = rint(own->y[k] * GRID_STEPS) / GRID_STEPS;
-    coordinates.x[2][k] = rint(own->z[k] * GRID_STEPS) / GRID_STEPS;
-  }
-  return coordinates;
-}
-
-double ctPairSetExactOnGrid(const PairSet* set, int a, int b, const LeafGrid* gridA, const LeafGrid* gridB) {
-  OpenedPair opened;
-  if (!openPair(set, a, b, &opened)) {
-    return 0;
-  }
-  const LeafCoordinates ofA = fromGrid(gridA);
-  const LeafCoordinates ofB = fromGrid(gridB);
-  return exactEnergy(set, &opened.pair, a, b, &ofA, &ofB);
 }

@@ -25,21 +25,6 @@ ctStatus ctPairSetCreate(PairSet* set, const ctChainTree* tree, int particleCoun
                          int number, const int* slotOf, char* errorText, size_t errorSize);
 void ctPairSetFree(PairSet* set);
 
-/* A leaf on the grid. */
-typedef struct LeafOnGrid {
-  int leaf;
-  const LeafGrid* grid;
-  const LeafSections* sections;
-} LeafOnGrid;
-
-/* Adds pairs of particles of two leaves to the batch: some of the first one, given as bits, with all of the second. See
- * addOnGrid of TapeKernels. */
-void ctPairSetAddOnGrid(const PairSet* set, const LeafOnGrid* rowSide, const LeafOnGrid* columnSide, unsigned rows,
-                        bool isSwapped, GridSum* sum);
-
-/* The energy of two leaves on the grid in double, where single precision does not suffice. */
-double ctPairSetExactOnGrid(const PairSet* set, int a, int b, const LeafGrid* gridA, const LeafGrid* gridB);
-
 /* A LeafPairFunction of a PairSet, of which only scratch changes. */
 void ctPairSetEnergies(const void* model, int count, const FramedPair* pairs, double* energies);
 

@@ -2,10 +2,8 @@
 #ifndef CT_TAPE_H_
 #define CT_TAPE_H_
 
-#include "leafgrid.h"
 #include "leafpair.h"
 #include "pairexpression.h"
-#include "sectionsums.h"
 #include "tapegraph.h"
 
 /* A pair of leaves has at most so many pairs of particles. */
@@ -44,29 +42,12 @@ typedef struct TapeStep {
  * few that results stay near. At least those of two leaves. */
 enum { MOST_SIXTEENS = 32, MOST_BATCH = MOST_SIXTEENS * CT_LEAF_WIDTH };
 
-/* What pairs of particles of two leaves on the grid have. */
-typedef struct GridSum {
-  int64_t total;              /* less what is chosen of the table before */
-  SectionTable* table;        /* by sections of rows, and of columns; NULL: not wanted */
-  const SectionTable* before; /* read with a table alone; NULL: none */
-  uint16_t chosen;            /* bits of its numbers */
-  bool isExact;               /* no pair's energy is too large or no number; else the others have no meaning */
-  bool isEmpty;               /* no pair counts */
-} GridSum;
-
 /* The pairs of particles of two leaves, in a batch. */
 typedef struct TapePart {
   int number; /* the caller's */
   int begin;  /* its first sixteen */
   int pairCount;
   bool hasTimes;
-
-  /* On the grid: */
-  GridSum* sum;
-  const LeafSections* rowSections;
-  const LeafSections* columnSections;
-  unsigned rows;                 /* bits */
-  uint16_t masks[CT_LEAF_WIDTH]; /* per row, bits: the columns that it has pairs with */
 } TapePart;
 
 /* Pairs of particles of some pairs of leaves: those that count, without gaps but at the end of a part. */
@@ -77,8 +58,7 @@ typedef struct TapeBatch {
   const float* columns[2][MOST_SIXTEENS]; /* of both leaves, for each sixteen */
   /* Sixteen times the slot of the first leaf, plus that of the second. */
   int places[MOST_BATCH + CT_LEAF_WIDTH];
-  float times[MOST_BATCH];                    /* how often a pair counts, where a part has times */
-  float energies[MOST_BATCH + CT_LEAF_WIDTH]; /* of pairs, on the grid */
+  float times[MOST_BATCH]; /* how often a pair counts, where a part has times */
 } TapeBatch;
 
 typedef struct Tape {
@@ -106,18 +86,6 @@ typedef struct TapePair {
   const uint16_t* allowed;           /* per slot of the first leaf, bits: slots of the second that count; NULL: all */
   const int (*times)[CT_LEAF_WIDTH]; /* how often each pair counts; NULL: once */
 } TapePair;
-
-/* The same on the grid: some particles of one leaf, the rows, with those of another, the columns. */
-typedef struct GridPair {
-  const LeafGrid* grids[2]; /* of rows and columns, as all up to `times` */
-  const float* columns[2];
-  const LeafSections* sections[2];
-  unsigned rows;     /* bits */
-  unsigned occupied; /* of the columns' leaf */
-  const uint16_t* allowed;
-  const int (*times)[CT_LEAF_WIDTH];
-  bool isSwapped; /* the rows' leaf is the second of the two */
-} GridPair;
 
 /* How pairs count by their distance; see ctPairSet. */
 typedef struct TapeRange {

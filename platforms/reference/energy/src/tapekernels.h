@@ -11,14 +11,6 @@ typedef struct TapeKernels {
   /* Computes the energies of all that was added, energies[number], and empties the batch. An energy is not finite where
    * single precision does not suffice. */
   void (*finish)(const Tape* tape, const TapeRange* range, double* energies);
-  /* Puts the particles of a leaf, of which there is one at least, on the grid. */
-  void (*makeGrid)(const ctLeafPositions* positions, unsigned occupied, LeafGrid* grid);
-  /* The rows of a pair that may be within the cutoff of a column. Neither leaf is wide. */
-  unsigned (*rowsOnGrid)(const GridPair* pair, const TapeRange* range);
-  /* As the first two for leaves on the grid: `sum`, whose tables are set, is written when all is finished, and has to
-   * stay until then. */
-  void (*addOnGrid)(const Tape* tape, const GridPair* pair, const TapeRange* range, GridSum* sum);
-  void (*finishOnGrid)(const Tape* tape, const TapeRange* range);
   /* The energy of pairs of particles, as above. The batch has to be empty. */
   double (*energy)(const Tape* tape, const TapePair* pair, const TapeRange* range);
   /* Adds to the sum of each slot of the first leaf what it has with the second. Range has no switch, and pairs count

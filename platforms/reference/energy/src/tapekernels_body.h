@@ -58,11 +58,7 @@ static bool add(const Tape* tape, const TapePair* pair, const TapeRange* range, 
   if (count == 0) {
     return false;
   }
-  TapePart* part = &batch->parts[batch->partCount++];
-  part->number = number;
-  part->begin = batch->count;
-  part->pairCount = count;
-  part->hasTimes = pair->times != NULL;
+  batch->parts[batch->partCount++] = (TapePart){number, batch->count, count, pair->times != NULL};
   const int sixteens = (count + CT_LEAF_WIDTH - 1) / CT_LEAF_WIDTH;
   for (int v = batch->count; v < batch->count + sixteens; v++) {
     batch->columns[0][v] = pair->columns[0];
@@ -168,15 +164,4 @@ static bool addRows(const Tape* tape, const TapePair* pair, const TapeRange* ran
   return true;
 }
 
-#include "tapegrid_body.h"
-
-const TapeKernels TAPE_KERNELS = {
-    .add = add,
-    .finish = finish,
-    .makeGrid = makeGrid,
-    .rowsOnGrid = rowsOnGrid,
-    .addOnGrid = addOnGrid,
-    .finishOnGrid = finishOnGrid,
-    .energy = energy,
-    .addRows = addRows,
-};
+const TapeKernels TAPE_KERNELS = {.add = add, .finish = finish, .energy = energy, .addRows = addRows};

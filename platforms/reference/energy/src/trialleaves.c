@@ -135,17 +135,13 @@ const LeafFrame* ctTrialFrame(TrialLeaves* leaves, int leaf) {
   return leaves->frameInTrial[leaf];
 }
 
-void ctMarkMovedLeaves(const TrialLeaves* leaves, bool* isMoved) {
+void ctTrialLeavesAccept(TrialLeaves* leaves) {
   for (int i = 0; i < leaves->pieceCount; i++) {
     if (leaves->pieces[i].body != 0) {
       const int end = i + 1 < leaves->pieceCount ? leaves->pieces[i + 1].slotBegin : leaves->leafCount * CT_LEAF_WIDTH;
       for (int leaf = leaves->pieces[i].slotBegin / CT_LEAF_WIDTH; leaf * CT_LEAF_WIDTH < end; leaf++) {
-        isMoved[leaf] = true;
+        leaves->frameIsStale[leaf] = true;
       }
     }
   }
-}
-
-void ctTrialLeavesAccept(TrialLeaves* leaves) {
-  ctMarkMovedLeaves(leaves, leaves->frameIsStale);
 }

@@ -47,9 +47,6 @@ ctStatus ctTrialLeavesRefresh(TrialLeaves* leaves, size_t* count, const ctLeafPa
 /* Finds the pairs of leaves that the open trial changes, and where leaves are in it. */
 ctStatus ctTrialLeavesOpen(TrialLeaves* leaves, ctCounts* counts);
 
-/* Sets the flags of leaves of which the trial moves some slots. */
-void ctMarkMovedLeaves(const TrialLeaves* leaves, bool* isMoved);
-
 /* Takes notice that the trial has become the state. */
 void ctTrialLeavesAccept(TrialLeaves* leaves);
 
