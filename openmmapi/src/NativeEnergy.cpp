@@ -111,32 +111,54 @@ const EnergyPlan& NativeEnergy::getPlan()
     return plan;
 }
 
-string NativeEnergy::describeForeignForces(int groups) const
-{
-    vector<string> names;
-    for (size_t i = 0; i < plan.getEntries().size(); i++) {
-        const EnergyPlan::Entry& entry = plan.getEntries()[i];
-        if (entry.kind == EnergyPlan::Foreign && (entry.groups & groups) != 0)
-            names.push_back("force " + to_string(i) + ", " + entry.name);
-    }
-    string list = names.size() > 1 ? "one of " : "";
-    for (size_t i = 0; i < names.size(); i++)
-        list += (i > 0 ? "; " : "") + names[i];
-    return list;
-}
-
 // ---- The state ----
 
+bool NativeEnergy::isPossible(double energy)
+{
+    return energy > -numeric_limits<double>::infinity();
+}
+
 /**
- * Throw an exception if a Force has an energy that no state can have: NaN, or minus infinity.
+ * Throw an exception about an energy that no state can have. The Forces that have it come after a colon, if any.
+ */
+[[noreturn]] static void fail(const vector<string>& forces)
+{
+    string message = "TorsionMonteCarloIntegrator: the energy of the integration force groups is not a number";
+    for (size_t i = 0; i < forces.size(); i++)
+        message += (i > 0 ? "; " : forces.size() > 1 ? ": that of one of " : ": that of ") + forces[i];
+    throw OpenMMException(message);
+}
+
+static string describe(const EnergyPlan& plan, size_t force)
+{
+    return "force " + to_string(force) + ", " + plan.getEntries()[force].name;
+}
+
+/**
+ * Throw an exception if a native Force has an energy that no state can have.
  */
 void NativeEnergy::checkNumbers(const vector<double>& energies) const
 {
     for (size_t i = 0; i < energies.size(); i++)
-        if (!(energies[i] > -numeric_limits<double>::infinity()))
-            throw OpenMMException("TorsionMonteCarloIntegrator: the energy of the integration force groups is not a "
-                                  "number: that of force " +
-                                  to_string(i) + ", " + plan.getEntries()[i].name);
+        if (!isPossible(energies[i]))
+            fail({describe(plan, i)});
+}
+
+void NativeEnergy::refuseState(TrialSession& trials) const
+{
+    int failing = 0;
+    for (int group = 0; group < numeric_limits<unsigned int>::digits; group++) {
+        const int mask = foreignGroups & (int)(1u << group);
+        if (mask != 0 && !isPossible(trials.computeOtherEnergyOfState(mask)))
+            failing |= mask;
+    }
+    if (failing == 0)
+        failing = foreignGroups; // infinite energies of different signs
+    vector<string> forces;
+    for (size_t i = 0; i < plan.getEntries().size(); i++)
+        if (plan.getEntries()[i].kind == EnergyPlan::Foreign && (plan.getEntries()[i].groups & failing) != 0)
+            forces.push_back(describe(plan, i));
+    fail(forces);
 }
 
 /**
@@ -269,7 +291,7 @@ double NativeEnergy::computeValuesChange()
     const double before = sumOf(updateValues());
     kernel.computeValueEnergies(true, proposedValues);
     const double after = sumOf(proposedValues);
-    if (!(after > -numeric_limits<double>::infinity()))
+    if (!isPossible(after))
         return numeric_limits<double>::quiet_NaN();
     const double change = after == before ? 0 : after - before;
     computedChange += change;

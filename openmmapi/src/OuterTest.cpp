@@ -1,5 +1,4 @@
 #include "openmmchaintree/internal/OuterTest.h"
-#include "openmm/OpenMMException.h"
 #include "openmm/reference/SimTKOpenMMRealType.h"
 #include "openmmchaintree/internal/StateNumber.h"
 #include <cmath>
@@ -62,14 +61,6 @@ void OuterStatistics::read(const SerializationNode& node)
 // ---- Tests ----
 
 /**
- * Get whether a difference of energies is one that a state can have: neither NaN nor minus infinity.
- */
-static bool isEnergy(double energy)
-{
-    return energy > -numeric_limits<double>::infinity();
-}
-
-/**
  * Get by how much an energy changes. From one infinity to the other is no change.
  */
 static double changeOf(double before, double after)
@@ -87,9 +78,8 @@ OuterTest::OuterTest(TrialSession& trials, NativeEnergy& native, EnergyStages& s
     if (size == 0)
         return;
     start = computeEnergies();
-    if (!isEnergy(start.difference))
-        throw OpenMMException(
-            "TorsionMonteCarloIntegrator: the energy of the integration force groups is not a number");
+    if (!NativeEnergy::isPossible(start.difference))
+        native.refuseState(trials);
 }
 
 OuterTest::~OuterTest()
@@ -152,7 +142,7 @@ bool OuterTest::decide(const Energies& proposed, double drawn)
     const double change = changeOf(start.difference, proposed.difference);
     if (isfinite(change))
         statistics.add(change);
-    if (!isEnergy(proposed.difference))
+    if (!NativeEnergy::isPossible(proposed.difference))
         return false;
     if (temperature == 0)
         return changeOf(start.difference + start.inner, proposed.difference + proposed.inner) <= 0;

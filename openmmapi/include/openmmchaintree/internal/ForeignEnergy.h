@@ -36,7 +36,6 @@ public:
     }
 
 private:
-    [[noreturn]] void fail(TrialSession& trials) const;
     const NativeEnergy& native;
     /** The groups that are evaluated. */
     int groups;

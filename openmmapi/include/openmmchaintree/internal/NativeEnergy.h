@@ -103,9 +103,14 @@ public:
         endTrial();
     }
     /**
-     * Name the foreign Forces of some groups, for a message.
+     * Get whether an energy is one that a state can have: neither NaN nor minus infinity, whose probability no other
+     * state would have a part of.
      */
-    std::string describeForeignForces(int groups) const;
+    static bool isPossible(double energy);
+    /**
+     * Throw an exception: the state has no such energy. It names the foreign Forces whose groups have none.
+     */
+    [[noreturn]] void refuseState(TrialSession& trials) const;
     /**
      * Get the force groups that OpenMM has to evaluate for the foreign Forces; 0 if there are none.
      */
