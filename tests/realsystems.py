@@ -128,9 +128,10 @@ def makeSystem(
     name, forceField="amber14-all.xml", method="no cutoff", steric=True, solvent=None, options=None, **choice
 ):
     """Return a System, its topology and positions. Without steric, no particle has a radius. The file of an implicit
-    solvent can have options.
+    solvent can have options. The positions are the caller's to change.
     """
     topology, positions = readSystem(name, forceField)
+    positions = positions.copy()
     files = [forceField] if solvent is None else [forceField, solvent]
     settings = {key: value * unit.nanometer if "utoff" in key else value for key, value in METHODS[method].items()}
     system = app.ForceField(*files).createSystem(topology, **settings, **(options or {}))
