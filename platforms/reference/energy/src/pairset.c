@@ -168,10 +168,7 @@ void ctPairSetEnergies(const void* model, int count, const FramedPair* pairs, do
         energies[i] = NAN;
         continue;
       }
-      set->kernels->add(tape, &opened.pair, &set->range, i);
-      if (tape->batch->count > MOST_SIXTEENS - CT_LEAF_WIDTH) {
-        set->kernels->finish(tape, &set->range, energies);
-      }
+      set->kernels->add(tape, &opened.pair, &set->range, i, energies);
     }
   }
   set->kernels->finish(tape, &set->range, energies);

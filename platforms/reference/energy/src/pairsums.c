@@ -18,7 +18,7 @@ void ctPairSumsFree(PairSums* pairs) {
 }
 
 /* Pairs of leaves that are summed over at a time. */
-enum { MOST_AT_A_TIME = 16 };
+enum { MOST_AT_A_TIME = 32 };
 
 ctStatus ctPairSumsRefresh(PairSums* pairs, size_t count, const ctLeafPair* near) {
   FramedPair framed[MOST_AT_A_TIME];

@@ -40,7 +40,7 @@ typedef struct TapeStep {
 
 /* Sixteen pairs of particles each that a tape runs on at a time: so many that going from step to step costs little, so
  * few that results stay near. At least those of two leaves. */
-enum { MOST_SIXTEENS = 32, MOST_BATCH = MOST_SIXTEENS * CT_LEAF_WIDTH };
+enum { MOST_SIXTEENS = 64, MOST_BATCH = MOST_SIXTEENS * CT_LEAF_WIDTH };
 
 /* The pairs of particles of two leaves, in a batch. */
 typedef struct TapePart {
@@ -55,7 +55,7 @@ typedef struct TapeBatch {
   int count; /* sixteens */
   int partCount;
   TapePart parts[MOST_SIXTEENS];
-  const float* columns[2][MOST_SIXTEENS]; /* of both leaves, for each sixteen */
+  const float* columns[2][MOST_SIXTEENS + CT_LEAF_WIDTH]; /* of both leaves, for each sixteen */
   /* Sixteen times the slot of the first leaf, plus that of the second. */
   int places[MOST_BATCH + CT_LEAF_WIDTH];
   float times[MOST_BATCH]; /* how often a pair counts, where a part has times */

@@ -8,16 +8,11 @@
 
 /* ---- Pairs ---- */
 
-/* Lists the pairs of two leaves that count behind those of the batch; returns how many. */
-static int listPairs(const TapePair* pair, const TapeRange* range, float* squares, int* places) {
+/* Lists those of some rows that count behind those of the batch; returns how many. The second leaf is shifted. */
+CT_INLINE int listPairs(const TapePair* pair, const TapeRange* range, unsigned rows, const float shift[3],
+                        float* squares, int* places) {
   const LeafFrame* a = pair->frames[0];
   const LeafFrame* b = pair->frames[1];
-  float shift[3];
-  shiftBetween(a, b, shift);
-  unsigned rows = pair->occupied[0];
-  if (range->hasCutoff) {
-    rows &= rowsNear(a, b, shift, range->squaredCutoff);
-  }
   const Float16 xb = add16(load16(b->x), all16(shift[0]));
   const Float16 yb = add16(load16(b->y), all16(shift[1]));
   const Float16 zb = add16(load16(b->z), all16(shift[2]));
@@ -39,36 +34,13 @@ static int listPairs(const TapePair* pair, const TapeRange* range, float* square
     count += pack16(mask, squared, CT_LEAF_WIDTH * k, squares + count, places + count);
   }
   /* What fills the last sixteen has to be as harmless as the others. */
-  for (int i = count; count > 0 && i % CT_LEAF_WIDTH != 0; i++) {
-    squares[i] = squares[0];
-    places[i] = places[0];
-  }
+  store16(squares + count, all16(squares[0]));
+  storeInts16(places + count, allInts16(places[0]));
   return count;
 }
 
 static int rowOf(int place) {
   return place / CT_LEAF_WIDTH;
-}
-
-static bool add(const Tape* tape, const TapePair* pair, const TapeRange* range, int number) {
-  TapeBatch* batch = tape->batch;
-  const int begin = batch->count * CT_LEAF_WIDTH;
-  int* places = batch->places + begin;
-  const int count = listPairs(pair, range, tape->scratch + tape->squaredBegin + begin, places);
-  if (count == 0) {
-    return false;
-  }
-  batch->parts[batch->partCount++] = (TapePart){number, batch->count, count, pair->times != NULL};
-  const int sixteens = (count + CT_LEAF_WIDTH - 1) / CT_LEAF_WIDTH;
-  for (int v = batch->count; v < batch->count + sixteens; v++) {
-    batch->columns[0][v] = pair->columns[0];
-    batch->columns[1][v] = pair->columns[1];
-  }
-  batch->count += sixteens;
-  for (int i = 0; pair->times != NULL && i < sixteens * CT_LEAF_WIDTH; i++) {
-    batch->times[begin + i] = (float)pair->times[rowOf(places[i])][places[i] % CT_LEAF_WIDTH];
-  }
-  return true;
 }
 
 static void empty(TapeBatch* batch) {
@@ -124,9 +96,44 @@ static void finish(const Tape* tape, const TapeRange* range, double* energies) {
   empty(tape->batch);
 }
 
+static bool add(const Tape* tape, const TapePair* pair, const TapeRange* range, int number, double* energies) {
+  TapeBatch* batch = tape->batch;
+  float shift[3];
+  shiftBetween(pair->frames[0], pair->frames[1], shift);
+  unsigned rows = pair->occupied[0];
+  if (range->hasCutoff) {
+    rows &= rowsNear(pair->frames[0], pair->frames[1], shift, range->squaredCutoff);
+  }
+  energies[number] = 0;
+  if (rows == 0) {
+    return false;
+  }
+  if (batch->count + __builtin_popcount(rows) > MOST_SIXTEENS) {
+    finish(tape, range, energies);
+  }
+  const int begin = batch->count * CT_LEAF_WIDTH;
+  int* places = batch->places + begin;
+  const int count = listPairs(pair, range, rows, shift, tape->scratch + tape->squaredBegin + begin, places);
+  if (count == 0) {
+    return false;
+  }
+  batch->parts[batch->partCount++] = (TapePart){number, batch->count, count, pair->times != NULL};
+  const int sixteens = (count + CT_LEAF_WIDTH - 1) / CT_LEAF_WIDTH;
+  /* As many as there can be: to count would cost more than to write. */
+  for (int v = 0; v < CT_LEAF_WIDTH; v++) {
+    batch->columns[0][batch->count + v] = pair->columns[0];
+    batch->columns[1][batch->count + v] = pair->columns[1];
+  }
+  batch->count += sixteens;
+  for (int i = 0; pair->times != NULL && i < sixteens * CT_LEAF_WIDTH; i++) {
+    batch->times[begin + i] = (float)pair->times[rowOf(places[i])][places[i] % CT_LEAF_WIDTH];
+  }
+  return true;
+}
+
 static double energy(const Tape* tape, const TapePair* pair, const TapeRange* range) {
   double sum = 0;
-  if (add(tape, pair, range, 0)) {
+  if (add(tape, pair, range, 0, &sum)) {
     finish(tape, range, &sum);
   }
   return sum;
@@ -135,7 +142,8 @@ static double energy(const Tape* tape, const TapePair* pair, const TapeRange* ra
 static bool addRows(const Tape* tape, const TapePair* pair, const TapeRange* range, double sums[CT_LEAF_WIDTH]) {
   TapeBatch* batch = tape->batch;
   double ofRows[CT_LEAF_WIDTH] = {0};
-  if (!add(tape, pair, range, 0)) {
+  double none;
+  if (!add(tape, pair, range, 0, &none)) {
     return true;
   }
   runSteps(tape);
