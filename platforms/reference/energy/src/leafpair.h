@@ -2,12 +2,13 @@
 #ifndef CT_LEAFPAIR_H_
 #define CT_LEAFPAIR_H_
 
+#include "cachelines.h"
 #include "ctenergy.h"
 
 /* Where the particles of a leaf are, in single precision: from a centre among them, so that rounding does not grow with
  * the scene. Centres are multiples of FRAME_GRID, so that the float from one centre to another is exact. */
 typedef struct LeafFrame {
-  float x[CT_LEAF_WIDTH]; /* of a slot without a particle: NOWHERE */
+  _Alignas(CACHE_LINE) float x[CT_LEAF_WIDTH]; /* of a slot without a particle: NOWHERE */
   float y[CT_LEAF_WIDTH];
   float z[CT_LEAF_WIDTH];
   float low[3]; /* a box around all particles */

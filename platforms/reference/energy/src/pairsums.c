@@ -43,16 +43,24 @@ ctStatus ctPairSumsRefresh(PairSums* pairs, size_t count, const ctLeafPair* near
   return ctSuccess;
 }
 
-/* Stages the sums of these pairs, and adds by how much they change. */
+/* Stages the sums of these pairs, and adds by how much they change. Sums of the state are fetched while new ones are
+ * computed. */
 static void stageFew(PairSums* pairs, int count, const FramedPair* framed, double* change) {
   double sums[MOST_AT_A_TIME];
+  StagedSum* staged = pairs->staged + pairs->stagedCount;
+  for (int i = 0; i < count; i++) {
+    const int kept = ctLeafSumsFind(&pairs->sums, framed[i].a, framed[i].b);
+    staged[i] = (StagedSum){framed[i].a, framed[i].b, kept, 0};
+    if (kept != ABSENT) {
+      __builtin_prefetch(&pairs->sums.rows[framed[i].a].sums[kept]);
+    }
+  }
   pairs->function(pairs->model, count, framed, sums);
   for (int i = 0; i < count; i++) {
-    const int a = framed[i].a;
-    const int kept = ctLeafSumsFind(&pairs->sums, a, framed[i].b);
-    pairs->staged[pairs->stagedCount++] = (StagedSum){a, framed[i].b, kept, sums[i]};
-    *change += changeOf(kept != ABSENT ? pairs->sums.rows[a].sums[kept] : 0, sums[i]);
+    staged[i].sum = sums[i];
+    *change += changeOf(staged[i].kept != ABSENT ? pairs->sums.rows[staged[i].a].sums[staged[i].kept] : 0, sums[i]);
   }
+  pairs->stagedCount += count;
 }
 
 /* Computes the sums of those changed pairs that are near, or of the others, and by how much these change. */
@@ -68,6 +76,7 @@ static ctStatus stage(PairSums* pairs, bool near, double* change) {
   for (int i = 0; i < leaves->changedCount; i++) {
     const ChangedPair* pair = &leaves->changed[i];
     if (pair->isNear == near && ctIsWithin(pair->squaredGap, pairs->cutoff)) {
+      __builtin_prefetch(pairs->sums.rows[pair->a].leaves); /* to be searched soon */
       const LeafFrame* frameA = ctTrialFrame(leaves, pair->a);
       framed[few++] = (FramedPair){pair->a, pair->b, {frameA, ctTrialFrame(leaves, pair->b)}};
       if (few == MOST_AT_A_TIME) {

@@ -10,8 +10,6 @@
 
 enum { UNUSED = -1 };
 
-enum { CACHE_LINE = 64 }; /* bytes */
-
 /* ---- Steps ---- */
 
 /* True for a sum, difference or product of columns of both sides, which a step reads itself. */
@@ -250,10 +248,9 @@ static bool makeSteps(Tape* tape, const TapeGraph* graph) {
     tape->result = values[graph->root];
     /* Listing pairs may write a row beyond the end. */
     const size_t size = (size_t)lines.firstBegin + (size_t)lines.count * MOST_BATCH + CT_LEAF_WIDTH;
-    tape->memory = calloc(size + CACHE_LINE / sizeof *tape->memory, sizeof *tape->memory);
-    tape->batch = calloc(1, sizeof *tape->batch);
-    isMade = tape->memory != NULL && tape->batch != NULL;
-    tape->scratch = isMade ? tape->memory + (CACHE_LINE - (uintptr_t)tape->memory % CACHE_LINE) / sizeof(float) : NULL;
+    tape->scratch = allocateLines(size, sizeof *tape->scratch);
+    tape->batch = allocateLines(1, sizeof *tape->batch);
+    isMade = tape->scratch != NULL && tape->batch != NULL;
   }
   for (int i = 0; isMade && i < graph->nodeCount; i++) {
     if (graph->nodes[i].kind == ctConstantOperator && lastUse[i] != UNUSED) {
@@ -329,7 +326,8 @@ static double* evaluateAlone(const Tape* tape, const ctPairSet* set, int particl
 }
 
 static bool makeColumns(Tape* tape, int leafCount) {
-  tape->columns = calloc((size_t)tape->columnCount * CT_LEAF_WIDTH * (size_t)leafCount + 1, sizeof *tape->columns);
+  const size_t count = (size_t)tape->columnCount * CT_LEAF_WIDTH * (size_t)leafCount;
+  tape->columns = allocateLines(count, sizeof *tape->columns);
   return tape->columns != NULL;
 }
 
@@ -362,9 +360,9 @@ void ctTapeFree(Tape* tape) {
   free(tape->tables);
   ctPairExpressionFree(&tape->expression);
   free(tape->steps);
-  free(tape->memory);
-  free(tape->batch);
+  freeLines(tape->scratch);
+  freeLines(tape->batch);
   free(tape->columnKinds);
-  free(tape->columns);
+  freeLines(tape->columns);
   *tape = (Tape){0};
 }

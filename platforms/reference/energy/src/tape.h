@@ -57,8 +57,8 @@ typedef struct TapeBatch {
   TapePart parts[MOST_SIXTEENS];
   const float* columns[2][MOST_SIXTEENS + CT_LEAF_WIDTH]; /* of both leaves, for each sixteen */
   /* Sixteen times the slot of the first leaf, plus that of the second. */
-  int places[MOST_BATCH + CT_LEAF_WIDTH];
-  float times[MOST_BATCH]; /* how often a pair counts, where a part has times */
+  _Alignas(CACHE_LINE) int places[MOST_BATCH + CT_LEAF_WIDTH];
+  _Alignas(CACHE_LINE) float times[MOST_BATCH]; /* how often a pair counts, where a part has times */
 } TapeBatch;
 
 typedef struct Tape {
@@ -66,8 +66,7 @@ typedef struct Tape {
   TapeStep* steps;
   int squaredBegin; /* where the squares of distances go in the scratch */
   TapeValue result;
-  float* memory;
-  float* scratch; /* in it, where a line of the cache begins */
+  float* scratch;
   TapeBatch* batch;
   int columnCount; /* that steps read */
   TapeColumn* columnKinds;

@@ -69,22 +69,20 @@ static double energyOfPart(const Tape* tape, const TapeRange* range, const TapeP
   const int last = part->begin + (part->pairCount - 1) / CT_LEAF_WIDTH;
   const int inLast = part->pairCount - (last - part->begin) * CT_LEAF_WIDTH;
   Sum16 sum = zeroSum16();
-  for (int v = part->begin; v <= last; v += SUMMED_IN_FLOAT) {
-    const int end = v + SUMMED_IN_FLOAT - 1 < last ? v + SUMMED_IN_FLOAT - 1 : last;
-    Float16 few = all16(0);
-    for (int i = v; i <= end; i++) {
-      Float16 value = load16(values + i * step);
-      if (isWeighted) {
-        value = weighted(tape, range, part, i, value);
-      }
-      if (i == last) {
-        value = keep16((2u << (inLast - 1)) - 1, value);
-      }
-      few = add16(few, value);
+  Float16 few = all16(0);
+  for (int v = part->begin; v < last; v++) {
+    const Float16 value = load16(values + v * step);
+    few = add16(few, isWeighted ? weighted(tape, range, part, v, value) : value);
+    if ((v - part->begin) % SUMMED_IN_FLOAT == SUMMED_IN_FLOAT - 1) {
+      sum = addToSum16(sum, few);
+      few = all16(0);
     }
-    sum = addToSum16(sum, few);
   }
-  return total16(sum);
+  Float16 value = load16(values + last * step);
+  if (isWeighted) {
+    value = weighted(tape, range, part, last, value);
+  }
+  return total16(addToSum16(sum, add16(few, keep16((2u << (inLast - 1)) - 1, value))));
 }
 
 static void finish(const Tape* tape, const TapeRange* range, double* energies) {

@@ -26,9 +26,9 @@ bool ctTrialLeavesCreate(TrialLeaves* leaves, ctChainTree* tree, double cutoff, 
   *leaves = (TrialLeaves){.tree = tree, .cutoff = cutoff, .leafCount = leafCount};
   leaves->kernels = ctFindKernels(ctGetInstructionSet(tree));
   leaves->occupied = calloc(size, sizeof *leaves->occupied);
-  leaves->frames = calloc(size, sizeof *leaves->frames);
+  leaves->frames = allocateLines(size, sizeof *leaves->frames);
   leaves->frameIsStale = calloc(size, sizeof *leaves->frameIsStale);
-  leaves->trialFrames = calloc(size, sizeof *leaves->trialFrames);
+  leaves->trialFrames = allocateLines(size, sizeof *leaves->trialFrames);
   leaves->trialStamp = calloc(size, sizeof *leaves->trialStamp);
   leaves->frameInTrial = calloc(size, sizeof *leaves->frameInTrial);
   if (leaves->occupied == NULL || leaves->frames == NULL || leaves->frameIsStale == NULL ||
@@ -46,9 +46,9 @@ bool ctTrialLeavesCreate(TrialLeaves* leaves, ctChainTree* tree, double cutoff, 
 
 void ctTrialLeavesFree(TrialLeaves* leaves) {
   free(leaves->occupied);
-  free(leaves->frames);
+  freeLines(leaves->frames);
   free(leaves->frameIsStale);
-  free(leaves->trialFrames);
+  freeLines(leaves->trialFrames);
   free(leaves->trialStamp);
   free(leaves->frameInTrial);
   free(leaves->changed);

@@ -54,7 +54,7 @@ static bool build(ValueEnergy* energy, const ctValueEnergy* d) {
   energy->numbers = calloc(count * (size_t)energy->numbersPerParticle + 1, sizeof *energy->numbers);
   energy->values = calloc((size_t)d->valueCount + 1, sizeof *energy->values);
   energy->terms = calloc((size_t)d->termCount + 1, sizeof *energy->terms);
-  energy->frames = calloc((size_t)energy->blockCount + 1, sizeof *energy->frames);
+  energy->frames = allocateLines((size_t)energy->blockCount + 1, sizeof *energy->frames);
   energy->sums = malloc(((size_t)energy->blockCount + 1) * CT_LEAF_WIDTH * sizeof *energy->sums);
   if (energy->places == NULL || energy->numbers == NULL || energy->values == NULL || energy->terms == NULL ||
       energy->frames == NULL || energy->sums == NULL) {
@@ -106,7 +106,7 @@ void ctValueEnergyFree(ValueEnergy* energy) {
   ctPairMaskFree(&energy->masks[1]);
   free(energy->places);
   free(energy->numbers);
-  free(energy->frames);
+  freeLines(energy->frames);
   free(energy->sums);
   *energy = (ValueEnergy){0};
 }

@@ -48,7 +48,7 @@ ctStatus ctWholeEnergyCreate(WholeEnergy* whole, ctChainTree* tree, int particle
       .blockCount = blockCount,
       .slots = malloc(blocks * CT_LEAF_WIDTH * sizeof *whole->slots),
       .particles = malloc(blocks * CT_LEAF_WIDTH * sizeof *whole->particles),
-      .frames = calloc(blocks, sizeof *whole->frames),
+      .frames = allocateLines(blocks, sizeof *whole->frames),
       .radii = calloc(blocks, sizeof *whole->radii),
       .sums = malloc(blocks * CT_LEAF_WIDTH * sizeof *whole->sums),
   };
@@ -72,7 +72,7 @@ ctStatus ctWholeEnergyCreate(WholeEnergy* whole, ctChainTree* tree, int particle
 void ctWholeEnergyFree(WholeEnergy* whole) {
   free(whole->slots);
   free(whole->particles);
-  free(whole->frames);
+  freeLines(whole->frames);
   free(whole->radii);
   free(whole->sums);
   ctNonbondedFree(&whole->nonbonded);
