@@ -73,9 +73,10 @@ static ctStatus stage(PairSums* pairs, bool near, double* change) {
   if (!ctReserveEntries((void**)&pairs->staged, &pairs->stagedCapacity, most, sizeof *pairs->staged)) {
     return ctOutOfMemory;
   }
-  for (int i = 0; i < leaves->changedCount; i++) {
+  const int end = near ? leaves->nearCount : leaves->changedCount;
+  for (int i = near ? 0 : leaves->nearCount; i < end; i++) {
     const ChangedPair* pair = &leaves->changed[i];
-    if (pair->isNear == near && ctIsWithin(pair->squaredGap, pairs->cutoff)) {
+    if (ctIsWithin(pair->squaredGap, pairs->cutoff)) {
       __builtin_prefetch(pairs->sums.rows[pair->a].leaves); /* to be searched soon */
       const LeafFrame* frameA = ctTrialFrame(leaves, pair->a);
       framed[few++] = (FramedPair){pair->a, pair->b, {frameA, ctTrialFrame(leaves, pair->b)}};

@@ -69,11 +69,9 @@ static ctStatus stage(StandIn* standIn, bool near) {
                         sizeof *standIn->staged)) {
     return ctOutOfMemory;
   }
-  for (int i = 0; i < leaves->changedCount; i++) {
+  const int end = near ? leaves->nearCount : leaves->changedCount;
+  for (int i = near ? 0 : leaves->nearCount; i < end; i++) {
     const ChangedPair* changed = &leaves->changed[i];
-    if (changed->isNear != near) {
-      continue;
-    }
     NearRows rows;
     const LeafFrame* frameA = ctTrialFrame(standIn->leaves, changed->a);
     leaves->kernels->nearRows(&standIn->model, frameA, ctTrialFrame(standIn->leaves, changed->b), &rows);

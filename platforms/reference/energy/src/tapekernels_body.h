@@ -109,6 +109,11 @@ static bool add(const Tape* tape, const TapePair* pair, const TapeRange* range, 
   if (batch->count + __builtin_popcount(rows) > MOST_SIXTEENS) {
     finish(tape, range, energies);
   }
+  /* The steps read them later. */
+  for (int i = 0; i < tape->columnCount; i++) {
+    __builtin_prefetch(pair->columns[0] + i * CT_LEAF_WIDTH);
+    __builtin_prefetch(pair->columns[1] + i * CT_LEAF_WIDTH);
+  }
   const int begin = batch->count * CT_LEAF_WIDTH;
   int* places = batch->places + begin;
   const int count = listPairs(pair, range, rows, shift, tape->scratch + tape->squaredBegin + begin, places);

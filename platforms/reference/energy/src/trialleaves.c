@@ -60,6 +60,7 @@ void ctTrialLeavesFree(TrialLeaves* leaves) {
 
 void ctTrialLeavesForget(TrialLeaves* leaves) {
   leaves->changedCount = 0;
+  leaves->nearCount = 0;
   leaves->pieceCount = 0;
   for (int leaf = 0; leaf < leaves->leafCount; leaf++) {
     leaves->frameIsStale[leaf] = true;
@@ -83,12 +84,31 @@ const LeafFrame* ctStateFrame(TrialLeaves* leaves, int leaf) {
 
 /* ---- Trials ---- */
 
+static int isNear(const ctLeafPair* pair) {
+  return (double)pair->squaredGap < CT_NEAR_LEAVES * CT_NEAR_LEAVES ? 1 : 0;
+}
+
+/* Lists pairs, those that are near first, without branches, which would be mispredicted. */
+static void listChanged(TrialLeaves* leaves, int count, const ctLeafPair* changed) {
+  leaves->changedCount = count;
+  leaves->nearCount = 0;
+  for (int i = 0; i < count; i++) {
+    leaves->nearCount += isNear(&changed[i]);
+  }
+  int next[2] = {leaves->nearCount, 0};
+  for (int i = 0; i < count; i++) {
+    const ctLeafPair* pair = &changed[i];
+    leaves->changed[next[isNear(pair)]++] = (ChangedPair){pair->a, pair->b, pair->squaredGap};
+  }
+}
+
 ctStatus ctTrialLeavesOpen(TrialLeaves* leaves, ctCounts* counts) {
   size_t count;
   const ctLeafPair* changed;
   const ctPiece* pieces;
   const ctTransform* motions;
   leaves->changedCount = 0;
+  leaves->nearCount = 0;
   leaves->statePositions = ctGetLeaves(leaves->tree);
   const ctStatus status =
       ctGetChangedLeafPairs(leaves->tree, leaves->cutoff, &count, &changed, &leaves->trialPositions, counts);
@@ -102,11 +122,7 @@ ctStatus ctTrialLeavesOpen(TrialLeaves* leaves, ctCounts* counts) {
   }
   memcpy(leaves->pieces, pieces, (size_t)pieceCount * sizeof *pieces);
   leaves->pieceCount = pieceCount;
-  for (size_t i = 0; i < count; i++) {
-    const float gap = changed[i].squaredGap;
-    leaves->changed[i] = (ChangedPair){changed[i].a, changed[i].b, gap, (double)gap < CT_NEAR_LEAVES * CT_NEAR_LEAVES};
-  }
-  leaves->changedCount = (int)count;
+  listChanged(leaves, (int)count, changed);
   leaves->trial++;
   return ctSuccess;
 }

@@ -9,7 +9,6 @@ typedef struct ChangedPair {
   int a; /* a <= b */
   int b;
   float squaredGap; /* see ctLeafPair */
-  bool isNear;
 } ChangedPair;
 
 typedef struct TrialLeaves {
@@ -31,6 +30,7 @@ typedef struct TrialLeaves {
   int changedCount;
   int changedCapacity;
   ChangedPair* changed;
+  int nearCount; /* so many are near; these come first */
   int pieceCount;
   int pieceCapacity;
   ctPiece* pieces;
