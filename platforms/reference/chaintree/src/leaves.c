@@ -42,15 +42,6 @@ bool ctLeavesReserve(Leaves* leaves, const Tree* tree, const Sequence* sequence)
   return true;
 }
 
-static void clearBoxes(LeafBoxes* boxes) {
-  for (int d = 0; d < 3; d++) {
-    for (int k = 0; k < TREE_WIDTH; k++) {
-      boxes->low[d][k] = INFINITY;
-      boxes->high[d][k] = -INFINITY;
-    }
-  }
-}
-
 bool ctLeavesReservePairs(Leaves* leaves, const Tree* tree) {
   if (leaves->boxes != NULL) {
     return true;

@@ -14,12 +14,6 @@
 #include "skipped.h"
 #include "traverse.h"
 
-/* The boxes of the members of a node; low above high: the member has no particles. */
-typedef struct LeafBoxes {
-  float low[3][TREE_WIDTH];
-  float high[3][TREE_WIDTH];
-} LeafBoxes;
-
 /* The members of an inner node or the crown in the open trial. */
 typedef struct TrialMembers {
   int64_t stamp; /* equal to Leaves.stamp: the rest is of this trial */

@@ -230,6 +230,78 @@ static bool testMovers(Traversal* t, Visit* visit, const Movers* movers, const M
   return true;
 }
 
+/* ---- Boxes of leaves ---- */
+
+/* Makes the box of a leaf, whose world coordinates are up to date. */
+static void boxLeaf(Traversal* t, int leaf) {
+  const Block* world = &t->world[t->entryOf[leaf]];
+  const Float16 x = load16(world->x);
+  const Float16 y = load16(world->y);
+  const Float16 z = load16(world->z);
+  const Float16 r = load16(world->r);
+  const Float16 zero = all16(0);
+  const Float16 first[4] = {sub16(x, r), sub16(y, r), sub16(z, r), sub16(zero, add16(x, r))};
+  const Float16 last[4] = {sub16(zero, add16(y, r)), sub16(zero, add16(z, r)), zero, zero};
+  float least[8];
+  least4x16(first, least);
+  least4x16(last, least + 4);
+  LeafBoxes* boxes = &t->leafBoxes[leaf / TREE_WIDTH];
+  for (int d = 0; d < 3; d++) {
+    boxes->low[d][leaf % TREE_WIDTH] = least[d];
+    boxes->high[d][leaf % TREE_WIDTH] = -least[3 + d];
+  }
+}
+
+/* Begins to wait until boxes are worth making. */
+static void waitForBoxes(Traversal* t) {
+  t->testsToBoxes = t->testsABox * t->tree->levelSize[0] + 1;
+}
+
+/* Makes the boxes of all leaves, unless some may lose their entries. */
+CT_NOINLINE void boxLeaves(Traversal* t) {
+  const int leaves = t->tree->levelSize[0];
+  if (t->leafEntryCount < leaves) {
+    t->testsToBoxes = INT_MAX;
+    return;
+  }
+  for (int leaf = 0; leaf < leaves; leaf++) {
+    updateWorldLeaf(t, leaf);
+    boxLeaf(t, leaf);
+  }
+  t->boxedCount = t->tree->notedCount;
+}
+
+/* Makes the boxes anew of leaves whose slots have new positions, unless they are more than are remembered. */
+CT_NOINLINE void boxNoted(Traversal* t) {
+  const Tree* tree = t->tree;
+  if (tree->notedCount - t->boxedCount > NOTED_LEAVES) {
+    waitForBoxes(t);
+    return;
+  }
+  for (; t->boxedCount < tree->notedCount; t->boxedCount++) {
+    const int leaf = tree->noted[t->boxedCount % NOTED_LEAVES];
+    updateWorldLeaf(t, leaf);
+    boxLeaf(t, leaf);
+  }
+}
+
+/* Brings the boxes of leaves up to date, or drops them if some leaf has moved. */
+static void followLeaves(Traversal* t) {
+  const Tree* tree = t->tree;
+  if (!treeStays(tree, t->steadyTime)) {
+    t->steadyTime = tree->time;
+    waitForBoxes(t);
+  } else if (t->testsToBoxes > 0) {
+    if (--t->testsToBoxes == 0) {
+      boxLeaves(t);
+    }
+  } else if (t->boxedCount != tree->notedCount) {
+    boxNoted(t);
+  }
+}
+
+/* ---- Movers against everything at rest ---- */
+
 /* The level with which tests begin: the lowest of few nodes, since the nodes above would separate little. */
 static int firstLevel(const Traversal* t) {
   int level = treeTop(t->tree);
@@ -251,6 +323,7 @@ static void updateFirst(Traversal* t, int begin, int end) {
       }
     }
   }
+  followLeaves(t);
   for (int leaf = begin; leaf < end; leaf++) {
     for (int level = first - 1; level >= 0; level--) {
       updateWorld(t, level, tree->levelBegin[level] + (leaf >> TREE_WIDTH_BITS * level));
@@ -258,12 +331,29 @@ static void updateFirst(Traversal* t, int begin, int end) {
   }
 }
 
-/* Lists the members that may be near movers of consecutive nodes or leaves, whose first member has this number. Returns
- * how many. */
-CT_INLINE int listNearBox(const Block* blocks, int count, const MoverBox* box, float reach, int first, int* near) {
+/* Bit k is set if the box of leaf k may be near a mover. Half a unit in the last place for either bound, and for each
+ * sum here: the reach has room for that, see FLOAT_MARGIN. */
+CT_INLINE unsigned nearLeafBoxes(const LeafBoxes* boxes, const MoverBox* box, float reach) {
+  const float around = box->r + reach;
+  const Float16 low[3] = {all16(box->low[0] - around), all16(box->low[1] - around), all16(box->low[2] - around)};
+  const Float16 high[3] = {all16(box->high[0] + around), all16(box->high[1] + around), all16(box->high[2] + around)};
+  return overlapping16(boxes->low, boxes->high, low, high);
+}
+
+/* Lists the members that may be near movers of nodes [begin, end) of a level, all up to date. Returns how many. */
+CT_INLINE int listNearBox(Traversal* t, int level, int begin, int end, const MoverBox* box, float reach, int* near) {
+  const Tree* tree = t->tree;
+  const int below = tree->levelBegin[level - 1];
   int found = 0;
-  for (int i = 0; i < count; i++) {
-    found += indices16(nearBoxOfMovers(&blocks[i], box, reach), first + i * TREE_WIDTH, near + found);
+  if (level == 1 && t->testsToBoxes == 0) {
+    for (int i = begin; i < end; i++) {
+      found += indices16(nearLeafBoxes(&t->leafBoxes[i], box, reach), i * TREE_WIDTH, near + found);
+    }
+    return found;
+  }
+  const Block* blocks = worldOf(t, tree->levelBegin[level]);
+  for (int i = begin; i < end; i++) {
+    found += indices16(nearBoxOfMovers(&blocks[i], box, reach), below + i * TREE_WIDTH, near + found);
   }
   return found;
 }
@@ -272,15 +362,14 @@ CT_INLINE int listNearBox(const Block* blocks, int count, const MoverBox* box, f
  * Returns how many. */
 CT_NOINLINE int listNearOfMany(Traversal* t, Visit* visit, const Movers* movers, int level, int* near) {
   const Tree* tree = t->tree;
-  const Block* blocks = worldOf(t, tree->levelBegin[level]);
-  const Block* parents = worldOf(t, tree->levelBegin[level + 1]);
   const int parentCount = tree->levelSize[level + 1];
+  const int begin = tree->levelBegin[level];
   int nodes[MOST_FIRST_NODES + TREE_WIDTH];
-  const int count = listNearBox(parents, parentCount, &movers->box, visit->reach, 0, nodes);
-  const int first = tree->levelBegin[level - 1];
+  const int count = listNearBox(t, level + 1, 0, parentCount, &movers->box, visit->reach, nodes);
   int found = 0;
   for (int i = 0; i < count; i++) {
-    found += listNearBox(&blocks[nodes[i]], 1, &movers->box, visit->reach, first + nodes[i] * TREE_WIDTH, near + found);
+    const int node = nodes[i] - begin;
+    found += listNearBox(t, level, node, node + 1, &movers->box, visit->reach, near + found);
   }
   visit->volumeTests += (parentCount + count) * TREE_WIDTH;
   return found;
@@ -288,14 +377,12 @@ CT_NOINLINE int listNearOfMany(Traversal* t, Visit* visit, const Movers* movers,
 
 /* The same of all nodes of the level with which tests begin. */
 CT_INLINE int listNearFirst(Traversal* t, Visit* visit, const Movers* movers, int level, int* near) {
-  const Tree* tree = t->tree;
-  const int count = tree->levelSize[level];
+  const int count = t->tree->levelSize[level];
   if (count > t->mostUnaskedNodes) {
     return listNearOfMany(t, visit, movers, level, near);
   }
-  const Block* blocks = worldOf(t, tree->levelBegin[level]);
   visit->volumeTests += count * TREE_WIDTH;
-  return listNearBox(blocks, count, &movers->box, visit->reach, tree->levelBegin[level - 1], near);
+  return listNearBox(t, level, 0, count, &movers->box, visit->reach, near);
 }
 
 /* Lists the leaves that may be near movers, and returns them. */
@@ -312,8 +399,8 @@ static const int* listNearLeaves(Traversal* t, Visit* visit, const Movers* mover
     }
     visit->volumeTests += (last - done) * TREE_WIDTH;
     for (; done < last; done++) {
-      const int first = tree->levelBegin[level - 1] + (nodes[done] - tree->levelBegin[level]) * TREE_WIDTH;
-      count += listNearBox(worldOf(t, nodes[done]), 1, &movers->box, visit->reach, first, nodes + count);
+      const int node = nodes[done] - tree->levelBegin[level];
+      count += listNearBox(t, level, node, node + 1, &movers->box, visit->reach, nodes + count);
     }
   }
   *leafCount = count - done;
@@ -333,9 +420,25 @@ static bool testSlots(Traversal* t, Visit* visit, const Movers* movers, const in
   return true;
 }
 
+/* Lists the slots near the box of movers in these leaves, but for leaves first to last. Returns how many. */
+CT_INLINE int listNearSlots(Traversal* t, const int* leaves, int leafCount, bool areUpToDate, int first, int last,
+                            const MoverBox* box, float reach, int* slots) {
+  int count = 0;
+  for (int i = 0; i < leafCount; i++) {
+    const int leaf = leaves[i];
+    const unsigned others = leaf < first || last < leaf ? 0xffff : 0;
+    if (!areUpToDate) {
+      updateWorld(t, 0, leaf);
+    }
+    const Block* world = &t->world[t->entryOf[leaf]];
+    count += indices16(nearBoxOfMovers(world, box, reach) & others, leaf * TREE_WIDTH, slots + count);
+  }
+  return count;
+}
+
 /* Tests movers against everything at rest: all slots but [begin, end), which move. False ends the search. */
 static bool probeMovers(Traversal* t, Visit* visit, const Movers* movers, int begin, int end) {
-  enum { MOST_SLOTS = 256 };
+  enum { LEAVES_AT_ONCE = 16 };
   const int firstLeaf = begin / TREE_WIDTH;
   const int lastLeaf = (end - 1) / TREE_WIDTH;
   for (int leaf = firstLeaf; leaf <= lastLeaf; leaf++) {
@@ -345,23 +448,19 @@ static bool probeMovers(Traversal* t, Visit* visit, const Movers* movers, int be
   }
   int leafCount;
   const int* leaves = listNearLeaves(t, visit, movers, &leafCount);
-  int slots[MOST_SLOTS + TREE_WIDTH]; /* that are near the box: few, so that most leaves cost no more than that */
-  int count = 0;
   visit->volumeTests += leafCount * TREE_WIDTH;
-  for (int i = 0; i < leafCount; i++) {
-    const int leaf = leaves[i];
-    if (leaf < firstLeaf || lastLeaf < leaf) {
-      updateWorld(t, 0, leaf);
-      count += listNearBox(worldOf(t, leaf), 1, &movers->box, visit->reach, leaf * TREE_WIDTH, slots + count);
-      if (count > MOST_SLOTS) {
-        if (!testSlots(t, visit, movers, slots, count)) {
-          return false;
-        }
-        count = 0;
-      }
+  for (int i = 0; i < leafCount; i += LEAVES_AT_ONCE) {
+    const int some = leafCount - i < LEAVES_AT_ONCE ? leafCount - i : LEAVES_AT_ONCE;
+    int slots[(LEAVES_AT_ONCE + 1) * TREE_WIDTH]; /* near the box: few, so that most leaves cost no more than that */
+    const int count =
+        t->testsToBoxes == 0
+            ? listNearSlots(t, leaves + i, some, true, firstLeaf, lastLeaf, &movers->box, visit->reach, slots)
+            : listNearSlots(t, leaves + i, some, false, firstLeaf, lastLeaf, &movers->box, visit->reach, slots);
+    if (!testSlots(t, visit, movers, slots, count)) {
+      return false;
     }
   }
-  return testSlots(t, visit, movers, slots, count);
+  return true;
 }
 
 /* Tests a view in which only slots [begin, end) move. It needs no volumes of straddlers. */

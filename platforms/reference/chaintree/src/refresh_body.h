@@ -169,6 +169,7 @@ static void noteLeaf(Tree* tree, int leaf) {
   tree->contentTime[leaf] = tree->time;
   tree->hasSum[leaf] = false;
   tree->boxIsStale[leaf] = true;
+  tree->noted[tree->notedCount++ % NOTED_LEAVES] = leaf;
 }
 
 /* The frame of a link in the frame of its leaf. Opens all links there up to `end`. */

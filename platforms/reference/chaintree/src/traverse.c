@@ -25,6 +25,7 @@ bool ctTraversalBuild(Traversal* t, Arena* arena, const Tree* tree, const Sequen
   t->firstNodesTime = NEVER;
   t->mostFirstNodes = MOST_FIRST_NODES;
   t->mostUnaskedNodes = MOST_UNASKED_NODES;
+  t->testsABox = TESTS_A_BOX;
   t->sequence = sequence;
   t->exclusions = exclusions;
   t->worldTime = ctArenaAllocate(arena, nodes, sizeof(int64_t));
@@ -34,6 +35,8 @@ bool ctTraversalBuild(Traversal* t, Arena* arena, const Tree* tree, const Sequen
   t->world = ctArenaAllocate(arena, entries, sizeof(Block));
   t->box = ctArenaAllocate(arena, nodes, sizeof(Box));
   t->boxes = ctArenaAllocate(arena, inner, sizeof(ChildBoxes));
+  const int boxed = t->leafEntryCount < tree->levelSize[0] ? 0 : tree->levelSize[1]; /* see boxLeaves */
+  t->leafBoxes = ctArenaAllocate(arena, (size_t)boxed, sizeof(LeafBoxes));
   t->membersTime = ctArenaAllocate(arena, inner, sizeof(int64_t));
   t->nodeStamp = ctArenaAllocate(arena, nodes, sizeof(uint32_t));
   t->motion = ctArenaAllocate(arena, nodes, sizeof(int));
@@ -54,6 +57,10 @@ bool ctTraversalBuild(Traversal* t, Arena* arena, const Tree* tree, const Sequen
     t->worldTime[node] = NEVER;
     t->entryOf[node] = node < leaves ? CT_NULL : t->leafEntryCount + node - leaves;
   }
+  for (int i = 0; i < boxed; i++) {
+    clearBoxes(&t->leafBoxes[i]);
+  }
+  t->steadyTime = NEVER;
   for (size_t i = 0; i < inner; i++) {
     t->boxes[i].ownTime = NEVER;
     t->boxes[i].worldTime = NEVER;

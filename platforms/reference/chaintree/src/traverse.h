@@ -26,6 +26,21 @@ typedef struct ProbedNode {
   int node;
 } ProbedNode;
 
+/* The boxes of the members of a node, along the world's axes; low above high: the member has no particles. */
+typedef struct LeafBoxes {
+  float low[3][TREE_WIDTH];
+  float high[3][TREE_WIDTH];
+} LeafBoxes;
+
+static inline void clearBoxes(LeafBoxes* boxes) {
+  for (int d = 0; d < 3; d++) {
+    for (int k = 0; k < TREE_WIDTH; k++) {
+      boxes->low[d][k] = INFINITY;
+      boxes->high[d][k] = -INFINITY;
+    }
+  }
+}
+
 struct Box;
 struct MovedBoxes;
 struct ChildBoxes;
@@ -55,6 +70,14 @@ typedef struct Traversal {
   int* leafOfEntry; /* per entry of a leaf; CT_NULL: it is free */
   Frame* frame;     /* per entry: the node's frame in the world */
   Block* world;     /* per entry: the node's members in the world */
+
+  /* Boxes around leaves, per node over leaves, which tests of few slots look at instead of spheres: half as many are
+   * near. They are made when no leaf has moved for a while; then leaves whose slots turn get new ones. */
+  LeafBoxes* leafBoxes;
+  int testsABox;      /* TESTS_A_BOX, but for tests */
+  int testsToBoxes;   /* 0: all leaves have boxes, and world coordinates, but for those noted since boxedCount */
+  int64_t steadyTime; /* the tree's since which no leaf has moved, as of the last test */
+  int64_t boxedCount; /* Tree.notedCount */
 
   /* Boxes of children, per inner node, from levelBegin[1] on. A descent looks at boxes after its first
    * visitsWithoutBoxes visits; that number grows while boxes separate few pairs, and shrinks while they separate many.

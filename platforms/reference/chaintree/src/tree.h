@@ -60,6 +60,9 @@ typedef struct Openings {
   double m[12][TREE_WIDTH];
 } Openings;
 
+/* So many leaves are remembered whose slots have new positions. */
+enum { NOTED_LEAVES = 16 };
+
 struct InstructionSet;
 
 typedef struct Tree {
@@ -107,7 +110,9 @@ typedef struct Tree {
   int64_t* contentTime;  /* per node: when its members were last recomputed */
   int64_t innerTime;     /* when those of an inner node were last recomputed */
   int64_t* shortcutTime; /* per node: when its shortcut last changed */
-  int changeCount;       /* never 0, since a tree is stale at first */
+  int64_t notedCount;    /* how often slots of a leaf have had new positions */
+  int noted[NOTED_LEAVES]; /* those leaves: entry i is of number i, i + NOTED_LEAVES ... of these times */
+  int changeCount;         /* never 0, since a tree is stale at first */
   int* changedLeaf;
   int64_t* changeTime;
 } Tree;

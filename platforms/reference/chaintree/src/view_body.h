@@ -274,6 +274,7 @@ static void startView(Traversal* t, const View* view) {
     }
     t->worldHasSurfaces = view->surfaces;
     t->firstNodesTime = NEVER;
+    t->steadyTime = NEVER;
   }
   t->straddlerCount = 0;
   t->nextMoved = 0;

@@ -1,0 +1,174 @@
+/* Tests of few slots look at boxes around leaves once no leaf has moved for a while. Two scenes, of which one has boxes
+ * as soon as it can and the other never, give the same answers. Looks inside the engine. */
+#include "../src/scene.h"
+#include "lattice.h"
+
+enum { TRIALS = 4000, NEVER_BOXED = 1 << 20 };
+
+static uint32_t state = 1;
+
+/* From -1 to 1. */
+static double drawn(void) {
+  state = state * 1664525u + 1013904223u;
+  return (state >> 8) * 0x1p-23 - 1;
+}
+
+/* True if the boxes of all leaves, unless they are not in use, hold their particles, and little else. */
+static bool boxesHold(const ctChainTree* tree) {
+  const Traversal* t = &tree->traversal;
+  const Sequence* s = &tree->sequence;
+  for (int leaf = 0; leaf < tree->staleTree.levelSize[0] && t->testsToBoxes == 0; leaf++) {
+    const Frame frame = ctTreeFrame(&tree->staleTree, 0, leaf);
+    const LeafBoxes* boxes = &t->leafBoxes[leaf / TREE_WIDTH];
+    for (int d = 0; d < 3; d++) {
+      double low = INFINITY;
+      double high = -INFINITY;
+      for (int slot = leaf * TREE_WIDTH; slot < (leaf + 1) * TREE_WIDTH && slot < s->slotCount; slot++) {
+        if (slotIsModelled(s, slot)) {
+          double x[3];
+          treeLocal(&tree->staleTree, slot, x);
+          transformPoint(&frame, x, x);
+          const double r = t->worldHasSurfaces ? slotRadius(s, slot) : 0;
+          low = lesser(low, x[d] - r);
+          high = larger(high, x[d] + r);
+        }
+      }
+      if (!(fabs((double)boxes->low[d][leaf % TREE_WIDTH] - low) < 1e-5) ||
+          !(fabs((double)boxes->high[d][leaf % TREE_WIDTH] - high) < 1e-5)) {
+        return false;
+      }
+    }
+  }
+  return true;
+}
+
+static bool addChanged(void* context, int particle1, int particle2, double before, double after) {
+  *(double*)context += (particle1 + 2 * particle2) * (before - 0.5 * after);
+  return true;
+}
+
+/* Asks both scenes of a change, which moves few slots or more, and makes it the state of both if it is free. Returns
+ * whether it clashes. */
+static bool ask(ctChainTree* trees[2], const ctChange* change, bool isFew, bool alsoPairs, ctCounts counts[2]) {
+  bool clash[2];
+  int pairs[2][2] = {{0}};
+  double changed[2] = {0};
+  for (int i = 0; i < 2; i++) {
+    CHECK_SUCCESS(ctPropose(trees[i], 1, change));
+    CHECK_SUCCESS(ctTestTrial(trees[i], &clash[i], pairs[i], &counts[i]));
+    if (alsoPairs) {
+      CHECK_SUCCESS(ctForEachChangedPair(trees[i], 1.2, addChanged, &changed[i], NULL));
+    }
+  }
+  CHECK(clash[0] == clash[1] && pairs[0][0] == pairs[1][0] && pairs[0][1] == pairs[1][1]);
+  CHECK(changed[0] == changed[1]);
+  CHECK(!isFew || boxesHold(trees[0]));
+  for (int i = 0; i < 2; i++) {
+    if (clash[0]) {
+      ctDiscard(trees[i]);
+    } else {
+      CHECK_SUCCESS(ctCommit(trees[i], NULL));
+    }
+  }
+  return clash[0];
+}
+
+static void makeBoth(ctChainTree* trees[2], LatticeLinks kind, double radius) {
+  for (int i = 0; i < 2; i++) {
+    trees[i] = makeLattice(kind, radius, 0);
+    trees[i]->traversal.testsABox = i == 0 ? 0 : NEVER_BOXED;
+  }
+}
+
+static void endBoth(ctChainTree* trees[2], int clashing) {
+  CHECK(clashing > TRIALS / 20 && clashing < TRIALS - TRIALS / 20);
+  CHECK(trees[1]->traversal.testsToBoxes > 0);
+  CHECK(ctValidate(trees[0]) && ctValidate(trees[1]));
+  ctDestroy(trees[0]);
+  ctDestroy(trees[1]);
+}
+
+/* Particles move about in a lattice, each alone: no leaf moves, but for a while many change between two tests. */
+static void testParticles(bool inTwoSteps) {
+  static double first[3 * SITES];
+  ctChainTree* trees[2];
+  ctCounts counts[2] = {{0}};
+  int clashing = 0;
+  int boxed = 0;
+  makeBoth(trees, ONE_EACH, 0.32);
+  ctGetPositions(trees[0], first);
+  for (int i = 0; i < 2; i++) {
+    trees[i]->traversal.mostUnaskedNodes = inTwoSteps ? 1 : MOST_UNASKED_NODES;
+  }
+  for (int trial = 0; trial < TRIALS; trial++) {
+    const ctChange change = {.link = (int)(0.5 * (drawn() + 1) * SITES), .translation = {drawn(), drawn(), drawn()}};
+    clashing += ask(trees, &change, true, trial % 97 == 0, counts);
+    boxed += trees[0]->traversal.testsToBoxes == 0;
+    for (int many = 0; trial % 250 == 0 && many < 40; many++) {
+      const ctChange untested = {.link = many * 7, .translation = {0.01, 0.01 * drawn(), 0}};
+      for (int i = 0; i < 2; i++) {
+        CHECK_SUCCESS(ctPropose(trees[i], 1, &untested));
+        CHECK_SUCCESS(ctCommit(trees[i], NULL));
+      }
+    }
+    for (int i = 0; trial % 1000 == 999 && i < 2; i++) {
+      CHECK_SUCCESS(ctSetPositions(trees[i], first));
+    }
+  }
+  CHECK(boxed > TRIALS / 2);
+  CHECK(counts[0].particleTests == counts[1].particleTests);
+  CHECK(counts[0].volumeTests < counts[1].volumeTests);
+  endBoth(trees, clashing);
+}
+
+/* The end of a chain turns, often enough for boxes, until a joint before it does. */
+static void testChain(void) {
+  ctChainTree* trees[2];
+  ctCounts counts[2] = {{0}};
+  int clashing = 0;
+  int boxed = 0;
+  makeBoth(trees, ONE_CHAIN, 0.45);
+  for (int trial = 0; trial < TRIALS; trial++) {
+    const bool isTip = trial % 8 != 0;
+    const ctChange change = {.link = isTip ? SITES - 2 - trial % 20 : SITES / 8 + trial * 37 % (SITES / 2),
+                             .angle = (isTip ? 3 : 0.01) * drawn()};
+    clashing += ask(trees, &change, isTip, false, counts);
+    boxed += trees[0]->traversal.testsToBoxes == 0;
+  }
+  CHECK(boxed > TRIALS / 20);
+  endBoth(trees, clashing);
+}
+
+/* No boxes are made where leaves may lose their world coordinates, nor too early. */
+static void testWhen(void) {
+  ctChainTree* trees[2];
+  ctCounts counts[2] = {{0}};
+  makeBoth(trees, ONE_EACH, 0.32);
+  trees[0]->traversal.testsABox = 2;
+  const ctChange still = {.link = 5};
+  for (int trial = 0; trial < 2 * trees[0]->staleTree.levelSize[0] + 1; trial++) {
+    ask(trees, &still, true, false, counts);
+    CHECK(trees[0]->traversal.testsToBoxes > 0);
+  }
+  ask(trees, &still, true, false, counts);
+  CHECK(trees[0]->traversal.testsToBoxes == 0);
+  ctDestroy(trees[0]);
+  ctDestroy(trees[1]);
+  makeBoth(trees, ONE_EACH, 0.32);
+  trees[0]->traversal.leafEntryCount = 4;
+  for (int trial = 0; trial < 100; trial++) {
+    const ctChange change = {.link = 7 * trial, .translation = {drawn(), drawn(), drawn()}};
+    ask(trees, &change, true, false, counts);
+    CHECK(trees[0]->traversal.testsToBoxes > 0);
+  }
+  ctDestroy(trees[0]);
+  ctDestroy(trees[1]);
+}
+
+int main(void) {
+  testParticles(false);
+  testParticles(true);
+  testChain();
+  testWhen();
+  return checkResult();
+}
