@@ -147,23 +147,29 @@ CT_NOINLINE bool visitChildren(Traversal* t, Visit* visit, const NodePair* pair,
   if (withBoxes) {
     near = nearBoxOf(t, visit, pair, near);
   }
+  const Block* blocks[2];
+  blocksOf(t, pair->a, pair->b, blocks);
+  const unsigned later = pair->a == pair->b ? near : 0;
+  const bool bStraddles = t->motion[pair->b] < 0;
+  unsigned masks[TREE_WIDTH];
+  unsigned rows = 0; /* with a mask that is not 0 */
   for (unsigned left = near; left != 0; left &= left - 1) {
-    const Block* blocks[2];
-    blocksOf(t, pair->a, pair->b, blocks);
     const int k = __builtin_ctz(left);
-    unsigned mask = near16(blocks[1], sphereOf(blocks[0], k), visit->reach);
-    visit->volumeTests += countB;
-    if (pair->a == pair->b) {
-      mask &= ~alreadyVisited(near, k);
+    unsigned mask = near16(blocks[1], sphereOf(blocks[0], k), visit->reach) & ~alreadyVisited(later, k);
+    if (bStraddles) {
+      mask &= ~ofBody(t, pair->b, motionOfMember(t, pair->a, k));
     }
-    const int motion = motionOfMember(t, pair->a, k);
-    if (mask != 0) {
-      mask &= ~ofBody(t, pair->b, motion);
-    }
-    if (mask != 0 && withBoxes) {
+    masks[k] = mask;
+    rows |= (unsigned)(mask != 0) << k;
+  }
+  visit->volumeTests += __builtin_popcount(near) * countB;
+  for (; rows != 0; rows &= rows - 1) {
+    const int k = __builtin_ctz(rows);
+    unsigned mask = masks[k];
+    if (withBoxes) {
       mask = nearBoxes(t, visit, pair, k, mask);
     }
-    t->motion[firstA + k] = motion;
+    t->motion[firstA + k] = motionOfMember(t, pair->a, k);
     for (; mask != 0; mask &= mask - 1) {
       const int l = __builtin_ctz(mask);
       t->motion[firstB + l] = motionOfMember(t, pair->b, l);

@@ -127,7 +127,9 @@ CT_INLINE void columnsCompose(Columns* a, const double* b, size_t stride) {
 /* x -> a(b(x)) */
 static inline Frame transformCompose(const Frame* a, const Frame* b) {
   Column rows[3];
-  memcpy(rows, b->m, sizeof rows);
+  for (int i = 0; i < 3; i++) { /* all at once, they would go by way of the stack */
+    memcpy(&rows[i], b->m[i], sizeof rows[i]);
+  }
   Frame c;
   for (int i = 0; i < 3; i++) {
     Column row = a->m[i][0] * rows[0] + a->m[i][1] * rows[1] + a->m[i][2] * rows[2];

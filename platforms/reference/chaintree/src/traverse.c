@@ -47,6 +47,7 @@ bool ctTraversalBuild(Traversal* t, Arena* arena, const Tree* tree, const Sequen
   t->movedBoxes = ctArenaAllocate(arena, MOST_MOVED_BOXES, sizeof(MovedBoxes));
   t->stack = ctArenaAllocate(arena, (size_t)TREE_MAX_LEVELS * TREE_WIDTH, sizeof(ProbedNode));
   t->nearNodes = ctArenaAllocate(arena, nodes + TREE_WIDTH, sizeof(int));
+  t->frameTime = ctArenaAllocate(arena, inner, sizeof(int64_t));
   if (arena->failed) {
     return false;
   }

@@ -84,6 +84,7 @@ typedef struct Traversal {
    */
   struct ChildBoxes* boxes;
   int64_t* membersTime; /* the tree's when the children's world coordinates were computed */
+  int64_t* frameTime;   /* the tree's when the node's frame in the world was last computed; 0 for the root */
   int visitsWithoutBoxes;
   bool alwaysBoxes;    /* for tests: at all visits */
   bool alwaysDescends; /* for tests: even if few slots move */

@@ -68,13 +68,18 @@ static void worldInnerNode(Traversal* t, int node) {
 }
 
 /* True if the node's frame in the world is the one that is kept. */
-static bool hasFrame(const Traversal* t, int level, int node) {
-  if (t->worldTime[node] == NEVER) {
+static inline bool hasFrame(const Traversal* t, int level, int node) {
+  const Tree* tree = t->tree;
+  const int64_t since = t->worldTime[node];
+  if (since == NEVER) {
     return false;
   }
+  if (level < treeTop(tree) && t->frameTime[treeParent(tree, level, node) - tree->levelBegin[1]] > since) {
+    return false; /* mostly: the parent has moved since, or something in it */
+  }
   int end;
-  treeSlots(t->tree, level, node, &end);
-  return treeLeavesStay(t->tree, t->worldTime[node], (end + TREE_WIDTH - 1) / TREE_WIDTH);
+  treeSlots(tree, level, node, &end);
+  return treeLeavesStay(tree, since, (end + TREE_WIDTH - 1) / TREE_WIDTH);
 }
 
 /* Marks a node's world coordinates, which are still right, as of now: the next look at them is quicker. */
@@ -102,11 +107,15 @@ static void recomputeFrame(Traversal* t, int level, int node) {
   if (t->entryOf[node] == CT_NULL) {
     takeEntry(t, node);
   }
-  const int entry = t->entryOf[node];
-  t->frame[entry] = tree->pose[node];
-  if (level < treeTop(tree)) {
-    const int parent = treeParent(tree, level, node);
-    t->frame[entry] = transformCompose(&t->frame[t->entryOf[parent]], &tree->pose[node]);
+  Frame* frame = &t->frame[t->entryOf[node]];
+  if (level == treeTop(tree)) {
+    *frame = tree->pose[node];
+    return;
+  }
+  const int parent = treeParent(tree, level, node);
+  *frame = transformCompose(&t->frame[t->entryOf[parent]], &tree->pose[node]);
+  if (level > 0) {
+    t->frameTime[node - tree->levelBegin[1]] = tree->time;
   }
 }
 
