@@ -45,7 +45,7 @@ static long double fadeOf(const ctEnergyDefinition* d, long double r)
 {
     const float c[] = STANDIN_FADE;
     const long double x = r * r / (d->standIn->pairCutoff * d->standIn->pairCutoff);
-    return x * (c[0] + x * c[1]);
+    return x * x * (c[0] + x * (c[1] + x * c[2]));
 }
 
 long double findWorstShift(const ctEnergyDefinition* d)

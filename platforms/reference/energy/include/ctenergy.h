@@ -248,9 +248,9 @@ typedef struct ctBorn {
 } ctBorn;
 
 /* What trials see instead of nonbonded and born, a function U1 of the state that is near both: Lennard-Jones, Coulomb
- * and Born pairs within `pairCutoff`, less what the last two together are there, times 3.3 x - 2.3 x^2 with
- * x = (r / pairCutoff)^2. Excluded pairs have no Lennard-Jones and Coulomb energy, but less is taken from them, too.
- * What pairs are at the cutoff is a sum of products of functions of either radius, and exponentials in pairs are
+ * and Born pairs within `pairCutoff`, less what the last two together are there, times 10.6 x^2 - 16.2 x^3 + 6.6 x^4
+ * with x = (r / pairCutoff)^2. Excluded pairs have no Lennard-Jones and Coulomb energy, but that is taken from them,
+ * too. What pairs are at the cutoff is a sum of products of functions of either radius, and exponentials in pairs are
  * polynomials within 1e-4, since trials need no more; a pair has 1e6 kJ/mol at most. Born sums are those over particles
  * within `bornCutoff`, of each less s^3 / (3 bornCutoff^4) (-2.2 + 3.4 (r / bornCutoff)^2), and a constant of each
  * particle that stands for those farther away (see ctRenewStandIn). In pairs, ln B is rounded to a multiple of

@@ -140,7 +140,7 @@ CT_INLINE Float16 atCutoff(const Sixteen* one, const Sixteen* all, int first, in
 
 /* STANDIN_FADE at this squared distance. */
 CT_INLINE Float16 fadeAt(const StandInModel* model, Float16 squared) {
-  return mul16(squared, add16(all16(model->fade[0]), mul16(all16(model->fade[1]), squared)));
+  return mul16(mul16(squared, squared), polynomial16(squared, FADE_TERMS - 1, model->fade));
 }
 
 /* 2^-x for x >= 0, by STANDIN_POWER. */

@@ -7,7 +7,7 @@
 /* The value of a pair at the cutoff, and its derivative by ln B of either, are sums of so many products of a function
  * of one radius and the same of the other; the functions are polynomials with so many coefficients. The derivative is
  * multiplied by what the grid neglects, which is little. */
-enum { VALUE_RANK = 3, SLOPE_RANK = 2, SHIFT_RANK = VALUE_RANK + SLOPE_RANK, SHIFT_TERMS = 8 };
+enum { VALUE_RANK = 3, SLOPE_RANK = 2, SHIFT_RANK = VALUE_RANK + SLOPE_RANK, SHIFT_TERMS = 8, FADE_TERMS = 3 };
 
 typedef struct StandInModel {
   bool hasKappa;
@@ -23,7 +23,7 @@ typedef struct StandInModel {
   float shift[SHIFT_RANK][SHIFT_TERMS]; /* of the value per product of charges, then of its derivative */
   float shiftSign[SHIFT_RANK];          /* of each product */
   float bornFade[2];                    /* STANDIN_BORN_FADE as factors of s^3 and s^3 r^2 */
-  float fade[2];                        /* STANDIN_FADE as factors of r^2 and r^4 */
+  float fade[FADE_TERMS];               /* STANDIN_FADE as factors of r^4, r^6 and r^8 */
 } StandInModel;
 
 /* What Born radii and energies of single particles of a leaf are computed from. Where a slot holds none, radii are 1
@@ -88,13 +88,14 @@ typedef struct StandInSide {
 #define STANDIN_POWER \
   { 0.9999280303f, -0.6932610502f, 0.2426118533f, -0.0551716100f }
 
-/* What is taken from a pair, excluded or not, is its value at the cutoff times c[0] x + c[1] x^2 with
- * x = (r / cutoff)^2. What is taken from what a particle contributes to a Born sum is s^3 / (3 cutoff^4), its value at
- * that cutoff, about, times c[0] + c[1] x. So what is left out beyond the cutoff goes on smoothly within, and nearly
- * cancels in a sum over all particles. By least squares, of what 400 trials change U less the stand-in by in villin,
- * ubiquitin, BPTI and DHFR, for cutoffs of 0.55 and 0.6 nm, and of 0.75 and 0.8. */
+/* What is taken from a pair, excluded or not, is its value at the cutoff times
+ * c[0] x^2 + c[1] x^3 + c[2] x^4 with x = (r / cutoff)^2. What is taken from what a particle contributes to a Born sum
+ * is s^3 / (3 cutoff^4), its value at that cutoff, about, times c[0] + c[1] x. So what is left out beyond the cutoff
+ * goes on smoothly within, and nearly cancels in a sum over all particles. By least squares, of what 400 trials change
+ * U less the stand-in by: the former in villin, ubiquitin and DHFR, for a cutoff of 0.8 nm, the latter in these and
+ * BPTI, for cutoffs of 0.55 and 0.6 nm. */
 #define STANDIN_FADE \
-  { 3.3f, -2.3f }
+  { 10.6f, -16.2f, 6.6f }
 #define STANDIN_BORN_FADE \
   { -2.2f, 3.4f }
 

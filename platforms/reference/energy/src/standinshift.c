@@ -127,8 +127,9 @@ void ctStandInFitShift(StandInModel* model, const ctEnergyDefinition* d) {
   const float bornFade[] = STANDIN_BORN_FADE;
   const double squared = d->standIn->pairCutoff * d->standIn->pairCutoff;
   const double bornSquared = d->standIn->bornCutoff * d->standIn->bornCutoff;
-  model->fade[0] = (float)((double)fade[0] / squared);
-  model->fade[1] = (float)((double)fade[1] / (squared * squared));
+  for (int i = 0; i < FADE_TERMS; i++) {
+    model->fade[i] = (float)((double)fade[i] / pow(squared, i + 2));
+  }
   model->bornFade[0] = (float)((double)bornFade[0] / (3 * bornSquared * bornSquared));
   model->bornFade[1] = (float)((double)bornFade[1] / (3 * bornSquared * bornSquared * bornSquared));
 }
