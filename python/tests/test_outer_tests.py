@@ -72,7 +72,7 @@ def test_settings():
     integrator = TorsionMonteCarloIntegrator(300)
     assert integrator.getTrialsPerOuterTest() == 0
     assert integrator.getStandInCutoffs() == (0.55 * unit.nanometer, 0.8 * unit.nanometer)
-    assert integrator.getStandInGridWidth() == 0.1
+    assert integrator.getStandInGridWidth() == 0.08
     integrator.setTrialsPerOuterTest(400)
     integrator.setStandInCutoffs(bornCutoff=7 * unit.angstrom, pairCutoff=1)
     integrator.setStandInGridWidth(0.125)

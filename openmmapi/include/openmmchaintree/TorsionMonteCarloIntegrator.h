@@ -395,7 +395,7 @@ public:
     /**
      * Set the width of the grid of Born radii of a stand-in: in its pair energies their logarithms are rounded to
      * multiples of it, or of up to four times as much where the charge is small. It has no influence on what is
-     * sampled, only on how fast. The default is 0.1.
+     * sampled, only on how fast. The default is 0.08.
      *
      * @param width  the width, above 0
      */

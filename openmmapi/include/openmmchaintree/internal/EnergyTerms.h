@@ -163,7 +163,7 @@ public:
     };
     /** What trials see instead of nonbonded and born; by default what TorsionMonteCarloIntegrator has. */
     struct StandIn {
-        double bornCutoff = 0.55, pairCutoff = 0.8, gridWidth = 0.1;
+        double bornCutoff = 0.55, pairCutoff = 0.8, gridWidth = 0.08;
         bool operator==(const StandIn& other) const
         {
             return bornCutoff == other.bornCutoff && pairCutoff == other.pairCutoff && gridWidth == other.gridWidth;
