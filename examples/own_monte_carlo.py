@@ -39,7 +39,7 @@ first, last = alphaCarbons[0], alphaCarbons[-1]
 
 def lengthOf(positions: np.ndarray) -> float:
     """Return the distance of the ends in nm."""
-    return float(np.linalg.norm(positions[last] - positions[first]))
+    return math.dist(positions[last], positions[first])  # NumPy's norm depends on the machine in its last bit
 
 
 def energyOf(positions: np.ndarray) -> float:
