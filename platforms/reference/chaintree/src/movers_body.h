@@ -234,17 +234,8 @@ static bool testMovers(Traversal* t, Visit* visit, const Movers* movers, const M
 
 /* Makes the box of a leaf, whose world coordinates are up to date. */
 static void boxLeaf(Traversal* t, int leaf) {
-  const Block* world = &t->world[t->entryOf[leaf]];
-  const Float16 x = load16(world->x);
-  const Float16 y = load16(world->y);
-  const Float16 z = load16(world->z);
-  const Float16 r = load16(world->r);
-  const Float16 zero = all16(0);
-  const Float16 first[4] = {sub16(x, r), sub16(y, r), sub16(z, r), sub16(zero, add16(x, r))};
-  const Float16 last[4] = {sub16(zero, add16(y, r)), sub16(zero, add16(z, r)), zero, zero};
   float least[8];
-  least4x16(first, least);
-  least4x16(last, least + 4);
+  boxOfBlock(&t->world[t->entryOf[leaf]], least);
   LeafBoxes* boxes = &t->leafBoxes[leaf / TREE_WIDTH];
   for (int d = 0; d < 3; d++) {
     boxes->low[d][leaf % TREE_WIDTH] = least[d];

@@ -111,8 +111,8 @@ static inline void moveAll(const Block* from, const float* radii, const float mo
   store16(to->r, load16(radii));
 }
 
-/* The middle of the box around all members; its radius is -INFINITY if there are none, else 0. */
-static inline Sphere middleOfBlock(const Block* block) {
+/* The box around all members: its low end, and the opposite of its high end. */
+CT_INLINE void boxOfBlock(const Block* block, float least[8]) {
   const Float16 r = load16(block->r);
   const Float16 x = load16(block->x);
   const Float16 y = load16(block->y);
@@ -121,9 +121,14 @@ static inline Sphere middleOfBlock(const Block* block) {
   const Float16 zero = all16(0);
   const Float16 first[4] = {sub16(x, r), sub16(y, r), sub16(z, r), sub16(zero, add16(x, r))};
   const Float16 last[4] = {sub16(zero, add16(y, r)), sub16(zero, add16(z, r)), zero, zero};
-  float least[8];
   least4x16(first, least);
   least4x16(last, least + 4);
+}
+
+/* The middle of the box around all members; its radius is -INFINITY if there are none, else 0. */
+static inline Sphere middleOfBlock(const Block* block) {
+  float least[8];
+  boxOfBlock(block, least);
   if (!(least[0] <= -least[3])) {
     return (Sphere){0, 0, 0, -INFINITY};
   }

@@ -73,9 +73,10 @@ static ctStatus stage(PairSums* pairs, bool near, double* change) {
   if (!ctReserveEntries((void**)&pairs->staged, &pairs->stagedCapacity, most, sizeof *pairs->staged)) {
     return ctOutOfMemory;
   }
-  const int end = near ? leaves->nearCount : leaves->changedCount;
-  for (int i = near ? 0 : leaves->nearCount; i < end; i++) {
-    const ChangedPair* pair = &leaves->changed[i];
+  int count;
+  const ctLeafPair* changed = ctChangedPairs(leaves, near, &count);
+  for (int i = 0; i < count; i++) {
+    const ctLeafPair* pair = &changed[i];
     if (ctIsWithin(pair->squaredGap, pairs->cutoff)) {
       __builtin_prefetch(pairs->sums.rows[pair->a].leaves); /* to be searched soon */
       const LeafFrame* frameA = ctTrialFrame(leaves, pair->a);

@@ -69,9 +69,10 @@ static ctStatus stage(StandIn* standIn, bool near) {
                         sizeof *standIn->staged)) {
     return ctOutOfMemory;
   }
-  const int end = near ? leaves->nearCount : leaves->changedCount;
-  for (int i = near ? 0 : leaves->nearCount; i < end; i++) {
-    const ChangedPair* changed = &leaves->changed[i];
+  int count;
+  const ctLeafPair* pairs = ctChangedPairs(leaves, near, &count);
+  for (int i = 0; i < count; i++) {
+    const ctLeafPair* changed = &pairs[i];
     NearRows rows;
     const LeafFrame* frameA = ctTrialFrame(standIn->leaves, changed->a);
     leaves->kernels->nearRows(&standIn->model, frameA, ctTrialFrame(standIn->leaves, changed->b), &rows);

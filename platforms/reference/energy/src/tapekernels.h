@@ -6,7 +6,7 @@
 
 typedef struct TapeKernels {
   /* Adds the pairs of particles of two leaves to the tape's batch, which is finished before if it has no room for them;
-   * `number` is the caller's. False, and energies[number] is 0, if none of them count. */
+   * `number` is the caller's. False if none of them count: then energies[number] is left as it is. */
   bool (*add)(const Tape* tape, const TapePair* pair, const TapeRange* range, int number, double* energies);
   /* Computes the energies of all that was added, energies[number], and empties the batch. An energy is not finite where
    * single precision does not suffice. */

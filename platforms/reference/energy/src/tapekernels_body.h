@@ -102,7 +102,6 @@ static bool add(const Tape* tape, const TapePair* pair, const TapeRange* range, 
   if (range->hasCutoff) {
     rows &= rowsNear(pair->frames[0], pair->frames[1], shift, range->squaredCutoff);
   }
-  energies[number] = 0;
   if (rows == 0) {
     return false;
   }

@@ -97,8 +97,7 @@ static void listChanged(TrialLeaves* leaves, int count, const ctLeafPair* change
   }
   int next[2] = {leaves->nearCount, 0};
   for (int i = 0; i < count; i++) {
-    const ctLeafPair* pair = &changed[i];
-    leaves->changed[next[isNear(pair)]++] = (ChangedPair){pair->a, pair->b, pair->squaredGap};
+    leaves->changed[next[isNear(&changed[i])]++] = changed[i];
   }
 }
 

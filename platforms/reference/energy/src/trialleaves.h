@@ -4,13 +4,6 @@
 
 #include "kernels.h"
 
-/* A pair of leaves that the open trial changes. */
-typedef struct ChangedPair {
-  int a; /* a <= b */
-  int b;
-  float squaredGap; /* see ctLeafPair */
-} ChangedPair;
-
 typedef struct TrialLeaves {
   ctChainTree* tree;
   const Kernels* kernels;
@@ -29,7 +22,7 @@ typedef struct TrialLeaves {
   const ctLeafPositions* trialPositions; /* the scene's, as long as the trial is open */
   int changedCount;
   int changedCapacity;
-  ChangedPair* changed;
+  ctLeafPair* changed;
   int nearCount; /* so many are near; these come first */
   int pieceCount;
   int pieceCapacity;
@@ -46,6 +39,12 @@ ctStatus ctTrialLeavesRefresh(TrialLeaves* leaves, size_t* count, const ctLeafPa
 
 /* Finds the pairs of leaves that the open trial changes, and where leaves are in it. */
 ctStatus ctTrialLeavesOpen(TrialLeaves* leaves, ctCounts* counts);
+
+/* Those of the pairs that are near, or the others. */
+static inline const ctLeafPair* ctChangedPairs(const TrialLeaves* leaves, bool near, int* count) {
+  *count = near ? leaves->nearCount : leaves->changedCount - leaves->nearCount;
+  return near ? leaves->changed : leaves->changed + leaves->nearCount;
+}
 
 /* Takes notice that the trial has become the state. */
 void ctTrialLeavesAccept(TrialLeaves* leaves);
