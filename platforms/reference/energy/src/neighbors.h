@@ -2,6 +2,7 @@
 #ifndef CT_NEIGHBORS_H_
 #define CT_NEIGHBORS_H_
 
+#include "cachelines.h"
 #include "ctenergy.h"
 
 /* What is kept of leaves a <= b. A trial that is accepted makes its record that of the state by a flip. */
@@ -75,6 +76,13 @@ static inline PairRecord* stateRecord(const Neighbors* neighbors, int pair) {
 
 static inline PairRecord* otherRecord(const Neighbors* neighbors, int pair) {
   return &neighbors->records[pair][1 - neighbors->present[pair]];
+}
+
+/* Asks for a record that is read soon. */
+static inline void fetchRecord(const PairRecord* record) {
+  for (size_t at = 0; at < sizeof *record; at += CACHE_LINE) {
+    __builtin_prefetch((const char*)record + at);
+  }
 }
 
 #endif /* CT_NEIGHBORS_H_ */

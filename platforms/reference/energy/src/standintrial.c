@@ -64,7 +64,7 @@ static void forget(StandIn* standIn) {
 
 /* Stages the changed pairs that are near, or the others. */
 static ctStatus stage(StandIn* standIn, bool near) {
-  const TrialLeaves* leaves = standIn->leaves;
+  TrialLeaves* leaves = standIn->leaves;
   if (!ctReserveEntries((void**)&standIn->staged, &standIn->stagedCapacity, (size_t)leaves->changedCount,
                         sizeof *standIn->staged)) {
     return ctOutOfMemory;
@@ -74,9 +74,11 @@ static ctStatus stage(StandIn* standIn, bool near) {
   for (int i = 0; i < count; i++) {
     const ctLeafPair* changed = &pairs[i];
     NearRows rows;
-    const LeafFrame* frameA = ctTrialFrame(standIn->leaves, changed->a);
-    leaves->kernels->nearRows(&standIn->model, frameA, ctTrialFrame(standIn->leaves, changed->b), &rows);
-    const int found = ctNeighborsFind(&standIn->neighbors, changed->a, changed->b);
+    const LeafFrame* frameA = ctTrialFrame(leaves, changed->a);
+    leaves->kernels->nearRows(&standIn->model, frameA, ctTrialFrame(leaves, changed->b), &rows);
+    /* In the row of a leaf that moves: most pairs of a small move are in that. */
+    const int moved = ctHasOwnFrame(leaves, changed->b) ? changed->b : changed->a;
+    const int found = ctNeighborsFind(&standIn->neighbors, moved, changed->a + changed->b - moved);
     if (found == CT_NULL && !hasPairs(&rows) && !hasBorn(&rows)) {
       continue;
     }
@@ -197,15 +199,27 @@ static double changeMovedPairs(StandIn* standIn) {
   return change;
 }
 
+/* In parts that compilers copy by vectors: a whole record they copy by bytes, which takes long to begin. */
+static void copyRecord(const PairRecord* from, PairRecord* to) {
+  to->energy = from->energy;
+  to->hasPairs = from->hasPairs;
+  to->hasBorn = from->hasBorn;
+  memcpy(to->born, from->born, sizeof to->born);
+  memcpy(to->gradient, from->gradient, sizeof to->gradient);
+}
+
 /* The change of a pair that does not move. */
 static double changeUnmovedPair(StandIn* standIn, const StagedPair* staged) {
   const PairRecord* before = stateRecord(&standIn->neighbors, staged->pair);
   PairRecord* after = otherRecord(&standIn->neighbors, staged->pair);
-  *after = *before;
+  copyRecord(before, after);
   exchangeRadii(standIn, staged, false, after);
   exchangeGradients(standIn, staged);
   return after->energy - before->energy;
 }
+
+/* So many pairs of a row are fetched before they are read: records of large proteins are far from the processor. */
+enum { FETCHED_AHEAD = 4 };
 
 /* Changes the pairs that do not move, but have particles with other radii. */
 static ctStatus changeUnmovedPairs(StandIn* standIn, double* change) {
@@ -225,6 +239,9 @@ static ctStatus changeUnmovedPairs(StandIn* standIn, double* change) {
     for (int n = 0; n < row->count; n++) {
       const int other = row->leaves[n];
       const int pair = row->pairs[n];
+      if (n + FETCHED_AHEAD < row->count) {
+        fetchRecord(stateRecord(neighbors, row->pairs[n + FETCHED_AHEAD]));
+      }
       if (neighbors->stamp[pair] != standIn->leaves->trial && stateRecord(neighbors, pair)->hasPairs) {
         neighbors->stamp[pair] = standIn->leaves->trial;
         StagedPair* staged = &standIn->staged[standIn->stagedCount++];

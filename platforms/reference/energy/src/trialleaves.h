@@ -56,6 +56,11 @@ void ctTrialLeavesForget(TrialLeaves* leaves);
 const LeafFrame* ctStateFrame(TrialLeaves* leaves, int leaf);
 const LeafFrame* ctTrialFrame(TrialLeaves* leaves, int leaf);
 
+/* True if that in the trial, which was asked for, is not that of the state. */
+static inline bool ctHasOwnFrame(const TrialLeaves* leaves, int leaf) {
+  return leaves->frameInTrial[leaf] == &leaves->trialFrames[leaf];
+}
+
 /* True if leaves that are so near can have particles within a cutoff; rounding must not lose a pair. */
 static inline bool ctIsWithin(float squaredGap, double cutoff) {
   return (double)squaredGap <= cutoff * cutoff * 1.00001;
