@@ -7,9 +7,12 @@ from racing.course import measure
 
 from .proteins import positionsOf
 
+_ENDS = 5  # residues at either end of a chain that may hang loose
+
 
 class Chain:
-    """A Simulation, and what is looked at of it after some steps: torsions of some kinds, and the heavy atoms' RMSD.
+    """A Simulation, and what is looked at of it after some steps: torsions of some kinds, and RMSDs of the heavy
+    atoms: of all, and without the ends of chains, which may hang loose and turn by far more than what is folded.
 
     kinds : (k,) array of str, of the torsions
     times : list of float, µs a trial, of the steps between looks
@@ -25,7 +28,7 @@ class Chain:
         self._watched = np.isin(all_, kinds)
         self.kinds = all_[self._watched]
         self._topology = mdtraj.Topology.from_openmm(protein.topology)
-        self._heavy = self._topology.select("element != H")
+        self._parts = heavyAtoms(self._topology)
         self._start = self._frame(protein.positions)
         self.times, self._samples = [], []
 
@@ -45,7 +48,7 @@ class Chain:
             self._samples.append(self._look())
 
     def values(self):
-        """Return what was looked at: an (n, 1 + 2k) array of RMSDs (nm), cosines, sines."""
+        """Return what was looked at: an (n, 2 + 2k) array of both RMSDs (nm), cosines, sines."""
         return np.array(self._samples)
 
     def positions(self):
@@ -60,8 +63,22 @@ class Chain:
     def _look(self):
         context = self._simulation.context
         angles = self._simulation.integrator.getTorsionAngles(context)[self._watched]
-        rmsd = mdtraj.rmsd(self._frame(positionsOf(context)), self._start, atom_indices=self._heavy)
-        return np.concatenate([rmsd, np.cos(angles), np.sin(angles)])
+        frame = self._frame(positionsOf(context))
+        rmsds = [mdtraj.rmsd(frame, self._start, atom_indices=part) for part in self._parts]
+        return np.concatenate([*rmsds, np.cos(angles), np.sin(angles)])
 
     def _frame(self, positions):
         return mdtraj.Trajectory(positions[np.newaxis].astype(np.float32), self._topology)
+
+
+def heavyAtoms(topology):
+    """Return the indices of all heavy atoms of an mdtraj.Topology, and of those that are of no end of a chain."""
+    heavy = topology.select("element != H")
+    return heavy, np.array([atom for atom in heavy if not _isOfEnd(topology.atom(atom).residue)])
+
+
+def _isOfEnd(residue):
+    """Whether a residue is at an end of a chain of some length."""
+    count = residue.chain.n_residues
+    place = residue.index - residue.chain.residue(0).index
+    return count > 4 * _ENDS and not _ENDS <= place < count - _ENDS

@@ -262,20 +262,20 @@ class MixtureRow(NamedTuple):
 
 
 def summarize(inefficiencies, kinds):
-    """Return how many samples are worth one, for each of WATCHED that there are, slow and slowest torsions, the RMSD.
+    """Return how many samples are worth one, for each of WATCHED that there are, slow and slowest torsions, RMSDs.
 
     Of a torsion that is the worse of cosine and sine; of those of a kind the median.
 
     Parameters
     ----------
-    inefficiencies : (1 + 2k,) float64 array, of the RMSD, of cosines, of sines
+    inefficiencies : (2 + 2k,) float64 array, of both RMSDs, of cosines, of sines
     kinds : (k,) array of str
     """
-    rmsd, ofTorsions = inefficiencies[0], inefficiencies[1:].reshape(2, -1).max(axis=0)
+    ofTorsions = inefficiencies[2:].reshape(2, -1).max(axis=0)
     found = {
         name: float(np.median(ofTorsions[np.isin(kinds, ofName)]))
         for name, ofName in WATCHED.items()
         if np.isin(kinds, ofName).any()
     }
     found |= {"slow": float(np.quantile(ofTorsions, _SLOW)), "slowest": float(ofTorsions.max())}
-    return {**found, "rmsd": float(rmsd)}
+    return {**found, "rmsd": float(inefficiencies[0]), "rmsdWithoutEnds": float(inefficiencies[1])}

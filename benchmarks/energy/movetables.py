@@ -17,6 +17,7 @@ _OBSERVED = {
     "slow": "slow torsions",
     "slowest": "slowest torsion",
     "rmsd": "RMSD",
+    "rmsdWithoutEnds": "RMSD without ends",
 }
 
 
@@ -107,9 +108,9 @@ def _makeMixtures(entries):
     notes = [
         "AMBER14 with GBn2 at 300 K from the folded state. Independent samples a second of the processor's time, from "
         "the autocorrelation of cosines and sines of torsions (medians over those of a kind; slow: that which nine "
-        "tenths of torsions exceed) and of the heavy atoms' RMSD from the start. To pivots: the last two by those of "
-        "pivots alone. A chain that is not much longer than its correlations tells too little: look for rates "
-        "well above a few in the time of the chain."
+        "tenths of torsions exceed) and of the heavy atoms' RMSD from the start, also without five residues at either "
+        "end. To pivots: slow torsions and the RMSD by those of pivots alone. A chain that is not much longer than its "
+        "correlations tells too little: look for rates well above a few in the time of the chain."
     ]
     return Table("Independent samples a second by mixtures of moves", columns, lines, 2, notes)
 

@@ -68,6 +68,6 @@ def _chooseSlower(ofLong, ofPivots):
 
     Otherwise the pivots' would be the worse of two estimates, and the larger for it.
     """
-    cosines, sines = ofLong[1:].reshape(2, -1)
-    isKept = np.concatenate([[True], cosines >= sines, cosines < sines])
+    cosines, sines = ofLong[2:].reshape(2, -1)
+    isKept = np.concatenate([[True, True], cosines >= sines, cosines < sines])
     return np.where(isKept, ofLong, 0), np.where(isKept, ofPivots, 0)

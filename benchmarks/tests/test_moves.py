@@ -1,10 +1,12 @@
 """The script moves.py, as a user runs it. No test looks at how long anything takes."""
 
+import mdtraj
 import moves
 import numpy as np
 import pytest
 from commands import assertRefused
 from energy.autocorrelation import leastInefficiency, statisticalInefficiency
+from energy.chain import heavyAtoms
 from energy.moverows import PIVOTS, autocorrelation, summarize
 from energy.movetables import combine
 from racing.report import readCSV
@@ -34,7 +36,7 @@ def test_everythingQuickly(runHere, tmp_path):
     mixtures = [entry for entry in entries if entry["group"] == "mixtures"]
     assert [entry["moves"] for entry in mixtures][0] == PIVOTS and len(mixtures) == 3
     for entry in mixtures:
-        assert entry["apart"].keys() == {"phi", "psi", "chi1", "slow", "slowest", "rmsd"}
+        assert entry["apart"].keys() == {"phi", "psi", "chi1", "slow", "slowest", "rmsd", "rmsdWithoutEnds"}
         for key, apart in entry["apart"].items():
             assert apart >= 400 and entry["rate"][key] * apart * entry["microseconds"] == pytest.approx(1e6)
     pivots, ours = [entry for entry in entries if entry["group"] == "stationary"]
@@ -72,16 +74,32 @@ def test_runsAreCombined():
 def test_whatIsSlowIsSeen():
     kinds = np.array(["phi", "psi", "psi", "chi1"])
     cosines, sines = [1, 2, 3, 40], [5, 1, 1, 1]
-    assert summarize(np.array([7.0, 3, 5, 2, 4]), np.array(["alpha", "chi"])).keys() == {
+    assert summarize(np.array([7.0, 8, 3, 5, 2, 4]), np.array(["alpha", "chi"])).keys() == {
         "backbone",
         "bases",
         "slow",
         "slowest",
         "rmsd",
+        "rmsdWithoutEnds",
     }
-    found = summarize(np.array([7.0, *cosines, *sines]), kinds)
-    assert found["rmsd"] == 7 and (found["phi"], found["psi"], found["chi1"]) == (5, 2.5, 40)
+    found = summarize(np.array([7.0, 8, *cosines, *sines]), kinds)
+    assert (found["rmsd"], found["rmsdWithoutEnds"]) == (7, 8)
+    assert (found["phi"], found["psi"], found["chi1"]) == (5, 2.5, 40)
     assert 5 < found["slow"] <= found["slowest"] == 40
+
+
+def test_endsHangLoose():
+    # Five residues at either end of a chain of 21 or more; a shorter chain has none.
+    topology = mdtraj.Topology()
+    for count in (20, 23):
+        chain = topology.add_chain()
+        for _ in range(count):
+            residue = topology.add_residue("GLY", chain)
+            topology.add_atom("CA", mdtraj.element.carbon, residue)
+            topology.add_atom("HA2", mdtraj.element.hydrogen, residue)
+    heavy, inside = heavyAtoms(topology)
+    assert heavy.tolist() == list(range(0, 86, 2))
+    assert inside.tolist() == list(range(0, 40, 2)) + list(range(50, 76, 2))
 
 
 def test_autocorrelationOfAngles():
