@@ -7,6 +7,8 @@ from racing.course import measure
 
 from .proteins import positionsOf
 
+RMSDS = ("rmsd", "rmsdWithoutEnds")  # what of them columns of a Chain begin with
+
 _ENDS = 5  # residues at either end of a chain that may hang loose
 
 
@@ -48,7 +50,7 @@ class Chain:
             self._samples.append(self._look())
 
     def values(self):
-        """Return what was looked at: an (n, 2 + 2k) array of both RMSDs (nm), cosines, sines."""
+        """Return what was looked at: an (n, 2 + 2k) array of RMSDS (nm), cosines, sines."""
         return np.array(self._samples)
 
     def positions(self):

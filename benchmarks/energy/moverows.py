@@ -10,7 +10,7 @@ from racing.course import Course, measure, summarizeTimes
 from racing.races import ALL_CHAINS, OURS
 
 from .autocorrelation import statisticalInefficiency
-from .chain import Chain
+from .chain import RMSDS, Chain
 from .proteins import BACKBONE, IMPLICIT_SOLVENT, NUCLEOTIDE_BACKBONE, SIDE_CHAINS, positionsOf
 from .rows import Prepared
 
@@ -268,14 +268,15 @@ def summarize(inefficiencies, kinds):
 
     Parameters
     ----------
-    inefficiencies : (2 + 2k,) float64 array, of both RMSDs, of cosines, of sines
+    inefficiencies : (2 + 2k,) float64 array, of RMSDS, of cosines, of sines
     kinds : (k,) array of str
     """
-    ofTorsions = inefficiencies[2:].reshape(2, -1).max(axis=0)
+    rmsds = dict(zip(RMSDS, map(float, inefficiencies), strict=False))
+    ofTorsions = inefficiencies[len(RMSDS) :].reshape(2, -1).max(axis=0)
     found = {
         name: float(np.median(ofTorsions[np.isin(kinds, ofName)]))
         for name, ofName in WATCHED.items()
         if np.isin(kinds, ofName).any()
     }
     found |= {"slow": float(np.quantile(ofTorsions, _SLOW)), "slowest": float(ofTorsions.max())}
-    return {**found, "rmsd": float(inefficiencies[0]), "rmsdWithoutEnds": float(inefficiencies[1])}
+    return {**found, **rmsds}

@@ -7,6 +7,7 @@ from racing.course import Course
 from racing.races import ALL_CHAINS
 
 from .autocorrelation import leastInefficiency, statisticalInefficiency
+from .chain import RMSDS
 from .moverows import DEFAULTS, PIVOTS, STEP, describe, describeChains, makeChain
 from .proteins import IMPLICIT_SOLVENT
 from .rows import Prepared
@@ -68,6 +69,6 @@ def _chooseSlower(ofLong, ofPivots):
 
     Otherwise the pivots' would be the worse of two estimates, and the larger for it.
     """
-    cosines, sines = ofLong[2:].reshape(2, -1)
-    isKept = np.concatenate([[True, True], cosines >= sines, cosines < sines])
+    cosines, sines = ofLong[len(RMSDS) :].reshape(2, -1)
+    isKept = np.concatenate([[True] * len(RMSDS), cosines >= sines, cosines < sines])
     return np.where(isKept, ofLong, 0), np.where(isKept, ofPivots, 0)

@@ -167,6 +167,15 @@ static void exchangeRadii(StandIn* standIn, const StagedPair* staged, bool inTri
   ctStandInExchangePairs(standIn, &a, crossing(standIn, staged->a), &b, crossing(standIn, staged->b), record);
 }
 
+/* In parts that compilers copy by vectors: a whole record they copy by an instruction that takes long to begin. */
+static void copyRecord(const PairRecord* from, PairRecord* to) {
+  to->energy = from->energy;
+  to->hasPairs = from->hasPairs;
+  to->hasBorn = from->hasBorn;
+  memcpy(to->born, from->born, sizeof to->born);
+  memcpy(to->gradient, from->gradient, sizeof to->gradient);
+}
+
 /* Computes what is still to be computed of pairs that move. Returns by how much their energy changes. */
 static double changeMovedPairs(StandIn* standIn) {
   double change = 0;
@@ -178,7 +187,8 @@ static double changeMovedPairs(StandIn* standIn) {
     const bool isCrossed = (crossing(standIn, staged->a) | crossing(standIn, staged->b)) != 0;
     double back = before->energy;
     if (staged->isNear && isCrossed && before->hasPairs) {
-      PairRecord record = *before;
+      PairRecord record;
+      copyRecord(before, &record);
       exchangeRadii(standIn, staged, false, &record);
       back = record.energy;
     }
@@ -197,15 +207,6 @@ static double changeMovedPairs(StandIn* standIn) {
   }
   standIn->nearChangeBack = nearBack;
   return change;
-}
-
-/* In parts that compilers copy by vectors: a whole record they copy by bytes, which takes long to begin. */
-static void copyRecord(const PairRecord* from, PairRecord* to) {
-  to->energy = from->energy;
-  to->hasPairs = from->hasPairs;
-  to->hasBorn = from->hasBorn;
-  memcpy(to->born, from->born, sizeof to->born);
-  memcpy(to->gradient, from->gradient, sizeof to->gradient);
 }
 
 /* The change of a pair that does not move. */
