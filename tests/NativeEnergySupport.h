@@ -108,10 +108,19 @@ public:
     void build()
     {
         makePlan();
-        kernel = context->getPlatform().createKernel(CalcStericExclusionForceKernel::Name(), getImpl());
-        getKernel().initialize(*chain.force, LinkStructure(chain.system, *chain.force));
+        kernel = createKernel();
         getKernel().setEnergyTerms(plan->getTerms());
         getKernel().setPositions(chain.positions);
+    }
+    /**
+     * Make a kernel that has no state yet.
+     */
+    OpenMM::Kernel createKernel()
+    {
+        OpenMM::Kernel created = context->getPlatform().createKernel(CalcStericExclusionForceKernel::Name(), getImpl());
+        created.getAs<CalcStericExclusionForceKernel>().initialize(*chain.force,
+                                                                   LinkStructure(chain.system, *chain.force));
+        return created;
     }
     OpenMM::ContextImpl& getImpl()
     {

@@ -888,6 +888,7 @@ ENERGY_FAULTS = [
 FORCE = "openmmapi/src/StericExclusionForce.cpp"
 FORCE_XML = "serialization/src/StericExclusionForceProxy.cpp"
 BORN_READER = "openmmapi/src/BornReader.cpp"
+ENERGY_CHECK = "openmmapi/src/NativeEnergyCheck.cpp"
 ENERGY_PLAN = "openmmapi/src/EnergyPlan.cpp"
 EXPRESSIONS = "openmmapi/src/ExpressionTranslator.cpp"
 FORCE_TRANSLATION = "openmmapi/src/ForceTranslation.cpp"
@@ -1253,6 +1254,10 @@ API_FAULTS = [
           "    checkNumbers(energies);\n", ""),
     Fault("native: OpenMM is never asked", NATIVE_ENERGY,
           "        compareWithOpenMM(trials, energies);", "        trialsToCheck = TRIALS_BETWEEN_CHECKS;"),
+    Fault("native: on a lattice nobody asks whether energies are right near it", ENERGY_CHECK,
+          "computeAnew(shaken), allowances) != NULL)", "computeAnew(shaken), allowances) != NULL && shaken.empty())"),
+    Fault("native: on a lattice any energy will do", ENERGY_CHECK, "KEPT = 4", "KEPT = 40"),
+    Fault("native: on a lattice no energy is right", ENERGY_CHECK, "KEPT = 4", "KEPT = 0"),
     Fault("native: new positions leave energies as they were", "platforms/reference/energy/src/energy.c",
           "return energy->state == ctGetChangeCount(energy->tree);", "return energy->state != NO_STATE;"),
     Fault("native: it takes part in what setNativeEnergies refuses", ENERGY_PLAN,

@@ -28,11 +28,16 @@ static const int USUAL_TRIALS_PER_OUTER_TEST = 400;
 NativeEnergy::NativeEnergy(const TorsionMonteCarloIntegrator& integrator, StericExclusionForceImpl& force,
                            ContextImpl& context) :
     integrator(integrator),
-    force(force), context(context), kernel(force.getKernel()), plan(context), check(context, plan), choice(getChoice()),
-    forcesWereChanged(false), parametersWereChanged(true), energyIsOld(true), termsCanChange(false),
-    pairsCanChange(false), valuesCanChange(false), foreignGroups(0), foreignGroupsAreShared(false), trialsToCheck(0),
-    checkInterval(TRIALS_AFTER_VAGUE_CHECK), numComputed(0), computedChange(0), nearChange(0), standInCutoff(0),
-    standInIsSet(false), whole({false, 0, 0}), keptWhole({false, 0, 0}), values({false, {}}), keptValues({false, {}})
+    force(force), context(context), kernel(force.getKernel()), plan(context),
+    check(context, plan,
+          [&force, &context] {
+              return force.createKernel(context);
+          }),
+    choice(getChoice()), forcesWereChanged(false), parametersWereChanged(true), energyIsOld(true),
+    termsCanChange(false), pairsCanChange(false), valuesCanChange(false), foreignGroups(0),
+    foreignGroupsAreShared(false), trialsToCheck(0), checkInterval(TRIALS_AFTER_VAGUE_CHECK), numComputed(0),
+    computedChange(0), nearChange(0), standInCutoff(0), standInIsSet(false), whole({false, 0, 0}),
+    keptWhole({false, 0, 0}), values({false, {}}), keptValues({false, {}})
 {
     // The kernel makes another scene for terms that need more particles, so it learns of them before it has made one.
 

@@ -108,6 +108,16 @@ void StericExclusionForceImpl::initialize(ContextImpl& context)
     original.reset(new StericExclusionForce(owner));
     structure.reset(new LinkStructure(system, owner));
 
+    kernel = createKernel(context);
+    engine = &kernel.getAs<CalcStericExclusionForceKernel>();
+    limits.setKernel(*engine);
+    CustomCPPForceImpl::initialize(context);
+    warnOfPeriodicForces(system);
+    isInitialized = true;
+}
+
+Kernel StericExclusionForceImpl::createKernel(ContextImpl& context) const
+{
     // The kernel knows nothing of Contexts, so where the platform has none of its own, the Reference platform's serves.
 
     const vector<string> kernelNames = {CalcStericExclusionForceKernel::Name()};
@@ -116,13 +126,9 @@ void StericExclusionForceImpl::initialize(ContextImpl& context)
         platform = &Platform::getPlatformByName("Reference");
     if (!platform->supportsKernels(kernelNames))
         fail("its kernel is missing; load the plugin library OpenMMChainTreeReference before creating a Context");
-    kernel = platform->createKernel(CalcStericExclusionForceKernel::Name(), context);
-    engine = &kernel.getAs<CalcStericExclusionForceKernel>();
-    engine->initialize(owner, *structure);
-    limits.setKernel(*engine);
-    CustomCPPForceImpl::initialize(context);
-    warnOfPeriodicForces(system);
-    isInitialized = true;
+    Kernel created = platform->createKernel(CalcStericExclusionForceKernel::Name(), context);
+    created.getAs<CalcStericExclusionForceKernel>().initialize(owner, *structure);
+    return created;
 }
 
 void StericExclusionForceImpl::requireInitialized() const

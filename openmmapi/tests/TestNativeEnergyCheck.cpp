@@ -31,7 +31,9 @@ public:
     void build()
     {
         NativeScene::build();
-        check.reset(new NativeEnergyCheck(getImpl(), *plan));
+        check.reset(new NativeEnergyCheck(getImpl(), *plan, [this] {
+            return createKernel();
+        }));
     }
     /**
      * Check the kernel's energies.
@@ -382,6 +384,58 @@ void testForeignForcesInAGroup()
     ASSERT_EQUAL(0, scene.groupsAskedFor);
 }
 
+/**
+ * Waters on a lattice, all alike, which have the same distances to the last bit again and again.
+ */
+static void addLattice(CheckedScene& scene, int size, double spacing, NonbondedForce& pairs)
+{
+    const Vec3 water[] = {Vec3(0, 0, 0), Vec3(0.09572, 0, 0), Vec3(-0.02399, 0.09266, 0)};
+    for (int i = 0; i < NativeScene::NUM_BEADS; i++)
+        pairs.addParticle(0, 1, 0);
+    for (int i = 0; i < size * size * size; i++) {
+        const Vec3 origin(i % size, i / size % size, i / size / size);
+        const int first = scene.chain.system.getNumParticles();
+        for (int j = 0; j < 3; j++) {
+            scene.chain.system.addParticle(1);
+            scene.chain.force->addParticle(0.05);
+            scene.chain.positions.push_back(origin * spacing + water[j]);
+            pairs.addParticle(j == 0 ? -0.834 : 0.417, 0.315, j == 0 ? 0.636 : 0);
+        }
+        for (int j = 0; j < 3; j++) {
+            if (j > 0)
+                scene.chain.force->addBond(first, first + j);
+            pairs.addException(first + j, first + (j + 1) % 3, 0, 1, 0);
+        }
+    }
+}
+
+void testRoundingAlike()
+{
+    CheckedScene scene;
+    NonbondedForce* pairs = new NonbondedForce();
+    addLattice(scene, 8, 0.31, *pairs);
+    const int index = scene.add(pairs);
+    scene.build();
+
+    // What is computed on a lattice is farther off than single precision usually makes it.
+
+    vector<double> energies = scene.computeEnergies();
+    const double error = energies[index] - scene.computeOpenMMEnergy(1 << index);
+    ASSERT(fabs(error) > 0.05);
+    ASSERT(scene.run(energies));
+
+    // An energy that is wrong by more than that is found, and misread Forces are.
+
+    const string message = "the energy of force " + to_string(index) + " (NonbondedForce)";
+    energies[index] += 4 * error;
+    assertThrows(message, [&] {
+        scene.run(energies);
+    });
+    const_cast<EnergyTerms&>(scene.plan->getTerms()).nonbonded[0].charges[NativeScene::NUM_BEADS] += 0.01;
+    scene.getKernel().setEnergyTerms(scene.plan->getTerms());
+    scene.assertFound(message);
+}
+
 void testHugeEnergies()
 {
     CheckedScene scene;
@@ -456,6 +510,7 @@ int main()
         testEditedForces();
         testGlobalParameters();
         testForeignForcesInAGroup();
+        testRoundingAlike();
         testHugeEnergies();
         testVirtualSites();
     });

@@ -278,7 +278,9 @@ static void testCheck()
     describe(*force, NativeScene::NUM_BEADS);
     const int index = scene.add(force);
     scene.build();
-    const NativeEnergyCheck check(scene.getImpl(), *scene.plan);
+    const NativeEnergyCheck check(scene.getImpl(), *scene.plan, [&scene] {
+        return scene.createKernel();
+    });
     vector<double> energies = scene.computeEnergies();
     ASSERT(check.check(scene.chain.positions, energies, NativeEnergyCheck::GroupEnergy()));
     energies[index] += 0.02;

@@ -2,6 +2,7 @@
 #define OPENMM_CHAINTREE_NATIVEENERGYCHECK_H_
 
 #include "openmm/internal/ContextImpl.h"
+#include "openmm/Kernel.h"
 #include "openmm/Vec3.h"
 #include "openmmchaintree/internal/EnergyPlan.h"
 #include "openmmchaintree/internal/windowsExportChainTree.h"
@@ -22,7 +23,11 @@ public:
      * at the positions that are compared.
      */
     typedef std::function<double(int groups)> GroupEnergy;
-    NativeEnergyCheck(const OpenMM::ContextImpl& context, const EnergyPlan& plan);
+    /**
+     * Makes one more CalcStericExclusionForceKernel of the scene, initialized, without a state.
+     */
+    typedef std::function<OpenMM::Kernel()> KernelMaker;
+    NativeEnergyCheck(const OpenMM::ContextImpl& context, const EnergyPlan& plan, const KernelMaker& makeKernel);
     /**
      * Throw an exception if the energy of a Force is not what OpenMM computes, within the accuracy of both.
      *
@@ -39,10 +44,18 @@ private:
     class Result;
     class Copies;
     std::vector<Result> evaluate(const std::vector<OpenMM::Vec3>& positions) const;
-    bool checkForces(const std::vector<Result>& results, const std::vector<double>& energies) const;
+    std::vector<double> computeAnew(const std::vector<OpenMM::Vec3>& positions) const;
+    const Result* findDisagreement(const std::vector<Result>& results, const std::vector<double>& energies,
+                                   const std::vector<double>& allowances) const;
+    std::vector<double> findAllowances(const std::vector<OpenMM::Vec3>& positions,
+                                       const std::vector<Result>& results) const;
+    void checkForces(const std::vector<OpenMM::Vec3>& positions, const std::vector<Result>& results,
+                     const std::vector<double>& energies) const;
+    bool sayMuch(const std::vector<Result>& results) const;
     void checkGroups(const std::vector<Result>& results, const GroupEnergy& groupEnergy) const;
     const OpenMM::ContextImpl& context;
     const EnergyPlan& plan;
+    const KernelMaker makeKernel;
 };
 
 } // namespace ChainTreePlugin

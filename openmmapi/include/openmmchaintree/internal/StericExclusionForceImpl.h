@@ -64,6 +64,10 @@ public:
         return *engine;
     }
     /**
+     * Make one more kernel of this scene, initialized, without a state.
+     */
+    OpenMM::Kernel createKernel(OpenMM::ContextImpl& context) const;
+    /**
      * Give the kernel the terms of energies of trials.
      *
      * @param owner  whose they are; several integrators may drive one force in turns
