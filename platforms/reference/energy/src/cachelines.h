@@ -2,6 +2,7 @@
 #ifndef CT_CACHELINES_H_
 #define CT_CACHELINES_H_
 
+#include <stdbool.h>
 #include <stdint.h>
 #include <stdlib.h>
 #include <string.h>
@@ -27,6 +28,20 @@ static inline void freeLines(void* lines) {
     memcpy(&memory, (char*)lines - sizeof memory, sizeof memory);
     free(memory);
   }
+}
+
+/* Makes an array longer that has so many entries, or none yet. False, and nothing changed, if there is no memory. */
+static inline bool growLines(void** lines, size_t count, size_t newCount, size_t size) {
+  void* grown = allocateLines(newCount, size);
+  if (grown == NULL) {
+    return false;
+  }
+  if (count > 0) {
+    memcpy(grown, *lines, count * size);
+  }
+  freeLines(*lines);
+  *lines = grown;
+  return true;
 }
 
 #endif /* CT_CACHELINES_H_ */

@@ -17,9 +17,7 @@ void ctNeighborsFree(Neighbors* neighbors) {
     free(neighbors->rows[leaf].pairs);
   }
   free(neighbors->rows);
-  free(neighbors->records);
-  free(neighbors->present);
-  free(neighbors->stamp);
+  freeLines(neighbors->records);
   free(neighbors->free);
   *neighbors = (Neighbors){0};
 }
@@ -41,16 +39,10 @@ int ctNeighborsFind(const Neighbors* neighbors, int a, int b) {
 /* ---- Numbers ---- */
 
 static bool setCapacity(Neighbors* neighbors, int capacity) {
-  const size_t count = (size_t)capacity;
-  PairRecord(*records)[2] = realloc(neighbors->records, count * sizeof *records);
-  neighbors->records = records != NULL ? records : neighbors->records;
-  uint8_t* present = realloc(neighbors->present, count * sizeof *present);
-  neighbors->present = present != NULL ? present : neighbors->present;
-  int64_t* stamp = realloc(neighbors->stamp, count * sizeof *stamp);
-  neighbors->stamp = stamp != NULL ? stamp : neighbors->stamp;
-  int* numbers = realloc(neighbors->free, count * sizeof *numbers);
+  int* numbers = realloc(neighbors->free, (size_t)capacity * sizeof *numbers);
   neighbors->free = numbers != NULL ? numbers : neighbors->free;
-  if (records == NULL || present == NULL || stamp == NULL || numbers == NULL) {
+  if (numbers == NULL || !growLines((void**)&neighbors->records, (size_t)neighbors->pairCount, (size_t)capacity,
+                                    sizeof *neighbors->records)) {
     return false;
   }
   neighbors->pairCapacity = capacity;
@@ -63,10 +55,9 @@ int ctNeighborsReserve(Neighbors* neighbors) {
     return CT_NULL;
   }
   const int pair = neighbors->freeCount > 0 ? neighbors->free[--neighbors->freeCount] : neighbors->pairCount++;
-  neighbors->present[pair] = 0;
-  neighbors->stamp[pair] = 0;
-  PairRecord* record = &neighbors->records[pair][0];
+  PairRecord* record = &neighbors->records[pair];
   record->energy = 0;
+  record->stamp = 0;
   record->hasPairs = record->hasBorn = false;
   return pair;
 }
@@ -151,8 +142,6 @@ bool ctNeighborsCopy(Neighbors* copy, const Neighbors* original) {
   copy->freeCount = original->freeCount;
   if (pairs > 0) {
     memcpy(copy->records, original->records, pairs * sizeof *copy->records);
-    memcpy(copy->present, original->present, pairs * sizeof *copy->present);
-    memcpy(copy->stamp, original->stamp, pairs * sizeof *copy->stamp);
     memcpy(copy->free, original->free, (size_t)original->freeCount * sizeof *copy->free);
   }
   return true;

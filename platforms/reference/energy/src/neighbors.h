@@ -1,17 +1,19 @@
-/* Pairs of leaves that are near each other, with what is kept of each: before a trial, and in it. */
+/* Pairs of leaves that are near each other, with what is kept of each. */
 #ifndef CT_NEIGHBORS_H_
 #define CT_NEIGHBORS_H_
 
 #include "cachelines.h"
 #include "ctenergy.h"
 
-/* What is kept of leaves a <= b. A trial that is accepted makes its record that of the state by a flip. */
+/* What is kept of leaves a <= b, or what a trial makes of it. Each part lies in lines of its own. */
 typedef struct PairRecord {
+  _Alignas(CACHE_LINE) float born[2][CT_LEAF_WIDTH]; /* what b contributes to the Born sums of a's particles, and a to
+                                                        b's */
+  float gradient[2][CT_LEAF_WIDTH];                  /* dE / d ln B of a's particles, and of b's, by this pair */
   double energy;
-  bool hasPairs;                    /* else the energy and derivatives are 0, whatever is written there */
-  bool hasBorn;                     /* the same of Born sums */
-  float born[2][CT_LEAF_WIDTH];     /* what b contributes to the Born sums of a's particles, and a to b's */
-  float gradient[2][CT_LEAF_WIDTH]; /* dE / d ln B of a's particles, and of b's, by this pair */
+  int64_t stamp; /* of what is kept: the last trial that computed it anew */
+  bool hasPairs; /* else the energy and derivatives are 0, whatever is written there */
+  bool hasBorn;  /* the same of Born sums */
 } PairRecord;
 
 /* The neighbours of a leaf, ascending. */
@@ -27,9 +29,7 @@ typedef struct Neighbors {
   NeighborRow* rows; /* one a leaf; each pair is in both */
   int pairCount;     /* numbers that were given out, some of which may be free again */
   int pairCapacity;
-  PairRecord (*records)[2]; /* per pair */
-  uint8_t* present;         /* per pair: which of both is that of the state */
-  int64_t* stamp;           /* per pair: the last trial that has computed its other record */
+  PairRecord* records; /* per pair */
   int freeCount;
   int* free; /* per pair: numbers that are free */
 } Neighbors;
@@ -44,7 +44,7 @@ void ctNeighborsClear(Neighbors* neighbors);
 /* The number of the pair of leaves a and b, or CT_NULL. O(log of the row). */
 int ctNeighborsFind(const Neighbors* neighbors, int a, int b);
 
-/* Gives out a number for a pair, with an empty record of the state; CT_NULL if there is no memory. */
+/* Gives out a number for a pair, with an empty record; CT_NULL if there is no memory. */
 int ctNeighborsReserve(Neighbors* neighbors);
 
 /* Takes a number back that no row has. */
@@ -69,20 +69,29 @@ static inline const float* gradientOf(const PairRecord* record, int side) {
   return record->hasPairs ? record->gradient[side] : none;
 }
 
-/* The record of the state, and the other one. */
-static inline PairRecord* stateRecord(const Neighbors* neighbors, int pair) {
-  return &neighbors->records[pair][neighbors->present[pair]];
+/* Copies what a record has of pairs, and of Born sums: in parts, which compilers copy by vectors; a whole record they
+ * copy by an instruction that takes long to begin. */
+static inline void copyPairs(const PairRecord* from, PairRecord* to) {
+  to->energy = from->energy;
+  to->hasPairs = from->hasPairs;
+  memcpy(to->gradient, from->gradient, sizeof to->gradient);
 }
 
-static inline PairRecord* otherRecord(const Neighbors* neighbors, int pair) {
-  return &neighbors->records[pair][1 - neighbors->present[pair]];
+static inline void copyBorn(const PairRecord* from, PairRecord* to) {
+  to->hasBorn = from->hasBorn;
+  memcpy(to->born, from->born, sizeof to->born);
 }
 
-/* Asks for a record that is read soon. */
-static inline void fetchRecord(const PairRecord* record) {
-  for (size_t at = 0; at < sizeof *record; at += CACHE_LINE) {
-    __builtin_prefetch((const char*)record + at);
-  }
+/* Asks for what a record has of pairs, which is read soon, and for the rest of it. */
+static inline void fetchPairs(const PairRecord* record) {
+  __builtin_prefetch(record->gradient[0]);
+  __builtin_prefetch(record->gradient[1]);
+  __builtin_prefetch(&record->energy);
+}
+
+static inline void fetchBorn(const PairRecord* record) {
+  __builtin_prefetch(record->born[0]);
+  __builtin_prefetch(record->born[1]);
 }
 
 #endif /* CT_NEIGHBORS_H_ */

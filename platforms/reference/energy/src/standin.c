@@ -126,7 +126,7 @@ void ctStandInFree(StandIn* standIn) {
   free(standIn->present);
   free(standIn->trial);
   free(standIn->touched);
-  free(standIn->staged);
+  freeLines(standIn->staged);
   *standIn = (StandIn){0};
 }
 
@@ -231,7 +231,7 @@ static ctStatus findNeighbors(StandIn* standIn, size_t count, const ctLeafPair* 
     if (pair == CT_NULL || !ctNeighborsAdd(&standIn->neighbors, a, b, pair)) {
       return ctOutOfMemory;
     }
-    PairRecord* record = stateRecord(&standIn->neighbors, pair);
+    PairRecord* record = &standIn->neighbors.records[pair];
     const LeafFrame* frameA = ctStateFrame(standIn->leaves, a);
     ctStandInComputeBorn(standIn, a, frameA, b, ctStateFrame(standIn->leaves, b), &rows, record);
     addAll(stateLeaf(standIn, a)->born, bornOf(record, 0));
@@ -258,7 +258,7 @@ ctStatus ctStandInRefresh(StandIn* standIn, size_t count, const ctLeafPair* near
     for (int i = 0; i < row->count; i++) {
       const int b = row->leaves[i];
       if (b >= a) {
-        PairRecord* record = stateRecord(&standIn->neighbors, row->pairs[i]);
+        PairRecord* record = &standIn->neighbors.records[row->pairs[i]];
         const PlacedLeaf placedA = ctStandInPlace(standIn, a, ctStateFrame(standIn->leaves, a));
         const PlacedLeaf placedB = ctStandInPlace(standIn, b, ctStateFrame(standIn->leaves, b));
         const NearRows rows = rowsInState(standIn, a, b);
@@ -299,7 +299,7 @@ double ctStandInEnergy(const StandIn* standIn) {
     const NeighborRow* row = &standIn->neighbors.rows[a];
     double ofRow = stateLeaf(standIn, a)->energy;
     for (int i = 0; i < row->count; i++) {
-      ofRow += row->leaves[i] >= a ? stateRecord(&standIn->neighbors, row->pairs[i])->energy : 0;
+      ofRow += row->leaves[i] >= a ? standIn->neighbors.records[row->pairs[i]].energy : 0;
     }
     total += ofRow;
   }

@@ -21,7 +21,7 @@ typedef struct TrialLeaf {
   unsigned crossing; /* bits: slots whose radius on the grid is another */
 } TrialLeaf;
 
-/* A pair of leaves whose record the open trial changes. */
+/* A pair of leaves of which the open trial makes another record. */
 typedef struct StagedPair {
   int a;
   int b;
@@ -30,6 +30,7 @@ typedef struct StagedPair {
   bool isNear;   /* its energy was computed first, with the radii of the state */
   bool isOpen;   /* its energy is not computed yet */
   NearRows rows; /* in the trial */
+  PairRecord after;
 } StagedPair;
 
 typedef struct StandIn {

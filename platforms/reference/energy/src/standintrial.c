@@ -36,10 +36,15 @@ static PlacedLeaf placeInTrial(const StandIn* standIn, int leaf, const LeafFrame
   return (PlacedLeaf){leaf, frame, &sums->radii, isCrossed ? otherShift(standIn, leaf) : stateShift(standIn, leaf)};
 }
 
+/* What is kept of a pair. */
+static PairRecord* recordOf(const StandIn* standIn, const StagedPair* staged) {
+  return &standIn->neighbors.records[staged->pair];
+}
+
 /* Exchanges what a pair contributes to sums of its leaves' gradients. */
 static void exchangeGradients(StandIn* standIn, const StagedPair* staged) {
-  const PairRecord* before = stateRecord(&standIn->neighbors, staged->pair);
-  const PairRecord* after = otherRecord(&standIn->neighbors, staged->pair);
+  const PairRecord* before = recordOf(standIn, staged);
+  const PairRecord* after = &staged->after;
   if (!before->hasPairs && !after->hasPairs) {
     return;
   }
@@ -62,11 +67,22 @@ static void forget(StandIn* standIn) {
   dropTrial(standIn);
 }
 
+/* Makes room for so many staged pairs. */
+static bool reserveStaged(StandIn* standIn, int count) {
+  if (count > standIn->stagedCapacity) {
+    const int capacity = count + count / 2;
+    if (!growLines((void**)&standIn->staged, (size_t)standIn->stagedCount, (size_t)capacity, sizeof *standIn->staged)) {
+      return false;
+    }
+    standIn->stagedCapacity = capacity;
+  }
+  return true;
+}
+
 /* Stages the changed pairs that are near, or the others. */
 static ctStatus stage(StandIn* standIn, bool near) {
   TrialLeaves* leaves = standIn->leaves;
-  if (!ctReserveEntries((void**)&standIn->staged, &standIn->stagedCapacity, (size_t)leaves->changedCount,
-                        sizeof *standIn->staged)) {
+  if (!reserveStaged(standIn, leaves->changedCount)) {
     return ctOutOfMemory;
   }
   int count;
@@ -86,9 +102,18 @@ static ctStatus stage(StandIn* standIn, bool near) {
     if (pair == CT_NULL) {
       return ctOutOfMemory;
     }
-    standIn->neighbors.stamp[pair] = leaves->trial;
-    standIn->staged[standIn->stagedCount++] =
-        (StagedPair){changed->a, changed->b, pair, found == CT_NULL, near, true, rows};
+    PairRecord* record = &standIn->neighbors.records[pair];
+    fetchPairs(record);
+    fetchBorn(record);
+    record->stamp = leaves->trial;
+    StagedPair* staged = &standIn->staged[standIn->stagedCount++];
+    staged->a = changed->a;
+    staged->b = changed->b;
+    staged->pair = pair;
+    staged->isNew = found == CT_NULL;
+    staged->isNear = near;
+    staged->isOpen = true;
+    staged->rows = rows;
     standIn->movedCount = standIn->stagedCount;
   }
   return ctSuccess;
@@ -102,12 +127,11 @@ ctStatus ctStandInNearChange(StandIn* standIn, double* change) {
   }
   for (int i = 0; i < standIn->stagedCount; i++) {
     StagedPair* staged = &standIn->staged[i];
-    PairRecord* after = otherRecord(&standIn->neighbors, staged->pair);
     const PlacedLeaf a = ctStandInPlace(standIn, staged->a, ctTrialFrame(standIn->leaves, staged->a));
     const PlacedLeaf b = ctStandInPlace(standIn, staged->b, ctTrialFrame(standIn->leaves, staged->b));
-    ctStandInComputePairs(standIn, &a, &b, &staged->rows, after);
+    ctStandInComputePairs(standIn, &a, &b, &staged->rows, &staged->after);
     staged->isOpen = false;
-    *change += after->energy - stateRecord(&standIn->neighbors, staged->pair)->energy;
+    *change += staged->after.energy - recordOf(standIn, staged)->energy;
   }
   standIn->nearChange = *change;
   return ctSuccess;
@@ -117,9 +141,9 @@ ctStatus ctStandInNearChange(StandIn* standIn, double* change) {
 
 static void changeBornSums(StandIn* standIn) {
   for (int i = 0; i < standIn->movedCount; i++) {
-    const StagedPair* staged = &standIn->staged[i];
-    const PairRecord* before = stateRecord(&standIn->neighbors, staged->pair);
-    PairRecord* after = otherRecord(&standIn->neighbors, staged->pair);
+    StagedPair* staged = &standIn->staged[i];
+    const PairRecord* before = recordOf(standIn, staged);
+    PairRecord* after = &staged->after;
     const LeafFrame* frameA = ctTrialFrame(standIn->leaves, staged->a);
     const LeafFrame* frameB = ctTrialFrame(standIn->leaves, staged->b);
     ctStandInComputeBorn(standIn, staged->a, frameA, staged->b, frameB, &staged->rows, after);
@@ -167,28 +191,19 @@ static void exchangeRadii(StandIn* standIn, const StagedPair* staged, bool inTri
   ctStandInExchangePairs(standIn, &a, crossing(standIn, staged->a), &b, crossing(standIn, staged->b), record);
 }
 
-/* In parts that compilers copy by vectors: a whole record they copy by an instruction that takes long to begin. */
-static void copyRecord(const PairRecord* from, PairRecord* to) {
-  to->energy = from->energy;
-  to->hasPairs = from->hasPairs;
-  to->hasBorn = from->hasBorn;
-  memcpy(to->born, from->born, sizeof to->born);
-  memcpy(to->gradient, from->gradient, sizeof to->gradient);
-}
-
 /* Computes what is still to be computed of pairs that move. Returns by how much their energy changes. */
 static double changeMovedPairs(StandIn* standIn) {
   double change = 0;
   double nearBack = 0;
   for (int i = 0; i < standIn->movedCount; i++) {
-    const StagedPair* staged = &standIn->staged[i];
-    const PairRecord* before = stateRecord(&standIn->neighbors, staged->pair);
-    PairRecord* after = otherRecord(&standIn->neighbors, staged->pair);
+    StagedPair* staged = &standIn->staged[i];
+    const PairRecord* before = recordOf(standIn, staged);
+    PairRecord* after = &staged->after;
     const bool isCrossed = (crossing(standIn, staged->a) | crossing(standIn, staged->b)) != 0;
     double back = before->energy;
     if (staged->isNear && isCrossed && before->hasPairs) {
       PairRecord record;
-      copyRecord(before, &record);
+      copyPairs(before, &record);
       exchangeRadii(standIn, staged, false, &record);
       back = record.energy;
     }
@@ -210,10 +225,10 @@ static double changeMovedPairs(StandIn* standIn) {
 }
 
 /* The change of a pair that does not move. */
-static double changeUnmovedPair(StandIn* standIn, const StagedPair* staged) {
-  const PairRecord* before = stateRecord(&standIn->neighbors, staged->pair);
-  PairRecord* after = otherRecord(&standIn->neighbors, staged->pair);
-  copyRecord(before, after);
+static double changeUnmovedPair(StandIn* standIn, StagedPair* staged) {
+  const PairRecord* before = recordOf(standIn, staged);
+  PairRecord* after = &staged->after;
+  copyPairs(before, after);
   exchangeRadii(standIn, staged, false, after);
   exchangeGradients(standIn, staged);
   return after->energy - before->energy;
@@ -233,20 +248,22 @@ static ctStatus changeUnmovedPairs(StandIn* standIn, double* change) {
     if (standIn->trial[leaf].crossing == 0) {
       continue;
     }
-    if (!ctReserveEntries((void**)&standIn->staged, &standIn->stagedCapacity,
-                          (size_t)standIn->stagedCount + (size_t)row->count, sizeof *standIn->staged)) {
+    if (!reserveStaged(standIn, standIn->stagedCount + row->count)) {
       return ctOutOfMemory;
     }
     for (int n = 0; n < row->count; n++) {
       const int other = row->leaves[n];
       const int pair = row->pairs[n];
+      PairRecord* record = &neighbors->records[pair];
       if (n + FETCHED_AHEAD < row->count) {
-        fetchRecord(stateRecord(neighbors, row->pairs[n + FETCHED_AHEAD]));
+        fetchPairs(&neighbors->records[row->pairs[n + FETCHED_AHEAD]]);
       }
-      if (neighbors->stamp[pair] != standIn->leaves->trial && stateRecord(neighbors, pair)->hasPairs) {
-        neighbors->stamp[pair] = standIn->leaves->trial;
+      if (record->stamp != standIn->leaves->trial && record->hasPairs) {
+        record->stamp = standIn->leaves->trial;
         StagedPair* staged = &standIn->staged[standIn->stagedCount++];
-        *staged = (StagedPair){.a = leaf < other ? leaf : other, .b = leaf < other ? other : leaf, .pair = pair};
+        staged->a = leaf < other ? leaf : other;
+        staged->b = leaf < other ? other : leaf;
+        staged->pair = pair;
         *change += changeUnmovedPair(standIn, staged);
       }
     }
@@ -277,24 +294,28 @@ ctStatus ctStandInOtherChange(StandIn* standIn, double* change) {
 
 /* ---- The end of a trial ---- */
 
-/* Makes the record of the trial that of the state, if it is worth keeping. */
-static bool acceptPair(Neighbors* neighbors, const StagedPair* staged) {
-  const PairRecord* record = otherRecord(neighbors, staged->pair);
-  if (!record->hasPairs && !record->hasBorn) {
+/* Keeps what a trial has made of a pair that moves, if it is worth keeping. */
+static bool acceptMovedPair(Neighbors* neighbors, const StagedPair* staged) {
+  const PairRecord* after = &staged->after;
+  if (!after->hasPairs && !after->hasBorn) {
     if (!staged->isNew) {
       ctNeighborsRemove(neighbors, staged->a, staged->b);
     }
     ctNeighborsRelease(neighbors, staged->pair);
     return true;
   }
-  neighbors->present[staged->pair] ^= 1;
+  copyPairs(after, &neighbors->records[staged->pair]);
+  copyBorn(after, &neighbors->records[staged->pair]);
   return !staged->isNew || ctNeighborsAdd(neighbors, staged->a, staged->b, staged->pair);
 }
 
 bool ctStandInAccept(StandIn* standIn) {
   bool isKept = true;
-  for (int i = 0; i < standIn->stagedCount; i++) {
-    isKept = acceptPair(&standIn->neighbors, &standIn->staged[i]) && isKept;
+  for (int i = 0; i < standIn->movedCount; i++) {
+    isKept = acceptMovedPair(&standIn->neighbors, &standIn->staged[i]) && isKept;
+  }
+  for (int i = standIn->movedCount; i < standIn->stagedCount; i++) {
+    copyPairs(&standIn->staged[i].after, recordOf(standIn, &standIn->staged[i]));
   }
   for (int i = 0; i < standIn->touchedCount; i++) {
     const int leaf = standIn->touched[i];
