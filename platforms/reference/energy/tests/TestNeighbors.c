@@ -1,0 +1,93 @@
+/* Records of pairs of leaves: a number that is given out again has nothing of the pair that it belonged to, whether
+ * that was given back or all were forgotten; and those that are kept stay what they are where more need room. Looks
+ * inside the energy. */
+#include "../../chaintree/tests/check.h"
+#include "../src/neighbors.h"
+
+enum { LEAVES = 300 };
+
+static void fill(PairRecord* record, int number) {
+  for (int k = 0; k < CT_LEAF_WIDTH; k++) {
+    record->born[0][k] = (float)number;
+    record->born[1][k] = (float)(number + k);
+    record->gradient[0][k] = (float)-number;
+    record->gradient[1][k] = (float)(number - k);
+  }
+  record->energy = number;
+  record->stamp = number;
+  record->hasPairs = record->hasBorn = true;
+}
+
+static bool isFilled(const PairRecord* record, int number) {
+  PairRecord expected;
+  fill(&expected, number);
+  return memcmp(record->born, expected.born, sizeof record->born) == 0 &&
+         memcmp(record->gradient, expected.gradient, sizeof record->gradient) == 0 && record->energy == number &&
+         record->stamp == number && record->hasPairs && record->hasBorn;
+}
+
+static bool isEmpty(const PairRecord* record) {
+  const float none[CT_LEAF_WIDTH] = {0};
+  bool isZero = record->energy == 0 && record->stamp == 0;
+  for (int side = 0; side < 2; side++) {
+    isZero = isZero && memcmp(bornOf(record, side), none, sizeof none) == 0 &&
+             memcmp(gradientOf(record, side), none, sizeof none) == 0;
+  }
+  return isZero;
+}
+
+static void testNumbers(void) {
+  Neighbors neighbors;
+  CHECK(ctNeighborsCreate(&neighbors, LEAVES));
+  for (int round = 0; round < 2; round++) {
+    /* Far more than there is room for at first. */
+    for (int leaf = 0; leaf < LEAVES; leaf++) {
+      const int pair = ctNeighborsReserve(&neighbors);
+      CHECK(pair == leaf);
+      CHECK(isEmpty(&neighbors.records[pair]));
+      CHECK((uintptr_t)&neighbors.records[pair] % CACHE_LINE == 0);
+      fill(&neighbors.records[pair], leaf);
+      CHECK(ctNeighborsAdd(&neighbors, 0, leaf, pair));
+    }
+    for (int leaf = 0; leaf < LEAVES; leaf++) {
+      const int pair = ctNeighborsFind(&neighbors, leaf, 0);
+      CHECK(pair == leaf && isFilled(&neighbors.records[pair], leaf));
+    }
+    ctNeighborsRemove(&neighbors, 0, 7);
+    CHECK(ctNeighborsFind(&neighbors, 0, 7) == CT_NULL && ctNeighborsFind(&neighbors, 7, 0) == CT_NULL);
+    ctNeighborsRelease(&neighbors, 7);
+    CHECK(ctNeighborsReserve(&neighbors) == 7);
+    CHECK(isEmpty(&neighbors.records[7]));
+    ctNeighborsRelease(&neighbors, 7);
+    ctNeighborsClear(&neighbors);
+    CHECK(ctNeighborsFind(&neighbors, 0, 0) == CT_NULL);
+  }
+  ctNeighborsFree(&neighbors);
+}
+
+static void testCopies(void) {
+  Neighbors original;
+  Neighbors copy;
+  CHECK(ctNeighborsCreate(&original, LEAVES) && ctNeighborsCreate(&copy, LEAVES));
+  for (int leaf = 0; leaf < LEAVES; leaf++) {
+    const int pair = ctNeighborsReserve(&original);
+    fill(&original.records[pair], leaf);
+    CHECK(ctNeighborsAdd(&original, leaf, leaf, pair));
+  }
+  ctNeighborsRelease(&original, 7);
+  CHECK(ctNeighborsCopy(&copy, &original));
+  fill(&original.records[9], 1000);
+  for (int leaf = 0; leaf < LEAVES; leaf++) {
+    CHECK(ctNeighborsFind(&copy, leaf, leaf) == leaf && isFilled(&copy.records[leaf], leaf));
+  }
+  CHECK(ctNeighborsReserve(&copy) == 7);
+  CHECK(ctNeighborsReserve(&copy) == LEAVES);
+  ctNeighborsFree(&original);
+  ctNeighborsFree(&copy);
+}
+
+int main(void) {
+  testNumbers();
+  testCopies();
+  return checkResult();
+}
