@@ -1257,6 +1257,8 @@ API_FAULTS = [
           "        compareWithOpenMM(trials, energies);", "        trialsToCheck = TRIALS_BETWEEN_CHECKS;"),
     Fault("native: on a lattice nobody asks whether energies are right near it", ENERGY_CHECK,
           "computeAnew(shaken), allowances) != NULL)", "computeAnew(shaken), allowances) != NULL && shaken.empty())"),
+    Fault("native: on a lattice energies are of a structure that was edited", IMPL,
+          "initialize(*original, *structure)", "initialize(owner, *structure)"),
     Fault("native: on a lattice any energy will do", ENERGY_CHECK, "KEPT = 4", "KEPT = 40"),
     Fault("native: on a lattice no energy is right", ENERGY_CHECK, "KEPT = 4", "KEPT = 0"),
     Fault("native: new positions leave energies as they were", "platforms/reference/energy/src/energy.c",

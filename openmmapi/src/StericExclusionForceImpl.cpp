@@ -127,7 +127,7 @@ Kernel StericExclusionForceImpl::createKernel(ContextImpl& context) const
     if (!platform->supportsKernels(kernelNames))
         fail("its kernel is missing; load the plugin library OpenMMChainTreeReference before creating a Context");
     Kernel created = platform->createKernel(CalcStericExclusionForceKernel::Name(), context);
-    created.getAs<CalcStericExclusionForceKernel>().initialize(owner, *structure);
+    created.getAs<CalcStericExclusionForceKernel>().initialize(*original, *structure);
     return created;
 }
 

@@ -16,6 +16,7 @@
 #include "openmm/TabulatedFunction.h"
 #include "openmm/VirtualSite.h"
 #include "openmmchaintree/internal/NativeEnergyCheck.h"
+#include "openmmchaintree/TorsionMonteCarloIntegrator.h"
 #include <limits>
 #include <map>
 
@@ -436,6 +437,24 @@ void testRoundingAlike()
     scene.assertFound(message);
 }
 
+void testEditedStructure()
+{
+    // What is compared near a lattice is of the structure that the Context was made with, whatever becomes of it.
+
+    CheckedScene scene;
+    NonbondedForce* pairs = new NonbondedForce();
+    addLattice(scene, 6, 0.31, *pairs);
+    scene.add(pairs);
+    TorsionMonteCarloIntegrator integrator(300);
+    integrator.addRigidBodyMove(1, 0.01, 0.1);
+    Context context(scene.chain.system, integrator, Platform::getPlatform("Reference"));
+    context.setPositions(scene.chain.positions);
+    scene.chain.force->addBond(0, NativeScene::NUM_BEADS);
+    scene.chain.force->addParticle(0.05);
+    integrator.step(1);
+    ASSERT_EQUAL(1, context.getStepCount());
+}
+
 void testHugeEnergies()
 {
     CheckedScene scene;
@@ -511,6 +530,7 @@ int main()
         testGlobalParameters();
         testForeignForcesInAGroup();
         testRoundingAlike();
+        testEditedStructure();
         testHugeEnergies();
         testVirtualSites();
     });

@@ -64,7 +64,7 @@ public:
         return *engine;
     }
     /**
-     * Make one more kernel of this scene, initialized, without a state.
+     * Make one more kernel of the structure that the Context was made with, initialized, without a state.
      */
     OpenMM::Kernel createKernel(OpenMM::ContextImpl& context) const;
     /**
