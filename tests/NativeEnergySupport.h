@@ -135,15 +135,8 @@ public:
      */
     std::vector<double> computeEnergies(bool force = false)
     {
-        double nonbonded, born = 0;
-        std::vector<double> pairSets, termSets, valueEnergies;
         getKernel().updateEnergy(force);
-        getKernel().getEnergies(nonbonded, pairSets, termSets);
-        if (!plan->getTerms().born.empty())
-            getKernel().computeWholeEnergy(nonbonded, born);
-        if (!plan->getTerms().valueEnergies.empty())
-            getKernel().computeValueEnergies(false, valueEnergies);
-        return plan->sumByForce(nonbonded, born, pairSets, termSets, valueEnergies);
+        return plan->computeByForce(getKernel());
     }
     /**
      * Get OpenMM's energy of force groups at the kernel's positions.

@@ -19,7 +19,7 @@ _STEPS = 8  # from one look to the next: even, for leastInefficiency
 _LEFT_OUT = 4  # the first of so many parts of the long chain
 _STARTS = 6  # chains of pivots, from states that are evenly spaced in the rest
 _PART = 5  # each is the long chain's length by this
-_LAG = 3, 4  # what is seen of their changes is after so much of their length: all of them begin with independent states
+_LAG = 0.75  # of their length: up to there their changes are looked at
 _LEAST = 8  # looks at the long chain
 
 
@@ -54,7 +54,7 @@ class StationaryRow(NamedTuple):
             chain.begin(start)
             chain.sample(max(_LEAST, looks // _PART))
             chains.append(chain)
-        lag = chains[0].count * _LAG[0] // _LAG[1]
+        lag = int(_LAG * chains[0].count)
         ofPivots = leastInefficiency([chain.values() for chain in chains], values.var(axis=0), lag)
         ofLong, ofPivots = _chooseSlower(ofLong, ofPivots)
         common = describe(self, trials, seed)

@@ -4,6 +4,7 @@
 #include "openmm/Force.h"
 #include "openmm/NonbondedForce.h"
 #include "openmm/System.h"
+#include "openmmchaintree/ChainTreeKernels.h"
 #include "openmmchaintree/internal/ForceTranslation.h"
 #include "openmmchaintree/StericExclusionForce.h"
 #include <algorithm>
@@ -207,4 +208,16 @@ vector<double> EnergyPlan::sumByForce(double nonbonded, double born, const vecto
     for (size_t i = 0; i < terms.valueEnergies.size(); i++)
         energies[terms.valueEnergies[i].force] += valueEnergies[i];
     return energies;
+}
+
+vector<double> EnergyPlan::computeByForce(CalcStericExclusionForceKernel& kernel) const
+{
+    double nonbonded, born = 0;
+    vector<double> pairSets, termSets, valueEnergies;
+    kernel.getEnergies(nonbonded, pairSets, termSets);
+    if (!terms.born.empty())
+        kernel.computeWholeEnergy(nonbonded, born);
+    if (!terms.valueEnergies.empty())
+        kernel.computeValueEnergies(false, valueEnergies);
+    return sumByForce(nonbonded, born, pairSets, termSets, valueEnergies);
 }

@@ -177,11 +177,8 @@ static set<int> findPairForces(const EnergyTerms& terms)
 /**
  * Get what rounding of pairs makes of the energy of a Force, kJ/mol, in a System of so many particles.
  */
-static double roundingOfPairs(const EnergyTerms& terms, const int force, const double gradient,
-                              const double numParticles)
+static double roundingOfPairs(const EnergyTerms& terms, int force, double gradient, double numParticles)
 {
-    if (findPairForces(terms).count(force) == 0)
-        return 0;
     double rounding = ROUNDING * gradient + PAIR_ROUNDING * numParticles;
     for (const EnergyTerms::PairSet& pairs : terms.pairSets)
         if (pairs.force == force && !isfinite(pairs.cutoff))
@@ -197,9 +194,11 @@ const NativeEnergyCheck::Result* NativeEnergyCheck::findDisagreement(const vecto
                                                                      const vector<double>& allowances) const
 {
     const int numParticles = context.getSystem().getNumParticles();
+    const set<int> pairForces = findPairForces(plan.getTerms());
     for (const Result& result : results) {
-        const double tolerance = ABSOLUTE + RELATIVE * abs(result.energy) + allowances[result.force] +
-                                 roundingOfPairs(plan.getTerms(), result.force, result.gradient, numParticles);
+        double tolerance = ABSOLUTE + RELATIVE * abs(result.energy) + allowances[result.force];
+        if (pairForces.count(result.force) != 0)
+            tolerance += roundingOfPairs(plan.getTerms(), result.force, result.gradient, numParticles);
         if (!agree(energies[result.force], result.energy, tolerance, HUGE_ENERGY))
             return &result;
     }
@@ -231,14 +230,7 @@ vector<double> NativeEnergyCheck::computeAnew(const vector<Vec3>& positions) con
     kernel.setEnergyTerms(plan.getTerms());
     kernel.setPositions(positions);
     kernel.updateEnergy(true);
-    double nonbonded, born = 0;
-    vector<double> pairSets, termSets, valueEnergies;
-    kernel.getEnergies(nonbonded, pairSets, termSets);
-    if (!plan.getTerms().born.empty())
-        kernel.computeWholeEnergy(nonbonded, born);
-    if (!plan.getTerms().valueEnergies.empty())
-        kernel.computeValueEnergies(false, valueEnergies);
-    return plan.sumByForce(nonbonded, born, pairSets, termSets, valueEnergies);
+    return plan.computeByForce(kernel);
 }
 
 /**

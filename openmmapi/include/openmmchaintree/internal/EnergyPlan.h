@@ -12,6 +12,8 @@
 
 namespace ChainTreePlugin {
 
+class CalcStericExclusionForceKernel;
+
 /**
  * Who evaluates the energy of each Force of a Context, and why.
  *
@@ -102,6 +104,10 @@ public:
      */
     std::vector<double> sumByForce(double nonbonded, double born, const std::vector<double>& pairSets,
                                    const std::vector<double>& termSets, const std::vector<double>& valueEnergies) const;
+    /**
+     * Get the same of a kernel that has these terms, after its updateEnergy(). Nothing is kept of it.
+     */
+    std::vector<double> computeByForce(CalcStericExclusionForceKernel& kernel) const;
 
     /**
      * Get the copy of a Force that is native or constant.

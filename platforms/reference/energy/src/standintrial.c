@@ -67,14 +67,15 @@ static void forget(StandIn* standIn) {
   dropTrial(standIn);
 }
 
-/* Makes room for so many staged pairs. */
-static bool reserveStaged(StandIn* standIn, int count) {
-  if (count > standIn->stagedCapacity) {
-    const int capacity = count + count / 2;
-    if (!growLines((void**)&standIn->staged, (size_t)standIn->stagedCount, (size_t)capacity, sizeof *standIn->staged)) {
+/* Makes room for so many staged pairs, as ctReserveEntries does, in lines. */
+static bool reserveStaged(StandIn* standIn, size_t count) {
+  if (count > (size_t)standIn->stagedCapacity) {
+    const size_t wanted = count + count / 2;
+    if (wanted >= INT32_MAX ||
+        !growLines((void**)&standIn->staged, (size_t)standIn->stagedCount, wanted, sizeof *standIn->staged)) {
       return false;
     }
-    standIn->stagedCapacity = capacity;
+    standIn->stagedCapacity = (int)wanted;
   }
   return true;
 }
@@ -82,7 +83,7 @@ static bool reserveStaged(StandIn* standIn, int count) {
 /* Stages the changed pairs that are near, or the others. */
 static ctStatus stage(StandIn* standIn, bool near) {
   TrialLeaves* leaves = standIn->leaves;
-  if (!reserveStaged(standIn, leaves->changedCount)) {
+  if (!reserveStaged(standIn, (size_t)leaves->changedCount)) {
     return ctOutOfMemory;
   }
   int count;
@@ -248,7 +249,7 @@ static ctStatus changeUnmovedPairs(StandIn* standIn, double* change) {
     if (standIn->trial[leaf].crossing == 0) {
       continue;
     }
-    if (!reserveStaged(standIn, standIn->stagedCount + row->count)) {
+    if (!reserveStaged(standIn, (size_t)standIn->stagedCount + (size_t)row->count)) {
       return ctOutOfMemory;
     }
     for (int n = 0; n < row->count; n++) {
