@@ -62,7 +62,7 @@ static void takeState(uint64_t* number, ctChainTree* tree, int particleCount)
 
 /* ---- The C library ---- */
 
-/* What trajectories depend on beside the engine: not all C libraries round sines and cosines alike. */
+/* What the scenes depend on: not all C libraries round sines and cosines alike. */
 static void printFunctions(void)
 {
     uint64_t number = 0xcbf29ce484222325u;

@@ -3,44 +3,12 @@
 #ifndef CT_ELEMENTARYLANES_H_
 #define CT_ELEMENTARYLANES_H_
 
-#include <math.h>
 #include <stdbool.h>
-#include <stdint.h>
 
-#include "inline.h"
-
-/* Added to a number below 2^51, it leaves the nearest whole one in the low bits. */
-#define CT_WHOLE_DOUBLE 0x1.8p52
+#include "angle.h"
 
 #define CT_HALF_PI 0x1.921fb54442d18p+0
 #define CT_PI 0x1.921fb54442d18p+1
-
-CT_INLINE uint64_t bitsOfDouble(double x) {
-  uint64_t bits;
-  __builtin_memcpy(&bits, &x, sizeof bits);
-  return bits;
-}
-
-CT_INLINE double doubleOfBits(uint64_t bits) {
-  double x;
-  __builtin_memcpy(&x, &bits, sizeof x);
-  return x;
-}
-
-CT_INLINE double withSignOf(double magnitude, double sign) {
-  const uint64_t bit = (uint64_t)1 << 63;
-  return doubleOfBits((bitsOfDouble(magnitude) & ~bit) | (bitsOfDouble(sign) & bit));
-}
-
-/* By the bits, as compilers make no vectors of branches. */
-CT_INLINE double chosen(uint64_t condition, double yes, double no) {
-  const uint64_t mask = (uint64_t)0 - (uint64_t)(condition != 0);
-  return doubleOfBits((bitsOfDouble(yes) & mask) | (bitsOfDouble(no) & ~mask));
-}
-
-CT_INLINE double sizeOf(double x) {
-  return doubleOfBits(bitsOfDouble(x) & ~((uint64_t)1 << 63));
-}
 
 /* c[0] + c[1] x + ... + c[degree] x^degree */
 CT_INLINE double polynomialOf(double x, int degree, const double* c) {
@@ -113,47 +81,10 @@ CT_INLINE double coshOf(double x) {
 
 /* ---- Circular functions ---- */
 
-/* Beyond this, in radians, sines and their kind are NaN. */
-#define CT_MOST_ANGLE 0x1p20
-
-CT_INLINE double negatedIf(uint64_t condition, double x) {
-  return doubleOfBits(bitsOfDouble(x) ^ (uint64_t)(condition != 0) << 63);
-}
-
-typedef struct Angle {
-  double sine;
-  double cosine;
-} Angle;
-
+/* Beyond CT_MOST_ANGLE, in radians, sines and their kind are NaN. */
 CT_INLINE Angle angleOfLane(float x) {
-  const double s[] = {1,
-                      -1.66666666666666324348e-01,
-                      8.33333333332248946124e-03,
-                      -1.98412698298579493134e-04,
-                      2.75573137070700676789e-06,
-                      -2.50507602534068634195e-08,
-                      1.58969099521155010221e-10};
-  const double c[] = {1,
-                      -0.5,
-                      4.16666666666666019037e-02,
-                      -1.38888888888741095749e-03,
-                      2.48015872894767294178e-05,
-                      -2.75573143513906633035e-07,
-                      2.08757232129817482790e-09,
-                      -1.13596475577881948265e-11};
   const double angle = (double)x;
-  const double known = chosen(sizeOf(angle) <= CT_MOST_ANGLE, angle, (double)NAN);
-  /* From the nearest quarter turn; the first part of it has 33 bits. */
-  const double shifted = known * 0x1.45f306dc9c883p-1 + CT_WHOLE_DOUBLE;
-  const double n = shifted - CT_WHOLE_DOUBLE;
-  const double r = (known - n * 0x1.921fb544p+0) - n * 0x1.0b4611a626331p-34;
-  const double square = r * r;
-  const double sine = r * polynomialOf(square, 6, s);
-  const double cosine = polynomialOf(square, 7, c);
-  const uint64_t quarters = bitsOfDouble(shifted);
-  const double first = chosen(quarters & 1, cosine, sine);
-  const double second = chosen(quarters & 1, sine, cosine);
-  return (Angle){negatedIf(quarters & 2, first), negatedIf((quarters + 1) & 2, second)};
+  return angleOf(chosen(sizeOf(angle) <= CT_MOST_ANGLE, angle, (double)NAN));
 }
 
 /* atan2(y, x) of C. */

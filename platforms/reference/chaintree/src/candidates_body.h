@@ -17,7 +17,7 @@ static int listNodes(const Pass* pass, int level, int node, int own, int count) 
   /* The node over `own` in the level of the members. */
   const int over = layout->levelBegin[level - 1] + (rank >> TREE_WIDTH_BITS * (level - 2));
   const AxisBoxes* around = snapshotBoxes(snapshot, layout, treeParent(layout, 1, own));
-  unsigned near = membersNear(pass, snapshotBoxes(snapshot, layout, node), around, rank % TREE_WIDTH, false);
+  unsigned near = membersNear(pass, snapshotBoxes(snapshot, layout, node), around, memberIndex(rank), false);
   near &= over > first ? ~0u << (over - first) : ~0u;
   pass->task->volumeTests += members;
   for (; near != 0; near &= near - 1) {

@@ -46,7 +46,7 @@ static void measureClearances(Clearance* c, Traversal* t, double reach) {
   const Float16 nearest = all16((float)(reach + floatMargin(t->extent + fabs(reach))));
   for (int a = 0; a < c->leafCount; a++) {
     const Sphere own = leafSphere(t, a);
-    for (int block = a / TREE_WIDTH; block <= (c->leafCount - 1) / TREE_WIDTH; block++) {
+    for (int block = coveringNode(a); block <= coveringNode(c->leafCount - 1); block++) {
       const Block* spheres = leafSpheres(t, block);
       const Float16 distance = sqrt16(squaredFrom(spheres, own.x, own.y, own.z));
       const Float16 radii = max16(add16(load16(spheres->r), all16(own.r)), all16(0));
@@ -226,7 +226,7 @@ static int findNear(const Clearance* c, const RunPair* pair, int begin, int end,
  * for all leaves in `measured`, since it costs no more than for one. */
 static void testSpheres(Clearance* c, const Traversal* t, ClearanceTest* test, Sphere sphere, unsigned measured,
                         TestedPairs* tested) {
-  const Block* spheres = leafSpheres(t, tested->first / TREE_WIDTH);
+  const Block* spheres = leafSpheres(t, coveringNode(tested->first));
   const Float16 distance = sqrt16(squaredFrom(spheres, sphere.x, sphere.y, sphere.z));
   const Float16 radii = max16(add16(load16(spheres->r), all16(sphere.r + test->reach)), all16(0));
   const Short16 found = blendShorts(measured, allShorts(0), unitsOf(c, sub16(distance, radii)));
@@ -270,13 +270,13 @@ static bool testNear(Clearance* c, Traversal* t, ClearanceTest* test, const RunP
   /* Runs share leaves with others only at their ends. */
   const int innerBegin = pair->beginB + isStraddler(t, pair->beginB);
   const int innerEnd = pair->endB - isStraddler(t, pair->endB - 1);
-  const Block* spheres = leafSpheres(t, c->near[0].a / TREE_WIDTH);
+  const Block* spheres = leafSpheres(t, coveringNode(c->near[0].a));
   Block moved = *spheres;
   moveBlock(spheres, pair->back, 0xffff, &moved);
   const int firstTested = c->testedCount;
   for (int i = 0; i < count; i++) {
     const int a = c->near[i].a;
-    const Sphere sphere = sphereOf(&moved, a % TREE_WIDTH);
+    const Sphere sphere = sphereOf(&moved, memberIndex(a));
     for (int half = 0; half < COLUMNS_AT_ONCE; half += TREE_WIDTH) {
       TestedPairs* tested = &c->tested[c->testedCount];
       const int first = c->near[i].first + half;
@@ -298,7 +298,7 @@ static bool testRunPair(Clearance* c, Traversal* t, const RunPair* pair, void* c
   const int firstTested = c->testedCount;
   int end;
   for (int begin = pair->beginA; begin < pair->endA; begin = end) {
-    end = (begin / TREE_WIDTH + 1) * TREE_WIDTH;
+    end = (coveringNode(begin) + 1) * TREE_WIDTH;
     end = end < pair->endA ? end : pair->endA;
     test->cost += (int64_t)(end - begin) * (pair->endB - columnsBegin(pair, begin)) / TREE_WIDTH;
     const int count = findNear(c, pair, begin, end, c->near);
@@ -313,8 +313,8 @@ static bool testRunPair(Clearance* c, Traversal* t, const RunPair* pair, void* c
 static void expandStraddlingLeaves(Traversal* t) {
   const View* view = t->view;
   for (int p = 1; p < view->pieceCount; p++) {
-    const int leaf = view->pieces[p].slotBegin / TREE_WIDTH;
-    if (view->pieces[p].slotBegin % TREE_WIDTH != 0 && t->nodeStamp[leaf] != t->stamp) {
+    const int leaf = coveringNode(view->pieces[p].slotBegin);
+    if (memberIndex(view->pieces[p].slotBegin) != 0 && t->nodeStamp[leaf] != t->stamp) {
       expandStraddler(t, 0, leaf, p - 1);
     }
   }
@@ -358,7 +358,7 @@ static bool takeOff(Clearance* c, Traversal* t, const RunPair* pair, void* conte
     const int begin = columnsBegin(pair, a);
     uint16_t* row = rowOf(c, a);
     const Short16 own = allShorts(c->shift[a]);
-    for (int first = begin / TREE_WIDTH * TREE_WIDTH; first < pair->endB; first += TREE_WIDTH) {
+    for (int first = coveringNode(begin) * TREE_WIDTH; first < pair->endB; first += TREE_WIDTH) {
       const Short16 before = loadShorts(row + first);
       Short16 after = lessShorts(before, minShorts(own, loadShorts(c->shift + first)));
       if (first < begin || pair->endB - first < TREE_WIDTH) {

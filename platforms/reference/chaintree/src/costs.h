@@ -31,9 +31,10 @@ enum { MOST_FIRST_NODES = 2 * TREE_WIDTH };
 /* If these are more, only those near the movers are tested. In a protein that was most of 17, but half of 23. */
 enum { MOST_UNASKED_NODES = 20 };
 
-/* In that test, boxes around leaves spare half of the looks at leaves. They are made after so many tests for each leaf
- * in which no leaf has moved: then they have been worth making, and may be so again. */
-enum { TESTS_A_BOX = 4 };
+/* In that test, boxes around leaves spare half of the looks at leaves, and are looked at in a third of the time. They
+ * are made after so many tests for each leaf in which no leaf has moved: then they would have been worth making (at a
+ * third of these tests), and may be so again. */
+enum { TESTS_A_BOX = 1 };
 
 /* ---- Boxes in a descent: see box.h, descent_body.h ---- */
 

@@ -21,7 +21,7 @@ static const BoxBlock* boxesAround(Traversal* t, const NodePair* pair) {
   }
   const int parent = treeParent(t->tree, pair->level, pair->b);
   const BoxBlock* boxes = boxesInView(t, pair->level + 1, parent);
-  return (boxes->thin >> pair->b % TREE_WIDTH & 1) != 0 ? boxes : NULL;
+  return (boxes->thin >> memberIndex(pair->b) & 1) != 0 ? boxes : NULL;
 }
 
 /* In a visit of a node with itself: the members whose pairs with member k of `rows` have been visited. */
@@ -52,7 +52,7 @@ CT_NOINLINE bool visitLeaves(Traversal* t, Visit* visit, const NodePair* pair, u
   const int b = pair->b;
   const BoxBlock* around = visit->boxes ? boxesAround(t, pair) : NULL;
   if (around != NULL) {
-    rows &= nearBox(blockOf(t, a), around, b % TREE_WIDTH, visit->reach);
+    rows &= nearBox(blockOf(t, a), around, memberIndex(b), visit->reach);
   }
   if (rows == 0) {
     return true;
@@ -95,7 +95,7 @@ static unsigned boxesPart(Visit* visit, int k, unsigned mask, const BoxBlock* a,
 CT_NOINLINE unsigned nearBoxOf(Traversal* t, const Visit* visit, const NodePair* pair, unsigned near) {
   const BoxBlock* own = boxesInView(t, pair->level, pair->a);
   const BoxBlock* around = boxesAround(t, pair);
-  return around != NULL ? near & ~boxesApart(around, pair->b % TREE_WIDTH, own, visit->reach) : near;
+  return around != NULL ? near & ~boxesApart(around, memberIndex(pair->b), own, visit->reach) : near;
 }
 
 /* Those in `mask`, children of b, whose boxes are not out of reach of the box of child k of a. */

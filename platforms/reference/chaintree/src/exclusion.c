@@ -25,11 +25,11 @@ static void listPartners(int pairCount, const int (*pairs)[2], int leafCount, in
   /* Counts are kept two entries on, so that filling the list turns them into its begins. */
   int* next = begin + 1;
   for (int i = 0; i < pairCount; i++) {
-    next[pairs[i][0] / TREE_WIDTH + 1]++;
+    next[coveringNode(pairs[i][0]) + 1]++;
   }
   ctAccumulate(next, leafCount);
   for (int i = 0; i < pairCount; i++) {
-    partners[next[pairs[i][0] / TREE_WIDTH]++] = pairs[i][1] / TREE_WIDTH;
+    partners[next[coveringNode(pairs[i][0])]++] = coveringNode(pairs[i][1]);
   }
   /* Sort each leaf's partners and close the gaps that repeats leave. */
   int kept = 0;
@@ -52,8 +52,8 @@ static void setMasks(Exclusions* exclusions, int pairCount, const int (*pairs)[2
   for (int i = 0; i < pairCount; i++) {
     const int a = pairs[i][0];
     const int b = pairs[i][1];
-    uint16_t* mask = &exclusions->mask[exclusionPartner(exclusions, a / TREE_WIDTH, b / TREE_WIDTH)][a % TREE_WIDTH];
-    *mask = (uint16_t)(*mask | 1u << b % TREE_WIDTH);
+    uint16_t* mask = &exclusions->mask[exclusionPartner(exclusions, coveringNode(a), coveringNode(b))][memberIndex(a)];
+    *mask = (uint16_t)(*mask | 1u << memberIndex(b));
   }
 }
 
@@ -69,10 +69,15 @@ bool ctExclusionsBuild(Exclusions* exclusions, Arena* arena, const Sequence* s, 
     const size_t partnerCount = (size_t)exclusions->begin[leafCount];
     exclusions->partner = ctArenaAllocate(arena, partnerCount + TREE_WIDTH, sizeof(int));
     exclusions->mask = ctArenaAllocate(arena, partnerCount + 1, sizeof(uint16_t[TREE_WIDTH]));
+    exclusions->own = ctArenaAllocate(arena, (size_t)leafCount, sizeof(int));
     exclusions->emptyMask = (int)partnerCount;
     if (!arena->failed) {
       memcpy(exclusions->partner, partners, partnerCount * sizeof(int));
       setMasks(exclusions, pairCount, (const int(*)[2])pairs);
+      for (int leaf = 0; leaf < leafCount; leaf++) {
+        const int own = exclusionPartner(exclusions, leaf, leaf);
+        exclusions->own[leaf] = own == CT_NULL ? exclusions->emptyMask : own;
+      }
     }
   }
   const bool built = !scratch.failed && !arena->failed;

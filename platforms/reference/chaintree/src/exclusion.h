@@ -12,6 +12,7 @@ typedef struct Exclusions {
   int* partner;                 /* leaves; sixteen more may be read */
   uint16_t (*mask)[TREE_WIDTH]; /* per partner and slot of the leaf, bits: the slots of the partner; one more, empty */
   int emptyMask;                /* index of that */
+  int* own;                     /* per leaf: the index of its masks with itself, or emptyMask */
 } Exclusions;
 
 /* Pairs of particles whose limit is not their tolerance, ascending by key. */

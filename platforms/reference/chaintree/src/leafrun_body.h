@@ -30,10 +30,10 @@ static bool listRuns(Clearance* c, const Traversal* t) {
   c->runCount = 0;
   int done = 0; /* one past the last leaf of many pieces so far */
   for (int p = 0; p < view->pieceCount;) {
-    const int first = view->pieces[p].slotBegin / TREE_WIDTH;
+    const int first = coveringNode(view->pieces[p].slotBegin);
     const int begin = first > done ? first : done;
     const int slotEnd = p + 1 < view->pieceCount ? view->pieces[p + 1].slotBegin : t->tree->slotCount;
-    const int last = (slotEnd - 1) / TREE_WIDTH;
+    const int last = coveringNode(slotEnd - 1);
     int q = p; /* the last piece in that leaf */
     while (q + 1 < view->pieceCount && view->pieces[q + 1].slotBegin < (last + 1) * TREE_WIDTH) {
       q++;
@@ -64,7 +64,7 @@ static const Block* leafSpheres(const Traversal* t, int block) {
 }
 
 static Sphere leafSphere(const Traversal* t, int leaf) {
-  return sphereOf(leafSpheres(t, leaf / TREE_WIDTH), leaf % TREE_WIDTH);
+  return sphereOf(leafSpheres(t, coveringNode(leaf)), memberIndex(leaf));
 }
 
 /* Turns lengths into units, rounded down: by the factor too, whose 16.8 u are more than the 3 u of the quotient, the
@@ -102,7 +102,7 @@ static void boundShifts(Clearance* c, const Traversal* t, const Frame* motion, i
   }
   const double chord = sqrt(larger(0, 3 - trace) + 1e-13);
   const Float16 margin = all16((float)(FLOAT_MARGIN * chord * t->extent + 2 * (double)c->unit));
-  for (int block = begin / TREE_WIDTH; block <= (end - 1) / TREE_WIDTH; block++) {
+  for (int block = coveringNode(begin); block <= coveringNode(end - 1); block++) {
     const Block* spheres = leafSpheres(t, block);
     const Float16 x = moved16(spheres, change);
     const Float16 y = moved16(spheres, change + 4);

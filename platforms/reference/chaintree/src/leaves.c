@@ -13,14 +13,14 @@ _Static_assert(CT_LEAF_WIDTH == TREE_WIDTH, "clients see the tree's leaves");
 static void findOccupied(Leaves* leaves, const Tree* tree, const Sequence* s) {
   for (int slot = 0; slot < tree->slotCount; slot++) {
     if (s->slotParticle[slot] != CT_NULL) {
-      leaves->occupied[slot / TREE_WIDTH] |= (uint16_t)(1u << slot % TREE_WIDTH);
+      leaves->occupied[coveringNode(slot)] |= (uint16_t)(1u << memberIndex(slot));
     }
   }
   for (int level = 0; level < tree->levelCount; level++) {
     for (int i = 0; i < tree->levelSize[level]; i++) {
       const int node = tree->levelBegin[level] + i;
       if (leaves->occupied[node] != 0) {
-        leaves->occupied[treeParent(tree, level, node)] |= (uint16_t)(1u << i % TREE_WIDTH);
+        leaves->occupied[treeParent(tree, level, node)] |= (uint16_t)(1u << memberIndex(i));
       }
     }
   }

@@ -14,6 +14,21 @@
 #include "skipped.h"
 #include "traverse.h"
 
+/* The boxes of the members of a node, along the world's axes; low above high: the member has no particles. */
+typedef struct LeafBoxes {
+  float low[3][TREE_WIDTH];
+  float high[3][TREE_WIDTH];
+} LeafBoxes;
+
+static inline void clearBoxes(LeafBoxes* boxes) {
+  for (int d = 0; d < 3; d++) {
+    for (int k = 0; k < TREE_WIDTH; k++) {
+      boxes->low[d][k] = INFINITY;
+      boxes->high[d][k] = -INFINITY;
+    }
+  }
+}
+
 /* The members of an inner node or the crown in the open trial. */
 typedef struct TrialMembers {
   int64_t stamp; /* equal to Leaves.stamp: the rest is of this trial */

@@ -124,7 +124,7 @@ static void updateNode(const LeafUpdate* u, int level, int node, const Frame* fr
   const Tree* tree = u->tree;
   const bool isBoxed = leaves->boxes != NULL && leaves->occupied[node] != 0;
   LeafBoxes* around = isBoxed ? leafBoxes(leaves, tree, treeParent(tree, level, node)) : NULL;
-  const int k = (node - tree->levelBegin[level]) % TREE_WIDTH;
+  const int k = memberIndex(node - tree->levelBegin[level]);
   if (level == 0) {
     LeafPoints points;
     placeLeaf(leaves, tree, u->sequence, node, frame, &points);

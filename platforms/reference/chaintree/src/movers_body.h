@@ -3,13 +3,13 @@
 #ifndef CT_MOVERS_BODY_H_
 #define CT_MOVERS_BODY_H_
 
+#include "signedshorts.h"
 #include "view_body.h"
 
-/* The box around the centres of movers, along the world's axes. */
+/* The box around the centres of movers, along the world's axes: its low ends, the opposites of its high ends, and the
+ * opposite of the largest radius. */
 typedef struct MoverBox {
-  float low[3];
-  float high[3];
-  float r; /* the largest radius */
+  float ends[8];
 } MoverBox;
 
 /* Slots [begin, end), which move, in the view, among sixteen. */
@@ -19,7 +19,10 @@ typedef struct Movers {
   int first;     /* of the sixteen; the others are empty */
   int leaf;      /* of begin */
   unsigned bits; /* of begin to end */
+  int firstLeaf; /* of all that move, which may be more */
+  int lastLeaf;
   MoverBox box;
+  int16_t limits[8]; /* of ShortBoxes.ends: the ends of boxes that may be near are below them */
   Block block;
 } Movers;
 
@@ -33,8 +36,8 @@ static unsigned slotBits(int begin, int end, int first) {
 /* World coordinates of sixteen slots from any one on. Those of slot `end` and later ones may be any numbers. Writes to
  * `own` if they are of two leaves. */
 static const Block* worldOfSlots(Traversal* t, int first, int end, Block* own) {
-  const int leaf = first / TREE_WIDTH;
-  const int at = first % TREE_WIDTH;
+  const int leaf = coveringNode(first);
+  const int at = memberIndex(first);
   if (at == 0) {
     return worldOf(t, leaf);
   }
@@ -64,13 +67,14 @@ CT_INLINE MoverBox boxOfMovers(Float16 x, Float16 y, Float16 z, Float16 r) {
                             blend16(some, none, sub16(zero, x))};
   const Float16 last[4] = {blend16(some, none, sub16(zero, y)), blend16(some, none, sub16(zero, z)), sub16(zero, r),
                            zero};
-  float least[8];
-  least4x16(first, least);
-  least4x16(last, least + 4);
-  return (MoverBox){{least[0], least[1], least[2]}, {-least[3], -least[4], -least[5]}, -least[6]};
+  MoverBox box;
+  least4x16(first, box.ends);
+  least4x16(last, box.ends + 4);
+  return box;
 }
 
-/* Moves slots [begin, end) into the view; `first` is the first of their sixteen. */
+/* Moves slots [begin, end) into the view; `first` is the first of their sixteen. Of the other slots all but the radii
+ * may be any numbers. */
 static void takeMovers(Traversal* t, int begin, int end, int first, Movers* movers) {
   const View* view = t->view;
   Block own;
@@ -78,8 +82,8 @@ static void takeMovers(Traversal* t, int begin, int end, int first, Movers* move
   movers->begin = begin;
   movers->end = end;
   movers->first = first;
-  movers->leaf = begin / TREE_WIDTH;
-  movers->bits = slotBits(begin, end, first);
+  movers->leaf = coveringNode(begin);
+  movers->bits = ((1u << (end - begin)) - 1) << (begin - first);
   Float16 x = load16(world->x);
   Float16 y = load16(world->y);
   Float16 z = load16(world->z);
@@ -87,7 +91,8 @@ static void takeMovers(Traversal* t, int begin, int end, int first, Movers* move
   for (int p = pieceOf(view, begin); p < view->pieceCount && view->pieces[p].slotBegin < end; p++) {
     if (moves(view, view->pieces[p].body)) {
       const float* motion = t->motions[view->pieces[p].body];
-      const unsigned mask = slotBits(view->pieces[p].slotBegin, end, first);
+      const unsigned mask =
+          view->pieces[p].slotBegin <= begin ? 0xffff : slotBits(view->pieces[p].slotBegin, end, first);
       x = blend16(mask, x, moved16(world, motion));
       y = blend16(mask, y, moved16(world, motion + 4));
       z = blend16(mask, z, moved16(world, motion + 8));
@@ -106,9 +111,9 @@ CT_INLINE unsigned nearBoxOfMovers(const Block* block, const MoverBox* box, floa
   Float16 gaps[3];
   for (int d = 0; d < 3; d++) {
     const Float16 x = load16(from[d]);
-    gaps[d] = sub16(x, min16(max16(x, all16(box->low[d])), all16(box->high[d])));
+    gaps[d] = sub16(x, min16(max16(x, all16(box->ends[d])), all16(-box->ends[3 + d])));
   }
-  const Float16 sum = max16(add16(load16(block->r), all16(box->r + reach)), all16(0));
+  const Float16 sum = max16(add16(load16(block->r), all16(reach - box->ends[6])), all16(0));
   return greater16(mul16(sum, sum), squared16(gaps[0], gaps[1], gaps[2]));
 }
 
@@ -136,6 +141,9 @@ static bool meet(Traversal* t, const Visit* visit, int mover, Sphere sphere, int
 /* The index of the masks of leafA's slots with those of leafB. Without a branch for what is usual, so that nothing is
  * mispredicted. */
 CT_INLINE int exclusionMask(const Exclusions* e, int leafA, int leafB) {
+  if (leafA == leafB) {
+    return e->own[leafA];
+  }
   const int begin = e->begin[leafA];
   const int count = e->begin[leafA + 1] - begin;
   if (count > TREE_WIDTH) {
@@ -151,12 +159,12 @@ CT_INLINE int exclusionMask(const Exclusions* e, int leafA, int leafB) {
 CT_INLINE const uint16_t* excludedRows(const Exclusions* e, const Movers* movers, int leaf,
                                        uint16_t own[2 * TREE_WIDTH]) {
   const uint16_t* rows = e->mask[exclusionMask(e, movers->leaf, leaf)];
-  if (movers->leaf < (movers->end - 1) / TREE_WIDTH) {
+  if (movers->leaf < coveringNode(movers->end - 1)) {
     memcpy(own, rows, TREE_WIDTH * sizeof *own);
     memcpy(own + TREE_WIDTH, e->mask[exclusionMask(e, movers->leaf + 1, leaf)], TREE_WIDTH * sizeof *own);
     rows = own;
   }
-  return rows + movers->begin % TREE_WIDTH;
+  return rows + memberIndex(movers->begin);
 }
 
 /* Tests movers against these slots (bits) of a leaf, which are at rest. False ends the search. */
@@ -192,8 +200,8 @@ CT_NOINLINE bool meetMovers(Traversal* t, const Visit* visit, const Movers* move
   for (; near != 0; near &= near - 1) {
     const int k = __builtin_ctz(near);
     const int mover = movers->first + k;
-    const int excluded = exclusionMask(t->exclusions, slot / TREE_WIDTH, mover / TREE_WIDTH);
-    if ((t->exclusions->mask[excluded][slot % TREE_WIDTH] >> mover % TREE_WIDTH & 1) == 0 &&
+    const int excluded = exclusionMask(t->exclusions, coveringNode(slot), coveringNode(mover));
+    if ((t->exclusions->mask[excluded][memberIndex(slot)] >> memberIndex(mover) & 1) == 0 &&
         !meet(t, visit, mover, sphereOf(&movers->block, k), slot, sphere, motion)) {
       return false;
     }
@@ -232,15 +240,31 @@ static bool testMovers(Traversal* t, Visit* visit, const Movers* movers, const M
 
 /* ---- Boxes of leaves ---- */
 
+/* Ends are shifted away from a box, and limits from the movers: by a unit, since shorts are rounded towards 0, and by
+ * another for the roundings of floats. Beyond the range of shorts, ends stay below limits. */
+enum { UNITS_AROUND = 2 };
+
+/* Units for an extent of the scene: some are left for what moves beyond it. */
+enum { UNITS_AN_EXTENT = 30000 };
+
 /* Makes the box of a leaf, whose world coordinates are up to date. */
 static void boxLeaf(Traversal* t, int leaf) {
   float least[8];
+  int16_t ends[8];
   boxOfBlock(&t->world[t->entryOf[leaf]], least);
-  LeafBoxes* boxes = &t->leafBoxes[leaf / TREE_WIDTH];
+  storeSignedShorts8(ends, least, t->boxScale, 0, -UNITS_AROUND);
+  ShortBoxes* boxes = &t->leafBoxes[coveringNode(leaf)];
   for (int d = 0; d < 3; d++) {
-    boxes->low[d][leaf % TREE_WIDTH] = least[d];
-    boxes->high[d][leaf % TREE_WIDTH] = -least[3 + d];
+    boxes->ends[d][memberIndex(leaf)] = ends[3 + d];
+    boxes->ends[3 + d][memberIndex(leaf)] = ends[d];
   }
+}
+
+/* The limits of boxes near movers. Half a unit in the last place for either end, and for each sum: the reach has room
+ * for that, see FLOAT_MARGIN. */
+static void limitBoxes(const Traversal* t, float reach, Movers* movers) {
+  const float around = reach - movers->box.ends[6];
+  storeSignedShorts8(movers->limits, movers->box.ends, -t->boxScale, around * t->boxScale, UNITS_AROUND);
 }
 
 /* Begins to wait until boxes are worth making. */
@@ -255,6 +279,7 @@ CT_NOINLINE void boxLeaves(Traversal* t) {
     t->testsToBoxes = INT_MAX;
     return;
   }
+  t->boxScale = t->extent > 0 ? (float)(UNITS_AN_EXTENT / t->extent) : 1;
   for (int leaf = 0; leaf < leaves; leaf++) {
     updateWorldLeaf(t, leaf);
     boxLeaf(t, leaf);
@@ -293,58 +318,74 @@ static void followLeaves(Traversal* t) {
 
 /* ---- Movers against everything at rest ---- */
 
-/* The level with which tests begin: the lowest of few nodes, since the nodes above would separate little. */
-static int firstLevel(const Traversal* t) {
-  int level = treeTop(t->tree);
-  while (level > 1 && t->tree->levelSize[level - 1] <= t->mostFirstNodes) {
-    level--;
-  }
-  return level;
-}
-
-/* Brings the nodes of that level up to date, and these leaves. */
-static void updateFirst(Traversal* t, int begin, int end) {
+/* Brings the nodes of the level with which tests begin up to date: the lowest of few nodes, since the nodes above would
+ * separate little. */
+CT_NOINLINE void updateFirstNodes(Traversal* t) {
   const Tree* tree = t->tree;
-  const int first = firstLevel(t);
-  if (t->firstNodesTime < tree->innerTime || !treeStays(tree, t->firstNodesTime)) {
-    t->firstNodesTime = tree->innerTime > tree->time ? tree->innerTime : tree->time;
-    for (int level = treeTop(tree); level >= first; level--) {
-      for (int i = 0; i < tree->levelSize[level]; i++) {
-        updateWorld(t, level, tree->levelBegin[level] + i);
-      }
+  t->firstLevel = treeTop(tree);
+  while (t->firstLevel > 1 && tree->levelSize[t->firstLevel - 1] <= t->mostFirstNodes) {
+    t->firstLevel--;
+  }
+  for (int level = treeTop(tree); level >= t->firstLevel; level--) {
+    for (int i = 0; i < tree->levelSize[level]; i++) {
+      updateWorld(t, level, tree->levelBegin[level] + i);
     }
   }
+  t->firstNodesTime = tree->innerTime > tree->time ? tree->innerTime : tree->time;
+}
+
+/* Brings those nodes up to date, and these leaves. */
+static void updateFirst(Traversal* t, int begin, int end) {
+  const Tree* tree = t->tree;
+  if (t->firstNodesTime < tree->innerTime || !treeStays(tree, t->firstNodesTime)) {
+    updateFirstNodes(t);
+  }
   followLeaves(t);
-  for (int leaf = begin; leaf < end; leaf++) {
-    for (int level = first - 1; level >= 0; level--) {
+  for (int leaf = begin; leaf < end && t->testsToBoxes != 0; leaf++) { /* else all are up to date */
+    for (int level = t->firstLevel - 1; level >= 0; level--) {
       updateWorld(t, level, tree->levelBegin[level] + (leaf >> TREE_WIDTH_BITS * level));
     }
   }
 }
 
-/* Bit k is set if the box of leaf k may be near a mover. Half a unit in the last place for either bound, and for each
- * sum here: the reach has room for that, see FLOAT_MARGIN. */
-CT_INLINE unsigned nearLeafBoxes(const LeafBoxes* boxes, const MoverBox* box, float reach) {
-  const float around = box->r + reach;
-  const Float16 low[3] = {all16(box->low[0] - around), all16(box->low[1] - around), all16(box->low[2] - around)};
-  const Float16 high[3] = {all16(box->high[0] + around), all16(box->high[1] + around), all16(box->high[2] + around)};
-  return overlapping16(boxes->low, boxes->high, low, high);
+/* Lists the members that may be near movers of nodes [begin, end) of a level, all up to date, but for leaves in which
+ * something moves. Returns how many. */
+CT_INLINE int listNearBox(Traversal* t, const Movers* movers, int level, int begin, int end, float reach, int* near) {
+  const Block* blocks = worldOf(t, t->tree->levelBegin[level]);
+  const int below = t->tree->levelBegin[level - 1];
+  int found = 0;
+  for (int i = begin; i < end; i++) {
+    unsigned mask;
+    if (level == 1) {
+      mask = t->testsToBoxes == 0 ? belowSixLimits(t->leafBoxes[i].ends, sixLimits(movers->limits))
+                                  : nearBoxOfMovers(&blocks[i], &movers->box, reach);
+      mask &= ~slotBits(movers->firstLeaf, movers->lastLeaf + 1, i * TREE_WIDTH);
+    } else {
+      mask = nearBoxOfMovers(&blocks[i], &movers->box, reach);
+    }
+    found += indices16(mask, below + i * TREE_WIDTH, near + found);
+  }
+  return found;
 }
 
-/* Lists the members that may be near movers of nodes [begin, end) of a level, all up to date. Returns how many. */
-CT_INLINE int listNearBox(Traversal* t, int level, int begin, int end, const MoverBox* box, float reach, int* near) {
-  const Tree* tree = t->tree;
-  const int below = tree->levelBegin[level - 1];
-  int found = 0;
-  if (level == 1 && t->testsToBoxes == 0) {
-    for (int i = begin; i < end; i++) {
-      found += indices16(nearLeafBoxes(&t->leafBoxes[i], box, reach), i * TREE_WIDTH, near + found);
+/* The same of all leaves, by their boxes. Few branches depend on what is found, since processors mispredict these. */
+CT_INLINE int listNearBoxes(const Traversal* t, const Movers* movers, int* near) {
+  uint64_t masks[MOST_FIRST_NODES / NODES_AT_ONCE];
+  const SixLimits limits = sixLimits(movers->limits);
+  const int count = boxedNodes(t->tree) / NODES_AT_ONCE;
+  for (int i = 0; i < count; i++) {
+    uint64_t mask = 0;
+    for (int k = NODES_AT_ONCE - 1; k >= 0; k--) {
+      mask = mask << TREE_WIDTH | belowSixLimits(t->leafBoxes[i * NODES_AT_ONCE + k].ends, limits);
     }
-    return found;
+    masks[i] = mask;
   }
-  const Block* blocks = worldOf(t, tree->levelBegin[level]);
-  for (int i = begin; i < end; i++) {
-    found += indices16(nearBoxOfMovers(&blocks[i], box, reach), below + i * TREE_WIDTH, near + found);
+  for (int leaf = movers->firstLeaf; leaf <= movers->lastLeaf; leaf++) {
+    masks[leaf / 64] &= ~((uint64_t)1 << leaf % 64);
+  }
+  int found = 0;
+  for (int i = 0; i < count; i++) {
+    found += indices64(masks[i], i * NODES_AT_ONCE * TREE_WIDTH, near + found);
   }
   return found;
 }
@@ -356,11 +397,11 @@ CT_NOINLINE int listNearOfMany(Traversal* t, Visit* visit, const Movers* movers,
   const int parentCount = tree->levelSize[level + 1];
   const int begin = tree->levelBegin[level];
   int nodes[MOST_FIRST_NODES + TREE_WIDTH];
-  const int count = listNearBox(t, level + 1, 0, parentCount, &movers->box, visit->reach, nodes);
+  const int count = listNearBox(t, movers, level + 1, 0, parentCount, visit->reach, nodes);
   int found = 0;
   for (int i = 0; i < count; i++) {
     const int node = nodes[i] - begin;
-    found += listNearBox(t, level, node, node + 1, &movers->box, visit->reach, near + found);
+    found += listNearBox(t, movers, level, node, node + 1, visit->reach, near + found);
   }
   visit->volumeTests += (parentCount + count) * TREE_WIDTH;
   return found;
@@ -373,13 +414,14 @@ CT_INLINE int listNearFirst(Traversal* t, Visit* visit, const Movers* movers, in
     return listNearOfMany(t, visit, movers, level, near);
   }
   visit->volumeTests += count * TREE_WIDTH;
-  return listNearBox(t, level, 0, count, &movers->box, visit->reach, near);
+  return level == 1 && t->testsToBoxes == 0 ? listNearBoxes(t, movers, near)
+                                            : listNearBox(t, movers, level, 0, count, visit->reach, near);
 }
 
 /* Lists the leaves that may be near movers, and returns them. */
 static const int* listNearLeaves(Traversal* t, Visit* visit, const Movers* movers, int* leafCount) {
   const Tree* tree = t->tree;
-  const int top = firstLevel(t);
+  const int top = t->firstLevel;
   int* nodes = t->nearNodes; /* level by level */
   int count = listNearFirst(t, visit, movers, top, nodes);
   int done = 0;
@@ -391,63 +433,52 @@ static const int* listNearLeaves(Traversal* t, Visit* visit, const Movers* mover
     visit->volumeTests += (last - done) * TREE_WIDTH;
     for (; done < last; done++) {
       const int node = nodes[done] - tree->levelBegin[level];
-      count += listNearBox(t, level, node, node + 1, &movers->box, visit->reach, nodes + count);
+      count += listNearBox(t, movers, level, node, node + 1, visit->reach, nodes + count);
     }
   }
   *leafCount = count - done;
   return nodes + done;
 }
 
-/* Tests movers against slots at rest. False ends the search. */
-static bool testSlots(Traversal* t, Visit* visit, const Movers* movers, const int* slots, int count) {
-  visit->particleTests += count * (movers->end - movers->begin);
-  for (int i = 0; i < count; i++) {
-    const Sphere sphere = sphereOf(worldOf(t, slots[i] / TREE_WIDTH), slots[i] % TREE_WIDTH);
+/* Tests movers against those slots of a few leaves, all at rest, that are near the movers' box: few, so that most
+ * leaves cost no more than that. False ends the search. */
+CT_INLINE bool testNearSlots(Traversal* t, Visit* visit, const Movers* movers, const int* leaves, int leafCount,
+                             bool areUpToDate) {
+  uint64_t mask = 0;
+  for (int i = leafCount - 1; i >= 0; i--) {
+    if (!areUpToDate) {
+      updateWorld(t, 0, leaves[i]);
+    }
+    mask = mask << TREE_WIDTH | nearBoxOfMovers(&t->world[t->entryOf[leaves[i]]], &movers->box, visit->reach);
+  }
+  for (; mask != 0; mask &= mask - 1) {
+    const int i = __builtin_ctzll(mask);
+    const int leaf = leaves[coveringNode(i)];
+    const Sphere sphere = sphereOf(worldOf(t, leaf), memberIndex(i));
     const unsigned near = near16(&movers->block, sphere, visit->reach) & movers->bits;
-    if (near != 0 && !meetMovers(t, visit, movers, near, slots[i], sphere, 0)) {
+    visit->particleTests += movers->end - movers->begin;
+    if (near != 0 && !meetMovers(t, visit, movers, near, leaf * TREE_WIDTH + memberIndex(i), sphere, 0)) {
       return false;
     }
   }
   return true;
 }
 
-/* Lists the slots near the box of movers in these leaves, but for leaves first to last. Returns how many. */
-CT_INLINE int listNearSlots(Traversal* t, const int* leaves, int leafCount, bool areUpToDate, int first, int last,
-                            const MoverBox* box, float reach, int* slots) {
-  int count = 0;
-  for (int i = 0; i < leafCount; i++) {
-    const int leaf = leaves[i];
-    const unsigned others = leaf < first || last < leaf ? 0xffff : 0;
-    if (!areUpToDate) {
-      updateWorld(t, 0, leaf);
-    }
-    const Block* world = &t->world[t->entryOf[leaf]];
-    count += indices16(nearBoxOfMovers(world, box, reach) & others, leaf * TREE_WIDTH, slots + count);
-  }
-  return count;
-}
-
 /* Tests movers against everything at rest: all slots but [begin, end), which move. False ends the search. */
 static bool probeMovers(Traversal* t, Visit* visit, const Movers* movers, int begin, int end) {
-  enum { LEAVES_AT_ONCE = 16 };
-  const int firstLeaf = begin / TREE_WIDTH;
-  const int lastLeaf = (end - 1) / TREE_WIDTH;
-  for (int leaf = firstLeaf; leaf <= lastLeaf; leaf++) {
-    if (!testLeaf(t, visit, movers, leaf, ~slotBits(begin, end, leaf * TREE_WIDTH))) {
+  for (int leaf = movers->firstLeaf; leaf <= movers->lastLeaf; leaf++) {
+    const bool areHere = movers->first == leaf * TREE_WIDTH; /* all that move */
+    if (!testLeaf(t, visit, movers, leaf, ~(areHere ? movers->bits : slotBits(begin, end, leaf * TREE_WIDTH)))) {
       return false;
     }
   }
   int leafCount;
   const int* leaves = listNearLeaves(t, visit, movers, &leafCount);
   visit->volumeTests += leafCount * TREE_WIDTH;
-  for (int i = 0; i < leafCount; i += LEAVES_AT_ONCE) {
-    const int some = leafCount - i < LEAVES_AT_ONCE ? leafCount - i : LEAVES_AT_ONCE;
-    int slots[(LEAVES_AT_ONCE + 1) * TREE_WIDTH]; /* near the box: few, so that most leaves cost no more than that */
-    const int count =
-        t->testsToBoxes == 0
-            ? listNearSlots(t, leaves + i, some, true, firstLeaf, lastLeaf, &movers->box, visit->reach, slots)
-            : listNearSlots(t, leaves + i, some, false, firstLeaf, lastLeaf, &movers->box, visit->reach, slots);
-    if (!testSlots(t, visit, movers, slots, count)) {
+  for (int i = 0; i < leafCount; i += NODES_AT_ONCE) {
+    const int some = leafCount - i < NODES_AT_ONCE ? leafCount - i : NODES_AT_ONCE;
+    if (!(t->testsToBoxes == 0 ? testNearSlots(t, visit, movers, leaves + i, some, true)
+                               : testNearSlots(t, visit, movers, leaves + i, some, false))) {
       return false;
     }
   }
@@ -456,13 +487,18 @@ static bool probeMovers(Traversal* t, Visit* visit, const Movers* movers, int be
 
 /* Tests a view in which only slots [begin, end) move. It needs no volumes of straddlers. */
 static void visitFew(Traversal* t, Visit* visit, int begin, int end) {
-  updateFirst(t, begin / TREE_WIDTH, (end - 1) / TREE_WIDTH + 1);
-  const bool areInOneLeaf = begin / TREE_WIDTH == (end - 1) / TREE_WIDTH;
+  updateFirst(t, coveringNode(begin), coveringNode(end - 1) + 1);
+  const bool areInOneLeaf = coveringNode(begin) == coveringNode(end - 1);
   Movers movers[MOST_MOVERS / TREE_WIDTH];
   int count = 0;
   for (int slot = begin; slot < end; slot = movers[count++].end) {
     const int next = slot + TREE_WIDTH < end ? slot + TREE_WIDTH : end;
-    takeMovers(t, slot, next, areInOneLeaf ? slot / TREE_WIDTH * TREE_WIDTH : slot, &movers[count]);
+    movers[count].firstLeaf = coveringNode(begin);
+    movers[count].lastLeaf = coveringNode(end - 1);
+    takeMovers(t, slot, next, areInOneLeaf ? coveringNode(slot) * TREE_WIDTH : slot, &movers[count]);
+    if (t->testsToBoxes == 0) {
+      limitBoxes(t, visit->reach, &movers[count]);
+    }
   }
   for (int i = 0; i < count; i++) {
     if (!probeMovers(t, visit, &movers[i], begin, end)) {

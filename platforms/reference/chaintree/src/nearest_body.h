@@ -60,7 +60,7 @@ static void boundPoints(const Tree* layout, const double (*point)[3], Block* blo
         Sphere sphere = middleOfBlock(own);
         sphere.r = radiusAbout(sphere, own, own->r);
         Block* parent = &block[treeParent(layout, level, node)];
-        const int k = i % TREE_WIDTH;
+        const int k = memberIndex(i);
         parent->x[k] = sphere.x;
         parent->y[k] = sphere.y;
         parent->z[k] = sphere.z;

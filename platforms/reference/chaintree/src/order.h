@@ -8,6 +8,17 @@
 /* The number of members of a node of the tree. */
 enum { TREE_WIDTH_BITS = 4, TREE_WIDTH = 1 << TREE_WIDTH_BITS };
 
+/* The index in its level of the node that covers a slot, or a node of the level below, of this index. One instruction;
+ * a division by TREE_WIDTH of what might be negative takes four. */
+static inline int coveringNode(int index) {
+  return index >> TREE_WIDTH_BITS;
+}
+
+/* Which of that node's members it is. */
+static inline int memberIndex(int index) {
+  return index & (TREE_WIDTH - 1);
+}
+
 /* Permutes ids so that consecutive runs of TREE_WIDTH, and of its powers, are compact in space: this makes the volumes
  * of obstacles and of large links tight. Point id is points[3 * id .. 3 * id + 2]. O(n log n) expected. The result
  * depends on nothing else. */

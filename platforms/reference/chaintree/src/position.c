@@ -25,7 +25,7 @@ static inline bool isDisplaced(PositionReader* reader, int link) {
 static void readFrame(PositionReader* reader, int link, int particle, double position[3]) {
   const Sequence* s = reader->sequence;
   const int slot = particleSlot(s, particle);
-  const int leaf = (slot != CT_NULL ? slot : s->slotBegin[link]) / TREE_WIDTH;
+  const int leaf = coveringNode(slot != CT_NULL ? slot : s->slotBegin[link]);
   if (leaf != reader->leaf) {
     reader->leaf = leaf;
     reader->leafFrame = ctTreeFrame(reader->tree, 0, leaf);
@@ -131,7 +131,7 @@ static void readSlotless(PositionReader* reader, int begin, int end, int64_t sin
   const int firstMoved = treeFirstMoved(reader->tree, since);
   for (int i = begin; i < end; i++) {
     const int particle = s->slotlessParticle[i];
-    const int leaf = s->slotBegin[particleLink(s, particle)] / TREE_WIDTH;
+    const int leaf = coveringNode(s->slotBegin[particleLink(s, particle)]);
     if (leaf >= firstMoved || reader->tree->contentTime[leaf] > since) {
       ctReadPosition(reader, particle, positions + 3 * (size_t)particle);
     }
@@ -161,7 +161,7 @@ static void readBranch(const Sequence* s, const Tree* tree, int branch, double* 
   const int head = s->branchHead[branch];
   const int end = sequenceEnd(s, head);
   PositionReader reader = ctPositionReader(s, tree);
-  readLeaves(&reader, s->slotBegin[head] / TREE_WIDTH, (s->slotBegin[end] - 1) / TREE_WIDTH + 1, NEVER, positions);
+  readLeaves(&reader, coveringNode(s->slotBegin[head]), coveringNode(s->slotBegin[end] - 1) + 1, NEVER, positions);
   readSlotless(&reader, sequenceSlotless(s, head), sequenceSlotless(s, end), NEVER, positions);
 }
 

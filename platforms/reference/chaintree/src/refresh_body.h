@@ -121,15 +121,15 @@ CT_INLINE void keepStem(Tree* tree, const Sequence* s, const Walk* walk) {
 CT_INLINE void placeParticle(const Sequence* s, const Columns* frame, int link, int slot, Leaf* leaf, double x[3]) {
   sequenceLocal(s, link, s->slotParticle[slot], x);
   columnsPoint(frame, x, x);
-  leaf->x[slot % TREE_WIDTH] = x[0];
-  leaf->y[slot % TREE_WIDTH] = x[1];
-  leaf->z[slot % TREE_WIDTH] = x[2];
+  leaf->x[memberIndex(slot)] = x[0];
+  leaf->y[memberIndex(slot)] = x[1];
+  leaf->z[memberIndex(slot)] = x[2];
 }
 
 /* Computes the positions of slots [begin, end) of a leaf. Takes the walk from the link of the first one to that of the
  * last; the links between are opened. Inlined: a call would put the walk's frame into memory. */
 CT_INLINE void positionSlots(Tree* tree, const Sequence* s, Walk* walk, const Openings* openings, int begin, int end) {
-  Leaf* leaf = &tree->leaf[begin / TREE_WIDTH];
+  Leaf* leaf = &tree->leaf[coveringNode(begin)];
   if (s->slotBegin[walk->link] == begin) {
     keepStem(tree, s, walk);
   }
@@ -175,7 +175,7 @@ static void noteLeaf(Tree* tree, int leaf) {
 /* The frame of a link in the frame of its leaf. Opens all links there up to `end`. */
 CT_INLINE Frame walkToLink(const Sequence* sequence, int link, int end, Openings* openings) {
   Walk walk;
-  treeWalk(&walk, sequence, sequence->slotBegin[link] / TREE_WIDTH);
+  treeWalk(&walk, sequence, coveringNode(sequence->slotBegin[link]));
   openLinks(sequence, walk.link + 1, end, openings);
   while (walk.link < link) {
     walkOn(&walk, sequence, &openings->m[0][walk.link + 1 - openings->first], TREE_WIDTH);
@@ -196,7 +196,7 @@ static int endOfOpened(const Sequence* sequence, int leaf) {
 
 /* The frame of a link in the frame of its leaf, and the openings of all links there. */
 static Frame openLeaf(const Sequence* sequence, int link, Openings* openings) {
-  const int leaf = sequence->slotBegin[link] / TREE_WIDTH;
+  const int leaf = coveringNode(sequence->slotBegin[link]);
   return walkToLink(sequence, link, endOfOpened(sequence, leaf), openings);
 }
 
@@ -208,7 +208,7 @@ static void refreshLeaf(Tree* tree, const Sequence* sequence, int leaf) {
   Walk walk;
   Openings own;
   Openings* openings = &own;
-  if (tree->knownLink != CT_NULL && sequence->slotBegin[tree->knownLink] / TREE_WIDTH == leaf) {
+  if (tree->knownLink != CT_NULL && coveringNode(sequence->slotBegin[tree->knownLink]) == leaf) {
     openings = &tree->knownOpenings;
     walkBegin(&walk, tree->knownLink);
     columnsOf(&tree->knownInLeaf, &walk.frame);
@@ -239,7 +239,7 @@ static void widenBound(Tree* tree, int leaf, int begin, int end) {
   const Leaf* own = &tree->leaf[leaf];
   Bound* bound = &tree->bound[leaf];
   const double centre[3] = {bound->x, bound->y, bound->z};
-  for (int k = begin % TREE_WIDTH; k < begin % TREE_WIDTH + end - begin; k++) {
+  for (int k = memberIndex(begin); k < memberIndex(begin) + end - begin; k++) {
     if (own->r[k] >= 0) {
       const double x[3] = {own->x[k], own->y[k], own->z[k]};
       const float away = (float)sqrt(squaredDistance(x, centre));
@@ -267,8 +267,8 @@ static bool positionTwig(Tree* tree, const Sequence* s, int link, const Frame* s
   Columns frames[TREE_WIDTH + 1]; /* of the parent, then of links from this one on */
   const int begin = s->slotBegin[link];
   const int last = s->slotLink[end - 1];
-  Leaf* leaf = &tree->leaf[begin / TREE_WIDTH];
-  const Bound bound = tree->bound[begin / TREE_WIDTH];
+  Leaf* leaf = &tree->leaf[coveringNode(begin)];
+  const Bound bound = tree->bound[coveringNode(begin)];
   twigParent(s, link, stem, &frames[0]);
   for (int l = link; l <= last; l++) {
     const Frame opening = sequenceOpening(s, l);
@@ -282,7 +282,7 @@ static bool positionTwig(Tree* tree, const Sequence* s, int link, const Frame* s
       const int own = s->slotLink[slot];
       double x[3];
       placeParticle(s, &frames[own - link + 1], own, slot, leaf, x);
-      holds &= holdsParticle(&bound, x, leaf->r[slot % TREE_WIDTH]);
+      holds &= holdsParticle(&bound, x, leaf->r[memberIndex(slot)]);
     }
   }
   return holds;
@@ -290,7 +290,7 @@ static bool positionTwig(Tree* tree, const Sequence* s, int link, const Frame* s
 
 /* The same for all slots of a leaf that a link moves which begins in an earlier leaf. */
 static bool positionRest(Tree* tree, const Sequence* s, const Frame* stem, int begin, int end) {
-  const Leaf* leaf = &tree->leaf[begin / TREE_WIDTH];
+  const Leaf* leaf = &tree->leaf[coveringNode(begin)];
   Walk walk;
   walkBeginInTwig(&walk, s, s->slotLink[begin], stem);
   Openings openings;
@@ -300,7 +300,7 @@ static bool positionRest(Tree* tree, const Sequence* s, const Frame* stem, int b
   for (int slot = begin; slot < end; slot++) {
     double x[3];
     treeLocal(tree, slot, x);
-    holds &= holdsParticle(&tree->bound[begin / TREE_WIDTH], x, leaf->r[slot % TREE_WIDTH]);
+    holds &= holdsParticle(&tree->bound[coveringNode(begin)], x, leaf->r[memberIndex(slot)]);
   }
   return holds;
 }
@@ -342,7 +342,7 @@ static void widenAbove(Tree* tree, int leaf) {
   int child = leaf;
   for (int level = 0; level < treeTop(tree); level++) {
     const int node = treeParent(tree, level, child);
-    const int k = (child - tree->levelBegin[level]) % TREE_WIDTH;
+    const int k = memberIndex(child - tree->levelBegin[level]);
     Members* members = treeMembers(tree, node);
     Bound* bound = &tree->bound[node];
     Columns pose;

@@ -13,14 +13,14 @@ static void markAbove(const Tree* layout, uint16_t* mask) {
       const int node = layout->levelBegin[level] + i;
       if (mask[node] != 0) {
         uint16_t* above = &mask[treeParent(layout, level, node)];
-        *above = (uint16_t)(*above | 1u << i % TREE_WIDTH);
+        *above = (uint16_t)(*above | 1u << memberIndex(i));
       }
     }
   }
 }
 
 static void markSlot(uint16_t* mask, int slot) {
-  mask[slot / TREE_WIDTH] = (uint16_t)(mask[slot / TREE_WIDTH] | 1u << slot % TREE_WIDTH);
+  mask[coveringNode(slot)] = (uint16_t)(mask[coveringNode(slot)] | 1u << memberIndex(slot));
 }
 
 static int countMarks(const Tree* layout, const uint16_t* mask) {
@@ -95,7 +95,7 @@ static bool build(ctSelection* selection, int count, const int* particles) {
 bool ctSelectionHolds(const ctSelection* selection, int particle) {
   const int slot = modelledSlot(&selection->scene->sequence, particle);
   if (slot != CT_NULL) {
-    return (selection->mask[slot / TREE_WIDTH] >> slot % TREE_WIDTH & 1) != 0;
+    return (selection->mask[coveringNode(slot)] >> memberIndex(slot) & 1) != 0;
   }
   const int i = ascendingFrom(selection->unmodelled, 0, selection->unmodelledCount, particle);
   return i < selection->unmodelledCount && selection->unmodelled[i] == particle;

@@ -51,9 +51,9 @@ static uint8_t axisPlacesOf(const Sequence* s, int link) {
   }
   const int from = particleSlot(s, s->joint[link].torsion[0]);
   const int to = particleSlot(s, s->joint[link].origin);
-  const int leaf = s->slotBegin[link] / TREE_WIDTH;
-  const bool areHere = from != CT_NULL && to != CT_NULL && from / TREE_WIDTH == leaf && to / TREE_WIDTH == leaf;
-  return areHere ? (uint8_t)(TREE_WIDTH * (from % TREE_WIDTH) + to % TREE_WIDTH) : axisElsewhere;
+  const int leaf = coveringNode(s->slotBegin[link]);
+  const bool areHere = from != CT_NULL && to != CT_NULL && coveringNode(from) == leaf && coveringNode(to) == leaf;
+  return areHere ? (uint8_t)(TREE_WIDTH * memberIndex(from) + memberIndex(to)) : axisElsewhere;
 }
 
 void ctSequenceSetReference(Sequence* s, const double* positions) {
@@ -97,8 +97,11 @@ JointState ctSequenceGetJoint(const Sequence* s, int link) {
 double ctAngleTurned(double angle, double turn) {
   const double twoPi = 6.283185307179586476925286766559;
   const double pi = 0.5 * twoPi;
-  /* For many turns the digits of pi in double are too few; sine and cosine use more. */
-  const double sum = angle + (fabs(turn) > twoPi ? atan2(sin(turn), cos(turn)) : turn);
+  double within = turn; /* one turn: for many the digits of pi in double are too few */
+  if (fabs(turn) > twoPi) {
+    within = fabs(turn) <= CT_MOST_ANGLE ? withoutTurns(turn) : atan2(sin(turn), cos(turn));
+  }
+  const double sum = angle + within;
   /* Since the sum is below 3 pi, this is remainder(sum, twoPi), and quicker. */
   return sum - twoPi * ((sum > pi) - (sum < -pi));
 }

@@ -22,7 +22,8 @@ bool ctSnapshotBuild(Snapshot* snapshot, Arena* arena, const Sequence* sequence,
   }
   for (int slot = 0; slot < layout->levelBegin[1] * TREE_WIDTH; slot++) {
     const bool isModelled = slot < layout->slotCount && slotIsModelled(sequence, slot);
-    snapshot->leaf[slot / TREE_WIDTH].r[slot % TREE_WIDTH] = isModelled ? (float)slotRadius(sequence, slot) : -INFINITY;
+    snapshot->leaf[coveringNode(slot)].r[memberIndex(slot)] =
+        isModelled ? (float)slotRadius(sequence, slot) : -INFINITY;
   }
   for (size_t i = 0; i < inner; i++) {
     clearBoxes(&snapshot->boxes[i]);

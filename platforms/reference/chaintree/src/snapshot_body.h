@@ -55,9 +55,9 @@ static void boundSnapshot(Snapshot* snapshot, const Sequence* sequence, const Tr
       if (level == 0) {
         Block* leaf = &snapshot->leaf[node];
         fillLeaf(snapshot, sequence->slotParticle + node * TREE_WIDTH, leaf);
-        boundLeaf(leaf, around, i % TREE_WIDTH);
+        boundLeaf(leaf, around, memberIndex(i));
       } else {
-        boundInnerNode(snapshotBoxes(snapshot, layout, node), around, i % TREE_WIDTH);
+        boundInnerNode(snapshotBoxes(snapshot, layout, node), around, memberIndex(i));
       }
     }
   }

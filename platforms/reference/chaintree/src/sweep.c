@@ -28,9 +28,9 @@ static void fillRanks(Ranks* ranks) {
 static void findParticles(Sweep* sweep) {
   const int* particle = sweep->sequence->slotParticle;
   for (int slot = 0; slot < sweep->layout->slotCount; slot++) {
-    int* lowest = &sweep->lowest[slot / TREE_WIDTH];
-    int* highest = &sweep->highest[slot / TREE_WIDTH];
-    if (slot % TREE_WIDTH == 0) {
+    int* lowest = &sweep->lowest[coveringNode(slot)];
+    int* highest = &sweep->highest[coveringNode(slot)];
+    if (memberIndex(slot) == 0) {
       *lowest = INT_MAX;
       *highest = -1;
     }

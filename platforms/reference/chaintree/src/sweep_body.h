@@ -11,7 +11,7 @@
 static unsigned membersNearNode(const Pass* pass, int level, const AxisBoxes* members, int node) {
   const Tree* layout = pass->sweep->layout;
   const AxisBoxes* others = snapshotBoxes(&pass->sweep->snapshot, layout, treeParent(layout, level, node));
-  return membersNear(pass, members, others, (node - layout->levelBegin[level]) % TREE_WIDTH, true);
+  return membersNear(pass, members, others, memberIndex(node - layout->levelBegin[level]), true);
 }
 
 /* The slots (bits) of leaf a that are within reach of box k of others. */

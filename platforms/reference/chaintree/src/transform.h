@@ -6,6 +6,7 @@
 #include <math.h>
 #include <string.h>
 
+#include "angle.h"
 #include "chaintree.h"
 #include "inline.h"
 #include "vector.h"
@@ -156,8 +157,8 @@ static inline Frame transformInverse(const Frame* a) {
 /* The factor that makes an axis the Rodrigues vector of a turn about it, whose length is the tangent of half the angle.
  */
 static inline double rodriguesFactor(const double axis[3], double angle) {
-  /* Quicker than a tangent. */
-  return sin(0.5 * angle) / (cos(0.5 * angle) * sqrt(dot(axis, axis)));
+  const Angle half = angleOfAny(0.5 * angle);
+  return half.sine / (half.cosine * sqrt(dot(axis, axis)));
 }
 
 /* Writes the right-handed rotation of a Rodrigues vector into entries of Frame.m that are `stride` apart. */
@@ -177,21 +178,22 @@ static inline void rotationFromRodrigues(double wx, double wy, double wz, double
   m[10 * stride] = 1 - (x * wx + y * wy);
 }
 
-/* Makes t its own rotation, but about a point, followed by a shift. */
-static inline void transformAbout(const double point[3], const double shift[3], Frame* t) {
+/* Makes t its own rotation, but about a point. */
+static inline void transformAbout(const double point[3], Frame* t) {
   double turned[3];
   rotate(t, point, turned);
-  t->m[0][3] = point[0] - turned[0] + shift[0];
-  t->m[1][3] = point[1] - turned[1] + shift[1];
-  t->m[2][3] = point[2] - turned[2] + shift[2];
+  t->m[0][3] = point[0] - turned[0];
+  t->m[1][3] = point[1] - turned[1];
+  t->m[2][3] = point[2] - turned[2];
 }
 
 /* Unit quaternion (w, x, y, z) of a rotation vector. */
 static inline void quaternionFromVector(const double v[3], double q[4]) {
   const double angle = sqrt(dot(v, v));
   /* sin(a/2)/a = 1/2 - a^2/48 + ...: below 1e-8 the second term is less than 3e-18, far below the rounding of 1/2. */
-  const double factor = angle > 1e-8 ? sin(0.5 * angle) / angle : 0.5;
-  q[0] = cos(0.5 * angle);
+  const Angle half = angleOfAny(0.5 * angle);
+  const double factor = angle > 1e-8 ? half.sine / angle : 0.5;
+  q[0] = half.cosine;
   q[1] = factor * v[0];
   q[2] = factor * v[1];
   q[3] = factor * v[2];
@@ -212,15 +214,18 @@ static inline void quaternionMultiply(const double a[4], const double b[4], doub
 
 /* Writes the rotation of a unit quaternion into entries of Frame.m that are `stride` apart. */
 static inline void rotationFromUnit(double w, double x, double y, double z, double* m, size_t stride) {
-  m[0] = 1 - 2 * (y * y + z * z);
-  m[stride] = 2 * (x * y - w * z);
-  m[2 * stride] = 2 * (x * z + w * y);
-  m[4 * stride] = 2 * (x * y + w * z);
-  m[5 * stride] = 1 - 2 * (x * x + z * z);
-  m[6 * stride] = 2 * (y * z - w * x);
-  m[8 * stride] = 2 * (x * z - w * y);
-  m[9 * stride] = 2 * (y * z + w * x);
-  m[10 * stride] = 1 - 2 * (x * x + y * y);
+  const double x2 = x + x;
+  const double y2 = y + y;
+  const double z2 = z + z;
+  m[0] = 1 - (y * y2 + z * z2);
+  m[stride] = x * y2 - w * z2;
+  m[2 * stride] = x * z2 + w * y2;
+  m[4 * stride] = x * y2 + w * z2;
+  m[5 * stride] = 1 - (x * x2 + z * z2);
+  m[6 * stride] = y * z2 - w * x2;
+  m[8 * stride] = x * z2 - w * y2;
+  m[9 * stride] = y * z2 + w * x2;
+  m[10 * stride] = 1 - (x * x2 + y * y2);
 }
 
 /* Makes the rotation of t that of a unit quaternion. */

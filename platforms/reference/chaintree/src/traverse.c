@@ -35,8 +35,8 @@ bool ctTraversalBuild(Traversal* t, Arena* arena, const Tree* tree, const Sequen
   t->world = ctArenaAllocate(arena, entries, sizeof(Block));
   t->box = ctArenaAllocate(arena, nodes, sizeof(Box));
   t->boxes = ctArenaAllocate(arena, inner, sizeof(ChildBoxes));
-  const int boxed = t->leafEntryCount < tree->levelSize[0] ? 0 : tree->levelSize[1]; /* see boxLeaves */
-  t->leafBoxes = ctArenaAllocate(arena, (size_t)boxed, sizeof(LeafBoxes));
+  const int boxed = t->leafEntryCount < tree->levelSize[0] ? 0 : boxedNodes(tree); /* see boxLeaves */
+  t->leafBoxes = ctArenaAllocate(arena, (size_t)boxed, sizeof(ShortBoxes));
   t->membersTime = ctArenaAllocate(arena, inner, sizeof(int64_t));
   t->nodeStamp = ctArenaAllocate(arena, nodes, sizeof(uint32_t));
   t->motion = ctArenaAllocate(arena, nodes, sizeof(int));
@@ -59,7 +59,9 @@ bool ctTraversalBuild(Traversal* t, Arena* arena, const Tree* tree, const Sequen
     t->entryOf[node] = node < leaves ? CT_NULL : t->leafEntryCount + node - leaves;
   }
   for (int i = 0; i < boxed; i++) {
-    clearBoxes(&t->leafBoxes[i]);
+    for (int k = 0; k < TREE_WIDTH; k++) {
+      t->leafBoxes[i].ends[0][k] = INT16_MAX; /* below no limit: no member */
+    }
   }
   t->steadyTime = NEVER;
   for (size_t i = 0; i < inner; i++) {
@@ -92,9 +94,16 @@ static bool reserveStraddlers(Traversal* t, int count) {
 }
 
 bool ctTraversalReserve(Traversal* t, int pieceCount) {
+  if (pieceCount <= t->pieceCapacity) {
+    return true;
+  }
   /* The boundary of two pieces is straddled by one node of each level at most. */
-  return reserveStraddlers(t, (pieceCount - 1) * t->tree->levelCount) &&
-         ctReserve((void**)&t->motions, &t->motionCapacity, pieceCount, sizeof(float[12]));
+  if (!reserveStraddlers(t, (pieceCount - 1) * t->tree->levelCount) ||
+      !ctReserve((void**)&t->motions, &t->motionCapacity, pieceCount, sizeof(float[12]))) {
+    return false;
+  }
+  t->pieceCapacity = pieceCount;
+  return true;
 }
 
 View ctViewOfState(bool surfaces, double reach) {
@@ -147,7 +156,7 @@ void ctTraverseProbe(Traversal* t, const View* view, const double point[3], doub
 }
 
 void ctPositionInView(Traversal* t, int slot, int motion, double position[3]) {
-  const int leaf = slot / TREE_WIDTH;
+  const int leaf = coveringNode(slot);
   if (t->entryOf[leaf] == CT_NULL) {
     t->tree->instructions->updateWorldLeaf(t, leaf);
   }
@@ -160,8 +169,8 @@ void ctPositionInView(Traversal* t, int slot, int motion, double position[3]) {
 }
 
 void ctTraversalPosition(Traversal* t, int slot, double position[3]) {
-  const int code = t->motion[slot / TREE_WIDTH];
-  ctPositionInView(t, slot, code < 0 ? straddlerOf(t, code)->motion[slot % TREE_WIDTH] : code, position);
+  const int code = t->motion[coveringNode(slot)];
+  ctPositionInView(t, slot, code < 0 ? straddlerOf(t, code)->motion[memberIndex(slot)] : code, position);
 }
 
 double ctTraversalSquaredDistance(Traversal* t, int slotA, int slotB) {

@@ -26,19 +26,19 @@ typedef struct ProbedNode {
   int node;
 } ProbedNode;
 
-/* The boxes of the members of a node, along the world's axes; low above high: the member has no particles. */
-typedef struct LeafBoxes {
-  float low[3][TREE_WIDTH];
-  float high[3][TREE_WIDTH];
-} LeafBoxes;
+/* Boxes around the members of a node over leaves, along the world's axes, in short units: a coordinate in nm times
+ * Traversal.boxScale. They are a little larger than the members. Rows 0 to 2 are the opposites of their high ends, rows
+ * 3 to 5 their low ends. */
+typedef struct ShortBoxes {
+  int16_t ends[6][TREE_WIDTH];
+} ShortBoxes;
 
-static inline void clearBoxes(LeafBoxes* boxes) {
-  for (int d = 0; d < 3; d++) {
-    for (int k = 0; k < TREE_WIDTH; k++) {
-      boxes->low[d][k] = INFINITY;
-      boxes->high[d][k] = -INFINITY;
-    }
-  }
+/* So many nodes have a bit for each of their members in a word. */
+enum { NODES_AT_ONCE = 64 / TREE_WIDTH };
+
+/* How many nodes have boxes of members: those over leaves, and some more, to look at NODES_AT_ONCE. */
+static inline int boxedNodes(const Tree* tree) {
+  return (tree->levelSize[1] + NODES_AT_ONCE - 1) / NODES_AT_ONCE * NODES_AT_ONCE;
 }
 
 struct Box;
@@ -59,6 +59,7 @@ typedef struct Traversal {
   int64_t* worldTime;     /* the tree's time when its world coordinates were right; NEVER: it has none */
   bool worldHasSurfaces;  /* the radii are of surfaces, else of centres */
   int64_t firstNodesTime; /* the tree's time when all nodes with which tests of few slots begin were up to date */
+  int firstLevel;         /* of these nodes */
   int mostFirstNodes;     /* MOST_FIRST_NODES, but for tests */
   int mostUnaskedNodes;   /* MOST_UNASKED_NODES, but for tests */
   int* entryOf;           /* its entry in the two arrays below; CT_NULL: another leaf has taken that */
@@ -72,8 +73,10 @@ typedef struct Traversal {
   Block* world;     /* per entry: the node's members in the world */
 
   /* Boxes around leaves, per node over leaves, which tests of few slots look at instead of spheres: half as many are
-   * near. They are made when no leaf has moved for a while; then leaves whose slots turn get new ones. */
-  LeafBoxes* leafBoxes;
+   * near, and a comparison takes a third of the time. They are made when no leaf has moved for a while; then leaves
+   * whose slots turn get new ones. */
+  ShortBoxes* leafBoxes;
+  float boxScale;     /* units a nm */
   int testsABox;      /* TESTS_A_BOX, but for tests */
   int testsToBoxes;   /* 0: all leaves have boxes, and world coordinates, but for those noted since boxedCount */
   int64_t steadyTime; /* the tree's since which no leaf has moved, as of the last test */
@@ -111,6 +114,7 @@ typedef struct Traversal {
   int straddlerCapacity;
   float (*motions)[12]; /* of the view */
   int motionCapacity;
+  int pieceCapacity; /* of a view */
 
   ProbedNode* stack; /* of a probe */
   int* nearNodes;    /* found by a probe; with room for sixteen more */

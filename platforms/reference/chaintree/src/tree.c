@@ -9,8 +9,8 @@
 static void clearMembers(Tree* tree, const Sequence* sequence) {
   for (int slot = 0; slot < tree->levelBegin[1] * TREE_WIDTH; slot++) {
     const bool isModelled = slot < tree->slotCount && slotIsModelled(sequence, slot);
-    Leaf* leaf = &tree->leaf[slot / TREE_WIDTH];
-    leaf->r[slot % TREE_WIDTH] = isModelled ? (float)slotRadius(sequence, slot) : -INFINITY;
+    Leaf* leaf = &tree->leaf[coveringNode(slot)];
+    leaf->r[memberIndex(slot)] = isModelled ? (float)slotRadius(sequence, slot) : -INFINITY;
   }
   for (int node = tree->levelBegin[1]; node < tree->nodeCount; node++) {
     Members* members = treeMembers(tree, node);
@@ -116,7 +116,7 @@ void ctTreeRefresh(Tree* tree, const Sequence* sequence) {
 /* Recomputes the leaf that holds the step from a link to the next, unless that is done. Dirty leaves are listed:
  * returns how many there are. */
 static int refreshStep(Tree* tree, const Sequence* s, int link, int dirty) {
-  const int leaf = (s->slotBegin[link + 1] - 1) / TREE_WIDTH;
+  const int leaf = coveringNode(s->slotBegin[link + 1] - 1);
   if (tree->contentTime[leaf] != tree->time) {
     tree->dirty[dirty++] = leaf;
     tree->instructions->refreshLeaf(tree, s, leaf);
@@ -147,7 +147,7 @@ static int refreshTwigs(Tree* tree, const Sequence* s, const int* links, int cou
     const int link = links[i];
     if (s->twigPart[link] != notInTwig && link >= done) {
       done = sequenceEnd(s, link);
-      for (int leaf = s->slotBegin[link] / TREE_WIDTH; leaf * TREE_WIDTH < s->slotBegin[done]; leaf++) {
+      for (int leaf = coveringNode(s->slotBegin[link]); leaf * TREE_WIDTH < s->slotBegin[done]; leaf++) {
         if (tree->contentTime[leaf] != tree->time) {
           tree->dirty[dirty++] = leaf;
         }
@@ -288,7 +288,7 @@ Frame ctTreeKnowLink(Tree* tree, const Sequence* sequence, int link, int change)
 static Frame twigParentInLeaf(const Tree* tree, const Sequence* sequence, int link) {
   const int parent = sequence->parent[link];
   const int head = sequenceTwigHead(sequence, link);
-  const bool beginsHere = sequence->slotBegin[head] / TREE_WIDTH == sequence->slotBegin[link] / TREE_WIDTH;
+  const bool beginsHere = coveringNode(sequence->slotBegin[head]) == coveringNode(sequence->slotBegin[link]);
   const Frame stem = beginsHere ? tree->stem[sequenceOpenPath(sequence, head)] : transformIdentity();
   if (link == head) {
     return stem;
@@ -317,8 +317,8 @@ double ctTreeSquaredDistance(const Tree* tree, int slotA, int slotB) {
   double b[3];
   treeLocal(tree, slotA, a);
   treeLocal(tree, slotB, b);
-  int nodeA = slotA / TREE_WIDTH;
-  int nodeB = slotB / TREE_WIDTH;
+  int nodeA = coveringNode(slotA);
+  int nodeB = coveringNode(slotB);
   for (int level = 0; nodeA != nodeB; level++) {
     transformPoint(&tree->pose[nodeA], a, a);
     transformPoint(&tree->pose[nodeB], b, b);
@@ -331,8 +331,8 @@ double ctTreeSquaredDistance(const Tree* tree, int slotA, int slotB) {
 Frame ctTreeRelative(const Tree* tree, const Sequence* sequence, int linkA, int linkB) {
   Frame a = ctTreeLinkInLeaf(tree, sequence, linkA);
   Frame b = ctTreeLinkInLeaf(tree, sequence, linkB);
-  int nodeA = sequence->slotBegin[linkA] / TREE_WIDTH;
-  int nodeB = sequence->slotBegin[linkB] / TREE_WIDTH;
+  int nodeA = coveringNode(sequence->slotBegin[linkA]);
+  int nodeB = coveringNode(sequence->slotBegin[linkB]);
   for (int level = 0; nodeA != nodeB; level++) {
     a = transformCompose(&tree->pose[nodeA], &a);
     b = transformCompose(&tree->pose[nodeB], &b);
@@ -357,7 +357,7 @@ static bool nodeHolds(const Tree* tree, const Sequence* sequence, int level, int
     if (!slotIsModelled(sequence, slot)) {
       continue;
     }
-    const Frame leaf = ctTreeFrame(tree, 0, slot / TREE_WIDTH);
+    const Frame leaf = ctTreeFrame(tree, 0, coveringNode(slot));
     double x[3];
     treeLocal(tree, slot, x);
     transformPoint(&leaf, x, x);

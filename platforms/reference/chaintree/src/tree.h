@@ -127,7 +127,7 @@ static inline int treeRoot(const Tree* tree) {
 
 /* The parent of a node of a level below the top. */
 static inline int treeParent(const Tree* tree, int level, int node) {
-  return tree->levelBegin[level + 1] + (node - tree->levelBegin[level]) / TREE_WIDTH;
+  return tree->levelBegin[level + 1] + coveringNode(node - tree->levelBegin[level]);
 }
 
 /* First child of a node of level > 0, and how many it has. */
@@ -160,10 +160,10 @@ static inline Members* treeMembers(const Tree* tree, int node) {
 
 /* A slot's position in the frame of its leaf. */
 static inline void treeLocal(const Tree* tree, int slot, double local[3]) {
-  const Leaf* leaf = &tree->leaf[slot / TREE_WIDTH];
-  local[0] = leaf->x[slot % TREE_WIDTH];
-  local[1] = leaf->y[slot % TREE_WIDTH];
-  local[2] = leaf->z[slot % TREE_WIDTH];
+  const Leaf* leaf = &tree->leaf[coveringNode(slot)];
+  local[0] = leaf->x[memberIndex(slot)];
+  local[1] = leaf->y[memberIndex(slot)];
+  local[2] = leaf->z[memberIndex(slot)];
 }
 
 /* True if no node has moved since a time. */
@@ -242,7 +242,7 @@ void ctTreeWalkToAxis(const Tree* tree, const Sequence* sequence, int link, doub
 
 /* The same for any. Inlined, since it begins every turn: its numbers stay in registers. */
 CT_INLINE void treeAxis(const Tree* tree, const Sequence* sequence, int link, double point[3], double direction[3]) {
-  const int leaf = sequence->slotBegin[link] / TREE_WIDTH;
+  const int leaf = coveringNode(sequence->slotBegin[link]);
   const int places = sequence->axisPlaces[link];
   double near[3];
   double far[3];

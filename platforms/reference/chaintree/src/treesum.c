@@ -17,7 +17,7 @@ static int slotlessAt(const Sequence* sequence, int slot, const int** slotless) 
 void ctTreeCountParticles(Tree* tree, const Sequence* sequence) {
   const int* slotless;
   for (int slot = 0; slot < sequence->slotCount; slot++) {
-    tree->particles[slot / TREE_WIDTH] +=
+    tree->particles[coveringNode(slot)] +=
         (sequence->slotParticle[slot] != CT_NULL) + slotlessAt(sequence, slot, &slotless);
   }
   for (int level = 1; level < tree->levelCount; level++) {

@@ -26,6 +26,7 @@ bool ctTrialReserve(Trial* trial, int count) {
     return false;
   }
   trial->capacity = count;
+  trial->motions[0] = transformIdentity();
   return true;
 }
 
@@ -46,7 +47,7 @@ void ctTrialFree(Trial* trial) {
 
 /* The frame of a link in the world, if that in its leaf is known. */
 static Frame linkFromLeaf(const Sequence* sequence, Traversal* t, int link, const Frame* inLeaf) {
-  return transformCompose(ctTraversalLeafFrame(t, sequence->slotBegin[link] / TREE_WIDTH), inLeaf);
+  return transformCompose(ctTraversalLeafFrame(t, coveringNode(sequence->slotBegin[link])), inLeaf);
 }
 
 static Frame linkFrame(const Sequence* sequence, Traversal* t, int link) {
@@ -56,18 +57,18 @@ static Frame linkFrame(const Sequence* sequence, Traversal* t, int link) {
 
 /* Turns a torsion about its axis in the world. The placements of its states stay undefined: nobody looks at them. */
 static void turnTorsion(TrialChange* change, const Sequence* s, Traversal* t, Frame* motion) {
-  static const double still[3] = {0, 0, 0};
   const double angle = change->given->angle;
   double point[3];
   double axis[3];
-  const Frame* leaf = ctTraversalLeafFrame(t, s->slotBegin[change->link] / TREE_WIDTH);
+  const Frame* leaf = ctTraversalLeafFrame(t, coveringNode(s->slotBegin[change->link]));
   treeAxis(t->tree, s, change->link, point, axis);
   transformPoint(leaf, point, point);
   rotate(leaf, axis, axis);
-  const double factor = sin(0.5 * angle) / sqrt(dot(axis, axis));
+  const Angle half = angleOfAny(0.5 * angle);
+  const double factor = half.sine / sqrt(dot(axis, axis));
   Frame turn;
-  rotationFromUnit(cos(0.5 * angle), factor * axis[0], factor * axis[1], factor * axis[2], turn.m[0], 1);
-  transformAbout(point, still, &turn);
+  rotationFromUnit(half.cosine, factor * axis[0], factor * axis[1], factor * axis[2], turn.m[0], 1);
+  transformAbout(point, &turn);
   *motion = turn;
   change->before.angle = s->angle[change->link];
   change->after.angle = ctAngleTurned(change->before.angle, angle);
@@ -78,7 +79,7 @@ static void findPivot(const Sequence* s, Traversal* t, int link, double pivot[3]
   const int slot = particleSlot(s, s->joint[link].origin);
   if (slot != CT_NULL) {
     treeLocal(t->tree, slot, pivot);
-    transformPoint(ctTraversalLeafFrame(t, slot / TREE_WIDTH), pivot, pivot);
+    transformPoint(ctTraversalLeafFrame(t, coveringNode(slot)), pivot, pivot);
   } else {
     const Frame own = linkFrame(s, t, link);
     translationOf(&own, pivot);
@@ -86,15 +87,14 @@ static void findPivot(const Sequence* s, Traversal* t, int link, double pivot[3]
 }
 
 /* Turns a ball joint about its pivot. */
-static void turnBall(TrialChange* change, const Sequence* s, Traversal* t, Frame* motion) {
-  static const double still[3] = {0, 0, 0};
+CT_NOINLINE void turnBall(TrialChange* change, const Sequence* s, Traversal* t, Frame* motion) {
   const double* rotation = change->given->rotation;
   double turn[4];
   double pivot[3];
   quaternionFromVector(rotation, turn);
   rotationFromQuaternion(turn, motion);
   findPivot(s, t, change->link, pivot);
-  transformAbout(pivot, still, motion);
+  transformAbout(pivot, motion);
   memcpy(change->rotation, rotation, sizeof change->rotation);
   change->isTurnOfBall = true;
 }
@@ -120,14 +120,17 @@ static void turnBalls(Trial* trial, const Sequence* s, Tree* tree, Traversal* t)
 }
 
 /* Moves a free joint. The change is given in the world; the joint's state is in the parent's frame. */
-static void moveFreely(TrialChange* change, const Sequence* s, Traversal* t, Frame* motion) {
+CT_NOINLINE void moveFreely(TrialChange* change, const Sequence* s, Traversal* t, Frame* motion) {
   const ctChange* given = change->given;
   double turn[4];
   quaternionFromVector(given->rotation, turn);
   rotationFromQuaternion(turn, motion);
   double pivot[3];
   subtract(given->pivot, s->worldOrigin, pivot);
-  transformAbout(pivot, given->translation, motion);
+  transformAbout(pivot, motion);
+  for (int k = 0; k < 3; k++) {
+    motion->m[k][3] += given->translation[k];
+  }
 
   const Frame parent = linkFrame(s, t, s->parent[change->link]);
   double rotation[3];
@@ -152,12 +155,11 @@ static void addPiece(Trial* trial, int slotBegin, int motion) {
 
 /* Cuts the sequence into pieces, and composes motions with those around them. The intervals of the changes are nested
  * or disjoint: goes along the sequence with a stack of the open ones. */
-static void cutPieces(Trial* trial, const Sequence* s) {
+CT_NOINLINE void cutPieces(Trial* trial, const Sequence* s) {
   int* open = trial->scratch;
   int* motionOf = trial->motionOf;
   int depth = 0;
   trial->pieceCount = 0;
-  trial->motions[0] = transformIdentity();
   trial->motionCount = trial->count + 1;
   addPiece(trial, 0, 0);
   for (int i = 0; i <= trial->count; i++) {
@@ -185,7 +187,6 @@ static void cutPieces(Trial* trial, const Sequence* s) {
 static void cutAround(Trial* trial, const Sequence* s) {
   const int link = trial->changes[0].link;
   const int end = sequenceEnd(s, link);
-  trial->motions[0] = transformIdentity();
   trial->motionCount = 2;
   trial->pieces[0] = (Piece){0, 0};
   trial->pieceCount = s->slotBegin[link] > 0;
@@ -307,7 +308,7 @@ static int compareChanges(const void* a, const void* b) {
 }
 
 /* Sorts the changes by link; returns a link that is changed twice, or CT_NULL. */
-static int sortChanges(Trial* trial) {
+CT_NOINLINE int sortChanges(Trial* trial) {
   bool isAscending = true;
   for (int i = 1; i < trial->count && isAscending; i++) {
     isAscending = trial->changes[i - 1].link <= trial->changes[i].link;

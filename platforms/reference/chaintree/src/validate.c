@@ -42,7 +42,7 @@ static bool boxHolds(const ctChainTree* scene, int level, int node) {
     if (!slotIsModelled(&scene->sequence, slot)) {
       continue;
     }
-    const Frame leaf = ctTreeFrame(tree, 0, slot / TREE_WIDTH);
+    const Frame leaf = ctTreeFrame(tree, 0, coveringNode(slot));
     double x[3];
     treeLocal(tree, slot, x);
     transformPoint(&leaf, x, x);
@@ -76,8 +76,8 @@ static bool doBoxesHold(const ctChainTree* scene) {
 /* ---- Clearances ---- */
 
 static bool isExcluded(const Exclusions* exclusions, int slotA, int slotB) {
-  const int partner = exclusionPartner(exclusions, slotA / TREE_WIDTH, slotB / TREE_WIDTH);
-  return partner != CT_NULL && (exclusions->mask[partner][slotA % TREE_WIDTH] >> slotB % TREE_WIDTH & 1) != 0;
+  const int partner = exclusionPartner(exclusions, coveringNode(slotA), coveringNode(slotB));
+  return partner != CT_NULL && (exclusions->mask[partner][memberIndex(slotA)] >> memberIndex(slotB) & 1) != 0;
 }
 
 /* True if no pair of particles has less clearance than the table has for their leaves. O(N^2). */
@@ -88,9 +88,9 @@ static bool clearancesHold(ctChainTree* scene) {
     if (!slotIsModelled(s, i)) {
       continue;
     }
-    const int a = i / TREE_WIDTH;
+    const int a = coveringNode(i);
     for (int j = (a + 1) * TREE_WIDTH; j < s->slotCount; j++) {
-      const int b = j / TREE_WIDTH;
+      const int b = coveringNode(j);
       const uint16_t least = c->least[(size_t)a * (size_t)c->stride + (size_t)b];
       if (least == 0) {
         j = (b + 1) * TREE_WIDTH - 1;

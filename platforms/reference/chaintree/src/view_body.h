@@ -151,11 +151,15 @@ static void updateWorldLeaf(Traversal* t, int leaf) {
   }
 }
 
+CT_NOINLINE void updateLostLeaf(Traversal* t, int leaf) {
+  updateWorld(t, 0, leaf);
+}
+
 /* The members of a node in the world, which were brought up to date before. A leaf may have lost its entry since then;
  * its parent has not. */
-static Block* worldOf(Traversal* t, int node) {
+CT_INLINE Block* worldOf(Traversal* t, int node) {
   if (t->entryOf[node] == CT_NULL) {
-    updateWorld(t, 0, node);
+    updateLostLeaf(t, node);
   }
   return &t->world[t->entryOf[node]];
 }

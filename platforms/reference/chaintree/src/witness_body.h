@@ -4,7 +4,7 @@
 
 /* The sphere of a slot of this motion in the view. */
 static Sphere slotSphere(Traversal* t, int slot, int motion) {
-  const int leaf = slot / TREE_WIDTH;
+  const int leaf = coveringNode(slot);
   const int64_t since = t->worldTime[leaf];
   if (t->tree->contentTime[leaf] > since) {
     updateWorldLeaf(t, leaf);
@@ -15,7 +15,7 @@ static Sphere slotSphere(Traversal* t, int slot, int motion) {
       updateWorldLeaf(t, leaf);
     }
   }
-  return sphereInView(t, sphereOf(worldOf(t, leaf), slot % TREE_WIDTH), motion);
+  return sphereInView(t, sphereOf(worldOf(t, leaf), memberIndex(slot)), motion);
 }
 
 /* Tests the witnesses: true if one clashes, as `function` says. Adds what that has cost. */

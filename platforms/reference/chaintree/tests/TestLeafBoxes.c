@@ -2,6 +2,7 @@
  * as soon as it can and the other never, give the same answers. Looks inside the engine. */
 #include "../src/scene.h"
 #include "lattice.h"
+#include "signedshorts.h"
 
 enum { TRIALS = 4000, NEVER_BOXED = 1 << 20 };
 
@@ -13,13 +14,16 @@ static double drawn(void) {
   return (state >> 8) * 0x1p-23 - 1;
 }
 
-/* True if the boxes of all leaves, unless they are not in use, hold their particles, and little else. */
+/* True if the boxes of all leaves, unless they are not in use, hold their particles, with one to three units of room.
+ */
 static bool boxesHold(const ctChainTree* tree) {
   const Traversal* t = &tree->traversal;
   const Sequence* s = &tree->sequence;
   for (int leaf = 0; leaf < tree->staleTree.levelSize[0] && t->testsToBoxes == 0; leaf++) {
     const Frame frame = ctTreeFrame(&tree->staleTree, 0, leaf);
-    const LeafBoxes* boxes = &t->leafBoxes[leaf / TREE_WIDTH];
+    const ShortBoxes* boxes = &t->leafBoxes[leaf / TREE_WIDTH];
+    const int k = leaf % TREE_WIDTH;
+    const double unit = 1 / (double)t->boxScale;
     for (int d = 0; d < 3; d++) {
       double low = INFINITY;
       double high = -INFINITY;
@@ -33,8 +37,8 @@ static bool boxesHold(const ctChainTree* tree) {
           high = larger(high, x[d] + r);
         }
       }
-      if (!(fabs((double)boxes->low[d][leaf % TREE_WIDTH] - low) < 1e-5) ||
-          !(fabs((double)boxes->high[d][leaf % TREE_WIDTH] - high) < 1e-5)) {
+      const double room[2] = {low - boxes->ends[3 + d][k] * unit, -boxes->ends[d][k] * unit - high};
+      if (!(room[0] > 0.9 * unit && room[0] < 3.1 * unit && room[1] > 0.9 * unit && room[1] < 3.1 * unit)) {
         return false;
       }
     }
@@ -165,7 +169,62 @@ static void testWhen(void) {
   ctDestroy(trees[1]);
 }
 
+/* What moves far beyond the range of the boxes' units still meets what follows it there. */
+static void testFarAway(void) {
+  ctChainTree* trees[2];
+  ctCounts counts[2] = {{0}};
+  makeBoth(trees, ONE_EACH, 0.32);
+  const ctChange still = {.link = 5};
+  ask(trees, &still, true, false, counts);
+  ask(trees, &still, true, false, counts);
+  CHECK(trees[0]->traversal.testsToBoxes == 0);
+  double positions[3 * SITES];
+  ctGetPositions(trees[0], positions);
+  for (int axis = 0; axis < 6; axis++) {
+    double far[3] = {0, 0, 0};
+    far[axis % 3] = axis < 3 ? 1e3 : -1e3;
+    for (int i = 0; i < 3; i++) {
+      const int link = 7 + 11 * axis + i;
+      ctChange change = {.link = link};
+      for (int d = 0; d < 3; d++) {
+        change.translation[d] = (i == 1 ? 2 : 1) * far[d] - positions[3 * link + d];
+      }
+      CHECK(ask(trees, &change, false, false, counts) == (i == 2)); /* far, twice as far, where the first is */
+      CHECK(trees[0]->traversal.testsToBoxes == 0);
+    }
+  }
+  ctDestroy(trees[0]);
+  ctDestroy(trees[1]);
+}
+
+/* As shorts, numbers are rounded towards 0 and shifted; what is beyond the range ends at its end. */
+static void testShorts(void) {
+  const float numbers[8] = {2.9f, -2.9f, 32766.5f, 1e30f, -1e30f, INFINITY, -INFINITY, 0};
+  const int16_t expected[8] = {2, -2, 32766, INT16_MAX, INT16_MIN, INT16_MAX, INT16_MIN, 0};
+  const int16_t opposite[8] = {0, 8, INT16_MIN + 3, INT16_MIN + 3, INT16_MAX, INT16_MIN + 3, INT16_MAX, 4};
+  int16_t shorts[8];
+  storeSignedShorts8(shorts, numbers, 1, 0, 0);
+  CHECK(memcmp(shorts, expected, sizeof shorts) == 0);
+  storeSignedShorts8(shorts, numbers, -1.5f, 1, 3);
+  CHECK(memcmp(shorts, opposite, sizeof shorts) == 0);
+  int16_t rows[6][16];
+  for (int trial = 0; trial < 2000; trial++) {
+    int16_t limits[6];
+    unsigned below = 0xffff;
+    for (int i = 0; i < 6; i++) {
+      limits[i] = (int16_t)(32767 * drawn());
+      for (int k = 0; k < 16; k++) {
+        rows[i][k] = trial % 3 == 0 ? (int16_t)(limits[i] - (k < 12)) : (int16_t)(32767 * drawn() - 20000);
+        below &= ~((unsigned)(rows[i][k] >= limits[i]) << k);
+      }
+    }
+    CHECK(belowSixLimits(rows, sixLimits(limits)) == below);
+  }
+}
+
 int main(void) {
+  testShorts();
+  testFarAway();
   testParticles(false);
   testParticles(true);
   testChain();

@@ -4,6 +4,7 @@
 
 #include <stdbool.h>
 
+#include "angle.h"
 #include "vector.h"
 
 /* x -> R x + t */
@@ -28,9 +29,9 @@ static inline void turnPoint(const Turning* a, const double x[3], double y[3]) {
 
 /* The rotation by `angle` about a unit vector through a point. */
 static inline Turning turningAbout(const double point[3], const double axis[3], double angle) {
-  const double c = cos(0.5 * angle);
-  const double s = sin(0.5 * angle);
-  const double x = s * axis[0], y = s * axis[1], z = s * axis[2];
+  const Angle half = angleOfAny(0.5 * angle);
+  const double c = half.cosine;
+  const double x = half.sine * axis[0], y = half.sine * axis[1], z = half.sine * axis[2];
   Turning a = {{{1 - 2 * (y * y + z * z), 2 * (x * y - c * z), 2 * (x * z + c * y)},
                 {2 * (x * y + c * z), 1 - 2 * (x * x + z * z), 2 * (y * z - c * x)},
                 {2 * (x * z - c * y), 2 * (y * z + c * x), 1 - 2 * (x * x + y * y)}},
