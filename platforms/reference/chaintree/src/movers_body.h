@@ -410,12 +410,12 @@ CT_NOINLINE int listNearOfMany(Traversal* t, Visit* visit, const Movers* movers,
 /* The same of all nodes of the level with which tests begin. */
 CT_INLINE int listNearFirst(Traversal* t, Visit* visit, const Movers* movers, int level, int* near) {
   const int count = t->tree->levelSize[level];
-  if (count > t->mostUnaskedNodes) {
+  const bool areBoxed = level == 1 && t->testsToBoxes == 0;
+  if (count > t->mostUnaskedNodes && !areBoxed) {
     return listNearOfMany(t, visit, movers, level, near);
   }
   visit->volumeTests += count * TREE_WIDTH;
-  return level == 1 && t->testsToBoxes == 0 ? listNearBoxes(t, movers, near)
-                                            : listNearBox(t, movers, level, 0, count, visit->reach, near);
+  return areBoxed ? listNearBoxes(t, movers, near) : listNearBox(t, movers, level, 0, count, visit->reach, near);
 }
 
 /* Lists the leaves that may be near movers, and returns them. */
