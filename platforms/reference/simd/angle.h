@@ -37,9 +37,11 @@ CT_INLINE Angle angleOf(double x) {
   /* The first part of a quarter turn has 33 bits. */
   const Angle small = smallAngle((x - n * 0x1.921fb544p+0) - n * 0x1.0b4611a626331p-34);
   const uint64_t quarters = bitsOfDouble(shifted);
-  const double first = chosen(quarters & 1, small.cosine, small.sine);
-  const double second = chosen(quarters & 1, small.sine, small.cosine);
-  return (Angle){negatedIf(quarters & 2, first), negatedIf((quarters + 1) & 2, second)};
+  const uint64_t sine = bitsOfDouble(small.sine);
+  const uint64_t cosine = bitsOfDouble(small.cosine);
+  const uint64_t swap = (sine ^ cosine) & (0 - (quarters & 1));
+  return (Angle){doubleOfBits(sine ^ swap ^ (quarters & 2) << 62),
+                 doubleOfBits(cosine ^ swap ^ ((quarters + 1) & 2) << 62)};
 }
 
 /* An angle that is no more than CT_MOST_ANGLE, less whole turns: from -pi to pi, but for roundings. */

@@ -35,8 +35,4 @@ CT_INLINE double sizeOf(double x) {
   return doubleOfBits(bitsOfDouble(x) & ~((uint64_t)1 << 63));
 }
 
-CT_INLINE double negatedIf(uint64_t condition, double x) {
-  return doubleOfBits(bitsOfDouble(x) ^ (uint64_t)(condition != 0) << 63);
-}
-
 #endif /* CT_DOUBLE_BITS_H_ */
