@@ -198,7 +198,7 @@ ENGINE_FAULTS = [
     Fault("traversal: the last member of a node is passed over", "descent_body.h",
           "for (unsigned left = near; left != 0;", "for (unsigned left = near & 0x7fff; left != 0;"),
     Fault("traversal: a mover does not meet its own leaf", "movers_body.h",
-          "if (!testLeaf(t, visit, movers, leaf, ~(areHere", "if (false && !testLeaf(t, visit, movers, leaf, ~(areHere"),
+          "if (!testLeaf(t, visit, movers, leaf, ~(", "if (false && !testLeaf(t, visit, movers, leaf, ~("),
     Fault("traversal: movers that begin in their leaf meet themselves", "movers_body.h",
           "~(areHere ? movers->bits :", "~(areHere ? 0 :"),
     Fault("traversal: nodes with which trials begin stay when their members are widened", "movers_body.h",

@@ -244,8 +244,8 @@ static bool testMovers(Traversal* t, Visit* visit, const Movers* movers, const M
  * another for the roundings of floats. Beyond the range of shorts, ends stay below limits. */
 enum { UNITS_AROUND = 2 };
 
-/* Units for an extent of the scene: some are left for what moves beyond it. */
-enum { UNITS_AN_EXTENT = 30000 };
+/* Units for the size of the state: some are left for what moves beyond it. */
+enum { UNITS_OF_STATE = 30000 };
 
 /* Makes the box of a leaf, whose world coordinates are up to date. */
 static void boxLeaf(Traversal* t, int leaf) {
@@ -279,7 +279,8 @@ CT_NOINLINE void boxLeaves(Traversal* t) {
     t->testsToBoxes = INT_MAX;
     return;
   }
-  t->boxScale = t->extent > 0 ? (float)(UNITS_AN_EXTENT / t->extent) : 1;
+  const double size = sizeOfState(t->tree);
+  t->boxScale = size > 0 ? (float)(UNITS_OF_STATE / size) : 1;
   for (int leaf = 0; leaf < leaves; leaf++) {
     updateWorldLeaf(t, leaf);
     boxLeaf(t, leaf);

@@ -255,14 +255,18 @@ static void expandStraddler(Traversal* t, int level, int node, int piece) {
   storeInts16(s->motion, motions);
 }
 
+/* No coordinate or radius of the state is larger. */
+static double sizeOfState(const Tree* tree) {
+  const Bound* bound = &tree->bound[treeRoot(tree)];
+  const double centre[3] = {bound->x, bound->y, bound->z};
+  return bound->r < 0 ? 0 : sqrt(dot(centre, centre)) + (double)bound->r;
+}
+
 /* Begins a descent with a new view: takes its motions, and bounds how large the scene is in it. */
 static void startView(Traversal* t, const View* view) {
   const Tree* tree = t->tree;
-  const int root = treeRoot(tree);
-  const Bound* bound = &tree->bound[root];
-  const double centre[3] = {bound->x, bound->y, bound->z};
   t->view = view;
-  const double size = bound->r < 0 ? 0 : sqrt(dot(centre, centre)) + (double)bound->r;
+  const double size = sizeOfState(tree);
   double shift = 0;
   if (view->motions != NULL) {
     for (int i = 1; i < view->motionCount; i++) {

@@ -174,10 +174,17 @@ static void testFarAway(void) {
   ctChainTree* trees[2];
   ctCounts counts[2] = {{0}};
   makeBoth(trees, ONE_EACH, 0.32);
-  const ctChange still = {.link = 5};
-  ask(trees, &still, true, false, counts);
-  ask(trees, &still, true, false, counts);
-  CHECK(trees[0]->traversal.testsToBoxes == 0);
+  /* Boxes are made in a trial that goes far away itself: the range is that of the state. */
+  const ctChange away = {.link = 5, .translation = {1e6, 0, 0}};
+  for (int trial = 0; trial < 2; trial++) {
+    bool clash;
+    for (int i = 0; i < 2; i++) {
+      CHECK_SUCCESS(ctPropose(trees[i], 1, &away));
+      CHECK_SUCCESS(ctTestTrial(trees[i], &clash, NULL, &counts[i]));
+      ctDiscard(trees[i]);
+    }
+  }
+  CHECK(trees[0]->traversal.testsToBoxes == 0 && trees[0]->traversal.boxScale > 1000);
   double positions[3 * SITES];
   ctGetPositions(trees[0], positions);
   for (int axis = 0; axis < 6; axis++) {
