@@ -204,6 +204,47 @@ static void testFarAway(void) {
   ctDestroy(trees[1]);
 }
 
+/* In a scene of more than eight nodes over leaves, a particle meets each that it goes to. */
+static void testManyNodes(void) {
+  enum { ROW = 46, COUNT = ROW * ROW };
+  static double positions[COUNT][3];
+  static double radii[COUNT];
+  static int links[COUNT];
+  static int parents[COUNT];
+  static uint8_t joints[COUNT];
+  for (int i = 0; i < COUNT; i++) {
+    positions[i][0] = i % ROW;
+    positions[i][1] = i / ROW;
+    radii[i] = 0.3;
+    links[i] = i;
+    parents[i] = CT_NULL;
+    joints[i] = ctFreeJoint;
+  }
+  const ctDefinition definition = {.particleCount = COUNT,
+                                   .positions = positions[0],
+                                   .radii = radii,
+                                   .particleLinks = links,
+                                   .linkCount = COUNT,
+                                   .linkParents = parents,
+                                   .linkJoints = joints};
+  ctChainTree* tree;
+  CHECK_SUCCESS(ctCreate(&definition, &tree, NULL, 0));
+  tree->traversal.testsABox = 0;
+  for (int target = 1; target < COUNT; target++) {
+    for (int away = 0; away < 2; away++) {
+      const ctChange change = {.link = 0, .translation = {target % ROW + 0.1, target / ROW, 0.7 * away}};
+      bool clash;
+      int pair[2] = {0, 0};
+      CHECK_SUCCESS(ctPropose(tree, 1, &change));
+      CHECK_SUCCESS(ctTestTrial(tree, &clash, pair, NULL));
+      CHECK(clash == (away == 0));
+      CHECK(away == 1 || pair[0] + pair[1] == target);
+    }
+  }
+  CHECK(tree->traversal.testsToBoxes == 0 && tree->staleTree.levelSize[1] > 8);
+  ctDestroy(tree);
+}
+
 /* As shorts, numbers are rounded towards 0 and shifted; what is beyond the range ends at its end. */
 static void testShorts(void) {
   const float numbers[8] = {2.9f, -2.9f, 32766.5f, 1e30f, -1e30f, INFINITY, -INFINITY, 0};
@@ -231,6 +272,7 @@ static void testShorts(void) {
 
 int main(void) {
   testShorts();
+  testManyNodes();
   testFarAway();
   testParticles(false);
   testParticles(true);
