@@ -19,6 +19,9 @@ static double drawn(void) {
 static bool boxesHold(const ctChainTree* tree) {
   const Traversal* t = &tree->traversal;
   const Sequence* s = &tree->sequence;
+  for (int leaf = tree->staleTree.levelSize[0]; leaf < boxedNodes(&tree->staleTree) * TREE_WIDTH; leaf++) {
+    CHECK(t->leafBoxes[leaf / TREE_WIDTH].ends[0][leaf % TREE_WIDTH] == INT16_MAX); /* there is no such leaf */
+  }
   for (int leaf = 0; leaf < tree->staleTree.levelSize[0] && t->testsToBoxes == 0; leaf++) {
     const Frame frame = ctTreeFrame(&tree->staleTree, 0, leaf);
     const ShortBoxes* boxes = &t->leafBoxes[leaf / TREE_WIDTH];
