@@ -216,7 +216,7 @@ ENGINE_FAULTS = [
     Fault("traversal: movers meet themselves where they were, by boxes", "movers_body.h",
           "masks[leaf / 64] &= ~((uint64_t)1 << leaf % 64);", ""),
     Fault("traversal: movers meet themselves where they were, by nodes", "movers_body.h",
-          "mask &= ~slotBits(movers->firstLeaf, movers->lastLeaf + 1, i * TREE_WIDTH);", ""),
+          "indices16(mask & ~own,", "indices16(mask,"),
     Fault("traversal: of four nodes with boxes the last is passed over", "movers_body.h",
           "for (int k = NODES_AT_ONCE - 1; k >= 0; k--) {", "for (int k = NODES_AT_ONCE - 2; k >= 0; k--) {"),
     Fault("traversal: leaves that do not exist are near", "traverse.c",

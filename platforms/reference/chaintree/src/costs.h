@@ -28,7 +28,8 @@ enum { MOST_MOVERS = 2 * TREE_WIDTH };
 /* That test begins at the lowest level with at most so many nodes: it tests all of them. */
 enum { MOST_FIRST_NODES = 2 * TREE_WIDTH };
 
-/* If these are more, only those near the movers are tested. In a protein that was most of 17, but half of 23. */
+/* If these are more, and leaves have no boxes, only those near the movers are tested. In a protein that was most of 17,
+ * but half of 23. */
 enum { MOST_UNASKED_NODES = 20 };
 
 /* In that test, boxes around leaves spare half of the looks at leaves, and are looked at in a third of the time. They

@@ -354,17 +354,13 @@ static void updateFirst(Traversal* t, int begin, int end) {
 CT_INLINE int listNearBox(Traversal* t, const Movers* movers, int level, int begin, int end, float reach, int* near) {
   const Block* blocks = worldOf(t, t->tree->levelBegin[level]);
   const int below = t->tree->levelBegin[level - 1];
+  const bool areBoxed = level == 1 && t->testsToBoxes == 0;
   int found = 0;
   for (int i = begin; i < end; i++) {
-    unsigned mask;
-    if (level == 1) {
-      mask = t->testsToBoxes == 0 ? belowSixLimits(t->leafBoxes[i].ends, sixLimits(movers->limits))
-                                  : nearBoxOfMovers(&blocks[i], &movers->box, reach);
-      mask &= ~slotBits(movers->firstLeaf, movers->lastLeaf + 1, i * TREE_WIDTH);
-    } else {
-      mask = nearBoxOfMovers(&blocks[i], &movers->box, reach);
-    }
-    found += indices16(mask, below + i * TREE_WIDTH, near + found);
+    const unsigned mask = areBoxed ? belowSixLimits(t->leafBoxes[i].ends, sixLimits(movers->limits))
+                                   : nearBoxOfMovers(&blocks[i], &movers->box, reach);
+    const unsigned own = level == 1 ? slotBits(movers->firstLeaf, movers->lastLeaf + 1, i * TREE_WIDTH) : 0;
+    found += indices16(mask & ~own, below + i * TREE_WIDTH, near + found);
   }
   return found;
 }

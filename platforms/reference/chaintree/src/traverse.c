@@ -94,16 +94,9 @@ static bool reserveStraddlers(Traversal* t, int count) {
 }
 
 bool ctTraversalReserve(Traversal* t, int pieceCount) {
-  if (pieceCount <= t->pieceCapacity) {
-    return true;
-  }
   /* The boundary of two pieces is straddled by one node of each level at most. */
-  if (!reserveStraddlers(t, (pieceCount - 1) * t->tree->levelCount) ||
-      !ctReserve((void**)&t->motions, &t->motionCapacity, pieceCount, sizeof(float[12]))) {
-    return false;
-  }
-  t->pieceCapacity = pieceCount;
-  return true;
+  return reserveStraddlers(t, (pieceCount - 1) * t->tree->levelCount) &&
+         ctReserve((void**)&t->motions, &t->motionCapacity, pieceCount, sizeof(float[12]));
 }
 
 View ctViewOfState(bool surfaces, double reach) {

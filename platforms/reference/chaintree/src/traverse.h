@@ -114,7 +114,6 @@ typedef struct Traversal {
   int straddlerCapacity;
   float (*motions)[12]; /* of the view */
   int motionCapacity;
-  int pieceCapacity; /* of a view */
 
   ProbedNode* stack; /* of a probe */
   int* nearNodes;    /* found by a probe; with room for sixteen more */

@@ -96,7 +96,7 @@ static void endBoth(ctChainTree* trees[2], int clashing) {
 }
 
 /* Particles move about in a lattice, each alone: no leaf moves, but for a while many change between two tests. */
-static void testParticles(bool inTwoSteps) {
+static void testParticles(int mostFirstNodes, int mostUnaskedNodes) {
   static double first[3 * SITES];
   ctChainTree* trees[2];
   ctCounts counts[2] = {{0}};
@@ -105,7 +105,8 @@ static void testParticles(bool inTwoSteps) {
   makeBoth(trees, ONE_EACH, 0.32);
   ctGetPositions(trees[0], first);
   for (int i = 0; i < 2; i++) {
-    trees[i]->traversal.mostUnaskedNodes = inTwoSteps ? 1 : MOST_UNASKED_NODES;
+    trees[i]->traversal.mostFirstNodes = mostFirstNodes;
+    trees[i]->traversal.mostUnaskedNodes = mostUnaskedNodes;
   }
   for (int trial = 0; trial < TRIALS; trial++) {
     const ctChange change = {.link = (int)(0.5 * (drawn() + 1) * SITES), .translation = {drawn(), drawn(), drawn()}};
@@ -277,8 +278,9 @@ int main(void) {
   testShorts();
   testManyNodes();
   testFarAway();
-  testParticles(false);
-  testParticles(true);
+  testParticles(MOST_FIRST_NODES, MOST_UNASKED_NODES);
+  testParticles(MOST_FIRST_NODES, 1);   /* in two steps where there are no boxes */
+  testParticles(1, MOST_UNASKED_NODES); /* from the root: boxes of one node at a time */
   testChain();
   testWhen();
   return checkResult();
