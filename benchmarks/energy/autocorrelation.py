@@ -19,9 +19,7 @@ def statisticalInefficiency(values, mean=None):
     values = np.asarray(values, dtype=np.float64)
     deviations = values - (values.mean(axis=0) if mean is None else mean)
     count = len(deviations)
-    transformed = np.fft.rfft(deviations, 2 * count, axis=0)
-    sums = np.fft.irfft(np.abs(transformed) ** 2, 2 * count, axis=0)[:count]
-    covariances = sums / np.arange(count, 0, -1)[:, np.newaxis]
+    covariances = _laggedProducts(deviations)
     scale = np.maximum(covariances[0], np.finfo(np.float64).tiny)
     totals = 2 * np.cumsum(covariances / scale, axis=0) - 1
     isEnough = np.arange(count)[:, np.newaxis] >= _WINDOW * totals / 2
@@ -45,10 +43,27 @@ def leastInefficiency(chains, variances, lag):
     lag : int, samples, less than n
     """
     scale = np.maximum(variances, np.finfo(np.float64).tiny)
-    seen = np.ones(len(scale))
-    for t in range(1, lag + 1):
-        change = np.mean([((chain[t:] - chain[:-t]) ** 2).mean(axis=0) for chain in chains], axis=0) / 2
-        last = 1 - change / scale
-        seen += 2 * last if t < lag else 0
-    last = np.clip(last, 0, 1 - 1e-9)
+    changes = np.mean([_meanSquareChanges(chain, lag) for chain in chains], axis=0)
+    correlations = 1 - changes / (2 * scale)
+    seen = 1 + 2 * correlations[1:lag].sum(axis=0)
+    last = np.clip(correlations[lag], 0, 1 - 1e-9)
     return np.maximum(1.0, seen + 2 * last / (1 - last ** (1 / lag)))
+
+
+def _meanSquareChanges(chain, lag):
+    """Return the mean square change of each column of a chain over 0 to lag samples: (lag + 1, k)."""
+    deviations = chain - chain.mean(axis=0)
+    count, squares = len(deviations), deviations**2
+    lags = np.arange(lag + 1)
+    # The squares of all pairs' first samples, and of their second ones.
+    upTo = np.concatenate([np.zeros_like(squares[:1]), np.cumsum(squares, axis=0)])
+    ofEnds = upTo[count - lags] + upTo[-1] - upTo[lags]
+    return ofEnds / (count - lags)[:, np.newaxis] - 2 * _laggedProducts(deviations)[: lag + 1]
+
+
+def _laggedProducts(columns):
+    """Return the mean of the products of samples of each column that are 0, 1, 2, … apart, as many as there are."""
+    count = len(columns)
+    transformed = np.fft.rfft(columns, 2 * count, axis=0)
+    sums = np.fft.irfft(np.abs(transformed) ** 2, 2 * count, axis=0)[:count]
+    return sums / np.arange(count, 0, -1)[:, np.newaxis]

@@ -17,8 +17,8 @@ STATIONARY = "stationary"  # a group of rows
 STATIONARY_TRIALS = 4000000
 _STEPS = 8  # from one look to the next: even, for leastInefficiency
 _LEFT_OUT = 4  # the first of so many parts of the long chain
-_STARTS = 6  # chains of pivots, from states that are evenly spaced in the rest
-_PART = 5  # each is the long chain's length by this
+_STARTS = 4  # chains of pivots, from states that are evenly spaced in the rest
+_PART = 2.5  # each is the long chain's length by this
 _LAG = 0.75  # of their length: up to there their changes are looked at
 _LEAST = 8  # looks at the long chain
 
@@ -52,7 +52,7 @@ class StationaryRow(NamedTuple):
         for number, start in enumerate(starts):
             chain = makeChain(protein, system, seed + number, PIVOTS, _STEPS)
             chain.begin(start)
-            chain.sample(max(_LEAST, looks // _PART))
+            chain.sample(max(_LEAST, int(looks / _PART)))
             chains.append(chain)
         lag = int(_LAG * chains[0].count)
         ofPivots = leastInefficiency([chain.values() for chain in chains], values.var(axis=0), lag)
