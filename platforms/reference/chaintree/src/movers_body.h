@@ -58,7 +58,11 @@ static const Block* worldOfSlots(Traversal* t, int first, int end, Block* own) {
 }
 
 /* If there are no particles, nothing is near the box. Those without a radius have -INFINITY. */
-CT_INLINE MoverBox boxOfMovers(Float16 x, Float16 y, Float16 z, Float16 r) {
+CT_INLINE MoverBox boxOfMovers(const Block* block) {
+  const Float16 x = load16(block->x);
+  const Float16 y = load16(block->y);
+  const Float16 z = load16(block->z);
+  const Float16 r = load16(block->r);
   const unsigned some = greater16(r, all16(-1));
   const Float16 zero = all16(0);
   const Float16 none = all16(INFINITY);
@@ -89,16 +93,21 @@ static void takeMovers(Traversal* t, int begin, int end, int first, Movers* move
   Float16 z = load16(world->z);
   const Float16 r = blend16(movers->bits, all16(-INFINITY), load16(world->r));
   for (int p = pieceOf(view, begin); p < view->pieceCount && view->pieces[p].slotBegin < end; p++) {
-    if (moves(view, view->pieces[p].body)) {
-      const float* motion = t->motions[view->pieces[p].body];
-      const unsigned mask =
-          view->pieces[p].slotBegin <= begin ? 0xffff : slotBits(view->pieces[p].slotBegin, end, first);
+    const float* motion = t->motions[view->pieces[p].body];
+    if (!moves(view, view->pieces[p].body)) {
+      continue;
+    }
+    if (view->pieces[p].slotBegin <= begin) { /* mostly: all move alike */
+      x = moved16(world, motion);
+      y = moved16(world, motion + 4);
+      z = moved16(world, motion + 8);
+    } else {
+      const unsigned mask = slotBits(view->pieces[p].slotBegin, end, first);
       x = blend16(mask, x, moved16(world, motion));
       y = blend16(mask, y, moved16(world, motion + 4));
       z = blend16(mask, z, moved16(world, motion + 8));
     }
   }
-  movers->box = boxOfMovers(x, y, z, r);
   store16(movers->block.x, x);
   store16(movers->block.y, y);
   store16(movers->block.z, z);
@@ -462,12 +471,16 @@ CT_INLINE bool testNearSlots(Traversal* t, Visit* visit, const Movers* movers, c
 }
 
 /* Tests movers against everything at rest: all slots but [begin, end), which move. False ends the search. */
-static bool probeMovers(Traversal* t, Visit* visit, const Movers* movers, int begin, int end) {
+static bool probeMovers(Traversal* t, Visit* visit, Movers* movers, int begin, int end) {
   for (int leaf = movers->firstLeaf; leaf <= movers->lastLeaf; leaf++) {
     const bool areHere = movers->first == leaf * TREE_WIDTH; /* all that move */
     if (!testLeaf(t, visit, movers, leaf, ~(areHere ? movers->bits : slotBits(begin, end, leaf * TREE_WIDTH)))) {
       return false;
     }
+  }
+  movers->box = boxOfMovers(&movers->block);
+  if (t->testsToBoxes == 0) {
+    limitBoxes(t, visit->reach, movers);
   }
   int leafCount;
   const int* leaves = listNearLeaves(t, visit, movers, &leafCount);
@@ -493,9 +506,6 @@ static void visitFew(Traversal* t, Visit* visit, int begin, int end) {
     movers[count].firstLeaf = coveringNode(begin);
     movers[count].lastLeaf = coveringNode(end - 1);
     takeMovers(t, slot, next, areInOneLeaf ? coveringNode(slot) * TREE_WIDTH : slot, &movers[count]);
-    if (t->testsToBoxes == 0) {
-      limitBoxes(t, visit->reach, &movers[count]);
-    }
   }
   for (int i = 0; i < count; i++) {
     if (!probeMovers(t, visit, &movers[i], begin, end)) {

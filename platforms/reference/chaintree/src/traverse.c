@@ -76,10 +76,7 @@ void ctTraversalFree(Traversal* t) {
   free(t->motions);
 }
 
-static bool reserveStraddlers(Traversal* t, int count) {
-  if (count <= t->straddlerCapacity) {
-    return true;
-  }
+CT_NOINLINE bool growStraddlers(Traversal* t, int count) {
   Arena grown = {0};
   Straddler* straddlers = ctArenaAllocate(&grown, (size_t)count, sizeof(Straddler));
   if (straddlers == NULL) {
@@ -95,8 +92,10 @@ static bool reserveStraddlers(Traversal* t, int count) {
 
 bool ctTraversalReserve(Traversal* t, int pieceCount) {
   /* The boundary of two pieces is straddled by one node of each level at most. */
-  return reserveStraddlers(t, (pieceCount - 1) * t->tree->levelCount) &&
-         ctReserve((void**)&t->motions, &t->motionCapacity, pieceCount, sizeof(float[12]));
+  const int straddlers = (pieceCount - 1) * t->tree->levelCount;
+  return (straddlers <= t->straddlerCapacity || growStraddlers(t, straddlers)) &&
+         (pieceCount <= t->motionCapacity ||
+          ctReserve((void**)&t->motions, &t->motionCapacity, pieceCount, sizeof(float[12])));
 }
 
 View ctViewOfState(bool surfaces, double reach) {
