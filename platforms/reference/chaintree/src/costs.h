@@ -37,6 +37,9 @@ enum { MOST_UNASKED_NODES = 20 };
  * third of these tests), and may be so again. */
 enum { TESTS_A_BOX = 1 };
 
+/* Of so many nodes over leaves the boxes of all leaves are looked at, without the nodes. */
+enum { MOST_BOXED_NODES = 3 * TREE_WIDTH };
+
 /* ---- Boxes in a descent: see box.h, descent_body.h ---- */
 
 enum {

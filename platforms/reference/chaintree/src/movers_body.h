@@ -314,7 +314,7 @@ CT_NOINLINE void boxNoted(Traversal* t) {
 /* Brings the boxes of leaves up to date, or drops them if some leaf has moved. */
 static void followLeaves(Traversal* t) {
   const Tree* tree = t->tree;
-  if (!treeStays(tree, t->steadyTime)) {
+  if (tree->unnotedTime > t->steadyTime) {
     t->steadyTime = tree->time;
     waitForBoxes(t);
   } else if (t->testsToBoxes > 0) {
@@ -344,14 +344,18 @@ CT_NOINLINE void updateFirstNodes(Traversal* t) {
   t->firstNodesTime = tree->innerTime > tree->time ? tree->innerTime : tree->time;
 }
 
-/* Brings those nodes up to date, and these leaves. */
+/* Brings what a test begins with up to date, and these leaves. With boxes that is done already: leaves in which
+ * something has moved are noted, and come with the nodes above them. */
 static void updateFirst(Traversal* t, int begin, int end) {
   const Tree* tree = t->tree;
+  followLeaves(t);
+  if (t->testsToBoxes == 0) {
+    return;
+  }
   if (t->firstNodesTime < tree->innerTime || !treeStays(tree, t->firstNodesTime)) {
     updateFirstNodes(t);
   }
-  followLeaves(t);
-  for (int leaf = begin; leaf < end && t->testsToBoxes != 0; leaf++) { /* else all are up to date */
+  for (int leaf = begin; leaf < end; leaf++) {
     for (int level = t->firstLevel - 1; level >= 0; level--) {
       updateWorld(t, level, tree->levelBegin[level] + (leaf >> TREE_WIDTH_BITS * level));
     }
@@ -376,7 +380,7 @@ CT_INLINE int listNearBox(Traversal* t, const Movers* movers, int level, int beg
 
 /* The same of all leaves, by their boxes. Few branches depend on what is found, since processors mispredict these. */
 CT_INLINE int listNearBoxes(const Traversal* t, const Movers* movers, int* near) {
-  uint64_t masks[MOST_FIRST_NODES / NODES_AT_ONCE];
+  uint64_t masks[MOST_BOXED_NODES / NODES_AT_ONCE];
   const SixLimits limits = sixLimits(movers->limits);
   const int count = boxedNodes(t->tree) / NODES_AT_ONCE;
   for (int i = 0; i < count; i++) {
@@ -413,10 +417,15 @@ CT_NOINLINE int listNearOfMany(Traversal* t, Visit* visit, const Movers* movers,
   return found;
 }
 
+/* True if a test begins with the boxes of all leaves, and looks at no node. */
+static bool areBoxesFirst(const Traversal* t) {
+  return t->testsToBoxes == 0 && t->tree->levelSize[1] <= t->mostBoxedNodes;
+}
+
 /* The same of all nodes of the level with which tests begin. */
 CT_INLINE int listNearFirst(Traversal* t, Visit* visit, const Movers* movers, int level, int* near) {
   const int count = t->tree->levelSize[level];
-  const bool areBoxed = level == 1 && t->testsToBoxes == 0;
+  const bool areBoxed = areBoxesFirst(t);
   if (count > t->mostUnaskedNodes && !areBoxed) {
     return listNearOfMany(t, visit, movers, level, near);
   }
@@ -427,7 +436,7 @@ CT_INLINE int listNearFirst(Traversal* t, Visit* visit, const Movers* movers, in
 /* Lists the leaves that may be near movers, and returns them. */
 static const int* listNearLeaves(Traversal* t, Visit* visit, const Movers* movers, int* leafCount) {
   const Tree* tree = t->tree;
-  const int top = t->firstLevel;
+  const int top = areBoxesFirst(t) ? 1 : t->firstLevel;
   int* nodes = t->nearNodes; /* level by level */
   int count = listNearFirst(t, visit, movers, top, nodes);
   int done = 0;

@@ -164,12 +164,12 @@ static void refreshLeafBound(Tree* tree, int leaf) {
   tree->bound[leaf] = boundOfLeaf(&tree->leaf[leaf]);
 }
 
-/* Notes that slots of a leaf have new positions. */
+/* Notes that slots of a leaf have new positions in its frame. */
 static void noteLeaf(Tree* tree, int leaf) {
   tree->contentTime[leaf] = tree->time;
   tree->hasSum[leaf] = false;
   tree->boxIsStale[leaf] = true;
-  tree->noted[tree->notedCount++ % NOTED_LEAVES] = leaf;
+  treeNoteMoved(tree, leaf);
 }
 
 /* The frame of a link in the frame of its leaf. Opens all links there up to `end`. */

@@ -25,6 +25,7 @@ bool ctTraversalBuild(Traversal* t, Arena* arena, const Tree* tree, const Sequen
   t->firstNodesTime = NEVER;
   t->mostFirstNodes = MOST_FIRST_NODES;
   t->mostUnaskedNodes = MOST_UNASKED_NODES;
+  t->mostBoxedNodes = MOST_BOXED_NODES;
   t->testsABox = TESTS_A_BOX;
   t->sequence = sequence;
   t->exclusions = exclusions;
@@ -148,13 +149,9 @@ void ctTraverseProbe(Traversal* t, const View* view, const double point[3], doub
 }
 
 void ctPositionInView(Traversal* t, int slot, int motion, double position[3]) {
-  const int leaf = coveringNode(slot);
-  if (t->entryOf[leaf] == CT_NULL) {
-    t->tree->instructions->updateWorldLeaf(t, leaf);
-  }
   double local[3];
   treeLocal(t->tree, slot, local);
-  transformPoint(&t->frame[t->entryOf[leaf]], local, position);
+  transformPoint(ctTraversalLeafFrame(t, coveringNode(slot)), local, position);
   if (motion > 0 && t->view->motions != NULL) {
     transformPoint(&t->view->motions[motion], position, position);
   }

@@ -73,13 +73,15 @@ typedef struct Traversal {
   Block* world;     /* per entry: the node's members in the world */
 
   /* Boxes around leaves, per node over leaves, which tests of few slots look at instead of spheres: half as many are
-   * near, and a comparison takes a third of the time. They are made when no leaf has moved for a while; then leaves
-   * whose slots turn get new ones. */
+   * near, and a comparison takes a third of the time. They are made when for a while only few leaves have moved at a
+   * time; then those get new ones. */
   ShortBoxes* leafBoxes;
   float boxScale;     /* units a nm */
+  int mostBoxedNodes; /* MOST_BOXED_NODES, but for tests */
   int testsABox;      /* TESTS_A_BOX, but for tests */
-  int testsToBoxes;   /* 0: all leaves have boxes, and world coordinates, but for those noted since boxedCount */
-  int64_t steadyTime; /* the tree's since which no leaf has moved, as of the last test */
+  int testsToBoxes;   /* 0: all leaves have boxes, and world coordinates up to rounding, but for those noted since
+                       * boxedCount */
+  int64_t steadyTime; /* the tree's since which only noted leaves have moved, as of the last test */
   int64_t boxedCount; /* Tree.notedCount */
 
   /* Boxes of children, per inner node, from levelBegin[1] on. A descent looks at boxes after its first
@@ -160,7 +162,7 @@ void ctTraverseFew(Traversal* traversal, const View* view, int begin, int end, C
 void ctTraverseProbe(Traversal* traversal, const View* view, const double point[3], double radius,
                      ProbeFunction* function, void* context, ctCounts* counts);
 
-/* The position in the view of a slot of this motion. The world coordinates of its leaf must be those of the state. */
+/* The position in the view of a slot of this motion. */
 void ctPositionInView(Traversal* traversal, int slot, int motion, double position[3]);
 
 /* The position in the view of a slot that the running descent has reached. */

@@ -163,6 +163,21 @@ static int refreshTwigs(Tree* tree, const Sequence* s, const int* links, int cou
   return dirty;
 }
 
+/* Notes the leaves of the intervals that these links move. What lies behind them shifts by rounding alone, however
+ * often: positions are a function of the state. */
+static void noteIntervals(Tree* tree, const Sequence* s, const int* links, int count) {
+  for (int i = 0; i < count; i++) {
+    const int begin = coveringNode(s->slotBegin[links[i]]);
+    const int end = coveringNode(s->slotBegin[sequenceEnd(s, links[i])] - 1) + 1;
+    if (end - begin > MOST_LEAVES_NOTED) {
+      tree->unnotedTime = tree->time;
+    }
+    for (int leaf = begin; leaf < end && end - begin <= MOST_LEAVES_NOTED; leaf++) {
+      treeNoteMoved(tree, leaf);
+    }
+  }
+}
+
 /* Recomputes the nodes over dirty ones of a level, level by level; returns how many. */
 static int refreshAbove(Tree* tree, int level, int dirty) {
   int updated = 0;
@@ -248,6 +263,7 @@ int ctTreeUpdate(Tree* tree, const Sequence* sequence, const int* links, int cou
   }
   int dirty = refreshSteps(tree, sequence, links, count);
   dirty = refreshTwigs(tree, sequence, links, count, dirty, false);
+  noteIntervals(tree, sequence, links, count);
   ctSortInts(tree->dirty, dirty);
   for (int i = 0; i < dirty; i++) {
     if (tree->shortcutTime[tree->dirty[i]] == tree->time) {

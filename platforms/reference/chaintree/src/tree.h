@@ -63,6 +63,9 @@ typedef struct Openings {
 /* So many leaves are remembered whose slots have new positions. */
 enum { NOTED_LEAVES = 16 };
 
+/* Intervals of so many leaves are noted leaf by leaf. */
+enum { MOST_LEAVES_NOTED = NOTED_LEAVES / 2 };
+
 struct InstructionSet;
 
 typedef struct Tree {
@@ -112,6 +115,7 @@ typedef struct Tree {
   int64_t* shortcutTime; /* per node: when its shortcut last changed */
   int64_t notedCount;    /* how often slots of a leaf have had new positions */
   int noted[NOTED_LEAVES]; /* those leaves: entry i is of number i, i + NOTED_LEAVES ... of these times */
+  int64_t unnotedTime;     /* when other leaves may have moved, by more than rounding */
   int changeCount;         /* never 0, since a tree is stale at first */
   int* changedLeaf;
   int64_t* changeTime;
@@ -164,6 +168,11 @@ static inline void treeLocal(const Tree* tree, int slot, double local[3]) {
   local[0] = leaf->x[memberIndex(slot)];
   local[1] = leaf->y[memberIndex(slot)];
   local[2] = leaf->z[memberIndex(slot)];
+}
+
+/* Notes that slots of a leaf have new positions in the world. */
+static inline void treeNoteMoved(Tree* tree, int leaf) {
+  tree->noted[tree->notedCount++ % NOTED_LEAVES] = leaf;
 }
 
 /* True if no node has moved since a time. */

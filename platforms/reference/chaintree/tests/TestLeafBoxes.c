@@ -14,6 +14,12 @@ static double drawn(void) {
   return (state >> 8) * 0x1p-23 - 1;
 }
 
+/* True if the end of a box is a number of units less one to three of room, or the end of the range. */
+static bool isEnd(int end, double units) {
+  const double room = lesser(larger(units, INT16_MIN), INT16_MAX) - end;
+  return room < 3.1 && (room > 0.9 || end == INT16_MIN);
+}
+
 /* True if the boxes of all leaves, unless they are not in use, hold their particles, with one to three units of room.
  */
 static bool boxesHold(const ctChainTree* tree) {
@@ -26,7 +32,6 @@ static bool boxesHold(const ctChainTree* tree) {
     const Frame frame = ctTreeFrame(&tree->staleTree, 0, leaf);
     const ShortBoxes* boxes = &t->leafBoxes[leaf / TREE_WIDTH];
     const int k = leaf % TREE_WIDTH;
-    const double unit = 1 / (double)t->boxScale;
     for (int d = 0; d < 3; d++) {
       double low = INFINITY;
       double high = -INFINITY;
@@ -40,8 +45,7 @@ static bool boxesHold(const ctChainTree* tree) {
           high = larger(high, x[d] + r);
         }
       }
-      const double room[2] = {low - boxes->ends[3 + d][k] * unit, -boxes->ends[d][k] * unit - high};
-      if (!(room[0] > 0.9 * unit && room[0] < 3.1 * unit && room[1] > 0.9 * unit && room[1] < 3.1 * unit)) {
+      if (!isEnd(boxes->ends[3 + d][k], low * t->boxScale) || !isEnd(boxes->ends[d][k], -high * t->boxScale)) {
         return false;
       }
     }
@@ -96,7 +100,7 @@ static void endBoth(ctChainTree* trees[2], int clashing) {
 }
 
 /* Particles move about in a lattice, each alone: no leaf moves, but for a while many change between two tests. */
-static void testParticles(int mostFirstNodes, int mostUnaskedNodes) {
+static void testParticles(int mostBoxedNodes, int mostFirstNodes, int mostUnaskedNodes) {
   static double first[3 * SITES];
   ctChainTree* trees[2];
   ctCounts counts[2] = {{0}};
@@ -105,6 +109,7 @@ static void testParticles(int mostFirstNodes, int mostUnaskedNodes) {
   makeBoth(trees, ONE_EACH, 0.32);
   ctGetPositions(trees[0], first);
   for (int i = 0; i < 2; i++) {
+    trees[i]->traversal.mostBoxedNodes = mostBoxedNodes;
     trees[i]->traversal.mostFirstNodes = mostFirstNodes;
     trees[i]->traversal.mostUnaskedNodes = mostUnaskedNodes;
   }
@@ -144,6 +149,37 @@ static void testChain(void) {
     boxed += trees[0]->traversal.testsToBoxes == 0;
   }
   CHECK(boxed > TRIALS / 20);
+  endBoth(trees, clashing);
+}
+
+/* The ends of chains turn, and whole chains move, each a few leaves within the sequence: these get new boxes, and what
+ * lies behind them keeps its own. It has shifted by rounding: who asks for positions in double gets those of the state.
+ */
+static void testEndsOfChains(void) {
+  ctChainTree* trees[2];
+  ctCounts counts[2] = {{0}};
+  int clashing = 0;
+  makeBoth(trees, LAYERED_CHAINS, 0.45);
+  const Tree* tree = &trees[0]->staleTree;
+  for (int trial = 0; trial < TRIALS; trial++) {
+    const int chain = trial * 7 % SIDE;
+    const bool isWhole = trial % 5 == 0;
+    const int link = isWhole ? chain * SIDE * SIDE : (chain + 1) * SIDE * SIDE - 2 - trial % 20;
+    ctChange change = {.link = link, .angle = 3 * drawn()};
+    if (isWhole) {
+      change = (ctChange){.link = link, .translation = {0.05 * drawn(), 0.05 * drawn(), 0}};
+    }
+    clashing += ask(trees, &change, !isWhole, false, counts);
+    CHECK(trial < 3 || trees[0]->traversal.testsToBoxes == 0);
+    const int slot = (int)(0.5 * (drawn() + 1) * SITES);
+    const Frame frame = ctTreeFrame(tree, 0, slot / TREE_WIDTH);
+    double expected[3];
+    double found[3];
+    treeLocal(tree, slot, expected);
+    transformPoint(&frame, expected, expected);
+    ctPositionInView(&trees[0]->traversal, slot, 0, found);
+    CHECK(memcmp(found, expected, sizeof found) == 0);
+  }
   endBoth(trees, clashing);
 }
 
@@ -278,10 +314,11 @@ int main(void) {
   testShorts();
   testManyNodes();
   testFarAway();
-  testParticles(MOST_FIRST_NODES, MOST_UNASKED_NODES);
-  testParticles(MOST_FIRST_NODES, 1);   /* in two steps where there are no boxes */
-  testParticles(1, MOST_UNASKED_NODES); /* from the root: boxes of one node at a time */
+  testParticles(MOST_BOXED_NODES, MOST_FIRST_NODES, MOST_UNASKED_NODES);
+  testParticles(MOST_BOXED_NODES, MOST_FIRST_NODES, 1); /* in two steps where there are no boxes */
+  testParticles(0, 1, MOST_UNASKED_NODES);              /* from the root: boxes of one node at a time */
   testChain();
+  testEndsOfChains();
   testWhen();
   return checkResult();
 }

@@ -87,8 +87,12 @@ static void catchUp(ctChainTree* tree) {
   CHECK(tree->staleTree.laggingCount == 0);
 }
 
-static void testFirstNodes(int mostFirstNodes, int mostUnaskedNodes) {
+static void testFirstNodes(int mostFirstNodes, int mostUnaskedNodes, bool soonBoxed) {
   ctChainTree* tree = makeTree(FIRST - 47, FIRST + 2);
+  if (soonBoxed) { /* boxes of leaves, but only of nodes that are near */
+    tree->traversal.testsABox = 0;
+    tree->traversal.mostBoxedNodes = 0;
+  }
   tree->traversal.mostFirstNodes = mostFirstNodes;
   tree->traversal.mostUnaskedNodes = mostUnaskedNodes;
   CHECK(tree->staleTree.levelSize[1] == 3);
@@ -107,6 +111,7 @@ static void testFirstNodes(int mostFirstNodes, int mostUnaskedNodes) {
     CHECK(!clashes(tree, 1 - rod, pi));
     catchUp(tree);
   }
+  CHECK((tree->traversal.testsToBoxes == 0) == soonBoxed);
   ctDestroy(tree);
 }
 
@@ -172,8 +177,9 @@ static void testWorld(void) {
 
 int main(void) {
   testWorld();
-  testFirstNodes(MOST_FIRST_NODES, MOST_UNASKED_NODES);
-  testFirstNodes(MOST_FIRST_NODES, 1);
-  testFirstNodes(1, MOST_UNASKED_NODES);
+  testFirstNodes(MOST_FIRST_NODES, MOST_UNASKED_NODES, false);
+  testFirstNodes(MOST_FIRST_NODES, 1, false);
+  testFirstNodes(1, MOST_UNASKED_NODES, false);
+  testFirstNodes(1, MOST_UNASKED_NODES, true);
   return checkResult();
 }

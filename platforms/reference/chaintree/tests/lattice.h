@@ -9,10 +9,11 @@ enum { SIDE = 9, SITES = SIDE * SIDE * SIDE };
 /* Which particles make a link. */
 typedef enum LatticeLinks {
   ONE_FIXED_LINK,
-  LAYERS,        /* each layer of one z a free link */
-  ONE_EACH,      /* each particle a free link */
-  ONE_CHAIN,     /* one particle a link, each turning about the bond to the one before */
-  ROWS_ON_A_WALL /* the layer x = 0 fixed, and on each of its particles its row along x, turning about it */
+  LAYERS,         /* each layer of one z a free link */
+  ONE_EACH,       /* each particle a free link */
+  ONE_CHAIN,      /* one particle a link, each turning about the bond to the one before */
+  LAYERED_CHAINS, /* the same, a chain for each layer of one z */
+  ROWS_ON_A_WALL  /* the layer x = 0 fixed, and on each of its particles its row along x, turning about it */
 } LatticeLinks;
 
 static const int latticeLinkings = ROWS_ON_A_WALL + 1;
@@ -43,7 +44,7 @@ static inline int linkLattice(LatticeLinks kind, int* particleLinks, int* parent
     parents[i] = CT_NULL;
     joints[i] = kind == ONE_FIXED_LINK ? ctFixedJoint : ctFreeJoint;
     particleLinks[i] = kind == ONE_FIXED_LINK ? 0 : kind == LAYERS ? i / layer : i;
-    if (kind == ONE_CHAIN && i > 0) {
+    if ((kind == ONE_CHAIN && i > 0) || (kind == LAYERED_CHAINS && i % layer > 0)) {
       const int torsion[4] = {i - 1, i - 1, i, i};
       memcpy(torsions[i], torsion, sizeof torsion);
       parents[i] = i - 1;
