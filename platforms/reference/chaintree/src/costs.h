@@ -33,8 +33,8 @@ enum { MOST_FIRST_NODES = 2 * TREE_WIDTH };
 enum { MOST_UNASKED_NODES = 20 };
 
 /* In that test, boxes around leaves spare half of the looks at leaves, and are looked at in a third of the time. They
- * are made after so many tests for each leaf in which no leaf has moved: then they would have been worth making (at a
- * third of these tests), and may be so again. */
+ * are made after so many tests for each leaf in which few leaves at a time have moved: then they would have been worth
+ * making (at a third of these tests), and may be so again. */
 enum { TESTS_A_BOX = 1 };
 
 /* Of so many nodes over leaves the boxes of all leaves are looked at, without the nodes. */
