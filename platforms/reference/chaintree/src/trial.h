@@ -20,8 +20,8 @@ typedef struct Trial {
   int capacity;         /* of the arrays below, in changes */
   TrialChange* changes; /* ascending by link */
   int pieceCount;
-  Piece* pieces;
   int motionCount;
+  Piece* pieces;
   Frame* motions; /* i + 1: of change i together with all changes around it; 0: the identity */
 
   /* Bodies that move as another does, up to rounding, have its number in `pieces`, see ctTrialMerge. */

@@ -178,7 +178,7 @@ static void testEndsOfChains(void) {
     treeLocal(tree, slot, expected);
     transformPoint(&frame, expected, expected);
     ctPositionInView(&trees[0]->traversal, slot, 0, found);
-    CHECK(memcmp(found, expected, sizeof found) == 0);
+    CHECK(found[0] == expected[0] && found[1] == expected[1] && found[2] == expected[2]);
   }
   endBoth(trees, clashing);
 }
@@ -253,8 +253,9 @@ static void testManyNodes(void) {
   static int parents[COUNT];
   static uint8_t joints[COUNT];
   for (int i = 0; i < COUNT; i++) {
+    const int row = i / ROW;
     positions[i][0] = i % ROW;
-    positions[i][1] = i / ROW;
+    positions[i][1] = row;
     radii[i] = 0.3;
     links[i] = i;
     parents[i] = CT_NULL;
@@ -271,8 +272,9 @@ static void testManyNodes(void) {
   CHECK_SUCCESS(ctCreate(&definition, &tree, NULL, 0));
   tree->traversal.testsABox = 0;
   for (int target = 1; target < COUNT; target++) {
+    const int row = target / ROW;
     for (int away = 0; away < 2; away++) {
-      const ctChange change = {.link = 0, .translation = {target % ROW + 0.1, target / ROW, 0.7 * away}};
+      const ctChange change = {.link = 0, .translation = {target % ROW + 0.1, row, 0.7 * away}};
       bool clash;
       int pair[2] = {0, 0};
       CHECK_SUCCESS(ctPropose(tree, 1, &change));
