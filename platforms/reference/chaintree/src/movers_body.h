@@ -311,7 +311,7 @@ CT_NOINLINE void boxNoted(Traversal* t) {
   }
 }
 
-/* Brings the boxes of leaves up to date, or drops them if some leaf has moved. */
+/* Brings the boxes of leaves up to date, or drops them if leaves have moved that are not noted. */
 static void followLeaves(Traversal* t) {
   const Tree* tree = t->tree;
   if (tree->unnotedTime > t->steadyTime) {

@@ -95,8 +95,7 @@ bool ctTraversalReserve(Traversal* t, int pieceCount) {
   /* The boundary of two pieces is straddled by one node of each level at most. */
   const int straddlers = (pieceCount - 1) * t->tree->levelCount;
   return (straddlers <= t->straddlerCapacity || growStraddlers(t, straddlers)) &&
-         (pieceCount <= t->motionCapacity ||
-          ctReserve((void**)&t->motions, &t->motionCapacity, pieceCount, sizeof(float[12])));
+         ctReserve((void**)&t->motions, &t->motionCapacity, pieceCount, sizeof(float[12]));
 }
 
 View ctViewOfState(bool surfaces, double reach) {

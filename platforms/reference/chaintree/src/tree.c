@@ -171,8 +171,9 @@ static void noteIntervals(Tree* tree, const Sequence* s, const int* links, int c
     const int end = coveringNode(s->slotBegin[sequenceEnd(s, links[i])] - 1) + 1;
     if (end - begin > MOST_LEAVES_NOTED) {
       tree->unnotedTime = tree->time;
+      return;
     }
-    for (int leaf = begin; leaf < end && end - begin <= MOST_LEAVES_NOTED; leaf++) {
+    for (int leaf = begin; leaf < end; leaf++) {
       treeNoteMoved(tree, leaf);
     }
   }
