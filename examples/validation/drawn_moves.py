@@ -207,14 +207,14 @@ def reportAcceptance(arguments):
     topology, positions = readProtein(arguments.structure)
     system = app.ForceField(*FORCE_FIELD).createSystem(topology)
     force = createStericExclusionForce(topology, positions)
-    tails, whole = rotamerDensities(topology, force), rotamerDensities(topology, force, tails=False)
+    parts, whole = rotamerDensities(topology, force), rotamerDensities(topology, force, parts=False)
     chis = sorted({torsion for found in whole.torsions for torsion in found})
     flat = [TorsionDensity.fromTable(np.ones((1,) * len(found))) for found in whole.torsions]
     moves = {
         "one chi, any angle": lambda integrator: integrator.addTorsionMove(1, np.pi, chis),
         "whole, any angles": lambda integrator: integrator.addDrawnMove(1, DrawnTorsions(whole.torsions, flat)),
         "whole, rotamers": lambda integrator: integrator.addDrawnMove(1, whole),
-        "tails, rotamers": lambda integrator: integrator.addDrawnMove(1, tails),
+        "parts, rotamers": lambda integrator: integrator.addDrawnMove(1, parts),
     }
     system.addForce(force)
 
@@ -228,7 +228,7 @@ def reportAcceptance(arguments):
     def addAll(integrator):
         integrator.addTorsionMove(3, 0.2, chis)
         integrator.addTorsionMove(1, 0.02)
-        integrator.addDrawnMove(1, tails)
+        integrator.addDrawnMove(1, parts)
 
     integrator, context = contextWith(addAll, positions)
     for _ in range(2):

@@ -1,5 +1,8 @@
 """Mixtures of moves that were found by measuring, for those who do not want to choose."""
 
+from functools import partial
+from typing import NamedTuple
+
 import openmm
 from openmm import app
 
@@ -14,6 +17,21 @@ _BOUND_STEP = 0.01, 1  # of molecules that touch others
 _RIGID_WEIGHT = 0.1  # to one for all torsions and joints
 
 
+class _Weights(NamedTuple):
+    """Of moves of folded backbones."""
+
+    closed: float
+    local: float
+    ends: float
+    endsAnew: float
+    pivots: float
+
+
+_PEPTIDES = _Weights(0.36, 0.14, 0.2, 0.16, 0.04)
+_NUCLEOTIDES = _Weights(0.6, 0.2, 0.15, 0, 0.05)
+_ENDS_WEIGHT = 0.3  # of side chains at ends of chains, beside those of all
+
+
 def addDefaultMoves(
     integrator: TorsionMonteCarloIntegrator,
     topology: app.Topology,
@@ -26,8 +44,10 @@ def addDefaultMoves(
     implicit solvent, those for loose chains by that of the radius of gyration (benchmarks/moves.py). Backbones of
     proteins and nucleic acids get closed and local moves, which leave the rest of a chain where it is, turns of the
     ends of chains, and few turns elsewhere. Side chains get small turns, and are drawn anew from the density of their
-    rotamers. Bases, and torsions of other kinds, are turned by a little and drawn anew. Ball joints get pivot moves.
-    Molecules without fixed particles get rigid-body moves if there is more than one molecule.
+    rotamers: mostly from their first torsion on, which is the slowest, and those at the ends of chains more often:
+    salt bridges of theirs hold loose ends. Bases, and torsions of other kinds, are turned by a little and drawn anew.
+    Ball joints get pivot moves. Molecules without fixed particles get rigid-body moves if there is more than one
+    molecule.
 
     Sizes are those that were measured to be good. That can mean a low acceptance: closed moves of up to 8 degrees gave
     more independent samples than smaller ones that were accepted twice as often. So let sizes adapt
@@ -95,31 +115,43 @@ def _addMixtures(integrator, scene, rigidBodies, rigidStep, disordered):
 def _addPeptideBackbones(adder, scene, disordered):
     torsions = scene.torsions["peptide backbones"]
     if disordered:
-        adder.draw("loose chains, by residue", "by residue", 0.4, ramachandranDensities, scene, torsions)
+        drawn = adder.findDrawn(ramachandranDensities, scene)
+        adder.drawOrTurn("loose chains, by residue", "by residue", 0.4, drawn, torsions)
         adder.turn("loose chains, drawn anew", 0.3, HALF_TURN, torsions)
         adder.turn("loose chains, by some degrees", 0.2, 30, torsions)
         if scene.canClose(torsions):
             adder.close(0.1, 20, torsions)
         return
-    _addFoldedBackbones(adder, scene, torsions)
+    _addFoldedBackbones(adder, scene, torsions, _PEPTIDES)
 
 
-def _addFoldedBackbones(adder, scene, torsions):
+def _addFoldedBackbones(adder, scene, torsions, weights):
     ringsAndBackbones = sorted(adder.inRings.union(torsions))
     canClose = scene.canClose(ringsAndBackbones)
     if canClose:
-        adder.close(0.6, 8, ringsAndBackbones)
-    adder.bend(0.2 if canClose else 0.8, 4, 10000, torsions)
+        adder.close(weights.closed, 8, ringsAndBackbones)
+    adder.bend(weights.local + (0 if canClose else weights.closed), 4, 10000, torsions)
     ends = scene.endsOf(torsions)
-    if ends:
-        adder.turn("ends of chains", 0.15, _TORSION_STEP, ends, "ends ")
-    adder.turn("how parts of a chain lie to each other", 0.05 if ends else 0.2, _PIVOT_STEP, torsions)
+    adder.turn("ends of chains", weights.ends, _TORSION_STEP, ends, "ends ")
+    if weights.endsAnew > 0:
+        adder.turn("ends of chains, drawn anew", weights.endsAnew, HALF_TURN, ends, "ends ")
+    adder.turn("how parts of a chain lie to each other", weights.pivots, _PIVOT_STEP, torsions)
 
 
 def _addSideChains(adder, scene, disordered):
     torsions = scene.torsions["side chains"]
-    adder.turn("side chains within a rotamer", 0.5, _TORSION_STEP, torsions)
-    adder.draw("side chains from rotamer to rotamer", "rotamers", 0.5, rotamerDensities, scene, torsions)
+    ends = [] if disordered else scene.endsOf(torsions)
+    weight = 1.1 - (_ENDS_WEIGHT if ends else 0)
+    adder.turn("side chains within a rotamer", 0.25 * weight, _TORSION_STEP, torsions)
+    drawn = adder.findDrawn(rotamerDensities, scene)
+    starts = {pair[0][0] for pair in adder.findDrawn(partial(rotamerDensities, parts=False), scene)}
+    heads = [pair for pair in drawn if not starts.isdisjoint(pair[0])]
+    tails = [pair for pair in drawn if starts.isdisjoint(pair[0])]
+    adder.drawOrTurn("side chains from rotamer to rotamer", "rotamers", 0.55 * weight, heads, torsions)
+    adder.draw("ends of side chains from rotamer to rotamer", "rotamers", 0.2 * weight, tails, "outer ")
+    ofEnds = [pair for pair in drawn if not set(ends).isdisjoint(pair[0])]
+    adder.turn("side chains of ends of chains", 0.25 * _ENDS_WEIGHT, _TORSION_STEP, ends, "of ends ")
+    adder.draw("side chains of ends of chains, by rotamers", "rotamers", 0.75 * _ENDS_WEIGHT, ofEnds, "of ends ")
 
 
 def _addNucleotideBackbones(adder, scene, disordered):
@@ -128,7 +160,7 @@ def _addNucleotideBackbones(adder, scene, disordered):
         adder.turn("loose chains, by some degrees", 0.5, 30, torsions)
         adder.turn("loose chains, drawn anew", 0.5, HALF_TURN, torsions)
         return
-    _addFoldedBackbones(adder, scene, torsions)
+    _addFoldedBackbones(adder, scene, torsions, _NUCLEOTIDES)
 
 
 def _addBases(adder, scene, disordered):

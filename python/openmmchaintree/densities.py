@@ -36,15 +36,15 @@ def rotamerDensities(
     force: StericExclusionForce,
     selection: AtomSelection | None = None,
     floor: float = 0.1,
-    tails: bool = True,
+    parts: bool = True,
 ) -> DrawnTorsions:
     """Find the side chains of a Topology, with the density of their rotamers.
 
-    A set is all χ of a residue that are torsions of the force, or all from one of them on: where a protein is folded, a
-    side chain often has room to turn its end alone. Its density is a sum of bells, one a rotamer, by the frequencies,
-    means and standard deviations of MolProbity's ultimate rotamer library (Hintze, Lewis, Richardson and Richardson,
-    Proteins 84, 1177 (2016)), whatever the backbone and the χ that are not in the set are. Residues that are no amino
-    acids of the library (or selenomethionine, as methionine) have no set.
+    A set is all χ of a residue that are torsions of the force, or a run of neighbours of them: where a protein is
+    folded, a side chain often has room to turn its end alone, or to turn χ1 with its end as it is. Its density is a sum
+    of bells, one a rotamer, by the frequencies, means and standard deviations of MolProbity's ultimate rotamer library
+    (Hintze, Lewis, Richardson and Richardson, Proteins 84, 1177 (2016)), whatever the backbone and the χ that are not
+    in the set are. Residues that are no amino acids of the library (or selenomethionine, as methionine) have no set.
 
     Parameters
     ----------
@@ -57,8 +57,9 @@ def rotamerDensities(
         the atoms whose torsions are wanted, as in `findTorsions`. Default: all.
     floor : float
         the share of draws of each χ that are uniform, above 0 and at most 1
-    tails : bool
-        whether there are sets that begin with χ2, χ3 and so on. Without, each side chain is drawn as a whole.
+    parts : bool
+        whether there are sets of a part of a side chain, as χ1 alone, χ1 and χ2, or χ2 alone. Without, each side chain
+        is drawn as a whole.
 
     Returns
     -------
@@ -77,12 +78,11 @@ def rotamerDensities(
         if name not in _rotamers():
             continue
         chis = tuple(sorted(int(kind[-1]) - 1 for kind in torsions))
-        for first in range(len(chis) if tails else 1):
-            tail = chis[first:]
-            if (name, tail) not in densities:
-                densities[name, tail] = _rotamerDensity(name, tail, floor)
-            drawn.torsions.append(tuple(torsions[f"chi{chi + 1}"] for chi in tail))
-            drawn.density.append(densities[name, tail])
+        for run in _runs(chis) if parts else (chis,):
+            if (name, run) not in densities:
+                densities[name, run] = _rotamerDensity(name, run, floor)
+            drawn.torsions.append(tuple(torsions[f"chi{chi + 1}"] for chi in run))
+            drawn.density.append(densities[name, run])
     return _notEmpty(drawn, "side chains")
 
 
@@ -156,6 +156,13 @@ def _torsionsByResidue(topology, force, kinds, selection):
             _, torsions = found.setdefault(torsion.residue.index, (torsion.residue, {}))
             torsions[torsion.kind] = indices[torsion.particles]
     yield from found.values()
+
+
+def _runs(chis):
+    """Generate the whole of a tuple and all runs of neighbours in it, longer ones first."""
+    for length in range(len(chis), 0, -1):
+        for first in range(len(chis) - length + 1):
+            yield chis[first : first + length]
 
 
 def _notEmpty(drawn, what):

@@ -67,21 +67,28 @@ class MoveAdder:
                 weight,
             )
 
-    def draw(self, purpose, size, weight, findDensities, scene, torsions):
-        """Add a move that draws torsions from densities of residues, and one that draws those without uniformly."""
+    def findDrawn(self, findDensities, scene):
+        """Return (torsions, density) pairs of residues, those left out with torsions in rings of closures."""
         try:
             found = findDensities(scene.topology, scene.force)
         except ValueError:
-            found = ([], [])
-        drawn = [one for one in zip(*found, strict=True) if self.inRings.isdisjoint(one[0])]
-        hasDensity = {torsion for one in drawn for torsion in one[0]}
-        others = [torsion for torsion in self.outsideRings(torsions) if torsion not in hasDensity]
-        ofOthers = len(others) / max(1, len(others) + len(hasDensity)) * weight
+            return []
+        return [pair for pair in zip(*found, strict=True) if self.inRings.isdisjoint(pair[0])]
+
+    def draw(self, purpose, size, weight, drawn, where=""):
+        """Add a move that draws one of the sets of (torsions, density) pairs."""
         if drawn:
             sets, densities = map(list, zip(*drawn, strict=True))
             self.add(
-                purpose, size, lambda share: self.integrator.addDrawnMove(share, sets, densities), weight - ofOthers
+                purpose, f"{where}{size}", lambda share: self.integrator.addDrawnMove(share, sets, densities), weight
             )
+
+    def drawOrTurn(self, purpose, size, weight, drawn, torsions):
+        """Add a move that draws pairs, and one that draws those of torsions uniformly that are in none of them."""
+        hasDensity = {torsion for pair in drawn for torsion in pair[0]}
+        others = [torsion for torsion in self.outsideRings(torsions) if torsion not in hasDensity]
+        ofOthers = len(others) / max(1, len(others) + len(hasDensity)) * weight
+        self.draw(purpose, size, weight - ofOthers, drawn)
         self.turn(purpose, ofOthers, HALF_TURN, others)
 
     def close(self, weight, degrees, torsions):

@@ -66,7 +66,7 @@ class MoveScene:
         return found
 
     def endsOf(self, torsions):
-        """Return those of torsions of residues that are near the first or the last of their chain, if not all are."""
+        """Return those of torsions of residues that are near the first or the last of their chain."""
         bounds = {}
         for residue in self.topology.residues():
             if polymerBackbone(residue):
@@ -77,7 +77,7 @@ class MoveScene:
             chain = bounds.get(residue.chain.index, [residue.index])
             if residue.index < chain[0] + _END or residue.index > chain[-1] - _END:
                 ends.append(torsion)
-        return ends if len(ends) < len(torsions) else []
+        return ends
 
     def findRings(self):
         """Return the torsions in rings of closures: those on the way from one end of a closure's bond to the other."""

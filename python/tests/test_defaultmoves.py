@@ -81,8 +81,45 @@ def test_theMiddleOfAChainHasNoEnds():
         torsions = findTorsions(topology, selection=selection).torsions
         _, added, _ = add(topology, createStericExclusionForce(topology, torsions=torsions))
         purposes[selection] = {one.purpose for one in added}
-    assert purposes["resid 3 to 12"] - purposes["resid 10 to 20"] == {"ends of chains"}
+    assert purposes["resid 3 to 12"] - purposes["resid 10 to 20"] == {
+        "ends of chains",
+        "ends of chains, drawn anew",
+    }
     assert purposes["resid 10 to 20"] < purposes["resid 3 to 12"]
+
+
+def test_allOfAShortChainIsAnEnd():
+    topology = peptide("ALA", "SER", "ALA")
+    force = createStericExclusionForce(topology)
+    integrator, added, _ = add(topology, force)
+    backbones = [i for i, one in enumerate(findTorsions(topology).torsions) if one.kind in ("phi", "psi")]
+    ends = [one.move for one in added if one.purpose.startswith("ends of chains")]
+    assert len(ends) == 2
+    for move in ends:
+        assert integrator.getTorsionMoveParameters(move)[2].tolist() == backbones
+
+
+def test_sideChainsAreDrawnFromTheirFirstTorsionMostly():
+    """Sets that begin with χ1 are one move, those that do not another; those at ends are drawn once more."""
+    topology = peptide(*["LYS", "VAL", "GLU"] * 7)
+    force = createStericExclusionForce(topology)
+    integrator, added, _ = add(topology, force)
+    torsions = findTorsions(topology).torsions
+    drawn = {}
+    for one in added:
+        if integrator.getMoveType(one.move) == integrator.DrawnMove:
+            weight, sets, _ = integrator.getDrawnMoveParameters(one.move)
+            drawn[one.purpose] = weight, {tuple(torsions[i].kind for i in found) for found in sets}, sets
+    whole, outer, ofEnds = drawn.values()
+    assert all(kinds[0] == "chi1" for kinds in whole[1]) and ("chi1",) in whole[1]
+    assert ("chi1", "chi2", "chi3", "chi4") in whole[1] and ("chi2", "chi3") in outer[1]
+    assert not any("chi1" in kinds for kinds in outer[1]) and whole[0] > 2 * outer[0]
+    residues = {torsions[i].residue.index for found in ofEnds[2] for i in found}
+    assert residues == {*range(5), *range(16, 21)}
+    assert set(ofEnds[2]) < {*whole[2], *outer[2]}
+    loose, _, _ = add(topology, createStericExclusionForce(topology), disordered=True)
+    drawn = [i for i, kind in enumerate(kindsOf(loose)) if kind == loose.DrawnMove]
+    assert len(drawn) == 3  # φ and ψ, side chains, their ends
 
 
 def test_closuresAreKept():

@@ -90,7 +90,7 @@ def test_moveParameters():
 def test_rotamersOfResidues(name):
     topology = peptide("GLY", name, "GLY")
     force = createStericExclusionForce(topology)
-    drawn = rotamerDensities(topology, force, floor=0.2, tails=False)
+    drawn = rotamerDensities(topology, force, floor=0.2, parts=False)
     chis = [i for i, torsion in enumerate(findTorsions(topology).torsions) if torsion.kind.startswith("chi")]
     assert drawn.torsions == [tuple(chis)]
     (density,) = drawn.density
@@ -110,25 +110,31 @@ def test_rotamersOfSomeChis():
     topology = peptide("GLY", "LYS", "LEU", "LYS", "MET", "ALA")
     torsions = [torsion for torsion in findTorsions(topology).torsions if torsion.kind in ("chi1", "chi3", "psi")]
     force = createStericExclusionForce(topology, torsions=torsions)
-    drawn = rotamerDensities(topology, force, tails=False)
+    drawn = rotamerDensities(topology, force, parts=False)
     assert [len(found) for found in drawn.torsions] == [2, 1, 2, 2]
     assert drawn.density[0] == drawn.density[2] != drawn.density[3]
     whole = rotamerDensities(topology, createStericExclusionForce(topology)).density[0].getRotamers()
     some = drawn.density[0].getRotamers()
     assert some[0].tolist() == whole[0].tolist() and some[1].tolist() == whole[1][:, [0, 2]].tolist()
-    assert len(rotamerDensities(topology, force, selection="resname LYS", tails=False).torsions) == 2
+    assert len(rotamerDensities(topology, force, selection="resname LYS", parts=False).torsions) == 2
     with pytest.raises(ValueError, match="no torsion of the StericExclusionForce is one of side chains in tables"):
         rotamerDensities(topology, force, selection="resname ALA")
 
 
-def test_tailsOfSideChains():
+def test_partsOfSideChains():
+    """Runs of neighbours of a side chain have the density of the whole one, whatever its other torsions are."""
     topology = peptide("GLY", "LYS", "VAL", "GLU")
     force = createStericExclusionForce(topology)
     drawn = rotamerDensities(topology, force)
-    assert [len(found) for found in drawn.torsions] == [4, 3, 2, 1, 1, 3, 2, 1]
-    assert all(tail == whole[1:] for whole, tail in zip(drawn.torsions, drawn.torsions[1:4], strict=False))
-    whole, tail = (density.getRotamers() for density in drawn.density[:2])
-    assert tail[0].tolist() == whole[0].tolist() and tail[1].tolist() == whole[1][:, 1:].tolist()
+    lysine = rotamerDensities(topology, force, selection="resname LYS", parts=False).torsions[0]
+    runs = [lysine[first:end] for first in range(4) for end in range(first + 1, 5)]
+    assert sorted(drawn.torsions[:10]) == sorted(runs)
+    assert [len(found) for found in drawn.torsions[10:]] == [1, 3, 2, 2, 1, 1, 1]
+    whole = drawn.density[0].getRotamers()
+    for found, density in zip(drawn.torsions[:10], drawn.density[:10], strict=True):
+        weights, means, _ = density.getRotamers()
+        columns = [lysine.index(torsion) for torsion in found]
+        assert weights.tolist() == whole[0].tolist() and means.tolist() == whole[1][:, columns].tolist()
     # The end of a glutamic acid is as likely half a turn on, even alone.
     end = drawn.density[-1]
     assert end.evaluate([0.2]) == pytest.approx(end.evaluate([0.2 - np.pi]), rel=1e-9)

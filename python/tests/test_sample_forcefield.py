@@ -85,7 +85,8 @@ def test_villin(runHere, tmp_path):
     assert filesIn(tmp_path) == ["summary.json", *VILLIN_FILES]
     summary = json.loads((tmp_path / "summary.json").read_text())
     assert [move["name"] for move in summary["moves"]] == [
-        *("φ/ψ closed 8°", "φ/ψ local 4°", "φ/ψ ends ±10°", "φ/ψ ±1°", "χ ±10°", "χ rotamers")
+        *("φ/ψ closed 8°", "φ/ψ local 4°", "φ/ψ ends ±10°", "φ/ψ ends ±180°", "φ/ψ ±1°"),
+        *("χ ±10°", "χ rotamers", "χ outer rotamers", "χ of ends ±10°", "χ of ends rotamers"),
     ]
     notMade = assertTrialsAddUp(summary, result.stdout)
     assert notMade.pop("φ/ψ closed 8°") > 0 and not any(notMade.values())
@@ -146,7 +147,7 @@ def sampleMoves(runHere, tmp_path):
 def test_oneResidueHasNoWindows(sampleMoves):
     """Nothing closes among φ, ψ and three χ in the middle of the chain, which is no end either."""
     notMade = sampleMoves(800, "--move", "resSeq 17")
-    assert list(notMade) == ["φ/ψ local 4°", "φ/ψ ±1°", "χ ±10°", "χ rotamers"]
+    assert list(notMade) == ["φ/ψ local 4°", "φ/ψ ±1°", "χ ±10°", "χ rotamers", "χ outer rotamers"]
     assert not any(notMade.values())
 
 
