@@ -27,9 +27,9 @@ class _Weights(NamedTuple):
     pivots: float
 
 
-_PEPTIDES = _Weights(0.36, 0.14, 0.2, 0.16, 0.04)
 _NUCLEOTIDES = _Weights(0.6, 0.2, 0.15, 0, 0.05)
-_ENDS_WEIGHT = 0.3  # of side chains at ends of chains, beside those of all
+# How many times as often as others torsions at ends of chains are turned, beside moves of all.
+_ENDS_OF_BACKBONES, _ENDS_OF_SIDE_CHAINS = 5.4, 2.7
 
 
 def addDefaultMoves(
@@ -122,16 +122,26 @@ def _addPeptideBackbones(adder, scene, disordered):
         if scene.canClose(torsions):
             adder.close(0.1, 20, torsions)
         return
-    _addFoldedBackbones(adder, scene, torsions, _PEPTIDES)
+    ends = scene.endsOf(torsions)
+    ofEnds = _shareOf(ends, torsions, _ENDS_OF_BACKBONES)
+    others = 1 - ofEnds
+    weights = _Weights(0.6 * others, 0.23 * others, 0.5 * ofEnds, 0.4 * ofEnds, 0.07 * others)
+    _addFoldedBackbones(adder, scene, torsions, ends, weights)
 
 
-def _addFoldedBackbones(adder, scene, torsions, weights):
+def _shareOf(some, torsions, factor):
+    """Return the share of trials for moves of some of torsions alone, so that each is turned by them so many times as
+    often as any is by moves of all."""
+    ratio = factor * len(some) / len(torsions)
+    return ratio / (1 + ratio)
+
+
+def _addFoldedBackbones(adder, scene, torsions, ends, weights):
     ringsAndBackbones = sorted(adder.inRings.union(torsions))
     canClose = scene.canClose(ringsAndBackbones)
     if canClose:
         adder.close(weights.closed, 8, ringsAndBackbones)
     adder.bend(weights.local + (0 if canClose else weights.closed), 4, 10000, torsions)
-    ends = scene.endsOf(torsions)
     adder.turn("ends of chains", weights.ends, _TORSION_STEP, ends, "ends ")
     if weights.endsAnew > 0:
         adder.turn("ends of chains, drawn anew", weights.endsAnew, HALF_TURN, ends, "ends ")
@@ -141,17 +151,18 @@ def _addFoldedBackbones(adder, scene, torsions, weights):
 def _addSideChains(adder, scene, disordered):
     torsions = scene.torsions["side chains"]
     ends = [] if disordered else scene.endsOf(torsions)
-    weight = 1.1 - (_ENDS_WEIGHT if ends else 0)
-    adder.turn("side chains within a rotamer", 0.25 * weight, _TORSION_STEP, torsions)
+    ofEnds = 1.1 * _shareOf(ends, torsions, _ENDS_OF_SIDE_CHAINS)
+    ofAll = 1.1 - ofEnds
     drawn = adder.findDrawn(rotamerDensities, scene)
     starts = {pair[0][0] for pair in adder.findDrawn(partial(rotamerDensities, parts=False), scene)}
     heads = [pair for pair in drawn if not starts.isdisjoint(pair[0])]
     tails = [pair for pair in drawn if starts.isdisjoint(pair[0])]
-    adder.drawOrTurn("side chains from rotamer to rotamer", "rotamers", 0.55 * weight, heads, torsions)
-    adder.draw("ends of side chains from rotamer to rotamer", "rotamers", 0.2 * weight, tails, "outer ")
-    ofEnds = [pair for pair in drawn if not set(ends).isdisjoint(pair[0])]
-    adder.turn("side chains of ends of chains", 0.25 * _ENDS_WEIGHT, _TORSION_STEP, ends, "of ends ")
-    adder.draw("side chains of ends of chains, by rotamers", "rotamers", 0.75 * _ENDS_WEIGHT, ofEnds, "of ends ")
+    adder.turn("side chains within a rotamer", 0.25 * ofAll, _TORSION_STEP, torsions)
+    adder.drawOrTurn("side chains from rotamer to rotamer", "rotamers", 0.55 * ofAll, heads, torsions)
+    adder.draw("ends of side chains from rotamer to rotamer", "rotamers", 0.2 * ofAll, tails, "outer ")
+    atEnds = [pair for pair in drawn if not set(ends).isdisjoint(pair[0])]
+    adder.turn("side chains of ends of chains", 0.25 * ofEnds, _TORSION_STEP, ends, "of ends ")
+    adder.draw("side chains of ends of chains, by rotamers", "rotamers", 0.75 * ofEnds, atEnds, "of ends ")
 
 
 def _addNucleotideBackbones(adder, scene, disordered):
@@ -160,7 +171,7 @@ def _addNucleotideBackbones(adder, scene, disordered):
         adder.turn("loose chains, by some degrees", 0.5, 30, torsions)
         adder.turn("loose chains, drawn anew", 0.5, HALF_TURN, torsions)
         return
-    _addFoldedBackbones(adder, scene, torsions, _NUCLEOTIDES)
+    _addFoldedBackbones(adder, scene, torsions, scene.endsOf(torsions), _NUCLEOTIDES)
 
 
 def _addBases(adder, scene, disordered):
