@@ -125,13 +125,12 @@ def _addPeptideBackbones(adder, scene, disordered):
     ends = scene.endsOf(torsions)
     ofEnds = _shareOf(ends, torsions, _ENDS_OF_BACKBONES)
     others = 1 - ofEnds
-    weights = _Weights(0.6 * others, 0.23 * others, 0.5 * ofEnds, 0.4 * ofEnds, 0.07 * others)
+    weights = _Weights(0.54 * others, 0.21 * others, 0.45 * ofEnds, 0.36 * ofEnds, 0.06 * others)
     _addFoldedBackbones(adder, scene, torsions, ends, weights)
 
 
 def _shareOf(some, torsions, factor):
-    """Return the share of trials for moves of some of torsions alone, so that each is turned by them so many times as
-    often as any is by moves of all."""
+    """Return the share of trials for moves of some torsions, which turn each so many times as often as others do."""
     ratio = factor * len(some) / len(torsions)
     return ratio / (1 + ratio)
 
@@ -151,8 +150,8 @@ def _addFoldedBackbones(adder, scene, torsions, ends, weights):
 def _addSideChains(adder, scene, disordered):
     torsions = scene.torsions["side chains"]
     ends = [] if disordered else scene.endsOf(torsions)
-    ofEnds = 1.1 * _shareOf(ends, torsions, _ENDS_OF_SIDE_CHAINS)
-    ofAll = 1.1 - ofEnds
+    ofEnds = _shareOf(ends, torsions, _ENDS_OF_SIDE_CHAINS)
+    ofAll = 1 - ofEnds
     drawn = adder.findDrawn(rotamerDensities, scene)
     starts = {pair[0][0] for pair in adder.findDrawn(partial(rotamerDensities, parts=False), scene)}
     heads = [pair for pair in drawn if not starts.isdisjoint(pair[0])]
