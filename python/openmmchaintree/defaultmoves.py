@@ -1,6 +1,5 @@
 """Mixtures of moves that were found by measuring, for those who do not want to choose."""
 
-from functools import partial
 from typing import NamedTuple
 
 import openmm
@@ -153,15 +152,16 @@ def _addSideChains(adder, scene, disordered):
     ofEnds = _shareOf(ends, torsions, _ENDS_OF_SIDE_CHAINS)
     ofAll = 1 - ofEnds
     drawn = adder.findDrawn(rotamerDensities, scene)
-    starts = {pair[0][0] for pair in adder.findDrawn(partial(rotamerDensities, parts=False), scene)}
-    heads = [pair for pair in drawn if not starts.isdisjoint(pair[0])]
-    tails = [pair for pair in drawn if starts.isdisjoint(pair[0])]
+    behindOthers = {torsion for pair in drawn for torsion in pair[0][1:]}
+    heads = [pair for pair in drawn if pair[0][0] not in behindOthers]
+    tails = [pair for pair in drawn if pair[0][0] in behindOthers]
     adder.turn("side chains within a rotamer", 0.25 * ofAll, _TORSION_STEP, torsions)
     adder.drawOrTurn("side chains from rotamer to rotamer", "rotamers", 0.55 * ofAll, heads, torsions)
-    adder.draw("ends of side chains from rotamer to rotamer", "rotamers", 0.2 * ofAll, tails, "outer ")
-    atEnds = [pair for pair in drawn if not set(ends).isdisjoint(pair[0])]
+    adder.draw("ends of side chains from rotamer to rotamer", "outer rotamers", 0.2 * ofAll, tails)
+    endTorsions = set(ends)
+    atEnds = [pair for pair in drawn if not endTorsions.isdisjoint(pair[0])]
     adder.turn("side chains of ends of chains", 0.25 * ofEnds, _TORSION_STEP, ends, "of ends ")
-    adder.draw("side chains of ends of chains, by rotamers", "rotamers", 0.75 * ofEnds, atEnds, "of ends ")
+    adder.draw("side chains of ends of chains, by rotamers", "of ends rotamers", 0.75 * ofEnds, atEnds)
 
 
 def _addNucleotideBackbones(adder, scene, disordered):

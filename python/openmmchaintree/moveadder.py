@@ -75,13 +75,11 @@ class MoveAdder:
             return []
         return [pair for pair in zip(*found, strict=True) if self.inRings.isdisjoint(pair[0])]
 
-    def draw(self, purpose, size, weight, drawn, where=""):
+    def draw(self, purpose, size, weight, drawn):
         """Add a move that draws one of the sets of (torsions, density) pairs."""
         if drawn:
             sets, densities = map(list, zip(*drawn, strict=True))
-            self.add(
-                purpose, f"{where}{size}", lambda share: self.integrator.addDrawnMove(share, sets, densities), weight
-            )
+            self.add(purpose, size, lambda share: self.integrator.addDrawnMove(share, sets, densities), weight)
 
     def drawOrTurn(self, purpose, size, weight, drawn, torsions):
         """Add a move that draws pairs, and one that draws those of torsions uniformly that are in none of them."""
