@@ -109,6 +109,9 @@ def placeAtom(anchors, distance, angle, dihedral):
     return anchors[0] + distance * offset
 
 
+forceFieldOf = functools.cache(app.ForceField)  # from its files: reading them takes as long as some tests
+
+
 @functools.cache
 def readSystem(name, forceField):
     """Return the topology and positions (nm) of a structure, complete for a force field."""
@@ -120,7 +123,7 @@ def readSystem(name, forceField):
     modeller.delete([residue for residue in pdb.topology.residues() if residue.name in WITHOUT_TEMPLATE])
     if name in BARE:
         random.seed(1)  # they are placed at random
-        modeller.addHydrogens(app.ForceField(forceField), platform=openmm.Platform.getPlatform("CPU"))
+        modeller.addHydrogens(forceFieldOf(forceField), platform=openmm.Platform.getPlatform("CPU"))
     return modeller.topology, np.array(modeller.positions.value_in_unit(unit.nanometer))
 
 
@@ -134,7 +137,7 @@ def makeSystem(
     positions = positions.copy()
     files = [forceField] if solvent is None else [forceField, solvent]
     settings = {key: value * unit.nanometer if "utoff" in key else value for key, value in METHODS[method].items()}
-    system = app.ForceField(*files).createSystem(topology, **settings, **(options or {}))
+    system = forceFieldOf(*files).createSystem(topology, **settings, **(options or {}))
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")  # of what is left out
         force = createStericExclusionForce(topology, positions, **choice)
