@@ -27,8 +27,16 @@ class _Weights(NamedTuple):
 
 
 _NUCLEOTIDES = _Weights(0.6, 0.2, 0.15, 0, 0.05)
-# How many times as often as others torsions at ends of chains are turned, beside moves of all.
-_ENDS_OF_BACKBONES, _ENDS_OF_SIDE_CHAINS = 5.4, 2.7
+
+
+class _Ends(NamedTuple):
+    """Moves of torsions at ends of chains, beside those of all."""
+
+    factor: float  # how many times as often as others they are turned
+    most: float  # of all trials: in a small protein they would take those that its core needs
+
+
+_ENDS_OF_BACKBONES, _ENDS_OF_SIDE_CHAINS = _Ends(5.4, 0.4), _Ends(2.7, 0.3)
 
 
 def addDefaultMoves(
@@ -128,10 +136,10 @@ def _addPeptideBackbones(adder, scene, disordered):
     _addFoldedBackbones(adder, scene, torsions, ends, weights)
 
 
-def _shareOf(some, torsions, factor):
-    """Return the share of trials for moves of some torsions, which turn each so many times as often as others do."""
-    ratio = factor * len(some) / len(torsions)
-    return ratio / (1 + ratio)
+def _shareOf(ends, torsions, moves):
+    """Return the share of trials for _Ends moves of some of the torsions."""
+    ratio = moves.factor * len(ends) / len(torsions)
+    return min(moves.most, ratio / (1 + ratio))
 
 
 def _addFoldedBackbones(adder, scene, torsions, ends, weights):

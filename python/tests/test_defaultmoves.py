@@ -99,6 +99,20 @@ def test_allOfAShortChainIsAnEnd():
         assert integrator.getTorsionMoveParameters(move)[2].tolist() == backbones
 
 
+def test_endsOfASmallProteinLeaveMostTrialsToTheRest(villin):
+    integrator, added, _ = add(villin.topology, createStericExclusionForce(villin.topology, villin.positions))
+    backbones, sideChains = [], []
+    for one in added:
+        weight = float(re.search(r"weight ([\d.e-]+)", one.description)[1])
+        (sideChains if "side chains" in one.purpose else backbones).append((weight, one.purpose))
+    for moves, purpose, most in (
+        (backbones, "ends of chains", 0.4),
+        (sideChains, "side chains of ends of chains", 0.3),
+    ):
+        ofEnds = sum(weight for weight, of in moves if of.startswith(purpose))
+        assert 0.5 * most < ofEnds / sum(weight for weight, _ in moves) < most + 0.01
+
+
 def test_sideChainsAreDrawnFromTheirFirstTorsionMostly():
     """Sets that begin with χ1 are one move, those that do not another; those at ends are drawn once more."""
     topology = peptide(*["LYS", "VAL", "GLU"] * 7)
