@@ -33,7 +33,7 @@ class _Ends(NamedTuple):
     """Moves of torsions at ends of chains, beside those of all."""
 
     factor: float  # how many times as often as others they are turned
-    most: float  # of all trials: in a small protein they would take those that its core needs
+    most: float  # of trials of these and the others: in a small protein they would take what its core needs
 
 
 _ENDS_OF_BACKBONES, _ENDS_OF_SIDE_CHAINS = _Ends(5.4, 0.4), _Ends(2.7, 0.3)
