@@ -29,7 +29,7 @@ POINTS = 60  # of the grid of energies, a torsion
 CELLS = 6  # of the histogram, a torsion
 RARE = 0.02  # cells of less than that are taken together
 BLOCKS = 25  # a chain
-STEPS = 200  # a block
+STEPS = 100  # a block
 TRIALS = 40  # a step
 PAIRS_OF_CHAINS = 6
 DRAWS = 2000
@@ -288,10 +288,10 @@ def test_energy_of_a_protein_after_many_outer_tests(name):
     run = Run(system, positions, moves=((1, 0.3, 1), (1, 0.05, 1)))
     run.integrator.setStandInCutoffs(0.6, 0.7)
     run.integrator.setTrialsPerOuterTest(5)
-    run.run(20000)
+    run.run(10000)
     run.integrator.setTrialsPerOuterTest(40)
     run.integrator.resetMoveStatistics()
-    run.run(20000)
+    run.run(10000)
     tests = run.integrator.getOuterStatistics()
     assert min(tests.accepted, tests.attempted - tests.accepted) > 10
     assert run.energy == pytest.approx(Reference(system).energy(run.positions), abs=ABSOLUTE)
