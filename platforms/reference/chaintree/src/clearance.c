@@ -21,6 +21,11 @@ void ctClearanceForget(Clearance* c) {
   c->isKept = false;
 }
 
+void ctClearanceBegin(Clearance* c) {
+  c->testedCount = 0;
+  c->boundPieces = NULL;
+}
+
 /* Bounds of displacements have room for so much of a unit, see boundShifts. */
 #define MOST_UNITS_SKIPPED 0.25
 
@@ -47,7 +52,8 @@ static bool reserve(Clearance* c, const Tree* tree) {
   c->stride = (c->leafCount + COLUMNS_AT_ONCE - 1) / COLUMNS_AT_ONCE * COLUMNS_AT_ONCE;
   const size_t columns = (size_t)c->stride;
   c->least = ctArenaAllocate(&c->arena, (size_t)c->leafCount * columns, sizeof *c->least);
-  c->shift = ctArenaAllocate(&c->arena, columns, sizeof *c->shift);
+  c->shifts = ctArenaAllocate(&c->arena, MOST_BOUND_PAIRS * columns, sizeof *c->shifts);
+  c->boundPairs = ctArenaAllocate(&c->arena, MOST_BOUND_PAIRS, sizeof *c->boundPairs);
   c->near = ctArenaAllocate(&c->arena, TREE_WIDTH * columns / COLUMNS_AT_ONCE + 1, sizeof *c->near);
   if (c->arena.failed) {
     ctArenaFree(&c->arena);

@@ -4,8 +4,8 @@
  * The clearance of two leaves is the least amount by which two of their particles would have to come nearer to overlap
  * beyond their limit. A table keeps a lower bound of it for each pair of leaves. A trial moves runs of leaves against
  * each other. The displacement of a leaf in the frame of another run has a bound that follows from its position. A pair
- * with more clearance than that bound needs no test. A commit subtracts the bounds from the clearances of what moved
- * against each other, and enters what tests have found.
+ * with more clearance than that bound needs no test. A commit subtracts the bounds, which the test has kept for it,
+ * from the clearances of what moved against each other, and enters what tests have found.
  *
  * A test by clearances costs O(leaves^2) very cheap steps; a test by the tree costs fewer and dearer ones. The engine
  * chooses between them by counts of both, never by clocks: the same calls take the same way. The verdict is the same.
@@ -43,6 +43,21 @@ typedef struct LeafRun {
   int lastPiece; /* after the first: the run is a leaf of many pieces */
 } LeafRun;
 
+/* Two runs of leaves that move against each other. */
+typedef struct RunPair {
+  int beginA; /* leaves */
+  int endA;
+  int motionA;
+  int beginB;
+  int endB;
+  int motionB;
+  float back[12]; /* A's motion in the frame of B, if both are of one piece: moves A from the world */
+} RunPair;
+
+/* Bounds of no more pairs of runs are kept from a test for the commit. Eight torsions of a backbone in a row have some
+ * eight such pairs. */
+enum { MOST_BOUND_PAIRS = 64 };
+
 /* Clearances of a row that are compared at a time. */
 enum { COLUMNS_AT_ONCE = 32 };
 
@@ -59,17 +74,21 @@ typedef struct Clearance {
   bool isKept; /* the table is of the state */
   Arena arena; /* of the arrays below, which are made when first needed */
   int leafCount;
-  int stride;      /* of a row, a multiple of COLUMNS_AT_ONCE */
-  uint16_t* least; /* leafCount rows; of leaves a < b in row a, column b */
-  uint16_t* shift; /* per leaf, with padding: bound of its displacement between two runs, in units */
-  float unit;      /* nm */
+  int stride;       /* of a row, a multiple of COLUMNS_AT_ONCE */
+  uint16_t* least;  /* leafCount rows; of leaves a < b in row a, column b */
+  uint16_t* shifts; /* MOST_BOUND_PAIRS rows: of each leaf the bound of its displacement between two runs, in units */
+  uint16_t* shift;  /* the row of the pair that is looked at */
+  float unit;       /* nm */
   double skipped;  /* nm: of pairs that trials have skipped since the table was measured, clearances are less by so much
                       at  most */
   NearPairs* near; /* scratch: of the rows of an inner node */
   LeafRun* runs;   /* of a view, ascending */
   int runCount;
   int runCapacity;
-  TestedPairs* tested; /* of the open trial */
+  RunPair* boundPairs;      /* whose bounds `shifts` holds */
+  int boundPairCount;       /* may be more: then it does not hold all */
+  const Piece* boundPieces; /* of the open trial, if those are all pairs of their runs; else NULL */
+  TestedPairs* tested;      /* of the open trial */
   int testedCount;
   int testedCapacity;
 
@@ -90,6 +109,9 @@ typedef double ClearanceFunction(void* context, int slotA, int slotB, double squ
 
 /* Returned by a test by clearances instead of its cost if it has no verdict: it became too dear, or had no memory. */
 enum { GAVE_UP = -1 };
+
+/* To be called when a trial is opened: forgets what tests of the last one have found. */
+void ctClearanceBegin(Clearance* clearance);
 
 /* True if the next test should go by clearances; then the table is of the state. `reach` is that of its view. */
 bool ctClearanceIsWanted(Clearance* clearance, Traversal* traversal, double reach);

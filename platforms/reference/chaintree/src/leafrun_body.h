@@ -7,17 +7,6 @@
 #include "costs.h"
 #include "view_body.h"
 
-/* Two runs of leaves that move against each other. */
-typedef struct RunPair {
-  int beginA; /* leaves */
-  int endA;
-  int motionA;
-  int beginB;
-  int endB;
-  int motionB;
-  float back[12]; /* A's motion in the frame of B, if both are of one piece: moves A from the world */
-} RunPair;
-
 /* ---- Runs ---- */
 
 /* Divides the leaves of a view into runs. False if there is no memory. */
@@ -123,7 +112,8 @@ static void boundShiftOfMany(Clearance* c, const Traversal* t, const LeafRun* ma
   uint16_t most = 0;
   for (int p = many->firstPiece; p <= many->lastPiece; p++) {
     if (view->pieces[p].body != motion) {
-      const Frame between = transformCompose(&back, &view->motions[view->pieces[p].body]);
+      const Frame* own = &view->motions[view->pieces[p].body];
+      const Frame between = motion == 0 ? *own : transformCompose(&back, own);
       boundShifts(c, t, &between, many->begin, many->end);
       most = c->shift[many->begin] > most ? c->shift[many->begin] : most;
     }
@@ -135,12 +125,18 @@ static void boundShiftOfMany(Clearance* c, const Traversal* t, const LeafRun* ma
 /* Bounds the displacements of two runs of one piece each, in the frame of the other. */
 static void boundShiftsOfPieces(Clearance* c, const Traversal* t, RunPair* pair) {
   const Frame back = transformInverse(&t->view->motions[pair->motionA]);
-  const Frame between = transformCompose(&back, &t->view->motions[pair->motionB]);
+  const Frame* own = &t->view->motions[pair->motionB];
+  const Frame between = pair->motionA == 0 ? *own : transformCompose(&back, own);
   const Frame other = transformInverse(&between);
   floatMotion(&other, pair->back);
   /* A distance changes by no more than either of its ends is displaced in the frame of the other. */
   boundShifts(c, t, &between, pair->beginA, pair->endA);
   boundShifts(c, t, &between, pair->beginB, pair->endB);
+}
+
+/* The row for the bounds of a pair. All that are not kept have the last one. */
+static uint16_t* shiftsOf(const Clearance* c, int pair) {
+  return c->shifts + (size_t)(pair < MOST_BOUND_PAIRS ? pair : MOST_BOUND_PAIRS - 1) * (size_t)c->stride;
 }
 
 /* Calls `visit` for each two runs that move against each other, once their displacements are bounded. Ends with true as
@@ -149,10 +145,13 @@ typedef bool RunPairFunction(Clearance* c, Traversal* t, const RunPair* pair, vo
 
 static bool forEachRunPair(Clearance* c, Traversal* t, RunPairFunction* visit, void* context, int64_t* cost) {
   const Piece* pieces = t->view->pieces;
+  c->boundPieces = NULL;
+  c->boundPairCount = 0;
   for (int i = 0; i < c->runCount; i++) {
     for (int j = i + 1; j < c->runCount; j++) {
       const LeafRun* a = &c->runs[i];
       const LeafRun* b = &c->runs[j];
+      c->shift = shiftsOf(c, c->boundPairCount);
       RunPair pair = {a->begin, a->end, pieces[a->firstPiece].body, b->begin, b->end, pieces[b->firstPiece].body, {0}};
       if (hasManyPieces(a) && hasManyPieces(b)) {
         c->shift[a->begin] = MOST_CLEARANCE;
@@ -164,12 +163,17 @@ static bool forEachRunPair(Clearance* c, Traversal* t, RunPairFunction* visit, v
       } else {
         continue;
       }
+      if (c->boundPairCount < MOST_BOUND_PAIRS) {
+        c->boundPairs[c->boundPairCount] = pair;
+      }
+      c->boundPairCount++;
       *cost += COST_OF_RUN_PAIR + (pair.endA - pair.beginA + pair.endB - pair.beginB) / LEAVES_A_UNIT;
       if (visit(c, t, &pair, context)) {
         return true;
       }
     }
   }
+  c->boundPieces = c->boundPairCount <= MOST_BOUND_PAIRS ? pieces : NULL;
   return false;
 }
 

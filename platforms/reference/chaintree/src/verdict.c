@@ -79,7 +79,7 @@ ctStatus ctPropose(ctChainTree* tree, int count, const ctChange* changes) {
   tree->next = dropped;
   tree->next->open = false;
   tree->trialCount++;
-  tree->clearance.testedCount = 0;
+  ctClearanceBegin(&tree->clearance);
   return ctSuccess;
 }
 

@@ -1,0 +1,81 @@
+/* What a commit takes off clearances is the same whether its test has kept the bounds of displacements or nobody has.
+ * Looks inside the engine. */
+#define _POSIX_C_SOURCE 200809L /* setenv */
+
+#include "../src/scene.h"
+#include "lattice.h"
+
+#include <string.h>
+
+/* The same scene twice: in one of them no commit finds bounds. */
+typedef struct Twins {
+  ctChainTree* keeps;
+  ctChainTree* forgets;
+  unsigned random;
+  int commitsByKept;
+  int commitsOfMany; /* of more pairs of runs than are kept */
+} Twins;
+
+static double draw(Twins* twins) {
+  twins->random = twins->random * 1664525u + 1013904223u;
+  return (double)(twins->random >> 8) / (1 << 24);
+}
+
+/* Opens a trial of so many turns, `apart` links apart, in both scenes. */
+static void propose(Twins* twins, int count, int apart) {
+  ctChange changes[SITES];
+  const int link = 2 + (int)(draw(twins) * (SITES - 3 - (count - 1) * apart));
+  for (int i = 0; i < count; i++) {
+    changes[i] = (ctChange){.link = link + i * apart, .angle = 0.01 / (count * count) * (2 * draw(twins) - 1)};
+  }
+  CHECK_SUCCESS(ctPropose(twins->keeps, count, changes));
+  CHECK_SUCCESS(ctPropose(twins->forgets, count, changes));
+}
+
+static bool clashes(Twins* twins) {
+  bool clash[2];
+  CHECK_SUCCESS(ctTestTrial(twins->keeps, &clash[0], NULL, NULL));
+  CHECK_SUCCESS(ctTestTrial(twins->forgets, &clash[1], NULL, NULL));
+  CHECK(clash[0] == clash[1]);
+  return clash[0];
+}
+
+static void commit(Twins* twins) {
+  const Clearance* kept = &twins->keeps->clearance;
+  twins->commitsByKept += kept->boundPieces != NULL;
+  twins->commitsOfMany += kept->boundPairCount > MOST_BOUND_PAIRS;
+  twins->forgets->clearance.boundPieces = NULL;
+  CHECK_SUCCESS(ctCommit(twins->keeps, NULL));
+  CHECK_SUCCESS(ctCommit(twins->forgets, NULL));
+  const Clearance* anew = &twins->forgets->clearance;
+  CHECK(kept->isKept && anew->isKept);
+  CHECK(memcmp(kept->least, anew->least, (size_t)kept->leafCount * (size_t)kept->stride * sizeof *kept->least) == 0);
+}
+
+int main(void) {
+  setenv("CHAINTREE_TRIALS", "clearances", 1);
+  Twins twins = {.random = 1};
+  twins.keeps = makeLattice(ONE_CHAIN, 0.49, 0);
+  twins.forgets = makeLattice(ONE_CHAIN, 0.49, 0);
+  int clashing = 0;
+  for (int i = 0; i < 600; i++) {
+    /* One turn, eight in a row, and as many runs as there are leaves. */
+    propose(&twins, i % 3 == 0 ? 1 : i % 3 == 1 ? 8 : 30, i % 3 == 2 ? TREE_WIDTH : 1);
+    const bool clash = clashes(&twins);
+    clashing += clash;
+    if (i % 7 == 0) { /* bounds of an earlier trial, whose memory this one has */
+      propose(&twins, 2, 3);
+      propose(&twins, 1, 1);
+    }
+    if (!clash || i % 7 == 0 || i % 11 == 0) { /* also of a test that a clash has ended */
+      commit(&twins);
+    }
+  }
+  CHECK(clashing > 50);
+  CHECK(twins.commitsByKept > 100);
+  CHECK(twins.commitsOfMany > 20);
+  CHECK(ctValidate(twins.keeps));
+  ctDestroy(twins.keeps);
+  ctDestroy(twins.forgets);
+  return checkResult();
+}
