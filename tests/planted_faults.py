@@ -409,7 +409,7 @@ ENGINE_FAULTS = [
     Fault("clearance: all pairs of runs have the bounds of the last", "leafrun_body.h",
           "(size_t)(pair < MOST_BOUND_PAIRS ? pair : MOST_BOUND_PAIRS - 1)", "(size_t)(pair - pair)"),
     Fault("clearance: nothing moves in the frame of what moves", "leafrun_body.h",
-          "const Frame between = motion == 0 ?", "const Frame between = motion >= 0 ?"),
+          "return frame == 0 ?", "return frame >= 0 ?"),
     Fault("clearance: it outlives new limits", "query.c",
           "tree->limits = fresh;\n  ctClearanceForget(&tree->clearance);", "tree->limits = fresh;"),
     Fault("clearance: it outlives a new state", "state.c",

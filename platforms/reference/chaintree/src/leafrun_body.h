@@ -103,6 +103,11 @@ static void boundShifts(Clearance* c, const Traversal* t, const Frame* motion, i
   }
 }
 
+/* The motion of a body in the frame of another, whose motion is undone by `back`. */
+static Frame motionInFrame(const View* view, int body, int frame, const Frame* back) {
+  return frame == 0 ? view->motions[body] : transformCompose(back, &view->motions[body]);
+}
+
 /* Bounds the displacement of a leaf of many pieces in the frame of a run of one piece. The run's own leaves get no
  * bound: the bound of a pair is the lesser of two. */
 static void boundShiftOfMany(Clearance* c, const Traversal* t, const LeafRun* many, const LeafRun* run) {
@@ -112,8 +117,7 @@ static void boundShiftOfMany(Clearance* c, const Traversal* t, const LeafRun* ma
   uint16_t most = 0;
   for (int p = many->firstPiece; p <= many->lastPiece; p++) {
     if (view->pieces[p].body != motion) {
-      const Frame* own = &view->motions[view->pieces[p].body];
-      const Frame between = motion == 0 ? *own : transformCompose(&back, own);
+      const Frame between = motionInFrame(view, view->pieces[p].body, motion, &back);
       boundShifts(c, t, &between, many->begin, many->end);
       most = c->shift[many->begin] > most ? c->shift[many->begin] : most;
     }
@@ -125,8 +129,7 @@ static void boundShiftOfMany(Clearance* c, const Traversal* t, const LeafRun* ma
 /* Bounds the displacements of two runs of one piece each, in the frame of the other. */
 static void boundShiftsOfPieces(Clearance* c, const Traversal* t, RunPair* pair) {
   const Frame back = transformInverse(&t->view->motions[pair->motionA]);
-  const Frame* own = &t->view->motions[pair->motionB];
-  const Frame between = pair->motionA == 0 ? *own : transformCompose(&back, own);
+  const Frame between = motionInFrame(t->view, pair->motionB, pair->motionA, &back);
   const Frame other = transformInverse(&between);
   floatMotion(&other, pair->back);
   /* A distance changes by no more than either of its ends is displaced in the frame of the other. */
