@@ -65,7 +65,7 @@ public:
  */
 class LinkStructure::BondGraph {
 public:
-    BondGraph(const System& system, const StericExclusionForce& force) : neighbors(force.getNumParticles())
+    BondGraph(const StericExclusionForce& force) : neighbors(force.getNumParticles())
     {
         for (int i = 0; i < force.getNumBonds(); i++) {
             int particle1, particle2;
@@ -78,12 +78,11 @@ public:
             tie(particle1, particle2);
             bonds.insert(minmax(particle1, particle2));
         }
-        for (int i = 0; i < system.getNumParticles(); i++)
-            if (system.isVirtualSite(i)) {
-                const VirtualSite& site = system.getVirtualSite(i);
-                for (int j = 0; j < site.getNumParticles(); j++)
-                    tie(i, site.getParticle(j));
-            }
+    }
+    void tie(int particle1, int particle2)
+    {
+        neighbors[particle1].push_back(particle2);
+        neighbors[particle2].push_back(particle1);
     }
     bool hasBond(int particle1, int particle2) const
     {
@@ -94,19 +93,23 @@ public:
         return neighbors[particle];
     }
     /**
-     * Find a shortest way from one particle to another that does not use the tie between the two.
+     * Find a shortest way from one particle to another, or none where they don't hang together.
+     *
+     * @param isDetour  whether it may not use the tie between the two
      */
-    vector<int> findDetour(int from, int to) const
+    vector<int> findWay(int from, int to, bool isDetour) const
     {
         vector<int> previous(neighbors.size(), -1);
         vector<int> reached(1, from);
         previous[from] = from;
         for (size_t i = 0; i < reached.size() && previous[to] == -1; i++)
             for (int next : neighbors[reached[i]])
-                if (previous[next] == -1 && !(reached[i] == from && next == to)) {
+                if (previous[next] == -1 && !(isDetour && reached[i] == from && next == to)) {
                     previous[next] = reached[i];
                     reached.push_back(next);
                 }
+        if (previous[to] == -1)
+            return vector<int>();
         vector<int> way(1, to);
         while (way.back() != from)
             way.push_back(previous[way.back()]);
@@ -115,11 +118,6 @@ public:
     }
 
 private:
-    void tie(int particle1, int particle2)
-    {
-        neighbors[particle1].push_back(particle2);
-        neighbors[particle2].push_back(particle1);
-    }
     vector<vector<int>> neighbors;
     set<pair<int, int>> bonds;
 };
@@ -128,10 +126,13 @@ LinkStructure::LinkStructure(const System& system, const StericExclusionForce& f
     particleLinks(force.getNumParticles(), -1), torsionLinks(force.getNumTorsions(), -1),
     ballJointLinks(force.getNumBallJoints(), -1)
 {
-    BondGraph graph(system, force);
+    BondGraph graph(force);
     listJoints(graph, force);
     checkDihedrals();
-    findLinks(graph);
+    tieVirtualSites(system, graph);
+    particleLinks = findParts(graph);
+    const int numLinks = particleLinks.empty() ? 0 : *max_element(particleLinks.begin(), particleLinks.end()) + 1;
+    links.assign(numLinks, {-1, -1, -1, -1});
     vector<vector<int>> linkJoints = joinLinks(graph);
     vector<int> anchors = findAnchors(system);
     for (int link = 0; link < (int)links.size(); link++)
@@ -204,30 +205,86 @@ void LinkStructure::checkDihedrals() const
 }
 
 /**
- * Collect what hangs together without crossing the bond of a joint.
+ * Number the parts that hang together without crossing the bond of a joint, in the order of their first particles.
  */
-void LinkStructure::findLinks(const BondGraph& graph)
+vector<int> LinkStructure::findParts(const BondGraph& graph) const
 {
     set<pair<int, int>> cuts;
     for (const Joint& joint : joints)
         cuts.insert(minmax(joint.getBond().first, joint.getBond().second));
-    for (int start = 0; start < (int)particleLinks.size(); start++) {
-        if (particleLinks[start] != -1)
+    vector<int> parts(particleLinks.size(), -1);
+    int numParts = 0;
+    for (int start = 0; start < (int)parts.size(); start++) {
+        if (parts[start] != -1)
             continue;
-        int link = links.size();
-        links.push_back({-1, -1, -1, -1});
-        particleLinks[start] = link;
+        parts[start] = numParts;
         vector<int> pending(1, start);
         while (!pending.empty()) {
             int particle = pending.back();
             pending.pop_back();
             for (int next : graph.getNeighbors(particle))
-                if (particleLinks[next] == -1 && cuts.find(minmax(particle, next)) == cuts.end()) {
-                    particleLinks[next] = link;
+                if (parts[next] == -1 && cuts.find(minmax(particle, next)) == cuts.end()) {
+                    parts[next] = numParts;
                     pending.push_back(next);
                 }
         }
+        numParts++;
     }
+    return parts;
+}
+
+/**
+ * Tie each virtual site to particles of one part that define it. Others of its particles must keep their place
+ * relative to that part, as those on the axis of a torsion do, or be of another molecule.
+ */
+void LinkStructure::tieVirtualSites(const System& system, BondGraph& graph) const
+{
+    const vector<int> parts = findParts(graph);
+    set<pair<int, int>> kept; // particles, and parts beside their own in which they keep their place
+    for (const Joint& joint : joints) {
+        const pair<int, int> bond = joint.getBond();
+        kept.insert(make_pair(bond.first, parts[bond.second]));
+        if (!joint.isBall())
+            kept.insert(make_pair(bond.second, parts[bond.first]));
+    }
+    const BondGraph bonded = graph;
+    for (int i = 0; i < system.getNumParticles(); i++) {
+        if (!system.isVirtualSite(i))
+            continue;
+        const VirtualSite& site = system.getVirtualSite(i);
+        vector<int> particles(1, i);
+        for (int j = 0; j < site.getNumParticles(); j++)
+            particles.push_back(site.getParticle(j));
+        auto isPlacedBy = [&](int part) {
+            return all_of(particles.begin() + 1, particles.end(), [&](int particle) {
+                return parts[particle] == part || kept.find(make_pair(particle, part)) != kept.end();
+            });
+        };
+        auto found = find_if(particles.begin(), particles.end(), [&](int particle) {
+            return isPlacedBy(parts[particle]);
+        });
+        for (size_t j = 1; j < particles.size(); j++) {
+            if (found == particles.end())
+                checkNoJointParts(bonded, i, particles[1], particles[j]);
+            if (found == particles.end() || parts[particles[j]] == parts[*found])
+                graph.tie(i, particles[j]);
+        }
+    }
+}
+
+/**
+ * Throw an exception if a joint moves two particles, which define a virtual site, relative to each other.
+ */
+void LinkStructure::checkNoJointParts(const BondGraph& graph, int site, int particle1, int particle2) const
+{
+    const vector<int> way = graph.findWay(particle1, particle2, false);
+    for (size_t i = 1; i < way.size(); i++)
+        for (const Joint& joint : joints)
+            if (minmax(joint.getBond().first, joint.getBond().second) == minmax(way[i - 1], way[i]) &&
+                !joint.leavesInPlace(particle1) && !joint.leavesInPlace(particle2))
+                fail("virtual site " + to_string(site) + " is defined by particles " + to_string(particle1) + " and " +
+                     to_string(particle2) + ", which " + joint.describe() +
+                     " would move relative to each other; leave that out");
 }
 
 /**
@@ -249,7 +306,7 @@ vector<vector<int>> LinkStructure::joinLinks(const BondGraph& graph) const
         int link1 = particleLinks[particle1], link2 = particleLinks[particle2];
         if (find(link1) == find(link2)) {
             stringstream ring;
-            for (int particle : graph.findDetour(particle1, particle2))
+            for (int particle : graph.findWay(particle1, particle2, true))
                 ring << particle << "-";
             fail(joints[joint].describe() + " lies in a ring: " + ring.str() + to_string(particle1));
         }

@@ -115,7 +115,17 @@ void testVirtualSites()
 
     graph.system.setParticleMass(6, 0);
     graph.system.setVirtualSite(6, new ThreeParticleAverageSite(0, 1, 3, 0.2, 0.3, 0.5));
-    graph.assertRefused("torsion 0 (0-1-2-3) lies in a ring: 1-6-3-2-1");
+    graph.assertRefused("virtual site 6 is defined by particles 0 and 3, which torsion 0 (0-1-2-3) would move relative "
+                        "to each other");
+
+    // A particle on the axis keeps its place relative to both sides: the site goes with the others.
+
+    for (int other : {0, 3}) {
+        graph.system.setVirtualSite(6, new ThreeParticleAverageSite(1, 2, other, 0.2, 0.3, 0.5));
+        ASSERT_EQUAL(graph.findLinks().getParticleLinks()[other], graph.findLinks().getParticleLinks()[6]);
+    }
+    graph.system.setVirtualSite(6, new TwoParticleAverageSite(1, 2, 0.5, 0.5));
+    ASSERT_EQUAL(2, graph.findLinks().getLinks().size());
 }
 
 void testJointBetween()

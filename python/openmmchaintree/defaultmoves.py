@@ -10,7 +10,7 @@ from .moveadder import HALF_TURN, AddedMoves, MoveAdder
 from .movescene import MoveScene
 from .openmmchaintree import TorsionMonteCarloIntegrator
 
-_TORSION_STEP, _PIVOT_STEP, _BALL_STEP = 10, 1, 30  # degrees
+_TORSION_STEP, _PIVOT_STEP, _BALL_STEP, _CLOSED_STEP = 10, 1, 30, 8  # degrees
 _RIGID_STEP = 0.02, 2  # nm, degrees
 _BOUND_STEP = 0.01, 1  # of molecules that touch others
 _RIGID_WEIGHT = 0.1  # to one for all torsions and joints
@@ -107,6 +107,9 @@ def _addMixtures(integrator, scene, rigidBodies, rigidStep, disordered):
         if scene.torsions[name]:
             adder.begin(_NAMES[name], len(scene.torsions[name]) / total)
             addMoves(adder, scene, disordered)
+    if adder.inRings and not adder.hasClosed and scene.canClose(sorted(adder.inRings)):
+        adder.begin("rings", len(adder.inRings) / total)
+        adder.close(1, _CLOSED_STEP, sorted(adder.inRings))
     if scene.force.getNumBallJoints() > 0:
         adder.begin("beads", scene.force.getNumBallJoints() / total)
         adder.pivot("chains of beads, all directions", 0.8, HALF_TURN)
@@ -126,10 +129,11 @@ def _addPeptideBackbones(adder, scene, disordered):
         adder.drawOrTurn("loose chains, by residue", "by residue", 0.4, drawn, torsions)
         adder.turn("loose chains, drawn anew", 0.3, HALF_TURN, torsions)
         adder.turn("loose chains, by some degrees", 0.2, 30, torsions)
-        if scene.canClose(torsions):
-            adder.close(0.1, 20, torsions)
+        ringsAndBackbones = sorted(adder.inRings.union(torsions))
+        if scene.canClose(ringsAndBackbones):
+            adder.close(0.1, 20, ringsAndBackbones)
         return
-    ends = scene.endsOf(torsions)
+    ends = adder.outsideRings(scene.endsOf(torsions))
     ofEnds = _shareOf(ends, torsions, _ENDS_OF_BACKBONES)
     others = 1 - ofEnds
     weights = _Weights(0.54 * others, 0.21 * others, 0.45 * ofEnds, 0.36 * ofEnds, 0.06 * others)
@@ -146,7 +150,7 @@ def _addFoldedBackbones(adder, scene, torsions, ends, weights):
     ringsAndBackbones = sorted(adder.inRings.union(torsions))
     canClose = scene.canClose(ringsAndBackbones)
     if canClose:
-        adder.close(weights.closed, 8, ringsAndBackbones)
+        adder.close(weights.closed, _CLOSED_STEP, ringsAndBackbones)
     adder.bend(weights.local + (0 if canClose else weights.closed), 4, 10000, torsions)
     adder.turn("ends of chains", weights.ends, _TORSION_STEP, ends, "ends ")
     if weights.endsAnew > 0:
@@ -156,7 +160,7 @@ def _addFoldedBackbones(adder, scene, torsions, ends, weights):
 
 def _addSideChains(adder, scene, disordered):
     torsions = scene.torsions["side chains"]
-    ends = [] if disordered else scene.endsOf(torsions)
+    ends = [] if disordered else adder.outsideRings(scene.endsOf(torsions))
     ofEnds = _shareOf(ends, torsions, _ENDS_OF_SIDE_CHAINS)
     ofAll = 1 - ofEnds
     drawn = adder.findDrawn(rotamerDensities, scene)
@@ -178,7 +182,7 @@ def _addNucleotideBackbones(adder, scene, disordered):
         adder.turn("loose chains, by some degrees", 0.5, 30, torsions)
         adder.turn("loose chains, drawn anew", 0.5, HALF_TURN, torsions)
         return
-    _addFoldedBackbones(adder, scene, torsions, scene.endsOf(torsions), _NUCLEOTIDES)
+    _addFoldedBackbones(adder, scene, torsions, adder.outsideRings(scene.endsOf(torsions)), _NUCLEOTIDES)
 
 
 def _addBases(adder, scene, disordered):

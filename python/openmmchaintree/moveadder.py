@@ -35,12 +35,14 @@ class AddedMoves(list[AddedMove]):
 class MoveAdder:
     """Adds moves, names them and writes down what they are for.
 
-    inRings : set of int, torsions that only closed moves turn; added : AddedMoves; named : list of NamedMove
+    inRings : set of int, torsions that only closed moves turn; hasClosed : bool, whether there is a closed move
+    added : AddedMoves; named : list of NamedMove
     """
 
     def __init__(self, integrator, inRings):
         self.integrator = integrator
         self.inRings = inRings
+        self.hasClosed = False
         self.added = AddedMoves()
         self.named = []
 
@@ -91,6 +93,7 @@ class MoveAdder:
 
     def close(self, weight, degrees, torsions):
         """Add a closed move of backbones, to which those of rings may belong."""
+        self.hasClosed = True
         self.add(
             "backbones: the rest stays where it is",
             f"closed {degrees}°",

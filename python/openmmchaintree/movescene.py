@@ -46,20 +46,44 @@ class MoveScene:
         self.force = StericExclusionForce.cast(forces[0])
         self._system = system
         self._bonds = [self.force.getBondParticles(index) for index in range(self.force.getNumBonds())]
-        self._parts = connectedParts(system.getNumParticles(), self._bonds)
+        self._closures = [self.force.getClosureParticles(index)[1:3] for index in range(self.force.getNumClosures())]
+        self._parts = connectedParts(particles, self._bonds + self._tiesOfVirtualSites())
+        self._checkDrudeParticles()
         self.moleculeCount = len(np.unique(self._parts))
         self._residues = []  # of torsions, None where it is not known
         if torsions is None:
-            torsions = findTorsions(topology, kinds=KINDS, cutDisulfides=True, cutMetals=True).torsions
+            bonds = {(min(bond[0].index, bond[1].index), max(bond[0].index, bond[1].index)) for bond in topology.bonds()}
+            closures = [bond for bond in map(tuple, map(sorted, self._closures)) if bond in bonds]
+            torsions = findTorsions(topology, None, KINDS, True, True, closures=closures).torsions
         self.torsions = self._sortTorsions(torsions)
 
+    def _tiesOfVirtualSites(self):
+        """Return the pairs of a virtual site and a particle that it depends on: these belong to one molecule."""
+        ties = []
+        for particle in range(self._system.getNumParticles()):
+            if self._system.isVirtualSite(particle):
+                site = self._system.getVirtualSite(particle)
+                ties += [(particle, site.getParticle(index)) for index in range(site.getNumParticles())]
+        return ties
+
+    def _checkDrudeParticles(self):
+        """Refuse Drude particles that moves would leave behind."""
+        for force in self._system.getForces():
+            if isinstance(force, openmm.DrudeForce):
+                for index in range(force.getNumParticles()):
+                    drude, parent = force.getParticleParameters(index)[:2]
+                    if self._parts[drude] != self._parts[parent]:
+                        raise ValueError(
+                            f"particle {drude} is the Drude particle of particle {parent}, but moves would part them: "
+                            "add a bond between them to the StericExclusionForce, as createStericExclusionForce does "
+                            "if it is given the System"
+                        )
+
     def _sortTorsions(self, torsions):
-        known = {}
-        for torsion in torsions:
-            known[torsion.particles] = known[torsion.particles[::-1]] = torsion
+        known = {frozenset(torsion.particles[1:3]): torsion for torsion in torsions}
         found = {name: [] for name in _KINDS_OF}
         for index in range(self.force.getNumTorsions()):
-            torsion = known.get(tuple(self.force.getTorsionParticles(index)))
+            torsion = known.get(frozenset(self.force.getTorsionParticles(index)[1:3]))
             self._residues.append(torsion and torsion.residue)
             kind = torsion and torsion.kind
             found[next(name for name, ofName in _KINDS_OF.items() if ofName is None or kind in ofName)].append(index)
@@ -81,8 +105,7 @@ class MoveScene:
 
     def findRings(self):
         """Return the torsions in rings of closures: those on the way from one end of a closure's bond to the other."""
-        closures = [self.force.getClosureParticles(index)[1:3] for index in range(self.force.getNumClosures())]
-        if not closures:
+        if not self._closures:
             return set()
         neighbors = [[] for _ in range(self._system.getNumParticles())]
         fixed = [particle for particle in range(len(neighbors)) if self._isFixed(particle)]
@@ -93,7 +116,7 @@ class MoveScene:
         for index in range(self.force.getNumTorsions()):
             axes[frozenset(self.force.getTorsionParticles(index)[1:3])] = index
         found = set()
-        for start, end in closures:
+        for start, end in self._closures:
             former = {start: None}
             reached = [start]
             for particle in reached:

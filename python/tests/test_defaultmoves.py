@@ -157,6 +157,88 @@ def test_closuresAreKept():
     assert (atoms[0, "CA"], atoms[0, "C"]) in axes and (atoms[5, "CA"], atoms[5, "C"]) not in axes
 
 
+def test_aRingThatAClosureKeepsIsTurned():
+    topology = peptide(*["ALA"] * 6)
+    atoms = {(atom.residue.index, atom.name): atom for atom in topology.atoms()}
+    topology.addBond(atoms[5, "C"], atoms[0, "N"])
+    closures = [(atoms[5, "C"].index, atoms[0, "N"].index)]
+    for torsions, options in (("phi", "psi"), {}), (("phi", "psi"), {"disordered": True}), (None, {}):
+        if torsions is None:  # by particles that findTorsions does not name
+            backbones = findTorsions(topology, closures=closures, kinds=("phi", "psi")).torsions
+            force = createStericExclusionForce(topology, torsions=(), closures=closures)
+            for torsion in backbones:
+                particles = list(torsion.particles)
+                if torsion.kind == "psi":
+                    particles[3] = atoms[torsion.residue.index, "O"].index
+                force.addTorsion(*particles)
+        else:
+            force = createStericExclusionForce(topology, torsions=torsions, closures=closures)
+        integrator, added, system = add(topology, force, **options)
+        assert kindsOf(integrator) == [integrator.ClosedMove]
+        assert integrator.getClosedMoveParameters(0)[2].tolist() == list(range(force.getNumTorsions()))
+        openmm.Context(system, integrator, openmm.Platform.getPlatformByName("Reference"))
+
+
+def test_aRingOfOtherTorsionsIsTurned():
+    # A ring of an unknown residue.
+    topology = app.Topology()
+    residue = topology.addResidue("RNG", topology.addChain())
+    atoms = [topology.addAtom(f"C{i}", app.element.carbon, residue) for i in range(12)]
+    for i in range(12):
+        topology.addBond(atoms[i], atoms[(i + 1) % 12])
+    force = createStericExclusionForce(topology, torsions=(), closures=[(0, 11)])
+    for i in range(9):
+        force.addTorsion(i, i + 1, i + 2, i + 3)
+    integrator, added, _ = add(topology, force)
+    assert kindsOf(integrator) == [integrator.ClosedMove]
+    assert integrator.getClosedMoveParameters(0)[2].tolist() == list(range(9))
+
+
+def waters(count):
+    """Return a Topology of an alanine tripeptide and waters with a virtual site without bonds, and its System."""
+    topology = peptide("ALA", "ALA", "ALA")
+    chain = topology.addChain()
+    for _ in range(count):
+        residue = topology.addResidue("HOH", chain)
+        oxygen, *hydrogens = (
+            topology.addAtom(name, app.Element.getBySymbol(name[0]), residue) for name in ("O", "H1", "H2")
+        )
+        for hydrogen in hydrogens:
+            topology.addBond(oxygen, hydrogen)
+        topology.addAtom("M", None, residue)
+    system = openmm.System()
+    for atom in topology.atoms():
+        system.addParticle(0 if atom.element is None else 1)
+        if atom.element is None:
+            system.setVirtualSite(atom.index, openmm.TwoParticleAverageSite(atom.index - 3, atom.index - 2, 0.5, 0.5))
+    return topology, system
+
+
+def test_virtualSitesWithoutBondsBelongToTheirMolecules():
+    topology, system = waters(3)
+    system.addForce(createStericExclusionForce(topology))
+    integrator = TorsionMonteCarloIntegrator(300)
+    added = addDefaultMoves(integrator, topology, system)
+    oxygens = [atom.index for atom in topology.atoms() if atom.residue.name == "HOH" and atom.name == "O"]
+    assert integrator.getRigidBodyMoveParameters(added[-1].move)[3].tolist() == [0, *oxygens]
+    openmm.Context(system, integrator, openmm.Platform.getPlatformByName("Reference"))
+
+
+def test_drudeParticlesMustBeBonded():
+    topology, system = waters(1)
+    drude = topology.getNumAtoms()
+    topology.addAtom("DO", None, list(topology.residues())[-1])
+    system.addParticle(0.4)
+    force = openmm.DrudeForce()
+    force.addParticle(drude, drude - 4, -1, -1, -1, 1, 0.001, 1, 1)
+    system.addForce(force)
+    spheres = createStericExclusionForce(topology)
+    system.addForce(spheres)
+    integrator = TorsionMonteCarloIntegrator(300)
+    with pytest.raises(ValueError, match=f"particle {drude} is the Drude particle of particle {drude - 4}, but moves"):
+        addDefaultMoves(integrator, topology, system)
+
+
 def test_beads():
     topology = app.Topology()
     for _ in range(2):

@@ -15,10 +15,10 @@ namespace ChainTreePlugin {
  * This class works out which particles are rigid relative to each other, from the bonds, torsions and ball joints of a
  * StericExclusionForce and the masses and virtual sites of a System.
  *
- * A molecule is a connected component of the bonds, a virtual site being tied to the particles that define it. Torsions
- * and ball joints cut it into links, which form a tree. Its root is the link with the molecule's fixed particles, else
- * the one with its lowest-numbered particle. Every other link hangs on its parent by one torsion or ball joint, which
- * moves it and everything that hangs on it.
+ * A molecule is a connected component of the bonds, a virtual site being tied to the particles that define it, or to
+ * those of one side of a torsion if the others are on its axis. Torsions and ball joints cut it into links, which form
+ * a tree. Its root is the link with the molecule's fixed particles, else the one with its lowest-numbered particle.
+ * Every other link hangs on its parent by one torsion or ball joint, which moves it and everything that hangs on it.
  *
  * A closure keeps two links as they are relative to each other. Its ring are the joints on the way from one to the
  * other: those between them and the link on which both hang or, if they are of two fixed molecules, between them and
@@ -163,7 +163,9 @@ private:
     class Joint;
     void listJoints(const BondGraph& graph, const StericExclusionForce& force);
     void checkDihedrals() const;
-    void findLinks(const BondGraph& graph);
+    std::vector<int> findParts(const BondGraph& graph) const;
+    void tieVirtualSites(const OpenMM::System& system, BondGraph& graph) const;
+    void checkNoJointParts(const BondGraph& graph, int site, int particle1, int particle2) const;
     std::vector<std::vector<int>> joinLinks(const BondGraph& graph) const;
     std::vector<int> findAnchors(const OpenMM::System& system) const;
     void growMolecule(int firstLink, const std::vector<int>& anchors, const std::vector<std::vector<int>>& linkJoints);
