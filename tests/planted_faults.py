@@ -966,7 +966,9 @@ API_FAULTS = [
           "return value % (range + 1);"),
     # ---- Links ----
     Fault("links: virtual sites are tied to nothing", LINKS,
-          "tie(i, site.getParticle(j));", ""),
+          "graph.tie(i, particles[j]);", "continue;"),
+    Fault("links: a particle on an axis closes a ring of its virtual site", LINKS,
+          "if (found == particles.end() || parts[particles[j]] == parts[*found])", "if (true)"),
     Fault("links: a virtual site is tied to the first of its particles", LINKS,
           "j < site.getNumParticles()", "j < 1"),
     Fault("links: a virtual site of mass 0 is fixed", LINKS,
