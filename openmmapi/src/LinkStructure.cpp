@@ -492,7 +492,10 @@ int LinkStructure::findJointOf(const Link& link) const
     return link.ballJoint == -1 ? link.torsion : (int)torsionLinks.size() + link.ballJoint;
 }
 
-string LinkStructure::findJointBetween(int particle1, int particle2) const
+/**
+ * Get the joints on the way from one particle to another of the same molecule.
+ */
+vector<int> LinkStructure::findJointsBetween(int particle1, int particle2) const
 {
     auto findRootward = [&](int link) {
         vector<int> found;
@@ -507,8 +510,21 @@ string LinkStructure::findJointBetween(int particle1, int particle2) const
         joints2.pop_back();
     }
     joints1.insert(joints1.end(), joints2.begin(), joints2.end());
-    for (int joint : joints1)
+    return joints1;
+}
+
+string LinkStructure::findJointBetween(int particle1, int particle2) const
+{
+    for (int joint : findJointsBetween(particle1, particle2))
         if (!joints[joint].leavesInPlace(particle1) && !joints[joint].leavesInPlace(particle2))
+            return joints[joint].name;
+    return "";
+}
+
+string LinkStructure::findJointTurning(int particle1, int particle2) const
+{
+    for (int joint : findJointsBetween(particle1, particle2))
+        if (!joints[joint].leavesInPlace(particle1) || !joints[joint].leavesInPlace(particle2))
             return joints[joint].name;
     return "";
 }

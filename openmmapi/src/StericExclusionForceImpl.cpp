@@ -107,6 +107,7 @@ void StericExclusionForceImpl::initialize(ContextImpl& context)
         hasVirtualSites = hasVirtualSites || system.isVirtualSite(i);
     original.reset(new StericExclusionForce(owner));
     structure.reset(new LinkStructure(system, owner));
+    velocities.reset(new VelocityTurner(system, *structure));
 
     kernel = createKernel(context);
     engine = &kernel.getAs<CalcStericExclusionForceKernel>();

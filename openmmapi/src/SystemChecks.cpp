@@ -6,11 +6,18 @@
 #include "openmm/MonteCarloFlexibleBarostat.h"
 #include "openmm/MonteCarloMembraneBarostat.h"
 #include "openmm/OpenMMException.h"
+#include "openmmchaintree/internal/Warnings.h"
+#include "openmmchaintree/TorsionMonteCarloIntegrator.h"
+#include <cmath>
+#include <sstream>
 #include <string>
 
 using namespace ChainTreePlugin;
 using namespace OpenMM;
 using namespace std;
+
+/** What three decimals of ångström can change a distance by, in nm: sqrt(3) * 1e-4. */
+static const double ROUNDING = 1.74e-4;
 
 static void fail(const string& message)
 {
@@ -32,10 +39,7 @@ StericExclusionForceImpl& ChainTreePlugin::findStericExclusionForce(ContextImpl&
     return *found;
 }
 
-/**
- * Throw an exception if a Force changes the periodic box, which rigid molecules and their distances know nothing of.
- */
-static void checkNoBarostat(const System& system)
+void ChainTreePlugin::checkHardSpheres(const System& system)
 {
     for (int i = 0; i < system.getNumForces(); i++) {
         const Force* force = &system.getForce(i);
@@ -44,14 +48,11 @@ static void checkNoBarostat(const System& system)
             dynamic_cast<const MonteCarloMembraneBarostat*>(force) != NULL ||
             dynamic_cast<const MonteCarloFlexibleBarostat*>(force) != NULL)
             fail("the System has a barostat (force " + to_string(i) + ", " + force->getName() +
-                 "), but periodic boundary conditions are not supported; remove it");
+                 "), which knows nothing of hard spheres; call setStericMode(Soft), or remove it");
     }
 }
 
-/**
- * Throw an exception if a move could break a constraint.
- */
-static void checkConstraints(const System& system, const LinkStructure& structure)
+void ChainTreePlugin::checkConstraints(const System& system, const LinkStructure& structure)
 {
     for (int i = 0; i < system.getNumConstraints(); i++) {
         int particle1, particle2;
@@ -69,10 +70,40 @@ static void checkConstraints(const System& system, const LinkStructure& structur
     }
 }
 
-void ChainTreePlugin::checkSystem(const System& system, const LinkStructure& structure)
+bool ChainTreePlugin::warnOfViolatedConstraints(const System& system, const vector<Vec3>& positions)
 {
-    checkNoBarostat(system);
-    checkConstraints(system, structure);
+    int count = 0;
+    stringstream message;
+    for (int i = 0; i < system.getNumConstraints(); i++) {
+        int particle1, particle2;
+        double distance;
+        system.getConstraintParameters(i, particle1, particle2, distance);
+        const Vec3 apart = positions[particle2] - positions[particle1];
+        const double present = sqrt(apart.dot(apart));
+        if (fabs(present - distance) <= ROUNDING)
+            continue;
+        if (count++ == 0)
+            message << "TorsionMonteCarloIntegrator: particles " << particle1 << " and " << particle2 << " are "
+                    << present << " nm apart, though a constraint of " << distance << " nm holds them";
+    }
+    if (count == 0)
+        return false;
+    if (count > 1)
+        message << ", and " << count - 1 << " more constraints are violated";
+    message << ": moves keep such distances as they are; call Context::applyConstraints() first";
+    warn(message.str());
+    return true;
+}
+
+bool ChainTreePlugin::hasDynamics(const Integrator& integrator)
+{
+    auto compound = dynamic_cast<const CompoundIntegrator*>(&integrator);
+    if (compound == NULL)
+        return dynamic_cast<const TorsionMonteCarloIntegrator*>(&integrator) == NULL;
+    for (int i = 0; i < compound->getNumIntegrators(); i++)
+        if (hasDynamics(compound->getIntegrator(i)))
+            return true;
+    return false;
 }
 
 bool ChainTreePlugin::hasSilentSteps(const Integrator& integrator)

@@ -20,6 +20,7 @@
 #include "openmmchaintree/internal/StericExclusionForceImpl.h"
 #include "openmmchaintree/internal/SystemChecks.h"
 #include "openmmchaintree/internal/TrialSession.h"
+#include "openmmchaintree/internal/Warnings.h"
 #include <algorithm>
 #include <limits>
 #include <sstream>
@@ -63,7 +64,8 @@ enum CheckpointForm : uint8_t { OfCompleteContext = 0, OfKeptState = 1, OfKeptSt
 
 TorsionMonteCarloIntegrator::TorsionMonteCarloIntegrator(double temperature) :
     moves(new MoveList()), adaptMoveSizes(false), trialsPerStep(100), initialClashPolicy(Tolerate), stericMode(Hard),
-    nativeEnergies(true), trialsPerOuterTest(0), outerStatistics(new OuterStatistics()), force(NULL)
+    nativeEnergies(true), trialsPerOuterTest(0), outerStatistics(new OuterStatistics()), force(NULL),
+    isBesideDynamics(false), hasWarnedOfHardSpheres(false), constraintsAreChecked(false)
 {
     const EnergyTerms::StandIn usual;
     setStandInCutoffs(usual.bornCutoff, usual.pairCutoff);
@@ -277,7 +279,16 @@ void TorsionMonteCarloIntegrator::bindTo(ContextImpl& contextRef)
 {
     const System& system = contextRef.getSystem();
     StericExclusionForceImpl& found = findStericExclusionForce(contextRef);
-    checkSystem(system, found.getLinkStructure());
+    checkConstraints(system, found.getLinkStructure());
+    if (stericMode == Hard)
+        checkHardSpheres(system);
+    isBesideDynamics = hasDynamics(contextRef.getIntegrator());
+    if (isBesideDynamics)
+        found.getVelocityTurner().requireTurnable();
+    else
+        found.getVelocityTurner().expectNoDynamics();
+    hasWarnedOfHardSpheres = false;
+    constraintsAreChecked = false;
     moves->bind(&found.getLinkStructure());
     random.reset(new RandomNumberGenerator(randomNumberSeed == 0 ? osrngseed() : randomNumberSeed));
     found.getLimitPolicy().expectDynamics(!hasSilentSteps(contextRef.getIntegrator()));
@@ -353,6 +364,8 @@ void TorsionMonteCarloIntegrator::stateChanged(State::DataType changed)
         kept->context.updateVelocities(*owner);
     if (native)
         native->contextWasChanged(changed);
+    if (force != NULL && changed == State::Velocities)
+        force->getVelocityTurner().velocitiesWereSet();
     if (force == NULL || changed != State::Positions)
         return;
     vector<Vec3> restored;
@@ -583,12 +596,35 @@ static bool runTrial(MoveList::Entry& entry, TrialSession& trials, EnergyStages&
     return true;
 }
 
+/**
+ * Throw an exception if this mode cannot be had in this System, and warn of what makes steps sample another
+ * distribution than the user may think.
+ */
+void TorsionMonteCarloIntegrator::checkBeforeSteps()
+{
+    const System& system = context->getSystem();
+    if (stericMode == Hard)
+        checkHardSpheres(system);
+    if (stericMode == Hard && isBesideDynamics && !hasWarnedOfHardSpheres) {
+        hasWarnedOfHardSpheres = true;
+        warn("TorsionMonteCarloIntegrator: hard spheres beside dynamics: dynamics knows no limits, so the two sample "
+             "different distributions, and their turns neither; call setStericMode(Soft)");
+    }
+    if (!constraintsAreChecked && system.getNumConstraints() > 0) {
+        vector<Vec3> positions;
+        context->getPositions(positions);
+        warnOfViolatedConstraints(system, positions);
+    }
+    constraintsAreChecked = true;
+}
+
 void TorsionMonteCarloIntegrator::step(int steps)
 {
     requireBound();
     const double weightSum = moves->sumWeights();
     const EnergyStages::Rule rule = nativeEnergies ? EnergyStages::DecideOneByOne : EnergyStages::DecideBySum;
     force->takeNoticeOfPositions(*context);
+    checkBeforeSteps();
     for (int i = 0; i < steps; i++) {
         context->updateContextState();
         TrialSession trials(*force, *context,

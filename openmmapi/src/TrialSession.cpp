@@ -6,7 +6,8 @@ using namespace OpenMM;
 using namespace std;
 
 TrialSession::TrialSession(StericExclusionForceImpl& force, ContextImpl& context, Limits limits) :
-    force(force), context(context), kernel(*force.engine), limits(limits), ownsTrial(false), contextIsBehind(false)
+    force(force), context(context), kernel(*force.engine), limits(limits), ownsTrial(false), contextIsBehind(false),
+    velocitiesAreBehind(false)
 {
     force.takeNoticeOfPositions(context);
 }
@@ -29,6 +30,10 @@ void TrialSession::end()
     if (contextIsBehind) {
         contextIsBehind = false;
         force.showState(context);
+    }
+    if (velocitiesAreBehind) {
+        velocitiesAreBehind = false;
+        force.velocities->end(context, kernel);
     }
 }
 
@@ -84,6 +89,9 @@ bool TrialSession::isFree()
 
 void TrialSession::accept()
 {
+    if (!velocitiesAreBehind)
+        force.velocities->begin(context, kernel);
+    velocitiesAreBehind = true;
     kernel.acceptProposal();
     ownsTrial = false;
     contextIsBehind = true;

@@ -7,6 +7,7 @@
 #include "openmmchaintree/internal/EnergyTerms.h"
 #include "openmmchaintree/internal/LinkStructure.h"
 #include "openmmchaintree/StericExclusionForce.h"
+#include <array>
 #include <string>
 #include <utility>
 #include <vector>
@@ -71,6 +72,12 @@ public:
      * Get the value of a torsion, in (-pi, pi]. It is an error if it is undefined.
      */
     virtual double getTorsionAngle(int torsion) = 0;
+
+    /**
+     * Get the rotation of each link of the LinkStructure, row-major, since the last setPositions(). What setState() and
+     * takeBackState() bring back has the rotations that it had.
+     */
+    virtual void getOrientations(std::vector<std::array<double, 9>>& orientations) = 0;
 
     /**
      * Compute the energy of the state and replace forces by its negative gradient.

@@ -114,10 +114,16 @@ class TrialSession;
  * If in doubt, call StericExclusionForce::restartLimits().)
  *
  * <b>Time</b> means nothing to Monte Carlo. The step size is 0 by default; a program that wants time to pass, for
- * example as a label of frames, can set another one. Velocities are left alone.
+ * example as a label of frames, can set another one.
+ *
+ * <b>Velocities.</b> At the end of a step, the velocities of each rigid link turn by the rotation that the step gave
+ * the link. That keeps the kinetic energy, and constraints within links and along the axes of torsions, so that dynamics
+ * and Monte Carlo in turns sample one temperature. Where the System has a CMMotionRemover, its momentum stays, too. A
+ * constraint across a ball joint, or across the axis of a torsion, such as that of an angle, is an error beside dynamics.
+ * Velocities that are all 0 stay so, which costs nothing.
  *
  * <b>Errors.</b> Creating a Context throws an exception if its System has no StericExclusionForce or more than one, a
- * barostat (periodic boundary conditions are not supported), or a constraint between particles that a torsion
+ * barostat while spheres are Hard, or a constraint between particles that a torsion
  * or ball joint moves relative to each other, and if a move names what does not exist. A step throws an exception if no
  * move can be drawn, if U of the present positions is not a number, if these are not finite, if OpenMM has another
  * energy for a native Force, or if another Force throws one. The Context then is where the trials that were accepted
@@ -853,6 +859,7 @@ private:
     void restoreCheckpoint(CheckpointReader& reader);
     bool deserializeGeometry(const OpenMM::SerializationNode& node);
     void bindTo(OpenMM::ContextImpl& context);
+    void checkBeforeSteps();
     void requireBound() const;
     void requireContext(const OpenMM::Context& context) const;
     void bindEnergies(StericExclusionForceImpl& force, OpenMM::ContextImpl& context);
@@ -873,6 +880,8 @@ private:
     /** Expires when the force does: before cleanup() if a Context ends, after it if it is reinitialized. */
     std::weak_ptr<const void> forceLife;
     bool contextHasEnded = false;
+    /** Whether another kind of Integrator is in the Context; what the user was warned of, and looked at for that. */
+    bool isBesideDynamics, hasWarnedOfHardSpheres, constraintsAreChecked;
     std::unique_ptr<NativeEnergy> native;
     std::unique_ptr<EnergyStages> stages;
     std::unique_ptr<RandomNumberGenerator> random;

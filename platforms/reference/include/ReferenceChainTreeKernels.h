@@ -27,6 +27,7 @@ public:
     void getState(std::vector<double>& state);
     void setState(const std::vector<double>& state);
     double getTorsionAngle(int torsion);
+    void getOrientations(std::vector<std::array<double, 9>>& orientations);
     double computeEnergy(std::vector<OpenMM::Vec3>& forces);
     bool hasClash();
     void getClashes(std::vector<std::pair<int, int>>& pairs, std::vector<double>& overlaps);

@@ -310,6 +310,12 @@ double ReferenceCalcStericExclusionForceKernel::getTorsionAngle(int torsion)
     return angle;
 }
 
+void ReferenceCalcStericExclusionForceKernel::getOrientations(vector<array<double, 9>>& orientations)
+{
+    orientations.resize(linkParents.size());
+    ctGetOrientations(tree.get(), reinterpret_cast<double(*)[9]>(orientations.data()));
+}
+
 // ---- Energy and queries ----
 
 double ReferenceCalcStericExclusionForceKernel::computeEnergy(vector<Vec3>& forces)

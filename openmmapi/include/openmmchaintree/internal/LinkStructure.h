@@ -151,6 +151,11 @@ public:
      * and so does the particle about which a ball joint turns.
      */
     std::string findJointBetween(int particle1, int particle2) const;
+    /**
+     * The same of a joint that turns the line between two particles relative to one of their links: any joint between
+     * them, but for a torsion about that line.
+     */
+    std::string findJointTurning(int particle1, int particle2) const;
 
     /**
      * Get numbers that two structures share if, and only if, they have the same links, hanging on each other in the
@@ -171,6 +176,7 @@ private:
     void growMolecule(int firstLink, const std::vector<int>& anchors, const std::vector<std::vector<int>>& linkJoints);
     std::vector<int> hangLinks(int root, int molecule, const std::vector<std::vector<int>>& linkJoints);
     int findJointOf(const Link& link) const;
+    std::vector<int> findJointsBetween(int particle1, int particle2) const;
     void orderLinks();
     void findClosures(const BondGraph& graph, const StericExclusionForce& force);
     std::vector<int> findRootward(int link) const;

@@ -8,6 +8,7 @@
 #include "openmmchaintree/internal/CheckpointStream.h"
 #include "openmmchaintree/internal/LimitPolicy.h"
 #include "openmmchaintree/internal/LinkStructure.h"
+#include "openmmchaintree/internal/VelocityTurner.h"
 #include "openmmchaintree/internal/windowsExportChainTree.h"
 #include "openmmchaintree/StericExclusionForce.h"
 #include <memory>
@@ -130,6 +131,13 @@ public:
         return limits;
     }
     /**
+     * Get what turns the Context's velocities with links.
+     */
+    VelocityTurner& getVelocityTurner()
+    {
+        return *velocities;
+    }
+    /**
      * Start limits anew because positions were set, unless it was this object that set them, or a checkpoint.
      *
      * @param restored  the positions that a checkpoint has just restored, or empty if none has
@@ -177,6 +185,7 @@ private:
     CalcStericExclusionForceKernel* engine;
     const void* energyTermsOwner;
     LimitPolicy limits;
+    std::unique_ptr<VelocityTurner> velocities;
     /** The Context's positions when they and the kernel's state were last known to agree; empty before. */
     std::vector<OpenMM::Vec3> agreedPositions;
     std::vector<OpenMM::Vec3> buffer;

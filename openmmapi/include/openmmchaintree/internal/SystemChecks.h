@@ -4,8 +4,10 @@
 #include "openmm/Integrator.h"
 #include "openmm/internal/ContextImpl.h"
 #include "openmm/System.h"
+#include "openmm/Vec3.h"
 #include "openmmchaintree/internal/LinkStructure.h"
 #include "openmmchaintree/internal/StericExclusionForceImpl.h"
+#include <vector>
 
 namespace ChainTreePlugin {
 
@@ -15,10 +17,25 @@ namespace ChainTreePlugin {
 StericExclusionForceImpl& findStericExclusionForce(OpenMM::ContextImpl& context);
 
 /**
- * Throw an OpenMMException if a TorsionMonteCarloIntegrator cannot sample a System: it has a barostat, or a constraint
- * that a move could break.
+ * Throw an OpenMMException if a move could break a constraint.
  */
-void checkSystem(const OpenMM::System& system, const LinkStructure& structure);
+void checkConstraints(const OpenMM::System& system, const LinkStructure& structure);
+
+/**
+ * Throw an OpenMMException if hard spheres cannot be sampled: a barostat knows nothing of limits.
+ */
+void checkHardSpheres(const OpenMM::System& system);
+
+/**
+ * Warn if positions violate constraints by more than the rounding of a file in ångström with three decimals. Returns
+ * whether they do.
+ */
+bool warnOfViolatedConstraints(const OpenMM::System& system, const std::vector<OpenMM::Vec3>& positions);
+
+/**
+ * Get whether an Integrator, or one of those in a CompoundIntegrator, is none of ours.
+ */
+bool hasDynamics(const OpenMM::Integrator& integrator);
 
 /**
  * Get whether an Integrator, or one of those in a CompoundIntegrator, begins its steps without a word to the Forces.

@@ -15,8 +15,9 @@ class StericExclusionForceImpl;
  * tested, and accepted or rejected. Every trial goes this way, those of TorsionMonteCarloIntegrator as well as those
  * that users propose by StericExclusionForce.
  *
- * The session begins and ends with its scope. In between the kernel's state is ahead of the Context's positions, which
- * follow only when the session ends. If an exception ends it, the Context is where the accepted trials have led.
+ * The session begins and ends with its scope. In between the kernel's state is ahead of the Context's positions and
+ * velocities, which follow only when the session ends. If an exception ends it, the Context is where the accepted
+ * trials have led.
  */
 class TrialSession {
 public:
@@ -147,6 +148,8 @@ private:
     bool ownsTrial;
     /** Whether the Context may not have the positions of the state. */
     bool contextIsBehind;
+    /** Whether links may have turned since the session began, and velocities in the Context have not. */
+    bool velocitiesAreBehind;
 };
 
 } // namespace ChainTreePlugin

@@ -219,6 +219,11 @@ ctStatus ctGetCentroid(ctChainTree* tree, int link, double centroid[3]);
  * axis, the particle about which a ball joint turns, or for other joints its lowest-numbered particle. */
 ctStatus ctGetRelativeTransform(ctChainTree* tree, int linkA, int linkB, ctTransform* transform);
 
+/* Writes the orientation of each link, in the order of the definition: the rotation (row-major) by which it is turned
+ * against the reference positions. Between two states with the same reference positions, a link has turned by what its
+ * orientation after has more than before. O(links log N). */
+void ctGetOrientations(ctChainTree* tree, double (*orientations)[9]);
+
 /* ---- Limits of single pairs ---- */
 
 /* The limit of a pair is its tolerance, unless it is set here. A trial clashes if an overlap is beyond its limit. */

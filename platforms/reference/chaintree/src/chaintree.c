@@ -208,6 +208,12 @@ static Frame userFrame(const Sequence* s, int link) {
   return frame;
 }
 
+static void copyRotation(const Frame* frame, double rotation[9]) {
+  for (int i = 0; i < 3; i++) {
+    memcpy(rotation + 3 * (size_t)i, frame->m[i], 3 * sizeof(double));
+  }
+}
+
 ctStatus ctGetRelativeTransform(ctChainTree* tree, int linkA, int linkB, ctTransform* transform) {
   if (!isUserLink(tree, linkA) || !isUserLink(tree, linkB)) {
     return failNoLink(tree, isUserLink(tree, linkA) ? linkB : linkA);
@@ -219,9 +225,16 @@ ctStatus ctGetRelativeTransform(ctChainTree* tree, int linkA, int linkB, ctTrans
   const Frame fromA = transformInverse(&a);
   Frame frame = transformCompose(&between, &b);
   frame = transformCompose(&fromA, &frame);
-  for (int i = 0; i < 3; i++) {
-    memcpy(transform->rotation + 3 * (size_t)i, frame.m[i], 3 * sizeof(double));
-  }
+  copyRotation(&frame, transform->rotation);
   translationOf(&frame, transform->translation);
   return ctSuccess;
+}
+
+void ctGetOrientations(ctChainTree* tree, double (*orientations)[9]) {
+  const Sequence* s = &tree->sequence;
+  const Tree* current = ctSceneTree(tree);
+  for (int u = 0; u < s->userLinkCount; u++) {
+    const Frame frame = ctTreeRelative(current, s, 0, sequenceLink(s, u));
+    copyRotation(&frame, orientations[u]);
+  }
 }

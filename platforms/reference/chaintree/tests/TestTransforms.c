@@ -76,6 +76,41 @@ static void testPolygon(void) {
   ctDestroy(arm);
 }
 
+/* Each link is turned by all joints before it; fixed links never are, and setting the state again keeps every bit. */
+static void testOrientations(void) {
+  enum { LINKS = 40 };
+  ctChainTree* arm = makeArm(LINKS, ctFixedJoint, 0.1);
+  double sums[LINKS] = {0};
+  double orientations[LINKS][9];
+  double again[LINKS][9];
+  ctGetOrientations(arm, orientations);
+  for (int link = 0; link < LINKS; link++) {
+    for (int i = 0; i < 9; i++) {
+      CHECK(orientations[link][i] == (i % 4 == 0 ? 1 : 0));
+    }
+  }
+  for (int link = 1; link < LINKS; link++) {
+    turnArm(arm, link, 0.1 * link);
+    sums[link] = sums[link - 1] + 0.1 * link;
+  }
+  ctGetOrientations(arm, orientations);
+  for (int link = 0; link < LINKS; link++) {
+    const double expected[9] = {cos(sums[link]), -sin(sums[link]), 0, sin(sums[link]), cos(sums[link]), 0, 0, 0, 1};
+    for (int i = 0; i < 9; i++) {
+      CHECK_NEAR(orientations[link][i], expected[i], 1e-12);
+    }
+  }
+  double* state = malloc(ctGetStateSize(arm) * sizeof(double));
+  CHECK(state != NULL);
+  ctGetState(arm, state);
+  turnArm(arm, 7, 1);
+  CHECK_SUCCESS(ctSetState(arm, state));
+  ctGetOrientations(arm, again);
+  CHECK(memcmp(orientations, again, sizeof again) == 0);
+  free(state);
+  ctDestroy(arm);
+}
+
 /* All joints at once bend the arm just as one after the other. */
 static void testManyChanges(void) {
   enum { LINKS = 100 };
@@ -136,6 +171,7 @@ static void testFixedFrames(void) {
 int main(void) {
   testStraightArm();
   testPolygon();
+  testOrientations();
   testManyChanges();
   testFixedFrames();
   return checkResult();

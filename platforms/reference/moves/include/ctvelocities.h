@@ -1,0 +1,41 @@
+/* ctvelocities.h: velocities of particles whose rigid bodies were turned.
+ *
+ * A move that turns bodies from one configuration to another turns the velocities of each body with it, v' = R v.
+ * Lengths of velocities stay, so kinetic energy does, and so do velocities along lines that a body, or two bodies that
+ * turn about the line, take along. Given the two configurations the map of velocities is orthogonal, and that of the
+ * move back is its inverse: it keeps volume, and a Maxwell distribution.
+ *
+ * Rotations are row-major. No call allocates memory. Everything is a pure function of its arguments.
+ */
+#ifndef CT_VELOCITIES_H_
+#define CT_VELOCITIES_H_
+
+#include <stdbool.h>
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+/* Makes orientations of `count` bodies after a move the turns from those before it, after before^T. A body whose
+ * orientation has the same bits is not turned: its turn is the identity. False if that holds for all. */
+bool ctFindTurns(int count, const double (*before)[9], double (*after)[9]);
+
+/* Turns the velocities (3 * particleCount numbers) of all particles, each with its body: v' = R v. O(particleCount). */
+void ctTurnVelocities(int particleCount, const int* particleBodies, const double (*turns)[9], double* velocities);
+
+/* The same, and keeps the sum P of m v, for systems from which something takes P away. With w = v - P/M, Q the turn of
+ * the body of the heaviest particle, <> the mean over mass and y the solution of (1 + <R Q^T>) y = <R w>,
+ *
+ *     v' = P/M + R w - (1 + R Q^T) y.
+ *
+ * This is R followed by a rotation, orthogonal with masses as weights, in the space of shifts of all particles and of
+ * shifts of bodies turned by R. It keeps kinetic energy and is undone by the move back, as R alone is. A particle of
+ * mass 0 is merely turned, as all are if no particle has a mass. */
+void ctTurnVelocitiesKeepingMomentum(int particleCount, const int* particleBodies, const double (*turns)[9],
+                                     const double* masses, double* velocities);
+
+#ifdef __cplusplus
+}
+#endif
+
+#endif /* CT_VELOCITIES_H_ */
