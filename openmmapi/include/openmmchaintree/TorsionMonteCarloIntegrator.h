@@ -117,10 +117,10 @@ class TrialSession;
  * example as a label of frames, can set another one.
  *
  * <b>Velocities.</b> At the end of a step, the velocities of each rigid link turn by the rotation that the step gave
- * the link. That keeps the kinetic energy, and constraints within links and along the axes of torsions, so that dynamics
- * and Monte Carlo in turns sample one temperature. Where the System has a CMMotionRemover, its momentum stays, too. A
- * constraint across a ball joint, or across the axis of a torsion, such as that of an angle, is an error beside dynamics.
- * Velocities that are all 0 stay so, which costs nothing.
+ * the link. That keeps the kinetic energy, and constraints within links and along the axes of torsions, so that
+ * dynamics and Monte Carlo in turns sample one temperature. Where the System has a CMMotionRemover, its momentum stays,
+ * too. A constraint across a ball joint, or across the axis of a torsion, such as that of an angle, is an error beside
+ * dynamics. Velocities that are all 0 stay so, which costs nothing.
  *
  * <b>Errors.</b> Creating a Context throws an exception if its System has no StericExclusionForce or more than one, a
  * barostat while spheres are Hard, or a constraint between particles that a torsion
