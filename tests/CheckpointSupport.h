@@ -86,14 +86,18 @@ public:
 };
 
 /**
- * The integrator's part of a checkpoint. What GPU platforms write of their own tells of more than the simulation.
+ * The integrator's part of a checkpoint, without the size and checksum of OpenMM's part. What GPU platforms write there
+ * tells of more than the simulation.
  */
 inline string getOwnPart(const string& checkpoint)
 {
-    size_t begin = checkpoint.find("ChainTMC");
+    const size_t begin = checkpoint.find("ChainTMC"), size = 8 + 4;
     ASSERT(begin != string::npos);
-    return checkpoint.substr(begin);
+    return checkpoint.substr(begin, size) + checkpoint.substr(begin + size + 16);
 }
+
+/** The version of our part of a State. */
+static const string NEWEST_VERSION = "version=\"4\"";
 
 inline string toXml(const State& state)
 {

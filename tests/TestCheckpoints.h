@@ -2,6 +2,7 @@
  * This tests what of sampling is kept in checkpoints and States, on one platform.
  */
 
+#include "TestDamagedCheckpoints.h"
 #include "TestLoadedCheckpoints.h"
 #include "TestRemadeContexts.h"
 #include "TestStates.h"
@@ -11,4 +12,5 @@ void testCheckpoints(OpenMM::Platform& platform)
     testLoadedCheckpoints(platform);
     testRemadeContexts(platform);
     testStates(platform);
+    testDamagedCheckpoints(platform);
 }

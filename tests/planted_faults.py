@@ -936,6 +936,9 @@ INTEGRATOR = "openmmapi/src/TorsionMonteCarloIntegrator.cpp"
 INTEGRATOR_XML = "serialization/src/TorsionMonteCarloIntegratorProxy.cpp"
 KERNELS = "platforms/reference/src/ReferenceChainTreeKernels.cpp"
 LIMITS = "openmmapi/src/LimitPolicy.cpp"
+KEPT_GEOMETRY = "openmmapi/src/KeptGeometry.cpp"
+STATE_SEAL = "openmmapi/src/StateSeal.cpp"
+CHECKPOINT_STREAM = "openmmapi/include/openmmchaintree/internal/CheckpointStream.h"
 LINKS = "openmmapi/src/LinkStructure.cpp"
 LOCAL_GEOMETRY = "platforms/reference/moves/src/local.c"
 LOCAL_MOVE = "openmmapi/src/moves/LocalMove.cpp"
@@ -1053,7 +1056,7 @@ API_FAULTS = [
     Fault("positions: an energy does not look at them anew", IMPL,
           "    adoptPositions(context, positions);\n    return engine", "    return engine"),
     Fault("positions: a checkpoint agrees on none", IMPL,
-          "    agreedPositions = agreed;\n", ""),
+          "    agreedPositions = kept.agreedPositions;\n", ""),
     Fault("positions: a probe does not look at them anew", IMPL,
           "    updatePositions(context);\n    engine->getClashesWith", "    engine->getClashesWith"),
     Fault("positions: changed pairs are those of old ones", IMPL,
@@ -1082,9 +1085,9 @@ API_FAULTS = [
     Fault("limits: old ones stay", LIMITS,
           "    kernel->clearLimits();\n", ""),
     Fault("limits: a checkpoint's are always up to date", LIMITS,
-          "    isCurrent = current;", "    isCurrent = true;"),
+          "    isCurrent = kept.isCurrent;", "    isCurrent = true;"),
     Fault("limits: a checkpoint knows no step", LIMITS,
-          "    stepBegun = reader.read<long long>();", "    reader.read<long long>();"),
+          "    stepBegun = kept.stepBegun;\n", ""),
     # ---- Trials ----
     Fault("session: it leaves its trial open", SESSION,
           "    if (ownsTrial)\n        reject();\n", ""),
@@ -1227,7 +1230,7 @@ API_FAULTS = [
     Fault("outer: near pairs are taken to have the same radii both ways", NATIVE_ENERGY,
           "if (changeBack == -nearChange)", "if (true)"),
     Fault("outer: checkpoints forget the counts", INTEGRATOR,
-          "    *outerStatistics = restoredTests;\n", ""),
+          "    moves->setProgress(progress);\n    *outerStatistics = restoredTests;\n", "    moves->setProgress(progress);\n"),
     # ---- Native energies ----
     Fault("native: foreign Forces count those of their groups twice", FOREIGN_ENERGY,
           "native.sharesForeignGroups() ? native.getComputedChange() : 0", "0"),
@@ -1329,7 +1332,7 @@ API_FAULTS = [
     Fault("sizes: a checkpoint forgets what the next depend on", MOVES,
           "        entries[i].adaptation.setState(progress.adaptations[i]);\n", ""),
     Fault("sizes: a State forgets what the next depend on", MOVES,
-          "        entries[i].adaptation.setState(state);\n", ""),
+          "progress.adaptations.push_back(state);", "progress.adaptations.push_back({});"),
     Fault("sizes: XML forgets scales", MOVES,
           "if (entry.move->getScale() != 1)\n            move.", "if (false)\n            move."),
     Fault("sizes: counts go on when adaptation ends", INTEGRATOR,
@@ -1413,15 +1416,27 @@ API_FAULTS = [
     Fault("checkpoint: velocities set since are lost", INTEGRATOR,
           "        kept->context.updateVelocities(*owner);", "        ;"),
     Fault("saved state: it is believed elsewhere", INTEGRATOR,
-          '    if (fingerprintOf(positions) != node.getStringProperty("positions"))\n        return false;\n', ""),
+          "if (fingerprintOf(positions) == written)", "if (true)"),
     Fault("saved state: counts of outer tests of other moves are taken", INTEGRATOR,
           "version > 2 && movesAreTheSame", "version > 2 || movesAreTheSame"),
     Fault("saved state: the random numbers are not restored", INTEGRATOR,
-          "    *random = restored;\n    const bool movesAreTheSame", "    const bool movesAreTheSame"),
+          "    *random = restored;\n    if (movesAreTheSame)", "    if (movesAreTheSame)"),
+    Fault("checkpoint: nobody looks at its checksum", CHECKPOINT_STREAM,
+          "if (hashBytes(bytes.data(), bytes.size()) != hash)", "if (false)"),
+    Fault("checkpoint: nobody looks at OpenMM's part", INTEGRATOR,
+          "        if (isCovered)\n            checkReadBefore", "        if (false)\n            checkReadBefore"),
+    Fault("checkpoint: links may be torn", KEPT_GEOMETRY,
+          "            fail(i, \"is not where its link has it\");", "            ;"),
+    Fault("saved state: nobody looks at its seal", INTEGRATOR,
+          "    if (version > 3)\n        checkSeal(node);", "    ;"),
+    Fault("saved state: a coordinate may differ", STATE_SEAL,
+          "    if (!sums.findLoneChange(present, written, index, former))", "    if (true)"),
+    Fault("saved state: a refused one has replaced statistics", INTEGRATOR,
+          "        restoredTests.read(node.getChildNode", "        moves->setProgress(progress), restoredTests.read(node.getChildNode"),
     Fault("context: that it was deleted is taken for a refused reinitialize()", INTEGRATOR,
           "contextHasEnded = true;", "contextHasEnded = false;"),
     Fault("saved state: that of another structure loses its limits", INTEGRATOR,
-          "    if (!deserializeGeometry(", "    if (false && !deserializeGeometry("),
+          "    else\n        force->setLimits(*context, pairs, limits);\n", ""),
     # ---- Serialization ----
     Fault("xml: roles are lost", FORCE_XML,
           '.setIntProperty("hydrogenBondRole", role)', '.setIntProperty("hydrogenBondRole", 0)'),

@@ -116,18 +116,13 @@ void LimitPolicy::writeLimits(CheckpointWriter& writer) const
     writer.write((uint8_t)isCurrent);
 }
 
-void LimitPolicy::readLimits(CheckpointReader& reader, bool hasPositions)
+void LimitPolicy::readLimits(CheckpointReader& reader, Kept& kept)
 {
-    vector<pair<int, int>> pairs;
-    vector<double> limits;
     for (const LimitRecord& record : reader.readVector<LimitRecord>()) {
-        pairs.push_back(make_pair(record.particle1, record.particle2));
-        limits.push_back(record.limit);
+        kept.pairs.push_back(make_pair(record.particle1, record.particle2));
+        kept.limits.push_back(record.limit);
     }
-    const bool current = (reader.read<uint8_t>() != 0);
-    if (hasPositions)
-        kernel->setLimits(pairs, limits);
-    isCurrent = current;
+    kept.isCurrent = (reader.read<uint8_t>() != 0);
 }
 
 void LimitPolicy::writeStep(CheckpointWriter& writer) const
@@ -135,7 +130,15 @@ void LimitPolicy::writeStep(CheckpointWriter& writer) const
     writer.write(stepBegun);
 }
 
-void LimitPolicy::readStep(CheckpointReader& reader)
+void LimitPolicy::readStep(CheckpointReader& reader, Kept& kept)
 {
-    stepBegun = reader.read<long long>();
+    kept.stepBegun = reader.read<long long>();
+}
+
+void LimitPolicy::restore(const Kept& kept, bool hasPositions)
+{
+    if (hasPositions)
+        kernel->setLimits(kept.pairs, kept.limits);
+    isCurrent = kept.isCurrent;
+    stepBegun = kept.stepBegun;
 }

@@ -344,7 +344,7 @@ void MoveList::writeProgress(SerializationNode& node) const
     }
 }
 
-bool MoveList::readProgress(const SerializationNode& node)
+bool MoveList::readProgress(const SerializationNode& node, Progress& progress) const
 {
     const vector<SerializationNode>& moves = node.getChildren();
     if (moves.size() != entries.size())
@@ -353,18 +353,17 @@ bool MoveList::readProgress(const SerializationNode& node)
         for (auto& property : describe(entries[i]))
             if (moves[i].getStringProperty(property.first, "") != property.second)
                 return false;
-    for (size_t i = 0; i < entries.size(); i++) {
+    for (const SerializationNode& move : moves) {
         // States of former versions have neither trials that could not be made nor scales.
 
-        entries[i].refused = moves[i].getLongProperty("refused", 0);
-        entries[i].move->setScale(moves[i].hasProperty("scale") ? getNumber(moves[i], "scale") : 1);
+        progress.statistics.insert(progress.statistics.end(),
+                                   {move.getLongProperty("refused", 0), move.getLongProperty("clashed"),
+                                    move.getLongProperty("rejectedByEnergy"), move.getLongProperty("accepted")});
+        progress.scales.push_back(move.hasProperty("scale") ? getNumber(move, "scale") : 1);
         SizeAdaptation::State state;
-        for (size_t j = 0; j < state.size(); j++)
-            state[j] = moves[i].getLongProperty(ADAPTATION_NAMES[j], 0);
-        entries[i].adaptation.setState(state);
-        entries[i].clashed = moves[i].getLongProperty("clashed");
-        entries[i].rejectedByEnergy = moves[i].getLongProperty("rejectedByEnergy");
-        entries[i].accepted = moves[i].getLongProperty("accepted");
+        for (size_t i = 0; i < state.size(); i++)
+            state[i] = move.getLongProperty(ADAPTATION_NAMES[i], 0);
+        progress.adaptations.push_back(state);
     }
     return true;
 }

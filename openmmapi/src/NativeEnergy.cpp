@@ -424,13 +424,13 @@ void NativeEnergy::writeStandIn(SerializationNode& node) const
     node.setStringProperty("data", toHexadecimal(stream.str()));
 }
 
-void NativeEnergy::readStandIn(const SerializationNode& node)
+vector<double> NativeEnergy::readStandIn(const SerializationNode& node)
 {
     string data;
     if (!fromHexadecimal(node.getStringProperty("data"), data))
         throw OpenMMException("TorsionMonteCarloIntegrator: the State is damaged");
     stringstream stream(data);
-    setStandIn(CheckpointReader(stream).readVector<double>());
+    return CheckpointReader(stream).readVector<double>();
 }
 
 string NativeEnergyStage::getName() const

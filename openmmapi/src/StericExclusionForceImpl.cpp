@@ -279,17 +279,27 @@ void StericExclusionForceImpl::createCheckpoint(CheckpointWriter& writer)
     limits.writeStep(writer);
 }
 
-void StericExclusionForceImpl::loadCheckpoint(CheckpointReader& reader)
+void StericExclusionForceImpl::checkCheckpoint(ContextImpl& context, const KeptGeometry& kept) const
 {
-    // Should the kernel refuse a part of it, it will take its state from the Context's positions.
+    Kernel other = createKernel(context);
+    kept.check(other.getAs<CalcStericExclusionForceKernel>(), context.getSystem());
+}
 
-    vector<double> state = reader.readVector<double>();
+bool StericExclusionForceImpl::havePositionsOf(ContextImpl& context, const KeptGeometry& kept) const
+{
+    vector<Vec3> positions;
+    Vec3 box[3];
+    context.getPositions(positions);
+    context.getPeriodicBoxVectors(box[0], box[1], box[2]);
+    return kept.checkPositions(positions, box, context.getSystem(), *structure, *original);
+}
+
+void StericExclusionForceImpl::loadCheckpoint(const KeptGeometry& kept)
+{
     agreedPositions.clear();
-    engine->setState(state);
-    limits.readLimits(reader, !state.empty());
-    vector<Vec3> agreed = reader.readVector<Vec3>();
-    limits.readStep(reader);
-    agreedPositions = agreed;
+    engine->setState(kept.state);
+    limits.restore(kept.limits, !kept.state.empty());
+    agreedPositions = kept.agreedPositions;
 }
 
 // ---- Energy ----

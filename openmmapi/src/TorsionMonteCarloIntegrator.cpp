@@ -11,12 +11,14 @@
 #include "openmmchaintree/internal/EnergyStage.h"
 #include "openmmchaintree/internal/Fingerprint.h"
 #include "openmmchaintree/internal/Hexadecimal.h"
+#include "openmmchaintree/internal/KeptGeometry.h"
 #include "openmmchaintree/internal/MonteCarloMove.h"
 #include "openmmchaintree/internal/MoveList.h"
 #include "openmmchaintree/internal/NativeEnergy.h"
 #include "openmmchaintree/internal/OuterTest.h"
 #include "openmmchaintree/internal/RandomNumberGenerator.h"
 #include "openmmchaintree/internal/StateNumber.h"
+#include "openmmchaintree/internal/StateSeal.h"
 #include "openmmchaintree/internal/StericExclusionForceImpl.h"
 #include "openmmchaintree/internal/SystemChecks.h"
 #include "openmmchaintree/internal/TrialSession.h"
@@ -32,9 +34,14 @@ using namespace std;
 /** What the integrator's part of a checkpoint begins with: "ChainTMC" where the first byte is the lowest. */
 static const uint64_t CHECKPOINT_MARK = 0x434d546e69616843;
 
-static const int CHECKPOINT_VERSION = 4;
+/** From version 5 on checkpoints have checksums. */
+static const int CHECKPOINT_VERSION = 5, OLDEST_CHECKPOINT_VERSION = 4;
 
-static const int NEWEST_STATE_VERSION = 3;
+/** What OpenMM's part of a checkpoint begins with. */
+static const char OPENMM_MARK[] = "OpenMM Binary Checkpoint\n";
+
+/** From version 4 on States have checksums. */
+static const int NEWEST_STATE_VERSION = 4;
 
 static void fail(const string& message)
 {
@@ -375,13 +382,46 @@ void TorsionMonteCarloIntegrator::stateChanged(State::DataType changed)
 
 // ---- Checkpoints ----
 
+/**
+ * Get what a checkpoint holds before the part that is about to be written, from where OpenMM has begun it; nothing if
+ * the stream cannot be read.
+ */
+static string getWrittenBefore(const ostream& stream)
+{
+    const stringbuf* buffer = dynamic_cast<const stringbuf*>(stream.rdbuf());
+    if (buffer == NULL)
+        return "";
+    const string written = buffer->str();
+    const size_t begin = written.rfind(OPENMM_MARK);
+    return begin == string::npos ? "" : written.substr(begin);
+}
+
+/**
+ * Throw an exception if what a checkpoint holds before our part is not what it was.
+ *
+ * @param begin  where our part begins in the stream
+ */
+static void checkReadBefore(istream& stream, streamoff begin, uint64_t size, uint64_t hash)
+{
+    string bytes;
+    if (size <= (uint64_t)begin) {
+        const streampos here = stream.tellg();
+        bytes.resize(size);
+        stream.seekg(begin - (streamoff)size);
+        stream.read(&bytes[0], size);
+        stream.seekg(here);
+    }
+    if (!stream || bytes.empty() || hashBytes(bytes.data(), bytes.size()) != hash)
+        fail("the checkpoint is damaged: OpenMM's part has another checksum");
+}
+
 void TorsionMonteCarloIntegrator::createCheckpoint(ostream& stream) const
 {
     if (!kept)
         requireBound();
-    CheckpointWriter writer(stream);
-    writer.write(CHECKPOINT_MARK);
-    writer.write(CHECKPOINT_VERSION);
+    const string before = getWrittenBefore(stream);
+    stringstream own;
+    CheckpointWriter writer(own), all(stream);
     writer.write(force != NULL ? force->getLinkStructure().describe() : kept->structure);
     moves->createCheckpoint(writer);
     outerStatistics->write(writer);
@@ -391,22 +431,46 @@ void TorsionMonteCarloIntegrator::createCheckpoint(ostream& stream) const
         writer.write(native->getStandIn());
         writer.write(OfCompleteContext);
         force->createCheckpoint(writer);
-        return;
     }
-    showKeptState();
-    writer.write(kept->random);
-    writer.write(kept->standIn);
-    writer.write(kept->positionsWereSet ? OfKeptStateWithNewPositions : OfKeptState);
-    kept->context.write(writer);
-    writer.append(kept->geometry);
+    else {
+        showKeptState();
+        writer.write(kept->random);
+        writer.write(kept->standIn);
+        writer.write(kept->positionsWereSet ? OfKeptStateWithNewPositions : OfKeptState);
+        kept->context.write(writer);
+        writer.append(kept->geometry);
+    }
+    all.write(CHECKPOINT_MARK);
+    all.write(CHECKPOINT_VERSION);
+    all.write((uint64_t)before.size());
+    all.write(hashBytes(before.data(), before.size()));
+    all.writeSealed(own.str());
 }
 
 void TorsionMonteCarloIntegrator::loadCheckpoint(istream& stream)
 {
     requireBound();
+    const streamoff begin = stream.tellg(); // -1 if the stream cannot be read again
     CheckpointReader reader(stream);
     try {
-        restoreCheckpoint(reader);
+        if (reader.read<uint64_t>() != CHECKPOINT_MARK)
+            fail("the checkpoint was created with another Integrator");
+        const int version = reader.read<int>();
+        if (version < OLDEST_CHECKPOINT_VERSION || version > CHECKPOINT_VERSION)
+            throw OpenMMException("the checkpoint of a TorsionMonteCarloIntegrator has version " + to_string(version) +
+                                  ", but this openmm-chaintree reads only versions " +
+                                  to_string(OLDEST_CHECKPOINT_VERSION) + " to " + to_string(CHECKPOINT_VERSION));
+        if (version < 5) {
+            restoreCheckpoint(reader, false);
+            return;
+        }
+        const uint64_t size = reader.read<uint64_t>(), hash = reader.read<uint64_t>();
+        stringstream own(reader.readSealed());
+        const bool isCovered = size > 0 && begin != -1;
+        if (isCovered)
+            checkReadBefore(stream, begin, size, hash);
+        CheckpointReader ownReader(own);
+        restoreCheckpoint(ownReader, isCovered);
     }
     catch (...) {
         // The Context has the checkpoint's positions already.
@@ -416,14 +480,13 @@ void TorsionMonteCarloIntegrator::loadCheckpoint(istream& stream)
     }
 }
 
-void TorsionMonteCarloIntegrator::restoreCheckpoint(CheckpointReader& reader)
+/**
+ * Read all of a checkpoint and check it before any of it is taken over.
+ *
+ * @param positionsAreSafe  whether a checksum has shown that the Context has the positions of the checkpoint
+ */
+void TorsionMonteCarloIntegrator::restoreCheckpoint(CheckpointReader& reader, bool positionsAreSafe)
 {
-    if (reader.read<uint64_t>() != CHECKPOINT_MARK)
-        fail("the checkpoint was created with another Integrator");
-    int version = reader.read<int>();
-    if (version != CHECKPOINT_VERSION)
-        throw OpenMMException("the checkpoint of a TorsionMonteCarloIntegrator has version " + to_string(version) +
-                              ", but this openmm-chaintree reads only version " + to_string(CHECKPOINT_VERSION));
     if (reader.readVector<int>() != force->getLinkStructure().describe())
         fail("the checkpoint is of another structure: its bonds and torsions make other links");
     const MoveList::Progress progress = moves->readCheckpoint(reader);
@@ -435,9 +498,16 @@ void TorsionMonteCarloIntegrator::restoreCheckpoint(CheckpointReader& reader)
     CheckpointForm form = reader.read<CheckpointForm>();
     if (!isGood || form > OfKeptStateWithNewPositions)
         fail("the checkpoint is damaged");
+    unique_ptr<ContextSnapshot> snapshot;
     if (form != OfCompleteContext)
-        ContextSnapshot(reader).restore(context->getOwner());
-    force->loadCheckpoint(reader);
+        snapshot.reset(new ContextSnapshot(reader));
+    const KeptGeometry geometry(reader);
+    force->checkCheckpoint(*context, geometry);
+    if (!positionsAreSafe && form == OfCompleteContext)
+        force->havePositionsOf(*context, geometry);
+    if (snapshot)
+        snapshot->restore(context->getOwner());
+    force->loadCheckpoint(geometry);
     if (form != OfKeptStateWithNewPositions)
         context->getPositions(restoredPositions);
     *random = restored;
@@ -480,44 +550,56 @@ void TorsionMonteCarloIntegrator::serializeParameters(SerializationNode& node) c
         limit.setIntProperty("p1", pairs[i].first).setIntProperty("p2", pairs[i].second);
         setNumber(limit, "overlap", limits[i]);
     }
+    writeTraits(node.createChildNode("Context"), *context);
+    seal(node);
 }
 
 /**
- * Restore what the geometry is computed from, and the limits. Returns false, and changes nothing, if the Context does
- * not stand where that State was made, or has another structure.
+ * Read what the geometry is computed from. Returns NULL if the Context does not stand where the State was made, or has
+ * another structure; sampling then goes on from where it stands. Throws an exception if that can only be damage.
  */
-bool TorsionMonteCarloIntegrator::deserializeGeometry(const SerializationNode& node)
+unique_ptr<KeptGeometry> TorsionMonteCarloIntegrator::readGeometry(const SerializationNode& state, int version) const
 {
-    vector<Vec3> positions;
-    context->getPositions(positions);
-    if (fingerprintOf(positions) != node.getStringProperty("positions"))
-        return false;
-    string data;
+    const SerializationNode& node = state.getChildNode("Geometry");
+    string data, others;
     if (!fromHexadecimal(node.getStringProperty("data"), data))
         fail("the State is damaged");
     stringstream stream(data);
     CheckpointReader reader(stream);
     if (reader.readVector<int>() != force->getLinkStructure().describe())
-        return false;
-    try {
-        force->loadCheckpoint(reader);
+        return NULL;
+    unique_ptr<KeptGeometry> geometry(new KeptGeometry(reader));
+    if (version > 3)
+        checkTraits(state.getChildNode("Context"), *context, others);
+    vector<Vec3> positions;
+    context->getPositions(positions);
+    const string written = node.getStringProperty("positions");
+    if (fingerprintOf(positions) == written)
+        force->checkCheckpoint(*context, *geometry);
+    else {
+        if (fingerprintOf(geometry->agreedPositions) == written && force->havePositionsOf(*context, *geometry))
+            others.clear();
+        geometry.reset();
     }
-    catch (...) {
-        force->getLimitPolicy().restart();
-        throw;
-    }
-    return true;
+    if (!others.empty())
+        warn("TorsionMonteCarloIntegrator: the State brought only a part of what the Context held when it was made; "
+             "sampling goes on from other " +
+             others);
+    return geometry;
 }
 
+/**
+ * Read all of a State and check it before any of it is taken over.
+ */
 void TorsionMonteCarloIntegrator::deserializeParameters(const SerializationNode& node)
 {
     requireBound();
 
     // Many integrators keep nothing in a State. Sampling may well start from what they have made.
 
-    if (!node.hasProperty("version"))
-        return;
     auto& children = node.getChildren();
+    if (!node.hasProperty("version") && children.empty() && node.getProperties().empty())
+        return;
     bool isOurs = any_of(children.begin(), children.end(), [](const SerializationNode& child) {
         return child.getName() == "Limits";
     });
@@ -525,6 +607,8 @@ void TorsionMonteCarloIntegrator::deserializeParameters(const SerializationNode&
         fail("the integrator parameters of the State are those of another Integrator");
     int version = node.getIntProperty("version");
     checkVersion(version, NEWEST_STATE_VERSION, "the State of a TorsionMonteCarloIntegrator");
+    if (version > 3)
+        checkSeal(node);
     vector<pair<int, int>> pairs;
     vector<double> limits;
     for (auto& limit : node.getChildNode("Limits").getChildren()) {
@@ -538,14 +622,26 @@ void TorsionMonteCarloIntegrator::deserializeParameters(const SerializationNode&
     RandomNumberGenerator restored(0);
     if (!restored.setState(node.getChildNode("Random").getStringProperty("state")))
         fail("the State is damaged");
-    if (!deserializeGeometry(node.getChildNode("Geometry")))
+    MoveList::Progress progress;
+    const bool movesAreTheSame = moves->readProgress(node.getChildNode("Moves"), progress);
+    vector<double> standIn;
+    OuterStatistics restoredTests;
+    if (version > 2) {
+        standIn = NativeEnergy::readStandIn(node.getChildNode("StandIn"));
+        restoredTests.read(node.getChildNode("OuterTests"));
+    }
+    const unique_ptr<KeptGeometry> geometry = readGeometry(node, version);
+    if (geometry)
+        force->loadCheckpoint(*geometry);
+    else
         force->setLimits(*context, pairs, limits);
     *random = restored;
-    const bool movesAreTheSame = moves->readProgress(node.getChildNode("Moves"));
+    if (movesAreTheSame)
+        moves->setProgress(progress);
     if (version > 2)
-        native->readStandIn(node.getChildNode("StandIn"));
+        native->setStandIn(standIn);
     if (version > 2 && movesAreTheSame)
-        outerStatistics->read(node.getChildNode("OuterTests"));
+        *outerStatistics = restoredTests;
 }
 
 // ---- Sampling ----

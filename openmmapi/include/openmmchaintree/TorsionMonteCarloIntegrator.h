@@ -20,6 +20,7 @@ namespace ChainTreePlugin {
 
 class CheckpointReader;
 class EnergyStages;
+class KeptGeometry;
 class MonteCarloMove;
 class MoveList;
 class NativeEnergy;
@@ -142,14 +143,21 @@ class TrialSession;
  * A checkpoint is strict. It is refused by an exception if it is of another structure or if its moves are not those of
  * this integrator: as many, of the same kinds, and with the same parameters and weights, in the same order. The
  * exception names the first move that differs. (To go on with other moves, load the checkpoint with the old ones and
- * change them then.) By the time it is thrown the Context has the checkpoint's positions, velocities, parameters and
- * time: OpenMM restores these before it asks the Integrator.
+ * change them then.) It is refused, too, if one bit of it has changed, in OpenMM's part or in this one's: checksums
+ * cover both. (A C++ program that writes a checkpoint straight to a file, instead of a stringstream, has a checksum of
+ * this integrator's part alone.) Checkpoints of version 4 have no checksum; links and positions that do not belong
+ * together are refused. By the time the exception is thrown the Context has the checkpoint's positions, velocities,
+ * parameters and time: OpenMM restores these before it asks the Integrator. All else is as it was before, but limits,
+ * which start anew from these positions.
  *
  * A State is not. Its random number generator and its limits are taken over whatever the moves are, the statistics and
  * scales only if the moves are the same. If the Context has another structure, or not the bits of the positions that
  * the sampling stood at (for example because the State was made with enforcePeriodicBox, or holds no positions),
- * sampling goes on from the positions that the Context has, within rounding. States of version 1 hold limits alone,
- * those of version 2 nothing of outer tests.
+ * sampling goes on from the positions that the Context has, within rounding. A warning tells if positions, velocities
+ * or parameters are not those with which the State was made. A State is refused, and changes nothing that is this
+ * integrator's, if it is damaged: if a checksum of these parameters, the time or the box differ, if one number alone of
+ * all positions or velocities does, or if a link has another shape while some particles are where they were. States of
+ * version 1 hold limits alone, those of version 2 nothing of outer tests, those of version 3 no checksums.
  *
  * <b>A refused reinitialize().</b> Context::reinitialize() throws an exception if the System has come to hold what a
  * Force or this integrator refuses, and leaves a Context that is not complete. The integrator then keeps what the
@@ -856,8 +864,8 @@ private:
     class KeptState;
     std::unique_ptr<KeptState> keepState();
     void showKeptState() const;
-    void restoreCheckpoint(CheckpointReader& reader);
-    bool deserializeGeometry(const OpenMM::SerializationNode& node);
+    void restoreCheckpoint(CheckpointReader& reader, bool positionsAreSafe);
+    std::unique_ptr<KeptGeometry> readGeometry(const OpenMM::SerializationNode& state, int version) const;
     void bindTo(OpenMM::ContextImpl& context);
     void checkBeforeSteps();
     void requireBound() const;

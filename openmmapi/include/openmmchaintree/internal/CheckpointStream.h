@@ -2,6 +2,7 @@
 #define OPENMM_CHAINTREE_CHECKPOINTSTREAM_H_
 
 #include "openmm/OpenMMException.h"
+#include "openmmchaintree/internal/Fingerprint.h"
 #include <algorithm>
 #include <cstdint>
 #include <istream>
@@ -13,7 +14,8 @@
 namespace ChainTreePlugin {
 
 /**
- * This class writes to a checkpoint: values as they are in memory, vectors of them with their length in front.
+ * This class writes to a checkpoint: values as they are in memory, vectors of them with their length in front. It
+ * throws an OpenMMException if the stream does not take them.
  */
 class CheckpointWriter {
 public:
@@ -24,7 +26,7 @@ public:
     void write(const T& value)
     {
         static_assert(std::is_trivially_copyable<T>::value, "only what has no pointers can be written as it is");
-        stream.write(reinterpret_cast<const char*>(&value), sizeof(T));
+        writeBytes(&value, sizeof(T));
     }
     template <class T>
     void write(const std::vector<T>& values)
@@ -42,15 +44,31 @@ public:
      */
     void append(const std::string& bytes)
     {
-        stream.write(bytes.data(), bytes.size());
+        writeBytes(bytes.data(), bytes.size());
+    }
+    /**
+     * Write bytes with their length and checksum in front.
+     */
+    void writeSealed(const std::string& bytes)
+    {
+        write((uint64_t)bytes.size());
+        write(hashBytes(bytes.data(), bytes.size()));
+        append(bytes);
     }
 
 private:
+    void writeBytes(const void* bytes, std::size_t size)
+    {
+        stream.write(static_cast<const char*>(bytes), size);
+        if (!stream)
+            throw OpenMM::OpenMMException("createCheckpoint: the checkpoint could not be written");
+    }
     std::ostream& stream;
 };
 
 /**
- * This class reads from a checkpoint what a CheckpointWriter has written. It throws an OpenMMException at the end.
+ * This class reads from a checkpoint what a CheckpointWriter has written. It throws an OpenMMException if the stream
+ * ends before, or if what was sealed has changed.
  */
 class CheckpointReader {
 public:
@@ -60,31 +78,55 @@ public:
     template <class T>
     T read()
     {
+        static_assert(std::is_trivially_copyable<T>::value, "only what has no pointers can be read as it is");
         T value;
-        stream.read(reinterpret_cast<char*>(&value), sizeof(T));
-        if (!stream)
-            throw OpenMM::OpenMMException("loadCheckpoint: the checkpoint is incomplete");
+        readBytes(&value, sizeof(T));
         return value;
     }
     template <class T>
     std::vector<T> readVector()
     {
-        // A length from a damaged file must not decide how much memory to ask for.
-
-        uint64_t length = read<uint64_t>();
-        std::vector<T> values;
-        values.reserve(std::min<uint64_t>(length, 1 << 16));
-        for (uint64_t i = 0; i < length; i++)
-            values.push_back(read<T>());
-        return values;
+        return readMany<std::vector<T>>(read<uint64_t>());
     }
     std::string readString()
     {
-        std::vector<char> text = readVector<char>();
-        return std::string(text.begin(), text.end());
+        return readMany<std::string>(read<uint64_t>());
+    }
+    /**
+     * Read what writeSealed() wrote.
+     */
+    std::string readSealed()
+    {
+        const uint64_t size = read<uint64_t>(), hash = read<uint64_t>();
+        const std::string bytes = readMany<std::string>(size);
+        if (hashBytes(bytes.data(), bytes.size()) != hash)
+            throw OpenMM::OpenMMException("loadCheckpoint: the checkpoint is damaged");
+        return bytes;
     }
 
 private:
+    void readBytes(void* bytes, std::size_t size)
+    {
+        stream.read(static_cast<char*>(bytes), size);
+        if (!stream)
+            throw OpenMM::OpenMMException("loadCheckpoint: the checkpoint is incomplete");
+    }
+    /**
+     * Read values one after another. A length from a damaged file must not decide how much memory to ask for, so they
+     * are read some at a time.
+     */
+    template <class Values>
+    Values readMany(uint64_t length)
+    {
+        const uint64_t most = 1 << 16;
+        Values values;
+        while (values.size() < length) {
+            const std::size_t begin = values.size(), count = std::min(length - begin, most);
+            values.resize(begin + count);
+            readBytes(&values[begin], count * sizeof(typename Values::value_type));
+        }
+        return values;
+    }
     std::istream& stream;
 };
 

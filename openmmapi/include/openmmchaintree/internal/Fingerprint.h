@@ -8,15 +8,23 @@
 namespace ChainTreePlugin {
 
 /**
- * Get a text that tells bytes from others (FNV-1a).
+ * Get a number that tells bytes from others (FNV-1a). If one byte alone differs, so does the number.
  */
-inline std::string fingerprint(const void* data, std::size_t size)
+inline std::uint64_t hashBytes(const void* data, std::size_t size)
 {
     std::uint64_t hash = 0xcbf29ce484222325;
     const unsigned char* bytes = static_cast<const unsigned char*>(data);
     for (std::size_t i = 0; i < size; i++)
         hash = (hash ^ bytes[i]) * 0x100000001b3;
-    return std::to_string(hash);
+    return hash;
+}
+
+/**
+ * The same as a text.
+ */
+inline std::string fingerprint(const void* data, std::size_t size)
+{
+    return std::to_string(hashBytes(data, size));
 }
 
 } // namespace ChainTreePlugin

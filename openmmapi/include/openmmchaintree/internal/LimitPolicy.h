@@ -70,6 +70,15 @@ public:
      * there is one.
      */
     void refuseToleratedClashes();
+    /** What a checkpoint holds of limits. */
+    class Kept {
+    public:
+        std::vector<std::pair<int, int>> pairs;
+        std::vector<double> limits;
+        bool isCurrent;
+        long long stepBegun;
+    };
+
     // Checkpoints hold what a step may still change after everything else, so it is written and read apart.
 
     /**
@@ -77,19 +86,23 @@ public:
      */
     void writeLimits(CheckpointWriter& writer) const;
     /**
-     * Read what writeLimits() wrote. Call this after the kernel was given its state.
-     *
-     * @param hasPositions  whether that state has positions; without them there are no limits
+     * Read what writeLimits() wrote. This changes nothing.
      */
-    void readLimits(CheckpointReader& reader, bool hasPositions);
+    static void readLimits(CheckpointReader& reader, Kept& kept);
     /**
      * Write which step may be under way.
      */
     void writeStep(CheckpointWriter& writer) const;
     /**
-     * Read what writeStep() wrote.
+     * Read what writeStep() wrote. This changes nothing.
      */
-    void readStep(CheckpointReader& reader);
+    static void readStep(CheckpointReader& reader, Kept& kept);
+    /**
+     * Go on from what was read. Call this after the kernel was given its state.
+     *
+     * @param hasPositions  whether that state has positions; without them there are no limits
+     */
+    void restore(const Kept& kept, bool hasPositions);
 
 private:
     CalcStericExclusionForceKernel* kernel;

@@ -146,10 +146,10 @@ public:
      */
     void writeProgress(OpenMM::SerializationNode& node) const;
     /**
-     * Read the progress that writeProgress() wrote, if these are the moves that it wrote it of. Returns whether they
-     * are.
+     * Read the progress that writeProgress() wrote, for setProgress(), if these are the moves that it wrote it of.
+     * Returns whether they are.
      */
-    bool readProgress(const OpenMM::SerializationNode& node);
+    bool readProgress(const OpenMM::SerializationNode& node, Progress& progress) const;
 
 private:
     /** What a move is, in names and values. */

@@ -193,10 +193,10 @@ public:
      */
     void setStandIn(const std::vector<double>& numbers);
     /**
-     * Write the numbers of the stand-in, or read and set them.
+     * Write the numbers of the stand-in, or read them, for setStandIn().
      */
     void writeStandIn(OpenMM::SerializationNode& node) const;
-    void readStandIn(const OpenMM::SerializationNode& node);
+    static std::vector<double> readStandIn(const OpenMM::SerializationNode& node);
 
 private:
     /** What the user has chosen that the plan depends on. */

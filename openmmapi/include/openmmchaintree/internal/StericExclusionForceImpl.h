@@ -6,6 +6,7 @@
 #include "openmm/Kernel.h"
 #include "openmmchaintree/ChainTreeKernels.h"
 #include "openmmchaintree/internal/CheckpointStream.h"
+#include "openmmchaintree/internal/KeptGeometry.h"
 #include "openmmchaintree/internal/LimitPolicy.h"
 #include "openmmchaintree/internal/LinkStructure.h"
 #include "openmmchaintree/internal/VelocityTurner.h"
@@ -157,10 +158,18 @@ public:
      */
     void createCheckpoint(CheckpointWriter& writer);
     /**
-     * Go on from what createCheckpoint() wrote for the same structure, in a Context whose positions were restored
-     * already.
+     * Throw an exception if loadCheckpoint() could not take over what createCheckpoint() wrote for the same structure.
      */
-    void loadCheckpoint(CheckpointReader& reader);
+    void checkCheckpoint(OpenMM::ContextImpl& context, const KeptGeometry& kept) const;
+    /**
+     * Get whether the Context has the positions of a checkpoint, but for periodic images. Throws an exception if it can
+     * only have damaged ones.
+     */
+    bool havePositionsOf(OpenMM::ContextImpl& context, const KeptGeometry& kept) const;
+    /**
+     * Go on from what checkCheckpoint() has found to be good, in a Context whose positions were restored already.
+     */
+    void loadCheckpoint(const KeptGeometry& kept);
     /**
      * Take notice of the Context's positions, before a step begins in which Forces may change them.
      */

@@ -1,0 +1,51 @@
+#ifndef OPENMM_CHAINTREE_KEPTGEOMETRY_H_
+#define OPENMM_CHAINTREE_KEPTGEOMETRY_H_
+
+#include "openmm/System.h"
+#include "openmm/Vec3.h"
+#include "openmmchaintree/ChainTreeKernels.h"
+#include "openmmchaintree/internal/CheckpointStream.h"
+#include "openmmchaintree/internal/LimitPolicy.h"
+#include "openmmchaintree/internal/LinkStructure.h"
+#include "openmmchaintree/StericExclusionForce.h"
+#include <vector>
+
+namespace ChainTreePlugin {
+
+/**
+ * What a checkpoint or State holds of the geometry: it is read, checked, and only then taken over.
+ */
+class KeptGeometry {
+public:
+    /**
+     * Read what StericExclusionForceImpl::createCheckpoint() wrote.
+     */
+    explicit KeptGeometry(CheckpointReader& reader);
+    /**
+     * Throw an exception if the kernel would refuse a part, or if links stand elsewhere than they were last seen.
+     *
+     * @param kernel  another kernel of the same structure, whose state becomes the kept one
+     */
+    void check(CalcStericExclusionForceKernel& kernel, const OpenMM::System& system) const;
+    /**
+     * Throw an exception if these positions can only come from those that were last seen by damage: if one number
+     * alone differs, or if some particles are where they were, but a link has another shape or a bond another length.
+     * Returns whether they are the same but for periodic images.
+     */
+    bool checkPositions(const std::vector<OpenMM::Vec3>& positions, const OpenMM::Vec3* box,
+                        const OpenMM::System& system, const LinkStructure& structure,
+                        const StericExclusionForce& force) const;
+    /** The kernel's state. */
+    std::vector<double> state;
+    LimitPolicy::Kept limits;
+    /** The Context's positions when they were last known to agree with the state; empty if there are none. */
+    std::vector<OpenMM::Vec3> agreedPositions;
+
+private:
+    void checkDistance(const std::vector<OpenMM::Vec3>& positions, int particle1, int particle2) const;
+    bool hasImage(const std::vector<OpenMM::Vec3>& positions, const OpenMM::Vec3* box) const;
+};
+
+} // namespace ChainTreePlugin
+
+#endif /*OPENMM_CHAINTREE_KEPTGEOMETRY_H_*/
