@@ -240,9 +240,13 @@ void testUnturnableVelocities(Platform& platform)
             lastVelocityWarning = warning;
         });
         alone.step(1);
+        alone.checkVelocities(context);
         ASSERT_EQUAL(string(), lastVelocityWarning);
         const vector<Vec3> velocities(chain.positions.size(), Vec3(1, 2, 3));
         context.setVelocities(velocities);
+        assertThrows(message, [&] {
+            alone.checkVelocities(context);
+        });
         alone.step(1);
         setWarningHandler(ignoreWarning);
         ASSERT(lastVelocityWarning.find(message) != string::npos);

@@ -254,6 +254,14 @@ void TorsionMonteCarloIntegrator::setTorsionAngles(Context& context, const vecto
     force->setTorsionAngles(*this->context, angles);
 }
 
+void TorsionMonteCarloIntegrator::checkVelocities(Context& context) const
+{
+    requireContext(context);
+    VelocityTurner& velocities = force->getVelocityTurner();
+    if (velocities.findVelocities(*this->context))
+        velocities.requireTurnable();
+}
+
 // ---- Life in a Context ----
 
 void TorsionMonteCarloIntegrator::initialize(ContextImpl& contextRef)

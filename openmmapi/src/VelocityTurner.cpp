@@ -76,20 +76,23 @@ bool VelocityTurner::canBeTurned()
     return false;
 }
 
-void VelocityTurner::begin(ContextImpl& context, CalcStericExclusionForceKernel& kernel)
+bool VelocityTurner::findVelocities(ContextImpl& context)
 {
-    hasBegun = false;
     if (!mayHaveVelocities)
-        return;
+        return false;
     context.getVelocities(velocities);
-    mayHaveVelocities = any_of(velocities.begin(), velocities.end(), [](const Vec3& velocity) {
+    const bool found = any_of(velocities.begin(), velocities.end(), [](const Vec3& velocity) {
         return velocity != Vec3();
     });
-    if (mayHaveVelocities && canBeTurned()) {
+    mayHaveVelocities = found || dynamicsIsExpected;
+    return found;
+}
+
+void VelocityTurner::begin(ContextImpl& context, CalcStericExclusionForceKernel& kernel)
+{
+    hasBegun = findVelocities(context) && canBeTurned();
+    if (hasBegun)
         kernel.getOrientations(before);
-        hasBegun = true;
-    }
-    mayHaveVelocities |= dynamicsIsExpected;
 }
 
 static double (*rows(vector<array<double, 9>>& matrices))[9]

@@ -200,6 +200,37 @@ def test_moveOfOpenmmtools(move):
     copied.apply(cold, state)
 
 
+def test_velocitiesOfOpenmmtools(move, dipeptide):
+    """Velocities turn, and keep their kinetic energy and the momentum of 0 that a CMMotionRemover makes them have."""
+    move, hot, _, state = move
+    masses = np.array([dipeptide[1].getParticleMass(atom)._value for atom in range(len(state.positions))])[:, None]
+    velocities = np.random.default_rng(1).normal(size=state.positions.shape)
+    velocities -= (masses * velocities).sum(axis=0) / masses.sum()
+    state.velocities = velocities * unit.nanometer / unit.picosecond
+    move.apply(hot, state)
+    turned = state.velocities.value_in_unit(unit.nanometer / unit.picosecond)
+    assert np.abs(turned - velocities).max() > 0.1
+    assert np.allclose((masses * turned).sum(axis=0), 0, atol=1e-9)
+    assert np.isclose((masses * turned**2).sum(), (masses * velocities**2).sum(), rtol=1e-12)
+
+
+def test_constraintsToOpenmmtools(move, dipeptide):
+    """A constraint that velocities do not keep is an error, if there are velocities."""
+    from openmmtools import states
+
+    move, _, _, state = move
+    _, system, positions = dipeptide
+    force = StericExclusionForce.cast(system.getForce(system.getNumForces() - 1))
+    first, _, other, _ = force.getTorsionParticles(0)
+    places = positions.value_in_unit(unit.nanometer)
+    system.addConstraint(first, other, openmm.unit.norm(places[first] - places[other]))
+    thermodynamicState = states.ThermodynamicState(system, 300 * unit.kelvin)
+    move.apply(thermodynamicState, state)
+    state.velocities = np.ones(state.positions.shape) * unit.nanometer / unit.picosecond
+    with pytest.raises(openmm.OpenMMException, match=f"between particles {first} and {other} lies across torsion 0"):
+        move.apply(thermodynamicState, state)
+
+
 def test_parallelTempering(move, tmp_path):
     """The sampler of openmmtools runs, and writes our move into its file."""
     from openmmtools import multistate

@@ -825,6 +825,14 @@ public:
      */
     void setTorsionAngles(OpenMM::Context& context, const std::vector<double>& angles) const;
     /**
+     * Throw an exception if the Context has velocities that cannot turn with links, and name the constraint because of
+     * which they cannot. Beside dynamics no such Context can be made. Without, steps leave such velocities as they are,
+     * and warn; call this if dynamics in another Context is to go on from them.
+     *
+     * @param context  the Context that this integrator is bound to
+     */
+    void checkVelocities(OpenMM::Context& context) const;
+    /**
      * Advance the simulation by taking a series of steps, of getTrialsPerStep() trials each.
      *
      * @param steps  the number of steps to take

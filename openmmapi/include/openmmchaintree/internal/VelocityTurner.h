@@ -38,6 +38,10 @@ public:
      */
     void velocitiesWereSet();
     /**
+     * Get whether there are velocities in the Context.
+     */
+    bool findVelocities(OpenMM::ContextImpl& context);
+    /**
      * Begin a series of trials, before the first of them becomes the state. Throws an exception if there are velocities
      * that cannot be turned.
      */
