@@ -12,7 +12,7 @@ import numpy as np
 from openmm import app
 
 from .openmmchaintree import StericExclusionForce, TorsionDensity
-from .residues import aminoAcid
+from .residues import aminoAcid, isMirrored
 from .selection import AtomSelection
 from .torsions import findTorsions
 
@@ -44,7 +44,8 @@ def rotamerDensities(
     folded, a side chain often has room to turn its end alone, or to turn χ1 with its end as it is. Its density is a sum
     of bells, one a rotamer, by the frequencies, means and standard deviations of MolProbity's ultimate rotamer library
     (Hintze, Lewis, Richardson and Richardson, Proteins 84, 1177 (2016)), whatever the backbone and the χ that are not
-    in the set are. Residues that are no amino acids of the library (or selenomethionine, as methionine) have no set.
+    in the set are. D-amino acids have the mirror images. Residues that are no amino acids of the library (or
+    selenomethionine, as methionine) have no set.
 
     Parameters
     ----------
@@ -78,11 +79,12 @@ def rotamerDensities(
         if name not in _rotamers():
             continue
         chis = tuple(sorted(int(kind[-1]) - 1 for kind in torsions))
+        mirrored = isMirrored(residue.name)
         for run in _runs(chis) if parts else (chis,):
-            if (name, run) not in densities:
-                densities[name, run] = _rotamerDensity(name, run, floor)
+            if (name, mirrored, run) not in densities:
+                densities[name, mirrored, run] = _rotamerDensity(name, mirrored, run, floor)
             drawn.torsions.append(tuple(torsions[f"chi{chi + 1}"] for chi in run))
-            drawn.density.append(densities[name, run])
+            drawn.density.append(densities[name, mirrored, run])
     return _notEmpty(drawn, "side chains")
 
 
@@ -97,7 +99,7 @@ def ramachandranDensities(
     A set is φ and ψ of a residue as far as they are torsions of the force. Its density is a table of how often residues
     of its kind outside helices and strands have them, in bins of 12°: the loops of the Ramachandran Z-score (Sobolev et
     al., Structure 28, 1249 (2020)). Residues before a proline have a table of their own. Of prolines it is that of ψ in
-    trans prolines. Residues that are no amino acids have no set.
+    trans prolines. D-amino acids have the mirror images. Residues that are no amino acids have no set.
 
     Parameters
     ----------
@@ -133,13 +135,16 @@ def ramachandranDensities(
         if name is None:
             continue
         kinds = tuple(kind for kind in ("phi", "psi") if kind in torsions)
-        if (name, kinds) not in densities:
+        mirrored = isMirrored(residue.name)
+        if (name, mirrored, kinds) not in densities:
             counts = _loops()[name]
+            if mirrored:
+                counts = counts[::-1, ::-1]
             if len(kinds) == 1:
                 counts = counts.sum(axis=1 if kinds == ("phi",) else 0)
-            densities[name, kinds] = TorsionDensity.fromTable(counts, floor)
+            densities[name, mirrored, kinds] = TorsionDensity.fromTable(counts, floor)
         drawn.torsions.append(tuple(torsions[kind] for kind in kinds))
-        drawn.density.append(densities[name, kinds])
+        drawn.density.append(densities[name, mirrored, kinds])
     return _notEmpty(drawn, "backbones of proteins")
 
 
@@ -171,8 +176,9 @@ def _notEmpty(drawn, what):
     return drawn
 
 
-def _rotamerDensity(name, chis, floor):
+def _rotamerDensity(name, mirrored, chis, floor):
     counts, means, deviations = _rotamers()[name]
+    means = -means if mirrored else means
     last = means.shape[1] - 1
     if name in _ENDS_ALIKE and last in chis:
         turned = means + np.where(np.arange(last + 1) == last, 180, 0)

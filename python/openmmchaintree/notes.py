@@ -7,6 +7,13 @@ from collections.abc import Iterable
 _NAMED = 3
 
 
+def listFirst(items: Iterable[str], separator: str = ", ") -> str:
+    """Return the first three of some things in words, and how many more there are: lines stay short."""
+    items = list(items)
+    more = [f"and {len(items) - _NAMED:,} more"] if len(items) > _NAMED else []
+    return separator.join([*items[:_NAMED], *more])
+
+
 class Note:
     """One kind of thing that was met, and where.
 
@@ -23,9 +30,7 @@ class Note:
     def __str__(self) -> str:
         if not self.items:
             return self.kind
-        left = len(self.items) - _NAMED
-        named = "; ".join(self.items[:_NAMED])
-        return f"{self.kind} ({len(self.items):,}): {named}{f'; and {left:,} more' if left > 0 else ''}"
+        return f"{self.kind} ({len(self.items):,}): {listFirst(self.items, '; ')}"
 
     def lines(self) -> list[str]:
         """Return the kind and all items, a line each."""

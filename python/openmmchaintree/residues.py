@@ -12,6 +12,13 @@ _VARIANTS = {
     "LYN": "LYS", "LYSH": "LYS", "LYSN": "LYS", "LSN": "LYS", "ARGN": "ARG",
 }  # fmt: skip
 
+# What the Protein Data Bank calls their mirror images.
+_MIRRORED = {
+    "DAL": "ALA", "DAR": "ARG", "DSG": "ASN", "DAS": "ASP", "DCY": "CYS", "DGN": "GLN", "DGL": "GLU", "DHI": "HIS",
+    "DIL": "ILE", "DLE": "LEU", "DLY": "LYS", "MED": "MET", "DPN": "PHE", "DPR": "PRO", "DSN": "SER", "DTH": "THR",
+    "DTR": "TRP", "DTY": "TYR", "DVA": "VAL",
+}  # fmt: skip
+
 # What programs call water.
 _WATERS = {
     "HOH", "DOD", "WAT", "H2O", "D2O", "OH2", "SOL", "SPC", "SPCE", "TIP", "TP3", "TP4", "TIP2", "TIP3", "TIP4", "TIP5",
@@ -53,20 +60,25 @@ _SP2_CARBONS_WITH_HYDROGEN = {
 PEPTIDE_BACKBONE = ("N", "CA", "C")
 NUCLEOTIDE_BACKBONE = ("O5'", "C5'", "C4'", "C3'", "O3'")
 
-CAPS = {"ACE", "NME", "NHE", "NH2"}
+CAPS = {"ACE", "NME", "NMA", "NHE", "NH2"}
 
 
 def aminoAcid(name):
-    """Return the amino acid of a residue name, such as HIS for HIE, CYS for NCYX; None for other residues.
+    """Return the amino acid of a residue name, such as HIS for HIE, CYS for NCYX, ALA for DAL; None for other residues.
 
     Amber prefixes N or C to the names of terminal residues.
     """
-    name = _VARIANTS.get(name, name)
+    name = _VARIANTS.get(name) or _MIRRORED.get(name, name)
     if name in _SIDE_CHAINS:
         return name
     if len(name) == 4 and name[0] in "NC":
         return aminoAcid(name[1:])
     return None
+
+
+def isMirrored(name):
+    """Whether a residue name is one of a D-amino acid."""
+    return name in _MIRRORED
 
 
 def isWater(name):

@@ -55,6 +55,23 @@ def _standardBonds():
     return table
 
 
+def standardName(residueName):
+    """Return the name that OpenMM's tables have for a residue: ALA for DAL, NH2 for NHE, DA for DA5; else its own."""
+    return aminoAcid(residueName) or _residueAliases().get(residueName, residueName)
+
+
+@cache
+def _residueAliases():
+    """Return other names of residues, with the name that OpenMM's table has."""
+    residues = list(_names().iter("Residue"))
+    return {
+        other: residue.attrib["name"]
+        for residue in residues
+        for key, other in residue.attrib.items()
+        if key.startswith("alt")
+    }
+
+
 @cache
 def atomAliases(residueName):
     """Return other names of the atoms of a residue, with the name that OpenMM's table has."""

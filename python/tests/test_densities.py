@@ -175,6 +175,20 @@ def test_backbones():
         ramachandranDensities(topology, createStericExclusionForce(topology, torsions="chi"))
 
 
+def test_mirroredAminoAcids():
+    """They have the densities of the others, with all angles the other way round."""
+    topology = peptide("GLY", "LYS", "GLY")
+    usual, mirrored = [], []
+    for densities, name in ((usual, "LYS"), (mirrored, "DLY")):
+        list(topology.residues())[1].name = name
+        force = createStericExclusionForce(topology)
+        select = lambda atom: atom.residue.index == 1  # noqa: E731
+        densities += rotamerDensities(topology, force, select, parts=False).density
+        densities += ramachandranDensities(topology, force, select).density
+    np.testing.assert_array_equal(usual[0].getRotamers()[1], -mirrored[0].getRotamers()[1])
+    np.testing.assert_array_equal(usual[1].getTable(), mirrored[1].getTable()[::-1, ::-1])
+
+
 def test_tables():
     # Facts that their papers state, or that everyone knows: a slip of columns or signs would show.
     rotamers, loops = _rotamers(), _loops()

@@ -13,6 +13,7 @@ from ..notes import Note
 from ..openmmchaintree import StericExclusionForce
 from ..structure import subset
 from .misfits import describeMisfits, firstSentence
+from .templatenames import nameByTemplates
 
 # The name of the class of a Force that stands for a solvent has one of these.
 _SOLVENTS = ("GB", "Kirkwood")
@@ -120,7 +121,7 @@ class EnergyModel:
 
     def _createSystem(self, topology, cutoff):
         return self._forceField.createSystem(
-            topology,
+            nameByTemplates(self._forceField, topology),
             nonbondedMethod=openmm.app.NoCutoff if cutoff is None else openmm.app.CutoffNonPeriodic,
             nonbondedCutoff=(1.0 if cutoff is None else cutoff) * unit.nanometer,
             rigidWater=False,

@@ -2,6 +2,7 @@
 
 import random
 from contextlib import contextmanager
+from itertools import groupby
 
 import numpy as np
 import openmm.app
@@ -12,13 +13,21 @@ from ..errors import InputError
 from ..naming import describeResidue
 from ..notes import Note, found
 from ..residues import aminoAcid, isPolymer
-from ..templates import atomAliases
+from ..templates import atomAliases, standardName
 
-# Names that tell how a residue is protonated, and what Modeller calls that.
+# What Modeller calls states of protonation, and names of residues that tell them; Amber prefixes N or C at ends.
 _VARIANTS = {
-    "HID": "HID", "HSD": "HID", "HIE": "HIE", "HSE": "HIE", "HIP": "HIP", "HSP": "HIP",
-    "ASH": "ASH", "GLH": "GLH", "LYN": "LYN", "CYX": "CYX",
+    "HID": ("HID", "HSD", "HISA", "HISD"), "HIE": ("HIE", "HSE", "HISB", "HISE"), "HIP": ("HIP", "HSP", "HISH", "HISP"),
+    "ASH": ("ASH", "ASPH", "ASPP"), "GLH": ("GLH", "GLUH", "GLUP"), "LYN": ("LYN", "LYSN", "LSN"),
+    "CYX": ("CYX", "CYM", "CYS2"),
 }  # fmt: skip
+_VARIANT_OF_NAME = {
+    f"{end}{name}": variant for variant, names in _VARIANTS.items() for name in names for end in ("", "N", "C")
+}
+
+# Atoms that bind a residue to the one before it, and to the one after it, in proteins and nucleic acids.
+_FRONT, _BACK = ("N", "P"), ("C", "O3'")
+_NON_METALS = (element.carbon, element.nitrogen, element.oxygen, element.phosphorus, element.sulfur)
 
 
 def addHydrogens(structure, pH, seed):
@@ -31,7 +40,7 @@ def addHydrogens(structure, pH, seed):
     InputError
         if atoms are missing without which it cannot be told where hydrogens go
     """
-    named, variants = _withStandardNames(structure.topology)
+    named, own, variants = _withStandardNames(structure.topology)
     modeller = openmm.app.Modeller(named, structure.positions * unit.nanometer)
     platform = openmm.Platform.getPlatformByName("CPU")
     with _repeatable(seed, platform):
@@ -39,7 +48,7 @@ def addHydrogens(structure, pH, seed):
             chosen = modeller.addHydrogens(pH=pH, variants=variants, platform=platform)
         except ValueError as error:
             raise InputError(f"--add-hydrogens: {error}") from error
-    return _restore(structure, modeller, _noteVariants(structure.topology, chosen, pH))
+    return _restore(structure, modeller, own, _noteVariants(own, chosen, pH))
 
 
 @contextmanager
@@ -56,28 +65,52 @@ def _repeatable(seed, platform):
 
 
 def _withStandardNames(topology):
-    """Return a copy with the names that Modeller knows, and its variants, where names tell them, as a list.
+    """Return a copy with the names that Modeller knows; for each residue its own, and the variant that names tell.
 
-    A chain ends where a polymer does, so that Modeller sees its ends.
+    Modeller takes the first and the last residue of a chain for its ends. So a chain ends where a polymer does; an
+    empty residue, of which there is no own one, stands where an end is bound to something, as in a cyclic peptide.
     """
     named = openmm.app.Topology()
-    copies, variants = {}, []
+    copies, own, variants = {}, [], []
+    front, back = _boundEnds(topology)
+
+    def add(residue, name, chain):
+        own.append(residue)
+        return named.addResidue(name, chain, *((residue.id, residue.insertionCode) if residue else ()))
+
     for chain in topology.chains():
-        newChain, wasPolymer = None, None
-        for residue in chain.residues():
-            if newChain is None or isPolymer(residue) != wasPolymer:
-                newChain, wasPolymer = named.addChain(chain.id), isPolymer(residue)
-            name = aminoAcid(residue.name) or residue.name
-            aliases = atomAliases(name)
-            newResidue = named.addResidue(name, newChain, residue.id, residue.insertionCode)
-            for atom in residue.atoms():
-                isHydrogen = atom.element is element.hydrogen
-                newName = atom.name if isHydrogen else aliases.get(atom.name, atom.name)
-                copies[atom] = named.addAtom(newName, atom.element, newResidue)
-            variants.append(_variant(residue, {atom.name for atom in newResidue.atoms()}))
+        for _, residues in groupby(chain.residues(), isPolymer):
+            residues, newChain = list(residues), named.addChain(chain.id)
+            if residues[0] in front:
+                add(None, "", newChain)
+            for residue in residues:
+                name = standardName(residue.name)
+                aliases = atomAliases(name)
+                newResidue = add(residue, name, newChain)
+                for atom in residue.atoms():
+                    isHydrogen = atom.element is element.hydrogen
+                    newName = atom.name if isHydrogen else aliases.get(atom.name, atom.name)
+                    copies[atom] = named.addAtom(newName, atom.element, newResidue)
+            if residues[-1] in back:
+                add(None, "", newChain)
     for first, second in topology.bonds():
         named.addBond(copies[first], copies[second])
-    return named, variants
+    for residue, newResidue in zip(own, named.residues(), strict=True):
+        variants.append(None if residue is None else _variant(residue, {atom.name for atom in newResidue.atoms()}))
+    return named, own, variants
+
+
+def _boundEnds(topology):
+    """Return the residues whose front, and those whose back, is bound to another residue, metals apart, as two sets."""
+    front, back = set(), set()
+    for bond in topology.bonds():
+        for atom, other in (bond, bond[::-1]):
+            if atom.residue is not other.residue and other.element in _NON_METALS:
+                if atom.name in _FRONT:
+                    front.add(atom.residue)
+                if atom.name in _BACK:
+                    back.add(atom.residue)
+    return front, back
 
 
 def _variant(residue, names):
@@ -89,30 +122,30 @@ def _variant(residue, names):
         )
     if any(atom.element is element.hydrogen for atom in residue.atoms()):
         return None
-    return _VARIANTS.get(residue.name)
+    return _VARIANT_OF_NAME.get(residue.name)
 
 
-def _noteVariants(topology, chosen, pH):
+def _noteVariants(own, chosen, pH):
     items = [
         f"{describeResidue(residue)} {variant}"
-        for residue, variant in zip(topology.residues(), chosen, strict=True)
+        for residue, variant in zip(own, chosen, strict=True)
         if variant in _VARIANTS and variant != "CYX"
     ]
     return found([Note(f"protonation that hydrogens were added by, at pH {pH:g}", items)])
 
 
-def _restore(structure, modeller, notes):
+def _restore(structure, modeller, own, notes):
     """Return a Structure with the atoms of a Modeller and the names that were there before, and what is new."""
     placed = modeller.positions.value_in_unit(unit.nanometer)
     topology = openmm.app.Topology()
     copies, sources = [], []
-    newResidues = modeller.topology.residues()
+    made = dict(zip(own, modeller.topology.residues(), strict=True))
     for chain in structure.topology.chains():
         newChain = topology.addChain(chain.id)
         for residue in chain.residues():
             newResidue = topology.addResidue(residue.name, newChain, residue.id, residue.insertionCode)
             old = list(residue.atoms())
-            for atom in next(newResidues).atoms():
+            for atom in made[residue].atoms():
                 # Modeller leaves what there was in its order, and where it was.
                 if old and tuple(placed[atom.index]) == tuple(structure.positions[old[0].index].tolist()):
                     source = old.pop(0)

@@ -8,7 +8,7 @@ from openmm.app import element
 from ..naming import describeResidue
 from ..notes import Note
 from ..residues import aminoAcid, isNucleotide, isPolymer
-from ..templates import atomAliases
+from ..templates import atomAliases, standardName
 
 _ADD_ATOMS = "PDBFixer adds them"
 _ADD_HYDROGENS = "--add-hydrogens adds them"
@@ -110,9 +110,9 @@ class _Misfit:
 
     def __init__(self, residue, bonds, template):
         heavy, hydrogens = _atomNames(residue.atoms())
-        aliases = atomAliases(aminoAcid(residue.name) or residue.name)
-        heavy = {aliases.get(name, name) for name in heavy}
+        aliases = atomAliases(standardName(residue.name))
         templateHeavy, templateHydrogens = _atomNames(template.atoms)
+        heavy, templateHeavy = ({aliases.get(name, name) for name in names} for names in (heavy, templateHeavy))
         self.missing = templateHeavy - heavy
         self.extra = heavy - templateHeavy
         bound = {atom.name for atom, _ in bonds}

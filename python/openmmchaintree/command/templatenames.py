@@ -1,0 +1,55 @@
+"""The names that the templates of a force field give to atoms and residues, whatever a file calls them.
+
+Parts of OpenMM go by names: GBn2 has radii of its own for hydrogens of ARG whose names begin with HH or HE, and other
+parameters in residues that are named as nucleotides.
+"""
+
+import openmm.app
+
+from ..residues import aminoAcid, isNucleotide
+from ..structure import subset
+from ..templates import standardName
+
+
+def nameByTemplates(forceField, topology):
+    """Return a copy of a Topology with the names of the templates that fit its residues.
+
+    Raises
+    ------
+    Exception
+        what ForceField.createSystem raises where a residue fits no template
+    """
+    matching = _Matching(topology)
+    forceField._matchAllResiduesToTemplates(matching, topology, {}, False)
+    named = subset(topology, list(topology.atoms()))
+    for copy, atom in zip(named.atoms(), topology.atoms(), strict=True):
+        copy.name = matching.atomNames.get(atom, atom.name)
+        copy.residue.name = matching.residueNames.get(atom.residue, atom.residue.name)
+    return named
+
+
+class _Matching(openmm.app.ForceField._SystemData):
+    """Notes the names of templates as OpenMM matches them.
+
+    atomNames, residueNames : dict, names by Atom and Residue
+    """
+
+    def __init__(self, topology):
+        super().__init__(topology)
+        self.atomNames = {}
+        self.residueNames = {}
+
+    def recordMatchedAtomParameters(self, residue, template, matches):
+        super().recordMatchedAtomParameters(residue, template, matches)
+        for atom, match in zip(residue.atoms(), matches, strict=True):
+            self.atomNames[atom] = template.atoms[match].name
+            self.residueNames[atom.residue] = _residueName(template.name, atom.residue.name)
+
+
+def _residueName(templateName, ownName):
+    """Return the standard name of a polymer's residue by its template: ARG for NARG, DA for DA5; else its own name."""
+    base = templateName.split("-")[0]  # names of patches follow
+    for name in (standardName(base), base[:-1]):
+        if aminoAcid(name) == name or isNucleotide(name):
+            return name
+    return ownName
