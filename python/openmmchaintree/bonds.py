@@ -43,7 +43,9 @@ class BondGraph:
         gaps; bonds that the Topology does not have, or has and that cannot be
     """
 
-    def __init__(self, topology, positions=None, cutDisulfides=False, cutMetals=False, closures=(), fixed=()):
+    def __init__(
+        self, topology, positions=None, cutDisulfides=False, cutMetals=False, closures=(), fixed=(), others=()
+    ):
         """Find the bonds of a Topology: its own, those of residue templates, and, with positions, those by distance.
 
         Parameters
@@ -58,10 +60,12 @@ class BondGraph:
             between fixed atoms
         fixed : iterable of int, optional
             those atoms
+        others : iterable of (int, int), optional
+            bonds that the Topology lacks, lower index first
         """
         if topology.getNumAtoms() == 0:
             raise ValueError("the Topology has no atoms")
-        search = BondSearch(topology, positions)
+        search = BondSearch(topology, positions, others)
         self.atoms = list(topology.atoms())
         self.numbers = np.array([0 if atom.element is None else atom.element.atomic_number for atom in self.atoms])
         self.gaps = search.gaps
@@ -126,6 +130,13 @@ class BondGraph:
     def heavyNeighborsOf(self, atom):
         """Return the atoms other than hydrogens bonded to an atom."""
         return [other for other in self.neighbors[atom] if self.elementNumber(other) > 1]
+
+    def beyond(self, atom, other):
+        """Return the atoms bonded to one but another; extra particles only if the atom is one itself."""
+        areExtra = self.elementNumber(atom) == 0
+        return [
+            neighbor for neighbor in self.neighbors[atom] if neighbor != other and (areExtra or self.numbers[neighbor])
+        ]
 
 
 def neighborLists(count, bonds):

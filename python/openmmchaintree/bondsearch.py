@@ -80,8 +80,10 @@ class BondSearch:
     notes : list of Note
     """
 
-    def __init__(self, topology, positions=None):
+    def __init__(self, topology, positions=None, others=()):
         """Find the bonds. With positions, an (n, 3) float64 array in nm, distances count. O(n log n).
+
+        others : iterable of (int, int), bonds that the Topology lacks, lower index first
 
         Raises
         ------
@@ -100,7 +102,7 @@ class BondSearch:
         self.disulfides = []
         self.metalBonds = []
         self.notes = []
-        self._bonds = {}
+        self._bonds = dict.fromkeys(others)
         self._tooLong = []
         self._byDistance = []
         self._addOwnBonds(topology)

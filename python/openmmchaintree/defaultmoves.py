@@ -10,10 +10,14 @@ from .moveadder import HALF_TURN, AddedMoves, MoveAdder
 from .movescene import MoveScene
 from .openmmchaintree import TorsionMonteCarloIntegrator
 
-_TORSION_STEP, _PIVOT_STEP, _BALL_STEP, _CLOSED_STEP = 10, 1, 30, 8  # degrees
+_TORSION_STEP, _PIVOT_STEP, _BALL_STEP = 10, 1, 30  # degrees
+_CLOSED_STEP, _CLOSED_PEPTIDE_STEP = 8, 2  # degrees
+_BEND_STEP, _BEND_STIFFNESS = 4, 10000  # degrees, nm⁻²
 _RIGID_STEP = 0.02, 2  # nm, degrees
 _BOUND_STEP = 0.01, 1  # of molecules that touch others
 _RIGID_WEIGHT = 0.1  # to one for all torsions and joints
+_MINOR = ("peptide bonds", "rotors", "planar groups")
+_MINOR_SHARE = 0.1  # at most, of trials: the others are hardly slowed down
 
 
 class _Weights(NamedTuple):
@@ -102,16 +106,16 @@ def addMovesOfPlan(integrator, topology, system, torsions, rigidBodies):
 def _addMixtures(integrator, scene, rigidBodies, rigidStep, disordered):
     """Add the moves of all that there is; return the MoveAdder."""
     adder = MoveAdder(integrator, scene.findRings())
-    total = sum(len(torsions) for torsions in scene.torsions.values()) + scene.force.getNumBallJoints()
+    shares = _sharesOf(scene)
     for name, addMoves in _MIXTURES.items():
         if scene.torsions[name]:
-            adder.begin(_NAMES[name], len(scene.torsions[name]) / total)
+            adder.begin(_NAMES[name], shares[name])
             addMoves(adder, scene, disordered)
     if adder.inRings and not adder.hasClosed and scene.canClose(sorted(adder.inRings)):
-        adder.begin("rings", len(adder.inRings) / total)
-        adder.close(1, _CLOSED_STEP, sorted(adder.inRings))
+        adder.begin("rings", sum(shares[name] for name in _MIXTURES))
+        adder.close(1, _CLOSED_STEP, sorted(adder.inRings), "rings of closures")
     if scene.force.getNumBallJoints() > 0:
-        adder.begin("beads", scene.force.getNumBallJoints() / total)
+        adder.begin("beads", shares["beads"])
         adder.pivot("chains of beads, all directions", 0.8, HALF_TURN)
         adder.pivot("chains of beads where there is no room", 0.2, _BALL_STEP)
     if rigidBodies:
@@ -122,6 +126,26 @@ def _addMixtures(integrator, scene, rigidBodies, rigidStep, disordered):
     return adder
 
 
+def _areMinor(scene):
+    """Whether ω, rotors and planar groups turn beside others in a force field: then these get most trials."""
+    others = sum(len(torsions) for name, torsions in scene.torsions.items() if name not in _MINOR)
+    return scene.hasEnergies and others + scene.force.getNumBallJoints() > 0
+
+
+def _sharesOf(scene):
+    """Return the share of trials of each kind of torsions, and of ball joints, by their numbers."""
+    counts = {name: len(torsions) for name, torsions in scene.torsions.items()}
+    counts["beads"] = scene.force.getNumBallJoints()
+    total = max(1, sum(counts.values()))
+    minor = sum(counts[name] for name in _MINOR)
+    ofMinor = min(_MINOR_SHARE, minor / total) if _areMinor(scene) else minor / total
+    shares = {}
+    for name, count in counts.items():
+        share, number = (ofMinor, minor) if name in _MINOR else (1 - ofMinor, total - minor)
+        shares[name] = share * count / max(1, number)
+    return shares
+
+
 def _addPeptideBackbones(adder, scene, disordered):
     torsions = scene.torsions["peptide backbones"]
     if disordered:
@@ -129,7 +153,7 @@ def _addPeptideBackbones(adder, scene, disordered):
         adder.drawOrTurn("loose chains, by residue", "by residue", 0.4, drawn, torsions)
         adder.turn("loose chains, drawn anew", 0.3, HALF_TURN, torsions)
         adder.turn("loose chains, by some degrees", 0.2, 30, torsions)
-        ringsAndBackbones = sorted(adder.inRings.union(torsions))
+        ringsAndBackbones = _ringsAndBackbones(adder, scene, torsions)
         if scene.canClose(ringsAndBackbones):
             adder.close(0.1, 20, ringsAndBackbones)
         return
@@ -146,12 +170,18 @@ def _shareOf(ends, torsions, moves):
     return min(moves.most, ratio / (1 + ratio))
 
 
+def _ringsAndBackbones(adder, scene, torsions):
+    """Return the torsions of closed moves: not ω in a force field, which is too stiff for windows of these sizes."""
+    stiff = scene.torsions["peptide bonds"] if scene.hasEnergies else ()
+    return sorted(adder.inRings.difference(stiff).union(torsions))
+
+
 def _addFoldedBackbones(adder, scene, torsions, ends, weights):
-    ringsAndBackbones = sorted(adder.inRings.union(torsions))
+    ringsAndBackbones = _ringsAndBackbones(adder, scene, torsions)
     canClose = scene.canClose(ringsAndBackbones)
     if canClose:
         adder.close(weights.closed, _CLOSED_STEP, ringsAndBackbones)
-    adder.bend(weights.local + (0 if canClose else weights.closed), 4, 10000, torsions)
+    adder.bend(weights.local + (0 if canClose else weights.closed), _BEND_STEP, _BEND_STIFFNESS, torsions)
     adder.turn("ends of chains", weights.ends, _TORSION_STEP, ends, "ends ")
     if weights.endsAnew > 0:
         adder.turn("ends of chains, drawn anew", weights.endsAnew, HALF_TURN, ends, "ends ")
@@ -190,11 +220,25 @@ def _addBases(adder, scene, disordered):
 
 
 def _addPeptideBonds(adder, scene, disordered):
-    _turnAndDraw(adder, "other torsions", scene.torsions["peptide bonds"], _PIVOT_STEP)
+    torsions = scene.torsions["peptide bonds"]
+    if not _areMinor(scene):
+        _turnAndDraw(adder, "other torsions", torsions, _PIVOT_STEP)
+        return
+    ofRings = len(adder.inRings.intersection(torsions)) / len(torsions)
+    backbones = sorted({*torsions, *scene.torsions["peptide backbones"]})
+    if ofRings > 0 and scene.canClose(ringsAndBackbones := sorted(adder.inRings.union(backbones))):
+        adder.close(ofRings, _CLOSED_PEPTIDE_STEP, ringsAndBackbones, "peptide bonds of rings")
+    if ofRings < 1:
+        adder.bend(0.6 * (1 - ofRings), _BEND_STEP, _BEND_STIFFNESS, backbones, "peptide bonds: the rest hardly moves")
+        adder.turn("peptide bonds, by a little", 0.4 * (1 - ofRings), _PIVOT_STEP, torsions)
 
 
 def _addRotors(adder, scene, disordered):
-    _turnAndDraw(adder, "other torsions", scene.torsions["rotors"])
+    _turnAndDraw(adder, "rotors" if scene.hasEnergies else "other torsions", scene.torsions["rotors"])
+
+
+def _addPlanarGroups(adder, scene, disordered):
+    _turnAndDraw(adder, "planar groups", scene.torsions["planar groups"])
 
 
 def _addOthers(adder, scene, disordered):
@@ -214,6 +258,7 @@ _MIXTURES = {
     "bases": _addBases,
     "peptide bonds": _addPeptideBonds,
     "rotors": _addRotors,
+    "planar groups": _addPlanarGroups,
     "others": _addOthers,
 }
 _NAMES = {
@@ -223,5 +268,6 @@ _NAMES = {
     "bases": "χ of bases",
     "peptide bonds": "ω",
     "rotors": "rotor",
+    "planar groups": "planar",
     "others": "others",
 }

@@ -91,22 +91,22 @@ class MoveAdder:
         self.draw(purpose, size, weight - ofOthers, drawn)
         self.turn(purpose, ofOthers, HALF_TURN, others)
 
-    def close(self, weight, degrees, torsions):
+    def close(self, weight, degrees, torsions, purpose="backbones: the rest stays where it is"):
         """Add a closed move of backbones, to which those of rings may belong."""
         self.hasClosed = True
         self.add(
-            "backbones: the rest stays where it is",
+            purpose,
             f"closed {degrees}°",
             lambda share: self.integrator.addClosedMove(share, degrees * _DEGREE, torsions),
             weight,
         )
 
-    def bend(self, weight, degrees, stiffness, torsions):
+    def bend(self, weight, degrees, stiffness, torsions, purpose="backbones and their ends: the rest hardly moves"):
         """Add a local move of backbones, without torsions in rings of closures."""
         torsions = self.outsideRings(torsions)
         if torsions:
             self.add(
-                "backbones and their ends: the rest hardly moves",
+                purpose,
                 f"local {degrees}°",
                 lambda share: self.integrator.addLocalMove(share, degrees * _DEGREE, stiffness, torsions),
                 weight,

@@ -6,11 +6,11 @@ from itertools import pairwise
 
 import numpy as np
 import openmm
-from openmm import unit
 
 from .components import connectedParts
 from .openmmchaintree import StericExclusionForce, TorsionMonteCarloIntegrator
 from .residues import polymerBackbone
+from .systemreading import checkParticles, fixedParticles, hasPairEnergies
 from .torsions import KINDS, findTorsions
 
 _END = 5  # residues
@@ -23,6 +23,7 @@ _KINDS_OF = {
     "bases": ("chi",),
     "peptide bonds": ("omega",),
     "rotors": ("rotor",),
+    "planar groups": ("planar",),
     "others": None,
 }
 
@@ -31,23 +32,23 @@ class MoveScene:
     """What there is to move.
 
     topology : openmm.app.Topology; force : StericExclusionForce; moleculeCount : int
+    hasEnergies : bool, whether there is more than hard spheres
     torsions : dict of lists of int, by what they are
     """
 
     def __init__(self, topology, system, torsions=None):
         """Sort the torsions of a System's force, as a list of Torsion or `findTorsions` knows them."""
-        particles, atoms = system.getNumParticles(), topology.getNumAtoms()
-        if particles != atoms:
-            raise ValueError(f"the System has {particles:,} particles, but the Topology {atoms:,} atoms")
+        checkParticles(topology, system)
         forces = [force for force in system.getForces() if StericExclusionForce.isinstance(force)]
         if len(forces) != 1:
             raise ValueError(f"the System must have one StericExclusionForce, but has {len(forces)}")
         self.topology = topology
         self.force = StericExclusionForce.cast(forces[0])
         self._system = system
+        self.hasEnergies = hasPairEnergies(system)
         self._bonds = [self.force.getBondParticles(index) for index in range(self.force.getNumBonds())]
         self._closures = [self.force.getClosureParticles(index)[1:3] for index in range(self.force.getNumClosures())]
-        self._parts = connectedParts(particles, self._bonds + self._tiesOfVirtualSites())
+        self._parts = connectedParts(system.getNumParticles(), self._bonds + self._tiesOfVirtualSites())
         self._checkDrudeParticles()
         self.moleculeCount = len(np.unique(self._parts))
         self._residues = []  # of torsions, None where it is not known
@@ -110,8 +111,7 @@ class MoveScene:
         if not self._closures:
             return set()
         neighbors = [[] for _ in range(self._system.getNumParticles())]
-        fixed = [particle for particle in range(len(neighbors)) if self._isFixed(particle)]
-        for one, other in [*self._bonds, *pairwise(fixed)]:  # what is fixed is one part
+        for one, other in [*self._bonds, *pairwise(fixedParticles(self._system).tolist())]:  # what is fixed is one part
             neighbors[one].append(other)
             neighbors[other].append(one)
         axes = {}
@@ -131,15 +131,10 @@ class MoveScene:
                 end = former[end]
         return found - {None}
 
-    def _isFixed(self, particle):
-        isMassless = self._system.getParticleMass(particle) == 0 * unit.dalton
-        return isMassless and not self._system.isVirtualSite(particle)
-
     def freeMolecules(self):
         """Return a particle of each molecule without fixed particles."""
         isFixed = np.zeros(self.moleculeCount, dtype=bool)
-        for particle, part in enumerate(self._parts.tolist()):
-            isFixed[part] |= self._isFixed(particle)
+        isFixed[self._parts[fixedParticles(self._system)]] = True
         first = np.unique(self._parts, return_index=True)[1]
         return [int(particle) for particle, fixed in zip(first, isFixed, strict=True) if not fixed]
 

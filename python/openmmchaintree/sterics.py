@@ -3,18 +3,22 @@
 from collections.abc import Iterable
 
 import numpy as np
+import openmm
 from openmm import app
 
-from .bonds import LOOPS, BondGraph, Closures, ringBonds
+from .bonds import DISULFIDES, LOOPS, BondGraph, Closures, ringBonds
 from .naming import describeResidue
 from .notes import Note, found, warnOf
 from .openmmchaintree import StericExclusionForce
 from .radii import RADII_SETS, defaultRadii, hydrogenBondRoles, particleRadii
 from .residues import aminoAcid, isAlphaCarbonOnly
+from .rigidparts import bondsThatStay
 from .selection import AtomSelection, selectAtoms
+from .systemreading import bondsOfBareAtoms, checkParticles, fixedParticles, hasPairEnergies
 from .torsions import (
     BETWEEN_FIXED,
     DISULFIDE_RING,
+    KINDS_WITH_ENERGIES,
     METAL_RING,
     QUIET_REASONS,
     RING,
@@ -40,15 +44,16 @@ def createStericExclusionForce(
     topology: app.Topology,
     positions: Array | None = None,
     radii: str | Array | None = None,
-    torsions: str | Iterable[str] | Iterable[Torsion] = ("phi", "psi", "chi"),
+    torsions: str | Iterable[str] | Iterable[Torsion] | None = None,
     bondCutoff: int = 3,
     cutDisulfides: bool = False,
     forceGroup: int = 31,
     unknownRadius: Number | None = None,
     cutMetals: bool = False,
     ballJoints: str | Iterable[tuple[int, int]] = (),
-    closures: Closures = (),
+    closures: Closures | None = None,
     fixed: AtomSelection | None = None,
+    system: openmm.System | None = None,
 ) -> StericExclusionForce:
     """Create a StericExclusionForce for the molecules of a Topology.
 
@@ -73,8 +78,10 @@ def createStericExclusionForce(
     radii : str or array of shape (n) or Quantity, optional
         "all-atom" (Word et al. 1999), "united-atom" (Tsai et al. 1999; hydrogens get radius 0), or a radius in nm for
         each atom. Default: "all-atom" if the Topology has hydrogens, else "united-atom".
-    torsions : str or iterable of str, or iterable of Torsion
-        the kinds of torsions, as in `findTorsions`, or torsions that it returned: its `selection` chooses them
+    torsions : str or iterable of str, or iterable of Torsion, optional
+        the kinds of torsions, as in `findTorsions`, or torsions that it returned: its `selection` chooses them.
+        "rotatable" are all bonds in no ring. Default: "rotatable" if the `system` has the energies of a force field,
+        else φ, ψ and χ.
     bondCutoff : int
         pairs up to this many bonds apart are excluded
     cutDisulfides : bool
@@ -96,9 +103,15 @@ def createStericExclusionForce(
         bonds that close rings, or loops between fixed parts, and become closures (`StericExclusionForce.addClosure`):
         the torsions of their rings turn by closed moves, which keep them. "disulfides" are all that close a ring;
         "loops" are the last bonds, from C to N or O3' to P, of all rows of residues between those with `fixed` atoms.
+        Default: "disulfides" if the `system` has the energies of a force field and they are not cut, else none.
     fixed : str, array of int or bool, or callable, optional
         atoms that are not to move, as in `findTorsions`, to which the System gives the mass 0: torsions between two of
         them are left out. So ``fixed="not resSeq 20 to 30", closures="loops"`` samples a loop.
+    system : openmm.System, optional
+        to which the force will be added. What has mass 0 there, and is no virtual site, is fixed as well. Atoms without
+        bonds in the Topology, such as beads or Drude particles, get those of its HarmonicBondForce, constraints and
+        DrudeForce, or else of its CustomBondForce. If it has a NonbondedForce, CustomNonbondedForce or the like, all
+        that turns is sampled by default, rings of disulfides too, and a warning says what bonds in no ring stay rigid.
 
     Returns
     -------
@@ -115,13 +128,26 @@ def createStericExclusionForce(
     if positions is not None:
         positions = positionsInNm(positions, topology.getNumAtoms())
     held = np.empty(0, dtype=int) if fixed is None else selectAtoms(topology, fixed)
-    graph = BondGraph(topology, positions, cutDisulfides, cutMetals, closures, held)
+    others = []
+    if system is not None:
+        checkParticles(topology, system)
+        held = np.union1d(held, fixedParticles(system))
+        others = bondsOfBareAtoms(topology, system)
+    hasEnergies = system is not None and hasPairEnergies(system)
+    if closures is None:
+        closures = DISULFIDES if hasEnergies and not cutDisulfides else ()
+    graph = BondGraph(topology, positions, cutDisulfides, cutMetals, closures, held, others)
+    if torsions is None:
+        torsions = KINDS_WITH_ENERGIES if hasEnergies else ("phi", "psi", "chi")
     search = _torsionsOf(graph, topology, torsions, held)
     force = makeForce(graph, search.torsions, radii, bondCutoff, forceGroup, unknownRadius)
     joints = _ballJointsOf(graph, search.torsions, ballJoints)
     for atom1, atom2 in joints:
         force.addBallJoint(atom1, atom2)
     notes = notesOnGeometry(graph, search.torsions) if not joints else []
+    if hasEnergies and not joints:
+        rigid = bondsThatStay(graph, search.torsions, held.tolist())
+        notes += found([Note("bonds in no ring that stay rigid", map(graph.describePair, rigid))])
     warnOf([*graph.notes, *notes, *notesOnTorsions(search.leftOut)], stacklevel=2)
     return force
 

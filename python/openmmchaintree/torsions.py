@@ -23,6 +23,9 @@ from .residues import (
 from .selection import AtomSelection, selectAtoms
 from .units import Array, positionsInNm
 
+# Kinds of bonds that have no other.
+_UNNAMED = ("planar", "other")
+
 # What each word in a list of kinds stands for.
 _KINDS = {
     "phi": ("phi",),
@@ -31,9 +34,12 @@ _KINDS = {
     "chi": ("chi1", "chi2", "chi3", "chi4", "chi"),
     **{kind: (kind,) for kind in ("chi1", "chi2", "chi3", "chi4", "rotor")},
     **{kind: (kind,) for kind in ("alpha", "beta", "gamma", "delta", "epsilon", "zeta")},
+    **{kind: (kind,) for kind in _UNNAMED},
 }
+_KINDS["rotatable"] = tuple(dict.fromkeys(kind for kinds in _KINDS.values() for kind in kinds))
 KIND_WORDS = tuple(_KINDS)
-KINDS = tuple(dict.fromkeys(kind for kinds in _KINDS.values() for kind in kinds))
+KINDS = _KINDS["rotatable"]
+KINDS_WITH_ENERGIES = ("rotatable",)
 
 # Atoms of the residue itself, of the residue before it (-) and after it (+); IUPAC-IUB 1970 and 1983.
 _PEPTIDE = {
@@ -115,7 +121,10 @@ def findTorsions(
         nm. With them, a bond between residues that is longer than 0.4 nm is a gap in the chain, not a bond.
     kinds : str or iterable of str
         of phi, psi, omega, chi (all of chi1 … chi4, and of nucleotides), chi1, chi2, chi3, chi4; alpha, beta, gamma,
-        delta, epsilon, zeta of nucleic acids; rotor (methyl, hydroxyl, thiol and amine groups, turned by a hydrogen)
+        delta, epsilon, zeta of nucleic acids; rotor (methyl, hydroxyl, thiol and amine groups, turned by a hydrogen);
+        planar (bonds between a trigonal carbon and a nitrogen that none of these has, as of amides at the end of side
+        chains, of guanidinium, and of amino groups of bases); other (all other bonds in no ring that have atoms beyond
+        both ends, those of ligands among them); or rotatable for all of these
     cutDisulfides, cutMetals : bool
         treat disulfides, or the bonds between metals and other residues, as if they were no bonds
     selection : str, array of int or bool, or callable, optional
@@ -160,9 +169,13 @@ def searchTorsions(graph, topology, kinds):
     """Do the work of `findTorsions` on a BondGraph of the topology."""
     kinds = _expandKinds(kinds)
     search = _Search(graph, topology)
+    hasUnnamed = not kinds.isdisjoint(_UNNAMED)  # which are told by what has no other kind
     for residue in topology.residues():
-        search.addResidue(residue, kinds)
-    return TorsionSearch(search.torsions, search.leftOut)
+        search.addResidue(residue, set(KINDS) if hasUnnamed else kinds)
+    if hasUnnamed:
+        search.addUnnamed()
+    torsions = [torsion for torsion in search.torsions if torsion.kind in kinds]
+    return TorsionSearch(torsions, [left for left in search.leftOut if left.kind in kinds])
 
 
 def ofAtoms(search, atoms):
@@ -341,6 +354,22 @@ class _Search:
                 if before:
                     self._add("rotor", residue, [before[0], axis, end, min(hydrogens)])
 
+    def addUnnamed(self):
+        """Add the bonds that could turn and have no torsion yet."""
+        graph = self._graph
+        named = {frozenset(torsion.particles[1:3]) for torsion in self.torsions}
+        for atom1, atom2 in turnableBonds(graph):
+            if frozenset((atom1, atom2)) not in named:
+                kind = "planar" if self._isPlanar(atom1, atom2) or self._isPlanar(atom2, atom1) else "other"
+                particles = (min(graph.beyond(atom1, atom2)), atom1, atom2, min(graph.beyond(atom2, atom1)))
+                self.torsions.append(Torsion(particles, kind, graph.atoms[atom2].residue))
+
+    def _isPlanar(self, carbon, nitrogen):
+        """Whether a bond is one between a trigonal carbon and a nitrogen."""
+        graph = self._graph
+        elements = graph.elementNumber(carbon), graph.elementNumber(nitrogen)
+        return elements == (6, 7) and len(graph.neighbors[carbon]) == 3
+
     def _add(self, kind, residue, particles):
         neighbors = self._graph.neighbors
         particles = self._besideClosures(particles)
@@ -371,6 +400,15 @@ class _Search:
 
     def _leaveOut(self, kind, residue, reason, nextToGap=False):
         self.leftOut.append(LeftOutTorsion(kind, residue, reason, nextToGap))
+
+
+def turnableBonds(graph):
+    """Return the bonds of a BondGraph in no ring that have atoms beyond both ends, as sorted pairs of lower and higher.
+
+    Of molecules with elements, extra particles are no such atoms.
+    """
+    inRings = ringBonds(graph.neighbors)
+    return [bond for bond in graph.bonds if bond not in inRings and graph.beyond(*bond) and graph.beyond(*bond[::-1])]
 
 
 def _atomsByName(residue):

@@ -87,10 +87,12 @@ def test_villin(runHere, tmp_path):
     assert [move["name"] for move in summary["moves"]] == [
         *("φ/ψ closed 8°", "φ/ψ local 4°", "φ/ψ ends ±10°", "φ/ψ ends ±180°", "φ/ψ ±1°"),
         *("χ ±10°", "χ rotamers", "χ outer rotamers", "χ of ends ±10°", "χ of ends rotamers"),
+        *("ω local 4°", "ω ±1°", "rotor ±10°", "rotor ±180°", "planar ±10°", "planar ±180°"),
+        *("others ±10°", "others ±180°"),
     ]
     notMade = assertTrialsAddUp(summary, result.stdout)
     assert notMade.pop("φ/ψ closed 8°") > 0 and not any(notMade.values())
-    assert all(move["accepted"] > 0 for move in summary["moves"])
+    assert all(move["accepted"] > 0 for move in summary["moves"] if move["attempted"] >= 50)
     energy = summary["energy"]
     assert (energy["forceField"], energy["temperature"], energy["nonbondedCutoff"]) == (["amber14-all.xml"], 310, None)
 
@@ -119,6 +121,7 @@ def test_villin(runHere, tmp_path):
     refused = sum(move["rejectedByEnergy"] for move in summary["moves"])
     assert sum(stage["refused"] for stage in stages.values()) == refused > 0
 
+    assert "rigid: bond lengths and angles; rings (PHE, PRO, TRP)\n" in result.stdout
     planned = "energy: amber14-all.xml at 310 K, no cutoff; native PeriodicTorsionForce, NonbondedForce; constant "
     assert planned in result.stdout
     assert f"U: {ends['first']:,.1f} kJ/mol at the start, {ends['mean']:,.1f} in the mean" in result.stdout
@@ -147,7 +150,9 @@ def sampleMoves(runHere, tmp_path):
 def test_oneResidueHasNoWindows(sampleMoves):
     """Nothing closes among φ, ψ and three χ in the middle of the chain, which is no end either."""
     notMade = sampleMoves(800, "--move", "resSeq 17")
-    assert list(notMade) == ["φ/ψ local 4°", "φ/ψ ±1°", "χ ±10°", "χ rotamers", "χ outer rotamers"]
+    assert list(notMade) == [
+        *("φ/ψ local 4°", "φ/ψ ±1°", "χ ±10°", "χ rotamers", "χ outer rotamers", "ω local 4°", "ω ±1°")
+    ]
     assert not any(notMade.values())
 
 
@@ -166,6 +171,7 @@ def test_nucleicAcid(runHere, tmp_path):
     summary = json.loads((tmp_path / "summary.json").read_text())
     assert [move["name"] for move in summary["moves"]] == [
         *("α–ζ closed 8°", "α–ζ local 4°", "α–ζ ends ±10°", "α–ζ ±1°", "χ of bases ±10°", "χ of bases ±180°"),
+        *("rotor ±10°", "rotor ±180°", "planar ±10°", "planar ±180°"),
         "rigid body 0.01 nm, ±1°",
     ]
     assert assertTrialsAddUp(summary, result.stdout)["α–ζ closed 8°"] > 0

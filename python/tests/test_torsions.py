@@ -277,3 +277,37 @@ def isConnected(neighbors, start, end):
                 seen.add(other)
                 pending.append(other)
     return end in seen
+
+
+def test_rotatableBondsAreAllInNoRing():
+    """Those of proteins by their kinds, planar ends of side chains and what is left, as the carboxylate of the end."""
+    topology = peptide(*sorted(HEAVY_ATOMS))
+    ends = topology.addAtom("OXT", app.element.oxygen, list(topology.residues())[-1])
+    topology.addBond(next(a for a in topology.atoms() if a.residue is ends.residue and a.name == "C"), ends)
+    search = findTorsions(topology, kinds="rotatable")
+    neighbors = neighborLists(topology.getNumAtoms(), [(bond[0].index, bond[1].index) for bond in topology.bonds()])
+    inRings = ringBonds(neighbors)
+    expected = set()
+    for bond in topology.bonds():
+        pair = (min(bond[0].index, bond[1].index), max(bond[0].index, bond[1].index))
+        if pair not in inRings and all(len(neighbors[atom]) > 1 for atom in pair):
+            expected.add(pair)
+    found = [tuple(sorted(torsion.particles[1:3])) for torsion in search.torsions]
+    assert set(found) == expected and len(found) == len(expected)
+    named = findTorsions(topology, kinds=("phi", "psi", "omega", "chi", "rotor")).torsions
+    assert [torsion for torsion in search.torsions if torsion.kind not in ("planar", "other")] == named
+    others = {(torsion.kind, *namesOf(topology, torsion)[1:3]) for torsion in search.torsions if torsion not in named}
+    assert others == {("planar", "NE", "CZ"), ("other", "CA", "C")}
+    assert [torsion.kind for torsion in findTorsions(topology, kinds="planar").torsions] == ["planar"]
+
+
+def test_rotatableBondsOfALigand():
+    # Butane with an extra particle on its end, whose bond turns nothing.
+    topology = app.Topology()
+    residue = topology.addResidue("BUT", topology.addChain())
+    atoms = [topology.addAtom(f"C{i}", app.element.carbon, residue) for i in range(4)]
+    for atom, other in zip(atoms, atoms[1:], strict=False):
+        topology.addBond(atom, other)
+    topology.addBond(atoms[3], topology.addAtom("LP", None, residue))
+    assert findTorsions(topology, kinds="rotatable").torsions == [((0, 1, 2, 3), "other", residue)]
+    assert findTorsions(topology).torsions == []

@@ -10,12 +10,21 @@ from ..links import Links
 from ..naming import describeResidue
 from ..notes import Note
 from ..residues import polymerBackbone
+from ..rigidparts import describeRigidParts
 from ..selection import selectAtoms
 from ..sterics import notesOnAlphaCarbons, notesOnTorsions
-from ..torsions import BETWEEN_FIXED, DISULFIDE_RING, METAL_RING, ofAtoms, searchTorsions, withoutThoseBetween
+from ..torsions import (
+    BETWEEN_FIXED,
+    DISULFIDE_RING,
+    KINDS_WITH_ENERGIES,
+    METAL_RING,
+    ofAtoms,
+    searchTorsions,
+    withoutThoseBetween,
+)
 from ..unbonded import unbondedNeighbors
 
-# Those of proteins and nucleic acids; δ lies in the sugar's ring, ω and rotors turn on request.
+# Of hard spheres: those of proteins and nucleic acids; δ lies in the sugar's ring, ω and rotors turn on request.
 DEFAULT_KINDS = ("phi", "psi", "chi", "alpha", "beta", "gamma", "epsilon", "zeta")
 
 
@@ -30,22 +39,34 @@ _OPTIONS = {
 class Choice(NamedTuple):
     """What the user chose.
 
-    kinds : kinds of torsions, as in `findTorsions`
+    kinds : kinds of torsions, as in `findTorsions`; None: all that turns where energies are sampled, else DEFAULT_KINDS
     move, fix : str or None, selections in MDTraj's language: atoms whose torsions turn, atoms that never move
     rigidBodies : bool, whether molecules move as a whole, too
     cutDisulfides, cutMetals : bool
     allowUnbonded : bool, whether atoms at covalent distance that are not bonded may leave each other
-    close : "disulfides", "loops" or both, bonds that only closed moves keep
+    close : "disulfides", "loops" or both, bonds that only closed moves keep; None: disulfides where energies are
+        sampled and they are not cut, else none
+    hasEnergies : bool, whether energies are sampled
     """
 
-    kinds: tuple[str, ...] = DEFAULT_KINDS
+    kinds: tuple[str, ...] | None = None
     move: str | None = None
     fix: str | None = None
     rigidBodies: bool = False
     cutDisulfides: bool = False
     cutMetals: bool = False
     allowUnbonded: bool = False
-    close: tuple[str, ...] = ()
+    close: tuple[str, ...] | None = None
+    hasEnergies: bool = False
+
+    def withDefaults(self):
+        """Return a Choice that says what None stands for."""
+        kinds, close = self.kinds, self.close
+        if kinds is None:
+            kinds = KINDS_WITH_ENERGIES if self.hasEnergies else DEFAULT_KINDS
+        if close is None:
+            close = (DISULFIDES,) if self.hasEnergies and not self.cutDisulfides else ()
+        return self._replace(kinds=kinds, close=close)
 
 
 class Plan:
@@ -84,6 +105,8 @@ class Plan:
         the residues between which disulfides, and bonds of metals, were cut
     closed : list of (str, str)
         the residues between which bonds are kept by closed moves
+    rigid : str or None
+        what stays rigid where energies are sampled
     notes : list of Note
         on bonds, and on what was left out and why
     """
@@ -97,6 +120,8 @@ class Plan:
             if a selection is wrong, or nothing is left to move
         """
         topology = structure.topology
+        isCloseChosen = choice.close is not None
+        choice = choice.withDefaults()
         self.structure = structure
         self.choice = choice
         moved = selectByOption(topology, "--move", choice.move)
@@ -132,7 +157,9 @@ class Plan:
         self.cutDisulfides = self._describeCuts(choice.cutDisulfides, graph.disulfides, "disulfide to cut")
         self.cutMetals = self._describeCuts(choice.cutMetals, graph.metalBonds, "bond of a metal to cut")
         closing = [closure[1:3] for closure in graph.closures]
-        self.closed = self._describeCuts(choice.close, closing, f"bond to close ({', '.join(choice.close)})")
+        mayClose = choice.close if isCloseChosen else closing
+        self.closed = self._describeCuts(mayClose, closing, f"bond to close ({', '.join(choice.close)})")
+        self.rigid = describeRigidParts(graph, self.torsions, self.fixedAtoms) if choice.hasEnergies else None
         self._checkUnbonded()
 
     def _moleculesWith(self, torsions):

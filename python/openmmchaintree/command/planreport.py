@@ -13,8 +13,13 @@ _LONGEST_LIST = 5
 
 
 def describePlan(plan):
-    """Return three lines on a Plan: what moves, what stays and why, what holds what moves; and lines on cuts."""
+    """Return three lines on a Plan: what moves, what stays and why, what holds what moves; and lines on cuts.
+
+    Where energies are sampled, one more says what stays rigid.
+    """
     lines = _Describer(plan).lines()
+    if plan.rigid is not None:
+        lines.append(f"rigid: {plan.rigid}")
     for what, bonds in (
         ("cut disulfides", plan.cutDisulfides),
         ("cut bonds of metals", plan.cutMetals),

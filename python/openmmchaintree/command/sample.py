@@ -10,7 +10,7 @@ import openmm
 from ..bonds import DISULFIDES, LOOPS
 from ..errors import InputError
 from ..structure import readStructure, withoutAtoms
-from ..torsions import KIND_WORDS
+from ..torsions import KIND_WORDS, KINDS_WITH_ENERGIES
 from .arguments import listOf, notNegative, positive, seed
 from .config import addConfig, expandArguments, readSettings, settingsOf
 from .ending import endRun, writeReports
@@ -32,6 +32,8 @@ from .terminal import ReportConsole, collectionPaused, interruptFlag, printError
 from .trajectoryfile import TrajectoryFile
 
 __all__ = ["addArguments", "expandArguments"]
+
+_NONE = "none"
 
 _ENDINGS = {"trajectory": ".dcd", "topology": "-topology.pdb", "picture": ".png", "settings": "-settings.toml"}
 
@@ -105,10 +107,9 @@ def addArguments(sample):
     sample.add_argument(
         "--torsions",
         type=listOf(KIND_WORDS),
-        default=DEFAULT_KINDS,
         metavar="KINDS",
         help=f"kinds of torsions that turn, with commas between them, of {', '.join(KIND_WORDS)} "
-        f"(default: {','.join(DEFAULT_KINDS)})",
+        f"(default: {','.join(DEFAULT_KINDS)}; in a force field {','.join(KINDS_WITH_ENERGIES)}, all bonds in no ring)",
     )
     sample.add_argument("--leave-out", metavar="SELECTION", help="atoms that are left out, such as those of a ligand")
     sample.add_argument("--move", metavar="SELECTION", help="atoms whose torsions turn (default: all); see below")
@@ -125,11 +126,11 @@ def addArguments(sample):
     )
     sample.add_argument(
         "--close",
-        type=listOf((DISULFIDES, LOOPS)),
-        default=(),
+        type=listOf((DISULFIDES, LOOPS, _NONE)),
         metavar="WHAT",
         help=f"{DISULFIDES}, {LOOPS} or both with a comma between: let the torsions of rings that disulfides close, "
-        "and of loops between parts that --fix holds, turn by closed moves, which keep the bonds",
+        f"and of loops between parts that --fix holds, turn by closed moves, which keep the bonds; or {_NONE} "
+        f"(default: {DISULFIDES} in a force field, unless they are cut, else {_NONE})",
     )
     sample.add_argument(
         "--allow-unbonded",
@@ -172,14 +173,15 @@ def _run(options):
     outputs = _checkOutputs(options, structure.name, settings, replicas, saved)
     console = ReportConsole(outputs.values())
     choice = Choice(
-        tuple(options.torsions),
+        None if options.torsions is None else tuple(options.torsions),
         options.move,
         options.fix,
         options.rigid_bodies,
         options.cut_disulfides,
         options.cut_metals,
         options.allow_unbonded,
-        tuple(options.close),
+        None if options.close is None else tuple(what for what in options.close if what != _NONE),
+        energyModel is not None,
     )
     try:
         with collectionPaused():

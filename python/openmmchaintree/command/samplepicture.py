@@ -18,6 +18,7 @@ _LARGEST_START = 5  # times the range of the energies that follow
 _LETTERS = {
     "phi": "φ", "psi": "ψ", "omega": "ω", "chi1": "χ1", "chi2": "χ2", "chi3": "χ3", "chi4": "χ4",
     "alpha": "α", "beta": "β", "gamma": "γ", "delta": "δ", "epsilon": "ε", "zeta": "ζ", "chi": "χ", "rotor": "rotor",
+    "planar": "planar", "other": "other",
 }  # fmt: skip
 
 

@@ -1,0 +1,36 @@
+"""What stays rigid though energies would let it turn, in words."""
+
+from .bonds import neighborLists, ringBonds
+from .naming import describeResidue
+from .notes import Note
+from .torsions import turnableBonds
+
+
+def bondsThatStay(graph, torsions, fixed):
+    """Return the bonds of a BondGraph that could turn, but about which there is no Torsion, as sorted pairs.
+
+    Those between two fixed atoms, an iterable, are none.
+    """
+    turning = {frozenset(torsion.particles[1:3]) for torsion in torsions}
+    held = set(fixed)
+    return [bond for bond in turnableBonds(graph) if frozenset(bond) not in turning and not held.issuperset(bond)]
+
+
+def describeRigidParts(graph, torsions, fixed):
+    """Return a line on what stays rigid under a list of Torsion in a BondGraph, of which some atoms are fixed."""
+    parts = ["bond lengths and angles"]
+    residueOf = [atom.residue for atom in graph.atoms]
+    within = [bond for bond in graph.bonds if residueOf[bond[0]] is residueOf[bond[1]]]
+    inRings = ringBonds(neighborLists(len(residueOf), within))
+    if inRings:
+        parts.append(f"rings ({', '.join(sorted({residueOf[bond[0]].name for bond in inRings}))})")
+    across = ringBonds(graph.neighbors) - inRings
+    if across:
+        parts.append(str(Note("bonds in rings of several residues", map(graph.describePair, sorted(across)))))
+    if graph.closures:
+        bonds = [[describeResidue(graph.atoms[atom].residue) for atom in closure[1:3]] for closure in graph.closures]
+        parts.append(str(Note("turns about bonds that closed moves keep", map(" – ".join, bonds))))
+    stiff = bondsThatStay(graph, torsions, fixed)
+    if stiff:
+        parts.append(str(Note("bonds in no ring", map(graph.describePair, stiff))))
+    return "; ".join(parts)

@@ -1,0 +1,61 @@
+"""What a System says of a model: whether energies are sampled, what is fixed, bonds that its Topology lacks."""
+
+import numpy as np
+import openmm
+from openmm import unit
+
+# The name of the class of a Force between all pairs of particles has one of these.
+_PAIR_FORCES = ("Nonbonded", "GayBerne", "Vdw", "Multipole")
+
+
+def checkParticles(topology, system):
+    """Raise a ValueError if a System does not have the particles of a Topology."""
+    particles, atoms = system.getNumParticles(), topology.getNumAtoms()
+    if particles != atoms:
+        raise ValueError(f"the System has {particles:,} particles, but the Topology {atoms:,} atoms")
+
+
+def hasPairEnergies(system):
+    """Whether a Force of a System gives pairs of particles an energy, as a force field does."""
+    return any(word in type(force).__name__ for force in system.getForces() for word in _PAIR_FORCES)
+
+
+def fixedParticles(system):
+    """Return the particles of mass 0 that are no virtual sites, as an int array."""
+    massless = [i for i in range(system.getNumParticles()) if system.getParticleMass(i).value_in_unit(unit.dalton) == 0]
+    return np.array([i for i in massless if not system.isVirtualSite(i)], dtype=int)
+
+
+def bondsOfBareAtoms(topology, system):
+    """Return the System's bonds of atoms that have none in the Topology, such as beads and Drude particles.
+
+    A HarmonicBondForce, a constraint and a DrudeForce tell bonds; a CustomBondForce, which may be anything, tells those
+    of atoms that have none else. Virtual sites need no bonds.
+
+    Returns
+    -------
+    list of (int, int), lower index first, sorted
+    """
+    bonded = {atom.index for bond in topology.bonds() for atom in bond}
+    bonded |= {particle for particle in range(system.getNumParticles()) if system.isVirtualSite(particle)}
+    found = set()
+    for pairs in (_certainBonds(system), _customBonds(system)):
+        new = {(min(pair), max(pair)) for pair in pairs if pair[0] not in bonded or pair[1] not in bonded}
+        found |= new
+        bonded |= {particle for pair in new for particle in pair}
+    return sorted(found)
+
+
+def _certainBonds(system):
+    pairs = [tuple(system.getConstraintParameters(i)[:2]) for i in range(system.getNumConstraints())]
+    for force in system.getForces():
+        if isinstance(force, openmm.HarmonicBondForce):
+            pairs += [tuple(force.getBondParameters(i)[:2]) for i in range(force.getNumBonds())]
+        elif isinstance(force, openmm.DrudeForce):
+            pairs += [tuple(force.getParticleParameters(i)[:2]) for i in range(force.getNumParticles())]
+    return pairs
+
+
+def _customBonds(system):
+    forces = [force for force in system.getForces() if isinstance(force, openmm.CustomBondForce)]
+    return [tuple(force.getBondParameters(i)[:2]) for force in forces for i in range(force.getNumBonds())]
