@@ -121,7 +121,7 @@ def test_villin(runHere, tmp_path):
     refused = sum(move["rejectedByEnergy"] for move in summary["moves"])
     assert sum(stage["refused"] for stage in stages.values()) == refused > 0
 
-    assert "rigid: bond lengths and angles; rings (PHE, PRO, TRP)\n" in result.stdout
+    assert "rigid: bond lengths and angles; rings (HIE, PHE, PRO, TRP)\n" in result.stdout
     planned = "energy: amber14-all.xml at 310 K, no cutoff; native PeriodicTorsionForce, NonbondedForce; constant "
     assert planned in result.stdout
     assert f"U: {ends['first']:,.1f} kJ/mol at the start, {ends['mean']:,.1f} in the mean" in result.stdout
