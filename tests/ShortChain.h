@@ -110,8 +110,9 @@ inline Means sample(const ShortChain& chain, const Setting& setting, int numStep
     long long attempted, accepted, trialsTakenBack;
     double mean, deviation;
     integrator.getOuterStatistics(attempted, accepted, trialsTakenBack, mean, deviation);
-    ASSERT_EQUAL(setting.trialsPerTest == 0, attempted == 0);
-    ASSERT(attempted == 0 || (accepted > 0.1 * attempted && accepted < 0.9 * attempted && deviation > 0.5 * kT));
+    ASSERT(setting.trialsPerTest == 0 || attempted > 0);
+    ASSERT(setting.trialsPerTest == 0 ||
+           (accepted > 0.1 * attempted && accepted < 0.9 * attempted && deviation > 0.5 * kT));
     return means;
 }
 

@@ -6,6 +6,7 @@
 #include "openmm/System.h"
 #include "openmmchaintree/ChainTreeKernels.h"
 #include "openmmchaintree/internal/ForceTranslation.h"
+#include "openmmchaintree/internal/SystemChecks.h"
 #include "openmmchaintree/StericExclusionForce.h"
 #include <algorithm>
 
@@ -46,7 +47,7 @@ EnergyPlan::EnergyPlan(const ContextImpl& context) : context(context)
         classNames.push_back(getClassName(force));
         isSteric.push_back(dynamic_cast<const StericExclusionForce*>(&force) != NULL);
         hasNoEnergy.push_back(dynamic_cast<const CMMotionRemover*>(&force) != NULL ||
-                              dynamic_cast<const AndersenThermostat*>(&force) != NULL);
+                              dynamic_cast<const AndersenThermostat*>(&force) != NULL || isBarostat(force));
         entries.push_back({force.getName(), findGroups(force), None, ""});
     }
     copies.resize(forces.size());
@@ -108,22 +109,38 @@ void EnergyPlan::translate(int groups, bool allowNative, bool isSoft)
 }
 
 /**
+ * Get whether some parts of the terms are of a Force.
+ */
+template <class PART>
+static bool hasPart(const vector<PART>& parts, int force)
+{
+    return any_of(parts.begin(), parts.end(), [force](const PART& part) {
+        return part.force == force;
+    });
+}
+
+bool EnergyPlan::hasStandIn(int index) const
+{
+    return hasPart(terms.born, index) || (hasPart(terms.nonbonded, index) && !terms.born.empty());
+}
+
+bool EnergyPlan::isOfValues(int index) const
+{
+    return hasPart(terms.valueEnergies, index);
+}
+
+/**
  * Say what is done about a Force that has pairs.
  */
 string EnergyPlan::describePairs(int index) const
 {
-    auto isThis = [&](auto& part) {
-        return part.force == index;
-    };
-    const bool isBorn = any_of(terms.born.begin(), terms.born.end(), isThis);
-    const bool isNonbonded = any_of(terms.nonbonded.begin(), terms.nonbonded.end(), isThis);
-    if (isBorn || (isNonbonded && !terms.born.empty()))
-        return "openmm-chaintree evaluates it at each outer test; trials see a stand-in";
-    if (isNonbonded || any_of(terms.pairSets.begin(), terms.pairSets.end(), isThis))
+    if (hasStandIn(index))
+        return "trials see a stand-in";
+    if (hasPart(terms.nonbonded, index) || hasPart(terms.pairSets, index))
         return "openmm-chaintree evaluates the pairs that a trial changes";
     for (const EnergyTerms::ValueEnergy& energy : terms.valueEnergies)
         if (energy.force == index)
-            return "openmm-chaintree evaluates all of it in each trial, or each outer test: " + energy.reason;
+            return energy.reason;
     return "";
 }
 

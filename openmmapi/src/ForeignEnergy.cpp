@@ -7,10 +7,10 @@ using namespace std;
 
 bool ForeignEnergy::begin(TrialSession& trials)
 {
-    groups = native.leavesForeignToOuterTest() ? 0 : native.getForeignGroups();
-    if (groups == 0)
+    parts = native.getForeignOfTrials();
+    if (parts.empty())
         return false;
-    energy = trials.computeOtherEnergy(groups);
+    energy = native.getForeign().computeEnergy(trials, parts);
     if (!NativeEnergy::isPossible(energy))
         native.refuseState(trials);
     return true;
@@ -18,12 +18,13 @@ bool ForeignEnergy::begin(TrialSession& trials)
 
 double ForeignEnergy::computeChange(TrialSession& trials)
 {
-    proposedEnergy = trials.computeOtherEnergyOfProposal(groups);
+    trials.showProposal();
+    proposedEnergy = native.getForeign().computeEnergy(trials, parts);
     if (!NativeEnergy::isPossible(proposedEnergy))
         return numeric_limits<double>::quiet_NaN();
     if (proposedEnergy == energy && energy == numeric_limits<double>::infinity())
         return 0;
-    return proposedEnergy - energy - (native.sharesForeignGroups() ? native.getComputedChange() : 0);
+    return proposedEnergy - energy - (native.getForeign().areMixed() ? native.getComputedChange() : 0);
 }
 
 void ForeignEnergy::accept()

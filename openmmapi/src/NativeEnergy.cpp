@@ -1,5 +1,6 @@
 #include "openmmchaintree/internal/NativeEnergy.h"
 #include "openmm/OpenMMException.h"
+#include "openmm/reference/SimTKOpenMMRealType.h"
 #include "openmmchaintree/internal/CheckpointStream.h"
 #include "openmmchaintree/internal/Hexadecimal.h"
 #include "openmmchaintree/internal/StericExclusionForceImpl.h"
@@ -34,10 +35,9 @@ NativeEnergy::NativeEnergy(const TorsionMonteCarloIntegrator& integrator, Steric
               return force.createKernel(context);
           }),
     choice(getChoice()), forcesWereChanged(false), parametersWereChanged(true), energyIsOld(true),
-    termsCanChange(false), pairsCanChange(false), valuesCanChange(false), foreignGroups(0),
-    foreignGroupsAreShared(false), trialsToCheck(0), checkInterval(TRIALS_AFTER_VAGUE_CHECK), numComputed(0),
-    computedChange(0), nearChange(0), standInCutoff(0), standInIsSet(false), whole({false, 0, 0}),
-    keptWhole({false, 0, 0}), values({false, {}}), keptValues({false, {}})
+    termsCanChange(false), pairsCanChange(false), valuesCanChange(false), foreign(context), trialsToCheck(0),
+    checkInterval(TRIALS_AFTER_VAGUE_CHECK), numComputed(0), computedChange(0), nearChange(0), standInCutoff(0),
+    standInIsSet(false), whole({false, 0, 0}), keptWhole({false, 0, 0}), values({false, {}}), keptValues({false, {}})
 {
     // The kernel makes another scene for terms that need more particles, so it learns of them before it has made one.
 
@@ -101,19 +101,108 @@ void NativeEnergy::translate()
     });
     pairsCanChange = !(plan.getTerms().nonbonded.empty() && plan.getTerms().pairSets.empty()) && somethingMoves;
     valuesCanChange = !plan.getTerms().valueEnergies.empty() && somethingMoves;
-
-    // Foreign Forces that share a group with native ones are evaluated with all native ones, whose change is known.
-
-    foreignGroups = plan.getGroups(EnergyPlan::Foreign) & choice.groups;
-    foreignGroupsAreShared = (foreignGroups & plan.getGroups(EnergyPlan::Native)) != 0;
-    if (foreignGroupsAreShared)
-        foreignGroups |= plan.getGroups(EnergyPlan::Native) & choice.groups;
+    foreign.setForces(plan, choice.groups, choice.native);
 }
 
 const EnergyPlan& NativeEnergy::getPlan()
 {
     updatePlan();
     return plan;
+}
+
+/**
+ * Say when something is evaluated that is left to outer tests or not.
+ */
+static string describeTime(int trialsPerTest)
+{
+    return trialsPerTest == 0
+               ? "in each trial"
+               : "at each outer test, every " + (trialsPerTest == 1 ? "trial" : to_string(trialsPerTest) + " trials");
+}
+
+vector<EnergyPlan::Entry> NativeEnergy::describePlan()
+{
+    updatePlan();
+
+    // What the next series of trials decides about the schedule is its business alone.
+
+    const OuterSchedule present = schedule;
+    beginSchedule();
+    const int trials = min(getTrialsPerOuterTest(), integrator.getTrialsPerStep());
+    vector<EnergyPlan::Entry> entries = plan.getEntries();
+    for (size_t i = 0; i < entries.size(); i++) {
+        EnergyPlan::Entry& entry = entries[i];
+        if (plan.isOfValues(i) && entry.kind == EnergyPlan::Native)
+            entry.reason = "openmm-chaintree evaluates all of it " + describeTime(decidesByValues() ? 0 : trials) +
+                           ": " + entry.reason;
+        else if (plan.hasStandIn(i) && entry.kind == EnergyPlan::Native && trials > 0)
+            entry.reason = "openmm-chaintree evaluates it " + describeTime(trials) + "; " + entry.reason;
+        const bool isEvaluated = entry.kind == EnergyPlan::Native || entry.kind == EnergyPlan::Constant;
+        if (isEvaluated && (entry.groups & foreign.getWholeGroups()) != 0)
+            entry.reason += "; OpenMM evaluates it, too, with the foreign Forces " + describeTime(trials);
+    }
+    for (size_t part = 0; part < foreign.getParts().size(); part++) {
+        string how = foreign.areMixed() ? "OpenMM evaluates it with all of its force group " : "OpenMM evaluates it ";
+        how += describeTime(isLeftToTests(part) ? trials : 0);
+        if (choosesForeign() && schedule.isMeasuring() && isLeftToTests(part))
+            how += " while its spread is measured";
+        for (int force : foreign.getParts()[part])
+            entries[force].reason = how + ": " + entries[force].reason;
+    }
+    schedule = present;
+    return entries;
+}
+
+// ---- What is left to outer tests of the foreign Forces ----
+
+/**
+ * Get whether it is measured what is left to outer tests.
+ */
+bool NativeEnergy::choosesForeign() const
+{
+    return integrator.getTrialsPerOuterTest() == 0 && integrator.getTemperature() > 0 && choice.native &&
+           !foreign.getParts().empty();
+}
+
+bool NativeEnergy::isLeftToTests(int part) const
+{
+    return integrator.getTrialsPerOuterTest() > 0 || (choosesForeign() && schedule.isLeft(part));
+}
+
+/**
+ * Get the parts that are left to outer tests, or the others.
+ */
+vector<int> NativeEnergy::selectForeign(bool leftToTests) const
+{
+    vector<int> parts;
+    for (size_t part = 0; part < foreign.getParts().size(); part++)
+        if (isLeftToTests(part) == leftToTests)
+            parts.push_back(part);
+    return parts;
+}
+
+void NativeEnergy::beginSchedule()
+{
+    if (!choosesForeign())
+        return;
+    vector<int> energies;
+    for (const vector<int>& part : foreign.getParts())
+        energies.push_back(part[0]);
+    schedule.begin(energies, min(USUAL_TRIALS_PER_OUTER_TEST, integrator.getTrialsPerStep()));
+}
+
+void NativeEnergy::takeNoticeOfTest(const Difference& before, const Difference& after)
+{
+    if (!choosesForeign() || !schedule.isMeasuring())
+        return;
+    const double thermal = BOLTZ * integrator.getTemperature();
+    auto changeOf = [thermal](double first, double second) {
+        return first == second ? 0 : (second - first) / thermal;
+    };
+    vector<double> changes;
+    for (size_t i = 0; i < before.foreign.size(); i++)
+        changes.push_back(changeOf(before.foreign[i], after.foreign[i]));
+    schedule.add(changes, changeOf(before.whole, after.whole));
 }
 
 // ---- The state ----
@@ -151,18 +240,9 @@ void NativeEnergy::checkNumbers(const vector<double>& energies) const
 
 void NativeEnergy::refuseState(TrialSession& trials) const
 {
-    int failing = 0;
-    for (int group = 0; group < numeric_limits<unsigned int>::digits; group++) {
-        const int mask = foreignGroups & (int)(1u << group);
-        if (mask != 0 && !isPossible(trials.computeOtherEnergyOfState(mask)))
-            failing |= mask;
-    }
-    if (failing == 0)
-        failing = foreignGroups; // infinite energies of different signs
     vector<string> forces;
-    for (size_t i = 0; i < plan.getEntries().size(); i++)
-        if (plan.getEntries()[i].kind == EnergyPlan::Foreign && (plan.getEntries()[i].groups & failing) != 0)
-            forces.push_back(describe(plan, i));
+    for (int force : foreign.findImpossible(trials))
+        forces.push_back(describe(plan, force));
     fail(forces);
 }
 
@@ -230,6 +310,7 @@ void NativeEnergy::begin(TrialSession& trials)
 {
     endTrial();
     updatePlan();
+    beginSchedule();
 
     // What no move can change is looked at once.
 
@@ -245,12 +326,12 @@ void NativeEnergy::begin(TrialSession& trials)
 double NativeEnergy::computeEnergy(TrialSession& trials)
 {
     updatePlan();
-    double energy = foreignGroups == 0 ? 0 : trials.computeOtherEnergy(foreignGroups);
+    double energy = foreign.computeEnergy(trials);
     if (!hasTerms())
         return energy;
     const vector<double> energies = updateEnergies();
     for (size_t i = 0; i < energies.size(); i++)
-        if ((plan.getEntries()[i].groups & foreignGroups) == 0)
+        if ((plan.getEntries()[i].groups & foreign.getWholeGroups()) == 0)
             energy += energies[i];
     return energy;
 }
@@ -325,34 +406,57 @@ double NativeEnergy::getNearCorrection()
 
 int NativeEnergy::getTrialsPerOuterTest() const
 {
-    // Foreign Forces that are asked at each trial bring the whole energy of all native ones if they share a group.
+    // Foreign Forces that are asked at each trial bring the whole energy of all native ones if they are mixed with
+    // them.
 
     const int trials = integrator.getTrialsPerOuterTest();
-    const bool foreignIsLeft = trials > 0 && foreignGroups != 0;
-    const bool standInIsLeft = hasStandIn() && (trials > 0 || !foreignGroupsAreShared);
+    const bool foreignIsLeft = !selectForeign(true).empty();
+    const bool standInIsLeft = hasStandIn() && (trials > 0 || !foreign.areMixed());
     const bool valuesAreLeft = trials > 0 && valuesCanChange;
     if (!foreignIsLeft && !standInIsLeft && !valuesAreLeft)
         return 0;
-    return trials > 0 ? trials : USUAL_TRIALS_PER_OUTER_TEST;
+    return trials > 0 ? trials : foreignIsLeft ? schedule.getTrialsPerTest() : USUAL_TRIALS_PER_OUTER_TEST;
 }
 
-double NativeEnergy::computeDifference(TrialSession& trials)
+NativeEnergy::Difference NativeEnergy::computeDifference(TrialSession& trials)
 {
-    const bool foreignIsLeft = leavesForeignToOuterTest() && foreignGroups != 0;
-    double energy = foreignIsLeft ? trials.computeOtherEnergyOfState(foreignGroups) : 0;
+    Difference difference = computeForeignDifference(trials);
     const bool valuesAreLeft = valuesCanChange && !decidesByValues();
     if (valuesAreLeft && !termsCanChange && !pairsCanChange)
         trialsToCheck -= getTrialsPerOuterTest();
-    if (!foreignGroupsAreShared && !hasStandIn() && !valuesAreLeft)
-        return energy;
+    double& energy = difference.whole;
+    const bool isMixed = foreign.areMixed();
+    if (!isMixed && !hasStandIn() && !valuesAreLeft)
+        return difference;
     updateHeld();
-    if (!foreignGroupsAreShared && hasStandIn())
+    if (!isMixed && hasStandIn())
         energy += updateWhole().nonbonded + whole.born;
-    if (!foreignGroupsAreShared && valuesAreLeft)
+    if (!isMixed && valuesAreLeft)
         energy += sumOf(updateValues());
-    if (energy == numeric_limits<double>::infinity())
-        return energy;
-    return energy - (foreignGroupsAreShared ? getInnerEnergy() : hasStandIn() ? held.pairs : 0);
+    if (energy != numeric_limits<double>::infinity())
+        energy -= isMixed ? getInnerEnergy() : hasStandIn() ? held.pairs : 0;
+    if (isMixed && !difference.foreign.empty())
+        difference.foreign = {energy};
+    return difference;
+}
+
+/**
+ * Compute the energy of the foreign Forces that are left to outer tests, and of each part while these are measured.
+ */
+NativeEnergy::Difference NativeEnergy::computeForeignDifference(TrialSession& trials)
+{
+    const vector<int> parts = selectForeign(true);
+    if (parts.empty())
+        return {0, {}};
+    trials.showState();
+    if (!choosesForeign() || !schedule.isMeasuring())
+        return {foreign.computeEnergy(trials, parts), {}};
+    Difference difference = {0, vector<double>(foreign.getParts().size(), 0)};
+    for (int part : parts) {
+        difference.foreign[part] = foreign.computeEnergy(trials, {part});
+        difference.whole += difference.foreign[part];
+    }
+    return difference;
 }
 
 double NativeEnergy::getInnerEnergy()
@@ -403,6 +507,7 @@ void NativeEnergy::computeStandIn()
 void NativeEnergy::renewStandIn()
 {
     updatePlan();
+    schedule.restart();
     if (!hasStandIn())
         return;
     computeStandIn();
@@ -417,20 +522,37 @@ void NativeEnergy::setStandIn(const vector<double>& numbers)
     energyIsOld = true;
 }
 
-void NativeEnergy::writeStandIn(SerializationNode& node) const
+static string toText(const vector<double>& numbers)
 {
     stringstream stream;
-    CheckpointWriter(stream).write(standIn);
-    node.setStringProperty("data", toHexadecimal(stream.str()));
+    CheckpointWriter(stream).write(numbers);
+    return toHexadecimal(stream.str());
+}
+
+static vector<double> fromText(const string& text)
+{
+    string data;
+    if (!fromHexadecimal(text, data))
+        throw OpenMMException("TorsionMonteCarloIntegrator: the State is damaged");
+    stringstream stream(data);
+    return CheckpointReader(stream).readVector<double>();
+}
+
+void NativeEnergy::writeStandIn(SerializationNode& node) const
+{
+    node.setStringProperty("data", toText(standIn));
+    if (!getSchedule().empty())
+        node.setStringProperty("schedule", toText(getSchedule()));
 }
 
 vector<double> NativeEnergy::readStandIn(const SerializationNode& node)
 {
-    string data;
-    if (!fromHexadecimal(node.getStringProperty("data"), data))
-        throw OpenMMException("TorsionMonteCarloIntegrator: the State is damaged");
-    stringstream stream(data);
-    return CheckpointReader(stream).readVector<double>();
+    return fromText(node.getStringProperty("data"));
+}
+
+vector<double> NativeEnergy::readSchedule(const SerializationNode& node)
+{
+    return node.hasProperty("schedule") ? fromText(node.getStringProperty("schedule")) : vector<double>();
 }
 
 string NativeEnergyStage::getName() const

@@ -73,12 +73,12 @@ OuterTest::OuterTest(TrialSession& trials, NativeEnergy& native, EnergyStages& s
     trials(trials),
     native(native), stages(stages), moves(moves), statistics(statistics), random(random), temperature(temperature),
     softSpheres(softSpheres), size(native.getTrialsPerOuterTest()), numTrials(0), numAccepted(0), stateIsKept(false),
-    start({0, 0})
+    start({{0, {}}, 0})
 {
     if (size == 0)
         return;
     start = computeEnergies();
-    if (!NativeEnergy::isPossible(start.difference))
+    if (!NativeEnergy::isPossible(start.difference.whole))
         native.refuseState(trials);
 }
 
@@ -95,7 +95,7 @@ OuterTest::~OuterTest()
 
 OuterTest::Energies OuterTest::computeEnergies()
 {
-    const double difference = native.computeDifference(trials);
+    const NativeEnergy::Difference difference = native.computeDifference(trials);
     if (temperature > 0)
         return {difference, 0};
     return {difference, native.getInnerEnergy() + (softSpheres ? trials.computeSoftEnergy() : 0)};
@@ -117,8 +117,10 @@ void OuterTest::endBlock()
 {
     const double drawn = random.drawUniform();
     bool isKept = true;
+    const Energies proposed = numAccepted > 0 ? computeEnergies() : start;
+    if (numTrials == size)
+        native.takeNoticeOfTest(start.difference, proposed.difference);
     if (numAccepted > 0) {
-        const Energies proposed = computeEnergies();
         isKept = decide(proposed, drawn);
         if (isKept) {
             start = proposed;
@@ -139,13 +141,13 @@ void OuterTest::endBlock()
  */
 bool OuterTest::decide(const Energies& proposed, double drawn)
 {
-    const double change = changeOf(start.difference, proposed.difference);
+    const double change = changeOf(start.difference.whole, proposed.difference.whole);
     if (isfinite(change))
         statistics.add(change);
-    if (!NativeEnergy::isPossible(proposed.difference))
+    if (!NativeEnergy::isPossible(proposed.difference.whole))
         return false;
     if (temperature == 0)
-        return changeOf(start.difference + start.inner, proposed.difference + proposed.inner) <= 0;
+        return changeOf(start.difference.whole + start.inner, proposed.difference.whole + proposed.inner) <= 0;
     return drawn < exp(-change / (BOLTZ * temperature));
 }
 

@@ -114,7 +114,7 @@ vector<TorsionMonteCarloIntegrator::PlannedEnergy> TorsionMonteCarloIntegrator::
 {
     requireContext(context);
     vector<PlannedEnergy> planned;
-    for (const EnergyPlan::Entry& entry : native->getPlan().getEntries())
+    for (const EnergyPlan::Entry& entry : native->describePlan())
         planned.push_back({(int)planned.size(), entry.name, (EnergyKind)entry.kind, entry.reason});
     return planned;
 }

@@ -39,14 +39,19 @@ StericExclusionForceImpl& ChainTreePlugin::findStericExclusionForce(ContextImpl&
     return *found;
 }
 
+bool ChainTreePlugin::isBarostat(const Force& force)
+{
+    return dynamic_cast<const MonteCarloBarostat*>(&force) != NULL ||
+           dynamic_cast<const MonteCarloAnisotropicBarostat*>(&force) != NULL ||
+           dynamic_cast<const MonteCarloMembraneBarostat*>(&force) != NULL ||
+           dynamic_cast<const MonteCarloFlexibleBarostat*>(&force) != NULL;
+}
+
 void ChainTreePlugin::checkHardSpheres(const System& system)
 {
     for (int i = 0; i < system.getNumForces(); i++) {
         const Force* force = &system.getForce(i);
-        if (dynamic_cast<const MonteCarloBarostat*>(force) != NULL ||
-            dynamic_cast<const MonteCarloAnisotropicBarostat*>(force) != NULL ||
-            dynamic_cast<const MonteCarloMembraneBarostat*>(force) != NULL ||
-            dynamic_cast<const MonteCarloFlexibleBarostat*>(force) != NULL)
+        if (isBarostat(*force))
             fail("the System has a barostat (force " + to_string(i) + ", " + force->getName() +
                  "), which knows nothing of hard spheres; call setStericMode(Soft), or remove it");
     }

@@ -34,7 +34,7 @@ using namespace std;
 /** What the integrator's part of a checkpoint begins with: "ChainTMC" where the first byte is the lowest. */
 static const uint64_t CHECKPOINT_MARK = 0x434d546e69616843;
 
-/** From version 5 on checkpoints have checksums. */
+/** From version 5 on checkpoints have checksums and the schedule of outer tests. */
 static const int CHECKPOINT_VERSION = 5, OLDEST_CHECKPOINT_VERSION = 4;
 
 /** What OpenMM's part of a checkpoint begins with. */
@@ -57,7 +57,7 @@ public:
     ContextSnapshot context;
     vector<int> structure;
     string random;
-    vector<double> standIn;
+    vector<double> standIn, schedule;
     /** The part of a checkpoint that is the force's. */
     string geometry;
     /** Whether the user has set positions since. */
@@ -349,9 +349,9 @@ unique_ptr<TorsionMonteCarloIntegrator::KeptState> TorsionMonteCarloIntegrator::
     stringstream geometry;
     CheckpointWriter writer(geometry);
     force->createCheckpoint(writer);
-    return unique_ptr<KeptState>(new KeptState{ContextSnapshot(context->getOwner(), positionsAreSet),
-                                               force->getLinkStructure().describe(), random->getState(),
-                                               native->getStandIn(), geometry.str(), false, false});
+    return unique_ptr<KeptState>(
+        new KeptState{ContextSnapshot(context->getOwner(), positionsAreSet), force->getLinkStructure().describe(),
+                      random->getState(), native->getStandIn(), native->getSchedule(), geometry.str(), false, false});
 }
 
 /**
@@ -439,6 +439,7 @@ void TorsionMonteCarloIntegrator::createCheckpoint(ostream& stream) const
         writer.write(native->getStandIn());
         writer.write(OfCompleteContext);
         force->createCheckpoint(writer);
+        writer.write(native->getSchedule());
     }
     else {
         showKeptState();
@@ -447,6 +448,7 @@ void TorsionMonteCarloIntegrator::createCheckpoint(ostream& stream) const
         writer.write(kept->positionsWereSet ? OfKeptStateWithNewPositions : OfKeptState);
         kept->context.write(writer);
         writer.append(kept->geometry);
+        writer.write(kept->schedule);
     }
     all.write(CHECKPOINT_MARK);
     all.write(CHECKPOINT_VERSION);
@@ -469,7 +471,7 @@ void TorsionMonteCarloIntegrator::loadCheckpoint(istream& stream)
                                   ", but this openmm-chaintree reads only versions " +
                                   to_string(OLDEST_CHECKPOINT_VERSION) + " to " + to_string(CHECKPOINT_VERSION));
         if (version < 5) {
-            restoreCheckpoint(reader, false);
+            restoreCheckpoint(reader, version, false);
             return;
         }
         const uint64_t size = reader.read<uint64_t>(), hash = reader.read<uint64_t>();
@@ -478,7 +480,7 @@ void TorsionMonteCarloIntegrator::loadCheckpoint(istream& stream)
         if (isCovered)
             checkReadBefore(stream, begin, size, hash);
         CheckpointReader ownReader(own);
-        restoreCheckpoint(ownReader, isCovered);
+        restoreCheckpoint(ownReader, version, isCovered);
     }
     catch (...) {
         // The Context has the checkpoint's positions already.
@@ -493,7 +495,7 @@ void TorsionMonteCarloIntegrator::loadCheckpoint(istream& stream)
  *
  * @param positionsAreSafe  whether a checksum has shown that the Context has the positions of the checkpoint
  */
-void TorsionMonteCarloIntegrator::restoreCheckpoint(CheckpointReader& reader, bool positionsAreSafe)
+void TorsionMonteCarloIntegrator::restoreCheckpoint(CheckpointReader& reader, int version, bool positionsAreSafe)
 {
     if (reader.readVector<int>() != force->getLinkStructure().describe())
         fail("the checkpoint is of another structure: its bonds and torsions make other links");
@@ -510,6 +512,7 @@ void TorsionMonteCarloIntegrator::restoreCheckpoint(CheckpointReader& reader, bo
     if (form != OfCompleteContext)
         snapshot.reset(new ContextSnapshot(reader));
     const KeptGeometry geometry(reader);
+    const vector<double> schedule = version < 5 ? vector<double>() : reader.readVector<double>();
     force->checkCheckpoint(*context, geometry);
     if (!positionsAreSafe && form == OfCompleteContext)
         force->havePositionsOf(*context, geometry);
@@ -522,6 +525,7 @@ void TorsionMonteCarloIntegrator::restoreCheckpoint(CheckpointReader& reader, bo
     moves->setProgress(progress);
     *outerStatistics = restoredTests;
     native->setStandIn(standIn);
+    native->setSchedule(schedule);
 }
 
 // ---- States ----
@@ -632,10 +636,11 @@ void TorsionMonteCarloIntegrator::deserializeParameters(const SerializationNode&
         fail("the State is damaged");
     MoveList::Progress progress;
     const bool movesAreTheSame = moves->readProgress(node.getChildNode("Moves"), progress);
-    vector<double> standIn;
+    vector<double> standIn, schedule;
     OuterStatistics restoredTests;
     if (version > 2) {
         standIn = NativeEnergy::readStandIn(node.getChildNode("StandIn"));
+        schedule = NativeEnergy::readSchedule(node.getChildNode("StandIn"));
         restoredTests.read(node.getChildNode("OuterTests"));
     }
     const unique_ptr<KeptGeometry> geometry = readGeometry(node, version);
@@ -646,8 +651,10 @@ void TorsionMonteCarloIntegrator::deserializeParameters(const SerializationNode&
     *random = restored;
     if (movesAreTheSame)
         moves->setProgress(progress);
-    if (version > 2)
+    if (version > 2) {
         native->setStandIn(standIn);
+        native->setSchedule(schedule);
+    }
     if (version > 2 && movesAreTheSame)
         *outerStatistics = restoredTests;
 }

@@ -116,20 +116,18 @@ double TrialSession::computeOtherEnergy(int groups)
     return force.computeOtherEnergy(context, groups);
 }
 
-double TrialSession::computeOtherEnergyOfProposal(int groups)
+void TrialSession::showProposal()
 {
     contextIsBehind = true;
     force.setContextPositions(context, kernel.followProposal());
-    return force.computeOtherEnergy(context, groups);
 }
 
-double TrialSession::computeOtherEnergyOfState(int groups)
+void TrialSession::showState()
 {
-    if (contextIsBehind) {
-        contextIsBehind = false;
-        force.showState(context);
-    }
-    return force.computeOtherEnergy(context, groups);
+    if (!contextIsBehind)
+        return;
+    contextIsBehind = false;
+    force.showState(context);
 }
 
 void TrialSession::keepState()

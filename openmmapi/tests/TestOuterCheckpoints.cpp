@@ -134,7 +134,7 @@ static void testStatesThatDoNotFit(Platform& platform)
 int main()
 {
     return runOnPlatform("Reference", [](Platform& platform) {
-        for (int trialsPerTest : {1, 10, 17, 50})
+        for (int trialsPerTest : {0, 1, 10, 17, 50})
             testGoingOn(platform, trialsPerTest);
         testReinitialize(platform);
         testStatesThatDoNotFit(platform);

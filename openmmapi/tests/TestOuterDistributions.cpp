@@ -3,7 +3,9 @@
  * Forces of kinds that no code of ours will evaluate.
  */
 
+#include "ForeignSupport.h"
 #include "openmm/CustomCentroidBondForce.h"
+#include "openmm/CustomExternalForce.h"
 #include "openmm/CustomManyParticleForce.h"
 #include "ShortChain.h"
 
@@ -53,8 +55,32 @@ static void testForeignForces()
         for (const Setting& setting : {Setting{7, 21, true, false}, Setting{50, 50, true, false}})
             assertSampled(chain, expected, setting, numSteps);
         assertSampled(shared, expected, {7, 20, true, false}, numSteps);
+        assertSampled(shared, expected, {0, 25, true, false}, numSteps / 3);
         assertSampled(chain, expected, {7, 14, false, false}, numSteps);
         assertSampled(chain, expected, {0, 7, true, false}, numSteps);
+    }
+}
+
+/**
+ * A restraint in the group of all Forces samples the same if its expression is one that only OpenMM can evaluate.
+ */
+static void testRestraints()
+{
+    Means expected;
+    for (const string expression : {"(x-0.5)^2+(y-0.3)^2+(z-1)^2", "periodicdistance(x,y,z,0.5,0.3,1)^2"}) {
+        ShortChain chain(0.3);
+        CustomExternalForce* restraint = new CustomExternalForce("4*(" + expression + ")");
+        restraint->addParticle(4);
+        chain.system.setDefaultPeriodicBoxVectors(Vec3(20, 0, 0), Vec3(0, 20, 0), Vec3(0, 0, 20));
+        chain.system.addForce(restraint);
+        const int numSteps = 4000;
+        const Means means = chain.computeMeans(1);
+        if (expression[0] == '(') {
+            expected = means;
+            ASSERT(getLargestDifference(expected, ShortChain(0.3).computeMeans(1)) > 1.5 * getTolerance(numSteps));
+        }
+        ASSERT(getLargestDifference(expected, means) < 1e-6);
+        assertSampled(chain, expected, {0, 14, true, false}, numSteps);
     }
 }
 
@@ -72,9 +98,25 @@ static void testSoftSpheres()
     assertSampled(chain, expected, {7, 20, true, true}, numSteps);
 }
 
+/**
+ * As on platforms that evaluate force groups as a whole.
+ */
+static void testMixedForces()
+{
+    WholeGroups wholeGroups;
+    const int numSteps = 3000;
+    ShortChain shared(0.3);
+    addCentroidForce(shared.system, 0);
+    const Means expected = shared.computeMeans(1);
+    for (int trialsPerTest : {0, 7})
+        assertSampled(shared, expected, {trialsPerTest, 14, true, false}, numSteps);
+}
+
 int main()
 {
     return runOnPlatform("Reference", [](Platform&) {
+        testRestraints();
+        testMixedForces();
         testForeignForces();
         testSoftSpheres();
     });

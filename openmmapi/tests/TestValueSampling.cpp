@@ -178,11 +178,12 @@ static void testDecisions()
             for (int i = 0; i < 10; i++) {
                 native->integrator.step(1);
                 foreign->integrator.step(1);
-                ASSERT(native->getPositions() == foreign->getPositions());
+                ASSERT(trialsPerTest == 0 || native->getPositions() == foreign->getPositions());
                 native->assertHeld();
+                foreign->assertHeld();
             }
             const long long accepted = native->countAccepted();
-            ASSERT_EQUAL(foreign->countAccepted(), accepted);
+            ASSERT(trialsPerTest == 0 || foreign->countAccepted() == accepted);
             ASSERT(accepted > 10);
             auto stages = native->integrator.getStageStatistics();
             ASSERT_EQUAL("computed values", stages[4].stage);

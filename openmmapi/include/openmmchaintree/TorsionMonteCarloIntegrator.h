@@ -66,8 +66,9 @@ class TrialSession;
  *   RBTorsionForce, CMAPTorsionForce, CustomBondForce, CustomAngleForce, CustomTorsionForce, CustomCompoundBondForce,
  *   CustomExternalForce, CustomNonbondedForce, and generalized Born. Of CustomGBForces of another form it evaluates all
  *   in each trial that has come so far, or once for many trials, as of foreign ones; that takes milliseconds.
- * - Foreign: all else. OpenMM evaluates the force groups of these for each trial that has come so far, or once for many
- *   trials; see below.
+ * - Foreign: all else. OpenMM evaluates these once for many trials, see below, or for each trial that has come so far if
+ *   trials change them too much. Whatever their force group, it evaluates them alone on the Reference and CPU platforms;
+ *   others evaluate force groups as a whole, so that there a group without native Forces is better.
  *
  * A trial passes the parts of U one by one, cheapest first, and ends at the first that refuses it: bonded terms, pairs
  * that are near, soft spheres, the other pairs, computed values, foreign Forces. By its own change dU of U each part
@@ -88,8 +89,8 @@ class TrialSession;
  * however much the dear part is. (At a temperature of 0 the trials are kept unless U has gone up.) What is left to
  * outer tests are
  *
- * - foreign Forces, if setTrialsPerOuterTest() says so: OpenMM then evaluates them once a test and once a step instead
- *   of once a trial; and with them CustomGBForces that this library evaluates as a whole;
+ * - foreign Forces: OpenMM then evaluates them once a test and once a step instead of once a trial. By default the first
+ *   tests find out which of them are, and after how many trials; see setTrialsPerOuterTest();
  * - what a stand-in neglects. Generalized Born solvation, in which each pair of particles counts for each other, is
  *   native, but for trials it is replaced, together with Coulomb energies, by something near that depends on few
  *   particles; see setStandInCutoffs() and renewStandIns().
@@ -353,10 +354,15 @@ public:
      * back. A step always ends with a test, so there are never more trials to one than there are in a step: for 400,
      * set 400 or a multiple of it by setTrialsPerStep().
      *
-     * With 0, which is the default, foreign Forces and CustomGBForces that are evaluated as a whole are not left to an
-     * outer test, but decide each trial; a stand-in is tested after 400 trials. With a number from 1 on, all of them
-     * are tested after so many. Where there are none of these there is no outer test at all. This may change between
-     * two steps.
+     * With 0, which is the default, a stand-in is tested after 400 trials, and CustomGBForces that are evaluated as a
+     * whole decide each trial. Of foreign Forces the first tests measure by how much trials change them. These come
+     * after 12 trials, and after more and more, up to 400 or those of a step, as long as over half of the tests are
+     * likely to keep their trials: the standard deviation of the differences is below 1.35 kT. Forces that change more
+     * than that in 12 trials decide each trial from then on. The choice is fixed after some thousand trials, which are
+     * none to take statistics from. It is in checkpoints and States, and renewStandIns() makes it again.
+     *
+     * With a number from 1 on, all of these are tested after so many trials. Where there are none of them there is no
+     * outer test at all. This may change between two steps.
      *
      * @param trials  the number of trials, or 0
      */
@@ -380,7 +386,8 @@ public:
      * Make the stand-in for a part of the energy what it is in the present positions. The first step of a Context does
      * so; from then on its numbers stay what they are, in checkpoints and States as well, so that sampling is exact.
      * Call this in equilibration, or if getOuterStatistics() shows that few tests keep their trials because the
-     * molecules have become others than they were. Nothing happens if there is no stand-in.
+     * molecules have become others than they were. The next tests also choose again which foreign Forces are left to
+     * them, and after how many trials. Nothing happens if there is neither a stand-in nor a foreign Force.
      *
      * @param context  the Context that this integrator is bound to
      */
@@ -872,7 +879,7 @@ private:
     class KeptState;
     std::unique_ptr<KeptState> keepState();
     void showKeptState() const;
-    void restoreCheckpoint(CheckpointReader& reader, bool positionsAreSafe);
+    void restoreCheckpoint(CheckpointReader& reader, int version, bool positionsAreSafe);
     std::unique_ptr<KeptGeometry> readGeometry(const OpenMM::SerializationNode& state, int version) const;
     void bindTo(OpenMM::ContextImpl& context);
     void checkBeforeSteps();

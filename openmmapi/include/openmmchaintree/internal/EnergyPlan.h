@@ -30,7 +30,7 @@ public:
         Constant,
         /** The kernel evaluates what a trial changes of it. */
         Native,
-        /** OpenMM evaluates it for each trial. */
+        /** OpenMM evaluates it. */
         Foreign
     };
     class Entry {
@@ -39,7 +39,7 @@ public:
         /** Its force groups, as a bit mask: one, or two if its reciprocal space has a group of its own. */
         int groups;
         Kind kind;
-        /** One clause that says why. */
+        /** A clause that says why. NativeEnergy::describePlan() also says how often it is evaluated. */
         std::string reason;
     };
     explicit EnergyPlan(const OpenMM::ContextImpl& context);
@@ -85,6 +85,11 @@ public:
         return entries;
     }
     /**
+     * Get whether trials see a stand-in for a Force, and whether its energy is one of values.
+     */
+    bool hasStandIn(int index) const;
+    bool isOfValues(int index) const;
+    /**
      * Get the force groups that have a Force of this kind, as a bit mask. A group may be among those of several kinds.
      */
     int getGroups(Kind kind) const;
@@ -126,7 +131,7 @@ private:
     /** The copies of those of native kinds, and the names of all others' classes. */
     std::vector<std::unique_ptr<OpenMM::Force>> copies;
     std::vector<std::string> classNames;
-    /** The one that is no part of U if its spheres are hard, and those that act on velocities alone. */
+    /** The one that is no part of U if its spheres are hard, and those that act on velocities or the box alone. */
     std::vector<bool> isSteric, hasNoEnergy;
     std::vector<Entry> entries;
     EnergyTerms terms;

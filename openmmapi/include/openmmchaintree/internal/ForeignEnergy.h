@@ -7,16 +7,15 @@
 namespace ChainTreePlugin {
 
 /**
- * The energy of the foreign Forces in the integration force groups, by an OpenMM evaluation for each trial. If they are
- * left to an outer test, the stage has no part in trials.
+ * The energy of the foreign Forces that each trial is decided by, by an OpenMM evaluation for each trial. Those that
+ * are left to outer tests have no part in it.
  *
- * OpenMM evaluates whole groups. If native Forces are in them, what the kernel has computed of these is subtracted, so
- * that the change is that of the foreign Forces alone.
+ * If ForeignForces can only evaluate them mixed with native Forces, what the kernel has computed of these is
+ * subtracted, so that the change is that of the foreign Forces alone.
  */
 class ForeignEnergy : public EnergyStage {
 public:
-    explicit ForeignEnergy(const NativeEnergy& native) :
-        native(native), groups(0), energy(0), proposedEnergy(0), keptEnergy(0)
+    explicit ForeignEnergy(const NativeEnergy& native) : native(native), energy(0), proposedEnergy(0), keptEnergy(0)
     {
     }
     std::string getName() const
@@ -37,8 +36,8 @@ public:
 
 private:
     const NativeEnergy& native;
-    /** The groups that are evaluated. */
-    int groups;
+    /** The parts of ForeignForces that are evaluated. */
+    std::vector<int> parts;
     /** The energies of the state and of the open trial. */
     double energy, proposedEnergy;
     /** That of the state that was kept. */

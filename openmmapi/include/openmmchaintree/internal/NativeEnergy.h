@@ -5,7 +5,9 @@
 #include "openmm/serialization/SerializationNode.h"
 #include "openmmchaintree/internal/EnergyPlan.h"
 #include "openmmchaintree/internal/EnergyStage.h"
+#include "openmmchaintree/internal/ForeignForces.h"
 #include "openmmchaintree/internal/NativeEnergyCheck.h"
+#include "openmmchaintree/internal/OuterSchedule.h"
 #include "openmmchaintree/TorsionMonteCarloIntegrator.h"
 #include <memory>
 #include <string>
@@ -50,6 +52,11 @@ public:
      */
     const EnergyPlan& getPlan();
     /**
+     * Get the entries of the plan, with reasons that say how often each Force is evaluated by the settings and by what
+     * is known at present.
+     */
+    std::vector<EnergyPlan::Entry> describePlan();
+    /**
      * Begin a series of trials: bring the plan and the kernel's energy up to date, and compare OpenMM's if it is time.
      * This comes before the stages begin.
      */
@@ -87,7 +94,7 @@ public:
      */
     bool decidesByValues() const
     {
-        return valuesCanChange && !leavesForeignToOuterTest();
+        return valuesCanChange && integrator.getTrialsPerOuterTest() == 0;
     }
     /**
      * Compute by how much the open trial changes the energies of values. This comes after all parts.
@@ -108,22 +115,19 @@ public:
      */
     static bool isPossible(double energy);
     /**
-     * Throw an exception: the state has no such energy. It names the foreign Forces whose groups have none.
+     * Throw an exception: the state has no such energy. It names the foreign Forces that have none.
      */
     [[noreturn]] void refuseState(TrialSession& trials) const;
-    /**
-     * Get the force groups that OpenMM has to evaluate for the foreign Forces; 0 if there are none.
-     */
-    int getForeignGroups() const
+    const ForeignForces& getForeign() const
     {
-        return foreignGroups;
+        return foreign;
     }
     /**
-     * Get whether the foreign groups have native Forces, too. Then they are all groups of these.
+     * Get the parts of the foreign Forces that each trial of the series that has begun is decided by.
      */
-    bool sharesForeignGroups() const
+    std::vector<int> getForeignOfTrials() const
     {
-        return foreignGroupsAreShared;
+        return selectForeign(false);
     }
     /**
      * Compute the energy of all Forces of the integration force groups but the StericExclusionForce.
@@ -144,20 +148,22 @@ public:
      */
     double getNearCorrection();
     /**
-     * Get whether trials are decided without the foreign Forces, and without energies of values.
-     */
-    bool leavesForeignToOuterTest() const
-    {
-        return integrator.getTrialsPerOuterTest() > 0;
-    }
-    /**
      * Get how many trials there are to an outer test in the series that has begun; 0 if there is none.
      */
     int getTrialsPerOuterTest() const;
+    /** What an outer test knows of U - U1 of a state. */
+    class Difference {
+    public:
+        /** U - U1; infinite if U is. */
+        double whole;
+        /** The energy of each part of the foreign Forces, while these are measured. */
+        std::vector<double> foreign;
+    };
+    Difference computeDifference(TrialSession& trials);
     /**
-     * Compute U - U1 of the state; infinite if U is.
+     * Take notice that a complete block of trials has led from one state to another.
      */
-    double computeDifference(TrialSession& trials);
+    void takeNoticeOfTest(const Difference& before, const Difference& after);
     /**
      * Get U1 of the state, without what moves cannot change and without soft spheres.
      */
@@ -177,7 +183,7 @@ public:
         values = keptValues;
     }
     /**
-     * Make the stand-in what it is in the state, if there is one.
+     * Make the stand-in what it is in the state, if there is one, and measure again what is left to outer tests.
      */
     void renewStandIn();
     /**
@@ -193,10 +199,22 @@ public:
      */
     void setStandIn(const std::vector<double>& numbers);
     /**
-     * Write the numbers of the stand-in, or read them, for setStandIn().
+     * Get or set the numbers of the OuterSchedule.
+     */
+    std::vector<double> getSchedule() const
+    {
+        return schedule.getNumbers();
+    }
+    void setSchedule(const std::vector<double>& numbers)
+    {
+        schedule.setNumbers(numbers);
+    }
+    /**
+     * Write the numbers of the stand-in and of the OuterSchedule, or read them, for setStandIn() and setSchedule().
      */
     void writeStandIn(OpenMM::SerializationNode& node) const;
     static std::vector<double> readStandIn(const OpenMM::SerializationNode& node);
+    static std::vector<double> readSchedule(const OpenMM::SerializationNode& node);
 
 private:
     /** What the user has chosen that the plan depends on. */
@@ -233,6 +251,11 @@ private:
     {
         return !plan.getTranslatedForces().empty();
     }
+    bool choosesForeign() const;
+    bool isLeftToTests(int part) const;
+    std::vector<int> selectForeign(bool leftToTests) const;
+    void beginSchedule();
+    Difference computeForeignDifference(TrialSession& trials);
     void updatePlan();
     void translate();
     void setKernelTerms();
@@ -254,8 +277,8 @@ private:
     bool forcesWereChanged, parametersWereChanged, energyIsOld;
     /** Whether trials can change terms, pairs, and energies of values. */
     bool termsCanChange, pairsCanChange, valuesCanChange;
-    int foreignGroups;
-    bool foreignGroupsAreShared;
+    ForeignForces foreign;
+    OuterSchedule schedule;
     /** The number of trials until OpenMM's energy is compared again, and how many there were to be the last time. */
     long long trialsToCheck, checkInterval;
     /** The number of parts of the open trial that were computed, and the sum of their changes. */

@@ -95,7 +95,7 @@ private:
     class Energies {
     public:
         /** U - U1. */
-        double difference;
+        NativeEnergy::Difference difference;
         /** U1; 0 where the temperature is not. */
         double inner;
     };

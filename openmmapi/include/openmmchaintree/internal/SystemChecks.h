@@ -21,6 +21,8 @@ StericExclusionForceImpl& findStericExclusionForce(OpenMM::ContextImpl& context)
  */
 void checkConstraints(const OpenMM::System& system, const LinkStructure& structure);
 
+bool isBarostat(const OpenMM::Force& force);
+
 /**
  * Throw an OpenMMException if hard spheres cannot be sampled: a barostat knows nothing of limits.
  */

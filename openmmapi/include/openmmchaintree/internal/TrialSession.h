@@ -117,17 +117,14 @@ public:
         return kernel.getProposedEnergyChange();
     }
     /**
+     * Move the Context to the open trial, or to the state.
+     */
+    void showProposal();
+    void showState();
+    /**
      * Compute the energy of force groups at the Context's positions, leaving out the StericExclusionForce.
      */
     double computeOtherEnergy(int groups);
-    /**
-     * The same at the positions of the open trial.
-     */
-    double computeOtherEnergyOfProposal(int groups);
-    /**
-     * The same at the positions of the state.
-     */
-    double computeOtherEnergyOfState(int groups);
     /**
      * Keep the state, its limits and what the kernel knows of its energy.
      */

@@ -1,0 +1,79 @@
+#ifndef OPENMM_CHAINTREE_FOREIGNFORCES_H_
+#define OPENMM_CHAINTREE_FOREIGNFORCES_H_
+
+#include "openmm/internal/ContextImpl.h"
+#include "openmm/internal/ForceImpl.h"
+#include "openmmchaintree/internal/EnergyPlan.h"
+#include "openmmchaintree/internal/TrialSession.h"
+#include <vector>
+
+namespace ChainTreePlugin {
+
+/**
+ * Lets OpenMM evaluate the foreign Forces of a Context, and no others where that is possible.
+ *
+ * On the Reference and CPU platforms a ForceImpl evaluates its Force when it is asked to, so the Context is asked for
+ * its energy while it has no ForceImpls but those of foreign Forces. It is they who evaluate, not copies: they have the
+ * parameters that updateParametersInContext() gave them, and whatever they remember. Other platforms evaluate force
+ * groups as a whole. Foreign Forces in groups without native ones are then alone, too; if they share a group with a
+ * native Force, the energy of all native ones comes with theirs.
+ */
+class ForeignForces {
+public:
+    explicit ForeignForces(OpenMM::ContextImpl& context);
+    /**
+     * Find out how the foreign Forces of a plan are evaluated.
+     *
+     * @param groups       the force groups that have a part in U, as a bit mask
+     * @param allowNative  whether anything but OpenMM evaluates a Force. If not, all groups are evaluated at once
+     */
+    void setForces(const EnergyPlan& plan, int groups, bool allowNative);
+    /**
+     * Get the parts that can be evaluated one by one, each by the indices of its Forces.
+     */
+    const std::vector<std::vector<int>>& getParts() const
+    {
+        return parts;
+    }
+    /**
+     * Get whether native Forces are evaluated with them. Then there is one part, and all native Forces are in it.
+     */
+    bool areMixed() const
+    {
+        return mixed;
+    }
+    /**
+     * Get the force groups that are evaluated as a whole, as a bit mask.
+     */
+    int getWholeGroups() const
+    {
+        return wholeGroups;
+    }
+    /**
+     * Compute the energy of some parts, or of all, at the Context's positions.
+     */
+    double computeEnergy(TrialSession& trials, const std::vector<int>& chosen) const;
+    double computeEnergy(TrialSession& trials) const;
+    /**
+     * Find the Forces whose energy is none that a state can have, or all of them if it is only their sum.
+     */
+    std::vector<int> findImpossible(TrialSession& trials) const;
+
+private:
+    void addToParts(int force, int itsGroups);
+    double computeAlone(const std::vector<int>& forces) const;
+    OpenMM::ContextImpl& context;
+    /** Whether a ForceImpl evaluates its Force when it is asked. */
+    const bool implsEvaluate;
+    /** The ForceImpls by the indices of their Forces. */
+    const std::vector<OpenMM::ForceImpl*> impls;
+    int groups, wholeGroups;
+    bool mixed;
+    std::vector<std::vector<int>> parts;
+    /** The force groups of each part, and of each Force of the plan, as far as they have a part in U. */
+    std::vector<int> partGroups, forceGroups;
+};
+
+} // namespace ChainTreePlugin
+
+#endif /*OPENMM_CHAINTREE_FOREIGNFORCES_H_*/

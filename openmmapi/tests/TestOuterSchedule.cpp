@@ -1,0 +1,225 @@
+/**
+ * This tests which foreign energies are left to outer tests and after how many trials, by what the first tests find.
+ */
+
+#include "openmm/internal/AssertionUtilities.h"
+#include "openmmchaintree/internal/OuterSchedule.h"
+#include <cmath>
+#include <functional>
+#include <iostream>
+#include <limits>
+#include <random>
+
+using namespace ChainTreePlugin;
+using namespace OpenMM;
+using namespace std;
+
+/** Draws by how much some trials change each energy, in kT. */
+typedef function<vector<double>(int trials)> Changes;
+
+/**
+ * A normal distribution of differences as outer tests have it: its mean is half of its variance.
+ */
+class NormalChange {
+public:
+    /**
+     * @param perTrial  the standard deviation of one trial
+     * @param seed      of the random numbers
+     */
+    explicit NormalChange(double perTrial, int seed = 1) : perTrial(perTrial), random(seed)
+    {
+    }
+    double operator()(int trials)
+    {
+        const double deviation = perTrial * sqrt(trials);
+        return normal_distribution<double>(deviation * deviation / 2, deviation)(random);
+    }
+
+private:
+    double perTrial;
+    mt19937 random;
+};
+
+static void addTests(OuterSchedule& schedule, const Changes& draw, int numTests, double unseen = 0)
+{
+    for (int i = 0; i < numTests; i++) {
+        const vector<double> changes = draw(schedule.getTrialsPerTest());
+        double sum = unseen;
+        for (size_t j = 0; j < changes.size(); j++)
+            sum += schedule.isLeft(j) ? changes[j] : 0;
+        schedule.add(changes, sum);
+    }
+}
+
+/**
+ * Measure until all is chosen. Returns the number of tests.
+ */
+static int choose(OuterSchedule& schedule, int numEnergies, int longest, const Changes& draw)
+{
+    vector<int> energies(numEnergies);
+    for (int i = 0; i < numEnergies; i++)
+        energies[i] = 3 * i + 1;
+    int numTests = 0;
+    schedule.begin(energies, longest);
+    while (schedule.isMeasuring()) {
+        addTests(schedule, draw, 4);
+        numTests += 4;
+        ASSERT(numTests < 1000);
+        schedule.begin(energies, longest);
+    }
+    return numTests;
+}
+
+static void testNumbersOfTrials()
+{
+    // The deviation after m trials is below 1.35 for the chosen m, and above it for twice that number.
+
+    for (auto& each : vector<pair<double, int>>{{0, 400}, {0.04, 400}, {0.085, 200}, {0.12, 100}, {0.2, 25}}) {
+        OuterSchedule schedule;
+        NormalChange change(each.first);
+        const int numTests = choose(schedule, 1, 400, [&](int trials) {
+            return vector<double>{change(trials)};
+        });
+        ASSERT(schedule.isLeft(0));
+        ASSERT_EQUAL(each.second, schedule.getTrialsPerTest());
+        ASSERT(numTests <= 120);
+    }
+
+    // No more trials than there are in a step, however few these are.
+
+    for (int longest : {1, 5, 12, 30, 100}) {
+        OuterSchedule schedule;
+        choose(schedule, 1, longest, [](int trials) {
+            return vector<double>{0.001 * trials};
+        });
+        ASSERT(schedule.isLeft(0));
+        ASSERT_EQUAL(longest, schedule.getTrialsPerTest());
+    }
+}
+
+static void testLargeChanges()
+{
+    // In each trial, and so are those that always go up, where the spread does not tell, or have no number.
+
+    for (double change : {numeric_limits<double>::quiet_NaN(), numeric_limits<double>::infinity(),
+                          -numeric_limits<double>::infinity(), 1e300, 5.0}) {
+        OuterSchedule schedule;
+        const int numTests = choose(schedule, 1, 400, [change](int) {
+            return vector<double>{change};
+        });
+        ASSERT(!schedule.isLeft(0));
+        ASSERT_EQUAL(20, numTests);
+    }
+
+    // One of them is no reason for the others, if it is known which; nor is what tests decide about besides.
+
+    NormalChange small(0.1, 1), large(3, 2), other(0.1, 3);
+    OuterSchedule schedule;
+    choose(schedule, 3, 400, [&](int trials) {
+        return vector<double>{small(trials), large(trials), other(trials)};
+    });
+    ASSERT(schedule.isLeft(0) && !schedule.isLeft(1) && schedule.isLeft(2));
+    ASSERT_EQUAL(50, schedule.getTrialsPerTest());
+    OuterSchedule besides;
+    besides.begin({7}, 400);
+    for (int i = 0; i < 20; i++)
+        besides.add({0}, i % 2 == 0 ? 10 : -10);
+    besides.begin({7}, 400);
+    ASSERT(!besides.isLeft(0) && !besides.isMeasuring());
+}
+
+static void testFixed()
+{
+    NormalChange change(0.12);
+    const Changes draw = [&](int trials) {
+        return vector<double>{change(trials)};
+    };
+    OuterSchedule schedule;
+    choose(schedule, 1, 400, draw);
+    ASSERT_EQUAL(100, schedule.getTrialsPerTest());
+    schedule.begin({1}, 400);
+    ASSERT(!schedule.isMeasuring());
+    ASSERT_EQUAL(100, schedule.getTrialsPerTest());
+
+    // Other energies are measured, and the same on request.
+
+    schedule.begin({2}, 400);
+    ASSERT(schedule.isMeasuring() && schedule.getTrialsPerTest() == 12);
+    choose(schedule, 1, 400, draw);
+    schedule.restart();
+    schedule.begin({1}, 400);
+    ASSERT(schedule.isMeasuring() && schedule.getTrialsPerTest() == 12);
+    OuterSchedule none;
+    none.begin({}, 400);
+    ASSERT(!none.isMeasuring());
+    ASSERT_EQUAL(0, none.getNumbers().size());
+}
+
+static void testNumbers()
+{
+    // A copy that is made at any time goes the same way.
+
+    for (int numTests : {0, 1, 20, 37, 90, 130}) {
+        NormalChange first(0.12, 4), second(0.12, 4);
+        OuterSchedule schedule, copy;
+        schedule.begin({1}, 400);
+        for (int i = 0; i < numTests; i++) {
+            schedule.begin({1}, 400);
+            if (schedule.isMeasuring())
+                addTests(
+                    schedule,
+                    [&](int trials) {
+                        return vector<double>{first(trials) + 0 * second(trials)};
+                    },
+                    1);
+        }
+        copy.setNumbers(schedule.getNumbers());
+        ASSERT(schedule.getNumbers() == copy.getNumbers());
+        auto draw = [](NormalChange& change) {
+            return [&change](int trials) {
+                return vector<double>{change(trials)};
+            };
+        };
+        choose(schedule, 1, 400, draw(first));
+        choose(copy, 1, 400, draw(second));
+        ASSERT(schedule.getNumbers() == copy.getNumbers());
+    }
+
+    // Numbers of something else.
+
+    OuterSchedule schedule;
+    schedule.begin({1, 4}, 400);
+    vector<double> numbers = schedule.getNumbers();
+    auto assertUnusable = [&](vector<double> damaged) {
+        OuterSchedule other;
+        other.setNumbers(damaged);
+        ASSERT(!other.isMeasuring() && other.getNumbers().empty());
+        other.begin({1, 4}, 400);
+        ASSERT(other.isMeasuring() && other.getTrialsPerTest() == 12);
+    };
+    assertUnusable({});
+    assertUnusable({1, 2, 3});
+    assertUnusable(vector<double>(numbers.begin(), numbers.end() - 1));
+    for (int i : {1, 2, 3, 4})
+        for (double bad : {-1.0, 1e30, numeric_limits<double>::quiet_NaN()}) {
+            vector<double> damaged = numbers;
+            damaged[i] = bad;
+            assertUnusable(damaged);
+        }
+}
+
+int main()
+{
+    try {
+        testNumbersOfTrials();
+        testLargeChanges();
+        testFixed();
+        testNumbers();
+    }
+    catch (const exception& e) {
+        cout << "exception: " << e.what() << endl;
+        return 1;
+    }
+    cout << "Done" << endl;
+    return 0;
+}
