@@ -125,10 +125,21 @@ vector<vector<int>> ChainTreePlugin::findTorsionWindows(const LinkStructure& str
 WindowAxes ChainTreePlugin::findWindowAxes(const LinkStructure& structure, const vector<int>& torsions,
                                            vector<int>& particles)
 {
+    vector<WindowStep> steps;
+    for (int torsion : torsions)
+        steps.push_back({torsion, false});
+    return findWindowAxes(structure, steps, particles);
+}
+
+WindowAxes ChainTreePlugin::findWindowAxes(const LinkStructure& structure, const vector<WindowStep>& steps,
+                                           vector<int>& particles)
+{
     WindowAxes axes;
     particles.clear();
-    for (int torsion : torsions) {
-        const array<int, 4> row = structure.getTorsionParticles(torsion);
+    for (const WindowStep& step : steps) {
+        array<int, 4> row = structure.getTorsionParticles(step.torsion);
+        if (step.isRootward)
+            reverse(row.begin(), row.end());
         if (particles.empty() || particles.back() != row[1])
             particles.push_back(row[1]);
         particles.push_back(row[2]);

@@ -317,10 +317,67 @@ static void testErrors(Platform& platform)
     ASSERT_EQUAL("closed ±0.3 rad (weight 0.5, 2 torsions to choose from)", integrator.getMoveDescription(1));
 }
 
+/**
+ * In a ring windows lead over the closure, and over the link on which the ring hangs.
+ */
+static void testRings()
+{
+    // Fourteen beads in a ring. The torsions beside the closure share no bead: they are in no pair of pivots.
+
+    Molecule ring;
+    ring.addRow(-1, 14);
+    for (int i = 1; i < 12; i++)
+        ring.turn(i, i + 1);
+    ring.force.addClosure(12, 13, 0, 1);
+    LinkStructure structure(ring.system, ring.force);
+    set<vector<int>> expected;
+    for (int first : {0, 1, 2, 3, 4, 6, 8, 10}) {
+        vector<int> row;
+        for (int i = 0; i < 8; i++)
+            row.push_back((first + i) % 11);
+        expected.insert(row);
+    }
+    ClosedWindows windows(structure, count(0, 10));
+    ASSERT(listRows(windows) == expected);
+    assertConsistent(ring, windows);
+
+    // Held in the middle, the ring hangs on two branches. Windows lead up the one and down the other, those of one
+    // branch down it.
+
+    ring.system.setParticleMass(7, 0);
+    LinkStructure held(ring.system, ring.force);
+    ClosedWindows both(held, count(0, 10));
+    ASSERT(listRows(both) == expected);
+    for (auto& window : both.getWindows())
+        for (size_t i = 1; i < window.torsions.size(); i++) {
+            const int step = window.torsions[i] - window.torsions[i - 1];
+            ASSERT(step == 1 || step == -10);
+
+            // Axes are those of beads in a row, in the direction of the ring.
+
+            ASSERT_EQUAL(window.particles[window.axes[i].first] + 1, window.particles[window.axes[i].second]);
+        }
+
+    // What is held at both ends of a loop is one part.
+
+    Molecule loop;
+    loop.addRow(-1, 11);
+    for (int i = 1; i < 9; i++)
+        loop.turn(i, i + 1);
+    const int other = loop.add(-1);
+    loop.addRow(other, 1);
+    for (int particle : {0, 1, other, other + 1})
+        loop.system.setParticleMass(particle, 0);
+    loop.force.addClosure(9, 10, other, other + 1);
+    LinkStructure between(loop.system, loop.force);
+    ASSERT_EQUAL(5, ClosedWindows(between, count(0, 7)).getWindows().size());
+}
+
 int main()
 {
     return runOnPlatform("Reference", [](Platform& platform) {
         testBeads();
+        testRings();
         testSideChains();
         testProlines();
         testErrors(platform);

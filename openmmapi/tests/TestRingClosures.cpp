@@ -154,10 +154,9 @@ static void testBridge(Platform& platform)
         ASSERT(Counts(integrator, move).accepted > 100);
     assertKept(chain.positions, getPositions(context), *chain.force);
     for (int i = 0; i < chain.force->getNumTorsions(); i++)
-        ASSERT_EQUAL(i != chain.chi[0], fabs(after[i] - before[i]) > 1e-4);
+        ASSERT(fabs(after[i] - before[i]) > 1e-4);
 
-    // Windows of the ring alone end with the chi of the second residue. None leads to the chi of the first, whose side
-    // chain rides along.
+    // So do windows of the ring alone, which lead over the closure and over the residue on which the ring hangs.
 
     integrator.setClosedMoveParameters(2, 1, 0.2, ring);
     integrator.getTorsionAngles(context, before);
@@ -165,7 +164,7 @@ static void testBridge(Platform& platform)
     integrator.getTorsionAngles(context, after);
     assertKept(chain.positions, getPositions(context), *chain.force);
     for (int torsion : ring)
-        ASSERT_EQUAL(torsion != chain.chi[0], fabs(after[torsion] - before[torsion]) > 1e-6);
+        ASSERT(fabs(after[torsion] - before[torsion]) > 1e-6);
 }
 
 /**

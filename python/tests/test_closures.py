@@ -98,6 +98,40 @@ def test_cyclicPeptide():
     assert closuresOf(force) == [(atomOf(topology, 0, "CA"), first, last, atomOf(topology, 3, "CA"))]
 
 
+def test_torsionsBesideAClosureTurnAsOthers():
+    """A ring of six equal parts, closed between two of them: all torsions of a kind turn by as much."""
+    topology = app.Topology()
+    residue = topology.addResidue("RNG", topology.addChain())
+    atoms = [topology.addAtom(f"C{i}", app.element.carbon, residue) for i in range(18)]
+    for i in range(18):
+        topology.addBond(atoms[i], atoms[(i + 1) % 18])
+    for i in (0, 17):  # to tell torsions beside the closure by
+        topology.addBond(atoms[i], topology.addAtom(f"H{i}", app.element.hydrogen, residue))
+    turn = 2 * np.pi * np.array([*range(18), 0, 17]) / 18
+    radius = 0.45 + 0.1 * (np.arange(20) >= 18)
+    positions = np.stack([radius * np.cos(turn), radius * np.sin(turn), 0.05 * np.cos(6 * turn)], axis=1)
+    force = createStericExclusionForce(topology, positions, np.zeros(20), torsions=(), closures=[(0, 17)])
+    for i in range(17):
+        if i % 3 != 2:  # two torsions, and a bond that does not turn
+            force.addTorsion(i - 1 if i > 0 else 18, i, i + 1, i + 2 if i < 16 else 19)
+    system = openmm.System()
+    for _ in range(20):
+        system.addParticle(1)
+    system.addForce(force)
+    integrator = TorsionMonteCarloIntegrator(300)
+    integrator.setRandomNumberSeed(1)
+    integrator.setTrialsPerStep(10)
+    integrator.addClosedMove(1, 0.2)
+    context = openmm.Context(system, integrator, openmm.Platform.getPlatformByName("Reference"))
+    context.setPositions(positions)
+    angles = []
+    for _ in range(1000):
+        integrator.step(1)
+        angles.append(integrator.getTorsionAngles(context))
+    turned = np.mean(np.angle(np.exp(1j * np.diff(angles, axis=0))) ** 2, axis=0)
+    assert turned.min() > 0.2 * turned.max()
+
+
 def test_badClosures():
     topology, sulfurs = cystines()
     with pytest.raises(ValueError, match="closures names atoms 5 and 17, which are not bonded"):

@@ -495,8 +495,8 @@ public:
      * only.
      *
      * Torsions in rings of closures (StericExclusionForce::addClosure()) turn by this move only. Windows leave what a
-     * closure keeps together where it is, or move it as one piece. So chi of that cystine stays which is nearer to the
-     * root of its molecule.
+     * closure keeps together where it is, or move it as one piece. In a ring they lead over the closure, too, and over
+     * the link on which the ring hangs: then the rest of the ring moves as one piece, and what hangs on it.
      *
      * What follows the last window of a chain never moves by this move alone, so add a move by addTorsionMove(), too.
      *

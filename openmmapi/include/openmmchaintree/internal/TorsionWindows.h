@@ -42,21 +42,35 @@ OPENMM_EXPORT_CHAINTREE std::vector<std::vector<int>> findTorsionWindows(const L
                                                                          const std::vector<int>& pool, int size);
 
 /**
- * The axis of each torsion of a window: the places of its two particles in a list, the one on the root's side first.
+ * A torsion of a window, and whether the window leads from what it moves to the root's side.
+ */
+class WindowStep {
+public:
+    int torsion;
+    bool isRootward;
+};
+
+/**
+ * The axis of each torsion of a window: the places of its two particles in a list, in the window's direction.
  */
 typedef std::vector<std::pair<int, int>> WindowAxes;
 
 /**
  * Find the axes of the torsions of a window.
  *
- * @param torsions         the torsions, each of which moves the next
- * @param[out] particles   the particles of all axes, each once, in the order of the chain
+ * @param steps            the torsions in a row
+ * @param[out] particles   the particles of all axes, each once, in the order of the row
+ */
+OPENMM_EXPORT_CHAINTREE WindowAxes findWindowAxes(const LinkStructure& structure, const std::vector<WindowStep>& steps,
+                                                  std::vector<int>& particles);
+/**
+ * Find the axes of torsions each of which moves the next.
  */
 OPENMM_EXPORT_CHAINTREE WindowAxes findWindowAxes(const LinkStructure& structure, const std::vector<int>& torsions,
                                                   std::vector<int>& particles);
 
 /**
- * Get the unit vector of an axis, from the root's side on.
+ * Get the unit vector of an axis, in the window's direction.
  *
  * @param positions  those of the particles that findWindowAxes() has listed
  */
