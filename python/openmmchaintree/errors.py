@@ -5,6 +5,7 @@ from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
     from .clashes import FrameClashes
+    from .notes import Note
 
 
 class InputError(ValueError):
@@ -15,6 +16,17 @@ class InputError(ValueError):
     """
 
     frames: "Sequence[FrameClashes]" = ()
+
+
+class UnknownRadiusError(ValueError):
+    """Atoms of which no radius is known.
+
+    note : Note, which names them; advice names the argument or option that gives them one
+    """
+
+    def __init__(self, note: "Note", advice: str) -> None:
+        super().__init__(f"{note}: {advice}")
+        self.note = note
 
 
 class ClusterError(InputError):

@@ -13,7 +13,9 @@ these are found bound.
 
 import numpy as np
 
-from .naming import describeResidue
+from .errors import UnknownRadiusError
+from .naming import nameAtom
+from .notes import Note
 from .residues import aminoAcid, isSp2Carbon
 
 ALL_ATOM = "all-atom"
@@ -44,19 +46,16 @@ def particleRadii(graph, radiiSet, unknownRadius=None):
 
     Raises
     ------
-    ValueError
+    UnknownRadiusError
         if the set has no radius for the element of an atom and there is no unknownRadius to take
     """
     radius = _allAtomRadius if radiiSet == ALL_ATOM else _unitedAtomRadius
-    radii = []
-    for atom in range(len(graph.atoms)):
-        value = radius(graph, atom)
-        if value is None:
-            if unknownRadius is None:
-                raise ValueError(_describeUnknown(graph.atoms[atom]))
-            value = unknownRadius
-        radii.append(value)
-    return np.array(radii, dtype=np.float64)
+    radii = [radius(graph, atom) for atom in range(len(graph.atoms))]
+    unknown = [f"{nameAtom(graph.atoms[i])}, {graph.atoms[i].element.name}" for i, r in enumerate(radii) if r is None]
+    if unknown and unknownRadius is None:
+        note = Note("atoms of elements of which no radius is known", unknown)
+        raise UnknownRadiusError(note, "pass radii or unknownRadius")
+    return np.array([unknownRadius if value is None else value for value in radii], dtype=np.float64)
 
 
 def hydrogenBondRoles(graph, radiiSet):
@@ -72,11 +71,6 @@ def hydrogenBondRoles(graph, radiiSet):
         acceptor = _isAcceptor(graph, atom, hasHydrogens)
         roles.append((_DONOR if donor else 0) | (_ACCEPTOR if acceptor else 0))
     return roles
-
-
-def _describeUnknown(atom):
-    residue = describeResidue(atom.residue)
-    return f"no radius is known for {atom.element.name}, atom {atom.name} of {residue}: pass radii or unknownRadius"
 
 
 def _allAtomRadius(graph, atom):

@@ -13,7 +13,7 @@ from .filebonds import bondsOfFile
 from .images import reducedBox
 from .modeltopology import makeTopology
 from .naming import describeResidue, nameAtom
-from .notes import Note, found
+from .notes import Note, found, listFirst
 from .residues import aminoAcid, isNucleotide, isWater
 from .structurefile import readFile
 
@@ -208,7 +208,7 @@ def selectSolute(source, topology, positions, water=False, ions=False):
         raise InputError(f"{source}: {error}") from error
     if search.coinciding:
         pairs = [search.describePair(pair) for pair in search.coinciding]
-        raise InputError(f"{source}: bonded atoms are at one place ({pairs[0]}{_others(pairs)})")
+        raise InputError(f"{source}: bonded atoms are at one place ({listFirst(pairs, '; ')})")
     if search.overlong:
         raise tornError(source, [search.describePair(pair) for pair in search.overlong], search.hasBox)
     loose = [] if ions else _looseIons(dry, search.bonds)
@@ -249,11 +249,7 @@ def _looseIons(topology, bonds):
 def tornError(source, pairs, hasBox):
     """Return the InputError that tells of bonded atoms that are far apart: the first of some pairs, in words."""
     remedy = "" if hasBox else "; a molecule split over a periodic box is made whole if the file has the box"
-    return InputError(f"{source}: bonded atoms are far apart ({pairs[0]}{_others(pairs)}){remedy}")
-
-
-def _others(pairs):
-    return f", the first of {len(pairs):,} such bonds" if len(pairs) > 1 else ""
+    return InputError(f"{source}: bonded atoms are far apart ({listFirst(pairs, '; ')}){remedy}")
 
 
 def _noteWhole(topology, search, positions):

@@ -74,10 +74,10 @@ def filesIn(folder):
 
 
 def assertRefused(result, folder, filesBefore, *words):
-    """One line that names the culprit, status 2, nothing written."""
+    """One line, no longer than five on a terminal, that names the culprit; status 2, nothing written."""
     assert result.returncode == 2, result.stdout + result.stderr
     assert result.stdout == ""
-    assert len(result.stderr.strip().splitlines()) == 1
+    assert len(result.stderr.strip().splitlines()) == 1 and len(result.stderr) < 700
     for word in words:
         assert word in result.stderr
     assert filesIn(folder) == filesBefore

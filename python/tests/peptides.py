@@ -6,6 +6,7 @@ import warnings
 import numpy as np
 from biotite.structure.info import residue as component
 from openmm import app, unit
+from scenes import pdbLine
 from scipy.spatial.distance import cdist
 
 _LINK = 1.33  # Å, from C to N
@@ -73,3 +74,13 @@ def withHydrogens(topology, positions):
     random.seed(1)  # Modeller draws random numbers of Python
     modeller.addHydrogens()
     return modeller.topology, np.array(modeller.positions.value_in_unit(unit.nanometer))
+
+
+def linesOf(topology, positions, rename=lambda atom: (atom.name, atom.residue.name, atom.residue.index + 1)):
+    """Return the lines of a PDB file; a function gives the names of an atom and its residue, and the number of that."""
+    lines = []
+    for atom in topology.atoms():
+        name, residue, number = rename(atom)
+        line = pdbLine(atom.index + 1, name, residue, "A", number, *10 * positions[atom.index])
+        lines.append(line[:76] + f"{atom.element.symbol:>2}")
+    return lines

@@ -6,7 +6,7 @@ import numpy as np
 import openmm
 import pytest
 from openmm import app, unit
-from peptides import makePeptides, withHydrogens
+from peptides import linesOf, makePeptides, withHydrogens
 from scenes import pdbLine, writePDB
 
 FILES = ("amber14/protein.ff14SB.xml", "implicit/gbn2.xml")
@@ -25,16 +25,6 @@ def sampleWithHydrogens(runCommandHere, tmp_path):
         return app.PDBFile(str(tmp_path / "bare-topology.pdb")), summary["energy"]["potentialEnergy"]["first"]
 
     return sample
-
-
-def linesOf(topology, positions, rename=lambda atom: (atom.name, atom.residue.name, atom.residue.index + 1)):
-    """Return the lines of a PDB file; a function gives the names of an atom and its residue, and the number of that."""
-    lines = []
-    for atom in topology.atoms():
-        name, residue, number = rename(atom)
-        line = pdbLine(atom.index + 1, name, residue, "A", number, *10 * positions[atom.index])
-        lines.append(line[:76] + f"{atom.element.symbol:>2}")
-    return lines
 
 
 def hydrogensOn(topology):

@@ -79,7 +79,7 @@ def test_sampleOverwritesNothing(runHere, tmp_path):
         (tmp_path / name).write_text("mine")
     result = runHere(*arguments)
     assert result.returncode == 2
-    assert "run.dcd, run-topology.pdb, run.png, run-settings.toml, a.json: exist; --overwrite replaces them" in oneLine(
+    assert "run.dcd, run-topology.pdb, run.png, and 2 more: exist; --overwrite replaces them" in oneLine(
         result.stderr
     )
     result = runHere(*arguments, "--overwrite")

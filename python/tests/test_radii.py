@@ -105,7 +105,7 @@ def test_extraParticleIsNotModelled(radiiSet):
 
 @pytest.mark.parametrize("radiiSet", [ALL_ATOM, UNITED_ATOM])
 def test_unknownElementIsNamed(radiiSet):
-    message = "^no radius is known for xenon, atom X1 of A:LIG 1: pass radii or unknownRadius$"
+    message = r"^atoms of .* no radius is known \(1\): A:LIG 1 X1, xenon: pass radii or unknownRadius$"
     with pytest.raises(ValueError, match=message):
         particleRadii(singleAtom("Xe"), radiiSet)
     assert particleRadii(singleAtom("Xe"), radiiSet, unknownRadius=0.2) == [0.2]

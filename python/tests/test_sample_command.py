@@ -231,7 +231,7 @@ def test_missingFile(tmp_path):
         ("\n".join(GLYCINES).replace("1.450", "  nan"), "atom CA of A:GLY 1 has a coordinate that is not a finite"),
         (GLYCINES[0].replace(" N ", " O ").replace("GLY", "HOH"), "nothing but water and ions"),
         ("\n".join(GLYCINES[:4]), "no torsion of a protein"),
-        ("\n".join([*GLYCINES, *_XENON]), "no radius is known for xenon, atom XE1 of B:XEN 1"),
+        ("\n".join([*GLYCINES, *_XENON]), "B:XEN 1 XE1, xenon"),
     ],
 )
 def test_badStructure(runHere, tmp_path, content, words):

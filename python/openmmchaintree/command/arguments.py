@@ -4,12 +4,19 @@ import argparse
 import os
 import sys
 
+from ..notes import listFirst
 from .status import BAD_INPUT
 from .terminal import printError
 
 
 class Parser(argparse.ArgumentParser):
     """A parser that reports an error in one line."""
+
+    def parse_args(self, args=None, namespace=None):
+        options, others = self.parse_known_args(args, namespace)
+        if others:
+            self.error(f"unrecognized arguments: {listFirst(others)}")
+        return options
 
     def error(self, message):
         printError(message, self.prog)

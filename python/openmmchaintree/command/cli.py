@@ -19,6 +19,8 @@ _COMMANDS = {
     "clashes": "find the clashes of a structure or trajectory",
 }
 
+_OPTION_OF_CALL = {"setNativeEnergies(False)": "--no-native-energies"}
+
 
 def main(arguments=None):
     """Run the command; return its exit status."""
@@ -43,7 +45,7 @@ def runParsed(parser, arguments=None):
         _dropStandardOutput()
         return NOBODY_READS
     except (InputError, OutputError, openmm.OpenMMException) as error:
-        printError(error, parser.prog)
+        printError(_inOptions(str(error)), parser.prog)
         return BAD_INPUT
     except OSError as error:
         if error.filename is None:
@@ -52,6 +54,13 @@ def runParsed(parser, arguments=None):
         return BAD_INPUT
     except KeyboardInterrupt:
         return INTERRUPTED
+
+
+def _inOptions(text):
+    """Return what is wrong with advice by options, where the library names calls."""
+    for call, option in _OPTION_OF_CALL.items():
+        text = text.replace(call, option)
+    return text
 
 
 def _dropStandardOutput():

@@ -34,10 +34,21 @@ class EnergyModel:
     cutoff : float or None, nm
     trialsPerOuterTest : int
         as in TorsionMonteCarloIntegrator, 0 by default
+    areNative : bool
+        whether openmm-chaintree evaluates what it can
     """
 
-    def __init__(self, files, temperature, cutoff=None, trialsPerOuterTest=0, hydrogensAreAdded=False):
-        """Read the files; errors say what to do otherwise if hydrogens are added, as far as that is possible.
+    def __init__(
+        self,
+        files,
+        temperature,
+        cutoff=None,
+        trialsPerOuterTest=0,
+        hydrogensAreAdded=False,
+        someAreLeftOut=False,
+        areNative=True,
+    ):
+        """Read the files; errors say what else to do if hydrogens are added, or if atoms are left out.
 
         Raises
         ------
@@ -48,7 +59,8 @@ class EnergyModel:
         self.temperature = temperature
         self.cutoff = cutoff
         self.trialsPerOuterTest = trialsPerOuterTest
-        self._hydrogensAreAdded = hydrogensAreAdded
+        self.areNative = areNative
+        self._done = hydrogensAreAdded, someAreLeftOut
         for file in self.files:
             if os.path.isfile(file) and not file.lower().endswith(".xml"):
                 raise InputError(f"--forcefield {file}: is no XML file; name the structure before this option")
@@ -115,9 +127,7 @@ class EnergyModel:
                 return system, [Note("bonds of metals that the force field does not have", names)]
             except Exception as second:
                 error = second
-        raise InputError(
-            describeMisfits(self._forceField, self.files, topology, error, self._hydrogensAreAdded)
-        ) from error
+        raise InputError(describeMisfits(self._forceField, self.files, topology, error, *self._done)) from error
 
     def _createSystem(self, topology, cutoff):
         return self._forceField.createSystem(

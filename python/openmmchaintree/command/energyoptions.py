@@ -36,6 +36,11 @@ def addEnergyOptions(parser):
         help="let OpenMM evaluate forces that are not native once in M trials, all of which are then kept or taken "
         "back (default: in each trial; what stands in for a solvent is tested after 400 trials)",
     )
+    parser.add_argument(
+        "--no-native-energies",
+        action="store_true",
+        help="let OpenMM evaluate every force in each trial, which takes much longer",
+    )
     parser.add_argument("--add-hydrogens", action="store_true", help="add hydrogens that are missing")
     parser.add_argument(
         "--ph", type=numberIn(0, 14), metavar="PH", help=f"the pH at which to add hydrogens (default: {_PH:g})"
@@ -54,6 +59,7 @@ def readEnergyOptions(options):
         ("--temperature", options.temperature, "--forcefield", options.forcefield),
         ("--nonbonded-cutoff", options.nonbonded_cutoff, "--forcefield", options.forcefield),
         ("--trials-per-outer-test", options.trials_per_outer_test, "--forcefield", options.forcefield),
+        ("--no-native-energies", options.no_native_energies or None, "--forcefield", options.forcefield),
         ("--ph", options.ph, "--add-hydrogens", options.add_hydrogens or None),
     ]
     for option, value, needed, given in needs:
@@ -71,5 +77,7 @@ def readEnergyOptions(options):
         options.nonbonded_cutoff,
         options.trials_per_outer_test or 0,
         options.add_hydrogens,
+        options.leave_out is not None,
+        not options.no_native_energies,
     )
     return model, pH

@@ -2,11 +2,12 @@
 
 import re
 from collections import defaultdict
+from textwrap import shorten
 
 from openmm.app import element
 
 from ..naming import describeResidue
-from ..notes import Note
+from ..notes import Note, listFirst
 from ..residues import aminoAcid, isNucleotide, isPolymer
 from ..templates import atomAliases, standardName
 
@@ -17,12 +18,18 @@ _ADD_RESIDUES = "PDBFixer adds missing residues and ends"
 _LEAVE_OUT = 'name another file that has them, or leave them out (--leave-out "{}")'
 _LEAVE_ATOMS = "name another file that has these, or leave atoms out (--leave-out)"
 _REPLACE = "name another file that has them, or let PDBFixer replace them"
+_OTHER_HYDROGENS = '--leave-out "element H" --add-hydrogens puts others in their place'
 
-# So many names of residues are written out as a selection.
-_LONGEST_SELECTION = 5
+# Advice for those who have followed the other one.
+_NEXT_ADVICE = {_ADD_HYDROGENS: _CANNOT_ADD_HYDROGENS}
+_NEXT_ADVICE_WITHOUT_HYDROGENS = {**_NEXT_ADVICE, _OTHER_HYDROGENS: _REPLACE}
+
+# So many names of residues are written out as a selection, and so many letters of what OpenMM says.
+_LONGEST_SELECTION = 3
+_LONGEST_SENTENCE = 300
 
 
-def describeMisfits(forceField, files, topology, error, hydrogensWereAdded):
+def describeMisfits(forceField, files, topology, error, hydrogensWereAdded, someAreLeftOut=False):
     """Return one line on why a ForceField cannot make a System.
 
     Parameters
@@ -35,6 +42,8 @@ def describeMisfits(forceField, files, topology, error, hydrogensWereAdded):
         what createSystem raised
     hydrogensWereAdded : bool
         as far as that was possible
+    someAreLeftOut : bool
+        whether the user chose atoms to leave out
     """
     name = f"--forcefield {' '.join(files)}"
     first = re.match(r"No template found for residue (\d+) ", str(error))
@@ -47,14 +56,14 @@ def describeMisfits(forceField, files, topology, error, hydrogensWereAdded):
     misfits = defaultdict(list)
     for residue in residues:
         what, remedy, detail = _whyMisfit(forceField, residue, bonds[residue])
-        if remedy == _ADD_HYDROGENS and hydrogensWereAdded:
-            remedy = _CANNOT_ADD_HYDROGENS
+        if hydrogensWereAdded:
+            remedy = (_NEXT_ADVICE_WITHOUT_HYDROGENS if someAreLeftOut else _NEXT_ADVICE).get(remedy, remedy)
         misfits[what, remedy].append((residue, f" ({detail})" if detail else ""))
     parts = []
     for (what, remedy), found in misfits.items():
         items = [f"{describeResidue(residue)}{detail}" for residue, detail in found]
         parts.append(f"{Note(f'residues {what}', items)}: {remedy.format(_selection(found))}")
-    return f"{name}: {'; '.join(parts) or firstSentence(error)}"
+    return f"{name}: {listFirst(parts, '; ') or firstSentence(error)}"
 
 
 def _selection(found):
@@ -66,7 +75,7 @@ def _selection(found):
 def firstSentence(error):
     """Return the first sentence of what OpenMM says, as a part of a line."""
     text = " ".join(str(error).split()) or type(error).__name__
-    return text.split(".  ")[0].split(". ")[0].rstrip(".")
+    return shorten(text.split(".  ")[0].split(". ")[0].rstrip("."), _LONGEST_SENTENCE, placeholder=" …")
 
 
 def _bondsBetweenResidues(topology):
@@ -86,13 +95,13 @@ def _whyMisfit(forceField, residue, bonds):
         return "that the force field does not have", _REPLACE if isPolymer(residue) else _LEAVE_OUT, ""
     misfit = min((_Misfit(residue, bonds, template) for template in templates), key=_Misfit.size)
     if misfit.missing:
-        return "that lack heavy atoms", _ADD_ATOMS, ", ".join(sorted(misfit.missing))
+        return "that lack heavy atoms", _ADD_ATOMS, listFirst(sorted(misfit.missing))
     if misfit.extra:
-        return "with atoms that their names do not have", _LEAVE_ATOMS, ", ".join(sorted(misfit.extra))
+        return "with atoms that their names do not have", _LEAVE_ATOMS, listFirst(sorted(misfit.extra))
     if misfit.lackingHydrogens > 0 and forceField._patches:  # by which bonds may be others
         return "that lack hydrogens", _ADD_HYDROGENS, ""
     if misfit.missingBonds:
-        atoms = ", ".join(sorted(misfit.missingBonds))
+        atoms = listFirst(sorted(misfit.missingBonds))
         return "that lack their neighbour in the chain, or the atoms of an end", _ADD_RESIDUES, f"at {atoms}"
     if misfit.extraBonds:
         return "bound to what the force field does not bind", _REPLACE, _describeBonds(bonds, misfit.extraBonds)
@@ -101,7 +110,7 @@ def _whyMisfit(forceField, residue, bonds):
     if misfit.lackingHydrogens > 0:
         return "that lack hydrogens", _ADD_HYDROGENS, ""
     if misfit.lackingHydrogens < 0:
-        return "with hydrogens too many", "leave hydrogens out of the file, and give --add-hydrogens", ""
+        return "with hydrogens too many", _OTHER_HYDROGENS, ""
     return "whose bonds are not those of their names", "give their bonds in the file (CONECT, _struct_conn)", ""
 
 
@@ -153,6 +162,6 @@ def _isBehindGap(residue, bonds):
 
 
 def _describeBonds(bonds, names):
-    return ", ".join(
+    return listFirst(
         f"{atom.name} – {describeResidue(other.residue)} {other.name}" for atom, other in bonds if atom.name in names
     )

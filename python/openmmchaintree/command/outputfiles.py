@@ -11,6 +11,7 @@ from pathlib import Path
 from textwrap import indent
 
 from ..errors import InputError
+from ..notes import listFirst
 
 try:
     import fcntl
@@ -282,7 +283,7 @@ def checkOutputs(names, inputs, overwrite):
     existing = [output.name for output in files if output.needsOverwrite()]
     if existing:
         words = "exists; --overwrite replaces it" if len(existing) == 1 else "exist; --overwrite replaces them"
-        raise InputError(f"{', '.join(existing)}: {words}")
+        raise InputError(f"{listFirst(existing)}: {words}")
     return outputs
 
 

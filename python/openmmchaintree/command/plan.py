@@ -8,7 +8,7 @@ from ..bonds import DISULFIDES, LOOPS, BondGraph
 from ..errors import InputError
 from ..links import Links
 from ..naming import describeResidue
-from ..notes import Note
+from ..notes import Note, listFirst
 from ..residues import polymerBackbone
 from ..rigidparts import describeRigidParts
 from ..selection import selectAtoms
@@ -47,6 +47,7 @@ class Choice(NamedTuple):
     close : "disulfides", "loops" or both, bonds that only closed moves keep; None: disulfides where energies are
         sampled and they are not cut, else none
     hasEnergies : bool, whether energies are sampled
+    unknownRadius : float or None, nm, of atoms of elements of which no radius is known
     """
 
     kinds: tuple[str, ...] | None = None
@@ -58,6 +59,7 @@ class Choice(NamedTuple):
     allowUnbonded: bool = False
     close: tuple[str, ...] | None = None
     hasEnergies: bool = False
+    unknownRadius: float | None = None
 
     def withDefaults(self):
         """Return a Choice that says what None stands for."""
@@ -191,7 +193,7 @@ class Plan:
         notes = notesOnAlphaCarbons(self.graph)
         if notes:
             return str(notes[0])
-        reasons = "; ".join(dict.fromkeys(torsion.reason for torsion in search.leftOut))
+        reasons = listFirst(dict.fromkeys(torsion.reason for torsion in search.leftOut), "; ")
         return f"there is no torsion of a protein or nucleic acid ({', '.join(self.choice.kinds)}) to sample" + (
             f": {reasons}" if reasons else ""
         )

@@ -11,7 +11,7 @@ from ..bonds import DISULFIDES, LOOPS
 from ..errors import InputError
 from ..structure import readStructure, withoutAtoms
 from ..torsions import KIND_WORDS, KINDS_WITH_ENERGIES
-from .arguments import listOf, notNegative, positive, seed
+from .arguments import listOf, notNegative, numberIn, positive, seed
 from .config import addConfig, expandArguments, readSettings, settingsOf
 from .ending import endRun, writeReports
 from .energymodel import EnergyModel
@@ -112,6 +112,12 @@ def addArguments(sample):
         f"(default: {','.join(DEFAULT_KINDS)}; in a force field {','.join(KINDS_WITH_ENERGIES)}, all bonds in no ring)",
     )
     sample.add_argument("--leave-out", metavar="SELECTION", help="atoms that are left out, such as those of a ligand")
+    sample.add_argument(
+        "--unknown-radius",
+        type=numberIn(0, 1),
+        metavar="NM",
+        help="the radius of atoms of elements of which none is known, such as boron: 0.2 (default: they are an error)",
+    )
     sample.add_argument("--move", metavar="SELECTION", help="atoms whose torsions turn (default: all); see below")
     sample.add_argument("--fix", metavar="SELECTION", help="atoms that never move (default: none); see below")
     sample.add_argument(
@@ -182,6 +188,7 @@ def _run(options):
         options.allow_unbonded,
         None if options.close is None else tuple(what for what in options.close if what != _NONE),
         energyModel is not None,
+        options.unknown_radius,
     )
     try:
         with collectionPaused():

@@ -8,7 +8,7 @@ import openmm
 from openmm import unit
 
 from ..defaultmoves import addMovesOfPlan
-from ..errors import InputError
+from ..errors import InputError, UnknownRadiusError
 from ..moveadder import NamedMove
 from ..movescene import MoveScene
 from ..openmmchaintree import TorsionMonteCarloIntegrator
@@ -108,9 +108,9 @@ class Sampling:
         self.plan = plan = Plan(structure, choice)
         self.torsions = plan.torsions
         try:
-            self.force = makeForce(self.plan.graph, self.torsions)
-        except ValueError as error:
-            raise InputError(str(error)) from error
+            self.force = makeForce(self.plan.graph, self.torsions, unknownRadius=choice.unknownRadius)
+        except UnknownRadiusError as error:
+            raise InputError(f"{error.note}: --unknown-radius gives them one") from error
         self.notes = [*self.plan.notes]
         self.fixedAtoms = int(self.plan.fixed.sum())
         elements = [atom.element for atom in structure.topology.atoms()]
@@ -130,6 +130,7 @@ class Sampling:
             except ValueError as error:  # a file may have added particles
                 raise InputError(str(error)) from error
             self.integrator.setTrialsPerOuterTest(energyModel.trialsPerOuterTest)
+            self.integrator.setNativeEnergies(energyModel.areNative)
         platform = (openmm.Platform.getPlatformByName("Reference"),) if energyModel is None else repeatablePlatform()
         self.context = openmm.Context(system, self.integrator, *platform)
         self.context.setPositions(structure.positions)

@@ -9,6 +9,10 @@ from rich.console import Console
 from rich.progress import BarColumn, MofNCompleteColumn, Progress, TimeRemainingColumn
 
 
+# Letters: five lines of most terminals.
+_LONGEST_ERROR = 600
+
+
 class ReportConsole(Console):
     """The console that reports are printed on, with lines as long as they are.
 
@@ -26,8 +30,11 @@ class ReportConsole(Console):
 
 
 def printError(message, program="openmm-chaintree"):
-    """Print what is wrong, in one line."""
-    print(f"{program}: {message}", file=sys.stderr)
+    """Print what is wrong, in one line, the middle of which is left out if it is very long."""
+    text = str(message)
+    if len(text) > _LONGEST_ERROR:
+        text = f"{text[: _LONGEST_ERROR * 2 // 3]} … {text[-_LONGEST_ERROR // 3 :]}"
+    print(f"{program}: {text}", file=sys.stderr)
 
 
 @contextmanager

@@ -1,0 +1,174 @@
+"""What errors advise: options that the command has, and that help. No error is longer than five lines."""
+
+import ast
+import json
+import re
+from pathlib import Path
+
+import numpy as np
+import openmm
+import openmmchaintree
+import pytest
+from commands import assertRefused
+from openmmchaintree.command import clashes, sample
+from openmmchaintree.command.arguments import Parser
+from openmmchaintree.command.cli import runParsed
+from openmmchaintree.notes import listFirst
+from peptides import linesOf, makePeptides, withHydrogens
+from scenes import GLYCINES, pdbLine, writePDB
+
+PROTEIN = "amber14/protein.ff14SB.xml"
+_PACKAGE = Path(openmmchaintree.__file__).parent
+_OPTION = r"--[a-z][a-z-]*"
+
+
+def _optionsOf(command):
+    parser = Parser(add_help=False)
+    command.addArguments(parser)
+    return {option for action in parser._actions for option in action.option_strings}
+
+
+def _namedOptions(path):
+    """Return the options that texts of a module name."""
+    nodes = ast.walk(ast.parse(path.read_text(encoding="utf-8")))
+    texts = [node.value for node in nodes if isinstance(node, ast.Constant) and isinstance(node.value, str)]
+    return {option for text in texts for option in re.findall(_OPTION, text)}
+
+
+def test_namedOptionsExist():
+    """In what both commands use, those that both have."""
+    ofSample, ofClashes = _optionsOf(sample), _optionsOf(clashes)
+    found = 0
+    for path in sorted(_PACKAGE.rglob("*.py")):
+        known = ofSample & ofClashes
+        if path.parent.name == "command":
+            known = ofClashes if path.name.startswith("clash") else ofSample
+        named = _namedOptions(path) - {"--version", "--help"}
+        assert named <= known, path
+        found += len(named)
+    assert found > 40
+
+
+# Values for options of which the advice names none.
+_VALUES = {"--unknown-radius": ["0.2"], "--forcefield": [PROTEIN]}
+
+
+def _followed(message):
+    """Return the options that a message advises, with their values."""
+    arguments = []
+    for option, value in re.findall(rf'({_OPTION})( "[^"]*")?', message):
+        arguments += [option, *([value.strip(' "')] if value else _VALUES.get(option, []))]
+    return arguments
+
+
+def _peptide(isChosen=lambda atom: True):
+    topology, positions = withHydrogens(*makePeptides(("ACE", "SER", "LYS", "NME")))
+    lines = linesOf(topology, positions)
+    return [line for line, atom in zip(lines, topology.atoms(), strict=True) if isChosen(atom)]
+
+
+def _without(symbol):
+    return _peptide(lambda atom: atom.element.symbol != symbol)
+
+
+def _withHydroxyl():
+    """A hydrogen on the oxygen of a peptide bond."""
+    lines = _peptide()
+    carbon, oxygen = (next(line for line in lines if line[12:20] == f" {name}   SER") for name in "CO")
+    ends = [np.array([float(line[k : k + 8]) for k in (30, 38, 46)]) for line in (carbon, oxygen)]
+    more = pdbLine(99, "HX", "SER", "A", 2, *(ends[1] + 0.8 * (ends[1] - ends[0])))
+    lines.insert(lines.index(oxygen) + 1, more)
+    return lines
+
+
+def _ligand(name, *elements):
+    return [
+        pdbLine(900 + i, element, name, "L", 1, 40 + 1.5 * i, 40, 40, record="HETATM", element=element)
+        for i, element in enumerate(elements)
+    ]
+
+
+_CASES = {
+    "a radius": (lambda: [*_peptide(), *_ligand("LIG", "B", "O")], [], "no radius is known (1): L:LIG 1 B, boron: "),
+    "hydrogens": (lambda: _without("H"), ["--forcefield", PROTEIN], "lack hydrogens (4): A:ACE 1; "),
+    "other hydrogens": (_withHydroxyl, ["--forcefield", PROTEIN], "with hydrogens too many (1): A:SER 2: "),
+    "no ligand": (
+        lambda: [*_peptide(), *_ligand("SO4", "S", "O")],
+        ["--forcefield", PROTEIN],
+        "that the force field does not have (1): L:SO4 1: ",
+    ),
+    "a force field": (_peptide, ["--temperature", "300"], "--temperature needs "),
+    "pH": (lambda: _without("H"), ["--ph", "6"], "--ph needs "),
+}
+
+
+@pytest.mark.parametrize("case", _CASES)
+def test_adviceHelps(runCommandHere, tmp_path, case):
+    makeLines, options, words = _CASES[case]
+    writePDB(tmp_path / "structure.pdb", makeLines())
+    options = ("sample", "structure.pdb", "--trials", 10, "--frames", 1, *options)
+    refused = runCommandHere(*options)
+    assertRefused(refused, tmp_path, ["structure.pdb"], words)
+    result = runCommandHere(*options, *_followed(refused.stderr.split(words)[1]))
+    assert result.returncode == 0, result.stderr
+
+
+def test_existingFilesCanBeReplaced(runCommandHere, tmp_path):
+    names = [f"villin{ending}" for ending in ("-settings.toml", "-topology.pdb", ".dcd", ".png")]
+    for name in names:
+        (tmp_path / name).write_text("mine")
+    refused = runCommandHere("sample", "--trials", 10)
+    assertRefused(refused, tmp_path, names, "villin.dcd, villin-topology.pdb, villin.png, and 1 more: exist; --overwrite ")
+    assert runCommandHere("sample", "--trials", 10, *_followed(refused.stderr)).returncode == 0
+
+
+def test_adviceOfTheLibrary(capsys):
+    """It names calls, for which the command has options."""
+
+    def run(options):
+        raise openmm.OpenMMException("no agreement. Please report this; setNativeEnergies(False) lets OpenMM evaluate")
+
+    parser = Parser()
+    parser.set_defaults(run=run)
+    assert runParsed(parser, []) == 2
+    assert "this; --no-native-energies lets OpenMM evaluate" in capsys.readouterr().err
+
+
+def test_withoutNativeEnergies(runCommandHere, tmp_path):
+    writePDB(tmp_path / "structure.pdb", _peptide())
+    options = ("structure.pdb", "--forcefield", PROTEIN, "--no-native-energies", "--trials", 20, "--json", "summary.json")
+    result = runCommandHere("sample", *options)
+    assert result.returncode == 0, result.stderr
+    energy = json.loads((tmp_path / "summary.json").read_text())["energy"]
+    assert {force["kind"] for force in energy["forces"]} == {"foreign"}
+
+
+# A row of guanines of which there are but phosphorus atoms.
+_BEADS = [pdbLine(i, "P", "G", "A", i, 6.0 * i, 0, 0) for i in range(1, 301)]
+
+
+def _glycines(alpha, carbon):
+    """Return glycines, each with these heights of its carbons above its N."""
+    heights = {"N": 0.0, "CA": alpha, "C": carbon, "O": carbon + 1.2}
+    places = [(number, name, height) for number in range(200) for name, height in heights.items()]
+    return [pdbLine(1, name, "GLY", "A", number, 6.0 * number, height, 0) for number, name, height in places]
+
+
+@pytest.mark.parametrize(
+    ("content", "arguments", "words"),
+    [
+        (_BEADS, ["structure.pdb"], ["to sample: ", "A:G 1 is missing; ", "; and ", " more"]),
+        (_BEADS, ["structure.pdb", *(f"{i}.pdb" for i in range(1000))], ["0.pdb, 1.pdb, 2.pdb, and 997 more"]),
+        (_BEADS, ["structure.pdb", "--forcefield", "x" * 5000], ["--forcefield xxx", " … "]),
+        (_glycines(0.0, 1.5), ["structure.pdb"], ["bonded atoms are at one place (", "; and 197 more)"]),
+        (_glycines(9.0, 10.5), ["structure.pdb"], ["bonded atoms are far apart (", "; and 197 more)"]),
+    ],
+)
+def test_refusalsAreShort(runCommandHere, tmp_path, content, arguments, words):
+    writePDB(tmp_path / "structure.pdb", content)
+    assertRefused(runCommandHere("sample", *arguments), tmp_path, ["structure.pdb"], *words)
+
+
+def test_firstOfMany():
+    assert [listFirst("abcd"[:count]) for count in range(5)] == ["", "a", "a, b", "a, b, c", "a, b, c, and 1 more"]
+    assert listFirst(map(str, range(2000)), "; ") == "0; 1; 2; and 1,997 more"
