@@ -17,8 +17,8 @@ class TorsionMonteCarloMove(mcmc.IntegratorMove):  # type: ignore[misc]
 
     openmmtools exchanges replicas by the energy of all Forces, with the StericExclusionForce. Hard spheres have no
     energy, so the two agree where nothing clashes. A state with clashes is an error, unless the integrator's steric
-    mode is Soft. That mode is the one for a SequenceMove with dynamics, too. Velocities turn with the links, so that the
-    temperature stays; it is an error if a constraint does not allow that.
+    mode is Soft. That mode is the one for a SequenceMove with dynamics, too. Velocities turn with the links, so that
+    the temperature stays; it is an error if a constraint does not allow that.
 
     Replicas that run in processes of their own (MPI) need an integrator with the seed 0, which draws one in each.
 
