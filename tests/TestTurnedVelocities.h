@@ -4,6 +4,8 @@
 
 #include "openmm/CMMotionRemover.h"
 #include "openmm/CompoundIntegrator.h"
+#include "openmm/CustomExternalForce.h"
+#include "openmm/CustomIntegrator.h"
 #include "openmm/LangevinMiddleIntegrator.h"
 #include "openmm/MonteCarloBarostat.h"
 #include "openmm/NonbondedForce.h"
@@ -130,6 +132,79 @@ void testWhatTurnedVelocitiesKeep(Platform& platform)
             };
             ASSERT(fabs(stretch(before) - stretch(after)) < 100 * tolerance);
         }
+    }
+}
+
+/**
+ * When dynamics resumes, velocities have as much of the direction of the forces as they had when it paused, with the
+ * same kinetic energy and constraints. A checkpoint in between forgets the pause, so that whoever loads it has the same
+ * bits.
+ */
+void testResumedDynamics(Platform& platform)
+{
+    const double tolerance = getTolerance(platform);
+    for (int kind = 0; kind < 3; kind++) {
+        const bool isConstrained = (kind == 1), isSaved = (kind == 2);
+        BeadChain chain(7, 0);
+        CustomExternalForce* field = new CustomExternalForce("30*(x^2-y*z+sin(3*z))");
+        for (int i = 0; i < 7; i++) {
+            chain.system.setParticleMass(i, 1 + i % 3);
+            field->addParticle(i);
+            if (isConstrained && i > 0)
+                chain.system.addConstraint(i - 1, i, 1);
+        }
+        chain.system.addForce(field);
+        CompoundIntegrator compound;
+        TorsionMonteCarloIntegrator* sampler = new TorsionMonteCarloIntegrator(300);
+        sampler->setStericMode(TorsionMonteCarloIntegrator::Soft);
+        sampler->setRandomNumberSeed(2);
+        sampler->addTorsionMove(1, 2);
+        compound.addIntegrator(sampler);
+        CustomIntegrator* still = new CustomIntegrator(0); // dynamics in which nothing happens by itself
+        still->addUpdateContextState();
+        compound.addIntegrator(still);
+        Context context(chain.system, compound, platform);
+        context.setPositions(chain.positions);
+        context.setVelocitiesToTemperature(300, 4);
+        auto getState = [&] {
+            return context.getState(State::Positions | State::Velocities | State::Forces | State::Energy);
+        };
+        auto getShare = [&](const State& state) {
+            double power = 0, squares = 0;
+            for (int i = 0; i < 7; i++) {
+                const Vec3 force = state.getForces()[i];
+                power += force.dot(state.getVelocities()[i]);
+                squares += force.dot(force) / chain.system.getParticleMass(i);
+            }
+            return power / sqrt(squares);
+        };
+        const State paused = getState();
+        compound.step(2);
+        compound.step(1);
+        const State moved = getState();
+        if (isSaved) {
+            stringstream checkpoint;
+            context.createCheckpoint(checkpoint);
+        }
+        compound.setCurrentIntegrator(1);
+        compound.step(1);
+        const State resumed = getState();
+        compound.step(1);
+        assertSameBits(resumed.getVelocities(), getState().getVelocities());
+        assertSameBits(moved.getPositions(), resumed.getPositions());
+        ASSERT_EQUAL_TOL(paused.getKineticEnergy(), moved.getKineticEnergy(), tolerance);
+        ASSERT_EQUAL_TOL(paused.getKineticEnergy(), resumed.getKineticEnergy(), tolerance);
+        if (isSaved)
+            assertSameBits(moved.getVelocities(), resumed.getVelocities());
+        else
+            ASSERT(getDistance(moved.getVelocities()[3], resumed.getVelocities()[3]) > 1e-3);
+        if (kind == 0) {
+            ASSERT(fabs(getShare(moved) - getShare(paused)) > 0.01);
+            ASSERT_EQUAL_TOL(getShare(paused), getShare(resumed), 100 * tolerance);
+        }
+        for (int i = 1; isConstrained && i < 7; i++)
+            ASSERT(fabs((resumed.getPositions()[i] - resumed.getPositions()[i - 1])
+                            .dot(resumed.getVelocities()[i] - resumed.getVelocities()[i - 1])) < 1e-4);
     }
 }
 
@@ -349,6 +424,7 @@ void testTurnedVelocities(Platform& platform)
 {
     testVelocitiesTurnWithLinks(platform);
     testWhatTurnedVelocitiesKeep(platform);
+    testResumedDynamics(platform);
     testVelocitiesOfTakenBackTrials(platform);
     testVelocitiesOfOtherContexts(platform);
     testUnturnableVelocities(platform);

@@ -15,12 +15,12 @@ EXAMPLES = sorted((PROJECT / "examples").glob("*.py"))
 DOCS = PROJECT / "docs"
 
 
-def run(name, *arguments, folder):
+def run(name, *arguments, folder, statuses=(0,)):
     """Run an example in a folder, on the quickest platform that every machine has; return what it prints."""
     command = [sys.executable, str(PROJECT / "examples" / name), *map(str, arguments)]
     environment = {**os.environ, "OPENMM_DEFAULT_PLATFORM": "CPU"}
     result = subprocess.run(command, cwd=folder, env=environment, capture_output=True, text=True)
-    assert result.returncode == 0, result.stderr
+    assert result.returncode in statuses, result.stderr
     return result.stdout
 
 
@@ -98,3 +98,12 @@ def test_drawnMoves(tmp_path):
     assert re.search(r"^least p-value of 59 densities, times their number: (\S+)$", output, re.MULTILINE)
     shares = [float(share) for share in re.findall(r"accepted ([0-9.]+)", output)]
     assert len(shares) == 59 and all(0.01 < share < 0.9 for share in shares)
+
+
+def test_turnedVelocities(tmp_path):
+    """So short a run shows that both kinds of turns are made, in one Context and in two; the long one is for people."""
+    settings = ["AllBonds", "handed"]
+    output = run("validation/turned_velocities.py", *settings, "--steps", 600, folder=tmp_path, statuses=(0, 1))
+    shares = re.findall(r"^(\w+) .*; accepted ([0-9.]+); \d+ tests", output, re.MULTILINE)
+    assert [setting for setting, _ in shares] == settings
+    assert all(float(share) > 0.02 for _, share in shares)

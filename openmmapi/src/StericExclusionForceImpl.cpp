@@ -200,9 +200,11 @@ void StericExclusionForceImpl::adoptPositions(ContextImpl& context, const vector
     limits.positionsWereSeen(context.getStepCount());
 }
 
-void StericExclusionForceImpl::updateContextState(ContextImpl& context, bool&)
+void StericExclusionForceImpl::updateContextState(ContextImpl& context, bool& forcesInvalid)
 {
     limits.stepBegins(context.getStepCount());
+    if (velocities->beginStep(context))
+        forcesInvalid = true;
 }
 
 void StericExclusionForceImpl::positionsWereSet(ContextImpl& context, const vector<Vec3>& restored)
@@ -215,6 +217,7 @@ void StericExclusionForceImpl::positionsWereSet(ContextImpl& context, const vect
             return;
     }
     limits.restart();
+    velocities->forgetPause();
 }
 
 void StericExclusionForceImpl::computeVirtualSites(ContextImpl& context)
@@ -271,6 +274,9 @@ void StericExclusionForceImpl::setLimits(ContextImpl& context, const vector<pair
 
 void StericExclusionForceImpl::createCheckpoint(CheckpointWriter& writer)
 {
+    // A run that goes on has the bits of one that begins with this, and the pause is no part of it.
+
+    velocities->forgetPause();
     vector<double> state;
     engine->getState(state);
     writer.write(state);

@@ -736,8 +736,13 @@ void TorsionMonteCarloIntegrator::step(int steps)
     const EnergyStages::Rule rule = nativeEnergies ? EnergyStages::DecideOneByOne : EnergyStages::DecideBySum;
     force->takeNoticeOfPositions(*context);
     checkBeforeSteps();
+    VelocityTurner& velocities = force->getVelocityTurner();
+    if (isBesideDynamics)
+        velocities.pauseDynamics(*context);
     for (int i = 0; i < steps; i++) {
+        velocities.announceStep(true);
         context->updateContextState();
+        velocities.announceStep(false);
         TrialSession trials(*force, *context,
                             stericMode == Hard ? TrialSession::ApplyLimits : TrialSession::IgnoreLimits);
         if (stericMode == Soft)

@@ -1,13 +1,23 @@
 #include "openmmchaintree/internal/VelocityTurner.h"
 #include "ctvelocities.h"
 #include "openmm/CMMotionRemover.h"
+#include "openmm/CompoundIntegrator.h"
 #include "openmm/OpenMMException.h"
+#include "openmm/reference/ReferencePlatform.h"
 #include "openmmchaintree/internal/Warnings.h"
+#include "openmmchaintree/TorsionMonteCarloIntegrator.h"
 #include <algorithm>
+#include <cmath>
 
 using namespace ChainTreePlugin;
 using namespace OpenMM;
 using namespace std;
+
+/** Accelerations times this, in ps, are about as large as velocities. */
+static const double PUSH_TIME = 1e-3;
+
+/** How exactly accelerations satisfy constraints where numbers are double. */
+static const double PUSH_TOLERANCE = 1e-10;
 
 /**
  * Name the first constraint that a joint turns otherwise than about its own line, and what to do. Returns nothing if
@@ -34,8 +44,9 @@ static string findTurnedConstraint(const System& system, const LinkStructure& st
 }
 
 VelocityTurner::VelocityTurner(const System& system, const LinkStructure& structure) :
-    particleLinks(structure.getParticleLinks()), keepsMomentum(false), refusal(findTurnedConstraint(system, structure)),
-    dynamicsIsExpected(true), mayHaveVelocities(true), hasWarned(false), hasBegun(false)
+    particleLinks(structure.getParticleLinks()), hasConstraints(system.getNumConstraints() > 0), keepsMomentum(false),
+    refusal(findTurnedConstraint(system, structure)), dynamicsIsExpected(true), mayHaveVelocities(true),
+    hasWarned(false), isSetting(false), trialsFollow(false), hasPaused(false), hasBegun(false)
 {
     for (int i = 0; i < system.getNumParticles(); i++)
         masses.push_back(system.getParticleMass(i));
@@ -57,7 +68,10 @@ void VelocityTurner::requireTurnable() const
 
 void VelocityTurner::velocitiesWereSet()
 {
+    if (isSetting)
+        return;
     mayHaveVelocities = true;
+    hasPaused = false;
 }
 
 /**
@@ -95,9 +109,41 @@ void VelocityTurner::begin(ContextImpl& context, CalcStericExclusionForceKernel&
         kernel.getOrientations(before);
 }
 
+// ---- Turning ----
+
 static double (*rows(vector<array<double, 9>>& matrices))[9]
 {
     return reinterpret_cast<double(*)[9]>(matrices.data());
+}
+
+static double* numbers(vector<Vec3>& vectors)
+{
+    return reinterpret_cast<double*>(vectors.data());
+}
+
+/**
+ * Turn vectors as velocities are.
+ */
+void VelocityTurner::turn(vector<Vec3>& vectors) const
+{
+    if (keepsMomentum)
+        ctTurnVelocitiesKeepingMomentum(masses.size(), particleLinks.data(), rows(turns), masses.data(),
+                                        numbers(vectors));
+    else
+        ctTurnVelocities(masses.size(), particleLinks.data(), rows(turns), numbers(vectors));
+}
+
+void VelocityTurner::setVelocities(ContextImpl& context, const vector<Vec3>& values)
+{
+    isSetting = true;
+    try {
+        context.setVelocities(values);
+    }
+    catch (...) {
+        isSetting = false;
+        throw;
+    }
+    isSetting = false;
 }
 
 void VelocityTurner::end(ContextImpl& context, CalcStericExclusionForceKernel& kernel)
@@ -108,10 +154,75 @@ void VelocityTurner::end(ContextImpl& context, CalcStericExclusionForceKernel& k
     kernel.getOrientations(turns);
     if (!ctFindTurns(turns.size(), rows(before), rows(turns)))
         return;
-    double* numbers = reinterpret_cast<double*>(velocities.data());
-    if (keepsMomentum)
-        ctTurnVelocitiesKeepingMomentum(masses.size(), particleLinks.data(), rows(turns), masses.data(), numbers);
-    else
-        ctTurnVelocities(masses.size(), particleLinks.data(), rows(turns), numbers);
-    context.setVelocities(velocities);
+    turn(velocities);
+    if (hasPaused)
+        turn(push);
+    setVelocities(context, velocities);
+}
+
+// ---- Between dynamics and trials ----
+
+/**
+ * Get the force groups of all Integrators that are not ours.
+ */
+static int findDynamicsGroups(const Integrator& integrator)
+{
+    auto compound = dynamic_cast<const CompoundIntegrator*>(&integrator);
+    if (compound == NULL)
+        return dynamic_cast<const TorsionMonteCarloIntegrator*>(&integrator) == NULL
+                   ? integrator.getIntegrationForceGroups()
+                   : 0;
+    int groups = 0;
+    for (int i = 0; i < compound->getNumIntegrators(); i++)
+        groups |= findDynamicsGroups(compound->getIntegrator(i));
+    return groups;
+}
+
+/**
+ * Compute accelerations that satisfy the constraints, at the positions in the Context. Returns false if there are none.
+ * `velocities` must be those in the Context, which stay there.
+ */
+bool VelocityTurner::computePush(ContextImpl& context, vector<Vec3>& push)
+{
+    context.calcForcesAndEnergy(true, false, findDynamicsGroups(context.getIntegrator()));
+    context.getForces(push);
+    for (size_t i = 0; i < push.size(); i++)
+        push[i] = masses[i] > 0 ? push[i] * (PUSH_TIME / masses[i]) : Vec3();
+    if (hasConstraints) {
+        const bool isDouble = dynamic_cast<ReferencePlatform*>(&context.getPlatform()) != NULL;
+        setVelocities(context, push);
+        try {
+            context.applyVelocityConstraints(isDouble ? PUSH_TOLERANCE
+                                                      : context.getIntegrator().getConstraintTolerance());
+            context.getVelocities(push);
+        }
+        catch (...) {
+            setVelocities(context, velocities);
+            throw;
+        }
+        setVelocities(context, velocities);
+    }
+    double sum = 0;
+    for (const Vec3& vector : push)
+        sum += vector.dot(vector);
+    return isfinite(sum) && sum > 0;
+}
+
+void VelocityTurner::pauseDynamics(ContextImpl& context)
+{
+    if (!hasPaused && dynamicsIsExpected && findVelocities(context))
+        hasPaused = computePush(context, push);
+}
+
+bool VelocityTurner::beginStep(ContextImpl& context)
+{
+    if (trialsFollow || !hasPaused)
+        return false;
+    hasPaused = false;
+    vector<Vec3> resumed;
+    if (!findVelocities(context) || !computePush(context, resumed))
+        return false;
+    ctRotateVelocities(masses.size(), masses.data(), numbers(push), numbers(resumed), numbers(velocities));
+    setVelocities(context, velocities);
+    return true;
 }

@@ -18,6 +18,12 @@ namespace ChainTreePlugin {
  * CMMotionRemover takes the momentum of the System away, the velocities keep it; ctvelocities.h says how, and why it is
  * exact.
  *
+ * Most integrators keep velocities of half a step before the positions, which depend on the forces there. So when
+ * dynamics resumes, the velocities are also rotated from the accelerations where it paused, turned with the links, to
+ * those where it resumes; ctvelocities.h says how. That takes two evaluations of forces for each turn of the two, and
+ * is as exact as leaving it out: it only avoids the heat that each such turn would else bring, of the second order in
+ * the time step.
+ *
  * Kinetic energy stays, and so do constraints within a link and along the axis of a torsion, with the determinant of
  * their Jacobian. Other constraints do not, and then no velocities can be turned: beside dynamics that is an error.
  */
@@ -42,6 +48,28 @@ public:
      */
     bool findVelocities(OpenMM::ContextImpl& context);
     /**
+     * Take notice that steps of trials begin, where dynamics may have paused.
+     */
+    void pauseDynamics(OpenMM::ContextImpl& context);
+    /**
+     * Take notice that an Integrator is about to begin a step, and whether it is one of trials.
+     */
+    void announceStep(bool isOfTrials)
+    {
+        trialsFollow = isOfTrials;
+    }
+    /**
+     * Take notice that an Integrator begins a step. Returns whether that has changed velocities.
+     */
+    bool beginStep(OpenMM::ContextImpl& context);
+    /**
+     * Forget where dynamics has paused.
+     */
+    void forgetPause()
+    {
+        hasPaused = false;
+    }
+    /**
      * Begin a series of trials, before the first of them becomes the state. Throws an exception if there are velocities
      * that cannot be turned.
      */
@@ -53,16 +81,22 @@ public:
 
 private:
     bool canBeTurned();
+    bool computePush(OpenMM::ContextImpl& context, std::vector<OpenMM::Vec3>& push);
+    void setVelocities(OpenMM::ContextImpl& context, const std::vector<OpenMM::Vec3>& values);
+    void turn(std::vector<OpenMM::Vec3>& vectors) const;
     const std::vector<int> particleLinks;
     std::vector<double> masses;
-    bool keepsMomentum;
+    bool hasConstraints, keepsMomentum;
     /** Why velocities cannot be turned; empty if they can. */
     std::string refusal;
-    bool dynamicsIsExpected, mayHaveVelocities, hasWarned;
+    bool dynamicsIsExpected, mayHaveVelocities, hasWarned, isSetting, trialsFollow;
+    /** Accelerations where dynamics has paused, in any unit, turned with the links since. */
+    bool hasPaused;
+    std::vector<OpenMM::Vec3> push;
     /** What begin() has found, if there is anything to turn. */
     bool hasBegun;
     std::vector<OpenMM::Vec3> velocities;
-    std::vector<std::array<double, 9>> before, turns;
+    mutable std::vector<std::array<double, 9>> before, turns;
 };
 
 } // namespace ChainTreePlugin

@@ -34,6 +34,17 @@ void ctTurnVelocities(int particleCount, const int* particleBodies, const double
 void ctTurnVelocitiesKeepingMomentum(int particleCount, const int* particleBodies, const double (*turns)[9],
                                      const double* masses, double* velocities);
 
+/* Rotates velocities by the least rotation, orthogonal with masses as weights, that takes the direction of `from` to
+ * that of `to`; both are 3 * particleCount numbers, as velocities are. It keeps kinetic energy, and is undone by the
+ * rotation from `to` to `from`. Where one of them is 0, or they are opposite within rounding, velocities stay.
+ *
+ * Integrators that leap keep velocities of half a step before the positions, from which the forces there have taken a
+ * part. Velocities that are turned to other positions ought to lack the part of the forces there: with accelerations
+ * at the former positions, turned with the velocities, and at the new ones, they do but for the difference in length.
+ */
+void ctRotateVelocities(int particleCount, const double* masses, const double* from, const double* to,
+                        double* velocities);
+
 #ifdef __cplusplus
 }
 #endif

@@ -4,6 +4,9 @@
 
 #include "vector.h"
 
+/* Directions whose cosine is within this of -1 define no plane. */
+static const double OPPOSITE = 1e-9;
+
 static const double IDENTITY[9] = {1, 0, 0, 0, 1, 0, 0, 0, 1};
 
 /* c = a b^T; c may be a or b. */
@@ -115,5 +118,36 @@ void ctTurnVelocitiesKeepingMomentum(int particleCount, const int* particleBodie
     for (int k = 0; k < 3; k++) {
       v[k] += drift[k] - y[k] - shift[k];
     }
+  }
+}
+
+/* The sum of m a . b. */
+static double product(int particleCount, const double* masses, const double* a, const double* b) {
+  double sum = 0;
+  for (int i = 0; i < particleCount; i++) {
+    sum += masses[i] * dot(a + 3 * (size_t)i, b + 3 * (size_t)i);
+  }
+  return sum;
+}
+
+void ctRotateVelocities(int particleCount, const double* masses, const double* from, const double* to,
+                        double* velocities) {
+  const double lengthFrom = sqrt(product(particleCount, masses, from, from));
+  const double lengthTo = sqrt(product(particleCount, masses, to, to));
+  if (!(lengthFrom > 0 && lengthTo > 0)) {
+    return;
+  }
+  /* With unit vectors a and b and s = a + b: v' = v - s (s . v) / (1 + a . b) + 2 b (a . v). */
+  const double cosine = product(particleCount, masses, from, to) / (lengthFrom * lengthTo);
+  if (!(1 + cosine > OPPOSITE)) {
+    return;
+  }
+  const double alongFrom = product(particleCount, masses, from, velocities) / lengthFrom;
+  const double alongTo = product(particleCount, masses, to, velocities) / lengthTo;
+  const double alongSum = (alongFrom + alongTo) / (1 + cosine);
+  for (int i = 0; i < 3 * particleCount; i++) {
+    const double unitFrom = from[i] / lengthFrom;
+    const double unitTo = to[i] / lengthTo;
+    velocities[i] += 2 * alongFrom * unitTo - alongSum * (unitFrom + unitTo);
   }
 }

@@ -204,7 +204,45 @@ static void testUnturned(void) {
   CHECK(memcmp(bodies.velocities, start.velocities, sizeof start.velocities) == 0);
 }
 
+/* The direction of one set of accelerations becomes that of another; what is across both stays, and so does energy. */
+static void testRotation(void) {
+  for (int round = 0; round < 50; round++) {
+    const Bodies from = drawBodies();
+    const Bodies to = drawBodies();
+    const Bodies start = drawBodies();
+    Bodies bodies = start;
+    ctRotateVelocities(PARTICLES, start.masses, from.velocities, to.velocities, bodies.velocities);
+    CHECK_NEAR(kineticEnergy(&bodies) / kineticEnergy(&start), 1, 1e-13);
+    double components[2] = {0};
+    for (int i = 0; i < 3 * PARTICLES; i++) {
+      components[0] += start.masses[i / 3] * start.velocities[i] * from.velocities[i];
+      components[1] += start.masses[i / 3] * bodies.velocities[i] * to.velocities[i];
+    }
+    Bodies lengths[2] = {from, to};
+    for (int k = 0; k < 2; k++) {
+      memcpy(lengths[k].masses, start.masses, sizeof start.masses);
+      components[k] /= sqrt(2 * kineticEnergy(&lengths[k]));
+    }
+    CHECK_NEAR(components[0], components[1], 1e-12);
+    ctRotateVelocities(PARTICLES, start.masses, to.velocities, from.velocities, bodies.velocities);
+    for (int i = 0; i < 3 * PARTICLES; i++) {
+      CHECK_NEAR(bodies.velocities[i], start.velocities[i], 1e-12);
+    }
+    /* To the opposite, or to nothing, there is no least rotation. */
+    double other[3 * PARTICLES];
+    for (int k = 0; k < 2; k++) {
+      for (int i = 0; i < 3 * PARTICLES; i++) {
+        other[i] = k == 0 ? 0 : -2 * from.velocities[i];
+      }
+      bodies = start;
+      ctRotateVelocities(PARTICLES, start.masses, from.velocities, other, bodies.velocities);
+      CHECK(memcmp(bodies.velocities, start.velocities, sizeof start.velocities) == 0);
+    }
+  }
+}
+
 int main(void) {
+  testRotation();
   testWhatStays();
   testOneTurnForAll();
   testAxis();
