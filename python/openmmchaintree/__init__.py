@@ -36,6 +36,7 @@ from .replicaexchange import ParallelReplicaExchangeSampler  # noqa: E402
 from .reporter import ClashError, ClashReporter  # noqa: E402
 from .selection import selectAtoms  # noqa: E402
 from .sterics import createStericExclusionForce  # noqa: E402
+from .systemtopology import createTopology  # noqa: E402
 from .torsions import LeftOutTorsion, Torsion, TorsionSearch, findTorsions  # noqa: E402
 
 __version__: str = _build.VERSION
@@ -66,6 +67,7 @@ __all__ = [
     "TraversalStatistics",
     "addDefaultMoves",
     "createStericExclusionForce",
+    "createTopology",
     "findClashes",
     "findTorsions",
     "ramachandranDensities",

@@ -39,21 +39,23 @@ def bondsOfBareAtoms(topology, system):
     bonded = {atom.index for bond in topology.bonds() for atom in bond}
     bonded |= {particle for particle in range(system.getNumParticles()) if system.isVirtualSite(particle)}
     found = set()
-    for pairs in (_certainBonds(system), _customBonds(system)):
+    for pairs in ([bond[:2] for bond in bondsOf(system)], _customBonds(system)):
         new = {(min(pair), max(pair)) for pair in pairs if pair[0] not in bonded or pair[1] not in bonded}
         found |= new
         bonded |= {particle for pair in new for particle in pair}
     return sorted(found)
 
 
-def _certainBonds(system):
-    pairs = [tuple(system.getConstraintParameters(i)[:2]) for i in range(system.getNumConstraints())]
+def bondsOf(system):
+    """Return (particle, particle, length in nm) of the HarmonicBondForces, constraints and DrudeForces of a System."""
+    bonds = [system.getConstraintParameters(i) for i in range(system.getNumConstraints())]
     for force in system.getForces():
         if isinstance(force, openmm.HarmonicBondForce):
-            pairs += [tuple(force.getBondParameters(i)[:2]) for i in range(force.getNumBonds())]
+            bonds += [force.getBondParameters(i)[:3] for i in range(force.getNumBonds())]
         elif isinstance(force, openmm.DrudeForce):
-            pairs += [tuple(force.getParticleParameters(i)[:2]) for i in range(force.getNumParticles())]
-    return pairs
+            drudes = [force.getParticleParameters(i)[:2] for i in range(force.getNumParticles())]
+            bonds += [(drude, parent, 0 * unit.nanometer) for drude, parent in drudes]
+    return [(first, second, length.value_in_unit(unit.nanometer)) for first, second, length in bonds]
 
 
 def _customBonds(system):

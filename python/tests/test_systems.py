@@ -8,8 +8,14 @@ import numpy as np
 import openmm
 import pytest
 from openmm import app, unit
-from openmmchaintree import TorsionMonteCarloIntegrator, addDefaultMoves, createStericExclusionForce, findTorsions
-from scenes import makeSystem, peptide
+from openmmchaintree import (
+    TorsionMonteCarloIntegrator,
+    addDefaultMoves,
+    createStericExclusionForce,
+    createTopology,
+    findTorsions,
+)
+from scenes import DIPEPTIDE, makeSystem, peptide, writePDB
 
 
 def addPairs(system):
@@ -178,3 +184,48 @@ def test_movesOfAForceFieldLeaveMostTrialsToTheRest(villin):
     assert len(minor) == 6 and sum(weights[name] for name in minor) == pytest.approx(0.1, rel=0.01)
     assert 0.9 < sum(weights.values()) < 1
     openmm.Context(system, integrator, openmm.Platform.getPlatformByName("Reference"))
+
+
+def readDipeptide(tmp_path, constraints):
+    writePDB(tmp_path / "dipeptide.pdb", DIPEPTIDE)
+    pdb = app.PDBFile(str(tmp_path / "dipeptide.pdb"))
+    return pdb, app.ForceField("amber14-all.xml").createSystem(pdb.topology, constraints=constraints)
+
+
+@pytest.mark.parametrize("constraints", [None, app.HBonds, app.AllBonds, app.HAngles])
+def test_aSystemWithoutATopology(tmp_path, constraints):
+    """Elements by masses and bonds by Forces and constraints: the same force as from the Topology."""
+    pdb, system = readDipeptide(tmp_path, constraints)
+    topology = createTopology(system)
+    assert [atom.element for atom in topology.atoms()] == [atom.element for atom in pdb.topology.atoms()]
+    forces = [createStericExclusionForce(one, pdb.positions, system=system) for one in (pdb.topology, topology)]
+    assert bondsOf(forces[0]) == bondsOf(forces[1])
+    axes = [{tuple(sorted(particles[1:3])) for particles in asList(force)} for force in forces]
+    assert axes[0] == axes[1] and len(asList(forces[1])) == forces[0].getNumTorsions() == 7
+    for i in range(system.getNumParticles()):
+        assert forces[0].getParticleParameters(i)[0] == forces[1].getParticleParameters(i)[0]
+    system.addForce(forces[1])
+    integrator = TorsionMonteCarloIntegrator(300)
+    addDefaultMoves(integrator, topology, system)
+    context = openmm.Context(system, integrator, openmm.Platform.getPlatformByName("Reference"))
+    context.setPositions(pdb.positions)
+    integrator.step(1)
+
+
+def test_elementsAndBondsOfChoice():
+    # Butane without hydrogens, and two beads; butane is torn apart by one of them.
+    system = openmm.System()
+    for mass in (15, 14, 14, 90, 15, 90):
+        system.addParticle(mass)
+    with pytest.raises(ValueError, match="particle 0 has the mass 15 Da, that of no element: give elements"):
+        createTopology(system)
+    elements = ["C", 6, app.element.carbon, None, "C", 0]
+    topology = createTopology(system, elements, [(0, 1), (1, 2), (2, 4)])
+    assert [atom.element and atom.element.symbol for atom in topology.atoms()] == ["C", "C", "C", None, "C", None]
+    assert topology.getNumChains() == 4
+    force = createStericExclusionForce(topology, torsions="rotatable")
+    assert asList(force) == [(0, 1, 2, 4)]
+    with pytest.raises(ValueError, match="there are 2 elements, but 6 particles"):
+        createTopology(system, ["C", "C"])
+    with pytest.raises(ValueError, match="bonds names particles 0 and 6, but there are 6 particles"):
+        createTopology(system, elements, [(0, 6)])

@@ -1,0 +1,125 @@
+"""A Topology for a System that has none: from elements and bonds."""
+
+from collections import Counter
+from collections.abc import Iterable
+
+import openmm
+from openmm import app, unit
+
+from .components import connectedParts
+from .systemreading import bondsOf
+
+# Masses (Da) of an element differ by less among force fields.
+_MASS_TOLERANCE = 0.1
+
+_RESIDUE = "UNL"  # what the Protein Data Bank calls a ligand without a name
+
+
+def createTopology(
+    system: openmm.System,
+    elements: Iterable[app.Element | str | int | None] | None = None,
+    bonds: Iterable[tuple[int, int]] | None = None,
+) -> app.Topology:
+    """Create a Topology for a System that comes without one.
+
+    Molecules become chains of one residue, and atoms are named by their elements. So `findTorsions` and selections know
+    no amino acids, but all bonds in no ring turn with
+
+        topology = createTopology(system)
+        createStericExclusionForce(topology, positions, torsions="rotatable", system=system)
+
+    Parameters
+    ----------
+    system : openmm.System
+        whose particles these are
+    elements : iterable of openmm.app.Element, str, int or None, optional
+        the element of each particle, by its symbol or atomic number as well; None for beads and extra particles, which
+        have no radius of their own. Default: by masses; virtual sites and Drude particles have none.
+    bonds : iterable of (int, int), optional
+        Default: those of the System's HarmonicBondForce, constraints and DrudeForce. Of a hydrogen only the shortest
+        counts, since others hold angles.
+
+    Returns
+    -------
+    openmm.app.Topology
+
+    Raises
+    ------
+    ValueError
+        if there are not as many elements as particles, a mass is that of no element, or a bond names no particle
+    """
+    count = system.getNumParticles()
+    found = _elementsByMass(system) if elements is None else [_asElement(element) for element in elements]
+    if len(found) != count:
+        raise ValueError(f"there are {len(found):,} elements, but {count:,} particles")
+    pairs = _bondsOfSystem(system, found) if bonds is None else [(int(first), int(second)) for first, second in bonds]
+    for pair in pairs:
+        if not all(0 <= particle < count for particle in pair):
+            raise ValueError(f"bonds names particles {pair[0]} and {pair[1]}, but there are {count:,} particles")
+    return _makeTopology(found, pairs)
+
+
+def _makeTopology(elements, bonds):
+    """Make the Topology: consecutive atoms of a molecule are a residue, since Topologies want them in a row."""
+    topology = app.Topology()
+    parts = connectedParts(len(elements), bonds).tolist() if elements else []
+    atoms, names = [], Counter()
+    for index, (element, part) in enumerate(zip(elements, parts, strict=True)):
+        if index == 0 or parts[index - 1] != part:
+            residue = topology.addResidue(_RESIDUE, topology.addChain())
+            names.clear()
+        symbol = "X" if element is None else element.symbol
+        names[symbol] += 1
+        atoms.append(topology.addAtom(f"{symbol}{names[symbol]}", element, residue))
+    for first, second in bonds:
+        topology.addBond(atoms[first], atoms[second])
+    return topology
+
+
+def _asElement(element):
+    if isinstance(element, str):
+        return app.Element.getBySymbol(element)
+    if element is None or isinstance(element, app.Element):
+        return element
+    return app.Element.getByAtomicNumber(int(element)) if int(element) > 0 else None
+
+
+def _elementsByMass(system):
+    forces = [force for force in system.getForces() if isinstance(force, openmm.DrudeForce)]
+    without = {force.getParticleParameters(index)[0] for force in forces for index in range(force.getNumParticles())}
+    elements = []
+    for particle in range(system.getNumParticles()):
+        mass = system.getParticleMass(particle).value_in_unit(unit.dalton)
+        if particle in without or system.isVirtualSite(particle):
+            elements.append(None)
+            continue
+        element = app.Element.getByMass(mass)
+        if element is None or abs(element.mass.value_in_unit(unit.dalton) - mass) > _MASS_TOLERANCE:
+            raise ValueError(f"particle {particle} has the mass {mass:g} Da, that of no element: give elements")
+        elements.append(element)
+    return elements
+
+
+def _bondsOfSystem(system, elements):
+    """Return the bonds of a System as sorted pairs: of each hydrogen only the shortest."""
+    lengths = {}
+    for first, second, length in bondsOf(system):
+        pair = min(first, second), max(first, second)
+        lengths[pair] = min(length, lengths.get(pair, length))
+    nearest = {}
+    for pair in sorted(lengths, key=lengths.get):
+        for particle in pair:
+            nearest.setdefault(particle, pair)
+
+    def isHydrogen(particle):
+        return elements[particle] is not None and elements[particle].atomic_number == 1
+
+    def isExtra(particle):
+        return elements[particle] is None
+
+    def counts(pair):
+        if any(map(isExtra, pair)):
+            return True
+        return all(nearest[particle] == pair for particle in pair if isHydrogen(particle))
+
+    return sorted(pair for pair in lengths if counts(pair))
