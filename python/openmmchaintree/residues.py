@@ -45,6 +45,14 @@ _SIDE_CHAINS = {
 _PURINES = {"A", "G", "I", "DA", "DG", "DI"}
 _PYRIMIDINES = {"C", "U", "DC", "DT", "DU"}
 
+# Names of nucleotides in old files and in programs: CHARMM's, which tell no sugar, and Amber's, which tell ends.
+_NUCLEOTIDES = {"ADE": "A", "GUA": "G", "CYT": "C", "URA": "U", "THY": "DT", "T": "DT"} | {
+    f"{sugar}{base}{end}": f"{sugar.strip('R')}{base}"
+    for sugar, bases, ends in (("D", "ACGT", "35N"), ("R", "ACGU", "35N"), ("", "ACGU", "35"))
+    for base in bases
+    for end in ends
+}
+
 # Carbons that are sp2 in amino acids and bases: bare, and with a hydrogen.
 _BARE_SP2_CARBONS = {
     "ASN": "CG", "ASP": "CG", "GLN": "CD", "GLU": "CD", "ARG": "CZ", "HIS": "CG", "PHE": "CG", "TYR": "CG CZ",
@@ -66,19 +74,19 @@ CAPS = {"ACE", "NME", "NMA", "NHE", "NH2"}
 def aminoAcid(name):
     """Return the amino acid of a residue name, such as HIS for HIE, CYS for NCYX, ALA for DAL; None for other residues.
 
-    Amber prefixes N or C to the names of terminal residues.
+    Amber prefixes N or C to the names of terminal residues, CHARMM D to those of mirror images.
     """
     name = _VARIANTS.get(name) or _MIRRORED.get(name, name)
     if name in _SIDE_CHAINS:
         return name
-    if len(name) == 4 and name[0] in "NC":
+    if len(name) == 4 and name[0] in ("D" if name[1:] in _SIDE_CHAINS else "") + "NC":
         return aminoAcid(name[1:])
     return None
 
 
 def isMirrored(name):
     """Whether a residue name is one of a D-amino acid."""
-    return name in _MIRRORED
+    return name in _MIRRORED or (len(name) == 4 and name[0] == "D" and name[1:] in _SIDE_CHAINS)
 
 
 def isWater(name):
@@ -107,7 +115,13 @@ def isPolymer(residue):
 
 def isNucleotide(name):
     """Whether a residue name is one of DNA or RNA."""
-    return name in _PURINES or name in _PYRIMIDINES
+    return nucleotide(name) is not None
+
+
+def nucleotide(name):
+    """Return the nucleotide of a residue name, such as DA for DA5 and DT for THY; None for other residues."""
+    name = _NUCLEOTIDES.get(name, name)
+    return name if name in _PURINES or name in _PYRIMIDINES else None
 
 
 def chiAtoms(name):
@@ -121,7 +135,7 @@ def chiAtoms(name):
 
 def glycosidicAtoms(name):
     """Return the atom names of chi of a nucleotide: O4'-C1'-N9-C4 in purines, O4'-C1'-N1-C2 in pyrimidines."""
-    return ("O4'", "C1'", "N9", "C4") if name in _PURINES else ("O4'", "C1'", "N1", "C2")
+    return ("O4'", "C1'", "N9", "C4") if nucleotide(name) in _PURINES else ("O4'", "C1'", "N1", "C2")
 
 
 def isSp2Carbon(residueName, atomName, withHydrogen):
@@ -129,6 +143,6 @@ def isSp2Carbon(residueName, atomName, withHydrogen):
     amino = aminoAcid(residueName)
     if amino is not None and atomName == "C":
         return not withHydrogen
-    base = residueName.removeprefix("D") if isNucleotide(residueName) else amino
+    base = (nucleotide(residueName) or "").removeprefix("D") or amino
     table = _SP2_CARBONS_WITH_HYDROGEN if withHydrogen else _BARE_SP2_CARBONS
     return atomName in table.get(base, "").split()

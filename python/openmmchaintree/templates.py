@@ -10,7 +10,7 @@ from pathlib import Path
 
 import openmm.app
 
-from .residues import aminoAcid, isWater
+from .residues import aminoAcid, isWater, nucleotide
 
 _DATA = Path(openmm.app.__file__).parent / "data"
 
@@ -30,7 +30,7 @@ def templateBonds(residueName, atomNames):
     residueName : str
     atomNames : list of str
     """
-    name = "HOH" if isWater(residueName) else aminoAcid(residueName) or residueName
+    name = "HOH" if isWater(residueName) else standardName(residueName)
     standard = _standardBonds().get(name)
     if standard is not None:
         aliases = atomAliases(name)
@@ -57,7 +57,7 @@ def _standardBonds():
 
 def standardName(residueName):
     """Return the name that OpenMM's tables have for a residue: ALA for DAL, NH2 for NHE, DA for DA5; else its own."""
-    return aminoAcid(residueName) or _residueAliases().get(residueName, residueName)
+    return aminoAcid(residueName) or nucleotide(residueName) or _residueAliases().get(residueName, residueName)
 
 
 @cache

@@ -39,15 +39,22 @@ def energyByOpenMM(topology, positions):
     return context.getState(energy=True).getPotentialEnergy().value_in_unit(unit.kilojoule_per_mole)
 
 
-@pytest.mark.parametrize("methyl", ["C", "CH3"])
-def test_caps(sampleWithHydrogens, methyl):
-    """As many as Modeller alone adds; the methyl carbon of NME has two names."""
+@pytest.mark.parametrize(
+    "names",
+    [
+        {},
+        {("NME", "C"): "CH3"},
+        {("ACE", "C"): "CY", ("ACE", "CH3"): "CAY", ("ACE", "O"): "OY", ("NME", "N"): "NT", ("NME", "C"): "CAT"},
+    ],
+    ids=["PDB", "AMBER", "CHARMM"],
+)
+def test_caps(sampleWithHydrogens, names):
+    """As many as Modeller alone adds."""
     topology, positions = makePeptides(("ACE", "ALA", "PRO", "NME"))
-    rename = {("NME", "C"): methyl}
     lines = linesOf(
         topology,
         positions,
-        lambda atom: (rename.get((atom.residue.name, atom.name), atom.name), atom.residue.name, atom.residue.index + 1),
+        lambda atom: (names.get((atom.residue.name, atom.name), atom.name), atom.residue.name, atom.residue.index + 1),
     )
     pdb, energy = sampleWithHydrogens(lines)
     assert hydrogensOn(pdb.topology) == hydrogensOn(withHydrogens(topology, positions)[0]) == [3, 5, 7, 4]

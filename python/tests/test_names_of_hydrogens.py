@@ -6,8 +6,10 @@ import numpy as np
 import openmm
 import pytest
 from openmm import app, unit
+from openmmchaintree import findTorsions
 from openmmchaintree.command.energymodel import EnergyModel
-from openmmchaintree.structure import readStructure, subset
+from openmmchaintree.command.hydrogens import addHydrogens
+from openmmchaintree.structure import readStructure, subset, withoutAtoms
 from peptides import makePeptides, withHydrogens
 from scenes import HEAVY_ATOMS, pdbLine, realStructurePath, writePDB
 
@@ -142,8 +144,11 @@ def test_namesDoNotChangeTheEnergy(model, peptides, tmp_path, name, convention):
     assert energyOf(system, structure.positions) == pytest.approx(expected, abs=1e-3, rel=1e-9)
 
 
-def test_nucleotidesOfOldFiles(tmp_path):
-    """Thymidine is T there, hydrogens have their digit in front and * for a prime; GBn2 goes by names of residues."""
+@pytest.mark.parametrize(
+    "names", [("T", "T", "C"), ("THY", "THY", "CYT"), ("DT5", "DT", "DC3")], ids=["PDB v2", "CHARMM", "AMBER"]
+)
+def test_nucleotides(tmp_path, names):
+    """GBn2 goes by the names of residues; hydrogens have their digit in front here, and * for a prime."""
     files = ("amber14/DNA.OL15.xml", "implicit/gbn2.xml")
     source = readStructure(realStructurePath("1bna.pdb"))
     chosen = list(next(source.topology.chains()).residues())[6:9]
@@ -155,9 +160,13 @@ def test_nucleotidesOfOldFiles(tmp_path):
     for atom in topology.atoms():
         name = old.get(atom.name, atom.name.replace("'", "*"))
         place, residue = 10 * positions[atom.index], atom.residue
-        lines.append(pdbLine(atom.index + 1, name, residue.name[1:], "A", residue.index + 1, *place)[:66])
+        lines.append(pdbLine(atom.index + 1, name, names[residue.index], "A", residue.index + 1, *place)[:66])
     structure = readStructure(writePDB(tmp_path / "old.pdb", lines))
     system, _ = EnergyModel(files, 300).makeSystem(structure)
     expected = energyOf(app.ForceField(*files).createSystem(topology), structure.positions)
-    assert [residue.name for residue in structure.topology.residues()] == ["T", "T", "C"]
+    assert tuple(residue.name for residue in structure.topology.residues()) == names
+    kinds = [[torsion.kind for torsion in findTorsions(one).torsions] for one in (topology, structure.topology)]
+    assert kinds[0] == kinds[1] and "chi" in kinds[0]
+    bare = withoutAtoms(structure, np.array([a.index for a in structure.topology.atoms() if a.element.symbol == "H"]))
+    assert addHydrogens(bare, 7, 1)[0].topology.getNumAtoms() == topology.getNumAtoms()
     assert energyOf(system, structure.positions) == pytest.approx(expected, abs=1e-3)

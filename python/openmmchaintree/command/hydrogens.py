@@ -84,7 +84,7 @@ def _withStandardNames(topology):
             if residues[0] in front:
                 add(None, "", newChain)
             for residue in residues:
-                name = standardName(residue.name)
+                name = _modellerName(residue)
                 aliases = atomAliases(name)
                 newResidue = add(residue, name, newChain)
                 for atom in residue.atoms():
@@ -100,15 +100,23 @@ def _withStandardNames(topology):
     return named, own, variants
 
 
+def _modellerName(residue):
+    """Return what Modeller calls a residue; names of DNA in old files, and CHARMM's, are those of RNA."""
+    name = standardName(residue.name)
+    isDNA = name in ("A", "C", "G") and not any(atom.name == "O2'" for atom in residue.atoms())
+    return f"D{name}" if isDNA else name
+
+
 def _boundEnds(topology):
     """Return the residues whose front, and those whose back, is bound to another residue, metals apart, as two sets."""
     front, back = set(), set()
     for bond in topology.bonds():
         for atom, other in (bond, bond[::-1]):
             if atom.residue is not other.residue and other.element in _NON_METALS:
-                if atom.name in _FRONT:
+                name = atomAliases(standardName(atom.residue.name)).get(atom.name, atom.name)
+                if name in _FRONT:
                     front.add(atom.residue)
-                if atom.name in _BACK:
+                if name in _BACK:
                     back.add(atom.residue)
     return front, back
 

@@ -8,7 +8,7 @@ from openmm.app import element
 
 from ..naming import describeResidue
 from ..notes import Note, listFirst
-from ..residues import aminoAcid, isNucleotide, isPolymer
+from ..residues import aminoAcid, isPolymer, nucleotide
 from ..templates import atomAliases, standardName
 
 _ADD_ATOMS = "PDBFixer adds them"
@@ -137,13 +137,14 @@ class _Misfit:
 
 
 def _isOf(templateName, residueName):
-    """Whether a template is one of a residue by their names, such as CALA of ALA and DC5 of DC."""
+    """Whether a template is one of a residue by their names, such as CALA of ALA and DC5 of C, as old files call it."""
     if templateName == residueName:
         return True
     amino = aminoAcid(residueName)
     if amino is not None:
         return aminoAcid(templateName) == amino
-    return isNucleotide(residueName) and templateName in {f"{residueName}{end}" for end in "35"}
+    base = nucleotide(residueName)
+    return base is not None and (nucleotide(templateName) or "").removeprefix("D") == base.removeprefix("D")
 
 
 def _atomNames(atoms):

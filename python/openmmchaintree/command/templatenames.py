@@ -6,9 +6,8 @@ parameters in residues that are named as nucleotides.
 
 import openmm.app
 
-from ..residues import aminoAcid, isNucleotide
+from ..residues import aminoAcid, nucleotide
 from ..structure import subset
-from ..templates import standardName
 
 
 def nameByTemplates(forceField, topology):
@@ -49,7 +48,4 @@ class _Matching(openmm.app.ForceField._SystemData):
 def _residueName(templateName, ownName):
     """Return the standard name of a polymer's residue by its template: ARG for NARG, DA for DA5; else its own name."""
     base = templateName.split("-")[0]  # names of patches follow
-    for name in (standardName(base), base[:-1]):
-        if aminoAcid(name) == name or isNucleotide(name):
-            return name
-    return ownName
+    return aminoAcid(base) or nucleotide(base) or ownName
