@@ -7,7 +7,7 @@ import openmm
 from openmm import app
 
 from .bonds import DISULFIDES, LOOPS, BondGraph, Closures, ringBonds
-from .naming import describeResidue
+from .naming import describeResidue, nameAtom
 from .notes import Note, found, warnOf
 from .openmmchaintree import StericExclusionForce
 from .radii import RADII_SETS, defaultRadii, hydrogenBondRoles, particleRadii
@@ -32,6 +32,9 @@ from .units import Array, Number, inUnit, positionsInNm
 
 # Reasons that name no atoms.
 _COMMON_REASONS = {RING, DISULFIDE_RING, METAL_RING, BETWEEN_FIXED}
+
+# Of atoms in `fixed`.
+_MOVING = "fixed atoms with a mass, which dynamics and moves of whole molecules move unless the System gives them mass 0"
 
 _ARGUMENTS = {
     DISULFIDE_RING: 'which can be cut (cutDisulfides) or closed (closures="disulfides")',
@@ -105,8 +108,8 @@ def createStericExclusionForce(
         "loops" are the last bonds, from C to N or O3' to P, of all rows of residues between those with `fixed` atoms.
         Default: "disulfides" if the `system` has the energies of a force field and they are not cut, else none.
     fixed : str, array of int or bool, or callable, optional
-        atoms that are not to move, as in `findTorsions`, to which the System gives the mass 0: torsions between two of
-        them are left out. So ``fixed="not resSeq 20 to 30", closures="loops"`` samples a loop.
+        atoms that are not to move, as in `findTorsions`, to which the System gives the mass 0 (given a `system`, a
+        warning names those that have another one): torsions between two of them are left out. So ``fixed="not resSeq 20 to 30", closures="loops"`` samples a loop.
     system : openmm.System, optional
         to which the force will be added. What has mass 0 there, and is no virtual site, is fixed as well. Atoms without
         bonds in the Topology, such as beads or Drude particles, get those of its HarmonicBondForce, constraints and
@@ -128,10 +131,12 @@ def createStericExclusionForce(
     if positions is not None:
         positions = positionsInNm(positions, topology.getNumAtoms())
     held = np.empty(0, dtype=int) if fixed is None else selectAtoms(topology, fixed)
-    others = []
+    others, moving = [], []
     if system is not None:
         checkParticles(topology, system)
-        held = np.union1d(held, fixedParticles(system))
+        massless = fixedParticles(system)
+        moving = np.setdiff1d(held, massless).tolist()
+        held = np.union1d(held, massless)
         others = bondsOfBareAtoms(topology, system)
     hasEnergies = system is not None and hasPairEnergies(system)
     if closures is None:
@@ -148,6 +153,7 @@ def createStericExclusionForce(
     if hasEnergies and not joints:
         rigid = bondsThatStay(graph, search.torsions, held.tolist())
         notes += found([Note("bonds in no ring that stay rigid", map(graph.describePair, rigid))])
+    notes += found([Note(_MOVING, [str(nameAtom(graph.atoms[atom])) for atom in moving])])
     warnOf([*graph.notes, *notes, *notesOnTorsions(search.leftOut)], stacklevel=2)
     return force
 

@@ -69,6 +69,18 @@ def test_whatStaysRigidIsTold(villin):
         )
 
 
+def test_fixedAtomsThatHaveAMass(villin):
+    system = makeSystem(villin)
+    system.setParticleMass(1, 0)
+    with pytest.warns(UserWarning, match=r"fixed atoms with a mass, .* mass 0 \(2\): LEU 1 N; LEU 1 H2"):
+        createStericExclusionForce(villin.topology, villin.positions, fixed=[0, 1, 2], system=system)
+    for atom in range(3):
+        system.setParticleMass(atom, 0)
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        createStericExclusionForce(villin.topology, villin.positions, fixed=[0, 1, 2], system=system)
+
+
 def test_disulfidesAreClosedWithEnergies():
     topology = peptide("CYS", "ALA", "CYS", "ALA")
     sulfurs = [atom for atom in topology.atoms() if atom.name == "SG"]
