@@ -18,13 +18,13 @@
 namespace ChainTreePlugin {
 
 /**
- * Lets Contexts that are made while it lives evaluate foreign Forces by groups.
+ * Lets Contexts that are made while it lives evaluate foreign Forces by groups, or by copies where that is possible.
  */
 class WholeGroups {
 public:
-    WholeGroups()
+    explicit WholeGroups(const char* setting = "groups")
     {
-        setenv("CHAINTREE_FOREIGN", "groups", 1);
+        setenv("CHAINTREE_FOREIGN", setting, 1);
     }
     ~WholeGroups()
     {

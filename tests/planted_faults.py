@@ -943,6 +943,7 @@ LINKS = "openmmapi/src/LinkStructure.cpp"
 LOCAL_GEOMETRY = "platforms/reference/moves/src/local.c"
 LOCAL_MOVE = "openmmapi/src/moves/LocalMove.cpp"
 MOVES = "openmmapi/src/MoveList.cpp"
+FOREIGN_COPIES = "openmmapi/src/ForeignCopies.cpp"
 FOREIGN_FORCES = "openmmapi/src/ForeignForces.cpp"
 OUTER_SCHEDULE = "openmmapi/src/OuterSchedule.cpp"
 NATIVE_ENERGY = "openmmapi/src/NativeEnergy.cpp"
@@ -1274,12 +1275,18 @@ API_FAULTS = [
     Fault("native: the change of a trial is added to that of the next", NATIVE_ENERGY,
           "    numComputed = 0;\n    computedChange = 0;", "    numComputed = 0;"),
     Fault("native: foreign groups are evaluated without the native Forces", FOREIGN_FORCES,
-          "    if (mixed)\n", "    if (false)\n"),
+          "(plan.getGroups(EnergyPlan::Foreign) & groups) | native, -1", "plan.getGroups(EnergyPlan::Foreign) & groups, -1"),
+    Fault("foreign: copies go stale", FOREIGN_FORCES,
+          "!copies || haveChanged || copied", "!copies || copied"),
+    Fault("foreign: copies keep their box", FOREIGN_COPIES,
+          "    inner->setPeriodicBoxVectors(box[0], box[1], box[2]);\n", ""),
+    Fault("foreign: copies keep their parameters", FOREIGN_COPIES,
+          "            inner->setParameter(parameter.first, present);\n", "            continue;\n"),
     Fault("foreign: native Forces are evaluated with them", FOREIGN_FORCES,
           "        context.getForceImpls().swap(others);\n    }\n    ~",
           "    }\n    ~"),
     Fault("foreign: parts that have a group in common are evaluated one by one", FOREIGN_FORCES,
-          "if ((partGroups[i] & itsGroups) != 0) {", "if (false) {"),
+          "if ((parts[i].groups & part.groups) != 0) {", "if (false) {"),
     Fault("foreign: what is not left to tests is nobody's", NATIVE_ENERGY,
           "if (isLeftToTests(part) == leftToTests)", "if (isLeftToTests(part) && leftToTests)"),
     Fault("schedule: large changes are left to tests", OUTER_SCHEDULE,

@@ -67,6 +67,15 @@ void EnergyPlan::copyForces()
         }
 }
 
+const Force* EnergyPlan::findForce(int index) const
+{
+    const System& system = context.getSystem();
+    for (int i = 0; i < system.getNumForces(); i++)
+        if (&system.getForce(i) == forces[index])
+            return forces[index];
+    return NULL;
+}
+
 /**
  * Decide about a Force, and append it to the terms if it is native.
  */

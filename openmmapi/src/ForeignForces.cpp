@@ -29,57 +29,72 @@ private:
 };
 
 /**
- * Get whether a ForceImpl of a platform evaluates its Force when it is asked. For tests, the environment variable
- * CHAINTREE_FOREIGN=groups says that none does.
+ * Get whether an environment variable, for tests, has a value. CHAINTREE_FOREIGN=copies says that no platform lets
+ * ForceImpls evaluate, and CHAINTREE_FOREIGN=groups that there are no copies either.
  */
-static bool letsImplsEvaluate(const Platform& platform)
+static bool isSet(const string& value)
 {
     const char* setting = getenv("CHAINTREE_FOREIGN");
-    const bool isSwitchedOff = setting != NULL && string(setting) == "groups";
-    return !isSwitchedOff && dynamic_cast<const ReferencePlatform*>(&platform) != NULL;
+    return setting != NULL && setting == value;
 }
 
 ForeignForces::ForeignForces(ContextImpl& context) :
-    context(context), implsEvaluate(letsImplsEvaluate(context.getPlatform())), impls(context.getForceImpls()),
-    groups(0), wholeGroups(0), mixed(false)
+    context(context), implsEvaluate(dynamic_cast<const ReferencePlatform*>(&context.getPlatform()) != NULL &&
+                                    !isSet("copies") && !isSet("groups")),
+    allowCopies(!isSet("groups")), impls(context.getForceImpls()), groups(0), mixed(false)
 {
 }
 
-void ForeignForces::setForces(const EnergyPlan& plan, int groups, bool allowNative)
+void ForeignForces::setForces(const EnergyPlan& plan, int groups, bool allowNative, bool haveChanged)
 {
     this->groups = groups;
     parts.clear();
-    partGroups.clear();
-    wholeGroups = 0;
-    mixed = false;
     forceGroups.clear();
+    mixed = false;
     vector<int> foreign;
-    for (const EnergyPlan::Entry& entry : plan.getEntries())
-        forceGroups.push_back(entry.groups & groups);
+    auto groupsOf = [&](int force) {
+        return plan.getEntries()[force].groups & groups;
+    };
     for (size_t i = 0; i < plan.getEntries().size(); i++)
         if (plan.getEntries()[i].kind == EnergyPlan::Foreign)
             foreign.push_back(i);
-    if (foreign.empty())
+    if (allowNative && implsEvaluate)
+        for (int force : foreign)
+            parts.push_back({{force}, 0, -1});
+    for (size_t i = 0; i < plan.getEntries().size(); i++)
+        forceGroups.push_back(groupsOf(i));
+    if (foreign.empty() || !parts.empty())
         return;
-    if (allowNative && implsEvaluate) {
-        for (int force : foreign) {
-            parts.push_back({force});
-            partGroups.push_back(forceGroups[force]);
-        }
+    if (!allowNative) {
+        parts.push_back({foreign, plan.getGroups(EnergyPlan::Foreign) & groups, -1});
         return;
     }
-    wholeGroups = plan.getGroups(EnergyPlan::Foreign) & groups;
+
+    // Groups that cannot be evaluated for their foreign Forces: of native ones, and of those that are copied for these.
+
     const int native = plan.getGroups(EnergyPlan::Native) & groups;
-    mixed = (wholeGroups & native) != 0;
-    if (mixed)
-        wholeGroups |= native;
-    if (mixed || !allowNative) {
-        parts.push_back(foreign);
-        partGroups.push_back(wholeGroups);
+    int avoided = native;
+    vector<int> shared, alone;
+    for (size_t former = 0; shared.empty() || former != shared.size();) {
+        former = shared.size();
+        shared.clear();
+        alone.clear();
+        for (int force : foreign)
+            ((groupsOf(force) & avoided) != 0 ? shared : alone).push_back(force);
+        for (int force : shared)
+            avoided |= groupsOf(force);
+        if (shared.empty())
+            break;
+    }
+    mixed = !shared.empty() && !makeCopies(plan, shared, haveChanged);
+    if (mixed) {
+        parts.push_back({foreign, (plan.getGroups(EnergyPlan::Foreign) & groups) | native, -1});
         return;
     }
-    for (int force : foreign)
-        addToParts(force, forceGroups[force]);
+    for (int force : alone)
+        addToParts(force, groupsOf(force));
+    for (size_t i = 0; i < shared.size(); i++)
+        parts.push_back({{shared[i]}, 0, (int)i});
 }
 
 /**
@@ -87,16 +102,43 @@ void ForeignForces::setForces(const EnergyPlan& plan, int groups, bool allowNati
  */
 void ForeignForces::addToParts(int force, int itsGroups)
 {
-    vector<int> forces = {force};
+    Part part = {{force}, itsGroups, -1};
     for (int i = parts.size() - 1; i >= 0; i--)
-        if ((partGroups[i] & itsGroups) != 0) {
-            forces.insert(forces.begin(), parts[i].begin(), parts[i].end());
-            itsGroups |= partGroups[i];
+        if ((parts[i].groups & part.groups) != 0) {
+            part.forces.insert(part.forces.begin(), parts[i].forces.begin(), parts[i].forces.end());
+            part.groups |= parts[i].groups;
             parts.erase(parts.begin() + i);
-            partGroups.erase(partGroups.begin() + i);
         }
-    parts.push_back(forces);
-    partGroups.push_back(itsGroups);
+    parts.push_back(part);
+}
+
+/**
+ * See to it that there are copies of some Forces. Returns false if one of them cannot be copied.
+ */
+bool ForeignForces::makeCopies(const EnergyPlan& plan, const vector<int>& forces, bool haveChanged)
+{
+    if (!allowCopies || forces.size() > ForeignCopies::MOST_FORCES)
+        return false;
+    vector<const Force*> originals;
+    for (int force : forces) {
+        const bool isWhole = (plan.getEntries()[force].groups & ~groups) == 0; // no group of its own is left out
+        const Force* original = isWhole ? plan.findForce(force) : NULL;
+        if (original == NULL || !ForeignCopies::canCopy(*original))
+            return false;
+        originals.push_back(original);
+    }
+    if (!copies || haveChanged || copied != forces)
+        copies.reset(new ForeignCopies(context, originals));
+    copied = forces;
+    return true;
+}
+
+int ForeignForces::getWholeGroups() const
+{
+    int whole = 0;
+    for (const Part& part : parts)
+        whole |= part.groups;
+    return whole;
 }
 
 double ForeignForces::computeAlone(const vector<int>& forces) const
@@ -111,14 +153,23 @@ double ForeignForces::computeAlone(const vector<int>& forces) const
 double ForeignForces::computeEnergy(TrialSession& trials, const vector<int>& chosen) const
 {
     int chosenGroups = 0;
-    vector<int> forces;
-    for (int part : chosen) {
-        chosenGroups |= partGroups[part];
-        forces.insert(forces.end(), parts[part].begin(), parts[part].end());
+    vector<int> forces, chosenCopies;
+    for (int index : chosen) {
+        const Part& part = parts[index];
+        chosenGroups |= part.groups;
+        if (part.copy != -1)
+            chosenCopies.push_back(part.copy);
+        else if (part.groups == 0)
+            forces.insert(forces.end(), part.forces.begin(), part.forces.end());
     }
-    if (forces.empty())
-        return 0;
-    return wholeGroups == 0 ? computeAlone(forces) : trials.computeOtherEnergy(chosenGroups);
+    double energy = 0;
+    if (chosenGroups != 0)
+        energy += trials.computeOtherEnergy(chosenGroups);
+    if (!forces.empty())
+        energy += computeAlone(forces);
+    if (!chosenCopies.empty())
+        energy += copies->computeEnergy(chosenCopies);
+    return energy;
 }
 
 double ForeignForces::computeEnergy(TrialSession& trials) const
@@ -131,11 +182,12 @@ double ForeignForces::computeEnergy(TrialSession& trials) const
 vector<int> ForeignForces::findImpossible(TrialSession& trials) const
 {
     vector<int> all, impossible;
-    for (const vector<int>& part : parts)
-        for (int force : part) {
+    for (size_t i = 0; i < parts.size(); i++)
+        for (int force : parts[i].forces) {
+            const int itsGroups = parts[i].groups & forceGroups[force];
             all.push_back(force);
             const double energy =
-                wholeGroups == 0 ? computeAlone({force}) : trials.computeOtherEnergy(forceGroups[force]);
+                itsGroups != 0 ? trials.computeOtherEnergy(itsGroups) : computeEnergy(trials, {(int)i});
             if (!NativeEnergy::isPossible(energy))
                 impossible.push_back(force);
         }

@@ -101,7 +101,7 @@ void NativeEnergy::translate()
     });
     pairsCanChange = !(plan.getTerms().nonbonded.empty() && plan.getTerms().pairSets.empty()) && somethingMoves;
     valuesCanChange = !plan.getTerms().valueEnergies.empty() && somethingMoves;
-    foreign.setForces(plan, choice.groups, choice.native);
+    foreign.setForces(plan, choice.groups, choice.native, forcesWereChanged);
 }
 
 const EnergyPlan& NativeEnergy::getPlan()
@@ -146,7 +146,9 @@ vector<EnergyPlan::Entry> NativeEnergy::describePlan()
         how += describeTime(isLeftToTests(part) ? trials : 0);
         if (choosesForeign() && schedule.isMeasuring() && isLeftToTests(part))
             how += " while its spread is measured";
-        for (int force : foreign.getParts()[part])
+        if (foreign.getParts()[part].copy != -1)
+            how += ", by a copy";
+        for (int force : foreign.getParts()[part].forces)
             entries[force].reason = how + ": " + entries[force].reason;
     }
     schedule = present;
@@ -186,8 +188,8 @@ void NativeEnergy::beginSchedule()
     if (!choosesForeign())
         return;
     vector<int> energies;
-    for (const vector<int>& part : foreign.getParts())
-        energies.push_back(part[0]);
+    for (const ForeignForces::Part& part : foreign.getParts())
+        energies.push_back(part.forces[0]);
     schedule.begin(energies, min(USUAL_TRIALS_PER_OUTER_TEST, integrator.getTrialsPerStep()));
 }
 

@@ -103,13 +103,15 @@ static void testSoftSpheres()
  */
 static void testMixedForces()
 {
-    WholeGroups wholeGroups;
     const int numSteps = 3000;
     ShortChain shared(0.3);
     addCentroidForce(shared.system, 0);
     const Means expected = shared.computeMeans(1);
-    for (int trialsPerTest : {0, 7})
-        assertSampled(shared, expected, {trialsPerTest, 14, true, false}, numSteps);
+    for (const char* way : {"groups", "copies"}) {
+        WholeGroups wholeGroups(way);
+        for (int trialsPerTest : {0, 7})
+            assertSampled(shared, expected, {trialsPerTest, 14, true, false}, numSteps);
+    }
 }
 
 int main()

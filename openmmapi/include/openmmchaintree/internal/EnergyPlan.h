@@ -115,6 +115,10 @@ public:
     std::vector<double> computeByForce(CalcStericExclusionForceKernel& kernel) const;
 
     /**
+     * Get a Force of the System; NULL if it has been removed.
+     */
+    const OpenMM::Force* findForce(int index) const;
+    /**
      * Get the copy of a Force that is native or constant.
      */
     const OpenMM::Force& getCopy(int index) const

@@ -4,7 +4,9 @@
 #include "openmm/internal/ContextImpl.h"
 #include "openmm/internal/ForceImpl.h"
 #include "openmmchaintree/internal/EnergyPlan.h"
+#include "openmmchaintree/internal/ForeignCopies.h"
 #include "openmmchaintree/internal/TrialSession.h"
+#include <memory>
 #include <vector>
 
 namespace ChainTreePlugin {
@@ -14,9 +16,11 @@ namespace ChainTreePlugin {
  *
  * On the Reference and CPU platforms a ForceImpl evaluates its Force when it is asked to, so the Context is asked for
  * its energy while it has no ForceImpls but those of foreign Forces. It is they who evaluate, not copies: they have the
- * parameters that updateParametersInContext() gave them, and whatever they remember. Other platforms evaluate force
- * groups as a whole. Foreign Forces in groups without native ones are then alone, too; if they share a group with a
- * native Force, the energy of all native ones comes with theirs.
+ * parameters that updateParametersInContext() gave them, and whatever they remember.
+ *
+ * Other platforms evaluate force groups as a whole. Foreign Forces in groups without native ones are then alone, too.
+ * Of those that share a group with a native Force there are ForeignCopies. If one of these cannot be copied, the energy
+ * of all native Forces comes with that of the foreign ones.
  */
 class ForeignForces {
 public:
@@ -26,12 +30,22 @@ public:
      *
      * @param groups       the force groups that have a part in U, as a bit mask
      * @param allowNative  whether anything but OpenMM evaluates a Force. If not, all groups are evaluated at once
+     * @param haveChanged  whether some Force was copied to the Context since the last call
      */
-    void setForces(const EnergyPlan& plan, int groups, bool allowNative);
+    void setForces(const EnergyPlan& plan, int groups, bool allowNative, bool haveChanged);
     /**
-     * Get the parts that can be evaluated one by one, each by the indices of its Forces.
+     * What is evaluated at once.
      */
-    const std::vector<std::vector<int>>& getParts() const
+    class Part {
+    public:
+        /** The indices of its Forces. */
+        std::vector<int> forces;
+        /** The force groups that are evaluated as a whole for it, as a bit mask; 0 if it is evaluated without them. */
+        int groups;
+        /** Whether it is a copy that is evaluated, and its index. */
+        int copy;
+    };
+    const std::vector<Part>& getParts() const
     {
         return parts;
     }
@@ -45,10 +59,7 @@ public:
     /**
      * Get the force groups that are evaluated as a whole, as a bit mask.
      */
-    int getWholeGroups() const
-    {
-        return wholeGroups;
-    }
+    int getWholeGroups() const;
     /**
      * Compute the energy of some parts, or of all, at the Context's positions.
      */
@@ -61,17 +72,21 @@ public:
 
 private:
     void addToParts(int force, int itsGroups);
+    bool makeCopies(const EnergyPlan& plan, const std::vector<int>& forces, bool haveChanged);
     double computeAlone(const std::vector<int>& forces) const;
     OpenMM::ContextImpl& context;
-    /** Whether a ForceImpl evaluates its Force when it is asked. */
-    const bool implsEvaluate;
+    /** Whether a ForceImpl evaluates its Force when it is asked, and whether copies may do so if not. */
+    const bool implsEvaluate, allowCopies;
     /** The ForceImpls by the indices of their Forces. */
     const std::vector<OpenMM::ForceImpl*> impls;
-    int groups, wholeGroups;
+    int groups;
     bool mixed;
-    std::vector<std::vector<int>> parts;
-    /** The force groups of each part, and of each Force of the plan, as far as they have a part in U. */
-    std::vector<int> partGroups, forceGroups;
+    std::vector<Part> parts;
+    /** The force groups of each Force of the plan, as far as they have a part in U. */
+    std::vector<int> forceGroups;
+    /** The copies, and the indices of their Forces. */
+    std::unique_ptr<ForeignCopies> copies;
+    std::vector<int> copied;
 };
 
 } // namespace ChainTreePlugin
