@@ -959,6 +959,7 @@ SNAPSHOT = "openmmapi/src/ContextSnapshot.cpp"
 STAGES = "openmmapi/src/EnergyStage.cpp"
 TORSION_MOVE = "openmmapi/src/moves/TorsionMove.cpp"
 VALUES = "openmmapi/src/ValueTranslation.cpp"
+VELOCITIES = "openmmapi/src/VelocityTurner.cpp"
 WINDOWS = "openmmapi/src/TorsionWindows.cpp"
 
 API_FAULTS = [
@@ -995,6 +996,15 @@ API_FAULTS = [
           "getBallJointParticles(link.ballJoint, torsion[2], torsion[1])"),
     Fault("links: a description does not tell what is fixed", LINKS,
           "        description.push_back(molecules[link.molecule].fixed);\n", ""),
+    # ---- Velocities ----
+    Fault("velocities: trials leave them as they are", SESSION,
+          "        force.velocities->begin(context, kernel);\n", ""),
+    Fault("velocities: accelerations stay where dynamics has paused", VELOCITIES,
+          "    if (hasPaused)\n        turn(push);\n", ""),
+    Fault("velocities: momentum goes its way beside a CMMotionRemover", VELOCITIES,
+          "    if (keepsMomentum)\n", "    if (false)\n"),
+    Fault("velocities: a constraint may have one end on an axis", LINKS,
+          "leavesInPlace(particle1) || ", "leavesInPlace(particle1) && "),
     # ---- Definition ----
     Fault("definition: exclusions reach one bond less far", FORCE,
           "distance <= bondCutoff &&", "distance < bondCutoff &&"),
@@ -1488,6 +1498,12 @@ API_FAULTS = [
 
 # fmt: off
 GEOMETRY_FAULTS = [
+    Fault("velocities: they turn back", "velocities.c",
+          "multiplyByTranspose(after[i], before[i], after[i]);", "multiplyByTranspose(before[i], after[i], after[i]);"),
+    Fault("velocities: momentum is kept as if the heaviest body stayed", "velocities.c",
+          "multiplyByTranspose(meanTurn, pivotal, matrix);", "memcpy(matrix, meanTurn, sizeof matrix);"),
+    Fault("velocities: the least rotation shortens them", "velocities.c",
+          "2 * alongFrom * unitTo", "alongFrom * unitTo"),
     Fault("density: aliases are not asked", "density.c",
           "? i : table->alias[i]", "? i : i"),
     Fault("density: the first torsion's bins run fastest", "density.c",
