@@ -116,5 +116,15 @@ def test_mirroredAminoAcids(sampleWithHydrogens):
     assert _chirality(pdb.topology, places) == _chirality(topology, positions)
     for residue, name in zip(residues, ("ACE", *usual, "NME"), strict=True):
         residue.name = name
-    pdb.topology.createStandardBonds()
+    pdb.topology.createStandardBonds()  # for what DCY is not
     assert energy == pytest.approx(energyByOpenMM(pdb.topology, pdb.positions), abs=0.5)
+
+
+def test_mapsAreNotMirrored(runCommandHere, tmp_path):
+    """A force field with CMAP has it for L-amino acids alone: a note says so."""
+    for names, isNoted in ((("ACE", "DAL", "NME"), True), (("ACE", "ALA", "NME"), False)):
+        writePDB(tmp_path / "bare.pdb", linesOf(*makePeptides(names)))
+        options = ("--add-hydrogens", "--forcefield", "amber19/protein.ff19SB.xml", "--trials", 10, "--overwrite")
+        result = runCommandHere("sample", "bare.pdb", *options)
+        assert result.returncode == 0, result.stderr
+        assert ("(CMAP) take for L-amino acids (1): A:DAL 2" in result.stdout) == isNoted

@@ -8,9 +8,10 @@ from openmm import unit
 
 from ..bonds import BondGraph
 from ..errors import InputError
-from ..naming import nameAtom
-from ..notes import Note
+from ..naming import describeResidue, nameAtom
+from ..notes import Note, found
 from ..openmmchaintree import StericExclusionForce
+from ..residues import isMirrored
 from ..structure import subset
 from .misfits import describeMisfits, firstSentence
 from .templatenames import nameByTemplates
@@ -86,6 +87,10 @@ class EnergyModel:
             raise InputError(f"--forcefield {' '.join(self.files)}: the command adds StericExclusionForce by itself")
         if not any(map(_isSolvent, system.getForces())):
             notes.append(Note("the energy is that of a vacuum: water is left out, and no file describes it otherwise"))
+        if any(isinstance(force, openmm.CMAPTorsionForce) for force in system.getForces()):
+            mirrored = [residue for residue in structure.topology.residues() if isMirrored(residue.name)]
+            kind = "D-amino acids that the force field's maps of φ and ψ (CMAP) take for L-amino acids"
+            notes += found([Note(kind, map(describeResidue, mirrored))])
         return system, notes
 
     def relax(self, structure, atoms):
