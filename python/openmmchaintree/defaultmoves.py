@@ -122,7 +122,10 @@ def _addMixtures(integrator, scene, rigidBodies, rigidStep, disordered):
         adder.begin("rigid body", 1.0)
         adder.shift("where molecules are", _RIGID_WEIGHT, *rigidStep, rigidBodies)
     if not adder.added:
-        raise ValueError("there is nothing to move: no torsion, no ball joint, and no molecule beside another")
+        raise ValueError(
+            "there is nothing to move: no torsion but in loops and rings of too few torsions for closed moves, no ball "
+            "joint, and no molecule beside another"
+        )
     return adder
 
 

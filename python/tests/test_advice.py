@@ -143,6 +143,17 @@ def test_withoutNativeEnergies(runCommandHere, tmp_path):
     assert {force["kind"] for force in energy["forces"]} == {"foreign"}
 
 
+@pytest.mark.parametrize(
+    ("held", "kinds", "words"),
+    [("20 to 21", "phi", "since loops of one or two residues cannot be closed"), ("20 to 22", "phi", "by --torsions")],
+)
+def test_adviceThatWasFollowedIsNotGiven(runCommandHere, tmp_path, held, kinds, words):
+    options = ("--fix", f"not resSeq {held}", "--close", "loops", "--trials", 10)
+    refused = runCommandHere("sample", *options, "--torsions", kinds)
+    assertRefused(refused, tmp_path, [], words)
+    assert "(--close" not in refused.stderr
+
+
 # A row of guanines of which there are but phosphorus atoms.
 _BEADS = [pdbLine(i, "P", "G", "A", i, 6.0 * i, 0, 0) for i in range(1, 301)]
 

@@ -34,6 +34,7 @@ _OPTIONS = {
     METAL_RING: "which can be cut (--cut-metals)",
     BETWEEN_FIXED: f"where only side chains turn, unless loops are closed (--close {LOOPS})",
 }
+_LOOPS_ARE_CLOSED = {BETWEEN_FIXED: "where only side chains turn, since loops of one or two residues cannot be closed"}
 
 
 class Choice(NamedTuple):
@@ -135,7 +136,8 @@ class Plan:
         chosen = every if choice.move is None else ofAtoms(every, moved)
         search = withoutThoseBetween(chosen, graph, self.fixedAtoms)
         self.torsions = search.torsions
-        leftOut = notesOnTorsions(search.leftOut, _OPTIONS)
+        self._remedies = {**_OPTIONS, **(_LOOPS_ARE_CLOSED if LOOPS in choice.close else {})}
+        leftOut = notesOnTorsions(search.leftOut, self._remedies)
         self.notes = [*structure.notes, *notesOnAlphaCarbons(graph), *leftOut]
         links = Links(graph, self.torsions)
         self.molecules = links.moleculeOfAtom
@@ -186,7 +188,7 @@ class Plan:
 
     def _whyNothingMoves(self, every, chosen, search):
         if chosen.torsions:
-            notes = "; ".join(map(str, notesOnTorsions(search.leftOut, _OPTIONS)))
+            notes = "; ".join(map(str, notesOnTorsions(search.leftOut, self._remedies)))
             return f"--fix {self.choice.fix!r} leaves nothing that moves: {notes}"
         if every.torsions:
             return f"--move {self.choice.move!r}: none of these atoms has a torsion ({', '.join(self.choice.kinds)})"

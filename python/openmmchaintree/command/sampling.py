@@ -122,6 +122,11 @@ class Sampling:
         system = self._makeSystem(energyModel)
         if energyModel is None:
             self.moves = self._addMovesOfSpheres(system)
+            if not self.moves:
+                raise InputError(
+                    "torsions turn only in loops and rings that --close keeps, which have too few of them for closed "
+                    "moves: let more turn by --torsions, or fewer atoms stay by --fix"
+                )
         else:
             try:
                 self.moves = addMovesOfPlan(
