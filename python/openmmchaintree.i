@@ -3,7 +3,8 @@
  * - Numbers may carry OpenMM units. The typemaps below convert them by the name of the parameter, and refuse units of
  *   another dimension.
  * - Parameters marked [out] are results. Vectors become NumPy arrays, with one copy of memory.
- * - The interpreter is free for other threads while a method runs; C++ exceptions become OpenMMException.
+ * - The interpreter is free for other threads while a method works on a Context, one at a time on each; as in OpenMM, it
+ *   is not while one reads or writes a Force, an Integrator or a density. C++ exceptions become OpenMMException.
  */
 %module(package="openmmchaintree") openmmchaintree
 
@@ -19,11 +20,13 @@
 #include "OpenMMDrude.h"
 #include "openmm/RPMDIntegrator.h"
 #include "openmm/RPMDMonteCarloBarostat.h"
+#include "openmmchaintree/internal/Interpreter.h"
 #include "openmmchaintree/internal/Warnings.h"
 #include "openmmchaintree/StericExclusionForce.h"
 #include "openmmchaintree/TorsionDensity.h"
 #include "openmmchaintree/TorsionMonteCarloIntegrator.h"
 #include <cstring>
+#include <memory>
 #include <string>
 #include <utility>
 #include <vector>
@@ -150,11 +153,150 @@ static void warnInPython(const std::string& message) {
 }
 %}
 
+/* ---- Signals and threads ---- */
+
+%header %{
+#ifndef _WIN32
+#include <fcntl.h>
+#include <unistd.h>
+#endif
+
+/* What a handler of signals has raised, until the call in whose midst it ran has returned. */
+static PyObject *raisedType = NULL, *raisedValue = NULL, *raisedTraceback = NULL;
+
+static int raiseAgain(void*) {
+    PyErr_Restore(raisedType, raisedValue, raisedTraceback);
+    raisedType = raisedValue = raisedTraceback = NULL;
+    return PyErr_Occurred() == NULL ? 0 : -1;
+}
+
+/* Steps run without Python's lock, and taking it only to look for signals could take longer than the trials in between.
+ * So while a step runs in the main thread, Python writes the number of each signal to a pipe, and this passes them on to
+ * where they would have gone. Nothing is lost if a signal comes while there is no step: Python handles it then. */
+class PythonSignals : public ChainTreePlugin::Interpreter {
+public:
+    bool mayWait() {
+        return PyGILState_Check() == 0;
+    }
+#ifdef _WIN32
+    bool beginWatch() {
+        return false;
+    }
+    void endWatch() {
+    }
+    bool hasSignal() {
+        return false;
+    }
+#else
+    bool beginWatch() {
+        int others;
+        if (PyThread_get_thread_ident() != mainThread || !openPipe() || !sendTo(ends[1], others))
+            return false;
+        former.push_back(others);
+        return true;
+    }
+    void endWatch() {
+        int own;
+        hasSignal();
+        sendTo(former.back(), own);
+        former.pop_back();
+    }
+    bool hasSignal() {
+        char numbers[64];
+        const ssize_t count = read(ends[0], numbers, sizeof(numbers));
+        if (count <= 0)
+            return false;
+        const int others = former.back();
+        if (others != -1 && others != ends[1] && write(others, numbers, count) < 0)
+            return true; // that one is full, so whoever reads it knows
+        return true;
+    }
+#endif
+    bool handleSignals() {
+        PyGILState_STATE state = PyGILState_Ensure();
+        const bool goesOn = PyErr_CheckSignals() == 0;
+        if (!goesOn) {
+            Py_CLEAR(raisedType);
+            Py_CLEAR(raisedValue);
+            Py_CLEAR(raisedTraceback);
+            PyErr_Fetch(&raisedType, &raisedValue, &raisedTraceback);
+            Py_AddPendingCall(raiseAgain, NULL);
+        }
+        PyGILState_Release(state);
+        return goesOn;
+    }
+    /* Take notice of which thread is the main one. */
+    void findMainThread() {
+        PyObject* threading = PyImport_ImportModule("threading");
+        PyObject* thread = threading == NULL ? NULL : PyObject_CallMethod(threading, "main_thread", NULL);
+        PyObject* ident = thread == NULL ? NULL : PyObject_GetAttrString(thread, "ident");
+        if (ident != NULL)
+            mainThread = PyLong_AsUnsignedLong(ident);
+        Py_XDECREF(ident);
+        Py_XDECREF(thread);
+        Py_XDECREF(threading);
+        PyErr_Clear();
+    }
+
+private:
+#ifndef _WIN32
+    /* A process that was forked needs a pipe of its own. */
+    bool openPipe() {
+        if (owner == getpid())
+            return true;
+        if (pipe(ends) != 0)
+            return false;
+        for (int end : ends) {
+            fcntl(end, F_SETFL, O_NONBLOCK);
+            fcntl(end, F_SETFD, FD_CLOEXEC);
+        }
+        owner = getpid();
+        return true;
+    }
+    /* Let Python write the numbers of signals to a file. */
+    static bool sendTo(int file, int& others) {
+        PyGILState_STATE state = PyGILState_Ensure();
+        PyObject* module = PyImport_ImportModule("signal");
+        PyObject* found = module == NULL ? NULL : PyObject_CallMethod(module, "set_wakeup_fd", "i", file);
+        if (found != NULL)
+            others = PyLong_AsLong(found);
+        Py_XDECREF(found);
+        Py_XDECREF(module);
+        const bool isSet = PyErr_Occurred() == NULL;
+        PyErr_Clear();
+        PyGILState_Release(state);
+        return isSet;
+    }
+    int ends[2] = {-1, -1};
+    pid_t owner = -1;
+#endif
+    unsigned long mainThread = 0;
+    /* Where signals went before each step that runs: handlers may call step(), too. */
+    std::vector<int> former;
+};
+
+static PythonSignals pythonSignals;
+%}
+
 %init %{
     ChainTreePlugin::setWarningHandler(warnInPython);
+    pythonSignals.findMainThread();
+    ChainTreePlugin::Interpreter::set(&pythonSignals);
 %}
 
 %exception {
+    try {
+        $action
+    }
+    catch (const std::exception& exception) {
+        raiseOpenMMException(exception.what());
+        SWIG_fail;
+    }
+}
+
+/* A method that works on a Context, or may wait for one that does. */
+%define %freesPython(METHOD)
+%exception METHOD {
     PyThreadState* state = PyEval_SaveThread();
     try {
         $action
@@ -166,6 +308,37 @@ static void warnInPython(const std::string& message) {
         SWIG_fail;
     }
 }
+%enddef
+
+%freesPython(ChainTreePlugin::StericExclusionForce::updateParametersInContext)
+%freesPython(ChainTreePlugin::StericExclusionForce::hasClash)
+%freesPython(ChainTreePlugin::StericExclusionForce::getClashes)
+%freesPython(ChainTreePlugin::StericExclusionForce::getNeighborPairs)
+%freesPython(ChainTreePlugin::StericExclusionForce::getMinimumDistance)
+%freesPython(ChainTreePlugin::StericExclusionForce::getClashesWith)
+%freesPython(ChainTreePlugin::StericExclusionForce::proposeTorsions)
+%freesPython(ChainTreePlugin::StericExclusionForce::proposeBallRotations)
+%freesPython(ChainTreePlugin::StericExclusionForce::proposeRigidMotion)
+%freesPython(ChainTreePlugin::StericExclusionForce::getProposedPositions)
+%freesPython(ChainTreePlugin::StericExclusionForce::getChangedNeighborPairs)
+%freesPython(ChainTreePlugin::StericExclusionForce::acceptProposal)
+%freesPython(ChainTreePlugin::StericExclusionForce::rejectProposal)
+%freesPython(ChainTreePlugin::StericExclusionForce::restartLimits)
+%freesPython(ChainTreePlugin::StericExclusionForce::getTorsionAngles)
+%freesPython(ChainTreePlugin::StericExclusionForce::setTorsionAngles)
+%freesPython(ChainTreePlugin::StericExclusionForce::getNumToleratedClashes)
+%freesPython(ChainTreePlugin::StericExclusionForce::getTraversalStatistics)
+%freesPython(ChainTreePlugin::StericExclusionForce::resetTraversalStatistics)
+%freesPython(ChainTreePlugin::TorsionMonteCarloIntegrator::getTorsionAngles)
+%freesPython(ChainTreePlugin::TorsionMonteCarloIntegrator::setTorsionAngles)
+%freesPython(ChainTreePlugin::TorsionMonteCarloIntegrator::getNumToleratedClashes)
+%freesPython(ChainTreePlugin::TorsionMonteCarloIntegrator::getEnergyPlan)
+%freesPython(ChainTreePlugin::TorsionMonteCarloIntegrator::getPotentialEnergy)
+%freesPython(ChainTreePlugin::TorsionMonteCarloIntegrator::renewStandIns)
+%freesPython(ChainTreePlugin::TorsionMonteCarloIntegrator::getStageStatistics)
+%freesPython(ChainTreePlugin::TorsionMonteCarloIntegrator::getOuterStatistics)
+%freesPython(ChainTreePlugin::TorsionMonteCarloIntegrator::getMoveStatistics)
+%freesPython(ChainTreePlugin::TorsionMonteCarloIntegrator::resetMoveStatistics)
 
 /* ---- From Python ---- */
 
@@ -211,39 +384,44 @@ static bool toInt(PyObject* object, const char* name, int& value) {
     return true;
 }
 
-static PyObject* toSequence(PyObject* object, const char* name) {
-    PyObject* sequence = PySequence_Fast(object, "");
-    if (sequence == NULL)
-        PyErr_Format(PyExc_TypeError, "%s must be a sequence, not %s", name, Py_TYPE(object)->tp_name);
-    return sequence;
+/* Gives a new tuple of what a sequence holds: converting an item may run Python code, which could change a list. */
+static PyObject* toTuple(PyObject* object, const char* what, const char* name) {
+    PyObject* tuple = PySequence_Tuple(object);
+    if (tuple == NULL && PyErr_ExceptionMatches(PyExc_TypeError))
+        PyErr_Format(PyExc_TypeError, "%s must be a %s, not %s", name, what, Py_TYPE(object)->tp_name);
+    return tuple;
+}
+
+static PyObject* toTuple(PyObject* object, const char* name) {
+    return toTuple(object, "sequence", name);
 }
 
 static bool toDoubles(PyObject* object, const char* unit, const char* name, std::vector<double>& values) {
     PyObject* numbers = removeUnit(object, unit, name);
     if (numbers == NULL)
         return false;
-    PyObject* sequence = toSequence(numbers, name);
+    PyObject* sequence = toTuple(numbers, name);
     Py_DECREF(numbers);
     if (sequence == NULL)
         return false;
-    Py_ssize_t count = PySequence_Fast_GET_SIZE(sequence);
+    Py_ssize_t count = PyTuple_GET_SIZE(sequence);
     values.resize(count);
     bool ok = true;
     for (Py_ssize_t i = 0; ok && i < count; i++)
-        ok = toDouble(PySequence_Fast_GET_ITEM(sequence, i), unit, name, values[i]);
+        ok = toDouble(PyTuple_GET_ITEM(sequence, i), unit, name, values[i]);
     Py_DECREF(sequence);
     return ok;
 }
 
 static bool toInts(PyObject* object, const char* name, std::vector<int>& values) {
-    PyObject* sequence = toSequence(object, name);
+    PyObject* sequence = toTuple(object, name);
     if (sequence == NULL)
         return false;
-    Py_ssize_t count = PySequence_Fast_GET_SIZE(sequence);
+    Py_ssize_t count = PyTuple_GET_SIZE(sequence);
     values.resize(count);
     bool ok = true;
     for (Py_ssize_t i = 0; ok && i < count; i++)
-        ok = toInt(PySequence_Fast_GET_ITEM(sequence, i), name, values[i]);
+        ok = toInt(PyTuple_GET_ITEM(sequence, i), name, values[i]);
     Py_DECREF(sequence);
     return ok;
 }
@@ -264,15 +442,15 @@ static bool toVec3s(PyObject* object, const char* unit, const char* name, std::v
     PyObject* numbers = removeUnit(object, unit, name);
     if (numbers == NULL)
         return false;
-    PyObject* sequence = toSequence(numbers, name);
+    PyObject* sequence = toTuple(numbers, name);
     Py_DECREF(numbers);
     if (sequence == NULL)
         return false;
-    Py_ssize_t count = PySequence_Fast_GET_SIZE(sequence);
+    Py_ssize_t count = PyTuple_GET_SIZE(sequence);
     values.resize(count);
     bool ok = true;
     for (Py_ssize_t i = 0; ok && i < count; i++)
-        ok = toVec3(PySequence_Fast_GET_ITEM(sequence, i), unit, name, values[i]);
+        ok = toVec3(PyTuple_GET_ITEM(sequence, i), unit, name, values[i]);
     Py_DECREF(sequence);
     return ok;
 }
@@ -743,14 +921,14 @@ static const char* const ENERGY_KINDS[] = {"not sampled", "constant", "native", 
 %fragment("DrawnSets", "header", fragment="FromPython") {
 /* Sets of torsions; a number alone is a set of one. */
 static bool toSets(PyObject* object, const char* name, std::vector<std::vector<int> >& sets) {
-    PyObject* sequence = toSequence(object, name);
+    PyObject* sequence = toTuple(object, name);
     if (sequence == NULL)
         return false;
-    Py_ssize_t count = PySequence_Fast_GET_SIZE(sequence);
+    Py_ssize_t count = PyTuple_GET_SIZE(sequence);
     sets.resize(count);
     bool ok = true;
     for (Py_ssize_t i = 0; ok && i < count; i++) {
-        PyObject* item = PySequence_Fast_GET_ITEM(sequence, i);
+        PyObject* item = PyTuple_GET_ITEM(sequence, i);
         if (!PySequence_Check(item)) {
             sets[i].resize(1);
             ok = toInt(item, name, sets[i][0]);
@@ -769,16 +947,13 @@ static bool toDensities(PyObject* object, const char* name, std::vector<ChainTre
         densities.push_back(*(ChainTreePlugin::TorsionDensity*) density);
         return true;
     }
-    PyObject* sequence = PySequence_Fast(object, "");
-    if (sequence == NULL) {
-        PyErr_Format(PyExc_TypeError, "%s must be a TorsionDensity or a sequence of them, not %s", name,
-                     Py_TYPE(object)->tp_name);
+    PyObject* sequence = toTuple(object, "TorsionDensity or a sequence of them", name);
+    if (sequence == NULL)
         return false;
-    }
-    Py_ssize_t count = PySequence_Fast_GET_SIZE(sequence);
+    Py_ssize_t count = PyTuple_GET_SIZE(sequence);
     bool ok = true;
     for (Py_ssize_t i = 0; ok && i < count; i++) {
-        PyObject* item = PySequence_Fast_GET_ITEM(sequence, i);
+        PyObject* item = PyTuple_GET_ITEM(sequence, i);
         ok = SWIG_IsOK(SWIG_ConvertPtr(item, &density, $descriptor(ChainTreePlugin::TorsionDensity*), SWIG_POINTER_NO_NULL));
         if (ok)
             densities.push_back(*(ChainTreePlugin::TorsionDensity*) density);

@@ -2,6 +2,7 @@
 
 #include "openmm/internal/ContextImpl.h"
 #include "openmm/OpenMMException.h"
+#include "openmmchaintree/internal/ContextLock.h"
 #include "openmmchaintree/internal/EnergyStage.h"
 #include "openmmchaintree/internal/ForeignEnergy.h"
 #include "openmmchaintree/internal/NativeEnergy.h"
@@ -47,6 +48,7 @@ void TorsionMonteCarloIntegrator::getOuterStatistics(long long& attempted, long 
                                                      long long& trialsTakenBack, double& meanDifference,
                                                      double& standardDeviation) const
 {
+    ContextUse use(lock, ContextLock::User);
     attempted = outerStatistics->attempted;
     accepted = outerStatistics->accepted;
     trialsTakenBack = outerStatistics->trialsTakenBack;
@@ -56,6 +58,7 @@ void TorsionMonteCarloIntegrator::getOuterStatistics(long long& attempted, long 
 
 void TorsionMonteCarloIntegrator::renewStandIns(Context& context)
 {
+    ContextUse use(lock, ContextLock::User);
     requireContext(context);
     TrialSession trials(*force, *this->context, TrialSession::IgnoreLimits);
     native->renewStandIn();
@@ -112,6 +115,7 @@ void TorsionMonteCarloIntegrator::bindEnergies(StericExclusionForceImpl& force, 
 
 vector<TorsionMonteCarloIntegrator::PlannedEnergy> TorsionMonteCarloIntegrator::getEnergyPlan(Context& context) const
 {
+    ContextUse use(lock, ContextLock::User);
     requireContext(context);
     vector<PlannedEnergy> planned;
     for (const EnergyPlan::Entry& entry : native->describePlan())
@@ -121,6 +125,7 @@ vector<TorsionMonteCarloIntegrator::PlannedEnergy> TorsionMonteCarloIntegrator::
 
 double TorsionMonteCarloIntegrator::getPotentialEnergy(Context& context) const
 {
+    ContextUse use(lock, ContextLock::User);
     requireContext(context);
     TrialSession trials(*force, *this->context, TrialSession::IgnoreLimits);
     return native->computeEnergy(trials) + (stericMode == Soft ? trials.computeSoftEnergy() : 0);
@@ -128,6 +133,7 @@ double TorsionMonteCarloIntegrator::getPotentialEnergy(Context& context) const
 
 vector<TorsionMonteCarloIntegrator::StageStatistics> TorsionMonteCarloIntegrator::getStageStatistics() const
 {
+    ContextUse use(lock, ContextLock::User);
     requireBound();
     vector<StageStatistics> counts;
     for (int i = 0; i < stages->size(); i++) {

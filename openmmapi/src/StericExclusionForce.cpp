@@ -2,6 +2,7 @@
 #include "openmm/internal/AssertionUtilities.h"
 #include "openmm/OpenMMException.h"
 #include "openmmchaintree/internal/ArgumentChecks.h"
+#include "openmmchaintree/internal/ContextLock.h"
 #include "openmmchaintree/internal/StericExclusionForceImpl.h"
 #include <algorithm>
 #include <cmath>
@@ -23,12 +24,25 @@ static void checkParticleParameters(int index, double radius, StericExclusionFor
                               to_string((int)hydrogenBondRole));
 }
 
-static StericExclusionForceImpl& toImpl(ForceImpl& impl)
-{
-    StericExclusionForceImpl& found = dynamic_cast<StericExclusionForceImpl&>(impl);
-    found.requireInitialized();
-    return found;
-}
+/**
+ * A call of the user on a Context, which no other thread uses meanwhile.
+ */
+class Call {
+public:
+    explicit Call(ForceImpl& impl) :
+        impl(dynamic_cast<StericExclusionForceImpl&>(impl)), use(this->impl.getLock(), ContextLock::User)
+    {
+        this->impl.requireInitialized();
+    }
+    StericExclusionForceImpl* operator->()
+    {
+        return &impl;
+    }
+
+private:
+    StericExclusionForceImpl& impl;
+    const ContextUse use;
+};
 
 StericExclusionForce::StericExclusionForce() : overlapTolerance(0.04), hydrogenBondAllowance(0.06), forceConstant(1e5)
 {
@@ -234,107 +248,107 @@ void StericExclusionForce::setForceConstant(double k)
 
 void StericExclusionForce::updateParametersInContext(Context& context)
 {
-    toImpl(getImplInContext(context)).updateParametersInContext(getContextImpl(context));
+    Call(getImplInContext(context))->updateParametersInContext(getContextImpl(context));
 }
 
 bool StericExclusionForce::hasClash(Context& context) const
 {
-    return toImpl(getImplInContext(context)).hasClash(getContextImpl(context));
+    return Call(getImplInContext(context))->hasClash(getContextImpl(context));
 }
 
 void StericExclusionForce::getClashes(Context& context, vector<pair<int, int>>& pairs, vector<double>& overlaps) const
 {
-    toImpl(getImplInContext(context)).getClashes(getContextImpl(context), pairs, overlaps);
+    Call(getImplInContext(context))->getClashes(getContextImpl(context), pairs, overlaps);
 }
 
 void StericExclusionForce::getNeighborPairs(Context& context, double cutoff, vector<pair<int, int>>& pairs,
                                             vector<double>& distances) const
 {
-    toImpl(getImplInContext(context)).getNeighborPairs(getContextImpl(context), cutoff, pairs, distances);
+    Call(getImplInContext(context))->getNeighborPairs(getContextImpl(context), cutoff, pairs, distances);
 }
 
 double StericExclusionForce::getMinimumDistance(Context& context, const vector<int>& particles1,
                                                 const vector<int>& particles2, int& particle1, int& particle2) const
 {
-    return toImpl(getImplInContext(context))
-        .getMinimumDistance(getContextImpl(context), particles1, particles2, particle1, particle2);
+    return Call(getImplInContext(context))
+        ->getMinimumDistance(getContextImpl(context), particles1, particles2, particle1, particle2);
 }
 
 void StericExclusionForce::getClashesWith(Context& context, const Vec3& position, double radius, vector<int>& particles,
                                           vector<double>& overlaps) const
 {
-    toImpl(getImplInContext(context)).getClashesWith(getContextImpl(context), position, radius, particles, overlaps);
+    Call(getImplInContext(context))->getClashesWith(getContextImpl(context), position, radius, particles, overlaps);
 }
 
 bool StericExclusionForce::proposeTorsions(Context& context, const vector<int>& torsions,
                                            const vector<double>& changes) const
 {
-    return toImpl(getImplInContext(context)).proposeTorsions(getContextImpl(context), torsions, changes);
+    return Call(getImplInContext(context))->proposeTorsions(getContextImpl(context), torsions, changes);
 }
 
 bool StericExclusionForce::proposeBallRotations(Context& context, const vector<int>& ballJoints,
                                                 const vector<Vec3>& rotations) const
 {
-    return toImpl(getImplInContext(context)).proposeBallRotations(getContextImpl(context), ballJoints, rotations);
+    return Call(getImplInContext(context))->proposeBallRotations(getContextImpl(context), ballJoints, rotations);
 }
 
 bool StericExclusionForce::proposeRigidMotion(Context& context, int particle, const Vec3& rotation,
                                               const Vec3& translation) const
 {
-    return toImpl(getImplInContext(context))
-        .proposeRigidMotion(getContextImpl(context), particle, rotation, translation);
+    return Call(getImplInContext(context))
+        ->proposeRigidMotion(getContextImpl(context), particle, rotation, translation);
 }
 
 void StericExclusionForce::getProposedPositions(Context& context, vector<Vec3>& positions) const
 {
-    toImpl(getImplInContext(context)).getProposedPositions(getContextImpl(context), positions);
+    Call(getImplInContext(context))->getProposedPositions(getContextImpl(context), positions);
 }
 
 void StericExclusionForce::getChangedNeighborPairs(Context& context, double cutoff, vector<pair<int, int>>& pairs,
                                                    vector<double>& before, vector<double>& after) const
 {
-    toImpl(getImplInContext(context)).getChangedNeighborPairs(getContextImpl(context), cutoff, pairs, before, after);
+    Call(getImplInContext(context))->getChangedNeighborPairs(getContextImpl(context), cutoff, pairs, before, after);
 }
 
 void StericExclusionForce::acceptProposal(Context& context) const
 {
-    toImpl(getImplInContext(context)).acceptProposal(getContextImpl(context));
+    Call(getImplInContext(context))->acceptProposal(getContextImpl(context));
 }
 
 void StericExclusionForce::rejectProposal(Context& context) const
 {
-    toImpl(getImplInContext(context)).rejectProposal();
+    Call(getImplInContext(context))->rejectProposal();
 }
 
 void StericExclusionForce::restartLimits(Context& context) const
 {
-    toImpl(getImplInContext(context)).getLimitPolicy().restart();
+    Call(getImplInContext(context))->getLimitPolicy().restart();
 }
 
 void StericExclusionForce::getTorsionAngles(Context& context, vector<double>& angles) const
 {
-    toImpl(getImplInContext(context)).getTorsionAngles(getContextImpl(context), angles);
+    Call(getImplInContext(context))->getTorsionAngles(getContextImpl(context), angles);
 }
 
 void StericExclusionForce::setTorsionAngles(Context& context, const vector<double>& angles) const
 {
-    toImpl(getImplInContext(context)).setTorsionAngles(getContextImpl(context), angles);
+    Call(getImplInContext(context))->setTorsionAngles(getContextImpl(context), angles);
 }
 
 int StericExclusionForce::getNumToleratedClashes(Context& context) const
 {
-    return toImpl(getImplInContext(context)).getNumToleratedClashes(getContextImpl(context));
+    return Call(getImplInContext(context))->getNumToleratedClashes(getContextImpl(context));
 }
 
 void StericExclusionForce::getTraversalStatistics(Context& context, long long& queries, long long& volumeTests,
                                                   long long& particleTests, long long& nodesUpdated) const
 {
-    toImpl(getImplInContext(context)).getTraversalStatistics(queries, volumeTests, particleTests, nodesUpdated);
+    Call(getImplInContext(context))->getTraversalStatistics(queries, volumeTests, particleTests, nodesUpdated);
 }
 
 void StericExclusionForce::resetTraversalStatistics(Context& context) const
 {
-    toImpl(getImplInContext(context)).resetTraversalStatistics();
+    Call(getImplInContext(context))->resetTraversalStatistics();
 }
 
 /**

@@ -82,9 +82,9 @@ static void warnOfPeriodicForces(const System& system)
 }
 
 StericExclusionForceImpl::StericExclusionForceImpl(const StericExclusionForce& owner) :
-    CustomCPPForceImpl(owner), owner(owner), life(make_shared<char>()), isInitialized(false), engine(NULL),
-    energyTermsOwner(NULL), proposalIsFree(false), settingPositions(false), energyIsSuppressed(false),
-    hasVirtualSites(false)
+    CustomCPPForceImpl(owner), owner(owner), life(make_shared<char>()), lock(make_shared<ContextLock>()),
+    isInitialized(false), engine(NULL), energyTermsOwner(NULL), proposalIsFree(false), settingPositions(false),
+    energyIsSuppressed(false), hasVirtualSites(false)
 {
 }
 
@@ -202,6 +202,7 @@ void StericExclusionForceImpl::adoptPositions(ContextImpl& context, const vector
 
 void StericExclusionForceImpl::updateContextState(ContextImpl& context, bool& forcesInvalid)
 {
+    ContextUse use(lock, ContextLock::OpenMM);
     limits.stepBegins(context.getStepCount());
     if (velocities->beginStep(context))
         forcesInvalid = true;
@@ -314,6 +315,8 @@ double StericExclusionForceImpl::calcForcesAndEnergy(ContextImpl& context, bool 
                                                      int groups)
 {
     requireInitialized();
+    ContextUse use(lock, ContextLock::OpenMM);
+
     // In the energy of others there is nothing to compute. GPU platforms ask nevertheless, by computeForce().
 
     if (energyIsSuppressed)
@@ -327,6 +330,12 @@ double StericExclusionForceImpl::computeForce(ContextImpl& context, const vector
         forces.assign(forces.size(), Vec3());
         return 0;
     }
+
+    // On GPU platforms this is another thread than that of the call that needs the forces.
+
+    unique_ptr<ContextUse> use;
+    if (!lock->helperMayPass())
+        use.reset(new ContextUse(lock, ContextLock::OpenMM));
     adoptPositions(context, positions);
     return engine->computeEnergy(forces);
 }

@@ -7,10 +7,12 @@
 #include "openmm/VerletIntegrator.h"
 #include "openmmchaintree/internal/ArgumentChecks.h"
 #include "openmmchaintree/internal/CheckpointStream.h"
+#include "openmmchaintree/internal/ContextLock.h"
 #include "openmmchaintree/internal/ContextSnapshot.h"
 #include "openmmchaintree/internal/EnergyStage.h"
 #include "openmmchaintree/internal/Fingerprint.h"
 #include "openmmchaintree/internal/Hexadecimal.h"
+#include "openmmchaintree/internal/Interpreter.h"
 #include "openmmchaintree/internal/KeptGeometry.h"
 #include "openmmchaintree/internal/MonteCarloMove.h"
 #include "openmmchaintree/internal/MoveList.h"
@@ -71,7 +73,8 @@ enum CheckpointForm : uint8_t { OfCompleteContext = 0, OfKeptState = 1, OfKeptSt
 
 TorsionMonteCarloIntegrator::TorsionMonteCarloIntegrator(double temperature) :
     moves(new MoveList()), adaptMoveSizes(false), trialsPerStep(100), initialClashPolicy(Tolerate), stericMode(Hard),
-    nativeEnergies(true), trialsPerOuterTest(0), outerStatistics(new OuterStatistics()), force(NULL),
+    nativeEnergies(true), trialsPerOuterTest(0), outerStatistics(new OuterStatistics()),
+    lock(make_shared<ContextLock>()), secondsPerTrial(numeric_limits<double>::infinity()), force(NULL),
     isBesideDynamics(false), hasWarnedOfHardSpheres(false), constraintsAreChecked(false)
 {
     const EnergyTerms::StandIn usual;
@@ -146,6 +149,7 @@ void TorsionMonteCarloIntegrator::setStericMode(StericMode mode)
 
 int TorsionMonteCarloIntegrator::getNumToleratedClashes(Context& context) const
 {
+    ContextUse use(lock, ContextLock::User);
     requireContext(context);
     return force->getNumToleratedClashes(*this->context);
 }
@@ -154,11 +158,21 @@ int TorsionMonteCarloIntegrator::getNumToleratedClashes(Context& context) const
 
 int TorsionMonteCarloIntegrator::addMove(unique_ptr<MonteCarloMove> move, double weight)
 {
+    ContextUse use(lock, ContextLock::User);
     return moves->add(std::move(move), weight);
+}
+
+void TorsionMonteCarloIntegrator::setMove(int index, const MoveKind& kind, unique_ptr<MonteCarloMove> move,
+                                          double weight)
+{
+    ContextUse use(lock, ContextLock::User);
+    moves->requireKind(index, kind);
+    moves->set(index, std::move(move), weight);
 }
 
 void TorsionMonteCarloIntegrator::removeMove(int move)
 {
+    ContextUse use(lock, ContextLock::User);
     moves->remove(move);
 }
 
@@ -180,6 +194,7 @@ string TorsionMonteCarloIntegrator::getMoveDescription(int move) const
 void TorsionMonteCarloIntegrator::getMoveStatistics(int move, long long& attempted, long long& clashed,
                                                     long long& rejectedByEnergy, long long& accepted) const
 {
+    ContextUse use(lock, ContextLock::User);
     const MoveList::Entry& entry = moves->get(move);
     attempted = entry.refused + entry.clashed + entry.rejectedByEnergy + entry.accepted;
     clashed = entry.clashed;
@@ -188,6 +203,12 @@ void TorsionMonteCarloIntegrator::getMoveStatistics(int move, long long& attempt
 }
 
 void TorsionMonteCarloIntegrator::resetMoveStatistics()
+{
+    ContextUse use(lock, ContextLock::User);
+    resetStatistics();
+}
+
+void TorsionMonteCarloIntegrator::resetStatistics()
 {
     moves->resetStatistics();
     *outerStatistics = OuterStatistics();
@@ -204,9 +225,10 @@ void TorsionMonteCarloIntegrator::setAdaptMoveSizes(bool adapt)
 {
     if (adapt == adaptMoveSizes)
         return;
+    ContextUse use(lock, ContextLock::User);
     adaptMoveSizes = adapt;
     moves->restartAdaptation();
-    resetMoveStatistics();
+    resetStatistics();
 }
 
 double TorsionMonteCarloIntegrator::getMoveScale(int move) const
@@ -216,6 +238,7 @@ double TorsionMonteCarloIntegrator::getMoveScale(int move) const
 
 void TorsionMonteCarloIntegrator::setMoveScale(int move, double scale)
 {
+    ContextUse use(lock, ContextLock::User);
     moves->setScale(move, scale);
 }
 
@@ -244,12 +267,14 @@ void TorsionMonteCarloIntegrator::requireContext(const Context& context) const
 
 void TorsionMonteCarloIntegrator::getTorsionAngles(Context& context, vector<double>& angles) const
 {
+    ContextUse use(lock, ContextLock::User);
     requireContext(context);
     force->getTorsionAngles(*this->context, angles);
 }
 
 void TorsionMonteCarloIntegrator::setTorsionAngles(Context& context, const vector<double>& angles) const
 {
+    ContextUse use(lock, ContextLock::User);
     requireContext(context);
     force->setTorsionAngles(*this->context, angles);
 }
@@ -308,6 +333,7 @@ void TorsionMonteCarloIntegrator::bindTo(ContextImpl& contextRef)
     random.reset(new RandomNumberGenerator(randomNumberSeed == 0 ? osrngseed() : randomNumberSeed));
     found.getLimitPolicy().expectDynamics(!hasSilentSteps(contextRef.getIntegrator()));
     bindEnergies(found, contextRef);
+    lock = found.getLock();
     force = &found;
     forceLife = found.getLife();
     context = &contextRef;
@@ -318,6 +344,9 @@ void TorsionMonteCarloIntegrator::cleanup()
 {
     // A Context that is reinitialized is whole at this time; of one that ends the forces are gone.
 
+    unique_ptr<ContextUse> use;
+    if (force != NULL && !forceLife.expired())
+        use.reset(new ContextUse(lock, ContextLock::User));
     if (force != NULL && !forceLife.expired())
         kept = keepState();
     else if (force != NULL)
@@ -373,6 +402,7 @@ vector<string> TorsionMonteCarloIntegrator::getKernelNames()
 
 void TorsionMonteCarloIntegrator::stateChanged(State::DataType changed)
 {
+    ContextUse use(lock, ContextLock::OpenMM);
     if (kept && changed == State::Positions)
         kept->positionsWereSet |= kept->context.updatePositions(*owner);
     if (kept && changed == State::Velocities)
@@ -425,6 +455,7 @@ static void checkReadBefore(istream& stream, streamoff begin, uint64_t size, uin
 
 void TorsionMonteCarloIntegrator::createCheckpoint(ostream& stream) const
 {
+    ContextUse use(lock, ContextLock::User);
     if (!kept)
         requireBound();
     const string before = getWrittenBefore(stream);
@@ -459,6 +490,7 @@ void TorsionMonteCarloIntegrator::createCheckpoint(ostream& stream) const
 
 void TorsionMonteCarloIntegrator::loadCheckpoint(istream& stream)
 {
+    ContextUse use(lock, ContextLock::User);
     requireBound();
     const streamoff begin = stream.tellg(); // -1 if the stream cannot be read again
     CheckpointReader reader(stream);
@@ -537,6 +569,7 @@ static string fingerprintOf(const vector<Vec3>& positions)
 
 void TorsionMonteCarloIntegrator::serializeParameters(SerializationNode& node) const
 {
+    ContextUse use(lock, ContextLock::User);
     requireBound();
     native->computeAnew();
     node.setIntProperty("version", NEWEST_STATE_VERSION);
@@ -553,6 +586,7 @@ void TorsionMonteCarloIntegrator::serializeParameters(SerializationNode& node) c
         .setStringProperty("data", toHexadecimal(geometry.str()));
     outerStatistics->write(node.createChildNode("OuterTests"));
     native->writeStandIn(node.createChildNode("StandIn"));
+    writeTraits(node.createChildNode("Context"), *context);
     vector<pair<int, int>> pairs;
     vector<double> limits;
     force->getLimits(pairs, limits);
@@ -562,7 +596,6 @@ void TorsionMonteCarloIntegrator::serializeParameters(SerializationNode& node) c
         limit.setIntProperty("p1", pairs[i].first).setIntProperty("p2", pairs[i].second);
         setNumber(limit, "overlap", limits[i]);
     }
-    writeTraits(node.createChildNode("Context"), *context);
     seal(node);
 }
 
@@ -605,6 +638,7 @@ unique_ptr<KeptGeometry> TorsionMonteCarloIntegrator::readGeometry(const Seriali
  */
 void TorsionMonteCarloIntegrator::deserializeParameters(const SerializationNode& node)
 {
+    ContextUse use(lock, ContextLock::User);
     requireBound();
 
     // Many integrators keep nothing in a State. Sampling may well start from what they have made.
@@ -663,6 +697,7 @@ void TorsionMonteCarloIntegrator::deserializeParameters(const SerializationNode&
 
 double TorsionMonteCarloIntegrator::computeKineticEnergy()
 {
+    ContextUse use(lock, ContextLock::OpenMM);
     requireBound();
     const System& system = context->getSystem();
     vector<Vec3> velocities;
@@ -731,38 +766,89 @@ void TorsionMonteCarloIntegrator::checkBeforeSteps()
 
 void TorsionMonteCarloIntegrator::step(int steps)
 {
-    requireBound();
+    {
+        ContextUse use(lock, ContextLock::User);
+        requireBound();
+        moves->sumWeights();
+        force->takeNoticeOfPositions(*context);
+        checkBeforeSteps();
+        if (isBesideDynamics)
+            force->getVelocityTurner().pauseDynamics(*context);
+    }
+    SignalWatch signals((double)steps * trialsPerStep, secondsPerTrial);
+    for (int i = 0; i < steps; i++) {
+        int numTrials = 0;
+        do {
+            {
+                // Other threads may come in between, and so may handlers of signals.
+
+                ContextUse use(lock, ContextLock::User);
+                requireBound();
+                if (numTrials == 0)
+                    updateContextState();
+                numTrials = runTrials(numTrials, signals);
+            }
+            if (!signals.handle())
+                return;
+        } while (numTrials < trialsPerStep);
+    }
+}
+
+/**
+ * Let Forces change the Context, as at the beginning of each step.
+ */
+void TorsionMonteCarloIntegrator::updateContextState()
+{
+    VelocityTurner& velocities = force->getVelocityTurner();
+    lock->admitHelpers(true);
+    velocities.announceStep(true);
+    try {
+        context->updateContextState();
+    }
+    catch (...) {
+        velocities.announceStep(false);
+        lock->admitHelpers(false);
+        throw;
+    }
+    velocities.announceStep(false);
+    lock->admitHelpers(false);
+}
+
+/**
+ * Run trials until a step has ended, or until a signal asks for a pause.
+ *
+ * @param begin  the number of trials of the step that have been run
+ * @return the number of trials that have been run afterwards
+ */
+int TorsionMonteCarloIntegrator::runTrials(int begin, SignalWatch& signals)
+{
     const double weightSum = moves->sumWeights();
     const EnergyStages::Rule rule = nativeEnergies ? EnergyStages::DecideOneByOne : EnergyStages::DecideBySum;
-    force->takeNoticeOfPositions(*context);
-    checkBeforeSteps();
-    VelocityTurner& velocities = force->getVelocityTurner();
-    if (isBesideDynamics)
-        velocities.pauseDynamics(*context);
-    for (int i = 0; i < steps; i++) {
-        velocities.announceStep(true);
-        context->updateContextState();
-        velocities.announceStep(false);
-        TrialSession trials(*force, *context,
-                            stericMode == Hard ? TrialSession::ApplyLimits : TrialSession::IgnoreLimits);
-        if (stericMode == Soft)
-            force->getLimitPolicy().restart();
-        else if (initialClashPolicy == Refuse)
-            force->getLimitPolicy().refuseToleratedClashes();
-        native->begin(trials);
-        stages->begin(trials);
-        OuterTest test(trials, *native, *stages, *moves, *outerStatistics, *random, temperature, stericMode == Soft);
-        for (int trial = 0; trial < trialsPerStep; trial++) {
-            test.beginTrial();
-            MoveList::Entry& move = moves->draw(weightSum, *random);
-            const bool accepted = runTrial(move, trials, *stages, temperature, rule, *random);
-            if (adaptMoveSizes)
-                move.adaptSize(accepted);
-            test.endTrial(accepted);
-        }
-        test.end();
+    TrialSession trials(*force, *context, stericMode == Hard ? TrialSession::ApplyLimits : TrialSession::IgnoreLimits);
+    if (stericMode == Soft)
+        force->getLimitPolicy().restart();
+    else if (initialClashPolicy == Refuse)
+        force->getLimitPolicy().refuseToleratedClashes();
+    native->begin(trials);
+    stages->begin(trials);
+    OuterTest test(trials, *native, *stages, *moves, *outerStatistics, *random, temperature, stericMode == Soft);
+    int trial = begin;
+    while (trial < trialsPerStep) {
+        test.beginTrial();
+        MoveList::Entry& move = moves->draw(weightSum, *random);
+        const bool accepted = runTrial(move, trials, *stages, temperature, rule, *random);
+        if (adaptMoveSizes)
+            move.adaptSize(accepted);
+        test.endTrial(accepted);
+        trial++;
+        if (signals.isUrgent())
+            break;
+    }
+    test.end();
+    if (trial == trialsPerStep) {
         context->setTime(context->getTime() + getStepSize());
         context->setStepCount(context->getStepCount() + 1);
-        trials.end();
     }
+    trials.end();
+    return trial;
 }

@@ -58,6 +58,97 @@ def test_exceptionsStayInTheirThread(villin):
         futures[2].result()
 
 
+def test_oneContext(villin):
+    """All calls on one Context from several threads: each waits for the others, or says why it cannot."""
+    system = makeSystem(villin, createStericExclusionForce(villin.topology, villin.positions))
+    integrator = TorsionMonteCarloIntegrator(300)
+    integrator.addTorsionMove(1, 0.3)
+    context = openmm.Context(system, integrator, reference())
+    context.setPositions(villin.positions)
+    integrator.step(1)
+    force = StericExclusionForce.cast(system.getForce(0))
+    checkpoint, state = context.createCheckpoint(), context.getState(positions=True, integratorParameters=True)
+    calls = [
+        lambda: integrator.step(2),
+        lambda: integrator.step(1),
+        lambda: force.getClashes(context),
+        lambda: force.proposeTorsions(context, [3], [0.1]),
+        lambda: force.acceptProposal(context),
+        lambda: context.getState(positions=True, energy=True, integratorParameters=True),
+        lambda: integrator.getEnergyPlan(context) and integrator.getPotentialEnergy(context),
+        lambda: integrator.getMoveStatistics(0) and integrator.getStageStatistics(),
+        lambda: integrator.setTorsionAngles(context, integrator.getTorsionAngles(context)),
+        lambda: context.loadCheckpoint(checkpoint),
+        lambda: context.setState(state),
+        lambda: context.createCheckpoint(),
+        lambda: context.setPositions(villin.positions),
+        lambda: integrator.removeMove(integrator.addTorsionMove(1, 0.1)),
+    ]
+    refusals = set()
+
+    def repeat(call):
+        for _ in range(30):
+            try:
+                call()
+            except openmm.OpenMMException as error:
+                refusals.add(str(error).split(";")[0])
+
+    with ThreadPoolExecutor(len(calls)) as pool:
+        list(pool.map(repeat, calls))
+    assert refusals <= {
+        "another thread is using this Context, in a step or another call of openmm-chaintree",
+        "StericExclusionForce: there is no open proposal",
+    }
+    context.loadCheckpoint(checkpoint)
+    integrator.step(1)
+
+
+def test_waiting(villin):
+    """A thread that asks for what has no open end waits for a step, and finds it done."""
+    system = makeSystem(villin, createStericExclusionForce(villin.topology, villin.positions))
+    integrator = TorsionMonteCarloIntegrator(300)
+    integrator.addTorsionMove(1, 0.3)
+    integrator.setTrialsPerStep(2000)
+    context = openmm.Context(system, integrator, reference())
+    context.setPositions(villin.positions)
+    with ThreadPoolExecutor(4) as pool:
+        for steps in [pool.submit(integrator.step, 2) for _ in range(4)]:
+            while not steps.done():
+                assert integrator.getMoveStatistics(0).attempted % 2000 == 0
+            steps.result()
+    assert integrator.getMoveStatistics(0).attempted == 16_000
+    assert context.getStepCount() == 8
+
+
+def test_callsFromWithinAStep(villin):
+    """A Force in Python that asks for the state in the midst of a trial is told that it cannot."""
+    system = makeSystem(villin, createStericExclusionForce(villin.topology, villin.positions))
+    integrator = TorsionMonteCarloIntegrator(300)
+    integrator.addTorsionMove(1, 0.3)
+    answers = []
+
+    def compute(state):
+        if answers:
+            with pytest.raises(openmm.OpenMMException, match="from within a step or another call on the same Context"):
+                answers[0]()
+        return 0.0, np.zeros((system.getNumParticles(), 3))
+
+    python = openmm.PythonForce(compute)
+    python.setForceGroup(1)
+    system.addForce(python)
+    context = openmm.Context(system, integrator, reference())
+    context.setPositions(villin.positions)
+    force = StericExclusionForce.cast(system.getForce(0))
+    for call in (
+        lambda: force.getClashes(context),
+        lambda: integrator.step(1),
+        lambda: integrator.getMoveStatistics(0),
+        lambda: context.createCheckpoint(),
+    ):
+        answers[:] = [call]
+        integrator.step(1)
+
+
 def test_solventIsCheckedInSeveralThreads(tmp_path):
     """Each load of a checkpoint makes the next step compare the energy with OpenMM's, of a copy of the Forces.
 

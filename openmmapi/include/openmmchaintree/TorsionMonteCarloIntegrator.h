@@ -19,13 +19,16 @@ class SerializationNode;
 namespace ChainTreePlugin {
 
 class CheckpointReader;
+class ContextLock;
 class EnergyStages;
 class KeptGeometry;
 class MonteCarloMove;
+class MoveKind;
 class MoveList;
 class NativeEnergy;
 class OuterStatistics;
 class RandomNumberGenerator;
+class SignalWatch;
 class StericExclusionForceImpl;
 class TrialSession;
 
@@ -131,6 +134,18 @@ class TrialSession;
  * move can be drawn, if U of the present positions is not a number, if these are not finite, if OpenMM has another
  * energy for a native Force, or if another Force throws one. The Context then is where the trials that were accepted
  * have led (with outer tests, where the last test has left it), and these are counted, but the step is not.
+ *
+ * <b>Threads.</b> One thread at a time uses what this plugin holds of a Context; others wait for it. A thread that the
+ * first one may have to wait for in turn, since it holds Python's lock, gets an exception instead: setPositions() and
+ * loadCheckpoint() of OpenMM's Context do, while another thread steps. So does a Force that calls this integrator or
+ * the StericExclusionForce about its own Context from within an evaluation.
+ *
+ * <b>Signals in Python.</b> Ctrl-C, and any signal that has a handler in Python, ends a step() of the main thread
+ * within a second. Handlers run between two steps, where they may save a checkpoint, and trials go on as if nothing had
+ * happened if they return. If a step would take longer than that, they run in its midst: the trials so far are kept, an
+ * unfinished outer test is made at that time, so that what is sampled stays exact, and the rest of the step follows if
+ * the handler returns. If it raises an exception, as that of Ctrl-C does, that step is not counted, and whoever called
+ * step() gets the exception.
  *
  * <b>Checkpoints and States.</b> With the same random number seed, the same program samples the same trajectory, bit
  * for bit. So does one that is broken off between two steps and goes on from a checkpoint, or from a State with
@@ -883,7 +898,11 @@ private:
     void restoreCheckpoint(CheckpointReader& reader, int version, bool positionsAreSafe);
     std::unique_ptr<KeptGeometry> readGeometry(const OpenMM::SerializationNode& state, int version) const;
     void bindTo(OpenMM::ContextImpl& context);
+    void setMove(int index, const MoveKind& kind, std::unique_ptr<MonteCarloMove> move, double weight);
+    void resetStatistics();
     void checkBeforeSteps();
+    void updateContextState();
+    int runTrials(int begin, SignalWatch& signals);
     void requireBound() const;
     void requireContext(const OpenMM::Context& context) const;
     void bindEnergies(StericExclusionForceImpl& force, OpenMM::ContextImpl& context);
@@ -899,6 +918,10 @@ private:
     std::unique_ptr<OuterStatistics> outerStatistics;
     /** What a Context held whose reinitialize() has begun and not succeeded yet, else NULL. */
     std::unique_ptr<KeptState> kept;
+    /** That of the Context, if there is one. */
+    std::shared_ptr<ContextLock> lock;
+    /** What trials took in the last steps, for the watch for signals alone. */
+    double secondsPerTrial;
     // What follows exists only while the integrator is bound to a Context.
     StericExclusionForceImpl* force;
     /** Expires when the force does: before cleanup() if a Context ends, after it if it is reinitialized. */

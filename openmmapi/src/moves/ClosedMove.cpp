@@ -270,6 +270,5 @@ void TorsionMonteCarloIntegrator::getClosedMoveParameters(int move, double& weig
 void TorsionMonteCarloIntegrator::setClosedMoveParameters(int move, double weight, double maxAngle,
                                                           const vector<int>& torsions, double hop)
 {
-    moves->requireKind(move, KIND);
-    moves->set(move, make_unique<::ClosedMove>(maxAngle, torsions, hop), weight);
+    setMove(move, KIND, make_unique<::ClosedMove>(maxAngle, torsions, hop), weight);
 }

@@ -285,6 +285,5 @@ void TorsionMonteCarloIntegrator::getDrawnMoveParameters(int move, double& weigh
 void TorsionMonteCarloIntegrator::setDrawnMoveParameters(int move, double weight, const vector<vector<int>>& torsions,
                                                          const vector<TorsionDensity>& densities)
 {
-    moves->requireKind(move, KIND);
-    moves->set(move, make_unique<::DrawnMove>(torsions, densities), weight);
+    setMove(move, KIND, make_unique<::DrawnMove>(torsions, densities), weight);
 }

@@ -175,6 +175,5 @@ void TorsionMonteCarloIntegrator::getLocalMoveParameters(int move, double& weigh
 void TorsionMonteCarloIntegrator::setLocalMoveParameters(int move, double weight, double sigma, double stiffness,
                                                          const vector<int>& torsions, int window)
 {
-    moves->requireKind(move, KIND);
-    moves->set(move, make_unique<::LocalMove>(sigma, stiffness, torsions, window), weight);
+    setMove(move, KIND, make_unique<::LocalMove>(sigma, stiffness, torsions, window), weight);
 }

@@ -98,6 +98,5 @@ void TorsionMonteCarloIntegrator::getPivotMoveParameters(int move, double& weigh
 void TorsionMonteCarloIntegrator::setPivotMoveParameters(int move, double weight, double maxAngle,
                                                          const vector<int>& ballJoints)
 {
-    moves->requireKind(move, KIND);
-    moves->set(move, make_unique<::PivotMove>(maxAngle, ballJoints), weight);
+    setMove(move, KIND, make_unique<::PivotMove>(maxAngle, ballJoints), weight);
 }

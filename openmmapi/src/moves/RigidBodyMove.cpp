@@ -108,6 +108,5 @@ void TorsionMonteCarloIntegrator::getRigidBodyMoveParameters(int move, double& w
 void TorsionMonteCarloIntegrator::setRigidBodyMoveParameters(int move, double weight, double maxTranslation,
                                                              double maxAngle, const vector<int>& molecules)
 {
-    moves->requireKind(move, KIND);
-    moves->set(move, make_unique<::RigidBodyMove>(maxTranslation, maxAngle, molecules), weight);
+    setMove(move, KIND, make_unique<::RigidBodyMove>(maxTranslation, maxAngle, molecules), weight);
 }

@@ -128,6 +128,5 @@ void TorsionMonteCarloIntegrator::getTorsionMoveParameters(int move, double& wei
 void TorsionMonteCarloIntegrator::setTorsionMoveParameters(int move, double weight, double maxAngle,
                                                            const vector<int>& torsions, int count)
 {
-    moves->requireKind(move, KIND);
-    moves->set(move, make_unique<::TorsionMove>(maxAngle, torsions, count), weight);
+    setMove(move, KIND, make_unique<::TorsionMove>(maxAngle, torsions, count), weight);
 }

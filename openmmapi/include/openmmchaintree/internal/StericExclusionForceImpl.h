@@ -6,6 +6,7 @@
 #include "openmm/Kernel.h"
 #include "openmmchaintree/ChainTreeKernels.h"
 #include "openmmchaintree/internal/CheckpointStream.h"
+#include "openmmchaintree/internal/ContextLock.h"
 #include "openmmchaintree/internal/KeptGeometry.h"
 #include "openmmchaintree/internal/LimitPolicy.h"
 #include "openmmchaintree/internal/LinkStructure.h"
@@ -44,6 +45,13 @@ public:
     std::weak_ptr<const void> getLife() const
     {
         return life;
+    }
+    /**
+     * Get what keeps calls on the Context to one thread at a time.
+     */
+    const std::shared_ptr<ContextLock>& getLock() const
+    {
+        return lock;
     }
     double calcForcesAndEnergy(OpenMM::ContextImpl& context, bool includeForces, bool includeEnergy, int groups);
     double computeForce(OpenMM::ContextImpl& context, const std::vector<OpenMM::Vec3>& positions,
@@ -186,6 +194,7 @@ private:
     double computeOtherEnergy(OpenMM::ContextImpl& context, int groups);
     const StericExclusionForce& owner;
     const std::shared_ptr<const void> life;
+    const std::shared_ptr<ContextLock> lock;
     bool isInitialized;
     /** The force as it was when the Context was created. */
     std::unique_ptr<StericExclusionForce> original;

@@ -1,0 +1,71 @@
+#ifndef OPENMM_CHAINTREE_CONTEXTLOCK_H_
+#define OPENMM_CHAINTREE_CONTEXTLOCK_H_
+
+#include "windowsExportChainTree.h"
+#include <condition_variable>
+#include <memory>
+#include <mutex>
+#include <thread>
+
+namespace ChainTreePlugin {
+
+/**
+ * This keeps what this plugin holds of a Context to one thread at a time. Another thread waits, or is refused by an
+ * exception if the first one may in turn wait for it, as for Python's lock.
+ */
+class OPENMM_EXPORT_CHAINTREE ContextLock {
+public:
+    ContextLock() : depth(0), admitsHelpers(false)
+    {
+    }
+    enum Caller {
+        /**
+         * A call of the user. It is refused within another one: there the state may be in the midst of a trial.
+         */
+        User,
+        /**
+         * A call of OpenMM, which may come from within a call of the user.
+         */
+        OpenMM
+    };
+    void take(Caller caller);
+    void release();
+    /**
+     * Let threads that work for OpenMM pass helperMayPass() while this thread holds the lock.
+     */
+    void admitHelpers(bool admit);
+    bool helperMayPass();
+
+private:
+    std::mutex mutex;
+    std::condition_variable released;
+    std::thread::id holder;
+    /** How often the holder has taken it. */
+    int depth;
+    bool admitsHelpers;
+};
+
+/**
+ * Holds a lock for as long as it lives.
+ */
+class ContextUse {
+public:
+    ContextUse(const std::shared_ptr<ContextLock>& lock, ContextLock::Caller caller) : lock(lock)
+    {
+        lock->take(caller);
+    }
+    ~ContextUse()
+    {
+        lock->release();
+    }
+    ContextUse(const ContextUse&) = delete;
+    ContextUse& operator=(const ContextUse&) = delete;
+
+private:
+    /** The lock outlives the Context if that ends meanwhile. */
+    const std::shared_ptr<ContextLock> lock;
+};
+
+} // namespace ChainTreePlugin
+
+#endif /*OPENMM_CHAINTREE_CONTEXTLOCK_H_*/
