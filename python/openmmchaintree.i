@@ -339,6 +339,7 @@ static PythonSignals pythonSignals;
 %freesPython(ChainTreePlugin::TorsionMonteCarloIntegrator::getOuterStatistics)
 %freesPython(ChainTreePlugin::TorsionMonteCarloIntegrator::getMoveStatistics)
 %freesPython(ChainTreePlugin::TorsionMonteCarloIntegrator::resetMoveStatistics)
+%freesPython(ChainTreePlugin::TorsionMonteCarloIntegrator::checkVelocities)
 
 /* ---- From Python ---- */
 

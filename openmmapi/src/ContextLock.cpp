@@ -16,15 +16,18 @@ void ContextLock::take(Caller caller)
     }
     else if (depth > 0) {
         Interpreter* const interpreter = Interpreter::get();
-        if (interpreter != NULL && !interpreter->mayWait())
+        const bool isSafe = caller == User || holdingCaller == OpenMM;
+        if (!isSafe || (interpreter != NULL && !interpreter->mayWait()))
             throw OpenMM::OpenMMException("another thread is using this Context, in a step or another call of "
                                           "openmm-chaintree; wait until that has returned");
         released.wait(guard, [this] {
             return depth == 0;
         });
     }
+    if (depth++ > 0)
+        return;
     holder = this_thread::get_id();
-    depth++;
+    holdingCaller = caller;
 }
 
 void ContextLock::release()

@@ -1,6 +1,7 @@
 #include "openmmchaintree/internal/ForeignForces.h"
 #include "openmm/reference/ReferencePlatform.h"
 #include "openmmchaintree/internal/NativeEnergy.h"
+#include "openmmchaintree/internal/StericExclusionForceImpl.h"
 #include <cstdlib>
 #include <numeric>
 #include <string>
@@ -14,7 +15,7 @@ using namespace std;
  */
 class ForceImplGuard {
 public:
-    ForceImplGuard(ContextImpl& context, const vector<ForceImpl*>& impls) : context(context), others(impls)
+    ForceImplGuard(ContextImpl& context, vector<ForceImpl*>& impls) : context(context), others(impls)
     {
         context.getForceImpls().swap(others);
     }
@@ -25,7 +26,7 @@ public:
 
 private:
     ContextImpl& context;
-    vector<ForceImpl*> others;
+    vector<ForceImpl*>& others;
 };
 
 /**
@@ -141,13 +142,21 @@ int ForeignForces::getWholeGroups() const
     return whole;
 }
 
-double ForeignForces::computeAlone(const vector<int>& forces) const
+double ForeignForces::computeAlone(TrialSession& trials, const vector<int>& forces) const
 {
-    vector<ForceImpl*> chosen;
-    for (int force : forces)
-        chosen.push_back(impls[force]);
+    // The StericExclusionForce adds nothing, but comes first and refuses other threads that find these ForceImpls. What
+    // they find has to last, too.
+
+    vector<ForceImpl*>& chosen = chosenImpls[forces];
+    if (chosen.empty()) {
+        for (ForceImpl* impl : impls)
+            if (dynamic_cast<StericExclusionForceImpl*>(impl) != NULL)
+                chosen.push_back(impl);
+        for (int force : forces)
+            chosen.push_back(impls[force]);
+    }
     ForceImplGuard guard(context, chosen);
-    return context.calcForcesAndEnergy(false, true, groups);
+    return trials.computeOtherEnergy(groups);
 }
 
 double ForeignForces::computeEnergy(TrialSession& trials, const vector<int>& chosen) const
@@ -166,7 +175,7 @@ double ForeignForces::computeEnergy(TrialSession& trials, const vector<int>& cho
     if (chosenGroups != 0)
         energy += trials.computeOtherEnergy(chosenGroups);
     if (!forces.empty())
-        energy += computeAlone(forces);
+        energy += computeAlone(trials, forces);
     if (!chosenCopies.empty())
         energy += copies->computeEnergy(chosenCopies);
     return energy;

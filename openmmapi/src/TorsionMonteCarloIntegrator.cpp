@@ -281,6 +281,7 @@ void TorsionMonteCarloIntegrator::setTorsionAngles(Context& context, const vecto
 
 void TorsionMonteCarloIntegrator::checkVelocities(Context& context) const
 {
+    ContextUse use(lock, ContextLock::User);
     requireContext(context);
     VelocityTurner& velocities = force->getVelocityTurner();
     if (velocities.findVelocities(*this->context))

@@ -135,10 +135,10 @@ class TrialSession;
  * energy for a native Force, or if another Force throws one. The Context then is where the trials that were accepted
  * have led (with outer tests, where the last test has left it), and these are counted, but the step is not.
  *
- * <b>Threads.</b> One thread at a time uses what this plugin holds of a Context; others wait for it. A thread that the
- * first one may have to wait for in turn, since it holds Python's lock, gets an exception instead: setPositions() and
- * loadCheckpoint() of OpenMM's Context do, while another thread steps. So does a Force that calls this integrator or
- * the StericExclusionForce about its own Context from within an evaluation.
+ * <b>Threads.</b> One thread at a time uses what this plugin holds of a Context; calls of this plugin in other threads
+ * wait for it. OpenMM's own calls that would evaluate or change the Context meanwhile get an exception, such as
+ * getState() with energies, setPositions() and loadCheckpoint(). So does a Force that calls this integrator or the
+ * StericExclusionForce about its own Context from within an evaluation.
  *
  * <b>Signals in Python.</b> Ctrl-C, and any signal that has a handler in Python, ends a step() of the main thread
  * within a second. Handlers run between two steps, where they may save a checkpoint, and trials go on as if nothing had

@@ -10,14 +10,12 @@
 namespace ChainTreePlugin {
 
 /**
- * This keeps what this plugin holds of a Context to one thread at a time. Another thread waits, or is refused by an
- * exception if the first one may in turn wait for it, as for Python's lock.
+ * This keeps what this plugin holds of a Context to one thread at a time. Another thread waits. It is refused by an
+ * exception if the first one may in turn wait for it, as for Python's lock, or if OpenMM itself is at work there in the
+ * midst of a call of the user: what it has done before it asked for this lock would not be undone by waiting.
  */
 class OPENMM_EXPORT_CHAINTREE ContextLock {
 public:
-    ContextLock() : depth(0), admitsHelpers(false)
-    {
-    }
     enum Caller {
         /**
          * A call of the user. It is refused within another one: there the state may be in the midst of a trial.
@@ -28,6 +26,9 @@ public:
          */
         OpenMM
     };
+    ContextLock() : holdingCaller(User), depth(0), admitsHelpers(false)
+    {
+    }
     void take(Caller caller);
     void release();
     /**
@@ -40,6 +41,8 @@ private:
     std::mutex mutex;
     std::condition_variable released;
     std::thread::id holder;
+    /** Who called when the holder took it first. */
+    Caller holdingCaller;
     /** How often the holder has taken it. */
     int depth;
     bool admitsHelpers;

@@ -6,6 +6,7 @@
 #include "openmmchaintree/internal/EnergyPlan.h"
 #include "openmmchaintree/internal/ForeignCopies.h"
 #include "openmmchaintree/internal/TrialSession.h"
+#include <map>
 #include <memory>
 #include <vector>
 
@@ -73,12 +74,14 @@ public:
 private:
     void addToParts(int force, int itsGroups);
     bool makeCopies(const EnergyPlan& plan, const std::vector<int>& forces, bool haveChanged);
-    double computeAlone(const std::vector<int>& forces) const;
+    double computeAlone(TrialSession& trials, const std::vector<int>& forces) const;
     OpenMM::ContextImpl& context;
     /** Whether a ForceImpl evaluates its Force when it is asked, and whether copies may do so if not. */
     const bool implsEvaluate, allowCopies;
     /** The ForceImpls by the indices of their Forces. */
     const std::vector<OpenMM::ForceImpl*> impls;
+    /** What the Context has in their place while these Forces are evaluated alone. */
+    mutable std::map<std::vector<int>, std::vector<OpenMM::ForceImpl*>> chosenImpls;
     int groups;
     bool mixed;
     std::vector<Part> parts;
