@@ -39,7 +39,8 @@ simulation.context.setPositions(protein.positions)
 print(integrator.getEnergyPlan(simulation.context))
 simulation.reporters.append(app.PDBReporter("sampled.pdb", steps))  # the last conformation
 simulation.reporters.append(app.DCDReporter("sampled.dcd", 1))
-simulation.reporters.append(app.StateDataReporter(sys.stdout, 10, step=True, potentialEnergy=True, speed=True))
+columns = {"step": True, "potentialEnergy": True, "remainingTime": True, "totalSteps": steps}
+simulation.reporters.append(app.StateDataReporter(sys.stdout, 10, **columns))
 simulation.step(steps)
 
 for number, name in enumerate(("backbone", "side chains", "rotamers")):

@@ -1,5 +1,7 @@
 """The face of TorsionMonteCarloIntegrator in Python, and its life in OpenMM's application layer."""
 
+import copy
+import csv
 import io
 
 import numpy as np
@@ -251,6 +253,44 @@ def test_simulationWithReporters(villin, tmp_path):
     header, *rows = log.getvalue().splitlines()
     temperature = header.split(",").index('"Temperature (K)"')
     assert len(rows) == 5 and all(float(row.split(",")[temperature]) == 300 for row in rows)
+
+
+def test_whatAStateDataReporterShows(villin):
+    """No time passes, unless a step is given a length; that changes nothing else."""
+    force = createStericExclusionForce(villin.topology, villin.positions)
+    reports = []
+    for stepSize in (0, 1 * unit.nanosecond):
+        integrator = TorsionMonteCarloIntegrator(300 * unit.kelvin)
+        integrator.setRandomNumberSeed(3)
+        integrator.setStepSize(stepSize)
+        integrator.addTorsionMove(1, 20 * unit.degrees)
+        system = makeSystem(villin, copy.copy(force))
+        simulation = app.Simulation(villin.topology, system, integrator, openmm.Platform.getPlatformByName("Reference"))
+        simulation.context.setPositions(villin.positions)
+        log = io.StringIO()
+        columns = "step time kineticEnergy temperature progress remainingTime speed elapsedTime".split()
+        options = dict.fromkeys(columns, True)
+        simulation.reporters.append(app.StateDataReporter(log, 5, totalSteps=20, **options))
+        simulation.step(20)
+        reports.append([dict(zip(columns, row, strict=True)) for row in inOrder(log.getvalue())])
+        reports[-1].append(positionsOf(simulation.context))
+    for report, factor in zip(reports, (0, 1000), strict=True):
+        for number, row in enumerate(report[:4], start=1):
+            assert row["step"] == str(5 * number) and row["progress"] == f"{25 * number:.1f}%"
+            assert float(row["time"]) == 5 * number * factor
+            assert float(row["kineticEnergy"]) == 0 and float(row["temperature"]) == 300
+            assert float(row["elapsedTime"]) >= 0 and row["remainingTime"] == ("--" if number == 1 else "0:00")
+            if number > 1:
+                assert (float(row["speed"]) > 0) == (factor > 0)
+    assert np.array_equal(reports[0][-1], reports[1][-1])
+
+
+def inOrder(text):
+    """Return the rows of a StateDataReporter in the order of the columns of the test above."""
+    names = ["Step", "Time (ps)", "Kinetic Energy (kJ/mole)", "Temperature (K)", "Progress (%)", "Time Remaining"]
+    names += ["Speed (ns/day)", "Elapsed Time (s)"]
+    header, *rows = csv.reader(text.lstrip("#").splitlines())
+    return [[row[header.index(name)] for name in names] for row in rows]
 
 
 def test_castFromCompoundIntegrator(villin):
