@@ -34,7 +34,9 @@ from .units import Array, Number, inUnit, positionsInNm
 _COMMON_REASONS = {RING, DISULFIDE_RING, METAL_RING, BETWEEN_FIXED}
 
 # Of atoms in `fixed`.
-_MOVING = "fixed atoms with a mass, which dynamics and moves of whole molecules move unless the System gives them mass 0"
+_MOVING = (
+    "fixed atoms with a mass, which dynamics and moves of whole molecules move unless the System gives them mass 0"
+)
 
 _ARGUMENTS = {
     DISULFIDE_RING: 'which can be cut (cutDisulfides) or closed (closures="disulfides")',
@@ -109,7 +111,8 @@ def createStericExclusionForce(
         Default: "disulfides" if the `system` has the energies of a force field and they are not cut, else none.
     fixed : str, array of int or bool, or callable, optional
         atoms that are not to move, as in `findTorsions`, to which the System gives the mass 0 (given a `system`, a
-        warning names those that have another one): torsions between two of them are left out. So ``fixed="not resSeq 20 to 30", closures="loops"`` samples a loop.
+        warning names those that have another one): torsions between two of them are left out. So
+        ``fixed="not resSeq 20 to 30", closures="loops"`` samples a loop.
     system : openmm.System, optional
         to which the force will be added. What has mass 0 there, and is no virtual site, is fixed as well. Atoms without
         bonds in the Topology, such as beads or Drude particles, get those of its HarmonicBondForce, constraints and
