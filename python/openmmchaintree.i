@@ -764,7 +764,8 @@ static const char* const ENERGY_KINDS[] = {"not sampled", "constant", "native", 
         Parameters
         ----------
         object : openmm.BASE
-            a CLASS that came from a System, a CompoundIntegrator or XmlSerializer as a bare BASE
+            a CLASS that came as a bare BASE: what a System, a CompoundIntegrator or XmlSerializer returns has
+            its class already, but not what C++ returns elsewhere
 
         Returns
         -------

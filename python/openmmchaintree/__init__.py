@@ -32,12 +32,15 @@ from .openmmchaintree import (  # noqa: E402
     TorsionMonteCarloIntegrator,
     TraversalStatistics,
 )
+from .ownclasses import registerClasses  # noqa: E402
 from .replicaexchange import ParallelReplicaExchangeSampler  # noqa: E402
 from .reporter import ClashError, ClashReporter  # noqa: E402
 from .selection import selectAtoms  # noqa: E402
 from .sterics import createStericExclusionForce  # noqa: E402
 from .systemtopology import createTopology  # noqa: E402
 from .torsions import LeftOutTorsion, Torsion, TorsionSearch, findTorsions  # noqa: E402
+
+registerClasses()
 
 __version__: str = _build.VERSION
 

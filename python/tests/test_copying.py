@@ -10,6 +10,7 @@ import openmm
 import pytest
 from openmm import unit
 from openmmchaintree import StericExclusionForce, TorsionDensity, TorsionMonteCarloIntegrator
+from openmmchaintree.ownclasses import registerClasses
 
 
 def makeForce():
@@ -84,28 +85,71 @@ def test_subclassesAndAttributes():
     assert deep.itself is deep
 
 
-# ---- Objects that have lost their class ----
+# ---- Objects that come from OpenMM ----
 
 
 def fromXml(original):
     return openmm.XmlSerializer.deserialize(toXml(original))
 
 
+def bareFromXml(original):
+    """As it comes where nobody looks at what OpenMM returns."""
+    kind = "Force" if isinstance(original, openmm.Force) else "Integrator"
+    return getattr(openmm.XmlSerializer, f"_deserialize{kind}")(toXml(original))
+
+
+@pytest.mark.parametrize("make", [makeForce, makeIntegrator])
+def test_ownClassFromXml(make):
+    for found in (fromXml(make()), openmm.XmlSerializer.clone(make())):
+        gc.collect()
+        assert type(found) is type(make())
+        assert found.thisown
+        assert toXml(found) == toXml(make())
+
+
+def test_ownClassFromOwners():
+    for system in (makeSystem(), fromXml(makeSystem()), *duplicates(makeSystem())):
+        assert [type(force) for force in system.getForces()] == [openmm.HarmonicBondForce, StericExclusionForce]
+        assert not system.getForce(1).thisown
+    compound = openmm.CompoundIntegrator()
+    compound.addIntegrator(makeIntegrator())
+    compound.addIntegrator(openmm.VerletIntegrator(0.001))
+    for owner in (compound, fromXml(compound)):
+        assert type(owner.getIntegrator(0)) is TorsionMonteCarloIntegrator
+        assert type(owner.getIntegrator(1)) is openmm.VerletIntegrator
+    collective = openmm.CustomCVForce("E")
+    collective.addCollectiveVariable("E", makeForce())
+    assert type(collective.getCollectiveVariable(0)) is StericExclusionForce
+
+
+def test_methodsOfOpenMMAreThoseThatTheyWere():
+    assert openmm.System.getForce.__name__ == "getForce"
+    assert "writable reference" in openmm.System.getForce.__doc__
+    with pytest.raises(openmm.OpenMMException, match="Index out of range"):
+        openmm.System().getForce(3)
+    with pytest.raises(ValueError, match="Invalid input string"):
+        openmm.XmlSerializer.deserialize("no XML")
+    before = openmm.System.getForce
+    registerClasses()
+    assert openmm.System.getForce is before
+
+
 @pytest.mark.parametrize("make", [makeForce, makeIntegrator])
 def test_castOfWhatIsOwned(make):
     cls = type(make())
-    bare = fromXml(make())
+    bare = bareFromXml(make())
     assert cls.isinstance(bare)
+    assert type(bare) is not cls
     found = cls.cast(bare)
     assert found is bare and type(found) is cls
     assert found.thisown
     assert cls.cast(found) is found
-    assert toXml(cls.cast(fromXml(make()))) == toXml(make())
+    assert toXml(cls.cast(bareFromXml(make()))) == toXml(make())
 
 
 def test_castForceGoesIntoSystem():
     system = openmm.System()
-    system.addForce(StericExclusionForce.cast(fromXml(makeForce())))
+    system.addForce(StericExclusionForce.cast(bareFromXml(makeForce())))
     gc.collect()
     bare = system.getForce(0)
     assert StericExclusionForce.isinstance(bare)

@@ -1,9 +1,12 @@
 """Numbers with units are taken everywhere, and those of another dimension refused by name."""
 
+import gc
+
 import numpy as np
+import openmm
 import pytest
 from openmm import unit
-from openmmchaintree import StericExclusionForce, TorsionMonteCarloIntegrator
+from openmmchaintree import StericExclusionForce, TorsionDensity, TorsionMonteCarloIntegrator
 from openmmchaintree.units import inUnit, positionsInNm
 
 
@@ -102,3 +105,65 @@ def test_whatIsNoNumberIsRefused():
         force.addBond(0, 2**40)
     with pytest.raises(ValueError, match="^hydrogenBondRole must be NoHydrogenBond, Donor, Acceptor or"):
         force.addParticle(0.1, 4)
+
+
+# ---- Lists that change while they are read ----
+
+
+class Changing:
+    """A number that empties its list when it is asked for its value."""
+
+    def __init__(self, items, value):
+        self.items = items
+        self.value = value
+
+    def empty(self):
+        self.items.clear()
+        gc.collect()
+        return self.value
+
+    __index__ = __float__ = empty
+
+
+class ChangingSequence(Changing):
+    def __len__(self):
+        return 3
+
+    def __getitem__(self, index):
+        return float(range(3)[index]) + self.empty()
+
+
+def changing(kind, value, others):
+    items = []
+    items += [kind(items, value), *others]
+    return items
+
+
+def test_listsThatChange():
+    force = StericExclusionForce()
+    system = openmm.System()
+    for i in range(4):
+        system.addParticle(1)
+        force.addParticle(0.1)
+    for i in range(3):
+        force.addBond(i, i + 1)
+    force.addTorsion(0, 1, 2, 3)
+    system.addForce(force)
+    context = openmm.Context(system, openmm.VerletIntegrator(0.001), openmm.Platform.getPlatformByName("Reference"))
+    context.setPositions([[0, 0, 0], [1, 0, 0], [1, 1, 0], [1, 1, 1]])
+    many = [10**6 + i for i in range(10_000)]
+    with pytest.raises(openmm.OpenMMException, match="there is no particle 1000000"):
+        force.getMinimumDistance(context, changing(Changing, 1, many), [0])
+    assert force.getMinimumDistance(context, changing(Changing, 1, [2, 2]), [0]).distance == 1
+    with pytest.raises(openmm.OpenMMException, match="10001 angles"):
+        force.setTorsionAngles(context, changing(Changing, 0.5, [float(i) for i in many]))
+    assert len(force.getClashesWith(context, changing(Changing, 1.0, [1e6 + 0.5, 1e6 + 1.5]), 0.1)[0]) == 0
+    with pytest.raises(openmm.OpenMMException, match="1 ball joints, but 10001 rotations"):
+        force.proposeBallRotations(context, [0], changing(ChangingSequence, 0, [[1.0, i, 3.0] for i in many]))
+
+    integrator = TorsionMonteCarloIntegrator(300)
+    density = TorsionDensity.fromTable([1, 2])
+    integrator.addDrawnMove(1, changing(Changing, 1, [5, [7]]), density)
+    assert integrator.getDrawnMoveParameters(0)[1] == [(1,), (5,), (7,)]
+    integrator.addTorsionMove(1, 0.1, changing(Changing, 1, [5, 7]))
+    assert list(integrator.getTorsionMoveParameters(1)[2]) == [1, 5, 7]
