@@ -3,11 +3,10 @@
 from collections.abc import Iterable
 from typing import TypeAlias
 
-import numpy as np
-
 from .bondsearch import BondSearch, Gap, polymerLinks
 from .components import connectedParts
 from .loops import loopBonds
+from .pseudoatoms import atomicNumbers
 
 __all__ = ["BondGraph", "Gap", "molecules", "neighborLists", "polymerLinks", "ringBonds"]
 
@@ -22,7 +21,7 @@ class BondGraph:
     ----------
     atoms : list of openmm.app.Atom
     numbers : (n,) int array
-        atomic numbers, 0 for extra particles
+        atomic numbers, 0 for extra particles and pseudo-atoms
     bonds : list of (int, int)
         the bonds that count: no gaps, nothing that is cut
     neighbors : list of list of int
@@ -67,7 +66,7 @@ class BondGraph:
             raise ValueError("the Topology has no atoms")
         search = BondSearch(topology, positions, others)
         self.atoms = list(topology.atoms())
-        self.numbers = np.array([0 if atom.element is None else atom.element.atomic_number for atom in self.atoms])
+        self.numbers = atomicNumbers(self.atoms)
         self.gaps = search.gaps
         self.disulfides = search.disulfides
         self.metalBonds = search.metalBonds

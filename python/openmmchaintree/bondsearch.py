@@ -14,6 +14,7 @@ from .images import isBox, makeWhole, nearestImage
 from .lengthunits import checkBondLengths
 from .naming import describeResidue
 from .notes import Note, found
+from .pseudoatoms import atomicNumbers
 from .residues import CAPS, aminoAcid, isAlphaCarbonOnly, isNucleotide, isWater
 from .templates import isStandard, templateBonds
 
@@ -94,7 +95,7 @@ class BondSearch:
         self._residues = list(topology.residues())
         self._chains = [list(chain.residues()) for chain in topology.chains()]
         self._residueOf = np.array([atom.residue.index for atom in self._atoms], dtype=int)
-        self._numbers = np.array([0 if atom.element is None else atom.element.atomic_number for atom in self._atoms])
+        self._numbers = atomicNumbers(self._atoms)
         self._box = boxOf(topology) if positions is not None else None
         self.hasBox = self._box is not None
         self.positions = positions
@@ -211,7 +212,7 @@ class BondSearch:
 
     def _bondWithin(self, residue, known):
         """Bond atoms of a residue by distance that its bonds do not hold together."""
-        atoms = np.array([atom.index for atom in residue.atoms() if atom.element is not None])
+        atoms = np.array([atom.index for atom in residue.atoms() if self._numbers[atom.index] > 0])
         place = {atom: number for number, atom in enumerate(atoms.tolist())}
         bonds = [(place[first], place[second]) for first, second in known]
         part = connectedParts(len(atoms), bonds)
@@ -234,7 +235,7 @@ class BondSearch:
 
     def _linkResidues(self):
         for residue1, residue2 in self._unlinkedNeighbors():
-            if isWater(residue1.name) or isWater(residue2.name):
+            if isWater(residue1) or isWater(residue2):
                 continue
             # Where OpenMM knows both residues and did not link them, only positions can tell better.
             if self.positions is None and (
@@ -321,7 +322,7 @@ class BondSearch:
             neighbors[second].append(first)
             if residueOf[first] != residueOf[second]:
                 hasOther[[first, second]] = True
-        bound = np.array([not isWater(residue.name) for residue in self._residues])[residueOf]
+        bound = np.array([not isWater(residue) for residue in self._residues])[residueOf]
         sulfurs = np.flatnonzero((numbers == _SULFUR) & bound & ~hasOther)
         near = [bondedPairs(positions, numbers), sulfurs[nearPairs(positions[sulfurs], _LONGEST_DISULFIDE)]]
         for first, second in np.concatenate(near).tolist():

@@ -3,20 +3,17 @@
 The tables are in `tables`, each with its source.
 """
 
-import csv
 import functools
-from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
 from openmm import app
 
+from .datatables import readTable
 from .openmmchaintree import StericExclusionForce, TorsionDensity
 from .residues import aminoAcid, isMirrored
 from .selection import AtomSelection
 from .torsions import findTorsions
-
-_TABLES = Path(__file__).parent / "tables"
 
 # The table of rotamers gives the last chi of these modulo half a turn.
 _ENDS_ALIKE = ("ASP", "GLU", "PHE", "TYR")
@@ -205,7 +202,7 @@ def _loopKind(residue, following):
 def _rotamers():
     """Return for each amino acid the counts of its rotamers, and means and deviations of each χ in degrees."""
     rows = {}
-    for residue, _, *numbers in _readTable("rotamers.csv"):
+    for residue, _, *numbers in readTable("rotamers.csv"):
         rows.setdefault(residue, []).append([float(number) for number in numbers])
     tables = {residue: np.array(table) for residue, table in rows.items()}
     return {residue: (table[:, 0], table[:, 1::2], table[:, 2::2]) for residue, table in tables.items()}
@@ -215,12 +212,6 @@ def _rotamers():
 def _loops():
     """Return for each kind of residue the counts by φ and ψ."""
     rows = {}
-    for residue, _, counts in _readTable("loops.csv"):
+    for residue, _, counts in readTable("loops.csv"):
         rows.setdefault(residue, []).append([int(count) for count in counts.split()])
     return {residue: np.array(table) for residue, table in rows.items()}
-
-
-def _readTable(name):
-    """Return the rows of a file in the folder of tables, without its comments and the line of names."""
-    with open(_TABLES / name, encoding="ascii", newline="") as file:
-        return list(csv.reader(line for line in file if not line.startswith("#")))[1:]

@@ -10,7 +10,7 @@ from openmm import app
 from .conformers import NO_ALTERNATE, chooseConformers
 from .naming import joinNames
 from .notes import Note, found
-from .residues import isWater
+from .residues import isCalledWater, isWaterOf
 
 
 class ModelTopology(NamedTuple):
@@ -41,7 +41,8 @@ def makeTopology(model):
         newChain = topology.addChain(chain.name)
         for residue, members in residues:
             number = residue.seqid
-            name = "HOH" if isWater(residue.name) else residue.name
+            isWater = isCalledWater(residue.name) and isWaterOf(atom.element.name for atom in members)
+            name = "HOH" if isWater else residue.name
             for part in _splitCopies(members):
                 newResidue = topology.addResidue(name, newChain, _textOf(number.num), number.icode.strip())
                 for atom in part:

@@ -7,18 +7,19 @@ that begin in the wrong column as other elements, ends at the first END, and rea
 import re
 from typing import NamedTuple
 
-from .residues import aminoAcid, isNucleotide, isWater
+from .elements import findElements
+from .residues import isKnown
 
 # Records that are read, beside those of models.
 _RECORDS = {"CRYST1", "TER", "LINK", "SSBOND", "CONECT"}
 
 _COORDINATES = (slice(30, 38), slice(38, 46), slice(46, 54))
 
-# Of names in residues of unknown kind that begin a column too early, those that are not carbon, nitrogen and so on.
-_TWO_LETTER_ELEMENTS = {"CL", "BR", "FE", "ZN", "MG", "MN", "CU", "SE", "SI", "AL"}
-
-# Of these, those that no names of lighter elements begin with.
-_CERTAIN_ELEMENTS = {"BR", "FE", "ZN", "MG", "MN", "CU"}
+# Residues of which programs write four letters, and of which the first three name another one.
+_FOUR_LETTERS = {
+    "ALAD", "POPC", "POPE", "POPG", "POPS", "POPA", "POPI", "DPPC", "DPPE", "DPPG", "DMPC", "DMPG", "DOPC", "DOPE",
+    "DOPS", "DOPG", "DLPC", "DLPE", "DSPC", "CHL1", "CHOL", "HEME", "BMAN", "BGLC", "AGLC", "BGAL", "AMAN", "AFUC",
+}  # fmt: skip
 
 
 class PDBLines(NamedTuple):
@@ -49,13 +50,14 @@ class _Repair:
         self._isOpen = False
         self._modelStart = 0
         self._shortNames = {}
+        self._atoms = []  # of each atom the index of its line, and what its element follows from
         # MODEL without ENDMDL is a file cut off; atoms without MODEL are not.
         self._wantsEnd = False
 
     def run(self, text):
         damage = None
         given = text.splitlines()
-        self._hasLongChains = any(map(_isOfLongChain, given))
+        self._hasLongChains = _haveLongChains(given)
         for number, line in enumerate(given):
             record = line[:6].rstrip().upper()
             if record in ("ATOM", "HETATM"):
@@ -66,7 +68,7 @@ class _Repair:
                     break
                 if not self._isOpen:
                     self._openModel()
-                self._lines.append(self._repairAtom(line))
+                self._addAtom(line)
             elif record == "MODEL":
                 self._closeModel()
                 self._openModel()
@@ -85,6 +87,8 @@ class _Repair:
             # Bonds stand behind all models.
             bonds = [line for line in given[number:] if line.startswith("CONECT")]
             self._lines[self._modelStart :] = bonds
+            self._atoms = [atom for atom in self._atoms if atom[0] < self._modelStart]
+        self._tellElements()
         names = {short: name for name, short in self._shortNames.items()}
         return PDBLines("\n".join([*self._lines, "END", ""]), names, damage)
 
@@ -99,18 +103,21 @@ class _Repair:
             self._lines.append("ENDMDL")
         self._isOpen = False
 
-    def _repairAtom(self, line):
+    def _addAtom(self, line):
         name = line[17:21].strip()
         if line[20] != " ":
-            if not self._hasLongChains:
-                line = f"{line[:17]}{self._shortNameFor(name)} {line[21:]}"
-            else:
+            if self._hasLongChains and line[21] != " ":
                 name = line[17:20].strip()  # the rest belongs to the chain
+            else:
+                line = f"{line[:17]}{self._shortNameFor(name)} {line[21:]}"
+        self._atoms.append((len(self._lines), (name, line[12:16], line[76:78].strip())))
         # In old files there are other things in the columns of element and charge.
-        line = line[:78]
-        if not line[76:78].strip().isalpha():
-            line = f"{line[:76]:76}{_guessElement(line[12:16], name) or '':>2}"
-        return line
+        self._lines.append(line[:76])
+
+    def _tellElements(self):
+        elements = findElements({kind for _, kind in self._atoms})
+        for index, kind in self._atoms:
+            self._lines[index] = f"{self._lines[index]:76}{elements[kind]:>2}"
 
     def _shortNameFor(self, name):
         if name not in self._shortNames:
@@ -142,28 +149,23 @@ def _shiftBack(line):
     return line
 
 
-def _isOfLongChain(line):
-    """Whether column 21 of a line is the first of two letters of a chain, and not the last of TIP3 or HISE."""
-    return (
-        line[20:22].strip() == line[20:22] != ""
-        and line.startswith(("ATOM", "HETATM"))
-        and aminoAcid(line[17:20]) is not None
-        and aminoAcid(line[17:21]) is None
-    )
+def _haveLongChains(lines):
+    """Whether column 21 of the lines of atoms is the first of two letters of chains, and not the last of TIP3 or HISE.
+
+    Each residue name is one vote.
+    """
+    names = {line[17:22] for line in lines if line[20:21].strip() and line[:6].upper() in ("ATOM  ", "HETATM")}
+    votes = [vote for vote in {name[:4]: _isOfLongChain(name) for name in names}.values() if vote is not None]
+    return 2 * votes.count(True) > len(votes)
 
 
-def _guessElement(name, residue):
-    """Return the element of an atom whose line tells none, or None where the column of its name tells it."""
-    letters = name.strip().lstrip("0123456789")
-    if not letters:
-        return None
-    twoLetters = {"SE"} if residue == "MSE" else _TWO_LETTER_ELEMENTS
-    if aminoAcid(residue) is not None or isNucleotide(residue) or isWater(residue):
-        twoLetters = twoLetters & {"SE"}
-    elif letters[:2] in _CERTAIN_ELEMENTS:
-        return letters[:2]
-    elif not name[0].isalpha() or letters == residue or len(name.strip()) == 4:
-        return None
-    if letters[:2] in twoLetters:
-        return letters[:2]
-    return letters[0] if letters[0] in "HDCNOSP" else None
+def _isOfLongChain(columns):
+    """Whether columns 18 to 22 are a residue and a chain of two letters; None if nothing tells."""
+    short, long, chain = columns[:3].strip(), columns[:4].strip(), columns[3:5]
+    if not short or len(chain.strip()) < 2 or long in _FOUR_LETTERS:
+        return False
+    if columns[0] == " " and isKnown(short):  # a name of four letters begins in the first column
+        return True
+    if isKnown(short) or isKnown(long):
+        return not isKnown(long)
+    return True if columns[0] == " " or chain[0].islower() else None

@@ -103,8 +103,7 @@ def _unitedAtomRadius(graph, atom):
 
 
 def _otherRadius(graph, atom):
-    element = graph.atoms[atom].element
-    return 0.0 if element is None else _OTHER_ELEMENTS.get(element.symbol)
+    return _OTHER_ELEMENTS.get(graph.atoms[atom].element.symbol) if graph.elementNumber(atom) else 0.0
 
 
 def _isCarbonylOxygen(graph, atom):

@@ -3,6 +3,12 @@
 Names are those of the Protein Data Bank, to which `openmm.app.PDBFile` brings what it reads.
 """
 
+from functools import cache
+
+import gemmi
+
+from .datatables import readTable
+
 # Names that force fields and programs give to protonation states and to cysteines in disulfides.
 _VARIANTS = {
     "HID": "HIS", "HIE": "HIS", "HIP": "HIS", "HSD": "HIS", "HSE": "HIS", "HSP": "HIS",
@@ -17,12 +23,6 @@ _MIRRORED = {
     "DAL": "ALA", "DAR": "ARG", "DSG": "ASN", "DAS": "ASP", "DCY": "CYS", "DGN": "GLN", "DGL": "GLU", "DHI": "HIS",
     "DIL": "ILE", "DLE": "LEU", "DLY": "LYS", "MED": "MET", "DPN": "PHE", "DPR": "PRO", "DSN": "SER", "DTH": "THR",
     "DTR": "TRP", "DTY": "TYR", "DVA": "VAL",
-}  # fmt: skip
-
-# What programs call water.
-_WATERS = {
-    "HOH", "DOD", "WAT", "H2O", "D2O", "OH2", "SOL", "SPC", "SPCE", "TIP", "TP3", "TP4", "TIP2", "TIP3", "TIP4", "TIP5",
-    "TIP3P", "TIP4P", "TIP5P", "T3P", "T4P", "T5P", "OPC", "OPC3",
 }  # fmt: skip
 
 # The side chain from CB on: chi_n is the dihedral of four consecutive names after N, CA (IUPAC-IUB 1970, rule 4.4).
@@ -89,9 +89,29 @@ def isMirrored(name):
     return name in _MIRRORED or (len(name) == 4 and name[0] == "D" and name[1:] in _SIDE_CHAINS)
 
 
-def isWater(name):
+def isCalledWater(name):
     """Whether a residue name is one of water."""
-    return name in _WATERS
+    return name in _waters()
+
+
+def isWater(residue):
+    """Whether a residue of a Topology is water: by its name and, since others have such names, too, by its atoms."""
+    if residue.name == "HOH":
+        return True
+    return isCalledWater(residue.name) and isWaterOf(
+        "" if atom.element is None else atom.element.symbol for atom in residue.atoms()
+    )
+
+
+def isWaterOf(elements):
+    """Whether a molecule of these elements, with an empty one or X for atoms without, can be water."""
+    heavy = [element for element in elements if element not in ("H", "D", "X", "")]
+    return heavy in ([], ["O"], ["O", "O"])  # CHARMM has a virtual site that is called OM
+
+
+@cache
+def _waters():
+    return {residue for kind, residue, _, _ in readTable("names.csv") if kind == "water"}
 
 
 def isAlphaCarbonOnly(residue):
@@ -122,6 +142,17 @@ def nucleotide(name):
     """Return the nucleotide of a residue name, such as DA for DA5 and DT for THY; None for other residues."""
     name = _NUCLEOTIDES.get(name, name)
     return name if name in _PURINES or name in _PYRIMIDINES else None
+
+
+def isKnown(name):
+    """Whether a residue name is one of a protein, nucleic acid, cap, water, ion or a compound that many files have."""
+    return (
+        aminoAcid(name) is not None
+        or isNucleotide(name)
+        or name in CAPS
+        or isCalledWater(name)
+        or gemmi.find_tabulated_residue(name).found()
+    )
 
 
 def chiAtoms(name):

@@ -14,6 +14,7 @@ from .images import reducedBox
 from .modeltopology import makeTopology
 from .naming import describeResidue, nameAtom
 from .notes import Note, found, listFirst
+from .pseudoatoms import isMark, isPseudoAtom
 from .residues import aminoAcid, isNucleotide, isWater
 from .structurefile import readFile
 
@@ -169,7 +170,7 @@ def checkPositions(positions, topology, source):
 
 
 def selectSolute(source, topology, positions, water=False, ions=False):
-    """Select the atoms of a Topology that are neither water nor loose ions, and find their bonds.
+    """Select the atoms of a Topology that are neither water nor loose ions nor pseudo-atoms, and find their bonds.
 
     Loose ions are residues of a single atom, other than amino acids and nucleotides, that nothing binds.
 
@@ -187,17 +188,22 @@ def selectSolute(source, topology, positions, water=False, ions=False):
     InputError
         if nothing is left, or an atom has no element, or a molecule is in pieces that cannot be made whole
     """
-    kept, extra = [], []
+    kept, extra, marks, strange = [], [], {}, []
+    waters = {residue for residue in topology.residues() if isWater(residue)}
     for atom in topology.atoms():
-        if isWater(atom.residue.name):
-            if water:
-                kept.append(atom)
-        elif atom.element is not None:
-            kept.append(atom)
-        elif _isExtraParticle(atom):
+        if atom.residue in waters and not water:
+            continue
+        if isMark(atom.residue):
+            marks[atom.residue] = None
+        elif isPseudoAtom(atom) or (atom.element is None and len(atom.residue) == 1):
             extra.append(_describe(atom))
-        elif len(atom.residue) > 1:
-            raise InputError(f"{source}: atom {_describe(atom)} has no element")
+        elif atom.element is None:
+            strange.append(_describe(atom))
+        else:
+            kept.append(atom)
+    if strange:
+        remedy = "give elements in columns 77 and 78 (type_symbol of mmCIF), or remove what is no atom from the file"
+        raise InputError(f"{source}: {Note('atoms whose element is not known', strange)}: {remedy}")
     if not kept:
         raise InputError(f"{source}: {_NOTHING}")
     atoms = np.array([atom.index for atom in kept], dtype=int)
@@ -218,7 +224,8 @@ def selectSolute(source, topology, positions, water=False, ions=False):
         [
             *search.notes,
             Note("ions left out, since nothing binds them", map(describeResidue, loose)),
-            Note("extra particles left out", extra),
+            Note("dummy atoms left out, which mark planes, axes and places", map(describeResidue, marks)),
+            Note("atoms without an element left out, such as virtual sites and lone pairs", extra),
             _noteWhole(dry, search, positions[atoms]),
         ]
     )
@@ -228,11 +235,6 @@ def selectSolute(source, topology, positions, water=False, ions=False):
     return Solute(whole, search.positions[stays], atoms[stays], notes)
 
 
-def _isExtraParticle(atom):
-    """Whether an atom without an element has the name of a lone pair or of a Drude particle."""
-    return atom.name.startswith(("LP", "EP", "D")) and len(atom.residue) > 1
-
-
 def _looseIons(topology, bonds):
     bound = {atom for bond in bonds for atom in bond}
     return [
@@ -240,7 +242,7 @@ def _looseIons(topology, bonds):
         for residue in topology.residues()
         if len(residue) == 1
         and next(residue.atoms()).index not in bound
-        and not isWater(residue.name)
+        and not isWater(residue)
         and aminoAcid(residue.name) is None
         and not isNucleotide(residue.name)
     ]

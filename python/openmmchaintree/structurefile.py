@@ -13,6 +13,7 @@ from contextlib import contextmanager
 
 import gemmi
 
+from .elements import NO_ELEMENT, findElements
 from .errors import InputError
 from .pdblines import repairLines
 
@@ -60,6 +61,8 @@ def readFile(path):
     else:
         text = data.decode("utf-8", errors="replace")
         structure, damage = (_readMmCIF(path, text), None) if _isMmCIF(text) else _readPDB(path, text)
+    if structure.input_format != gemmi.CoorFormat.Pdb:
+        _correctElements(structure)
     structure.remove_empty_chains()
     if len(structure) == 0 or not any(len(chain) for model in structure for chain in model):
         raise InputError(f"{path}: there are no atoms")
@@ -120,7 +123,7 @@ def _fillIn(block):
         source, value = _REQUIRED[name]
         columns[name] = columns.get(source) or [value] * len(names)
     if "type_symbol" in missing:
-        columns["type_symbol"] = [name.strip("'\"0123456789")[:1] or "X" for name in names]
+        columns["type_symbol"] = ["X"] * len(names)  # names tell them
     if "id" in missing:
         columns["id"] = [str(number + 1) for number in range(len(names))]
     block.set_mmcif_category("_atom_site.", columns, raw=True)
@@ -137,6 +140,21 @@ def _fromBlock(path, block):
         if strange is not None:
             raise InputError(f"{path}: the {code} of an atom, {strange}, is not ASCII")
     return gemmi.make_structure_from_block(block)
+
+
+def _correctElements(structure):
+    """Give atoms their elements by residues and names, where those of the file cannot be."""
+
+    def symbolOf(element):
+        return "" if element == NO_ELEMENT else element
+
+    atoms = [(residue.name, atom) for model in structure for chain in model for residue in chain for atom in residue]
+    kinds = [(name, atom.name, symbolOf(atom.element.name.upper())) for name, atom in atoms]
+    elements = findElements(set(kinds))
+    wrong = {kind: element for kind, element in elements.items() if kind[2] != symbolOf(element)}
+    for (_, atom), kind in zip(atoms, kinds, strict=True) if wrong else ():
+        if kind in wrong:
+            atom.element = gemmi.Element(wrong[kind])
 
 
 def _readBinaryCIF(path, data):

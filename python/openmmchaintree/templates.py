@@ -10,7 +10,7 @@ from pathlib import Path
 
 import openmm.app
 
-from .residues import aminoAcid, isWater, nucleotide
+from .residues import aminoAcid, isCalledWater, nucleotide
 
 _DATA = Path(openmm.app.__file__).parent / "data"
 
@@ -30,7 +30,7 @@ def templateBonds(residueName, atomNames):
     residueName : str
     atomNames : list of str
     """
-    name = "HOH" if isWater(residueName) else standardName(residueName)
+    name = "HOH" if isCalledWater(residueName) else standardName(residueName)
     standard = _standardBonds().get(name)
     if standard is not None:
         aliases = atomAliases(name)
@@ -40,7 +40,7 @@ def templateBonds(residueName, atomNames):
         places = {atom: number for number, atom in enumerate(atomNames)}
         bonds = _dictionaryBonds(name)
         known = {atom for bond in bonds for atom in bond}
-        if any(atom not in known for atom in atomNames if not atom.lstrip("0123456789").startswith(("H", "D"))):
+        if any(atom not in known for atom in atomNames if not _mayBeHydrogen(atom)):
             return []
     return [(places[first], places[second]) for first, second in bonds if first in places and second in places]
 
@@ -97,3 +97,23 @@ def _dictionaryBonds(residueName):
     from biotite.structure.info import bonds_in_residue
 
     return list(bonds_in_residue(residueName))
+
+
+@cache
+def dictionaryElements(residueName, atomNames):
+    """Return the elements of a residue's atoms by their names, in capitals; none if the dictionary does not know it.
+
+    atomNames : frozenset of str, all of which it has to have, hydrogens apart
+    """
+    from biotite.structure.info import residue
+
+    try:
+        known = residue(residueName, allow_missing_coord=True)
+    except KeyError:
+        return {}
+    elements = dict(zip(known.atom_name.tolist(), (symbol.upper() for symbol in known.element.tolist()), strict=True))
+    return elements if all(name in elements for name in atomNames if not _mayBeHydrogen(name)) else {}
+
+
+def _mayBeHydrogen(name):
+    return name.lstrip("0123456789").startswith(("H", "D"))

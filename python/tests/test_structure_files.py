@@ -127,6 +127,22 @@ def test_chainNamesOfTwoLetters(tmp_path):
     assert [(residue.chain.id, residue.name) for residue in residues] == [("AB", "GLY"), ("AB", "GLY"), ("AC", "LIG")]
 
 
+@pytest.mark.parametrize("residue", ["  A", " DA", "HOH", " ZN", "ATP", "MSE", "ACE", "PSU"])
+@pytest.mark.parametrize("chain", ["AB", "aB", "Ba", "1A"])
+def test_chainNamesOfTwoLettersWithoutAminoAcids(tmp_path, residue, chain):
+    name = {"HOH": " O  ", " ZN": "ZN  "}.get(residue, " P  ")
+    path = writePDB(tmp_path / "chain.pdb", [f"HETATM   20 {name} {residue}{chain}   7       3.000   0.000   0.000"])
+    (found,) = readModels(path).topology.residues()
+    assert (found.chain.id, found.name) == (chain, residue.strip())
+
+
+@pytest.mark.parametrize("residue", ["TIP3", "HISE", "NALA", "SOLV", "POPC", "HEME", "BMAN", "ALAD", "ABCD"])
+def test_residueNamesOfFourLettersBeforeAChain(tmp_path, residue):
+    line = f"ATOM     20  C1  {residue}X   7       3.000   0.000   0.000"
+    (found,) = readModels(writePDB(tmp_path / "residue.pdb", [line])).topology.residues()
+    assert (found.chain.id, found.name) == ("X", residue)
+
+
 def test_oldNamesOfNucleotides(tmp_path):
     """C1* for C1', and the phosphate of the next nucleotide is bonded."""
     path = realStructurePath("1bna.pdb")
@@ -166,5 +182,7 @@ def test_atomsOfUnknownElementAlone(tmp_path):
     unknown = pdbLine(9, "UNK", "UNX", "A", 3, 30, 0, 0, record="HETATM", element="X")
     assert read(tmp_path, *GLYCINES, unknown).topology.getNumAtoms() == 8
     another = pdbLine(10, "UN2", "UNX", "A", 3, 33, 0, 0, record="HETATM", element="X")
-    with pytest.raises(InputError, match="atom UNK of A:UNX 3 has no element"):
+    with pytest.raises(
+        InputError, match="whose element is not known .2.: UNK of A:UNX 3; UN2 of A:UNX 3: give elements"
+    ):
         read(tmp_path, *GLYCINES, unknown, another)

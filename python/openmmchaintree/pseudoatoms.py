@@ -1,0 +1,91 @@
+"""Atoms that are none: virtual sites, lone pairs and pseudo-atoms, and residues by which programs mark planes and axes.
+
+They are known by name, from the table `tables/names.csv`.
+"""
+
+from functools import cache
+
+import numpy as np
+
+from .datatables import readTable
+from .residues import CAPS, aminoAcid, isCalledWater, isNucleotide, polymerBackbone
+
+_HYDROGEN_LETTERS = "HD"
+
+_DRUDE = "D"
+
+
+def isMark(residue):
+    """Whether a residue of a Topology is one of dummy atoms, as those that mark a membrane."""
+    if residue.name not in _marks():
+        return False
+    names = {atom.name for atom in residue.atoms()}
+    known = _marks()[residue.name]
+    return not polymerBackbone(residue) and any(not some or names <= some for some in known)
+
+
+def isPseudoAtom(atom):
+    """Whether an atom of a Topology is none: a virtual site, a lone pair, or a part of a mark."""
+    residue = atom.residue
+    return isMark(residue) or isSite(
+        residue.name, atom.name, lambda: {other.name for other in residue.atoms()}, atom.element is not None
+    )
+
+
+def atomicNumbers(atoms):
+    """Return the atomic numbers of atoms of a Topology, an int array; 0 for pseudo-atoms and other extra particles."""
+    return np.array([0 if atom.element is None or isPseudoAtom(atom) else atom.element.atomic_number for atom in atoms])
+
+
+def isSite(residueName, name, otherNames, hasElement):
+    """Whether an atom is a virtual site, a lone pair or a pseudo-atom by its name.
+
+    otherNames : function that returns the names of all atoms of the residue
+    hasElement : bool, whether it is known to be of an element
+    """
+    begin, needsOther = _siteName(_kindOf(residueName), residueName, name, hasElement)
+    if begin is None or not needsOther:
+        return begin is not None
+    names = otherNames()
+    return name[len(begin) :] in names and (begin != _DRUDE or _hasDrudeParticles(names))
+
+
+@cache
+def _siteName(kind, residueName, name, hasElement):
+    """Return what the name of a site begins with, or None if it is not one; and whether another atom's name follows."""
+    for residue, pattern in _sites():
+        if residue not in (kind, residueName) and (residue != "*" or hasElement):
+            continue
+        begin = pattern.rstrip("*+")
+        if name == begin or (pattern != begin and name.startswith(begin)):
+            return begin, pattern.endswith("+")
+    return None, False
+
+
+def _hasDrudeParticles(names):
+    """Whether a residue with these names of atoms has particles of the Drude model, which others take for deuterium."""
+    heavy = {name for name in names if name[:1].isalpha() and name[0] not in _HYDROGEN_LETTERS}
+    return 2 * sum(_DRUDE + name in names for name in heavy) >= len(heavy)
+
+
+@cache
+def _kindOf(residueName):
+    if isCalledWater(residueName):
+        return "water"
+    isPolymer = aminoAcid(residueName) is not None or isNucleotide(residueName) or residueName in CAPS
+    return "polymer" if isPolymer else ""
+
+
+@cache
+def _marks():
+    """Return the names of marks, each with a list of the sets of atoms by which they are known."""
+    marks = {}
+    for kind, residue, atoms, _ in readTable("names.csv"):
+        if kind == "mark":
+            marks.setdefault(residue, []).append(set(atoms.split()))
+    return marks
+
+
+@cache
+def _sites():
+    return [(residue, atom) for kind, residue, atom, _ in readTable("names.csv") if kind == "site"]
