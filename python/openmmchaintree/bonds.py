@@ -38,6 +38,8 @@ class BondGraph:
         those given, with molecules that the periodic box of the Topology tears apart made whole
     overlong : list of (int, int)
         bonds that are longer than 0.8 nm, as where a molecule is split over a periodic box
+    hasTemplate : (n,) bool array
+        whether the residue of each atom has a template, so that its bonds are known
     notes : list of Note
         gaps; bonds that the Topology does not have, or has and that cannot be
     """
@@ -73,6 +75,7 @@ class BondGraph:
         self.positions = search.positions
         self.overlong = search.overlong
         self.notes = search.notes
+        self.hasTemplate = search.hasTemplate
         self.cut = [*(search.disulfides if cutDisulfides else []), *(search.metalBonds if cutMetals else [])]
         self.describePair = search.describePair
         closing = self._bondsOf(closures, search, fixed)

@@ -9,7 +9,18 @@ from openmm import unit
 from openmm.app import Residue
 
 from .components import connectedParts
-from .covalent import areAnglesOfBonds, bindsMetals, bondedPairs, isLooseMetal, isMetal, longestBonds, nearPairs
+from .covalent import (
+    WIDE,
+    areAnglesOfBonds,
+    bindsMetals,
+    bondedPairs,
+    canBond,
+    isLooseMetal,
+    isMetal,
+    longestBonds,
+    nearPairs,
+    shortestBonds,
+)
 from .images import isBox, makeWhole, nearestImage
 from .lengthunits import checkBondLengths
 from .naming import describeResidue
@@ -61,7 +72,8 @@ class BondSearch:
     Residues whose own bonds do not hold their atoms together get those of their template, and what is still loose is
     bonded by distance. Residues next to each other in a chain are linked where their ends are near. Last come, by
     distance: links elsewhere, as of cyclic peptides; disulfides; bonds of metals; bonds of residues that are neither
-    amino acids nor nucleotides. Water is bonded to nothing.
+    amino acids nor nucleotides, within those that have no template. Water is bonded to nothing. Atoms that are nearer
+    than bonds are long clash.
 
     Attributes
     ----------
@@ -78,6 +90,8 @@ class BondSearch:
         bonds whose atoms are at one place
     hasBox : bool
         whether the Topology has a periodic box
+    hasTemplate : (n,) bool array
+        whether the residue of each atom has a template, so that its bonds are known
     notes : list of Note
     """
 
@@ -106,6 +120,7 @@ class BondSearch:
         self._bonds = dict.fromkeys(others)
         self._tooLong = []
         self._byDistance = []
+        self._isFitted = np.array([isStandard(aminoAcid(residue.name) or residue.name) for residue in self._residues])
         self._addOwnBonds(topology)
         self._completeResidues()
         self._linkResidues()
@@ -115,6 +130,7 @@ class BondSearch:
             self._linkFarResidues()
         self._findGaps()
         self.bonds = sorted(self._bonds)
+        self.hasTemplate = self._isFitted[self._residueOf]
         self._classify()
         self._noteWhatWasFound()
 
@@ -185,6 +201,8 @@ class BondSearch:
             self._bonds.update(dict.fromkeys(pair for pair in bonds if pair not in misfit))
             if misfit:
                 misfits.append((residue, misfit))
+            elif bonds:
+                self._isFitted[residue.index] = True
         return misfits
 
     def _hasHydrogen(self, pair):
@@ -219,17 +237,34 @@ class BondSearch:
         positions = self.positions[atoms]
         if self._box is not None:
             positions = positions[0] + nearestImage(positions - positions[0], self._box)
-        near = bondedPairs(positions, self._numbers[atoms])
+        numbers = self._numbers[atoms]
+        near = bondedPairs(positions, numbers, WIDE)
         near = near[part[near[:, 0]] != part[near[:, 1]]]
-        isHydrogen = self._numbers[atoms] == _HYDROGEN
-        isBonded = np.zeros(len(atoms), dtype=bool)
-        isBonded[[atom for bond in bonds for atom in bond]] = True
         lengths = np.linalg.norm(positions[near[:, 0]] - positions[near[:, 1]], axis=1)
-        for ends in near[np.argsort(lengths, kind="stable")]:
+        ends = numbers[near[:, 0]], numbers[near[:, 1]]
+        isLong = lengths > longestBonds(*ends)
+        isWhole = lengths >= shortestBonds(*ends)
+        neighbors = [set() for _ in atoms]
+        for first, second in bonds:
+            neighbors[first].add(second)
+            neighbors[second].add(first)
+        for number in np.lexsort((lengths, isLong)):
+            first, second = near[number].tolist()
+            if not isWhole[number]:
+                continue
             # A hydrogen has one bond, to the nearest atom.
-            if not (isHydrogen[ends] & isBonded[ends]).any():
-                isBonded[ends] = True
-                self._bonds[_sorted(*atoms[ends].tolist())] = None
+            if any(numbers[atom] == _HYDROGEN and neighbors[atom] for atom in (first, second)):
+                continue
+            # What is longer than bonds are is none across an angle, nor on top of another bond.
+            if isLong[number] and not (
+                neighbors[first].isdisjoint(neighbors[second])
+                and areAnglesOfBonds(positions, first, second, sorted(neighbors[first]))
+                and areAnglesOfBonds(positions, second, first, sorted(neighbors[second]))
+            ):
+                continue
+            neighbors[first].add(second)
+            neighbors[second].add(first)
+            self._bonds[_sorted(*atoms[[first, second]].tolist())] = None
 
     # ---- Along chains ----
 
@@ -324,8 +359,13 @@ class BondSearch:
                 hasOther[[first, second]] = True
         bound = np.array([not isWater(residue) for residue in self._residues])[residueOf]
         sulfurs = np.flatnonzero((numbers == _SULFUR) & bound & ~hasOther)
-        near = [bondedPairs(positions, numbers), sulfurs[nearPairs(positions[sulfurs], _LONGEST_DISULFIDE)]]
-        for first, second in np.concatenate(near).tolist():
+        nearSulfurs = sulfurs[nearPairs(positions[sulfurs], _LONGEST_DISULFIDE)]
+        near = np.concatenate([bondedPairs(positions, numbers), nearSulfurs])
+        first, second = near.T
+        lengths = np.linalg.norm(positions[first] - positions[second], axis=1)
+        shortest = shortestBonds(numbers[first], numbers[second], residueOf[first] != residueOf[second])
+        order = np.argsort(lengths, kind="stable")
+        for first, second in near[order[(lengths >= shortest)[order]]].tolist():
             pair = _sorted(first, second)
             if pair in self._bonds or not (bound[first] and bound[second]):
                 continue
@@ -334,6 +374,9 @@ class BondSearch:
             if self._isBond(pair, hasOther, neighbors):
                 self._bonds[pair] = None
                 self._byDistance.append(pair)
+                if not isMetal(numbers[list(pair)]).any():
+                    neighbors[first].append(second)
+                    neighbors[second].append(first)
 
     def _isBond(self, pair, hasOther, neighbors):
         """Whether two near atoms are bonded, by what they are."""
@@ -341,17 +384,25 @@ class BondSearch:
         metals = isMetal(numbers)
         if metals.any():
             return not metals.all() and bool(bindsMetals(numbers[~metals]).all()) and not isLooseMetal(numbers).any()
-        if self._areOneResidue(pair):  # as in pyroglutamate under the name of glutamate
+        if self._areOneResidue(pair):
+            if self._isFitted[self._residueOf[pair[0]]]:
+                return False
             return set(neighbors[pair[0]]).isdisjoint(neighbors[pair[1]]) and self._lieAsBonds(pair, neighbors)
         if self._isLink(pair):
             return not hasOther[list(pair)].any()
         if (numbers == _SULFUR).all():
-            return not any(self._numbers[other] == _HYDROGEN for atom in pair for other in neighbors[atom])
+            return all(self._isThiol(atom, neighbors[atom]) for atom in pair)
         residues = [self._atoms[atom].residue for atom in pair]
-        if all(map(_isPolymer, residues)):
+        if all(map(_isPolymer, residues)) or not canBond(numbers, [len(neighbors[atom]) for atom in pair]):
             return False
         # A clash can be as near, but rarely lies as a bond does. Single atoms are ions, or marks of programs.
         return all(len(residue) > 1 for residue in residues) and self._lieAsBonds(pair, neighbors)
+
+    def _isThiol(self, atom, neighbors):
+        """Whether a sulfur can be one of a disulfide: it has one bond at most, to what is no hydrogen."""
+        if aminoAcid(self._atoms[atom].residue.name) is not None and self._atoms[atom].name != "SG":
+            return False  # of methionine, which may lack an atom
+        return len(neighbors) < 2 and not any(self._numbers[other] == _HYDROGEN for other in neighbors)
 
     def _lieAsBonds(self, pair, neighbors):
         return all(areAnglesOfBonds(self.positions, atom, other, neighbors[atom]) for atom, other in (pair, pair[::-1]))

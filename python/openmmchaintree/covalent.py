@@ -8,8 +8,14 @@ from functools import cache
 import gemmi
 import numpy as np
 
-# Bonds are up to so much longer than the sum of covalent radii. Hydrogens are often placed carelessly.
+# Bonds are up to this many times as long as the sum of covalent radii. Hydrogens are often placed carelessly; WIDE is
+# for atoms of residues of which nothing else tells the bonds.
 _STRETCH, _STRETCH_OF_HYDROGENS = 1.15, 1.3
+WIDE = 1.31
+
+# Bonds are at least this many times as long as that sum: triple bonds reach 0.77, double bonds of metals 0.72, and the
+# bonds between residues 0.85; disulfides of models may be squeezed.
+_SHRINK, _SHRINK_OF_METALS, _SHRINK_BETWEEN_RESIDUES = 0.75, 0.7, 0.8
 
 # Atoms nearer than this (nm) are at one place, and not bonded.
 _SHORTEST = 0.05
@@ -27,13 +33,46 @@ _DONORS = np.array([7, 8, 9, 15, 16, 17, 34, 35, 53])
 _LOOSE_METALS = np.array([3, 11, 19, 37, 55])
 
 
-def longestBonds(numbers1, numbers2):
-    """Return the largest length (nm) of a bond between atoms of given atomic numbers, 0 with a number of 0."""
+_SULFUR = 16
+
+# How many bonds atoms of some elements have at most, by atomic number: H, C, N, O, F, Cl, Br, I.
+_MOST_BONDS = {1: 1, 6: 4, 7: 4, 8: 2, 9: 1, 17: 1, 35: 1, 53: 1}
+
+# Of these elements, N, O and halogens, no two are bonded to each other between residues.
+_ELECTRONEGATIVE = np.array([7, 8, 9, 17, 35, 53])
+
+
+def longestBonds(numbers1, numbers2, stretch=_STRETCH):
+    """Return the largest length (nm) of a bond between atoms of given atomic numbers, 0 with a number of 0.
+
+    Without hydrogens, it is stretch times the sum of covalent radii.
+    """
     radii = _radii()
     isKnown = (np.asarray(numbers1) > 0) & (np.asarray(numbers2) > 0)
     hasHydrogen = (np.asarray(numbers1) == 1) | (np.asarray(numbers2) == 1)
-    stretch = np.where(hasHydrogen, _STRETCH_OF_HYDROGENS, _STRETCH)
+    stretch = np.where(hasHydrogen, _STRETCH_OF_HYDROGENS, stretch)
     return np.where(isKnown, stretch * (radii[numbers1] + radii[numbers2]), 0.0)
+
+
+def shortestBonds(numbers1, numbers2, areOfTwoResidues=False):
+    """Return the least length (nm) of a bond between atoms of given atomic numbers: nearer ones clash."""
+    radii, metals = _radii(), _metals()
+    hasHydrogen = (np.asarray(numbers1) == 1) | (np.asarray(numbers2) == 1)
+    areSulfurs = (np.asarray(numbers1) == _SULFUR) & (np.asarray(numbers2) == _SULFUR)
+    shrink = np.where(areOfTwoResidues & ~areSulfurs, _SHRINK_BETWEEN_RESIDUES, _SHRINK)
+    shrink = np.where(metals[numbers1] | metals[numbers2], _SHRINK_OF_METALS, shrink)
+    return np.where(hasHydrogen, _SHORTEST, shrink * (radii[numbers1] + radii[numbers2]))
+
+
+def canBond(numbers, bondCounts):
+    """Return whether two atoms of two residues can be bonded: both have a bond to give, and one is not electronegative.
+
+    numbers, bondCounts : two atomic numbers, and how many bonds these atoms have
+    """
+    if np.isin(numbers, _ELECTRONEGATIVE).all():
+        return False
+    most = [_MOST_BONDS.get(int(number), np.inf) for number in numbers]
+    return all(count < limit for count, limit in zip(bondCounts, most, strict=True))
 
 
 def isMetal(numbers):
@@ -73,18 +112,18 @@ def nearPairs(positions, distance):
     return pairs[np.lexsort((pairs[:, 1], pairs[:, 0]))]
 
 
-def bondedPairs(positions, numbers):
-    """Return the pairs of atoms that are as near as if they were bonded, as an (m, 2) array, sorted.
+def bondedPairs(positions, numbers, stretch=_STRETCH):
+    """Return the pairs of atoms that are as near as if they were bonded, or nearer, as an (m, 2) array, sorted.
 
-    positions : (n, 3) array, nm; numbers : (n,) int array, atomic numbers
+    positions : (n, 3) array, nm; numbers : (n,) int array, atomic numbers; stretch : as for `longestBonds`
 
-    Pairs of two hydrogens are left out.
+    Pairs of two hydrogens, and atoms at one place, are left out.
     """
-    pairs = nearPairs(positions, 2 * _STRETCH * _radii()[numbers].max(initial=0.0))
+    pairs = nearPairs(positions, 2 * max(stretch, _STRETCH) * _radii()[numbers].max(initial=0.0))
     first, second = pairs.T
     distances = np.linalg.norm(positions[first] - positions[second], axis=1)
     hydrogens = (numbers[first] == 1) & (numbers[second] == 1)
-    longest = longestBonds(numbers[first], numbers[second])
+    longest = longestBonds(numbers[first], numbers[second], stretch)
     return pairs[(_SHORTEST <= distances) & (distances <= longest) & ~hydrogens]
 
 

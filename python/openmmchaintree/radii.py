@@ -124,16 +124,19 @@ def _isPolarHydrogen(graph, atom):
 
 
 def _bearsHydrogen(graph, atom, hasHydrogens):
-    """Whether an N, O or S has a hydrogen, or may have one that the Topology does not show."""
+    """Whether an N or O has a hydrogen, or may have one that the Topology does not show.
+
+    That of a sulfur makes bonds that are no shorter than contacts.
+    """
     element = graph.elementNumber(atom)
-    if element not in (_N, _O, _S):
+    if element not in (_N, _O):
         return False
     if hasHydrogens:
         return bool(graph.hydrogensOf(atom))
     heavy = len(graph.heavyNeighborsOf(atom))
     if element == _N:
         return heavy < 3
-    return heavy < 2 and not (element == _O and _isCarbonylOxygen(graph, atom))
+    return heavy < 2 and not _isCarbonylOxygen(graph, atom)
 
 
 def _isAcceptor(graph, atom, hasHydrogens):

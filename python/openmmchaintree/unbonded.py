@@ -2,9 +2,13 @@
 
 import numpy as np
 
-from .covalent import bondedPairs, isMetal
+from .covalent import WIDE, bondedPairs, isMetal, longestBonds, shortestBonds
 from .links import rigidLinks
 from .naming import nameAtom
+
+# Within residues without a template, bonds that nothing has found may be up to this many times as long as the sum of
+# covalent radii: atoms two bonds apart are farther from each other.
+_WIDEST = 1.45
 
 
 class NearPair:
@@ -26,7 +30,8 @@ def unbondedNeighbors(graph, axes, fixed=(), alternates=None):
     """Find the atoms of different links that are at covalent distance and not bonded, the nearest pair first.
 
     Metals are passed over, since what surrounds them need not be bound; so are hydrogens that have their bond, and
-    atoms with a common neighbour.
+    atoms with a common neighbour. Where a residue has no template, distances count that are a little too long for what
+    finds bonds, and within residues those that are too short: elsewhere such atoms clash.
 
     Parameters
     ----------
@@ -43,7 +48,7 @@ def unbondedNeighbors(graph, axes, fixed=(), alternates=None):
     -------
     list of NearPair
     """
-    pairs = bondedPairs(graph.positions, graph.numbers)
+    pairs = _pairsAsBonds(graph)
     link = rigidLinks(graph, axes)
     if len(fixed) > 0:
         link[np.asarray(fixed)] = -1
@@ -62,3 +67,18 @@ def unbondedNeighbors(graph, axes, fixed=(), alternates=None):
         distance = float(np.linalg.norm(graph.positions[atom1] - graph.positions[atom2]))
         found.append(NearPair(graph.atoms[atom1], graph.atoms[atom2], distance))
     return sorted(found, key=lambda pair: pair.distance)
+
+
+def _pairsAsBonds(graph):
+    """Return the pairs of atoms that may be bonded, as far as distances tell, as an (m, 2) array."""
+    pairs = bondedPairs(graph.positions, graph.numbers, _WIDEST)
+    first, second = pairs.T
+    numbers = graph.numbers[first], graph.numbers[second]
+    residues = np.array([atom.residue.index for atom in graph.atoms], dtype=int)
+    lengths = np.linalg.norm(graph.positions[first] - graph.positions[second], axis=1)
+    areKnown = graph.hasTemplate[first] & graph.hasTemplate[second]
+    areOfOne = residues[first] == residues[second]
+    isUsual = lengths <= longestBonds(*numbers)
+    isWide = ~areKnown & (areOfOne | (lengths <= longestBonds(*numbers, WIDE)))
+    isWhole = areOfOne | (shortestBonds(*numbers) <= lengths)
+    return pairs[isWhole & (isUsual | isWide)]

@@ -3,7 +3,9 @@
 import numpy as np
 import pytest
 from openmm import app
+from openmmchaintree import InputError, findClashes
 from openmmchaintree.bonds import BondGraph, molecules
+from openmmchaintree.command.plan import Choice, Plan
 from openmmchaintree.structure import readStructure
 from scenes import GLYCINES, bondNames, pdbLine, realStructurePath, writePDB
 
@@ -205,13 +207,108 @@ def test_linksThatOrderAndNumbersDoNotTell(tmp_path):
 
 
 def test_ringThatTheNameDoesNotTell(tmp_path):
-    """Glutamate whose nitrogen is bonded to CD, as in pyroglutamate."""
+    """Glutamate whose nitrogen is at CD, as in pyroglutamate: its template has no such bond, other names have none."""
     lines = [line.replace("GLY A   1", "GLU A   1") for line in GLYCINES[:4]]
     lines += [
         pdbLine(20, "CB", "GLU", "A", 1, 1.75, -0.75, 1.3), pdbLine(21, "CG", "GLU", "A", 1, 0.55, -0.55, 2.2),
         pdbLine(22, "CD", "GLU", "A", 1, -0.5, -0.1, 1.25), pdbLine(23, "OE1", "GLU", "A", 1, -1.7, 0.1, 1.5),
     ]  # fmt: skip
-    assert ("1 CD", "1 N") in bondNames(read(tmp_path, *lines, *GLYCINES[4:]).topology)
+    structure = read(tmp_path, *lines, *GLYCINES[4:])
+    assert ("1 CD", "1 N") not in bondNames(structure.topology)
+    with pytest.raises(InputError, match="A:GLU 1 N – A:GLU 1 CD, 0.135 nm: give these bonds"):
+        Plan(structure, Choice())
+    others = [line.replace("GLU", "XLU") for line in lines]
+    assert ("1 CD", "1 N") in bondNames(read(tmp_path, *others, *GLYCINES[4:]).topology)
+
+
+# ---- Distances that are too short or too long for the chemistry ----
+
+
+def pair(path, elements, distance, residues=("LIG", "LIG"), names=None):
+    """Two ethanes, or the like, whose second atoms are at a distance (Å): return whether these are bonded."""
+    lines, names = [], names or [f"{element}2" for element in elements]
+    for number, (element, residue, name) in enumerate(zip(elements, residues, names, strict=True)):
+        side = 1 - 2 * number
+        x = 30 - side * distance / 2
+        place = {"record": "HETATM", "element": element}
+        lines.append(pdbLine(40 + number, "C1", residue, "XY"[number], 1, x - 0.6 * side, 1.4, 0, record="HETATM"))
+        lines.append(pdbLine(50 + number, name, residue, "XY"[number], 1, x, 0, 0, **place))
+    structure = read(path, *GLYCINES, *lines)
+    return tuple(sorted(f"1 {name}" for name in names)) in bondNames(structure.topology)
+
+
+@pytest.mark.parametrize(
+    ("elements", "short", "long"),
+    [("CC", 1.1, 1.4), ("CN", 1.05, 1.3), ("CO", 1.0, 1.3), ("CS", 1.3, 1.7), ("SS", 1.5, 2.0), ("PO", 1.2, 1.6)],
+)
+def test_tooShortForABond(tmp_path, elements, short, long):
+    assert not pair(tmp_path, elements, 0.9) and not pair(tmp_path, elements, short)
+    assert pair(tmp_path, elements, long)
+
+
+@pytest.mark.parametrize("elements", ["OO", "NO", "NN", ("CL", "O"), "FF", ("N", "BR")])
+@pytest.mark.parametrize("distance", [1.0, 1.25, 1.45])
+def test_electronegativeAtomsClash(tmp_path, elements, distance):
+    assert not pair(tmp_path, elements, distance)
+
+
+@pytest.mark.parametrize("distance", [1.3, 2.05, 2.3, 2.7, 2.9])
+def test_methionineMakesNoDisulfide(tmp_path, distance):
+    """Not even one that lacks CE."""
+    for names in (["SD", "SG"], ["SG", "SD"], ["SD", "SD"]):
+        residues = [{"SD": "MET", "SG": "CYS"}[name] for name in names]
+        assert not pair(tmp_path, "SS", distance, residues, names)
+    assert pair(tmp_path, "SS", distance, ("CYS", "CYS"), ["SG", "SG"]) == (distance > 1.6)
+
+
+def test_oneDisulfideOfEachSulfur(tmp_path):
+    """Three cysteines: the nearest two are bonded."""
+    lines = [
+        pdbLine(40 + 2 * n + m, name, "CYS", "XYZ"[n], n, x, y, 0)
+        for n, (x, side) in enumerate([(30.0, -1), (32.05, 1), (29.0, -1)])
+        for m, (name, y) in enumerate([("CB", 1.8 * side - (2 if n == 2 else 0)), ("SG", 2 * -(n == 2))])
+    ]
+    names = bondNames(read(tmp_path, *GLYCINES, *lines).topology)
+    assert ("0 SG", "1 SG") in names and ("0 SG", "2 SG") not in names and ("1 SG", "2 SG") not in names
+
+
+def test_shortContactsClash(tmp_path):
+    """A ligand on a protein, at 0.09 nm, is sampled from a clash."""
+    ligand = [
+        pdbLine(9, "C1", "XYZ", "B", 1, 3.7, 3.3, 0.75, record="HETATM"),
+        pdbLine(10, "C2", "XYZ", "B", 1, 3.3, 4.4, 1.7, record="HETATM"),
+    ]
+    structure = read(tmp_path, *GLYCINES, *ligand)
+    assert partsOf(structure.topology) == 2
+    (frame,) = findClashes(tmp_path / "bonds.pdb")
+    assert len(frame.clashes) > 0
+    Plan(structure, Choice(rigidBodies=True))
+
+
+def stretchedLigand(length):
+    """A zigzag of six carbons whose third bond has a length (Å)."""
+    steps = [1.53, 1.53, length, 1.53, 1.53]
+    x, lines = 20.0, []
+    for number, step in enumerate([*steps, 0]):
+        place = (x, 0.85 * (number % 2), 0.0)
+        lines.append(pdbLine(60 + number, f"C{number + 1}", "LIG", "L", 1, *place, record="HETATM"))
+        x += (step**2 - 0.85**2) ** 0.5 if step else 0
+    return lines
+
+
+@pytest.mark.parametrize("length", [1.6, 1.65, 1.7, 1.75, 1.8, 1.85, 1.9])
+def test_stretchedBonds(tmp_path, length):
+    """Those of residues without a template are found; neither the others nor angles become bonds."""
+    structure = read(tmp_path, *GLYCINES, *stretchedLigand(length))
+    bonds = [bond for bond in bondNames(structure.topology) if bond[0].startswith("1 C") and "1 CA" not in bond]
+    expected = {(f"1 C{n}", f"1 C{n + 1}") for n in range(1, 6)}
+    assert expected <= set(bonds) and structure.topology.getNumBonds() == 12
+
+
+@pytest.mark.parametrize("length", [1.94, 2.1])
+def test_partsOfAResidueThatAreTooFarApart(tmp_path, length):
+    structure = read(tmp_path, *GLYCINES, *stretchedLigand(length))
+    assert structure.topology.getNumBonds() == 11
 
 
 def test_hydrogensThatProgramsNameDifferently(tmp_path):

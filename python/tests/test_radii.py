@@ -75,7 +75,7 @@ def test_unitedAtomRolesWithoutHydrogens():
     asparagine = byName(topology, roles, "ASN")
     assert (asparagine["OD1"], asparagine["ND2"]) == (_ACCEPTOR, _DONOR)
     assert byName(topology, roles, "ARG")["NH1"] == _DONOR
-    assert byName(topology, roles, "CYS")["SG"] == _BOTH
+    assert byName(topology, roles, "CYS")["SG"] == _ACCEPTOR
 
 
 def test_unitedAtomRolesWithHydrogens(villin):

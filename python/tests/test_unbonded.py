@@ -8,7 +8,9 @@ from openmm import app
 from openmmchaintree import createStericExclusionForce
 from openmmchaintree.bonds import BondGraph
 from openmmchaintree.notes import NoteWarning
+from openmmchaintree.structure import readStructure
 from openmmchaintree.unbonded import unbondedNeighbors
+from scenes import GLYCINES, pdbLine, writePDB
 
 
 def isopeptide():
@@ -62,3 +64,27 @@ def test_neighborsOfNeighbors():
     positions[2] = positions[0] + [0.0, 0.15, 0.0]  # N and C of the first residue
     graph = BondGraph(topology, positions)
     assert len(unbondedNeighbors(graph, [(0, 1)])) == 1
+
+
+@pytest.mark.parametrize(("distance", "isNoted"), [(1.0, True), (1.75, True), (1.95, True), (2.05, True), (2.3, False)])
+def test_withinAResidueWithoutTemplate(tmp_path, distance, isNoted):
+    """Cβ at any distance of a bond is bonded, or noted; never parted in silence."""
+    lines = [line.replace("GLY A   2", "XAA A   2") for line in GLYCINES]
+    place = np.array([3.9, 2.87, 0]) + distance * np.array([-0.32, 0.46, 0.83])
+    lines.append(pdbLine(9, "CB", "XAA", "A", 2, *place))
+    structure = readStructure(writePDB(tmp_path / "residue.pdb", lines))
+    graph = BondGraph(structure.topology, structure.positions)
+    isBonded = bool(graph.neighbors[8])
+    assert isBonded == (1.1 < distance < 1.9)
+    found = unbondedNeighbors(graph, [(4, 5), (5, 6)])
+    assert bool(found) == (isNoted and not isBonded)
+
+
+@pytest.mark.parametrize(("distance", "isNoted"), [(0.9, False), (1.3, True), (1.65, True), (1.85, True), (2.0, False)])
+def test_betweenResiduesOneOfWhichHasNoTemplate(distance, isNoted):
+    topology, positions = isopeptide()
+    positions[6:, 0] += (distance - 1.5) / 10
+    graph = BondGraph(topology, positions)
+    assert bool(unbondedNeighbors(graph, [])) == (isNoted and distance < 1.7)
+    graph.hasTemplate[6:] = False
+    assert bool(unbondedNeighbors(graph, [])) == isNoted
