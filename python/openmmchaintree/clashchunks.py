@@ -47,6 +47,7 @@ class ChunkOverlaps(NamedTuple):
 
     counts : (frames,) int array, of the clashes of each frame; pairs, overlaps : of all frames, as in FrameOverlaps
     madeWhole : list of int, frames in which molecules were made whole; damage : str, why frames are missing, or None
+    imageClashes : list of str, clashes with periodic images, in the chunk with the first frame
     """
 
     counts: np.ndarray
@@ -54,6 +55,7 @@ class ChunkOverlaps(NamedTuple):
     overlaps: np.ndarray
     madeWhole: list[int]
     damage: str | None
+    imageClashes: list[str]
 
 
 def describeFiles(structure, trajectory, radii, water, ions):
@@ -77,6 +79,7 @@ def searchChunk(files, begin, end):
     """
     search, frames, damage = _searchOf(files), [], None
     search.madeWhole.clear()
+    search.imageClashes = []
     try:
         frames.extend(search.overlaps(begin, end))
     except InputError as error:
@@ -88,6 +91,7 @@ def searchChunk(files, begin, end):
         np.concatenate([np.empty(0), *(frame.overlaps for frame in frames)]),
         list(search.madeWhole),
         damage,
+        list(search.imageClashes),
     )
 
 
@@ -195,6 +199,7 @@ def searchInChunks(search, files, workers):
             begin, future = asked.popleft()
             chunk = future.result()
         search.madeWhole += chunk.madeWhole
+        search.imageClashes += chunk.imageClashes
         ends = np.cumsum(chunk.counts)
         for number, (end, size) in enumerate(zip(ends.tolist(), chunk.counts.tolist(), strict=True), begin):
             pairs, overlaps = chunk.pairs[end - size : end], chunk.overlaps[end - size : end]

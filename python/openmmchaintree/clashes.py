@@ -10,10 +10,11 @@ from openmm import unit
 from .bonds import BondGraph
 from .bondsearch import LONGEST_BOND, boxOf
 from .errors import InputError
+from .imageclashes import noteOnImages
 from .images import leastWidth, makeWhole
 from .naming import AtomName, nameAtom
 from .notes import Note, found, warnOf
-from .radii import defaultRadii
+from .radii import defaultRadii, describeSets
 from .sterics import makeForce
 from .structure import checkPositions, readModels, selectSolute, tornError, villinPath
 from .torsions import searchTorsions
@@ -65,9 +66,9 @@ def findClashes(
 
     A clash is what `StericExclusionForce` calls so, with the force that `createStericExclusionForce` makes of the
     structure: atoms more than three bonds apart that overlap by more than 0.04 nm, or 0.1 nm where one may donate a
-    hydrogen bond to the other. Molecules split over the periodic box are made whole along their bonds; images are not
-    looked at. Bonds are those of the structure and its chemistry, never of a frame. An atom of an element without a
-    known radius is not looked at; a warning tells it.
+    hydrogen bond to the other. Molecules split over the periodic box are made whole along their bonds; clashes with
+    images do not count, but a warning tells those of the first frame. Bonds are those of the structure and its
+    chemistry, never of a frame. An atom of an element without a known radius is not looked at; a warning tells it.
 
     Parameters
     ----------
@@ -76,7 +77,8 @@ def findClashes(
     trajectory : str or Path, optional
         a DCD or XTC file with the same atoms, in place of the models of the structure
     radii : str, optional
-        "all-atom" or "united-atom". Default: "all-atom" if the structure has hydrogens, else "united-atom".
+        "all-atom" or "united-atom". Default: "all-atom" for molecules that show their hydrogens, "united-atom" for
+        others.
     water, ions : bool
         look at water, and at ions that nothing binds, too
 
@@ -119,6 +121,8 @@ class ClashSearch:
         what the user should know of the input; complete after the iteration
     madeWhole : list of int
         frames in which molecules were made whole, so far
+    imageClashes : list of str
+        clashes with periodic images in the first frame, once it was looked at
     """
 
     def __init__(self, structure=None, trajectory=None, radii=None, water=False, ions=False):
@@ -135,6 +139,7 @@ class ClashSearch:
             self.close()
             raise
         self.madeWhole = []
+        self.imageClashes = []
 
     def _readStructure(self, radii, water, ions):
         self._models = readModels(self.structure)
@@ -158,7 +163,7 @@ class ClashSearch:
             for number, pairs, overlaps, score in self.overlaps():
                 yield FrameClashes(number, nameClashes(pairs, overlaps, self.finder.names), score)
         finally:
-            self.noteMadeWhole()
+            self.noteBoxes()
             self.close()
 
     def overlaps(self, begin=0, end=None):
@@ -172,13 +177,23 @@ class ClashSearch:
             whole = self.finder.makeWhole(positions, box, source)
             if whole is not positions:
                 self.madeWhole.append(number)
+            if number == 0:
+                self.imageClashes = self.finder.noteImages(whole, box).items
             pairs, overlaps = self.finder.findOverlaps(whole)
             yield FrameOverlaps(number, pairs, overlaps, 1000 * len(pairs) / self.finder.checkedCount)
 
-    def noteMadeWhole(self):
-        """Add to the notes what `madeWhole` tells."""
+    def noteBoxes(self):
+        """Add to the notes what `madeWhole` and `imageClashes` tell."""
         kind = f"{self._word}s in which molecules were split over the periodic box, and made whole"
-        self.notes += found([Note(kind, [f"{self._word} {number} (from 0)" for number in self.madeWhole])])
+        images = "clashes with periodic images, which do not count"
+        if self.frameCount != 1:
+            images += f", in {self._word} 0 (from 0)"
+        self.notes += found(
+            [
+                Note(kind, [f"{self._word} {number} (from 0)" for number in self.madeWhole]),
+                Note(images, self.imageClashes),
+            ]
+        )
 
     def close(self):
         """Close the trajectory."""
@@ -213,7 +228,7 @@ class ClashFinder:
     checkedCount : int
         the number of those that have a radius
     radii : str
-        the set of radii
+        the set of radii, or both, in words
     force : StericExclusionForce
         has the atoms that are looked at as particles
     notes : list of str
@@ -232,11 +247,11 @@ class ClashFinder:
         solute = selectSolute(source, topology, positions, water, ions)
         self.atoms = solute.atoms
         self._graph = BondGraph(solute.topology, solute.positions)
-        self.radii = defaultRadii(self._graph) if radii is None else radii
+        self.radii = describeSets(defaultRadii(self._graph)) if radii is None else radii
         self._bonds = np.array(self._graph.bonds, dtype=int).reshape(-1, 2).T.copy()
         # Torsions do not change what clashes; with them, the engine has less to compute anew at other positions.
         torsions = searchTorsions(self._graph, solute.topology, ("phi", "psi", "chi")).torsions
-        self.force = makeForce(self._graph, torsions, self.radii, unknownRadius=0)
+        self.force = makeForce(self._graph, torsions, radii, unknownRadius=0)
         self.notes = [*solute.notes, *found([self._findUnknownRadii()])]
         if self.checkedCount == 0:
             raise InputError(f"{source}: there is no atom with a known radius")
@@ -292,6 +307,11 @@ class ClashFinder:
         positions = positions.copy()
         positions[self.atoms] = whole
         return positions
+
+    def noteImages(self, positions, box):
+        """Return a Note on clashes across a box, (3, 3) in nm or None, at positions as for `find`, made whole."""
+        names = [self.names[atom] for atom in self.atoms]
+        return noteOnImages(self.force, positions.take(self.atoms, axis=0), box, names)
 
     def find(self, positions):
         """Return the list of Clash at positions of all atoms of the Topology, a float64 array of shape (n, 3) in nm."""

@@ -13,6 +13,7 @@ these are found bound.
 
 import numpy as np
 
+from .components import connectedParts
 from .errors import UnknownRadiusError
 from .naming import nameAtom
 from .notes import Note
@@ -37,20 +38,31 @@ _OTHER_ELEMENTS = {
 
 
 def defaultRadii(graph):
-    """Return the name of the set that suits the atoms of a BondGraph: all-atom if there are hydrogens."""
-    return ALL_ATOM if any(graph.elementNumber(atom) == _H for atom in range(len(graph.atoms))) else UNITED_ATOM
+    """Return for each atom of a BondGraph the set that suits its molecule: all-atom if that shows its hydrogens.
+
+    A molecule does so if, of its residues, those with a hydrogen on a carbon are no fewer than those with a carbon that
+    lacks one. Hydrogens on nitrogen and oxygen alone, as some programs write them, leave carbons that stand for theirs.
+    """
+    return np.where(_Hydrogens(graph).areShown, ALL_ATOM, UNITED_ATOM).tolist()
 
 
-def particleRadii(graph, radiiSet, unknownRadius=None):
+def describeSets(radiiSets):
+    """Return the names of the sets that some atoms have, in words."""
+    return " and ".join(name for name in RADII_SETS if name in set(radiiSets))
+
+
+def particleRadii(graph, radiiSets, unknownRadius=None):
     """Return the radii (nm) of the atoms of a BondGraph as a float64 array; 0 for extra particles.
+
+    radiiSets : the set of each atom, as of `defaultRadii`, or that of all
 
     Raises
     ------
     UnknownRadiusError
         if the set has no radius for the element of an atom and there is no unknownRadius to take
     """
-    radius = _allAtomRadius if radiiSet == ALL_ATOM else _unitedAtomRadius
-    radii = [radius(graph, atom) for atom in range(len(graph.atoms))]
+    functions = {ALL_ATOM: _allAtomRadius, UNITED_ATOM: _unitedAtomRadius}
+    radii = [functions[radiiSet](graph, atom) for atom, radiiSet in enumerate(_setOfEach(graph, radiiSets))]
     unknown = [f"{nameAtom(graph.atoms[i])}, {graph.atoms[i].element.name}" for i, r in enumerate(radii) if r is None]
     if unknown and unknownRadius is None:
         note = Note("atoms of elements of which no radius is known", unknown)
@@ -58,19 +70,54 @@ def particleRadii(graph, radiiSet, unknownRadius=None):
     return np.array([unknownRadius if value is None else value for value in radii], dtype=np.float64)
 
 
-def hydrogenBondRoles(graph, radiiSet):
+def hydrogenBondRoles(graph, radiiSets):
     """Return the hydrogen bond role of each atom of a BondGraph, as integers of HydrogenBondRole.
 
-    In the all-atom set hydrogens donate, in the united-atom set the atoms that bear them. Where the Topology has no
-    hydrogens, those of amino acids follow from the residue, and other atoms get the benefit of the doubt.
+    In the all-atom set hydrogens donate, in the united-atom set the atoms that bear them. Where a molecule does not
+    show these, those of amino acids follow from the residue, and other atoms get the benefit of the doubt.
     """
-    hasHydrogens = defaultRadii(graph) == ALL_ATOM
+    arePolarShown = _Hydrogens(graph).arePolarShown.tolist()
     roles = []
-    for atom in range(len(graph.atoms)):
-        donor = _bearsHydrogen(graph, atom, hasHydrogens) if radiiSet == UNITED_ATOM else _isPolarHydrogen(graph, atom)
-        acceptor = _isAcceptor(graph, atom, hasHydrogens)
+    for atom, radiiSet in enumerate(_setOfEach(graph, radiiSets)):
+        isUnited, isShown = radiiSet == UNITED_ATOM, arePolarShown[atom]
+        donor = _bearsHydrogen(graph, atom, isShown) if isUnited else _isPolarHydrogen(graph, atom)
+        acceptor = _isAcceptor(graph, atom, isShown)
         roles.append((_DONOR if donor else 0) | (_ACCEPTOR if acceptor else 0))
     return roles
+
+
+def _setOfEach(graph, radiiSets):
+    return [radiiSets] * len(graph.atoms) if isinstance(radiiSets, str) else radiiSets
+
+
+class _Hydrogens:
+    """Which molecules of a BondGraph show their hydrogens.
+
+    areShown : (n,) bool array, whether the molecule of each atom does; arePolarShown : whether it does on N, O and S
+    """
+
+    def __init__(self, graph):
+        bonds = np.array(graph.bonds, dtype=int).reshape(-1, 2)
+        bonds = np.concatenate([bonds, bonds[:, ::-1]])
+        self._molecule = connectedParts(len(graph.atoms), bonds)
+        self._residue = np.array([atom.residue.index for atom in graph.atoms], dtype=int)
+        self._isHydrogen = graph.numbers == _H
+        bearing = np.zeros(len(graph.atoms), dtype=bool)
+        bearing[bonds[self._isHydrogen[bonds[:, 1]], 0]] = True
+        isCarbon, isPolar = graph.numbers == _C, np.isin(graph.numbers, (_N, _O, _S))
+        hasFew = np.bincount(bonds[:, 0], minlength=len(graph.atoms)) < 3
+        withAny = self._countResidues(self._isHydrogen) > 0
+        onCarbon = self._countResidues(isCarbon & bearing)
+        areShown = withAny & (onCarbon >= self._countResidues(isCarbon & hasFew, without=isCarbon & bearing))
+        onPolar = self._countResidues(isPolar & bearing)
+        arePolarShown = areShown | (withAny & (2 * onPolar >= self._countResidues(isPolar)))
+        self.areShown, self.arePolarShown = areShown[self._molecule], arePolarShown[self._molecule]
+
+    def _countResidues(self, chosen, without=None):
+        """Return for each molecule how many of its residues have a chosen atom, and none of the others if given."""
+        keys = self._molecule * (self._residue.max(initial=0) + 1) + self._residue
+        found = np.unique(keys[chosen] if without is None else np.setdiff1d(keys[chosen], keys[without]))
+        return np.bincount(found // (self._residue.max(initial=0) + 1), minlength=self._molecule.max(initial=-1) + 1)
 
 
 def _allAtomRadius(graph, atom):

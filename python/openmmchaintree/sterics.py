@@ -82,7 +82,7 @@ def createStericExclusionForce(
         two molecules. Molecules may be split over the periodic box of the Topology.
     radii : str or array of shape (n) or Quantity, optional
         "all-atom" (Word et al. 1999), "united-atom" (Tsai et al. 1999; hydrogens get radius 0), or a radius in nm for
-        each atom. Default: "all-atom" if the Topology has hydrogens, else "united-atom".
+        each atom. Default: for each molecule "all-atom" if it shows its hydrogens, else "united-atom".
     torsions : str or iterable of str, or iterable of Torsion, optional
         the kinds of torsions, as in `findTorsions`, or torsions that it returned: its `selection` chooses them.
         "rotatable" are all bonds in no ring. Default: "rotatable" if the `system` has the energies of a force field,
@@ -183,10 +183,10 @@ def makeForce(graph, torsions, radii=None, bondCutoff=3, forceGroup=31, unknownR
 
 
 def _radiiAndRoles(graph, radii, unknownRadius):
-    if radii is None:
-        radii = defaultRadii(graph)
-    if isinstance(radii, str):
-        if radii not in RADII_SETS:
+    if radii is None or isinstance(radii, str):
+        if radii is None:
+            radii = defaultRadii(graph)
+        elif radii not in RADII_SETS:
             raise ValueError(f"{radii!r} is no set of radii; the sets are {', '.join(RADII_SETS)}")
         if unknownRadius is not None:
             unknownRadius = inUnit(unknownRadius, "nm", "unknownRadius")

@@ -7,7 +7,7 @@ import numpy as np
 import openmm.app
 from openmm import unit
 
-from .bondsearch import BondSearch
+from .bondsearch import BondSearch, boxOf
 from .errors import InputError
 from .filebonds import bondsOfFile
 from .images import reducedBox
@@ -47,6 +47,7 @@ class Structure(NamedTuple):
 
     name : str, for output files; topology : openmm.app.Topology, with all bonds; positions : (n, 3) float64 array, nm;
     alternates : list of str, for each atom the label of its conformer; notes : list of Note, on what was read
+    box : (3, 3) float64 array, nm, a vector a row, or None: of the file, for the note on images alone
     """
 
     name: str
@@ -54,6 +55,7 @@ class Structure(NamedTuple):
     positions: np.ndarray
     alternates: list[str] = []
     notes: list[Note] = []
+    box: np.ndarray | None = None
 
 
 class Solute(NamedTuple):
@@ -93,9 +95,10 @@ def readStructure(path=None, model=0):
     path = villinPath() if path is None else Path(path)
     models = readModels(path, model)
     solute = selectSolute(path, models.topology, models.positions[0])
+    box = boxOf(solute.topology)
     solute.topology.setPeriodicBoxVectors(None)
     alternates = [models.alternates[atom] for atom in solute.atoms]
-    return Structure(name, solute.topology, solute.positions, alternates, [*models.notes, *solute.notes])
+    return Structure(name, solute.topology, solute.positions, alternates, [*models.notes, *solute.notes], box)
 
 
 def readModels(path, only=None):

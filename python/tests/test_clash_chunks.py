@@ -61,7 +61,7 @@ def listFrames(search, frames):
             found.append((number, pairs.tolist(), overlaps.tolist(), score))
     except InputError as error:
         damage = str(error)
-    search.noteMadeWhole()
+    search.noteBoxes()
     search.close()
     return found, damage, [str(note) for note in search.notes]
 

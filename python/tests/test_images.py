@@ -8,9 +8,11 @@ import pytest
 from mdtraj.formats import XTCTrajectoryFile
 from openmm import app, unit
 from openmmchaintree import InputError, findClashes
+from openmmchaintree.clashes import ClashSearch
+from openmmchaintree.command.sampling import Sampling
 from openmmchaintree.images import isBox, leastWidth, makeWhole, nearestImage, reducedBox
 from openmmchaintree.structure import readStructure
-from scenes import bondNames, realStructurePath, writeDCD, writeXTC
+from scenes import GLYCINES, bondNames, realStructurePath, writeDCD, writePDB, writeXTC
 
 _BOXES = [
     np.diag([5.1, 4.7, 6.3]),
@@ -148,3 +150,64 @@ def test_snapshotOfASimulation():
     for frame in frames:
         assert len(frame.clashes) < 20
         assert max(clash.overlap for clash in frame.clashes) < 0.07
+
+
+# ---- Clashes with images ----
+
+
+def twoGlycines(path, shift, box, *others):
+    """Two chains, the second moved by a vector (Å), in a file with a box (Å)."""
+    cell = "CRYST1" + "".join(f"{length:9.3f}" for length in box) + "  90.00  90.00  90.00 P 1           1"
+    moved = []
+    for line in GLYCINES:
+        place = [float(line[start : start + 8]) + step for start, step in zip((30, 38, 46), shift, strict=True)]
+        moved.append(line[:21] + "B" + line[22:30] + "".join(f"{value:8.3f}" for value in place) + line[54:])
+    return writePDB(path / "images.pdb", [cell, *GLYCINES, *moved, *others])
+
+
+def notesOnImages(path, *arguments):
+    search = ClashSearch(path, *arguments)
+    count = sum(len(frame.clashes) for frame in search)
+    return count, [note for note in search.notes if "images" in note.kind]
+
+
+@pytest.mark.parametrize("turns", [(0, 0, 1), (1, 0, 0), (-1, 1, 0), (0, -1, -1)])
+def test_clashesWithImagesAreTold(tmp_path, turns):
+    """As many as there are where the image is in the file."""
+    box = np.array([40.0, 42.0, 45.0])
+    near = np.array([0.3, 0.2, 2.4])
+    expected, notes = notesOnImages(twoGlycines(tmp_path, near, box))
+    assert expected > 0 and notes == []
+    count, (note,) = notesOnImages(twoGlycines(tmp_path, near + box * turns, box))
+    assert count == 0 and note.kind == "clashes with periodic images, which do not count"
+    assert len(note.items) == expected and all(item.startswith("A:GLY") and " – B:GLY" in item for item in note.items)
+    assert notesOnImages(twoGlycines(tmp_path, near + box * turns, box + 5)) == (0, [])
+    assert notesOnImages(twoGlycines(tmp_path, near + box * turns, (1, 1, 1))) == (0, [])
+
+
+def test_sampleTellsOfImages(tmp_path):
+    structure = readStructure(twoGlycines(tmp_path, (0.3, 0.2, 42.4), (40, 40, 40)))
+    notes = [note for note in Sampling(structure, 1).notes if "images" in note.kind]
+    assert [note.kind for note in notes] == ["clashes with periodic images, which do not count"]
+
+
+def test_bondsAcrossTheBoxAreNoClashes(tmp_path):
+    """A chain that is bonded to its own image, as in a crystal of a polymer."""
+    link = "LINK         C   GLY A   2                 N   GLY A   1     1555   1555  1.40"
+    lines = [line[:38] + f"{0.3 * float(line[38:46]):8.3f}" + line[46:] for line in GLYCINES]
+    path = writePDB(tmp_path / "polymer.pdb", ["CRYST1    6.750   30.000   30.000  90.00  90.00  90.00", link, *lines])
+    notes = notesOnImages(path)[1]
+    assert all("GLY 2 C – A:GLY 1 N" not in item for note in notes for item in note.items)
+
+
+def test_firstFrameOfATrajectory(tmp_path):
+    path = twoGlycines(tmp_path, (0.3, 0.2, 22.4), (40, 40, 40))
+    structure = readStructure(path)
+    frames = [structure.positions, structure.positions + 1]
+    topology = withBox(structure.topology, 4 * np.eye(3))
+    far = writeDCD(tmp_path / "far", topology, frames)
+    assert notesOnImages(path, far)[1] == []
+    frames[0] = frames[0] + np.where(np.arange(16) < 8, 0, 2)[:, np.newaxis] * [0, 0, 1]
+    near = writeDCD(tmp_path / "near", topology, frames)
+    (note,) = notesOnImages(path, near)[1]
+    assert note.kind == "clashes with periodic images, which do not count, in frame 0 (from 0)"

@@ -48,8 +48,59 @@ def test_unitedAtomRadii(villin):
 
 
 def test_hydrogensDecideTheSet(villin):
-    assert defaultRadii(BondGraph(villin.topology)) == ALL_ATOM
-    assert defaultRadii(BondGraph(peptide("ALA", "TYR"))) == UNITED_ATOM
+    assert set(defaultRadii(BondGraph(villin.topology))) == {ALL_ATOM}
+    assert set(defaultRadii(BondGraph(peptide("ALA", "TYR")))) == {UNITED_ATOM}
+
+
+def setOfEachMolecule(topology, *bonds):
+    atoms = list(topology.atoms())
+    for first, second in bonds:
+        topology.addBond(atoms[first], atoms[second])
+    sets = defaultRadii(BondGraph(topology))
+    return [sets[next(chain.atoms()).index] for chain in topology.chains()]
+
+
+def withResidue(topology, name, atoms):
+    """Add a chain of one residue of these atoms, of the elements that their names begin with."""
+    residue = topology.addResidue(name, topology.addChain())
+    for atom in atoms.split():
+        topology.addAtom(atom, app.Element.getBySymbol(atom[0]), residue)
+    return topology
+
+
+def test_moleculesHaveSetsOfTheirOwn():
+    """A ligand's hydrogen, or one of the protein, or those of water, say nothing of the others."""
+    topology = withResidue(withResidue(peptide("ALA", "TYR", "SER"), "LIG", "C1 O1 H1"), "HOH", "O H1 H2")
+    count = topology.getNumAtoms()
+    bonds = [(count - 6, count - 5), (count - 6, count - 4), (count - 3, count - 2), (count - 3, count - 1)]
+    assert setOfEachMolecule(topology, *bonds) == [UNITED_ATOM, ALL_ATOM, ALL_ATOM]
+    stray = withResidue(peptide("ALA", "TYR", "SER"), "XXX", "H1")
+    assert setOfEachMolecule(stray, (1, stray.getNumAtoms() - 1)) == [UNITED_ATOM] * 2
+    assert setOfEachMolecule(withResidue(peptide("GLY"), "HOH", "O")) == [UNITED_ATOM] * 2
+
+
+def test_hydrogensOfNitrogenAndOxygenAlone():
+    """Their carbons stand for hydrogens, their nitrogens show them; urea has no others."""
+    topology = app.Topology()
+    chain = topology.addChain()
+    for _ in range(3):
+        residue = topology.addResidue("SER", chain)
+        for name in ("N", "H", "CA", "CB", "OG", "HG", "C", "O"):
+            topology.addAtom(name, app.Element.getBySymbol(name[0]), residue)
+    topology.createStandardBonds()
+    graph = BondGraph(topology)
+    assert set(defaultRadii(graph)) == {UNITED_ATOM}
+    roles = byName(topology, hydrogenBondRoles(graph, defaultRadii(graph)), "SER")
+    assert (roles["N"], roles["H"], roles["OG"], roles["O"]) == (_DONOR, _NONE, _BOTH, _ACCEPTOR)
+    urea = withResidue(app.Topology(), "URE", "C O N1 N2 H1 H2 H3 H4")
+    assert setOfEachMolecule(urea, (0, 1), (0, 2), (0, 3), (2, 4), (2, 5), (3, 6), (3, 7)) == [ALL_ATOM]
+
+
+def test_sulfurGivesNoRoom():
+    """Hydrogen bonds of sulfur are as long as its contacts: 0.27 nm from methionine's is a clash."""
+    topology = peptide("CYS", "MET")
+    roles = hydrogenBondRoles(BondGraph(topology), UNITED_ATOM)
+    assert byName(topology, roles, "CYS")["SG"] == byName(topology, roles, "MET")["SD"] == _ACCEPTOR
 
 
 def test_allAtomRoles(villin):

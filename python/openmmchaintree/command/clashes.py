@@ -20,8 +20,9 @@ def addArguments(clashes):
         "Find atoms that overlap by more than 0.04 nm (0.1 nm where one may donate a hydrogen bond to the other) and "
         "are more than three bonds apart: in all models of a structure, or in all frames of a trajectory. Models, "
         "frames and particles are numbered from 0. Water and ions that nothing binds are left out, of alternate "
-        "conformers all but that of highest occupancy. Molecules split over a periodic box are made whole; images are "
-        "not looked at. What is written to - goes to standard output, and the report to standard error then."
+        "conformers all but that of highest occupancy. Molecules split over a periodic box are made whole; clashes "
+        "with images do not count, and a note tells those of the first frame. What is written to - goes to standard "
+        "output, and the report to standard error then."
     )
     clashes.set_defaults(run=_run)
     clashes.add_argument(
@@ -35,7 +36,9 @@ def addArguments(clashes):
     clashes.add_argument("--water", action="store_true", help="look at water, too")
     clashes.add_argument("--ions", action="store_true", help="look at ions, too")
     clashes.add_argument(
-        "--radii", choices=RADII_SETS, help="the set of radii (default: all-atom if there are hydrogens)"
+        "--radii",
+        choices=RADII_SETS,
+        help="the set of radii (default: all-atom for molecules that show their hydrogens, united-atom for others)",
     )
     clashes.add_argument(
         "--rows", type=positive, default=10, metavar="N", help="rows of each table at most (default: %(default)s)"
@@ -107,7 +110,7 @@ def _findAll(search, searchFrames, ranking):
         except InputError as error:
             damage = error
         finally:
-            search.noteMadeWhole()
+            search.noteBoxes()
             search.close()
         return frames, damage, bool(interrupted)
 

@@ -9,8 +9,11 @@ from openmm import unit
 
 from ..defaultmoves import addMovesOfPlan
 from ..errors import InputError, UnknownRadiusError
+from ..imageclashes import noteOnImages
 from ..moveadder import NamedMove
 from ..movescene import MoveScene
+from ..naming import nameAtom
+from ..notes import found
 from ..openmmchaintree import TorsionMonteCarloIntegrator
 from ..replicas.segment import makeModel, splitTrials
 from ..sterics import makeForce
@@ -78,7 +81,7 @@ class Sampling:
     torsions : list of Torsion
         those of the plan
     notes : list of Note
-        those of the plan
+        those of the plan, and on clashes with periodic images
     fixedAtoms : int
         number of atoms that are obstacles
     moves : list of NamedMove
@@ -111,7 +114,9 @@ class Sampling:
             self.force = makeForce(self.plan.graph, self.torsions, unknownRadius=choice.unknownRadius)
         except UnknownRadiusError as error:
             raise InputError(f"{error.note}: --unknown-radius gives them one") from error
-        self.notes = [*self.plan.notes]
+        names = [nameAtom(atom) for atom in structure.topology.atoms()]
+        images = noteOnImages(self.force, structure.positions, structure.box, names)
+        self.notes = [*self.plan.notes, *found([images])]
         self.fixedAtoms = int(self.plan.fixed.sum())
         elements = [atom.element for atom in structure.topology.atoms()]
         masses = {element: element.mass.value_in_unit(unit.dalton) for element in set(elements)}
