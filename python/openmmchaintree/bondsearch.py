@@ -27,7 +27,7 @@ from .naming import describeResidue
 from .notes import Note, found
 from .pseudoatoms import atomicNumbers
 from .residues import CAPS, aminoAcid, isAlphaCarbonOnly, isNucleotide, isWater
-from .templates import isStandard, templateBonds
+from .templates import isStandard, standardName, templateBonds
 
 # A bond between residues of a polymer that is longer than this (nm) spans missing residues.
 LONGEST_LINK = 0.4
@@ -120,7 +120,7 @@ class BondSearch:
         self._bonds = dict.fromkeys(others)
         self._tooLong = []
         self._byDistance = []
-        self._isFitted = np.array([isStandard(aminoAcid(residue.name) or residue.name) for residue in self._residues])
+        self._isFitted = np.array([isStandard(standardName(residue.name)) for residue in self._residues])
         self._addOwnBonds(topology)
         self._completeResidues()
         self._linkResidues()
