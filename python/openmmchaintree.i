@@ -79,7 +79,7 @@ class OuterStatistics(NamedTuple):
 
 
 class PlannedEnergy(NamedTuple):
-    """How the energy of a Force is evaluated for a trial: "constant", "native", "foreign" or "not sampled", and why."""
+    """How a Force is evaluated: "constant", "native", "foreign" or "not sampled"; how often, and why."""
 
     force: int
     name: str

@@ -1304,7 +1304,7 @@ API_FAULTS = [
           " && acceptance > LEAST_ACCEPTANCE", ""),
     Fault("schedule: a spread that was too large stays", OUTER_SCHEDULE,
           "        level--;\n", ""),
-    Fault("schedule: measuring never ends", OUTER_SCHEDULE,
+    Fault("schedule: a number of trials is measured again", OUTER_SCHEDULE,
           "TRIALS[level] >= longest || level + 1", "level + 1"),
     Fault("schedule: the change of all does not matter", OUTER_SCHEDULE,
           "    whole.add(change);\n", "    whole.add(0 * changes[0]);\n"),

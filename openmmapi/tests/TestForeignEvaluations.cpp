@@ -231,6 +231,8 @@ static void testGroups()
         Everything apart(1, withLargeChanges);
         apart.begin();
         const auto other = assertCounts(apart);
+        ASSERT_EQUAL_TOL(apart.context->getState(State::Energy, false, ~(1 << 3)).getPotentialEnergy(),
+                         apart.integrator.getPotentialEnergy(*apart.context), 1e-5);
         for (int force : {1, 2, 3, 4})
             ASSERT_EQUAL(0, findInterval(other[force].reason));
         ASSERT(withLargeChanges ? findInterval(other[7].reason) == 1 : findInterval(other[7].reason) >= 12);

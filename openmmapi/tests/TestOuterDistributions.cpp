@@ -7,6 +7,7 @@
 #include "openmm/CustomCentroidBondForce.h"
 #include "openmm/CustomExternalForce.h"
 #include "openmm/CustomManyParticleForce.h"
+#include "openmm/CustomTorsionForce.h"
 #include "ShortChain.h"
 
 using namespace ChainTreePlugin;
@@ -106,7 +107,11 @@ static void testMixedForces()
     const int numSteps = 3000;
     ShortChain shared(0.3);
     addCentroidForce(shared.system, 0);
-    const Means expected = shared.computeMeans(1);
+    CustomTorsionForce* elsewhere = new CustomTorsionForce("4*cos(theta)");
+    elsewhere->addTorsion(0, 1, 2, 3);
+    elsewhere->setForceGroup(2);
+    shared.system.addForce(elsewhere);
+    const Means expected = shared.computeMeans(1 | 1 << 2);
     for (const char* way : {"groups", "copies"}) {
         WholeGroups wholeGroups(way);
         for (int trialsPerTest : {0, 7})

@@ -87,13 +87,14 @@ static void testNumbersOfTrials()
 
     // No more trials than there are in a step, however few these are.
 
-    for (int longest : {1, 5, 12, 30, 100}) {
+    for (auto& each : vector<pair<int, int>>{{1, 1}, {5, 1}, {12, 1}, {30, 3}, {100, 4}}) {
         OuterSchedule schedule;
-        choose(schedule, 1, longest, [](int trials) {
+        const int numTests = choose(schedule, 1, each.first, [](int trials) {
             return vector<double>{0.001 * trials};
         });
         ASSERT(schedule.isLeft(0));
-        ASSERT_EQUAL(longest, schedule.getTrialsPerTest());
+        ASSERT_EQUAL(each.first, schedule.getTrialsPerTest());
+        ASSERT_EQUAL(20 * each.second, numTests);
     }
 }
 

@@ -275,7 +275,7 @@ public:
         std::string name;
         /** Who evaluates its energy for a trial. */
         EnergyKind kind;
-        /** Why, in a clause. */
+        /** How often, and why, in a clause. */
         std::string reason;
     };
     /**
