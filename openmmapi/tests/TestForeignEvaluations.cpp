@@ -417,6 +417,37 @@ static void testCopies()
     }
 }
 
+static void testSharedGroup()
+{
+    // While they are measured, Forces of a group that is evaluated as a whole count once.
+
+    WholeGroups wholeGroups;
+    BeadChain chain(14, 0.3, 2);
+    for (int i = 0; i < 2; i++) {
+        Probe* probe = new Probe();
+        probe->energy = [](const vector<Vec3>& x) {
+            return 0.01 * x[13][0];
+        };
+        probe->setForceGroup(1);
+        chain.system.addForce(probe);
+    }
+    Sampler integrator(300);
+    integrator.setRandomNumberSeed(1);
+    integrator.addTorsionMove(1, 0.4);
+    integrator.setTrialsPerStep(12);
+    Context context(chain.system, integrator, Platform::getPlatform("Reference"));
+    context.setPositions(chain.positions);
+    integrator.step(1);
+    long long attempted, accepted, takenBack;
+    double mean, deviation;
+    integrator.getOuterStatistics(attempted, accepted, takenBack, mean, deviation);
+    ASSERT_EQUAL(1, attempted);
+    ASSERT_EQUAL(1, accepted);
+    const double shift = getPositions(context)[13][0] - chain.positions[13][0];
+    ASSERT(shift != 0);
+    ASSERT_EQUAL_TOL(0.02 * shift, mean, 1e-9);
+}
+
 static void testOneStepATest()
 {
     // Steps of one trial.
@@ -439,6 +470,7 @@ int main()
         }
         testGroups();
         testCopies();
+        testSharedGroup();
         testOneStepATest();
     });
 }
