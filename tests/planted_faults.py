@@ -67,6 +67,13 @@ class Fault:
 
 # fmt: off
 ENGINE_FAULTS = [
+    # ---- Borders ----
+    Fault("border: a trial may have more changes than there are links", "verdict.c",
+          "if (count < 0 || count > tree->sequence.userLinkCount) {", "if (count < 0) {"),
+    Fault("border: a count below 0 selects nothing", "scene.c",
+          "if (count < 0 || count > CT_MOST_COUNT || (count", "if (count > CT_MOST_COUNT || (count"),
+    Fault("border: a scene has the structure of links that hang elsewhere", "structure.c",
+          "if (s->parent[link] != (parent", "if (false && s->parent[link] != (parent"),
     # ---- Volumes ----
     Fault("volume: a sphere around members leaves out their radii", "volume.h",
           "centre.y, centre.z)), load16(radii)));", "centre.y, centre.z)), all16(0)));"),
@@ -132,8 +139,7 @@ ENGINE_FAULTS = [
           "if (u->pieces[p].body != 0) {\n        return false;",
           "if (u->pieces[p].body != 0) {\n        return true;"),
     Fault("unmoved: renewed leaves are those of before", "chaintree.c",
-          "void ctRenew(ctChainTree* tree) {\n  ctSkippedForget(tree);\n  ctLeavesForget(&tree->leaves);",
-          "void ctRenew(ctChainTree* tree) {\n  ctSkippedForget(tree);"),
+          "    ctSkippedForget(tree);\n    ctLeavesForget(&tree->leaves);", "    ctSkippedForget(tree);"),
     Fault("unmoved: positions lag ever farther", "leaves.c",
           "leaves->lag += slack;",
           "leaves->lag = slack;"),
@@ -528,6 +534,20 @@ ENGINE_FAULTS = [
           "lanes8(mask >> 8))}", "lanes8(mask))}"),
 ]
 ENERGY_FAULTS = [
+    # ---- Borders ----
+    Fault("border: negative counts of exclusions pass", "nonbonded.c",
+          "if (d->exclusionCount < 0 || d->exclusionCount", "if (d->exclusionCount"),
+    Fault("border: a pair set that is not there has an energy", "energy.c",
+          "pairSet >= 0 && pairSet < energy->pairs.sets.count", "pairSet >= 0"),
+    Fault("border: constants of the stand-in may be anything", "energy.c",
+          "if (!isFarPart(constants[i])) {", "if (false) {"),
+    Fault("border: a state that was set is taken for that of the trial", "energy.c",
+          "energy->commits + 1 != ctGetCommitCount(energy->tree) || ", ""),
+    Fault("border: maps may have any size", "termset.c",
+          "map->size < 1 || patches > CT_MOST_COUNT / 16", "map->size < 1"),
+    Fault("border: cutoffs beyond all particles reach slots without one", "leafpair.h",
+          "return square < (double)NO_CUTOFF ? (float)square : NO_CUTOFF;",
+          "return square < INFINITY ? (float)square : NO_CUTOFF;"),
     # ---- What lags behind closed windows ----
     Fault("lag: values are never computed anew", "energy.c",
           "return lag(energy) <= CT_MOST_LAG ? ctSuccess : ctRefreshEnergy(energy, NULL);",
@@ -712,7 +732,7 @@ ENERGY_FAULTS = [
     Fault("taken back: what was kept of no state is of one", "energy.c",
           "  if (energy->copyIsOfState) {\n", "  {\n"),
     Fault("taken back: what was kept with other constants is of the state", "energy.c",
-          "    energy->state = NO_STATE;\n    energy->copyIsOfState = false;", "    energy->state = NO_STATE;"),
+          "  energy->state = NO_STATE;\n  energy->copyIsOfState = false;", "  energy->state = NO_STATE;"),
     Fault("taken back: leaves of the stand-in stay", "standin.c",
           "  memcpy(standIn->leafSums, standIn->copyOfSums,", "  memmove(standIn->leafSums, standIn->leafSums,"),
     Fault("taken back: records of pairs stay", "neighbors.c",
@@ -758,7 +778,7 @@ ENERGY_FAULTS = [
           ".excluded = leaf < other ? pairMaskOf(&standIn->nonbonded.mask, leaf, other)\n"
           "                                             : pairMaskOf(&standIn->nonbonded.mask, other, leaf)"),
     Fault("stand-in: near sums are taken for far ones", "allpairs.c",
-          "      far[i] -= near[i];\n", ""),
+          "near[i] = far[i] - near[i];", "near[i] = far[i];"),
     Fault("stand-in: constants are renewed from an earlier state", "energy.c",
           "  const ctStatus status = ctRefreshEnergy(energy, counts);\n  if (status != ctSuccess || !hasStandIn",
           "  const ctStatus status = ctSuccess;\n  if (status != ctSuccess || !hasStandIn"),
@@ -1337,7 +1357,7 @@ API_FAULTS = [
     Fault("native: on a lattice any energy will do", ENERGY_CHECK, "KEPT = 4", "KEPT = 40"),
     Fault("native: on a lattice no energy is right", ENERGY_CHECK, "KEPT = 4", "KEPT = 0"),
     Fault("native: new positions leave energies as they were", "platforms/reference/energy/src/energy.c",
-          "return energy->state == ctGetChangeCount(energy->tree);", "return energy->state != NO_STATE;"),
+          "energy->state == ctGetChangeCount(energy->tree);", "energy->state != NO_STATE;"),
     Fault("native: it takes part in what setNativeEnergies refuses", ENERGY_PLAN,
           "if (!allowNative)", "if (false)"),
     # ---- Moves ----
@@ -1503,6 +1523,10 @@ GEOMETRY_FAULTS = [
           "multiplyByTranspose(meanTurn, pivotal, matrix);", "memcpy(matrix, meanTurn, sizeof matrix);"),
     Fault("velocities: the least rotation shortens them", "velocities.c",
           "2 * alongFrom * unitTo", "alongFrom * unitTo"),
+    Fault("border: pivots may lie anywhere", "triangle.c",
+          "w->pivots[k] < least || w->pivots[k] >= w->count || ", ""),
+    Fault("border: a uniform number that is none draws from anywhere", "density.c",
+          "scaled > 0 ? (int)scaled : 0", "(int)scaled"),
     Fault("density: aliases are not asked", "density.c",
           "? i : table->alias[i]", "? i : i"),
     Fault("density: the first torsion's bins run fastest", "density.c",

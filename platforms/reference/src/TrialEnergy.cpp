@@ -354,7 +354,7 @@ void TrialEnergy::setStandIn(const vector<double>& numbers)
     if ((int)numbers.size() != sizeOfStandIn)
         throw OpenMMException("StericExclusionForce: the stand-in is of another energy");
     if (sizeOfStandIn > 0)
-        ctSetStandIn(energy.get(), numbers.data());
+        check(ctSetStandIn(energy.get(), numbers.data()));
 }
 
 void TrialEnergy::getEnergies(double& pairs, vector<double>& pairSets, vector<double>& termSets) const

@@ -35,6 +35,11 @@
  * Errors. Calls that can fail return a ctStatus; ctGetErrorText names the culprit. A failed call changes nothing but
  * that text, a failed allocation included. There are no globals: handles in different threads are independent; one
  * handle serves one thread at a time. Callbacks must not call back into the handle that runs them.
+ *
+ * Arguments. A pointer may be NULL where its description says so, and where it would be to an array without elements.
+ * Any other NULL, a handle included, makes a call that returns a status return ctInvalidArgument, and any other call do
+ * nothing and return 0, false, NULL or an empty text. Counts are from 0 to CT_MOST_COUNT, others are refused; an array
+ * has to have as many elements as its count says. A handle that has been freed must not be used.
  */
 #ifndef CHAINTREE_H_
 #define CHAINTREE_H_
@@ -53,6 +58,9 @@ extern "C" {
 /* Lengths (nm) that are not finite or beyond this are refused, since bounds are in single precision: coordinates,
  * radii, tolerances, probes, pivots and translations; and rotations by more rad. */
 #define CT_MOST_LENGTH 1e15
+
+/* Counts beyond this are refused, since some of their multiples have to be an int. */
+#define CT_MOST_COUNT 536870911
 
 /* No parent, no particle, no link. */
 #define CT_NULL (-1)
@@ -116,7 +124,7 @@ typedef struct ctDefinition {
   double hydrogenBondAllowance; /* nm, >= 0: added where one particle may donate and the other accept */
 } ctDefinition;
 
-/* The cost of a call. Calls add to the counts that they are given; NULL: no counts are wanted. */
+/* The cost of a call. Calls add to the counts that they are given, up to INT64_MAX; NULL: no counts are wanted. */
 typedef struct ctCounts {
   int64_t volumeTests;   /* pairs of bounding volumes compared */
   int64_t particleTests; /* pairs of particles whose distance was computed */
@@ -144,7 +152,7 @@ typedef bool ctParticleFunction(void* context, int particle, double overlap);
 /* ---- Life ---- */
 
 /* Makes a scene: O(N log N) time, O(N) memory. On failure *tree is NULL and errorText (of errorSize bytes, may be NULL)
- * says why. */
+ * says why. Errors: what contradicts the comments of ctDefinition. */
 ctStatus ctCreate(const ctDefinition* definition, ctChainTree** tree, char* errorText, size_t errorSize);
 
 /* Frees a scene; NULL is ignored. */
@@ -157,8 +165,12 @@ const char* ctGetErrorText(const ctChainTree* tree);
  * Results have the same bits on each. The environment variable CHAINTREE_SIMD, set to one of these names when the scene
  * is made, asks for that one or, where the machine lacks it, a narrower one. Likewise CHAINTREE_TRIALS=tree,
  * =boxes (the tree, with oriented boxes at all visits) or =clearances makes the engine test all trials in that way,
- * instead of in the way that costs least. */
+ * instead of in the way that costs least. Other values ask for nothing. */
 const char* ctGetInstructionSet(const ctChainTree* tree);
+
+/* True if a definition has the particles, links and joints that the scene was made from, wherever particles are and
+ * whatever their radii. O(N). */
+bool ctHasStructure(const ctChainTree* tree, const ctDefinition* definition);
 
 /* ---- State ---- */
 
@@ -177,7 +189,7 @@ ctStatus ctGetTrialPositions(ctChainTree* tree, double* positions);
 
 /* The coordinates (nm) of `count` particles alone, three of each: the bits that ctGetPositions gives, or with `inTrial`
  * those that ctGetTrialPositions gives. O(count log N), in a trial of k changes O((count + k) log N). Errors: an index
- * out of range; `inTrial` without an open trial. */
+ * or the count out of range; `inTrial` without an open trial. */
 ctStatus ctGetPositionsOf(ctChainTree* tree, bool inTrial, int count, const int* particles, double* positions);
 
 /* ctGetTrialPositions for an array that the caller keeps from trial to trial: writes only coordinates that may have
@@ -207,16 +219,18 @@ ctStatus ctSetState(ctChainTree* tree, const double* state);
 void ctRenew(ctChainTree* tree);
 
 /* The dihedral p1-p2-p3-p4 of a torsion joint in (-pi, pi], rad: that of the reference positions plus the turns since.
- * Errors: not a torsion joint; a dihedral that is undefined because three of its particles are collinear. */
+ * Errors: link out of range; not a torsion joint; a dihedral that is undefined because three of its particles are
+ * collinear. */
 ctStatus ctGetTorsionAngle(ctChainTree* tree, int link, double* angle);
 
 /* The centroid (nm) of all particles, modelled or not, of a link and the links that hang on it. O(log N).
- * Errors: a link with a fixed joint, since all of these are part of the world. */
+ * Errors: link out of range; a link with a fixed joint, since all of these are part of the world. */
 ctStatus ctGetCentroid(ctChainTree* tree, int link, double centroid[3]);
 
 /* The transform from the frame of linkB to that of linkA, by shortcuts, in O(log N) (section 2.1). A link's frame moves
  * with it; in the reference positions its axes are the world's and its origin is the link's particle on the torsion
- * axis, the particle about which a ball joint turns, or for other joints its lowest-numbered particle. */
+ * axis, the particle about which a ball joint turns, or for other joints its lowest-numbered particle. Errors: link out
+ * of range. */
 ctStatus ctGetRelativeTransform(ctChainTree* tree, int linkA, int linkB, ctTransform* transform);
 
 /* Writes the orientation of each link, in the order of the definition: the rotation (row-major) by which it is turned
@@ -228,22 +242,26 @@ void ctGetOrientations(ctChainTree* tree, double (*orientations)[9]);
 
 /* The limit of a pair is its tolerance, unless it is set here. A trial clashes if an overlap is beyond its limit. */
 
-/* Makes these limits (nm) the only ones. A limit not above its pair's tolerance is ignored. */
+/* Makes these limits (nm) the only ones. A limit not above its pair's tolerance is ignored; INFINITY allows any
+ * overlap. Of several limits of a pair the largest counts. Errors: a particle or the count out of range; a particle
+ * with itself; a limit that is NaN. */
 ctStatus ctSetLimits(ctChainTree* tree, int count, const int (*pairs)[2], const double* limits);
 
 /* Gives each pair whose overlap is beyond its limit a new one: its overlap now plus CT_SIGMA, so that rounding cannot
  * refuse the state it was taken from. *raised is the number of such pairs. */
 ctStatus ctRaiseLimits(ctChainTree* tree, int* raised, ctCounts* counts);
 
-/* The number of pairs with a limit of their own; and the first `capacity` of them, sorted, particle1 < particle2. */
+/* The number of pairs with a limit of their own; and the first `capacity` of them, sorted, particle1 < particle2. A
+ * negative capacity is none. */
 int ctGetLimitCount(const ctChainTree* tree);
 void ctGetLimits(const ctChainTree* tree, int capacity, int (*pairs)[2], double* limits);
 
 /* ---- Trials ---- */
 
 /* Opens a trial of these changes, each of another link, and drops an open one. Writes nothing that a query can see.
- * Errors: link out of range or named twice, a fixed joint, a torsion whose axis has no length, a value that is not
- * finite or beyond CT_MOST_LENGTH, a motion by which a link would come to lie ten times as far away. O(k log N). */
+ * Errors: count or link out of range, a link named twice, a fixed joint, a torsion whose axis has no length, a value
+ * that is not finite or beyond CT_MOST_LENGTH, a motion by which a link would come to lie ten times as far away. O(k
+ * log N). */
 ctStatus ctPropose(ctChainTree* tree, int count, const ctChange* changes);
 
 /* *clash tells whether some pair overlaps beyond its limit in the open trial. Pairs that the trial moves as one rigid
@@ -252,8 +270,7 @@ ctStatus ctPropose(ctChainTree* tree, int count, const ctChange* changes);
 ctStatus ctTestTrial(ctChainTree* tree, bool* clash, int pair[2], ctCounts* counts);
 
 /* Calls function for each pair whose distance the open trial changes, by more than the roundings of closed windows, and
- * that is within cutoff (nm, > 0) before the
- * trial or in it. */
+ * that is within cutoff (nm, > 0 and finite) before the trial or in it. */
 ctStatus ctForEachChangedPair(ctChainTree* tree, double cutoff, ctChangedPairFunction* function, void* context,
                               ctCounts* counts);
 
@@ -270,9 +287,10 @@ double ctGetTotalShift(const ctChainTree* tree);
 /* True if a trial is open. */
 bool ctHasTrial(const ctChainTree* tree);
 
-/* How many trials have been opened so far, and how often the state has changed: a client tells trials and states apart
- * by these. */
+/* How many trials have been opened so far, how many of them were committed, and how often the state has changed, by
+ * that or otherwise: a client tells trials and states apart by these. */
 int64_t ctGetTrialCount(const ctChainTree* tree);
+int64_t ctGetCommitCount(const ctChainTree* tree);
 int64_t ctGetChangeCount(const ctChainTree* tree);
 
 /* ---- Leaves: for clients that sum something over pairs of particles ---- */
@@ -350,8 +368,8 @@ ctStatus ctHasClash(ctChainTree* tree, bool* clash, int pair[2], ctCounts* count
 /* Calls function(particle1, particle2, overlap in nm) for each pair that overlaps by more than its tolerance. */
 ctStatus ctForEachClash(ctChainTree* tree, ctPairFunction* function, void* context, ctCounts* counts);
 
-/* Calls function(particle1, particle2, distance in nm) for each pair at most cutoff (nm, > 0) apart, centre to centre
- * (section 6.3). */
+/* Calls function(particle1, particle2, distance in nm) for each pair at most cutoff (nm, > 0 and finite) apart, centre
+ * to centre (section 6.3). */
 ctStatus ctForEachNeighborPair(ctChainTree* tree, double cutoff, ctPairFunction* function, void* context,
                                ctCounts* counts);
 
@@ -361,7 +379,7 @@ ctStatus ctGetNeighborPairs(ctChainTree* tree, double cutoff, bool sorted, size_
                             int* particles2, double* distances, size_t* count, ctCounts* counts);
 
 /* Calls function(particle, overlap in nm) for each modelled particle that overlaps a sphere (nm) by more than the
- * overlap tolerance (section 6.3). */
+ * overlap tolerance (section 6.3). Errors: a coordinate beyond CT_MOST_LENGTH; a radius that is not from 0 to that. */
 ctStatus ctForEachClashWith(ctChainTree* tree, const double position[3], double radius, ctParticleFunction* function,
                             void* context, ctCounts* counts);
 
@@ -374,7 +392,8 @@ ctStatus ctGetMinimumDistance(ctChainTree* tree, ctSelection* selection1, ctSele
                               int pair[2], ctCounts* counts);
 
 /* E = 1/2 k sum (overlap - tolerance)^2 over clashes, and if forces (3 * particleCount) is not NULL *adds* -dE/dx to it
- * (kJ/mol/nm; coincident particles are pushed apart along x, the lower index to +x). k in kJ/mol/nm^2. */
+ * (kJ/mol/nm; coincident particles are pushed apart along x, the lower index to +x). k in kJ/mol/nm^2, of any sign.
+ * Errors: k that is not finite. */
 ctStatus ctComputeEnergy(ctChainTree* tree, double k, double* energy, double* forces, ctCounts* counts);
 
 /* ---- For tests ---- */

@@ -36,12 +36,18 @@ static void takeReference(ctChainTree* scene, const double* positions) {
 
 ctStatus ctCreate(const ctDefinition* definition, ctChainTree** tree, char* errorText, size_t errorSize) {
   char ignored[1];
-  *tree = NULL;
   if (errorText == NULL || errorSize == 0) {
     errorText = ignored;
     errorSize = sizeof ignored;
   }
   errorText[0] = '\0';
+  if (tree != NULL) {
+    *tree = NULL;
+  }
+  if (tree == NULL || definition == NULL) {
+    snprintf(errorText, errorSize, "%s is NULL", tree == NULL ? "tree" : "definition");
+    return ctInvalidArgument;
+  }
   const ctStatus status = ctDefinitionCheck(definition, errorText, errorSize);
   if (status == ctInvalidArgument) {
     return status;
@@ -80,18 +86,20 @@ void ctDestroy(ctChainTree* tree) {
 }
 
 const char* ctGetErrorText(const ctChainTree* tree) {
-  return tree->errorText;
+  return tree != NULL ? tree->errorText : "";
 }
 
 const char* ctGetInstructionSet(const ctChainTree* tree) {
-  return tree->staleTree.instructions->name;
+  return tree != NULL ? tree->staleTree.instructions->name : "";
 }
 
 /* ---- State ---- */
 
 void ctRenew(ctChainTree* tree) {
-  ctSkippedForget(tree);
-  ctLeavesForget(&tree->leaves);
+  if (tree != NULL) {
+    ctSkippedForget(tree);
+    ctLeavesForget(&tree->leaves);
+  }
 }
 
 static bool isUserLink(const ctChainTree* tree, int link) {
@@ -103,6 +111,10 @@ static ctStatus failNoLink(ctChainTree* tree, int link) {
 }
 
 ctStatus ctSetPositions(ctChainTree* tree, const double* positions) {
+  CT_REQUIRE(tree, tree);
+  if (tree->sequence.particleCount > 0) {
+    CT_REQUIRE(tree, positions);
+  }
   const int bad = ctFindBadPosition(tree->sequence.particleCount, positions);
   if (bad != CT_NULL) {
     return ctFail(tree, ctInvalidArgument, "the position of particle %d " CT_NO_LENGTH, bad);
@@ -113,10 +125,16 @@ ctStatus ctSetPositions(ctChainTree* tree, const double* positions) {
 }
 
 void ctGetPositions(ctChainTree* tree, double* positions) {
+  if (tree == NULL || positions == NULL) {
+    return;
+  }
   ctReadPositions(&tree->sequence, ctSceneTree(tree), positions);
 }
 
 void ctFollowPositions(ctChainTree* tree, bool anew, double* positions) {
+  if (tree == NULL || positions == NULL) {
+    return;
+  }
   if (anew) {
     tree->followed.time = NEVER;
   }
@@ -154,6 +172,7 @@ static void keepDihedral(Sequence* s, int link, double angle) {
 }
 
 ctStatus ctGetTorsionAngle(ctChainTree* tree, int link, double* angle) {
+  CT_REQUIRE(tree, angle);
   if (!isUserLink(tree, link)) {
     return failNoLink(tree, link);
   }
@@ -181,6 +200,7 @@ ctStatus ctGetTorsionAngle(ctChainTree* tree, int link, double* angle) {
 }
 
 ctStatus ctGetCentroid(ctChainTree* tree, int link, double centroid[3]) {
+  CT_REQUIRE(tree, centroid);
   if (!isUserLink(tree, link)) {
     return failNoLink(tree, link);
   }
@@ -215,6 +235,7 @@ static void copyRotation(const Frame* frame, double rotation[9]) {
 }
 
 ctStatus ctGetRelativeTransform(ctChainTree* tree, int linkA, int linkB, ctTransform* transform) {
+  CT_REQUIRE(tree, transform);
   if (!isUserLink(tree, linkA) || !isUserLink(tree, linkB)) {
     return failNoLink(tree, isUserLink(tree, linkA) ? linkB : linkA);
   }
@@ -231,6 +252,9 @@ ctStatus ctGetRelativeTransform(ctChainTree* tree, int linkA, int linkB, ctTrans
 }
 
 void ctGetOrientations(ctChainTree* tree, double (*orientations)[9]) {
+  if (tree == NULL || orientations == NULL) {
+    return;
+  }
   const Sequence* s = &tree->sequence;
   const Tree* current = ctSceneTree(tree);
   for (int u = 0; u < s->userLinkCount; u++) {

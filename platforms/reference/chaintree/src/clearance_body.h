@@ -340,10 +340,7 @@ static int64_t testByClearance(Clearance* c, Traversal* t, const View* view, Cle
   if (!test.outOfMemory && !testStraddlingLeaves(t, &test)) {
     forEachRunPair(c, t, testRunPair, &test, &test.cost);
   }
-  if (counts != NULL) {
-    counts->volumeTests += test.volumeTests;
-    counts->particleTests += test.particleTests;
-  }
+  addTests(counts, test.volumeTests, test.particleTests);
   const bool gaveUp = !test.clash && (test.outOfMemory || test.cost > c->mostCost);
   return gaveUp ? GAVE_UP : COST_OF_CLEARANCE_TEST + c->leafCount / LEAVES_A_UNIT + test.cost;
 }

@@ -1,6 +1,5 @@
 #include "definition.h"
 
-#include <limits.h>
 #include <stdarg.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -15,6 +14,24 @@ static ctStatus invalid(char* errorText, size_t errorSize, const char* format, .
   vsnprintf(errorText, errorSize, format, arguments);
   va_end(arguments);
   return ctInvalidArgument;
+}
+
+/* The name of an array that is not there though it has elements; NULL if there is none. */
+static const char* findMissing(const ctDefinition* d) {
+  const struct {
+    const char* name;
+    const void* array;
+    int count;
+  } arrays[] = {
+      {"positions", d->positions, d->particleCount},         {"radii", d->radii, d->particleCount},
+      {"particleLinks", d->particleLinks, d->particleCount}, {"linkParents", d->linkParents, d->linkCount},
+      {"linkJoints", d->linkJoints, d->linkCount},           {"exclusions", d->exclusions, d->exclusionCount}};
+  for (size_t i = 0; i < sizeof arrays / sizeof arrays[0]; i++) {
+    if (arrays[i].count > 0 && arrays[i].array == NULL) {
+      return arrays[i].name;
+    }
+  }
+  return NULL;
 }
 
 /* True if all numbers are lengths. Without their signs, the bits of numbers ascend like their values, and those of
@@ -168,10 +185,14 @@ static ctStatus checkForest(const ctDefinition* d, char* text, size_t size) {
 
 ctStatus ctDefinitionCheck(const ctDefinition* d, char* text, size_t size) {
   /* Slots and tree nodes are counted in int. */
-  if (d->particleCount < 0 || d->linkCount < 0 || d->exclusionCount < 0 || d->particleCount > INT_MAX / 4 ||
-      d->linkCount > INT_MAX / 4 || d->exclusionCount > INT_MAX / 4) {
+  if (d->particleCount < 0 || d->linkCount < 0 || d->exclusionCount < 0 || d->particleCount > CT_MOST_COUNT ||
+      d->linkCount > CT_MOST_COUNT || d->exclusionCount > CT_MOST_COUNT) {
     return invalid(text, size, "the scene has %d particles, %d links and %d exclusions; counts must be from 0 to %d",
-                   d->particleCount, d->linkCount, d->exclusionCount, INT_MAX / 4);
+                   d->particleCount, d->linkCount, d->exclusionCount, CT_MOST_COUNT);
+  }
+  const char* missing = findMissing(d);
+  if (missing != NULL) {
+    return invalid(text, size, "%s is NULL", missing);
   }
   if (!(d->overlapTolerance >= 0) || !isLength(d->overlapTolerance)) {
     return invalid(text, size, "the overlap tolerance is %g; it must be from 0 to 1e15 nm", d->overlapTolerance);

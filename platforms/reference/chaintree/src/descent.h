@@ -19,14 +19,14 @@ typedef struct Visit {
   CandidateFunction* function;
   ClashFunction* clashes; /* may be NULL */
   void* context;
-  float reach;   /* with the margin */
-  double margin; /* for roundings of tests in float */
-  bool boxes;    /* this visit looks at boxes */
-  int visits;
-  int visitsWithBoxes;
-  int pairsBoxed;   /* pairs of children for which boxes were looked at */
-  int pairsParted;  /* pairs of those that the boxes separated */
-  int64_t boxTests; /* of the tests of volumes */
+  float reach;    /* with the margin */
+  double margin;  /* for roundings of tests in float */
+  bool boxes;     /* this visit looks at boxes */
+  int64_t visits; /* like all counts here up to the square of the number of nodes */
+  int64_t visitsWithBoxes;
+  int64_t pairsBoxed;  /* pairs of children for which boxes were looked at */
+  int64_t pairsParted; /* pairs of those that the boxes separated */
+  int64_t boxTests;    /* of the tests of volumes */
   int64_t volumeTests;
   int64_t particleTests;
 } Visit;

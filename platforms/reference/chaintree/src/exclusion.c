@@ -100,7 +100,8 @@ double ctLimitsFind(const Limits* limits, int particle1, int particle2, double o
 }
 
 bool ctLimitsAppend(Limits* limits, int particle1, int particle2, double limit) {
-  if (!ctReserve((void**)&limits->keys, &limits->keyCapacity, limits->count + 1, sizeof(uint64_t)) ||
+  if (limits->count == CT_MOST_COUNT ||
+      !ctReserve((void**)&limits->keys, &limits->keyCapacity, limits->count + 1, sizeof(uint64_t)) ||
       !ctReserve((void**)&limits->values, &limits->valueCapacity, limits->count + 1, sizeof(double))) {
     return false;
   }

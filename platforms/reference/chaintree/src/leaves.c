@@ -119,10 +119,13 @@ void ctLeavesFollow(Leaves* leaves, const Tree* tree, const Sequence* sequence, 
 /* ---- Public calls ---- */
 
 int ctGetLeafCount(const ctChainTree* tree) {
-  return tree->staleTree.levelSize[0];
+  return tree != NULL ? tree->staleTree.levelSize[0] : 0;
 }
 
 void ctGetLeafParticles(const ctChainTree* tree, int* particles) {
+  if (tree == NULL || particles == NULL) {
+    return;
+  }
   const Sequence* s = &tree->sequence;
   const int slots = ctGetLeafCount(tree) * CT_LEAF_WIDTH;
   for (int slot = 0; slot < slots; slot++) {
@@ -131,6 +134,9 @@ void ctGetLeafParticles(const ctChainTree* tree, int* particles) {
 }
 
 const ctLeafPositions* ctGetLeaves(ctChainTree* tree) {
+  if (tree == NULL) {
+    return NULL;
+  }
   if (!ctLeavesReserve(&tree->leaves, &tree->staleTree, &tree->sequence)) {
     ctFailOutOfMemory(tree);
     return NULL;
@@ -140,6 +146,9 @@ const ctLeafPositions* ctGetLeaves(ctChainTree* tree) {
 }
 
 int ctGetTrialPieces(ctChainTree* tree, const ctPiece** pieces, const ctTransform** motions) {
+  if (tree == NULL || pieces == NULL || motions == NULL) {
+    return 0;
+  }
   Trial* trial = tree->trial;
   *pieces = NULL;
   *motions = NULL;
@@ -153,6 +162,9 @@ int ctGetTrialPieces(ctChainTree* tree, const ctPiece** pieces, const ctTransfor
 }
 
 int ctGetTrialLinks(ctChainTree* tree, const int** links) {
+  if (tree == NULL || links == NULL) {
+    return 0;
+  }
   Trial* trial = tree->trial;
   *links = NULL;
   if (!trial->open) {
@@ -187,14 +199,15 @@ static ctStatus listPairs(ctChainTree* scene, bool inTrial, double cutoff, LeafP
   if (task.failed) {
     return ctFailOutOfMemory(scene);
   }
-  if (counts != NULL) {
-    counts->volumeTests += task.tests;
-  }
+  addTests(counts, task.tests, 0);
   return ctSuccess;
 }
 
 ctStatus ctGetChangedLeafPairs(ctChainTree* tree, double cutoff, size_t* count, const ctLeafPair** pairs,
                                const ctLeafPositions** positions, ctCounts* counts) {
+  CT_REQUIRE(tree, count);
+  CT_REQUIRE(tree, pairs);
+  CT_REQUIRE(tree, positions);
   if (!tree->trial->open) {
     return ctFailNoTrial(tree);
   }
@@ -208,6 +221,8 @@ ctStatus ctGetChangedLeafPairs(ctChainTree* tree, double cutoff, size_t* count, 
 }
 
 ctStatus ctGetLeafPairs(ctChainTree* tree, double cutoff, size_t* count, const ctLeafPair** pairs, ctCounts* counts) {
+  CT_REQUIRE(tree, count);
+  CT_REQUIRE(tree, pairs);
   const ctStatus status = listPairs(tree, false, cutoff, &tree->leaves.all, counts);
   if (status == ctSuccess) {
     *count = tree->leaves.all.count;

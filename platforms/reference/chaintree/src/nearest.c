@@ -99,6 +99,10 @@ static void keepNearest(ctSelection* one, ctSelection* other, const int pair[2])
 
 ctStatus ctGetMinimumDistance(ctChainTree* tree, ctSelection* selection1, ctSelection* selection2, double* distance,
                               int pair[2], ctCounts* counts) {
+  CT_REQUIRE(tree, selection1);
+  CT_REQUIRE(tree, selection2);
+  CT_REQUIRE(tree, distance);
+  CT_REQUIRE(tree, pair);
   if (selection1->scene != tree || selection2->scene != tree) {
     return ctFail(tree, ctInvalidArgument, "a selection is of another scene");
   }
@@ -115,10 +119,7 @@ ctStatus ctGetMinimumDistance(ctChainTree* tree, ctSelection* selection1, ctSele
       instructions->findNearest(&nearest, clouds);
     }
   }
-  if (counts != NULL) {
-    counts->volumeTests += nearest.volumeTests;
-    counts->particleTests += nearest.particleTests;
-  }
+  addTests(counts, nearest.volumeTests, nearest.particleTests);
   if (nearest.distance == INFINITY) {
     return ctFail(tree, ctInvalidArgument, "the sets of %d and %d particles hold no pair of different particles",
                   selection1->count, selection2->count);

@@ -27,14 +27,14 @@ static bool judgeCandidate(void* context, int slotA, int slotB, double squaredDi
   return overlap <= tolerance || clashes->found(clashes, slotA, slotB, overlap);
 }
 
-static ctStatus sweepClashes(Clashes* clashes, ctCounts* counts) {
-  Sweep* sweep = ctSceneSweep(clashes->tree);
-  if (sweep == NULL) {
-    return ctFailOutOfMemory(clashes->tree);
+/* False if there is no memory. */
+static bool sweepClashes(Clashes* clashes, ctCounts* counts) {
+  clashes->sweep = ctSceneSweep(clashes->tree);
+  if (clashes->sweep == NULL) {
+    return false;
   }
-  clashes->sweep = sweep;
-  ctSweepClashes(sweep, clashes->tree->overlapTolerance, judgeCandidate, clashes, counts);
-  return ctSuccess;
+  ctSweepClashes(&clashes->tree->ownSweep, clashes->tree->overlapTolerance, judgeCandidate, clashes, counts);
+  return true;
 }
 
 typedef struct Caller {
@@ -50,9 +50,10 @@ static bool tellCaller(Clashes* clashes, int slotA, int slotB, double overlap) {
 }
 
 ctStatus ctForEachClash(ctChainTree* tree, ctPairFunction* function, void* context, ctCounts* counts) {
+  CT_REQUIRE(tree, function);
   Caller caller = {function, context};
   Clashes clashes = {.tree = tree, .found = tellCaller, .context = &caller};
-  return sweepClashes(&clashes, counts);
+  return sweepClashes(&clashes, counts) ? ctSuccess : ctFailOutOfMemory(tree);
 }
 
 static bool keepFirst(Clashes* clashes, int slotA, int slotB, double overlap) {
@@ -62,16 +63,17 @@ static bool keepFirst(Clashes* clashes, int slotA, int slotB, double overlap) {
 }
 
 ctStatus ctHasClash(ctChainTree* tree, bool* clash, int pair[2], ctCounts* counts) {
+  CT_REQUIRE(tree, clash);
   int first[2] = {CT_NULL, CT_NULL};
   Clashes clashes = {.tree = tree, .found = keepFirst, .context = first};
-  const ctStatus status = sweepClashes(&clashes, counts);
-  if (status == ctSuccess) {
-    *clash = first[0] != CT_NULL;
-    if (*clash && pair != NULL) {
-      memcpy(pair, first, sizeof first);
-    }
+  if (!sweepClashes(&clashes, counts)) {
+    return ctFailOutOfMemory(tree);
   }
-  return status;
+  *clash = first[0] != CT_NULL;
+  if (*clash && pair != NULL) {
+    memcpy(pair, first, sizeof first);
+  }
+  return ctSuccess;
 }
 
 /* ---- Energy ---- */
@@ -112,16 +114,17 @@ static bool addEnergy(Clashes* clashes, int slotA, int slotB, double overlap) {
 }
 
 ctStatus ctComputeEnergy(ctChainTree* tree, double k, double* energy, double* forces, ctCounts* counts) {
+  CT_REQUIRE(tree, energy);
   if (!isfinite(k)) {
     return ctFail(tree, ctInvalidArgument, "the force constant is %g; it must be finite", k);
   }
   Energy sum = {k, 0, forces};
   Clashes clashes = {.tree = tree, .found = addEnergy, .context = &sum};
-  const ctStatus status = sweepClashes(&clashes, counts);
-  if (status == ctSuccess) {
-    *energy = sum.sum;
+  if (!sweepClashes(&clashes, counts)) {
+    return ctFailOutOfMemory(tree);
   }
-  return status;
+  *energy = sum.sum;
+  return ctSuccess;
 }
 
 /* ---- Neighbours ---- */
@@ -179,6 +182,7 @@ static ctStatus sweepNeighbors(ctChainTree* tree, double cutoff, PairSink* sink,
 
 ctStatus ctForEachNeighborPair(ctChainTree* tree, double cutoff, ctPairFunction* function, void* context,
                                ctCounts* counts) {
+  CT_REQUIRE(tree, function);
   Neighbors neighbors;
   neighbors.sweep = &tree->ownSweep;
   neighbors.cutoff = cutoff;
@@ -186,7 +190,7 @@ ctStatus ctForEachNeighborPair(ctChainTree* tree, double cutoff, ctPairFunction*
   neighbors.goesOn = true;
   PairSink sink = {neighbors.lower, neighbors.higher, 0, NEIGHBORS_AT_ONCE, false, tellNeighbors, &neighbors};
   const ctStatus status = sweepNeighbors(tree, cutoff, &sink, counts);
-  if (neighbors.goesOn) {
+  if (status == ctSuccess && neighbors.goesOn) {
     tellNeighbors(&sink);
   }
   return status;
@@ -221,6 +225,11 @@ static bool moveNeighbors(PairSink* sink) {
 
 ctStatus ctGetNeighborPairs(ctChainTree* tree, double cutoff, bool sorted, size_t capacity, int* particles1,
                             int* particles2, double* distances, size_t* count, ctCounts* counts) {
+  CT_REQUIRE(tree, count);
+  if (capacity > 0) {
+    CT_REQUIRE(tree, particles1);
+    CT_REQUIRE(tree, particles2);
+  }
   NeighborArrays arrays;
   arrays.lower = particles1;
   arrays.higher = particles2;
@@ -261,12 +270,14 @@ static bool matchProbe(void* context, int slot, double squaredDistance) {
 
 ctStatus ctForEachClashWith(ctChainTree* tree, const double position[3], double radius, ctParticleFunction* function,
                             void* context, ctCounts* counts) {
+  CT_REQUIRE(tree, position);
   if (!areLengths(position)) {
     return ctFail(tree, ctInvalidArgument, "the position of the probe " CT_NO_LENGTH);
   }
   if (!(radius >= 0) || !isLength(radius)) {
     return ctFail(tree, ctInvalidArgument, "the radius of the probe is %g nm; it must be from 0 to 1e15 nm", radius);
   }
+  CT_REQUIRE(tree, function);
   double point[3];
   subtract(position, tree->sequence.worldOrigin, point);
   Probe probe = {tree, radius, function, context};
@@ -279,6 +290,14 @@ ctStatus ctForEachClashWith(ctChainTree* tree, const double position[3], double 
 /* ---- Limits of single pairs ---- */
 
 ctStatus ctSetLimits(ctChainTree* tree, int count, const int (*pairs)[2], const double* limits) {
+  CT_REQUIRE(tree, tree);
+  if (count < 0 || count > CT_MOST_COUNT) {
+    return ctFail(tree, ctInvalidArgument, "there cannot be %d limits", count);
+  }
+  if (count > 0) {
+    CT_REQUIRE(tree, pairs);
+    CT_REQUIRE(tree, limits);
+  }
   const Sequence* s = &tree->sequence;
   Limits fresh = {0};
   bool hasMemory = true;
@@ -326,10 +345,10 @@ static bool raiseLimit(Clashes* clashes, int slotA, int slotB, double overlap) {
 }
 
 ctStatus ctRaiseLimits(ctChainTree* tree, int* raised, ctCounts* counts) {
+  CT_REQUIRE(tree, raised);
   Raise raise = {0};
   Clashes clashes = {.tree = tree, .found = raiseLimit, .context = &raise};
-  const ctStatus status = sweepClashes(&clashes, counts);
-  raise.failed = raise.failed || status != ctSuccess;
+  raise.failed = !sweepClashes(&clashes, counts) || raise.failed;
   const int count = raise.raised.count;
   /* Adds the old limits; of two of one pair the larger stays. */
   for (int i = 0; i < tree->limits.count && !raise.failed; i++) {
@@ -367,15 +386,18 @@ static bool measureExcess(Clashes* clashes, int slotA, int slotB, double overlap
 double ctSceneExcess(ctChainTree* scene, double most, ctCounts* counts) {
   Excess excess = {most, 0};
   Clashes clashes = {.tree = scene, .found = measureExcess, .context = &excess};
-  const bool isKnown = sweepClashes(&clashes, counts) == ctSuccess && excess.found <= most;
+  const bool isKnown = sweepClashes(&clashes, counts) && excess.found <= most;
   return isKnown ? excess.found : INFINITY;
 }
 
 int ctGetLimitCount(const ctChainTree* tree) {
-  return tree->limits.count;
+  return tree != NULL ? tree->limits.count : 0;
 }
 
 void ctGetLimits(const ctChainTree* tree, int capacity, int (*pairs)[2], double* limits) {
+  if (tree == NULL || pairs == NULL || limits == NULL) {
+    return;
+  }
   for (int i = 0; i < capacity && i < tree->limits.count; i++) {
     pairs[i][0] = (int)(tree->limits.keys[i] >> 32);
     pairs[i][1] = (int)(tree->limits.keys[i] & 0xffffffffu);

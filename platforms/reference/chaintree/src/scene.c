@@ -53,8 +53,16 @@ ctStatus ctFailNoTrial(ctChainTree* scene) {
   return ctFail(scene, ctNoTrial, "there is no open trial");
 }
 
+ctStatus ctFailMissing(ctChainTree* scene, const char* argument) {
+  return scene == NULL ? ctInvalidArgument : ctFail(scene, ctInvalidArgument, "%s is NULL", argument);
+}
+
 ctStatus ctCheckParticles(ctChainTree* scene, int count, const int* particles) {
   const int particleCount = scene->sequence.particleCount;
+  if (count < 0 || count > CT_MOST_COUNT || (count > 0 && particles == NULL)) {
+    return ctFail(scene, ctInvalidArgument, "there cannot be %d particles%s", count,
+                  particles == NULL ? " without a list of them" : "");
+  }
   for (int i = 0; i < count; i++) {
     if (particles[i] < 0 || particles[i] >= particleCount) {
       return ctFail(scene, ctInvalidArgument, "there is no particle %d; there are %d particles", particles[i],

@@ -28,12 +28,12 @@ struct ctChainTree {
   Sequence sequence;
   Exclusions exclusions;
   Limits limits;
-  Tree staleTree; /* may be stale: to be used only by ctSceneTree */
+  Tree staleTree; /* its content may be stale, which ctSceneTree mends; its layout, instructions and time never are */
   Traversal traversal;
   Clearance clearance;
   Witnesses witnesses;
   Skipped skipped;
-  Sweep ownSweep; /* may be stale: to be used only by ctSceneSweep */
+  Sweep ownSweep; /* its snapshot may be stale, which ctSceneSweep mends */
   Trial trials[2];
   /* These two are swapped at once: within a line of the processor's cache, which every trial would wait for otherwise.
    */
@@ -44,6 +44,7 @@ struct ctChainTree {
   SlotPairs undecided;
   Leaves leaves;           /* may be stale */
   int64_t changeCount;     /* of the state */
+  int64_t commitCount;     /* of these, by trials */
   ctSelection* selections; /* those that have not been freed */
   double overlapTolerance;
   double hydrogenBondAllowance;
@@ -55,6 +56,17 @@ ctStatus ctFail(ctChainTree* scene, ctStatus status, const char* format, ...) __
 ctStatus ctFailOutOfMemory(ctChainTree* scene);
 ctStatus ctFailNoTrial(ctChainTree* scene);
 
+/* Fails because the scene or an argument of this name is NULL. */
+ctStatus ctFailMissing(ctChainTree* scene, const char* argument);
+
+/* Ends a public call that lacks its scene or an argument. */
+#define CT_REQUIRE(scene, argument)              \
+  do {                                           \
+    if ((scene) == NULL || (argument) == NULL) { \
+      return ctFailMissing(scene, #argument);    \
+    }                                            \
+  } while (0)
+
 /* Fails unless all of these are particles of the scene. */
 ctStatus ctCheckParticles(ctChainTree* scene, int count, const int* particles);
 
@@ -64,8 +76,8 @@ Tree* ctSceneTree(ctChainTree* scene);
 /* The same, but bounds may be wider than need be, see tree.h. For trials of few slots. */
 Tree* ctSceneLaggingTree(ctChainTree* scene);
 
-/* How far some pair is beyond its limit at most, nm; 0: none is. INFINITY: farther than `most`, or there is no memory.
- */
+/* How far some pair is beyond its limit at most, nm; 0: none is. INFINITY: farther than `most`, or there is no memory,
+ * which is no failure and leaves the scene's text alone. */
 double ctSceneExcess(ctChainTree* scene, double most, ctCounts* counts);
 
 /* A sweep over the state, with a snapshot of it; NULL if there is no memory. */

@@ -133,7 +133,10 @@ void ctDisownSelections(ctChainTree* scene) {
 /* ---- Life ---- */
 
 ctStatus ctSelect(ctChainTree* tree, int count, const int* particles, ctSelection** selection) {
-  *selection = NULL;
+  if (selection != NULL) {
+    *selection = NULL;
+  }
+  CT_REQUIRE(tree, selection);
   const ctStatus status = ctCheckParticles(tree, count, particles);
   if (status != ctSuccess) {
     return status;

@@ -29,8 +29,9 @@ typedef struct Skipped {
 /* To be called when the state has become another one than by a commit, and when limits are others. */
 void ctSkippedForget(ctChainTree* scene);
 
-/* True if the test of the open trial, of which some bodies have another's number, may skip pairs. Looks at all pairs of
- * the state if need be. */
+/* True if the test of the open trial, of which some bodies have another's number, may skip pairs. If that is not known,
+ * looks at all pairs of the state, or says no until it is time for the next look: after up to MOST_LOOK_PATIENCE more
+ * trials. Without memory for a look, says no. */
 bool ctMaySkip(ctChainTree* scene, ctCounts* counts);
 
 /* To be called when the open trial is committed. */

@@ -29,6 +29,9 @@ static size_t referenceSize(const Sequence* s) {
 }
 
 size_t ctGetStateSize(const ctChainTree* tree) {
+  if (tree == NULL) {
+    return 0;
+  }
   const Sequence* s = &tree->sequence;
   size_t size = referenceSize(s);
   for (int u = 0; u < s->userLinkCount; u++) {
@@ -81,6 +84,9 @@ static bool isJoint(const Sequence* s, int link, const double* numbers, const do
 /* ---- The whole ---- */
 
 void ctGetState(const ctChainTree* tree, double* state) {
+  if (tree == NULL || state == NULL) {
+    return;
+  }
   const Sequence* s = &tree->sequence;
   if (s->particleCount > 0) {
     memcpy(state, s->reference, referenceSize(s) * sizeof(double));
@@ -97,6 +103,10 @@ void ctGetState(const ctChainTree* tree, double* state) {
 }
 
 ctStatus ctSetState(ctChainTree* tree, const double* state) {
+  CT_REQUIRE(tree, tree);
+  if (ctGetStateSize(tree) > 0) {
+    CT_REQUIRE(tree, state);
+  }
   Sequence* s = &tree->sequence;
   const int bad = ctFindBadPosition(s->particleCount, state);
   if (bad != CT_NULL) {

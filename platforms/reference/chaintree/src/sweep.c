@@ -2,6 +2,7 @@
 
 #include <limits.h>
 
+#include "counts.h"
 #include "instructions.h"
 
 void ctSweepInit(Sweep* sweep, const Tree* layout, const Sequence* sequence, const Exclusions* exclusions) {
@@ -75,24 +76,17 @@ void ctSweepBound(Sweep* sweep) {
   sweep->layout->instructions->boundSnapshot(&sweep->snapshot, sweep->sequence, sweep->layout);
 }
 
-static void addCounts(ctCounts* counts, const SweepTask* task) {
-  if (counts != NULL) {
-    counts->volumeTests += task->volumeTests;
-    counts->particleTests += task->particleTests;
-  }
-}
-
 void ctSweepClashes(Sweep* sweep, double tolerance, ClashFunction* function, void* context, ctCounts* counts) {
   SweepTask task = {.reach = -tolerance, .clash = function, .context = context};
   sweep->layout->instructions->sweepClashes(sweep, &task);
-  addCounts(counts, &task);
+  addTests(counts, task.volumeTests, task.particleTests);
 }
 
 void ctSweepNeighbors(Sweep* sweep, double cutoff, PairSink* sink, DoubtFunction* isNear, void* context,
                       ctCounts* counts) {
   SweepTask task = {.reach = cutoff, .sink = sink, .isNear = isNear, .context = context};
   sweep->layout->instructions->sweepNeighbors(sweep, &task);
-  addCounts(counts, &task);
+  addTests(counts, task.volumeTests, task.particleTests);
 }
 
 void ctSweepDistances(const Sweep* sweep, double cutoff, size_t count, const int* lower, const int* higher,

@@ -93,8 +93,8 @@ CT_NOINLINE bool growStraddlers(Traversal* t, int count) {
 
 bool ctTraversalReserve(Traversal* t, int pieceCount) {
   /* The boundary of two pieces is straddled by one node of each level at most. */
-  const int straddlers = (pieceCount - 1) * t->tree->levelCount;
-  return (straddlers <= t->straddlerCapacity || growStraddlers(t, straddlers)) &&
+  const int64_t straddlers = (int64_t)(pieceCount - 1) * t->tree->levelCount;
+  return straddlers <= CT_MOST_COUNT && (straddlers <= t->straddlerCapacity || growStraddlers(t, (int)straddlers)) &&
          ctReserve((void**)&t->motions, &t->motionCapacity, pieceCount, sizeof(float[12]));
 }
 

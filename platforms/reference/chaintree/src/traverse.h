@@ -5,6 +5,7 @@
 #ifndef CT_TRAVERSE_H_
 #define CT_TRAVERSE_H_
 
+#include "counts.h"
 #include "exclusion.h"
 #include "tree.h"
 

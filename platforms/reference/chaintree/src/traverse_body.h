@@ -8,17 +8,10 @@ static Visit startVisit(Traversal* t, const View* view, CandidateFunction* funct
   return (Visit){.function = function, .context = context, .reach = (float)(view->reach + margin), .margin = margin};
 }
 
-static void addCounts(const Visit* visit, ctCounts* counts) {
-  if (counts != NULL) {
-    counts->volumeTests += visit->volumeTests;
-    counts->particleTests += visit->particleTests;
-  }
-}
-
 static int64_t traverse(Traversal* t, const View* view, CandidateFunction* function, void* context, ctCounts* counts) {
   Visit visit = startVisit(t, view, function, context);
   descend(t, &visit);
-  addCounts(&visit, counts);
+  addTests(counts, visit.volumeTests, visit.particleTests);
   return visit.volumeTests + visit.particleTests + COST_OF_BOX_TEST * visit.boxTests +
          COST_OF_BOXES * visit.visitsWithBoxes;
 }
@@ -28,7 +21,7 @@ static void traverseFew(Traversal* t, const View* view, int begin, int end, Cand
   Visit visit = startVisit(t, view, function, context);
   visit.clashes = clashes;
   visitFew(t, &visit, begin, end);
-  addCounts(&visit, counts);
+  addTests(counts, visit.volumeTests, visit.particleTests);
 }
 
 static void traverseProbe(Traversal* t, const View* view, const double point[3], double radius, ProbeFunction* function,
@@ -54,9 +47,7 @@ static void traverseProbe(Traversal* t, const View* view, const double point[3],
         t->motion[child] = 0;
         t->stack[depth++] = (ProbedNode){probed.level - 1, child};
       }
-      if (counts != NULL) {
-        counts->volumeTests += count;
-      }
+      addTests(counts, count, 0);
       continue;
     }
     int end;
@@ -67,8 +58,6 @@ static void traverseProbe(Traversal* t, const View* view, const double point[3],
       ctTraversalPosition(t, slot, x);
       goesOn = function(context, slot, squaredDistance(x, point));
     }
-    if (counts != NULL) {
-      counts->particleTests += end - begin;
-    }
+    addTests(counts, 0, end - begin);
   }
 }

@@ -307,7 +307,7 @@ static int compareChanges(const void* a, const void* b) {
   return (x > y) - (x < y);
 }
 
-/* Sorts the changes by link; returns a link that is changed twice, or CT_NULL. */
+/* Sorts the changes by link; returns the caller's link that is changed twice, or CT_NULL. */
 CT_NOINLINE int sortChanges(Trial* trial) {
   bool isAscending = true;
   for (int i = 1; i < trial->count && isAscending; i++) {
@@ -319,7 +319,7 @@ CT_NOINLINE int sortChanges(Trial* trial) {
   for (int i = 0; i < trial->count; i++) {
     trial->links[i] = trial->changes[i].link;
     if (i > 0 && trial->links[i] == trial->links[i - 1]) {
-      return trial->links[i];
+      return trial->changes[i].userLink;
     }
   }
   return CT_NULL;

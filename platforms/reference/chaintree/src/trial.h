@@ -46,7 +46,7 @@ typedef struct Trial {
 bool ctTrialReserve(Trial* trial, int count);
 
 /* Opens a trial of the caller's `given` changes, for which there is room: computes joint states, motions and pieces
- * from the state. Returns a link that is changed twice, or CT_NULL. */
+ * from the state. Returns the caller's link that is changed twice, or CT_NULL. */
 int ctTrialOpen(Trial* trial, const Sequence* sequence, Traversal* traversal, const ctChange* given, int count);
 
 /* True if some body may move as another does, up to rounding. One change alone moves something, however little. */

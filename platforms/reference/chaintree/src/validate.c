@@ -158,6 +158,9 @@ static bool leavesHold(ctChainTree* scene) {
 }
 
 bool ctValidate(ctChainTree* tree) {
+  if (tree == NULL) {
+    return false;
+  }
   Content content[CONTENT_COUNT];
   void* kept[CONTENT_COUNT] = {0};
   Tree* made = ctSceneTree(tree);

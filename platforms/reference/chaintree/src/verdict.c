@@ -34,17 +34,15 @@ static ctStatus checkChange(ctChainTree* tree, const ctChange* change) {
   return ctSuccess;
 }
 
-static int callersLink(const ctChainTree* tree, int link) {
-  int callers = 0;
-  while (tree->sequence.linkOfUser[callers] != link) {
-    callers++;
-  }
-  return callers;
-}
-
 ctStatus ctPropose(ctChainTree* tree, int count, const ctChange* changes) {
-  if (count < 0) {
-    return ctFail(tree, ctInvalidArgument, "a trial cannot have %d changes", count);
+  CT_REQUIRE(tree, tree);
+  /* More changes than links would name some link twice. */
+  if (count < 0 || count > tree->sequence.userLinkCount) {
+    return ctFail(tree, ctInvalidArgument, "a trial cannot have %d changes; there are %d links", count,
+                  tree->sequence.userLinkCount);
+  }
+  if (count > 0) {
+    CT_REQUIRE(tree, changes);
   }
   ctSceneLaggingTree(tree); /* a trial begins from an up to date tree */
   for (int i = 0; i < count; i++) {
@@ -62,13 +60,12 @@ ctStatus ctPropose(ctChainTree* tree, int count, const ctChange* changes) {
   }
   const int twice = ctTrialOpen(tree->next, &tree->sequence, &tree->traversal, changes, count);
   if (twice != CT_NULL) {
-    return ctFail(tree, ctInvalidArgument, "link %d is changed twice in one trial", callersLink(tree, twice));
+    return ctFail(tree, ctInvalidArgument, "link %d is changed twice in one trial", twice);
   }
   for (int i = 0; i < count; i++) {
     const TrialChange* change = &tree->next->changes[i];
     if (tree->sequence.jointType[change->link] == ctFreeJoint && !isJointPosition(change->after.placement.position)) {
-      return ctFail(tree, ctInvalidArgument, "the motion given for link %d takes it too far away",
-                    callersLink(tree, change->link));
+      return ctFail(tree, ctInvalidArgument, "the motion given for link %d takes it too far away", change->userLink);
     }
   }
   if (ctTrialMayMerge(tree->next)) {
@@ -103,7 +100,8 @@ static void leaveTrial(ctChainTree* tree, bool areLeavesKept) {
 
 static bool addUndecided(ctChainTree* tree, int slotA, int slotB, double value) {
   SlotPairs* undecided = &tree->undecided;
-  if (!ctReserve((void**)&undecided->pairs, &undecided->capacity, undecided->count + 1, sizeof(SlotPair))) {
+  if (undecided->count == CT_MOST_COUNT ||
+      !ctReserve((void**)&undecided->pairs, &undecided->capacity, undecided->count + 1, sizeof(SlotPair))) {
     return false;
   }
   undecided->pairs[undecided->count++] = (SlotPair){slotA, slotB, value};
@@ -234,6 +232,7 @@ static void testView(ctChainTree* tree, const View* view, Verdict* verdict, ctCo
 }
 
 ctStatus ctTestTrial(ctChainTree* tree, bool* clash, int pair[2], ctCounts* counts) {
+  CT_REQUIRE(tree, clash);
   if (!tree->trial->open) {
     return ctFailNoTrial(tree);
   }
@@ -302,6 +301,7 @@ static void dropRepeats(SlotPairs* list) {
 
 ctStatus ctForEachChangedPair(ctChainTree* tree, double cutoff, ctChangedPairFunction* function, void* context,
                               ctCounts* counts) {
+  CT_REQUIRE(tree, function);
   if (!tree->trial->open) {
     return ctFailNoTrial(tree);
   }
@@ -347,8 +347,12 @@ ctStatus ctForEachChangedPair(ctChainTree* tree, double cutoff, ctChangedPairFun
 /* ---- End ---- */
 
 ctStatus ctGetTrialPositions(ctChainTree* tree, double* positions) {
+  CT_REQUIRE(tree, tree);
   if (!tree->trial->open) {
     return ctFailNoTrial(tree);
+  }
+  if (tree->sequence.particleCount > 0) {
+    CT_REQUIRE(tree, positions);
   }
   const bool areLeavesKept = enterTrial(tree);
   ctReadPositions(&tree->sequence, ctSceneTree(tree), positions);
@@ -357,9 +361,13 @@ ctStatus ctGetTrialPositions(ctChainTree* tree, double* positions) {
 }
 
 ctStatus ctGetPositionsOf(ctChainTree* tree, bool inTrial, int count, const int* particles, double* positions) {
+  CT_REQUIRE(tree, tree);
   const ctStatus status = ctCheckParticles(tree, count, particles);
   if (status != ctSuccess) {
     return status;
+  }
+  if (count > 0) {
+    CT_REQUIRE(tree, positions);
   }
   if (inTrial && !tree->trial->open) {
     return ctFailNoTrial(tree);
@@ -379,8 +387,12 @@ ctStatus ctGetPositionsOf(ctChainTree* tree, bool inTrial, int count, const int*
 }
 
 ctStatus ctFollowTrialPositions(ctChainTree* tree, bool anew, double* positions) {
+  CT_REQUIRE(tree, tree);
   if (!tree->trial->open) {
     return ctFailNoTrial(tree);
+  }
+  if (tree->sequence.particleCount > 0) {
+    CT_REQUIRE(tree, positions);
   }
   const bool areLeavesKept = enterTrial(tree);
   ctFollowPositions(tree, anew, positions);
@@ -389,6 +401,7 @@ ctStatus ctFollowTrialPositions(ctChainTree* tree, bool anew, double* positions)
 }
 
 ctStatus ctCommit(ctChainTree* tree, ctCounts* counts) {
+  CT_REQUIRE(tree, tree);
   if (!tree->trial->open) {
     return ctFailNoTrial(tree);
   }
@@ -408,28 +421,35 @@ ctStatus ctCommit(ctChainTree* tree, ctCounts* counts) {
   }
   tree->trial->open = false;
   tree->changeCount++;
+  tree->commitCount++;
   if (counts != NULL) {
-    counts->nodesUpdated += updated;
+    addCount(&counts->nodesUpdated, updated);
   }
   return ctSuccess;
 }
 
 void ctDiscard(ctChainTree* tree) {
-  tree->trial->open = false;
+  if (tree != NULL) {
+    tree->trial->open = false;
+  }
 }
 
 bool ctHasTrial(const ctChainTree* tree) {
-  return tree->trial->open;
+  return tree != NULL && tree->trial->open;
 }
 
 int64_t ctGetTrialCount(const ctChainTree* tree) {
-  return tree->trialCount;
+  return tree != NULL ? tree->trialCount : 0;
 }
 
-double ctGetTotalShift(const ctChainTree* tree) {
-  return tree->skipped.total;
+int64_t ctGetCommitCount(const ctChainTree* tree) {
+  return tree != NULL ? tree->commitCount : 0;
 }
 
 int64_t ctGetChangeCount(const ctChainTree* tree) {
-  return tree->changeCount;
+  return tree != NULL ? tree->changeCount : 0;
+}
+
+double ctGetTotalShift(const ctChainTree* tree) {
+  return tree != NULL ? tree->skipped.total : 0;
 }

@@ -47,8 +47,6 @@ static bool askWitnesses(const Witnesses* w, Traversal* t, const View* view, Can
     ctPositionInView(t, pair[1], motionB, y);
     isOver = !function(context, pair[0], pair[1], squaredDistance(x, y));
   }
-  if (counts != NULL) {
-    counts->particleTests += particleTests;
-  }
+  addTests(counts, 0, particleTests);
   return isOver;
 }

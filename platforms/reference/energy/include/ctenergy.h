@@ -21,8 +21,8 @@
  * double: about 1e-6 kJ/mol a pair. Results have the same bits on each instruction set. Between C libraries only those
  * of expressions may differ, which use its exp, log, sin and the like, and of torsions by their phases' cosines.
  *
- * Errors. As in chaintree.h. One scene can have one energy or more; handles of one scene serve one thread at a time.
- * The scene has to outlive them.
+ * Errors and arguments. As in chaintree.h; what has no value is NaN. One scene can have one energy or more; handles of
+ * one scene serve one thread at a time. The scene has to outlive them.
  */
 #ifndef CTENERGY_H_
 #define CTENERGY_H_
@@ -39,6 +39,9 @@ extern "C" {
 /* 1 / (4 pi epsilon0), kJ nm / (mol e^2), as OpenMM has it. */
 #define CT_COULOMB 138.93545764438198
 
+/* The most operations of an expression. */
+#define CT_MOST_OPERATIONS 65536
+
 /* An opaque handle: the energy of one scene. */
 typedef struct ctEnergy ctEnergy;
 
@@ -46,19 +49,19 @@ typedef struct ctEnergy ctEnergy;
  * with sigma the mean of both particles' and epsilon the root of their product. With a cutoff, Coulomb becomes that of
  * a reaction field, CT_COULOMB q1 q2 (1 / r + k r^2 - c), k = (d - 1) / ((2 d + 1) cutoff^3), c = 3 d / ((2 d + 1)
  * cutoff), d the dielectric. From the switching distance s to the cutoff, Lennard-Jones is multiplied by 1 - 10 t^3 +
- * 15 t^4 - 6 t^5, t = (r - s) / (cutoff - s). */
+ * 15 t^4 - 6 t^5, t = (r - s) / (cutoff - s). All numbers are finite, but for a cutoff that is INFINITY. */
 typedef struct ctNonbonded {
   const double* charges;    /* one a particle */
   const double* sigmas;     /* one a particle, nm */
   const double* epsilons;   /* one a particle, kJ/mol, >= 0 */
-  double cutoff;            /* nm; INFINITY: none, and what follows is not read */
-  double switchingDistance; /* nm; not below the cutoff: no switch */
-  double dielectric;
+  double cutoff;            /* nm, > 0; INFINITY: none, and the next two are not read */
+  double switchingDistance; /* nm, >= 0; not below the cutoff, or INFINITY: no switch */
+  double dielectric;        /* k and c have to be finite */
   int exclusionCount;
   const int (*exclusions)[2]; /* pairs that have no part in this, either order; repeats are harmless */
 } ctNonbonded;
 
-/* What a term is, with its particles and parameters. */
+/* What a term is, with its particles and parameters, which are finite but for those of expressions. */
 typedef enum ctTermKind {
   ctHarmonicBondTerm,      /* 2; length, k: 1/2 k (r - length)^2 */
   ctHarmonicAngleTerm,     /* 3; angle, k: 1/2 k (theta - angle)^2 */
@@ -73,8 +76,8 @@ typedef enum ctTermKind {
  * u and v in [0, 1] from its lower corner, it is the sum over i, j < 4 of coefficients[16 (s + size t) + 4 i + j] u^i
  * v^j, where s and u belong to the first angle. */
 typedef struct ctTorsionMap {
-  int size;
-  const double* coefficients; /* 16 * size * size */
+  int size;                   /* 1 or more */
+  const double* coefficients; /* 16 * size * size, at most CT_MOST_COUNT */
 } ctTorsionMap;
 
 /* An input of an expression: something measured of the particles of its term. */
@@ -144,11 +147,11 @@ typedef struct ctOperation {
   double constant;
 } ctOperation;
 
-/* An expression: the result of its last operation. */
+/* An expression: the result of its last operation. Constants and parameters may be infinite or NaN. */
 typedef struct ctExpression {
   int inputCount;
   const ctInput* inputs;
-  int operationCount;
+  int operationCount; /* 1 to CT_MOST_OPERATIONS */
   const ctOperation* operations;
 } ctExpression;
 
@@ -157,7 +160,7 @@ typedef struct ctTermSet {
   ctTermKind kind;
   int count;
   int particlesPerTerm;
-  const int* particles; /* count * particlesPerTerm */
+  const int* particles; /* count * particlesPerTerm, at most CT_MOST_COUNT; the same holds for parameters */
   int parametersPerTerm;
   const double* parameters; /* count * parametersPerTerm */
   int mapCount;             /* of maps, for ctTorsionMapTerm */
@@ -169,13 +172,13 @@ typedef struct ctTermSet {
  * two or three, the first fastest; numbers are rounded, and NaN is what is outside. One that is not discrete has
  * pieces: of the range of each number, `sizes` equal intervals. In an interval of one number the function is the sum
  * over i of values[4 s + i] u^i, u in [0, 1] from its lower end; of two, as in ctTorsionMap. Outside of the range it is
- * 0, unless it is periodic. */
+ * 0, unless it is periodic. A table has at most CT_MOST_COUNT values, which may be anything. */
 typedef struct ctTable {
   bool isDiscrete;
   bool isPeriodic;
-  int dimensions; /* 1 to 3; 1 or 2 if not discrete */
-  int sizes[3];
-  double minima[3]; /* of the range, if not discrete */
+  int dimensions;   /* 1 to 3; 1 or 2 if not discrete */
+  int sizes[3];     /* 1 or more */
+  double minima[3]; /* of the range, if not discrete: finite, and so is its width, below the maxima */
   double maxima[3];
   const double* values;
 } ctTable;
@@ -194,14 +197,14 @@ typedef struct ctInteractionGroup {
  * an angle beyond 2^20 rad, it is computed in double by the C library's. What depends on one particle alone is computed
  * once, so that it costs nothing. */
 typedef struct ctPairSet {
-  int operationCount;
+  int operationCount; /* 1 to CT_MOST_OPERATIONS */
   const ctOperation* operations;
   int tableCount;
   const ctTable* tables;
-  int parametersPerParticle;
-  const double* parameters; /* one particle after another */
-  double cutoff;            /* nm; INFINITY: none */
-  double switchingDistance; /* nm; not below the cutoff: no switch */
+  int parametersPerParticle; /* parameters of all particles together: at most CT_MOST_COUNT */
+  const double* parameters;  /* one particle after another, finite */
+  double cutoff;             /* nm, > 0; INFINITY: none */
+  double switchingDistance;  /* nm; not below the cutoff: no switch; not read without one */
   int exclusionCount;
   const int (*exclusions)[2];
   int groupCount; /* 0: all pairs count; else those of each group, once a group */
@@ -220,30 +223,33 @@ typedef struct ctPairSet {
  * and over all pairs i < j, excluded or not, of
  *   -coulomb (1/soluteDielectric - exp(-kappa f) / solventDielectric) q_i q_j (1/f - shift),
  *     f = sqrt(r^2 + B_i B_j exp(-r^2 / (4 B_i B_j))).
- * With a cutoff, pairs that are farther apart count in no sum. */
+ * With a cutoff, pairs that are farther apart count in no sum. All numbers are finite, but for a cutoff that is
+ * INFINITY.
+ */
 typedef struct ctBorn {
-  const double* charges; /* one a particle, as all arrays up to neckTypes */
-  const double* radii;   /* nm */
-  const double* offsetRadii;
+  const double* charges;     /* one a particle, as all arrays up to neckTypes */
+  const double* radii;       /* nm, > 0 */
+  const double* offsetRadii; /* nm, > 0 */
   const double* scaledRadii; /* may be negative */
   bool isFilled;             /* spheres within others are */
   bool isRescaled;
   const double* alphas; /* these three only if rescaled */
   const double* betas;
   const double* gammas;
-  int neckTypeCount; /* 0: there are no necks */
+  int neckTypeCount; /* 0: there are no necks, and what is named after them is not read. Its square: at most
+                        CT_MOST_COUNT */
   const int* neckTypes;
   const double* neckHeights;   /* m of each two types */
   const double* neckDistances; /* d, nm */
   double neckScale;
-  double neckCut; /* nm */
-  double coulomb; /* kJ nm / (mol e^2) */
-  double soluteDielectric;
+  double neckCut;          /* nm */
+  double coulomb;          /* kJ nm / (mol e^2), >= 0 */
+  double soluteDielectric; /* > 0, as the next */
   double solventDielectric;
-  double kappa;         /* 1/nm */
+  double kappa;         /* 1/nm, >= 0 */
   double surfaceEnergy; /* kJ/mol/nm^2 */
   double probeRadius;   /* nm */
-  double cutoff;        /* nm; INFINITY: none */
+  double cutoff;        /* nm, > 0; INFINITY: none */
   double shift;         /* 1/nm */
 } ctBorn;
 
@@ -258,9 +264,9 @@ typedef struct ctBorn {
  * crosses the middle between two of the grid. The grid is that wide for charges of half an elementary one, wider (up to
  * four times) for smaller ones, as the power -0.4 of the charge. */
 typedef struct ctStandIn {
-  double bornCutoff; /* nm, finite */
-  double pairCutoff; /* nm, finite */
-  double gridWidth;
+  double bornCutoff; /* nm, 1e-3 to CT_MOST_LENGTH, as the next */
+  double pairCutoff;
+  double gridWidth; /* 1e-4 to 1 */
 } ctStandIn;
 
 /* What an expression of a ctValueEnergy is of. */
@@ -273,7 +279,7 @@ typedef enum ctExtent {
 /* An expression of the numbers of a particle or of two, see ctValueEnergy. */
 typedef struct ctValueExpression {
   ctExtent extent;
-  int operationCount;
+  int operationCount; /* 1 to CT_MOST_OPERATIONS */
   const ctOperation* operations;
   int tableCount;
   const ctTable* tables;
@@ -290,20 +296,20 @@ typedef struct ctValueExpression {
  * that has it), and those that follow are of the other. Expressions of pairs are computed as in ctPairSet, those of
  * particles in double by the C library's functions. */
 typedef struct ctValueEnergy {
-  int parametersPerParticle;
-  const double* parameters; /* one particle after another */
+  int parametersPerParticle; /* numbers of all particles together: at most CT_MOST_COUNT */
+  const double* parameters;  /* one particle after another, finite */
   int valueCount;
   const ctValueExpression* values;
   int termCount;
   const ctValueExpression* terms;
-  double cutoff; /* nm; INFINITY: none */
+  double cutoff; /* nm, > 0; INFINITY: none */
   int exclusionCount;
   const int (*exclusions)[2];
 } ctValueEnergy;
 
 /* The description of an energy. All arrays are the caller's, who may free them once ctCreateEnergy has returned. */
 typedef struct ctEnergyDefinition {
-  const ctDefinition* scene;    /* what the scene was made from */
+  const ctDefinition* scene;    /* what the scene was made from, see ctHasStructure */
   const ctNonbonded* nonbonded; /* NULL: no pairs */
   const ctBorn* born;           /* NULL: none; needs nonbonded and standIn */
   const ctStandIn* standIn;     /* read with born alone */
@@ -328,17 +334,19 @@ enum { CT_ENERGY_PARTS = 3 };
 #define CT_NEAR_LEAVES 0.02
 
 /* Makes the energy of a scene, in which every particle that is in a term or, with nonbonded, every particle must stand
- * in a leaf (see ctDefinition.listed). On failure *energy is NULL and errorText says why. O(N + terms). */
+ * in a leaf (see ctDefinition.listed). On failure *energy is NULL and errorText says why. O(N + terms). Errors: what
+ * contradicts the comments above; a count below 0, or so large that some multiple of it is no int. */
 ctStatus ctCreateEnergy(ctChainTree* tree, const ctEnergyDefinition* definition, ctEnergy** energy, char* errorText,
                         size_t errorSize);
 
 /* Frees an energy; NULL is ignored. */
 void ctDestroyEnergy(ctEnergy* energy);
 
-/* One sentence about the last call that failed. */
+/* One sentence about the last call that failed; empty if none has. */
 const char* ctGetEnergyErrorText(const ctEnergy* energy);
 
-/* The number of terms of a set that some change of the scene's joints can change. The others cost nothing in trials. */
+/* The number of terms of a set that some change of the scene's joints can change. The others cost nothing in trials. 0
+ * if there is no such set. */
 int ctCountChangeableTerms(const ctEnergy* energy, int termSet);
 
 /* Computes everything anew from the scene's state: to be called before the first trial and whenever the state has
@@ -349,14 +357,16 @@ ctStatus ctRefreshEnergy(ctEnergy* energy, ctCounts* counts);
 bool ctIsEnergyOfState(const ctEnergy* energy);
 
 /* The energy of the state as of the last refresh and all changes accepted since: of all pairs (with born, that of the
- * stand-in), of a pair set, and of a term set. O(what is kept). NaN or infinite if some pair or term is. */
+ * stand-in), of a pair set, and of a term set. O(what is kept). NaN or infinite if some pair or term is; NaN if there
+ * is no such set, 0 before the first refresh. */
 double ctGetPairEnergy(const ctEnergy* energy);
 double ctGetPairSetEnergy(const ctEnergy* energy, int pairSet);
 double ctGetTermEnergy(const ctEnergy* energy, int termSet);
 
 /* By how much the scene's open trial changes a part of the energy. Parts may be asked for in this order alone, each
  * once a trial; later ones may be left out if the trial is dropped. NaN if one of its values is, or some become
- * infinite and others finite. */
+ * infinite and others finite. Errors: no trial; another part than the next; the energy has to be refreshed; no memory,
+ * after which the parts are to be asked for from the first on. */
 ctStatus ctComputeEnergyChange(ctEnergy* energy, ctEnergyPart part, double* change, ctCounts* counts);
 
 /* With born, the change of near pairs is computed with the Born radii of the state, and so is not the opposite of that
@@ -365,8 +375,9 @@ ctStatus ctComputeEnergyChange(ctEnergy* energy, ctEnergyPart part, double* chan
  * probability a(change) has to be followed by one that multiplies by a(change back) / a(change). */
 double ctGetNearChangeBack(const ctEnergy* energy);
 
-/* To be called after ctCommit of a trial of which all parts were computed: makes its values those of the state, or
- * computes all anew. Errors: a part was not computed, or there is no memory; the energy has to be refreshed then. */
+/* To be called after ctCommit of a trial of which all parts were computed, and before anything else changes the state:
+ * makes its values those of the state, or computes all anew. Errors: a part was not computed, this is not the state to
+ * which that trial has led, or there is no memory; the energy has to be refreshed then. */
 ctStatus ctAcceptEnergyChange(ctEnergy* energy);
 
 /* ---- Energies of values ---- */
@@ -383,16 +394,19 @@ ctStatus ctComputeValueEnergies(ctEnergy* energy, bool inTrial, double* energies
  * cutoffs. */
 ctStatus ctComputeWholeEnergy(ctEnergy* energy, double* nonbonded, double* born, ctCounts* counts);
 
-/* Makes the constant of each particle what the state has beyond bornCutoff, and refreshes the energy. O(N^2). */
+/* Makes the constant of each particle what the state has beyond bornCutoff, unless that is not finite, and refreshes
+ * the energy. Without born, refreshes it. O(N^2). */
 ctStatus ctRenewStandIn(ctEnergy* energy, ctCounts* counts);
 
 /* The constants: one a particle, in its order; 0 before the first renewal. Setting them leaves an energy that has to be
- * refreshed; so does taking back to a copy that was made with others. */
+ * refreshed; so does taking back to a copy that was made with others. Without born there are none to read or write.
+ * Errors: a constant that is not finite as a float. */
 void ctGetStandIn(const ctEnergy* energy, double* constants);
-void ctSetStandIn(ctEnergy* energy, const double* constants);
+ctStatus ctSetStandIn(ctEnergy* energy, const double* constants);
 
 /* Keeps a copy of all values of the state, which replaces the former copy. And makes that copy the values, bit for bit,
- * of a scene that has been brought back to where it was then. O(what is kept). Errors: no memory; there is no copy. */
+ * of a scene that has been brought back to where it was then. O(what is kept). Errors: no memory, and then there is no
+ * copy, or what was to be taken back has to be refreshed; there is no copy. */
 ctStatus ctKeepEnergy(ctEnergy* energy);
 ctStatus ctTakeBackEnergy(ctEnergy* energy);
 

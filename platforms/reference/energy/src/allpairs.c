@@ -47,6 +47,11 @@ static ctStatus createStandIn(AllPairs* pairs, const ctEnergyDefinition* d, cons
 ctStatus ctAllPairsCreate(AllPairs* pairs, ctChainTree* tree, const ctEnergyDefinition* d, const int* slotOf,
                           char* errorText, size_t errorSize) {
   const int particleCount = d->scene->particleCount;
+  if (d->pairSetCount < 0 || d->pairSetCount > CT_MOST_COUNT || (d->pairSetCount > 0 && d->pairSets == NULL)) {
+    snprintf(errorText, errorSize, "there are %d pair sets%s", d->pairSetCount,
+             d->pairSets == NULL ? ", which are NULL" : "");
+    return ctInvalidArgument;
+  }
   if (!ctTrialLeavesCreate(&pairs->leaves, tree, greatestCutoff(d), particleCount, slotOf)) {
     snprintf(errorText, errorSize, "out of memory");
     return ctOutOfMemory;
@@ -101,7 +106,11 @@ ctStatus ctAllPairsRenewFar(AllPairs* pairs) {
   if (isDone) {
     ctStandInGetNear(&pairs->standIn, near);
     for (int i = 0; i < particleCount; i++) {
-      far[i] -= near[i];
+      near[i] = far[i] - near[i];
+    }
+    ctStandInGetFar(&pairs->standIn, far);
+    for (int i = 0; i < particleCount; i++) {
+      far[i] = isFarPart(near[i]) ? near[i] : far[i];
     }
     ctStandInSetFar(&pairs->standIn, far);
   }

@@ -42,8 +42,8 @@ bool ctAllPairsAccept(AllPairs* pairs);
 bool ctAllPairsKeep(AllPairs* pairs);
 bool ctAllPairsTakeBack(AllPairs* pairs);
 
-/* Makes the constants of the stand-in what the state has far away, given pairs that are of this state. The others are
- * of no state then. On failure the constants are as before. */
+/* Makes the constants of the stand-in what the state has far away, unless that is not finite, given pairs that are of
+ * this state. The others are of no state then. On failure the constants are as before. */
 ctStatus ctAllPairsRenewFar(AllPairs* pairs);
 
 #endif /* CT_ALLPAIRS_H_ */

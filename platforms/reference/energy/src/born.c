@@ -10,6 +10,30 @@ static bool isFinitePositive(double x) {
   return isfinite(x) && x > 0;
 }
 
+/* The name of an array that is read and is not there; NULL if there is none. */
+static const char* findMissing(int particleCount, const ctBorn* d) {
+  const struct {
+    const char* name;
+    const void* array;
+    bool isRead;
+  } arrays[] = {{"charges", d->charges, true},
+                {"radii", d->radii, true},
+                {"offsetRadii", d->offsetRadii, true},
+                {"scaledRadii", d->scaledRadii, true},
+                {"alphas", d->alphas, d->isRescaled},
+                {"betas", d->betas, d->isRescaled},
+                {"gammas", d->gammas, d->isRescaled},
+                {"neckTypes", d->neckTypes, d->neckTypeCount > 0},
+                {"neckHeights", d->neckHeights, d->neckTypeCount > 0},
+                {"neckDistances", d->neckDistances, d->neckTypeCount > 0}};
+  for (size_t i = 0; i < sizeof arrays / sizeof arrays[0]; i++) {
+    if (particleCount > 0 && arrays[i].isRead && arrays[i].array == NULL) {
+      return arrays[i].name;
+    }
+  }
+  return NULL;
+}
+
 /* Writes what is wrong with a particle; false if nothing is. */
 static bool isParticleWrong(int i, const ctBorn* d, const int* slotOf, char* errorText, size_t errorSize) {
   if (slotOf[i] == CT_NULL) {
@@ -35,13 +59,17 @@ static bool isParticleWrong(int i, const ctBorn* d, const int* slotOf, char* err
 
 /* The same of the whole description. */
 static bool isWrong(int particleCount, const ctBorn* d, const int* slotOf, char* errorText, size_t errorSize) {
+  if (d->neckTypeCount < 0 || (int64_t)d->neckTypeCount * d->neckTypeCount > CT_MOST_COUNT) {
+    return snprintf(errorText, errorSize, "the number of neck types is %d", d->neckTypeCount) > 0;
+  }
+  const char* missing = findMissing(particleCount, d);
+  if (missing != NULL) {
+    return snprintf(errorText, errorSize, "%s of Born is NULL", missing) > 0;
+  }
   for (int i = 0; i < particleCount; i++) {
     if (isParticleWrong(i, d, slotOf, errorText, errorSize)) {
       return true;
     }
-  }
-  if (d->neckTypeCount < 0) {
-    return snprintf(errorText, errorSize, "the number of neck types is %d", d->neckTypeCount) > 0;
   }
   for (int i = 0; i < d->neckTypeCount * d->neckTypeCount; i++) {
     if (!isfinite(d->neckHeights[i]) || !isfinite(d->neckDistances[i])) {
@@ -121,7 +149,7 @@ static void setModel(BornModel* model, int particleCount, const ctBorn* d, const
       .surfaceEnergy = d->surfaceEnergy,
       .probeRadius = d->probeRadius,
   };
-  model->squaredCutoff = model->hasCutoff ? (float)model->exactCutoff : NO_CUTOFF;
+  model->squaredCutoff = squareOfCutoff(d->cutoff);
 }
 
 static void setParticles(Born* born, int particleCount, const ctBorn* d, const int* slotOf) {

@@ -1,4 +1,5 @@
 /* Life of an energy, and the order in which a trial's parts are computed. */
+#include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 
@@ -18,6 +19,7 @@ struct ctEnergy {
   int64_t state;     /* the scene's change count of the state that values belong to, or NO_STATE */
   double shift;      /* the scene's total shift when values were last computed anew, nm */
   int64_t trial;     /* the last one that was asked about */
+  int64_t commits;   /* the scene's commit count before it */
   int computedParts; /* of it */
   bool hasCopy;      /* of all values, see ctKeepEnergy; they were those of the state, or of none */
   bool copyIsOfState;
@@ -28,6 +30,14 @@ struct ctEnergy {
 static ctStatus fail(ctEnergy* energy, ctStatus status, const char* text) {
   snprintf(energy->errorText, sizeof energy->errorText, "%s", text);
   return status;
+}
+
+/* Fails because the energy or an argument of this name is NULL. */
+static ctStatus failMissing(ctEnergy* energy, const char* argument) {
+  if (energy != NULL) {
+    snprintf(energy->errorText, sizeof energy->errorText, "%s is NULL", argument);
+  }
+  return ctInvalidArgument;
 }
 
 static ctStatus failOutOfMemory(ctEnergy* energy) {
@@ -64,6 +74,10 @@ static ctStatus build(ctEnergy* energy, const ctEnergyDefinition* d, char* error
     snprintf(errorText, errorSize, "a Born energy needs a nonbonded energy and a stand-in");
     return ctInvalidArgument;
   }
+  if (!ctHasStructure(energy->tree, d->scene)) {
+    snprintf(errorText, errorSize, "the scene was not made from the definition that the energy names");
+    return ctInvalidArgument;
+  }
   int* slotOf = findSlots(energy->tree, d->scene->particleCount);
   if (slotOf == NULL) {
     snprintf(errorText, errorSize, "out of memory");
@@ -83,12 +97,18 @@ static ctStatus build(ctEnergy* energy, const ctEnergyDefinition* d, char* error
 ctStatus ctCreateEnergy(ctChainTree* tree, const ctEnergyDefinition* definition, ctEnergy** energy, char* errorText,
                         size_t errorSize) {
   char ignored[1];
-  *energy = NULL;
   if (errorText == NULL || errorSize == 0) {
     errorText = ignored;
     errorSize = sizeof ignored;
   }
   errorText[0] = '\0';
+  if (energy != NULL) {
+    *energy = NULL;
+  }
+  if (tree == NULL || definition == NULL || energy == NULL) {
+    snprintf(errorText, errorSize, "%s is NULL", tree == NULL ? "tree" : definition == NULL ? "definition" : "energy");
+    return ctInvalidArgument;
+  }
   ctEnergy* made = calloc(1, sizeof *made);
   if (made == NULL) {
     snprintf(errorText, errorSize, "out of memory");
@@ -115,11 +135,15 @@ void ctDestroyEnergy(ctEnergy* energy) {
 }
 
 const char* ctGetEnergyErrorText(const ctEnergy* energy) {
-  return energy->errorText;
+  return energy != NULL ? energy->errorText : "";
+}
+
+static bool isTermSet(const ctEnergy* energy, int termSet) {
+  return energy != NULL && termSet >= 0 && termSet < ctTermsSetCount(energy->terms);
 }
 
 int ctCountChangeableTerms(const ctEnergy* energy, int termSet) {
-  return ctTermsCountChangeable(energy->terms, termSet);
+  return isTermSet(energy, termSet) ? ctTermsCountChangeable(energy->terms, termSet) : 0;
 }
 
 /* ---- The state ---- */
@@ -130,6 +154,9 @@ static double lag(const ctEnergy* energy) {
 }
 
 ctStatus ctRefreshEnergy(ctEnergy* energy, ctCounts* counts) {
+  if (energy == NULL) {
+    return ctInvalidArgument;
+  }
   ctRenew(energy->tree);
   const ctLeafPositions* leaves = ctGetLeaves(energy->tree);
   energy->computedParts = 0;
@@ -144,19 +171,23 @@ ctStatus ctRefreshEnergy(ctEnergy* energy, ctCounts* counts) {
 }
 
 bool ctIsEnergyOfState(const ctEnergy* energy) {
-  return energy->state == ctGetChangeCount(energy->tree);
+  return energy != NULL && energy->state == ctGetChangeCount(energy->tree);
 }
 
 double ctGetPairEnergy(const ctEnergy* energy) {
+  if (energy == NULL) {
+    return NAN;
+  }
   return energy->hasPairs ? ctAllPairsEnergy(&energy->pairs) : 0;
 }
 
 double ctGetPairSetEnergy(const ctEnergy* energy, int pairSet) {
-  return ctLeafSumsTotal(&energy->pairs.sets.sums[pairSet].sums);
+  const bool isThere = energy != NULL && pairSet >= 0 && pairSet < energy->pairs.sets.count;
+  return isThere ? ctLeafSumsTotal(&energy->pairs.sets.sums[pairSet].sums) : NAN;
 }
 
 double ctGetTermEnergy(const ctEnergy* energy, int termSet) {
-  return ctTermsSum(energy->terms, termSet);
+  return isTermSet(energy, termSet) ? ctTermsSum(energy->terms, termSet) : NAN;
 }
 
 /* ---- Trials ---- */
@@ -174,6 +205,9 @@ static ctStatus changeTerms(ctEnergy* energy, double* change) {
 }
 
 ctStatus ctComputeEnergyChange(ctEnergy* energy, ctEnergyPart part, double* change, ctCounts* counts) {
+  if (energy == NULL || change == NULL) {
+    return failMissing(energy, "change");
+  }
   if (!ctHasTrial(energy->tree)) {
     return fail(energy, ctNoTrial, "there is no open trial");
   }
@@ -183,9 +217,10 @@ ctStatus ctComputeEnergyChange(ctEnergy* energy, ctEnergyPart part, double* chan
   const int64_t trial = ctGetTrialCount(energy->tree);
   if (part == ctTermsPart || energy->trial != trial) {
     energy->trial = trial;
+    energy->commits = ctGetCommitCount(energy->tree);
     energy->computedParts = 0;
   }
-  if ((int)part != energy->computedParts || part > ctOtherPairsPart) {
+  if ((int)part != energy->computedParts || (int)part > (int)ctOtherPairsPart) {
     return fail(energy, ctInvalidArgument, "the parts of a change have to be computed in their order");
   }
   *change = 0;
@@ -206,8 +241,11 @@ ctStatus ctComputeEnergyChange(ctEnergy* energy, ctEnergyPart part, double* chan
 }
 
 ctStatus ctAcceptEnergyChange(ctEnergy* energy) {
+  if (energy == NULL) {
+    return ctInvalidArgument;
+  }
   if (energy->computedParts != CT_ENERGY_PARTS || energy->trial != ctGetTrialCount(energy->tree) ||
-      energy->state + 1 != ctGetChangeCount(energy->tree)) {
+      energy->commits + 1 != ctGetCommitCount(energy->tree) || energy->state + 1 != ctGetChangeCount(energy->tree)) {
     return fail(energy, ctInvalidArgument, "not all parts of the last trial's change were computed and then committed");
   }
   energy->computedParts = 0;
@@ -223,6 +261,9 @@ ctStatus ctAcceptEnergyChange(ctEnergy* energy) {
 /* ---- Energies of values ---- */
 
 ctStatus ctComputeValueEnergies(ctEnergy* energy, bool inTrial, double* energies) {
+  if (energy == NULL || (energies == NULL && energy->values.count > 0)) {
+    return failMissing(energy, "energies");
+  }
   const ctStatus status = ctValueEnergiesCompute(&energy->values, energy->tree, inTrial, energies);
   return status == ctSuccess ? ctSuccess : fail(energy, status, "there is no open trial");
 }
@@ -230,15 +271,21 @@ ctStatus ctComputeValueEnergies(ctEnergy* energy, bool inTrial, double* energies
 /* ---- Two levels ---- */
 
 static bool hasStandIn(const ctEnergy* energy) {
-  return energy->hasPairs && energy->pairs.hasStandIn;
+  return energy != NULL && energy->hasPairs && energy->pairs.hasStandIn;
 }
 
 double ctGetNearChangeBack(const ctEnergy* energy) {
+  if (energy == NULL) {
+    return NAN;
+  }
   return energy->hasPairs ? ctAllPairsNearChangeBack(&energy->pairs) : 0;
 }
 
 ctStatus ctComputeWholeEnergy(ctEnergy* energy, double* nonbonded, double* born, ctCounts* counts) {
   (void)counts;
+  if (energy == NULL || nonbonded == NULL || born == NULL) {
+    return failMissing(energy, nonbonded == NULL ? "nonbonded" : "born");
+  }
   *nonbonded = ctGetPairEnergy(energy);
   *born = 0;
   if (hasStandIn(energy) && ctWholeEnergyCompute(&energy->pairs.whole, nonbonded, born) != ctSuccess) {
@@ -260,20 +307,39 @@ ctStatus ctRenewStandIn(ctEnergy* energy, ctCounts* counts) {
 }
 
 void ctGetStandIn(const ctEnergy* energy, double* constants) {
-  if (hasStandIn(energy)) {
+  if (hasStandIn(energy) && constants != NULL) {
     ctStandInGetFar(&energy->pairs.standIn, constants);
   }
 }
 
-void ctSetStandIn(ctEnergy* energy, const double* constants) {
-  if (hasStandIn(energy)) {
-    ctStandInSetFar(&energy->pairs.standIn, constants);
-    energy->state = NO_STATE;
-    energy->copyIsOfState = false;
+ctStatus ctSetStandIn(ctEnergy* energy, const double* constants) {
+  if (energy == NULL) {
+    return ctInvalidArgument;
   }
+  if (!hasStandIn(energy)) {
+    return ctSuccess;
+  }
+  const int count = energy->pairs.standIn.particleCount;
+  if (constants == NULL && count > 0) {
+    return failMissing(energy, "constants");
+  }
+  for (int i = 0; i < count; i++) {
+    if (!isFarPart(constants[i])) {
+      snprintf(energy->errorText, sizeof energy->errorText,
+               "the constant of particle %d is %g, which is no finite float", i, constants[i]);
+      return ctInvalidArgument;
+    }
+  }
+  ctStandInSetFar(&energy->pairs.standIn, constants);
+  energy->state = NO_STATE;
+  energy->copyIsOfState = false;
+  return ctSuccess;
 }
 
 ctStatus ctKeepEnergy(ctEnergy* energy) {
+  if (energy == NULL) {
+    return ctInvalidArgument;
+  }
   energy->hasCopy = false;
   if (!ctTermsKeep(energy->terms) || (energy->hasPairs && !ctAllPairsKeep(&energy->pairs))) {
     return failOutOfMemory(energy);
@@ -285,6 +351,9 @@ ctStatus ctKeepEnergy(ctEnergy* energy) {
 }
 
 ctStatus ctTakeBackEnergy(ctEnergy* energy) {
+  if (energy == NULL) {
+    return ctInvalidArgument;
+  }
   if (!energy->hasCopy) {
     return fail(energy, ctInvalidArgument, "there is no copy of the energy");
   }

@@ -92,9 +92,14 @@ static bool operationIsValid(const ctExpression* e, int number, int parameters, 
 
 bool ctExpressionIsValid(const ctExpression* expression, int particlesPerTerm, int parametersPerTerm, char* text,
                          size_t size) {
-  if (expression->inputCount < 0 || expression->operationCount < 1) {
-    snprintf(text, size, "it has %d inputs and %d operations; it needs an operation", expression->inputCount,
-             expression->operationCount);
+  if (expression->inputCount < 0 || expression->inputCount > CT_MOST_COUNT || expression->operationCount < 1 ||
+      expression->operationCount > CT_MOST_OPERATIONS) {
+    snprintf(text, size, "it has %d inputs and %d operations; it needs an operation, and %d at most",
+             expression->inputCount, expression->operationCount, CT_MOST_OPERATIONS);
+    return false;
+  }
+  if ((expression->inputCount > 0 && expression->inputs == NULL) || expression->operations == NULL) {
+    snprintf(text, size, "its inputs or its operations are NULL");
     return false;
   }
   for (int i = 0; i < expression->inputCount; i++) {

@@ -32,6 +32,12 @@ typedef struct FramedPair {
 /* The squared cutoff where there is none: it tells particles from slots without any. */
 #define NO_CUTOFF (NOWHERE * NOWHERE / 100)
 
+/* The square of a cutoff, which may be INFINITY. */
+static inline float squareOfCutoff(double cutoff) {
+  const double square = cutoff * cutoff;
+  return square < (double)NO_CUTOFF ? (float)square : NO_CUTOFF;
+}
+
 /* What the particles of a leaf have. Where a slot holds none, all are 0. */
 typedef struct LeafColumns {
   float charge[CT_LEAF_WIDTH];  /* times the root of CT_COULOMB */

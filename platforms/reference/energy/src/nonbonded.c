@@ -6,8 +6,38 @@
 
 #include "switching.h"
 
+static void setPotential(Potential* p, const ctNonbonded* d) {
+  *p = (Potential){0};
+  p->hasCutoff = isfinite(d->cutoff);
+  p->hasSwitch = p->hasCutoff && d->switchingDistance < d->cutoff;
+  p->exact[0] = p->hasCutoff ? d->cutoff * d->cutoff : INFINITY;
+  if (p->hasCutoff) {
+    const double both = 2 * d->dielectric + 1;
+    p->exact[1] = (d->dielectric - 1) / (both * d->cutoff * d->cutoff * d->cutoff);
+    p->exact[2] = 3 * d->dielectric / (both * d->cutoff);
+  }
+  if (p->hasSwitch) {
+    p->exact[3] = d->switchingDistance;
+    p->exact[4] = 1 / (d->cutoff - d->switchingDistance);
+  }
+  p->squaredCutoff = squareOfCutoff(d->cutoff);
+  p->k = (float)p->exact[1];
+  p->c = (float)p->exact[2];
+  p->switchingDistance = (float)p->exact[3];
+  p->inverseSwitchWidth = (float)p->exact[4];
+}
+
 /* Writes what is wrong with a description; false if nothing is. */
 static bool isWrong(int particleCount, const ctNonbonded* d, const int* slotOf, char* errorText, size_t errorSize) {
+  if (d->exclusionCount < 0 || d->exclusionCount > CT_MOST_COUNT) {
+    return snprintf(errorText, errorSize, "there are %d exclusions", d->exclusionCount) > 0;
+  }
+  if (d->exclusionCount > 0 && d->exclusions == NULL) {
+    return snprintf(errorText, errorSize, "the exclusions are NULL") > 0;
+  }
+  if (particleCount > 0 && (d->charges == NULL || d->sigmas == NULL || d->epsilons == NULL)) {
+    return snprintf(errorText, errorSize, "the charges, sigmas or epsilons are NULL") > 0;
+  }
   for (int i = 0; i < particleCount; i++) {
     if (slotOf[i] == CT_NULL) {
       return snprintf(errorText, errorSize, "particle %d stands in no leaf", i) > 0;
@@ -28,27 +58,18 @@ static bool isWrong(int particleCount, const ctNonbonded* d, const int* slotOf, 
   if (!(d->cutoff > 0)) {
     return snprintf(errorText, errorSize, "the cutoff is %g nm, but has to be above 0", d->cutoff) > 0;
   }
+  if (isfinite(d->cutoff) && !(d->switchingDistance >= 0)) {
+    return snprintf(errorText, errorSize, "the switching distance is %g nm, but has to be at least 0",
+                    d->switchingDistance) > 0;
+  }
+  Potential p;
+  setPotential(&p, d);
+  if (p.hasCutoff && !(isfinite(p.k) && isfinite(p.c) && isfinite(p.inverseSwitchWidth))) {
+    return snprintf(errorText, errorSize,
+                    "a reaction field of dielectric %g with a cutoff of %g nm and a switch from %g nm is not finite",
+                    d->dielectric, d->cutoff, d->switchingDistance) > 0;
+  }
   return false;
-}
-
-static void setPotential(Potential* p, const ctNonbonded* d) {
-  p->hasCutoff = isfinite(d->cutoff);
-  p->hasSwitch = p->hasCutoff && d->switchingDistance < d->cutoff;
-  p->exact[0] = p->hasCutoff ? d->cutoff * d->cutoff : INFINITY;
-  if (p->hasCutoff) {
-    const double both = 2 * d->dielectric + 1;
-    p->exact[1] = (d->dielectric - 1) / (both * d->cutoff * d->cutoff * d->cutoff);
-    p->exact[2] = 3 * d->dielectric / (both * d->cutoff);
-  }
-  if (p->hasSwitch) {
-    p->exact[3] = d->switchingDistance;
-    p->exact[4] = 1 / (d->cutoff - d->switchingDistance);
-  }
-  p->squaredCutoff = p->hasCutoff ? (float)p->exact[0] : NO_CUTOFF;
-  p->k = (float)p->exact[1];
-  p->c = (float)p->exact[2];
-  p->switchingDistance = (float)p->exact[3];
-  p->inverseSwitchWidth = (float)p->exact[4];
 }
 
 static void setColumns(Nonbonded* nonbonded, int particleCount, const ctNonbonded* d, const int* slotOf) {

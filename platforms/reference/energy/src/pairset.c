@@ -15,7 +15,7 @@ static void setRange(PairSet* set, const ctPairSet* d) {
   set->range.hasCutoff = isfinite(d->cutoff);
   set->range.hasSwitch = set->range.hasCutoff && d->switchingDistance < d->cutoff;
   set->switchingDistance = set->range.hasSwitch ? d->switchingDistance : INFINITY;
-  set->range.squaredCutoff = set->range.hasCutoff ? (float)(d->cutoff * d->cutoff) : NOWHERE * NOWHERE / 100;
+  set->range.squaredCutoff = squareOfCutoff(d->cutoff);
   if (set->range.hasSwitch) {
     set->range.switchingDistance = (float)d->switchingDistance;
     set->range.inverseSwitchWidth = (float)(1 / (d->cutoff - d->switchingDistance));

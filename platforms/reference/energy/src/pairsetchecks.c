@@ -27,10 +27,26 @@ static bool countsAreValid(const ctPairSet* set, int number, char* text, size_t 
         text, size, "pair set %d has %d operations, %d tables, %d parameters a particle, %d exclusions and %d groups",
         number, set->operationCount, set->tableCount, set->parametersPerParticle, set->exclusionCount, set->groupCount);
   }
+  if (set->exclusionCount > CT_MOST_COUNT || set->groupCount > CT_MOST_COUNT) {
+    return invalid(text, size, "pair set %d has %d exclusions and %d groups", number, set->exclusionCount,
+                   set->groupCount);
+  }
   if (!(set->cutoff > 0)) {
     return invalid(text, size, "the cutoff of pair set %d is %g nm, but has to be above 0", number, set->cutoff);
   }
+  if (isfinite(set->cutoff) && !(set->switchingDistance > -INFINITY)) {
+    return invalid(text, size, "the switching distance of pair set %d is %g nm", number, set->switchingDistance);
+  }
   return true;
+}
+
+/* True if a table has too many values. */
+static bool isTooLarge(const ctTable* table) {
+  int64_t count = table->isDiscrete ? 1 : table->dimensions == 1 ? 4 : 16;
+  for (int d = 0; d < table->dimensions && count <= CT_MOST_COUNT; d++) {
+    count *= table->sizes[d];
+  }
+  return count > CT_MOST_COUNT;
 }
 
 static bool tableIsValid(const ctTable* table, int index, const char* name, char* text, size_t size) {
@@ -41,13 +57,15 @@ static bool tableIsValid(const ctTable* table, int index, const char* name, char
     if (table->sizes[d] < 1) {
       return invalid(text, size, "table %d of %s has the size %d", index, name, table->sizes[d]);
     }
-    if (!table->isDiscrete &&
-        !(isfinite(table->minima[d]) && isfinite(table->maxima[d]) && table->minima[d] < table->maxima[d])) {
+    if (!table->isDiscrete && !(table->minima[d] < table->maxima[d] && isfinite(table->maxima[d] - table->minima[d]))) {
       return invalid(text, size, "table %d of %s has the range from %g to %g", index, name, table->minima[d],
                      table->maxima[d]);
     }
   }
-  return true;
+  if (isTooLarge(table)) {
+    return invalid(text, size, "table %d of %s has too many values", index, name);
+  }
+  return table->values != NULL || invalid(text, size, "table %d of %s has no values", index, name);
 }
 
 /* What the operations of an expression can read. */
@@ -89,8 +107,11 @@ static bool operationIsValid(const ctPairSet* set, int i, const Readable* readab
 bool ctOperationsAreValid(const ctPairSet* set, bool hasDistance, int parameterCount, const char* name, char* text,
                           size_t size) {
   const Readable readable = {name, hasDistance, parameterCount};
-  if (set->operationCount < 1 || set->tableCount < 0) {
-    return invalid(text, size, "%s has %d operations and %d tables", name, set->operationCount, set->tableCount);
+  if (set->operationCount < 1 || set->operationCount > CT_MOST_OPERATIONS || set->operations == NULL ||
+      set->tableCount < 0 || set->tableCount > CT_MOST_COUNT || (set->tableCount > 0 && set->tables == NULL)) {
+    return invalid(text, size, "%s has %d operations%s and %d tables%s", name, set->operationCount,
+                   set->operations == NULL ? ", which are NULL," : "", set->tableCount,
+                   set->tableCount > 0 && set->tables == NULL ? ", which are NULL" : "");
   }
   for (int i = 0; i < set->tableCount; i++) {
     if (!tableIsValid(&set->tables[i], i, name, text, size)) {
@@ -106,6 +127,9 @@ bool ctOperationsAreValid(const ctPairSet* set, bool hasDistance, int parameterC
 }
 
 static bool parametersAreValid(const ctPairSet* set, int number, int particleCount, char* text, size_t size) {
+  if (particleCount > 0 && set->parametersPerParticle > 0 && set->parameters == NULL) {
+    return invalid(text, size, "the parameters of pair set %d are NULL", number);
+  }
   for (int i = 0; i < particleCount; i++) {
     for (int p = 0; p < set->parametersPerParticle; p++) {
       const double value = set->parameters[(size_t)i * (size_t)set->parametersPerParticle + (size_t)p];
@@ -118,6 +142,9 @@ static bool parametersAreValid(const ctPairSet* set, int number, int particleCou
 }
 
 static bool exclusionsAreValid(const ctPairSet* set, int number, int particleCount, char* text, size_t size) {
+  if (set->exclusionCount > 0 && set->exclusions == NULL) {
+    return invalid(text, size, "the exclusions of pair set %d are NULL", number);
+  }
   for (int i = 0; i < set->exclusionCount; i++) {
     for (int k = 0; k < 2; k++) {
       if (!isIndex(set->exclusions[i][k], particleCount)) {
@@ -132,8 +159,10 @@ static bool exclusionsAreValid(const ctPairSet* set, int number, int particleCou
 static bool groupIsValid(const ctInteractionGroup* group, int index, int number, int particleCount, const int* slotOf,
                          char* text, size_t size) {
   for (int k = 0; k < 2; k++) {
-    if (group->counts[k] < 0) {
-      return invalid(text, size, "group %d of pair set %d has a set of %d particles", index, number, group->counts[k]);
+    if (group->counts[k] < 0 || group->counts[k] > CT_MOST_COUNT ||
+        (group->counts[k] > 0 && group->particles[k] == NULL)) {
+      return invalid(text, size, "group %d of pair set %d has a set of %d particles%s", index, number, group->counts[k],
+                     group->particles[k] == NULL ? ", which is NULL" : "");
     }
     for (int i = 0; i < group->counts[k]; i++) {
       const int particle = group->particles[k][i];
@@ -154,6 +183,10 @@ bool ctPairSetIsValid(const ctPairSet* set, int number, int particleCount, const
   if (!countsAreValid(set, number, text, size)) {
     return false;
   }
+  if ((int64_t)set->parametersPerParticle * (particleCount > 2 ? particleCount : 2) > CT_MOST_COUNT) {
+    return invalid(text, size, "pair set %d has %d parameters a particle, which are too many", number,
+                   set->parametersPerParticle);
+  }
   char name[40];
   snprintf(name, sizeof name, "pair set %d", number);
   if (!ctOperationsAreValid(set, true, 2 * set->parametersPerParticle, name, text, size)) {
@@ -163,6 +196,9 @@ bool ctPairSetIsValid(const ctPairSet* set, int number, int particleCount, const
     if (slotOf[i] == CT_NULL) {
       return invalid(text, size, "particle %d stands in no leaf", i);
     }
+  }
+  if (set->groupCount > 0 && set->groups == NULL) {
+    return invalid(text, size, "the groups of pair set %d are NULL", number);
   }
   for (int i = 0; i < set->groupCount; i++) {
     if (!groupIsValid(&set->groups[i], i, number, particleCount, slotOf, text, size)) {

@@ -25,10 +25,6 @@ static ctStatus addSet(PairSets* sets, TrialLeaves* leaves, int particleCount, c
 ctStatus ctPairSetsCreate(PairSets* sets, TrialLeaves* leaves, int particleCount, int count,
                           const ctPairSet* descriptions, const int* slotOf, char* errorText, size_t errorSize) {
   *sets = (PairSets){0};
-  if (count < 0) {
-    snprintf(errorText, errorSize, "there are %d pair sets", count);
-    return ctInvalidArgument;
-  }
   sets->sets = calloc((size_t)count + 1, sizeof *sets->sets);
   sets->sums = calloc((size_t)count + 1, sizeof *sets->sums);
   ctStatus status = ctSuccess;

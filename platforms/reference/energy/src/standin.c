@@ -52,10 +52,18 @@ static void setConstants(StandIn* standIn, const ctBorn* d, double gridWidth) {
   }
 }
 
+/* Inverse powers of less would be too large for floats. */
+#define LEAST_CUTOFF 1e-3
+
+static bool isCutoff(double cutoff) {
+  return cutoff >= LEAST_CUTOFF && cutoff <= CT_MOST_LENGTH;
+}
+
 /* Writes what is wrong with a description; false if nothing is. */
 static bool isWrong(const ctStandIn* d, char* errorText, size_t errorSize) {
-  if (!(isfinite(d->bornCutoff) && d->bornCutoff > 0 && isfinite(d->pairCutoff) && d->pairCutoff > 0)) {
-    return snprintf(errorText, errorSize, "the cutoffs of the stand-in are %g and %g nm, but have to be above 0",
+  if (!isCutoff(d->bornCutoff) || !isCutoff(d->pairCutoff)) {
+    return snprintf(errorText, errorSize,
+                    "the cutoffs of the stand-in are %g and %g nm, but have to be above 0: from 1e-3 to 1e15",
                     d->bornCutoff, d->pairCutoff) > 0;
   }
   if (!(d->gridWidth >= 1e-4 && d->gridWidth <= 1)) {

@@ -2,6 +2,9 @@
 #ifndef CT_STANDIN_H_
 #define CT_STANDIN_H_
 
+#include <float.h>
+#include <math.h>
+
 #include "born.h"
 #include "neighbors.h"
 #include "nonbonded.h"
@@ -78,6 +81,11 @@ ctStatus ctStandInRefresh(StandIn* standIn, size_t count, const ctLeafPair* near
 
 /* The energy of the state. */
 double ctStandInEnergy(const StandIn* standIn);
+
+/* True if a number can be the far part of a Born sum: a finite float. */
+static inline bool isFarPart(double number) {
+  return fabs(number) <= (double)FLT_MAX;
+}
 
 /* Far parts of Born sums, one a particle. Setting them leaves values of no state. */
 void ctStandInGetFar(const StandIn* standIn, double* far);

@@ -91,8 +91,8 @@ static bool allocateTerms(Terms* terms) {
 static ctStatus checkSets(const ctDefinition* scene, int setCount, const ctTermSet* sets, const int* slotOf,
                           char* errorText, size_t errorSize) {
   int termCount = 0;
-  if (setCount < 0) {
-    snprintf(errorText, errorSize, "there are %d term sets", setCount);
+  if (setCount < 0 || setCount > CT_MOST_COUNT || (setCount > 0 && sets == NULL)) {
+    snprintf(errorText, errorSize, "there are %d term sets%s", setCount, sets == NULL ? ", which are NULL" : "");
     return ctInvalidArgument;
   }
   for (int s = 0; s < setCount; s++) {
@@ -205,6 +205,10 @@ void ctTermsRefresh(Terms* terms, const ctLeafPositions* state) {
   for (int term = 0; term < terms->termCount; term++) {
     terms->values[term] = evaluateTerm(&evaluation, term);
   }
+}
+
+int ctTermsSetCount(const Terms* terms) {
+  return terms->setCount;
 }
 
 double ctTermsSum(const Terms* terms, int set) {

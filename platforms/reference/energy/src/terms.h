@@ -16,6 +16,8 @@ void ctTermsDestroy(Terms* terms);
 /* Computes all values from positions of the state. */
 void ctTermsRefresh(Terms* terms, const ctLeafPositions* state);
 
+int ctTermsSetCount(const Terms* terms);
+
 /* The sum of a set's values; how many of its terms some joint can change. */
 double ctTermsSum(const Terms* terms, int set);
 int ctTermsCountChangeable(const Terms* terms, int set);

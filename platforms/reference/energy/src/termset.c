@@ -28,6 +28,23 @@ static bool invalid(char* text, size_t size, const char* format, ...) {
   return false;
 }
 
+static bool mapIsValid(const ctTorsionMap* map, int index, int number, char* text, size_t size) {
+  const int64_t patches = (int64_t)map->size * map->size;
+  if (map->size < 1 || patches > CT_MOST_COUNT / 16) {
+    return invalid(text, size, "map %d of term set %d has size %d", index, number, map->size);
+  }
+  if (map->coefficients == NULL) {
+    return invalid(text, size, "the coefficients of map %d of term set %d are NULL", index, number);
+  }
+  for (int64_t i = 0; i < 16 * patches; i++) {
+    if (!isfinite(map->coefficients[i])) {
+      return invalid(text, size, "coefficient %d of map %d of term set %d is %g", (int)i, index, number,
+                     map->coefficients[i]);
+    }
+  }
+  return true;
+}
+
 static bool countsAreValid(const ctTermSet* set, int number, char* text, size_t size) {
   if ((int)set->kind < 0 || set->kind > ctExpressionTerm) {
     return invalid(text, size, "term set %d is of the unknown kind %d", number, (int)set->kind);
@@ -36,6 +53,17 @@ static bool countsAreValid(const ctTermSet* set, int number, char* text, size_t 
   if (set->count < 0 || set->particlesPerTerm < 0 || set->parametersPerTerm < 0 || set->mapCount < 0) {
     return invalid(text, size, "term set %d has a negative count: %d terms of %d particles and %d parameters, %d maps",
                    number, set->count, set->particlesPerTerm, set->parametersPerTerm, set->mapCount);
+  }
+  if (set->mapCount > CT_MOST_COUNT || (int64_t)set->count * set->particlesPerTerm > CT_MOST_COUNT ||
+      (int64_t)set->count * set->parametersPerTerm > CT_MOST_COUNT || set->particlesPerTerm > CT_MOST_COUNT ||
+      set->parametersPerTerm > CT_MOST_COUNT) {
+    return invalid(text, size, "term set %d is too large: %d terms of %d particles and %d parameters, %d maps", number,
+                   set->count, set->particlesPerTerm, set->parametersPerTerm, set->mapCount);
+  }
+  if ((set->count > 0 && set->particlesPerTerm > 0 && set->particles == NULL) ||
+      (set->count > 0 && set->parametersPerTerm > 0 && set->parameters == NULL) ||
+      (set->mapCount > 0 && set->maps == NULL)) {
+    return invalid(text, size, "the particles, parameters or maps of term set %d are NULL", number);
   }
   if (kind->particles != CT_NULL && set->particlesPerTerm != kind->particles) {
     return invalid(text, size, "term set %d (%s) has %d particles a term; it needs %d", number, kind->name,
@@ -46,8 +74,8 @@ static bool countsAreValid(const ctTermSet* set, int number, char* text, size_t 
                    set->parametersPerTerm, kind->parameters);
   }
   for (int i = 0; i < set->mapCount; i++) {
-    if (set->maps[i].size < 1) {
-      return invalid(text, size, "map %d of term set %d has size %d", i, number, set->maps[i].size);
+    if (!mapIsValid(&set->maps[i], i, number, text, size)) {
+      return false;
     }
   }
   if (set->kind == ctExpressionTerm) {
@@ -87,6 +115,11 @@ static bool termIsValid(const ctDefinition* scene, const ctTermSet* set, int num
   if (set->kind == ctTorsionMapTerm && !isWholeBelow(parameters[0], set->mapCount)) {
     return invalid(text, size, "term %d of term set %d has map %g; there are %d maps", term, number, parameters[0],
                    set->mapCount);
+  }
+  for (int i = 0; i < set->parametersPerTerm && set->kind != ctExpressionTerm; i++) {
+    if (!isfinite(parameters[i])) {
+      return invalid(text, size, "parameter %d of term %d of term set %d is %g", i, term, number, parameters[i]);
+    }
   }
   return true;
 }

@@ -20,10 +20,18 @@ ctPairSet ctValuePairSet(const ctValueEnergy* d, const ctValueExpression* expres
                      .parametersPerParticle = d->parametersPerParticle + d->valueCount + withCoordinates};
 }
 
-static bool countsAreValid(const ctValueEnergy* d, int number, char* text, size_t size) {
-  if (d->parametersPerParticle < 0 || d->valueCount < 0 || d->termCount < 0 || d->exclusionCount < 0) {
+/* False also if numbers of a particle, of two, or of all are too many. */
+static bool countsAreValid(const ctValueEnergy* d, int number, int particleCount, char* text, size_t size) {
+  const int64_t numbers = (int64_t)d->parametersPerParticle + d->valueCount + COORDINATES;
+  if (d->parametersPerParticle < 0 || d->valueCount < 0 || d->termCount < 0 || d->exclusionCount < 0 ||
+      d->termCount > CT_MOST_COUNT || d->exclusionCount > CT_MOST_COUNT || numbers > CT_MOST_COUNT ||
+      numbers * particleCount > CT_MOST_COUNT) {
     snprintf(text, size, "value energy %d has %d parameters a particle, %d values, %d terms and %d exclusions", number,
              d->parametersPerParticle, d->valueCount, d->termCount, d->exclusionCount);
+    return false;
+  }
+  if ((d->valueCount > 0 && d->values == NULL) || (d->termCount > 0 && d->terms == NULL)) {
+    snprintf(text, size, "the values or the terms of value energy %d are NULL", number);
     return false;
   }
   if (!(d->cutoff > 0)) {
@@ -78,6 +86,10 @@ static bool expressionsAreValid(const ctValueEnergy* d, int number, char* text, 
 
 static bool particlesAreValid(const ctValueEnergy* d, int number, int particleCount, char* text, size_t size) {
   const size_t each = (size_t)d->parametersPerParticle;
+  if ((particleCount > 0 && each > 0 && d->parameters == NULL) || (d->exclusionCount > 0 && d->exclusions == NULL)) {
+    snprintf(text, size, "the parameters or the exclusions of value energy %d are NULL", number);
+    return false;
+  }
   for (size_t i = 0; i < (size_t)particleCount * each; i++) {
     if (!isfinite(d->parameters[i])) {
       snprintf(text, size, "parameter %d of particle %d of value energy %d is %g", (int)(i % each), (int)(i / each),
@@ -99,6 +111,6 @@ static bool particlesAreValid(const ctValueEnergy* d, int number, int particleCo
 }
 
 bool ctValueEnergyIsValid(const ctValueEnergy* d, int number, int particleCount, char* text, size_t size) {
-  return countsAreValid(d, number, text, size) && expressionsAreValid(d, number, text, size) &&
+  return countsAreValid(d, number, particleCount, text, size) && expressionsAreValid(d, number, text, size) &&
          particlesAreValid(d, number, particleCount, text, size);
 }

@@ -6,8 +6,9 @@
 ctStatus ctValueEnergiesCreate(ValueEnergies* energies, const ctChainTree* tree, int particleCount, int count,
                                const ctValueEnergy* descriptions, char* errorText, size_t errorSize) {
   *energies = (ValueEnergies){0};
-  if (count < 0) {
-    snprintf(errorText, errorSize, "there are %d value energies", count);
+  if (count < 0 || count > CT_MOST_COUNT || (count > 0 && descriptions == NULL)) {
+    snprintf(errorText, errorSize, "there are %d value energies%s", count,
+             descriptions == NULL ? ", which are NULL" : "");
     return ctInvalidArgument;
   }
   energies->energies = calloc((size_t)count + 1, sizeof *energies->energies);

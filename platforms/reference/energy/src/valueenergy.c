@@ -88,8 +88,7 @@ ctStatus ctValueEnergyCreate(ValueEnergy* energy, const ctChainTree* tree, int p
       .numbersPerParticle = ctCountNumbers(description),
       .termCount = description->termCount,
       .cutoff = description->cutoff,
-      .range = {.hasCutoff = hasCutoff,
-                .squaredCutoff = hasCutoff ? (float)(description->cutoff * description->cutoff) : NO_CUTOFF},
+      .range = {.hasCutoff = hasCutoff, .squaredCutoff = squareOfCutoff(description->cutoff)},
   };
   if (!build(energy, description)) {
     ctValueEnergyFree(energy);

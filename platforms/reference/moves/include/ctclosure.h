@@ -12,7 +12,9 @@
  * has the ratio |J| Z / (|J'| Z') with the sums Z of the weights of all closures; the state that it comes from has to
  * be among those of the way back.
  *
- * Lengths are in nm, angles in rad. No call allocates memory. Everything is a pure function of its arguments.
+ * Lengths are in nm, angles in rad. No call allocates memory. Everything is a pure function of its arguments. Pointers
+ * may be NULL nowhere: then a call does nothing and returns false, 0 or NaN. Numbers that are not finite, or too large
+ * for the squares of their products, make results that are none, and nothing worse.
  */
 #ifndef CT_CLOSURE_H_
 #define CT_CLOSURE_H_
@@ -41,10 +43,11 @@ typedef struct ctWindow {
 } ctWindow;
 
 /* Turns the torsions of a window: its axes as they lie after turns by `angles` (one a torsion). `turned` may be the
- * window itself. */
+ * window itself. A window with another count than it may have is copied as it is. */
 void ctTurnWindow(const ctWindow* window, const double* angles, ctWindow* turned);
 
-/* log |J| of a window as it lies, in nm^3; -inf if its pivots' points lie on a line. */
+/* log |J| of a window as it lies, in nm^3; -inf if its pivots' points lie on a line; NaN if its torsions are no window.
+ */
 double ctComputeLogJacobian(const ctWindow* window);
 
 /* Closes a window by Newton's method, from where it is: `angles` holds the turns of the drivers, and gets those of the

@@ -10,7 +10,9 @@
  * r_k being the positions of the ends and a_i the angles: what shifts the ends is rare. A and so the density are others
  * where the step leads, which is what the acceptance of a step has to mend.
  *
- * Lengths are in nm, angles in rad. No call allocates memory. Everything is a pure function of its arguments.
+ * Lengths are in nm, angles in rad. No call allocates memory. Everything is a pure function of its arguments. With a
+ * pointer that is NULL, or steps or a window of another count than they may have, a call does nothing and returns false
+ * or NaN.
  */
 #ifndef CT_LOCAL_H_
 #define CT_LOCAL_H_
@@ -47,8 +49,8 @@ typedef struct ctLocalSteps {
  * stiffness: how rare shifts are, at least 0, in 1/nm^2: an end that a turn of a radian shifts by r makes its standard
  *   deviation smaller, by 1/sqrt(1 + stiffness r^2) if nothing makes up for it.
  *
- * False if there is none within rounding: a number is not finite, or the stiffness is so large that the identity is
- * nothing beside it. */
+ * False if there is none within rounding: a number is not finite or out of its range, or the stiffness is so large that
+ * the identity is nothing beside it. The steps are then of count 0. */
 bool ctFindLocalSteps(const ctLocalWindow* window, double sigma, double stiffness, ctLocalSteps* steps);
 
 /* Makes a step of `count` independent normal numbers of variance 1. */

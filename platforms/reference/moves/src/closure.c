@@ -1,10 +1,19 @@
 #include "ctclosure.h"
 
+#include <stddef.h>
+
 #include "search.h"
 #include "triangle.h"
 #include "turning.h"
 
 void ctTurnWindow(const ctWindow* window, const double* angles, ctWindow* turned) {
+  if (window == NULL || angles == NULL || turned == NULL) {
+    return;
+  }
+  if (window->count < 1 || window->count > CT_WINDOW_MOST) {
+    *turned = *window;
+    return;
+  }
   const double* origin = window->points[0];
   Turning behind = {{{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}, {0, 0, 0}};
   ctWindow result = *window;
@@ -25,6 +34,9 @@ void ctTurnWindow(const ctWindow* window, const double* angles, ctWindow* turned
 }
 
 double ctComputeLogJacobian(const ctWindow* w) {
+  if (!isWindow(w)) {
+    return NAN;
+  }
   /* The determinant by columns, of pairs of axes that meet in a point: of each pair only the cross product is left. */
   double normals[3][3];
   double sides[3][3];
@@ -53,7 +65,7 @@ bool ctCloseNear(const ctWindow* window, double* angles) {
 
 int ctFindClosures(const ctWindow* window, const double* angles, double solutions[CT_CLOSURES_MOST][CT_PIVOTS]) {
   Triangle triangle;
-  if (!makeTriangle(window, angles, &triangle)) {
+  if (solutions == NULL || !makeTriangle(window, angles, &triangle)) {
     return 0;
   }
   Sway sways[CT_CLOSURES_MOST];

@@ -1,8 +1,10 @@
 #include "ctdensity.h"
 
+#include <float.h>
 #include <math.h>
 #include <stdbool.h>
 #include <stddef.h>
+#include <stdint.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -40,6 +42,32 @@ struct ctDensity {
   Bells bells[CT_DENSITY_MOST];
   double floor;
 };
+
+/* True if all are finite and at least 0, and their sum is finite and above 0. */
+static bool areWeights(int count, const double* weights) {
+  double sum = 0;
+  for (int i = 0; i < count; i++) {
+    if (!(weights[i] >= 0)) {
+      return false;
+    }
+    sum += weights[i];
+  }
+  return sum > 0 && sum < INFINITY;
+}
+
+static bool areBetween(size_t count, const double* values, double least, double most) {
+  for (size_t i = 0; i < count; i++) {
+    if (!(values[i] >= least && values[i] <= most)) {
+      return false;
+    }
+  }
+  return true;
+}
+
+/* True if both can be those of a density. */
+static bool isPossible(int torsionCount, double floor) {
+  return torsionCount >= 1 && torsionCount <= CT_DENSITY_MOST && floor >= 0 && floor <= 1;
+}
 
 /* Takes probabilities of any sum. False if there is no memory. */
 static bool createAliasTable(AliasTable* table, int count, const double* probabilities) {
@@ -85,7 +113,8 @@ static bool createAliasTable(AliasTable* table, int count, const double* probabi
 
 static int drawIndex(const AliasTable* table, double uniform) {
   const double scaled = uniform * table->count;
-  const int i = (int)scaled < table->count ? (int)scaled : table->count - 1;
+  /* Uniform numbers that are none lead to the ends. */
+  const int i = !(scaled < table->count) ? table->count - 1 : scaled > 0 ? (int)scaled : 0;
   return scaled - i < table->share[i] ? i : table->alias[i];
 }
 
@@ -105,16 +134,33 @@ static ctDensity* allocateDensity(int torsionCount, double floor) {
 
 /* ---- Tables ---- */
 
+/* The number of bins of a table; 0 if it is none. */
+static int countBins(int torsionCount, const int* binCounts) {
+  int64_t count = 1;
+  for (int k = 0; k < torsionCount; k++) {
+    if (binCounts[k] < 1 || binCounts[k] > CT_BINS_MOST / count) {
+      return 0;
+    }
+    count *= binCounts[k];
+  }
+  return (int)count;
+}
+
 ctDensity* ctCreateTable(int torsionCount, const int* binCounts, const double* values, double floor) {
+  if (!isPossible(torsionCount, floor) || binCounts == NULL || values == NULL) {
+    return NULL;
+  }
+  const int count = countBins(torsionCount, binCounts);
+  if (count == 0 || !areWeights(count, values)) {
+    return NULL;
+  }
   ctDensity* density = allocateDensity(torsionCount, floor);
   if (density == NULL) {
     return NULL;
   }
-  int count = 1;
   double volume = 1;
   for (int k = 0; k < torsionCount; k++) {
     density->binCounts[k] = binCounts[k];
-    count *= binCounts[k];
     volume *= TWO_PI / binCounts[k];
   }
   density->density = malloc((size_t)count * sizeof *density->density);
@@ -149,8 +195,8 @@ static double getTableDensity(const ctDensity* density, const double* angles) {
   int index = 0;
   for (int k = 0; k < density->torsionCount; k++) {
     const int count = density->binCounts[k];
-    const int bin = (int)((angles[k] + PI) * (count / TWO_PI));
-    index = index * count + (bin < 0 ? 0 : bin < count ? bin : count - 1);
+    const double bin = (angles[k] + PI) * (count / TWO_PI);
+    index = index * count + (!(bin > 0) ? 0 : bin < count ? (int)bin : count - 1);
   }
   return density->density[index];
 }
@@ -182,7 +228,7 @@ static bool createBells(ctDensity* density, int k, int rotamerCount, const doubl
   bells->scale = memory + 2 * padded;
   bells->height = memory + 3 * padded;
   for (int i = 0; i < density->paddedCount; i++) {
-    const int source = (i < rotamerCount ? i : 0) * density->torsionCount + k;
+    const size_t source = (size_t)(i < rotamerCount ? i : 0) * (size_t)density->torsionCount + (size_t)k;
     const double reach = sqrt(3.0) * widths[source];
     const int images = (int)ceil((2 * reach - PI) / TWO_PI);
     bells->mean[i] = means[source];
@@ -196,6 +242,15 @@ static bool createBells(ctDensity* density, int k, int rotamerCount, const doubl
 
 ctDensity* ctCreateRotamers(int torsionCount, int rotamerCount, const double* weights, const double* means,
                             const double* widths, double floor) {
+  if (!isPossible(torsionCount, floor) || rotamerCount < 1 || rotamerCount > CT_BINS_MOST || weights == NULL ||
+      means == NULL || widths == NULL) {
+    return NULL;
+  }
+  const size_t angleCount = (size_t)rotamerCount * (size_t)torsionCount;
+  if (!areWeights(rotamerCount, weights) || !areBetween(angleCount, means, -CT_MOST_ANGLE, CT_MOST_ANGLE) ||
+      !areBetween(angleCount, widths, DBL_MIN, CT_MOST_ANGLE)) {
+    return NULL;
+  }
   ctDensity* density = allocateDensity(torsionCount, floor);
   if (density == NULL) {
     return NULL;
@@ -301,10 +356,13 @@ void ctDestroyDensity(ctDensity* density) {
 }
 
 int ctCountUniforms(const ctDensity* density) {
-  return 1 + density->torsionCount * (isTable(density) ? 1 : 4);
+  return density == NULL ? 0 : 1 + density->torsionCount * (isTable(density) ? 1 : 4);
 }
 
 void ctDrawAngles(const ctDensity* density, const double* uniforms, double* angles) {
+  if (density == NULL || uniforms == NULL || angles == NULL) {
+    return;
+  }
   if (isTable(density)) {
     drawFromTable(density, uniforms, angles);
   } else {
@@ -313,5 +371,8 @@ void ctDrawAngles(const ctDensity* density, const double* uniforms, double* angl
 }
 
 double ctGetDensity(const ctDensity* density, const double* angles) {
+  if (density == NULL || angles == NULL) {
+    return NAN;
+  }
   return isTable(density) ? getTableDensity(density, angles) : getRotamerDensity(density, angles);
 }

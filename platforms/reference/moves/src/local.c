@@ -1,4 +1,7 @@
 #include "ctlocal.h"
+
+#include <stddef.h>
+
 #include "turning.h"
 
 /* The derivatives of the ends' positions by the angle of a torsion. */
@@ -10,9 +13,19 @@ static void differentiate(const ctLocalWindow* window, int torsion, double deriv
   }
 }
 
+static bool isCount(int count) {
+  return count >= 1 && count <= CT_LOCAL_MOST;
+}
+
 bool ctFindLocalSteps(const ctLocalWindow* window, double sigma, double stiffness, ctLocalSteps* steps) {
+  if (steps == NULL) {
+    return false;
+  }
+  steps->count = 0;
+  if (window == NULL || !isCount(window->count) || !(sigma > 0) || !(sigma < INFINITY) || !(stiffness >= 0)) {
+    return false;
+  }
   const int count = window->count;
-  steps->count = count;
   steps->sigma = sigma;
   double derivatives[CT_LOCAL_MOST][CT_LOCAL_ENDS][3];
   for (int i = 0; i < count; i++) {
@@ -40,10 +53,14 @@ bool ctFindLocalSteps(const ctLocalWindow* window, double sigma, double stiffnes
       }
     }
   }
+  steps->count = count;
   return true;
 }
 
 void ctDrawLocalStep(const ctLocalSteps* steps, const double* normals, double* changes) {
+  if (steps == NULL || normals == NULL || changes == NULL || !isCount(steps->count)) {
+    return;
+  }
   /* L^T d = sigma z, from the last row upwards. */
   for (int i = steps->count - 1; i >= 0; i--) {
     double sum = steps->sigma * normals[i];
@@ -55,6 +72,9 @@ void ctDrawLocalStep(const ctLocalSteps* steps, const double* normals, double* c
 }
 
 double ctComputeLocalLogDensity(const ctLocalSteps* steps, const double* changes) {
+  if (steps == NULL || changes == NULL || !isCount(steps->count)) {
+    return NAN;
+  }
   double logarithm = 0;
   double squares = 0;
   for (int i = 0; i < steps->count; i++) {
@@ -70,6 +90,9 @@ double ctComputeLocalLogDensity(const ctLocalSteps* steps, const double* changes
 }
 
 void ctTurnLocalWindow(const ctLocalWindow* window, const double* changes, ctLocalWindow* turned) {
+  if (window == NULL || changes == NULL || turned == NULL || !isCount(window->count)) {
+    return;
+  }
   /* What the torsions before have done to an axis: each turns about where its own axis was. */
   Turning before = {{{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}, {0, 0, 0}};
   turned->count = window->count;

@@ -1,5 +1,7 @@
 #include "triangle.h"
 
+#include <stddef.h>
+
 #include "arctangent.h"
 #include "turning.h"
 
@@ -13,13 +15,13 @@ static int next(int corner) {
   return corner == 2 ? 0 : corner + 1;
 }
 
-/* True if torsions are so arranged that a window can be closed: neighbors pair by pair, each pair with a point. */
-static bool isWindow(const ctWindow* w) {
-  if (w->count < CT_PIVOTS || w->count > CT_WINDOW_MOST || w->pivots[0] < 0 || w->pivots[CT_PIVOTS - 1] >= w->count) {
+bool isWindow(const ctWindow* w) {
+  if (w == NULL || w->count < CT_PIVOTS || w->count > CT_WINDOW_MOST) {
     return false;
   }
-  for (int k = 0; k < CT_PIVOTS; k += 2) {
-    if (w->pivots[k + 1] != w->pivots[k] + 1 || (k > 0 && w->pivots[k] <= w->pivots[k - 1])) {
+  for (int k = 0; k < CT_PIVOTS; k++) {
+    const int least = k == 0 ? 0 : w->pivots[k - 1] + 1;
+    if (w->pivots[k] < least || w->pivots[k] >= w->count || (k % 2 == 1 && w->pivots[k] != least)) {
       return false;
     }
   }
@@ -97,7 +99,7 @@ static void inFrame(double frame[3][3], const double x[3], double y[3]) {
 }
 
 bool makeTriangle(const ctWindow* w, const double* angles, Triangle* t) {
-  if (!isWindow(w)) {
+  if (!isWindow(w) || angles == NULL) {
     return false;
   }
   const double* origin = w->points[w->pivots[0]];

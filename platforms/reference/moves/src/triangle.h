@@ -35,6 +35,9 @@ typedef struct Sway {
   double s[3];
 } Sway;
 
+/* True if torsions are so arranged that a window can be closed: neighbors pair by pair, each pair with a point. */
+bool isWindow(const ctWindow* window);
+
 /* The triangle of a window whose drivers turn by `angles`. Its pieces lie so that what they have in common with the
  * window as it is now is near where it is now, if drivers turn by little. False if there is none, or if the window is
  * none that can be closed. */

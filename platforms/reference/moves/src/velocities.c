@@ -1,5 +1,6 @@
 #include "ctvelocities.h"
 
+#include <stddef.h>
 #include <string.h>
 
 #include "vector.h"
@@ -31,6 +32,9 @@ static void rotate(const double rotation[9], const double b[3], double c[3]) {
 }
 
 bool ctFindTurns(int count, const double (*before)[9], double (*after)[9]) {
+  if (before == NULL || after == NULL) {
+    return false;
+  }
   bool isTurned = false;
   for (int i = 0; i < count; i++) {
     if (memcmp(before[i], after[i], sizeof after[i]) == 0) {
@@ -44,6 +48,9 @@ bool ctFindTurns(int count, const double (*before)[9], double (*after)[9]) {
 }
 
 void ctTurnVelocities(int particleCount, const int* particleBodies, const double (*turns)[9], double* velocities) {
+  if (particleBodies == NULL || turns == NULL || velocities == NULL) {
+    return;
+  }
   for (int i = 0; i < particleCount; i++) {
     double* v = velocities + 3 * (size_t)i;
     rotate(turns[particleBodies[i]], v, v);
@@ -64,6 +71,9 @@ static void solve(const double a[9], const double b[3], double y[3]) {
 
 void ctTurnVelocitiesKeepingMomentum(int particleCount, const int* particleBodies, const double (*turns)[9],
                                      const double* masses, double* velocities) {
+  if (particleBodies == NULL || turns == NULL || masses == NULL || velocities == NULL) {
+    return;
+  }
   double mass = 0;
   double drift[3] = {0};
   int heaviest = 0;
