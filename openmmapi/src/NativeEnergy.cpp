@@ -524,6 +524,13 @@ void NativeEnergy::setStandIn(const vector<double>& numbers)
     energyIsOld = true;
 }
 
+bool NativeEnergy::isStandIn(const vector<double>& numbers)
+{
+    return all_of(numbers.begin(), numbers.end(), [](double number) {
+        return abs(number) <= numeric_limits<float>::max();
+    });
+}
+
 static string toText(const vector<double>& numbers)
 {
     stringstream stream;
@@ -549,7 +556,11 @@ void NativeEnergy::writeStandIn(SerializationNode& node) const
 
 vector<double> NativeEnergy::readStandIn(const SerializationNode& node)
 {
-    return fromText(node.getStringProperty("data"));
+    const vector<double> numbers = fromText(node.getStringProperty("data"));
+    if (!isStandIn(numbers))
+        throw OpenMMException(
+            "TorsionMonteCarloIntegrator: the State is damaged: a number of its stand-in is not finite");
+    return numbers;
 }
 
 vector<double> NativeEnergy::readSchedule(const SerializationNode& node)

@@ -539,7 +539,7 @@ void TorsionMonteCarloIntegrator::restoreCheckpoint(CheckpointReader& reader, in
     bool isGood = restored.setState(reader.readString());
     vector<double> standIn = reader.readVector<double>();
     CheckpointForm form = reader.read<CheckpointForm>();
-    if (!isGood || form > OfKeptStateWithNewPositions)
+    if (!isGood || form > OfKeptStateWithNewPositions || !NativeEnergy::isStandIn(standIn))
         fail("the checkpoint is damaged");
     unique_ptr<ContextSnapshot> snapshot;
     if (form != OfCompleteContext)

@@ -159,6 +159,37 @@ static void testTakenBack(Platform& platform)
     ASSERT(Tests(run.integrator).trialsTakenBack > 100);
 }
 
+/**
+ * Replace the last number of a State's stand-in, of a version without checksums.
+ */
+static string withNumber(const OuterRun& run, const string& bytes)
+{
+    string xml = toXml(run.context->getState(State::IntegratorParameters));
+    xml.replace(xml.find(NEWEST_VERSION, xml.find("<IntegratorParameters")), NEWEST_VERSION.size(), "version=\"3\"");
+    const size_t begin = xml.find("<StandIn data=\"") + 15;
+    return xml.replace(xml.find('"', begin) - bytes.size(), bytes.size(), bytes);
+}
+
+static void testNumbersThatAreNone(Platform& platform)
+{
+    // NaN, infinity, and 1e300, which no float is, as bytes from the lowest on.
+
+    SolvatedScene scene;
+    OuterRun run(scene, platform, 10), twin(scene, platform, 10);
+    for (OuterRun* each : {&run, &twin}) {
+        each->context->setPositions(scene.positions);
+        each->integrator.step(2);
+    }
+    for (const string bytes : {"000000000000f87f", "000000000000f07f", "9c7500883ce4377e"})
+        assertThrows("the State is damaged", [&] {
+            State damaged = fromXml(withNumber(run, bytes));
+            run.context->setState(damaged);
+        });
+    for (OuterRun* each : {&run, &twin})
+        each->integrator.step(2);
+    assertSame(twin, run);
+}
+
 int main()
 {
     return runOnPlatform("Reference", [](Platform& platform) {
@@ -167,5 +198,6 @@ int main()
         for (int trialsPerTest : {0, 17})
             testGoingOn(platform, trialsPerTest);
         testTakenBack(platform);
+        testNumbersThatAreNone(platform);
     });
 }

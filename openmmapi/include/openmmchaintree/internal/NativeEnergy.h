@@ -199,6 +199,10 @@ public:
      */
     void setStandIn(const std::vector<double>& numbers);
     /**
+     * Get whether numbers can be those of a stand-in: all are finite, in single precision too.
+     */
+    static bool isStandIn(const std::vector<double>& numbers);
+    /**
      * Get or set the numbers of the OuterSchedule.
      */
     std::vector<double> getSchedule() const
@@ -211,6 +215,7 @@ public:
     }
     /**
      * Write the numbers of the stand-in and of the OuterSchedule, or read them, for setStandIn() and setSchedule().
+     * Reading throws an exception if numbers cannot be those of a stand-in.
      */
     void writeStandIn(OpenMM::SerializationNode& node) const;
     static std::vector<double> readStandIn(const OpenMM::SerializationNode& node);
