@@ -142,6 +142,9 @@ static double product(int particleCount, const double* masses, const double* a, 
 
 void ctRotateVelocities(int particleCount, const double* masses, const double* from, const double* to,
                         double* velocities) {
+  if (masses == NULL || from == NULL || to == NULL || velocities == NULL) {
+    return;
+  }
   const double lengthFrom = sqrt(product(particleCount, masses, from, from));
   const double lengthTo = sqrt(product(particleCount, masses, to, to));
   if (!(lengthFrom > 0 && lengthTo > 0)) {

@@ -362,6 +362,11 @@ static void testVelocities(void) {
   ctTurnVelocitiesKeepingMomentum(3, bodies, (const double(*)[9])turns, NULL, v);
   ctTurnVelocitiesKeepingMomentum(3, bodies, (const double(*)[9])turns, masses, NULL);
   ctTurnVelocitiesKeepingMomentum(INT_MIN, bodies, (const double(*)[9])turns, masses, v);
+  ctRotateVelocities(3, NULL, sound, &turns[0][0], v);
+  ctRotateVelocities(3, masses, NULL, &turns[0][0], v);
+  ctRotateVelocities(3, masses, sound, NULL, v);
+  ctRotateVelocities(3, masses, sound, &turns[0][0], NULL);
+  ctRotateVelocities(INT_MIN, masses, sound, &turns[0][0], v);
   CHECK(memcmp(v, sound, sizeof v) == 0);
   for (EACH(i, extremes)) {
     for (int k = 0; k < 9 + 18 + 3; k++) {
