@@ -59,8 +59,8 @@ class TrialSession;
  * <b>Steps and trials.</b> A step consists of many trials, 100 by default; see setTrialsPerStep(). Each trial draws one
  * of the moves by its weight and proposes it. A trial in which a pair overlaps beyond its limit is refused at once,
  * which usually takes microseconds. Only for the others does U matter. A trial whose U' is not a number is refused and
- * counts as rejected by energy. Monte Carlo has no time: a step lasts 0 ps. So a reporter of OpenMM shows the steps, the
- * progress and the remaining time as always, the temperature of the heat bath, and a speed of 0 ns/day. After
+ * counts as rejected by energy. Monte Carlo has no time: a step lasts 0 ps. So a reporter of OpenMM shows the steps,
+ * the progress and the remaining time as always, the temperature of the heat bath, and a speed of 0 ns/day. After
  * setStepSize() a step counts as that time, which does not change what is sampled: after setStepSize(1000), in ps, the
  * speed is in steps a day.
  *
