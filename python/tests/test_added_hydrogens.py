@@ -1,30 +1,33 @@
 """Hydrogens that --add-hydrogens adds to caps, rings and D-amino acids: those that the force field wants."""
 
-import json
-
 import numpy as np
 import openmm
 import pytest
 from openmm import app, unit
+from openmmchaintree.command.energymodel import EnergyModel
+from openmmchaintree.command.hydrogens import addHydrogens
+from openmmchaintree.structure import readStructure
 from peptides import linesOf, makePeptides, withHydrogens
 from scenes import pdbLine, writePDB
 
 FILES = ("amber14/protein.ff14SB.xml", "implicit/gbn2.xml")
 
 
+@pytest.fixture(scope="module")
+def model():
+    return EnergyModel(FILES, 300, hydrogensAreAdded=True)
+
+
 @pytest.fixture
-def sampleWithHydrogens(runCommandHere, tmp_path):
-    """A function that adds hydrogens to a structure and samples; it returns the PDBFile written, and U at the start."""
+def addTo(model, tmp_path):
+    """A function that adds hydrogens to a structure; it returns its Topology and positions, and U."""
 
-    def sample(lines, *options):
-        structure = writePDB(tmp_path / "bare.pdb", lines)
-        options = ("--add-hydrogens", "--forcefield", *FILES, "--trials", 10, "--frames", 1, "--seed", 1, *options)
-        result = runCommandHere("sample", structure, *options, "--json", "summary.json")
-        assert result.returncode == 0, result.stderr
-        summary = json.loads((tmp_path / "summary.json").read_text())
-        return app.PDBFile(str(tmp_path / "bare-topology.pdb")), summary["energy"]["potentialEnergy"]["first"]
+    def add(lines):
+        structure = readStructure(writePDB(tmp_path / "bare.pdb", lines))
+        whole, _ = addHydrogens(structure, 7, 1)
+        return whole.topology, whole.positions, energyOf(model.makeSystem(whole)[0], whole.positions)
 
-    return sample
+    return add
 
 
 def hydrogensOn(topology):
@@ -32,8 +35,7 @@ def hydrogensOn(topology):
     return [sum(atom.element is app.element.hydrogen for atom in residue.atoms()) for residue in topology.residues()]
 
 
-def energyByOpenMM(topology, positions):
-    system = app.ForceField(*FILES).createSystem(topology)
+def energyOf(system, positions):
     context = openmm.Context(system, openmm.VerletIntegrator(0.001), openmm.Platform.getPlatformByName("Reference"))
     context.setPositions(positions)
     return context.getState(energy=True).getPotentialEnergy().value_in_unit(unit.kilojoule_per_mole)
@@ -48,7 +50,7 @@ def energyByOpenMM(topology, positions):
     ],
     ids=["PDB", "AMBER", "CHARMM"],
 )
-def test_caps(sampleWithHydrogens, names):
+def test_caps(addTo, names):
     """As many as Modeller alone adds."""
     topology, positions = makePeptides(("ACE", "ALA", "PRO", "NME"))
     lines = linesOf(
@@ -56,13 +58,13 @@ def test_caps(sampleWithHydrogens, names):
         positions,
         lambda atom: (names.get((atom.residue.name, atom.name), atom.name), atom.residue.name, atom.residue.index + 1),
     )
-    pdb, energy = sampleWithHydrogens(lines)
-    assert hydrogensOn(pdb.topology) == hydrogensOn(withHydrogens(topology, positions)[0]) == [3, 5, 7, 4]
-    assert energy == pytest.approx(energyByOpenMM(pdb.topology, pdb.positions), abs=0.5)
+    whole, places, energy = addTo(lines)
+    assert hydrogensOn(whole) == hydrogensOn(withHydrogens(topology, positions)[0]) == [3, 5, 7, 4]
+    assert energy == pytest.approx(energyOf(app.ForceField(*FILES).createSystem(whole), places), abs=1e-3)
 
 
 @pytest.mark.parametrize("name", ["NH2", "NHE"])
-def test_amides(sampleWithHydrogens, name):
+def test_amides(addTo, name):
     """The other oxygen of the end stands where the nitrogen of the cap is."""
     topology, positions = makePeptides(("ALA", "GLY"))
     oxygen = next(atom for atom in topology.atoms() if atom.name == "OXT")
@@ -72,11 +74,10 @@ def test_amides(sampleWithHydrogens, name):
         positions,
         lambda atom: ("N", name, 3) if atom is oxygen else (atom.name, atom.residue.name, atom.residue.index + 1),
     )
-    pdb, _ = sampleWithHydrogens(lines)
-    assert hydrogensOn(pdb.topology) == [7, 3, 2]
+    assert hydrogensOn(addTo(lines)[0]) == [7, 3, 2]
 
 
-def test_ring(sampleWithHydrogens):
+def test_ring(addTo):
     """Of glycine and glycine: neither is an end."""
     lines = []
     for number in (1, 2):
@@ -85,8 +86,7 @@ def test_ring(sampleWithHydrogens):
             x, y = 1.42 * np.cos(angle), 1.42 * np.sin(angle)
             lines.append(pdbLine(len(lines) + 1, name, "GLY", "A", number, x, y, 0.0))
         lines.append(pdbLine(len(lines) + 1, "O", "GLY", "A", number, 1.87 * x, 1.87 * y, 0.0))
-    pdb, _ = sampleWithHydrogens(lines, "--rigid-bodies")
-    assert hydrogensOn(pdb.topology) == [3, 3]
+    assert hydrogensOn(addTo(lines)[0]) == [3, 3]
 
 
 def _chirality(topology, positions):
@@ -101,30 +101,25 @@ def _chirality(topology, positions):
     return signs
 
 
-def test_mirroredAminoAcids(sampleWithHydrogens):
+def test_mirroredAminoAcids(addTo):
     """They have the force field, and GBn2's radii, of the residues whose mirror images they are."""
     names = ("DAL", "DAR", "DTH", "DHI", "DSG", "DPR", "DCY")
     usual = ("ALA", "ARG", "THR", "HIS", "ASN", "PRO", "CYS")
     topology, positions = makePeptides(("ACE", *names, "NME"))
-    pdb, energy = sampleWithHydrogens(linesOf(topology, positions))
-    residues = list(pdb.topology.residues())
-    # A nucleotide is called DCY in OpenMM's tables.
-    assert [residue.name for residue in residues[1:-2]] == list(names[:-1])
+    whole, places, energy = addTo(linesOf(topology, positions))
+    assert [residue.name for residue in whole.residues()] == ["ACE", *names, "NME"]
     expected = withHydrogens(*makePeptides(("ACE", *usual, "NME")))[0]
-    assert hydrogensOn(pdb.topology) == hydrogensOn(expected)
-    places = np.array(pdb.positions.value_in_unit(unit.nanometer))
-    assert _chirality(pdb.topology, places) == _chirality(topology, positions)
-    for residue, name in zip(residues, ("ACE", *usual, "NME"), strict=True):
+    assert hydrogensOn(whole) == hydrogensOn(expected)
+    assert _chirality(whole, places) == _chirality(topology, positions)
+    for residue, name in zip(whole.residues(), ("ACE", *usual, "NME"), strict=True):
         residue.name = name
-    pdb.topology.createStandardBonds()  # for what DCY is not
-    assert energy == pytest.approx(energyByOpenMM(pdb.topology, pdb.positions), abs=0.5)
+    assert energy == pytest.approx(energyOf(app.ForceField(*FILES).createSystem(whole), places), abs=1e-3)
 
 
-def test_mapsAreNotMirrored(runCommandHere, tmp_path):
+def test_mapsAreNotMirrored(tmp_path):
     """A force field with CMAP has it for L-amino acids alone: a note says so."""
+    model = EnergyModel(("amber19/protein.ff19SB.xml",), 300)
     for names, isNoted in ((("ACE", "DAL", "NME"), True), (("ACE", "ALA", "NME"), False)):
-        writePDB(tmp_path / "bare.pdb", linesOf(*makePeptides(names)))
-        options = ("--add-hydrogens", "--forcefield", "amber19/protein.ff19SB.xml", "--trials", 10, "--overwrite")
-        result = runCommandHere("sample", "bare.pdb", *options)
-        assert result.returncode == 0, result.stderr
-        assert ("(CMAP) take for L-amino acids (1): A:DAL 2" in result.stdout) == isNoted
+        structure = readStructure(writePDB(tmp_path / "bare.pdb", linesOf(*makePeptides(names))))
+        _, notes = model.makeSystem(addHydrogens(structure, 7, 1)[0])
+        assert any("(CMAP) take for L-amino acids (1): A:DAL 2" in str(note) for note in notes) == isNoted

@@ -14,8 +14,7 @@ from openmmchaintree.command import clashes, sample
 from openmmchaintree.command.arguments import Parser
 from openmmchaintree.command.cli import runParsed
 from openmmchaintree.notes import listFirst
-from peptides import linesOf, makePeptides, withHydrogens
-from scenes import GLYCINES, pdbLine, writePDB
+from scenes import DIPEPTIDE, pdbLine, writePDB
 
 PROTEIN = "amber14/protein.ff14SB.xml"
 _PACKAGE = Path(openmmchaintree.__file__).parent
@@ -49,6 +48,13 @@ def test_namedOptionsExist():
     assert found > 40
 
 
+@pytest.fixture
+def runHere(runCommandHere, monkeypatch):
+    """A function that samples without drawing pictures, which takes longer."""
+    monkeypatch.setattr(sample, "_savePicture", lambda *arguments: None)
+    return lambda *arguments: runCommandHere("sample", *arguments)
+
+
 # Values for options of which the advice names none.
 _VALUES = {"--unknown-radius": ["0.2"], "--forcefield": [PROTEIN]}
 
@@ -61,22 +67,12 @@ def _followed(message):
     return arguments
 
 
-def _peptide(isChosen=lambda atom: True):
-    topology, positions = withHydrogens(*makePeptides(("ACE", "SER", "LYS", "NME")))
-    lines = linesOf(topology, positions)
-    return [line for line, atom in zip(lines, topology.atoms(), strict=True) if isChosen(atom)]
-
-
-def _without(symbol):
-    return _peptide(lambda atom: atom.element.symbol != symbol)
-
-
 def _withHydroxyl():
     """A hydrogen on the oxygen of a peptide bond."""
-    lines = _peptide()
-    carbon, oxygen = (next(line for line in lines if line[12:20] == f" {name}   SER") for name in "CO")
+    lines = list(DIPEPTIDE)
+    carbon, oxygen = (next(line for line in lines if line[12:20] == f" {name}   ALA") for name in "CO")
     ends = [np.array([float(line[k : k + 8]) for k in (30, 38, 46)]) for line in (carbon, oxygen)]
-    more = pdbLine(99, "HX", "SER", "A", 2, *(ends[1] + 0.8 * (ends[1] - ends[0])))
+    more = pdbLine(99, "HX", "ALA", "A", 2, *(ends[1] + 0.8 * (ends[1] - ends[0])))
     lines.insert(lines.index(oxygen) + 1, more)
     return lines
 
@@ -89,37 +85,41 @@ def _ligand(name, *elements):
 
 
 _CASES = {
-    "a radius": (lambda: [*_peptide(), *_ligand("LIG", "B", "O")], [], "no radius is known (1): L:LIG 1 B, boron: "),
-    "hydrogens": (lambda: _without("H"), ["--forcefield", PROTEIN], "lack hydrogens (4): A:ACE 1; "),
-    "other hydrogens": (_withHydroxyl, ["--forcefield", PROTEIN], "with hydrogens too many (1): A:SER 2: "),
+    "a radius": (lambda: [*DIPEPTIDE, *_ligand("LIG", "B", "O")], [], "no radius is known (1): L:LIG 1 B, boron: "),
+    "hydrogens": (
+        lambda: [line for line in DIPEPTIDE if not line.endswith("H")],
+        ["--forcefield", PROTEIN],
+        "lack hydrogens (3): A:ACE 1; ",
+    ),
+    "other hydrogens": (_withHydroxyl, ["--forcefield", PROTEIN], "with hydrogens too many (1): A:ALA 2: "),
     "no ligand": (
-        lambda: [*_peptide(), *_ligand("SO4", "S", "O")],
+        lambda: [*DIPEPTIDE, *_ligand("SO4", "S", "O")],
         ["--forcefield", PROTEIN],
         "that the force field does not have (1): L:SO4 1: ",
     ),
-    "a force field": (_peptide, ["--temperature", "300"], "--temperature needs "),
-    "pH": (lambda: _without("H"), ["--ph", "6"], "--ph needs "),
+    "a force field": (lambda: DIPEPTIDE, ["--temperature", "300"], "--temperature needs "),
 }
 
 
 @pytest.mark.parametrize("case", _CASES)
-def test_adviceHelps(runCommandHere, tmp_path, case):
+def test_adviceHelps(runHere, tmp_path, case):
     makeLines, options, words = _CASES[case]
     writePDB(tmp_path / "structure.pdb", makeLines())
-    options = ("sample", "structure.pdb", "--trials", 10, "--frames", 1, *options)
-    refused = runCommandHere(*options)
+    options = ("structure.pdb", "--trials", 10, "--frames", 1, *options)
+    refused = runHere(*options)
     assertRefused(refused, tmp_path, ["structure.pdb"], words)
-    result = runCommandHere(*options, *_followed(refused.stderr.split(words)[1]))
+    result = runHere(*options, *_followed(refused.stderr.split(words)[1]))
     assert result.returncode == 0, result.stderr
 
 
-def test_existingFilesCanBeReplaced(runCommandHere, tmp_path):
+def test_existingFilesCanBeReplaced(runHere, tmp_path):
     names = [f"villin{ending}" for ending in ("-settings.toml", "-topology.pdb", ".dcd", ".png")]
     for name in names:
         (tmp_path / name).write_text("mine")
-    refused = runCommandHere("sample", "--trials", 10)
-    assertRefused(refused, tmp_path, names, "villin.dcd, villin-topology.pdb, villin.png, and 1 more: exist; --overwrite ")
-    assert runCommandHere("sample", "--trials", 10, *_followed(refused.stderr)).returncode == 0
+    refused = runHere("--trials", 10)
+    words = "villin.dcd, villin-topology.pdb, villin.png, and 1 more: exist; --overwrite "
+    assertRefused(refused, tmp_path, names, words)
+    assert runHere("--trials", 10, *_followed(refused.stderr)).returncode == 0
 
 
 def test_adviceOfTheLibrary(capsys):
@@ -134,10 +134,10 @@ def test_adviceOfTheLibrary(capsys):
     assert "this; --no-native-energies lets OpenMM evaluate" in capsys.readouterr().err
 
 
-def test_withoutNativeEnergies(runCommandHere, tmp_path):
-    writePDB(tmp_path / "structure.pdb", _peptide())
+def test_withoutNativeEnergies(runHere, tmp_path):
+    writePDB(tmp_path / "structure.pdb", DIPEPTIDE)
     options = ("structure.pdb", "--forcefield", PROTEIN, "--no-native-energies", "--trials", 20, "--json", "summary.json")
-    result = runCommandHere("sample", *options)
+    result = runHere(*options)
     assert result.returncode == 0, result.stderr
     energy = json.loads((tmp_path / "summary.json").read_text())["energy"]
     assert {force["kind"] for force in energy["forces"]} == {"foreign"}
@@ -147,9 +147,9 @@ def test_withoutNativeEnergies(runCommandHere, tmp_path):
     ("held", "kinds", "words"),
     [("20 to 21", "phi", "since loops of one or two residues cannot be closed"), ("20 to 22", "phi", "by --torsions")],
 )
-def test_adviceThatWasFollowedIsNotGiven(runCommandHere, tmp_path, held, kinds, words):
+def test_adviceThatWasFollowedIsNotGiven(runHere, tmp_path, held, kinds, words):
     options = ("--fix", f"not resSeq {held}", "--close", "loops", "--trials", 10)
-    refused = runCommandHere("sample", *options, "--torsions", kinds)
+    refused = runHere(*options, "--torsions", kinds)
     assertRefused(refused, tmp_path, [], words)
     assert "(--close" not in refused.stderr
 
@@ -175,9 +175,9 @@ def _glycines(alpha, carbon):
         (_glycines(9.0, 10.5), ["structure.pdb"], ["bonded atoms are far apart (", "; and 197 more)"]),
     ],
 )
-def test_refusalsAreShort(runCommandHere, tmp_path, content, arguments, words):
+def test_refusalsAreShort(runHere, tmp_path, content, arguments, words):
     writePDB(tmp_path / "structure.pdb", content)
-    assertRefused(runCommandHere("sample", *arguments), tmp_path, ["structure.pdb"], *words)
+    assertRefused(runHere(*arguments), tmp_path, ["structure.pdb"], *words)
 
 
 def test_firstOfMany():
