@@ -250,6 +250,30 @@ def test_disulfideCoreHolds(realStructure):
     assert "held: chain A at A:CYS 5 – A:CYS 55 (374 atoms)" in describePlan(plan)[2]
 
 
+def test_disulfidesAreClosedWhereEnergiesAreSampled(realStructure):
+    structure = realStructure("bpti_h.pdb")
+    lines = describePlan(Plan(structure, Choice(hasEnergies=True)))
+    assert "held: chain A at A:ARG 1 (" in lines[2]
+    assert lines[3].startswith(
+        "rigid: bond lengths and angles; rings (PHE, PRO, TYR); turns about bonds that closed moves"
+    )
+    closed = "A:CYS 5 – A:CYS 55, A:CYS 14 – A:CYS 38, A:CYS 30 – A:CYS 51"
+    assert lines[4] == f"bonds that closed moves keep: {closed}"
+    for choice in (Choice(hasEnergies=True, close=()), Choice(hasEnergies=True, cutDisulfides=True)):
+        assert Plan(structure, choice).closed == []
+    kinds = Choice(kinds=("phi", "psi", "chi"), close=(), hasEnergies=True)
+    lines = describePlan(Plan(structure, kinds))
+    assert (
+        "held: chain A at A:CYS 5 – A:CYS 55 (374 atoms)" in lines[2]
+        and "bonds in rings of several residues" in lines[3]
+    )
+
+
+def test_closingNothingIsAChoice(sample):
+    summary, *_ = sample("--close", "none")
+    assert summary["closed"] == [] and not any("close" in note["kind"] for note in summary["notes"])
+
+
 def test_oneChainOfFour(sample):
     summary, frames, atoms = sample(realStructurePath("4hhb.pdb"), "--move", "segname B and protein")
     assert summary["plan"][0].startswith("moves: chain B (1,164 of 1,166 atoms) by ")
