@@ -29,7 +29,9 @@ def describeRigidParts(graph, torsions, fixed):
         parts.append(str(Note("bonds in rings of several residues", map(graph.describePair, sorted(across)))))
     if graph.closures:
         bonds = [[describeResidue(graph.atoms[atom].residue) for atom in closure[1:3]] for closure in graph.closures]
-        parts.append(str(Note("turns about bonds that closed moves keep", map(" – ".join, bonds))))
+        # A window of one ring must keep the others, so that it can miss the torsions beside its closure.
+        beside = ", and some beside them" if len(bonds) > 1 else ""
+        parts.append(str(Note(f"turns about bonds that closed moves keep{beside}", map(" – ".join, bonds))))
     stiff = bondsThatStay(graph, torsions, fixed)
     if stiff:
         parts.append(str(Note("bonds in no ring", map(graph.describePair, stiff))))
