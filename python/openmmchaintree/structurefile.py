@@ -6,7 +6,6 @@ write beside the formats' rules. BinaryCIF, which it does not know, is read by b
 
 import bz2
 import gzip
-import io
 import re
 import zlib
 from contextlib import contextmanager
@@ -15,10 +14,15 @@ import gemmi
 
 from .elements import NO_ELEMENT, findElements
 from .errors import InputError
+from .limits import readAtMost
 from .pdblines import repairLines
 
 # What compressed files begin with.
 _GZIP, _BZIP2 = b"\x1f\x8b", b"BZh"
+
+# What may come before the data of a CIF file, and what an atom of a PDB file begins with.
+_BEFORE_DATA = re.compile(rb"\s+|#.*\n")
+_ATOM = re.compile(rb"(?:\A|[\n\r\v\f\x1c-\x1e])(?:ATOM  |HETATM)", re.IGNORECASE)
 
 # Columns of an atom that are read, with the one that can stand for each, and else the value.
 _REQUIRED = {
@@ -58,9 +62,10 @@ def readFile(path):
     data = _readBytes(path)
     if data[:1] >= b"\x80" and b"dataBlocks" in data[:1000]:
         structure, damage = _readBinaryCIF(path, data), None
+    elif _isMmCIF(data):
+        structure, damage = _readMmCIF(path, data.decode("utf-8", errors="replace")), None
     else:
-        text = data.decode("utf-8", errors="replace")
-        structure, damage = (_readMmCIF(path, text), None) if _isMmCIF(text) else _readPDB(path, text)
+        structure, damage = _readPDB(path, data)
     if structure.input_format != gemmi.CoorFormat.Pdb:
         _correctElements(structure)
     structure.remove_empty_chains()
@@ -70,21 +75,32 @@ def readFile(path):
 
 
 def _readBytes(path):
+    """Return the content of a file, decompressed."""
     try:
-        data = path.read_bytes()
+        with open(path, "rb") as file:
+            start = file.peek(3)
+            if start.startswith(_GZIP):
+                return _decompress(path, gzip.GzipFile(fileobj=file))
+            if start.startswith(_BZIP2):
+                return _decompress(path, bz2.BZ2File(file))
+            return readAtMost(file, f"{path}: has")
     except OSError as error:
-        raise InputError(f"{path}: {error.strerror}") from error
+        raise InputError(f"{path}: {error.strerror or error}") from error
+
+
+def _decompress(path, file):
     try:
-        if data.startswith(_GZIP):
-            return gzip.decompress(data)
-        return bz2.decompress(data) if data.startswith(_BZIP2) else data
+        return readAtMost(file, f"{path}: holds, decompressed,")
     except (EOFError, zlib.error, ValueError, OSError) as error:
         raise InputError(f"{path}: cannot be decompressed ({error})") from error
 
 
-def _isMmCIF(text):
-    """Whether a text is a CIF file: they begin with a data block, after comments."""
-    return re.match(r"(\s|#.*\n)*data_", text, re.IGNORECASE) is not None
+def _isMmCIF(data):
+    """Whether bytes are those of a CIF file: they begin with a data block, after comments."""
+    place = 0
+    while skipped := _BEFORE_DATA.match(data, place):
+        place = skipped.end()
+    return data[place : place + 5].lower() == b"data_"
 
 
 @contextmanager
@@ -160,28 +176,22 @@ def _correctElements(structure):
 def _readBinaryCIF(path, data):
     """Return a Structure."""
     # Few files are of this kind, and the package takes a second to import.
-    from biotite.structure.io.pdbx import BinaryCIFFile
+    from .binarycif import readCategories
 
     with _explaining(path, "a BinaryCIF"):
-        block = BinaryCIFFile.read(io.BytesIO(data)).block
         converted = gemmi.cif.Block("structure")
-        for category in _CATEGORIES:
-            if category in block:
-                columns = {name: _textOf(column) for name, column in block[category].items()}
-                converted.set_mmcif_category(f"_{category}.", columns, raw=True)
+        for category, columns in readCategories(data, _CATEGORIES, f"{path}: holds, decoded,"):
+            converted.set_mmcif_category(f"_{category}.", columns, raw=True)
         return _fromBlock(path, converted)
 
 
-def _textOf(column):
-    """Return the values of a column of BinaryCIF as a CIF file would write them; those that are masked are . or ?."""
-    return [value if value in (".", "?") else gemmi.cif.quote(value) for value in column.as_array(str).tolist()]
-
-
-def _readPDB(path, text):
+def _readPDB(path, data):
     """Return a Structure of the models before the first damaged one, and that damage as an InputError or None."""
-    text = text.encode("ascii", errors="replace").decode()  # columns are of one byte each
-    if not any(line[:6].upper() in ("ATOM  ", "HETATM") for line in text.splitlines()):
+    if _ATOM.search(data) is None:
         raise InputError(f"{path}: there are no atoms; is it a PDB or mmCIF file?")
+    text = data.decode("utf-8", errors="replace")
+    if not text.isascii():
+        text = text.encode("ascii", errors="replace").decode()  # columns are of one byte each
     lines = repairLines(text)
     damage = None if lines.damage is None else InputError(f"{path}: {lines.damage}")
     if lines.text is None:

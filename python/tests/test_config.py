@@ -5,6 +5,7 @@ import sys
 import numpy as np
 import pytest
 from commands import assertRefused, filesIn
+from openmmchaintree.command.config import asTOML
 from scenes import GLYCINES, readDCD, writePDB
 
 if sys.version_info >= (3, 11):
@@ -96,9 +97,21 @@ def test_listsEndBeforeTheStructure(runHere, tmp_path):
         ("[sample]\ntrials = 1979-05-27", "c.toml: trials must be a text, a number or a list of these"),
         ('[sample]\noutput = "a\\u0000"', "c.toml: output has a character that no argument may have, NUL"),
         ("[sample]\nforcefield = []", "c.toml: forcefield must be a text, a number or a list of these"),
-        ("[sample]\ntrials = 0", "argument --trials: 0 is not in the range"),
-        ("[sample]\ntrials = 1.5", "argument --trials: '1.5' is not a whole number"),
-        ('[sample]\ntorsions = ["phi", "pi"]', "argument --torsions: 'pi' is none of"),
+        ("[sample]\ntrials = 0", "c.toml: trials: 0 is not in the range"),
+        ("[sample]\ntrials = 1.5", "c.toml: trials: '1.5' is not a whole number"),
+        ("[sample]\ntrials = [[5]]", "c.toml: trials must be a text, a number or a list of these"),
+        ("[sample]\nforcefield = [true]", "c.toml: forcefield must be a text, a number or a list of these"),
+        ("[sample]\ntrials = " + 5000 * "9", "c.toml: is no TOML (Exceeds the limit"),
+        ("[sample]\ntrials = " + 1000 * "[" + 1000 * "]", "c.toml: is no TOML of settings (lists or tables within"),
+        ("[sample]\n" + 50000 * "a." + "a = 5", "c.toml: is no TOML of settings (lists or tables within"),
+        ("[sample." + 1000 * "'a'." + "a]", "c.toml: is no TOML of settings (lists or tables within"),
+        ("#" * 1000001, "c.toml: settings take at most 1,000,000 bytes"),
+        ("[sample]\nconfig = \"c.toml\"", "c.toml: config is no setting of this command"),
+        ("[sample]\nscheduler = \"tcp://127.0.0.1:1\"", "c.toml: scheduler is no setting of this command"),
+        ("[sample]\nover = true", "c.toml: over is no setting of this command"),
+        ("[sample.sample]\ntrials = 5", "c.toml: sample is no setting of this command"),
+        ('[sample]\ntrajectories = "--overwrite"', "c.toml: trajectories: invalid choice: '--overwrite'"),
+        ('[sample]\ntorsions = ["phi", "pi"]', "c.toml: torsions: 'pi' is none of"),
         ('[sample]\nmove = "--fix"', "--move: "),
         ('[sample]\nstructure = "missing.pdb"', "missing.pdb: there is no such file; names in c.toml are relative"),
     ],
@@ -115,3 +128,34 @@ def test_outputsAreNotTheSettings(runHere, tmp_path):
     files = filesIn(tmp_path)
     result = runHere("run.pdb", "--config", "c.json", "--json", "c.json", "--overwrite")
     assertRefused(result, tmp_path, files, "c.json: would overwrite a file that is read")
+
+
+@pytest.mark.parametrize(
+    "name", ["structure", "move", "json", "forcefield", "torsions", "trials", "temperatures", "trajectories", "model"]
+)
+def test_valuesAreData(runHere, tmp_path, name):
+    """Whatever they look like: none becomes an option, and nothing is overwritten."""
+    mine = tmp_path / "mine-topology.pdb"
+    mine.write_text("mine")
+    for value in ("--overwrite", "--overwr", "-h", "--", "--config", "--scheduler=tcp:", "@c.toml"):
+        settings = {"structure": "run.pdb", "trials": 5, "output": "mine", name: value}
+        for content in (settings, settings | {name: [value]}, settings | {name: [value, value]}):
+            (tmp_path / "c.toml").write_text(asTOML(content))
+            result = runHere("--config", "c.toml")
+            assertRefused(result, tmp_path, ["c.toml", mine.name, "run.pdb"])
+            assert name in result.stderr or mine.name in result.stderr
+            assert mine.read_text() == "mine"
+
+
+def test_aNameLikeAnOption(runHere, tmp_path):
+    (tmp_path / "c.toml").write_text('[sample]\nstructure = "run.pdb"\ntrials = 5\noutput = "--overwrite"\n')
+    assert runHere("--config", "c.toml").returncode == 0
+    settings = settingsIn(tmp_path / "--overwrite-settings.toml")
+    assert settings["output"] == "--overwrite" and (tmp_path / "--overwrite.dcd").exists()
+
+
+def test_abbreviatedOptions(runHere, tmp_path):
+    (tmp_path / "c.toml").write_text('[sample]\ntrials = 7\nstructure = "run.pdb"\n')
+    assert runHere("--conf", "c.toml", "--mod", 0, "--frames", 1).returncode == 0
+    settings = settingsIn(tmp_path / "run-settings.toml")
+    assert settings["trials"] == 7 and settings["frames"] == 1

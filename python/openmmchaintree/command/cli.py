@@ -87,12 +87,9 @@ class _CommandParser(Parser):
     def parse_known_args(self, args=None, namespace=None):
         command = importlib.import_module(f".{self.command}", __package__)
         command.addArguments(self)
-        if hasattr(command, "expandArguments"):
-            args = self._expand(command, args)
+        if hasattr(command, "applySettings"):
+            try:
+                command.applySettings(self, args)
+            except InputError as error:
+                self.error(str(error))
         return super().parse_known_args(args, namespace)
-
-    def _expand(self, command, args):
-        try:
-            return command.expandArguments(self, args)
-        except InputError as error:
-            self.error(str(error))

@@ -1,6 +1,7 @@
 """The settings of a run as TOML: read by --config, written by each run."""
 
 import argparse
+import re
 import sys
 
 from ..errors import InputError
@@ -16,6 +17,12 @@ _NOT_SETTINGS = ("help", "config", "resume", "overwrite", "verbose", "scheduler"
 
 _TABLE = "sample"
 
+_LARGEST_FILE = 10**6  # bytes
+
+# Keys of tables within each other take the reader time that grows with the square of their number.
+_DEEP_KEY = re.compile(r"""(?<![\w-])(?:(?:[\w-]+|"[^"\n]*"|'[^'\n]*')[ \t]*\.[ \t]*){32}""")
+_TOO_DEEP = "is no TOML of settings (lists or tables within each other are too deep)"
+
 
 def addConfig(parser):
     """Add the option that reads settings."""
@@ -26,65 +33,60 @@ def addConfig(parser):
     )
 
 
-def expandArguments(parser, arguments):
-    """Return arguments of the command, before them what a --config or --resume among them stands for.
+def applySettings(parser, arguments):
+    """Make the settings that a --config or --resume among the arguments of a command names its parser's defaults.
 
     Raises
     ------
     InputError
-        if its file cannot be read, or has what is no setting
+        if its file cannot be read, or has what is no setting, or is no value of it
     """
-    finder = argparse.ArgumentParser(add_help=False, allow_abbrev=False, exit_on_error=False)
-    finder.add_argument("--config")
-    finder.add_argument("--resume")
-    finder.add_argument("--scheduler")
-    try:
-        found, _ = finder.parse_known_args(arguments)
-    except argparse.ArgumentError:
-        return arguments  # the parser itself will say so
-    if found.config is not None and found.resume is not None:
-        raise InputError("--config and --resume cannot be used together: a run goes on with its own settings")
-    if found.config is not None:
-        return _withSettings(parser, readSettings(found.config), ["--config", found.config], arguments)
-    if found.resume is not None:
-        settings = SavedRun(found.resume).settings
-        if found.scheduler is not None:
-            settings.pop("workers", None)  # those of this machine
-        return _withSettings(parser, settings, ["--resume", found.resume], arguments)
-    return arguments
-
-
-def _withSettings(parser, settings, source, arguments):
-    """Return arguments of the command with settings before them, which they overrule. source: their option and file."""
+    # The parser itself, so that a value that looks like an option is none here either.
     given, _ = argparse.ArgumentParser.parse_known_args(parser, arguments)
-    begin, others = [], []
+    if given.config is not None and given.resume is not None:
+        raise InputError("--config and --resume cannot be used together: a run goes on with its own settings")
+    if given.config is not None:
+        settings, source = readSettings(given.config), given.config
+    elif given.resume is not None:
+        settings, source = SavedRun(given.resume).settings, given.resume
+        if given.scheduler is not None:
+            settings.pop("workers", None)  # those of this machine
+    else:
+        return
+    actions = _settingsOf(parser)
     for name, value in settings.items():
-        action = _settingsOf(parser).get(name)
-        if action is None:
-            raise InputError(f"{source[1]}: {name} is no setting of this command")
-        texts = _asTexts(action, value, f"{source[1]}: {name}")
-        if not action.option_strings:
-            begin += texts if getattr(given, action.dest) is None else []
-        elif action.nargs == 0:
-            others += [f"--{name}"] if value else []
-        elif action.nargs is None:
-            others += [f"--{name}={','.join(texts)}"]
-        else:
-            others += [f"--{name}", *texts]
-    # The file's name once more ends a list of values before what was given.
-    return [*begin, *others, *source, *arguments]
+        if name not in actions:
+            raise InputError(f"{source}: {name} is no setting of this command")
+        action = actions[name]
+        parser.set_defaults(**{action.dest: _read(parser, action, value, f"{source}: {name}")})
 
 
-def _asTexts(action, value, name):
-    """Return a value of TOML as texts."""
-    if (action.nargs == 0) != isinstance(value, bool):
-        raise InputError(f"{name} must be {'true or false' if action.nargs == 0 else 'a value, not true or false'}")
+def _read(parser, action, value, name):
+    """Return what an option is for a value of TOML, which is never looked at as an argument."""
+    if action.nargs == 0:
+        if not isinstance(value, bool):
+            raise InputError(f"{name} must be true or false")
+        return value
+    if isinstance(value, bool):
+        raise InputError(f"{name} must be a value, not true or false")
     values = value if isinstance(value, list) else [value]
-    if not values or not all(isinstance(item, (str, int, float)) for item in values):
+    if not values or not all(isinstance(item, (str, int, float)) and not isinstance(item, bool) for item in values):
         raise InputError(f"{name} must be a text, a number or a list of these")
     if any("\0" in str(item) for item in values):
         raise InputError(f"{name} has a character that no argument may have, NUL")
-    return [item if isinstance(item, str) else repr(item) for item in values]
+    texts = [item if isinstance(item, str) else repr(item) for item in values]
+    try:
+        if action.nargs == "+":
+            return [_readOne(parser, action, text) for text in texts]
+        return _readOne(parser, action, ",".join(texts))
+    except argparse.ArgumentError as error:
+        raise InputError(f"{name}: {error.message}") from error
+
+
+def _readOne(parser, action, text):
+    value = parser._get_value(action, text)
+    parser._check_value(action, value)
+    return value
 
 
 def readSettings(path):
@@ -97,10 +99,18 @@ def readSettings(path):
     """
     try:
         with open(path, "rb") as file:
-            content = tomllib.load(file)
+            data = file.read(_LARGEST_FILE + 1)
+        if len(data) > _LARGEST_FILE:
+            raise InputError(f"{path}: settings take at most {_LARGEST_FILE:,} bytes")
+        text = data.decode("utf-8")
+        if _DEEP_KEY.search(text):
+            raise InputError(f"{path}: {_TOO_DEEP}")
+        content = tomllib.loads(text)
     except OSError as error:
         raise InputError(f"{path}: cannot be read ({error.strerror or error})") from error
-    except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
+    except RecursionError as error:
+        raise InputError(f"{path}: {_TOO_DEEP}") from error
+    except ValueError as error:  # of TOML, of bytes that are no text, of numbers with thousands of digits
         raise InputError(f"{path}: is no TOML ({error})") from error
     others = [name for name in content if name != _TABLE]
     if others or not isinstance(content.get(_TABLE), dict):

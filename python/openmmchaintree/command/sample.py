@@ -12,7 +12,7 @@ from ..errors import InputError
 from ..structure import readStructure, withoutAtoms
 from ..torsions import KIND_WORDS, KINDS_WITH_ENERGIES
 from .arguments import listOf, notNegative, numberIn, positive, seed
-from .config import addConfig, expandArguments, readSettings, settingsOf
+from .config import addConfig, applySettings, readSettings, settingsOf
 from .ending import endRun, writeReports
 from .energymodel import EnergyModel
 from .energyoptions import addEnergyOptions, readEnergyOptions
@@ -31,7 +31,7 @@ from .scenefiles import removeScene, writeScene
 from .terminal import ReportConsole, collectionPaused, interruptFlag, printError, progress
 from .trajectoryfile import TrajectoryFile
 
-__all__ = ["addArguments", "expandArguments"]
+__all__ = ["addArguments", "applySettings"]
 
 _NONE = "none"
 
@@ -204,7 +204,7 @@ def _checkFolder(options):
     """Refuse a structure that is named by settings and is not there: perhaps the command runs in another folder."""
     source, name = options.resume or options.config, options.structure
     if source is not None and name is not None and not os.path.isabs(name) and not os.path.exists(name):
-        raise InputError(f"{name}: there is no such file; names in {source} are relative to where the command runs")
+        raise InputError(f"structure {name}: there is no such file; names in {source} are relative to where the command runs")
 
 
 def _sampleOne(prepared):
