@@ -15,8 +15,8 @@ import numpy as np
 import pytest
 from commands import assertRefused, filesIn
 from openmm import app
-from openmmchaintree.command import outputfiles
-from openmmchaintree.command.outputfiles import Output, OutputError
+from openmmchaintree.command import outputfiles, sample
+from openmmchaintree.command.outputfiles import Output, OutputError, Writing
 from openmmchaintree.command.trajectoryfile import TrajectoryFile
 from openmmchaintree.errors import InputError
 from scenes import GLYCINES, readDCD, writePDB
@@ -149,6 +149,60 @@ def test_whatSomebodyWritesIsLeftAlone(tmp_path):
     other.check()
     other.open().close()
     assert path.read_bytes() == b""
+
+
+def test_onlyWhatARunHasMadeIsRemoved(tmp_path):
+    path = tmp_path / "a.json"
+    output = Output(str(path), True)
+    path.write_text("theirs")
+    output.remove()
+    assert path.read_text() == "theirs"
+    output.write("ours")
+    Output(str(path), True).write("theirs")
+    output.remove()
+    assert path.read_text() == "theirs"
+    output.write("ours")
+    output.remove()
+    assert filesIn(tmp_path) == []
+
+
+@pytest.mark.parametrize("options", [[], ["--replicas", 2]])
+@pytest.mark.parametrize("moment", ["run", "report"])
+def test_aRunOnTheSameFiles(runHere, tmp_path, monkeypatch, moment, options):
+    """At whatever moment another run with --overwrite comes: it is refused, and all files stay those of the first one."""
+    arguments = ["sample", "--trials", 300, "--frames", 3, "--overwrite", "--json", "a.json"]
+    refusals = []
+
+    def tryAnother(*given, **named):
+        if not refusals:
+            refusals.append(None)
+            refusals[0] = commands.run(arguments[0], STRUCTURE, *arguments[1:], *options, "--seed", 2, folder=tmp_path)
+        return honest(*given, **named)
+
+    name = {"run": "_sample", "report": "writeReports"}[moment]
+    honest = getattr(sample, name)
+    monkeypatch.setattr(sample, name, tryAnother)
+    assert runHere(*arguments, "--seed", 1).returncode == 0
+    assert refusals[0].returncode == 2 and "another run is writing it" in oneLine(refusals[0].stderr)
+    assert not any("replica" in name for name in filesIn(tmp_path))
+    assert json.loads((tmp_path / "a.json").read_text())["seed"] == 1
+    assert "seed = 1\n" in (tmp_path / "run-settings.toml").read_text() and len(readDCD(tmp_path / "run.dcd")) == 4
+
+
+def test_reportsOfOneRun(tmp_path):
+    """Files that are written together get their names together, and none if one is interrupted."""
+    first, second = [[Output(str(tmp_path / name), True) for name in ("a.json", "a.csv")] for _ in range(2)]
+    with Writing() as writing:
+        writing.write(first[0], lambda output: output.write("first"))
+        with Writing() as other:
+            for output in second:
+                other.write(output, lambda output: output.write("second"))
+        writing.write(first[1], lambda output: output.write("first"))
+    assert {path.read_text() for path in tmp_path.iterdir()} == {"first"} and filesIn(tmp_path) == ["a.csv", "a.json"]
+    with pytest.raises(KeyboardInterrupt), Writing() as writing:
+        writing.write(second[0], lambda output: output.write("third"))
+        raise KeyboardInterrupt
+    assert {path.read_text() for path in tmp_path.iterdir()} == {"first"} and filesIn(tmp_path) == ["a.csv", "a.json"]
 
 
 def test_manyOutputs(tmp_path):

@@ -393,6 +393,65 @@ def test_noRoomForACheckpoint(tmp_path):
     assert header["counts"] == 1 and checkpoints == {0: b"former"} and filesIn(tmp_path) == ["a.checkpoint"]
 
 
+@pytest.mark.parametrize("year", [1970, 2150])
+def test_anyClock(tmp_path, monkeypatch, year):
+    """The format of the file knows the years from 1980 to 2107."""
+    monkeypatch.setattr(checkpointfile.zipfile.time, "localtime", lambda _: time.struct_time((year, *8 * [1])))
+    checkpointfile.writeCheckpoint(tmp_path / "a.checkpoint", {"counts": 1}, [b"first"])
+    assert checkpointfile.readCheckpoint(tmp_path / "a.checkpoint")[1] == {0: b"first"}
+
+
+def test_filesOfTheUserBesideACheckpoint(runHere, tmp_path):
+    """None is written, and no link followed."""
+    (tmp_path / "mine.txt").write_text("mine")
+    (tmp_path / "run.checkpoint.part").symlink_to("mine.txt")
+    assert runHere("run.pdb", "--replicas", 2, "--trials", 30, "--frames", 3).returncode == 0
+    assert (tmp_path / "mine.txt").read_text() == "mine" and (tmp_path / "run.checkpoint.part").is_symlink()
+
+
+def test_whatAKillLeavesIsRemoved(finished, runHere, tmp_path):
+    name = checkpointfile.readCheckpoint(tmp_path / "run.checkpoint")[0]["temporary"]
+    files = filesIn(tmp_path)
+    (tmp_path / "mine.txt").write_text("mine")
+    (tmp_path / name).symlink_to("mine.txt")
+    assert runHere("--resume", "run.checkpoint").returncode == 0
+    assert (tmp_path / "mine.txt").read_text() == "mine" and filesIn(tmp_path) == sorted([*files, "mine.txt"])
+
+
+@pytest.mark.parametrize("name", ["fsync", "replace"])
+def test_theFirstCheckpointFails(runHere, tmp_path, monkeypatch, name):
+    def fail(*arguments):
+        raise OSError(28, "No space left on device")
+
+    files = filesIn(tmp_path)
+    honest, calls = getattr(checkpointfile.os, name), []
+
+    def failOfCheckpoint(*arguments):
+        calls.append(arguments)
+        isOfCheckpoint = arguments[-1] == tmp_path / "run.checkpoint" if name == "replace" else len(calls) > 3
+        return fail() if isOfCheckpoint else honest(*arguments)
+
+    monkeypatch.setattr(checkpointfile.os, name, failOfCheckpoint)
+    result = runHere("run.pdb", "--replicas", 2, "--trials", 30, "--frames", 3)
+    monkeypatch.undo()
+    assertRefused(result, tmp_path, files, "run.checkpoint: cannot be written (No space left on device)")
+
+
+def test_anotherRunHasReplacedIt(finished, runHere, tmp_path, monkeypatch):
+    """A run that was read is gone on with only if no other one has written since."""
+    honest = replicarun.SavedRun.checkUnchanged
+
+    def replaceFirst(saved):
+        header, checkpoints = checkpointfile.readCheckpoint(tmp_path / "run.checkpoint")
+        checkpointfile.writeCheckpoint(tmp_path / "run.checkpoint", {**header, "reports": []}, checkpoints.values())
+        honest(saved)
+
+    monkeypatch.setattr(replicarun.SavedRun, "checkUnchanged", replaceFirst)
+    before = contents(tmp_path, "run")
+    assertRefused(runHere("--resume", "run.checkpoint"), tmp_path, filesIn(tmp_path), "another run has written it")
+    assert contents(tmp_path, "run") == before
+
+
 def test_anotherStructure(finished, runHere, tmp_path):
     writePDB(tmp_path / "run.pdb", [line.replace("2.870", "2.880") for line in GLYCINES])
     files = filesIn(tmp_path)

@@ -4,6 +4,7 @@ import argparse
 import os
 import sys
 
+from ..errors import InputError
 from ..notes import listFirst
 from .status import BAD_INPUT
 from .terminal import printError
@@ -26,6 +27,26 @@ class Parser(argparse.ArgumentParser):
 def positive(text):
     """Read a whole number above 0."""
     return wholeNumber(text, 1, 10**15)
+
+
+def positiveUpTo(limit):
+    """Return a function that reads a whole number above 0, up to a Limit."""
+
+    def read(text):
+        value = positive(text)
+        try:
+            if value > limit.value:
+                limit.refuse(f"{value} is")
+        except InputError as error:
+            raise argparse.ArgumentTypeError(str(error)) from error
+        return value
+
+    return read
+
+
+def frameCount(text):
+    """Read a number of frames, which the headers of trajectories have to hold."""
+    return wholeNumber(text, 1, 10**9)
 
 
 def notNegative(text):

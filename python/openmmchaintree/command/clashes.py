@@ -4,8 +4,9 @@ from contextlib import closing, contextmanager
 
 from ..clashes import ClashSearch
 from ..errors import ClusterError, InputError
+from ..limits import PROCESSES
 from ..radii import RADII_SETS
-from .arguments import addScheduler, positive
+from .arguments import addScheduler, positive, positiveUpTo
 from .clashranking import ClashRanking
 from .clashreport import asCSV, plainFrames, printReport, summarize
 from .noteoutput import addNotes, asText
@@ -47,7 +48,10 @@ def addArguments(clashes):
     clashes.add_argument("--json", metavar="FILE", help="write everything as JSON (-: print it)")
     clashes.add_argument("--picture", metavar="FILE", help="draw the clashes by frame and residue (.png, .pdf or .svg)")
     clashes.add_argument(
-        "--workers", type=positive, metavar="W", help="processes that look at frames side by side (default: this one)"
+        "--workers",
+        type=positiveUpTo(PROCESSES),
+        metavar="W",
+        help="processes that look at frames side by side (default: this one)",
     )
     addScheduler(clashes, "the search of frames, whose files they have to see by the same names,")
     addOverwrite(clashes)
@@ -70,15 +74,15 @@ def _run(options):
     if damage is not None and not frames:
         raise damage
     summary = summarize(search, frames, ranking, damage, interrupted)
-    writing = Writing()
     writers = {
         "csv": lambda output: output.write(asCSV(search, frames)),
         "json": lambda output: output.write(asJSONWith(summary, "frames", plainFrames(search, frames))),
         "picture": lambda output: _savePicture(output, search, frames),
         "notes": lambda output: output.write(asText(search.notes)),
     }
-    for kind, output in outputs.items():
-        writing.write(output, writers[kind])
+    with Writing() as writing:
+        for kind, output in outputs.items():
+            writing.write(output, writers[kind])
     printReport(summary, search, frames, writing.files, options.rows, ReportConsole(outputs.values()), options.verbose)
     errors = [writing.describeFailures()] if writing.failures else []
     if damage is not None:

@@ -48,7 +48,11 @@ def applySettings(parser, arguments):
     if given.config is not None:
         settings, source = readSettings(given.config), given.config
     elif given.resume is not None:
-        settings, source = SavedRun(given.resume).settings, given.resume
+        saved = SavedRun(given.resume)
+        settings, source = dict(saved.settings), given.resume
+        for name in ("json", "notes"):
+            if name in settings and getattr(given, name) is None:
+                saved.checkPath(name, settings[name])
         if given.scheduler is not None:
             settings.pop("workers", None)  # those of this machine
     else:

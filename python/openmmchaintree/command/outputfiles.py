@@ -6,7 +6,7 @@ import os
 import secrets
 import shutil
 import sys
-from contextlib import contextmanager
+from contextlib import ExitStack, contextmanager, suppress
 from pathlib import Path
 from textwrap import indent
 
@@ -35,6 +35,8 @@ class Output:
     name : str
         as the user gave it
     isStandardOutput : bool
+    isDelayed : bool
+        whether what is written gets the file's name only when `publish` is called
     """
 
     @property
@@ -46,7 +48,11 @@ class Output:
         """Take a name; a file that exists is replaced only if overwrite says so."""
         self.name = name
         self.isStandardOutput = name == _STANDARD_OUTPUT
+        self.isDelayed = False
         self._overwrite = overwrite
+        self._prepared = None  # the Path of what is written, but has not got its name yet
+        self._made = None  # tells the file that we have made from another one of its name
+        self._held = None
         # A device or pipe holds nothing that could get lost, and must not be replaced by a file.
         self._isSpecial = os.path.exists(name) and not os.path.isfile(name)
         # A link stays one, to what is written.
@@ -70,27 +76,61 @@ class Output:
             return
         with self.explainingErrors():
             if self._isSpecial:
-                _writePieces(self._path, pieces)
+                with self._path.open("wb") as file:
+                    file.writelines(pieces)
             else:
-                self._writeBeside(pieces)
+                self._prepare(pieces)
+                if not self.isDelayed:
+                    self.publish()
 
-    def _writeBeside(self, pieces):
-        """Write a file beside the one that is wanted, and give it that one's name once it is whole."""
-        temporary = self._temporaryPath()
+    def _prepare(self, pieces):
+        """Write a file beside the one that is wanted."""
+        self.forget()
+        self._prepared = self._temporaryPath()
         try:
-            _writePieces(temporary, pieces)
-            if self._overwrite and self._path.exists():
-                shutil.copymode(self._path, temporary)
-            elif not self._overwrite:
-                self._path.open("xb").close()  # fails if another program has made it by now
+            with self._prepared.open("xb") as file:
+                file.writelines(pieces)
+        except BaseException:
+            self.forget()
+            raise
+
+    def publish(self):
+        """Give what was written and delayed the name that is wanted.
+
+        Raises
+        ------
+        OutputError
+            if that cannot be done
+        """
+        if self._prepared is None:
+            return
+        with self.explainingErrors():
             try:
-                temporary.replace(self._path)
-            except BaseException:
-                if not self._overwrite:
-                    self.remove()
-                raise
-        finally:
-            temporary.unlink(missing_ok=True)
+                if self._overwrite and self._path.exists():
+                    shutil.copymode(self._path, self._prepared)
+                elif not self._overwrite:
+                    with self._path.open("xb") as file:  # fails if another program has made it by now
+                        self._noteMade(file)
+                try:
+                    made = _identity(os.stat(self._prepared))
+                    self._prepared.replace(self._path)
+                    self._made = made
+                except BaseException:
+                    if not self._overwrite:
+                        self.remove()
+                    raise
+            finally:
+                self.forget()
+
+    def forget(self):
+        """Remove what was written and not published."""
+        if self._prepared is not None:
+            self._prepared.unlink(missing_ok=True)
+            self._prepared = None
+
+    def _noteMade(self, file):
+        self._made = _identity(os.fstat(file.fileno()))
+        return file
 
     def open(self):
         """Open the file for writing piece by piece, unbuffered. Until it is closed no other run writes it.
@@ -104,10 +144,10 @@ class Output:
             if self._isSpecial:
                 return io.FileIO(self._path, "w")
             if not self._overwrite:
-                return self._locked(io.FileIO(self._path, "x"))
+                return self._noteMade(self._locked(io.FileIO(self._path, "x")))
             file = self._locked(io.FileIO(self._path, "r+", opener=_openOrMake))
             try:
-                file.truncate()
+                self._noteMade(file).truncate()
             except BaseException:
                 file.close()
                 raise
@@ -140,8 +180,32 @@ class Output:
             pass
         return file
 
+    def hold(self):
+        """Let no other run write the file that is there, if there is one, until `release`, though it is closed.
+
+        Raises
+        ------
+        OutputError
+            if another run is writing it
+        """
+        if not self._isSpecial:
+            with suppress(FileNotFoundError, PermissionError):
+                self._held = self._locked(io.FileIO(self._path, "r+"))
+
+    def release(self):
+        """Hold the file no longer."""
+        if self._held is not None:
+            self._held.close()
+            self._held = None
+
     def remove(self):
-        """Remove the file."""
+        """Remove the file, if it is the one that was made here: another run may have made another one since."""
+        with suppress(FileNotFoundError):
+            if self._made is not None and _identity(os.stat(self._path)) == self._made:
+                self._path.unlink()
+
+    def removeFormer(self):
+        """Remove the file of a former run, which this one replaces."""
         if not self._isSpecial:
             self._path.unlink(missing_ok=True)
 
@@ -175,14 +239,20 @@ class Output:
             raise InputError(f"{self.name}: there is no folder {Path(self.name).parent}")
         if self._isSpecial:
             return
+        self.checkFree()
         with self.explainingErrors():
             if self._path.exists():
-                self._locked(self._path.open("ab")).close()
                 path = self._temporaryPath()
             else:
                 path = self._path
             path.open("xb").close()
             path.unlink()
+
+    def checkFree(self):
+        """Refuse a file that another run is writing."""
+        with self.explainingErrors(), suppress(FileNotFoundError):
+            if not self._isSpecial:
+                self._locked(io.FileIO(self._path, "r+")).close()
 
     def _temporaryPath(self):
         return self._path.with_name(f".{secrets.token_hex(8)}.part")
@@ -204,16 +274,55 @@ def _identities(path):
         found = os.stat(path)
     except OSError:
         return {path}
-    return {path, (found.st_dev, found.st_ino)}
+    return {path, _identity(found)}
 
 
-def _writePieces(path, pieces):
-    with path.open("wb") as file:
-        file.writelines(pieces)
+def _identity(found):
+    """Return what tells a file from another one of its name, by what `os.stat` says of it."""
+    return found.st_dev, found.st_ino
+
+
+@contextmanager
+def lockedFolders(outputs):
+    """Let no other run look at files in the folders of some Outputs, or begin them, meanwhile.
+
+    It waits for others, as far as their file systems can tell of them.
+    """
+    folders = {}
+    for folder in {output.path.parent for output in outputs if not output.isStandardOutput}:
+        with suppress(OSError):  # a folder that is missing
+            folders[_identity(os.stat(folder))] = folder
+    with ExitStack() as stack:
+        for _, folder in sorted(folders.items()) if fcntl is not None else ():  # in the order of all runs
+            with suppress(OSError):  # a file system without locks
+                descriptor = os.open(folder, os.O_RDONLY)
+                stack.callback(os.close, descriptor)
+                fcntl.flock(descriptor, fcntl.LOCK_EX)
+        yield
+
+
+@contextmanager
+def beginning(outputs):
+    """Begin to write Outputs that were checked a while ago, while no other run can; before, see that none has meanwhile.
+
+    Raises
+    ------
+    OutputError
+        if one of them is another run's by now; nothing was touched
+    """
+    files = [output for output in outputs if not output.isStandardOutput]
+    with lockedFolders(files):
+        for output in files:
+            output.checkFree()
+            if output.needsOverwrite():
+                raise OutputError(f"{output.name}: exists by now, and was not overwritten")
+        yield
 
 
 class Writing:
     """Outputs being written, so that one that fails does not take the others with it.
+
+    As a context manager it gives them their names at its end, all at a time, so that they are those of one run.
 
     Attributes
     ----------
@@ -226,15 +335,34 @@ class Writing:
         """Begin with nothing written."""
         self.files = []
         self.failures = []
+        self._isDelayed = False
+        self._delayed = []
+
+    def __enter__(self):
+        self._isDelayed = True
+        return self
+
+    def __exit__(self, kind, error, traceback):
+        delayed, self._delayed, self._isDelayed = self._delayed, [], False
+        try:
+            with lockedFolders(delayed):
+                for output in delayed if kind is None else ():
+                    self.write(output, lambda output: output.publish())
+        finally:
+            for output in delayed:
+                output.forget()
 
     def write(self, output, write):
         """Call a function that writes an Output, and note what became of it."""
+        output.isDelayed = self._isDelayed and not output.isStandardOutput
         try:
             write(output)
         except OutputError as error:
             self.failures.append(error)
             return
-        if not output.isStandardOutput:
+        if output.isDelayed:
+            self._delayed.append(output)
+        elif not output.isStandardOutput:
             self.files.append(output.name)
 
     def describeFailures(self):
@@ -272,14 +400,15 @@ def checkOutputs(names, inputs, overwrite):
         raise InputError("standard output (-): is named for two outputs")
     areRead = set().union(*map(_identities, inputs))
     areWritten = set()
-    for output in files:
-        identities = _identities(output.path)
-        if identities & areRead:
-            raise InputError(f"{output.name}: would overwrite a file that is read")
-        if identities & areWritten:
-            raise InputError(f"{output.name}: is named for two outputs")
-        areWritten |= identities
-        output.check()
+    with lockedFolders(files):
+        for output in files:
+            identities = _identities(output.path)
+            if identities & areRead:
+                raise InputError(f"{output.name}: would overwrite a file that is read")
+            if identities & areWritten:
+                raise InputError(f"{output.name}: is named for two outputs")
+            areWritten |= identities
+            output.check()
     existing = [output.name for output in files if output.needsOverwrite()]
     if existing:
         words = "exists; --overwrite replaces it" if len(existing) == 1 else "exist; --overwrite replaces them"

@@ -7,6 +7,7 @@ from contextlib import ExitStack
 
 import numpy as np
 
+from ..errors import InputError
 from .growingfile import GrowingFile
 from .trajectoryfile import TrajectoryFile
 
@@ -32,11 +33,13 @@ class IndexFile:
     Numbers of frames and replicas are from 0; frame 0 is the start. Energies are in kJ/mol, lengths in nm.
     """
 
-    def __init__(self, output, mark=None):
-        """Begin the file of an Output; or go on with one where its mark was this."""
+    def __init__(self, output, mark=None, rows=0):
+        """Begin the file of an Output; or go on with one where its mark was this, after so many rows."""
         header = _asLine(_COLUMNS).encode()
         if mark is not None:
             size, self._checksum = mark
+            if output.path.is_file() and _linesIn(output.path, size) != 1 + rows:
+                raise InputError(f"{output.name}: is not the index that the run has written")
             self._file = GrowingFile.goOn(output, size, header, "index", checksum=self._checksum)
             return
         self._file, self._checksum = GrowingFile(output), 0
@@ -72,6 +75,16 @@ class IndexFile:
         self._file.remove()
 
 
+def _linesIn(path, size):
+    """Return how many lines the first so many bytes of a file have."""
+    lines = 0
+    with open(path, "rb") as file:
+        while size > 0 and (piece := file.read(min(size, 1 << 20))):
+            lines += piece.count(b"\n")
+            size -= len(piece)
+    return lines
+
+
 def _asLine(values):
     line = io.StringIO()
     csv.writer(line, lineterminator="\n").writerow(["" if value is None else value for value in values])
@@ -79,9 +92,20 @@ def _asLine(values):
 
 
 def readIndex(path):
-    """Return the columns of an index as a dictionary of arrays; empty cells are NaN."""
+    """Return the columns of an index as a dictionary of arrays; empty cells are NaN.
+
+    Raises
+    ------
+    InputError
+        if it is none
+    """
     orNaN = dict.fromkeys(range(3, len(_COLUMNS)), lambda text: float(text or "nan"))
-    columns = np.loadtxt(path, delimiter=",", skiprows=1, ndmin=2, converters=orNaN, encoding="utf-8").T
+    try:
+        columns = np.loadtxt(path, delimiter=",", skiprows=1, ndmin=2, converters=orNaN, encoding="utf-8").T
+        if len(columns) != len(_COLUMNS):
+            raise ValueError("the number of columns is wrong")
+    except ValueError as error:
+        raise InputError(f"{path}: is no index of frames ({error})") from error
     return {
         name: column.astype(int) if number < 3 else column
         for number, (name, column) in enumerate(zip(_COLUMNS, columns, strict=True))
@@ -129,7 +153,7 @@ class ReplicaFiles:
                 self.trajectories.append(
                     TrajectoryFile(output, topology, positions, schedule.interval, expected, frames)
                 )
-            self.index = IndexFile(outputs["index"], indexMark)
+            self.index = IndexFile(outputs["index"], indexMark, frames * len(plan.seeds))
             if isNew:
                 energy = start.frames[0].energy
                 self.index.write([self._row(0, *place, positions, energy) for place in self._startPlaces()])

@@ -3,14 +3,16 @@
 from typing import NamedTuple
 
 from ..errors import InputError
+from ..limits import REPLICAS, checkMemory
 from ..replicas.coordinator import RunPlan
 from ..replicas.ladder import deriveSeeds, readLadder
 from ..replicas.schedule import Schedule
-from .arguments import addScheduler, numberIn, positive, usableCores
+from .arguments import addScheduler, numberIn, positive, positiveUpTo, usableCores
 
 _TRIALS_PER_EXCHANGE = 4000
 _TRIALS_PER_ROUND = 10000  # of replicas that exchange nothing
 _CHECKPOINT_INTERVAL = 60.0  # s
+_BYTES_PER_ATOM = 24  # of a frame that is kept
 
 
 class ReplicaChoice(NamedTuple):
@@ -37,7 +39,7 @@ def addReplicaOptions(parser):
     """Add the options of replicas to a parser."""
     parser.add_argument(
         "--replicas",
-        type=positive,
+        type=positiveUpTo(REPLICAS),
         metavar="N",
         help="run N replicas from the same start, each with all trials and frames and random numbers of its own",
     )
@@ -139,8 +141,19 @@ def readReplicaOptions(options):
     )
 
 
-def makePlan(choice, options, energyModel, seed):
-    """Return the RunPlan of a ReplicaChoice."""
+def makePlan(choice, options, energyModel, seed, atoms):
+    """Return the RunPlan of a ReplicaChoice, for replicas of so many atoms.
+
+    Raises
+    ------
+    InputError
+        if the frames of a round, which are in memory until it ends, take too much of it
+    """
     temperatures = choice.temperatures or [300.0 if energyModel is None else energyModel.temperature]
     schedule = Schedule(options.trials, choice.trialsPerRound, -(-options.trials // options.frames))
+    framesPerRound = -(-min(choice.trialsPerRound, options.trials) // schedule.interval)
+    checkMemory(
+        framesPerRound * _BYTES_PER_ATOM * atoms,
+        f"--frames {options.frames}: the {framesPerRound:,} frames of each round of {choice.trialsPerRound:,} trials take",
+    )
     return RunPlan(schedule, temperatures, deriveSeeds(seed, choice.replicas), seed)

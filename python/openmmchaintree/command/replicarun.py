@@ -8,11 +8,12 @@ import openmm
 
 from .. import __version__
 from ..errors import ClusterError, InputError
-from ..replicas.checkpointfile import readCheckpoint, writeCheckpoint
+from ..replicas.checkpointfile import nameTemporary, readCheckpoint, writeCheckpoint
 from ..replicas.coordinator import Coordinator, RunState
 from ..replicas.schedule import Schedule
 from .outputfiles import OutputError, checkOutputs, encoded
 from .replicafiles import ReplicaFiles
+from .savedheader import findWrong, findWrongState
 from .terminal import interruptFlag, printError, progress
 from .trajectoryfile import trialsOfAStep
 
@@ -48,6 +49,7 @@ class ReplicaRun:
         self._settings = settings
         self._outputs = outputs
         self._indexMark = None
+        self._temporaryName = nameTemporary()
         self.plan = plan
         self.state = RunState(plan, len(sampling.moves))
         self.isInterrupted = False
@@ -66,23 +68,26 @@ class ReplicaRun:
                 f"{saved.path}: is of a run from another structure, force field or version "
                 f"(that was openmm-chaintree {saved.header['madeBy']}, this is {__version__})"
             )
+        saved.checkState(self.plan, len(self._sampling.moves))
         checkpoints = [saved.checkpoints.get(replica) for replica in range(len(self.plan.seeds))]
         self.state.restore(saved.header["state"], checkpoints)
         saved.checkSchedule(self.plan.schedule, self.state.round)
         self._indexMark = tuple(saved.header["index"])
+        self._temporaryName = saved.header["temporary"]
         self.reports = saved.header["reports"]
 
     def begin(self):
         """Begin the files, or open them to go on."""
-        byTemperature, round = self._choice.filesByTemperature, self.state.round
+        byTemperature, round, isNew = self._choice.filesByTemperature, self.state.round, self._indexMark is None
         self._files = ReplicaFiles(self._outputs, self.plan, byTemperature, self._sampling, round, self._indexMark)
         try:
             self._sync()
             self._save()
         except BaseException:
             self._files.close()
-            if self._indexMark is None:
+            if isNew:
                 self._files.remove()
+                self._outputs["checkpoint"].removeFormer()  # of which there was none
             raise
 
     def run(self):
@@ -138,12 +143,13 @@ class ReplicaRun:
             "madeBy": __version__,
             "settings": self._settings,
             "index": self._indexMark,
+            "temporary": self._temporaryName,
             "reports": self.reports,
             "state": self.state.asPlain(),
         }
         output = self._outputs["checkpoint"]
         with output.explainingErrors():
-            writeCheckpoint(output.path, header, self.state.checkpoints)
+            writeCheckpoint(output.path, header, self.state.checkpoints, self._temporaryName)
 
     def _whereItStopped(self):
         name = self._outputs["checkpoint"].name
@@ -163,6 +169,37 @@ class SavedRun:
         """
         self.path = path
         self.header, self.checkpoints = readCheckpoint(path)
+        self._refuse(findWrong(self.header))
+
+    def _refuse(self, wrong):
+        if wrong is not None:
+            raise InputError(f"{self.path}: is no checkpoint of this command: {wrong} is missing or wrong in it")
+
+    def checkState(self, plan, moves):
+        """Refuse a state that is none of a RunPlan with so many moves, or has other replicas than it."""
+        state = self.header["state"]
+        self._refuse(findWrongState(state, plan, moves))
+        if sorted(self.checkpoints) != list(range(len(plan.seeds) if state["round"] > 0 else 0)):
+            self._refuse("the checkpoint of a replica")
+
+    def checkPath(self, name, path):
+        """Refuse a file that settings name and that would be written elsewhere than beside the checkpoint."""
+        folders = [os.path.dirname(os.path.realpath(each)) for each in (self.path, str(path))]
+        if folders[0] != folders[1]:
+            raise InputError(
+                f"{self.path}: {name} {path} is outside of its folder; give --{name} once more to write there"
+            )
+
+    def checkUnchanged(self):
+        """Refuse to go on if the file is another one by now: another run has gone on, or begun.
+
+        Raises
+        ------
+        InputError
+            if it is, or cannot be read
+        """
+        if readCheckpoint(self.path) != (self.header, self.checkpoints):
+            raise InputError(f"{self.path}: another run has written it meanwhile")
 
     @property
     def settings(self):
@@ -219,12 +256,11 @@ class SavedRun:
 
     def checkOutputs(self, names, inputs, overwrite):
         """Return the Outputs of the run that goes on, as `checkOutputs` does: what the run has written is there."""
+        if os.path.realpath(self.path) != os.path.realpath(names["checkpoint"]):
+            raise InputError(f"--resume {self.path}: the run writes its checkpoints to {names['checkpoint']}")
         ours = {kind: name for kind, name in names.items() if kind not in REPORTS or self._hasWritten(name)}
         others = {kind: name for kind, name in names.items() if kind not in ours}
-        outputs = {**checkOutputs(ours, inputs, True), **checkOutputs(others, inputs, overwrite)}
-        if os.path.realpath(self.path) != str(outputs["checkpoint"].path):
-            raise InputError(f"--resume {self.path}: the run writes its checkpoints to {outputs['checkpoint'].name}")
-        return outputs
+        return {**checkOutputs(ours, inputs, True), **checkOutputs(others, inputs, overwrite)}
 
     def _hasWritten(self, name):
         """Whether a file is a report of the run, as it was written."""

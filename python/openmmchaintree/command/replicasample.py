@@ -5,7 +5,7 @@ from contextlib import closing
 from ..replicas.threads import ThreadReplicas
 from .ending import endRun, writeReports
 from .energyreport import describeEnergies
-from .outputfiles import Writing
+from .outputfiles import Writing, beginning
 from .planreport import describePlan
 from .replicafiles import readIndex, trajectoryNames
 from .replicaoptions import makePlan
@@ -43,51 +43,63 @@ def _sampleBy(workers, model, prepared, choice, saved):
     options, settings, outputs, console, sampling, energyModel, seed, added = prepared
     trajectories = [output for kind, output in outputs.items() if kind.startswith(_TRAJECTORY)]
     files = {"trajectories": trajectories, "index": outputs["index"], "checkpoint": outputs["checkpoint"]}
-    run = ReplicaRun(sampling, makePlan(choice, options, energyModel, seed), choice, settings, files, model, workers)
+    plan = makePlan(choice, options, energyModel, seed, len(sampling.structure.positions))
+    run = ReplicaRun(sampling, plan, choice, settings, files, model, workers)
     if saved is not None:
         run.goOn(saved)
     writing = Writing()
-    if saved is None:
-        outputs["checkpoint"].remove()  # of a former run, whose files are replaced now
-        writeScene(outputs, sampling.structure, settings)
+    try:
+        with beginning(outputs.values()):
+            _beginFiles(run, outputs, sampling.structure, settings, saved)
+        for line in describePlan(sampling.plan):
+            console.print(line)
+        if sampling.energies is not None:
+            console.print(describeEnergies(sampling.energies))
+        console.print(_describeRun(run, choice))
+        run.run()
+
+        index = readIndex(outputs["index"].path)
+        summary = summarizeReplicas(
+            sampling,
+            run.plan,
+            run.state,
+            index,
+            seed=seed,
+            workers=choice.workers,
+            interrupted=run.isInterrupted,
+            addedHydrogens=added,
+        )
+        written = ["topology", "settings", "index", "checkpoint"]
+        writing.files = [
+            *(outputs[kind].name for kind in written if kind in outputs),
+            *(file.name for file in trajectories),
+        ]
+        reports = {kind: NotedReport(outputs[kind], run) for kind in REPORTS if kind in outputs}
+        if summary["frames"] > 1:
+            writing.write(reports["picture"], lambda output: _savePicture(output, summary, index))
+        summary["files"] = writing.files
+        writeReports(writing, reports, sampling.notes, summary)
+    finally:
+        outputs["topology"].release()
+    printReplicaReport(summary, console, options.verbose)
+    return endRun(writing, isBeyond(summary), run.isInterrupted)
+
+
+def _beginFiles(run, outputs, structure, settings, saved):
+    """Begin the files of a ReplicaRun; go on with them, if there is a SavedRun. None stays of a new one if one fails."""
+    if saved is not None:
+        saved.checkUnchanged()
+        outputs["topology"].hold()
+        run.begin()
+        renewSettings(outputs, settings, FREE_SETTINGS)
+        return
+    outputs["checkpoint"].removeFormer()  # whose files are replaced now
+    writeScene(outputs, structure, settings)
     try:
         run.begin()
     except BaseException:
-        if saved is None:
-            removeScene(outputs)
+        removeScene(outputs)
         raise
-    if saved is not None:
-        renewSettings(outputs, settings, FREE_SETTINGS)
-    for line in describePlan(sampling.plan):
-        console.print(line)
-    if sampling.energies is not None:
-        console.print(describeEnergies(sampling.energies))
-    console.print(_describeRun(run, choice))
-    run.run()
-
-    index = readIndex(outputs["index"].path)
-    summary = summarizeReplicas(
-        sampling,
-        run.plan,
-        run.state,
-        index,
-        seed=seed,
-        workers=choice.workers,
-        interrupted=run.isInterrupted,
-        addedHydrogens=added,
-    )
-    written = ["topology", "settings", "index", "checkpoint"]
-    writing.files = [
-        *(outputs[kind].name for kind in written if kind in outputs),
-        *(file.name for file in trajectories),
-    ]
-    reports = {kind: NotedReport(outputs[kind], run) for kind in REPORTS if kind in outputs}
-    if summary["frames"] > 1:
-        writing.write(reports["picture"], lambda output: _savePicture(output, summary, index))
-    summary["files"] = writing.files
-    writeReports(writing, reports, sampling.notes, summary)
-    printReplicaReport(summary, console, options.verbose)
-    return endRun(writing, isBeyond(summary), run.isInterrupted)
 
 
 def _describeRun(run, choice):

@@ -11,7 +11,7 @@ from ..bonds import DISULFIDES, LOOPS
 from ..errors import InputError
 from ..structure import readStructure, withoutAtoms
 from ..torsions import KIND_WORDS, KINDS_WITH_ENERGIES
-from .arguments import listOf, notNegative, numberIn, positive, seed
+from .arguments import frameCount, listOf, notNegative, numberIn, positive, seed
 from .config import addConfig, applySettings, readSettings, settingsOf
 from .ending import endRun, writeReports
 from .energymodel import EnergyModel
@@ -19,7 +19,7 @@ from .energyoptions import addEnergyOptions, readEnergyOptions
 from .energyreport import describeEnergies
 from .hydrogens import addHydrogens
 from .noteoutput import addNotes
-from .outputfiles import OutputError, Writing, addOverwrite, checkOutputs
+from .outputfiles import OutputError, Writing, addOverwrite, beginning, checkOutputs
 from .plan import DEFAULT_KINDS, Choice, selectByOption
 from .planreport import describePlan
 from .replicaoptions import addReplicaOptions, readReplicaOptions
@@ -87,7 +87,7 @@ def addArguments(sample):
     )
     sample.add_argument("--trials", type=positive, default=100000, help="number of trials (default: %(default)s)")
     sample.add_argument(
-        "--frames", type=positive, default=200, help="frames to write after the start (default: %(default)s)"
+        "--frames", type=frameCount, default=200, help="frames to write after the start (default: %(default)s)"
     )
     sample.add_argument("--seed", type=seed, help="random number seed, 1 to 2147483647 (default: a new one each time)")
     sample.add_argument(
@@ -211,17 +211,22 @@ def _sampleOne(prepared):
     """Run one replica; return the exit status."""
     options, settings, outputs, console, sampling, _, seed, added = prepared
     writing = Writing()
-    with _beginFiles(outputs, sampling.structure, settings, options.trials, options.frames) as trajectory:
-        for line in describePlan(sampling.plan):
-            console.print(line)
-        if sampling.energies is not None:
-            console.print(describeEnergies(sampling.energies))
-        writing.files = [outputs[kind].name for kind in ("topology", "trajectory", "settings") if kind in outputs]
-        interrupted = _sample(sampling, options.trials, trajectory, writing.failures)
-    if len(sampling.frames) > 1:
-        writing.write(outputs["picture"], lambda output: _savePicture(output, sampling.structure, sampling))
-    summary = summarize(sampling, seed, writing.files, interrupted, added)
-    writeReports(writing, outputs, sampling.notes, summary)
+    try:
+        with beginning(outputs.values()):
+            trajectory = _beginFiles(outputs, sampling.structure, settings, options.trials, options.frames)
+        with trajectory:
+            for line in describePlan(sampling.plan):
+                console.print(line)
+            if sampling.energies is not None:
+                console.print(describeEnergies(sampling.energies))
+            writing.files = [outputs[kind].name for kind in ("topology", "trajectory", "settings") if kind in outputs]
+            interrupted = _sample(sampling, options.trials, trajectory, writing.failures)
+        if len(sampling.frames) > 1:
+            writing.write(outputs["picture"], lambda output: _savePicture(output, sampling.structure, sampling))
+        summary = summarize(sampling, seed, writing.files, interrupted, added)
+        writeReports(writing, outputs, sampling.notes, summary)
+    finally:
+        outputs["topology"].release()
     printReport(summary, console, options.verbose)
     return endRun(writing, summary["pairsBeyondLimit"] or summary["changedBonds"], interrupted)
 
@@ -248,7 +253,7 @@ def _checkOutputs(options, structureName, settings, replicas, saved):
     names = {kind: f"{prefix}{ending}" for kind, ending in _ENDINGS.items()}
     if replicas is not None:
         del names["trajectory"]
-        names |= replicaNames(prefix, replicas)
+        names = {**replicaNames(prefix, replicas), **names}
     names |= {"json": options.json, "notes": options.notes}
     inputs = [name for name in (options.structure, options.config) if name is not None]
     if options.config is not None and os.path.realpath(options.config) == os.path.realpath(names["settings"]):

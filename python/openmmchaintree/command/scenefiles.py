@@ -13,16 +13,20 @@ _CHANGED = ("trials", "frames")
 
 
 def writeScene(outputs, structure, settings):
-    """Write the Outputs "topology", a PDB file, and "settings", if there is one; neither stays if one fails."""
+    """Write the Outputs "topology", a PDB file, and "settings", if there is one; neither stays if one fails.
+
+    The topology, which all runs with the same names of files have, is held until it is released: it keeps others out.
+    """
     text = io.StringIO()
     openmm.app.PDBFile.writeFile(structure.topology, structure.positions * unit.nanometer, text, keepIds=True)
-    outputs["topology"].write(text.getvalue())
-    if "settings" in outputs:
-        try:
+    try:
+        outputs["topology"].write(text.getvalue())
+        outputs["topology"].hold()
+        if "settings" in outputs:
             outputs["settings"].write(asTOML(settings))
-        except BaseException:
-            outputs["topology"].remove()
-            raise
+    except BaseException:
+        removeScene(outputs)
+        raise
 
 
 def renewSettings(outputs, settings, free):

@@ -2,38 +2,55 @@
 
 import json
 import os
+import secrets
 import zipfile
 import zlib
 from hashlib import sha256
 from pathlib import Path
 
 from ..errors import InputError
+from ..limits import checkMemory
 
 _VERSION = 2
 
 # What reading raises where bytes are wrong.
 _DAMAGES = (
     *(zipfile.BadZipFile, zlib.error, EOFError, KeyError, ValueError),
-    *(NotImplementedError, RuntimeError),  # of compression and encryption that are not ours
+    *(NotImplementedError, RuntimeError),  # of compression and encryption that are not ours, and of JSON that is deep
+    *(TypeError, AttributeError, OverflowError),  # of JSON of other types
 )
 _HEADER = "run.json"
+_LARGEST_HEADER = 10**8  # bytes
+_MOST_REPLICAS = 10**6
+
+# What our checkpoints become is never larger than this many times their files: they hold random bits.
+_LARGEST_RATIO = 20
 
 
-def writeCheckpoint(path, header, checkpoints):
+def nameTemporary():
+    """Return a name for `writeCheckpoint` that nobody has, which a run keeps, so that it knows what a kill left of it."""
+    return f".{secrets.token_hex(8)}.part"
+
+
+def writeCheckpoint(path, header, checkpoints, temporaryName=None):
     """Write a dictionary of plain values and the checkpoints of replicas, None for none.
 
     Whatever ends the process or the machine, the file is the former one or this one. Nothing stays if writing fails.
+
+    temporaryName : str, of `nameTemporary`, what the file is called until it is whole; None: a new one
     """
     held = {str(replica): checkpoint for replica, checkpoint in enumerate(checkpoints) if checkpoint is not None}
     digests = {name: sha256(checkpoint).hexdigest() for name, checkpoint in held.items()}
     path = Path(path)
-    temporary = path.with_name(f"{path.name}.part")
+    temporary = path.with_name(temporaryName or nameTemporary())
+    temporary.unlink(missing_ok=True)  # of a run that was killed while it wrote
     try:
-        with open(temporary, "wb") as file:
+        with open(temporary, "xb") as file:
             with zipfile.ZipFile(file, "w", zipfile.ZIP_DEFLATED, compresslevel=1) as archive:
-                archive.writestr(_HEADER, json.dumps({"version": _VERSION, "digests": digests, **header}))
-                for name, checkpoint in held.items():
-                    archive.writestr(name, checkpoint)
+                text = json.dumps({"version": _VERSION, "digests": digests, **header})
+                for name, content in ((_HEADER, text), *held.items()):
+                    # A ZipInfo has the format's first day, where a clock may be before it or after the last one.
+                    archive.writestr(zipfile.ZipInfo(name), content, zipfile.ZIP_DEFLATED, compresslevel=1)
             file.flush()
             os.fsync(file.fileno())
         os.replace(temporary, path)
@@ -58,11 +75,12 @@ def readCheckpoint(path):
         if there is no such file, or it is damaged or of another version
     """
     try:
-        with zipfile.ZipFile(path) as archive:
+        with open(path, "rb") as file, zipfile.ZipFile(file) as archive:
+            _checkSizes(path, file, archive)
             header = json.loads(archive.read(_HEADER))
             if header["version"] != _VERSION:
                 raise InputError(f"{path}: is of another version of openmm-chaintree")
-            checkpoints = {name: archive.read(name) for name in header["digests"]}
+            checkpoints = {str(_replica(name)): archive.read(name) for name in header["digests"]}
         for name, checkpoint in checkpoints.items():
             if sha256(checkpoint).hexdigest() != header["digests"][name]:
                 raise ValueError(f"the checkpoint of replica {name} is not what was written")
@@ -75,3 +93,20 @@ def readCheckpoint(path):
     except _DAMAGES as error:
         raise InputError(f"{path}: is no checkpoint of this command, or damaged ({error})") from error
     return header, {int(name): checkpoint for name, checkpoint in checkpoints.items()}
+
+
+def _checkSizes(path, file, archive):
+    """Refuse an archive that would take much memory, but for what our own checkpoints take."""
+    size = sum(entry.file_size for entry in archive.infolist())
+    if size > _LARGEST_RATIO * os.fstat(file.fileno()).st_size:
+        checkMemory(size, f"{path}: holds, decompressed,")
+    if archive.getinfo(_HEADER).file_size > _LARGEST_HEADER:
+        raise ValueError(f"{_HEADER} has more than {_LARGEST_HEADER:,} bytes")
+
+
+def _replica(name):
+    """Return the number of a replica by its name."""
+    number = int(name)
+    if str(number) != name or not 0 <= number < _MOST_REPLICAS:
+        raise ValueError(f"{name!r} is no number of a replica")
+    return number

@@ -5,11 +5,14 @@ import math
 import numpy as np
 
 from ..errors import InputError
+from ..limits import REPLICAS
 
 _GAS_CONSTANT = 8.31446261815324e-3  # kJ/mol/K
 
 # What tells random numbers of exchanges from those that seeds are made of.
 _SEEDS, _EXCHANGES = 0, 1
+
+_SHOWN = 60  # letters of what is no ladder, in an error
 
 
 def geometricLadder(lowest, highest, count):
@@ -34,22 +37,30 @@ def readLadder(text):
             first, last, number = float(lowest), float(highest), int(count)
             if number < 2:
                 raise InputError(f"{text!r}: an exchange needs at least 2 temperatures")
+            _checkCount(text, number)
             if not 0 < first < last < math.inf:
                 raise InputError(f"{text!r}: the first temperature must be above 0, and the last one above the first")
-            return geometricLadder(first, last, number)
-        temperatures = [float(part) for part in text.split(",")]
+            temperatures = geometricLadder(first, last, number)
+        else:
+            _checkCount(text, text.count(","))
+            temperatures = [float(part) for part in text.split(",")]
     except InputError:
         raise
-    except ValueError:
+    except (ValueError, OverflowError):
         raise InputError(
-            f"{text!r} is neither LOWEST:HIGHEST:COUNT, such as 300:450:12, nor temperatures with commas between them"
+            f"{text[:_SHOWN]!r} is neither LOWEST:HIGHEST:COUNT, such as 300:450:12, nor temperatures with commas between them"
         ) from None
     if len(temperatures) < 2:
         raise InputError(f"{text!r}: an exchange needs at least 2 temperatures")
     isRising = all(low < high for low, high in zip(temperatures, temperatures[1:], strict=False))
     if not (isRising and temperatures[0] > 0 and temperatures[-1] < math.inf):
-        raise InputError(f"{text!r}: temperatures must be above 0, and each above the one before")
+        raise InputError(f"{text[:_SHOWN]!r}: temperatures must be above 0, and each above the one before")
     return temperatures
+
+
+def _checkCount(text, count):
+    if count > REPLICAS.value:
+        REPLICAS.refuse(f"{text[:_SHOWN]!r}: are")
 
 
 def deriveSeeds(seed, count):

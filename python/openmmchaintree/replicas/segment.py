@@ -18,11 +18,12 @@ _TRIALS_PER_STEP_WITH_ENERGY = 400
 
 
 def splitTrials(trials, hasEnergies):
-    """Return the numbers of trials of the steps that a number of trials is made of."""
+    """Yield the numbers of trials of the steps that a number of trials is made of."""
     usual = _TRIALS_PER_STEP
     if hasEnergies:  # no step is shorter, unless all trials are fewer
         usual = -(-trials // max(1, trials // _TRIALS_PER_STEP_WITH_ENERGY))
-    return [min(usual, trials - done) for done in range(0, trials, usual)]
+    for done in range(0, trials, usual):
+        yield min(usual, trials - done)
 
 
 class Model(NamedTuple):
