@@ -11,6 +11,7 @@ from concurrent.futures import ProcessPoolExecutor
 from concurrent.futures.process import BrokenProcessPool
 from contextlib import contextmanager, suppress
 from multiprocessing import get_context, parent_process
+from queue import SimpleQueue
 from threading import Thread, local
 from typing import NamedTuple
 
@@ -81,7 +82,10 @@ def searchChunk(files, begin, end):
     search.madeWhole.clear()
     search.imageClashes = []
     try:
-        frames.extend(search.overlaps(begin, end))
+        for frame in search.overlaps(begin, end):
+            frames.append(frame)
+            if _isStopped is not None and _isStopped.is_set():
+                break
     except InputError as error:
         damage = str(error)
         _close()
@@ -121,6 +125,28 @@ def _close():
         _ofThread.files = None
 
 
+class ChunkStop:
+    """Ends a search in chunks, which a handler of signals can call."""
+
+    def __init__(self):
+        """Begin with nobody who has called."""
+        self._isCalled = False
+        self._arrived = SimpleQueue()
+
+    def call(self):
+        """Have the search end at once."""
+        self._isCalled = True
+        self._arrived.put(None)
+
+    def waitFor(self, future):
+        """Wait for a future; return whether it has ended, and nobody has called."""
+        self._arrived = arrived = SimpleQueue()
+        future.add_done_callback(arrived.put)
+        if not self._isCalled:
+            arrived.get()
+        return not self._isCalled
+
+
 class ProcessChunks:
     """Searches chunks by a number of processes, its count."""
 
@@ -128,7 +154,9 @@ class ProcessChunks:
         """Start so many processes, which open SearchedFiles meanwhile."""
         self.count = count
         # Processes that are forked from one with threads may hang.
-        self._pool = ProcessPoolExecutor(count, get_context("spawn"), _beginProcess, (files,))
+        context = get_context("spawn")
+        self._endsChunks = context.Event()
+        self._pool = ProcessPoolExecutor(count, context, _beginProcess, (files, self._endsChunks))
         # All begin now: a pool that starts one while another is killed can wait for it for ever.
         for _ in range(count):
             self._pool.submit(os.getpid)
@@ -138,7 +166,8 @@ class ProcessChunks:
         return self._pool.submit(searchChunk, *arguments)
 
     def close(self):
-        """Wait for chunks that are searched; drop the others."""
+        """End all processes, after the frames that they look at."""
+        self._endsChunks.set()
         self._pool.shutdown(cancel_futures=True)
 
 
@@ -159,8 +188,13 @@ class ClusterChunks:
         self._cluster.close()
 
 
-def _beginProcess(files):
+_isStopped = None  # in a process of ours: an Event
+
+
+def _beginProcess(files, isStopped):
     """Open SearchedFiles. Leave Ctrl-C, which a terminal sends to all processes, to the one that asked; end with it."""
+    global _isStopped
+    _isStopped = isStopped
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     Thread(target=_endWithParent, daemon=True).start()
     with suppress(Exception):  # the one that asked opens them, too, and tells
@@ -172,10 +206,9 @@ def _endWithParent():
     os._exit(1)
 
 
-def searchInChunks(search, files, workers):
+def searchInChunks(search, files, workers, stop=None):
     """Yield what `search.overlaps()` would, of a ClashSearch, found by workers if the number of frames is known.
-
-    files : SearchedFiles, of the search; workers : ProcessChunks or ClusterChunks
+    files : SearchedFiles, of the search; workers : ProcessChunks or ClusterChunks; stop : ChunkStop, or None
 
     Raises
     ------
@@ -197,6 +230,8 @@ def searchInChunks(search, files, workers):
             if not asked:
                 return
             begin, future = asked.popleft()
+            if stop is not None and not stop.waitFor(future):
+                return
             chunk = future.result()
         search.madeWhole += chunk.madeWhole
         search.imageClashes += chunk.imageClashes

@@ -191,6 +191,9 @@ class ClusterReplicas:
         task = self._cluster.submit(_runThere, _ownVersions(), self._model.asArgument, segment, worker=worker)
         return _SegmentTask(task, self._workers)
 
+    def stop(self):
+        """Do nothing: workers end what they do, and nobody takes it."""
+
     def close(self):
         """Close the Cluster."""
         self._cluster.close()

@@ -1,4 +1,4 @@
-"""How much a file or an option may ask for, since a few bytes can stand for gigabytes; environment variables raise it."""
+"""How much a file or an option may ask for: a few bytes can stand for gigabytes."""
 
 import os
 from typing import NamedTuple

@@ -91,6 +91,8 @@ def _readBytes(path):
 def _decompress(path, file):
     try:
         return readAtMost(file, f"{path}: holds, decompressed,")
+    except InputError:
+        raise
     except (EOFError, zlib.error, ValueError, OSError) as error:
         raise InputError(f"{path}: cannot be decompressed ({error})") from error
 

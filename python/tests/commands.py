@@ -41,10 +41,10 @@ def readTerminal(controller):
         yield shown
 
 
-def runOnATerminal(*arguments, folder, command=COMMAND, interruptAt=None):
+def runOnATerminal(*arguments, folder, command=COMMAND, interruptAt=None, number=signal.SIGINT):
     """Run the command with its error output on a terminal. Return its exit status, its output, and what was shown.
 
-    It is interrupted (Ctrl-C) as soon as the regular expression interruptAt matches what was shown.
+    It is interrupted (Ctrl-C, or another signal) as soon as the regular expression interruptAt matches what was shown.
     """
     controller, terminal = pty.openpty()
     with tempfile.TemporaryFile("w+") as output:
@@ -60,7 +60,7 @@ def runOnATerminal(*arguments, folder, command=COMMAND, interruptAt=None):
         for part in readTerminal(controller):
             shown += part
             if interruptAt is not None and re.search(interruptAt, shown.decode(errors="replace")):
-                process.send_signal(signal.SIGINT)
+                process.send_signal(number)
                 interruptAt = None
         os.close(controller)
         process.wait()

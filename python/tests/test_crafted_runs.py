@@ -72,7 +72,9 @@ def test_anyValue(run, tmp_path, monkeypatch):
         for value in ((), *((odd,) for odd in ODD)):
             craft(path, changed(header, place, *value), checkpoints)
             crafted = path.read_bytes()
-            monkeypatch.setattr("openmmchaintree.command.sample.Sampling", None)  # takes long; not reached, or not called
+            monkeypatch.setattr(
+                "openmmchaintree.command.sample.Sampling", None
+            )  # takes long; not reached, or not called
             try:
                 result = run()
             except TypeError as error:
@@ -115,10 +117,18 @@ def test_states(run, tmp_path, place):
         (("model",), "0" * 64, "run.checkpoint: is of a run from another structure"),
         (("index",), [0, 0], "run-index.csv: is not the index that the run has written"),
         (("index",), [10**15, 5], "run-index.csv: is not the index that the run has written"),
-        (("settings", "output"), "../run", "--resume run.checkpoint: the run writes its checkpoints to ../run.checkpoint"),
+        (
+            ("settings", "output"),
+            "../run",
+            "--resume run.checkpoint: the run writes its checkpoints to ../run.checkpoint",
+        ),
         (("settings", "json"), "/dev/shm/a.json", "run.checkpoint: json /dev/shm/a.json is outside of its folder"),
         (("settings", "notes"), "../a.txt", "run.checkpoint: notes ../a.txt is outside of its folder"),
-        (("settings", "replicas"), 10**9, "replicas: 1000000000 is more than 10,000; the environment variable CHAINTREE_MAX_REPLICAS raises"),
+        (
+            ("settings", "replicas"),
+            10**9,
+            "replicas: 1000000000 is more than 10,000; the environment variable CHAINTREE_MAX_REPLICAS raises",
+        ),
         (("settings", "trials"), 10**15, "run-replica-0.dcd: "),
         (("temporary",), "../mine.json", "temporary is missing or wrong in it"),
         (("settings", "scheduler"), "tcp://127.0.0.1:1", "scheduler is no setting of this command"),

@@ -79,9 +79,7 @@ def test_sampleOverwritesNothing(runHere, tmp_path):
         (tmp_path / name).write_text("mine")
     result = runHere(*arguments)
     assert result.returncode == 2
-    assert "run.dcd, run-topology.pdb, run.png, and 2 more: exist; --overwrite replaces them" in oneLine(
-        result.stderr
-    )
+    assert "run.dcd, run-topology.pdb, run.png, and 2 more: exist; --overwrite replaces them" in oneLine(result.stderr)
     result = runHere(*arguments, "--overwrite")
     assert result.returncode == 0 and result.stderr == ""
     assert filesIn(tmp_path) == sorted([*files, STRUCTURE])
@@ -169,7 +167,7 @@ def test_onlyWhatARunHasMadeIsRemoved(tmp_path):
 @pytest.mark.parametrize("options", [[], ["--replicas", 2]])
 @pytest.mark.parametrize("moment", ["run", "report"])
 def test_aRunOnTheSameFiles(runHere, tmp_path, monkeypatch, moment, options):
-    """At whatever moment another run with --overwrite comes: it is refused, and all files stay those of the first one."""
+    """Whenever another run with --overwrite comes: it is refused, and all files stay those of the first one."""
     arguments = ["sample", "--trials", 300, "--frames", 3, "--overwrite", "--json", "a.json"]
     refusals = []
 

@@ -11,7 +11,7 @@ from .clashranking import ClashRanking
 from .clashreport import asCSV, plainFrames, printReport, summarize
 from .noteoutput import addNotes, asText
 from .outputfiles import Writing, addOverwrite, asJSONWith, checkOutputs, checkPicture
-from .status import BAD_INPUT, INTERRUPTED
+from .status import BAD_INPUT, ofSignal
 from .terminal import ReportConsole, interruptFlag, printError, progress
 
 
@@ -67,13 +67,16 @@ def _run(options):
     if "picture" in outputs:
         checkPicture(outputs["picture"])
     arguments = (options.structure, options.trajectory, options.radii, options.water, options.ions)
-    with _startWorkers(options, arguments) as searchFrames:
+    with _startWorkers(options, arguments) as (searchFrames, stop):
         search = ClashSearch(*arguments)
         ranking = ClashRanking(search.finder.names)
-        frames, damage, interrupted = _findAll(search, searchFrames, ranking)
+        frames, damage, interrupted = _findAll(search, searchFrames, stop, ranking)
+    if interrupted and not frames:
+        printError("interrupted before any frame was looked at")
+        return ofSignal(interrupted.number)
     if damage is not None and not frames:
         raise damage
-    summary = summarize(search, frames, ranking, damage, interrupted)
+    summary = summarize(search, frames, ranking, damage, bool(interrupted))
     writers = {
         "csv": lambda output: output.write(asCSV(search, frames)),
         "json": lambda output: output.write(asJSONWith(summary, "frames", plainFrames(search, frames))),
@@ -90,17 +93,18 @@ def _run(options):
     if errors:
         printError("; ".join(errors))
         return BAD_INPUT
-    return INTERRUPTED if interrupted else 0
+    return ofSignal(interrupted.number) if interrupted else 0
 
 
-def _findAll(search, searchFrames, ranking):
-    """Return the list of FrameOverlaps before a damaged frame or an interrupt; that damage; whether that interrupt.
+def _findAll(search, searchFrames, stop, ranking):
+    """Return the list of FrameOverlaps before a damaged frame or an interrupt; that damage; Interrupts.
 
-    They are those of searchFrames(search). A ClashRanking counts them meanwhile, while workers look at others.
+    They are those of searchFrames(search), which stop() ends. A ClashRanking counts them meanwhile, while workers look
+    at others.
     """
     frames = []
     damage = None
-    with interruptFlag() as interrupted, progress(search.frameCount) as advance:
+    with interruptFlag(stop) as interrupted, progress(search.frameCount) as advance:
         try:
             with closing(searchFrames(search)) as found:
                 for frame in found:
@@ -116,24 +120,26 @@ def _findAll(search, searchFrames, ranking):
         finally:
             search.noteBoxes()
             search.close()
-        return frames, damage, bool(interrupted)
+        return frames, damage, interrupted
 
 
 @contextmanager
 def _startWorkers(options, arguments):
     """Start the workers that options ask for; give a function that yields the FrameOverlaps of a ClashSearch by them.
 
+    And one that stops them, for a handler of signals.
+
     arguments are those of the ClashSearch, which can begin while the workers start.
     """
     if options.scheduler is None and options.workers in (None, 1):
-        yield ClashSearch.overlaps
+        yield ClashSearch.overlaps, _doNothing
         return
     from .. import clashchunks
 
     try:
         files = clashchunks.describeFiles(*arguments)
     except OSError:
-        yield ClashSearch.overlaps  # the search itself says what is missing
+        yield ClashSearch.overlaps, _doNothing  # the search itself says what is missing
         return
     if options.scheduler is None:
         workers = clashchunks.ProcessChunks(options.workers, files)
@@ -142,12 +148,18 @@ def _startWorkers(options, arguments):
 
         workers = clashchunks.ClusterChunks(Cluster(options.scheduler))
 
+    stop = clashchunks.ChunkStop()
+
     def searchFrames(search):
         with closing(workers):
-            yield from clashchunks.searchInChunks(search, files, workers)
+            yield from clashchunks.searchInChunks(search, files, workers, stop)
 
     with closing(workers):
-        yield searchFrames
+        yield searchFrames, stop.call
+
+
+def _doNothing():
+    """Stop nobody."""
 
 
 def _savePicture(output, search, frames):

@@ -9,6 +9,7 @@ from rich.table import Table
 
 from .clashranking import ClashRanking
 from .noteoutput import asPlain, printNotes
+from .terminal import printable
 
 # So many residues are named for each frame.
 _WORST_OF_A_FRAME = 5
@@ -78,7 +79,7 @@ def _describeClash(pair, overlap, names):
 
 def asCSV(search, frames):
     """Yield CSV of the FrameOverlaps that a ClashSearch found, in pieces: a heading, and a line for every clash."""
-    names = search.finder.names
+    names = [[printable(part) for part in name] for name in search.finder.names]
     atoms = [f"{word}{number}" for number in (1, 2) for word in ("particle", "chain", "residue", "atom")]
     yield _asLines([["frame", *atoms, "overlap_nm"]])
     for frame in frames:

@@ -11,8 +11,8 @@ from .. import __version__
 from ..errors import InputError
 from .arguments import Parser
 from .outputfiles import OutputError
-from .status import BAD_INPUT, INTERRUPTED, NOBODY_READS
-from .terminal import printError
+from .status import BAD_INPUT, INTERRUPTED, NOBODY_READS, TERMINATED
+from .terminal import Terminated, interruptible, printError
 
 _COMMANDS = {
     "sample": "sample a protein free of clashes",
@@ -36,11 +36,13 @@ def runParsed(parser, arguments=None):
         sys.stdout = open(os.devnull, "w")
     if isinstance(sys.stdout, io.TextIOWrapper):
         sys.stdout.reconfigure(errors="replace")  # Greek letters must not stop the report on any terminal
-    options = parser.parse_args(arguments)
     try:
-        status = options.run(options)
-        sys.stdout.flush()
-        return status
+        with interruptible():
+            os.getcwd()
+            options = parser.parse_args(arguments)
+            status = options.run(options)
+            sys.stdout.flush()
+            return status
     except BrokenPipeError:
         _dropStandardOutput()
         return NOBODY_READS
@@ -48,10 +50,15 @@ def runParsed(parser, arguments=None):
         printError(_inOptions(str(error)), parser.prog)
         return BAD_INPUT
     except OSError as error:
+        if not _hasFolder():
+            printError("the working folder was removed: run the command in one that is there", parser.prog)
+            return BAD_INPUT
         if error.filename is None:
             _dropStandardOutput()
         printError(f"{error.filename or 'standard output'}: {error.strerror or error}", parser.prog)
         return BAD_INPUT
+    except Terminated:
+        return TERMINATED
     except KeyboardInterrupt:
         return INTERRUPTED
 
@@ -61,6 +68,14 @@ def _inOptions(text):
     for call, option in _OPTION_OF_CALL.items():
         text = text.replace(call, option)
     return text
+
+
+def _hasFolder():
+    try:
+        os.getcwd()
+    except OSError:
+        return False
+    return True
 
 
 def _dropStandardOutput():

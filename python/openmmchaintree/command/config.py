@@ -21,7 +21,7 @@ _LARGEST_FILE = 10**6  # bytes
 
 # Keys of tables within each other take the reader time that grows with the square of their number.
 _DEEP_KEY = re.compile(r"""(?<![\w-])(?:(?:[\w-]+|"[^"\n]*"|'[^'\n]*')[ \t]*\.[ \t]*){32}""")
-_TOO_DEEP = "is no TOML of settings (lists or tables within each other are too deep)"
+_TOO_DEEP = "is no TOML of settings (lists or tables within each other are too deep: a setting is a value or a list)"
 
 
 def addConfig(parser):
@@ -48,11 +48,9 @@ def applySettings(parser, arguments):
     if given.config is not None:
         settings, source = readSettings(given.config), given.config
     elif given.resume is not None:
-        saved = SavedRun(given.resume)
-        settings, source = dict(saved.settings), given.resume
-        for name in ("json", "notes"):
-            if name in settings and getattr(given, name) is None:
-                saved.checkPath(name, settings[name])
+        settings, source = SavedRun(given.resume).settings, given.resume
+        paths = [name for name in ("json", "notes") if name in settings and getattr(given, name) is None]
+        parser.set_defaults(pathsOfRun=paths)  # not of who goes on with it
         if given.scheduler is not None:
             settings.pop("workers", None)  # those of this machine
     else:

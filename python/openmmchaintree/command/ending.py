@@ -2,7 +2,7 @@
 
 from .noteoutput import asText
 from .outputfiles import asJSON
-from .status import BAD_INPUT, BEYOND_LIMIT, INTERRUPTED
+from .status import BAD_INPUT, BEYOND_LIMIT, ofSignal
 from .terminal import printError
 
 
@@ -14,10 +14,10 @@ def writeReports(writing, outputs, notes, summary):
         writing.write(outputs["json"], lambda output: output.write(asJSON(summary)))
 
 
-def endRun(writing, isBeyond, isInterrupted):
+def endRun(writing, isBeyond, interrupts):
     """Tell what could not be written; return the exit status.
 
-    isBeyond : whether pairs are beyond their limit, or bonds have changed
+    isBeyond : whether pairs are beyond their limit, or bonds have changed; interrupts : Interrupts
     """
     if writing.failures:
         printError(writing.describeFailures())
@@ -25,4 +25,4 @@ def endRun(writing, isBeyond, isInterrupted):
         return BEYOND_LIMIT
     if writing.failures:
         return BAD_INPUT
-    return INTERRUPTED if isInterrupted else 0
+    return ofSignal(interrupts.number) if interrupts else 0

@@ -10,6 +10,8 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.colors import LogNorm
 from matplotlib.figure import Figure
 
+from .terminal import printable
+
 # Its word on building a font cache, on a first run, is not for those who run a command.
 logging.getLogger("matplotlib").setLevel(logging.ERROR)
 
@@ -28,6 +30,7 @@ def makeFigure(width, height):
 
 def setTitle(figure, name, words):
     """Put a file's name and some words above a Figure; of a name that is too long the middle is left out."""
+    name = printable(name)
     title = figure.suptitle(f"{name}{words}", parse_math=False)
     widest = _WIDEST_TITLE * figure.bbox.width
     kept = len(name)

@@ -1,6 +1,7 @@
 """Notes on what was read: one line a kind in the report, all of them on request."""
 
 from ..notes import Note
+from .terminal import printable
 
 
 def addNotes(parser):
@@ -11,7 +12,7 @@ def addNotes(parser):
 
 def asText(notes):
     """Return Notes with all their items, as the text of a file."""
-    return "".join(f"{line}\n" for note in notes for line in note.lines())
+    return "".join(f"{printable(line)}\n" for note in notes for line in note.lines())
 
 
 def asPlain(notes):

@@ -12,6 +12,7 @@ from textwrap import indent
 
 from ..errors import InputError
 from ..notes import listFirst
+from .terminal import printable
 
 try:
     import fcntl
@@ -69,7 +70,8 @@ class Output:
         if isinstance(content, bytes):
             pieces = [content]
         else:
-            pieces = (encoded(text) for text in ([content] if isinstance(content, str) else content))
+            texts = [content] if isinstance(content, str) else content
+            pieces = (encoded(printable(text) if self.isStandardOutput else text) for text in texts)
         if self.isStandardOutput:
             sys.stdout.flush()
             sys.stdout.buffer.writelines(pieces)
@@ -303,7 +305,7 @@ def lockedFolders(outputs):
 
 @contextmanager
 def beginning(outputs):
-    """Begin to write Outputs that were checked a while ago, while no other run can; before, see that none has meanwhile.
+    """Begin to write Outputs that were checked a while ago, while no other run can, unless one has meanwhile.
 
     Raises
     ------

@@ -178,6 +178,11 @@ class ReplicaFiles:
             self.index.write([rows[replica] for replica in sorted(rows)])
             self._nextFrame += 1
 
+    def shorten(self, round):
+        """Leave out the frames of a round that has begun, and of those after it; nothing can be added then."""
+        for trajectory in self.trajectories:
+            trajectory.shorten(1 + self._plan.schedule.framesBefore(round))
+
     def sync(self):
         """Wait until all that was written is on the disk."""
         for file in (*self.trajectories, self.index):

@@ -152,8 +152,6 @@ def makePlan(choice, options, energyModel, seed, atoms):
     temperatures = choice.temperatures or [300.0 if energyModel is None else energyModel.temperature]
     schedule = Schedule(options.trials, choice.trialsPerRound, -(-options.trials // options.frames))
     framesPerRound = -(-min(choice.trialsPerRound, options.trials) // schedule.interval)
-    checkMemory(
-        framesPerRound * _BYTES_PER_ATOM * atoms,
-        f"--frames {options.frames}: the {framesPerRound:,} frames of each round of {choice.trialsPerRound:,} trials take",
-    )
+    what = f"{framesPerRound:,} frames of each round of {choice.trialsPerRound:,} trials"
+    checkMemory(framesPerRound * _BYTES_PER_ATOM * atoms, f"--frames {options.frames}: the {what} take")
     return RunPlan(schedule, temperatures, deriveSeeds(seed, choice.replicas), seed)

@@ -31,7 +31,7 @@ class ReplicaRun:
     ----------
     plan : RunPlan
     state : RunState
-    isInterrupted : bool
+    interrupts : Interrupts, or False before it runs
     reports : list of str
         the digests of what was written at the end, so far
     """
@@ -52,7 +52,8 @@ class ReplicaRun:
         self._temporaryName = nameTemporary()
         self.plan = plan
         self.state = RunState(plan, len(sampling.moves))
-        self.isInterrupted = False
+        self.interrupts = False
+        self._coordinator = None
         self.reports = []
 
     def goOn(self, saved):
@@ -102,29 +103,37 @@ class ReplicaRun:
         total = plan.schedule.trials * len(plan.seeds)
         with self._files:
             try:
-                with interruptFlag() as interrupted, progress(total) as advance:
-                    while state.round < plan.schedule.rounds and not interrupted:
-                        self._runFor(self._choice.checkpointInterval, interrupted, advance)
+                with interruptFlag(self._stop) as self.interrupts, progress(total) as advance:
+                    while state.round < plan.schedule.rounds and not self.interrupts:
+                        self._runFor(self._choice.checkpointInterval, advance)
                         self._sync()
                         self._save()
-                    self.isInterrupted = bool(interrupted)
             except (OutputError, ClusterError, openmm.OpenMMException) as error:
                 raise OutputError(f"{error}; {self._whereItStopped()}") from error
             except KeyboardInterrupt:
                 printError(f"interrupted; {self._whereItStopped()}")
                 raise
 
-    def _runFor(self, seconds, interrupted, advance):
-        """Run rounds for so many seconds, at least one."""
-        coordinator = Coordinator(self.plan, self.state, self._files.add)
+    def _runFor(self, seconds, advance):
+        """Run rounds for so many seconds, at least one; an interrupt ends it with the last that all have ended."""
+        self._coordinator = coordinator = Coordinator(self.plan, self.state, self._files.add)
         begun = monotonic()
 
         def shouldHold():
             advance(coordinator.trials)
-            return bool(interrupted) or monotonic() >= begun + seconds
+            return monotonic() >= begun + seconds
 
-        coordinator.run(self._workers.submit, self._workers.slots(), shouldHold)
+        if not self.interrupts:
+            coordinator.run(self._workers.submit, self._workers.slots(), shouldHold)
+        if self.interrupts:
+            self._files.shorten(self.state.round)
         self.state.wallSeconds += monotonic() - begun
+
+    def _stop(self):
+        """Stop at once; a handler of signals calls it."""
+        if self._coordinator is not None:
+            self._coordinator.stop()
+        self._workers.stop()
 
     def noteReport(self, content):
         """Note bytes that are about to be written at the end: a run that goes on from here may replace them."""

@@ -66,7 +66,7 @@ def _sampleBy(workers, model, prepared, choice, saved):
             index,
             seed=seed,
             workers=choice.workers,
-            interrupted=run.isInterrupted,
+            interrupted=bool(run.interrupts),
             addedHydrogens=added,
         )
         written = ["topology", "settings", "index", "checkpoint"]
@@ -82,11 +82,11 @@ def _sampleBy(workers, model, prepared, choice, saved):
     finally:
         outputs["topology"].release()
     printReplicaReport(summary, console, options.verbose)
-    return endRun(writing, isBeyond(summary), run.isInterrupted)
+    return endRun(writing, isBeyond(summary), run.interrupts)
 
 
 def _beginFiles(run, outputs, structure, settings, saved):
-    """Begin the files of a ReplicaRun; go on with them, if there is a SavedRun. None stays of a new one if one fails."""
+    """Begin the files of a ReplicaRun, or go on with those of a SavedRun. None stays of a new one if one fails."""
     if saved is not None:
         saved.checkUnchanged()
         outputs["topology"].hold()

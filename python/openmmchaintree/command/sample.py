@@ -174,6 +174,8 @@ def _run(options):
         saved.checkSettings(settings)
         options.frames = settings["frames"] = saved.framesOf(options.trials)
     _checkFolder(options)
+    for name in () if saved is None else options.pathsOfRun:
+        saved.checkPath(name, getattr(options, name))
     with collectionPaused():
         structure = readStructure(options.structure, options.model)
     outputs = _checkOutputs(options, structure.name, settings, replicas, saved)
@@ -204,7 +206,9 @@ def _checkFolder(options):
     """Refuse a structure that is named by settings and is not there: perhaps the command runs in another folder."""
     source, name = options.resume or options.config, options.structure
     if source is not None and name is not None and not os.path.isabs(name) and not os.path.exists(name):
-        raise InputError(f"structure {name}: there is no such file; names in {source} are relative to where the command runs")
+        raise InputError(
+            f"structure {name}: there is no such file; names in {source} are relative to where the command runs"
+        )
 
 
 def _sampleOne(prepared):
@@ -223,7 +227,7 @@ def _sampleOne(prepared):
             interrupted = _sample(sampling, options.trials, trajectory, writing.failures)
         if len(sampling.frames) > 1:
             writing.write(outputs["picture"], lambda output: _savePicture(output, sampling.structure, sampling))
-        summary = summarize(sampling, seed, writing.files, interrupted, added)
+        summary = summarize(sampling, seed, writing.files, bool(interrupted), added)
         writeReports(writing, outputs, sampling.notes, summary)
     finally:
         outputs["topology"].release()
@@ -276,7 +280,7 @@ def _beginFiles(outputs, structure, settings, trials, frames):
 
 
 def _sample(sampling, trials, trajectory, failures):
-    """Run all trials and write frames evenly along them; return whether the user interrupted.
+    """Run all trials and write frames evenly along them; return Interrupts.
 
     An OutputError ends the run, too, and joins the failures.
     """
@@ -288,7 +292,7 @@ def _sample(sampling, trials, trajectory, failures):
 
         try:
             while sampling.trials < trials and not interrupted:
-                trajectory.write(sampling.run(min(trajectory.interval, trials - sampling.trials), proceed))
+                trajectory.write(sampling.run(min(trajectory.interval, trials - sampling.trials), proceed, interrupted))
         except OutputError as error:
             failures.append(error)
             del sampling.frames[trajectory.frames :]
@@ -297,7 +301,7 @@ def _sample(sampling, trials, trajectory, failures):
         except KeyboardInterrupt:
             printError(f"interrupted; {trajectory.describe()}")
             raise
-        return bool(interrupted)
+        return interrupted
 
 
 def _savePicture(output, structure, sampling):

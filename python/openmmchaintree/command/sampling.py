@@ -189,17 +189,17 @@ class Sampling:
             moves.append(NamedMove("rigid body 0.01 nm, ±1°", 1.0))
         return moves
 
-    def run(self, trials, proceed):
-        """Run a number of trials, or until proceed(), called now and then, says no; keep a frame.
+    def run(self, trials, proceed, interrupts):
+        """Run a number of trials, or until proceed(), called now and then, says no, or Interrupts come; keep a frame.
 
         Return the positions, a float64 array of shape (n, 3) in nm.
         """
         for count in splitTrials(trials, self.energies is not None):
             self.integrator.setTrialsPerStep(count)
             start = perf_counter()
-            self.integrator.step(1)
+            interrupts.runStep(lambda: self.integrator.step(1))
             self.seconds += perf_counter() - start
-            self.trials += count
+            self.trials += count if not interrupts else self._attempted() - self.trials
             if not proceed():
                 break
         positions = self._positions()
@@ -209,6 +209,9 @@ class Sampling:
     def statistics(self):
         """Return the MoveStatistics of each move."""
         return [self.integrator.getMoveStatistics(i) for i in range(len(self.moves))]
+
+    def _attempted(self):
+        return sum(statistics.attempted for statistics in self.statistics())
 
     def check(self, positions=None):
         """Judge positions, or the Context's, by comparing all pairs, without the engine: an allpairs.Verdict."""

@@ -63,7 +63,6 @@ def findWrong(header):
 def findWrongState(state, plan, moves):
     """Return the name of what is wrong in the state of a RunPlan with so many moves, or None."""
     replicas, temperatures = len(plan.seeds), len(plan.temperatures)
-    tables = {"counts": (temperatures, moves, 4), "countsOfReplica": (replicas, moves, 4), "outerTests": (temperatures, 3)}
     checks = {
         "round": _whole(0, plan.schedule.rounds),
         "temperatureOf": _all(_whole(0, temperatures - 1), replicas),
@@ -74,7 +73,9 @@ def findWrongState(state, plan, moves):
         "seconds": _isTime,
         "secondsInSteps": _isTime,
         "wallSeconds": _isTime,
-        **{name: _table(shape) for name, shape in tables.items()},
+        "counts": _table(temperatures, moves, 4),
+        "countsOfReplica": _table(replicas, moves, 4),
+        "outerTests": _table(temperatures, 3),
     }
     assert checks.keys() == RunState(plan, moves).asPlain().keys()
     wrong = _firstWrong(state, checks, "state.")
@@ -85,7 +86,7 @@ def findWrongState(state, plan, moves):
     return wrong
 
 
-def _table(shape):
+def _table(*shape):
     check = _count
     for count in reversed(shape):
         check = _all(check, count)
@@ -93,7 +94,7 @@ def _table(shape):
 
 
 def _firstWrong(values, checks, prefix, others=False):
-    """Return the name of the first of some values that is missing, does not pass its check, or, unless others, has none."""
+    """Return the name of the first value that is missing, fails its check, or has none; others : some may have none."""
     if not isinstance(values, dict):
         return prefix.removesuffix(".") or "run.json"
     for name, check in checks.items():

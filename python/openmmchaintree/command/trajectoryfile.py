@@ -54,11 +54,12 @@ class TrajectoryFile:
         self._expectedFrames = expectedFrames
         self.interval = interval
         self._step = trialsOfAStep(interval, expectedFrames)
+        self._frameSize = 3 * (4 * len(positions) + 8)
         header = io.BytesIO()
         openmm.app.DCDFile(header, topology, self._step * unit.picosecond, 0, interval // self._step)
         header = header.getvalue()
         if framesThere > 0:
-            size = len(header) + framesThere * 3 * (4 * len(positions) + 8)
+            size = len(header) + framesThere * self._frameSize
             self._file = GrowingFile.goOn(output, size, header, "trajectory", _withoutCounts)
         else:
             self._file = GrowingFile(output)
@@ -95,6 +96,12 @@ class TrajectoryFile:
             self._file.size = size
             raise OutputError(f"{error}; {self.describe()}" if self.frames > 0 else str(error)) from error
         self.frames += 1
+
+    def shorten(self, frames):
+        """Leave out what follows so many frames."""
+        if frames < self.frames:
+            self._file.size -= (self.frames - frames) * self._frameSize
+            self.frames = frames
 
     def describe(self):
         """Say how much of the trajectory there is."""

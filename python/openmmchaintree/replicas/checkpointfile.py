@@ -28,7 +28,7 @@ _LARGEST_RATIO = 20
 
 
 def nameTemporary():
-    """Return a name for `writeCheckpoint` that nobody has, which a run keeps, so that it knows what a kill left of it."""
+    """Return a name that nobody has, for `writeCheckpoint`. A run keeps it, and knows by it what a kill has left."""
     return f".{secrets.token_hex(8)}.part"
 
 

@@ -95,7 +95,8 @@ class Coordinator:
     """Runs a RunPlan from a RunState on.
 
     Replicas exchange temperatures after each round. An exchange waits for its two replicas alone, so replicas can be
-    some rounds apart; `run` returns only where all have come to the same round.
+    some rounds apart. The RunState is always where all have come to the same round: what some have done beyond counts
+    later. `run` returns where none has, unless it is stopped.
 
     trials : int, of all replicas so far
     """
@@ -109,6 +110,13 @@ class Coordinator:
         self._plan = plan
         self._state = state
         self._addFrame = addFrame
+        self._temperatureOf = list(state.temperatureOf)
+        self._checkpoints = list(state.checkpoints)
+        # Of rounds that not all replicas have ended, by round.
+        self._results = {}  # by replica: the result, and the temperature that it had
+        self._ends = {}  # by replica: the temperature after the exchange
+        self._decided = {}  # the lower temperatures of exchanges that were tried, and whether they took place
+        self._finished = SimpleQueue()
         self.trials = plan.schedule.trialsBefore(state.round) * len(plan.seeds)
         self._exchanges = Exchanges(plan.temperatures, plan.exchangeSeed) if plan.isExchange else None
 
@@ -131,40 +139,40 @@ class Coordinator:
         ]  # a heap: who is behind comes first
         latest = state.round
         waiting = {}  # the replica and its energy that wait for the other one of their pair after a round
-        finished = SimpleQueue()
         running = 0
         while True:
             while ready and ready[0][0] < hold and running < slots:
                 round, replica = heapq.heappop(ready)
                 latest = max(latest, round)
-                submit(self._segment(round, replica)).add_done_callback(finished.put)
+                submit(self._segment(round, replica)).add_done_callback(self._finished.put)
                 running += 1
             if running == 0:
                 break
-            result = finished.get().result()
+            future = self._finished.get()
+            if future is None:
+                return
+            result = future.result()
             running -= 1
             self._take(result)
             for replica in self._exchange(result, waiting):
                 heapq.heappush(ready, (result.round + 1, replica))
             if shouldHold():
                 hold = min(hold, latest + 1)
-        state.round = hold
+
+    def stop(self):
+        """Have `run` return without what replicas do now; a handler of signals may call it."""
+        self._finished.put(None)
 
     def _segment(self, round, replica):
-        state = self._state
-        temperature = self._plan.temperatures[state.temperatureOf[replica]]
+        temperature = self._plan.temperatures[self._temperatureOf[replica]]
         stops = self._plan.schedule.stops(round)
-        return Segment(replica, round, self._plan.seeds[replica], temperature, state.checkpoints[replica], stops)
+        return Segment(replica, round, self._plan.seeds[replica], temperature, self._checkpoints[replica], stops)
 
     def _take(self, result):
-        """Count what a replica has done, and hand on its frames."""
-        state, temperature = self._state, self._state.temperatureOf[result.replica]
-        state.checkpoints[result.replica] = result.checkpoint
-        state.counts[temperature] += result.counts
-        state.countsOfReplica[result.replica] += result.counts
-        state.outerTests[temperature] += result.outerTests
-        state.seconds += result.seconds
-        state.secondsInSteps += result.secondsInSteps
+        """Keep what a replica has done, and hand on its frames."""
+        temperature = self._temperatureOf[result.replica]
+        self._checkpoints[result.replica] = result.checkpoint
+        self._results.setdefault(result.round, {})[result.replica] = result._replace(frames=()), temperature
         schedule = self._plan.schedule
         self.trials += schedule.trialsBefore(result.round + 1) - schedule.trialsBefore(result.round)
         first = schedule.framesBefore(result.round) + 1
@@ -173,25 +181,47 @@ class Coordinator:
 
     def _exchange(self, result, waiting):
         """Try the exchange of a replica that has ended a round; return the replicas that can go on."""
-        if self._exchanges is None:
-            return [result.replica]
-        state = self._state
-        lower = self._exchanges.lowerOfPair(result.round, state.temperatureOf[result.replica])
+        round, temperatureOf = result.round, self._temperatureOf
+        lower = None
+        if self._exchanges is not None:
+            lower = self._exchanges.lowerOfPair(round, temperatureOf[result.replica])
         pair = [(result.replica, result.energy)]
         if lower is not None:
-            if (result.round, lower) not in waiting:
-                waiting[result.round, lower] = pair[0]
+            if (round, lower) not in waiting:
+                waiting[round, lower] = pair[0]
                 return []
-            pair.append(waiting.pop((result.round, lower)))
-            pair.sort(key=lambda entry: state.temperatureOf[entry[0]])
+            pair.append(waiting.pop((round, lower)))
+            pair.sort(key=lambda entry: temperatureOf[entry[0]])
             (cold, coldEnergy), (hot, hotEnergy) = pair
-            state.attempted[lower] += 1
-            if self._exchanges.decide(result.round, lower, coldEnergy, hotEnergy):
-                state.accepted[lower] += 1
-                state.temperatureOf[cold], state.temperatureOf[hot] = lower + 1, lower
+            isAccepted = self._exchanges.decide(round, lower, coldEnergy, hotEnergy)
+            self._decided.setdefault(round, []).append((lower, isAccepted))
+            if isAccepted:
+                temperatureOf[cold], temperatureOf[hot] = lower + 1, lower
+        ends = self._ends.setdefault(round, {})
         for replica, _ in pair:
-            self._noteEnds(replica)
+            ends[replica] = temperatureOf[replica]
+        if len(ends) == len(temperatureOf):
+            self._count(round)
         return [replica for replica, _ in pair]
+
+    def _count(self, round):
+        """Take a round that all have ended over to the RunState."""
+        state = self._state
+        for replica, (result, temperature) in self._results.pop(round).items():
+            state.checkpoints[replica] = result.checkpoint
+            state.counts[temperature] += result.counts
+            state.countsOfReplica[replica] += result.counts
+            state.outerTests[temperature] += result.outerTests
+            state.seconds += result.seconds
+            state.secondsInSteps += result.secondsInSteps
+        for lower, isAccepted in self._decided.pop(round, ()):
+            state.attempted[lower] += 1
+            state.accepted[lower] += isAccepted
+        for replica, temperature in self._ends.pop(round).items():
+            state.temperatureOf[replica] = temperature
+            if self._exchanges is not None:
+                self._noteEnds(replica)
+        state.round = round + 1
 
     def _noteEnds(self, replica):
         """Count a round trip where one ends."""

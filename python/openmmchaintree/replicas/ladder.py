@@ -48,7 +48,8 @@ def readLadder(text):
         raise
     except (ValueError, OverflowError):
         raise InputError(
-            f"{text[:_SHOWN]!r} is neither LOWEST:HIGHEST:COUNT, such as 300:450:12, nor temperatures with commas between them"
+            f"{text[:_SHOWN]!r} is neither LOWEST:HIGHEST:COUNT, such as 300:450:12, "
+            "nor temperatures with commas between them"
         ) from None
     if len(temperatures) < 2:
         raise InputError(f"{text!r}: an exchange needs at least 2 temperatures")
@@ -60,7 +61,7 @@ def readLadder(text):
 
 def _checkCount(text, count):
     if count > REPLICAS.value:
-        REPLICAS.refuse(f"{text[:_SHOWN]!r}: are")
+        REPLICAS.refuse(f"{text[:_SHOWN]!r}: temperatures are")
 
 
 def deriveSeeds(seed, count):

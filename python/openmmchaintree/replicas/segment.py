@@ -2,7 +2,7 @@
 
 import copy
 import hashlib
-from threading import Lock
+from threading import Event, Lock
 from time import perf_counter
 from typing import NamedTuple
 
@@ -113,6 +113,10 @@ class SegmentResult(NamedTuple):
     secondsInSteps: float
 
 
+class Stopped(Exception):
+    """What a Segment raises that was to stop."""
+
+
 class Workplace:
     """Runs Segments of one Model, in any thread.
 
@@ -127,13 +131,18 @@ class Workplace:
         self._most = most
         self._replicas = {}  # the one that ran last comes last
         self._lock = Lock()
+        self._isStopped = Event()
+
+    def stop(self):
+        """Have Segments that run, and all others, raise Stopped after their next step."""
+        self._isStopped.set()
 
     def run(self, segment):
         """Run a Segment; return a SegmentResult. No other Segment of the same replica may run at that time."""
         with self._lock:
             replica = self._replicas.pop(segment.replica, None)
         if replica is None or segment.checkpoint is None:
-            replica = _Replica(self.model, segment.seed)
+            replica = _Replica(self.model, segment.seed, self._isStopped)
         result = replica.run(segment)
         with self._lock:
             self._replicas[segment.replica] = replica
@@ -158,8 +167,9 @@ def runSegment(model, segment):
 class _Replica:
     """The Context of one replica."""
 
-    def __init__(self, model, seed):
-        """Stand at the start."""
+    def __init__(self, model, seed, isStopped):
+        """Stand at the start. An Event says when to stop."""
+        self._isStopped = isStopped
         self._hasEnergies = model.hasEnergies
         self._integrator = copy.copy(model.integrator)
         self._integrator.setRandomNumberSeed(seed)
@@ -180,6 +190,8 @@ class _Replica:
         for stop in segment.stops:
             start = perf_counter()
             for trials in splitTrials(stop.trials, self._hasEnergies):
+                if self._isStopped.is_set():
+                    raise Stopped
                 self._integrator.setTrialsPerStep(trials)
                 self._integrator.step(1)
             secondsInSteps += perf_counter() - start

@@ -25,6 +25,11 @@ class ThreadReplicas:
         """Have a Segment run; return a future of its SegmentResult."""
         return self._pool.submit(self._workplace.run, segment)
 
+    def stop(self):
+        """End Segments that run, which raise Stopped, and let no other one begin."""
+        self._workplace.stop()
+
     def close(self):
-        """Wait for Segments that run; those that do not are dropped."""
+        """End all Segments."""
+        self.stop()
         self._pool.shutdown(cancel_futures=True)
