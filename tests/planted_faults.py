@@ -545,9 +545,6 @@ ENERGY_FAULTS = [
           "energy->commits + 1 != ctGetCommitCount(energy->tree) || ", ""),
     Fault("border: maps may have any size", "termset.c",
           "map->size < 1 || patches > CT_MOST_COUNT / 16", "map->size < 1"),
-    Fault("border: cutoffs beyond all particles reach slots without one", "leafpair.h",
-          "return square < (double)NO_CUTOFF ? (float)square : NO_CUTOFF;",
-          "return square < INFINITY ? (float)square : NO_CUTOFF;"),
     # ---- What lags behind closed windows ----
     Fault("lag: values are never computed anew", "energy.c",
           "return lag(energy) <= CT_MOST_LAG ? ctSuccess : ctRefreshEnergy(energy, NULL);",
