@@ -458,7 +458,8 @@ public:
                                  std::vector<double>& before, std::vector<double>& after) const;
     /**
      * Move the Context to what the open trial proposes, whether it clashes or not. Virtual sites are computed anew. If
-     * it clashes beyond limits, these start anew from there. It is an error if no trial is open.
+     * it clashes beyond limits, these start anew from there. The velocities of each link turn with it. It is an error
+     * if no trial is open, or if there are velocities and a constraint that they would break.
      *
      * @param context  the Context in which the trial was opened
      */

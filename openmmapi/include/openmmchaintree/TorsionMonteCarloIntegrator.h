@@ -131,6 +131,11 @@ class TrialSession;
  * too. A constraint across a ball joint, or across the axis of a torsion, such as that of an angle, is an error beside
  * dynamics. Velocities that are all 0 stay so, which costs nothing.
  *
+ * Most integrators keep velocities of half a step before the positions, which hold a part of the forces there. So when
+ * another Integrator of a CompoundIntegrator resumes, velocities are also rotated from the accelerations where it
+ * paused to those where it resumes, with the same kinetic energy and constraints. That evaluates forces twice for each
+ * such change of Integrators. An Integrator that does not call updateContextState() resumes without.
+ *
  * <b>Errors.</b> Creating a Context throws an exception if its System has no StericExclusionForce or more than one, a
  * barostat while spheres are Hard, or a constraint between particles that a torsion
  * or ball joint moves relative to each other, and if a move names what does not exist. A step throws an exception if no
