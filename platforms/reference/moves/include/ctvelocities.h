@@ -5,9 +5,9 @@
  * turn about the line, take along. Given the two configurations the map of velocities is orthogonal, and that of the
  * move back is its inverse: it keeps volume, and a Maxwell distribution.
  *
- * Rotations are row-major. No call allocates memory. Everything is a pure function of its arguments. With a pointer that
- * is NULL, or without bodies or particles (a count of 0 or less), a call does nothing and returns false. A particle's
- * body has to be an index into the turns, which no call can check.
+ * Rotations are row-major. No call allocates memory. Everything is a pure function of its arguments. With a pointer
+ * that is NULL, or without bodies or particles (a count of 0 or less), a call does nothing and returns false. A
+ * particle's body has to be an index into the turns, which no call can check.
  */
 #ifndef CT_VELOCITIES_H_
 #define CT_VELOCITIES_H_
