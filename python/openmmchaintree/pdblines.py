@@ -11,7 +11,7 @@ from .elements import findElements
 from .residues import isKnown
 
 # Records that are read, beside those of models.
-_RECORDS = {"CRYST1", "TER", "LINK", "SSBOND", "CONECT"}
+_RECORDS = {"CRYST1", "SCALE1", "SCALE2", "SCALE3", "TER", "LINK", "SSBOND", "CONECT"}
 
 _COORDINATES = (slice(30, 38), slice(38, 46), slice(46, 54))
 

@@ -211,3 +211,8 @@ def test_firstFrameOfATrajectory(tmp_path):
     near = writeDCD(tmp_path / "near", topology, frames)
     (note,) = notesOnImages(path, near)[1]
     assert note.kind == "clashes with periodic images, which do not count, in frame 0 (from 0)"
+
+
+def test_axesThatCRYST1DoesNotTell():
+    """4hhb has axes of its own (SCALE), in which images are elsewhere than CRYST1 alone would have them."""
+    assert notesOnImages(realStructurePath("4hhb.pdb"))[1] == []
