@@ -9,35 +9,23 @@ using namespace std;
 /** The numbers of trials to a test, as they are tried. With fewer, a test saves less than it costs. */
 static const vector<int> TRIALS = {12, 25, 50, 100, 200, 400};
 
-/** The number of tests that are measured with each number of trials. It makes a deviation known within a sixth. */
+/** The number of tests that are measured with each number of trials. It makes an acceptance known within a tenth. */
 static const int TESTS_PER_ROUND = 20;
-
-/** The standard deviation s in kT at which half of the tests keep their trials: 2 Phi(-s / 2) = 1 / 2. */
-static const double LARGEST_DEVIATION = 1.349;
 
 static const double LEAST_ACCEPTANCE = 0.5;
 
 void OuterSchedule::Spread::add(double change)
 {
-    if (!isfinite(change))
-        change = numeric_limits<double>::max(); // which makes the squares infinite
     count++;
-    const double fromFormerMean = change - mean;
-    mean += fromFormerMean / count;
-    squares += fromFormerMean * (change - mean);
-    acceptance += (min(1.0, exp(-change)) - acceptance) / count;
-}
-
-double OuterSchedule::Spread::getDeviation() const
-{
-    return count < 2 ? 0 : sqrt(squares / (count - 1));
+    acceptance += ((isfinite(change) ? min(1.0, exp(-change)) : 0) - acceptance) / count;
+    acceptanceBack += ((isfinite(change) ? min(1.0, exp(change)) : 0) - acceptanceBack) / count;
 }
 
 bool OuterSchedule::Spread::isSmall() const
 {
-    // Where a run has not found its equilibrium, all may change in one direction: then the deviation does not tell.
+    // In equilibrium the way back is the one that is accepted more often. Where a run still goes down it is not.
 
-    return getDeviation() < LARGEST_DEVIATION && acceptance > LEAST_ACCEPTANCE;
+    return acceptance > LEAST_ACCEPTANCE && acceptanceBack > LEAST_ACCEPTANCE;
 }
 
 OuterSchedule::OuterSchedule() : measuring(false), level(0), trials(0)
@@ -99,8 +87,8 @@ void OuterSchedule::leaveOutLargest()
     for (size_t i = 0; i < energies.size(); i++)
         if (left[i])
             candidates.push_back(i);
-    const int largest = *max_element(candidates.begin(), candidates.end(), [&](int i, int j) {
-        return spreads[i].getDeviation() < spreads[j].getDeviation();
+    const int largest = *min_element(candidates.begin(), candidates.end(), [&](int i, int j) {
+        return spreads[i].getLeastAcceptance() < spreads[j].getLeastAcceptance();
     });
     for (int i : candidates)
         if (i == largest || !spreads[i].isSmall())
@@ -126,7 +114,7 @@ vector<double> OuterSchedule::getNumbers() const
         return {};
     vector<double> numbers = {(double)measuring, (double)level, (double)trials, (double)energies.size()};
     auto write = [&](const Spread& spread) {
-        numbers.insert(numbers.end(), {spread.count, spread.mean, spread.squares, spread.acceptance});
+        numbers.insert(numbers.end(), {spread.count, spread.acceptance, spread.acceptanceBack});
     };
     for (size_t i = 0; i < energies.size(); i++) {
         numbers.insert(numbers.end(), {(double)energies[i], (double)left[i]});
@@ -139,7 +127,7 @@ vector<double> OuterSchedule::getNumbers() const
 void OuterSchedule::setNumbers(const vector<double>& numbers)
 {
     *this = OuterSchedule();
-    const size_t NUM_FIRST = 4, NUM_EACH = 6, NUM_LAST = 4;
+    const size_t NUM_FIRST = 4, NUM_EACH = 5, NUM_LAST = 3;
     if (numbers.size() < NUM_FIRST + NUM_LAST || (numbers.size() - NUM_FIRST - NUM_LAST) % NUM_EACH != 0 ||
         numbers[3] != (numbers.size() - NUM_FIRST - NUM_LAST) / NUM_EACH ||
         !(numbers[1] >= 0 && numbers[1] < TRIALS.size()) || !(numbers[2] >= 0 && numbers[2] <= TRIALS.back()))
@@ -150,9 +138,8 @@ void OuterSchedule::setNumbers(const vector<double>& numbers)
     const double* next = &numbers[NUM_FIRST];
     auto read = [&](Spread& spread) {
         spread.count = *next++;
-        spread.mean = *next++;
-        spread.squares = *next++;
         spread.acceptance = *next++;
+        spread.acceptanceBack = *next++;
     };
     for (int i = 0; i < numbers[3]; i++) {
         if (!(next[0] >= 0 && next[0] <= numeric_limits<int>::max())) {

@@ -381,9 +381,9 @@ public:
      * With 0, which is the default, a stand-in is tested after 400 trials, and CustomGBForces that are evaluated as a
      * whole decide each trial. Of foreign Forces the first tests measure by how much trials change them. These come
      * after 12 trials, and after more and more, up to 400 or those of a step, as long as over half of the tests are
-     * likely to keep their trials: the standard deviation of the differences is below 1.35 kT. Forces that change more
-     * than that in 12 trials decide each trial from then on. The choice is fixed after some thousand trials, which are
-     * none to take statistics from. It is in checkpoints and States, and renewStandIns() makes it again.
+     * likely to keep their trials, as with a standard deviation of the differences below 1.35 kT. Forces that change
+     * more than that in 12 trials decide each trial from then on. The choice is fixed after some thousand trials, which
+     * are none to take statistics from. It is in checkpoints and States, and renewStandIns() makes it again.
      *
      * With a number from 1 on, all of these are tested after so many trials. Where there are none of them there is no
      * outer test at all. This may change between two steps.

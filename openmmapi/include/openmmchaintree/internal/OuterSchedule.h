@@ -71,11 +71,14 @@ private:
     class Spread {
     public:
         void add(double change);
-        /** The standard deviation of the changes, in kT. */
-        double getDeviation() const;
-        /** Whether tests that decide by these changes alone keep their trials more often than not. */
+        double getLeastAcceptance() const
+        {
+            return acceptance < acceptanceBack ? acceptance : acceptanceBack;
+        }
+        /** Whether tests that decide by these changes alone keep their trials more often than not, either way. */
         bool isSmall() const;
-        double count = 0, mean = 0, squares = 0, acceptance = 0;
+        /** The number of changes, and with which probability tests keep them, and would keep the opposite ones. */
+        double count = 0, acceptance = 0, acceptanceBack = 0;
     };
     void beginRound();
     void endRound(int longest);
