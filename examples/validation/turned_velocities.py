@@ -3,7 +3,7 @@
     python turned_velocities.py [SETTING ...] [--steps 500000] [--every 10] [--temperature 300] [--friction 1]
                                 [--seed 1]
 
-Langevin dynamics of a capped alanine of the villin headpiece in AMBER14 with OBC2, 2 fs with constraints and 1 fs
+Langevin dynamics of a capped alanine of the villin headpiece in AMBER99SB with OBC, 2 fs with constraints and 1 fs
 without, is compared with turns: `every` steps of it, then one of 50 trials. Printed are, of either, the temperature of
 the velocities and U with their standard errors, and the least p-value, times their number, of Welch's tests of means of
 20 blocks: kinetic energy, U, cells of phi and psi (where phi is below 0, since dynamics hardly leaves there), and the
@@ -13,11 +13,11 @@ none, HBonds, AllBonds  what is constrained; phi and psi turn by any angle
 rotors                  nothing is; omega and methyl groups turn, too
 remover                 HBonds, with a CMMotionRemover
 rigid                   HBonds, and the molecule is moved and turned as a whole
-closed                  HBonds, four residues, closed moves alone
+closed                  HBonds, VAL-PHE-GLY-MET, closed moves alone; slow at 300 K, so give it --temperature 600
 handed                  HBonds, in two Contexts that hand positions and velocities to each other, as openmmtools does
 
-Exit status 1 if a p-value is below SIGNIFICANCE divided by their number (Bonferroni). Give each block of either run 20
-ps or more, or blocks depend on each other. `handed` is about a percent hotter with turns as frequent as these, since the
+Exit status 1 if a p-value is below SIGNIFICANCE over their number (Bonferroni). Give each block of either run 20 ps or
+more, or blocks depend on each other. `handed` is about a percent hotter with turns as frequent as these, since the
 integrator's velocities are half a step before the positions, which only a common Context makes up for.
 """
 
@@ -44,9 +44,9 @@ class Peptide:
 
     def __init__(self, setting):
         self.setting = setting
-        self.topology, self.positions = cutPeptide(first=7, count=4 if setting == "closed" else 1)
+        self.topology, self.positions = cutPeptide(8, 4) if setting == "closed" else cutPeptide(7, 1)
         constraints = {"none": None, "rotors": None, "AllBonds": app.AllBonds}.get(setting, app.HBonds)
-        forceField = app.ForceField("amber14-all.xml", "implicit/obc2.xml")
+        forceField = app.ForceField("amber99sb.xml", "amber99_obc.xml")
         self.system = forceField.createSystem(
             self.topology, constraints=constraints, removeCMMotion=setting == "remover"
         )
