@@ -720,9 +720,10 @@ static const char* const ENERGY_KINDS[] = {"not sampled", "constant", "native", 
             moves.append("...")
         count = "1 move" if self.getNumMoves() == 1 else f"{self.getNumMoves()} moves"
         kelvin = self.getTemperature().value_in_unit(openmm.unit.kelvin)
+        spheres = {self.Automatic: "", self.Off: "no spheres, ", self.Hard: "hard spheres, ", self.Soft: "soft spheres, "}
         return (
             f"<TorsionMonteCarloIntegrator: {kelvin:g} K, {self.getTrialsPerStep():,} trials a step, "
-            f"{'soft spheres, ' if self.getStericMode() == self.Soft else ''}{count}{': ' if moves else ''}{', '.join(moves)}>"
+            f"{spheres[self.getStericMode()]}{count}{': ' if moves else ''}{', '.join(moves)}>"
         )
 %}
 }

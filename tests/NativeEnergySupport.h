@@ -100,7 +100,7 @@ public:
         context.reset(new OpenMM::Context(chain.system, *integrator, OpenMM::Platform::getPlatform("Reference")));
         context->setPositions(chain.positions);
         plan.reset(new EnergyPlan(getImpl()));
-        plan->translate(-1, true, false);
+        plan->translate(-1, true, TorsionMonteCarloIntegrator::Hard);
     }
     /**
      * Make the Context, the plan and the kernel.

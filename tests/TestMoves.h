@@ -313,8 +313,8 @@ void testBadMoves(Platform& platform)
     assertThrows("the number of trials per step must be at least 1, but is 0", [&] {
         integrator.setTrialsPerStep(0);
     });
-    assertThrows("the steric mode must be Hard or Soft, but is 2", [&] {
-        integrator.setStericMode(TorsionMonteCarloIntegrator::StericMode(2));
+    assertThrows("the steric mode must be Automatic, Off, Hard or Soft, but is 4", [&] {
+        integrator.setStericMode(TorsionMonteCarloIntegrator::StericMode(4));
     });
     assertThrows("the initial clash policy must be Tolerate or Refuse", [&] {
         integrator.setInitialClashPolicy(TorsionMonteCarloIntegrator::InitialClashPolicy(2));

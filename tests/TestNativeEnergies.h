@@ -110,9 +110,9 @@ void assertHeldEnergy(const System& system, Sampler& integrator, Context& contex
 // ---- Distributions ----
 
 /** How the energy of the chain is evaluated in a trial. Foreign are all torsions, or half of their energy. */
-enum Way { AllNative, NothingNative, HalfForeignInSameGroup, ForeignInOwnGroup, SoftSpheres };
+enum Way { AllNative, NothingNative, HalfForeignInSameGroup, ForeignInOwnGroup, SoftSpheres, NoSpheres };
 
-static const Way WAYS[] = {AllNative, NothingNative, HalfForeignInSameGroup, ForeignInOwnGroup, SoftSpheres};
+static const Way WAYS[] = {AllNative, NothingNative, HalfForeignInSameGroup, ForeignInOwnGroup, SoftSpheres, NoSpheres};
 
 /** The soft spheres of the chain are so large that they make a difference. */
 static const double SOFT_RADIUS = 0.9, SOFT_CONSTANT = 50;
@@ -168,7 +168,7 @@ vector<double> integrate(bool soft)
  */
 unique_ptr<ChargedChain> createChain(Way way, int length)
 {
-    auto chain = make_unique<ChargedChain>(length, way == SoftSpheres ? SOFT_RADIUS : 0);
+    auto chain = make_unique<ChargedChain>(length, way == SoftSpheres || way == NoSpheres ? SOFT_RADIUS : 0);
     chain->force->setForceConstant(SOFT_CONSTANT);
     if (way == HalfForeignInSameGroup || way == ForeignInOwnGroup) {
         Probe* probe = new Probe();
@@ -197,7 +197,9 @@ void setUp(Sampler& integrator, Way way)
     integrator.addTorsionMove(1, M_PI);
     integrator.addTorsionMove(1, 0.8, {}, 2);
     integrator.setNativeEnergies(way != NothingNative);
-    integrator.setStericMode(way == SoftSpheres ? Sampler::Soft : Sampler::Hard);
+    integrator.setStericMode(way == SoftSpheres ? Sampler::Soft
+                             : way == NoSpheres ? Sampler::Automatic
+                                                : Sampler::Hard);
 }
 
 /**

@@ -344,7 +344,7 @@ void testSoftSpheres(Platform& platform)
         SoftPair pair;
         CompoundIntegrator compound;
         TorsionMonteCarloIntegrator* sampler = new TorsionMonteCarloIntegrator(300);
-        ASSERT(sampler->getStericMode() == TorsionMonteCarloIntegrator::Hard);
+        ASSERT(sampler->getStericMode() == TorsionMonteCarloIntegrator::Automatic);
         sampler->setStericMode(TorsionMonteCarloIntegrator::Soft);
         ASSERT(sampler->getStericMode() == TorsionMonteCarloIntegrator::Soft);
         sampler->setRandomNumberSeed(2);

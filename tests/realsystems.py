@@ -202,6 +202,7 @@ class Run:
         platform="Reference",
     ):
         self.integrator = TorsionMonteCarloIntegrator(temperature)
+        self.integrator.setStericMode(TorsionMonteCarloIntegrator.Hard)
         self.integrator.setRandomNumberSeed(seed)
         self.integrator.setNativeEnergies(native)
         for weight, angle, count in moves:

@@ -7,7 +7,7 @@ import pytest
 from realsystems import Reference, Run
 from test_native_solvent import assertEnergy, makeSolvated
 
-REASON = "openmm-chaintree evaluates all of it in each trial, or each outer test"
+REASON = "openmm-chaintree evaluates all of it "
 
 
 def findSolvent(system):

@@ -1,6 +1,7 @@
 #include "openmmchaintree/internal/EnergyPlan.h"
 #include "openmm/AndersenThermostat.h"
 #include "openmm/CMMotionRemover.h"
+#include "openmm/CustomNonbondedForce.h"
 #include "openmm/Force.h"
 #include "openmm/NonbondedForce.h"
 #include "openmm/System.h"
@@ -38,6 +39,35 @@ static string plural(long long count, const string& noun)
     return to_string(count) + " " + noun + (count == 1 ? "" : "s");
 }
 
+/**
+ * Get whether a Force has an energy of pairs that holds all particles to which the StericExclusionForce gives a radius.
+ */
+static bool holdsParticlesOf(const Force& force, const StericExclusionForce& steric)
+{
+    if (dynamic_cast<const NonbondedForce*>(&force) != NULL)
+        return true;
+    const CustomNonbondedForce* custom = dynamic_cast<const CustomNonbondedForce*>(&force);
+    if (custom == NULL)
+        return false;
+    if (custom->getNumInteractionGroups() == 0)
+        return true;
+    set<int> held;
+    for (int i = 0; i < custom->getNumInteractionGroups(); i++) {
+        set<int> set1, set2;
+        custom->getInteractionGroupParameters(i, set1, set2);
+        held.insert(set1.begin(), set1.end());
+        held.insert(set2.begin(), set2.end());
+    }
+    for (int i = 0; i < steric.getNumParticles(); i++) {
+        double radius;
+        StericExclusionForce::HydrogenBondRole role;
+        steric.getParticleParameters(i, radius, role);
+        if (radius > 0 && held.count(i) == 0)
+            return false;
+    }
+    return true;
+}
+
 EnergyPlan::EnergyPlan(const ContextImpl& context) : context(context)
 {
     const System& system = context.getSystem();
@@ -51,6 +81,7 @@ EnergyPlan::EnergyPlan(const ContextImpl& context) : context(context)
         entries.push_back({force.getName(), findGroups(force), None, ""});
     }
     copies.resize(forces.size());
+    replacesSpheres.resize(forces.size());
     copyForces();
 }
 
@@ -65,6 +96,13 @@ void EnergyPlan::copyForces()
             if (kind != NULL)
                 copies[j].reset(kind->copy(*forces[j]));
         }
+    for (int i = 0; i < system.getNumForces(); i++)
+        if (auto steric = dynamic_cast<const StericExclusionForce*>(&system.getForce(i)))
+            for (int j = 0; j < system.getNumForces(); j++) {
+                const auto known = find(forces.begin(), forces.end(), &system.getForce(j));
+                if (known != forces.end())
+                    replacesSpheres[known - forces.begin()] = holdsParticlesOf(system.getForce(j), *steric);
+            }
 }
 
 const Force* EnergyPlan::findForce(int index) const
@@ -76,19 +114,89 @@ const Force* EnergyPlan::findForce(int index) const
     return NULL;
 }
 
+// ---- Spheres ----
+
+/**
+ * Get the first Force of these groups whose energy of pairs takes the place of spheres, or -1 if there is none.
+ */
+int EnergyPlan::findReplacement(int groups) const
+{
+    for (size_t i = 0; i < entries.size(); i++)
+        if (replacesSpheres[i] && (entries[i].groups & groups) != 0)
+            return i;
+    return -1;
+}
+
+EnergyPlan::StericMode EnergyPlan::resolve(StericMode mode, int groups) const
+{
+    if (mode != TorsionMonteCarloIntegrator::Automatic)
+        return mode;
+    return findReplacement(groups) >= 0 ? TorsionMonteCarloIntegrator::Off : TorsionMonteCarloIntegrator::Hard;
+}
+
+/**
+ * Say which part the StericExclusionForce has in U, and why.
+ */
+string EnergyPlan::describeStericPart(StericMode mode, int groups) const
+{
+    const int replacement = findReplacement(groups);
+    switch (mode) {
+    case TorsionMonteCarloIntegrator::Soft:
+        return "its soft spheres are a part of the energy";
+    case TorsionMonteCarloIntegrator::Hard:
+        return "its spheres are hard, so that they have no energy";
+    case TorsionMonteCarloIntegrator::Off:
+        return "the steric mode is Off: its spheres count for nothing";
+    default:
+        if (replacement < 0)
+            return "no sampled Force has an energy of pairs of all its particles, so its spheres are hard";
+        return "its spheres count for nothing: force " + to_string(replacement) + ", " + entries[replacement].name +
+               ", has an energy of all pairs";
+    }
+}
+
+CoreSpheres EnergyPlan::findCoreSpheres(int groups, double energy) const
+{
+    // Another energy of pairs could make good what Lennard-Jones and Coulomb forbid.
+
+    int index = -1;
+    for (size_t i = 0; i < entries.size(); i++) {
+        if ((entries[i].groups & groups) == 0 || isSteric[i] || hasNoEnergy[i])
+            continue;
+        const bool isNonbonded = dynamic_cast<const NonbondedForce*>(copies[i].get()) != NULL;
+        if (isNonbonded ? index >= 0 : entries[i].kind == Foreign)
+            return CoreSpheres();
+        if (isNonbonded)
+            index = i;
+    }
+    if (index < 0 || !terms.pairSets.empty() || !terms.valueEnergies.empty())
+        return CoreSpheres();
+
+    // How far pairs reach matters to none that is so near.
+
+    unique_ptr<Force> copy(NativeForceKind::find(*copies[index])->copy(*copies[index]));
+    NonbondedForce& force = dynamic_cast<NonbondedForce&>(*copy);
+    if (force.getNonbondedMethod() != NonbondedForce::CutoffNonPeriodic)
+        force.setNonbondedMethod(NonbondedForce::NoCutoff);
+    force.setExceptionsUsePeriodicBoundaryConditions(false);
+    EnergyTerms pairs;
+    const int numParticles = context.getSystem().getNumParticles();
+    if (!translateForce(force, index, numParticles, context.getParameters(), pairs).empty())
+        return CoreSpheres();
+    return CoreSpheres(pairs.nonbonded[0], terms.termSets, energy);
+}
+
+// ---- Decisions ----
+
 /**
  * Decide about a Force, and append it to the terms if it is native.
  */
-void EnergyPlan::decide(int index, int groupsOfU, bool allowNative, bool isSoft)
+void EnergyPlan::decide(int index, int groupsOfU, bool allowNative)
 {
     auto set = [&](Kind kind, const string& reason) {
         entries[index].kind = kind;
         entries[index].reason = reason;
     };
-    if (isSteric[index] && isSoft)
-        return set(Native, "its soft spheres are a part of the energy");
-    if (isSteric[index])
-        return set(None, "its spheres are hard, so that they have no energy");
     if (hasNoEnergy[index])
         return set(None, "it has no energy");
     if ((entries[index].groups & groupsOfU) == 0)
@@ -104,7 +212,7 @@ void EnergyPlan::decide(int index, int groupsOfU, bool allowNative, bool isSoft)
     set(Native, "openmm-chaintree evaluates it");
 }
 
-void EnergyPlan::translate(int groups, bool allowNative, bool isSoft)
+void EnergyPlan::translate(int groups, bool allowNative, StericMode mode)
 {
     terms = EnergyTerms();
     terms.standIn = standIn;
@@ -113,8 +221,13 @@ void EnergyPlan::translate(int groups, bool allowNative, bool isSoft)
     };
     for (bool second : {false, true})
         for (size_t i = 0; i < entries.size(); i++)
-            if (needsPairs(i) == second)
-                decide(i, groups, allowNative, isSoft);
+            if (needsPairs(i) == second && !isSteric[i])
+                decide(i, groups, allowNative);
+    for (size_t i = 0; i < entries.size(); i++)
+        if (isSteric[i]) {
+            entries[i].kind = mode == TorsionMonteCarloIntegrator::Soft ? Native : None;
+            entries[i].reason = describeStericPart(mode, groups);
+        }
 }
 
 /**

@@ -23,17 +23,25 @@ static const long long TRIALS_AFTER_VAGUE_CHECK = 1000;
 
 static const int NUM_PARTS = 3;
 
+/** Overlapping cores exceed this energy, in kT: such states are never sampled. */
+static const double CORE_ENERGY = 60;
+
+/**
+ * The temperatures for which cores are made: this one, in Kelvin, twice as much, and so on. A replica that exchanges
+ * temperatures keeps its cores.
+ */
+static const double LOWEST_CORE_TEMPERATURE = 500;
+
 /** The number of trials to an outer test if the user does not say it: a whole energy then takes little of the time. */
 static const int USUAL_TRIALS_PER_OUTER_TEST = 400;
 
 NativeEnergy::NativeEnergy(const TorsionMonteCarloIntegrator& integrator, StericExclusionForceImpl& force,
                            ContextImpl& context) :
     integrator(integrator),
-    force(force), context(context), kernel(force.getKernel()), plan(context),
-    check(context, plan,
-          [&force, &context] {
-              return force.createKernel(context);
-          }),
+    force(force), context(context), plan(context), check(context, plan,
+                                                         [&force, &context] {
+                                                             return force.createKernel(context);
+                                                         }),
     choice(getChoice()), forcesWereChanged(false), parametersWereChanged(true), energyIsOld(true),
     termsCanChange(false), pairsCanChange(false), valuesCanChange(false), foreign(context), trialsToCheck(0),
     checkInterval(TRIALS_AFTER_VAGUE_CHECK), numComputed(0), computedChange(0), nearChange(0), standInCutoff(0),
@@ -49,16 +57,20 @@ NativeEnergy::Choice NativeEnergy::getChoice() const
     EnergyTerms::StandIn standIn;
     integrator.getStandInCutoffs(standIn.bornCutoff, standIn.pairCutoff);
     standIn.gridWidth = integrator.getStandInGridWidth();
-    return {integrator.getIntegrationForceGroups(), integrator.getNativeEnergies(),
-            integrator.getStericMode() == TorsionMonteCarloIntegrator::Soft, standIn};
+    double coreTemperature = LOWEST_CORE_TEMPERATURE;
+    while (coreTemperature < integrator.getTemperature())
+        coreTemperature *= 2;
+    return {integrator.getIntegrationForceGroups(), integrator.getNativeEnergies(), integrator.getStericMode(),
+            CORE_ENERGY * BOLTZ * coreTemperature, standIn};
+}
+
+CalcStericExclusionForceKernel& NativeEnergy::getKernel() const
+{
+    return force.getTrialKernel();
 }
 
 // ---- The plan ----
 
-/**
- * Translate the Forces anew if anything was changed, and see to it that the kernel has their terms: another integrator
- * of a CompoundIntegrator may have given it its own.
- */
 void NativeEnergy::updatePlan()
 {
     const Choice present = getChoice();
@@ -76,13 +88,16 @@ void NativeEnergy::updatePlan()
 void NativeEnergy::setKernelTerms()
 {
     standInIsSet = whole.isCurrent = values.isCurrent = false;
+    force.setTrialSpheres(cores, context);
     force.setEnergyTerms(plan.getTerms(), this);
 }
 
 void NativeEnergy::translate()
 {
     plan.setStandIn(choice.standIn);
-    plan.translate(choice.groups, choice.native, choice.soft);
+    plan.translate(choice.groups, choice.native, choice.stericMode);
+    const bool isOff = plan.resolve(choice.stericMode, choice.groups) == TorsionMonteCarloIntegrator::Off;
+    cores = isOff ? plan.findCoreSpheres(choice.groups, choice.coreEnergy) : CoreSpheres();
     trialsToCheck = 0;
     checkInterval = TRIALS_AFTER_VAGUE_CHECK;
     setKernelTerms();
@@ -94,7 +109,7 @@ void NativeEnergy::translate()
                                 });
     vector<int> counts;
     if (!plan.getTerms().termSets.empty())
-        kernel.countChangeableTerms(counts);
+        getKernel().countChangeableTerms(counts);
     plan.setChangeableTerms(counts, somethingMoves);
     termsCanChange = any_of(counts.begin(), counts.end(), [](int count) {
         return count > 0;
@@ -102,12 +117,6 @@ void NativeEnergy::translate()
     pairsCanChange = !(plan.getTerms().nonbonded.empty() && plan.getTerms().pairSets.empty()) && somethingMoves;
     valuesCanChange = !plan.getTerms().valueEnergies.empty() && somethingMoves;
     foreign.setForces(plan, choice.groups, choice.native, forcesWereChanged);
-}
-
-const EnergyPlan& NativeEnergy::getPlan()
-{
-    updatePlan();
-    return plan;
 }
 
 /**
@@ -253,10 +262,10 @@ void NativeEnergy::refuseState(TrialSession& trials) const
  */
 const NativeEnergy::HeldEnergy& NativeEnergy::updateHeld()
 {
-    if (kernel.updateEnergy(energyIsOld))
+    if (getKernel().updateEnergy(energyIsOld))
         whole.isCurrent = values.isCurrent = false;
     energyIsOld = false;
-    kernel.getEnergies(held.pairs, held.pairSets, held.termSets);
+    getKernel().getEnergies(held.pairs, held.pairSets, held.termSets);
     return held;
 }
 
@@ -266,7 +275,7 @@ const NativeEnergy::HeldEnergy& NativeEnergy::updateHeld()
 const NativeEnergy::WholeEnergy& NativeEnergy::updateWhole()
 {
     if (!whole.isCurrent)
-        kernel.computeWholeEnergy(whole.nonbonded, whole.born);
+        getKernel().computeWholeEnergy(whole.nonbonded, whole.born);
     whole.isCurrent = true;
     return whole;
 }
@@ -279,7 +288,7 @@ const vector<double>& NativeEnergy::updateValues()
     if (plan.getTerms().valueEnergies.empty())
         values.energies.clear();
     else if (!values.isCurrent)
-        kernel.computeValueEnergies(false, values.energies);
+        getKernel().computeValueEnergies(false, values.energies);
     values.isCurrent = true;
     return values.energies;
 }
@@ -300,7 +309,7 @@ vector<double> NativeEnergy::updateEnergies()
 void NativeEnergy::compareWithOpenMM(TrialSession& trials, const vector<double>& energies)
 {
     vector<Vec3> positions;
-    kernel.getPositions(positions);
+    getKernel().getPositions(positions);
     const bool saysMuch = check.check(positions, energies, [&](int groups) {
         return trials.computeOtherEnergy(groups);
     });
@@ -354,7 +363,7 @@ double NativeEnergy::computeChange(EnergyKernel::EnergyPart part)
         trialsToCheck--;
     double change = 0;
     for (; numComputed < end; numComputed++)
-        change += kernel.getProposedEnergyChange((EnergyKernel::EnergyPart)numComputed);
+        change += getKernel().getProposedEnergyChange((EnergyKernel::EnergyPart)numComputed);
     if (part == EnergyKernel::NearPairsPart)
         nearChange = change;
     computedChange += change;
@@ -377,7 +386,7 @@ double NativeEnergy::computeValuesChange()
     if (!termsCanChange && !pairsCanChange)
         trialsToCheck--;
     const double before = sumOf(updateValues());
-    kernel.computeValueEnergies(true, proposedValues);
+    getKernel().computeValueEnergies(true, proposedValues);
     const double after = sumOf(proposedValues);
     if (!isPossible(after))
         return numeric_limits<double>::quiet_NaN();
@@ -398,7 +407,7 @@ double NativeEnergy::getNearCorrection()
 {
     if (!hasStandIn())
         return 0;
-    const double changeBack = kernel.getNearChangeBack();
+    const double changeBack = getKernel().getNearChangeBack();
     if (changeBack == -nearChange)
         return 0; // also if both are infinite
     if (std::isnan(changeBack))
@@ -485,9 +494,9 @@ void NativeEnergy::updateStandIn()
     if (!hasStandIn() || standInIsSet)
         return;
     vector<double> present;
-    kernel.getStandIn(present);
+    getKernel().getStandIn(present);
     if (present.size() == standIn.size() && standInCutoff == choice.standIn.bornCutoff)
-        kernel.setStandIn(standIn);
+        getKernel().setStandIn(standIn);
     else
         computeStandIn();
     standInIsSet = true;
@@ -500,9 +509,9 @@ void NativeEnergy::computeStandIn()
 {
     // The kernel looks at new positions here, so that updateHeld() will not find any.
 
-    kernel.renewStandIn();
+    getKernel().renewStandIn();
     whole.isCurrent = values.isCurrent = false;
-    kernel.getStandIn(standIn);
+    getKernel().getStandIn(standIn);
     standInCutoff = choice.standIn.bornCutoff;
 }
 

@@ -60,7 +60,8 @@ void TorsionMonteCarloIntegrator::renewStandIns(Context& context)
 {
     ContextUse use(lock, ContextLock::User);
     requireContext(context);
-    TrialSession trials(*force, *this->context, TrialSession::IgnoreLimits);
+    native->updatePlan();
+    TrialSession trials(*force, *this->context, force->getTrialKernel(), TrialSession::IgnoreLimits);
     native->renewStandIn();
 }
 
@@ -107,7 +108,7 @@ void TorsionMonteCarloIntegrator::bindEnergies(StericExclusionForceImpl& force, 
     stages.reset(new EnergyStages());
     stages->add(make_unique<NativeEnergyStage>(*native, EnergyKernel::BondedPart));
     stages->add(make_unique<NativeEnergyStage>(*native, EnergyKernel::NearPairsPart));
-    stages->add(make_unique<SoftSphereEnergy>(*this));
+    stages->add(make_unique<SoftSphereEnergy>(*native));
     stages->add(make_unique<NativeEnergyStage>(*native, EnergyKernel::OtherPairsPart));
     stages->add(make_unique<ValueEnergyStage>(*native));
     stages->add(make_unique<ForeignEnergy>(*native));
@@ -127,8 +128,9 @@ double TorsionMonteCarloIntegrator::getPotentialEnergy(Context& context) const
 {
     ContextUse use(lock, ContextLock::User);
     requireContext(context);
-    TrialSession trials(*force, *this->context, TrialSession::IgnoreLimits);
-    return native->computeEnergy(trials) + (stericMode == Soft ? trials.computeSoftEnergy() : 0);
+    native->updatePlan();
+    TrialSession trials(*force, *this->context, force->getTrialKernel(), TrialSession::IgnoreLimits);
+    return native->computeEnergy(trials) + (native->getStericMode() == Soft ? trials.computeSoftEnergy() : 0);
 }
 
 vector<TorsionMonteCarloIntegrator::StageStatistics> TorsionMonteCarloIntegrator::getStageStatistics() const

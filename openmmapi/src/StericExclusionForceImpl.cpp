@@ -1,6 +1,7 @@
 #include "openmmchaintree/internal/StericExclusionForceImpl.h"
 #include "openmm/OpenMMException.h"
 #include "openmmchaintree/internal/ArgumentChecks.h"
+#include "openmmchaintree/internal/SystemChecks.h"
 #include "openmmchaintree/internal/TrialSession.h"
 #include "openmmchaintree/internal/Warnings.h"
 #include <cmath>
@@ -83,7 +84,8 @@ static void warnOfPeriodicForces(const System& system)
 
 StericExclusionForceImpl::StericExclusionForceImpl(const StericExclusionForce& owner) :
     CustomCPPForceImpl(owner), owner(owner), life(make_shared<char>()), lock(make_shared<ContextLock>()),
-    isInitialized(false), engine(NULL), energyTermsOwner(NULL), proposalIsFree(false), settingPositions(false),
+    isInitialized(false), engine(NULL), trialEngine(NULL), newest(NULL), otherIsBehind(false),
+    trialSpheresWereFree(false), energyTermsOwner(NULL), proposalIsFree(false), settingPositions(false),
     energyIsSuppressed(false), hasVirtualSites(false)
 {
 }
@@ -110,7 +112,7 @@ void StericExclusionForceImpl::initialize(ContextImpl& context)
     velocities.reset(new VelocityTurner(system, *structure));
 
     kernel = createKernel(context);
-    engine = &kernel.getAs<CalcStericExclusionForceKernel>();
+    engine = trialEngine = newest = &kernel.getAs<CalcStericExclusionForceKernel>();
     limits.setKernel(*engine);
     CustomCPPForceImpl::initialize(context);
     warnOfPeriodicForces(system);
@@ -118,6 +120,11 @@ void StericExclusionForceImpl::initialize(ContextImpl& context)
 }
 
 Kernel StericExclusionForceImpl::createKernel(ContextImpl& context) const
+{
+    return createKernel(context, *original);
+}
+
+Kernel StericExclusionForceImpl::createKernel(ContextImpl& context, const StericExclusionForce& spheres) const
 {
     // The kernel knows nothing of Contexts, so where the platform has none of its own, the Reference platform's serves.
 
@@ -128,7 +135,7 @@ Kernel StericExclusionForceImpl::createKernel(ContextImpl& context) const
     if (!platform->supportsKernels(kernelNames))
         fail("its kernel is missing; load the plugin library OpenMMChainTreeReference before creating a Context");
     Kernel created = platform->createKernel(CalcStericExclusionForceKernel::Name(), context);
-    created.getAs<CalcStericExclusionForceKernel>().initialize(*original, *structure);
+    created.getAs<CalcStericExclusionForceKernel>().initialize(spheres, *structure);
     return created;
 }
 
@@ -193,11 +200,21 @@ void StericExclusionForceImpl::updatePositions(ContextImpl& context)
 void StericExclusionForceImpl::adoptPositions(ContextImpl& context, const vector<Vec3>& positions)
 {
     if (!haveSameBits(positions, agreedPositions)) {
-        engine->setPositions(positions);
+        newest->setPositions(positions);
         agreedPositions = positions;
+        stateWasChanged(*newest);
         limits.particlesWereMoved();
     }
     limits.positionsWereSeen(context.getStepCount());
+}
+
+/**
+ * Take notice of the Context's positions for a query or a trial of a user.
+ */
+void StericExclusionForceImpl::updateState(ContextImpl& context)
+{
+    updatePositions(context);
+    bringUpToDate(*engine);
 }
 
 void StericExclusionForceImpl::updateContextState(ContextImpl& context, bool& forcesInvalid)
@@ -236,7 +253,7 @@ void StericExclusionForceImpl::takeNoticeOfPositions(ContextImpl& context)
 
 int StericExclusionForceImpl::getNumToleratedClashes(ContextImpl& context)
 {
-    updatePositions(context);
+    updateState(context);
     return engine->getNumLimits();
 }
 
@@ -248,15 +265,85 @@ void StericExclusionForceImpl::setContextPositions(ContextImpl& context, const v
 }
 
 /**
- * Move the Context to the kernel's state.
+ * Move the Context to a kernel's state.
  */
-void StericExclusionForceImpl::showState(ContextImpl& context)
+void StericExclusionForceImpl::showState(ContextImpl& context, CalcStericExclusionForceKernel& shown)
 {
     // A platform may round positions, so what is agreed on is what the Context returns, and nothing if this fails.
 
     agreedPositions.clear();
-    setContextPositions(context, engine->followState());
+    setContextPositions(context, shown.followState());
     context.getPositions(agreedPositions);
+}
+
+// ---- Two kernels ----
+
+void StericExclusionForceImpl::setTrialSpheres(const CoreSpheres& spheres, ContextImpl& context)
+{
+    CalcStericExclusionForceKernel* wanted = engine;
+    if (!spheres.radii.empty()) {
+        if (!(cores == spheres)) {
+            StericExclusionForce replaced(*original);
+            replaced.setOverlapTolerance(0);
+            replaced.setHydrogenBondAllowance(0);
+            for (size_t i = 0; i < spheres.radii.size(); i++)
+                replaced.setParticleParameters(i, spheres.radii[i], StericExclusionForce::NoHydrogenBond);
+            for (auto& exclusion : spheres.exclusions)
+                replaced.addExclusion(exclusion[0], exclusion[1]);
+            Kernel created = createKernel(context, replaced);
+            setTrialKernel(created.getAs<CalcStericExclusionForceKernel>());
+            coreKernel = created;
+            cores = spheres;
+        }
+        wanted = &coreKernel.getAs<CalcStericExclusionForceKernel>();
+    }
+    setTrialKernel(*wanted);
+}
+
+void StericExclusionForceImpl::setTrialKernel(CalcStericExclusionForceKernel& wanted)
+{
+    if (trialEngine == &wanted)
+        return;
+    if (!agreedPositions.empty()) {
+        // By the numbers of a checkpoint, so that a run that is resumed from one has the same bits.
+
+        vector<double> state;
+        newest->getState(state);
+        wanted.setState(state);
+        if (&wanted == engine)
+            limits.restart();
+    }
+    trialEngine = &wanted;
+    stateWasChanged(wanted);
+}
+
+bool StericExclusionForceImpl::trialSpheresAreFree()
+{
+    trialSpheresWereFree = trialSpheresWereFree || !trialEngine->hasClash();
+    return trialSpheresWereFree;
+}
+
+/**
+ * Give a kernel the state if the other one has a newer one. This comes after updatePositions().
+ */
+void StericExclusionForceImpl::bringUpToDate(CalcStericExclusionForceKernel& behind)
+{
+    if (!otherIsBehind || newest == &behind || agreedPositions.empty())
+        return;
+    behind.setPositions(agreedPositions);
+    otherIsBehind = false;
+    if (&behind == engine)
+        limits.restart();
+}
+
+/**
+ * Take notice that a kernel's state was changed, by something else than trials that trialSpheresAreFree() allows.
+ */
+void StericExclusionForceImpl::stateWasChanged(CalcStericExclusionForceKernel& changed)
+{
+    newest = &changed;
+    otherIsBehind = (trialEngine != engine);
+    trialSpheresWereFree = false;
 }
 
 // ---- What is kept ----
@@ -269,7 +356,7 @@ void StericExclusionForceImpl::getLimits(vector<pair<int, int>>& pairs, vector<d
 void StericExclusionForceImpl::setLimits(ContextImpl& context, const vector<pair<int, int>>& pairs,
                                          const vector<double>& limits)
 {
-    updatePositions(context);
+    updateState(context);
     this->limits.setLimits(pairs, limits);
 }
 
@@ -278,8 +365,11 @@ void StericExclusionForceImpl::createCheckpoint(CheckpointWriter& writer)
     // A run that goes on has the bits of one that begins with this, and the pause is no part of it.
 
     velocities->forgetPause();
+    // Limits are those of the force's own spheres, so its kernel has to have the state.
+
+    bringUpToDate(*engine);
     vector<double> state;
-    engine->getState(state);
+    newest->getState(state);
     writer.write(state);
     limits.writeLimits(writer);
     writer.write(agreedPositions);
@@ -305,6 +395,11 @@ void StericExclusionForceImpl::loadCheckpoint(const KeptGeometry& kept)
 {
     agreedPositions.clear();
     engine->setState(kept.state);
+    stateWasChanged(*engine);
+    if (trialEngine != engine) {
+        trialEngine->setState(kept.state);
+        otherIsBehind = false;
+    }
     limits.restore(kept.limits, !kept.state.empty());
     agreedPositions = kept.agreedPositions;
 }
@@ -319,14 +414,14 @@ double StericExclusionForceImpl::calcForcesAndEnergy(ContextImpl& context, bool 
 
     // In the energy of others there is nothing to compute. GPU platforms ask nevertheless, by computeForce().
 
-    if (energyIsSuppressed)
+    if (!hasEnergy(context))
         return 0;
     return CustomCPPForceImpl::calcForcesAndEnergy(context, includeForces, includeEnergy, groups);
 }
 
 double StericExclusionForceImpl::computeForce(ContextImpl& context, const vector<Vec3>& positions, vector<Vec3>& forces)
 {
-    if (energyIsSuppressed) {
+    if (!hasEnergy(context)) {
         forces.assign(forces.size(), Vec3());
         return 0;
     }
@@ -337,7 +432,16 @@ double StericExclusionForceImpl::computeForce(ContextImpl& context, const vector
     if (!lock->helperMayPass())
         use.reset(new ContextUse(lock, ContextLock::OpenMM));
     adoptPositions(context, positions);
+    bringUpToDate(*engine);
     return engine->computeEnergy(forces);
+}
+
+/**
+ * Get whether this force has an energy: not in that of other Forces, and not where an integrator's steric mode is Off.
+ */
+bool StericExclusionForceImpl::hasEnergy(ContextImpl& context) const
+{
+    return !energyIsSuppressed && !hasSpheresOff(context.getIntegrator());
 }
 
 double StericExclusionForceImpl::computeOtherEnergy(ContextImpl& context, int groups)
@@ -349,7 +453,7 @@ double StericExclusionForceImpl::computeOtherEnergy(ContextImpl& context, int gr
 void StericExclusionForceImpl::setEnergyTerms(const EnergyTerms& terms, const void* owner)
 {
     energyTermsOwner = NULL;
-    engine->setEnergyTerms(terms);
+    trialEngine->setEnergyTerms(terms);
     energyTermsOwner = owner;
 }
 
@@ -357,34 +461,34 @@ void StericExclusionForceImpl::setEnergyTerms(const EnergyTerms& terms, const vo
 
 bool StericExclusionForceImpl::hasClash(ContextImpl& context)
 {
-    updatePositions(context);
+    updateState(context);
     return engine->hasClash();
 }
 
 void StericExclusionForceImpl::getClashes(ContextImpl& context, vector<pair<int, int>>& pairs, vector<double>& overlaps)
 {
-    updatePositions(context);
+    updateState(context);
     engine->getClashes(pairs, overlaps);
 }
 
 void StericExclusionForceImpl::getNeighborPairs(ContextImpl& context, double cutoff, vector<pair<int, int>>& pairs,
                                                 vector<double>& distances)
 {
-    updatePositions(context);
+    updateState(context);
     engine->getNeighborPairs(cutoff, pairs, distances);
 }
 
 double StericExclusionForceImpl::getMinimumDistance(ContextImpl& context, const vector<int>& particles1,
                                                     const vector<int>& particles2, int& particle1, int& particle2)
 {
-    updatePositions(context);
+    updateState(context);
     return engine->getMinimumDistance(particles1, particles2, particle1, particle2);
 }
 
 void StericExclusionForceImpl::getClashesWith(ContextImpl& context, const Vec3& position, double radius,
                                               vector<int>& particles, vector<double>& overlaps)
 {
-    updatePositions(context);
+    updateState(context);
     engine->getClashesWith(position, radius, particles, overlaps);
 }
 
@@ -392,11 +496,20 @@ void StericExclusionForceImpl::getTraversalStatistics(long long& queries, long l
                                                       long long& particleTests, long long& nodesUpdated)
 {
     engine->getTraversalStatistics(queries, volumeTests, particleTests, nodesUpdated);
+    if (trialEngine == engine)
+        return;
+    long long trialQueries, trialVolumeTests, trialParticleTests, trialNodesUpdated;
+    trialEngine->getTraversalStatistics(trialQueries, trialVolumeTests, trialParticleTests, trialNodesUpdated);
+    queries += trialQueries;
+    volumeTests += trialVolumeTests;
+    particleTests += trialParticleTests;
+    nodesUpdated += trialNodesUpdated;
 }
 
 void StericExclusionForceImpl::resetTraversalStatistics()
 {
     engine->resetTraversalStatistics();
+    trialEngine->resetTraversalStatistics();
 }
 
 // ---- Trials for anyone's Monte Carlo ----
@@ -430,7 +543,7 @@ bool StericExclusionForceImpl::proposeTorsions(ContextImpl& context, const vecto
     for (size_t i = 0; i < torsions.size(); i++)
         if (!isfinite(changes[i]))
             fail("the change of torsion " + to_string(torsions[i]) + " is not finite");
-    TrialSession session(*this, context, TrialSession::ApplyLimits);
+    TrialSession session(*this, context, *engine, TrialSession::ApplyLimits);
     session.proposeTorsions(torsions, changes);
     const bool isFree = session.isFree();
     session.leaveOpen();
@@ -447,7 +560,7 @@ bool StericExclusionForceImpl::proposeBallRotations(ContextImpl& context, const 
     for (size_t i = 0; i < ballJoints.size(); i++)
         if (!isFinite(rotations[i]))
             fail("the rotation of ball joint " + to_string(ballJoints[i]) + " is not finite");
-    TrialSession session(*this, context, TrialSession::ApplyLimits);
+    TrialSession session(*this, context, *engine, TrialSession::ApplyLimits);
     session.proposeBallRotations(ballJoints, rotations);
     const bool isFree = session.isFree();
     session.leaveOpen();
@@ -463,7 +576,7 @@ bool StericExclusionForceImpl::proposeRigidMotion(ContextImpl& context, int part
     int molecule = structure->getParticleMolecule(particle);
     if (structure->getMolecules()[molecule].fixed)
         fail("the molecule of particle " + to_string(particle) + " has fixed particles and cannot move");
-    TrialSession session(*this, context, TrialSession::ApplyLimits);
+    TrialSession session(*this, context, *engine, TrialSession::ApplyLimits);
     session.proposeRigidMotion(molecule, rotation, translation);
     const bool isFree = session.isFree();
     session.leaveOpen();
@@ -481,7 +594,7 @@ void StericExclusionForceImpl::requireProposal() const
 
 void StericExclusionForceImpl::getProposedPositions(ContextImpl& context, vector<Vec3>& positions)
 {
-    updatePositions(context);
+    updateState(context);
     requireProposal();
     engine->getProposedPositions(positions);
 }
@@ -490,14 +603,14 @@ void StericExclusionForceImpl::getChangedNeighborPairs(ContextImpl& context, dou
                                                        vector<pair<int, int>>& pairs, vector<double>& before,
                                                        vector<double>& after)
 {
-    updatePositions(context);
+    updateState(context);
     requireProposal();
     engine->getChangedNeighborPairs(cutoff, pairs, before, after);
 }
 
 void StericExclusionForceImpl::acceptProposal(ContextImpl& context)
 {
-    TrialSession session(*this, context, TrialSession::ApplyLimits);
+    TrialSession session(*this, context, *engine, TrialSession::ApplyLimits);
     requireProposal();
     session.accept();
     session.end();
@@ -512,7 +625,7 @@ void StericExclusionForceImpl::rejectProposal()
 
 void StericExclusionForceImpl::getTorsionAngles(ContextImpl& context, vector<double>& angles)
 {
-    updatePositions(context);
+    updateState(context);
     angles.resize(original->getNumTorsions());
     for (int i = 0; i < (int)angles.size(); i++)
         angles[i] = engine->getTorsionAngle(i);
@@ -526,7 +639,7 @@ void StericExclusionForceImpl::setTorsionAngles(ContextImpl& context, const vect
     for (int i = 0; i < (int)angles.size(); i++)
         if (!isfinite(angles[i]))
             fail("the angle of torsion " + to_string(i) + " is not finite");
-    TrialSession session(*this, context, TrialSession::IgnoreLimits);
+    TrialSession session(*this, context, *engine, TrialSession::IgnoreLimits);
     vector<int> torsions;
     vector<double> changes;
     for (int i = 0; i < (int)angles.size(); i++) {

@@ -53,7 +53,7 @@ void ChainTreePlugin::checkHardSpheres(const System& system)
         const Force* force = &system.getForce(i);
         if (isBarostat(*force))
             fail("the System has a barostat (force " + to_string(i) + ", " + force->getName() +
-                 "), which knows nothing of hard spheres; call setStericMode(Soft), or remove it");
+                 "), which knows nothing of hard spheres; call setStericMode(Soft) or Off, or remove it");
     }
 }
 
@@ -130,4 +130,16 @@ bool ChainTreePlugin::hasSilentSteps(const Integrator& integrator)
             return false;
     }
     return true;
+}
+
+bool ChainTreePlugin::hasSpheresOff(const Integrator& integrator)
+{
+    if (auto compound = dynamic_cast<const CompoundIntegrator*>(&integrator)) {
+        for (int i = 0; i < compound->getNumIntegrators(); i++)
+            if (hasSpheresOff(compound->getIntegrator(i)))
+                return true;
+        return false;
+    }
+    auto sampler = dynamic_cast<const TorsionMonteCarloIntegrator*>(&integrator);
+    return sampler != NULL && sampler->hasSpheresOff();
 }

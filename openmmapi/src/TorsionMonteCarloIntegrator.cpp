@@ -72,8 +72,8 @@ public:
 enum CheckpointForm : uint8_t { OfCompleteContext = 0, OfKeptState = 1, OfKeptStateWithNewPositions = 2 };
 
 TorsionMonteCarloIntegrator::TorsionMonteCarloIntegrator(double temperature) :
-    moves(new MoveList()), adaptMoveSizes(false), trialsPerStep(100), initialClashPolicy(Tolerate), stericMode(Hard),
-    nativeEnergies(true), trialsPerOuterTest(0), outerStatistics(new OuterStatistics()),
+    moves(new MoveList()), adaptMoveSizes(false), trialsPerStep(100), initialClashPolicy(Tolerate),
+    stericMode(Automatic), nativeEnergies(true), trialsPerOuterTest(0), outerStatistics(new OuterStatistics()),
     lock(make_shared<ContextLock>()), secondsPerTrial(numeric_limits<double>::infinity()), force(NULL),
     isBesideDynamics(false), hasWarnedOfHardSpheres(false), constraintsAreChecked(false)
 {
@@ -142,9 +142,25 @@ TorsionMonteCarloIntegrator::StericMode TorsionMonteCarloIntegrator::getStericMo
 
 void TorsionMonteCarloIntegrator::setStericMode(StericMode mode)
 {
-    if (mode != Hard && mode != Soft)
-        fail("the steric mode must be Hard or Soft, but is " + to_string((int)mode));
+    if (mode < Hard || mode > Automatic)
+        fail("the steric mode must be Automatic, Off, Hard or Soft, but is " + to_string((int)mode));
+    ContextUse use(lock, ContextLock::User);
+    const bool wereOff = hasSpheresOff();
     stericMode = mode;
+    if (force != NULL && hasSpheresOff() != wereOff)
+        context->systemChanged(); // the energy of the force is another
+}
+
+TorsionMonteCarloIntegrator::StericMode TorsionMonteCarloIntegrator::getStericModeInContext(Context& context) const
+{
+    ContextUse use(lock, ContextLock::User);
+    requireContext(context);
+    return native->getStericMode();
+}
+
+bool TorsionMonteCarloIntegrator::hasSpheresOff() const
+{
+    return (native ? native->getStericMode() : stericMode) == Off;
 }
 
 int TorsionMonteCarloIntegrator::getNumToleratedClashes(Context& context) const
@@ -321,8 +337,6 @@ void TorsionMonteCarloIntegrator::bindTo(ContextImpl& contextRef)
     const System& system = contextRef.getSystem();
     StericExclusionForceImpl& found = findStericExclusionForce(contextRef);
     checkConstraints(system, found.getLinkStructure());
-    if (stericMode == Hard)
-        checkHardSpheres(system);
     isBesideDynamics = hasDynamics(contextRef.getIntegrator());
     if (isBesideDynamics)
         found.getVelocityTurner().requireTurnable();
@@ -334,6 +348,8 @@ void TorsionMonteCarloIntegrator::bindTo(ContextImpl& contextRef)
     random.reset(new RandomNumberGenerator(randomNumberSeed == 0 ? osrngseed() : randomNumberSeed));
     found.getLimitPolicy().expectDynamics(!hasSilentSteps(contextRef.getIntegrator()));
     bindEnergies(found, contextRef);
+    if (native->getStericMode() == Hard)
+        checkHardSpheres(system);
     lock = found.getLock();
     force = &found;
     forceLife = found.getLife();
@@ -750,12 +766,13 @@ static bool runTrial(MoveList::Entry& entry, TrialSession& trials, EnergyStages&
 void TorsionMonteCarloIntegrator::checkBeforeSteps()
 {
     const System& system = context->getSystem();
-    if (stericMode == Hard)
+    const bool isHard = (native->getStericMode() == Hard);
+    if (isHard)
         checkHardSpheres(system);
-    if (stericMode == Hard && isBesideDynamics && !hasWarnedOfHardSpheres) {
+    if (isHard && isBesideDynamics && !hasWarnedOfHardSpheres) {
         hasWarnedOfHardSpheres = true;
         warn("TorsionMonteCarloIntegrator: hard spheres beside dynamics: dynamics knows no limits, so the two sample "
-             "different distributions, and their turns neither; call setStericMode(Soft)");
+             "different distributions, and their turns neither; call setStericMode(Soft), or Off");
     }
     if (!constraintsAreChecked && system.getNumConstraints() > 0) {
         vector<Vec3> positions;
@@ -771,6 +788,9 @@ void TorsionMonteCarloIntegrator::step(int steps)
         ContextUse use(lock, ContextLock::User);
         requireBound();
         moves->sumWeights();
+        if (native->getStericMode() == Soft && ChainTreePlugin::hasSpheresOff(context->getIntegrator()))
+            fail("its steric mode is Soft, but that of another integrator of the Context is Off, so that the "
+                 "StericExclusionForce has no energy there; choose one mode for both");
         force->takeNoticeOfPositions(*context);
         checkBeforeSteps();
         if (isBesideDynamics)
@@ -825,14 +845,19 @@ int TorsionMonteCarloIntegrator::runTrials(int begin, SignalWatch& signals)
 {
     const double weightSum = moves->sumWeights();
     const EnergyStages::Rule rule = nativeEnergies ? EnergyStages::DecideOneByOne : EnergyStages::DecideBySum;
-    TrialSession trials(*force, *context, stericMode == Hard ? TrialSession::ApplyLimits : TrialSession::IgnoreLimits);
-    if (stericMode == Soft)
+    const StericMode mode = native->getStericMode();
+    const TrialSession::Limits limits = mode == Hard  ? TrialSession::ApplyLimits
+                                        : mode == Off ? TrialSession::ApplyTrialSpheres
+                                                      : TrialSession::IgnoreLimits;
+    native->updatePlan();
+    TrialSession trials(*force, *context, force->getTrialKernel(), limits);
+    if (mode != Hard)
         force->getLimitPolicy().restart();
     else if (initialClashPolicy == Refuse)
         force->getLimitPolicy().refuseToleratedClashes();
     native->begin(trials);
     stages->begin(trials);
-    OuterTest test(trials, *native, *stages, *moves, *outerStatistics, *random, temperature, stericMode == Soft);
+    OuterTest test(trials, *native, *stages, *moves, *outerStatistics, *random, temperature, mode == Soft);
     int trial = begin;
     while (trial < trialsPerStep) {
         test.beginTrial();

@@ -5,11 +5,16 @@ using namespace ChainTreePlugin;
 using namespace OpenMM;
 using namespace std;
 
-TrialSession::TrialSession(StericExclusionForceImpl& force, ContextImpl& context, Limits limits) :
-    force(force), context(context), kernel(*force.engine), limits(limits), ownsTrial(false), contextIsBehind(false),
+TrialSession::TrialSession(StericExclusionForceImpl& force, ContextImpl& context,
+                           CalcStericExclusionForceKernel& kernel, Limits limits) :
+    force(force),
+    context(context), kernel(kernel), limits(limits), ownsTrial(false), contextIsBehind(false),
     velocitiesAreBehind(false)
 {
     force.takeNoticeOfPositions(context);
+    force.bringUpToDate(kernel);
+    if (limits == ApplyTrialSpheres && !force.trialSpheresAreFree())
+        this->limits = IgnoreLimits;
 }
 
 TrialSession::~TrialSession()
@@ -29,7 +34,7 @@ void TrialSession::end()
         reject();
     if (contextIsBehind) {
         contextIsBehind = false;
-        force.showState(context);
+        force.showState(context, kernel);
     }
     if (velocitiesAreBehind) {
         velocitiesAreBehind = false;
@@ -47,7 +52,7 @@ void TrialSession::leaveOpen()
  */
 void TrialSession::updateLimits()
 {
-    if (hasLimits())
+    if (limits == ApplyLimits)
         force.limits.update();
 }
 
@@ -58,6 +63,8 @@ void TrialSession::ownTrial()
 {
     ownsTrial = true;
     force.proposalIsFree = false;
+    if (&kernel != force.engine)
+        force.engine->rejectProposal(); // that of a user
 }
 
 void TrialSession::proposeTorsions(const vector<int>& torsions, const vector<double>& changes)
@@ -83,7 +90,7 @@ void TrialSession::proposeRigidMotion(int molecule, const Vec3& rotation, const 
 
 bool TrialSession::isFree()
 {
-    force.proposalIsFree = !hasLimits() || kernel.isProposalFree();
+    force.proposalIsFree = limits == IgnoreLimits || kernel.isProposalFree();
     return force.proposalIsFree;
 }
 
@@ -95,7 +102,10 @@ void TrialSession::accept()
     kernel.acceptProposal();
     ownsTrial = false;
     contextIsBehind = true;
-    if (hasLimits() && !force.proposalIsFree)
+    const bool spheresAreFree = (limits == ApplyTrialSpheres && force.proposalIsFree);
+    force.stateWasChanged(kernel);
+    force.trialSpheresWereFree = spheresAreFree;
+    if (limits == ApplyLimits && !force.proposalIsFree)
         force.limits.restart();
 }
 
@@ -127,7 +137,7 @@ void TrialSession::showState()
     if (!contextIsBehind)
         return;
     contextIsBehind = false;
-    force.showState(context);
+    force.showState(context, kernel);
 }
 
 void TrialSession::keepState()

@@ -345,7 +345,7 @@ void testGlobalParameters()
     scene.makePlan();
     for (double scale : {0.25, 2.0, 0.0}) {
         scene.context->setParameter("scale", scale);
-        scene.plan->translate(-1, true, false);
+        scene.plan->translate(-1, true, TorsionMonteCarloIntegrator::Hard);
         const double expected = scene.context->getState(State::Energy, false, 1 << index).getPotentialEnergy();
         ASSERT_EQUAL(1, scene.plan->getTerms().born.size());
         ASSERT_EQUAL_TOL(expected, computePlainEnergy(scene.plan->getTerms().born[0], scene.chain.positions), 1e-10);
@@ -466,7 +466,7 @@ void testPartners()
 
     // If the NonbondedForce has no part in U, it is not there.
 
-    scene.plan->translate(1 << first, true, false);
+    scene.plan->translate(1 << first, true, TorsionMonteCarloIntegrator::Hard);
     ASSERT_EQUAL(0, scene.plan->getTerms().born.size());
     ASSERT_EQUAL(first, scene.plan->getTerms().valueEnergies[0].force);
     ASSERT_EQUAL(noPairs, scene.plan->getTerms().valueEnergies[0].reason);

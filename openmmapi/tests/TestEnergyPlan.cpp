@@ -144,20 +144,20 @@ void testGroups()
 
     const string outside = "its force group is not an integration force group";
     bonds->setForceGroup(7);
-    plan.translate(1 << 7, true, false);
+    plan.translate(1 << 7, true, TorsionMonteCarloIntegrator::Hard);
     for (int i = 1; i < 4; i++)
         assertEntry(plan, i, EnergyPlan::None, outside);
     ASSERT_EQUAL(0, plan.getTerms().termSets.size());
-    plan.translate(1 << 6 | 1 << 3, true, false);
+    plan.translate(1 << 6 | 1 << 3, true, TorsionMonteCarloIntegrator::Hard);
     assertEntry(plan, 1, EnergyPlan::None, outside);
     assertEntry(plan, 2, EnergyPlan::Foreign, "PME is periodic");
     assertEntry(plan, 3, EnergyPlan::None, outside);
-    plan.translate(1 << 5, true, false);
+    plan.translate(1 << 5, true, TorsionMonteCarloIntegrator::Hard);
     assertEntry(plan, 1, EnergyPlan::Native, "openmm-chaintree evaluates it");
 
     // Today's way.
 
-    plan.translate(-1, false, true);
+    plan.translate(-1, false, TorsionMonteCarloIntegrator::Soft);
     assertEntry(plan, 0, EnergyPlan::Native, "its soft spheres are a part of the energy");
     for (int i = 1; i < 4; i++)
         assertEntry(plan, i, EnergyPlan::Foreign, "native energies are switched off");
@@ -180,11 +180,11 @@ void testEditedForces()
     EnergyPlan& plan = *scene.plan;
     edited->setBondParameters(0, 0, 3, 1, 11);
     scene.chain.system.removeForce(removedIndex);
-    plan.translate(-1, true, false);
+    plan.translate(-1, true, TorsionMonteCarloIntegrator::Hard);
     ASSERT_EQUAL(10, plan.getTerms().termSets[0].parameters[1]);
     ASSERT_EQUAL(20, plan.getTerms().termSets[1].parameters[1]);
     plan.copyForces();
-    plan.translate(-1, true, false);
+    plan.translate(-1, true, TorsionMonteCarloIntegrator::Hard);
     ASSERT_EQUAL(11, plan.getTerms().termSets[0].parameters[1]);
     ASSERT_EQUAL(20, plan.getTerms().termSets[1].parameters[1]);
 }
@@ -212,10 +212,10 @@ void testTwoLevels()
 
     // Neither is what it is without the other.
 
-    plan.translate(1 << pairs, true, false);
+    plan.translate(1 << pairs, true, TorsionMonteCarloIntegrator::Hard);
     countChangeableTerms(scene);
     assertEntry(plan, pairs, EnergyPlan::Native, "openmm-chaintree evaluates the pairs that a trial changes");
-    plan.translate(1 << born, true, false);
+    plan.translate(1 << born, true, TorsionMonteCarloIntegrator::Hard);
     assertEntry(plan, born, EnergyPlan::Foreign, "it needs a NonbondedForce that openmm-chaintree evaluates, too");
 }
 

@@ -357,7 +357,7 @@ void testGlobalParameters()
     scene.build();
     scene.context->setParameter("half", 3.25);
     scene.context->setParameter("minus", 0.5);
-    scene.plan->translate(-1, true, false);
+    scene.plan->translate(-1, true, TorsionMonteCarloIntegrator::Hard);
     scene.getKernel().setEnergyTerms(scene.plan->getTerms());
     scene.assertAgreement(index);
 }
@@ -434,7 +434,7 @@ void testOffsets()
     for (double lambda : {0.0, 1.5}) {
         scene.context->setParameter("lambda", lambda);
         scene.context->setParameter("mu", 0.75);
-        scene.plan->translate(-1, true, false);
+        scene.plan->translate(-1, true, TorsionMonteCarloIntegrator::Hard);
         scene.getKernel().setEnergyTerms(scene.plan->getTerms());
         scene.assertAgreement(index, PAIR_TOLERANCE);
     }

@@ -61,7 +61,7 @@ public:
     }
     void translate()
     {
-        plan->translate(-1, true, false);
+        plan->translate(-1, true, TorsionMonteCarloIntegrator::Hard);
         getKernel().setEnergyTerms(plan->getTerms());
     }
     void copyForces()

@@ -112,8 +112,7 @@ static void testTakenBack(Platform& platform, bool isNative, bool isSoft)
     OuterScene scene;
     OuterRun run(scene, platform, 10);
     run.integrator.setNativeEnergies(isNative);
-    if (isSoft)
-        run.integrator.setStericMode(TorsionMonteCarloIntegrator::Soft);
+    run.integrator.setStericMode(isSoft ? TorsionMonteCarloIntegrator::Soft : TorsionMonteCarloIntegrator::Hard);
     run.context->setPositions(scene.positions);
     run.integrator.step(20);
     const vector<Vec3> start = getPositions(*run.context);
@@ -257,6 +256,7 @@ static void testThrowingForce(Platform& platform)
 
     OuterScene scene;
     OuterRun run(scene, platform, 10);
+    run.integrator.setStericMode(TorsionMonteCarloIntegrator::Hard);
     run.context->setPositions(scene.positions);
     run.integrator.step(3);
     for (int failing : {2, 1, 0}) {

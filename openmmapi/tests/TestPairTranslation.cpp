@@ -46,7 +46,7 @@ static void assertNative(CustomNonbondedForce* force, const map<string, double>&
     scene.build();
     for (auto& parameter : parameters)
         scene.context->setParameter(parameter.first, parameter.second);
-    scene.plan->translate(-1, true, false);
+    scene.plan->translate(-1, true, TorsionMonteCarloIntegrator::Hard);
     const EnergyPlan::Entry& entry = scene.plan->getEntries()[index];
     if (entry.kind != EnergyPlan::Native)
         throw OpenMMException("it is not native: " + entry.reason);

@@ -62,16 +62,12 @@ class TorsionMonteCarloMove(mcmc.IntegratorMove):  # type: ignore[misc]
         integrator = context.getIntegrator()
         integrator.resetMoveStatistics()
         integrator.checkVelocities(context)
-        if integrator.getStericMode() == integrator.Soft:
+        mode = integrator.getStericModeInContext(context)
+        if mode == integrator.Soft:
             return
         for force in context.getSystem().getForces():
             if StericExclusionForce.isinstance(force):
-                count = len(StericExclusionForce.cast(force).getClashes(context)[0])
-                if count > 0:
-                    raise ValueError(
-                        f"TorsionMonteCarloMove: {count} pairs of atoms clash, which has an energy to openmmtools, but "
-                        "none to hard spheres: relax the positions, or call setStericMode(integrator.Soft)"
-                    )
+                _refuseEnergyOf(StericExclusionForce.cast(force), mode == integrator.Off, context)
 
     def _after_integration(self, context, thermodynamic_state):
         integrator = context.getIntegrator()
@@ -87,3 +83,21 @@ class TorsionMonteCarloMove(mcmc.IntegratorMove):  # type: ignore[misc]
         super().__setstate__(serialization)
         self.integrator = TorsionMonteCarloIntegrator.cast(self.integrator)
         self.statistics = serialization["counts"]
+
+
+def _refuseEnergyOf(force, isOff, context):
+    """Refuse a StericExclusionForce whose energy openmmtools exchanges replicas by, and trials know nothing of."""
+    if isOff:
+        if force.getForceConstant()._value > 0:
+            raise ValueError(
+                "TorsionMonteCarloMove: spheres count for nothing in trials, but have an energy to openmmtools: call "
+                "setForceConstant(0) of the StericExclusionForce before its System becomes a state, or "
+                "setStericMode(integrator.Hard)"
+            )
+        return
+    count = len(force.getClashes(context)[0])
+    if count > 0:
+        raise ValueError(
+            f"TorsionMonteCarloMove: {count} pairs of atoms clash, which has an energy to openmmtools, but none to "
+            "hard spheres: relax the positions, or call setStericMode(integrator.Soft)"
+        )

@@ -193,7 +193,8 @@ def _differInTemperature(states):
 
 def _stericGroup(system, integrator, states):
     """Return the force group of hard spheres, if the energies of states have to be cleared of it, or None."""
-    if integrator.getStericMode() == integrator.Soft or _differInTemperature(states) or "groups" in states[0]:
+    hasNoLimits = integrator.getStericMode() == integrator.Soft or integrator.hasSpheresOff()
+    if hasNoLimits or _differInTemperature(states) or "groups" in states[0]:
         return None
     forces = list(system.getForces())
     (steric,) = [force for force in forces if StericExclusionForce.isinstance(force)]

@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 from openmmchaintree.command.sampling import Sampling
+from openmmchaintree.command.terminal import Interrupts
 from openmmchaintree.structure import readStructure
 from scenes import GLYCINES, pdbLine, realStructurePath, writePDB
 
@@ -88,7 +89,7 @@ def test_realMicroheterogeneity(name, residue, kept):
     assert len(labels) == 1 and labels != {""}
     if name.startswith("3JQH"):
         positions = structure.positions
-        Sampling(structure, 1).run(100, lambda: True)
+        Sampling(structure, 1).run(100, lambda: True, Interrupts(lambda: None))
         assert np.array_equal(positions, structure.positions)
 
 

@@ -113,6 +113,7 @@ def metropolis(villin, temperature):
     """Run 40 trials beside AMBER; return the force, the Context and the statistics."""
     system, force = amberSystem(villin)
     integrator = TorsionMonteCarloIntegrator(temperature)
+    integrator.setStericMode(integrator.Hard)
     integrator.setRandomNumberSeed(5)
     integrator.addTorsionMove(1, 0.2)
     integrator.setTrialsPerStep(40)

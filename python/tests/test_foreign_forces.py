@@ -64,6 +64,7 @@ def test_countedEvaluations(villin, height, interval):
     system.addForce(openmm.PythonForce(compute))
     system.addForce(createStericExclusionForce(villin.topology, villin.positions))
     integrator = makeIntegrator()
+    integrator.setStericMode(integrator.Hard)  # so that each outer test keeps its trials, and they are counted
     context = makeContext(system, integrator, villin.positions)
     while "measured" in (reason := readPlan(integrator, context)["PythonForce"].reason) or count == 0:
         assert "OpenMM evaluates it at each outer test, every " in reason

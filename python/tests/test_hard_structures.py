@@ -5,6 +5,7 @@ import numpy as np
 import pytest
 from openmmchaintree.command.plan import Choice
 from openmmchaintree.command.sampling import Sampling
+from openmmchaintree.command.terminal import Interrupts
 from openmmchaintree.structure import readStructure
 from scenes import realStructurePath
 from scipy.spatial import cKDTree
@@ -30,7 +31,7 @@ def test_bondedAtomsStayTogether(name):
     pairs = pairsAtCovalentDistance(structure)
     assert len(pairs) >= structure.topology.getNumAtoms() * 0.9
     sampling = Sampling(structure, 1, Choice(rigidBodies=True))
-    last = sampling.run(500, lambda: True)
+    last = sampling.run(500, lambda: True, Interrupts(lambda: None))
     assert np.abs(last - structure.positions).max() > 0.1
 
     def lengths(positions):

@@ -205,7 +205,7 @@ def test_softSpheres(villin):
     force = createStericExclusionForce(villin.topology, villin.positions)
     force.setOverlapTolerance(0.0)
     integrator = TorsionMonteCarloIntegrator(0)
-    assert integrator.getStericMode() == TorsionMonteCarloIntegrator.Hard
+    assert integrator.getStericMode() == TorsionMonteCarloIntegrator.Automatic
     integrator.setStericMode(TorsionMonteCarloIntegrator.Soft)
     integrator.addTorsionMove(1, 0.1)
     context = makeContext(villin, force, integrator)
@@ -224,8 +224,8 @@ def test_softSpheres(villin):
     assert integrator.getNumToleratedClashes(context) == clashes > 0
     force.restartLimits(context)
     assert integrator.getNumToleratedClashes(context) == 0
-    with pytest.raises(openmm.OpenMMException, match="Hard or Soft"):
-        integrator.setStericMode(2)
+    with pytest.raises(openmm.OpenMMException, match="Automatic, Off, Hard or Soft"):
+        integrator.setStericMode(4)
 
 
 def test_simulationWithReporters(villin, tmp_path):

@@ -35,6 +35,7 @@ def dipeptide(tmp_path):
 
 def torsionIntegrator():
     integrator = TorsionMonteCarloIntegrator(300)
+    integrator.setStericMode(integrator.Hard)
     integrator.addTorsionMove(1, 0.5)
     integrator.setTrialsPerStep(50)
     return integrator
@@ -144,19 +145,26 @@ def test_parametersAndSharedGroups(dipeptide):
 
 
 @needsSampler
-def test_resuming(dipeptide, tmp_path):
+@pytest.mark.parametrize("mode", ["Hard", "Off"])
+def test_resuming(dipeptide, tmp_path, mode):
     """By OpenMM's reporter, unchanged: replicas go on where their States are, with their random numbers."""
     ends = []
+
+    def make(seed):
+        integrator = torsionIntegrator()
+        integrator.setStericMode(getattr(integrator, mode))
+        return makeSampler(dipeptide, integrator, seed=seed)
+
     for isCut in (False, True):
         folder = tmp_path / str(isCut)
         options = {"checkpoints": True, "trajectoryPerState": True, "trajectoryPerReplica": True}
-        sampler = makeSampler(dipeptide, seed=3)
+        sampler = make(3)
         sampler.exchangeReplicas = lambda: None  # the reporter comes before the exchange, which a resumed run repeats
         sampler.reporters.append(app.ReplicaExchangeReporter(str(folder), 1, sampler, **options))
         sampler.simulate(2)
         if isCut:
             del sampler.reporters[:]
-            sampler = makeSampler(dipeptide, seed=9)
+            sampler = make(9)
             sampler.exchangeReplicas = lambda: None
             sampler.reporters.append(app.ReplicaExchangeReporter(str(folder), 1, sampler, resume=True, **options))
         sampler.simulate(2)
@@ -263,3 +271,16 @@ def test_clashesToOpenmmtools(move, dipeptide):
 def test_movesNeedOurIntegrator(move):
     with pytest.raises(TypeError, match="takes a TorsionMonteCarloIntegrator, not VerletIntegrator"):
         type(move[0])(openmm.VerletIntegrator(0.001))
+
+
+def test_noSpheresToOpenmmtools(move, dipeptide):
+    """Without spheres the force must have no energy in the Contexts of openmmtools, where no trials are made."""
+    from openmmtools import states
+
+    move, hot, _, state = move
+    move.integrator.setStericMode(move.integrator.Automatic)
+    with pytest.raises(ValueError, match=r"call setForceConstant\(0\)"):
+        move.apply(hot, state)
+    _, system, _ = dipeptide
+    StericExclusionForce.cast(system.getForce(system.getNumForces() - 1)).setForceConstant(0)
+    move.apply(states.ThermodynamicState(system, 300 * unit.kelvin), state)

@@ -256,7 +256,7 @@ void testBadXml()
         readWith("trialsPerStep=\"33\"", "trialsPerStep=\"0\"");
     });
     assertThrows("the steric mode", [&] {
-        readWith("stericMode=\"1\"", "stericMode=\"2\"");
+        readWith("stericMode=\"1\"", "stericMode=\"4\"");
     });
     assertThrows("the number of trials to an outer test must be at least 0, but is -1", [&] {
         readWith("trialsPerOuterTest=\"29\"", "trialsPerOuterTest=\"-1\"");

@@ -39,10 +39,16 @@ class TrialSession;
  *
  * What it samples is, uniform in torsion angles, in the rotations of ball joints and in the placement of rigid bodies,
  *
- *     pi(x) ~ exp(-U(x)/kT) * 1[no pair of particles overlaps beyond its limit]
+ *     pi(x) ~ exp(-U(x)/kT)
  *
  * where U is the energy of the integration force groups without that of the StericExclusionForce, even where they share
- * a group. If no other force can contribute energy, sampling is athermal: every trial without a clash is accepted. A
+ * a group. In this, the steric mode Off, the spheres of that force count for nothing. It is what Automatic, the
+ * default, means where a NonbondedForce or CustomNonbondedForce of these groups holds all particles that have a radius.
+ * Elsewhere it means Hard:
+ *
+ *     pi(x) ~ exp(-U(x)/kT) * 1[no pair of particles overlaps beyond its limit]
+ *
+ * If no other force can contribute energy, sampling is athermal: every trial without a clash is accepted. A
  * CMMotionRemover or AndersenThermostat has no energy. Which Forces there are and to which groups they belong is
  * settled when the Context is created; changes of the System after that have no effect until it is reinitialized.
  *
@@ -52,9 +58,17 @@ class TrialSession;
  *     pi(x) ~ exp(-(U(x) + E(x))/kT)
  *
  * This is the ensemble of dynamics in which the force takes part. Let Monte Carlo and dynamics take turns in a
- * CompoundIntegrator with Soft: with Hard, which is the default, each of them would sample a distribution of its own,
- * and the turns neither. (Dynamics at a constant temperature, that is, in which the force's group is among the
+ * CompoundIntegrator with Soft or Off: with Hard each of them would sample a distribution of its own, and the turns
+ * neither. (Dynamics at a constant temperature, that is, in which the force's group is among the
  * integration force groups; and bond lengths and angles, which dynamics may change, are frozen in the trials.)
+ *
+ * <b>Early refusal.</b> With Off, trials are still refused before their energy is known where a NonbondedForce says
+ * that they are hopeless, and no other energy of pairs or foreign Force could contradict it: if the Lennard-Jones
+ * repulsion of a pair that a trial moves, less the greatest Coulomb attraction of such a pair, exceeds 60 kT (at 500 K,
+ * or at the temperature if that is higher). Such trials count as clashed. A charge without Lennard-Jones, such as the
+ * hydrogen of a hydroxyl group in AMBER, whose energy with an opposite charge has no minimum, is kept 0.001 nm away
+ * from the core of any other particle, whose radius is about 0.1 nm. If some pair is that near when a step begins, the
+ * step refuses nothing early.
  *
  * <b>Steps and trials.</b> A step consists of many trials, 100 by default; see setTrialsPerStep(). Each trial draws one
  * of the moves by its weight and proposes it. A trial in which a pair overlaps beyond its limit is refused at once,
@@ -218,7 +232,16 @@ public:
         /**
          * The energy of the force is a part of what is sampled, and there are no limits.
          */
-        Soft = 1
+        Soft = 1,
+        /**
+         * Spheres count for nothing, and the force has no energy in the Context.
+         */
+        Off = 2,
+        /**
+         * Off if a NonbondedForce or CustomNonbondedForce of the integration force groups holds all particles of the
+         * force that have a radius, else Hard.
+         */
+        Automatic = 3
     };
     /**
      * The kinds of moves.
@@ -344,19 +367,32 @@ public:
      */
     void setInitialClashPolicy(InitialClashPolicy policy);
     /**
-     * Get how the StericExclusionForce takes part in sampling. The default is Hard.
+     * Get how the StericExclusionForce takes part in sampling. The default is Automatic.
      */
     StericMode getStericMode() const;
     /**
      * Set how the StericExclusionForce takes part in sampling. With Soft its energy is added to U, whether or not its
-     * force group is one of the integration force groups, no limit applies, and the initial clash policy plays no part.
+     * force group is one of the integration force groups. With Soft and Off no limit applies, and the initial clash
+     * policy plays no part. With Off the force has neither energy nor forces in the Context, also for other
+     * integrators of a CompoundIntegrator.
      *
-     * The mode may change between two steps. Hard steps that follow Soft ones start limits anew, from the clashes that
-     * those have left.
+     * The mode may change between two steps. Hard steps that follow others start limits again, from the clashes that
+     * there are then.
      *
-     * @param mode  Hard or Soft
+     * @param mode  Automatic, Off, Hard or Soft
      */
     void setStericMode(StericMode mode);
+    /**
+     * Get how the StericExclusionForce takes part in sampling in this integrator's Context: Off or Hard if the steric
+     * mode is Automatic. getEnergyPlan() says why.
+     *
+     * @param context  the Context of this integrator
+     */
+    StericMode getStericModeInContext(OpenMM::Context& context) const;
+    /**
+     * Get whether the steric mode is Off, or is Automatic and means Off in this integrator's Context.
+     */
+    bool hasSpheresOff() const;
     /**
      * Get whether the energies of native Forces are evaluated by this library. The default is true.
      */

@@ -16,6 +16,9 @@ from ..structure import subset
 from .misfits import describeMisfits, firstSentence
 from .templatenames import nameByTemplates
 
+# Steric modes.
+OFF, HARD = "off", "hard"
+
 # The name of the class of a Force that stands for a solvent has one of these.
 _SOLVENTS = ("GB", "Kirkwood")
 
@@ -37,6 +40,8 @@ class EnergyModel:
         as in TorsionMonteCarloIntegrator, 0 by default
     areNative : bool
         whether openmm-chaintree evaluates what it can
+    steric : str or None
+        OFF, HARD, or whichever suits the force field
     """
 
     def __init__(
@@ -48,6 +53,7 @@ class EnergyModel:
         hydrogensAreAdded=False,
         someAreLeftOut=False,
         areNative=True,
+        steric=None,
     ):
         """Read the files; errors say what else to do if hydrogens are added, or if atoms are left out.
 
@@ -61,6 +67,7 @@ class EnergyModel:
         self.cutoff = cutoff
         self.trialsPerOuterTest = trialsPerOuterTest
         self.areNative = areNative
+        self.steric = steric
         self._done = hydrogensAreAdded, someAreLeftOut
         for file in self.files:
             if os.path.isfile(file) and not file.lower().endswith(".xml"):

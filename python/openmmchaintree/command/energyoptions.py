@@ -2,7 +2,7 @@
 
 from ..errors import InputError
 from .arguments import numberIn, positive
-from .energymodel import EnergyModel
+from .energymodel import HARD, OFF, EnergyModel
 
 _TEMPERATURE = 300.0  # K
 _PH = 7.0
@@ -28,6 +28,12 @@ def addEnergyOptions(parser):
         type=numberIn(0.1, 1e3),
         metavar="NM",
         help="leave out pairs of atoms beyond this distance (default: none is left out)",
+    )
+    parser.add_argument(
+        "--steric",
+        choices=(OFF, HARD),
+        help="in a force field: off samples exp(-U/kT); hard forbids overlapping atoms as well (default: off if the "
+        "force field has energies of all pairs of atoms, else hard)",
     )
     parser.add_argument(
         "--trials-per-outer-test",
@@ -58,6 +64,7 @@ def readEnergyOptions(options):
     needs = [
         ("--temperature", options.temperature, "--forcefield", options.forcefield),
         ("--nonbonded-cutoff", options.nonbonded_cutoff, "--forcefield", options.forcefield),
+        ("--steric", options.steric, "--forcefield", options.forcefield),
         ("--trials-per-outer-test", options.trials_per_outer_test, "--forcefield", options.forcefield),
         ("--no-native-energies", options.no_native_energies or None, "--forcefield", options.forcefield),
         ("--ph", options.ph, "--add-hydrogens", options.add_hydrogens or None),
@@ -79,5 +86,6 @@ def readEnergyOptions(options):
         options.add_hydrogens,
         options.leave_out is not None,
         not options.no_native_energies,
+        options.steric,
     )
     return model, pH

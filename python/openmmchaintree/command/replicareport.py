@@ -4,6 +4,7 @@ import numpy as np
 from rich.table import Table
 
 from ..openmmchaintree import MoveStatistics
+from .energymodel import HARD, OFF
 from .samplereport import describeMove, describeScene, describeVerdict, printMoves, printScene
 
 
@@ -51,6 +52,7 @@ def summarizeReplicas(sampling, plan, state, index, *, seed, workers, interrupte
             for lower in range(len(state.attempted))
         ],
         "roundTrips": state.roundTrips if plan.isExchange else None,
+        "stericMode": HARD if sampling.isHard else OFF,
         "clashesAtStart": len(sampling.startOverlaps.pairs),
         "ends": [_describeEnd(sampling, plan, state, replica) for replica in range(len(plan.seeds))],
     }
@@ -167,7 +169,10 @@ def _format(value, form):
 def _printEnds(summary, console):
     ends = summary["ends"]
     beyond = sum(len(end["pairsBeyondLimit"]) for end in ends)
-    count = f"{beyond} beyond their limit" if beyond else "none beyond its limit"
+    if summary["stericMode"] == HARD:
+        count = f"{beyond} beyond their limit" if beyond else "none beyond its limit"
+    else:
+        count = f"{max(end['clashesAtEnd'] for end in ends)} at most overlap by more than hard spheres may"
     change = max(end["largestBondChange"] for end in ends)
     console.print(
         f"last positions of all replicas, all pairs compared: {count} "

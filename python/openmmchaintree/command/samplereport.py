@@ -6,7 +6,9 @@ from rich.table import Table
 
 from ..naming import describeResidue
 from ..torsions import KINDS
+from .energymodel import HARD, OFF
 from .energyreport import printEnergies
+from .forbidden import describeForbidden
 from .noteoutput import asPlain, printNotes
 from .planreport import describePlan
 
@@ -37,6 +39,8 @@ def summarize(sampling, seed, files, interrupted, addedHydrogens):
         ],
         "energy": sampling.summarizeEnergies(),
         "radiusOfGyration": [frame.radiusOfGyration for frame in sampling.frames],
+        "stericMode": HARD if sampling.isHard else OFF,
+        "forbiddenBySpheres": describeForbidden(sampling),
         "clashesAtStart": len(sampling.startOverlaps.pairs),
         **describeVerdict(sampling),
         "files": files,
@@ -62,16 +66,27 @@ def describeScene(sampling, addedHydrogens):
 
 def describeVerdict(sampling):
     """Return what a comparison of all pairs and bonds with the start says of the Context's positions."""
-    verdict, bonds = sampling.check(), sampling.checkBonds()
+    bonds = sampling.checkBonds()
     names = [f"{describeResidue(atom.residue)} {atom.name}" for atom in sampling.structure.topology.atoms()]
     return {
-        "toleratedPairs": _describePairs(verdict.tolerated, names),
-        "pairsBeyondLimit": _describePairs(verdict.beyond, names, verdict.beyondLimits),
+        **_describeOverlaps(sampling, names),
         "largestBondChange": bonds.largestChange,
         "changedBonds": [
             {"particles": [first, second], "atoms": [names[first], names[second]], "change": float(change)}
             for (first, second), change in zip(bonds.changed.tolist(), bonds.changes, strict=True)
         ],
+    }
+
+
+def _describeOverlaps(sampling, names):
+    """Return the pairs that overlap at the end. Without hard spheres none has a limit, and they are only counted."""
+    if not sampling.isHard:
+        return {"clashesAtEnd": len(sampling.overlaps().pairs), "toleratedPairs": [], "pairsBeyondLimit": []}
+    verdict = sampling.check()
+    return {
+        "clashesAtEnd": len(verdict.tolerated.pairs) + len(verdict.beyond.pairs),
+        "toleratedPairs": _describePairs(verdict.tolerated, names),
+        "pairsBeyondLimit": _describePairs(verdict.beyond, names, verdict.beyondLimits),
     }
 
 
@@ -156,12 +171,20 @@ def _moveTable(moves):
 
 def _printVerdict(summary, console):
     tolerated, beyond, bonds = summary["toleratedPairs"], summary["pairsBeyondLimit"], summary["changedBonds"]
-    count = f"{len(beyond)} beyond their limit" if beyond else "none beyond its limit"
+    if summary["stericMode"] == HARD:
+        count = f"{len(beyond)} beyond their limit" if beyond else "none beyond its limit"
+        overlaps = f"{count}, {len(tolerated)} tolerated ({summary['clashesAtStart']} clashed at the start)"
+    else:
+        overlaps = (
+            f"{summary['clashesAtEnd']} overlap by more than hard spheres may ({summary['clashesAtStart']} at the "
+            "start), which counts for nothing"
+        )
     console.print(
-        f"last positions, all pairs compared: {count}, {len(tolerated)} tolerated "
-        f"({summary['clashesAtStart']} clashed at the start); largest change of a bond's length: "
+        f"last positions, all pairs compared: {overlaps}; largest change of a bond's length: "
         f"{summary['largestBondChange']:.1g} nm"
     )
+    if summary["forbiddenBySpheres"] is not None:
+        console.print(f"hard spheres: {summary['forbiddenBySpheres']['text']}")
     for pair in beyond:
         _printPair("beyond its limit", pair, f"limit {pair['limit']:.9f} nm", console)
     for bond in bonds[:_LONGEST_LIST]:

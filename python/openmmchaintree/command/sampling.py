@@ -20,7 +20,7 @@ from ..sterics import makeForce
 from . import allpairs
 from .bondlengths import BondLengths
 from .energies import Energies
-from .energymodel import repeatablePlatform
+from .energymodel import OFF, repeatablePlatform
 from .energyreport import summarizeEnergies
 from .geometry import dihedrals, radiusOfGyration
 from .plan import Choice, Plan
@@ -141,6 +141,9 @@ class Sampling:
                 raise InputError(str(error)) from error
             self.integrator.setTrialsPerOuterTest(energyModel.trialsPerOuterTest)
             self.integrator.setNativeEnergies(energyModel.areNative)
+            if energyModel.steric is not None:
+                isOff = energyModel.steric == OFF
+                self.integrator.setStericMode(self.integrator.Off if isOff else self.integrator.Hard)
         platform = (openmm.Platform.getPlatformByName("Reference"),) if energyModel is None else repeatablePlatform()
         self.context = openmm.Context(system, self.integrator, *platform)
         self.context.setPositions(structure.positions)
@@ -213,9 +216,18 @@ class Sampling:
     def _attempted(self):
         return sum(statistics.attempted for statistics in self.statistics())
 
+    @property
+    def isHard(self):
+        """Whether overlapping atoms are forbidden."""
+        return not self.integrator.hasSpheresOff()
+
+    def overlaps(self, positions=None):
+        """Return the Overlaps of spheres at positions, or the Context's, found without the engine."""
+        return self._spheres.overlaps(self._orOurs(positions))
+
     def check(self, positions=None):
         """Judge positions, or the Context's, by comparing all pairs, without the engine: an allpairs.Verdict."""
-        return allpairs.compare(self.startOverlaps, self._spheres.overlaps(self._orOurs(positions)))
+        return allpairs.compare(self.startOverlaps, self.overlaps(positions))
 
     def checkBonds(self, positions=None):
         """Compare the lengths of bonds at positions, or the Context's, with those at the start: a BondVerdict."""

@@ -3,8 +3,10 @@
 
 #include "openmm/Force.h"
 #include "openmm/internal/ContextImpl.h"
+#include "openmmchaintree/internal/CoreSpheres.h"
 #include "openmmchaintree/internal/EnergyTerms.h"
 #include "openmmchaintree/internal/windowsExportChainTree.h"
+#include "openmmchaintree/TorsionMonteCarloIntegrator.h"
 #include <memory>
 #include <set>
 #include <string>
@@ -54,15 +56,28 @@ public:
      * Take notice that the parameters of some Force were copied to the Context.
      */
     void copyForces();
+    typedef TorsionMonteCarloIntegrator::StericMode StericMode;
+    /**
+     * Get what a steric mode means where these force groups have a part in U: Automatic becomes Off or Hard.
+     */
+    StericMode resolve(StericMode mode, int groups) const;
     /**
      * Decide anew, by the values that the Context's parameters have now. Until setChangeableTerms() is called, nothing
      * counts as constant.
      *
      * @param groups       the force groups that have a part in U, as a bit mask
      * @param allowNative  whether anything but OpenMM may evaluate a Force
-     * @param isSoft       whether the spheres of the StericExclusionForce are soft, so that it has a part in U
+     * @param mode         the part that the StericExclusionForce has in U
      */
-    void translate(int groups, bool allowNative, bool isSoft);
+    void translate(int groups, bool allowNative, StericMode mode);
+    /**
+     * Get the spheres by which trials are tested with the steric mode Off; none if the Forces give no reason to refuse
+     * a trial before its energy is known.
+     *
+     * @param groups  the force groups that have a part in U, as a bit mask
+     * @param energy  which a pair exceeds if its spheres overlap, in kJ/mol
+     */
+    CoreSpheres findCoreSpheres(int groups, double energy) const;
     /**
      * Get the terms of all native and constant Forces, for CalcStericExclusionForceKernel::setEnergyTerms().
      */
@@ -128,7 +143,9 @@ public:
 
 private:
     std::string describePairs(int index) const;
-    void decide(int index, int groupsOfU, bool allowNative, bool isSoft);
+    void decide(int index, int groupsOfU, bool allowNative);
+    std::string describeStericPart(StericMode mode, int groups) const;
+    int findReplacement(int groups) const;
     const OpenMM::ContextImpl& context;
     /** The Forces there were when the plan was made. Some may have been removed since. */
     std::vector<const OpenMM::Force*> forces;
@@ -137,6 +154,8 @@ private:
     std::vector<std::string> classNames;
     /** The one that is no part of U if its spheres are hard, and those that act on velocities or the box alone. */
     std::vector<bool> isSteric, hasNoEnergy;
+    /** Whether a Force has an energy of pairs that holds all particles with a radius. */
+    std::vector<bool> replacesSpheres;
     std::vector<Entry> entries;
     EnergyTerms terms;
     EnergyTerms::StandIn standIn;

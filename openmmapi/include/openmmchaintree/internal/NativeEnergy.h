@@ -50,7 +50,23 @@ public:
     /**
      * Get what is evaluated where, as the next trials will have it.
      */
-    const EnergyPlan& getPlan();
+    const EnergyPlan& getPlan()
+    {
+        updatePlan();
+        return plan;
+    }
+    /**
+     * Translate the Forces again if anything was changed, and give the kernel their terms: another integrator of a
+     * CompoundIntegrator may have given it its own. This comes before a TrialSession begins.
+     */
+    void updatePlan();
+    /**
+     * Get the part that the StericExclusionForce has in U, which is never Automatic.
+     */
+    TorsionMonteCarloIntegrator::StericMode getStericMode() const
+    {
+        return plan.resolve(integrator.getStericMode(), integrator.getIntegrationForceGroups());
+    }
     /**
      * Get the entries of the plan, with reasons that say how often each Force is evaluated by the settings and by what
      * is known at present.
@@ -226,11 +242,15 @@ private:
     class Choice {
     public:
         int groups;
-        bool native, soft;
+        bool native;
+        TorsionMonteCarloIntegrator::StericMode stericMode;
+        /** The energy that overlapping CoreSpheres exceed. */
+        double coreEnergy;
         EnergyTerms::StandIn standIn;
         bool operator==(const Choice& other) const
         {
-            return groups == other.groups && native == other.native && soft == other.soft && standIn == other.standIn;
+            return groups == other.groups && native == other.native && stericMode == other.stericMode &&
+                   coreEnergy == other.coreEnergy && standIn == other.standIn;
         }
     };
     /** The energies of the state that a stand-in stands for. */
@@ -261,9 +281,9 @@ private:
     std::vector<int> selectForeign(bool leftToTests) const;
     void beginSchedule();
     Difference computeForeignDifference(TrialSession& trials);
-    void updatePlan();
     void translate();
     void setKernelTerms();
+    CalcStericExclusionForceKernel& getKernel() const;
     void updateStandIn();
     void computeStandIn();
     const HeldEnergy& updateHeld();
@@ -275,10 +295,10 @@ private:
     const TorsionMonteCarloIntegrator& integrator;
     StericExclusionForceImpl& force;
     OpenMM::ContextImpl& context;
-    CalcStericExclusionForceKernel& kernel;
     EnergyPlan plan;
     NativeEnergyCheck check;
     Choice choice;
+    CoreSpheres cores;
     bool forcesWereChanged, parametersWereChanged, energyIsOld;
     /** Whether trials can change terms, pairs, and energies of values. */
     bool termsCanChange, pairsCanChange, valuesCanChange;

@@ -2,7 +2,7 @@
 #define OPENMM_CHAINTREE_SOFTSPHEREENERGY_H_
 
 #include "openmmchaintree/internal/EnergyStage.h"
-#include "openmmchaintree/TorsionMonteCarloIntegrator.h"
+#include "openmmchaintree/internal/NativeEnergy.h"
 
 namespace ChainTreePlugin {
 
@@ -11,7 +11,7 @@ namespace ChainTreePlugin {
  */
 class SoftSphereEnergy : public EnergyStage {
 public:
-    explicit SoftSphereEnergy(const TorsionMonteCarloIntegrator& integrator) : integrator(integrator)
+    explicit SoftSphereEnergy(const NativeEnergy& native) : native(native)
     {
     }
     std::string getName() const
@@ -20,7 +20,7 @@ public:
     }
     bool begin(TrialSession&)
     {
-        return integrator.getStericMode() == TorsionMonteCarloIntegrator::Soft;
+        return native.getStericMode() == TorsionMonteCarloIntegrator::Soft;
     }
     double computeChange(TrialSession& trials)
     {
@@ -28,7 +28,7 @@ public:
     }
 
 private:
-    const TorsionMonteCarloIntegrator& integrator;
+    const NativeEnergy& native;
 };
 
 } // namespace ChainTreePlugin

@@ -7,6 +7,7 @@
 #include "openmmchaintree/ChainTreeKernels.h"
 #include "openmmchaintree/internal/CheckpointStream.h"
 #include "openmmchaintree/internal/ContextLock.h"
+#include "openmmchaintree/internal/CoreSpheres.h"
 #include "openmmchaintree/internal/KeptGeometry.h"
 #include "openmmchaintree/internal/LimitPolicy.h"
 #include "openmmchaintree/internal/LinkStructure.h"
@@ -67,12 +68,22 @@ public:
         return *structure;
     }
     /**
-     * Get the kernel, for energies of trials. Its state is not for others to change.
+     * Get the kernel that tests the trials of an integrator and computes their energies: the force's own, or one that
+     * has other spheres. Its state is not for others to change.
      */
-    CalcStericExclusionForceKernel& getKernel()
+    CalcStericExclusionForceKernel& getTrialKernel()
     {
-        return *engine;
+        return *trialEngine;
     }
+    /**
+     * Set the spheres by which the trials of an integrator are tested; if there are none, those of the force. If they
+     * are others than before, this comes before setEnergyTerms().
+     */
+    void setTrialSpheres(const CoreSpheres& spheres, OpenMM::ContextImpl& context);
+    /**
+     * Get whether no spheres of setTrialSpheres() overlap. Until then, trials cannot be tested by them.
+     */
+    bool trialSpheresAreFree();
     /**
      * Make one more kernel of the structure that the Context was made with, initialized, without a state.
      */
@@ -185,12 +196,18 @@ public:
 
 private:
     friend class TrialSession;
+    OpenMM::Kernel createKernel(OpenMM::ContextImpl& context, const StericExclusionForce& spheres) const;
     void updatePositions(OpenMM::ContextImpl& context);
+    void updateState(OpenMM::ContextImpl& context);
     void adoptPositions(OpenMM::ContextImpl& context, const std::vector<OpenMM::Vec3>& positions);
     void requireProposal() const;
     void computeVirtualSites(OpenMM::ContextImpl& context);
     void setContextPositions(OpenMM::ContextImpl& context, const std::vector<OpenMM::Vec3>& positions);
-    void showState(OpenMM::ContextImpl& context);
+    void showState(OpenMM::ContextImpl& context, CalcStericExclusionForceKernel& shown);
+    void setTrialKernel(CalcStericExclusionForceKernel& wanted);
+    void bringUpToDate(CalcStericExclusionForceKernel& behind);
+    void stateWasChanged(CalcStericExclusionForceKernel& changed);
+    bool hasEnergy(OpenMM::ContextImpl& context) const;
     double computeOtherEnergy(OpenMM::ContextImpl& context, int groups);
     const StericExclusionForce& owner;
     const std::shared_ptr<const void> life;
@@ -200,7 +217,18 @@ private:
     std::unique_ptr<StericExclusionForce> original;
     std::unique_ptr<LinkStructure> structure;
     OpenMM::Kernel kernel;
+    /** The kernel with the force's spheres, for queries and the trials of users. */
     CalcStericExclusionForceKernel* engine;
+    /** A kernel with other spheres, if an integrator has set some, and these. */
+    OpenMM::Kernel coreKernel;
+    CoreSpheres cores;
+    /** The kernel for the trials of integrators: one of the two. */
+    CalcStericExclusionForceKernel* trialEngine;
+    /** The kernel whose state was changed last, and whether the other one has that state, too. */
+    CalcStericExclusionForceKernel* newest;
+    bool otherIsBehind;
+    /** Whether trialSpheresAreFree() has found so since the state was changed by something else than trials. */
+    bool trialSpheresWereFree;
     const void* energyTermsOwner;
     LimitPolicy limits;
     std::unique_ptr<VelocityTurner> velocities;

@@ -44,6 +44,12 @@ bool hasDynamics(const OpenMM::Integrator& integrator);
  */
 bool hasSilentSteps(const OpenMM::Integrator& integrator);
 
+/**
+ * Get whether a TorsionMonteCarloIntegrator, or one of those in a CompoundIntegrator, has the steric mode Off in its
+ * Context.
+ */
+bool hasSpheresOff(const OpenMM::Integrator& integrator);
+
 } // namespace ChainTreePlugin
 
 #endif /*OPENMM_CHAINTREE_SYSTEMCHECKS_H_*/

@@ -27,6 +27,11 @@ public:
          */
         ApplyLimits,
         /**
+         * A trial clashes if spheres of StericExclusionForceImpl::setTrialSpheres() overlap. If some do when the
+         * session begins, no trial clashes.
+         */
+        ApplyTrialSpheres,
+        /**
          * No trial clashes. The caller starts limits anew if this session may have led beyond them.
          */
         IgnoreLimits
@@ -34,8 +39,12 @@ public:
     /**
      * Take notice of the Context's positions. The trial that a user may have left open stays open until another one is
      * proposed.
+     *
+     * @param kernel  the one that has the spheres: the force's own for trials of users, that for trials of integrators
+     *                for theirs
      */
-    TrialSession(StericExclusionForceImpl& force, OpenMM::ContextImpl& context, Limits limits);
+    TrialSession(StericExclusionForceImpl& force, OpenMM::ContextImpl& context, CalcStericExclusionForceKernel& kernel,
+                 Limits limits);
     TrialSession(const TrialSession&) = delete;
     TrialSession& operator=(const TrialSession&) = delete;
     /**
@@ -76,13 +85,6 @@ public:
      * Drop the open trial.
      */
     void reject();
-    /**
-     * Get whether trials of this session can clash.
-     */
-    bool hasLimits() const
-    {
-        return limits == ApplyLimits;
-    }
     /**
      * Get the positions of a few particles before the open trial. Takes O(log N) time for each of them.
      */
@@ -140,7 +142,7 @@ private:
     StericExclusionForceImpl& force;
     OpenMM::ContextImpl& context;
     CalcStericExclusionForceKernel& kernel;
-    const Limits limits;
+    Limits limits;
     /** Whether the trial that is open, if one is, ends with this session. */
     bool ownsTrial;
     /** Whether the Context may not have the positions of the state. */
