@@ -38,8 +38,8 @@ _NONE = "none"
 _ENDINGS = {"trajectory": ".dcd", "topology": "-topology.pdb", "picture": ".png", "settings": "-settings.toml"}
 
 _DESCRIPTION = """\
-Sample the torsions of proteins and nucleic acids: hard spheres alone, or, with --forcefield, exp(-U/kT) of what they
-leave. Water and ions are left out; what has no torsions stays where it is, as an obstacle. Says what moves and what
+Sample the torsions of proteins and nucleic acids: as hard spheres, or, with --forcefield, the Boltzmann distribution
+exp(-U/kT). Water and ions are left out; what has no torsions stays where it is, as an obstacle. Says what moves and what
 stays, writes a trajectory (DCD), which begins with the start, a PDB file that matches it and a picture, and prints a
 table."""
 
