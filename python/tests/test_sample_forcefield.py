@@ -195,6 +195,32 @@ def test_hardSpheresAloneHaveNoEnergy(runHere, tmp_path):
     assert "kJ/mol" not in result.stdout and "energy:" not in result.stdout
 
 
+@pytest.mark.parametrize("trials", [400, 20000])
+def test_hardSpheresBesideAForceField(runHere, tmp_path, trials):
+    """They are reported with the share of conformations that they forbid, or with the reason why it is not known."""
+    options = ("--forcefield", PROTEIN, "--steric", "hard", "--trials", trials, "--frames", 1, "--seed", 1)
+    result = runHere(*options, "--json", "hard.json")
+    summary = json.loads((tmp_path / "hard.json").read_text())
+    assert result.returncode == 0 and summary["stericMode"] == "hard" and summary["pairsBeyondLimit"] == []
+    forbidden = summary["forbiddenBySpheres"]
+    assert f"hard spheres: {forbidden['text']}" in " ".join(result.stdout.split())
+    if trials == 400:
+        assert forbidden["forbidden"] is None and "that takes a run of 20,000 trials or more" in forbidden["text"]
+    else:
+        assert 0 < forbidden["forbidden"] <= forbidden["frames"] == 50
+
+
+def test_noSpheresBesideAForceField(runHere, tmp_path):
+    """By default atoms may overlap as the force field lets them: they are counted, and no error."""
+    result = runHere("--forcefield", PROTEIN, "--trials", 4000, "--frames", 1, "--seed", 1, "--json", "off.json")
+    summary = json.loads((tmp_path / "off.json").read_text())
+    assert result.returncode == 0 and summary["stericMode"] == "off" and summary["forbiddenBySpheres"] is None
+    assert summary["toleratedPairs"] == summary["pairsBeyondLimit"] == []
+    assert f"{summary['clashesAtEnd']} overlap by more than hard spheres may" in " ".join(result.stdout.split())
+    refused = runHere("--steric", "hard")
+    assert refused.returncode == 2 and "--steric needs --forcefield" in refused.stderr
+
+
 def test_implicitSolvent(runHere, tmp_path):
     """The file has water, which an implicit solvent stands for."""
     files = ("amber14-all.xml", "implicit/obc2.xml")
