@@ -136,7 +136,8 @@ def test_adviceOfTheLibrary(capsys):
 
 def test_withoutNativeEnergies(runHere, tmp_path):
     writePDB(tmp_path / "structure.pdb", DIPEPTIDE)
-    options = ("structure.pdb", "--forcefield", PROTEIN, "--no-native-energies", "--trials", 20, "--json", "summary.json")
+    options = ("structure.pdb", "--forcefield", PROTEIN, "--no-native-energies", "--trials", 20)
+    options += ("--json", "summary.json")
     result = runHere(*options)
     assert result.returncode == 0, result.stderr
     energy = json.loads((tmp_path / "summary.json").read_text())["energy"]

@@ -142,7 +142,7 @@ def changing(kind, value, others):
 def test_listsThatChange():
     force = StericExclusionForce()
     system = openmm.System()
-    for i in range(4):
+    for _ in range(4):
         system.addParticle(1)
         force.addParticle(0.1)
     for i in range(3):

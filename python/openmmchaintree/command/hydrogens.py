@@ -79,8 +79,8 @@ def _withStandardNames(topology):
         return named.addResidue(name, chain, *((residue.id, residue.insertionCode) if residue else ()))
 
     for chain in topology.chains():
-        for _, residues in groupby(chain.residues(), isPolymer):
-            residues, newChain = list(residues), named.addChain(chain.id)
+        for _, group in groupby(chain.residues(), isPolymer):
+            residues, newChain = list(group), named.addChain(chain.id)
             if residues[0] in front:
                 add(None, "", newChain)
             for residue in residues:

@@ -39,9 +39,9 @@ _ENDINGS = {"trajectory": ".dcd", "topology": "-topology.pdb", "picture": ".png"
 
 _DESCRIPTION = """\
 Sample the torsions of proteins and nucleic acids: as hard spheres, or, with --forcefield, the Boltzmann distribution
-exp(-U/kT). Water and ions are left out; what has no torsions stays where it is, as an obstacle. Says what moves and what
-stays, writes a trajectory (DCD), which begins with the start, a PDB file that matches it and a picture, and prints a
-table."""
+exp(-U/kT). Water and ions are left out; what has no torsions stays where it is, as an obstacle. Says what moves and
+what stays, writes a trajectory (DCD), which begins with the start, a PDB file that matches it and a picture, and
+prints a table."""
 
 _SELECTIONS = """
 In a force field, with implicit solvent:
