@@ -340,6 +340,7 @@ static PythonSignals pythonSignals;
 %freesPython(ChainTreePlugin::TorsionMonteCarloIntegrator::getMoveStatistics)
 %freesPython(ChainTreePlugin::TorsionMonteCarloIntegrator::resetMoveStatistics)
 %freesPython(ChainTreePlugin::TorsionMonteCarloIntegrator::checkVelocities)
+%freesPython(ChainTreePlugin::TorsionMonteCarloIntegrator::getStericModeInContext)
 
 /* ---- From Python ---- */
 

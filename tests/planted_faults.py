@@ -1133,7 +1133,7 @@ API_FAULTS = [
     Fault("session: acceptance starts limits anew", SESSION,
           "    if (limits == ApplyLimits && !force.proposalIsFree)", "    if (limits == ApplyLimits)"),
     Fault("step: forces are told of none", INTEGRATOR,
-          "        context->updateContextState();\n", ""),
+          "    context->updateContextState();\n", ""),
     Fault("step: soft ones keep limits", INTEGRATOR,
           "    if (mode != Hard)\n        force->getLimitPolicy().restart();\n    else if", "    if"),
     # ---- Without spheres ----

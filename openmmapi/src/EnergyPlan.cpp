@@ -89,20 +89,19 @@ void EnergyPlan::copyForces()
 {
     // A Force that was removed stays what it was: the Context keeps it.
 
-    const System& system = context.getSystem();
-    for (int i = 0; i < system.getNumForces(); i++)
-        for (size_t j = 0; j < forces.size(); j++) {
-            const NativeForceKind* kind = &system.getForce(i) == forces[j] ? NativeForceKind::find(*forces[j]) : NULL;
-            if (kind != NULL)
-                copies[j].reset(kind->copy(*forces[j]));
-        }
-    for (int i = 0; i < system.getNumForces(); i++)
-        if (auto steric = dynamic_cast<const StericExclusionForce*>(&system.getForce(i)))
-            for (int j = 0; j < system.getNumForces(); j++) {
-                const auto known = find(forces.begin(), forces.end(), &system.getForce(j));
-                if (known != forces.end())
-                    replacesSpheres[known - forces.begin()] = holdsParticlesOf(system.getForce(j), *steric);
-            }
+    const StericExclusionForce* steric = NULL;
+    for (size_t i = 0; i < forces.size(); i++)
+        if (isSteric[i])
+            steric = dynamic_cast<const StericExclusionForce*>(findForce(i));
+    for (size_t i = 0; i < forces.size(); i++) {
+        const Force* force = findForce(i);
+        if (force == NULL)
+            continue;
+        if (const NativeForceKind* kind = NativeForceKind::find(*force))
+            copies[i].reset(kind->copy(*force));
+        if (steric != NULL)
+            replacesSpheres[i] = holdsParticlesOf(*force, *steric);
+    }
 }
 
 const Force* EnergyPlan::findForce(int index) const

@@ -53,17 +53,14 @@ void ForeignForces::setForces(const EnergyPlan& plan, int groups, bool allowNati
     forceGroups.clear();
     mixed = false;
     vector<int> foreign;
-    auto groupsOf = [&](int force) {
-        return plan.getEntries()[force].groups & groups;
-    };
-    for (size_t i = 0; i < plan.getEntries().size(); i++)
+    for (size_t i = 0; i < plan.getEntries().size(); i++) {
+        forceGroups.push_back(plan.getEntries()[i].groups & groups);
         if (plan.getEntries()[i].kind == EnergyPlan::Foreign)
             foreign.push_back(i);
+    }
     if (allowNative && implsEvaluate)
         for (int force : foreign)
             parts.push_back({{force}, 0, -1});
-    for (size_t i = 0; i < plan.getEntries().size(); i++)
-        forceGroups.push_back(groupsOf(i));
     if (foreign.empty() || !parts.empty())
         return;
     if (!allowNative) {
@@ -76,24 +73,23 @@ void ForeignForces::setForces(const EnergyPlan& plan, int groups, bool allowNati
     const int native = plan.getGroups(EnergyPlan::Native) & groups;
     int avoided = native;
     vector<int> shared, alone;
-    for (size_t former = 0; shared.empty() || former != shared.size();) {
+    size_t former;
+    do {
         former = shared.size();
         shared.clear();
         alone.clear();
         for (int force : foreign)
-            ((groupsOf(force) & avoided) != 0 ? shared : alone).push_back(force);
+            ((forceGroups[force] & avoided) != 0 ? shared : alone).push_back(force);
         for (int force : shared)
-            avoided |= groupsOf(force);
-        if (shared.empty())
-            break;
-    }
+            avoided |= forceGroups[force];
+    } while (shared.size() != former);
     mixed = !shared.empty() && !makeCopies(plan, shared, haveChanged);
     if (mixed) {
         parts.push_back({foreign, (plan.getGroups(EnergyPlan::Foreign) & groups) | native, -1});
         return;
     }
     for (int force : alone)
-        addToParts(force, groupsOf(force));
+        addToParts(force, forceGroups[force]);
     for (size_t i = 0; i < shared.size(); i++)
         parts.push_back({{shared[i]}, 0, (int)i});
 }

@@ -96,7 +96,7 @@ void NativeEnergy::translate()
 {
     plan.setStandIn(choice.standIn);
     plan.translate(choice.groups, choice.native, choice.stericMode);
-    const bool isOff = plan.resolve(choice.stericMode, choice.groups) == TorsionMonteCarloIntegrator::Off;
+    const bool isOff = (getStericMode() == TorsionMonteCarloIntegrator::Off);
     cores = isOff ? plan.findCoreSpheres(choice.groups, choice.coreEnergy) : CoreSpheres();
     trialsToCheck = 0;
     checkInterval = TRIALS_AFTER_VAGUE_CHECK;
@@ -320,7 +320,6 @@ void NativeEnergy::compareWithOpenMM(TrialSession& trials, const vector<double>&
 void NativeEnergy::begin(TrialSession& trials)
 {
     endTrial();
-    updatePlan();
     beginSchedule();
 
     // What no move can change is looked at once.
@@ -336,7 +335,6 @@ void NativeEnergy::begin(TrialSession& trials)
 
 double NativeEnergy::computeEnergy(TrialSession& trials)
 {
-    updatePlan();
     double energy = foreign.computeEnergy(trials);
     if (!hasTerms())
         return energy;
@@ -517,7 +515,6 @@ void NativeEnergy::computeStandIn()
 
 void NativeEnergy::renewStandIn()
 {
-    updatePlan();
     schedule.restart();
     if (!hasStandIn())
         return;

@@ -1,6 +1,7 @@
 #include "openmmchaintree/internal/StericExclusionForceImpl.h"
 #include "openmm/OpenMMException.h"
 #include "openmmchaintree/internal/ArgumentChecks.h"
+#include "openmmchaintree/internal/FlagGuard.h"
 #include "openmmchaintree/internal/SystemChecks.h"
 #include "openmmchaintree/internal/TrialSession.h"
 #include "openmmchaintree/internal/Warnings.h"
@@ -40,24 +41,6 @@ static bool haveSameBits(const vector<Vec3>& a, const vector<Vec3>& b)
     static_assert(sizeof(Vec3) == 3 * sizeof(double), "a Vec3 must be three numbers and nothing else");
     return a.size() == b.size() && (a.empty() || memcmp(a.data(), b.data(), a.size() * sizeof(Vec3)) == 0);
 }
-
-/**
- * Sets a flag for as long as it lives, also if an exception ends its life.
- */
-class FlagGuard {
-public:
-    explicit FlagGuard(bool& flag) : flag(flag)
-    {
-        flag = true;
-    }
-    ~FlagGuard()
-    {
-        flag = false;
-    }
-
-private:
-    bool& flag;
-};
 
 /**
  * Tell the user if another Force sees periodic images, which this one does not.
@@ -365,6 +348,7 @@ void StericExclusionForceImpl::createCheckpoint(CheckpointWriter& writer)
     // A run that goes on has the bits of one that begins with this, and the pause is no part of it.
 
     velocities->forgetPause();
+
     // Limits are those of the force's own spheres, so its kernel has to have the state.
 
     bringUpToDate(*engine);

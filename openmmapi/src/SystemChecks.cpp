@@ -8,6 +8,7 @@
 #include "openmm/OpenMMException.h"
 #include "openmmchaintree/internal/Warnings.h"
 #include "openmmchaintree/TorsionMonteCarloIntegrator.h"
+#include <algorithm>
 #include <cmath>
 #include <sstream>
 #include <string>
@@ -57,14 +58,24 @@ void ChainTreePlugin::checkHardSpheres(const System& system)
     }
 }
 
-void ChainTreePlugin::checkConstraints(const System& system, const LinkStructure& structure)
+vector<pair<int, int>> ChainTreePlugin::findConstraintsBetweenLinks(const System& system,
+                                                                    const LinkStructure& structure)
 {
+    vector<pair<int, int>> found;
     for (int i = 0; i < system.getNumConstraints(); i++) {
         int particle1, particle2;
         double distance;
         system.getConstraintParameters(i, particle1, particle2, distance);
-        if (structure.areKeptTogether(particle1, particle2))
-            continue;
+        if (!structure.areKeptTogether(particle1, particle2))
+            found.push_back(make_pair(particle1, particle2));
+    }
+    return found;
+}
+
+void ChainTreePlugin::checkConstraints(const System& system, const LinkStructure& structure)
+{
+    for (const pair<int, int>& particles : findConstraintsBetweenLinks(system, structure)) {
+        const int particle1 = particles.first, particle2 = particles.second;
         string name = "the constraint between particles " + to_string(particle1) + " and " + to_string(particle2) +
                       " cannot hold: ";
         if (structure.getParticleMolecule(particle1) != structure.getParticleMolecule(particle2))
@@ -75,7 +86,7 @@ void ChainTreePlugin::checkConstraints(const System& system, const LinkStructure
     }
 }
 
-bool ChainTreePlugin::warnOfViolatedConstraints(const System& system, const vector<Vec3>& positions)
+void ChainTreePlugin::warnOfViolatedConstraints(const System& system, const vector<Vec3>& positions)
 {
     int count = 0;
     stringstream message;
@@ -92,33 +103,49 @@ bool ChainTreePlugin::warnOfViolatedConstraints(const System& system, const vect
                     << present << " nm apart, though a constraint of " << distance << " nm holds them";
     }
     if (count == 0)
-        return false;
+        return;
     if (count > 1)
         message << ", and " << count - 1 << " more constraints are violated";
     message << ": moves keep such distances as they are; call Context::applyConstraints() first";
     warn(message.str());
-    return true;
+}
+
+vector<const Integrator*> ChainTreePlugin::findIntegrators(const Integrator& integrator)
+{
+    auto compound = dynamic_cast<const CompoundIntegrator*>(&integrator);
+    if (compound == NULL)
+        return {&integrator};
+    vector<const Integrator*> found;
+    for (int i = 0; i < compound->getNumIntegrators(); i++)
+        for (const Integrator* one : findIntegrators(compound->getIntegrator(i)))
+            found.push_back(one);
+    return found;
+}
+
+template <class IsSuch>
+static bool hasIntegrator(const Integrator& integrator, IsSuch isSuch)
+{
+    const vector<const Integrator*> integrators = findIntegrators(integrator);
+    return any_of(integrators.begin(), integrators.end(), [&](const Integrator* one) {
+        return isSuch(*one);
+    });
+}
+
+bool ChainTreePlugin::isOfDynamics(const Integrator& integrator)
+{
+    return dynamic_cast<const TorsionMonteCarloIntegrator*>(&integrator) == NULL;
 }
 
 bool ChainTreePlugin::hasDynamics(const Integrator& integrator)
 {
-    auto compound = dynamic_cast<const CompoundIntegrator*>(&integrator);
-    if (compound == NULL)
-        return dynamic_cast<const TorsionMonteCarloIntegrator*>(&integrator) == NULL;
-    for (int i = 0; i < compound->getNumIntegrators(); i++)
-        if (hasDynamics(compound->getIntegrator(i)))
-            return true;
-    return false;
+    return hasIntegrator(integrator, isOfDynamics);
 }
 
-bool ChainTreePlugin::hasSilentSteps(const Integrator& integrator)
+/**
+ * Get whether an Integrator that is no CompoundIntegrator begins its steps without a word to the Forces.
+ */
+static bool isSilent(const Integrator& integrator)
 {
-    if (auto compound = dynamic_cast<const CompoundIntegrator*>(&integrator)) {
-        for (int i = 0; i < compound->getNumIntegrators(); i++)
-            if (hasSilentSteps(compound->getIntegrator(i)))
-                return true;
-        return false;
-    }
     auto custom = dynamic_cast<const CustomIntegrator*>(&integrator);
     if (custom == NULL)
         return false;
@@ -132,14 +159,15 @@ bool ChainTreePlugin::hasSilentSteps(const Integrator& integrator)
     return true;
 }
 
+bool ChainTreePlugin::hasSilentSteps(const Integrator& integrator)
+{
+    return hasIntegrator(integrator, isSilent);
+}
+
 bool ChainTreePlugin::hasSpheresOff(const Integrator& integrator)
 {
-    if (auto compound = dynamic_cast<const CompoundIntegrator*>(&integrator)) {
-        for (int i = 0; i < compound->getNumIntegrators(); i++)
-            if (hasSpheresOff(compound->getIntegrator(i)))
-                return true;
-        return false;
-    }
-    auto sampler = dynamic_cast<const TorsionMonteCarloIntegrator*>(&integrator);
-    return sampler != NULL && sampler->hasSpheresOff();
+    return hasIntegrator(integrator, [](const Integrator& one) {
+        auto sampler = dynamic_cast<const TorsionMonteCarloIntegrator*>(&one);
+        return sampler != NULL && sampler->hasSpheresOff();
+    });
 }

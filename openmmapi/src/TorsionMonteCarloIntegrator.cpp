@@ -361,10 +361,9 @@ void TorsionMonteCarloIntegrator::cleanup()
 {
     // A Context that is reinitialized is whole at this time; of one that ends the forces are gone.
 
-    unique_ptr<ContextUse> use;
-    if (force != NULL && !forceLife.expired())
-        use.reset(new ContextUse(lock, ContextLock::User));
-    if (force != NULL && !forceLife.expired())
+    const bool isWhole = (force != NULL && !forceLife.expired());
+    const unique_ptr<ContextUse> use(isWhole ? new ContextUse(lock, ContextLock::User) : NULL);
+    if (isWhole)
         kept = keepState();
     else if (force != NULL)
         contextHasEnded = true;
@@ -816,23 +815,35 @@ void TorsionMonteCarloIntegrator::step(int steps)
 }
 
 /**
+ * Says for as long as it lives, also if an exception ends its life, that a step with trials begins.
+ */
+class StepBeginning {
+public:
+    StepBeginning(ContextLock& lock, VelocityTurner& velocities) : lock(lock), velocities(velocities)
+    {
+        lock.admitHelpers(true);
+        velocities.announceStep(true);
+    }
+    ~StepBeginning()
+    {
+        velocities.announceStep(false);
+        lock.admitHelpers(false);
+    }
+    StepBeginning(const StepBeginning&) = delete;
+    StepBeginning& operator=(const StepBeginning&) = delete;
+
+private:
+    ContextLock& lock;
+    VelocityTurner& velocities;
+};
+
+/**
  * Let Forces change the Context, as at the beginning of each step.
  */
 void TorsionMonteCarloIntegrator::updateContextState()
 {
-    VelocityTurner& velocities = force->getVelocityTurner();
-    lock->admitHelpers(true);
-    velocities.announceStep(true);
-    try {
-        context->updateContextState();
-    }
-    catch (...) {
-        velocities.announceStep(false);
-        lock->admitHelpers(false);
-        throw;
-    }
-    velocities.announceStep(false);
-    lock->admitHelpers(false);
+    const StepBeginning beginning(*lock, force->getVelocityTurner());
+    context->updateContextState();
 }
 
 /**

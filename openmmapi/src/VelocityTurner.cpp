@@ -1,11 +1,11 @@
 #include "openmmchaintree/internal/VelocityTurner.h"
 #include "ctvelocities.h"
 #include "openmm/CMMotionRemover.h"
-#include "openmm/CompoundIntegrator.h"
 #include "openmm/OpenMMException.h"
 #include "openmm/reference/ReferencePlatform.h"
+#include "openmmchaintree/internal/FlagGuard.h"
+#include "openmmchaintree/internal/SystemChecks.h"
 #include "openmmchaintree/internal/Warnings.h"
-#include "openmmchaintree/TorsionMonteCarloIntegrator.h"
 #include <algorithm>
 #include <cmath>
 
@@ -25,12 +25,8 @@ static const double PUSH_TOLERANCE = 1e-10;
  */
 static string findTurnedConstraint(const System& system, const LinkStructure& structure)
 {
-    for (int i = 0; i < system.getNumConstraints(); i++) {
-        int particle1, particle2;
-        double distance;
-        system.getConstraintParameters(i, particle1, particle2, distance);
-        if (structure.areKeptTogether(particle1, particle2))
-            continue;
+    for (const pair<int, int>& particles : findConstraintsBetweenLinks(system, structure)) {
+        const int particle1 = particles.first, particle2 = particles.second;
         const string name = "the constraint between particles " + to_string(particle1) + " and " + to_string(particle2);
         const bool isInMolecule =
             (structure.getParticleMolecule(particle1) == structure.getParticleMolecule(particle2));
@@ -135,15 +131,8 @@ void VelocityTurner::turn(vector<Vec3>& vectors) const
 
 void VelocityTurner::setVelocities(ContextImpl& context, const vector<Vec3>& values)
 {
-    isSetting = true;
-    try {
-        context.setVelocities(values);
-    }
-    catch (...) {
-        isSetting = false;
-        throw;
-    }
-    isSetting = false;
+    FlagGuard guard(isSetting);
+    context.setVelocities(values);
 }
 
 void VelocityTurner::end(ContextImpl& context, CalcStericExclusionForceKernel& kernel)
@@ -167,14 +156,10 @@ void VelocityTurner::end(ContextImpl& context, CalcStericExclusionForceKernel& k
  */
 static int findDynamicsGroups(const Integrator& integrator)
 {
-    auto compound = dynamic_cast<const CompoundIntegrator*>(&integrator);
-    if (compound == NULL)
-        return dynamic_cast<const TorsionMonteCarloIntegrator*>(&integrator) == NULL
-                   ? integrator.getIntegrationForceGroups()
-                   : 0;
     int groups = 0;
-    for (int i = 0; i < compound->getNumIntegrators(); i++)
-        groups |= findDynamicsGroups(compound->getIntegrator(i));
+    for (const Integrator* one : findIntegrators(integrator))
+        if (isOfDynamics(*one))
+            groups |= one->getIntegrationForceGroups();
     return groups;
 }
 

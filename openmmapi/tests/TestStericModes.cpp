@@ -49,6 +49,21 @@ static void setUp(Sampler& integrator, int seed = 1)
     integrator.setTrialsPerStep(50);
 }
 
+/**
+ * A chain that is sampled from its start.
+ */
+class CoreRun {
+public:
+    CoreRun(Platform& platform, CoreChain& chain, int seed = 1) : integrator(300)
+    {
+        setUp(integrator, seed);
+        context = make_unique<Context>(chain.system, integrator, platform);
+        context->setPositions(chain.positions);
+    }
+    Sampler integrator;
+    unique_ptr<Context> context;
+};
+
 static string describeSteric(Sampler& integrator, Context& context)
 {
     return integrator.getEnergyPlan(context)[0].reason;
@@ -201,10 +216,9 @@ static void testEarlyRefusal(Platform& platform)
     // Spheres of 2.4 nm would overlap everywhere; cores of 0.6 nm let the chain fold, and are never entered.
 
     CoreChain chain;
-    Sampler integrator(300);
-    setUp(integrator);
-    Context context(chain.system, integrator, platform);
-    context.setPositions(chain.positions);
+    CoreRun run(platform, chain);
+    Sampler& integrator = run.integrator;
+    Context& context = *run.context;
     double least = INFINITY;
     for (int i = 0; i < 200; i++) {
         integrator.step(1);
@@ -225,12 +239,9 @@ static void testEarlyRefusal(Platform& platform)
         custom->addExclusion(p1, p2);
     }
     chain.system.addForce(custom);
-    Sampler other(300);
-    setUp(other);
-    Context otherContext(chain.system, other, platform);
-    otherContext.setPositions(chain.positions);
-    other.step(20);
-    ASSERT_EQUAL(0, countClashed(other));
+    CoreRun other(platform, chain);
+    other.integrator.step(20);
+    ASSERT_EQUAL(0, countClashed(other.integrator));
 }
 
 static void testStartWithinCores(Platform& platform)
@@ -238,10 +249,9 @@ static void testStartWithinCores(Platform& platform)
     // A chain that starts within cores finds out of them by its energy.
 
     CoreChain chain;
-    Sampler integrator(300);
-    setUp(integrator);
-    Context context(chain.system, integrator, platform);
-    context.setPositions(chain.positions);
+    CoreRun run(platform, chain);
+    Sampler& integrator = run.integrator;
+    Context& context = *run.context;
     vector<double> angles(LENGTH - 3, 0.02);
     integrator.setTorsionAngles(context, angles);
     ASSERT(getLeastDistance(getPositions(context)) < 0.5);
@@ -258,10 +268,9 @@ static void testOtherParameters(Platform& platform)
     // Cores follow the parameters of the NonbondedForce, and the temperature where it is high.
 
     CoreChain chain;
-    Sampler integrator(300);
-    setUp(integrator);
-    Context context(chain.system, integrator, platform);
-    context.setPositions(chain.positions);
+    CoreRun run(platform, chain);
+    Sampler& integrator = run.integrator;
+    Context& context = *run.context;
     integrator.step(5);
     const long long before = countClashed(integrator);
     ASSERT(before > 0);
@@ -287,10 +296,9 @@ static void testQueriesInBetween(Platform& platform)
 {
     CoreChain chain;
     auto run = [&](bool asks) {
-        Sampler integrator(300);
-        setUp(integrator);
-        Context context(chain.system, integrator, platform);
-        context.setPositions(chain.positions);
+        CoreRun run(platform, chain);
+        Sampler& integrator = run.integrator;
+        Context& context = *run.context;
         for (int i = 0; i < 10; i++) {
             integrator.step(1);
             if (!asks)
@@ -315,10 +323,9 @@ static void testQueriesInBetween(Platform& platform)
 static void testTrialsOfUsers(Platform& platform)
 {
     CoreChain chain;
-    Sampler integrator(300);
-    setUp(integrator);
-    Context context(chain.system, integrator, platform);
-    context.setPositions(chain.positions);
+    CoreRun run(platform, chain);
+    Sampler& integrator = run.integrator;
+    Context& context = *run.context;
     for (int i = 0; i < 5; i++) {
         integrator.step(1);
         vector<double> before, after;
@@ -346,40 +353,25 @@ static void testTrialsOfUsers(Platform& platform)
     ASSERT_EQUAL(0, queries + volumeTests + particleTests + nodesUpdated);
 }
 
-static void testCheckpoint(Platform& platform)
+static void testCheckpoint(Platform& platform, int numSteps, bool byState)
 {
     CoreChain chain;
-    for (int numSteps : {0, 5})
-        for (bool byState : {false, true}) {
-            stringstream checkpoint;
-            State state;
-            vector<Vec3> expected;
-            {
-                Sampler integrator(300);
-                setUp(integrator);
-                Context context(chain.system, integrator, platform);
-                context.setPositions(chain.positions);
-                integrator.step(numSteps);
-                if (numSteps > 0)
-                    chain.force->hasClash(context);
-                integrator.step(numSteps);
-                context.createCheckpoint(checkpoint);
-                state = context.getState(State::Positions | State::Velocities | State::IntegratorParameters);
-                integrator.step(5);
-                expected = getPositions(context);
-            }
-            Sampler integrator(300);
-            setUp(integrator, 2);
-            Context context(chain.system, integrator, platform);
-            context.setPositions(chain.positions);
-            integrator.step(1);
-            if (byState)
-                context.setState(state);
-            else
-                context.loadCheckpoint(checkpoint);
-            integrator.step(5);
-            assertSameBits(expected, getPositions(context));
-        }
+    CoreRun run(platform, chain), resumed(platform, chain, 2);
+    run.integrator.step(numSteps);
+    if (numSteps > 0)
+        chain.force->hasClash(*run.context);
+    run.integrator.step(numSteps);
+    stringstream checkpoint;
+    run.context->createCheckpoint(checkpoint);
+    const State state = run.context->getState(State::Positions | State::Velocities | State::IntegratorParameters);
+    run.integrator.step(5);
+    resumed.integrator.step(1);
+    if (byState)
+        resumed.context->setState(state);
+    else
+        resumed.context->loadCheckpoint(checkpoint);
+    resumed.integrator.step(5);
+    assertSameBits(getPositions(*run.context), getPositions(*resumed.context));
 }
 
 int main()
@@ -393,6 +385,8 @@ int main()
         testOtherParameters(platform);
         testQueriesInBetween(platform);
         testTrialsOfUsers(platform);
-        testCheckpoint(platform);
+        for (int numSteps : {0, 5})
+            for (bool byState : {false, true})
+                testCheckpoint(platform, numSteps, byState);
     });
 }

@@ -48,14 +48,6 @@ public:
         energyIsOld = true;
     }
     /**
-     * Get what is evaluated where, as the next trials will have it.
-     */
-    const EnergyPlan& getPlan()
-    {
-        updatePlan();
-        return plan;
-    }
-    /**
      * Translate the Forces again if anything was changed, and give the kernel their terms: another integrator of a
      * CompoundIntegrator may have given it its own. This comes before a TrialSession begins.
      */
@@ -73,8 +65,8 @@ public:
      */
     std::vector<EnergyPlan::Entry> describePlan();
     /**
-     * Begin a series of trials: bring the plan and the kernel's energy up to date, and compare OpenMM's if it is time.
-     * This comes before the stages begin.
+     * Begin a series of trials: bring the kernel's energy up to date, and compare OpenMM's if it is time. This comes
+     * after updatePlan(), and before the stages begin.
      */
     void begin(TrialSession& trials);
     /**

@@ -7,6 +7,7 @@
 #include "openmm/Vec3.h"
 #include "openmmchaintree/internal/LinkStructure.h"
 #include "openmmchaintree/internal/StericExclusionForceImpl.h"
+#include <utility>
 #include <vector>
 
 namespace ChainTreePlugin {
@@ -15,6 +16,12 @@ namespace ChainTreePlugin {
  * Get the one StericExclusionForce in a Context. It is an error if there is none, or more than one.
  */
 StericExclusionForceImpl& findStericExclusionForce(OpenMM::ContextImpl& context);
+
+/**
+ * Get the particles of each constraint that are not in one link, and might move relative to each other.
+ */
+std::vector<std::pair<int, int>> findConstraintsBetweenLinks(const OpenMM::System& system,
+                                                             const LinkStructure& structure);
 
 /**
  * Throw an OpenMMException if a move could break a constraint.
@@ -29,10 +36,19 @@ bool isBarostat(const OpenMM::Force& force);
 void checkHardSpheres(const OpenMM::System& system);
 
 /**
- * Warn if positions violate constraints by more than the rounding of a file in ångström with three decimals. Returns
- * whether they do.
+ * Warn if positions violate constraints by more than the rounding of a file in ångström with three decimals.
  */
-bool warnOfViolatedConstraints(const OpenMM::System& system, const std::vector<OpenMM::Vec3>& positions);
+void warnOfViolatedConstraints(const OpenMM::System& system, const std::vector<OpenMM::Vec3>& positions);
+
+/**
+ * Get an Integrator, or if it is a CompoundIntegrator all that it holds.
+ */
+std::vector<const OpenMM::Integrator*> findIntegrators(const OpenMM::Integrator& integrator);
+
+/**
+ * Get whether an Integrator that is no CompoundIntegrator is none of ours.
+ */
+bool isOfDynamics(const OpenMM::Integrator& integrator);
 
 /**
  * Get whether an Integrator, or one of those in a CompoundIntegrator, is none of ours.
