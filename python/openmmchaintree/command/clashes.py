@@ -22,7 +22,7 @@ def addArguments(clashes):
         "are more than three bonds apart: in all models of a structure, or in all frames of a trajectory. Models, "
         "frames and particles are numbered from 0. Water and ions that nothing binds are left out, of alternate "
         "conformers all but that of highest occupancy. Molecules split over a periodic box are made whole; clashes "
-        "with images do not count, and a note tells those of the first frame. What is written to - goes to standard "
+        "with images do not count, and a note counts those of the first frame. What is written to - goes to standard "
         "output, and the report to standard error then."
     )
     clashes.set_defaults(run=_run)
