@@ -1,9 +1,10 @@
-"""Peptides of any residues, put together from the chemical component dictionary, and hydrogens on them by OpenMM."""
+"""Peptides of any residues, put together from the chemical component dictionary; their hydrogens and U by OpenMM."""
 
 import random
 import warnings
 
 import numpy as np
+import openmm
 from biotite.structure.info import residue as component
 from openmm import app, unit
 from scenes import pdbLine
@@ -74,6 +75,13 @@ def withHydrogens(topology, positions):
     random.seed(1)  # Modeller draws random numbers of Python
     modeller.addHydrogens()
     return modeller.topology, np.array(modeller.positions.value_in_unit(unit.nanometer))
+
+
+def energyOf(system, positions):
+    """Return U in kJ/mol on the Reference platform."""
+    context = openmm.Context(system, openmm.VerletIntegrator(0.001), openmm.Platform.getPlatformByName("Reference"))
+    context.setPositions(positions)
+    return context.getState(energy=True).getPotentialEnergy().value_in_unit(unit.kilojoule_per_mole)
 
 
 def linesOf(topology, positions, rename=lambda atom: (atom.name, atom.residue.name, atom.residue.index + 1)):

@@ -115,6 +115,21 @@ def writeDCD(path, topology, frames):
     return path
 
 
+def writeLongTrajectory(folder, structure):
+    """Write a structure, and a trajectory that shows it in 50,001 frames; return the names of the two files."""
+    with open(folder / "long.pdb", "w") as file:
+        app.PDBFile.writeFile(structure.topology, structure.positions * unit.nanometer, file)
+    trajectory = writeDCD(folder / "long", structure.topology, [structure.positions])
+    data = bytearray(trajectory.read_bytes())
+    frame = data[276:]
+    data[8:12] = np.int32(50001).tobytes()
+    with open(trajectory, "wb") as file:
+        file.write(data)
+        for _ in range(50):
+            file.write(frame * 1000)
+    return "long.pdb", trajectory.name
+
+
 def writeXTC(path, topology, frames):
     """Write positions (nm) as path with .xtc, and return that."""
     path = path.with_suffix(".xtc")

@@ -1,13 +1,12 @@
 """Hydrogens that --add-hydrogens adds to caps, rings and D-amino acids: those that the force field wants."""
 
 import numpy as np
-import openmm
 import pytest
-from openmm import app, unit
+from openmm import app
 from openmmchaintree.command.energymodel import EnergyModel
 from openmmchaintree.command.hydrogens import addHydrogens
 from openmmchaintree.structure import readStructure
-from peptides import linesOf, makePeptides, withHydrogens
+from peptides import energyOf, linesOf, makePeptides, withHydrogens
 from scenes import pdbLine, writePDB
 
 FILES = ("amber14/protein.ff14SB.xml", "implicit/gbn2.xml")
@@ -33,12 +32,6 @@ def addTo(model, tmp_path):
 def hydrogensOn(topology):
     """Return the number of hydrogens of each residue."""
     return [sum(atom.element is app.element.hydrogen for atom in residue.atoms()) for residue in topology.residues()]
-
-
-def energyOf(system, positions):
-    context = openmm.Context(system, openmm.VerletIntegrator(0.001), openmm.Platform.getPlatformByName("Reference"))
-    context.setPositions(positions)
-    return context.getState(energy=True).getPotentialEnergy().value_in_unit(unit.kilojoule_per_mole)
 
 
 @pytest.mark.parametrize(

@@ -6,12 +6,11 @@ import re
 import subprocess
 
 import commands
-import numpy as np
 import pytest
 from commands import assertRefused, filesIn
 from openmm import app, unit
 from openmmchaintree import findClashes
-from scenes import GLYCINES, realStructurePath, writeDCD, writePDB
+from scenes import GLYCINES, realStructurePath, writeDCD, writeLongTrajectory, writePDB
 
 
 def run(*arguments, folder):
@@ -139,18 +138,9 @@ def test_nobodyReads(tmp_path):
 
 
 def test_interruptLeavesWhatThereIs(tmp_path, villin):
-    with open(tmp_path / "villin.pdb", "w") as file:
-        app.PDBFile.writeFile(villin.topology, villin.positions * unit.nanometer, file)
-    long = writeDCD(tmp_path / "long", villin.topology, [villin.positions])
-    data = bytearray(long.read_bytes())
-    frame = data[276:]
-    data[8:12] = np.int32(50001).tobytes()
-    with open(long, "wb") as file:
-        file.write(data)
-        for _ in range(50):
-            file.write(frame * 1000)
+    arguments = writeLongTrajectory(tmp_path, villin)
     status, output, shown = commands.runOnATerminal(
-        *("clashes", "villin.pdb", "long.dcd", "--json", "a.json"), folder=tmp_path, interruptAt=r"[1-9]\d*/50001"
+        *("clashes", *arguments, "--json", "a.json"), folder=tmp_path, interruptAt=r"[1-9]\d*/50001"
     )
     assert status == 130
     assert "Traceback" not in shown and "openmm-chaintree:" not in shown

@@ -8,8 +8,9 @@ from threading import Event, Thread
 import numpy as np
 import openmm
 import pytest
+import scenes
 from openmmchaintree import TorsionMonteCarloIntegrator, createStericExclusionForce
-from scenes import makeSystem, positionsOf
+from scenes import positionsOf
 
 pytestmark = pytest.mark.skipif(os.name == "nt", reason="Windows sends no signals to a process")
 
@@ -22,10 +23,8 @@ def makeContext(villin, integrator=None, seed=3):
     sampler.addTorsionMove(1, 0.3)
     if integrator is not None:
         integrator.addIntegrator(sampler)
-    system = makeSystem(villin, createStericExclusionForce(villin.topology, villin.positions))
-    context = openmm.Context(system, integrator or sampler, openmm.Platform.getPlatformByName("Reference"))
-    context.setPositions(villin.positions)
-    return context, sampler
+    force = createStericExclusionForce(villin.topology, villin.positions)
+    return scenes.makeContext(villin, force, integrator or sampler), sampler
 
 
 @contextmanager

@@ -3,14 +3,13 @@
 from collections import defaultdict
 
 import numpy as np
-import openmm
 import pytest
-from openmm import app, unit
+from openmm import app
 from openmmchaintree import findTorsions
 from openmmchaintree.command.energymodel import EnergyModel
 from openmmchaintree.command.hydrogens import addHydrogens
 from openmmchaintree.structure import readStructure, subset, withoutAtoms
-from peptides import makePeptides, withHydrogens
+from peptides import energyOf, makePeptides, withHydrogens
 from scenes import HEAVY_ATOMS, pdbLine, realStructurePath, writePDB
 
 FILES = ("amber14/protein.ff14SB.xml", "implicit/gbn2.xml")
@@ -110,13 +109,6 @@ def writeNamed(path, topology, positions, convention):
 @pytest.fixture(scope="module")
 def model():
     return EnergyModel(FILES, 300)
-
-
-def energyOf(system, positions):
-    """Return U in kJ/mol on the Reference platform."""
-    context = openmm.Context(system, openmm.VerletIntegrator(0.001), openmm.Platform.getPlatformByName("Reference"))
-    context.setPositions(positions)
-    return context.getState(energy=True).getPotentialEnergy().value_in_unit(unit.kilojoule_per_mole)
 
 
 @pytest.fixture(scope="module")

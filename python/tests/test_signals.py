@@ -5,11 +5,9 @@ import signal
 import subprocess
 
 import commands
-import numpy as np
 import pytest
 from commands import COMMAND, filesIn
-from openmm import app, unit
-from scenes import GLYCINES, readDCD, writeDCD, writePDB
+from scenes import GLYCINES, readDCD, writeLongTrajectory, writePDB
 
 BEGUN = r"[1-9]\d{3,}/"  # a progress bar of many trials
 
@@ -48,14 +46,7 @@ def test_replicas(tmp_path, options):
 
 
 def test_chunks(tmp_path, villin):
-    with open(tmp_path / "villin.pdb", "w") as file:
-        app.PDBFile.writeFile(villin.topology, villin.positions * unit.nanometer, file)
-    long = writeDCD(tmp_path / "long", villin.topology, [villin.positions])
-    data = bytearray(long.read_bytes())
-    frame = data[276:]
-    data[8:12] = np.int32(50001).tobytes()
-    long.write_bytes(data + 50000 * frame)
-    arguments = ("clashes", "villin.pdb", "long.dcd", "--workers", 2, "--json", "a.json")
+    arguments = ("clashes", *writeLongTrajectory(tmp_path, villin), "--workers", 2, "--json", "a.json")
     runUntil(signal.SIGTERM, r"[1-9]\d*/50001", *arguments, folder=tmp_path)
     summary = json.loads((tmp_path / "a.json").read_text())
     assert summary["interrupted"] and 0 < len(summary["frames"]) < 50001
