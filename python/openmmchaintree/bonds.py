@@ -6,7 +6,6 @@ from typing import TypeAlias
 from .bondsearch import BondSearch, Gap, polymerLinks
 from .components import connectedParts
 from .loops import loopBonds
-from .pseudoatoms import atomicNumbers
 
 __all__ = ["BondGraph", "Gap", "molecules", "neighborLists", "polymerLinks", "ringBonds"]
 
@@ -22,6 +21,8 @@ class BondGraph:
     atoms : list of openmm.app.Atom
     numbers : (n,) int array
         atomic numbers, 0 for extra particles and pseudo-atoms
+    residueOf : (n,) int array
+        the index of the residue of each atom
     bonds : list of (int, int)
         the bonds that count: no gaps, nothing that is cut
     neighbors : list of list of int
@@ -68,7 +69,8 @@ class BondGraph:
             raise ValueError("the Topology has no atoms")
         search = BondSearch(topology, positions, others)
         self.atoms = list(topology.atoms())
-        self.numbers = atomicNumbers(self.atoms)
+        self.numbers = search.numbers
+        self.residueOf = search.residueOf
         self.gaps = search.gaps
         self.disulfides = search.disulfides
         self.metalBonds = search.metalBonds

@@ -90,6 +90,10 @@ class BondSearch:
         bonds whose atoms are at one place
     hasBox : bool
         whether the Topology has a periodic box
+    numbers : (n,) int array
+        atomic numbers, 0 for extra particles and pseudo-atoms
+    residueOf : (n,) int array
+        the index of the residue of each atom
     hasTemplate : (n,) bool array
         whether the residue of each atom has a template, so that its bonds are known
     notes : list of Note
@@ -108,8 +112,8 @@ class BondSearch:
         self._atoms = list(topology.atoms())
         self._residues = list(topology.residues())
         self._chains = [list(chain.residues()) for chain in topology.chains()]
-        self._residueOf = np.array([atom.residue.index for atom in self._atoms], dtype=int)
-        self._numbers = atomicNumbers(self._atoms)
+        self.residueOf = np.array([atom.residue.index for atom in self._atoms], dtype=int)
+        self.numbers = atomicNumbers(self._atoms)
         self._box = boxOf(topology) if positions is not None else None
         self.hasBox = self._box is not None
         self.positions = positions
@@ -130,7 +134,7 @@ class BondSearch:
             self._linkFarResidues()
         self._findGaps()
         self.bonds = sorted(self._bonds)
-        self.hasTemplate = self._isFitted[self._residueOf]
+        self.hasTemplate = self._isFitted[self.residueOf]
         self._classify()
         self._noteWhatWasFound()
 
@@ -141,13 +145,13 @@ class BondSearch:
             pair = _sorted(bond[0].index, bond[1].index)
             if pair in self._bonds:  # files may tell a bond more than once
                 continue
-            if self._residueOf[pair[0]] != self._residueOf[pair[1]] and self._distance(pair) > LONGEST_LINK:
+            if self.residueOf[pair[0]] != self.residueOf[pair[1]] and self._distance(pair) > LONGEST_LINK:
                 if self._isLink(pair):
                     atoms = [self._atoms[atom] for atom in pair]
                     names = f"{atoms[0].name} and {atoms[1].name}, bonded in the Topology,"
                     self._addGap(*(atom.residue for atom in atoms), f"{names} are {self._distance(pair):.2f} nm apart")
                     continue
-                if (self._numbers[list(pair)] > 0).all():  # beads may be far apart
+                if (self.numbers[list(pair)] > 0).all():  # beads may be far apart
                     self._tooLong.append(pair)
                     continue
             self._bonds[pair] = None
@@ -173,7 +177,7 @@ class BondSearch:
         loose = self._looseResidues()
         bonds = defaultdict(list)
         for pair in self._bondsWithin().tolist() if loose else ():
-            bonds[self._residueOf[pair[0]]].append(pair)
+            bonds[self.residueOf[pair[0]]].append(pair)
         for residue in loose:
             self._bondWithin(residue, bonds[residue.index])
         # Names may be those of another residue; but if distances do not tell either, the residue is torn.
@@ -187,8 +191,8 @@ class BondSearch:
         pairs = np.array([pair for _, bonds in templates for pair in bonds], dtype=int).reshape(-1, 2)
         fits = np.ones(len(pairs), dtype=bool)
         if self.positions is not None:
-            longest = longestBonds(self._numbers[pairs[:, 0]], self._numbers[pairs[:, 1]])
-            hasHydrogen = (self._numbers[pairs] == _HYDROGEN).any(axis=1)
+            longest = longestBonds(self.numbers[pairs[:, 0]], self.numbers[pairs[:, 1]])
+            hasHydrogen = (self.numbers[pairs] == _HYDROGEN).any(axis=1)
             fits = self._distances(pairs[:, 0], pairs[:, 1]) <= np.where(hasHydrogen, 1.0, _LOOSE_FIT) * longest
         misfits, start = [], 0
         for residue, bonds in templates:
@@ -206,38 +210,38 @@ class BondSearch:
         return misfits
 
     def _hasHydrogen(self, pair):
-        return _HYDROGEN in self._numbers[list(pair)]
+        return _HYDROGEN in self.numbers[list(pair)]
 
     def _checkLengths(self):
         """Refuse positions in a wrong unit by the bonds that are known without them."""
         pairs = self._bondsWithin()
-        pairs = pairs[(self._numbers[pairs] > 0).all(axis=1)]  # those of beads have any length
+        pairs = pairs[(self.numbers[pairs] > 0).all(axis=1)]  # those of beads have any length
         checkBondLengths(np.linalg.norm(self.positions[pairs[:, 0]] - self.positions[pairs[:, 1]], axis=1))
 
     def _looseResidues(self):
         """Return the residues whose atoms their bonds do not hold together, extra particles apart."""
-        atoms = np.flatnonzero(self._numbers > 0)
+        atoms = np.flatnonzero(self.numbers > 0)
         part = connectedParts(len(self._atoms), self._bondsWithin())[atoms]
         first = np.full(len(self._residues), -1)
-        first[self._residueOf[atoms][::-1]] = part[::-1]
-        loose = np.unique(self._residueOf[atoms][part != first[self._residueOf[atoms]]])
+        first[self.residueOf[atoms][::-1]] = part[::-1]
+        loose = np.unique(self.residueOf[atoms][part != first[self.residueOf[atoms]]])
         return [self._residues[residue] for residue in loose]
 
     def _bondsWithin(self):
         """Return the bonds within residues, as an (m, 2) array."""
         pairs = np.array(list(self._bonds), dtype=int).reshape(-1, 2)
-        return pairs[self._residueOf[pairs[:, 0]] == self._residueOf[pairs[:, 1]]]
+        return pairs[self.residueOf[pairs[:, 0]] == self.residueOf[pairs[:, 1]]]
 
     def _bondWithin(self, residue, known):
         """Bond atoms of a residue by distance that its bonds do not hold together."""
-        atoms = np.array([atom.index for atom in residue.atoms() if self._numbers[atom.index] > 0])
+        atoms = np.array([atom.index for atom in residue.atoms() if self.numbers[atom.index] > 0])
         place = {atom: number for number, atom in enumerate(atoms.tolist())}
         bonds = [(place[first], place[second]) for first, second in known]
         part = connectedParts(len(atoms), bonds)
         positions = self.positions[atoms]
         if self._box is not None:
             positions = positions[0] + nearestImage(positions - positions[0], self._box)
-        numbers = self._numbers[atoms]
+        numbers = self.numbers[atoms]
         near = bondedPairs(positions, numbers, WIDE)
         near = near[part[near[:, 0]] != part[near[:, 1]]]
         lengths = np.linalg.norm(positions[near[:, 0]] - positions[near[:, 1]], axis=1)
@@ -316,7 +320,7 @@ class BondSearch:
 
     def _unlinkedNeighbors(self):
         """Return the pairs of residues that follow each other in a chain and are not linked."""
-        linked = {_sorted(*self._residueOf[list(pair)].tolist()) for pair in self._links()}
+        linked = {_sorted(*self.residueOf[list(pair)].tolist()) for pair in self._links()}
         pairs = (pair for chain in self._chains for pair in pairwise(chain))
         return [pair for pair in pairs if (pair[0].index, pair[1].index) not in linked]
 
@@ -349,7 +353,7 @@ class BondSearch:
             self.positions = makeWhole(self.positions, list(self._bonds), self._box)
 
     def _bondNearAtoms(self):
-        positions, numbers, residueOf = self.positions, self._numbers, self._residueOf
+        positions, numbers, residueOf = self.positions, self.numbers, self.residueOf
         hasOther = np.zeros(len(self._atoms), dtype=bool)  # bonds to another residue
         neighbors = [[] for _ in self._atoms]
         for first, second in self._bonds:
@@ -380,12 +384,12 @@ class BondSearch:
 
     def _isBond(self, pair, hasOther, neighbors):
         """Whether two near atoms are bonded, by what they are."""
-        numbers = self._numbers[list(pair)]
+        numbers = self.numbers[list(pair)]
         metals = isMetal(numbers)
         if metals.any():
             return not metals.all() and bool(bindsMetals(numbers[~metals]).all()) and not isLooseMetal(numbers).any()
         if self._areOneResidue(pair):
-            if self._isFitted[self._residueOf[pair[0]]]:
+            if self._isFitted[self.residueOf[pair[0]]]:
                 return False
             return set(neighbors[pair[0]]).isdisjoint(neighbors[pair[1]]) and self._lieAsBonds(pair, neighbors)
         if self._isLink(pair):
@@ -402,7 +406,7 @@ class BondSearch:
         """Whether a sulfur can be one of a disulfide: it has one bond at most, to what is no hydrogen."""
         if aminoAcid(self._atoms[atom].residue.name) is not None and self._atoms[atom].name != "SG":
             return False  # of methionine, which may lack an atom
-        return len(neighbors) < 2 and not any(self._numbers[other] == _HYDROGEN for other in neighbors)
+        return len(neighbors) < 2 and not any(self.numbers[other] == _HYDROGEN for other in neighbors)
 
     def _lieAsBonds(self, pair, neighbors):
         return all(areAnglesOfBonds(self.positions, atom, other, neighbors[atom]) for atom, other in (pair, pair[::-1]))
@@ -411,8 +415,8 @@ class BondSearch:
 
     def _classify(self):
         pairs = np.array(self.bonds, dtype=int).reshape(-1, 2)
-        numbers = self._numbers[pairs]
-        areOther = self._residueOf[pairs[:, 0]] != self._residueOf[pairs[:, 1]]
+        numbers = self.numbers[pairs]
+        areOther = self.residueOf[pairs[:, 0]] != self.residueOf[pairs[:, 1]]
         areSulfurs = areOther & (numbers == _SULFUR).all(axis=1)
         areMetals = areOther & isMetal(numbers).any(axis=1)
         self.disulfides = [tuple(pair) for pair in pairs[areSulfurs].tolist()]
@@ -452,7 +456,7 @@ class BondSearch:
         return f"{names[0]} – {names[1]}, {self._distance(pair):.3f} nm"
 
     def _areOneResidue(self, pair):
-        return self._residueOf[pair[0]] == self._residueOf[pair[1]]
+        return self.residueOf[pair[0]] == self.residueOf[pair[1]]
 
     def _distance(self, pair):
         return float(self._distances(*pair))

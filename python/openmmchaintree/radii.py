@@ -100,7 +100,7 @@ class _Hydrogens:
         bonds = np.array(graph.bonds, dtype=int).reshape(-1, 2)
         bonds = np.concatenate([bonds, bonds[:, ::-1]])
         self._molecule = connectedParts(len(graph.atoms), bonds)
-        self._residue = np.array([atom.residue.index for atom in graph.atoms], dtype=int)
+        self._residue = graph.residueOf
         self._isHydrogen = graph.numbers == _H
         bearing = np.zeros(len(graph.atoms), dtype=bool)
         bearing[bonds[self._isHydrogen[bonds[:, 1]], 0]] = True

@@ -74,10 +74,9 @@ def _pairsAsBonds(graph):
     pairs = bondedPairs(graph.positions, graph.numbers, _WIDEST)
     first, second = pairs.T
     numbers = graph.numbers[first], graph.numbers[second]
-    residues = np.array([atom.residue.index for atom in graph.atoms], dtype=int)
     lengths = np.linalg.norm(graph.positions[first] - graph.positions[second], axis=1)
     areKnown = graph.hasTemplate[first] & graph.hasTemplate[second]
-    areOfOne = residues[first] == residues[second]
+    areOfOne = graph.residueOf[first] == graph.residueOf[second]
     isUsual = lengths <= longestBonds(*numbers)
     isWide = ~areKnown & (areOfOne | (lengths <= longestBonds(*numbers, WIDE)))
     isWhole = areOfOne | (shortestBonds(*numbers) <= lengths)
