@@ -1,6 +1,7 @@
 """The package's tables: CSV files with comments that name their sources."""
 
 import csv
+from functools import cache
 from pathlib import Path
 
 _FOLDER = Path(__file__).parent / "tables"
@@ -10,3 +11,9 @@ def readTable(name):
     """Return the rows of a table, without its comments and the line of column names."""
     with open(_FOLDER / name, newline="", encoding="utf-8") as file:
         return list(csv.reader(line for line in file if not line.startswith("#")))[1:]
+
+
+@cache
+def readNames(kind):
+    """Return the residue and what names its atoms of each row of a kind in the table of names."""
+    return [(residue, atoms) for found, residue, atoms, _ in readTable("names.csv") if found == kind]

@@ -9,9 +9,9 @@ from functools import cache
 
 import gemmi
 
-from .datatables import readTable
+from .datatables import readNames
 from .pseudoatoms import isSite
-from .residues import CAPS, aminoAcid, isCalledWater, isNucleotide
+from .residues import isCalledWater, isPolymerName
 from .templates import dictionaryElements
 
 NO_ELEMENT = "X"
@@ -79,7 +79,7 @@ class _Atom:
     def findElement(self):
         if isSite(self._residue, self._name, lambda: self._names, bool(self._given)):
             return NO_ELEMENT
-        if _isOfPolymer(self._residue):
+        if isPolymerName(self._residue) or isCalledWater(self._residue):
             return self._inPolymer()
         return self._asIon() or (self._givenElement() if self._given else self._elementOfName()) or NO_ELEMENT
 
@@ -133,15 +133,6 @@ class _Atom:
         return dictionaryElements(self._residue, frozenset(self._names)).get(self._name)
 
 
-def _isOfPolymer(residueName):
-    return (
-        aminoAcid(residueName) is not None
-        or isNucleotide(residueName)
-        or residueName in CAPS
-        or isCalledWater(residueName)
-    )
-
-
 def _letters(name):
     """Return a name without what stands before its letters, as in 1HB."""
     return name.strip().lstrip("0123456789'\"*+-").upper()
@@ -160,4 +151,4 @@ def _isSymbol(text):
 
 @cache
 def _ions():
-    return {residue: symbol.upper() for kind, residue, symbol, _ in readTable("names.csv") if kind == "ion"}
+    return {residue: symbol.upper() for residue, symbol in readNames("ion")}

@@ -7,8 +7,8 @@ from functools import cache
 
 import numpy as np
 
-from .datatables import readTable
-from .residues import CAPS, aminoAcid, isCalledWater, isNucleotide, polymerBackbone
+from .datatables import readNames
+from .residues import isCalledWater, isPolymerName, polymerBackbone
 
 _HYDROGEN_LETTERS = "HD"
 
@@ -53,7 +53,7 @@ def isSite(residueName, name, otherNames, hasElement):
 @cache
 def _siteName(kind, residueName, name, hasElement):
     """Return what the name of a site begins with, or None if it is not one; and whether another atom's name follows."""
-    for residue, pattern in _sites():
+    for residue, pattern in readNames("site"):
         if residue not in (kind, residueName) and (residue != "*" or hasElement):
             continue
         begin = pattern.rstrip("*+")
@@ -72,20 +72,13 @@ def _hasDrudeParticles(names):
 def _kindOf(residueName):
     if isCalledWater(residueName):
         return "water"
-    isPolymer = aminoAcid(residueName) is not None or isNucleotide(residueName) or residueName in CAPS
-    return "polymer" if isPolymer else ""
+    return "polymer" if isPolymerName(residueName) else ""
 
 
 @cache
 def _marks():
     """Return the names of marks, each with a list of the sets of atoms by which they are known."""
     marks = {}
-    for kind, residue, atoms, _ in readTable("names.csv"):
-        if kind == "mark":
-            marks.setdefault(residue, []).append(set(atoms.split()))
+    for residue, atoms in readNames("mark"):
+        marks.setdefault(residue, []).append(set(atoms.split()))
     return marks
-
-
-@cache
-def _sites():
-    return [(residue, atom) for kind, residue, atom, _ in readTable("names.csv") if kind == "site"]

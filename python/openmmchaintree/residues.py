@@ -7,7 +7,7 @@ from functools import cache
 
 import gemmi
 
-from .datatables import readTable
+from .datatables import readNames
 
 # Names that force fields and programs give to protonation states and to cysteines in disulfides.
 _VARIANTS = {
@@ -111,7 +111,7 @@ def isWaterOf(elements):
 
 @cache
 def _waters():
-    return {residue for kind, residue, _, _ in readTable("names.csv") if kind == "water"}
+    return {residue for residue, _ in readNames("water")}
 
 
 def isAlphaCarbonOnly(residue):
@@ -144,15 +144,14 @@ def nucleotide(name):
     return name if name in _PURINES or name in _PYRIMIDINES else None
 
 
+def isPolymerName(name):
+    """Whether a residue name is one of an amino acid, a nucleotide or a cap."""
+    return aminoAcid(name) is not None or isNucleotide(name) or name in CAPS
+
+
 def isKnown(name):
     """Whether a residue name is one of a protein, nucleic acid, cap, water, ion or a compound that many files have."""
-    return (
-        aminoAcid(name) is not None
-        or isNucleotide(name)
-        or name in CAPS
-        or isCalledWater(name)
-        or gemmi.find_tabulated_residue(name).found()
-    )
+    return isPolymerName(name) or isCalledWater(name) or gemmi.find_tabulated_residue(name).found()
 
 
 def chiAtoms(name):
