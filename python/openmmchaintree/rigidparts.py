@@ -3,17 +3,13 @@
 from .bonds import neighborLists, ringBonds
 from .naming import describeResidue
 from .notes import Note
-from .torsions import turnableBonds
+from .torsions import bondsWithoutTorsions
 
 
 def bondsThatStay(graph, torsions, fixed):
-    """Return the bonds of a BondGraph that could turn, but about which there is no Torsion, as sorted pairs.
-
-    Those between two fixed atoms, an iterable, are none.
-    """
-    turning = {frozenset(torsion.particles[1:3]) for torsion in torsions}
+    """Return the bonds of `bondsWithoutTorsions`, but for those between two fixed atoms, an iterable."""
     held = set(fixed)
-    return [bond for bond in turnableBonds(graph) if frozenset(bond) not in turning and not held.issuperset(bond)]
+    return [bond for bond in bondsWithoutTorsions(graph, torsions) if not held.issuperset(bond)]
 
 
 def describeRigidParts(graph, torsions, fixed):

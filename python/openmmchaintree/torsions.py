@@ -357,12 +357,10 @@ class _Search:
     def addUnnamed(self):
         """Add the bonds that could turn and have no torsion yet."""
         graph = self._graph
-        named = {frozenset(torsion.particles[1:3]) for torsion in self.torsions}
-        for atom1, atom2 in turnableBonds(graph):
-            if frozenset((atom1, atom2)) not in named:
-                kind = "planar" if self._isPlanar(atom1, atom2) or self._isPlanar(atom2, atom1) else "other"
-                particles = (min(graph.beyond(atom1, atom2)), atom1, atom2, min(graph.beyond(atom2, atom1)))
-                self.torsions.append(Torsion(particles, kind, graph.atoms[atom2].residue))
+        for atom1, atom2 in bondsWithoutTorsions(graph, self.torsions):
+            kind = "planar" if self._isPlanar(atom1, atom2) or self._isPlanar(atom2, atom1) else "other"
+            particles = (min(graph.beyond(atom1, atom2)), atom1, atom2, min(graph.beyond(atom2, atom1)))
+            self.torsions.append(Torsion(particles, kind, graph.atoms[atom2].residue))
 
     def _isPlanar(self, carbon, nitrogen):
         """Whether a bond is one between a trigonal carbon and a nitrogen."""
@@ -402,13 +400,14 @@ class _Search:
         self.leftOut.append(LeftOutTorsion(kind, residue, reason, nextToGap))
 
 
-def turnableBonds(graph):
-    """Return the bonds of a BondGraph in no ring that have atoms beyond both ends, as sorted pairs of lower and higher.
+def bondsWithoutTorsions(graph, torsions):
+    """Return the bonds of a BondGraph that could turn, but about which there is no Torsion, as sorted pairs.
 
-    Of molecules with elements, extra particles are no such atoms.
+    They are those in no ring that have atoms beyond both ends. Of molecules with elements, extra particles are no such
+    atoms.
     """
-    inRings = ringBonds(graph.neighbors)
-    return [bond for bond in graph.bonds if bond not in inRings and graph.beyond(*bond) and graph.beyond(*bond[::-1])]
+    excluded = ringBonds(graph.neighbors).union(tuple(sorted(torsion.particles[1:3])) for torsion in torsions)
+    return [bond for bond in graph.bonds if bond not in excluded and graph.beyond(*bond) and graph.beyond(*bond[::-1])]
 
 
 def _atomsByName(residue):
