@@ -10,7 +10,7 @@ from openmm import unit
 from .bonds import BondGraph
 from .bondsearch import LONGEST_BOND, boxOf
 from .errors import InputError
-from .imageclashes import noteOnImages
+from .imageclashes import WITH_IMAGES, noteOnImages
 from .images import leastWidth, makeWhole
 from .naming import AtomName, nameAtom
 from .notes import Note, found, warnOf
@@ -185,9 +185,7 @@ class ClashSearch:
     def noteBoxes(self):
         """Add to the notes what `madeWhole` and `imageClashes` tell."""
         kind = f"{self._word}s in which molecules were split over the periodic box, and made whole"
-        images = "clashes with periodic images, which do not count"
-        if self.frameCount != 1:
-            images += f", in {self._word} 0 (from 0)"
+        images = WITH_IMAGES if self.frameCount == 1 else f"{WITH_IMAGES}, in {self._word} 0 (from 0)"
         self.notes += found(
             [
                 Note(kind, [f"{self._word} {number} (from 0)" for number in self.madeWhole]),

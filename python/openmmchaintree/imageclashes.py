@@ -3,16 +3,15 @@
 from itertools import product
 
 import numpy as np
-from openmm import unit
 
 from .images import isBox
 from .notes import Note
-from .openmmchaintree import StericExclusionForce
+from .plainspheres import PlainSpheres
 
 # So many boxes away images are looked at, at most: a molecule that is wider than that has a wrong box.
 _FARTHEST = 2
 
-_DONOR, _ACCEPTOR = StericExclusionForce.Donor, StericExclusionForce.Acceptor
+WITH_IMAGES = "clashes with periodic images, which do not count"
 
 
 def noteOnImages(force, positions, box, names):
@@ -27,34 +26,24 @@ def noteOnImages(force, positions, box, names):
     """
     clashes = [] if box is None or not isBox(box) else _clashesAcross(force, positions, box)
     items = [f"{names[first]} – {names[second]}, {distance:.3f} nm" for first, second, distance in clashes]
-    return Note("clashes with periodic images, which do not count", items)
+    return Note(WITH_IMAGES, items)
 
 
 def _clashesAcross(force, positions, box):
     """Return (atom, atom, distance) of the pairs that would clash if images counted."""
-    parameters = [force.getParticleParameters(particle) for particle in range(force.getNumParticles())]
-    radii = np.array([radius.value_in_unit(unit.nanometer) for radius, _ in parameters])
-    roles = np.array([role for _, role in parameters])
-    tolerance = force.getOverlapTolerance().value_in_unit(unit.nanometer)
-    allowance = force.getHydrogenBondAllowance().value_in_unit(unit.nanometer)
-    modelled = np.flatnonzero(radii > 0)
-    reach = 2 * radii.max(initial=0) - tolerance
+    spheres = PlainSpheres(force)
+    radii, modelled, reach = spheres.radii, spheres.modelled, spheres.reach
     found = []
     for shift in _shifts(positions[modelled], box, reach):
         first, second = (modelled[ends] for ends in _nearPairs(positions[modelled], positions[modelled] + shift, reach))
         distances = np.linalg.norm(positions[second] + shift - positions[first], axis=1)
-        mayBond = _canDonate(roles[first], roles[second]) | _canDonate(roles[second], roles[first])
-        clashes = radii[first] + radii[second] - distances > tolerance + np.where(mayBond, allowance, 0)
+        clashes = radii[first] + radii[second] - distances > spheres.tolerances(first, second)
         found += zip(first[clashes].tolist(), second[clashes].tolist(), distances[clashes].tolist(), strict=True)
     if not found:
         return []
-    excluded = {tuple(sorted(force.getExclusionParticles(i))) for i in range(force.getNumExclusions())}
     ordered = sorted((min(first, second), max(first, second), distance) for first, second, distance in found)
-    return [clash for clash in ordered if clash[:2] not in excluded]
-
-
-def _canDonate(donors, acceptors):
-    return ((donors & _DONOR) != 0) & ((acceptors & _ACCEPTOR) != 0)
+    areExcluded = spheres.areExcluded(np.array([clash[:2] for clash in ordered]))
+    return [clash for clash, isExcluded in zip(ordered, areExcluded, strict=True) if not isExcluded]
 
 
 def _shifts(positions, box, reach):

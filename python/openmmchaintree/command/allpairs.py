@@ -8,6 +8,7 @@ from typing import NamedTuple
 import numpy as np
 
 from ..covalent import nearPairs
+from ..plainspheres import PlainSpheres
 
 # The engine may decide either way within this distance (nm) of a limit.
 SIGMA = 1e-9
@@ -24,19 +25,8 @@ class Overlaps(NamedTuple):
     tolerances: np.ndarray
 
 
-class HardSpheres:
-    """The particles of a StericExclusionForce as plain arrays."""
-
-    def __init__(self, force):
-        parameters = [force.getParticleParameters(i) for i in range(force.getNumParticles())]
-        self._radii = np.array([radius._value for radius, _ in parameters], dtype=np.float64)
-        roles = np.array([role for _, role in parameters], dtype=int)
-        self._donors = (roles & force.Donor) != 0
-        self._acceptors = (roles & force.Acceptor) != 0
-        self._tolerance = _plain(force.getOverlapTolerance())
-        self._allowance = _plain(force.getHydrogenBondAllowance())
-        exclusions = (force.getExclusionParticles(i) for i in range(force.getNumExclusions()))
-        self._excluded = self._keys(np.array([*exclusions], dtype=np.int64).reshape(-1, 2))
+class HardSpheres(PlainSpheres):
+    """The particles of a StericExclusionForce, and the overlaps of all their pairs."""
 
     def overlaps(self, positions):
         """Return the Overlaps beyond tolerance at positions, a float64 array of shape (n, 3) in nm.
@@ -50,34 +40,23 @@ class HardSpheres:
         """
         pairs = self._nearPairs(positions)
         overlaps = self._overlaps(positions, pairs)
-        tolerances = self._tolerances(pairs)
+        tolerances = self.tolerances(*pairs.T)
         isBeyond = overlaps > tolerances
-        isBeyond[isBeyond] = ~np.isin(self._keys(pairs[isBeyond]), self._excluded)
+        isBeyond[isBeyond] = ~self.areExcluded(pairs[isBeyond])
         pairs, overlaps, tolerances = (array[isBeyond] for array in (pairs, overlaps, tolerances))
-        order = np.argsort(self._keys(pairs))
+        order = np.argsort(self.keys(pairs))
         return Overlaps(pairs[order], overlaps[order], tolerances[order])
 
     def _nearPairs(self, positions):
         """Return the pairs that may overlap, the lower index first: all that are nearer than the largest spheres."""
-        modelled = np.flatnonzero(self._radii > 0)
-        reach = 2 * self._radii.max(initial=0) - self._tolerance
         # The tree rounds distances in its own way.
-        reach += 1e-9 * (abs(reach) + np.abs(positions).max(initial=0))
-        return modelled[nearPairs(positions[modelled], max(reach, 0))]
+        reach = self.reach + 1e-9 * (abs(self.reach) + np.abs(positions).max(initial=0))
+        return self.modelled[nearPairs(positions[self.modelled], max(reach, 0))]
 
     def _overlaps(self, positions, pairs):
         first, second = pairs.T
         squares = sum((positions[first, k] - positions[second, k]) ** 2 for k in range(3))
-        return self._radii[first] + self._radii[second] - np.sqrt(squares)
-
-    def _tolerances(self, pairs):
-        first, second = pairs.T
-        bonded = (self._donors[first] & self._acceptors[second]) | (self._acceptors[first] & self._donors[second])
-        return self._tolerance + np.where(bonded, self._allowance, 0.0)
-
-    def _keys(self, pairs):
-        """Return a number for each pair, by which pairs sort."""
-        return pairs.min(axis=1) * len(self._radii) + pairs.max(axis=1)
+        return self.radii[first] + self.radii[second] - np.sqrt(squares)
 
 
 class Verdict(NamedTuple):
@@ -101,7 +80,3 @@ def compare(start, end):
 
 def _select(overlaps, mask):
     return Overlaps(*(field[mask] for field in overlaps))
-
-
-def _plain(quantity):
-    return quantity.value_in_unit(quantity.unit)
