@@ -10,7 +10,7 @@ import openmm
 from .components import connectedParts
 from .openmmchaintree import StericExclusionForce, TorsionMonteCarloIntegrator
 from .residues import polymerBackbone
-from .systemreading import checkParticles, fixedParticles, hasPairEnergies
+from .systemreading import checkParticles, drudeParticles, fixedParticles, hasPairEnergies
 from .torsions import KINDS, findTorsions
 
 _END = 5  # residues
@@ -71,16 +71,13 @@ class MoveScene:
 
     def _checkDrudeParticles(self):
         """Refuse Drude particles that moves would leave behind."""
-        for force in self._system.getForces():
-            if isinstance(force, openmm.DrudeForce):
-                for index in range(force.getNumParticles()):
-                    drude, parent = force.getParticleParameters(index)[:2]
-                    if self._parts[drude] != self._parts[parent]:
-                        raise ValueError(
-                            f"particle {drude} is the Drude particle of particle {parent}, but moves would part them: "
-                            "add a bond between them to the StericExclusionForce, as createStericExclusionForce does "
-                            "if it is given the System"
-                        )
+        for drude, parent in drudeParticles(self._system):
+            if self._parts[drude] != self._parts[parent]:
+                raise ValueError(
+                    f"particle {drude} is the Drude particle of particle {parent}, but moves would part them: add a "
+                    "bond between them to the StericExclusionForce, as createStericExclusionForce does if it is given "
+                    "the System"
+                )
 
     def _sortTorsions(self, torsions):
         known = {frozenset(torsion.particles[1:3]): torsion for torsion in torsions}

@@ -52,10 +52,14 @@ def bondsOf(system):
     for force in system.getForces():
         if isinstance(force, openmm.HarmonicBondForce):
             bonds += [force.getBondParameters(i)[:3] for i in range(force.getNumBonds())]
-        elif isinstance(force, openmm.DrudeForce):
-            drudes = [force.getParticleParameters(i)[:2] for i in range(force.getNumParticles())]
-            bonds += [(drude, parent, 0 * unit.nanometer) for drude, parent in drudes]
+    bonds += [(drude, parent, 0 * unit.nanometer) for drude, parent in drudeParticles(system)]
     return [(first, second, length.value_in_unit(unit.nanometer)) for first, second, length in bonds]
+
+
+def drudeParticles(system):
+    """Return (Drude particle, parent) of the DrudeForces of a System."""
+    forces = [force for force in system.getForces() if isinstance(force, openmm.DrudeForce)]
+    return [tuple(force.getParticleParameters(i)[:2]) for force in forces for i in range(force.getNumParticles())]
 
 
 def _customBonds(system):

@@ -7,7 +7,7 @@ import openmm
 from openmm import app, unit
 
 from .components import connectedParts
-from .systemreading import bondsOf
+from .systemreading import bondsOf, drudeParticles
 
 # Masses (Da) of an element differ by less among force fields.
 _MASS_TOLERANCE = 0.1
@@ -85,8 +85,7 @@ def _asElement(element):
 
 
 def _elementsByMass(system):
-    forces = [force for force in system.getForces() if isinstance(force, openmm.DrudeForce)]
-    without = {force.getParticleParameters(index)[0] for force in forces for index in range(force.getNumParticles())}
+    without = {drude for drude, _ in drudeParticles(system)}
     elements = []
     for particle in range(system.getNumParticles()):
         mass = system.getParticleMass(particle).value_in_unit(unit.dalton)
