@@ -3,7 +3,6 @@
 import io
 import json
 import os
-import secrets
 import shutil
 import sys
 from contextlib import ExitStack, contextmanager, suppress
@@ -12,6 +11,7 @@ from textwrap import indent
 
 from ..errors import InputError
 from ..notes import listFirst
+from ..replicas.checkpointfile import nameTemporary
 from .terminal import printable
 
 try:
@@ -257,7 +257,7 @@ class Output:
                 self._locked(io.FileIO(self._path, "r+")).close()
 
     def _temporaryPath(self):
-        return self._path.with_name(f".{secrets.token_hex(8)}.part")
+        return self._path.with_name(nameTemporary())
 
 
 def encoded(text):

@@ -52,7 +52,7 @@ _HEADER = {
     "temporary": _text(r"\.[0-9a-f]{16}\.part"),
 }
 # What is looked at before the parser has looked at all settings.
-_SETTINGS = {"trials": _whole(1, 10**15), "frames": _whole(1, 10**15), "seed": _whole(1, 2**31 - 1)}
+_SETTINGS = {"trials": _whole(1, _LARGEST_COUNT), "frames": _whole(1, _LARGEST_COUNT), "seed": _whole(1, 2**31 - 1)}
 
 
 def findWrong(header):

@@ -28,7 +28,7 @@ _LARGEST_RATIO = 20
 
 
 def nameTemporary():
-    """Return a name that nobody has, for `writeCheckpoint`. A run keeps it, and knows by it what a kill has left."""
+    """Return a name that nobody has, for a file until it is whole."""
     return f".{secrets.token_hex(8)}.part"
 
 
@@ -37,7 +37,8 @@ def writeCheckpoint(path, header, checkpoints, temporaryName=None):
 
     Whatever ends the process or the machine, the file is the former one or this one. Nothing stays if writing fails.
 
-    temporaryName : str, of `nameTemporary`, what the file is called until it is whole; None: a new one
+    temporaryName : str, of `nameTemporary`, what the file is called until it is whole; None: a new one. A run keeps it,
+        and knows by it what a kill has left.
     """
     held = {str(replica): checkpoint for replica, checkpoint in enumerate(checkpoints) if checkpoint is not None}
     digests = {name: sha256(checkpoint).hexdigest() for name, checkpoint in held.items()}
