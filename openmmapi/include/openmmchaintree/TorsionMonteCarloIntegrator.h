@@ -87,9 +87,9 @@ class TrialSession;
  *   CustomExternalForce, CustomNonbondedForce, and generalized Born. Of CustomGBForces of another form it evaluates all
  *   in each trial that has come so far, or once for many trials, as of foreign ones; that takes milliseconds.
  * - Foreign: all else. OpenMM evaluates these once for many trials, see below, or for each trial that has come so far
- * if trials change them too much. It evaluates them alone, whatever their force group. GPU platforms evaluate force
- * groups as a whole; there copies in an inner Context serve for those that share a group with native Forces. Forces of
- * other plugins cannot be copied, so give them a group without native ones.
+ *   if trials change them too much. It evaluates them alone, whatever their force group. GPU platforms evaluate force
+ *   groups as a whole; foreign Forces that share a group with native ones are copied there to an inner Context. Forces
+ *   of other plugins cannot be copied, so give them a group without native ones.
  *
  * A trial passes the parts of U one by one, cheapest first, and ends at the first that refuses it: bonded terms, pairs
  * that are near, soft spheres, the other pairs, computed values, foreign Forces. By its own change dU of U each part
@@ -111,7 +111,7 @@ class TrialSession;
  * outer tests are
  *
  * - foreign Forces: OpenMM then evaluates them once a test and once a step instead of once a trial. By default the
- * first tests find out which of them are, and after how many trials; see setTrialsPerOuterTest();
+ *   first tests find out which of them are, and after how many trials; see setTrialsPerOuterTest();
  * - what a stand-in neglects. Generalized Born solvation, in which each pair of particles counts for each other, is
  *   native, but for trials it is replaced, together with Coulomb energies, by something near that depends on few
  *   particles; see setStandInCutoffs() and renewStandIns().
