@@ -143,6 +143,11 @@ class BondGraph:
         ]
 
 
+def defaultClosures(hasEnergies, cutDisulfides):
+    """Return the closures of those who choose none: disulfides where energies are sampled, unless they are cut."""
+    return (DISULFIDES,) if hasEnergies and not cutDisulfides else ()
+
+
 def neighborLists(count, bonds):
     """Return, for each of count atoms, the list of atoms bonded to it."""
     neighbors = [[] for _ in range(count)]

@@ -6,7 +6,7 @@ import numpy as np
 import openmm
 from openmm import app
 
-from .bonds import DISULFIDES, LOOPS, BondGraph, Closures, ringBonds
+from .bonds import LOOPS, BondGraph, Closures, defaultClosures, ringBonds
 from .naming import describeResidue, nameAtom
 from .notes import Note, found, warnOf
 from .openmmchaintree import StericExclusionForce
@@ -143,7 +143,7 @@ def createStericExclusionForce(
         others = bondsOfBareAtoms(topology, system)
     hasEnergies = system is not None and hasPairEnergies(system)
     if closures is None:
-        closures = DISULFIDES if hasEnergies and not cutDisulfides else ()
+        closures = defaultClosures(hasEnergies, cutDisulfides)
     graph = BondGraph(topology, positions, cutDisulfides, cutMetals, closures, held, others)
     if torsions is None:
         torsions = KINDS_WITH_ENERGIES if hasEnergies else ("phi", "psi", "chi")

@@ -4,7 +4,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ..bonds import DISULFIDES, LOOPS, BondGraph
+from ..bonds import DISULFIDES, LOOPS, BondGraph, defaultClosures
 from ..errors import InputError
 from ..links import Links
 from ..naming import describeResidue
@@ -68,7 +68,7 @@ class Choice(NamedTuple):
         if kinds is None:
             kinds = KINDS_WITH_ENERGIES if self.hasEnergies else DEFAULT_KINDS
         if close is None:
-            close = (DISULFIDES,) if self.hasEnergies and not self.cutDisulfides else ()
+            close = defaultClosures(self.hasEnergies, self.cutDisulfides)
         return self._replace(kinds=kinds, close=close)
 
 
