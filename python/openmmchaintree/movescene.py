@@ -53,10 +53,8 @@ class MoveScene:
         self.moleculeCount = len(np.unique(self._parts))
         self._residues = []  # of torsions, None where it is not known
         if torsions is None:
-            bonds = {
-                (min(bond[0].index, bond[1].index), max(bond[0].index, bond[1].index)) for bond in topology.bonds()
-            }
-            closures = [bond for bond in map(tuple, map(sorted, self._closures)) if bond in bonds]
+            bonds = {frozenset((bond[0].index, bond[1].index)) for bond in topology.bonds()}
+            closures = [bond for bond in self._closures if frozenset(bond) in bonds]
             torsions = findTorsions(topology, None, KINDS, True, True, closures=closures).torsions
         self.torsions = self._sortTorsions(torsions)
 
