@@ -4,6 +4,7 @@ import io
 import json
 import random
 import re
+import signal
 
 import commands
 import numpy as np
@@ -12,6 +13,11 @@ import pytest
 from commands import VILLIN_FILES, assertRefused, filesIn
 from openmm import app, unit
 from openmmchaintree.command.energies import Energies
+from openmmchaintree.command.energymodel import EnergyModel
+from openmmchaintree.command.forbidden import measureForbidden
+from openmmchaintree.command.sampling import Sampling
+from openmmchaintree.command.terminal import Interrupts
+from openmmchaintree.structure import readStructure
 from scenes import GLYCINES, readDCD, realStructurePath, writePDB
 
 PROTEIN = "amber14/protein.ff14SB.xml"  # a part of amber14-all.xml, quicker to read
@@ -208,6 +214,19 @@ def test_hardSpheresBesideAForceField(runHere, tmp_path, trials):
         assert forbidden["forbidden"] is None and "that takes a run of 20,000 trials or more" in forbidden["text"]
     else:
         assert 0 < forbidden["forbidden"] <= forbidden["frames"] == 50
+
+
+def test_interruptsEndWhatHardSpheresForbid():
+    """A run that was interrupted is not followed by another one."""
+    interrupts = Interrupts(lambda: None)
+    interrupts.receive(signal.SIGINT)
+    choice = EnergyModel([PROTEIN], 300.0, steric="hard")
+    sampling = Sampling(readStructure(), 1, energyModel=choice)
+    sampling.trials = 10**6
+    before = sampling.statistics()
+    forbidden = measureForbidden(sampling, interrupts)
+    assert forbidden["forbidden"] is None and "the run was interrupted" in forbidden["text"]
+    assert sampling.statistics() == before
 
 
 def test_noSpheresBesideAForceField(runHere, tmp_path):

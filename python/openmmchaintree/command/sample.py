@@ -17,6 +17,7 @@ from .ending import endRun, writeReports
 from .energymodel import EnergyModel
 from .energyoptions import addEnergyOptions, readEnergyOptions
 from .energyreport import describeEnergies
+from .forbidden import measureForbidden
 from .hydrogens import addHydrogens
 from .noteoutput import addNotes
 from .outputfiles import OutputError, Writing, addOverwrite, beginning, checkOutputs
@@ -224,10 +225,10 @@ def _sampleOne(prepared):
             if sampling.energies is not None:
                 console.print(describeEnergies(sampling.energies))
             writing.files = [outputs[kind].name for kind in ("topology", "trajectory", "settings") if kind in outputs]
-            interrupted = _sample(sampling, options.trials, trajectory, writing.failures)
+            interrupted, forbidden = _sample(sampling, options.trials, trajectory, writing.failures)
         if len(sampling.frames) > 1:
             writing.write(outputs["picture"], lambda output: _savePicture(output, sampling.structure, sampling))
-        summary = summarize(sampling, seed, writing.files, bool(interrupted), added)
+        summary = summarize(sampling, seed, writing.files, bool(interrupted), added, forbidden)
         writeReports(writing, outputs, sampling.notes, summary)
     finally:
         outputs["topology"].release()
@@ -280,7 +281,7 @@ def _beginFiles(outputs, structure, settings, trials, frames):
 
 
 def _sample(sampling, trials, trajectory, failures):
-    """Run all trials and write frames evenly along them; return Interrupts.
+    """Run all trials and write frames evenly along them; return Interrupts, and what hard spheres forbid.
 
     An OutputError ends the run, too, and joins the failures.
     """
@@ -301,7 +302,7 @@ def _sample(sampling, trials, trajectory, failures):
         except KeyboardInterrupt:
             printError(f"interrupted; {trajectory.describe()}")
             raise
-        return interrupted
+        return interrupted, measureForbidden(sampling, interrupted)
 
 
 def _savePicture(output, structure, sampling):

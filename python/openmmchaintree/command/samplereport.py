@@ -8,7 +8,6 @@ from ..naming import describeResidue
 from ..torsions import KINDS
 from .energymodel import HARD, OFF
 from .energyreport import printEnergies
-from .forbidden import describeForbidden
 from .noteoutput import asPlain, printNotes
 from .planreport import describePlan
 
@@ -19,10 +18,10 @@ _FATES = {"notMade": "not made", "clashed": "clashed", "rejectedByEnergy": "reje
 _LONGEST_LIST = 10
 
 
-def summarize(sampling, seed, files, interrupted, addedHydrogens):
+def summarize(sampling, seed, files, interrupted, addedHydrogens, forbidden):
     """Return everything that a run did as plain dictionaries and lists, for JSON.
 
-    Lengths are in nm, times in s, energies in kJ/mol.
+    Lengths are in nm, times in s, energies in kJ/mol. forbidden : what `measureForbidden` returned
     """
     return {
         **describeScene(sampling, addedHydrogens),
@@ -40,7 +39,7 @@ def summarize(sampling, seed, files, interrupted, addedHydrogens):
         "energy": sampling.summarizeEnergies(),
         "radiusOfGyration": [frame.radiusOfGyration for frame in sampling.frames],
         "stericMode": HARD if sampling.isHard else OFF,
-        "forbiddenBySpheres": describeForbidden(sampling),
+        "forbiddenBySpheres": forbidden,
         "clashesAtStart": len(sampling.startOverlaps.pairs),
         **describeVerdict(sampling),
         "files": files,
