@@ -1,8 +1,7 @@
 /* Each argument of each public call at each value that it must not have, and at the ends of those that it may have:
  * the status is the one that chaintree.h says, and the scene answers as it did before. */
+#include "borders.h"
 #include "check.h"
-
-#include <limits.h>
 
 enum {
   LINKS = 8,
@@ -12,20 +11,10 @@ enum {
   MOST_PAIRS = PARTICLES * PARTICLES
 };
 
-/* What has no place: links, particles and counts below 0 and beyond the last; numbers that are not finite. */
+/* What has no place: links and particles below 0 and beyond the last; numbers that are no lengths. */
 static const int wrongIndices[] = {INT_MIN, -2, -1, PARTICLES, PARTICLES + 1, INT_MAX - 1, INT_MAX};
-static const int wrongCounts[] = {INT_MIN, -2, -1, CT_MOST_COUNT + 1, INT_MAX};
-static const double notFinite[] = {NAN, INFINITY, -INFINITY};
 static const double noLengths[] = {NAN, INFINITY, -INFINITY, 1.1 * CT_MOST_LENGTH, -1.1 * CT_MOST_LENGTH, 1e300};
-static const double notPositive[] = {NAN, -INFINITY, -1, -5e-324, -0.0, 0};
 static const double smallAndLarge[] = {5e-324, 1e-310, 1e-40, 1e-20, 1e15, 1e19, 1e30, 1e200, 1.7e308};
-
-#define EACH(i, values)                   \
-  size_t i = 0;                           \
-  i < sizeof(values) / sizeof(values)[0]; \
-  i++
-
-static int callCount = 0;
 
 /* ---- The scene ---- */
 

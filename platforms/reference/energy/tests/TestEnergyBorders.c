@@ -1,24 +1,13 @@
 /* Each argument of each call on an energy, and each field of its description, at each value that it must not have, and
  * at the ends of those that it may have: the status is the one that ctenergy.h says, and energies are as before. */
-#include <limits.h>
-
+#include "../../chaintree/tests/borders.h"
 #include "../../chaintree/tests/check.h"
 #include "ctenergy.h"
 
 enum { BEADS = 20, LINKS = BEADS - 3, MOST_SETS = 7 };
 
-static const int wrongCounts[] = {INT_MIN, -2, -1, CT_MOST_COUNT + 1, INT_MAX};
 static const int wrongIndices[] = {INT_MIN, -2, -1, BEADS, BEADS + 1, INT_MAX};
-static const double notFinite[] = {NAN, INFINITY, -INFINITY};
-static const double notPositive[] = {NAN, -INFINITY, -1, -5e-324, -0.0, 0};
 static const double smallAndLarge[] = {5e-324, 1e-310, 1e-40, 1e-20, 1e-3, 1e9, 1e15, 1e17, 1e19, 1e30, 1e200, 1.7e308};
-
-#define EACH(i, values)                   \
-  size_t i = 0;                           \
-  i < sizeof(values) / sizeof(values)[0]; \
-  i++
-
-static int callCount = 0;
 
 /* ---- The description ---- */
 

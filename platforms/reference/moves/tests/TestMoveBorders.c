@@ -1,7 +1,6 @@
 /* Each argument of each call of the library of moves at each value that it must not have: what comes back is what the
  * headers say, and what comes of right arguments afterwards has the same bits as before. */
-#include <limits.h>
-
+#include "../../chaintree/tests/borders.h"
 #include "../../chaintree/tests/check.h"
 #include "ctclosure.h"
 #include "ctdensity.h"
@@ -11,13 +10,6 @@
 
 static const double extremes[] = {NAN, INFINITY, -INFINITY, 1.7e308, -1.7e308, 1e160, 1e80, 1e-160, 5e-324, 0, -0.0};
 static const int wrongInts[] = {INT_MIN, INT_MIN + 1, -2, -1, INT_MAX - 1, INT_MAX};
-
-#define EACH(i, values)                   \
-  size_t i = 0;                           \
-  i < sizeof(values) / sizeof(values)[0]; \
-  i++
-
-static int callCount = 0;
 
 /* ---- Closures ---- */
 
@@ -65,10 +57,10 @@ static void checkNoWindow(int line, const ctWindow* window) {
 
 static void testWindows(void) {
   ctWindow w;
-  const int wrongCounts[] = {INT_MIN, -1, 0, CT_PIVOTS - 1, CT_WINDOW_MOST + 1, 1000, INT_MAX};
-  for (EACH(i, wrongCounts)) {
+  const int noCounts[] = {INT_MIN, -1, 0, CT_PIVOTS - 1, CT_WINDOW_MOST + 1, 1000, INT_MAX};
+  for (EACH(i, noCounts)) {
     w = right;
-    w.count = wrongCounts[i];
+    w.count = noCounts[i];
     checkNoWindow(__LINE__, &w);
   }
   for (EACH(i, wrongInts)) {
@@ -152,9 +144,9 @@ static void testTables(void) {
   const double density = ctGetDensity(sound, angles);
   CHECK(density > 0);
   CHECK(ctCreateTable(2, NULL, values, 0.1) == NULL && ctCreateTable(2, bins, NULL, 0.1) == NULL);
-  const int wrongCounts[] = {INT_MIN, -1, 0, CT_DENSITY_MOST + 1, INT_MAX};
-  for (EACH(i, wrongCounts)) {
-    CHECK(ctCreateTable(wrongCounts[i], bins, values, 0.1) == NULL);
+  const int noCounts[] = {INT_MIN, -1, 0, CT_DENSITY_MOST + 1, INT_MAX};
+  for (EACH(i, noCounts)) {
+    CHECK(ctCreateTable(noCounts[i], bins, values, 0.1) == NULL);
   }
   const int wrongBins[] = {INT_MIN, -1, 0, CT_BINS_MOST, INT_MAX, 1 << 30};
   for (EACH(i, wrongBins)) {
@@ -197,11 +189,11 @@ static void testRotamers(void) {
   CHECK(ctCreateRotamers(2, 3, NULL, means, widths, 0.1) == NULL);
   CHECK(ctCreateRotamers(2, 3, weights, NULL, widths, 0.1) == NULL);
   CHECK(ctCreateRotamers(2, 3, weights, means, NULL, 0.1) == NULL);
-  const int wrongCounts[] = {INT_MIN, -1, 0, CT_DENSITY_MOST + 1, INT_MAX};
-  for (EACH(i, wrongCounts)) {
-    CHECK(ctCreateRotamers(wrongCounts[i], 3, weights, means, widths, 0.1) == NULL);
-    const bool isCount = wrongCounts[i] == CT_DENSITY_MOST + 1;
-    CHECK(isCount || ctCreateRotamers(2, wrongCounts[i], weights, means, widths, 0.1) == NULL);
+  const int noCounts[] = {INT_MIN, -1, 0, CT_DENSITY_MOST + 1, INT_MAX};
+  for (EACH(i, noCounts)) {
+    CHECK(ctCreateRotamers(noCounts[i], 3, weights, means, widths, 0.1) == NULL);
+    const bool isCount = noCounts[i] == CT_DENSITY_MOST + 1;
+    CHECK(isCount || ctCreateRotamers(2, noCounts[i], weights, means, widths, 0.1) == NULL);
   }
   const double wrongNumbers[] = {NAN, INFINITY, -INFINITY, -1.1 * CT_MOST_ANGLE, 1e300};
   for (EACH(i, wrongNumbers)) {
@@ -298,14 +290,14 @@ static void testLocalSteps(void) {
   memset(&soundSteps, 0, sizeof soundSteps);
   CHECK(ctFindLocalSteps(&sound, 0.1, 300, &soundSteps));
   CHECK(!ctFindLocalSteps(NULL, 0.1, 300, &steps) && steps.count == 0 && !ctFindLocalSteps(&sound, 0.1, 300, NULL));
-  const int wrongCounts[] = {INT_MIN, -1, 0, CT_LOCAL_MOST + 1, 1000000, INT_MAX};
-  for (EACH(i, wrongCounts)) {
-    w.count = wrongCounts[i];
+  const int noCounts[] = {INT_MIN, -1, 0, CT_LOCAL_MOST + 1, 1000000, INT_MAX};
+  for (EACH(i, noCounts)) {
+    w.count = noCounts[i];
     CHECK(!ctFindLocalSteps(&w, 0.1, 300, &steps) && steps.count == 0);
     ctTurnLocalWindow(&w, x, &turned);
     CHECK(memcmp(&turned, &sound, sizeof turned) == 0);
     steps = soundSteps;
-    steps.count = wrongCounts[i];
+    steps.count = noCounts[i];
     ctDrawLocalStep(&steps, x, y);
     CHECK(y[0] == 0 && isnan(ctComputeLocalLogDensity(&steps, x)));
   }
