@@ -1,5 +1,6 @@
 /* Life of an energy, and the order in which a trial's parts are computed. */
 #include <math.h>
+#include <stdarg.h>
 #include <stdio.h>
 #include <stdlib.h>
 
@@ -27,17 +28,19 @@ struct ctEnergy {
   char errorText[200];
 };
 
-static ctStatus fail(ctEnergy* energy, ctStatus status, const char* text) {
-  snprintf(energy->errorText, sizeof energy->errorText, "%s", text);
+static ctStatus fail(ctEnergy* energy, ctStatus status, const char* format, ...) __attribute__((format(printf, 3, 4)));
+
+static ctStatus fail(ctEnergy* energy, ctStatus status, const char* format, ...) {
+  va_list arguments;
+  va_start(arguments, format);
+  vsnprintf(energy->errorText, sizeof energy->errorText, format, arguments);
+  va_end(arguments);
   return status;
 }
 
 /* Fails because the energy or an argument of this name is NULL. */
 static ctStatus failMissing(ctEnergy* energy, const char* argument) {
-  if (energy != NULL) {
-    snprintf(energy->errorText, sizeof energy->errorText, "%s is NULL", argument);
-  }
-  return ctInvalidArgument;
+  return energy == NULL ? ctInvalidArgument : fail(energy, ctInvalidArgument, "%s is NULL", argument);
 }
 
 static ctStatus failOutOfMemory(ctEnergy* energy) {
@@ -325,9 +328,8 @@ ctStatus ctSetStandIn(ctEnergy* energy, const double* constants) {
   }
   for (int i = 0; i < count; i++) {
     if (!isFarPart(constants[i])) {
-      snprintf(energy->errorText, sizeof energy->errorText,
-               "the constant of particle %d is %g, which is no finite float", i, constants[i]);
-      return ctInvalidArgument;
+      return fail(energy, ctInvalidArgument, "the constant of particle %d is %g, which is no finite float", i,
+                  constants[i]);
     }
   }
   ctStandInSetFar(&energy->pairs.standIn, constants);
