@@ -60,10 +60,6 @@ int ctFindBadPosition(int particleCount, const double* positions) {
   return i;
 }
 
-static bool isIndex(int value, int count) {
-  return value >= 0 && value < count;
-}
-
 static ctStatus checkParticles(const ctDefinition* d, char* text, size_t size) {
   for (int i = 0; i < d->particleCount; i++) {
     if (!(d->radii[i] >= 0) || !isLength(d->radii[i])) {

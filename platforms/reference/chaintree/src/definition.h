@@ -12,6 +12,10 @@ ctStatus ctDefinitionCheck(const ctDefinition* definition, char* errorText, size
 /* The end of the sentence about a length that is none. */
 #define CT_NO_LENGTH "is not finite, or beyond 1e15 nm"
 
+static inline bool isIndex(int value, int count) {
+  return value >= 0 && value < count;
+}
+
 static inline bool isLength(double x) {
   return fabs(x) <= CT_MOST_LENGTH;
 }

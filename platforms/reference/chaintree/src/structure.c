@@ -1,9 +1,6 @@
 /* Whether a definition has the structure that a scene was made from. */
+#include "definition.h"
 #include "scene.h"
-
-static bool isIndex(int value, int count) {
-  return value >= 0 && value < count;
-}
 
 static bool hasArrays(const ctDefinition* d) {
   return (d->particleCount == 0 || d->particleLinks != NULL) &&
