@@ -31,19 +31,18 @@ typedef struct ctDensity ctDensity;
 
 /* Makes a density that is constant in each bin of a periodic grid. The circle of torsion k, of 1 to CT_DENSITY_MOST, is
  * cut into binCounts[k] bins of equal width, the first of which begins at -pi; all together there are at most
- * CT_BINS_MOST. values[b] is proportional to the density in bin b, the index
- * of the last torsion running fastest; it is finite and at least 0, and the sum is finite and above 0. A share `floor`,
- * in [0, 1], of the draws is uniform. Returns NULL if there is no memory. */
+ * CT_BINS_MOST. values[b] is proportional to the density in bin b, the index of the last torsion running fastest; it is
+ * finite and at least 0, and the sum is finite and above 0. A share `floor`, in [0, 1], of the draws is uniform.
+ * Returns NULL if there is no memory. */
 ctDensity* ctCreateTable(int torsionCount, const int* binCounts, const double* values, double floor);
 
 /* Makes a density with a peak at each of some rotamers: a product of bells, one a torsion. A bell is a cubic B-spline
  * of that mean and standard deviation, wrapped around the circle: at most .015/deviation from a normal density, and 0
  * from 3.46 deviations on, so that no exponential is needed to draw or evaluate it. A share `floor`, in [0, 1], of the
  * draws of each torsion is uniform instead, whatever becomes of the others. `weights` are rotamerCount (1 or more)
- * numbers, finite
- * and at least 0, of a sum above 0: proportional to how often each rotamer is drawn. `means` are rotamerCount rows of
- * torsionCount angles, in [-pi, pi], and `widths` as many standard deviations, in (0, pi]. Returns NULL if there is no
- * memory. */
+ * numbers, finite and at least 0, of a sum above 0: proportional to how often each rotamer is drawn. `means` are
+ * rotamerCount rows of torsionCount angles, in [-pi, pi], and `widths` as many standard deviations, in (0, pi]. Returns
+ * NULL if there is no memory. */
 ctDensity* ctCreateRotamers(int torsionCount, int rotamerCount, const double* weights, const double* means,
                             const double* widths, double floor);
 
