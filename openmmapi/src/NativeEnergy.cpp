@@ -204,16 +204,21 @@ void NativeEnergy::beginSchedule()
 
 void NativeEnergy::takeNoticeOfTest(const Difference& before, const Difference& after)
 {
-    if (!choosesForeign() || !schedule.isMeasuring())
-        return;
     const double thermal = BOLTZ * integrator.getTemperature();
+    if (thermal == 0)
+        return;
     auto changeOf = [thermal](double first, double second) {
         return first == second ? 0 : (second - first) / thermal;
     };
+    const double change = changeOf(before.whole, after.whole);
+    if (!choosesForeign() || !schedule.isMeasuring()) {
+        watch.add(change);
+        return;
+    }
     vector<double> changes;
     for (size_t i = 0; i < before.foreign.size(); i++)
         changes.push_back(changeOf(before.foreign[i], after.foreign[i]));
-    schedule.add(changes, changeOf(before.whole, after.whole));
+    schedule.add(changes, change);
 }
 
 // ---- The state ----
@@ -516,6 +521,7 @@ void NativeEnergy::computeStandIn()
 void NativeEnergy::renewStandIn()
 {
     schedule.restart();
+    watch.restart();
     if (!hasStandIn())
         return;
     computeStandIn();

@@ -860,6 +860,7 @@ int TorsionMonteCarloIntegrator::runTrials(int begin, SignalWatch& signals)
     const TrialSession::Limits limits = mode == Hard  ? TrialSession::ApplyLimits
                                         : mode == Off ? TrialSession::ApplyTrialSpheres
                                                       : TrialSession::IgnoreLimits;
+    native->judgeOuterTests();
     native->updatePlan();
     TrialSession trials(*force, *context, force->getTrialKernel(), limits);
     if (mode != Hard)

@@ -5,6 +5,7 @@ import pickle
 import subprocess
 import sys
 import time
+import warnings
 
 import numpy as np
 import openmm
@@ -56,6 +57,19 @@ def test_statistics(villin, pulled):
     assert all(stage.computed == 0 for stage in integrator.getStageStatistics())
     integrator.resetMoveStatistics()
     assert integrator.getOuterStatistics().attempted == 0
+
+
+@pytest.mark.parametrize("trialsPerOuterTest, isSlow", [(1, False), (400, True)])
+def test_slowChains(villin, pulled, trialsPerOuterTest, isSlow):
+    """Where outer tests keep hardly anything, a warning says so, once."""
+    integrator = makeIntegrator(trialsPerOuterTest)
+    context = openmm.Context(pulled, integrator, REFERENCE)
+    context.setPositions(villin.positions)
+    integrator.setTrialsPerStep(400)
+    with warnings.catch_warnings(record=True) as caught:
+        warnings.simplefilter("always")
+        integrator.step(230)
+    assert ["chains move slowly" in str(warning.message) for warning in caught] == [True] * isSlow
 
 
 def test_withoutForeignForces(villin):

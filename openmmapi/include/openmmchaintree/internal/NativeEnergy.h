@@ -8,6 +8,7 @@
 #include "openmmchaintree/internal/ForeignForces.h"
 #include "openmmchaintree/internal/NativeEnergyCheck.h"
 #include "openmmchaintree/internal/OuterSchedule.h"
+#include "openmmchaintree/internal/OuterWatch.h"
 #include "openmmchaintree/TorsionMonteCarloIntegrator.h"
 #include <memory>
 #include <string>
@@ -173,6 +174,13 @@ public:
      */
     void takeNoticeOfTest(const Difference& before, const Difference& after);
     /**
+     * Warn if outer tests keep few trials.
+     */
+    void judgeOuterTests()
+    {
+        watch.judge();
+    }
+    /**
      * Get U1 of the state, without what moves cannot change and without soft spheres.
      */
     double getInnerEnergy();
@@ -296,6 +304,7 @@ private:
     bool termsCanChange, pairsCanChange, valuesCanChange;
     ForeignForces foreign;
     OuterSchedule schedule;
+    OuterWatch watch;
     /** The number of trials until OpenMM's energy is compared again, and how many there were to be the last time. */
     long long trialsToCheck, checkInterval;
     /** The number of parts of the open trial that were computed, and the sum of their changes. */
