@@ -33,91 +33,90 @@ class StericExclusionForceImpl;
 class TrialSession;
 
 /**
- * This Integrator samples molecules by Monte Carlo moves of their torsions, of their ball joints and of whole
- * molecules, with bond lengths and, but at ball joints, bond angles frozen. It drives the one StericExclusionForce of
- * its System.
+ * This Integrator samples molecules by Monte Carlo moves of torsions, ball joints and whole molecules. Bond lengths are
+ * fixed, and so are bond angles except at ball joints. It works with the one StericExclusionForce of its System.
  *
- * What it samples is, uniform in torsion angles, in the rotations of ball joints and in the placement of rigid bodies,
+ * The sampled distribution is uniform in torsion angles, in the rotations of ball joints and in the placement of rigid
+ * bodies, weighted by
  *
  *     pi(x) ~ exp(-U(x)/kT)
  *
- * where U is the energy of the integration force groups without that of the StericExclusionForce, even where they share
- * a group. In this, the steric mode Off, the spheres of that force count for nothing. It is what Automatic, the
- * default, means where a NonbondedForce or CustomNonbondedForce of these groups holds all particles that have a radius.
- * Elsewhere it means Hard:
+ * where U is the energy of the integration force groups without the StericExclusionForce, even if that shares a group
+ * with others. This is the steric mode Off: the spheres of that force have no effect. Automatic, the default, means Off
+ * if a NonbondedForce or CustomNonbondedForce of these groups holds all particles that have a radius. Otherwise it
+ * means Hard:
  *
  *     pi(x) ~ exp(-U(x)/kT) * 1[no pair of particles overlaps beyond its limit]
  *
  * If no other force can contribute energy, sampling is athermal: every trial without a clash is accepted. A
- * CMMotionRemover or AndersenThermostat has no energy. Which Forces there are and to which groups they belong is
- * settled when the Context is created; changes of the System after that have no effect until it is reinitialized.
+ * CMMotionRemover or AndersenThermostat has no energy. The Forces and their groups are read when the Context is
+ * created; later changes of the System have no effect until it is reinitialized.
  *
- * <b>Soft spheres.</b> After setStericMode(Soft) there are no limits, and no trial is refused by a clash. Instead, the
- * energy E of the StericExclusionForce is a part of what is sampled, whatever its force group is:
+ * <b>Soft spheres.</b> After setStericMode(Soft) there are no limits, and no trial is rejected by a clash. Instead, the
+ * energy E of the StericExclusionForce is part of the sampled energy, whatever its force group is:
  *
  *     pi(x) ~ exp(-(U(x) + E(x))/kT)
  *
- * This is the ensemble of dynamics in which the force takes part. Let Monte Carlo and dynamics take turns in a
- * CompoundIntegrator with Soft or Off: with Hard each of them would sample a distribution of its own, and the turns
- * neither. (Dynamics at a constant temperature, that is, in which the force's group is among the
- * integration force groups; and bond lengths and angles, which dynamics may change, are frozen in the trials.)
+ * Dynamics samples this ensemble if the force takes part in it. To alternate Monte Carlo and dynamics in a
+ * CompoundIntegrator, use Soft or Off: with Hard each of them would sample a distribution of its own, and their
+ * alternation neither. (The dynamics must be at constant temperature, with Soft the group of the force must be among
+ * its integration force groups, and trials keep the bond lengths and angles at which dynamics stopped.)
  *
- * <b>Early refusal.</b> With Off, trials are still refused before their energy is known where a NonbondedForce says
- * that they are hopeless, and no other energy of pairs or foreign Force could contradict it: if the Lennard-Jones
- * repulsion of a pair that a trial moves, less the greatest Coulomb attraction of such a pair, exceeds 60 kT (at 500 K,
- * or at the temperature if that is higher). Such trials count as clashed. A charge without Lennard-Jones, such as the
- * hydrogen of a hydroxyl group in AMBER, whose energy with an opposite charge has no minimum, is kept 0.001 nm away
- * from the core of any other particle, whose radius is about 0.1 nm. If some pair is that near when a step begins, the
- * step refuses nothing early.
+ * <b>Early refusal.</b> With Off, a trial is still rejected before its energy is computed if it brings two particles so
+ * close that their Lennard-Jones repulsion, less the greatest Coulomb attraction of such a pair, exceeds 60 kT (at 500
+ * K, or at the temperature if that is higher). This needs a NonbondedForce, and no other energy of pairs or foreign
+ * Force. Such trials count as clashed. A charge without Lennard-Jones, such as the hydrogen of a hydroxyl group in
+ * AMBER, has an energy without minimum near an opposite charge; it is kept 0.001 nm away from the core of any other
+ * particle, whose radius is about 0.1 nm. If a pair is that close when a step begins, the step has no early refusal.
  *
  * <b>Steps and trials.</b> A step consists of many trials, 100 by default; see setTrialsPerStep(). Each trial draws one
- * of the moves by its weight and proposes it. A trial in which a pair overlaps beyond its limit is refused at once,
- * which usually takes microseconds. Only for the others does U matter. A trial whose U' is not a number is refused and
- * counts as rejected by energy. Monte Carlo has no time: a step lasts 0 ps. So a reporter of OpenMM shows the steps,
- * the progress and the remaining time as always, the temperature of the heat bath, and a speed of 0 ns/day. After
- * setStepSize() a step counts as that time, which does not change what is sampled: after setStepSize(1000), in ps, the
- * speed is in steps a day.
+ * of the moves by its weight and proposes it. If a pair then overlaps beyond its limit, the trial is rejected, usually
+ * within microseconds; otherwise the change of U decides. A trial whose energy is not a number is rejected, and counts
+ * as rejected by energy. A step takes 0 ps, since Monte Carlo has no time. OpenMM's reporters therefore show steps,
+ * progress and remaining time as usual, the temperature of the heat bath, and a speed of 0 ns/day. setStepSize() gives
+ * a step a length without changing the sampling: after setStepSize(1000), in ps, the speed is in steps per day.
  *
- * <b>Energies.</b> Each Force of the integration force groups is one of three; getEnergyPlan() tells which, and why.
+ * <b>Energies.</b> Each Force of the integration force groups is one of three kinds. getEnergyPlan() tells which, and
+ * why.
  *
- * - Constant: no move can change it, such as bonds and angles whose particles keep their distances. It costs nothing.
- * - Native: this library evaluates it, and of it only what a trial changes, in microseconds. It can do so for
- *   NonbondedForce (without periodic images), HarmonicBondForce, HarmonicAngleForce, PeriodicTorsionForce,
- *   RBTorsionForce, CMAPTorsionForce, CustomBondForce, CustomAngleForce, CustomTorsionForce, CustomCompoundBondForce,
- *   CustomExternalForce, CustomNonbondedForce, and generalized Born. Of CustomGBForces of another form it evaluates all
- *   in each trial that has come so far, or once for many trials, as of foreign ones; that takes milliseconds.
- * - Foreign: all else. OpenMM evaluates these once for many trials, see below, or for each trial that has come so far
- *   if trials change them too much. It evaluates them alone, whatever their force group. GPU platforms evaluate force
- *   groups as a whole; foreign Forces that share a group with native ones are copied there to an inner Context. Forces
- *   of other plugins cannot be copied, so give them a group without native ones.
+ * - Constant: no move can change it, such as bonds and angles whose particles keep their distances. It costs no time.
+ * - Native: this library evaluates the terms that a trial changes, in microseconds. Native are NonbondedForce (without
+ *   periodic images), HarmonicBondForce, HarmonicAngleForce, PeriodicTorsionForce, RBTorsionForce, CMAPTorsionForce,
+ *   CustomBondForce, CustomAngleForce, CustomTorsionForce, CustomCompoundBondForce, CustomExternalForce,
+ *   CustomNonbondedForce, and generalized Born. A CustomGBForce of another form is evaluated as a whole, in
+ *   milliseconds: in each trial that passed the earlier stages, or once in many trials like a foreign Force.
+ * - Foreign: all other Forces. OpenMM evaluates each of them alone, whatever its force group, once in many trials (see
+ *   below), or in each trial that passed the earlier stages if trials change it too much. GPU platforms evaluate force
+ *   groups as a whole; there, foreign Forces that share a group with native ones are copied to an inner Context. Forces
+ *   of other plugins cannot be copied, so put them in a group without native ones.
  *
- * A trial passes the parts of U one by one, cheapest first, and ends at the first that refuses it: bonded terms, pairs
- * that are near, soft spheres, the other pairs, computed values, foreign Forces. By its own change dU of U each part
- * lets the trial pass with probability min(1, exp(-dU/kT)). This samples exp(-U/kT) exactly (delayed acceptance;
- * Christen and Fox, J. Comput. Graph. Stat. 14, 795 (2005)). getStageStatistics() tells where trials end. At a
- * temperature of 0, and after setNativeEnergies(false), the sum decides: a trial is accepted with probability min(1,
- * exp(-(U' - U)/kT)).
+ * A trial passes through stages, cheapest first: bonded terms, near pairs, soft spheres, the other pairs, computed
+ * values, foreign Forces. Each stage lets it pass with probability min(1, exp(-dU/kT)), where dU is the change of that
+ * stage's part of U, and the trial is rejected at the first stage that it fails. This samples exp(-U/kT) exactly
+ * (delayed acceptance; Christen and Fox, J. Comput. Graph. Stat. 14, 795 (2005)). getStageStatistics() tells at which
+ * stage trials were rejected. At a temperature of 0, and after setNativeEnergies(false), a trial is accepted with
+ * probability min(1, exp(-(U' - U)/kT)).
  *
  * OpenMM's own energy is compared at the first step, after changes of parameters, and every million trials. If a native
- * Force has another energy than OpenMM says, step() throws an exception that names it.
+ * Force has another energy than OpenMM computes, step() throws an exception that names it.
  *
- * The positions reach the Context once a step; if there are foreign Forces, also for each trial that comes to them, or
- * for each outer test.
+ * The positions are copied to the Context once per step; with foreign Forces, also for each trial or outer test that
+ * needs them.
  *
- * <b>Outer tests.</b> Trials can do without a dear part of U. They are then decided by the rest, U1, and after a number
- * of them an outer test keeps all that were accepted since the last test, or takes all back, with probability min(1,
- * exp(-((U' - U1') - (U - U1))/kT)), where U and U1 are those at the last test. This samples exp(-U/kT) exactly,
- * however much the dear part is. (At a temperature of 0 the trials are kept unless U has gone up.) What is left to
- * outer tests are
+ * <b>Outer tests.</b> Trials can omit an expensive part of U. They are then decided by the rest, U1. After m of them,
+ * an outer test keeps all trials accepted since the last test with probability min(1, exp(-((U' - U1') - (U -
+ * U1))/kT)), where U and U1 are the energies at the last test, and otherwise restores the state at the last test. This
+ * samples exp(-U/kT) exactly, however large the omitted part is (nested Monte Carlo). At a temperature of 0 the trials
+ * are kept unless U has increased. Outer tests decide
  *
- * - foreign Forces: OpenMM then evaluates them once a test and once a step instead of once a trial. By default the
- *   first tests find out which of them are, and after how many trials; see setTrialsPerOuterTest();
- * - what a stand-in neglects. Generalized Born solvation, in which each pair of particles counts for each other, is
- *   native, but for trials it is replaced, together with Coulomb energies, by something near that depends on few
- *   particles; see setStandInCutoffs() and renewStandIns().
+ * - foreign Forces, which OpenMM then evaluates once per test and once per step instead of once per trial. By default
+ *   the first tests find out which Forces allow this, and a suitable m; see setTrialsPerOuterTest();
+ * - the error of a stand-in. In generalized Born solvation every pair of particles depends on all others. It is native,
+ *   but trials see an approximation, together with Coulomb energies, that depends on few particles; see
+ *   setStandInCutoffs() and renewStandIns().
  *
- * Trials that were taken back leave no trace but in getOuterStatistics(), which tells what became of the tests. If few
- * of them keep their trials, let them come after fewer trials, or let trials change less.
+ * Only getOuterStatistics() counts the trials that outer tests undid. If most are undone, reduce m or the sizes of
+ * moves. A warning says so if 100 tests kept few trials.
  *
  * <b>Moves.</b> Add at least one by addTorsionMove(), addRigidBodyMove(), addClosedMove() or addLocalMove().
  *
@@ -130,81 +129,77 @@ class TrialSession;
  * integrator.step(1000);                        // 100,000 trials
  * @endcode
  *
- * <b>Limits.</b> The limit of a pair is its tolerance, unless it clashes when sampling starts; see
- * StericExclusionForce, also for who may start them anew. By setInitialClashPolicy() such clashes are tolerated, which
- * is the default, or refused. Minimizing the energy counts as setting positions. (GPU platforms do not tell of it:
- * there it must have moved a particle and, after steps of another Integrator, have evaluated the StericExclusionForce.
- * If in doubt, call StericExclusionForce::restartLimits().)
+ * <b>Limits.</b> The limit of a pair is its tolerance, unless the pair clashes when sampling starts; see
+ * StericExclusionForce, also for what restarts limits. setInitialClashPolicy() chooses whether such clashes are
+ * tolerated, which is the default, or refused. Minimizing the energy counts as setting positions. (On GPU platforms
+ * this library notices it only if it moved a particle and, after steps of another Integrator, evaluated the
+ * StericExclusionForce. If in doubt, call StericExclusionForce::restartLimits().)
  *
- * <b>Time</b> means nothing to Monte Carlo. The step size is 0 by default; a program that wants time to pass, for
- * example as a label of frames, can set another one.
+ * <b>Velocities.</b> At the end of a step, the velocities of each rigid link are rotated as the step rotated the link.
+ * This keeps the kinetic energy, and constraints within links and along the axes of torsions, so that alternating
+ * dynamics and Monte Carlo sample one temperature. If the System has a CMMotionRemover, its momentum is kept as well. A
+ * constraint across a ball joint, or across the axis of a torsion, such as that of an angle, is an error beside
+ * dynamics. Velocities that are all 0 remain 0, at no cost.
  *
- * <b>Velocities.</b> At the end of a step, the velocities of each rigid link turn by the rotation that the step gave
- * the link. That keeps the kinetic energy, and constraints within links and along the axes of torsions, so that
- * dynamics and Monte Carlo in turns sample one temperature. Where the System has a CMMotionRemover, its momentum stays,
- * too. A constraint across a ball joint, or across the axis of a torsion, such as that of an angle, is an error beside
- * dynamics. Velocities that are all 0 stay so, which costs nothing.
- *
- * Most integrators keep velocities of half a step before the positions, which hold a part of the forces there. So when
- * another Integrator of a CompoundIntegrator resumes, velocities are also rotated from the accelerations where it
- * paused to those where it resumes, with the same kinetic energy and constraints. That evaluates forces twice for each
- * such change of Integrators. An Integrator that does not call updateContextState() resumes without.
+ * Most integrators keep velocities of half a step before the positions, which depend on the forces there. So when
+ * another Integrator of a CompoundIntegrator resumes, velocities are also rotated from the direction of the
+ * accelerations at its last step to their present direction, keeping kinetic energy and constraints. That evaluates
+ * forces twice each time another Integrator resumes. An Integrator that does not call updateContextState() resumes
+ * without this rotation.
  *
  * <b>Errors.</b> Creating a Context throws an exception if its System has no StericExclusionForce or more than one, a
- * barostat while spheres are Hard, or a constraint between particles that a torsion
- * or ball joint moves relative to each other, and if a move names what does not exist. A step throws an exception if no
- * move can be drawn, if U of the present positions is not a number, if these are not finite, if OpenMM has another
- * energy for a native Force, or if another Force throws one. The Context then is where the trials that were accepted
- * have led (with outer tests, where the last test has left it), and these are counted, but the step is not.
+ * barostat while spheres are Hard, or a constraint between particles that a torsion or ball joint moves relative to
+ * each other, or if a move names something that does not exist. A step throws an exception if no move can be drawn, if
+ * U at the present positions or these are not finite numbers, if OpenMM has another energy for a native Force, or if
+ * another Force throws one. The Context then holds the last accepted state (with outer tests, the state after the last
+ * test), and the statistics count the trials up to there, but not the step.
  *
- * <b>Threads.</b> One thread at a time uses what this plugin holds of a Context; calls of this plugin in other threads
- * wait for it. OpenMM's own calls that would evaluate or change the Context meanwhile get an exception, such as
- * getState() with energies, setPositions() and loadCheckpoint(). So does a Force that calls this integrator or the
- * StericExclusionForce about its own Context from within an evaluation.
+ * <b>Threads.</b> One thread at a time uses the data that this plugin holds of a Context; calls of this plugin in other
+ * threads wait. Meanwhile, calls of OpenMM that would evaluate or change the Context throw an exception: getState()
+ * with energies, setPositions() and loadCheckpoint(), for example. So does a Force that calls this integrator or the
+ * StericExclusionForce about its own Context while it is evaluated.
  *
- * <b>Signals in Python.</b> Ctrl-C, and any signal that has a handler in Python, ends a step() of the main thread
- * within a second. Handlers run between two steps, where they may save a checkpoint, and trials go on as if nothing had
- * happened if they return. If a step would take longer than that, they run in its midst: the trials so far are kept, an
- * unfinished outer test is made at that time, so that what is sampled stays exact, and the rest of the step follows if
- * the handler returns. If it raises an exception, as that of Ctrl-C does, that step is not counted, and whoever called
- * step() gets the exception.
+ * <b>Signals in Python.</b> Ctrl-C, and any signal that has a handler in Python, interrupts a step() of the main thread
+ * within a second. The handler runs between two steps, where it may save a checkpoint, and sampling continues if it
+ * returns. In a step longer than a second it runs during the step: an unfinished outer test is made at once, so that
+ * sampling stays exact, and the step continues if the handler returns. If it raises an exception, as that of Ctrl-C
+ * does, the step is not counted, and the caller of step() gets the exception.
  *
  * <b>Checkpoints and States.</b> With the same random number seed, the same program samples the same trajectory, bit
- * for bit. So does one that is broken off between two steps and goes on from a checkpoint, or from a State with
- * positions and integrator parameters, as app.Simulation saves it in Python. Both hold the random number generator, the
- * limits, the statistics of the moves and of outer tests, the scales of moves, the numbers of a stand-in, and what the
- * geometry is computed from. Making one starts the sums of native energies anew, so a run that makes none can differ
- * from one that does, by the last bits of its energies. The trial that the user may have opened by StericExclusionForce
- * and the counts of getStageStatistics() are in neither. What a program sets by this class (temperature, steric mode,
- * native energies, trials per step, moves, whether their sizes adapt) is in neither, too: it has to be the same again
- * for the same bits.
+ * for bit, also if it is interrupted between two steps and resumed from a checkpoint, or from a State with positions
+ * and integrator parameters as app.Simulation saves it in Python. Both hold the random number generator, the limits,
+ * the statistics of moves and outer tests, the scales of moves, the constants of a stand-in, and the torsion angles and
+ * placements from which positions are computed. Making one recomputes the sums of native energies, so the energies of a
+ * run with checkpoints can differ in the last bits from those of a run without. Neither holds a trial that the user
+ * has proposed through StericExclusionForce, the counts of getStageStatistics(), or the settings of this class
+ * (temperature, steric mode, native energies, trials per step, moves, whether their sizes adapt): set these to the same
+ * values to get the same bits.
  *
- * A checkpoint is strict. It is refused by an exception if it is of another structure or if its moves are not those of
- * this integrator: as many, of the same kinds, and with the same parameters and weights, in the same order. The
- * exception names the first move that differs. (To go on with other moves, load the checkpoint with the old ones and
- * change them then.) It is refused, too, if one bit of it has changed, in OpenMM's part or in this one's: checksums
- * cover both. (A C++ program that writes a checkpoint straight to a file, instead of a stringstream, has a checksum of
- * this integrator's part alone.) Checkpoints of version 4 have no checksum; links and positions that do not belong
- * together are refused. By the time the exception is thrown the Context has the checkpoint's positions, velocities,
- * parameters and time: OpenMM restores these before it asks the Integrator. All else is as it was before, but limits,
- * which start anew from these positions.
+ * Loading a checkpoint is strict. It throws an exception if the checkpoint is of another structure or if its moves are
+ * not those of this integrator: their number, kinds, parameters, weights and order must be equal. The exception names
+ * the first move that differs. (To continue with other moves, load the checkpoint first and change the moves then.) It
+ * also throws if a checksum of OpenMM's part or of this integrator's differs. (A C++ program that writes a checkpoint
+ * to a file stream instead of a stringstream gets a checksum of this integrator's part only.) Checkpoints of version 4
+ * and before have no checksum, but links and positions must fit each other. OpenMM restores positions, velocities,
+ * parameters and time before it calls the Integrator, so after the exception the Context has those of the checkpoint;
+ * limits restart from these positions, and everything else is as before.
  *
- * A State is not. Its random number generator and its limits are taken over whatever the moves are, the statistics and
- * scales only if the moves are the same. If the Context has another structure, or not the bits of the positions that
- * the sampling stood at (for example because the State was made with enforcePeriodicBox, or holds no positions),
- * sampling goes on from the positions that the Context has, within rounding. A warning tells if positions, velocities
- * or parameters are not those with which the State was made. A State is refused, and changes nothing that is this
- * integrator's, if it is damaged: if a checksum of these parameters, the time or the box differ, if one number alone of
- * all positions or velocities does, or if a link has another shape while some particles are where they were. States of
- * version 1 hold limits alone, those of version 2 nothing of outer tests, those of version 3 no checksums.
+ * Loading a State is not strict. Its random number generator and limits are used whatever the moves are, the statistics
+ * and scales only if the moves are the same. If the Context has another structure, or other bits of the positions than
+ * at the time of saving (for example because the State was made with enforcePeriodicBox, or holds no positions),
+ * sampling continues from the positions of the Context, within rounding. A warning tells if positions, velocities or
+ * parameters are not those with which the State was made. A damaged State is refused, and nothing of this integrator
+ * changes: damaged means that a checksum of these parameters, the time or the box differs, that a single number of all
+ * positions or velocities differs, or that a link has another shape while some particles are where they were. States
+ * of version 1 hold only limits, those of version 2 nothing about outer tests, those of version 3 no checksums.
  *
- * <b>A refused reinitialize().</b> Context::reinitialize() throws an exception if the System has come to hold what a
- * Force or this integrator refuses, and leaves a Context that is not complete. The integrator then keeps what the
- * Context held before: positions, velocities, box, parameters, time and the state of sampling. Mend what the exception
- * named and call reinitialize(true): sampling goes on, bit for bit, as if nothing had been refused. Positions and
- * velocities that are set in between are kept instead, and the former start limits anew. createCheckpoint() writes what
- * is kept. All else that would need the state of sampling throws an exception until then. The positions that such a
- * Context reports are the former ones if it was this integrator that refused, else whatever OpenMM has left there.
+ * <b>A refused reinitialize().</b> Context::reinitialize() throws an exception if the System now holds something that a
+ * Force or this integrator refuses, and leaves an incomplete Context. The integrator then keeps what the Context held
+ * before: positions, velocities, box, parameters, time and the state of sampling. Correct what the exception named and
+ * call reinitialize(true): sampling continues, bit for bit, as if nothing had been refused. Positions and velocities
+ * that are set in between replace the saved ones, and such positions restart limits. createCheckpoint() writes the
+ * saved state. Every other call that needs the state of sampling throws an exception until then. The positions that
+ * such a Context reports are the saved ones if this integrator refused, otherwise whatever OpenMM has left there.
  */
 class OPENMM_EXPORT_CHAINTREE TorsionMonteCarloIntegrator : public OpenMM::Integrator {
 public:
@@ -213,7 +208,7 @@ public:
      */
     enum InitialClashPolicy {
         /**
-         * Each of them gets the overlap it starts with as its limit.
+         * Each of them gets its initial overlap as its limit.
          */
         Tolerate = 0,
         /**
@@ -226,15 +221,15 @@ public:
      */
     enum StericMode {
         /**
-         * A trial is refused if a pair overlaps beyond its limit.
+         * A trial is rejected if a pair overlaps beyond its limit.
          */
         Hard = 0,
         /**
-         * The energy of the force is a part of what is sampled, and there are no limits.
+         * The energy of the force is part of the sampled energy, and there are no limits.
          */
         Soft = 1,
         /**
-         * Spheres count for nothing, and the force has no energy in the Context.
+         * Spheres have no effect, and the force has no energy in the Context.
          */
         Off = 2,
         /**
@@ -285,7 +280,7 @@ public:
          */
         Constant = 1,
         /**
-         * This library, and mostly only what the trial changes.
+         * This library, which mostly computes only the terms that the trial changes.
          */
         Native = 2,
         /**
@@ -310,11 +305,11 @@ public:
      * What getStageStatistics() tells about a part of U.
      */
     struct StageStatistics {
-        /** What the part is, for people to read. */
+        /** The name of the part, for people to read. */
         std::string stage;
-        /** The number of trials that came so far, so that their change of this part was computed. */
+        /** The number of trials that reached this part, so that its change was computed. */
         long long computed;
-        /** How many of them it refused. The others went on to the next part, or were accepted. */
+        /** How many of them it rejected. The others reached the next part, or were accepted. */
         long long refused;
     };
     /**
@@ -340,8 +335,8 @@ public:
     int getRandomNumberSeed() const;
     /**
      * Set the random number seed. Two Contexts created with the same seed and the same program sample the same
-     * trajectory, bit for bit. If the seed is 0, which is the default, every Context gets another one. Setting the seed
-     * has no effect on an existing Context until it is reinitialized.
+     * trajectory, bit for bit. If the seed is 0, which is the default, every Context gets a different one. Setting the
+     * seed has no effect on an existing Context until it is reinitialized.
      *
      * @param seed  the random number seed
      */
@@ -410,44 +405,42 @@ public:
      */
     int getTrialsPerOuterTest() const;
     /**
-     * Set the number of trials to an outer test, which keeps all that were accepted since the last one or takes all
-     * back. A step always ends with a test, so there are never more trials to one than there are in a step: for 400,
-     * set 400 or a multiple of it by setTrialsPerStep().
+     * Set the number of trials to an outer test, which keeps all trials accepted since the last test or undoes them. A
+     * step always ends with a test, so for 400 trials set 400 or a multiple of it by setTrialsPerStep().
      *
      * With 0, which is the default, a stand-in is tested after 400 trials, and CustomGBForces that are evaluated as a
-     * whole decide each trial. Of foreign Forces the first tests measure by how much trials change them. These come
-     * after 12 trials, and after more and more, up to 400 or those of a step, as long as over half of the tests are
-     * likely to keep their trials, as with a standard deviation of the differences below 1.35 kT. Forces that change
-     * more than that in 12 trials decide each trial from then on. The choice is fixed after some thousand trials, which
-     * are none to take statistics from. It is in checkpoints and States, and renewStandIns() makes it again.
+     * whole decide each trial. The first tests measure how much trials change the foreign Forces. They come after 12
+     * trials at first, then after up to 400 or the trials of a step, while more than half of the tests are expected to
+     * keep their trials (a standard deviation of the differences below 1.35 kT). Forces that change more than that in
+     * 12 trials decide each trial from then on. The choice is fixed after some thousand trials; take no statistics
+     * before. Checkpoints and States hold it, and renewStandIns() repeats it.
      *
-     * With a number from 1 on, all of these are tested after so many trials. Where there are none of them there is no
-     * outer test at all. This may change between two steps.
+     * With a number of at least 1, all of these are tested after that number of trials. Without any of them there is no
+     * outer test. The number may change between two steps.
      *
      * @param trials  the number of trials, or 0
      */
     void setTrialsPerOuterTest(int trials);
     /**
-     * Get what became of outer tests, since the integrator was created or resetMoveStatistics() was called. The
-     * difference is by how much the trials of a test changed U - U1, the part of U that they had not seen; that of
-     * tests before which no trial was accepted is left out. It should be a few kJ/mol at most. If its standard
-     * deviation is s, in units of kT, about erfc(s / sqrt(8)) of the tests keep their trials.
+     * Get the results of outer tests, since the integrator was created or resetMoveStatistics() was called. The
+     * difference of a test is the change of U - U1, the part of U that trials omit; tests without an accepted trial
+     * have none. It should be a few kJ/mol at most. If its standard deviation is s, in units of kT, about
+     * erfc(s / sqrt(8)) of the tests keep their trials.
      *
      * @param[out] attempted          the number of tests
      * @param[out] accepted           how many of them kept their trials
-     * @param[out] trialsTakenBack    the number of trials that the others took back. They are in no other count, as if
-     *                                they had never been.
+     * @param[out] trialsTakenBack    the number of trials that the others undid. No other statistics count them.
      * @param[out] meanDifference     the mean of the differences, in kJ/mol; 0 if there are none
      * @param[out] standardDeviation  their standard deviation, in kJ/mol; 0 if there are fewer than two
      */
     void getOuterStatistics(long long& attempted, long long& accepted, long long& trialsTakenBack,
                             double& meanDifference, double& standardDeviation) const;
     /**
-     * Make the stand-in for a part of the energy what it is in the present positions. The first step of a Context does
-     * so; from then on its numbers stay what they are, in checkpoints and States as well, so that sampling is exact.
-     * Call this in equilibration, or if getOuterStatistics() shows that few tests keep their trials because the
-     * molecules have become others than they were. The next tests also choose again which foreign Forces are left to
-     * them, and after how many trials. Nothing happens if there is neither a stand-in nor a foreign Force.
+     * Recompute the constants of the stand-in at the present positions. The first step of a Context does so; after it
+     * they do not change, which makes sampling exact, and checkpoints and States hold them. Call this in equilibration,
+     * or if getOuterStatistics() shows that few tests keep their trials because the conformation is far from the one
+     * of the constants. The next tests also choose again which foreign Forces outer tests decide, and after how many
+     * trials. Nothing happens if there is neither a stand-in nor a foreign Force.
      *
      * @param context  the Context that this integrator is bound to
      */
@@ -460,9 +453,9 @@ public:
      */
     void getStandInCutoffs(double& bornCutoff, double& pairCutoff) const;
     /**
-     * Set the cutoffs of a stand-in. They have no influence on what is sampled, only on how fast: larger ones make a
-     * trial cost more, smaller ones let fewer outer tests keep their trials. The defaults are 0.55 and 0.8 nm. Another
-     * bornCutoff makes the stand-in anew, as renewStandIns() does.
+     * Set the cutoffs of a stand-in. They do not influence the sampled distribution, only the speed: larger ones make a
+     * trial cost more, and with smaller ones fewer outer tests keep their trials. The defaults are 0.55 and 0.8 nm.
+     * Another bornCutoff recomputes the stand-in, as renewStandIns() does.
      *
      * @param bornCutoff  the largest distance of particles in a Born sum, in nm; those beyond it are replaced by a
      *                    constant of each particle
@@ -475,8 +468,8 @@ public:
     double getStandInGridWidth() const;
     /**
      * Set the width of the grid of Born radii of a stand-in: in its pair energies their logarithms are rounded to
-     * multiples of it, or of up to four times as much where the charge is small. It has no influence on what is
-     * sampled, only on how fast. The default is 0.08.
+     * multiples of it, or of up to four times as much where the charge is small. It does not influence the sampled
+     * distribution, only the speed. The default is 0.08.
      *
      * @param width  the width, above 0
      */
@@ -490,16 +483,16 @@ public:
      */
     std::vector<PlannedEnergy> getEnergyPlan(OpenMM::Context& context) const;
     /**
-     * Get U of the present positions as sampling has it, with the energy of the StericExclusionForce if spheres are
-     * soft. Native energies are not computed anew after steps of this integrator: what trials have left is summed up.
+     * Get U of the present positions as sampling uses it, with the energy of the StericExclusionForce if spheres are
+     * soft. After steps of this integrator, native energies are the sums that trials have updated, not recomputed.
      *
      * @param context  the Context that this integrator is bound to
      * @return the energy, in kJ/mol
      */
     double getPotentialEnergy(OpenMM::Context& context) const;
     /**
-     * Get where trials without a clash have ended, part by part of U, since the Context was created or
-     * resetMoveStatistics() was called. Parts that had nothing to decide have counts of 0.
+     * Get how many trials each part of U has rejected, since the Context was created or resetMoveStatistics() was
+     * called. Parts that had nothing to decide have counts of 0.
      */
     std::vector<StageStatistics> getStageStatistics() const;
     /**
@@ -514,7 +507,7 @@ public:
      * -maxAngle to maxAngle.
      *
      * @param weight    how often this move is drawn, relative to the weights of the others, at least 0
-     * @param maxAngle  the largest angle, from 0 to pi, in radians; pi draws torsions anew
+     * @param maxAngle  the largest angle, from 0 to pi, in radians; with pi the new angle is independent of the old one
      * @param torsions  the indices of the torsions of the StericExclusionForce to choose from; if empty, all of them.
      *                  In Python None means all of them, and an empty list is an error.
      * @param count     the number of torsions that one trial turns
@@ -538,8 +531,8 @@ public:
     int addRigidBodyMove(double weight, double maxTranslation, double maxAngle,
                          const std::vector<int>& molecules = std::vector<int>());
     /**
-     * Add a move that turns a few torsions in a row so that all that lies behind them stays where it is: an exact
-     * concerted rotation. In a folded molecule it changes a piece of the backbone without moving the rest.
+     * Add a move that turns consecutive torsions so that the rest of the chain stays in place: an exact concerted
+     * rotation. In a folded molecule it changes a piece of the backbone without moving the rest.
      *
      * A <i>window</i> is a row of eight torsions of the list (nine or seven where eight cannot be) along a chain, each
      * of which moves the next. Six of them, the pivots, close it: three pairs of neighbours, the two bonds of a pair
@@ -550,15 +543,14 @@ public:
      * A trial draws a window, adds angles drawn uniformly from -maxAngle to maxAngle to its drivers, and turns the
      * pivots so that the window closes: mostly to the solution that Newton's method finds from where they are, and in a
      * share `hop` of the trials to one of all solutions, near ones preferred. The ratio holds the Jacobians of both
-     * states and the weights of the solutions, and a trial from which the same way does not lead back is refused, so
-     * that with neither energy nor spheres torsions are sampled uniformly. Trials that do not close count as attempted
-     * only.
+     * states and the weights of the solutions, and a trial that the same method would not reverse is rejected, so that
+     * without energy and spheres torsions are sampled uniformly. Trials that do not close count as attempted only.
      *
-     * Torsions in rings of closures (StericExclusionForce::addClosure()) turn by this move only. Windows leave what a
-     * closure keeps together where it is, or move it as one piece. In a ring they lead over the closure, too, and over
-     * the link on which the ring hangs: then the rest of the ring moves as one piece, and what hangs on it.
+     * Torsions in rings of closures (StericExclusionForce::addClosure()) turn by this move only. A window keeps the two
+     * particles of a closure in place, or moves them as one piece. In a ring, windows also lead over the closure and
+     * over the link to which the ring is attached: then the rest of the ring moves as one piece, with its branches.
      *
-     * What follows the last window of a chain never moves by this move alone, so add a move by addTorsionMove(), too.
+     * This move never moves the part of a chain behind its last window, so add a move by addTorsionMove(), too.
      *
      * See Dodd, Boone and Theodorou, Mol. Phys. 78, 961 (1993); Coutsias, Seok, Jacobson and Dill, J. Comput. Chem. 25,
      * 510 (2004); Hoffmann and Knapp, Eur. Biophys. J. 24, 387 (1996).
@@ -576,21 +568,19 @@ public:
     int addClosedMove(double weight, double maxAngle, const std::vector<int>& torsions = std::vector<int>(),
                       double hop = 0.2);
     /**
-     * Add a move that turns a window of consecutive torsions by small angles at once, so that what lies behind the
-     * window is shifted little: biased Gaussian steps (Favrin, Irback and Sjunnesson, J. Chem. Phys. 114, 8154 (2001)).
+     * Add a move that turns a window of consecutive torsions by small angles at once, so that the chain behind the
+     * window moves little: biased Gaussian steps (Favrin, Irback and Sjunnesson, J. Chem. Phys. 114, 8154 (2001)).
      *
      * The three ends of a window are the particles of the axis of its last torsion and the particle that this torsion
      * has next to it, on the side that it turns. With their positions r_k (nm), and G_ij = sum_k dr_k/dphi_i .
      * dr_k/dphi_j (nm^2), the changes d of the torsions are drawn from a normal distribution with a density of
-     * sqrt(det A) exp(-d A d / 2), A = (I + stiffness*G)/sigma^2. So torsions that make up for each other turn by about
-     * sigma, and what shifts the ends is rare. The ratio of the densities of the step back and of the step,
-     * sqrt(det A'/det A) exp(-d (A' - A) d / 2), is a part of the probability of accepting it, so that sampling is
-     * exact.
+     * sqrt(det A) exp(-d A d / 2), A = (I + stiffness*G)/sigma^2. So torsions whose effects on the ends cancel turn by
+     * about sigma, and changes that shift the ends are rare. The acceptance probability includes the ratio of the
+     * densities of the reverse step and of the step, sqrt(det A'/det A) exp(-d (A' - A) d / 2), so sampling is exact.
      *
      * All windows are equally likely: the rows of `window` torsions of the list that follow each other from the root
-     * of a molecule outwards, and where chains begin and end the shorter rows that begin or end with them, so that a
-     * torsion there is in as many as others. Torsions that are not in the list stay as they are, and do not end a
-     * window.
+     * of a molecule outwards, and the shorter rows at the two ends of a chain, so that each torsion is in equally many
+     * windows. Torsions that are not in the list do not turn, and do not end a window.
      *
      * @param weight     how often this move is drawn, relative to the weights of the others, at least 0
      * @param sigma      the standard deviation of the change of a torsion that shifts no end, above 0 and at most pi,
@@ -607,10 +597,10 @@ public:
     int addLocalMove(double weight, double sigma, double stiffness,
                      const std::vector<int>& torsions = std::vector<int>(), int window = 8);
     /**
-     * Add a move that draws torsions anew from a density, wherever they are: one of some sets of torsions, such as all
-     * those of a side chain or phi and psi of a residue, each set equally often. With p the density of the set, q the
-     * values that it has and q' those that are drawn, a trial is accepted with min(1, exp(-(U' - U)/kT) p(q)/p(q')), so
-     * that what is sampled does not depend on the density.
+     * Add a move that draws new values of torsions from a density, independent of the old ones. A trial chooses one of
+     * some sets of torsions with equal probability, such as all torsions of a side chain or phi and psi of a residue.
+     * With p the density of the set, q its present values and q' the drawn ones, it is accepted with
+     * min(1, exp(-(U' - U)/kT) p(q)/p(q')), so that the sampled distribution does not depend on the density.
      *
      * A good density is one that U agrees with: that of rotamers for side chains, or that of coil residues for phi and
      * psi. In Python rotamerDensities() and ramachandranDensities() find sets and densities in a Topology.
@@ -627,8 +617,8 @@ public:
     int addDrawnMove(double weight, const std::vector<std::vector<int>>& torsions,
                      const std::vector<TorsionDensity>& densities);
     /**
-     * Add a move that turns one ball joint, drawn uniformly from a list: all that hangs by it turns about the joint's
-     * particle, which with chains of beads is the pivot algorithm. The axis is drawn uniformly from all directions and
+     * Add a move that turns one ball joint, drawn uniformly from a list: everything behind the joint rotates about its
+     * particle. For chains of beads this is the pivot algorithm. The axis is drawn uniformly from all directions and
      * the angle uniformly from -maxAngle to maxAngle. With a maxAngle of pi all rotations are equally likely, so that
      * the new directions do not depend on the old ones. (An angle drawn uniformly from -pi to pi would prefer small
      * rotations.) Either way a rotation and its reverse are equally likely.
@@ -638,7 +628,8 @@ public:
      * Most chains do best with a move of each kind.
      *
      * @param weight      how often this move is drawn, relative to the weights of the others, at least 0
-     * @param maxAngle    the largest angle, from 0 to pi, in radians; pi draws rotations anew
+     * @param maxAngle    the largest angle, from 0 to pi, in radians; with pi the new direction is independent of the
+     * old one
      * @param ballJoints  the indices of the ball joints of the StericExclusionForce to choose from; if empty, all of
      *                    them. In Python None means all of them, and an empty list is an error.
      * @return the index of the move that was added
@@ -730,11 +721,11 @@ public:
     void getPivotMoveParameters(int move, double& weight, double& maxAngle, std::vector<int>& ballJoints) const;
     /**
      * Set the parameters of a move that was added by addTorsionMove(). It is an error if the move is of another kind.
-     * The next trial follows them. The counts of the move start anew, from 0: they tell of the move as it is.
+     * The next trial follows them. The counts of the move restart from 0.
      *
      * @param move      the index of the move
      * @param weight    how often this move is drawn, relative to the weights of the others, at least 0
-     * @param maxAngle  the largest angle, from 0 to pi, in radians; pi draws torsions anew
+     * @param maxAngle  the largest angle, from 0 to pi, in radians; with pi the new angle is independent of the old one
      * @param torsions  the indices of the torsions of the StericExclusionForce to choose from; if empty, all of them.
      *                  In Python None means all of them, and an empty list is an error.
      * @param count     the number of torsions that one trial turns
@@ -743,7 +734,7 @@ public:
                                   const std::vector<int>& torsions = std::vector<int>(), int count = 1);
     /**
      * Set the parameters of a move that was added by addRigidBodyMove(). It is an error if the move is of another kind.
-     * The next trial follows them. The counts of the move start anew, from 0: they tell of the move as it is.
+     * The next trial follows them. The counts of the move restart from 0.
      *
      * @param move            the index of the move
      * @param weight          how often this move is drawn, relative to the weights of the others, at least 0
@@ -757,7 +748,7 @@ public:
                                     const std::vector<int>& molecules = std::vector<int>());
     /**
      * Set the parameters of a move that was added by addClosedMove(). It is an error if the move is of another kind.
-     * The next trial follows them. The counts of the move start anew, from 0: they tell of the move as it is.
+     * The next trial follows them. The counts of the move restart from 0.
      *
      * @param move      the index of the move
      * @param weight    how often this move is drawn, relative to the weights of the others, at least 0
@@ -771,8 +762,7 @@ public:
                                  const std::vector<int>& torsions = std::vector<int>(), double hop = 0.2);
     /**
      * Set the parameters of a move that was added by addLocalMove(), which explains them. It is an error if the move is
-     * of another kind. The next trial follows them. The counts of the move start anew, from 0: they tell of the move as
-     * it is.
+     * of another kind. The next trial follows them. The counts of the move restart from 0.
      *
      * @param move       the index of the move
      * @param weight     how often this move is drawn, relative to the weights of the others, at least 0
@@ -787,7 +777,7 @@ public:
                                 const std::vector<int>& torsions = std::vector<int>(), int window = 8);
     /**
      * Set the parameters of a move that was added by addDrawnMove(). It is an error if the move is of another kind. The
-     * next trial follows them. The counts of the move start anew, from 0: they tell of the move as it is.
+     * next trial follows them. The counts of the move restart from 0.
      *
      * @param move       the index of the move
      * @param weight     how often this move is drawn, relative to the weights of the others, at least 0
@@ -798,11 +788,12 @@ public:
                                 const std::vector<TorsionDensity>& densities);
     /**
      * Set the parameters of a move that was added by addPivotMove(). It is an error if the move is of another kind. The
-     * next trial follows them. The counts of the move start anew, from 0: they tell of the move as it is.
+     * next trial follows them. The counts of the move restart from 0.
      *
      * @param move        the index of the move
      * @param weight      how often this move is drawn, relative to the weights of the others, at least 0
-     * @param maxAngle    the largest angle, from 0 to pi, in radians; pi draws rotations anew
+     * @param maxAngle    the largest angle, from 0 to pi, in radians; with pi the new direction is independent of the
+     * old one
      * @param ballJoints  the indices of the ball joints of the StericExclusionForce to choose from; if empty, all of
      *                    them. In Python None means all of them, and an empty list is an error.
      */
@@ -815,21 +806,21 @@ public:
      */
     void removeMove(int move);
     /**
-     * Get what became of the trials of a move, since the move was added, its parameters were set or
-     * resetMoveStatistics() was called. Trials that an outer test has taken back do not count.
+     * Get the results of the trials of a move, since the move was added, its parameters were set or
+     * resetMoveStatistics() was called. Trials that an outer test has undone do not count.
      *
      * @param move                    the index of the move
-     * @param[out] attempted          the number of trials: the sum of the other three, and of those that could not be
-     * made or that nothing leads back from, as of a window that does not close
-     * @param[out] clashed            the number of trials refused because a pair overlapped beyond its limit
-     * @param[out] rejectedByEnergy   the number of trials without a clash that U or the density of the way back made
-     *                                unlikely, or whose U was not a number
+     * @param[out] attempted          the number of trials: the sum of the other three, and of impossible trials, such
+     *                                as those of a window that does not close or that has no reverse
+     * @param[out] clashed            the number of trials rejected because a pair overlapped beyond its limit
+     * @param[out] rejectedByEnergy   the number of trials without a clash rejected by U or by the density of the
+     *                                reverse move, or because U was not a number
      * @param[out] accepted           the number of trials accepted
      */
     void getMoveStatistics(int move, long long& attempted, long long& clashed, long long& rejectedByEnergy,
                            long long& accepted) const;
     /**
-     * Start the counts of all moves anew, from 0, and those of getStageStatistics() and getOuterStatistics(), too.
+     * Set the counts of all moves to 0, and those of getStageStatistics() and getOuterStatistics(), too.
      */
     void resetMoveStatistics();
     /**
@@ -838,17 +829,17 @@ public:
     bool getAdaptMoveSizes() const;
     /**
      * Set whether the sizes of moves adapt to an acceptance of 40 percent. Use this in equilibration only: while sizes
-     * adapt, what is sampled is not exactly the distribution that it should be.
+     * adapt, the sampled distribution is not exact.
      *
-     * The parameters of a move are its largest sizes. After every 100 trials of a move they are scaled by a factor of
-     * their own, at most 1, that becomes less if too few trials were accepted, and larger if too many were. So add
-     * moves with sizes that are rather too large. A trial that could not be made counts as one that was not accepted,
-     * and what outer tests take back as it was decided before. Of moves without a size nothing adapts.
+     * The parameters of a move are its largest sizes. Each move has a scale, at most 1, by which they are multiplied;
+     * after every 100 trials of the move it decreases if too few trials were accepted, and increases if too many were.
+     * So add moves with sizes that are rather too large. An impossible trial counts as not accepted, and a trial that
+     * an outer test undoes counts as it was decided before. Moves without a size do not adapt.
      *
-     * When adaptation ends, by setAdaptMoveSizes(false), sizes stay as they are: each move goes on with the scale that
-     * getMoveScale() returns. The counts of getMoveStatistics(), getStageStatistics() and getOuterStatistics() start
-     * anew, from 0, both when adaptation begins and when it ends, so that those of equilibration are apart from those
-     * of sampling. Checkpoints and States hold the scales; so does the XML of this integrator.
+     * After setAdaptMoveSizes(false), each move keeps the scale that getMoveScale() returns. The counts of
+     * getMoveStatistics(), getStageStatistics() and getOuterStatistics() restart from 0 both when adaptation begins and
+     * when it ends, to separate equilibration from sampling. Checkpoints, States and the XML of this integrator hold
+     * the scales.
      *
      * @code
      * integrator.setAdaptMoveSizes(true);
@@ -868,9 +859,9 @@ public:
      */
     double getMoveScale(int move) const;
     /**
-     * Set the factor by which the sizes of a move are multiplied, for example to what getMoveScale() has returned in
-     * another run. Setting the parameters of a move makes it 1. The counts of the move start anew, from 0. It is an
-     * error if the move has no size.
+     * Set the factor by which the sizes of a move are multiplied, for example to the result of getMoveScale() in
+     * another run. Setting the parameters of a move makes it 1. The counts of the move restart from 0. It is an error
+     * if the move has no size.
      *
      * @param move   the index of the move
      * @param scale  the factor, above 0 and at most 1
@@ -892,9 +883,9 @@ public:
      */
     void setTorsionAngles(OpenMM::Context& context, const std::vector<double>& angles) const;
     /**
-     * Throw an exception if the Context has velocities that cannot turn with links, and name the constraint because of
-     * which they cannot. Beside dynamics no such Context can be made. Without, steps leave such velocities as they are,
-     * and warn; call this if dynamics in another Context is to go on from them.
+     * Throw an exception if the Context has velocities that cannot turn with links, and name the constraint that
+     * forbids it. Beside dynamics no such Context can be made. Otherwise steps do not change such velocities, and warn;
+     * call this before dynamics in another Context continues from them.
      *
      * @param context  the Context that this integrator is bound to
      */
