@@ -12,8 +12,8 @@
 namespace ChainTreePlugin {
 
 /**
- * This class makes particles hard spheres: it says which of them clash, lists those that are near each other, tests
- * trials of torsion-space Monte Carlo, and has an energy that pushes clashing particles apart.
+ * This class treats particles as spheres: it finds clashes and neighbour pairs, tests trials of torsion-space Monte
+ * Carlo for clashes, and has an energy that pushes clashing particles apart.
  *
  * The <i>overlap</i> of two particles with radii r_i and r_j whose centres are d_ij apart is
  *
@@ -24,7 +24,7 @@ namespace ChainTreePlugin {
  *     overlap_ij > tolerance_ij,   tolerance_ij = overlapTolerance + (hydrogenBondAllowance, if one of the two
  *                                                 may donate a hydrogen bond and the other may accept it)
  *
- * Pairs that were excluded never clash, and neither does a particle of radius 0: it is carried along, but not modelled.
+ * Excluded pairs never clash, nor does a particle of radius 0, which moves with its link but is not modelled.
  * The energy is
  *
  *     E = 1/2 k * (sum over clashes) (overlap_ij - tolerance_ij)^2
@@ -33,27 +33,28 @@ namespace ChainTreePlugin {
  * nm, angles in radians, energies in kJ/mol.
  *
  * <b>Describing the molecules.</b> Call addParticle() once for each particle of the System. Then describe how the
- * particles hang together: addBond() for every bond, addTorsion() for each bond about which molecules may turn, and
- * addBallJoint() for each at which they may turn in any way, as chains of beads do. Bonds without either are rigid, so
- * everything that no torsion or ball joint moves relative to each other is one rigid <i>link</i>, and a molecule
- * without any is one rigid body. Exclude bonded neighbours by createExclusionsFromBonds().
+ * particles are connected: addBond() for every bond, addTorsion() for each rotatable bond, and addBallJoint() for each
+ * bond that may take any direction, as in chains of beads. Other bonds are rigid. Particles that no torsion or ball
+ * joint moves relative to each other form a rigid <i>link</i>; a molecule without torsions and ball joints is one rigid
+ * body. Exclude bonded neighbours by createExclusionsFromBonds().
  *
  * A particle of mass 0 that is not a virtual site is <i>fixed</i>. The fixed particles of a molecule must all lie in
  * one link; that link never moves. In a molecule without fixed particles the link with the lowest-numbered particle
- * plays this part. A torsion or ball joint moves the side without it. A virtual site moves with the particles that
- * define it.
+ * takes this role. A torsion or ball joint moves the side without that link. A virtual site moves with the particles
+ * that define it.
  *
  * <b>Rings and loops.</b> Bonds and torsions make a tree: no torsion can be about a bond in a ring, or between two
- * fixed parts. A <i>closure</i> is a bond that is not among the bonds and is kept all the same: see addClosure(). With
- * it the torsions of a disulfide's ring, of a cyclic peptide, or of a loop between fixed parts turn, by closed moves.
+ * fixed parts. A <i>closure</i> is a bond of a ring that is added by addClosure() instead of addBond(). Closed
+ * moves then turn the torsions of a disulfide's ring, of a cyclic peptide, or of a loop between fixed parts, and keep
+ * the closure.
  *
- * <b>Queries.</b> hasClash(), getClashes(), getNeighborPairs(), getMinimumDistance() and getClashesWith() answer for
- * the present positions of a Context. They cover every pair, however the particles came to where they are.
+ * <b>Queries.</b> hasClash(), getClashes(), getNeighborPairs(), getMinimumDistance() and getClashesWith() use the
+ * present positions of a Context, whoever set them, and cover every pair.
  *
- * <b>Trials, for anyone's Monte Carlo.</b> proposeTorsions(), proposeBallRotations() and proposeRigidMotion() open a
- * trial and return whether it is free of clashes, usually in microseconds and without moving anything;
- * acceptProposal() then moves the Context there, and rejectProposal() forgets it. There is one open trial at a time: a
- * new one, a step of a TorsionMonteCarloIntegrator, or positions that changed in any other way drop it.
+ * <b>Trials, to write your own Monte Carlo.</b> proposeTorsions(), proposeBallRotations() and proposeRigidMotion()
+ * propose a trial and return whether it is free of clashes, usually in microseconds and without moving anything.
+ * acceptProposal() then moves the Context there, and rejectProposal() ends the trial. There is one trial at a time: the
+ * next one, a step of a TorsionMonteCarloIntegrator, or any other change of positions rejects it.
  *
  * @code
  * StericExclusionForce* force = new StericExclusionForce();
@@ -65,23 +66,23 @@ namespace ChainTreePlugin {
  *     force->acceptProposal(context);
  * @endcode
  *
- * <b>Limits.</b> A trial is refused by a pair that overlaps beyond its <i>limit</i>. A pair's limit is its tolerance,
+ * <b>Limits.</b> A trial is rejected if a pair overlaps beyond its <i>limit</i>. A pair's limit is its tolerance,
  * unless it clashes when sampling starts, that is, at the first trial after the Context was created or the user set
- * positions: then its limit is the overlap it has at that time. Structures with a few clashes can so be sampled, and
- * nothing gets worse than it was. Accepting a proposal that clashes starts limits anew, too: they start from what was
- * accepted. So does restartLimits(), for whatever reason. getClashes() and hasClash() always use the tolerance.
+ * positions: then its limit is its overlap at that time. So structures with a few clashes can be sampled, and no clash
+ * gets worse than it was. Accepting a proposal that clashes restarts limits from the accepted positions, and
+ * restartLimits() from the present ones. getClashes() and hasClash() always use the tolerance.
  *
  * In a Context driven by a TorsionMonteCarloIntegrator, limits may grow but never shrink if another Integrator of a
- * CompoundIntegrator has moved particles, or a Force at the beginning of a step. That is known, not guessed:
- * Integrators announce each step to all Forces, and the Context tells of positions that are set. What moves particles
- * without either (Context::applyConstraints(), and the minimizer on GPU platforms) counts as the user, and is told from
- * dynamics if the StericExclusionForce or the sampler has seen the positions in between. The one kind of Integrator
- * that does not announce steps is a CustomIntegrator without addUpdateContextState(): beside one, limits only grow
- * unless positions are set, or restartLimits() is called. Only with a TorsionMonteCarloIntegrator are limits kept in
- * checkpoints and States. Without one, every change of positions that no proposal made starts the limits anew.
+ * CompoundIntegrator has moved particles, or a Force at the beginning of a step. Integrators
+ * announce each step to all Forces, and the Context reports positions that are set. Other changes of positions
+ * (Context::applyConstraints(), and the minimizer on GPU platforms) count as set by the user; they can be told from
+ * dynamics if the StericExclusionForce or the sampler has read the positions in between. Only a CustomIntegrator
+ * without addUpdateContextState() does not announce its steps: beside one, limits only grow unless positions are set or
+ * restartLimits() is called. Checkpoints and States hold limits only with a TorsionMonteCarloIntegrator. Without one,
+ * every change of positions other than by a proposal restarts the limits.
  *
- * <b>Periodic boundary conditions are not supported.</b> Distances are those of the positions as they are, whatever the
- * periodic box of the System. If another Force of the System uses periodic boundary conditions, creating a Context
+ * <b>Periodic boundary conditions are not supported.</b> Distances are those between the given positions, without
+ * periodic images. If another Force of the System uses periodic boundary conditions, creating a Context
  * warns of this: on the standard error stream, or in Python by a UserWarning.
  *
  * The force keeps no state of its own: several Contexts may share it. Changing it after a Context was created has no
@@ -90,8 +91,8 @@ namespace ChainTreePlugin {
 class OPENMM_EXPORT_CHAINTREE StericExclusionForce : public OpenMM::Force {
 public:
     /**
-     * What part a particle can take in a hydrogen bond. Give heavy atoms the role where hydrogens are not modelled,
-     * else the hydrogens that can be donated and the atoms that accept them.
+     * The role of a particle in hydrogen bonds. If hydrogens are modelled, give roles to the hydrogens that can be
+     * donated and to the atoms that accept them, else to heavy atoms.
      */
     enum HydrogenBondRole {
         /**
@@ -145,7 +146,7 @@ public:
      *
      * @param radius            the radius of the sphere, in nm. A particle of radius 0 is not modelled: it takes
      *                          part in no clash and is in no list of neighbours, but moves with its link.
-     * @param hydrogenBondRole  what part the particle can take in a hydrogen bond
+     * @param hydrogenBondRole  the role of the particle in hydrogen bonds
      * @return the index of the particle that was added
      */
     int addParticle(double radius, HydrogenBondRole hydrogenBondRole = NoHydrogenBond);
@@ -154,7 +155,7 @@ public:
      *
      * @param index                  the index of the particle
      * @param[out] radius            the radius of the sphere, in nm
-     * @param[out] hydrogenBondRole  what part the particle can take in a hydrogen bond
+     * @param[out] hydrogenBondRole  the role of the particle in hydrogen bonds
      */
     void getParticleParameters(int index, double& radius, HydrogenBondRole& hydrogenBondRole) const;
     /**
@@ -162,7 +163,7 @@ public:
      *
      * @param index             the index of the particle
      * @param radius            the radius of the sphere, in nm
-     * @param hydrogenBondRole  what part the particle can take in a hydrogen bond
+     * @param hydrogenBondRole  the role of the particle in hydrogen bonds
      */
     void setParticleParameters(int index, double radius, HydrogenBondRole hydrogenBondRole = NoHydrogenBond);
     /**
@@ -207,11 +208,10 @@ public:
      */
     void getTorsionParticles(int index, int& particle1, int& particle2, int& particle3, int& particle4) const;
     /**
-     * Add a ball joint: the two sides of the bond between particle1 and particle2 turn relative to each other in any
-     * way about particle1, which keeps its place in both. So the bond keeps its length, and nothing else has to stay:
-     * angles at particle1 change. Two rigid bodies are joined by one ball joint, and a chain of beads by one for each
-     * bond, particle1 being the bead that is nearer to the root (the lowest-numbered particle, or the fixed ones): then
-     * every bond can take any direction.
+     * Add a ball joint: the two sides of the bond between particle1 and particle2 can rotate relative to each other in
+     * any way about particle1, which keeps its place in both. The bond keeps its length, but angles at particle1
+     * change. A chain of beads has one ball joint for each bond, with particle1 the bead nearer to the root (the
+     * lowest-numbered particle, or the fixed ones): then every bond can take any direction.
      *
      * The two particles must be bonded. When a Context is created it is an error if the bond lies in a ring, if there
      * is another ball joint or a torsion about it (which a ball joint comprises), if particles on both sides of it are
@@ -233,16 +233,16 @@ public:
     void getBallJointParticles(int index, int& particle1, int& particle2) const;
     /**
      * Add a closure: a bond between particle2 and particle3 that closes a ring, or a loop between fixed parts, and must
-     * not be among the bonds. What hangs together with particle2 and what hangs together with particle3 stay as they
-     * are relative to each other, with the bond's length, its angles and its dihedral.
+     * not be among the bonds. The links of particle2 and particle3 keep their relative placement, and with it the
+     * bond's length, its angles and its dihedral.
      *
-     * Torsions that would move the one relative to the other, those of the ring, are turned by closed moves alone
-     * (TorsionMonteCarloIntegrator::addClosedMove()), in windows that keep the closure. Other moves leave them out; one
-     * that names them is an error, and so are proposeTorsions() and setTorsionAngles() that turn them.
+     * Only closed moves (TorsionMonteCarloIntegrator::addClosedMove()) turn the torsions of the ring, in windows that
+     * keep the closure. Other moves do not turn them; a move that names them is an error, and so are proposeTorsions()
+     * and setTorsionAngles() that turn them.
      *
      * When a Context is created it is an error if particle1 and particle2, or particle3 and particle4, are not bonded,
      * if particle2 and particle3 are, if the bond has a closure already, or if particle2 and particle3 belong to
-     * different molecules of which one has no fixed particles: then nothing but the bond holds them together.
+     * different molecules of which one has no fixed particles: then only the bond would hold them together.
      *
      * @param particle1  the index of a particle bonded to particle2
      * @param particle2  the index of the first particle of the bond
@@ -319,13 +319,13 @@ public:
     void setForceConstant(double k);
     /**
      * Copy radii, hydrogen bond roles, the overlap tolerance, the hydrogen bond allowance and the force constant to a
-     * Context. An open trial is dropped; limits of pairs are kept where they are above the pair's new tolerance and
-     * both radii above 0, and grow at the next trial where the new parameters make new clashes.
+     * Context. A proposed trial is rejected. A limit above the pair's new tolerance is kept if both radii are above 0,
+     * and limits grow at the next trial if the new parameters make new clashes.
      *
      * Bonds, torsions, ball joints, closures, exclusions and the number of particles cannot be changed this way: if
-     * they are not what they were when the Context was created, this throws an exception. Reinitialize the Context
-     * instead. (Bonds and exclusions that are there already may be repeated.) All or nothing: if an exception is
-     * thrown, for these or for any other parameters, the Context has what it had, the open trial included.
+     * they differ from those when the Context was created, this throws an exception. Reinitialize the Context
+     * instead. (Existing bonds and exclusions may be repeated.) If an exception is thrown, for these or for any other
+     * parameters, the Context does not change, and keeps the proposed trial.
      *
      * This takes O(N log N) time.
      *
@@ -333,8 +333,7 @@ public:
      */
     void updateParametersInContext(OpenMM::Context& context);
     /**
-     * Returns false: this force does not support periodic boundary conditions. Distances are those of the positions as
-     * they are, whatever the periodic box.
+     * Returns false: this force does not support periodic boundary conditions.
      */
     bool usesPeriodicBoundaryConditions() const
     {
@@ -371,8 +370,8 @@ public:
      * Get the least distance, centre to centre, between a particle of one set and a different particle of another, at
      * the present positions. Unlike the other queries this one includes excluded pairs and particles of radius 0.
      *
-     * This takes time about proportional to the sizes of the two sets: whatever is farther apart than the nearest pair
-     * found so far is left out as a whole.
+     * The time is about proportional to the sizes of the two sets, since groups of particles farther apart than the
+     * nearest pair found are skipped as a whole.
      *
      * @param context         the Context whose positions are used
      * @param particles1      the indices of the particles in the first set
@@ -396,7 +395,7 @@ public:
     void getClashesWith(OpenMM::Context& context, const OpenMM::Vec3& position, double radius,
                         std::vector<int>& particles, std::vector<double>& overlaps) const;
     /**
-     * Open a trial that turns torsions, and test it. Nothing moves until acceptProposal() is called. For k torsions
+     * Propose a trial that turns torsions, and test it. Nothing moves until acceptProposal() is called. For k torsions
      * this usually takes O(k log N) time, and less if there is a clash. It is an error if a torsion lies in the ring of
      * a closure.
      *
@@ -408,11 +407,11 @@ public:
     bool proposeTorsions(OpenMM::Context& context, const std::vector<int>& torsions,
                          const std::vector<double>& changes) const;
     /**
-     * Open a trial that turns ball joints, and test it. Nothing moves until acceptProposal() is called. For k ball
+     * Propose a trial that turns ball joints, and test it. Nothing moves until acceptProposal() is called. For k ball
      * joints this usually takes O(k log N) time, and less if there is a clash.
      *
-     * If one joint moves the particle of another, the outer rotation carries the inner one's result along: each turns
-     * about the place that its particle has before the trial, and the one nearer to the root comes last.
+     * Each rotation is about the position of its particle before the trial. If one joint moves the particle of another,
+     * the joint nearer to the root turns last and moves the result of the other one.
      *
      * @param context     the Context whose positions are the start
      * @param ballJoints  the indices of the ball joints to turn, each at most once
@@ -423,7 +422,7 @@ public:
     bool proposeBallRotations(OpenMM::Context& context, const std::vector<int>& ballJoints,
                               const std::vector<OpenMM::Vec3>& rotations) const;
     /**
-     * Open a trial that moves a whole molecule as a rigid body, and test it. Nothing moves until acceptProposal() is
+     * Propose a trial that moves a whole molecule as a rigid body, and test it. Nothing moves until acceptProposal() is
      * called. It is an error if the molecule has fixed particles.
      *
      * @param context      the Context whose positions are the start
@@ -436,17 +435,17 @@ public:
     bool proposeRigidMotion(OpenMM::Context& context, int particle, const OpenMM::Vec3& rotation,
                             const OpenMM::Vec3& translation) const;
     /**
-     * Get the positions that the open trial proposes. It is an error if no trial is open.
+     * Get the positions of the proposed trial. It is an error if there is none.
      *
      * @param context         the Context in which the trial was opened
      * @param[out] positions  the positions that acceptProposal() would set, in nm
      */
     void getProposedPositions(OpenMM::Context& context, std::vector<OpenMM::Vec3>& positions) const;
     /**
-     * Get the pairs of particles whose distance the open trial changes and which are within a cutoff distance of each
-     * other before the trial, or in it, or both. This is what a pair energy needs to be brought up to date. Excluded
-     * pairs and particles of radius 0 are left out, and so may be pairs that a trial of several torsions moves relative
-     * to each other by rounding alone, up to 2e-11 nm, as behind a closed window. It is an error if no trial is open.
+     * Get the pairs of particles whose distance the proposed trial changes and which are within a cutoff distance of
+     * each other before the trial, or in it, or both. A pair energy is updated from these. Excluded pairs and particles
+     * of radius 0 are left out, and so may be pairs whose distance changes only by rounding, up to 2e-11 nm, as behind
+     * a closed window. It is an error if no trial is proposed.
      *
      * @param context      the Context in which the trial was opened
      * @param cutoff       the cutoff distance, above 0, in nm
@@ -457,24 +456,23 @@ public:
     void getChangedNeighborPairs(OpenMM::Context& context, double cutoff, std::vector<std::pair<int, int>>& pairs,
                                  std::vector<double>& before, std::vector<double>& after) const;
     /**
-     * Move the Context to what the open trial proposes, whether it clashes or not. Virtual sites are computed anew. If
-     * it clashes beyond limits, these start anew from there. The velocities of each link turn with it. It is an error
-     * if no trial is open, or if there are velocities and a constraint that they would break.
+     * Move the Context to the proposed positions, whether they clash or not, and recompute virtual sites. If they clash
+     * beyond limits, limits restart from there. The velocities of each link rotate with it. It is an error
+     * if no trial is proposed, or if there are velocities and a constraint that they would break.
      *
      * @param context  the Context in which the trial was opened
      */
     void acceptProposal(OpenMM::Context& context) const;
     /**
-     * Forget the open trial. If no trial is open, this does nothing.
+     * End the proposed trial. If there is none, this does nothing.
      *
      * @param context  the Context in which the trial was opened
      */
     void rejectProposal(OpenMM::Context& context) const;
     /**
-     * Forget all limits. They start anew from the clashes that there are at the next trial or step, as if the user set
-     * the positions that the Context has.
+     * Restart all limits, from the clashes at the next trial or step, as if the user set the present positions.
      *
-     * @param context  the Context whose limits are to start anew
+     * @param context  the Context whose limits restart
      */
     void restartLimits(OpenMM::Context& context) const;
     /**
@@ -486,8 +484,8 @@ public:
      */
     void getTorsionAngles(OpenMM::Context& context, std::vector<double>& angles) const;
     /**
-     * Turn all torsions to given values, clashing or not. Virtual sites are computed anew. Like setting positions, this
-     * starts limits anew. It is an error if one of the torsions is undefined because three of its particles lie on a
+     * Turn all torsions to given values, clashing or not, and recompute virtual sites. Like setting positions, this
+     * restarts limits. It is an error if one of the torsions is undefined because three of its particles lie on a
      * straight line, or if one that lies in the ring of a closure would turn.
      *
      * @param context  the Context to move
@@ -497,26 +495,26 @@ public:
     /**
      * Get the number of pairs whose limit is not their tolerance, because they clashed when sampling started or after
      * another Integrator moved particles. It is 0 before sampling starts, that is, before the first step or proposal
-     * after the Context was created or limits started anew; and after Soft steps of a TorsionMonteCarloIntegrator,
-     * which know no limits.
+     * after the Context was created or limits restarted; and after Soft steps of a TorsionMonteCarloIntegrator, which
+     * have no limits.
      *
      * @param context  the Context to report on
      */
     int getNumToleratedClashes(OpenMM::Context& context) const;
     /**
-     * Get how much work the queries and trials of a Context took, since it was created or resetTraversalStatistics()
+     * Get operation counts of the queries and trials of a Context, since it was created or resetTraversalStatistics()
      * was called. Evaluations of energy and forces count as queries, and trials of a TorsionMonteCarloIntegrator too.
      *
      * @param context             the Context to report on
      * @param[out] queries        the number of queries answered and trials tested
      * @param[out] volumeTests    the number of times that two bounding volumes were compared
      * @param[out] particleTests  the number of times that the distance of two particles was computed
-     * @param[out] nodesUpdated   the number of tree nodes that were computed anew because trials were accepted
+     * @param[out] nodesUpdated   the number of tree nodes recomputed for accepted trials
      */
     void getTraversalStatistics(OpenMM::Context& context, long long& queries, long long& volumeTests,
                                 long long& particleTests, long long& nodesUpdated) const;
     /**
-     * Start the counts of getTraversalStatistics() anew, from 0.
+     * Set the counts of getTraversalStatistics() to 0.
      *
      * @param context  the Context whose counts are reset
      */
