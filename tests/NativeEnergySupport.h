@@ -149,7 +149,7 @@ public:
         return context->getState(OpenMM::State::Energy, false, groups).getPotentialEnergy();
     }
     /**
-     * Compare the energy of a Force, which has to be native, with OpenMM's: as it is computed anew, and as random
+     * Compare the energy of a Force, which has to be native, with OpenMM's: recomputed, and as random
      * trials change it.
      */
     void assertAgreement(int index, double tolerance = 1e-7)

@@ -1,4 +1,4 @@
-/* What a fuzzer has kept, run once more: inputs that reach different parts of the engine, and those that once failed.
+/* Runs the inputs that a fuzzer kept: they reach different parts of the engine, or failed once.
  *
  * Usage: TestFuzzCorpus [folder or file]...
  */

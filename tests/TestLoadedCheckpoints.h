@@ -1,5 +1,5 @@
 /**
- * This tests checkpoints on one platform: runs that go on from them, and those that are refused.
+ * This tests checkpoints on one platform: runs that continue from them, and checkpoints that are refused.
  */
 
 #include "CheckpointSupport.h"
@@ -112,7 +112,7 @@ void testLimitsAreRestored(Platform& platform)
     ASSERT(chain.force->proposeTorsions(*fresh.context, {0}, {-1.5}));
     ASSERT(!chain.force->proposeTorsions(*fresh.context, {0}, {-1.51}));
 
-    // The user who sets positions, be they the same, starts limits anew.
+    // Setting positions restarts limits, even if the positions are the same.
 
     fresh.context->setPositions(getPositions(*fresh.context));
     ASSERT_EQUAL(0, fresh.getNumToleratedClashes());
@@ -120,7 +120,7 @@ void testLimitsAreRestored(Platform& platform)
 }
 
 /**
- * With new parameters the engine begins anew from where it is, and a checkpoint tells from where.
+ * With new parameters the engine restarts from its state, and a checkpoint holds that state.
  */
 void testAfterNewParameters(Platform& platform)
 {
@@ -345,7 +345,7 @@ void testPositionsOfRefusedCheckpoint(Platform& platform)
     ASSERT_EQUAL(0, more.getNumToleratedClashes());
     ASSERT(!chain.force->hasClash(*more.context));
 
-    // So do those that are there already.
+    // So do existing ones.
 
     more.context->setPositions(chain.positions);
     more.integrator.step(1);

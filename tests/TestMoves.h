@@ -123,7 +123,7 @@ void testRigidBodyMoves(Platform& platform)
 }
 
 /**
- * What can move is found anew when a Context is.
+ * A recreated Context finds again what can move.
  */
 void testMoleculesThatAreFixedLater(Platform& platform)
 {

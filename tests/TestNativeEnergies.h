@@ -405,7 +405,7 @@ void testHeldEnergies(Platform& platform)
     check();
     for (int i = 0; i < 12; i++)
         chain.force->setParticleParameters(i, 0.1);
-    chain.force->updateParametersInContext(context); // the engine begins anew
+    chain.force->updateParametersInContext(context); // the engine restarts
     check();
 }
 
@@ -567,8 +567,8 @@ void testSeveralContexts(Platform& platform)
 }
 
 /**
- * A run that goes on after a checkpoint or State was made, and one that is resumed from it, are the same, bit for bit:
- * positions and U.
+ * A run that continues after a checkpoint or State was made, and one that is resumed from it, are the same, bit for
+ * bit: positions and U.
  */
 void testResumedEnergies(Platform& platform)
 {
@@ -609,7 +609,7 @@ void testResumedEnergies(Platform& platform)
 
 void testStatesWithoutEnergy(Platform& platform)
 {
-    // A present state without energy is an error that names the Force; sampling goes on from a better one.
+    // A present state without energy is an error that names the Force; sampling continues from a better one.
 
     BeadChain chain(5, 0);
     NonbondedForce* pairs = new NonbondedForce();

@@ -84,7 +84,7 @@ void addMoves(TorsionMonteCarloIntegrator& integrator, int seed)
 // ---- The user ----
 
 /**
- * Whatever positions the user sets, sampling goes on from just these, with their bond lengths and bond angles.
+ * Whatever positions the user sets, sampling continues from just these, with their bond lengths and bond angles.
  */
 void testUserEdits(Platform& platform)
 {

@@ -370,7 +370,7 @@ static void runProgram(Case* c, int operations)
     }
 }
 
-/* Particles with a radius, and those that are listed, stand in one slot each. */
+/* Particles with a radius, and listed ones, have one slot each. */
 static void checkSlots(const Case* c)
 {
     int* slots = allocate((size_t)c->scene.particleCount, sizeof(int));

@@ -1,5 +1,5 @@
 /**
- * This tests Contexts that are made anew on one platform, and what becomes of a run if that is refused.
+ * This tests Contexts that are recreated on one platform, and what becomes of a run if that is refused.
  */
 
 #include "CheckpointSupport.h"
@@ -105,7 +105,7 @@ void checkIncomplete(Scene& scene, Run& run, const string& good)
 }
 
 /**
- * A run whose Context is made anew in its midst goes on as if nothing had happened, however often it is refused.
+ * A run whose Context is recreated in its midst continues as if nothing had happened, however often it is refused.
  */
 void checkRefusal(Platform& platform, const string& message, const function<void(Scene&)>& spoil,
                   const function<void(Scene&)>& mend)
@@ -219,7 +219,7 @@ void testBetweenRefusalAndSuccess(Platform& platform)
     run.integrator.removeMove(3);
     ASSERT(before == getOwnPart(run.createCheckpoint()));
 
-    // Positions that are set in between are kept, and the limits of the former start anew.
+    // Positions that are set in between are kept, and limits restart from them.
 
     refuse();
     vector<Vec3> velocities(positions.size(), Vec3(3, 2, 1));

@@ -54,7 +54,7 @@ void testSoftEnergy(Platform& platform)
     }
     ASSERT(before < 0.2 * start);
 
-    // Hard trials that follow start limits anew, from what is left.
+    // Hard trials that follow restart limits, from the remaining clashes.
 
     vector<pair<int, int>> pairs;
     vector<double> overlaps;
@@ -287,7 +287,7 @@ void testPositionsOfTrials(Platform& platform)
                 numRejected++;
             if (i == 100)
                 context.setPositions(chain.positions);
-            if (i == 200) { // the engine begins anew
+            if (i == 200) { // the engine restarts
                 chain.force->setParticleParameters(3, 0.29);
                 chain.force->updateParametersInContext(context);
             }
@@ -429,7 +429,7 @@ void testInfiniteEnergy(Platform& platform)
 }
 
 /**
- * If another force throws, the trials before that stay, and sampling can go on.
+ * If another force throws, the trials before that stay, and sampling can continue.
  */
 void testThrowingForce(Platform& platform)
 {

@@ -200,7 +200,7 @@ void testLimits(Platform& platform)
     assertNotBeyond(0.5);
     ASSERT_EQUAL(1, integrator.getNumToleratedClashes(context));
 
-    // Positions that the user sets start limits anew, even if they are the same; so does setTorsionAngles().
+    // Positions that the user sets restart limits, even if they are the same; so does setTorsionAngles().
 
     context.setPositions(BeadChain(4, 0.7, 0.7).positions);
     ASSERT_EQUAL(0, integrator.getNumToleratedClashes(context));
@@ -467,7 +467,7 @@ void testBadSystems(Platform& platform)
 
 void testReinitialize(Platform& platform)
 {
-    // The integrator goes on with a Context made anew, and from where it was if its state is preserved.
+    // The integrator continues with a recreated Context, and from its state if that is preserved.
 
     BeadChain chain(6, 0.45, 0.5);
     TorsionMonteCarloIntegrator integrator(300);

@@ -235,7 +235,7 @@ void testFixedParticles(Platform& platform)
 
 void testVirtualSites(Platform& platform)
 {
-    // The site is set anew wherever the particles that define it go, even if it was elsewhere.
+    // The site is set again wherever the particles that define it go, even if it was elsewhere.
 
     const double tolerance = getTolerance(platform);
     BeadChain chain(6, 0.3);
@@ -319,7 +319,7 @@ void testLimits(Platform& platform)
     ASSERT(chain.force->proposeTorsions(context, {0}, {-0.3}));
     ASSERT(!chain.force->proposeTorsions(context, {0}, {-0.31}));
 
-    // Positions that no proposal made start limits anew, from the clash that they have.
+    // Positions that no proposal made restart limits, from the clash that they have.
 
     vector<Vec3> positions = getPositions(context);
     context.setPositions(BeadChain(4, 0.7, 0.7).positions);
@@ -341,7 +341,7 @@ void testLimits(Platform& platform)
     chain.force->restartLimits(context);
     ASSERT(!chain.force->proposeTorsions(context, {0}, {-0.1}));
 
-    // Limits that are started anew while a trial is open start from where it leads.
+    // Limits that are restarted while a trial is proposed start from the proposed positions.
 
     context.setPositions(BeadChain(4, 0.7, 0.2).positions);
     ASSERT(chain.force->proposeTorsions(context, {0}, {0.3}));

@@ -160,7 +160,7 @@ void testResumedDynamics(Platform& platform)
         sampler->setRandomNumberSeed(2);
         sampler->addTorsionMove(1, 2);
         compound.addIntegrator(sampler);
-        CustomIntegrator* still = new CustomIntegrator(0); // dynamics in which nothing happens by itself
+        CustomIntegrator* still = new CustomIntegrator(0); // dynamics without any step
         still->addUpdateContextState();
         compound.addIntegrator(still);
         Context context(chain.system, compound, platform);

@@ -1,5 +1,5 @@
 /* Closed windows: torsions that turn so that what lies behind them stays where it is, up to rounding, in random
- * programs on chains, beside all else that programs do. The oracle knows nothing of windows. */
+ * programs on chains, beside all else that programs do. The oracle does not know windows. */
 #include "programs/operations.h"
 #include "windows/closedWindow.h"
 

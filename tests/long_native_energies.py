@@ -1,11 +1,11 @@
-"""Energies of real systems for longer than tests may take: is U still OpenMM's after so many accepted trials?
+"""Energies of real systems for longer than tests may take: is U still OpenMM's after many accepted trials?
 
     python tests/long_native_energies.py [ACCEPTED TRIALS] [NAME ...]
     python tests/long_native_energies.py --beads COUNT
 
 By default a million accepted trials of each structure and method. Real structures lie where CHAINTREE_TEST_DATA says.
 Prints by how much U is off, kJ/mol, at each tenth; exit status 1 if it is off by more than 5e-3 and by more than single
-precision explains where atoms overlap. --beads measures the time and the memory that a chain of so many beads takes,
+precision explains where atoms overlap. --beads measures the time and the memory that a chain of this number of beads takes,
 packed as densely as atoms of a protein, with a cutoff of 1 nm.
 """
 

@@ -6,7 +6,7 @@
 
 --seed=NUMBER at the end chooses other random numbers.
 
-Samples a scene so many seconds of processor time in each way, and compares each way with the last one. Reasonable are
+Samples a scene for SECONDS of processor time in each way, and compares each way with the last one. Reasonable are
 peptide two=60 smaller=60 other=60 plain=600, and villin larger=60 smaller=60 other=60 two=90. Absurd stand-ins hold
 chains fast: a ring that does not flip keeps the sign that it began with, and p-values say so. The line "chains agree"
 has p-values of chains of one way among each other: low ones say that they have not mixed.

@@ -18,7 +18,7 @@ STATE, TRIAL = 0, 1
 
 
 def _components(count, edges):
-    """Return a number for each of `count` vertices, the same for those that edges join."""
+    """Return a number for each of `count` vertices, the same for vertices that edges join."""
     edges = np.array(edges, dtype=int).reshape(-1, 2)
     graph = coo_matrix((np.ones(len(edges)), (edges[:, 0], edges[:, 1])), shape=(count, count))
     return connected_components(graph, directed=False)[1]

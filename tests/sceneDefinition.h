@@ -1,4 +1,4 @@
-/* sceneDefinition.h: a random scene as the engine takes it. The oracle's side knows nothing of the engine, so this
+/* sceneDefinition.h: a random scene as the engine takes it. The oracle's side does not know the engine, so this
  * stands apart. */
 #ifndef SCENE_DEFINITION_H_
 #define SCENE_DEFINITION_H_

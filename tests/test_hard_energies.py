@@ -308,7 +308,7 @@ def test_parameters_updated_in_mid_run():
 
 
 def test_an_update_that_was_forgotten():
-    """The Context goes on with the old parameters."""
+    """The Context continues with the old parameters."""
     chain = Chain()
     chain.system.addForce(chain.pairs)
     run = chain.run()

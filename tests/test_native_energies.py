@@ -39,7 +39,7 @@ def assertAgreement(run, reference, allowance=0):
 
 
 def runAndCompare(system, positions, accepted, allowance=0, **choice):
-    """Compare U at the start, and after so many accepted trials."""
+    """Compare U at the start, and after `trials` accepted trials."""
     run, reference = Run(system, positions, **choice), Reference(system)
     assertAgreement(run, reference, allowance)
     while run.accepted < accepted:
@@ -190,7 +190,7 @@ def test_trajectories_have_the_same_bits_on_each_instruction_set(method):
 
 
 def runInParts(course, file):
-    """Run trials, with a checkpoint in the middle; be killed after it; or go on from it."""
+    """Run trials, with a checkpoint in the middle; be killed after it; or continue from it."""
     system, _, positions = makeSystem("villin", AMBER, "reaction field")
     run = Run(system, positions)
     if course == "resume":

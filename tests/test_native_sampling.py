@@ -2,7 +2,7 @@
 a protein, stage by stage, against evaluation of all Forces by OpenMM.
 
 A test fails if one of its p-values is below SIGNIFICANCE divided by their number (Bonferroni); seeds are fixed. Run as
-a program, it compares so many trials of the protein: python test_native_sampling.py [NATIVE TRIALS] [PLAIN TRIALS].
+a program, it compares longer runs of the protein: python test_native_sampling.py [NATIVE TRIALS] [PLAIN TRIALS].
 """
 
 import sys

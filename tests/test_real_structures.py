@@ -84,7 +84,7 @@ class Sampled:
         self.restartLimits()
 
     def restartLimits(self):
-        """Give the oracle's pairs that clash their overlap as limit, as the plugin does by itself."""
+        """Give the oracle's pairs that clash their overlap as limit, as the plugin does."""
         pairs, overlaps, margins = self.oracle.clashes(0)
         assert np.all(margins > SIGMA), "a pair is too near to its tolerance for this test"
         self.oracle.setLimits(pairs, overlaps + SIGMA)
@@ -110,7 +110,7 @@ def asKeys(pairs, count):
 
 
 def assertSameList(sampled, pairs, values, oraclePairs, oracleValues, mayMiss):
-    """Compare lists of pairs, sorted, of which the oracle's also has those that the plugin may miss."""
+    """Compare sorted lists of pairs. The oracle's list includes pairs that the plugin may miss."""
     keys, oracleKeys = asKeys(pairs, len(sampled.start)), asKeys(oraclePairs, len(sampled.start))
     assert np.all(np.diff(keys) > 0)
     isListed = np.isin(oracleKeys, keys)

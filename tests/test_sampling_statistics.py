@@ -1,6 +1,6 @@
 """What TorsionMonteCarloIntegrator samples is what it says: histograms against quadrature, by chi-squared tests.
 
-Samples are so many trials apart that they are independent, which is checked. A test fails if its p-value is below
+Samples are enough trials apart to be independent, which is checked. A test fails if its p-value is below
 SIGNIFICANCE; seeds are fixed, so that it either always fails or never. That such tests can fail is shown by samplers
 with an error planted in them.
 """

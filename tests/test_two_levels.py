@@ -122,7 +122,7 @@ class Scene:
         return np.array(draws)
 
     def follow(self, draws, standIn, trials, temperature, seed=1):
-        """Return torsions after so many trials from each draw, by one stand-in."""
+        """Return torsions after `trials` trials from each draw, by one stand-in."""
         run = Run(self.system, self.starts[0], seed=seed, temperature=temperature, moves=DIPEPTIDE_MOVES)
         integrator, ends = run.integrator, []
         *cutoffs, width, trialsPerTest = standIn

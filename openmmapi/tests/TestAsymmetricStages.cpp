@@ -140,7 +140,7 @@ static void readMove(const SerializationNode&, double, TorsionMonteCarloIntegrat
 static const MoveKind KIND("leaning", "LeaningMove", (TorsionMonteCarloIntegrator::MoveType)1001, readMove);
 
 /**
- * Draws torsion 0 anew with a density of 1 + lean cos(angle).
+ * Redraws torsion 0 with a density of 1 + lean cos(angle).
  */
 class LeaningMove : public MonteCarloMove {
 public:
@@ -307,7 +307,7 @@ static void testNumbers(Platform& platform)
 }
 
 /**
- * A trial that the ratio of proposals refuses by itself has reached no stage.
+ * A trial rejected by the ratio of proposals has reached no stage.
  */
 static void testRatioAlone(Platform& platform)
 {

@@ -214,7 +214,7 @@ static void testSideChains()
         if (window.torsions.size() == 8)
             ASSERT(windows.getChoices(window) == vector<ClosedWindows::Pivots>({{1, 2, 3, 4, 5, 6}}));
 
-    // Given torsions are those that turn: all of a list follow each other, whatever is heaviest.
+    // All torsions of a given list follow each other, whichever branch is heaviest.
 
     vector<int> backbone;
     for (int i = 0; i < 8; i++)

@@ -213,7 +213,7 @@ static void testWriting(Platform& platform)
     ASSERT_EQUAL(2, copy.getNumMoves());
     assertSameMoves(integrator, copy);
 
-    // The copy goes on from a checkpoint, bit for bit; one with another density refuses it.
+    // The copy continues from a checkpoint, bit for bit; one with another density refuses it.
 
     Context context(chain.system, integrator, platform);
     context.setPositions(chain.positions);

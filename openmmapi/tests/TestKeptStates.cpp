@@ -152,7 +152,7 @@ static void testChanges()
         scene.getKernel().clearLimits();
         scene.run(10, 9);
     });
-    testTakenBack([](KeptScene& scene) { // an energy that was computed anew, and one that is old
+    testTakenBack([](KeptScene& scene) { // a recomputed energy, and an old one
         scene.run(11, 9);
         ASSERT(scene.getKernel().updateEnergy(true));
         scene.getKernel().proposeTorsions({2}, {0.5});

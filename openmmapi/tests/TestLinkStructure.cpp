@@ -202,7 +202,7 @@ void testBadBallJoints()
     assertRefused("torsion 0 (0-1-2-3) and ball joint 0 (2-1) are about the same bond", {{2, 1}});
     assertRefused("ball joint 0 (3-4) and ball joint 1 (4-3) are about the same bond", {{3, 4}, {4, 3}});
 
-    // What is at an end of a torsion may not turn about its axis by itself, but the whole side may about it.
+    // A group at one end of a torsion may not turn about its axis, but the whole side may.
 
     assertRefused("ball joint 0 (1-0) changes the dihedral of torsion 0 (0-1-2-3); name another particle bonded to "
                   "particle 1",

@@ -202,7 +202,7 @@ static void testWindows(Platform& platform)
 }
 
 /**
- * Parameters come back, also from XML, and sampling goes on from a checkpoint bit for bit.
+ * Parameters come back, also from XML, and sampling continues from a checkpoint bit for bit.
  */
 static void testKeeping(Platform& platform)
 {

@@ -100,7 +100,7 @@ static void testAcceptance(Platform& platform)
     }
     ASSERT(getAcceptance(integrator, 0) < 0.2);
 
-    // Counts begin anew with it, and when it ends.
+    // Counts restart with it, and when it ends.
 
     integrator.setAdaptMoveSizes(true);
     for (int move = 0; move < NUM_MOVES; move++)
@@ -125,7 +125,7 @@ static void testAcceptance(Platform& platform)
 }
 
 /**
- * A run that is broken off while sizes adapt goes on bit for bit, from a checkpoint and from a State; with outer tests,
+ * A run interrupted while sizes adapt continues bit for bit, from a checkpoint and from a State; with outer tests,
  * too, that take trials back.
  */
 static void testGoingOn(Platform& platform, bool hasOuterTests)
@@ -203,7 +203,7 @@ static void testSettingScales(Platform& platform)
         });
     }
 
-    // Trials are smaller, and counts start anew.
+    // Trials are smaller, and counts restart.
 
     Context context(crowd.system, integrator, platform);
     context.setPositions(crowd.positions);

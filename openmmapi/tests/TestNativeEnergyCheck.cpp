@@ -340,7 +340,7 @@ void testEditedForces()
     scene.build();
     ASSERT(scene.run());
 
-    // An edit that OpenMM knows nothing of.
+    // An edit that OpenMM does not see.
 
     bonds->setBondParameters(0, 0, 4, 2.5, 100);
     scene.translate();

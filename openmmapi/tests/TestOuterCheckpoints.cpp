@@ -34,7 +34,7 @@ static void assertSameTests(const OuterRun& expected, const OuterRun& found)
 }
 
 /**
- * A run that is broken off after any step goes on with the same bits, whether steps end with a whole block of trials or
+ * A run interrupted after any step continues with the same bits, whether steps end with a whole block of trials or
  * with a part of one.
  */
 static void testGoingOn(Platform& platform, int trialsPerTest)

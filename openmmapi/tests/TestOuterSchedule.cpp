@@ -121,7 +121,7 @@ static void testNumbersOfTrials()
 
 static void testLargeChanges()
 {
-    // In each trial, and so are those that always go one way, or have no number.
+    // Forces that change too much, always change in one direction, or give no number are decided in each trial.
 
     for (double change : {numeric_limits<double>::quiet_NaN(), numeric_limits<double>::infinity(),
                           -numeric_limits<double>::infinity(), 1e300, 5.0, -5.0}) {

@@ -42,7 +42,7 @@ static const TorsionMonteCarloIntegrator::MoveType BIASED = (TorsionMonteCarloIn
 static const MoveKind KIND("biased", "BiasedMove", BIASED, readBiasedMove);
 
 /**
- * Draws torsion 0 anew, whatever it was, with a density of 1 + bias cos(angle).
+ * Redraws torsion 0, whatever it was, with a density of 1 + bias cos(angle).
  */
 class BiasedMove : public MonteCarloMove {
 public:

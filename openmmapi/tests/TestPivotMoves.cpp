@@ -245,7 +245,7 @@ void testParameters(Platform& platform)
 }
 
 /**
- * Bonds keep their lengths, whatever is accepted and however the run goes on.
+ * Bonds keep their lengths, whatever is accepted and however the run continues.
  */
 void testBondLengths(Platform& platform)
 {

@@ -1,5 +1,6 @@
 /**
- * This tests that random numbers are those of std::mt19937_64, and that generators go on from what others have written.
+ * This tests that random numbers are those of std::mt19937_64, and that generators continue from what others have
+ * written.
  */
 
 #include "openmm/internal/AssertionUtilities.h"
@@ -37,7 +38,7 @@ static void testIndices()
 }
 
 /**
- * A generator goes on from what another one was at any place among its words.
+ * A generator continues from what another one was at any place among its words.
  */
 static void testStates()
 {

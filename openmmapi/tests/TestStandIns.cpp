@@ -121,13 +121,13 @@ static void testGoingOn(Platform& platform, int trialsPerTest)
             else
                 fresh.loadCheckpoint(checkpoints[i]);
             for (int j = i; j < 5; j++) {
-                fresh.createCheckpoint(); // after which sums are made anew, as in the whole run
+                fresh.createCheckpoint(); // which recomputes sums, as in the whole run
                 fresh.integrator.step(1);
             }
             assertSame(whole, fresh);
         }
 
-    // A Context made anew has the numbers of the old one.
+    // A recreated Context has the constants of the old one.
 
     whole.context->reinitialize(true);
     OuterRun other(scene, platform, trialsPerTest, 99);

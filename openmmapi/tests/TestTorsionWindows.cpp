@@ -144,7 +144,8 @@ static void testSideChains()
 
 static void testLongBranches()
 {
-    // A branch of eight torsions has a backbone of its own, one of seven has none; the chain goes on with the heaviest.
+    // A branch of eight torsions has a backbone of its own, one of seven has none; the chain continues with the
+    // heaviest.
 
     for (int length : {7, 8}) {
         Tree tree(40);

@@ -1,4 +1,4 @@
-"""Hydrogens that --add-hydrogens adds to caps, rings and D-amino acids: those that the force field wants."""
+"""--add-hydrogens adds the hydrogens of the force field to caps, rings and D-amino acids."""
 
 import numpy as np
 import pytest

@@ -35,7 +35,7 @@ def _namedOptions(path):
 
 
 def test_namedOptionsExist():
-    """In what both commands use, those that both have."""
+    """Options of both commands, in code that both use."""
     ofSample, ofClashes = _optionsOf(sample), _optionsOf(clashes)
     found = 0
     for path in sorted(_PACKAGE.rglob("*.py")):

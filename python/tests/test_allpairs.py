@@ -123,7 +123,7 @@ def test_fewParticles(count):
 
 
 def test_memoryIsInProportion():
-    """All pairs of so many particles would be fifty gigabytes."""
+    """A table of all pairs would take fifty gigabytes."""
     side = np.arange(43) * 0.15
     positions = np.stack(np.meshgrid(side, side, side), axis=-1).reshape(-1, 3)
     count = len(positions)

@@ -99,7 +99,7 @@ _LIGAND = [
 
 
 def test_linksOfTheFile(tmp_path):
-    near = [line[:38] + f"{3.85:8.3f}" + line[46:] for line in _LIGAND]  # 2.3 Å from the oxygen: too far by itself
+    near = [line[:38] + f"{3.85:8.3f}" + line[46:] for line in _LIGAND]  # 2.3 Å from the oxygen: too far to be bonded
     assert partsOf(read(tmp_path, *GLYCINES, *near).topology) == 2
     assert partsOf(read(tmp_path, _LINK.format("1555"), *GLYCINES, *near).topology) == 1
     conect = "CONECT    4    9"

@@ -53,7 +53,7 @@ class Reference:
         return _TOLERANCE
 
 
-# Of the structures used here, those that are bound: within this distance of a nitrogen, oxygen or sulfur.
+# Metals of these structures within this distance of a nitrogen, oxygen or sulfur are bound.
 _METALS = {"Zn": 0.26, "Fe": 0.23, "Mg": 0.28}
 
 

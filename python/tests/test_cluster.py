@@ -94,7 +94,7 @@ WHOLE = {}
 
 
 def doAfter(monkeypatch, frames, act):
-    """Do something once a run has got so many frames."""
+    """Do something once a run has `frames` frames."""
     honest = ReplicaFiles.add
 
     def add(files, *arguments):
@@ -167,7 +167,7 @@ def test_aWorkerIsKilled(dask, runHere, tmp_path, whole, monkeypatch):
 
 
 def test_theSchedulerIsRestarted(runHere, tmp_path_factory, tmp_path, whole, monkeypatch):
-    """The run ends with one line, and goes on from its checkpoint with those who are there then."""
+    """The run ends with one line, and continues from its checkpoint with the workers present then."""
     folder = tmp_path_factory.mktemp("restarted")
     with Dask(folder, workers=1) as first, monkeypatch.context() as patches:
         doAfter(patches, 20, lambda: kill(first.scheduler))

@@ -114,7 +114,7 @@ def test_endsOfASmallProteinLeaveMostTrialsToTheRest(villin):
 
 
 def test_sideChainsAreDrawnFromTheirFirstTorsionMostly():
-    """Sets that begin with χ1 are one move, those that do not another; those at ends are drawn once more."""
+    """Sets that begin with χ1 are one move, other sets another; sets at chain ends are drawn more often."""
     topology = peptide(*["LYS", "VAL", "GLU"] * 7)
     force = createStericExclusionForce(topology)
     integrator, added, _ = add(topology, force)

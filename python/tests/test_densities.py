@@ -1,4 +1,4 @@
-"""Densities of torsions in Python, and those that come from tables by residue."""
+"""Densities of torsions in Python, and densities from tables by residue."""
 
 import copy
 import pickle

@@ -146,7 +146,7 @@ def test_otherContext(amber, villin):
 
 
 def test_resumedSimulation(amber, villin):
-    """A Simulation goes on as those do that are resumed from what it saved: the same positions, the same energy."""
+    """A Simulation and one resumed from its files have the same positions and the same energy."""
     system = amber()
 
     def start(seed):

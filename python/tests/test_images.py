@@ -21,7 +21,7 @@ _BOXES = [
 
 
 def wrapped(positions, box, shift):
-    """Shift positions, and bring each atom into the box by itself."""
+    """Shift positions, and wrap each atom into the box."""
     shifted = positions + shift
     return shifted - np.floor(shifted @ np.linalg.inv(box)) @ box
 

@@ -1,4 +1,4 @@
-"""Signals while steps run: Ctrl-C reaches the caller, handlers find a whole Context, and what goes on is the same."""
+"""Signals while steps run: Ctrl-C reaches the caller, handlers find a complete Context, and the run continues unchanged."""
 
 import os
 import signal
@@ -69,7 +69,7 @@ def test_interrupt(villin, steps):
     assert not np.array_equal(positionsOf(context), begin)
     assert context.getStepCount() == (1 if steps == 1 else counts.attempted / 100)
 
-    # It goes on from there, as a checkpoint does.
+    # It continues from there, like a checkpoint.
 
     checkpoint = context.createCheckpoint()
     integrator.setTrialsPerStep(100)

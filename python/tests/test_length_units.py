@@ -44,7 +44,7 @@ def test_fileInNanometers(runCommandHere, tmp_path, command):
 
 
 def alphaCarbons(*bare, count=4):
-    """A peptide of glycines of which those that are named by their numbers have only a Cα atom."""
+    """A peptide of glycines; the residues with these numbers have only a Cα atom."""
     topology = app.Topology()
     chain = topology.addChain("A")
     for number in range(count):

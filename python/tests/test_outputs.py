@@ -30,7 +30,7 @@ needsFullDevice = pytest.mark.skipif(not os.path.exists(FULL), reason=f"there is
 
 
 def runWithLargestFile(size, *arguments, folder):
-    """Run the command where no file may be larger than so many bytes, as on a disk that fills."""
+    """Run the command where no file may be larger than `size` bytes, as on a full disk."""
     return subprocess.run(
         [*commands.COMMAND, *map(str, arguments)],
         cwd=folder,
@@ -42,7 +42,7 @@ def runWithLargestFile(size, *arguments, folder):
 
 @contextmanager
 def largestFile(size):
-    """No file of this process may be larger than so many bytes."""
+    """Let no file of this process be larger than `size` bytes."""
     limits = resource.getrlimit(resource.RLIMIT_FSIZE)
     resource.setrlimit(resource.RLIMIT_FSIZE, (size, limits[1]))
     try:
@@ -393,7 +393,7 @@ def test_interruptWhileAFileIsWritten(tmp_path, monkeypatch, overwrite, moment):
 
 
 class _InterruptedFile(io.FileIO):
-    """Writes so many bytes, and is interrupted then."""
+    """Is interrupted after writing a given number of bytes."""
 
     bytesLeft = 0
 

@@ -147,7 +147,7 @@ def test_parametersAndSharedGroups(dipeptide):
 @needsSampler
 @pytest.mark.parametrize("mode", ["Hard", "Off"])
 def test_resuming(dipeptide, tmp_path, mode):
-    """By OpenMM's reporter, unchanged: replicas go on where their States are, with their random numbers."""
+    """With OpenMM's own reporter: replicas continue from their States, with their random numbers."""
     ends = []
 
     def make(seed):

@@ -115,7 +115,7 @@ def submitHere(segment):
 def run(rounds, submit=submitHere, slots=5, holds=()):
     """Return the replica and the energy of each frame and temperature, and the RunState.
 
-    holds : after so many segments all replicas come to the same round, and the run goes on from there
+    holds : the number of segments after which all replicas reach the same round, where the run continues
     """
     plan = RunPlan(Schedule(10 * rounds, 10, 10), TEMPERATURES, deriveSeeds(1, len(TEMPERATURES)), 1)
     state, frames, holds = RunState(plan, 1), {}, list(holds)
@@ -199,7 +199,7 @@ def test_countsAddUp():
     changes = [int((places[1:, k] != places[:-1, k]).sum()) for k in range(5)]
     assert changes[0] in (state.accepted[0], state.accepted[0] - 1)  # the last exchange is in no frame
     assert [sorted(state.temperatureOf)] == [list(range(5))]
-    # Round trips, counted anew from the frames.
+    # Round trips, recounted from the frames.
     trips = [0] * 5
     ends = {places[0, 0]: False}
     for row in np.vstack([places, np.argsort(state.temperatureOf)]):

@@ -1,4 +1,4 @@
-"""Simulations that are broken off and go on: checkpoints and States, as app.Simulation and its reporters make them."""
+"""Interrupted Simulations that continue from checkpoints and States of app.Simulation and its reporters."""
 
 import subprocess
 import sys
@@ -191,7 +191,7 @@ def test_refusedReinitialize(villin):
 
 
 def test_rescueFromRefusedReinitialize(villin):
-    """A user who cannot mend the System goes on in another: from a checkpoint of the incomplete Context."""
+    """A user who cannot correct the System continues in another one, from a checkpoint of the incomplete Context."""
     simulation = makeSimulation(villin.topology, makeStericSystem(villin))
     simulation.context.setPositions(villin.positions)
     simulation.step(2)

@@ -1,4 +1,4 @@
-"""Runs of replicas that are killed, interrupted or fail, and go on: what they write is what one run writes."""
+"""Runs of replicas that are killed, interrupted or fail, and are resumed, write what one run writes."""
 
 import io
 import json
@@ -50,7 +50,7 @@ def counted(folder, name):
 
 
 def killAndResume(folder, options, kills, seed):
-    """Run in a folder, killed so many times after times drawn at random, and resumed; return how often that worked."""
+    """Run in a folder, kill the run at random times, resume it, and return how often a kill worked."""
     chance, cuts, hasBegun = random.Random(seed), 0, False
     while True:
         arguments = ["--resume", "cut.checkpoint"] if hasBegun else [*options, "-o", "cut", "--json", "cut.json"]
@@ -92,7 +92,7 @@ class Killed(BaseException):
 
 
 def killAfter(monkeypatch, owner, name, calls, before):
-    """Raise Killed at the so many-th call of a function, before or after it does what it does."""
+    """Raise Killed at a given call of a function, before or after the call."""
     honest = getattr(owner, name)
 
     def counting(*arguments, **named):
@@ -140,7 +140,7 @@ WHOLE = {}
 
 
 def test_interruptedOnce(tmp_path):
-    """Ctrl-C: what there is is told, and can go on."""
+    """After Ctrl-C the run reports what it has, and can be resumed."""
     writePDB(tmp_path / "run.pdb", GLYCINES)
     command = [*COMMAND, "sample", "run.pdb", "--replicas", "2", "--trials", "100000000", "--seed", "1"]
     command += ["--frames", "10000", "--json", "a.json"]
@@ -269,7 +269,7 @@ def test_fromAnotherFolder(finished, runHere, tmp_path, option, name):
     ],
 )
 def test_moreTrials(runHere, tmp_path, monkeypatch, options, trials, frames):
-    """A run that goes on, and is killed meanwhile, is one that was to have as many trials from the start."""
+    """A run that is extended, and killed meanwhile, equals a run of that length from the start."""
     options = (*options, "--workers", 1, "--checkpoint-interval", 0)
     whole = ("--trials", trials[-1], "--frames", frames[-1], "-o", "whole", "--json", "whole.json")
     assert runHere(*options, *whole).returncode == 0
@@ -459,7 +459,7 @@ def test_anotherStructure(finished, runHere, tmp_path):
 
 
 def test_theDiskFills(runHere, tmp_path):
-    """One line says how to go on, and with room it does."""
+    """One line says how to continue, and with free space the run does."""
     options = ("run.pdb", "--replicas", 2, "--workers", 1, "--trials", 40000, "--frames", 400, "--seed", 1)
     with largestFile(20000):
         result = runHere(*options, "--checkpoint-interval", 0)

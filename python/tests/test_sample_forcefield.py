@@ -139,7 +139,7 @@ def test_villin(runHere, tmp_path):
 
 @pytest.fixture
 def sampleMoves(runHere, tmp_path):
-    """A function that samples for so many trials with options; it returns how many were not made, by moves."""
+    """A function that samples a number of trials with options and returns the impossible trials of each move."""
 
     def sample(trials, *options):
         common = ("--forcefield", PROTEIN, "--frames", trials // 400, "--seed", 1, "--json", "summary.json")
@@ -304,7 +304,7 @@ def test_addHydrogens(runHere, tmp_path, villin, lines):
     places = [(atom.residue.id, atom.element.symbol) for atom in villin.topology.atoms()]
     assert [(atom.residue.id, atom.element.symbol) for atom in pdb.topology.atoms()] == places
     assert start[heavy] == pytest.approx(villin.positions[heavy], abs=1e-4)
-    # Hydrogens have the bond lengths of the force field, not those that Modeller begins with.
+    # Hydrogens have the bond lengths of the force field, not Modeller's initial ones.
     lengths = {"C": 0.109, "N": 0.101, "O": 0.096}
     for atom1, atom2 in pdb.topology.bonds():
         parent, child = (atom1, atom2) if isHeavy(atom1) else (atom2, atom1)

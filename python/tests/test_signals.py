@@ -32,7 +32,7 @@ def test_sample(tmp_path, number):
 
 @pytest.mark.parametrize("options", [["--replicas", 3], ["--replicas", 3, "--trials-per-round", 10**11, "--frames", 3]])
 def test_replicas(tmp_path, options):
-    """What not all replicas have done is left out, and done again by a run that goes on."""
+    """Frames that not all replicas have reached are dropped, and sampled again by the resumed run."""
     writePDB(tmp_path / "run.pdb", GLYCINES)
     arguments = ("run.pdb", "--trials", 10**12, "--frames", 10**8, *options, "--workers", 2, "--json", "a.json")
     pattern = r"0/3000000000000" if len(options) > 2 else BEGUN

@@ -29,7 +29,7 @@ _TUPLES = (
 )
 _LISTS = ("EnergyPlan",)
 
-# A few lines of each kind, of which a type checker must find those that say so to be wrong.
+# A few lines of each kind. A type checker must reject the lines marked as wrong.
 _PROGRAM = """
 import numpy as np
 import openmm

@@ -153,7 +153,7 @@ def test_solventIsCheckedInSeveralThreads(tmp_path):
     """Each load of a checkpoint makes the next step compare the energy with OpenMM's, of a copy of the Forces.
 
     Meanwhile others write and read XML, as copies of integrators do. OpenMM's numbers in XML share memory among all
-    threads, and Python's lock alone keeps them apart; steps and States go on without that lock.
+    threads, and Python's lock alone keeps them apart; steps and States continue without that lock.
     """
     pdb = app.PDBFile(str(writePDB(tmp_path / "dipeptide.pdb", DIPEPTIDE)))
     system = app.ForceField("amber14/protein.ff14SB.xml", "implicit/gbn2.xml").createSystem(pdb.topology)

@@ -159,7 +159,7 @@ static void destroyProgram(Program* p)
     free(p->movable);
 }
 
-/* The energies of Lennard-Jones and Coulomb, and of each pair set; those that a program does not have are 0. */
+/* The energies of Lennard-Jones and Coulomb, and of each pair set; 0 for sets that a program does not have. */
 typedef struct PairSums {
     PairSum parts[1 + MOST_PAIR_SETS];
 } PairSums;
@@ -319,7 +319,7 @@ static void tryOne(Program* p)
         refresh(p);
 }
 
-/* The energy that is kept must be that of the same state computed anew, but for roundings that fell otherwise. */
+/* The stored energy must equal the recomputed energy of the same state within rounding. */
 static void compareWithFresh(Program* p)
 {
     double kept = totalKept(p);

@@ -154,7 +154,7 @@ static StandInSum judge(Program* p)
     return sum;
 }
 
-/* The energy that is kept against that of all pairs, and against one computed anew. */
+/* Compares the stored energy with that of all pairs, and with a recomputed one. */
 static void compareState(Program* p)
 {
     const double kept = ctGetPairEnergy(p->energy);

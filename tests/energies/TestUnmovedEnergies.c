@@ -1,5 +1,5 @@
 /* Energies beside closed windows: what lies behind one counts as unmoved, so what is kept of it lags behind the state,
- * by little: against energies computed anew in a scene that was handed the state. */
+ * by little: against energies recomputed in a scene with the same state. */
 #include "ctenergy.h"
 #include "sceneDefinition.h"
 #include "windows/closedWindow.h"
@@ -130,7 +130,7 @@ static double wholeEnergy(const ctEnergy* energy)
     return ctGetPairEnergy(energy) + ctGetTermEnergy(energy, 0) + ctGetTermEnergy(energy, 1);
 }
 
-/* The energy of the state computed anew, in a scene of its own. */
+/* The energy of the state, recomputed in its own scene. */
 static double freshEnergy(const Bench* b)
 {
     ctChainTree* tree = createDefined(&b->definition);

@@ -32,7 +32,7 @@ int randomIsUsedUp(const randomSource* random)
     return random->bytes != NULL && random->byteCount == 0;
 }
 
-/* At least 0 and below 1: by so many bytes, if there are as many, else by all bits that a double has. */
+/* At least 0 and below 1: from the given number of bytes if enough are left, else from all bits of a double. */
 static double randomFraction(randomSource* random, size_t byteCount)
 {
     if (random->byteCount < byteCount) {

@@ -21,7 +21,7 @@ typedef struct randomSource {
 
 randomSource randomSourceFromSeed(uint64_t seed);
 
-/* The bytes stay the caller's. When they are used up, choices go on as from a seed. */
+/* The bytes stay the caller's. After the last byte, choices follow from a seed. */
 randomSource randomSourceFromBytes(size_t count, const unsigned char* bytes);
 
 /* Whether choices came from bytes, and these are used up. */

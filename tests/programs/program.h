@@ -47,7 +47,7 @@ typedef struct Program {
     Tally* tally;
     randomSource random;
     randomScene scene;      /* its positions are the reference positions */
-    double* firstPositions; /* those that the engine's scene was made from */
+    double* firstPositions; /* from which the engine's scene was made */
     unsigned char* listed;  /* particles that stand in a leaf in any case, which nothing here must notice; or NULL */
     ctChainTree* tree;
     oracleScene* oracle;
