@@ -5,7 +5,7 @@
 
 By default a million accepted trials of each structure and method. Real structures lie where CHAINTREE_TEST_DATA says.
 Prints by how much U is off, kJ/mol, at each tenth; exit status 1 if it is off by more than 5e-3 and by more than single
-precision explains where atoms overlap. --beads measures the time and the memory that a chain of this number of beads takes,
+precision explains where atoms overlap. --beads measures time and memory of a chain of this number of beads,
 packed as densely as atoms of a protein, with a cutoff of 1 nm.
 """
 

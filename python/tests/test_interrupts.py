@@ -1,4 +1,4 @@
-"""Signals while steps run: Ctrl-C reaches the caller, handlers find a complete Context, and the run continues unchanged."""
+"""Signals while steps run: Ctrl-C reaches the caller, handlers find a complete Context, and the run continues."""
 
 import os
 import signal
