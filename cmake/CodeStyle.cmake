@@ -26,7 +26,7 @@ endif()
 find_program(CLANG_TIDY_EXECUTABLE NAMES clang-tidy)
 if(CLANG_TIDY_EXECUTABLE)
     set(tidied_files ${styled_files})
-    list(FILTER tidied_files INCLUDE REGEX "/src/[^/]*\\.(c|cpp)$")
+    list(FILTER tidied_files INCLUDE REGEX "/src/(wide/)?[^/]*\\.(c|cpp)$")
     add_custom_target(tidy
         COMMAND "${CLANG_TIDY_EXECUTABLE}" --quiet -p "${PROJECT_BINARY_DIR}" ${tidied_files}
         VERBATIM)

@@ -4,7 +4,7 @@
 #
 # cmake -DPROGRAM=... -DSOURCE_DIR=... -DWORK_DIR=... -DCOMPILERS="..." -DOWN="..." -DAVX2=... -DAVX512=... -DEMULATOR=...
 #     -P compareTrajectories.cmake
-# PROGRAM is that of the project's own build by OWN, empty unless it is a Release; AVX2 and AVX512 are the options of the files for these instruction sets.
+# PROGRAM is that of the project's own build by OWN, empty unless it is a Release; AVX2 and AVX512 are the options for these instruction sets.
 # EMULATOR runs programs where they are for another processor.
 
 set(engine_dir "${SOURCE_DIR}/platforms/reference/chaintree")
@@ -14,6 +14,12 @@ list(APPEND sources
     "${SOURCE_DIR}/tests/hardcases/sceneBuilder.c"
     "${SOURCE_DIR}/tests/oracle/randomScene.c"
     "${SOURCE_DIR}/tests/oracle/randomSource.c")
+# These are compiled once for each instruction set.
+file(GLOB wide_sources "${engine_dir}/src/wide/*.c")
+set(sets PORTABLE)
+if(AVX2)
+    list(APPEND sets AVX2 AVX512)
+endif()
 
 function(run_program program set course output)
     execute_process(
@@ -38,6 +44,16 @@ function(compare_program program)
 endfunction()
 
 # The project's flags, but for the level.
+function(compile_source compiler level source object)
+    execute_process(
+        COMMAND "${compiler}" -std=c11 -ffp-contract=off -DNDEBUG ${level} ${ARGN}
+            "-I${engine_dir}/include" "-I${engine_dir}/../simd" "-I${SOURCE_DIR}/tests" -c "${source}" -o "${object}"
+        RESULT_VARIABLE result)
+    if(NOT result EQUAL 0)
+        message(FATAL_ERROR "${compiler} ${level} cannot compile ${source}")
+    endif()
+endfunction()
+
 function(build_program compiler level program)
     get_filename_component(name "${program}" NAME)
     set(objects_dir "${WORK_DIR}/${name}-objects")
@@ -45,20 +61,15 @@ function(build_program compiler level program)
     set(objects "")
     foreach(source IN LISTS sources)
         get_filename_component(stem "${source}" NAME_WE)
-        set(options "")
-        if(stem STREQUAL "instructions_avx2")
-            set(options ${AVX2})
-        elseif(stem STREQUAL "instructions_avx512")
-            set(options ${AVX512})
-        endif()
-        execute_process(
-            COMMAND "${compiler}" -std=c11 -ffp-contract=off -DNDEBUG ${level} ${options}
-                "-I${engine_dir}/include" "-I${engine_dir}/../simd" "-I${SOURCE_DIR}/tests" -c "${source}" -o "${objects_dir}/${stem}.o"
-            RESULT_VARIABLE result)
-        if(NOT result EQUAL 0)
-            message(FATAL_ERROR "${compiler} ${level} cannot compile ${source}")
-        endif()
+        compile_source("${compiler}" ${level} "${source}" "${objects_dir}/${stem}.o")
         list(APPEND objects "${objects_dir}/${stem}.o")
+    endforeach()
+    foreach(source IN LISTS wide_sources)
+        get_filename_component(stem "${source}" NAME_WE)
+        foreach(set IN LISTS sets)
+            compile_source("${compiler}" ${level} "${source}" "${objects_dir}/${stem}${set}.o" -DCT_PATH_${set} ${${set}})
+            list(APPEND objects "${objects_dir}/${stem}${set}.o")
+        endforeach()
     endforeach()
     execute_process(COMMAND "${compiler}" ${objects} -lm -o "${program}" RESULT_VARIABLE result)
     if(NOT result EQUAL 0)

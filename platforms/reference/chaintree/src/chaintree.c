@@ -4,9 +4,9 @@
 #include <string.h>
 
 #include "definition.h"
-#include "instructions.h"
 #include "scene.h"
 #include "selection.h"
+#include "wide.h"
 
 /* A dihedral is undefined if the sine between two of its bonds is less. Coordinates of 1 nm are rounded by 1e-16 nm: a
  * component of 1e-8 of a bond of 0.1 nm has seven digits left. */
@@ -20,7 +20,7 @@ static bool build(ctChainTree* scene, const ctDefinition* definition) {
   ctSweepInit(&scene->ownSweep, &scene->staleTree, &scene->sequence, &scene->exclusions);
   return ctSequenceBuild(&scene->sequence, &scene->arena, definition) &&
          ctExclusionsBuild(&scene->exclusions, &scene->arena, &scene->sequence, definition) &&
-         ctTreeBuild(&scene->staleTree, &scene->arena, &scene->sequence, ctChooseInstructions()) &&
+         ctTreeBuild(&scene->staleTree, &scene->arena, &scene->sequence, ctChooseWide()) &&
          ctTraversalBuild(&scene->traversal, &scene->arena, &scene->staleTree, &scene->sequence, &scene->exclusions) &&
          ctCopiedBuild(&scene->followed, &scene->arena, &scene->sequence);
 }
@@ -90,7 +90,7 @@ const char* ctGetErrorText(const ctChainTree* tree) {
 }
 
 const char* ctGetInstructionSet(const ctChainTree* tree) {
-  return tree != NULL ? tree->staleTree.instructions->name : "";
+  return tree != NULL ? tree->staleTree.wide->name : "";
 }
 
 /* ---- State ---- */

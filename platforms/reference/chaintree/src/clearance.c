@@ -4,7 +4,7 @@
 #include <string.h>
 
 #include "costs.h"
-#include "instructions.h"
+#include "wide.h"
 
 TrialMethod ctChooseTrialMethod(void) {
   static const char* const names[] = {"cost", "tree", "boxes", "clearances"};
@@ -82,7 +82,7 @@ void ctClearanceGiveUp(Clearance* c) {
 static bool keep(Clearance* c, Traversal* t, double reach) {
   c->isKept = reserve(c, t->tree);
   if (c->isKept) {
-    t->tree->instructions->measureClearances(c, t, reach);
+    t->tree->wide->measureClearances(c, t, reach);
     c->skipped = 0;
   }
   return c->isKept;

@@ -20,7 +20,7 @@
 
 #include "order.h"
 
-/* ---- The tree: see descent_body.h ---- */
+/* ---- The tree: see wide/descent.c ---- */
 
 /* Slots in a row that move while all else is at rest: up to so many are tested against the tree one by one. */
 enum { MOST_MOVERS = 2 * TREE_WIDTH };
@@ -40,7 +40,7 @@ enum { TESTS_A_BOX = 1 };
 /* Of so many nodes over leaves the boxes of all leaves are looked at, without the nodes. */
 enum { MOST_BOXED_NODES = 3 * TREE_WIDTH };
 
-/* ---- Boxes in a descent: see box.h, descent_body.h ---- */
+/* ---- Boxes in a descent: see box.h, wide/descent.c ---- */
 
 enum {
   COST_OF_BOXES = 150, /* of a visit with boxes: moving those of two nodes into the view */

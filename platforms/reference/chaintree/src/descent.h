@@ -17,7 +17,7 @@ typedef struct ChildBoxes {
 /* What a descent looks for, and what it has cost. */
 typedef struct Visit {
   CandidateFunction* function;
-  ClashFunction* clashes; /* may be NULL */
+  SureClashFunction* clashes; /* may be NULL */
   void* context;
   float reach;    /* with the margin */
   double margin;  /* for roundings of tests in float */

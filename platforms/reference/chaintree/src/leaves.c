@@ -2,8 +2,8 @@
 
 #include <stdlib.h>
 
-#include "instructions.h"
 #include "scene.h"
+#include "wide.h"
 
 _Static_assert(CT_LEAF_WIDTH == TREE_WIDTH, "clients see the tree's leaves");
 
@@ -91,7 +91,7 @@ void ctLeavesUpdate(Leaves* leaves, const Tree* tree, const Sequence* sequence) 
   }
   if (leaves->time != tree->time) {
     const LeafUpdate update = {leaves, tree, sequence, treeFirstMoved(tree, leaves->time), 0, NULL};
-    tree->instructions->updateLeaves(&update);
+    tree->wide->updateLeaves(&update);
     leaves->time = tree->time;
   }
 }
@@ -112,7 +112,7 @@ void ctLeavesFollow(Leaves* leaves, const Tree* tree, const Sequence* sequence, 
     return;
   }
   const LeafUpdate update = {leaves, tree, sequence, 0, pieceCount, pieces};
-  tree->instructions->updateLeaves(&update);
+  tree->wide->updateLeaves(&update);
   leaves->time = tree->time;
 }
 
@@ -195,7 +195,7 @@ static ctStatus listPairs(ctChainTree* scene, bool inTrial, double cutoff, LeafP
     task.worldMotions = scene->trial->worldMotions;
   }
   pairs->count = 0;
-  tree->instructions->listLeafPairs(&task);
+  tree->wide->listLeafPairs(&task);
   if (task.failed) {
     return ctFailOutOfMemory(scene);
   }

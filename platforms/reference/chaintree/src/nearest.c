@@ -2,9 +2,9 @@
 
 #include <string.h>
 
-#include "instructions.h"
 #include "position.h"
 #include "selection.h"
+#include "wide.h"
 
 static void positionIn(const Cloud* cloud, int slot, double x[3]) {
   if (cloud->traversal != NULL) {
@@ -54,7 +54,7 @@ static Cloud cloudOfUnmodelled(ctChainTree* scene, ctSelection* selection, Neare
     nearest->extent = larger(nearest->extent, sqrt(dot(point, point)));
   }
   const double(*points)[3] = (const double(*)[3])selection->unmodelledPoint;
-  tree->instructions->boundPoints(&selection->unmodelledLayout, points, selection->unmodelledBlock);
+  tree->wide->boundPoints(&selection->unmodelledLayout, points, selection->unmodelledBlock);
   return (Cloud){.layout = &selection->unmodelledLayout,
                  .mask = selection->unmodelledMask,
                  .particle = selection->unmodelled,
@@ -106,7 +106,7 @@ ctStatus ctGetMinimumDistance(ctChainTree* tree, ctSelection* selection1, ctSele
   if (selection1->scene != tree || selection2->scene != tree) {
     return ctFail(tree, ctInvalidArgument, "a selection is of another scene");
   }
-  const InstructionSet* instructions = ctSceneTree(tree)->instructions;
+  const Wide* wide = ctSceneTree(tree)->wide;
   Nearest nearest = {.traversal = &tree->traversal, .reach = INFINITY, .distance = INFINITY};
   Cloud clouds1[2];
   Cloud clouds2[2];
@@ -116,7 +116,7 @@ ctStatus ctGetMinimumDistance(ctChainTree* tree, ctSelection* selection1, ctSele
   for (int i = 0; i < count1; i++) {
     for (int j = 0; j < count2; j++) {
       const Cloud clouds[2] = {clouds1[i], clouds2[j]};
-      instructions->findNearest(&nearest, clouds);
+      wide->findNearest(&nearest, clouds);
     }
   }
   addTests(counts, nearest.volumeTests, nearest.particleTests);

@@ -28,7 +28,7 @@ struct ctChainTree {
   Sequence sequence;
   Exclusions exclusions;
   Limits limits;
-  Tree staleTree; /* its content may be stale, which ctSceneTree mends; its layout, instructions and time never are */
+  Tree staleTree; /* its content may be stale, which ctSceneTree mends; its layout, wide functions and time never are */
   Traversal traversal;
   Clearance clearance;
   Witnesses witnesses;

@@ -3,7 +3,7 @@
 #include <limits.h>
 
 #include "counts.h"
-#include "instructions.h"
+#include "wide.h"
 
 void ctSweepInit(Sweep* sweep, const Tree* layout, const Sequence* sequence, const Exclusions* exclusions) {
   sweep->layout = layout;
@@ -73,23 +73,23 @@ bool ctSweepReserve(Sweep* sweep) {
 }
 
 void ctSweepBound(Sweep* sweep) {
-  sweep->layout->instructions->boundSnapshot(&sweep->snapshot, sweep->sequence, sweep->layout);
+  sweep->layout->wide->boundSnapshot(&sweep->snapshot, sweep->sequence, sweep->layout);
 }
 
 void ctSweepClashes(Sweep* sweep, double tolerance, ClashFunction* function, void* context, ctCounts* counts) {
   SweepTask task = {.reach = -tolerance, .clash = function, .context = context};
-  sweep->layout->instructions->sweepClashes(sweep, &task);
+  sweep->layout->wide->sweepClashes(sweep, &task);
   addTests(counts, task.volumeTests, task.particleTests);
 }
 
 void ctSweepNeighbors(Sweep* sweep, double cutoff, PairSink* sink, DoubtFunction* isNear, void* context,
                       ctCounts* counts) {
   SweepTask task = {.reach = cutoff, .sink = sink, .isNear = isNear, .context = context};
-  sweep->layout->instructions->sweepNeighbors(sweep, &task);
+  sweep->layout->wide->sweepNeighbors(sweep, &task);
   addTests(counts, task.volumeTests, task.particleTests);
 }
 
 void ctSweepDistances(const Sweep* sweep, double cutoff, size_t count, const int* lower, const int* higher,
                       double* distances) {
-  sweep->layout->instructions->neighborDistances(sweep->snapshot.position, cutoff, count, lower, higher, distances);
+  sweep->layout->wide->neighborDistances(sweep->snapshot.position, cutoff, count, lower, higher, distances);
 }

@@ -4,7 +4,7 @@
 #include <string.h>
 
 #include "descent.h"
-#include "instructions.h"
+#include "wide.h"
 
 /* Most entries for leaves in the world, for nodes that move, and for nodes whose boxes move: with more of them, caches
  * of the processor would miss more often than entries spare work. A visit needs at least two leaves, two nodes that
@@ -126,7 +126,7 @@ bool ctViewMovesFew(const Traversal* t, const View* view, int* begin, int* end) 
 
 const Frame* ctTraversalLeafFrame(Traversal* t, int leaf) {
   if (!traversalHasWorld(t, leaf)) {
-    t->tree->instructions->updateWorldLeaf(t, leaf);
+    t->tree->wide->updateWorldLeaf(t, leaf);
   }
   return &t->frame[t->entryOf[leaf]];
 }
@@ -134,17 +134,17 @@ const Frame* ctTraversalLeafFrame(Traversal* t, int leaf) {
 /* ---- Descents ---- */
 
 int64_t ctTraverse(Traversal* t, const View* view, CandidateFunction* function, void* context, ctCounts* counts) {
-  return t->tree->instructions->traverse(t, view, function, context, counts);
+  return t->tree->wide->traverse(t, view, function, context, counts);
 }
 
 void ctTraverseFew(Traversal* t, const View* view, int begin, int end, CandidateFunction* function,
-                   ClashFunction* clashes, void* context, ctCounts* counts) {
-  t->tree->instructions->traverseFew(t, view, begin, end, function, clashes, context, counts);
+                   SureClashFunction* clashes, void* context, ctCounts* counts) {
+  t->tree->wide->traverseFew(t, view, begin, end, function, clashes, context, counts);
 }
 
 void ctTraverseProbe(Traversal* t, const View* view, const double point[3], double radius, ProbeFunction* function,
                      void* context, ctCounts* counts) {
-  t->tree->instructions->probe(t, view, point, radius, function, context, counts);
+  t->tree->wide->traverseProbe(t, view, point, radius, function, context, counts);
 }
 
 void ctPositionInView(Traversal* t, int slot, int motion, double position[3]) {

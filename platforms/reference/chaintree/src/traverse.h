@@ -127,7 +127,7 @@ typedef bool CandidateFunction(void* context, int slotA, int slotB, double squar
 
 /* Receives a candidate and what its distance is not above; returns true to end the descent. Else the candidate is
  * handed over with its distance. */
-typedef bool ClashFunction(void* context, int slotA, int slotB, double farthest);
+typedef bool SureClashFunction(void* context, int slotA, int slotB, double farthest);
 
 /* Receives a slot near a probe. */
 typedef bool ProbeFunction(void* context, int slot, double squaredDistance);
@@ -157,7 +157,7 @@ int64_t ctTraverse(Traversal* traversal, const View* view, CandidateFunction* fu
 /* The same for a view in which only slots [begin, end) move, see ctViewMovesFew. Bounds may be wider than need be.
  * First asks `clashes` about each candidate, unless that is NULL. */
 void ctTraverseFew(Traversal* traversal, const View* view, int begin, int end, CandidateFunction* function,
-                   ClashFunction* clashes, void* context, ctCounts* counts);
+                   SureClashFunction* clashes, void* context, ctCounts* counts);
 
 /* The same for a sphere at a point of the world (from worldOrigin), against everything. */
 void ctTraverseProbe(Traversal* traversal, const View* view, const double point[3], double radius,

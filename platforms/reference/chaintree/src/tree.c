@@ -3,7 +3,7 @@
 #include <string.h>
 
 #include "costs.h"
-#include "instructions.h"
+#include "wide.h"
 
 /* Writes what updates never change: which members there are, and the radii of particles. */
 static void clearMembers(Tree* tree, const Sequence* sequence) {
@@ -34,8 +34,8 @@ void ctTreeLayOut(Tree* tree, int slotCount) {
   tree->nodeCount = tree->levelBegin[tree->levelCount];
 }
 
-bool ctTreeBuild(Tree* tree, Arena* arena, const Sequence* sequence, const struct InstructionSet* instructions) {
-  tree->instructions = instructions;
+bool ctTreeBuild(Tree* tree, Arena* arena, const Sequence* sequence, const struct Wide* wide) {
+  tree->wide = wide;
   tree->knownLink = CT_NULL;
   ctTreeLayOut(tree, sequence->slotCount);
   const size_t nodes = (size_t)tree->nodeCount;
@@ -94,7 +94,7 @@ static void forgetLagging(Tree* tree) {
 void ctTreeRefresh(Tree* tree, const Sequence* sequence) {
   clearMembers(tree, sequence);
   for (int leaf = 0; leaf < tree->levelSize[0]; leaf++) {
-    tree->instructions->refreshLeaf(tree, sequence, leaf);
+    tree->wide->refreshLeaf(tree, sequence, leaf);
   }
   for (int level = 1; level < tree->levelCount; level++) {
     for (int i = 0; i < tree->levelSize[level]; i++) {
@@ -105,7 +105,7 @@ void ctTreeRefresh(Tree* tree, const Sequence* sequence) {
       for (int k = 0; k < count; k++) {
         tree->dirty[k] = first + k;
       }
-      tree->instructions->refreshInnerNode(tree, level, node, tree->dirty, count);
+      tree->wide->refreshInnerNode(tree, level, node, tree->dirty, count);
     }
   }
   refreshRoot(tree);
@@ -119,7 +119,7 @@ static int refreshStep(Tree* tree, const Sequence* s, int link, int dirty) {
   const int leaf = coveringNode(s->slotBegin[link + 1] - 1);
   if (tree->contentTime[leaf] != tree->time) {
     tree->dirty[dirty++] = leaf;
-    tree->instructions->refreshLeaf(tree, s, leaf);
+    tree->wide->refreshLeaf(tree, s, leaf);
   }
   return dirty;
 }
@@ -151,11 +151,11 @@ static int refreshTwigs(Tree* tree, const Sequence* s, const int* links, int cou
         if (tree->contentTime[leaf] != tree->time) {
           tree->dirty[dirty++] = leaf;
         }
-        const bool holds = tree->instructions->refreshTwig(tree, s, link, leaf);
+        const bool holds = tree->wide->refreshTwig(tree, s, link, leaf);
         if (!boundsLag) {
-          tree->instructions->refreshLeafBound(tree, leaf);
+          tree->wide->refreshLeafBound(tree, leaf);
         } else if (!holds) {
-          tree->instructions->widenAbove(tree, leaf);
+          tree->wide->widenAbove(tree, leaf);
         }
       }
     }
@@ -189,7 +189,7 @@ static int refreshAbove(Tree* tree, int level, int dirty) {
       const int parent = treeParent(tree, level - 1, tree->dirty[i]);
       for (end = i + 1; end < dirty && treeParent(tree, level - 1, tree->dirty[end]) == parent; end++) {
       }
-      tree->instructions->refreshInnerNode(tree, level, parent, tree->dirty + i, end - i);
+      tree->wide->refreshInnerNode(tree, level, parent, tree->dirty + i, end - i);
       tree->dirty[parents++] = parent;
     }
     dirty = parents;
@@ -238,7 +238,7 @@ void ctTreeCatchUp(Tree* tree) {
     ctSortInts(tree->lagging, tree->laggingCount);
     for (int i = 0; i < tree->laggingCount; i++) {
       tree->dirty[i] = tree->lagging[i];
-      tree->instructions->refreshLeafBound(tree, tree->lagging[i]);
+      tree->wide->refreshLeafBound(tree, tree->lagging[i]);
     }
     refreshAbove(tree, 0, tree->laggingCount);
     noteTightened(tree);
@@ -291,13 +291,13 @@ Frame ctTreeFrame(const Tree* tree, int level, int node) {
 }
 
 Frame ctTreeLinkInLeaf(const Tree* tree, const Sequence* sequence, int link) {
-  return tree->instructions->linkInLeaf(sequence, link);
+  return tree->wide->linkInLeaf(sequence, link);
 }
 
 Frame ctTreeKnowLink(Tree* tree, const Sequence* sequence, int link, int change) {
   tree->knownLink = link;
   tree->knownChange = change;
-  tree->knownInLeaf = tree->instructions->openLeaf(sequence, link, &tree->knownOpenings);
+  tree->knownInLeaf = tree->wide->openLeaf(sequence, link, &tree->knownOpenings);
   return tree->knownInLeaf;
 }
 

@@ -66,10 +66,10 @@ enum { NOTED_LEAVES = 16 };
 /* Intervals of so many leaves are noted leaf by leaf. */
 enum { MOST_LEAVES_NOTED = NOTED_LEAVES / 2 };
 
-struct InstructionSet;
+struct Wide;
 
 typedef struct Tree {
-  const struct InstructionSet* instructions;
+  const struct Wide* wide;
   int levelCount;
   int levelBegin[TREE_MAX_LEVELS + 1]; /* first node of each level; a level is padded to a multiple of TREE_WIDTH */
   int levelSize[TREE_MAX_LEVELS];
@@ -205,7 +205,7 @@ static inline bool treeLeavesStay(const Tree* tree, int64_t since, int leafEnd) 
 void ctTreeLayOut(Tree* layout, int slotCount);
 
 /* Lays out a tree over a sequence of one slot or more, without content. False if there is no memory. */
-bool ctTreeBuild(Tree* tree, Arena* arena, const Sequence* sequence, const struct InstructionSet* instructions);
+bool ctTreeBuild(Tree* tree, Arena* arena, const Sequence* sequence, const struct Wide* wide);
 
 /* To be called when the sequence has a new state: all content is stale until it is refreshed. */
 void ctTreeMakeStale(Tree* tree);

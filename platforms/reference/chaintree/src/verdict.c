@@ -2,8 +2,8 @@
 #include <stdlib.h>
 
 #include "definition.h"
-#include "instructions.h"
 #include "scene.h"
+#include "wide.h"
 
 /* ---- Propose ---- */
 
@@ -192,8 +192,8 @@ static void judgeUndecided(Verdict* verdict) {
 static int64_t search(ctChainTree* tree, const View* view, Verdict* verdict, ctCounts* counts) {
   int64_t cost = GAVE_UP;
   if (ctClearanceIsWanted(&tree->clearance, &tree->traversal, view->reach)) {
-    const InstructionSet* instructions = ctSceneTree(tree)->instructions;
-    cost = instructions->testByClearance(&tree->clearance, &tree->traversal, view, clearanceOf, verdict, counts);
+    const Wide* wide = ctSceneTree(tree)->wide;
+    cost = wide->testByClearance(&tree->clearance, &tree->traversal, view, clearanceOf, verdict, counts);
     if (cost == GAVE_UP) {
       ctClearanceGiveUp(&tree->clearance);
       tree->undecided.count = 0;
@@ -215,10 +215,10 @@ static void testView(ctChainTree* tree, const View* view, Verdict* verdict, ctCo
     return;
   }
   Witnesses* witnesses = &tree->witnesses;
-  const InstructionSet* instructions = ctSceneTree(tree)->instructions;
+  const Wide* wide = ctSceneTree(tree)->wide;
   if (ctWitnessesAreWanted(witnesses)) {
     int64_t cost = 0;
-    const bool isOver = instructions->askWitnesses(witnesses, &tree->traversal, view, judge, verdict, counts, &cost);
+    const bool isOver = wide->askWitnesses(witnesses, &tree->traversal, view, judge, verdict, counts, &cost);
     ctWitnessesCharge(witnesses, cost, isOver);
     tree->undecided.count = 0;
     if (isOver) {
@@ -407,9 +407,8 @@ ctStatus ctCommit(ctChainTree* tree, ctCounts* counts) {
   }
   if (tree->clearance.isKept) {
     const View view = ctTrialView(tree->trial, true, true, -tree->overlapTolerance);
-    const InstructionSet* instructions = ctSceneTree(tree)->instructions;
-    ctClearanceCharge(&tree->clearance, instructions->commitClearances(&tree->clearance, &tree->traversal, &view),
-                      false);
+    const Wide* wide = ctSceneTree(tree)->wide;
+    ctClearanceCharge(&tree->clearance, wide->commitClearances(&tree->clearance, &tree->traversal, &view), false);
   }
   const Trial* trial = tree->trial;
   const bool leavesFollow = trial->slack > 0 && ctLeavesAreOf(&tree->leaves, ctSceneTree(tree));

@@ -1,35 +1,4 @@
-/* The members of nodes in the world and in a view, compiled once for each instruction set by the file that includes
- * this. */
-#ifndef CT_VIEW_BODY_H_
-#define CT_VIEW_BODY_H_
-
-#include <string.h>
-
-#include "descent.h"
-
-static bool moves(const View* view, int motion) {
-  return motion > 0 && view->motions != NULL;
-}
-
-/* The piece that holds a slot. */
-static int pieceOf(const View* view, int slot) {
-  int piece = view->pieceCount - 1;
-  while (view->pieces[piece].slotBegin > slot) {
-    piece--;
-  }
-  return piece;
-}
-
-/* The motion of a slot. */
-static int motionOfSlot(const View* view, int slot) {
-  return view->pieces[pieceOf(view, slot)].body;
-}
-
-/* The motion of a member of an expanded node, coded like Traversal.motion. */
-static int motionOfMember(const Traversal* t, int node, int k) {
-  const int code = t->motion[node];
-  return code < 0 ? straddlerOf(t, code)->motion[k] : code;
-}
+#include "view.h"
 
 /* Computes the world coordinates of a leaf's members from its frame. */
 static void worldLeaf(Traversal* t, int leaf) {
@@ -46,18 +15,6 @@ static void worldLeaf(Traversal* t, int leaf) {
   }
 }
 
-/* Two at a time, as frames are stored: a processor waits for what it loads at once and has stored in parts. */
-static void floatMotion(const Frame* f, float motion[12]) {
-  typedef double Doubles __attribute__((vector_size(16)));
-  typedef float Floats __attribute__((vector_size(8)));
-  for (int i = 0; i < 12; i += 2) {
-    Doubles pair;
-    memcpy(&pair, f->m[0] + i, sizeof pair);
-    const Floats rounded = __builtin_convertvector(pair, Floats);
-    memcpy(motion + i, &rounded, sizeof rounded);
-  }
-}
-
 /* The same for an inner node. */
 static void worldInnerNode(Traversal* t, int node) {
   const Members* own = treeMembers(t->tree, node);
@@ -65,26 +22,6 @@ static void worldInnerNode(Traversal* t, int node) {
   float motion[12];
   floatMotion(&t->frame[t->entryOf[node]], motion);
   moveAll(&own->block, t->worldHasSurfaces ? own->block.r : own->centres, motion, world);
-}
-
-/* True if the node's frame in the world is the one that is kept. */
-static inline bool hasFrame(const Traversal* t, int level, int node) {
-  const Tree* tree = t->tree;
-  const int64_t since = t->worldTime[node];
-  if (since == NEVER) {
-    return false;
-  }
-  if (level < treeTop(tree) && t->frameTime[treeParent(tree, level, node) - tree->levelBegin[1]] > since) {
-    return false; /* mostly: the parent has moved since, or something in it */
-  }
-  int end;
-  treeSlots(tree, level, node, &end);
-  return treeLeavesStay(tree, since, (end + TREE_WIDTH - 1) / TREE_WIDTH);
-}
-
-/* Marks a node's world coordinates, which are still right, as of now: the next look at them is quicker. */
-static void confirmWorld(Traversal* t, int node) {
-  t->worldTime[node] = t->tree->time;
 }
 
 /* Gives a leaf the entry of the leaf that has had one longest. */
@@ -120,7 +57,7 @@ static void recomputeFrame(Traversal* t, int level, int node) {
 }
 
 /* Recomputes what has changed of a node's frame and members in the world. */
-static void recomputeWorld(Traversal* t, int level, int node) {
+void CT_WIDE(recomputeWorld)(Traversal* t, int level, int node) {
   const Tree* tree = t->tree;
   if (!hasFrame(t, level, node)) {
     recomputeFrame(t, level, node);
@@ -137,35 +74,14 @@ static void recomputeWorld(Traversal* t, int level, int node) {
   }
 }
 
-/* Brings the world coordinates of a node's members up to date with the state. Its parent's must be so. */
-static inline void updateWorld(Traversal* t, int level, int node) {
-  if (!traversalHasWorld(t, node)) {
-    recomputeWorld(t, level, node);
-  }
-}
-
 /* Brings the world coordinates of a leaf up to date, and those of the nodes over it. */
-static void updateWorldLeaf(Traversal* t, int leaf) {
+void CT_WIDE(updateWorldLeaf)(Traversal* t, int leaf) {
   for (int level = treeTop(t->tree); level >= 0; level--) {
     updateWorld(t, level, t->tree->levelBegin[level] + (leaf >> TREE_WIDTH_BITS * level));
   }
 }
 
-CT_NOINLINE void updateLostLeaf(Traversal* t, int leaf) {
-  updateWorld(t, 0, leaf);
-}
-
-/* The members of a node in the world, which were brought up to date before. A leaf may have lost its entry since then;
- * its parent has not. */
-CT_INLINE Block* worldOf(Traversal* t, int node) {
-  if (t->entryOf[node] == CT_NULL) {
-    updateLostLeaf(t, node);
-  }
-  return &t->world[t->entryOf[node]];
-}
-
-/* Moves the members of a node into the view. */
-static Block* moveNode(Traversal* t, int node) {
+Block* CT_WIDE(moveNode)(Traversal* t, int node) {
   const int entry = t->nextMoved;
   t->nextMoved = entry + 1 < t->movedCapacity ? entry + 1 : 0;
   Block* moved = &t->moved[entry];
@@ -179,16 +95,6 @@ static Block* moveNode(Traversal* t, int node) {
   return moved;
 }
 
-/* Brings the members of a node into the view, once a descent. Its parent must be expanded. */
-static void expand(Traversal* t, int level, int node) {
-  if (t->nodeStamp[node] == t->stamp) {
-    return;
-  }
-  t->nodeStamp[node] = t->stamp;
-  updateWorld(t, level, node);
-  t->inView[node] = moves(t->view, t->motion[node]) ? moveNode(t, node) : worldOf(t, node);
-}
-
 /* A sphere around a straddler's members in the view. */
 static Sphere boundOfStraddler(const Traversal* t, const Straddler* s) {
   Sphere bound = middleOfBlock(&s->block);
@@ -197,8 +103,7 @@ static Sphere boundOfStraddler(const Traversal* t, const Straddler* s) {
   return bound;
 }
 
-/* Expands a node that straddles pieces; such nodes below it must be expanded. `piece` holds its first slot. */
-static void expandStraddler(Traversal* t, int level, int node, int piece) {
+void CT_WIDE(expandStraddler)(Traversal* t, int level, int node, int piece) {
   const View* view = t->view;
   const Tree* tree = t->tree;
   t->nodeStamp[node] = t->stamp;
@@ -255,15 +160,7 @@ static void expandStraddler(Traversal* t, int level, int node, int piece) {
   storeInts16(s->motion, motions);
 }
 
-/* No coordinate or radius of the state is larger. */
-static double sizeOfState(const Tree* tree) {
-  const Bound* bound = &tree->bound[treeRoot(tree)];
-  const double centre[3] = {bound->x, bound->y, bound->z};
-  return bound->r < 0 ? 0 : sqrt(dot(centre, centre)) + (double)bound->r;
-}
-
-/* Begins a descent with a new view: takes its motions, and bounds how large the scene is in it. */
-static void startView(Traversal* t, const View* view) {
+void CT_WIDE(startView)(Traversal* t, const View* view) {
   const Tree* tree = t->tree;
   t->view = view;
   const double size = sizeOfState(tree);
@@ -298,41 +195,14 @@ static void startView(Traversal* t, const View* view) {
   t->movedBoxesCount = 0;
 }
 
-/* Moves a sphere of this motion from the world into the view. */
-static Sphere sphereInView(const Traversal* t, Sphere sphere, int motion) {
-  return moves(t->view, motion) ? movedSphere(sphere, t->motions[motion]) : sphere;
-}
-
-/* The members of an expanded node whose entry another node has taken. */
-static Block* viewAgain(Traversal* t, int node) {
+Block* CT_WIDE(viewAgain)(Traversal* t, int node) {
   const int code = t->motion[node];
   Block* world = worldOf(t, node);
-  return code < 0 ? &straddlerOf(t, code)->block : moves(t->view, code) ? moveNode(t, node) : world;
+  return code < 0 ? &straddlerOf(t, code)->block : moves(t->view, code) ? CT_WIDE(moveNode)(t, node) : world;
 }
 
-/* The members of an expanded node in the view. */
-static const Block* blockOf(Traversal* t, int node) {
-  if (t->inView[node] == NULL) {
-    t->inView[node] = viewAgain(t, node);
-  }
-  return t->inView[node];
+Visit CT_WIDE(startVisit)(Traversal* t, const View* view, CandidateFunction* function, void* context) {
+  CT_WIDE(startView)(t, view);
+  const double margin = floatMargin(t->extent + fabs(view->reach));
+  return (Visit){.function = function, .context = context, .reach = (float)(view->reach + margin), .margin = margin};
 }
-
-/* The members of two expanded nodes in the view. The second may take the entry of the first: so the first is asked for
- * again. */
-static void blocksOf(Traversal* t, int a, int b, const Block* blocks[2]) {
-  blockOf(t, a);
-  blocks[1] = blockOf(t, b);
-  blocks[0] = blockOf(t, a);
-}
-
-/* The members of a node that have this motion, as bits; none, if it is the code of a straddler. */
-static unsigned ofBody(const Traversal* t, int node, int motion) {
-  const int code = t->motion[node];
-  if (code < 0) {
-    return motion < 0 ? 0 : equal16(straddlerOf(t, code)->motion, motion);
-  }
-  return code == motion ? 0xffff : 0;
-}
-
-#endif /* CT_VIEW_BODY_H_ */

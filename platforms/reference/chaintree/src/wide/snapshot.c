@@ -1,6 +1,7 @@
-/* Floats and boxes of snapshots, compiled once for each instruction set by the file that includes this. */
-#include "instructions.h"
-#include "volume.h"
+/* Floats and boxes of snapshots. */
+#include "../volume.h"
+#include "ids.h"
+#include "set.h"
 
 /* Rounds the positions of a leaf's particles to float. An empty slot is put at infinity. */
 static void fillLeaf(const Snapshot* snapshot, const int* particle, Block* leaf) {
@@ -45,7 +46,7 @@ static double extentOf(const AxisBoxes* around, int k) {
   return sqrt(dot(corner, corner)) + larger((double)around->r[k], 0);
 }
 
-static void boundSnapshot(Snapshot* snapshot, const Sequence* sequence, const Tree* layout) {
+void CT_WIDE(boundSnapshot)(Snapshot* snapshot, const Sequence* sequence, const Tree* layout) {
   AxisBoxes root; /* the root is member 0 of this */
   for (int level = 0; level < layout->levelCount; level++) {
     for (int i = 0; i < layout->levelSize[level]; i++) {

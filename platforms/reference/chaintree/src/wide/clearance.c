@@ -1,5 +1,5 @@
-/* Tests by clearances, compiled once for each instruction set by the file that includes this. */
-#include "leafrun_body.h"
+/* Tests by clearances. */
+#include "leafruns.h"
 
 /* ---- The table ---- */
 
@@ -33,9 +33,9 @@ static void updateWorldNodes(Traversal* t) {
   }
 }
 
-static void measureClearances(Clearance* c, Traversal* t, double reach) {
+void CT_WIDE(measureClearances)(Clearance* c, Traversal* t, double reach) {
   const View view = ctViewOfState(true, reach);
-  startView(t, &view);
+  CT_WIDE(startView)(t, &view);
   updateWorldNodes(t);
   float widest = 0;
   for (int leaf = 0; leaf < c->leafCount; leaf++) {
@@ -315,7 +315,7 @@ static void expandStraddlingLeaves(Traversal* t) {
   for (int p = 1; p < view->pieceCount; p++) {
     const int leaf = coveringNode(view->pieces[p].slotBegin);
     if (memberIndex(view->pieces[p].slotBegin) != 0 && t->nodeStamp[leaf] != t->stamp) {
-      expandStraddler(t, 0, leaf, p - 1);
+      CT_WIDE(expandStraddler)(t, 0, leaf, p - 1);
     }
   }
 }
@@ -328,17 +328,17 @@ static bool testStraddlingLeaves(Traversal* t, ClearanceTest* test) {
   return test->clash;
 }
 
-static int64_t testByClearance(Clearance* c, Traversal* t, const View* view, ClearanceFunction* function, void* context,
-                               ctCounts* counts) {
-  startView(t, view);
+int64_t CT_WIDE(testByClearance)(Clearance* c, Traversal* t, const View* view, ClearanceFunction* function,
+                                 void* context, ctCounts* counts) {
+  CT_WIDE(startView)(t, view);
   updateWorldNodes(t);
   expandStraddlingLeaves(t);
   ClearanceTest test = {.function = function, .context = context};
   test.reach = (float)(view->reach + floatMargin(t->extent + fabs(view->reach)));
   c->testedCount = 0;
-  test.outOfMemory = !listRuns(c, t);
+  test.outOfMemory = !CT_WIDE(listRuns)(c, t);
   if (!test.outOfMemory && !testStraddlingLeaves(t, &test)) {
-    forEachRunPair(c, t, testRunPair, &test, &test.cost);
+    CT_WIDE(forEachRunPair)(c, t, testRunPair, &test, &test.cost);
   }
   addTests(counts, test.volumeTests, test.particleTests);
   const bool gaveUp = !test.clash && (test.outOfMemory || test.cost > c->mostCost);
@@ -368,7 +368,7 @@ static bool takeOff(Clearance* c, Traversal* t, const RunPair* pair, void* conte
   return false;
 }
 
-static int64_t commitClearances(Clearance* c, Traversal* t, const View* view) {
+int64_t CT_WIDE(commitClearances)(Clearance* c, Traversal* t, const View* view) {
   int64_t cost = c->leafCount;
   if (c->boundPieces == view->pieces) { /* mostly: by the test */
     for (int i = 0; i < c->boundPairCount; i++) {
@@ -376,11 +376,11 @@ static int64_t commitClearances(Clearance* c, Traversal* t, const View* view) {
       takeOff(c, t, &c->boundPairs[i], &cost);
     }
   } else {
-    startView(t, view);
+    CT_WIDE(startView)(t, view);
     updateWorldNodes(t);
-    c->isKept = listRuns(c, t);
+    c->isKept = CT_WIDE(listRuns)(c, t);
     if (c->isKept) {
-      forEachRunPair(c, t, takeOff, &cost, &cost);
+      CT_WIDE(forEachRunPair)(c, t, takeOff, &cost, &cost);
     }
   }
   for (int i = 0; i < c->testedCount; i++) {

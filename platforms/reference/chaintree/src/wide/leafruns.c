@@ -1,16 +1,8 @@
-/* Runs of leaves that move against each other in a view, and how far at most; compiled once for each instruction set by
- * the file that includes this. */
-#ifndef CT_LEAFRUN_BODY_H_
-#define CT_LEAFRUN_BODY_H_
-
-#include "clearance.h"
-#include "costs.h"
-#include "view_body.h"
+#include "leafruns.h"
 
 /* ---- Runs ---- */
 
-/* Divides the leaves of a view into runs. False if there is no memory. */
-static bool listRuns(Clearance* c, const Traversal* t) {
+bool CT_WIDE(listRuns)(Clearance* c, const Traversal* t) {
   const View* view = t->view;
   /* Each piece may be followed by a leaf of many pieces. */
   if (!ctReserve((void**)&c->runs, &c->runCapacity, 2 * view->pieceCount, sizeof(LeafRun))) {
@@ -46,22 +38,6 @@ static bool hasManyPieces(const LeafRun* run) {
 }
 
 /* ---- Bounds ---- */
-
-/* The spheres of sixteen leaves in the world. */
-static const Block* leafSpheres(const Traversal* t, int block) {
-  return &t->world[t->entryOf[t->tree->levelBegin[1] + block]];
-}
-
-static Sphere leafSphere(const Traversal* t, int leaf) {
-  return sphereOf(leafSpheres(t, coveringNode(leaf)), memberIndex(leaf));
-}
-
-/* Turns lengths into units, rounded down: by the factor too, whose 16.8 u are more than the 3 u of the quotient, the
- * product and the factor itself (u = 2^-24). */
-CT_INLINE Short16 unitsOf(const Clearance* c, Float16 lengths) {
-  const Float16 most = all16((float)MOST_CLEARANCE);
-  return shortsOf16(min16(max16(mul16(lengths, all16(0.999999f / c->unit)), all16(0)), most));
-}
 
 /* Bounds how far a rigid motion displaces the particles of these leaves, in units, rounded up. A particle at x + y,
  * where x is the centre of its leaf's sphere, is displaced by (R - 1) x + t, which is computed, and by (R - 1) y, which
@@ -137,16 +113,7 @@ static void boundShiftsOfPieces(Clearance* c, const Traversal* t, RunPair* pair)
   boundShifts(c, t, &between, pair->beginB, pair->endB);
 }
 
-/* The row for the bounds of a pair. All that are not kept have the last one. */
-static uint16_t* shiftsOf(const Clearance* c, int pair) {
-  return c->shifts + (size_t)(pair < MOST_BOUND_PAIRS ? pair : MOST_BOUND_PAIRS - 1) * (size_t)c->stride;
-}
-
-/* Calls `visit` for each two runs that move against each other, once their displacements are bounded. Ends with true as
- * soon as `visit` does. Adds what the bounds cost. */
-typedef bool RunPairFunction(Clearance* c, Traversal* t, const RunPair* pair, void* context);
-
-static bool forEachRunPair(Clearance* c, Traversal* t, RunPairFunction* visit, void* context, int64_t* cost) {
+bool CT_WIDE(forEachRunPair)(Clearance* c, Traversal* t, RunPairFunction* visit, void* context, int64_t* cost) {
   const Piece* pieces = t->view->pieces;
   c->boundPieces = NULL;
   c->boundPairCount = 0;
@@ -179,5 +146,3 @@ static bool forEachRunPair(Clearance* c, Traversal* t, RunPairFunction* visit, v
   c->boundPieces = c->boundPairCount <= MOST_BOUND_PAIRS ? pieces : NULL;
   return false;
 }
-
-#endif /* CT_LEAFRUN_BODY_H_ */

@@ -1,8 +1,4 @@
-/* Oriented boxes of nodes in a view, compiled once for each instruction set by the file that includes this. */
-#ifndef CT_VIEWBOXES_BODY_H_
-#define CT_VIEWBOXES_BODY_H_
-
-#include "view_body.h"
+#include "viewboxes.h"
 
 /* The boxes of an inner node's children. */
 static ChildBoxes* boxesOf(const Traversal* t, int node) {
@@ -47,8 +43,6 @@ static const Box* ownBox(Traversal* t, int level, int node) {
   return box;
 }
 
-static const BoxBlock* boxesInView(Traversal* t, int level, int node);
-
 /* The box around the members of a straddler, in the view. */
 static Box straddlerBox(Traversal* t, int level, int node) {
   const Block* block = &straddlerOf(t, t->motion[node])->block;
@@ -57,7 +51,7 @@ static Box straddlerBox(Traversal* t, int level, int node) {
   if (level == 0 || bound.r < 0) {
     return boxAround(block, NULL, &bound);
   }
-  return boxAround(block, boxesInView(t, level, node), &bound);
+  return boxAround(block, CT_WIDE(boxesInView)(t, level, node), &bound);
 }
 
 /* The boxes of the children of a straddler, in the view. */
@@ -89,8 +83,7 @@ static const BoxBlock* straddlerBoxes(Traversal* t, int level, int node) {
   return &s->boxes;
 }
 
-/* The boxes of the children of an expanded node, in the view. They stay for the visit: see BOXES_OF_A_VISIT. */
-static const BoxBlock* boxesInView(Traversal* t, int level, int node) {
+const BoxBlock* CT_WIDE(boxesInView)(Traversal* t, int level, int node) {
   ChildBoxes* boxes = boxesOf(t, node);
   ownBox(t, level, node);
   const int64_t membersTime = t->membersTime[node - t->tree->levelBegin[1]];
@@ -118,5 +111,3 @@ static const BoxBlock* boxesInView(Traversal* t, int level, int node) {
   }
   return &moved->boxes;
 }
-
-#endif /* CT_VIEWBOXES_BODY_H_ */

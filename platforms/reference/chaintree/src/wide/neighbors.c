@@ -1,8 +1,8 @@
-/* The sweep for neighbours, leaf by leaf; compiled once for each instruction set by the file that includes this. */
+/* The sweep for neighbours, leaf by leaf. */
 #include <limits.h>
 #include <string.h>
 
-#include "near_body.h"
+#include "near.h"
 
 /* ---- The candidates of a leaf ---- */
 
@@ -291,5 +291,23 @@ static void addAllNeighbors(const Pass* pass) {
         return;
       }
     }
+  }
+}
+
+void CT_WIDE(sweepNeighbors)(Sweep* sweep, SweepTask* task) {
+  const Pass pass = startPass(sweep, task);
+  addAllNeighbors(&pass);
+}
+
+void CT_WIDE(neighborDistances)(const double* position, double cutoff, size_t count, const int* lower,
+                                const int* higher, double* distances) {
+  size_t i = 0;
+  for (; i + 4 <= count; i += 4) {
+    distances4(position, lower + i, higher + i, cutoff, distances + i);
+  }
+  for (; i < count; i++) {
+    const double* a = position + 3 * (size_t)lower[i];
+    const double* b = position + 3 * (size_t)higher[i];
+    distances[i] = lesser(sqrt(squaredDistance(a, b)), cutoff);
   }
 }

@@ -1,5 +1,4 @@
-/* The pairs of leaves that a trial changes, and all that are near; compiled once for each instruction set by the file
- * that includes this.
+/* The pairs of leaves that a trial changes, and all that are near.
  *
  * The boxes are descended pair by pair, as in a clash test. A node is opened when it is first reached: its members get
  * their bodies and, where they move, boxes in the trial. Of a pair of members one at least is not of the body with most
@@ -7,7 +6,7 @@
  * sixteen others at a time. */
 #include <string.h>
 
-#include "leaves_body.h"
+#include "leafboxes.h"
 
 /* Of a member that has particles of many bodies. */
 enum { MANY_BODIES = -1 };
@@ -407,7 +406,7 @@ static float gapLimit(const LeafTask* task, const LeafBoxes* before, const LeafB
   return (float)(reach * reach * (1 + 1e-6)) + FLOAT_FLOOR;
 }
 
-static void listLeafPairs(LeafTask* task) {
+void CT_WIDE(listLeafPairs)(LeafTask* task) {
   const Tree* tree = task->tree;
   Leaves* leaves = task->leaves;
   const int crown = treeCrown(tree);

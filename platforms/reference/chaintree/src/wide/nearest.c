@@ -1,7 +1,5 @@
-/* The search for the nearest pair, compiled once for each instruction set by the file that includes this. */
-#include "instructions.h"
-#include "nearest.h"
-#include "view_body.h"
+/* The search for the nearest pair. */
+#include "view.h"
 
 /* ---- Clouds ---- */
 
@@ -40,7 +38,7 @@ static Cluster rootOf(const Cloud* cloud) {
 /* ---- Points of their own ---- */
 
 /* Computes the spheres of all nodes over points. They have no room for rounding, see findNearest. */
-static void boundPoints(const Tree* layout, const double (*point)[3], Block* block) {
+void CT_WIDE(boundPoints)(const Tree* layout, const double (*point)[3], Block* block) {
   for (int level = 0; level < layout->levelCount; level++) {
     for (int i = 0; i < layout->levelSize[level]; i++) {
       const int node = layout->levelBegin[level] + i;
@@ -187,12 +185,12 @@ static int sideToSplit(const Cluster clusters[2]) {
  * 8 u E. The reach is a distance of points, or one in double, with two margins of 67 u E: one for itself, one for the
  * spheres. That leaves 76 u E for the radii of spheres around points of their own, which have no room for rounding: 5 u
  * for each level. */
-static void findNearest(Nearest* n, const Cloud clouds[2]) {
+void CT_WIDE(findNearest)(Nearest* n, const Cloud clouds[2]) {
   /* Splits go down both trees to single slots, each with all members of a node on the stack. */
   NearestVisit stack[2 * (TREE_MAX_LEVELS + 1) * TREE_WIDTH];
   Traversal* t = n->traversal;
   const View view = ctViewOfState(t->worldHasSurfaces, 0);
-  startView(t, &view);
+  CT_WIDE(startView)(t, &view);
   n->margin = (float)floatMargin(larger(t->extent, n->extent));
   const float known = (float)n->known + 2 * n->margin;
   n->reach = known < n->reach ? known : n->reach;

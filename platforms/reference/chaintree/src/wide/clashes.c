@@ -1,9 +1,5 @@
-/* The sweep for clashes, and what both sweeps begin with; compiled once for each instruction set by the file that
- * includes this. */
-#include <float.h>
-
-#include "candidates_body.h"
-#include "snapshot_body.h"
+/* The sweep for clashes. */
+#include "near.h"
 
 /* ---- Filters ---- */
 
@@ -167,35 +163,7 @@ static void sweepPairs(const Pass* pass) {
   }
 }
 
-/* Begins a sweep. Floats are positions from the snapshot's origin, rounded once, and extremes of these, which are
- * exact: of the 67 u of FLOAT_MARGIN (see there) a sweep needs the 2 u of positions and the 12 u of the test. */
-static Pass startPass(Sweep* sweep, SweepTask* task) {
-  const double margin = floatMargin(sweep->snapshot.extent + fabs(task->reach));
-  const float near = (float)(task->reach + margin);
-  const float sure = (float)larger(task->reach - margin, 0);
-  /* Empty slots are at infinity, out of reach of the widest cutoff. */
-  return (Pass){sweep, task, near, near * near < FLT_MAX ? near * near : FLT_MAX, sure * sure};
-}
-
-static void sweepClashes(Sweep* sweep, SweepTask* task) {
+void CT_WIDE(sweepClashes)(Sweep* sweep, SweepTask* task) {
   const Pass pass = startPass(sweep, task);
   sweepPairs(&pass);
-}
-
-static void sweepNeighbors(Sweep* sweep, SweepTask* task) {
-  const Pass pass = startPass(sweep, task);
-  addAllNeighbors(&pass);
-}
-
-static void neighborDistances(const double* position, double cutoff, size_t count, const int* lower, const int* higher,
-                              double* distances) {
-  size_t i = 0;
-  for (; i + 4 <= count; i += 4) {
-    distances4(position, lower + i, higher + i, cutoff, distances + i);
-  }
-  for (; i < count; i++) {
-    const double* a = position + 3 * (size_t)lower[i];
-    const double* b = position + 3 * (size_t)higher[i];
-    distances[i] = lesser(sqrt(squaredDistance(a, b)), cutoff);
-  }
 }

@@ -1,8 +1,12 @@
-/* Filters of sweeps: which nodes and slots of a snapshot are near others; compiled once for each instruction set by the
- * file that includes this. */
-#include "instructions.h"
-#include "pairs.h"
-#include "volume.h"
+/* Filters of sweeps: which nodes and slots of a snapshot are near others. */
+#ifndef CT_NEAR_H_
+#define CT_NEAR_H_
+
+#include <float.h>
+
+#include "../volume.h"
+#include "ids.h"
+#include "set.h"
 
 /* Functions that are compiled twice, for clashes and for neighbours: `surfaces` is a constant in each use. */
 #define CT_FOR_BOTH CT_INLINE
@@ -72,14 +76,26 @@ CT_FOR_BOTH unsigned slotsNear(const Pass* pass, const Slots* slots, const AxisB
   return greater16(mul16(sum, sum), squared);
 }
 
-static int sizeOfLeaf(const Tree* layout, int leaf) {
+static inline int sizeOfLeaf(const Tree* layout, int leaf) {
   int end;
   const int begin = treeSlots(layout, 0, leaf, &end);
   return end - begin;
 }
 
-static double squaredApart(const Pass* pass, int slotA, int slotB) {
+static inline double squaredApart(const Pass* pass, int slotA, int slotB) {
   const Snapshot* snapshot = &pass->sweep->snapshot;
   const int* particle = pass->sweep->sequence->slotParticle;
   return squaredDistance(snapshotPosition(snapshot, particle[slotA]), snapshotPosition(snapshot, particle[slotB]));
 }
+
+/* Begins a sweep. Floats are positions from the snapshot's origin, rounded once, and extremes of these, which are
+ * exact: of the 67 u of FLOAT_MARGIN (see there) a sweep needs the 2 u of positions and the 12 u of the test. */
+static inline Pass startPass(Sweep* sweep, SweepTask* task) {
+  const double margin = floatMargin(sweep->snapshot.extent + fabs(task->reach));
+  const float near = (float)(task->reach + margin);
+  const float sure = (float)larger(task->reach - margin, 0);
+  /* Empty slots are at infinity, out of reach of the widest cutoff. */
+  return (Pass){sweep, task, near, near * near < FLT_MAX ? near * near : FLT_MAX, sure * sure};
+}
+
+#endif /* CT_NEAR_H_ */

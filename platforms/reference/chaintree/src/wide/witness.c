@@ -1,27 +1,25 @@
-/* Tests of witnesses, compiled once for each instruction set by the file that includes this. */
-#include "view_body.h"
-#include "witness.h"
+#include "view.h"
 
 /* The sphere of a slot of this motion in the view. */
 static Sphere slotSphere(Traversal* t, int slot, int motion) {
   const int leaf = coveringNode(slot);
   const int64_t since = t->worldTime[leaf];
   if (t->tree->contentTime[leaf] > since) {
-    updateWorldLeaf(t, leaf);
+    CT_WIDE(updateWorldLeaf)(t, leaf);
   } else if (!treeStays(t->tree, since)) {
     if (hasFrame(t, 0, leaf)) {
       confirmWorld(t, leaf);
     } else {
-      updateWorldLeaf(t, leaf);
+      CT_WIDE(updateWorldLeaf)(t, leaf);
     }
   }
   return sphereInView(t, sphereOf(worldOf(t, leaf), memberIndex(slot)), motion);
 }
 
 /* Tests the witnesses: true if one clashes, as `function` says. Adds what that has cost. */
-static bool askWitnesses(const Witnesses* w, Traversal* t, const View* view, CandidateFunction* function, void* context,
-                         ctCounts* counts, int64_t* cost) {
-  startView(t, view);
+bool CT_WIDE(askWitnesses)(const Witnesses* w, Traversal* t, const View* view, CandidateFunction* function,
+                           void* context, ctCounts* counts, int64_t* cost) {
+  CT_WIDE(startView)(t, view);
   const float viewReach = (float)(view->reach + floatMargin(t->extent + fabs(view->reach)));
   *cost += COST_OF_ASKING + COST_OF_WITNESS * w->count;
   int particleTests = 0;

@@ -1,9 +1,8 @@
-/* Recomputes nodes of the tree from what is below them; compiled once for each instruction set by the file that
- * includes this. */
+/* Recomputes nodes of the tree from what is below them. */
 #include <string.h>
 
-#include "instructions.h"
-#include "volume.h"
+#include "../volume.h"
+#include "set.h"
 
 /* ---- Bounds ---- */
 
@@ -160,7 +159,7 @@ CT_INLINE void walkToLeaf(Walk* walk, const Sequence* s, const Openings* opening
 }
 
 /* Recomputes the bound of a leaf. */
-static void refreshLeafBound(Tree* tree, int leaf) {
+void CT_WIDE(refreshLeafBound)(Tree* tree, int leaf) {
   tree->bound[leaf] = boundOfLeaf(&tree->leaf[leaf]);
 }
 
@@ -183,7 +182,7 @@ CT_INLINE Frame walkToLink(const Sequence* sequence, int link, int end, Openings
   return frameOfColumns(&walk.frame);
 }
 
-static Frame linkInLeaf(const Sequence* sequence, int link) {
+Frame CT_WIDE(linkInLeaf)(const Sequence* sequence, int link) {
   Openings openings;
   return walkToLink(sequence, link, link + 1, &openings);
 }
@@ -195,13 +194,13 @@ static int endOfOpened(const Sequence* sequence, int leaf) {
 }
 
 /* The frame of a link in the frame of its leaf, and the openings of all links there. */
-static Frame openLeaf(const Sequence* sequence, int link, Openings* openings) {
+Frame CT_WIDE(openLeaf)(const Sequence* sequence, int link, Openings* openings) {
   const int leaf = coveringNode(sequence->slotBegin[link]);
   return walkToLink(sequence, link, endOfOpened(sequence, leaf), openings);
 }
 
 /* Recomputes a leaf, and its shortcut. */
-static void refreshLeaf(Tree* tree, const Sequence* sequence, int leaf) {
+void CT_WIDE(refreshLeaf)(Tree* tree, const Sequence* sequence, int leaf) {
   int begin = leaf * TREE_WIDTH;
   const int end = begin + TREE_WIDTH < tree->slotCount ? begin + TREE_WIDTH : tree->slotCount;
   const int endOfLinks = endOfOpened(sequence, leaf);
@@ -230,7 +229,7 @@ static void refreshLeaf(Tree* tree, const Sequence* sequence, int leaf) {
     tree->shortcut[leaf] = shortcut;
     tree->shortcutTime[leaf] = tree->time;
   }
-  refreshLeafBound(tree, leaf);
+  CT_WIDE(refreshLeafBound)(tree, leaf);
   noteLeaf(tree, leaf);
 }
 
@@ -307,7 +306,7 @@ static bool positionRest(Tree* tree, const Sequence* s, const Frame* stem, int b
 
 /* Recomputes the slots of one leaf that a link in a twig moves. The leaf's bound is only widened: false if that was
  * necessary. */
-static bool refreshTwig(Tree* tree, const Sequence* sequence, int link, int leaf) {
+bool CT_WIDE(refreshTwig)(Tree* tree, const Sequence* sequence, int link, int leaf) {
   const int slotBegin = sequence->slotBegin[link];
   const int slotEnd = sequence->slotBegin[sequenceEnd(sequence, link)];
   const int begin = slotBegin > leaf * TREE_WIDTH ? slotBegin : leaf * TREE_WIDTH;
@@ -338,7 +337,7 @@ CT_INLINE void placeMember(Tree* tree, const Columns* pose, int child, int k, Me
 
 /* Recomputes the members of the nodes over a leaf whose bound has been widened, and widens their bounds, as far up as
  * something sticks out. A little more, for roundings. */
-static void widenAbove(Tree* tree, int leaf) {
+void CT_WIDE(widenAbove)(Tree* tree, int leaf) {
   int child = leaf;
   for (int level = 0; level < treeTop(tree); level++) {
     const int node = treeParent(tree, level, child);
@@ -368,7 +367,7 @@ static void widenAbove(Tree* tree, int leaf) {
 
 /* Recomputes an inner node of which these children (ascending) have changed. Children after one whose shortcut has
  * changed have another pose, too. */
-static void refreshInnerNode(Tree* tree, int level, int node, const int* changed, int count) {
+void CT_WIDE(refreshInnerNode)(Tree* tree, int level, int node, const int* changed, int count) {
   int childCount;
   const int first = treeChildren(tree, level, node, &childCount);
   const int last = first + childCount - 1;

@@ -1,10 +1,6 @@
-/* Trials that move a few slots in a row: these are tested one by one against everything at rest. Compiled once for each
- * instruction set by the file that includes this. */
-#ifndef CT_MOVERS_BODY_H_
-#define CT_MOVERS_BODY_H_
-
+/* Trials that move a few slots in a row: these are tested one by one against everything at rest. */
 #include "signedshorts.h"
-#include "view_body.h"
+#include "view.h"
 
 /* The box around the centres of movers, along the world's axes: its low ends, the opposites of its high ends, and the
  * opposite of the largest radius. */
@@ -291,7 +287,7 @@ CT_NOINLINE void boxLeaves(Traversal* t) {
   const double size = sizeOfState(t->tree);
   t->boxScale = size > 0 ? (float)(UNITS_OF_STATE / size) : 1;
   for (int leaf = 0; leaf < leaves; leaf++) {
-    updateWorldLeaf(t, leaf);
+    CT_WIDE(updateWorldLeaf)(t, leaf);
     boxLeaf(t, leaf);
   }
   t->boxedCount = t->tree->notedCount;
@@ -306,7 +302,7 @@ CT_NOINLINE void boxNoted(Traversal* t) {
   }
   for (; t->boxedCount < tree->notedCount; t->boxedCount++) {
     const int leaf = tree->noted[t->boxedCount % NOTED_LEAVES];
-    updateWorldLeaf(t, leaf);
+    CT_WIDE(updateWorldLeaf)(t, leaf);
     boxLeaf(t, leaf);
   }
 }
@@ -530,4 +526,10 @@ static void visitFew(Traversal* t, Visit* visit, int begin, int end) {
   }
 }
 
-#endif /* CT_MOVERS_BODY_H_ */
+void CT_WIDE(traverseFew)(Traversal* t, const View* view, int begin, int end, CandidateFunction* function,
+                          SureClashFunction* clashes, void* context, ctCounts* counts) {
+  Visit visit = CT_WIDE(startVisit)(t, view, function, context);
+  visit.clashes = clashes;
+  visitFew(t, &visit, begin, end);
+  addTests(counts, visit.volumeTests, visit.particleTests);
+}

@@ -1,9 +1,5 @@
-/* The descent of the whole tree against itself, compiled once for each instruction set by the file that includes
- * this. */
-#ifndef CT_DESCENT_BODY_H_
-#define CT_DESCENT_BODY_H_
-
-#include "viewboxes_body.h"
+/* The descent of the whole tree against itself. */
+#include "viewboxes.h"
 
 /* Members of a node that are not of its largest body, as far as that is the body of its first or last member. In a
  * visit of the node with itself these suffice: every pair of different bodies holds one of them. */
@@ -20,7 +16,7 @@ static const BoxBlock* boxesAround(Traversal* t, const NodePair* pair) {
     return NULL;
   }
   const int parent = treeParent(t->tree, pair->level, pair->b);
-  const BoxBlock* boxes = boxesInView(t, pair->level + 1, parent);
+  const BoxBlock* boxes = CT_WIDE(boxesInView)(t, pair->level + 1, parent);
   return (boxes->thin >> memberIndex(pair->b) & 1) != 0 ? boxes : NULL;
 }
 
@@ -93,15 +89,15 @@ static unsigned boxesPart(Visit* visit, int k, unsigned mask, const BoxBlock* a,
 
 /* Those of `near`, children of a, whose boxes are not out of reach of the box of b. */
 CT_NOINLINE unsigned nearBoxOf(Traversal* t, const Visit* visit, const NodePair* pair, unsigned near) {
-  const BoxBlock* own = boxesInView(t, pair->level, pair->a);
+  const BoxBlock* own = CT_WIDE(boxesInView)(t, pair->level, pair->a);
   const BoxBlock* around = boxesAround(t, pair);
   return around != NULL ? near & ~boxesApart(around, memberIndex(pair->b), own, visit->reach) : near;
 }
 
 /* Those in `mask`, children of b, whose boxes are not out of reach of the box of child k of a. */
 CT_NOINLINE unsigned nearBoxes(Traversal* t, Visit* visit, const NodePair* pair, int k, unsigned mask) {
-  const BoxBlock* a = boxesInView(t, pair->level, pair->a);
-  return mask & ~boxesPart(visit, k, mask, a, boxesInView(t, pair->level, pair->b));
+  const BoxBlock* a = CT_WIDE(boxesInView)(t, pair->level, pair->a);
+  return mask & ~boxesPart(visit, k, mask, a, CT_WIDE(boxesInView)(t, pair->level, pair->b));
 }
 
 CT_NOINLINE bool visitChildren(Traversal* t, Visit* visit, const NodePair* pair, unsigned near);
@@ -206,7 +202,7 @@ static bool climb(Traversal* t, Visit* visit, int level, int node, int piece) {
       }
     }
   }
-  expandStraddler(t, level, node, piece);
+  CT_WIDE(expandStraddler)(t, level, node, piece);
   return visitSelf(t, visit, level, node);
 }
 
@@ -223,4 +219,11 @@ static void descend(Traversal* t, Visit* visit) {
   }
 }
 
-#endif /* CT_DESCENT_BODY_H_ */
+int64_t CT_WIDE(traverse)(Traversal* t, const View* view, CandidateFunction* function, void* context,
+                          ctCounts* counts) {
+  Visit visit = CT_WIDE(startVisit)(t, view, function, context);
+  descend(t, &visit);
+  addTests(counts, visit.volumeTests, visit.particleTests);
+  return visit.volumeTests + visit.particleTests + COST_OF_BOX_TEST * visit.boxTests +
+         COST_OF_BOXES * visit.visitsWithBoxes;
+}

@@ -1,10 +1,10 @@
 /* Writing pairs of ids, and distances of pairs, several at a time, by one of the instruction sets of simd.h. */
-#ifndef CT_PAIRS_H_
-#define CT_PAIRS_H_
+#ifndef CT_IDS_H_
+#define CT_IDS_H_
 
 #include <stddef.h>
 
-#include "ranks.h"
+#include "../ranks.h"
 #include "simd.h"
 
 /* Sixteen ids. closeRanks16 writes those whose bit is set, without gaps; closeNumbers16 writes first + k for each bit
@@ -182,4 +182,4 @@ static inline void distances4(const double* points, const int* a, const int* b, 
 
 #endif
 
-#endif /* CT_PAIRS_H_ */
+#endif /* CT_IDS_H_ */

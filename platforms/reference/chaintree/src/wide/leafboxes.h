@@ -1,0 +1,64 @@
+/* Boxes around leaves and nodes, along the world's axes. */
+#ifndef CT_LEAFBOXES_H_
+#define CT_LEAFBOXES_H_
+
+#include "../volume.h"
+#include "set.h"
+#include "simd.h"
+
+/* A coordinate of some particles, from worldOrigin. */
+typedef struct LeafPoints {
+  float x[3][TREE_WIDTH];
+} LeafPoints;
+
+/* What the roundings to float may take from a box of particles: half a unit in the last place. */
+#define BOX_MARGIN 1.2e-7f
+
+/* Writes the box around lows and highs as member k, a little larger. */
+CT_INLINE void storeBox(const Float16 lows[3], const Float16 highs[3], float margin, LeafBoxes* around, int k) {
+  const Float16 zero = all16(0);
+  const Float16 first[4] = {lows[0], lows[1], lows[2], sub16(zero, highs[0])};
+  const Float16 last[4] = {sub16(zero, highs[1]), sub16(zero, highs[2]), zero, zero};
+  float least[8];
+  least4x16(first, least);
+  least4x16(last, least + 4);
+  for (int d = 0; d < 3; d++) {
+    around->low[d][k] = least[d] - margin * fabsf(least[d]);
+    around->high[d][k] = margin * fabsf(least[3 + d]) - least[3 + d];
+  }
+}
+
+/* Writes the box around the points of a leaf as member k of its parent. */
+CT_INLINE void boxPoints(const LeafPoints* points, unsigned occupied, LeafBoxes* around, int k) {
+  Float16 lows[3];
+  Float16 highs[3];
+  for (int d = 0; d < 3; d++) {
+    const Float16 x = load16(points->x[d]);
+    lows[d] = occupied == 0xffff ? x : blend16(occupied, all16(INFINITY), x);
+    highs[d] = occupied == 0xffff ? x : blend16(occupied, all16(-INFINITY), x);
+  }
+  storeBox(lows, highs, BOX_MARGIN, around, k);
+}
+
+/* Writes the box around the members of a node as member k of its parent. */
+static inline void boxMembers(const LeafBoxes* members, LeafBoxes* around, int k) {
+  Float16 lows[3];
+  Float16 highs[3];
+  for (int d = 0; d < 3; d++) {
+    lows[d] = load16(members->low[d]);
+    highs[d] = load16(members->high[d]);
+  }
+  storeBox(lows, highs, 0, around, k);
+}
+
+/* Sets the positions of slots that hold no particle to 0. */
+static inline void clearEmpty(ctLeafPositions* leaf, unsigned occupied) {
+  for (unsigned empty = ~occupied & 0xffff; empty != 0; empty &= empty - 1) {
+    const int k = __builtin_ctz(empty);
+    leaf->x[k] = 0;
+    leaf->y[k] = 0;
+    leaf->z[k] = 0;
+  }
+}
+
+#endif /* CT_LEAFBOXES_H_ */
