@@ -1,5 +1,5 @@
-/* Generalized Born as kernels see it: what particles of a leaf have, and sums over two leaves. See ctBorn. A leaf is
- * any sixteen slots here: those of the scene, or others. */
+/* Generalized Born as wide functions see it: what particles of a leaf have, and sums over two leaves. See ctBorn. A
+ * leaf is any sixteen slots here: those of the scene, or others. */
 #ifndef CT_BORN_H_
 #define CT_BORN_H_
 
@@ -47,7 +47,7 @@ typedef struct BornParticle {
   double gamma;
 } BornParticle;
 
-/* Constants of all kernels. */
+/* Constants of all wide functions. */
 typedef struct BornModel {
   int neckTypeCount; /* 0: no necks */
   bool hasCutoff;
@@ -83,8 +83,8 @@ typedef struct BornSide {
   int leaf;
 } BornSide;
 
-/* The step of what kernels of Born sums return, nm^-1: their sums in double precision are exact then, so that taking
- * out what was put in leaves the bits that were there. */
+/* The step of the Born sums that wide functions return, nm^-1: their sums in double precision are exact then, so that
+ * taking out what was put in leaves the bits that were there. */
 #define BORN_SUM_STEP (1.0 / (1 << 29))
 
 /* s / r up to which shorter and longer series hold, where spheres do not overlap. */
@@ -104,8 +104,8 @@ typedef struct Born {
   BornNecks* necks;        /* that of the model */
 } Born;
 
-/* Makes what kernels need of a description, for particles in leafCount leaves; slotOf[particle] is its slot. On failure
- * nothing has to be freed and errorText (which may not be NULL) says why. */
+/* Makes what wide functions need of a description, for particles in leafCount leaves; slotOf[particle] is its slot. On
+ * failure nothing has to be freed and errorText (which may not be NULL) says why. */
 ctStatus ctBornCreate(Born* born, int leafCount, int particleCount, const ctBorn* d, const int* slotOf, char* errorText,
                       size_t errorSize);
 void ctBornFree(Born* born);

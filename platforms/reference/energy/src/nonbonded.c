@@ -90,7 +90,7 @@ ctStatus ctNonbondedCreate(Nonbonded* nonbonded, const ctChainTree* tree, int pa
     return ctInvalidArgument;
   }
   const int leafCount = ctGetLeafCount(tree);
-  nonbonded->kernels = ctFindKernels(ctGetInstructionSet(tree));
+  nonbonded->wide = ctFindWide(ctGetInstructionSet(tree));
   nonbonded->columns = calloc((size_t)leafCount + 1, sizeof *nonbonded->columns);
   if (nonbonded->columns == NULL ||
       !ctPairMaskCreate(&nonbonded->mask, leafCount, description->exclusionCount, description->exclusions, slotOf)) {
@@ -146,7 +146,7 @@ double ctNonbondedEnergy(const Nonbonded* nonbonded, int a, const LeafFrame* fra
   const uint16_t* excluded = pairMaskOf(&nonbonded->mask, a, b);
   const LeafSide sideA = {frameA, &nonbonded->columns[a], excluded};
   const LeafSide sideB = {frameB, &nonbonded->columns[b], excluded != NULL ? pairMaskOf(&nonbonded->mask, b, a) : NULL};
-  const double energy = nonbonded->kernels->leafPairEnergy(&nonbonded->potential, &sideA, &sideB);
+  const double energy = nonbonded->wide->leafPairEnergy(&nonbonded->potential, &sideA, &sideB);
   return isfinite(energy) ? energy : exactEnergy(nonbonded, &sideA, &sideB);
 }
 

@@ -2,11 +2,11 @@
 #ifndef CT_NONBONDED_H_
 #define CT_NONBONDED_H_
 
-#include "kernels.h"
 #include "pairmask.h"
+#include "wide.h"
 
 typedef struct Nonbonded {
-  const Kernels* kernels;
+  const Wide* wide;
   Potential potential;
   LeafColumns* columns; /* one a leaf */
   PairMask mask;

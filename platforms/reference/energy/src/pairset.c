@@ -60,7 +60,7 @@ static bool createMask(PairSet* set, const ctPairSet* d, int leafCount, const in
 ctStatus ctPairSetCreate(PairSet* set, const ctChainTree* tree, int particleCount, const ctPairSet* description,
                          int number, const int* slotOf, char* errorText, size_t errorSize) {
   const int leafCount = ctGetLeafCount(tree);
-  *set = (PairSet){.kernels = ctFindTapeKernels(ctGetInstructionSet(tree)), .hasGroups = description->groupCount > 0};
+  *set = (PairSet){.wide = ctFindWide(ctGetInstructionSet(tree)), .hasGroups = description->groupCount > 0};
   if (!ctPairSetIsValid(description, number, particleCount, slotOf, errorText, errorSize)) {
     return ctInvalidArgument;
   }
@@ -168,10 +168,10 @@ void ctPairSetEnergies(const void* model, int count, const FramedPair* pairs, do
         energies[i] = NAN;
         continue;
       }
-      set->kernels->add(tape, &opened.pair, &set->range, i, energies);
+      set->wide->addToBatch(tape, &opened.pair, &set->range, i, energies);
     }
   }
-  set->kernels->finish(tape, &set->range, energies);
+  set->wide->finishBatch(tape, &set->range, energies);
   for (int i = 0; i < count; i++) {
     if (!isfinite(energies[i]) && openPair(set, &pairs[i], &opened)) {
       energies[i] = exactEnergy(set, &opened.pair, pairs[i].a, pairs[i].b);

@@ -4,10 +4,10 @@
 
 #include "pairgroups.h"
 #include "pairmask.h"
-#include "tapekernels.h"
+#include "wide.h"
 
 typedef struct PairSet {
-  const TapeKernels* kernels;
+  const Wide* wide;
   Tape tape;
   TapeRange range;
   double cutoff;

@@ -147,8 +147,8 @@ void ctStandInComputeBorn(const StandIn* standIn, int a, const LeafFrame* frameA
   const BornSide sideB = {frameB, &born->columns[b], born->columns[b].occupied, b};
   record->hasBorn = hasBorn(rows);
   if (record->hasBorn) {
-    standIn->leaves->kernels->standInBorn(&born->model, &standIn->model, &sideA, &sideB, rows, record->born[0],
-                                          record->born[1]);
+    standIn->leaves->wide->standInBorn(&born->model, &standIn->model, &sideA, &sideB, rows, record->born[0],
+                                       record->born[1]);
   }
 }
 
@@ -171,8 +171,8 @@ void ctStandInComputePairs(const StandIn* standIn, const PlacedLeaf* a, const Pl
     const StandInSide sideA = sideOf(standIn, a, b->leaf);
     const StandInSide sideB = sideOf(standIn, b, a->leaf);
     memset(record->gradient, 0, sizeof record->gradient);
-    record->energy = standIn->leaves->kernels->standInPairs(&standIn->model, &sideA, &sideB, rows, record->gradient[0],
-                                                            record->gradient[1]);
+    record->energy = standIn->leaves->wide->standInPairs(&standIn->model, &sideA, &sideB, rows, record->gradient[0],
+                                                         record->gradient[1]);
   }
 }
 
@@ -185,7 +185,7 @@ void ctStandInExchangePairs(const StandIn* standIn, const PlacedLeaf* a, unsigne
     return;
   }
   NearRows rows;
-  standIn->leaves->kernels->nearRows(&standIn->model, a->frame, b->frame, &rows);
+  standIn->leaves->wide->nearRows(&standIn->model, a->frame, b->frame, &rows);
   if (a->leaf == b->leaf || __builtin_popcount(slotsOfA) + __builtin_popcount(slotsOfB) > MOST_EXCHANGED) {
     ctStandInComputePairs(standIn, a, b, &rows, record);
     return;
@@ -198,12 +198,12 @@ void ctStandInExchangePairs(const StandIn* standIn, const PlacedLeaf* a, unsigne
   sideB[1].radii = &stateLeaf(standIn, b->leaf)->radii;
   sideA[1].shift = stateShift(standIn, a->leaf);
   sideB[1].shift = stateShift(standIn, b->leaf);
-  record->energy += standIn->leaves->kernels->standInExchange(&standIn->model, sideA, sideB, &rows, slotsOfA, slotsOfB,
-                                                              record->gradient[0], record->gradient[1]);
+  record->energy += standIn->leaves->wide->standInExchange(&standIn->model, sideA, sideB, &rows, slotsOfA, slotsOfB,
+                                                           record->gradient[0], record->gradient[1]);
 }
 
 void ctStandInComputeRadii(const StandIn* standIn, int number, StandInLeaf* leaf) {
-  standIn->leaves->kernels->standInRadii(&standIn->model, &standIn->constants[number], leaf->born, &leaf->radii);
+  standIn->leaves->wide->standInRadii(&standIn->model, &standIn->constants[number], leaf->born, &leaf->radii);
 }
 
 /* ---- The state ---- */
@@ -222,7 +222,7 @@ static void addAll(double* sums, const float* parts) {
 static NearRows rowsInState(const StandIn* standIn, int a, int b) {
   NearRows rows;
   const LeafFrame* frameA = ctStateFrame(standIn->leaves, a);
-  standIn->leaves->kernels->nearRows(&standIn->model, frameA, ctStateFrame(standIn->leaves, b), &rows);
+  standIn->leaves->wide->nearRows(&standIn->model, frameA, ctStateFrame(standIn->leaves, b), &rows);
   return rows;
 }
 
@@ -249,7 +249,7 @@ static ctStatus findNeighbors(StandIn* standIn, size_t count, const ctLeafPair* 
 }
 
 ctStatus ctStandInRefresh(StandIn* standIn, size_t count, const ctLeafPair* near) {
-  const Kernels* kernels = standIn->leaves->kernels;
+  const Wide* wide = standIn->leaves->wide;
   dropTrial(standIn);
   ctNeighborsClear(&standIn->neighbors);
   memset(standIn->leafSums, 0, (size_t)standIn->leaves->leafCount * sizeof *standIn->leafSums);
@@ -258,8 +258,8 @@ ctStatus ctStandInRefresh(StandIn* standIn, size_t count, const ctLeafPair* near
   }
   for (int leaf = 0; leaf < standIn->leaves->leafCount; leaf++) {
     ctStandInComputeRadii(standIn, leaf, stateLeaf(standIn, leaf));
-    kernels->standInShift(&standIn->model, standIn->born.columns[leaf].charge, &stateLeaf(standIn, leaf)->radii,
-                          stateShift(standIn, leaf));
+    wide->standInShift(&standIn->model, standIn->born.columns[leaf].charge, &stateLeaf(standIn, leaf)->radii,
+                       stateShift(standIn, leaf));
   }
   for (int a = 0; a < standIn->leaves->leafCount; a++) {
     const NeighborRow* row = &standIn->neighbors.rows[a];
@@ -278,7 +278,7 @@ ctStatus ctStandInRefresh(StandIn* standIn, size_t count, const ctLeafPair* near
   }
   for (int leaf = 0; leaf < standIn->leaves->leafCount; leaf++) {
     StandInLeaf* state = stateLeaf(standIn, leaf);
-    state->energy = kernels->standInLeafEnergy(&state->radii, state->gradient);
+    state->energy = wide->standInLeafEnergy(&state->radii, state->gradient);
   }
   return ctSuccess;
 }

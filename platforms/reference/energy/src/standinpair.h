@@ -1,4 +1,4 @@
-/* What the stand-in of ctStandIn is computed from, as kernels see it. */
+/* What the stand-in of ctStandIn is computed from, as wide functions see it. */
 #ifndef CT_STANDINPAIR_H_
 #define CT_STANDINPAIR_H_
 

@@ -51,7 +51,7 @@ static void exchangeGradients(StandIn* standIn, const StagedPair* staged) {
   const int leaves[2] = {staged->a, staged->b};
   for (int side = 0; side < 2; side++) {
     StandInLeaf* leaf = touch(standIn, leaves[side], false);
-    standIn->leaves->kernels->exchangeParts(leaf->gradient, gradientOf(before, side), gradientOf(after, side));
+    standIn->leaves->wide->exchangeParts(leaf->gradient, gradientOf(before, side), gradientOf(after, side));
   }
 }
 
@@ -92,7 +92,7 @@ static ctStatus stage(StandIn* standIn, bool near) {
     const ctLeafPair* changed = &pairs[i];
     NearRows rows;
     const LeafFrame* frameA = ctTrialFrame(leaves, changed->a);
-    leaves->kernels->nearRows(&standIn->model, frameA, ctTrialFrame(leaves, changed->b), &rows);
+    leaves->wide->nearRows(&standIn->model, frameA, ctTrialFrame(leaves, changed->b), &rows);
     /* In the row of a leaf that moves: most pairs of a small move are in that. */
     const int moved = ctHasOwnFrame(leaves, changed->b) ? changed->b : changed->a;
     const int found = ctNeighborsFind(&standIn->neighbors, moved, changed->a + changed->b - moved);
@@ -155,7 +155,7 @@ static void changeBornSums(StandIn* standIn) {
       /* Many leaves are near by their boxes alone. */
       if (memcmp(from, to, sizeof after->born[side]) != 0) {
         StandInLeaf* leaf = touch(standIn, leaves[side], true);
-        standIn->leaves->kernels->exchangeParts(leaf->born, from, to);
+        standIn->leaves->wide->exchangeParts(leaf->born, from, to);
       }
     }
   }
@@ -173,8 +173,8 @@ static void changeRadii(StandIn* standIn) {
     }
     standIn->trial[leaf].crossing = crossing;
     if (crossing != 0) {
-      standIn->leaves->kernels->standInShift(&standIn->model, standIn->born.columns[leaf].charge, &other->radii,
-                                             otherShift(standIn, leaf));
+      standIn->leaves->wide->standInShift(&standIn->model, standIn->born.columns[leaf].charge, &other->radii,
+                                          otherShift(standIn, leaf));
     }
   }
 }
@@ -273,7 +273,7 @@ static ctStatus changeUnmovedPairs(StandIn* standIn, double* change) {
 }
 
 ctStatus ctStandInOtherChange(StandIn* standIn, double* change) {
-  const Kernels* kernels = standIn->leaves->kernels;
+  const Wide* wide = standIn->leaves->wide;
   if (stage(standIn, false) != ctSuccess) {
     return ctOutOfMemory;
   }
@@ -286,7 +286,7 @@ ctStatus ctStandInOtherChange(StandIn* standIn, double* change) {
   for (int i = 0; i < standIn->touchedCount; i++) {
     const int leaf = standIn->touched[i];
     StandInLeaf* other = otherLeaf(standIn, leaf);
-    other->energy = kernels->standInLeafEnergy(&other->radii, other->gradient);
+    other->energy = wide->standInLeafEnergy(&other->radii, other->gradient);
     total += other->energy - stateLeaf(standIn, leaf)->energy;
   }
   *change = total - standIn->nearChange;

@@ -1,4 +1,4 @@
-/* A pair expression as kernels run it: on many pairs of particles at a time. */
+/* A pair expression as wide functions run it: on many pairs of particles at a time. */
 #ifndef CT_TAPE_H_
 #define CT_TAPE_H_
 

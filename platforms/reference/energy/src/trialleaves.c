@@ -24,7 +24,7 @@ bool ctTrialLeavesCreate(TrialLeaves* leaves, ctChainTree* tree, double cutoff, 
   const int leafCount = ctGetLeafCount(tree);
   const size_t size = (size_t)leafCount + 1;
   *leaves = (TrialLeaves){.tree = tree, .cutoff = cutoff, .leafCount = leafCount};
-  leaves->kernels = ctFindKernels(ctGetInstructionSet(tree));
+  leaves->wide = ctFindWide(ctGetInstructionSet(tree));
   leaves->occupied = calloc(size, sizeof *leaves->occupied);
   leaves->frames = allocateLines(size, sizeof *leaves->frames);
   leaves->frameIsStale = calloc(size, sizeof *leaves->frameIsStale);
@@ -77,7 +77,7 @@ ctStatus ctTrialLeavesRefresh(TrialLeaves* leaves, size_t* count, const ctLeafPa
 const LeafFrame* ctStateFrame(TrialLeaves* leaves, int leaf) {
   if (leaves->frameIsStale[leaf]) {
     leaves->frameIsStale[leaf] = false;
-    leaves->kernels->makeFrame(&leaves->statePositions[leaf], leaves->occupied[leaf], &leaves->frames[leaf]);
+    leaves->wide->makeFrame(&leaves->statePositions[leaf], leaves->occupied[leaf], &leaves->frames[leaf]);
   }
   return &leaves->frames[leaf];
 }
@@ -141,7 +141,7 @@ const LeafFrame* ctTrialFrame(TrialLeaves* leaves, int leaf) {
     leaves->trialStamp[leaf] = leaves->trial;
     if (leafMoves(leaves, leaf)) {
       LeafFrame* frame = &leaves->trialFrames[leaf];
-      leaves->kernels->makeFrame(&leaves->trialPositions[leaf], leaves->occupied[leaf], frame);
+      leaves->wide->makeFrame(&leaves->trialPositions[leaf], leaves->occupied[leaf], frame);
       leaves->frameInTrial[leaf] = frame;
     } else {
       leaves->frameInTrial[leaf] = ctStateFrame(leaves, leaf);

@@ -2,11 +2,11 @@
 #ifndef CT_TRIALLEAVES_H_
 #define CT_TRIALLEAVES_H_
 
-#include "kernels.h"
+#include "wide.h"
 
 typedef struct TrialLeaves {
   ctChainTree* tree;
-  const Kernels* kernels;
+  const Wide* wide;
   double cutoff; /* within which pairs are looked for */
   int leafCount;
   unsigned* occupied; /* per leaf, as the five below; bits: slots that hold a particle */

@@ -79,8 +79,7 @@ ctStatus ctValueEnergyCreate(ValueEnergy* energy, const ctChainTree* tree, int p
   }
   const bool hasCutoff = isfinite(description->cutoff);
   *energy = (ValueEnergy){
-      .kernels = ctFindKernels(ctGetInstructionSet(tree)),
-      .tapeKernels = ctFindTapeKernels(ctGetInstructionSet(tree)),
+      .wide = ctFindWide(ctGetInstructionSet(tree)),
       .particleCount = particleCount,
       .blockCount = (particleCount + CT_LEAF_WIDTH - 1) / CT_LEAF_WIDTH,
       .parametersPerParticle = description->parametersPerParticle,
@@ -138,7 +137,7 @@ static void place(ValueEnergy* energy, const double* positions) {
       placed.y[k] = position[1];
       placed.z[k] = position[2];
     }
-    energy->kernels->makeFrame(&placed, occupiedOf(energy, block), &energy->frames[block]);
+    energy->wide->makeFrame(&placed, occupiedOf(energy, block), &energy->frames[block]);
   }
 }
 
@@ -225,7 +224,7 @@ static void computeSums(ValueEnergy* energy, ValueTape* tape) {
       if (a == b) {
         allowBothOrders(&opened);
       }
-      if (tape->tape.isExact || !energy->tapeKernels->addRows(&tape->tape, &opened.pair, &energy->range, sums)) {
+      if (tape->tape.isExact || !energy->wide->addTapeRows(&tape->tape, &opened.pair, &energy->range, sums)) {
         addExactRows(energy, tape, &opened, sums);
       }
     }
@@ -273,7 +272,7 @@ static double energyOfPairs(const ValueEnergy* energy, ValueTape* tape) {
     for (int b = a; b < energy->blockCount; b++) {
       if (openPair(energy, tape, a, b, &opened)) {
         const double ofPair =
-            tape->tape.isExact ? NAN : energy->tapeKernels->energy(&tape->tape, &opened.pair, &energy->range);
+            tape->tape.isExact ? NAN : energy->wide->tapeEnergy(&tape->tape, &opened.pair, &energy->range);
         sum += isfinite(ofPair) ? ofPair : exactEnergy(energy, tape, &opened);
       }
     }

@@ -2,9 +2,8 @@
 #ifndef CT_VALUEENERGY_H_
 #define CT_VALUEENERGY_H_
 
-#include "kernels.h"
 #include "pairmask.h"
-#include "tapekernels.h"
+#include "wide.h"
 
 /* A value or a term. */
 typedef struct ValueTape {
@@ -15,8 +14,7 @@ typedef struct ValueTape {
 
 /* Sixteen particles in their order are a block, which is what tapes call a leaf. */
 typedef struct ValueEnergy {
-  const Kernels* kernels;
-  const TapeKernels* tapeKernels;
+  const Wide* wide;
   int particleCount;
   int blockCount;
   int* places; /* of particles in blocks: their own numbers */

@@ -43,7 +43,7 @@ ctStatus ctWholeEnergyCreate(WholeEnergy* whole, ctChainTree* tree, int particle
   int* placeOf = malloc(((size_t)particleCount + 1) * sizeof *placeOf);
   *whole = (WholeEnergy){
       .tree = tree,
-      .kernels = ctFindKernels(ctGetInstructionSet(tree)),
+      .wide = ctFindWide(ctGetInstructionSet(tree)),
       .particleCount = particleCount,
       .blockCount = blockCount,
       .slots = malloc(blocks * CT_LEAF_WIDTH * sizeof *whole->slots),
@@ -104,7 +104,7 @@ static bool makeFrames(WholeEnergy* whole) {
       positions.y[k] = leaf->y[slots[k] % CT_LEAF_WIDTH];
       positions.z[k] = leaf->z[slots[k] % CT_LEAF_WIDTH];
     }
-    whole->kernels->makeFrame(&positions, whole->nonbonded.columns[block].occupied, frame);
+    whole->wide->makeFrame(&positions, whole->nonbonded.columns[block].occupied, frame);
     for (int k = count; k < CT_LEAF_WIDTH; k++) {
       frame->x[k] = frame->y[k] = frame->z[k] = ASIDE;
     }
@@ -120,8 +120,8 @@ static void computeSums(WholeEnergy* whole) {
     whole->sums[i] = 0;
   }
   for (int block = 0; block < whole->blockCount; block++) {
-    whole->kernels->bornSums(model, model->squaredCutoff, whole->frames, whole->born.columns, block, block,
-                             whole->blockCount, whole->sums);
+    whole->wide->bornSums(model, model->squaredCutoff, whole->frames, whole->born.columns, block, block,
+                          whole->blockCount, whole->sums);
   }
 }
 
@@ -156,14 +156,14 @@ static WholeLeaves leavesOf(const WholeEnergy* whole) {
 static void addRun(const WholeEnergy* whole, int a, int first, int end, const uint16_t* excluded, WholePair* total) {
   const BornModel* model = &whole->born.model;
   const WholeLeaves leaves = leavesOf(whole);
-  const WholePair run = whole->kernels->wholePairs(model, &leaves, a, first, end, excluded);
+  const WholePair run = whole->wide->wholePairs(model, &leaves, a, first, end, excluded);
   total->born += run.born;
   if (isfinite(run.nonbonded)) {
     total->nonbonded += run.nonbonded;
     return;
   }
   for (int b = first; b < end; b++) {
-    const WholePair pair = whole->kernels->wholePairs(model, &leaves, a, b, b + 1, excluded);
+    const WholePair pair = whole->wide->wholePairs(model, &leaves, a, b, b + 1, excluded);
     total->nonbonded += isfinite(pair.nonbonded)
                             ? pair.nonbonded
                             : ctNonbondedEnergy(&whole->nonbonded, a, &whole->frames[a], b, &whole->frames[b]);
@@ -202,7 +202,7 @@ static void addBlocks(const WholeEnergy* whole, int a, int b, WholePair* total) 
   if (gap < model->exactCutoff) {
     const WholeSide sideA = wholeSide(&leaves, a, pairMaskOf(&whole->nonbonded.mask, a, b));
     const WholeSide sideB = wholeSide(&leaves, b, NULL);
-    total->born += whole->kernels->bornPair(model, &sideA, &sideB);
+    total->born += whole->wide->bornPair(model, &sideA, &sideB);
   }
 }
 

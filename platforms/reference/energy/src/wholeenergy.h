@@ -5,10 +5,10 @@
 #include "nonbonded.h"
 
 /* Some slots of leaves hold no particle, so particles are put into blocks of sixteen without gaps, in the order
- * of their slots. A block is what kernels call a leaf. */
+ * of their slots. Wide functions call a block a leaf. */
 typedef struct WholeEnergy {
   ctChainTree* tree;
-  const Kernels* kernels;
+  const Wide* wide;
   int particleCount;
   int blockCount;
   int* slots;          /* the slot of each particle, as blocks have them */

@@ -2,7 +2,7 @@
  * negative scaled radii, necks and their reach, cutoffs, slots without a particle. The same bits by every instruction
  * set, and the same whichever leaf is named first. */
 #include "../../chaintree/tests/check.h"
-#include "../src/kernels.h"
+#include "../src/wide.h"
 #include "bornoracle.h"
 
 enum { LEAVES = 2, SLOTS = LEAVES * CT_LEAF_WIDTH, MOST_TYPES = 20 };
@@ -144,17 +144,17 @@ typedef struct Sums {
   double own[SLOTS];
 } Sums;
 
-static void sumBy(const Kernels* kernels, const Pair* p, int first, Sums* sums) {
+static void sumBy(const Wide* wide, const Pair* p, int first, Sums* sums) {
   LeafFrame frames[LEAVES];
   const BornColumns* columns = p->born.columns;
   const float squaredCutoff = isfinite(p->cutoff) ? (float)(p->cutoff * p->cutoff) : p->born.model.squaredCutoff;
   memset(sums, 0, sizeof *sums);
   for (int leaf = 0; leaf < LEAVES; leaf++) {
-    kernels->makeFrame(&p->leaves[leaf], columns[leaf].occupied, &frames[leaf]);
+    wide->makeFrame(&p->leaves[leaf], columns[leaf].occupied, &frames[leaf]);
   }
-  kernels->bornSums(&p->born.model, squaredCutoff, frames, columns, first, 1 - first, 2 - first, sums->cross);
+  wide->bornSums(&p->born.model, squaredCutoff, frames, columns, first, 1 - first, 2 - first, sums->cross);
   for (int leaf = 0; leaf < LEAVES; leaf++) {
-    kernels->bornSums(&p->born.model, squaredCutoff, frames, columns, leaf, leaf, leaf + 1, sums->own);
+    wide->bornSums(&p->born.model, squaredCutoff, frames, columns, leaf, leaf, leaf + 1, sums->own);
   }
 }
 
@@ -219,20 +219,20 @@ static void checkSum(const Pair* p, int i, bool isOwn, double found) {
   }
 }
 
-static bool machineHas(const Kernels* kernels) {
+static bool machineHas(const Wide* wide) {
 #ifdef __x86_64__
-  if (strcmp(kernels->name, "avx512") == 0) {
+  if (strcmp(wide->name, "avx512") == 0) {
     return __builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512bw");
   }
-  return strcmp(kernels->name, "avx2") != 0 || __builtin_cpu_supports("avx2");
+  return strcmp(wide->name, "avx2") != 0 || __builtin_cpu_supports("avx2");
 #else
-  (void)kernels;
+  (void)wide;
   return true;
 #endif
 }
 
 static void checkPair(const Pair* p) {
-  const Kernels* sets[] = {ctFindKernels("portable"), ctFindKernels("avx2"), ctFindKernels("avx512")};
+  const Wide* sets[] = {ctFindWide("portable"), ctFindWide("avx2"), ctFindWide("avx512")};
   Sums sums;
   Sums other;
   sumBy(sets[0], p, 0, &sums);
@@ -264,15 +264,15 @@ static void checkManyLeaves(const Pair* p) {
   static BornColumns columns[MANY];
   double one[MANY * CT_LEAF_WIDTH] = {0};
   double all[MANY * CT_LEAF_WIDTH] = {0};
-  const Kernels* kernels = ctFindKernels("portable");
+  const Wide* wide = ctFindWide("portable");
   BornModel model = p->born.model;
   model.neckTypeCount = 0; /* those of so many leaves are not there */
   for (int leaf = 0; leaf < MANY; leaf++) {
     columns[leaf] = p->born.columns[leaf == 0 ? 0 : 1];
-    kernels->makeFrame(&p->leaves[leaf == 0 ? 0 : 1], columns[leaf].occupied, &frames[leaf]);
+    wide->makeFrame(&p->leaves[leaf == 0 ? 0 : 1], columns[leaf].occupied, &frames[leaf]);
   }
-  kernels->bornSums(&model, model.squaredCutoff, frames, columns, 0, 1, 2, one);
-  kernels->bornSums(&model, model.squaredCutoff, frames, columns, 0, 1, MANY, all);
+  wide->bornSums(&model, model.squaredCutoff, frames, columns, 0, 1, 2, one);
+  wide->bornSums(&model, model.squaredCutoff, frames, columns, 0, 1, MANY, all);
   for (int k = 0; k < CT_LEAF_WIDTH; k++) {
     const double sum = (MANY - 1) * one[k];
     CHECK(fabs(all[k] - sum) <= 1e-5 + 1e-5 * fabs(sum));
@@ -285,12 +285,12 @@ static void checkOnePlace(Pair* p) {
   double own[CT_LEAF_WIDTH] = {0};
   LeafFrame frame;
   const unsigned occupied = p->born.columns[0].occupied;
-  const Kernels* kernels = ctFindKernels("portable");
+  const Wide* wide = ctFindWide("portable");
   for (int k = 0; k < CT_LEAF_WIDTH; k++) {
     p->leaves[0].x[k] = p->leaves[0].y[k] = p->leaves[0].z[k] = 1;
   }
-  kernels->makeFrame(&p->leaves[0], occupied, &frame);
-  kernels->bornSums(&p->born.model, p->born.model.squaredCutoff, &frame, p->born.columns, 0, 0, 1, own);
+  wide->makeFrame(&p->leaves[0], occupied, &frame);
+  wide->bornSums(&p->born.model, p->born.model.squaredCutoff, &frame, p->born.columns, 0, 0, 1, own);
   for (int k = 0; k < CT_LEAF_WIDTH; k++) {
     CHECK(isfinite(own[k]));
   }

@@ -82,12 +82,12 @@ static void checkValue(const Case* c, float x, float y, float value) {
 
 static void checkSixteen(const Case* c, const float* x, const float* y) {
   float value[16];
-  functionOf(&portablePath, c)(x, y, value);
+  functionOf(&elementaryPortable, c)(x, y, value);
   for (int k = 0; k < 16; k++) {
     checkValue(c, x[k], y[k], value[k]);
   }
 #ifdef __x86_64__
-  const ElementaryPath* const others[] = {&avx2Path, &avx512Path};
+  const ElementaryPath* const others[] = {&elementaryAvx2, &elementaryAvx512};
   const bool isThere[] = {__builtin_cpu_supports("avx2") != 0,
                           __builtin_cpu_supports("avx512f") != 0 && __builtin_cpu_supports("avx512bw") != 0};
   for (int i = 0; i < 2; i++) {

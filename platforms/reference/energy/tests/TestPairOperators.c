@@ -2,7 +2,7 @@
 #include <stdint.h>
 
 #include "../../chaintree/tests/check.h"
-#include "../src/tapekernels.h"
+#include "../src/wide.h"
 
 /* Each argument is the sum of a parameter of one particle and one of the other, so that it is no constant. */
 enum { ARGUMENTS = 3, PARAMETERS = ARGUMENTS, ARGUMENT_OPERATIONS = 3 * ARGUMENTS, PARTICLES = 2 };
@@ -117,8 +117,7 @@ static void describe(ctOperation* operations, ctOperator kind, double v) {
 
 /* What each instruction set makes of two particles, 1 nm apart, of one leaf each. */
 static void runAll(const Tape* tape, float results[3]) {
-  const TapeKernels* const kernels[] = {ctFindTapeKernels("portable"), ctFindTapeKernels("avx2"),
-                                        ctFindTapeKernels("avx512")};
+  const Wide* const wide[] = {ctFindWide("portable"), ctFindWide("avx2"), ctFindWide("avx512")};
   static LeafFrame frames[2]; /* all zero but for one coordinate */
   const TapeRange range = {.squaredCutoff = 100};
   const size_t width = (size_t)tape->columnCount * CT_LEAF_WIDTH;
@@ -131,7 +130,7 @@ static void runAll(const Tape* tape, float results[3]) {
   isThere[2] = __builtin_cpu_supports("avx512f") != 0 && __builtin_cpu_supports("avx512bw") != 0;
 #endif
   for (int i = 0; i < 3; i++) {
-    results[i] = isThere[i] ? (float)kernels[i]->energy(tape, &pair, &range) : results[0];
+    results[i] = isThere[i] ? (float)wide[i]->tapeEnergy(tape, &pair, &range) : results[0];
   }
 }
 

@@ -10,10 +10,10 @@ typedef struct ElementaryPath {
   ElementaryFunction pow, atan2;
 } ElementaryPath;
 
-extern const ElementaryPath portablePath;
+extern const ElementaryPath elementaryPortable;
 #ifdef __x86_64__
-extern const ElementaryPath avx2Path;
-extern const ElementaryPath avx512Path;
+extern const ElementaryPath elementaryAvx2;
+extern const ElementaryPath elementaryAvx512;
 #endif
 
 #endif /* ELEMENTARYPATH_H_ */

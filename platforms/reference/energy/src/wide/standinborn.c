@@ -1,7 +1,10 @@
-/* Born sums of the stand-in: of two leaves within its cutoff, compiled once for each instruction set by the file that
- * includes this. Operations of one row wait for each other, so each step is that of all rows. */
+/* Born sums of the stand-in, of two leaves within its cutoff. Operations of one row wait for each other, so each step
+ * is that of all rows. */
+#include "bornpair.h"
+#include "set.h"
+#include "sums.h"
 
-/* P(t) of born_body.h up to BORN_NEAR_RATIO, with a relative error below 1.1e-6. */
+/* P(t) of bornsums.c up to BORN_NEAR_RATIO, with a relative error below 1.1e-6. */
 CT_INLINE Float16 nearSeries(Float16 t) {
   const float c[] = {0.3333336719f, 0.3999130883f,  0.4321456996f, 0.3905117975f,
                      0.8301592643f, -0.8080398834f, 2.318234015f};
@@ -162,8 +165,8 @@ CT_INLINE Float16 standInBornCase(const BornModel* model, const StandInModel* st
              : standInBornRows(model, standIn, sides, slots, near, forRows, isSame, true, false);
 }
 
-static void standInBorn(const BornModel* model, const StandInModel* standIn, const BornSide* a, const BornSide* b,
-                        const NearRows* near, float ofA[CT_LEAF_WIDTH], float ofB[CT_LEAF_WIDTH]) {
+void CT_WIDE(standInBorn)(const BornModel* model, const StandInModel* standIn, const BornSide* a, const BornSide* b,
+                          const NearRows* near, float ofA[CT_LEAF_WIDTH], float ofB[CT_LEAF_WIDTH]) {
   float shift[3];
   float forRows[CT_LEAF_WIDTH][CT_LEAF_WIDTH];
   /* Each row of one side costs the same, so those of the side with fewer are summed. */

@@ -1,53 +1,8 @@
-/* Leaves in single precision and the energies of their pairs, compiled once for each instruction set by the file that
- * includes this. It defines before KERNELS, the table, and KERNELS_NAME. */
-#include <math.h>
-#include <string.h>
-
-#include "blockgap.h"
-#include "elementary.h"
-#include "kernels.h"
-#include "rowsnear.h"
+/* Lennard-Jones and Coulomb energies of pairs of leaves. */
+#include "rows.h"
+#include "set.h"
 #include "sums.h"
 #include "switching16.h"
-
-/* ---- Frames ---- */
-
-/* One coordinate from a centre, rounded to float. */
-CT_INLINE Float16 fromCentre(const double* positions, double centre) {
-  float from[CT_LEAF_WIDTH];
-  for (int k = 0; k < CT_LEAF_WIDTH; k++) {
-    from[k] = (float)(positions[k] - centre);
-  }
-  return load16(from);
-}
-
-static double onGrid(double x) {
-  return rint(x * (1 / FRAME_GRID)) * FRAME_GRID;
-}
-
-static void makeFrame(const ctLeafPositions* positions, unsigned occupied, LeafFrame* frame) {
-  const double* axes[3] = {positions->x, positions->y, positions->z};
-  float* placed[3] = {frame->x, frame->y, frame->z};
-  const int first = __builtin_ctz(occupied);
-  for (int d = 0; d < 3; d++) {
-    /* The middle of the box, from any particle. */
-    const double about = onGrid(axes[d][first]);
-    const Float16 rough = fromCentre(axes[d], about);
-    const double low = (double)least16(blend16(occupied, all16(INFINITY), rough));
-    const double high = (double)most16(blend16(occupied, all16(-INFINITY), rough));
-    const double centre = about + onGrid((low + high) / 2);
-    const Float16 x = fromCentre(axes[d], centre);
-    frame->centre[d] = centre;
-    frame->low[d] = least16(blend16(occupied, all16(INFINITY), x));
-    frame->high[d] = most16(blend16(occupied, all16(-INFINITY), x));
-    store16(placed[d], blend16(occupied, all16(NOWHERE), x));
-  }
-}
-
-/* ---- Energies ---- */
-
-/* Rows that are summed in single precision before they are added in double. */
-enum { ROWS_IN_FLOAT = 4 };
 
 /* The energy of the particles of side a in `rows`, against all of side b, whose centre is at `shift` from a's.
  * Constants for `hasCutoff`, `hasSwitch` and `isMasked` make a function for each case. */
@@ -125,16 +80,7 @@ CT_INLINE double sumCase(const Potential* potential, const LeafSide* a, const Le
                                 : sumRows(potential, a, b, shift, rows, false, false, false);
 }
 
-static double rowsEnergy(const Potential* potential, const LeafSide* a, const LeafSide* b, unsigned rows) {
-  float shift[3];
-  shiftBetween(a->frame, b->frame, shift);
-  if (potential->hasCutoff) {
-    rows &= rowsNear(a->frame, b->frame, shift, potential->squaredCutoff);
-  }
-  return sumCase(potential, a, b, shift, rows);
-}
-
-static double leafPairEnergy(const Potential* potential, const LeafSide* a, const LeafSide* b) {
+double CT_WIDE(leafPairEnergy)(const Potential* potential, const LeafSide* a, const LeafSide* b) {
   float shift[3];
   float back[3];
   shiftBetween(a->frame, b->frame, shift);
@@ -155,26 +101,3 @@ static double leafPairEnergy(const Potential* potential, const LeafSide* a, cons
   }
   return sumCase(potential, a, b, from, rows);
 }
-
-#include "born_body.h"
-#include "standin_body.h"
-#include "standinborn_body.h"
-#include "wholepair_body.h"
-
-const Kernels KERNELS = {
-    .name = KERNELS_NAME,
-    .makeFrame = makeFrame,
-    .leafPairEnergy = leafPairEnergy,
-    .rowsEnergy = rowsEnergy,
-    .bornSums = bornSums,
-    .wholePairs = wholePairs,
-    .bornPair = bornPair,
-    .nearRows = nearRows,
-    .standInBorn = standInBorn,
-    .standInRadii = standInRadii,
-    .standInShift = standInShift,
-    .exchangeParts = exchangeParts,
-    .standInLeafEnergy = standInLeafEnergy,
-    .standInPairs = standInPairs,
-    .standInExchange = standInExchange,
-};

@@ -1,89 +1,8 @@
-/* The stand-in's radii and pairs, compiled once for each instruction set by the file that includes this. */
+/* Pair energies of the stand-in. */
 #include "elementary.h"
-#include "standinpair.h"
-
-/* ---- Radii ---- */
-
-/* tanh(t) */
-CT_INLINE Float16 tanhOf(Float16 t) {
-  const Float16 bounded = min16(max16(add16(t, t), all16(-40)), all16(40));
-  return sub16(all16(1), div16(all16(2), add16(exp16(bounded), all16(1))));
-}
-
-/* A Born radius has to be positive, however large its sum. */
-#define STANDIN_LEAST_INVERSE 0.01f /* 1/nm */
-
-static void standInRadii(const StandInModel* model, const StandInConstants* constants, const double born[],
-                         StandInRadii* radii) {
-  float sums[CT_LEAF_WIDTH];
-  for (int k = 0; k < CT_LEAF_WIDTH; k++) {
-    sums[k] = (float)(born[k] + constants->far[k]);
-  }
-  const Float16 sum = load16(sums);
-  Float16 inverse = sub16(load16(constants->perOffsetRadius), sum);
-  if (model->isRescaled) {
-    const Float16 psi = mul16(sum, load16(constants->offsetRadius));
-    const Float16 inner = sub16(mul16(psi, load16(constants->gamma)), load16(constants->beta));
-    const Float16 t = mul16(psi, add16(load16(constants->alpha), mul16(psi, inner)));
-    inverse = sub16(load16(constants->perOffsetRadius), mul16(tanhOf(t), load16(constants->perRadius)));
-  }
-  inverse = max16(inverse, all16(STANDIN_LEAST_INVERSE));
-  const Float16 log = sub16(all16(0), log16(inverse));
-  const Float16 magic = all16(CT_WHOLE_MAGIC);
-  const Float16 number = sub16(add16(mul16(log, load16(constants->perGridWidth)), magic), magic);
-  const Float16 ofGrid = mul16(number, load16(constants->gridWidth));
-  const Float16 inverseOfGrid = exp16(sub16(all16(0), ofGrid));
-  Float16 perDielectric = sub16(all16(model->perDielectrics[0]), all16(model->perDielectrics[1]));
-  if (model->hasKappa) {
-    const Float16 screening = exp16(div16(all16(-model->kappa), inverse));
-    perDielectric = sub16(all16(model->perDielectrics[0]), mul16(screening, all16(model->perDielectrics[1])));
-  }
-  const Float16 inverse3 = mul16(mul16(inverse, inverse), inverse);
-  const Float16 ofCharge = mul16(mul16(load16(constants->squaredCharge), perDielectric), inverse);
-  const Float16 ofSurface = mul16(mul16(load16(constants->surface), inverse3), inverse3);
-  store16(radii->radius, div16(all16(1), inverseOfGrid));
-  store16(radii->decay, mul16(all16(0.60056120f), inverseOfGrid)); /* root of log2(e) / 4 */
-  store16(radii->log, ofGrid);
-  store16(radii->beyond, mul16(all16(STANDIN_GRADIENT), sub16(log, ofGrid)));
-  store16(radii->self, sub16(ofSurface, ofCharge));
-}
-
-/* What depends on radii of the grid alone. */
-static void standInShift(const StandInModel* model, const float charge[], const StandInRadii* radii,
-                         StandInShift* shift) {
-  const Float16 t = mul16(sub16(load16(radii->log), all16(model->middleLog)), all16(model->perHalfWidth));
-  const Float16 bounded = max16(min16(t, all16(1)), all16(-1));
-  for (int i = 0; i < SHIFT_RANK; i++) {
-    store16(shift->value[i], mul16(load16(charge), polynomial16(bounded, SHIFT_TERMS - 1, model->shift[i])));
-  }
-}
-
-/* Exchanges parts of sums; false, and nothing changed, if they are the same. */
-static bool exchangeParts(double sums[], const float before[], const float after[]) {
-  const Float16 from = load16(before);
-  const Float16 to = load16(after);
-  if ((greater16(from, to) | greater16(to, from)) == 0) {
-    return false;
-  }
-  storeSum16(sums, addToSum16(addToSum16(loadSum16(sums), to), sub16(all16(0), from)));
-  return true;
-}
-
-/* The energies of the particles of a leaf by themselves, and the first order of what the grid neglects of pairs. */
-static double standInLeafEnergy(const StandInRadii* radii, const double gradient[]) {
-  double sums[CT_LEAF_WIDTH];
-  for (int k = 0; k < CT_LEAF_WIDTH; k++) {
-    sums[k] = (double)radii->self[k] + gradient[k] * (double)radii->beyond[k];
-  }
-  for (int width = CT_LEAF_WIDTH / 2; width > 0; width /= 2) {
-    for (int k = 0; k < width; k++) {
-      sums[k] += sums[k + width];
-    }
-  }
-  return sums[0];
-}
-
-/* ---- Pairs ---- */
+#include "rows.h"
+#include "set.h"
+#include "sums.h"
 
 /* Particles that coincide have a distance, too. */
 #define STANDIN_LEAST_SQUARED 1e-6f /* nm^2 */
@@ -247,7 +166,7 @@ CT_INLINE unsigned lanesOf(const StandInRows* rows, bool isSelf, int k) {
 
 /* Adds rows, of a leaf with itself with those behind each. Operations of one row wait for each other, so each step is
  * that of all rows. */
-CT_INLINE Sum16 addRows(const StandInModel* model, const StandInRows* rows, StandInCase its, Sum16 sum) {
+CT_INLINE Sum16 addStandInRows(const StandInModel* model, const StandInRows* rows, StandInCase its, Sum16 sum) {
   const int versions = its.isExchange ? 2 : 1;
   const bool isSelf = rows->ones->frame == rows->all->frame;
   const Float16 cutoff = all16(model->squaredCutoff);
@@ -310,19 +229,19 @@ CT_INLINE Sum16 addRows(const StandInModel* model, const StandInRows* rows, Stan
 }
 
 /* The same by the function for the case. */
-CT_INLINE Sum16 addCase(const StandInModel* model, const StandInRows* rows, bool isExchange, Sum16 sum) {
+CT_INLINE Sum16 addStandInCase(const StandInModel* model, const StandInRows* rows, bool isExchange, Sum16 sum) {
   if (rows->slots == 0) {
     return sum;
   }
   if (rows->ones->excluded != NULL) {
-    return model->hasKappa ? addRows(model, rows, (StandInCase){isExchange, true, true}, sum)
-                           : addRows(model, rows, (StandInCase){isExchange, true, false}, sum);
+    return model->hasKappa ? addStandInRows(model, rows, (StandInCase){isExchange, true, true}, sum)
+                           : addStandInRows(model, rows, (StandInCase){isExchange, true, false}, sum);
   }
-  return model->hasKappa ? addRows(model, rows, (StandInCase){isExchange, false, true}, sum)
-                         : addRows(model, rows, (StandInCase){isExchange, false, false}, sum);
+  return model->hasKappa ? addStandInRows(model, rows, (StandInCase){isExchange, false, true}, sum)
+                         : addStandInRows(model, rows, (StandInCase){isExchange, false, false}, sum);
 }
 
-static void nearRows(const StandInModel* model, const LeafFrame* a, const LeafFrame* b, NearRows* rows) {
+void CT_WIDE(nearRows)(const StandInModel* model, const LeafFrame* a, const LeafFrame* b, NearRows* rows) {
   const Float16 pairs = all16(model->squaredCutoff * ROUNDING_OF_BOXES);
   const Float16 born = all16(model->squaredBornCutoff * ROUNDING_OF_BOXES);
   const Float16 overlap = all16(model->squaredOverlap * ROUNDING_OF_BOXES);
@@ -346,24 +265,24 @@ static StandInRows rowsOf(const StandInSide ones[], const StandInSide all[], uns
   return rows;
 }
 
-static double standInPairs(const StandInModel* model, const StandInSide* a, const StandInSide* b, const NearRows* near,
-                           float gradientA[], float gradientB[]) {
+double CT_WIDE(standInPairs)(const StandInModel* model, const StandInSide* a, const StandInSide* b,
+                             const NearRows* near, float gradientA[CT_LEAF_WIDTH], float gradientB[CT_LEAF_WIDTH]) {
   /* By the side with fewer particles near the other. */
   const bool isOfA = __builtin_popcount(near->pairs[0]) <= __builtin_popcount(near->pairs[1]);
   const StandInRows rows =
       isOfA ? rowsOf(a, b, near->pairs[0], gradientA, gradientB) : rowsOf(b, a, near->pairs[1], gradientB, gradientA);
-  return total16(addCase(model, &rows, false, zeroSum16()));
+  return total16(addStandInCase(model, &rows, false, zeroSum16()));
 }
 
-static double standInExchange(const StandInModel* model, const StandInSide a[2], const StandInSide b[2],
-                              const NearRows* near, unsigned slotsOfA, unsigned slotsOfB, float gradientA[],
-                              float gradientB[]) {
+double CT_WIDE(standInExchange)(const StandInModel* model, const StandInSide a[2], const StandInSide b[2],
+                                const NearRows* near, unsigned slotsOfA, unsigned slotsOfB,
+                                float gradientA[CT_LEAF_WIDTH], float gradientB[CT_LEAF_WIDTH]) {
   StandInRows rows[2] = {rowsOf(a, b, slotsOfA & near->pairs[0], gradientA, gradientB),
                          rowsOf(b, a, slotsOfB & near->pairs[1], gradientB, gradientA)};
   rows[1].lanes = ~slotsOfA;
   Sum16 sum = zeroSum16();
   for (int i = 0; i < 2; i++) {
-    sum = addCase(model, &rows[i], true, sum);
+    sum = addStandInCase(model, &rows[i], true, sum);
   }
   return total16(sum);
 }

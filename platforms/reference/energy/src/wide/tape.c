@@ -1,10 +1,12 @@
-/* Runs a tape on the pairs of particles of leaves, compiled once for each instruction set by the file that includes
- * this. It defines TAPE_KERNELS, the name of the table, before. */
-#include "rowsnear.h"
+/* Runs a tape on the pairs of particles of leaves. */
+#include <math.h>
+
+#include "ints.h"
+#include "rows.h"
+#include "set.h"
 #include "sums.h"
 #include "switching16.h"
-#include "tapekernels.h"
-#include "tapesteps_body.h"
+#include "tapesteps.h"
 
 /* ---- Pairs ---- */
 
@@ -43,7 +45,7 @@ static int rowOf(int place) {
   return place / CT_LEAF_WIDTH;
 }
 
-static void empty(TapeBatch* batch) {
+static void emptyBatch(TapeBatch* batch) {
   batch->count = 0;
   batch->partCount = 0;
 }
@@ -54,7 +56,7 @@ static void empty(TapeBatch* batch) {
 enum { SUMMED_IN_FLOAT = 4 };
 
 /* What sixteen pairs count, given their energies. */
-static Float16 weighted(const Tape* tape, const TapeRange* range, const TapePart* part, int v, Float16 value) {
+static Float16 weightedEnergy(const Tape* tape, const TapeRange* range, const TapePart* part, int v, Float16 value) {
   if (range->hasSwitch) {
     const Float16 distance = sqrt16(load16(tape->scratch + tape->squaredBegin + v * CT_LEAF_WIDTH));
     value = mul16(value, switchFactor16(distance, range->switchingDistance, range->inverseSwitchWidth));
@@ -72,7 +74,7 @@ static double energyOfPart(const Tape* tape, const TapeRange* range, const TapeP
   Float16 few = all16(0);
   for (int v = part->begin; v < last; v++) {
     const Float16 value = load16(values + v * step);
-    few = add16(few, isWeighted ? weighted(tape, range, part, v, value) : value);
+    few = add16(few, isWeighted ? weightedEnergy(tape, range, part, v, value) : value);
     if ((v - part->begin) % SUMMED_IN_FLOAT == SUMMED_IN_FLOAT - 1) {
       sum = addToSum16(sum, few);
       few = all16(0);
@@ -80,21 +82,21 @@ static double energyOfPart(const Tape* tape, const TapeRange* range, const TapeP
   }
   Float16 value = load16(values + last * step);
   if (isWeighted) {
-    value = weighted(tape, range, part, last, value);
+    value = weightedEnergy(tape, range, part, last, value);
   }
   return total16(addToSum16(sum, add16(few, keep16((2u << (inLast - 1)) - 1, value))));
 }
 
-static void finish(const Tape* tape, const TapeRange* range, double* energies) {
-  runSteps(tape);
+void CT_WIDE(finishBatch)(const Tape* tape, const TapeRange* range, double* energies) {
+  CT_WIDE(runSteps)(tape);
   for (int i = 0; i < tape->batch->partCount; i++) {
     const TapePart* part = &tape->batch->parts[i];
     energies[part->number] = energyOfPart(tape, range, part);
   }
-  empty(tape->batch);
+  emptyBatch(tape->batch);
 }
 
-static bool add(const Tape* tape, const TapePair* pair, const TapeRange* range, int number, double* energies) {
+bool CT_WIDE(addToBatch)(const Tape* tape, const TapePair* pair, const TapeRange* range, int number, double* energies) {
   TapeBatch* batch = tape->batch;
   float shift[3];
   shiftBetween(pair->frames[0], pair->frames[1], shift);
@@ -106,7 +108,7 @@ static bool add(const Tape* tape, const TapePair* pair, const TapeRange* range, 
     return false;
   }
   if (batch->count + __builtin_popcount(rows) > MOST_SIXTEENS) {
-    finish(tape, range, energies);
+    CT_WIDE(finishBatch)(tape, range, energies);
   }
   /* The steps read them later. */
   for (int i = 0; i < tape->columnCount; i++) {
@@ -133,22 +135,22 @@ static bool add(const Tape* tape, const TapePair* pair, const TapeRange* range, 
   return true;
 }
 
-static double energy(const Tape* tape, const TapePair* pair, const TapeRange* range) {
+double CT_WIDE(tapeEnergy)(const Tape* tape, const TapePair* pair, const TapeRange* range) {
   double sum = 0;
-  if (add(tape, pair, range, 0, &sum)) {
-    finish(tape, range, &sum);
+  if (CT_WIDE(addToBatch)(tape, pair, range, 0, &sum)) {
+    CT_WIDE(finishBatch)(tape, range, &sum);
   }
   return sum;
 }
 
-static bool addRows(const Tape* tape, const TapePair* pair, const TapeRange* range, double sums[CT_LEAF_WIDTH]) {
+bool CT_WIDE(addTapeRows)(const Tape* tape, const TapePair* pair, const TapeRange* range, double sums[CT_LEAF_WIDTH]) {
   TapeBatch* batch = tape->batch;
   double ofRows[CT_LEAF_WIDTH] = {0};
   double none;
-  if (!add(tape, pair, range, 0, &none)) {
+  if (!CT_WIDE(addToBatch)(tape, pair, range, 0, &none)) {
     return true;
   }
-  runSteps(tape);
+  CT_WIDE(runSteps)(tape);
   for (int v = 0; v < batch->count; v++) {
     const int begin = v * CT_LEAF_WIDTH;
     const int left = batch->parts[0].pairCount - begin;
@@ -162,7 +164,7 @@ static bool addRows(const Tape* tape, const TapePair* pair, const TapeRange* ran
       ofRows[rowOf(places[i])] += (double)values[i];
     }
   }
-  empty(batch);
+  emptyBatch(batch);
   for (int k = 0; k < CT_LEAF_WIDTH; k++) {
     if (!isfinite(ofRows[k])) {
       return false;
@@ -173,5 +175,3 @@ static bool addRows(const Tape* tape, const TapePair* pair, const TapeRange* ran
   }
   return true;
 }
-
-const TapeKernels TAPE_KERNELS = {.add = add, .finish = finish, .energy = energy, .addRows = addRows};

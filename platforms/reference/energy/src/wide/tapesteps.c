@@ -1,7 +1,8 @@
-/* The steps of a tape on the pairs of particles of a batch; part of tapekernels_body.h. */
+/* The steps of a tape on the pairs of particles of a batch. */
+#include "tapesteps.h"
+
+#include "../pairtable.h"
 #include "elementary.h"
-#include "pairtable.h"
-#include "tape.h"
 
 /* Stores a result for each sixteen pairs, of a, b and c. */
 #define EACH_SIXTEEN(value)                            \
@@ -221,8 +222,7 @@ static void runStep(const TapeStep* step, float* scratch, int count) {
   }
 }
 
-/* Runs all steps on the batch; squares of distances are there. */
-static void runSteps(const Tape* tape) {
+void CT_WIDE(runSteps)(const Tape* tape) {
   float* scratch = tape->scratch;
   for (int i = 0; i < tape->stepCount; i++) {
     const TapeStep* step = &tape->steps[i];

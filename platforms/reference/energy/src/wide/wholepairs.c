@@ -1,5 +1,9 @@
-/* Born energies of the pairs of two leaves, with Lennard-Jones and Coulomb or without, compiled once for each
- * instruction set as a part of kernels_body.h. */
+/* Whole energies: Born energies of pairs of leaves, with Lennard-Jones and Coulomb or without. */
+#include "../wholepair.h"
+#include "elementary.h"
+#include "rows.h"
+#include "set.h"
+#include "sums.h"
 
 /* 2^x for x <= 0, with a relative error below 1.5e-7, or of 2^-100. */
 CT_INLINE Float16 powerOfTwo(Float16 x) {
@@ -246,8 +250,8 @@ CT_INLINE WholePair sumWholePairs(const BornModel* model, const WholeLeaves* lea
   return (WholePair){total16(sums.nonbonded), bornTotal(model, &sums)};
 }
 
-static WholePair wholePairs(const BornModel* model, const WholeLeaves* leaves, int leaf, int first, int end,
-                            const uint16_t* excluded) {
+WholePair CT_WIDE(wholePairs)(const BornModel* model, const WholeLeaves* leaves, int leaf, int first, int end,
+                              const uint16_t* excluded) {
   const bool hasKappa = model->kappa > 0;
   if (excluded != NULL) {
     return hasKappa ? sumWholePairs(model, leaves, leaf, first, end, excluded, true, true)
@@ -257,7 +261,7 @@ static WholePair wholePairs(const BornModel* model, const WholeLeaves* leaves, i
                   : sumWholePairs(model, leaves, leaf, first, end, NULL, false, false);
 }
 
-static double bornPair(const BornModel* model, const WholeSide* a, const WholeSide* b) {
+double CT_WIDE(bornPair)(const BornModel* model, const WholeSide* a, const WholeSide* b) {
   WholeSums sums = {.nonbonded = zeroSum16(), .born = zeroSum16()};
   float shift[3];
   int slots[CT_LEAF_WIDTH];

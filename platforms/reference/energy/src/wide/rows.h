@@ -1,9 +1,12 @@
-/* From one leaf to another, and which particles of a leaf may be near those of another. */
-#ifndef CT_ROWSNEAR_H_
-#define CT_ROWSNEAR_H_
+/* Rows: particles of one leaf, each with all particles of another. */
+#ifndef CT_ROWS_H_
+#define CT_ROWS_H_
 
-#include "leafpair.h"
+#include "../leafpair.h"
 #include "simd.h"
+
+/* Rows that are summed in single precision before they are added in double. */
+enum { ROWS_IN_FLOAT = 4 };
 
 /* From the centre of leaf a to that of leaf b. */
 static inline void shiftBetween(const LeafFrame* a, const LeafFrame* b, float shift[3]) {
@@ -34,4 +37,4 @@ CT_INLINE unsigned rowsNear(const LeafFrame* a, const LeafFrame* b, const float 
   return ~greater16(squaredFromBox(a, b, shift), all16(squaredReach * ROUNDING_OF_BOXES));
 }
 
-#endif /* CT_ROWSNEAR_H_ */
+#endif /* CT_ROWS_H_ */

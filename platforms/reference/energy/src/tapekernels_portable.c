@@ -1,2 +1,0 @@
-#define TAPE_KERNELS ctPortableTapeKernels
-#include "tapekernels_body.h"

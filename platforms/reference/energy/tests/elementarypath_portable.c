@@ -1,2 +1,0 @@
-#define PATH portablePath
-#include "elementarypath_body.h"
