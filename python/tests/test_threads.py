@@ -120,6 +120,7 @@ def test_waiting(villin):
     assert context.getStepCount() == 8
 
 
+@pytest.mark.skipif(not hasattr(openmm, "PythonForce"), reason="this OpenMM has no PythonForce")
 def test_callsFromWithinAStep(villin):
     """A Force in Python that asks for the state in the midst of a trial is told that it cannot."""
     system = makeSystem(villin, createStericExclusionForce(villin.topology, villin.positions))
