@@ -182,7 +182,7 @@ void ChainTreePlugin::checkTraits(const SerializationNode& node, ContextImpl& co
     context.getPeriodicBoxVectors(box[0], box[1], box[2]);
     if (node.getStringProperty("time") != writeNumber(context.getTime()) ||
         node.getLongProperty("stepCount") != context.getStepCount())
-        fail("its time or step count was changed");
+        fail("its time or step count was changed (or another thread used the Context while it was saved or loaded)");
     if (node.getStringProperty("box") != joinNumbers(box))
         fail("its periodic box was changed");
     const bool isDouble = dynamic_cast<const ReferencePlatform*>(&context.getPlatform()) != NULL;
