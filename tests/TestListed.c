@@ -201,7 +201,7 @@ static void runTrial(Twins* t)
     for (int k = 0; k < 2; k++) {
         EXPECT(ctGetTrialPositions(t->trees[k], t->numbers[k]) == ctSuccess);
         if (accepts)
-            EXPECT(ctCommit(t->trees[k], NULL) == ctSuccess);
+            EXPECT(ctAccept(t->trees[k], NULL) == ctSuccess);
     }
     expectNear(t);
 }

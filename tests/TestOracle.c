@@ -109,12 +109,12 @@ static void testTorsion(void)
         checkPosition(scene, ORACLE_TRIAL, 3, 0, 1, 1);
         CHECK(oracleIsPairChanged(scene, 1, 2) && oracleIsPairChanged(scene, 0, 3));
         CHECK(!oracleIsPairChanged(scene, 0, 1) && !oracleIsPairChanged(scene, 2, 3));
-        oracleDiscard(scene);
+        oracleReject(scene);
         CHECK(!oracleIsPairChanged(scene, 0, 3));
         CHECK_NEAR(oracleTorsionAngle(scene, 2, &sine), 0);
         for (int turn = 1; turn <= 3; turn++) {
             oraclePropose(scene, 1, &link, change);
-            oracleCommit(scene);
+            oracleAccept(scene);
         }
         CHECK_NEAR(oracleTorsionAngle(scene, 2, &sine), -pi / 2);
         checkPosition(scene, ORACLE_STATE, 3, 0, -1, 1);
@@ -148,7 +148,7 @@ static void testNestedChanges(void)
         checkPosition(scene, ORACLE_TRIAL, 6, cos(a) + cos(b) + cos(c), sin(a) + sin(b) + sin(c), 0);
         checkPosition(scene, ORACLE_TRIAL, 5, cos(a) + cos(b), sin(a) + sin(b), 1);
     }
-    oracleCommit(scene);
+    oracleAccept(scene);
     double rotation[9], translation[3], turn = angles[1] + angles[2];
     oracleRelativeTransform(scene, 1, 3, rotation, translation);
     CHECK_NEAR(rotation[0], cos(turn));

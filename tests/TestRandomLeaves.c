@@ -281,7 +281,7 @@ static void checkTrial(Case* c, ctChainTree* rebuilt, int changeCount, const ctC
             addToHash(c, pairs, count * sizeof *pairs);
         cutoff = chooseCutoff(c);
     }
-    ctDiscard(rebuilt);
+    ctReject(rebuilt);
 }
 
 /* ---- Programs ---- */
@@ -359,9 +359,9 @@ static void runProgram(Case* c, int operations)
                 checkTrial(c, rebuilt, count, changes);
             clash = randomInt(&c->random, 3);
             if (clash == 0)
-                ctDiscard(c->tree);
+                ctReject(c->tree);
             else if (clash == 1)
-                EXPECT(ctCommit(c->tree, NULL) == ctSuccess);
+                EXPECT(ctAccept(c->tree, NULL) == ctSuccess);
             changesState = clash == 1;
         }
         ctDestroy(rebuilt);

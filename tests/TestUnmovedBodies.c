@@ -150,7 +150,7 @@ static void leap(Program* p)
     ctChange changes[8];
     bool clash;
     ctGetState(p->tree, before);
-    SUCCEED(ctCommit(p->tree, NULL));
+    SUCCEED(ctAccept(p->tree, NULL));
     ctGetState(p->tree, after);
     SUCCEED(ctSetState(p->tree, before));
     const Window window = readWindow(p->state, 5, 8);
@@ -166,7 +166,7 @@ static void leap(Program* p)
     for (int link = 0; link < p->scene.linkCount; link++)
         p->hasMoved[link] |= p->isInTrial[link];
     requireUntouchedState(p);
-    oracleCommit(p->oracle);
+    oracleAccept(p->oracle);
     free(before);
     free(after);
 }
@@ -191,11 +191,11 @@ static void step(Program* p)
     if (clash && randomChance(&p->random, 0.05))
         leap(p);
     else if (!clash && isTested ? randomChance(&p->random, 0.8) : randomChance(&p->random, 0.02)) {
-        commit(p);
+        acceptTrial(p);
         count.accepted += !clash;
     }
     else
-        discard(p);
+        rejectTrial(p);
     if (randomChance(&p->random, 0.02))
         raiseLimits(p);
     if (randomChance(&p->random, 0.03))
@@ -276,16 +276,16 @@ static void drift(uint64_t seed, double room)
         compareLeaves(p);
         late += !clash && margin > 0;
         if (!clash) {
-            commit(p);
+            acceptTrial(p);
             accepted++;
         }
         else if (late >= 0 && margin > 0 && trial % 2 == 0) {
             /* Another trial that parts them is accepted. */
-            discard(p);
+            rejectTrial(p);
             continue;
         }
         else
-            discard(p);
+            rejectTrial(p);
         if (trial % 50 == 0)
             validate(p);
     }

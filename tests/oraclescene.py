@@ -158,8 +158,8 @@ class OracleScene:
         pair = np.empty(2, dtype=np.intc)
         return self._library.oracleWorstTrialMargin(self._scene, _ints(pair)), pair.tolist()
 
-    def commit(self):
-        self._library.oracleCommit(self._scene)
+    def accept(self):
+        self._library.oracleAccept(self._scene)
 
     def changedPairs(self, cutoff):
         """Return pairs, distances before, distances after."""

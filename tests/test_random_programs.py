@@ -249,7 +249,7 @@ class Programs(RuleBasedStateMachine):
             return
         proposed = self.force.getProposedPositions(self.context)
         self.force.acceptProposal(self.context)
-        self.oracle.commit()
+        self.oracle.accept()
         self.isOpen = False
         if not self.isFree:
             self._restartLimits()

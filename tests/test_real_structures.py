@@ -218,7 +218,7 @@ def test_verdicts_equal_the_oracles(sampled):
 
         if trials.uniform() < (0.5 if isFree else 0.02):
             sampled.force.acceptProposal(sampled.context)
-            sampled.oracle.commit()
+            sampled.oracle.accept()
             if not isFree:
                 sampled.restartLimits()
             hasClashed = hasClashed or not isFree

@@ -175,9 +175,9 @@ static bool openTrial(EnergyLane* lane, const Scene* scene, int count, const Tur
 
 static bool closeTrial(EnergyLane* lane, bool accepted) {
   if (accepted) {
-    return ctCommit(lane->tree, NULL) == ctSuccess;
+    return ctAccept(lane->tree, NULL) == ctSuccess;
   }
-  ctDiscard(lane->tree);
+  ctReject(lane->tree);
   return true;
 }
 
@@ -352,7 +352,7 @@ static LaneStatus runTrial(EnergyLane* lane, const EnergyCourse* course, int i, 
   if (!clash && !trial->clash) {
     return runFree(lane, trial, course->clockCost, isTimed, elapsed);
   }
-  ctDiscard(lane->tree);
+  ctReject(lane->tree);
   return clash == trial->clash ? laneAgrees : laneDiffers;
 }
 

@@ -41,7 +41,7 @@ typedef struct EnergyRace {
  * number of its own. So those of the trajectory are the same for all. The first block counts nowhere.
  *
  * Times are those of trials without a clash: of ctComputeEnergyChange, and, if a trial is accepted, of
- * ctAcceptEnergyChange. Neither the test of hard spheres nor what ctCommit does counts. */
+ * ctAcceptEnergyChange. Neither the test of hard spheres nor what ctAccept does counts. */
 typedef struct EnergyResult {
   const char* instructionSet;
   int free;                      /* trials without a clash */

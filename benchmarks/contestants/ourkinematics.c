@@ -49,7 +49,7 @@ static void* makePortable(const Scene* scene) {
 static bool turn(void* self, const Turn* turn) {
   OurKinematics* ours = self;
   const ctChange change = {.link = ours->scene->torsions[turn->torsion].link, .angle = turn->angle};
-  return ctPropose(ours->tree, 1, &change) == ctSuccess && ctCommit(ours->tree, NULL) == ctSuccess;
+  return ctPropose(ours->tree, 1, &change) == ctSuccess && ctAccept(ours->tree, NULL) == ctSuccess;
 }
 
 static bool positions(void* self, double* positions) {

@@ -54,7 +54,7 @@ static void* make(const Scene* scene, int obstacleCount, const double* obstacles
 static bool turn(void* self, Turn turn) {
   OurNearest* ours = self;
   const ctChange change = {.link = ours->scene->torsions[turn.torsion].link, .angle = turn.angle};
-  return ctPropose(ours->tree, 1, &change) == ctSuccess && ctCommit(ours->tree, NULL) == ctSuccess;
+  return ctPropose(ours->tree, 1, &change) == ctSuccess && ctAccept(ours->tree, NULL) == ctSuccess;
 }
 
 static bool find(void* self, Nearest* nearest) {

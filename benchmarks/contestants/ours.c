@@ -81,12 +81,12 @@ static int test(void* self, int count, const Turn* turns) {
 
 static bool accept(void* self) {
   Ours* ours = self;
-  return ctCommit(ours->tree, &ours->counts) == ctSuccess;
+  return ctAccept(ours->tree, &ours->counts) == ctSuccess;
 }
 
 static void reject(void* self) {
   Ours* ours = self;
-  ctDiscard(ours->tree);
+  ctReject(ours->tree);
 }
 
 static int testAll(void* self) {

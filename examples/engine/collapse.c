@@ -146,10 +146,10 @@ int main(void) {
     clashed += clash;
     double change;
     if (clash || !decide(energy, &random, &change)) {
-      ctDiscard(tree);
+      ctReject(tree);
       continue;
     }
-    if (ctCommit(tree, NULL) != ctSuccess || ctAcceptEnergyChange(energy) != ctSuccess) {
+    if (ctAccept(tree, NULL) != ctSuccess || ctAcceptEnergyChange(energy) != ctSuccess) {
       stop(ctGetErrorText(tree));
     }
     held += change;

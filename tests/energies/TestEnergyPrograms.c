@@ -137,7 +137,7 @@ static void createProgram(Program* p, uint64_t seed, bool isJudged)
         if (s->linkJoints[link] != ctFixedJoint && ctPropose(p->tree, 1, &turn) == ctSuccess)
             p->movable[p->movableCount++] = link;
     }
-    ctDiscard(p->tree);
+    ctReject(p->tree);
     describeNonbonded(p);
     createEnergy(p, &definition);
     free(listed);
@@ -304,13 +304,13 @@ static void tryOne(Program* p)
     }
     tally.trials++;
     if (!randomChance(&p->random, 0.5)) {
-        ctDiscard(p->tree);
-        oracleDiscard(p->oracle);
+        ctReject(p->tree);
+        oracleReject(p->oracle);
         return;
     }
-    if (ctCommit(p->tree, NULL) != ctSuccess)
-        fail(p, "a commit", 1, 0);
-    oracleCommit(p->oracle);
+    if (ctAccept(p->tree, NULL) != ctSuccess)
+        fail(p, "an accepted trial", 1, 0);
+    oracleAccept(p->oracle);
     tally.accepted++;
     ctStatus accepted = ctAcceptEnergyChange(p->energy);
     if ((accepted == ctSuccess) != (parts == CT_ENERGY_PARTS))

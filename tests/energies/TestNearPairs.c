@@ -76,7 +76,7 @@ static void go(Bench* b, const ctChange* change, double changes[CT_ENERGY_PARTS]
         require(ctComputeEnergyChange(b->energy, (ctEnergyPart)part, &changes[part], NULL) == ctSuccess, "no change",
                 number);
     }
-    require(ctCommit(b->tree, NULL) == ctSuccess, "no commit", number);
+    require(ctAccept(b->tree, NULL) == ctSuccess, "not accepted", number);
     require(ctAcceptEnergyChange(b->energy) == ctSuccess, "not accepted", number);
 }
 
@@ -105,7 +105,7 @@ static void runBench(Bench* b, randomSource* random, int number)
         }
         if (ctPropose(b->tree, 1, &there) != ctSuccess)
             continue; /* its axis has no length */
-        ctDiscard(b->tree);
+        ctReject(b->tree);
         double forward[CT_ENERGY_PARTS];
         double backward[CT_ENERGY_PARTS];
         go(b, &there, forward, number);

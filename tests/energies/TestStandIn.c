@@ -224,12 +224,12 @@ static void tryOne(Program* p)
         return; /* its axis has no length */
     tally.trials++;
     if (randomChance(&p->random, 0.4)) {
-        ctDiscard(p->tree);
+        ctReject(p->tree);
         if (ctGetPairEnergy(p->energy) != before)
             fail(p, "the energy after a trial that was dropped", ctGetPairEnergy(p->energy), before);
         return;
     }
-    if (ctCommit(p->tree, NULL) != ctSuccess || ctAcceptEnergyChange(p->energy) != ctSuccess)
+    if (ctAccept(p->tree, NULL) != ctSuccess || ctAcceptEnergyChange(p->energy) != ctSuccess)
         fail(p, "accepting", 1, 0);
     tally.accepted++;
     const double change = parts[ctNearPairsPart] + parts[ctOtherPairsPart];
@@ -241,7 +241,7 @@ static void tryOne(Program* p)
     tally.ways += 2;
     tally.otherWays += !isSame(nearBack, partsBack[ctNearPairsPart]) + !isSame(parts[ctNearPairsPart], nearThere);
     tally.bentBack += fabs(nearBack + parts[ctNearPairsPart]) > 1e-4;
-    ctDiscard(p->tree);
+    ctReject(p->tree);
 }
 
 /* Trials that are taken back leave no trace: the energy has its bits, and so has the change of another trial. */
@@ -257,7 +257,7 @@ static void takeBack(Program* p)
     if (state == NULL)
         abort();
     const bool isTrial = p->scene.linkJoints[turn.link] != ctFixedJoint && propose(p, &turn, before, &nearBefore);
-    ctDiscard(p->tree);
+    ctReject(p->tree);
     ctGetState(p->tree, state);
     const double energy = ctGetPairEnergy(p->energy);
     if (ctKeepEnergy(p->energy) != ctSuccess)
@@ -272,7 +272,7 @@ static void takeBack(Program* p)
     if (isTrial &&
         (!propose(p, &turn, after, &nearAfter) || memcmp(before, after, sizeof before) != 0 || nearBefore != nearAfter))
         fail(p, "a change after taking back", after[ctOtherPairsPart], before[ctOtherPairsPart]);
-    ctDiscard(p->tree);
+    ctReject(p->tree);
     free(state);
 }
 

@@ -194,10 +194,10 @@ static void run(Bench* b, int trials, double windows, double shift)
             continue;
         const double change = computeChange(b);
         if (!(change < 20)) {
-            ctDiscard(b->tree);
+            ctReject(b->tree);
             continue;
         }
-        require(ctCommit(b->tree, NULL) == ctSuccess, b, "no commit", trial);
+        require(ctAccept(b->tree, NULL) == ctSuccess, b, "not accepted", trial);
         require(ctAcceptEnergyChange(b->energy) == ctSuccess, b, "not accepted", trial);
         accepted++;
         const double now = wholeEnergy(b->energy);

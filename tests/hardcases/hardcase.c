@@ -224,11 +224,11 @@ void acceptTrial(HardCase* hard)
     SUCCEED(hard, 0, ctGetTrialPositions(hard->engines[0], hard->positions));
     needOraclePositions(hard, ORACLE_TRIAL);
     for (int engine = 0; engine < hard->engineCount; engine++) {
-        SUCCEED(hard, engine, ctCommit(hard->engines[engine], NULL));
+        SUCCEED(hard, engine, ctAccept(hard->engines[engine], NULL));
         ctGetPositions(hard->engines[engine], hard->others);
         needSameBits(hard, engine, "coordinate", hard->others, hard->positions, coordinateCount(hard));
     }
-    oracleCommit(hard->oracle);
+    oracleAccept(hard->oracle);
     ctGetState(hard->engines[0], hard->state);
     needSameState(hard);
 }
@@ -236,8 +236,8 @@ void acceptTrial(HardCase* hard)
 void dropTrial(HardCase* hard)
 {
     for (int engine = 0; engine < hard->engineCount; engine++)
-        ctDiscard(hard->engines[engine]);
-    oracleDiscard(hard->oracle);
+        ctReject(hard->engines[engine]);
+    oracleReject(hard->oracle);
     needSameState(hard);
 }
 

@@ -641,7 +641,7 @@ int oracleListChangedPairs(const oracleScene* scene, double cutoff, int capacity
     return deliver(&found, capacity, pairs, before, after);
 }
 
-void oracleCommit(oracleScene* scene)
+void oracleAccept(oracleScene* scene)
 {
     memcpy(scene->positions[ORACLE_STATE], scene->positions[ORACLE_TRIAL], (size_t)scene->particleCount * sizeof(vec));
     memcpy(scene->axes[ORACLE_STATE], scene->axes[ORACLE_TRIAL], 4 * (size_t)scene->linkCount * sizeof(vec));
@@ -649,7 +649,7 @@ void oracleCommit(oracleScene* scene)
     copyStateToTrial(scene);
 }
 
-void oracleDiscard(oracleScene* scene)
+void oracleReject(oracleScene* scene)
 {
     copyStateToTrial(scene);
 }

@@ -81,8 +81,8 @@ int oracleIsPairChanged(const oracleScene* scene, int particle1, int particle2);
 int oracleListChangedPairs(const oracleScene* scene, double cutoff, int capacity, int* pairs, double* before,
                            double* after);
 
-void oracleCommit(oracleScene* scene);
-void oracleDiscard(oracleScene* scene);
+void oracleAccept(oracleScene* scene);
+void oracleReject(oracleScene* scene);
 
 /* ---- Pairs ---- */
 

@@ -263,7 +263,7 @@ void goToExtremes(Program* p)
         if (ctPropose(tree, 1, &change) == ctSuccess)
             SUCCEED(ctTestTrial(tree, &clash, NULL, NULL));
         askAll(p, tree);
-        ctCommit(tree, NULL);
+        ctAccept(tree, NULL);
     }
     ctDestroy(tree);
     freeArrays(&copies);

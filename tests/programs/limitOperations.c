@@ -116,13 +116,13 @@ static bool isMoved(const Program* p, const int* pair)
 
 /* From a state within its limits: a trial is refused just if its state is beyond them, for one distance decides both.
  */
-void commitAndRaiseLimits(Program* p)
+void acceptAndRaiseLimits(Program* p)
 {
     if (!p->hasTrial)
         return;
     raiseLimits(p);
     bool clash = testTrial(p);
-    commitInEngine(p);
+    acceptInEngine(p);
     PairList limits;
     int raised = raiseInEngine(p, &limits);
     require(!clash || raised > 0, p, "a refused trial is within all limits");
@@ -132,7 +132,7 @@ void commitAndRaiseLimits(Program* p)
                     !isMoved(p, pair),
                 p, "%d-%d is beyond its limit after a clash-free trial", pair[0], pair[1]);
     }
-    oracleCommit(p->oracle);
+    oracleAccept(p->oracle);
     adoptLimits(p, limits);
 }
 

@@ -14,15 +14,15 @@ void printTally(const Tally* tally);
 void propose(Program* program);
 void compareVerdicts(Program* program);
 void compareChangedPairs(Program* program);
-void commit(Program* program);
-void commitAndCompareLists(Program* program);
-void discard(Program* program);
+void acceptTrial(Program* program);
+void acceptAndCompareLists(Program* program);
+void rejectTrial(Program* program);
 
 /* The engine's verdict on the open trial, after comparing it. */
 bool testTrial(Program* program);
 
-/* Commits in the engine alone, so that the oracle still knows the trial. */
-void commitInEngine(Program* program);
+/* Accepts in the engine alone, so that the oracle still knows the trial. */
+void acceptInEngine(Program* program);
 
 /* A change of a movable link. */
 ctChange chooseChange(Program* program, int link);
@@ -30,7 +30,7 @@ ctChange chooseChange(Program* program, int link);
 /* limitOperations.c */
 void setLimits(Program* program);
 void raiseLimits(Program* program);
-void commitAndRaiseLimits(Program* program);
+void acceptAndRaiseLimits(Program* program);
 void requireSameLimits(const Program* program);
 
 /* stateOperations.c */

@@ -61,7 +61,7 @@ typedef struct Program {
     bool hasTrial;
     bool takesAnyPath; /* each tree is made for an instruction set and a way to test trials that are chosen at random */
     int* roots;        /* per link: the one without parent that it hangs on */
-    bool* hasMoved;    /* per root: by a commit since the reference positions */
+    bool* hasMoved;    /* per root: by an accepted trial since the reference positions */
     bool* isInTrial;   /* per root: by the open trial */
     PairList limits;   /* what ctGetLimits must give */
     KeptSet kept;

@@ -14,7 +14,7 @@ void callWithoutTrial(Program* p)
     FAIL(ctNoTrial, ctGetTrialPositions(p->tree, p->scratch));
     FAIL(ctNoTrial, ctGetPositionsOf(p->tree, true, 0, NULL, p->scratch));
     FAIL(ctNoTrial, ctForEachChangedPair(p->tree, 0.5, collectChangedPair, &list, NULL));
-    FAIL(ctNoTrial, ctCommit(p->tree, NULL));
+    FAIL(ctNoTrial, ctAccept(p->tree, NULL));
     require(list.count == 0, p, "pairs came without a trial");
     requireUntouchedState(p);
 }

@@ -28,7 +28,7 @@ static void goElsewhere(Program* p)
     for (int n = 0; n < 3 && p->movableCount > 0; n++) {
         ctChange change = chooseChange(p, p->movable[randomInt(&p->random, p->movableCount)]);
         if (n > 0)
-            SUCCEED(ctCommit(p->tree, NULL));
+            SUCCEED(ctAccept(p->tree, NULL));
         SUCCEED(ctPropose(p->tree, 1, &change));
     }
 }
@@ -56,7 +56,7 @@ void setState(Program* p)
     double* state = programAllocate((int)size, sizeof(double));
     double* again = programAllocate((int)size, sizeof(double));
     ctGetState(p->tree, state);
-    discard(p);
+    rejectTrial(p);
     if (randomChance(&p->random, 0.5))
         goElsewhere(p);
     else

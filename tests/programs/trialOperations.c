@@ -164,10 +164,10 @@ void compareChangedPairs(Program* p)
 
 /* ---- End ---- */
 
-void commitInEngine(Program* p)
+void acceptInEngine(Program* p)
 {
     ctCounts counts;
-    SUCCEED(ctCommit(p->tree, chooseCounts(p, &counts)));
+    SUCCEED(ctAccept(p->tree, chooseCounts(p, &counts)));
     requireCounted(p, &counts);
     memcpy(p->state, p->trial, positionBytes(p));
     p->hasTrial = false;
@@ -179,12 +179,12 @@ void commitInEngine(Program* p)
                 p, "the molecule of particle %d has not moved, but lost its reference bits", i);
 }
 
-void commit(Program* p)
+void acceptTrial(Program* p)
 {
     if (!p->hasTrial)
         return;
-    commitInEngine(p);
-    oracleCommit(p->oracle);
+    acceptInEngine(p);
+    oracleAccept(p->oracle);
 }
 
 static void listNeighbors(Program* p, double cutoff, PairList* list)
@@ -194,7 +194,7 @@ static void listNeighbors(Program* p, double cutoff, PairList* list)
 }
 
 /* A pair that a trial changes is listed before and after it just if the trial says so: one distance decides it all. */
-void commitAndCompareLists(Program* p)
+void acceptAndCompareLists(Program* p)
 {
     if (!p->hasTrial)
         return;
@@ -203,7 +203,7 @@ void commitAndCompareLists(Program* p)
     listNeighbors(p, cutoff, &before);
     SUCCEED(ctForEachChangedPair(p->tree, cutoff, collectChangedPair, &changed, NULL));
     sortCollected(p, &changed);
-    commit(p);
+    acceptTrial(p);
     listNeighbors(p, cutoff, &after);
     for (int n = 0; n < changed.count; n++) {
         const Pair* pair = changed.pairs + n;
@@ -217,10 +217,10 @@ void commitAndCompareLists(Program* p)
     free(after.pairs);
 }
 
-void discard(Program* p)
+void rejectTrial(Program* p)
 {
-    ctDiscard(p->tree);
-    oracleDiscard(p->oracle);
+    ctReject(p->tree);
+    oracleReject(p->oracle);
     p->hasTrial = false;
     requireUntouchedState(p);
 }

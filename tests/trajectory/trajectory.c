@@ -112,7 +112,7 @@ static void follow(const char* name, const Scene* scene, int trials, double step
         succeed(ctTestTrial(tree, &clash, NULL, NULL), tree);
         take(&number, &clash, sizeof clash);
         if (!clash)
-            succeed(ctCommit(tree, NULL), tree);
+            succeed(ctAccept(tree, NULL), tree);
         accepted += !clash;
         if (trial % 1000 == 999)
             takeState(&number, tree, scene->particleCount);

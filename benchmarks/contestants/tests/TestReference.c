@@ -127,7 +127,7 @@ static void testAgreementWithEngine(void) {
       const ctChange change = {.link = scene->torsions[turn.torsion].link, .angle = turn.angle};
       referenceTurn(reference, &turn);
       CHECK_SUCCESS(ctPropose(tree, 1, &change));
-      CHECK_SUCCESS(ctCommit(tree, NULL));
+      CHECK_SUCCESS(ctAccept(tree, NULL));
     }
     referencePositions(reference, places);
     ctGetPositions(tree, positions);

@@ -738,7 +738,7 @@ void ReferenceCalcStericExclusionForceKernel::takeBackState()
 
 void ReferenceCalcStericExclusionForceKernel::acceptProposal()
 {
-    check(ctCommit(tree.get(), &counts));
+    check(ctAccept(tree.get(), &counts));
     if (energy)
         energy->accept();
 }
@@ -746,5 +746,5 @@ void ReferenceCalcStericExclusionForceKernel::acceptProposal()
 void ReferenceCalcStericExclusionForceKernel::rejectProposal()
 {
     if (tree)
-        ctDiscard(tree.get());
+        ctReject(tree.get());
 }

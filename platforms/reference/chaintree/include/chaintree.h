@@ -10,22 +10,22 @@
  * of its nodes caches the *shortcut*, the product of the joints across it (section 2.1), and a volume in its parent's
  * frame (section 2.2).
  *
- * A trial is propose -> test -> commit or discard. Proposing and testing change nothing that a query can see. A
- * discarded trial leaves every bit as it was. A commit updates O(k log N) nodes for k changes, each node at most once
- * (section 3.1).
+ * A trial is propose -> test -> accept or reject. Proposing and testing change nothing that a query can see. A
+ * rejected trial leaves every bit as it was. An accepted trial updates O(k log N) nodes for k changes, each node at
+ * most once (section 3.1).
  *
  * The state is the reference positions, since then the rotation angle of each torsion and the rotation of each ball
  * joint, and the placement of each free link. Transforms are a pure function of that state. So errors do not grow with
- * the number of moves, and a state reached by commits has the same bits as the same state built anew.
+ * the number of moves, and a state reached by accepted trials has the same bits as the same state built anew.
  *
  * Closed windows. Torsions may turn so that what lies behind them stays where it is, up to rounding. A body that a
  * trial of two changes or more displaces by less than 2e-11 nm, roundings of the scene's size included, counts as
  * unmoved, and one that moves as another body does, up to as much, as part of that. What such bodies have among
  * themselves is neither tested, listed nor moved. The state itself is exact: only verdicts, and what is kept for
- * clients that sum over leaves, lag behind. Each commit adds what it has skipped to a sum. Before that reaches CT_SIGMA
- * / 2, ctTestTrial looks at all pairs of the state, by their limits, and the sum becomes what the farthest is beyond
- * its own; kept positions are made anew. If that is too far, which takes a pair that rounding has moved beyond its
- * limit in ever so many trials or a state that was made otherwise than by trials without clashes, then trials are
+ * clients that sum over leaves, lag behind. Each accepted trial adds what it has skipped to a sum. Before that reaches
+ * CT_SIGMA / 2, ctTestTrial looks at all pairs of the state, by their limits, and the sum becomes what the farthest is
+ * beyond its own; kept positions are made anew. If that is too far, which takes a pair that rounding has moved beyond
+ * its limit in ever so many trials or a state that was made otherwise than by trials without clashes, then trials are
  * tested in full, as if nothing counted as unmoved, until such a look finds less. Limits never change by themselves.
  *
  * Exactness. With sigma = CT_SIGMA, every verdict and every listed pair agrees with exact arithmetic on the positions
@@ -184,7 +184,7 @@ ctStatus ctSetPositions(ctChainTree* tree, const double* positions);
  * reference bits, fixed particles always. O(N). */
 void ctGetPositions(ctChainTree* tree, double* positions);
 
-/* The same for the open trial: the bits that ctGetPositions would give after ctCommit. */
+/* The same for the open trial: the bits that ctGetPositions would give after ctAccept. */
 ctStatus ctGetTrialPositions(ctChainTree* tree, double* positions);
 
 /* The coordinates (nm) of `count` particles alone, three of each: the bits that ctGetPositions gives, or with `inTrial`
@@ -275,22 +275,22 @@ ctStatus ctForEachChangedPair(ctChainTree* tree, double cutoff, ctChangedPairFun
                               ctCounts* counts);
 
 /* Makes the open trial the state, whether it was tested or clashes or not. */
-ctStatus ctCommit(ctChainTree* tree, ctCounts* counts);
+ctStatus ctAccept(ctChainTree* tree, ctCounts* counts);
 
 /* Ends the open trial, if there is one. The state keeps every bit. */
-void ctDiscard(ctChainTree* tree);
+void ctReject(ctChainTree* tree);
 
-/* The sum, over all commits so far, of how far each may have displaced particles that counted as unmoved, nm: what a
- * client keeps for pairs of these lags behind by that. */
+/* The sum, over all accepted trials so far, of how far each may have displaced particles that counted as unmoved, nm:
+ * what a client keeps for pairs of these lags behind by that. */
 double ctGetTotalShift(const ctChainTree* tree);
 
 /* True if a trial is open. */
 bool ctHasTrial(const ctChainTree* tree);
 
-/* How many trials have been opened so far, how many of them were committed, and how often the state has changed, by
+/* How many trials have been opened so far, how many of them were accepted, and how often the state has changed, by
  * that or otherwise: a client tells trials and states apart by these. */
 int64_t ctGetTrialCount(const ctChainTree* tree);
-int64_t ctGetCommitCount(const ctChainTree* tree);
+int64_t ctGetAcceptedCount(const ctChainTree* tree);
 int64_t ctGetChangeCount(const ctChainTree* tree);
 
 /* ---- Leaves: for clients that sum something over pairs of particles ---- */

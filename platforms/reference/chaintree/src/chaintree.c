@@ -119,7 +119,7 @@ ctStatus ctSetPositions(ctChainTree* tree, const double* positions) {
   if (bad != CT_NULL) {
     return ctFail(tree, ctInvalidArgument, "the position of particle %d " CT_NO_LENGTH, bad);
   }
-  ctDiscard(tree);
+  ctReject(tree);
   takeReference(tree, positions);
   return ctSuccess;
 }

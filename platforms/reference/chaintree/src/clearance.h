@@ -4,8 +4,8 @@
  * The clearance of two leaves is the least amount by which two of their particles would have to come nearer to overlap
  * beyond their limit. A table keeps a lower bound of it for each pair of leaves. A trial moves runs of leaves against
  * each other. The displacement of a leaf in the frame of another run has a bound that follows from its position. A pair
- * with more clearance than that bound needs no test. A commit subtracts the bounds, which the test has kept for it,
- * from the clearances of what moved against each other, and enters what tests have found.
+ * with more clearance than that bound needs no test. An accepted trial subtracts the bounds, which the test has kept
+ * for it, from the clearances of what moved against each other, and enters what tests have found.
  *
  * A test by clearances costs O(leaves^2) very cheap steps; a test by the tree costs fewer and dearer ones. The engine
  * chooses between them by counts of both, never by clocks: the same calls take the same way. The verdict is the same.
@@ -54,8 +54,8 @@ typedef struct RunPair {
   float back[12]; /* A's motion in the frame of B, if both are of one piece: moves A from the world */
 } RunPair;
 
-/* Bounds of no more pairs of runs are kept from a test for the commit. Eight torsions of a backbone in a row have some
- * eight such pairs. */
+/* Bounds of no more pairs of runs are kept from a test for its acceptance. Eight torsions of a backbone in a row have
+ * some eight such pairs. */
 enum { MOST_BOUND_PAIRS = 64 };
 
 /* Clearances of a row that are compared at a time. */
@@ -116,7 +116,7 @@ void ctClearanceBegin(Clearance* clearance);
 /* True if the next test should go by clearances; then the table is of the state. `reach` is that of its view. */
 bool ctClearanceIsWanted(Clearance* clearance, Traversal* traversal, double reach);
 
-/* Adds what a test or a commit has cost. */
+/* Adds what a test or an accepted trial has cost. */
 void ctClearanceCharge(Clearance* clearance, int64_t cost, bool isTest);
 
 /* Goes back to the tree, since clearances do not pay; for longer each time. */
@@ -125,10 +125,11 @@ void ctClearanceGiveUp(Clearance* clearance);
 /* The way that the environment asks for, see ctGetInstructionSet. */
 TrialMethod ctChooseTrialMethod(void);
 
-/* Adds by how much a commit may change clearances of pairs that its trial skips. */
+/* Adds by how much an accepted trial may change clearances of pairs that its trial skips. */
 void ctClearanceSkip(Clearance* clearance, double slack);
 
-/* To be called when anything but a commit has changed the state or the limits: the table is no longer of the state. */
+/* To be called when anything but an accepted trial has changed the state or the limits: the table is no longer of the
+ * state. */
 void ctClearanceForget(Clearance* clearance);
 
 void ctClearanceFree(Clearance* clearance);

@@ -96,7 +96,7 @@ void ctLeavesFree(Leaves* leaves);
 /* Makes what is kept that of the state; the tree must not be stale. */
 void ctLeavesUpdate(Leaves* leaves, const Tree* tree, const Sequence* sequence);
 
-/* To be called when the state has become another one than by a commit. */
+/* To be called when the state has become another one than by an accepted trial. */
 void ctLeavesForget(Leaves* leaves);
 
 /* True if what is kept is that of the state. */

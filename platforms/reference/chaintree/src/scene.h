@@ -44,7 +44,7 @@ struct ctChainTree {
   SlotPairs undecided;
   Leaves leaves;           /* may be stale */
   int64_t changeCount;     /* of the state */
-  int64_t commitCount;     /* of these, by trials */
+  int64_t acceptedCount;   /* of these, by trials */
   ctSelection* selections; /* those that have not been freed */
   double overlapTolerance;
   double hydrogenBondAllowance;

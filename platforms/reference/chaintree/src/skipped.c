@@ -9,7 +9,7 @@ void ctSkippedForget(ctChainTree* scene) {
   scene->skipped.arm = -1;
 }
 
-/* True if the trial that is committed leaves no pair farther beyond its limit than MOST_EXCESS. */
+/* True if the trial that is accepted leaves no pair farther beyond its limit than MOST_EXCESS. */
 static bool isLittle(const ctChainTree* scene) {
   return scene->skipped.excess + scene->trial->slack <= MOST_EXCESS;
 }
@@ -33,7 +33,7 @@ bool ctMaySkip(ctChainTree* scene, ctCounts* counts) {
   return false;
 }
 
-void ctSkippedCommit(ctChainTree* scene) {
+void ctSkippedAccept(ctChainTree* scene) {
   Skipped* skipped = &scene->skipped;
   const Trial* trial = scene->trial;
   if (!trial->isFree) {

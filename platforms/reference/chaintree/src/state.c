@@ -121,7 +121,7 @@ ctStatus ctSetState(ctChainTree* tree, const double* state) {
     }
     numbers += size;
   }
-  ctDiscard(tree);
+  ctReject(tree);
   ctSequenceSetReference(s, state);
   numbers = state + referenceSize(s);
   for (int u = 0; u < s->userLinkCount; u++) {

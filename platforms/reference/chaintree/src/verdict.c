@@ -1,4 +1,4 @@
-/* Trials: propose, test, changed pairs, commit, discard. */
+/* Trials: propose, test, changed pairs, accept, reject. */
 #include <stdlib.h>
 
 #include "definition.h"
@@ -170,7 +170,8 @@ static bool judge(void* context, int slotA, int slotB, double squaredDistance) {
   return clearanceOf(context, slotA, slotB, squaredDistance, true) >= 0;
 }
 
-/* Decides about pairs within rounding of their limits, by the canonical distance that they would have after a commit.
+/* Decides about pairs within rounding of their limits, by the canonical distance that they would have after an accepted
+ * trial.
  */
 static void judgeUndecided(Verdict* verdict) {
   ctChainTree* tree = verdict->tree;
@@ -400,7 +401,7 @@ ctStatus ctFollowTrialPositions(ctChainTree* tree, bool anew, double* positions)
   return ctSuccess;
 }
 
-ctStatus ctCommit(ctChainTree* tree, ctCounts* counts) {
+ctStatus ctAccept(ctChainTree* tree, ctCounts* counts) {
   CT_REQUIRE(tree, tree);
   if (!tree->trial->open) {
     return ctFailNoTrial(tree);
@@ -408,11 +409,11 @@ ctStatus ctCommit(ctChainTree* tree, ctCounts* counts) {
   if (tree->clearance.isKept) {
     const View view = ctTrialView(tree->trial, true, true, -tree->overlapTolerance);
     const Wide* wide = ctSceneTree(tree)->wide;
-    ctClearanceCharge(&tree->clearance, wide->commitClearances(&tree->clearance, &tree->traversal, &view), false);
+    ctClearanceCharge(&tree->clearance, wide->acceptClearances(&tree->clearance, &tree->traversal, &view), false);
   }
   const Trial* trial = tree->trial;
   const bool leavesFollow = trial->slack > 0 && ctLeavesAreOf(&tree->leaves, ctSceneTree(tree));
-  ctSkippedCommit(tree);
+  ctSkippedAccept(tree);
   ctClearanceSkip(&tree->clearance, trial->slack);
   const int updated = applyTrial(tree, true);
   if (leavesFollow) {
@@ -420,14 +421,14 @@ ctStatus ctCommit(ctChainTree* tree, ctCounts* counts) {
   }
   tree->trial->open = false;
   tree->changeCount++;
-  tree->commitCount++;
+  tree->acceptedCount++;
   if (counts != NULL) {
     addCount(&counts->nodesUpdated, updated);
   }
   return ctSuccess;
 }
 
-void ctDiscard(ctChainTree* tree) {
+void ctReject(ctChainTree* tree) {
   if (tree != NULL) {
     tree->trial->open = false;
   }
@@ -441,8 +442,8 @@ int64_t ctGetTrialCount(const ctChainTree* tree) {
   return tree != NULL ? tree->trialCount : 0;
 }
 
-int64_t ctGetCommitCount(const ctChainTree* tree) {
-  return tree != NULL ? tree->commitCount : 0;
+int64_t ctGetAcceptedCount(const ctChainTree* tree) {
+  return tree != NULL ? tree->acceptedCount : 0;
 }
 
 int64_t ctGetChangeCount(const ctChainTree* tree) {

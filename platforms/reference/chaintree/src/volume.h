@@ -33,11 +33,11 @@ static inline double floatMargin(double size) {
 /* Room for what a distance may differ by if it is computed by way of different products of transforms, relative to the
  * view's extent. Nearer than that to a limit the canonical distance decides.
  *
- * The distance in a trial and that after its commit share all shortcuts that the commit leaves alone, bit by bit. They
- * differ by the products that it recomputes: up to 16 openings in a leaf and 15 shortcuts in each of up to 8 levels,
- * 136 products for a particle, however long the chain. Each is off by up to 36 v of the extent (v = 2^-53): if every
- * rounding of both particles is the largest possible, and all are in one direction, the sum is 9800 v. The margin is
- * 10,800 v. (Roundings are independent of each other: chains of 10^3 to 10^6 links, compact or stretched, have shown
+ * The distance in a trial and that after its acceptance share all shortcuts that its acceptance leaves alone, bit by
+ * bit. They differ by the products that it recomputes: up to 16 openings in a leaf and 15 shortcuts in each of up to 8
+ * levels, 136 products for a particle, however long the chain. Each is off by up to 36 v of the extent (v = 2^-53): if
+ * every rounding of both particles is the largest possible, and all are in one direction, the sum is 9800 v. The margin
+ * is 10,800 v. (Roundings are independent of each other: chains of 10^3 to 10^6 links, compact or stretched, have shown
  * 16 v at most.) */
 #define DOUBLE_MARGIN 1.2e-12
 

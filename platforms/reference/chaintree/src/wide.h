@@ -34,11 +34,11 @@
   F(bool, askWitnesses, \
     (const Witnesses* w, Traversal* t, const View* view, CandidateFunction* function, void* context, \
      ctCounts* counts, int64_t* cost)) \
-  /* wide/clearance.c: tests and commits return what they have cost. */ \
+  /* wide/clearance.c: tests and accepted trials return what they have cost. */ \
   F(void, measureClearances, (Clearance* c, Traversal* t, double reach)) \
   F(int64_t, testByClearance, \
     (Clearance* c, Traversal* t, const View* view, ClearanceFunction* function, void* context, ctCounts* counts)) \
-  F(int64_t, commitClearances, (Clearance* c, Traversal* t, const View* view)) \
+  F(int64_t, acceptClearances, (Clearance* c, Traversal* t, const View* view)) \
   /* wide/snapshot.c, clashes.c, neighbors.c: see sweep.h. */ \
   F(void, boundSnapshot, (Snapshot* snapshot, const Sequence* sequence, const Tree* layout)) \
   F(void, sweepClashes, (Sweep* sweep, SweepTask* task)) \

@@ -28,7 +28,7 @@ static void turn(ctChainTree* tree, int link, double x, double y, double z) {
   /* What is no part of a ball joint's change is not read. */
   const ctChange change = {.link = link, .rotation = {x, y, z}, .pivot = {NAN}, .translation = {INFINITY}};
   CHECK_SUCCESS(ctPropose(tree, 1, &change));
-  CHECK_SUCCESS(ctCommit(tree, NULL));
+  CHECK_SUCCESS(ctAccept(tree, NULL));
 }
 
 /* A quarter turn about z takes (x, y) to (-y, x), about the pivot. */
@@ -110,7 +110,7 @@ static void testNoDrift(void) {
 }
 
 /* A trial that is dropped leaves every bit; turning there and back leads to the reference, up to rounding. */
-static void testDiscard(void) {
+static void testReject(void) {
   ctChainTree* tree = makeBeadChain(BEADS, true, ctFreeJoint);
   double before[3 * BEADS];
   double after[3 * BEADS];
@@ -118,7 +118,7 @@ static void testDiscard(void) {
   ctGetPositions(tree, before);
   const ctChange change = {.link = 20, .rotation = {1, 2, 3}};
   CHECK_SUCCESS(ctPropose(tree, 1, &change));
-  ctDiscard(tree);
+  ctReject(tree);
   ctGetPositions(tree, after);
   CHECK(memcmp(before, after, sizeof before) == 0);
   turn(tree, 20, 1, 2, 3);
@@ -135,6 +135,6 @@ static void testDiscard(void) {
 int main(void) {
   testPivot();
   testNoDrift();
-  testDiscard();
+  testReject();
   return checkResult();
 }

@@ -90,7 +90,7 @@ static void ask(ctChainTree* tree, Answers* a) {
   a->hasTrial = ctHasTrial(tree);
   a->counts[0] = ctGetTrialCount(tree);
   a->counts[1] = ctGetChangeCount(tree);
-  a->counts[2] = ctGetCommitCount(tree);
+  a->counts[2] = ctGetAcceptedCount(tree);
   ctGetState(tree, a->state);
   ctGetPositions(tree, a->positions);
   CHECK_SUCCESS(ctHasClash(tree, &a->clashes[0], NULL, NULL));
@@ -344,7 +344,7 @@ static void testProposals(Border* b) {
                      {.link = 7, .translation = {CT_MOST_LENGTH, 0, 0}}};
   far[0].translation[1] = CT_MOST_LENGTH;
   if (ctPropose(b->other, 2, far) == ctSuccess) {
-    CHECK_SUCCESS(ctCommit(b->other, NULL));
+    CHECK_SUCCESS(ctAccept(b->other, NULL));
     CHECK(ctValidate(b->other));
   }
 }
@@ -359,22 +359,22 @@ static void testWithoutTrial(Border* b) {
   const char* none = "no open trial";
   REFUSED(ctNoTrial, none, ctTestTrial(b->tree, &clash, NULL, NULL));
   REFUSED(ctNoTrial, none, ctForEachChangedPair(b->tree, 1, refuseChange, NULL, NULL));
-  REFUSED(ctNoTrial, none, ctCommit(b->tree, NULL));
+  REFUSED(ctNoTrial, none, ctAccept(b->tree, NULL));
   REFUSED(ctNoTrial, none, ctGetTrialPositions(b->tree, x));
   REFUSED(ctNoTrial, none, ctFollowTrialPositions(b->tree, true, x));
   REFUSED(ctNoTrial, none, ctGetPositionsOf(b->tree, true, 1, &particle, x));
   REFUSED(ctNoTrial, none, ctGetChangedLeafPairs(b->tree, 1, &count, &pairs, &leaves, NULL));
-  HARMLESS(ctDiscard(b->tree));
+  HARMLESS(ctReject(b->tree));
 }
 
 static void testTrials(Border* b) {
   bool clash;
   NO_SCENE(ctTestTrial(NULL, &clash, NULL, NULL));
-  NO_SCENE(ctCommit(NULL, NULL));
+  NO_SCENE(ctAccept(NULL, NULL));
   NO_SCENE(ctForEachChangedPair(NULL, 1, refuseChange, NULL, NULL));
-  HARMLESS(ctDiscard(NULL));
+  HARMLESS(ctReject(NULL));
   CHECK(!ctHasTrial(NULL) && ctGetTrialCount(NULL) == 0 && ctGetChangeCount(NULL) == 0);
-  CHECK(ctGetCommitCount(NULL) == 0 && ctGetTotalShift(NULL) == 0);
+  CHECK(ctGetAcceptedCount(NULL) == 0 && ctGetTotalShift(NULL) == 0);
   INVALID("clash is NULL", ctTestTrial(b->tree, NULL, NULL, NULL));
   INVALID("function is NULL", ctForEachChangedPair(b->tree, 1, NULL, NULL, NULL));
   if (!ctHasTrial(b->tree)) {
@@ -561,7 +561,7 @@ static void testCounts(Border* b) {
   CHECK(counts.volumeTests == INT64_MAX && counts.particleTests == INT64_MAX);
   counts = full;
   CHECK_SUCCESS(ctPropose(b->other, 1, &(ctChange){.link = 1, .angle = 0.1}));
-  CHECK_SUCCESS(ctCommit(b->other, &counts));
+  CHECK_SUCCESS(ctAccept(b->other, &counts));
   CHECK(counts.nodesUpdated == INT64_MAX);
 }
 
@@ -751,7 +751,7 @@ int main(void) {
   testAll(&b); /* the reference */
   CHECK_SUCCESS(ctPropose(b.tree, 2, changes));
   testAll(&b);
-  CHECK_SUCCESS(ctCommit(b.tree, NULL));
+  CHECK_SUCCESS(ctAccept(b.tree, NULL));
   CHECK_SUCCESS(ctSetLimits(b.tree, 2, pairs, limits));
   testAll(&b); /* another state, with limits */
   CHECK_SUCCESS(ctPropose(b.tree, 1, changes + 1));

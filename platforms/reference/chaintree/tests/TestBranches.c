@@ -162,7 +162,7 @@ static void turnAndCheck(Tree* tree) {
     if (isTrialChecked) {
       checkTrial(tree, &expected);
     }
-    CHECK_SUCCESS(ctCommit(tree->tree, NULL));
+    CHECK_SUCCESS(ctAccept(tree->tree, NULL));
     if (n % (10 + tree->count / 50) == 0 || n < 10) {
       checkHands(tree);
       CHECK(ctValidate(tree->tree));
@@ -215,14 +215,14 @@ static void turnTeeth(Tree* tree) {
   double after[6 * MOST_LINKS];
   /* What has not moved at all is still where the caller has put it. */
   CHECK_SUCCESS(ctPropose(tree->tree, 1, &(ctChange){.link = 1, .angle = tree->angle[1] = 0.2}));
-  CHECK_SUCCESS(ctCommit(tree->tree, NULL));
+  CHECK_SUCCESS(ctAccept(tree->tree, NULL));
   for (int turned = 2; turned < tree->count; turned++) {
     if (turned % 5 == 1) { /* in the comb's back */
       continue;
     }
     ctGetPositions(tree->tree, before);
     CHECK_SUCCESS(ctPropose(tree->tree, 1, &(ctChange){.link = turned, .angle = 0.3 * turned}));
-    CHECK_SUCCESS(ctCommit(tree->tree, NULL));
+    CHECK_SUCCESS(ctAccept(tree->tree, NULL));
     tree->angle[turned] += 0.3 * turned;
     ctGetPositions(tree->tree, after);
     const int toothEnd = (turned + 3) / 5 * 5 + 1;

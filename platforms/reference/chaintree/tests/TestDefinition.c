@@ -168,7 +168,7 @@ static void testEmpty(void) {
   CHECK_SUCCESS(ctPropose(tree, 0, NULL));
   CHECK_SUCCESS(ctTestTrial(tree, &clash, NULL, NULL));
   CHECK(!clash);
-  CHECK_SUCCESS(ctCommit(tree, NULL));
+  CHECK_SUCCESS(ctAccept(tree, NULL));
   CHECK_SUCCESS(ctSetPositions(tree, NULL));
   CHECK(ctValidate(tree));
   ctDestroy(tree);

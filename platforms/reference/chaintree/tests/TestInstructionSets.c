@@ -35,7 +35,7 @@ static Record record(const char* set, const char* method) {
     CHECK_SUCCESS(ctPropose(tree, 2, changes));
     CHECK_SUCCESS(ctTestTrial(tree, &result.clashes[i], result.pairs[i], &result.counts));
     if (!result.clashes[i]) {
-      CHECK_SUCCESS(ctCommit(tree, &result.counts));
+      CHECK_SUCCESS(ctAccept(tree, &result.counts));
     }
   }
   CHECK_SUCCESS(ctForEachNeighborPair(tree, 1.5, countPair, &result.neighbors, &result.counts));

@@ -1,5 +1,5 @@
-/* What a commit takes off clearances is the same whether its test has kept the bounds of displacements or nobody has.
- * Looks inside the engine. */
+/* What an accepted trial takes off clearances is the same whether its test has kept the bounds of displacements or
+ * nobody has. Looks inside the engine. */
 #define _POSIX_C_SOURCE 200809L /* setenv */
 
 #include "../src/scene.h"
@@ -7,13 +7,13 @@
 
 #include <string.h>
 
-/* The same scene twice: in one of them no commit finds bounds. */
+/* The same scene twice: in one of them no accepted trial finds bounds. */
 typedef struct Twins {
   ctChainTree* keeps;
   ctChainTree* forgets;
   unsigned random;
-  int commitsByKept;
-  int commitsOfMany; /* of more pairs of runs than are kept */
+  int acceptedByKept;
+  int acceptedOfMany; /* of more pairs of runs than are kept */
 } Twins;
 
 static double draw(Twins* twins) {
@@ -40,13 +40,13 @@ static bool clashes(Twins* twins) {
   return clash[0];
 }
 
-static void commit(Twins* twins) {
+static void acceptTrial(Twins* twins) {
   const Clearance* kept = &twins->keeps->clearance;
-  twins->commitsByKept += kept->boundPieces != NULL;
-  twins->commitsOfMany += kept->boundPairCount > MOST_BOUND_PAIRS;
+  twins->acceptedByKept += kept->boundPieces != NULL;
+  twins->acceptedOfMany += kept->boundPairCount > MOST_BOUND_PAIRS;
   twins->forgets->clearance.boundPieces = NULL;
-  CHECK_SUCCESS(ctCommit(twins->keeps, NULL));
-  CHECK_SUCCESS(ctCommit(twins->forgets, NULL));
+  CHECK_SUCCESS(ctAccept(twins->keeps, NULL));
+  CHECK_SUCCESS(ctAccept(twins->forgets, NULL));
   const Clearance* anew = &twins->forgets->clearance;
   CHECK(kept->isKept && anew->isKept);
   CHECK(memcmp(kept->least, anew->least, (size_t)kept->leafCount * (size_t)kept->stride * sizeof *kept->least) == 0);
@@ -68,12 +68,12 @@ int main(void) {
       propose(&twins, 1, 1);
     }
     if (!clash || i % 7 == 0 || i % 11 == 0) { /* also of a test that a clash has ended */
-      commit(&twins);
+      acceptTrial(&twins);
     }
   }
   CHECK(clashing > 50);
-  CHECK(twins.commitsByKept > 100);
-  CHECK(twins.commitsOfMany > 20);
+  CHECK(twins.acceptedByKept > 100);
+  CHECK(twins.acceptedOfMany > 20);
   CHECK(ctValidate(twins.keeps));
   ctDestroy(twins.keeps);
   ctDestroy(twins.forgets);

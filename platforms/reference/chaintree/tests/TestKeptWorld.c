@@ -55,9 +55,9 @@ static Answers ask(ctChainTree* tree, ctSelection* halves[2], int trial) {
     CHECK_SUCCESS(ctForEachChangedPair(tree, 1.3, addChanged, &answers, &answers.counts));
   }
   if (answers.clash) {
-    ctDiscard(tree);
+    ctReject(tree);
   } else {
-    CHECK_SUCCESS(ctCommit(tree, &answers.counts));
+    CHECK_SUCCESS(ctAccept(tree, &answers.counts));
   }
   if (trial % 10 == 0) {
     CHECK_SUCCESS(
@@ -73,7 +73,7 @@ static Answers askTip(ctChainTree* tree, int trial) {
   Answers answers = {0};
   CHECK_SUCCESS(ctPropose(tree, 1, &tip));
   CHECK_SUCCESS(ctTestTrial(tree, &answers.clash, NULL, &answers.counts));
-  ctDiscard(tree);
+  ctReject(tree);
   return answers;
 }
 

@@ -76,9 +76,9 @@ static bool ask(ctChainTree* trees[2], const ctChange* change, bool isFew, bool 
   CHECK(!isFew || boxesHold(trees[0]));
   for (int i = 0; i < 2; i++) {
     if (clash[0]) {
-      ctDiscard(trees[i]);
+      ctReject(trees[i]);
     } else {
-      CHECK_SUCCESS(ctCommit(trees[i], NULL));
+      CHECK_SUCCESS(ctAccept(trees[i], NULL));
     }
   }
   return clash[0];
@@ -121,7 +121,7 @@ static void testParticles(int mostBoxedNodes, int mostFirstNodes, int mostUnaske
       const ctChange untested = {.link = many * 7, .translation = {0.01, 0.01 * drawn(), 0}};
       for (int i = 0; i < 2; i++) {
         CHECK_SUCCESS(ctPropose(trees[i], 1, &untested));
-        CHECK_SUCCESS(ctCommit(trees[i], NULL));
+        CHECK_SUCCESS(ctAccept(trees[i], NULL));
       }
     }
     for (int i = 0; trial % 1000 == 999 && i < 2; i++) {
@@ -221,7 +221,7 @@ static void testFarAway(void) {
     for (int i = 0; i < 2; i++) {
       CHECK_SUCCESS(ctPropose(trees[i], 1, &away));
       CHECK_SUCCESS(ctTestTrial(trees[i], &clash, NULL, &counts[i]));
-      ctDiscard(trees[i]);
+      ctReject(trees[i]);
     }
   }
   CHECK(trees[0]->traversal.testsToBoxes == 0 && trees[0]->traversal.boxScale > 1000);

@@ -82,7 +82,7 @@ static void testGaps(void) {
     for (size_t i = 0; i < listed.count; i++) {
       CHECK_NEAR((double)listed.pairs[i].squaredGap, 0, 1e-9);
     }
-    CHECK_SUCCESS(ctCommit(arm, NULL));
+    CHECK_SUCCESS(ctAccept(arm, NULL));
   }
   ctDestroy(arm);
 }
@@ -100,7 +100,7 @@ static void testVersions(void) {
   CHECK_SUCCESS(ctGetTrialPositions(arm, positions));
   later = ctGetChangeCount(arm);
   CHECK(later == first);
-  ctDiscard(arm);
+  ctReject(arm);
   later = ctGetChangeCount(arm);
   CHECK(later == first);
   turnArm(arm, 10, 0.5);
@@ -138,7 +138,7 @@ static void testRefusals(void) {
   ctCounts counts = {0};
   CHECK_SUCCESS(ctGetChangedLeafPairs(arm, 1, &count, &pairs, &positions, &counts));
   CHECK(counts.volumeTests > 0);
-  CHECK_SUCCESS(ctCommit(arm, NULL));
+  CHECK_SUCCESS(ctAccept(arm, NULL));
   CHECK_FAILURE(arm, ctNoTrial, "no open trial", ctGetChangedLeafPairs(arm, 1, &count, &pairs, &positions, NULL));
   ctDestroy(arm);
 }

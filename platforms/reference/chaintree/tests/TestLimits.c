@@ -52,7 +52,7 @@ static void testSetting(void) {
   CHECK(first[0][0] == 0 && first[0][1] == 1 && value == 0.2);
   /* they outlive trials and new positions */
   shift(tree, 2, 5);
-  ctDiscard(tree);
+  ctReject(tree);
   CHECK_SUCCESS(ctSetPositions(tree, three.positions));
   checkLimits(tree, 2, (const int[][2]){{0, 1}, {0, 2}}, (const double[]){0.2, 0.3});
   /* the next call replaces all; a failed one none */
@@ -134,7 +134,7 @@ static void testLowering(void) {
   CHECK_SUCCESS(ctSetLimits(tree, COUNT - 1, pairs, limits));
   for (int n = 0; n < 10; n++) {
     CHECK(!clashesShifted(tree, LAST + 1, n % 2 == 0 ? 1e-4 : -1e-4));
-    CHECK_SUCCESS(ctCommit(tree, NULL));
+    CHECK_SUCCESS(ctAccept(tree, NULL));
   }
   CHECK_SUCCESS(ctSetLimits(tree, COUNT - 2, pairs, limits));
   CHECK(clashesShifted(tree, LAST + 1, 1e-4));

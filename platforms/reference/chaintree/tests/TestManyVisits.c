@@ -56,7 +56,7 @@ static void mix(ctChainTree* tree) {
         .link = i + 2, .translation = {0, 0.2 * (places[i] % SIDE - i % SIDE), 0.2 * (places[i] / SIDE - i / SIDE)}};
   }
   CHECK_SUCCESS(ctPropose(tree, RODS, changes));
-  CHECK_SUCCESS(ctCommit(tree, NULL));
+  CHECK_SUCCESS(ctAccept(tree, NULL));
 }
 
 int main(void) {

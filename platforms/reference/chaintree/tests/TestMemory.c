@@ -49,7 +49,7 @@ int main(void) {
     CHECK_SUCCESS(ctPropose(beads, 1, &change));
     CHECK_SUCCESS(ctTestTrial(beads, &clash, NULL, NULL));
     if (!clash) {
-      CHECK_SUCCESS(ctCommit(beads, NULL));
+      CHECK_SUCCESS(ctAccept(beads, NULL));
     }
   }
   const double kept = (bytesInUse() - before) / LINKS;

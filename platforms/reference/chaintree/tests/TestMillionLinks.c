@@ -46,7 +46,7 @@ static void testHairpin(ctChainTree* arm, int link) {
     CHECK(pair[0] == 2 * (link - 2) && pair[1] == 2 * link);
     CHECK(clashesTurned(arm, link, sign * PI, NULL, NULL)); /* all on top of each other */
   }
-  ctDiscard(arm);
+  ctReject(arm);
 }
 
 /* Bends of 30 degrees here and there; the positions against sums in long double. */
@@ -56,7 +56,7 @@ static void testBent(ctChainTree* arm) {
   for (int bend = 0; bend < BENDS; bend++) {
     ctCounts counts = {0};
     CHECK(!clashesTurned(arm, STEP / 2 + bend * STEP, PI / 6 * (bend % 3 == 0 ? 1 : -0.5), NULL, NULL));
-    CHECK_SUCCESS(ctCommit(arm, &counts));
+    CHECK_SUCCESS(ctAccept(arm, &counts));
     CHECK(counts.nodesUpdated < 50);
   }
   ctGetPositions(arm, positions);

@@ -32,7 +32,7 @@ static void testFew(double radius) {
   const ctChange away = {.link = 2, .translation = {0, 0, 10}};
   CHECK_SUCCESS(ctPropose(tree, 1, &away));
   checkLeast(tree, 1, corner, 3, far, 3); /* the state, not the trial */
-  CHECK_SUCCESS(ctCommit(tree, NULL));
+  CHECK_SUCCESS(ctAccept(tree, NULL));
   checkLeast(tree, 1, corner, 3, far, 5);
   ctDestroy(tree);
 }
@@ -85,7 +85,7 @@ static void testEquallyNear(double radius) {
     const int step = (int)(random >> 28) - 8;
     const ctChange change = {.link = round % SIDE, .translation = {0, 0, step == 0 ? 1 : step}};
     CHECK_SUCCESS(ctPropose(tree, 1, &change));
-    CHECK_SUCCESS(ctCommit(tree, NULL));
+    CHECK_SUCCESS(ctAccept(tree, NULL));
     ctGetPositions(tree, positions);
     for (int ask = 0; ask < SETS * SETS; ask++) {
       const int one = (ask + round) % SETS;
@@ -233,7 +233,7 @@ static void testWalk(void) {
     const int link = 5 + 3 * (int)(uniform() * (COUNT / 3 - 3));
     const ctChange change = {.link = link, .angle = uniform() - 0.5};
     CHECK_SUCCESS(ctPropose(tree, 1, &change));
-    CHECK_SUCCESS(ctCommit(tree, NULL));
+    CHECK_SUCCESS(ctAccept(tree, NULL));
     ctGetPositions(tree, positions);
     ctSelection* first = checkedSelect(tree, counts[0], sets[0]);
     ctSelection* second = checkedSelect(tree, counts[1], sets[1]);

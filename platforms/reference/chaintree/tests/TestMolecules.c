@@ -74,7 +74,7 @@ static void testMoveAboutCentroid(void) {
   CHECK_SUCCESS(ctPropose(tree, 1, &change));
   CHECK_SUCCESS(ctForEachChangedPair(tree, 100, mixesMolecules, &changed, NULL));
   CHECK(changed == 6 * (PARTICLES - 6));
-  CHECK_SUCCESS(ctCommit(tree, NULL));
+  CHECK_SUCCESS(ctAccept(tree, NULL));
   CHECK_SUCCESS(ctGetCentroid(tree, 2, centroid));
   CHECK_NEAR(centroid[0], expected[0], 1e-14);
   CHECK_NEAR(centroid[1], expected[1], 1e-14);
@@ -119,7 +119,7 @@ static void testFreeOnTurning(void) {
       {.link = 2, .rotation = {0, 0, PI / 2}, .pivot = {0, 6, 0}},
   };
   CHECK_SUCCESS(ctPropose(tree, 2, changes));
-  CHECK_SUCCESS(ctCommit(tree, NULL));
+  CHECK_SUCCESS(ctAccept(tree, NULL));
   ctGetPositions(tree, after);
   for (int i = 3 * RING; i < PARTICLES; i++) {
     /* (x, y, z) -> (z, y, -x) + (1, 2, 3), then (x, y) -> (-y, x), all from (0, 6, 0) */
@@ -133,7 +133,7 @@ static void testFreeOnTurning(void) {
   const ctChange turn = {.link = 3, .angle = 1.5};
   double last[3 * PARTICLES];
   CHECK_SUCCESS(ctPropose(tree, 1, &turn));
-  CHECK_SUCCESS(ctCommit(tree, NULL));
+  CHECK_SUCCESS(ctAccept(tree, NULL));
   ctGetPositions(tree, last);
   for (int i = 3 * RING; i < PARTICLES; i++) {
     CHECK_NEAR(distanceIn(last, i, 10), distanceIn(after, i, 10), 1e-14);
@@ -156,7 +156,7 @@ static void testNoDrift(void) {
                              .pivot = {1, 1, 1},
                              .translation = {0, 0, 0}};
     CHECK_SUCCESS(ctPropose(tree, 1, &change));
-    CHECK_SUCCESS(ctCommit(tree, NULL));
+    CHECK_SUCCESS(ctAccept(tree, NULL));
   }
   ctGetPositions(tree, after);
   for (int i = 0; i < 6; i++) {
@@ -185,7 +185,7 @@ static void testSmallestMotions(void) {
     double* vector = number < 3 ? change.rotation : change.translation;
     vector[number % 3] = least;
     CHECK_SUCCESS(ctPropose(tree, 1, &change));
-    CHECK_SUCCESS(ctCommit(tree, NULL));
+    CHECK_SUCCESS(ctAccept(tree, NULL));
     ctGetPositions(tree, after);
     for (int i = 0; i < PARTICLES; i++) {
       for (int k = 0; k < 3; k++) {

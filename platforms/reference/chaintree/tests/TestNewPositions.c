@@ -130,7 +130,7 @@ static void askTrial(ctChainTree* tree, Answer* answer) {
     CHECK_SUCCESS(ctForEachChangedPair(tree, 1.5, addChangedPair, answer, NULL));
     CHECK_SUCCESS(ctGetTrialPositions(tree, positions));
     add(answer, positions, sizeof positions);
-    CHECK_SUCCESS(ctCommit(tree, NULL));
+    CHECK_SUCCESS(ctAccept(tree, NULL));
     askEnergy(tree, answer);
     askNeighbors(tree, answer);
   }
@@ -186,7 +186,7 @@ static void testReturn(void) {
   for (int sign = -1; sign < 2; sign += 2) {
     const ctChange change = {.link = SITES / 2, .angle = sign * 0.25};
     CHECK_SUCCESS(ctPropose(tree, 1, &change));
-    CHECK_SUCCESS(ctCommit(tree, NULL));
+    CHECK_SUCCESS(ctAccept(tree, NULL));
     answers[1][0] = ask(tree, askEnergy);
     answers[1][1] = ask(tree, askNeighbors);
     CHECK((answers[0][0].hash == answers[1][0].hash) == (sign == 1));

@@ -107,7 +107,7 @@ static void testFixedBits(void) {
     const ctChange changes[] = {{.link = TURNING_LINK, .angle = 0.1},
                                 {.link = FREE_LINK, .rotation = {0.1, 0.2, 0.3}, .translation = {0.1, 0, 0}}};
     CHECK_SUCCESS(ctPropose(cage, 2, changes));
-    CHECK_SUCCESS(ctCommit(cage, NULL));
+    CHECK_SUCCESS(ctAccept(cage, NULL));
   }
   ctGetPositions(cage, after);
   CHECK(memcmp(before, after, sizeof(double[3 * SITES])) == 0);

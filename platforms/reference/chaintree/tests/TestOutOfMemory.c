@@ -104,8 +104,8 @@ static ctStatus listChanged(ctChainTree* tree) {
   return ctForEachChangedPair(tree, 1.2, passChangedPair, &pairs, NULL);
 }
 
-static ctStatus commit(ctChainTree* tree) {
-  return ctCommit(tree, NULL);
+static ctStatus acceptTrial(ctChainTree* tree) {
+  return ctAccept(tree, NULL);
 }
 
 static ctStatus setLimits(ctChainTree* tree) {
@@ -223,7 +223,7 @@ static void testCall(const char* name, ctStatus (*call)(ctChainTree* tree), bool
     if (overlap > 0) {
       const ctChange change = {.link = 0, .translation = {0, 0, overlap}};
       CHECK_SUCCESS(ctPropose(tree, 1, &change));
-      CHECK_SUCCESS(ctCommit(tree, NULL));
+      CHECK_SUCCESS(ctAccept(tree, NULL));
     }
     CHECK_SUCCESS(ctSetLimits(tree, 1, pair, &limit));
     ctGetPositions(tree, state);
@@ -312,7 +312,7 @@ static void run(bool verdicts[RUN], double positions[3 * SITES]) {
                              .angle = 0.001 * (double)((int)(chance >> 20) % 16 - 8)};
     verdicts[i] = isTrialFree(tree, &change);
     if (verdicts[i]) {
-      CHECK(ctCommit(tree, NULL) == ctSuccess);
+      CHECK(ctAccept(tree, NULL) == ctSuccess);
     }
   }
   ctGetPositions(tree, positions);
@@ -355,7 +355,7 @@ static void testAll(void) {
   testCall("set limits", setLimits, true, 0);
   testCall("raise limits", raiseLimits, true, 0.2);
   testCall("select", selectFew, true, 0);
-  testCall("commit", commit, false, 0);
+  testCall("accept", acceptTrial, false, 0);
   testCall("find a clash", findClash, true, 0.2);
   testCall("list clashes", listClashes, true, 0.2);
   testCall("compute the energy", computeEnergy, true, 0.2);

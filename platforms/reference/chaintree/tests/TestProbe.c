@@ -56,7 +56,7 @@ static void testMoved(void) {
   const ctChange change = {.link = SIDE - 1, .rotation = {0, 0, PI / 2}, .translation = {0, 0, 50}};
   CHECK_SUCCESS(ctPropose(tree, 1, &change));
   CHECK(probe(tree, -3, 2, 58, 0.1).count == 0);
-  CHECK_SUCCESS(ctCommit(tree, NULL));
+  CHECK_SUCCESS(ctAccept(tree, NULL));
   CHECK(probe(tree, 2, 3, 8, 0.1).count == 0);
   CHECK(probe(tree, -3, 2, 58, 0.1).particle == siteIndex(2, 3, 8));
   ctDestroy(tree);

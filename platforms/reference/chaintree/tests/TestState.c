@@ -28,7 +28,7 @@ static void testNumbers(void) {
   CHECK_SUCCESS(ctPropose(arm, 3, changes));
   ctGetState(arm, state);
   CHECK(placement[0] == 1 && angles[7] == 0); /* a trial is no part of it */
-  CHECK_SUCCESS(ctCommit(arm, NULL));
+  CHECK_SUCCESS(ctAccept(arm, NULL));
   ctGetState(arm, state);
   CHECK(memcmp(state, start, sizeof start) == 0);
   CHECK_NEAR(placement[0], sqrt(0.5), 1e-15);
@@ -60,7 +60,7 @@ static double draw(uint32_t* seed) {
   return (double)(*seed >> 8) / (1 << 24);
 }
 
-/* Trials of links 1 ... links - 1, of which those that do not clash are committed; returns how many. */
+/* Trials of links 1 ... links - 1, of which those that do not clash are accepted; returns how many. */
 static int wander(ctChainTree* tree, ctJointKind joint, int links, int trials, uint32_t seed) {
   int accepted = 0;
   for (int i = 0; i < trials; i++) {
@@ -78,7 +78,7 @@ static int wander(ctChainTree* tree, ctJointKind joint, int links, int trials, u
     CHECK_SUCCESS(ctPropose(tree, 1, &change));
     CHECK_SUCCESS(ctTestTrial(tree, &clash, NULL, NULL));
     if (!clash) {
-      CHECK_SUCCESS(ctCommit(tree, NULL));
+      CHECK_SUCCESS(ctAccept(tree, NULL));
       accepted++;
     }
   }

@@ -24,13 +24,13 @@ static void testWithoutTrial(void) {
     CHECK_FAILURE(arm, ctNoTrial, "no open trial", ctGetTrialPositions(arm, positions));
     CHECK_FAILURE(arm, ctNoTrial, "no open trial", ctFollowTrialPositions(arm, true, positions));
     CHECK_FAILURE(arm, ctNoTrial, "no open trial", ctForEachChangedPair(arm, 1, refuseChangedPair, NULL, NULL));
-    CHECK_FAILURE(arm, ctNoTrial, "no open trial", ctCommit(arm, NULL));
-    /* after a commit, after a discard */
+    CHECK_FAILURE(arm, ctNoTrial, "no open trial", ctAccept(arm, NULL));
+    /* after an accepted trial, after a rejected one */
     CHECK_SUCCESS(ctPropose(arm, 1, &(ctChange){.link = 3, .angle = 0.1}));
     if (n == 0) {
-      CHECK_SUCCESS(ctCommit(arm, NULL));
+      CHECK_SUCCESS(ctAccept(arm, NULL));
     } else {
-      ctDiscard(arm);
+      ctReject(arm);
     }
   }
   ctDestroy(arm);
@@ -152,7 +152,7 @@ static void testFarAway(void) {
   while (moves < 20 && ctPropose(arm, 1, &away) == ctSuccess) {
     bool clash;
     CHECK_SUCCESS(ctTestTrial(arm, &clash, NULL, NULL));
-    CHECK_SUCCESS(ctCommit(arm, NULL));
+    CHECK_SUCCESS(ctAccept(arm, NULL));
     moves++;
   }
   CHECK(moves == 10 && strstr(ctGetErrorText(arm), "link 0") != NULL);

@@ -133,7 +133,7 @@ static void testManyChanges(void) {
   CHECK_SUCCESS(ctGetTrialPositions(arm, positions));
   CHECK_NEAR(positions[3 * armHand(LINKS - 1)], x, 1e-11);
   CHECK_NEAR(positions[3 * armHand(LINKS - 1) + 1], y, 1e-11);
-  CHECK_SUCCESS(ctCommit(arm, NULL));
+  CHECK_SUCCESS(ctAccept(arm, NULL));
   ctTransform transform;
   CHECK_SUCCESS(ctGetRelativeTransform(arm, 0, LINKS - 1, &transform));
   checkTransform(&transform, sum, 1 + x - cos(sum), y - sin(sum), 1);
@@ -160,7 +160,7 @@ static void testFixedFrames(void) {
   checkTransform(&transform, 0, 3, 3, 3);
   const ctChange change = {.link = 2, .rotation = {0, 0, PI / 2}, .pivot = {4, 5, 6}, .translation = {0, 0, 1}};
   CHECK_SUCCESS(ctPropose(tree, 1, &change));
-  CHECK_SUCCESS(ctCommit(tree, NULL));
+  CHECK_SUCCESS(ctAccept(tree, NULL));
   CHECK_SUCCESS(ctGetRelativeTransform(tree, 1, 2, &transform));
   checkTransform(&transform, PI / 2, -3, 3, 5);
   CHECK_SUCCESS(ctGetRelativeTransform(tree, 2, 1, &transform));

@@ -20,7 +20,7 @@ static double draw(Comparison* comparison) {
 
 enum { WINDOW = 8 };
 
-/* Trials of turns by up to `most`, so many in a row in each half of the chain; those that do not clash are committed.
+/* Trials of turns by up to `most`, so many in a row in each half of the chain; those that do not clash are accepted.
  */
 static void follow(Comparison* comparison, int trials, double most, int inARow) {
   for (int i = 0; i < trials; i++) {
@@ -39,8 +39,8 @@ static void follow(Comparison* comparison, int trials, double most, int inARow) 
     CHECK_SUCCESS(ctTestTrial(comparison->byTree, &clash[1], NULL, NULL));
     CHECK(clash[0] == clash[1]);
     if (!clash[0]) {
-      CHECK_SUCCESS(ctCommit(comparison->byCost, NULL));
-      CHECK_SUCCESS(ctCommit(comparison->byTree, NULL));
+      CHECK_SUCCESS(ctAccept(comparison->byCost, NULL));
+      CHECK_SUCCESS(ctAccept(comparison->byTree, NULL));
     }
     comparison->testsByClearance += comparison->byCost->clearance.isKept;
     comparison->changesOfMind += comparison->byCost->clearance.isKept != before;

@@ -1,4 +1,4 @@
-/* propose -> test -> commit or discard: what each does, and what it leaves alone. */
+/* propose -> test -> accept or reject: what each does, and what it leaves alone. */
 #include "arm.h"
 
 enum { LINKS = 30, COORDINATES = 6 * LINKS };
@@ -9,7 +9,7 @@ static void checkBits(ctChainTree* tree, const double* expected) {
   CHECK(memcmp(positions, expected, sizeof positions) == 0);
 }
 
-/* Neither proposing nor testing nor discarding leaves a trace; committing gives the bits that the trial promised. */
+/* Neither proposing nor testing nor rejecting leaves a trace; accepting gives the bits that the trial promised. */
 static void testBits(void) {
   ctChainTree* arm = makeArm(LINKS, ctFreeJoint, 0.1);
   turnArm(arm, 7, 0.5);
@@ -33,16 +33,16 @@ static void testBits(void) {
   CHECK_SUCCESS(ctGetRelativeTransform(arm, 2, 25, &after));
   CHECK(memcmp(&before, &after, sizeof before) == 0);
   CHECK(ctHasTrial(arm));
-  ctDiscard(arm);
+  ctReject(arm);
   CHECK(!ctHasTrial(arm));
-  ctDiscard(arm);
+  ctReject(arm);
   checkBits(arm, state);
   CHECK(ctValidate(arm));
 
   CHECK_SUCCESS(ctPropose(arm, 3, changes));
   CHECK_SUCCESS(ctGetTrialPositions(arm, again));
   CHECK(memcmp(promised, again, sizeof again) == 0);
-  CHECK_SUCCESS(ctCommit(arm, NULL));
+  CHECK_SUCCESS(ctAccept(arm, NULL));
   CHECK(!ctHasTrial(arm));
   checkBits(arm, promised);
   CHECK(ctValidate(arm));
@@ -68,14 +68,14 @@ static void testFollowing(void) {
   checkFollowed(arm, false, followed); /* nothing was there before, so this is all */
   CHECK_SUCCESS(ctPropose(arm, 1, &all));
   checkFollowed(arm, false, followed);
-  ctDiscard(arm);
-  CHECK_SUCCESS(ctPropose(arm, 1, &middle)); /* what the discarded trial moved goes back */
+  ctReject(arm);
+  CHECK_SUCCESS(ctPropose(arm, 1, &middle)); /* what the rejected trial moved goes back */
   checkFollowed(arm, false, followed);
-  CHECK_SUCCESS(ctCommit(arm, NULL));
+  CHECK_SUCCESS(ctAccept(arm, NULL));
   turnArm(arm, 9, 0.5); /* not followed */
   CHECK_SUCCESS(ctPropose(arm, 1, &end));
   checkFollowed(arm, false, followed);
-  CHECK_SUCCESS(ctCommit(arm, NULL));
+  CHECK_SUCCESS(ctAccept(arm, NULL));
   followed[0] = NAN;
   CHECK_SUCCESS(ctPropose(arm, 1, &end));
   CHECK_SUCCESS(ctFollowTrialPositions(arm, false, followed));
@@ -100,7 +100,7 @@ static void testFollowingState(void) {
       checkFollowed(arm, false, followed);
     }
     if (i % 2 == 0) {
-      CHECK_SUCCESS(ctCommit(arm, NULL));
+      CHECK_SUCCESS(ctAccept(arm, NULL));
     }
     if (i != 8) {
       ctGetPositions(arm, state);
@@ -131,7 +131,7 @@ static void testReplacement(void) {
   CHECK_SUCCESS(ctGetTrialPositions(arm, second));
   CHECK(memcmp(first, second, sizeof first) == 0);
   CHECK_SUCCESS(ctPropose(arm, 1, changes + 1));
-  CHECK_SUCCESS(ctCommit(arm, NULL));
+  CHECK_SUCCESS(ctAccept(arm, NULL));
   double angle;
   CHECK_SUCCESS(ctGetTorsionAngle(arm, 5, &angle));
   CHECK_NEAR(angle, PI, 1e-14);
@@ -160,8 +160,8 @@ static void testVerdict(void) {
   CHECK(pair[0] < armHand(4) - 1 && pair[1] >= armHand(4) - 1);
   CHECK_SUCCESS(ctTestTrial(arm, &clash, NULL, NULL));
   CHECK(clash);
-  /* a clashing trial may be committed; then it is no fault of the next one that it leaves as it is */
-  CHECK_SUCCESS(ctCommit(arm, &counts));
+  /* a clashing trial may be accepted; then it is no fault of the next one that it leaves as it is */
+  CHECK_SUCCESS(ctAccept(arm, &counts));
   CHECK(counts.nodesUpdated > 30);
   CHECK_SUCCESS(ctHasClash(arm, &clash, NULL, NULL));
   CHECK(clash);
@@ -171,7 +171,7 @@ static void testVerdict(void) {
   CHECK_SUCCESS(ctPropose(arm, 1, &(ctChange){.link = 4, .angle = PI / 2}));
   CHECK_SUCCESS(ctTestTrial(arm, &clash, NULL, NULL));
   CHECK(!clash);
-  CHECK_SUCCESS(ctCommit(arm, NULL));
+  CHECK_SUCCESS(ctAccept(arm, NULL));
   CHECK_SUCCESS(ctHasClash(arm, &clash, NULL, NULL));
   CHECK(!clash);
   ctDestroy(arm);
@@ -187,7 +187,7 @@ static void testNothing(void) {
   CHECK(ctHasTrial(arm));
   CHECK_SUCCESS(ctTestTrial(arm, &clash, NULL, NULL));
   CHECK(!clash); /* the beads overlap, but nothing has moved them */
-  CHECK_SUCCESS(ctCommit(arm, NULL));
+  CHECK_SUCCESS(ctAccept(arm, NULL));
   checkBits(arm, state);
   ctDestroy(arm);
 }
@@ -249,7 +249,7 @@ static bool clashesOnShortAxis(double radius, double* distance) {
   const ctChange changes[] = {{.link = 1, .angle = 0.7}, {.link = 2, .angle = 0.9}};
   ctChainTree* tree = checkedCreate(&definition);
   CHECK_SUCCESS(ctPropose(tree, 1, &changes[0]));
-  CHECK_SUCCESS(ctCommit(tree, NULL));
+  CHECK_SUCCESS(ctAccept(tree, NULL));
   CHECK_SUCCESS(ctPropose(tree, 1, &changes[1]));
   bool clash = false;
   double x[18];

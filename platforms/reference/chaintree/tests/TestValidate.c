@@ -14,7 +14,7 @@ static ctChainTree* makeTested(const char* method) {
     bool clash;
     CHECK_SUCCESS(ctPropose(tree, 1, &change));
     CHECK_SUCCESS(ctTestTrial(tree, &clash, NULL, NULL));
-    CHECK_SUCCESS(ctCommit(tree, NULL));
+    CHECK_SUCCESS(ctAccept(tree, NULL));
   }
   CHECK(ctValidate(tree));
   return tree;

@@ -100,14 +100,14 @@ static void testFirstNodes(int mostFirstNodes, int mostUnaskedNodes, bool soonBo
     const int rod = turn; /* that sticks out */
     CHECK(!clashes(tree, 1 - rod, pi));
     CHECK(!clashes(tree, rod, pi));
-    CHECK_SUCCESS(ctCommit(tree, NULL));
+    CHECK_SUCCESS(ctAccept(tree, NULL));
     CHECK(tree->staleTree.laggingCount > 0);
     CHECK(clashes(tree, 1 - rod, pi));
     CHECK(!clashes(tree, 1 - rod, 0.5 * pi));
     catchUp(tree);
     CHECK(clashes(tree, 1 - rod, pi));
     CHECK(!clashes(tree, rod, pi));
-    CHECK_SUCCESS(ctCommit(tree, NULL));
+    CHECK_SUCCESS(ctAccept(tree, NULL));
     CHECK(!clashes(tree, 1 - rod, pi));
     catchUp(tree);
   }
@@ -165,7 +165,7 @@ static void testWorld(void) {
     const unsigned drawn = state >> 16;
     clashes(tree, (int)(drawn % 2), 0.0001 * (drawn % 62832));
     if (drawn / 2 % 2 > 0) {
-      CHECK_SUCCESS(ctCommit(tree, NULL));
+      CHECK_SUCCESS(ctAccept(tree, NULL));
     }
     if (drawn / 8 % 2 == 0) {
       catchUp(tree);

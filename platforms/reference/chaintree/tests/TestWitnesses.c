@@ -15,7 +15,7 @@ static bool clashes(ctChainTree* scene, int link, double angle, ctCounts* counts
   bool clash = false;
   CHECK_SUCCESS(ctPropose(scene, 1, &change));
   CHECK_SUCCESS(ctTestTrial(scene, &clash, NULL, counts));
-  ctDiscard(scene);
+  ctReject(scene);
   return clash;
 }
 

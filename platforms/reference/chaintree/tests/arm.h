@@ -33,7 +33,7 @@ static inline int armHand(int link) {
 static inline void turnArm(ctChainTree* arm, int link, double angle) {
   const ctChange change = {.link = link, .angle = angle};
   CHECK_SUCCESS(ctPropose(arm, 1, &change));
-  CHECK_SUCCESS(ctCommit(arm, NULL));
+  CHECK_SUCCESS(ctAccept(arm, NULL));
 }
 
 #endif /* ARM_H_ */

@@ -52,7 +52,7 @@ static inline bool clashesShifted(ctChainTree* tree, int link, double x) {
 
 static inline void shift(ctChainTree* tree, int link, double x) {
   clashesShifted(tree, link, x);
-  CHECK_SUCCESS(ctCommit(tree, NULL));
+  CHECK_SUCCESS(ctAccept(tree, NULL));
 }
 
 /* Whether two beads are listed as a clash. */

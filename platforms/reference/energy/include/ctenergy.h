@@ -375,7 +375,7 @@ ctStatus ctComputeEnergyChange(ctEnergy* energy, ctEnergyPart part, double* chan
  * probability a(change) has to be followed by one that multiplies by a(change back) / a(change). */
 double ctGetNearChangeBack(const ctEnergy* energy);
 
-/* To be called after ctCommit of a trial of which all parts were computed, and before anything else changes the state:
+/* To be called after ctAccept of a trial of which all parts were computed, and before anything else changes the state:
  * makes its values those of the state, or computes all anew. Errors: a part was not computed, this is not the state to
  * which that trial has led, or there is no memory; the energy has to be refreshed then. */
 ctStatus ctAcceptEnergyChange(ctEnergy* energy);

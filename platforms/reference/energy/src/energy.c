@@ -220,7 +220,7 @@ ctStatus ctComputeEnergyChange(ctEnergy* energy, ctEnergyPart part, double* chan
   const int64_t trial = ctGetTrialCount(energy->tree);
   if (part == ctTermsPart || energy->trial != trial) {
     energy->trial = trial;
-    energy->commits = ctGetCommitCount(energy->tree);
+    energy->commits = ctGetAcceptedCount(energy->tree);
     energy->computedParts = 0;
   }
   if ((int)part != energy->computedParts || (int)part > (int)ctOtherPairsPart) {
@@ -248,8 +248,8 @@ ctStatus ctAcceptEnergyChange(ctEnergy* energy) {
     return ctInvalidArgument;
   }
   if (energy->computedParts != CT_ENERGY_PARTS || energy->trial != ctGetTrialCount(energy->tree) ||
-      energy->commits + 1 != ctGetCommitCount(energy->tree) || energy->state + 1 != ctGetChangeCount(energy->tree)) {
-    return fail(energy, ctInvalidArgument, "not all parts of the last trial's change were computed and then committed");
+      energy->commits + 1 != ctGetAcceptedCount(energy->tree) || energy->state + 1 != ctGetChangeCount(energy->tree)) {
+    return fail(energy, ctInvalidArgument, "not all parts of the last trial's change were computed and then accepted");
   }
   energy->computedParts = 0;
   energy->state = NO_STATE;

@@ -266,7 +266,7 @@ static void checkTaken(int line, const char* name) {
     CHECK_SUCCESS(ctComputeEnergyChange(energy, (ctEnergyPart)part, numbers, NULL));
   }
   CHECK_SUCCESS(ctComputeValueEnergies(energy, true, numbers));
-  ctDiscard(tree);
+  ctReject(tree);
   CHECK_SUCCESS(ctComputeWholeEnergy(energy, &numbers[0], &numbers[1], NULL));
   CHECK_SUCCESS(ctRenewStandIn(energy, NULL));
   ctDestroyEnergy(energy);
@@ -696,9 +696,9 @@ static void testOrder(ctEnergy* energy) {
   }
   for (int part = 0; part < CT_ENERGY_PARTS; part++) {
     CHECK_SUCCESS(ctComputeEnergyChange(energy, (ctEnergyPart)part, x, NULL));
-    REFUSED(ctInvalidArgument, "not all parts", ctAcceptEnergyChange(energy)); /* nothing is committed */
+    REFUSED(ctInvalidArgument, "not all parts", ctAcceptEnergyChange(energy)); /* nothing is accepted */
   }
-  ctDiscard(tree);
+  ctReject(tree);
   REFUSED(ctInvalidArgument, "not all parts", ctAcceptEnergyChange(energy));
 }
 
@@ -720,7 +720,7 @@ static void testAcceptanceOfAnotherState(ctEnergy* energy) {
     } else if (way == 1) {
       CHECK_SUCCESS(ctSetState(tree, state));
     } else {
-      CHECK_SUCCESS(ctCommit(tree, NULL));
+      CHECK_SUCCESS(ctAccept(tree, NULL));
       CHECK_SUCCESS(ctSetState(tree, state));
     }
     CHECK(ctAcceptEnergyChange(energy) == ctInvalidArgument && !ctIsEnergyOfState(energy));
@@ -737,7 +737,7 @@ static void testCalls(void) {
   double x[2];
   CHECK_SUCCESS(ctPropose(tree, 1, &(ctChange){.link = 7, .angle = 0.5}));
   CHECK(ctComputeEnergyChange(energy, ctTermsPart, x, NULL) == ctInvalidArgument); /* nothing was refreshed */
-  ctDiscard(tree);
+  ctReject(tree);
   CHECK_SUCCESS(ctRenewStandIn(energy, NULL));
   ask(energy, &before);
   testIndices(energy);

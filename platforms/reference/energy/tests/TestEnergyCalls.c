@@ -40,7 +40,7 @@ static void testRefresh(void) {
     ctGetPositions(bench.tree, now);
     CHECK(fabs(ctGetTermEnergy(bench.energy, 0) - torsionEnergy(now)) < 1e-8);
     propose(&bench);
-    CHECK(ctCommit(bench.tree, NULL) == ctSuccess);
+    CHECK(ctAccept(bench.tree, NULL) == ctSuccess);
   }
   const double before = ctGetPairEnergy(bench.energy);
   CHECK(ctRefreshEnergy(bench.energy, NULL) == ctSuccess);
@@ -73,7 +73,7 @@ static void testOrder(void) {
   CHECK(askFor(&bench, ctNearPairsPart) == ctSuccess);
   checkRefused(&bench, askFor(&bench, ctNearPairsPart), ctInvalidArgument, outOfOrder);
   /* What was asked of one trial is nothing to the next. */
-  ctDiscard(bench.tree);
+  ctReject(bench.tree);
   propose(&bench);
   checkRefused(&bench, askFor(&bench, ctOtherPairsPart), ctInvalidArgument, outOfOrder);
   CHECK(askFor(&bench, ctTermsPart) == ctSuccess);
@@ -95,7 +95,7 @@ static void testAcceptance(void) {
   CHECK(total(&bench) == start);
   double change;
   CHECK(computeChange(&bench, &change) == ctSuccess); /* from the first part on */
-  CHECK(ctCommit(bench.tree, NULL) == ctSuccess);
+  CHECK(ctAccept(bench.tree, NULL) == ctSuccess);
   CHECK(ctAcceptEnergyChange(bench.energy) == ctSuccess);
   CHECK(fabs(change) > 1 && fabs(total(&bench) - start - change) < 1e-9);
   /* Once. */

@@ -30,7 +30,7 @@ static Expected findExpected(void) {
   expected.start = total(&bench);
   propose(&bench);
   CHECK(computeChange(&bench, &expected.change) == ctSuccess);
-  CHECK(ctCommit(bench.tree, NULL) == ctSuccess);
+  CHECK(ctAccept(bench.tree, NULL) == ctSuccess);
   CHECK(ctAcceptEnergyChange(bench.energy) == ctSuccess);
   expected.end = total(&bench);
   CHECK(fabs(expected.end - expected.start - expected.change) < 1e-9);
@@ -115,13 +115,13 @@ static void testChange(const Expected* expected) {
       refused++;
       checkRefusal(&bench, status);
       if (n % 2 == 0) {
-        ctDiscard(bench.tree);
+        ctReject(bench.tree);
         propose(&bench);
       }
       CHECK(computeChange(&bench, &change) == ctSuccess);
     }
     CHECK(change == expected->change);
-    CHECK(ctCommit(bench.tree, NULL) == ctSuccess);
+    CHECK(ctAccept(bench.tree, NULL) == ctSuccess);
     CHECK(ctAcceptEnergyChange(bench.energy) == ctSuccess);
     CHECK(total(&bench) == expected->end);
     destroyBench(&bench);
@@ -141,7 +141,7 @@ static void testAccept(const Expected* expected) {
     CHECK(ctRefreshEnergy(bench.energy, NULL) == ctSuccess);
     propose(&bench);
     CHECK(computeChange(&bench, &change) == ctSuccess);
-    CHECK(ctCommit(bench.tree, NULL) == ctSuccess);
+    CHECK(ctAccept(bench.tree, NULL) == ctSuccess);
     failAllocation(n);
     const ctStatus status = ctAcceptEnergyChange(bench.energy);
     allocationsLeft = -1;
@@ -266,7 +266,7 @@ static void testManyDropped(void) {
     CHECK(ctComputeEnergyChange(bench.energy, ctNearPairsPart, &change, NULL) == ctSuccess);
     CHECK(n % 2 == 1 || ctComputeEnergyChange(bench.energy, ctOtherPairsPart, &change, NULL) == ctSuccess);
     CHECK(n < 2 || asked == before);
-    ctDiscard(bench.tree);
+    ctReject(bench.tree);
   }
   destroyBench(&bench);
 }
@@ -283,13 +283,13 @@ static void testDropped(void) {
     propose(&bench);
     before = asked;
     CHECK(computeChange(&bench, &change) == ctSuccess);
-    ctDiscard(bench.tree);
+    ctReject(bench.tree);
     CHECK(ctKeepEnergy(bench.energy) == ctSuccess);
     CHECK(n < 2 || asked == before);
     propose(&bench);
     before = asked;
     CHECK(computeChange(&bench, &change) == ctSuccess);
-    CHECK(ctCommit(bench.tree, NULL) == ctSuccess);
+    CHECK(ctAccept(bench.tree, NULL) == ctSuccess);
     CHECK(ctAcceptEnergyChange(bench.energy) == ctSuccess);
     CHECK(ctSetState(bench.tree, state) == ctSuccess);
     CHECK(ctTakeBackEnergy(bench.energy) == ctSuccess);
@@ -309,7 +309,7 @@ static void testAccepted(void) {
     int before = asked;
     CHECK(computeChange(&bench, &change) == ctSuccess);
     CHECK(n < 10 || asked == before);
-    CHECK(ctCommit(bench.tree, NULL) == ctSuccess);
+    CHECK(ctAccept(bench.tree, NULL) == ctSuccess);
     before = asked;
     CHECK(ctAcceptEnergyChange(bench.energy) == ctSuccess);
     CHECK(n < 10 || asked == before);

@@ -15,7 +15,7 @@ static void testConstants(void) {
   CHECK(ctRenewStandIn(bench.energy, NULL) == ctSuccess);
   ctGetStandIn(bench.energy, before);
   propose(&bench);
-  CHECK(ctCommit(bench.tree, NULL) == ctSuccess);
+  CHECK(ctAccept(bench.tree, NULL) == ctSuccess);
   CHECK(ctRenewStandIn(bench.energy, NULL) == ctSuccess);
   CHECK(ctIsEnergyOfState(bench.energy));
   ctGetStandIn(bench.energy, constants);
@@ -30,7 +30,7 @@ static void testConstants(void) {
     CHECK(fabsl(near + constants[i] - whole) < 2e-6L * (5 + whole));
   }
   propose(&other);
-  CHECK(ctCommit(other.tree, NULL) == ctSuccess);
+  CHECK(ctAccept(other.tree, NULL) == ctSuccess);
   ctSetStandIn(other.energy, constants);
   CHECK(!ctIsEnergyOfState(other.energy));
   CHECK(ctRefreshEnergy(other.energy, NULL) == ctSuccess);

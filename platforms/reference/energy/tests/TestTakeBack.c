@@ -26,9 +26,9 @@ static void run(const Bench* bench, unsigned begin, unsigned end, double* change
       CHECK(ctComputeEnergyChange(bench->energy, (ctEnergyPart)part, change, NULL) == ctSuccess);
     }
     if (number % 3 == 2) {
-      ctDiscard(bench->tree);
+      ctReject(bench->tree);
     } else {
-      CHECK(ctCommit(bench->tree, NULL) == ctSuccess);
+      CHECK(ctAccept(bench->tree, NULL) == ctSuccess);
       CHECK(ctAcceptEnergyChange(bench->energy) == ctSuccess);
     }
   }
@@ -61,7 +61,7 @@ static void testBits(void) {
         double change;
         propose(&bench);
         CHECK(computeChange(&bench, &change) == ctSuccess);
-        CHECK(ctCommit(bench.tree, NULL) == ctSuccess);
+        CHECK(ctAccept(bench.tree, NULL) == ctSuccess);
         CHECK(ctAcceptEnergyChange(bench.energy) == ctSuccess);
       }
       run(&bench, begin, begin + BLOCK, NULL);

@@ -96,7 +96,7 @@ static inline long double changeOfOracle(TermScene* scene, long double* size) {
 
 /* Makes the open trial the state. */
 static inline void acceptTrial(TermScene* scene) {
-  CHECK_SUCCESS(ctCommit(scene->tree, NULL));
+  CHECK_SUCCESS(ctAccept(scene->tree, NULL));
   ctTermsAccept(scene->terms);
   memcpy(scene->values, scene->newValues, sizeof scene->values);
 }

@@ -345,7 +345,7 @@ int64_t CT_WIDE(testByClearance)(Clearance* c, Traversal* t, const View* view, C
   return gaveUp ? GAVE_UP : COST_OF_CLEARANCE_TEST + c->leafCount / LEAVES_A_UNIT + test.cost;
 }
 
-/* ---- Committing ---- */
+/* ---- Accepting ---- */
 
 /* Subtracts the bounds of two runs from the clearances of their leaves. */
 static bool takeOff(Clearance* c, Traversal* t, const RunPair* pair, void* context) {
@@ -368,7 +368,7 @@ static bool takeOff(Clearance* c, Traversal* t, const RunPair* pair, void* conte
   return false;
 }
 
-int64_t CT_WIDE(commitClearances)(Clearance* c, Traversal* t, const View* view) {
+int64_t CT_WIDE(acceptClearances)(Clearance* c, Traversal* t, const View* view) {
   int64_t cost = c->leafCount;
   if (c->boundPieces == view->pieces) { /* mostly: by the test */
     for (int i = 0; i < c->boundPairCount; i++) {

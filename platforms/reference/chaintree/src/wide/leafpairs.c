@@ -397,7 +397,7 @@ static double cornerOf(const LeafBoxes* boxes) {
   return sqrt(dot(corner, corner));
 }
 
-/* The largest squared gap of boxes around particles within the cutoff. Positions in the trial and after its commit
+/* The largest squared gap of boxes around particles within the cutoff. Positions in the trial and after its acceptance
  * differ by DOUBLE_MARGIN of the extent, and may lag; 1e-6 is 17 u of the square, whose roundings are 5 u. */
 static float gapLimit(const LeafTask* task, const LeafBoxes* before, const LeafBoxes* after) {
   const double* origin = task->sequence->worldOrigin;

@@ -53,7 +53,7 @@ static bool hasManyPieces(const LeafRun* run) {
  * - Root, product and sums are off by up to 8 u of their value: another part of that factor.
  * - unitsOf rounds down by less than 17 u of the value, which that factor exceeds too, and by less than a unit. Two
  *   are added: the other one covers a quarter of a unit by which clearances of skipped pairs may be too large, see
- *   ctClearanceSkip, and what positions in double differ by from commit to commit, DOUBLE_MARGIN E, as long as E is
+ *   ctClearanceSkip, and what positions in double differ by from trial to trial, DOUBLE_MARGIN E, as long as E is
  *   less than 3 10^7 times the radius of the largest leaf. */
 static void boundShifts(Clearance* c, const Traversal* t, const Frame* motion, int begin, int end) {
   /* R - 1 and t: small where the motion is small. */

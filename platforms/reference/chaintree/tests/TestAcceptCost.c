@@ -1,5 +1,5 @@
-/* One torsion's commit changes O(log N) nodes, on at most two paths (sections 2.1 and 3.1): by the counts it returns,
- * and by comparing all storage of the tree, leaves included, before and after. */
+/* An accepted turn of one torsion changes O(log N) nodes, on at most two paths (sections 2.1 and 3.1): by the counts it
+ * returns, and by comparing all storage of the tree, leaves included, before and after. */
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -185,7 +185,7 @@ static bool testShape(Shape shape, int power) {
     }
     const ctChange change = {.link = link, .angle = 0.7};
     ctCounts counts = {0};
-    good = ctPropose(scene, 1, &change) == ctSuccess && ctCommit(scene, &counts) == ctSuccess;
+    good = ctPropose(scene, 1, &change) == ctSuccess && ctAccept(scene, &counts) == ctSuccess;
     Storage after = copyStorage(scene);
     const int changed = countChanged(&before, &after, scene);
     freeStorage(&before);
@@ -198,7 +198,7 @@ static bool testShape(Shape shape, int power) {
     }
   }
   freeStorage(&before);
-  printf("%s of 2^%d links, %d levels: at most %d nodes a commit\n", shapeNames[shape], power, levels, most);
+  printf("%s of 2^%d links, %d levels: at most %d nodes an accepted trial\n", shapeNames[shape], power, levels, most);
   ctDestroy(scene);
   return good;
 }
