@@ -1,8 +1,8 @@
-"""Sample a protein in AMBER14 with implicit solvent at 300 K: moves of its torsions, accepted by Metropolis' rule.
+"""Sample torsions of a protein in AMBER14 with implicit solvent at 300 K, with the Metropolis criterion.
 
     python sample_protein.py [STEPS]
 
-The villin headpiece that comes with OpenMM is sampled; a step has 400 trials. Writes sampled.pdb and sampled.dcd.
+Samples the villin headpiece that comes with OpenMM; a step makes 400 trials. Writes sampled.pdb and sampled.dcd.
 """
 
 import sys
@@ -22,8 +22,7 @@ protein.delete([residue for residue in pdb.topology.residues() if residue.name i
 system = app.ForceField("amber14-all.xml", "implicit/gbn2.xml").createSystem(protein.topology)
 system.addForce(chaintree.createStericExclusionForce(protein.topology, protein.positions))
 
-# Most of the time is the solvent's: trials that clash, or that bonded terms and pairs refuse, do not come to it.
-# Torsions of the backbone move half of the protein, so they are turned by little; side chains can take any angle.
+# A backbone torsion moves half of the protein, so its changes are small; side chains may change by any angle.
 backbone: list[int] = []
 sideChains: list[int] = []
 for number, torsion in enumerate(chaintree.findTorsions(protein.topology, protein.positions).torsions):
@@ -50,6 +49,6 @@ for number, name in enumerate(("backbone", "side chains", "rotamers")):
         f"{statistics.rejectedByEnergy} rejected by energy, {statistics.accepted} accepted"
     )
 for stage in integrator.getStageStatistics():
-    print(f"{stage.stage}: computed for {stage.computed} trials, of which it refused {stage.refused}")
+    print(f"{stage.stage}: computed for {stage.computed} trials, rejected {stage.refused}")
 outer = integrator.getOuterStatistics()
-print(f"outer tests: {outer.accepted} of {outer.attempted} kept their trials, {outer.trialsTakenBack} were taken back")
+print(f"outer tests: {outer.accepted} of {outer.attempted} kept their trials, {outer.trialsTakenBack} were undone")
