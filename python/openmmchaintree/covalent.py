@@ -1,12 +1,15 @@
-"""What distances tell of bonds: covalent radii, metals, and atoms near each other.
+"""Bonds by distance: covalent radii, metals, and pairs of atoms near each other.
 
-The radii are those of Cordero et al., Dalton Trans. 2832–2838 (2008), which the package gemmi holds.
+Radii and metals are in the table `tables/elements.csv`, with its source.
 """
 
 from functools import cache
 
-import gemmi
 import numpy as np
+import openmm
+
+from .datatables import readTable
+from .openmmchaintree import StericExclusionForce
 
 # Bonds are up to this many times as long as the sum of covalent radii. Hydrogens are often placed carelessly; WIDE is
 # for atoms of residues of which nothing else tells the bonds.
@@ -17,21 +20,20 @@ WIDE = 1.31
 # bonds between residues 0.85; disulfides of models may be squeezed.
 _SHRINK, _SHRINK_OF_METALS, _SHRINK_BETWEEN_RESIDUES = 0.75, 0.7, 0.8
 
-# Atoms nearer than this (nm) are at one place, and not bonded.
+# Atoms nearer than this (nm) are at the same place, and not bonded.
 _SHORTEST = 0.05
 
-# The angles at which bonds meet, with room for what is strained or coarsely resolved.
+# The range of angles between two bonds of an atom, wide enough for strained and poorly resolved structures.
 _ANGLES = np.radians((75.0, 165.0))
 
-# Of so many atoms all pairs are looked at sooner than SciPy is imported.
-_FEW = 1500
+# The engine is asked for pairs up to this factor farther apart, so that its rounding loses none.
+_ROOM_FOR_ROUNDING = 1 + 1e-6
 
-# What metals are bound by, in proteins and their ligands: N, O, F, P, S, Cl, Se, Br, I.
+# Elements that bind metals in proteins and their ligands: N, O, F, P, S, Cl, Se, Br, I.
 _DONORS = np.array([7, 8, 9, 15, 16, 17, 34, 35, 53])
 
-# Ions that water surrounds wherever they are: they are bound only if the file says so.
+# Alkali ions, which water surrounds everywhere: they are bound only if the file says so.
 _LOOSE_METALS = np.array([3, 11, 19, 37, 55])
-
 
 _SULFUR = 16
 
@@ -93,7 +95,7 @@ def isLooseMetal(numbers):
 def nearPairs(positions, distance):
     """Return the pairs of points within a distance of each other, as an (m, 2) array, sorted.
 
-    positions : (n, 3) array; O(n log n) for points that are spread
+    positions : (n, 3) array, nm
 
     Raises
     ------
@@ -102,14 +104,19 @@ def nearPairs(positions, distance):
     """
     if not np.isfinite(positions).all():
         raise ValueError("a coordinate is not a finite number")
-    if len(positions) <= _FEW:
-        first, second = np.triu_indices(len(positions), 1)
-        squares = sum((positions[first, k] - positions[second, k]) ** 2 for k in range(3))
-        return np.column_stack([first, second])[squares <= distance**2]
-    from scipy.spatial import cKDTree
-
-    pairs = cKDTree(positions).query_pairs(distance, output_type="ndarray")
-    return pairs[np.lexsort((pairs[:, 1], pairs[:, 0]))]
+    if len(positions) < 2 or distance <= 0:
+        return np.empty((0, 2), dtype=int)
+    system, force = openmm.System(), StericExclusionForce()
+    for _ in positions:
+        system.addParticle(1)
+        force.addParticle(distance)  # any radius above 0: neighbors do not depend on it
+    system.addForce(force)
+    platform = openmm.Platform.getPlatformByName("Reference")
+    context = openmm.Context(system, openmm.VerletIntegrator(0.001), platform)
+    context.setPositions(positions)
+    first, second = force.getNeighborPairs(context, _ROOM_FOR_ROUNDING * distance)[0].astype(int).T
+    squares = sum((positions[first, k] - positions[second, k]) ** 2 for k in range(3))
+    return np.column_stack([first, second])[squares <= distance**2]
 
 
 def bondedPairs(positions, numbers, stretch=_STRETCH):
@@ -139,9 +146,10 @@ def areAnglesOfBonds(positions, atom, other, neighbors):
 @cache
 def _radii():
     """Return the covalent radii (nm) by atomic number."""
-    return np.array([0.0] + [0.1 * gemmi.Element(number).covalent_r for number in range(1, 119)])
+    # In single precision, as gemmi has them: which atoms are bonded must not change by a rounding.
+    return np.array([0.0] + [0.1 * float(np.float32(radius)) for _, radius, _ in readTable("elements.csv")])
 
 
 @cache
 def _metals():
-    return np.array([False] + [gemmi.Element(number).is_metal for number in range(1, 119)])
+    return np.array([False] + [isMetal == "1" for _, _, isMetal in readTable("elements.csv")])

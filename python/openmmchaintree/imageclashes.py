@@ -1,14 +1,15 @@
-"""Clashes between periodic images, which nothing counts: so that they can be told."""
+"""Clashes between periodic images. They do not count as clashes, but a note lists them."""
 
 from itertools import product
 
 import numpy as np
 
+from .covalent import nearPairs
 from .images import isBox
 from .notes import Note
 from .plainspheres import PlainSpheres
 
-# So many boxes away images are looked at, at most: a molecule that is wider than that has a wrong box.
+# Images are searched up to this number of boxes away: a molecule that is wider has a wrong box.
 _FARTHEST = 2
 
 WITH_IMAGES = "clashes with periodic images, which do not count"
@@ -35,7 +36,7 @@ def _clashesAcross(force, positions, box):
     radii, modelled, reach = spheres.radii, spheres.modelled, spheres.reach
     found = []
     for shift in _shifts(positions[modelled], box, reach):
-        first, second = (modelled[ends] for ends in _nearPairs(positions[modelled], positions[modelled] + shift, reach))
+        first, second = (modelled[ends] for ends in _nearPairs(positions[modelled], shift, reach))
         distances = np.linalg.norm(positions[second] + shift - positions[first], axis=1)
         clashes = radii[first] + radii[second] - distances > spheres.tolerances(first, second)
         found += zip(first[clashes].tolist(), second[clashes].tolist(), distances[clashes].tolist(), strict=True)
@@ -58,17 +59,13 @@ def _shifts(positions, box, reach):
     return [np.array(turn) @ box for turn in turns]
 
 
-def _nearPairs(positions, images, reach):
-    """Return the indices of positions and images that are within a reach of each other, as two int arrays."""
-    near = _within(positions, images, reach), _within(images, positions, reach)
-    if not (len(near[0]) and len(near[1])):
-        return near[0][:0], near[1][:0]
-    from scipy.spatial import cKDTree
-
-    pairs = cKDTree(positions[near[0]]).sparse_distance_matrix(
-        cKDTree(images[near[1]]), reach, output_type="coo_matrix"
-    )
-    return near[0][pairs.row], near[1][pairs.col]
+def _nearPairs(positions, shift, reach):
+    """Return the positions, and the positions shifted, that are within a reach of each other, as two int arrays."""
+    images = positions + shift
+    near, nearImages = _within(positions, images, reach), _within(images, positions, reach)
+    pairs = nearPairs(np.concatenate([positions[near], images[nearImages]]), reach)
+    first, second = pairs[(pairs[:, 0] < len(near)) & (pairs[:, 1] >= len(near))].T
+    return near[first], nearImages[second - len(near)]
 
 
 def _within(points, others, reach):

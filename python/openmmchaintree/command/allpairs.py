@@ -7,8 +7,10 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ..covalent import nearPairs
 from ..plainspheres import PlainSpheres
+
+# Up to this number of particles, comparing all pairs takes less time than importing SciPy.
+_FEW = 1500
 
 # The engine may decide either way within this distance (nm) of a limit.
 SIGMA = 1e-9
@@ -51,12 +53,25 @@ class HardSpheres(PlainSpheres):
         """Return the pairs that may overlap, the lower index first: all that are nearer than the largest spheres."""
         # The tree rounds distances in its own way.
         reach = self.reach + 1e-9 * (abs(self.reach) + np.abs(positions).max(initial=0))
-        return self.modelled[nearPairs(positions[self.modelled], max(reach, 0))]
+        return self.modelled[_nearPairs(positions[self.modelled], max(reach, 0))]
 
     def _overlaps(self, positions, pairs):
         first, second = pairs.T
         squares = sum((positions[first, k] - positions[second, k]) ** 2 for k in range(3))
         return self.radii[first] + self.radii[second] - np.sqrt(squares)
+
+
+def _nearPairs(positions, distance):
+    """Return the pairs of points within a distance of each other, as an (m, 2) array, the lower index first."""
+    if not np.isfinite(positions).all():
+        raise ValueError("a coordinate is not a finite number")
+    if len(positions) <= _FEW:
+        first, second = np.triu_indices(len(positions), 1)
+        squares = sum((positions[first, k] - positions[second, k]) ** 2 for k in range(3))
+        return np.column_stack([first, second])[squares <= distance**2]
+    from scipy.spatial import cKDTree
+
+    return cKDTree(positions).query_pairs(distance, output_type="ndarray")
 
 
 class Verdict(NamedTuple):
