@@ -14,7 +14,7 @@ import time
 import openmm
 from openmm import app, unit
 from openmmchaintree import TorsionMonteCarloIntegrator, createStericExclusionForce
-from openmmchaintree.structure import readStructure
+from openmmchaintree.structures.structure import readStructure
 
 
 def bareSystem(structure):

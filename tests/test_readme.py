@@ -7,7 +7,7 @@ import openmm
 import openmm.app
 from openmm import unit
 from openmmchaintree import TorsionMonteCarloIntegrator
-from openmmchaintree.structure import readStructure
+from openmmchaintree.structures.structure import readStructure
 
 README = Path(__file__).parents[1] / "README.md"
 

@@ -1,6 +1,6 @@
 """Energy, RMSD and radius of gyration of trials and of Langevin dynamics by processor time."""
 
-from openmmchaintree.command.figures import makeFigure, writeFigure
+from openmmchaintree.command.pictures.figures import makeFigure, writeFigure
 from racing.races import OURS
 
 from .dynamicstables import describeWork, ofContestants

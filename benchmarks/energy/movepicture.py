@@ -1,7 +1,7 @@
 """What single moves do to folded proteins, and how much more independent samples mixtures of them give than pivots."""
 
 from matplotlib.ticker import FuncFormatter, NullFormatter, PercentFormatter
-from openmmchaintree.command.figures import makeFigure, writeFigure
+from openmmchaintree.command.pictures.figures import makeFigure, writeFigure
 
 from .moverows import MIXTURES, MOVES, PIVOTS
 from .movetables import combine

@@ -1,7 +1,7 @@
 """Time of a trial by protein and force field, OpenMM's beside ours; and error by time."""
 
 from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
-from openmmchaintree.command.figures import makeFigure, writeFigure
+from openmmchaintree.command.pictures.figures import makeFigure, writeFigure
 from racing.races import OURS
 from racing.table import groupBy
 

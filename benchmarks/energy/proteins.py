@@ -13,7 +13,7 @@ from openmmchaintree.command.allpairs import HardSpheres
 from openmmchaintree.command.plan import DEFAULT_KINDS
 from openmmchaintree.residues import aminoAcid, isNucleotide
 from openmmchaintree.sterics import createStericExclusionForce
-from openmmchaintree.structure import readStructure
+from openmmchaintree.structures.structure import readStructure
 from openmmchaintree.torsions import findTorsions
 from racing.platforms import CPU
 from racing.scene import makeScene

@@ -1,7 +1,7 @@
 """How near stand-ins are and how many outer tests keep their trials, by the time of a trial; independent samples."""
 
 from matplotlib.ticker import FuncFormatter, MultipleLocator
-from openmmchaintree.command.figures import makeFigure, writeFigure
+from openmmchaintree.command.pictures.figures import makeFigure, writeFigure
 
 from .samplepicture import drawSamples
 from .samplerows import SAMPLES

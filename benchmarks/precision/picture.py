@@ -5,7 +5,7 @@ import textwrap
 from typing import NamedTuple
 
 from matplotlib.ticker import FuncFormatter, LogLocator, NullLocator
-from openmmchaintree.command.figures import makeFigure, writeFigure
+from openmmchaintree.command.pictures.figures import makeFigure, writeFigure
 from racing.races import INSTRUCTION_SETS
 from racing.table import groupBy, sizeOf
 

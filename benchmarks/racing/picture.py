@@ -1,7 +1,7 @@
 """The paper's figures 7 and 8 and its table 1, drawn anew."""
 
 from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter, NullLocator
-from openmmchaintree.command.figures import makeFigure, writeFigure
+from openmmchaintree.command.pictures.figures import makeFigure, writeFigure
 
 from .races import FULL_GRID, LAZY_GRID, OURS, SIMD_GRID, VERLET
 from .table import groupBy, sizeOf

@@ -14,7 +14,7 @@ from openmmchaintree.command.allpairs import HardSpheres
 from openmmchaintree.errors import InputError
 from openmmchaintree.residues import aminoAcid
 from openmmchaintree.sterics import createStericExclusionForce
-from openmmchaintree.structure import readStructure
+from openmmchaintree.structures.structure import readStructure
 from openmmchaintree.torsions import Torsion, findTorsions
 
 from .scene import Scene, makeScene

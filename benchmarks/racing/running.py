@@ -6,7 +6,7 @@ from importlib import import_module
 from typing import Any, NamedTuple
 
 from openmmchaintree.command.arguments import positive, seed
-from openmmchaintree.command.outputfiles import Output, Writing, addOverwrite, checkOutputs, checkPicture
+from openmmchaintree.command.outputs.outputfiles import Output, Writing, addOverwrite, checkOutputs, checkPicture
 from openmmchaintree.command.status import BAD_INPUT, INTERRUPTED
 from openmmchaintree.command.terminal import ReportConsole, interruptFlag, printError, progress
 

@@ -1,4 +1,4 @@
-"""Finding the clashes of structures and trajectories."""
+"""Finding the clashes of files, and of a Topology at given positions."""
 
 import os
 from typing import NamedTuple, TypeAlias
@@ -8,17 +8,16 @@ import openmm
 from openmm import unit
 
 from .bonds import BondGraph
-from .bondsearch import LONGEST_BOND, boxOf
+from .bondsearch import LONGEST_BOND
 from .errors import InputError
-from .imageclashes import WITH_IMAGES, noteOnImages
+from .imageclashes import noteOnImages
 from .images import leastWidth, makeWhole
 from .naming import AtomName, nameAtom
 from .notes import Note, found, warnOf
 from .radii import defaultRadii, describeSets
+from .solute import selectSolute, tornError
 from .sterics import makeForce
-from .structure import checkPositions, readModels, selectSolute, tornError, villinPath
 from .torsions import searchTorsions
-from .trajectory import Trajectory
 
 Path: TypeAlias = str | os.PathLike[str]
 
@@ -44,18 +43,6 @@ class FrameClashes(NamedTuple):
 
     number: int
     clashes: list[Clash]
-    clashesPer1000Atoms: float
-
-
-class FrameOverlaps(NamedTuple):
-    """The clashes of a model or a frame as arrays, which take less memory than a FrameClashes.
-
-    number : int, from 0; pairs : (n, 2) int32 array; overlaps : (n,) float64 array, nm; clashesPer1000Atoms : float
-    """
-
-    number: int
-    pairs: np.ndarray
-    overlaps: np.ndarray
     clashesPer1000Atoms: float
 
 
@@ -93,6 +80,9 @@ def findClashes(
         a ValueError, if a file cannot be read or is damaged, or a molecule is split and there is no box; what was found
         before that frame is its `frames`
     """
+    # It reads files, which needs more packages than the other modules beside this one.
+    from .structures.clashsearch import ClashSearch
+
     search = ClashSearch(structure, trajectory, radii, water, ions)
     frames: list[FrameClashes] = []
     try:
@@ -103,115 +93,6 @@ def findClashes(
     finally:
         warnOf(search.notes, stacklevel=2)
     return frames
-
-
-class ClashSearch:
-    """The search that `findClashes` does, frame by frame: iterate it once, or ask for parts of it.
-
-    Iteration gives a FrameClashes for each frame, `overlaps` a FrameOverlaps. At a damaged frame both raise an
-    InputError.
-
-    Attributes
-    ----------
-    structure, trajectory : str or Path, or None
-    finder : ClashFinder
-    frameCount : int or None
-        how many frames there are, if that is known
-    notes : list of Note
-        what the user should know of the input; complete after the iteration
-    madeWhole : list of int
-        frames in which molecules were made whole, so far
-    imageClashes : list of str
-        clashes with periodic images in the first frame, once it was looked at
-    """
-
-    def __init__(self, structure=None, trajectory=None, radii=None, water=False, ions=False):
-        """Read the structure, or the villin headpiece of OpenMM's package; arguments are those of `findClashes`."""
-        self.structure = villinPath() if structure is None else structure
-        self.trajectory = trajectory
-        # Its reader starts while we look at the structure.
-        self._trajectory = None if trajectory is None else Trajectory(trajectory)
-        try:
-            self._readStructure(radii, water, ions)
-            if trajectory is not None:
-                self._readHeader()
-        except BaseException:
-            self.close()
-            raise
-        self.madeWhole = []
-        self.imageClashes = []
-
-    def _readStructure(self, radii, water, ions):
-        self._models = readModels(self.structure)
-        topology, positions = self._models.topology, self._models.positions[0]
-        self._box = boxOf(topology)
-        self._word = "model" if self.trajectory is None else "frame"
-        self.finder = ClashFinder(topology, positions, self.structure, radii, water, ions)
-        self.notes = [*self._models.notes, *self.finder.notes]
-        self.frameCount = len(self._models.positions)
-
-    def _readHeader(self):
-        self._trajectory.readHeader()
-        self.frameCount = self._trajectory.frameCount
-        announced, held = self._trajectory.announced, self.frameCount
-        if announced is not None and held is not None and announced > held:
-            counts = f"its header tells of {announced:,} frames, but it holds {held:,}"
-            self.notes.append(Note(f"{self.trajectory}: {counts}"))
-
-    def __iter__(self):
-        try:
-            for number, pairs, overlaps, score in self.overlaps():
-                yield FrameClashes(number, nameClashes(pairs, overlaps, self.finder.names), score)
-        finally:
-            self.noteBoxes()
-            self.close()
-
-    def overlaps(self, begin=0, end=None):
-        """Yield a FrameOverlaps for each frame from one to another, which is not among them; None: to the last.
-
-        Where there is more to ask for, it has to come to its end first.
-        """
-        frames = self._modelFrames(begin, end) if self.trajectory is None else self._trajectoryFrames(begin, end)
-        for number, (positions, box) in enumerate(frames, begin):
-            source = f"{self.trajectory or self.structure}: {self._word} {number} (from 0)"
-            whole = self.finder.makeWhole(positions, box, source)
-            if whole is not positions:
-                self.madeWhole.append(number)
-            if number == 0:
-                self.imageClashes = self.finder.noteImages(whole, box).items
-            pairs, overlaps = self.finder.findOverlaps(whole)
-            yield FrameOverlaps(number, pairs, overlaps, 1000 * len(pairs) / self.finder.checkedCount)
-
-    def noteBoxes(self):
-        """Add to the notes what `madeWhole` and `imageClashes` tell."""
-        kind = f"{self._word}s in which molecules were split over the periodic box, and made whole"
-        images = WITH_IMAGES if self.frameCount == 1 else f"{WITH_IMAGES}, in {self._word} 0 (from 0)"
-        self.notes += found(
-            [
-                Note(kind, [f"{self._word} {number} (from 0)" for number in self.madeWhole]),
-                Note(images, self.imageClashes),
-            ]
-        )
-
-    def close(self):
-        """Close the trajectory."""
-        if self._trajectory is not None:
-            self._trajectory.close()
-
-    def _modelFrames(self, begin, end):
-        for positions in self._models.positions[begin:end]:
-            yield positions, self._box
-        if end in (None, self.frameCount) and self._models.damage is not None:
-            raise self._models.damage
-
-    def _trajectoryFrames(self, begin, end):
-        topology = self._models.topology
-        for index, (positions, box) in enumerate(self._trajectory.frames(begin, -1 if end is None else end), begin):
-            if len(positions) != topology.getNumAtoms():
-                counts = f"has {len(positions):,} atoms, but {self.structure} has {topology.getNumAtoms():,}"
-                raise InputError(f"{self.trajectory}: {counts}")
-            checkPositions(positions, topology, f"{self.trajectory}: frame {index} (from 0)")
-            yield positions, box
 
 
 class ClashFinder:

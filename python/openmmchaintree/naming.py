@@ -31,6 +31,11 @@ def describeResidue(residue):
     return joinNames(*_chainAndResidue(residue))
 
 
+def describeAtom(atom):
+    """Return an atom of a Topology in words: its name, then its residue."""
+    return f"{atom.name} of {describeResidue(atom.residue)}"
+
+
 def _chainAndResidue(residue):
     return residue.chain.id.strip(), f"{residue.name} {residue.id}{residue.insertionCode.strip()}"
 

@@ -5,8 +5,6 @@ Names are those of the Protein Data Bank, to which `openmm.app.PDBFile` brings w
 
 from functools import cache
 
-import gemmi
-
 from .datatables import readNames
 
 # Names that force fields and programs give to protonation states and to cysteines in disulfides.
@@ -147,11 +145,6 @@ def nucleotide(name):
 def isPolymerName(name):
     """Whether a residue name is one of an amino acid, a nucleotide or a cap."""
     return aminoAcid(name) is not None or isNucleotide(name) or name in CAPS
-
-
-def isKnown(name):
-    """Whether a residue name is one of a protein, nucleic acid, cap, water, ion or a compound that many files have."""
-    return isPolymerName(name) or isCalledWater(name) or gemmi.find_tabulated_residue(name).found()
 
 
 def chiAtoms(name):

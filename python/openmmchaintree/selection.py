@@ -8,6 +8,8 @@ import numpy as np
 import numpy.typing as npt
 from openmm import app
 
+from .extras import importExtra
+
 AtomSelection: TypeAlias = str | npt.ArrayLike | Callable[[app.Atom], bool]
 
 
@@ -72,8 +74,7 @@ def _selectByIndex(count, selection):
 
 def _selectByText(topology, text):
     # MDTraj takes longer to import than a small structure to read.
-    import mdtraj
-
+    mdtraj = importExtra("mdtraj", "a selection by text")
     converted = mdtraj.Topology.from_openmm(topology)
     for chain, original in zip(converted.chains, topology.chains(), strict=True):
         for residue in chain.residues:

@@ -10,6 +10,7 @@ from pathlib import Path
 
 import openmm.app
 
+from .extras import importExtra
 from .residues import aminoAcid, isCalledWater, nucleotide
 
 _DATA = Path(openmm.app.__file__).parent / "data"
@@ -40,7 +41,7 @@ def templateBonds(residueName, atomNames):
         places = {atom: number for number, atom in enumerate(atomNames)}
         bonds = _dictionaryBonds(name)
         known = {atom for bond in bonds for atom in bond}
-        if any(atom not in known for atom in atomNames if not _mayBeHydrogen(atom)):
+        if any(atom not in known for atom in atomNames if not mayBeHydrogen(atom)):
             return []
     return [(places[first], places[second]) for first, second in bonds if first in places and second in places]
 
@@ -94,26 +95,10 @@ def _names():
 @cache
 def _dictionaryBonds(residueName):
     # The dictionary takes seconds to load, and few structures need it.
-    from biotite.structure.info import bonds_in_residue
-
-    return list(bonds_in_residue(residueName))
-
-
-@cache
-def dictionaryElements(residueName, atomNames):
-    """Return the elements of a residue's atoms by their names, in capitals; none if the dictionary does not know it.
-
-    atomNames : frozenset of str, all of which it has to have, hydrogens apart
-    """
-    from biotite.structure.info import residue
-
-    try:
-        known = residue(residueName, allow_missing_coord=True)
-    except KeyError:
-        return {}
-    elements = dict(zip(known.atom_name.tolist(), (symbol.upper() for symbol in known.element.tolist()), strict=True))
-    return elements if all(name in elements for name in atomNames if not _mayBeHydrogen(name)) else {}
+    info = importExtra("biotite.structure.info", f"finding the bonds of {residueName}, which its Topology lacks,")
+    return list(info.bonds_in_residue(residueName))
 
 
-def _mayBeHydrogen(name):
+def mayBeHydrogen(name):
+    """Whether the name of an atom begins as those of hydrogen and deuterium."""
     return name.lstrip("0123456789").startswith(("H", "D"))

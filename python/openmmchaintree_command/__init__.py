@@ -13,8 +13,9 @@ def main():
     """Run the command; return its exit status."""
     try:
         from openmmchaintree.command.cli import main as run
+
+        return run()
     except ImportError as error:
         advice = f": pip install {error.name}" if isinstance(error, ModuleNotFoundError) else ""
         print(f"openmm-chaintree: {error}{advice}", file=sys.stderr)
         return _BAD_INSTALLATION
-    return run()

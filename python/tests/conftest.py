@@ -4,7 +4,7 @@ import openmmchaintree
 import pytest
 from commands import callMain
 from openmmchaintree.command.cli import main
-from openmmchaintree.structure import readStructure
+from openmmchaintree.structures.structure import readStructure
 from scenes import makeContext, realStructurePath
 
 

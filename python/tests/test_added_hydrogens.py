@@ -5,7 +5,7 @@ import pytest
 from openmm import app
 from openmmchaintree.command.energymodel import EnergyModel
 from openmmchaintree.command.hydrogens import addHydrogens
-from openmmchaintree.structure import readStructure
+from openmmchaintree.structures.structure import readStructure
 from peptides import energyOf, linesOf, makePeptides, withHydrogens
 from scenes import pdbLine, writePDB
 

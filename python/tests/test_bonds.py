@@ -6,7 +6,7 @@ from openmm import app
 from openmmchaintree import InputError, findClashes
 from openmmchaintree.bonds import BondGraph, molecules
 from openmmchaintree.command.plan import Choice, Plan
-from openmmchaintree.structure import readStructure
+from openmmchaintree.structures.structure import readStructure
 from scenes import GLYCINES, bondNames, pdbLine, realStructurePath, writePDB
 
 _LINK = "LINK         O   GLY A   1                 C1  XYZ B   1     1555 {:>6}  1.50"

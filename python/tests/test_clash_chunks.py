@@ -8,10 +8,10 @@ import numpy as np
 import pytest
 from commands import assertRefused, filesIn
 from openmm import app, unit
-from openmmchaintree import clashchunks
-from openmmchaintree.clashchunks import ProcessChunks, describeFiles, searchChunk, searchInChunks
-from openmmchaintree.clashes import ClashSearch
 from openmmchaintree.errors import InputError
+from openmmchaintree.structures import clashchunks
+from openmmchaintree.structures.clashchunks import ProcessChunks, describeFiles, searchChunk, searchInChunks
+from openmmchaintree.structures.clashsearch import ClashSearch
 from scenes import writeDCD, writeXTC
 
 FRAMES = 7

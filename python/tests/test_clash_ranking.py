@@ -2,10 +2,10 @@
 
 import numpy as np
 import pytest
-from openmmchaintree.clashes import FrameOverlaps
-from openmmchaintree.command import clashranking
-from openmmchaintree.command.clashranking import ClashRanking
+from openmmchaintree.command.reports import clashranking
+from openmmchaintree.command.reports.clashranking import ClashRanking
 from openmmchaintree.naming import AtomName
+from openmmchaintree.structures.clashsearch import FrameOverlaps
 
 NAMES = [AtomName("A", f"R {atom // 3}", f"C{atom % 3}") for atom in range(12)]
 

@@ -12,8 +12,8 @@ from threading import Thread
 import pytest
 from commands import assertRefused, filesIn, run
 from openmm import app, unit
-from openmmchaintree import cluster
-from openmmchaintree.command.replicafiles import ReplicaFiles
+from openmmchaintree.command.outputs.replicafiles import ReplicaFiles
+from openmmchaintree.replicas import cluster
 from scenes import writeDCD, writeSmallStructures
 from test_replicas import PROTEIN, contents
 

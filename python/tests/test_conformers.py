@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from openmmchaintree.command.sampling import Sampling
 from openmmchaintree.command.terminal import Interrupts
-from openmmchaintree.structure import readStructure
+from openmmchaintree.structures.structure import readStructure
 from scenes import GLYCINES, pdbLine, realStructurePath, writePDB
 
 

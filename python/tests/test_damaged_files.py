@@ -8,8 +8,9 @@ import warnings
 import numpy as np
 import pytest
 from openmm import app, unit
-from openmmchaintree import InputError, findClashes, trajectory
-from openmmchaintree.structure import readStructure
+from openmmchaintree import InputError, findClashes
+from openmmchaintree.structures import trajectory
+from openmmchaintree.structures.structure import readStructure
 from scenes import GLYCINES, writeDCD, writePDB, writeXTC
 
 _ATOMS = 582

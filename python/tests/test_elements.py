@@ -2,8 +2,8 @@
 
 import gemmi
 import pytest
-from openmmchaintree.elements import findElements
-from openmmchaintree.structure import readModels
+from openmmchaintree.structures.elements import findElements
+from openmmchaintree.structures.structure import readModels
 from scenes import GLYCINES, pdbLine, writePDB
 
 

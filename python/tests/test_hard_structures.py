@@ -6,7 +6,7 @@ import pytest
 from openmmchaintree.command.plan import Choice
 from openmmchaintree.command.sampling import Sampling
 from openmmchaintree.command.terminal import Interrupts
-from openmmchaintree.structure import readStructure
+from openmmchaintree.structures.structure import readStructure
 from scenes import realStructurePath
 from scipy.spatial import cKDTree
 

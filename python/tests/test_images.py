@@ -7,10 +7,10 @@ import pytest
 from mdtraj.formats import XTCTrajectoryFile
 from openmm import app, unit
 from openmmchaintree import InputError, findClashes
-from openmmchaintree.clashes import ClashSearch
 from openmmchaintree.command.sampling import Sampling
 from openmmchaintree.images import isBox, leastWidth, makeWhole, nearestImage, reducedBox
-from openmmchaintree.structure import readStructure
+from openmmchaintree.structures.clashsearch import ClashSearch
+from openmmchaintree.structures.structure import readStructure
 from scenes import GLYCINES, bondNames, realStructurePath, writeDCD, writePDB, writeXTC
 
 _BOXES = [

@@ -5,7 +5,7 @@ import pytest
 from openmm import app, unit
 from openmmchaintree import InputError, createStericExclusionForce, findTorsions
 from openmmchaintree.command.sampling import Sampling
-from openmmchaintree.structure import Structure
+from openmmchaintree.structures.structure import Structure
 from scenes import GLYCINES, peptide, writePDB
 
 

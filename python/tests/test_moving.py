@@ -8,8 +8,8 @@ import pytest
 from commands import assertRefused
 from openmm import app, unit
 from openmmchaintree.command.plan import Choice, Plan
-from openmmchaintree.command.planreport import describePlan
-from openmmchaintree.structure import Structure
+from openmmchaintree.command.reports.planreport import describePlan
+from openmmchaintree.structures.structure import Structure
 from scenes import GLYCINES, readDCD, realStructurePath, writePDB
 
 LEFT_OUT = (

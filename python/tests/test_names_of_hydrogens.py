@@ -8,7 +8,8 @@ from openmm import app
 from openmmchaintree import findTorsions
 from openmmchaintree.command.energymodel import EnergyModel
 from openmmchaintree.command.hydrogens import addHydrogens
-from openmmchaintree.structure import readStructure, subset, withoutAtoms
+from openmmchaintree.solute import subset
+from openmmchaintree.structures.structure import readStructure, withoutAtoms
 from peptides import energyOf, makePeptides, withHydrogens
 from scenes import HEAVY_ATOMS, pdbLine, realStructurePath, writePDB
 

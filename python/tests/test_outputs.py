@@ -15,9 +15,10 @@ import numpy as np
 import pytest
 from commands import assertRefused, filesIn
 from openmm import app
-from openmmchaintree.command import outputfiles, sample
-from openmmchaintree.command.outputfiles import Output, OutputError, Writing
-from openmmchaintree.command.trajectoryfile import TrajectoryFile
+from openmmchaintree.command import sample
+from openmmchaintree.command.outputs import outputfiles
+from openmmchaintree.command.outputs.outputfiles import Output, OutputError, Writing
+from openmmchaintree.command.outputs.trajectoryfile import TrajectoryFile
 from openmmchaintree.errors import InputError
 from scenes import GLYCINES, readDCD, writePDB
 

@@ -3,10 +3,10 @@
 import numpy as np
 import pytest
 from openmm import app, unit
-from openmmchaintree.clashes import ClashSearch
-from openmmchaintree.command import clashpicture, samplepicture
-from openmmchaintree.command.outputfiles import Output
+from openmmchaintree.command.outputs.outputfiles import Output
+from openmmchaintree.command.pictures import clashpicture, samplepicture
 from openmmchaintree.command.sampling import Frame
+from openmmchaintree.structures.clashsearch import ClashSearch
 from scenes import writeDCD
 
 LONG_NAME = "W$_" * 80

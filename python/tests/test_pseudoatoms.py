@@ -3,7 +3,8 @@
 import pytest
 from openmm import app
 from openmmchaintree import InputError, createStericExclusionForce
-from openmmchaintree.structure import readModels, readStructure, selectSolute
+from openmmchaintree.solute import selectSolute
+from openmmchaintree.structures.structure import readModels, readStructure
 from scenes import GLYCINES, pdbLine, writePDB
 
 

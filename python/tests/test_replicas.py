@@ -8,11 +8,11 @@ import pytest
 from commands import assertRefused, filesIn
 from openmm import app, unit
 from openmmchaintree import TorsionMonteCarloIntegrator, createStericExclusionForce
+from openmmchaintree.command.outputs.replicafiles import readIndex, trajectoryNames
 from openmmchaintree.command.plan import DEFAULT_KINDS, Choice
-from openmmchaintree.command.replicafiles import readIndex, trajectoryNames
 from openmmchaintree.command.sampling import Sampling
 from openmmchaintree.replicas.segment import Segment, Stop, Workplace, makeModel
-from openmmchaintree.structure import readStructure
+from openmmchaintree.structures.structure import readStructure
 from scenes import DIPEPTIDE, GLYCINES, readDCD, writePDB, writeSmallStructures
 
 PROTEIN = "amber14/protein.ff14SB.xml"

@@ -14,8 +14,9 @@ from pathlib import Path
 
 import pytest
 from commands import COMMAND, assertRefused, filesIn
-from openmmchaintree.command import outputfiles, replicafiles, replicarun
-from openmmchaintree.command.replicafiles import ReplicaFiles
+from openmmchaintree.command import replicarun
+from openmmchaintree.command.outputs import outputfiles, replicafiles
+from openmmchaintree.command.outputs.replicafiles import ReplicaFiles
 from openmmchaintree.errors import InputError
 from openmmchaintree.replicas import checkpointfile
 from scenes import GLYCINES, readDCD, writePDB, writeSmallStructures

@@ -17,7 +17,7 @@ from openmmchaintree.command.energymodel import EnergyModel
 from openmmchaintree.command.forbidden import measureForbidden
 from openmmchaintree.command.sampling import Sampling
 from openmmchaintree.command.terminal import Interrupts
-from openmmchaintree.structure import readStructure
+from openmmchaintree.structures.structure import readStructure
 from scenes import GLYCINES, readDCD, realStructurePath, writePDB
 
 PROTEIN = "amber14/protein.ff14SB.xml"  # a part of amber14-all.xml, quicker to read

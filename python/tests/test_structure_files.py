@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from openmm import app, unit
 from openmmchaintree import InputError
-from openmmchaintree.structure import readModels, readStructure
+from openmmchaintree.structures.structure import readModels, readStructure
 from scenes import GLYCINES, bondNames, pdbLine, realStructurePath, writePDB
 
 _SHIFTED = [line[:30] + f"{float(line[30:38]) + 50:8.3f}" + line[38:] for line in GLYCINES]

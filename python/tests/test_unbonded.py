@@ -8,7 +8,7 @@ from openmm import app
 from openmmchaintree import createStericExclusionForce
 from openmmchaintree.bonds import BondGraph
 from openmmchaintree.notes import NoteWarning
-from openmmchaintree.structure import readStructure
+from openmmchaintree.structures.structure import readStructure
 from openmmchaintree.unbonded import unbondedNeighbors
 from scenes import GLYCINES, pdbLine, writePDB
 

@@ -2,15 +2,15 @@
 
 from contextlib import closing, contextmanager
 
-from ..clashes import ClashSearch
 from ..errors import ClusterError, InputError
-from ..limits import PROCESSES
 from ..radii import RADII_SETS
+from ..structures.clashsearch import ClashSearch
+from ..structures.limits import PROCESSES
 from .arguments import addScheduler, positive, positiveUpTo
-from .clashranking import ClashRanking
-from .clashreport import asCSV, plainFrames, printReport, summarize
-from .noteoutput import addNotes, asText
-from .outputfiles import Writing, addOverwrite, asJSONWith, checkOutputs, checkPicture
+from .outputs.outputfiles import Writing, addOverwrite, asJSONWith, checkOutputs, checkPicture
+from .reports.clashranking import ClashRanking
+from .reports.clashreport import asCSV, plainFrames, printReport, summarize
+from .reports.noteoutput import addNotes, asText
 from .status import BAD_INPUT, ofSignal
 from .terminal import ReportConsole, interruptFlag, printError, progress
 
@@ -134,7 +134,7 @@ def _startWorkers(options, arguments):
     if options.scheduler is None and options.workers in (None, 1):
         yield ClashSearch.overlaps, _doNothing
         return
-    from .. import clashchunks
+    from ..structures import clashchunks
 
     try:
         files = clashchunks.describeFiles(*arguments)
@@ -144,7 +144,7 @@ def _startWorkers(options, arguments):
     if options.scheduler is None:
         workers = clashchunks.ProcessChunks(options.workers, files)
     else:
-        from ..cluster import Cluster  # Dask takes long to import
+        from ..replicas.cluster import Cluster  # Dask takes long to import
 
         workers = clashchunks.ClusterChunks(Cluster(options.scheduler))
 
@@ -164,6 +164,6 @@ def _doNothing():
 
 def _savePicture(output, search, frames):
     # Matplotlib takes longer to import than most searches.
-    from .clashpicture import savePicture
+    from .pictures.clashpicture import savePicture
 
     savePicture(output, search, frames)

@@ -10,7 +10,7 @@ import openmm
 from .. import __version__
 from ..errors import InputError
 from .arguments import Parser
-from .outputfiles import OutputError
+from .outputs.outputfiles import OutputError
 from .status import BAD_INPUT, INTERRUPTED, NOBODY_READS, TERMINATED
 from .terminal import Terminated, interruptible, printError
 

@@ -1,7 +1,7 @@
 """How a run of the command ends: what it writes of itself, and its exit status."""
 
-from .noteoutput import asText
-from .outputfiles import asJSON
+from .outputs.outputfiles import asJSON
+from .reports.noteoutput import asText
 from .status import BAD_INPUT, BEYOND_LIMIT, ofSignal
 from .terminal import printError
 

@@ -12,7 +12,7 @@ from ..naming import describeResidue, nameAtom
 from ..notes import Note, found
 from ..openmmchaintree import StericExclusionForce
 from ..residues import isMirrored
-from ..structure import subset
+from ..solute import subset
 from .misfits import describeMisfits, firstSentence
 from .templatenames import nameByTemplates
 

@@ -3,10 +3,10 @@
 from typing import NamedTuple
 
 from ..errors import InputError
-from ..limits import REPLICAS, checkMemory
 from ..replicas.coordinator import RunPlan
 from ..replicas.ladder import deriveSeeds, readLadder
 from ..replicas.schedule import Schedule
+from ..structures.limits import REPLICAS, checkMemory
 from .arguments import addScheduler, numberIn, positive, positiveUpTo, usableCores
 
 _TRIALS_PER_EXCHANGE = 4000

@@ -11,11 +11,11 @@ from ..errors import ClusterError, InputError
 from ..replicas.checkpointfile import nameTemporary, readCheckpoint, writeCheckpoint
 from ..replicas.coordinator import Coordinator, RunState
 from ..replicas.schedule import Schedule
-from .outputfiles import OutputError, checkOutputs, encoded
-from .replicafiles import ReplicaFiles
+from .outputs.outputfiles import OutputError, checkOutputs, encoded
+from .outputs.replicafiles import ReplicaFiles
+from .outputs.trajectoryfile import trialsOfAStep
 from .savedheader import findWrong, findWrongState
 from .terminal import interruptFlag, printError, progress
-from .trajectoryfile import trialsOfAStep
 
 # The kinds of outputs that are written at the end.
 REPORTS = ("picture", "notes", "json")

@@ -4,14 +4,14 @@ from contextlib import closing
 
 from ..replicas.threads import ThreadReplicas
 from .ending import endRun, writeReports
-from .energyreport import describeEnergies
-from .outputfiles import Writing, beginning
-from .planreport import describePlan
-from .replicafiles import readIndex, trajectoryNames
+from .outputs.outputfiles import Writing, beginning
+from .outputs.replicafiles import readIndex, trajectoryNames
+from .outputs.scenefiles import removeScene, renewSettings, writeScene
 from .replicaoptions import makePlan
-from .replicareport import isBeyond, printReplicaReport, summarizeReplicas
 from .replicarun import FREE_SETTINGS, REPORTS, NotedReport, ReplicaRun
-from .scenefiles import removeScene, renewSettings, writeScene
+from .reports.energyreport import describeEnergies
+from .reports.planreport import describePlan
+from .reports.replicareport import isBeyond, printReplicaReport, summarizeReplicas
 
 _TRAJECTORY = "trajectory "
 
@@ -34,7 +34,7 @@ def _makeWorkers(choice, model):
     """Return who runs Segments of a Model."""
     if choice.scheduler is None:
         return ThreadReplicas(model, choice.workers)
-    from ..cluster import Cluster, ClusterReplicas  # Dask takes long to import
+    from ..replicas.cluster import Cluster, ClusterReplicas  # Dask takes long to import
 
     return ClusterReplicas(Cluster(choice.scheduler), model)
 
@@ -116,6 +116,6 @@ def _describeRun(run, choice):
 
 def _savePicture(output, summary, index):
     # Matplotlib takes longer to import than a short run.
-    from .replicapicture import saveReplicaPicture
+    from .pictures.replicapicture import saveReplicaPicture
 
     saveReplicaPicture(output, summary, index)

@@ -9,28 +9,28 @@ import openmm
 
 from ..bonds import DISULFIDES, LOOPS
 from ..errors import InputError
-from ..structure import readStructure, withoutAtoms
+from ..structures.structure import readStructure, withoutAtoms
 from ..torsions import KIND_WORDS, KINDS_WITH_ENERGIES
 from .arguments import frameCount, listOf, notNegative, numberIn, positive, seed
 from .config import addConfig, applySettings, readSettings, settingsOf
 from .ending import endRun, writeReports
 from .energymodel import EnergyModel
 from .energyoptions import addEnergyOptions, readEnergyOptions
-from .energyreport import describeEnergies
 from .forbidden import measureForbidden
 from .hydrogens import addHydrogens
-from .noteoutput import addNotes
-from .outputfiles import OutputError, Writing, addOverwrite, beginning, checkOutputs
+from .outputs.outputfiles import OutputError, Writing, addOverwrite, beginning, checkOutputs
+from .outputs.scenefiles import removeScene, writeScene
+from .outputs.trajectoryfile import TrajectoryFile
 from .plan import DEFAULT_KINDS, Choice, selectByOption
-from .planreport import describePlan
 from .replicaoptions import addReplicaOptions, readReplicaOptions
 from .replicarun import SavedRun
 from .replicasample import replicaNames, sampleReplicas
-from .samplereport import printReport, summarize
+from .reports.energyreport import describeEnergies
+from .reports.noteoutput import addNotes
+from .reports.planreport import describePlan
+from .reports.samplereport import printReport, summarize
 from .sampling import Sampling
-from .scenefiles import removeScene, writeScene
 from .terminal import ReportConsole, collectionPaused, interruptFlag, printError, progress
-from .trajectoryfile import TrajectoryFile
 
 __all__ = ["addArguments", "applySettings"]
 
@@ -307,7 +307,7 @@ def _sample(sampling, trials, trajectory, failures):
 
 def _savePicture(output, structure, sampling):
     # Matplotlib takes longer to import than a short run.
-    from .samplepicture import savePicture
+    from .pictures.samplepicture import savePicture
 
     kinds = [torsion.kind for torsion in sampling.torsions]
     savePicture(output, structure.name, sampling.frames, kinds, [move.name for move in sampling.moves])

@@ -21,9 +21,9 @@ from . import allpairs
 from .bondlengths import BondLengths
 from .energies import Energies
 from .energymodel import OFF, repeatablePlatform
-from .energyreport import summarizeEnergies
 from .geometry import dihedrals, radiusOfGyration
 from .plan import Choice, Plan
+from .reports.energyreport import summarizeEnergies
 
 
 class _MoveKind(NamedTuple):

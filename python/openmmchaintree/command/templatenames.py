@@ -7,7 +7,7 @@ parameters in residues that are named as nucleotides.
 import openmm.app
 
 from ..residues import aminoAcid, nucleotide
-from ..structure import subset
+from ..solute import subset
 
 
 def nameByTemplates(forceField, topology):

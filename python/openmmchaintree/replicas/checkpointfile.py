@@ -9,7 +9,7 @@ from hashlib import sha256
 from pathlib import Path
 
 from ..errors import InputError
-from ..limits import checkMemory
+from ..structures.limits import checkMemory
 
 _VERSION = 2
 

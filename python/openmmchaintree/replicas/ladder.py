@@ -5,7 +5,7 @@ import math
 import numpy as np
 
 from ..errors import InputError
-from ..limits import REPLICAS
+from ..structures.limits import REPLICAS
 
 _GAS_CONSTANT = 8.31446261815324e-3  # kJ/mol/K
 

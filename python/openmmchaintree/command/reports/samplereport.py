@@ -4,9 +4,9 @@ from collections import Counter
 
 from rich.table import Table
 
-from ..naming import describeResidue
-from ..torsions import KINDS
-from .energymodel import HARD, OFF
+from ...naming import describeResidue
+from ...torsions import KINDS
+from ..energymodel import HARD, OFF
 from .energyreport import printEnergies
 from .noteoutput import asPlain, printNotes
 from .planreport import describePlan

@@ -7,9 +7,9 @@ import numpy as np
 from openmm import unit
 from rich.table import Table
 
+from ..terminal import printable
 from .clashranking import ClashRanking
 from .noteoutput import asPlain, printNotes
-from .terminal import printable
 
 # So many residues are named for each frame.
 _WORST_OF_A_FRAME = 5

@@ -3,8 +3,8 @@
 import numpy as np
 from rich.table import Table
 
-from ..openmmchaintree import MoveStatistics
-from .energymodel import HARD, OFF
+from ...openmmchaintree import MoveStatistics
+from ..energymodel import HARD, OFF
 from .samplereport import describeMove, describeScene, describeVerdict, printMoves, printScene
 
 

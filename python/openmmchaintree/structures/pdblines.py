@@ -7,8 +7,10 @@ that begin in the wrong column as other elements, ends at the first END, and rea
 import re
 from typing import NamedTuple
 
+import gemmi
+
+from ..residues import isCalledWater, isPolymerName
 from .elements import findElements
-from .residues import isKnown
 
 # Records that are read, beside those of models.
 _RECORDS = {"CRYST1", "SCALE1", "SCALE2", "SCALE3", "TER", "LINK", "SSBOND", "CONECT"}
@@ -164,8 +166,13 @@ def _isOfLongChain(columns):
     short, long, chain = columns[:3].strip(), columns[:4].strip(), columns[3:5]
     if not short or len(chain.strip()) < 2 or long in _FOUR_LETTERS:
         return False
-    if columns[0] == " " and isKnown(short):  # a name of four letters begins in the first column
+    if columns[0] == " " and _isKnown(short):  # a name of four letters begins in the first column
         return True
-    if isKnown(short) or isKnown(long):
-        return not isKnown(long)
+    if _isKnown(short) or _isKnown(long):
+        return not _isKnown(long)
     return True if columns[0] == " " or chain[0].islower() else None
+
+
+def _isKnown(name):
+    """Whether a residue name is one of a protein, nucleic acid, cap, water, ion or a compound that many files have."""
+    return isPolymerName(name) or isCalledWater(name) or gemmi.find_tabulated_residue(name).found()

@@ -10,9 +10,9 @@ from uuid import uuid4
 
 import openmm
 
-from . import __version__
-from .errors import ClusterError, InputError
-from .replicas.segment import runSegment
+from .. import __version__
+from ..errors import ClusterError, InputError
+from .segment import runSegment
 
 _CONNECT_SECONDS = 10
 _ANSWER_SECONDS = 3  # more than a Client takes to say that it cannot connect

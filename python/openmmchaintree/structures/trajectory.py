@@ -17,7 +17,7 @@ from ..images import isBox
 _FORMATS = (".dcd", ".xtc")
 
 # Run by its path, not as a module of the package, since it has no need of OpenMM.
-_READER = Path(__file__).with_name("reader.py")
+_READER = Path(__file__).with_name("trajectoryreader.py")
 
 # The reader goes ahead by as much as its pipe holds (bytes): some frames, not one.
 _PIPE_SIZE = 1 << 18

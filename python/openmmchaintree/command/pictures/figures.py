@@ -10,7 +10,7 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.colors import LogNorm
 from matplotlib.figure import Figure
 
-from .terminal import printable
+from ..terminal import printable
 
 # Its word on building a font cache, on a first run, is not for those who run a command.
 logging.getLogger("matplotlib").setLevel(logging.ERROR)

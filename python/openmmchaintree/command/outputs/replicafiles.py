@@ -7,7 +7,7 @@ from contextlib import ExitStack
 
 import numpy as np
 
-from ..errors import InputError
+from ...errors import InputError
 from .growingfile import GrowingFile
 from .trajectoryfile import TrajectoryFile
 

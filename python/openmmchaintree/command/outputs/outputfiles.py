@@ -9,10 +9,10 @@ from contextlib import ExitStack, contextmanager, suppress
 from pathlib import Path
 from textwrap import indent
 
-from ..errors import InputError
-from ..notes import listFirst
-from ..replicas.checkpointfile import nameTemporary
-from .terminal import printable
+from ...errors import InputError
+from ...notes import listFirst
+from ...replicas.checkpointfile import nameTemporary
+from ..terminal import printable
 
 try:
     import fcntl

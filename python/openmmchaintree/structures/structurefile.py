@@ -12,8 +12,9 @@ from contextlib import contextmanager
 
 import gemmi
 
+from ..errors import InputError
+from ..extras import importExtra
 from .elements import NO_ELEMENT, findElements
-from .errors import InputError
 from .limits import readAtMost
 from .pdblines import repairLines
 
@@ -177,7 +178,9 @@ def _correctElements(structure):
 
 def _readBinaryCIF(path, data):
     """Return a Structure."""
-    # Few files are of this kind, and the package takes a second to import.
+    # Few files are of this kind, and biotite takes a second to import.
+    for package in ("biotite", "msgpack"):
+        importExtra(package, "reading BinaryCIF")
     from .binarycif import readCategories
 
     with _explaining(path, "a BinaryCIF"):

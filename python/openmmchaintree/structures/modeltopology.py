@@ -7,10 +7,10 @@ import gemmi
 import numpy as np
 from openmm import app
 
+from ..naming import joinNames
+from ..notes import Note, found
+from ..residues import isCalledWater, isWaterOf
 from .conformers import NO_ALTERNATE, chooseConformers
-from .naming import joinNames
-from .notes import Note, found
-from .residues import isCalledWater, isWaterOf
 
 
 class ModelTopology(NamedTuple):

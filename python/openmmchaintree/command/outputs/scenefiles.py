@@ -5,8 +5,8 @@ import io
 import openmm.app
 from openmm import unit
 
-from ..errors import InputError
-from .config import asTOML, readSettings
+from ...errors import InputError
+from ..config import asTOML, readSettings
 
 # What a run that goes on may change.
 _CHANGED = ("trials", "frames")

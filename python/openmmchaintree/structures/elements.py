@@ -9,10 +9,11 @@ from functools import cache
 
 import gemmi
 
-from .datatables import readNames
-from .pseudoatoms import isSite
-from .residues import isCalledWater, isPolymerName
-from .templates import dictionaryElements
+from ..datatables import readNames
+from ..extras import importExtra
+from ..pseudoatoms import isSite
+from ..residues import isCalledWater, isPolymerName
+from ..templates import mayBeHydrogen
 
 NO_ELEMENT = "X"
 
@@ -130,7 +131,7 @@ class _Atom:
         return one if one in _ONE_LETTER or (one in _WHOLE_NAMES and _core(self._name) == one) else None
 
     def _fromDictionary(self):
-        return dictionaryElements(self._residue, frozenset(self._names)).get(self._name)
+        return _dictionaryElements(self._residue, frozenset(self._names)).get(self._name)
 
 
 def _letters(name):
@@ -152,3 +153,18 @@ def _isSymbol(text):
 @cache
 def _ions():
     return {residue: symbol.upper() for residue, symbol in readNames("ion")}
+
+
+@cache
+def _dictionaryElements(residueName, atomNames):
+    """Return the elements of a residue's atoms by their names, in capitals; none if the dictionary does not know it.
+
+    atomNames : frozenset of str, all of which it has to have, hydrogens apart
+    """
+    info = importExtra("biotite.structure.info", f"finding the elements of {residueName}")
+    try:
+        known = info.residue(residueName, allow_missing_coord=True)
+    except KeyError:
+        return {}
+    elements = dict(zip(known.atom_name.tolist(), (symbol.upper() for symbol in known.element.tolist()), strict=True))
+    return elements if all(name in elements for name in atomNames if not mayBeHydrogen(name)) else {}

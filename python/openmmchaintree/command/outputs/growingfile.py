@@ -4,7 +4,7 @@ import os
 import stat
 import zlib
 
-from ..errors import InputError
+from ...errors import InputError
 
 
 class GrowingFile:

@@ -1,7 +1,7 @@
 """Notes on what was read: one line a kind in the report, all of them on request."""
 
-from ..notes import Note
-from .terminal import printable
+from ...notes import Note
+from ..terminal import printable
 
 
 def addNotes(parser):

@@ -3,7 +3,7 @@
 import os
 from typing import NamedTuple
 
-from .errors import InputError
+from ..errors import InputError
 
 _MEGABYTE = 10**6
 

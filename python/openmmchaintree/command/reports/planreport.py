@@ -4,9 +4,9 @@ from collections import Counter
 
 import numpy as np
 
-from ..naming import describeResidue
-from ..residues import isPolymer
-from ..torsions import KINDS
+from ...naming import describeResidue
+from ...residues import isPolymer
+from ...torsions import KINDS
 
 # Of more parts than this a line names the first ones, and counts the rest.
 _LONGEST_LIST = 5

@@ -17,8 +17,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from .clashes import ClashSearch, FrameOverlaps
-from .errors import ClusterError, InputError
+from ..errors import ClusterError, InputError
+from .clashsearch import ClashSearch, FrameOverlaps
 from .structure import villinPath
 
 # Chunks are short enough that nobody waits long for the last one, and long enough that asking for them takes no time.

@@ -1,0 +1,167 @@
+"""Which module may import which: the command, replicas, structures, and the core below them, which needs least."""
+
+import ast
+import subprocess
+import sys
+from pathlib import Path
+
+import openmmchaintree
+import pytest
+
+_PACKAGE = Path(openmmchaintree.__file__).parent
+
+# From the bottom up. The core is all modules that lie in no folder.
+_LAYERS = ("", "structures", "replicas", "command")
+_MODULES = {
+    path: ".".join(path.relative_to(_PACKAGE).with_suffix("").parts)
+    for path in _PACKAGE.rglob("*.py")
+    if path.name not in ("__init__.py", "__main__.py", "openmmchaintree.py") or path.parent != _PACKAGE
+}
+
+# The public call that reads files imports what reads them when it is called.
+_LATE = {("clashes", "structures.clashsearch")}
+
+# Packages that the core may import: always, and where one module says in one sentence what is missing.
+_NEEDED = {"openmm", "numpy", "openmmchaintree_forcefield", *sys.stdlib_module_names}
+_OPTIONAL = {("openmmtoolsmove", "openmmtools")}
+
+_BLOCKED = (
+    "biotite", "dask", "distributed", "gemmi", "matplotlib", "mdtraj", "msgpack", "rich", "scipy", "tomli", "tomli_w",
+)  # fmt: skip
+
+
+def layerOf(module):
+    return _LAYERS.index(module.split(".")[0]) if module.split(".")[0] in _LAYERS else 0
+
+
+def importsOf(path, module):
+    """Return the modules of the package, by their names in it, and the names of other packages that a file imports."""
+    own, others = set(), set()
+    names = module.split(".")
+    package = names[:-1]
+    for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
+        if isinstance(node, ast.Import):
+            others |= {alias.name.split(".")[0] for alias in node.names}
+        elif isinstance(node, ast.ImportFrom) and node.level == 0:
+            others.add(node.module.split(".")[0])
+        elif isinstance(node, ast.ImportFrom):
+            base = package[: len(package) + 1 - node.level]
+            if node.module is None:
+                own |= {".".join([*base, alias.name]) for alias in node.names}
+            else:
+                own.add(".".join([*base, node.module]))
+    return own, others
+
+
+@pytest.mark.parametrize("path", _MODULES, ids=_MODULES.values())
+def test_importsGoDownwards(path):
+    module = _MODULES[path]
+    own, _ = importsOf(path, module)
+    upwards = {other for other in own if layerOf(other) > layerOf(module) and (module, other) not in _LATE}
+    assert not upwards
+
+
+@pytest.mark.parametrize("module", [module for module in _MODULES.values() if layerOf(module) == 0])
+def test_theCoreNeedsOnlyOpenMMAndNumPy(module):
+    _, others = importsOf(_PACKAGE / f"{module}.py", module)
+    assert not {other for other in others - _NEEDED if (module, other) not in _OPTIONAL}
+
+
+def runWithout(packages, program, tmp_path):
+    """Run a program in a Python in which some packages cannot be imported."""
+    blocking = f"""
+import sys
+class Blocker:
+    def find_spec(self, name, path=None, target=None):
+        if name.split(".")[0] in {packages!r}:
+            raise ModuleNotFoundError(f"No module named {{name!r}}", name=name)
+sys.meta_path.insert(0, Blocker())
+"""
+    return subprocess.run([sys.executable, "-c", blocking + program], cwd=tmp_path, capture_output=True, text=True)
+
+
+_CORE = """
+import io
+import numpy as np
+import openmm
+from openmm import app, unit
+from openmmchaintree import *
+
+villin = app.PDBFile(app.__path__[0] + "/data/test.pdb")
+modeller = app.Modeller(villin.topology, villin.positions)
+modeller.delete([residue for residue in villin.topology.residues() if residue.name in ("HOH", "Cl")])
+topology, positions = modeller.topology, modeller.positions
+system = app.ForceField("amber14-all.xml", "implicit/gbn2.xml").createSystem(topology)
+system.addForce(createStericExclusionForce(topology, positions, system=system))
+force = StericExclusionForce.cast(system.getForce(system.getNumForces() - 1))
+selectAtoms(topology, lambda atom: atom.name == "CA")
+rotamerDensities(topology, force), ramachandranDensities(topology, force)
+integrator = TorsionMonteCarloIntegrator(300)
+print(addDefaultMoves(integrator, topology, system))
+integrator.setTrialsPerStep(20)
+simulation = app.Simulation(topology, system, integrator, openmm.Platform.getPlatformByName("Reference"))
+simulation.context.setPositions(positions)
+lines = io.StringIO()
+simulation.reporters.append(ClashReporter(lines, 1))
+simulation.step(2)
+assert len(lines.getvalue().splitlines()) == 3
+pairs, overlaps = force.getClashes(simulation.context)
+
+# A reporter that makes the force itself finds bonds and clashes.
+bare = openmm.System()
+for _ in topology.atoms():
+    bare.addParticle(1)
+simulation = app.Simulation(topology, bare, openmm.VerletIntegrator(0.001))
+simulation.context.setPositions(positions)
+simulation.reporters.append(ClashReporter(lines, 1))
+simulation.step(1)
+createTopology(bare, elements=["C"] * topology.getNumAtoms(), bonds=[])
+
+# So does the distance of atoms, with images.
+from openmmchaintree.covalent import bondedPairs
+from openmmchaintree.imageclashes import noteOnImages
+from openmmchaintree.naming import nameAtom
+inNm = positions.value_in_unit(unit.nanometer)
+inNm = np.array([[v.x, v.y, v.z] for v in inNm])
+assert len(bondedPairs(inNm, np.array([a.element.atomic_number for a in topology.atoms()]))) > 500
+assert noteOnImages(force, inNm, np.eye(3), [nameAtom(atom) for atom in topology.atoms()]).items
+"""
+
+
+def test_theCoreRunsWithOpenMMAndNumPyAlone(tmp_path):
+    result = runWithout(_BLOCKED, _CORE, tmp_path)
+    assert result.returncode == 0, result.stderr
+    assert "side chains from rotamer to rotamer" in result.stdout
+
+
+@pytest.mark.parametrize(
+    "package, call, reason",
+    [
+        ("gemmi", "findClashes('x.pdb')", "reading structure files needs gemmi"),
+        ("mdtraj", "selectAtoms(app.PDBFile(villin).topology, 'name CA')", "a selection by text needs mdtraj"),
+        ("biotite", "templateBonds('HEM', ['FE', 'NA'])", "finding the bonds of HEM, which its Topology lacks, needs"),
+    ],
+)
+def test_aMissingPackageIsNamed(tmp_path, package, call, reason):
+    program = (
+        "from openmm import app\nfrom openmmchaintree import *\nfrom openmmchaintree.templates import templateBonds\n"
+        f"villin = app.__path__[0] + '/data/test.pdb'\n{call}\n"
+    )
+    result = runWithout((package,), program, tmp_path)
+    (*_, message) = result.stderr.splitlines()
+    assert message.startswith(f"ImportError: {reason}")
+    assert message.endswith(f"(No module named '{package}'): pip install {package}")
+
+
+@pytest.mark.parametrize(
+    "package, words, message",
+    [
+        ("gemmi", "sample", "reading structure files needs gemmi, which cannot be imported (No module named 'gemmi')"),
+        ("matplotlib", "clashes --picture a.png", "No module named 'matplotlib'"),
+    ],
+)
+def test_theCommandNamesAMissingPackage(tmp_path, package, words, message):
+    program = f"from openmmchaintree_command import main; sys.argv[1:] = {words.split()!r}; sys.exit(main())"
+    result = runWithout((package,), program, tmp_path)
+    assert result.returncode == 2
+    assert result.stderr == f"openmm-chaintree: {message}: pip install {package}\n"
