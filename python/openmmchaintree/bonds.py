@@ -1,11 +1,13 @@
 """The bonds of a Topology as a graph, without disulfides and metals' bonds on request; and its rings."""
 
 from collections.abc import Iterable
+from functools import cached_property
 from typing import TypeAlias
 
 from .bondsearch import BondSearch, Gap, polymerLinks
 from .components import connectedParts
 from .loops import loopBonds
+from .shownhydrogens import ShownHydrogens
 
 __all__ = ["BondGraph", "Gap", "molecules", "neighborLists", "polymerLinks", "ringBonds"]
 
@@ -122,6 +124,11 @@ class BondGraph:
         if not others:
             raise ValueError(f"closures names atom {atom}, which has no other bond")
         return min(others)
+
+    @cached_property
+    def shownHydrogens(self):
+        """Which molecules show their hydrogens: a ShownHydrogens."""
+        return ShownHydrogens(self)
 
     def elementNumber(self, atom):
         """Return the atomic number of an atom, 0 for an extra particle."""

@@ -13,7 +13,6 @@ these are found bound.
 
 import numpy as np
 
-from .components import connectedParts
 from .errors import UnknownRadiusError
 from .naming import nameAtom
 from .notes import Note
@@ -43,7 +42,7 @@ def defaultRadii(graph):
     A molecule does so if, of its residues, those with a hydrogen on a carbon are no fewer than those with a carbon that
     lacks one. Hydrogens on nitrogen and oxygen alone, as some programs write them, leave carbons that stand for theirs.
     """
-    return np.where(_Hydrogens(graph).areShown, ALL_ATOM, UNITED_ATOM).tolist()
+    return np.where(graph.shownHydrogens.areShown, ALL_ATOM, UNITED_ATOM).tolist()
 
 
 def describeSets(radiiSets):
@@ -76,7 +75,7 @@ def hydrogenBondRoles(graph, radiiSets):
     In the all-atom set hydrogens donate, in the united-atom set the atoms that bear them. Where a molecule does not
     show these, those of amino acids follow from the residue, and other atoms get the benefit of the doubt.
     """
-    arePolarShown = _Hydrogens(graph).arePolarShown.tolist()
+    arePolarShown = graph.shownHydrogens.arePolarShown.tolist()
     roles = []
     for atom, radiiSet in enumerate(_setOfEach(graph, radiiSets)):
         isUnited, isShown = radiiSet == UNITED_ATOM, arePolarShown[atom]
@@ -88,36 +87,6 @@ def hydrogenBondRoles(graph, radiiSets):
 
 def _setOfEach(graph, radiiSets):
     return [radiiSets] * len(graph.atoms) if isinstance(radiiSets, str) else radiiSets
-
-
-class _Hydrogens:
-    """Which molecules of a BondGraph show their hydrogens.
-
-    areShown : (n,) bool array, whether the molecule of each atom does; arePolarShown : whether it does on N, O and S
-    """
-
-    def __init__(self, graph):
-        bonds = np.array(graph.bonds, dtype=int).reshape(-1, 2)
-        bonds = np.concatenate([bonds, bonds[:, ::-1]])
-        self._molecule = connectedParts(len(graph.atoms), bonds)
-        self._residue = graph.residueOf
-        self._isHydrogen = graph.numbers == _H
-        bearing = np.zeros(len(graph.atoms), dtype=bool)
-        bearing[bonds[self._isHydrogen[bonds[:, 1]], 0]] = True
-        isCarbon, isPolar = graph.numbers == _C, np.isin(graph.numbers, (_N, _O, _S))
-        hasFew = np.bincount(bonds[:, 0], minlength=len(graph.atoms)) < 3
-        withAny = self._countResidues(self._isHydrogen) > 0
-        onCarbon = self._countResidues(isCarbon & bearing)
-        areShown = withAny & (onCarbon >= self._countResidues(isCarbon & hasFew, without=isCarbon & bearing))
-        onPolar = self._countResidues(isPolar & bearing)
-        arePolarShown = areShown | (withAny & (2 * onPolar >= self._countResidues(isPolar)))
-        self.areShown, self.arePolarShown = areShown[self._molecule], arePolarShown[self._molecule]
-
-    def _countResidues(self, chosen, without=None):
-        """Return for each molecule how many of its residues have a chosen atom, and none of the others if given."""
-        keys = self._molecule * (self._residue.max(initial=0) + 1) + self._residue
-        found = np.unique(keys[chosen] if without is None else np.setdiff1d(keys[chosen], keys[without]))
-        return np.bincount(found // (self._residue.max(initial=0) + 1), minlength=self._molecule.max(initial=-1) + 1)
 
 
 def _allAtomRadius(graph, atom):

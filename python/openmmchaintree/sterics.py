@@ -12,7 +12,6 @@ from .notes import Note, found, warnOf
 from .openmmchaintree import StericExclusionForce
 from .radii import RADII_SETS, defaultRadii, hydrogenBondRoles, particleRadii
 from .residues import aminoAcid, isAlphaCarbonOnly
-from .rigidparts import bondsThatStay
 from .selection import AtomSelection, selectAtoms
 from .systemreading import bondsOfBareAtoms, checkParticles, fixedParticles, hasPairEnergies
 from .torsions import (
@@ -24,6 +23,7 @@ from .torsions import (
     RING,
     Torsion,
     TorsionSearch,
+    bondsThatStay,
     searchTorsions,
     withoutThoseBetween,
 )

@@ -410,6 +410,12 @@ def bondsWithoutTorsions(graph, torsions):
     return [bond for bond in graph.bonds if bond not in excluded and graph.beyond(*bond) and graph.beyond(*bond[::-1])]
 
 
+def bondsThatStay(graph, torsions, fixed):
+    """Return the bonds of `bondsWithoutTorsions`, without bonds between two atoms of `fixed`, an iterable."""
+    held = set(fixed)
+    return [bond for bond in bondsWithoutTorsions(graph, torsions) if not held.issuperset(bond)]
+
+
 def _atomsByName(residue):
     atoms = {atom.name: atom.index for atom in residue.atoms()}
     for name in _CAP_CARBONS.get(residue.name, ()):

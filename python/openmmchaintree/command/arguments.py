@@ -35,8 +35,7 @@ def positiveUpTo(limit):
     def read(text):
         value = positive(text)
         try:
-            if value > limit.value:
-                limit.refuse(f"{value} is")
+            limit.check(value, f"{value} is")
         except InputError as error:
             raise argparse.ArgumentTypeError(str(error)) from error
         return value

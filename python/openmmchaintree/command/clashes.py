@@ -1,11 +1,12 @@
 """The command openmm-chaintree clashes."""
 
+import os
 from contextlib import closing, contextmanager
 
 from ..errors import ClusterError, InputError
 from ..radii import RADII_SETS
 from ..structures.clashsearch import ClashSearch
-from ..structures.limits import PROCESSES
+from ..structures.limits import Limit
 from .arguments import addScheduler, positive, positiveUpTo
 from .outputs.outputfiles import Writing, addOverwrite, asJSONWith, checkOutputs, checkPicture
 from .reports.clashranking import ClashRanking
@@ -13,6 +14,8 @@ from .reports.clashreport import asCSV, plainFrames, printReport, summarize
 from .reports.noteoutput import addNotes, asText
 from .status import BAD_INPUT, ofSignal
 from .terminal import ReportConsole, interruptFlag, printError, progress
+
+_PROCESSES = Limit("CHAINTREE_MAX_PROCESSES", max(64, 4 * (os.cpu_count() or 1)))
 
 
 def addArguments(clashes):
@@ -49,7 +52,7 @@ def addArguments(clashes):
     clashes.add_argument("--picture", metavar="FILE", help="draw the clashes by frame and residue (.png, .pdf or .svg)")
     clashes.add_argument(
         "--workers",
-        type=positiveUpTo(PROCESSES),
+        type=positiveUpTo(_PROCESSES),
         metavar="W",
         help="processes that look at frames side by side (default: this one)",
     )

@@ -10,7 +10,6 @@ from ..links import Links
 from ..naming import describeResidue
 from ..notes import Note, listFirst
 from ..residues import polymerBackbone
-from ..rigidparts import describeRigidParts
 from ..selection import selectAtoms
 from ..sterics import notesOnAlphaCarbons, notesOnTorsions
 from ..torsions import (
@@ -23,6 +22,7 @@ from ..torsions import (
     withoutThoseBetween,
 )
 from ..unbonded import unbondedNeighbors
+from .rigidparts import describeRigidParts
 
 # Of hard spheres: those of proteins and nucleic acids; δ lies in the sugar's ring, ω and rotors turn on request.
 DEFAULT_KINDS = ("phi", "psi", "chi", "alpha", "beta", "gamma", "epsilon", "zeta")

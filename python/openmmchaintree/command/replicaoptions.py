@@ -4,9 +4,9 @@ from typing import NamedTuple
 
 from ..errors import InputError
 from ..replicas.coordinator import RunPlan
-from ..replicas.ladder import deriveSeeds, readLadder
+from ..replicas.ladder import REPLICAS, deriveSeeds, readLadder
 from ..replicas.schedule import Schedule
-from ..structures.limits import REPLICAS, checkMemory
+from ..structures.limits import checkMemory
 from .arguments import addScheduler, numberIn, positive, positiveUpTo, usableCores
 
 _TRIALS_PER_EXCHANGE = 4000

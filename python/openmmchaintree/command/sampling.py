@@ -20,7 +20,7 @@ from ..sterics import makeForce
 from . import allpairs
 from .bondlengths import BondLengths
 from .energies import Energies
-from .energymodel import OFF, repeatablePlatform
+from .energymodel import HARD, OFF, repeatablePlatform
 from .geometry import dihedrals, radiusOfGyration
 from .plan import Choice, Plan
 from .reports.energyreport import summarizeEnergies
@@ -220,6 +220,11 @@ class Sampling:
     def isHard(self):
         """Whether overlapping atoms are forbidden."""
         return not self.integrator.hasSpheresOff()
+
+    @property
+    def stericMode(self):
+        """What overlapping atoms mean, in the word of the option --steric: HARD or OFF."""
+        return HARD if self.isHard else OFF
 
     def overlaps(self, positions=None):
         """Return the Overlaps of spheres at positions, or the Context's, found without the engine."""

@@ -5,7 +5,9 @@ import math
 import numpy as np
 
 from ..errors import InputError
-from ..structures.limits import REPLICAS
+from ..structures.limits import Limit
+
+REPLICAS = Limit("CHAINTREE_MAX_REPLICAS", 10000)
 
 _GAS_CONSTANT = 8.31446261815324e-3  # kJ/mol/K
 
@@ -60,8 +62,7 @@ def readLadder(text):
 
 
 def _checkCount(text, count):
-    if count > REPLICAS.value:
-        REPLICAS.refuse(f"{text[:_SHOWN]!r}: temperatures are")
+    REPLICAS.check(count, f"{text[:_SHOWN]!r}: temperatures are")
 
 
 def deriveSeeds(seed, count):

@@ -13,7 +13,7 @@ class Limit(NamedTuple):
 
     variable: str
     usual: int
-    unit: str
+    unit: str = ""
 
     @property
     def value(self):
@@ -33,28 +33,19 @@ class Limit(NamedTuple):
             raise InputError(f"{self.variable}={text}: is not a whole number above 0")
         return value
 
-    def refuse(self, what):
-        """Raise an InputError that says that something is above the limit, and how to raise it."""
-        raise InputError(
-            f"{what} more than {self.value:,}{self.unit}; the environment variable {self.variable} raises this limit"
-        )
+    def check(self, value, what):
+        """Raise an InputError if a value is above the limit; `what` begins its text, such as "x.pdb: has"."""
+        if value > self.value:
+            limit = f"{self.value:,}{self.unit}"
+            raise InputError(f"{what} more than {limit}; the environment variable {self.variable} raises this limit")
 
 
 MEMORY = Limit("CHAINTREE_MAX_MEGABYTES", 256, " MB")
-REPLICAS = Limit("CHAINTREE_MAX_REPLICAS", 10000, "")
-PROCESSES = Limit("CHAINTREE_MAX_PROCESSES", max(64, 4 * (os.cpu_count() or 1)), "")
 
 
 def checkMemory(size, what):
-    """Refuse what takes so many bytes, if they are too many; `what` says of what they are, such as "x.pdb: has".
-
-    Raises
-    ------
-    InputError
-        if it is above the limit
-    """
-    if size > MEMORY.value * _MEGABYTE:
-        MEMORY.refuse(what)
+    """Raise an InputError if a size in bytes is above the limit of memory; `what` begins its text."""
+    MEMORY.check(size / _MEGABYTE, what)
 
 
 def readAtMost(file, what):

@@ -4,7 +4,7 @@ import numpy as np
 from rich.table import Table
 
 from ...openmmchaintree import MoveStatistics
-from ..energymodel import HARD, OFF
+from ..energymodel import HARD
 from .samplereport import describeMove, describeScene, describeVerdict, printMoves, printScene
 
 
@@ -52,7 +52,7 @@ def summarizeReplicas(sampling, plan, state, index, *, seed, workers, interrupte
             for lower in range(len(state.attempted))
         ],
         "roundTrips": state.roundTrips if plan.isExchange else None,
-        "stericMode": HARD if sampling.isHard else OFF,
+        "stericMode": sampling.stericMode,
         "clashesAtStart": len(sampling.startOverlaps.pairs),
         "ends": [_describeEnd(sampling, plan, state, replica) for replica in range(len(plan.seeds))],
     }

@@ -6,7 +6,7 @@ from rich.table import Table
 
 from ...naming import describeResidue
 from ...torsions import KINDS
-from ..energymodel import HARD, OFF
+from ..energymodel import HARD
 from .energyreport import printEnergies
 from .noteoutput import asPlain, printNotes
 from .planreport import describePlan
@@ -38,7 +38,7 @@ def summarize(sampling, seed, files, interrupted, addedHydrogens, forbidden):
         ],
         "energy": sampling.summarizeEnergies(),
         "radiusOfGyration": [frame.radiusOfGyration for frame in sampling.frames],
-        "stericMode": HARD if sampling.isHard else OFF,
+        "stericMode": sampling.stericMode,
         "forbiddenBySpheres": forbidden,
         "clashesAtStart": len(sampling.startOverlaps.pairs),
         **describeVerdict(sampling),

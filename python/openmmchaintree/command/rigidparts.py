@@ -1,15 +1,9 @@
-"""What stays rigid though energies would let it turn, in words."""
+"""Which parts of molecules stay rigid though energies would let them turn, in words."""
 
-from .bonds import neighborLists, ringBonds
-from .naming import describeResidue
-from .notes import Note
-from .torsions import bondsWithoutTorsions
-
-
-def bondsThatStay(graph, torsions, fixed):
-    """Return the bonds of `bondsWithoutTorsions`, but for those between two fixed atoms, an iterable."""
-    held = set(fixed)
-    return [bond for bond in bondsWithoutTorsions(graph, torsions) if not held.issuperset(bond)]
+from ..bonds import neighborLists, ringBonds
+from ..naming import describeResidue
+from ..notes import Note
+from ..torsions import bondsThatStay
 
 
 def describeRigidParts(graph, torsions, fixed):
