@@ -307,7 +307,7 @@ void testBadMoves(Platform& platform)
             TorsionMonteCarloIntegrator other(bad);
         });
     }
-    assertThrows("the number of torsions that a move turns must be at least 1, but is 0", [&] {
+    assertThrows("the number of torsions of a torsion move must be at least 1, but is 0", [&] {
         integrator.addTorsionMove(1, 0.1, {}, 0);
     });
     assertThrows("the number of trials per step must be at least 1, but is 0", [&] {

@@ -22,9 +22,9 @@ static map<string, const MoveKind*>& knownKinds()
 }
 
 MoveKind::MoveKind(const string& name, const string& element, TorsionMonteCarloIntegrator::MoveType type,
-                   Reader& read) :
+                   const vector<MoveParameter>& parameters, Reader& read) :
     name(name),
-    element(element), type(type), read(read)
+    element(element), type(type), parameters(parameters), read(read)
 {
     knownKinds()[element] = this;
 }
@@ -37,7 +37,65 @@ const MoveKind& MoveKind::find(const string& element)
     return *found->second;
 }
 
+// ---- Parameters ----
+
+static string toText(double value)
+{
+    stringstream text;
+    text.imbue(locale::classic());
+    text << value;
+    return text.str();
+}
+
+string MoveParameter::getRange() const
+{
+    const string low = (mayBeLeast ? "at least " : "above ") + toText(least);
+    const string high = most == LargestAngle ? "pi" : toText(most);
+    if (isinf(most))
+        return low;
+    return mayBeLeast ? "from " + toText(least) + " to " + high : low + " and at most " + high;
+}
+
+/**
+ * Throw an exception if an angle is more than any move needs. Mostly it is one in degrees.
+ */
+static void checkAngle(double angle, const string& name)
+{
+    checkNotNegative(angle, name);
+    if (angle > MoveParameter::LargestAngle)
+        throw OpenMMException(name + " must be at most pi, half a turn, but is " + toText(angle) + " radians; " +
+                              toText(angle) + " degrees are " + toText(angle * M_PI / 180) + " radians (in Python " +
+                              toText(angle) + "*unit.degrees)");
+}
+
+void MoveParameter::check(const string& kind) const
+{
+    double number = 0;
+    if (auto real = get_if<double>(&value))
+        number = *real;
+    else if (auto integer = get_if<int>(&value))
+        number = *integer;
+    else
+        return; // bind() knows which indices exist
+    const string whose = "TorsionMonteCarloIntegrator: the " + text + " of a " + kind + " move";
+    if (most == LargestAngle)
+        checkAngle(number, whose);
+    else if (holds_alternative<double>(value) && isinf(most))
+        checkNotNegative(number, whose);
+    if (!(mayBeLeast ? number >= least : number > least) || !(number <= most))
+        throw OpenMMException(whose + " must be " + getRange() + ", but is " + toText(number));
+}
+
 // ---- Moves ----
+
+string MonteCarloMove::summarize() const
+{
+    string text = getSubject();
+    for (const MoveParameter& parameter : getParameters())
+        if (parameter.isSize)
+            text += " ±" + toText(std::get<double>(parameter.value)) + " " + parameter.unit;
+    return text;
+}
 
 void MonteCarloMove::write(SerializationNode& node) const
 {
@@ -58,39 +116,4 @@ void MonteCarloMove::write(SerializationNode& node) const
 double MonteCarloMove::computeLogRatio(TrialSession&)
 {
     return 0;
-}
-
-// ---- What moves share ----
-
-vector<int> ChainTreePlugin::readIndices(const SerializationNode& node)
-{
-    vector<int> indices;
-    for (auto& child : node.getChildren())
-        indices.push_back(child.getIntProperty("index"));
-    return indices;
-}
-
-string ChainTreePlugin::toSize(double largest, const string& unit)
-{
-    stringstream text;
-    text.imbue(locale::classic());
-    text << "±" << largest << " " << unit;
-    return text.str();
-}
-
-void ChainTreePlugin::checkAngle(double angle, const string& name)
-{
-    checkNotNegative(angle, name);
-    const double rounding = 1e-9; // of a half turn that was computed
-    if (angle > M_PI * (1 + rounding)) {
-        stringstream message;
-        message << name << " must be at most pi, half a turn, but is " << angle << " radians; " << angle
-                << " degrees are " << angle * M_PI / 180 << " radians (in Python " << angle << "*unit.degrees)";
-        throw OpenMMException(message.str());
-    }
-}
-
-void ChainTreePlugin::checkLargestAngle(double angle, const string& kind)
-{
-    checkAngle(angle, "TorsionMonteCarloIntegrator: the largest angle of a " + kind + " move");
 }

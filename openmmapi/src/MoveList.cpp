@@ -122,12 +122,12 @@ void MoveList::writeMoves(SerializationNode& node) const
     }
 }
 
-void MoveList::readMoves(const SerializationNode& node, TorsionMonteCarloIntegrator& integrator)
+void MoveList::readMoves(const SerializationNode& node)
 {
-    for (auto& move : node.getChildren()) {
-        MoveKind::find(move.getName()).read(move, move.getDoubleProperty("weight"), integrator);
-        if (move.hasProperty("scale"))
-            integrator.setMoveScale(integrator.getNumMoves() - 1, move.getDoubleProperty("scale"));
+    for (auto& child : node.getChildren()) {
+        const int move = add(MoveKind::find(child.getName()).read(child), child.getDoubleProperty("weight"));
+        if (child.hasProperty("scale"))
+            setScale(move, child.getDoubleProperty("scale"));
     }
 }
 

@@ -178,11 +178,10 @@ int TorsionMonteCarloIntegrator::addMove(unique_ptr<MonteCarloMove> move, double
     return moves->add(std::move(move), weight);
 }
 
-void TorsionMonteCarloIntegrator::setMove(int index, const MoveKind& kind, unique_ptr<MonteCarloMove> move,
-                                          double weight)
+void TorsionMonteCarloIntegrator::setMove(int index, unique_ptr<MonteCarloMove> move, double weight)
 {
     ContextUse use(lock, ContextLock::User);
-    moves->requireKind(index, kind);
+    moves->requireKind(index, move->getKind());
     moves->set(index, std::move(move), weight);
 }
 

@@ -4,7 +4,7 @@
  */
 
 #include "openmmchaintree/internal/EnergyStage.h"
-#include "openmmchaintree/internal/MonteCarloMove.h"
+#include "openmmchaintree/internal/MoveDeclaration.h"
 #include "openmmchaintree/TorsionMonteCarloIntegrator.h"
 #include "TestSupport.h"
 #include <limits>
@@ -133,28 +133,16 @@ private:
 
 // ---- A move that is not as likely as its reverse ----
 
-static void readMove(const SerializationNode&, double, TorsionMonteCarloIntegrator&)
-{
-}
+#define LEANING_MOVE(P) P(Number, lean, "lean", "1", 0, 1)
 
-static const MoveKind KIND("leaning", "LeaningMove", (TorsionMonteCarloIntegrator::MoveType)1001, readMove);
+MOVE_PARAMETERS(LeaningMove, LEANING_MOVE)
 
 /**
  * Redraws torsion 0 with a density of 1 + lean cos(angle).
  */
-class LeaningMove : public MonteCarloMove {
+class LeaningMove : public DeclaredMove<LeaningMoveParameters> {
 public:
-    explicit LeaningMove(double lean) : MonteCarloMove(KIND), lean(lean)
-    {
-    }
-    string summarize() const
-    {
-        return "leaning torsion";
-    }
-    vector<MoveParameter> getParameters() const
-    {
-        return {};
-    }
+    using DeclaredMove::DeclaredMove;
     void bind(const LinkStructure&, const string&)
     {
     }
@@ -173,9 +161,10 @@ public:
     }
 
 private:
-    const double lean;
     double angle, former;
 };
+
+MOVE_KIND("leaning", LeaningMove, (TorsionMonteCarloIntegrator::MoveType)1001)
 
 // ---- Sampling ----
 
@@ -211,7 +200,7 @@ static double sample(Platform& platform, bool oneByOne, double lean, Fault fault
     BeadChain chain(4, 0);
     TorsionMonteCarloIntegrator integrator(300);
     integrator.setNativeEnergies(oneByOne);
-    (integrator.*(&Extension::addMove))(make_unique<LeaningMove>(lean), 1);
+    (integrator.*(&Extension::addMove))(make_unique<LeaningMove>(LeaningMoveParameters{lean}), 1);
     integrator.setTrialsPerStep(5);
     integrator.setRandomNumberSeed(11);
     Context context(chain.system, integrator, platform);
@@ -313,7 +302,7 @@ static void testRatioAlone(Platform& platform)
 {
     class OneWay : public LeaningMove {
     public:
-        OneWay() : LeaningMove(0)
+        OneWay() : LeaningMove({0})
         {
         }
         double computeLogRatio(TrialSession&)

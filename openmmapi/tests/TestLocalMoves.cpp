@@ -268,9 +268,10 @@ static void testBadMoves(Platform& platform)
         integrator.addLocalMove(1, 20, 10);
     });
     for (int bad : {-1, 0, 33})
-        assertThrows("the window of a local move must have 1 to 32 torsions, but has " + to_string(bad), [&] {
-            integrator.addLocalMove(1, 0.1, 10, {}, bad);
-        });
+        assertThrows(
+            "the number of torsions in a window of a local move must be from 1 to 32, but is " + to_string(bad), [&] {
+                integrator.addLocalMove(1, 0.1, 10, {}, bad);
+            });
     ASSERT_EQUAL(0, integrator.getNumMoves());
     integrator.addTorsionMove(1, 0.1);
     assertThrows("move 0 is not a local move", [&] {

@@ -6,8 +6,7 @@
 #include "openmm/CustomTorsionForce.h"
 #include "openmm/serialization/XmlSerializer.h"
 #include "openmmchaintree/internal/EnergyStage.h"
-#include "openmmchaintree/internal/MonteCarloMove.h"
-#include "openmmchaintree/internal/MoveList.h"
+#include "openmmchaintree/internal/MoveDeclaration.h"
 #include "openmmchaintree/TorsionMonteCarloIntegrator.h"
 #include "TestSupport.h"
 #include <limits>
@@ -35,27 +34,26 @@ static void addMove(TorsionMonteCarloIntegrator& integrator, unique_ptr<MonteCar
 
 // ---- A move that is not as likely as its reverse ----
 
-static void readBiasedMove(const SerializationNode& node, double weight, TorsionMonteCarloIntegrator& integrator);
+#define BIASED_MOVE(P)                                                                                                 \
+    P(Number, bias, "bias", "1", 0, 1)                                                                                 \
+    P(Indices, torsions, "all")
 
-static const TorsionMonteCarloIntegrator::MoveType BIASED = (TorsionMonteCarloIntegrator::MoveType)1000;
-
-static const MoveKind KIND("biased", "BiasedMove", BIASED, readBiasedMove);
+MOVE_PARAMETERS(BiasedMove, BIASED_MOVE)
 
 /**
  * Redraws torsion 0, whatever it was, with a density of 1 + bias cos(angle).
  */
-class BiasedMove : public MonteCarloMove {
+class BiasedMove : public DeclaredMove<BiasedMoveParameters> {
 public:
-    BiasedMove(double bias, double sign = 1) : MonteCarloMove(KIND), bias(bias), sign(sign), angle(0)
+    BiasedMove(const BiasedMoveParameters& parameters, double sign = 1) : DeclaredMove(parameters), sign(sign), angle(0)
     {
     }
-    string summarize() const
+    BiasedMove(double bias, double sign = 1) : BiasedMove(BiasedMoveParameters{bias, {0}}, sign)
+    {
+    }
+    string getSubject() const
     {
         return "biased torsion";
-    }
-    vector<MoveParameter> getParameters() const
-    {
-        return {{"bias", bias, ""}, {"torsions", vector<int>({0}), "Torsion"}};
     }
     void bind(const LinkStructure& structure, const string& name)
     {
@@ -80,7 +78,7 @@ public:
         ASSERT_EQUAL_TOL(1, cos(getDihedral(ends[0], ends[1], ends[2], ends[3]) - angle), 1e-12);
         return sign * log(getDensity(former) / getDensity(angle));
     }
-    const double bias, sign;
+    const double sign;
     double throwAbove = numeric_limits<double>::infinity();
 
 private:
@@ -92,11 +90,9 @@ private:
     vector<Vec3> ends;
 };
 
-static void readBiasedMove(const SerializationNode& node, double weight, TorsionMonteCarloIntegrator& integrator)
-{
-    ASSERT(readIndices(node) == vector<int>({0}));
-    addMove(integrator, make_unique<BiasedMove>(node.getDoubleProperty("bias")), weight);
-}
+static const TorsionMonteCarloIntegrator::MoveType BIASED = (TorsionMonteCarloIntegrator::MoveType)1000;
+
+MOVE_KIND("biased", BiasedMove, BIASED)
 
 /**
  * Get the mean cosine of the torsion.

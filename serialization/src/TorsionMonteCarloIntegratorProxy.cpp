@@ -63,6 +63,6 @@ void* TorsionMonteCarloIntegratorProxy::deserialize(const SerializationNode& nod
         integrator->setStandInGridWidth(node.getDoubleProperty("standInGridWidth"));
     }
     integrator->setAdaptMoveSizes(node.getBoolProperty("adaptMoveSizes", false));
-    MoveList::readMoves(node.getChildNode("Moves"), *integrator);
+    integrator->moves->readMoves(node.getChildNode("Moves"));
     return integrator.release();
 }

@@ -23,7 +23,6 @@ class ContextLock;
 class EnergyStages;
 class KeptGeometry;
 class MonteCarloMove;
-class MoveKind;
 class MoveList;
 class NativeEnergy;
 class OuterStatistics;
@@ -933,7 +932,7 @@ private:
     void restoreCheckpoint(CheckpointReader& reader, int version, bool positionsAreSafe);
     std::unique_ptr<KeptGeometry> readGeometry(const OpenMM::SerializationNode& state, int version) const;
     void bindTo(OpenMM::ContextImpl& context);
-    void setMove(int index, const MoveKind& kind, std::unique_ptr<MonteCarloMove> move, double weight);
+    void setMove(int index, std::unique_ptr<MonteCarloMove> move, double weight);
     void resetStatistics();
     void checkBeforeSteps();
     void updateContextState();

@@ -2,8 +2,7 @@
 #include "openmm/OpenMMException.h"
 #include "openmmchaintree/internal/ArgumentChecks.h"
 #include "openmmchaintree/internal/ClosedWindows.h"
-#include "openmmchaintree/internal/MonteCarloMove.h"
-#include "openmmchaintree/internal/MoveList.h"
+#include "openmmchaintree/internal/MoveDeclaration.h"
 #include "openmmchaintree/internal/TorsionWindows.h"
 #include <cmath>
 #include <limits>
@@ -12,13 +11,12 @@ using namespace ChainTreePlugin;
 using namespace OpenMM;
 using namespace std;
 
-static void readClosedMove(const SerializationNode& node, double weight, TorsionMonteCarloIntegrator& integrator)
-{
-    integrator.addClosedMove(weight, node.getDoubleProperty("maxAngle"), readIndices(node),
-                             node.getDoubleProperty("hop"));
-}
+#define CLOSED_MOVE(P)                                                                                                 \
+    P(Angle, maxAngle, "largest angle")                                                                                \
+    P(Indices, torsions, "those of backbones and of rings of closures")                                                \
+    P(Number, hop, "share of hops", "1", 0, 1)
 
-static const MoveKind KIND("closed", "ClosedMove", TorsionMonteCarloIntegrator::ClosedMove, readClosedMove);
+MOVE_PARAMETERS(ClosedMove, CLOSED_MOVE)
 
 /** A way back has led back if no torsion is farther from where it was, in radians: some 1e-7 nm. */
 static const double RETURN_TOLERANCE = 1e-6;
@@ -32,36 +30,12 @@ typedef double Solutions[CT_CLOSURES_MOST][CT_PIVOTS];
 /**
  * Turns torsions in a row so that what is behind them stays. See TorsionMonteCarloIntegrator::addClosedMove().
  */
-class ClosedMove : public MonteCarloMove {
+class ClosedMove : public DeclaredMove<ClosedMoveParameters> {
 public:
-    ClosedMove(double maxAngle, const vector<int>& torsions, double hop) :
-        MonteCarloMove(KIND), maxAngle(maxAngle), torsions(torsions), hop(hop)
-    {
-        checkLargestAngle(maxAngle, KIND.name);
-        if (!(hop >= 0 && hop <= 1))
-            throw OpenMMException("TorsionMonteCarloIntegrator: the share of hops of a closed move must be from 0 to "
-                                  "1, but is " +
-                                  to_string(hop));
-    }
-    bool hasSize() const
-    {
-        return maxAngle > 0;
-    }
-    string summarize() const
-    {
-        return KIND.name + " " + toSize(maxAngle, "rad");
-    }
-    vector<MoveParameter> getParameters() const
-    {
-        return {{"maxAngle", maxAngle, ""}, {"torsions", torsions, "Torsion"}, {"hop", hop, ""}};
-    }
+    using DeclaredMove::DeclaredMove;
     void bind(const LinkStructure& structure, const string& name);
     bool propose(TrialSession& trials, RandomNumberGenerator& random);
     double computeLogRatio(TrialSession& trials);
-    const double maxAngle;
-    /** The torsions that windows may have, as they were given; empty for those of backbones. */
-    const vector<int> torsions;
-    const double hop;
 
 private:
     void lookAt(TrialSession& trials, const ClosedWindows::Window& drawn, const ClosedWindows::Pivots& pivots);
@@ -251,24 +225,4 @@ double ClosedMove::computeLogRatio(TrialSession&)
     return isHop ? ratio + logWeights - logWeightsBack : ratio;
 }
 
-// ---- The methods of the integrator ----
-
-int TorsionMonteCarloIntegrator::addClosedMove(double weight, double maxAngle, const vector<int>& torsions, double hop)
-{
-    return addMove(make_unique<::ClosedMove>(maxAngle, torsions, hop), weight);
-}
-
-void TorsionMonteCarloIntegrator::getClosedMoveParameters(int move, double& weight, double& maxAngle,
-                                                          vector<int>& torsions, double& hop) const
-{
-    auto& found = moves->get<::ClosedMove>(move, KIND, weight);
-    maxAngle = found.maxAngle;
-    torsions = found.torsions;
-    hop = found.hop;
-}
-
-void TorsionMonteCarloIntegrator::setClosedMoveParameters(int move, double weight, double maxAngle,
-                                                          const vector<int>& torsions, double hop)
-{
-    setMove(move, KIND, make_unique<::ClosedMove>(maxAngle, torsions, hop), weight);
-}
+MOVE("closed", ClosedMove, CLOSED_MOVE)

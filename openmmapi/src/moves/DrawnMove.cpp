@@ -1,8 +1,7 @@
 #include "ctdensity.h"
 #include "openmm/OpenMMException.h"
 #include "openmmchaintree/internal/ArgumentChecks.h"
-#include "openmmchaintree/internal/MonteCarloMove.h"
-#include "openmmchaintree/internal/MoveList.h"
+#include "openmmchaintree/internal/MoveDeclaration.h"
 #include "openmmchaintree/TorsionDensity.h"
 #include <algorithm>
 #include <cmath>
@@ -11,34 +10,64 @@ using namespace ChainTreePlugin;
 using namespace OpenMM;
 using namespace std;
 
-static void readDrawnMove(const SerializationNode& node, double weight, TorsionMonteCarloIntegrator& integrator);
+namespace {
 
-static const MoveKind KIND("drawn", "DrawnMove", TorsionMonteCarloIntegrator::DrawnMove, readDrawnMove);
+/**
+ * Sets of torsions, by their indices.
+ */
+class Sets : public MoveParameter {
+public:
+    typedef vector<vector<int>> Type;
+    Sets(const string& name, const Type& sets, const string& text) : MoveParameter(name, vector<int>(), text)
+    {
+        // How many torsions a set has follows from its density.
+
+        auto& all = get<vector<int>>(value);
+        for (auto& set : sets)
+            all.insert(all.end(), set.begin(), set.end());
+    }
+    static Type read(const SerializationNode& node, const string&);
+};
+
+/**
+ * The density of each set.
+ */
+class Densities : public MoveParameter {
+public:
+    typedef vector<TorsionDensity> Type;
+    Densities(const string& name, const Type& densities, const string& text);
+    static Type read(const SerializationNode& node, const string&);
+};
+
+} // namespace
+
+#define DRAWN_MOVE(P)                                                                                                  \
+    P(Sets, torsions, "sets of torsions")                                                                              \
+    P(Densities, densities, "density of each set, or one for all")
+
+MOVE_PARAMETERS(DrawnMove, DRAWN_MOVE)
 
 namespace {
 
 /**
  * Draws the torsions of a set anew from their density. See TorsionMonteCarloIntegrator::addDrawnMove().
  */
-class DrawnMove : public MonteCarloMove {
+class DrawnMove : public DeclaredMove<DrawnMoveParameters> {
 public:
-    DrawnMove(const vector<vector<int>>& torsions, const vector<TorsionDensity>& densities);
-    string summarize() const;
+    explicit DrawnMove(const DrawnMoveParameters& parameters);
+    string getSubject() const;
     vector<MoveParameter> getParameters() const;
     void write(SerializationNode& node) const;
     void bind(const LinkStructure& structure, const string& name);
     bool propose(TrialSession& trials, RandomNumberGenerator& random);
     double computeLogRatio(TrialSession& trials);
-    /** The sets of torsions, and the density of each: one for all, or as many as sets. */
-    const vector<vector<int>> torsions;
-    const vector<TorsionDensity> densities;
 
 private:
     const TorsionDensity& densityOf(int set) const
     {
         return densities.size() == 1 ? densities[0] : densities[set];
     }
-    vector<int> numberDensities(vector<TorsionDensity>& different) const;
+    vector<TorsionDensity> listDensities() const;
     double evaluateFormer();
     /** The set that was drawn last, the values that its torsions had, those that were drawn, and the changes. */
     int drawnSet;
@@ -69,8 +98,7 @@ static string nameOf(size_t set)
     return "set " + to_string(set) + " of a drawn move";
 }
 
-DrawnMove::DrawnMove(const vector<vector<int>>& torsions, const vector<TorsionDensity>& densities) :
-    MonteCarloMove(KIND), torsions(torsions), densities(densities), drawnSet(0)
+DrawnMove::DrawnMove(const DrawnMoveParameters& parameters) : DeclaredMove(parameters), drawnSet(0)
 {
     if (torsions.empty())
         fail("a drawn move must have at least one set of torsions");
@@ -94,40 +122,35 @@ DrawnMove::DrawnMove(const vector<vector<int>>& torsions, const vector<TorsionDe
     }
 }
 
-string DrawnMove::summarize() const
+string DrawnMove::getSubject() const
 {
-    return KIND.name + " torsions, " + to_string(torsions.size()) + (torsions.size() == 1 ? " set" : " sets");
+    return getKind().name + " torsions, " + to_string(torsions.size()) + (torsions.size() == 1 ? " set" : " sets");
 }
 
 // ---- Writing and reading ----
 
 /**
- * Get the number of each set's density among those that differ.
+ * Get the number of each density among the different ones.
  */
-vector<int> DrawnMove::numberDensities(vector<TorsionDensity>& different) const
+static vector<int> numberDensities(const vector<TorsionDensity>& densities, vector<TorsionDensity>& different)
 {
     vector<int> numbers;
-    for (size_t i = 0; i < torsions.size(); i++) {
-        auto found = find(different.begin(), different.end(), densityOf(i));
+    for (auto& density : densities) {
+        auto found = find(different.begin(), different.end(), density);
         numbers.push_back(found - different.begin());
         if (found == different.end())
-            different.push_back(densityOf(i));
+            different.push_back(density);
     }
     return numbers;
 }
 
-vector<MoveParameter> DrawnMove::getParameters() const
+Densities::Densities(const string& name, const Type& densities, const string& text) :
+    MoveParameter(name, vector<double>(), text)
 {
-    vector<int> all;
-    for (auto& set : torsions)
-        all.insert(all.end(), set.begin(), set.end());
-
-    // How many torsions a set has follows from its density.
-
+    auto& all = get<vector<double>>(value);
     vector<TorsionDensity> different;
-    vector<double> numbers;
-    for (int number : numberDensities(different))
-        numbers.push_back(number);
+    for (int number : numberDensities(densities, different))
+        all.push_back(number);
     for (auto& density : different) {
         vector<int> bins;
         vector<double> weights, means, widths;
@@ -135,12 +158,24 @@ vector<MoveParameter> DrawnMove::getParameters() const
             density.getTable(bins, weights);
         else
             density.getRotamers(weights, means, widths);
-        numbers.insert(numbers.end(), {(double)density.getNumTorsions(), density.getFloor()});
-        numbers.insert(numbers.end(), bins.begin(), bins.end());
+        all.insert(all.end(), {(double)density.getNumTorsions(), density.getFloor()});
+        all.insert(all.end(), bins.begin(), bins.end());
         for (auto part : {&weights, &means, &widths})
-            numbers.insert(numbers.end(), part->begin(), part->end());
+            all.insert(all.end(), part->begin(), part->end());
     }
-    return {{"torsions", all, "Torsion"}, {"densities", numbers, "Number"}};
+}
+
+/**
+ * Get the density of each set, also if all have one.
+ */
+vector<TorsionDensity> DrawnMove::listDensities() const
+{
+    return densities.size() == 1 ? vector<TorsionDensity>(torsions.size(), densities[0]) : densities;
+}
+
+vector<MoveParameter> DrawnMove::getParameters() const
+{
+    return DrawnMoveParameters{torsions, listDensities()}.list();
 }
 
 static void writeDensity(const TorsionDensity& density, SerializationNode& node)
@@ -191,7 +226,7 @@ static TorsionDensity readDensity(const SerializationNode& node)
 void DrawnMove::write(SerializationNode& node) const
 {
     vector<TorsionDensity> different;
-    const vector<int> numbers = numberDensities(different);
+    const vector<int> numbers = numberDensities(listDensities(), different);
     for (auto& density : different)
         writeDensity(density, node.createChildNode("Density"));
     for (size_t i = 0; i < torsions.size(); i++) {
@@ -202,21 +237,27 @@ void DrawnMove::write(SerializationNode& node) const
     }
 }
 
-static void readDrawnMove(const SerializationNode& node, double weight, TorsionMonteCarloIntegrator& integrator)
+Sets::Type Sets::read(const SerializationNode& node, const string&)
 {
-    vector<TorsionDensity> different, densities;
-    vector<vector<int>> torsions;
-    for (auto& child : node.getChildren()) {
+    Type sets;
+    for (auto& child : node.getChildren())
+        if (child.getName() == "Set")
+            sets.push_back(Indices::read(child));
+    return sets;
+}
+
+Densities::Type Densities::read(const SerializationNode& node, const string&)
+{
+    Type different, densities;
+    for (auto& child : node.getChildren())
         if (child.getName() == "Density")
             different.push_back(readDensity(child));
         else {
             const int density = child.getIntProperty("density");
             checkIndex(density, different.size(), "density", "the XML of a drawn move");
             densities.push_back(different[density]);
-            torsions.push_back(readIndices(child));
         }
-    }
-    integrator.addDrawnMove(weight, torsions, densities);
+    return densities;
 }
 
 // ---- Trials ----
@@ -266,24 +307,4 @@ double DrawnMove::computeLogRatio(TrialSession&)
     return log(evaluateFormer() / ctGetDensity(setDensities[drawnSet].engine, drawn.data()));
 }
 
-// ---- The methods of the integrator ----
-
-int TorsionMonteCarloIntegrator::addDrawnMove(double weight, const vector<vector<int>>& torsions,
-                                              const vector<TorsionDensity>& densities)
-{
-    return addMove(make_unique<::DrawnMove>(torsions, densities), weight);
-}
-
-void TorsionMonteCarloIntegrator::getDrawnMoveParameters(int move, double& weight, vector<vector<int>>& torsions,
-                                                         vector<TorsionDensity>& densities) const
-{
-    auto& found = moves->get<::DrawnMove>(move, KIND, weight);
-    torsions = found.torsions;
-    densities = found.densities;
-}
-
-void TorsionMonteCarloIntegrator::setDrawnMoveParameters(int move, double weight, const vector<vector<int>>& torsions,
-                                                         const vector<TorsionDensity>& densities)
-{
-    setMove(move, KIND, make_unique<::DrawnMove>(torsions, densities), weight);
-}
+MOVE("drawn", DrawnMove, DRAWN_MOVE)

@@ -1,25 +1,23 @@
 #include "ctlocal.h"
 #include "openmm/OpenMMException.h"
 #include "openmmchaintree/internal/ArgumentChecks.h"
-#include "openmmchaintree/internal/MonteCarloMove.h"
-#include "openmmchaintree/internal/MoveList.h"
+#include "openmmchaintree/internal/MoveDeclaration.h"
 #include "openmmchaintree/internal/TorsionWindows.h"
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <sstream>
 
 using namespace ChainTreePlugin;
 using namespace OpenMM;
 using namespace std;
 
-static void readLocalMove(const SerializationNode& node, double weight, TorsionMonteCarloIntegrator& integrator)
-{
-    integrator.addLocalMove(weight, node.getDoubleProperty("sigma"), node.getDoubleProperty("stiffness"),
-                            readIndices(node), node.getIntProperty("window"));
-}
+#define LOCAL_MOVE(P)                                                                                                  \
+    P(Angle, sigma, "sigma", Angle::AboveZero)                                                                         \
+    P(Number, stiffness, "stiffness", "nm^-2")                                                                         \
+    P(Indices, torsions, "those of backbones")                                                                         \
+    P(Count, window, "number of torsions in a window", 1, CT_LOCAL_MOST)
 
-static const MoveKind KIND("local", "LocalMove", TorsionMonteCarloIntegrator::LocalMove, readLocalMove);
+MOVE_PARAMETERS(LocalMove, LOCAL_MOVE)
 
 namespace {
 
@@ -27,31 +25,12 @@ namespace {
  * Turns a window of torsions so that what lies behind it is shifted little. See
  * TorsionMonteCarloIntegrator::addLocalMove().
  */
-class LocalMove : public MonteCarloMove {
+class LocalMove : public DeclaredMove<LocalMoveParameters> {
 public:
-    LocalMove(double sigma, double stiffness, const vector<int>& torsions, int window);
-    bool hasSize() const
-    {
-        return true;
-    }
-    string summarize() const
-    {
-        return KIND.name + " " + toSize(sigma, "rad");
-    }
-    vector<MoveParameter> getParameters() const
-    {
-        return {{"sigma", sigma, ""},
-                {"stiffness", stiffness, ""},
-                {"torsions", torsions, "Torsion"},
-                {"window", window, ""}};
-    }
+    using DeclaredMove::DeclaredMove;
     void bind(const LinkStructure& structure, const string& name);
     bool propose(TrialSession& trials, RandomNumberGenerator& random);
     double computeLogRatio(TrialSession& trials);
-    const double sigma, stiffness;
-    /** The torsions that windows consist of as they were given; empty for those of the backbones. */
-    const vector<int> torsions;
-    const int window;
 
 private:
     /** A window, and where its axes and ends are found. */
@@ -74,19 +53,6 @@ private:
 };
 
 } // namespace
-
-LocalMove::LocalMove(double sigma, double stiffness, const vector<int>& torsions, int window) :
-    MonteCarloMove(KIND), sigma(sigma), stiffness(stiffness), torsions(torsions), window(window)
-{
-    const string whose = "TorsionMonteCarloIntegrator: the ";
-    checkAngle(sigma, whose + "sigma of a local move");
-    if (sigma == 0)
-        throw OpenMMException(whose + "sigma of a local move must be above 0");
-    checkNotNegative(stiffness, whose + "stiffness of a local move");
-    if (window < 1 || window > CT_LOCAL_MOST)
-        throw OpenMMException(whose + "window of a local move must have 1 to " + to_string(CT_LOCAL_MOST) +
-                              " torsions, but has " + to_string(window));
-}
 
 LocalMove::Choice LocalMove::describeWindow(const LinkStructure& structure, const vector<int>& torsions)
 {
@@ -154,26 +120,4 @@ double LocalMove::computeLogRatio(TrialSession&)
     return ctComputeLocalLogDensity(&stepsBack, changes.data()) - ctComputeLocalLogDensity(&steps, changes.data());
 }
 
-// ---- The methods of the integrator ----
-
-int TorsionMonteCarloIntegrator::addLocalMove(double weight, double sigma, double stiffness,
-                                              const vector<int>& torsions, int window)
-{
-    return addMove(make_unique<::LocalMove>(sigma, stiffness, torsions, window), weight);
-}
-
-void TorsionMonteCarloIntegrator::getLocalMoveParameters(int move, double& weight, double& sigma, double& stiffness,
-                                                         vector<int>& torsions, int& window) const
-{
-    auto& found = moves->get<::LocalMove>(move, KIND, weight);
-    sigma = found.sigma;
-    stiffness = found.stiffness;
-    torsions = found.torsions;
-    window = found.window;
-}
-
-void TorsionMonteCarloIntegrator::setLocalMoveParameters(int move, double weight, double sigma, double stiffness,
-                                                         const vector<int>& torsions, int window)
-{
-    setMove(move, KIND, make_unique<::LocalMove>(sigma, stiffness, torsions, window), weight);
-}
+MOVE("local", LocalMove, LOCAL_MOVE)

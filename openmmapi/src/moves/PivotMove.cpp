@@ -1,54 +1,33 @@
 #include "openmm/OpenMMException.h"
 #include "openmmchaintree/internal/ArgumentChecks.h"
-#include "openmmchaintree/internal/MonteCarloMove.h"
-#include "openmmchaintree/internal/MoveList.h"
+#include "openmmchaintree/internal/MoveDeclaration.h"
 
 using namespace ChainTreePlugin;
 using namespace OpenMM;
 using namespace std;
 
-static void readPivotMove(const SerializationNode& node, double weight, TorsionMonteCarloIntegrator& integrator)
-{
-    integrator.addPivotMove(weight, node.getDoubleProperty("maxAngle"), readIndices(node));
-}
+#define PIVOT_MOVE(P)                                                                                                  \
+    P(Angle, maxAngle, "largest angle")                                                                                \
+    P(Indices, ballJoints, "all")
 
-static const MoveKind KIND("pivot", "PivotMove", TorsionMonteCarloIntegrator::PivotMove, readPivotMove);
+MOVE_PARAMETERS(PivotMove, PIVOT_MOVE)
 
 namespace {
 
 /**
  * Turns all that hangs by a ball joint. See TorsionMonteCarloIntegrator::addPivotMove().
  */
-class PivotMove : public MonteCarloMove {
+class PivotMove : public DeclaredMove<PivotMoveParameters> {
 public:
-    PivotMove(double maxAngle, const vector<int>& ballJoints) :
-        MonteCarloMove(KIND), maxAngle(maxAngle), ballJoints(ballJoints), drawnJoints(1), drawnRotations(1)
-    {
-        checkLargestAngle(maxAngle, KIND.name);
-    }
-    bool hasSize() const
-    {
-        return maxAngle > 0;
-    }
-    string summarize() const
-    {
-        return KIND.name + " " + toSize(maxAngle, "rad");
-    }
-    vector<MoveParameter> getParameters() const
-    {
-        return {{"maxAngle", maxAngle, ""}, {"ballJoints", ballJoints, "BallJoint"}};
-    }
+    using DeclaredMove::DeclaredMove;
     void bind(const LinkStructure& structure, const string& name);
     bool propose(TrialSession& trials, RandomNumberGenerator& random);
-    const double maxAngle;
-    /** The ball joints to choose from as they were given; empty for all. */
-    const vector<int> ballJoints;
 
 private:
     /** The ball joints to choose from: those given, or all. */
     vector<int> choices;
-    vector<int> drawnJoints;
-    vector<Vec3> drawnRotations;
+    vector<int> drawnJoints = vector<int>(1);
+    vector<Vec3> drawnRotations = vector<Vec3>(1);
 };
 
 } // namespace
@@ -80,23 +59,4 @@ bool PivotMove::propose(TrialSession& trials, RandomNumberGenerator& random)
     return true;
 }
 
-// ---- The methods of the integrator ----
-
-int TorsionMonteCarloIntegrator::addPivotMove(double weight, double maxAngle, const vector<int>& ballJoints)
-{
-    return addMove(make_unique<::PivotMove>(maxAngle, ballJoints), weight);
-}
-
-void TorsionMonteCarloIntegrator::getPivotMoveParameters(int move, double& weight, double& maxAngle,
-                                                         vector<int>& ballJoints) const
-{
-    auto& found = moves->get<::PivotMove>(move, KIND, weight);
-    maxAngle = found.maxAngle;
-    ballJoints = found.ballJoints;
-}
-
-void TorsionMonteCarloIntegrator::setPivotMoveParameters(int move, double weight, double maxAngle,
-                                                         const vector<int>& ballJoints)
-{
-    setMove(move, KIND, make_unique<::PivotMove>(maxAngle, ballJoints), weight);
-}
+MOVE("pivot", PivotMove, PIVOT_MOVE)

@@ -1,52 +1,28 @@
 #include "openmm/OpenMMException.h"
 #include "openmmchaintree/internal/ArgumentChecks.h"
-#include "openmmchaintree/internal/MonteCarloMove.h"
-#include "openmmchaintree/internal/MoveList.h"
+#include "openmmchaintree/internal/MoveDeclaration.h"
 
 using namespace ChainTreePlugin;
 using namespace OpenMM;
 using namespace std;
 
-static void readRigidBodyMove(const SerializationNode& node, double weight, TorsionMonteCarloIntegrator& integrator)
-{
-    integrator.addRigidBodyMove(weight, node.getDoubleProperty("maxTranslation"), node.getDoubleProperty("maxAngle"),
-                                readIndices(node));
-}
+#define RIGID_BODY_MOVE(P)                                                                                             \
+    P(Length, maxTranslation, "largest translation")                                                                   \
+    P(Angle, maxAngle, "largest angle")                                                                                \
+    P(Indices, molecules, "all without fixed particles")
 
-static const MoveKind KIND("rigid body", "RigidBodyMove", TorsionMonteCarloIntegrator::RigidBodyMove,
-                           readRigidBodyMove);
+MOVE_PARAMETERS(RigidBodyMove, RIGID_BODY_MOVE)
 
 namespace {
 
 /**
  * Moves a whole molecule as a rigid body. See TorsionMonteCarloIntegrator::addRigidBodyMove().
  */
-class RigidBodyMove : public MonteCarloMove {
+class RigidBodyMove : public DeclaredMove<RigidBodyMoveParameters> {
 public:
-    RigidBodyMove(double maxTranslation, double maxAngle, const vector<int>& molecules) :
-        MonteCarloMove(KIND), maxTranslation(maxTranslation), maxAngle(maxAngle), molecules(molecules)
-    {
-        checkNotNegative(maxTranslation, "TorsionMonteCarloIntegrator: the largest translation of a rigid body move");
-        checkLargestAngle(maxAngle, KIND.name);
-    }
-    bool hasSize() const
-    {
-        return maxTranslation > 0 || maxAngle > 0;
-    }
-    string summarize() const
-    {
-        return KIND.name + " " + toSize(maxTranslation, "nm") + " " + toSize(maxAngle, "rad");
-    }
-    vector<MoveParameter> getParameters() const
-    {
-        return {
-            {"maxTranslation", maxTranslation, ""}, {"maxAngle", maxAngle, ""}, {"molecules", molecules, "Molecule"}};
-    }
+    using DeclaredMove::DeclaredMove;
     void bind(const LinkStructure& structure, const string& name);
     bool propose(TrialSession& trials, RandomNumberGenerator& random);
-    const double maxTranslation, maxAngle;
-    /** The molecules to choose from, each named by one of its particles; empty for all that can move. */
-    const vector<int> molecules;
 
 private:
     /** The molecules to choose from, by their indices in the LinkStructure. */
@@ -88,25 +64,4 @@ bool RigidBodyMove::propose(TrialSession& trials, RandomNumberGenerator& random)
     return true;
 }
 
-// ---- The methods of the integrator ----
-
-int TorsionMonteCarloIntegrator::addRigidBodyMove(double weight, double maxTranslation, double maxAngle,
-                                                  const vector<int>& molecules)
-{
-    return addMove(make_unique<::RigidBodyMove>(maxTranslation, maxAngle, molecules), weight);
-}
-
-void TorsionMonteCarloIntegrator::getRigidBodyMoveParameters(int move, double& weight, double& maxTranslation,
-                                                             double& maxAngle, vector<int>& molecules) const
-{
-    auto& found = moves->get<::RigidBodyMove>(move, KIND, weight);
-    maxTranslation = found.maxTranslation;
-    maxAngle = found.maxAngle;
-    molecules = found.molecules;
-}
-
-void TorsionMonteCarloIntegrator::setRigidBodyMoveParameters(int move, double weight, double maxTranslation,
-                                                             double maxAngle, const vector<int>& molecules)
-{
-    setMove(move, KIND, make_unique<::RigidBodyMove>(maxTranslation, maxAngle, molecules), weight);
-}
+MOVE("rigid body", RigidBodyMove, RIGID_BODY_MOVE)

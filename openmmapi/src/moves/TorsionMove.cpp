@@ -1,54 +1,32 @@
 #include "openmm/OpenMMException.h"
 #include "openmmchaintree/internal/ArgumentChecks.h"
-#include "openmmchaintree/internal/MonteCarloMove.h"
-#include "openmmchaintree/internal/MoveList.h"
+#include "openmmchaintree/internal/MoveDeclaration.h"
 
 using namespace ChainTreePlugin;
 using namespace OpenMM;
 using namespace std;
 
-static void readTorsionMove(const SerializationNode& node, double weight, TorsionMonteCarloIntegrator& integrator)
-{
-    integrator.addTorsionMove(weight, node.getDoubleProperty("maxAngle"), readIndices(node),
-                              node.getIntProperty("count"));
-}
+#define TORSION_MOVE(P)                                                                                                \
+    P(Angle, maxAngle, "largest angle")                                                                                \
+    P(Indices, torsions, "all")                                                                                        \
+    P(Count, count, "number of torsions", 1)
 
-static const MoveKind KIND("torsion", "TorsionMove", TorsionMonteCarloIntegrator::TorsionMove, readTorsionMove);
+MOVE_PARAMETERS(TorsionMove, TORSION_MOVE)
 
 namespace {
 
 /**
  * Turns a number of different torsions, each by a uniform angle. See TorsionMonteCarloIntegrator::addTorsionMove().
  */
-class TorsionMove : public MonteCarloMove {
+class TorsionMove : public DeclaredMove<TorsionMoveParameters> {
 public:
-    TorsionMove(double maxAngle, const vector<int>& torsions, int count) :
-        MonteCarloMove(KIND), maxAngle(maxAngle), torsions(torsions), count(count)
+    using DeclaredMove::DeclaredMove;
+    string getSubject() const
     {
-        checkLargestAngle(maxAngle, KIND.name);
-        if (count < 1)
-            throw OpenMMException("TorsionMonteCarloIntegrator: the number of torsions that a move turns must be at "
-                                  "least 1, but is " +
-                                  to_string(count));
-    }
-    bool hasSize() const
-    {
-        return maxAngle > 0;
-    }
-    string summarize() const
-    {
-        return (count == 1 ? KIND.name : to_string(count) + " torsions") + " " + toSize(maxAngle, "rad");
-    }
-    vector<MoveParameter> getParameters() const
-    {
-        return {{"maxAngle", maxAngle, ""}, {"torsions", torsions, "Torsion"}, {"count", count, ""}};
+        return count == 1 ? getKind().name : to_string(count) + " torsions";
     }
     void bind(const LinkStructure& structure, const string& name);
     bool propose(TrialSession& trials, RandomNumberGenerator& random);
-    const double maxAngle;
-    /** The torsions to choose from as they were given; empty for all. */
-    const vector<int> torsions;
-    const int count;
 
 private:
     /** The torsions to choose from: those given, or all. */
@@ -109,24 +87,4 @@ bool TorsionMove::propose(TrialSession& trials, RandomNumberGenerator& random)
     return true;
 }
 
-// ---- The methods of the integrator ----
-
-int TorsionMonteCarloIntegrator::addTorsionMove(double weight, double maxAngle, const vector<int>& torsions, int count)
-{
-    return addMove(make_unique<::TorsionMove>(maxAngle, torsions, count), weight);
-}
-
-void TorsionMonteCarloIntegrator::getTorsionMoveParameters(int move, double& weight, double& maxAngle,
-                                                           vector<int>& torsions, int& count) const
-{
-    auto& found = moves->get<::TorsionMove>(move, KIND, weight);
-    maxAngle = found.maxAngle;
-    torsions = found.torsions;
-    count = found.count;
-}
-
-void TorsionMonteCarloIntegrator::setTorsionMoveParameters(int move, double weight, double maxAngle,
-                                                           const vector<int>& torsions, int count)
-{
-    setMove(move, KIND, make_unique<::TorsionMove>(maxAngle, torsions, count), weight);
-}
+MOVE("torsion", TorsionMove, TORSION_MOVE)

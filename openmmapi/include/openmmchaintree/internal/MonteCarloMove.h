@@ -7,77 +7,87 @@
 #include "openmmchaintree/internal/TrialSession.h"
 #include "openmmchaintree/internal/windowsExportChainTree.h"
 #include "openmmchaintree/TorsionMonteCarloIntegrator.h"
+#include <limits>
+#include <memory>
 #include <string>
-#include <utility>
 #include <variant>
 #include <vector>
 
 namespace ChainTreePlugin {
 
+class MonteCarloMove;
+
 /**
- * A kind of move: what it is called, and how one is read from XML. To create a MoveKind is to make it known, so each
- * kind is a constant in the file of its move. A new kind of move takes nothing but such a file, a MoveType, and the
- * method of TorsionMonteCarloIntegrator that adds it, which is defined in that file, too.
+ * A parameter of a move: what it is called, what it may be, and its value. MoveDeclaration.h has the kinds of
+ * parameters.
+ */
+class OPENMM_EXPORT_CHAINTREE MoveParameter {
+public:
+    /**
+     * A number, the indices of what a move chooses from, empty for all, or many numbers.
+     */
+    typedef std::variant<double, int, std::vector<int>, std::vector<double>> Value;
+    /**
+     * Half a turn, computed with rounding.
+     */
+    static constexpr double LargestAngle = 3.14159265358979323846 * (1 + 1e-9);
+    MoveParameter(const std::string& name, const Value& value, const std::string& text) :
+        name(name), value(value), text(text)
+    {
+    }
+    /**
+     * Throw an exception unless a number is within its bounds.
+     *
+     * @param kind  the name of the MoveKind
+     */
+    void check(const std::string& kind) const;
+    /**
+     * Get the bounds of a number for people to read, as "from 0 to 1".
+     */
+    std::string getRange() const;
+    /** The name of the argument, in XML and in checkpoints. */
+    std::string name;
+    Value value;
+    /** What messages call a number, as "largest angle"; what an empty list of indices means, as "all". */
+    std::string text;
+    /** The unit of a number, as "nm^-2". */
+    std::string unit = "1";
+    double least = 0, most = std::numeric_limits<double>::infinity();
+    bool mayBeLeast = true;
+    /** Whether the scale of a move multiplies it. */
+    bool isSize = false;
+    /** What one of many values is called in XML, as "Torsion". */
+    std::string element;
+};
+
+/**
+ * A kind of move: what it is called, its parameters, and how one is read from XML. Each kind is a constant in the file
+ * of its move, whose constructor makes it known.
  */
 class OPENMM_EXPORT_CHAINTREE MoveKind {
 public:
     /**
-     * Reads the parameters that a move's getParameters() gave and adds the move to an integrator.
+     * Creates a move from what its write() wrote.
      */
-    typedef void Reader(const OpenMM::SerializationNode& node, double weight, TorsionMonteCarloIntegrator& integrator);
+    typedef std::unique_ptr<MonteCarloMove> Reader(const OpenMM::SerializationNode& node);
     /**
-     * @param name     what messages, checkpoints and States call a move of this kind, as "torsion"
-     * @param element  the name of its element in XML, as "TorsionMove"
-     * @param type     what TorsionMonteCarloIntegrator::getMoveType() returns
-     * @param read     the function that reads it
+     * @param name        what messages, checkpoints and States call a move of this kind, as "torsion"
+     * @param element     the name of its element in XML, as "TorsionMove"
+     * @param type        what TorsionMonteCarloIntegrator::getMoveType() returns
+     * @param parameters  its parameters, with any values
+     * @param read        the function that reads it
      */
     MoveKind(const std::string& name, const std::string& element, TorsionMonteCarloIntegrator::MoveType type,
-             Reader& read);
+             const std::vector<MoveParameter>& parameters, Reader& read);
     /**
      * Get the kind with this element in XML. It is an error if there is none.
      */
     static const MoveKind& find(const std::string& element);
     const std::string name, element;
     const TorsionMonteCarloIntegrator::MoveType type;
+    const std::vector<MoveParameter> parameters;
     Reader& read;
 };
-
-/**
- * A parameter of a move: a number, the indices of what it chooses from, empty for all, or many numbers.
- */
-class MoveParameter {
-public:
-    std::string name;
-    std::variant<double, int, std::vector<int>, std::vector<double>> value;
-    /** What one of the indices or of many numbers is called in XML, as "Torsion". */
-    std::string element;
-};
-
-/**
- * Read the indices that are the children of a node.
- */
-OPENMM_EXPORT_CHAINTREE std::vector<int> readIndices(const OpenMM::SerializationNode& node);
-
-/**
- * Write how far a move goes, for people to read: the sign, six digits at most, and the unit.
- */
-OPENMM_EXPORT_CHAINTREE std::string toSize(double largest, const std::string& unit);
-
-/**
- * Throw an exception if an angle is more than any move needs. Mostly it is one in degrees.
- *
- * @param angle  the angle, in radians
- * @param name   what the message calls it, the class it belongs to included
- */
-OPENMM_EXPORT_CHAINTREE void checkAngle(double angle, const std::string& name);
-
-/**
- * The same of the largest angle of a move.
- *
- * @param angle  the angle, in radians
- * @param kind   the name of its MoveKind
- */
-OPENMM_EXPORT_CHAINTREE void checkLargestAngle(double angle, const std::string& kind);
 
 /**
  * A MonteCarloMove draws the trials of one kind of move.
@@ -97,14 +107,21 @@ public:
     /**
      * Get a few words about it for people to read: what moves, and how far, as "torsion ±0.2 rad".
      */
-    virtual std::string summarize() const = 0;
+    std::string summarize() const;
+    /**
+     * Get what moves, for people to read. The default is the name of the kind.
+     */
+    virtual std::string getSubject() const
+    {
+        return kind.name;
+    }
     /**
      * Get what decides the trials of this move. Checkpoints, States and XML hold it. Moves of the same kind and with
      * the same parameters draw the same trials.
      */
     virtual std::vector<MoveParameter> getParameters() const = 0;
     /**
-     * Write to XML what the kind's Reader reads. It is the parameters, unless a move has a better form for them.
+     * Write to XML what the kind's Reader reads: the parameters, unless a move has a better form for them.
      */
     virtual void write(OpenMM::SerializationNode& node) const;
     /**

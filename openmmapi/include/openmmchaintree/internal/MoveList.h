@@ -77,12 +77,12 @@ public:
      */
     void requireKind(int index, const MoveKind& kind) const;
     /**
-     * Get a move of a kind as the class of these moves, and its weight.
+     * Get a move of a class, and its weight. It is an error if it is of another kind.
      */
     template <class Move>
-    const Move& get(int index, const MoveKind& kind, double& weight) const
+    const Move& get(int index, double& weight) const
     {
-        requireKind(index, kind);
+        requireKind(index, Move::KIND);
         weight = entries[index].weight;
         return static_cast<const Move&>(*entries[index].move);
     }
@@ -125,9 +125,9 @@ public:
      */
     void writeMoves(OpenMM::SerializationNode& node) const;
     /**
-     * Add the moves to an integrator that writeMoves() has written.
+     * Add the moves that writeMoves() has written.
      */
-    static void readMoves(const OpenMM::SerializationNode& node, TorsionMonteCarloIntegrator& integrator);
+    void readMoves(const OpenMM::SerializationNode& node);
 
     // ---- Checkpoints and States: what became of them ----
 
