@@ -1,9 +1,9 @@
-"""A Monte Carlo of one's own: the force proposes and tests trials, and the program decides.
+"""Write your own Monte Carlo: the force proposes and tests trials, and the program accepts or rejects them.
 
     python own_monte_carlo.py [TRIALS]
 
-The ends of the villin headpiece that comes with OpenMM are pulled to a distance of 3 nm by a spring that OpenMM does
-not know of, with the protein as hard spheres.
+Pulls the ends of the villin headpiece that comes with OpenMM, as hard spheres, to a distance of 3 nm with a spring that
+OpenMM does not know.
 """
 
 import math
@@ -29,7 +29,7 @@ system = openmm.System()
 for atom in protein.topology.atoms():
     system.addParticle(atom.element.mass)
 system.addForce(force)
-# The integrator is never asked for a step.
+# A Context needs an integrator, but this one never makes a step.
 context = openmm.Context(system, openmm.VerletIntegrator(0.001), openmm.Platform.getPlatformByName("Reference"))
 context.setPositions(protein.positions)
 
@@ -38,8 +38,8 @@ first, last = alphaCarbons[0], alphaCarbons[-1]
 
 
 def lengthOf(positions: np.ndarray) -> float:
-    """Return the distance of the ends in nm."""
-    return math.dist(positions[last], positions[first])  # NumPy's norm depends on the machine in its last bit
+    """Return the distance between the ends in nm."""
+    return math.dist(positions[last], positions[first])  # the last bit of NumPy's norm depends on the machine
 
 
 def energyOf(positions: np.ndarray) -> float:

@@ -14,7 +14,7 @@ from openmm import unit
 
 steps = int(sys.argv[1]) if len(sys.argv) > 1 else 20
 
-# The protein alone, without the water and the ions around it.
+# Keep only the protein, without water and ions.
 pdb = app.PDBFile(str(Path(app.__file__).parent / "data" / "test.pdb"))
 protein = app.Modeller(pdb.topology, pdb.positions)
 protein.delete([residue for residue in pdb.topology.residues() if residue.name in ("HOH", "Cl")])

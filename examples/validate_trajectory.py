@@ -1,9 +1,9 @@
-"""Check a trajectory: the clashes of each frame and where they are, and how much bonds change.
+"""Check a trajectory: the clashes of each frame and their residues, and changes of bond lengths.
 
     python validate_trajectory.py [STRUCTURE TRAJECTORY]
 
-Without files it makes some to look at, dynamics.pdb and dynamics.dcd: 2 ps of the villin headpiece that comes with
-OpenMM, by molecular dynamics without solvent.
+Without files it first makes dynamics.pdb and dynamics.dcd: 2 ps of molecular dynamics in vacuum of the villin headpiece
+that comes with OpenMM.
 """
 
 import collections
@@ -19,7 +19,7 @@ from openmm import unit
 
 
 def runDynamics(structure: str, trajectory: str) -> None:
-    """Write a structure and a trajectory that belongs to it."""
+    """Write a structure and its trajectory."""
     pdb = app.PDBFile(str(Path(app.__file__).parent / "data" / "test.pdb"))
     protein = app.Modeller(pdb.topology, pdb.positions)
     protein.delete([residue for residue in pdb.topology.residues() if residue.name in ("HOH", "Cl")])
@@ -40,14 +40,14 @@ else:
     structure, trajectory = "dynamics.pdb", "dynamics.dcd"
     runDynamics(structure, trajectory)
 
-# Clashes: atoms more than three bonds apart that overlap by more than is usual in crystal structures.
+# Clashes: atoms more than three bonds apart that overlap by more than usual in crystal structures.
 (reference,) = chaintree.findClashes(structure)
 frames = chaintree.findClashes(structure, trajectory)
 counts = [frame.clashesPer1000Atoms for frame in frames]
 print(f"{structure}: {reference.clashesPer1000Atoms:.1f} clashes in 1,000 atoms")
 print(f"{len(frames)} frames: {min(counts):.1f} to {max(counts):.1f}, median {np.median(counts):.1f}")
 
-# Where they are: pairs of residues, by the number of frames in which they clash, and the worst overlap.
+# Residues: pairs that clash in most frames, and their largest overlap.
 overlaps = collections.defaultdict(list)
 for frame in frames:
     worst: dict[tuple[str, str], float] = {}
@@ -59,7 +59,7 @@ for frame in frames:
 for pair, ofPair in sorted(overlaps.items(), key=lambda item: -len(item[1]))[:3]:
     print(f"{pair[0]} and {pair[1]}: in {len(ofPair)} frames, by up to {max(ofPair):.3f} nm")
 
-# Bonds: by how much the length of each changes along the trajectory.
+# Bonds: the range of each length along the trajectory.
 topology = mdtraj.load(structure).topology
 bonds = [(bond.atom1.index, bond.atom2.index) for bond in topology.bonds]
 lengths = mdtraj.compute_distances(mdtraj.load(trajectory, top=structure), bonds, periodic=False)

@@ -1,8 +1,8 @@
-"""Watch the clashes of a molecular dynamics simulation, and end it if atoms get too near to each other.
+"""Monitor the clashes of a molecular dynamics simulation, and end it if two atoms overlap too much.
 
     python watch_clashes.py [STEPS]
 
-The villin headpiece that comes with OpenMM moves in AMBER14 with implicit solvent at 300 K. Writes clashes.csv.
+Simulates the villin headpiece that comes with OpenMM in AMBER14 with implicit solvent at 300 K. Writes clashes.csv.
 """
 
 import sys
@@ -19,7 +19,7 @@ pdb = app.PDBFile(str(Path(app.__file__).parent / "data" / "test.pdb"))
 protein = app.Modeller(pdb.topology, pdb.positions)
 protein.delete([residue for residue in pdb.topology.residues() if residue.name in ("HOH", "Cl")])
 
-# The System has no force of this package: the reporter brings what it needs.
+# The System needs no force of this package: the reporter creates its own.
 forceField = app.ForceField("amber14-all.xml", "implicit/gbn2.xml")
 system = forceField.createSystem(protein.topology, constraints=app.HBonds)
 integrator = openmm.LangevinMiddleIntegrator(300 * unit.kelvin, 1 / unit.picosecond, 2 * unit.femtoseconds)
@@ -31,5 +31,5 @@ simulation.reporters.append(chaintree.ClashReporter("clashes.csv", 50, maxOverla
 try:
     simulation.step(steps)
 except chaintree.ClashError as error:
-    sys.exit(f"the simulation went wrong at {error}")
+    sys.exit(f"the simulation failed at {error}")
 print(Path("clashes.csv").read_text(), end="")

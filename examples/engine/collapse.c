@@ -1,7 +1,7 @@
-/* A chain of beads that attract each other collapses: Metropolis Monte Carlo of its torsions by the engine alone.
+/* Collapse of a chain of beads that attract each other: Metropolis Monte Carlo of its torsions with the engine alone.
  *
- * Hard spheres come first, since most trials of a dense chain end there. What a trial changes of the energy is computed
- * only of those without a clash. */
+ * Hard spheres are tested first, since most trials of a dense chain clash. The energy change is computed only for
+ * trials without a clash. */
 #include <ctenergy.h>
 #include <math.h>
 #include <stdio.h>
@@ -12,8 +12,8 @@ enum { BEADS = 100, TRIALS = 20000 };
 static const double kT = 2.494;   /* kJ/mol, at 300 K */
 static const double radius = 0.2; /* nm */
 
-/* A torsion turns about the bond between two beads and moves all that follows. So each bead is a link of its own, but
- * for the first two and the last two, which no torsion moves relative to each other. */
+/* A torsion rotates everything behind the bond between two beads. So each bead is a link, except that the first two
+ * and the last two form one link each, since no torsion moves them relative to each other. */
 typedef struct Chain {
   double positions[BEADS][3];
   double radii[BEADS];
@@ -32,7 +32,7 @@ static void stop(const char* what) {
   exit(1);
 }
 
-/* A zigzag. */
+/* Describes a zigzag chain. */
 static void describe(Chain* chain, ctDefinition* scene, ctNonbonded* pairs) {
   int exclusions = 0;
   for (int i = 0; i < BEADS; i++) {
@@ -78,7 +78,7 @@ static void describe(Chain* chain, ctDefinition* scene, ctNonbonded* pairs) {
                          .exclusions = (const int(*)[2])chain->exclusions};
 }
 
-/* Uniform in [0, 1): splitmix64, so that every machine draws the same numbers. */
+/* Returns a number uniform in [0, 1) by splitmix64, which is the same on every machine. */
 static double draw(uint64_t* state) {
   uint64_t z = *state += 0x9e3779b97f4a7c15u;
   z = (z ^ z >> 30) * 0xbf58476d1ce4e5b9u;
@@ -86,7 +86,7 @@ static double draw(uint64_t* state) {
   return (double)((z ^ z >> 31) >> 11) * 0x1p-53;
 }
 
-/* True if the open trial is to be accepted; what it changes of the energy, kJ/mol. */
+/* Returns whether to accept the open trial, and its energy change in kJ/mol: the Metropolis criterion. */
 static bool decide(ctEnergy* energy, uint64_t* random, double* change) {
   *change = 0;
   for (int part = 0; part < CT_ENERGY_PARTS; part++) {
@@ -163,7 +163,7 @@ int main(void) {
   printf("%d trials, %d clashed, %d accepted\n", TRIALS, clashed, accepted);
   printf("at the end: %.1f kJ/mol, radius of gyration %.2f nm, %s\n", ctGetPairEnergy(energy), radiusOfGyration(tree),
          clash ? "with a clash" : "no clash");
-  printf("the changes that were accepted add up to %.1f kJ/mol\n", held);
+  printf("sum of all accepted changes: %.1f kJ/mol\n", held);
   ctDestroyEnergy(energy);
   ctDestroy(tree);
   return 0;

@@ -1,19 +1,19 @@
-"""Proofs that ball joints, pivot moves and rigid-body moves sample what they should; with numbers, for hours if wished.
+"""Do ball joints, pivot moves and rigid-body moves sample correctly? Tests of any length, with numbers.
 
     python bead_chains.py [PART ...] [--effort X] [--seed N]
 
-Each part compares with something that shares nothing with the plugin, and prints a line for each number. A part fails
-if a p-value is below 1e-4 over the number of lines, which no fair run should see in a lifetime. Parts:
+Each part compares with a method that is independent of the plugin, and prints a line for each number. A part fails if a
+p-value is below 1e-4 divided by the number of lines, which a correct program practically never reaches. Parts:
 
-directions  without energy and spheres, directions of bonds are uniform and independent (Pearson's test)
-short       four and five hard beads: the distances of the ends against quadrature
-chains      tangent hard spheres, 32 and 128 of them: mean squared end-to-end distance and radius of gyration against
+directions  without energy and spheres, bond directions are uniform and independent (Pearson's test)
+short       four and five hard beads: end-to-end distance against quadrature
+chains      32 and 128 tangent hard spheres: mean squared end-to-end distance and radius of gyration against
             dimerization (Suzuki, Prog. Theor. Phys. 39, 1375 (1968); Alexandrowicz, J. Chem. Phys. 51, 561 (1969))
-exponent    the same with 256 to 65,536 beads: nu by a fit with one correction term, to be 0.5876 within 0.005
+exponent    the same with 256 to 65,536 beads: nu from a fit with one correction term must be 0.5876 within 0.005
             (Clisby, Phys. Rev. Lett. 104, 055702 (2010))
-letters     a chain of two kinds of beads with Ashbaugh-Hatch pairs: ends and size against Langevin dynamics of OpenMM
+letters     a chain of two types of beads with Ashbaugh-Hatch pairs: ends and size against Langevin dynamics in OpenMM
 bodies      two rigid bodies on a spring against the exact distribution
-drift       lengths of bonds after ten million moves
+drift       bond lengths after ten million moves
 """
 
 import argparse
@@ -34,7 +34,7 @@ THERMAL = 8.31446261815324e-3 * 300  # kJ/mol
 
 
 class Beads:
-    """Chains of beads that turn freely at each bond, moved by pivots."""
+    """A chain of beads that rotate freely at each bond, sampled with pivot moves."""
 
     def __init__(self, positions, radius, seed, moves=((1, np.pi),), forces=(), bondCutoff=1):
         self.system = openmm.System()
@@ -72,7 +72,7 @@ def positionsOf(context):
 
 
 def stairs(count, bond):
-    """Return positions of beads that do not touch: a flight of stairs."""
+    """Return positions of beads that do not touch, in the shape of stairs."""
     steps = np.array([[0.6, 0, 0.8], [0, 0.6, 0.8], [0.6, 0, 0.8], [0, -0.6, 0.8]])
     return bond * np.concatenate([[[0, 0, 0]], np.cumsum(np.resize(steps, (count - 1, 3)), axis=0)])
 
@@ -108,7 +108,7 @@ class Report:
         self.line(name, f"{found:.5g} ± {foundError:.2g}, expected {expected:.5g} ± {expectedError:.2g}", p)
 
     def uniform(self, name, counts, shares=None):
-        """Compare counts with shares of their sum."""
+        """Compare counts with expected shares of their sum."""
         counts = np.asarray(counts)
         shares = np.full(len(counts), 1 / len(counts)) if shares is None else shares
         statistic, p = stats.chisquare(counts, shares * counts.sum())
@@ -119,7 +119,7 @@ class Report:
 
 
 def meanAndError(samples, blocks=32):
-    """Return the mean of correlated samples, and its error by the spread of blocks."""
+    """Return the mean of correlated samples, and its error from block means."""
     means = np.array([block.mean(axis=0) for block in np.array_split(np.asarray(samples), blocks)])
     return means.mean(axis=0), means.std(axis=0, ddof=1) / np.sqrt(blocks)
 
@@ -128,7 +128,7 @@ def meanAndError(samples, blocks=32):
 
 
 def directions(report, effort, seed):
-    """Start from exact samples, move, and look whether they are still exact: so samples are independent."""
+    """Test that moves from exact samples give exact samples; since the starts are independent, so are the results."""
     random = np.random.default_rng(seed)
     bonds = 6
     for name, moves in {"pi": ((1, np.pi),), "1.0": ((1, 1.0),), "both": ((1, np.pi), (1, 0.3))}.items():
@@ -153,15 +153,15 @@ def directions(report, effort, seed):
 
 
 def quadratureOfEnds(beads, diameter, size, edges):
-    """Return the shares of end-to-end distances of hard beads between edges, by midpoints of angles and dihedrals.
+    """Return the probabilities of end-to-end distances between `edges`, by the midpoint rule for angles and dihedrals.
 
-    Cosines of angles are uniform up to the one at which next but one neighbours touch.
+    Cosines of angles are uniform up to the value at which second neighbours touch.
     """
     largest = 1 - 0.5 * diameter**2
     cosines = -1 + (np.arange(size) + 0.5) / size * (largest + 1)
     dihedrals = (np.arange(2 * size) + 0.5) / size * np.pi
     shares = np.zeros(len(edges) - 1)
-    # By the mirror, the first dihedral may lie on one side alone.
+    # By mirror symmetry, half the range of the first dihedral is enough.
     axes = [cosines] * (beads - 2) + [dihedrals[:size]] + [dihedrals] * (beads - 4)
     for first in axes[0]:
         grid = np.meshgrid([first], *axes[1:], indexing="ij")
@@ -188,7 +188,7 @@ def quadratureOfEnds(beads, diameter, size, edges):
 
 
 def short(report, effort, seed):
-    """Samples 40 trials apart count as independent: a trial moves half of the beads, and most are accepted."""
+    """Treat samples 40 trials apart as independent: a trial moves half of the beads, and most are accepted."""
     diameter = 0.9
     for beads, size in ((4, 160), (5, 30)):
         edges = np.linspace(diameter, beads - 1, 13)
@@ -198,13 +198,13 @@ def short(report, effort, seed):
         for _ in range(int(60000 * effort)):
             chain.run(40)
             ends.append(np.sqrt(squares(chain.positions)[0]))
-        kept = shares > 1e-3  # midpoints know the others too badly
+        kept = shares > 1e-3  # the midpoint rule is too inaccurate for the others
         counts = np.histogram(ends, edges)[0][kept]
         report.uniform(f"{beads} hard beads: distance of the ends", counts, shares[kept] / shares[kept].sum())
 
 
 def joinChains(left, right, diameter, random):
-    """Return joined chains without clashes, of as many left and right ones: last beads bonded to first ones."""
+    """Join each left chain with a right one, last bead to first bead; return the joined chains without clashes."""
     count, length = left.shape[:2]
     shift = left[:, -1] + drawDirections(random, count) - right[:, 0]
     right = right + shift[:, None]
@@ -221,7 +221,7 @@ def joinChains(left, right, diameter, random):
 
 
 def dimerize(length, count, diameter, random):
-    """Return at least `count` chains of hard beads, uniformly from all: halves that are such, and fit."""
+    """Return `count` chains of hard beads with uniform probability, joined from uniform halves."""
     if length == 1:
         return np.zeros((count, 1, 3))
     found, total, tried = [], 0, 2 * count
@@ -235,7 +235,7 @@ def dimerize(length, count, diameter, random):
 
 
 def chains(report, effort, seed):
-    """Means of long runs by blocks, against means of independent chains."""
+    """Compare block means of long runs with means of independent chains."""
     random = np.random.default_rng(seed)
     for beads in (32, 128):
         expected = []
@@ -259,13 +259,13 @@ def chains(report, effort, seed):
 
 
 def exponent(report, effort, seed, largest=65536):
-    """Fit log<R^2> = log A + 2 nu log n + log(1 + B n^-0.528), n bonds."""
+    """Fit log<R^2> = log A + 2 nu log n + log(1 + B n^-0.528) for n bonds."""
     sizes, means, errors = [], [], []
     beads = 256
     while beads <= largest:
         begin = time.process_time()
         chain = Beads(stairs(beads, 1), 0.5, seed + beads)
-        chain.run(int(4 * beads * np.log(beads)))  # each joint turns some ten times
+        chain.run(int(4 * beads * np.log(beads)))  # about ten rotations of each joint
         samples = []
         for _ in range(int(20000 * effort)):
             chain.run(60)
@@ -284,7 +284,7 @@ def exponent(report, effort, seed, largest=65536):
     for k, name in enumerate(("end-to-end distance", "radius of gyration")):
         y = np.log(np.array(means)[:, k])
         sigma = np.array(errors)[:, k] / np.array(means)[:, k]
-        # To first order in n^-0.528, which leaves a linear problem.
+        # To first order in n^-0.528 the problem is linear.
         design = np.stack([np.ones_like(n), 2 * np.log(n), n**-0.528], axis=1) / sigma[:, None]
         covariance = np.linalg.inv(design.T @ design)
         fitted = covariance @ design.T @ (y / sigma)
@@ -298,7 +298,7 @@ def exponent(report, effort, seed, largest=65536):
 
 
 def ashbaughHatch(letters, cutoff):
-    """Return the force of pairs of letters H (sticky) and P of a chain of coarse-grained beads, nm and kJ/mol."""
+    """Return the pair force of a chain of beads of types H (sticky) and P, in nm and kJ/mol."""
     force = openmm.CustomNonbondedForce(
         "select(step(2^(1/6)*s-r), lj+0.8*(1-l), l*lj);lj=4*0.8*((s/r)^12-(s/r)^6); s=0.5*(s1+s2); l=0.5*(l1+l2)"
     )
@@ -312,11 +312,11 @@ def ashbaughHatch(letters, cutoff):
 
 
 def letters(report, effort, seed):
-    """Dynamics has bonds so stiff that their lengths hardly matter, and many chains far apart from each other.
+    """Compare with dynamics of bonds so stiff that their lengths hardly matter, for many chains far from each other.
 
-    Where stiff springs keep bonds, directions are uniform but for the energy, as pivots have it. (Constraints would add
-    the determinant of their metric: Fixman, Proc. Natl. Acad. Sci. 71, 3050 (1974).) A spring makes the mean squared
-    length larger by 5 (sigma/b)^2 to first order, which is taken out.
+    With stiff springs, bond directions are uniform apart from the energy, as with pivot moves. (Constraints would add
+    the determinant of their metric: Fixman, Proc. Natl. Acad. Sci. 71, 3050 (1974).) To first order, springs increase
+    the mean squared length by 5 (sigma/b)^2, which is corrected.
     """
     sequence = "HPPHHPHPPPHHPHPPHHPHPPPH"
     bond, stiffness, copies, cutoff = 0.38, 5e4, 24, 2.0
@@ -362,7 +362,7 @@ def letters(report, effort, seed):
     expectedErrors = ofCopies.std(axis=0, ddof=1) / np.sqrt(copies) / stretch
     for k, name in enumerate(("squared end-to-end distance", "squared radius of gyration")):
         report.compare(f"{beads} letters: {name}", found[k], errors[k], expected[k], expectedErrors[k])
-    # Samples far enough apart to be independent.
+    # Use samples far enough apart to be independent.
     spacing = max(1, len(dynamic) // 40)
     statistic, p = stats.ks_2samp(
         np.sqrt(np.array(sampled)[::20, 0]), np.sqrt(dynamic[::spacing, :, 0].ravel() / stretch)
@@ -371,7 +371,7 @@ def letters(report, effort, seed):
 
 
 def bodies(report, effort, seed):
-    """Of two atoms that a spring joins, r has the density r^2 exp(-k (r - r0)^2 / 2 kT); directions are uniform."""
+    """Test that a spring's length has the density r^2 exp(-k (r - r0)^2 / 2 kT), and that its direction is uniform."""
     system, force = openmm.System(), chaintree.StericExclusionForce()
     body = np.array([[0, 0, 0], [0.3, 0, 0], [0, 0.4, 0], [0.1, 0.2, 0.5]])
     for i in range(8):
@@ -410,7 +410,7 @@ def bodies(report, effort, seed):
 
 
 def drift(report, effort, seed):
-    """Lengths stay within rounding of positions."""
+    """Test that bond lengths change by no more than the rounding of positions."""
     beads = 300
     chain = Beads(stairs(beads, 0.38), 0.19, seed, ((1, np.pi), (1, 0.2)))
     begin = time.process_time()
@@ -432,9 +432,9 @@ PARTS = {part.__name__: part for part in (directions, short, chains, exponent, l
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("parts", nargs="*", metavar="PART", help="which parts to run (default: all)")
-    parser.add_argument("--effort", type=float, default=1, help="more or fewer samples than usual (default: 1)")
-    parser.add_argument("--seed", type=int, default=1, help="of all random numbers (default: 1)")
-    parser.add_argument("--largest", type=int, default=65536, help="beads of the longest chain of `exponent`")
+    parser.add_argument("--effort", type=float, default=1, help="factor for the number of samples (default: 1)")
+    parser.add_argument("--seed", type=int, default=1, help="random seed (default: 1)")
+    parser.add_argument("--largest", type=int, default=65536, help="number of beads in the longest chain of `exponent`")
     options = parser.parse_args()
     unknown = set(options.parts) - set(PARTS)
     if unknown:
@@ -445,7 +445,7 @@ def main():
         more = {"largest": options.largest} if name == "exponent" else {}
         PARTS[name](report, options.effort, options.seed, **more)
     print(f"{len(report.values)} p-values, the least {min(report.values):.3g}: ", end="")
-    print("as it should be" if report.succeeded() else "NOT as it should be")
+    print("passed" if report.succeeded() else "FAILED")
     return 0 if report.succeeded() else 1
 
 

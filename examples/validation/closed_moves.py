@@ -1,19 +1,19 @@
-"""Do closed moves sample the closures of a loop as they are? Eight torsions between fixed ends, against rejection.
+"""Do closed moves sample the closures of a loop correctly? Eight torsions between fixed ends, against rejection.
 
     python closed_moves.py [--batches 300] [--trials 300] [--seed 1]
 
-The loop is a backbone of five residues with fixed peptide bonds, none of them flat. Rejection knows nothing of Newton's
-method, of Jacobians or of solutions: it turns the torsions of the first half by any angles, and those of the second
-half, which hangs on the far end. Where the two halves nearly meet, what both make is a draw if its end is within
-TOLERANCE of where it should be. Halves are drawn anew for each batch, so that few draws share one.
+The loop is a backbone of five residues with fixed, non-planar peptide bonds. Rejection sampling uses neither Newton's
+method nor Jacobians nor solutions: it draws all torsions of the first half uniformly, and those of the second half,
+which starts at the far end. Where two halves nearly meet, the loop is a sample ("draw") if its end is within TOLERANCE
+of the required place. Each batch draws new halves, so that few samples share one.
 
-Of every two draws one is moved: its ends stay exactly where they are, and closed moves lead it to any other of its
-closures. Whether a loop is a draw depends on its end alone, so both sets are draws of one ensemble, however wide
-TOLERANCE is. Compared are each torsion, pairs of torsions (chi-squared of two samples) and log |J| of the six pivots
-(Kolmogorov and Smirnov). Exit status 1 if one p-value is below SIGNIFICANCE divided by their number (Bonferroni), or if
-the same tests do not notice an ensemble without 1/|J|, which is made of the moved loops by their weights.
+Every second sample is moved: its ends stay exactly in place, and closed moves lead it to other closures. Whether a loop
+is a sample depends on its end alone, so both sets are samples of one ensemble, for any TOLERANCE. Compared are each
+torsion, pairs of torsions (two-sample chi-squared) and log |J| of the six pivots (Kolmogorov and Smirnov). Exit status
+1 if a p-value is below SIGNIFICANCE divided by their number (Bonferroni), or if the same tests do not notice an
+ensemble without 1/|J|, which is made from the moved loops by weighting.
 
-(That torsions which were drawn uniformly stay so is tested by TestClosedMoves, whose argument is a number of samples.)
+(TestClosedMoves tests that uniform torsions stay uniform; its argument is the number of samples.)
 """
 
 import argparse
@@ -26,11 +26,11 @@ from scipy.spatial import cKDTree
 from scipy.stats import chi2_contingency, ks_2samp
 
 SIGNIFICANCE = 1e-3
-TOLERANCE = 0.09  # nm, of four points of the end together, ARM apart
+TOLERANCE = 0.09  # nm, root of the summed squares over four points of the end, ARM apart
 ARM = 0.3  # nm
-MIDDLE = 0.33  # nm, within which the halves of all loops with such an end meet, three atoms together
-HALVES = 10000  # of each kind in a batch
-LENGTHS = {"N": 0.1329, "A": 0.1458, "C": 0.1525}  # nm, of the bond that ends in an atom
+MIDDLE = 0.33  # nm, the same over three atoms where the halves meet; no loop within TOLERANCE exceeds it
+HALVES = 10000  # per batch, of each half
+LENGTHS = {"N": 0.1329, "A": 0.1458, "C": 0.1525}  # nm, of the bond that ends in this atom
 ANGLES = {"N": 2.12, "A": 1.94, "C": 2.03}  # rad, at an atom
 OMEGAS = (3.1, -2.9, 2.7, -3.0)  # rad
 KINDS = "NAC" * 5
@@ -79,7 +79,7 @@ def buildBackward(end, torsions):
 
 
 def framePoints(end):
-    """Return four points that a residue carries along, from its N, alpha and C: arrays of shape (..., 4, 3)."""
+    """Return four points fixed to a residue, from its N, alpha and C: arrays of shape (..., 4, 3)."""
     origin = end[..., 1, :]
     axes = [end[..., 2, :] - origin]
     axes[0] = axes[0] / np.linalg.norm(axes[0], axis=-1, keepdims=True)
@@ -90,9 +90,9 @@ def framePoints(end):
 
 
 def reject(start, batches, random):
-    """Return the torsions of loops that are closed within TOLERANCE, as a loop with these torsions is.
+    """Return the torsions of loops whose ends are within TOLERANCE of that of the loop `start`.
 
-    Returns the number of halves, too, that a loop shares with one before.
+    Also returns the number of halves that occur in an earlier loop, too.
     """
     end = build(start)[12:]
     wanted = framePoints(end)
@@ -110,18 +110,18 @@ def reject(start, batches, random):
         closed.append(loops[isDraw])
         shared += 2 * len(near) - len(set(near["i"])) - len(set(near["j"]))
         farthest = max(farthest, near["v"].max(initial=0.0))
-    assert farthest < 0.9 * MIDDLE, f"MIDDLE leaves out loops: {farthest}"
+    assert farthest < 0.9 * MIDDLE, f"MIDDLE excludes loops: {farthest}"
     return np.concatenate(closed), shared
 
 
 def withNeighbors(loop):
-    """Return the 17 atoms of a loop and of the bond by which its end is held."""
+    """Return the 17 atoms of a loop and of the bond that holds its end."""
     beyond = place(*loop[-3:], LENGTHS["N"], ANGLES["C"], np.array(2.0))
     return np.concatenate([loop, [beyond, place(*loop[-2:], beyond, LENGTHS["A"], ANGLES["N"], np.array(OMEGAS[3]))]])
 
 
 def move(loops, trials, seed):
-    """Return the torsions that loops between fixed ends have after closed moves."""
+    """Return the torsions of loops between fixed ends after closed moves, and the move's statistics."""
     system = openmm.System()
     force = chaintree.StericExclusionForce()
     for i in range(17):
@@ -147,7 +147,7 @@ def move(loops, trials, seed):
 
 
 def logJacobians(torsions):
-    """Return log |J| of the pivots phi 2 ... psi 4, all torsions but the first and last."""
+    """Return log |J| of the pivots phi 2 ... psi 4, which are all torsions except the first and last."""
     atoms = build(torsions)
     screws = []
     for i in (3, 4, 6, 7, 9, 10):
@@ -158,7 +158,7 @@ def logJacobians(torsions):
 
 
 def compareCounts(bins1, bins2):
-    """Return the p-value of two samples of classes; classes that come seldom are put together."""
+    """Return the p-value of a two-sample test of bins; rare bins are merged."""
     size = int(max(bins1.max(), bins2.max())) + 1
     counts = np.array([np.bincount(bins1, minlength=size), np.bincount(bins2, minlength=size)])
     often = counts.sum(axis=0) >= 20
@@ -170,7 +170,7 @@ def compareCounts(bins1, bins2):
 
 
 def compare(torsions1, torsions2):
-    """Return {what: p-value} of two samples of loops."""
+    """Return {quantity: p-value} of two samples of loops."""
     bins1, bins2 = (
         np.floor((torsions % (2 * np.pi)) / (2 * np.pi) * BINS).astype(int) % BINS
         for torsions in (torsions1, torsions2)

@@ -1,13 +1,14 @@
-"""Does the solver of closed windows find all closures, and no other? Against brute force, on windows of proteins.
+"""Does the solver of closed windows find all closures and no others? Compared with brute force, on protein windows.
 
     python closures.py --program FILE [--windows 1250] [--steps 2000] [--seed 1] [STRUCTURE ...]
 
-Of each STRUCTURE (PDB; by default eight proteins in the folder that CHAINTREE_TEST_DATA names, or the villin headpiece
-that comes with OpenMM) so many windows of eight or nine torsions are drawn; the drivers of every other one turn by up
-to 16 degrees. The program `chaintree_closures`, which is built with the tests, solves them twice: by the library, and
-by turning the first pivot through the circle in STEPS steps and more, in long double. Printed are solutions; how many
-were missed, invented, or right but unknown to brute force; windows by their number of solutions; and times in
-microseconds. Exit status 1 if any was missed, invented or unknown.
+Draws WINDOWS windows of eight or nine torsions from each STRUCTURE (PDB; by default eight proteins in the folder that
+CHAINTREE_TEST_DATA names, or the villin headpiece of OpenMM); in every second window the drivers turn by up to 16
+degrees. The program `chaintree_closures`, which is built with the tests, solves each window twice: with the
+library, and by brute force in long double, turning the first pivot through the circle in at least STEPS steps.
+
+Prints the number of solutions; the missed and the invented ones, and correct ones that brute force does not know;
+windows by their number of solutions; and times in microseconds. Exit status 1 if any was missed, invented or unknown.
 """
 
 import argparse
@@ -29,20 +30,20 @@ PROTEINS = ("1crn", "1ctf", "1shg", "1ubi_h", "bpti_h", "5dfr_h", "3ptb", "1htb"
 
 
 def findStructures():
-    """Return the paths of the proteins that are there."""
+    """Return the paths of the proteins found."""
     folder = os.environ.get("CHAINTREE_TEST_DATA")
     found = [Path(folder, f"{name}.pdb") for name in PROTEINS] if folder else []
     return [path for path in found if path.exists()] or [Path(app.__file__).parent / "data" / "test.pdb"]
 
 
 def readBackbones(path):
-    """Return what the program reads."""
+    """Return the input of the program."""
     pdb = app.PDBFile(str(path))
     return describeBackbones(pdb.topology, np.array(pdb.positions.value_in_unit(unit.nanometer)))
 
 
 def solve(options, path):
-    """Return what the program finds out about a structure."""
+    """Return the program's results for a structure."""
     command = [options.program, options.windows, options.steps, options.seed]
     done = subprocess.run(list(map(str, command)), input=readBackbones(path), capture_output=True, text=True)
     *remarks, result = done.stdout.splitlines()
@@ -56,10 +57,10 @@ def solve(options, path):
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("structures", nargs="*", type=Path, metavar="STRUCTURE")
-    parser.add_argument("--program", required=True, help="chaintree_closures, of the build")
-    parser.add_argument("--windows", type=int, default=1250, help="of each structure (default: %(default)s)")
-    parser.add_argument("--steps", type=int, default=2000, help="of brute force (default: %(default)s)")
-    parser.add_argument("--seed", type=int, default=1, help="(default: %(default)s)")
+    parser.add_argument("--program", required=True, help="path of chaintree_closures, in the build folder")
+    parser.add_argument("--windows", type=int, default=1250, help="windows per structure (default: %(default)s)")
+    parser.add_argument("--steps", type=int, default=2000, help="steps of brute force (default: %(default)s)")
+    parser.add_argument("--seed", type=int, default=1, help="random seed (default: %(default)s)")
     options = parser.parse_args()
     names = ("solutions", "known", "missed", "invented", "unknown")
     total, counts = dict.fromkeys(names, 0), 0

@@ -1,20 +1,20 @@
-"""Do drawn moves leave torsions as they are to be, and how many of their trials are accepted?
+"""Do drawn moves leave the distribution of torsions invariant, and how often are they accepted?
 
     python drawn_moves.py uniform [--draws 100000] [--seed 1]
     python drawn_moves.py dipeptide [--draws 100000] [--seed 1] [--temperature 300]
     python drawn_moves.py acceptance STRUCTURE [--trials 200000] [--seed 1] [--temperature 300]
 
-uniform: with neither energy nor spheres. Independent uniform torsions stay uniform under trials of each density that
-comes with the package: of the rotamers of all amino acids, whole and ends of them, and of the loops. Printed is the
-least p-value of chi-squared tests of each torsion (24 cells) and each two of a set (12 x 12), times their number.
+uniform: without energy and spheres, independent uniform torsions stay uniform under moves with each density of the
+package: rotamers of all amino acids, whole side chains and their ends, and loops. Prints the least p-value of
+chi-squared tests of each torsion (24 cells) and each pair of torsions of a set (12 x 12), times their number.
 
-dipeptide: a capped alanine of the villin headpiece in AMBER14 with GBn2 by drawn phi and psi alone, against quadrature
-of OpenMM's energies on a grid of 2 x 144. Printed are p-values of means of blocks of the cells of 6 x 6, and of U.
+dipeptide: a capped alanine of the villin headpiece in AMBER14 with GBn2, in which only phi and psi are drawn, against
+quadrature of OpenMM's energies on a grid of 2 x 144. Prints p-values of block means of 6 x 6 cells, and of U.
 
-acceptance: a protein with hydrogens in AMBER14 with GBn2, or the villin headpiece, `villin`, from where it is folded,
-after so many trials. Printed are the shares of trials that clash and that are accepted, how many torsions of side
-chains turn by more than 60 degrees in 1000 trials, how many different ones do, the share of outer tests that keep their
-trials, and microseconds of processor time.
+acceptance: a folded protein with hydrogens in AMBER14 with GBn2, or the villin headpiece (`villin`), after a relaxation
+of twice TRIALS trials. Prints the shares of trials that clash and that are accepted, the number of side-chain torsions
+that change by more than 60 degrees in 1000 trials, the number of different torsions among these, the share of outer
+tests passed, and microseconds of processor time per trial.
 
 Exit status 1 if a p-value is below SIGNIFICANCE divided by their number (Bonferroni).
 """
@@ -43,9 +43,9 @@ from peptide import FORCE_FIELD, cutPeptide
 from scipy.stats import chisquare, t
 
 SIGNIFICANCE = 1e-3
-COPIES = 200  # of a set in one chain
+COPIES = 200  # of a set of torsions in one chain
 GAS_CONSTANT = 8.31446261815324e-3  # kJ/mol/K
-GRID, CELLS = 144, 6  # of quadrature and of histograms, a torsion
+GRID, CELLS = 144, 6  # per torsion, for quadrature and for histograms
 TRIALS = 40  # between two samples of the dipeptide
 BLOCKS = 50
 JUMP = np.pi / 3
@@ -58,11 +58,11 @@ def contextOf(system, integrator, positions, platform="Reference"):
     return context
 
 
-# ---- Nothing but torsions ----
+# ---- Torsions without energy ----
 
 
 class FreeChain:
-    """A chain of beads without radius, with so many sets of as many torsions."""
+    """A chain of beads without radius, with COPIES sets of `numTorsions` torsions."""
 
     def __init__(self, numTorsions):
         self.sets = [tuple(range(i * numTorsions, (i + 1) * numTorsions)) for i in range(COPIES)]
@@ -81,7 +81,7 @@ class FreeChain:
         self.positions = np.array([0.3 * np.cos(steps * 1.5), 0.3 * np.sin(steps * 1.5), 0.1 * steps]).T
 
     def move(self, density, draws, generator):
-        """Return torsions that were uniform, after some trials, one row a draw, and the counts of the trials."""
+        """Return torsions after some trials from uniform ones, a row per sample, and the move's statistics."""
         integrator = TorsionMonteCarloIntegrator(300)
         integrator.setRandomNumberSeed(int(generator.integers(1, 2**31)))
         integrator.addDrawnMove(1, self.sets, density)
@@ -97,7 +97,7 @@ class FreeChain:
 
 
 def pValueOfUniform(samples):
-    """Return the least p-value of the torsions and the pairs of samples, times their number."""
+    """Return the least p-value of single torsions and pairs of torsions, times their number."""
     values = []
     for i in range(samples.shape[1]):
         values.append(chisquare(np.histogram(samples[:, i], 24, (-np.pi, np.pi))[0]).pvalue)
@@ -108,7 +108,7 @@ def pValueOfUniform(samples):
 
 
 def tabledDensities():
-    """Generate each density of the tables with a name."""
+    """Generate (name, density) for each density of the tables."""
     for name, (_, means, _) in densities._rotamers().items():
         chis = tuple(range(means.shape[1]))
         for first in chis:
@@ -195,7 +195,7 @@ def testDipeptide(arguments):
 
 
 def readProtein(name):
-    """Return the topology and positions of a structure, its residues without a template of AMBER14 left out."""
+    """Return the topology and positions of a structure without residues that have no AMBER14 template."""
     path = Path(app.__file__).parent / "data" / "test.pdb" if name == "villin" else Path(name)
     pdb = app.PDBFile(str(path))
     modeller = app.Modeller(pdb.topology, pdb.positions)

@@ -1,4 +1,4 @@
-"""A capped tetrapeptide, to look at sampling with: ASP-PHE-LYS-ALA of the villin headpiece that comes with OpenMM."""
+"""A small peptide for tests of sampling: ASP-PHE-LYS-ALA with caps, of the villin headpiece that comes with OpenMM."""
 
 from pathlib import Path
 

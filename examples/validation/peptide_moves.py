@@ -1,15 +1,15 @@
-"""Do moves leave exp(-U/kT) as it is? A capped tetrapeptide in AMBER14 with GBn2, all of whose torsions turn.
+"""Do moves leave exp(-U/kT) invariant? A capped tetrapeptide in AMBER14 with GBn2 in which all torsions move.
 
     python peptide_moves.py [--draws 2000] [--seed 1] [--temperature 400] [MOVE ...]
 
-A long chain by turns of single torsions, small ones and any, gives draws. From each draw, each MOVE alone makes 400
-trials and its outer test: what ends there has to be distributed as the draws, whether the move mixes or not. Printed
-are p-values of the mean changes of U, of the radius of gyration and of the cosines and sines of all torsions, by
-Student's test of means of blocks, and how far each move went. Exit status 1 if one p-value is below SIGNIFICANCE
-divided by their number (Bonferroni).
+A long chain of single-torsion moves, small and of any angle, gives samples ("draws"). From each sample, each MOVE alone
+makes 400 trials and their outer test. The results must be distributed as the samples, even if the move mixes slowly.
+Prints p-values of the mean changes of U, of the radius of gyration and of the cosines and sines of all torsions, by
+Student's test of block means, and the size of the changes. Exit status 1 if a p-value is below SIGNIFICANCE divided by
+their number (Bonferroni).
 
-MOVE is one of those below; all, if none is named. `wrong` is the closed move at a temperature that is too high by 30 %:
-it has to be noticed.
+MOVE is a key of MOVES; default: all but `wrong`, which is the closed move at a temperature that is 30 % too high. The
+tests must notice it.
 """
 
 import argparse
@@ -25,11 +25,11 @@ from peptide import FORCE_FIELD, cutPeptide
 from scipy.stats import t
 
 SIGNIFICANCE = 1e-3
-TRIALS = 400  # a step, and from each draw
+TRIALS = 400  # per step, and from each sample
 STEPS_BETWEEN_DRAWS = 5
 RELAXATION = 200  # steps
 BLOCKS = 20
-ROUNDING = 1e-10  # torsions that a move leaves alone come back with less than that
+ROUNDING = 1e-10  # above the rounding error of torsions that a move does not change
 
 MOVES = {
     "torsion": lambda integrator, scene: integrator.addTorsionMove(1, 0.3),
@@ -66,7 +66,7 @@ class Scene:
 
 
 class Run:
-    """The peptide under one move."""
+    """The peptide, sampled with one move."""
 
     def __init__(self, scene, addMove, temperature, seed):
         self.integrator = chaintree.TorsionMonteCarloIntegrator(temperature)
@@ -78,7 +78,7 @@ class Run:
         self.integrator.renewStandIns(self.context)
 
     def step(self, state=None):
-        """Make a step, from torsions if they are given, and return the torsions and what is compared of them."""
+        """Make a step, from the given torsions if any; return the torsions and the compared quantities."""
         if state is not None:
             self.integrator.setTorsionAngles(self.context, state)
         self.integrator.step(1)
@@ -93,7 +93,7 @@ class Run:
 
 
 def pValues(changes):
-    """Return those of Student's test that the means of changes, one row a draw, are 0: one a column."""
+    """Return p-values of Student's test for zero mean, one per column of `changes`, which has a row per sample."""
     rows = changes[: len(changes) // BLOCKS * BLOCKS].reshape(BLOCKS, -1, changes.shape[1]).mean(axis=1)
     errors = rows.std(axis=0, ddof=1) / np.sqrt(BLOCKS) + ROUNDING
     return 2 * t.sf(np.abs(rows.mean(axis=0)) / errors, BLOCKS - 1)
@@ -120,7 +120,7 @@ def report(name, run, changes, seconds):
 
 
 def main():
-    parser = argparse.ArgumentParser(description="Follow draws of a tetrapeptide by each move.")
+    parser = argparse.ArgumentParser(description="Test that moves leave the distribution of a peptide invariant.")
     parser.add_argument("moves", nargs="*", metavar="MOVE", help=", ".join(MOVES))
     parser.add_argument("--draws", type=int, default=2000)
     parser.add_argument("--seed", type=int, default=1)

@@ -1,15 +1,15 @@
-"""Do replicas that exchange temperatures sample exp(-U/kT) at each of them?
+"""Do replicas that exchange temperatures sample exp(-U/kT) at each temperature?
 
     python replica_exchange.py [--rounds 20000] [--seed 1] [--workers 2] [--factor 1]
 
-A capped alanine of the villin headpiece in AMBER14 without solvent, of which phi and psi turn by up to 20 degrees or
-are drawn anew, which is seldom accepted at 300 K. Four replicas exchange 300, 424, 600 and 849 K after every 5 trials,
-by the Coordinator and the Workplace that the command uses. What phi and psi are at each temperature is compared with
-quadrature of OpenMM's energies on a grid of 2 x 96: p-values of means of blocks of the cells of 6 x 6, and of U.
-Printed are the least p-value at each temperature, times their number, the exchange rates and the round trips. Exit
-status 1 if a p-value is below SIGNIFICANCE divided by their number (Bonferroni).
+A capped alanine of the villin headpiece in AMBER14 without solvent. Moves change phi and psi by up to 20 degrees, or by
+any angle, which is seldom accepted at 300 K. Four replicas exchange 300, 424, 600 and 849 K after every 5 trials, with
+the Coordinator and the Workplace of the command. At each temperature, the distribution of phi and psi and the mean U
+are compared with quadrature of OpenMM's energies on a grid of 2 x 96: p-values of block means, of 6 x 6 cells and of U.
+Prints the least p-value at each temperature, times their number, the exchange rates and the round trips. Exit status 1
+if a p-value is below SIGNIFICANCE divided by their number (Bonferroni).
 
---factor multiplies the exponent of the exchange: with any but 1, as by mistake, p-values must be low.
+--factor multiplies the exponent of the exchange, to plant an error: with any factor except 1, p-values must be low.
 """
 
 import argparse
@@ -35,7 +35,7 @@ FORCE_FIELD = "amber14-all.xml"
 SIGNIFICANCE = 1e-3
 GAS_CONSTANT = 8.31446261815324e-3  # kJ/mol/K
 TEMPERATURES = geometricLadder(300, 849, 4)
-GRID, CELLS = 96, 6  # of quadrature and of histograms, a torsion
+GRID, CELLS = 96, 6  # per torsion, for quadrature and for histograms
 TRIALS = 5  # between exchanges
 STEPS = 20, 180  # degrees
 BLOCKS = 20
@@ -43,7 +43,7 @@ BLOCKS = 20
 
 def makeDipeptide():
     """Return the System of ACE-ALA-NME, and positions."""
-    random.seed(1)  # by which hydrogens are added, and relaxed: sums of many threads vary
+    random.seed(1)  # adding hydrogens uses it; with several threads, relaxing them is not reproducible
     openmm.Platform.getPlatform("CPU").setPropertyDefaultValue("Threads", "1")
     topology, positions = cutPeptide(7, 1)
     system = app.ForceField(FORCE_FIELD).createSystem(topology)
@@ -64,7 +64,7 @@ def dihedralsOf(force, positions):
 
 
 def quadrature(system, positions):
-    """Return probabilities of cells, a row a temperature, and the means of U, without clashes, and the best state."""
+    """Return probabilities of cells, a row per temperature; means of U; positions of the lowest U. Excludes clashes."""
     context = openmm.Context(system, openmm.VerletIntegrator(0.001), openmm.Platform.getPlatform("Reference"))
     force = stericForce(system)
     others = set(range(32)) - {force.getForceGroup()}
@@ -97,7 +97,7 @@ def stericForce(system):
 
 
 def sample(system, start, rounds, seed, workers):
-    """Return phi, psi and U of each temperature after each round, (temperatures, rounds, 3), and the RunState."""
+    """Return phi, psi and U at each temperature after each round, shape (temperatures, rounds, 3), and the RunState."""
     force = stericForce(system)
     plan = RunPlan(Schedule(rounds * TRIALS, TRIALS, TRIALS), TEMPERATURES, deriveSeeds(seed, len(TEMPERATURES)), seed)
     state = RunState(plan, len(STEPS))
@@ -114,7 +114,7 @@ def sample(system, start, rounds, seed, workers):
 
 
 def pValues(rows, cells, mean):
-    """Return p-values of U and of cells of some weight, by means of blocks, without the first tenth."""
+    """Return p-values of U and of cells that are not rare, from block means without the first tenth of the run."""
     rows = rows[len(rows) // 10 :]
     rows = rows[: len(rows) // BLOCKS * BLOCKS]
     places = np.clip(((rows[:, :2] + np.pi) / (2 * np.pi) * CELLS).astype(int), 0, CELLS - 1)

@@ -1,24 +1,24 @@
-"""Do dynamics and Monte Carlo in turns sample what dynamics alone samples?
+"""Do alternating dynamics and Monte Carlo sample the same distribution as dynamics alone?
 
     python turned_velocities.py [SETTING ...] [--steps 500000] [--every 10] [--temperature 300] [--friction 1]
                                 [--seed 1]
 
-Langevin dynamics of a capped alanine of the villin headpiece in AMBER99SB with OBC, 2 fs with constraints and 1 fs
-without, is compared with turns: `every` steps of it, then one of 50 trials. Printed are, of either, the temperature of
-the velocities and U with their standard errors, and the least p-value, times their number, of Welch's tests of means of
-20 blocks: kinetic energy, U, cells of phi and psi (where phi is below 0, since dynamics hardly leaves there), and the
-mean and the square of the length of each bond that is not constrained. Settings:
+Langevin dynamics of a capped alanine of the villin headpiece in AMBER99SB with OBC, with time steps of 2 fs with
+constraints and 1 fs without, is compared with alternation: `every` steps of dynamics, then a Monte Carlo step of 50
+trials. Prints for both the temperature of the velocities and U with their standard errors, and the least p-value, times
+their number, of Welch's tests of 20 block means: kinetic energy, U, cells of phi and psi (for phi below 0, since
+dynamics hardly leaves this region), and the mean and variance of the length of each unconstrained bond. Settings:
 
-none, HBonds, AllBonds  what is constrained; phi and psi turn by any angle
-rotors                  nothing is; omega and methyl groups turn, too
+none, HBonds, AllBonds  the constraints; phi and psi change by any angle
+rotors                  no constraints; omega and methyl groups rotate, too
 remover                 HBonds, with a CMMotionRemover
-rigid                   HBonds, and the molecule is moved and turned as a whole
-closed                  HBonds, VAL-PHE-GLY-MET, closed moves alone; slow at 300 K, so give it --temperature 600
-handed                  HBonds, in two Contexts that hand positions and velocities to each other, as openmmtools does
+rigid                   HBonds, and moves translate and rotate the whole molecule
+closed                  HBonds, VAL-PHE-GLY-MET, closed moves alone; slow at 300 K, so use --temperature 600
+handed                  HBonds, in two Contexts that exchange positions and velocities, as in openmmtools
 
-Exit status 1 if a p-value is below SIGNIFICANCE over their number (Bonferroni). Give each block of either run 20 ps or
-more, or blocks depend on each other. `handed` is about a percent hotter with turns as frequent as these, since the
-integrator's velocities are half a step before the positions, which only a common Context makes up for.
+Exit status 1 if a p-value is below SIGNIFICANCE divided by their number (Bonferroni). Each block of either run should
+have at least 20 ps, or blocks are correlated. With alternation as frequent as here, `handed` is about one percent too
+hot, since the integrator's velocities are half a step before the positions; only a common Context corrects for this.
 """
 
 import argparse
@@ -35,12 +35,12 @@ from scipy.stats import ttest_ind
 SIGNIFICANCE = 1e-3
 GAS_CONSTANT = 8.31446261815324e-3  # kJ/mol/K
 BLOCKS = 20
-CELLS = 4  # of phi and psi each
+CELLS = 4  # for each of phi and psi
 SETTINGS = ("none", "HBonds", "AllBonds", "rotors", "remover", "rigid", "closed", "handed")
 
 
 class Peptide:
-    """The molecule of a setting: its System, and what is measured of it."""
+    """The molecule of a setting: its System and its measured quantities."""
 
     def __init__(self, setting):
         self.setting = setting
@@ -84,7 +84,7 @@ def dihedral(places):
 
 
 class Run:
-    """Dynamics of a Peptide, alone or in turns with Monte Carlo."""
+    """Dynamics of a Peptide, alone or alternating with Monte Carlo."""
 
     def __init__(self, peptide, arguments, takesTurns):
         self.peptide, self.every = peptide, arguments.every
@@ -131,7 +131,7 @@ class Run:
             hand(self.other, self.context)
 
     def sample(self, steps):
-        """Return a row of measurements for each turn, the first tenth left out."""
+        """Return a row of measurements per alternation, without the first tenth."""
         rows = []
         for _ in range(steps // self.every):
             (self.compound or self.dynamics).step(self.every)
@@ -151,7 +151,7 @@ def blockMeans(values):
 
 
 def observables(rows):
-    """Return what is compared, a column each: energies, cells of phi and psi, lengths of bonds and their squares."""
+    """Return block means, a column per quantity: energies, bond lengths and variances, cells of phi and psi."""
     phi, psi, lengths = rows[:, 2], rows[:, 3], rows[:, 4:]
     isLeft = phi < 0
     inCell = [
