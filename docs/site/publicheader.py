@@ -12,6 +12,7 @@ from pathlib import Path
 _SECTION = re.compile(r"/\* ---- (.*?) ---- \*/\n")
 _TRAILING = re.compile(r"^(.*[^\s/].*?)[ \t]*/\*(?!\*) ", re.MULTILINE)
 _LEADING = re.compile(r"^( *)/\*(?!\*) ", re.MULTILINE)
+_FORMAT = re.compile(r"^/\* clang-format \w+ \*/\n", re.MULTILINE)
 _FILE = re.compile(r"\A/\* (\S+): (.*?)\*/\n", re.DOTALL)
 _PARAGRAPH = re.compile(r"(^ \*\n \* )((?:\w+ ?){1,4}\.) ", re.MULTILINE)
 # Sphinx would have the type and its other name as two declarations.
@@ -27,7 +28,7 @@ _NOT_PUBLIC = re.compile(r"^(?:protected|private):\n.*?^\};", re.MULTILINE | re.
 
 def ofC(text):
     """Return a C header: sections as groups with a name, and what stands behind a member as its text."""
-    text = _FILE.sub(_fileComment, text)
+    text = _FILE.sub(_fileComment, _FORMAT.sub("", text))
     text = _TYPEDEF.sub(r"\1 \2 {\3};", text)
     first, *sections = _SECTION.split(text)
     macros = "".join(match[0] for section in sections[1::2] for match in _MACRO.finditer(section))

@@ -95,51 +95,60 @@ typedef struct ctInput {
   int particles[4]; /* as many as needed; 0: the term's first particle */
 } ctInput;
 
-/* What an operation does with the results a, b, c of up to three earlier ones, and with its constant v. */
+/* F(name, count, value) for each operator that computes `value` from the results a, b, c of `count` earlier operations
+ * and from its own constant v. A minimum or maximum is a if either is NaN, as in OpenMM. constantPower(a, v) is a^v, by
+ * repeated multiplication if v is a whole number. */
+/* clang-format off */
+#define CT_OPERATORS(F)                    \
+  F(Add, 2, a + b)                         \
+  F(Subtract, 2, a - b)                    \
+  F(Multiply, 2, a * b)                    \
+  F(Divide, 2, a / b)                      \
+  F(Power, 2, pow(a, b))                   \
+  F(Negate, 1, -a)                         \
+  F(Sqrt, 1, sqrt(a))                      \
+  F(Exp, 1, exp(a))                        \
+  F(Log, 1, log(a))                        \
+  F(Sin, 1, sin(a))                        \
+  F(Cos, 1, cos(a))                        \
+  F(Sec, 1, 1 / cos(a))                    \
+  F(Csc, 1, 1 / sin(a))                    \
+  F(Tan, 1, tan(a))                        \
+  F(Cot, 1, 1 / tan(a))                    \
+  F(Asin, 1, asin(a))                      \
+  F(Acos, 1, acos(a))                      \
+  F(Atan, 1, atan(a))                      \
+  F(Atan2, 2, atan2(a, b))                 \
+  F(Sinh, 1, sinh(a))                      \
+  F(Cosh, 1, cosh(a))                      \
+  F(Tanh, 1, tanh(a))                      \
+  F(Erf, 1, erf(a))                        \
+  F(Erfc, 1, erfc(a))                      \
+  F(Step, 1, a >= 0 ? 1 : 0)               \
+  F(Delta, 1, a == 0 ? 1 : 0)              \
+  F(Square, 1, a * a)                      \
+  F(Cube, 1, a * a * a)                    \
+  F(Reciprocal, 1, 1 / a)                  \
+  F(AddConstant, 1, a + v)                 \
+  F(MultiplyConstant, 1, a * v)            \
+  F(PowerConstant, 1, constantPower(a, v)) \
+  F(Min, 2, b < a ? b : a)                 \
+  F(Max, 2, a < b ? b : a)                 \
+  F(Abs, 1, fabs(a))                       \
+  F(Floor, 1, floor(a))                    \
+  F(Ceil, 1, ceil(a))                      \
+  F(Select, 3, a != 0 ? b : c)
+
+#define CT_ENUMERATOR(name, count, value) ct##name##Operator,
 typedef enum ctOperator {
   ctConstantOperator,  /* v */
   ctInputOperator,     /* input number a */
   ctParameterOperator, /* the term's parameter number a */
-  ctAddOperator,
-  ctSubtractOperator,
-  ctMultiplyOperator,
-  ctDivideOperator,
-  ctPowerOperator,
-  ctNegateOperator,
-  ctSqrtOperator,
-  ctExpOperator,
-  ctLogOperator,
-  ctSinOperator,
-  ctCosOperator,
-  ctSecOperator,
-  ctCscOperator,
-  ctTanOperator,
-  ctCotOperator,
-  ctAsinOperator,
-  ctAcosOperator,
-  ctAtanOperator,
-  ctAtan2Operator,
-  ctSinhOperator,
-  ctCoshOperator,
-  ctTanhOperator,
-  ctErfOperator,
-  ctErfcOperator,
-  ctStepOperator,  /* 0 if a < 0, else 1 */
-  ctDeltaOperator, /* 1 if a == 0, else 0 */
-  ctSquareOperator,
-  ctCubeOperator,
-  ctReciprocalOperator,
-  ctAddConstantOperator,
-  ctMultiplyConstantOperator,
-  ctPowerConstantOperator, /* a^v */
-  ctMinOperator,
-  ctMaxOperator,
-  ctAbsOperator,
-  ctFloorOperator,
-  ctCeilOperator,
-  ctSelectOperator, /* b if a != 0, else c */
-  ctTableOperator   /* not of terms: table number v of a, b, c, as many as it has dimensions */
+  CT_OPERATORS(CT_ENUMERATOR)
+  ctTableOperator      /* not of terms: table number v of as many of a, b, c as it has dimensions */
 } ctOperator;
+#undef CT_ENUMERATOR
+/* clang-format on */
 
 typedef struct ctOperation {
   ctOperator kind;

@@ -119,34 +119,19 @@ static void addJointsOfMeasure(const Forest* forest, Climb* climb, JointList* jo
   }
 }
 
-static void addJointsOfInput(const Forest* forest, const ctInput* input, const int* particles, JointList* joints) {
-  Climb climb = {0};
-  const int width = ctMeasureWidth(input->measure);
-  for (int i = 0; i < width; i++) {
-    addClimber(forest, particles[input->particles[i]], &climb);
-  }
-  if (width == 1) {
-    addClimber(forest, CT_NULL, &climb);
-  }
-  addJointsOfMeasure(forest, &climb, joints);
-}
-
 /* The joints that change a term of these particles. */
 static JointList jointsOf(const Forest* forest, const ctTermSet* set, int term) {
   JointList joints = {0};
   const int* particles = set->particles + (size_t)term * (size_t)set->particlesPerTerm;
-  if (set->kind == ctExpressionTerm) {
-    for (int i = 0; i < set->expression->inputCount; i++) {
-      addJointsOfInput(forest, &set->expression->inputs[i], particles, &joints);
-    }
-    return joints;
-  }
-  /* A torsion map measures two dihedrals; all other kinds measure one thing of all their particles. */
-  const int width = set->kind == ctTorsionMapTerm ? 4 : set->particlesPerTerm;
-  for (int first = 0; first < set->particlesPerTerm; first += width) {
+  int measured[4];
+  int count;
+  for (int measure = 0; (count = ctMeasuredParticles(set, measure, measured)) > 0; measure++) {
     Climb climb = {0};
-    for (int i = 0; i < width; i++) {
-      addClimber(forest, particles[first + i], &climb);
+    for (int i = 0; i < count; i++) {
+      addClimber(forest, particles[measured[i]], &climb);
+    }
+    if (count == 1) {
+      addClimber(forest, CT_NULL, &climb);
     }
     addJointsOfMeasure(forest, &climb, &joints);
   }

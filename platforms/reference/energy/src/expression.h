@@ -18,16 +18,19 @@ typedef struct Expression {
 /* The number of particles that a measure is of. */
 int ctMeasureWidth(ctMeasure measure);
 
-/* How many results of earlier operations an operation takes. Tables are read for those that are of one. */
+/* How many results of earlier operations an operation takes: for a table, as many as its dimensions. */
 int ctArgumentCount(const ctOperation* operation, const ctTable* tables);
 
-/* What an operation makes of these, in the C library's functions; not for inputs, parameters and tables. */
+/* Copies valid operations, with 0 for the arguments that they do not take. NULL if there is no memory. */
+ctOperation* ctCopyOperations(const ctOperation* from, int count, const ctTable* tables);
+
+/* The result of an operation on these by the C library's functions; not for inputs, parameters and tables. */
 double ctOperate(const ctOperation* operation, double a, double b, double c);
 
-/* True if an expression can be evaluated for terms of so many particles and parameters; else text, of `size` bytes,
- * says what is wrong with it, as the end of a sentence. */
-bool ctExpressionIsValid(const ctExpression* expression, int particlesPerTerm, int parametersPerTerm, char* text,
-                         size_t size);
+/* True if the expression, called `name`, can be evaluated for terms with these numbers of particles and parameters;
+ * else text, of `size` bytes, says what is wrong with it. */
+bool ctExpressionIsValid(const ctExpression* expression, const char* name, int particlesPerTerm, int parametersPerTerm,
+                         char* text, size_t size);
 
 /* Copies a valid expression. False, and nothing copied, if there is no memory. */
 bool ctExpressionCopy(const ctExpression* from, Expression* to);

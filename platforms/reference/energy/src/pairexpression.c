@@ -27,30 +27,14 @@ static bool copyTables(PairExpression* expression, const ctPairSet* set) {
   return true;
 }
 
-static bool copy(PairExpression* expression, const ctPairSet* set) {
-  const size_t operations = (size_t)set->operationCount;
-  expression->operationCount = set->operationCount;
-  expression->parametersPerParticle = set->parametersPerParticle;
-  expression->operations = malloc(operations * sizeof *expression->operations);
-  expression->results = calloc(operations, sizeof *expression->results);
-  if (expression->operations == NULL || expression->results == NULL || !copyTables(expression, set)) {
-    return false;
-  }
-  memcpy(expression->operations, set->operations, operations * sizeof *expression->operations);
-  /* Arguments that are not taken may hold anything. */
-  for (size_t i = 0; i < operations; i++) {
-    ctOperation* operation = &expression->operations[i];
-    const bool takesNumber = operation->kind == ctParameterOperator;
-    for (int k = takesNumber ? 1 : ctArgumentCount(operation, expression->tables); k < 3; k++) {
-      operation->arguments[k] = 0;
-    }
-  }
-  return true;
-}
-
 bool ctPairExpressionCreate(PairExpression* expression, const ctPairSet* set) {
-  *expression = (PairExpression){0};
-  if (!copy(expression, set)) {
+  *expression = (PairExpression){
+      .operationCount = set->operationCount,
+      .operations = ctCopyOperations(set->operations, set->operationCount, set->tables),
+      .parametersPerParticle = set->parametersPerParticle,
+      .results = calloc((size_t)set->operationCount, sizeof *expression->results),
+  };
+  if (expression->operations == NULL || expression->results == NULL || !copyTables(expression, set)) {
     ctPairExpressionFree(expression);
     return false;
   }

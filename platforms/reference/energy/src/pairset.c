@@ -5,7 +5,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "pairsetchecks.h"
+#include "checks.h"
 #include "switching.h"
 
 /* ---- Life ---- */

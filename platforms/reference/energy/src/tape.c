@@ -48,12 +48,19 @@ static void addNeed(Needs* needs, int node, int place) {
   needs->places[needs->count++] = place;
 }
 
+static int countArguments(const Plan* plan, const ctOperation* node) {
+  if (isOfColumns(plan->graph, node)) {
+    return 0;
+  }
+  return node->kind == INVERSE_ROOT_OPERATOR ? 1 : ctArgumentCount(node, plan->tables);
+}
+
 static Needs needsOf(const Plan* plan, int i) {
   Needs needs = {0};
   const ctOperation* node = &plan->graph->nodes[i];
   const int first = plan->first[i];
   const ctOperation* begin = first == UNUSED ? node : &plan->graph->nodes[first];
-  const int count = isOfColumns(plan->graph, begin) ? 0 : ctArgumentCount(begin, plan->tables);
+  const int count = countArguments(plan, begin);
   for (int k = 0; k < count; k++) {
     addNeed(&needs, begin->arguments[k], k);
   }

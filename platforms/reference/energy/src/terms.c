@@ -151,18 +151,19 @@ void ctTermsDestroy(Terms* terms) {
 
 /* ---- Values ---- */
 
-/* What goes on from term to term. */
+/* Terms that are evaluated one after another. */
 typedef struct Evaluation {
   Terms* terms;
   const TrialView* view; /* without pieces: the state */
-  Dihedral dihedral;     /* of the last torsion */
+  Term term;             /* the last one */
 } Evaluation;
 
 static Evaluation beginEvaluation(Terms* terms, const TrialView* view) {
   for (int p = 0; p < terms->width; p++) {
     terms->slots[p] = CT_NULL;
   }
-  return (Evaluation){.terms = terms, .view = view};
+  return (Evaluation){
+      .terms = terms, .view = view, .term = {.x = (const double(*)[3])terms->positions, .results = terms->results}};
 }
 
 /* Terms often share some particles with the one before. */
@@ -184,16 +185,17 @@ static void gatherPositions(const Evaluation* evaluation, const int* slots, int 
 }
 
 /* Terms that share a dihedral have the same joints and slots, so they come one after the other. */
-static double evaluateTerm(Evaluation* evaluation, int term) {
+static double evaluateTerm(Evaluation* evaluation, int number) {
   Terms* terms = evaluation->terms;
-  const TermSet* set = &terms->sets[terms->setOf[term]];
-  const int i = term - set->firstTerm;
-  const bool repeats = terms->repeats[term];
-  if (!repeats) {
-    gatherPositions(evaluation, set->slots + (size_t)i * (size_t)set->width, set->width);
+  Term* term = &evaluation->term;
+  term->set = &terms->sets[terms->setOf[number]];
+  const size_t i = (size_t)(number - term->set->firstTerm);
+  term->numbers = term->set->numbers + i * (size_t)term->set->stride;
+  term->sharesDihedral = terms->repeats[number];
+  if (!term->sharesDihedral) {
+    gatherPositions(evaluation, term->set->slots + i * (size_t)term->set->width, term->set->width);
   }
-  return ctTermSetEvaluate(set, i, (const double(*)[3])terms->positions, repeats, &evaluation->dihedral,
-                           terms->results);
+  return ctTermEvaluate(term);
 }
 
 /* ---- The state ---- */

@@ -1,91 +1,157 @@
 #include "termset.h"
 
 #include <limits.h>
-#include <stdarg.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
-/* ---- Checks ---- */
+#include "checks.h"
 
+/* ---- Values ---- */
+
+static double evaluateBond(Term* term) {
+  const double stretch = measureDistance(term->x[0], term->x[1]) - term->numbers[0];
+  return 0.5 * term->numbers[1] * (stretch * stretch);
+}
+
+static double evaluateAngle(Term* term) {
+  const double bend = measureAngle(term->x[0], term->x[1], term->x[2]) - term->numbers[0];
+  return 0.5 * term->numbers[1] * (bend * bend);
+}
+
+/* The nth power of cosine + i sine is that of n times the angle. */
+static Dihedral multiplyAngle(Dihedral z, int n) {
+  Dihedral power = {1, 0};
+  for (; n > 0; n /= 2) {
+    if (n % 2 == 1) {
+      power = (Dihedral){power.cosine * z.cosine - power.sine * z.sine, power.cosine * z.sine + power.sine * z.cosine};
+    }
+    z = (Dihedral){z.cosine * z.cosine - z.sine * z.sine, 2 * z.cosine * z.sine};
+  }
+  return power;
+}
+
+/* The term's dihedral. */
+static Dihedral dihedralOf(Term* term) {
+  if (!term->sharesDihedral) {
+    term->dihedral = measureDihedral(term->x[0], term->x[1], term->x[2], term->x[3]);
+  }
+  return term->dihedral;
+}
+
+static double evaluatePeriodicTorsion(Term* term) {
+  const double* p = term->numbers;
+  const Dihedral multiple = multiplyAngle(dihedralOf(term), (int)p[0]);
+  return p[1] + (p[2] * multiple.cosine + p[3] * multiple.sine);
+}
+
+static double evaluateRyckaertBellemans(Term* term) {
+  const double* c = term->numbers;
+  const double z = -dihedralOf(term).cosine;
+  return c[0] + z * (c[1] + z * (c[2] + z * (c[3] + z * (c[4] + z * c[5]))));
+}
+
+static double evaluateException(Term* term) {
+  const double* p = term->numbers;
+  const double inverse = 1 / measureDistance(term->x[0], term->x[1]);
+  const double ratio = p[1] * inverse;
+  const double squared = ratio * ratio;
+  const double sixth = squared * squared * squared;
+  return 4 * p[2] * (sixth - 1) * sixth + CT_COULOMB * p[0] * inverse;
+}
+
+static double evaluateMap(Term* term) {
+  const double(*x)[3] = term->x;
+  return evaluateTorsionMap(&term->set->maps[(int)term->numbers[0]], angleOf(measureDihedral(x[0], x[1], x[2], x[3])),
+                            angleOf(measureDihedral(x[4], x[5], x[6], x[7])));
+}
+
+static double evaluateExpression(Term* term) {
+  return ctExpressionEvaluate(&term->set->expression, term->x, term->numbers, term->results);
+}
+
+/* ---- Kinds ---- */
+
+/* What is known of a kind of term. */
 typedef struct Kind {
   const char* name;
-  int particles; /* CT_NULL: any */
-  int parameters;
+  int particles;     /* of a term; CT_NULL: any, as for parameters */
+  int parameters;    /* of a term */
+  int measured;      /* particles of each distance, angle or dihedral; 0: an expression says which */
+  bool isOfDihedral; /* which terms of the same particles share */
+  double (*evaluate)(Term* term);
 } Kind;
 
-static const Kind kinds[] = {{"harmonic bonds", 2, 2},         {"harmonic angles", 3, 2}, {"periodic torsions", 4, 3},
-                             {"Ryckaert-Bellemans", 4, 6},     {"torsion maps", 8, 1},    {"exceptions", 2, 3},
-                             {"expressions", CT_NULL, CT_NULL}};
+static const Kind kinds[] = {
+    [ctHarmonicBondTerm] = {"harmonic bonds", 2, 2, 2, false, evaluateBond},
+    [ctHarmonicAngleTerm] = {"harmonic angles", 3, 2, 3, false, evaluateAngle},
+    [ctPeriodicTorsionTerm] = {"periodic torsions", 4, 3, 4, true, evaluatePeriodicTorsion},
+    [ctRyckaertBellemansTerm] = {"Ryckaert-Bellemans", 4, 6, 4, true, evaluateRyckaertBellemans},
+    [ctTorsionMapTerm] = {"torsion maps", 8, 1, 4, false, evaluateMap},
+    [ctExceptionTerm] = {"exceptions", 2, 3, 2, false, evaluateException},
+    [ctExpressionTerm] = {"expressions", CT_NULL, CT_NULL, 0, false, evaluateExpression},
+};
 
-static bool invalid(char* text, size_t size, const char* format, ...) __attribute__((format(printf, 3, 4)));
-
-static bool invalid(char* text, size_t size, const char* format, ...) {
-  va_list arguments;
-  va_start(arguments, format);
-  vsnprintf(text, size, format, arguments);
-  va_end(arguments);
-  return false;
-}
+/* ---- Checks ---- */
 
 static bool mapIsValid(const ctTorsionMap* map, int index, int number, char* text, size_t size) {
   const int64_t patches = (int64_t)map->size * map->size;
   if (map->size < 1 || patches > CT_MOST_COUNT / 16) {
-    return invalid(text, size, "map %d of term set %d has size %d", index, number, map->size);
+    return ctInvalid(text, size, "map %d of term set %d has size %d", index, number, map->size);
   }
   if (map->coefficients == NULL) {
-    return invalid(text, size, "the coefficients of map %d of term set %d are NULL", index, number);
+    return ctInvalid(text, size, "the coefficients of map %d of term set %d are NULL", index, number);
   }
   for (int64_t i = 0; i < 16 * patches; i++) {
     if (!isfinite(map->coefficients[i])) {
-      return invalid(text, size, "coefficient %d of map %d of term set %d is %g", (int)i, index, number,
-                     map->coefficients[i]);
+      return ctInvalid(text, size, "coefficient %d of map %d of term set %d is %g", (int)i, index, number,
+                       map->coefficients[i]);
     }
   }
   return true;
 }
 
 static bool countsAreValid(const ctTermSet* set, int number, char* text, size_t size) {
-  if ((int)set->kind < 0 || set->kind > ctExpressionTerm) {
-    return invalid(text, size, "term set %d is of the unknown kind %d", number, (int)set->kind);
+  if ((int)set->kind < 0 || (size_t)set->kind >= sizeof kinds / sizeof kinds[0]) {
+    return ctInvalid(text, size, "term set %d is of the unknown kind %d", number, (int)set->kind);
   }
   const Kind* kind = &kinds[set->kind];
   if (set->count < 0 || set->particlesPerTerm < 0 || set->parametersPerTerm < 0 || set->mapCount < 0) {
-    return invalid(text, size, "term set %d has a negative count: %d terms of %d particles and %d parameters, %d maps",
-                   number, set->count, set->particlesPerTerm, set->parametersPerTerm, set->mapCount);
+    return ctInvalid(text, size,
+                     "term set %d has a negative count: %d terms of %d particles and %d parameters, %d maps", number,
+                     set->count, set->particlesPerTerm, set->parametersPerTerm, set->mapCount);
   }
   if (set->mapCount > CT_MOST_COUNT || (int64_t)set->count * set->particlesPerTerm > CT_MOST_COUNT ||
       (int64_t)set->count * set->parametersPerTerm > CT_MOST_COUNT || set->particlesPerTerm > CT_MOST_COUNT ||
       set->parametersPerTerm > CT_MOST_COUNT) {
-    return invalid(text, size, "term set %d is too large: %d terms of %d particles and %d parameters, %d maps", number,
-                   set->count, set->particlesPerTerm, set->parametersPerTerm, set->mapCount);
+    return ctInvalid(text, size, "term set %d is too large: %d terms of %d particles and %d parameters, %d maps",
+                     number, set->count, set->particlesPerTerm, set->parametersPerTerm, set->mapCount);
   }
   if ((set->count > 0 && set->particlesPerTerm > 0 && set->particles == NULL) ||
       (set->count > 0 && set->parametersPerTerm > 0 && set->parameters == NULL) ||
       (set->mapCount > 0 && set->maps == NULL)) {
-    return invalid(text, size, "the particles, parameters or maps of term set %d are NULL", number);
+    return ctInvalid(text, size, "the particles, parameters or maps of term set %d are NULL", number);
   }
   if (kind->particles != CT_NULL && set->particlesPerTerm != kind->particles) {
-    return invalid(text, size, "term set %d (%s) has %d particles a term; it needs %d", number, kind->name,
-                   set->particlesPerTerm, kind->particles);
+    return ctInvalid(text, size, "term set %d (%s) has %d particles a term; it needs %d", number, kind->name,
+                     set->particlesPerTerm, kind->particles);
   }
   if (kind->parameters != CT_NULL && set->parametersPerTerm != kind->parameters) {
-    return invalid(text, size, "term set %d (%s) has %d parameters a term; it needs %d", number, kind->name,
-                   set->parametersPerTerm, kind->parameters);
+    return ctInvalid(text, size, "term set %d (%s) has %d parameters a term; it needs %d", number, kind->name,
+                     set->parametersPerTerm, kind->parameters);
   }
   for (int i = 0; i < set->mapCount; i++) {
     if (!mapIsValid(&set->maps[i], i, number, text, size)) {
       return false;
     }
   }
-  if (set->kind == ctExpressionTerm) {
-    char flaw[120];
+  if (kind->measured == 0) {
+    char name[50];
     if (set->expression == NULL) {
-      return invalid(text, size, "term set %d has no expression", number);
+      return ctInvalid(text, size, "term set %d has no expression", number);
     }
-    if (!ctExpressionIsValid(set->expression, set->particlesPerTerm, set->parametersPerTerm, flaw, sizeof flaw)) {
-      return invalid(text, size, "the expression of term set %d is wrong: %s", number, flaw);
-    }
+    snprintf(name, sizeof name, "the expression of term set %d", number);
+    return ctExpressionIsValid(set->expression, name, set->particlesPerTerm, set->parametersPerTerm, text, size);
   }
   return true;
 }
@@ -100,25 +166,25 @@ static bool termIsValid(const ctDefinition* scene, const ctTermSet* set, int num
   const double* parameters = set->parameters + (size_t)term * (size_t)set->parametersPerTerm;
   for (int i = 0; i < set->particlesPerTerm; i++) {
     if (particles[i] < 0 || particles[i] >= scene->particleCount) {
-      return invalid(text, size, "term %d of term set %d names particle %d; there are %d particles", term, number,
-                     particles[i], scene->particleCount);
+      return ctInvalid(text, size, "term %d of term set %d names particle %d; there are %d particles", term, number,
+                       particles[i], scene->particleCount);
     }
     if (slotOf[particles[i]] == CT_NULL) {
-      return invalid(text, size, "term %d of term set %d names particle %d, which is not listed in the scene", term,
-                     number, particles[i]);
+      return ctInvalid(text, size, "term %d of term set %d names particle %d, which is not listed in the scene", term,
+                       number, particles[i]);
     }
   }
   if (set->kind == ctPeriodicTorsionTerm && !isWholeBelow(parameters[0], INT_MAX)) {
-    return invalid(text, size, "term %d of term set %d has the periodicity %g, which is not a whole number from 0 on",
-                   term, number, parameters[0]);
+    return ctInvalid(text, size, "term %d of term set %d has the periodicity %g, which is not a whole number from 0 on",
+                     term, number, parameters[0]);
   }
   if (set->kind == ctTorsionMapTerm && !isWholeBelow(parameters[0], set->mapCount)) {
-    return invalid(text, size, "term %d of term set %d has map %g; there are %d maps", term, number, parameters[0],
-                   set->mapCount);
+    return ctInvalid(text, size, "term %d of term set %d has map %g; there are %d maps", term, number, parameters[0],
+                     set->mapCount);
   }
-  for (int i = 0; i < set->parametersPerTerm && set->kind != ctExpressionTerm; i++) {
+  for (int i = 0; i < set->parametersPerTerm && kinds[set->kind].measured != 0; i++) {
     if (!isfinite(parameters[i])) {
-      return invalid(text, size, "parameter %d of term %d of term set %d is %g", i, term, number, parameters[i]);
+      return ctInvalid(text, size, "parameter %d of term %d of term set %d is %g", i, term, number, parameters[i]);
     }
   }
   return true;
@@ -190,7 +256,7 @@ bool ctTermSetCreate(const ctTermSet* from, int firstTerm, const int* slotOf, Te
   for (int term = 0; term < from->count; term++) {
     prepare(from, term, set->numbers + (size_t)term * stride);
   }
-  if (from->kind == ctExpressionTerm) {
+  if (kinds[from->kind].measured == 0) {
     set->isAnchored = ctExpressionHasCoordinate(from->expression);
     return ctExpressionCopy(from->expression, &set->expression);
   }
@@ -207,76 +273,33 @@ void ctTermSetFree(TermSet* set) {
   ctExpressionFree(&set->expression);
 }
 
-/* ---- Values ---- */
+/* ---- Terms ---- */
 
-static double evaluateBond(const double* p, const double (*x)[3]) {
-  const double stretch = measureDistance(x[0], x[1]) - p[0];
-  return 0.5 * p[1] * (stretch * stretch);
+static int particlesOfInput(const ctInput* input, int* particles) {
+  const int width = ctMeasureWidth(input->measure);
+  memcpy(particles, input->particles, (size_t)width * sizeof *particles);
+  return width;
 }
 
-static double evaluateAngle(const double* p, const double (*x)[3]) {
-  const double bend = measureAngle(x[0], x[1], x[2]) - p[0];
-  return 0.5 * p[1] * (bend * bend);
-}
-
-/* The nth power of cosine + i sine is that of n times the angle. */
-static Dihedral multiplyAngle(Dihedral z, int n) {
-  Dihedral power = {1, 0};
-  for (; n > 0; n /= 2) {
-    if (n % 2 == 1) {
-      power = (Dihedral){power.cosine * z.cosine - power.sine * z.sine, power.cosine * z.sine + power.sine * z.cosine};
-    }
-    z = (Dihedral){z.cosine * z.cosine - z.sine * z.sine, 2 * z.cosine * z.sine};
+int ctMeasuredParticles(const ctTermSet* set, int measure, int* particles) {
+  const int width = kinds[set->kind].measured;
+  if (width == 0) {
+    return measure < set->expression->inputCount ? particlesOfInput(&set->expression->inputs[measure], particles) : 0;
   }
-  return power;
-}
-
-static double evaluatePeriodicTorsion(const double* p, Dihedral dihedral) {
-  const Dihedral multiple = multiplyAngle(dihedral, (int)p[0]);
-  return p[1] + (p[2] * multiple.cosine + p[3] * multiple.sine);
-}
-
-static double evaluateRyckaertBellemans(const double* c, Dihedral dihedral) {
-  const double z = -dihedral.cosine;
-  return c[0] + z * (c[1] + z * (c[2] + z * (c[3] + z * (c[4] + z * c[5]))));
-}
-
-static double evaluateException(const double* p, const double (*x)[3]) {
-  const double inverse = 1 / measureDistance(x[0], x[1]);
-  const double ratio = p[1] * inverse;
-  const double squared = ratio * ratio;
-  const double sixth = squared * squared * squared;
-  return 4 * p[2] * (sixth - 1) * sixth + CT_COULOMB * p[0] * inverse;
-}
-
-double ctTermSetEvaluate(const TermSet* set, int term, const double (*positions)[3], bool sameDihedral,
-                         Dihedral* dihedral, double* results) {
-  const double* p = set->numbers + (size_t)term * (size_t)set->stride;
-  const double(*x)[3] = positions;
-  switch (set->kind) {
-    case ctHarmonicBondTerm:
-      return evaluateBond(p, x);
-    case ctHarmonicAngleTerm:
-      return evaluateAngle(p, x);
-    case ctExceptionTerm:
-      return evaluateException(p, x);
-    case ctPeriodicTorsionTerm:
-    case ctRyckaertBellemansTerm:
-      if (!sameDihedral) {
-        *dihedral = measureDihedral(x[0], x[1], x[2], x[3]);
-      }
-      return set->kind == ctPeriodicTorsionTerm ? evaluatePeriodicTorsion(p, *dihedral)
-                                                : evaluateRyckaertBellemans(p, *dihedral);
-    case ctTorsionMapTerm:
-      return evaluateTorsionMap(&set->maps[(int)p[0]], angleOf(measureDihedral(x[0], x[1], x[2], x[3])),
-                                angleOf(measureDihedral(x[4], x[5], x[6], x[7])));
-    default:
-      return ctExpressionEvaluate(&set->expression, x, p, results);
+  if (measure * width >= set->particlesPerTerm) {
+    return 0;
   }
+  for (int i = 0; i < width; i++) {
+    particles[i] = measure * width + i;
+  }
+  return width;
+}
+
+double ctTermEvaluate(Term* term) {
+  return kinds[term->set->kind].evaluate(term);
 }
 
 bool ctTermSetRepeats(const TermSet* set, int term) {
   const int* slots = set->slots + 4 * (size_t)term;
-  return (set->kind == ctPeriodicTorsionTerm || set->kind == ctRyckaertBellemansTerm) && term > 0 &&
-         memcmp(slots, slots - 4, 4 * sizeof *slots) == 0;
+  return kinds[set->kind].isOfDihedral && term > 0 && memcmp(slots, slots - 4, 4 * sizeof *slots) == 0;
 }

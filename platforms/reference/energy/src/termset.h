@@ -30,10 +30,21 @@ bool ctTermSetCreate(const ctTermSet* from, int firstTerm, const int* slotOf, Te
 
 void ctTermSetFree(TermSet* set);
 
-/* The value of term `term` of the set from the positions of its particles. A dihedral is kept in *dihedral, and used
- * again if `sameDihedral`. `results` is scratch for the operations of an expression. */
-double ctTermSetEvaluate(const TermSet* set, int term, const double (*positions)[3], bool sameDihedral,
-                         Dihedral* dihedral, double* results);
+/* The particles of which measure number `measure` of each term is, as their numbers in the term. Returns how many, up
+ * to four; 0: there are fewer measures. */
+int ctMeasuredParticles(const ctTermSet* set, int measure, int* particles);
+
+/* A term that is evaluated. */
+typedef struct Term {
+  const TermSet* set;
+  const double* numbers;
+  const double (*x)[3]; /* positions of its particles */
+  bool sharesDihedral;  /* with the term that was evaluated before */
+  Dihedral dihedral;    /* of the last torsion */
+  double* results;      /* scratch for the operations of an expression */
+} Term;
+
+double ctTermEvaluate(Term* term);
 
 /* True if a term has the dihedral of the term before, and shares it. */
 bool ctTermSetRepeats(const TermSet* set, int term);

@@ -6,15 +6,19 @@
 #include <string.h>
 
 #include "blockgap.h"
-#include "valuechecks.h"
+#include "checks.h"
 
 /* ---- Life ---- */
 
 /* False if there is no memory. `start` are numbers of particles that parameters begin, values being 0. */
 static bool createTape(ValueTape* made, const ValueEnergy* energy, const ctValueEnergy* d,
                        const ctValueExpression* expression, const double* start) {
-  ctPairSet set = ctValuePairSet(d, expression);
-  set.parameters = start;
+  const ctPairSet set = {.operationCount = expression->operationCount,
+                         .operations = expression->operations,
+                         .tableCount = expression->tableCount,
+                         .tables = expression->tables,
+                         .parametersPerParticle = countReadable(d, expression->extent),
+                         .parameters = start};
   made->extent = expression->extent;
   return expression->extent == ctOfParticles ? ctPairExpressionCreate(&made->expression, &set)
                                              : ctTapeCreate(&made->tape, &set, d->parametersPerParticle,
@@ -84,7 +88,7 @@ ctStatus ctValueEnergyCreate(ValueEnergy* energy, const ctChainTree* tree, int p
       .blockCount = (particleCount + CT_LEAF_WIDTH - 1) / CT_LEAF_WIDTH,
       .parametersPerParticle = description->parametersPerParticle,
       .valueCount = description->valueCount,
-      .numbersPerParticle = ctCountNumbers(description),
+      .numbersPerParticle = countReadable(description, ctOfParticles),
       .termCount = description->termCount,
       .cutoff = description->cutoff,
       .range = {.hasCutoff = hasCutoff, .squaredCutoff = squareOfCutoff(description->cutoff)},

@@ -32,6 +32,13 @@ typedef struct ValueEnergy {
   double* sums;      /* per particle: those of a value */
 } ValueEnergy;
 
+enum { COORDINATES = 3 };
+
+/* The numbers of a particle that an expression of this extent can read. */
+static inline int countReadable(const ctValueEnergy* d, ctExtent extent) {
+  return d->parametersPerParticle + d->valueCount + (extent == ctOfParticles ? COORDINATES : 0);
+}
+
 /* `number` is that of the energy, for errorText (which may not be NULL). On failure there is nothing to free. */
 ctStatus ctValueEnergyCreate(ValueEnergy* energy, const ctChainTree* tree, int particleCount,
                              const ctValueEnergy* description, int number, char* errorText, size_t errorSize);

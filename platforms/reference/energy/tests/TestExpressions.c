@@ -175,17 +175,20 @@ static void testRefusals(void) {
   const ctOperation negative[] = {{ctParameterOperator, {0, 0, 0}, 0}, {ctSelectOperator, {0, 0, -1}, 0}};
   const ctOperation input[] = {{ctInputOperator, {1, 0, 0}, 0}};
   const ctOperation parameter[] = {{ctParameterOperator, {1, 0, 0}, 0}};
-  const ctOperation unknown[] = {{(ctOperator)41, {0, 0, 0}, 0}};
-  checkOperationsRefused(2, later,
-                         "the expression of term set 0 is wrong: operation 1 needs the result of operation 1");
-  checkOperationsRefused(2, negative, "operation 1 needs the result of operation -1");
-  checkOperationsRefused(1, input, "operation 0 reads input 1; there are 1");
-  checkOperationsRefused(1, parameter, "operation 0 reads parameter 1 of the term, which has 1");
-  checkOperationsRefused(1, unknown, "operation 0 has the unknown operator 41");
-  checkOperationsRefused(0, NULL, "it needs an operation");
-  checkInputRefused((ctInput){ctMeasureAngle, {0, 1, 5, 0}}, "input 0 is of particle 5 of the term, which has 5");
+  const ctOperation table[] = {{ctTableOperator, {0, 0, 0}, 0}};
+  const ctOperation unknown[] = {{(ctOperator)(ctTableOperator + 1), {0, 0, 0}, 0}};
+  checkOperationsRefused(2, later, "operation 1 of the expression of term set 0 needs the result of operation 1");
+  checkOperationsRefused(2, negative, "operation 1 of the expression of term set 0 needs the result of operation -1");
+  checkOperationsRefused(1, input, "operation 0 of the expression of term set 0 reads input 1; there are 1");
+  checkOperationsRefused(1, parameter, "operation 0 of the expression of term set 0 reads parameter 1; there are 1");
+  checkOperationsRefused(1, table, "operation 0 of the expression of term set 0 reads table 0; there are 0");
+  checkOperationsRefused(1, unknown, "operation 0 of the expression of term set 0 has the unknown operator 42");
+  checkOperationsRefused(0, NULL, "the expression of term set 0 has 0 operations, which are NULL,");
+  checkInputRefused((ctInput){ctMeasureAngle, {0, 1, 5, 0}},
+                    "input 0 of the expression of term set 0 is of particle 5 of the term, which has 5");
   checkInputRefused((ctInput){ctMeasureX, {-1, 0, 0, 0}}, "particle -1 of the term");
-  checkInputRefused((ctInput){(ctMeasure)6, {0, 0, 0, 0}}, "input 0 has the unknown measure 6");
+  checkInputRefused((ctInput){(ctMeasure)6, {0, 0, 0, 0}},
+                    "input 0 of the expression of term set 0 has the unknown measure 6");
   const ctTermSet set = makeSet(NULL, 0, NULL);
   checkRefused(&scene, 1, &set, "term set 0 has no expression");
 }

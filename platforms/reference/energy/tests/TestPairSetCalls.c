@@ -53,7 +53,7 @@ static void testOperations(void) {
   } wrong[] = {
       {5, {(ctOperator)99, {0, 0, 0}, 0}, "operation 5 of pair set 1 has the unknown operator 99"},
       {5, {(ctOperator)-1, {0, 0, 0}, 0}, "operation 5 of pair set 1 has the unknown operator -1"},
-      {0, {ctInputOperator, {1, 0, 0}, 0}, "operation 0 of pair set 1 reads input 1; there is the distance alone, 0"},
+      {0, {ctInputOperator, {1, 0, 0}, 0}, "operation 0 of pair set 1 reads input 1; there are 1"},
       {2, {ctParameterOperator, {2, 0, 0}, 0}, "operation 2 of pair set 1 reads parameter 2; there are 2"},
       {2, {ctParameterOperator, {-1, 0, 0}, 0}, "operation 2 of pair set 1 reads parameter -1; there are 2"},
       {3, {ctTableOperator, {1, 2, 0}, 1}, "operation 3 of pair set 1 reads table 1; there are 1"},

@@ -310,12 +310,8 @@ static void testRefusals(void) {
       {ctOfParticles,
        {ctParameterOperator, {8}, 0},
        "operation 0 of value 1 of value energy 1 reads parameter 8; there are 8"},
-      {ctOfParticles,
-       {ctInputOperator, {0}, 0},
-       "operation 0 of value 1 of value energy 1 reads input 0; there is none"},
-      {ctOfPairs,
-       {ctInputOperator, {1}, 0},
-       "operation 0 of value 1 of value energy 1 reads input 1; there is the distance alone, 0"},
+      {ctOfParticles, {ctInputOperator, {0}, 0}, "operation 0 of value 1 of value energy 1 reads input 0; there are 0"},
+      {ctOfPairs, {ctInputOperator, {1}, 0}, "operation 0 of value 1 of value energy 1 reads input 1; there are 1"},
       {ctOfPairs, {ctTableOperator, {0}, 0}, "operation 0 of value 1 of value energy 1 reads table 0; there are 0"},
   };
   for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
