@@ -16,17 +16,18 @@
  *
  * The state is the reference positions, since then the rotation angle of each torsion and the rotation of each ball
  * joint, and the placement of each free link. Transforms are a pure function of that state. So errors do not grow with
- * the number of moves, and a state reached by accepted trials has the same bits as the same state built anew.
+ * the number of moves, and a state reached by accepted trials has the same bits as the same state built from scratch.
  *
  * Closed windows. Torsions may turn so that what lies behind them stays where it is, up to rounding. A body that a
- * trial of two changes or more displaces by less than 2e-11 nm, roundings of the scene's size included, counts as
- * unmoved, and one that moves as another body does, up to as much, as part of that. What such bodies have among
- * themselves is neither tested, listed nor moved. The state itself is exact: only verdicts, and what is kept for
- * clients that sum over leaves, lag behind. Each accepted trial adds what it has skipped to a sum. Before that reaches
- * CT_SIGMA / 2, ctTestTrial looks at all pairs of the state, by their limits, and the sum becomes what the farthest is
- * beyond its own; kept positions are made anew. If that is too far, which takes a pair that rounding has moved beyond
- * its limit in ever so many trials or a state that was made otherwise than by trials without clashes, then trials are
- * tested in full, as if nothing counted as unmoved, until such a look finds less. Limits never change by themselves.
+ * trial of two changes or more displaces by less than 2e-11 nm, roundings of the scene's size included, is merged with
+ * what does not move, and one that moves as another body does, up to as much, with that one. Pairs within merged bodies
+ * are neither tested nor listed, and their particles are not moved. The state itself is exact: only verdicts, and what
+ * is kept for clients that sum over leaves, have an error. Each accepted trial adds what it has skipped to a bound of
+ * that error. Before the bound reaches CT_SIGMA / 2, ctTestTrial checks all pairs of the state by their limits, and the
+ * bound becomes the most that a pair is beyond its limit; kept positions are computed again. If that is too much,
+ * because rounding has moved a pair beyond its limit in very many trials or the state was not made by trials without
+ * clashes, then trials are tested in full, as if no bodies were merged, until such a check finds less. The engine never
+ * changes a limit on its own.
  *
  * Exactness. With sigma = CT_SIGMA, every verdict and every listed pair agrees with exact arithmetic on the positions
  * wherever |overlap - limit| > sigma (|distance - cutoff| > sigma). Nearer than that, one canonical distance decides, a
@@ -38,7 +39,7 @@
  *
  * Arguments. A pointer may be NULL where its description says so, and where it would be to an array without elements.
  * Any other NULL, a handle included, makes a call that returns a status return ctInvalidArgument, and any other call do
- * nothing and return 0, false, NULL or an empty text. Counts are from 0 to CT_MOST_COUNT, others are refused; an array
+ * nothing and return 0, false, NULL or an empty text. Counts outside of 0 to CT_MOST_COUNT are errors; an array
  * has to have as many elements as its count says. A handle that has been freed must not be used.
  */
 #ifndef CHAINTREE_H_
@@ -55,11 +56,11 @@ extern "C" {
 /* Distances this close (nm) to a limit are decided by the canonical distance. */
 #define CT_SIGMA 1e-9
 
-/* Lengths (nm) that are not finite or beyond this are refused, since bounds are in single precision: coordinates,
+/* Lengths (nm) that are not finite or beyond this are errors, since bounds are in single precision: coordinates,
  * radii, tolerances, probes, pivots and translations; and rotations by more rad. */
 #define CT_MOST_LENGTH 1e15
 
-/* Counts beyond this are refused, since some of their multiples have to be an int. */
+/* Larger counts are errors, since some of their multiples have to be an int. */
 #define CT_MOST_COUNT 536870911
 
 /* No parent, no particle, no link. */
@@ -193,12 +194,12 @@ ctStatus ctGetTrialPositions(ctChainTree* tree, double* positions);
 ctStatus ctGetPositionsOf(ctChainTree* tree, bool inTrial, int count, const int* particles, double* positions);
 
 /* ctGetTrialPositions for an array that the caller keeps from trial to trial: writes only coordinates that may have
- * changed since the last call of this function, for an earlier trial. `anew`: this is another array, and all of it is
- * written. O(particles that have moved since + N / 16), whatever was called in between. */
-ctStatus ctFollowTrialPositions(ctChainTree* tree, bool anew, double* positions);
+ * changed since the last call of this function, for an earlier trial. `isNewArray`: writes all of it. O(particles that
+ * have moved since + N / 16), whatever was called in between. */
+ctStatus ctFollowTrialPositions(ctChainTree* tree, bool isNewArray, double* positions);
 
 /* The same for the state, in the same array: the bits of ctGetPositions. */
-void ctFollowPositions(ctChainTree* tree, bool anew, double* positions);
+void ctFollowPositions(ctChainTree* tree, bool isNewArray, double* positions);
 
 /* The state as numbers, to be stored and set again: the reference positions (3 * particleCount, nm); then for each
  * link, in the order of the definition, if it has a torsion joint the angle turned since then (rad, in [-pi, pi]), if a
@@ -215,7 +216,7 @@ void ctGetState(const ctChainTree* tree, double* state);
 ctStatus ctSetState(ctChainTree* tree, const double* state);
 
 /* Makes all that follows have the bits that it has after ctSetState with the numbers of ctGetState: forgets what is
- * kept and lags behind the state (see above, closed windows). O(1), and O(N) when something is asked for next. */
+ * kept with an error (see above, closed windows). O(1), and O(N) in the next call. */
 void ctRenew(ctChainTree* tree);
 
 /* The dihedral p1-p2-p3-p4 of a torsion joint in (-pi, pi], rad: that of the reference positions plus the turns since.
@@ -248,7 +249,7 @@ void ctGetOrientations(ctChainTree* tree, double (*orientations)[9]);
 ctStatus ctSetLimits(ctChainTree* tree, int count, const int (*pairs)[2], const double* limits);
 
 /* Gives each pair whose overlap is beyond its limit a new one: its overlap now plus CT_SIGMA, so that rounding cannot
- * refuse the state it was taken from. *raised is the number of such pairs. */
+ * make its own state clash. *raised is the number of such pairs. */
 ctStatus ctRaiseLimits(ctChainTree* tree, int* raised, ctCounts* counts);
 
 /* The number of pairs with a limit of their own; and the first `capacity` of them, sorted, particle1 < particle2. A
@@ -258,15 +259,14 @@ void ctGetLimits(const ctChainTree* tree, int capacity, int (*pairs)[2], double*
 
 /* ---- Trials ---- */
 
-/* Opens a trial of these changes, each of another link, and drops an open one. Writes nothing that a query can see.
- * Errors: count or link out of range, a link named twice, a fixed joint, a torsion whose axis has no length, a value
- * that is not finite or beyond CT_MOST_LENGTH, a motion by which a link would come to lie ten times as far away. O(k
- * log N). */
+/* Proposes a trial of these changes, each of another link, and rejects an open one. Writes nothing that a query can
+ * see. Errors: count or link out of range, a link named twice, a fixed joint, a torsion whose axis has no length, a
+ * value that is not finite or beyond CT_MOST_LENGTH, a motion that takes a link ten times as far away. O(k log N). */
 ctStatus ctPropose(ctChainTree* tree, int count, const ctChange* changes);
 
-/* *clash tells whether some pair overlaps beyond its limit in the open trial. Pairs that the trial moves as one rigid
- * body are skipped (section 2.3); so are those of bodies that count as unmoved (see above, closed windows). If there is
- * a clash and pair is not NULL, pair holds one, lower index first. */
+/* *clash is true if some pair overlaps beyond its limit in the open trial. Pairs that the trial moves as one rigid body
+ * are skipped (section 2.3); so are those within merged bodies (see above, closed windows). If there is a clash and
+ * pair is not NULL, pair holds one, lower index first. */
 ctStatus ctTestTrial(ctChainTree* tree, bool* clash, int pair[2], ctCounts* counts);
 
 /* Calls function for each pair whose distance the open trial changes, by more than the roundings of closed windows, and
@@ -280,15 +280,15 @@ ctStatus ctAccept(ctChainTree* tree, ctCounts* counts);
 /* Ends the open trial, if there is one. The state keeps every bit. */
 void ctReject(ctChainTree* tree);
 
-/* The sum, over all accepted trials so far, of how far each may have displaced particles that counted as unmoved, nm:
- * what a client keeps for pairs of these lags behind by that. */
+/* nm: the sum over all accepted trials of how far each may have displaced particles of merged bodies, which bounds the
+ * error of what a client keeps for their pairs. */
 double ctGetTotalShift(const ctChainTree* tree);
 
-/* True if a trial is open. */
+/* True if a trial is open: proposed, and neither accepted nor rejected. */
 bool ctHasTrial(const ctChainTree* tree);
 
-/* How many trials have been opened so far, how many of them were accepted, and how often the state has changed, by
- * that or otherwise: a client tells trials and states apart by these. */
+/* How many trials have been proposed, how many of them were accepted, and how often the state has changed, by that or
+ * otherwise: clients tell trials and states apart by these. */
 int64_t ctGetTrialCount(const ctChainTree* tree);
 int64_t ctGetAcceptedCount(const ctChainTree* tree);
 int64_t ctGetChangeCount(const ctChainTree* tree);
@@ -308,7 +308,7 @@ typedef struct ctLeafPositions {
 } ctLeafPositions;
 
 /* Consecutive slots, up to the next piece's, that an open trial moves as one rigid body. All pieces with one number are
- * one body, and body 0 is not moved; both up to what counts as unmoved. */
+ * one body, and body 0 is not moved; both up to merged bodies. */
 typedef struct ctPiece {
   int slotBegin;
   int body;
@@ -325,9 +325,9 @@ typedef struct ctLeafPair {
 int ctGetLeafCount(const ctChainTree* tree);
 void ctGetLeafParticles(const ctChainTree* tree, int* particles);
 
-/* The positions of all leaves in the state, those of ctGetPositions up to rounding and to CT_SIGMA / 2 of what counted
- * as unmoved; up to rounding alone after ctRenew. The array belongs to the scene and is up to date until the state
- * changes. O(leaves that have moved since the last call). NULL if there is no memory. */
+/* The positions of all leaves in the state, those of ctGetPositions up to rounding and, for merged bodies, CT_SIGMA /
+ * 2; up to rounding alone after ctRenew. The array belongs to the scene and is up to date until the state changes.
+ * O(leaves that have moved since the last call). NULL if there is no memory. */
 const ctLeafPositions* ctGetLeaves(ctChainTree* tree);
 
 /* The pieces of the open trial, ascending, and the motion of each body in the world: in the trial a particle of body b

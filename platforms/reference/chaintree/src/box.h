@@ -173,9 +173,10 @@ static inline void axesOfLongest(const BoxBlock* boxes, float axes[3][3]) {
  *   three halves, 153 u B. Along an axis of another box they are off by 14 u, and their cosines by 4 u: 54 u B.
  * - The sum of three halves times cosines: 6 u of it, 18 u B.
  *
- * That is 256 u B. What is in proportion to the extent E, FLOAT_MARGIN covers with its 67 u E: centres moved twice,
- * 14 u E for either box; their difference, of at most 2 E, and its sum of three products along an axis: 22 u E. For 4
- * million pairs of random boxes, up to as large as the scene and moved twice, the whole error never exceeded 8 u E. */
+ * That is 256 u B. What is in proportion to the coordinate bound E, FLOAT_MARGIN covers with its 67 u E: centres moved
+ * twice, 14 u E for either box; their difference, of at most 2 E, and its sum of three products along an axis: 22 u E.
+ * For 4 million pairs of random boxes, up to as large as the scene and moved twice, the whole error never exceeded 8 u
+ * E. */
 static inline Box boxAround(const Block* block, const BoxBlock* boxes, const Bound* bound) {
   Box box;
   float axes[3][3];

@@ -17,17 +17,17 @@
 static bool build(ctChainTree* scene, const ctDefinition* definition) {
   scene->trial = &scene->trials[0];
   scene->next = &scene->trials[1];
-  ctSweepInit(&scene->ownSweep, &scene->staleTree, &scene->sequence, &scene->exclusions);
+  ctSweepInit(&scene->ownSweep, &scene->ownTree, &scene->sequence, &scene->exclusions);
   return ctSequenceBuild(&scene->sequence, &scene->arena, definition) &&
          ctExclusionsBuild(&scene->exclusions, &scene->arena, &scene->sequence, definition) &&
-         ctTreeBuild(&scene->staleTree, &scene->arena, &scene->sequence, ctChooseWide()) &&
-         ctTraversalBuild(&scene->traversal, &scene->arena, &scene->staleTree, &scene->sequence, &scene->exclusions) &&
+         ctTreeBuild(&scene->ownTree, &scene->arena, &scene->sequence, ctChooseWide()) &&
+         ctTraversalBuild(&scene->traversal, &scene->arena, &scene->ownTree, &scene->sequence, &scene->exclusions) &&
          ctCopiedBuild(&scene->followed, &scene->arena, &scene->sequence);
 }
 
 static void takeReference(ctChainTree* scene, const double* positions) {
   ctSequenceSetReference(&scene->sequence, positions);
-  ctTreeMakeStale(&scene->staleTree);
+  ctTreeMakeOutdated(&scene->ownTree);
   ctClearanceForget(&scene->clearance);
   ctSkippedForget(scene);
   ctLeavesForget(&scene->leaves);
@@ -78,7 +78,7 @@ void ctDestroy(ctChainTree* tree) {
     ctSweepFree(&tree->ownSweep);
     ctLimitsFree(&tree->limits);
     ctLeavesFree(&tree->leaves);
-    free(tree->undecided.pairs);
+    free(tree->ties.pairs);
     free(tree->sequence.dihedral);
     ctArenaFree(&tree->arena);
     free(tree);
@@ -90,7 +90,7 @@ const char* ctGetErrorText(const ctChainTree* tree) {
 }
 
 const char* ctGetInstructionSet(const ctChainTree* tree) {
-  return tree != NULL ? tree->staleTree.wide->name : "";
+  return tree != NULL ? tree->ownTree.wide->name : "";
 }
 
 /* ---- State ---- */
@@ -131,12 +131,12 @@ void ctGetPositions(ctChainTree* tree, double* positions) {
   ctReadPositions(&tree->sequence, ctSceneTree(tree), positions);
 }
 
-void ctFollowPositions(ctChainTree* tree, bool anew, double* positions) {
+void ctFollowPositions(ctChainTree* tree, bool isNewArray, double* positions) {
   if (tree == NULL || positions == NULL) {
     return;
   }
-  if (anew) {
-    tree->followed.time = NEVER;
+  if (isNewArray) {
+    tree->followed.revision = NO_REVISION;
   }
   ctRefreshPositions(&tree->followed, &tree->sequence, ctSceneTree(tree), positions);
 }
@@ -158,7 +158,7 @@ static bool dihedral(const double* p1, const double* p2, const double* p3, const
   return true;
 }
 
-/* Keeps a reference dihedral, for those who ask for it in each trial. Without memory it is computed each time. */
+/* Keeps a reference dihedral for clients that read it in each trial. Without memory it is computed each time. */
 static void keepDihedral(Sequence* s, int link, double angle) {
   if (s->dihedral == NULL) {
     s->dihedral = malloc((size_t)s->linkCount * sizeof *s->dihedral);

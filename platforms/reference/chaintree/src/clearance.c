@@ -26,11 +26,11 @@ void ctClearanceBegin(Clearance* c) {
   c->boundPieces = NULL;
 }
 
-/* Bounds of displacements have room for so much of a unit, see boundShifts. */
+/* Bounds of displacements have room for so much of a unit, see boundDisplacements. */
 #define MOST_UNITS_SKIPPED 0.25
 
-void ctClearanceSkip(Clearance* c, double slack) {
-  c->skipped += slack;
+void ctClearanceSkip(Clearance* c, double distanceError) {
+  c->skipped += distanceError;
   if (c->skipped > MOST_UNITS_SKIPPED * (double)c->unit) {
     c->isKept = false;
   }
@@ -52,7 +52,7 @@ static bool reserve(Clearance* c, const Tree* tree) {
   c->stride = (c->leafCount + COLUMNS_AT_ONCE - 1) / COLUMNS_AT_ONCE * COLUMNS_AT_ONCE;
   const size_t columns = (size_t)c->stride;
   c->least = ctArenaAllocate(&c->arena, (size_t)c->leafCount * columns, sizeof *c->least);
-  c->shifts = ctArenaAllocate(&c->arena, MOST_BOUND_PAIRS * columns, sizeof *c->shifts);
+  c->displacements = ctArenaAllocate(&c->arena, MOST_BOUND_PAIRS * columns, sizeof *c->displacements);
   c->boundPairs = ctArenaAllocate(&c->arena, MOST_BOUND_PAIRS, sizeof *c->boundPairs);
   c->near = ctArenaAllocate(&c->arena, TREE_WIDTH * columns / COLUMNS_AT_ONCE + 1, sizeof *c->near);
   if (c->arena.failed) {
@@ -65,7 +65,7 @@ static bool reserve(Clearance* c, const Tree* tree) {
 /* The cost of a test by clearances that finds nothing near: all rows of leaves that move, sixteen columns at a time. */
 static int64_t leastCost(const Tree* tree) {
   const int64_t leaves = tree->levelSize[0];
-  const int64_t least = leaves + leaves * leaves / LEAF_PAIRS_A_UNIT;
+  const int64_t least = leaves + leaves * leaves / LEAF_PAIRS_PER_UNIT;
   return least > LEAST_COST_WORTH_SAVING ? least : LEAST_COST_WORTH_SAVING;
 }
 
@@ -104,8 +104,8 @@ static void choose(Clearance* c, Traversal* t, double reach) {
     ctClearanceGiveUp(c);
   } else if (c->isKept) {
     c->patience = LEAST_CLEARANCE_PATIENCE;
-    /* A dear tree is measured rarely, so that measuring takes the same share of the time. */
-    c->measuresTree = ++c->rounds * mean >= ROUNDS_A_MEASUREMENT * c->treeCost;
+    /* If the tree is slow, it is measured rarely, so that measuring takes the same share of the time. */
+    c->measuresTree = ++c->rounds * mean >= ROUNDS_PER_MEASUREMENT * c->treeCost;
     c->rounds = c->measuresTree ? 0 : c->rounds;
   } else if (c->wait > 0) {
     c->wait--;

@@ -1,15 +1,12 @@
-/* Clearances: lower bounds of how far apart leaves are. They spare a small move the tests of pairs that it cannot bring
- * together.
+/* Clearances: lower bounds of how far apart leaves are. They save a small move the tests of pairs that it cannot bring
+ * together. The clearance of two leaves is the least amount by which two of their particles would have to come nearer
+ * to overlap beyond their limit. A table keeps a lower bound of it for each pair of leaves. A trial moves runs of
+ * leaves against each other. The displacement of a leaf in the frame of another run has a bound that follows from its
+ * position. A pair with more clearance than that bound needs no test. When a trial is accepted, these bounds are
+ * subtracted from the clearances of leaves that moved against each other, and what tests have found is entered.
  *
- * The clearance of two leaves is the least amount by which two of their particles would have to come nearer to overlap
- * beyond their limit. A table keeps a lower bound of it for each pair of leaves. A trial moves runs of leaves against
- * each other. The displacement of a leaf in the frame of another run has a bound that follows from its position. A pair
- * with more clearance than that bound needs no test. An accepted trial subtracts the bounds, which the test has kept
- * for it, from the clearances of what moved against each other, and enters what tests have found.
- *
- * A test by clearances costs O(leaves^2) very cheap steps; a test by the tree costs fewer and dearer ones. The engine
- * chooses between them by counts of both, never by clocks: the same calls take the same way. The verdict is the same.
- */
+ * A test by clearances costs O(leaves^2) very cheap steps; a test by the tree costs fewer and dearer ones. Counts of
+ * both, never clocks, choose between them, so equal calls take equal ways. The verdict is the same. */
 #ifndef CT_CLEARANCE_H_
 #define CT_CLEARANCE_H_
 
@@ -47,21 +44,21 @@ typedef struct LeafRun {
 typedef struct RunPair {
   int beginA; /* leaves */
   int endA;
-  int motionA;
+  int bodyA;
   int beginB;
   int endB;
-  int motionB;
+  int bodyB;
   float back[12]; /* A's motion in the frame of B, if both are of one piece: moves A from the world */
 } RunPair;
 
-/* Bounds of no more pairs of runs are kept from a test for its acceptance. Eight torsions of a backbone in a row have
+/* Most pairs of runs whose bounds a test keeps until its trial is accepted. Eight torsions of a backbone in a row have
  * some eight such pairs. */
 enum { MOST_BOUND_PAIRS = 64 };
 
 /* Clearances of a row that are compared at a time. */
 enum { COLUMNS_AT_ONCE = 32 };
 
-/* The ways of testing trials. */
+/* How trials are tested. */
 typedef enum TrialMethod {
   byCost, /* by whichever of the others costs least */
   byTree,
@@ -74,15 +71,15 @@ typedef struct Clearance {
   bool isKept; /* the table is of the state */
   Arena arena; /* of the arrays below, which are made when first needed */
   int leafCount;
-  int stride;       /* of a row, a multiple of COLUMNS_AT_ONCE */
-  uint16_t* least;  /* leafCount rows; of leaves a < b in row a, column b */
-  uint16_t* shifts; /* MOST_BOUND_PAIRS rows: of each leaf the bound of its displacement between two runs, in units */
-  uint16_t* shift;  /* the row of the pair that is looked at */
-  float unit;       /* nm */
-  double skipped;  /* nm: of pairs that trials have skipped since the table was measured, clearances are less by so much
-                      at  most */
-  NearPairs* near; /* scratch: of the rows of an inner node */
-  LeafRun* runs;   /* of a view, ascending */
+  int stride;      /* of a row, a multiple of COLUMNS_AT_ONCE */
+  uint16_t* least; /* leafCount rows; of leaves a < b in row a, column b */
+  uint16_t*
+      displacements; /* MOST_BOUND_PAIRS rows: of each leaf the bound of its displacement between two runs, in units */
+  uint16_t* displacement; /* the row of the current pair */
+  float unit;             /* nm */
+  double skipped;         /* nm: clearances may be too large by this */
+  NearPairs* near;        /* scratch: of the rows of an inner node */
+  LeafRun* runs;          /* of a view, ascending */
   int runCount;
   int runCapacity;
   RunPair* boundPairs;      /* whose bounds `shifts` holds */
@@ -107,10 +104,10 @@ typedef struct Clearance {
  * clearance in nm, below 0 if it clashes. */
 typedef double ClearanceFunction(void* context, int slotA, int slotB, double squaredDistance, bool ofTwoBodies);
 
-/* Returned by a test by clearances instead of its cost if it has no verdict: it became too dear, or had no memory. */
+/* Returned by a test by clearances instead of its cost if it is undecided: it cost too much, or had no memory. */
 enum { GAVE_UP = -1 };
 
-/* To be called when a trial is opened: forgets what tests of the last one have found. */
+/* Call when a trial is proposed: forgets what tests of the last one have found. */
 void ctClearanceBegin(Clearance* clearance);
 
 /* True if the next test should go by clearances; then the table is of the state. `reach` is that of its view. */
@@ -119,17 +116,16 @@ bool ctClearanceIsWanted(Clearance* clearance, Traversal* traversal, double reac
 /* Adds what a test or an accepted trial has cost. */
 void ctClearanceCharge(Clearance* clearance, int64_t cost, bool isTest);
 
-/* Goes back to the tree, since clearances do not pay; for longer each time. */
+/* Returns to the tree, for longer each time, since clearances do not pay. */
 void ctClearanceGiveUp(Clearance* clearance);
 
-/* The way that the environment asks for, see ctGetInstructionSet. */
+/* The tester that the environment asks for, see ctGetInstructionSet. */
 TrialMethod ctChooseTrialMethod(void);
 
-/* Adds by how much an accepted trial may change clearances of pairs that its trial skips. */
-void ctClearanceSkip(Clearance* clearance, double slack);
+/* Adds by how much an accepted trial may change clearances of pairs that it skips. */
+void ctClearanceSkip(Clearance* clearance, double distanceError);
 
-/* To be called when anything but an accepted trial has changed the state or the limits: the table is no longer of the
- * state. */
+/* Call after a change other than accept, and after a change of limits: the table is no longer of the state. */
 void ctClearanceForget(Clearance* clearance);
 
 void ctClearanceFree(Clearance* clearance);

@@ -7,24 +7,24 @@
 
 /* Boxes of an inner node's children. */
 typedef struct ChildBoxes {
-  BoxBlock own;      /* in the node's frame; made together with the node's own box */
-  BoxBlock world;    /* in the world, of the state */
-  int64_t ownTime;   /* the tree's when `own` was made, or NEVER */
-  int64_t worldTime; /* Traversal.membersTime of the node when `world` was made */
-  int movedAt;       /* value of movedBoxesCount when these were last moved */
+  BoxBlock own;          /* in the node's frame; made together with the node's own box */
+  BoxBlock world;        /* in the world, of the state */
+  int64_t ownRevision;   /* the tree's when `own` was made, or NO_REVISION */
+  int64_t worldRevision; /* Traversal.membersRevision of the node when `world` was made */
+  int movedAt;           /* value of movedBoxesCount when these were last moved */
 } ChildBoxes;
 
-/* What a descent looks for, and what it has cost. */
+/* A search of a view, and its cost. */
 typedef struct Visit {
   CandidateFunction* function;
   SureClashFunction* clashes; /* may be NULL */
   void* context;
   float reach;    /* with the margin */
   double margin;  /* for roundings of tests in float */
-  bool boxes;     /* this visit looks at boxes */
+  bool boxes;     /* this visit tests boxes */
   int64_t visits; /* like all counts here up to the square of the number of nodes */
   int64_t visitsWithBoxes;
-  int64_t pairsBoxed;  /* pairs of children for which boxes were looked at */
+  int64_t pairsBoxed;  /* pairs of children whose boxes were compared */
   int64_t pairsParted; /* pairs of those that the boxes separated */
   int64_t boxTests;    /* of the tests of volumes */
   int64_t volumeTests;
@@ -39,31 +39,31 @@ typedef struct NodePair {
 } NodePair;
 
 /* A node whose members are of different rigid bodies. */
-typedef struct Straddler {
+typedef struct MixedNode {
   _Alignas(64) Block block; /* its members in the view */
-  int motion[TREE_WIDTH];   /* of each member, coded like Traversal.motion */
+  int body[TREE_WIDTH];     /* of each member, coded like Traversal.body */
   int node;
   bool isBoxed;
   BoxBlock boxes; /* of the children of an inner node, in the view; made if isBoxed */
-} Straddler;
+} MixedNode;
 
-/* A visit looks at the boxes of two nodes and of a parent. */
-enum { BOXES_OF_A_VISIT = 3 };
+/* Boxes that a visit reads: of two nodes and of a parent. */
+enum { BOXES_PER_VISIT = 3 };
 
 /* The boxes of the children of an inner node that moves, in the view. */
 typedef struct MovedBoxes {
   int node;
-  uint32_t stamp; /* of the descent */
+  uint32_t descent; /* its number */
   BoxBlock boxes;
 } MovedBoxes;
 
-/* The code below 0 in Traversal.motion. */
-static inline int straddlerCode(int index) {
+/* The code below 0 in Traversal.body. */
+static inline int mixedNodeCode(int index) {
   return -1 - index;
 }
 
-static inline Straddler* straddlerOf(const Traversal* t, int code) {
-  return &t->straddlers[-1 - code];
+static inline MixedNode* mixedNodeOf(const Traversal* t, int code) {
+  return &t->mixedNodes[-1 - code];
 }
 
 #endif /* CT_DESCENT_H_ */

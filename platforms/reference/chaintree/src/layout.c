@@ -104,7 +104,7 @@ static void orderMolecules(Layout* layout, const ctDefinition* d) {
   ctSpatialOrder(children + slotless, count - slotless, layout->rootPoints);
 }
 
-/* Puts the heaviest branch of each vertex last: its steps need no closure. */
+/* Puts the heaviest branch of each vertex last: its steps need no return frame. */
 static void orderChildren(Layout* layout) {
   for (int vertex = 0; vertex < layout->vertexCount; vertex++) {
     int* children = layout->children + layout->childBegin[vertex];
@@ -240,7 +240,7 @@ static bool allocateSequence(Sequence* s, Arena* arena, const ctDefinition* d, i
   s->linkOfUser = ctArenaAllocate(arena, (size_t)d->linkCount, sizeof(int));
   s->parent = ctArenaAllocate(arena, links, sizeof(int));
   s->jointType = ctArenaAllocate(arena, links, sizeof(uint8_t));
-  s->twigPart = ctArenaAllocate(arena, links, sizeof(uint8_t));
+  s->sideBranchPart = ctArenaAllocate(arena, links, sizeof(uint8_t));
   s->joint = ctArenaAllocate(arena, links, sizeof(Joint));
   s->axisPlaces = ctArenaAllocate(arena, links, sizeof(uint8_t));
   s->slotBegin = ctArenaAllocate(arena, links + 1, sizeof(int));

@@ -38,7 +38,7 @@ bool ctLeavesReserve(Leaves* leaves, const Tree* tree, const Sequence* sequence)
     return false;
   }
   findOccupied(leaves, tree, sequence);
-  leaves->time = NEVER;
+  leaves->revision = NO_REVISION;
   return true;
 }
 
@@ -60,7 +60,7 @@ bool ctLeavesReservePairs(Leaves* leaves, const Tree* tree) {
     clearBoxes(&leaves->boxes[i]);
     clearBoxes(&leaves->members[i].boxes);
   }
-  leaves->time = NEVER; /* boxes are made together with positions */
+  leaves->revision = NO_REVISION; /* boxes are made together with positions */
   return true;
 }
 
@@ -86,40 +86,40 @@ bool ctLeafPairsReserve(LeafPairs* pairs, size_t count) {
 }
 
 void ctLeavesUpdate(Leaves* leaves, const Tree* tree, const Sequence* sequence) {
-  if (leaves->time == NEVER) {
-    leaves->lag = 0; /* all of them are made anew */
+  if (leaves->revision == NO_REVISION) {
+    leaves->positionError = 0; /* all of them are made again */
   }
-  if (leaves->time != tree->time) {
-    const LeafUpdate update = {leaves, tree, sequence, treeFirstMoved(tree, leaves->time), 0, NULL};
+  if (leaves->revision != tree->revision) {
+    const LeafUpdate update = {leaves, tree, sequence, treeFirstMoved(tree, leaves->revision), 0, NULL};
     tree->wide->updateLeaves(&update);
-    leaves->time = tree->time;
+    leaves->revision = tree->revision;
   }
 }
 
 void ctLeavesForget(Leaves* leaves) {
-  leaves->time = NEVER;
+  leaves->revision = NO_REVISION;
 }
 
 bool ctLeavesAreOf(const Leaves* leaves, const Tree* tree) {
-  return leaves->state != NULL && leaves->time == tree->time;
+  return leaves->state != NULL && leaves->revision == tree->revision;
 }
 
 void ctLeavesFollow(Leaves* leaves, const Tree* tree, const Sequence* sequence, int pieceCount, const Piece* pieces,
-                    double slack) {
-  leaves->lag += slack;
-  if (leaves->lag > MOST_EXCESS) {
+                    double distanceError) {
+  leaves->positionError += distanceError;
+  if (leaves->positionError > MOST_ERROR) {
     ctLeavesForget(leaves);
     return;
   }
   const LeafUpdate update = {leaves, tree, sequence, 0, pieceCount, pieces};
   tree->wide->updateLeaves(&update);
-  leaves->time = tree->time;
+  leaves->revision = tree->revision;
 }
 
 /* ---- Public calls ---- */
 
 int ctGetLeafCount(const ctChainTree* tree) {
-  return tree != NULL ? tree->staleTree.levelSize[0] : 0;
+  return tree != NULL ? tree->ownTree.levelSize[0] : 0;
 }
 
 void ctGetLeafParticles(const ctChainTree* tree, int* particles) {
@@ -137,7 +137,7 @@ const ctLeafPositions* ctGetLeaves(ctChainTree* tree) {
   if (tree == NULL) {
     return NULL;
   }
-  if (!ctLeavesReserve(&tree->leaves, &tree->staleTree, &tree->sequence)) {
+  if (!ctLeavesReserve(&tree->leaves, &tree->ownTree, &tree->sequence)) {
     ctFailOutOfMemory(tree);
     return NULL;
   }

@@ -1,13 +1,11 @@
-/* For clients that sum something over pairs of particles: the positions of all leaves in the world, boxes around them,
- * and the pairs of leaves that a trial changes. Nothing of this is made before it is asked for.
+/* For clients that sum over pairs of particles: positions of leaves in the world, boxes around them, and the pairs of
+ * leaves that a trial changes. Each is made on first use. Positions and boxes are kept from state to state, and
+ * recomputed where the tree has moved. Boxes are along the world's axes, in float from worldOrigin, and a little larger
+ * than the particles need. A node's boxes are those of its members, so that one box is compared with sixteen others at
+ * a time; one more node, the super-root, has the root as its only member.
  *
- * Positions and boxes are kept from state to state, and recomputed where the tree says that something has moved. Boxes
- * are along the world's axes, in float from worldOrigin, and a little larger than the particles need. A node's boxes
- * are those of its members, so that one box is compared with sixteen others at a time; one more node, the crown, has
- * the root as its only member.
- *
- * What lies behind a closed window moves by rounding alone. Its positions stay as they are, and lag behind the tree's.
- */
+ * What lies behind a closed window moves by rounding alone. Its positions are not updated: `positionError` bounds their
+ * error. */
 #ifndef CT_LEAVES_H_
 #define CT_LEAVES_H_
 
@@ -29,11 +27,11 @@ static inline void clearBoxes(LeafBoxes* boxes) {
   }
 }
 
-/* The members of an inner node or the crown in the open trial. */
+/* The members of an inner node or the super-root in the open trial. */
 typedef struct TrialMembers {
-  int64_t stamp; /* equal to Leaves.stamp: the rest is of this trial */
+  int64_t trialNumber; /* equal to Leaves.trialNumber: the rest is of this trial */
   int body[TREE_WIDTH];
-  LeafBoxes boxes; /* of a node at rest: not filled, see the boxes of the state */
+  LeafBoxes boxes; /* not filled for a static node: see the boxes of the state */
 } TrialMembers;
 
 /* A growing list. */
@@ -44,35 +42,36 @@ typedef struct LeafPairs {
 } LeafPairs;
 
 typedef struct Leaves {
-  /* Made when positions are asked for. */
+  /* Made when positions are first needed. */
   Arena arena;
-  ctLeafPositions* state; /* per leaf; NULL: nobody has asked */
-  uint16_t* occupied;     /* per node and the crown: bit k is set if member k has particles */
-  int64_t time;           /* the tree's, of positions and boxes; NEVER: they have none */
-  double lag;             /* nm: no distance between these positions is off by more, see ctLeavesFollow */
+  ctLeafPositions* state; /* per leaf; NULL: not needed yet */
+  uint16_t* occupied;     /* per node and the super-root: bit k is set if member k has particles */
+  int64_t revision;       /* the tree's, of positions and boxes; NO_REVISION: they have none */
+  double positionError;   /* nm: most error of a distance between these positions, see ctLeavesFollow */
 
-  /* Made when pairs are asked for. The arrays of inner nodes are indexed from levelBegin[1] on. */
+  /* Made when pairs are first needed. The arrays of inner nodes are indexed from levelBegin[1] on. */
   Arena pairArena;
-  LeafBoxes* boxes;       /* per inner node and the crown; NULL: nobody has asked */
+  LeafBoxes* boxes;       /* per inner node and the super-root; NULL: not needed yet */
   TrialMembers* members;  /* the same */
   ctLeafPositions* trial; /* per leaf: in the trial, or the state's if `differs` has no bit for it */
-  uint16_t* differs; /* per inner node over leaves, or the crown: bit k, leaf k's positions in `trial` are others */
-  int64_t stamp;     /* number of trials that pairs were asked of */
-  LeafPairs changed; /* in the trial */
-  LeafPairs all;     /* of the state */
+  uint16_t*
+      differs; /* per inner node over leaves, or the super-root: bit k, leaf k's positions in `trial` are others */
+  int64_t trialNumber; /* number of trials whose pairs were listed */
+  LeafPairs changed;   /* in the trial */
+  LeafPairs all;       /* of the state */
 } Leaves;
 
-/* Which leaves are to be recomputed: those that the tree has changed since, or those that pieces move. */
+/* Leaves to be recomputed: those that have moved in the tree, or that pieces move. */
 typedef struct LeafUpdate {
   Leaves* leaves;
   const Tree* tree;
   const Sequence* sequence;
-  int firstMoved;      /* leaf, since leaves->time */
+  int firstMoved;      /* leaf, since leaves->revision */
   int pieceCount;      /* 0: by the tree */
   const Piece* pieces; /* ascending */
 } LeafUpdate;
 
-/* What pairs are asked of: the state, or a trial. */
+/* Where pairs are listed: in the state, or in a trial. */
 typedef struct LeafTask {
   Leaves* leaves;
   const Tree* tree;
@@ -87,31 +86,31 @@ typedef struct LeafTask {
   int64_t tests;                   /* of boxes */
 } LeafTask;
 
-/* Make room, when something is asked for first; false, and nothing changed, if there is no memory. */
+/* Make room on first use; false, and nothing changed, if there is no memory. */
 bool ctLeavesReserve(Leaves* leaves, const Tree* tree, const Sequence* sequence);
 bool ctLeavesReservePairs(Leaves* leaves, const Tree* tree);
 
 void ctLeavesFree(Leaves* leaves);
 
-/* Makes what is kept that of the state; the tree must not be stale. */
+/* Updates positions and boxes to the state; the tree must be up to date. */
 void ctLeavesUpdate(Leaves* leaves, const Tree* tree, const Sequence* sequence);
 
-/* To be called when the state has become another one than by an accepted trial. */
+/* Call after changes other than accept. */
 void ctLeavesForget(Leaves* leaves);
 
-/* True if what is kept is that of the state. */
+/* True if positions and boxes are those of the state. */
 bool ctLeavesAreOf(const Leaves* leaves, const Tree* tree);
 
-/* Makes what is kept that of the state that a trial has become, if it was that of the state before: recomputes leaves
- * with slots that are not at rest in these pieces. Other distances have changed by no more than `slack`: they lag. */
+/* Updates positions and boxes of the former state to the accepted trial: recomputes leaves with slots that are not
+ * static in these pieces. Other distances have changed by at most `distanceError`. */
 void ctLeavesFollow(Leaves* leaves, const Tree* tree, const Sequence* sequence, int pieceCount, const Piece* pieces,
-                    double slack);
+                    double distanceError);
 
-/* Makes room for so many pairs; false, and nothing changed, if there is no memory. */
+/* Makes room for `count` pairs; false, and nothing changed, if there is no memory. */
 bool ctLeafPairsReserve(LeafPairs* pairs, size_t count);
 
 /* The node over the root. */
-static inline int treeCrown(const Tree* tree) {
+static inline int treeSuperRoot(const Tree* tree) {
   return tree->nodeCount;
 }
 

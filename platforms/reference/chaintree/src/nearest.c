@@ -25,7 +25,7 @@ void ctNearestOffer(Nearest* n, const Cloud* a, int slotA, const Cloud* b, int s
   positionIn(a, slotA, x);
   positionIn(b, slotB, y);
   double distance = sqrt(squaredDistance(x, y));
-  if (a->traversal != NULL && b->traversal != NULL && distance <= n->distance + n->traversal->band) {
+  if (a->traversal != NULL && b->traversal != NULL && distance <= n->distance + n->traversal->tieBand) {
     distance = sqrt(ctTreeSquaredDistance(a->traversal->tree, slotA, slotB));
   }
   const int pair[2] = {a->particle[slotA], b->particle[slotB]};
@@ -38,7 +38,7 @@ void ctNearestOffer(Nearest* n, const Cloud* a, int slotA, const Cloud* b, int s
 /* ---- A selection as clouds ---- */
 
 static Cloud cloudOfSlots(ctChainTree* scene, const ctSelection* selection) {
-  return (Cloud){.layout = &scene->staleTree,
+  return (Cloud){.layout = &scene->ownTree,
                  .mask = selection->mask,
                  .particle = scene->sequence.slotParticle,
                  .traversal = &scene->traversal};
@@ -51,7 +51,7 @@ static Cloud cloudOfUnmodelled(ctChainTree* scene, ctSelection* selection, Neare
   for (int i = 0; i < selection->unmodelledCount; i++) {
     double* point = selection->unmodelledPoint[i];
     ctReadFromOrigin(&reader, selection->unmodelled[i], point);
-    nearest->extent = larger(nearest->extent, sqrt(dot(point, point)));
+    nearest->coordinateBound = larger(nearest->coordinateBound, sqrt(dot(point, point)));
   }
   const double(*points)[3] = (const double(*)[3])selection->unmodelledPoint;
   tree->wide->boundPoints(&selection->unmodelledLayout, points, selection->unmodelledBlock);

@@ -14,14 +14,14 @@ typedef struct Cloud {
   const double (*point)[3]; /* of those: per slot */
 } Cloud;
 
-/* A search, which may go on from one pair of clouds to the next. Coordinates are from the sequence's worldOrigin. */
+/* A search, which may continue from one pair of clouds to the next. Coordinates are from the sequence's worldOrigin. */
 typedef struct Nearest {
   Traversal* traversal;
-  double extent;   /* no coordinate of points of their own is larger */
-  double known;    /* the distance of some pair */
-  float margin;    /* the error of a distance in float is less, see findNearest */
-  float reach;     /* pairs farther apart in float are not the nearest */
-  double distance; /* the least found so far */
+  double coordinateBound; /* no coordinate of points of their own is larger */
+  double known;           /* the distance of some pair */
+  float margin;           /* the error of a distance in float is less, see findNearest */
+  float reach;            /* pairs farther apart in float are not the nearest */
+  double distance;        /* the least found so far */
   int pair[2];
   int64_t volumeTests;
   int64_t particleTests;

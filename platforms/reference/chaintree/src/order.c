@@ -64,7 +64,7 @@ static void selectFirst(const Key* key, int* ids, int count, int middle) {
 
 static int longestAxis(const int* ids, int count, const double* points) {
   int longest = 0;
-  double extent = -1;
+  double coordinateBound = -1;
   for (int axis = 0; axis < 3; axis++) {
     double low = DBL_MAX;
     double high = -DBL_MAX;
@@ -73,8 +73,8 @@ static int longestAxis(const int* ids, int count, const double* points) {
       low = x < low ? x : low;
       high = x > high ? x : high;
     }
-    if (high - low > extent) {
-      extent = high - low;
+    if (high - low > coordinateBound) {
+      coordinateBound = high - low;
       longest = axis;
     }
   }

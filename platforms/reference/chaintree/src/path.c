@@ -1,4 +1,4 @@
-/* Twigs; paths; and the products of a path's openings that its closure inverts. */
+/* Side branches; paths; and the products of a path's local frames that its return frame inverts. */
 #include "order.h"
 #include "sequence.h"
 
@@ -23,17 +23,18 @@ static bool headsPath(const Sequence* s, const int* end, int link) {
   return end[link] != end[s->parent[link]];
 }
 
-static TwigPart findPart(const Sequence* s, const int* end, int link) {
+static SideBranchPart findPart(const Sequence* s, const int* end, int link) {
   const bool heads = headsPath(s, end, link);
-  if (s->twigPart[s->parent[link]] != notInTwig) {
-    return heads ? branchInTwig : goesOnInTwig;
+  if (s->sideBranchPart[s->parent[link]] != notInSideBranch) {
+    return heads ? beginsInnerBranch : continuesSideBranch;
   }
-  return heads && s->slotBegin[end[link]] - s->slotBegin[link] <= TWIG_SLOTS ? headsTwig : notInTwig;
+  return heads && s->slotBegin[end[link]] - s->slotBegin[link] <= SIDE_BRANCH_SLOTS ? beginsSideBranch
+                                                                                    : notInSideBranch;
 }
 
-static void findTwigs(Sequence* s, const int* end) {
+static void findSideBranches(Sequence* s, const int* end) {
   for (int link = 1; link < s->linkCount; link++) {
-    s->twigPart[link] = (uint8_t)findPart(s, end, link);
+    s->sideBranchPart[link] = (uint8_t)findPart(s, end, link);
   }
 }
 
@@ -42,20 +43,20 @@ static bool numberPaths(Sequence* s, Arena* arena, const int* end) {
   for (int link = 1; link < s->linkCount; link++) {
     const bool heads = headsPath(s, end, link);
     pathCount += heads;
-    s->closureCount += heads && s->twigPart[link] == notInTwig;
+    s->returnFrameCount += heads && s->sideBranchPart[link] == notInSideBranch;
   }
-  s->openPathCount = pathCount - s->closureCount;
+  s->openPathCount = pathCount - s->returnFrameCount;
   s->pathEnd = ctArenaAllocate(arena, (size_t)pathCount, sizeof(int));
   if (arena->failed) {
     return false;
   }
   int closing = 0;
-  int other = s->closureCount;
+  int other = s->returnFrameCount;
   for (int link = 0; link < s->linkCount; link++) {
     if (link > 0 && !headsPath(s, end, link)) {
       s->pathOf[link] = s->pathOf[s->parent[link]];
     } else {
-      s->pathOf[link] = link > 0 && s->twigPart[link] == notInTwig ? closing++ : other++;
+      s->pathOf[link] = link > 0 && s->sideBranchPart[link] == notInSideBranch ? closing++ : other++;
       s->pathEnd[s->pathOf[link]] = end[link];
     }
   }
@@ -63,17 +64,17 @@ static bool numberPaths(Sequence* s, Arena* arena, const int* end) {
 }
 
 static bool closes(const Sequence* s, int link) {
-  return s->pathOf[link] < s->closureCount;
+  return s->pathOf[link] < s->returnFrameCount;
 }
 
 bool ctPathsBuild(Sequence* s, Arena* arena, const int* end) {
-  findTwigs(s, end);
+  findSideBranches(s, end);
   if (!numberPaths(s, arena, end)) {
     return false;
   }
-  s->pathBegin = ctArenaAllocate(arena, (size_t)s->closureCount + 2, sizeof(int));
-  s->productBegin = ctArenaAllocate(arena, (size_t)s->closureCount + 1, sizeof(int));
-  s->closure = ctArenaAllocate(arena, (size_t)s->closureCount, sizeof(Frame));
+  s->pathBegin = ctArenaAllocate(arena, (size_t)s->returnFrameCount + 2, sizeof(int));
+  s->productBegin = ctArenaAllocate(arena, (size_t)s->returnFrameCount + 1, sizeof(int));
+  s->returnFrame = ctArenaAllocate(arena, (size_t)s->returnFrameCount, sizeof(Frame));
   if (arena->failed) {
     return false;
   }
@@ -84,8 +85,8 @@ bool ctPathsBuild(Sequence* s, Arena* arena, const int* end) {
       next[s->pathOf[link] + 1]++;
     }
   }
-  ctAccumulate(next, s->closureCount);
-  s->pathLink = ctArenaAllocate(arena, (size_t)next[s->closureCount], sizeof(int));
+  ctAccumulate(next, s->returnFrameCount);
+  s->pathLink = ctArenaAllocate(arena, (size_t)next[s->returnFrameCount], sizeof(int));
   if (arena->failed) {
     return false;
   }
@@ -94,20 +95,20 @@ bool ctPathsBuild(Sequence* s, Arena* arena, const int* end) {
       s->pathLink[next[s->pathOf[link]]++] = link;
     }
   }
-  for (int path = 0; path < s->closureCount; path++) {
+  for (int path = 0; path < s->returnFrameCount; path++) {
     s->productBegin[path + 1] = s->productBegin[path] + productCount(blockCount(s, path));
   }
-  s->product = ctArenaAllocate(arena, (size_t)s->productBegin[s->closureCount], sizeof(Frame));
+  s->product = ctArenaAllocate(arena, (size_t)s->productBegin[s->returnFrameCount], sizeof(Frame));
   return !arena->failed;
 }
 
 static void multiplyBlock(Sequence* s, int path, int block) {
   const int begin = s->pathBegin[path] + block * PATH_BLOCK;
   const int end = begin + PATH_BLOCK < s->pathBegin[path + 1] ? begin + PATH_BLOCK : s->pathBegin[path + 1];
-  Frame product = sequenceOpening(s, s->pathLink[begin]);
+  Frame product = sequenceLocalFrame(s, s->pathLink[begin]);
   for (int i = begin + 1; i < end; i++) {
-    const Frame opening = sequenceOpening(s, s->pathLink[i]);
-    product = transformCompose(&product, &opening);
+    const Frame localFrame = sequenceLocalFrame(s, s->pathLink[i]);
+    product = transformCompose(&product, &localFrame);
   }
   s->product[s->productBegin[path] + block] = product;
 }
@@ -133,12 +134,12 @@ static int multiplyPath(Sequence* s, int path, int* blocks, int count) {
     multiplied += kept;
     below = above;
   }
-  s->closure[path] = transformInverse(below);
+  s->returnFrame[path] = transformInverse(below);
   return multiplied;
 }
 
 void ctPathsMultiply(Sequence* s) {
-  for (int path = 0; path < s->closureCount; path++) {
+  for (int path = 0; path < s->returnFrameCount; path++) {
     for (int block = 0; block < blockCount(s, path); block++) {
       multiplyPath(s, path, &(int){block}, 1);
     }

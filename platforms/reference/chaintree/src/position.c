@@ -103,14 +103,14 @@ static void readLeaf(PositionReader* reader, int leaf, const Frame* frame, doubl
   }
 }
 
-/* Reads the particles with slots of leaves [begin, end) that have changed since a time. */
+/* Reads the particles with slots of leaves [begin, end) that have changed since a revision. */
 static void readLeaves(PositionReader* reader, int begin, int end, int64_t since, double* positions) {
   const Tree* tree = reader->tree;
   const int firstMoved = treeFirstMoved(tree, since);
   int parent = CT_NULL;
   Frame parentFrame = transformIdentity();
   for (int leaf = begin; leaf < end; leaf++) {
-    if (leaf < firstMoved && tree->contentTime[leaf] <= since) {
+    if (leaf < firstMoved && tree->contentRevision[leaf] <= since) {
       continue;
     }
     Frame frame = tree->pose[leaf];
@@ -132,7 +132,7 @@ static void readSlotless(PositionReader* reader, int begin, int end, int64_t sin
   for (int i = begin; i < end; i++) {
     const int particle = s->slotlessParticle[i];
     const int leaf = coveringNode(s->slotBegin[particleLink(s, particle)]);
-    if (leaf >= firstMoved || reader->tree->contentTime[leaf] > since) {
+    if (leaf >= firstMoved || reader->tree->contentRevision[leaf] > since) {
       ctReadPosition(reader, particle, positions + 3 * (size_t)particle);
     }
   }
@@ -145,13 +145,13 @@ static void readSince(const Sequence* s, const Tree* tree, int64_t since, double
 }
 
 void ctReadPositions(const Sequence* s, const Tree* tree, double* positions) {
-  readSince(s, tree, NEVER, positions);
+  readSince(s, tree, NO_REVISION, positions);
 }
 
 /* ---- Arrays that the caller keeps ---- */
 
 bool ctCopiedBuild(Copied* copied, Arena* arena, const Sequence* s) {
-  copied->time = NEVER;
+  copied->revision = NO_REVISION;
   copied->isDisplaced = ctArenaAllocate(arena, (size_t)s->branchCount, sizeof(bool));
   return !arena->failed;
 }
@@ -161,12 +161,13 @@ static void readBranch(const Sequence* s, const Tree* tree, int branch, double* 
   const int head = s->branchHead[branch];
   const int end = sequenceEnd(s, head);
   PositionReader reader = ctPositionReader(s, tree);
-  readLeaves(&reader, coveringNode(s->slotBegin[head]), coveringNode(s->slotBegin[end] - 1) + 1, NEVER, positions);
-  readSlotless(&reader, sequenceSlotless(s, head), sequenceSlotless(s, end), NEVER, positions);
+  readLeaves(&reader, coveringNode(s->slotBegin[head]), coveringNode(s->slotBegin[end] - 1) + 1, NO_REVISION,
+             positions);
+  readSlotless(&reader, sequenceSlotless(s, head), sequenceSlotless(s, end), NO_REVISION, positions);
 }
 
 void ctRefreshPositions(Copied* copied, const Sequence* s, const Tree* tree, double* positions) {
-  readSince(s, tree, copied->time, positions);
+  readSince(s, tree, copied->revision, positions);
   for (int branch = 0; branch < s->branchCount; branch++) {
     const bool isDisplacedNow = s->displaced[branch] != 0;
     if (copied->isDisplaced[branch] != isDisplacedNow) {
@@ -174,5 +175,5 @@ void ctRefreshPositions(Copied* copied, const Sequence* s, const Tree* tree, dou
       readBranch(s, tree, branch, positions);
     }
   }
-  copied->time = tree->time;
+  copied->revision = tree->revision;
 }

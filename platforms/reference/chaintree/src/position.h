@@ -28,13 +28,13 @@ void ctReadFromOrigin(PositionReader* reader, int particle, double position[3]);
 /* All particles: 3 * particleCount coordinates. */
 void ctReadPositions(const Sequence* sequence, const Tree* tree, double* positions);
 
-/* The state that an array of coordinates, which the caller keeps, was last filled from. */
+/* Which state filled the caller's array. */
 typedef struct Copied {
-  int64_t time;      /* of the tree; NEVER: it has not been filled */
+  int64_t revision;  /* of the tree; NO_REVISION: none */
   bool* isDisplaced; /* per branch: a joint had displaced it, so that its particles did not have reference bits */
 } Copied;
 
-/* Begins with an array that has not been filled. False if there is no memory. */
+/* Starts with an array that has not been filled. False if there is no memory. */
 bool ctCopiedBuild(Copied* copied, Arena* arena, const Sequence* sequence);
 
 /* The same as ctReadPositions, but writes only coordinates that may have changed since the last call. */

@@ -15,13 +15,13 @@ typedef struct Clashes {
   void* context;
 } Clashes;
 
-static bool judgeCandidate(void* context, int slotA, int slotB, double squaredDistance) {
+static bool testCandidate(void* context, int slotA, int slotB, double squaredDistance) {
   Clashes* clashes = context;
   ctChainTree* tree = clashes->tree;
   const double sum = radiusSum(tree, slotA, slotB);
   const double tolerance = pairTolerance(tree, slotA, slotB);
   double overlap = sum - sqrt(squaredDistance);
-  if (fabs(overlap - tolerance) <= clashes->sweep->snapshot.band) {
+  if (fabs(overlap - tolerance) <= clashes->sweep->snapshot.tieBand) {
     overlap = sum - canonicalDistance(tree, slotA, slotB);
   }
   return overlap <= tolerance || clashes->found(clashes, slotA, slotB, overlap);
@@ -33,7 +33,7 @@ static bool sweepClashes(Clashes* clashes, ctCounts* counts) {
   if (clashes->sweep == NULL) {
     return false;
   }
-  ctSweepClashes(&clashes->tree->ownSweep, clashes->tree->overlapTolerance, judgeCandidate, clashes, counts);
+  ctSweepClashes(&clashes->tree->ownSweep, clashes->tree->overlapTolerance, testCandidate, clashes, counts);
   return true;
 }
 
@@ -98,7 +98,7 @@ static bool addEnergy(Clashes* clashes, int slotA, int slotB, double overlap) {
   double apart[3];
   subtract(snapshotPosition(snapshot, particleA), snapshotPosition(snapshot, particleB), apart);
   double distance = sqrt(dot(apart, apart));
-  if (distance <= snapshot->band) {
+  if (distance <= snapshot->tieBand) {
     /* Coincident but for rounding: the direction is a fixed one. */
     apart[0] = particleA < particleB ? 1 : -1;
     apart[1] = 0;
@@ -132,13 +132,13 @@ ctStatus ctComputeEnergy(ctChainTree* tree, double k, double* energy, double* fo
 typedef struct Cutoff {
   ctChainTree* tree;
   double distance;
-  double band;
+  double tieBand;
 } Cutoff;
 
 static bool isNeighbor(void* context, int slotA, int slotB, double squaredDistance) {
   const Cutoff* cutoff = context;
   const double distance = sqrt(squaredDistance);
-  const bool doubtful = fabs(distance - cutoff->distance) <= cutoff->band;
+  const bool doubtful = fabs(distance - cutoff->distance) <= cutoff->tieBand;
   return (doubtful ? canonicalDistance(cutoff->tree, slotA, slotB) : distance) <= cutoff->distance;
 }
 
@@ -149,7 +149,7 @@ typedef struct Neighbors {
   const Sweep* sweep;
   double cutoff;
   Caller caller;
-  bool goesOn;
+  bool continues;
   int lower[NEIGHBORS_AT_ONCE];
   int higher[NEIGHBORS_AT_ONCE];
 } Neighbors;
@@ -158,12 +158,12 @@ static bool tellNeighbors(PairSink* sink) {
   Neighbors* neighbors = sink->context;
   double distances[NEIGHBORS_AT_ONCE];
   ctSweepDistances(neighbors->sweep, neighbors->cutoff, sink->count, sink->lower, sink->higher, distances);
-  for (size_t i = 0; i < sink->count && neighbors->goesOn; i++) {
-    neighbors->goesOn =
+  for (size_t i = 0; i < sink->count && neighbors->continues; i++) {
+    neighbors->continues =
         neighbors->caller.function(neighbors->caller.context, sink->lower[i], sink->higher[i], distances[i]);
   }
   sink->count = 0;
-  return neighbors->goesOn;
+  return neighbors->continues;
 }
 
 /* Puts all neighbours into a sink, which may hold some in the end. */
@@ -175,7 +175,7 @@ static ctStatus sweepNeighbors(ctChainTree* tree, double cutoff, PairSink* sink,
   if (sweep == NULL) {
     return ctFailOutOfMemory(tree);
   }
-  Cutoff exact = {tree, cutoff, sweep->snapshot.band};
+  Cutoff exact = {tree, cutoff, sweep->snapshot.tieBand};
   ctSweepNeighbors(sweep, cutoff, sink, isNeighbor, &exact, counts);
   return ctSuccess;
 }
@@ -187,16 +187,16 @@ ctStatus ctForEachNeighborPair(ctChainTree* tree, double cutoff, ctPairFunction*
   neighbors.sweep = &tree->ownSweep;
   neighbors.cutoff = cutoff;
   neighbors.caller = (Caller){function, context};
-  neighbors.goesOn = true;
+  neighbors.continues = true;
   PairSink sink = {neighbors.lower, neighbors.higher, 0, NEIGHBORS_AT_ONCE, false, tellNeighbors, &neighbors};
   const ctStatus status = sweepNeighbors(tree, cutoff, &sink, counts);
-  if (status == ctSuccess && neighbors.goesOn) {
+  if (status == ctSuccess && neighbors.continues) {
     tellNeighbors(&sink);
   }
   return status;
 }
 
-/* The caller's arrays. PAIRS_AT_ONCE pairs are written at a time: when the caller's arrays have no room for so many,
+/* The caller's arrays. PAIRS_AT_ONCE pairs are written at a time: when the caller's arrays have no room for this many,
  * the last arrays take them, and what fits is copied. */
 typedef struct NeighborArrays {
   int* lower;

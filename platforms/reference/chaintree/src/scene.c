@@ -11,17 +11,17 @@ ctStatus ctFail(ctChainTree* scene, ctStatus status, const char* format, ...) {
   return status;
 }
 
-Tree* ctSceneLaggingTree(ctChainTree* scene) {
-  if (scene->staleTree.isStale) {
+Tree* ctSceneLooseTree(ctChainTree* scene) {
+  if (scene->ownTree.isOutdated) {
     ctPathsMultiply(&scene->sequence);
-    ctTreeRefresh(&scene->staleTree, &scene->sequence);
+    ctTreeRefresh(&scene->ownTree, &scene->sequence);
   }
-  return &scene->staleTree;
+  return &scene->ownTree;
 }
 
 Tree* ctSceneTree(ctChainTree* scene) {
-  Tree* tree = ctSceneLaggingTree(scene);
-  ctTreeCatchUp(tree);
+  Tree* tree = ctSceneLooseTree(scene);
+  ctTreeTighten(tree);
   return tree;
 }
 
@@ -30,8 +30,8 @@ Sweep* ctSceneSweep(ctChainTree* scene) {
   if (!ctSweepReserve(sweep)) {
     return NULL;
   }
-  if (sweep->snapshotTime != scene->staleTree.time) {
-    /* Takes the reference whenever it is the state, in whatever way it became so: the same state has the same bits. */
+  if (sweep->snapshotRevision != scene->ownTree.revision) {
+    /* Equal states have equal bits: use the reference whenever it is the state. */
     if (scene->sequence.displacedCount == 0) {
       ctSnapshotTakeReference(&sweep->snapshot, &scene->sequence);
     } else if (ctSnapshotReserve(&sweep->snapshot, &sweep->arena, &scene->sequence)) {
@@ -40,7 +40,7 @@ Sweep* ctSceneSweep(ctChainTree* scene) {
       return NULL;
     }
     ctSweepBound(sweep);
-    sweep->snapshotTime = scene->staleTree.time;
+    sweep->snapshotRevision = scene->ownTree.revision;
   }
   return sweep;
 }

@@ -5,12 +5,12 @@
 #include "clearance.h"
 #include "leaves.h"
 #include "position.h"
+#include "recentclashes.h"
 #include "skipped.h"
 #include "sweep.h"
 #include "trial.h"
-#include "witness.h"
 
-/* A pair about which the canonical distance decides. */
+/* A pair within rounding of a limit: the canonical distance decides. */
 typedef struct SlotPair {
   int slotA;
   int slotB;
@@ -28,21 +28,21 @@ struct ctChainTree {
   Sequence sequence;
   Exclusions exclusions;
   Limits limits;
-  Tree staleTree; /* its content may be stale, which ctSceneTree mends; its layout, wide functions and time never are */
+  Tree ownTree; /* content may be outdated: use ctSceneTree; layout, wide functions and revision are always right */
   Traversal traversal;
   Clearance clearance;
-  Witnesses witnesses;
+  RecentClashes recentClashes;
   Skipped skipped;
-  Sweep ownSweep; /* its snapshot may be stale, which ctSceneSweep mends */
+  Sweep ownSweep; /* snapshot may be outdated: use ctSceneSweep */
   Trial trials[2];
   /* These two are swapped at once: within a line of the processor's cache, which every trial would wait for otherwise.
    */
   _Alignas(16) Trial* trial; /* that is open, if one is */
-  Trial* next;               /* the scratch of a proposal: a refused one leaves the open trial alone */
+  Trial* next;               /* scratch of ctPropose: one that fails leaves the open trial alone */
   int64_t trialCount;
   Copied followed; /* the array of ctFollowPositions and ctFollowTrialPositions */
-  SlotPairs undecided;
-  Leaves leaves;           /* may be stale */
+  SlotPairs ties;
+  Leaves leaves;           /* may be outdated */
   int64_t changeCount;     /* of the state */
   int64_t acceptedCount;   /* of these, by trials */
   ctSelection* selections; /* those that have not been freed */
@@ -70,14 +70,14 @@ ctStatus ctFailMissing(ctChainTree* scene, const char* argument);
 /* Fails unless all of these are particles of the scene. */
 ctStatus ctCheckParticles(ctChainTree* scene, int count, const int* particles);
 
-/* The tree of the state. Refreshes it if new positions have left it stale. */
+/* The tree of the state, with tight bounds. Refreshes what is outdated. */
 Tree* ctSceneTree(ctChainTree* scene);
 
-/* The same, but bounds may be wider than need be, see tree.h. For trials of few slots. */
-Tree* ctSceneLaggingTree(ctChainTree* scene);
+/* The same, but bounds may be loose, see tree.h. For trials of few slots. */
+Tree* ctSceneLooseTree(ctChainTree* scene);
 
-/* How far some pair is beyond its limit at most, nm; 0: none is. INFINITY: farther than `most`, or there is no memory,
- * which is no failure and leaves the scene's text alone. */
+/* Most that a pair is beyond its limit, nm; 0: none is. INFINITY: more than `most`, or there is no memory, which is no
+ * failure and leaves the error text alone. */
 double ctSceneExcess(ctChainTree* scene, double most, ctCounts* counts);
 
 /* A sweep over the state, with a snapshot of it; NULL if there is no memory. */

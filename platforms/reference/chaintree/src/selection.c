@@ -76,7 +76,7 @@ static bool buildUnmodelled(ctSelection* selection, int count, const int* partic
 }
 
 static bool build(ctSelection* selection, int count, const int* particles) {
-  const Tree* layout = &selection->scene->staleTree;
+  const Tree* layout = &selection->scene->ownTree;
   selection->mask = ctArenaAllocate(&selection->arena, (size_t)layout->nodeCount, sizeof(uint16_t));
   if (selection->arena.failed || !buildUnmodelled(selection, count, particles)) {
     return false;

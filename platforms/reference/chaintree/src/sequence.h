@@ -1,19 +1,21 @@
 /* The sequence: all links of the scene in one line, the joints between consecutive ones, and the state.
  *
- * Link 0 is the world, with every fixed particle. From it the links follow depth-first, of several branches the one
- * with most slots last, so that what a joint moves is the interval [link, end[link]). The step from link k to k + 1 is
+ * Link 0 is the world, with every fixed particle. From it the links follow depth-first; of several branches the one
+ * with most slots is last, so that a joint moves the interval [link, end[link]). The step from link k to k + 1 is
  *
- *     opening(k + 1)                      if k is the parent of k + 1,
- *     closure(path) * opening(k + 1)      otherwise,
+ *     local(k + 1)                  if k is the parent of k + 1,
+ *     back(path) * local(k + 1)     otherwise.
  *
- * where opening(l) takes the frame of l's parent to that of l by its joint, and a path is a run of links each of which
- * is the last child of the one before. Where the sequence leaves a branch, it leaves exactly one whole path: its
- * closure is the inverse of the product of the path's openings, kept as a tree of products, so that a change costs
- * O(log N). A step thus depends on no rotation that does not change it, and untouched steps keep their bits.
+ * The local frame local(l) takes the frame of l's parent to that of l by its joint. A path is a run of links each of
+ * which is the last child of the one before. Where the sequence leaves a branch, it leaves exactly one whole path: the
+ * return frame back(path) is the inverse of the product of the path's local frames, kept as a tree of products, so that
+ * a change costs O(log N). A step thus depends on no rotation that does not change it, and untouched steps keep their
+ * bits.
  *
- * A twig is a branch of few slots that is not the last of its parent: a side chain, a small molecule. A walk along the
- * sequence enters it from the frame of the link on which it hangs, and behind the twig goes on from that very frame. So
- * paths in twigs need no closures, and a change within a twig keeps the bits of everything else.
+ * A side branch is a branch of few slots that is not the last of its parent: a side chain, a small molecule. A walk
+ * along the sequence enters it from the frame of the link on which it hangs, and continues behind it from that same
+ * frame. So paths in side branches need no return frames, and a change within a side branch keeps the bits of
+ * everything else.
  *
  * A slot is the index of a particle in the sequence: slots are in the order of their links. Particles that are modelled
  * have one, and those without a radius that are listed, which to all volumes are as if the slot were empty. A link
@@ -26,8 +28,8 @@
 #include "order.h"
 #include "transform.h"
 
-/* A twig has no more slots. */
-enum { TWIG_SLOTS = 2 * TREE_WIDTH };
+/* Most slots of a side branch. */
+enum { SIDE_BRANCH_SLOTS = 2 * TREE_WIDTH };
 
 /* The rigid transform of a link with a free or ball joint in its parent's frame. The origin of a ball joint's link is
  * what it turns about, so its position stays that of the reference, and bonds to it keep their lengths. */
@@ -65,13 +67,13 @@ enum {
   axisIsNoLine = 0x11   /* they are at one place in the reference positions, so that the joint cannot turn */
 };
 
-/* The part of a link in a twig. */
-typedef enum TwigPart {
-  notInTwig,
-  goesOnInTwig, /* the last child of its parent */
-  branchInTwig, /* the first link of a branch of a twig */
-  headsTwig     /* the first link of a twig that lies in no other */
-} TwigPart;
+/* The part of a link in a side branch. */
+typedef enum SideBranchPart {
+  notInSideBranch,
+  continuesSideBranch, /* the last child of its parent */
+  beginsInnerBranch,   /* the first link of a branch of a side branch */
+  beginsSideBranch     /* the first link of a side branch that lies in no other */
+} SideBranchPart;
 
 typedef struct Sequence {
   int particleCount;
@@ -79,11 +81,11 @@ typedef struct Sequence {
   int linkCount; /* with the world */
   int slotCount;
   int typeCount;
-  int slotlessCount;  /* particles without a slot */
-  int branchCount;    /* of the world */
-  int closureCount;   /* paths that have closures */
-  int openPathCount;  /* the others */
-  int displacedCount; /* joints that are off the reference */
+  int slotlessCount;    /* particles without a slot */
+  int branchCount;      /* of the world */
+  int returnFrameCount; /* paths that have return frames */
+  int openPathCount;    /* the others */
+  int displacedCount;   /* joints that are off the reference */
 
   /* The caller's links. */
   int* linkOfUser; /* see sequenceLink; of a fixed link ~ of its lowest particle */
@@ -91,7 +93,7 @@ typedef struct Sequence {
   /* Links, indexed in sequence order. */
   int* parent; /* below the link's own index; CT_NULL for the world */
   uint8_t* jointType;
-  uint8_t* twigPart;
+  uint8_t* sideBranchPart;
   Joint* joint;
   uint8_t* axisPlaces; /* of a torsion joint */
   int* pathOf;
@@ -109,21 +111,21 @@ typedef struct Sequence {
 
   int* branchHead; /* first links of the world's branches, ascending */
 
-  /* Paths. First come those with closures, which the sequence leaves before its end, outside of twigs; then the one
-   * that starts at the world; then those in twigs. */
-  int* pathEnd;      /* one past the last link that hangs on any of the path's */
-  int* pathBegin;    /* closureCount + 1, into pathLink */
-  int* pathLink;     /* links of each path that has a closure, ascending */
-  int* productBegin; /* closureCount + 1, into product */
-  Frame* product;    /* per path: products over PATH_BLOCK links, then over pairs of those, up to the whole */
-  Frame* closure;    /* closureCount: inverse of the whole */
+  /* Paths. First come those with return frames, which the sequence leaves before its end, outside of side branches;
+   * then the one that starts at the world; then those in side branches. */
+  int* pathEnd;       /* one past the last link that hangs on any of the path's */
+  int* pathBegin;     /* returnFrameCount + 1, into pathLink */
+  int* pathLink;      /* links of each path that has a return frame, ascending */
+  int* productBegin;  /* returnFrameCount + 1, into product */
+  Frame* product;     /* per path: products over PATH_BLOCK links, then over pairs of those, up to the whole */
+  Frame* returnFrame; /* returnFrameCount: inverse of the whole */
 
   /* The state: reference positions, angles, placements; and what follows from the state of one joint alone. */
   double* reference; /* 3 * particleCount, the caller's bits */
   double worldOrigin[3];
   double* angle;
-  double* dihedral;  /* of a torsion joint: p1-p2-p3-p4 of the reference positions, NaN until somebody has asked for it;
-                        allocated when somebody asks for the first */
+  double* dihedral;  /* of a torsion joint: p1-p2-p3-p4 of the reference positions; NaN: not needed yet; allocated on
+                        first use */
   double* rodrigues; /* of a torsion joint: its Rodrigues vector over its axis */
   Placement* placement;
   int* displaced; /* per branch: how many of its joints are off the reference */
@@ -132,8 +134,8 @@ typedef struct Sequence {
 /* Lays out a checked definition, without state. False if there is no memory. */
 bool ctSequenceBuild(Sequence* sequence, Arena* arena, const ctDefinition* definition);
 
-/* Part of ctSequenceBuild: finds twigs and paths. Links must have parents and slots; `end` of each is one past the last
- * link that hangs on it. */
+/* Part of ctSequenceBuild: finds side branches and paths. Links must have parents and slots; `end` of each is one past
+ * the last link that hangs on it. */
 bool ctPathsBuild(Sequence* sequence, Arena* arena, const int* end);
 
 /* Part of ctSequenceBuild: finds the types of particles, which must have slots. */
@@ -142,7 +144,7 @@ bool ctTypesBuild(Sequence* sequence, Arena* arena, const ctDefinition* definiti
 /* Sets all torsions to their reference. Placements are set by ctSequenceSetReference. */
 void ctSequenceResetTorsions(Sequence* sequence);
 
-/* Makes finite positions the reference: all angles are 0, and no joint is displaced. Products are stale until
+/* Makes finite positions the reference: all angles are 0, and no joint is displaced. Products are outdated until
  * ctPathsMultiply. */
 void ctSequenceSetReference(Sequence* sequence, const double* positions);
 
@@ -162,7 +164,7 @@ JointState ctJointTurned(const JointState* joint, const double rotation[3]);
 JointState ctJointMoved(const JointState* joint, const double rotation[3], const double pivot[3],
                         const double shift[3]);
 
-/* Replaces the state of a joint. Products over the link are stale until ctSequenceUpdate. */
+/* Replaces the state of a joint. Products over the link are outdated until ctSequenceUpdate. */
 void ctSequenceSetJoint(Sequence* sequence, int link, const JointState* joint);
 
 /* Recomputes the products over these links (ascending), each once, and returns how many. `scratch` holds `count` ints.
@@ -184,17 +186,17 @@ static inline int sequenceBranch(const Sequence* s, int link) {
   return ascendingFrom(s->branchHead, 0, s->branchCount, link + 1) - 1;
 }
 
-/* The first link of the outermost twig that a link is in. */
-static inline int sequenceTwigHead(const Sequence* s, int link) {
-  while (s->twigPart[link] != headsTwig) {
+/* The first link of the outermost side branch that a link is in. */
+static inline int sideBranchHead(const Sequence* s, int link) {
+  while (s->sideBranchPart[link] != beginsSideBranch) {
     link = s->parent[link];
   }
   return link;
 }
 
-/* The number of a path that has no closure, such as one that a twig begins with. */
+/* The number of a path that has no return frame, such as one that a side branch begins with. */
 static inline int sequenceOpenPath(const Sequence* s, int link) {
-  return s->pathOf[link] - s->closureCount;
+  return s->pathOf[link] - s->returnFrameCount;
 }
 
 /* The link that holds a caller's: the world, if that is fixed. */
@@ -273,35 +275,36 @@ static inline void sequenceRodrigues(const Sequence* s, int link, double w[3]) {
 }
 
 /* The frame of a link in its parent's frame. */
-static inline Frame sequenceOpening(const Sequence* s, int link) {
-  Frame opening;
+static inline Frame sequenceLocalFrame(const Sequence* s, int link) {
+  Frame localFrame;
   if (s->jointType[link] == ctTorsionJoint) {
     double offset[3];
     double w[3];
     sequenceOffset(s, link, offset);
     sequenceRodrigues(s, link, w);
-    rotationFromRodrigues(w[0], w[1], w[2], opening.m[0], 1);
-    setTranslation(&opening, offset);
+    rotationFromRodrigues(w[0], w[1], w[2], localFrame.m[0], 1);
+    setTranslation(&localFrame, offset);
   } else {
     const Placement* placement = &s->placement[s->joint[link].placement];
-    rotationFromQuaternion(placement->quaternion, &opening);
-    setTranslation(&opening, placement->position);
+    rotationFromQuaternion(placement->quaternion, &localFrame);
+    setTranslation(&localFrame, placement->position);
   }
-  return opening;
+  return localFrame;
 }
 
-/* Twigs are nested no deeper: each has less than half of the slots of the one around it. */
-enum { MOST_OPEN_TWIGS = 5 };
+/* Most side branches around a link: each has less than half of the slots of the one around it. */
+enum { MOST_NESTED_SIDE_BRANCHES = 5 };
 
 /* A walk along the sequence: the frame of a link in the frame in which the walk began. */
 typedef struct Walk {
   Columns frame;
-  Columns stem[MOST_OPEN_TWIGS]; /* of the twigs that the link is in: the frame of the link on which each hangs */
+  Columns stem[MOST_NESTED_SIDE_BRANCHES]; /* of the side branches that the link is in: the frame of the link on which
+                                              each hangs */
   int openCount;
   int link;
 } Walk;
 
-/* Begins a walk at a link that is in no twig. */
+/* Begins a walk at a link that is in no side branch. */
 CT_INLINE void walkBegin(Walk* walk, int link) {
   const Frame identity = transformIdentity();
   columnsOf(&identity, &walk->frame);
@@ -309,12 +312,12 @@ CT_INLINE void walkBegin(Walk* walk, int link) {
   walk->link = link;
 }
 
-/* Takes a walk on to a link that hangs on its own, by the link's opening as columnsCompose takes it. */
-CT_INLINE void walkEnter(Walk* walk, const Sequence* s, int link, const double* opening, size_t stride) {
-  if (s->twigPart[link] >= branchInTwig) {
+/* Takes a walk on to a link that hangs on its own, by the link's local frame as columnsCompose takes it. */
+CT_INLINE void walkEnter(Walk* walk, const Sequence* s, int link, const double* localFrame, size_t stride) {
+  if (s->sideBranchPart[link] >= beginsInnerBranch) {
     walk->stem[walk->openCount++] = walk->frame;
   }
-  columnsCompose(&walk->frame, opening, stride);
+  columnsCompose(&walk->frame, localFrame, stride);
   walk->link = link;
 }
 
@@ -325,33 +328,33 @@ CT_INLINE void walkLeave(Walk* walk, const Sequence* s) {
     if (walk->openCount > 0) {
       walk->frame = walk->stem[--walk->openCount];
     } else {
-      columnsCompose(&walk->frame, s->closure[s->pathOf[walk->link]].m[0], 1);
+      columnsCompose(&walk->frame, s->returnFrame[s->pathOf[walk->link]].m[0], 1);
     }
     walk->link = parent;
   }
 }
 
 /* Takes a walk on to the next link. */
-CT_INLINE void walkOn(Walk* walk, const Sequence* s, const double* opening, size_t stride) {
+CT_INLINE void walkToNext(Walk* walk, const Sequence* s, const double* localFrame, size_t stride) {
   const int next = walk->link + 1;
   walkLeave(walk, s);
-  walkEnter(walk, s, next, opening, stride);
+  walkEnter(walk, s, next, localFrame, stride);
 }
 
 /* Takes a walk on to a link that is not before its own. */
 static inline void walkTo(Walk* walk, const Sequence* s, int link) {
   while (walk->link < link) {
-    const Frame opening = sequenceOpening(s, walk->link + 1);
-    walkOn(walk, s, opening.m[0], 1);
+    const Frame localFrame = sequenceLocalFrame(s, walk->link + 1);
+    walkToNext(walk, s, localFrame.m[0], 1);
   }
 }
 
-/* Begins a walk at a link in a twig; `stem` is the frame of the link on which the twig hangs. */
-CT_INLINE void walkBeginInTwig(Walk* walk, const Sequence* s, int link, const Frame* stem) {
-  int way[TWIG_SLOTS]; /* links have a slot at least */
+/* Begins a walk at a link in a side branch; `stem` is the frame of the link on which the side branch hangs. */
+CT_INLINE void walkBeginInSideBranch(Walk* walk, const Sequence* s, int link, const Frame* stem) {
+  int way[SIDE_BRANCH_SLOTS]; /* links have a slot at least */
   int count = 0;
   way[count++] = link;
-  while (s->twigPart[way[count - 1]] != headsTwig) {
+  while (s->sideBranchPart[way[count - 1]] != beginsSideBranch) {
     way[count] = s->parent[way[count - 1]];
     count++;
   }
@@ -359,22 +362,22 @@ CT_INLINE void walkBeginInTwig(Walk* walk, const Sequence* s, int link, const Fr
   walk->openCount = 0;
   walk->link = s->parent[way[count - 1]];
   while (count > 0) {
-    const Frame opening = sequenceOpening(s, way[--count]);
-    walkEnter(walk, s, way[count], opening.m[0], 1);
+    const Frame localFrame = sequenceLocalFrame(s, way[--count]);
+    walkEnter(walk, s, way[count], localFrame.m[0], 1);
   }
 }
 
-/* The frame of the parent of a link in a twig, in that in which a walk would begin; `stem` as above. */
-CT_INLINE void twigParent(const Sequence* s, int link, const Frame* stem, Columns* frame) {
-  int way[TWIG_SLOTS];
+/* The frame of the parent of a link in a side branch, in that in which a walk would begin; `stem` as above. */
+CT_INLINE void sideBranchParent(const Sequence* s, int link, const Frame* stem, Columns* frame) {
+  int way[SIDE_BRANCH_SLOTS];
   int count = 0;
-  for (; s->twigPart[link] != headsTwig; link = s->parent[link]) {
+  for (; s->sideBranchPart[link] != beginsSideBranch; link = s->parent[link]) {
     way[count++] = s->parent[link];
   }
   columnsOf(stem, frame);
   while (count > 0) {
-    const Frame opening = sequenceOpening(s, way[--count]);
-    columnsCompose(frame, opening.m[0], 1);
+    const Frame localFrame = sequenceLocalFrame(s, way[--count]);
+    columnsCompose(frame, localFrame.m[0], 1);
   }
 }
 

@@ -3,18 +3,18 @@
 #include "scene.h"
 
 void ctSkippedForget(ctChainTree* scene) {
-  scene->skipped.excess = INFINITY;
+  scene->skipped.accumulatedError = INFINITY;
   scene->skipped.wait = 0;
   scene->skipped.patience = 1;
   scene->skipped.arm = -1;
 }
 
-/* True if the trial that is accepted leaves no pair farther beyond its limit than MOST_EXCESS. */
+/* True if the trial that is accepted leaves no pair farther beyond its limit than MOST_ERROR. */
 static bool isLittle(const ctChainTree* scene) {
-  return scene->skipped.excess + scene->trial->slack <= MOST_EXCESS;
+  return scene->skipped.accumulatedError + scene->trial->distanceError <= MOST_ERROR;
 }
 
-bool ctMaySkip(ctChainTree* scene, ctCounts* counts) {
+bool ctPrepareSkip(ctChainTree* scene, ctCounts* counts) {
   Skipped* skipped = &scene->skipped;
   if (isLittle(scene)) {
     return true;
@@ -23,13 +23,13 @@ bool ctMaySkip(ctChainTree* scene, ctCounts* counts) {
     skipped->wait--;
     return false;
   }
-  skipped->excess = ctSceneExcess(scene, MOST_EXCESS, counts);
+  skipped->accumulatedError = ctSceneExcess(scene, MOST_ERROR, counts);
   if (isLittle(scene)) {
     skipped->patience = 1;
     return true;
   }
   skipped->wait = skipped->patience;
-  skipped->patience = skipped->patience < MOST_LOOK_PATIENCE ? 2 * skipped->patience : skipped->patience;
+  skipped->patience = skipped->patience < MOST_CHECK_PATIENCE ? 2 * skipped->patience : skipped->patience;
   return false;
 }
 
@@ -37,11 +37,11 @@ void ctSkippedAccept(ctChainTree* scene) {
   Skipped* skipped = &scene->skipped;
   const Trial* trial = scene->trial;
   if (!trial->isFree) {
-    skipped->excess = INFINITY;
+    skipped->accumulatedError = INFINITY;
   } else if (trial->isSkipTested) {
-    skipped->excess += trial->slack;
+    skipped->accumulatedError += trial->distanceError;
   }
-  skipped->total += trial->shift;
+  skipped->total += trial->displacement;
 }
 
 /* ---- How far particles reach ---- */

@@ -19,9 +19,9 @@ typedef struct Snapshot {
   AxisBoxes* boxes;       /* per inner node, from levelBegin[1] on */
   const double* position; /* per particle that has a slot, in double: the reference, or `moved` */
   double origin[3];
-  double extent; /* no coordinate from `origin` or radius is larger */
-  double band;   /* the canonical distance decides about distances this close to a limit */
-  double* moved; /* positions that are not the reference; NULL: not needed yet */
+  double coordinateBound; /* no coordinate from `origin` or radius is larger */
+  double tieBand;         /* the canonical distance decides about distances this close to a limit */
+  double* moved;          /* positions that are not the reference; NULL: not needed yet */
 } Snapshot;
 
 /* Makes a snapshot with radii but without positions; false if there is no memory. */
@@ -30,7 +30,7 @@ bool ctSnapshotBuild(Snapshot* snapshot, Arena* arena, const Sequence* sequence,
 /* Makes room for positions that are not the reference; false, and nothing changed, if there is no memory. */
 bool ctSnapshotReserve(Snapshot* snapshot, Arena* arena, const Sequence* sequence);
 
-/* Takes the positions of the reference, or of a tree that is not stale. Floats and boxes are stale then. */
+/* Takes the positions of the reference, or of an up-to-date tree. Floats and boxes are outdated until ctSweepBound. */
 void ctSnapshotTakeReference(Snapshot* snapshot, const Sequence* sequence);
 void ctSnapshotTakeTree(Snapshot* snapshot, const Sequence* sequence, const Tree* tree);
 

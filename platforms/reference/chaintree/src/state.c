@@ -133,7 +133,7 @@ ctStatus ctSetState(ctChainTree* tree, const double* state) {
     }
     numbers += size;
   }
-  ctTreeMakeStale(&tree->staleTree);
+  ctTreeMakeOutdated(&tree->ownTree);
   ctClearanceForget(&tree->clearance);
   ctSkippedForget(tree);
   ctLeavesForget(&tree->leaves);

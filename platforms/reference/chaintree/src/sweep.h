@@ -33,8 +33,8 @@ typedef struct Sweep {
   const Exclusions* exclusions;
   Arena arena; /* of everything below, which is made when first needed */
   Snapshot snapshot;
-  int64_t snapshotTime; /* the tree's time of what the snapshot shows, or NEVER */
-  SweepVisit* stack;    /* of a sweep for clashes; what follows is for neighbours */
+  int64_t snapshotRevision; /* the tree's revision of what the snapshot shows, or NO_REVISION */
+  SweepVisit* stack;        /* of a sweep for clashes; what follows is for neighbours */
   Ranks* ranks;
   int* lowest;  /* per leaf: no particle is below */
   int* highest; /* per leaf: no particle is above, or INT_MAX if they do not ascend */
@@ -60,7 +60,7 @@ typedef bool ClashFunction(void* context, int slotA, int slotB, double squaredDi
 /* Decides whether two slots whose distance is within rounding of the cutoff are neighbours. */
 typedef bool DoubtFunction(void* context, int slotA, int slotB, double squaredDistance);
 
-/* What a sweep looks for, and what it has cost. */
+/* A sweep, and its cost. */
 typedef struct SweepTask {
   double reach;         /* between surfaces for clashes, between centres for neighbours */
   ClashFunction* clash; /* where clashes go */

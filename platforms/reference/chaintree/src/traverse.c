@@ -8,7 +8,7 @@
 
 /* Most entries for leaves in the world, for nodes that move, and for nodes whose boxes move: with more of them, caches
  * of the processor would miss more often than entries spare work. A visit needs at least two leaves, two nodes that
- * move and BOXES_OF_A_VISIT nodes with boxes. */
+ * move and BOXES_PER_VISIT nodes with boxes. */
 enum { MOST_LEAF_ENTRIES = 8192, MOST_MOVED_ENTRIES = 1024, MOST_MOVED_BOXES = 64 };
 
 /* ---- Life ---- */
@@ -22,14 +22,14 @@ bool ctTraversalBuild(Traversal* t, Arena* arena, const Tree* tree, const Sequen
   const size_t entries = (size_t)t->leafEntryCount + inner;
   t->movedCapacity = tree->nodeCount < MOST_MOVED_ENTRIES ? tree->nodeCount : MOST_MOVED_ENTRIES;
   t->tree = tree;
-  t->firstNodesTime = NEVER;
+  t->firstNodesRevision = NO_REVISION;
   t->mostFirstNodes = MOST_FIRST_NODES;
   t->mostUnaskedNodes = MOST_UNASKED_NODES;
   t->mostBoxedNodes = MOST_BOXED_NODES;
-  t->testsABox = TESTS_A_BOX;
+  t->testsPerLeaf = TESTS_PER_LEAF;
   t->sequence = sequence;
   t->exclusions = exclusions;
-  t->worldTime = ctArenaAllocate(arena, nodes, sizeof(int64_t));
+  t->worldRevision = ctArenaAllocate(arena, nodes, sizeof(int64_t));
   t->entryOf = ctArenaAllocate(arena, nodes, sizeof(int));
   t->leafOfEntry = ctArenaAllocate(arena, (size_t)t->leafEntryCount, sizeof(int));
   t->frame = ctArenaAllocate(arena, entries, sizeof(Frame));
@@ -38,9 +38,9 @@ bool ctTraversalBuild(Traversal* t, Arena* arena, const Tree* tree, const Sequen
   t->boxes = ctArenaAllocate(arena, inner, sizeof(ChildBoxes));
   const int boxed = t->leafEntryCount < tree->levelSize[0] ? 0 : boxedNodes(tree); /* see boxLeaves */
   t->leafBoxes = ctArenaAllocate(arena, (size_t)boxed, sizeof(ShortBoxes));
-  t->membersTime = ctArenaAllocate(arena, inner, sizeof(int64_t));
-  t->nodeStamp = ctArenaAllocate(arena, nodes, sizeof(uint32_t));
-  t->motion = ctArenaAllocate(arena, nodes, sizeof(int));
+  t->membersRevision = ctArenaAllocate(arena, inner, sizeof(int64_t));
+  t->placedIn = ctArenaAllocate(arena, nodes, sizeof(uint32_t));
+  t->body = ctArenaAllocate(arena, nodes, sizeof(int));
   t->inView = ctArenaAllocate(arena, nodes, sizeof(Block*));
   t->movedNode = ctArenaAllocate(arena, (size_t)t->movedCapacity, sizeof(int));
   t->moved = ctArenaAllocate(arena, (size_t)t->movedCapacity, sizeof(Block));
@@ -48,7 +48,7 @@ bool ctTraversalBuild(Traversal* t, Arena* arena, const Tree* tree, const Sequen
   t->movedBoxes = ctArenaAllocate(arena, MOST_MOVED_BOXES, sizeof(MovedBoxes));
   t->stack = ctArenaAllocate(arena, (size_t)TREE_MAX_LEVELS * TREE_WIDTH, sizeof(ProbedNode));
   t->nearNodes = ctArenaAllocate(arena, nodes + TREE_WIDTH, sizeof(int));
-  t->frameTime = ctArenaAllocate(arena, inner, sizeof(int64_t));
+  t->frameRevision = ctArenaAllocate(arena, inner, sizeof(int64_t));
   if (arena->failed) {
     return false;
   }
@@ -56,7 +56,7 @@ bool ctTraversalBuild(Traversal* t, Arena* arena, const Tree* tree, const Sequen
     t->leafOfEntry[entry] = CT_NULL;
   }
   for (int node = 0; node < tree->nodeCount; node++) {
-    t->worldTime[node] = NEVER;
+    t->worldRevision[node] = NO_REVISION;
     t->entryOf[node] = node < leaves ? CT_NULL : t->leafEntryCount + node - leaves;
   }
   for (int i = 0; i < boxed; i++) {
@@ -64,37 +64,37 @@ bool ctTraversalBuild(Traversal* t, Arena* arena, const Tree* tree, const Sequen
       t->leafBoxes[i].ends[0][k] = INT16_MAX; /* below no limit: no member */
     }
   }
-  t->steadyTime = NEVER;
+  t->steadyRevision = NO_REVISION;
   for (size_t i = 0; i < inner; i++) {
-    t->boxes[i].ownTime = NEVER;
-    t->boxes[i].worldTime = NEVER;
+    t->boxes[i].ownRevision = NO_REVISION;
+    t->boxes[i].worldRevision = NO_REVISION;
   }
   return true;
 }
 
 void ctTraversalFree(Traversal* t) {
-  ctArenaFree(&t->straddlerArena);
+  ctArenaFree(&t->mixedNodeArena);
   free(t->motions);
 }
 
-CT_NOINLINE bool growStraddlers(Traversal* t, int count) {
+CT_NOINLINE bool growMixedNodes(Traversal* t, int count) {
   Arena grown = {0};
-  Straddler* straddlers = ctArenaAllocate(&grown, (size_t)count, sizeof(Straddler));
-  if (straddlers == NULL) {
+  MixedNode* mixedNodes = ctArenaAllocate(&grown, (size_t)count, sizeof(MixedNode));
+  if (mixedNodes == NULL) {
     ctArenaFree(&grown);
     return false;
   }
-  ctArenaFree(&t->straddlerArena);
-  t->straddlerArena = grown;
-  t->straddlers = straddlers;
-  t->straddlerCapacity = count;
+  ctArenaFree(&t->mixedNodeArena);
+  t->mixedNodeArena = grown;
+  t->mixedNodes = mixedNodes;
+  t->mixedNodeCapacity = count;
   return true;
 }
 
 bool ctTraversalReserve(Traversal* t, int pieceCount) {
-  /* The boundary of two pieces is straddled by one node of each level at most. */
-  const int64_t straddlers = (int64_t)(pieceCount - 1) * t->tree->levelCount;
-  return straddlers <= CT_MOST_COUNT && (straddlers <= t->straddlerCapacity || growStraddlers(t, (int)straddlers)) &&
+  /* The boundary of two pieces lies within one node of each level at most. */
+  const int64_t mixedNodes = (int64_t)(pieceCount - 1) * t->tree->levelCount;
+  return mixedNodes <= CT_MOST_COUNT && (mixedNodes <= t->mixedNodeCapacity || growMixedNodes(t, (int)mixedNodes)) &&
          ctReserve((void**)&t->motions, &t->motionCapacity, pieceCount, sizeof(float[12]));
 }
 
@@ -147,18 +147,18 @@ void ctTraverseProbe(Traversal* t, const View* view, const double point[3], doub
   t->tree->wide->traverseProbe(t, view, point, radius, function, context, counts);
 }
 
-void ctPositionInView(Traversal* t, int slot, int motion, double position[3]) {
+void ctPositionInView(Traversal* t, int slot, int body, double position[3]) {
   double local[3];
   treeLocal(t->tree, slot, local);
   transformPoint(ctTraversalLeafFrame(t, coveringNode(slot)), local, position);
-  if (motion > 0 && t->view->motions != NULL) {
-    transformPoint(&t->view->motions[motion], position, position);
+  if (body > 0 && t->view->motions != NULL) {
+    transformPoint(&t->view->motions[body], position, position);
   }
 }
 
 void ctTraversalPosition(Traversal* t, int slot, double position[3]) {
-  const int code = t->motion[coveringNode(slot)];
-  ctPositionInView(t, slot, code < 0 ? straddlerOf(t, code)->motion[memberIndex(slot)] : code, position);
+  const int code = t->body[coveringNode(slot)];
+  ctPositionInView(t, slot, code < 0 ? mixedNodeOf(t, code)->body[memberIndex(slot)] : code, position);
 }
 
 double ctTraversalSquaredDistance(Traversal* t, int slotA, int slotB) {

@@ -1,7 +1,6 @@
-/* The descent of the tree against itself, which the clash test and the changed pairs of a trial share (section 2.3).
- *
- * A view says which slots move together and how. A descent writes nothing to the tree: a node that lies in one piece
- * keeps its volume and moves as a whole; a node that straddles pieces gets a volume made for this descent. */
+/* The descent of the tree against itself, which the clash test and the changed pairs of a trial share (section 2.3). A
+ * view says which slots move together and how. A descent writes nothing to the tree: a node that lies in one piece
+ * keeps its volume and moves as a whole; a mixed node gets a volume made for this descent. */
 #ifndef CT_TRAVERSE_H_
 #define CT_TRAVERSE_H_
 
@@ -12,7 +11,7 @@
 /* Its body is an index into the view's motions: all pieces of one motion are one rigid body. */
 typedef ctPiece Piece;
 
-/* The configuration that a descent looks at, as rigid motions of pieces of the state, and how far it looks. */
+/* A configuration, as rigid motions of pieces of the state, and how far a descent of it reaches. */
 typedef struct View {
   const Piece* pieces; /* ascending, the first begins at slot 0 */
   int pieceCount;
@@ -34,10 +33,10 @@ typedef struct ShortBoxes {
   int16_t ends[6][TREE_WIDTH];
 } ShortBoxes;
 
-/* So many nodes have a bit for each of their members in a word. */
+/* Nodes whose members fill 64 bits. */
 enum { NODES_AT_ONCE = 64 / TREE_WIDTH };
 
-/* How many nodes have boxes of members: those over leaves, and some more, to look at NODES_AT_ONCE. */
+/* Number of nodes that have boxes of members: those over leaves, rounded up to NODES_AT_ONCE. */
 static inline int boxedNodes(const Tree* tree) {
   return (tree->levelSize[1] + NODES_AT_ONCE - 1) / NODES_AT_ONCE * NODES_AT_ONCE;
 }
@@ -45,7 +44,7 @@ static inline int boxedNodes(const Tree* tree) {
 struct Box;
 struct MovedBoxes;
 struct ChildBoxes;
-struct Straddler;
+struct MixedNode;
 
 /* Scratch of a descent. World coordinates are from the sequence's worldOrigin. */
 typedef struct Traversal {
@@ -53,53 +52,53 @@ typedef struct Traversal {
   const Sequence* sequence;
   const Exclusions* exclusions;
   const View* view;
-  double extent; /* no coordinate or radius of this view is larger */
-  double band;   /* the canonical distance decides about distances this close to a limit */
+  double coordinateBound; /* no coordinate or radius of this view is larger */
+  double tieBand;         /* the canonical distance decides about distances this close to a limit */
 
   /* World coordinates of the state, kept from descent to descent as long as nothing changes them. Per node. */
-  int64_t* worldTime;     /* the tree's time when its world coordinates were right; NEVER: it has none */
+  int64_t* worldRevision; /* the tree's revision when its world coordinates were right; NO_REVISION: it has none */
   bool worldHasSurfaces;  /* the radii are of surfaces, else of centres */
-  int64_t firstNodesTime; /* the tree's time when all nodes with which tests of few slots begin were up to date */
+  int64_t
+      firstNodesRevision; /* the tree's revision when all nodes with which tests of few slots begin were up to date */
   int firstLevel;         /* of these nodes */
   int mostFirstNodes;     /* MOST_FIRST_NODES, but for tests */
   int mostUnaskedNodes;   /* MOST_UNASKED_NODES, but for tests */
   int* entryOf;           /* its entry in the two arrays below; CT_NULL: another leaf has taken that */
-  struct Box* box;        /* around its members in its own frame; stale where the tree says so */
+  struct Box* box;        /* around its members in its own frame; outdated where the tree says so */
 
-  /* The entries: one for each of so many leaves, those updated last, and one for each inner node. */
+  /* Entries: one for each inner node, and this many for leaves, which the last updated ones have. */
   int leafEntryCount;
   int nextEntry;    /* of a leaf, to be replaced next */
   int* leafOfEntry; /* per entry of a leaf; CT_NULL: it is free */
   Frame* frame;     /* per entry: the node's frame in the world */
   Block* world;     /* per entry: the node's members in the world */
 
-  /* Boxes around leaves, per node over leaves, which tests of few slots look at instead of spheres: half as many are
-   * near, and a comparison takes a third of the time. They are made when for a while only few leaves have moved at a
-   * time; then those get new ones. */
+  /* Boxes around leaves, per node over leaves, which tests of few slots read instead of spheres: half as many are near,
+   * and a comparison takes a third of the time. They are made once only few leaves at a time have moved for a while;
+   * then leaves that move get new ones. */
   ShortBoxes* leafBoxes;
-  float boxScale;     /* units a nm */
-  int mostBoxedNodes; /* MOST_BOXED_NODES, but for tests */
-  int testsABox;      /* TESTS_A_BOX, but for tests */
-  int testsToBoxes;   /* 0: all leaves have boxes, and world coordinates up to rounding, but for those noted since
-                       * boxedCount */
-  int64_t steadyTime; /* the tree's since which only noted leaves have moved, as of the last test */
-  int64_t boxedCount; /* Tree.notedCount */
+  float boxScale;         /* units a nm */
+  int mostBoxedNodes;     /* MOST_BOXED_NODES, but for tests */
+  int testsPerLeaf;       /* TESTS_PER_LEAF, but for tests */
+  int testsToBoxes;       /* 0: all leaves have boxes, and world coordinates up to rounding, but for those noted since
+                           * boxedCount */
+  int64_t steadyRevision; /* the tree's since which only noted leaves have moved, as of the last test */
+  int64_t boxedCount;     /* Tree.notedCount */
 
-  /* Boxes of children, per inner node, from levelBegin[1] on. A descent looks at boxes after its first
-   * visitsWithoutBoxes visits; that number grows while boxes separate few pairs, and shrinks while they separate many.
-   */
+  /* Boxes of children, per inner node, from levelBegin[1] on. A descent tests boxes after its first visitsWithoutBoxes
+   * visits; that number grows while boxes separate few pairs, and shrinks while they separate many. */
   struct ChildBoxes* boxes;
-  int64_t* membersTime; /* the tree's when the children's world coordinates were computed */
-  int64_t* frameTime;   /* the tree's when the node's frame in the world was last computed; 0 for the root */
+  int64_t* membersRevision; /* the tree's when the children's world coordinates were computed */
+  int64_t* frameRevision;   /* the tree's when the node's frame in the world was last computed; 0 for the root */
   int visitsWithoutBoxes;
   bool alwaysBoxes;    /* for tests: at all visits */
   bool alwaysDescends; /* for tests: even if few slots move */
 
   /* Of this descent, per node. */
-  uint32_t stamp;
-  uint32_t* nodeStamp; /* equal to stamp: the node is expanded */
-  int* motion;         /* of its rigid body; below 0: the node straddles bodies, see straddlerOf */
-  Block** inView;      /* the members of an expanded node in the view; NULL: another node has taken their entry */
+  uint32_t descent;   /* its number */
+  uint32_t* placedIn; /* the descent in which the node was last placed in the view */
+  int* body;          /* index of its rigid body; below 0: it is a mixed node, see mixedNodeOf */
+  Block** inView;     /* members of a placed node in the view; NULL: another node has taken their entry */
 
   /* Members of nodes that move in this descent: a ring of the last of them. */
   int nextMoved;
@@ -110,11 +109,11 @@ typedef struct Traversal {
   int movedBoxesCapacity;
   struct MovedBoxes* movedBoxes;
 
-  /* The nodes that straddle bodies, each after those below it. */
-  struct Straddler* straddlers;
-  Arena straddlerArena;
-  int straddlerCount;
-  int straddlerCapacity;
+  /* The mixed nodes, each after those below it. */
+  struct MixedNode* mixedNodes;
+  Arena mixedNodeArena;
+  int mixedNodeCount;
+  int mixedNodeCapacity;
   float (*motions)[12]; /* of the view */
   int motionCapacity;
 
@@ -142,8 +141,8 @@ bool ctTraversalReserve(Traversal* traversal, int pieceCount);
 
 /* True if the world coordinates of a node are known to be those of the state. */
 static inline bool traversalHasWorld(const Traversal* t, int node) {
-  const int64_t since = t->worldTime[node];
-  return t->tree->contentTime[node] <= since && treeStays(t->tree, since);
+  const int64_t since = t->worldRevision[node];
+  return t->tree->contentRevision[node] <= since && treeStays(t->tree, since);
 }
 
 /* The frame of a leaf in the world. */
@@ -154,8 +153,8 @@ const Frame* ctTraversalLeafFrame(Traversal* traversal, int leaf);
 int64_t ctTraverse(Traversal* traversal, const View* view, CandidateFunction* function, void* context,
                    ctCounts* counts);
 
-/* The same for a view in which only slots [begin, end) move, see ctViewMovesFew. Bounds may be wider than need be.
- * First asks `clashes` about each candidate, unless that is NULL. */
+/* The same for a view in which only slots [begin, end) move, see ctViewMovesFew. Bounds may be loose. Calls `clashes`,
+ * unless it is NULL, for each candidate first. */
 void ctTraverseFew(Traversal* traversal, const View* view, int begin, int end, CandidateFunction* function,
                    SureClashFunction* clashes, void* context, ctCounts* counts);
 
@@ -163,8 +162,8 @@ void ctTraverseFew(Traversal* traversal, const View* view, int begin, int end, C
 void ctTraverseProbe(Traversal* traversal, const View* view, const double point[3], double radius,
                      ProbeFunction* function, void* context, ctCounts* counts);
 
-/* The position in the view of a slot of this motion. */
-void ctPositionInView(Traversal* traversal, int slot, int motion, double position[3]);
+/* The position in the view of a slot of this body. */
+void ctPositionInView(Traversal* traversal, int slot, int body, double position[3]);
 
 /* The position in the view of a slot that the running descent has reached. */
 void ctTraversalPosition(Traversal* traversal, int slot, double position[3]);
@@ -172,7 +171,7 @@ void ctTraversalPosition(Traversal* traversal, int slot, double position[3]);
 /* The squared distance of two such. */
 double ctTraversalSquaredDistance(Traversal* traversal, int slotA, int slotB);
 
-/* True if all slots that move are few and stand in a row, [begin, end). */
+/* True if few slots move and they are consecutive: [begin, end). */
 bool ctViewMovesFew(const Traversal* traversal, const View* view, int* begin, int* end);
 
 /* The view of the state as it is: one body. */

@@ -42,9 +42,9 @@ bool ctTreeBuild(Tree* tree, Arena* arena, const Sequence* sequence, const struc
   tree->shortcut = ctArenaAllocate(arena, nodes, sizeof(Frame));
   tree->pose = ctArenaAllocate(arena, nodes, sizeof(Frame));
   tree->bound = ctArenaAllocate(arena, nodes, sizeof(Bound));
-  tree->boxIsStale = ctArenaAllocate(arena, nodes, sizeof(bool));
-  tree->contentTime = ctArenaAllocate(arena, nodes, sizeof(int64_t));
-  tree->shortcutTime = ctArenaAllocate(arena, nodes, sizeof(int64_t));
+  tree->boxIsOutdated = ctArenaAllocate(arena, nodes, sizeof(bool));
+  tree->contentRevision = ctArenaAllocate(arena, nodes, sizeof(int64_t));
+  tree->shortcutRevision = ctArenaAllocate(arena, nodes, sizeof(int64_t));
   tree->leaf = ctArenaAllocate(arena, (size_t)tree->levelBegin[1], sizeof(Leaf));
   tree->members = ctArenaAllocate(arena, nodes - (size_t)tree->levelBegin[1], sizeof(Members));
   tree->stem = ctArenaAllocate(arena, (size_t)sequence->openPathCount, sizeof(Frame));
@@ -52,10 +52,10 @@ bool ctTreeBuild(Tree* tree, Arena* arena, const Sequence* sequence, const struc
   tree->hasSum = ctArenaAllocate(arena, nodes, sizeof(bool));
   tree->particles = ctArenaAllocate(arena, nodes, sizeof(int));
   tree->dirty = ctArenaAllocate(arena, (size_t)tree->levelSize[0], sizeof(int));
-  tree->lagging = ctArenaAllocate(arena, (size_t)tree->levelSize[0], sizeof(int));
-  tree->lags = ctArenaAllocate(arena, (size_t)tree->levelSize[0], sizeof(bool));
+  tree->loose = ctArenaAllocate(arena, (size_t)tree->levelSize[0], sizeof(int));
+  tree->isLoose = ctArenaAllocate(arena, (size_t)tree->levelSize[0], sizeof(bool));
   tree->changedLeaf = ctArenaAllocate(arena, (size_t)tree->levelSize[0], sizeof(int));
-  tree->changeTime = ctArenaAllocate(arena, (size_t)tree->levelSize[0], sizeof(int64_t));
+  tree->changeRevision = ctArenaAllocate(arena, (size_t)tree->levelSize[0], sizeof(int64_t));
   if (arena->failed) {
     return false;
   }
@@ -75,20 +75,20 @@ static void noteChange(Tree* tree, int firstLeaf) {
     tree->changeCount--;
   }
   tree->changedLeaf[tree->changeCount] = firstLeaf;
-  tree->changeTime[tree->changeCount++] = tree->time;
+  tree->changeRevision[tree->changeCount++] = tree->revision;
 }
 
-void ctTreeMakeStale(Tree* tree) {
-  tree->isStale = true;
-  tree->time += 2;
+void ctTreeMakeOutdated(Tree* tree) {
+  tree->isOutdated = true;
+  tree->revision += 2;
   noteChange(tree, 0);
 }
 
-static void forgetLagging(Tree* tree) {
-  for (int i = 0; i < tree->laggingCount; i++) {
-    tree->lags[tree->lagging[i]] = false;
+static void forgetLoose(Tree* tree) {
+  for (int i = 0; i < tree->looseCount; i++) {
+    tree->isLoose[tree->loose[i]] = false;
   }
-  tree->laggingCount = 0;
+  tree->looseCount = 0;
 }
 
 void ctTreeRefresh(Tree* tree, const Sequence* sequence) {
@@ -109,15 +109,15 @@ void ctTreeRefresh(Tree* tree, const Sequence* sequence) {
     }
   }
   refreshRoot(tree);
-  forgetLagging(tree);
-  tree->isStale = false;
+  forgetLoose(tree);
+  tree->isOutdated = false;
 }
 
 /* Recomputes the leaf that holds the step from a link to the next, unless that is done. Dirty leaves are listed:
  * returns how many there are. */
 static int refreshStep(Tree* tree, const Sequence* s, int link, int dirty) {
   const int leaf = coveringNode(s->slotBegin[link + 1] - 1);
-  if (tree->contentTime[leaf] != tree->time) {
+  if (tree->contentRevision[leaf] != tree->revision) {
     tree->dirty[dirty++] = leaf;
     tree->wide->refreshLeaf(tree, s, leaf);
   }
@@ -129,7 +129,7 @@ static int refreshSteps(Tree* tree, const Sequence* s, const int* links, int cou
   int dirty = 0;
   for (int i = 0; i < count; i++) {
     const int end = sequenceEnd(s, links[i]);
-    if (s->twigPart[links[i]] == notInTwig) {
+    if (s->sideBranchPart[links[i]] == notInSideBranch) {
       dirty = refreshStep(tree, s, links[i] - 1, dirty);
       if (end < s->linkCount) {
         dirty = refreshStep(tree, s, end - 1, dirty);
@@ -139,20 +139,21 @@ static int refreshSteps(Tree* tree, const Sequence* s, const int* links, int cou
   return dirty;
 }
 
-/* Recomputes what these links move, if they are in twigs. To be called after whole leaves have been recomputed: twigs
- * begin from them. If bounds lag, they are only widened. */
-static int refreshTwigs(Tree* tree, const Sequence* s, const int* links, int count, int dirty, bool boundsLag) {
+/* Recomputes what these links move, if they are in side branches. Call after whole leaves have been recomputed: side
+ * branches start from them. If bounds may be loose, they are only widened. */
+static int refreshSideBranches(Tree* tree, const Sequence* s, const int* links, int count, int dirty,
+                               bool areBoundsLoose) {
   int done = 0; /* all before this link has been recomputed */
   for (int i = 0; i < count; i++) {
     const int link = links[i];
-    if (s->twigPart[link] != notInTwig && link >= done) {
+    if (s->sideBranchPart[link] != notInSideBranch && link >= done) {
       done = sequenceEnd(s, link);
       for (int leaf = coveringNode(s->slotBegin[link]); leaf * TREE_WIDTH < s->slotBegin[done]; leaf++) {
-        if (tree->contentTime[leaf] != tree->time) {
+        if (tree->contentRevision[leaf] != tree->revision) {
           tree->dirty[dirty++] = leaf;
         }
-        const bool holds = tree->wide->refreshTwig(tree, s, link, leaf);
-        if (!boundsLag) {
+        const bool holds = tree->wide->refreshSideBranch(tree, s, link, leaf);
+        if (!areBoundsLoose) {
           tree->wide->refreshLeafBound(tree, leaf);
         } else if (!holds) {
           tree->wide->widenAbove(tree, leaf);
@@ -163,14 +164,14 @@ static int refreshTwigs(Tree* tree, const Sequence* s, const int* links, int cou
   return dirty;
 }
 
-/* Notes the leaves of the intervals that these links move. What lies behind them shifts by rounding alone, however
- * often: positions are a function of the state. */
+/* Notes the leaves of the intervals that these links move. What lies behind them moves by rounding alone, since
+ * positions are a function of the state. */
 static void noteIntervals(Tree* tree, const Sequence* s, const int* links, int count) {
   for (int i = 0; i < count; i++) {
     const int begin = coveringNode(s->slotBegin[links[i]]);
     const int end = coveringNode(s->slotBegin[sequenceEnd(s, links[i])] - 1) + 1;
     if (end - begin > MOST_LEAVES_NOTED) {
-      tree->unnotedTime = tree->time;
+      tree->unnotedRevision = tree->revision;
       return;
     }
     for (int leaf = begin; leaf < end; leaf++) {
@@ -198,15 +199,15 @@ static int refreshAbove(Tree* tree, int level, int dirty) {
   return updated;
 }
 
-/* Notes that dirty leaves lag; returns how many nodes are over them. */
-static int lagAbove(Tree* tree, int dirty) {
-  int lagging = 0;
+/* Notes that dirty leaves have loose bounds; returns how many nodes are over them. */
+static int noteLoose(Tree* tree, int dirty) {
+  int loose = 0;
   for (int i = 0; i < dirty; i++) {
     int node = tree->dirty[i];
     int before = i > 0 ? tree->dirty[i - 1] : CT_NULL;
-    if (!tree->lags[node]) {
-      tree->lags[node] = true;
-      tree->lagging[tree->laggingCount++] = node;
+    if (!tree->isLoose[node]) {
+      tree->isLoose[node] = true;
+      tree->loose[tree->looseCount++] = node;
     }
     for (int level = 0; level < treeTop(tree); level++) {
       node = treeParent(tree, level, node);
@@ -214,42 +215,42 @@ static int lagAbove(Tree* tree, int dirty) {
       if (node == before) {
         break;
       }
-      lagging++;
+      loose++;
     }
   }
-  return lagging;
+  return loose;
 }
 
-/* Notes that inner nodes over leaves that lagged have been recomputed after this time and before the next: who has
- * taken over the widened bounds takes over these, which are those that further turns must not stick out of. */
+/* Marks nodes above loose leaves as recomputed, between this revision and the next: caches of the widened bounds take
+ * the tight ones. */
 static void noteTightened(Tree* tree) {
-  for (int i = 0; i < tree->laggingCount; i++) {
-    int node = tree->lagging[i];
+  for (int i = 0; i < tree->looseCount; i++) {
+    int node = tree->loose[i];
     for (int level = 0; level < treeTop(tree); level++) {
       node = treeParent(tree, level, node);
-      tree->contentTime[node] = tree->time + 1;
+      tree->contentRevision[node] = tree->revision + 1;
     }
   }
-  tree->innerTime = tree->time + 1;
+  tree->innerRevision = tree->revision + 1;
 }
 
-void ctTreeCatchUp(Tree* tree) {
-  if (tree->laggingCount > 0) {
-    ctSortInts(tree->lagging, tree->laggingCount);
-    for (int i = 0; i < tree->laggingCount; i++) {
-      tree->dirty[i] = tree->lagging[i];
-      tree->wide->refreshLeafBound(tree, tree->lagging[i]);
+void ctTreeTighten(Tree* tree) {
+  if (tree->looseCount > 0) {
+    ctSortInts(tree->loose, tree->looseCount);
+    for (int i = 0; i < tree->looseCount; i++) {
+      tree->dirty[i] = tree->loose[i];
+      tree->wide->refreshLeafBound(tree, tree->loose[i]);
     }
-    refreshAbove(tree, 0, tree->laggingCount);
+    refreshAbove(tree, 0, tree->looseCount);
     noteTightened(tree);
-    forgetLagging(tree);
+    forgetLoose(tree);
   }
 }
 
-/* True if these links move no more than twigs. */
-static bool moveTwigs(const Sequence* s, const int* links, int count) {
+/* True if these links move nothing but side branches. */
+static bool moveSideBranches(const Sequence* s, const int* links, int count) {
   for (int i = 0; i < count; i++) {
-    if (s->twigPart[links[i]] == notInTwig) {
+    if (s->sideBranchPart[links[i]] == notInSideBranch) {
       return false;
     }
   }
@@ -257,17 +258,17 @@ static bool moveTwigs(const Sequence* s, const int* links, int count) {
 }
 
 int ctTreeUpdate(Tree* tree, const Sequence* sequence, const int* links, int count) {
-  tree->time += 2;
-  if (moveTwigs(sequence, links, count)) {
-    const int leaves = refreshTwigs(tree, sequence, links, count, 0, true);
-    return leaves + lagAbove(tree, leaves);
+  tree->revision += 2;
+  if (moveSideBranches(sequence, links, count)) {
+    const int leaves = refreshSideBranches(tree, sequence, links, count, 0, true);
+    return leaves + noteLoose(tree, leaves);
   }
   int dirty = refreshSteps(tree, sequence, links, count);
-  dirty = refreshTwigs(tree, sequence, links, count, dirty, false);
+  dirty = refreshSideBranches(tree, sequence, links, count, dirty, false);
   noteIntervals(tree, sequence, links, count);
   ctSortInts(tree->dirty, dirty);
   for (int i = 0; i < dirty; i++) {
-    if (tree->shortcutTime[tree->dirty[i]] == tree->time) {
+    if (tree->shortcutRevision[tree->dirty[i]] == tree->revision) {
       noteChange(tree, tree->dirty[i]);
       break;
     }
@@ -297,28 +298,28 @@ Frame ctTreeLinkInLeaf(const Tree* tree, const Sequence* sequence, int link) {
 Frame ctTreeKnowLink(Tree* tree, const Sequence* sequence, int link, int change) {
   tree->knownLink = link;
   tree->knownChange = change;
-  tree->knownInLeaf = tree->wide->openLeaf(sequence, link, &tree->knownOpenings);
+  tree->knownInLeaf = tree->wide->linkAndLocalFrames(sequence, link, &tree->knownLocalFrames);
   return tree->knownInLeaf;
 }
 
-/* The frame of the parent of a link in a twig, in the frame of the leaf where the link begins. */
-static Frame twigParentInLeaf(const Tree* tree, const Sequence* sequence, int link) {
+/* The frame of the parent of a link in a side branch, in the frame of the leaf where the link begins. */
+static Frame sideBranchParentInLeaf(const Tree* tree, const Sequence* sequence, int link) {
   const int parent = sequence->parent[link];
-  const int head = sequenceTwigHead(sequence, link);
+  const int head = sideBranchHead(sequence, link);
   const bool beginsHere = coveringNode(sequence->slotBegin[head]) == coveringNode(sequence->slotBegin[link]);
   const Frame stem = beginsHere ? tree->stem[sequenceOpenPath(sequence, head)] : transformIdentity();
   if (link == head) {
     return stem;
   }
   Walk walk;
-  walkBeginInTwig(&walk, sequence, parent, &stem);
+  walkBeginInSideBranch(&walk, sequence, parent, &stem);
   return frameOfColumns(&walk.frame);
 }
 
 void ctTreeWalkToAxis(const Tree* tree, const Sequence* sequence, int link, double point[3], double direction[3]) {
   sequenceAxis(sequence, link, sequence->reference, direction);
-  if (sequence->twigPart[link] != notInTwig) {
-    const Frame parent = twigParentInLeaf(tree, sequence, link);
+  if (sequence->sideBranchPart[link] != notInSideBranch) {
+    const Frame parent = sideBranchParentInLeaf(tree, sequence, link);
     sequenceOffset(sequence, link, point);
     transformPoint(&parent, point, point);
     rotate(&parent, direction, direction);

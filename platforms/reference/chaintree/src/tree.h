@@ -5,10 +5,11 @@
  * that the children of a node are neighbours in every array. The members of a node are the slots of a leaf, or the
  * children of an inner node.
  *
- * The frame of a node is the frame of the link of its first slot. If that link is in a twig, it is the frame of the
- * link on which the twig hangs: so it does not move with the twig. For each node the tree keeps the shortcut across it,
- * its pose in the parent's frame (a product of its siblings' shortcuts), and a bounding sphere; for each slot the
- * position in the leaf's frame. Each is a pure function of the sequence's state and of the nodes below. */
+ * The frame of a node is the frame of the link of its first slot. If that link is in a side branch, it is the frame of
+ * the link on which the side branch hangs: so it does not move with the side branch. For each node the tree keeps the
+ * shortcut across it, its pose in the parent's frame (a product of its siblings' shortcuts), and a bounding sphere; for
+ * each slot the position in the leaf's frame. Each is a pure function of the sequence's state and of the nodes below.
+ */
 #ifndef CT_TREE_H_
 #define CT_TREE_H_
 
@@ -20,8 +21,8 @@
 
 enum { TREE_MAX_LEVELS = 8 };
 
-/* A time before all times of a tree. */
-enum { NEVER = -1 };
+/* A revision before all of a tree. */
+enum { NO_REVISION = -1 };
 
 /* The spheres of a node's members, in its own frame, in the world or in a view. r < 0: no member. */
 typedef struct Block {
@@ -54,16 +55,16 @@ typedef struct Bound {
   float centres;
 } Bound;
 
-/* The openings of consecutive links, as a structure of arrays: by entries of Frame.m. */
-typedef struct Openings {
+/* The local frames of consecutive links, as a structure of arrays: by entries of Frame.m. */
+typedef struct LocalFrames {
   int first; /* link */
   double m[12][TREE_WIDTH];
-} Openings;
+} LocalFrames;
 
-/* So many leaves are remembered whose slots have new positions. */
+/* Number of recently moved leaves kept. */
 enum { NOTED_LEAVES = 16 };
 
-/* Intervals of so many leaves are noted leaf by leaf. */
+/* Longest interval whose leaves are noted one by one. */
 enum { MOST_LEAVES_NOTED = NOTED_LEAVES / 2 };
 
 struct Wide;
@@ -81,44 +82,44 @@ typedef struct Tree {
   Leaf* leaf;       /* per node of level 0 */
   Members* members; /* per inner node, from levelBegin[1] on */
   Bound* bound;     /* per node */
-  bool* boxIsStale; /* per node: recomputed since Traversal.box was made from it, which clears this */
-  Frame* stem;      /* per path without closure, if a twig begins with it: the frame of the link on which that twig
-                       hangs in the frame of the leaf where it begins */
+  bool* boxIsOutdated; /* per node: recomputed since Traversal.box was made from it, which clears this */
+  Frame* stem; /* per path without return frame, if a side branch begins with it: the frame of the link on which that
+                  side branch hangs in the frame of the leaf where it begins */
 
-  /* Sums of positions, made when asked for. */
+  /* Sums of positions, made on first use. */
   double (*sum)[3]; /* per node: of the positions of all its particles, modelled or not, in its own frame */
   bool* hasSum;     /* per node */
   int* particles;   /* per node: how many those are; one without a slot counts where its link begins */
 
-  /* During an update by one change: a link of no twig whose frame in its leaf is known, and before which nothing
+  /* During an update by one change: a link of no side branch whose frame in its leaf is known, and before which nothing
    * changes. CT_NULL: none. The walk through that leaf begins there. */
   int knownLink;
   int knownChange; /* the link that changes */
   Frame knownInLeaf;
-  Openings knownOpenings; /* of the links of that leaf, before the change */
+  LocalFrames knownLocalFrames; /* of the links of that leaf, before the change */
 
-  bool isStale; /* the layout is right, but no content is of the state */
-  int* dirty;   /* scratch: nodes of one level */
+  bool isOutdated; /* the layout is right, but no content is of the state */
+  int* dirty;      /* scratch: nodes of one level */
 
-  /* A turn in a twig only widens bounds where something sticks out of them, until somebody asks for bounds that are as
-   * tight as they can be: a leaf whose twigs have turned often has a bound that holds them however they turn, so that
-   * another turn changes no node but the leaf. */
-  int laggingCount; /* of leaves whose twigs have turned since; nodes over them lag, too */
-  int* lagging;
-  bool* lags; /* per leaf */
+  /* A turn in a side branch only widens bounds that it sticks out of, until somebody asks for tight ones: soon a leaf
+   * has a bound that holds its side branches however they turn, and another turn changes no node but the leaf. */
+  int looseCount; /* leaves with bounds that may be loose, as may be those of the nodes over them */
+  int* loose;
+  bool* isLoose; /* per leaf */
 
-  /* When which part of the tree last changed. If the shortcut of a leaf changes, all nodes behind that leaf move. The
-   * list of such leaves, with times, ascends in both: a change removes earlier changes of later leaves. */
-  int64_t time;          /* twice the number of changes so far; odd times: bounds have been made tight after a change */
-  int64_t* contentTime;  /* per node: when its members were last recomputed */
-  int64_t innerTime;     /* when those of an inner node were last recomputed */
-  int64_t* shortcutTime; /* per node: when its shortcut last changed */
-  int64_t notedCount;    /* how often slots of a leaf have had new positions */
-  int noted[NOTED_LEAVES]; /* those leaves: entry i is of number i, i + NOTED_LEAVES ... of these times */
-  int64_t unnotedTime;     /* when other leaves may have moved, by more than rounding */
-  int changeCount;         /* never 0, since a tree is stale at first */
+  /* The revision in which each part of the tree last changed. If the shortcut of a leaf changes, all nodes behind that
+   * leaf move. The list of such leaves, with revisions, ascends in both: a change removes earlier changes of later
+   * leaves. */
+  int64_t revision; /* twice the number of changes so far; odd times: bounds have been made tight after a change */
+  int64_t* contentRevision;  /* per node: when its members were last recomputed */
+  int64_t innerRevision;     /* when those of an inner node were last recomputed */
+  int64_t* shortcutRevision; /* per node: when its shortcut last changed */
+  int64_t notedCount;        /* how often slots of a leaf have had new positions */
+  int noted[NOTED_LEAVES];   /* those leaves: entry i is of number i, i + NOTED_LEAVES ... of these times */
+  int64_t unnotedRevision;   /* when other leaves may have moved, by more than rounding */
+  int changeCount;           /* never 0, since a tree is outdated at first */
   int* changedLeaf;
-  int64_t* changeTime;
+  int64_t* changeRevision;
 } Tree;
 
 static inline int treeTop(const Tree* tree) {
@@ -175,28 +176,28 @@ static inline void treeNoteMoved(Tree* tree, int leaf) {
   tree->noted[tree->notedCount++ % NOTED_LEAVES] = leaf;
 }
 
-/* True if no node has moved since a time. */
+/* True if no node has moved since a revision. */
 static inline bool treeStays(const Tree* tree, int64_t since) {
-  return tree->changeTime[tree->changeCount - 1] <= since;
+  return tree->changeRevision[tree->changeCount - 1] <= since;
 }
 
-/* The first leaf that may have moved since a time; INT_MAX: none has. O(log N). */
+/* The first leaf that may have moved since a revision; INT_MAX: none has. O(log N). */
 static inline int treeFirstMoved(const Tree* tree, int64_t since) {
   /* Without a branch on the result, which processors would mispredict. */
   int low = 0;
   for (int left = tree->changeCount; left > 0;) {
     const int half = (left + 1) / 2;
-    low += tree->changeTime[low + half - 1] <= since ? half : 0;
+    low += tree->changeRevision[low + half - 1] <= since ? half : 0;
     left -= half;
   }
   return low == tree->changeCount ? INT_MAX : tree->changedLeaf[low];
 }
 
-/* True if no leaf before `leafEnd` has moved since a time. O(log N). */
+/* True if no leaf before `leafEnd` has moved since a revision. O(log N). */
 static inline bool treeLeavesStay(const Tree* tree, int64_t since, int leafEnd) {
   const int last = tree->changeCount - 1;
   if (tree->changedLeaf[last] < leafEnd) { /* mostly */
-    return tree->changeTime[last] <= since;
+    return tree->changeRevision[last] <= since;
   }
   return treeFirstMoved(tree, since) >= leafEnd;
 }
@@ -207,17 +208,17 @@ void ctTreeLayOut(Tree* layout, int slotCount);
 /* Lays out a tree over a sequence of one slot or more, without content. False if there is no memory. */
 bool ctTreeBuild(Tree* tree, Arena* arena, const Sequence* sequence, const struct Wide* wide);
 
-/* To be called when the sequence has a new state: all content is stale until it is refreshed. */
-void ctTreeMakeStale(Tree* tree);
+/* To be called when the sequence has a new state: all content is outdated until it is refreshed. */
+void ctTreeMakeOutdated(Tree* tree);
 
 /* Recomputes everything from the sequence's state: O(N). */
 void ctTreeRefresh(Tree* tree, const Sequence* sequence);
 
-/* Recomputes what lags. */
-void ctTreeCatchUp(Tree* tree);
+/* Makes loose bounds tight. */
+void ctTreeTighten(Tree* tree);
 
 /* Recomputes the nodes that depend on the joints of these links (ascending): leaves, then the nodes over them, level by
- * level, each once (section 3.1), or notes that they lag. Returns how many. */
+ * level, each once (section 3.1), or notes that their bounds are loose. Returns how many. */
 int ctTreeUpdate(Tree* tree, const Sequence* sequence, const int* links, int count);
 
 /* The frame of a node in the world. O(level count). */
@@ -226,18 +227,18 @@ Frame ctTreeFrame(const Tree* tree, int level, int node);
 /* Begins a walk at the first link of a leaf. Its frame is that of the leaf. */
 CT_INLINE void treeWalk(Walk* walk, const Sequence* sequence, int leaf) {
   const int link = sequence->slotLink[leaf * TREE_WIDTH];
-  if (sequence->twigPart[link] == notInTwig) {
+  if (sequence->sideBranchPart[link] == notInSideBranch) {
     walkBegin(walk, link);
   } else {
     const Frame stem = transformIdentity();
-    walkBeginInTwig(walk, sequence, link, &stem);
+    walkBeginInSideBranch(walk, sequence, link, &stem);
   }
 }
 
 /* The frame of a link in the frame of its leaf. */
 Frame ctTreeLinkInLeaf(const Tree* tree, const Sequence* sequence, int link);
 
-/* The same of a link of no twig, which is kept as knownLink for an update by one change. */
+/* The same of a link of no side branch, which is kept as knownLink for an update by one change. */
 Frame ctTreeKnowLink(Tree* tree, const Sequence* sequence, int link, int change);
 
 /* An axis is taken from the positions of its two particles if its squared length is more than this share of the squared
@@ -249,7 +250,7 @@ Frame ctTreeKnowLink(Tree* tree, const Sequence* sequence, int link, int change)
  * whose particles are not both there, or so close together that the rounding of their positions would turn the line. */
 void ctTreeWalkToAxis(const Tree* tree, const Sequence* sequence, int link, double point[3], double direction[3]);
 
-/* The same for any. Inlined, since it begins every turn: its numbers stay in registers. */
+/* The same for any torsion. Inlined, since every turn starts with it: its numbers stay in registers. */
 CT_INLINE void treeAxis(const Tree* tree, const Sequence* sequence, int link, double point[3], double direction[3]) {
   const int leaf = coveringNode(sequence->slotBegin[link]);
   const int places = sequence->axisPlaces[link];
@@ -287,7 +288,7 @@ void ctTreeCountParticles(Tree* tree, const Sequence* sequence);
  * N). */
 int ctTreeSum(Tree* tree, const Sequence* sequence, int linkBegin, int linkEnd, double sum[3]);
 
-/* Computes the sums that have not been asked for yet. */
+/* Computes all sums that are not known yet. */
 void ctTreeCompleteSums(Tree* tree, const Sequence* sequence);
 
 /* True if the bound of every node holds the particles below it. O(N log N). */

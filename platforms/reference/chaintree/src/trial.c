@@ -18,7 +18,7 @@ bool ctTrialReserve(Trial* trial, int count) {
       !ctReserve((void**)&trial->pieces, &capacity[1], count, sizeof(Piece[3])) ||
       !ctReserve((void**)&trial->motions, &capacity[2], count, sizeof(Frame[2])) ||
       !ctReserve((void**)&trial->links, &capacity[3], count, sizeof(int)) ||
-      !ctReserve((void**)&trial->motionOf, &capacity[4], count, sizeof(int[2])) ||
+      !ctReserve((void**)&trial->bodyOf, &capacity[4], count, sizeof(int[2])) ||
       !ctReserve((void**)&trial->scratch, &capacity[5], count, sizeof(int)) ||
       !ctReserve((void**)&trial->worldMotions, &capacity[6], count, sizeof(ctTransform[2])) ||
       !ctReserve((void**)&trial->userLinks, &capacity[7], count, sizeof(int)) ||
@@ -35,7 +35,7 @@ void ctTrialFree(Trial* trial) {
   free(trial->pieces);
   free(trial->motions);
   free(trial->links);
-  free(trial->motionOf);
+  free(trial->bodyOf);
   free(trial->scratch);
   free(trial->worldMotions);
   free(trial->userLinks);
@@ -55,7 +55,7 @@ static Frame linkFrame(const Sequence* sequence, Traversal* t, int link) {
   return linkFromLeaf(sequence, t, link, &inLeaf);
 }
 
-/* Turns a torsion about its axis in the world. The placements of its states stay undefined: nobody looks at them. */
+/* Turns a torsion about its axis in the world. The placements of its states stay undefined: nobody reads them. */
 static void turnTorsion(TrialChange* change, const Sequence* s, Traversal* t, Frame* motion) {
   const double angle = change->given->angle;
   double point[3];
@@ -75,7 +75,7 @@ static void turnTorsion(TrialChange* change, const Sequence* s, Traversal* t, Fr
 }
 
 /* Where the particle is about which a ball joint turns, in the world. */
-static void findPivot(const Sequence* s, Traversal* t, int link, double pivot[3]) {
+static void findJointCentre(const Sequence* s, Traversal* t, int link, double pivot[3]) {
   const int slot = particleSlot(s, s->joint[link].origin);
   if (slot != CT_NULL) {
     treeLocal(t->tree, slot, pivot);
@@ -93,21 +93,21 @@ CT_NOINLINE void turnBall(TrialChange* change, const Sequence* s, Traversal* t, 
   double pivot[3];
   quaternionFromVector(rotation, turn);
   rotationFromQuaternion(turn, motion);
-  findPivot(s, t, change->link, pivot);
+  findJointCentre(s, t, change->link, pivot);
   transformAbout(pivot, motion);
   memcpy(change->rotation, rotation, sizeof change->rotation);
   change->isTurnOfBall = true;
 }
 
-/* Finds the states of ball joints before and after the trial, which takes a walk to each. So that is left until someone
- * asks: most trials clash. The tree must be that of the state before. Its update goes on from the walk to the parent,
- * if there is only one. */
+/* Finds the states of ball joints before and after the trial, which takes a walk to each: so it waits until a trial is
+ * applied, since most clash. The tree must be that of the state before. If there is one walk, the update of the tree
+ * starts where it ends. */
 static void turnBalls(Trial* trial, const Sequence* s, Tree* tree, Traversal* t) {
   for (int i = 0; i < trial->count; i++) {
     TrialChange* change = &trial->changes[i];
     if (change->isTurnOfBall) {
       const int link = s->parent[change->link];
-      const bool isKept = trial->count == 1 && s->twigPart[link] == notInTwig;
+      const bool isKept = trial->count == 1 && s->sideBranchPart[link] == notInSideBranch;
       const Frame inLeaf = isKept ? ctTreeKnowLink(tree, s, link, change->link) : ctTreeLinkInLeaf(tree, s, link);
       const Frame parent = linkFromLeaf(s, t, link, &inLeaf);
       double rotation[3];
@@ -143,21 +143,21 @@ CT_NOINLINE void moveFreely(TrialChange* change, const Sequence* s, Traversal* t
 
 /* ---- Pieces ---- */
 
-static void addPiece(Trial* trial, int slotBegin, int motion) {
+static void addPiece(Trial* trial, int slotBegin, int body) {
   if (trial->pieceCount > 0 && trial->pieces[trial->pieceCount - 1].slotBegin == slotBegin) {
     trial->pieceCount--; /* the last piece has no slots */
   }
-  if (trial->pieceCount > 0 && trial->pieces[trial->pieceCount - 1].body == motion) {
+  if (trial->pieceCount > 0 && trial->pieces[trial->pieceCount - 1].body == body) {
     return;
   }
-  trial->pieces[trial->pieceCount++] = (Piece){slotBegin, motion};
+  trial->pieces[trial->pieceCount++] = (Piece){slotBegin, body};
 }
 
 /* Cuts the sequence into pieces, and composes motions with those around them. The intervals of the changes are nested
- * or disjoint: goes along the sequence with a stack of the open ones. */
+ * or disjoint: a stack holds the open ones. */
 CT_NOINLINE void cutPieces(Trial* trial, const Sequence* s) {
   int* open = trial->scratch;
-  int* motionOf = trial->motionOf;
+  int* bodyOf = trial->bodyOf;
   int depth = 0;
   trial->pieceCount = 0;
   trial->motionCount = trial->count + 1;
@@ -167,16 +167,16 @@ CT_NOINLINE void cutPieces(Trial* trial, const Sequence* s) {
     while (depth > 0 && sequenceEnd(s, open[depth - 1]) <= next) {
       const int end = sequenceEnd(s, open[--depth]);
       if (end < s->linkCount) {
-        addPiece(trial, s->slotBegin[end], depth > 0 ? motionOf[depth - 1] : 0);
+        addPiece(trial, s->slotBegin[end], depth > 0 ? bodyOf[depth - 1] : 0);
       }
     }
     if (i < trial->count) {
       const TrialChange* change = &trial->changes[i];
-      const int around = depth > 0 ? motionOf[depth - 1] : 0;
+      const int around = depth > 0 ? bodyOf[depth - 1] : 0;
       if (around != 0) {
         trial->motions[i + 1] = transformCompose(&trial->motions[around], &trial->motions[i + 1]);
       }
-      motionOf[depth] = i + 1; /* the motion that goes with the open interval */
+      bodyOf[depth] = i + 1; /* the motion that goes with the open interval */
       open[depth++] = change->link;
       addPiece(trial, s->slotBegin[change->link], i + 1);
     }
@@ -198,24 +198,23 @@ static void cutAround(Trial* trial, const Sequence* s) {
 
 /* ---- Bodies that move as another does ---- */
 
-/* nm: a body counts as another if that changes no distance by more. Of two looks at all pairs, see skipped.h, so many
- * trials are at least 25 apart. */
-#define UNMOVED 2e-11
+/* nm: bodies merge if that changes no distance by more. Two checks of all pairs (skipped.h) are at least 25 trials
+ * apart. */
+#define MERGE_TOLERANCE 2e-11
 
-/* A body is compared with those of so many changes before its own, and with what is at rest: windows close within so
- * many. */
+/* Each body is compared with the static one and at most 16 earlier ones: windows close within this many changes. */
 enum { MOST_COMPARED = 16 };
 
 /* Bounds what a distance may differ by if it is computed by way of different products of transforms, relative to the
- * extent: DOUBLE_MARGIN for a tree of so many levels. */
+ * coordinate bound: DOUBLE_MARGIN for a tree of this many levels. */
 static double productMargin(int levelCount) {
   return DOUBLE_MARGIN * (TREE_WIDTH + (TREE_WIDTH - 1) * levelCount) /
          (TREE_WIDTH + (TREE_WIDTH - 1) * TREE_MAX_LEVELS);
 }
 
 static bool mayBeOne(const Frame* a, const Frame* b) {
-  return fabs(a->m[0][3] - b->m[0][3]) <= UNMOVED && fabs(a->m[1][3] - b->m[1][3]) <= UNMOVED &&
-         fabs(a->m[2][3] - b->m[2][3]) <= UNMOVED;
+  return fabs(a->m[0][3] - b->m[0][3]) <= MERGE_TOLERANCE && fabs(a->m[1][3] - b->m[1][3]) <= MERGE_TOLERANCE &&
+         fabs(a->m[2][3] - b->m[2][3]) <= MERGE_TOLERANCE;
 }
 
 /* Bounds how far apart two motions take what is no farther than `reach` from worldOrigin. */
@@ -250,13 +249,13 @@ bool ctTrialMayMerge(const Trial* trial) {
   return false;
 }
 
-/* The lowest motion that takes everything where motion i does, up to UNMOVED; i if there is none. `bodyOf`: of lower
- * motions. */
+/* The lowest motion that takes everything where motion i does, up to MERGE_TOLERANCE; i if there is none. `bodyOf`: of
+ * lower motions. */
 static int sameMotion(const Trial* trial, const int* bodyOf, int i, double reach, double* apart) {
   for (int j = 0; j < i; j = j == 0 ? firstCompared(i) : j + 1) {
     if (bodyOf[j] == j && mayBeOne(&trial->motions[i], &trial->motions[j])) {
       *apart = motionsApart(&trial->motions[i], &trial->motions[j], reach);
-      if (*apart <= UNMOVED) {
+      if (*apart <= MERGE_TOLERANCE) {
         return j;
       }
     }
@@ -264,7 +263,7 @@ static int sameMotion(const Trial* trial, const int* bodyOf, int i, double reach
   return i;
 }
 
-static double farthestShift(const Trial* trial) {
+static double largestTranslation(const Trial* trial) {
   double farthest = 0;
   for (int i = 1; i < trial->motionCount; i++) {
     double shift[3];
@@ -275,24 +274,24 @@ static double farthestShift(const Trial* trial) {
 }
 
 void ctTrialMerge(Trial* trial, double reach, int levelCount) {
-  int* bodyOf = trial->motionOf;
-  double shift = 0;
+  int* bodyOf = trial->bodyOf;
+  double displacement = 0;
   bool areMerged = false;
   bodyOf[0] = 0;
   for (int i = 1; i < trial->motionCount; i++) {
     double apart = 0;
     bodyOf[i] = sameMotion(trial, bodyOf, i, reach, &apart);
     areMerged = areMerged || bodyOf[i] != i;
-    shift = bodyOf[i] != i ? larger(shift, apart) : shift;
+    displacement = bodyOf[i] != i ? larger(displacement, apart) : displacement;
   }
   /* Either particle of a pair may be displaced. The canonical distances before and after the trial differ from those by
    * its motions by a margin each. */
-  const double slack = 2 * shift + 2 * productMargin(levelCount) * (reach + farthestShift(trial));
-  if (!areMerged || !(slack <= UNMOVED)) {
+  const double distanceError = 2 * displacement + 2 * productMargin(levelCount) * (reach + largestTranslation(trial));
+  if (!areMerged || !(distanceError <= MERGE_TOLERANCE)) {
     return;
   }
-  trial->shift = shift;
-  trial->slack = slack;
+  trial->displacement = displacement;
+  trial->distanceError = distanceError;
   trial->apartCount = trial->pieceCount;
   memcpy(trial->apart, trial->pieces, (size_t)trial->pieceCount * sizeof *trial->pieces);
   trial->pieceCount = 0;
@@ -325,7 +324,7 @@ CT_NOINLINE int sortChanges(Trial* trial) {
   return CT_NULL;
 }
 
-int ctTrialOpen(Trial* trial, const Sequence* s, Traversal* t, const ctChange* given, int count) {
+int ctTrialPropose(Trial* trial, const Sequence* s, Traversal* t, const ctChange* given, int count) {
   trial->count = count;
   for (int i = 0; i < count; i++) {
     TrialChange* change = &trial->changes[i];
@@ -356,8 +355,8 @@ int ctTrialOpen(Trial* trial, const Sequence* s, Traversal* t, const ctChange* g
   } else {
     cutPieces(trial, s);
   }
-  trial->shift = 0;
-  trial->slack = 0;
+  trial->displacement = 0;
+  trial->distanceError = 0;
   trial->isFree = false;
   trial->isShown = false;
   trial->open = true;

@@ -11,7 +11,7 @@ typedef struct TrialChange {
   JointState after;
   bool isTurnOfBall;     /* a ball joint's, of which neither state is known yet */
   double rotation[3];    /* of a ball joint, in the world */
-  const ctChange* given; /* by the caller, while the trial is opened */
+  const ctChange* given; /* by the caller, during ctPropose */
 } TrialChange;
 
 typedef struct Trial {
@@ -24,19 +24,20 @@ typedef struct Trial {
   Piece* pieces;
   Frame* motions; /* i + 1: of change i together with all changes around it; 0: the identity */
 
-  /* Bodies that move as another does, up to rounding, have its number in `pieces`, see ctTrialMerge. */
-  double shift; /* nm: none of their particles is displaced by more from where that number takes it */
-  double slack; /* nm: no distance within a body of `pieces` changes by more; 0: there are no such bodies */
+  /* Bodies that move as another does, up to rounding, are merged: they have its number in `pieces`, see ctTrialMerge.
+   */
+  double displacement;  /* nm: most displacement of their particles from where that number takes them */
+  double distanceError; /* nm: most change of a distance within a body of `pieces`; 0: none are merged */
   int apartCount;
-  Piece* apart; /* if there are: the pieces with the numbers of their own */
+  Piece* apart; /* if some are merged: the pieces with the numbers of their own */
 
   bool isFree;       /* tested, and free of clashes */
-  bool isSkipTested; /* that test has skipped pairs within bodies of `pieces` */
+  bool isSkipTested; /* that test has skipped pairs within merged bodies */
   int* links;        /* of the changes */
-  int* motionOf;     /* scratch: one a change, and one more */
+  int* bodyOf;       /* scratch: one a change, and one more */
   int* scratch;      /* scratch: one a change */
 
-  /* What callers see of it, made when asked for. */
+  /* What callers see of it, made on first use. */
   bool isShown;
   ctTransform* worldMotions; /* motions of absolute positions */
   int* userLinks;            /* of the changes */
@@ -45,15 +46,15 @@ typedef struct Trial {
 /* Makes room for a number of changes; false, and nothing changed, if there is no memory. */
 bool ctTrialReserve(Trial* trial, int count);
 
-/* Opens a trial of the caller's `given` changes, for which there is room: computes joint states, motions and pieces
+/* Proposes a trial of the caller's `given` changes, for which there is room: computes joint states, motions and pieces
  * from the state. Returns the caller's link that is changed twice, or CT_NULL. */
-int ctTrialOpen(Trial* trial, const Sequence* sequence, Traversal* traversal, const ctChange* given, int count);
+int ctTrialPropose(Trial* trial, const Sequence* sequence, Traversal* traversal, const ctChange* given, int count);
 
-/* True if some body may move as another does, up to rounding. One change alone moves something, however little. */
+/* True if some body may move as another does, up to rounding. A trial of one change always moves something. */
 bool ctTrialMayMerge(const Trial* trial);
 
-/* Gives bodies that move as another does, up to rounding, the number of that: what lies behind a closed window counts
- * as unmoved. `reach`: in the state no particle with a slot is farther from worldOrigin. */
+/* Merges bodies that move as another does, up to rounding: what lies behind a closed window counts as static. `reach`:
+ * in the state no particle with a slot is farther from worldOrigin. */
 void ctTrialMerge(Trial* trial, double reach, int levelCount);
 
 /* Sets the joints to their states after or before the trial, and updates sequence and tree; returns how many nodes were

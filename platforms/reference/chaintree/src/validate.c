@@ -23,22 +23,22 @@ static void listContent(const Tree* tree, const Sequence* s, Content content[CON
       {tree->leaf, (size_t)tree->levelBegin[1] * sizeof(Leaf)},
       {tree->members, (nodes - (size_t)tree->levelBegin[1]) * sizeof(Members)},
       {tree->stem, (size_t)s->openPathCount * sizeof(Frame)},
-      {s->product, (size_t)s->productBegin[s->closureCount] * sizeof(Frame)},
-      {s->closure, (size_t)s->closureCount * sizeof(Frame)},
+      {s->product, (size_t)s->productBegin[s->returnFrameCount] * sizeof(Frame)},
+      {s->returnFrame, (size_t)s->returnFrameCount * sizeof(Frame)},
   };
   memcpy(content, all, sizeof all);
 }
 
 /* ---- Boxes ---- */
 
-/* True if a node's box, unless it is stale, holds all particles below it. */
+/* True if a node's box, unless it is outdated, holds all particles below it. */
 static bool boxHolds(const ctChainTree* scene, int level, int node) {
-  const Tree* tree = &scene->staleTree;
+  const Tree* tree = &scene->ownTree;
   const Box* box = &scene->traversal.box[node];
   int end;
   const int begin = treeSlots(tree, level, node, &end);
   const Frame frame = ctTreeFrame(tree, level, node);
-  for (int slot = begin; slot < end && !tree->boxIsStale[node]; slot++) {
+  for (int slot = begin; slot < end && !tree->boxIsOutdated[node]; slot++) {
     if (!slotIsModelled(&scene->sequence, slot)) {
       continue;
     }
@@ -62,7 +62,7 @@ static bool boxHolds(const ctChainTree* scene, int level, int node) {
 }
 
 static bool doBoxesHold(const ctChainTree* scene) {
-  const Tree* tree = &scene->staleTree;
+  const Tree* tree = &scene->ownTree;
   for (int level = 0; level < treeTop(tree); level++) {
     for (int i = 0; i < tree->levelSize[level]; i++) {
       if (!boxHolds(scene, level, tree->levelBegin[level] + i)) {
@@ -121,7 +121,7 @@ static bool areNear(size_t count, const double* a, const double* b, double most)
   return true;
 }
 
-/* True if a box that is kept lags by no more than this, and by the rounding of a box. Empty boxes are infinite. */
+/* True if kept boxes differ by no more than this, and by the rounding of a box. Empty boxes are infinite. */
 static bool areNearBoxes(size_t count, const float* a, const float* b, double most) {
   for (size_t i = 0; i < count; i++) {
     if (a[i] != b[i] && !(fabs((double)a[i] - (double)b[i]) <= most + 4e-7 * fabs((double)a[i]))) {
@@ -131,8 +131,8 @@ static bool areNearBoxes(size_t count, const float* a, const float* b, double mo
   return true;
 }
 
-/* True if positions and boxes that are kept have the bits that the tree gives, or lag by no more than they may. False
- * without memory, too. */
+/* True if kept positions and boxes have the bits that the tree gives, or are within their bound of error. False without
+ * memory. */
 static bool leavesHold(ctChainTree* scene) {
   Leaves* kept = &scene->leaves;
   const Tree* tree = ctSceneTree(scene);
@@ -141,14 +141,14 @@ static bool leavesHold(ctChainTree* scene) {
   if (kept->state != NULL) {
     same = ctLeavesReserve(&made, tree, &scene->sequence) && (kept->boxes == NULL || ctLeavesReservePairs(&made, tree));
     if (same) {
-      const size_t boxes = (size_t)(treeCrown(tree) - tree->levelBegin[1]) + 1;
+      const size_t boxes = (size_t)(treeSuperRoot(tree) - tree->levelBegin[1]) + 1;
       ctLeavesUpdate(kept, tree, &scene->sequence);
       ctLeavesUpdate(&made, tree, &scene->sequence);
       const size_t leaves = (size_t)tree->levelSize[0];
-      same = kept->lag > 0
-                 ? areNear(leaves * 3 * TREE_WIDTH, kept->state->x, made.state->x, kept->lag) &&
-                       (kept->boxes == NULL ||
-                        areNearBoxes(boxes * 6 * TREE_WIDTH, kept->boxes->low[0], made.boxes->low[0], kept->lag))
+      same = kept->positionError > 0
+                 ? areNear(leaves * 3 * TREE_WIDTH, kept->state->x, made.state->x, kept->positionError) &&
+                       (kept->boxes == NULL || areNearBoxes(boxes * 6 * TREE_WIDTH, kept->boxes->low[0],
+                                                            made.boxes->low[0], kept->positionError))
                  : memcmp(kept->state, made.state, leaves * sizeof(ctLeafPositions)) == 0 &&
                        (kept->boxes == NULL || memcmp(kept->boxes, made.boxes, boxes * sizeof(LeafBoxes)) == 0);
     }
@@ -165,7 +165,7 @@ bool ctValidate(ctChainTree* tree) {
   void* kept[CONTENT_COUNT] = {0};
   Tree* made = ctSceneTree(tree);
   ctTreeCompleteSums(made, &tree->sequence);
-  const bool boxesHold = doBoxesHold(tree); /* before ctTreeRefresh makes all boxes stale */
+  const bool boxesHold = doBoxesHold(tree); /* before ctTreeRefresh makes all boxes outdated */
   listContent(made, &tree->sequence, content);
   bool same = true;
   for (int i = 0; i < CONTENT_COUNT && same; i++) {

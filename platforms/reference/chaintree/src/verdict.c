@@ -44,7 +44,7 @@ ctStatus ctPropose(ctChainTree* tree, int count, const ctChange* changes) {
   if (count > 0) {
     CT_REQUIRE(tree, changes);
   }
-  ctSceneLaggingTree(tree); /* a trial begins from an up to date tree */
+  ctSceneLooseTree(tree); /* trials start from an up-to-date tree */
   for (int i = 0; i < count; i++) {
     const ctStatus status = checkChange(tree, &changes[i]);
     if (status != ctSuccess) {
@@ -54,11 +54,11 @@ ctStatus ctPropose(ctChainTree* tree, int count, const ctChange* changes) {
   if (!ctTrialReserve(tree->next, count > 0 ? count : 1)) {
     return ctFailOutOfMemory(tree);
   }
-  /* A change begins a piece, and another piece may begin at its end. */
+  /* Each change starts a piece, and another piece may start at its end. */
   if (!ctTraversalReserve(&tree->traversal, 2 * count + 1)) {
     return ctFailOutOfMemory(tree);
   }
-  const int twice = ctTrialOpen(tree->next, &tree->sequence, &tree->traversal, changes, count);
+  const int twice = ctTrialPropose(tree->next, &tree->sequence, &tree->traversal, changes, count);
   if (twice != CT_NULL) {
     return ctFail(tree, ctInvalidArgument, "link %d is changed twice in one trial", twice);
   }
@@ -81,10 +81,10 @@ ctStatus ctPropose(ctChainTree* tree, int count, const ctChange* changes) {
 }
 
 static int applyTrial(ctChainTree* tree, bool after) {
-  return ctTrialApply(tree->trial, after, &tree->sequence, ctSceneLaggingTree(tree), &tree->traversal);
+  return ctTrialApply(tree->trial, after, &tree->sequence, ctSceneLooseTree(tree), &tree->traversal);
 }
 
-/* Makes the open trial the state for a while; then the state is the former one again, bit by bit. */
+/* Makes the open trial the state until leaveTrial restores the former one, bit by bit. */
 static bool enterTrial(ctChainTree* tree) {
   const bool areLeavesKept = ctLeavesAreOf(&tree->leaves, ctSceneTree(tree));
   applyTrial(tree, true);
@@ -94,32 +94,31 @@ static bool enterTrial(ctChainTree* tree) {
 static void leaveTrial(ctChainTree* tree, bool areLeavesKept) {
   applyTrial(tree, false);
   if (areLeavesKept) {
-    tree->leaves.time = ctSceneTree(tree)->time;
+    tree->leaves.revision = ctSceneTree(tree)->revision;
   }
 }
 
-static bool addUndecided(ctChainTree* tree, int slotA, int slotB, double value) {
-  SlotPairs* undecided = &tree->undecided;
-  if (undecided->count == CT_MOST_COUNT ||
-      !ctReserve((void**)&undecided->pairs, &undecided->capacity, undecided->count + 1, sizeof(SlotPair))) {
+static bool addTie(ctChainTree* tree, int slotA, int slotB, double value) {
+  SlotPairs* ties = &tree->ties;
+  if (ties->count == CT_MOST_COUNT ||
+      !ctReserve((void**)&ties->pairs, &ties->capacity, ties->count + 1, sizeof(SlotPair))) {
     return false;
   }
-  undecided->pairs[undecided->count++] = (SlotPair){slotA, slotB, value};
+  ties->pairs[ties->count++] = (SlotPair){slotA, slotB, value};
   return true;
 }
 
 /* ---- Test ---- */
 
-typedef struct Verdict {
+typedef struct TrialTest {
   ctChainTree* tree;
   bool clash;
   bool failed;
   int slotA;
   int slotB;
-} Verdict;
+} TrialTest;
 
-/* How far two particles may overlap. Only if they overlap by more than their tolerance it is looked up whether they
- * have a limit of their own. */
+/* Allowed overlap: the pair's own limit, else the tolerance. */
 static double limitAt(const ctChainTree* tree, int slotA, int slotB, double overlap) {
   const double tolerance = pairTolerance(tree, slotA, slotB);
   if (overlap <= tolerance || tree->limits.count == 0) {
@@ -133,102 +132,102 @@ static double limitAt(const ctChainTree* tree, int slotA, int slotB, double over
 /* The clearance of two particles. If they are of two bodies, notes a clash, or a pair about which the canonical
  * distance must decide. */
 static double clearanceOf(void* context, int slotA, int slotB, double squaredDistance, bool ofTwoBodies) {
-  Verdict* verdict = context;
-  ctChainTree* tree = verdict->tree;
-  const double band = tree->traversal.band;
+  TrialTest* test = context;
+  ctChainTree* tree = test->tree;
+  const double tieBand = tree->traversal.tieBand;
   const double overlap = radiusSum(tree, slotA, slotB) - sqrt(squaredDistance);
-  const double limit = limitAt(tree, slotA, slotB, overlap + band);
+  const double limit = limitAt(tree, slotA, slotB, overlap + tieBand);
   const double clearance = limit - overlap;
-  if (!ofTwoBodies || clearance >= band) {
+  if (!ofTwoBodies || clearance >= tieBand) {
     return clearance;
   }
-  if (clearance < -band) {
-    verdict->clash = true;
-    verdict->slotA = slotA;
-    verdict->slotB = slotB;
+  if (clearance < -tieBand) {
+    test->clash = true;
+    test->slotA = slotA;
+    test->slotB = slotB;
     return clearance;
   }
-  verdict->failed = !addUndecided(tree, slotA, slotB, limit);
-  return verdict->failed ? -1 : 0;
+  test->failed = !addTie(tree, slotA, slotB, limit);
+  return test->failed ? -1 : 0;
 }
 
-/* Notes a clash of two particles of two bodies if they clash however far they are apart, up to this. */
+/* Notes a clash of two particles of two bodies if they clash at any distance up to this. */
 static bool surelyClash(void* context, int slotA, int slotB, double farthest) {
-  Verdict* verdict = context;
-  const ctChainTree* tree = verdict->tree;
-  const double overlap = radiusSum(tree, slotA, slotB) - farthest - tree->traversal.band;
+  TrialTest* test = context;
+  const ctChainTree* tree = test->tree;
+  const double overlap = radiusSum(tree, slotA, slotB) - farthest - tree->traversal.tieBand;
   if (!(overlap > limitAt(tree, slotA, slotB, overlap))) {
     return false;
   }
-  verdict->clash = true;
-  verdict->slotA = slotA;
-  verdict->slotB = slotB;
+  test->clash = true;
+  test->slotA = slotA;
+  test->slotB = slotB;
   return true;
 }
 
-static bool judge(void* context, int slotA, int slotB, double squaredDistance) {
+static bool testPair(void* context, int slotA, int slotB, double squaredDistance) {
   return clearanceOf(context, slotA, slotB, squaredDistance, true) >= 0;
 }
 
 /* Decides about pairs within rounding of their limits, by the canonical distance that they would have after an accepted
  * trial.
  */
-static void judgeUndecided(Verdict* verdict) {
-  ctChainTree* tree = verdict->tree;
+static void testTies(TrialTest* test) {
+  ctChainTree* tree = test->tree;
   const bool areLeavesKept = enterTrial(tree);
-  for (int i = 0; i < tree->undecided.count && !verdict->clash; i++) {
-    const SlotPair* pair = &tree->undecided.pairs[i];
+  for (int i = 0; i < tree->ties.count && !test->clash; i++) {
+    const SlotPair* pair = &tree->ties.pairs[i];
     const double overlap =
         radiusSum(tree, pair->slotA, pair->slotB) - canonicalDistance(tree, pair->slotA, pair->slotB);
     if (overlap > pair->value) {
-      verdict->clash = true;
-      verdict->slotA = pair->slotA;
-      verdict->slotB = pair->slotB;
+      test->clash = true;
+      test->slotA = pair->slotA;
+      test->slotB = pair->slotB;
     }
   }
   leaveTrial(tree, areLeavesKept);
 }
 
 /* Searches the whole view for a clash, by clearances or by the tree; returns what that has cost. */
-static int64_t search(ctChainTree* tree, const View* view, Verdict* verdict, ctCounts* counts) {
+static int64_t search(ctChainTree* tree, const View* view, TrialTest* test, ctCounts* counts) {
   int64_t cost = GAVE_UP;
   if (ctClearanceIsWanted(&tree->clearance, &tree->traversal, view->reach)) {
     const Wide* wide = ctSceneTree(tree)->wide;
-    cost = wide->testByClearance(&tree->clearance, &tree->traversal, view, clearanceOf, verdict, counts);
+    cost = wide->testByClearance(&tree->clearance, &tree->traversal, view, clearanceOf, test, counts);
     if (cost == GAVE_UP) {
       ctClearanceGiveUp(&tree->clearance);
-      tree->undecided.count = 0;
+      tree->ties.count = 0;
     }
   }
   if (cost == GAVE_UP) {
-    cost = ctTraverse(&tree->traversal, view, judge, verdict, counts);
+    cost = ctTraverse(&tree->traversal, view, testPair, test, counts);
   }
   ctClearanceCharge(&tree->clearance, cost, true);
   return cost;
 }
 
-/* Tests a view: asks the witnesses, then searches. Views in which few slots move are searched at once: that costs
+/* Tests a view: asks the recent clashes, then searches. Views in which few slots move are searched at once: that costs
  * little, and such trials rarely clash where earlier ones did. */
-static void testView(ctChainTree* tree, const View* view, Verdict* verdict, ctCounts* counts) {
+static void testView(ctChainTree* tree, const View* view, TrialTest* test, ctCounts* counts) {
   int few[2];
   if (ctViewMovesFew(&tree->traversal, view, &few[0], &few[1])) {
-    ctTraverseFew(&tree->traversal, view, few[0], few[1], judge, surelyClash, verdict, counts);
+    ctTraverseFew(&tree->traversal, view, few[0], few[1], testPair, surelyClash, test, counts);
     return;
   }
-  Witnesses* witnesses = &tree->witnesses;
+  RecentClashes* recentClashes = &tree->recentClashes;
   const Wide* wide = ctSceneTree(tree)->wide;
-  if (ctWitnessesAreWanted(witnesses)) {
+  if (ctRecentClashesAreWanted(recentClashes)) {
     int64_t cost = 0;
-    const bool isOver = wide->askWitnesses(witnesses, &tree->traversal, view, judge, verdict, counts, &cost);
-    ctWitnessesCharge(witnesses, cost, isOver);
-    tree->undecided.count = 0;
+    const bool isOver = wide->testRecentClashes(recentClashes, &tree->traversal, view, testPair, test, counts, &cost);
+    ctRecentClashesCharge(recentClashes, cost, isOver);
+    tree->ties.count = 0;
     if (isOver) {
       return;
     }
   }
-  const int64_t cost = search(tree, view, verdict, counts);
-  if (verdict->clash) {
-    ctWitnessesAdd(witnesses, ctSceneTree(tree), verdict->slotA, verdict->slotB, cost);
+  const int64_t cost = search(tree, view, test, counts);
+  if (test->clash) {
+    ctRecentClashesAdd(recentClashes, ctSceneTree(tree), test->slotA, test->slotB, cost);
   }
 }
 
@@ -239,27 +238,27 @@ ctStatus ctTestTrial(ctChainTree* tree, bool* clash, int pair[2], ctCounts* coun
   }
   const double reach = -tree->overlapTolerance;
   View view = ctTrialView(tree->trial, true, true, reach);
-  const bool mayBeSkipped = tree->trial->slack > 0;
-  const bool skips = mayBeSkipped && ctMaySkip(tree, counts);
+  const bool mayBeSkipped = tree->trial->distanceError > 0;
+  const bool skips = mayBeSkipped && ctPrepareSkip(tree, counts);
   if (mayBeSkipped && !skips) {
     view.pieces = tree->trial->apart;
     view.pieceCount = tree->trial->apartCount;
   }
-  Verdict verdict = {tree, false, false, CT_NULL, CT_NULL};
+  TrialTest test = {tree, false, false, CT_NULL, CT_NULL};
   tree->trial->isFree = false;
-  tree->undecided.count = 0;
-  testView(tree, &view, &verdict, counts);
-  if (verdict.failed) {
+  tree->ties.count = 0;
+  testView(tree, &view, &test, counts);
+  if (test.failed) {
     return ctFailOutOfMemory(tree);
   }
-  if (!verdict.clash && tree->undecided.count > 0) {
-    judgeUndecided(&verdict);
+  if (!test.clash && tree->ties.count > 0) {
+    testTies(&test);
   }
-  tree->trial->isFree = !verdict.clash;
+  tree->trial->isFree = !test.clash;
   tree->trial->isSkipTested = skips;
-  *clash = verdict.clash;
-  if (verdict.clash && pair != NULL) {
-    particlesOf(tree, verdict.slotA, verdict.slotB, pair);
+  *clash = test.clash;
+  if (test.clash && pair != NULL) {
+    particlesOf(tree, test.slotA, test.slotB, pair);
   }
   return ctSuccess;
 }
@@ -275,7 +274,7 @@ static bool collect(void* context, int slotA, int slotB, double squaredDistance)
   (void)squaredDistance;
   Collection* collection = context;
   ctChainTree* tree = collection->tree;
-  collection->failed = !addUndecided(tree, slotA < slotB ? slotA : slotB, slotA < slotB ? slotB : slotA, 0);
+  collection->failed = !addTie(tree, slotA < slotB ? slotA : slotB, slotA < slotB ? slotB : slotA, 0);
   return !collection->failed;
 }
 
@@ -312,7 +311,7 @@ ctStatus ctForEachChangedPair(ctChainTree* tree, double cutoff, ctChangedPairFun
   /* Collects candidates before and in the trial, then computes both canonical distances of each. */
   Collection collection = {tree, false};
   ctSceneTree(tree);
-  tree->undecided.count = 0;
+  tree->ties.count = 0;
   for (int moved = 0; moved < 2 && !collection.failed; moved++) {
     const View view = ctTrialView(tree->trial, moved == 1, false, cutoff);
     int few[2];
@@ -325,20 +324,20 @@ ctStatus ctForEachChangedPair(ctChainTree* tree, double cutoff, ctChangedPairFun
   if (collection.failed) {
     return ctFailOutOfMemory(tree);
   }
-  SlotPairs* pairs = &tree->undecided;
+  SlotPairs* pairs = &tree->ties;
   dropRepeats(pairs);
   for (int i = 0; i < pairs->count; i++) {
     pairs->pairs[i].value = canonicalDistance(tree, pairs->pairs[i].slotA, pairs->pairs[i].slotB);
   }
   const bool areLeavesKept = enterTrial(tree);
-  bool goesOn = true;
-  for (int i = 0; i < pairs->count && goesOn; i++) {
+  bool continues = true;
+  for (int i = 0; i < pairs->count && continues; i++) {
     const double before = pairs->pairs[i].value;
     const double after = canonicalDistance(tree, pairs->pairs[i].slotA, pairs->pairs[i].slotB);
     if (before <= cutoff || after <= cutoff) {
       int pair[2];
       particlesOf(tree, pairs->pairs[i].slotA, pairs->pairs[i].slotB, pair);
-      goesOn = function(context, pair[0], pair[1], before, after);
+      continues = function(context, pair[0], pair[1], before, after);
     }
   }
   leaveTrial(tree, areLeavesKept);
@@ -387,7 +386,7 @@ ctStatus ctGetPositionsOf(ctChainTree* tree, bool inTrial, int count, const int*
   return ctSuccess;
 }
 
-ctStatus ctFollowTrialPositions(ctChainTree* tree, bool anew, double* positions) {
+ctStatus ctFollowTrialPositions(ctChainTree* tree, bool isNewArray, double* positions) {
   CT_REQUIRE(tree, tree);
   if (!tree->trial->open) {
     return ctFailNoTrial(tree);
@@ -396,7 +395,7 @@ ctStatus ctFollowTrialPositions(ctChainTree* tree, bool anew, double* positions)
     CT_REQUIRE(tree, positions);
   }
   const bool areLeavesKept = enterTrial(tree);
-  ctFollowPositions(tree, anew, positions);
+  ctFollowPositions(tree, isNewArray, positions);
   leaveTrial(tree, areLeavesKept);
   return ctSuccess;
 }
@@ -412,12 +411,13 @@ ctStatus ctAccept(ctChainTree* tree, ctCounts* counts) {
     ctClearanceCharge(&tree->clearance, wide->acceptClearances(&tree->clearance, &tree->traversal, &view), false);
   }
   const Trial* trial = tree->trial;
-  const bool leavesFollow = trial->slack > 0 && ctLeavesAreOf(&tree->leaves, ctSceneTree(tree));
+  const bool leavesFollow = trial->distanceError > 0 && ctLeavesAreOf(&tree->leaves, ctSceneTree(tree));
   ctSkippedAccept(tree);
-  ctClearanceSkip(&tree->clearance, trial->slack);
+  ctClearanceSkip(&tree->clearance, trial->distanceError);
   const int updated = applyTrial(tree, true);
   if (leavesFollow) {
-    ctLeavesFollow(&tree->leaves, ctSceneTree(tree), &tree->sequence, trial->pieceCount, trial->pieces, trial->slack);
+    ctLeavesFollow(&tree->leaves, ctSceneTree(tree), &tree->sequence, trial->pieceCount, trial->pieces,
+                   trial->distanceError);
   }
   tree->trial->open = false;
   tree->changeCount++;

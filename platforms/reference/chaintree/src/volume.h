@@ -6,8 +6,9 @@
 #include "simd.h"
 #include "tree.h"
 
-/* Room for all roundings between the positions in double and a test in float, relative to the view's extent E +
- * |reach|. 4e-6 is 67 u, where u = 2^-24 is half a unit in the last place. No rounding moves a test by more than this:
+/* Room for all roundings between the positions in double and a test in float, relative to the view's coordinate bound E
+ * + |reach|. 4e-6 is 67 u, where u = 2^-24 is half a unit in the last place. No rounding moves a test by more than
+ * this:
  *
  * - The centre of a node's sphere in its parent's frame, at most 2 E away: 2 u E.
  * - Its motion into the world, by a frame in float. A coordinate is a sum of three products and a translation. It
@@ -18,8 +19,8 @@
  * - The test: radii rounded to float, their sum with the reach, its square, the differences, their squares and the sum
  *   of those: 6 u of the sum of radii and reach, which is at most 2 E + |reach|: 12 u E + 6 u |reach|.
  *
- * That is 64 u (E + |reach|). A straddler's sphere is made around spheres that are off by those 26 u E, and by its own
- * radius, by 5 u of it: each level of straddlers adds a margin of its own, enough for radii up to 8 E. */
+ * That is 64 u (E + |reach|). A mixed node's sphere is made around spheres that are off by those 26 u E, and by its own
+ * radius, by 5 u of it: each level of mixed nodes adds a margin of its own, enough for radii up to 8 E. */
 #define FLOAT_MARGIN 4e-6
 
 /* Room, in nm, where coordinates are so small that their squares vanish in float: a reach of 1e-18 has a square of
@@ -31,14 +32,14 @@ static inline double floatMargin(double size) {
 }
 
 /* Room for what a distance may differ by if it is computed by way of different products of transforms, relative to the
- * view's extent. Nearer than that to a limit the canonical distance decides.
+ * view's coordinate bound. Nearer than that to a limit the canonical distance decides.
  *
  * The distance in a trial and that after its acceptance share all shortcuts that its acceptance leaves alone, bit by
- * bit. They differ by the products that it recomputes: up to 16 openings in a leaf and 15 shortcuts in each of up to 8
- * levels, 136 products for a particle, however long the chain. Each is off by up to 36 v of the extent (v = 2^-53): if
- * every rounding of both particles is the largest possible, and all are in one direction, the sum is 9800 v. The margin
- * is 10,800 v. (Roundings are independent of each other: chains of 10^3 to 10^6 links, compact or stretched, have shown
- * 16 v at most.) */
+ * bit. They differ by the products that it recomputes: up to 16 local frames in a leaf and 15 shortcuts in each of up
+ * to 8 levels, 136 products for a particle, however long the chain. Each is off by up to 36 v of the coordinate bound
+ * (v = 2^-53): if every rounding of both particles is the largest possible, and all are in one direction, the sum is
+ * 9800 v. The margin is 10,800 v. (Roundings are independent of each other: chains of 10^3 to 10^6 links, compact or
+ * stretched, have shown 16 v at most.) */
 #define DOUBLE_MARGIN 1.2e-12
 
 typedef struct Sphere {

@@ -1,13 +1,13 @@
-/* The wide functions: they work on sixteen members at a time. The files in `wide` define them and are compiled once for
- * each instruction set. All sets give the same bits: every operation rounds each lane once, and none is fused. */
+/* The wide functions work on sixteen members at a time. The files in `wide` define them and are compiled once for each
+ * instruction set. All sets give the same bits: every operation rounds each lane once, and none is fused. */
 #ifndef CT_WIDE_H_
 #define CT_WIDE_H_
 
 #include "clearance.h"
 #include "leaves.h"
 #include "nearest.h"
+#include "recentclashes.h"
 #include "sweep.h"
-#include "witness.h"
 
 /* F(result, name, parameters) for each wide function that the rest of the engine calls. */
 /* clang-format off */
@@ -15,8 +15,8 @@
   /* wide/refresh.c: the update of a tree, bottom-up. */ \
   F(void, refreshLeaf, (Tree* tree, const Sequence* sequence, int leaf)) \
   F(Frame, linkInLeaf, (const Sequence* sequence, int link)) \
-  F(Frame, openLeaf, (const Sequence* sequence, int link, Openings* openings)) \
-  F(bool, refreshTwig, (Tree* tree, const Sequence* sequence, int link, int leaf)) \
+  F(Frame, linkAndLocalFrames, (const Sequence* sequence, int link, LocalFrames* localFrames)) \
+  F(bool, refreshSideBranch, (Tree* tree, const Sequence* sequence, int link, int leaf)) \
   F(void, refreshInnerNode, (Tree* tree, int level, int node, const int* changed, int count)) \
   F(void, refreshLeafBound, (Tree* tree, int leaf)) \
   F(void, widenAbove, (Tree* tree, int leaf)) \
@@ -30,9 +30,9 @@
   F(void, traverseProbe, \
     (Traversal* t, const View* view, const double point[3], double radius, ProbeFunction* function, void* context, \
      ctCounts* counts)) \
-  /* wide/witness.c */ \
-  F(bool, askWitnesses, \
-    (const Witnesses* w, Traversal* t, const View* view, CandidateFunction* function, void* context, \
+  /* wide/recentclashes.c */ \
+  F(bool, testRecentClashes, \
+    (const RecentClashes* w, Traversal* t, const View* view, CandidateFunction* function, void* context, \
      ctCounts* counts, int64_t* cost)) \
   /* wide/clearance.c: tests and accepted trials return what they have cost. */ \
   F(void, measureClearances, (Clearance* c, Traversal* t, double reach)) \
@@ -61,7 +61,7 @@ typedef struct Wide {
 } Wide;
 #undef CT_POINTER
 
-/* Those of the widest set that the machine has, unless the environment asks for a narrower one. */
+/* The functions of the widest set that the machine has, unless the environment asks for a narrower one. */
 const Wide* ctChooseWide(void);
 
 #endif /* CT_WIDE_H_ */

@@ -90,7 +90,7 @@ typedef struct Storage {
   Leaf* leaf;
   Members* members;
   Frame* product;
-  Frame* closure;
+  Frame* returnFrame;
 } Storage;
 
 static void* copyOf(const void* data, size_t size) {
@@ -115,8 +115,8 @@ static Storage copyStorage(ctChainTree* scene) {
                    copyOf(tree->sum, nodes * sizeof(double[3])),
                    copyOf(tree->leaf, leaves * sizeof(Leaf)),
                    copyOf(tree->members, (nodes - leaves) * sizeof(Members)),
-                   copyOf(s->product, (size_t)s->productBegin[s->closureCount] * sizeof(Frame)),
-                   copyOf(s->closure, (size_t)s->closureCount * sizeof(Frame))};
+                   copyOf(s->product, (size_t)s->productBegin[s->returnFrameCount] * sizeof(Frame)),
+                   copyOf(s->returnFrame, (size_t)s->returnFrameCount * sizeof(Frame))};
 }
 
 static void freeStorage(Storage* storage) {
@@ -127,7 +127,7 @@ static void freeStorage(Storage* storage) {
   free(storage->leaf);
   free(storage->members);
   free(storage->product);
-  free(storage->closure);
+  free(storage->returnFrame);
 }
 
 static bool differ(const void* a, const void* b, size_t size) {
@@ -160,7 +160,7 @@ static int countChanged(const Storage* a, const Storage* b, ctChainTree* scene) 
       changed += nodeChanged(a, b, tree, level, tree->levelBegin[level] + i);
     }
   }
-  for (int i = 0; i < s->productBegin[s->closureCount]; i++) {
+  for (int i = 0; i < s->productBegin[s->returnFrameCount]; i++) {
     changed += differ(&a->product[i], &b->product[i], sizeof(Frame));
   }
   return changed;

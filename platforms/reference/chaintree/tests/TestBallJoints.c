@@ -99,13 +99,13 @@ static void testNoDrift(void) {
     const double* q = state + (size_t)(3 * BEADS + 4 * i);
     CHECK_NEAR(q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3], 1, 1e-15);
   }
-  ctChainTree* anew = makeBeadChain(BEADS, false, ctFixedJoint);
-  CHECK_SUCCESS(ctSetState(anew, state));
-  ctGetPositions(anew, other);
+  ctChainTree* fresh = makeBeadChain(BEADS, false, ctFixedJoint);
+  CHECK_SUCCESS(ctSetState(fresh, state));
+  ctGetPositions(fresh, other);
   CHECK(memcmp(positions, other, sizeof positions) == 0);
   state[3 * BEADS] += 1e-9;
-  CHECK(ctSetState(anew, state) == ctInvalidArgument);
-  ctDestroy(anew);
+  CHECK(ctSetState(fresh, state) == ctInvalidArgument);
+  ctDestroy(fresh);
   ctDestroy(tree);
 }
 

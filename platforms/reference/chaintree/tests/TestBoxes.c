@@ -77,7 +77,7 @@ static void checkPairs(const Bodies* bodies, const double shift[3], double cutof
 int main(void) {
   const double directions[][3] = {{1, 0, 0}, {0, -1, 0}, {0, 0, 1}, {1, 2, 3}, {-0.3, 0.7, 0.1}, {0.001, 1, 0}};
   const double across[][3] = {{0, 0, 0}, {0, 0.5, 0}, {0.3, 0.3, -0.3}, {1e-5, 0, 0}};
-  const double shifts[][3] = {{0.31, -0.12, 0.23}, {-3.7, 1.1, 0.7}};
+  const double displacements[][3] = {{0.31, -0.12, 0.23}, {-3.7, 1.1, 0.7}};
   setenv("CHAINTREE_TRIALS", "boxes", 1);
   for (int count = 2; count <= MOST; count += 1 + count / 8) {
     for (int d = 0; d < 6; d++) {
@@ -90,8 +90,8 @@ int main(void) {
             }
           }
           /* Not at a distance that occurs. */
-          checkPairs(&bodies, shifts[0], 2.718281828);
-          checkPairs(&bodies, shifts[1], 2.718281828);
+          checkPairs(&bodies, displacements[0], 2.718281828);
+          checkPairs(&bodies, displacements[1], 2.718281828);
         }
       }
     }

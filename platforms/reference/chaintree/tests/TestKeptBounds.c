@@ -21,7 +21,7 @@ static double draw(Twins* twins) {
   return (double)(twins->random >> 8) / (1 << 24);
 }
 
-/* Opens a trial of so many turns, `apart` links apart, in both scenes. */
+/* Proposes `count` turns, `apart` links apart, in both scenes. */
 static void propose(Twins* twins, int count, int apart) {
   ctChange changes[SITES];
   const int link = 2 + (int)(draw(twins) * (SITES - 3 - (count - 1) * apart));
@@ -47,9 +47,9 @@ static void acceptTrial(Twins* twins) {
   twins->forgets->clearance.boundPieces = NULL;
   CHECK_SUCCESS(ctAccept(twins->keeps, NULL));
   CHECK_SUCCESS(ctAccept(twins->forgets, NULL));
-  const Clearance* anew = &twins->forgets->clearance;
-  CHECK(kept->isKept && anew->isKept);
-  CHECK(memcmp(kept->least, anew->least, (size_t)kept->leafCount * (size_t)kept->stride * sizeof *kept->least) == 0);
+  const Clearance* fresh = &twins->forgets->clearance;
+  CHECK(kept->isKept && fresh->isKept);
+  CHECK(memcmp(kept->least, fresh->least, (size_t)kept->leafCount * (size_t)kept->stride * sizeof *kept->least) == 0);
 }
 
 int main(void) {

@@ -90,11 +90,11 @@ static void testMethod(const char* method) {
         trees[0]->traversal.movedCapacity >= SITES / TREE_WIDTH);
   trees[1]->traversal.leafEntryCount = ENTRIES;
   trees[1]->traversal.movedCapacity = ENTRIES;
-  trees[1]->traversal.movedBoxesCapacity = BOXES_OF_A_VISIT;
+  trees[1]->traversal.movedBoxesCapacity = BOXES_PER_VISIT;
   int clashing = 0;
   int tipsClashing = 0;
   for (int trial = 0; trial < TRIALS; trial++) {
-    trees[1]->traversal.firstNodesTime = NEVER;
+    trees[1]->traversal.firstNodesRevision = NO_REVISION;
     const Answers tips[2] = {askTip(trees[0], trial), askTip(trees[1], trial)};
     CHECK(tips[0].clash == tips[1].clash);
     CHECK(tips[0].counts.particleTests == tips[1].counts.particleTests);

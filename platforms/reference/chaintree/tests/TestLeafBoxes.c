@@ -25,11 +25,11 @@ static bool isEnd(int end, double units) {
 static bool boxesHold(const ctChainTree* tree) {
   const Traversal* t = &tree->traversal;
   const Sequence* s = &tree->sequence;
-  for (int leaf = tree->staleTree.levelSize[0]; leaf < boxedNodes(&tree->staleTree) * TREE_WIDTH; leaf++) {
+  for (int leaf = tree->ownTree.levelSize[0]; leaf < boxedNodes(&tree->ownTree) * TREE_WIDTH; leaf++) {
     CHECK(t->leafBoxes[leaf / TREE_WIDTH].ends[0][leaf % TREE_WIDTH] == INT16_MAX); /* there is no such leaf */
   }
-  for (int leaf = 0; leaf < tree->staleTree.levelSize[0] && t->testsToBoxes == 0; leaf++) {
-    const Frame frame = ctTreeFrame(&tree->staleTree, 0, leaf);
+  for (int leaf = 0; leaf < tree->ownTree.levelSize[0] && t->testsToBoxes == 0; leaf++) {
+    const Frame frame = ctTreeFrame(&tree->ownTree, 0, leaf);
     const ShortBoxes* boxes = &t->leafBoxes[leaf / TREE_WIDTH];
     const int k = leaf % TREE_WIDTH;
     for (int d = 0; d < 3; d++) {
@@ -38,7 +38,7 @@ static bool boxesHold(const ctChainTree* tree) {
       for (int slot = leaf * TREE_WIDTH; slot < (leaf + 1) * TREE_WIDTH && slot < s->slotCount; slot++) {
         if (slotIsModelled(s, slot)) {
           double x[3];
-          treeLocal(&tree->staleTree, slot, x);
+          treeLocal(&tree->ownTree, slot, x);
           transformPoint(&frame, x, x);
           const double r = t->worldHasSurfaces ? slotRadius(s, slot) : 0;
           low = lesser(low, x[d] - r);
@@ -87,7 +87,7 @@ static bool ask(ctChainTree* trees[2], const ctChange* change, bool isFew, bool 
 static void makeBoth(ctChainTree* trees[2], LatticeLinks kind, double radius) {
   for (int i = 0; i < 2; i++) {
     trees[i] = makeLattice(kind, radius, 0);
-    trees[i]->traversal.testsABox = i == 0 ? 0 : NEVER_BOXED;
+    trees[i]->traversal.testsPerLeaf = i == 0 ? 0 : NEVER_BOXED;
   }
 }
 
@@ -160,7 +160,7 @@ static void testEndsOfChains(void) {
   ctCounts counts[2] = {{0}};
   int clashing = 0;
   makeBoth(trees, LAYERED_CHAINS, 0.45);
-  const Tree* tree = &trees[0]->staleTree;
+  const Tree* tree = &trees[0]->ownTree;
   for (int trial = 0; trial < TRIALS; trial++) {
     const int chain = trial * 7 % SIDE;
     const bool isWhole = trial % 5 == 0;
@@ -188,9 +188,9 @@ static void testWhen(void) {
   ctChainTree* trees[2];
   ctCounts counts[2] = {{0}};
   makeBoth(trees, ONE_EACH, 0.32);
-  trees[0]->traversal.testsABox = 2;
+  trees[0]->traversal.testsPerLeaf = 2;
   const ctChange still = {.link = 5};
-  for (int trial = 0; trial < 2 * trees[0]->staleTree.levelSize[0] + 1; trial++) {
+  for (int trial = 0; trial < 2 * trees[0]->ownTree.levelSize[0] + 1; trial++) {
     ask(trees, &still, true, false, counts);
     CHECK(trees[0]->traversal.testsToBoxes > 0);
   }
@@ -270,7 +270,7 @@ static void testManyNodes(void) {
                                    .linkJoints = joints};
   ctChainTree* tree;
   CHECK_SUCCESS(ctCreate(&definition, &tree, NULL, 0));
-  tree->traversal.testsABox = 0;
+  tree->traversal.testsPerLeaf = 0;
   for (int target = 1; target < COUNT; target++) {
     const int row = target / ROW;
     for (int away = 0; away < 2; away++) {
@@ -283,7 +283,7 @@ static void testManyNodes(void) {
       CHECK(away == 1 || pair[0] + pair[1] == target);
     }
   }
-  CHECK(tree->traversal.testsToBoxes == 0 && tree->staleTree.levelSize[1] > 8);
+  CHECK(tree->traversal.testsToBoxes == 0 && tree->ownTree.levelSize[1] > 8);
   ctDestroy(tree);
 }
 

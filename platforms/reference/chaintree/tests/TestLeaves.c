@@ -53,7 +53,7 @@ static void testArm(void) {
   CHECK_NEAR(motions[1].rotation[0], cos(1), 1e-12);
   CHECK_NEAR(motions[2].rotation[0], cos(3), 1e-12);
   CHECK(ctGetTrialLinks(arm, &links) == 2 && links[0] == 14 && links[1] == 25);
-  /* Leaf 0 is at rest, leaf 2 of body 1; leaves 1 and 3 are of two bodies. */
+  /* Leaf 0 is static, leaf 2 of body 1; leaves 1 and 3 are of two bodies. */
   const int both[][2] = {{0, 1}, {0, 2}, {0, 3}, {1, 1}, {1, 2}, {1, 3}, {2, 3}, {3, 3}};
   checkPairs(changedPairs(arm, INFINITY), 8, both);
 

@@ -264,12 +264,12 @@ static void testSelectBare(void) {
   const int particles[] = {5, 1, 5, SITES - 1};
   const int before = live;
   int n = 0;
-  bool goesOn;
+  bool continues;
   do {
     ctSelection* selection = NULL;
     failAllocation(n++);
     const ctStatus status = ctSelect(tree, 4, particles, &selection);
-    goesOn = hasFailed;
+    continues = hasFailed;
     CHECK((selection != NULL) == (status == ctSuccess) && (status == ctSuccess || hasFailed));
     double distance;
     int pair[2];
@@ -278,7 +278,7 @@ static void testSelectBare(void) {
     allocationsLeft = -1;
     ctFreeSelection(selection);
     CHECK(live == before);
-  } while (goesOn);
+  } while (continues);
   CHECK(n > 2);
   ctDestroy(tree);
 }
@@ -302,7 +302,7 @@ static bool isTrialFree(ctChainTree* tree, const ctChange* change) {
   return !clash;
 }
 
-/* Turns that are accepted unless they clash; so many that what pays only in the long run is begun, too. */
+/* Turns that are accepted unless they clash: enough of them that testers are chosen that pay only in the long run. */
 static void run(bool verdicts[RUN], double positions[3 * SITES]) {
   ctChainTree* tree = makeLattice(ONE_CHAIN, 0.45, 0);
   unsigned chance = 1;

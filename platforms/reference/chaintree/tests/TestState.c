@@ -1,4 +1,4 @@
-/* The state as numbers: what they are, and that a scene that is given them goes on as if it had made them. */
+/* The state as numbers: what they are, and that a scene which is given them continues as if it had made them. */
 #define _POSIX_C_SOURCE 200809L /* setenv */
 
 #include "arm.h"

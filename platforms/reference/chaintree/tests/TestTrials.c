@@ -49,10 +49,10 @@ static void testBits(void) {
   ctDestroy(arm);
 }
 
-static void checkFollowed(ctChainTree* tree, bool anew, double* followed) {
+static void checkFollowed(ctChainTree* tree, bool isNewArray, double* followed) {
   double trial[COORDINATES];
   CHECK_SUCCESS(ctGetTrialPositions(tree, trial));
-  CHECK_SUCCESS(ctFollowTrialPositions(tree, anew, followed));
+  CHECK_SUCCESS(ctFollowTrialPositions(tree, isNewArray, followed));
   CHECK(memcmp(followed, trial, sizeof trial) == 0);
 }
 

@@ -34,7 +34,7 @@ static void checkNoticed(ctChainTree* tree, const char* what, void* place, const
 
 static void testContent(void) {
   ctChainTree* scene = makeTested("tree");
-  Tree* tree = &scene->staleTree;
+  Tree* tree = &scene->ownTree;
   Sequence* s = &scene->sequence;
   double centroid[3];
   CHECK_SUCCESS(ctGetCentroid(scene, 300, centroid));
@@ -59,14 +59,14 @@ static void testContent(void) {
   ctDestroy(scene);
 
   ctChainTree* branched = makeLattice(LAYERS, 0.1, 0);
-  CHECK(ctValidate(branched) && branched->sequence.closureCount == SIDE - 1);
+  CHECK(ctValidate(branched) && branched->sequence.returnFrameCount == SIDE - 1);
   checkNoticed(branched, "product", &branched->sequence.product[2], &frame, sizeof frame);
-  checkNoticed(branched, "closure", &branched->sequence.closure[2], &frame, sizeof frame);
+  checkNoticed(branched, "closure", &branched->sequence.returnFrame[2], &frame, sizeof frame);
   ctDestroy(branched);
 
   ctChainTree* hairy = makeLattice(ROWS_ON_A_WALL, 0.1, 0);
   CHECK(ctValidate(hairy) && hairy->sequence.openPathCount == SIDE * SIDE);
-  checkNoticed(hairy, "stem", &hairy->staleTree.stem[2], &frame, sizeof frame);
+  checkNoticed(hairy, "stem", &hairy->ownTree.stem[2], &frame, sizeof frame);
   ctDestroy(hairy);
 }
 
@@ -78,10 +78,10 @@ static void testBoxes(void) {
   CHECK_SUCCESS(ctPropose(scene, 1, &change));
   CHECK_SUCCESS(ctTestTrial(scene, &clash, NULL, NULL));
   int made = 0;
-  while (made < scene->staleTree.levelSize[0] && scene->staleTree.boxIsStale[made]) {
+  while (made < scene->ownTree.levelSize[0] && scene->ownTree.boxIsOutdated[made]) {
     made++;
   }
-  CHECK(made < scene->staleTree.levelSize[0]);
+  CHECK(made < scene->ownTree.levelSize[0]);
   scene->traversal.box[made].half *= 0.5f;
   CHECK(!ctValidate(scene));
   ctDestroy(scene);

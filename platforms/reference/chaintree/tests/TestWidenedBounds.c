@@ -80,28 +80,28 @@ static bool clashes(ctChainTree* tree, int rod, double angle) {
   return clash;
 }
 
-/* Asks for what lags, which changes no state. */
+/* Makes loose bounds tight, which changes no state. */
 static void catchUp(ctChainTree* tree) {
   double centroid[3];
   CHECK_SUCCESS(ctGetCentroid(tree, 0, centroid));
-  CHECK(tree->staleTree.laggingCount == 0);
+  CHECK(tree->ownTree.looseCount == 0);
 }
 
 static void testFirstNodes(int mostFirstNodes, int mostUnaskedNodes, bool soonBoxed) {
   ctChainTree* tree = makeTree(FIRST - 47, FIRST + 2);
   if (soonBoxed) { /* boxes of leaves, but only of nodes that are near */
-    tree->traversal.testsABox = 0;
+    tree->traversal.testsPerLeaf = 0;
     tree->traversal.mostBoxedNodes = 0;
   }
   tree->traversal.mostFirstNodes = mostFirstNodes;
   tree->traversal.mostUnaskedNodes = mostUnaskedNodes;
-  CHECK(tree->staleTree.levelSize[1] == 3);
+  CHECK(tree->ownTree.levelSize[1] == 3);
   for (int turn = 0; turn < 2; turn++) {
     const int rod = turn; /* that sticks out */
     CHECK(!clashes(tree, 1 - rod, pi));
     CHECK(!clashes(tree, rod, pi));
     CHECK_SUCCESS(ctAccept(tree, NULL));
-    CHECK(tree->staleTree.laggingCount > 0);
+    CHECK(tree->ownTree.looseCount > 0);
     CHECK(clashes(tree, 1 - rod, pi));
     CHECK(!clashes(tree, 1 - rod, 0.5 * pi));
     catchUp(tree);
@@ -117,7 +117,7 @@ static void testFirstNodes(int mostFirstNodes, int mostUnaskedNodes, bool soonBo
 
 /* True if the member of a node in the world holds all particles below it. */
 static bool holdsInWorld(const ctChainTree* tree, const Block* world, int level, int node, int k) {
-  const Tree* t = &tree->staleTree;
+  const Tree* t = &tree->ownTree;
   int childCount;
   const int child = treeChildren(t, level, node, &childCount) + k;
   int end;
@@ -137,15 +137,15 @@ static bool holdsInWorld(const ctChainTree* tree, const Block* world, int level,
 
 /* True if members in the world that count as up to date hold what is below them. */
 static bool worldHolds(const ctChainTree* tree) {
-  const Tree* t = &tree->staleTree;
+  const Tree* t = &tree->ownTree;
   const Traversal* traversal = &tree->traversal;
   for (int level = 1; level < t->levelCount; level++) {
     for (int i = 0; i < t->levelSize[level]; i++) {
       const int node = t->levelBegin[level] + i;
-      const int64_t since = traversal->worldTime[node];
+      const int64_t since = traversal->worldRevision[node];
       int count;
       treeChildren(t, level, node, &count);
-      for (int k = 0; k < count && treeStays(t, since) && t->contentTime[node] <= since; k++) {
+      for (int k = 0; k < count && treeStays(t, since) && t->contentRevision[node] <= since; k++) {
         if (!holdsInWorld(tree, &traversal->world[traversal->entryOf[node]], level, node, k)) {
           return false;
         }

@@ -13,8 +13,8 @@ static unsigned membersNearNode(const Pass* pass, int level, const AxisBoxes* me
 /* The slots (bits) of leaf a that are within reach of box k of others. */
 static unsigned slotsNearMember(const Pass* pass, int a, const AxisBoxes* others, int k) {
   const Slots slots = slotsOf(&pass->sweep->snapshot.leaf[a]);
-  const AxisBox extent = memberOf(others, k);
-  return slotsNear(pass, &slots, &extent, true);
+  const AxisBox coordinateBound = memberOf(others, k);
+  return slotsNear(pass, &slots, &coordinateBound, true);
 }
 
 /* ---- Clashes of two leaves ---- */
@@ -73,8 +73,8 @@ static bool sweepLeaves(const Pass* pass, int a, int firstB, const AxisBoxes* ar
   const Exclusions* exclusions = pass->sweep->exclusions;
   const int sizeA = sizeOfLeaf(pass->sweep->layout, a);
   int partner = exclusionsFrom(exclusions, a, firstB);
-  bool goesOn = true;
-  for (; goesOn && near != 0; near &= near - 1) {
+  bool continues = true;
+  for (; continues && near != 0; near &= near - 1) {
     const int l = __builtin_ctz(near);
     LeafPair pair = {a, firstB + l, (1u << sizeA) - 1, nothing};
     if (exclusionReaches(exclusions, a, pair.b, &partner)) {
@@ -93,10 +93,10 @@ static bool sweepLeaves(const Pass* pass, int a, int firstB, const AxisBoxes* ar
       pass->task->particleTests += __builtin_popcount(pair.slots) * sizeOfLeaf(pass->sweep->layout, pair.b);
     }
     if (pair.slots != 0) {
-      goesOn = findClashes(pass, &pair);
+      continues = findClashes(pass, &pair);
     }
   }
-  return goesOn;
+  return continues;
 }
 
 /* The members (bits) of node a that are near node b. Where the boxes of two nodes overlap, most of their members may

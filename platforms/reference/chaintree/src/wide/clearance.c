@@ -43,7 +43,7 @@ void CT_WIDE(measureClearances)(Clearance* c, Traversal* t, double reach) {
     widest = r > widest ? r : widest;
   }
   c->unit = 4 * widest / (float)MOST_CLEARANCE;
-  const Float16 nearest = all16((float)(reach + floatMargin(t->extent + fabs(reach))));
+  const Float16 nearest = all16((float)(reach + floatMargin(t->coordinateBound + fabs(reach))));
   for (int a = 0; a < c->leafCount; a++) {
     const Sphere own = leafSphere(t, a);
     for (int block = coveringNode(a); block <= coveringNode(c->leafCount - 1); block++) {
@@ -97,9 +97,9 @@ CT_INLINE Float16 beyondMeeting(const Partners* partners, const Block* block, in
  * away than `widest`.
  *
  * The clearance d - s = (d^2 - s^2) / (d + s) is the less the larger s is. Its error: positions, up to 8 u E for either
- * particle (u = 2^-24, E: the view's extent), of which d is off by 16 u E; the two squares, 5 u of each, which is 10 u
- * E of the difference of their roots; root, sum and quotient, 5 u of no more than 2 E. Together 36 u E, of the 67 u E
- * of FLOAT_MARGIN in the test's reach. */
+ * particle (u = 2^-24, E: the view's coordinate bound), of which d is off by 16 u E; the two squares, 5 u of each,
+ * which is 10 u E of the difference of their roots; root, sum and quotient, 5 u of no more than 2 E. Together 36 u E,
+ * of the 67 u E of FLOAT_MARGIN in the test's reach. */
 static float clearanceBeyond(float square, float widest) {
   const float meet = widest > 0 ? widest : 0;
   return square > 0 && square < INFINITY ? square / (sqrtf(square + meet * meet) + meet) : square;
@@ -116,7 +116,7 @@ static float clearanceOfFar(const Block* blockA, const Block* blockB, float reac
   return clearanceBeyond(least16(least), partners.widest + most16(load16(blockA->r)));
 }
 
-/* A lower bound of the clearance of two expanded leaves, or of one with itself, in the view; INFINITY: all their pairs
+/* A lower bound of the clearance of two placed leaves, or of one with itself, in the view; INFINITY: all their pairs
  * are excluded. Pairs that may clash are handed to the test's function, which knows their exact clearance. */
 static float leafClearance(Traversal* t, ClearanceTest* test, int a, int b) {
   const Block* blocks[2];
@@ -150,41 +150,41 @@ static float leafClearance(Traversal* t, ClearanceTest* test, int a, int b) {
       const int l = __builtin_ctz(mask);
       const int i = a * TREE_WIDTH + k;
       const int j = b * TREE_WIDTH + l;
-      const bool ofTwoBodies = motionOfMember(t, a, k) != motionOfMember(t, b, l);
+      const bool ofTwoBodies = bodyOfMember(t, a, k) != bodyOfMember(t, b, l);
       const double exact = test->function(test->context, i, j, ctTraversalSquaredDistance(t, i, j), ofTwoBodies);
       if (ofTwoBodies && exact < 0) {
         test->clash = true;
         return 0;
       }
-      least = exact < (double)least ? (float)(exact - t->band) : least;
+      least = exact < (double)least ? (float)(exact - t->tieBand) : least;
     }
   }
   const float far = clearanceBeyond(least16(least16s), partners.widest + widest);
   return far < least ? far : least;
 }
 
-static void expandLeaf(Traversal* t, int leaf, int motion) {
-  if (t->nodeStamp[leaf] != t->stamp) {
-    t->motion[leaf] = motion;
-    expand(t, 0, leaf);
+static void placeLeafInView(Traversal* t, int leaf, int body) {
+  if (t->placedIn[leaf] != t->descent) {
+    t->body[leaf] = body;
+    placeInView(t, 0, leaf);
   }
 }
 
 /* Bounds by how much the trial changes the clearance of two leaves. */
 static uint16_t boundOfPair(const Clearance* c, int a, int b) {
-  return c->shift[a] < c->shift[b] ? c->shift[a] : c->shift[b];
+  return c->displacement[a] < c->displacement[b] ? c->displacement[a] : c->displacement[b];
 }
 
-static bool isStraddler(const Traversal* t, int leaf) {
-  return t->nodeStamp[leaf] == t->stamp && t->motion[leaf] < 0;
+static bool isMixed(const Traversal* t, int leaf) {
+  return t->placedIn[leaf] == t->descent && t->body[leaf] < 0;
 }
 
 /* Tests the particles of two leaves whose spheres are too near to tell. */
 static void testPair(Clearance* c, Traversal* t, ClearanceTest* test, const RunPair* pair, TestedPairs* tested, int k) {
   const int a = tested->a;
   const int b = tested->first + k;
-  expandLeaf(t, a, pair->motionA);
-  expandLeaf(t, b, pair->motionB);
+  placeLeafInView(t, a, pair->bodyA);
+  placeLeafInView(t, b, pair->bodyB);
   const float clearance = leafClearance(t, test, a, b);
   test->cost += COST_OF_LEAF_PAIR;
   if (test->clash) {
@@ -197,7 +197,7 @@ static void testPair(Clearance* c, Traversal* t, ClearanceTest* test, const RunP
   const uint16_t found = (uint16_t)(int)(kept < most ? kept : most);
   tested->clearance[k] = found;
   /* In a leaf where pieces meet, another piece than these may come nearer by more than this bound. */
-  if (t->view->motionCount == 2 || !(isStraddler(t, a) || isStraddler(t, b))) {
+  if (t->view->motionCount == 2 || !(isMixed(t, a) || isMixed(t, b))) {
     const uint16_t bound = boundOfPair(c, a, b);
     const uint16_t before = found > bound ? (uint16_t)(found - bound) : 0;
     uint16_t* least = rowOf(c, a) + b;
@@ -212,9 +212,9 @@ static int findNear(const Clearance* c, const RunPair* pair, int begin, int end,
   for (int a = begin; a < end; a++) {
     const int beginB = columnsBegin(pair, a);
     const uint16_t* row = rowOf(c, a);
-    const uint16_t own = c->shift[a];
+    const uint16_t own = c->displacement[a];
     for (int first = beginB / COLUMNS_AT_ONCE * COLUMNS_AT_ONCE; first < pair->endB; first += COLUMNS_AT_ONCE) {
-      const uint32_t columns = within32(row + first, c->shift + first, own);
+      const uint32_t columns = within32(row + first, c->displacement + first, own);
       near[count] = (NearPairs){a, first, columns & columnsWithin(first, beginB, pair->endB)};
       count += near[count].columns != 0;
     }
@@ -230,7 +230,7 @@ static void testSpheres(Clearance* c, const Traversal* t, ClearanceTest* test, S
   const Float16 distance = sqrt16(squaredFrom(spheres, sphere.x, sphere.y, sphere.z));
   const Float16 radii = max16(add16(load16(spheres->r), all16(sphere.r + test->reach)), all16(0));
   const Short16 found = blendShorts(measured, allShorts(0), unitsOf(c, sub16(distance, radii)));
-  const Short16 bound = minShorts(allShorts(c->shift[tested->a]), loadShorts(c->shift + tested->first));
+  const Short16 bound = minShorts(allShorts(c->displacement[tested->a]), loadShorts(c->displacement + tested->first));
   const Short16 before = lessShorts(found, bound);
   uint16_t* least = rowOf(c, tested->a) + tested->first;
   const Short16 kept = maxShorts(loadShorts(least), before);
@@ -268,8 +268,8 @@ static bool testNear(Clearance* c, Traversal* t, ClearanceTest* test, const RunP
     return true;
   }
   /* Runs share leaves with others only at their ends. */
-  const int innerBegin = pair->beginB + isStraddler(t, pair->beginB);
-  const int innerEnd = pair->endB - isStraddler(t, pair->endB - 1);
+  const int innerBegin = pair->beginB + isMixed(t, pair->beginB);
+  const int innerEnd = pair->endB - isMixed(t, pair->endB - 1);
   const Block* spheres = leafSpheres(t, coveringNode(c->near[0].a));
   Block moved = *spheres;
   moveBlock(spheres, pair->back, 0xffff, &moved);
@@ -285,7 +285,7 @@ static bool testNear(Clearance* c, Traversal* t, ClearanceTest* test, const RunP
       tested->left = c->near[i].columns >> half & 0xffff;
       if (tested->left != 0) {
         const unsigned inner = columnsWithin(first, innerBegin > a ? innerBegin : a + 1, innerEnd) & 0xffff;
-        testSpheres(c, t, test, sphere, isStraddler(t, a) ? 0 : inner, tested);
+        testSpheres(c, t, test, sphere, isMixed(t, a) ? 0 : inner, tested);
         c->testedCount++;
       }
     }
@@ -309,21 +309,21 @@ static bool testRunPair(Clearance* c, Traversal* t, const RunPair* pair, void* c
   return testLeft(c, t, test, pair, firstTested, false);
 }
 
-/* Expands the leaves in which pieces meet. */
-static void expandStraddlingLeaves(Traversal* t) {
+/* Places the leaves in which pieces meet. */
+static void placeMixedLeaves(Traversal* t) {
   const View* view = t->view;
   for (int p = 1; p < view->pieceCount; p++) {
     const int leaf = coveringNode(view->pieces[p].slotBegin);
-    if (memberIndex(view->pieces[p].slotBegin) != 0 && t->nodeStamp[leaf] != t->stamp) {
-      CT_WIDE(expandStraddler)(t, 0, leaf, p - 1);
+    if (memberIndex(view->pieces[p].slotBegin) != 0 && t->placedIn[leaf] != t->descent) {
+      CT_WIDE(placeMixedNode)(t, 0, leaf, p - 1);
     }
   }
 }
 
 /* Tests those leaves against themselves. */
-static bool testStraddlingLeaves(Traversal* t, ClearanceTest* test) {
-  for (int i = 0; i < t->straddlerCount && !test->clash; i++) {
-    leafClearance(t, test, t->straddlers[i].node, t->straddlers[i].node);
+static bool testMixedLeaves(Traversal* t, ClearanceTest* test) {
+  for (int i = 0; i < t->mixedNodeCount && !test->clash; i++) {
+    leafClearance(t, test, t->mixedNodes[i].node, t->mixedNodes[i].node);
   }
   return test->clash;
 }
@@ -332,17 +332,17 @@ int64_t CT_WIDE(testByClearance)(Clearance* c, Traversal* t, const View* view, C
                                  void* context, ctCounts* counts) {
   CT_WIDE(startView)(t, view);
   updateWorldNodes(t);
-  expandStraddlingLeaves(t);
+  placeMixedLeaves(t);
   ClearanceTest test = {.function = function, .context = context};
-  test.reach = (float)(view->reach + floatMargin(t->extent + fabs(view->reach)));
+  test.reach = (float)(view->reach + floatMargin(t->coordinateBound + fabs(view->reach)));
   c->testedCount = 0;
   test.outOfMemory = !CT_WIDE(listRuns)(c, t);
-  if (!test.outOfMemory && !testStraddlingLeaves(t, &test)) {
+  if (!test.outOfMemory && !testMixedLeaves(t, &test)) {
     CT_WIDE(forEachRunPair)(c, t, testRunPair, &test, &test.cost);
   }
   addTests(counts, test.volumeTests, test.particleTests);
   const bool gaveUp = !test.clash && (test.outOfMemory || test.cost > c->mostCost);
-  return gaveUp ? GAVE_UP : COST_OF_CLEARANCE_TEST + c->leafCount / LEAVES_A_UNIT + test.cost;
+  return gaveUp ? GAVE_UP : COST_OF_CLEARANCE_TEST + c->leafCount / LEAVES_PER_UNIT + test.cost;
 }
 
 /* ---- Accepting ---- */
@@ -354,10 +354,10 @@ static bool takeOff(Clearance* c, Traversal* t, const RunPair* pair, void* conte
   for (int a = pair->beginA; a < pair->endA; a++) {
     const int begin = columnsBegin(pair, a);
     uint16_t* row = rowOf(c, a);
-    const Short16 own = allShorts(c->shift[a]);
+    const Short16 own = allShorts(c->displacement[a]);
     for (int first = coveringNode(begin) * TREE_WIDTH; first < pair->endB; first += TREE_WIDTH) {
       const Short16 before = loadShorts(row + first);
-      Short16 after = lessShorts(before, minShorts(own, loadShorts(c->shift + first)));
+      Short16 after = lessShorts(before, minShorts(own, loadShorts(c->displacement + first)));
       if (first < begin || pair->endB - first < TREE_WIDTH) {
         after = blendShorts(columnsWithin(first, begin, pair->endB) & 0xffff, before, after);
       }
@@ -372,7 +372,7 @@ int64_t CT_WIDE(acceptClearances)(Clearance* c, Traversal* t, const View* view) 
   int64_t cost = c->leafCount;
   if (c->boundPieces == view->pieces) { /* mostly: by the test */
     for (int i = 0; i < c->boundPairCount; i++) {
-      c->shift = shiftsOf(c, i);
+      c->displacement = displacementsOf(c, i);
       takeOff(c, t, &c->boundPairs[i], &cost);
     }
   } else {

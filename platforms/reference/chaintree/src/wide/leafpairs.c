@@ -1,9 +1,7 @@
-/* The pairs of leaves that a trial changes, and all that are near.
- *
- * The boxes are descended pair by pair, as in a clash test. A node is opened when it is first reached: its members get
- * their bodies and, where they move, boxes in the trial. Of a pair of members one at least is not of the body with most
- * leaves, the major body, since all pairs within that stay as they are: such members are rows, which are compared with
- * sixteen others at a time. */
+/* The pairs of leaves that a trial changes, and all that are near. The boxes are descended pair by pair, as in a clash
+ * test. A node is opened when it is first reached: its members get their bodies and, where they move, boxes in the
+ * trial. Of a pair of members at least one is not of the largest body, that with most leaves, since all pairs within
+ * that stay as they are: such members are rows, each of which is compared with sixteen others at a time. */
 #include <string.h>
 
 #include "leafboxes.h"
@@ -13,22 +11,22 @@ enum { MANY_BODIES = -1 };
 
 /* ---- Members in the trial ---- */
 
-/* The body of the longest piece, unless more slots are at rest: a good guess for the body with most leaves. */
-static int majorBody(const LeafTask* task) {
-  int major = 0;
+/* The body of the longest piece, unless more slots are static: a good guess for the body with most leaves. */
+static int largestBody(const LeafTask* task) {
+  int largest = 0;
   int longest = 0;
-  int atRest = 0;
+  int staticSlots = 0;
   for (int p = 0; p < task->pieceCount; p++) {
     const int end = p + 1 < task->pieceCount ? task->pieces[p + 1].slotBegin : task->tree->slotCount;
     const int slots = end - task->pieces[p].slotBegin;
     if (task->pieces[p].body == 0) {
-      atRest += slots;
+      staticSlots += slots;
     } else if (slots > longest) {
       longest = slots;
-      major = task->pieces[p].body;
+      largest = task->pieces[p].body;
     }
   }
-  return atRest >= longest ? 0 : major;
+  return staticSlots >= longest ? 0 : largest;
 }
 
 /* Moves a position as clients do. */
@@ -142,16 +140,16 @@ static void moveMembers(const LeafTask* task, int level, int node, unsigned mask
   }
 }
 
-/* Makes the trial's positions of members at rest those of the state. */
-static void restLeaves(const LeafTask* task, int node, unsigned atRest) {
+/* Copies the positions of static members from the state to the trial. */
+static void fillStaticLeaves(const LeafTask* task, int node, unsigned staticSlots) {
   Leaves* leaves = task->leaves;
   const int first = (node - task->tree->levelBegin[1]) * TREE_WIDTH;
   uint16_t* differs = &leaves->differs[node - task->tree->levelBegin[1]];
-  for (unsigned mask = *differs & atRest; mask != 0; mask &= mask - 1) {
+  for (unsigned mask = *differs & staticSlots; mask != 0; mask &= mask - 1) {
     const int leaf = first + __builtin_ctz(mask);
     leaves->trial[leaf] = leaves->state[leaf];
   }
-  *differs = (uint16_t)(leaves->occupied[node] & ~atRest);
+  *differs = (uint16_t)(leaves->occupied[node] & ~staticSlots);
 }
 
 static void setBody(TrialMembers* members, unsigned mask, int body) {
@@ -171,7 +169,7 @@ static int openMany(const LeafTask* task, int level, int node, int piece) {
   const Tree* tree = task->tree;
   Leaves* leaves = task->leaves;
   TrialMembers* members = trialMembers(leaves, tree, node);
-  members->stamp = leaves->stamp;
+  members->trialNumber = leaves->trialNumber;
   members->boxes = *leafBoxes(leaves, tree, node);
   const unsigned occupied = leaves->occupied[node];
   const int first = (node - tree->levelBegin[level]) * TREE_WIDTH; /* member, in its level */
@@ -206,7 +204,7 @@ static int openMany(const LeafTask* task, int level, int node, int piece) {
     left &= ~done;
   }
   if (level == 1) {
-    restLeaves(task, node, occupied & ~moving);
+    fillStaticLeaves(task, node, occupied & ~moving);
   }
   return commonBody(members, occupied);
 }
@@ -215,18 +213,18 @@ static int openMany(const LeafTask* task, int level, int node, int piece) {
 static void openNode(const LeafTask* task, int level, int node, int body) {
   Leaves* leaves = task->leaves;
   TrialMembers* members = trialMembers(leaves, task->tree, node);
-  if (members->stamp == leaves->stamp) {
+  if (members->trialNumber == leaves->trialNumber) {
     return;
   }
   const unsigned occupied = leaves->occupied[node];
-  members->stamp = leaves->stamp;
+  members->trialNumber = leaves->trialNumber;
   setBody(members, 0xffff, body);
   if (body != 0) {
     members->boxes = *leafBoxes(leaves, task->tree, node); /* empty members have boxes too */
     moveMembers(task, level, node, occupied, body, &members->boxes);
   }
   if (level == 1) {
-    restLeaves(task, node, body == 0 ? occupied : 0);
+    fillStaticLeaves(task, node, body == 0 ? occupied : 0);
   }
 }
 
@@ -247,7 +245,7 @@ typedef struct Opened {
   const LeafBoxes* after;
   const int* body;
   unsigned occupied;
-  unsigned rows; /* members that are not of the major body */
+  unsigned rows; /* members that are not of the largest body */
   int first;     /* member, in its level */
 } Opened;
 
@@ -255,7 +253,7 @@ typedef struct Opened {
 typedef struct LeafDescent {
   LeafTask* task;
   bool inTrial;
-  int major;
+  int largest;
   float limit; /* of squared gaps */
 } LeafDescent;
 
@@ -314,7 +312,7 @@ static Opened openReached(const LeafDescent* d, int level, const Reached* reache
     const TrialMembers* members = trialMembers(task->leaves, task->tree, reached->node);
     o.after = reached->body == 0 ? o.before : &members->boxes;
     o.body = members->body;
-    o.rows = o.occupied & ~equal16(members->body, d->major);
+    o.rows = o.occupied & ~equal16(members->body, d->largest);
   }
   return o;
 }
@@ -326,8 +324,8 @@ static Reached reachMember(const LeafDescent* d, int level, const Opened* o, int
   return (Reached){node, k, o->before, o->after, d->inTrial ? o->body[k] : 0};
 }
 
-/* Looks at row k of an opened node against these columns of another. */
-static void lookAtRow(LeafDescent* d, int level, const Opened* rows, int k, const Opened* others, unsigned columns) {
+/* Compares row k of an opened node with these columns of another. */
+static void searchRow(LeafDescent* d, int level, const Opened* rows, int k, const Opened* others, unsigned columns) {
   Float16 gaps;
   unsigned near = findNearBoxes(d, rows->before, rows->after, k, others, columns, &gaps);
   if (near == 0) {
@@ -364,7 +362,7 @@ static void descendLeaves(LeafDescent* d, int level, const Reached* a, const Rea
       const int k = __builtin_ctz(left);
       /* Pairs of two rows belong to the first. */
       const unsigned earlier = first.rows & ((1u << k) - 1);
-      lookAtRow(d, level, &first, k, &first, columnsOfRow(d, &first, k, &first) & ~earlier);
+      searchRow(d, level, &first, k, &first, columnsOfRow(d, &first, k, &first) & ~earlier);
     }
     return;
   }
@@ -376,7 +374,7 @@ static void descendLeaves(LeafDescent* d, int level, const Reached* a, const Rea
   }
   for (; left != 0 && !d->task->failed; left &= left - 1) {
     const int k = __builtin_ctz(left);
-    lookAtRow(d, level, &first, k, &second, columnsOfRow(d, &first, k, &second));
+    searchRow(d, level, &first, k, &second, columnsOfRow(d, &first, k, &second));
   }
   const unsigned others = first.occupied & ~first.rows;
   left = others == 0 ? 0 : second.rows;
@@ -384,7 +382,7 @@ static void descendLeaves(LeafDescent* d, int level, const Reached* a, const Rea
     left = findNearBoxes(d, a->before, a->after, a->k, &second, left, &gaps);
   }
   for (; left != 0 && !d->task->failed; left &= left - 1) {
-    lookAtRow(d, level, &second, __builtin_ctz(left), &first, others);
+    searchRow(d, level, &second, __builtin_ctz(left), &first, others);
   }
 }
 
@@ -398,31 +396,32 @@ static double cornerOf(const LeafBoxes* boxes) {
 }
 
 /* The largest squared gap of boxes around particles within the cutoff. Positions in the trial and after its acceptance
- * differ by DOUBLE_MARGIN of the extent, and may lag; 1e-6 is 17 u of the square, whose roundings are 5 u. */
+ * differ by DOUBLE_MARGIN of the coordinate bound, and by Leaves.positionError; 1e-6 is 17 u of the square, whose
+ * roundings are 5 u. */
 static float gapLimit(const LeafTask* task, const LeafBoxes* before, const LeafBoxes* after) {
   const double* origin = task->sequence->worldOrigin;
-  const double extent = sqrt(dot(origin, origin)) + cornerOf(before) + cornerOf(after);
-  const double reach = task->cutoff + DOUBLE_MARGIN * extent + task->leaves->lag;
+  const double coordinateBound = sqrt(dot(origin, origin)) + cornerOf(before) + cornerOf(after);
+  const double reach = task->cutoff + DOUBLE_MARGIN * coordinateBound + task->leaves->positionError;
   return (float)(reach * reach * (1 + 1e-6)) + FLOAT_FLOOR;
 }
 
 void CT_WIDE(listLeafPairs)(LeafTask* task) {
   const Tree* tree = task->tree;
   Leaves* leaves = task->leaves;
-  const int crown = treeCrown(tree);
+  const int superRoot = treeSuperRoot(tree);
   const int level = tree->levelCount;
   LeafDescent descent = {.task = task, .inTrial = task->pieceCount > 0};
-  Reached top = {.node = crown};
-  if (leaves->occupied[crown] == 0 || task->pieceCount == 1) {
+  Reached top = {.node = superRoot};
+  if (leaves->occupied[superRoot] == 0 || task->pieceCount == 1) {
     return; /* no particles, or all of them move as one */
   }
-  const LeafBoxes* before = leafBoxes(leaves, tree, crown);
+  const LeafBoxes* before = leafBoxes(leaves, tree, superRoot);
   const LeafBoxes* after = before;
   if (descent.inTrial) {
-    leaves->stamp++;
-    descent.major = majorBody(task);
-    top.body = openMany(task, level, crown, 0);
-    after = &trialMembers(leaves, tree, crown)->boxes;
+    leaves->trialNumber++;
+    descent.largest = largestBody(task);
+    top.body = openMany(task, level, superRoot, 0);
+    after = &trialMembers(leaves, tree, superRoot)->boxes;
   }
   descent.limit = gapLimit(task, before, after);
   descendLeaves(&descent, level, &top, &top);

@@ -41,7 +41,7 @@ static bool hasManyPieces(const LeafRun* run) {
 
 /* Bounds how far a rigid motion displaces the particles of these leaves, in units, rounded up. A particle at x + y,
  * where x is the centre of its leaf's sphere, is displaced by (R - 1) x + t, which is computed, and by (R - 1) y, which
- * is no longer than |R - 1| r. With u = 2^-24, v = 2^-53, and the view's extent E:
+ * is no longer than |R - 1| r. With u = 2^-24, v = 2^-53, and the view's coordinate bound E:
  *
  * - |R - 1| = sqrt(3 - trace R), the chord. The trace of a product of k rotations has an error of up to 12 k v,
  *   which 1e-13 = 900 v exceeds for k <= 75. Beyond, the chord is too short by up to sqrt(12 k v): up to k = 10^6
@@ -55,7 +55,7 @@ static bool hasManyPieces(const LeafRun* run) {
  *   are added: the other one covers a quarter of a unit by which clearances of skipped pairs may be too large, see
  *   ctClearanceSkip, and what positions in double differ by from trial to trial, DOUBLE_MARGIN E, as long as E is
  *   less than 3 10^7 times the radius of the largest leaf. */
-static void boundShifts(Clearance* c, const Traversal* t, const Frame* motion, int begin, int end) {
+static void boundDisplacements(Clearance* c, const Traversal* t, const Frame* motion, int begin, int end) {
   /* R - 1 and t: small where the motion is small. */
   float change[12];
   double trace = 0;
@@ -66,7 +66,7 @@ static void boundShifts(Clearance* c, const Traversal* t, const Frame* motion, i
     trace += motion->m[i][i];
   }
   const double chord = sqrt(larger(0, 3 - trace) + 1e-13);
-  const Float16 margin = all16((float)(FLOAT_MARGIN * chord * t->extent + 2 * (double)c->unit));
+  const Float16 margin = all16((float)(FLOAT_MARGIN * chord * t->coordinateBound + 2 * (double)c->unit));
   for (int block = coveringNode(begin); block <= coveringNode(end - 1); block++) {
     const Block* spheres = leafSpheres(t, block);
     const Float16 x = moved16(spheres, change);
@@ -75,7 +75,7 @@ static void boundShifts(Clearance* c, const Traversal* t, const Frame* motion, i
     const Float16 centre = sqrt16(squared16(x, y, z));
     const Float16 turned = mul16(max16(load16(spheres->r), all16(0)), all16((float)chord));
     const Float16 bounds = mul16(add16(add16(centre, turned), margin), all16(1.00001f));
-    storeShorts(c->shift + TREE_WIDTH * block, unitsOf(c, bounds));
+    storeShorts(c->displacement + TREE_WIDTH * block, unitsOf(c, bounds));
   }
 }
 
@@ -86,31 +86,31 @@ static Frame motionInFrame(const View* view, int body, int frame, const Frame* b
 
 /* Bounds the displacement of a leaf of many pieces in the frame of a run of one piece. The run's own leaves get no
  * bound: the bound of a pair is the lesser of two. */
-static void boundShiftOfMany(Clearance* c, const Traversal* t, const LeafRun* many, const LeafRun* run) {
+static void boundDisplacementOfMany(Clearance* c, const Traversal* t, const LeafRun* many, const LeafRun* run) {
   const View* view = t->view;
-  const int motion = view->pieces[run->firstPiece].body;
-  const Frame back = transformInverse(&view->motions[motion]);
+  const int body = view->pieces[run->firstPiece].body;
+  const Frame back = transformInverse(&view->motions[body]);
   uint16_t most = 0;
   for (int p = many->firstPiece; p <= many->lastPiece; p++) {
-    if (view->pieces[p].body != motion) {
-      const Frame between = motionInFrame(view, view->pieces[p].body, motion, &back);
-      boundShifts(c, t, &between, many->begin, many->end);
-      most = c->shift[many->begin] > most ? c->shift[many->begin] : most;
+    if (view->pieces[p].body != body) {
+      const Frame between = motionInFrame(view, view->pieces[p].body, body, &back);
+      boundDisplacements(c, t, &between, many->begin, many->end);
+      most = c->displacement[many->begin] > most ? c->displacement[many->begin] : most;
     }
   }
-  memset(c->shift + run->begin, 0xff, (size_t)(run->end - run->begin) * sizeof *c->shift);
-  c->shift[many->begin] = most;
+  memset(c->displacement + run->begin, 0xff, (size_t)(run->end - run->begin) * sizeof *c->displacement);
+  c->displacement[many->begin] = most;
 }
 
 /* Bounds the displacements of two runs of one piece each, in the frame of the other. */
-static void boundShiftsOfPieces(Clearance* c, const Traversal* t, RunPair* pair) {
-  const Frame back = transformInverse(&t->view->motions[pair->motionA]);
-  const Frame between = motionInFrame(t->view, pair->motionB, pair->motionA, &back);
+static void boundDisplacementsOfPieces(Clearance* c, const Traversal* t, RunPair* pair) {
+  const Frame back = transformInverse(&t->view->motions[pair->bodyA]);
+  const Frame between = motionInFrame(t->view, pair->bodyB, pair->bodyA, &back);
   const Frame other = transformInverse(&between);
   floatMotion(&other, pair->back);
   /* A distance changes by no more than either of its ends is displaced in the frame of the other. */
-  boundShifts(c, t, &between, pair->beginA, pair->endA);
-  boundShifts(c, t, &between, pair->beginB, pair->endB);
+  boundDisplacements(c, t, &between, pair->beginA, pair->endA);
+  boundDisplacements(c, t, &between, pair->beginB, pair->endB);
 }
 
 bool CT_WIDE(forEachRunPair)(Clearance* c, Traversal* t, RunPairFunction* visit, void* context, int64_t* cost) {
@@ -121,15 +121,15 @@ bool CT_WIDE(forEachRunPair)(Clearance* c, Traversal* t, RunPairFunction* visit,
     for (int j = i + 1; j < c->runCount; j++) {
       const LeafRun* a = &c->runs[i];
       const LeafRun* b = &c->runs[j];
-      c->shift = shiftsOf(c, c->boundPairCount);
+      c->displacement = displacementsOf(c, c->boundPairCount);
       RunPair pair = {a->begin, a->end, pieces[a->firstPiece].body, b->begin, b->end, pieces[b->firstPiece].body, {0}};
       if (hasManyPieces(a) && hasManyPieces(b)) {
-        c->shift[a->begin] = MOST_CLEARANCE;
-        c->shift[b->begin] = MOST_CLEARANCE;
+        c->displacement[a->begin] = MOST_CLEARANCE;
+        c->displacement[b->begin] = MOST_CLEARANCE;
       } else if (hasManyPieces(a) || hasManyPieces(b)) {
-        boundShiftOfMany(c, t, hasManyPieces(a) ? a : b, hasManyPieces(a) ? b : a);
-      } else if (pair.motionA != pair.motionB) {
-        boundShiftsOfPieces(c, t, &pair);
+        boundDisplacementOfMany(c, t, hasManyPieces(a) ? a : b, hasManyPieces(a) ? b : a);
+      } else if (pair.bodyA != pair.bodyB) {
+        boundDisplacementsOfPieces(c, t, &pair);
       } else {
         continue;
       }
@@ -137,7 +137,7 @@ bool CT_WIDE(forEachRunPair)(Clearance* c, Traversal* t, RunPairFunction* visit,
         c->boundPairs[c->boundPairCount] = pair;
       }
       c->boundPairCount++;
-      *cost += COST_OF_RUN_PAIR + (pair.endA - pair.beginA + pair.endB - pair.beginB) / LEAVES_A_UNIT;
+      *cost += COST_OF_RUN_PAIR + (pair.endA - pair.beginA + pair.endB - pair.beginB) / LEAVES_PER_UNIT;
       if (visit(c, t, &pair, context)) {
         return true;
       }

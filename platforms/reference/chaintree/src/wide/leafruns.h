@@ -30,8 +30,8 @@ CT_INLINE Short16 unitsOf(const Clearance* c, Float16 lengths) {
 }
 
 /* The row for the bounds of a pair. All that are not kept have the last one. */
-static inline uint16_t* shiftsOf(const Clearance* c, int pair) {
-  return c->shifts + (size_t)(pair < MOST_BOUND_PAIRS ? pair : MOST_BOUND_PAIRS - 1) * (size_t)c->stride;
+static inline uint16_t* displacementsOf(const Clearance* c, int pair) {
+  return c->displacements + (size_t)(pair < MOST_BOUND_PAIRS ? pair : MOST_BOUND_PAIRS - 1) * (size_t)c->stride;
 }
 
 #endif /* CT_LEAFRUNS_H_ */

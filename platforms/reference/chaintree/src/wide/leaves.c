@@ -27,8 +27,8 @@ static void placeLeaf(Leaves* leaves, const Tree* tree, const Sequence* s, int l
   clearEmpty(to, leaves->occupied[leaf]);
 }
 
-/* True if all slots of a node are at rest. */
-static bool isAtRest(const LeafUpdate* u, int level, int node) {
+/* True if all slots of a node are static. */
+static bool isStatic(const LeafUpdate* u, int level, int node) {
   int end;
   const int begin = treeSlots(u->tree, level, node, &end);
   for (int p = u->pieceCount - 1; p >= 0; p--) {
@@ -48,10 +48,10 @@ static bool isAtRest(const LeafUpdate* u, int level, int node) {
 /* True if a node has not changed or moved since positions were computed. */
 static bool nodeStays(const LeafUpdate* u, int level, int node) {
   if (u->pieceCount > 0) {
-    return isAtRest(u, level, node);
+    return isStatic(u, level, node);
   }
   const int leafEnd = (node - u->tree->levelBegin[level] + 1) << TREE_WIDTH_BITS * level;
-  return u->tree->contentTime[node] <= u->leaves->time && leafEnd <= u->firstMoved;
+  return u->tree->contentRevision[node] <= u->leaves->revision && leafEnd <= u->firstMoved;
 }
 
 /* Brings the leaves below a node up to date, and its own box, which is member k of its parent. */

@@ -1,4 +1,4 @@
-/* Trials that move a few slots in a row: these are tested one by one against everything at rest. */
+/* Trials that move a few slots in a row: each mover is tested against all static slots. */
 #include "signedshorts.h"
 #include "view.h"
 
@@ -130,16 +130,16 @@ static double farthestOf(const Visit* visit, Sphere a, Sphere b) {
   return (double)sqrtf(x * x + y * y + z * z) + visit->margin;
 }
 
-/* Hands over the pair of a mover and a slot that has this motion, and their spheres in the view. Most pairs clash by
+/* Hands over the pair of a mover and a slot of this body, and their spheres in the view. Most pairs clash by
  * far, which these show: positions in double take several times as long. False ends the search. */
-static bool meet(Traversal* t, const Visit* visit, int mover, Sphere sphere, int slot, Sphere other, int motion) {
+static bool meet(Traversal* t, const Visit* visit, int mover, Sphere sphere, int slot, Sphere other, int body) {
   if (visit->clashes != NULL && visit->clashes(visit->context, mover, slot, farthestOf(visit, sphere, other))) {
     return false;
   }
   double a[3];
   double b[3];
-  ctPositionInView(t, mover, motionOfSlot(t->view, mover), a);
-  ctPositionInView(t, slot, motion, b);
+  ctPositionInView(t, mover, bodyOfSlot(t->view, mover), a);
+  ctPositionInView(t, slot, body, b);
   return visit->function(visit->context, mover, slot, squaredDistance(a, b));
 }
 
@@ -172,7 +172,7 @@ CT_INLINE const uint16_t* excludedRows(const Exclusions* e, const Movers* movers
   return rows + memberIndex(movers->begin);
 }
 
-/* Tests movers against these slots (bits) of a leaf, which are at rest. False ends the search. */
+/* Tests movers against these slots (bits) of a leaf, which are static. False ends the search. */
 CT_INLINE bool testLeaf(Traversal* t, Visit* visit, const Movers* movers, int leaf, unsigned slots) {
   const int count = movers->end - movers->begin;
   const int from = movers->begin - movers->first;
@@ -198,16 +198,16 @@ CT_INLINE bool testLeaf(Traversal* t, Visit* visit, const Movers* movers, int le
   return true;
 }
 
-/* Hands over the pairs of a slot, which has this motion, with the movers that are near it (bits), but for those that
+/* Hands over the pairs of a slot, which is of this body, with the movers that are near it (bits), but for those that
  * are excluded. False ends the search. A function of its own, since this is rare. */
 CT_NOINLINE bool meetMovers(Traversal* t, const Visit* visit, const Movers* movers, unsigned near, int slot,
-                            Sphere sphere, int motion) {
+                            Sphere sphere, int body) {
   for (; near != 0; near &= near - 1) {
     const int k = __builtin_ctz(near);
     const int mover = movers->first + k;
     const int excluded = exclusionMask(t->exclusions, coveringNode(slot), coveringNode(mover));
     if ((t->exclusions->mask[excluded][memberIndex(slot)] >> memberIndex(mover) & 1) == 0 &&
-        !meet(t, visit, mover, sphereOf(&movers->block, k), slot, sphere, motion)) {
+        !meet(t, visit, mover, sphereOf(&movers->block, k), slot, sphere, body)) {
       return false;
     }
   }
@@ -221,7 +221,7 @@ static unsigned bitsOfPiece(const View* view, int p, const Movers* movers) {
   return slotBits(begin, next < movers->end ? next : movers->end, movers->first);
 }
 
-/* Tests movers against those of others that come later and have another motion. False ends the search. */
+/* Tests movers against those of others that come later and are of another body. False ends the search. */
 static bool testMovers(Traversal* t, Visit* visit, const Movers* movers, const Movers* others) {
   const View* view = t->view;
   const int last = pieceOf(view, others->end - 1);
@@ -272,9 +272,9 @@ static void limitBoxes(const Traversal* t, float reach, Movers* movers) {
   storeSignedShorts8(movers->limits, movers->box.ends, -t->boxScale, around * t->boxScale, UNITS_AROUND);
 }
 
-/* Begins to wait until boxes are worth making. */
+/* Starts the count of tests until boxes are worth making. */
 static void waitForBoxes(Traversal* t) {
-  t->testsToBoxes = t->testsABox * t->tree->levelSize[0] + 1;
+  t->testsToBoxes = t->testsPerLeaf * t->tree->levelSize[0] + 1;
 }
 
 /* Makes the boxes of all leaves, unless some may lose their entries. */
@@ -293,7 +293,7 @@ CT_NOINLINE void boxLeaves(Traversal* t) {
   t->boxedCount = t->tree->notedCount;
 }
 
-/* Makes the boxes anew of leaves whose slots have new positions, unless they are more than are remembered. */
+/* Makes new boxes of leaves that have moved, unless more have than are remembered. */
 CT_NOINLINE void boxNoted(Traversal* t) {
   const Tree* tree = t->tree;
   if (tree->notedCount - t->boxedCount > NOTED_LEAVES) {
@@ -307,11 +307,11 @@ CT_NOINLINE void boxNoted(Traversal* t) {
   }
 }
 
-/* Brings the boxes of leaves up to date, or drops them if leaves have moved that are not noted. */
+/* Updates the boxes of leaves, or drops them if other leaves may have moved than the noted ones. */
 static void followLeaves(Traversal* t) {
   const Tree* tree = t->tree;
-  if (tree->unnotedTime > t->steadyTime) {
-    t->steadyTime = tree->time;
+  if (tree->unnotedRevision > t->steadyRevision) {
+    t->steadyRevision = tree->revision;
     waitForBoxes(t);
   } else if (t->testsToBoxes > 0) {
     if (--t->testsToBoxes == 0) {
@@ -322,7 +322,7 @@ static void followLeaves(Traversal* t) {
   }
 }
 
-/* ---- Movers against everything at rest ---- */
+/* ---- Movers against static slots ---- */
 
 /* Brings the nodes of the level with which tests begin up to date: the lowest of few nodes, since the nodes above would
  * separate little. */
@@ -337,7 +337,7 @@ CT_NOINLINE void updateFirstNodes(Traversal* t) {
       updateWorld(t, level, tree->levelBegin[level] + i);
     }
   }
-  t->firstNodesTime = tree->innerTime > tree->time ? tree->innerTime : tree->time;
+  t->firstNodesRevision = tree->innerRevision > tree->revision ? tree->innerRevision : tree->revision;
 }
 
 /* Brings what a test begins with up to date, and these leaves. With boxes that is done already: leaves in which
@@ -348,7 +348,7 @@ static void updateFirst(Traversal* t, int begin, int end) {
   if (t->testsToBoxes == 0) {
     return;
   }
-  if (t->firstNodesTime < tree->innerTime || !treeStays(tree, t->firstNodesTime)) {
+  if (t->firstNodesRevision < tree->innerRevision || !treeStays(tree, t->firstNodesRevision)) {
     updateFirstNodes(t);
   }
   for (int leaf = begin; leaf < end; leaf++) {
@@ -396,8 +396,7 @@ CT_INLINE int listNearBoxes(const Traversal* t, const Movers* movers, int* near)
   return found;
 }
 
-/* Lists the members that may be near movers of those nodes of a level, all up to date, that may be so themselves.
- * Returns how many. */
+/* Lists members near the movers, below near nodes of a level. All nodes are up to date. Returns how many. */
 CT_NOINLINE int listNearOfMany(Traversal* t, Visit* visit, const Movers* movers, int level, int* near) {
   const Tree* tree = t->tree;
   const int parentCount = tree->levelSize[level + 1];
@@ -451,8 +450,7 @@ static const int* listNearLeaves(Traversal* t, Visit* visit, const Movers* mover
   return nodes + done;
 }
 
-/* Tests movers against those slots of a few leaves, all at rest, that are near the movers' box: few, so that most
- * leaves cost no more than that. False ends the search. */
+/* Tests movers against slots of up to NODES_AT_ONCE leaves near their box; all are static. False ends the search. */
 CT_INLINE bool testNearSlots(Traversal* t, Visit* visit, const Movers* movers, const int* leaves, int leafCount,
                              bool areUpToDate) {
   uint64_t mask = 0;
@@ -475,7 +473,7 @@ CT_INLINE bool testNearSlots(Traversal* t, Visit* visit, const Movers* movers, c
   return true;
 }
 
-/* Tests movers against everything at rest: all slots but [begin, end), which move. False ends the search. */
+/* Tests movers against all static slots: all but [begin, end). False ends the search. */
 static bool probeMovers(Traversal* t, Visit* visit, Movers* movers, int begin, int end) {
   for (int leaf = movers->firstLeaf; leaf <= movers->lastLeaf; leaf++) {
     const bool areHere = movers->first == leaf * TREE_WIDTH; /* all that move */
@@ -500,7 +498,7 @@ static bool probeMovers(Traversal* t, Visit* visit, Movers* movers, int begin, i
   return true;
 }
 
-/* Tests a view in which only slots [begin, end) move. It needs no volumes of straddlers. */
+/* Tests a view in which only slots [begin, end) move. It needs no volumes of mixed nodes. */
 static void visitFew(Traversal* t, Visit* visit, int begin, int end) {
   updateFirst(t, coveringNode(begin), coveringNode(end - 1) + 1);
   const bool areInOneLeaf = coveringNode(begin) == coveringNode(end - 1);

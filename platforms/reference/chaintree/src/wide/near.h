@@ -91,7 +91,7 @@ static inline double squaredApart(const Pass* pass, int slotA, int slotB) {
 /* Begins a sweep. Floats are positions from the snapshot's origin, rounded once, and extremes of these, which are
  * exact: of the 67 u of FLOAT_MARGIN (see there) a sweep needs the 2 u of positions and the 12 u of the test. */
 static inline Pass startPass(Sweep* sweep, SweepTask* task) {
-  const double margin = floatMargin(sweep->snapshot.extent + fabs(task->reach));
+  const double margin = floatMargin(sweep->snapshot.coordinateBound + fabs(task->reach));
   const float near = (float)(task->reach + margin);
   const float sure = (float)larger(task->reach - margin, 0);
   /* Empty slots are at infinity, out of reach of the widest cutoff. */

@@ -181,17 +181,17 @@ static int sideToSplit(const Cluster clusters[2]) {
 }
 
 /* Searches two clouds. The margin: distances of spheres in float are off by up to 38 u E for their centres and 12 u E
- * for the test (u = 2^-24, E: the larger extent; see FLOAT_MARGIN, here without motions of a view), those of points by
- * 8 u E. The reach is a distance of points, or one in double, with two margins of 67 u E: one for itself, one for the
- * spheres. That leaves 76 u E for the radii of spheres around points of their own, which have no room for rounding: 5 u
- * for each level. */
+ * for the test (u = 2^-24, E: the larger coordinate bound; see FLOAT_MARGIN, here without motions of a view), those of
+ * points by 8 u E. The reach is a distance of points, or one in double, with two margins of 67 u E: one for itself, one
+ * for the spheres. That leaves 76 u E for the radii of spheres around points of their own, which have no room for
+ * rounding: 5 u for each level. */
 void CT_WIDE(findNearest)(Nearest* n, const Cloud clouds[2]) {
   /* Splits go down both trees to single slots, each with all members of a node on the stack. */
   NearestVisit stack[2 * (TREE_MAX_LEVELS + 1) * TREE_WIDTH];
   Traversal* t = n->traversal;
   const View view = ctViewOfState(t->worldHasSurfaces, 0);
   CT_WIDE(startView)(t, &view);
-  n->margin = (float)floatMargin(larger(t->extent, n->extent));
+  n->margin = (float)floatMargin(larger(t->coordinateBound, n->coordinateBound));
   const float known = (float)n->known + 2 * n->margin;
   n->reach = known < n->reach ? known : n->reach;
   int depth = 0;

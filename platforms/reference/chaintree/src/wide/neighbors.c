@@ -239,7 +239,7 @@ static bool addRows(const Pass* pass, int leaf) {
       for (int j = i; j < end; j += TREE_WIDTH) {
         count += closeRanks16(sweep->ranks, candidates.pairs[j + k], loadIds(candidates.particle + j), higher + count);
       }
-      /* So many at a time that one turn mostly suffices: processors would mispredict more. */
+      /* Enough at a time that one turn mostly suffices: processors would mispredict more. */
       for (size_t n = 0; n < count; n += LOWER_AT_ONCE) {
         for (size_t j = n; j < n + LOWER_AT_ONCE; j++) {
           lower[j] = particle;
@@ -254,16 +254,16 @@ static bool addRows(const Pass* pass, int leaf) {
 /* Adds pairs of a leaf with the first `leafCount` leaves of the list. False ends the sweep. */
 static bool addNeighbors(const Pass* pass, int leaf, const AxisBox* box, int leafCount) {
   const Candidates* candidates = &pass->sweep->candidates;
-  bool goesOn = true;
-  for (int first = 0; first < leafCount && goesOn; first += LEAVES_AT_ONCE) {
+  bool continues = true;
+  for (int first = 0; first < leafCount && continues; first += LEAVES_AT_ONCE) {
     gatherCandidates(pass, leaf, box, first, leafCount - first < LEAVES_AT_ONCE ? leafCount : first + LEAVES_AT_ONCE);
     if (!candidates->rises) {
-      goesOn = addAsTheyCome(pass, leaf, false);
+      continues = addAsTheyCome(pass, leaf, false);
     } else {
-      goesOn = pass->task->sink->ascending ? addRows(pass, leaf) : addAsTheyCome(pass, leaf, true);
+      continues = pass->task->sink->ascending ? addRows(pass, leaf) : addAsTheyCome(pass, leaf, true);
     }
   }
-  return goesOn;
+  return continues;
 }
 
 /* Adds pairs of each leaf with itself and with later ones. */

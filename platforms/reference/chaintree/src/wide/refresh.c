@@ -36,11 +36,11 @@ static Bound boundOfLeaf(const Leaf* leaf) {
 
 /* ---- Update, bottom-up ---- */
 
-/* So many are computed one by one. */
+/* Most links whose local frames are computed one by one. */
 enum { FEW_LINKS = 3 };
 
 /* Computes those of the torsion joints (bits) among sixteen links from this one on. */
-static void openTorsions(const Sequence* s, int begin, unsigned torsions, Openings* openings) {
+static void computeTorsionFrames(const Sequence* s, int begin, unsigned torsions, LocalFrames* localFrames) {
   double w[3][TREE_WIDTH];
   for (int i = 0; i < TREE_WIDTH; i++) {
     double offset[3] = {0, 0, 0};
@@ -51,16 +51,16 @@ static void openTorsions(const Sequence* s, int begin, unsigned torsions, Openin
     }
     for (int k = 0; k < 3; k++) {
       w[k][i] = vector[k];
-      openings->m[4 * k + 3][i] = offset[k];
+      localFrames->m[4 * k + 3][i] = offset[k];
     }
   }
   for (int i = 0; i < TREE_WIDTH; i++) {
-    rotationFromRodrigues(w[0][i], w[1][i], w[2][i], &openings->m[0][i], TREE_WIDTH);
+    rotationFromRodrigues(w[0][i], w[1][i], w[2][i], &localFrames->m[0][i], TREE_WIDTH);
   }
 }
 
 /* Computes those of links [begin, end), all of which have placements. */
-static void openPlaced(const Sequence* s, int begin, int end, Openings* openings) {
+static void computePlacedFrames(const Sequence* s, int begin, int end, LocalFrames* localFrames) {
   double q[4][TREE_WIDTH];
   for (int i = 0; i < TREE_WIDTH; i++) {
     const int link = begin + i < end ? begin + i : begin;
@@ -69,28 +69,28 @@ static void openPlaced(const Sequence* s, int begin, int end, Openings* openings
       q[k][i] = placement->quaternion[k];
     }
     for (int k = 0; k < 3; k++) {
-      openings->m[4 * k + 3][i] = placement->position[k];
+      localFrames->m[4 * k + 3][i] = placement->position[k];
     }
   }
   for (int i = 0; i < TREE_WIDTH; i++) {
-    rotationFromUnit(q[0][i], q[1][i], q[2][i], q[3][i], &openings->m[0][i], TREE_WIDTH);
+    rotationFromUnit(q[0][i], q[1][i], q[2][i], q[3][i], &localFrames->m[0][i], TREE_WIDTH);
   }
 }
 
 /* Computes that of one link. */
-static void openLink(const Sequence* s, int link, Openings* openings) {
-  const Frame opening = sequenceOpening(s, link);
+static void computeLocalFrame(const Sequence* s, int link, LocalFrames* localFrames) {
+  const Frame localFrame = sequenceLocalFrame(s, link);
   for (int k = 0; k < 12; k++) {
-    openings->m[k][link - openings->first] = opening.m[k / 4][k % 4];
+    localFrames->m[k][link - localFrames->first] = localFrame.m[k / 4][k % 4];
   }
 }
 
 /* Computes those of links [begin, end), at most TREE_WIDTH. */
-static void openLinks(const Sequence* s, int begin, int end, Openings* openings) {
-  openings->first = begin;
+static void computeLocalFrames(const Sequence* s, int begin, int end, LocalFrames* localFrames) {
+  localFrames->first = begin;
   if (end - begin <= FEW_LINKS) {
     for (int link = begin; link < end; link++) {
-      openLink(s, link, openings);
+      computeLocalFrame(s, link, localFrames);
     }
     return;
   }
@@ -100,18 +100,18 @@ static void openLinks(const Sequence* s, int begin, int end, Openings* openings)
     torsions |= (unsigned)(s->jointType[link] == ctTorsionJoint) << (link - begin);
   }
   if (torsions == 0) {
-    openPlaced(s, begin, end, openings);
+    computePlacedFrames(s, begin, end, localFrames);
     return;
   }
-  openTorsions(s, begin, torsions, openings);
+  computeTorsionFrames(s, begin, torsions, localFrames);
   for (unsigned left = all & ~torsions; left != 0; left &= left - 1) {
-    openLink(s, begin + __builtin_ctz(left), openings);
+    computeLocalFrame(s, begin + __builtin_ctz(left), localFrames);
   }
 }
 
-/* If a walk is at the head of a twig, stores the frame of the link on which that hangs. */
+/* If a walk is at the head of a side branch, stores the frame of the link on which that hangs. */
 CT_INLINE void keepStem(Tree* tree, const Sequence* s, const Walk* walk) {
-  if (s->twigPart[walk->link] == headsTwig) {
+  if (s->sideBranchPart[walk->link] == beginsSideBranch) {
     tree->stem[sequenceOpenPath(s, walk->link)] = frameOfColumns(&walk->stem[0]);
   }
 }
@@ -126,15 +126,16 @@ CT_INLINE void placeParticle(const Sequence* s, const Columns* frame, int link, 
 }
 
 /* Computes the positions of slots [begin, end) of a leaf. Takes the walk from the link of the first one to that of the
- * last; the links between are opened. Inlined: a call would put the walk's frame into memory. */
-CT_INLINE void positionSlots(Tree* tree, const Sequence* s, Walk* walk, const Openings* openings, int begin, int end) {
+ * last; the local frames between are known. Inlined: a call would put the walk's frame into memory. */
+CT_INLINE void positionSlots(Tree* tree, const Sequence* s, Walk* walk, const LocalFrames* localFrames, int begin,
+                             int end) {
   Leaf* leaf = &tree->leaf[coveringNode(begin)];
   if (s->slotBegin[walk->link] == begin) {
     keepStem(tree, s, walk);
   }
   for (int slot = begin; slot < end; slot++) {
     if (walk->link < s->slotLink[slot]) {
-      walkOn(walk, s, &openings->m[0][walk->link + 1 - openings->first], TREE_WIDTH);
+      walkToNext(walk, s, &localFrames->m[0][walk->link + 1 - localFrames->first], TREE_WIDTH);
       keepStem(tree, s, walk);
     }
     if (s->slotParticle[slot] != CT_NULL) {
@@ -144,16 +145,16 @@ CT_INLINE void positionSlots(Tree* tree, const Sequence* s, Walk* walk, const Op
   }
 }
 
-/* Takes a walk from a leaf's last link to the frame of the next leaf, whose first link is among those opened. */
-CT_INLINE void walkToLeaf(Walk* walk, const Sequence* s, const Openings* openings, int leaf) {
+/* Takes a walk from a leaf's last link to the frame of the next leaf, whose first link has a known local frame. */
+CT_INLINE void walkToLeaf(Walk* walk, const Sequence* s, const LocalFrames* localFrames, int leaf) {
   const int link = s->slotLink[leaf * TREE_WIDTH];
-  const TwigPart part = s->twigPart[link];
-  if (part != notInTwig && (part != headsTwig || walk->link == link)) {
+  const SideBranchPart part = s->sideBranchPart[link];
+  if (part != notInSideBranch && (part != beginsSideBranch || walk->link == link)) {
     walk->frame = walk->stem[0];
   } else if (walk->link < link) {
     walkLeave(walk, s);
-    if (part == notInTwig) {
-      walkEnter(walk, s, link, &openings->m[0][link - openings->first], TREE_WIDTH);
+    if (part == notInSideBranch) {
+      walkEnter(walk, s, link, &localFrames->m[0][link - localFrames->first], TREE_WIDTH);
     }
   }
 }
@@ -165,69 +166,69 @@ void CT_WIDE(refreshLeafBound)(Tree* tree, int leaf) {
 
 /* Notes that slots of a leaf have new positions in its frame. */
 static void noteLeaf(Tree* tree, int leaf) {
-  tree->contentTime[leaf] = tree->time;
+  tree->contentRevision[leaf] = tree->revision;
   tree->hasSum[leaf] = false;
-  tree->boxIsStale[leaf] = true;
+  tree->boxIsOutdated[leaf] = true;
   treeNoteMoved(tree, leaf);
 }
 
 /* The frame of a link in the frame of its leaf. Opens all links there up to `end`. */
-CT_INLINE Frame walkToLink(const Sequence* sequence, int link, int end, Openings* openings) {
+CT_INLINE Frame walkToLink(const Sequence* sequence, int link, int end, LocalFrames* localFrames) {
   Walk walk;
   treeWalk(&walk, sequence, coveringNode(sequence->slotBegin[link]));
-  openLinks(sequence, walk.link + 1, end, openings);
+  computeLocalFrames(sequence, walk.link + 1, end, localFrames);
   while (walk.link < link) {
-    walkOn(&walk, sequence, &openings->m[0][walk.link + 1 - openings->first], TREE_WIDTH);
+    walkToNext(&walk, sequence, &localFrames->m[0][walk.link + 1 - localFrames->first], TREE_WIDTH);
   }
   return frameOfColumns(&walk.frame);
 }
 
 Frame CT_WIDE(linkInLeaf)(const Sequence* sequence, int link) {
-  Openings openings;
-  return walkToLink(sequence, link, link + 1, &openings);
+  LocalFrames localFrames;
+  return walkToLink(sequence, link, link + 1, &localFrames);
 }
 
 /* One past the last link that a walk through a leaf opens, which is the first of the next leaf. */
-static int endOfOpened(const Sequence* sequence, int leaf) {
+static int endOfLocalFrames(const Sequence* sequence, int leaf) {
   const int next = (leaf + 1) * TREE_WIDTH;
   return sequence->slotLink[next < sequence->slotCount ? next : sequence->slotCount - 1] + 1;
 }
 
-/* The frame of a link in the frame of its leaf, and the openings of all links there. */
-Frame CT_WIDE(openLeaf)(const Sequence* sequence, int link, Openings* openings) {
+/* The frame of a link in the frame of its leaf, and the local frames of all links there. */
+Frame CT_WIDE(linkAndLocalFrames)(const Sequence* sequence, int link, LocalFrames* localFrames) {
   const int leaf = coveringNode(sequence->slotBegin[link]);
-  return walkToLink(sequence, link, endOfOpened(sequence, leaf), openings);
+  return walkToLink(sequence, link, endOfLocalFrames(sequence, leaf), localFrames);
 }
 
 /* Recomputes a leaf, and its shortcut. */
 void CT_WIDE(refreshLeaf)(Tree* tree, const Sequence* sequence, int leaf) {
   int begin = leaf * TREE_WIDTH;
   const int end = begin + TREE_WIDTH < tree->slotCount ? begin + TREE_WIDTH : tree->slotCount;
-  const int endOfLinks = endOfOpened(sequence, leaf);
+  const int endOfLinks = endOfLocalFrames(sequence, leaf);
   Walk walk;
-  Openings own;
-  Openings* openings = &own;
+  LocalFrames own;
+  LocalFrames* localFrames = &own;
   if (tree->knownLink != CT_NULL && coveringNode(sequence->slotBegin[tree->knownLink]) == leaf) {
-    openings = &tree->knownOpenings;
+    localFrames = &tree->knownLocalFrames;
     walkBegin(&walk, tree->knownLink);
     columnsOf(&tree->knownInLeaf, &walk.frame);
     begin = sequence->slotBegin[tree->knownLink];
     if (tree->knownChange < endOfLinks) {
-      openLink(sequence, tree->knownChange, openings);
+      computeLocalFrame(sequence, tree->knownChange, localFrames);
     }
   } else {
     treeWalk(&walk, sequence, leaf);
-    openLinks(sequence, walk.link + 1, endOfLinks, openings);
+    computeLocalFrames(sequence, walk.link + 1, endOfLinks, localFrames);
   }
-  positionSlots(tree, sequence, &walk, openings, begin, end);
+  positionSlots(tree, sequence, &walk, localFrames, begin, end);
   if (end < tree->slotCount) {
-    walkToLeaf(&walk, sequence, openings, leaf + 1);
+    walkToLeaf(&walk, sequence, localFrames, leaf + 1);
   }
   const Frame shortcut = frameOfColumns(&walk.frame);
   /* Compares bits: 0 and -0 differ. NOLINTNEXTLINE(bugprone-suspicious-memory-comparison) */
   if (memcmp(tree->shortcut[leaf].m, shortcut.m, sizeof shortcut.m) != 0) {
     tree->shortcut[leaf] = shortcut;
-    tree->shortcutTime[leaf] = tree->time;
+    tree->shortcutRevision[leaf] = tree->revision;
   }
   CT_WIDE(refreshLeafBound)(tree, leaf);
   noteLeaf(tree, leaf);
@@ -259,20 +260,20 @@ CT_INLINE bool holdsParticle(const Bound* bound, const double x[3], float radius
   return (radius < 0) | ((room >= 0) & (away <= room * room) & (away <= centres * centres));
 }
 
-/* Computes the positions of slots that a link in a twig moves, up to `end`, in the leaf where the link begins: first
- * the frames of all links, then the slots, since loops within loops are mispredicted. `stem` as in twigParent. True if
- * the leaf's bound holds them. */
-static bool positionTwig(Tree* tree, const Sequence* s, int link, const Frame* stem, int end) {
+/* Computes the positions of slots that a link in a side branch moves, up to `end`, in the leaf where the link begins:
+ * first the frames of all links, then the slots, since loops within loops are mispredicted. `stem` as in
+ * sideBranchParent. True if the leaf's bound holds them. */
+static bool positionSideBranch(Tree* tree, const Sequence* s, int link, const Frame* stem, int end) {
   Columns frames[TREE_WIDTH + 1]; /* of the parent, then of links from this one on */
   const int begin = s->slotBegin[link];
   const int last = s->slotLink[end - 1];
   Leaf* leaf = &tree->leaf[coveringNode(begin)];
   const Bound bound = tree->bound[coveringNode(begin)];
-  twigParent(s, link, stem, &frames[0]);
+  sideBranchParent(s, link, stem, &frames[0]);
   for (int l = link; l <= last; l++) {
-    const Frame opening = sequenceOpening(s, l);
+    const Frame localFrame = sequenceLocalFrame(s, l);
     Columns frame = frames[l == link ? 0 : s->parent[l] - link + 1];
-    columnsCompose(&frame, opening.m[0], 1);
+    columnsCompose(&frame, localFrame.m[0], 1);
     frames[l - link + 1] = frame;
   }
   bool holds = true;
@@ -291,10 +292,10 @@ static bool positionTwig(Tree* tree, const Sequence* s, int link, const Frame* s
 static bool positionRest(Tree* tree, const Sequence* s, const Frame* stem, int begin, int end) {
   const Leaf* leaf = &tree->leaf[coveringNode(begin)];
   Walk walk;
-  walkBeginInTwig(&walk, s, s->slotLink[begin], stem);
-  Openings openings;
-  openLinks(s, walk.link + 1, s->slotLink[end - 1] + 1, &openings);
-  positionSlots(tree, s, &walk, &openings, begin, end);
+  walkBeginInSideBranch(&walk, s, s->slotLink[begin], stem);
+  LocalFrames localFrames;
+  computeLocalFrames(s, walk.link + 1, s->slotLink[end - 1] + 1, &localFrames);
+  positionSlots(tree, s, &walk, &localFrames, begin, end);
   bool holds = true;
   for (int slot = begin; slot < end; slot++) {
     double x[3];
@@ -304,17 +305,17 @@ static bool positionRest(Tree* tree, const Sequence* s, const Frame* stem, int b
   return holds;
 }
 
-/* Recomputes the slots of one leaf that a link in a twig moves. The leaf's bound is only widened: false if that was
- * necessary. */
-bool CT_WIDE(refreshTwig)(Tree* tree, const Sequence* sequence, int link, int leaf) {
+/* Recomputes the slots of one leaf that a link in a side branch moves. The leaf's bound is only widened: false if that
+ * was necessary. */
+bool CT_WIDE(refreshSideBranch)(Tree* tree, const Sequence* sequence, int link, int leaf) {
   const int slotBegin = sequence->slotBegin[link];
   const int slotEnd = sequence->slotBegin[sequenceEnd(sequence, link)];
   const int begin = slotBegin > leaf * TREE_WIDTH ? slotBegin : leaf * TREE_WIDTH;
   const int end = slotEnd < (leaf + 1) * TREE_WIDTH ? slotEnd : (leaf + 1) * TREE_WIDTH;
-  const int head = sequenceTwigHead(sequence, link);
+  const int head = sideBranchHead(sequence, link);
   const bool beginsHere = sequence->slotBegin[head] >= leaf * TREE_WIDTH;
   const Frame stem = beginsHere ? tree->stem[sequenceOpenPath(sequence, head)] : transformIdentity();
-  const bool holds = begin == slotBegin ? positionTwig(tree, sequence, link, &stem, end)
+  const bool holds = begin == slotBegin ? positionSideBranch(tree, sequence, link, &stem, end)
                                         : positionRest(tree, sequence, &stem, begin, end);
   noteLeaf(tree, leaf);
   if (!holds) {
@@ -347,8 +348,8 @@ void CT_WIDE(widenAbove)(Tree* tree, int leaf) {
     Columns pose;
     columnsOf(&tree->pose[child], &pose);
     placeMember(tree, &pose, child, k, members);
-    tree->contentTime[node] = tree->time;
-    tree->innerTime = tree->time;
+    tree->contentRevision[node] = tree->revision;
+    tree->innerRevision = tree->revision;
     const float x = members->block.x[k] - bound->x;
     const float y = members->block.y[k] - bound->y;
     const float z = members->block.z[k] - bound->z;
@@ -383,17 +384,17 @@ void CT_WIDE(refreshInnerNode)(Tree* tree, int level, int node, const int* chang
       columnsOf(&tree->pose[child], &pose);
     }
     placeMember(tree, &pose, child, child - first, members);
-    moved = moved || tree->shortcutTime[child] == tree->time;
+    moved = moved || tree->shortcutRevision[child] == tree->revision;
     child = moved ? child + 1 : ++done < count ? changed[done] : last + 1;
   }
   if (moved) {
     columnsCompose(&pose, tree->shortcut[last].m[0], 1);
     tree->shortcut[node] = frameOfColumns(&pose);
-    tree->shortcutTime[node] = tree->time;
+    tree->shortcutRevision[node] = tree->revision;
   }
   tree->bound[node] = boundOfMembers(&members->block, members->centres);
-  tree->contentTime[node] = tree->time;
-  tree->innerTime = tree->time;
+  tree->contentRevision[node] = tree->revision;
+  tree->innerRevision = tree->revision;
   tree->hasSum[node] = false;
-  tree->boxIsStale[node] = true;
+  tree->boxIsOutdated[node] = true;
 }

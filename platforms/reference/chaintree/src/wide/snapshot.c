@@ -38,7 +38,7 @@ static void boundInnerNode(const AxisBoxes* members, AxisBoxes* around, int k) {
 }
 
 /* A length that no coordinate or radius of member k exceeds. */
-static double extentOf(const AxisBoxes* around, int k) {
+static double coordinateBoundOf(const AxisBoxes* around, int k) {
   double corner[3] = {0, 0, 0};
   for (int d = 0; d < 3 && around->r[k] >= 0; d++) {
     corner[d] = larger(fabs((double)around->low[d][k]), fabs((double)around->high[d][k]));
@@ -62,6 +62,6 @@ void CT_WIDE(boundSnapshot)(Snapshot* snapshot, const Sequence* sequence, const 
       }
     }
   }
-  snapshot->extent = extentOf(&root, 0);
-  snapshot->band = DOUBLE_MARGIN * snapshot->extent;
+  snapshot->coordinateBound = coordinateBoundOf(&root, 0);
+  snapshot->tieBand = DOUBLE_MARGIN * snapshot->coordinateBound;
 }

@@ -29,7 +29,7 @@ static void takeEntry(Traversal* t, int leaf) {
   const int entry = t->nextEntry;
   const int other = t->leafOfEntry[entry];
   if (other != CT_NULL) {
-    t->worldTime[other] = NEVER;
+    t->worldRevision[other] = NO_REVISION;
     t->entryOf[other] = CT_NULL;
     t->inView[other] = NULL; /* its coordinates are overwritten */
   }
@@ -52,7 +52,7 @@ static void recomputeFrame(Traversal* t, int level, int node) {
   const int parent = treeParent(tree, level, node);
   *frame = transformCompose(&t->frame[t->entryOf[parent]], &tree->pose[node]);
   if (level > 0) {
-    t->frameTime[node - tree->levelBegin[1]] = tree->time;
+    t->frameRevision[node - tree->levelBegin[1]] = tree->revision;
   }
 }
 
@@ -61,16 +61,16 @@ void CT_WIDE(recomputeWorld)(Traversal* t, int level, int node) {
   const Tree* tree = t->tree;
   if (!hasFrame(t, level, node)) {
     recomputeFrame(t, level, node);
-  } else if (tree->contentTime[node] <= t->worldTime[node]) {
+  } else if (tree->contentRevision[node] <= t->worldRevision[node]) {
     confirmWorld(t, node);
     return;
   }
-  t->worldTime[node] = tree->contentTime[node] > tree->time ? tree->contentTime[node] : tree->time;
+  t->worldRevision[node] = tree->contentRevision[node] > tree->revision ? tree->contentRevision[node] : tree->revision;
   if (level == 0) {
     worldLeaf(t, node);
   } else {
     worldInnerNode(t, node);
-    t->membersTime[node - tree->levelBegin[1]] = t->worldTime[node];
+    t->membersRevision[node - tree->levelBegin[1]] = t->worldRevision[node];
   }
 }
 
@@ -91,24 +91,24 @@ Block* CT_WIDE(moveNode)(Traversal* t, int node) {
   }
   t->movedNode[entry] = node;
   Block* world = worldOf(t, node);
-  moveAll(world, world->r, t->motions[t->motion[node]], moved);
+  moveAll(world, world->r, t->motions[t->body[node]], moved);
   return moved;
 }
 
-/* A sphere around a straddler's members in the view. */
-static Sphere boundOfStraddler(const Traversal* t, const Straddler* s) {
+/* A sphere around a mixed node's members in the view. */
+static Sphere boundOfMixedNode(const Traversal* t, const MixedNode* s) {
   Sphere bound = middleOfBlock(&s->block);
-  /* The members may be straddlers: each level adds its own rounding, see FLOAT_MARGIN. */
-  bound.r += radiusAbout(bound, &s->block, s->block.r) + (float)floatMargin(t->extent);
+  /* The members may be mixed nodes: each level adds its own rounding, see FLOAT_MARGIN. */
+  bound.r += radiusAbout(bound, &s->block, s->block.r) + (float)floatMargin(t->coordinateBound);
   return bound;
 }
 
-void CT_WIDE(expandStraddler)(Traversal* t, int level, int node, int piece) {
+void CT_WIDE(placeMixedNode)(Traversal* t, int level, int node, int piece) {
   const View* view = t->view;
   const Tree* tree = t->tree;
-  t->nodeStamp[node] = t->stamp;
-  t->motion[node] = straddlerCode(t->straddlerCount);
-  Straddler* s = &t->straddlers[t->straddlerCount++];
+  t->placedIn[node] = t->descent;
+  t->body[node] = mixedNodeCode(t->mixedNodeCount);
+  MixedNode* s = &t->mixedNodes[t->mixedNodeCount++];
   s->node = node;
   s->isBoxed = false;
   t->inView[node] = &s->block;
@@ -118,7 +118,7 @@ void CT_WIDE(expandStraddler)(Traversal* t, int level, int node, int piece) {
   Float16 y = load16(world->y);
   Float16 z = load16(world->z);
   Float16 r = load16(world->r);
-  Float16 motions = allInts16(0);
+  Float16 bodies = allInts16(0);
   int end;
   const int begin = treeSlots(tree, level, node, &end);
   const int bits = TREE_WIDTH_BITS * level; /* of the width of a member */
@@ -133,23 +133,23 @@ void CT_WIDE(expandStraddler)(Traversal* t, int level, int node, int piece) {
     const int next = piece + 1 < view->pieceCount ? view->pieces[piece + 1].slotBegin : end;
     const int wholes = next < end ? (next - begin) >> bits : count;
     if (wholes > k) {
-      const int motion = view->pieces[piece].body;
+      const int body = view->pieces[piece].body;
       const unsigned mask = (1u << wholes) - (1u << k);
-      if (moves(view, motion)) {
-        x = blend16(mask, x, moved16(world, t->motions[motion]));
-        y = blend16(mask, y, moved16(world, t->motions[motion] + 4));
-        z = blend16(mask, z, moved16(world, t->motions[motion] + 8));
+      if (moves(view, body)) {
+        x = blend16(mask, x, moved16(world, t->motions[body]));
+        y = blend16(mask, y, moved16(world, t->motions[body] + 4));
+        z = blend16(mask, z, moved16(world, t->motions[body] + 8));
       }
-      motions = blend16(mask, motions, allInts16(motion));
+      bodies = blend16(mask, bodies, allInts16(body));
       k = wholes;
-    } else if (level > 0) { /* a slot straddles nothing */
-      const int code = t->motion[first + k];
-      const Sphere bound = boundOfStraddler(t, straddlerOf(t, code));
+    } else if (level > 0) { /* a slot has one body */
+      const int code = t->body[first + k];
+      const Sphere bound = boundOfMixedNode(t, mixedNodeOf(t, code));
       x = blend16(1u << k, x, all16(bound.x));
       y = blend16(1u << k, y, all16(bound.y));
       z = blend16(1u << k, z, all16(bound.z));
       r = blend16(1u << k, r, all16(bound.r));
-      motions = blend16(1u << k, motions, allInts16(code));
+      bodies = blend16(1u << k, bodies, allInts16(code));
       k++;
     }
   }
@@ -157,7 +157,7 @@ void CT_WIDE(expandStraddler)(Traversal* t, int level, int node, int piece) {
   store16(s->block.y, y);
   store16(s->block.z, z);
   store16(s->block.r, r);
-  storeInts16(s->motion, motions);
+  storeInts16(s->body, bodies);
 }
 
 void CT_WIDE(startView)(Traversal* t, const View* view) {
@@ -173,36 +173,36 @@ void CT_WIDE(startView)(Traversal* t, const View* view) {
       floatMotion(&view->motions[i], t->motions[i]);
     }
   }
-  t->extent = size + shift;
-  t->band = DOUBLE_MARGIN * t->extent;
-  if (++t->stamp == 0) {
-    memset(t->nodeStamp, 0, (size_t)tree->nodeCount * sizeof(uint32_t));
+  t->coordinateBound = size + shift;
+  t->tieBand = DOUBLE_MARGIN * t->coordinateBound;
+  if (++t->descent == 0) {
+    memset(t->placedIn, 0, (size_t)tree->nodeCount * sizeof(uint32_t));
     for (int i = 0; i < t->movedBoxesCapacity; i++) {
-      t->movedBoxes[i].stamp = 0;
+      t->movedBoxes[i].descent = 0;
     }
-    t->stamp = 1;
+    t->descent = 1;
   }
   if (t->worldHasSurfaces != view->surfaces) {
     for (int node = 0; node < tree->nodeCount; node++) {
-      t->worldTime[node] = NEVER;
+      t->worldRevision[node] = NO_REVISION;
     }
     t->worldHasSurfaces = view->surfaces;
-    t->firstNodesTime = NEVER;
-    t->steadyTime = NEVER;
+    t->firstNodesRevision = NO_REVISION;
+    t->steadyRevision = NO_REVISION;
   }
-  t->straddlerCount = 0;
+  t->mixedNodeCount = 0;
   t->nextMoved = 0;
   t->movedBoxesCount = 0;
 }
 
 Block* CT_WIDE(viewAgain)(Traversal* t, int node) {
-  const int code = t->motion[node];
+  const int code = t->body[node];
   Block* world = worldOf(t, node);
-  return code < 0 ? &straddlerOf(t, code)->block : moves(t->view, code) ? CT_WIDE(moveNode)(t, node) : world;
+  return code < 0 ? &mixedNodeOf(t, code)->block : moves(t->view, code) ? CT_WIDE(moveNode)(t, node) : world;
 }
 
 Visit CT_WIDE(startVisit)(Traversal* t, const View* view, CandidateFunction* function, void* context) {
   CT_WIDE(startView)(t, view);
-  const double margin = floatMargin(t->extent + fabs(view->reach));
+  const double margin = floatMargin(t->coordinateBound + fabs(view->reach));
   return (Visit){.function = function, .context = context, .reach = (float)(view->reach + margin), .margin = margin};
 }

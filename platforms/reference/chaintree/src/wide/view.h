@@ -13,20 +13,20 @@ void CT_WIDE(recomputeWorld)(Traversal* t, int level, int node);
 /* Moves the members of a node into the view. */
 Block* CT_WIDE(moveNode)(Traversal* t, int node);
 
-/* The members of an expanded node whose entry another node has taken. */
+/* Members of a placed node whose entry another node has taken. */
 Block* CT_WIDE(viewAgain)(Traversal* t, int node);
 
-/* Expands a node that straddles pieces; such nodes below it must be expanded. `piece` holds its first slot. */
-void CT_WIDE(expandStraddler)(Traversal* t, int level, int node, int piece);
+/* Places a mixed node in the view; mixed nodes below it must be placed. `piece` holds its first slot. */
+void CT_WIDE(placeMixedNode)(Traversal* t, int level, int node, int piece);
 
-/* Begins a descent with a new view: takes its motions, and bounds how large the scene is in it. */
+/* Starts a descent of a new view: takes its motions, and bounds how large the scene is in it. */
 void CT_WIDE(startView)(Traversal* t, const View* view);
 
 /* The same for a search for pairs, whose candidates go to `function`. */
 Visit CT_WIDE(startVisit)(Traversal* t, const View* view, CandidateFunction* function, void* context);
 
-static inline bool moves(const View* view, int motion) {
-  return motion > 0 && view->motions != NULL;
+static inline bool moves(const View* view, int body) {
+  return body > 0 && view->motions != NULL;
 }
 
 /* The piece that holds a slot. */
@@ -38,15 +38,15 @@ static inline int pieceOf(const View* view, int slot) {
   return piece;
 }
 
-/* The motion of a slot. */
-static inline int motionOfSlot(const View* view, int slot) {
+/* The body of a slot. */
+static inline int bodyOfSlot(const View* view, int slot) {
   return view->pieces[pieceOf(view, slot)].body;
 }
 
-/* The motion of a member of an expanded node, coded like Traversal.motion. */
-static inline int motionOfMember(const Traversal* t, int node, int k) {
-  const int code = t->motion[node];
-  return code < 0 ? straddlerOf(t, code)->motion[k] : code;
+/* The body of a member of a node that is placed in the view, coded like Traversal.body. */
+static inline int bodyOfMember(const Traversal* t, int node, int k) {
+  const int code = t->body[node];
+  return code < 0 ? mixedNodeOf(t, code)->body[k] : code;
 }
 
 /* Two at a time, as frames are stored: a processor waits for what it loads at once and has stored in parts. */
@@ -61,14 +61,14 @@ static inline void floatMotion(const Frame* f, float motion[12]) {
   }
 }
 
-/* True if the node's frame in the world is the one that is kept. */
+/* True if the kept world frame is right. */
 static inline bool hasFrame(const Traversal* t, int level, int node) {
   const Tree* tree = t->tree;
-  const int64_t since = t->worldTime[node];
-  if (since == NEVER) {
+  const int64_t since = t->worldRevision[node];
+  if (since == NO_REVISION) {
     return false;
   }
-  if (level < treeTop(tree) && t->frameTime[treeParent(tree, level, node) - tree->levelBegin[1]] > since) {
+  if (level < treeTop(tree) && t->frameRevision[treeParent(tree, level, node) - tree->levelBegin[1]] > since) {
     return false; /* mostly: the parent has moved since, or something in it */
   }
   int end;
@@ -76,12 +76,12 @@ static inline bool hasFrame(const Traversal* t, int level, int node) {
   return treeLeavesStay(tree, since, (end + TREE_WIDTH - 1) / TREE_WIDTH);
 }
 
-/* Marks a node's world coordinates, which are still right, as of now: the next look at them is quicker. */
+/* Marks world coordinates, which are still right, as of this revision: the next check is quicker. */
 static inline void confirmWorld(Traversal* t, int node) {
-  t->worldTime[node] = t->tree->time;
+  t->worldRevision[node] = t->tree->revision;
 }
 
-/* Brings the world coordinates of a node's members up to date with the state. Its parent's must be so. */
+/* Updates the world coordinates of a node's members to the state. Its parent's must be up to date. */
 static inline void updateWorld(Traversal* t, int level, int node) {
   if (!traversalHasWorld(t, node)) {
     CT_WIDE(recomputeWorld)(t, level, node);
@@ -92,8 +92,8 @@ CT_NOINLINE void updateLostLeaf(Traversal* t, int leaf) {
   updateWorld(t, 0, leaf);
 }
 
-/* The members of a node in the world, which were brought up to date before. A leaf may have lost its entry since then;
- * its parent has not. */
+/* World coordinates that were brought up to date before. A leaf may have lost its entry since then; its parent has not.
+ */
 CT_INLINE Block* worldOf(Traversal* t, int node) {
   if (t->entryOf[node] == CT_NULL) {
     updateLostLeaf(t, node);
@@ -101,14 +101,14 @@ CT_INLINE Block* worldOf(Traversal* t, int node) {
   return &t->world[t->entryOf[node]];
 }
 
-/* Brings the members of a node into the view, once a descent. Its parent must be expanded. */
-static inline void expand(Traversal* t, int level, int node) {
-  if (t->nodeStamp[node] == t->stamp) {
+/* Places the members of a node in the view, once a descent. Its parent must be placed. */
+static inline void placeInView(Traversal* t, int level, int node) {
+  if (t->placedIn[node] == t->descent) {
     return;
   }
-  t->nodeStamp[node] = t->stamp;
+  t->placedIn[node] = t->descent;
   updateWorld(t, level, node);
-  t->inView[node] = moves(t->view, t->motion[node]) ? CT_WIDE(moveNode)(t, node) : worldOf(t, node);
+  t->inView[node] = moves(t->view, t->body[node]) ? CT_WIDE(moveNode)(t, node) : worldOf(t, node);
 }
 
 /* No coordinate or radius of the state is larger. */
@@ -118,12 +118,12 @@ static inline double sizeOfState(const Tree* tree) {
   return bound->r < 0 ? 0 : sqrt(dot(centre, centre)) + (double)bound->r;
 }
 
-/* Moves a sphere of this motion from the world into the view. */
-static inline Sphere sphereInView(const Traversal* t, Sphere sphere, int motion) {
-  return moves(t->view, motion) ? movedSphere(sphere, t->motions[motion]) : sphere;
+/* Moves a sphere of this body from the world into the view. */
+static inline Sphere sphereInView(const Traversal* t, Sphere sphere, int body) {
+  return moves(t->view, body) ? movedSphere(sphere, t->motions[body]) : sphere;
 }
 
-/* The members of an expanded node in the view. */
+/* Members of a placed node in the view. */
 static inline const Block* blockOf(Traversal* t, int node) {
   if (t->inView[node] == NULL) {
     t->inView[node] = CT_WIDE(viewAgain)(t, node);
@@ -131,21 +131,20 @@ static inline const Block* blockOf(Traversal* t, int node) {
   return t->inView[node];
 }
 
-/* The members of two expanded nodes in the view. The second may take the entry of the first: so the first is asked for
- * again. */
+/* Members of two placed nodes. The second may take the entry of the first, so the first is fetched again. */
 static inline void blocksOf(Traversal* t, int a, int b, const Block* blocks[2]) {
   blockOf(t, a);
   blocks[1] = blockOf(t, b);
   blocks[0] = blockOf(t, a);
 }
 
-/* The members of a node that have this motion, as bits; none, if it is the code of a straddler. */
-static inline unsigned ofBody(const Traversal* t, int node, int motion) {
-  const int code = t->motion[node];
+/* The members of a node that are of this body, as bits; none, if it is the code of a mixed node. */
+static inline unsigned ofBody(const Traversal* t, int node, int body) {
+  const int code = t->body[node];
   if (code < 0) {
-    return motion < 0 ? 0 : equal16(straddlerOf(t, code)->motion, motion);
+    return body < 0 ? 0 : equal16(mixedNodeOf(t, code)->body, body);
   }
-  return code == motion ? 0xffff : 0;
+  return code == body ? 0xffff : 0;
 }
 
 #endif /* CT_VIEW_H_ */

@@ -6,14 +6,14 @@ static ChildBoxes* boxesOf(const Traversal* t, int node) {
 }
 
 /* The box around the members of a node, in its own frame. Makes it, and the boxes of the node's children, if they are
- * stale. */
+ * outdated. */
 static const Box* ownBox(Traversal* t, int level, int node) {
   const Tree* tree = t->tree;
   Box* box = &t->box[node];
-  if (!tree->boxIsStale[node]) {
+  if (!tree->boxIsOutdated[node]) {
     return box;
   }
-  tree->boxIsStale[node] = false;
+  tree->boxIsOutdated[node] = false;
   if (level == 0) {
     Block block;
     leafBlock(&tree->leaf[node], &block);
@@ -26,26 +26,26 @@ static const Box* ownBox(Traversal* t, int level, int node) {
   const int first = treeChildren(tree, level, node, &count);
   for (int k = 0; k < count; k++) {
     const int child = first + k;
-    moved = moved || (k > 0 && tree->shortcutTime[child - 1] > boxes->ownTime);
-    if (tree->bound[child].r >= 0 && (moved || tree->contentTime[child] > boxes->ownTime)) {
+    moved = moved || (k > 0 && tree->shortcutRevision[child - 1] > boxes->ownRevision);
+    if (tree->bound[child].r >= 0 && (moved || tree->contentRevision[child] > boxes->ownRevision)) {
       float pose[12];
       floatMotion(&tree->pose[child], pose);
       const Box inner = movedBox(ownBox(t, level - 1, child), pose);
       putBox(&boxes->own, k, &inner);
     }
   }
-  boxes->ownTime = tree->time + 1; /* bounds are tight then */
-  boxes->worldTime = NEVER;
-  /* Nobody asks for the box of the root. */
+  boxes->ownRevision = tree->revision + 1; /* bounds are tight then */
+  boxes->worldRevision = NO_REVISION;
+  /* The box of the root is not needed. */
   if (level < treeTop(tree)) {
     *box = boxAround(&treeMembers(tree, node)->block, &boxes->own, &tree->bound[node]);
   }
   return box;
 }
 
-/* The box around the members of a straddler, in the view. */
-static Box straddlerBox(Traversal* t, int level, int node) {
-  const Block* block = &straddlerOf(t, t->motion[node])->block;
+/* The box around the members of a mixed node, in the view. */
+static Box mixedNodeBox(Traversal* t, int level, int node) {
+  const Block* block = &mixedNodeOf(t, t->body[node])->block;
   const Sphere middle = middleOfBlock(block);
   const Bound bound = {middle.x, middle.y, middle.z, middle.r + radiusAbout(middle, block, block->r), 0};
   if (level == 0 || bound.r < 0) {
@@ -54,29 +54,29 @@ static Box straddlerBox(Traversal* t, int level, int node) {
   return boxAround(block, CT_WIDE(boxesInView)(t, level, node), &bound);
 }
 
-/* The boxes of the children of a straddler, in the view. */
-static const BoxBlock* straddlerBoxes(Traversal* t, int level, int node) {
+/* The boxes of the children of a mixed node, in the view. */
+static const BoxBlock* mixedNodeBoxes(Traversal* t, int level, int node) {
   const ChildBoxes* boxes = boxesOf(t, node);
-  Straddler* s = straddlerOf(t, t->motion[node]);
+  MixedNode* s = mixedNodeOf(t, t->body[node]);
   if (s->isBoxed) {
     return &s->boxes;
   }
   s->isBoxed = true;
   s->boxes = boxes->world;
   for (int k = 0; k < TREE_WIDTH;) {
-    /* Children of one motion are moved together. */
-    const int motion = s->motion[k];
+    /* Children of one body are moved together. */
+    const int body = s->body[k];
     unsigned run = 0;
-    for (; k < TREE_WIDTH && motion == s->motion[k]; k++) {
+    for (; k < TREE_WIDTH && body == s->body[k]; k++) {
       run |= 1u << k;
     }
-    if (moves(t->view, motion)) {
+    if (moves(t->view, body)) {
       BoxBlock moved;
-      moveBoxes(&boxes->world, t->motions[motion], &moved);
+      moveBoxes(&boxes->world, t->motions[body], &moved);
       replaceBoxes(&s->boxes, run, &moved);
-    } else if (motion < 0) {
+    } else if (body < 0) {
       const int child = __builtin_ctz(run);
-      const Box box = straddlerBox(t, level - 1, straddlerOf(t, motion)->node);
+      const Box box = mixedNodeBox(t, level - 1, mixedNodeOf(t, body)->node);
       putBox(&s->boxes, child, &box);
     }
   }
@@ -86,27 +86,27 @@ static const BoxBlock* straddlerBoxes(Traversal* t, int level, int node) {
 const BoxBlock* CT_WIDE(boxesInView)(Traversal* t, int level, int node) {
   ChildBoxes* boxes = boxesOf(t, node);
   ownBox(t, level, node);
-  const int64_t membersTime = t->membersTime[node - t->tree->levelBegin[1]];
-  if (boxes->worldTime != membersTime) {
-    boxes->worldTime = membersTime;
+  const int64_t membersRevision = t->membersRevision[node - t->tree->levelBegin[1]];
+  if (boxes->worldRevision != membersRevision) {
+    boxes->worldRevision = membersRevision;
     float frame[12];
     floatMotion(&t->frame[t->entryOf[node]], frame);
     moveBoxes(&boxes->own, frame, &boxes->world);
   }
-  const int code = t->motion[node];
+  const int code = t->body[node];
   if (code < 0) {
-    return straddlerBoxes(t, level, node);
+    return mixedNodeBoxes(t, level, node);
   }
   if (!moves(t->view, code)) {
     return &boxes->world;
   }
   MovedBoxes* moved = &t->movedBoxes[boxes->movedAt % t->movedBoxesCapacity];
-  if (moved->node != node || moved->stamp != t->stamp ||
-      t->movedBoxesCount - boxes->movedAt > t->movedBoxesCapacity - BOXES_OF_A_VISIT) {
+  if (moved->node != node || moved->descent != t->descent ||
+      t->movedBoxesCount - boxes->movedAt > t->movedBoxesCapacity - BOXES_PER_VISIT) {
     boxes->movedAt = t->movedBoxesCount++;
     moved = &t->movedBoxes[boxes->movedAt % t->movedBoxesCapacity];
     moved->node = node;
-    moved->stamp = t->stamp;
+    moved->descent = t->descent;
     moveBoxes(&boxes->world, t->motions[code], &moved->boxes);
   }
   return &moved->boxes;

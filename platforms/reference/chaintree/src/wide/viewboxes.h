@@ -4,7 +4,7 @@
 
 #include "view.h"
 
-/* The boxes of the children of an expanded node, in the view. They stay for the visit: see BOXES_OF_A_VISIT. */
+/* Boxes of the children of a placed node, in the view. They stay valid for the visit: see BOXES_PER_VISIT. */
 const BoxBlock* CT_WIDE(boxesInView)(Traversal* t, int level, int node);
 
 #endif /* CT_VIEWBOXES_H_ */

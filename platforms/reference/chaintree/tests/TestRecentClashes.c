@@ -20,7 +20,7 @@ static bool clashes(ctChainTree* scene, int link, double angle, ctCounts* counts
 }
 
 int main(void) {
-  /* Were particles thicker, what clashes in one turn would clash in so many others that asking paid. */
+  /* With thicker particles, what clashes in one turn would clash in enough others that recent clashes paid. */
   ctChainTree* scene = makeLattice(ONE_CHAIN, 0.3, 0);
   int link = 2;
   while (link < SITES - 2 && !clashes(scene, link, 0.1, NULL)) {
@@ -32,13 +32,13 @@ int main(void) {
     CHECK(clashes(scene, link, 0.1, &again));
     CHECK(again.volumeTests == 0 && again.particleTests == 1);
   }
-  /* A witness is nothing but a hint. */
+  /* A recent clash is only a hint. */
   CHECK(!clashes(scene, link, 1e-6, NULL));
   /* Each turn that clashes does so elsewhere: soon nobody is asked, but for a round now and then. */
   int asked = 0;
   for (int i = 0; i < 10000; i++) {
     clashes(scene, 2 + (int)(random01() * (SITES - 3)), 6 * random01() - 3, NULL);
-    asked += scene->witnesses.wait == 0;
+    asked += scene->recentClashes.wait == 0;
   }
   CHECK(asked < 2000);
   CHECK(asked > 100);

@@ -1,4 +1,4 @@
-/* Descents are told apart by a number of 32 bits. After some thousand million of them it starts anew, and nothing may
+/* Descents are told apart by a number of 32 bits. After some thousand million of them it starts again, and nothing may
  * be taken for what a descent of that number has left long ago. Looks inside the engine. */
 #define _POSIX_C_SOURCE 200809L /* setenv */
 
@@ -25,14 +25,14 @@ static void testWrap(const char* method) {
     const int link = 2 + (trial * 37) % (SITES - 2);
     const double angle = 0.3 * sin(trial);
     for (int wrap = 0; wrap < 2; wrap++) {
-      /* The second has the stamp of the first, which turns the same link by another angle. */
-      tree->traversal.stamp = UINT32_MAX;
+      /* The second has the number of the first, which turns the same link by another angle. */
+      tree->traversal.descent = UINT32_MAX;
       const double turn = wrap == 0 ? -3 * angle : angle;
       const bool clash = clashesTurned(other, link, turn);
       if (clashesTurned(tree, link, turn) != clash) {
         reportFailure("by %s, link %d turned by %g is called %d\n", method, link, turn, !clash);
       }
-      CHECK(tree->traversal.stamp < 5);
+      CHECK(tree->traversal.descent < 5);
       clashing += clash;
     }
   }

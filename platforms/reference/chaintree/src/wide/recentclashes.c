@@ -1,0 +1,50 @@
+#include "view.h"
+
+/* The sphere of a slot of this body in the view. */
+static Sphere slotSphere(Traversal* t, int slot, int body) {
+  const int leaf = coveringNode(slot);
+  const int64_t since = t->worldRevision[leaf];
+  if (t->tree->contentRevision[leaf] > since) {
+    CT_WIDE(updateWorldLeaf)(t, leaf);
+  } else if (!treeStays(t->tree, since)) {
+    if (hasFrame(t, 0, leaf)) {
+      confirmWorld(t, leaf);
+    } else {
+      CT_WIDE(updateWorldLeaf)(t, leaf);
+    }
+  }
+  return sphereInView(t, sphereOf(worldOf(t, leaf), memberIndex(slot)), body);
+}
+
+/* True if a recent clash clashes again, as `function` decides. Adds what that has cost. */
+bool CT_WIDE(testRecentClashes)(const RecentClashes* w, Traversal* t, const View* view, CandidateFunction* function,
+                                void* context, ctCounts* counts, int64_t* cost) {
+  CT_WIDE(startView)(t, view);
+  const float viewReach = (float)(view->reach + floatMargin(t->coordinateBound + fabs(view->reach)));
+  *cost += COST_OF_RECENT_CLASHES + COST_OF_RECENT_CLASH * w->count;
+  int particleTests = 0;
+  bool isOver = false;
+  for (int i = 0; i < w->count && !isOver; i++) {
+    const int* pair = w->pair[i];
+    const int bodyA = bodyOfSlot(view, pair[0]);
+    const int bodyB = bodyOfSlot(view, pair[1]);
+    if (bodyA == bodyB) {
+      continue;
+    }
+    *cost += COST_OF_RECENT_CLASH_TEST;
+    particleTests++;
+    const Sphere a = slotSphere(t, pair[0], bodyA);
+    const Sphere b = slotSphere(t, pair[1], bodyB);
+    const float reach = a.r + b.r + viewReach;
+    if ((a.x - b.x) * (a.x - b.x) + (a.y - b.y) * (a.y - b.y) + (a.z - b.z) * (a.z - b.z) >= reach * reach) {
+      continue;
+    }
+    double x[3];
+    double y[3];
+    ctPositionInView(t, pair[0], bodyA, x);
+    ctPositionInView(t, pair[1], bodyB, y);
+    isOver = !function(context, pair[0], pair[1], squaredDistance(x, y));
+  }
+  addTests(counts, 0, particleTests);
+  return isOver;
+}
