@@ -2,17 +2,16 @@
 #define OPENMM_CHAINTREE_NATIVEENERGYSUPPORT_H_
 
 /**
- * What the tests of native energies share: a System to give Forces to, and its energies by the kernel and by OpenMM.
+ * What the tests of native energies share: a System to give Forces to, and its energies by a Scene and by OpenMM.
  */
 
 #include "openmm/HarmonicAngleForce.h"
 #include "openmm/HarmonicBondForce.h"
-#include "openmm/Kernel.h"
 #include "openmm/NonbondedForce.h"
 #include "openmm/VerletIntegrator.h"
-#include "openmmchaintree/ChainTreeKernels.h"
 #include "openmmchaintree/internal/EnergyPlan.h"
 #include "openmmchaintree/internal/LinkStructure.h"
+#include "openmmchaintree/internal/Scene.h"
 #include "TestSupport.h"
 #include <memory>
 #include <random>
@@ -103,48 +102,49 @@ public:
         plan->translate(-1, true, TorsionMonteCarloIntegrator::Hard);
     }
     /**
-     * Make the Context, the plan and the kernel.
+     * Make the Context, the plan and the scene.
      */
     void build()
     {
         makePlan();
-        kernel = createKernel();
-        getKernel().setEnergyTerms(plan->getTerms());
-        getKernel().setPositions(chain.positions);
+        scene = createScene();
+        scene->getEnergy().setTerms(plan->getTerms());
+        scene->setPositions(chain.positions);
     }
     /**
-     * Make a kernel that has no state yet.
+     * Make a scene that has no state yet.
      */
-    OpenMM::Kernel createKernel()
+    std::unique_ptr<Scene> createScene()
     {
-        OpenMM::Kernel created = context->getPlatform().createKernel(CalcStericExclusionForceKernel::Name(), getImpl());
-        created.getAs<CalcStericExclusionForceKernel>().initialize(*chain.force,
-                                                                   LinkStructure(chain.system, *chain.force));
-        return created;
+        return std::unique_ptr<Scene>(new Scene(*chain.force, LinkStructure(chain.system, *chain.force)));
     }
     OpenMM::ContextImpl& getImpl()
     {
         return ContextOpener().open(*context);
     }
-    CalcStericExclusionForceKernel& getKernel()
+    Scene& getScene()
     {
-        return kernel.getAs<CalcStericExclusionForceKernel>();
+        return *scene;
+    }
+    SceneEnergy& getEnergy()
+    {
+        return scene->getEnergy();
     }
     /**
-     * Get the energy of each Force as the kernel has it.
+     * Get the energy of each Force as the scene has it.
      */
     std::vector<double> computeEnergies(bool force = false)
     {
-        getKernel().updateEnergy(force);
-        return plan->computeByForce(getKernel());
+        getEnergy().update(force);
+        return plan->computeByForce(getEnergy());
     }
     /**
-     * Get OpenMM's energy of force groups at the kernel's positions.
+     * Get OpenMM's energy of force groups at the scene's positions.
      */
     double computeOpenMMEnergy(int groups)
     {
         std::vector<OpenMM::Vec3> positions;
-        getKernel().getPositions(positions);
+        scene->getPositions(positions);
         context->setPositions(positions);
         return context->getState(OpenMM::State::Energy, false, groups).getPotentialEnergy();
     }
@@ -162,15 +162,15 @@ public:
         assertClose(former, computeEnergies()[index], tolerance);
         for (int trial = 0; trial < 30; trial++) {
             const int torsion = numbers.below(chain.force->getNumTorsions());
-            getKernel().proposeTorsions({torsion}, {numbers.between(-2, 2)});
+            scene->proposeTorsions({torsion}, {numbers.between(-2, 2)});
             double change = 0;
             for (int part = 0; part < 3; part++)
-                change += getKernel().getProposedEnergyChange((CalcStericExclusionForceKernel::EnergyPart)part);
+                change += getEnergy().computeEnergyChange((ctEnergyPart)part);
             if (trial % 3 == 0) {
-                getKernel().rejectProposal();
+                scene->reject();
                 continue;
             }
-            getKernel().acceptProposal();
+            scene->accept();
             const double energy = computeOpenMMEnergy(entry.groups);
             if (chain.system.getNumForces() == 2)
                 assertClose(energy - former, change, tolerance * (1 + fabs(former)));
@@ -194,7 +194,7 @@ private:
             throw OpenMM::OpenMMException(message.str());
         }
     }
-    OpenMM::Kernel kernel;
+    std::unique_ptr<Scene> scene;
 };
 
 } // namespace ChainTreePlugin

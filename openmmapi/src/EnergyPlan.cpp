@@ -5,8 +5,8 @@
 #include "openmm/Force.h"
 #include "openmm/NonbondedForce.h"
 #include "openmm/System.h"
-#include "openmmchaintree/ChainTreeKernels.h"
 #include "openmmchaintree/internal/ForceTranslation.h"
+#include "openmmchaintree/internal/SceneEnergy.h"
 #include "openmmchaintree/internal/SystemChecks.h"
 #include "openmmchaintree/StericExclusionForce.h"
 #include <algorithm>
@@ -348,14 +348,14 @@ vector<double> EnergyPlan::sumByForce(double nonbonded, double born, const vecto
     return energies;
 }
 
-vector<double> EnergyPlan::computeByForce(CalcStericExclusionForceKernel& kernel) const
+vector<double> EnergyPlan::computeByForce(SceneEnergy& energy) const
 {
     double nonbonded, born = 0;
     vector<double> pairSets, termSets, valueEnergies;
-    kernel.getEnergies(nonbonded, pairSets, termSets);
+    energy.getEnergies(nonbonded, pairSets, termSets);
     if (!terms.born.empty())
-        kernel.computeWholeEnergy(nonbonded, born);
+        energy.computeWhole(nonbonded, born);
     if (!terms.valueEnergies.empty())
-        kernel.computeValueEnergies(false, valueEnergies);
+        energy.computeValues(false, valueEnergies);
     return sumByForce(nonbonded, born, pairSets, termSets, valueEnergies);
 }

@@ -39,13 +39,13 @@ KeptGeometry::KeptGeometry(CheckpointReader& reader) : state(reader.readVector<d
     LimitPolicy::readStep(reader, limits);
 }
 
-void KeptGeometry::check(CalcStericExclusionForceKernel& kernel, const System& system) const
+void KeptGeometry::check(Scene& scene, const System& system) const
 {
-    kernel.setState(state);
+    scene.setState(state);
     vector<Vec3> positions;
     if (!state.empty()) {
-        kernel.setLimits(limits.pairs, limits.limits);
-        kernel.getPositions(positions);
+        scene.setLimits(limits.pairs, limits.limits);
+        scene.getPositions(positions);
     }
     if (agreedPositions.empty())
         return;

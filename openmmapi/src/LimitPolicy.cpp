@@ -10,13 +10,13 @@ using namespace std;
 static const long long NO_STEP = numeric_limits<long long>::min();
 
 LimitPolicy::LimitPolicy() :
-    kernel(NULL), isCurrent(false), dynamicsIsExpected(false), stepsAreAnnounced(true), stepBegun(NO_STEP)
+    scene(NULL), isCurrent(false), dynamicsIsExpected(false), stepsAreAnnounced(true), stepBegun(NO_STEP)
 {
 }
 
-void LimitPolicy::setKernel(CalcStericExclusionForceKernel& kernel)
+void LimitPolicy::setScene(Scene& scene)
 {
-    this->kernel = &kernel;
+    this->scene = &scene;
 }
 
 void LimitPolicy::expectDynamics(bool announced)
@@ -60,20 +60,20 @@ void LimitPolicy::parametersWereChanged()
 void LimitPolicy::update()
 {
     if (!isCurrent) {
-        kernel->raiseLimits();
+        scene->raiseLimits();
         isCurrent = true;
     }
 }
 
 void LimitPolicy::restart()
 {
-    kernel->clearLimits();
+    scene->clearLimits();
     isCurrent = false;
 }
 
 void LimitPolicy::setLimits(const vector<pair<int, int>>& pairs, const vector<double>& limits)
 {
-    kernel->setLimits(pairs, limits);
+    scene->setLimits(pairs, limits);
     isCurrent = false;
 }
 
@@ -82,7 +82,7 @@ void LimitPolicy::refuseToleratedClashes()
     update();
     vector<pair<int, int>> pairs;
     vector<double> limits;
-    kernel->getLimits(pairs, limits);
+    scene->getLimits(pairs, limits);
     if (pairs.empty())
         return;
     stringstream message;
@@ -109,7 +109,7 @@ void LimitPolicy::writeLimits(CheckpointWriter& writer) const
     vector<pair<int, int>> pairs;
     vector<double> limits;
     vector<LimitRecord> records;
-    kernel->getLimits(pairs, limits);
+    scene->getLimits(pairs, limits);
     for (size_t i = 0; i < pairs.size(); i++)
         records.push_back({pairs[i].first, pairs[i].second, limits[i]});
     writer.write(records);
@@ -138,7 +138,7 @@ void LimitPolicy::readStep(CheckpointReader& reader, Kept& kept)
 void LimitPolicy::restore(const Kept& kept, bool hasPositions)
 {
     if (hasPositions)
-        kernel->setLimits(kept.pairs, kept.limits);
+        scene->setLimits(kept.pairs, kept.limits);
     isCurrent = kept.isCurrent;
     stepBegun = kept.stepBegun;
 }

@@ -13,15 +13,11 @@ using namespace ChainTreePlugin;
 using namespace OpenMM;
 using namespace std;
 
-typedef CalcStericExclusionForceKernel EnergyKernel;
-
 /** After so many trials OpenMM's energy is compared again: an evaluation then costs nothing beside them. */
 static const long long TRIALS_BETWEEN_CHECKS = 1000000;
 
 /** The same where the last comparison did not say much, because the energy was huge. It grows with each of these. */
 static const long long TRIALS_AFTER_VAGUE_CHECK = 1000;
-
-static const int NUM_PARTS = 3;
 
 /** Overlapping cores exceed this energy, in kT: such states are never sampled. */
 static const double CORE_ENERGY = 60;
@@ -39,15 +35,15 @@ NativeEnergy::NativeEnergy(const TorsionMonteCarloIntegrator& integrator, Steric
                            ContextImpl& context) :
     integrator(integrator),
     force(force), context(context), plan(context), check(context, plan,
-                                                         [&force, &context] {
-                                                             return force.createKernel(context);
+                                                         [&force] {
+                                                             return force.createScene();
                                                          }),
     choice(getChoice()), forcesWereChanged(false), parametersWereChanged(true), energyIsOld(true),
     termsCanChange(false), pairsCanChange(false), valuesCanChange(false), foreign(context), trialsToCheck(0),
     checkInterval(TRIALS_AFTER_VAGUE_CHECK), numComputed(0), computedChange(0), nearChange(0), standInCutoff(0),
     standInIsSet(false), whole({false, 0, 0}), keptWhole({false, 0, 0}), values({false, {}}), keptValues({false, {}})
 {
-    // The kernel makes another scene for terms that need more particles, so it learns of them before it has made one.
+    // The scene needs another tree for terms of more particles, so it gets the terms before it has a tree.
 
     updatePlan();
 }
@@ -64,9 +60,9 @@ NativeEnergy::Choice NativeEnergy::getChoice() const
             CORE_ENERGY * BOLTZ * coreTemperature, standIn};
 }
 
-CalcStericExclusionForceKernel& NativeEnergy::getKernel() const
+SceneEnergy& NativeEnergy::getEnergy() const
 {
-    return force.getTrialKernel();
+    return force.getTrialScene().getEnergy();
 }
 
 // ---- The plan ----
@@ -82,13 +78,13 @@ void NativeEnergy::updatePlan()
         forcesWereChanged = parametersWereChanged = false;
     }
     else if (force.getOwnerOfEnergyTerms() != this)
-        setKernelTerms();
+        setTerms();
 }
 
-void NativeEnergy::setKernelTerms()
+void NativeEnergy::setTerms()
 {
     standInIsSet = whole.isCurrent = values.isCurrent = false;
-    force.setTrialSpheres(cores, context);
+    force.setTrialSpheres(cores);
     force.setEnergyTerms(plan.getTerms(), this);
 }
 
@@ -100,7 +96,7 @@ void NativeEnergy::translate()
     cores = isOff ? plan.findCoreSpheres(choice.groups, choice.coreEnergy) : CoreSpheres();
     trialsToCheck = 0;
     checkInterval = TRIALS_AFTER_VAGUE_CHECK;
-    setKernelTerms();
+    setTerms();
     const LinkStructure& structure = force.getLinkStructure();
     auto& molecules = structure.getMolecules();
     const bool somethingMoves = structure.hasJoints() ||
@@ -109,7 +105,7 @@ void NativeEnergy::translate()
                                 });
     vector<int> counts;
     if (!plan.getTerms().termSets.empty())
-        getKernel().countChangeableTerms(counts);
+        getEnergy().countChangeableTerms(counts);
     plan.setChangeableTerms(counts, somethingMoves);
     termsCanChange = any_of(counts.begin(), counts.end(), [](int count) {
         return count > 0;
@@ -263,14 +259,14 @@ void NativeEnergy::refuseState(TrialSession& trials) const
 }
 
 /**
- * Bring the kernel's energy up to date and get what it holds.
+ * Update the scene's energy and get what it holds.
  */
 const NativeEnergy::HeldEnergy& NativeEnergy::updateHeld()
 {
-    if (getKernel().updateEnergy(energyIsOld))
+    if (getEnergy().update(energyIsOld))
         whole.isCurrent = values.isCurrent = false;
     energyIsOld = false;
-    getKernel().getEnergies(held.pairs, held.pairSets, held.termSets);
+    getEnergy().getEnergies(held.pairs, held.pairSets, held.termSets);
     return held;
 }
 
@@ -280,7 +276,7 @@ const NativeEnergy::HeldEnergy& NativeEnergy::updateHeld()
 const NativeEnergy::WholeEnergy& NativeEnergy::updateWhole()
 {
     if (!whole.isCurrent)
-        getKernel().computeWholeEnergy(whole.nonbonded, whole.born);
+        getEnergy().computeWhole(whole.nonbonded, whole.born);
     whole.isCurrent = true;
     return whole;
 }
@@ -293,13 +289,13 @@ const vector<double>& NativeEnergy::updateValues()
     if (plan.getTerms().valueEnergies.empty())
         values.energies.clear();
     else if (!values.isCurrent)
-        getKernel().computeValueEnergies(false, values.energies);
+        getEnergy().computeValues(false, values.energies);
     values.isCurrent = true;
     return values.energies;
 }
 
 /**
- * Bring the kernel's energy up to date and get that of each Force.
+ * Update the scene's energy and get that of each Force.
  */
 vector<double> NativeEnergy::updateEnergies()
 {
@@ -314,7 +310,7 @@ vector<double> NativeEnergy::updateEnergies()
 void NativeEnergy::compareWithOpenMM(TrialSession& trials, const vector<double>& energies)
 {
     vector<Vec3> positions;
-    getKernel().getPositions(positions);
+    force.getTrialScene().getPositions(positions);
     const bool saysMuch = check.check(positions, energies, [&](int groups) {
         return trials.computeOtherEnergy(groups);
     });
@@ -352,22 +348,22 @@ double NativeEnergy::computeEnergy(TrialSession& trials)
 
 // ---- Trials ----
 
-bool NativeEnergy::canChange(EnergyKernel::EnergyPart part) const
+bool NativeEnergy::canChange(ctEnergyPart part) const
 {
-    return part == EnergyKernel::BondedPart ? termsCanChange : pairsCanChange;
+    return part == ctTermsPart ? termsCanChange : pairsCanChange;
 }
 
-double NativeEnergy::computeChange(EnergyKernel::EnergyPart part)
+double NativeEnergy::computeChange(ctEnergyPart part)
 {
-    // The kernel takes over what it has computed for an accepted trial only if it was asked for all parts.
+    // The scene holds the energy of an accepted trial only if all parts were computed.
 
-    const int end = (part == EnergyKernel::BondedPart && !pairsCanChange) ? NUM_PARTS : part + 1;
+    const int end = (part == ctTermsPart && !pairsCanChange) ? CT_ENERGY_PARTS : part + 1;
     if (numComputed == 0)
         trialsToCheck--;
     double change = 0;
     for (; numComputed < end; numComputed++)
-        change += getKernel().getProposedEnergyChange((EnergyKernel::EnergyPart)numComputed);
-    if (part == EnergyKernel::NearPairsPart)
+        change += getEnergy().computeEnergyChange((ctEnergyPart)numComputed);
+    if (part == ctNearPairsPart)
         nearChange = change;
     computedChange += change;
     return change;
@@ -389,7 +385,7 @@ double NativeEnergy::computeValuesChange()
     if (!termsCanChange && !pairsCanChange)
         trialsToCheck--;
     const double before = sumOf(updateValues());
-    getKernel().computeValueEnergies(true, proposedValues);
+    getEnergy().computeValues(true, proposedValues);
     const double after = sumOf(proposedValues);
     if (!isPossible(after))
         return numeric_limits<double>::quiet_NaN();
@@ -410,7 +406,7 @@ double NativeEnergy::getNearCorrection()
 {
     if (!hasStandIn())
         return 0;
-    const double changeBack = getKernel().getNearChangeBack();
+    const double changeBack = getEnergy().getNearChangeBack();
     if (changeBack == -nearChange)
         return 0; // also if both are infinite
     if (std::isnan(changeBack))
@@ -490,16 +486,16 @@ double NativeEnergy::getInnerEnergy()
 }
 
 /**
- * See to it that the kernel has the numbers of the stand-in. The first series of trials makes them.
+ * Give the scene the numbers of the stand-in. The first series of trials makes them.
  */
 void NativeEnergy::updateStandIn()
 {
     if (!hasStandIn() || standInIsSet)
         return;
     vector<double> present;
-    getKernel().getStandIn(present);
+    getEnergy().getStandIn(present);
     if (present.size() == standIn.size() && standInCutoff == choice.standIn.bornCutoff)
-        getKernel().setStandIn(standIn);
+        getEnergy().setStandIn(standIn);
     else
         computeStandIn();
     standInIsSet = true;
@@ -510,11 +506,11 @@ void NativeEnergy::updateStandIn()
  */
 void NativeEnergy::computeStandIn()
 {
-    // The kernel looks at new positions here, so that updateHeld() will not find any.
+    // The scene takes new positions here, so that updateHeld() will not find any.
 
-    getKernel().renewStandIn();
+    getEnergy().renewStandIn();
     whole.isCurrent = values.isCurrent = false;
-    getKernel().getStandIn(standIn);
+    getEnergy().getStandIn(standIn);
     standInCutoff = choice.standIn.bornCutoff;
 }
 
@@ -582,7 +578,5 @@ vector<double> NativeEnergy::readSchedule(const SerializationNode& node)
 
 string NativeEnergyStage::getName() const
 {
-    return part == EnergyKernel::BondedPart      ? "bonded terms"
-           : part == EnergyKernel::NearPairsPart ? "near pairs"
-                                                 : "other pairs";
+    return part == ctTermsPart ? "bonded terms" : part == ctNearPairsPart ? "near pairs" : "other pairs";
 }

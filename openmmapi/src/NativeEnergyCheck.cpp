@@ -5,7 +5,6 @@
 #include "openmm/Platform.h"
 #include "openmm/System.h"
 #include "openmm/VerletIntegrator.h"
-#include "openmmchaintree/ChainTreeKernels.h"
 #include "openmmchaintree/internal/ForceTranslation.h"
 #include <algorithm>
 #include <cmath>
@@ -21,7 +20,7 @@ using namespace std;
 
 static const int NUM_GROUPS = 32;
 
-// What may differ. The kernel's terms are in double. Its pairs are in single precision: the distance of two particles
+// What may differ. The scene's terms are in double. Its pairs are in single precision: the distance of two particles
 // is rounded by some 1e-7 nm, since leaves are some nm wide. What that makes of an energy is known from the forces,
 // also where parts of it cancel, and where particles overlap.
 
@@ -150,10 +149,8 @@ static bool agree(double energy1, double energy2, double tolerance, double hugeE
     return (!isfinite(energy1) || abs(energy1) > hugeEnergy) && (!isfinite(energy2) || abs(energy2) > hugeEnergy);
 }
 
-NativeEnergyCheck::NativeEnergyCheck(const ContextImpl& context, const EnergyPlan& plan,
-                                     const KernelMaker& makeKernel) :
-    context(context),
-    plan(plan), makeKernel(makeKernel)
+NativeEnergyCheck::NativeEnergyCheck(const ContextImpl& context, const EnergyPlan& plan, const SceneMaker& makeScene) :
+    context(context), plan(plan), makeScene(makeScene)
 {
 }
 
@@ -221,16 +218,15 @@ static vector<Vec3> shake(vector<Vec3> positions)
 }
 
 /**
- * Compute the energy of each Force in a kernel of its own.
+ * Compute the energy of each Force in another scene.
  */
 vector<double> NativeEnergyCheck::computeAnew(const vector<Vec3>& positions) const
 {
-    Kernel owner = makeKernel();
-    CalcStericExclusionForceKernel& kernel = owner.getAs<CalcStericExclusionForceKernel>();
-    kernel.setEnergyTerms(plan.getTerms());
-    kernel.setPositions(positions);
-    kernel.updateEnergy(true);
-    return plan.computeByForce(kernel);
+    const unique_ptr<Scene> scene = makeScene();
+    scene->getEnergy().setTerms(plan.getTerms());
+    scene->setPositions(positions);
+    scene->getEnergy().update(true);
+    return plan.computeByForce(scene->getEnergy());
 }
 
 /**
@@ -304,7 +300,7 @@ void NativeEnergyCheck::checkGroups(const vector<Result>& results, const GroupEn
 }
 
 /**
- * Let OpenMM evaluate each native Force. Its Contexts take far more memory than the kernel, so each lives only as long
+ * Let OpenMM evaluate each native Force. Its Contexts take far more memory than the scene, so each lives only as long
  * as it is needed.
  */
 vector<NativeEnergyCheck::Result> NativeEnergyCheck::evaluate(const vector<Vec3>& positions) const

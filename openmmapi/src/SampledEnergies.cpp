@@ -16,8 +16,6 @@ using namespace ChainTreePlugin;
 using namespace OpenMM;
 using namespace std;
 
-typedef CalcStericExclusionForceKernel EnergyKernel;
-
 bool TorsionMonteCarloIntegrator::getNativeEnergies() const
 {
     return nativeEnergies;
@@ -61,7 +59,7 @@ void TorsionMonteCarloIntegrator::renewStandIns(Context& context)
     ContextUse use(lock, ContextLock::User);
     requireContext(context);
     native->updatePlan();
-    TrialSession trials(*force, *this->context, force->getTrialKernel(), TrialSession::IgnoreLimits);
+    TrialSession trials(*force, *this->context, force->getTrialScene(), TrialSession::IgnoreLimits);
     native->renewStandIn();
 }
 
@@ -106,10 +104,10 @@ void TorsionMonteCarloIntegrator::bindEnergies(StericExclusionForceImpl& force, 
 {
     native.reset(new NativeEnergy(*this, force, context));
     stages.reset(new EnergyStages());
-    stages->add(make_unique<NativeEnergyStage>(*native, EnergyKernel::BondedPart));
-    stages->add(make_unique<NativeEnergyStage>(*native, EnergyKernel::NearPairsPart));
+    stages->add(make_unique<NativeEnergyStage>(*native, ctTermsPart));
+    stages->add(make_unique<NativeEnergyStage>(*native, ctNearPairsPart));
     stages->add(make_unique<SoftSphereEnergy>(*native));
-    stages->add(make_unique<NativeEnergyStage>(*native, EnergyKernel::OtherPairsPart));
+    stages->add(make_unique<NativeEnergyStage>(*native, ctOtherPairsPart));
     stages->add(make_unique<ValueEnergyStage>(*native));
     stages->add(make_unique<ForeignEnergy>(*native));
 }
@@ -129,7 +127,7 @@ double TorsionMonteCarloIntegrator::getPotentialEnergy(Context& context) const
     ContextUse use(lock, ContextLock::User);
     requireContext(context);
     native->updatePlan();
-    TrialSession trials(*force, *this->context, force->getTrialKernel(), TrialSession::IgnoreLimits);
+    TrialSession trials(*force, *this->context, force->getTrialScene(), TrialSession::IgnoreLimits);
     return native->computeEnergy(trials) + (native->getStericMode() == Soft ? trials.computeSoftEnergy() : 0);
 }
 

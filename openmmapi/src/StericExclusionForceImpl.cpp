@@ -1,5 +1,6 @@
 #include "openmmchaintree/internal/StericExclusionForceImpl.h"
 #include "openmm/OpenMMException.h"
+#include "openmmchaintree/ChainTreeKernels.h"
 #include "openmmchaintree/internal/ArgumentChecks.h"
 #include "openmmchaintree/internal/FlagGuard.h"
 #include "openmmchaintree/internal/SystemChecks.h"
@@ -67,7 +68,7 @@ static void warnOfPeriodicForces(const System& system)
 
 StericExclusionForceImpl::StericExclusionForceImpl(const StericExclusionForce& owner) :
     CustomCPPForceImpl(owner), owner(owner), life(make_shared<char>()), lock(make_shared<ContextLock>()),
-    isInitialized(false), engine(NULL), trialEngine(NULL), newest(NULL), otherIsBehind(false),
+    isInitialized(false), scene(NULL), trialScene(NULL), newest(NULL), otherIsBehind(false),
     trialSpheresWereFree(false), energyTermsOwner(NULL), proposalIsFree(false), settingPositions(false),
     energyIsSuppressed(false), hasVirtualSites(false)
 {
@@ -95,8 +96,8 @@ void StericExclusionForceImpl::initialize(ContextImpl& context)
     velocities.reset(new VelocityTurner(system, *structure));
 
     kernel = createKernel(context);
-    engine = trialEngine = newest = &kernel.getAs<CalcStericExclusionForceKernel>();
-    limits.setKernel(*engine);
+    scene = trialScene = newest = &kernel.getAs<CalcStericExclusionForceKernel>().getScene();
+    limits.setScene(*scene);
     CustomCPPForceImpl::initialize(context);
     warnOfPeriodicForces(system);
     isInitialized = true;
@@ -104,12 +105,7 @@ void StericExclusionForceImpl::initialize(ContextImpl& context)
 
 Kernel StericExclusionForceImpl::createKernel(ContextImpl& context) const
 {
-    return createKernel(context, *original);
-}
-
-Kernel StericExclusionForceImpl::createKernel(ContextImpl& context, const StericExclusionForce& spheres) const
-{
-    // The kernel knows nothing of Contexts, so where the platform has none of its own, the Reference platform's serves.
+    // The kernel knows nothing of Contexts, so the Reference platform's serves a platform that has none.
 
     const vector<string> kernelNames = {CalcStericExclusionForceKernel::Name()};
     Platform* platform = &context.getPlatform();
@@ -118,7 +114,7 @@ Kernel StericExclusionForceImpl::createKernel(ContextImpl& context, const Steric
     if (!platform->supportsKernels(kernelNames))
         fail("its kernel is missing; load the plugin library OpenMMChainTreeReference before creating a Context");
     Kernel created = platform->createKernel(CalcStericExclusionForceKernel::Name(), context);
-    created.getAs<CalcStericExclusionForceKernel>().initialize(spheres, *structure);
+    created.getAs<CalcStericExclusionForceKernel>().initialize(*original, *structure);
     return created;
 }
 
@@ -149,7 +145,7 @@ void StericExclusionForceImpl::updateParametersInContext(ContextImpl& context)
              "created "
              "with; "
              "reinitialize the Context");
-    engine->copyParameters(owner);
+    kernel.getAs<CalcStericExclusionForceKernel>().copyParametersToContext(context, owner);
     limits.parametersWereChanged();
     context.systemChanged();
 }
@@ -197,7 +193,7 @@ void StericExclusionForceImpl::adoptPositions(ContextImpl& context, const vector
 void StericExclusionForceImpl::updateState(ContextImpl& context)
 {
     updatePositions(context);
-    bringUpToDate(*engine);
+    bringUpToDate(*scene);
 }
 
 void StericExclusionForceImpl::updateContextState(ContextImpl& context, bool& forcesInvalid)
@@ -237,7 +233,7 @@ void StericExclusionForceImpl::takeNoticeOfPositions(ContextImpl& context)
 int StericExclusionForceImpl::getNumToleratedClashes(ContextImpl& context)
 {
     updateState(context);
-    return engine->getNumLimits();
+    return scene->getNumLimits();
 }
 
 void StericExclusionForceImpl::setContextPositions(ContextImpl& context, const vector<Vec3>& positions)
@@ -248,9 +244,9 @@ void StericExclusionForceImpl::setContextPositions(ContextImpl& context, const v
 }
 
 /**
- * Move the Context to a kernel's state.
+ * Move the Context to a scene's state.
  */
-void StericExclusionForceImpl::showState(ContextImpl& context, CalcStericExclusionForceKernel& shown)
+void StericExclusionForceImpl::showState(ContextImpl& context, Scene& shown)
 {
     // A platform may round positions, so what is agreed on is what the Context returns, and nothing if this fails.
 
@@ -259,11 +255,11 @@ void StericExclusionForceImpl::showState(ContextImpl& context, CalcStericExclusi
     context.getPositions(agreedPositions);
 }
 
-// ---- Two kernels ----
+// ---- Two scenes ----
 
-void StericExclusionForceImpl::setTrialSpheres(const CoreSpheres& spheres, ContextImpl& context)
+void StericExclusionForceImpl::setTrialSpheres(const CoreSpheres& spheres)
 {
-    CalcStericExclusionForceKernel* wanted = engine;
+    Scene* wanted = scene;
     if (!spheres.radii.empty()) {
         if (!(cores == spheres)) {
             StericExclusionForce replaced(*original);
@@ -273,19 +269,19 @@ void StericExclusionForceImpl::setTrialSpheres(const CoreSpheres& spheres, Conte
                 replaced.setParticleParameters(i, spheres.radii[i], StericExclusionForce::NoHydrogenBond);
             for (auto& exclusion : spheres.exclusions)
                 replaced.addExclusion(exclusion[0], exclusion[1]);
-            Kernel created = createKernel(context, replaced);
-            setTrialKernel(created.getAs<CalcStericExclusionForceKernel>());
-            coreKernel = created;
+            unique_ptr<Scene> created(new Scene(replaced, *structure));
+            setTrialScene(*created);
+            coreScene = std::move(created);
             cores = spheres;
         }
-        wanted = &coreKernel.getAs<CalcStericExclusionForceKernel>();
+        wanted = coreScene.get();
     }
-    setTrialKernel(*wanted);
+    setTrialScene(*wanted);
 }
 
-void StericExclusionForceImpl::setTrialKernel(CalcStericExclusionForceKernel& wanted)
+void StericExclusionForceImpl::setTrialScene(Scene& wanted)
 {
-    if (trialEngine == &wanted)
+    if (trialScene == &wanted)
         return;
     if (!agreedPositions.empty()) {
         // By the numbers of a checkpoint, so that a run that is resumed from one has the same bits.
@@ -293,39 +289,39 @@ void StericExclusionForceImpl::setTrialKernel(CalcStericExclusionForceKernel& wa
         vector<double> state;
         newest->getState(state);
         wanted.setState(state);
-        if (&wanted == engine)
+        if (&wanted == scene)
             limits.restart();
     }
-    trialEngine = &wanted;
+    trialScene = &wanted;
     stateWasChanged(wanted);
 }
 
 bool StericExclusionForceImpl::trialSpheresAreFree()
 {
-    trialSpheresWereFree = trialSpheresWereFree || !trialEngine->hasClash();
+    trialSpheresWereFree = trialSpheresWereFree || !trialScene->hasClash();
     return trialSpheresWereFree;
 }
 
 /**
- * Give a kernel the state if the other one has a newer one. This comes after updatePositions().
+ * Give a scene the state if the other one has a newer state. This comes after updatePositions().
  */
-void StericExclusionForceImpl::bringUpToDate(CalcStericExclusionForceKernel& behind)
+void StericExclusionForceImpl::bringUpToDate(Scene& behind)
 {
     if (!otherIsBehind || newest == &behind || agreedPositions.empty())
         return;
     behind.setPositions(agreedPositions);
     otherIsBehind = false;
-    if (&behind == engine)
+    if (&behind == scene)
         limits.restart();
 }
 
 /**
- * Take notice that a kernel's state was changed, by something else than trials that trialSpheresAreFree() allows.
+ * Take notice that something else than trials that trialSpheresAreFree() allows has changed a scene's state.
  */
-void StericExclusionForceImpl::stateWasChanged(CalcStericExclusionForceKernel& changed)
+void StericExclusionForceImpl::stateWasChanged(Scene& changed)
 {
     newest = &changed;
-    otherIsBehind = (trialEngine != engine);
+    otherIsBehind = (trialScene != scene);
     trialSpheresWereFree = false;
 }
 
@@ -333,7 +329,7 @@ void StericExclusionForceImpl::stateWasChanged(CalcStericExclusionForceKernel& c
 
 void StericExclusionForceImpl::getLimits(vector<pair<int, int>>& pairs, vector<double>& limits)
 {
-    engine->getLimits(pairs, limits);
+    scene->getLimits(pairs, limits);
 }
 
 void StericExclusionForceImpl::setLimits(ContextImpl& context, const vector<pair<int, int>>& pairs,
@@ -349,9 +345,9 @@ void StericExclusionForceImpl::createCheckpoint(CheckpointWriter& writer)
 
     velocities->forgetPause();
 
-    // Limits are those of the force's own spheres, so its kernel has to have the state.
+    // Limits are those of the force's own spheres, so its scene has to have the state.
 
-    bringUpToDate(*engine);
+    bringUpToDate(*scene);
     vector<double> state;
     newest->getState(state);
     writer.write(state);
@@ -362,8 +358,7 @@ void StericExclusionForceImpl::createCheckpoint(CheckpointWriter& writer)
 
 void StericExclusionForceImpl::checkCheckpoint(ContextImpl& context, const KeptGeometry& kept) const
 {
-    Kernel other = createKernel(context);
-    kept.check(other.getAs<CalcStericExclusionForceKernel>(), context.getSystem());
+    kept.check(*createScene(), context.getSystem());
 }
 
 bool StericExclusionForceImpl::havePositionsOf(ContextImpl& context, const KeptGeometry& kept) const
@@ -378,10 +373,10 @@ bool StericExclusionForceImpl::havePositionsOf(ContextImpl& context, const KeptG
 void StericExclusionForceImpl::loadCheckpoint(const KeptGeometry& kept)
 {
     agreedPositions.clear();
-    engine->setState(kept.state);
-    stateWasChanged(*engine);
-    if (trialEngine != engine) {
-        trialEngine->setState(kept.state);
+    scene->setState(kept.state);
+    stateWasChanged(*scene);
+    if (trialScene != scene) {
+        trialScene->setState(kept.state);
         otherIsBehind = false;
     }
     limits.restore(kept.limits, !kept.state.empty());
@@ -416,8 +411,8 @@ double StericExclusionForceImpl::computeForce(ContextImpl& context, const vector
     if (!lock->helperMayPass())
         use.reset(new ContextUse(lock, ContextLock::OpenMM));
     adoptPositions(context, positions);
-    bringUpToDate(*engine);
-    return engine->computeEnergy(forces);
+    bringUpToDate(*scene);
+    return kernel.getAs<CalcStericExclusionForceKernel>().execute(forces);
 }
 
 /**
@@ -437,7 +432,7 @@ double StericExclusionForceImpl::computeOtherEnergy(ContextImpl& context, int gr
 void StericExclusionForceImpl::setEnergyTerms(const EnergyTerms& terms, const void* owner)
 {
     energyTermsOwner = NULL;
-    trialEngine->setEnergyTerms(terms);
+    trialScene->getEnergy().setTerms(terms);
     energyTermsOwner = owner;
 }
 
@@ -446,44 +441,44 @@ void StericExclusionForceImpl::setEnergyTerms(const EnergyTerms& terms, const vo
 bool StericExclusionForceImpl::hasClash(ContextImpl& context)
 {
     updateState(context);
-    return engine->hasClash();
+    return scene->hasClash();
 }
 
 void StericExclusionForceImpl::getClashes(ContextImpl& context, vector<pair<int, int>>& pairs, vector<double>& overlaps)
 {
     updateState(context);
-    engine->getClashes(pairs, overlaps);
+    scene->getClashes(pairs, overlaps);
 }
 
 void StericExclusionForceImpl::getNeighborPairs(ContextImpl& context, double cutoff, vector<pair<int, int>>& pairs,
                                                 vector<double>& distances)
 {
     updateState(context);
-    engine->getNeighborPairs(cutoff, pairs, distances);
+    scene->getNeighborPairs(cutoff, pairs, distances);
 }
 
 double StericExclusionForceImpl::getMinimumDistance(ContextImpl& context, const vector<int>& particles1,
                                                     const vector<int>& particles2, int& particle1, int& particle2)
 {
     updateState(context);
-    return engine->getMinimumDistance(particles1, particles2, particle1, particle2);
+    return scene->getMinimumDistance(particles1, particles2, particle1, particle2);
 }
 
 void StericExclusionForceImpl::getClashesWith(ContextImpl& context, const Vec3& position, double radius,
                                               vector<int>& particles, vector<double>& overlaps)
 {
     updateState(context);
-    engine->getClashesWith(position, radius, particles, overlaps);
+    scene->getClashesWith(position, radius, particles, overlaps);
 }
 
 void StericExclusionForceImpl::getTraversalStatistics(long long& queries, long long& volumeTests,
                                                       long long& particleTests, long long& nodesUpdated)
 {
-    engine->getTraversalStatistics(queries, volumeTests, particleTests, nodesUpdated);
-    if (trialEngine == engine)
+    scene->getTraversalStatistics(queries, volumeTests, particleTests, nodesUpdated);
+    if (trialScene == scene)
         return;
     long long trialQueries, trialVolumeTests, trialParticleTests, trialNodesUpdated;
-    trialEngine->getTraversalStatistics(trialQueries, trialVolumeTests, trialParticleTests, trialNodesUpdated);
+    trialScene->getTraversalStatistics(trialQueries, trialVolumeTests, trialParticleTests, trialNodesUpdated);
     queries += trialQueries;
     volumeTests += trialVolumeTests;
     particleTests += trialParticleTests;
@@ -492,8 +487,8 @@ void StericExclusionForceImpl::getTraversalStatistics(long long& queries, long l
 
 void StericExclusionForceImpl::resetTraversalStatistics()
 {
-    engine->resetTraversalStatistics();
-    trialEngine->resetTraversalStatistics();
+    scene->resetTraversalStatistics();
+    trialScene->resetTraversalStatistics();
 }
 
 // ---- Trials for anyone's Monte Carlo ----
@@ -527,7 +522,7 @@ bool StericExclusionForceImpl::proposeTorsions(ContextImpl& context, const vecto
     for (size_t i = 0; i < torsions.size(); i++)
         if (!isfinite(changes[i]))
             fail("the change of torsion " + to_string(torsions[i]) + " is not finite");
-    TrialSession session(*this, context, *engine, TrialSession::ApplyLimits);
+    TrialSession session(*this, context, *scene, TrialSession::ApplyLimits);
     session.proposeTorsions(torsions, changes);
     const bool isFree = session.isFree();
     session.leaveOpen();
@@ -544,7 +539,7 @@ bool StericExclusionForceImpl::proposeBallRotations(ContextImpl& context, const 
     for (size_t i = 0; i < ballJoints.size(); i++)
         if (!isFinite(rotations[i]))
             fail("the rotation of ball joint " + to_string(ballJoints[i]) + " is not finite");
-    TrialSession session(*this, context, *engine, TrialSession::ApplyLimits);
+    TrialSession session(*this, context, *scene, TrialSession::ApplyLimits);
     session.proposeBallRotations(ballJoints, rotations);
     const bool isFree = session.isFree();
     session.leaveOpen();
@@ -560,7 +555,7 @@ bool StericExclusionForceImpl::proposeRigidMotion(ContextImpl& context, int part
     int molecule = structure->getParticleMolecule(particle);
     if (structure->getMolecules()[molecule].fixed)
         fail("the molecule of particle " + to_string(particle) + " has fixed particles and cannot move");
-    TrialSession session(*this, context, *engine, TrialSession::ApplyLimits);
+    TrialSession session(*this, context, *scene, TrialSession::ApplyLimits);
     session.proposeRigidMotion(molecule, rotation, translation);
     const bool isFree = session.isFree();
     session.leaveOpen();
@@ -572,7 +567,7 @@ bool StericExclusionForceImpl::proposeRigidMotion(ContextImpl& context, int part
  */
 void StericExclusionForceImpl::requireProposal() const
 {
-    if (!engine->hasProposal())
+    if (!scene->hasTrial())
         fail("there is no open proposal; propose a trial first, after the last change of positions");
 }
 
@@ -580,7 +575,7 @@ void StericExclusionForceImpl::getProposedPositions(ContextImpl& context, vector
 {
     updateState(context);
     requireProposal();
-    engine->getProposedPositions(positions);
+    scene->getTrialPositions(positions);
 }
 
 void StericExclusionForceImpl::getChangedNeighborPairs(ContextImpl& context, double cutoff,
@@ -589,12 +584,12 @@ void StericExclusionForceImpl::getChangedNeighborPairs(ContextImpl& context, dou
 {
     updateState(context);
     requireProposal();
-    engine->getChangedNeighborPairs(cutoff, pairs, before, after);
+    scene->getChangedNeighborPairs(cutoff, pairs, before, after);
 }
 
 void StericExclusionForceImpl::acceptProposal(ContextImpl& context)
 {
-    TrialSession session(*this, context, *engine, TrialSession::ApplyLimits);
+    TrialSession session(*this, context, *scene, TrialSession::ApplyLimits);
     requireProposal();
     session.accept();
     session.end();
@@ -602,7 +597,7 @@ void StericExclusionForceImpl::acceptProposal(ContextImpl& context)
 
 void StericExclusionForceImpl::rejectProposal()
 {
-    engine->rejectProposal();
+    scene->reject();
 }
 
 // ---- Torsion angles ----
@@ -612,7 +607,7 @@ void StericExclusionForceImpl::getTorsionAngles(ContextImpl& context, vector<dou
     updateState(context);
     angles.resize(original->getNumTorsions());
     for (int i = 0; i < (int)angles.size(); i++)
-        angles[i] = engine->getTorsionAngle(i);
+        angles[i] = scene->getTorsionAngle(i);
 }
 
 void StericExclusionForceImpl::setTorsionAngles(ContextImpl& context, const vector<double>& angles)
@@ -623,11 +618,11 @@ void StericExclusionForceImpl::setTorsionAngles(ContextImpl& context, const vect
     for (int i = 0; i < (int)angles.size(); i++)
         if (!isfinite(angles[i]))
             fail("the angle of torsion " + to_string(i) + " is not finite");
-    TrialSession session(*this, context, *engine, TrialSession::IgnoreLimits);
+    TrialSession session(*this, context, *scene, TrialSession::IgnoreLimits);
     vector<int> torsions;
     vector<double> changes;
     for (int i = 0; i < (int)angles.size(); i++) {
-        const double present = engine->getTorsionAngle(i), change = remainder(angles[i] - present, 2 * M_PI);
+        const double present = scene->getTorsionAngle(i), change = remainder(angles[i] - present, 2 * M_PI);
         if (structure->getLinkClosure(structure->getTorsionLinks()[i]) != -1) {
             // Angles that were read and come back may differ by their rounding.
 

@@ -861,7 +861,7 @@ int TorsionMonteCarloIntegrator::runTrials(int begin, SignalWatch& signals)
                                                       : TrialSession::IgnoreLimits;
     native->judgeOuterTests();
     native->updatePlan();
-    TrialSession trials(*force, *context, force->getTrialKernel(), limits);
+    TrialSession trials(*force, *context, force->getTrialScene(), limits);
     if (mode != Hard)
         force->getLimitPolicy().restart();
     else if (initialClashPolicy == Refuse)

@@ -5,14 +5,12 @@ using namespace ChainTreePlugin;
 using namespace OpenMM;
 using namespace std;
 
-TrialSession::TrialSession(StericExclusionForceImpl& force, ContextImpl& context,
-                           CalcStericExclusionForceKernel& kernel, Limits limits) :
-    force(force),
-    context(context), kernel(kernel), limits(limits), ownsTrial(false), contextIsBehind(false),
+TrialSession::TrialSession(StericExclusionForceImpl& force, ContextImpl& context, Scene& scene, Limits limits) :
+    force(force), context(context), scene(scene), limits(limits), ownsTrial(false), contextIsBehind(false),
     velocitiesAreBehind(false)
 {
     force.takeNoticeOfPositions(context);
-    force.bringUpToDate(kernel);
+    force.bringUpToDate(scene);
     if (limits == ApplyTrialSpheres && !force.trialSpheresAreFree())
         this->limits = IgnoreLimits;
 }
@@ -34,11 +32,11 @@ void TrialSession::end()
         reject();
     if (contextIsBehind) {
         contextIsBehind = false;
-        force.showState(context, kernel);
+        force.showState(context, scene);
     }
     if (velocitiesAreBehind) {
         velocitiesAreBehind = false;
-        force.velocities->end(context, kernel);
+        force.velocities->end(context, scene);
     }
 }
 
@@ -63,47 +61,47 @@ void TrialSession::ownTrial()
 {
     ownsTrial = true;
     force.proposalIsFree = false;
-    if (&kernel != force.engine)
-        force.engine->rejectProposal(); // that of a user
+    if (&scene != force.scene)
+        force.scene->reject(); // that of a user
 }
 
 void TrialSession::proposeTorsions(const vector<int>& torsions, const vector<double>& changes)
 {
     updateLimits();
-    kernel.proposeTorsions(torsions, changes);
+    scene.proposeTorsions(torsions, changes);
     ownTrial();
 }
 
 void TrialSession::proposeBallRotations(const vector<int>& ballJoints, const vector<Vec3>& rotations)
 {
     updateLimits();
-    kernel.proposeBallRotations(ballJoints, rotations);
+    scene.proposeBallRotations(ballJoints, rotations);
     ownTrial();
 }
 
 void TrialSession::proposeRigidMotion(int molecule, const Vec3& rotation, const Vec3& translation)
 {
     updateLimits();
-    kernel.proposeRigidMotion(molecule, rotation, translation);
+    scene.proposeRigidMotion(molecule, rotation, translation);
     ownTrial();
 }
 
 bool TrialSession::isFree()
 {
-    force.proposalIsFree = limits == IgnoreLimits || kernel.isProposalFree();
+    force.proposalIsFree = limits == IgnoreLimits || scene.test();
     return force.proposalIsFree;
 }
 
 void TrialSession::accept()
 {
     if (!velocitiesAreBehind)
-        force.velocities->begin(context, kernel);
+        force.velocities->begin(context, scene);
     velocitiesAreBehind = true;
-    kernel.acceptProposal();
+    scene.accept();
     ownsTrial = false;
     contextIsBehind = true;
     const bool spheresAreFree = (limits == ApplyTrialSpheres && force.proposalIsFree);
-    force.stateWasChanged(kernel);
+    force.stateWasChanged(scene);
     force.trialSpheresWereFree = spheresAreFree;
     if (limits == ApplyLimits && !force.proposalIsFree)
         force.limits.restart();
@@ -111,14 +109,14 @@ void TrialSession::accept()
 
 void TrialSession::reject()
 {
-    kernel.rejectProposal();
+    scene.reject();
     ownsTrial = false;
 }
 
 double TrialSession::computeSoftEnergy()
 {
     vector<Vec3> forces(context.getSystem().getNumParticles());
-    return kernel.computeEnergy(forces);
+    return scene.computeEnergy(forces);
 }
 
 double TrialSession::computeOtherEnergy(int groups)
@@ -129,7 +127,7 @@ double TrialSession::computeOtherEnergy(int groups)
 void TrialSession::showProposal()
 {
     contextIsBehind = true;
-    force.setContextPositions(context, kernel.followProposal());
+    force.setContextPositions(context, scene.followTrial());
 }
 
 void TrialSession::showState()
@@ -137,7 +135,7 @@ void TrialSession::showState()
     if (!contextIsBehind)
         return;
     contextIsBehind = false;
-    force.showState(context, kernel);
+    force.showState(context, scene);
 }
 
 void TrialSession::keepState()
@@ -145,12 +143,12 @@ void TrialSession::keepState()
     // Limits start from the state before the first trial.
 
     updateLimits();
-    kernel.keepState();
+    scene.save();
 }
 
 void TrialSession::takeBackState()
 {
-    kernel.takeBackState();
+    scene.restore();
     ownsTrial = false;
     contextIsBehind = true;
 }

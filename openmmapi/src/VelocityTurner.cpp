@@ -98,11 +98,11 @@ bool VelocityTurner::findVelocities(ContextImpl& context)
     return found;
 }
 
-void VelocityTurner::begin(ContextImpl& context, CalcStericExclusionForceKernel& kernel)
+void VelocityTurner::begin(ContextImpl& context, Scene& scene)
 {
     hasBegun = findVelocities(context) && canBeTurned();
     if (hasBegun)
-        kernel.getOrientations(before);
+        scene.getOrientations(before);
 }
 
 // ---- Turning ----
@@ -135,12 +135,12 @@ void VelocityTurner::setVelocities(ContextImpl& context, const vector<Vec3>& val
     context.setVelocities(values);
 }
 
-void VelocityTurner::end(ContextImpl& context, CalcStericExclusionForceKernel& kernel)
+void VelocityTurner::end(ContextImpl& context, Scene& scene)
 {
     if (!hasBegun)
         return;
     hasBegun = false;
-    kernel.getOrientations(turns);
+    scene.getOrientations(turns);
     if (!ctFindTurns(turns.size(), rows(before), rows(turns)))
         return;
     turn(velocities);

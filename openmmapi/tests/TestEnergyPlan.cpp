@@ -25,12 +25,12 @@ static void assertEntry(const EnergyPlan& plan, int force, EnergyPlan::Kind kind
 }
 
 /**
- * Let the kernel say which terms can change.
+ * Let the scene say which terms can change.
  */
 static void countChangeableTerms(NativeScene& scene, bool somethingMoves = true)
 {
     vector<int> counts;
-    scene.getKernel().countChangeableTerms(counts);
+    scene.getEnergy().countChangeableTerms(counts);
     scene.plan->setChangeableTerms(counts, somethingMoves);
 }
 

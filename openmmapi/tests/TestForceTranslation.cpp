@@ -358,7 +358,7 @@ void testGlobalParameters()
     scene.context->setParameter("half", 3.25);
     scene.context->setParameter("minus", 0.5);
     scene.plan->translate(-1, true, TorsionMonteCarloIntegrator::Hard);
-    scene.getKernel().setEnergyTerms(scene.plan->getTerms());
+    scene.getEnergy().setTerms(scene.plan->getTerms());
     scene.assertAgreement(index);
 }
 
@@ -435,7 +435,7 @@ void testOffsets()
         scene.context->setParameter("lambda", lambda);
         scene.context->setParameter("mu", 0.75);
         scene.plan->translate(-1, true, TorsionMonteCarloIntegrator::Hard);
-        scene.getKernel().setEnergyTerms(scene.plan->getTerms());
+        scene.getEnergy().setTerms(scene.plan->getTerms());
         scene.assertAgreement(index, PAIR_TOLERANCE);
     }
 }

@@ -1,6 +1,6 @@
 /**
- * This tests what the kernel keeps and takes back: a kernel that has been changed and taken back has the bits of one to
- * which nothing has happened, in all that can be asked.
+ * This tests save() and restore() of a Scene: a scene that was changed and restored has the bits of one that was never
+ * changed, in every answer.
  */
 
 #include "NativeEnergySupport.h"
@@ -11,8 +11,6 @@
 using namespace ChainTreePlugin;
 using namespace OpenMM;
 using namespace std;
-
-typedef CalcStericExclusionForceKernel EnergyKernel;
 
 /**
  * Spheres with clashes, and energies of all kinds of parts.
@@ -36,8 +34,8 @@ public:
         add(nonbonded);
         add(torsions);
         build();
-        getKernel().raiseLimits();
-        getKernel().updateEnergy(true);
+        getScene().raiseLimits();
+        getEnergy().update(true);
     }
     /**
      * Run trials and write down all that they say.
@@ -46,21 +44,21 @@ public:
     {
         OddNumbers chance(seed);
         vector<double> said;
-        EnergyKernel& kernel = getKernel();
+        Scene& scene = getScene();
         for (int i = 0; i < numTrials; i++) {
             if (chance.below(3) == 0)
-                kernel.proposeRigidMotion(1 + chance.below(3), Vec3(chance.between(-0.5, 0.5), 0.1, 0.2),
-                                          Vec3(0.1, chance.between(-0.2, 0.2), 0));
+                scene.proposeRigidMotion(1 + chance.below(3), Vec3(chance.between(-0.5, 0.5), 0.1, 0.2),
+                                         Vec3(0.1, chance.between(-0.2, 0.2), 0));
             else
-                kernel.proposeTorsions({chance.below(chain.force->getNumTorsions())}, {chance.between(-1, 1)});
-            said.push_back(kernel.isProposalFree());
+                scene.proposeTorsions({chance.below(chain.force->getNumTorsions())}, {chance.between(-1, 1)});
+            said.push_back(scene.test());
             for (int part = 0; part < 3; part++)
-                said.push_back(kernel.getProposedEnergyChange((EnergyKernel::EnergyPart)part));
-            append(said, kernel.followProposal());
+                said.push_back(getEnergy().computeEnergyChange((ctEnergyPart)part));
+            append(said, scene.followTrial());
             if (i % 3 == 1)
-                kernel.rejectProposal();
+                scene.reject();
             else
-                kernel.acceptProposal();
+                scene.accept();
         }
         return said;
     }
@@ -69,28 +67,28 @@ public:
      */
     vector<double> ask()
     {
-        EnergyKernel& kernel = getKernel();
+        Scene& scene = getScene();
         vector<double> said;
-        kernel.getState(said);
+        scene.getState(said);
         double pairs;
         vector<double> pairSets, termSets, limits, overlaps, distances;
-        ASSERT(!kernel.updateEnergy(false));
-        kernel.getEnergies(pairs, pairSets, termSets);
+        ASSERT(!getEnergy().update(false));
+        getEnergy().getEnergies(pairs, pairSets, termSets);
         said.push_back(pairs);
         said.insert(said.end(), termSets.begin(), termSets.end());
         vector<pair<int, int>> limited, clashing, near;
-        kernel.getLimits(limited, limits);
-        kernel.getClashes(clashing, overlaps);
-        kernel.getNeighborPairs(2.5, near, distances);
+        scene.getLimits(limited, limits);
+        scene.getClashes(clashing, overlaps);
+        scene.getNeighborPairs(2.5, near, distances);
         for (auto& found : {limited, clashing, near})
             for (auto& each : found)
                 said.insert(said.end(), {(double)each.first, (double)each.second});
         for (auto& found : {limits, overlaps, distances})
             said.insert(said.end(), found.begin(), found.end());
         vector<Vec3> positions, forces(chain.system.getNumParticles());
-        kernel.getPositions(positions);
+        scene.getPositions(positions);
         append(said, positions);
-        said.push_back(kernel.computeEnergy(forces));
+        said.push_back(scene.computeEnergy(forces));
         append(said, forces);
         return said;
     }
@@ -110,20 +108,20 @@ static void assertSame(const vector<double>& expected, const vector<double>& fou
 }
 
 /**
- * Change something and take it back, in one of two scenes that are alike.
+ * Change something and restore the state, in one of two equal scenes.
  */
-static void testTakenBack(const function<void(KeptScene&)>& change)
+static void testRestored(const function<void(KeptScene&)>& change)
 {
     KeptScene scene, twin;
     for (KeptScene* each : {&scene, &twin})
         each->run(1, 30);
     assertSame(twin.ask(), scene.ask());
     for (int block = 0; block < 3; block++) {
-        scene.getKernel().keepState();
+        scene.getScene().save();
         for (int i = 0; i < 2; i++) {
             change(scene);
-            scene.getKernel().takeBackState();
-            ASSERT(!scene.getKernel().hasProposal());
+            scene.getScene().restore();
+            ASSERT(!scene.getScene().hasTrial());
             assertSame(twin.ask(), scene.ask());
         }
         assertSame(twin.run(50 + block, 20), scene.run(50 + block, 20));
@@ -133,68 +131,68 @@ static void testTakenBack(const function<void(KeptScene&)>& change)
 
 static void testChanges()
 {
-    testTakenBack([](KeptScene& scene) {
+    testRestored([](KeptScene& scene) {
         scene.run(7, 25);
     });
-    testTakenBack([](KeptScene& scene) { // with a trial left open
+    testRestored([](KeptScene& scene) { // with a trial left open
         scene.run(8, 9);
-        scene.getKernel().proposeTorsions({2}, {0.5});
-        ASSERT(scene.getKernel().getProposedEnergyChange(EnergyKernel::BondedPart) != 0);
+        scene.getScene().proposeTorsions({2}, {0.5});
+        ASSERT(scene.getEnergy().computeEnergyChange(ctTermsPart) != 0);
     });
-    testTakenBack([](KeptScene& scene) { // other limits
+    testRestored([](KeptScene& scene) { // other limits
         scene.run(9, 40);
-        const int former = scene.getKernel().getNumLimits();
+        const int former = scene.getScene().getNumLimits();
         ASSERT(former > 0);
-        scene.getKernel().raiseLimits();
-        ASSERT(scene.getKernel().getNumLimits() > former);
+        scene.getScene().raiseLimits();
+        ASSERT(scene.getScene().getNumLimits() > former);
     });
-    testTakenBack([](KeptScene& scene) { // none
-        scene.getKernel().clearLimits();
+    testRestored([](KeptScene& scene) { // none
+        scene.getScene().clearLimits();
         scene.run(10, 9);
     });
-    testTakenBack([](KeptScene& scene) { // a recomputed energy, and an old one
+    testRestored([](KeptScene& scene) { // a recomputed energy, and an old one
         scene.run(11, 9);
-        ASSERT(scene.getKernel().updateEnergy(true));
-        scene.getKernel().proposeTorsions({2}, {0.5});
-        scene.getKernel().acceptProposal();
+        ASSERT(scene.getEnergy().update(true));
+        scene.getScene().proposeTorsions({2}, {0.5});
+        scene.getScene().accept();
     });
 }
 
-static void testNothingToTakeBack()
+static void testNothingToRestore()
 {
-    // What was kept is of the energy and the scene there were.
+    // What was saved belongs to the former energy and tree.
 
-    KeptScene scene;
-    EnergyKernel& kernel = scene.getKernel();
+    KeptScene kept;
+    Scene& scene = kept.getScene();
     auto assertNothing = [&] {
-        assertThrows("no state was kept", [&] {
-            kernel.takeBackState();
+        assertThrows("no state was saved", [&] {
+            scene.restore();
         });
     };
     assertNothing();
-    kernel.keepState();
-    kernel.takeBackState();
-    kernel.setEnergyTerms(scene.plan->getTerms());
+    scene.save();
+    scene.restore();
+    scene.getEnergy().setTerms(kept.plan->getTerms());
     assertNothing();
-    kernel.keepState();
+    scene.save();
     vector<double> state;
-    kernel.getState(state);
-    kernel.setState(state);
+    scene.getState(state);
+    scene.setState(state);
     assertNothing();
 
-    // An energy that was made since belongs to nothing that was kept.
+    // An energy that was made after save() was not saved.
 
-    kernel.keepState();
-    kernel.updateEnergy(false);
-    scene.run(3, 5);
-    kernel.takeBackState();
-    ASSERT(kernel.updateEnergy(false));
+    scene.save();
+    scene.getEnergy().update(false);
+    kept.run(3, 5);
+    scene.restore();
+    ASSERT(scene.getEnergy().update(false));
 }
 
 int main()
 {
     return runOnPlatform("Reference", [](Platform&) {
         testChanges();
-        testNothingToTakeBack();
+        testNothingToRestore();
     });
 }

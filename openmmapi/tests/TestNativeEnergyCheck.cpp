@@ -33,11 +33,11 @@ public:
     {
         NativeScene::build();
         check.reset(new NativeEnergyCheck(getImpl(), *plan, [this] {
-            return createKernel();
+            return createScene();
         }));
     }
     /**
-     * Check the kernel's energies.
+     * Check the scene's energies.
      */
     bool run()
     {
@@ -46,7 +46,7 @@ public:
     bool run(const vector<double>& energies)
     {
         vector<Vec3> positions;
-        getKernel().getPositions(positions);
+        getScene().getPositions(positions);
         groupsAskedFor = 0;
         return check->check(positions, energies, [this](int groups) {
             groupsAskedFor |= groups;
@@ -62,7 +62,7 @@ public:
     void translate()
     {
         plan->translate(-1, true, TorsionMonteCarloIntegrator::Hard);
-        getKernel().setEnergyTerms(plan->getTerms());
+        getEnergy().setTerms(plan->getTerms());
     }
     void copyForces()
     {
@@ -72,7 +72,7 @@ public:
     void setPositions(const vector<Vec3>& positions)
     {
         context->setPositions(positions);
-        getKernel().setPositions(positions);
+        getScene().setPositions(positions);
     }
     unique_ptr<NativeEnergyCheck> check;
     int groupsAskedFor;
@@ -154,7 +154,7 @@ void testMisreadForces()
     auto plant = [&](const string& name, const string& what, const function<void(EnergyTerms&)>& misread) {
         EnergyTerms terms = truth;
         misread(terms);
-        scene.getKernel().setEnergyTerms(terms);
+        scene.getEnergy().setTerms(terms);
         try {
             scene.assertFound("the energy of force " + to_string(added[name]) + " (" + name + ")");
         }
@@ -246,7 +246,7 @@ void testMisreadForces()
     plant(pairs, "a lost exclusion", [](EnergyTerms& terms) {
         terms.nonbonded[0].exclusions[0] = {0, 14};
     });
-    scene.getKernel().setEnergyTerms(truth);
+    scene.getEnergy().setTerms(truth);
     ASSERT(scene.run());
 }
 
@@ -269,7 +269,7 @@ void testMisreadSolvent()
     auto plant = [&](const string& what, const function<void(EnergyTerms::Born&)>& misread) {
         EnergyTerms terms = truth;
         misread(terms.born[0]);
-        scene.getKernel().setEnergyTerms(terms);
+        scene.getEnergy().setTerms(terms);
         try {
             scene.assertFound("the energy of force " + to_string(index) + " (GBSAOBCForce)");
         }
@@ -304,7 +304,7 @@ void testMisreadSolvent()
     plant("a cutoff", [](EnergyTerms::Born& born) {
         born.cutoff = 2;
     });
-    scene.getKernel().setEnergyTerms(truth);
+    scene.getEnergy().setTerms(truth);
     ASSERT(scene.run());
 }
 
@@ -321,7 +321,7 @@ void testManyForces()
     for (int i : {0, 31, 32, 63, 69}) {
         EnergyTerms terms = scene.plan->getTerms();
         terms.termSets[i].parameters[0] += 0.1;
-        scene.getKernel().setEnergyTerms(terms);
+        scene.getEnergy().setTerms(terms);
         scene.assertFound("the energy of force " + to_string(i + 1) + " (HarmonicBondForce)");
     }
 }
@@ -433,7 +433,7 @@ void testRoundingAlike()
         scene.run(energies);
     });
     const_cast<EnergyTerms&>(scene.plan->getTerms()).nonbonded[0].charges[NativeScene::NUM_BEADS] += 0.01;
-    scene.getKernel().setEnergyTerms(scene.plan->getTerms());
+    scene.getEnergy().setTerms(scene.plan->getTerms());
     scene.assertFound(message);
 }
 
@@ -509,11 +509,11 @@ void testVirtualSites()
     scene.build();
     ASSERT(scene.run());
     for (int i = 0; i < 20; i++) {
-        scene.getKernel().proposeTorsions({i % 8}, {0.02});
-        scene.getKernel().acceptProposal();
+        scene.getScene().proposeTorsions({i % 8}, {0.02});
+        scene.getScene().accept();
         ASSERT(scene.run());
         vector<Vec3> positions;
-        scene.getKernel().getPositions(positions);
+        scene.getScene().getPositions(positions);
         scene.context->setPositions(positions);
         scene.context->computeVirtualSites();
         ASSERT_EQUAL_VEC(positions[site], getPositions(*scene.context)[site], 1e-12);

@@ -1,6 +1,6 @@
 /**
  * This tests the translation of CustomNonbondedForces against OpenMM: what they become, by plain sums in double, and
- * what the kernel makes of that.
+ * what the scene makes of that.
  */
 
 #include "NativeEnergySupport.h"
@@ -57,9 +57,9 @@ static void assertNative(CustomNonbondedForce* force, const map<string, double>&
     ASSERT(fabs(expected) > 1e-3);
     ASSERT_EQUAL_TOL(expected, computePlainEnergy(terms.pairSets[0], scene.chain.positions), 1e-10);
 
-    // The kernel's pairs are in single precision.
+    // The scene's pairs are in single precision.
 
-    scene.getKernel().setEnergyTerms(terms);
+    scene.getEnergy().setTerms(terms);
     scene.assertAgreement(index, 5e-5);
 }
 

@@ -280,7 +280,7 @@ static void testCheck()
     const int index = scene.add(force);
     scene.build();
     const NativeEnergyCheck check(scene.getImpl(), *scene.plan, [&scene] {
-        return scene.createKernel();
+        return scene.createScene();
     });
     vector<double> energies = scene.computeEnergies();
     ASSERT(check.check(scene.chain.positions, energies, NativeEnergyCheck::GroupEnergy()));

@@ -14,23 +14,23 @@
 
 namespace ChainTreePlugin {
 
-class CalcStericExclusionForceKernel;
+class SceneEnergy;
 
 /**
  * Who evaluates the energy of each Force of a Context, and why.
  *
  * A plan is made when the Context is. Like OpenMM, it goes by the force groups of that time, and by the Forces as they
  * were then or at the last copyForces(), whatever becomes of them. translate() turns these copies into terms;
- * setChangeableTerms() tells what the kernel has found out about those.
+ * setChangeableTerms() tells which of them moves can change.
  */
 class OPENMM_EXPORT_CHAINTREE EnergyPlan {
 public:
     enum Kind {
         /** It has no part in U. */
         None,
-        /** The kernel evaluates it once, since no move can change it. */
+        /** The scene evaluates it once, since no move can change it. */
         Constant,
-        /** The kernel evaluates what a trial changes of it. */
+        /** The scene evaluates what a trial changes of it. */
         Native,
         /** OpenMM evaluates it. */
         Foreign
@@ -79,14 +79,14 @@ public:
      */
     CoreSpheres findCoreSpheres(int groups, double energy) const;
     /**
-     * Get the terms of all native and constant Forces, for CalcStericExclusionForceKernel::setEnergyTerms().
+     * Get the terms of all native and constant Forces, for SceneEnergy::setTerms().
      */
     const EnergyTerms& getTerms() const
     {
         return terms;
     }
     /**
-     * Take notice of what CalcStericExclusionForceKernel::countChangeableTerms() says.
+     * Take notice of what SceneEnergy::countChangeableTerms() says.
      *
      * @param counts         for each set of terms, how many of them some move could change
      * @param somethingMoves whether there is anything that a move could change
@@ -109,25 +109,24 @@ public:
      */
     int getGroups(Kind kind) const;
     /**
-     * Get the indices of the native and constant Forces that the kernel evaluates.
+     * Get the indices of the native and constant Forces that the scene evaluates.
      */
     std::set<int> getTranslatedForces() const;
     /**
      * Get the force groups of U without foreign Forces, but with native or constant ones: there, OpenMM's energy and
-     * that of the kernel are the same.
+     * that of the scene are the same.
      */
     int getWhollyNativeGroups() const;
     /**
-     * Sum up energies as CalcStericExclusionForceKernel::getEnergies(), computeWholeEnergy() and
-     * computeValueEnergies() give them: the energy of each Force by its index in the System, 0 for those that the
-     * kernel does not evaluate.
+     * Sum up energies as getEnergies(), computeWhole() and computeValues() of SceneEnergy give them: the energy of each
+     * Force by its index in the System, 0 for a Force that is not evaluated there.
      */
     std::vector<double> sumByForce(double nonbonded, double born, const std::vector<double>& pairSets,
                                    const std::vector<double>& termSets, const std::vector<double>& valueEnergies) const;
     /**
-     * Get the same of a kernel that has these terms, after its updateEnergy(). Nothing is kept of it.
+     * Get the same of a scene whose energy has these terms, after SceneEnergy::update().
      */
-    std::vector<double> computeByForce(CalcStericExclusionForceKernel& kernel) const;
+    std::vector<double> computeByForce(SceneEnergy& energy) const;
 
     /**
      * Get a Force of the System; NULL if it has been removed.

@@ -8,7 +8,7 @@
 namespace ChainTreePlugin {
 
 /**
- * The energy that the kernel evaluates for each trial, in numbers. This is what Forces of a System are translated to;
+ * The energy that a Scene evaluates for each trial, in numbers. This is what Forces of a System are translated to;
  * ctenergy.h, the manual of the library that evaluates it, says what each field means.
  */
 class EnergyTerms {

@@ -10,7 +10,7 @@ namespace ChainTreePlugin {
  * The energy of the foreign Forces that each trial is decided by, by an OpenMM evaluation for each trial. Those that
  * are left to outer tests have no part in it.
  *
- * If ForeignForces can only evaluate them mixed with native Forces, what the kernel has computed of these is
+ * If ForeignForces can only evaluate them mixed with native Forces, what the scene has computed of these is
  * subtracted, so that the change is that of the foreign Forces alone.
  */
 class ForeignEnergy : public EnergyStage {

@@ -3,10 +3,10 @@
 
 #include "openmm/System.h"
 #include "openmm/Vec3.h"
-#include "openmmchaintree/ChainTreeKernels.h"
 #include "openmmchaintree/internal/CheckpointStream.h"
 #include "openmmchaintree/internal/LimitPolicy.h"
 #include "openmmchaintree/internal/LinkStructure.h"
+#include "openmmchaintree/internal/Scene.h"
 #include "openmmchaintree/StericExclusionForce.h"
 #include <vector>
 
@@ -22,11 +22,11 @@ public:
      */
     explicit KeptGeometry(CheckpointReader& reader);
     /**
-     * Throw an exception if the kernel would refuse a part, or if links stand elsewhere than they were last seen.
+     * Throw an exception if a scene would refuse a part, or if links stand elsewhere than they were last seen.
      *
-     * @param kernel  another kernel of the same structure, whose state becomes the kept one
+     * @param scene  another scene of the same structure, whose state becomes the kept one
      */
-    void check(CalcStericExclusionForceKernel& kernel, const OpenMM::System& system) const;
+    void check(Scene& scene, const OpenMM::System& system) const;
     /**
      * Throw an exception if these positions can only come from those that were last seen by damage: if one number
      * alone differs, or if some particles are where they were, but a link has another shape or a bond another length.
@@ -35,7 +35,7 @@ public:
     bool checkPositions(const std::vector<OpenMM::Vec3>& positions, const OpenMM::Vec3* box,
                         const OpenMM::System& system, const LinkStructure& structure,
                         const StericExclusionForce& force) const;
-    /** The kernel's state. */
+    /** The scene's state. */
     std::vector<double> state;
     LimitPolicy::Kept limits;
     /** The Context's positions when they were last known to agree with the state; empty if there are none. */

@@ -1,31 +1,30 @@
 #ifndef OPENMM_CHAINTREE_LIMITPOLICY_H_
 #define OPENMM_CHAINTREE_LIMITPOLICY_H_
 
-#include "openmmchaintree/ChainTreeKernels.h"
 #include "openmmchaintree/internal/CheckpointStream.h"
+#include "openmmchaintree/internal/Scene.h"
 #include <utility>
 #include <vector>
 
 namespace ChainTreePlugin {
 
 /**
- * This class decides when the limits of pairs start anew and when they may only grow. The limits themselves are kept by
- * the kernel.
+ * This class decides when the limits of pairs restart and when they may only grow. The Scene holds the limits.
  *
- * Limits start anew when positions were set, for the user has chosen another start. They may only grow when the step of
- * another Integrator has moved particles, for the sampling goes on. OpenMM tells of neither with certainty, so this
- * class is told of all that may tell them apart.
+ * Limits restart when positions were set, since the user has chosen another start. They may only grow when the step of
+ * another Integrator has moved particles, since the sampling continues. OpenMM reports neither with certainty, so this
+ * class is told everything that helps to tell them apart.
  */
 class LimitPolicy {
 public:
     LimitPolicy();
     /**
-     * Name the kernel that keeps the limits. Call this once, before all else.
+     * Set the scene that holds the limits. Call this once, before anything else.
      */
-    void setKernel(CalcStericExclusionForceKernel& kernel);
+    void setScene(Scene& scene);
     /**
      * Let limits only grow when the step of an Integrator, or a Force at its beginning, has moved particles. Without
-     * this call, steps start limits anew, too.
+     * this call, steps restart limits, too.
      *
      * @param announced  whether all Integrators of the Context call updateContextState() when they begin a step. If
      *                   not, whatever moves particles in silence may have been one of them.
@@ -54,11 +53,11 @@ public:
      */
     void parametersWereChanged();
     /**
-     * Make sure that every pair that clashes in the kernel's state has its limit.
+     * Make sure that every pair that clashes in the scene's state has its limit.
      */
     void update();
     /**
-     * Forget all limits. They start anew with the next trial.
+     * Forget all limits. The next trial raises them from the tolerances.
      */
     void restart();
     /**
@@ -98,15 +97,15 @@ public:
      */
     static void readStep(CheckpointReader& reader, Kept& kept);
     /**
-     * Go on from what was read. Call this after the kernel was given its state.
+     * Go on from what was read. Call this after the scene was given its state.
      *
      * @param hasPositions  whether that state has positions; without them there are no limits
      */
     void restore(const Kept& kept, bool hasPositions);
 
 private:
-    CalcStericExclusionForceKernel* kernel;
-    /** Whether every pair that clashes in the kernel's state has its limit. */
+    Scene* scene;
+    /** Whether every pair that clashes in the scene's state has its limit. */
     bool isCurrent;
     bool dynamicsIsExpected, stepsAreAnnounced;
     /** The step count at which the last step began whose changes of positions may not all have been seen, or NO_STEP.

@@ -9,6 +9,7 @@
 #include "openmmchaintree/internal/NativeEnergyCheck.h"
 #include "openmmchaintree/internal/OuterSchedule.h"
 #include "openmmchaintree/internal/OuterWatch.h"
+#include "openmmchaintree/internal/SceneEnergy.h"
 #include "openmmchaintree/TorsionMonteCarloIntegrator.h"
 #include <memory>
 #include <string>
@@ -19,8 +20,7 @@ namespace ChainTreePlugin {
 class StericExclusionForceImpl;
 
 /**
- * The part of U that the kernel evaluates: the EnergyPlan of a Context, and what the kernel keeps by it. Its stages
- * share one.
+ * The part of U that the scene evaluates, by the EnergyPlan of a Context. Its stages share this object.
  *
  * Forces are translated when the Context is made, when it has told of a change of parameters, and when what is sampled
  * was changed. OpenMM's own energy is compared after each of these, and from time to time.
@@ -28,7 +28,7 @@ class StericExclusionForceImpl;
 class NativeEnergy {
 public:
     /**
-     * Make the plan of a Context whose Forces exist, and prepare the kernel for it.
+     * Make the plan of a Context whose Forces exist, and prepare the scene for it.
      */
     NativeEnergy(const TorsionMonteCarloIntegrator& integrator, StericExclusionForceImpl& force,
                  OpenMM::ContextImpl& context);
@@ -49,7 +49,7 @@ public:
         energyIsOld = true;
     }
     /**
-     * Translate the Forces again if anything was changed, and give the kernel their terms: another integrator of a
+     * Translate the Forces again if anything was changed, and give the scene their terms: another integrator of a
      * CompoundIntegrator may have given it its own. This comes before a TrialSession begins.
      */
     void updatePlan();
@@ -66,18 +66,18 @@ public:
      */
     std::vector<EnergyPlan::Entry> describePlan();
     /**
-     * Begin a series of trials: bring the kernel's energy up to date, and compare OpenMM's if it is time. This comes
+     * Begin a series of trials: update the scene's energy, and compare OpenMM's if it is time. This comes
      * after updatePlan(), and before the stages begin.
      */
     void begin(TrialSession& trials);
     /**
      * Get whether moves can change a part. Nothing has to be asked about the others.
      */
-    bool canChange(CalcStericExclusionForceKernel::EnergyPart part) const;
+    bool canChange(ctEnergyPart part) const;
     /**
      * Compute by how much the open trial changes a part, and those before it of which no trial asks.
      */
-    double computeChange(CalcStericExclusionForceKernel::EnergyPart part);
+    double computeChange(ctEnergyPart part);
     /**
      * Take notice that the open trial has come to its end.
      */
@@ -265,7 +265,7 @@ private:
         bool isCurrent;
         std::vector<double> energies;
     };
-    /** What the kernel keeps of the energy of the state. */
+    /** The energy of the state as the scene holds it. */
     class HeldEnergy {
     public:
         double pairs;
@@ -282,8 +282,8 @@ private:
     void beginSchedule();
     Difference computeForeignDifference(TrialSession& trials);
     void translate();
-    void setKernelTerms();
-    CalcStericExclusionForceKernel& getKernel() const;
+    void setTerms();
+    SceneEnergy& getEnergy() const;
     void updateStandIn();
     void computeStandIn();
     const HeldEnergy& updateHeld();
@@ -312,7 +312,7 @@ private:
     double computedChange;
     /** The change of near pairs in the open trial. */
     double nearChange;
-    /** The numbers of the stand-in, the cutoff beyond which they are what they stand for, and whether the kernel has
+    /** The numbers of the stand-in, the cutoff beyond which they are what they stand for, and whether the scene has
      *  them. */
     std::vector<double> standIn;
     double standInCutoff;
@@ -325,12 +325,11 @@ private:
 };
 
 /**
- * A part of U that the kernel evaluates.
+ * A part of U that the scene evaluates.
  */
 class NativeEnergyStage : public EnergyStage {
 public:
-    NativeEnergyStage(NativeEnergy& energy, CalcStericExclusionForceKernel::EnergyPart part) :
-        energy(energy), part(part)
+    NativeEnergyStage(NativeEnergy& energy, ctEnergyPart part) : energy(energy), part(part)
     {
     }
     std::string getName() const;
@@ -344,11 +343,11 @@ public:
     }
     bool isAntisymmetric() const
     {
-        return part != CalcStericExclusionForceKernel::NearPairsPart || !energy.hasStandIn();
+        return part != ctNearPairsPart || !energy.hasStandIn();
     }
     double getCorrection()
     {
-        return part == CalcStericExclusionForceKernel::OtherPairsPart ? energy.getNearCorrection() : 0;
+        return part == ctOtherPairsPart ? energy.getNearCorrection() : 0;
     }
     void accept()
     {
@@ -361,12 +360,12 @@ public:
 
 private:
     NativeEnergy& energy;
-    const CalcStericExclusionForceKernel::EnergyPart part;
+    const ctEnergyPart part;
 };
 
 /**
- * Energies of values, which the kernel evaluates as a whole. If they are left to an outer test, the stage has no part
- * in trials. It comes after all others of the kernel.
+ * Energies of values, which the scene evaluates as a whole. If they are left to an outer test, the stage has no part
+ * in trials. It comes after all stages of the scene.
  */
 class ValueEnergyStage : public EnergyStage {
 public:

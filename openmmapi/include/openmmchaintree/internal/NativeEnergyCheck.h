@@ -2,9 +2,9 @@
 #define OPENMM_CHAINTREE_NATIVEENERGYCHECK_H_
 
 #include "openmm/internal/ContextImpl.h"
-#include "openmm/Kernel.h"
 #include "openmm/Vec3.h"
 #include "openmmchaintree/internal/EnergyPlan.h"
+#include "openmmchaintree/internal/Scene.h"
 #include "openmmchaintree/internal/windowsExportChainTree.h"
 #include <functional>
 #include <memory>
@@ -13,7 +13,7 @@
 namespace ChainTreePlugin {
 
 /**
- * Compares energies as the kernel holds them with OpenMM's own, Force by Force, so that a Force that was misread cannot
+ * Compares energies of the Scene with OpenMM's own, Force by Force, so that a Force that was misread cannot
  * be sampled quietly. OpenMM's are those of copies of the native Forces in a Context of the Reference Platform.
  */
 class OPENMM_EXPORT_CHAINTREE NativeEnergyCheck {
@@ -24,14 +24,14 @@ public:
      */
     typedef std::function<double(int groups)> GroupEnergy;
     /**
-     * Makes one more CalcStericExclusionForceKernel of the scene, initialized, without a state.
+     * Makes another scene of the same structure, without a state.
      */
-    typedef std::function<OpenMM::Kernel()> KernelMaker;
-    NativeEnergyCheck(const OpenMM::ContextImpl& context, const EnergyPlan& plan, const KernelMaker& makeKernel);
+    typedef std::function<std::unique_ptr<Scene>()> SceneMaker;
+    NativeEnergyCheck(const OpenMM::ContextImpl& context, const EnergyPlan& plan, const SceneMaker& makeScene);
     /**
      * Throw an exception if the energy of a Force is not what OpenMM computes, within the accuracy of both.
      *
-     * @param positions     the positions of the kernel's state
+     * @param positions     the positions of the scene's state
      * @param energies      the energy of each Force in it, as EnergyPlan::sumByForce() gives it
      * @param groupEnergy   the main Context's energy, which is asked for groups that are wholly native; empty: none are
      * @return whether this says much. At huge forces, as those of overlapping particles, a misread Force can hide in
@@ -55,7 +55,7 @@ private:
     void checkGroups(const std::vector<Result>& results, const GroupEnergy& groupEnergy) const;
     const OpenMM::ContextImpl& context;
     const EnergyPlan& plan;
-    const KernelMaker makeKernel;
+    const SceneMaker makeScene;
 };
 
 } // namespace ChainTreePlugin

@@ -4,13 +4,13 @@
 #include "openmm/internal/ContextImpl.h"
 #include "openmm/internal/CustomCPPForceImpl.h"
 #include "openmm/Kernel.h"
-#include "openmmchaintree/ChainTreeKernels.h"
 #include "openmmchaintree/internal/CheckpointStream.h"
 #include "openmmchaintree/internal/ContextLock.h"
 #include "openmmchaintree/internal/CoreSpheres.h"
 #include "openmmchaintree/internal/KeptGeometry.h"
 #include "openmmchaintree/internal/LimitPolicy.h"
 #include "openmmchaintree/internal/LinkStructure.h"
+#include "openmmchaintree/internal/Scene.h"
 #include "openmmchaintree/internal/VelocityTurner.h"
 #include "openmmchaintree/internal/windowsExportChainTree.h"
 #include "openmmchaintree/StericExclusionForce.h"
@@ -23,9 +23,9 @@ namespace ChainTreePlugin {
 /**
  * This is the internal implementation of StericExclusionForce: its life in one Context.
  *
- * The geometry is the business of a CalcStericExclusionForceKernel. This class keeps the kernel's state and the
- * Context's positions in step and checks arguments. A LimitPolicy decides when limits start anew, and trials are those
- * of a TrialSession. Energy and forces reach every Platform by the way of CustomCPPForceImpl.
+ * The kernel makes the Scene, which holds the geometry. This class keeps the scene's state and the Context's positions
+ * the same and checks arguments. A LimitPolicy decides when limits restart, and a TrialSession runs trials.
+ * CustomCPPForceImpl brings energy and forces to every Platform.
  */
 class OPENMM_EXPORT_CHAINTREE StericExclusionForceImpl : public OpenMM::CustomCPPForceImpl {
 public:
@@ -68,34 +68,37 @@ public:
         return *structure;
     }
     /**
-     * Get the kernel that tests the trials of an integrator and computes their energies: the force's own, or one that
-     * has other spheres. Its state is not for others to change.
+     * Get the scene that tests the trials of an integrator and computes their energies: that of the force, or one with
+     * other spheres. Only this object and a TrialSession may change its state.
      */
-    CalcStericExclusionForceKernel& getTrialKernel()
+    Scene& getTrialScene()
     {
-        return *trialEngine;
+        return *trialScene;
     }
     /**
-     * Set the spheres by which the trials of an integrator are tested; if there are none, those of the force. If they
-     * are others than before, this comes before setEnergyTerms().
+     * Set the spheres by which the trials of an integrator are tested; empty: the spheres of the force. If they differ
+     * from those before, call this before setEnergyTerms().
      */
-    void setTrialSpheres(const CoreSpheres& spheres, OpenMM::ContextImpl& context);
+    void setTrialSpheres(const CoreSpheres& spheres);
     /**
      * Get whether no spheres of setTrialSpheres() overlap. Until then, trials cannot be tested by them.
      */
     bool trialSpheresAreFree();
     /**
-     * Make one more kernel of the structure that the Context was made with, initialized, without a state.
+     * Make another scene of the structure that the Context was made with, without a state.
      */
-    OpenMM::Kernel createKernel(OpenMM::ContextImpl& context) const;
+    std::unique_ptr<Scene> createScene() const
+    {
+        return std::unique_ptr<Scene>(new Scene(*original, *structure));
+    }
     /**
-     * Give the kernel the terms of energies of trials.
+     * Give the scene of trials the terms of their energy.
      *
      * @param owner  whose they are; several integrators may drive one force in turns
      */
     void setEnergyTerms(const EnergyTerms& terms, const void* owner);
     /**
-     * Get whose terms the kernel has, or NULL.
+     * Get whose terms the scene has, or NULL.
      */
     const void* getOwnerOfEnergyTerms() const
     {
@@ -144,7 +147,7 @@ public:
     // The calls of TorsionMonteCarloIntegrator. Its trials are those of a TrialSession.
 
     /**
-     * Get the policy of the limits. The kernel's state is theirs, so take notice of the Context's positions first.
+     * Get the policy of the limits. They depend on the scene's state, so take notice of the Context's positions first.
      */
     LimitPolicy& getLimitPolicy()
     {
@@ -196,17 +199,17 @@ public:
 
 private:
     friend class TrialSession;
-    OpenMM::Kernel createKernel(OpenMM::ContextImpl& context, const StericExclusionForce& spheres) const;
+    OpenMM::Kernel createKernel(OpenMM::ContextImpl& context) const;
     void updatePositions(OpenMM::ContextImpl& context);
     void updateState(OpenMM::ContextImpl& context);
     void adoptPositions(OpenMM::ContextImpl& context, const std::vector<OpenMM::Vec3>& positions);
     void requireProposal() const;
     void computeVirtualSites(OpenMM::ContextImpl& context);
     void setContextPositions(OpenMM::ContextImpl& context, const std::vector<OpenMM::Vec3>& positions);
-    void showState(OpenMM::ContextImpl& context, CalcStericExclusionForceKernel& shown);
-    void setTrialKernel(CalcStericExclusionForceKernel& wanted);
-    void bringUpToDate(CalcStericExclusionForceKernel& behind);
-    void stateWasChanged(CalcStericExclusionForceKernel& changed);
+    void showState(OpenMM::ContextImpl& context, Scene& shown);
+    void setTrialScene(Scene& wanted);
+    void bringUpToDate(Scene& behind);
+    void stateWasChanged(Scene& changed);
     bool hasEnergy(OpenMM::ContextImpl& context) const;
     double computeOtherEnergy(OpenMM::ContextImpl& context, int groups);
     const StericExclusionForce& owner;
@@ -217,22 +220,22 @@ private:
     std::unique_ptr<StericExclusionForce> original;
     std::unique_ptr<LinkStructure> structure;
     OpenMM::Kernel kernel;
-    /** The kernel with the force's spheres, for queries and the trials of users. */
-    CalcStericExclusionForceKernel* engine;
-    /** A kernel with other spheres, if an integrator has set some, and these. */
-    OpenMM::Kernel coreKernel;
+    /** The kernel's scene with the force's spheres, for queries and the trials of users. */
+    Scene* scene;
+    /** A scene with other spheres, if an integrator has set some, and these spheres. */
+    std::unique_ptr<Scene> coreScene;
     CoreSpheres cores;
-    /** The kernel for the trials of integrators: one of the two. */
-    CalcStericExclusionForceKernel* trialEngine;
-    /** The kernel whose state was changed last, and whether the other one has that state, too. */
-    CalcStericExclusionForceKernel* newest;
+    /** The scene for the trials of integrators: one of the two. */
+    Scene* trialScene;
+    /** The scene whose state was changed last, and whether the other one lacks that state. */
+    Scene* newest;
     bool otherIsBehind;
     /** Whether trialSpheresAreFree() has found so since the state was changed by something else than trials. */
     bool trialSpheresWereFree;
     const void* energyTermsOwner;
     LimitPolicy limits;
     std::unique_ptr<VelocityTurner> velocities;
-    /** The Context's positions when they and the kernel's state were last known to agree; empty before. */
+    /** The Context's positions when they and the scene's state were last known to agree; empty before. */
     std::vector<OpenMM::Vec3> agreedPositions;
     std::vector<OpenMM::Vec3> buffer;
     /** Whether the open trial was found to be free of clashes. */

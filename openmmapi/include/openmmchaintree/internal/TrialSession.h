@@ -3,7 +3,7 @@
 
 #include "openmm/internal/ContextImpl.h"
 #include "openmm/Vec3.h"
-#include "openmmchaintree/ChainTreeKernels.h"
+#include "openmmchaintree/internal/Scene.h"
 #include <vector>
 
 namespace ChainTreePlugin {
@@ -15,7 +15,7 @@ class StericExclusionForceImpl;
  * tested, and accepted or rejected. Every trial goes this way, those of TorsionMonteCarloIntegrator as well as those
  * that users propose by StericExclusionForce.
  *
- * The session begins and ends with its scope. In between the kernel's state is ahead of the Context's positions and
+ * The session begins and ends with its scope. In between the scene's state is ahead of the Context's positions and
  * velocities, which follow only when the session ends. If an exception ends it, the Context is where the accepted
  * trials have led.
  */
@@ -40,11 +40,9 @@ public:
      * Take notice of the Context's positions. The trial that a user may have left open stays open until another one is
      * proposed.
      *
-     * @param kernel  the one that has the spheres: the force's own for trials of users, that for trials of integrators
-     *                for theirs
+     * @param scene  the scene of the force for trials of users, getTrialScene() for trials of integrators
      */
-    TrialSession(StericExclusionForceImpl& force, OpenMM::ContextImpl& context, CalcStericExclusionForceKernel& kernel,
-                 Limits limits);
+    TrialSession(StericExclusionForceImpl& force, OpenMM::ContextImpl& context, Scene& scene, Limits limits);
     TrialSession(const TrialSession&) = delete;
     TrialSession& operator=(const TrialSession&) = delete;
     /**
@@ -90,14 +88,14 @@ public:
      */
     void getPositions(const std::vector<int>& particles, std::vector<OpenMM::Vec3>& positions) const
     {
-        kernel.getPositionsOf(particles, positions);
+        scene.getPositionsOf(particles, positions);
     }
     /**
      * Get the positions of a few particles in the open trial. Takes O(log N) time for each of them and each change.
      */
     void getProposedPositions(const std::vector<int>& particles, std::vector<OpenMM::Vec3>& positions) const
     {
-        kernel.getProposedPositionsOf(particles, positions);
+        scene.getTrialPositionsOf(particles, positions);
     }
     /**
      * Get the value of a torsion before the open trial, in (-pi, pi]. It is an error if it is undefined. Takes constant
@@ -105,7 +103,7 @@ public:
      */
     double getTorsionAngle(int torsion) const
     {
-        return kernel.getTorsionAngle(torsion);
+        return scene.getTorsionAngle(torsion);
     }
     /**
      * Get the energy of the StericExclusionForce before the open trial.
@@ -116,7 +114,7 @@ public:
      */
     double computeSoftEnergyChange()
     {
-        return kernel.getProposedEnergyChange();
+        return scene.computeSoftEnergyChange();
     }
     /**
      * Move the Context to the open trial, or to the state.
@@ -128,7 +126,7 @@ public:
      */
     double computeOtherEnergy(int groups);
     /**
-     * Keep the state, its limits and what the kernel knows of its energy.
+     * Keep the state, its limits and its energy.
      */
     void keepState();
     /**
@@ -141,7 +139,7 @@ private:
     void ownTrial();
     StericExclusionForceImpl& force;
     OpenMM::ContextImpl& context;
-    CalcStericExclusionForceKernel& kernel;
+    Scene& scene;
     Limits limits;
     /** Whether the trial that is open, if one is, ends with this session. */
     bool ownsTrial;

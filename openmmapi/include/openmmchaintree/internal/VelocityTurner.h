@@ -4,8 +4,8 @@
 #include "openmm/internal/ContextImpl.h"
 #include "openmm/System.h"
 #include "openmm/Vec3.h"
-#include "openmmchaintree/ChainTreeKernels.h"
 #include "openmmchaintree/internal/LinkStructure.h"
+#include "openmmchaintree/internal/Scene.h"
 #include <array>
 #include <string>
 #include <vector>
@@ -73,11 +73,11 @@ public:
      * Begin a series of trials, before the first of them becomes the state. Throws an exception if there are velocities
      * that cannot be turned.
      */
-    void begin(OpenMM::ContextImpl& context, CalcStericExclusionForceKernel& kernel);
+    void begin(OpenMM::ContextImpl& context, Scene& scene);
     /**
      * End a series: turn the velocities in the Context by what has become of the state since begin().
      */
-    void end(OpenMM::ContextImpl& context, CalcStericExclusionForceKernel& kernel);
+    void end(OpenMM::ContextImpl& context, Scene& scene);
 
 private:
     bool canBeTurned();

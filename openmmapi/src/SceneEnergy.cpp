@@ -1,5 +1,7 @@
-#include "TrialEnergy.h"
+#include "openmmchaintree/internal/SceneEnergy.h"
 #include "openmm/OpenMMException.h"
+#include "openmmchaintree/internal/EngineArrays.h"
+#include "openmmchaintree/internal/Scene.h"
 #include <algorithm>
 #include <string>
 
@@ -28,6 +30,11 @@ static_assert((int)EnergyTerms::Particles == ctOfParticles && (int)EnergyTerms::
                   (int)EnergyTerms::AllPairs == ctOfAllPairs,
               "the extents differ");
 
+static void fail(const string& message)
+{
+    throw OpenMMException("StericExclusionForce: " + message);
+}
+
 static vector<ctOperation> describe(const vector<EnergyTerms::Operation>& operations)
 {
     vector<ctOperation> described;
@@ -36,11 +43,6 @@ static vector<ctOperation> describe(const vector<EnergyTerms::Operation>& operat
         described.push_back({(ctOperator)operation.kind, {a[0], a[1], a[2]}, operation.constant});
     }
     return described;
-}
-
-static const int (*describe(const vector<array<int, 2>>& pairs))[2]
-{
-    return reinterpret_cast<const int(*)[2]>(pairs.data());
 }
 
 static vector<ctTable> describe(const vector<EnergyTerms::TableFunction>& tables)
@@ -121,7 +123,7 @@ public:
         described.cutoff = set.cutoff;
         described.switchingDistance = set.switchingDistance;
         described.exclusionCount = set.exclusions.size();
-        described.exclusions = ::describe(set.exclusions);
+        described.exclusions = rowsOf(set.exclusions);
         described.groupCount = groups.size();
         described.groups = groups.data();
         return described;
@@ -152,7 +154,7 @@ public:
         described.terms = terms.described.data();
         described.cutoff = energy.cutoff;
         described.exclusionCount = energy.exclusions.size();
-        described.exclusions = ::describe(energy.exclusions);
+        described.exclusions = rowsOf(energy.exclusions);
         return described;
     }
 
@@ -185,7 +187,7 @@ static ctNonbonded describe(const EnergyTerms::Nonbonded& given)
     nonbonded.switchingDistance = given.switchingDistance;
     nonbonded.dielectric = given.dielectric;
     nonbonded.exclusionCount = given.exclusions.size();
-    nonbonded.exclusions = describe(given.exclusions);
+    nonbonded.exclusions = rowsOf(given.exclusions);
     return nonbonded;
 }
 
@@ -233,9 +235,53 @@ static vector<Description> describeAll(const vector<Given>& given, vector<Arrays
     return described;
 }
 
-TrialEnergy::TrialEnergy(ctChainTree* tree, const ctDefinition& scene, const EnergyTerms& terms) :
-    numPairSets(terms.pairSets.size()), numTermSets(terms.termSets.size()),
-    numValueEnergies(terms.valueEnergies.size()), sizeOfStandIn(terms.born.empty() ? 0 : scene.particleCount)
+void SceneEnergy::Deleter::operator()(ctEnergy* energy) const
+{
+    ctDestroyEnergy(energy);
+}
+
+SceneEnergy::SceneEnergy(Scene& scene) : scene(scene), isSaved(false)
+{
+}
+
+SceneEnergy::~SceneEnergy()
+{
+}
+
+// ---- Life ----
+
+void SceneEnergy::setTerms(const EnergyTerms& terms)
+{
+    reset();
+    this->terms = terms;
+    standIn.clear();
+    scene.setListed(findListed());
+}
+
+/**
+ * Find which particles are in terms or pairs, and so have to stand in leaves.
+ */
+vector<uint8_t> SceneEnergy::findListed() const
+{
+    const int numParticles = scene.definition.getNumParticles();
+    vector<uint8_t> listed(numParticles, terms.nonbonded.empty() ? 0 : 1);
+    auto list = [&](const vector<int>& particles) {
+        for (int particle : particles)
+            listed[particle] = 1;
+    };
+    for (const EnergyTerms::TermSet& set : terms.termSets)
+        list(set.particles);
+    for (const EnergyTerms::PairSet& set : terms.pairSets) {
+        if (set.groups.empty())
+            listed.assign(numParticles, 1);
+        for (const EnergyTerms::InteractionGroup& group : set.groups)
+            for (const vector<int>& particles : group)
+                list(particles);
+    }
+    return listed;
+}
+
+SceneEnergy::Handle SceneEnergy::create(ctChainTree* tree, const ctDefinition& scene) const
 {
     vector<LibraryTerms> arrays;
     const vector<ctTermSet> sets = describeAll<ctTermSet>(terms.termSets, arrays);
@@ -260,117 +306,149 @@ TrialEnergy::TrialEnergy(ctChainTree* tree, const ctDefinition& scene, const Ene
     ctEnergy* created;
     char errorText[256];
     if (ctCreateEnergy(tree, &definition, &created, errorText, sizeof(errorText)) != ctSuccess)
-        throw OpenMMException(string("StericExclusionForce: ") + errorText);
-    energy.reset(created);
+        fail(errorText);
+    return Handle(created);
 }
 
-vector<uint8_t> TrialEnergy::findListed(const EnergyTerms& terms, int numParticles)
+/**
+ * Get the library's energy, which is made for the first call.
+ */
+ctEnergy* SceneEnergy::require()
 {
-    vector<uint8_t> listed(numParticles, terms.nonbonded.empty() ? 0 : 1);
-    auto list = [&](const vector<int>& particles) {
-        for (int particle : particles)
-            listed[particle] = 1;
-    };
-    for (const EnergyTerms::TermSet& set : terms.termSets)
-        list(set.particles);
-    for (const EnergyTerms::PairSet& set : terms.pairSets) {
-        if (set.groups.empty())
-            listed.assign(numParticles, 1);
-        for (const EnergyTerms::InteractionGroup& group : set.groups)
-            for (const vector<int>& particles : group)
-                list(particles);
-    }
-    return listed;
+    if (energy)
+        return energy.get();
+    Handle made = create(scene.tree.get(), scene.definition.describe(scene.arrangement));
+    if (!standIn.empty() && ctSetStandIn(made.get(), standIn.data()) != ctSuccess)
+        fail(ctGetEnergyErrorText(made.get()));
+    energy = std::move(made);
+    return energy.get();
 }
 
-void TrialEnergy::check(ctStatus status) const
+void SceneEnergy::reset()
+{
+    energy.reset();
+    isSaved = false;
+}
+
+void SceneEnergy::check(ctStatus status) const
 {
     if (status != ctSuccess)
-        throw OpenMMException(string("StericExclusionForce: ") + ctGetEnergyErrorText(energy.get()));
+        fail(ctGetEnergyErrorText(energy.get()));
 }
 
-bool TrialEnergy::update(bool force, ctCounts& counts)
+void SceneEnergy::countChangeableTerms(vector<int>& counts)
 {
-    if (!force && ctIsEnergyOfState(energy.get()))
+    vector<Vec3> positions;
+    Scene::Tree tree;
+    Handle counted;
+    if (!scene.tree) {
+        positions.resize(scene.definition.getNumParticles());
+        tree = Scene::createTree(scene.definition, positions);
+        counted = create(tree.get(), scene.definition.describe(positions));
+    }
+    counts.resize(terms.termSets.size());
+    for (size_t i = 0; i < counts.size(); i++)
+        counts[i] = ctCountChangeableTerms(counted ? counted.get() : require(), i);
+}
+
+// ---- The state ----
+
+bool SceneEnergy::update(bool force)
+{
+    ctEnergy* energy = require();
+    if (!force && ctIsEnergyOfState(energy))
         return false;
-    check(ctRefreshEnergy(energy.get(), &counts));
+    check(ctRefreshEnergy(energy, &scene.counts));
     return true;
 }
 
-double TrialEnergy::computeChange(ctEnergyPart part, ctCounts& counts)
+void SceneEnergy::getEnergies(double& pairs, vector<double>& pairSets, vector<double>& termSets)
+{
+    const ctEnergy* energy = require();
+    pairs = ctGetPairEnergy(energy);
+    pairSets.resize(terms.pairSets.size());
+    for (size_t i = 0; i < pairSets.size(); i++)
+        pairSets[i] = ctGetPairSetEnergy(energy, i);
+    termSets.resize(terms.termSets.size());
+    for (size_t i = 0; i < termSets.size(); i++)
+        termSets[i] = ctGetTermEnergy(energy, i);
+}
+
+void SceneEnergy::computeWhole(double& nonbonded, double& born)
+{
+    check(ctComputeWholeEnergy(require(), &nonbonded, &born, &scene.counts));
+}
+
+void SceneEnergy::computeValues(bool inTrial, vector<double>& energies)
+{
+    energies.resize(terms.valueEnergies.size());
+    check(ctComputeValueEnergies(require(), inTrial, energies.data()));
+}
+
+void SceneEnergy::save()
+{
+    isSaved = false;
+    if (!energy)
+        return;
+    check(ctKeepEnergy(energy.get()));
+    isSaved = true;
+}
+
+void SceneEnergy::restore()
+{
+    if (isSaved)
+        check(ctTakeBackEnergy(energy.get()));
+    else
+        energy.reset();
+}
+
+// ---- Trials ----
+
+double SceneEnergy::computeEnergyChange(ctEnergyPart part)
 {
     double change;
-    check(ctComputeEnergyChange(energy.get(), part, &change, &counts));
+    check(ctComputeEnergyChange(require(), part, &change, &scene.counts));
     return change;
 }
 
-void TrialEnergy::accept()
+double SceneEnergy::getNearChangeBack()
 {
-    // If not all of the change was asked for, this fails, and the next update computes everything.
-
-    ctAcceptEnergyChange(energy.get());
+    return ctGetNearChangeBack(require());
 }
 
-void TrialEnergy::keep()
+void SceneEnergy::accept()
 {
-    check(ctKeepEnergy(energy.get()));
+    // If not all parts of the change were computed, this fails, and the next update computes the whole energy.
+
+    if (energy)
+        ctAcceptEnergyChange(energy.get());
 }
 
-void TrialEnergy::takeBack()
+// ---- The stand-in ----
+
+int SceneEnergy::getStandInSize() const
 {
-    check(ctTakeBackEnergy(energy.get()));
+    return terms.born.empty() ? 0 : scene.definition.getNumParticles();
 }
 
-double TrialEnergy::getNearChangeBack() const
+void SceneEnergy::renewStandIn()
 {
-    return ctGetNearChangeBack(energy.get());
+    check(ctRenewStandIn(require(), &scene.counts));
+    getStandIn(standIn);
 }
 
-void TrialEnergy::computeWhole(double& nonbonded, double& born, ctCounts& counts)
+void SceneEnergy::getStandIn(vector<double>& numbers)
 {
-    check(ctComputeWholeEnergy(energy.get(), &nonbonded, &born, &counts));
+    numbers.resize(getStandInSize());
+    if (!numbers.empty())
+        ctGetStandIn(require(), numbers.data());
 }
 
-void TrialEnergy::computeValues(bool inTrial, vector<double>& energies)
+void SceneEnergy::setStandIn(const vector<double>& numbers)
 {
-    energies.resize(numValueEnergies);
-    check(ctComputeValueEnergies(energy.get(), inTrial, energies.data()));
-}
-
-void TrialEnergy::renewStandIn(ctCounts& counts)
-{
-    check(ctRenewStandIn(energy.get(), &counts));
-}
-
-void TrialEnergy::getStandIn(vector<double>& numbers) const
-{
-    numbers.resize(sizeOfStandIn);
-    if (sizeOfStandIn > 0)
-        ctGetStandIn(energy.get(), numbers.data());
-}
-
-void TrialEnergy::setStandIn(const vector<double>& numbers)
-{
-    if ((int)numbers.size() != sizeOfStandIn)
-        throw OpenMMException("StericExclusionForce: the stand-in is of another energy");
-    if (sizeOfStandIn > 0)
-        check(ctSetStandIn(energy.get(), numbers.data()));
-}
-
-void TrialEnergy::getEnergies(double& pairs, vector<double>& pairSets, vector<double>& termSets) const
-{
-    pairs = ctGetPairEnergy(energy.get());
-    pairSets.resize(numPairSets);
-    for (int i = 0; i < numPairSets; i++)
-        pairSets[i] = ctGetPairSetEnergy(energy.get(), i);
-    termSets.resize(numTermSets);
-    for (int i = 0; i < numTermSets; i++)
-        termSets[i] = ctGetTermEnergy(energy.get(), i);
-}
-
-void TrialEnergy::countChangeableTerms(vector<int>& counts) const
-{
-    counts.resize(numTermSets);
-    for (int i = 0; i < numTermSets; i++)
-        counts[i] = ctCountChangeableTerms(energy.get(), i);
+    if ((int)numbers.size() != getStandInSize())
+        fail("the stand-in is of another energy");
+    if (!numbers.empty())
+        check(ctSetStandIn(require(), numbers.data()));
+    standIn = numbers;
 }

@@ -1,0 +1,222 @@
+#ifndef OPENMM_CHAINTREE_SCENE_H_
+#define OPENMM_CHAINTREE_SCENE_H_
+
+#include "chaintree.h"
+#include "openmm/Vec3.h"
+#include "openmmchaintree/internal/LinkStructure.h"
+#include "openmmchaintree/internal/SceneDefinition.h"
+#include "openmmchaintree/internal/SceneEnergy.h"
+#include "openmmchaintree/internal/windowsExportChainTree.h"
+#include "openmmchaintree/StericExclusionForce.h"
+#include <array>
+#include <memory>
+#include <utility>
+#include <vector>
+
+namespace ChainTreePlugin {
+
+/**
+ * The spheres of a StericExclusionForce in the engine, whose manual is chaintree.h: the positions, the open trial, the
+ * limits of pairs, and the energy of trials. This class turns torsions and molecules into links, what the engine finds
+ * into sorted arrays, and status codes into exceptions. It never looks into a Context.
+ *
+ * The caller, who knows their names, checks the indices of torsions, ball joints and molecules, and what is proposed
+ * for them. The engine checks everything else. A call that throws an exception leaves the state as it was.
+ *
+ * Before setPositions() or setState(), only copyParameters(), getState(), clearLimits(), getNumLimits(), getLimits(),
+ * reject(), and setTerms() and countChangeableTerms() of the energy may be called.
+ */
+class OPENMM_EXPORT_CHAINTREE Scene {
+public:
+    Scene(const StericExclusionForce& force, const LinkStructure& structure);
+    ~Scene();
+    Scene(const Scene&) = delete;
+    Scene& operator=(const Scene&) = delete;
+    /**
+     * Copy radii, roles, tolerances and the force constant. Drops the open trial, keeps limits.
+     */
+    void copyParameters(const StericExclusionForce& force);
+    /**
+     * Get the energy of trials.
+     */
+    SceneEnergy& getEnergy()
+    {
+        return energy;
+    }
+
+    // ---- State ----
+
+    /**
+     * Make these positions the state. Drops the open trial, keeps limits.
+     */
+    void setPositions(const std::vector<OpenMM::Vec3>& positions);
+    /**
+     * Get the positions of the state.
+     */
+    void getPositions(std::vector<OpenMM::Vec3>& positions);
+    /**
+     * Get the positions of some particles of the state.
+     */
+    void getPositionsOf(const std::vector<int>& particles, std::vector<OpenMM::Vec3>& positions);
+    /**
+     * Get the state as numbers, without limits and the open trial. Before there are positions, there are no numbers.
+     */
+    void getState(std::vector<double>& state);
+    /**
+     * Make numbers that getState() gave for the same LinkStructure the state. Everything then has the bits that it has
+     * in the scene of these numbers. Drops the open trial and all limits.
+     */
+    void setState(const std::vector<double>& state);
+    /**
+     * Save the state, its limits and its energy. Until restore(), only trials may change them.
+     */
+    void save();
+    /**
+     * Restore what save() has saved, bit for bit. It stays saved. Drops the open trial.
+     */
+    void restore();
+    /**
+     * Get the value of a torsion, in (-pi, pi]. It is an error if it is undefined.
+     */
+    double getTorsionAngle(int torsion);
+    /**
+     * Get the rotation of each link of the LinkStructure since the last setPositions(), row-major. setState() and
+     * restore() set the rotations that the state had.
+     */
+    void getOrientations(std::vector<std::array<double, 9>>& orientations);
+
+    // ---- Queries about the state ----
+
+    /**
+     * Compute the energy of overlapping spheres and replace forces by its negative gradient.
+     */
+    double computeEnergy(std::vector<OpenMM::Vec3>& forces);
+    bool hasClash();
+    void getClashes(std::vector<std::pair<int, int>>& pairs, std::vector<double>& overlaps);
+    void getNeighborPairs(double cutoff, std::vector<std::pair<int, int>>& pairs, std::vector<double>& distances);
+    double getMinimumDistance(const std::vector<int>& particles1, const std::vector<int>& particles2, int& particle1,
+                              int& particle2);
+    void getClashesWith(const OpenMM::Vec3& position, double radius, std::vector<int>& particles,
+                        std::vector<double>& overlaps);
+    void getTraversalStatistics(long long& queries, long long& volumeTests, long long& particleTests,
+                                long long& nodesUpdated) const;
+    void resetTraversalStatistics();
+
+    // ---- Limits ----
+
+    /**
+     * Make the tolerance the limit of every pair.
+     */
+    void clearLimits();
+    /**
+     * Make the present overlap the limit of every pair that overlaps beyond its limit.
+     */
+    void raiseLimits();
+    int getNumLimits() const;
+    /**
+     * Get the pairs with a limit of their own, sorted, and these limits.
+     */
+    void getLimits(std::vector<std::pair<int, int>>& pairs, std::vector<double>& limits) const;
+    /**
+     * Make these the only pairs with a limit of their own. A limit below the tolerance of its pair has no effect.
+     */
+    void setLimits(const std::vector<std::pair<int, int>>& pairs, const std::vector<double>& limits);
+
+    // ---- Trials. Each proposal drops the trial that was open ----
+
+    /**
+     * Propose a trial that adds to the values of different torsions.
+     */
+    void proposeTorsions(const std::vector<int>& torsions, const std::vector<double>& changes);
+    /**
+     * Propose a trial that turns different ball joints by rotation vectors in the world.
+     */
+    void proposeBallRotations(const std::vector<int>& ballJoints, const std::vector<OpenMM::Vec3>& rotations);
+    /**
+     * Propose a trial that rotates a molecule about its centroid and then translates it.
+     */
+    void proposeRigidMotion(int molecule, const OpenMM::Vec3& rotation, const OpenMM::Vec3& translation);
+    bool hasTrial() const;
+    /**
+     * Test the open trial. Returns true if it is free: no pair whose distance it changes overlaps beyond its limit.
+     */
+    bool test();
+    void getTrialPositions(std::vector<OpenMM::Vec3>& positions);
+    void getTrialPositionsOf(const std::vector<int>& particles, std::vector<OpenMM::Vec3>& positions);
+    /**
+     * Get the positions of the open trial in an array of this object, which the next call of this function or of
+     * followState() changes. It computes only what has moved since the last such call.
+     */
+    const std::vector<OpenMM::Vec3>& followTrial();
+    /**
+     * Get the positions of the state in that same array.
+     */
+    const std::vector<OpenMM::Vec3>& followState();
+    /**
+     * Compute by how much the open trial changes the energy of overlapping spheres.
+     */
+    double computeSoftEnergyChange();
+    /**
+     * Get the pairs whose distance the open trial changes and that are within the cutoff before or after it, sorted.
+     */
+    void getChangedNeighborPairs(double cutoff, std::vector<std::pair<int, int>>& pairs, std::vector<double>& before,
+                                 std::vector<double>& after);
+    /**
+     * Make the open trial the state.
+     */
+    void accept();
+    /**
+     * Drop the open trial, if there is one.
+     */
+    void reject();
+
+private:
+    friend class SceneEnergy;
+    class Deleter {
+    public:
+        void operator()(ctChainTree* tree) const;
+        void operator()(ctSelection* selection) const;
+    };
+    typedef std::unique_ptr<ctChainTree, Deleter> Tree;
+    /** Particles that the engine has prepared for distances from them. */
+    struct PreparedSet {
+        std::vector<int> particles;
+        std::unique_ptr<ctSelection, Deleter> selection;
+    };
+    typedef std::vector<std::array<int, 2>> PairList;
+    /** What save() has saved, without the energy. */
+    struct SavedState {
+        bool exists = false;
+        std::vector<double> numbers;
+        PairList limitedPairs;
+        std::vector<double> limits;
+    };
+    static Tree createTree(const SceneDefinition& definition, const std::vector<OpenMM::Vec3>& positions);
+    void setTree(Tree created, std::vector<OpenMM::Vec3> positions);
+    void setListed(std::vector<uint8_t> needed);
+    void check(ctStatus status) const;
+    void readLimits(PairList& pairs, std::vector<double>& limits) const;
+    void copyLimits(ctChainTree* created) const;
+    ctSelection* prepare(const std::vector<int>& particles, PreparedSet& set) const;
+    SceneDefinition definition;
+    /** The engine's scene. It is made when there are positions, because the engine arranges it by them. */
+    Tree tree;
+    /** The positions that it was made from. */
+    std::vector<OpenMM::Vec3> arrangement;
+    SceneEnergy energy;
+    SavedState saved;
+    /** The changes of a trial. They stay allocated from trial to trial. */
+    std::vector<ctChange> changes;
+    /** What followTrial() or followState() returned last; empty if that was of another tree. */
+    std::vector<OpenMM::Vec3> followed;
+    /** The pairs of the last getNeighborPairs(). They stay allocated, since the next list is about as long. */
+    std::vector<int> neighbors1, neighbors2;
+    /** The sets of the last getMinimumDistance(), since the next call is mostly about the same. */
+    PreparedSet set1, set2;
+    ctCounts counts;
+    long long numQueries;
+};
+
+} // namespace ChainTreePlugin
+
+#endif /*OPENMM_CHAINTREE_SCENE_H_*/

@@ -1,0 +1,345 @@
+#include "openmmchaintree/internal/Scene.h"
+#include "openmm/OpenMMException.h"
+#include "openmmchaintree/internal/EngineArrays.h"
+#include <algorithm>
+#include <string>
+
+using namespace ChainTreePlugin;
+using namespace OpenMM;
+using namespace std;
+
+static void fail(const string& message)
+{
+    throw OpenMMException("StericExclusionForce: " + message);
+}
+
+void Scene::Deleter::operator()(ctChainTree* tree) const
+{
+    ctDestroy(tree);
+}
+
+void Scene::Deleter::operator()(ctSelection* selection) const
+{
+    ctFreeSelection(selection);
+}
+
+Scene::Scene(const StericExclusionForce& force, const LinkStructure& structure) :
+    definition(force, structure), energy(*this), counts(), numQueries(0)
+{
+    changes.resize(max(definition.torsionLinks.size(), definition.ballJointLinks.size()));
+}
+
+Scene::~Scene()
+{
+}
+
+void Scene::copyParameters(const StericExclusionForce& force)
+{
+    // The engine checks parameters when it makes a tree. Before there are positions, it checks them with any.
+
+    SceneDefinition changed(definition);
+    changed.parameters = SceneDefinition::Parameters(force);
+    vector<Vec3> positions(definition.getNumParticles());
+    if (tree)
+        getPositions(positions);
+    Tree created = createTree(changed, positions);
+    if (tree) {
+        copyLimits(created.get());
+        setTree(std::move(created), std::move(positions));
+    }
+    definition = std::move(changed);
+}
+
+Scene::Tree Scene::createTree(const SceneDefinition& definition, const vector<Vec3>& positions)
+{
+    const ctDefinition described = definition.describe(positions);
+    ctChainTree* created;
+    char errorText[256];
+    if (ctCreate(&described, &created, errorText, sizeof(errorText)) != ctSuccess)
+        fail(errorText);
+    return Tree(created);
+}
+
+void Scene::setTree(Tree created, vector<Vec3> positions)
+{
+    energy.reset();
+    saved.exists = false;
+    arrangement = std::move(positions);
+    tree = std::move(created);
+    followed.clear();
+    set1 = PreparedSet();
+    set2 = PreparedSet();
+}
+
+/**
+ * Give a new tree the limits of the present one.
+ */
+void Scene::copyLimits(ctChainTree* created) const
+{
+    PairList pairs;
+    vector<double> limits;
+    readLimits(pairs, limits);
+    if (ctSetLimits(created, pairs.size(), rowsOf(pairs), limits.data()) != ctSuccess)
+        fail(ctGetErrorText(created));
+}
+
+/**
+ * Set which particles the energy needs in leaves. If particles without a radius are added or dropped, this makes a new
+ * tree with the same state.
+ */
+void Scene::setListed(vector<uint8_t> needed)
+{
+    saved.exists = false;
+    bool treeIsOld = false;
+    for (size_t i = 0; i < needed.size(); i++) {
+        needed[i] = needed[i] && definition.parameters.radii[i] == 0;
+        treeIsOld |= needed[i] != (definition.listed.empty() ? 0 : definition.listed[i]);
+    }
+    if (!treeIsOld)
+        return;
+    SceneDefinition changed(definition);
+    changed.listed = std::move(needed);
+    if (tree) {
+        vector<double> state(ctGetStateSize(tree.get()));
+        ctGetState(tree.get(), state.data());
+        Tree created = createTree(changed, arrangement);
+        if (ctSetState(created.get(), state.data()) != ctSuccess)
+            fail(ctGetErrorText(created.get()));
+        copyLimits(created.get());
+        setTree(std::move(created), vector<Vec3>(arrangement));
+    }
+    definition = std::move(changed);
+}
+
+void Scene::check(ctStatus status) const
+{
+    if (status != ctSuccess)
+        fail(ctGetErrorText(tree.get()));
+}
+
+// ---- State ----
+
+void Scene::setPositions(const vector<Vec3>& positions)
+{
+    if (tree)
+        check(ctSetPositions(tree.get(), coordinatesOf(positions)));
+    else
+        setTree(createTree(definition, positions), positions);
+}
+
+void Scene::getPositions(vector<Vec3>& positions)
+{
+    positions.resize(definition.getNumParticles());
+    ctGetPositions(tree.get(), coordinatesOf(positions));
+}
+
+void Scene::getPositionsOf(const vector<int>& particles, vector<Vec3>& positions)
+{
+    positions.resize(particles.size());
+    check(ctGetPositionsOf(tree.get(), false, particles.size(), particles.data(), coordinatesOf(positions)));
+}
+
+// Trees that were arranged by other positions agree only up to rounding, so the arrangement is part of the state.
+
+void Scene::getState(vector<double>& state)
+{
+    state.clear();
+    if (!tree)
+        return;
+    state.resize(3 * arrangement.size() + ctGetStateSize(tree.get()));
+    copy_n(coordinatesOf(arrangement), 3 * arrangement.size(), state.begin());
+    ctGetState(tree.get(), &state[3 * arrangement.size()]);
+
+    // A run that continues has the bits of one that starts from these numbers.
+
+    ctRenew(tree.get());
+}
+
+void Scene::setState(const vector<double>& state)
+{
+    if (state.empty()) {
+        setTree(Tree(), {});
+        return;
+    }
+    vector<Vec3> positions(definition.getNumParticles());
+    const size_t split = 3 * positions.size();
+    if (state.size() < split)
+        fail("the state is of another structure");
+    copy_n(state.begin(), split, coordinatesOf(positions));
+    Tree created = createTree(definition, positions);
+    if (state.size() != split + ctGetStateSize(created.get()))
+        fail("the state is of another structure");
+    if (ctSetState(created.get(), &state[split]) != ctSuccess)
+        fail(ctGetErrorText(created.get()));
+    setTree(std::move(created), std::move(positions));
+}
+
+void Scene::save()
+{
+    saved.exists = false;
+    saved.numbers.resize(ctGetStateSize(tree.get()));
+    ctGetState(tree.get(), saved.numbers.data());
+    readLimits(saved.limitedPairs, saved.limits);
+    energy.save();
+    saved.exists = true;
+}
+
+void Scene::restore()
+{
+    if (!saved.exists)
+        fail("no state was saved");
+    check(ctSetState(tree.get(), saved.numbers.data()));
+    PairList pairs;
+    vector<double> limits;
+    readLimits(pairs, limits);
+    if (pairs != saved.limitedPairs || limits != saved.limits)
+        check(ctSetLimits(tree.get(), saved.limits.size(), rowsOf(saved.limitedPairs), saved.limits.data()));
+    energy.restore();
+}
+
+double Scene::getTorsionAngle(int torsion)
+{
+    double angle;
+    if (ctGetTorsionAngle(tree.get(), definition.torsionLinks[torsion], &angle) != ctSuccess)
+        fail("torsion " + to_string(torsion) + " has no value: " + ctGetErrorText(tree.get()));
+    return angle;
+}
+
+void Scene::getOrientations(vector<array<double, 9>>& orientations)
+{
+    orientations.resize(definition.getNumLinks());
+    ctGetOrientations(tree.get(), reinterpret_cast<double(*)[9]>(orientations.data()));
+}
+
+// ---- Limits ----
+
+void Scene::clearLimits()
+{
+    if (tree)
+        check(ctSetLimits(tree.get(), 0, NULL, NULL));
+}
+
+void Scene::raiseLimits()
+{
+    int raised;
+    check(ctRaiseLimits(tree.get(), &raised, &counts));
+}
+
+int Scene::getNumLimits() const
+{
+    return tree ? ctGetLimitCount(tree.get()) : 0;
+}
+
+void Scene::readLimits(PairList& pairs, vector<double>& limits) const
+{
+    pairs.resize(getNumLimits());
+    limits.resize(pairs.size());
+    if (!pairs.empty())
+        ctGetLimits(tree.get(), pairs.size(), rowsOf(pairs), limits.data());
+}
+
+void Scene::getLimits(vector<pair<int, int>>& pairs, vector<double>& limits) const
+{
+    PairList found;
+    readLimits(found, limits);
+    pairs.clear();
+    for (const array<int, 2>& pair : found)
+        pairs.push_back(make_pair(pair[0], pair[1]));
+}
+
+void Scene::setLimits(const vector<pair<int, int>>& pairs, const vector<double>& limits)
+{
+    PairList given;
+    given.reserve(pairs.size());
+    for (const pair<int, int>& pair : pairs)
+        given.push_back({{pair.first, pair.second}});
+    check(ctSetLimits(tree.get(), given.size(), rowsOf(given), limits.data()));
+}
+
+// ---- Trials ----
+
+void Scene::proposeTorsions(const vector<int>& torsions, const vector<double>& angles)
+{
+    for (size_t i = 0; i < torsions.size(); i++) {
+        changes[i].link = definition.torsionLinks[torsions[i]];
+        changes[i].angle = angles[i];
+    }
+    check(ctPropose(tree.get(), torsions.size(), changes.data()));
+}
+
+void Scene::proposeBallRotations(const vector<int>& ballJoints, const vector<Vec3>& rotations)
+{
+    for (size_t i = 0; i < ballJoints.size(); i++) {
+        changes[i].link = definition.ballJointLinks[ballJoints[i]];
+        for (int j = 0; j < 3; j++)
+            changes[i].rotation[j] = rotations[i][j];
+    }
+    check(ctPropose(tree.get(), ballJoints.size(), changes.data()));
+}
+
+void Scene::proposeRigidMotion(int molecule, const Vec3& rotation, const Vec3& translation)
+{
+    ctChange change = {};
+    change.link = definition.moleculeRoots[molecule];
+    check(ctGetCentroid(tree.get(), change.link, change.pivot));
+    for (int i = 0; i < 3; i++) {
+        change.rotation[i] = rotation[i];
+        change.translation[i] = translation[i];
+    }
+    check(ctPropose(tree.get(), 1, &change));
+}
+
+bool Scene::hasTrial() const
+{
+    return ctHasTrial(tree.get());
+}
+
+bool Scene::test()
+{
+    bool clash;
+    check(ctTestTrial(tree.get(), &clash, NULL, &counts));
+    numQueries++;
+    return !clash;
+}
+
+void Scene::getTrialPositions(vector<Vec3>& positions)
+{
+    positions.resize(definition.getNumParticles());
+    check(ctGetTrialPositions(tree.get(), coordinatesOf(positions)));
+}
+
+void Scene::getTrialPositionsOf(const vector<int>& particles, vector<Vec3>& positions)
+{
+    positions.resize(particles.size());
+    check(ctGetPositionsOf(tree.get(), true, particles.size(), particles.data(), coordinatesOf(positions)));
+}
+
+const vector<Vec3>& Scene::followTrial()
+{
+    const bool isNew = followed.empty();
+    vector<Vec3> made(isNew ? definition.getNumParticles() : 0);
+    check(ctFollowTrialPositions(tree.get(), isNew, coordinatesOf(isNew ? made : followed)));
+    if (isNew)
+        followed = std::move(made);
+    return followed;
+}
+
+const vector<Vec3>& Scene::followState()
+{
+    const bool isNew = followed.empty();
+    followed.resize(definition.getNumParticles());
+    ctFollowPositions(tree.get(), isNew, coordinatesOf(followed));
+    return followed;
+}
+
+void Scene::accept()
+{
+    check(ctAccept(tree.get(), &counts));
+    energy.accept();
+}
+
+void Scene::reject()
+{
+    if (tree)
+        ctReject(tree.get());
+}
