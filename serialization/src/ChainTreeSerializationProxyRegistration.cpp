@@ -9,7 +9,7 @@
 using namespace ChainTreePlugin;
 using namespace OpenMM;
 
-// From a static library a linker may leave out the initializer below; then a program calls this itself.
+// A linker may omit the initializer below from a static library; the program must then call this function.
 
 extern "C" OPENMM_EXPORT_CHAINTREE void registerChainTreeSerializationProxies()
 {
@@ -17,6 +17,6 @@ extern "C" OPENMM_EXPORT_CHAINTREE void registerChainTreeSerializationProxies()
     SerializationProxy::registerProxy(typeid(TorsionMonteCarloIntegrator), new TorsionMonteCarloIntegratorProxy());
 }
 
-// A program that loads this library can read and write the XML of its classes.
+// Registers the proxies when a program loads this library.
 
 static const bool proxiesAreRegistered = (registerChainTreeSerializationProxies(), true);

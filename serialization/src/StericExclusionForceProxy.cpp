@@ -11,7 +11,7 @@ using namespace OpenMM;
 using namespace std;
 
 static const int NEWEST_VERSION = 2;
-/** That of forces with torsions alone. */
+/** The version of forces without ball joints and closures. */
 static const int VERSION_OF_TORSIONS = 1;
 
 StericExclusionForceProxy::StericExclusionForceProxy() : SerializationProxy("StericExclusionForce")
@@ -31,7 +31,7 @@ static void writeParticles(SerializationNode& node, initializer_list<int> partic
 void StericExclusionForceProxy::serialize(const void* object, SerializationNode& node) const
 {
     const StericExclusionForce& force = *reinterpret_cast<const StericExclusionForce*>(object);
-    // A force without ball joints and closures can be read by releases that know none.
+    // Earlier releases can read a force without ball joints and closures.
 
     const bool hasOnlyTorsions = (force.getNumBallJoints() == 0 && force.getNumClosures() == 0);
     const int version = hasOnlyTorsions ? VERSION_OF_TORSIONS : NEWEST_VERSION;

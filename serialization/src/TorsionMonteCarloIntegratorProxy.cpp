@@ -51,7 +51,7 @@ void* TorsionMonteCarloIntegratorProxy::deserialize(const SerializationNode& nod
     integrator->setTrialsPerStep(node.getIntProperty("trialsPerStep"));
     integrator->setInitialClashPolicy(
         (TorsionMonteCarloIntegrator::InitialClashPolicy)node.getIntProperty("initialClashPolicy"));
-    integrator->setStericMode(TorsionMonteCarloIntegrator::Hard); // the only one of version 1
+    integrator->setStericMode(TorsionMonteCarloIntegrator::Hard); // the only mode of version 1
     if (version > 1)
         integrator->setStericMode((TorsionMonteCarloIntegrator::StericMode)node.getIntProperty("stericMode"));
     if (version > 2)

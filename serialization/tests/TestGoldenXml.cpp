@@ -1,7 +1,7 @@
 /**
- * This tests that XML that was written before is read, and written back byte for byte.
+ * This tests that XML of earlier releases is read, and written back byte for byte.
  *
- * The argument is the folder of the files. Each ends with the version that it has.
+ * The argument is the folder of the files. Each file name ends with the version of its XML.
  */
 
 #include "FreeChain.h"
@@ -57,7 +57,7 @@ void testForces()
 }
 
 /**
- * The file has each kind of move twice, and each kind of density, with other values than the defaults.
+ * The file contains each kind of move twice, and each kind of density, with values that are not the defaults.
  */
 void testIntegrator()
 {
@@ -82,8 +82,8 @@ void testOldestIntegrator()
 }
 
 /**
- * Checkpoints and States tell moves from others by the text that describes them. The file has the lines that a State
- * has of moves.
+ * Checkpoints and States identify moves by the text that describes them. The file contains the lines of a State that
+ * describe moves.
  */
 void testMovesOfStates()
 {
@@ -129,7 +129,7 @@ void testMovesOfStates()
             lines += line.substr(line.find('<')) + "\n";
     ASSERT_EQUAL(readFile("moves-of-a-state.txt"), lines);
 
-    // A checkpoint holds the same texts in the order of the arguments.
+    // A checkpoint contains the same texts, in the order of the arguments.
 
     stringstream stream;
     context.createCheckpoint(stream);

@@ -1,5 +1,5 @@
 /**
- * This tests that the XML of a StericExclusionForce keeps everything.
+ * This tests that the XML of a StericExclusionForce preserves all parameters.
  */
 
 #include "openmm/internal/AssertionUtilities.h"
@@ -19,7 +19,7 @@ using namespace OpenMM;
 using namespace std;
 
 /**
- * A force in which no parameter has its default value, nor that of another.
+ * Make a force in which each parameter has a different value, and none its default.
  */
 unique_ptr<StericExclusionForce> createForce()
 {
@@ -160,7 +160,7 @@ void testBadXml()
 }
 
 /**
- * Without ball joints and closures the XML is what it was when there were none.
+ * Without ball joints and closures, the XML is that of releases without these features.
  */
 void testFormerVersion()
 {

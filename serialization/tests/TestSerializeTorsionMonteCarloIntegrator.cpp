@@ -1,5 +1,5 @@
 /**
- * This tests that the XML of a TorsionMonteCarloIntegrator keeps everything.
+ * This tests that the XML of a TorsionMonteCarloIntegrator preserves all settings.
  */
 
 #include "openmm/CompoundIntegrator.h"
@@ -20,7 +20,7 @@ using namespace OpenMM;
 using namespace std;
 
 /**
- * Set everything to something that is not the default.
+ * Give each setting a value that is not the default.
  */
 void setUp(TorsionMonteCarloIntegrator& integrator)
 {
@@ -182,8 +182,8 @@ void testRoundTrip()
 
 void testOldXml()
 {
-    // Version 1 knew no steric mode: all sampling was hard. Until version 2 all energies were OpenMM's; sampling is the
-    // same without them. Until version 3 there were no outer tests.
+    // Version 1 had no steric mode: all sampling was hard. In versions 1 and 2, OpenMM evaluated all energies; native
+    // ones sample the same distribution. Versions 1 to 3 had no outer tests.
 
     TorsionMonteCarloIntegrator integrator(310);
     integrator.setStericMode(TorsionMonteCarloIntegrator::Soft);

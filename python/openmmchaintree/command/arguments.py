@@ -1,4 +1,4 @@
-"""Reading arguments: every error is one line."""
+"""Reads command-line arguments; every error is one line."""
 
 import argparse
 import os
@@ -11,7 +11,7 @@ from .terminal import printError
 
 
 class Parser(argparse.ArgumentParser):
-    """A parser that reports an error in one line."""
+    """A parser that reports each error in one line."""
 
     def parse_args(self, args=None, namespace=None):
         options, others = self.parse_known_args(args, namespace)
@@ -44,17 +44,17 @@ def positiveUpTo(limit):
 
 
 def frameCount(text):
-    """Read a number of frames, which the headers of trajectories have to hold."""
+    """Read a number of frames, limited by the headers of trajectories."""
     return wholeNumber(text, 1, 10**9)
 
 
 def notNegative(text):
-    """Read a whole number from 0 on."""
+    """Read a whole number that is at least 0."""
     return wholeNumber(text, 0, 10**15)
 
 
 def listOf(names):
-    """Return a function that reads some of the names, with commas between them."""
+    """Return a function that reads a list of the names, separated by commas."""
 
     def read(text):
         chosen = text.split(",")
@@ -72,7 +72,7 @@ def seed(text):
 
 
 def numberIn(least, largest):
-    """Return a function that reads a number of a range."""
+    """Return a function that reads a number in a range."""
 
     def read(text):
         try:
@@ -87,7 +87,7 @@ def numberIn(least, largest):
 
 
 def wholeNumber(text, least, largest):
-    """Read a whole number of a range."""
+    """Read a whole number in a range."""
     try:
         value = int(text)
     except ValueError:
@@ -98,7 +98,7 @@ def wholeNumber(text, least, largest):
 
 
 def addScheduler(parser, what):
-    """Add the option of a scheduler whose workers do something."""
+    """Add the option for a scheduler whose workers do a job, described by `what`."""
     parser.add_argument(
         "--scheduler",
         metavar="ADDRESS",
@@ -107,5 +107,5 @@ def addScheduler(parser, what):
 
 
 def usableCores():
-    """Return how many cores this process may use."""
+    """Return the number of cores that this process may use."""
     return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1

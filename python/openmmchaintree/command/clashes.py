@@ -22,11 +22,11 @@ def addArguments(clashes):
     """Describe the command and its arguments to a parser."""
     clashes.description = (
         "Find atoms that overlap by more than 0.04 nm (0.1 nm where one may donate a hydrogen bond to the other) and "
-        "are more than three bonds apart: in all models of a structure, or in all frames of a trajectory. Models, "
-        "frames and particles are numbered from 0. Water and ions that nothing binds are left out, of alternate "
-        "conformers all but that of highest occupancy. Molecules split over a periodic box are made whole; clashes "
-        "with images do not count, and a note counts those of the first frame. What is written to - goes to standard "
-        "output, and the report to standard error then."
+        "are more than three bonds apart, in all models of a structure or all frames of a trajectory. Models, frames "
+        "and particles are numbered from 0. Water, free ions and alternate conformers of lower occupancy are omitted. "
+        "Molecules split over a periodic box are made whole; clashes with periodic images are not listed, but a note "
+        "counts them in the first frame. The file name - stands for standard output; the report then goes to standard "
+        "error."
     )
     clashes.set_defaults(run=_run)
     clashes.add_argument(
@@ -35,17 +35,17 @@ def addArguments(clashes):
         help="a PDB, mmCIF or BinaryCIF file, plain or compressed (default: the villin headpiece in OpenMM's package)",
     )
     clashes.add_argument(
-        "trajectory", nargs="?", help="a DCD or XTC file with the atoms of the structure, in place of its models"
+        "trajectory", nargs="?", help="a DCD or XTC file with the atoms of the structure, used instead of its models"
     )
-    clashes.add_argument("--water", action="store_true", help="look at water, too")
-    clashes.add_argument("--ions", action="store_true", help="look at ions, too")
+    clashes.add_argument("--water", action="store_true", help="include water")
+    clashes.add_argument("--ions", action="store_true", help="include ions")
     clashes.add_argument(
         "--radii",
         choices=RADII_SETS,
-        help="the set of radii (default: all-atom for molecules that show their hydrogens, united-atom for others)",
+        help="the set of radii (default: all-atom for molecules that include their hydrogens, united-atom for others)",
     )
     clashes.add_argument(
-        "--rows", type=positive, default=10, metavar="N", help="rows of each table at most (default: %(default)s)"
+        "--rows", type=positive, default=10, metavar="N", help="maximum number of rows per table (default: %(default)s)"
     )
     clashes.add_argument("--csv", metavar="FILE", help="write a line of CSV for every clash (-: print them)")
     clashes.add_argument("--json", metavar="FILE", help="write everything as JSON (-: print it)")
@@ -54,9 +54,9 @@ def addArguments(clashes):
         "--workers",
         type=positiveUpTo(_PROCESSES),
         metavar="W",
-        help="processes that look at frames side by side (default: this one)",
+        help="number of processes that search frames in parallel (default: 1)",
     )
-    addScheduler(clashes, "the search of frames, whose files they have to see by the same names,")
+    addScheduler(clashes, "the search, which needs the same file names on every machine,")
     addOverwrite(clashes)
     addNotes(clashes)
 

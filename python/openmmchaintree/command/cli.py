@@ -15,8 +15,8 @@ from .status import BAD_INPUT, INTERRUPTED, NOBODY_READS, TERMINATED
 from .terminal import Terminated, interruptible, printError
 
 _COMMANDS = {
-    "sample": "sample a protein free of clashes",
-    "clashes": "find the clashes of a structure or trajectory",
+    "sample": "sample the torsions of proteins and nucleic acids",
+    "clashes": "find the clashes in a structure or trajectory",
 }
 
 _OPTION_OF_CALL = {"setNativeEnergies(False)": "--no-native-energies"}
@@ -28,9 +28,9 @@ def main(arguments=None):
 
 
 def runParsed(parser, arguments=None):
-    """Run the function `run` that a parser sets, with the options that it reads; return the exit status.
+    """Parse the options and call the parser's function `run`; return the exit status.
 
-    Every error of the user, of files and of OpenMM becomes one line.
+    Errors of the user, of files and of OpenMM are reported in one line.
     """
     if sys.stdout is None:
         sys.stdout = open(os.devnull, "w")
@@ -64,7 +64,7 @@ def runParsed(parser, arguments=None):
 
 
 def _inOptions(text):
-    """Return what is wrong with advice by options, where the library names calls."""
+    """Return an error text with command-line options in place of the library's calls."""
     for call, option in _OPTION_OF_CALL.items():
         text = text.replace(call, option)
     return text
@@ -79,14 +79,14 @@ def _hasFolder():
 
 
 def _dropStandardOutput():
-    """Leave what is not written yet: Python flushes at its end, too, and would complain."""
+    """Discard unwritten output: Python flushes at exit and would report an error."""
     os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
 
 
 def _parser():
     parser = Parser(
         prog="openmm-chaintree",
-        description="Sampling of proteins in torsion space, and the clashes of structures and trajectories.",
+        description="Sample proteins in torsion space, and find clashes in structures and trajectories.",
     )
     version = f"openmm-chaintree {__version__}, OpenMM {openmm.Platform.getOpenMMVersion()}"
     parser.add_argument("--version", action="version", version=version)
@@ -97,7 +97,7 @@ def _parser():
 
 
 class _CommandParser(Parser):
-    """The parser of a command, which is imported only once it is called."""
+    """The parser of a command, whose module is imported only when the command is used."""
 
     def parse_known_args(self, args=None, namespace=None):
         command = importlib.import_module(f".{self.command}", __package__)

@@ -1,4 +1,4 @@
-"""The settings of a run as TOML: read by --config, written by each run."""
+"""The settings of a run as TOML, which --config reads and each run writes."""
 
 import argparse
 import re
@@ -12,14 +12,14 @@ if sys.version_info >= (3, 11):
 else:
     import tomli as tomllib
 
-# What says how a run is told, not what it does.
+# Options of how a run is started and reported, which do not belong to its settings.
 _NOT_SETTINGS = ("help", "config", "resume", "overwrite", "verbose", "scheduler")
 
 _TABLE = "sample"
 
 _LARGEST_FILE = 10**6  # bytes
 
-# Keys of tables within each other take the reader time that grows with the square of their number.
+# Reading nested keys takes time quadratic in their number.
 _DEEP_KEY = re.compile(r"""(?<![\w-])(?:(?:[\w-]+|"[^"\n]*"|'[^'\n]*')[ \t]*\.[ \t]*){32}""")
 _TOO_DEEP = "is no TOML of settings (lists or tables within each other are too deep: a setting is a value or a list)"
 
@@ -29,19 +29,19 @@ def addConfig(parser):
     parser.add_argument(
         "--config",
         metavar="FILE",
-        help="read settings from a TOML file, such as the one that each run writes; options given beside it come first",
+        help="read settings from a TOML file, such as the one that each run writes; other options take precedence",
     )
 
 
 def applySettings(parser, arguments):
-    """Make the settings that a --config or --resume among the arguments of a command names its parser's defaults.
+    """Use the settings of --config or --resume, if among the arguments, as the parser's defaults.
 
     Raises
     ------
     InputError
-        if its file cannot be read, or has what is no setting, or is no value of it
+        if the file cannot be read, or contains an unknown setting or a wrong value
     """
-    # The parser itself, so that a value that looks like an option is none here either.
+    # The base class's method, so that values that look like options are not parsed as options.
     given, _ = argparse.ArgumentParser.parse_known_args(parser, arguments)
     if given.config is not None and given.resume is not None:
         raise InputError("--config and --resume cannot be used together: a run goes on with its own settings")
@@ -50,9 +50,9 @@ def applySettings(parser, arguments):
     elif given.resume is not None:
         settings, source = SavedRun(given.resume).settings, given.resume
         paths = [name for name in ("json", "notes") if name in settings and getattr(given, name) is None]
-        parser.set_defaults(pathsOfRun=paths)  # not of who goes on with it
+        parser.set_defaults(pathsOfRun=paths)  # from the run, not from the user who resumes it
         if given.scheduler is not None:
-            settings.pop("workers", None)  # those of this machine
+            settings.pop("workers", None)  # the number for this machine
     else:
         return
     actions = _settingsOf(parser)
@@ -64,7 +64,7 @@ def applySettings(parser, arguments):
 
 
 def _read(parser, action, value, name):
-    """Return what an option is for a value of TOML, which is never looked at as an argument."""
+    """Return the value of an option from a TOML value, which is never parsed as an argument."""
     if action.nargs == 0:
         if not isinstance(value, bool):
             raise InputError(f"{name} must be true or false")
@@ -112,7 +112,7 @@ def readSettings(path):
         raise InputError(f"{path}: cannot be read ({error.strerror or error})") from error
     except RecursionError as error:
         raise InputError(f"{path}: {_TOO_DEEP}") from error
-    except ValueError as error:  # of TOML, of bytes that are no text, of numbers with thousands of digits
+    except ValueError as error:  # from TOML, bytes that are not text, or numbers with thousands of digits
         raise InputError(f"{path}: is no TOML ({error})") from error
     others = [name for name in content if name != _TABLE]
     if others or not isinstance(content.get(_TABLE), dict):
@@ -123,12 +123,12 @@ def readSettings(path):
 
 
 def settingsOf(parser, options):
-    """Return the settings among the options of a run as a dictionary; options that are not given stay out.
+    """Return the settings among the options of a run as a dictionary, without options that are not given.
 
     Raises
     ------
     InputError
-        if one cannot be written as TOML: a name that is no text
+        if one cannot be written as TOML: a name that is not text
     """
     settings = {name: getattr(options, action.dest) for name, action in _settingsOf(parser).items()}
     for name, value in settings.items():
@@ -142,7 +142,7 @@ def settingsOf(parser, options):
 
 
 def _checkText(name, value):
-    """Refuse a name of a file whose bytes are no text, which Python holds all the same."""
+    """Refuse a file name whose bytes are not text, which Python strings can hold."""
     try:
         str(value).encode("utf-8")
     except UnicodeEncodeError as error:

@@ -14,8 +14,8 @@ def addEnergyOptions(parser):
         "--forcefield",
         nargs="+",
         metavar="XML",
-        help="sample exp(-U/kT) with the energy U of these files of OpenMM's ForceField, by path or by the name that "
-        "they have in OpenMM, such as amber14-all.xml implicit/gbn2.xml (default: hard spheres alone)",
+        help="sample exp(-U/kT) with the energy U of these files of OpenMM's ForceField, given by path or by their "
+        "names in OpenMM, such as amber14-all.xml implicit/gbn2.xml (default: hard spheres alone)",
     )
     parser.add_argument(
         "--temperature",
@@ -27,39 +27,39 @@ def addEnergyOptions(parser):
         "--nonbonded-cutoff",
         type=numberIn(0.1, 1e3),
         metavar="NM",
-        help="leave out pairs of atoms beyond this distance (default: none is left out)",
+        help="omit pairs of atoms beyond this distance (default: no cutoff)",
     )
     parser.add_argument(
         "--steric",
         choices=(OFF, HARD),
-        help="in a force field: off samples exp(-U/kT); hard forbids overlapping atoms as well (default: off if the "
-        "force field has energies of all pairs of atoms, else hard)",
+        help="in a force field: off samples exp(-U/kT); hard also forbids overlapping atoms (default: off if the force "
+        "field has energies of all pairs of atoms, else hard)",
     )
     parser.add_argument(
         "--trials-per-outer-test",
         type=positive,
         metavar="M",
-        help="let OpenMM evaluate forces that are not native once in M trials, all of which are then kept or taken "
-        "back (default: in each trial; what stands in for a solvent is tested after 400 trials)",
+        help="evaluate forces that are not native, and the full energy, once in M trials, in an outer test that keeps "
+        "or undoes these trials (default: 400 for implicit solvents; chosen from the first tests for other forces)",
     )
     parser.add_argument(
         "--no-native-energies",
         action="store_true",
-        help="let OpenMM evaluate every force in each trial, which takes much longer",
+        help="let OpenMM evaluate every force in each trial, which is much slower",
     )
-    parser.add_argument("--add-hydrogens", action="store_true", help="add hydrogens that are missing")
+    parser.add_argument("--add-hydrogens", action="store_true", help="add missing hydrogens")
     parser.add_argument(
         "--ph", type=numberIn(0, 14), metavar="PH", help=f"the pH at which to add hydrogens (default: {_PH:g})"
     )
 
 
 def readEnergyOptions(options):
-    """Return the EnergyModel that the options choose, or None, and the pH at which to add hydrogens, or None.
+    """Return the EnergyModel chosen by the options, or None, and the pH at which to add hydrogens, or None.
 
     Raises
     ------
     InputError
-        if an option needs another one, or a file is none of a force field
+        if an option needs another one, or a file is not a force field
     """
     needs = [
         ("--temperature", options.temperature, "--forcefield", options.forcefield),

@@ -10,18 +10,18 @@ from ..structures.limits import checkMemory
 from .arguments import addScheduler, numberIn, positive, positiveUpTo, usableCores
 
 _TRIALS_PER_EXCHANGE = 4000
-_TRIALS_PER_ROUND = 10000  # of replicas that exchange nothing
+_TRIALS_PER_ROUND = 10000  # without exchange
 _CHECKPOINT_INTERVAL = 60.0  # s
-_BYTES_PER_ATOM = 24  # of a frame that is kept
+_BYTES_PER_ATOM = 24  # in a stored frame
 
 
 class ReplicaChoice(NamedTuple):
-    """What the user chose.
+    """The options of replicas that the user chose.
 
-    temperatures : list of float, K: those that are exchanged, or None
+    temperatures : list of float, K, to exchange, or None
     replicas, workers : int
     trialsPerRound : int
-    filesByTemperature : bool, whether each temperature has a trajectory, not each replica
+    filesByTemperature : bool, whether each temperature has a trajectory, instead of each replica
     checkpointInterval : float, s
     scheduler : str, the address of a Dask scheduler whose workers run replicas, or None
     """
@@ -41,13 +41,13 @@ def addReplicaOptions(parser):
         "--replicas",
         type=positiveUpTo(REPLICAS),
         metavar="N",
-        help="run N replicas from the same start, each with all trials and frames and random numbers of its own",
+        help="run N replicas from the same start, each with --trials trials, --frames frames and its own random numbers",
     )
     parser.add_argument(
         "--temperatures",
         metavar="LOW:HIGH:N",
-        help="exchange N temperatures, each by the same factor above the one before, among N replicas; or temperatures "
-        "with commas between them (K); needs --forcefield",
+        help="exchange N temperatures (K) in geometric progression among N replicas, or a list of temperatures "
+        "separated by commas; needs --forcefield",
     )
     parser.add_argument(
         "--trials-per-exchange",
@@ -59,20 +59,20 @@ def addReplicaOptions(parser):
         "--trials-per-round",
         type=positive,
         metavar="M",
-        help="trials of each replica between two moments at which a run can be interrupted and go on, of replicas that "
-        f"exchange nothing (default: {_TRIALS_PER_ROUND}); more of them for many workers, so that they ask less often",
+        help="trials of each replica per round, without exchange; a run can be resumed only from the end of a round "
+        f"(default: {_TRIALS_PER_ROUND}); longer rounds lower the load of a scheduler with many workers",
     )
     parser.add_argument(
         "--workers",
         type=positive,
         metavar="W",
-        help="replicas that run at a time (default: as many as there are cores)",
+        help="number of replicas that run at a time (default: the number of cores)",
     )
     addScheduler(parser, "replicas")
     parser.add_argument(
         "--trajectories",
         choices=("replica", "temperature"),
-        help="what each trajectory follows (default: the temperature where they are exchanged, else the replica)",
+        help="write a trajectory per replica or per temperature (default: temperature with exchange, else replica)",
     )
     parser.add_argument(
         "--checkpoint-interval",
@@ -83,17 +83,17 @@ def addReplicaOptions(parser):
     parser.add_argument(
         "--resume",
         metavar="FILE",
-        help="go on from the checkpoint of a run with replicas, with all its settings; with --trials, to more trials",
+        help="resume a run with replicas from its checkpoint, with all its settings; with --trials, extend it",
     )
 
 
 def readReplicaOptions(options):
-    """Return the ReplicaChoice that the options make, or None of a single run.
+    """Return the ReplicaChoice of the options, or None for a single run.
 
     Raises
     ------
     InputError
-        if an option needs another one, or does not fit it
+        if an option needs another one, or contradicts it
     """
     temperatures = None
     if options.temperatures is not None:
@@ -142,12 +142,12 @@ def readReplicaOptions(options):
 
 
 def makePlan(choice, options, energyModel, seed, atoms):
-    """Return the RunPlan of a ReplicaChoice, for replicas of so many atoms.
+    """Return the RunPlan of a ReplicaChoice for replicas with `atoms` atoms.
 
     Raises
     ------
     InputError
-        if the frames of a round, which are in memory until it ends, take too much of it
+        if the frames of a round, which stay in memory until its end, need too much memory
     """
     temperatures = choice.temperatures or [300.0 if energyModel is None else energyModel.temperature]
     schedule = Schedule(options.trials, choice.trialsPerRound, -(-options.trials // options.frames))

@@ -39,34 +39,34 @@ _NONE = "none"
 _ENDINGS = {"trajectory": ".dcd", "topology": "-topology.pdb", "picture": ".png", "settings": "-settings.toml"}
 
 _DESCRIPTION = """\
-Sample the torsions of proteins and nucleic acids: as hard spheres, or, with --forcefield, the Boltzmann distribution
-exp(-U/kT). Water and ions are left out; what has no torsions stays where it is, as an obstacle. Says what moves and
-what stays, writes a trajectory (DCD), which begins with the start, a PDB file that matches it and a picture, and
-prints a table."""
+Sample the torsions of proteins and nucleic acids: as hard spheres or, with --forcefield, from the Boltzmann
+distribution exp(-U/kT). Water and ions are omitted; parts without torsions stay in place as obstacles. Reports what
+moves and what does not, writes a trajectory (DCD) that begins with the initial structure, its topology (PDB) and a
+picture, and prints a table."""
 
 _SELECTIONS = """
 In a force field, with implicit solvent:
 
   openmm-chaintree sample my.pdb --add-hydrogens --forcefield amber14-all.xml implicit/gbn2.xml --temperature 300
 
-A force field needs all atoms of each residue: --add-hydrogens adds hydrogens, PDBFixer what else is missing. Moves
-are those that folded chains accept, where hard spheres alone just turn torsions: windows of the backbone turn so that
-what lies behind them stays or hardly moves, and side chains turn by a little and go from rotamer to rotamer. Bond
-lengths and angles stay as they are at the start.
+A force field needs all atoms of each residue: --add-hydrogens adds hydrogens; use PDBFixer for other missing atoms.
+Moves suit folded chains: closed and local moves of backbone windows, which leave the chain behind them in place or
+hardly move it, and side-chain moves, small or between rotamers. Hard spheres alone are sampled by moves of
+single torsions. Bond lengths and angles keep their initial values.
 
-A SELECTION is in the language of MDTraj (https://mdtraj.org/latest/atom_selection.html), in quotes:
+A SELECTION is written in MDTraj's language (https://mdtraj.org/latest/atom_selection.html), in quotes:
 
   --move "segname A"                   chain A by its name; "chainid 0" is the first chain of the file
   --move "resSeq 10 to 20"             residues by their numbers in the file (52 is 52 and 52A); "resid" counts from 0
   --move "sidechain and not resname PRO"
-  --fix "protein" --rigid-bodies       what is bound to a protein, within it
+  --fix "protein" --rigid-bodies       ligands in a fixed protein
   --fix "nucleic or (segname B and resSeq < 100)"
   --fix "name CA \\"C1'\\""             names with primes in quotes
 
---move chooses which torsions turn: those whose third atom (of C-N-CA-C: CA) it selects. So "backbone" selects φ and ψ,
-"sidechain" all χ. What hangs on them goes along; of each molecule the largest part of the backbone that does not turn
-stays where it is. Atoms of --fix never move, whatever turns: torsions between two fixed parts are left out, so that of
-a loop between fixed ends only the side chains turn. To sample a loop as a whole, by moves that keep it closed:
+--move selects torsions by their third atom (of C-N-CA-C: CA), so "backbone" selects φ and ψ, "sidechain" all χ. Atoms
+behind a torsion move with it; in each molecule, the largest part of the backbone without a rotating torsion stays in
+place. Atoms selected by --fix never move, and torsions between two fixed parts are omitted, so only side chains move in
+a loop between fixed ends. To sample the whole loop with moves that keep it closed:
 
   --fix "not resSeq 20 to 30" --close loops
 """
@@ -92,13 +92,13 @@ def addArguments(sample):
     )
     sample.add_argument("--seed", type=seed, help="random number seed, 1 to 2147483647 (default: a new one each time)")
     sample.add_argument(
-        "-o", "--output", metavar="PREFIX", help="what the names of output files begin with (default: the structure's)"
+        "-o", "--output", metavar="PREFIX", help="prefix of output file names (default: the structure's name)"
     )
     sample.add_argument(
         "--json",
         metavar="FILE",
-        help="write what the table says, and all tolerated pairs, as JSON (-: to standard output, and the report to "
-        "standard error)",
+        help="write the contents of the table, and all tolerated pairs, as JSON (-: to standard output; the report "
+        "then goes to standard error)",
     )
     addOverwrite(sample)
     addNotes(sample)
@@ -109,45 +109,47 @@ def addArguments(sample):
         "--torsions",
         type=listOf(KIND_WORDS),
         metavar="KINDS",
-        help=f"kinds of torsions that turn, with commas between them, of {', '.join(KIND_WORDS)} "
-        f"(default: {','.join(DEFAULT_KINDS)}; in a force field {','.join(KINDS_WITH_ENERGIES)}, all bonds in no ring)",
+        help=f"kinds of rotating torsions, separated by commas, from {', '.join(KIND_WORDS)} (default: "
+        f"{','.join(DEFAULT_KINDS)}; in a force field {','.join(KINDS_WITH_ENERGIES)}, all bonds outside rings)",
     )
-    sample.add_argument("--leave-out", metavar="SELECTION", help="atoms that are left out, such as those of a ligand")
+    sample.add_argument("--leave-out", metavar="SELECTION", help="atoms to omit, such as those of a ligand")
     sample.add_argument(
         "--unknown-radius",
         type=numberIn(0, 1),
         metavar="NM",
-        help="the radius of atoms of elements of which none is known, such as boron: 0.2 (default: they are an error)",
+        help="the radius of atoms of elements without a known radius, such as 0.2 for boron (default: an error)",
     )
-    sample.add_argument("--move", metavar="SELECTION", help="atoms whose torsions turn (default: all); see below")
+    sample.add_argument("--move", metavar="SELECTION", help="atoms whose torsions rotate (default: all); see below")
     sample.add_argument("--fix", metavar="SELECTION", help="atoms that never move (default: none); see below")
     sample.add_argument(
         "--rigid-bodies",
         action="store_true",
-        help="move molecules as a whole, too, all but those that --fix holds and fragments at gaps in a chain; with "
-        "--move, those that it selects atoms of",
+        help="also move whole molecules: all except molecules with atoms selected by --fix, and fragments at gaps in a "
+        "chain; with --move, only molecules with selected atoms",
     )
-    sample.add_argument("--cut-disulfides", action="store_true", help="let the torsions between disulfides turn")
     sample.add_argument(
-        "--cut-metals", action="store_true", help="let the torsions between residues that bind a metal turn"
+        "--cut-disulfides", action="store_true", help="cut disulfides, so that torsions between them rotate"
+    )
+    sample.add_argument(
+        "--cut-metals", action="store_true", help="cut bonds of metals, so that the torsions between them rotate"
     )
     sample.add_argument(
         "--close",
         type=listOf((DISULFIDES, LOOPS, _NONE)),
         metavar="WHAT",
-        help=f"{DISULFIDES}, {LOOPS} or both with a comma between: let the torsions of rings that disulfides close, "
-        f"and of loops between parts that --fix holds, turn by closed moves, which keep the bonds; or {_NONE} "
+        help=f"{DISULFIDES}, {LOOPS} or both, separated by a comma: sample rings closed by disulfides, and loops "
+        f"between parts fixed by --fix, with closed moves, which keep the bonds; or {_NONE} "
         f"(default: {DISULFIDES} in a force field, unless they are cut, else {_NONE})",
     )
     sample.add_argument(
         "--allow-unbonded",
         action="store_true",
-        help="go on though atoms as near as if they were bonded, but that are not, would leave each other",
+        help="continue even if moves can separate atoms at bonding distance that are not bonded",
     )
 
 
 class Prepared(NamedTuple):
-    """A run before it begins.
+    """A run before its start.
 
     options : argparse.Namespace; settings : dict, for --config; outputs : dict of Output by kind; console : Console;
     sampling : Sampling; energyModel : EnergyModel or None; seed : int; addedHydrogens : int
@@ -204,7 +206,7 @@ def _run(options):
 
 
 def _checkFolder(options):
-    """Refuse a structure that is named by settings and is not there: perhaps the command runs in another folder."""
+    """Refuse a missing structure named by settings: perhaps the command runs in another folder."""
     source, name = options.resume or options.config, options.structure
     if source is not None and name is not None and not os.path.isabs(name) and not os.path.exists(name):
         raise InputError(
@@ -237,7 +239,7 @@ def _sampleOne(prepared):
 
 
 def _prepare(structure, options, energyModel, pH, seed):
-    """Return a Structure with atoms left out and hydrogens added as the options say, and how many were added."""
+    """Return a Structure without the omitted atoms and with added hydrogens, and the number of these."""
     if options.leave_out is not None:
         structure = withoutAtoms(structure, selectByOption(structure.topology, "--leave-out", options.leave_out))
     if pH is None:
@@ -249,7 +251,7 @@ def _prepare(structure, options, energyModel, pH, seed):
 
 
 def _checkOutputs(options, structureName, settings, replicas, saved):
-    """Return the Outputs by their kind. A file of settings that is read, and says the same, is not written again."""
+    """Return the Outputs by kind. A settings file that is an input with equal content is not written again."""
     prefix = structureName if options.output is None else options.output
     folder, beginning = os.path.split(prefix)
     if beginning in ("", ".", ".."):
@@ -269,7 +271,7 @@ def _checkOutputs(options, structureName, settings, replicas, saved):
 
 
 def _beginFiles(outputs, structure, settings, trials, frames):
-    """Write what stays as it is, and the start into the trajectory; return that. None stays if one fails."""
+    """Write constant files and begin the trajectory with the initial structure; return it. Remove all on failure."""
     writeScene(outputs, structure, settings)
     try:
         interval = -(-trials // frames)
@@ -281,9 +283,9 @@ def _beginFiles(outputs, structure, settings, trials, frames):
 
 
 def _sample(sampling, trials, trajectory, failures):
-    """Run all trials and write frames evenly along them; return Interrupts, and what hard spheres forbid.
+    """Run all trials and write frames at equal intervals; return Interrupts and the result of measureForbidden.
 
-    An OutputError ends the run, too, and joins the failures.
+    An OutputError also ends the run and is added to `failures`.
     """
     with interruptFlag() as interrupted, progress(trials) as advance:
 
