@@ -1,1 +1,1 @@
-"""The command openmm-chaintree: what it reads, runs, prints and draws."""
+"""The command openmm-chaintree: its options, runs, reports and pictures."""

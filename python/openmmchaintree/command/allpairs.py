@@ -1,6 +1,6 @@
-"""Overlaps of all pairs of particles, by a k-d tree: the plain test that the command checks its result with.
+"""Overlaps of all pairs of particles, by a k-d tree: the simple test with which the command checks its result.
 
-It shares nothing with the plugin's engine but the definition of a clash.
+It shares only the definition of a clash with the plugin's engine.
 """
 
 from typing import NamedTuple
@@ -50,8 +50,8 @@ class HardSpheres(PlainSpheres):
         return Overlaps(pairs[order], overlaps[order], tolerances[order])
 
     def _nearPairs(self, positions):
-        """Return the pairs that may overlap, the lower index first: all that are nearer than the largest spheres."""
-        # The tree rounds distances in its own way.
+        """Return the pairs closer than the largest spheres, which may overlap; the lower index comes first."""
+        # A margin for the tree's rounding of distances.
         reach = self.reach + 1e-9 * (abs(self.reach) + np.abs(positions).max(initial=0))
         return self.modelled[_nearPairs(positions[self.modelled], max(reach, 0))]
 
@@ -75,7 +75,7 @@ def _nearPairs(positions, distance):
 
 
 class Verdict(NamedTuple):
-    """What `compare` says of a state: Overlaps within what the start had, and beyond their limit (with the limits)."""
+    """The result of `compare`: Overlaps up to those of the start, and Overlaps beyond their limits, with these."""
 
     tolerated: Overlaps
     beyond: Overlaps
@@ -83,12 +83,12 @@ class Verdict(NamedTuple):
 
 
 def compare(start, end):
-    """Judge the overlaps of an end state by those of the start: a pair's limit is its tolerance or its overlap then."""
+    """Compare overlaps at the end with the start; a pair's limit is its tolerance, or its overlap at the start."""
     limits = {tuple(pair): overlap for pair, overlap in zip(start.pairs.tolist(), start.overlaps, strict=True)}
     endLimits = np.array(
         [limits.get(tuple(pair), tolerance) for pair, tolerance in zip(end.pairs.tolist(), end.tolerances, strict=True)]
     )
-    # The start's overlap is a limit with a margin of SIGMA, and within SIGMA of a limit either verdict is right.
+    # The engine adds SIGMA to the start's overlap, and within SIGMA of a limit either verdict is right.
     isBeyond = end.overlaps > endLimits.reshape(-1) + 2 * SIGMA
     return Verdict(_select(end, ~isBeyond), _select(end, isBeyond), endLimits[isBeyond])
 

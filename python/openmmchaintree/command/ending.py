@@ -1,4 +1,4 @@
-"""How a run of the command ends: what it writes of itself, and its exit status."""
+"""The end of a run of the command: its reports and its exit status."""
 
 from .outputs.outputfiles import asJSON
 from .reports.noteoutput import asText
@@ -7,7 +7,7 @@ from .terminal import printError
 
 
 def writeReports(writing, outputs, notes, summary):
-    """Write the notes and the summary of a run to those of the Outputs "notes" and "json" that there are."""
+    """Write the notes and the summary of a run to the Outputs "notes" and "json", if present."""
     if "notes" in outputs:
         writing.write(outputs["notes"], lambda output: output.write(asText(notes)))
     if "json" in outputs:
@@ -15,7 +15,7 @@ def writeReports(writing, outputs, notes, summary):
 
 
 def endRun(writing, isBeyond, interrupts):
-    """Tell what could not be written; return the exit status.
+    """Report failures of writing; return the exit status.
 
     isBeyond : whether pairs are beyond their limit, or bonds have changed; interrupts : Interrupts
     """

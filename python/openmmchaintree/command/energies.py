@@ -1,4 +1,4 @@
-"""The energies of a run: what U is made of, and what OpenMM says of it by itself."""
+"""The energies of a run: the parts of U, and OpenMM's own value."""
 
 from typing import NamedTuple
 
@@ -7,13 +7,13 @@ from openmm import unit
 
 from ..openmmchaintree import StericExclusionForce
 
-_GROUPS = 32  # what OpenMM has
+_GROUPS = 32  # OpenMM's number of force groups
 
 
 class ForceEnergy(NamedTuple):
     """A Force of a System, how its energy in a trial is evaluated and why, and its energy (kJ/mol).
 
-    The energy is None where there are more Forces than OpenMM can tell apart.
+    The energy is None if there are more Forces than OpenMM has groups.
     """
 
     name: str
@@ -41,11 +41,11 @@ class Energies:
         self.plan = [entry for entry in integrator.getEnergyPlan(context) if entry.kind != "not sampled"]
 
     def held(self):
-        """Return U of the present positions as sampling has it, kJ/mol."""
+        """Return the integrator's U of the current positions, kJ/mol."""
         return self._integrator.getPotentialEnergy(self._context)
 
     def stages(self):
-        """Return the StageStatistics of the parts of U that have decided trials."""
+        """Return the StageStatistics of stages that have decided trials."""
         return [stage for stage in self._integrator.getStageStatistics() if stage.computed]
 
     def outerTests(self):
@@ -69,7 +69,7 @@ class Energies:
         return sum(energies.values()), parts
 
     def _makeReference(self):
-        """Make a Context of what is sampled, each Force in a group of its own."""
+        """Make a Context of the sampled Forces, each in a separate group."""
         system = openmm.XmlSerializer.clone(self._context.getSystem())
         forces = list(system.getForces())
         for index, force in enumerate(forces):

@@ -19,16 +19,16 @@ from .templatenames import nameByTemplates
 # Steric modes.
 OFF, HARD = "off", "hard"
 
-# The name of the class of a Force that stands for a solvent has one of these.
+# The class name of an implicit solvent Force contains one of these.
 _SOLVENTS = ("GB", "Kirkwood")
 
-# Added hydrogens are relaxed with this cutoff (nm), in so many iterations at most.
+# Cutoff (nm) and largest number of iterations for relaxing added hydrogens.
 _RELAXING_CUTOFF = 1.0
 _RELAXING_ITERATIONS = 100
 
 
 class EnergyModel:
-    """What makes the energies of a run.
+    """The force field, temperature and options that define the energy of a run.
 
     Attributes
     ----------
@@ -39,9 +39,9 @@ class EnergyModel:
     trialsPerOuterTest : int
         as in TorsionMonteCarloIntegrator, 0 by default
     areNative : bool
-        whether openmm-chaintree evaluates what it can
+        whether openmm-chaintree evaluates the Forces that it can
     steric : str or None
-        OFF, HARD, or whichever suits the force field
+        OFF or HARD; None: the default for the force field
     """
 
     def __init__(
@@ -55,12 +55,12 @@ class EnergyModel:
         areNative=True,
         steric=None,
     ):
-        """Read the files; errors say what else to do if hydrogens are added, or if atoms are left out.
+        """Read the files. Errors give other advice if hydrogens are added already, or if atoms are omitted.
 
         Raises
         ------
         InputError
-            if one of them cannot be read, or is no force field
+            if one of them cannot be read, or is not a force field
         """
         self.files = list(files)
         self.temperature = temperature
@@ -74,7 +74,7 @@ class EnergyModel:
                 raise InputError(f"--forcefield {file}: is no XML file; name the structure before this option")
         try:
             self._forceField = openmm.app.ForceField(*self.files)
-        except Exception as error:  # OpenMM raises whatever its parsers do
+        except Exception as error:  # OpenMM passes on any exception of its parsers
             raise InputError(f"--forcefield {' '.join(self.files)}: {firstSentence(error)}") from error
 
     def __str__(self):
@@ -103,7 +103,7 @@ class EnergyModel:
     def relax(self, structure, atoms):
         """Return the positions of a Structure with some of its atoms, such as added hydrogens, relaxed.
 
-        Without solvent, which takes most of the time and matters little here.
+        The solvent is omitted: it takes most of the time and matters little here.
 
         Raises
         ------
@@ -127,13 +127,13 @@ class EnergyModel:
         return positions
 
     def _fitSystem(self, structure, cutoff):
-        """Make a System, if need be without bonds of metals; return it with a list of Note."""
+        """Make a System, without bonds of metals if necessary; return it with a list of Note."""
         try:
             return self._createSystem(structure.topology, cutoff), []
-        except Exception as first:  # OpenMM raises whatever scripts in these files do
+        except Exception as first:  # OpenMM passes on any exception of scripts in these files
             error = first
         topology, names = _withoutMetalBonds(structure)
-        if names:  # most force fields have metals as ions that nothing binds
+        if names:  # most force fields have metals as free ions
             try:
                 system = self._createSystem(topology, cutoff)
                 return system, [Note("bonds of metals that the force field does not have", names)]
@@ -152,9 +152,9 @@ class EnergyModel:
 
 
 def repeatablePlatform():
-    """Return the quickest platform that every machine has, with properties by which a seed gives one trajectory.
+    """Return the fastest platform that every machine has, with properties that make it reproducible.
 
-    Sums of many threads vary.
+    The order of sums varies with several threads.
     """
     return openmm.Platform.getPlatformByName("CPU"), {"Threads": "1"}
 

@@ -1,20 +1,20 @@
-"""What hard spheres forbid of what a force field samples."""
+"""The share of a force field's conformations that hard spheres forbid."""
 
 import copy
 
 import numpy as np
 import openmm
 
-# A short run without spheres: its first half equilibrates, in its second half so many frames are looked at.
+# A short run without spheres: the first half equilibrates, the second half gives this number of frames.
 _FRAMES = 50
 _TRIALS_PER_FRAME = 400
 
 
 def measureForbidden(sampling, interrupts):
-    """Find which share of frames hard spheres forbid, by a short run without them from where a Sampling stands.
+    """Find the share of frames that hard spheres forbid, by a short run without spheres from a Sampling's positions.
 
-    Return None if there is no force field, or no hard spheres beside it. Else a dictionary with the number of "frames",
-    how many of them are "forbidden" (None if that is not known), and a "text" that says so. Interrupts end the run.
+    Return None if there is no force field, or if there are no hard spheres. Otherwise return a dictionary with the
+    number of "frames", the number "forbidden" (None if unknown), and a "text" on it. Interrupts end the run, too.
     """
     if sampling.energies is None or not sampling.isHard:
         return None

@@ -1,4 +1,4 @@
-"""What the pictures show of a conformation, from its positions."""
+"""Dihedrals and radius of gyration, computed from positions."""
 
 import numpy as np
 

@@ -15,7 +15,7 @@ from ..notes import Note, found
 from ..residues import aminoAcid, isPolymer
 from ..templates import atomAliases, standardName
 
-# What Modeller calls states of protonation, and names of residues that tell them; Amber prefixes N or C at ends.
+# Modeller's names of protonation states, and residue names that imply them; Amber prefixes N or C at chain ends.
 _VARIANTS = {
     "HID": ("HID", "HSD", "HISA", "HISD"), "HIE": ("HIE", "HSE", "HISB", "HISE"), "HIP": ("HIP", "HSP", "HISH", "HISP"),
     "ASH": ("ASH", "ASPH", "ASPP"), "GLH": ("GLH", "GLUH", "GLUP"), "LYN": ("LYN", "LYSN", "LSN"),
@@ -31,14 +31,14 @@ _NON_METALS = (element.carbon, element.nitrogen, element.oxygen, element.phospho
 
 
 def addHydrogens(structure, pH, seed):
-    """Return a Structure with the hydrogens that were missing, and their indices, an int array.
+    """Return a Structure with its missing hydrogens added by Modeller, and their indices, an int array.
 
-    Modeller adds them, each next to the atom that it is bonded to. All else stays as it was.
+    Each hydrogen follows the atom to which it is bonded. Everything else is unchanged.
 
     Raises
     ------
     InputError
-        if atoms are missing without which it cannot be told where hydrogens go
+        if heavy atoms are missing that define the places of hydrogens
     """
     named, own, variants = _withStandardNames(structure.topology)
     modeller = openmm.app.Modeller(named, structure.positions * unit.nanometer)
@@ -53,7 +53,7 @@ def addHydrogens(structure, pH, seed):
 
 @contextmanager
 def _repeatable(seed, platform):
-    """Let Modeller, which begins with random places, do the same for the same seed: sums of many threads vary."""
+    """Make Modeller, which starts from random places, reproducible: seed it and use one thread."""
     state, threads = random.getstate(), platform.getPropertyDefaultValue("Threads")
     random.seed(seed)
     platform.setPropertyDefaultValue("Threads", "1")
@@ -65,10 +65,10 @@ def _repeatable(seed, platform):
 
 
 def _withStandardNames(topology):
-    """Return a copy with the names that Modeller knows; for each residue its own, and the variant that names tell.
+    """Return a copy with Modeller's names, and for each residue the original and the variant implied by its names.
 
-    Modeller takes the first and the last residue of a chain for its ends. So a chain ends where a polymer does; an
-    empty residue, of which there is no own one, stands where an end is bound to something, as in a cyclic peptide.
+    Modeller treats the first and the last residue of a chain as its ends. So the copy's chains end where polymers do;
+    an empty residue without an original stands next to an end that is bonded to a residue, as in a cyclic peptide.
     """
     named = openmm.app.Topology()
     copies, own, variants = {}, [], []
@@ -101,14 +101,14 @@ def _withStandardNames(topology):
 
 
 def _modellerName(residue):
-    """Return what Modeller calls a residue; names of DNA in old files, and CHARMM's, are those of RNA."""
+    """Return Modeller's name of a residue; old files and CHARMM use the names of RNA for DNA."""
     name = standardName(residue.name)
     isDNA = name in ("A", "C", "G") and not any(atom.name == "O2'" for atom in residue.atoms())
     return f"D{name}" if isDNA else name
 
 
 def _boundEnds(topology):
-    """Return the residues whose front, and those whose back, is bound to another residue, metals apart, as two sets."""
+    """Return two sets: residues whose front, and whose back, is bonded to another residue other than a metal."""
     front, back = set(), set()
     for bond in topology.bonds():
         for atom, other in (bond, bond[::-1]):
@@ -122,7 +122,7 @@ def _boundEnds(topology):
 
 
 def _variant(residue, names):
-    """Return the variant that the name of a residue tells, if it has no hydrogens that tell it, too."""
+    """Return the variant implied by the name of a residue without hydrogens; hydrogens would define it themselves."""
     if aminoAcid(residue.name) == "HIS" and not {"ND1", "NE2"} <= names:
         raise InputError(
             f"--add-hydrogens: {describeResidue(residue)} lacks {' and '.join(sorted({'ND1', 'NE2'} - names))}, "
@@ -143,7 +143,7 @@ def _noteVariants(own, chosen, pH):
 
 
 def _restore(structure, modeller, own, notes):
-    """Return a Structure with the atoms of a Modeller and the names that were there before, and what is new."""
+    """Return a Structure with the atoms of a Modeller under the original names, and the indices of the new atoms."""
     placed = modeller.positions.value_in_unit(unit.nanometer)
     topology = openmm.app.Topology()
     copies, sources = [], []
@@ -154,7 +154,7 @@ def _restore(structure, modeller, own, notes):
             newResidue = topology.addResidue(residue.name, newChain, residue.id, residue.insertionCode)
             old = list(residue.atoms())
             for atom in made[residue].atoms():
-                # Modeller leaves what there was in its order, and where it was.
+                # Modeller keeps the order and the places of the original atoms.
                 if old and tuple(placed[atom.index]) == tuple(structure.positions[old[0].index].tolist()):
                     source = old.pop(0)
                     copies.append(topology.addAtom(source.name, source.element, newResidue, source.id))

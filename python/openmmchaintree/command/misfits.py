@@ -1,4 +1,4 @@
-"""Why the residues of a structure do not fit a force field, in one line that says what to do."""
+"""Explains in one line why residues do not match a force field, with a remedy."""
 
 import re
 from collections import defaultdict
@@ -20,11 +20,11 @@ _LEAVE_ATOMS = "name another file that has these, or leave atoms out (--leave-ou
 _REPLACE = "name another file that has them, or let PDBFixer replace them"
 _OTHER_HYDROGENS = '--leave-out "element H" --add-hydrogens puts others in their place'
 
-# Advice for those who have followed the other one.
+# Advice for users who have already followed the first advice.
 _NEXT_ADVICE = {_ADD_HYDROGENS: _CANNOT_ADD_HYDROGENS}
 _NEXT_ADVICE_WITHOUT_HYDROGENS = {**_NEXT_ADVICE, _OTHER_HYDROGENS: _REPLACE}
 
-# So many names of residues are written out as a selection, and so many letters of what OpenMM says.
+# Largest number of residue names in a suggested selection; letters of OpenMM's message.
 _LONGEST_SELECTION = 3
 _LONGEST_SENTENCE = 300
 
@@ -41,16 +41,16 @@ def describeMisfits(forceField, files, topology, error, hydrogensWereAdded, some
     error : Exception
         what createSystem raised
     hydrogensWereAdded : bool
-        as far as that was possible
+        whether hydrogens were added as far as possible
     someAreLeftOut : bool
-        whether the user chose atoms to leave out
+        whether the user chose atoms to omit
     """
     name = f"--forcefield {' '.join(files)}"
     first = re.match(r"No template found for residue (\d+) ", str(error))
     if first is None:
         return f"{name}: {firstSentence(error)}"
     residues = forceField.getUnmatchedResidues(topology)
-    if forceField._patches:  # that list does not know of patches, so some residues in it may fit
+    if forceField._patches:  # the list ignores patches, so some of its residues may match
         residues = [residue for residue in residues if residue.index == int(first[1])]
     bonds = _bondsBetweenResidues(topology)
     misfits = defaultdict(list)
@@ -67,19 +67,19 @@ def describeMisfits(forceField, files, topology, error, hydrogensWereAdded, some
 
 
 def _selection(found):
-    """Return a selection of residues by their names; of too many names, an example."""
+    """Return a selection of residues by name; an example if there are many names."""
     names = list(dict.fromkeys(residue.name for residue, _ in found))
     return " or ".join(f"resname {name}" for name in (names if len(names) <= _LONGEST_SELECTION else names[:1]))
 
 
 def firstSentence(error):
-    """Return the first sentence of what OpenMM says, as a part of a line."""
+    """Return the first sentence of OpenMM's message, to include in a line."""
     text = " ".join(str(error).split()) or type(error).__name__
     return shorten(text.split(".  ")[0].split(". ")[0].rstrip("."), _LONGEST_SENTENCE, placeholder=" …")
 
 
 def _bondsBetweenResidues(topology):
-    """Return the bonds of each residue to others, as a dictionary of lists of its atom and the other one."""
+    """Return a dictionary of each residue's bonds to others, as a list of (its atom, the other atom)."""
     bonds = defaultdict(list)
     for first, second in topology.bonds():
         if first.residue is not second.residue:
@@ -131,13 +131,13 @@ class _Misfit:
         self.lackingHydrogens = len(templateHydrogens) - len(hydrogens)
 
     def size(self):
-        """Return how large the difference is, as a tuple by which templates sort."""
+        """Return the size of the difference, as a tuple for sorting templates."""
         bonds = len(self.missingBonds) + len(self.extraBonds)
         return len(self.missing) + len(self.extra), bonds, abs(self.lackingHydrogens)
 
 
 def _isOf(templateName, residueName):
-    """Whether a template is one of a residue by their names, such as CALA of ALA and DC5 of C, as old files call it."""
+    """Whether template and residue match by name, such as CALA and ALA, or DC5 and C (its name in old files)."""
     if templateName == residueName:
         return True
     amino = aminoAcid(residueName)
@@ -157,7 +157,7 @@ def _atomNames(atoms):
 
 
 def _isBehindGap(residue, bonds):
-    """Whether an amino acid comes after others in its chain, and nothing is bound to its N."""
+    """Whether an amino acid is not the first of its chain and has an unbonded N."""
     isFirst = residue is next(residue.chain.residues())
     return aminoAcid(residue.name) is not None and not isFirst and all(atom.name != "N" for atom, _ in bonds)
 

@@ -1,4 +1,4 @@
-"""What moves in a sampling run, and what stays."""
+"""The parts of a structure that move in a sampling run, and the fixed parts."""
 
 from typing import NamedTuple
 
@@ -24,11 +24,11 @@ from ..torsions import (
 from ..unbonded import unbondedNeighbors
 from .rigidparts import describeRigidParts
 
-# Of hard spheres: those of proteins and nucleic acids; δ lies in the sugar's ring, ω and rotors turn on request.
+# Without energies: torsions of proteins and nucleic acids, except δ, which is in a ring, and ω and rotors.
 DEFAULT_KINDS = ("phi", "psi", "chi", "alpha", "beta", "gamma", "epsilon", "zeta")
 
 
-# What can be done for torsions that are left out.
+# Remedies for omitted torsions.
 _OPTIONS = {
     DISULFIDE_RING: f"which can be cut (--cut-disulfides) or closed (--close {DISULFIDES})",
     METAL_RING: "which can be cut (--cut-metals)",
@@ -38,17 +38,17 @@ _LOOPS_ARE_CLOSED = {BETWEEN_FIXED: "where only side chains turn, since loops of
 
 
 class Choice(NamedTuple):
-    """What the user chose.
+    """The user's options that define what moves.
 
-    kinds : kinds of torsions, as in `findTorsions`; None: all that turns where energies are sampled, else DEFAULT_KINDS
-    move, fix : str or None, selections in MDTraj's language: atoms whose torsions turn, atoms that never move
-    rigidBodies : bool, whether molecules move as a whole, too
+    kinds : kinds of torsions, as in `findTorsions`; None: all that rotate if energies are sampled, else DEFAULT_KINDS
+    move, fix : str or None, selections in MDTraj's language: atoms whose torsions rotate, atoms that never move
+    rigidBodies : bool, whether whole molecules move, too
     cutDisulfides, cutMetals : bool
-    allowUnbonded : bool, whether atoms at covalent distance that are not bonded may leave each other
-    close : "disulfides", "loops" or both, bonds that only closed moves keep; None: disulfides where energies are
-        sampled and they are not cut, else none
+    allowUnbonded : bool, whether moves may separate atoms at covalent distance that are not bonded
+    close : "disulfides", "loops" or both, bonds kept by closed moves; None: disulfides if energies are sampled and
+        disulfides are not cut, else none
     hasEnergies : bool, whether energies are sampled
-    unknownRadius : float or None, nm, of atoms of elements of which no radius is known
+    unknownRadius : float or None, nm, for atoms of elements without a known radius
     """
 
     kinds: tuple[str, ...] | None = None
@@ -63,7 +63,7 @@ class Choice(NamedTuple):
     unknownRadius: float | None = None
 
     def withDefaults(self):
-        """Return a Choice that says what None stands for."""
+        """Return a Choice with defaults in place of None."""
         kinds, close = self.kinds, self.close
         if kinds is None:
             kinds = KINDS_WITH_ENERGIES if self.hasEnergies else DEFAULT_KINDS
@@ -73,10 +73,10 @@ class Choice(NamedTuple):
 
 
 class Plan:
-    """What moves in a Structure, by torsions and as a whole. The rest stays.
+    """The moving and the fixed parts of a Structure: torsions and whole molecules.
 
-    A molecule that does not move as a whole hangs on one of its links: the one with fixed atoms, else that with the
-    largest part of the backbone, else that with its first atom.
+    A molecule that does not move as a whole is rooted at one of its links: the link with fixed atoms, else the link
+    with the largest part of the backbone, else the link with its first atom.
 
     Attributes
     ----------
@@ -88,30 +88,29 @@ class Plan:
     stays : (n,) bool array
         the atoms that never move
     fixed : (n,) bool array
-        those of them that get the mass 0: not the few first atoms of a chain, which nothing moves and which cost less
-        as a part of it
+        atoms that get mass 0: those that never move, except the first atoms of a chain, which cost less as part of it
     inMovingMolecules : (n,) bool array
-        the atoms of molecules of which anything moves
+        the atoms of molecules with moving atoms
     molecules : (n,) int array
         the number of the molecule of each atom
     isTurning, isRigidBody : (molecules,) bool arrays
-        molecules that have torsions, and that move as a whole
+        molecules with torsions; molecules that move as a whole
     rigidBodies : list of int
         an atom of each molecule that moves as a whole
     fixedAtoms : int array
-        those of --fix
+        the atoms selected by --fix
     idleMolecules : int array
-        those with torsions that --move did not choose
+        molecules with torsions that --move did not select
     moleculesAtGaps : int array
-        those that end at a gap in a chain
+        molecules that end at a gap in a chain
     cutDisulfides, cutMetals : list of (str, str)
-        the residues between which disulfides, and bonds of metals, were cut
+        pairs of residues between which disulfides, and bonds of metals, were cut
     closed : list of (str, str)
-        the residues between which bonds are kept by closed moves
+        pairs of residues whose bonds are kept by closed moves
     rigid : str or None
-        what stays rigid where energies are sampled
+        a description of rigid parts, if energies are sampled
     notes : list of Note
-        on bonds, and on what was left out and why
+        on bonds, and on omitted torsions and the reasons
     """
 
     def __init__(self, structure, choice):
@@ -120,7 +119,7 @@ class Plan:
         Raises
         ------
         InputError
-            if a selection is wrong, or nothing is left to move
+            if a selection is wrong, or nothing can move
         """
         topology = structure.topology
         isCloseChosen = choice.close is not None
@@ -174,7 +173,7 @@ class Plan:
     def _chooseRigidBodies(self, moved):
         """Choose the molecules that move as a whole, as an array of bool.
 
-        Without --move, fragments next to a gap in a chain, which would leave each other, and single atoms stay.
+        Without --move, single atoms and fragments next to a gap in a chain, which would separate, stay in place.
         """
         isRigidBody = np.zeros(len(self.isTurning), dtype=bool)
         if self.choice.rigidBodies:
@@ -209,7 +208,7 @@ class Plan:
         return [tuple(describeResidue(atoms[atom].residue) for atom in sorted(pair)) for pair in sorted(bonds)]
 
     def _checkUnbonded(self):
-        """Refuse a molecule in parts, where a bond must be missing."""
+        """Refuse a structure in which a missing bond would let parts of a molecule separate."""
         axes = [torsion.particles[1:3] for torsion in self.torsions]
         found = unbondedNeighbors(self.graph, axes, np.flatnonzero(self.stays), self.structure.alternates)
         if not found:
@@ -221,7 +220,7 @@ class Plan:
 
 
 def selectByOption(topology, option, selection):
-    """Return the indices of the atoms that a selection selects, none without one; errors name the option."""
+    """Return the indices of selected atoms, none without a selection; errors name the option."""
     if selection is None:
         return np.empty(0, dtype=int)
     try:

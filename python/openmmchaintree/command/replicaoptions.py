@@ -41,7 +41,7 @@ def addReplicaOptions(parser):
         "--replicas",
         type=positiveUpTo(REPLICAS),
         metavar="N",
-        help="run N replicas from the same start, each with --trials trials, --frames frames and its own random numbers",
+        help="run N replicas from the same start, each with all trials and frames, and different random numbers",
     )
     parser.add_argument(
         "--temperatures",

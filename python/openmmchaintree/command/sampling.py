@@ -1,4 +1,4 @@
-"""The main job: torsion-space Monte Carlo of what a plan lets move, with everything else as obstacles."""
+"""Torsion-space Monte Carlo of the moving parts of a Plan, with everything else as obstacles."""
 
 from time import perf_counter
 from typing import NamedTuple
@@ -38,8 +38,8 @@ _PEPTIDE = ("phi", "psi")
 _NUCLEIC = ("alpha", "beta", "gamma", "delta", "epsilon", "zeta")
 _SIDE_CHAINS = ("chi1", "chi2", "chi3", "chi4", "chi")
 
-# Of hard spheres alone. Small steps loosen a compact structure; once it is loose, large ones find new conformations.
-# With energies, moves are those of `addDefaultMoves`.
+# Moves for hard spheres alone: small steps loosen a compact structure, then large ones find new conformations.
+# With energies, `addDefaultMoves` chooses the moves.
 _MOVE_KINDS = (
     _MoveKind("φ/ψ", _PEPTIDE, ((2.0, 5), (1.0, 30), (1.0, 180))),
     _MoveKind("ω", ("omega",), ((1.0, 5), (0.5, 180))),
@@ -48,16 +48,16 @@ _MOVE_KINDS = (
     _MoveKind("rotor", ("rotor",), ((0.5, 180),)),
 )
 
-# Where closures are kept.
+# Closed moves in rings and loops.
 _CLOSED_WEIGHT, _CLOSED_STEP = 2.0, 12  # degrees
 
 
 class Frame(NamedTuple):
-    """What is kept of a conformation. Counts are those of each move since the start: (moves, 4).
+    """Recorded data of a conformation. Counts are those of each move since the start: (moves, 4).
 
-    The energy is U in kJ/mol, None of hard spheres alone.
+    The energy is U in kJ/mol, None for hard spheres alone.
 
-    Angles are in rad: (residues, 2) where both φ and ψ turn; those of all torsions only if there is no such residue.
+    Angles are in rad: (residues, 2) for residues in which φ and ψ rotate; of all torsions only without such residues.
     """
 
     trials: int
@@ -69,43 +69,42 @@ class Frame(NamedTuple):
 
 
 class Sampling:
-    """One run: made from a Structure and a Choice, advanced by `run`, judged by `check`.
+    """A run: made from a Structure and a Choice, advanced by `run`, checked by `check`.
 
     Attributes
     ----------
     structure : Structure
     force, integrator, context
-        what runs
+        the OpenMM objects of the run
     plan : Plan
-        what moves
+        the moving and the fixed parts
     torsions : list of Torsion
-        those of the plan
+        the torsions of the plan
     notes : list of Note
-        those of the plan, and on clashes with periodic images
+        the notes of the plan, and on clashes with periodic images
     fixedAtoms : int
         number of atoms that are obstacles
     moves : list of NamedMove
         in the order of the integrator's moves
     startOverlaps : allpairs.Overlaps
-        found without the engine
+        computed without the engine
     frames : list of Frame
-        the start and what followed
+        the initial frame and the later ones
     trials : int
-        number of trials so far
+        number of trials made
     seconds : float
-        wall-clock time within the integrator so far
+        wall-clock time spent in the integrator
     energies : Energies or None
-        what U is made of, if there is more than hard spheres
+        the parts of U; None for hard spheres alone
     """
 
     def __init__(self, structure, seed, choice=Choice(), energyModel=None):  # noqa: B008 (a tuple)
-        """Make the System and the Context, ready to run; with the energies of an EnergyModel, if one is given.
+        """Make the System and the Context, with the energies of an EnergyModel if given.
 
         Raises
         ------
         InputError
-            if nothing is left that moves, a selection is wrong, an element has no radius, or the force field does not
-            fit
+            if nothing can move, a selection is wrong, an element has no radius, or the force field does not match
         """
         self.structure = structure
         self.plan = plan = Plan(structure, choice)
@@ -182,7 +181,7 @@ class Sampling:
             moves.append(NamedMove(f"closed {_CLOSED_STEP}°", _CLOSED_WEIGHT))
         for name, kinds, sizes in _MOVE_KINDS:
             torsions = [i for i, one in enumerate(self.torsions) if one.kind in kinds and i not in inRings]
-            # Proteins and nucleic acids share the moves of backbones by their numbers of torsions.
+            # Weights of protein and nucleic backbones are proportional to their numbers of torsions.
             share = len(torsions) / len(backbones) if kinds in (_PEPTIDE, _NUCLEIC) and torsions else 1.0
             for weight, degrees in sizes if torsions else ():
                 self.integrator.addTorsionMove(share * weight, degrees * unit.degrees, torsions)
@@ -193,7 +192,7 @@ class Sampling:
         return moves
 
     def run(self, trials, proceed, interrupts):
-        """Run a number of trials, or until proceed(), called now and then, says no, or Interrupts come; keep a frame.
+        """Run a number of trials and record a frame; end early if proceed() returns false, or at Interrupts.
 
         Return the positions, a float64 array of shape (n, 3) in nm.
         """
@@ -223,28 +222,28 @@ class Sampling:
 
     @property
     def stericMode(self):
-        """What overlapping atoms mean, in the word of the option --steric: HARD or OFF."""
+        """The steric mode, as in the option --steric: HARD or OFF."""
         return HARD if self.isHard else OFF
 
     def overlaps(self, positions=None):
-        """Return the Overlaps of spheres at positions, or the Context's, found without the engine."""
+        """Return the Overlaps of spheres at positions, by default the Context's, computed without the engine."""
         return self._spheres.overlaps(self._orOurs(positions))
 
     def check(self, positions=None):
-        """Judge positions, or the Context's, by comparing all pairs, without the engine: an allpairs.Verdict."""
+        """Check positions, by default the Context's, by comparing all pairs without the engine: an allpairs.Verdict."""
         return allpairs.compare(self.startOverlaps, self.overlaps(positions))
 
     def checkBonds(self, positions=None):
-        """Compare the lengths of bonds at positions, or the Context's, with those at the start: a BondVerdict."""
+        """Compare bond lengths at positions, by default the Context's, with the start: a BondVerdict."""
         return self._bonds.compare(self._orOurs(positions))
 
     def radiusOfGyration(self, positions):
-        """Return the radius of gyration (nm) of the molecules that move."""
+        """Return the radius of gyration (nm) of the moving molecules."""
         atoms = self.plan.inMovingMolecules
         return radiusOfGyration(positions[atoms], self._masses[atoms])
 
     def takeUp(self, checkpoint):
-        """Go to where a replica of this run is; None is the start."""
+        """Load the checkpoint of a replica of this run; None is the start."""
         if checkpoint is not None:
             self.context.loadCheckpoint(checkpoint)
 
@@ -253,7 +252,7 @@ class Sampling:
         return self.energies.byOpenMM(self._positions())[0]
 
     def model(self):
-        """Return the Model of replicas of this run, which start where it started."""
+        """Return the Model of replicas with the same start as this run."""
         platform = self.context.getPlatform()
         names = platform.getPropertyNames() if self.energies is not None else ()
         properties = {name: platform.getPropertyValue(self.context, name) for name in names if name == "Threads"}
@@ -267,7 +266,7 @@ class Sampling:
         )
 
     def summarizeEnergies(self):
-        """Return what became of the energies as plain dictionaries and lists; None of hard spheres alone."""
+        """Return a summary of energies as plain dictionaries and lists; None for hard spheres alone."""
         if self.energies is None:
             return None
         return summarizeEnergies(self.energies, self.frames, self._positions())
@@ -291,7 +290,7 @@ class Sampling:
 
 
 def _phiPsiParticles(torsions):
-    """Return the quadruples φ, ψ, φ, ψ, … of the residues of which both can turn, as a (2 m, 4) array."""
+    """Return the particles of φ, ψ, φ, ψ, … of residues in which both rotate, as a (2 m, 4) array."""
     byResidue = {}
     for torsion in torsions:
         if torsion.kind in _PEPTIDE:

@@ -1,4 +1,4 @@
-"""What the header of a saved run has to be, before anything is made of it: anybody may have written the file."""
+"""Checks the header of a saved run before its use, since anybody may have written the file."""
 
 import re
 
@@ -17,7 +17,7 @@ def _text(pattern):
 
 
 def _all(check, count=None):
-    """Return a check of a list of so many items."""
+    """Return a check for a list of `count` items, or of any number."""
     return lambda value: isinstance(value, list) and count in (None, len(value)) and all(map(check, value))
 
 
@@ -51,17 +51,17 @@ _HEADER = {
     "state": lambda value: isinstance(value, dict),
     "temporary": _text(r"\.[0-9a-f]{16}\.part"),
 }
-# What is looked at before the parser has looked at all settings.
+# Settings that are needed before the parser checks all of them.
 _SETTINGS = {"trials": _whole(1, _LARGEST_COUNT), "frames": _whole(1, _LARGEST_COUNT), "seed": _whole(1, 2**31 - 1)}
 
 
 def findWrong(header):
-    """Return the name of what is wrong in a header, or None."""
+    """Return the name of the first wrong entry of a header, or None."""
     return _firstWrong(header, _HEADER, "") or _firstWrong(header["settings"], _SETTINGS, "settings.", others=True)
 
 
 def findWrongState(state, plan, moves):
-    """Return the name of what is wrong in the state of a RunPlan with so many moves, or None."""
+    """Return the name of the first wrong entry in the state of a RunPlan with `moves` moves, or None."""
     replicas, temperatures = len(plan.seeds), len(plan.temperatures)
     checks = {
         "round": _whole(0, plan.schedule.rounds),
@@ -94,7 +94,7 @@ def _table(*shape):
 
 
 def _firstWrong(values, checks, prefix, others=False):
-    """Return the name of the first value that is missing, fails its check, or has none; others : some may have none."""
+    """Return the name of the first value that is missing, fails its check, or has no check unless `others` is true."""
     if not isinstance(values, dict):
         return prefix.removesuffix(".") or "run.json"
     for name, check in checks.items():

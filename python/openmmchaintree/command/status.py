@@ -1,12 +1,12 @@
-"""What the command's exit status means, beside 0."""
+"""Exit statuses of the command other than 0."""
 
 BEYOND_LIMIT = 1  # a sampling run ended with pairs beyond their limit
 BAD_INPUT = 2
 INTERRUPTED = 130
-NOBODY_READS = 141  # the output
+NOBODY_READS = 141  # the reader of the output has closed it
 TERMINATED = 143
 
 
 def ofSignal(number):
-    """Return the status of a command that a signal has ended, as a shell tells it."""
+    """Return the exit status for a signal, as shells report it."""
     return 128 + number

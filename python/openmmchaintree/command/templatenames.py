@@ -1,7 +1,7 @@
-"""The names that the templates of a force field give to atoms and residues, whatever a file calls them.
+"""Renames atoms and residues after the templates of a force field.
 
-Parts of OpenMM go by names: GBn2 has radii of its own for hydrogens of ARG whose names begin with HH or HE, and other
-parameters in residues that are named as nucleotides.
+Parts of OpenMM depend on names: GBn2 has special radii for hydrogens of ARG whose names begin with HH or HE, and other
+parameters in residues named as nucleotides.
 """
 
 import openmm.app
@@ -11,12 +11,12 @@ from ..solute import subset
 
 
 def nameByTemplates(forceField, topology):
-    """Return a copy of a Topology with the names of the templates that fit its residues.
+    """Return a copy of a Topology with the names of the templates that match its residues.
 
     Raises
     ------
     Exception
-        what ForceField.createSystem raises where a residue fits no template
+        the exception of ForceField.createSystem if a residue matches no template
     """
     matching = _Matching(topology)
     forceField._matchAllResiduesToTemplates(matching, topology, {}, False)
@@ -28,7 +28,7 @@ def nameByTemplates(forceField, topology):
 
 
 class _Matching(openmm.app.ForceField._SystemData):
-    """Notes the names of templates as OpenMM matches them.
+    """Records the names of templates while OpenMM matches them.
 
     atomNames, residueNames : dict, names by Atom and Residue
     """
@@ -46,6 +46,6 @@ class _Matching(openmm.app.ForceField._SystemData):
 
 
 def _residueName(templateName, ownName):
-    """Return the standard name of a polymer's residue by its template: ARG for NARG, DA for DA5; else its own name."""
+    """Return the standard name of a residue with a template, such as ARG for NARG or DA for DA5, else its name."""
     base = templateName.split("-")[0]  # names of patches follow
     return aminoAcid(base) or nucleotide(base) or ownName

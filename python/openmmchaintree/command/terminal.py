@@ -1,4 +1,4 @@
-"""What a running command shows on a terminal, and what it does to Python while it runs."""
+"""Terminal output, signals and garbage collection of a running command."""
 
 import gc
 import re
@@ -10,28 +10,28 @@ from contextlib import contextmanager
 from rich.console import Console
 from rich.progress import BarColumn, MofNCompleteColumn, Progress, TimeRemainingColumn
 
-# Letters: five lines of most terminals.
+# Letters; about five lines of a terminal.
 _LONGEST_ERROR = 600
 
 
-# What a terminal takes for more than a letter: control characters but the end of a line, and directions of text.
+# Characters that control a terminal: control characters except the line end, and directions of text.
 _COMMANDS = re.compile(r"[\x00-\x09\x0b-\x1f\x7f-\x9f\u061c\u200e\u200f\u2028-\u202e\u2066-\u2069]")
 
 
 def printable(text):
-    """Return a text with what a terminal would take for a command written as an escape: names come from files."""
+    """Return a text with characters that control a terminal escaped, since names come from files."""
     return _COMMANDS.sub(_escape, text)
 
 
 def _escape(found):
     code = ord(found[0])
-    return f"\\x{code:02x}" if code < 0x80 else f"\\u{code:04x}"  # as JSON has them, too
+    return f"\\x{code:02x}" if code < 0x80 else f"\\u{code:04x}"  # as in JSON
 
 
 class ReportConsole(Console):
-    """The console that reports are printed on, with lines as long as they are.
+    """The console for reports, which does not wrap lines.
 
-    It is standard output, or standard error if one of the outputs takes that.
+    It is standard output, or standard error if an output goes to standard output.
     """
 
     def __init__(self, outputs):
@@ -40,16 +40,16 @@ class ReportConsole(Console):
         super().__init__(stderr=isTaken, highlight=False, markup=False, emoji=False, soft_wrap=True)
 
     def render_str(self, text, **options):
-        """Make a text, be it printed or in a table, one that a terminal takes for nothing else."""
+        """Render a text, printed or in a table, without characters that control the terminal."""
         return super().render_str(printable(text), **options)
 
     def on_broken_pipe(self):
-        """Leave it to the command, where Console would end the process by itself."""
+        """Let the command handle it; Console would exit the process."""
         raise BrokenPipeError
 
 
 def printError(message, program="openmm-chaintree"):
-    """Print what is wrong, in one line, the middle of which is left out if it is very long."""
+    """Print an error in one line, without its middle if it is very long."""
     text = printable(str(message))
     if len(text) > _LONGEST_ERROR:
         text = f"{text[: _LONGEST_ERROR * 2 // 3]} … {text[-_LONGEST_ERROR // 3 :]}"
@@ -57,7 +57,7 @@ def printError(message, program="openmm-chaintree"):
 
 
 class Terminated(KeyboardInterrupt):
-    """The command was asked to end by a signal of the system."""
+    """A signal asked the command to terminate."""
 
 
 _SIGNALS = (signal.SIGINT, signal.SIGTERM)
@@ -65,7 +65,7 @@ _SIGNALS = (signal.SIGINT, signal.SIGTERM)
 
 @contextmanager
 def interruptible():
-    """Let a signal that asks for the end (SIGTERM) interrupt as Ctrl-C does, if nobody else has a use for it."""
+    """Let SIGTERM interrupt as Ctrl-C does, unless it has another handler."""
     isMain = threading.current_thread() is threading.main_thread()
     if not isMain or signal.getsignal(signal.SIGTERM) is not signal.SIG_DFL:
         yield
@@ -82,31 +82,31 @@ def interruptible():
 
 
 class Interrupts:
-    """The signals that were received: true once there is one. A step of the integrator may be ended by it at once."""
+    """The signals received, true after the first one. A signal can end a step of the integrator immediately."""
 
     def __init__(self, stop):
-        """Take a function that is called at the first signal."""
+        """Take a function to call at the first signal."""
         self._stop = stop
         self._numbers = []
         self._endsStep = False
 
     @property
     def number(self):
-        """The number of the first one."""
+        """The number of the first signal."""
         return self._numbers[0]
 
     def __bool__(self):
         return bool(self._numbers)
 
     def receive(self, number):
-        """Take a signal."""
+        """Record a signal."""
         self._numbers.append(number)
         self._stop()
         if self._endsStep:
             raise StepEnded
 
     def runStep(self, step):
-        """Call a function that makes a step, which a signal ends after some of its trials, or before it begins."""
+        """Call a function that makes a step; a signal prevents the step, or ends it after some of its trials."""
         try:
             try:
                 self._endsStep = True
@@ -119,14 +119,14 @@ class Interrupts:
 
 
 class StepEnded(BaseException):
-    """A signal came in the midst of a step."""
+    """A signal interrupted a step."""
 
 
 @contextmanager
 def interruptFlag(stop=lambda: None):
-    """Collect interrupts (Ctrl-C, SIGTERM) instead of stopping between two bytes of a file; a second one stops.
+    """Collect interrupts (Ctrl-C, SIGTERM) instead of stopping in the middle of a file; a second one stops.
 
-    Gives Interrupts. stop : function that is called at the first one
+    Yields Interrupts. stop : function, called at the first one
     """
     received = Interrupts(stop)
     previous = {number: signal.getsignal(number) for number in _SIGNALS}
@@ -149,7 +149,7 @@ def interruptFlag(stop=lambda: None):
 
 @contextmanager
 def collectionPaused():
-    """Look for no garbage for a while: what is set up stays, and looking through it takes a third of the time."""
+    """Pause garbage collection during setup, which makes no garbage; collecting would take a third of the time."""
     gc.disable()
     try:
         yield
@@ -159,9 +159,9 @@ def collectionPaused():
 
 @contextmanager
 def progress(total):
-    """Show a progress bar on a terminal, nothing in a pipe; gives a function that takes what is done of the total.
+    """Show a progress bar on a terminal, nothing in a pipe; yields a function to call with the amount done.
 
-    The total may be None, if nobody knows it.
+    The total may be None if it is unknown.
     """
     console = Console(stderr=True)
     if not console.is_terminal:
