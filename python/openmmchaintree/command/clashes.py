@@ -100,10 +100,9 @@ def _run(options):
 
 
 def _findAll(search, searchFrames, stop, ranking):
-    """Return the list of FrameOverlaps before a damaged frame or an interrupt; that damage; Interrupts.
+    """Return the list of FrameOverlaps up to a damaged frame or an interrupt; the error of that frame; Interrupts.
 
-    They are those of searchFrames(search), which stop() ends. A ClashRanking counts them meanwhile, while workers look
-    at others.
+    They come from searchFrames(search), which stop() ends. A ClashRanking counts them while workers search others.
     """
     frames = []
     damage = None
@@ -128,11 +127,10 @@ def _findAll(search, searchFrames, stop, ranking):
 
 @contextmanager
 def _startWorkers(options, arguments):
-    """Start the workers that options ask for; give a function that yields the FrameOverlaps of a ClashSearch by them.
+    """Start the workers chosen by the options. Yields two functions: one yields the FrameOverlaps of a ClashSearch, the
+    other stops the workers, for a signal handler.
 
-    And one that stops them, for a handler of signals.
-
-    arguments are those of the ClashSearch, which can begin while the workers start.
+    arguments are those of the ClashSearch, which can be made while the workers start.
     """
     if options.scheduler is None and options.workers in (None, 1):
         yield ClashSearch.overlaps, _doNothing

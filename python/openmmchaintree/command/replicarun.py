@@ -20,12 +20,12 @@ from .terminal import interruptFlag, printError, progress
 # The kinds of outputs that are written at the end.
 REPORTS = ("picture", "notes", "json")
 
-# Settings that a run may go on with in another way.
+# Settings that a resumed run may change.
 FREE_SETTINGS = ("workers", "checkpoint-interval", "json", "notes")
 
 
 class ReplicaRun:
-    """Replicas of a Sampling, and the files that they write.
+    """The replicas of a Sampling, and their output files.
 
     Attributes
     ----------
@@ -33,11 +33,11 @@ class ReplicaRun:
     state : RunState
     interrupts : Interrupts, or False before it runs
     reports : list of str
-        the digests of what was written at the end, so far
+        the digests of the reports written at the end
     """
 
     def __init__(self, sampling, plan, choice, settings, outputs, model, workers):
-        """Take a Sampling that has not moved, a RunPlan, a ReplicaChoice, settings, Outputs, and who runs Segments.
+        """Take a Sampling at its start, a RunPlan, a ReplicaChoice, settings, Outputs, and the workers.
 
         outputs : dict of "checkpoint" and "index", Outputs, and "trajectories", a list of them
         model : Model, of the Sampling; workers : ThreadReplicas or ClusterReplicas of that Model
@@ -57,12 +57,12 @@ class ReplicaRun:
         self.reports = []
 
     def goOn(self, saved):
-        """Go on from a SavedRun.
+        """Resume a SavedRun.
 
         Raises
         ------
         InputError
-            if it is of another structure or force field, or cannot go on to as many trials
+            if it has another structure or force field, or cannot be extended to the trials of the plan
         """
         if saved.header["model"] != self._model.key:
             raise InputError(
@@ -78,7 +78,7 @@ class ReplicaRun:
         self.reports = saved.header["reports"]
 
     def begin(self):
-        """Begin the files, or open them to go on."""
+        """Begin the files, or open them to resume."""
         byTemperature, round, isNew = self._choice.filesByTemperature, self.state.round, self._indexMark is None
         self._files = ReplicaFiles(self._outputs, self.plan, byTemperature, self._sampling, round, self._indexMark)
         try:
@@ -88,7 +88,7 @@ class ReplicaRun:
             self._files.close()
             if isNew:
                 self._files.remove()
-                self._outputs["checkpoint"].removeFormer()  # of which there was none
+                self._outputs["checkpoint"].removeFormer()  # written by this run
             raise
 
     def run(self):
@@ -97,7 +97,7 @@ class ReplicaRun:
         Raises
         ------
         OutputError
-            if a file cannot be written, OpenMM refuses, or a cluster is lost; the run goes on from its last checkpoint
+            if a file cannot be written, OpenMM fails, or a cluster is lost; --resume continues from the last checkpoint
         """
         plan, state = self.plan, self.state
         total = plan.schedule.trials * len(plan.seeds)
@@ -115,7 +115,7 @@ class ReplicaRun:
                 raise
 
     def _runFor(self, seconds, advance):
-        """Run rounds for so many seconds, at least one; an interrupt ends it with the last that all have ended."""
+        """Run rounds for some seconds, at least one round; an interrupt keeps the rounds that all have completed."""
         self._coordinator = coordinator = Coordinator(self.plan, self.state, self._files.add)
         begun = monotonic()
 
@@ -130,23 +130,23 @@ class ReplicaRun:
         self.state.wallSeconds += monotonic() - begun
 
     def _stop(self):
-        """Stop at once; a handler of signals calls it."""
+        """Stop immediately; called by a signal handler."""
         if self._coordinator is not None:
             self._coordinator.stop()
         self._workers.stop()
 
     def noteReport(self, content):
-        """Note bytes that are about to be written at the end: a run that goes on from here may replace them."""
+        """Record the digest of a report before it is written, so that a resumed run may replace the report."""
         self.reports = sorted({*self.reports, sha256(content).hexdigest()})
         self._save()
 
     def _sync(self):
-        """Wait until all that was written is on the disk, and take the mark of the index."""
+        """Wait until all written data is on disk, and record the mark of the index."""
         self._files.sync()
         self._indexMark = self._files.index.mark
 
     def _save(self):
-        """Write the checkpoint; all that it counts is on the disk."""
+        """Write the checkpoint; all data that it counts must be on disk."""
         header = {
             "model": self._model.key,
             "madeBy": __version__,
@@ -166,7 +166,7 @@ class ReplicaRun:
 
 
 class SavedRun:
-    """What a checkpoint file holds. path : str; header : dict; checkpoints : dict of bytes by replica."""
+    """The content of a checkpoint file. path : str; header : dict; checkpoints : dict of bytes by replica."""
 
     def __init__(self, path):
         """Read a file.
@@ -174,7 +174,7 @@ class SavedRun:
         Raises
         ------
         InputError
-            if it is no checkpoint
+            if it is not a checkpoint
         """
         self.path = path
         self.header, self.checkpoints = readCheckpoint(path)
@@ -185,14 +185,14 @@ class SavedRun:
             raise InputError(f"{self.path}: is no checkpoint of this command: {wrong} is missing or wrong in it")
 
     def checkState(self, plan, moves):
-        """Refuse a state that is none of a RunPlan with so many moves, or has other replicas than it."""
+        """Refuse a state that does not match a RunPlan with `moves` moves, or its replicas."""
         state = self.header["state"]
         self._refuse(findWrongState(state, plan, moves))
         if sorted(self.checkpoints) != list(range(len(plan.seeds) if state["round"] > 0 else 0)):
             self._refuse("the checkpoint of a replica")
 
     def checkPath(self, name, path):
-        """Refuse a file that settings name and that would be written elsewhere than beside the checkpoint."""
+        """Refuse a file named by settings that is not in the checkpoint's folder."""
         folders = [os.path.dirname(os.path.realpath(each)) for each in (self.path, str(path))]
         if folders[0] != folders[1]:
             raise InputError(
@@ -200,12 +200,12 @@ class SavedRun:
             )
 
     def checkUnchanged(self):
-        """Refuse to go on if the file is another one by now: another run has gone on, or begun.
+        """Refuse to resume if the file has changed since it was read: another run has resumed, or begun.
 
         Raises
         ------
         InputError
-            if it is, or cannot be read
+            if it has changed, or cannot be read
         """
         if readCheckpoint(self.path) != (self.header, self.checkpoints):
             raise InputError(f"{self.path}: another run has written it meanwhile")
@@ -216,7 +216,7 @@ class SavedRun:
         return self.header["settings"]
 
     def checkSettings(self, settings):
-        """Refuse settings that are not those of the run; it may go on to more trials."""
+        """Refuse settings that differ from those of the run, except the number of trials."""
         names = {*self.settings, *settings}.difference(FREE_SETTINGS, ("trials",))
         for name in sorted(names):
             if self.settings.get(name) != settings.get(name):
@@ -224,12 +224,12 @@ class SavedRun:
                 raise InputError(f"--resume {self.path}: a run goes on with its own settings, without another {option}")
 
     def framesOf(self, trials):
-        """Return the number of frames of so many trials, as far apart as those of the run.
+        """Return the number of frames for a number of trials, with the interval between frames of the run.
 
         Raises
         ------
         InputError
-            if these are fewer trials than the run has, or no multiple of those between frames
+            if it is less than the trials of the run, or not a multiple of the interval
         """
         former, interval = self.settings["trials"], self._schedule.interval
         if trials == former:
@@ -244,12 +244,12 @@ class SavedRun:
 
     @property
     def _schedule(self):
-        """The Schedule of the run, but for its rounds."""
+        """The Schedule of the run, without its rounds."""
         trials = self.settings["trials"]
         return Schedule(trials, 1, -(-trials // self.settings["frames"]))
 
     def checkSchedule(self, schedule, round):
-        """Refuse a Schedule that is another one than that of the run before a round."""
+        """Refuse a Schedule that differs from the run's before a round."""
         former = self._schedule._replace(trialsPerRound=schedule.trialsPerRound)
         begins = [each.trialsBefore(round) for each in (former, schedule)]
         frames = [each.trialsOfFrame(each.framesBefore(round)) for each in (former, schedule)]
@@ -264,7 +264,7 @@ class SavedRun:
                 raise InputError(f"--resume {self.path}: the run cannot go on to more trials, since {reason}")
 
     def checkOutputs(self, names, inputs, overwrite):
-        """Return the Outputs of the run that goes on, as `checkOutputs` does: what the run has written is there."""
+        """Return the Outputs of a resumed run, as `checkOutputs` does; files that the run has written may exist."""
         if os.path.realpath(self.path) != os.path.realpath(names["checkpoint"]):
             raise InputError(f"--resume {self.path}: the run writes its checkpoints to {names['checkpoint']}")
         ours = {kind: name for kind, name in names.items() if kind not in REPORTS or self._hasWritten(name)}
@@ -272,7 +272,7 @@ class SavedRun:
         return {**checkOutputs(ours, inputs, True), **checkOutputs(others, inputs, overwrite)}
 
     def _hasWritten(self, name):
-        """Whether a file is a report of the run, as it was written."""
+        """Whether a file is an unchanged report of the run."""
         if name is None or not os.path.isfile(name):
             return False
         with open(name, "rb") as file:
@@ -280,7 +280,7 @@ class SavedRun:
 
 
 class NotedReport:
-    """A report of a ReplicaRun: an Output whose content the checkpoint knows before it is written."""
+    """A report of a ReplicaRun: an Output whose digest is in the checkpoint before it is written."""
 
     def __init__(self, output, run):
         """Take the Output and the ReplicaRun."""
@@ -290,7 +290,7 @@ class NotedReport:
         self.isStandardOutput = output.isStandardOutput
 
     def write(self, content):
-        """Note a text or bytes, and write them, as `Output.write` does."""
+        """Record the digest of a text or bytes, and write them as `Output.write` does."""
         content = content if isinstance(content, bytes) else encoded(content)
         if not self.isStandardOutput:
             self._run.noteReport(content)

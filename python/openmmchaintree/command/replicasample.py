@@ -1,4 +1,4 @@
-"""What openmm-chaintree sample does with replicas: names their files, runs them, reports."""
+"""The command openmm-chaintree sample with replicas: names their files, runs them, reports."""
 
 from contextlib import closing
 
@@ -17,21 +17,21 @@ _TRAJECTORY = "trajectory "
 
 
 def replicaNames(prefix, choice):
-    """Return the names of the files of a ReplicaChoice by their kind."""
+    """Return the names of the files of a ReplicaChoice by kind."""
     names = trajectoryNames(prefix, choice.replicas, choice.temperatures, choice.filesByTemperature)
     numbered = {f"{_TRAJECTORY}{number}": name for number, name in enumerate(names)}
     return {"index": f"{prefix}-index.csv", "checkpoint": f"{prefix}.checkpoint", **numbered}
 
 
 def sampleReplicas(prepared, choice, saved):
-    """Run the replicas of a ReplicaChoice, from a SavedRun on if there is one; return the exit status."""
+    """Run the replicas of a ReplicaChoice, resuming a SavedRun if given; return the exit status."""
     model = prepared.sampling.model()
     with closing(_makeWorkers(choice, model)) as workers:
         return _sampleBy(workers, model, prepared, choice._replace(workers=workers.count), saved)
 
 
 def _makeWorkers(choice, model):
-    """Return who runs Segments of a Model."""
+    """Return the workers that run Segments of a Model."""
     if choice.scheduler is None:
         return ThreadReplicas(model, choice.workers)
     from ..replicas.cluster import Cluster, ClusterReplicas  # Dask takes long to import
@@ -86,14 +86,14 @@ def _sampleBy(workers, model, prepared, choice, saved):
 
 
 def _beginFiles(run, outputs, structure, settings, saved):
-    """Begin the files of a ReplicaRun, or go on with those of a SavedRun. None stays of a new one if one fails."""
+    """Begin the files of a ReplicaRun, or resume those of a SavedRun. If one fails, remove the files of a new run."""
     if saved is not None:
         saved.checkUnchanged()
         outputs["topology"].hold()
         run.begin()
         renewSettings(outputs, settings, FREE_SETTINGS)
         return
-    outputs["checkpoint"].removeFormer()  # whose files are replaced now
+    outputs["checkpoint"].removeFormer()  # the former run's files are replaced now
     writeScene(outputs, structure, settings)
     try:
         run.begin()

@@ -1,8 +1,8 @@
-"""Many replicas of one System: independent ones, or some that exchange temperatures.
+"""Many replicas of one System, independent or with temperature exchange.
 
-A run is cut into rounds. What a replica does in a round is a Segment, which says all that is needed, so that it can run
-anywhere: `runSegment` takes it with the Model of all replicas, and returns where the replica is then. A Coordinator
-hands segments to whoever runs them, decides exchanges from the energies that come back, and hands on frames. Nothing
-that decides depends on who runs a segment, or when: the results of a run have the same bits with any number of workers,
+A run is divided into rounds. A Segment is the work of one replica in one round. It contains all data that `runSegment`
+needs besides the Model of all replicas, so it can run anywhere; the result includes the replica's new state. A
+Coordinator submits segments to workers, decides exchanges from the returned energies, and passes on frames. No decision
+depends on which worker runs a segment, or when: the results of a run have the same bits with any number of workers,
 and after any interruption.
 """

@@ -1,4 +1,4 @@
-"""The file that a run goes on from: what is counted, and a checkpoint of each replica."""
+"""The file from which a run is resumed: counts, and a checkpoint of each replica."""
 
 import json
 import os
@@ -13,44 +13,44 @@ from ..structures.limits import checkMemory
 
 _VERSION = 2
 
-# What reading raises where bytes are wrong.
+# Exceptions of reading wrong bytes.
 _DAMAGES = (
     *(zipfile.BadZipFile, zlib.error, EOFError, KeyError, ValueError),
-    *(NotImplementedError, RuntimeError),  # of compression and encryption that are not ours, and of JSON that is deep
-    *(TypeError, AttributeError, OverflowError),  # of JSON of other types
+    *(NotImplementedError, RuntimeError),  # from unknown compression or encryption, and deep JSON
+    *(TypeError, AttributeError, OverflowError),  # from JSON of other types
 )
 _HEADER = "run.json"
 _LARGEST_HEADER = 10**8  # bytes
 _MOST_REPLICAS = 10**6
 
-# What our checkpoints become is never larger than this many times their files: they hold random bits.
+# Our checkpoints hold random bits, so decompression enlarges them by less than this factor.
 _LARGEST_RATIO = 20
 
 
 def nameTemporary():
-    """Return a name that nobody has, for a file until it is whole."""
+    """Return a unique name for a file until it is complete."""
     return f".{secrets.token_hex(8)}.part"
 
 
 def writeCheckpoint(path, header, checkpoints, temporaryName=None):
     """Write a dictionary of plain values and the checkpoints of replicas, None for none.
 
-    Whatever ends the process or the machine, the file is the former one or this one. Nothing stays if writing fails.
+    Even if the process or the machine stops, the file is either the former or the new one. A failure leaves no others.
 
-    temporaryName : str, of `nameTemporary`, what the file is called until it is whole; None: a new one. A run keeps it,
-        and knows by it what a kill has left.
+    temporaryName : str, from `nameTemporary`, the file's name until it is complete; None: a new one. A run keeps this
+        name, to recognize a file left by a kill.
     """
     held = {str(replica): checkpoint for replica, checkpoint in enumerate(checkpoints) if checkpoint is not None}
     digests = {name: sha256(checkpoint).hexdigest() for name, checkpoint in held.items()}
     path = Path(path)
     temporary = path.with_name(temporaryName or nameTemporary())
-    temporary.unlink(missing_ok=True)  # of a run that was killed while it wrote
+    temporary.unlink(missing_ok=True)  # left by a run that was killed while writing
     try:
         with open(temporary, "xb") as file:
             with zipfile.ZipFile(file, "w", zipfile.ZIP_DEFLATED, compresslevel=1) as archive:
                 text = json.dumps({"version": _VERSION, "digests": digests, **header})
                 for name, content in ((_HEADER, text), *held.items()):
-                    # A ZipInfo has the format's first day, where a clock may be before it or after the last one.
+                    # A ZipInfo has the format's first date; a clock may be outside the format's range.
                     archive.writestr(zipfile.ZipInfo(name), content, zipfile.ZIP_DEFLATED, compresslevel=1)
             file.flush()
             os.fsync(file.fileno())
@@ -58,7 +58,7 @@ def writeCheckpoint(path, header, checkpoints, temporaryName=None):
     except BaseException:
         temporary.unlink(missing_ok=True)
         raise
-    if os.name == "nt":  # there folders cannot be opened
+    if os.name == "nt":  # folders cannot be opened there
         return
     folder = os.open(path.parent, os.O_RDONLY)
     try:
@@ -68,7 +68,7 @@ def writeCheckpoint(path, header, checkpoints, temporaryName=None):
 
 
 def readCheckpoint(path):
-    """Return what `writeCheckpoint` wrote: the dictionary, and a dictionary of checkpoints by replica.
+    """Read a file of `writeCheckpoint`; return its dictionary, and a dictionary of checkpoints by replica.
 
     Raises
     ------
@@ -97,7 +97,7 @@ def readCheckpoint(path):
 
 
 def _checkSizes(path, file, archive):
-    """Refuse an archive that would take much memory, but for what our own checkpoints take."""
+    """Refuse an archive that would take more memory than our own checkpoints, unless there is enough."""
     size = sum(entry.file_size for entry in archive.infolist())
     if size > _LARGEST_RATIO * os.fstat(file.fileno()).st_size:
         checkMemory(size, f"{path}: holds, decompressed,")

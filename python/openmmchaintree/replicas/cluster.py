@@ -1,4 +1,4 @@
-"""Workers on other machines, by Dask distributed: reached, checked, and asked to run functions."""
+"""Connects to workers on other machines by Dask distributed, checks them, and runs functions on them."""
 
 import logging
 import pickle
@@ -15,12 +15,12 @@ from ..errors import ClusterError, InputError
 from .segment import runSegment
 
 _CONNECT_SECONDS = 10
-_ANSWER_SECONDS = 3  # more than a Client takes to say that it cannot connect
+_ANSWER_SECONDS = 3  # longer than a Client needs to report that it cannot connect
 
-# What a Client raises that cannot connect, and says why.
+# Exceptions of a Client that cannot connect, with a reason.
 _REASONS = (OSError, ValueError, TypeError, ImportError, RuntimeError)
 
-# Evaluated by a worker that may lack the package, or have another one: so it is text.
+# Text, since the worker that evaluates it may lack the package or have another version.
 _VERSIONS = (
     "(__import__('openmmchaintree').__version__, __import__('openmm').__version__, "
     "'.'.join(map(str, __import__('sys').version_info[:2])))"
@@ -33,10 +33,10 @@ def _ownVersions():
 
 
 class Cluster:
-    """The workers of a Dask scheduler. As a context manager it closes the connection.
+    """The workers of a Dask scheduler; a context manager that closes the connection.
 
-    Whatever is submitted has to be a pure function: where a worker is lost, the scheduler has another one run what that
-    one was to do, or has done and not handed over.
+    Submitted functions must be pure: if a worker is lost, the scheduler repeats its work, and results that it has not
+    delivered, on another worker.
     """
 
     def __init__(self, address):
@@ -47,16 +47,16 @@ class Cluster:
         InputError
             if the scheduler cannot be reached
         ClusterError
-            if it has no workers, or one of another version
+            if it has no workers, or one with another version
         """
         try:
             from distributed import Client
         except ImportError as error:
             raise InputError(f"--scheduler needs Dask distributed (pip install distributed): {error}") from error
-        # What goes wrong is told once, in words of ours.
+        # Errors are reported once, in our words.
         logging.getLogger("distributed").setLevel(logging.CRITICAL + 1)
         self.address = address
-        self._run = uuid4().hex[:12]  # tells what is ours on a scheduler that others use, too
+        self._run = uuid4().hex[:12]  # distinguishes our tasks on a shared scheduler
         self._tasks = 0
         try:
             with warnings.catch_warnings():
@@ -71,7 +71,7 @@ class Cluster:
             raise
 
     def checkWorkers(self):
-        """Refuse a cluster without workers, and workers of another version."""
+        """Refuse a cluster without workers, or with workers of another version."""
         versions = self._asking(lambda: self._client.run(eval, _VERSIONS, on_error="return"))
         if not versions:
             raise ClusterError(f"--scheduler {self.address}: there are no workers")
@@ -83,11 +83,11 @@ class Cluster:
                     raise ClusterError(f"worker {worker}: has {name} {theirs}, but here is {ours}")
 
     def countThreads(self):
-        """Return how many functions the workers can run at a time."""
+        """Return the number of functions that the workers can run at a time."""
         return sum(self._asking(self._client.nthreads).values())
 
     def submit(self, function, *arguments, worker=None):
-        """Have a function run; return its Task. A worker's address says who runs it, if that one has time."""
+        """Submit a function; return its Task. It preferably runs on `worker`, an address."""
         self._tasks += 1
         with warnings.catch_warnings():
             warnings.simplefilter("ignore")  # a Model can be larger than Dask advises
@@ -103,10 +103,10 @@ class Cluster:
         return Task(self, future)
 
     def close(self):
-        """Close the connection; what was submitted is forgotten."""
+        """Close the connection and drop all tasks."""
         try:
             self._client.close(timeout=2)
-        except Exception:  # of a connection that is gone
+        except Exception:  # from a lost connection
             pass
 
     def __enter__(self):
@@ -116,25 +116,25 @@ class Cluster:
         self.close()
 
     def _asking(self, ask):
-        """Return what a function returns that asks the scheduler; make what goes wrong a ClusterError."""
+        """Return the result of a function that calls the scheduler; convert its errors to ClusterError."""
         try:
             return ask()
         except Exception as error:
             raise ClusterError(f"--scheduler {self.address}: {_firstLine(error)}") from error
 
     def _explain(self, error):
-        """Return what is to be raised in place of an error of Dask's."""
+        """Return the exception to raise in place of Dask's."""
         if "CancelledError" in type(error).__name__:
             return ClusterError(f"--scheduler {self.address}: was lost, or restarted")
         try:
-            self.checkWorkers()  # perhaps one that came later is of another version
+            self.checkWorkers()  # perhaps a later worker has another version
         except ClusterError as reason:
             return reason
         return ClusterError(f"--scheduler {self.address}: {type(error).__name__}: {_firstLine(error)}")
 
 
 class Task:
-    """A function that a worker runs: what `Coordinator` asks of a future."""
+    """A function that a worker runs, with the methods of a future that `Coordinator` needs."""
 
     def __init__(self, cluster, future):
         self._cluster = cluster
@@ -142,57 +142,57 @@ class Task:
 
     @property
     def asArgument(self):
-        """What stands for the result where it is an argument of another function that workers run."""
+        """Stands for the result in the arguments of another submitted function."""
         return self._future
 
     def add_done_callback(self, callback):
-        """Call a function with this Task when it has ended."""
+        """Call a function with this Task when the Task has ended."""
         self._future.add_done_callback(lambda _: callback(self))
 
     def result(self):
-        """Wait; return what the function returned, or raise what it raised.
+        """Wait; return the function's result, or raise its exception.
 
         Raises
         ------
         ClusterError
-            if the workers, or the scheduler, did not bring it to its end
+            if the workers or the scheduler failed
         """
         try:
             return self._future.result()
         except (InputError, openmm.OpenMMException, KeyboardInterrupt):
             raise
-        except BaseException as error:  # asyncio's CancelledError is no Exception
+        except BaseException as error:  # asyncio's CancelledError is not an Exception
             raise self._cluster._explain(error) from error
 
 
 class ClusterReplicas:
-    """Runs the Segments of a Model on a Cluster, of count threads at first."""
+    """Runs the Segments of a Model on a Cluster; `count` is its initial number of threads."""
 
-    # Segments are handed out so that no worker waits for the next one to come.
+    # More than one, so that no worker waits for its next Segment.
     _SEGMENTS_PER_THREAD = 2
 
     def __init__(self, cluster, model):
         """Take a Cluster and a Model.
 
-        The scheduler keeps the Model, so that it outlives any worker, and each worker gets it once.
+        The scheduler keeps the Model, so the Model outlives any worker, and each worker receives it once.
         """
         self._cluster = cluster
         self._model = cluster.submit(pickle.loads, pickle.dumps(model))
         self.count = cluster.countThreads()
-        self._workers = {}  # who ran the last segment of each replica
+        self._workers = {}  # the worker of each replica's last segment
 
     def slots(self):
-        """Return how many Segments there should be at a time; workers can come and go."""
+        """Return the number of Segments to submit at a time, which depends on the current workers."""
         return max(1, self._SEGMENTS_PER_THREAD * self._cluster.countThreads())
 
     def submit(self, segment):
-        """Have a Segment run, by the worker that has its replica, if that one has time; return a future."""
+        """Submit a Segment, preferably to the worker that ran its replica last; return a future."""
         worker = self._workers.get(segment.replica)
         task = self._cluster.submit(_runThere, _ownVersions(), self._model.asArgument, segment, worker=worker)
         return _SegmentTask(task, self._workers)
 
     def stop(self):
-        """Do nothing: workers end what they do, and nobody takes it."""
+        """Do nothing: workers finish their Segments, whose results are ignored."""
 
     def close(self):
         """Close the Cluster."""
@@ -200,7 +200,7 @@ class ClusterReplicas:
 
 
 class _SegmentTask:
-    """A Task of `_runThere`, as a future of a SegmentResult. It notes who has run it."""
+    """A Task of `_runThere` as a future of a SegmentResult. It records the worker."""
 
     def __init__(self, task, workers):
         self._task = task
@@ -216,10 +216,10 @@ class _SegmentTask:
 
 
 def _connect(Client, address):
-    """Return a Client of a scheduler, or raise what keeps it from connecting.
+    """Return a Client of a scheduler, or raise the reason why it cannot connect.
 
-    It connects in a thread of its own, since it would wait forever for what is no scheduler, such as a dashboard. A
-    Client that fails counts as closed: else Python would wait for it, in vain.
+    It connects in a separate thread, since it would wait forever for a server that is not a scheduler, such as a
+    dashboard. A failed Client is marked as closed, or Python would wait for it at exit.
     """
     ends = SimpleQueue()
 
@@ -240,18 +240,18 @@ def _connect(Client, address):
         end = None
     if isinstance(end, _REASONS):
         raise end
-    if end is None or isinstance(end, BaseException):  # such as MemoryError, by what it took for a length
+    if end is None or isinstance(end, BaseException):  # such as MemoryError, from bytes misread as a length
         raise ConnectionError("what is there does not answer as a scheduler does") from end
     return end
 
 
 def _runThere(versions, model, segment):
-    """Run a Segment on a worker, if it is of these versions; return the worker's address and the SegmentResult."""
+    """Run a Segment on a worker of these versions; return the worker's address and the SegmentResult."""
     from distributed import get_worker
 
     address = get_worker().address
     for name, theirs, ours in zip(_NAMES, _ownVersions(), versions, strict=True):
-        if theirs != ours:  # a worker that came after the others were checked
+        if theirs != ours:  # a worker that joined after the check
             raise InputError(f"worker {address}: has {name} {theirs}, but {ours} is needed")
     return address, runSegment(model, segment)
 

@@ -1,4 +1,4 @@
-"""Runs the rounds of all replicas: hands out segments, decides exchanges, hands on frames."""
+"""Runs the rounds of all replicas: submits segments, decides exchanges, passes on frames."""
 
 import heapq
 from queue import SimpleQueue
@@ -12,12 +12,12 @@ from .segment import Segment
 
 
 class RunPlan(NamedTuple):
-    """What a run is made of, but for the Model.
+    """The definition of a run, apart from the Model.
 
     schedule : Schedule
-    temperatures : list of float, K, from low to high; one for all replicas, or one for each, which they exchange
-    seeds : list of int, one for each replica
-    exchangeSeed : int, of what decides exchanges
+    temperatures : list of float, K, in increasing order; one for all replicas, or one per replica, to be exchanged
+    seeds : list of int, one per replica
+    exchangeSeed : int, for the random numbers of exchanges
     """
 
     schedule: Schedule
@@ -32,33 +32,33 @@ class RunPlan(NamedTuple):
 
 
 class RunState:
-    """Where all replicas are between two rounds, and what has been counted so far.
+    """The states of all replicas between two rounds, and all counts.
 
     Attributes
     ----------
     round : int
-        the round that begins
+        the next round
     checkpoints : list of bytes
         of each replica, None before the first round
     temperatureOf : list of int
-        which temperature each replica has
+        the index of each replica's temperature
     wasHotLast : list of bool or None
-        for each replica, whether it was at the highest temperature since it was last at the lowest; None before it was
+        for each replica, whether it has been at the highest temperature since its last time at the lowest; None before
     roundTrips : list of int
-        how often each replica went from the lowest temperature to the highest and back
+        the number of times each replica went from the lowest temperature to the highest and back
     attempted, accepted : (temperatures - 1,) int arrays
-        exchanges between each temperature and the next
+        exchanges between neighbouring temperatures
     counts : (temperatures, moves, 4) int array
-        what became of the trials of each move, as in MoveStatistics
+        outcomes of the trials of each move, as in MoveStatistics
     countsOfReplica : (replicas, moves, 4) int array
     outerTests : (temperatures, 3) int array
-        outer tests attempted and accepted, and trials taken back
+        outer tests attempted and accepted, and trials undone
     seconds, secondsInSteps, wallSeconds : float
-        that segments took together, and integrators of it; that passed meanwhile, as whoever runs it says
+        total time of segments; their time in integrators; elapsed time, set by the caller
     """
 
     def __init__(self, plan, moves):
-        """Begin a RunPlan with so many moves."""
+        """Begin a RunPlan with a number of moves."""
         replicas, temperatures = len(plan.seeds), len(plan.temperatures)
         self.round = 0
         self.checkpoints = [None] * replicas
@@ -77,12 +77,12 @@ class RunState:
         self.wallSeconds = 0.0
 
     def asPlain(self):
-        """Return all but the checkpoints as a dictionary of plain numbers and lists."""
+        """Return everything except the checkpoints as a dictionary of plain numbers and lists."""
         plain = {name: value for name, value in vars(self).items() if name != "checkpoints"}
         return {name: value.tolist() if isinstance(value, np.ndarray) else value for name, value in plain.items()}
 
     def restore(self, plain, checkpoints):
-        """Take over what `asPlain` returned, and the checkpoints."""
+        """Restore the result of `asPlain`, and the checkpoints."""
         for name, value in plain.items():
             isArray = isinstance(getattr(self, name), np.ndarray)
             setattr(
@@ -92,53 +92,53 @@ class RunState:
 
 
 class Coordinator:
-    """Runs a RunPlan from a RunState on.
+    """Runs a RunPlan from a RunState.
 
-    Replicas exchange temperatures after each round. An exchange waits for its two replicas alone, so replicas can be
-    some rounds apart. The RunState is always where all have come to the same round: what some have done beyond counts
-    later. `run` returns where none has, unless it is stopped.
+    Replicas exchange temperatures after each round. An exchange waits only for its two replicas, so replicas can be
+    several rounds apart. The RunState is the state after the last round that all replicas have completed; later results
+    are counted later. `run` returns when no replica is ahead, unless it is stopped.
 
-    trials : int, of all replicas so far
+    trials : int, trials made by all replicas
     """
 
     def __init__(self, plan, state, addFrame):
-        """Take a RunPlan, the RunState that changes from now on, and a function that takes frames.
+        """Take a RunPlan, the RunState to advance, and a function that receives frames.
 
-        It is called with the number of the frame, the replica, its temperature's number and a KeptFrame; for each file
-        by replica or temperature in the order of frames.
+        Its arguments are the numbers of the frame, the replica and its temperature, and a KeptFrame. For each replica,
+        and for each temperature, frames come in order.
         """
         self._plan = plan
         self._state = state
         self._addFrame = addFrame
         self._temperatureOf = list(state.temperatureOf)
         self._checkpoints = list(state.checkpoints)
-        # Of rounds that not all replicas have ended, by round.
-        self._results = {}  # by replica: the result, and the temperature that it had
+        # Of rounds that some replicas have not completed, by round.
+        self._results = {}  # by replica: the result, and the index of its temperature
         self._ends = {}  # by replica: the temperature after the exchange
-        self._decided = {}  # the lower temperatures of exchanges that were tried, and whether they took place
+        self._decided = {}  # the lower temperature of each attempted exchange, and whether it was accepted
         self._finished = SimpleQueue()
         self.trials = plan.schedule.trialsBefore(state.round) * len(plan.seeds)
         self._exchanges = Exchanges(plan.temperatures, plan.exchangeSeed) if plan.isExchange else None
 
     def run(self, submit, slots, shouldHold):
-        """Run all rounds that are left, or, once shouldHold() says so, no more than have begun.
+        """Run all remaining rounds; once shouldHold() returns true, begin no further round.
 
         Parameters
         ----------
         submit : function
-            takes a Segment, returns a future of its SegmentResult, with `result` and `add_done_callback`
+            takes a Segment; returns a future of its SegmentResult, with `result` and `add_done_callback`
         slots : int
-            so many segments are handed out at a time
+            the number of segments submitted at a time
         shouldHold : function
-            asked after each segment
+            called after each segment
         """
         state = self._state
         hold = self._plan.schedule.rounds
         ready = [
             (state.round, replica) for replica in range(len(self._plan.seeds))
-        ]  # a heap: who is behind comes first
+        ]  # a heap: replicas in earlier rounds come first
         latest = state.round
-        waiting = {}  # the replica and its energy that wait for the other one of their pair after a round
+        waiting = {}  # by (round, lower temperature): the replica that waits for its partner, and its energy
         running = 0
         while True:
             while ready and ready[0][0] < hold and running < slots:
@@ -160,7 +160,7 @@ class Coordinator:
                 hold = min(hold, latest + 1)
 
     def stop(self):
-        """Have `run` return without what replicas do now; a handler of signals may call it."""
+        """Make `run` return without waiting for running segments; a signal handler may call this."""
         self._finished.put(None)
 
     def _segment(self, round, replica):
@@ -169,7 +169,7 @@ class Coordinator:
         return Segment(replica, round, self._plan.seeds[replica], temperature, self._checkpoints[replica], stops)
 
     def _take(self, result):
-        """Keep what a replica has done, and hand on its frames."""
+        """Store the result of a replica, and pass on its frames."""
         temperature = self._temperatureOf[result.replica]
         self._checkpoints[result.replica] = result.checkpoint
         self._results.setdefault(result.round, {})[result.replica] = result._replace(frames=()), temperature
@@ -180,7 +180,7 @@ class Coordinator:
             self._addFrame(frame, result.replica, temperature, kept)
 
     def _exchange(self, result, waiting):
-        """Try the exchange of a replica that has ended a round; return the replicas that can go on."""
+        """Attempt the exchange of a replica after a round; return the replicas that can begin the next one."""
         round, temperatureOf = result.round, self._temperatureOf
         lower = None
         if self._exchanges is not None:
@@ -205,7 +205,7 @@ class Coordinator:
         return [replica for replica, _ in pair]
 
     def _count(self, round):
-        """Take a round that all have ended over to the RunState."""
+        """Add a round that all replicas have completed to the RunState."""
         state = self._state
         for replica, (result, temperature) in self._results.pop(round).items():
             state.checkpoints[replica] = result.checkpoint
@@ -224,7 +224,7 @@ class Coordinator:
         state.round = round + 1
 
     def _noteEnds(self, replica):
-        """Count a round trip where one ends."""
+        """Count a round trip if one is complete."""
         state, temperature = self._state, self._state.temperatureOf[replica]
         if temperature == 0:
             state.roundTrips[replica] += state.wasHotLast[replica] is True

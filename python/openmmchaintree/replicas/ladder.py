@@ -1,4 +1,4 @@
-"""Temperatures that replicas exchange, and who exchanges with whom, decided from energies alone."""
+"""Temperatures of replicas, seeds, and exchanges, which are decided from energies alone."""
 
 import math
 
@@ -11,14 +11,14 @@ REPLICAS = Limit("CHAINTREE_MAX_REPLICAS", 10000)
 
 _GAS_CONSTANT = 8.31446261815324e-3  # kJ/mol/K
 
-# What tells random numbers of exchanges from those that seeds are made of.
+# Distinguish the random numbers of seeds and of exchanges.
 _SEEDS, _EXCHANGES = 0, 1
 
-_SHOWN = 60  # letters of what is no ladder, in an error
+_SHOWN = 60  # letters of a wrong text in an error
 
 
 def geometricLadder(lowest, highest, count):
-    """Return temperatures (K) from the lowest to the highest, each by the same factor above the one before."""
+    """Return temperatures (K) in geometric progression from the lowest to the highest."""
     if count == 1:
         return [lowest]
     factor = (highest / lowest) ** (1 / (count - 1))
@@ -26,12 +26,12 @@ def geometricLadder(lowest, highest, count):
 
 
 def readLadder(text):
-    """Return the temperatures (K) that a text tells: LOWEST:HIGHEST:COUNT, or some with commas between them.
+    """Return the temperatures (K) of a text: LOWEST:HIGHEST:COUNT, or a list separated by commas.
 
     Raises
     ------
     InputError
-        if it tells none
+        if the text is wrong
     """
     try:
         if ":" in text:
@@ -66,9 +66,9 @@ def _checkCount(text, count):
 
 
 def deriveSeeds(seed, count):
-    """Return so many seeds of random number generators, from 1 to 2147483647, all different.
+    """Return `count` different seeds of random number generators, from 1 to 2147483647.
 
-    Those of fewer replicas are the first of those of more.
+    A smaller count gives the first seeds of a larger one.
     """
     random = np.random.default_rng((seed, _SEEDS))
     seeds = {}
@@ -78,7 +78,7 @@ def deriveSeeds(seed, count):
 
 
 def logExchangeRatio(temperature1, energy1, temperature2, energy2):
-    """Return the logarithm of the ratio by which two replicas exchange their temperatures.
+    """Return the logarithm of the acceptance ratio for exchanging the temperatures of two replicas.
 
     That is ln of exp(-U2/kT1 - U1/kT2) / exp(-U1/kT1 - U2/kT2), with U in kJ/mol and T in K.
     """
@@ -88,32 +88,32 @@ def logExchangeRatio(temperature1, energy1, temperature2, energy2):
 class Exchanges:
     """Decides which replicas exchange their temperatures after each round.
 
-    After even rounds the temperatures 0 and 1, 2 and 3, … are tried, after odd ones 1 and 2, 3 and 4, …. A decision
-    depends on the seed, the round, the pair and the two energies: so it is the same whoever comes first.
+    After even rounds the pairs of temperatures 0 and 1, 2 and 3, … are attempted, after odd ones 1 and 2, 3 and 4, ….
+    A decision depends only on the seed, the round, the pair and the two energies, not on the order of results.
     """
 
     def __init__(self, temperatures, seed):
-        """Take temperatures in K, from low to high, and the seed of the run."""
+        """Take temperatures in K, in increasing order, and the seed of the run."""
         self.temperatures = list(temperatures)
         self._seed = seed
         self._drawn = {}
 
     def lowerOfPair(self, round, index):
-        """Return the lower of the two temperatures that are tried, of which the other is `index`, or None."""
+        """Return the lower index of the attempted pair that contains the temperature `index`, or None."""
         lower = index - (index + round) % 2
         return lower if 0 <= lower and lower + 1 < len(self.temperatures) else None
 
     def decide(self, round, lower, lowerEnergy, upperEnergy):
-        """Whether the replicas at two temperatures, `lower` and the next, exchange them, by their energies in kJ/mol.
+        """Whether the replicas at the temperatures `lower` and `lower + 1` exchange them; energies are in kJ/mol.
 
-        Energies that are not numbers are not exchanged.
+        Replicas whose energies are NaN do not exchange.
         """
         temperature1, temperature2 = self.temperatures[lower : lower + 2]
         logRatio = logExchangeRatio(temperature1, lowerEnergy, temperature2, upperEnergy)
         return bool(math.log(self._draw(round, lower)) < logRatio)
 
     def _draw(self, round, lower):
-        """Return the random number in (0, 1] of a pair after a round."""
+        """Return the random number in (0, 1] for a pair after a round."""
         if round not in self._drawn:
             random = np.random.default_rng((self._seed, _EXCHANGES, round))
             self._drawn[round] = 1 - random.random(len(self.temperatures) - 1)

@@ -6,9 +6,9 @@ from .segment import Stop
 
 
 class Schedule(NamedTuple):
-    """What each replica of a run does.
+    """The schedule of each replica of a run.
 
-    trials : int, in all; trialsPerRound : int; interval : int, the number of trials between frames
+    trials : int, total; trialsPerRound : int; interval : int, the number of trials between frames
     """
 
     trials: int
@@ -22,15 +22,15 @@ class Schedule(NamedTuple):
 
     @property
     def frames(self):
-        """The number of frames after the start; before the last one there can be fewer trials."""
+        """The number of frames after the start; the last interval can be shorter."""
         return -(-self.trials // self.interval)
 
     def trialsBefore(self, round):
-        """Return how many trials a replica has made when a round begins."""
+        """Return the number of trials that a replica has made when a round begins."""
         return min(round * self.trialsPerRound, self.trials)
 
     def framesBefore(self, round):
-        """Return how many frames after the start there are when a round begins."""
+        """Return the number of frames after the start when a round begins."""
         trials = self.trialsBefore(round)
         return self.frames if trials == self.trials else trials // self.interval
 

@@ -1,4 +1,4 @@
-"""What one replica does for a while, as a function of what it is given."""
+"""The work of one replica in one round, as a pure function of its arguments."""
 
 import copy
 import hashlib
@@ -10,15 +10,15 @@ import numpy as np
 import openmm
 from openmm import unit
 
-# So often can a run of hard spheres be interrupted, whatever the number of trials between frames.
+# Hard spheres: trials between points at which a run can be interrupted, for any interval between frames.
 _TRIALS_PER_STEP = 10000
 
-# With energies, where trials take longer, and a step may end by a look at the whole energy.
+# With energies: trials take longer, and a step may end with an outer test.
 _TRIALS_PER_STEP_WITH_ENERGY = 400
 
 
 def splitTrials(trials, hasEnergies):
-    """Yield the numbers of trials of the steps that a number of trials is made of."""
+    """Divide a number of trials into steps; yield the number of trials of each step."""
     usual = _TRIALS_PER_STEP
     if hasEnergies:  # no step is shorter, unless all trials are fewer
         usual = -(-trials // max(1, trials // _TRIALS_PER_STEP_WITH_ENERGY))
@@ -27,14 +27,14 @@ def splitTrials(trials, hasEnergies):
 
 
 class Model(NamedTuple):
-    """What all replicas of a run have in common. It can be pickled.
+    """The data shared by all replicas of a run. It can be pickled.
 
     system : openmm.System
     integrator : TorsionMonteCarloIntegrator, with all moves
     positions : (n, 3) float64 array, nm, the start
     platform : str; properties : dict of str
-    hasEnergies : bool, whether there is more than hard spheres
-    key : str, the same for Models that are the same
+    hasEnergies : bool, false for hard spheres alone
+    key : str, equal for equal Models
     """
 
     system: openmm.System
@@ -47,7 +47,7 @@ class Model(NamedTuple):
 
 
 def makeModel(system, integrator, positions, platform, properties, hasEnergies):
-    """Return a Model. Of the integrator a copy is taken, without its seed and temperature."""
+    """Return a Model with a copy of the integrator, without its seed and temperature."""
     integrator = copy.copy(integrator)
     integrator.setRandomNumberSeed(1)
     integrator.setTemperature(300)
@@ -59,19 +59,19 @@ def makeModel(system, integrator, positions, platform, properties, hasEnergies):
 
 
 class Stop(NamedTuple):
-    """Trials without a pause, and whether a frame is kept after them."""
+    """A number of trials, and whether a frame is recorded after them."""
 
     trials: int
     keepsFrame: bool
 
 
 class Segment(NamedTuple):
-    """What a replica is to do in one round.
+    """The work of a replica in one round.
 
     replica, round : int, from 0
     seed : int, of the replica's random numbers
     temperature : float, K
-    checkpoint : bytes, where the replica is; None at the start
+    checkpoint : bytes, the replica's state; None at the start
     stops : tuple of Stop
     """
 
@@ -84,22 +84,22 @@ class Segment(NamedTuple):
 
 
 class KeptFrame(NamedTuple):
-    """Positions, a float64 array of shape (n, 3) in nm, and U in kJ/mol, None of hard spheres alone."""
+    """Positions, a float64 array of shape (n, 3) in nm, and U in kJ/mol, None for hard spheres alone."""
 
     positions: np.ndarray
     energy: float | None
 
 
 class SegmentResult(NamedTuple):
-    """What became of a Segment.
+    """The result of a Segment.
 
     replica, round : int
     checkpoint : bytes
-    energy : float, U at the end in kJ/mol; None of hard spheres alone
+    energy : float, U at the end in kJ/mol; None for hard spheres alone
     frames : list of KeptFrame
-    counts : (moves, 4) int array, of the trials of each move, as in MoveStatistics, in this segment
-    outerTests : (3,) int array: outer tests attempted and accepted, and trials taken back, in this segment
-    seconds : float, that it took; secondsInSteps : float, that the integrator took of it
+    counts : (moves, 4) int array, outcomes of this segment's trials of each move, as in MoveStatistics
+    outerTests : (3,) int array: this segment's outer tests attempted and accepted, and trials undone
+    seconds : float, time of the segment; secondsInSteps : float, the integrator's part of it
     """
 
     replica: int
@@ -114,31 +114,31 @@ class SegmentResult(NamedTuple):
 
 
 class Stopped(Exception):
-    """What a Segment raises that was to stop."""
+    """Raised by a Segment that was stopped."""
 
 
 class Workplace:
     """Runs Segments of one Model, in any thread.
 
-    The same Segment gives the same result wherever it runs, but for the times that it took. A Workplace keeps the
-    Context of each replica that it has met: one that has not been elsewhere since goes on at once, without a look at
-    its checkpoint. Loading one would make all that is known of energies anew, and take as long as thousands of trials.
+    Equal Segments give equal results anywhere, apart from times. A Workplace keeps the Context of each replica that it
+    has run: a replica that has not run elsewhere since continues without loading its checkpoint. Loading would make the
+    integrator compute all energies again, which takes as long as thousands of trials.
     """
 
     def __init__(self, model, most=None):
-        """Take a Model, and how many Contexts are kept at most; None: all. Those that ran last are kept."""
+        """Take a Model, and the largest number of Contexts to keep, those used last; None: all."""
         self.model = model
         self._most = most
-        self._replicas = {}  # the one that ran last comes last
+        self._replicas = {}  # in the order of their last use
         self._lock = Lock()
         self._isStopped = Event()
 
     def stop(self):
-        """Have Segments that run, and all others, raise Stopped after their next step."""
+        """Make running and later Segments raise Stopped after their next step."""
         self._isStopped.set()
 
     def run(self, segment):
-        """Run a Segment; return a SegmentResult. No other Segment of the same replica may run at that time."""
+        """Run a Segment; return a SegmentResult. No other Segment of the same replica may run at the same time."""
         with self._lock:
             replica = self._replicas.pop(segment.replica, None)
         if replica is None or segment.checkpoint is None:
@@ -153,12 +153,12 @@ class Workplace:
 
 _workplaces: dict[str, Workplace] = {}
 
-# A process of a cluster meets any replica now and then, and must not keep them all.
+# A process of a cluster runs all replicas in turn, and must not keep all their Contexts.
 _MOST_CONTEXTS = 32
 
 
 def runSegment(model, segment):
-    """Run a Segment of a Model in the one Workplace of this process, which is of the last Model that was met."""
+    """Run a Segment of a Model in this process's only Workplace, which belongs to the Model used last."""
     if model.key not in _workplaces:
         _workplaces.clear()
     return _workplaces.setdefault(model.key, Workplace(model, _MOST_CONTEXTS)).run(segment)
@@ -168,7 +168,7 @@ class _Replica:
     """The Context of one replica."""
 
     def __init__(self, model, seed, isStopped):
-        """Stand at the start. An Event says when to stop."""
+        """Begin at the start. The Event is set to stop."""
         self._isStopped = isStopped
         self._hasEnergies = model.hasEnergies
         self._integrator = copy.copy(model.integrator)
@@ -176,14 +176,14 @@ class _Replica:
         platform = openmm.Platform.getPlatformByName(model.platform)
         self._context = openmm.Context(model.system, self._integrator, platform, model.properties)
         self._context.setPositions(model.positions)
-        self._checkpoint = None  # where it stands
+        self._checkpoint = None  # the current state
 
     def run(self, segment):
         """Run a Segment of this replica."""
         begun = perf_counter()
         if segment.checkpoint != self._checkpoint:
             self._context.loadCheckpoint(segment.checkpoint)
-        self._checkpoint = b""  # none, until the end
+        self._checkpoint = b""  # unknown until the end
         self._integrator.setTemperature(segment.temperature * unit.kelvin)
         counts, outerTests = self._counts(), self._outerTests()
         frames, secondsInSteps = [], 0.0
@@ -197,7 +197,7 @@ class _Replica:
             secondsInSteps += perf_counter() - start
             if stop.keepsFrame:
                 frames.append(KeptFrame(self._positions(), self._energy()))
-        energy = self._energy()  # before the checkpoint, after which all is computed anew
+        energy = self._energy()  # before the checkpoint, after which all energies are computed again
         self._checkpoint = self._context.createCheckpoint()
         return SegmentResult(
             segment.replica,

@@ -4,29 +4,29 @@ from concurrent.futures import ThreadPoolExecutor
 
 from .segment import Workplace
 
-# Segments are handed out so that no thread waits for the next one.
+# More than one, so that no thread waits for its next Segment.
 _SEGMENTS_PER_THREAD = 2
 
 
 class ThreadReplicas:
-    """Runs the Segments of a Model in a number of threads, its count."""
+    """Runs the Segments of a Model in `count` threads."""
 
     def __init__(self, model, threads):
-        """Take a Model, and how many threads there are."""
+        """Take a Model and the number of threads."""
         self._workplace = Workplace(model)
         self.count = threads
         self._pool = ThreadPoolExecutor(threads)
 
     def slots(self):
-        """Return how many Segments there should be at a time."""
+        """Return the number of Segments to submit at a time."""
         return _SEGMENTS_PER_THREAD * self.count
 
     def submit(self, segment):
-        """Have a Segment run; return a future of its SegmentResult."""
+        """Submit a Segment; return a future of its SegmentResult."""
         return self._pool.submit(self._workplace.run, segment)
 
     def stop(self):
-        """End Segments that run, which raise Stopped, and let no other one begin."""
+        """Stop running Segments, which raise Stopped, and prevent others from beginning."""
         self._workplace.stop()
 
     def close(self):

@@ -1,1 +1,1 @@
-"""The files that the command writes: they appear when they are complete, and replace nothing unasked."""
+"""The command's output files, which appear when complete and replace other files only on request."""

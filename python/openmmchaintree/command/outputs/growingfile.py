@@ -1,4 +1,4 @@
-"""A file that grows piece by piece, and is sound after each, whatever may end the run."""
+"""A file that is written in pieces and valid after each piece, however the run ends."""
 
 import os
 import stat
@@ -8,12 +8,12 @@ from ...errors import InputError
 
 
 class GrowingFile:
-    """The file of an Output, unbuffered. Closing it cuts off what is not complete.
+    """The unbuffered file of an Output. Closing it removes an incomplete piece.
 
     Attributes
     ----------
     size : int
-        the number of bytes that are complete
+        the number of complete bytes
     """
 
     def __init__(self, output):
@@ -30,27 +30,27 @@ class GrowingFile:
 
     @classmethod
     def goOn(cls, output, size, header, what, normalize=bytes, checksum=None):
-        """Go on with a file that is there, of which so many bytes count: what follows them is cut off.
+        """Resume an existing file: keep its first `size` bytes and remove the rest.
 
         Parameters
         ----------
         output : Output
         size : int
         header : bytes
-            what the file begins with
+            the beginning of the file
         what : str
-            what it is, for errors
+            the kind of file, for errors
         normalize : callable
-            makes of a header what of it never changes
+            removes the variable parts of a header
         checksum : int or None
-            what `zlib.crc32` gives for the bytes that count, if they never change
+            `zlib.crc32` of the kept bytes, if these never change
 
         Raises
         ------
         InputError
-            if it is not what was written, or is shorter
+            if it is not the file that was written, or is shorter
         OutputError
-            if it cannot be opened or cut off
+            if it cannot be opened or truncated
         """
         growing = cls.__new__(cls)
         growing._output = output
@@ -79,7 +79,7 @@ class GrowingFile:
         return checksum
 
     def append(self, data):
-        """Add bytes; if that fails, the size stays as it is.
+        """Add bytes; on failure the size does not change.
 
         Raises
         ------
@@ -98,12 +98,12 @@ class GrowingFile:
             os.pwrite(self._file.fileno(), data, place)
 
     def sync(self):
-        """Wait until what was written is on the disk."""
+        """Wait until all written data is on disk."""
         with self._output.explainingErrors():
             os.fsync(self._file.fileno())
 
     def close(self):
-        """Close the file, without what is not complete."""
+        """Close the file without an incomplete piece."""
         with self._output.explainingErrors(), self._file:
             if stat.S_ISREG(os.fstat(self._file.fileno()).st_mode):  # a device has no size
                 self._file.truncate(self.size)

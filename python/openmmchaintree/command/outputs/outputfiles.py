@@ -1,4 +1,4 @@
-"""Output files: checked before anything is computed, and written whole or not at all."""
+"""Output files, checked before any computation, and written completely or not."""
 
 import io
 import json
@@ -25,11 +25,11 @@ _PICTURES = (".png", ".pdf", ".svg")
 
 
 class OutputError(Exception):
-    """What kept an output from being written, in one sentence that names it."""
+    """An output could not be written; the message is one sentence that names it."""
 
 
 class Output:
-    """A file that will be written, or standard output where its name is -.
+    """A file to write, or standard output if its name is -.
 
     Attributes
     ----------
@@ -37,30 +37,30 @@ class Output:
         as the user gave it
     isStandardOutput : bool
     isDelayed : bool
-        whether what is written gets the file's name only when `publish` is called
+        whether the written file gets its name only when `publish` is called
     """
 
     @property
     def path(self):
-        """The Path of the file itself, where its name is a link."""
+        """The Path of the file, with links resolved."""
         return self._path
 
     def __init__(self, name, overwrite=False):
-        """Take a name; a file that exists is replaced only if overwrite says so."""
+        """Take a name; an existing file is replaced only if overwrite is true."""
         self.name = name
         self.isStandardOutput = name == _STANDARD_OUTPUT
         self.isDelayed = False
         self._overwrite = overwrite
-        self._prepared = None  # the Path of what is written, but has not got its name yet
-        self._made = None  # tells the file that we have made from another one of its name
+        self._prepared = None  # the Path of the written file that does not have its name yet
+        self._made = None  # identifies the file made here, in case another one takes its name
         self._held = None
-        # A device or pipe holds nothing that could get lost, and must not be replaced by a file.
+        # A device or pipe has no content to lose, and must not be replaced by a file.
         self._isSpecial = os.path.exists(name) and not os.path.isfile(name)
-        # A link stays one, to what is written.
+        # Links are kept; their targets are written.
         self._path = Path(name if self._isSpecial else os.path.realpath(name))
 
     def write(self, content):
-        """Write a text, bytes, or texts that are yielded, whole; where that fails, what was there before stays.
+        """Write a text, bytes, or an iterable of texts; on failure, an existing file is unchanged.
 
         Raises
         ------
@@ -86,7 +86,7 @@ class Output:
                     self.publish()
 
     def _prepare(self, pieces):
-        """Write a file beside the one that is wanted."""
+        """Write a temporary file in the same folder."""
         self.forget()
         self._prepared = self._temporaryPath()
         try:
@@ -97,12 +97,12 @@ class Output:
             raise
 
     def publish(self):
-        """Give what was written and delayed the name that is wanted.
+        """Give a delayed file its name.
 
         Raises
         ------
         OutputError
-            if that cannot be done
+            if that is impossible
         """
         if self._prepared is None:
             return
@@ -111,7 +111,7 @@ class Output:
                 if self._overwrite and self._path.exists():
                     shutil.copymode(self._path, self._prepared)
                 elif not self._overwrite:
-                    with self._path.open("xb") as file:  # fails if another program has made it by now
+                    with self._path.open("xb") as file:  # fails if another program has made it meanwhile
                         self._noteMade(file)
                 try:
                     made = _identity(os.stat(self._prepared))
@@ -125,7 +125,7 @@ class Output:
                 self.forget()
 
     def forget(self):
-        """Remove what was written and not published."""
+        """Remove a file that was written and not published."""
         if self._prepared is not None:
             self._prepared.unlink(missing_ok=True)
             self._prepared = None
@@ -135,7 +135,7 @@ class Output:
         return file
 
     def open(self):
-        """Open the file for writing piece by piece, unbuffered. Until it is closed no other run writes it.
+        """Open the file for unbuffered writing in pieces. Until it is closed, no other run can write it.
 
         Raises
         ------
@@ -156,12 +156,12 @@ class Output:
             return file
 
     def openThere(self):
-        """Open the file, which is there already, for reading and writing, as `open` does.
+        """Open the existing file for reading and writing, as `open` does.
 
         Raises
         ------
         InputError
-            if it is not there
+            if it does not exist
         OutputError
             if it cannot be opened
         """
@@ -171,7 +171,7 @@ class Output:
             return self._locked(io.FileIO(self._path, "r+"))
 
     def _locked(self, file):
-        """Return a file, which no other run writes until it is closed, as far as its file system can tell."""
+        """Lock a file against other runs until it is closed, if its file system has locks; return it."""
         try:
             if fcntl is not None:
                 fcntl.flock(file.fileno(), fcntl.LOCK_EX | fcntl.LOCK_NB)
@@ -183,7 +183,7 @@ class Output:
         return file
 
     def hold(self):
-        """Let no other run write the file that is there, if there is one, until `release`, though it is closed.
+        """Lock the file, if it exists, against other runs until `release`, even when it is closed.
 
         Raises
         ------
@@ -195,13 +195,13 @@ class Output:
                 self._held = self._locked(io.FileIO(self._path, "r+"))
 
     def release(self):
-        """Hold the file no longer."""
+        """Release the lock of `hold`."""
         if self._held is not None:
             self._held.close()
             self._held = None
 
     def remove(self):
-        """Remove the file, if it is the one that was made here: another run may have made another one since."""
+        """Remove the file if it was made here: another run may have replaced it."""
         with suppress(FileNotFoundError):
             if self._made is not None and _identity(os.stat(self._path)) == self._made:
                 self._path.unlink()
@@ -213,7 +213,7 @@ class Output:
 
     @contextmanager
     def explainingErrors(self):
-        """Make OSErrors OutputErrors, which name the file."""
+        """Convert OSErrors to OutputErrors, which name the file."""
         try:
             yield
         except FileExistsError as error:
@@ -222,16 +222,16 @@ class Output:
             raise OutputError(f"{self.name}: cannot be written ({error.strerror})") from error
 
     def needsOverwrite(self):
-        """Whether a file is there that must not be replaced."""
+        """Whether the file exists and must not be replaced."""
         return self._path.is_file() and not self._overwrite
 
     def check(self):
-        """Try whether it can be written, without changing it: nothing else holds for every user and file system.
+        """Test by trying whether the file can be written, without changing it: only this works on every file system.
 
         Raises
         ------
         InputError
-            if it is a folder, or in none
+            if it is a folder, or its folder does not exist
         OutputError
             if it cannot be written, or another run is writing it
         """
@@ -261,7 +261,7 @@ class Output:
 
 
 def encoded(text):
-    """Return a text as bytes. What a name has that is no text becomes an escape, which JSON reads as the name again."""
+    """Return a text as bytes. Bytes of names that are not text become escapes, from which JSON restores the name."""
     return text.encode("utf-8", "backslashreplace")
 
 
@@ -270,7 +270,7 @@ def _openOrMake(path, flags):
 
 
 def _identities(path):
-    """Return what two paths of the same file have in common."""
+    """Return a set that two paths of the same file have in common."""
     path = os.path.realpath(path)
     try:
         found = os.stat(path)
@@ -280,22 +280,22 @@ def _identities(path):
 
 
 def _identity(found):
-    """Return what tells a file from another one of its name, by what `os.stat` says of it."""
+    """Return the identity of a file from its `os.stat` result."""
     return found.st_dev, found.st_ino
 
 
 @contextmanager
 def lockedFolders(outputs):
-    """Let no other run look at files in the folders of some Outputs, or begin them, meanwhile.
+    """Lock the folders of some Outputs, so that no other run checks or begins files in them.
 
-    It waits for others, as far as their file systems can tell of them.
+    Waits for other runs, if the file systems have locks.
     """
     folders = {}
     for folder in {output.path.parent for output in outputs if not output.isStandardOutput}:
         with suppress(OSError):  # a folder that is missing
             folders[_identity(os.stat(folder))] = folder
     with ExitStack() as stack:
-        for _, folder in sorted(folders.items()) if fcntl is not None else ():  # in the order of all runs
+        for _, folder in sorted(folders.items()) if fcntl is not None else ():  # in the same order in all runs
             with suppress(OSError):  # a file system without locks
                 descriptor = os.open(folder, os.O_RDONLY)
                 stack.callback(os.close, descriptor)
@@ -305,12 +305,12 @@ def lockedFolders(outputs):
 
 @contextmanager
 def beginning(outputs):
-    """Begin to write Outputs that were checked a while ago, while no other run can, unless one has meanwhile.
+    """Begin to write Outputs that were checked earlier, with their folders locked.
 
     Raises
     ------
     OutputError
-        if one of them is another run's by now; nothing was touched
+        if another run has taken one of them since; no file was touched
     """
     files = [output for output in outputs if not output.isStandardOutput]
     with lockedFolders(files):
@@ -322,9 +322,9 @@ def beginning(outputs):
 
 
 class Writing:
-    """Outputs being written, so that one that fails does not take the others with it.
+    """Writes Outputs; a failure of one does not affect the others.
 
-    As a context manager it gives them their names at its end, all at a time, so that they are those of one run.
+    As a context manager it gives all of them their names together at its end, so that they belong to one run.
 
     Attributes
     ----------
@@ -355,7 +355,7 @@ class Writing:
                 output.forget()
 
     def write(self, output, write):
-        """Call a function that writes an Output, and note what became of it."""
+        """Call a function that writes an Output, and record success or failure."""
         output.isDelayed = self._isDelayed and not output.isStandardOutput
         try:
             write(output)
@@ -373,26 +373,26 @@ class Writing:
 
 
 def addOverwrite(parser):
-    """Add the option without which no file is replaced."""
+    """Add the option that allows replacing files."""
     parser.add_argument("--overwrite", action="store_true", help="replace output files that exist")
 
 
 def checkOutputs(names, inputs, overwrite):
-    """Return the Outputs that the user wants, as a dictionary by their kind.
+    """Return the requested Outputs, as a dictionary by kind.
 
     Parameters
     ----------
     names : dict
-        the names by the kind of output, None for what is not wanted
+        the names by kind of output, None for outputs that are not requested
     inputs : list of str
-        the names of files that are read
+        the names of input files
     overwrite : bool
-        whether files that exist are replaced
+        whether existing files are replaced
 
     Raises
     ------
     InputError
-        if a name is empty, a folder's, an input's or another output's, or of a file that exists
+        if a name is empty, or that of a folder, an input, another output, or an existing file
     OutputError
         if a file cannot be written
     """

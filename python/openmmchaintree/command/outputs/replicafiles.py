@@ -1,4 +1,4 @@
-"""What a run of replicas writes while it runs: trajectories, and an index of their frames."""
+"""The files that grow during a run of replicas: trajectories, and an index of their frames."""
 
 import csv
 import io
@@ -15,7 +15,7 @@ _COLUMNS = ("frame", "trials", "replica", "temperature", "potentialEnergy", "rad
 
 
 def trajectoryNames(prefix, replicas, temperatures, byTemperature):
-    """Return the names of the trajectories of so many replicas, or of temperatures (K)."""
+    """Return the names of the trajectories of `replicas` replicas, or of temperatures (K)."""
     if not byTemperature:
         width = len(str(replicas - 1))
         return [f"{prefix}-replica-{replica:0{width}}.dcd" for replica in range(replicas)]
@@ -28,13 +28,13 @@ def trajectoryNames(prefix, replicas, temperatures, byTemperature):
 
 
 class IndexFile:
-    """A table (CSV) of all frames of all replicas, in the order of frames and, of each, of replicas.
+    """A table (CSV) of all frames of all replicas, sorted by frame, then by replica.
 
-    Numbers of frames and replicas are from 0; frame 0 is the start. Energies are in kJ/mol, lengths in nm.
+    Frames and replicas are numbered from 0; frame 0 is the start. Energies are in kJ/mol, lengths in nm.
     """
 
     def __init__(self, output, mark=None, rows=0):
-        """Begin the file of an Output; or go on with one where its mark was this, after so many rows."""
+        """Begin the file of an Output, or resume it at a mark, after `rows` rows."""
         header = _asLine(_COLUMNS).encode()
         if mark is not None:
             size, self._checksum = mark
@@ -51,11 +51,11 @@ class IndexFile:
 
     @property
     def mark(self):
-        """The number of bytes that are complete, and what `zlib.crc32` gives for them."""
+        """The number of complete bytes, and their `zlib.crc32`."""
         return self._file.size, self._checksum
 
     def write(self, rows):
-        """Add rows, each a sequence of the values of columns."""
+        """Add rows, each a sequence of column values."""
         self._append("".join(map(_asLine, rows)).encode())
 
     def _append(self, data):
@@ -63,11 +63,11 @@ class IndexFile:
         self._checksum = zlib.crc32(data, self._checksum)
 
     def sync(self):
-        """Wait until what was written is on the disk."""
+        """Wait until all written data is on disk."""
         self._file.sync()
 
     def close(self):
-        """Close the file, without what is not complete."""
+        """Close the file without an incomplete piece."""
         self._file.close()
 
     def remove(self):
@@ -76,7 +76,7 @@ class IndexFile:
 
 
 def _linesIn(path, size):
-    """Return how many lines the first so many bytes of a file have."""
+    """Return the number of lines in the first `size` bytes of a file."""
     lines = 0
     with open(path, "rb") as file:
         while size > 0 and (piece := file.read(min(size, 1 << 20))):
@@ -97,7 +97,7 @@ def readIndex(path):
     Raises
     ------
     InputError
-        if it is none
+        if it is not an index
     """
     orNaN = dict.fromkeys(range(3, len(_COLUMNS)), lambda text: float(text or "nan"))
     try:
@@ -113,7 +113,7 @@ def readIndex(path):
 
 
 class ReplicaFiles:
-    """The trajectories and the index of a run. As a context manager it closes them.
+    """The trajectories and the index of a run; a context manager that closes them.
 
     Attributes
     ----------
@@ -122,7 +122,7 @@ class ReplicaFiles:
     """
 
     def __init__(self, outputs, plan, byTemperature, start, round=0, indexMark=None):
-        """Begin all files by the start; or go on with what they held when a round began. None stays if one fails.
+        """Begin all files with the start, or resume them at the beginning of a round. On failure, remove new files.
 
         Parameters
         ----------
@@ -130,12 +130,12 @@ class ReplicaFiles:
             "index": an Output; "trajectories": a list of them
         plan : RunPlan
         byTemperature : bool
-            whether each temperature has a trajectory, not each replica
+            whether each temperature has a trajectory, instead of each replica
         start : Sampling
-            that has not moved
+            at its start
         round : int
         indexMark : (int, int) or None
-            the mark of the index when that round began, None of a new run
+            the mark of the index when that round began; None for a new run
         """
         self._plan = plan
         self._byTemperature = byTemperature
@@ -170,7 +170,7 @@ class ReplicaFiles:
                 file.remove()
 
     def add(self, frame, replica, temperature, kept):
-        """Add a KeptFrame of a replica, which has one of the temperatures by its number."""
+        """Add a KeptFrame of a replica, which has the temperature of this number."""
         self.trajectories[temperature if self._byTemperature else replica].write(kept.positions)
         self._rows.setdefault(frame, {})[replica] = self._row(frame, replica, temperature, kept.positions, kept.energy)
         while len(self._rows.get(self._nextFrame, ())) == len(self._plan.seeds):
@@ -179,12 +179,12 @@ class ReplicaFiles:
             self._nextFrame += 1
 
     def shorten(self, round):
-        """Leave out the frames of a round that has begun, and of those after it; nothing can be added then."""
+        """Remove the frames of a round and of later ones; nothing can be added afterwards."""
         for trajectory in self.trajectories:
             trajectory.shorten(1 + self._plan.schedule.framesBefore(round))
 
     def sync(self):
-        """Wait until all that was written is on the disk."""
+        """Wait until all written data is on disk."""
         for file in (*self.trajectories, self.index):
             file.sync()
 

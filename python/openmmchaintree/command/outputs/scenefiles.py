@@ -1,4 +1,4 @@
-"""The files that a run writes before it begins: the structure that belongs to its trajectories, and its settings."""
+"""The files that a run writes before it begins: the topology of its trajectories, and its settings."""
 
 import io
 
@@ -8,14 +8,14 @@ from openmm import unit
 from ...errors import InputError
 from ..config import asTOML, readSettings
 
-# What a run that goes on may change.
+# Settings that an extended run changes.
 _CHANGED = ("trials", "frames")
 
 
 def writeScene(outputs, structure, settings):
-    """Write the Outputs "topology", a PDB file, and "settings", if there is one; neither stays if one fails.
+    """Write the Outputs "topology", a PDB file, and "settings", if present; remove both if one fails.
 
-    The topology, which all runs with the same names of files have, is held until it is released: it keeps others out.
+    The topology is locked until it is released, which excludes other runs with the same file names.
     """
     text = io.StringIO()
     openmm.app.PDBFile.writeFile(structure.topology, structure.positions * unit.nanometer, text, keepIds=True)
@@ -30,9 +30,9 @@ def writeScene(outputs, structure, settings):
 
 
 def renewSettings(outputs, settings, free):
-    """Write the settings of a run that goes on to more trials to the Output "settings".
+    """Write the settings of a run that is extended to more trials to the Output "settings".
 
-    A file that is not as the run has written it stays: it may be the user's. free : names of settings that do not count
+    A file that the run did not write may be the user's, and is kept. free : names of settings that may differ
     """
     output = outputs["settings"]
     try:
@@ -46,7 +46,7 @@ def renewSettings(outputs, settings, free):
 
 
 def removeScene(outputs):
-    """Remove what `writeScene` wrote."""
+    """Remove the files that `writeScene` wrote."""
     for kind in ("topology", "settings"):
         if kind in outputs:
             outputs[kind].remove()

@@ -1,4 +1,4 @@
-"""Writing a trajectory (DCD) that is sound after every frame, whatever may end the run."""
+"""Writes a trajectory (DCD) that is valid after every frame, however the run ends."""
 
 import io
 import struct
@@ -10,22 +10,22 @@ from openmm import unit
 from .growingfile import GrowingFile
 from .outputfiles import OutputError
 
-# Where in the header of a DCD file is what each frame changes: the number of frames, the step of the last one.
+# Positions in the DCD header of fields that each frame changes: the number of frames, the step of the last one.
 _FRAME_COUNT, _LAST_STEP = 8, 20
 
-# The line of the title that has the date.
+# The title line with the date.
 _TITLE, _TITLE_LENGTH = 180, 80
 
-_LARGEST_STEP = 2**31 - 1  # what a DCD file can hold
+_LARGEST_STEP = 2**31 - 1  # the format's limit
 
 
 def trialsOfAStep(interval, expectedFrames):
-    """Return how many trials are a step in a trajectory; where steps are too many for the format, they are longer."""
+    """Return the number of trials per step in a trajectory: 1, or more if the format cannot hold that many steps."""
     return 1 if interval * expectedFrames <= _LARGEST_STEP else interval
 
 
 class TrajectoryFile:
-    """A DCD file, to which `write` adds a frame. As a context manager it closes itself.
+    """A DCD file, to which `write` adds a frame; a context manager that closes it.
 
     Trials have no time: a frame's step is the number of trials before it, at 1 ps each.
 
@@ -34,18 +34,18 @@ class TrajectoryFile:
     interval : int
         the number of trials between frames
     frames : int
-        the number of frames that the file holds
+        the number of frames in the file
     """
 
     def __init__(self, output, topology, positions, interval, expectedFrames, framesThere=0):
-        """Begin the file of an Output by the start's positions; a frame is to follow every interval trials.
+        """Begin the file of an Output with the initial positions; frames follow every `interval` trials.
 
-        Or go on with a file that this class has written, of which so many frames count; what follows them is cut off.
+        Or resume a file that this class has written: keep its first `framesThere` frames and remove the rest.
 
         Raises
         ------
         InputError
-            if the file to go on with is not what was written, or has fewer frames
+            if the file to resume is not the file that was written, or has fewer frames
         OutputError
             if the file cannot be written
         """
@@ -74,7 +74,7 @@ class TrajectoryFile:
             raise
 
     def sync(self):
-        """Wait until what was written is on the disk."""
+        """Wait until all written data is on disk."""
         self._file.sync()
 
     def write(self, positions):
@@ -83,7 +83,7 @@ class TrajectoryFile:
         Raises
         ------
         OutputError
-            if they cannot be written; the file holds what came before
+            if they cannot be written; the file keeps its earlier frames
         """
         axes = np.zeros(3, [("before", "<i4"), ("values", "<f4", len(positions)), ("after", "<i4")])
         axes["before"] = axes["after"] = 4 * len(positions)
@@ -98,18 +98,18 @@ class TrajectoryFile:
         self.frames += 1
 
     def shorten(self, frames):
-        """Leave out what follows so many frames."""
+        """Remove all but the first `frames` frames."""
         if frames < self.frames:
             self._file.size -= (self.frames - frames) * self._frameSize
             self.frames = frames
 
     def describe(self):
-        """Say how much of the trajectory there is."""
+        """Describe how much of the trajectory is written."""
         name, held, expected = self._output.name, self.frames, self._expectedFrames
         return f"{name} is partial: it holds the first {held:,} of {expected:,} frames"
 
     def close(self):
-        """Close the file, without what is not a complete frame; without any, remove it."""
+        """Close the file without an incomplete frame; remove a file without frames."""
         try:
             if self.frames > 0:
                 self._setCounts(self.frames)
@@ -129,13 +129,13 @@ class TrajectoryFile:
         self.close()
 
     def _setCounts(self, frames):
-        """Tell in the header how many frames there are."""
+        """Write the number of frames into the header."""
         self._file.replace(_FRAME_COUNT, struct.pack("<i", frames))
         self._file.replace(_LAST_STEP, struct.pack("<i", (frames - 1) * (self.interval // self._step)))
 
 
 def _withoutCounts(header):
-    """Return the header of a DCD file without what each frame changes, and without its date."""
+    """Return the header of a DCD file without the fields that each frame changes and without its date."""
     kept = bytearray(header)
     for begin, length in ((_FRAME_COUNT, 4), (_LAST_STEP, 4), (_TITLE, _TITLE_LENGTH)):
         kept[begin : begin + length] = bytes(length)

@@ -1,4 +1,4 @@
-"""The picture of a search for clashes: of one frame its residues and overlaps, of several frames their course."""
+"""The picture of a clash search: residues and overlaps of a single frame, or the course of several frames."""
 
 from pathlib import Path
 
@@ -10,22 +10,22 @@ from .figures import makeFigure, setTitle, writeFigure
 
 _COLOR = "#1f5f8b"
 
-# So many residues are named, if they are at least this part of the axis apart.
+# Number of named residues, and their least distance as a fraction of the axis.
 _NAMED_RESIDUES = 10
 _LABEL_WIDTH = 0.015
 
-# What a letter takes of the width of an axis and of its height, and a line of its height; and residues along an axis.
+# Sizes of a letter and a line as fractions of the axis; number of named residues along an axis.
 _LETTER_WIDTH = 0.0105
 _LETTER_HEIGHT = 0.024
 _LINE_HEIGHT = 0.07
 _RESIDUES_OF_A_CHAIN = 8
 
-# A map with more rows or columns than one can see shows the largest number of several.
+# A larger map merges rows or columns, and shows their maximum.
 _LARGEST_MAP = 500
 
 
 def savePicture(output, search, frames):
-    """Write the picture of the FrameOverlaps that a ClashSearch found to an Output."""
+    """Write the picture of the FrameOverlaps of a ClashSearch to an Output."""
     figure = makeFigure(10, 7)
     source = Path(search.structure if search.trajectory is None else search.trajectory).name
     score = sum(frame.clashesPer1000Atoms for frame in frames) / len(frames)
@@ -44,7 +44,7 @@ def savePicture(output, search, frames):
 
 
 class _Residues:
-    """The residues that are looked at, numbered chain by chain: heterogens come after the polymer of their chain.
+    """The checked residues, numbered chain by chain; heterogens follow the polymer of their chain.
 
     labels : list of str; chains : list of (name, first residue, residue after the last)
     """
@@ -77,7 +77,7 @@ def _drawResidues(axis, frame, residues):
     numbers = np.flatnonzero(counts)
     axis.vlines(numbers, 0, counts[numbers], color=_COLOR, linewidth=1.5)
     named = []
-    # A single clash is nothing to name a residue for, unless none has more.
+    # Residues with a single clash are named only if none has more.
     notable = numbers[counts[numbers] >= min(2, counts.max(initial=0))]
     for residue in notable[np.argsort(-counts[notable], kind="stable")][:_NAMED_RESIDUES]:
         if all(abs(residue - other) > _LABEL_WIDTH * len(counts) for other in named):
@@ -133,7 +133,7 @@ def _drawMap(axis, frames, word, residues):
 
 
 def _markChains(axis, residues):
-    """Name chains along an axis of residues; a single one by some of its residues."""
+    """Name the chains along an axis of residues, or some residues of a single chain."""
     count = len(residues.labels)
     letterWidth = _LETTER_WIDTH if axis.axis_name == "x" else 0
     if len(residues.chains) == 1:
@@ -142,7 +142,7 @@ def _markChains(axis, residues):
         numbers = np.unique(np.linspace(0, count - 1, most).astype(int))
         axis.set_ticks(numbers, [residues.labels[number] for number in numbers], fontsize="small")
         return
-    # (middle, half the room that it takes, label) of those chains that can be named, the longest first.
+    # (middle, half the width, label) of chains with room for a name, the longest first.
     named = []
     for name, first, end in sorted(residues.chains, key=lambda chain: chain[1] - chain[2]):
         label = f"chain {name}"

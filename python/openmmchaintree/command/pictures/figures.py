@@ -1,4 +1,4 @@
-"""What all pictures share: how they begin, name what they show, count, and become a file."""
+"""Functions for all pictures: new figures, titles, legends, scales of counts, and files."""
 
 import io
 import logging
@@ -12,7 +12,7 @@ from matplotlib.figure import Figure
 
 from ..terminal import printable
 
-# Its word on building a font cache, on a first run, is not for those who run a command.
+# Hide Matplotlib's message on building a font cache on its first run.
 logging.getLogger("matplotlib").setLevel(logging.ERROR)
 
 _DPI = 150
@@ -22,14 +22,14 @@ _COUNTS = np.outer(10 ** np.arange(15), (1, 2, 5)).ravel()
 
 
 def makeFigure(width, height):
-    """Return an empty Figure, inches wide and high, that finds room for all labels."""
+    """Return an empty Figure of a size in inches, whose layout makes room for all labels."""
     figure = Figure(figsize=(width, height), layout="constrained")
     FigureCanvasAgg(figure)
     return figure
 
 
 def setTitle(figure, name, words):
-    """Put a file's name and some words above a Figure; of a name that is too long the middle is left out."""
+    """Put a file's name and some words above a Figure, without the middle of a name that is too long."""
     name = printable(name)
     title = figure.suptitle(f"{name}{words}", parse_math=False)
     widest = _WIDEST_TITLE * figure.bbox.width
@@ -40,7 +40,7 @@ def setTitle(figure, name, words):
 
 
 def addLegendBelow(axis):
-    """Name the lines of an axis below its Figure, where that covers nothing, in as many columns as fit."""
+    """Add a legend of an axis below its Figure, in the largest number of columns that fit."""
     figure = axis.figure
     for columns in range(_LEGEND_COLUMNS, 0, -1):
         legend = figure.legend(
@@ -56,25 +56,25 @@ def addLegendBelow(axis):
 
 
 def countNorm(counts):
-    """Return the logarithmic scale of colours for whole numbers up to the largest of some."""
+    """Return a logarithmic scale of colours for whole numbers up to the largest of `counts`."""
     return LogNorm(1, max(2, np.max(counts)))
 
 
 def addCountBar(image, axis, label):
-    """Add a bar of colours on the scale of `countNorm`, with whole numbers beside it."""
+    """Add a colour bar with the scale of `countNorm` and whole numbers."""
     ticks = _COUNTS[_COUNTS <= image.norm.vmax]
     bar = axis.figure.colorbar(image, ax=axis, label=label, shrink=0.85, ticks=ticks, format="{x:,.0f}")
     bar.minorticks_off()
 
 
 def writeFigure(figure, output):
-    """Write a Figure to an Output, in the format that its name tells."""
+    """Write a Figure to an Output, in the format of its file extension."""
     content = io.BytesIO()
     form = Path(output.name).suffix.lower()[1:]
     with warnings.catch_warnings():
-        warnings.simplefilter("ignore")  # that a name has letters that the font lacks
+        warnings.simplefilter("ignore")  # about letters that the font lacks
         if form == "png":
-            # The same as savefig, which would draw all twice.
+            # The same as savefig, which would draw everything twice.
             figure.set_dpi(_DPI)
             figure.canvas.print_png(content)
         else:

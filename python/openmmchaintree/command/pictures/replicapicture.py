@@ -1,12 +1,12 @@
-"""The picture of a run of replicas: energies and sizes by temperature or replica, exchanges, ways of replicas."""
+"""The picture of a run of replicas: energies and sizes, exchange rates, and paths through temperatures."""
 
 import numpy as np
 
 from .figures import makeFigure, setTitle, writeFigure
 
 _BINS = 40
-_WAYS = 4  # replicas whose ways are drawn boldly
-_SKIPPED = 0.25  # of the frames, in which the start is forgotten
+_WAYS = 4  # number of replicas whose paths are highlighted
+_SKIPPED = 0.25  # share of initial frames to skip
 
 
 def saveReplicaPicture(output, summary, table):
@@ -16,9 +16,9 @@ def saveReplicaPicture(output, summary, table):
     ----------
     output : Output
     summary : dict
-        what `summarizeReplicas` returned
+        from `summarizeReplicas`
     table : dict of arrays
-        what `readIndex` returned
+        from `readIndex`
     """
     isExchange = bool(summary["exchanges"])
     hasEnergy = not np.isnan(table["potentialEnergy"][0])
@@ -37,7 +37,7 @@ def saveReplicaPicture(output, summary, table):
 
 
 def _settled(table):
-    """Whether rows are of frames after the first quarter."""
+    """Whether rows belong to frames after the first quarter."""
     return table["frame"] > _SKIPPED * table["frame"].max()
 
 

@@ -1,6 +1,6 @@
 """The picture of a sampling run: torsions before and after; radius of gyration, acceptance and energy along it.
 
-Torsions are shown as Ramachandran plots; where no residue has both φ and ψ, by kind; and where none turns, not at all.
+Torsions are shown as Ramachandran plots if a residue has both φ and ψ, otherwise by kind; without torsions, not shown.
 """
 
 import numpy as np
@@ -10,11 +10,11 @@ from .figures import addCountBar, addLegendBelow, countNorm, makeFigure, setTitl
 _BIN = 10  # degrees
 _EDGES = np.arange(-180, 181, _BIN)
 _COLOR = "#1f5f8b"
-_FEWEST_TRIALS = 20  # of a move between points of acceptance
+_FEWEST_TRIALS = 20  # trials of a move between points of the acceptance curve
 _FEWEST_INTERVALS, _MOST_INTERVALS = 10, 40
-_LARGEST_START = 5  # times the range of the energies that follow
+_LARGEST_START = 5  # times the range of later energies
 
-# In the order in which kinds are shown.
+# In the order of the picture.
 _LETTERS = {
     "phi": "φ", "psi": "ψ", "omega": "ω", "chi1": "χ1", "chi2": "χ2", "chi3": "χ3", "chi4": "χ4",
     "alpha": "α", "beta": "β", "gamma": "γ", "delta": "δ", "epsilon": "ε", "zeta": "ζ", "chi": "χ", "rotor": "rotor",
@@ -23,16 +23,16 @@ _LETTERS = {
 
 
 def savePicture(output, name, frames, torsionKinds, moveNames):
-    """Write the picture of frames, the start and at least one more, to an Output.
+    """Write the picture of at least two frames, including the start, to an Output.
 
     Parameters
     ----------
     output : Output
     name : str
-        what was sampled
+        the name of the structure
     frames : list of Frame
     torsionKinds : list of str
-        the kind of each torsion that turns: of `Frame.torsionAngles`, where no residue has both φ and ψ
+        the kind of each rotating torsion, in the order of `Frame.torsionAngles`, used if no residue has both φ and ψ
     moveNames : list of str
     """
     hasEnergy = frames[0].energy is not None
@@ -63,7 +63,7 @@ def _drawRamachandran(axes, frames, torsionKinds):
 
 
 def _drawKinds(axes, frames, torsionKinds):
-    """Draw the angles of all torsions in columns, one for each kind."""
+    """Draw the angles of all torsions, a column per kind."""
     kinds = [kind for kind in _LETTERS if kind in torsionKinds]
     columns = np.array([kinds.index(kind) for kind in torsionKinds])
     axes[0].scatter(columns, np.degrees(frames[0].torsionAngles), s=14, color=_COLOR, clip_on=False)
@@ -105,7 +105,7 @@ def _drawRadiusOfGyration(axis, frames):
 
 
 def _drawEnergy(axis, frames):
-    """Draw U along the run; where a start with clashes would dwarf the rest, without it."""
+    """Draw U along the run, without the start if its clashes would dominate the scale."""
     trials = np.array([frame.trials for frame in frames])
     energies = np.array([frame.energy for frame in frames])
     axis.plot(trials, energies, color=_COLOR)
@@ -123,7 +123,7 @@ def _drawEnergy(axis, frames):
 
 def _drawAcceptance(axis, frames, moveNames):
     trials = np.array([frame.trials for frame in frames])
-    # Several frames together where a single one holds too few trials of the rarest move for a smooth line.
+    # Merge frames if one has too few trials of the rarest move for a smooth line.
     intervals = np.clip(frames[-1].counts[:, 0].min() // _FEWEST_TRIALS, _FEWEST_INTERVALS, _MOST_INTERVALS)
     edges = np.unique(np.linspace(0, len(frames) - 1, min(len(frames), intervals + 1)).astype(int))
     counts = np.diff(np.array([frames[edge].counts for edge in edges]), axis=0)

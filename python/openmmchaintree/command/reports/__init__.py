@@ -1,1 +1,1 @@
-"""What the command prints about its runs, and the same as JSON and CSV."""
+"""Reports on runs of the command: printed, and as JSON and CSV."""

@@ -1,15 +1,15 @@
-"""Ranks the residues and the pairs of atoms that clash, as frames come in."""
+"""Ranks clashing residues and pairs of atoms, frame by frame."""
 
 from typing import NamedTuple
 
 import numpy as np
 
-# So many clashes are looked at together: enough that sorting them takes the time, and not much memory.
+# Number of clashes sorted together: enough for efficiency, and little memory.
 _BATCH = 100000
 
 
 class ClashRanking:
-    """Counts how often residues and pairs of atoms clash. It keeps what it counts, not the frames."""
+    """Counts how often residues and pairs of atoms clash. It keeps the counts, not the frames."""
 
     def __init__(self, names):
         """Take the AtomName of each atom."""
@@ -27,14 +27,14 @@ class ClashRanking:
         self._waitingClashes = 0
 
     def add(self, frame):
-        """Count the clashes of a FrameOverlaps, whose number is above those before it."""
+        """Count the clashes of a FrameOverlaps. Frame numbers must increase."""
         self._waiting.append(frame)
         self._waitingClashes += len(frame.pairs)
         if self._waitingClashes >= _BATCH:
             self._countWaiting()
 
     def rankResidues(self):
-        """Return the residues that clash as plain dictionaries, those with most clashes first."""
+        """Return the clashing residues as plain dictionaries, most clashes first."""
         self._countWaiting()
         ranked = self._residues.rank()
         return [
@@ -43,7 +43,7 @@ class ClashRanking:
         ]
 
     def rankPairs(self):
-        """Return the pairs of atoms that clash as plain dictionaries, those that do so in most frames first."""
+        """Return the clashing pairs of atoms as plain dictionaries, most frames first."""
         self._countWaiting()
         ranked = self._pairs.rank()
         pairs = np.stack(np.divmod(ranked.keys, len(self._names)), axis=1).tolist()
@@ -59,7 +59,7 @@ class ClashRanking:
             first, second = pairs.astype(np.int64).T
             self._pairs.add(first * len(self._names) + second, frames, overlaps)
             residues = self._residueOf[pairs]
-            # Both of a clash, one after the other; one that clashes with itself counts once.
+            # Both residues of a clash in turn; a residue that clashes with itself counts once.
             counts = np.ones(residues.shape, dtype=bool)
             counts[:, 1] = residues[:, 0] != residues[:, 1]
             counts = counts.ravel()
@@ -68,10 +68,10 @@ class ClashRanking:
 
 
 class _Rows(NamedTuple):
-    """What is counted of each key, in arrays.
+    """Counts for each key, in arrays.
 
-    keys : each once; clashes, frames : how many, and in how many frames; worst, worstFrame : the largest overlap, and
-    the first frame that has it; places : where among all clashes each was met first
+    keys : each once; clashes, frames : numbers of clashes, and of frames with clashes; worst, worstFrame : the largest
+    overlap, and the first frame with it; places : the position of the first clash among all clashes
     """
 
     keys: np.ndarray
@@ -83,14 +83,14 @@ class _Rows(NamedTuple):
 
 
 class _Tally:
-    """Counts clashes by keys, of which some are equal."""
+    """Counts clashes by key."""
 
     def __init__(self):
         self._rows = None
         self._met = 0
 
     def add(self, keys, frames, overlaps):
-        """Count clashes, one or more, by their keys; in the order of frames, whose numbers are above those before."""
+        """Count one or more clashes by key, in the order of frames, whose numbers must increase."""
         order = np.argsort(keys, kind="stable")
         keys, frames = keys[order], frames[order]
         isNewFrame = np.ones(len(keys), dtype=np.int64)
@@ -104,7 +104,7 @@ class _Tally:
         self._rows = _joinEqual(rows)
 
     def rank(self):
-        """Return the _Rows, those with most clashes first, then those with the worst, then the first."""
+        """Return the _Rows, sorted by most clashes, then by largest overlap, then by first place."""
         if self._rows is None:
             return _Rows(*(np.empty(0, dtype=np.int64) for _ in _Rows._fields))
         order = np.lexsort((self._rows.places, -self._rows.worst, -self._rows.clashes))
@@ -112,7 +112,7 @@ class _Tally:
 
 
 def _joinEqual(rows):
-    """Return _Rows with each key once, of _Rows that are sorted by keys, and for each by frames."""
+    """Merge equal keys of _Rows that are sorted by key, then by frame."""
     isFirst = np.ones(len(rows.keys), dtype=bool)
     isFirst[1:] = rows.keys[1:] != rows.keys[:-1]
     begins = np.flatnonzero(isFirst)
@@ -125,7 +125,7 @@ def _joinEqual(rows):
 
 
 def _describe(rows):
-    """Return what is told of each key as dictionaries."""
+    """Return the reported counts of each key as dictionaries."""
     names = ("clashes", "frames", "worstOverlap", "worstFrame")
     columns = (rows.clashes, rows.frames, rows.worst, rows.worstFrame)
     return [dict(zip(names, row, strict=True)) for row in zip(*(column.tolist() for column in columns), strict=True)]

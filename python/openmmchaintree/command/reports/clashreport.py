@@ -1,4 +1,4 @@
-"""What a search for clashes found, as tables for people and as CSV and JSON for programs."""
+"""The results of a clash search, as tables for people and as CSV and JSON for programs."""
 
 import csv
 import io
@@ -11,22 +11,22 @@ from ..terminal import printable
 from .clashranking import ClashRanking
 from .noteoutput import asPlain, printNotes
 
-# So many residues are named for each frame.
+# Number of residues named per frame.
 _WORST_OF_A_FRAME = 5
 
 
 def summarize(search, frames, ranking, damage, interrupted):
-    """Return what a ClashSearch found as plain dictionaries and lists; `plainFrames` has the frames. In nm.
+    """Return the results of a ClashSearch without its frames as plain dictionaries and lists, in nm.
 
     Parameters
     ----------
     search : ClashSearch
     frames : list of FrameOverlaps, at least one
-    ranking : ClashRanking, which has counted them
+    ranking : ClashRanking that has counted them
     damage : InputError or None
-        why there are not more frames
+        the reason why frames are missing
     interrupted : bool
-        whether the user did not wait for more of them
+        whether the user interrupted the search
     """
     return {
         "structure": str(search.structure),
@@ -47,7 +47,7 @@ def summarize(search, frames, ranking, damage, interrupted):
 
 
 def plainFrames(search, frames):
-    """Yield each of the FrameOverlaps that a ClashSearch found, with all clashes, as plain dictionaries and lists."""
+    """Yield each of the FrameOverlaps of a ClashSearch, with all clashes, as plain dictionaries and lists."""
     names = [name._asdict() for name in search.finder.names]
     ranking = ClashRanking(search.finder.names)
     for frame in frames:
@@ -78,7 +78,7 @@ def _describeClash(pair, overlap, names):
 
 
 def asCSV(search, frames):
-    """Yield CSV of the FrameOverlaps that a ClashSearch found, in pieces: a heading, and a line for every clash."""
+    """Yield CSV of the FrameOverlaps of a ClashSearch, in pieces: a heading, and a line for every clash."""
     names = [[printable(part) for part in name] for name in search.finder.names]
     atoms = [f"{word}{number}" for number in (1, 2) for word in ("particle", "chain", "residue", "atom")]
     yield _asLines([["frame", *atoms, "overlap_nm"]])
@@ -96,10 +96,7 @@ def _asLines(rows):
 
 
 def printReport(summary, search, frames, files, rows, console, isVerbose):
-    """Print a summary of FrameOverlaps on a rich Console, with tables of up to a number of rows.
-
-    All notes are printed, if that is to be verbose.
-    """
+    """Print a summary of FrameOverlaps on a rich Console, with tables of up to `rows` rows; all notes if verbose."""
     tolerance = summary["overlapTolerance"]
     console.print(
         f"{summary['trajectory'] or summary['structure']}: {summary['atomsLookedAt']:,} of {summary['atoms']:,} atoms "
@@ -171,7 +168,7 @@ def _countClashes(count, form=","):
 
 
 class _Table:
-    """A table with a heading: columns of numbers, then columns of words. Without rows, it is not printed."""
+    """A table with a heading, columns of numbers, then columns of words. An empty table is not printed."""
 
     def __init__(self, heading, numbers, words):
         self._heading = heading
@@ -179,7 +176,7 @@ class _Table:
         self._words = words
 
     def print(self, entries, describe, rows, console):
-        """Print the first of some entries, of which a function makes the cells."""
+        """Print the first `rows` entries, whose cells the function `describe` returns."""
         if not entries:
             return
         table = Table(box=None, pad_edge=False, header_style="bold")

@@ -1,10 +1,10 @@
-"""What a run with energies did, as tables for people and as JSON for programs. Energies are in kJ/mol."""
+"""The energies of a run, as tables for people and as JSON for programs, in kJ/mol."""
 
 from rich.table import Table
 
 
 def describeEnergies(energies):
-    """Return a line on what Energies are made of, and who evaluates it."""
+    """Return a line on the parts of Energies and which code evaluates them."""
     byKind = {}
     for entry in energies.plan:
         byKind.setdefault(entry.kind, []).append(entry.name)
@@ -15,13 +15,13 @@ def describeEnergies(energies):
 
 
 def summarizeEnergies(energies, frames, positions):
-    """Return what became of the Energies of a run as plain dictionaries and lists.
+    """Return a summary of the Energies of a run as plain dictionaries and lists.
 
     Parameters
     ----------
     energies : Energies
     frames : list of Frame
-        the start and what followed
+        the initial frame and the later ones
     positions : (n, 3) float64 array, nm, the last ones
     """
     along = [frame.energy for frame in frames]
@@ -46,7 +46,7 @@ def summarizeEnergies(energies, frames, positions):
 
 
 def printEnergies(summary, console):
-    """Print what `summarizeEnergies` returned on a rich Console."""
+    """Print the result of `summarizeEnergies` on a rich Console."""
     energy = summary["potentialEnergy"]
     mean = "" if energy["mean"] is None else f", {energy['mean']:,.1f} in the mean of what follows"
     console.print(
@@ -70,7 +70,7 @@ def printEnergies(summary, console):
 
 
 def _forceLines(forces):
-    """Return a line on each Force: a table as wide as it is, since reasons are long."""
+    """Return a line for each Force: a table without a limit on its width, since reasons are long."""
     energies = ["–" if force["energy"] is None else f"{force['energy']:,.1f}" for force in forces]
     rows = [("force", "kJ/mol", "evaluated", "because")]
     rows += [

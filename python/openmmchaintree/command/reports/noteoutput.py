@@ -1,4 +1,4 @@
-"""Notes on what was read: one line a kind in the report, all of them on request."""
+"""Notes on the input: one line per kind in the report, every note on request."""
 
 from ...notes import Note
 from ..terminal import printable
@@ -11,7 +11,7 @@ def addNotes(parser):
 
 
 def asText(notes):
-    """Return Notes with all their items, as the text of a file."""
+    """Return Notes with all items, as the text of a file."""
     return "".join(f"{printable(line)}\n" for note in notes for line in note.lines())
 
 
@@ -21,7 +21,7 @@ def asPlain(notes):
 
 
 def printNotes(plain, console, isVerbose):
-    """Print what `asPlain` returned on a rich Console."""
+    """Print the result of `asPlain` on a rich Console."""
     for note in (Note(**entry) for entry in plain):
         first, *others = note.lines() if isVerbose else [str(note)]
         console.print("\n".join([f"note: {first}", *others]))

@@ -1,4 +1,4 @@
-"""What moves in a sampling run, what stays and why, in words."""
+"""Describes the moving and the fixed parts of a sampling run."""
 
 from collections import Counter
 
@@ -8,14 +8,14 @@ from ...naming import describeResidue
 from ...residues import isPolymer
 from ...torsions import KINDS
 
-# Of more parts than this a line names the first ones, and counts the rest.
+# A line names at most this number of parts, and counts the rest.
 _LONGEST_LIST = 5
 
 
 def describePlan(plan):
-    """Return three lines on a Plan: what moves, what stays and why, what holds what moves; and lines on cuts.
+    """Return lines on a Plan: moving parts; fixed parts, with reasons; roots of moving molecules; cut bonds.
 
-    Where energies are sampled, one more says what stays rigid.
+    If energies are sampled, another line lists the rigid parts.
     """
     lines = _Describer(plan).lines()
     if plan.rigid is not None:
@@ -98,7 +98,7 @@ class _Describer:
         return text
 
     def _name(self, molecule):
-        """Name a molecule by its chains or, if it is only a part of one, by its residues."""
+        """Name a molecule by its chains, or by its residues if it is a part of a chain."""
         residues = [residue for residue in self._residues[molecule] if isPolymer(residue)]
         chains = dict.fromkeys(residue.chain.id for residue in residues)
         if any(self._chainsOfMolecule[chain] > 1 for chain in chains) or not residues:
@@ -108,7 +108,7 @@ class _Describer:
         return f"chain{'s' if len(chains) > 1 else ''} {', '.join(chains)}"
 
     def _group(self, molecules):
-        """List molecules with their numbers of atoms, those of equal residues that are no polymers as one."""
+        """List molecules with their numbers of atoms; equal molecules that are not polymers form one entry."""
         parts = []
         others = {}
         for molecule in molecules:

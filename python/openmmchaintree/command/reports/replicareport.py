@@ -1,4 +1,4 @@
-"""What a run of replicas did, as tables for people and as JSON for programs."""
+"""The results of a run of replicas, as tables for people and as JSON for programs."""
 
 import numpy as np
 from rich.table import Table
@@ -9,10 +9,10 @@ from .samplereport import describeMove, describeScene, describeVerdict, printMov
 
 
 def summarizeReplicas(sampling, plan, state, index, *, seed, workers, interrupted, addedHydrogens):
-    """Return everything that a run of replicas did as plain dictionaries and lists, for JSON.
+    """Return all results of a run of replicas as plain dictionaries and lists, for JSON.
 
-    Lengths are in nm, times in s, energies in kJ/mol, temperatures in K. The Context of the Sampling, from which the
-    replicas began, takes up one after another to look at where they are.
+    Lengths are in nm, times in s, energies in kJ/mol, temperatures in K. The Sampling's Context loads the last state of
+    each replica to check it.
 
     Parameters
     ----------
@@ -21,7 +21,7 @@ def summarizeReplicas(sampling, plan, state, index, *, seed, workers, interrupte
     state : RunState
         at the end
     index : dict of arrays
-        what `readIndex` returned
+        from `readIndex`
     """
     trials = plan.schedule.trialsBefore(state.round)
     allTrials = trials * len(plan.seeds)
@@ -87,7 +87,7 @@ def _describeValues(values):
 
 
 def _describeEnd(sampling, plan, state, replica):
-    """Return where a replica is, and what all pairs and bonds say of it."""
+    """Return the last state of a replica, and the checks of all its pairs and bonds."""
     checkpoint = state.checkpoints[replica]
     sampling.takeUp(checkpoint)
     end = {
@@ -109,7 +109,7 @@ def isBeyond(summary):
 
 
 def printReplicaReport(summary, console, isVerbose):
-    """Print what `summarizeReplicas` returned on a rich Console; all notes, if that is to be verbose."""
+    """Print the result of `summarizeReplicas` on a rich Console; all notes if verbose."""
     printScene(summary, console, isVerbose)
     printMoves(summary["moves"], console)
     if summary["trials"]:

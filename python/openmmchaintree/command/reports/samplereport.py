@@ -1,4 +1,4 @@
-"""What a sampling run did, as tables for people and as JSON for programs."""
+"""The results of a sampling run, as tables for people and as JSON for programs."""
 
 from collections import Counter
 
@@ -11,17 +11,17 @@ from .energyreport import printEnergies
 from .noteoutput import asPlain, printNotes
 from .planreport import describePlan
 
-# What becomes of trials, by the keys of JSON and the headings of the table; each trial is one of them.
+# Outcomes of trials: keys of JSON, and headings of the table. Each trial has one outcome.
 _FATES = {"notMade": "not made", "clashed": "clashed", "rejectedByEnergy": "rejected", "accepted": "accepted"}
 
-# More tolerated pairs or changed bonds than this are left to the JSON file.
+# Longer lists of tolerated pairs or changed bonds appear only in the JSON file.
 _LONGEST_LIST = 10
 
 
 def summarize(sampling, seed, files, interrupted, addedHydrogens, forbidden):
-    """Return everything that a run did as plain dictionaries and lists, for JSON.
+    """Return all results of a run as plain dictionaries and lists, for JSON.
 
-    Lengths are in nm, times in s, energies in kJ/mol. forbidden : what `measureForbidden` returned
+    Lengths are in nm, times in s, energies in kJ/mol. forbidden : the result of `measureForbidden`
     """
     return {
         **describeScene(sampling, addedHydrogens),
@@ -47,7 +47,7 @@ def summarize(sampling, seed, files, interrupted, addedHydrogens, forbidden):
 
 
 def describeScene(sampling, addedHydrogens):
-    """Return what there is, and what moves of it, as plain dictionaries and lists."""
+    """Return a description of the structure and its moving parts as plain dictionaries and lists."""
     kinds = Counter(torsion.kind for torsion in sampling.torsions)
     return {
         "structure": sampling.structure.name,
@@ -64,7 +64,7 @@ def describeScene(sampling, addedHydrogens):
 
 
 def describeVerdict(sampling):
-    """Return what a comparison of all pairs and bonds with the start says of the Context's positions."""
+    """Compare all pairs and bonds at the Context's positions with the start; return the results."""
     bonds = sampling.checkBonds()
     names = [f"{describeResidue(atom.residue)} {atom.name}" for atom in sampling.structure.topology.atoms()]
     return {
@@ -78,7 +78,7 @@ def describeVerdict(sampling):
 
 
 def _describeOverlaps(sampling, names):
-    """Return the pairs that overlap at the end. Without hard spheres none has a limit, and they are only counted."""
+    """Return the pairs that overlap at the end; without hard spheres there are no limits, and only the count."""
     if not sampling.isHard:
         return {"clashesAtEnd": len(sampling.overlaps().pairs), "toleratedPairs": [], "pairsBeyondLimit": []}
     verdict = sampling.check()
@@ -90,7 +90,7 @@ def _describeOverlaps(sampling, names):
 
 
 def describeMove(move, statistics):
-    """Return a NamedMove and its MoveStatistics as a dictionary, with the trials that could not be made."""
+    """Return a NamedMove and its MoveStatistics as a dictionary, with the number of impossible trials."""
     attempted, *decided = statistics
     counts = {"attempted": attempted, "notMade": attempted - sum(decided), **statistics._asdict()}
     return {"name": move.name, "weight": move.weight, **counts}
@@ -112,7 +112,7 @@ def _describePairs(overlaps, names, limits=None):
 
 
 def printReport(summary, console, isVerbose):
-    """Print a summary on a rich Console; all notes, if that is to be verbose."""
+    """Print a summary on a rich Console; all notes if verbose."""
     printScene(summary, console, isVerbose)
     _printTrials(summary, console)
     if summary["interrupted"]:
@@ -126,7 +126,7 @@ def printReport(summary, console, isVerbose):
 
 
 def printScene(summary, console, isVerbose):
-    """Print what there is, and the notes."""
+    """Print the description of the structure, and the notes."""
     kinds = ", ".join(f"{count:,} {kind}" for kind, count in summary["torsions"].items())
     fixed = f", {summary['fixedAtoms']:,} of them fixed" if summary["fixedAtoms"] else ""
     added = f", {summary['addedHydrogens']:,} of them added hydrogens" if summary["addedHydrogens"] else ""
@@ -138,7 +138,7 @@ def printScene(summary, console, isVerbose):
 
 
 def printMoves(moves, console):
-    """Print a table of what became of the trials of each move."""
+    """Print a table of the outcomes of the trials of each move."""
     console.print(_moveTable(moves))
     if any(move["notMade"] for move in moves):
         console.print("not made: refused, since a window did not close after its turn, or would not on the way back")
@@ -154,7 +154,7 @@ def _printTrials(summary, console):
 
 
 def _moveTable(moves):
-    """Make a table of what became of the trials of each move; trials not made have a column where there are any."""
+    """Make a table of the outcomes of each move's trials, with a column for impossible trials if there are any."""
     fates = [fate for fate in _FATES if fate != "notMade" or any(move["notMade"] for move in moves)]
     table = Table("move", box=None, pad_edge=False, header_style="bold")
     for heading in ("attempted", *(_FATES[fate] for fate in fates), "%"):
