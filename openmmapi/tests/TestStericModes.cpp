@@ -1,6 +1,6 @@
 /**
  * This tests what becomes of the spheres where a force field takes their place: the mode that Automatic means, the
- * energy of the force, early refusal, and queries and trials of users in between.
+ * energy of the force, early rejection, and queries and trials of users in between.
  */
 
 #include "openmm/CompoundIntegrator.h"
@@ -195,7 +195,7 @@ static void testModesThatContradict(Platform& platform)
     ASSERT(chain.force->getNumToleratedClashes(context) > 0);
 }
 
-// ---- Early refusal ----
+// ---- Early rejection ----
 
 static long long countClashed(const Sampler& integrator)
 {

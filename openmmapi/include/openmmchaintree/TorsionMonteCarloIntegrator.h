@@ -61,12 +61,12 @@ class TrialSession;
  * alternation neither. (The dynamics must be at constant temperature, with Soft the group of the force must be among
  * its integration force groups, and trials keep the bond lengths and angles at which dynamics stopped.)
  *
- * <b>Early refusal.</b> With Off, a trial is still rejected before its energy is computed if it brings two particles so
- * close that their Lennard-Jones repulsion, less the greatest Coulomb attraction of such a pair, exceeds 60 kT (at 500
- * K, or at the temperature if that is higher). This needs a NonbondedForce, and no other energy of pairs or foreign
+ * <b>Early rejection.</b> With Off, a trial is still rejected before its energy is computed if it brings two particles
+ * so close that their Lennard-Jones repulsion, less the greatest Coulomb attraction of such a pair, exceeds 60 kT (at
+ * 500 K, or at the temperature if that is higher). This needs a NonbondedForce, and no other energy of pairs or foreign
  * Force. Such trials count as clashed. A charge without Lennard-Jones, such as the hydrogen of a hydroxyl group in
  * AMBER, has an energy without minimum near an opposite charge; it is kept 0.001 nm away from the core of any other
- * particle, whose radius is about 0.1 nm. If a pair is that close when a step begins, the step has no early refusal.
+ * particle, whose radius is about 0.1 nm. If a pair is that close when a step begins, the step has no early rejection.
  *
  * <b>Steps and trials.</b> A step consists of many trials, 100 by default; see setTrialsPerStep(). Each trial draws one
  * of the moves by its weight and proposes it. If a pair then overlaps beyond its limit, the trial is rejected, usually
