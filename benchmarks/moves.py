@@ -4,89 +4,418 @@ PYTHONPATH=build/package python benchmarks/moves.py --csv moves.csv --markdown m
 """
 
 import sys
+from collections.abc import Callable
+from functools import cache
+from typing import NamedTuple
 
-from energy.coilrows import COILS, CoilRow
-from energy.moverows import ALL_MIXTURES, DEFAULTS, MIXTURES, MOVES, PIVOTS, SINGLE_MOVES, MixtureRow, MoveRow
-from energy.movetables import makeTables
-from energy.options import addRowOptions, chooseStructures, describeSkipped, nameOf, settle
-from energy.proteins import IMPLICIT_SOLVENT, readSampled
-from energy.rows import Prepared
-from energy.stationaryrows import STATIONARY, StationaryRow
-from openmmchaintree.command.arguments import Parser
-from openmmchaintree.command.cli import runParsed
-from racing.running import Maker, Study, addOptions, drawnBy, runStudy
+import mdtraj
+import numpy as np
+import openmm
+from autocorrelation import leastInefficiency, statisticalInefficiency
+from measure import OURS, Row, makeParser, medianTime, run, timed
+from movetables import DEFAULTS, LOCAL, PIVOTS, RMSDS, makeTables
+from openmm import unit
+from openmmchaintree import StericExclusionForce, addDefaultMoves, rotamerDensities
+from proteins import (
+    BACKBONE,
+    IMPLICIT_SOLVENT,
+    NUCLEOTIDE_BACKBONE,
+    SIDE_CHAINS,
+    findStructures,
+    nameOf,
+    positionsOf,
+    prepare,
+    readProtein,
+)
 
 GROUPS = {
-    MOVES: "acceptance, shift and time of each move alone",
-    MIXTURES: "independent samples a second by mixtures of moves",
-    STATIONARY: "independent samples a second by the default moves, and the most that pivots alone can give",
-    COILS: "independent radii of gyration a second of a loose chain of hard spheres",
+    "moves": "acceptance, shift and time of each move alone",
+    "mixtures": "independent samples a second by mixtures of moves",
+    "stationary": "independent samples a second by the default moves, and the most that pivots alone can give",
+    "coils": "independent radii of gyration a second of a loose chain of hard spheres",
 }
 
 _FILES = ("1bna.pdb", "1ubi_h.pdb", "5dfr_h.pdb")
-_RUNS = 3
-_WARM_TRIALS = 200000
-_QUICK_RUNS, _QUICK_TRIALS = 1, 800
-_QUICK_MOVES = SINGLE_MOVES[::6]
-_QUICK_MIXTURES = (PIVOTS, "closed", DEFAULTS.name)
+_RUNS, _WARM_TRIALS, _QUICK_TRIALS = 3, 200000, 800
+_TRIALS = {"moves": 80000, "mixtures": 400000, "stationary": 4000000, "coils": 600000}
+
+_STEP = 400  # trials, and an outer test
+_LEAST = 2  # steps
+
+# Of a move alone: after so many trials it is seen how far torsions have turned; trials whose shift is measured.
+_LAG = 8000
+_LEAST_SHIFTED, _MOST_SHIFTED, _SHIFTED_SHARE = 10, 400, 20
+
+# Of mixtures and of long chains: the first of so many parts is left out.
+_LEFT_OUT, _LEFT_OUT_OF_LONG = 10, 4
+_TURN = 25  # steps
+_SLOW = 0.9  # the quantile of torsions that stands for the slow ones
+
+# Of the long chain: steps from one look to the next, an even number, as leastInefficiency needs it. Chains of pivots
+# begin with states that are evenly spaced in it; each is shorter by a factor; up to a part of their length, their
+# changes are looked at.
+_STEPS, _STARTS, _PART, _LAG_SHARE, _LEAST_LOOKS = 8, 4, 2.5, 0.75, 8
+
+_COIL_STEP, _UNFOLDING = 200, 200000  # trials
+_ENDS = 5  # residues at either end of a chain that may hang loose
+
+
+class Move(NamedTuple):
+    """A move of a protein: add(integrator, weight, protein, system) adds it; `turns` is which torsions it turns."""
+
+    name: str
+    add: Callable
+    turns: str | None = None
+
+
+def turn(which, degrees):
+    """Return the Move that turns one torsion of BACKBONE or SIDE_CHAINS."""
+    name, angle = f"{'pivot' if which == BACKBONE else 'χ'}, {degrees}°", degrees * unit.degrees
+    return Move(name, lambda i, weight, one, system: i.addTorsionMove(weight, angle, one.torsionsOf(which)), which)
+
+
+def close(degrees, hop=0.2):
+    """Return the closed Move of backbones."""
+
+    def add(integrator, weight, protein, system):
+        integrator.addClosedMove(weight, degrees * unit.degrees, protein.torsionsOf(BACKBONE), hop)
+
+    return Move(f"closed, {degrees}°" + ("" if hop == 0.2 else f", hop {hop}"), add, BACKBONE)
+
+
+def bend(degrees, stiffness):
+    """Return the local Move of backbones."""
+
+    def add(integrator, weight, protein, system):
+        integrator.addLocalMove(weight, degrees * unit.degrees, stiffness, protein.torsionsOf(BACKBONE))
+
+    return Move(f"local, {degrees}°, {stiffness} nm⁻²", add, BACKBONE)
+
+
+def _draw(integrator, weight, protein, system):
+    """Draw side chains from rotamers; bases, which have none, uniformly."""
+    if any(torsion.kind == "chi1" for torsion in protein.torsions):
+        forces = filter(StericExclusionForce.isinstance, system.getForces())
+        force = StericExclusionForce.cast(next(forces))
+        integrator.addDrawnMove(weight, *rotamerDensities(protein.topology, force))
+    else:
+        integrator.addTorsionMove(weight, np.pi, protein.torsionsOf(SIDE_CHAINS))
+
+
+_ROTAMERS = Move("side chains drawn", _draw, SIDE_CHAINS)
+_DEFAULTS = Move(DEFAULTS, lambda i, weight, protein, system: addDefaultMoves(i, protein.topology, system))
+
+SINGLE_MOVES = (
+    *(turn(BACKBONE, degrees) for degrees in (0.5, 1, 2)),
+    *(close(degrees) for degrees in (4, 8, 12)),
+    close(8, hop=0.0),
+    *(bend(*sizes) for sizes in ((2, 1000), (2, 10000), (4, 3000), (4, 10000))),
+    turn(SIDE_CHAINS, 10),
+    turn(SIDE_CHAINS, 30),
+    _ROTAMERS,
+)
+
+# Moves by their weights.
+_SIDES, _FEW_PIVOTS = ((0.5, turn(SIDE_CHAINS, 10)), (0.5, _ROTAMERS)), (0.1, turn(BACKBONE, 1))
+MIXTURES = {
+    PIVOTS: ((1.0, turn(BACKBONE, 1)), (1.0, turn(SIDE_CHAINS, 10)), (0.5, turn(SIDE_CHAINS, 180))),
+    "pivots, rotamers": ((1.0, turn(BACKBONE, 1)), *_SIDES),
+    "closed": ((1.0, close(8)), *_SIDES, _FEW_PIVOTS),
+    "local": ((1.0, bend(2, 1000)), *_SIDES, _FEW_PIVOTS),
+    "closed, local": ((0.7, close(8)), (0.4, bend(4, 3000)), *_SIDES, _FEW_PIVOTS),
+    DEFAULTS: ((1.0, _DEFAULTS),),
+}
+
+COIL_MOVES = {
+    LOCAL: bend(15, 300),
+    "backbone drawn again, alone": turn(BACKBONE, 180),
+    "addDefaultMoves, disordered": Move(
+        "", lambda i, weight, one, system: addDefaultMoves(i, one.topology, system, disordered=True)
+    ),
+}
+
+# Torsions that are looked at together, by their kinds: those of proteins, and of nucleic acids.
+_WATCHED = {"phi": ("phi",), "psi": ("psi",), "chi1": ("chi1",), "backbone": NUCLEOTIDE_BACKBONE, "bases": ("chi",)}
+
+
+def _simulate(protein, system, seed, moves, step=_STEP):
+    """Return a Simulation of a System with (weight, Move) pairs."""
+    simulation = protein.makeSimulation(system, seed, moves=())
+    for weight, move in moves:
+        move.add(simulation.integrator, weight, protein, system)
+    simulation.integrator.setTrialsPerStep(step)
+    return simulation
+
+
+# ---- Each move alone ----
+
+
+def _moveRow(name, protein, move):
+    def measure(course, seed):
+        trials, one = course.trials or _TRIALS["moves"], protein()
+        simulation = _simulate(one, one.makeSystem(IMPLICIT_SOLVENT), seed, [(1.0, move)])
+        integrator, context = simulation.integrator, simulation.context
+        simulation.step(1)  # compares energies with OpenMM's
+        integrator.resetMoveStatistics()
+        turned = one.torsionsOf(move.turns)
+        times, angles = [], []
+        for _ in range(max(_LEAST, trials // _STEP)):
+            times.append(timed(simulation.step, 1)[1] / _STEP)
+            angles.append(integrator.getTorsionAngles(context)[turned])
+        lag = min(_LAG // _STEP, len(angles) - 1)
+        statistics = integrator.getMoveStatistics(0)
+        integrator.setTrialsPerStep(1)
+        shifts, before = [], positionsOf(context)
+        for _ in range(min(_MOST_SHIFTED, max(_LEAST_SHIFTED, trials // _SHIFTED_SHARE))):
+            simulation.step(1)
+            after = positionsOf(context)
+            shifts.append(float(((after - before) ** 2).sum()))
+            before = after
+        counts = {key: getattr(statistics, key) for key in ("attempted", "clashed", "accepted")}
+        found = {"shift": float(np.mean(shifts)), "lag": lag * _STEP}
+        found["autocorrelation"] = autocorrelation(np.array(angles), lag)
+        return [{**_describe(name, one, move.name), **medianTime(times), **counts, **found}]
+
+    return Row("moves", f"{name}, {move.name}", measure)
+
+
+def _describe(name, protein, moves, method=IMPLICIT_SOLVENT.name):
+    particles = len(protein.positions)
+    return {"chain": name, "method": method, "moves": moves, "particles": particles, "contestant": OURS}
+
+
+def autocorrelation(angles, lag):
+    """Return the mean of cos(θ(t + lag) − θ(t)) over samples t and angles θ, an (n, k) array in rad.
+
+    It needs no mean of the ensemble, so that a chain tells it long before it has independent samples.
+    """
+    return float(np.cos(angles[lag:] - angles[:-lag]).mean())
+
+
+# ---- Mixtures ----
+
+
+class Chain:
+    """A Simulation of a mixture, and what is looked at of it: torsions of some kinds, and RMSDs of the heavy atoms,
+    of all and without the ends of chains, which may hang loose and turn by far more than what is folded.
+
+    kinds : (k,) array of str, of the torsions
+    times : list of float, µs a trial, of the steps between looks
+    """
+
+    def __init__(self, protein, system, seed, mixture, steps=1):
+        """Begin at the positions of a protein, from which RMSDs are counted; `steps` lie between looks."""
+        self._simulation, self._steps = _simulate(protein, system, seed, MIXTURES[mixture]), steps
+        self.trialsPerLook = steps * _STEP
+        kinds = np.array([torsion.kind for torsion in protein.torsions])
+        self._watched = np.isin(kinds, [kind for ofOne in _WATCHED.values() for kind in ofOne])
+        self.kinds = kinds[self._watched]
+        self._topology = mdtraj.Topology.from_openmm(protein.topology)
+        self._parts = heavyAtoms(self._topology)
+        self._start = self._frame(protein.positions)
+        self.times, self.samples = [], []
+
+    def begin(self, positions):
+        """Go to positions, an (n, 3) array in nm."""
+        self._simulation.context.setPositions(positions * unit.nanometer)
+
+    def sample(self, count):
+        """Time the steps to `count` looks at the state: an RMSD of each part (nm), cosines, sines."""
+        context = self._simulation.context
+        for _ in range(count):
+            self.times.append(timed(self._simulation.step, self._steps)[1] / self.trialsPerLook)
+            angles = self._simulation.integrator.getTorsionAngles(context)[self._watched]
+            frame = self._frame(self.positions())
+            rmsds = [mdtraj.rmsd(frame, self._start, atom_indices=part) for part in self._parts]
+            self.samples.append(np.concatenate([*rmsds, np.cos(angles), np.sin(angles)]))
+
+    def positions(self):
+        """Return where all atoms are, an (n, 3) array in nm."""
+        return positionsOf(self._simulation.context)
+
+    def outerTestsKept(self):
+        """Return the share of outer tests that kept their trials."""
+        statistics = self._simulation.integrator.getOuterStatistics()
+        return statistics.accepted / max(1, statistics.attempted)
+
+    def _frame(self, positions):
+        return mdtraj.Trajectory(positions[np.newaxis].astype(np.float32), self._topology)
+
+
+def heavyAtoms(topology):
+    """Return the indices of all heavy atoms of an mdtraj.Topology, and of those that are of no end of a chain."""
+
+    def isOfEnd(residue):
+        count = residue.chain.n_residues
+        place = residue.index - residue.chain.residue(0).index
+        return count > 4 * _ENDS and not _ENDS <= place < count - _ENDS
+
+    heavy = topology.select("element != H")
+    return heavy, np.array([atom for atom in heavy if not isOfEnd(topology.atom(atom).residue)])
+
+
+def _describeChains(name, protein, mixture, chains, inefficiencies):
+    """Return the entry of Chains of a mixture, by how many of their looks are worth an independent sample."""
+    time = medianTime([time for chain in chains for time in chain.times])
+    apart = summarize(chains[0].trialsPerLook * inefficiencies, chains[0].kinds)
+    return {
+        **_describe(name, protein, mixture),
+        "trials": sum(len(chain.samples) * chain.trialsPerLook for chain in chains),
+        **time,
+        "keptShare": float(np.mean([chain.outerTestsKept() for chain in chains])),
+        "rate": {key: 1e6 / (time["microseconds"] * value) for key, value in apart.items()},
+    }
+
+
+def summarize(inefficiencies, kinds):
+    """Return how many samples are worth one, for torsions of each kind, slow and slowest torsions, and RMSDs.
+
+    Of a torsion that is the worse of cosine and sine; of those of a kind the median.
+
+    Parameters
+    ----------
+    inefficiencies : (2 + 2k,) float64 array, of RMSDS, of cosines, of sines
+    kinds : (k,) array of str
+    """
+    ofTorsions = inefficiencies[len(RMSDS) :].reshape(2, -1).max(axis=0)
+    found = {
+        name: float(np.median(ofTorsions[np.isin(kinds, ofName)]))
+        for name, ofName in _WATCHED.items()
+        if np.isin(kinds, ofName).any()
+    }
+    found |= {"slow": float(np.quantile(ofTorsions, _SLOW)), "slowest": float(ofTorsions.max())}
+    return found | dict(zip(RMSDS, map(float, inefficiencies), strict=False))
+
+
+def _mixtureRow(name, protein, mixtures):
+    """Return the Row of chains of mixtures from a folded start, in turns."""
+
+    def measure(course, seed):
+        trials, one = course.trials or _TRIALS["mixtures"], protein()
+        system = one.makeSystem(IMPLICIT_SOLVENT)
+        chains = {mixture: Chain(one, system, seed, mixture) for mixture in mixtures}
+        count = max(_LEAST, min(_TURN, trials // _STEP))
+        for _ in range(max(1, trials // (count * _STEP))):
+            for chain in chains.values():
+                chain.sample(count)
+        kept = {mixture: np.array(one.samples[len(one.samples) // _LEFT_OUT :]) for mixture, one in chains.items()}
+        mean = np.mean([values.mean(axis=0) for values in kept.values()], axis=0)  # all sample the same
+        return [
+            _describeChains(name, one, mixture, [chain], statisticalInefficiency(kept[mixture], mean))
+            for mixture, chain in chains.items()
+        ]
+
+    return Row("mixtures", name, measure)
+
+
+def _stationaryRow(name, protein):
+    """Return the Row of a long chain of the default moves, and of chains of pivots from its states."""
+
+    def measure(course, seed):
+        trials, one = course.trials or _TRIALS["stationary"], protein()
+        system = one.makeSystem(IMPLICIT_SOLVENT)
+        looks = max(_LEAST_LOOKS, trials // (_STEPS * _STEP))
+        leftOut = looks // _LEFT_OUT_OF_LONG
+        long = Chain(one, system, seed, DEFAULTS, _STEPS)
+        long.sample(leftOut)
+        starts = []
+        for _ in range(_STARTS):
+            long.sample((looks - leftOut) // _STARTS)
+            starts.append(long.positions())
+        values = np.array(long.samples[leftOut:])
+        chains = []
+        for number, start in enumerate(starts):
+            chain = Chain(one, system, seed + number, PIVOTS, _STEPS)
+            chain.begin(start)
+            chain.sample(max(_LEAST_LOOKS, int(looks / _PART)))
+            chains.append(chain)
+        lag = int(_LAG_SHARE * len(chains[0].samples))
+        ofLong = statisticalInefficiency(values)
+        ofPivots = leastInefficiency([np.array(chain.samples) for chain in chains], values.var(axis=0), lag)
+        isKept = _isSlower(ofLong)
+        ofLong, ofPivots = np.where(isKept, ofLong, 0), np.where(isKept, ofPivots, 0)
+        lag *= long.trialsPerLook
+        return [
+            {**_describeChains(name, one, PIVOTS, chains, ofPivots), "lag": lag},
+            {**_describeChains(name, one, DEFAULTS, [long], ofLong), "lag": lag},
+        ]
+
+    return Row("stationary", name, measure)
+
+
+def _isSlower(inefficiencies):
+    """Return which of the cosine and the sine of each torsion is slower in the long chain; RMSDs stay.
+
+    The worse of two estimates from the chains of pivots would be too large.
+    """
+    cosines, sines = inefficiencies[len(RMSDS) :].reshape(2, -1)
+    return np.concatenate([[True] * len(RMSDS), cosines >= sines, cosines < sines])
+
+
+# ---- A loose chain ----
+
+
+def _coilRow(name, protein, moves):
+    """Return the Row of a protein without energy, unfolded: how many independent radii of gyration there are."""
+
+    def measure(course, seed):
+        trials, one = course.trials or _TRIALS["coils"], protein()
+        system = openmm.System()
+        for atom in one.topology.atoms():
+            system.addParticle(atom.element.mass)
+        system.addForce(one.makeForce())
+        start = _simulate(one, system, seed, [(1.0, turn(BACKBONE, 180))], _COIL_STEP)
+        start.step(max(1, min(trials, _UNFOLDING) // _COIL_STEP))
+        simulation = _simulate(one, system, seed, [(1.0, COIL_MOVES[moves])], _COIL_STEP)
+        simulation.context.setPositions(positionsOf(start.context))
+        times, radii = [], []
+        for _ in range(max(2 * _LEAST, trials // _COIL_STEP)):
+            times.append(timed(simulation.step, 1)[1] / _COIL_STEP)
+            radii.append(float(np.sqrt(positionsOf(simulation.context).var(axis=0).sum())))
+        time = medianTime(times)
+        apart = _COIL_STEP * float(statisticalInefficiency(np.array(radii)[:, np.newaxis])[0])
+        rate = {"rg": 1e6 / (time["microseconds"] * apart)}
+        return [{**_describe(name, one, moves, "hard spheres"), **time, "rg": float(np.mean(radii)), "rate": rate}]
+
+    return Row("coils", f"{name}, {moves}", measure)
+
+
+# ---- The script ----
+
+
+def _plan(options):
+    if options.quick and options.trials is None:
+        options.trials = _QUICK_TRIALS
+    paths, skipped = findStructures(options, _FILES)
+    warm = options.warm or (_QUICK_TRIALS if options.quick else _WARM_TRIALS)
+    proteins = prepare(paths, warm, IMPLICIT_SOLVENT)
+    moves = SINGLE_MOVES[::6] if options.quick else SINGLE_MOVES
+    mixtures = (PIVOTS, "closed", DEFAULTS) if options.quick else tuple(MIXTURES)
+    rows = []
+    if "moves" in options.rows:
+        rows += [_moveRow(*one, move) for one in proteins.items() for move in moves]
+    if "mixtures" in options.rows:
+        rows += [_mixtureRow(*one, mixtures) for one in proteins.items()]
+    if "stationary" in options.rows:
+        rows += [_stationaryRow(*one) for one in proteins.items()]
+    if "coils" in options.rows:
+        unfolded = cache(lambda: readProtein(paths[-1]))
+        rows += [_coilRow(nameOf(paths[-1]), unfolded, moves) for moves in COIL_MOVES]
+    return rows, skipped
+
+
+def _drawPicture(machine, entries):
+    from movepicture import draw  # Matplotlib takes long to import
+
+    return draw(machine, entries)
 
 
 def main(arguments=None):
     """Run the script; return its exit status."""
-    parser = Parser(
-        prog="moves.py",
-        description="Measure moves of proteins in AMBER14 with GBn2 at 300 K from the folded state, and of a loose "
-        "chain. Times are those of the processor. The groups of rows are "
-        + "; ".join(f"{group} ({words})" for group, words in GROUPS.items())
-        + ". What is written to - goes to standard output: Markdown in place of the report, CSV while the report goes "
-        "to standard error.",
-    )
-    parser.set_defaults(run=_run, prog=parser.prog)
-    addRowOptions(parser, GROUPS, _FILES, _RUNS, _WARM_TRIALS)
-    parser.add_argument(
-        "--quick",
-        action="store_true",
-        help=f"only the smallest protein and few moves, {_QUICK_RUNS} run a row, {_QUICK_TRIALS} trials each",
-    )
-    parser.add_argument(
-        "--defaults",
-        action="store_true",
-        help="of the mixtures only pivots alone and what addDefaultMoves adds, for long chains",
-    )
-    addOptions(
-        parser,
-        "trials of each run, in place of those of its row",
-        "draw acceptance and shift of moves, and what mixtures give beside pivots",
-    )
-    return runParsed(parser, arguments)
-
-
-def _run(options):
-    settle(options, GROUPS, _RUNS, _WARM_TRIALS, _QUICK_RUNS, _QUICK_TRIALS)
-    maker = Maker(makeTables, lambda entries: ([], False), *drawnBy("energy.movepicture"))
-    return runStudy(options, lambda program: _plan(options), maker, options.structures)
-
-
-def _plan(options):
-    """Return the Study of the rows that the user wants."""
-    paths, missing = chooseStructures(options, _FILES)
-
-    def prepare(path):
-        return Prepared(lambda: readSampled(path).relaxed(options.warm, method=IMPLICIT_SOLVENT))
-
-    proteins = {nameOf(path): prepare(path) for path in paths}
-    moves, mixtures = (_QUICK_MOVES, _QUICK_MIXTURES) if options.quick else (SINGLE_MOVES, tuple(ALL_MIXTURES))
-    mixtures = (PIVOTS, DEFAULTS.name) if options.defaults else mixtures
-    rows = []
-    for group, makeRow, of in ((MOVES, MoveRow, moves), (MIXTURES, MixtureRow, mixtures)):
-        if group in options.rows:
-            rows += [makeRow(name, prepared, of) for name, prepared in proteins.items()]
-    if STATIONARY in options.rows:
-        rows += [StationaryRow(name, prepared) for name, prepared in proteins.items()]
-    if COILS in options.rows:
-        longest = paths[-1]
-        rows.append(CoilRow(nameOf(longest), Prepared(lambda: readSampled(longest))))
-    return Study(rows, describeSkipped(missing))
+    about = "Measure moves of proteins in AMBER14 with GBn2 at 300 K from the folded state, and of a loose chain."
+    parser = makeParser("moves.py", about, GROUPS, _RUNS, _FILES)
+    parser.add_argument("--warm", type=int, metavar="TRIALS", help=f"before anything is measured ({_WARM_TRIALS})")
+    return run(parser, arguments, _plan, makeTables, _drawPicture)
 
 
 if __name__ == "__main__":

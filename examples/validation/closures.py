@@ -21,9 +21,8 @@ from pathlib import Path
 import numpy as np
 from openmm import app, unit
 
-sys.path.append(str(Path(__file__).parents[2] / "benchmarks"))
-
-from racing.backbones import describeBackbones  # noqa: E402
+ATOMS = ("N", "CA", "C")
+LONGEST_BOND = 0.2  # nm
 
 PARTS = ("microseconds", "percentile99", "worst")
 PROTEINS = ("1crn", "1ctf", "1shg", "1ubi_h", "bpti_h", "5dfr_h", "3ptb", "1htb")
@@ -40,6 +39,24 @@ def readBackbones(path):
     """Return the input of the program."""
     pdb = app.PDBFile(str(path))
     return describeBackbones(pdb.topology, np.array(pdb.positions.value_in_unit(unit.nanometer)))
+
+
+def describeBackbones(topology, positions):
+    """Return a line for each residue: where its atoms are, nm, and if phi and psi are free. Empty lines part chains."""
+    lines, former = [], None
+    for residue in topology.residues():
+        places = {atom.name: positions[atom.index] for atom in residue.atoms()}
+        if not set(ATOMS) <= places.keys():
+            former = None
+            continue
+        backbone = np.array([places[name] for name in ATOMS])
+        isBound = former is not None and np.linalg.norm(backbone[0] - former) < LONGEST_BOND
+        if not isBound:
+            lines.append("")
+        phi = int(isBound and residue.name != "PRO")  # that of a proline is in a ring
+        lines.append(" ".join([*(f"{x:.17g}" for x in backbone.ravel()), f"{phi} 1"]))
+        former = backbone[2]
+    return "\n".join(lines) + "\n"
 
 
 def solve(options, path):
