@@ -53,16 +53,46 @@ class Scene(NamedTuple):
         return moved
 
     def write(self, path):
-        """Write the scene as a file for the program."""
+        """Write the scene as a file for the program: depth-first, the heaviest branch last."""
+        order, ends = self._walk()
+        ranks = np.argsort(order)  # of links
+        particles = np.argsort(ranks[self.particleLinks], kind="stable")
+        places = np.argsort(particles)
+        begins = np.searchsorted(ranks[self.particleLinks][particles], np.arange(len(order) + 1))
         with open(path, "w", encoding="ascii") as file:
             counts = f"particles {len(self.spheres)} links {len(self.links)} exclusions {len(self.exclusions)}"
-            print(f"chaintree-scene 1\n{counts}", file=file)
-            for sphere, link in zip(self.spheres.tolist(), self.particleLinks.tolist(), strict=True):
-                print(*map(repr, sphere), link, file=file)
-            for link in self.links:
-                print(link.parent, link.near, link.far, int(link.isSideChain), file=file)
-            for pair in self.exclusions.tolist():
-                print(*pair, file=file)
+            print(f"chaintree-scene 2\n{counts}", file=file)
+            for name in particles.tolist():
+                print(*map(repr, self.spheres[name].tolist()), ranks[self.particleLinks[name]], name, file=file)
+            for rank, number in enumerate(order):
+                parent, near, far, isSideChain = self.links[number]
+                if parent < 0:
+                    print("-1 -1 -1 0 0 0", file=file)
+                else:
+                    interval = begins[rank], begins[ends[rank]]
+                    print(ranks[parent], places[near], places[far], *interval, int(isSideChain), file=file)
+            for pair in self.exclusions:
+                print(*places[pair], file=file)
+
+    def _walk(self):
+        """Return the links in the order of a walk, and where in it each link ends, with all that hangs on it."""
+        children = [[] for _ in self.links]
+        weights = np.bincount(self.particleLinks, minlength=len(self.links))
+        for number in reversed(range(len(self.links))):  # parents have lower numbers
+            parent = self.links[number].parent
+            if parent >= 0:
+                children[parent].append(number)
+                weights[parent] += weights[number]
+        order, pending = [], [number for number, link in enumerate(self.links) if link.parent < 0][::-1]
+        while pending:
+            order.append(pending.pop())
+            # The heaviest, which comes last, is the deepest in the stack.
+            pending += sorted(children[order[-1]], key=lambda child: -weights[child])
+        sizes = np.ones(len(order), dtype=int)  # in links
+        for number in reversed(range(len(self.links))):
+            if self.links[number].parent >= 0:
+                sizes[self.links[number].parent] += sizes[number]
+        return order, np.arange(len(order)) + sizes[order]
 
 
 def makeContext(platformName, particleCount, *forces):

@@ -1,14 +1,9 @@
 /* A grid of cubic cells, wrapped around in all directions so that it is a table of fixed size however far a chain
- * reaches: particles of far cells share an entry, and cost no more than the test of a distance.
- *
- * How many particles a cell holds cannot be foreseen, and a processor that guesses wrong waits. So the cells around
- * several particles are looked up before any distance is tested: a search collects what these cells begin with, and
- * then goes through all of their lists side by side. */
+ * reaches: particles of far cells share an entry, and cost no more than the test of a distance. */
 #ifndef CELLS_H_
 #define CELLS_H_
 
 #include <math.h>
-#include <stdlib.h>
 #include <string.h>
 
 #include "contestant.h"
@@ -20,7 +15,7 @@ enum { MOST_CELLS_ALONG = 4, MOST_CELLS_AROUND = MOST_CELLS_ALONG * MOST_CELLS_A
 typedef struct Cells {
   double perLength; /* cells per unit of length */
   double reach;     /* centres of particles that meet are never farther apart, along any axis */
-  int along;        /* so many cells in a row hold all particles within reach of one */
+  int along;        /* number of cells in a row that hold all particles within reach of one */
   int bits[3];      /* 2^bits entries along each axis */
   size_t count;
   int* heads; /* the first particle (or block of them) in each cell, or -1 */
@@ -69,8 +64,8 @@ static inline double cellsReach(const Scene* scene) {
 }
 
 /* With at least `entriesPerParticle` entries of the table for each particle. If `blockSize` is more than 1, cells hold
- * blocks of so many particles, which are the contestant's. False if there is no memory. */
-static inline bool cellsInit(Cells* cells, const Scene* scene, double reach, int entriesPerParticle, int blockSize) {
+ * blocks of that many particles, which are the contestant's. */
+static inline void cellsInit(Cells* cells, const Scene* scene, double reach, int entriesPerParticle, int blockSize) {
   int bits = 3 * MOST_CELLS_ALONG / 2;
   while ((1LL << bits) < (long long)entriesPerParticle * scene->particleCount) {
     bits++;
@@ -81,15 +76,9 @@ static inline bool cellsInit(Cells* cells, const Scene* scene, double reach, int
   cells->reach = reach;
   cellsChooseEdge(cells, scene, blockSize);
   cells->count = (size_t)1 << bits;
-  cells->heads = malloc(cells->count * sizeof(int));
-  if (blockSize == 1) {
-    cells->next = malloc(((size_t)scene->particleCount + 1) * sizeof(int));
-  }
-  if (cells->heads == NULL || (blockSize == 1 && cells->next == NULL)) {
-    return false;
-  }
+  cells->heads = allocate(1 << bits, sizeof(int));
+  cells->next = blockSize == 1 ? allocate(scene->particleCount, sizeof(int)) : NULL;
   cellsClear(cells);
-  return true;
 }
 
 static inline void cellsFree(Cells* cells) {

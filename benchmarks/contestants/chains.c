@@ -1,36 +1,35 @@
 #include "chains.h"
 
-#include <math.h>
-#include <stdlib.h>
 #include <string.h>
 
-enum { LEAST_COUNT = 4, LATTICE_SPACING = 4, BACKBITES_PER_SITE = 12 };
+#include "memory.h"
+
+enum { LATTICE_SPACING = 4, BACKBITES_PER_SITE = 12 };
 
 typedef struct Site {
   int x[3];
 } Site;
 
 /* The bonds at the two ends turn nothing off their axes, so the links there are of two spheres. */
-static Scene* chainOf(const Site* sites, int count, double spacing, double radius) {
-  SceneSource source;
-  if (count < LEAST_COUNT || !sceneSourceInit(&source, count, count - 2, 0)) {
-    return NULL;
-  }
+static Scene* chainOf(const Site* sites, int count) {
+  Scene* scene = sceneAllocate(count, count - 2, 0);
   for (int i = 0; i < count; i++) {
-    source.spheres[i] = (Sphere){{spacing * sites[i].x[0], spacing * sites[i].x[1], spacing * sites[i].x[2]}, radius};
-    source.particleLinks[i] = i == 0 ? 0 : i == count - 1 ? count - 3 : i - 1;
+    scene->spheres[i].radius = 1;
+    for (int k = 0; k < 3; k++) {
+      scene->spheres[i].x[k] = LATTICE_SPACING * sites[i].x[k];
+    }
+    scene->particleLinks[i] = i == 0 ? 0 : i == count - 1 ? count - 3 : i - 1;
+    scene->particleNames[i] = i;
   }
   for (int link = 0; link < count - 2; link++) {
-    source.links[link] = (SourceLink){.parent = link - 1, .axis = {link, link + 1}};
+    scene->linkParents[link] = link - 1;
+    if (link > 0) {
+      scene->torsions[scene->torsionCount++] =
+          (Torsion){.axis = {link, link + 1}, .first = link + 1, .last = count, .link = link};
+    }
   }
-  char error[128];
-  Scene* scene = sceneMake(&source, error, sizeof error);
-  sceneSourceFree(&source);
+  sceneIndexExclusions(scene);
   return scene;
-}
-
-static Site* allocateSites(int count) {
-  return count < LEAST_COUNT ? NULL : calloc((size_t)count, sizeof(Site));
 }
 
 /* ---- Serpentine ---- */
@@ -52,19 +51,17 @@ static Site serpentineSite(int index, int side) {
 }
 
 static Site* serpentineSites(int count) {
-  Site* sites = allocateSites(count);
-  if (sites != NULL) {
-    const int side = cubeSide(count);
-    for (int i = 0; i < count; i++) {
-      sites[i] = serpentineSite(i, side);
-    }
+  Site* sites = allocate(count, sizeof *sites);
+  const int side = cubeSide(count);
+  for (int i = 0; i < count; i++) {
+    sites[i] = serpentineSite(i, side);
   }
   return sites;
 }
 
 Scene* chainSerpentine(int count) {
   Site* sites = serpentineSites(count);
-  Scene* scene = sites == NULL ? NULL : chainOf(sites, count, LATTICE_SPACING, 1);
+  Scene* scene = chainOf(sites, count);
   free(sites);
   return scene;
 }
@@ -106,10 +103,7 @@ static Site hilbertSite(int index, int levels) {
 }
 
 Scene* chainHilbert(int count) {
-  Site* sites = allocateSites(count);
-  if (sites == NULL) {
-    return NULL;
-  }
+  Site* sites = allocate(count, sizeof *sites);
   int levels = 0;
   while ((1LL << (3 * levels)) < count) {
     levels++;
@@ -117,7 +111,7 @@ Scene* chainHilbert(int count) {
   for (int i = 0; i < count; i++) {
     sites[i] = hilbertSite(i, levels);
   }
-  Scene* scene = chainOf(sites, count, LATTICE_SPACING, 1);
+  Scene* scene = chainOf(sites, count);
   free(sites);
   return scene;
 }
@@ -175,57 +169,17 @@ static void backbite(LatticeWalk* walk, Random* random) {
 
 Scene* chainRandom(int count, Random* random) {
   LatticeWalk walk = {.side = cubeSide(count), .count = count, .sites = serpentineSites(count)};
-  const size_t cube = (size_t)walk.side * (size_t)walk.side * (size_t)walk.side;
-  walk.places = malloc(cube * sizeof(int));
-  Scene* scene = NULL;
-  if (walk.sites != NULL && walk.places != NULL) {
-    memset(walk.places, -1, cube * sizeof(int));
-    for (int i = 0; i < count; i++) {
-      put(&walk, i, walk.sites[i]);
-    }
-    for (long long k = 0; k < (long long)BACKBITES_PER_SITE * count; k++) {
-      backbite(&walk, random);
-    }
-    scene = chainOf(walk.sites, count, LATTICE_SPACING, 1);
+  const int cube = walk.side * walk.side * walk.side;
+  walk.places = allocate(cube, sizeof(int));
+  memset(walk.places, -1, (size_t)cube * sizeof(int));
+  for (int i = 0; i < count; i++) {
+    put(&walk, i, walk.sites[i]);
   }
+  for (long long k = 0; k < (long long)BACKBITES_PER_SITE * count; k++) {
+    backbite(&walk, random);
+  }
+  Scene* scene = chainOf(walk.sites, count);
   free(walk.sites);
   free(walk.places);
-  return scene;
-}
-
-/* ---- Worst case ---- */
-
-/* Three rows of d sites, one along each axis. */
-static Site unitSite(int index, int d) {
-  const int step = index % d;
-  if (index < d) {
-    return (Site){{step, 0, 0}};
-  }
-  return index < 2 * d ? (Site){{d - 1, 1 + step, 0}} : (Site){{d - 1, d, 1 + step}};
-}
-
-/* Layers of d/8 units side by side, each walked in the direction opposite to the one before it, and d/8 layers. */
-Scene* chainWorstCase(int count) {
-  int d = 0;
-  while (3LL * (d + 8) * (d + 8) * (d + 8) / 64 <= count) {
-    d += 8;
-  }
-  const int copies = d / 8;
-  const int unit = 3 * d;
-  const int layer = unit * copies;
-  Site* sites = allocateSites(layer * copies);
-  if (sites == NULL) {
-    return NULL;
-  }
-  for (int i = 0; i < layer * copies; i++) {
-    const int height = i / layer;
-    const int inLayer = height % 2 == 0 ? i % layer : layer - 1 - i % layer;
-    const int copy = inLayer / unit;
-    const int inUnit = copy % 2 == 0 ? inLayer % unit : unit - 1 - inLayer % unit;
-    const Site site = unitSite(inUnit, d);
-    sites[i] = (Site){{site.x[0] + copy, site.x[1] - copy - height, site.x[2] + height}};
-  }
-  Scene* scene = chainOf(sites, layer * copies, 2, 0.999);
-  free(sites);
   return scene;
 }

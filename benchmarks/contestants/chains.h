@@ -18,11 +18,6 @@ Scene* chainHilbert(int count);
  * threaded anew from there, or, if the site was free, leaves its other end. O(count^2). */
 Scene* chainRandom(int count, Random* random);
 
-/* The worst case for volumes over consecutive links (figure 6), with at most `count` spheres and the largest d that
- * allows. The paper's spheres touch; these are smaller by a thousandth. NULL if count is below 24, the least there is.
- */
-Scene* chainWorstCase(int count);
-
-/* All return NULL if there is no memory; they need a count of at least 4. */
+/* All need a count of at least 4. */
 
 #endif /* CHAINS_H_ */

@@ -1,8 +1,8 @@
 #include "energyfile.h"
 
 #include <math.h>
-#include <stdio.h>
-#include <stdlib.h>
+
+#include "memory.h"
 
 /* A file on its way into an Energy. */
 typedef struct Source {
@@ -12,9 +12,6 @@ typedef struct Source {
 } Source;
 
 void energyFree(Energy* energy) {
-  if (energy == NULL) {
-    return;
-  }
   for (int s = 0; s < energy->setCount; s++) {
     free((void*)energy->sets[s].particles);
     free((void*)energy->sets[s].parameters);
@@ -64,11 +61,11 @@ static bool readSet(const Source* source, ctTermSet* set) {
     return false;
   }
   set->kind = (ctTermKind)kind;
-  int* particles = calloc((size_t)set->count + 1, (size_t)set->particlesPerTerm * sizeof(int));
-  double* parameters = calloc((size_t)set->count + 1, (size_t)(set->parametersPerTerm + 1) * sizeof(double));
+  int* particles = allocate(set->count, (size_t)set->particlesPerTerm * sizeof(int));
+  double* parameters = allocate(set->count, (size_t)(set->parametersPerTerm + 1) * sizeof(double));
   set->particles = particles;
   set->parameters = parameters;
-  bool success = particles != NULL && parameters != NULL;
+  bool success = true;
   for (int n = 0; n < set->count && success; n++) {
     for (int k = 0; k < set->particlesPerTerm && success; k++) {
       success = readParticle(source, &particles[n * set->particlesPerTerm + k]);
@@ -81,10 +78,7 @@ static bool readSet(const Source* source, ctTermSet* set) {
 }
 
 static bool readSets(const Source* source, Energy* energy, int count) {
-  energy->sets = calloc((size_t)count + 1, sizeof *energy->sets);
-  if (energy->sets == NULL) {
-    return false;
-  }
+  energy->sets = allocate(count, sizeof *energy->sets);
   for (int s = 0; s < count; s++) {
     energy->setCount = s + 1;
     if (!readSet(source, &energy->sets[s])) {
@@ -107,42 +101,32 @@ static bool readAll(Source* source, Energy* energy) {
   }
   nonbonded->cutoff = nonbonded->cutoff > 0 ? nonbonded->cutoff : INFINITY;
   nonbonded->switchingDistance = nonbonded->switchingDistance > 0 ? nonbonded->switchingDistance : INFINITY;
-  const size_t count = (size_t)particles;
-  nonbonded->charges = energy->charges = calloc(count, sizeof(double));
-  nonbonded->sigmas = energy->sigmas = calloc(count, sizeof(double));
-  nonbonded->epsilons = energy->epsilons = calloc(count, sizeof(double));
-  energy->exclusions = calloc((size_t)nonbonded->exclusionCount + 1, sizeof *energy->exclusions);
+  nonbonded->charges = energy->charges = allocate(particles, sizeof(double));
+  nonbonded->sigmas = energy->sigmas = allocate(particles, sizeof(double));
+  nonbonded->epsilons = energy->epsilons = allocate(particles, sizeof(double));
+  energy->exclusions = allocate(nonbonded->exclusionCount, sizeof *energy->exclusions);
   nonbonded->exclusions = (const int(*)[2])energy->exclusions;
-  return energy->charges != NULL && energy->sigmas != NULL && energy->epsilons != NULL && energy->exclusions != NULL &&
-         readParticles(source, energy) && readExclusions(source, energy) && readSets(source, energy, sets);
+  return readParticles(source, energy) && readExclusions(source, energy) && readSets(source, energy, sets);
 }
 
 Energy* energyRead(const char* path, const Scene* scene, char* error, size_t size) {
-  int* places = calloc((size_t)scene->particleCount, sizeof(int));
-  Energy* energy = calloc(1, sizeof *energy);
-  Source source = {.file = fopen(path, "r"), .places = places, .particleCount = scene->particleCount};
-  bool success = false;
-  if (source.file == NULL) {
+  FILE* file = fopen(path, "r");
+  if (file == NULL) {
     snprintf(error, size, "%s cannot be read", path);
-  } else if (places == NULL || energy == NULL) {
-    snprintf(error, size, "not enough memory for %s", path);
-  } else {
-    for (int i = 0; i < scene->particleCount; i++) {
-      places[scene->particleNames[i]] = i;
-    }
-    energy->particleCount = scene->particleCount;
-    success = readAll(&source, energy);
-    if (!success) {
-      snprintf(error, size, "%s is no energy of this scene's %d particles, or ends early", path, scene->particleCount);
-    }
-  }
-  if (source.file != NULL) {
-    fclose(source.file);
-  }
-  free(places);
-  if (!success) {
-    energyFree(energy);
     return NULL;
   }
+  int* places = allocate(scene->particleCount, sizeof(int));
+  for (int i = 0; i < scene->particleCount; i++) {
+    places[scene->particleNames[i]] = i;
+  }
+  Source source = {.file = file, .places = places, .particleCount = scene->particleCount};
+  Energy* energy = allocate(1, sizeof *energy);
+  if (!readAll(&source, energy)) {
+    snprintf(error, size, "%s is no energy of this scene's %d particles, or ends early", path, scene->particleCount);
+    energyFree(energy);
+    energy = NULL;
+  }
+  fclose(file);
+  free(places);
   return energy;
 }

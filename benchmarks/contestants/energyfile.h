@@ -18,7 +18,6 @@
 
 /* In the numbers that the scene gives its particles. */
 typedef struct Energy {
-  int particleCount;
   double* charges;
   double* sigmas;
   double* epsilons;

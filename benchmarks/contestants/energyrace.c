@@ -1,10 +1,7 @@
-#define _POSIX_C_SOURCE 200112L
 #include "energyrace.h"
 
 #include <math.h>
-#include <stdlib.h>
 #include <string.h>
-#include <time.h>
 
 #include "ourtree.h"
 
@@ -18,9 +15,9 @@ const EnergyContestant energyContestants[] = {{"ours", "all parts, by the widest
                                               {"ours-stages", "part by part, until one refuses", NULL, true},
                                               {0}};
 
-const EnergyContestant* energyContestantFind(const char* name, size_t length) {
+const EnergyContestant* energyContestantFind(const char* name) {
   for (const EnergyContestant* c = energyContestants; c->name != NULL; c++) {
-    if (strlen(c->name) == length && memcmp(c->name, name, length) == 0) {
+    if (strcmp(c->name, name) == 0) {
       return c;
     }
   }
@@ -49,10 +46,9 @@ typedef struct EnergyLane {
   ctChainTree* tree;
   ctEnergy* energy;
   double* times;                  /* of each trial without a clash, microseconds */
-  double* parts[CT_ENERGY_PARTS]; /* of each that came so far */
-  double* acceptances;            /* of each that was accepted */
+  double* parts[CT_ENERGY_PARTS]; /* of each that came to the part */
   double* means;                  /* of each block with such trials */
-  int timeCount, acceptanceCount, meanCount;
+  int timeCount, meanCount;
   int partCounts[CT_ENERGY_PARTS];
 } EnergyLane;
 
@@ -72,19 +68,12 @@ typedef struct EnergyCourse {
   int reached[CT_ENERGY_PARTS], refused[CT_ENERGY_PARTS];
 } EnergyCourse;
 
-/* Microseconds of the processor, as processorTime, but read in half the time. */
-static double now(void) {
-  struct timespec time;
-  clock_gettime(CLOCK_THREAD_CPUTIME_ID, &time);
-  return 1e6 * (double)time.tv_sec + 1e-3 * (double)time.tv_nsec;
-}
-
 /* What reading the clock adds to a time: no less than this. */
 static double clockCost(void) {
   double least = INFINITY;
   for (int i = 0; i < CLOCK_READINGS; i++) {
-    const double start = now();
-    least = fmin(least, now() - start);
+    const double start = processorTime();
+    least = fmin(least, processorTime() - start);
   }
   return least;
 }
@@ -95,7 +84,6 @@ static void laneEnd(EnergyLane* lane) {
   ctDestroyEnergy(lane->energy);
   ctDestroy(lane->tree);
   free(lane->times);
-  free(lane->acceptances);
   free(lane->means);
   for (int part = 0; part < CT_ENERGY_PARTS; part++) {
     free(lane->parts[part]);
@@ -104,25 +92,16 @@ static void laneEnd(EnergyLane* lane) {
 
 static bool laneBegin(EnergyLane* lane, const EnergyContestant* contestant, const EnergyRace* race, char* error,
                       size_t size) {
-  const size_t count = (size_t)race->trialCount + 1;
   lane->contestant = contestant;
-  lane->times = calloc(count, sizeof(double));
-  lane->acceptances = calloc(count, sizeof(double));
-  lane->means = calloc(count, sizeof(double));
-  bool success = lane->times != NULL && lane->acceptances != NULL && lane->means != NULL;
+  lane->times = allocate(race->trialCount, sizeof(double));
+  lane->means = allocate(race->trialCount, sizeof(double));
   for (int part = 0; part < CT_ENERGY_PARTS; part++) {
-    lane->parts[part] = calloc(count, sizeof(double));
-    success = success && lane->parts[part] != NULL;
-  }
-  if (!success) {
-    snprintf(error, size, "not enough memory");
-    return false;
+    lane->parts[part] = allocate(race->trialCount, sizeof(double));
   }
   const char* set = contestant == NULL ? NULL : contestant->instructionSet;
-  lane->tree = ourTreeWithEnergy(race->scene, race->energy, set, &lane->energy, error, size);
-  if (lane->tree != NULL && ctRefreshEnergy(lane->energy, NULL) != ctSuccess) {
-    snprintf(error, size, "%s", ctGetEnergyErrorText(lane->energy));
-    return false;
+  lane->tree = ourTreeWith(race->scene, "CHAINTREE_SIMD", set, race->energy, &lane->energy, error, size);
+  if (lane->tree != NULL) {
+    ourCheck(ctRefreshEnergy(lane->energy, NULL));
   }
   return lane->tree != NULL;
 }
@@ -140,20 +119,14 @@ static void courseEnd(EnergyCourse* course) {
 }
 
 static bool courseBegin(EnergyCourse* course, const EnergyRace* race, char* error, size_t size) {
-  const size_t particles = (size_t)race->scene->particleCount;
   *course = (EnergyCourse){.race = race, .random = {~race->seed}, .clockCost = clockCost()};
   if (!movesInit(&course->moves, race->scene, race->rule, race->seed, error, size)) {
     return false;
   }
-  course->block.turns = calloc((size_t)race->blockSize * (size_t)race->rule.kappa, sizeof(Turn));
-  course->block.trials = calloc((size_t)race->blockSize, sizeof(EnergyTrial));
-  course->positions = calloc(3 * particles, sizeof(double));
-  course->spheres = calloc(particles, sizeof(Sphere));
-  if (course->block.turns == NULL || course->block.trials == NULL || course->positions == NULL ||
-      course->spheres == NULL) {
-    snprintf(error, size, "not enough memory");
-    return false;
-  }
+  course->block.turns = allocate(race->blockSize * race->rule.kappa, sizeof(Turn));
+  course->block.trials = allocate(race->blockSize, sizeof(EnergyTrial));
+  course->positions = allocate(3 * race->scene->particleCount, sizeof(double));
+  course->spheres = allocate(race->scene->particleCount, sizeof(Sphere));
   bool success = laneBegin(&course->judge, NULL, race, error, size);
   for (int i = 0; i < race->laneCount && success; i++) {
     success = laneBegin(&course->lanes[i], race->contestants[i], race, error, size);
@@ -163,22 +136,25 @@ static bool courseBegin(EnergyCourse* course, const EnergyRace* race, char* erro
 
 /* ---- Trials ---- */
 
-/* Opens a trial and tests it; false if there is no memory. */
-static bool openTrial(EnergyLane* lane, const Scene* scene, int count, const Turn* turns, bool* clash) {
+/* Opens a trial, and returns whether it clashes. */
+static bool openTrial(EnergyLane* lane, const Scene* scene, int count, const Turn* turns) {
   ctChange changes[MOST_TURNS];
+  bool clash = false;
   for (int i = 0; i < count; i++) {
     changes[i].link = scene->torsions[turns[i].torsion].link;
     changes[i].angle = turns[i].angle;
   }
-  return ctPropose(lane->tree, count, changes) == ctSuccess && ctTestTrial(lane->tree, clash, NULL, NULL) == ctSuccess;
+  ourCheck(ctPropose(lane->tree, count, changes));
+  ourCheck(ctTestTrial(lane->tree, &clash, NULL, NULL));
+  return clash;
 }
 
-static bool closeTrial(EnergyLane* lane, bool accepted) {
+static void closeTrial(EnergyLane* lane, bool accepted) {
   if (accepted) {
-    return ctAccept(lane->tree, NULL) == ctSuccess;
+    ourCheck(ctAccept(lane->tree, NULL));
+  } else {
+    ctReject(lane->tree);
   }
-  ctReject(lane->tree);
-  return true;
 }
 
 static void writePositions(FILE* file, const char* name, const double* positions, int count) {
@@ -206,7 +182,7 @@ static double energyOf(const EnergyLane* lane, const Energy* energy) {
 }
 
 /* Writes the open trial, and the state before it unless it stands there already. */
-static bool recordTrialAndState(EnergyCourse* course, const EnergyTrial* trial) {
+static void recordTrialAndState(EnergyCourse* course, const EnergyTrial* trial) {
   const EnergyRace* race = course->race;
   const int particles = race->scene->particleCount;
   if (!course->stateIsRecorded) {
@@ -216,9 +192,7 @@ static bool recordTrialAndState(EnergyCourse* course, const EnergyTrial* trial) 
     fputs("}\n", race->record);
     course->stateIsRecorded = true;
   }
-  if (ctGetTrialPositions(course->judge.tree, course->positions) != ctSuccess) {
-    return false;
-  }
+  ourCheck(ctGetTrialPositions(course->judge.tree, course->positions));
   double change = 0;
   for (int part = 0; part < CT_ENERGY_PARTS; part++) {
     change += trial->change[part];
@@ -227,7 +201,6 @@ static bool recordTrialAndState(EnergyCourse* course, const EnergyTrial* trial) 
   writePositions(race->record, "trial", course->positions, particles);
   fputs("}\n", race->record);
   course->recorded++;
-  return true;
 }
 
 /* Part by part, as the integrator decides: what is accepted by each is accepted. */
@@ -240,17 +213,8 @@ static void decide(EnergyTrial* trial, double temperature) {
   }
 }
 
-static bool computeParts(const EnergyLane* lane, EnergyTrial* trial) {
-  for (int part = 0; part < CT_ENERGY_PARTS; part++) {
-    if (ctComputeEnergyChange(lane->energy, (ctEnergyPart)part, &trial->change[part], NULL) != ctSuccess) {
-      return false;
-    }
-  }
-  return true;
-}
-
 /* Makes and decides a trial, by a lane of its own whose time does not count. */
-static bool judgeTrial(EnergyCourse* course, Turn* turns, EnergyTrial* trial) {
+static void judgeTrial(EnergyCourse* course, Turn* turns, EnergyTrial* trial) {
   const EnergyRace* race = course->race;
   EnergyLane* judge = &course->judge;
   if (movesNeedPositions(&course->moves)) {
@@ -260,35 +224,33 @@ static bool judgeTrial(EnergyCourse* course, Turn* turns, EnergyTrial* trial) {
     }
   }
   movesNext(&course->moves, course->spheres, turns);
-  *trial = (EnergyTrial){0};
-  if (!openTrial(judge, race->scene, race->rule.kappa, turns, &trial->clash)) {
-    return false;
-  }
+  *trial = (EnergyTrial){.clash = openTrial(judge, race->scene, race->rule.kappa, turns)};
   if (trial->clash) {
-    return closeTrial(judge, false);
+    closeTrial(judge, false);
+    return;
   }
-  if (!computeParts(judge, trial)) {
-    return false;
+  for (int part = 0; part < CT_ENERGY_PARTS; part++) {
+    ourCheck(ctComputeEnergyChange(judge->energy, (ctEnergyPart)part, &trial->change[part], NULL));
   }
   for (int part = 0; part < CT_ENERGY_PARTS; part++) {
     trial->drawn[part] = randomReal(&course->random);
   }
   decide(trial, race->temperature);
-  if (race->record != NULL && course->recorded < race->recordCount && !recordTrialAndState(course, trial)) {
-    return false;
+  if (race->record != NULL && course->recorded < race->recordCount) {
+    recordTrialAndState(course, trial);
   }
   course->stateIsRecorded = course->stateIsRecorded && !trial->accepted;
-  return closeTrial(judge, trial->accepted) && (!trial->accepted || ctAcceptEnergyChange(judge->energy) == ctSuccess);
+  closeTrial(judge, trial->accepted);
+  if (trial->accepted) {
+    ourCheck(ctAcceptEnergyChange(judge->energy));
+  }
 }
 
-static bool makeBlock(EnergyCourse* course, int count) {
+static void makeBlock(EnergyCourse* course, int count) {
   course->block.count = count;
   for (int i = 0; i < count; i++) {
-    if (!judgeTrial(course, course->block.turns + i * course->race->rule.kappa, &course->block.trials[i])) {
-      return false;
-    }
+    judgeTrial(course, course->block.turns + i * course->race->rule.kappa, &course->block.trials[i]);
   }
-  return true;
 }
 
 static void countBlock(EnergyCourse* course) {
@@ -305,73 +267,56 @@ static void countBlock(EnergyCourse* course) {
   }
 }
 
-typedef enum LaneStatus { laneAgrees, laneDiffers, laneFails } LaneStatus;
-
-/* Computes the parts of an open trial and closes it as the judge decided; `elapsed` becomes the microseconds of all. */
-static LaneStatus runFree(EnergyLane* lane, const EnergyTrial* trial, double clockCost, bool isTimed, double* elapsed) {
+/* Computes the parts of an open trial and closes it as the judge decided; adds the microseconds of all to `elapsed`.
+ * False if the lane computes other bits than the judge. */
+static bool runFree(EnergyLane* lane, const EnergyTrial* trial, double clockCost, bool isTimed, double* elapsed) {
   double change[CT_ENERGY_PARTS];
+  double sum = 0;
   const int parts = lane->contestant->stops ? trial->reached : CT_ENERGY_PARTS;
   for (int part = 0; part < parts; part++) {
-    const double start = now();
-    if (ctComputeEnergyChange(lane->energy, (ctEnergyPart)part, &change[part], NULL) != ctSuccess) {
-      return laneFails;
-    }
-    const double time = now() - start - clockCost;
-    *elapsed += time;
+    const double start = processorTime();
+    ourCheck(ctComputeEnergyChange(lane->energy, (ctEnergyPart)part, &change[part], NULL));
+    const double time = processorTime() - start - clockCost;
+    sum += time;
     if (isTimed) {
       lane->parts[part][lane->partCounts[part]++] = time;
     }
   }
-  if (!closeTrial(lane, trial->accepted)) {
-    return laneFails;
-  }
+  closeTrial(lane, trial->accepted);
   if (trial->accepted) {
-    const double start = now();
-    if (ctAcceptEnergyChange(lane->energy) != ctSuccess) {
-      return laneFails;
-    }
-    const double time = now() - start - clockCost;
-    *elapsed += time;
-    if (isTimed) {
-      lane->acceptances[lane->acceptanceCount++] = time;
-    }
+    const double start = processorTime();
+    ourCheck(ctAcceptEnergyChange(lane->energy));
+    sum += processorTime() - start - clockCost;
   }
   if (isTimed) {
-    lane->times[lane->timeCount++] = *elapsed;
+    lane->times[lane->timeCount++] = sum;
   }
-  return memcmp(change, trial->change, (size_t)parts * sizeof(double)) == 0 ? laneAgrees : laneDiffers;
+  *elapsed += sum;
+  return memcmp(change, trial->change, (size_t)parts * sizeof(double)) == 0;
 }
 
-static LaneStatus runTrial(EnergyLane* lane, const EnergyCourse* course, int i, bool isTimed, double* elapsed) {
+/* False if the lane computes other bits than the judge. */
+static bool runBlock(EnergyLane* lane, const EnergyCourse* course, bool isTimed) {
   const EnergyRace* race = course->race;
-  const EnergyTrial* trial = &course->block.trials[i];
-  bool clash = false;
-  if (!openTrial(lane, race->scene, race->rule.kappa, course->block.turns + i * race->rule.kappa, &clash)) {
-    return laneFails;
-  }
-  if (!clash && !trial->clash) {
-    return runFree(lane, trial, course->clockCost, isTimed, elapsed);
-  }
-  ctReject(lane->tree);
-  return clash == trial->clash ? laneAgrees : laneDiffers;
-}
-
-static LaneStatus runBlock(EnergyLane* lane, const EnergyCourse* course, bool isTimed) {
-  double sum = 0;
+  double elapsed = 0;
   int count = 0;
-  for (int i = 0; i < course->block.count; i++) {
-    double elapsed = 0;
-    const LaneStatus status = runTrial(lane, course, i, isTimed, &elapsed);
-    if (status != laneAgrees) {
-      return status;
+  bool agrees = true;
+  for (int i = 0; i < course->block.count && agrees; i++) {
+    const EnergyTrial* trial = &course->block.trials[i];
+    const Turn* turns = course->block.turns + i * race->rule.kappa;
+    const bool clash = openTrial(lane, race->scene, race->rule.kappa, turns);
+    if (clash || trial->clash) {
+      ctReject(lane->tree);
+      agrees = clash == trial->clash;
+    } else {
+      agrees = runFree(lane, trial, course->clockCost, isTimed, &elapsed);
+      count++;
     }
-    sum += elapsed;
-    count += !course->block.trials[i].clash;
   }
   if (isTimed && count > 0) {
-    lane->means[lane->meanCount++] = sum / count;
+    lane->means[lane->meanCount++] = elapsed / count;
   }
-  return laneAgrees;
+  return agrees;
 }
 
 /* Another lane begins each block: the first finds least in the caches. */
@@ -379,11 +324,8 @@ static bool runLanes(EnergyCourse* course, int number, char* error, size_t size)
   const int laneCount = course->race->laneCount;
   for (int i = 0; i < laneCount; i++) {
     EnergyLane* lane = &course->lanes[(i + number) % laneCount];
-    const LaneStatus status = runBlock(lane, course, number > 0);
-    if (status != laneAgrees) {
-      snprintf(error, size,
-               status == laneDiffers ? "%s computes other energies than the others" : "not enough memory for %s",
-               lane->contestant->name);
+    if (!runBlock(lane, course, number > 0)) {
+      snprintf(error, size, "%s computes other energies than the others", lane->contestant->name);
       return false;
     }
   }
@@ -396,10 +338,7 @@ static bool runBlocks(EnergyCourse* course, char* error, size_t size) {
   for (int b = 0; b == 0 || timed < race->trialCount; b++) {
     const int left = race->trialCount - timed;
     const int count = left < race->blockSize ? left : race->blockSize;
-    if (!makeBlock(course, count)) {
-      snprintf(error, size, "not enough memory for a trial");
-      return false;
-    }
+    makeBlock(course, count);
     if (!runLanes(course, b, error, size)) {
       return false;
     }
@@ -417,39 +356,20 @@ static bool runBlocks(EnergyCourse* course, char* error, size_t size) {
 
 /* ---- Results ---- */
 
-static double medianOf(double* values, int count) {
-  return count == 0 ? 0 : quartilesOf(values, count).median;
-}
-
-/* Ends the lane's energy, so as to know how much memory it had. */
-static bool finish(EnergyCourse* course, EnergyLane* lane, EnergyResult* result) {
+static void finish(const EnergyCourse* course, EnergyLane* lane, EnergyResult* result) {
   *result = (EnergyResult){.instructionSet = ctGetInstructionSet(lane->tree),
                            .free = course->free,
                            .accepted = course->accepted,
-                           .microseconds = quartilesOf(lane->times, lane->timeCount),
+                           .microseconds = medianOf(lane->times, lane->timeCount),
                            .mean = medianOf(lane->means, lane->meanCount),
-                           .acceptance = medianOf(lane->acceptances, lane->acceptanceCount),
                            .energy = energyOf(lane, course->race->energy)};
   memcpy(result->reached, course->reached, sizeof result->reached);
   memcpy(result->refused, course->refused, sizeof result->refused);
   for (int part = 0; part < CT_ENERGY_PARTS; part++) {
     result->parts[part] = medianOf(lane->parts[part], lane->partCounts[part]);
   }
-  const double start = now();
-  if (ctRefreshEnergy(lane->energy, NULL) != ctSuccess) {
-    return false;
-  }
-  result->refresh = now() - start;
+  ourCheck(ctRefreshEnergy(lane->energy, NULL));
   result->drift = energyOf(lane, course->race->energy) - result->energy;
-  const int64_t all = heapBytes();
-  ctDestroyEnergy(lane->energy);
-  lane->energy = NULL;
-  const int64_t withoutEnergy = heapBytes();
-  ctDestroy(lane->tree);
-  lane->tree = NULL;
-  result->energyBytes = all < 0 ? -1 : all - withoutEnergy;
-  result->treeBytes = all < 0 ? -1 : withoutEnergy - heapBytes();
-  return true;
 }
 
 bool energyRaceRun(const EnergyRace* race, EnergyResult* results, char* error, size_t size) {
@@ -457,12 +377,9 @@ bool energyRaceRun(const EnergyRace* race, EnergyResult* results, char* error, s
   if (race->record != NULL) {
     recordNames(race);
   }
-  bool success = courseBegin(&course, race, error, size) && runBlocks(&course, error, size);
+  const bool success = courseBegin(&course, race, error, size) && runBlocks(&course, error, size);
   for (int i = 0; i < race->laneCount && success; i++) {
-    success = finish(&course, &course.lanes[i], &results[i]);
-    if (!success) {
-      snprintf(error, size, "not enough memory");
-    }
+    finish(&course, &course.lanes[i], &results[i]);
   }
   courseEnd(&course);
   return success;

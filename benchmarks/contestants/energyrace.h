@@ -20,8 +20,8 @@ typedef struct EnergyContestant {
 /* In a roster that ends with one without a name. */
 extern const EnergyContestant energyContestants[];
 
-/* By name, of this length; NULL if there is none. */
-const EnergyContestant* energyContestantFind(const char* name, size_t length);
+/* By name; NULL if there is none. */
+const EnergyContestant* energyContestantFind(const char* name);
 
 typedef struct EnergyRace {
   const Scene* scene;
@@ -46,17 +46,13 @@ typedef struct EnergyResult {
   const char* instructionSet;
   int free;                      /* trials without a clash */
   int accepted;                  /* of these */
-  Quartiles microseconds;        /* of all that was computed of a trial, over trials */
+  double microseconds;           /* of all that was computed of a trial, the median over trials */
   double mean;                   /* microseconds a trial: the median over blocks of their means */
-  double parts[CT_ENERGY_PARTS]; /* microseconds: medians over the trials that came so far */
-  double acceptance;             /* microseconds: median over accepted trials */
+  double parts[CT_ENERGY_PARTS]; /* microseconds: medians over the trials that came to the part */
   int reached[CT_ENERGY_PARTS];  /* trials that came to this part */
   int refused[CT_ENERGY_PARTS];  /* of these */
-  double refresh;                /* microseconds, of the whole energy anew */
   double energy;                 /* kJ/mol, of the last state, as it was added up */
-  double drift;                  /* from that to the energy computed anew */
-  int64_t treeBytes;             /* that destroying the tree and the energy has freed; -1: not known */
-  int64_t energyBytes;
+  double drift;                  /* from that to the energy computed again */
 } EnergyResult;
 
 /* Fills results[laneCount]. False if that fails, or if contestants differ in a bit; then `error`, of `size` bytes, says

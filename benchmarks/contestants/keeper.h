@@ -3,7 +3,6 @@
 #ifndef KEEPER_H_
 #define KEEPER_H_
 
-#include <stdlib.h>
 #include <string.h>
 
 #include "bodies.h"
@@ -15,31 +14,21 @@ typedef struct Keeper {
   Counts counts;
 } Keeper;
 
-/* A contestant of this size, zeroed but for its keeper; NULL if there is no memory. */
+/* A contestant of this size, zeroed but for its keeper. */
 static inline void* keeperMake(const Scene* scene, size_t size) {
-  const size_t bytes = ((size_t)scene->particleCount + 1) * sizeof(Sphere);
-  Keeper* keeper = calloc(1, size);
-  if (keeper == NULL) {
-    return NULL;
-  }
-  *keeper = (Keeper){.scene = scene, .spheres = malloc(bytes), .trial = malloc(bytes)};
-  if (keeper->spheres == NULL || keeper->trial == NULL) {
-    free(keeper->spheres);
-    free(keeper->trial);
-    free(keeper);
-    return NULL;
-  }
-  memcpy(keeper->spheres, scene->spheres, bytes - sizeof(Sphere));
+  Keeper* keeper = allocate(1, size);
+  keeper->scene = scene;
+  keeper->spheres = allocate(scene->particleCount, sizeof(Sphere));
+  keeper->trial = allocate(scene->particleCount, sizeof(Sphere));
+  memcpy(keeper->spheres, scene->spheres, (size_t)scene->particleCount * sizeof(Sphere));
   return keeper;
 }
 
 static inline void keeperDestroy(void* self) {
   Keeper* keeper = self;
-  if (keeper != NULL) {
-    free(keeper->spheres);
-    free(keeper->trial);
-    free(keeper);
-  }
+  free(keeper->spheres);
+  free(keeper->trial);
+  free(keeper);
 }
 
 /* Works out the trial: what moves together, and all particles. */
@@ -48,12 +37,11 @@ static inline void keeperMove(Keeper* keeper, int count, const Turn* turns, Bodi
   bodiesApply(bodies, keeper->spheres, keeper->trial);
 }
 
-static inline bool keeperAccept(void* self) {
+static inline void keeperAccept(void* self) {
   Keeper* keeper = self;
   Sphere* trial = keeper->spheres;
   keeper->spheres = keeper->trial;
   keeper->trial = trial;
-  return true;
 }
 
 static inline void keeperReject(void* self) {

@@ -21,18 +21,6 @@ static inline Lanes lanesLoad(const float* x) {
   return _mm512_loadu_ps(x);
 }
 
-static inline void lanesStore(float* x, Lanes lanes) {
-  _mm512_storeu_ps(x, lanes);
-}
-
-static inline Lanes lanesLesser(Lanes a, Lanes b) {
-  return _mm512_min_ps(a, b);
-}
-
-static inline Lanes lanesSquareRoot(Lanes lanes) {
-  return _mm512_sqrt_ps(lanes);
-}
-
 static inline Lanes lanesOf(float x) {
   return _mm512_set1_ps(x);
 }
@@ -78,10 +66,6 @@ static inline void intLanesStoreSome(int* x, unsigned mask, IntLanes lanes) {
   _mm512_storeu_si512(x, _mm512_maskz_compress_epi32((__mmask16)mask, lanes));
 }
 
-static inline void lanesStoreSome(float* x, unsigned mask, Lanes lanes) {
-  _mm512_storeu_ps(x, _mm512_maskz_compress_ps((__mmask16)mask, lanes));
-}
-
 #elif defined(__AVX2__)
 
 enum { LANES = 8 };
@@ -91,18 +75,6 @@ typedef __m256i IntLanes;
 
 static inline Lanes lanesLoad(const float* x) {
   return _mm256_loadu_ps(x);
-}
-
-static inline void lanesStore(float* x, Lanes lanes) {
-  _mm256_storeu_ps(x, lanes);
-}
-
-static inline Lanes lanesLesser(Lanes a, Lanes b) {
-  return _mm256_min_ps(a, b);
-}
-
-static inline Lanes lanesSquareRoot(Lanes lanes) {
-  return _mm256_sqrt_ps(lanes);
 }
 
 static inline Lanes lanesOf(float x) {
@@ -154,10 +126,6 @@ static inline void intLanesStoreSome(int* x, unsigned mask, IntLanes lanes) {
   _mm256_storeu_si256((__m256i*)x, _mm256_permutevar8x32_epi32(lanes, chosenLanes(mask)));
 }
 
-static inline void lanesStoreSome(float* x, unsigned mask, Lanes lanes) {
-  _mm256_storeu_ps(x, _mm256_permutevar8x32_ps(lanes, chosenLanes(mask)));
-}
-
 #else
 
 enum { LANES = 4 };
@@ -174,24 +142,6 @@ typedef struct IntLanes {
 static inline Lanes lanesLoad(const float* x) {
   Lanes lanes;
   memcpy(lanes.x, x, sizeof lanes.x);
-  return lanes;
-}
-
-static inline void lanesStore(float* x, Lanes lanes) {
-  memcpy(x, lanes.x, sizeof lanes.x);
-}
-
-static inline Lanes lanesLesser(Lanes a, Lanes b) {
-  for (int k = 0; k < LANES; k++) {
-    a.x[k] = a.x[k] < b.x[k] ? a.x[k] : b.x[k];
-  }
-  return a;
-}
-
-static inline Lanes lanesSquareRoot(Lanes lanes) {
-  for (int k = 0; k < LANES; k++) {
-    lanes.x[k] = sqrtf(lanes.x[k]);
-  }
   return lanes;
 }
 
@@ -262,26 +212,7 @@ static inline void intLanesStoreSome(int* x, unsigned mask, IntLanes lanes) {
   }
 }
 
-static inline void lanesStoreSome(float* x, unsigned mask, Lanes lanes) {
-  int count = 0;
-  for (int k = 0; k < LANES; k++) {
-    x[count] = lanes.x[k];
-    count += (int)(mask >> k & 1);
-  }
-}
-
 #endif
-
-/* The least of all lanes. */
-static inline float lanesLeast(Lanes lanes) {
-  float x[LANES];
-  lanesStore(x, lanes);
-  float least = x[0];
-  for (int k = 1; k < LANES; k++) {
-    least = x[k] < least ? x[k] : least;
-  }
-  return least;
-}
 
 static inline int bitCount(unsigned mask) {
 #if defined(__GNUC__)

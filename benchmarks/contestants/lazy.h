@@ -55,25 +55,16 @@ typedef bool RunMeets(Lazy* lazy, const Run* run);
 
 static inline void lazyDestroy(void* self) {
   Lazy* lazy = self;
-  if (lazy != NULL) {
-    free(lazy->seen);
-    free(lazy->bodies);
-    keeperDestroy(lazy);
-  }
+  free(lazy->seen);
+  free(lazy->bodies);
+  keeperDestroy(lazy);
 }
 
 /* As keeperMake. */
 static inline void* lazyMake(const Scene* scene, size_t size) {
   Lazy* lazy = keeperMake(scene, size);
-  if (lazy == NULL) {
-    return NULL;
-  }
-  lazy->seen = malloc(((size_t)scene->particleCount + 1) * sizeof(Sphere));
-  lazy->bodies = calloc((size_t)scene->particleCount + 1, 1);
-  if (lazy->seen == NULL || lazy->bodies == NULL) {
-    lazyDestroy(lazy);
-    return NULL;
-  }
+  lazy->seen = allocate(scene->particleCount, sizeof(Sphere));
+  lazy->bodies = allocate(scene->particleCount, 1);
   return lazy;
 }
 
@@ -142,7 +133,7 @@ static inline void lazyMarkBodies(Lazy* lazy, bool marked) {
   }
 }
 
-static inline int lazyTest(Lazy* lazy, int count, const Turn* turns, RunMeets* runMeets) {
+static inline bool lazyTest(Lazy* lazy, int count, const Turn* turns, RunMeets* runMeets) {
   bodiesMove(lazy->keeper.scene, lazy->keeper.spheres, count, turns, &lazy->motion);
   lazy->isSmall = true;
   for (int i = 0; i < count; i++) {

@@ -1,8 +1,5 @@
 #include "moves.h"
 
-#include <stdio.h>
-#include <stdlib.h>
-
 #include "rigid.h"
 
 /* Particles behind the last torsion that biased moves hold in place: three fix a rigid body. */
@@ -10,11 +7,7 @@ enum { HELD_PARTICLES = 3 };
 
 bool movesInit(Moves* moves, const Scene* scene, MoveRule rule, uint64_t seed, char* error, size_t size) {
   *moves = (Moves){.scene = scene, .rule = rule, .random = {seed}};
-  moves->choices = calloc((size_t)scene->torsionCount + 1, sizeof(int));
-  if (moves->choices == NULL) {
-    snprintf(error, size, "not enough memory");
-    return false;
-  }
+  moves->choices = allocate(scene->torsionCount, sizeof(int));
   const bool sideChains = rule.kind == movesSideChain || rule.kind == movesSideChainStep;
   for (int t = 0; t < scene->torsionCount; t++) {
     if (scene->torsions[t].sideChain == sideChains) {

@@ -28,8 +28,7 @@ typedef struct Moves {
   Random random;
 } Moves;
 
-/* False if there is no memory, or no torsion of the kind that the rule calls for; then `error`, of `size` bytes, says
- * which. */
+/* False if there are too few torsions of the kind that the rule calls for; then `error`, of `size` bytes, says so. */
 bool movesInit(Moves* moves, const Scene* scene, MoveRule rule, uint64_t seed, char* error, size_t size);
 void movesFree(Moves* moves);
 

@@ -2,18 +2,13 @@
  * spheres, tested against itself; and K-OBBTree, a tree of each rigid piece, tested against those of the others.
  *
  * The trees are those of Gottschalk, Lin and Manocha (1996), whose library the paper used: the spheres of a node are
- * parted where their mean is along the longest edge of its box, until a leaf holds one. With some spheres in a leaf
- * there are fewer boxes to make, which is faster, but other counts than the paper's; these are contestants of their
- * own. */
+ * parted where their mean is along the longest edge of its box, until a leaf holds one. */
 #include "keeper.h"
 #include "obb.h"
 
-enum { LARGE_LEAF = 8 };
-
 typedef struct ObbNode {
   Obb box;
-  int first; /* its spheres */
-  int count;
+  int first;  /* of its spheres */
   int second; /* the second child, behind the first, which is behind the node itself; 0: a leaf */
 } ObbNode;
 
@@ -21,26 +16,9 @@ typedef struct ObbNode {
 typedef struct ObbForest {
   Sphere* spheres; /* parted */
   int* particles;  /* of spheres */
-  int leafSize;    /* nodes of more spheres are parted */
   int nodeCount;
   ObbNode* nodes;
 } ObbForest;
-
-static void obbForestFree(ObbForest* forest) {
-  free(forest->spheres);
-  free(forest->particles);
-  free(forest->nodes);
-}
-
-/* For up to `count` spheres; false if there is no memory. */
-static bool obbForestInit(ObbForest* forest, int count, int leafSize) {
-  const size_t size = (size_t)count + 1;
-  forest->leafSize = leafSize;
-  forest->spheres = malloc(size * sizeof(Sphere));
-  forest->particles = malloc(size * sizeof(int));
-  forest->nodes = malloc(2 * size * sizeof(ObbNode));
-  return forest->spheres != NULL && forest->particles != NULL && forest->nodes != NULL;
-}
 
 static void meanOf(const Sphere* spheres, int count, double mean[3]) {
   double sum[3] = {0, 0, 0};
@@ -119,10 +97,9 @@ static int obbTreeMake(ObbForest* forest, int first, int count) {
   double mean[3];
   meanOf(spheres, count, mean);
   node->first = first;
-  node->count = count;
   fitBox(spheres, count, mean, &node->box);
   node->second = 0;
-  if (count > forest->leafSize) {
+  if (count > 1) {
     const double* half = node->box.half;
     const int longest = half[0] >= half[1] ? (half[0] >= half[2] ? 0 : 2) : (half[1] >= half[2] ? 1 : 2);
     const double* normal = node->box.axes[longest];
@@ -133,21 +110,12 @@ static int obbTreeMake(ObbForest* forest, int first, int count) {
   return index;
 }
 
-/* Pairs of spheres of a range with those of another, or of the same. */
-static bool rangesClash(const ObbForest* forest, const Scene* scene, const ObbNode* a, const ObbNode* b,
-                        Counts* counts) {
-  for (int i = a->first; i < a->first + a->count; i++) {
-    const Sphere* sphere = &forest->spheres[i];
-    for (int j = a == b ? i + 1 : b->first; j < b->first + b->count; j++) {
-      const double sum = sphere->radius + forest->spheres[j].radius;
-      counts->particleTests++;
-      if (squaredDistance(sphere->x, forest->spheres[j].x) < sum * sum &&
-          !sceneExcludes(scene, forest->particles[i], forest->particles[j])) {
-        return true;
-      }
-    }
-  }
-  return false;
+/* Of two leaves. */
+static bool spheresClash(const ObbForest* forest, const Scene* scene, int i, int j, Counts* counts) {
+  const double sum = forest->spheres[i].radius + forest->spheres[j].radius;
+  counts->particleTests++;
+  return squaredDistance(forest->spheres[i].x, forest->spheres[j].x) < sum * sum &&
+         !sceneExcludes(scene, forest->particles[i], forest->particles[j]);
 }
 
 /* Whether spheres of two nodes, neither below the other, clash; the larger box is taken apart first. */
@@ -159,7 +127,7 @@ static bool obbNodesClash(const ObbForest* forest, const Scene* scene, int a, in
     return false;
   }
   if (nodeA->second == 0 && nodeB->second == 0) {
-    return rangesClash(forest, scene, nodeA, nodeB, counts);
+    return spheresClash(forest, scene, nodeA->first, nodeB->first, counts);
   }
   if (nodeB->second == 0 || (nodeA->second > 0 && obbMeasure(&nodeA->box) >= obbMeasure(&nodeB->box))) {
     return obbNodesClash(forest, scene, a + 1, b, counts) || obbNodesClash(forest, scene, nodeA->second, b, counts);
@@ -175,28 +143,19 @@ typedef struct ObbTrees {
 } ObbTrees;
 
 static void destroy(void* self) {
-  ObbTrees* trees = self;
-  if (trees != NULL) {
-    obbForestFree(&trees->forest);
-    keeperDestroy(trees);
-  }
-}
-
-static void* makeWithLeaves(const Scene* scene, int leafSize) {
-  ObbTrees* trees = keeperMake(scene, sizeof *trees);
-  if (trees != NULL && !obbForestInit(&trees->forest, scene->particleCount, leafSize)) {
-    destroy(trees);
-    return NULL;
-  }
-  return trees;
+  ObbForest* forest = &((ObbTrees*)self)->forest;
+  free(forest->spheres);
+  free(forest->particles);
+  free(forest->nodes);
+  keeperDestroy(self);
 }
 
 static void* make(const Scene* scene) {
-  return makeWithLeaves(scene, 1);
-}
-
-static void* makeLarge(const Scene* scene) {
-  return makeWithLeaves(scene, LARGE_LEAF);
+  ObbTrees* trees = keeperMake(scene, sizeof *trees);
+  trees->forest.spheres = allocate(scene->particleCount, sizeof(Sphere));
+  trees->forest.particles = allocate(scene->particleCount, sizeof(int));
+  trees->forest.nodes = allocate(2 * scene->particleCount, sizeof(ObbNode));
+  return trees;
 }
 
 /* Of two nodes of the forest. */
@@ -205,35 +164,22 @@ static bool nodesClash(ObbTrees* trees, int a, int b) {
 }
 
 static bool clashesWithItself(ObbTrees* trees, int node) {
-  const ObbNode* its = &trees->forest.nodes[node];
-  if (its->second == 0) {
-    return rangesClash(&trees->forest, trees->keeper.scene, its, its, &trees->keeper.counts);
-  }
-  return clashesWithItself(trees, node + 1) || clashesWithItself(trees, its->second) ||
-         nodesClash(trees, node + 1, its->second);
+  const int second = trees->forest.nodes[node].second;
+  return second > 0 && (clashesWithItself(trees, node + 1) || clashesWithItself(trees, second) ||
+                        nodesClash(trees, node + 1, second));
 }
 
-static int anyClash(ObbTrees* trees, const Sphere* spheres) {
+static bool testOneTree(void* self, int count, const Turn* turns) {
+  ObbTrees* trees = self;
+  Bodies bodies;
+  keeperMove(&trees->keeper, count, turns, &bodies);
   const int particles = trees->keeper.scene->particleCount;
-  memcpy(trees->forest.spheres, spheres, (size_t)particles * sizeof(Sphere));
+  memcpy(trees->forest.spheres, trees->keeper.trial, (size_t)particles * sizeof(Sphere));
   for (int i = 0; i < particles; i++) {
     trees->forest.particles[i] = i;
   }
   trees->forest.nodeCount = 0;
-  const int root = obbTreeMake(&trees->forest, 0, particles);
-  trees->keeper.counts.updates += trees->forest.nodeCount;
-  return clashesWithItself(trees, root);
-}
-
-static int testAll(void* self) {
-  return anyClash(self, ((Keeper*)self)->spheres);
-}
-
-static int testOneTree(void* self, int count, const Turn* turns) {
-  Keeper* keeper = self;
-  Bodies bodies;
-  keeperMove(keeper, count, turns, &bodies);
-  return anyClash(self, keeper->trial);
+  return clashesWithItself(trees, obbTreeMake(&trees->forest, 0, particles));
 }
 
 /* Makes the tree of the particles of one body, as they are in the trial, behind `first` spheres of other trees. */
@@ -249,7 +195,7 @@ static int makeTree(ObbTrees* trees, const Bodies* bodies, int body, int first) 
   return obbTreeMake(&trees->forest, first, count);
 }
 
-static int testTreeOfEachBody(void* self, int count, const Turn* turns) {
+static bool testTreeOfEachBody(void* self, int count, const Turn* turns) {
   ObbTrees* trees = self;
   Bodies bodies;
   keeperMove(&trees->keeper, count, turns, &bodies);
@@ -263,32 +209,24 @@ static int testTreeOfEachBody(void* self, int count, const Turn* turns) {
       first += bodies.sizes[body];
     }
   }
-  trees->keeper.counts.updates += trees->forest.nodeCount;
   for (int a = 0; a < rootCount; a++) {
     for (int b = 0; b < a; b++) {
       if (nodesClash(trees, roots[a], roots[b])) {
-        return 1;
+        return true;
       }
     }
   }
-  return 0;
+  return false;
 }
 
-#define OBB_TREES(itsName, itsIdea, itsMake, itsTest, itsTestAll)                                                   \
-  {                                                                                                                 \
-    .name = itsName, .idea = itsIdea, .make = itsMake, .destroy = destroy, .test = itsTest, .accept = keeperAccept, \
-    .reject = keeperReject, .testAll = itsTestAll, .counts = keeperCounts, .spheres = keeperSpheres                 \
+#define OBB_TREES(itsName, itsIdea, itsTest)                                                                     \
+  {                                                                                                              \
+    .name = itsName, .idea = itsIdea, .make = make, .destroy = destroy, .test = itsTest, .accept = keeperAccept, \
+    .reject = keeperReject, .counts = keeperCounts, .spheres = keeperSpheres                                     \
   }
 
 const Contestant CONTESTANT(contestantObbTree1) = OBB_TREES("obbtree1",
-                                                            "the paper's 1-OBBTree: one tree of boxes, made anew", make,
-                                                            testOneTree, testAll);
-const Contestant CONTESTANT(contestantObbTree1Leaves) = OBB_TREES("obbtree1-leaves",
-                                                                  "the same with eight spheres in a leaf", makeLarge,
-                                                                  testOneTree, testAll);
+                                                            "the paper's 1-OBBTree: one tree of boxes for each trial",
+                                                            testOneTree);
 const Contestant CONTESTANT(contestantKObbTree) =
-    OBB_TREES("kobbtree", "the paper's K-OBBTree: a tree of boxes of each rigid piece, made anew", make,
-              testTreeOfEachBody, NULL);
-const Contestant CONTESTANT(contestantKObbTreeLeaves) = OBB_TREES("kobbtree-leaves",
-                                                                  "the same with eight spheres in a leaf", makeLarge,
-                                                                  testTreeOfEachBody, NULL);
+    OBB_TREES("kobbtree", "the paper's K-OBBTree: a tree of boxes of each rigid piece", testTreeOfEachBody);

@@ -5,15 +5,7 @@
 #include "moves.h"
 #include "roster.h"
 
-typedef enum Measure {
-  measureTrials,
-  measureWhole,
-  measurePairs,
-  measureNearest,
-  measureDrift,
-  measureTouch,
-  measureEnergy
-} Measure;
+typedef enum Measure { measureTrials, measurePairs, measureEnergy } Measure;
 
 typedef struct Options {
   Measure measure;
@@ -21,13 +13,10 @@ typedef struct Options {
   int count; /* of spheres */
   const char* moves;
   MoveRule rule;
-  uint64_t seed;
+  int seed;
   int trialCount;
   int blockSize;
   double cutoff;
-  int obstacleCount;
-  double seconds;          /* that a race may last */
-  bool readsPositions;     /* after each trial taken over */
   const char* contestants; /* names with commas between them */
   const InstructionSet* set;
   const char* record; /* a file, or NULL */
@@ -35,7 +24,6 @@ typedef struct Options {
   const char* energy; /* a file, or NULL */
   double temperature; /* K */
   bool help;
-  bool list;
   bool about;
 } Options;
 

@@ -6,16 +6,15 @@
 #include "energyfile.h"
 #include "scene.h"
 
-/* With the first `exclusionCount` exclusions, and behind the scene's particles obstacles at rest, at these
- * 3 * obstacleCount coordinates. NULL if there is no memory. */
-ctChainTree* ourTreeOf(const Scene* scene, int exclusionCount, int obstacleCount, const double* obstacles);
+/* Ends the program unless a call of the engine was a success: nothing but memory can fail in a race. */
+void ourCheck(ctStatus status);
 
-/* The scene alone, as if a variable of the environment (CHAINTREE_SIMD, CHAINTREE_TRIALS) had this value. */
-ctChainTree* ourTreeWith(const Scene* scene, const char* variable, const char* value);
+/* The scene with its first `exclusionCount` exclusions. */
+ctChainTree* ourTreeOf(const Scene* scene, int exclusionCount);
 
-/* The scene with an energy, by an instruction set, or by the best that there is if that is NULL. Both NULL if that
- * fails; then `error`, of `size` bytes, says why. */
-ctChainTree* ourTreeWithEnergy(const Scene* scene, const Energy* energy, const char* instructionSet, ctEnergy** made,
-                               char* error, size_t size);
+/* The scene, as if a variable of the environment (CHAINTREE_SIMD, CHAINTREE_TRIALS) had this value, unless NULL; and,
+ * unless NULL, with an energy, which is made. NULL if an energy is refused; then `error`, of `size` bytes, says why. */
+ctChainTree* ourTreeWith(const Scene* scene, const char* variable, const char* value, const Energy* energy,
+                         ctEnergy** made, char* error, size_t size);
 
 #endif /* OURTREE_H_ */

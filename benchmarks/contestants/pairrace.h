@@ -17,12 +17,12 @@ typedef struct PairRace {
 } PairRace;
 
 typedef struct PairResult {
-  Quartiles microseconds; /* per list */
-  int pairCount;          /* of the last */
+  double microseconds; /* median over lists */
+  int pairCount;       /* of the last */
 } PairResult;
 
-/* Fills results[finderCount]. False if that fails, or if finders disagree by more than rounding to single precision
- * explains; then `error`, of `size` bytes, says why. */
+/* Fills results[finderCount]. False if finders disagree by more than rounding to single precision explains; then
+ * `error`, of `size` bytes, says which. */
 bool pairRaceRun(const PairRace* race, PairResult* results, char* error, size_t size);
 
 #endif /* PAIRRACE_H_ */

@@ -14,10 +14,7 @@ typedef struct Race {
   MoveRule rule;
   uint64_t seed;
   int trialCount;
-  int blockSize;       /* trials of one contestant before the next has its turn */
-  double seconds;      /* the race ends with the block in which its contestants have taken that long together, */
-                       /* and is incomplete unless that is the last one */
-  bool readsPositions; /* all positions are worked out after each trial taken over, as part of its time */
+  int blockSize; /* trials of one contestant before the next has its turn */
   int laneCount;
   const Contestant* contestants[MOST_LANES];
   const Contestant* judge; /* keeps positions; asked where trials depend on them */
@@ -27,19 +24,24 @@ typedef struct Race {
 /* Of one contestant. The first block is not timed, but its trials count where tests and accepted trials are counted. */
 typedef struct RaceResult {
   const char* instructionSet; /* NULL if the contestant does not choose it */
-  int trials;                 /* that were timed: fewer than trialCount if the race is incomplete */
-  double gyration[3];         /* radius of gyration, in the scene's unit: of the scene as it is, and before and after */
-                              /* the trials that were timed */
-  Quartiles microseconds;     /* per trial */
+  double microseconds;        /* per trial, the median over blocks */
   double accepted;            /* share of trials */
-  double volumeTests;         /* per trial, as the others */
+  double volumeTests;         /* per trial */
   double particleTests;
-  double updates;
-  int64_t bytes; /* that destroying the contestant has freed after the race; -1: not known */
 } RaceResult;
 
 /* Fills results[laneCount]. False if that fails, or if contestants disagree about a trial; then `error`, of `size`
  * bytes, says why. */
 bool raceRun(const Race* race, RaceResult* results, char* error, size_t size);
+
+/* A race on file, for whoever wants to run the same trials: lines of JSON.
+ *
+ *   {"particles": [[x, y, z, radius], ...], "names": [number in the source of the scene, ...],
+ *    "torsions": [[near, far, first, last], ...], "exclusions": [[i, j], ...]}
+ *   {"turns": [[torsion, angle in rad], ...], "clash": false}             one for each trial, from the first on
+ *
+ * A torsion turns the particles first ... last - 1 about the line from particle near to particle far. */
+void recordScene(FILE* file, const Scene* scene);
+void recordTrial(FILE* file, int count, const Turn* turns, bool clash);
 
 #endif /* RACE_H_ */

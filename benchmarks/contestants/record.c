@@ -1,4 +1,4 @@
-#include "record.h"
+#include "race.h"
 
 static const char* comma(int i) {
   return i == 0 ? "" : ", ";

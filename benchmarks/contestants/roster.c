@@ -46,40 +46,18 @@ const InstructionSet* instructionSetFind(const char* name) {
   return NULL;
 }
 
-static bool isCalled(const char* itsName, const char* name, size_t length) {
-  return strlen(itsName) == length && memcmp(itsName, name, length) == 0;
+const Contestant* contestantFind(const InstructionSet* set, const char* name) {
+  const Contestant* const* c = set->contestants;
+  while (*c != NULL && strcmp((*c)->name, name) != 0) {
+    c++;
+  }
+  return *c;
 }
 
-/* Ends a function with the entry of a roster that is called `name`, of `length`, or NULL. */
-#define RETURN_NAMED(roster)                         \
-  for (size_t i = 0; (roster)[i] != NULL; i++) {     \
-    if (isCalled((roster)[i]->name, name, length)) { \
-      return (roster)[i];                            \
-    }                                                \
-  }                                                  \
-  return NULL
-
-const Contestant* contestantFind(const InstructionSet* set, const char* name, size_t length) {
-  RETURN_NAMED(set->contestants);
-}
-
-static const Contestant* findPrecision(const InstructionSet* set, const char* name, size_t length) {
-  RETURN_NAMED(set->precisions);
-}
-
-const Contestant* precisionFind(const InstructionSet* set, const char* name, size_t length) {
-  const Contestant* found = findPrecision(set, name, length);
-  return found != NULL ? found : contestantFind(set, name, length);
-}
-
-const Kinematics* kinematicsFind(const InstructionSet* set, const char* name, size_t length) {
-  RETURN_NAMED(set->kinematics);
-}
-
-const PairFinder* pairFinderFind(const InstructionSet* set, const char* name, size_t length) {
-  RETURN_NAMED(set->pairFinders);
-}
-
-const NearestFinder* nearestFinderFind(const InstructionSet* set, const char* name, size_t length) {
-  RETURN_NAMED(set->nearestFinders);
+const PairFinder* pairFinderFind(const InstructionSet* set, const char* name) {
+  const PairFinder* const* f = set->pairFinders;
+  while (*f != NULL && strcmp((*f)->name, name) != 0) {
+    f++;
+  }
+  return *f;
 }

@@ -1,7 +1,7 @@
 /* What the contestants move: spheres in rigid links that hang on each other by torsions.
  *
- * The particles stand in the order of a walk over the links, depth-first, the heaviest branch last. So what a torsion
- * moves is one interval of them, and for a chain that is all from some particle on. */
+ * The particles stand in the order of a walk over the links, depth-first. So what a torsion moves is one interval of
+ * them, and for a chain that is all from some particle on. */
 #ifndef SCENE_H_
 #define SCENE_H_
 
@@ -41,30 +41,25 @@ typedef struct Scene {
   int* excluded;
 } Scene;
 
-/* A link in the source of a scene. */
-typedef struct SourceLink {
-  int parent;  /* -1: at rest */
-  int axis[2]; /* of the torsion that turns it: a particle of the parent, a particle of the link; -1: none */
-  bool sideChain;
-} SourceLink;
+/* With room for these numbers of particles, links and exclusions, and without torsions. */
+Scene* sceneAllocate(int particleCount, int linkCount, int exclusionCount);
 
-/* A scene as it comes from a generator or a file, in any order. */
-typedef struct SceneSource {
-  int particleCount;
-  Sphere* spheres;
-  int* particleLinks;
-  int linkCount;
-  SourceLink* links;
-  int exclusionCount;
-  int (*exclusions)[2];
-} SceneSource;
+/* Fills what exclusions are looked up by. */
+void sceneIndexExclusions(Scene* scene);
 
-/* Zeroed arrays for a source; false if there is no memory. */
-bool sceneSourceInit(SceneSource* source, int particleCount, int linkCount, int exclusionCount);
-void sceneSourceFree(SceneSource* source);
+/* A scene from a text file: words and numbers with white space between them, indices from 0.
+ *
+ *   chaintree-scene 2
+ *   particles N links L exclusions E
+ *   x y z radius link name         N times: the particle, its link, and its number in the source
+ *   parent near far first last side  L times: of each link its parent, the particle of the parent and its own particle
+ *                                  on the axis that turns it, the interval that it turns, and 1 if it belongs to a side
+ *                                  chain, else 0; of a link at rest, parent is -1, and the others do not matter
+ *   i j                            E times: pairs that never clash
+ *
+ * NULL if that fails; then `error`, of `size` bytes, says why. */
+Scene* sceneRead(const char* path, char* error, size_t size);
 
-/* Checks and orders a source. NULL if that fails; then `error`, of `size` bytes, says why. */
-Scene* sceneMake(const SceneSource* source, char* error, size_t size);
 void sceneFree(Scene* scene);
 
 /* Whether two particles never clash. */

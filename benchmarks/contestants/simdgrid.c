@@ -52,31 +52,24 @@ typedef struct SimdGrid {
 
 static void destroy(void* self) {
   SimdGrid* grid = self;
-  if (grid != NULL) {
-    cellsFree(&grid->cells);
-    free(grid->entries);
-    free(grid->places);
-    free(grid->blocks);
-    lazyDestroy(grid);
-  }
+  cellsFree(&grid->cells);
+  free(grid->entries);
+  free(grid->places);
+  free(grid->blocks);
+  lazyDestroy(grid);
 }
 
 /* ---- Blocks ---- */
 
-/* An empty block, or NO_BLOCK if there is no memory. */
+/* An empty block. */
 static int takeBlock(SimdGrid* grid) {
   int block = grid->unused;
   if (block != NO_BLOCK) {
     grid->unused = grid->blocks[block].next;
   } else {
     if (grid->blockCount == grid->blockCapacity) {
-      const int capacity = grid->blockCapacity + grid->blockCapacity / 2 + 64;
-      Block* blocks = realloc(grid->blocks, (size_t)capacity * sizeof(Block));
-      if (blocks == NULL) {
-        return NO_BLOCK;
-      }
-      grid->blocks = blocks;
-      grid->blockCapacity = capacity;
+      grid->blockCapacity += grid->blockCapacity / 2 + 64;
+      grid->blocks = reallocate(grid->blocks, grid->blockCapacity, sizeof(Block));
     }
     block = grid->blockCount++;
     grid->blocks[block] = (Block){.count = 0};
@@ -99,20 +92,15 @@ static void setLane(SimdGrid* grid, int place, int particle, const Sphere* spher
   grid->places[particle] = place;
 }
 
-/* False if there is no memory. */
-static bool insert(SimdGrid* grid, int entry, int particle, const Sphere* sphere) {
+static void insert(SimdGrid* grid, int entry, int particle, const Sphere* sphere) {
   int* head = &grid->cells.heads[entry];
   if (*head == NO_BLOCK || grid->blocks[*head].count == LANES) {
     const int block = takeBlock(grid);
-    if (block == NO_BLOCK) {
-      return false;
-    }
     grid->blocks[block].next = *head;
     *head = block;
   }
   grid->entries[particle] = entry;
   setLane(grid, *head * LANES + grid->blocks[*head].count++, particle, sphere);
-  return true;
 }
 
 /* The last particle of the first block of its cell takes its place. */
@@ -141,21 +129,12 @@ static void takeOut(SimdGrid* grid, int particle) {
 
 static void* make(const Scene* scene) {
   SimdGrid* grid = lazyMake(scene, sizeof *grid);
-  if (grid == NULL) {
-    return NULL;
-  }
-  const size_t bytes = ((size_t)scene->particleCount + 1) * sizeof(int);
   grid->unused = NO_BLOCK;
-  grid->entries = malloc(bytes);
-  grid->places = malloc(bytes);
-  bool success = cellsInit(&grid->cells, scene, cellsReach(scene), ENTRIES_PER_PARTICLE, LANES) &&
-                 grid->entries != NULL && grid->places != NULL;
-  for (int i = 0; i < scene->particleCount && success; i++) {
-    success = insert(grid, cellOf(&grid->cells, &scene->spheres[i]), i, &scene->spheres[i]);
-  }
-  if (!success) {
-    destroy(grid);
-    return NULL;
+  grid->entries = allocate(scene->particleCount, sizeof(int));
+  grid->places = allocate(scene->particleCount, sizeof(int));
+  cellsInit(&grid->cells, scene, cellsReach(scene), ENTRIES_PER_PARTICLE, LANES);
+  for (int i = 0; i < scene->particleCount; i++) {
+    insert(grid, cellOf(&grid->cells, &scene->spheres[i]), i, &scene->spheres[i]);
   }
   return grid;
 }
@@ -239,13 +218,13 @@ static bool runMeets(Lazy* lazy, const Run* run) {
   return false;
 }
 
-static int test(void* self, int count, const Turn* turns) {
+static bool test(void* self, int count, const Turn* turns) {
   return lazyTest(self, count, turns, runMeets);
 }
 
 /* ---- After the test ---- */
 
-static bool accept(void* self) {
+static void accept(void* self) {
   SimdGrid* grid = self;
   Keeper* keeper = &grid->lazy.keeper;
   const Bodies* motion = &grid->lazy.motion;
@@ -260,18 +239,9 @@ static bool accept(void* self) {
         continue;
       }
       takeOut(grid, i);
-      if (!insert(grid, entry, i, sphere)) {
-        return false;
-      }
-      keeper->counts.updates++;
+      insert(grid, entry, i, sphere);
     }
   }
-  return true;
-}
-
-static const char* instructionSet(const void* self) {
-  (void)self;
-  return LANES_ISA;
 }
 
 const Contestant CONTESTANT(contestantSimdGrid) = {.name = "simdgrid",
@@ -282,5 +252,4 @@ const Contestant CONTESTANT(contestantSimdGrid) = {.name = "simdgrid",
                                                    .accept = accept,
                                                    .reject = keeperReject,
                                                    .counts = keeperCounts,
-                                                   .spheres = keeperSpheres,
-                                                   .instructionSet = instructionSet};
+                                                   .spheres = keeperSpheres};

@@ -35,46 +35,39 @@ typedef struct VerletList {
 
 static void destroy(void* self) {
   VerletList* verlet = self;
-  if (verlet != NULL) {
-    cellsFree(&verlet->cells);
-    free(verlet->entries);
-    free(verlet->places);
-    free(verlet->listCounts);
-    free(verlet->lists);
-    free(verlet->out);
-    lazyDestroy(verlet);
-  }
+  cellsFree(&verlet->cells);
+  free(verlet->entries);
+  free(verlet->places);
+  free(verlet->listCounts);
+  free(verlet->lists);
+  free(verlet->out);
+  lazyDestroy(verlet);
 }
 
 /* ---- Lists ---- */
 
-/* Twice as much room in each list; false if there is no memory. */
-static bool widenLists(VerletList* verlet) {
+/* Twice as much room in each list. */
+static void widenLists(VerletList* verlet) {
   const int count = verlet->lazy.keeper.scene->particleCount;
   const int stride = 2 * verlet->stride;
-  int* lists = realloc(verlet->lists, ((size_t)count + 1) * (size_t)stride * sizeof(int));
-  if (lists == NULL) {
-    return false;
-  }
+  int* lists = reallocate(verlet->lists, count, (size_t)stride * sizeof(int));
   for (int i = count - 1; i >= 0; i--) {
     memmove(lists + (size_t)i * (size_t)stride, lists + (size_t)i * (size_t)verlet->stride,
             (size_t)verlet->listCounts[i] * sizeof(int));
   }
   verlet->lists = lists;
   verlet->stride = stride;
-  return true;
 }
 
 static int* listOf(const VerletList* verlet, int i) {
   return verlet->lists + (size_t)i * (size_t)verlet->stride;
 }
 
-static bool addToList(VerletList* verlet, int i, int j) {
-  if (verlet->listCounts[i] == verlet->stride && !widenLists(verlet)) {
-    return false;
+static void addToList(VerletList* verlet, int i, int j) {
+  if (verlet->listCounts[i] == verlet->stride) {
+    widenLists(verlet);
   }
   listOf(verlet, i)[verlet->listCounts[i]++] = j;
-  return true;
 }
 
 static void takeFromList(VerletList* verlet, int i, int j) {
@@ -101,7 +94,6 @@ typedef struct Partners {
   VerletList* verlet;
   bool areOfOtherBodies; /* all of them, or those that do not belong to `body` */
   unsigned char body;
-  bool success;
 } Partners;
 
 static int isPartner(const void* context, int j) {
@@ -109,24 +101,24 @@ static int isPartner(const void* context, int j) {
   return !partners->areOfOtherBodies || partners->verlet->lazy.bodies[j] != partners->body;
 }
 
-/* Of two pieces with new places, the later finds the pair. Ends the search if there is no memory. */
+/* Of two pieces with new places, the later finds the pair. */
 static bool listPair(void* context, int i, int j) {
   Partners* partners = context;
   VerletList* verlet = partners->verlet;
   const Scene* scene = verlet->lazy.keeper.scene;
   const bool isForOther = partners->areOfOtherBodies && verlet->isNew[verlet->lazy.bodies[j]] && j > i;
   if (!isForOther && scene->particleLinks[i] != scene->particleLinks[j] && !sceneExcludes(scene, i, j)) {
-    partners->success = addToList(verlet, i, j) && addToList(verlet, j, i);
+    addToList(verlet, i, j);
+    addToList(verlet, j, i);
   }
-  return !partners->success;
+  return false;
 }
 
-/* Lists the pairs of the particles that search; false if there is no memory. */
-static bool listPairs(VerletList* verlet, bool ofOtherBodies, unsigned char body) {
-  Partners partners = {verlet, ofOtherBodies, body, true};
+/* Lists the pairs of the particles that search. */
+static void listPairs(VerletList* verlet, bool ofOtherBodies, unsigned char body) {
+  Partners partners = {verlet, ofOtherBodies, body};
   searchFind(&verlet->search, &verlet->cells, verlet->places, verlet->skin, isPartner, listPair, &partners,
              &verlet->lazy.keeper.counts.particleTests);
-  return partners.success;
 }
 
 /* Puts a particle's place into the grid. */
@@ -134,41 +126,30 @@ static void setPlace(VerletList* verlet, int i, const Sphere* sphere) {
   verlet->places[i] = *sphere;
   verlet->entries[i] = cellOf(&verlet->cells, sphere);
   cellsInsert(&verlet->cells, verlet->entries[i], i);
-  verlet->lazy.keeper.counts.updates++;
 }
 
-/* Gives a particle a place among those in the grid, and adds it to their lists. False if there is no memory. */
-static bool putIn(VerletList* verlet, int i, const Sphere* sphere) {
+/* Gives a particle a place among those in the grid, and adds it to their lists. */
+static void putIn(VerletList* verlet, int i, const Sphere* sphere) {
   searchAdd(&verlet->search, &verlet->cells, i, sphere);
-  const bool success = listPairs(verlet, false, 0);
+  listPairs(verlet, false, 0);
   setPlace(verlet, i, sphere);
-  return success;
 }
 
 static void* make(const Scene* scene) {
   VerletList* verlet = lazyMake(scene, sizeof *verlet);
-  if (verlet == NULL) {
-    return NULL;
-  }
-  const size_t count = (size_t)scene->particleCount + 1;
+  const int count = scene->particleCount;
   verlet->skin = SKIN * cellsReach(scene);
   verlet->stride = FIRST_STRIDE;
-  verlet->entries = malloc(count * sizeof(int));
-  verlet->places = malloc(count * sizeof(Sphere));
-  verlet->listCounts = calloc(count, sizeof(int));
-  verlet->lists = malloc(count * FIRST_STRIDE * sizeof(int));
-  verlet->out = malloc(count * sizeof(int));
-  bool success = cellsInit(&verlet->cells, scene, cellsReach(scene) + verlet->skin, ENTRIES_PER_PARTICLE, 1) &&
-                 verlet->entries != NULL && verlet->places != NULL && verlet->listCounts != NULL &&
-                 verlet->lists != NULL && verlet->out != NULL;
-  for (int i = 0; i < scene->particleCount && success; i++) {
-    success = putIn(verlet, i, &scene->spheres[i]);
+  verlet->entries = allocate(count, sizeof(int));
+  verlet->places = allocate(count, sizeof(Sphere));
+  verlet->listCounts = allocate(count, sizeof(int));
+  verlet->lists = allocate(count, FIRST_STRIDE * sizeof(int));
+  verlet->out = allocate(count, sizeof(int));
+  cellsInit(&verlet->cells, scene, cellsReach(scene) + verlet->skin, ENTRIES_PER_PARTICLE, 1);
+  for (int i = 0; i < count; i++) {
+    putIn(verlet, i, &scene->spheres[i]);
   }
   verlet->lazy.keeper.counts = (Counts){0};
-  if (!success) {
-    destroy(verlet);
-    return NULL;
-  }
   return verlet;
 }
 
@@ -218,7 +199,7 @@ static bool runMeets(Lazy* lazy, const Run* run) {
                     &keeper->counts.particleTests);
 }
 
-static int test(void* self, int count, const Turn* turns) {
+static bool test(void* self, int count, const Turn* turns) {
   return lazyTest(self, count, turns, runMeets);
 }
 
@@ -270,7 +251,7 @@ static void takeOutSome(VerletList* verlet, const Segment* segment) {
 }
 
 /* Everything leaves its lists before anything enters others, so that nobody is listed by a place that is given up. */
-static bool changePlaces(VerletList* verlet) {
+static void changePlaces(VerletList* verlet) {
   const Bodies* motion = &verlet->lazy.motion;
   findNew(verlet);
   verlet->outCount = 0;
@@ -285,23 +266,21 @@ static bool changePlaces(VerletList* verlet) {
       movePlaces(verlet, &motion->segments[s]);
     }
   }
-  bool success = true;
-  for (int s = 0; s < motion->segmentCount && success; s++) {
+  for (int s = 0; s < motion->segmentCount; s++) {
     const Segment* segment = &motion->segments[s];
-    for (int i = segment->first; i < segment->last && verlet->isNew[segment->body + 1] && success; i++) {
+    for (int i = segment->first; i < segment->last && verlet->isNew[segment->body + 1]; i++) {
       searchAdd(&verlet->search, &verlet->cells, i, &verlet->places[i]);
       if (verlet->search.count == SEARCHERS || i + 1 == segment->last) {
-        success = listPairs(verlet, true, (unsigned char)(segment->body + 1));
+        listPairs(verlet, true, (unsigned char)(segment->body + 1));
       }
     }
   }
-  for (int k = 0; k < verlet->outCount && success; k++) {
-    success = putIn(verlet, verlet->out[k], &verlet->lazy.keeper.spheres[verlet->out[k]]);
+  for (int k = 0; k < verlet->outCount; k++) {
+    putIn(verlet, verlet->out[k], &verlet->lazy.keeper.spheres[verlet->out[k]]);
   }
-  return success;
 }
 
-static bool accept(void* self) {
+static void accept(void* self) {
   VerletList* verlet = self;
   Keeper* keeper = &verlet->lazy.keeper;
   const Bodies* motion = &verlet->lazy.motion;
@@ -313,9 +292,8 @@ static bool accept(void* self) {
     }
   }
   lazyMarkBodies(&verlet->lazy, true);
-  const bool success = changePlaces(verlet);
+  changePlaces(verlet);
   lazyMarkBodies(&verlet->lazy, false);
-  return success;
 }
 
 const Contestant CONTESTANT(contestantVerletList) = {

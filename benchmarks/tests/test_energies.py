@@ -10,7 +10,7 @@ from measure import Course
 from openmm import app, unit
 from openmmchaintree.errors import InputError
 from program import Program, ProgramError
-from proteins import NO_CUTOFF, REACTION_FIELD, Protein, readProtein
+from proteins import NO_CUTOFF, REACTION_FIELD, readProtein
 from rivals import turnAbout
 
 LITTLE = ("--trials", 60, "--warm", 100)
@@ -113,12 +113,25 @@ def test_turnsKeepBonds(villin):
         assert far in atoms and near not in atoms
 
 
-def test_sceneHasAllTorsions(villin, tmp_path):
+def test_scenesAreInOrder(villin, tmp_path):
+    """In a scene's file, a torsion turns an interval of particles, the heaviest branch of a link is the last."""
     scene = villin.makeScene()
     turned = [scene.countTorsions(ofSideChains) for ofSideChains in (False, True)]
     assert turned == [len(villin.torsionsOf(which)) for which in ("backbone", "side chains")]
-    course = Course(Program(), 1, None, tmp_path)
     scene.write(tmp_path / "scene")
+    _, counts, *lines = (tmp_path / "scene").read_text().splitlines()
+    particles, links = int(counts.split()[1]), int(counts.split()[3])
+    names = [int(line.split()[5]) for line in lines[:particles]]
+    assert sorted(names) == list(range(582))
+    rows = [[int(word) for word in line.split()] for line in lines[particles : particles + links]]
+    expected = {axis: set(atoms.tolist()) for axis, atoms in scene.movedBy()}
+    heaviest, lastBranch = {}, {}
+    for parent, near, far, first, last, _ in rows:
+        if parent >= 0:
+            assert expected.pop((names[near], names[far])) == set(names[first:last])
+            heaviest[parent] = max(heaviest.get(parent, 0), last - first)
+            lastBranch[parent] = last - first
+    assert not expected and lastBranch == heaviest
+    course = Course(Program(), 1, None, tmp_path)
     lines = course.program.run({"--chain": tmp_path / "scene", "--trials": 20, "--contestants": "lazygrid,ours"})
     assert {line["particles"] for line in lines} == {582}
-    assert isinstance(villin.relaxed(100), Protein)

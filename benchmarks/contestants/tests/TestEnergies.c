@@ -112,7 +112,7 @@ static void testRace(void) {
   EnergyResult results[MOST_ENERGY_LANES];
   char error[200] = "";
   for (const EnergyContestant* c = energyContestants; c->name != NULL; c++) {
-    CHECK(energyContestantFind(c->name, strlen(c->name)) == c);
+    CHECK(energyContestantFind(c->name) == c);
     race.contestants[race.laneCount++] = c;
   }
   CHECK(race.record != NULL && energyRaceRun(&race, results, error, sizeof error));
@@ -127,8 +127,7 @@ static void testRace(void) {
     }
     CHECK(0 < refused && 0 < result->accepted && refused + result->accepted == result->free && result->free < TRIALS);
     CHECK(result->energy == results[0].energy && fabs(result->drift) < 1e-3);
-    CHECK(result->microseconds.median > 0 && result->mean > 0 && result->refresh > 0);
-    CHECK(result->energyBytes > 0 || heapBytes() <= 0); /* which sanitizers do not tell */
+    CHECK(result->microseconds > 0 && result->mean > 0);
   }
   checkRecord(race.record, energy, scene, race.recordCount);
   fclose(race.record);

@@ -1,12 +1,9 @@
-/* Finders of pairs and of least distances, in every instruction set that is here, find what all pairs show. */
-#include <math.h>
+/* Finders of pairs, in every instruction set that is here, find the pairs of a search through all. */
 #include <string.h>
 
 #include "branches.h"
 #include "chains.h"
-#include "nearestrace.h"
 #include "pairrace.h"
-#include "rigid.h"
 #include "sets.h"
 
 /* The race compares lists; the first is that of all pairs. */
@@ -51,17 +48,16 @@ static void testPairs(void) {
 }
 
 /* A race notices when finders disagree. */
-static bool findNothing(void* self, const double* positions, double cutoff, PairList* list) {
+static void findNothing(void* self, const double* positions, double cutoff, PairList* list) {
   (void)self;
   (void)positions;
   (void)cutoff;
   list->count = 0;
-  return true;
 }
 
 static void testDisagreement(void) {
   const InstructionSet* set = instructionSetFind("portable");
-  const PairFinder* brute = pairFinderFind(set, "brute", strlen("brute"));
+  const PairFinder* brute = pairFinderFind(set, "brute");
   PairFinder idle = *brute;
   idle.name = "idle";
   idle.find = findNothing;
@@ -75,69 +71,8 @@ static void testDisagreement(void) {
   sceneFree(scene);
 }
 
-/* Each finder by itself, after each of some turns. */
-static void testNearest(void) {
-  enum { OBSTACLES = 50, TURNS = 40 };
-  const InstructionSet* sets[MOST_SETS];
-  const int setCount = setsHere(sets);
-  Random random = {4};
-  Scene* scene = makeBranches(MOST_BRANCH_LINKS, 3, 2);
-  double obstacles[3 * OBSTACLES];
-  for (int i = 0; i < 3 * OBSTACLES; i++) {
-    obstacles[i] = 20 * randomReal(&random) + (i % 3 == 0 ? 10 : -10);
-  }
-  for (int s = 0; s < setCount; s++) {
-    for (const NearestFinder* const* f = sets[s]->nearestFinders; *f != NULL; f++) {
-      void* self = (*f)->make(scene, OBSTACLES, obstacles);
-      Sphere* spheres = malloc((size_t)scene->particleCount * sizeof *spheres);
-      CHECK(self != NULL && spheres != NULL);
-      memcpy(spheres, scene->spheres, (size_t)scene->particleCount * sizeof *spheres);
-      for (int t = 0; t < TURNS; t++) {
-        const Turn turn = {randomInt(&random, scene->torsionCount), PI * (2 * randomReal(&random) - 1)};
-        const Torsion* torsion = &scene->torsions[turn.torsion];
-        const Rigid motion = rigidTurn(spheres[torsion->axis[0]].x, spheres[torsion->axis[1]].x, turn.angle);
-        for (int i = torsion->first; i < torsion->last; i++) {
-          const Sphere before = spheres[i];
-          rigidApply(&motion, before.x, spheres[i].x);
-        }
-        double least = INFINITY;
-        for (int i = 0; i < scene->particleCount * OBSTACLES; i++) {
-          least = fmin(least, squaredDistance(spheres[i / OBSTACLES].x, obstacles + 3 * (i % OBSTACLES)));
-        }
-        Nearest nearest = {0};
-        CHECK((*f)->turn(self, turn) && (*f)->find(self, &nearest));
-        CHECK(fabs(nearest.distance - sqrt(least)) < 1e-5);
-        CHECK(fabs(squaredDistance(spheres[nearest.particle].x, obstacles + 3 * nearest.obstacle) - least) < 1e-3);
-      }
-      free(spheres);
-      (*f)->destroy(self);
-    }
-  }
-  sceneFree(scene);
-}
-
-static void testNearestRace(void) {
-  const InstructionSet* sets[MOST_SETS];
-  const int setCount = setsHere(sets);
-  Scene* scene = chainHilbert(200);
-  for (int s = 0; s < setCount; s++) {
-    NearestRace race = {.scene = scene, .obstacleCount = 100, .seed = 1, .repeats = 20};
-    for (const NearestFinder* const* f = sets[s]->nearestFinders; *f != NULL; f++) {
-      race.finders[race.finderCount++] = *f;
-    }
-    Quartiles times[MOST_NEAREST_FINDERS];
-    char error[200] = "";
-    if (!nearestRaceRun(&race, times, error, sizeof error)) {
-      reportFailure("%s: %s\n", sets[s]->name, error);
-    }
-  }
-  sceneFree(scene);
-}
-
 int main(void) {
   testPairs();
   testDisagreement();
-  testNearest();
-  testNearestRace();
   return checkResult();
 }

@@ -21,73 +21,56 @@ static inline bool isTooNear(const Scene* scene, int i, int j) {
 }
 
 /* Pairs that overlap are excluded, so that the scene begins without a clash. */
-static inline void excludeOverlaps(SceneSource* source) {
-  const Scene all = {.spheres = source->spheres};
-  source->exclusionCount = 0;
-  for (int i = 0; i < source->particleCount; i++) {
-    for (int j = i + 1; j < source->particleCount; j++) {
-      if (isTooNear(&all, i, j)) {
-        source->exclusions[source->exclusionCount][0] = j;
-        source->exclusions[source->exclusionCount++][1] = i;
+static inline void excludeOverlaps(Scene* scene) {
+  scene->exclusionCount = 0;
+  for (int i = 0; i < scene->particleCount; i++) {
+    for (int j = i + 1; j < scene->particleCount; j++) {
+      if (isTooNear(scene, i, j)) {
+        scene->exclusions[scene->exclusionCount][0] = j;
+        scene->exclusions[scene->exclusionCount++][1] = i;
       }
     }
   }
+  sceneIndexExclusions(scene);
 }
 
-/* Spheres of radius 0.3 to 1, some two apart along a bond. Link k hangs on one of the `reach` links before it; links
- * and particles are numbered at random. */
+/* Spheres of radius 0.3 to 1, some two apart along a bond. Each link hangs on the one before it or on one that this
+ * hangs on, up to `reach` - 1 links on. */
 static inline Scene* makeBranches(int linkCount, int reach, uint64_t seed) {
   Random random = {seed};
-  int linkNames[MOST_BRANCH_LINKS];
-  int particleNames[MOST_BRANCH_PARTICLES];
-  int firstParticles[MOST_BRANCH_LINKS + 1] = {0};
+  int firsts[MOST_BRANCH_LINKS + 1] = {0};
   for (int k = 0; k < linkCount; k++) {
-    firstParticles[k + 1] = firstParticles[k] + 1 + randomInt(&random, MOST_LINK_PARTICLES);
+    firsts[k + 1] = firsts[k] + 1 + randomInt(&random, MOST_LINK_PARTICLES);
   }
-  const int particleCount = firstParticles[linkCount];
-  for (int i = 0; i < linkCount; i++) {
-    const int other = randomInt(&random, i + 1);
-    linkNames[i] = linkNames[other];
-    linkNames[other] = i;
-  }
-  for (int i = 0; i < particleCount; i++) {
-    const int other = randomInt(&random, i + 1);
-    particleNames[i] = particleNames[other];
-    particleNames[other] = i;
-  }
-  SceneSource source;
-  if (!sceneSourceInit(&source, particleCount, linkCount, particleCount * particleCount)) {
-    exit(1);
-  }
+  const int particleCount = firsts[linkCount];
+  Scene* scene = sceneAllocate(particleCount, linkCount, particleCount * particleCount);
   for (int k = 0; k < linkCount; k++) {
-    const int parent = k == 0 ? -1 : k - 1 - randomInt(&random, k < reach ? k : reach);
-    const int near = k == 0 ? -1 : firstParticles[parent + 1] - 1;
-    SourceLink* link = &source.links[linkNames[k]];
-    *link = (SourceLink){.parent = -1, .axis = {-1, -1}, .sideChain = randomInt(&random, 4) == 0};
-    if (k > 0) {
-      link->parent = linkNames[parent];
-      link->axis[0] = particleNames[near];
-      link->axis[1] = particleNames[firstParticles[k]];
+    int parent = k - 1;
+    for (int up = randomInt(&random, reach); up > 0 && parent > 0; up--) {
+      parent = scene->linkParents[parent];
     }
-    for (int i = firstParticles[k]; i < firstParticles[k + 1]; i++) {
-      const int before = i > firstParticles[k] ? i - 1 : near;
-      Sphere* sphere = &source.spheres[particleNames[i]];
+    const int near = k == 0 ? -1 : firsts[parent + 1] - 1;
+    scene->linkParents[k] = parent;
+    for (int i = firsts[k]; i < firsts[k + 1]; i++) {
+      const int before = i > firsts[k] ? i - 1 : near;
       for (int c = 0; c < 3; c++) {
-        const double from = before < 0 ? 0 : source.spheres[particleNames[before]].x[c];
-        sphere->x[c] = from + 1.2 * randomGaussian(&random) + (c == 0 ? 0.5 : 0);
+        const double from = before < 0 ? 0 : scene->spheres[before].x[c];
+        scene->spheres[i].x[c] = from + 1.2 * randomGaussian(&random) + (c == 0 ? 0.5 : 0);
       }
-      sphere->radius = 0.3 + 0.7 * randomReal(&random);
-      source.particleLinks[particleNames[i]] = linkNames[k];
+      scene->spheres[i].radius = 0.3 + 0.7 * randomReal(&random);
+      scene->particleLinks[i] = k;
+      scene->particleNames[i] = i;
+    }
+    if (k > 0) {
+      scene->torsions[scene->torsionCount++] =
+          (Torsion){.axis = {near, firsts[k]}, .first = firsts[k], .link = k, .sideChain = randomInt(&random, 4) == 0};
+    }
+    /* The interval of each link that this one hangs on ends here, as far as is known. */
+    for (int link = k; link > 0; link = scene->linkParents[link]) {
+      scene->torsions[link - 1].last = firsts[k + 1];
     }
   }
-  excludeOverlaps(&source);
-  char error[256] = "";
-  Scene* scene = sceneMake(&source, error, sizeof error);
-  if (scene == NULL) {
-    printf("sceneMake: %s\n", error);
-    exit(1);
-  }
-  sceneSourceFree(&source);
+  excludeOverlaps(scene);
   return scene;
 }
 

@@ -1,66 +1,27 @@
-/* The ChainTree of 2002, with a volume to be chosen. Each time that binarytrees.c includes this is one contestant;
- * before, it defines
- *
- *   TREE              what its names end with
- *   NAME, IDEA        of the contestant
- *   Volume            a type
- *   VOLUME(what)      what its functions are called; `what` is
- *                       OfSphere(double radius)   a volume around a sphere at the origin
- *                       OfPair(a, b, motion)      one around a and b, b moved by a rigid motion
- *                       sOverlap(a, b, motion)    whether a and b, moved, overlap
- *   volumeOfPair      if it likes, what to take instead of OfPair
- *
- * and, if not 0,
- *
- *   SHRINK_DEPTH      of boxes, how many levels below a node they are fitted to
- *   SELVES_FIRST      1: both children of a node are tested against themselves before they are against each other,
- *                     since clashes are most likely near the joints. 0: in the order of the paper, which tests
- *                     (E, E), (E, F'), (F', F')
- *   SKIPS_RIGID       1: two nodes of one rigid piece are not compared. 0: as published, only a node is not compared
- *                     with itself if it has not changed
- *   PARTICLE_VOLUMES  1: two particles are compared as volumes before they are as particles; 2: as volumes only
+/* The ChainTree of 2002: as published, and with what makes it better.
  *
  * A node of level l stands for 2^l particles in a row. Its frame is that of its first particle: the origin is there,
  * and the axes turn with the particle's link. */
+#include <string.h>
 
-#define volumeOfSphere VOLUME(OfSphere)
-#define volumesOverlap VOLUME(sOverlap)
-#ifndef volumeOfPair
-#define volumeOfPair VOLUME(OfPair)
-#endif
+#include "bodies.h"
+#include "obb.h"
 
-#define OWN(name) CONTESTANT_JOIN(name, TREE)
-#define Node OWN(Node)
-#define SavedNode OWN(SavedNode)
-#define BinaryTree OWN(BinaryTree)
-#define Extents OWN(Extents)
-#define treeDestroy OWN(treeDestroy)
-#define widen OWN(widen)
-#define shrink OWN(shrink)
-#define fitVolume OWN(fitVolume)
-#define composeShortcut OWN(composeShortcut)
-#define build OWN(build)
-#define treeMake OWN(treeMake)
-#define save OWN(save)
-#define relative OWN(relative)
-#define turnJoints OWN(turnJoints)
-#define updateLevel OWN(updateLevel)
-#define change OWN(change)
-#define undo OWN(undo)
-#define bodyOfNode OWN(bodyOfNode)
-#define particlesClash OWN(particlesClash)
-#define nodesClash OWN(nodesClash)
-#define nodeClashesWithItself OWN(nodeClashesWithItself)
-#define treeTest OWN(treeTest)
-#define treeTestAll OWN(treeTestAll)
-#define treeAccept OWN(treeAccept)
-#define treeReject OWN(treeReject)
-#define treeCounts OWN(treeCounts)
-#define treePositions OWN(treePositions)
+enum { MOST_LEVELS = 32, SEVERAL_BODIES = -1 };
+
+/* In what trees differ. */
+typedef struct Variant {
+  Obb (*fit)(const Obb* a, const Obb* b, const Rigid* motion); /* a box around two, b moved */
+  int shrinkDepth;                                             /* boxes are fitted to those some levels below; 0: not */
+  bool
+      selvesFirst; /* both children of a node are tested against themselves before they are against each other, since */
+                   /* clashes are most likely near the joints; else in the order of the paper's section 2.3 */
+  bool skipsRigid; /* two nodes of one rigid piece are not compared; else, as published, only a node with itself */
+} Variant;
 
 typedef struct Node {
   Rigid shortcut; /* from the frame of the next node of the level to that of this one (section 2.1) */
-  Volume volume;  /* in the frame of the node (section 2.2) */
+  Obb box;        /* in the frame of the node (section 2.2) */
 } Node;
 
 /* What a node was before the trial. */
@@ -71,31 +32,39 @@ typedef struct SavedNode {
 
 typedef struct BinaryTree {
   const Scene* scene;
+  const Variant* variant;
   int levelCount;
   int levelSizes[MOST_LEVELS];
   Node* levels[MOST_LEVELS]; /* within `nodes` */
   Node* nodes;
   double (*axes)[2][3]; /* of each torsion, two points in the frame of the first particle that it turns */
   Bodies bodies;        /* of the trial */
-  bool testsAll;        /* without a trial: whatever has changed */
   int savedCount;
   SavedNode* saved;
   Counts counts;
 } BinaryTree;
 
+static void sortJoints(int* joints, int count) {
+  for (int i = 1; i < count; i++) {
+    const int joint = joints[i];
+    int k = i;
+    for (; k > 0 && joints[k - 1] > joint; k--) {
+      joints[k] = joints[k - 1];
+    }
+    joints[k] = joint;
+  }
+}
+
 /* ---- Making ---- */
 
 static void treeDestroy(void* self) {
   BinaryTree* tree = self;
-  if (tree != NULL) {
-    free(tree->nodes);
-    free(tree->axes);
-    free(tree->saved);
-    free(tree);
-  }
+  free(tree->nodes);
+  free(tree->axes);
+  free(tree->saved);
+  free(tree);
 }
 
-#if SHRINK_DEPTH
 /* How far a box has to reach along its axes. */
 typedef struct Extents {
   const double (*axes)[3];
@@ -106,7 +75,7 @@ typedef struct Extents {
 /* Makes extents hold what is below a node, or at least the boxes some levels below it (section 6.1). What a box shows
  * to lie within them is not looked at; `motion` is from the frame of the node to that of the axes. */
 static void widen(const BinaryTree* tree, int level, int index, int depth, const Rigid* motion, Extents* extents) {
-  const Obb* box = &tree->levels[level][index].volume;
+  const Obb* box = &tree->levels[level][index].box;
   double low[3];
   double high[3];
   bool within = true;
@@ -137,27 +106,26 @@ static void widen(const BinaryTree* tree, int level, int index, int depth, const
 }
 
 static void shrink(BinaryTree* tree, int level, int index) {
-  Obb* box = &tree->levels[level][index].volume;
+  Obb* box = &tree->levels[level][index].box;
   const Obb loose = *box;
   Extents extents = {loose.axes, {INFINITY, INFINITY, INFINITY}, {-INFINITY, -INFINITY, -INFINITY}};
   const Rigid here = rigidIdentity();
-  widen(tree, level, index, SHRINK_DEPTH, &here, &extents);
+  widen(tree, level, index, tree->variant->shrinkDepth, &here, &extents);
   obbSetExtents(box, extents.low, extents.high);
 }
-#endif
 
-/* From the volumes below; a node may have a single child. */
-static void fitVolume(BinaryTree* tree, int level, int index) {
+/* From the boxes below; a node may have a single child. */
+static void fitBox(BinaryTree* tree, int level, int index) {
   const Node* children = &tree->levels[level - 1][2 * index];
-  Volume* volume = &tree->levels[level][index].volume;
+  Obb* box = &tree->levels[level][index].box;
   if (2 * index + 1 == tree->levelSizes[level - 1]) {
-    *volume = children[0].volume;
+    *box = children[0].box;
     return;
   }
-  *volume = volumeOfPair(&children[0].volume, &children[1].volume, &children[0].shortcut);
-#if SHRINK_DEPTH
-  shrink(tree, level, index);
-#endif
+  *box = tree->variant->fit(&children[0].box, &children[1].box, &children[0].shortcut);
+  if (tree->variant->shrinkDepth > 0) {
+    shrink(tree, level, index);
+  }
 }
 
 /* The last node of a level has no next one, and no shortcut. */
@@ -172,7 +140,7 @@ static void build(BinaryTree* tree) {
   const Scene* scene = tree->scene;
   for (int i = 0; i < scene->particleCount; i++) {
     Node* leaf = &tree->levels[0][i];
-    leaf->volume = volumeOfSphere(scene->spheres[i].radius);
+    leaf->box = obbOfSphere(scene->spheres[i].radius);
     leaf->shortcut = rigidIdentity();
     if (i + 1 < scene->particleCount) {
       subtract(scene->spheres[i + 1].x, scene->spheres[i].x, leaf->shortcut.t);
@@ -181,7 +149,7 @@ static void build(BinaryTree* tree) {
   for (int level = 1; level < tree->levelCount; level++) {
     for (int i = 0; i < tree->levelSizes[level]; i++) {
       composeShortcut(tree, level, i);
-      fitVolume(tree, level, i);
+      fitBox(tree, level, i);
     }
   }
   for (int t = 0; t < scene->torsionCount; t++) {
@@ -192,12 +160,10 @@ static void build(BinaryTree* tree) {
   }
 }
 
-static void* treeMake(const Scene* scene) {
-  BinaryTree* tree = calloc(1, sizeof *tree);
-  if (tree == NULL) {
-    return NULL;
-  }
+static void* treeMake(const Scene* scene, const Variant* variant) {
+  BinaryTree* tree = allocate(1, sizeof *tree);
   tree->scene = scene;
+  tree->variant = variant;
   int nodes = 0;
   for (int size = scene->particleCount;; size = (size + 1) / 2) {
     tree->levelSizes[tree->levelCount++] = size;
@@ -206,13 +172,9 @@ static void* treeMake(const Scene* scene) {
       break;
     }
   }
-  tree->nodes = calloc((size_t)nodes, sizeof(Node));
-  tree->axes = calloc((size_t)scene->torsionCount + 1, sizeof *tree->axes);
-  tree->saved = calloc((size_t)tree->levelCount * 4 * MOST_TURNS, sizeof(SavedNode));
-  if (tree->nodes == NULL || tree->axes == NULL || tree->saved == NULL) {
-    treeDestroy(tree);
-    return NULL;
-  }
+  tree->nodes = allocate(nodes, sizeof(Node));
+  tree->axes = allocate(scene->torsionCount, sizeof *tree->axes);
+  tree->saved = allocate(tree->levelCount * 4 * MOST_TURNS, sizeof(SavedNode));
   Node* level = tree->nodes;
   for (int l = 0; l < tree->levelCount; l++) {
     tree->levels[l] = level;
@@ -274,7 +236,6 @@ static int updateLevel(BinaryTree* tree, int level, int* joints, int count) {
     const int index = joints[i] / 2;
     Node* node = &tree->levels[level][index];
     save(tree, node);
-    tree->counts.updates++;
     composeShortcut(tree, level, index);
     const int nodeFirst = index << level;
     const int nodeLast = nodeFirst + (1 << level);
@@ -284,7 +245,7 @@ static int updateLevel(BinaryTree* tree, int level, int* joints, int count) {
       holdsChange = holdsChange || (cut > nodeFirst && cut < nodeLast);
     }
     if (holdsChange) {
-      fitVolume(tree, level, index);
+      fitBox(tree, level, index);
     }
     while (i < count && joints[i] / 2 == index) {
       i++;
@@ -308,20 +269,10 @@ static void change(BinaryTree* tree) {
   }
 }
 
-/* Backwards, since a joint may have been saved twice. */
-static void undo(BinaryTree* tree) {
-  for (int i = tree->savedCount - 1; i >= 0; i--) {
-    tree->nodes[tree->saved[i].index] = tree->saved[i].node;
-  }
-}
-
 /* ---- Testing (section 2.3) ---- */
 
 /* The body that a node lies in, or SEVERAL_BODIES. */
 static int bodyOfNode(const BinaryTree* tree, int level, int index) {
-  if (tree->testsAll) {
-    return SEVERAL_BODIES;
-  }
   const Segment* segment = tree->bodies.segments;
   while (segment->last <= index << level) {
     segment++;
@@ -331,20 +282,10 @@ static int bodyOfNode(const BinaryTree* tree, int level, int index) {
 }
 
 static bool particlesClash(BinaryTree* tree, int i, int j, const Rigid* motion) {
-#if PARTICLE_VOLUMES
-  tree->counts.volumeTests++;
-  if (!volumesOverlap(&tree->levels[0][i].volume, &tree->levels[0][j].volume, motion)) {
-    return false;
-  }
-#endif
-#if PARTICLE_VOLUMES == 2
-  return !sceneExcludes(tree->scene, i, j);
-#else
   const Sphere* spheres = tree->scene->spheres;
   const double sum = spheres[i].radius + spheres[j].radius;
   tree->counts.particleTests++;
   return dot(motion->t, motion->t) < sum * sum && !sceneExcludes(tree->scene, i, j);
-#endif
 }
 
 /* Whether particles below node a clash with some below node b, behind it; `motion` is from the frame of b to that of
@@ -353,14 +294,12 @@ static bool nodesClash(BinaryTree* tree, int level, int a, int b, const Rigid* m
   if (level == 0) {
     return particlesClash(tree, a, b, motion);
   }
-#if SKIPS_RIGID
-  const int body = bodyOfNode(tree, level, a);
+  const int body = tree->variant->skipsRigid ? bodyOfNode(tree, level, a) : SEVERAL_BODIES;
   if (body != SEVERAL_BODIES && body == bodyOfNode(tree, level, b)) {
     return false;
   }
-#endif
   tree->counts.volumeTests++;
-  if (!volumesOverlap(&tree->levels[level][a].volume, &tree->levels[level][b].volume, motion)) {
+  if (!obbsOverlap(&tree->levels[level][a].box, &tree->levels[level][b].box, motion)) {
     return false;
   }
   const Node* below = tree->levels[level - 1];
@@ -388,75 +327,56 @@ static bool nodeClashesWithItself(BinaryTree* tree, int level, int index) {
   if (first + 1 == tree->levelSizes[level - 1]) {
     return nodeClashesWithItself(tree, level - 1, first);
   }
-#if SELVES_FIRST
-  return nodeClashesWithItself(tree, level - 1, first) || nodeClashesWithItself(tree, level - 1, first + 1) ||
-         nodesClash(tree, level - 1, first, first + 1, motion);
-#else
+  if (tree->variant->selvesFirst) {
+    return nodeClashesWithItself(tree, level - 1, first) || nodeClashesWithItself(tree, level - 1, first + 1) ||
+           nodesClash(tree, level - 1, first, first + 1, motion);
+  }
   return nodeClashesWithItself(tree, level - 1, first) || nodesClash(tree, level - 1, first, first + 1, motion) ||
          nodeClashesWithItself(tree, level - 1, first + 1);
-#endif
 }
 
-/* ---- The contestant ---- */
+/* ---- The contestants ---- */
 
-static int treeTest(void* self, int count, const Turn* turns) {
+static bool treeTest(void* self, int count, const Turn* turns) {
   BinaryTree* tree = self;
   bodiesCut(tree->scene, count, turns, &tree->bodies);
   change(tree);
   return nodeClashesWithItself(tree, tree->levelCount - 1, 0);
 }
 
-static int treeTestAll(void* self) {
-  BinaryTree* tree = self;
-  tree->testsAll = true;
-  const bool clash = nodeClashesWithItself(tree, tree->levelCount - 1, 0);
-  tree->testsAll = false;
-  return clash;
-}
-
-static bool treeAccept(void* self) {
+static void treeAccept(void* self) {
   (void)self;
-  return true;
 }
 
+/* Backwards, since a joint may have been saved twice. */
 static void treeReject(void* self) {
-  undo(self);
+  BinaryTree* tree = self;
+  for (int i = tree->savedCount - 1; i >= 0; i--) {
+    tree->nodes[tree->saved[i].index] = tree->saved[i].node;
+  }
 }
 
 static Counts treeCounts(const void* self) {
   return ((const BinaryTree*)self)->counts;
 }
 
-/* From particle to particle, by the shortcuts of level 0. */
-static void treePositions(void* self, double* coordinates) {
-  const BinaryTree* tree = self;
-  Rigid frame = rigidIdentity();
-  for (int i = 0; i < tree->scene->particleCount; i++) {
-    memcpy(coordinates + 3 * i, frame.t, sizeof frame.t);
-    frame = rigidCompose(&frame, &tree->levels[0][i].shortcut);
-  }
+static void* makePublished(const Scene* scene) {
+  static const Variant published = {.fit = obbOfPair};
+  return treeMake(scene, &published);
 }
 
-const Contestant CONTESTANT(OWN(contestant)) = {.name = NAME,
-                                                .idea = IDEA,
-                                                .make = treeMake,
-                                                .destroy = treeDestroy,
-                                                .test = treeTest,
-                                                .accept = treeAccept,
-                                                .reject = treeReject,
-                                                .testAll = treeTestAll,
-                                                .counts = treeCounts,
-                                                .positions = treePositions};
+/* Boxes are fitted to those two levels below, along the best of three sets of axes. */
+static void* makeImproved(const Scene* scene) {
+  static const Variant improved = {.fit = obbByCandidates, .shrinkDepth = 2, .selvesFirst = true, .skipsRigid = true};
+  return treeMake(scene, &improved);
+}
 
-#undef TREE
-#undef NAME
-#undef IDEA
-#undef Volume
-#undef VOLUME
-#undef volumeOfSphere
-#undef volumeOfPair
-#undef volumesOverlap
-#undef SHRINK_DEPTH
-#undef SELVES_FIRST
-#undef SKIPS_RIGID
-#undef PARTICLE_VOLUMES
+#define CHAIN_TREE(itsName, itsIdea, itsMake)                                                                          \
+  {                                                                                                                    \
+    .name = itsName, .idea = itsIdea, .make = itsMake, .destroy = treeDestroy, .test = treeTest, .accept = treeAccept, \
+    .reject = treeReject, .counts = treeCounts                                                                         \
+  }
+
+const Contestant CONTESTANT(contestantPublished) = CHAIN_TREE("published", "the ChainTree of 2002", makePublished);
+const Contestant CONTESTANT(contestantImproved) = CHAIN_TREE(
+    "improved", "the ChainTree of 2002 with better boxes, and without tests within a rigid piece", makeImproved);
