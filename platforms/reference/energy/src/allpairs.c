@@ -20,17 +20,43 @@ static double greatestCutoff(const ctEnergyDefinition* d) {
   return cutoff;
 }
 
-static ctStatus createNonbonded(AllPairs* pairs, const ctEnergyDefinition* d, const int* slotOf, char* errorText,
-                                size_t errorSize) {
-  pairs->hasNonbonded = true;
-  const ctStatus status = ctNonbondedCreate(&pairs->nonbonded, pairs->leaves.tree, d->scene->particleCount,
-                                            d->nonbonded, slotOf, errorText, errorSize);
-  if (status == ctSuccess &&
-      !ctPairSumsCreate(&pairs->sums, &pairs->leaves, d->nonbonded->cutoff, ctNonbondedEnergies, &pairs->nonbonded)) {
+static ctStatus addSums(AllPairs* pairs, double cutoff, LeafPairFunction* function, const void* model, char* errorText,
+                        size_t errorSize) {
+  if (!ctPairSumsCreate(&pairs->sums[pairs->sumCount++], &pairs->leaves, cutoff, function, model)) {
     snprintf(errorText, errorSize, "out of memory");
     return ctOutOfMemory;
   }
+  return ctSuccess;
+}
+
+static ctStatus createSets(AllPairs* pairs, const ctEnergyDefinition* d, const int* slotOf, char* errorText,
+                           size_t errorSize) {
+  pairs->sets = calloc((size_t)d->pairSetCount + 1, sizeof *pairs->sets);
+  pairs->sums = calloc((size_t)d->pairSetCount + 1, sizeof *pairs->sums);
+  if (pairs->sets == NULL || pairs->sums == NULL) {
+    snprintf(errorText, errorSize, "out of memory");
+    return ctOutOfMemory;
+  }
+  ctStatus status = ctSuccess;
+  for (int i = 0; i < d->pairSetCount && status == ctSuccess; i++) {
+    PairSet* set = &pairs->sets[i];
+    status = ctPairSetCreate(set, pairs->leaves.tree, d->scene->particleCount, &d->pairSets[i], i, slotOf, errorText,
+                             errorSize);
+    if (status == ctSuccess) {
+      pairs->setCount++;
+      status = addSums(pairs, set->cutoff, ctPairSetEnergies, set, errorText, errorSize);
+    }
+  }
   return status;
+}
+
+static ctStatus createNonbonded(AllPairs* pairs, const ctEnergyDefinition* d, const int* slotOf, char* errorText,
+                                size_t errorSize) {
+  const ctStatus status = ctNonbondedCreate(&pairs->nonbonded, pairs->leaves.tree, d->scene->particleCount,
+                                            d->nonbonded, slotOf, errorText, errorSize);
+  return status != ctSuccess
+             ? status
+             : addSums(pairs, d->nonbonded->cutoff, ctNonbondedEnergies, &pairs->nonbonded, errorText, errorSize);
 }
 
 static ctStatus createStandIn(AllPairs* pairs, const ctEnergyDefinition* d, const int* slotOf, char* errorText,
@@ -56,20 +82,23 @@ ctStatus ctAllPairsCreate(AllPairs* pairs, ctChainTree* tree, const ctEnergyDefi
     snprintf(errorText, errorSize, "out of memory");
     return ctOutOfMemory;
   }
-  ctStatus status = ctSuccess;
-  if (d->born != NULL) {
-    status = createStandIn(pairs, d, slotOf, errorText, errorSize);
-  } else if (d->nonbonded != NULL) {
-    status = createNonbonded(pairs, d, slotOf, errorText, errorSize);
+  const ctStatus status = createSets(pairs, d, slotOf, errorText, errorSize);
+  if (status != ctSuccess || d->nonbonded == NULL) {
+    return status;
   }
-  return status != ctSuccess ? status
-                             : ctPairSetsCreate(&pairs->sets, &pairs->leaves, particleCount, d->pairSetCount,
-                                                d->pairSets, slotOf, errorText, errorSize);
+  return d->born != NULL ? createStandIn(pairs, d, slotOf, errorText, errorSize)
+                         : createNonbonded(pairs, d, slotOf, errorText, errorSize);
 }
 
 void ctAllPairsFree(AllPairs* pairs) {
-  ctPairSetsFree(&pairs->sets);
-  ctPairSumsFree(&pairs->sums);
+  for (int i = 0; i < pairs->sumCount; i++) {
+    ctPairSumsFree(&pairs->sums[i]);
+  }
+  for (int i = 0; i < pairs->setCount; i++) {
+    ctPairSetFree(&pairs->sets[i]);
+  }
+  free(pairs->sums);
+  free(pairs->sets);
   ctNonbondedFree(&pairs->nonbonded);
   ctStandInFree(&pairs->standIn);
   ctWholeEnergyFree(&pairs->whole);
@@ -84,17 +113,22 @@ ctStatus ctAllPairsRefresh(AllPairs* pairs, ctCounts* counts) {
   ctStatus status = ctTrialLeavesRefresh(&pairs->leaves, &count, &near, counts);
   if (status == ctSuccess && pairs->hasStandIn) {
     status = ctStandInRefresh(&pairs->standIn, count, near);
-  } else if (status == ctSuccess && pairs->hasNonbonded) {
-    status = ctPairSumsRefresh(&pairs->sums, count, near);
   }
-  return status == ctSuccess ? ctPairSetsRefresh(&pairs->sets, count, near) : status;
+  for (int i = 0; i < pairs->sumCount && status == ctSuccess; i++) {
+    status = ctPairSumsRefresh(&pairs->sums[i], count, near);
+  }
+  return status;
+}
+
+double ctAllPairsSetEnergy(const AllPairs* pairs, int set) {
+  return ctLeafSumsTotal(&pairs->sums[set].sums);
 }
 
 double ctAllPairsEnergy(const AllPairs* pairs) {
   if (pairs->hasStandIn) {
     return ctStandInEnergy(&pairs->standIn);
   }
-  return pairs->hasNonbonded ? ctLeafSumsTotal(&pairs->sums.sums) : 0;
+  return pairs->sumCount > pairs->setCount ? ctAllPairsSetEnergy(pairs, pairs->setCount) : 0;
 }
 
 ctStatus ctAllPairsRenewFar(AllPairs* pairs) {
@@ -121,37 +155,23 @@ ctStatus ctAllPairsRenewFar(AllPairs* pairs) {
 
 /* ---- Trials ---- */
 
-ctStatus ctAllPairsNearChange(AllPairs* pairs, double* change, ctCounts* counts) {
-  double ofSums = 0;
-  double ofSets = 0;
+ctStatus ctAllPairsChange(AllPairs* pairs, bool near, double* change, ctCounts* counts) {
   double ofStandIn = 0;
-  ctStatus status = ctTrialLeavesOpen(&pairs->leaves, counts);
+  double ofSums = 0;
+  ctStatus status = near ? ctTrialLeavesOpen(&pairs->leaves, counts) : ctSuccess;
   if (status == ctSuccess && pairs->hasStandIn) {
-    status = ctStandInNearChange(&pairs->standIn, &ofStandIn);
-  } else if (status == ctSuccess && pairs->hasNonbonded) {
-    status = ctPairSumsNearChange(&pairs->sums, &ofSums);
+    status =
+        near ? ctStandInNearChange(&pairs->standIn, &ofStandIn) : ctStandInOtherChange(&pairs->standIn, &ofStandIn);
   }
-  if (status == ctSuccess) {
-    status = ctPairSetsNearChange(&pairs->sets, &ofSets);
+  for (int i = 0; i < pairs->sumCount && status == ctSuccess; i++) {
+    double ofPairs = 0;
+    status = ctPairSumsChange(&pairs->sums[i], near, &ofPairs);
+    ofSums += ofPairs;
   }
-  pairs->nearChange = ofSums + ofSets;
-  *change = pairs->nearChange + ofStandIn;
-  return status;
-}
-
-ctStatus ctAllPairsOtherChange(AllPairs* pairs, double* change) {
-  double ofPairs = 0;
-  double ofSets = 0;
-  ctStatus status = ctSuccess;
-  if (pairs->hasStandIn) {
-    status = ctStandInOtherChange(&pairs->standIn, &ofPairs);
-  } else if (pairs->hasNonbonded) {
-    status = ctPairSumsOtherChange(&pairs->sums, &ofPairs);
+  if (near) {
+    pairs->nearChange = ofSums;
   }
-  if (status == ctSuccess) {
-    status = ctPairSetsOtherChange(&pairs->sets, &ofSets);
-  }
-  *change = ofPairs + ofSets;
+  *change = ofSums + ofStandIn;
   return status;
 }
 
@@ -161,22 +181,27 @@ double ctAllPairsNearChangeBack(const AllPairs* pairs) {
 
 bool ctAllPairsAccept(AllPairs* pairs) {
   ctTrialLeavesAccept(&pairs->leaves);
-  return (!pairs->hasStandIn || ctStandInAccept(&pairs->standIn)) &&
-         (!pairs->hasNonbonded || ctPairSumsAccept(&pairs->sums)) && ctPairSetsAccept(&pairs->sets);
+  bool isDone = !pairs->hasStandIn || ctStandInAccept(&pairs->standIn);
+  for (int i = 0; i < pairs->sumCount; i++) {
+    isDone = ctPairSumsAccept(&pairs->sums[i]) && isDone;
+  }
+  return isDone;
 }
 
 /* ---- Copies ---- */
 
-bool ctAllPairsKeep(AllPairs* pairs) {
-  return (!pairs->hasStandIn || ctStandInKeep(&pairs->standIn)) &&
-         (!pairs->hasNonbonded || ctPairSumsKeep(&pairs->sums)) && ctPairSetsKeep(&pairs->sets);
+bool ctAllPairsSave(AllPairs* pairs) {
+  bool isDone = !pairs->hasStandIn || ctStandInSave(&pairs->standIn);
+  for (int i = 0; i < pairs->sumCount && isDone; i++) {
+    isDone = ctPairSumsSave(&pairs->sums[i]);
+  }
+  return isDone;
 }
 
-bool ctAllPairsTakeBack(AllPairs* pairs) {
-  if (pairs->hasNonbonded) {
-    ctPairSumsTakeBack(&pairs->sums);
+bool ctAllPairsRestore(AllPairs* pairs) {
+  for (int i = 0; i < pairs->sumCount; i++) {
+    ctPairSumsRestore(&pairs->sums[i]);
   }
-  ctPairSetsTakeBack(&pairs->sets);
   ctTrialLeavesForget(&pairs->leaves);
-  return pairs->leaves.statePositions != NULL && (!pairs->hasStandIn || ctStandInTakeBack(&pairs->standIn));
+  return pairs->leaves.statePositions != NULL && (!pairs->hasStandIn || ctStandInRestore(&pairs->standIn));
 }

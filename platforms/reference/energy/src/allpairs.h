@@ -1,22 +1,24 @@
-/* All pairs of an energy: Lennard-Jones and Coulomb, or the stand-in in their place, and pair sets. */
+/* All pairs of an energy: pair sets, and Lennard-Jones and Coulomb or the stand-in in their place. */
 #ifndef CT_ALLPAIRS_H_
 #define CT_ALLPAIRS_H_
 
 #include "nonbonded.h"
-#include "pairsets.h"
+#include "pairset.h"
+#include "pairsums.h"
 #include "standin.h"
 #include "wholeenergy.h"
 
 typedef struct AllPairs {
   TrialLeaves leaves;
-  bool hasNonbonded;
+  int setCount;
+  PairSet* sets;
   Nonbonded nonbonded;
-  PairSums sums; /* of nonbonded */
+  int sumCount;   /* setCount, or one more */
+  PairSums* sums; /* of each pair set, then of nonbonded */
   bool hasStandIn;
   StandIn standIn;   /* instead of nonbonded */
   WholeEnergy whole; /* with a stand-in */
-  PairSets sets;
-  double nearChange; /* of the last trial, but for that of the stand-in */
+  double nearChange; /* of the last trial, without the stand-in's */
 } AllPairs;
 
 /* Pairs are all 0 before. On failure they have to be freed all the same, and errorText (not NULL) says why. */
@@ -27,23 +29,24 @@ void ctAllPairsFree(AllPairs* pairs);
 /* Computes everything from the state. */
 ctStatus ctAllPairsRefresh(AllPairs* pairs, ctCounts* counts);
 
-/* The energy of the state, but for pair sets. */
+/* The energy of the state: of a pair set, and of all other pairs. */
+double ctAllPairsSetEnergy(const AllPairs* pairs, int set);
 double ctAllPairsEnergy(const AllPairs* pairs);
 
-/* As in PairSums; the first call opens the trial. And the change of near pairs on the way back, see
- * ctGetNearChangeBack. */
-ctStatus ctAllPairsNearChange(AllPairs* pairs, double* change, ctCounts* counts);
-ctStatus ctAllPairsOtherChange(AllPairs* pairs, double* change);
+/* The change of pairs of leaves that are near, then that of the others, see ctPairSumsChange; the first call opens the
+ * trial. And the change of near pairs on the way back, see ctGetNearChangeBack. */
+ctStatus ctAllPairsChange(AllPairs* pairs, bool near, double* change, ctCounts* counts);
 double ctAllPairsNearChangeBack(const AllPairs* pairs);
+
+/* Makes the values of the trial those of the state. False if there is no memory, as for the next two. */
 bool ctAllPairsAccept(AllPairs* pairs);
 
-/* Keeps a copy of all values, and makes them the values of a state that has become that of then. False if there is no
- * memory. */
-bool ctAllPairsKeep(AllPairs* pairs);
-bool ctAllPairsTakeBack(AllPairs* pairs);
+/* Saves a copy of all values; restores it, for the state in which it was saved. */
+bool ctAllPairsSave(AllPairs* pairs);
+bool ctAllPairsRestore(AllPairs* pairs);
 
-/* Makes the constants of the stand-in what the state has far away, unless that is not finite, given pairs that are of
- * this state. The others are of no state then. On failure the constants are as before. */
+/* Makes the constants of the stand-in the Born sums over far particles in the state, unless one is not finite, given
+ * pairs of this state. The pairs have to be refreshed then. On failure the constants are as before. */
 ctStatus ctAllPairsRenewFar(AllPairs* pairs);
 
 #endif /* CT_ALLPAIRS_H_ */

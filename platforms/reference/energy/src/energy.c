@@ -185,8 +185,8 @@ double ctGetPairEnergy(const ctEnergy* energy) {
 }
 
 double ctGetPairSetEnergy(const ctEnergy* energy, int pairSet) {
-  const bool isThere = energy != NULL && pairSet >= 0 && pairSet < energy->pairs.sets.count;
-  return isThere ? ctLeafSumsTotal(&energy->pairs.sets.sums[pairSet].sums) : NAN;
+  const bool isThere = energy != NULL && pairSet >= 0 && pairSet < energy->pairs.setCount;
+  return isThere ? ctAllPairsSetEnergy(&energy->pairs, pairSet) : NAN;
 }
 
 double ctGetTermEnergy(const ctEnergy* energy, int termSet) {
@@ -230,10 +230,8 @@ ctStatus ctComputeEnergyChange(ctEnergy* energy, ctEnergyPart part, double* chan
   ctStatus status = ctSuccess;
   if (part == ctTermsPart) {
     status = changeTerms(energy, change);
-  } else if (energy->hasPairs && part == ctNearPairsPart) {
-    status = ctAllPairsNearChange(&energy->pairs, change, counts);
   } else if (energy->hasPairs) {
-    status = ctAllPairsOtherChange(&energy->pairs, change);
+    status = ctAllPairsChange(&energy->pairs, part == ctNearPairsPart, change, counts);
   }
   if (status != ctSuccess) {
     energy->computedParts = 0;
@@ -343,7 +341,7 @@ ctStatus ctKeepEnergy(ctEnergy* energy) {
     return ctInvalidArgument;
   }
   energy->hasCopy = false;
-  if (!ctTermsKeep(energy->terms) || (energy->hasPairs && !ctAllPairsKeep(&energy->pairs))) {
+  if (!ctTermsSave(energy->terms) || (energy->hasPairs && !ctAllPairsSave(&energy->pairs))) {
     return failOutOfMemory(energy);
   }
   energy->hasCopy = true;
@@ -361,8 +359,8 @@ ctStatus ctTakeBackEnergy(ctEnergy* energy) {
   }
   energy->computedParts = 0;
   energy->state = NO_STATE;
-  ctTermsTakeBack(energy->terms);
-  if (energy->hasPairs && !ctAllPairsTakeBack(&energy->pairs)) {
+  ctTermsRestore(energy->terms);
+  if (energy->hasPairs && !ctAllPairsRestore(&energy->pairs)) {
     return failOutOfMemory(energy);
   }
   energy->shift = ctGetTotalShift(energy->tree) - energy->lagOfCopy;

@@ -7,12 +7,12 @@
 bool ctPairSumsCreate(PairSums* pairs, TrialLeaves* leaves, double cutoff, LeafPairFunction* function,
                       const void* model) {
   *pairs = (PairSums){.leaves = leaves, .function = function, .model = model, .cutoff = cutoff};
-  return ctLeafSumsCreate(&pairs->sums, leaves->leafCount) && ctLeafSumsCreate(&pairs->keptSums, leaves->leafCount);
+  return ctLeafSumsCreate(&pairs->sums, leaves->leafCount) && ctLeafSumsCreate(&pairs->savedSums, leaves->leafCount);
 }
 
 void ctPairSumsFree(PairSums* pairs) {
   ctLeafSumsFree(&pairs->sums);
-  ctLeafSumsFree(&pairs->keptSums);
+  ctLeafSumsFree(&pairs->savedSums);
   free(pairs->staged);
   pairs->staged = NULL;
 }
@@ -63,13 +63,13 @@ static void stageFew(PairSums* pairs, int count, const FramedPair* framed, doubl
   pairs->stagedCount += count;
 }
 
-/* Computes the sums of those changed pairs that are near, or of the others, and by how much these change. */
-static ctStatus stage(PairSums* pairs, bool near, double* change) {
+ctStatus ctPairSumsChange(PairSums* pairs, bool near, double* change) {
   TrialLeaves* leaves = pairs->leaves;
   FramedPair framed[MOST_AT_A_TIME];
   int few = 0;
   const size_t most = (size_t)leaves->changedCount;
   *change = 0;
+  pairs->stagedCount = near ? 0 : pairs->stagedCount;
   if (!ctReserveEntries((void**)&pairs->staged, &pairs->stagedCapacity, most, sizeof *pairs->staged)) {
     return ctOutOfMemory;
   }
@@ -91,15 +91,6 @@ static ctStatus stage(PairSums* pairs, bool near, double* change) {
   return ctSuccess;
 }
 
-ctStatus ctPairSumsNearChange(PairSums* pairs, double* change) {
-  pairs->stagedCount = 0;
-  return stage(pairs, true, change);
-}
-
-ctStatus ctPairSumsOtherChange(PairSums* pairs, double* change) {
-  return stage(pairs, false, change);
-}
-
 bool ctPairSumsAccept(PairSums* pairs) {
   bool isKept = true;
   /* Those that are there first: adding to a row moves them. */
@@ -119,11 +110,11 @@ bool ctPairSumsAccept(PairSums* pairs) {
   return isKept;
 }
 
-bool ctPairSumsKeep(PairSums* pairs) {
-  return ctLeafSumsCopy(&pairs->sums, &pairs->keptSums);
+bool ctPairSumsSave(PairSums* pairs) {
+  return ctLeafSumsCopy(&pairs->sums, &pairs->savedSums);
 }
 
-void ctPairSumsTakeBack(PairSums* pairs) {
+void ctPairSumsRestore(PairSums* pairs) {
   pairs->stagedCount = 0;
-  ctLeafSumsCopy(&pairs->keptSums, &pairs->sums);
+  ctLeafSumsCopy(&pairs->savedSums, &pairs->sums);
 }

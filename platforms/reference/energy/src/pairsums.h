@@ -23,7 +23,7 @@ typedef struct PairSums {
   const void* model;
   double cutoff; /* of the function: beyond it is 0; not above that of the leaves */
   LeafSums sums;
-  LeafSums keptSums;
+  LeafSums savedSums;
   int stagedCount;
   int stagedCapacity;
   StagedSum* staged;
@@ -37,15 +37,15 @@ void ctPairSumsFree(PairSums* pairs);
 /* Computes all sums, given the pairs of leaves that are near in the state. */
 ctStatus ctPairSumsRefresh(PairSums* pairs, size_t count, const ctLeafPair* near);
 
-/* By how much the open trial changes pairs of leaves that are near, and those that are not. The first call has to come
- * first, once the leaves have opened the trial. Keeps the new sums until the next trial; accepting, once both were
- * asked for, makes them those of the state. Accepting is false if there is no memory. */
-ctStatus ctPairSumsNearChange(PairSums* pairs, double* change);
-ctStatus ctPairSumsOtherChange(PairSums* pairs, double* change);
+/* By how much the open trial changes pairs of leaves that are near, to be called first, once the leaves have opened the
+ * trial; and those that are not. */
+ctStatus ctPairSumsChange(PairSums* pairs, bool near, double* change);
+
+/* Makes the new sums, once both changes were computed, those of the state. False if there is no memory. */
 bool ctPairSumsAccept(PairSums* pairs);
 
-/* Keeps a copy of all sums, or makes the copy the sums. Keeping is false if there is no memory. */
-bool ctPairSumsKeep(PairSums* pairs);
-void ctPairSumsTakeBack(PairSums* pairs);
+/* Saves a copy of all sums; false if there is no memory. And restores it. */
+bool ctPairSumsSave(PairSums* pairs);
+void ctPairSumsRestore(PairSums* pairs);
 
 #endif /* CT_PAIRSUMS_H_ */

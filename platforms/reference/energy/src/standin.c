@@ -316,7 +316,7 @@ double ctStandInEnergy(const StandIn* standIn) {
 
 /* ---- Copies ---- */
 
-bool ctStandInKeep(StandIn* standIn) {
+bool ctStandInSave(StandIn* standIn) {
   const size_t leaves = (size_t)standIn->leaves->leafCount;
   standIn->hasCopy = false;
   if (standIn->copyOfPresent == NULL) {
@@ -350,7 +350,7 @@ bool ctStandInKeep(StandIn* standIn) {
   return true;
 }
 
-bool ctStandInTakeBack(StandIn* standIn) {
+bool ctStandInRestore(StandIn* standIn) {
   const size_t leaves = (size_t)standIn->leaves->leafCount;
   if (!standIn->hasCopy || !ctNeighborsCopy(&standIn->neighbors, &standIn->copyOfNeighbors)) {
     return false;

@@ -100,8 +100,8 @@ ctStatus ctStandInOtherChange(StandIn* standIn, double* change);
 bool ctStandInAccept(StandIn* standIn);
 
 /* Keeps a copy of what is kept of the state, and makes it that again. False if there is no memory, or no copy. */
-bool ctStandInKeep(StandIn* standIn);
-bool ctStandInTakeBack(StandIn* standIn);
+bool ctStandInSave(StandIn* standIn);
+bool ctStandInRestore(StandIn* standIn);
 
 /* ---- What the files of this share ---- */
 

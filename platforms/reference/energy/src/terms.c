@@ -13,7 +13,7 @@ struct Terms {
   TermSet* sets;
   int termCount; /* of all sets, one after the other */
   double* values;
-  double* keptValues; /* NULL: none were kept */
+  double* savedValues; /* NULL: none were kept */
   int* setOf;
   uint8_t* repeats; /* terms that share the dihedral of the term before */
   Dependence dependence;
@@ -136,7 +136,7 @@ void ctTermsDestroy(Terms* terms) {
   }
   free(terms->sets);
   free(terms->values);
-  free(terms->keptValues);
+  free(terms->savedValues);
   free(terms->setOf);
   free(terms->repeats);
   ctDependenceFree(&terms->dependence);
@@ -350,19 +350,19 @@ void ctTermsAccept(Terms* terms) {
 
 /* ---- Taking back ---- */
 
-bool ctTermsKeep(Terms* terms) {
-  const size_t size = ((size_t)terms->termCount + 1) * sizeof *terms->keptValues;
-  if (terms->keptValues == NULL) {
-    terms->keptValues = malloc(size);
+bool ctTermsSave(Terms* terms) {
+  const size_t size = ((size_t)terms->termCount + 1) * sizeof *terms->savedValues;
+  if (terms->savedValues == NULL) {
+    terms->savedValues = malloc(size);
   }
-  if (terms->keptValues == NULL) {
+  if (terms->savedValues == NULL) {
     return false;
   }
-  memcpy(terms->keptValues, terms->values, size);
+  memcpy(terms->savedValues, terms->values, size);
   return true;
 }
 
-void ctTermsTakeBack(Terms* terms) {
+void ctTermsRestore(Terms* terms) {
   terms->changedCount = 0;
-  memcpy(terms->values, terms->keptValues, (size_t)terms->termCount * sizeof *terms->values);
+  memcpy(terms->values, terms->savedValues, (size_t)terms->termCount * sizeof *terms->values);
 }

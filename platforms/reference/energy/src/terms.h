@@ -28,7 +28,7 @@ double ctTermsChange(Terms* terms, const TrialView* view);
 void ctTermsAccept(Terms* terms);
 
 /* Keeps a copy of all values, or makes the copy the values. Keeping is false if there is no memory. */
-bool ctTermsKeep(Terms* terms);
-void ctTermsTakeBack(Terms* terms);
+bool ctTermsSave(Terms* terms);
+void ctTermsRestore(Terms* terms);
 
 #endif /* CT_TERMS_H_ */
