@@ -4,10 +4,18 @@
 
 /* ---- The forest of links ---- */
 
+/* A particle of a measure, and the vertex up to which it has been followed. */
+typedef struct Climber {
+  int particle; /* CT_NULL: the world */
+  int vertex;
+} Climber;
+
 /* Vertex 0 is the world with all fixed links, vertex u + 1 the caller's link u. */
 typedef struct Forest {
   const ctDefinition* scene;
-  int* depth; /* of each vertex; of the world 0 */
+  int* depth;        /* of each vertex; of the world 0 */
+  int* measured;     /* scratch for the particles of a measure */
+  Climber* climbers; /* the same */
 } Forest;
 
 static int vertexOf(const ctDefinition* scene, int link) {
@@ -18,11 +26,19 @@ static int parentOf(const ctDefinition* scene, int vertex) {
   return vertexOf(scene, scene->linkParents[vertex - 1]);
 }
 
-/* Each vertex gets its depth once, from the nearest ancestor that has one. */
-static bool makeForest(const ctDefinition* scene, Forest* forest) {
-  forest->scene = scene;
-  forest->depth = calloc((size_t)scene->linkCount + 1, sizeof(int));
-  if (forest->depth == NULL) {
+static void freeForest(Forest* forest) {
+  free(forest->depth);
+  free(forest->measured);
+  free(forest->climbers);
+}
+
+/* Each vertex gets its depth once, from the nearest ancestor that has one. `most` particles are in a measure. */
+static bool makeForest(const ctDefinition* scene, size_t most, Forest* forest) {
+  *forest = (Forest){.scene = scene,
+                     .depth = calloc((size_t)scene->linkCount + 1, sizeof(int)),
+                     .measured = malloc((most + 1) * sizeof(int)),
+                     .climbers = malloc((most + 1) * sizeof(Climber))};
+  if (forest->depth == NULL || forest->measured == NULL || forest->climbers == NULL) {
     return false;
   }
   for (int link = 0; link < scene->linkCount; link++) {
@@ -72,45 +88,34 @@ static void addJoint(JointList* joints, int link) {
   joints->links[joints->count++] = link;
 }
 
-/* The particles of a measure, and the vertex that each has been followed up to. The world is a particle, too. */
-typedef struct Climb {
-  int count;
-  int particles[5];
-  int vertices[5];
-} Climb;
-
-static void addClimber(const Forest* forest, int particle, Climb* climb) {
-  climb->particles[climb->count] = particle;
-  climb->vertices[climb->count++] =
-      particle == CT_NULL ? 0 : vertexOf(forest->scene, forest->scene->particleLinks[particle]);
-}
-
-/* The deepest vertex, or CT_NULL if all particles are at one. */
-static int deepestVertex(const Forest* forest, const Climb* climb) {
-  int deepest = climb->vertices[0];
+/* The deepest vertex of `count` climbers, or CT_NULL if all are at one. */
+static int deepestVertex(const Forest* forest, int count) {
+  const Climber* climbers = forest->climbers;
+  int deepest = climbers[0].vertex;
   bool areTogether = true;
-  for (int i = 1; i < climb->count; i++) {
-    areTogether &= climb->vertices[i] == climb->vertices[0];
-    deepest = forest->depth[climb->vertices[i]] > forest->depth[deepest] ? climb->vertices[i] : deepest;
+  for (int i = 1; i < count; i++) {
+    areTogether &= climbers[i].vertex == climbers[0].vertex;
+    deepest = forest->depth[climbers[i].vertex] > forest->depth[deepest] ? climbers[i].vertex : deepest;
   }
   return areTogether ? CT_NULL : deepest;
 }
 
-/* Adds the joints that change a measure: those that have particles off their axis on both sides. From the deepest
- * vertex upwards, the particles there are all those that its joint moves. */
-static void addJointsOfMeasure(const Forest* forest, Climb* climb, JointList* joints) {
-  for (int vertex = deepestVertex(forest, climb); vertex != CT_NULL && joints->count <= MOST_JOINTS;
-       vertex = deepestVertex(forest, climb)) {
+/* Adds the joints that change a measure of `count` climbers: those that have particles off their axis on both sides.
+ * From the deepest vertex upwards, the particles there are all those that its joint moves. */
+static void addJointsOfMeasure(const Forest* forest, int count, JointList* joints) {
+  for (int vertex = deepestVertex(forest, count); vertex != CT_NULL && joints->count <= MOST_JOINTS;
+       vertex = deepestVertex(forest, count)) {
     bool movesSome = false;
     bool leavesSome = false;
-    for (int i = 0; i < climb->count; i++) {
-      const bool isMoved = climb->vertices[i] == vertex;
-      if (!isOnAxis(forest->scene, vertex, climb->particles[i])) {
+    for (int i = 0; i < count; i++) {
+      Climber* climber = &forest->climbers[i];
+      const bool isMoved = climber->vertex == vertex;
+      if (!isOnAxis(forest->scene, vertex, climber->particle)) {
         movesSome |= isMoved;
         leavesSome |= !isMoved;
       }
       if (isMoved) {
-        climb->vertices[i] = parentOf(forest->scene, vertex);
+        climber->vertex = parentOf(forest->scene, vertex);
       }
     }
     if (movesSome && leavesSome) {
@@ -123,17 +128,16 @@ static void addJointsOfMeasure(const Forest* forest, Climb* climb, JointList* jo
 static JointList jointsOf(const Forest* forest, const ctTermSet* set, int term) {
   JointList joints = {0};
   const int* particles = set->particles + (size_t)term * (size_t)set->particlesPerTerm;
-  int measured[4];
   int count;
-  for (int measure = 0; (count = ctMeasuredParticles(set, measure, measured)) > 0; measure++) {
-    Climb climb = {0};
+  for (int measure = 0; (count = ctMeasuredParticles(set, measure, forest->measured)) > 0; measure++) {
     for (int i = 0; i < count; i++) {
-      addClimber(forest, particles[measured[i]], &climb);
+      const int particle = particles[forest->measured[i]];
+      forest->climbers[i] = (Climber){particle, vertexOf(forest->scene, forest->scene->particleLinks[particle])};
     }
-    if (count == 1) {
-      addClimber(forest, CT_NULL, &climb);
+    if (ctMeasuresPlace(set, measure)) {
+      forest->climbers[count++] = (Climber){CT_NULL, 0};
     }
-    addJointsOfMeasure(forest, &climb, &joints);
+    addJointsOfMeasure(forest, count, &joints);
   }
   return joints;
 }
@@ -231,12 +235,14 @@ static bool makeLists(const Forest* forest, int setCount, const ctTermSet* given
 bool ctDependenceCreate(const ctDefinition* scene, int setCount, const ctTermSet* given, TermSet* sets,
                         Dependence* dependence) {
   Forest forest;
-  *dependence = (Dependence){0};
-  if (!makeForest(scene, &forest)) {
-    return false;
+  size_t most = 0;
+  for (int s = 0; s < setCount; s++) {
+    const size_t mostOfSet = MOST_POINTS * (size_t)given[s].particlesPerTerm;
+    most = mostOfSet > most ? mostOfSet : most;
   }
-  const bool isMade = makeLists(&forest, setCount, given, sets, dependence);
-  free(forest.depth);
+  *dependence = (Dependence){0};
+  const bool isMade = makeForest(scene, most, &forest) && makeLists(&forest, setCount, given, sets, dependence);
+  freeForest(&forest);
   return isMade;
 }
 

@@ -295,6 +295,10 @@ int ctMeasuredParticles(const ctTermSet* set, int measure, int* particles) {
   return width;
 }
 
+bool ctMeasuresPlace(const ctTermSet* set, int measure) {
+  return kinds[set->kind].measured == 0 && ctMeasureWidth(set->expression->inputs[measure].measure) == 1;
+}
+
 double ctTermEvaluate(Term* term) {
   return kinds[term->set->kind].evaluate(term);
 }

@@ -30,9 +30,15 @@ bool ctTermSetCreate(const ctTermSet* from, int firstTerm, const int* slotOf, Te
 
 void ctTermSetFree(TermSet* set);
 
-/* The particles of which measure number `measure` of each term is, as their numbers in the term. Returns how many, up
- * to four; 0: there are fewer measures. */
+/* A measure is of four points at most. */
+enum { MOST_POINTS = 4 };
+
+/* The particles of each term that measure number `measure` is of, as their numbers in the term. Returns how many, up to
+ * MOST_POINTS times all particles of the term; 0: there is no such measure. */
 int ctMeasuredParticles(const ctTermSet* set, int measure, int* particles);
+
+/* True if the measure is of a place in the world. */
+bool ctMeasuresPlace(const ctTermSet* set, int measure);
 
 /* A term that is evaluated. */
 typedef struct Term {
