@@ -111,18 +111,18 @@ class MinimumDistance(NamedTuple):
 %feature("kwargs") METHOD;
 %enddef
 
+%define %move(NAME)
+%keywords(ChainTreePlugin::TorsionMonteCarloIntegrator::add ## NAME)
+%keywords(ChainTreePlugin::TorsionMonteCarloIntegrator::set ## NAME ## Parameters)
+%enddef
+
 %keywords(ChainTreePlugin::StericExclusionForce::addParticle)
 %keywords(ChainTreePlugin::StericExclusionForce::setParticleParameters)
-%keywords(ChainTreePlugin::TorsionMonteCarloIntegrator::addTorsionMove)
-%keywords(ChainTreePlugin::TorsionMonteCarloIntegrator::addRigidBodyMove)
-%keywords(ChainTreePlugin::TorsionMonteCarloIntegrator::addClosedMove)
-%keywords(ChainTreePlugin::TorsionMonteCarloIntegrator::addPivotMove)
-%keywords(ChainTreePlugin::TorsionMonteCarloIntegrator::setPivotMoveParameters)
-%keywords(ChainTreePlugin::TorsionMonteCarloIntegrator::setTorsionMoveParameters)
-%keywords(ChainTreePlugin::TorsionMonteCarloIntegrator::setRigidBodyMoveParameters)
-%keywords(ChainTreePlugin::TorsionMonteCarloIntegrator::setClosedMoveParameters)
-%keywords(ChainTreePlugin::TorsionMonteCarloIntegrator::addLocalMove)
-%keywords(ChainTreePlugin::TorsionMonteCarloIntegrator::setLocalMoveParameters)
+%move(TorsionMove)
+%move(RigidBodyMove)
+%move(ClosedMove)
+%move(LocalMove)
+%move(PivotMove)
 
 %header %{
 static void raiseOpenMMException(const char* message) {
@@ -369,6 +369,16 @@ static bool toDouble(PyObject* object, const char* unit, const char* name, doubl
     return false;
 }
 
+/* Gives a new float, or Quantity if the unit is not "1". */
+static PyObject* addUnit(double value, const char* unit) {
+    if (std::strcmp(unit, "1") == 0)
+        return PyFloat_FromDouble(value);
+    PyObject* module = PyImport_ImportModule("openmmchaintree.units");
+    PyObject* result = module == NULL ? NULL : PyObject_CallMethod(module, "withUnit", "ds", value, unit);
+    Py_XDECREF(module);
+    return result;
+}
+
 static bool toInt(PyObject* object, const char* name, int& value) {
     PyObject* number = PyNumber_Index(object);
     if (number == NULL) {
@@ -488,12 +498,8 @@ static bool toVec3s(PyObject* object, const char* unit, const char* name, std::v
 %unit("nm", tolerance)
 %unit("nm", allowance)
 %unit("nm", cutoff)
-%unit("nm", maxTranslation)
 %unit("nm", position)
 %unit("nm", translation)
-%unit("rad", maxAngle)
-%unit("rad", sigma)
-%unit("nm^-2", stiffness)
 %unit("rad", changes)
 %unit("rad", angles)
 %unit("rad", rotation)
@@ -502,10 +508,6 @@ static bool toVec3s(PyObject* object, const char* unit, const char* name, std::v
 %unit("kJ/mol/nm^2", k)
 %unit("nm", bornCutoff)
 %unit("nm", pairCutoff)
-%unit("1", weight)
-%unit("1", scale)
-%unit("1", width)
-%unit("1", hop)
 %unit("1", floor)
 %unit("1", values)
 %unit("1", weights)
@@ -575,9 +577,6 @@ static PyObject* toNumPy(const void* values, size_t count, int columns, size_t i
 
 %outputArray(%arg(std::vector<std::pair<int, int> >), 2, int, int32, %arg((n, 2)), pairs)
 %outputArray(std::vector<int>, 0, int, int32, (n), particles)
-%outputArray(std::vector<int>, 0, int, int32, (n), torsions)
-%outputArray(std::vector<int>, 0, int, int32, (n), molecules)
-%outputArray(std::vector<int>, 0, int, int32, (n), ballJoints)
 %outputArray(std::vector<double>, 0, double, float64, (n), overlaps)
 %outputArray(std::vector<double>, 0, double, float64, (n), distances)
 %outputArray(std::vector<double>, 0, double, float64, (n), before)
@@ -663,28 +662,6 @@ static const char* const ENERGY_KINDS[] = {"not sampled", "constant", "native", 
 %}
 %pythonappend ChainTreePlugin::StericExclusionForce::getTraversalStatistics %{
     val = TraversalStatistics(*val)
-%}
-%pythonappend ChainTreePlugin::TorsionMonteCarloIntegrator::getTorsionMoveParameters %{
-    val[1] = openmm.unit.Quantity(val[1], openmm.unit.radian)
-    val[2] = val[2] if len(val[2]) > 0 else None
-%}
-%pythonappend ChainTreePlugin::TorsionMonteCarloIntegrator::getClosedMoveParameters %{
-    val[1] = openmm.unit.Quantity(val[1], openmm.unit.radian)
-    val[2] = val[2] if len(val[2]) > 0 else None
-%}
-%pythonappend ChainTreePlugin::TorsionMonteCarloIntegrator::getRigidBodyMoveParameters %{
-    val[1] = openmm.unit.Quantity(val[1], openmm.unit.nanometer)
-    val[2] = openmm.unit.Quantity(val[2], openmm.unit.radian)
-    val[3] = val[3] if len(val[3]) > 0 else None
-%}
-%pythonappend ChainTreePlugin::TorsionMonteCarloIntegrator::getLocalMoveParameters %{
-    val[1] = openmm.unit.Quantity(val[1], openmm.unit.radian)
-    val[2] = openmm.unit.Quantity(val[2], openmm.unit.nanometer**-2)
-    val[3] = val[3] if len(val[3]) > 0 else None
-%}
-%pythonappend ChainTreePlugin::TorsionMonteCarloIntegrator::getPivotMoveParameters %{
-    val[1] = openmm.unit.Quantity(val[1], openmm.unit.radian)
-    val[2] = val[2] if len(val[2]) > 0 else None
 %}
 %pythonappend ChainTreePlugin::TorsionMonteCarloIntegrator::getMoveStatistics %{
     val = MoveStatistics(*val)
@@ -1083,11 +1060,25 @@ def _setsAndDensities(torsions, density):
 %}
 }
 
-/* What a move chooses from. C++ has no other way than an empty vector to say "all", but an empty list in Python is
- * mostly a search that found nothing. */
-%typemap(in, fragment="FromPython") const std::vector<int>& torsions (std::vector<int> values),
-                                    const std::vector<int>& ballJoints (std::vector<int> values),
-                                    const std::vector<int>& molecules (std::vector<int> values) {
+/* ---- Moves: units, and lists of what they choose from, as MoveKind tells ---- */
+
+%{
+#include "openmmchaintree/internal/MonteCarloMove.h"
+%}
+
+%typemap(in, fragment="FromPython") double {
+    if (!toDouble($input, ChainTreePlugin::MoveKind::findUnit("$symname", "$1_name").c_str(), "$1_name", $1))
+        SWIG_fail;
+}
+%typemap(doctype) double "float or Quantity"
+%typemap(doctype) double&, double weight, double hop, double getPotentialEnergy "float"
+%typemap(argout, fragment="FromPython") double& {
+    $result = SWIG_AppendOutput($result, addUnit(*$1, ChainTreePlugin::MoveKind::findUnit("$symname", "$1_name").c_str()));
+}
+
+/* C++ has no other way than an empty vector to say "all", but an empty list in Python is mostly a search that found
+ * nothing. */
+%typemap(in, fragment="FromPython") const std::vector<int>& (std::vector<int> values) {
     if ($input != Py_None) {
         if (!toInts($input, "$1_name", values))
             SWIG_fail;
@@ -1099,7 +1090,28 @@ def _setsAndDensities(torsions, density):
     }
     $1 = &values;
 }
-%typemap(doctype) const std::vector<int>& torsions, const std::vector<int>& ballJoints,
-                  const std::vector<int>& molecules "sequence of int, or None"
+%typemap(doctype) const std::vector<int>& "sequence of int, or None"
+%typemap(in, numinputs=0) std::vector<int>& (std::vector<int> values) {
+    $1 = &values;
+}
+%typemap(argout, fragment="ToNumPy") std::vector<int>& {
+    PyObject* indices = $1->empty() ? Py_NewRef(Py_None) : toNumPy($1->data(), $1->size(), 0, sizeof(int), "int32");
+    if (indices == NULL)
+        SWIG_fail;
+    $result = SWIG_AppendOutput($result, indices);
+}
+%typemap(argout) const std::vector<int>& ""
+%typemap(doctype) std::vector<int>& "numpy.ndarray of int32, shape (n)"
+
+%extend ChainTreePlugin::TorsionMonteCarloIntegrator {
+    /* Get a line for each parameter of each kind of move, with tabs between its parts. */
+    static std::string _listMoveParameters() {
+        std::string lines;
+        for (const ChainTreePlugin::MoveKind* kind : ChainTreePlugin::MoveKind::getAll())
+            for (const ChainTreePlugin::MoveParameter& one : kind->parameters)
+                lines += kind->element + "\t" + one.name + "\t" + one.text + "\t" + one.unit + "\t" + one.getRange() + "\n";
+        return lines;
+    }
+}
 
 %include "openmmchaintree/TorsionMonteCarloIntegrator.h"

@@ -1,5 +1,6 @@
 """The site is built without a warning, and every link in it leads somewhere."""
 
+import ast
 import html
 import re
 import shutil
@@ -91,6 +92,37 @@ def test_resultsStandUnderReturns(site):
     assert parameters < clashes.index("context", parameters) < returns < clashes.index("overlaps", returns)
     assert "pairs" not in clashes[parameters:returns]
     assert "NDArray[np." not in text
+
+
+def describeMoves():
+    """Return the table of moves and their parameters: as the library declares them, with the defaults of the stub."""
+    integrator = openmmchaintree.TorsionMonteCarloIntegrator
+    stub = ast.parse(Path(openmmchaintree.__file__).with_name("openmmchaintree.pyi").read_text(encoding="utf-8"))
+    methods = {node.name: node.args for node in ast.walk(stub) if isinstance(node, ast.FunctionDef)}
+    moves = {}
+    for line in integrator._listMoveParameters().splitlines():
+        move, *parameter = line.split("\t")
+        moves.setdefault(move, []).append(parameter)
+    table = ["| move | parameter | meaning | unit | values | default |", "|---|---|---|---|---|---|"]
+    for move in sorted(moves, key=lambda name: getattr(integrator, name)):
+        arguments = methods[f"add{move}"]
+        names = [argument.arg for argument in arguments.args]
+        assert names[:2] == ["self", "weight"] and len(names) == 2 + len(moves[move])
+        defaults = [None] * (len(names) - len(arguments.defaults)) + [ast.unparse(one) for one in arguments.defaults]
+        first = f"`add{move}`"
+        for name, default, (declared, text, unit, values) in zip(names[2:], defaults[2:], moves[move], strict=True):
+            assert declared in (name, "densities")  # which Python calls density
+            isChoice = default == "None" and declared != "densities"
+            meaning, default = ("which to choose from", text) if isChoice else (text, default or "")
+            unit = "" if unit == "1" else unit
+            table.append(f"| {first} | `{name}` | {meaning} | {unit} | {values} | {default} |")
+            first = ""
+    return "\n".join(re.sub(r" +\|", " |", line) for line in table)
+
+
+def test_theTableOfMovesIsThatOfTheLibrary():
+    table = describeMoves()
+    assert table in (PROJECT / "docs" / "moves.md").read_text(encoding="utf-8"), table
 
 
 def test_theCitationIsOfThisVersion():

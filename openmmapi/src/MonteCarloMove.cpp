@@ -37,6 +37,24 @@ const MoveKind& MoveKind::find(const string& element)
     return *found->second;
 }
 
+vector<const MoveKind*> MoveKind::getAll()
+{
+    vector<const MoveKind*> all;
+    for (auto& known : knownKinds())
+        all.push_back(known.second);
+    return all;
+}
+
+string MoveKind::findUnit(const string& method, const string& argument)
+{
+    for (const MoveKind* kind : getAll())
+        if (method.find(kind->element) != string::npos)
+            for (const MoveParameter& parameter : kind->parameters)
+                if (parameter.name == argument)
+                    return parameter.unit;
+    return "1";
+}
+
 // ---- Parameters ----
 
 static string toText(double value)
@@ -49,6 +67,8 @@ static string toText(double value)
 
 string MoveParameter::getRange() const
 {
+    if (!holds_alternative<double>(value) && !holds_alternative<int>(value))
+        return "";
     const string low = (mayBeLeast ? "at least " : "above ") + toText(least);
     const string high = most == LargestAngle ? "pi" : toText(most);
     if (isinf(most))

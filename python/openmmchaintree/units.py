@@ -46,6 +46,11 @@ def inUnit(value, symbol, name):
     return value
 
 
+def withUnit(value, symbol):
+    """Return a number as Quantity in the unit that symbol names. See inUnit() for symbols."""
+    return unit.Quantity(value, _DIMENSIONS[symbol][0])
+
+
 def positionsInNm(positions, count):
     """Return positions as a float64 array of shape (count, 3) in nm.
 

@@ -42,7 +42,7 @@ public:
      */
     void check(const std::string& kind) const;
     /**
-     * Get the bounds of a number for people to read, as "from 0 to 1".
+     * Get the bounds of a number for people to read, as "from 0 to 1"; empty for lists.
      */
     std::string getRange() const;
     /** The name of the argument, in XML and in checkpoints. */
@@ -83,6 +83,17 @@ public:
      * Get the kind with this element in XML. It is an error if there is none.
      */
     static const MoveKind& find(const std::string& element);
+    /**
+     * Get all kinds, in the order of their elements.
+     */
+    static std::vector<const MoveKind*> getAll();
+    /**
+     * Get the unit of an argument of a method of TorsionMonteCarloIntegrator, "1" if no kind of move declares it.
+     *
+     * @param method    a name that contains the element of a kind, as "addTorsionMove"
+     * @param argument  the name of a parameter
+     */
+    static std::string findUnit(const std::string& method, const std::string& argument);
     const std::string name, element;
     const TorsionMonteCarloIntegrator::MoveType type;
     const std::vector<MoveParameter> parameters;
