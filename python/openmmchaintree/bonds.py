@@ -1,4 +1,4 @@
-"""The bonds of a Topology as a graph, without disulfides and metals' bonds on request; and its rings."""
+"""The bonds of a Topology as a graph, with or without those of disulfides and metals; rings and molecules of graphs."""
 
 from collections.abc import Iterable
 from functools import cached_property
@@ -11,12 +11,12 @@ from .shownhydrogens import ShownHydrogens
 
 __all__ = ["BondGraph", "Gap", "molecules", "neighborLists", "polymerLinks", "ringBonds"]
 
-DISULFIDES, LOOPS = "disulfides", "loops"  # what can be closed by name
+DISULFIDES, LOOPS = "disulfides", "loops"  # names of sets of closures
 Closures: TypeAlias = str | Iterable[str | tuple[int, int]]
 
 
 class BondGraph:
-    """The atoms of a Topology and the bonds that keep them together.
+    """The atoms of a Topology and the bonds between them.
 
     Attributes
     ----------
@@ -26,31 +26,31 @@ class BondGraph:
     residueOf : (n,) int array
         the index of the residue of each atom
     bonds : list of (int, int)
-        the bonds that count: no gaps, nothing that is cut
+        the bonds, without gaps, cut bonds and closures
     neighbors : list of list of int
-        for each atom the atoms bonded to it by `bonds`
+        for each atom the atoms that `bonds` bond to it
     gaps : list of Gap
     disulfides, metalBonds : list of (int, int)
-        the bonds between sulfurs, and those of metals, to other residues, cut or not
+        the bonds between residues that join two sulfurs, or that a metal has, whether cut or not
     cut : list of (int, int)
-        those of them that are not in `bonds`
+        the disulfides and metal bonds that are cut
     closures : list of (int, int, int, int)
-        bonds that are not in `bonds` either, but that moves keep: those between the second and third of these atoms,
-        each with a neighbor
+        bonds that are not in `bonds`, but that moves keep: each is between the second and third atom; the others are
+        neighbors of these
     positions : (n, 3) float64 array or None
-        those given, with molecules that the periodic box of the Topology tears apart made whole
+        the given positions, with molecules made whole that are split over the periodic box of the Topology
     overlong : list of (int, int)
-        bonds that are longer than 0.8 nm, as where a molecule is split over a periodic box
+        bonds longer than 0.8 nm, as of a molecule split over a periodic box
     hasTemplate : (n,) bool array
         whether the residue of each atom has a template, so that its bonds are known
     notes : list of Note
-        gaps; bonds that the Topology does not have, or has and that cannot be
+        on gaps, bonds that the Topology lacks, and impossible bonds of the Topology
     """
 
     def __init__(
         self, topology, positions=None, cutDisulfides=False, cutMetals=False, closures=(), fixed=(), others=()
     ):
-        """Find the bonds of a Topology: its own, those of residue templates, and, with positions, those by distance.
+        """Find the bonds of a Topology: those it has, those of residue templates, and, with positions, by distance.
 
         Parameters
         ----------
@@ -60,10 +60,10 @@ class BondGraph:
         cutDisulfides, cutMetals : bool
             leave disulfide bonds, or bonds between metals and other residues, out of `bonds`
         closures : "disulfides", "loops" or an iterable of these and of (int, int), optional
-            bonds that become closures; "disulfides" are those that close a ring, "loops" the last one of each loop
-            between fixed atoms
+            bonds that become closures; "disulfides" are the disulfides that close a ring, "loops" the last bond of each
+            loop between fixed atoms
         fixed : iterable of int, optional
-            those atoms
+            the fixed atoms
         others : iterable of (int, int), optional
             bonds that the Topology lacks, lower index first
         """
@@ -108,7 +108,7 @@ class BondGraph:
         return closing
 
     def _disulfidesInRings(self, search):
-        """Return the disulfides but for those that hold together what nothing else does, as parts of two chains."""
+        """Return the disulfides that close a ring; others hold parts together that no other bond joins."""
         closing = set()
         others = set(search.bonds).difference(search.disulfides)
         parts = connectedParts(len(self.atoms), sorted(others))
@@ -119,7 +119,7 @@ class BondGraph:
         return closing
 
     def _neighborOf(self, atom):
-        """Return an atom that is bonded to one at the end of a closure, by `bonds`."""
+        """Return an atom that `bonds` bond to an atom at the end of a closure."""
         others = self.heavyNeighborsOf(atom) or self.neighbors[atom]
         if not others:
             raise ValueError(f"closures names atom {atom}, which has no other bond")
@@ -143,7 +143,7 @@ class BondGraph:
         return [other for other in self.neighbors[atom] if self.elementNumber(other) > 1]
 
     def beyond(self, atom, other):
-        """Return the atoms bonded to one but another; extra particles only if the atom is one itself."""
+        """Return the neighbors of an atom other than a given one; extra particles only if the atom is one, too."""
         areExtra = self.elementNumber(atom) == 0
         return [
             neighbor for neighbor in self.neighbors[atom] if neighbor != other and (areExtra or self.numbers[neighbor])
@@ -151,7 +151,7 @@ class BondGraph:
 
 
 def defaultClosures(hasEnergies, cutDisulfides):
-    """Return the closures of those who choose none: disulfides where energies are sampled, unless they are cut."""
+    """Return the default closures: disulfides if energies are sampled, unless disulfides are cut."""
     return (DISULFIDES,) if hasEnergies and not cutDisulfides else ()
 
 
@@ -167,7 +167,7 @@ def neighborLists(count, bonds):
 def ringBonds(neighbors):
     """Return the bonds that lie in a ring, as a set of (lower, higher) index.
 
-    Depth-first: a tree edge is in no ring if nothing below it reaches above it. O(atoms + bonds).
+    A depth-first search: a tree edge lies in a ring if a bond leads from below it to above it. O(atoms + bonds).
     """
     count = len(neighbors)
     order = [-1] * count  # when an atom was first met

@@ -1,4 +1,4 @@
-"""Finding the bonds of a Topology: from its own, from residue templates, and from distances."""
+"""Finding the bonds of a Topology: those it has, those of residue templates, and bonds by distance."""
 
 from collections import defaultdict
 from itertools import pairwise
@@ -32,27 +32,27 @@ from .templates import isStandard, standardName, templateBonds
 # A bond between residues of a polymer that is longer than this (nm) spans missing residues.
 LONGEST_LINK = 0.4
 
-# Up to this (nm) residues are linked whatever their numbers.
+# Up to this distance (nm) residues are linked whatever their numbers.
 _LONGEST_CERTAIN_LINK = 0.2
 
-# Atoms farther apart than this (nm) are on two sides of a periodic box, whatever bond there may be.
+# Bonded atoms farther apart than this (nm) are on two sides of a periodic box.
 LONGEST_BOND = 0.8
 
 _COINCIDING = 0.001
 
 _LONGEST_DISULFIDE = 0.3
 
-# Atoms farther apart than LONGEST_LINK are bonded across the periodic box only if as near as this (nm).
+# Atoms farther apart than LONGEST_LINK are bonded across the periodic box only up to this distance (nm).
 _LONGEST_ACROSS_THE_BOX = 0.25
 
 # The atoms that join a residue to the next one: peptides, nucleic acids.
 LINKS = (("C", "N"), ("O3'", "P"))
 
-# What these atoms hang on.
+# The backbone atoms that these are bonded to.
 _BACKBONE = {"C": "CA", "N": "CA", "O3'": "C3'", "P": "O5'"}
 
-# Residues of which a bond of the template is so much longer than bonds are have names that mean something else. With
-# hydrogens there is nothing to gain by patience: they are bonded to what is near.
+# If a bond of the template is this factor longer than bonds are, the residue's name means something else. For bonds of
+# hydrogens the factor is 1: hydrogens are then bonded to near atoms.
 _LOOSE_FIT = 1.5
 
 _HYDROGEN, _SULFUR = 1, 16
@@ -69,25 +69,25 @@ class Gap(NamedTuple):
 class BondSearch:
     """Finds the bonds of a Topology.
 
-    Residues whose own bonds do not hold their atoms together get those of their template, and what is still loose is
-    bonded by distance. Residues next to each other in a chain are linked where their ends are near. Last come, by
-    distance: links elsewhere, as of cyclic peptides; disulfides; bonds of metals; bonds of residues that are neither
-    amino acids nor nucleotides, within those that have no template. Water is bonded to nothing. Atoms that are nearer
-    than bonds are long clash.
+    Residues whose atoms are not connected by the Topology's bonds get the bonds of their template, and atoms that are
+    still loose are bonded by distance. Neighbors in a chain are linked if their ends are near. The last bonds follow
+    from distances: links elsewhere, as of cyclic peptides; disulfides; bonds of metals; and bonds of residues that are
+    neither amino acids nor nucleotides, also within such a residue if it has no template. Water has no other bonds.
+    Atoms nearer than bonds are long clash.
 
     Attributes
     ----------
     bonds : list of (int, int)
         lower index first, sorted
     disulfides, metalBonds : list of (int, int)
-        those of the bonds
+        the bonds between residues that join two sulfurs, or that a metal has
     gaps : list of Gap
     positions : (n, 3) float64 array or None
-        nm, with molecules that the periodic box tears apart made whole
+        nm, with molecules made whole that are split over the periodic box
     overlong : list of (int, int)
-        bonds that are longer than 0.8 nm, as where a molecule is split over a periodic box
+        bonds longer than 0.8 nm, as of a molecule split over a periodic box
     coinciding : list of (int, int)
-        bonds whose atoms are at one place
+        bonds whose atoms are at the same place
     hasBox : bool
         whether the Topology has a periodic box
     numbers : (n,) int array
@@ -100,14 +100,14 @@ class BondSearch:
     """
 
     def __init__(self, topology, positions=None, others=()):
-        """Find the bonds. With positions, an (n, 3) float64 array in nm, distances count. O(n log n).
+        """Find the bonds; by distance only with positions, an (n, 3) float64 array in nm. O(n log n).
 
         others : iterable of (int, int), bonds that the Topology lacks, lower index first
 
         Raises
         ------
         InputError
-            if the bonds are ten times as long as bonds are, or a tenth
+            if bonds are ten times too long or too short
         """
         self._atoms = list(topology.atoms())
         self._residues = list(topology.residues())
@@ -138,12 +138,12 @@ class BondSearch:
         self._classify()
         self._noteWhatWasFound()
 
-    # ---- The Topology's own ----
+    # ---- Bonds of the Topology ----
 
     def _addOwnBonds(self, topology):
         for bond in topology.bonds():
             pair = _sorted(bond[0].index, bond[1].index)
-            if pair in self._bonds:  # files may tell a bond more than once
+            if pair in self._bonds:  # files may list a bond more than once
                 continue
             if self.residueOf[pair[0]] != self.residueOf[pair[1]] and self._distance(pair) > LONGEST_LINK:
                 if self._isLink(pair):
@@ -180,14 +180,14 @@ class BondSearch:
             bonds[self.residueOf[pair[0]]].append(pair)
         for residue in loose:
             self._bondWithin(residue, bonds[residue.index])
-        # Names may be those of another residue; but if distances do not tell either, the residue is torn.
+        # The template may be that of another residue. But if distances show no bonds either, the residue is split.
         stillLoose = set(self._looseResidues()) if misfits else ()
         for residue, bonds in misfits:
             if residue in stillLoose:
                 self._bonds.update(dict.fromkeys(bonds))
 
     def _takeTemplates(self, templates):
-        """Take the bonds of templates that can be bonds; return the others, as pairs of a residue and its bonds."""
+        """Add the possible bonds of templates; return the others, as pairs of a residue and its bonds."""
         pairs = np.array([pair for _, bonds in templates for pair in bonds], dtype=int).reshape(-1, 2)
         fits = np.ones(len(pairs), dtype=bool)
         if self.positions is not None:
@@ -213,13 +213,13 @@ class BondSearch:
         return _HYDROGEN in self.numbers[list(pair)]
 
     def _checkLengths(self):
-        """Refuse positions in a wrong unit by the bonds that are known without them."""
+        """Raise an InputError if the bonds found so far show that positions are in a wrong unit."""
         pairs = self._bondsWithin()
         pairs = pairs[(self.numbers[pairs] > 0).all(axis=1)]  # those of beads have any length
         checkBondLengths(np.linalg.norm(self.positions[pairs[:, 0]] - self.positions[pairs[:, 1]], axis=1))
 
     def _looseResidues(self):
-        """Return the residues whose atoms their bonds do not hold together, extra particles apart."""
+        """Return the residues whose atoms, without extra particles, their bonds do not connect."""
         atoms = np.flatnonzero(self.numbers > 0)
         part = connectedParts(len(self._atoms), self._bondsWithin())[atoms]
         first = np.full(len(self._residues), -1)
@@ -233,7 +233,7 @@ class BondSearch:
         return pairs[self.residueOf[pairs[:, 0]] == self.residueOf[pairs[:, 1]]]
 
     def _bondWithin(self, residue, known):
-        """Bond atoms of a residue by distance that its bonds do not hold together."""
+        """Bond the parts of a residue that its bonds do not connect, by distance."""
         atoms = np.array([atom.index for atom in residue.atoms() if self.numbers[atom.index] > 0])
         place = {atom: number for number, atom in enumerate(atoms.tolist())}
         bonds = [(place[first], place[second]) for first, second in known]
@@ -259,7 +259,7 @@ class BondSearch:
             # A hydrogen has one bond, to the nearest atom.
             if any(numbers[atom] == _HYDROGEN and neighbors[atom] for atom in (first, second)):
                 continue
-            # What is longer than bonds are is none across an angle, nor on top of another bond.
+            # A pair longer than bonds are is no bond if it spans an angle, or lies on top of another bond.
             if isLong[number] and not (
                 neighbors[first].isdisjoint(neighbors[second])
                 and areAnglesOfBonds(positions, first, second, sorted(neighbors[first]))
@@ -276,7 +276,7 @@ class BondSearch:
         for residue1, residue2 in self._unlinkedNeighbors():
             if isWater(residue1) or isWater(residue2):
                 continue
-            # Where OpenMM knows both residues and did not link them, only positions can tell better.
+            # If OpenMM knows both residues and did not link them, only positions can prove a link.
             if self.positions is None and (
                 not _areConsecutive(residue1, residue2) or all(map(isStandard, (residue1.name, residue2.name)))
             ):
@@ -286,7 +286,7 @@ class BondSearch:
                     self._bonds[_sorted(*ends)] = None
 
     def _linkFarResidues(self):
-        """Link consecutive residues whose ends are farther apart than links are, and that nothing else is linked to."""
+        """Link consecutive residues at a distance longer than links are, if neither end has another link."""
         linked = self._linkedAtoms()
         for residue1, residue2 in self._unlinkedNeighbors():
             for ends in self._facingEnds(residue1, residue2) if _areConsecutive(residue1, residue2) else ():
@@ -310,7 +310,7 @@ class BondSearch:
             if isAlphaCarbonOnly(residue1) or isAlphaCarbonOnly(residue2):
                 continue
             ends = next(iter(self._facingEnds(residue1, residue2)), ())
-            if any(end in linked for end in ends):  # to residues elsewhere in the file
+            if any(end in linked for end in ends):  # with a residue elsewhere in the file
                 continue
             reason = "the Topology has no bond between them"
             if self.positions is not None and ends:
@@ -325,7 +325,7 @@ class BondSearch:
         return [pair for pair in pairs if (pair[0].index, pair[1].index) not in linked]
 
     def _facingEnds(self, residue1, residue2):
-        """Return the atoms of two residues that can link them, as a list of at most one pair."""
+        """Return the atoms that can link two residues, as a list of at most one pair."""
         for name1, name2 in LINKS:
             ends = _atomNamed(name1, residue1), _atomNamed(name2, residue2)
             if None not in ends and self._isEndOfPolymer(ends[0], name1) and self._isEndOfPolymer(ends[1], name2):
@@ -333,7 +333,7 @@ class BondSearch:
         return []
 
     def _isEndOfPolymer(self, atom, name):
-        """Whether an atom has the name of a link's end because it is one: it hangs on a polymer's backbone."""
+        """Whether an atom named as the end of a link is one: it is bonded to a polymer's backbone."""
         residue = self._atoms[atom].residue
         if residue.name in CAPS:
             return True
@@ -383,7 +383,7 @@ class BondSearch:
                     neighbors[second].append(first)
 
     def _isBond(self, pair, hasOther, neighbors):
-        """Whether two near atoms are bonded, by what they are."""
+        """Whether two near atoms are bonded, by their elements, residues and other bonds."""
         numbers = self.numbers[list(pair)]
         metals = isMetal(numbers)
         if metals.any():
@@ -399,11 +399,11 @@ class BondSearch:
         residues = [self._atoms[atom].residue for atom in pair]
         if all(map(_isPolymer, residues)) or not canBond(numbers, [len(neighbors[atom]) for atom in pair]):
             return False
-        # A clash can be as near, but rarely lies as a bond does. Single atoms are ions, or marks of programs.
+        # Clashing atoms can be as near, but rarely at the angles of bonds. Single atoms are ions, or marks of programs.
         return all(len(residue) > 1 for residue in residues) and self._lieAsBonds(pair, neighbors)
 
     def _isThiol(self, atom, neighbors):
-        """Whether a sulfur can be one of a disulfide: it has one bond at most, to what is no hydrogen."""
+        """Whether a sulfur can form a disulfide: it has at most one bond, and none to a hydrogen."""
         if aminoAcid(self._atoms[atom].residue.name) is not None and self._atoms[atom].name != "SG":
             return False  # of methionine, which may lack an atom
         return len(neighbors) < 2 and not any(self.numbers[other] == _HYDROGEN for other in neighbors)
@@ -411,7 +411,7 @@ class BondSearch:
     def _lieAsBonds(self, pair, neighbors):
         return all(areAnglesOfBonds(self.positions, atom, other, neighbors[atom]) for atom, other in (pair, pair[::-1]))
 
-    # ---- What was found ----
+    # ---- Results ----
 
     def _classify(self):
         pairs = np.array(self.bonds, dtype=int).reshape(-1, 2)
@@ -462,7 +462,7 @@ class BondSearch:
         return float(self._distances(*pair))
 
     def _distances(self, atoms1, atoms2):
-        """Return distances (nm) between atoms; to the nearest image, where they can be bonded only to that one."""
+        """Return distances (nm) between atoms; to the nearest image if only that image can be bonded."""
         if self.positions is None:
             return np.zeros(np.shape(atoms1))
         vectors = self.positions[atoms2] - self.positions[atoms1]
@@ -474,7 +474,7 @@ class BondSearch:
 
 
 def polymerLinks(atoms, bonds):
-    """Yield the pairs of atoms of those bonds that link residues of a polymer, each in the order of the chain.
+    """Yield the pairs of atoms whose bonds link residues of a polymer, each in the order of the chain.
 
     Parameters
     ----------

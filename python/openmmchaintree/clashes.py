@@ -51,34 +51,35 @@ def findClashes(
 ) -> list[FrameClashes]:
     """Find the clashes of all models of a structure, or of all frames of a trajectory.
 
-    A clash is what `StericExclusionForce` calls so, with the force that `createStericExclusionForce` makes of the
-    structure: atoms more than three bonds apart that overlap by more than 0.04 nm, or 0.1 nm where one may donate a
-    hydrogen bond to the other. Molecules split over the periodic box are made whole along their bonds; clashes with
-    images do not count, but a warning tells those of the first frame. Bonds are those of the structure and its
-    chemistry, never of a frame. An atom of an element without a known radius is not looked at; a warning tells it.
+    A clash is defined by the `StericExclusionForce` that `createStericExclusionForce` makes for the structure: atoms
+    more than three bonds apart that overlap by more than 0.04 nm, or 0.1 nm where one may donate a hydrogen bond to the
+    other. Molecules split over the periodic box are made whole along their bonds. Clashes with periodic images do not
+    count, but a warning lists those of the first frame. Bonds follow from the structure and its chemistry, never from a
+    frame of the trajectory. Atoms of elements without a known radius are ignored, with a warning.
 
     Parameters
     ----------
     structure : str or Path
-        a PDB, mmCIF or BinaryCIF file, plain or compressed; of alternate conformers that of highest occupancy counts
+        a PDB, mmCIF or BinaryCIF file, plain or compressed. Of alternate conformers, the one of highest occupancy is
+        used.
     trajectory : str or Path, optional
-        a DCD or XTC file with the same atoms, in place of the models of the structure
+        a DCD or XTC file with the same atoms, searched instead of the models of the structure
     radii : str, optional
         "all-atom" or "united-atom". Default: "all-atom" for molecules that show their hydrogens, "united-atom" for
         others.
     water, ions : bool
-        look at water, and at ions that nothing binds, too
+        include water, and ions that nothing binds
 
     Returns
     -------
     list of FrameClashes
-        Particles are numbered from 0 in the order of the structure, including atoms that are not looked at.
+        Particles are numbered from 0 in the order of the structure, ignored atoms included.
 
     Raises
     ------
     InputError
-        a ValueError, if a file cannot be read or is damaged, or a molecule is split and there is no box; what was found
-        before that frame is its `frames`
+        a ValueError, if a file cannot be read or is damaged, or a molecule is split and there is no box. Its attribute
+        `frames` holds the results of earlier frames.
     """
     # It reads files, which needs more packages than the other modules beside this one.
     from .structures.clashsearch import ClashSearch
@@ -96,31 +97,31 @@ def findClashes(
 
 
 class ClashFinder:
-    """Finds the clashes of a Topology at any positions, in a Context of its own.
+    """Finds the clashes of a Topology at any positions, in a separate Context.
 
     Attributes
     ----------
     names : list of AtomName
-        the atoms of the Topology
+        all atoms of the Topology
     atoms : (n,) int array
-        those of them that are looked at
+        the atoms that are searched for clashes
     checkedCount : int
-        the number of those that have a radius
+        the number of searched atoms that have a radius
     radii : str
         the set of radii, or both, in words
     force : StericExclusionForce
-        has the atoms that are looked at as particles
-    notes : list of str
-        gaps, and atoms whose radius is not known
+        its particles are the searched atoms
+    notes : list of Note
+        gaps, and atoms of unknown radius
     """
 
     def __init__(self, topology, positions, source, radii=None, water=False, ions=False):
-        """Choose the atoms, and make their force; positions are (n, 3) in nm, source is for messages.
+        """Choose the atoms, and make their force; positions are (n, 3) in nm, source names the Topology in messages.
 
         Raises
         ------
         InputError
-            if there is no atom to look at
+            if no atom can be searched
         """
         self.names = [nameAtom(atom) for atom in topology.atoms()]
         solute = selectSolute(source, topology, positions, water, ions)
@@ -128,7 +129,7 @@ class ClashFinder:
         self._graph = BondGraph(solute.topology, solute.positions)
         self.radii = describeSets(defaultRadii(self._graph)) if radii is None else radii
         self._bonds = np.array(self._graph.bonds, dtype=int).reshape(-1, 2).T.copy()
-        # Torsions do not change what clashes; with them, the engine has less to compute anew at other positions.
+        # Torsions do not change which atoms clash, but with them the engine recomputes less at new positions.
         torsions = searchTorsions(self._graph, solute.topology, ("phi", "psi", "chi")).torsions
         self.force = makeForce(self._graph, torsions, radii, unknownRadius=0)
         self.notes = [*solute.notes, *found([self._findUnknownRadii()])]
@@ -156,22 +157,22 @@ class ClashFinder:
         self._context = openmm.Context(system, openmm.VerletIntegrator(0.001), platform)
 
     def makeWhole(self, positions, box, source):
-        """Make molecules whole that a periodic box tears apart, along their bonds.
+        """Make molecules whole along their bonds if they are split over a periodic box.
 
         positions : (n, 3) float64 array, nm, of all atoms of the Topology; box : (3, 3) array, nm, or None
 
-        Return the positions given, if nothing is torn apart.
+        Return the same positions if no molecule is split.
 
         Raises
         ------
         InputError
-            if bonded atoms are far apart all the same; source says where
+            if bonded atoms are still far apart; source names the frame
         """
         first, second = self._bonds
         chosen = positions.take(self.atoms, axis=0)
         vectors = chosen.take(first, axis=0) - chosen.take(second, axis=0)
         longest = np.sqrt(np.einsum("ij,ij->i", vectors, vectors).max(initial=0))
-        # Less than half a width has no shorter image; rounding could not make up for the rest.
+        # A vector shorter than half the box's width has no shorter image; 0.49 leaves room for rounding.
         if longest <= LONGEST_BOND and (box is None or longest < 0.49 * leastWidth(box)):
             return positions
         whole = chosen if box is None else makeWhole(chosen, self._bonds.T, box)
@@ -188,7 +189,7 @@ class ClashFinder:
         return positions
 
     def noteImages(self, positions, box):
-        """Return a Note on clashes across a box, (3, 3) in nm or None, at positions as for `find`, made whole."""
+        """Return a Note on clashes across a box, (3, 3) in nm or None; positions as for `find`, of whole molecules."""
         names = [self.names[atom] for atom in self.atoms]
         return noteOnImages(self.force, positions.take(self.atoms, axis=0), box, names)
 

@@ -4,11 +4,11 @@ import numpy as np
 
 
 def connectedParts(count, bonds):
-    """Return the number of the part that each of count atoms belongs to, as an int array, in the order of first atoms.
+    """Return for each of count atoms the number of its connected part, as an int array.
 
-    bonds : sequence of pairs, or (m, 2) int array
+    Parts are numbered in the order of their first atoms. bonds : sequence of pairs, or (m, 2) int array
     """
-    # Union-find; SciPy's takes longer to import than this takes for a hundred thousand atoms.
+    # Union-find.
     parent = list(range(count))
 
     def find(atom):

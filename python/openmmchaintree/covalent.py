@@ -11,12 +11,12 @@ import openmm
 from .datatables import readTable
 from .openmmchaintree import StericExclusionForce
 
-# Bonds are up to this many times as long as the sum of covalent radii. Hydrogens are often placed carelessly; WIDE is
-# for atoms of residues of which nothing else tells the bonds.
+# A bond's length is at most this factor times the sum of covalent radii. Hydrogens are often placed carelessly. WIDE is
+# for residues whose bonds only distances can show.
 _STRETCH, _STRETCH_OF_HYDROGENS = 1.15, 1.3
 WIDE = 1.31
 
-# Bonds are at least this many times as long as that sum: triple bonds reach 0.77, double bonds of metals 0.72, and the
+# A bond's length is at least this factor times that sum: triple bonds reach 0.77, double bonds of metals 0.72, and
 # bonds between residues 0.85; disulfides of models may be squeezed.
 _SHRINK, _SHRINK_OF_METALS, _SHRINK_BETWEEN_RESIDUES = 0.75, 0.7, 0.8
 
@@ -37,17 +37,17 @@ _LOOSE_METALS = np.array([3, 11, 19, 37, 55])
 
 _SULFUR = 16
 
-# How many bonds atoms of some elements have at most, by atomic number: H, C, N, O, F, Cl, Br, I.
+# The largest number of bonds of an atom, by atomic number: H, C, N, O, F, Cl, Br, I.
 _MOST_BONDS = {1: 1, 6: 4, 7: 4, 8: 2, 9: 1, 17: 1, 35: 1, 53: 1}
 
-# Of these elements, N, O and halogens, no two are bonded to each other between residues.
+# N, O and halogens: two of these are never bonded to each other between residues.
 _ELECTRONEGATIVE = np.array([7, 8, 9, 17, 35, 53])
 
 
 def longestBonds(numbers1, numbers2, stretch=_STRETCH):
-    """Return the largest length (nm) of a bond between atoms of given atomic numbers, 0 with a number of 0.
+    """Return the largest length (nm) of a bond between atoms of given atomic numbers, 0 if one of these is 0.
 
-    Without hydrogens, it is stretch times the sum of covalent radii.
+    stretch : the factor by which it may exceed the sum of covalent radii, if neither atom is a hydrogen
     """
     radii = _radii()
     isKnown = (np.asarray(numbers1) > 0) & (np.asarray(numbers2) > 0)
@@ -57,7 +57,7 @@ def longestBonds(numbers1, numbers2, stretch=_STRETCH):
 
 
 def shortestBonds(numbers1, numbers2, areOfTwoResidues=False):
-    """Return the least length (nm) of a bond between atoms of given atomic numbers: nearer ones clash."""
+    """Return the least length (nm) of a bond between atoms of given atomic numbers: nearer atoms clash."""
     radii, metals = _radii(), _metals()
     hasHydrogen = (np.asarray(numbers1) == 1) | (np.asarray(numbers2) == 1)
     areSulfurs = (np.asarray(numbers1) == _SULFUR) & (np.asarray(numbers2) == _SULFUR)
@@ -67,9 +67,9 @@ def shortestBonds(numbers1, numbers2, areOfTwoResidues=False):
 
 
 def canBond(numbers, bondCounts):
-    """Return whether two atoms of two residues can be bonded: both have a bond to give, and one is not electronegative.
+    """Return whether atoms of two residues can be bonded: both may have another bond, and one is not electronegative.
 
-    numbers, bondCounts : two atomic numbers, and how many bonds these atoms have
+    numbers, bondCounts : the two atomic numbers, and the numbers of bonds that the atoms have already
     """
     if np.isin(numbers, _ELECTRONEGATIVE).all():
         return False
@@ -120,11 +120,11 @@ def nearPairs(positions, distance):
 
 
 def bondedPairs(positions, numbers, stretch=_STRETCH):
-    """Return the pairs of atoms that are as near as if they were bonded, or nearer, as an (m, 2) array, sorted.
+    """Return the pairs of atoms at most a bond's length apart, as an (m, 2) array, sorted.
 
     positions : (n, 3) array, nm; numbers : (n,) int array, atomic numbers; stretch : as for `longestBonds`
 
-    Pairs of two hydrogens, and atoms at one place, are left out.
+    Pairs of two hydrogens, and atoms at the same place, are left out.
     """
     pairs = nearPairs(positions, 2 * max(stretch, _STRETCH) * _radii()[numbers].max(initial=0.0))
     first, second = pairs.T
@@ -135,7 +135,7 @@ def bondedPairs(positions, numbers, stretch=_STRETCH):
 
 
 def areAnglesOfBonds(positions, atom, other, neighbors):
-    """Return whether a bond from an atom to another would meet the bonds to its neighbors at the angles of bonds."""
+    """Return whether a bond from an atom to another would make usual angles with the atom's bonds to its neighbors."""
     axis = positions[other] - positions[atom]
     vectors = positions[neighbors] - positions[atom]
     cosines = vectors @ axis / (np.linalg.norm(vectors, axis=1) * np.linalg.norm(axis))

@@ -1,4 +1,4 @@
-"""The package's tables: CSV files with comments that name their sources."""
+"""The package's tables: CSV files, whose comments name their sources."""
 
 import csv
 from functools import cache
@@ -15,5 +15,5 @@ def readTable(name):
 
 @cache
 def readNames(kind):
-    """Return the residue and what names its atoms of each row of a kind in the table of names."""
+    """Return the columns residue and atom of each row of a kind in the table of names."""
     return [(residue, atoms) for found, residue, atoms, _ in readTable("names.csv") if found == kind]

@@ -1,4 +1,4 @@
-"""Mixtures of moves that were found by measuring, for those who do not want to choose."""
+"""Default mixtures of moves, with weights and sizes from measurements."""
 
 from typing import NamedTuple
 
@@ -17,16 +17,16 @@ _RIGID_STEP = 0.02, 2  # nm, degrees
 _BOUND_STEP = 0.01, 1  # of molecules that touch others
 _RIGID_WEIGHT = 0.1  # to one for all torsions and joints
 _MINOR = ("peptide bonds", "rotors", "planar groups")
-_MINOR_SHARE = 0.1  # at most, of trials: the others are hardly slowed down
+_MINOR_SHARE = 0.1  # the largest share of trials, so that the other torsions move hardly more slowly
 
 
 class _Weights(NamedTuple):
-    """Of moves of folded backbones."""
+    """The weights of moves of folded backbones."""
 
     closed: float
     local: float
     ends: float
-    endsAnew: float
+    endsDrawn: float
     pivots: float
 
 
@@ -34,10 +34,10 @@ _NUCLEOTIDES = _Weights(0.6, 0.2, 0.15, 0, 0.05)
 
 
 class _Ends(NamedTuple):
-    """Moves of torsions at ends of chains, beside those of all."""
+    """How often torsions at ends of chains get additional trials."""
 
-    factor: float  # how many times as often as others they are turned
-    most: float  # of trials of these and the others: in a small protein they would take what its core needs
+    factor: float  # how much more often than other torsions they turn
+    most: float  # their largest share of trials, since in a small protein they would take too many from its core
 
 
 _ENDS_OF_BACKBONES, _ENDS_OF_SIDE_CHAINS = _Ends(5.4, 0.4), _Ends(2.7, 0.3)
@@ -49,34 +49,34 @@ def addDefaultMoves(
     system: openmm.System,
     disordered: bool = False,
 ) -> AddedMoves:
-    """Add moves to an integrator that suit what there is: proteins, nucleic acids, chains of beads, other molecules.
+    """Add moves that suit a System to an integrator: for proteins, nucleic acids, chains of beads, other molecules.
 
-    The weights for folded proteins were found by measuring independent samples a second of torsions and of the RMSD in
-    implicit solvent, those for loose chains by that of the radius of gyration (benchmarks/moves.py). Backbones of
-    proteins and nucleic acids get closed and local moves, which leave the rest of a chain where it is, turns of the
-    ends of chains, and few turns elsewhere. Side chains get small turns, and are drawn anew from the density of their
-    rotamers: mostly from their first torsion on, which is the slowest, and those at the ends of chains more often:
-    salt bridges of theirs hold loose ends. Bases, and torsions of other kinds, are turned by a little and drawn anew.
-    Ball joints get pivot moves. Molecules without fixed particles get rigid-body moves if there is more than one
-    molecule.
+    The weights for folded proteins maximize the number of independent samples a second of torsions and of the RMSD in
+    implicit solvent, those for loose chains that of the radius of gyration (benchmarks/moves.py). Backbones of
+    proteins and nucleic acids get closed and local moves, which keep the rest of a chain in place, turns of the ends of
+    chains, and few turns elsewhere. Side chains get small turns, and are drawn from the density of their rotamers:
+    mostly from their first torsion on, which is the slowest. Side chains at the ends of chains are drawn more often,
+    since their salt bridges hold loose ends. Bases, and torsions of other kinds, get small turns and are drawn
+    uniformly. Ball joints get pivot moves. Molecules without fixed particles get rigid-body moves if there is more than
+    one molecule.
 
-    Sizes are those that were measured to be good. That can mean a low acceptance: closed moves of up to 8 degrees gave
-    more independent samples than smaller ones that were accepted twice as often. So let sizes adapt
-    (`TorsionMonteCarloIntegrator.setAdaptMoveSizes`) where hardly any trial of a move is accepted, rather than always.
+    Sizes are those that measured best. Acceptance may be low: closed moves of up to 8 degrees gave more independent
+    samples than smaller ones that were accepted twice as often. So let sizes adapt
+    (`TorsionMonteCarloIntegrator.setAdaptMoveSizes`) only if hardly any trial of a move is accepted.
 
         print(addDefaultMoves(integrator, topology, system))
 
     Parameters
     ----------
     integrator : TorsionMonteCarloIntegrator
-        to which moves are added; those that it has stay
+        the integrator, which keeps the moves that it has
     topology : openmm.app.Topology
         of the System
     system : openmm.System
-        with its StericExclusionForce, whose torsions and ball joints are those that move
+        with a StericExclusionForce, whose torsions and ball joints get moves
     disordered : bool
-        whether chains are loose, as those of disordered proteins: then backbones are mostly drawn anew, by the density
-        of residues in loops, and turned by much
+        whether chains are loose, as in disordered proteins: then backbones are mostly drawn from the density of
+        residues in loops, and get large turns
 
     Returns
     -------
@@ -86,8 +86,8 @@ def addDefaultMoves(
     Raises
     ------
     ValueError
-        if the System has another number of particles than the Topology has atoms, no StericExclusionForce or more than
-        one, or nothing that could move
+        if the System's particles are not as many as the Topology's atoms, if it does not have exactly one
+        StericExclusionForce, or if nothing can move
     """
     scene = MoveScene(topology, system)
     rigidBodies = scene.freeMolecules() if scene.moleculeCount > 1 else []
@@ -97,14 +97,14 @@ def addDefaultMoves(
 def addMovesOfPlan(integrator, topology, system, torsions, rigidBodies):
     """Add the moves of `addDefaultMoves` for a list of Torsion, and for molecules by a particle of each.
 
-    Return the NamedMoves in the order in which they were added.
+    Return the NamedMoves in the order of their indices.
     """
     scene = MoveScene(topology, system, torsions)
     return _addMixtures(integrator, scene, rigidBodies, _BOUND_STEP, disordered=False).named
 
 
 def _addMixtures(integrator, scene, rigidBodies, rigidStep, disordered):
-    """Add the moves of all that there is; return the MoveAdder."""
+    """Add moves for all torsions, ball joints and molecules; return the MoveAdder."""
     adder = MoveAdder(integrator, scene.findRings())
     shares = _sharesOf(scene)
     for name, addMoves in _MIXTURES.items():
@@ -130,13 +130,13 @@ def _addMixtures(integrator, scene, rigidBodies, rigidStep, disordered):
 
 
 def _areMinor(scene):
-    """Whether ω, rotors and planar groups turn beside others in a force field: then these get most trials."""
+    """Whether a force field is sampled in which other torsions than ω, rotors and planar groups get most trials."""
     others = sum(len(torsions) for name, torsions in scene.torsions.items() if name not in _MINOR)
     return scene.hasEnergies and others + scene.force.getNumBallJoints() > 0
 
 
 def _sharesOf(scene):
-    """Return the share of trials of each kind of torsions, and of ball joints, by their numbers."""
+    """Return the share of trials of each group of torsions, and of ball joints, by their numbers."""
     counts = {name: len(torsions) for name, torsions in scene.torsions.items()}
     counts["beads"] = scene.force.getNumBallJoints()
     total = max(1, sum(counts.values()))
@@ -154,7 +154,7 @@ def _addPeptideBackbones(adder, scene, disordered):
     if disordered:
         drawn = adder.findDrawn(ramachandranDensities, scene)
         adder.drawOrTurn("loose chains, by residue", "by residue", 0.4, drawn, torsions)
-        adder.turn("loose chains, drawn anew", 0.3, HALF_TURN, torsions)
+        adder.turn("loose chains, drawn uniformly", 0.3, HALF_TURN, torsions)
         adder.turn("loose chains, by some degrees", 0.2, 30, torsions)
         ringsAndBackbones = _ringsAndBackbones(adder, scene, torsions)
         if scene.canClose(ringsAndBackbones):
@@ -186,8 +186,8 @@ def _addFoldedBackbones(adder, scene, torsions, ends, weights):
         adder.close(weights.closed, _CLOSED_STEP, ringsAndBackbones)
     adder.bend(weights.local + (0 if canClose else weights.closed), _BEND_STEP, _BEND_STIFFNESS, torsions)
     adder.turn("ends of chains", weights.ends, _TORSION_STEP, ends, "ends ")
-    if weights.endsAnew > 0:
-        adder.turn("ends of chains, drawn anew", weights.endsAnew, HALF_TURN, ends, "ends ")
+    if weights.endsDrawn > 0:
+        adder.turn("ends of chains, drawn uniformly", weights.endsDrawn, HALF_TURN, ends, "ends ")
     adder.turn("how parts of a chain lie to each other", weights.pivots, _PIVOT_STEP, torsions)
 
 
@@ -213,7 +213,7 @@ def _addNucleotideBackbones(adder, scene, disordered):
     torsions = scene.torsions["nucleotide backbones"]
     if disordered:
         adder.turn("loose chains, by some degrees", 0.5, 30, torsions)
-        adder.turn("loose chains, drawn anew", 0.5, HALF_TURN, torsions)
+        adder.turn("loose chains, drawn uniformly", 0.5, HALF_TURN, torsions)
         return
     _addFoldedBackbones(adder, scene, torsions, adder.outsideRings(scene.endsOf(torsions)), _NUCLEOTIDES)
 
@@ -250,10 +250,10 @@ def _addOthers(adder, scene, disordered):
 
 def _turnAndDraw(adder, words, torsions, step=_TORSION_STEP):
     adder.turn(f"{words}, by a little", 0.5, step, torsions)
-    adder.turn(f"{words}, drawn anew", 0.5, HALF_TURN, torsions)
+    adder.turn(f"{words}, drawn uniformly", 0.5, HALF_TURN, torsions)
 
 
-# What moves torsions get by what they are, and how tables call them.
+# The functions that add moves for each group of torsions, and the groups' short names in tables.
 _MIXTURES = {
     "peptide backbones": _addPeptideBackbones,
     "side chains": _addSideChains,

@@ -1,4 +1,4 @@
-"""Densities of the torsions of proteins, by residue, for moves that draw them anew.
+"""Densities of the torsions of proteins, by residue, for moves that draw torsions.
 
 The tables are in `tables`, each with its source.
 """
@@ -17,7 +17,7 @@ from .torsions import findTorsions
 
 # The table of rotamers gives the last chi of these modulo half a turn.
 _ENDS_ALIKE = ("ASP", "GLU", "PHE", "TYR")
-# Amino acids that have no rotamers of their own in the table.
+# Amino acids without rotamers in the table, and the amino acid whose rotamers they get.
 _STAND_INS = {"MSE": "MET"}
 
 
@@ -37,27 +37,26 @@ def rotamerDensities(
 ) -> DrawnTorsions:
     """Find the side chains of a Topology, with the density of their rotamers.
 
-    A set is all χ of a residue that are torsions of the force, or a run of neighbours of them: where a protein is
-    folded, a side chain often has room to turn its end alone, or to turn χ1 with its end as it is. Its density is a sum
-    of bells, one a rotamer, by the frequencies, means and standard deviations of MolProbity's ultimate rotamer library
-    (Hintze, Lewis, Richardson and Richardson, Proteins 84, 1177 (2016)), whatever the backbone and the χ that are not
-    in the set are. D-amino acids have the mirror images. Residues that are no amino acids of the library (or
-    selenomethionine, as methionine) have no set.
+    A set is all χ of a residue that are torsions of the force, or some consecutive ones: in a folded protein, a side
+    chain often has room to turn only its end, or only χ1. Its density is a sum of bells, one for each rotamer, with the
+    frequencies, means and standard deviations of MolProbity's ultimate rotamer library (Hintze, Lewis, Richardson and
+    Richardson, Proteins 84, 1177 (2016)), independent of the backbone and of χ outside the set. D-amino acids have the
+    mirror images, and selenomethionine has the rotamers of methionine. Residues that the library lacks have no set.
 
     Parameters
     ----------
     topology : openmm.app.Topology
         that the force was made for
     force : StericExclusionForce
-        as `createStericExclusionForce` makes it; a torsion that it defines by other particles than `findTorsions` names
-        has no χ, and is left out
+        as `createStericExclusionForce` makes it; torsions that it defines by other particles than `findTorsions` are
+        left out
     selection : str, array of int or bool, or callable, optional
         the atoms whose torsions are wanted, as in `findTorsions`. Default: all.
     floor : float
         the share of draws of each χ that are uniform, above 0 and at most 1
     parts : bool
-        whether there are sets of a part of a side chain, as χ1 alone, χ1 and χ2, or χ2 alone. Without, each side chain
-        is drawn as a whole.
+        whether there are sets of parts of a side chain, such as χ1 alone, χ1 and χ2, or χ2 alone. If not, each side
+        chain is drawn as a whole.
 
     Returns
     -------
@@ -93,18 +92,19 @@ def ramachandranDensities(
 ) -> DrawnTorsions:
     """Find φ and ψ of the residues of a Topology, with their density in loops.
 
-    A set is φ and ψ of a residue as far as they are torsions of the force. Its density is a table of how often residues
-    of its kind outside helices and strands have them, in bins of 12°: the loops of the Ramachandran Z-score (Sobolev et
-    al., Structure 28, 1249 (2020)). Residues before a proline have a table of their own. Of prolines it is that of ψ in
-    trans prolines. D-amino acids have the mirror images. Residues that are no amino acids have no set.
+    A set is φ and ψ of a residue, or the one of them that is a torsion of the force. Its density is a table of the
+    frequencies of φ and ψ in residues of its kind outside helices and strands, in bins of 12°: the loops of the
+    Ramachandran Z-score (Sobolev et al., Structure 28, 1249 (2020)). Residues before a proline have a separate table.
+    Prolines have the density of ψ in trans prolines. D-amino acids have the mirror images. Residues that are no amino
+    acids have no set.
 
     Parameters
     ----------
     topology : openmm.app.Topology
         that the force was made for
     force : StericExclusionForce
-        as `createStericExclusionForce` makes it; a torsion that it defines by other particles than `findTorsions` names
-        is left out
+        as `createStericExclusionForce` makes it; torsions that it defines by other particles than `findTorsions` are
+        left out
     selection : str, array of int or bool, or callable, optional
         the atoms whose torsions are wanted, as in `findTorsions`. Default: all.
     floor : float
@@ -161,7 +161,7 @@ def _torsionsByResidue(topology, force, kinds, selection):
 
 
 def _runs(chis):
-    """Generate the whole of a tuple and all runs of neighbours in it, longer ones first."""
+    """Generate all runs of consecutive items of a tuple, longer ones first."""
     for length in range(len(chis), 0, -1):
         for first in range(len(chis) - length + 1):
             yield chis[first : first + length]

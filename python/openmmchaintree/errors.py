@@ -1,4 +1,4 @@
-"""What is wrong with what the user gave."""
+"""Errors of the user's input."""
 
 from collections.abc import Sequence
 from typing import TYPE_CHECKING
@@ -9,19 +9,19 @@ if TYPE_CHECKING:
 
 
 class InputError(ValueError):
-    """What is wrong with what the user gave, in one sentence that names it.
+    """An error of the user's input, in one sentence that names the culprit.
 
     frames : sequence of FrameClashes
-        what was found before a damaged frame
+        the results of frames before a damaged one
     """
 
     frames: "Sequence[FrameClashes]" = ()
 
 
 class UnknownRadiusError(ValueError):
-    """Atoms of which no radius is known.
+    """Atoms of unknown radius.
 
-    note : Note, which names them; advice names the argument or option that gives them one
+    note : Note, which names the atoms; advice : str, names the argument or option that sets their radius
     """
 
     def __init__(self, note: "Note", advice: str) -> None:
@@ -30,4 +30,4 @@ class UnknownRadiusError(ValueError):
 
 
 class ClusterError(InputError):
-    """What is wrong with a scheduler or with workers on other machines, in one sentence that names them."""
+    """An error of a scheduler or of workers on other machines, in one sentence that names them."""

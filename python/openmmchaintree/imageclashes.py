@@ -31,7 +31,7 @@ def noteOnImages(force, positions, box, names):
 
 
 def _clashesAcross(force, positions, box):
-    """Return (atom, atom, distance) of the pairs that would clash if images counted."""
+    """Return (atom, atom, distance) of each pair that would clash if images counted."""
     spheres = PlainSpheres(force)
     radii, modelled, reach = spheres.radii, spheres.modelled, spheres.reach
     found = []
@@ -48,7 +48,7 @@ def _clashesAcross(force, positions, box):
 
 
 def _shifts(positions, box, reach):
-    """Return the box vectors, one of each pair of opposite ones, by which images come near."""
+    """Return the shifts to images that come near, one of each pair of opposite shifts."""
     if len(positions) == 0:
         return []
     inverse = np.linalg.inv(box)
@@ -69,6 +69,6 @@ def _nearPairs(positions, shift, reach):
 
 
 def _within(points, others, reach):
-    """Return the indices of the points that are no farther than a reach from the box around others."""
+    """Return the indices of the points within a reach of the box around other points."""
     low, high = others.min(axis=0) - reach, others.max(axis=0) + reach
     return np.flatnonzero(((low <= points) & (points <= high)).all(axis=1))

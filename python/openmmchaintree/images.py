@@ -1,20 +1,20 @@
-"""Molecules that the images of a periodic box tear apart, made whole along their bonds."""
+"""Periodic boxes, and molecules that are split over them, made whole along their bonds."""
 
 import numpy as np
 
 from .components import connectedParts
 
-# Narrower boxes (nm) stand for none: some programs write 1 Å, or zeros.
+# A narrower box (nm) means that there is none: some programs write 1 Å, or zeros.
 _LEAST_WIDTH = 0.5
 
 
 def isBox(vectors):
-    """Whether vectors, a (3, 3) array in nm with one a row, span a box that a molecule can be split over."""
+    """Whether vectors, a (3, 3) array in nm with one vector a row, span a box that a molecule can be split over."""
     return leastWidth(vectors) >= _LEAST_WIDTH
 
 
 def leastWidth(box):
-    """Return how far apart opposite faces of a box are at least, in nm; 0 if its vectors span none.
+    """Return the least distance between opposite faces of a box in nm; 0 if its vectors span none.
 
     box : (3, 3) array, nm, a vector a row
     """
@@ -27,9 +27,10 @@ def leastWidth(box):
 
 
 def nearestImage(vectors, box):
-    """Return vectors less the whole numbers of box vectors by which they are longer than need be.
+    """Return vectors shortened by whole numbers of box vectors.
 
-    vectors : (..., 3) array, nm; box : (3, 3) array, nm, a vector a row; exact for vectors up to half the box
+    vectors : (..., 3) array, nm; box : (3, 3) array, nm, a vector a row. Results up to half the box long are the
+    shortest possible.
     """
     return vectors - np.rint(vectors @ np.linalg.inv(box)) @ box
 
@@ -47,9 +48,9 @@ def reducedBox(box):
 
 
 def makeWhole(positions, bonds, box):
-    """Shift atoms by box vectors so that all bonds are as short as they can be.
+    """Shift atoms by box vectors so that all bonds are as short as possible.
 
-    The lowest-numbered atom of a molecule stays where it is. O(n) where bonds are many.
+    The lowest-numbered atom of each molecule keeps its position. O(n + bonds).
 
     Parameters
     ----------
@@ -60,7 +61,7 @@ def makeWhole(positions, bonds, box):
     Returns
     -------
     (n, 3) float64 array
-        the positions given, if nothing is torn apart
+        the same array if no molecule is split
     """
     bonds = np.asarray(bonds, dtype=int).reshape(-1, 2)
     vectors = positions[bonds[:, 1]] - positions[bonds[:, 0]]
@@ -68,15 +69,15 @@ def makeWhole(positions, bonds, box):
     isTorn = turns.any(axis=1)
     if not isTorn.any():
         return positions
-    # Parts within which nothing is torn move as one, so only the bonds between them are walked along.
+    # Parts without split bonds move as one, so only the bonds between them matter.
     part = connectedParts(len(positions), bonds[~isTorn])
     shifts = _shiftsOfParts(part.max() + 1, part[bonds[isTorn]], turns[isTorn])
-    # Parts are numbered by their lowest atoms, and a walk begins at the lowest part: that one stays.
+    # Parts are numbered by their lowest atoms, and a walk begins at the lowest part, which keeps its position.
     return positions + shifts[part] @ box
 
 
 def _shiftsOfParts(count, pairs, turns):
-    """Return the (count, 3) numbers of box vectors to add to each part, so that bonds between them close."""
+    """Return the (count, 3) numbers of box vectors to add to each part, so that bonds between parts are short."""
     neighbors = [[] for _ in range(count)]
     for (first, second), turn in zip(pairs.tolist(), turns, strict=True):
         neighbors[first].append((second, -turn))

@@ -1,20 +1,15 @@
-"""Telling positions in a wrong unit by the lengths of bonds."""
+"""Detection of positions in a wrong unit, by the lengths of bonds."""
 
 import numpy as np
 
 from .errors import InputError
 
-# nm: where the median bond length of a molecule lies, 0.10 with most bonds to hydrogen and 0.15 without, with room.
+# The range of a molecule's median bond length in nm: about 0.10 with most bonds to hydrogen, 0.15 without hydrogens.
 _SHORTEST, _LONGEST = 0.09, 0.17
 
 
 def checkBondLengths(lengths):
-    """Refuse positions at which bonds, an array of lengths in nm, are ten times as long as bonds are, or a tenth.
-
-    Raises
-    ------
-    InputError
-    """
+    """Raise an InputError if bond lengths, an array in nm, are about ten times too long or too short."""
     if len(lengths) == 0:
         return
     median = float(np.median(lengths))

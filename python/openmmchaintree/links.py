@@ -1,4 +1,4 @@
-"""The links of molecules: what no torsion moves relative to each other, and what holds it in place."""
+"""The links of molecules: rigid parts that torsions join, and those that stay in place."""
 
 import numpy as np
 
@@ -33,7 +33,7 @@ class Links:
         self.moleculeOfLink[self.ofAtom] = self.moleculeOfAtom
 
     def torsionsBetween(self, atoms):
-        """Return for each torsion whether atoms among these lie on both of its sides, as an (m,) bool array."""
+        """Return for each torsion whether some of these atoms lie on both sides, as an (m,) bool array."""
         marked = np.zeros(self.count, dtype=bool)
         marked[self.ofAtom[atoms]] = True
         beyond = marked.copy()  # whether the subtree of a link has one of the atoms
@@ -44,7 +44,7 @@ class Links:
         return between
 
     def _growTrees(self, roots):
-        """Hang links on the first of the roots in their molecule; list (link, parent, torsion), parents first."""
+        """Return (link, parent, torsion) of a tree over links for each molecule, from its first root, parents first."""
         joined = [[] for _ in range(self.count)]
         for torsion, (link1, link2) in enumerate(self.ends.tolist()):
             joined[link1].append((link2, torsion))
@@ -64,10 +64,10 @@ class Links:
         return hung
 
     def roots(self, atoms, traces):
-        """Return the link of each molecule that stays where it is, and whether that is more than a few atoms.
+        """Return the link of each molecule that stays in place, and whether it is more than a few atoms.
 
-        That is the link with one of the atoms, at most one in each molecule, else the one with the most residues of a
-        polymer if those are two at least, else, and then it is small, the one with the lowest atom.
+        It is the link with one of the atoms, of which each molecule has at most one; else the link with most residues
+        of a polymer, if it has at least two; else the link with the lowest atom, which counts as small.
 
         Parameters
         ----------
@@ -93,6 +93,6 @@ class Links:
 
 
 def rigidLinks(graph, axes):
-    """Return the number of the rigid link of each atom of a BondGraph of which some bonds turn, as an int array."""
+    """Return the number of each atom's rigid link in a BondGraph with some turning bonds, as an int array."""
     turning = {(min(axis), max(axis)) for axis in axes}
     return connectedParts(len(graph.atoms), [bond for bond in graph.bonds if (min(bond), max(bond)) not in turning])

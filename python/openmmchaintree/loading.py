@@ -1,4 +1,4 @@
-"""Loading the plugin's libraries into OpenMM, and telling in one sentence what to install where that cannot work."""
+"""Loading the plugin's libraries into OpenMM; if that fails, one sentence says what to install."""
 
 import os
 import sys
@@ -20,7 +20,8 @@ def loadPlugin():
     ------
     ImportError
         if OpenMM cannot be imported, if it has another minor version (its classes then have another layout in memory)
-        or another SWIG runtime (it then takes our classes for strangers), or if a library is missing or does not load
+        or another SWIG runtime (it would not recognize this package's classes), or if a library is missing or does not
+        load
     """
     built = ".".join(_minor(OPENMM_VERSION))
     install = f'pip install "openmm=={built}.*"'
@@ -64,7 +65,7 @@ def loadPlugin():
 
 
 def compiledFolder():
-    """Return the folder of what is compiled: not this file's, which in an editable install is in the source tree."""
+    """Return the folder of compiled files, which in an editable install is not the folder of this file."""
     from . import _openmmchaintree
 
     return Path(_openmmchaintree.__file__).parent

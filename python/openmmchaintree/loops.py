@@ -1,4 +1,4 @@
-"""Loops of polymers between fixed parts, and the bonds by which they can be closed."""
+"""Loops of polymers between fixed parts, and the bonds that can close them."""
 
 from .bondsearch import polymerLinks
 
@@ -7,9 +7,9 @@ _SHORTEST = 3
 
 
 def loopBonds(atoms, bonds, fixed):
-    """Return the last bond of each loop: of residues in a row without fixed atoms, between two with some.
+    """Return the last bond of each loop: a row of residues without fixed atoms, between two residues with fixed atoms.
 
-    All of a loop then hangs on one fixed part, so that windows lie anywhere in it.
+    The whole loop then hangs on one fixed part, so that windows can lie anywhere in it.
 
     Parameters
     ----------

@@ -1,16 +1,16 @@
-"""Adds moves to an integrator, names them and writes down what they are for."""
+"""Adding moves to an integrator, with a name and a purpose for each."""
 
 from typing import NamedTuple
 
 from openmm import unit
 
-HALF_TURN = 180  # degrees: a torsion drawn anew
+HALF_TURN = 180  # degrees: a torsion drawn uniformly
 
 _DEGREE = unit.degree
 
 
 class AddedMove(NamedTuple):
-    """A move that `addDefaultMoves` has added: its index, its description, and what it is for."""
+    """A move that `addDefaultMoves` has added: its index, its description, and its purpose."""
 
     move: int
     description: str
@@ -18,7 +18,7 @@ class AddedMove(NamedTuple):
 
 
 class NamedMove(NamedTuple):
-    """A move by a short name, for tables, and its weight."""
+    """The short name of a move, for tables, and its weight."""
 
     name: str
     weight: float
@@ -33,7 +33,7 @@ class AddedMoves(list[AddedMove]):
 
 
 class MoveAdder:
-    """Adds moves, names them and writes down what they are for.
+    """Adds moves, with a name and a purpose for each.
 
     inRings : set of int, torsions that only closed moves turn; hasClosed : bool, whether there is a closed move
     added : AddedMoves; named : list of NamedMove
@@ -47,19 +47,19 @@ class MoveAdder:
         self.named = []
 
     def begin(self, name, share):
-        """Begin with other torsions or joints: by their short name, and by what weights are multiplied."""
+        """Begin moves of other torsions or joints: set their short name, and the factor of all weights."""
         self._name = name
         self._share = share
 
     def add(self, purpose, size, addMove, weight):
-        """Add a move by a function of its weight."""
+        """Add a move by a function that takes its weight."""
         share = float(f"{self._share * weight:.3g}")
         index = addMove(share)
         self.added.append(AddedMove(index, self.integrator.getMoveDescription(index), purpose))
         self.named.append(NamedMove(f"{self._name} {size}", share))
 
     def turn(self, purpose, weight, degrees, torsions, where=""):
-        """Add a move that turns one of some torsions, those in rings of closures left out."""
+        """Add a move that turns one of some torsions, without torsions in rings of closures."""
         torsions = self.outsideRings(torsions)
         if torsions:
             self.add(
@@ -70,7 +70,7 @@ class MoveAdder:
             )
 
     def findDrawn(self, findDensities, scene):
-        """Return (torsions, density) pairs of residues, those left out with torsions in rings of closures."""
+        """Return (torsions, density) pairs of residues, without pairs with torsions in rings of closures."""
         try:
             found = findDensities(scene.topology, scene.force)
         except ValueError:
@@ -84,7 +84,7 @@ class MoveAdder:
             self.add(purpose, size, lambda share: self.integrator.addDrawnMove(share, sets, densities), weight)
 
     def drawOrTurn(self, purpose, size, weight, drawn, torsions):
-        """Add a move that draws pairs, and one that draws those of torsions uniformly that are in none of them."""
+        """Add a move that draws pairs, and one that draws torsions uniformly that are in no pair."""
         hasDensity = {torsion for pair in drawn for torsion in pair[0]}
         others = [torsion for torsion in self.outsideRings(torsions) if torsion not in hasDensity]
         ofOthers = len(others) / max(1, len(others) + len(hasDensity)) * weight
@@ -92,7 +92,7 @@ class MoveAdder:
         self.turn(purpose, ofOthers, HALF_TURN, others)
 
     def close(self, weight, degrees, torsions, purpose="backbones: the rest stays where it is"):
-        """Add a closed move of backbones, to which those of rings may belong."""
+        """Add a closed move of backbones, perhaps with torsions in rings."""
         self.hasClosed = True
         self.add(
             purpose,
@@ -126,5 +126,5 @@ class MoveAdder:
         )
 
     def outsideRings(self, torsions):
-        """Return those of torsions that moves may turn that keep no closures."""
+        """Return the torsions that lie in no ring of a closure, so that any move may turn them."""
         return [torsion for torsion in torsions if torsion not in self.inRings]

@@ -1,4 +1,4 @@
-"""What there is to move: torsions by what they are, rings that closures keep, molecules."""
+"""The torsions of a System sorted by kind, rings that closures keep, and molecules, to choose moves for."""
 
 import copy
 import warnings
@@ -15,7 +15,7 @@ from .torsions import KINDS, findTorsions
 
 _END = 5  # residues
 
-# Torsions by what they are, the others last.
+# The groups of torsions, with their kinds; the last group holds all other kinds.
 _KINDS_OF = {
     "peptide backbones": ("phi", "psi"),
     "side chains": ("chi1", "chi2", "chi3", "chi4"),
@@ -29,15 +29,15 @@ _KINDS_OF = {
 
 
 class MoveScene:
-    """What there is to move.
+    """The torsions, rings and molecules that moves can be added for.
 
     topology : openmm.app.Topology; force : StericExclusionForce; moleculeCount : int
-    hasEnergies : bool, whether there is more than hard spheres
-    torsions : dict of lists of int, by what they are
+    hasEnergies : bool, whether there are energies beside hard spheres
+    torsions : dict of lists of int, by group
     """
 
     def __init__(self, topology, system, torsions=None):
-        """Sort the torsions of a System's force, as a list of Torsion or `findTorsions` knows them."""
+        """Sort the torsions of a System's force, by their kinds in a list of Torsion; default: of `findTorsions`."""
         checkParticles(topology, system)
         forces = [force for force in system.getForces() if StericExclusionForce.isinstance(force)]
         if len(forces) != 1:
@@ -59,7 +59,7 @@ class MoveScene:
         self.torsions = self._sortTorsions(torsions)
 
     def _tiesOfVirtualSites(self):
-        """Return the pairs of a virtual site and a particle that it depends on: these belong to one molecule."""
+        """Return the pairs of a virtual site and a particle that it depends on, which belong to one molecule."""
         ties = []
         for particle in range(self._system.getNumParticles()):
             if self._system.isVirtualSite(particle):
@@ -68,7 +68,7 @@ class MoveScene:
         return ties
 
     def _checkDrudeParticles(self):
-        """Refuse Drude particles that moves would leave behind."""
+        """Raise a ValueError if moves would part a Drude particle from its parent."""
         for drude, parent in drudeParticles(self._system):
             if self._parts[drude] != self._parts[parent]:
                 raise ValueError(
@@ -88,7 +88,7 @@ class MoveScene:
         return found
 
     def endsOf(self, torsions):
-        """Return those of torsions of residues that are near the first or the last of their chain."""
+        """Return the torsions of residues near the first or the last residue of their chain."""
         bounds = {}
         for residue in self.topology.residues():
             if polymerBackbone(residue):
@@ -102,11 +102,12 @@ class MoveScene:
         return ends
 
     def findRings(self):
-        """Return the torsions in rings of closures: those on the way from one end of a closure's bond to the other."""
+        """Return the torsions in rings of closures: on the path from one end of a closure's bond to the other."""
         if not self._closures:
             return set()
         neighbors = [[] for _ in range(self._system.getNumParticles())]
-        for one, other in [*self._bonds, *pairwise(fixedParticles(self._system).tolist())]:  # what is fixed is one part
+        # All fixed particles are one part.
+        for one, other in [*self._bonds, *pairwise(fixedParticles(self._system).tolist())]:
             neighbors[one].append(other)
             neighbors[other].append(one)
         axes = {}
@@ -134,7 +135,7 @@ class MoveScene:
         return [int(particle) for particle, fixed in zip(first, isFixed, strict=True) if not fixed]
 
     def canClose(self, torsions):
-        """Return whether closed moves find windows among torsions: a Context of hard spheres alone tells."""
+        """Return whether closed moves find windows among torsions, by making a Context of hard spheres alone."""
         bare = openmm.System()
         for particle in range(self._system.getNumParticles()):
             isVirtual = self._system.isVirtualSite(particle)

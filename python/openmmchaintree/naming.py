@@ -1,10 +1,10 @@
-"""How messages and tables name residues and atoms."""
+"""Names of residues and atoms in messages and tables."""
 
 from typing import NamedTuple
 
 
 class AtomName(NamedTuple):
-    """An atom as one writes it.
+    """The name of an atom.
 
     chain : str, empty if the chain has no name; residue : str, its name and number with insertion code; atom : str
     """
@@ -17,7 +17,7 @@ class AtomName(NamedTuple):
         return f"{self.describeResidue()} {self.atom}"
 
     def describeResidue(self) -> str:
-        """Return the residue as one writes it: chain, name, number with insertion code."""
+        """Return the name of the residue: chain, name, number with insertion code."""
         return joinNames(self.chain, self.residue)
 
 
@@ -27,7 +27,7 @@ def nameAtom(atom):
 
 
 def describeResidue(residue):
-    """Return a residue of a Topology as one writes it: chain, name, number with insertion code."""
+    """Return the name of a residue of a Topology: chain, name, number with insertion code."""
     return joinNames(*_chainAndResidue(residue))
 
 
@@ -41,5 +41,5 @@ def _chainAndResidue(residue):
 
 
 def joinNames(chain, residue):
-    """Return the names of a chain and a residue as one writes them."""
+    """Return the names of a chain, which may be empty, and a residue as one name."""
     return f"{chain}:{residue}" if chain else residue

@@ -1,24 +1,24 @@
-"""What users should know of their input, gathered: one line for each kind of thing, however often it is met."""
+"""Notes for users on their input: one line for each kind of observation, however often it occurs."""
 
 import warnings
 from collections.abc import Iterable
 
-# So many things are named in the line of a kind.
+# The number of items in the line of a kind.
 _NAMED = 3
 
 
 def listFirst(items: Iterable[str], separator: str = ", ") -> str:
-    """Return the first three of some things in words, and how many more there are: lines stay short."""
+    """Return the first three items, and the number of the others, in one short line."""
     items = list(items)
     more = [f"and {len(items) - _NAMED:,} more"] if len(items) > _NAMED else []
     return separator.join([*items[:_NAMED], *more])
 
 
 class Note:
-    """One kind of thing that was met, and where.
+    """One kind of observation, and where it occurs.
 
-    kind : str, in the plural ("gaps in the chain"), or a sentence where there is nothing to list
-    items : list of str, each a place with what there is to say of it
+    kind : str, in the plural ("gaps in the chain"), or a sentence if there is nothing to list
+    items : list of str, each a place with its details
 
     As a string it is one line, with the number of items and the first three.
     """
@@ -40,7 +40,7 @@ class Note:
 
 
 class NoteWarning(UserWarning):
-    """A warning that is a Note: its attribute `note` holds all items, its text the first of them."""
+    """A warning with a Note: its attribute `note` holds all items, its text the first three."""
 
     def __init__(self, note: Note) -> None:
         super().__init__(str(note))
@@ -48,11 +48,11 @@ class NoteWarning(UserWarning):
 
 
 def found(notes: Iterable[Note]) -> list[Note]:
-    """Return those of some Notes that have items."""
+    """Return the Notes that have items."""
     return [note for note in notes if note.items]
 
 
 def warnOf(notes: Iterable[Note], stacklevel: int) -> None:
-    """Warn of each of some Notes. A stack level of 1 is the caller."""
+    """Issue a NoteWarning for each Note. A stack level of 1 is the caller."""
     for note in notes:
         warnings.warn(NoteWarning(note), stacklevel=stacklevel + 1)

@@ -1,4 +1,4 @@
-"""TorsionMonteCarloIntegrator as a move of openmmtools, which has to be installed for this module."""
+"""TorsionMonteCarloIntegrator as a move of openmmtools, which this module needs."""
 
 from typing import Any
 
@@ -15,12 +15,12 @@ from .openmmchaintree import MoveStatistics, StericExclusionForce, TorsionMonteC
 class TorsionMonteCarloMove(mcmc.IntegratorMove):  # type: ignore[misc]
     """Steps of a TorsionMonteCarloIntegrator, at the temperature of the thermodynamic state.
 
-    openmmtools exchanges replicas by the energy of all Forces, with the StericExclusionForce. Hard spheres have no
-    energy, so the two agree where nothing clashes. A state with clashes is an error, unless the integrator's steric
-    mode is Soft. That mode is the one for a SequenceMove with dynamics, too. Velocities turn with the links, so that
-    the temperature stays; it is an error if a constraint does not allow that.
+    openmmtools exchanges replicas by the energy of all Forces, including the StericExclusionForce. Hard spheres have no
+    energy in trials, so the two agree only without clashes. A state with clashes is an error, unless the integrator's
+    steric mode is Soft. Use this mode in a SequenceMove with dynamics, too. Velocities turn with the links, which keeps
+    the temperature; it is an error if a constraint does not allow that.
 
-    Replicas that run in processes of their own (MPI) need an integrator with the seed 0, which draws one in each.
+    Replicas in separate processes (MPI) need an integrator with the seed 0, so that each process draws another seed.
 
     Parameters
     ----------
@@ -34,7 +34,7 @@ class TorsionMonteCarloMove(mcmc.IntegratorMove):  # type: ignore[misc]
     Attributes
     ----------
     statistics : list of MoveStatistics
-        what became of the trials of each move of the integrator, in all states together
+        the numbers of trials of each move of the integrator by their results, in all states together
     """
 
     def __init__(self, integrator: TorsionMonteCarloIntegrator, n_steps: int = 1, **kwargs: Any) -> None:
@@ -86,7 +86,7 @@ class TorsionMonteCarloMove(mcmc.IntegratorMove):  # type: ignore[misc]
 
 
 def _refuseEnergyOf(force, isOff, context):
-    """Refuse a StericExclusionForce whose energy openmmtools exchanges replicas by, and trials know nothing of."""
+    """Raise a ValueError if openmmtools exchanges replicas by an energy of the spheres that trials ignore."""
     if isOff:
         if force.getForceConstant()._value > 0:
             raise ValueError(

@@ -1,8 +1,8 @@
-"""Forces and Integrators that come out of OpenMM as the classes of this package that they are.
+"""Methods of OpenMM that return Forces and Integrators, made to return objects of this package's classes.
 
-OpenMM chooses the Python class of an object that C++ returns from a list of its own classes, and asks nobody about
-others: they come as bare Force or Integrator. So the few methods by which such objects come are followed by a look at
-what they return. A method that an OpenMM does not have is passed over; `cast` works on any object.
+OpenMM knows only its own classes when it chooses the Python class of an object that C++ returns: it returns others as
+bare Force or Integrator. So the few methods that return such objects are wrapped here. Methods that an OpenMM version
+lacks are skipped; `cast` works on any object.
 """
 
 import functools
@@ -28,7 +28,7 @@ def ofOwnClass(thing):
 
 
 def registerClasses():
-    """Let the methods of OpenMM return objects of our classes. To do so twice is harmless."""
+    """Let the methods of OpenMM return objects of this package's classes. A second call changes nothing."""
     for owner, names in _SOURCES.items():
         for name in names:
             cls = getattr(openmm, owner, None)

@@ -1,4 +1,4 @@
-"""The particles of a StericExclusionForce as plain arrays, for tests of pairs that share nothing with the engine."""
+"""The particles of a StericExclusionForce as plain arrays, for comparing pairs without the engine."""
 
 from functools import cached_property
 
@@ -7,10 +7,10 @@ from openmm import unit
 
 
 class PlainSpheres:
-    """What decides whether two particles clash: they overlap by more than their tolerance, and are not excluded.
+    """The data that decide whether two particles clash: radii, tolerances and exclusions.
 
     radii : (n,) float64 array, nm; modelled : int array, the particles with a radius
-    reach : float, nm, no two particles clash beyond it
+    reach : float, nm, the largest distance at which two particles may clash
     """
 
     def __init__(self, force):
@@ -27,7 +27,7 @@ class PlainSpheres:
         self._force = force
 
     def tolerances(self, first, second):
-        """Return by how much (nm) each of some pairs may overlap."""
+        """Return the overlap (nm) that each of some pairs may have."""
         bonded = (self._donors[first] & self._acceptors[second]) | (self._acceptors[first] & self._donors[second])
         return self._tolerance + np.where(bonded, self._allowance, 0.0)
 
@@ -36,7 +36,7 @@ class PlainSpheres:
         return np.isin(self.keys(pairs), self._excluded)
 
     def keys(self, pairs):
-        """Return a number for each pair, by which pairs sort."""
+        """Return a number for each pair, in the order of sorted pairs."""
         return pairs.min(axis=1) * len(self.radii) + pairs.max(axis=1)
 
     @cached_property

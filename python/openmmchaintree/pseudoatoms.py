@@ -1,6 +1,6 @@
-"""Atoms that are none: virtual sites, lone pairs and pseudo-atoms, and residues by which programs mark planes and axes.
+"""Pseudo-atoms: virtual sites, lone pairs, and residues of dummy atoms by which programs mark planes and axes.
 
-They are known by name, from the table `tables/names.csv`.
+They are recognized by name, from the table `tables/names.csv`.
 """
 
 from functools import cache
@@ -16,7 +16,7 @@ _DRUDE = "D"
 
 
 def isMark(residue):
-    """Whether a residue of a Topology is one of dummy atoms, as those that mark a membrane."""
+    """Whether a residue of a Topology consists of dummy atoms, such as those that mark a membrane."""
     if residue.name not in _marks():
         return False
     names = {atom.name for atom in residue.atoms()}
@@ -25,7 +25,7 @@ def isMark(residue):
 
 
 def isPseudoAtom(atom):
-    """Whether an atom of a Topology is none: a virtual site, a lone pair, or a part of a mark."""
+    """Whether an atom of a Topology is a virtual site, a lone pair, or a part of a mark."""
     residue = atom.residue
     return isMark(residue) or isSite(
         residue.name, atom.name, lambda: {other.name for other in residue.atoms()}, atom.element is not None
@@ -52,7 +52,7 @@ def isSite(residueName, name, otherNames, hasElement):
 
 @cache
 def _siteName(kind, residueName, name, hasElement):
-    """Return what the name of a site begins with, or None if it is not one; and whether another atom's name follows."""
+    """Return the beginning of a site's name, or None for other atoms, and whether another atom's name follows it."""
     for residue, pattern in readNames("site"):
         if residue not in (kind, residueName) and (residue != "*" or hasElement):
             continue
@@ -63,7 +63,7 @@ def _siteName(kind, residueName, name, hasElement):
 
 
 def _hasDrudeParticles(names):
-    """Whether a residue with these names of atoms has particles of the Drude model, which others take for deuterium."""
+    """Whether a residue with these names of atoms has Drude particles, whose names look like those of deuterium."""
     heavy = {name for name in names if name[:1].isalpha() and name[0] not in _HYDROGEN_LETTERS}
     return 2 * sum(_DRUDE + name in names for name in heavy) >= len(heavy)
 
@@ -77,7 +77,7 @@ def _kindOf(residueName):
 
 @cache
 def _marks():
-    """Return the names of marks, each with a list of the sets of atoms by which they are known."""
+    """Return the names of marks, each with a list of sets of atoms that identify it."""
     marks = {}
     for residue, atoms in readNames("mark"):
         marks.setdefault(residue, []).append(set(atoms.split()))

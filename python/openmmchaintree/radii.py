@@ -1,14 +1,14 @@
-"""Radii of atoms, and the part that each can take in a hydrogen bond.
+"""Radii of atoms, and their roles in hydrogen bonds.
 
 *all-atom*: the radii of Word et al., J. Mol. Biol. 285, 1711–1733 (1999), for structures with hydrogens, as in their
 program Probe.
 
 *united-atom*: the radii of Tsai et al., J. Mol. Biol. 290, 253–266 (1999), in which carbon, nitrogen, oxygen and sulfur
-stand for their hydrogens, too.
+include their hydrogens.
 
-Neither paper covers other elements. For those, both sets take the radii of Probe: Bondi, J. Phys. Chem. 68, 441–451
-(1964) and Gavezzotti, J. Am. Chem. Soc. 105, 5220–5225 (1983) for non-metals, Pauling's ionic radii for metals, since
-these are found bound.
+Neither paper covers other elements. For these, both sets use the radii of Probe: Bondi, J. Phys. Chem. 68, 441–451
+(1964) and Gavezzotti, J. Am. Chem. Soc. 105, 5220–5225 (1983) for non-metals, and Pauling's ionic radii for metals,
+since metals are usually bound.
 """
 
 import numpy as np
@@ -37,28 +37,28 @@ _OTHER_ELEMENTS = {
 
 
 def defaultRadii(graph):
-    """Return for each atom of a BondGraph the set that suits its molecule: all-atom if that shows its hydrogens.
+    """Return for each atom of a BondGraph the set for its molecule: all-atom if the molecule shows its hydrogens.
 
-    A molecule does so if, of its residues, those with a hydrogen on a carbon are no fewer than those with a carbon that
-    lacks one. Hydrogens on nitrogen and oxygen alone, as some programs write them, leave carbons that stand for theirs.
+    A molecule shows them if at least as many of its residues have a hydrogen on a carbon as have a carbon that lacks
+    one. Where only nitrogen and oxygen have hydrogens, as some programs write, carbons include theirs.
     """
     return np.where(graph.shownHydrogens.areShown, ALL_ATOM, UNITED_ATOM).tolist()
 
 
 def describeSets(radiiSets):
-    """Return the names of the sets that some atoms have, in words."""
+    """Return the names of the sets of some atoms, in words."""
     return " and ".join(name for name in RADII_SETS if name in set(radiiSets))
 
 
 def particleRadii(graph, radiiSets, unknownRadius=None):
     """Return the radii (nm) of the atoms of a BondGraph as a float64 array; 0 for extra particles.
 
-    radiiSets : the set of each atom, as of `defaultRadii`, or that of all
+    radiiSets : the set of each atom, as `defaultRadii` returns them, or one set for all
 
     Raises
     ------
     UnknownRadiusError
-        if the set has no radius for the element of an atom and there is no unknownRadius to take
+        if the set has no radius for the element of an atom and unknownRadius is None
     """
     functions = {ALL_ATOM: _allAtomRadius, UNITED_ATOM: _unitedAtomRadius}
     radii = [functions[radiiSet](graph, atom) for atom, radiiSet in enumerate(_setOfEach(graph, radiiSets))]
@@ -72,8 +72,8 @@ def particleRadii(graph, radiiSets, unknownRadius=None):
 def hydrogenBondRoles(graph, radiiSets):
     """Return the hydrogen bond role of each atom of a BondGraph, as integers of HydrogenBondRole.
 
-    In the all-atom set hydrogens donate, in the united-atom set the atoms that bear them. Where a molecule does not
-    show these, those of amino acids follow from the residue, and other atoms get the benefit of the doubt.
+    In the all-atom set hydrogens donate, in the united-atom set the atoms that bear them. If a molecule does not show
+    its hydrogens, roles in amino acids follow from the residue, and other atoms may both donate and accept.
     """
     arePolarShown = graph.shownHydrogens.arePolarShown.tolist()
     roles = []
@@ -123,7 +123,7 @@ def _otherRadius(graph, atom):
 
 
 def _isCarbonylOxygen(graph, atom):
-    """Whether an oxygen is one of a carbonyl or carboxylate: by its name in amino acids, else by its bonds."""
+    """Whether an oxygen belongs to a carbonyl or carboxylate: by its name in amino acids, else by its bonds."""
     name, residue = graph.atoms[atom].name, graph.atoms[atom].residue.name
     if aminoAcid(residue) is not None:
         return name not in ("OG", "OG1", "OH")
@@ -142,7 +142,7 @@ def _isPolarHydrogen(graph, atom):
 def _bearsHydrogen(graph, atom, hasHydrogens):
     """Whether an N or O has a hydrogen, or may have one that the Topology does not show.
 
-    That of a sulfur makes bonds that are no shorter than contacts.
+    Hydrogen bonds of sulfur are not shorter than contacts, so sulfur needs no role.
     """
     element = graph.elementNumber(atom)
     if element not in (_N, _O):

@@ -1,4 +1,4 @@
-"""OpenMM's replica exchange with replicas side by side."""
+"""OpenMM's replica exchange, with replicas in parallel."""
 
 import copy
 import math
@@ -12,43 +12,44 @@ from openmm import app, unit
 
 from .openmmchaintree import StericExclusionForce, TorsionMonteCarloIntegrator
 
-# OpenMM's conversions between numbers and text, which States of integrators ask for, share memory among all threads.
+# OpenMM's conversions between numbers and text, which States of integrators need, share memory among all threads.
 _serializing = Lock()
 
 _Base: Any = getattr(app, "ReplicaExchangeSampler", object)
 
 
 class ParallelReplicaExchangeSampler(_Base):
-    """A ReplicaExchangeSampler of OpenMM (8.6 or newer) that runs replicas side by side, in threads.
+    """A ReplicaExchangeSampler of OpenMM (8.6 or newer) that runs replicas in parallel, in threads.
 
-    It takes what that class takes, does what it does, and works with its ReplicaExchangeReporter. Each replica has a
-    Context of its own, in which it stays from one iteration to the next, and random numbers of its own, so that what a
-    replica does depends neither on the others nor on the number of workers. Exchanges are drawn by Python's `random`,
-    as in the base class: seed that if a run is to be repeated.
+    It has the arguments and methods of that class, and works with its ReplicaExchangeReporter. Each replica has its own
+    Context, which it keeps from one iteration to the next, and its own random numbers, so that its trajectory depends
+    neither on other replicas nor on the number of workers. Exchanges are drawn by Python's `random`, as in the base
+    class: seed that to make a run reproducible.
 
         states = [{"temperature": t * unit.kelvin} for t in np.geomspace(300.0, 450.0, 12)]
         sampler = ParallelReplicaExchangeSampler(states, simulation, stepsPerIteration=10, workers=4)
         sampler.reporters.append(app.ReplicaExchangeReporter("exchange", 1, sampler, trajectoryPerState=True))
         sampler.simulate(1000)
 
-    Any integrator can be used that releases Python's lock in its steps, as all of OpenMM do. On a GPU platform all
-    Contexts share the device, and little is gained. On the Reference platform OpenMM's own integrators draw from random
-    numbers that all Contexts of a process share: there what replicas do depends on who comes first.
+    Any integrator can be used that releases Python's lock in its steps, as all integrators of OpenMM do. On a GPU
+    platform all Contexts share the device, and little time is gained. On the Reference platform OpenMM's integrators
+    share one sequence of random numbers among all Contexts of a process: there trajectories depend on the order in
+    which threads run.
 
     Parameters
     ----------
     states : list of dict
         the states to sample, as in ReplicaExchangeSampler
     simulation : openmm.app.Simulation
-        whose System, Integrator and Platform the replicas have, and whose positions they start from
+        the System, Integrator and Platform of the replicas, and their starting positions
     stepsPerIteration : int
         as in ReplicaExchangeSampler
     reinitializeVelocities : bool
         as in ReplicaExchangeSampler
     workers : int, optional
-        the number of replicas that run at a time; by default as many as there are
+        the number of replicas that run at the same time; default: all
     seed : int, optional
-        what the random numbers of replicas are derived from; by default the simulation's integrator's, or a new one
+        the seed of the replicas' random numbers; default: that of the simulation's integrator, or a new one
 
     Raises
     ------
@@ -80,7 +81,7 @@ class ParallelReplicaExchangeSampler(_Base):
         self._replicas = [_Replica(states, simulation, self._start, int(number)) for number in seeds]
 
     def simulate(self, iterations: int) -> None:
-        """Run so many iterations, as in ReplicaExchangeSampler."""
+        """Run a number of iterations, as in ReplicaExchangeSampler."""
         with ThreadPoolExecutor(self.workers) as pool:
             for _ in range(iterations):
                 self.replicaStateEnergy = None
@@ -114,7 +115,7 @@ class ParallelReplicaExchangeSampler(_Base):
         return self._replicas[index].energies()
 
     def _changeVelocities(self, context, conformation, previous, state):
-        """Draw a replica's velocities anew, or scale them, as its new state wants."""
+        """Draw new velocities of a replica, or scale them, for its new state."""
         if self.reinitializeVelocities:
             temperature = self.states[state].get("temperature", None)
             context.setVelocitiesToTemperature(
@@ -126,13 +127,13 @@ class ParallelReplicaExchangeSampler(_Base):
 
 
 class _Replica:
-    """A Context of its own.
+    """A replica, with its own Context.
 
     context : openmm.Context; sampler : OpenMM's MultistateSampler, which knows the states; hasVelocities : bool
     """
 
     def __init__(self, states, simulation, start, seed):
-        """Stand where a State is, with random numbers of another seed."""
+        """Start at a State, with random numbers of another seed."""
         from openmm.app.internal.multistatesampler import MultistateSampler
 
         integrator = copy.copy(simulation.integrator)
@@ -141,7 +142,7 @@ class _Replica:
         platform = simulation.context.getPlatform()
         properties = {name: platform.getPropertyValue(simulation.context, name) for name in platform.getPropertyNames()}
         self.context = openmm.Context(simulation.system, integrator, platform, properties)
-        # Not by setState, which would give all replicas the random numbers of the State.
+        # Do not use setState, which would give all replicas the random numbers of the State.
         if simulation.system.usesPeriodicBoundaryConditions():
             self.context.setPeriodicBoxVectors(*start.getPeriodicBoxVectors())
         self.context.setPositions(start.getPositions(asNumpy=True))
@@ -158,7 +159,7 @@ class _Replica:
         self._conformation = start
 
     def takeUp(self, conformation):
-        """Go to a State, unless this replica stands there."""
+        """Go to a State, unless this replica is there already."""
         if conformation is not self._conformation:
             with _serializing:
                 self.context.setState(conformation)
@@ -172,7 +173,7 @@ class _Replica:
         return self._conformation
 
     def energies(self):
-        """Return the energies in all states, without those of hard spheres, which cost nothing."""
+        """Return the energies in all states, without the energy of hard spheres, which trials ignore."""
         if self._ours is None:
             return self.sampler.computeAllEnergies()
         if _differInTemperature(self._states):
@@ -187,12 +188,12 @@ class _Replica:
 
 
 def _differInTemperature(states):
-    """Whether the states differ in nothing else."""
+    """Whether the states differ in their temperatures alone."""
     return {*states[0]} == {"temperature"}
 
 
 def _stericGroup(system, integrator, states):
-    """Return the force group of hard spheres, if the energies of states have to be cleared of it, or None."""
+    """Return the force group of hard spheres if its energy must be subtracted from those of states, else None."""
     hasNoLimits = integrator.getStericMode() == integrator.Soft or integrator.hasSpheresOff()
     if hasNoLimits or _differInTemperature(states) or "groups" in states[0]:
         return None

@@ -17,7 +17,7 @@ _COLUMNS = ("step", "time_ps", "clashes", "worst_overlap_nm", "atom1", "atom2")
 
 
 class ClashError(openmm.OpenMMException):
-    """What ends a simulation in which atoms overlap too much.
+    """Ends a simulation in which atoms overlap too much.
 
     step : int; clash : Clash, the worst one
     """
@@ -31,9 +31,9 @@ class ClashError(openmm.OpenMMException):
 class ClashReporter:
     """A reporter for `openmm.app.Simulation` that writes how many clashes there are, and the worst, as lines of CSV.
 
-    If the System has a StericExclusionForce, that tells what a clash is. Else the reporter makes itself one by
-    `createStericExclusionForce`, for all but water and ions that nothing binds, and the System stays as it is.
-    Positions are taken as they are, without periodic images.
+    If the System has a StericExclusionForce, it defines what a clash is. Otherwise the reporter makes one by
+    `createStericExclusionForce`, for everything except water and ions that nothing binds, and leaves the System
+    unchanged. Periodic images are ignored.
 
     The columns are step, time_ps, clashes, worst_overlap_nm, atom1, atom2; the last three are empty without a clash.
     """
@@ -51,7 +51,7 @@ class ClashReporter:
             the number of steps between reports
         maxOverlap : float or Quantity, optional
             nm. The simulation ends with a ClashError at the first report in which a clash overlaps by more; 0: at the
-            first clash. Reporters that come after this one in the list have not written that step then.
+            first clash. Reporters after this one in the list do not write that step.
         append : bool
             add to an existing file, without another heading
 
@@ -84,12 +84,12 @@ class ClashReporter:
             self._file.close()
 
     def describeNextReport(self, simulation: app.Simulation) -> dict[str, Any]:
-        """Return what `openmm.app.Simulation` asks of a reporter: when to report, and what the State must hold."""
+        """Return when to report next, and which data the State must hold, as `openmm.app.Simulation` asks."""
         steps = self._reportInterval - simulation.currentStep % self._reportInterval
         return {"steps": steps, "periodic": False, "include": self._watchOf(simulation).include}
 
     def report(self, simulation: app.Simulation, state: openmm.State) -> None:
-        """Write a line, and end the simulation if the worst clash is too bad.
+        """Write a line, and end the simulation if the worst clash overlaps by too much.
 
         Raises
         ------
@@ -125,7 +125,7 @@ def _stericForceOf(system):
 
 
 class _ForceWatch:
-    """Asks the System's own force, which knows the positions."""
+    """Asks the System's force, which knows the positions."""
 
     include = ()
 
@@ -140,7 +140,7 @@ class _ForceWatch:
 
 
 class _TopologyWatch:
-    """Makes a force of the Topology, and a Context of its own for it."""
+    """Makes a force from the Topology, and a separate Context for it."""
 
     include = ("positions",)
 

@@ -1,6 +1,6 @@
-"""What the helpers know of amino acids and nucleotides by name.
+"""Amino acids, nucleotides and water by the names of residues and atoms.
 
-Names are those of the Protein Data Bank, to which `openmm.app.PDBFile` brings what it reads.
+Names are those of the Protein Data Bank, as `openmm.app.PDBFile` gives them.
 """
 
 from functools import cache
@@ -16,7 +16,7 @@ _VARIANTS = {
     "LYN": "LYS", "LYSH": "LYS", "LYSN": "LYS", "LSN": "LYS", "ARGN": "ARG",
 }  # fmt: skip
 
-# What the Protein Data Bank calls their mirror images.
+# Names of D-amino acids in the Protein Data Bank.
 _MIRRORED = {
     "DAL": "ALA", "DAR": "ARG", "DSG": "ASN", "DAS": "ASP", "DCY": "CYS", "DGN": "GLN", "DGL": "GLU", "DHI": "HIS",
     "DIL": "ILE", "DLE": "LEU", "DLY": "LYS", "MED": "MET", "DPN": "PHE", "DPR": "PRO", "DSN": "SER", "DTH": "THR",
@@ -24,7 +24,7 @@ _MIRRORED = {
 }  # fmt: skip
 
 # The side chain from CB on: chi_n is the dihedral of four consecutive names after N, CA (IUPAC-IUB 1970, rule 4.4).
-# Alternatives, in the order in which they are looked for, are separated by a bar.
+# A bar separates alternative names, the preferred one first.
 _SIDE_CHAINS = {
     "ALA": "", "GLY": "", "PRO": "",
     "ARG": "CB CG CD NE CZ",
@@ -43,7 +43,7 @@ _SIDE_CHAINS = {
 _PURINES = {"A", "G", "I", "DA", "DG", "DI"}
 _PYRIMIDINES = {"C", "U", "DC", "DT", "DU"}
 
-# Names of nucleotides in old files and in programs: CHARMM's, which tell no sugar, and Amber's, which tell ends.
+# Names of nucleotides in old files and in programs: CHARMM's do not name the sugar, and Amber's mark ends.
 _NUCLEOTIDES = {"ADE": "A", "GUA": "G", "CYT": "C", "URA": "U", "THY": "DT", "T": "DT"} | {
     f"{sugar}{base}{end}": f"{sugar.strip('R')}{base}"
     for sugar, bases, ends in (("D", "ACGT", "35N"), ("R", "ACGU", "35N"), ("", "ACGU", "35"))
@@ -51,7 +51,7 @@ _NUCLEOTIDES = {"ADE": "A", "GUA": "G", "CYT": "C", "URA": "U", "THY": "DT", "T"
     for end in ends
 }
 
-# Carbons that are sp2 in amino acids and bases: bare, and with a hydrogen.
+# sp2 carbons of amino acids and bases: without a hydrogen, and with one.
 _BARE_SP2_CARBONS = {
     "ASN": "CG", "ASP": "CG", "GLN": "CD", "GLU": "CD", "ARG": "CZ", "HIS": "CG", "PHE": "CG", "TYR": "CG CZ",
     "TRP": "CG CD2 CE2",
@@ -83,17 +83,17 @@ def aminoAcid(name):
 
 
 def isMirrored(name):
-    """Whether a residue name is one of a D-amino acid."""
+    """Whether a residue name is that of a D-amino acid."""
     return name in _MIRRORED or (len(name) == 4 and name[0] == "D" and name[1:] in _SIDE_CHAINS)
 
 
 def isCalledWater(name):
-    """Whether a residue name is one of water."""
+    """Whether a residue name is that of water."""
     return name in _waters()
 
 
 def isWater(residue):
-    """Whether a residue of a Topology is water: by its name and, since others have such names, too, by its atoms."""
+    """Whether a residue of a Topology is water: by its name and by its atoms, since other residues have such names."""
     if residue.name == "HOH":
         return True
     return isCalledWater(residue.name) and isWaterOf(
@@ -102,7 +102,7 @@ def isWater(residue):
 
 
 def isWaterOf(elements):
-    """Whether a molecule of these elements, with an empty one or X for atoms without, can be water."""
+    """Whether a molecule of these elements can be water; atoms without an element have an empty symbol or X."""
     heavy = [element for element in elements if element not in ("H", "D", "X", "")]
     return heavy in ([], ["O"], ["O", "O"])  # CHARMM has a virtual site that is called OM
 
@@ -113,12 +113,12 @@ def _waters():
 
 
 def isAlphaCarbonOnly(residue):
-    """Whether a residue of a Topology is an amino acid of which there is only the Cα atom."""
+    """Whether a residue of a Topology is an amino acid with nothing but its Cα atom."""
     return aminoAcid(residue.name) is not None and [atom.name for atom in residue.atoms()] == ["CA"]
 
 
 def polymerBackbone(residue):
-    """Return the indices of the backbone atoms of an amino acid or nucleotide of a Topology; [] if it is none."""
+    """Return the indices of the backbone atoms of an amino acid or nucleotide of a Topology; [] for other residues."""
     atoms = {atom.name: atom.index for atom in residue.atoms()}
     for names in (PEPTIDE_BACKBONE, NUCLEOTIDE_BACKBONE):
         if all(name in atoms for name in names):
@@ -127,12 +127,12 @@ def polymerBackbone(residue):
 
 
 def isPolymer(residue):
-    """Whether a residue of a Topology is one of a protein or nucleic acid, by its name or its backbone."""
+    """Whether a residue of a Topology belongs to a protein or nucleic acid, by its name or its backbone."""
     return aminoAcid(residue.name) is not None or isNucleotide(residue.name) or bool(polymerBackbone(residue))
 
 
 def isNucleotide(name):
-    """Whether a residue name is one of DNA or RNA."""
+    """Whether a residue name is that of a nucleotide of DNA or RNA."""
     return nucleotide(name) is not None
 
 
@@ -143,7 +143,7 @@ def nucleotide(name):
 
 
 def isPolymerName(name):
-    """Whether a residue name is one of an amino acid, a nucleotide or a cap."""
+    """Whether a residue name is that of an amino acid, a nucleotide or a cap."""
     return aminoAcid(name) is not None or isNucleotide(name) or name in CAPS
 
 
@@ -162,7 +162,7 @@ def glycosidicAtoms(name):
 
 
 def isSp2Carbon(residueName, atomName, withHydrogen):
-    """Whether a carbon of an amino acid or nucleotide is sp2 and bears a hydrogen, or bears none."""
+    """Whether a carbon of an amino acid or nucleotide is sp2 and bears a hydrogen or, without withHydrogen, none."""
     amino = aminoAcid(residueName)
     if amino is not None and atomName == "C":
         return not withHydrogen

@@ -20,11 +20,11 @@ def selectAtoms(topology: app.Topology, selection: AtomSelection) -> npt.NDArray
     ----------
     topology : openmm.app.Topology
     selection : str, array of int or bool, or callable
-        A text is in `MDTraj's selection language <https://mdtraj.org/latest/atom_selection.html>`_, in which residues
-        have the numbers of the file as ``resSeq`` and count from 0 as ``resid``, and chains count from 0 as
-        ``chainid``. MDTraj has no word for the name of a chain: here it is its ``segname`` (``segname A``). Insertion
-        codes it does not know: ``resSeq 52`` is 52 and 52A. An array holds indices of atoms, or whether to take each
-        atom. A function is called with each openmm.app.Atom and says whether to take it.
+        A text is in `MDTraj's selection language <https://mdtraj.org/latest/atom_selection.html>`_. There ``resSeq`` is
+        the number of a residue in the file, ``resid`` its index from 0, and ``chainid`` the index of a chain from 0.
+        MDTraj has no word for the name of a chain: here ``segname`` is that name (``segname A``). MDTraj ignores
+        insertion codes: ``resSeq 52`` is 52 and 52A. An array holds the indices of atoms, or a bool for each atom. A
+        function is called with each openmm.app.Atom and returns whether to take it.
 
     Returns
     -------
@@ -87,7 +87,7 @@ def _selectByText(topology, text):
 
 
 def _reason(text, error):
-    """Return what is wrong with a text, on one line."""
+    """Return the reason why MDTraj does not understand a text, on one line."""
     if ">=" in text or "<=" in text:
         return "it does not read >= and <=: write (resSeq ge 10), (resSeq le 20), in parentheses"
     reason = str(error).splitlines()[0].removesuffix(f": {text}")
@@ -95,16 +95,16 @@ def _reason(text, error):
 
 
 def _refuseMisreadings(expression):
-    """Refuse what MDTraj reads in a way that nobody means, without a word.
+    """Raise a ValueError for expressions that MDTraj silently reads in an unexpected way.
 
-    Its && and || bind more tightly than comparisons by sign, its and and or than those by letters (lt, eq, …). A number
-    alone is everything.
+    Its && and || bind more tightly than comparisons by sign, and its and and or more tightly than comparisons by
+    letters (lt, eq, …). A number alone selects everything.
     """
     (condition,) = ast.parse(expression, mode="eval").body.generators[0].ifs
     if isinstance(condition, ast.Constant) and not isinstance(condition.value, bool):
         raise ValueError("a value alone is no condition")
     for node in ast.walk(condition):
-        # A match by =~ is a call of the pattern and the text; it binds least of all.
+        # A match by =~ is a call with the pattern and the text, and binds most loosely.
         sides = node.args if isinstance(node, ast.Call) else []
         if isinstance(node, ast.Compare):
             sides = [node.left, *node.comparators]

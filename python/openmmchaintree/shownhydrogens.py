@@ -10,7 +10,8 @@ _H, _C, _N, _O, _S = 1, 6, 7, 8, 16
 class ShownHydrogens:
     """Which molecules of a BondGraph show their hydrogens.
 
-    areShown : (n,) bool array, whether the molecule of each atom does; arePolarShown : whether it does on N, O and S
+    areShown : (n,) bool array, whether the molecule of each atom shows its hydrogens
+    arePolarShown : (n,) bool array, whether it shows at least the hydrogens of N, O and S
     """
 
     def __init__(self, graph):
@@ -31,7 +32,7 @@ class ShownHydrogens:
         self.areShown, self.arePolarShown = areShown[self._molecule], arePolarShown[self._molecule]
 
     def _countResidues(self, chosen, without=None):
-        """Return for each molecule how many of its residues have a chosen atom, and none of the others if given."""
+        """Return for each molecule the number of residues with a chosen atom and without any atom of `without`."""
         keys = self._molecule * (self._residue.max(initial=0) + 1) + self._residue
         found = np.unique(keys[chosen] if without is None else np.setdiff1d(keys[chosen], keys[without]))
         return np.bincount(found // (self._residue.max(initial=0) + 1), minlength=self._molecule.max(initial=-1) + 1)

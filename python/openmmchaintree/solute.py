@@ -18,8 +18,8 @@ _NOTHING = "nothing but water and ions"
 class Solute(NamedTuple):
     """A part of the atoms of a Topology.
 
-    topology : openmm.app.Topology, of that part, with all bonds; positions : (m, 3) float64 array, nm, with molecules
-    made whole; atoms : (m,) int array, where each of its atoms was; notes : list of Note
+    topology : openmm.app.Topology, of that part, with all bonds; positions : (m, 3) float64 array, nm, with whole
+    molecules; atoms : (m,) int array, the index of each atom in the original Topology; notes : list of Note
     """
 
     topology: app.Topology
@@ -36,16 +36,16 @@ def selectSolute(source, topology, positions, water=False, ions=False):
     Parameters
     ----------
     source : str or Path
-        where the Topology is from, for messages
+        names the Topology in messages
     topology : openmm.app.Topology
     positions : (n, 3) float64 array, nm
     water, ions : bool
-        select these as well
+        select water, and loose ions, too
 
     Raises
     ------
     InputError
-        if nothing is left, or an atom has no element, or a molecule is in pieces that cannot be made whole
+        if nothing remains, an atom has no element, or a molecule is in pieces that cannot be made whole
     """
     kept, extra, marks, strange = [], [], {}, []
     waters = {residue for residue in topology.residues() if isWater(residue)}
@@ -108,7 +108,7 @@ def _looseIons(topology, bonds):
 
 
 def tornError(source, pairs, hasBox):
-    """Return the InputError that tells of bonded atoms that are far apart: the first of some pairs, in words."""
+    """Return an InputError on bonded atoms that are far apart, which names the first of some pairs, given in words."""
     remedy = "" if hasBox else "; a molecule split over a periodic box is made whole if the file has the box"
     return InputError(f"{source}: bonded atoms are far apart ({listFirst(pairs, '; ')}){remedy}")
 
@@ -121,7 +121,7 @@ def _noteWhole(topology, search, positions):
 
 
 def subset(topology, atoms, bonds=None):
-    """Return a Topology of some of the atoms, in their order, with their bonds or those given as indices."""
+    """Return a Topology of some of the atoms, in their order, with their bonds or with bonds given as indices."""
     part = app.Topology()
     part.setPeriodicBoxVectors(topology.getPeriodicBoxVectors())
     chain = residue = newChain = newResidue = None

@@ -62,62 +62,62 @@ def createStericExclusionForce(
 ) -> StericExclusionForce:
     """Create a StericExclusionForce for the molecules of a Topology.
 
-    Every atom becomes a particle, water and ions too: what should not be in the way can be given the radius 0. An
-    extra particle (an atom without element) has radius 0. Residues without torsions of the kinds asked for, and
-    heterogens, are rigid. What is left out, because it lies in a ring or next to a gap in the chain, is reported by
-    `findTorsions` in detail.
+    Every atom becomes a particle, including water and ions: give atoms the radius 0 to ignore them. An extra particle
+    (an atom without element) has radius 0. Residues without torsions of the chosen kinds, and heterogens, are rigid.
+    `findTorsions` lists torsions that are left out since they lie in a ring or next to a gap in the chain.
 
-    Bonds are those of the Topology. Residues that these do not hold together get the bonds of their template (OpenMM's
-    tables, then the chemical component dictionary); with positions, bonds that are still missing are found by distance,
-    those of metals among them. One warning a kind tells of gaps, of bonds that the Topology lacks, and of atoms at
-    covalent distance that are not bonded and that a torsion moves apart: a sign that a bond is missing. Its attribute
-    `note` holds all of them.
+    Bonds are taken from the Topology. Residues whose atoms these do not connect get the bonds of their template
+    (OpenMM's tables, then the chemical component dictionary); with positions, bonds that are still missing, such as
+    those of metals, are found by distance. One warning of each kind reports gaps, bonds that the Topology lacks, and
+    unbonded atoms at covalent distance that a torsion moves apart: a sign that a bond is missing. The warning's
+    attribute `note` lists all of them.
 
     Parameters
     ----------
     topology : openmm.app.Topology
         with the residue and atom names of the Protein Data Bank, as `openmm.app.PDBFile` gives them
     positions : array of shape (n, 3) or Quantity, optional
-        nm. With them, a bond between residues that is longer than 0.4 nm is a gap: left out, so that the chain becomes
-        two molecules. Molecules may be split over the periodic box of the Topology.
+        nm. With them, a bond between residues that is longer than 0.4 nm is a gap: it is left out, and the chain
+        becomes two molecules. Molecules may be split over the periodic box of the Topology.
     radii : str or array of shape (n) or Quantity, optional
         "all-atom" (Word et al. 1999), "united-atom" (Tsai et al. 1999; hydrogens get radius 0), or a radius in nm for
         each atom. Default: for each molecule "all-atom" if it shows its hydrogens, else "united-atom".
     torsions : str or iterable of str, or iterable of Torsion, optional
-        the kinds of torsions, as in `findTorsions`, or torsions that it returned: its `selection` chooses them.
-        "rotatable" are all bonds in no ring. Default: "rotatable" if the `system` has the energies of a force field,
-        else φ, ψ and χ.
+        the kinds of torsions, as in `findTorsions`, or torsions that it returned, for example with a `selection`.
+        "rotatable" means all bonds outside rings. Default: "rotatable" if the `system` has the energies of a force
+        field, else φ, ψ and χ.
     bondCutoff : int
-        pairs up to this many bonds apart are excluded
+        pairs up to this number of bonds apart are excluded
     cutDisulfides : bool
         leave disulfide bonds out, so that the torsions between their ends can turn. The atoms stay excluded as if the
-        bonds were there; nothing keeps the sulfurs together.
+        bonds were there, but nothing keeps the sulfurs together.
     cutMetals : bool
         the same for the bonds between metals and other residues
     forceGroup : int
-        the force group of the force, of its own unless other forces use it
+        the force group of the force; by default one that other forces seldom use
     unknownRadius : float or Quantity, optional
-        the radius in nm of atoms of elements for which the set of radii has none. Default: they are an error.
+        the radius in nm of atoms whose element has no radius in the set. Default: such atoms are an error.
     ballJoints : "bonds" or iterable of (int, int)
-        pairs of bonded atoms, about the first of which the molecule turns freely; or "bonds" for all bonds that lie in
-        no ring and have no torsion: each then turns about the atom that is nearer to the lowest-numbered one of its
-        molecule, so that of a chain every bond can take any direction. Models of beads want ``torsions=()``,
-        ``ballJoints="bonds"``, radii, and mostly ``bondCutoff=1``. Where a bead is fixed that is not the first of its
+        pairs of bonded atoms: the molecule turns freely about the first one. Or "bonds" for all bonds that lie in no
+        ring and have no torsion: each turns about its atom that is nearer to the molecule's lowest-numbered atom, so
+        that every bond of a chain can take any direction. For models of beads use ``torsions=()``,
+        ``ballJoints="bonds"``, radii, and usually ``bondCutoff=1``. If a bead is fixed that is not the first of its
         molecule, give pairs that lead away from it.
     closures : "disulfides", "loops" or an iterable of these and of (int, int)
         bonds that close rings, or loops between fixed parts, and become closures (`StericExclusionForce.addClosure`):
-        the torsions of their rings turn by closed moves, which keep them. "disulfides" are all that close a ring;
-        "loops" are the last bonds, from C to N or O3' to P, of all rows of residues between those with `fixed` atoms.
-        Default: "disulfides" if the `system` has the energies of a force field and they are not cut, else none.
+        closed moves turn the torsions of their rings and keep these bonds. "disulfides" are all disulfides that close a
+        ring; "loops" are the last bonds, from C to N or O3' to P, of all rows of residues between residues with `fixed`
+        atoms. Default: "disulfides" if the `system` has the energies of a force field and they are not cut, else none.
     fixed : str, array of int or bool, or callable, optional
-        atoms that are not to move, as in `findTorsions`, to which the System gives the mass 0 (given a `system`, a
-        warning names those that have another one): torsions between two of them are left out. So
+        atoms that must not move, as in `findTorsions`, which need the mass 0 in the System (given a `system`, a warning
+        names atoms with another mass): torsions between two fixed atoms are left out. For example,
         ``fixed="not resSeq 20 to 30", closures="loops"`` samples a loop.
     system : openmm.System, optional
-        to which the force will be added. What has mass 0 there, and is no virtual site, is fixed as well. Atoms without
-        bonds in the Topology, such as beads or Drude particles, get those of its HarmonicBondForce, constraints and
-        DrudeForce, or else of its CustomBondForce. If it has a NonbondedForce, CustomNonbondedForce or the like, all
-        that turns is sampled by default, rings of disulfides too, and a warning says what bonds in no ring stay rigid.
+        the System to which the force will be added. Its particles of mass 0, except virtual sites, are fixed as well.
+        Atoms without bonds in the Topology, such as beads or Drude particles, get the bonds of its HarmonicBondForce,
+        constraints and DrudeForce, or else of its CustomBondForce. If it has a force between all pairs, such as a
+        NonbondedForce or CustomNonbondedForce, all bonds outside rings and all rings of disulfides turn by default, and
+        a warning lists bonds outside rings that stay rigid.
 
     Returns
     -------
@@ -126,8 +126,8 @@ def createStericExclusionForce(
     Raises
     ------
     ValueError
-        if an argument is out of range or of the wrong shape, an element has no radius, or bonds are ten times as long
-        as bonds are, as if positions were in ångström
+        if an argument is out of range or of the wrong shape, an element has no radius, or positions seem to be in a
+        wrong unit, such as ångström
     TypeError
         if positions or radii have a unit that is not a length
     """
@@ -198,7 +198,7 @@ def _radiiAndRoles(graph, radii, unknownRadius):
 
 
 def _ballJointsOf(graph, torsions, ballJoints):
-    """Return pairs of atoms: those given, or all bonds that can be ball joints, each from the side of the root."""
+    """Return the given pairs of atoms, or all bonds that can be ball joints, each from the side of the root."""
     if not isinstance(ballJoints, str):
         return [(int(atom1), int(atom2)) for atom1, atom2 in ballJoints]
     if ballJoints != "bonds":
@@ -228,7 +228,7 @@ def _torsionsOf(graph, topology, torsions, fixed):
 
 
 def notesOnGeometry(graph, torsions):
-    """Return Notes on bonds that are too long, on atoms that lack a bond, and on residues that are but a Cα atom."""
+    """Return Notes on bonds that are too long, on atoms that may lack a bond, and on residues with only a Cα atom."""
     notes = notesOnAlphaCarbons(graph)
     if graph.positions is None:
         return notes
@@ -243,7 +243,7 @@ def notesOnGeometry(graph, torsions):
 
 
 def notesOnAlphaCarbons(graph):
-    """Return a list of a Note on residues that are nothing but a Cα atom, empty without such."""
+    """Return a list with a Note on residues with only a Cα atom, empty if there are none."""
     residues = {atom.residue: None for atom in graph.atoms if aminoAcid(atom.residue.name) is not None}
     bare = [residue for residue in residues if isAlphaCarbonOnly(residue)]
     if bare and len(bare) == len(residues):
@@ -252,10 +252,9 @@ def notesOnAlphaCarbons(graph):
 
 
 def notesOnTorsions(leftOut, remedies=_ARGUMENTS):
-    """Return a Note for each reason why torsions are left out, but for what nobody expects to turn.
+    """Return a Note for each reason why torsions are left out, except torsions that nobody expects to turn.
 
-    Those next to a gap, and of residues that are but a Cα atom, have notes of their own. The remedies say by reason
-    what could be done.
+    Torsions next to a gap, and of residues with only a Cα atom, have other notes. remedies : dict, advice by reason
     """
     byReason = {}
     for torsion in leftOut:
@@ -270,7 +269,7 @@ def notesOnTorsions(leftOut, remedies=_ARGUMENTS):
 
 
 def _pairsAcross(neighbors, atom1, atom2, bondCutoff):
-    """Return the pairs at most bondCutoff bonds apart by way of a bond atom1–atom2 that neighbors does not have."""
+    """Return the pairs at most bondCutoff bonds apart along a bond atom1–atom2 that neighbors lacks."""
     shells1 = _shells(neighbors, atom1, bondCutoff)
     shells2 = _shells(neighbors, atom2, bondCutoff)
     return [

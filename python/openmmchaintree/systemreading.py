@@ -1,4 +1,4 @@
-"""What a System says of a model: whether energies are sampled, what is fixed, bonds that its Topology lacks."""
+"""Properties of a model that its System holds: pair energies, fixed particles, bonds that the Topology lacks."""
 
 import numpy as np
 import openmm
@@ -21,16 +21,16 @@ def hasPairEnergies(system):
 
 
 def fixedParticles(system):
-    """Return the particles of mass 0 that are no virtual sites, as an int array."""
+    """Return the particles of mass 0, without virtual sites, as an int array."""
     massless = [i for i in range(system.getNumParticles()) if system.getParticleMass(i).value_in_unit(unit.dalton) == 0]
     return np.array([i for i in massless if not system.isVirtualSite(i)], dtype=int)
 
 
 def bondsOfBareAtoms(topology, system):
-    """Return the System's bonds of atoms that have none in the Topology, such as beads and Drude particles.
+    """Return the System's bonds of atoms that have no bond in the Topology, such as beads and Drude particles.
 
-    A HarmonicBondForce, a constraint and a DrudeForce tell bonds; a CustomBondForce, which may be anything, tells those
-    of atoms that have none else. Virtual sites need no bonds.
+    Bonds are taken from HarmonicBondForces, constraints and DrudeForces. A CustomBondForce, which may be a restraint,
+    counts only for atoms without any other bond. Virtual sites need no bonds.
 
     Returns
     -------

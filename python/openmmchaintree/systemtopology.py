@@ -1,4 +1,4 @@
-"""A Topology for a System that has none: from elements and bonds."""
+"""A Topology for a System that comes without one, from elements and bonds."""
 
 from collections import Counter
 from collections.abc import Iterable
@@ -12,7 +12,7 @@ from .systemreading import bondsOf, drudeParticles
 # Masses (Da) of an element differ by less among force fields.
 _MASS_TOLERANCE = 0.1
 
-_RESIDUE = "UNL"  # what the Protein Data Bank calls a ligand without a name
+_RESIDUE = "UNL"  # the name of an unknown ligand in the Protein Data Bank
 
 
 def createTopology(
@@ -22,8 +22,8 @@ def createTopology(
 ) -> app.Topology:
     """Create a Topology for a System that comes without one.
 
-    Molecules become chains of one residue, and atoms are named by their elements. So `findTorsions` and selections know
-    no amino acids, but all bonds in no ring turn with
+    Molecules become chains of one residue, and atoms are named by their elements. So `findTorsions` and selections find
+    no amino acids, but all bonds outside rings turn with
 
         topology = createTopology(system)
         createStericExclusionForce(topology, positions, torsions="rotatable", system=system)
@@ -31,13 +31,13 @@ def createTopology(
     Parameters
     ----------
     system : openmm.System
-        whose particles these are
+        the System whose particles become atoms
     elements : iterable of openmm.app.Element, str, int or None, optional
-        the element of each particle, by its symbol or atomic number as well; None for beads and extra particles, which
-        have no radius of their own. Default: by masses; virtual sites and Drude particles have none.
+        the element of each particle, as an Element, its symbol or atomic number; None for beads and extra particles,
+        which have no default radius. Default: by masses; virtual sites and Drude particles get None.
     bonds : iterable of (int, int), optional
-        Default: those of the System's HarmonicBondForce, constraints and DrudeForce. Of a hydrogen only the shortest
-        counts, since others hold angles.
+        Default: the bonds of the System's HarmonicBondForces, constraints and DrudeForces. A hydrogen has only the
+        shortest of its bonds, since the others constrain angles.
 
     Returns
     -------
@@ -46,7 +46,7 @@ def createTopology(
     Raises
     ------
     ValueError
-        if there are not as many elements as particles, a mass is that of no element, or a bond names no particle
+        if the number of elements is not that of particles, no element has a mass, or a bond names no particle
     """
     count = system.getNumParticles()
     found = _elementsByMass(system) if elements is None else [_asElement(element) for element in elements]
@@ -60,7 +60,7 @@ def createTopology(
 
 
 def _makeTopology(elements, bonds):
-    """Make the Topology: consecutive atoms of a molecule are a residue, since Topologies want them in a row."""
+    """Make the Topology: consecutive atoms of a molecule are a residue, since a residue's atoms must be consecutive."""
     topology = app.Topology()
     parts = connectedParts(len(elements), bonds).tolist() if elements else []
     atoms, names = [], Counter()
@@ -100,7 +100,7 @@ def _elementsByMass(system):
 
 
 def _bondsOfSystem(system, elements):
-    """Return the bonds of a System as sorted pairs: of each hydrogen only the shortest."""
+    """Return the bonds of a System as sorted pairs, with only the shortest bond of each hydrogen."""
     lengths = {}
     for first, second, length in bondsOf(system):
         pair = min(first, second), max(first, second)

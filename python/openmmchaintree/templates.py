@@ -1,7 +1,7 @@
 """The bonds of residues by the names of their atoms.
 
-Amino acids, nucleotides and water are in OpenMM's own tables, with the names that programs give to their atoms. All
-else is looked up in the chemical component dictionary of the Protein Data Bank, which the package biotite carries.
+Amino acids, nucleotides and water are in OpenMM's tables, with the names that programs give to their atoms. Other
+residues are looked up in the chemical component dictionary of the Protein Data Bank, which the package biotite holds.
 """
 
 import xml.etree.ElementTree as ElementTree
@@ -17,14 +17,14 @@ _DATA = Path(openmm.app.__file__).parent / "data"
 
 
 def isStandard(residueName):
-    """Whether a residue is in OpenMM's own tables, by its own name."""
+    """Whether OpenMM's tables have a residue of this name."""
     return residueName in _standardBonds()
 
 
 def templateBonds(residueName, atomNames):
-    """Return the bonds of a residue as pairs of indices into the names of its atoms; none if it is not known.
+    """Return the bonds of a residue as pairs of indices into the names of its atoms; [] for an unknown residue.
 
-    A residue is known if the dictionary has its name, and all its atoms by theirs, hydrogens apart.
+    A residue is known if the dictionary has its name and the names of all its atoms except hydrogens.
 
     Parameters
     ----------
@@ -57,13 +57,13 @@ def _standardBonds():
 
 
 def standardName(residueName):
-    """Return the name that OpenMM's tables have for a residue: ALA for DAL, NH2 for NHE, DA for DA5; else its own."""
+    """Return the name of a residue in OpenMM's tables: ALA for DAL, NH2 for NHE, DA for DA5, or else the same name."""
     return aminoAcid(residueName) or nucleotide(residueName) or _residueAliases().get(residueName, residueName)
 
 
 @cache
 def _residueAliases():
-    """Return other names of residues, with the name that OpenMM's table has."""
+    """Return other names of residues, each with the name in OpenMM's table."""
     residues = list(_names().iter("Residue"))
     return {
         other: residue.attrib["name"]
@@ -75,7 +75,7 @@ def _residueAliases():
 
 @cache
 def atomAliases(residueName):
-    """Return other names of the atoms of a residue, with the name that OpenMM's table has."""
+    """Return other names of the atoms of a residue, each with the name in OpenMM's table."""
     aliases = {}
     residues = {residue.attrib["name"]: residue for residue in _names().iter("Residue")}
     kind = residues[residueName].attrib.get("type") if residueName in residues else None

@@ -23,10 +23,10 @@ from .residues import (
 from .selection import AtomSelection, selectAtoms
 from .units import Array, positionsInNm
 
-# Kinds of bonds that have no other.
+# Kinds of torsions that have no name of their own in IUPAC's rules.
 _UNNAMED = ("planar", "other")
 
-# What each word in a list of kinds stands for.
+# The kinds that each word in a list of kinds means.
 _KINDS = {
     "phi": ("phi",),
     "psi": ("psi",),
@@ -55,10 +55,10 @@ _NUCLEOTIDE = {
     "epsilon": ("C4'", "C3'", "O3'", "+P"),
     "zeta": ("C3'", "O3'", "+P", "+O5'"),
 }
-# The bond from C1' of the sugar to the base and on, which chi turns: purines, pyrimidines, pseudouridine.
+# The last two atoms of the glycosidic chi, O4'-C1'-…: purines, pyrimidines, pseudouridine.
 _GLYCOSIDIC_ENDS = (("N9", "C4"), ("N1", "C2"), ("C5", "C4"))
 
-# What stands for CA in the caps of a chain.
+# Atoms of caps that take the place of CA.
 _CAP_CARBONS = {"ACE": ("CH3",), "NME": ("CH3", "C")}
 
 RING = "in a ring"
@@ -68,7 +68,7 @@ PROLINE_RING = "in the ring of proline"
 SUGAR_RING = "in the ring of the sugar"
 BETWEEN_FIXED = "between two fixed parts"
 FIXED = "about a bond between fixed atoms"
-# Nobody expects these to turn.
+# Reasons that need no note, since nobody expects these torsions to turn.
 QUIET_REASONS = (PROLINE_RING, SUGAR_RING, FIXED)
 
 
@@ -81,7 +81,7 @@ class Torsion(NamedTuple):
 
 
 class LeftOutTorsion(NamedTuple):
-    """A torsion of a kind that was asked for and that cannot be turned."""
+    """A torsion of a requested kind that cannot turn."""
 
     kind: str
     residue: Residue
@@ -90,7 +90,7 @@ class LeftOutTorsion(NamedTuple):
 
 
 class TorsionSearch(NamedTuple):
-    """What `findTorsions` found: the torsions, and those it left out with the reason for each."""
+    """The result of `findTorsions`: the torsions, and the torsions that were left out, each with the reason."""
 
     torsions: list[Torsion]
     leftOut: list[LeftOutTorsion]
@@ -108,38 +108,38 @@ def findTorsions(
 ) -> TorsionSearch:
     """Find the torsions of the amino acids and nucleotides of a Topology.
 
-    Particles are in the order of IUPAC: the dihedral of particles is φ, ψ, ω, χ1 … χ4, α … ζ or the glycosidic χ of
-    the residue. A bond in a ring is never a torsion. The first φ and the last ψ and ω of a chain do not exist. Residues
-    that are not known by name have the backbone torsions of the atoms that they have, and nucleotides in a chain χ.
+    Particles are in the order of IUPAC: their dihedral is φ, ψ, ω, χ1 … χ4, α … ζ or the glycosidic χ of the residue. A
+    bond in a ring is never a torsion. The first φ and the last ψ and ω of a chain do not exist. Residues of unknown
+    name have backbone torsions if they have the atoms, and χ if they are nucleotides in a chain.
 
     Parameters
     ----------
     topology : openmm.app.Topology
-        with the residue and atom names of the Protein Data Bank, as `openmm.app.PDBFile` gives them. The variants of
-        protonation that Amber and CHARMM name (HID, HIE, HIP, CYX, CYM, ASH, GLH, LYN, …) are known.
+        with the residue and atom names of the Protein Data Bank, as `openmm.app.PDBFile` gives them. The names of
+        protonation variants in Amber and CHARMM (HID, HIE, HIP, CYX, CYM, ASH, GLH, LYN, …) are known.
     positions : array of shape (n, 3) or Quantity, optional
         nm. With them, a bond between residues that is longer than 0.4 nm is a gap in the chain, not a bond.
     kinds : str or iterable of str
-        of phi, psi, omega, chi (all of chi1 … chi4, and of nucleotides), chi1, chi2, chi3, chi4; alpha, beta, gamma,
+        any of phi, psi, omega, chi (chi1 … chi4, and chi of nucleotides), chi1, chi2, chi3, chi4; alpha, beta, gamma,
         delta, epsilon, zeta of nucleic acids; rotor (methyl, hydroxyl, thiol and amine groups, turned by a hydrogen);
-        planar (bonds between a trigonal carbon and a nitrogen that none of these has, as of amides at the end of side
-        chains, of guanidinium, and of amino groups of bases); other (all other bonds in no ring that have atoms beyond
-        both ends, those of ligands among them); or rotatable for all of these
+        planar (other bonds between a trigonal carbon and a nitrogen, as of amides at the end of side chains, of
+        guanidinium, and of amino groups of bases); other (all other bonds outside rings that have atoms beyond both
+        ends, including those of ligands); or rotatable for all of these
     cutDisulfides, cutMetals : bool
         treat disulfides, or the bonds between metals and other residues, as if they were no bonds
     selection : str, array of int or bool, or callable, optional
-        the atoms whose torsions are wanted, as in `selectAtoms`. A torsion is that of the third of its particles: φ of
-        CA, ψ of C, ω of the N that follows, χ1 of CB, χ2 of the atom behind it, and so on; α of O5', β of C5', γ of
-        C4', δ of C3', ε of O3', ζ of the P that follows, χ of nucleotides of the atom of the base. So "backbone"
-        selects φ and ψ, "sidechain" all χ, and "resSeq 10 to 20" all torsions of these residues. Default: all.
+        the atoms whose torsions are wanted, as in `selectAtoms`. A torsion belongs to its third particle: φ to CA, ψ to
+        C, ω to the next N, χ1 to CB, χ2 to the atom after it, and so on; α to O5', β to C5', γ to C4', δ to C3', ε to
+        O3', ζ to the next P, χ of nucleotides to the atom of the base. So "backbone" selects φ and ψ, "sidechain" all
+        χ, and "resSeq 10 to 20" all torsions of these residues. Default: all.
     fixed : str, array of int or bool, or callable, optional
-        atoms that are not to move, which get the mass 0 in the System. Torsions between two of them that are not in
-        one rigid part, as those of the backbone between fixed ends, are left out.
+        atoms that must not move, which have the mass 0 in the System. Torsions between two fixed atoms that are not in
+        one rigid part, as in a backbone between fixed ends, are left out.
     closures : "disulfides", "loops" or an iterable of these and of (int, int), optional
         bonds that close rings, or loops between fixed parts, and that closed moves keep, as in
-        `createStericExclusionForce`: what only these close is no ring, and a loop is not between fixed parts. Next to
-        such a bond a torsion has another particle instead of the one beyond it, so that its value is another than
-        IUPAC's.
+        `createStericExclusionForce`. A ring that one of them closes does not count as a ring, nor a loop as lying
+        between fixed parts. A torsion next to such a bond has another particle instead of the one beyond the bond, so
+        that its value differs from IUPAC's.
 
     Returns
     -------
@@ -150,8 +150,7 @@ def findTorsions(
     Raises
     ------
     ValueError
-        if a kind is unknown, positions have the wrong shape or bonds ten times as long as bonds are, or a selection
-        selects nothing
+        if a kind is unknown, positions have the wrong shape or a wrong unit, or a selection selects nothing
     TypeError
         if positions have a unit that is not a length
     """
@@ -169,7 +168,7 @@ def searchTorsions(graph, topology, kinds):
     """Do the work of `findTorsions` on a BondGraph of the topology."""
     kinds = _expandKinds(kinds)
     search = _Search(graph, topology)
-    hasUnnamed = not kinds.isdisjoint(_UNNAMED)  # which are told by what has no other kind
+    hasUnnamed = not kinds.isdisjoint(_UNNAMED)  # to find these, all other kinds must be known
     for residue in topology.residues():
         search.addResidue(residue, set(KINDS) if hasUnnamed else kinds)
     if hasUnnamed:
@@ -181,7 +180,7 @@ def searchTorsions(graph, topology, kinds):
 def ofAtoms(search, atoms):
     """Return a TorsionSearch with only the torsions whose third particle is one of the atoms.
 
-    Of those that were left out, whose particles are not known, it keeps the ones of residues that have such an atom.
+    Of torsions that were left out, whose particles are unknown, it keeps those of residues that have such an atom.
     """
     chosen = set(atoms.tolist())
     torsions = [torsion for torsion in search.torsions if torsion.particles[2] in chosen]
@@ -227,7 +226,7 @@ class _Search:
 
     @staticmethod
     def _findRings(graph):
-        """Return the reasons why bonds in rings do not turn, with the bonds: rings that can be cut come last."""
+        """Return for each bond in a ring the reason why it does not turn."""
         disulfides, metalBonds = set(graph.disulfides), set(graph.metalBonds)
         closing = disulfides | metalBonds
         kinds = [(RING, set()), (DISULFIDE_RING, disulfides), (METAL_RING, metalBonds)]
@@ -241,7 +240,7 @@ class _Search:
         return found
 
     def _linkedResidues(self):
-        """Map residues to those that come before and after them in the polymer, by its bonds."""
+        """Return two dicts: the residues before and after each residue in its polymer, by bonds."""
         previous, following = {}, {}
         bonds = [*self._graph.bonds, *(closure[1:3] for closure in self._graph.closures)]
         for first, second in polymerLinks(self._graph.atoms, bonds):
@@ -268,14 +267,14 @@ class _Search:
             self._addRotors(residue)
 
     def _hasInARow(self, residue, names):
-        """Whether a residue has atoms of these names, each bonded to the next: that tells one without a known name."""
+        """Whether a residue, perhaps of an unknown name, has atoms of these names, each bonded to the next."""
         atoms = self._atoms[residue.index]
         if not all(name in atoms for name in names):
             return False
         return all(atoms[other] in self._graph.neighbors[atoms[name]] for name, other in pairwise(names))
 
     def _isModifiedNucleotide(self, residue):
-        """Whether a residue is one of a nucleic acid by its atoms and a neighbor, which ligands such as ATP lack."""
+        """Whether a residue is a modified nucleotide in a chain: ligands such as ATP have no neighbor."""
         isLinked = residue.index in self._previous or residue.index in self._next
         return isLinked and self._hasInARow(residue, NUCLEOTIDE_BACKBONE)
 
@@ -310,7 +309,7 @@ class _Search:
         self._add(kind, residue, particles)
 
     def _holderOf(self, name, residue):
-        """Return the residue that holds an atom of a table above; without one, None and the gap that is the reason."""
+        """Return the residue that holds an atom of a table above, or None, and the gap next to it."""
         if name[0] == "-":
             return self._previous.get(residue.index), self._gapBefore.get(residue.index)
         if name[0] == "+":
@@ -321,13 +320,13 @@ class _Search:
         # The 5' end of a nucleic acid has no phosphate: its alpha and beta do not exist.
         if name == "P" and holder is residue and residue.index not in self._previous:
             return
-        # A cap's own half of a torsion is no torsion of a residue.
+        # A torsion that lacks an atom in a cap is no torsion of a residue.
         if residue.name in CAPS or holder.name in CAPS:
             return
         self._leaveOut(kind, residue, f"atom {name} of {describeResidue(holder)} is missing")
 
     def _addInternal(self, kind, residue, alternatives):
-        """Add a torsion whose atoms all lie in one residue, if it has any."""
+        """Add a torsion whose atoms all lie in one residue."""
         atoms = self._atoms[residue.index]
         particles = []
         for names in alternatives:
@@ -340,7 +339,7 @@ class _Search:
             self._add(kind, residue, particles)
 
     def _addRotors(self, residue):
-        """Add the groups that only a hydrogen shows turning: XH or XH3 at the end of a branch, and neutral amines."""
+        """Add groups whose rotation moves only hydrogens: XH or XH3 at the end of a branch, and neutral amines."""
         graph = self._graph
         for end in [atom.index for atom in residue.atoms()]:
             heavy, hydrogens = graph.heavyNeighborsOf(end), graph.hydrogensOf(end)
@@ -387,7 +386,7 @@ class _Search:
             self.torsions.append(Torsion(tuple(particles), kind, residue))
 
     def _besideClosures(self, particles):
-        """Return the particles of a torsion, another of the same side for one that is beyond a closure."""
+        """Return the particles of a torsion, with one beyond a closure replaced by another on the same side."""
         closing = {frozenset(closure[1:3]) for closure in self._graph.closures}
         particles = list(particles)
         for beyond, end, inner in ((0, 1, 2), (3, 2, 1)):
@@ -401,10 +400,9 @@ class _Search:
 
 
 def bondsWithoutTorsions(graph, torsions):
-    """Return the bonds of a BondGraph that could turn, but about which there is no Torsion, as sorted pairs.
+    """Return the bonds of a BondGraph that could turn but have no Torsion, as sorted pairs.
 
-    They are those in no ring that have atoms beyond both ends. Of molecules with elements, extra particles are no such
-    atoms.
+    They lie in no ring and have atoms beyond both ends; extra particles count only beyond an extra particle.
     """
     excluded = ringBonds(graph.neighbors).union(tuple(sorted(torsion.particles[1:3])) for torsion in torsions)
     return [bond for bond in graph.bonds if bond not in excluded and graph.beyond(*bond) and graph.beyond(*bond[::-1])]

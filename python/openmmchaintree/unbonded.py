@@ -1,4 +1,4 @@
-"""The net under all that finds bonds: atoms as near as if they were bonded that trials would part."""
+"""A last check for missing bonds: atoms a bond's length apart that no bond joins, and that torsions move apart."""
 
 import numpy as np
 
@@ -6,13 +6,13 @@ from .covalent import WIDE, bondedPairs, isMetal, longestBonds, shortestBonds
 from .links import rigidLinks
 from .naming import nameAtom
 
-# Within residues without a template, bonds that nothing has found may be up to this many times as long as the sum of
-# covalent radii: atoms two bonds apart are farther from each other.
+# In residues without a template, missing bonds are suspected up to this factor times the sum of covalent radii: atoms
+# two bonds apart are farther from each other.
 _WIDEST = 1.45
 
 
 class NearPair:
-    """Two atoms of different links that are at covalent distance, and not bonded.
+    """Two atoms of different links at covalent distance that are not bonded.
 
     atom1, atom2 : openmm.app.Atom; distance : float, nm
     """
@@ -27,11 +27,11 @@ class NearPair:
 
 
 def unbondedNeighbors(graph, axes, fixed=(), alternates=None):
-    """Find the atoms of different links that are at covalent distance and not bonded, the nearest pair first.
+    """Find atoms of different links that are at covalent distance and not bonded, the nearest pair first.
 
-    Metals are passed over, since what surrounds them need not be bound; so are hydrogens that have their bond, and
-    atoms with a common neighbour. Where a residue has no template, distances count that are a little too long for what
-    finds bonds, and within residues those that are too short: elsewhere such atoms clash.
+    Metals are skipped, since atoms around them need not be bound, and so are hydrogens that have a bond, and atoms with
+    a common neighbor. In residues without a template, distances slightly too long for a bond count, too. Distances too
+    short for a bond count only within a residue: elsewhere such atoms clash.
 
     Parameters
     ----------
@@ -41,8 +41,8 @@ def unbondedNeighbors(graph, axes, fixed=(), alternates=None):
     fixed : sequence of int
         atoms that never move
     alternates : list of str, optional
-        for each atom the label of its conformer, empty where there is but one; atoms of different labels exclude each
-        other
+        for each atom the label of its conformer, empty if the atom has one conformer; atoms of different labels never
+        occur together
 
     Returns
     -------
@@ -70,7 +70,7 @@ def unbondedNeighbors(graph, axes, fixed=(), alternates=None):
 
 
 def _pairsAsBonds(graph):
-    """Return the pairs of atoms that may be bonded, as far as distances tell, as an (m, 2) array."""
+    """Return the pairs of atoms that may be bonded according to their distances, as an (m, 2) array."""
     pairs = bondedPairs(graph.positions, graph.numbers, _WIDEST)
     first, second = pairs.T
     numbers = graph.numbers[first], graph.numbers[second]

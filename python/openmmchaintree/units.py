@@ -1,4 +1,4 @@
-"""Numbers with and without units, brought to the units of the plugin: nm, rad, kJ/mol, K."""
+"""Conversion of numbers with and without units to the units of the plugin: nm, rad, kJ/mol, K."""
 
 from typing import TypeAlias
 
@@ -20,12 +20,12 @@ _DIMENSIONS = {
 
 
 def inUnit(value, symbol, name):
-    """Return value as plain number or numbers in the unit that symbol names.
+    """Return a value as a plain number, or plain numbers, in the unit that symbol names.
 
     Parameters
     ----------
     value : number, sequence or Quantity
-        taken as it is if it has no unit; a sequence may hold Quantities
+        returned unchanged if it has no unit; a sequence may hold Quantities
     symbol : str
         "nm", "rad", "K", "kJ/mol/nm^2", "nm^-2" or "1"
     name : str

@@ -83,7 +83,7 @@ def test_theMiddleOfAChainHasNoEnds():
         purposes[selection] = {one.purpose for one in added}
     assert purposes["resid 3 to 12"] - purposes["resid 10 to 20"] == {
         "ends of chains",
-        "ends of chains, drawn anew",
+        "ends of chains, drawn uniformly",
     }
     assert purposes["resid 10 to 20"] < purposes["resid 3 to 12"]
 

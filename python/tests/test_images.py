@@ -1,6 +1,5 @@
 """Molecules split over the periodic box are made whole along their bonds, or refused."""
 
-
 import numpy as np
 import openmm
 import pytest

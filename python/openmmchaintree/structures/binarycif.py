@@ -1,4 +1,4 @@
-"""Reading BinaryCIF by biotite, which decodes whatever it is told to: so sizes are checked first."""
+"""Reading BinaryCIF by biotite. Sizes are checked first, since biotite decodes arrays of any size."""
 
 import gemmi
 import msgpack
@@ -8,24 +8,25 @@ from biotite.structure.io.pdbx.encoding import decode_stepwise, deserialize_enco
 
 from .limits import checkMemory
 
-# What things take in memory, at most (bytes): of the file's own tree, of each cell at last, of it while it is read.
+# Upper bounds of memory in bytes: for an item of the file's tree, for a cell in the result, for it while it is read.
 _ITEM, _CELL, _TEXT, _NUMBER = 100, 40, 64, 128
 
 _LONGEST_LIST = 10000  # of categories, columns or encodings
 
 
 def readCategories(data, names, what):
-    """Yield the name and the columns of each of these categories that a file has.
+    """Yield the name and the columns of each of some categories that a file has.
 
-    Columns are lists of values as a CIF file would write them; those that are masked are . or ?.
+    Columns are lists of values as a CIF file would write them; masked values are . or ?.
 
     Parameters
     ----------
     data : bytes-like
-        the file's
+        the content of the file
     names : sequence of str
+        the categories
     what : str
-        what to say of what is too large, as for `checkMemory`
+        begins the message about a file that is too large, as for `checkMemory`
 
     Raises
     ------
@@ -57,7 +58,7 @@ def readCategories(data, names, what):
 
 
 def _unpack(data, what):
-    """Return the tree that a file is, in which columns are still encoded."""
+    """Return the tree of a file, in which columns are still encoded."""
     items = 0
 
     def count(container):
@@ -71,7 +72,7 @@ def _unpack(data, what):
 
 
 def _checkSizes(part, what):
-    """Refuse an encoded array that would become too large."""
+    """Raise an InputError if an encoded array would become too large."""
     outermost, *others = part["encoding"]
     if outermost["kind"] == "StringArray":
         _checkNumbers([*outermost["offsetEncoding"], *outermost["dataEncoding"], *others], what)

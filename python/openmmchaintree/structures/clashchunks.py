@@ -1,7 +1,7 @@
-"""The clashes of long trajectories, in chunks that processes look at: of this machine, or of a cluster.
+"""Searching long trajectories for clashes in chunks, by processes of this machine or of a cluster.
 
-A chunk is a pure function of the files and of the numbers of its frames. Each process reads these frames by itself, so
-that no positions go from one to another, and nobody holds more than one frame.
+The result of a chunk depends only on the files and the numbers of its frames. Each process reads these frames from the
+file, so that processes exchange no positions, and none holds more than one frame.
 """
 
 import os
@@ -21,16 +21,16 @@ from ..errors import ClusterError, InputError
 from .clashsearch import ClashSearch, FrameOverlaps
 from .structure import villinPath
 
-# Chunks are short enough that nobody waits long for the last one, and long enough that asking for them takes no time.
+# Chunks are short, so that the last one does not take long, but long enough to make requests negligible.
 _LONGEST_CHUNK = 2000
 _CHUNKS_PER_WORKER = 8
 
-# So many chunks of each worker are asked for at a time.
+# The number of chunks that are requested ahead for each worker.
 _CHUNKS_AHEAD = 3
 
 
 class SearchedFiles(NamedTuple):
-    """What a ClashSearch reads, and how; sizes tell files of other machines from ours.
+    """The input and options of a ClashSearch; sizes show whether another machine has other files.
 
     structure, trajectory : str, or None; radii, water, ions : as for a ClashSearch; sizes : tuple of int
     """
@@ -44,7 +44,7 @@ class SearchedFiles(NamedTuple):
 
 
 class ChunkOverlaps(NamedTuple):
-    """What was found in a chunk, as few arrays.
+    """The clashes of a chunk, as a few arrays.
 
     counts : (frames,) int array, of the clashes of each frame; pairs, overlaps : of all frames, as in FrameOverlaps
     madeWhole : list of int, frames in which molecules were made whole; damage : str, why frames are missing, or None
@@ -60,7 +60,7 @@ class ChunkOverlaps(NamedTuple):
 
 
 def describeFiles(structure, trajectory, radii, water, ions):
-    """Return the SearchedFiles of a ClashSearch with these arguments, with absolute paths; OSError: one is missing."""
+    """Return the SearchedFiles of a ClashSearch with these arguments; OSError: a file is missing."""
     given = (villinPath() if structure is None else structure, trajectory)
     paths = [os.path.abspath(path) for path in given if path is not None]
     sizes = tuple(os.path.getsize(path) for path in paths)
@@ -71,12 +71,12 @@ _ofThread = local()
 
 
 def searchChunk(files, begin, end):
-    """Search frames from one to another of SearchedFiles; return a ChunkOverlaps. Each thread keeps its last search.
+    """Search frames begin to end - 1 of SearchedFiles; return a ChunkOverlaps. Each thread keeps its last search.
 
     Raises
     ------
     ClusterError
-        if these files are not here
+        if this machine does not have these files
     """
     search, frames, damage = _searchOf(files), [], None
     search.madeWhole.clear()
@@ -100,7 +100,7 @@ def searchChunk(files, begin, end):
 
 
 def _searchOf(files):
-    """Return the ClashSearch that this thread keeps, of these SearchedFiles."""
+    """Return the ClashSearch of SearchedFiles, which this thread keeps."""
     if getattr(_ofThread, "files", None) != files:
         _close()
         _ofThread.search = _open(files)
@@ -126,20 +126,20 @@ def _close():
 
 
 class ChunkStop:
-    """Ends a search in chunks, which a handler of signals can call."""
+    """Ends a search in chunks; a handler of signals may call it."""
 
     def __init__(self):
-        """Begin with nobody who has called."""
+        """Begin without a call."""
         self._isCalled = False
         self._arrived = SimpleQueue()
 
     def call(self):
-        """Have the search end at once."""
+        """End the search at once."""
         self._isCalled = True
         self._arrived.put(None)
 
     def waitFor(self, future):
-        """Wait for a future; return whether it has ended, and nobody has called."""
+        """Wait for a future or a call; return False if the search was called to end."""
         self._arrived = arrived = SimpleQueue()
         future.add_done_callback(arrived.put)
         if not self._isCalled:
@@ -148,16 +148,16 @@ class ChunkStop:
 
 
 class ProcessChunks:
-    """Searches chunks by a number of processes, its count."""
+    """Searches chunks in processes of this machine; count is their number."""
 
     def __init__(self, count, files):
-        """Start so many processes, which open SearchedFiles meanwhile."""
+        """Start count processes, which begin to open SearchedFiles."""
         self.count = count
-        # Processes that are forked from one with threads may hang.
+        # Processes forked from a process with threads may hang.
         context = get_context("spawn")
         self._endsChunks = context.Event()
         self._pool = ProcessPoolExecutor(count, context, _beginProcess, (files, self._endsChunks))
-        # All begin now: a pool that starts one while another is killed can wait for it for ever.
+        # Start all now: a pool that starts one process while another is killed can wait for it forever.
         for _ in range(count):
             self._pool.submit(os.getpid)
 
@@ -166,13 +166,13 @@ class ProcessChunks:
         return self._pool.submit(searchChunk, *arguments)
 
     def close(self):
-        """End all processes, after the frames that they look at."""
+        """End all processes after their current frames."""
         self._endsChunks.set()
         self._pool.shutdown(cancel_futures=True)
 
 
 class ClusterChunks:
-    """Searches chunks by the workers of a Cluster, of count threads at first."""
+    """Searches chunks by the workers of a Cluster; count is their number of threads at the start."""
 
     def __init__(self, cluster):
         """Take a Cluster."""
@@ -188,16 +188,16 @@ class ClusterChunks:
         self._cluster.close()
 
 
-_isStopped = None  # in a process of ours: an Event
+_isStopped = None  # in a process that ProcessChunks started: an Event
 
 
 def _beginProcess(files, isStopped):
-    """Open SearchedFiles. Leave Ctrl-C, which a terminal sends to all processes, to the one that asked; end with it."""
+    """Open SearchedFiles; ignore Ctrl-C, which the parent process handles, and end when the parent ends."""
     global _isStopped
     _isStopped = isStopped
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     Thread(target=_endWithParent, daemon=True).start()
-    with suppress(Exception):  # the one that asked opens them, too, and tells
+    with suppress(Exception):  # the parent process opens the files, too, and reports errors
         _searchOf(files)
 
 
@@ -207,13 +207,14 @@ def _endWithParent():
 
 
 def searchInChunks(search, files, workers, stop=None):
-    """Yield what `search.overlaps()` would, of a ClashSearch, found by workers if the number of frames is known.
+    """Yield the results of `search.overlaps()` of a ClashSearch, found by workers if the number of frames is known.
+
     files : SearchedFiles, of the search; workers : ProcessChunks or ClusterChunks; stop : ChunkStop, or None
 
     Raises
     ------
     InputError
-        as `search.overlaps()` would, after all frames before a damaged one
+        at a damaged frame, after the results of all frames before it
     ClusterError
         if a worker is lost for good
     """
@@ -252,7 +253,7 @@ def _explainingLostProcesses():
 
 
 def _withOurPaths(text, search, files):
-    """Return a message that names files as the user did."""
+    """Return a message with the files named as the user named them."""
     for theirs, ours in ((files.trajectory, search.trajectory), (files.structure, search.structure)):
         if theirs is not None:
             text = text.replace(theirs, str(ours))

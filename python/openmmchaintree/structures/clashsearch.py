@@ -26,9 +26,9 @@ class FrameOverlaps(NamedTuple):
 
 
 class ClashSearch:
-    """The search that `findClashes` does, frame by frame: iterate it once, or ask for parts of it.
+    """The search of `findClashes`, frame by frame: iterate it once, or ask for parts of it.
 
-    Iteration gives a FrameClashes for each frame, `overlaps` a FrameOverlaps. At a damaged frame both raise an
+    Iteration yields a FrameClashes for each frame, `overlaps` a FrameOverlaps. At a damaged frame both raise an
     InputError.
 
     Attributes
@@ -36,20 +36,20 @@ class ClashSearch:
     structure, trajectory : str or Path, or None
     finder : ClashFinder
     frameCount : int or None
-        how many frames there are, if that is known
+        the number of frames, if it is known
     notes : list of Note
-        what the user should know of the input; complete after the iteration
+        on the input; complete after the iteration
     madeWhole : list of int
-        frames in which molecules were made whole, so far
+        the searched frames in which molecules were made whole
     imageClashes : list of str
-        clashes with periodic images in the first frame, once it was looked at
+        clashes with periodic images in the first frame, after it was searched
     """
 
     def __init__(self, structure=None, trajectory=None, radii=None, water=False, ions=False):
         """Read the structure, or the villin headpiece of OpenMM's package; arguments are those of `findClashes`."""
         self.structure = villinPath() if structure is None else structure
         self.trajectory = trajectory
-        # Its reader starts while we look at the structure.
+        # The reader of the trajectory starts while the structure is read.
         self._trajectory = None if trajectory is None else Trajectory(trajectory)
         try:
             self._readStructure(radii, water, ions)
@@ -87,9 +87,9 @@ class ClashSearch:
             self.close()
 
     def overlaps(self, begin=0, end=None):
-        """Yield a FrameOverlaps for each frame from one to another, which is not among them; None: to the last.
+        """Yield a FrameOverlaps for each frame from begin to end - 1; end=None: to the last frame.
 
-        Where there is more to ask for, it has to come to its end first.
+        Exhaust one iterator before the next call.
         """
         frames = self._modelFrames(begin, end) if self.trajectory is None else self._trajectoryFrames(begin, end)
         for number, (positions, box) in enumerate(frames, begin):
@@ -103,7 +103,7 @@ class ClashSearch:
             yield FrameOverlaps(number, pairs, overlaps, 1000 * len(pairs) / self.finder.checkedCount)
 
     def noteBoxes(self):
-        """Add to the notes what `madeWhole` and `imageClashes` tell."""
+        """Add `madeWhole` and `imageClashes` to the notes."""
         kind = f"{self._word}s in which molecules were split over the periodic box, and made whole"
         images = WITH_IMAGES if self.frameCount == 1 else f"{WITH_IMAGES}, in {self._word} 0 (from 0)"
         self.notes += found(

@@ -1,4 +1,4 @@
-"""Choosing one conformer of each residue where a structure file has several."""
+"""Choosing one conformer of each residue if a structure file has several."""
 
 from collections import defaultdict
 from typing import NamedTuple
@@ -9,12 +9,12 @@ NO_ALTERNATE = "\0"  # gemmi's label of an atom without alternates
 
 
 class Choice(NamedTuple):
-    """What is left of a model.
+    """A model with one conformer of each residue.
 
     atoms : list of list of (gemmi.Residue, list of gemmi.Atom)
-        by chain and residue, in the order of the file, one conformer each
+        by chain and residue, in the order of the file
     described : list of str
-        the residues that have more than one conformer, and the one that was taken
+        the residues that have more than one conformer, with the chosen one
     """
 
     chains: list[list[tuple[gemmi.Residue, list[gemmi.Atom]]]]
@@ -25,7 +25,7 @@ def chooseConformers(model, name):
     """Choose, in each residue of a gemmi.Model, the conformer of highest occupancy, the first of equals.
 
     Residues of different names at one place in the chain (microheterogeneity) are conformers of one residue. Conformers
-    that share no atom are no alternatives to each other, and one of each such set is taken.
+    without common atoms are not alternatives to each other: one of each set of alternatives is chosen.
 
     Parameters
     ----------
@@ -52,7 +52,7 @@ def chooseConformers(model, name):
 
 
 def _places(chain):
-    """Return the residues of a chain, as lists of those at one place: neighbors of one number, and its alternates."""
+    """Return lists of the residues at each place of a chain: neighbors with the same number, and alternates of it."""
     places, byNumber = [], {}
     for residue in chain:
         number = str(residue.seqid)
@@ -69,7 +69,7 @@ def _places(chain):
 
 
 def _chooseAt(place):
-    """Return the (residue, atoms) chosen among those of one place in the chain, and the labels taken."""
+    """Return the chosen (residue, atoms) at one place in the chain, and the chosen labels."""
     occupancies = defaultdict(list)
     names = defaultdict(set)
     labelled = {_nameIn(residue, atom) for residue in place for atom in residue if atom.has_altloc()}
@@ -108,7 +108,7 @@ def _nameIn(residue, atom):
 
 
 def _alternatives(names):
-    """Return sets of labels, each connected by names of atoms in common, as lists in the order of the file."""
+    """Return sets of labels that share names of atoms, as lists in the order of the file."""
     groups = []
     for label, found in names.items():
         joined = [group for group in groups if any(names[other] & found for other in group)]
@@ -118,5 +118,5 @@ def _alternatives(names):
 
 
 def _plainName(atom):
-    """Return the name of an atom; deuterium is named as the hydrogen in whose place it is."""
+    """Return the name of an atom; deuterium gets the name of the hydrogen that it replaces."""
     return "H" + atom.name[1:] if atom.element.name == "D" and atom.name.startswith("D") else atom.name

@@ -1,7 +1,7 @@
-"""The elements of atoms: by their residues, by the columns of their names, and by what the file says.
+"""The elements of atoms: by their residues, by the columns of their names, and by the symbols in the file.
 
-The name alone tells little: CA is a carbon in alanine and calcium in a residue CA, HG a hydrogen in cysteine and
-mercury elsewhere. What the file says may be wrong, too: some programs take the first letters of all names.
+A name alone is ambiguous: CA is a carbon in alanine and calcium in a residue CA, HG a hydrogen in cysteine and mercury
+elsewhere. Symbols in the file may be wrong, too: some programs write the first letters of all names.
 """
 
 from collections import defaultdict
@@ -17,20 +17,20 @@ from ..templates import mayBeHydrogen
 
 NO_ELEMENT = "X"
 
-# What amino acids, nucleotides and water are made of, selenium apart.
+# The elements of amino acids, nucleotides and water, except selenium.
 _OF_POLYMERS = set("HDCNOSP")
 
-# Elements of one letter that names in other residues begin with, and those that are all of their letters, as in B1.
+# Elements of one letter that may begin a name in other residues, and those that need a name without other letters (B1).
 _ONE_LETTER = {*_OF_POLYMERS, "F"}
 _WHOLE_NAMES = set("BIKVWUY")
 
-# Elements of two letters that no names of lighter elements begin with.
+# Symbols of two letters that never begin the name of an atom of another element.
 _CERTAIN = {"BR", "FE", "ZN", "MG", "MN", "CU"}
 
-# Elements whose names programs mostly mean where one begins with these letters and nothing else tells.
+# Symbols of two letters that mean this element if a name begins with them and nothing else is known.
 _LIKELY = {"CL", "SE", "SI", "AL", *_CERTAIN}
 
-# Names of atoms in the field's Greek letters that are symbols of elements, too.
+# Names of atoms with a Greek letter that are also symbols of elements.
 _GREEK = {"CA", "CD", "CE", "NA", "NB", "ND", "NE", "HG", "HE", "HO", "PA", "PB", "PD", "SB", "SG", "OG"}
 
 
@@ -40,12 +40,12 @@ def findElements(atoms):
     Parameters
     ----------
     atoms : set of (str, str, str)
-        residue name; atom name, in its four columns if the file has these; the symbol that the file gives
+        residue name; atom name, in its four columns if the file has these; the symbol in the file
 
     Returns
     -------
     dict
-        by these, the symbol in capitals, X for what is no atom or of no known element
+        by these tuples the symbol in capitals, X for pseudo-atoms and unknown elements
     """
     names = defaultdict(set)
     for residue, column, _ in atoms:
@@ -58,9 +58,9 @@ def findElements(atoms):
 
 
 def _areAligned(atoms):
-    """Whether names begin in the first of their columns only if that is a part of the element, as they should.
+    """Whether only names with a symbol of two letters begin in the first column, as they should.
 
-    Some programs begin all of them there.
+    Some programs begin all names there.
     """
     short = [column for _, column, _ in atoms if len(column) == 4 and len(column.strip()) < 4]
     plain = [column for column in short if len(_letters(column)) < 2 or not _isSymbol(_letters(column)[:2])]
@@ -102,7 +102,7 @@ class _Atom:
         return core if core == _core(self._name) and _isSymbol(core) and core not in _OF_POLYMERS else None
 
     def _givenElement(self):
-        """Return the element that the file gives, unless residue and column of the name agree on another."""
+        """Return the element in the file, unless the residue and the column of the name show another."""
         given = self._given
         if len(given) == 1:
             isCut = self._letters[:2] in _CERTAIN and self._letters[0] == given and given not in _OF_POLYMERS
@@ -115,12 +115,12 @@ class _Atom:
         return self._fromDictionary() or given[0]
 
     def _elementOfName(self):
-        """Return the element of an atom for which the file gives none."""
+        """Return the element of an atom without a symbol in the file."""
         one, two = self._letters[:1], self._letters[:2]
         if two in _CERTAIN:
             return two
         if len(two) == 2 and _isSymbol(two):
-            isFull = len(self._name) == 4 and self._column[0] != " "  # as CME1, which has to begin there
+            isFull = len(self._name) == 4 and self._column[0] != " "  # such as CME1, which must begin there
             if self._isAligned and not isFull:
                 return two if self._column[0] != " " else one
             if two in _LIKELY and (not isFull or self._letters[2:].isdigit()):
@@ -135,7 +135,7 @@ class _Atom:
 
 
 def _letters(name):
-    """Return a name without what stands before its letters, as in 1HB."""
+    """Return a name without the characters before its first letter, as in 1HB."""
     return name.strip().lstrip("0123456789'\"*+-").upper()
 
 
@@ -146,7 +146,7 @@ def _core(name):
 
 @cache
 def _isSymbol(text):
-    # The reader takes what it does not know for X.
+    # gemmi reads unknown symbols as X.
     return gemmi.Element(text).atomic_number > 0 or text.upper() == "D"
 
 
@@ -157,9 +157,9 @@ def _ions():
 
 @cache
 def _dictionaryElements(residueName, atomNames):
-    """Return the elements of a residue's atoms by their names, in capitals; none if the dictionary does not know it.
+    """Return the elements of a residue's atoms by their names, in capitals; {} if the dictionary lacks the residue.
 
-    atomNames : frozenset of str, all of which it has to have, hydrogens apart
+    atomNames : frozenset of str; the residue must have all of these atoms except hydrogens
     """
     info = importExtra("biotite.structure.info", f"finding the elements of {residueName}")
     try:

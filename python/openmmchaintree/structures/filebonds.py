@@ -1,4 +1,4 @@
-"""The bonds that a structure file tells: CONECT, LINK and SSBOND of PDB, _struct_conn of mmCIF."""
+"""The bonds that a structure file lists: CONECT, LINK and SSBOND of PDB, _struct_conn of mmCIF."""
 
 import gemmi
 
@@ -6,10 +6,10 @@ _BONDS = {gemmi.ConnectionType.Covale, gemmi.ConnectionType.Disulf, gemmi.Connec
 
 
 def bondsOfFile(structure, made):
-    """Return the bonds that a gemmi.Structure tells of a ModelTopology, as a list of pairs, once each.
+    """Return the bonds between atoms of a ModelTopology that a gemmi.Structure lists, as pairs, once each.
 
-    Bonds to symmetry mates and hydrogen bonds are left out; so are atoms of conformers that were not taken, and numbers
-    that several atoms have.
+    Bonds to symmetry mates and hydrogen bonds are left out, and bonds of atoms in other conformers, and of numbers that
+    several atoms have.
     """
     bonds = {}
 
@@ -35,7 +35,7 @@ def bondsOfFile(structure, made):
 
 
 def _atomsByAddress(made):
-    """Return the atoms by chain, number with insertion code, and their own name."""
+    """Return the atoms by chain, residue number with insertion code, and name."""
     atoms = {}
     for atom in made.topology.atoms():
         residue = atom.residue

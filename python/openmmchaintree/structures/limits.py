@@ -1,4 +1,4 @@
-"""How much a file or an option may ask for: a few bytes can stand for gigabytes."""
+"""Limits of the memory and time that files and options may require: a few bytes can stand for gigabytes."""
 
 import os
 from typing import NamedTuple
@@ -22,7 +22,7 @@ class Limit(NamedTuple):
         Raises
         ------
         InputError
-            if the environment variable is set to no whole number above 0
+            if the environment variable is set, but not to a whole number above 0
         """
         text = os.environ.get(self.variable, str(self.usual))
         try:

@@ -1,4 +1,4 @@
-"""Making a Topology of a model that gemmi has read."""
+"""Making a Topology from a model that gemmi has read."""
 
 from functools import cache
 from typing import NamedTuple
@@ -18,9 +18,9 @@ class ModelTopology(NamedTuple):
 
     model : gemmi.Model
     topology : openmm.app.Topology, without bonds
-    atoms : list of gemmi.Atom, in its order
+    atoms : list of gemmi.Atom, in the order of the Topology
     positions : (n, 3) float64 array, nm
-    alternates : list of str, for each atom the label of its conformer, empty where there is but one
+    alternates : list of str, for each atom the label of its conformer, empty if the atom has one conformer
     notes : list of Note
     """
 
@@ -33,7 +33,7 @@ class ModelTopology(NamedTuple):
 
 
 def makeTopology(model):
-    """Make a ModelTopology of a gemmi.Model: deuterium is hydrogen, every water is named HOH."""
+    """Make a ModelTopology from a gemmi.Model: deuterium becomes hydrogen, every water is named HOH."""
     choice = chooseConformers(model, _describe)
     topology = app.Topology()
     atoms, alternates = [], []
@@ -72,7 +72,7 @@ def _element(symbol):
 
 
 def _splitCopies(atoms):
-    """Split what stands for one residue but repeats the same atoms: ions or water in a row under one number."""
+    """Split a residue that repeats the same atoms: consecutive ions or waters under one number."""
     names = [atom.name for atom in atoms]
     count = len(set(names))
     copies = len(names) // max(count, 1)

@@ -1,7 +1,7 @@
-"""The lines of a PDB file, checked and put right where programs write what the format does not allow.
+"""The lines of a PDB file, checked, and repaired if a program deviated from the format.
 
-The reader behind takes some such lines for others than they are: it cuts residue names of four letters, reads names
-that begin in the wrong column as other elements, ends at the first END, and reads numbers that are none as 0.
+gemmi would misread some such lines: it cuts residue names of four letters, reads names that begin in the wrong column
+as other elements, stops at the first END, and reads malformed numbers as 0.
 """
 
 import re
@@ -12,12 +12,12 @@ import gemmi
 from ..residues import isCalledWater, isPolymerName
 from .elements import findElements
 
-# Records that are read, beside those of models.
+# Records that are read, besides those of models.
 _RECORDS = {"CRYST1", "SCALE1", "SCALE2", "SCALE3", "TER", "LINK", "SSBOND", "CONECT"}
 
 _COORDINATES = (slice(30, 38), slice(38, 46), slice(46, 54))
 
-# Residues of which programs write four letters, and of which the first three name another one.
+# Names of four letters that programs write, although the first three letters are the name of another residue.
 _FOUR_LETTERS = {
     "ALAD", "POPC", "POPE", "POPG", "POPS", "POPA", "POPI", "DPPC", "DPPE", "DPPG", "DMPC", "DMPG", "DOPC", "DOPE",
     "DOPS", "DOPG", "DLPC", "DLPE", "DSPC", "CHL1", "CHOL", "HEME", "BMAN", "BGLC", "AGLC", "BGAL", "AMAN", "AFUC",
@@ -27,9 +27,9 @@ _FOUR_LETTERS = {
 class PDBLines(NamedTuple):
     """A PDB file that can be read.
 
-    text : str, all models before the first damaged one; None if that is the first
-    residueNames : dict, the names for which shorter ones stand in the text
-    damage : str, what is wrong with the file, or None
+    text : str, all models before the first damaged one; None if the first model is damaged
+    residueNames : dict, the original names by the shorter ones in the text
+    damage : str, a description of the damage, or None
     """
 
     text: str | None
@@ -40,7 +40,7 @@ class PDBLines(NamedTuple):
 def repairLines(text):
     """Check the lines of a PDB file, and return them as a PDBLines.
 
-    Models are numbered anew; an END between models, which some programs write in place of MODEL and ENDMDL, ends one.
+    Models are renumbered. An END, which some programs write instead of MODEL and ENDMDL, ends a model, too.
     """
     return _Repair().run(text)
 
@@ -52,8 +52,8 @@ class _Repair:
         self._isOpen = False
         self._modelStart = 0
         self._shortNames = {}
-        self._atoms = []  # of each atom the index of its line, and what its element follows from
-        # MODEL without ENDMDL is a file cut off; atoms without MODEL are not.
+        self._atoms = []  # for each atom the index of its line, and the arguments of findElements
+        # A file that ends within a MODEL was cut off.
         self._wantsEnd = False
 
     def run(self, text):
@@ -86,7 +86,7 @@ class _Repair:
         if damage is not None:
             if self._models < 2:
                 return PDBLines(None, {}, damage)
-            # Bonds stand behind all models.
+            # Bonds come after all models.
             bonds = [line for line in given[number:] if line.startswith("CONECT")]
             self._lines[self._modelStart :] = bonds
             self._atoms = [atom for atom in self._atoms if atom[0] < self._modelStart]
@@ -113,7 +113,7 @@ class _Repair:
             else:
                 line = f"{line[:17]}{self._shortNameFor(name)} {line[21:]}"
         self._atoms.append((len(self._lines), (name, line[12:16], line[76:78].strip())))
-        # In old files there are other things in the columns of element and charge.
+        # Old files have other data in the columns of element and charge.
         self._lines.append(line[:76])
 
     def _tellElements(self):
@@ -143,7 +143,7 @@ def _hasCoordinates(line):
 
 
 def _shiftBack(line):
-    """Return a line in which numbers too large for their columns have moved the rest, with the rest in its place."""
+    """Return a line with its columns in place, if numbers too large for their columns have shifted them."""
     if re.match(r".{6}\d{6}", line):
         line = f"{line[:6]}*****{line[12:]}"
     if re.match(r".{22}\d{5}", line):
@@ -152,9 +152,9 @@ def _shiftBack(line):
 
 
 def _haveLongChains(lines):
-    """Whether column 21 of the lines of atoms is the first of two letters of chains, and not the last of TIP3 or HISE.
+    """Whether column 21 of atoms is the first letter of a chain's name of two, not the last letter of TIP3 or HISE.
 
-    Each residue name is one vote.
+    Each residue name counts as one vote.
     """
     names = {line[17:22] for line in lines if line[20:21].strip() and line[:6].upper() in ("ATOM  ", "HETATM")}
     votes = [vote for vote in {name[:4]: _isOfLongChain(name) for name in names}.values() if vote is not None]
@@ -162,7 +162,7 @@ def _haveLongChains(lines):
 
 
 def _isOfLongChain(columns):
-    """Whether columns 18 to 22 are a residue and a chain of two letters; None if nothing tells."""
+    """Whether columns 18 to 22 are a residue and a chain of two letters; None if that is not known."""
     short, long, chain = columns[:3].strip(), columns[:4].strip(), columns[3:5]
     if not short or len(chain.strip()) < 2 or long in _FOUR_LETTERS:
         return False
@@ -174,5 +174,5 @@ def _isOfLongChain(columns):
 
 
 def _isKnown(name):
-    """Whether a residue name is one of a protein, nucleic acid, cap, water, ion or a compound that many files have."""
+    """Whether a residue name is that of a polymer, cap, water, ion or a compound that many files have."""
     return isPolymerName(name) or isCalledWater(name) or gemmi.find_tabulated_residue(name).found()

@@ -1,4 +1,4 @@
-"""Reading structures: one model or all of a file, and what of them is worth looking at."""
+"""Reading structures: one model of a file or all models, with or without water and loose ions."""
 
 from pathlib import Path
 from typing import NamedTuple
@@ -21,14 +21,15 @@ _MOST_COORDINATE = 1e15  # nm, as in the engine
 
 
 class Models(NamedTuple):
-    """What a structure file holds.
+    """The content of a structure file.
 
     topology : openmm.app.Topology
-        of the first of the models, with the bonds that the file tells
-    positions : list of (n, 3) float64 arrays, nm; those of the models up to a damaged one, at least one
-    damage : InputError, or None if all models are sound
+        of the first model that was read, with the bonds that the file lists
+    positions : list of (n, 3) float64 arrays, nm
+        of the models before the first damaged one, at least one
+    damage : InputError, or None if no model is damaged
     alternates : list of str
-        for each atom the label of its conformer, empty where there is but one
+        for each atom the label of its conformer, empty if the atom has one conformer
     notes : list of Note
     """
 
@@ -43,8 +44,8 @@ class Structure(NamedTuple):
     """Molecules without water and loose ions.
 
     name : str, for output files; topology : openmm.app.Topology, with all bonds; positions : (n, 3) float64 array, nm;
-    alternates : list of str, for each atom the label of its conformer; notes : list of Note, on what was read
-    box : (3, 3) float64 array, nm, a vector a row, or None: of the file, for the note on images alone
+    alternates : list of str, for each atom the label of its conformer; notes : list of Note, on the file
+    box : (3, 3) float64 array, nm, a vector a row, or None: the periodic box of the file, only for the note on images
     """
 
     name: str
@@ -56,7 +57,7 @@ class Structure(NamedTuple):
 
 
 def villinPath():
-    """Return the path of the villin headpiece in water that OpenMM's own package carries."""
+    """Return the path of the villin headpiece in water that OpenMM's package contains."""
     return Path(openmm.app.__file__).parent / "data" / "test.pdb"
 
 
@@ -68,12 +69,12 @@ def readStructure(path=None, model=0):
     path : str or Path, optional
         a PDB, mmCIF or BinaryCIF file, plain or compressed by gzip; default: the villin headpiece of OpenMM's package
     model : int
-        which model, from 0
+        the number of the model, from 0
 
     Raises
     ------
     InputError
-        if the file cannot be read, holds nothing to work on, or holds a molecule in pieces that cannot be made whole
+        if the file cannot be read, holds only water and ions, or holds a molecule in pieces that cannot be made whole
     """
     name = "villin" if path is None else Path(Path(path).name.removesuffix(".gz")).stem
     path = villinPath() if path is None else Path(path)
@@ -92,12 +93,12 @@ def readModels(path, only=None):
     ----------
     path : str or Path
     only : int, optional
-        the number of the one model to read, from 0; others may then be of any size, or damaged
+        the number of the only model to read, from 0; other models may then have other atoms, or be damaged
 
     Raises
     ------
     InputError
-        if the file cannot be read, or its first model, or the one asked for
+        if the file, its first model, or the model `only` cannot be read
     """
     path = Path(path)
     structure, damage = readFile(path)
@@ -125,7 +126,7 @@ def readModels(path, only=None):
 
 
 def _boxOf(cell):
-    """Return the box of a gemmi.UnitCell in OpenMM's reduced form, or None if it has none that OpenMM can express."""
+    """Return the box of a gemmi.UnitCell in OpenMM's reduced form, or None if there is no such box."""
     box = 0.1 * np.array(cell.orth.mat.tolist()).T
     if not cell.is_crystal() or cell.explicit_matrices or not np.isfinite(box).all() or np.diag(box).min() <= 0:
         return None
@@ -133,7 +134,7 @@ def _boxOf(cell):
 
 
 def _positionsOf(source, made, other):
-    """Return the positions of a model, if it has the atoms of the one that was made a Topology."""
+    """Return the positions of a model; an InputError, if its atoms differ from those of the model of the Topology."""
     if other is not made:
         if len(other.atoms) != len(made.atoms):
             raise InputError(f"{source} has {len(other.atoms)} atoms, but model 0 has {len(made.atoms)}")
@@ -145,7 +146,7 @@ def _positionsOf(source, made, other):
 
 
 def checkPositions(positions, topology, source):
-    """Raise an InputError that names the first atom with a coordinate that is none, and the source."""
+    """Raise an InputError that names the source and the first atom with an impossible coordinate."""
     arePossible = np.abs(positions) <= _MOST_COORDINATE
     if not arePossible.all():
         bad = np.flatnonzero(~arePossible.all(axis=1))[0]

@@ -1,7 +1,7 @@
 """Reading structure files: PDB, mmCIF and BinaryCIF, plain or compressed.
 
-gemmi does it: it keeps all digits of coordinates, tells alternates, links and models apart, and takes what programs
-write beside the formats' rules. BinaryCIF, which it does not know, is read by biotite and handed to it.
+gemmi reads them: it keeps all digits of coordinates, distinguishes alternates, links and models, and accepts many
+deviations from the formats. BinaryCIF, which gemmi cannot read, is decoded by biotite first.
 """
 
 import bz2
@@ -18,14 +18,14 @@ from .elements import NO_ELEMENT, findElements
 from .limits import readAtMost
 from .pdblines import repairLines
 
-# What compressed files begin with.
+# The first bytes of compressed files.
 _GZIP, _BZIP2 = b"\x1f\x8b", b"BZh"
 
-# What may come before the data of a CIF file, and what an atom of a PDB file begins with.
+# White space and comments before the data of a CIF file; the beginning of an atom's line in a PDB file.
 _BEFORE_DATA = re.compile(rb"\s+|#.*\n")
 _ATOM = re.compile(rb"(?:\A|[\n\r\v\f\x1c-\x1e])(?:ATOM  |HETATM)", re.IGNORECASE)
 
-# Columns of an atom that are read, with the one that can stand for each, and else the value.
+# Columns of atoms that gemmi needs, each with the column that can replace it, and with a default value.
 _REQUIRED = {
     "id": (None, "0"),
     "type_symbol": (None, "X"),
@@ -41,7 +41,7 @@ _REQUIRED = {
     "pdbx_PDB_model_num": (None, "1"),
 }
 
-# What of an mmCIF or BinaryCIF file is read.
+# Categories of an mmCIF or BinaryCIF file that are read.
 _CATEGORIES = ("atom_site", "atom_sites", "cell", "symmetry", "struct_conn", "struct_conn_type", "entry")
 
 
@@ -53,7 +53,7 @@ def readFile(path):
     gemmi.Structure
         of the models before the first damaged one
     InputError or None
-        that damage
+        the description of that damage
 
     Raises
     ------
@@ -108,7 +108,7 @@ def _isMmCIF(data):
 
 @contextmanager
 def _explaining(path, kind):
-    """Turn what a reader raises for whatever is wrong in a file of this kind into an InputError."""
+    """Turn any exception that a reader of this kind of file raises into an InputError."""
     try:
         yield
     except InputError:
@@ -118,7 +118,7 @@ def _explaining(path, kind):
 
 
 def _readMmCIF(path, text):
-    """Return a Structure; what is damaged in mmCIF cannot be read at all."""
+    """Return a Structure. A damaged mmCIF file cannot be read in part."""
     with _explaining(path, "an mmCIF"):
         document = gemmi.cif.read_string(text)
         for block in document:
@@ -132,7 +132,7 @@ def _readMmCIF(path, text):
 
 
 def _fillIn(block):
-    """Add the columns of atoms that few programs leave out and the reader must have."""
+    """Add columns of atoms that the reader needs, if a program has left them out."""
     columns = block.get_mmcif_category("_atom_site.", raw=True)
     names = columns.get("label_atom_id") or columns.get("auth_atom_id")
     missing = _REQUIRED.keys() - columns.keys()
@@ -142,18 +142,18 @@ def _fillIn(block):
         source, value = _REQUIRED[name]
         columns[name] = columns.get(source) or [value] * len(names)
     if "type_symbol" in missing:
-        columns["type_symbol"] = ["X"] * len(names)  # names tell them
+        columns["type_symbol"] = ["X"] * len(names)  # elements follow from names
     if "id" in missing:
         columns["id"] = [str(number + 1) for number in range(len(names))]
     block.set_mmcif_category("_atom_site.", columns, raw=True)
 
 
 def _fromBlock(path, block):
-    # Nothing that we have no use for can keep the rest from being read.
+    # Erase other categories, so that damage in them does not matter.
     for category in block.get_mmcif_category_names():
         if category.strip("_.").lower() not in _CATEGORIES:
             block.find_mmcif_category(category).erase()
-    # The reader takes the first byte of these.
+    # gemmi would use only the first byte of these.
     for code in ("label_alt_id", "pdbx_PDB_ins_code"):
         strange = next((value for value in block.find_values(f"_atom_site.{code}") if not value.isascii()), None)
         if strange is not None:
@@ -162,7 +162,7 @@ def _fromBlock(path, block):
 
 
 def _correctElements(structure):
-    """Give atoms their elements by residues and names, where those of the file cannot be."""
+    """Correct elements that contradict residues and names of atoms."""
 
     def symbolOf(element):
         return "" if element == NO_ELEMENT else element

@@ -16,35 +16,35 @@ from ..images import isBox
 
 _FORMATS = (".dcd", ".xtc")
 
-# Run by its path, not as a module of the package, since it has no need of OpenMM.
+# Run by its path, not as a module of the package, so that it does not import OpenMM.
 _READER = Path(__file__).with_name("trajectoryreader.py")
 
-# The reader goes ahead by as much as its pipe holds (bytes): some frames, not one.
+# The size of the reader's pipe in bytes: it reads ahead by a few frames.
 _PIPE_SIZE = 1 << 18
 
 
 class Trajectory:
     """A trajectory. As a context manager it closes itself.
 
-    `frames`, and iteration for all of them, gives pairs of the positions, a float64 array of shape (n, 3) in nm, and
-    the periodic box, one of shape (3, 3) with a vector a row, or None.
+    `frames`, and iteration over all frames, yield pairs of the positions, a float64 array of shape (n, 3) in nm, and
+    the periodic box, an array of shape (3, 3) with one vector a row, or None.
 
     Attributes
     ----------
     path : Path
     frameCount : int or None
-        the number of frames, where that can be known before they are read
+        the number of frames, if it can be known before they are read
     announced : int or None
-        the number of frames that the file's header tells; programs write it when they start, or correct it at the end
+        the number of frames in the file's header, which programs write at the start or correct at the end
 
-    Both are known after `readHeader`, which comes before all frames.
+    Call `readHeader` first, which sets both.
 
-    Iteration raises an InputError at the first damaged frame, after the sound ones. A damaged file can do no other
-    harm: it is read by a process of its own.
+    Iteration raises an InputError at the first damaged frame, after the frames before it. A damaged file can do no
+    other harm, since a separate process reads it.
     """
 
     def __init__(self, path):
-        """Begin to open a trajectory, which takes a while that one can use for something else.
+        """Begin to open a trajectory in another process, without waiting for it.
 
         Raises
         ------
@@ -66,21 +66,21 @@ class Trajectory:
             [sys.executable, str(_READER), str(path)],
             stdin=subprocess.PIPE,
             stdout=subprocess.PIPE,
-            start_new_session=True,  # Ctrl-C is for the program that asked
-            # Threads for linear algebra would wait for work that never comes.
+            start_new_session=True,  # Ctrl-C must not reach the reader
+            # Threads for linear algebra would do nothing.
             env={**os.environ, "PYTHONPATH": os.pathsep.join(filter(None, sys.path)), "OPENBLAS_NUM_THREADS": "1"},
         )
         if sys.platform == "linux":
-            with suppress(OSError):  # it may be more than the system grants
+            with suppress(OSError):  # the system may not allow this size
                 fcntl.fcntl(self._process.stdout, fcntl.F_SETPIPE_SZ, _PIPE_SIZE)
 
     def readHeader(self):
-        """Wait until the trajectory is open, and learn what its header tells.
+        """Wait until the trajectory is open, and read its header.
 
         Raises
         ------
         InputError
-            if its reader crashes; other damage is told in place of frames
+            if its reader crashes; `frames` reports other damage
         """
         self.announced, self.frameCount, self._unit = self._receive(0)
 
@@ -88,12 +88,12 @@ class Trajectory:
         return self.frames()
 
     def frames(self, begin=0, end=-1):
-        """Return an iterator of frames from one to another, which is not among them; -1: to the last.
+        """Return an iterator over frames begin to end - 1; end=-1: to the last frame.
 
-        It has to come to its end before the next one begins. A number of frames has to be known for any other end.
+        Exhaust one iterator before the next call. Any other end than -1 requires a known number of frames.
         """
         index = begin
-        with suppress(OSError):  # a reader that has ended says why
+        with suppress(OSError):  # a reader that has ended has sent the reason
             self._process.stdin.write(f"{begin} {end}\n".encode())
             self._process.stdin.flush()
         while True:

@@ -1,11 +1,11 @@
 """Reads the trajectory that its argument names, with MDTraj, and writes the frames to standard output.
 
-A program of its own, so that nothing in a damaged file can harm the one that asked: on those, the C code that all
-readers of these formats stand on may crash, and prints what it thinks. It writes pickles: the number of frames that the
-file says it has and the number that it has (each None if nobody knows), and its unit of length in nm. Each line of
-standard input then asks for frames, by the number of the first (from 0) and of the one after the last, or -1 for all
-that are left. The answer has, for each frame, the positions as a float32 array in that unit and the periodic box as a
-float64 array in nm (None without one), and at the end what is wrong with the file in words, or None.
+This is a separate program, so that a damaged file cannot harm the calling process: the C code that reads these formats
+may crash, and prints messages. The program writes pickles. The first is the number of frames in the file's header, the
+number that the file holds (each None if unknown), and its unit of length in nm. Each line of standard input requests
+frames, by the number of the first frame (from 0) and of the frame after the last one, or -1 for all remaining frames.
+The answer has for each frame the positions as a float32 array in that unit and the periodic box as a float64 array in
+nm (None without a box), and at the end a description of the damage in words, or None.
 """
 
 import os
@@ -25,11 +25,11 @@ def main(path):
         try:
             _answer(Path(path), output)
         except BrokenPipeError:
-            os._exit(0)  # nobody wants the rest
+            os._exit(0)  # the caller has closed the pipe
 
 
 def _answer(path, output):
-    """Write the counts, and what is asked for."""
+    """Write the counts, then the requested frames."""
     try:
         from mdtraj.formats import DCDTrajectoryFile, XTCTrajectoryFile
     except ImportError as error:
@@ -49,13 +49,13 @@ def _answer(path, output):
             begin, end = map(int, line.split())
             if begin != place:
                 file.seek(begin)
-            place = None  # a damaged frame may leave the file anywhere
+            place = None  # after a damaged frame, the position in the file is unknown
             damage, place = _writeFrames(file, header, count, begin, end, output)
             _write(damage, output)
 
 
 def _refuse(output, reason):
-    """Write that nobody knows the counts, and the reason as the answer to whatever is asked."""
+    """Write unknown counts, and the reason as the answer to the first request."""
     for content in ((None, None, None), reason):
         _write(content, output)
 
@@ -66,7 +66,7 @@ def _write(content, output):
 
 
 def _writeFrames(file, header, count, begin, end, output):
-    """Write frames from one to another, -1 for the end; return what is wrong with them, and where the file is then."""
+    """Write frames begin to end - 1, or to the last for -1; return the damage or None, and the next frame."""
     isDCD = header is not None
     index = begin
     while index != end:
@@ -87,7 +87,7 @@ def _writeFrames(file, header, count, begin, end, output):
 
 
 def _boxOfDCD(lengths, angles):
-    """Return the box of the one frame that was read, or None; some programs write zeros where there is none."""
+    """Return the box of the frame that was read, or None; some programs write zeros if there is none."""
     if lengths is None or angles is None or not (np.all(lengths > 0) and np.all(angles > 0)):
         return None
     from mdtraj.utils.unitcell import lengths_and_angles_to_box_vectors
@@ -103,19 +103,19 @@ def _boxOfXTC(times, steps, boxes):
 def _length(file):
     try:
         return len(file)
-    except Exception:  # of XTC files every header has to be read for it, and one is damaged
+    except Exception:  # of an XTC file in which the header of a frame is damaged
         return None
 
 
 class _DCDHeader:
-    """What MDTraj passes over in a DCD file: the number of frames that the header tells, and an incomplete last one."""
+    """Properties of a DCD file that MDTraj ignores: the number of frames in the header, an incomplete last frame."""
 
     def __init__(self, path):
         self._path = path
         with open(path, "rb") as file:
             start = file.read(88)
         self._order = next((order for order in "<>" if struct.unpack(order + "i", start[:4]) == (84,)), None)
-        # Rare kinds have markers of eight bytes; those are left to MDTraj.
+        # Rare kinds have markers of eight bytes; only MDTraj reads those.
         if self._order is None or start[4:8] != b"CORD":
             self._order = self.frames = None
             return
@@ -126,7 +126,7 @@ class _DCDHeader:
         self._recordsInAFrame = 3 + (isCHARMM and control[10] != 0) + (isCHARMM and control[11] != 0)
 
     def endsWithAFrame(self):
-        """Whether the last record is complete, and the last one of a frame."""
+        """Whether the file ends with a complete record that is the last one of a frame."""
         if self._order is None:
             return True
         records, position, size = 0, 0, self._path.stat().st_size
