@@ -66,68 +66,67 @@ inline double evaluateTable(const EnergyTerms::TableFunction& table, const std::
 
 // ---- Expressions ----
 
-inline double evaluateOperation(const EnergyTerms::Operation& operation, double a, double b, double c)
+inline double evaluateOperation(const ctOperation& operation, double a, double b, double c)
 {
-    typedef EnergyTerms T;
     const double v = operation.constant;
     switch (operation.kind) {
-    case T::Constant:
+    case ctConstantOperator:
         return v;
-    case T::Add:
+    case ctAddOperator:
         return a + b;
-    case T::Subtract:
+    case ctSubtractOperator:
         return a - b;
-    case T::Multiply:
+    case ctMultiplyOperator:
         return a * b;
-    case T::Divide:
+    case ctDivideOperator:
         return a / b;
-    case T::Power:
+    case ctPowerOperator:
         return std::pow(a, b);
-    case T::Negate:
+    case ctNegateOperator:
         return -a;
-    case T::Sqrt:
+    case ctSqrtOperator:
         return std::sqrt(a);
-    case T::Exp:
+    case ctExpOperator:
         return std::exp(a);
-    case T::Log:
+    case ctLogOperator:
         return std::log(a);
-    case T::Sin:
+    case ctSinOperator:
         return std::sin(a);
-    case T::Cos:
+    case ctCosOperator:
         return std::cos(a);
-    case T::Tanh:
+    case ctTanhOperator:
         return std::tanh(a);
-    case T::Erf:
+    case ctErfOperator:
         return std::erf(a);
-    case T::Erfc:
+    case ctErfcOperator:
         return std::erfc(a);
-    case T::Step:
+    case ctStepOperator:
         return a < 0 ? 0 : 1;
-    case T::Delta:
+    case ctDeltaOperator:
         return a == 0 ? 1 : 0;
-    case T::Square:
+    case ctSquareOperator:
         return a * a;
-    case T::Cube:
+    case ctCubeOperator:
         return a * a * a;
-    case T::Reciprocal:
+    case ctReciprocalOperator:
         return 1 / a;
-    case T::AddConstant:
+    case ctAddConstantOperator:
         return a + v;
-    case T::MultiplyConstant:
+    case ctMultiplyConstantOperator:
         return a * v;
-    case T::PowerConstant:
+    case ctPowerConstantOperator:
         return std::pow(a, v);
-    case T::Min:
+    case ctMinOperator:
         return std::min(a, b);
-    case T::Max:
+    case ctMaxOperator:
         return std::max(a, b);
-    case T::Abs:
+    case ctAbsOperator:
         return std::fabs(a);
-    case T::Floor:
+    case ctFloorOperator:
         return std::floor(a);
-    case T::Ceil:
+    case ctCeilOperator:
         return std::ceil(a);
-    case T::Select:
+    case ctSelectOperator:
         return a != 0 ? b : c;
     default:
         return std::numeric_limits<double>::quiet_NaN(); // no test of pairs has it
@@ -137,20 +136,19 @@ inline double evaluateOperation(const EnergyTerms::Operation& operation, double 
 inline double evaluatePair(const EnergyTerms::PairSet& set, int particle1, int particle2, double r)
 {
     std::vector<double> results;
-    for (const EnergyTerms::Operation& operation : set.operations) {
+    for (const ctOperation& operation : set.operations) {
         const int size = set.parametersPerParticle, number = operation.arguments[0];
-        if (operation.kind == EnergyTerms::InputValue)
+        if (operation.kind == ctInputOperator)
             results.push_back(number == 0 ? r : std::numeric_limits<double>::quiet_NaN());
-        else if (operation.kind == EnergyTerms::ParameterValue)
+        else if (operation.kind == ctParameterOperator)
             results.push_back(
                 set.parameters[number < size ? particle1 * size + number : particle2 * size + number - size]);
         else {
             std::vector<double> x;
             for (int i = 0; i < 3; i++)
                 x.push_back(results.empty() ? 0 : results[operation.arguments[i]]);
-            results.push_back(operation.kind == EnergyTerms::Table
-                                  ? evaluateTable(set.tables[(int)operation.constant], x)
-                                  : evaluateOperation(operation, x[0], x[1], x[2]));
+            results.push_back(operation.kind == ctTableOperator ? evaluateTable(set.tables[(int)operation.constant], x)
+                                                                : evaluateOperation(operation, x[0], x[1], x[2]));
         }
     }
     double energy = results.back();

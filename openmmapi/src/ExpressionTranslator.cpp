@@ -62,7 +62,7 @@ private:
 class MeasuringFunction {
 public:
     const char* name;
-    EnergyTerms::Measure measure;
+    ctMeasure measure;
     int numPoints;
     /** Whether it takes the coordinates of points instead of the names of particles. */
     bool takesCoordinates;
@@ -71,9 +71,9 @@ public:
 } // namespace
 
 static const MeasuringFunction MEASURING_FUNCTIONS[] = {
-    {"distance", EnergyTerms::Distance, 2, false}, {"angle", EnergyTerms::Angle, 3, false},
-    {"dihedral", EnergyTerms::Dihedral, 4, false}, {"pointdistance", EnergyTerms::Distance, 2, true},
-    {"pointangle", EnergyTerms::Angle, 3, true},   {"pointdihedral", EnergyTerms::Dihedral, 4, true},
+    {"distance", ctMeasureDistance, 2, false}, {"angle", ctMeasureAngle, 3, false},
+    {"dihedral", ctMeasureDihedral, 4, false}, {"pointdistance", ctMeasureDistance, 2, true},
+    {"pointangle", ctMeasureAngle, 3, true},   {"pointdihedral", ctMeasureDihedral, 4, true},
 };
 
 static const MeasuringFunction& findMeasuringFunction(const string& name)
@@ -92,48 +92,47 @@ static string getVariable(const ExpressionTreeNode& node)
     return node.getOperation().getId() == Lepton::Operation::VARIABLE ? node.getOperation().getName() : "";
 }
 
-static EnergyTerms::Operator findOperator(Lepton::Operation::Id id)
+static ctOperator findOperator(Lepton::Operation::Id id)
 {
     typedef Lepton::Operation In;
-    typedef EnergyTerms Out;
-    static const map<In::Id, Out::Operator> operators = {{In::ADD, Out::Add},
-                                                         {In::SUBTRACT, Out::Subtract},
-                                                         {In::MULTIPLY, Out::Multiply},
-                                                         {In::DIVIDE, Out::Divide},
-                                                         {In::POWER, Out::Power},
-                                                         {In::NEGATE, Out::Negate},
-                                                         {In::SQRT, Out::Sqrt},
-                                                         {In::EXP, Out::Exp},
-                                                         {In::LOG, Out::Log},
-                                                         {In::SIN, Out::Sin},
-                                                         {In::COS, Out::Cos},
-                                                         {In::SEC, Out::Sec},
-                                                         {In::CSC, Out::Csc},
-                                                         {In::TAN, Out::Tan},
-                                                         {In::COT, Out::Cot},
-                                                         {In::ASIN, Out::Asin},
-                                                         {In::ACOS, Out::Acos},
-                                                         {In::ATAN, Out::Atan},
-                                                         {In::ATAN2, Out::Atan2},
-                                                         {In::SINH, Out::Sinh},
-                                                         {In::COSH, Out::Cosh},
-                                                         {In::TANH, Out::Tanh},
-                                                         {In::ERF, Out::Erf},
-                                                         {In::ERFC, Out::Erfc},
-                                                         {In::STEP, Out::Step},
-                                                         {In::DELTA, Out::Delta},
-                                                         {In::SQUARE, Out::Square},
-                                                         {In::CUBE, Out::Cube},
-                                                         {In::RECIPROCAL, Out::Reciprocal},
-                                                         {In::ADD_CONSTANT, Out::AddConstant},
-                                                         {In::MULTIPLY_CONSTANT, Out::MultiplyConstant},
-                                                         {In::POWER_CONSTANT, Out::PowerConstant},
-                                                         {In::MIN, Out::Min},
-                                                         {In::MAX, Out::Max},
-                                                         {In::ABS, Out::Abs},
-                                                         {In::FLOOR, Out::Floor},
-                                                         {In::CEIL, Out::Ceil},
-                                                         {In::SELECT, Out::Select}};
+    static const map<In::Id, ctOperator> operators = {{In::ADD, ctAddOperator},
+                                                      {In::SUBTRACT, ctSubtractOperator},
+                                                      {In::MULTIPLY, ctMultiplyOperator},
+                                                      {In::DIVIDE, ctDivideOperator},
+                                                      {In::POWER, ctPowerOperator},
+                                                      {In::NEGATE, ctNegateOperator},
+                                                      {In::SQRT, ctSqrtOperator},
+                                                      {In::EXP, ctExpOperator},
+                                                      {In::LOG, ctLogOperator},
+                                                      {In::SIN, ctSinOperator},
+                                                      {In::COS, ctCosOperator},
+                                                      {In::SEC, ctSecOperator},
+                                                      {In::CSC, ctCscOperator},
+                                                      {In::TAN, ctTanOperator},
+                                                      {In::COT, ctCotOperator},
+                                                      {In::ASIN, ctAsinOperator},
+                                                      {In::ACOS, ctAcosOperator},
+                                                      {In::ATAN, ctAtanOperator},
+                                                      {In::ATAN2, ctAtan2Operator},
+                                                      {In::SINH, ctSinhOperator},
+                                                      {In::COSH, ctCoshOperator},
+                                                      {In::TANH, ctTanhOperator},
+                                                      {In::ERF, ctErfOperator},
+                                                      {In::ERFC, ctErfcOperator},
+                                                      {In::STEP, ctStepOperator},
+                                                      {In::DELTA, ctDeltaOperator},
+                                                      {In::SQUARE, ctSquareOperator},
+                                                      {In::CUBE, ctCubeOperator},
+                                                      {In::RECIPROCAL, ctReciprocalOperator},
+                                                      {In::ADD_CONSTANT, ctAddConstantOperator},
+                                                      {In::MULTIPLY_CONSTANT, ctMultiplyConstantOperator},
+                                                      {In::POWER_CONSTANT, ctPowerConstantOperator},
+                                                      {In::MIN, ctMinOperator},
+                                                      {In::MAX, ctMaxOperator},
+                                                      {In::ABS, ctAbsOperator},
+                                                      {In::FLOOR, ctFloorOperator},
+                                                      {In::CEIL, ctCeilOperator},
+                                                      {In::SELECT, ctSelectOperator}};
     auto found = operators.find(id);
     if (found == operators.end())
         throw Untranslatable("its expression has an operation that openmm-chaintree does not know");
@@ -180,10 +179,10 @@ void ExpressionTranslator::addName(const string& name)
         repeatedName = name;
 }
 
-void ExpressionTranslator::addInput(const string& name, EnergyTerms::Measure measure, const array<int, 4>& particles)
+void ExpressionTranslator::addInput(const string& name, const ctInput& input)
 {
     addName(name);
-    inputs[name] = {measure, particles};
+    inputs[name] = input;
 }
 
 void ExpressionTranslator::addParameter(const string& name, double low, double high)
@@ -208,9 +207,9 @@ void ExpressionTranslator::addParticle(const string& name, const array<string, 3
 {
     particles[name] = particle;
     points[coordinates] = particle;
-    addInput(coordinates[0], EnergyTerms::X, {particle});
-    addInput(coordinates[1], EnergyTerms::Y, {particle});
-    addInput(coordinates[2], EnergyTerms::Z, {particle});
+    addInput(coordinates[0], {ctMeasureX, {particle}});
+    addInput(coordinates[1], {ctMeasureY, {particle}});
+    addInput(coordinates[2], {ctMeasureZ, {particle}});
 }
 
 void ExpressionTranslator::addForeignFunction(const string& name, int numArguments, const string& description)
@@ -232,7 +231,7 @@ void ExpressionTranslator::addTable(const string& name, const TabulatedFunction&
 
 // ---- Operations ----
 
-int ExpressionTranslator::addOperation(EnergyTerms::Operator kind, const array<int, 3>& arguments, double constant)
+int ExpressionTranslator::addOperation(ctOperator kind, const array<int, 3>& arguments, double constant)
 {
     unsigned long long bits;
     static_assert(sizeof bits == sizeof constant, "the key holds the bits of a double");
@@ -242,33 +241,33 @@ int ExpressionTranslator::addOperation(EnergyTerms::Operator kind, const array<i
     if (found != known.end())
         return found->second;
     const int index = operations.size();
-    operations.push_back({kind, arguments, constant});
+    operations.push_back({kind, {arguments[0], arguments[1], arguments[2]}, constant});
     known[key] = index;
     return index;
 }
 
-int ExpressionTranslator::addMeasure(EnergyTerms::Measure measure, const array<int, 4>& particles)
+int ExpressionTranslator::addMeasure(const ctInput& added)
 {
-    auto found = find_if(writtenInputs.begin(), writtenInputs.end(), [&](const EnergyTerms::Input& input) {
-        return input.measure == measure && input.particles == particles;
+    auto found = find_if(writtenInputs.begin(), writtenInputs.end(), [&](const ctInput& input) {
+        return input.measure == added.measure && equal(begin(input.particles), end(input.particles), added.particles);
     });
     const int index = found - writtenInputs.begin();
     if (found == writtenInputs.end())
-        writtenInputs.push_back({measure, particles});
-    return addOperation(EnergyTerms::InputValue, {index});
+        writtenInputs.push_back(added);
+    return addOperation(ctInputOperator, {index});
 }
 
 int ExpressionTranslator::translateVariable(const string& name)
 {
     auto input = inputs.find(name);
     if (input != inputs.end())
-        return addMeasure(input->second.measure, input->second.particles);
+        return addMeasure(input->second);
     auto parameter = parameters.find(name);
     if (parameter != parameters.end())
-        return addOperation(EnergyTerms::ParameterValue, {parameter->second});
+        return addOperation(ctParameterOperator, {parameter->second});
     auto constant = constants.find(name);
     if (constant != constants.end())
-        return addOperation(EnergyTerms::Constant, {}, constant->second);
+        return addOperation(ctConstantOperator, {}, constant->second);
     throw Untranslatable("its expression has an unknown variable, " + name);
 }
 
@@ -280,10 +279,10 @@ int ExpressionTranslator::translateDistance(const vector<ExpressionTreeNode>& co
     int sum = -1;
     for (int i = 0; i < 3; i++) {
         const int first = translateNode(coordinates[i]), second = translateNode(coordinates[i + 3]);
-        const int square = addOperation(EnergyTerms::Square, {addOperation(EnergyTerms::Subtract, {first, second})});
-        sum = i == 0 ? square : addOperation(EnergyTerms::Add, {sum, square});
+        const int square = addOperation(ctSquareOperator, {addOperation(ctSubtractOperator, {first, second})});
+        sum = i == 0 ? square : addOperation(ctAddOperator, {sum, square});
     }
-    return addOperation(EnergyTerms::Sqrt, {sum});
+    return addOperation(ctSqrtOperator, {sum});
 }
 
 /**
@@ -291,15 +290,15 @@ int ExpressionTranslator::translateDistance(const vector<ExpressionTreeNode>& co
  */
 int ExpressionTranslator::keepWithin(int operation, int size)
 {
-    const EnergyTerms::Operation& index = operations[operation];
-    if (index.kind == EnergyTerms::ParameterValue) {
+    const ctOperation& index = operations[operation];
+    if (index.kind == ctParameterOperator) {
         const pair<double, double>& range = parameterRanges[index.arguments[0]];
         if (range.first >= 0 && range.second <= size - 1)
             return operation;
     }
-    const int first = addOperation(EnergyTerms::Constant, {}, 0);
-    const int last = addOperation(EnergyTerms::Constant, {}, size - 1);
-    return addOperation(EnergyTerms::Min, {addOperation(EnergyTerms::Max, {operation, first}), last});
+    const int first = addOperation(ctConstantOperator, {}, 0);
+    const int last = addOperation(ctConstantOperator, {}, size - 1);
+    return addOperation(ctMinOperator, {addOperation(ctMaxOperator, {operation, first}), last});
 }
 
 int ExpressionTranslator::translateTable(NamedTable& table, const vector<ExpressionTreeNode>& children)
@@ -309,19 +308,19 @@ int ExpressionTranslator::translateTable(NamedTable& table, const vector<Express
     bool allAreKnown = true;
     for (size_t i = 0; i < children.size(); i++) {
         arguments[i] = translateNode(children[i]);
-        const EnergyTerms::Operation& argument = operations[arguments[i]];
+        const ctOperation& argument = operations[arguments[i]];
         values[i] = argument.constant;
-        allAreKnown &= argument.kind == EnergyTerms::Constant;
+        allAreKnown &= argument.kind == ctConstantOperator;
     }
     if (allAreKnown)
-        return addOperation(EnergyTerms::Constant, {}, table.function->evaluate(values));
+        return addOperation(ctConstantOperator, {}, table.function->evaluate(values));
     if (table.index == -1) {
         table.index = writtenTables.size();
         writtenTables.push_back(table.table);
     }
     for (size_t i = 0; i < children.size() && table.table.discrete; i++)
         arguments[i] = keepWithin(arguments[i], table.table.sizes[i]);
-    return addOperation(EnergyTerms::Table, arguments, table.index);
+    return addOperation(ctTableOperator, arguments, table.index);
 }
 
 int ExpressionTranslator::translateFunction(const ExpressionTreeNode& node)
@@ -351,7 +350,7 @@ int ExpressionTranslator::translateFunction(const ExpressionTreeNode& node)
                 measured.push_back(particle->second);
         }
     if ((int)measured.size() < function.numPoints) {
-        if (function.takesCoordinates && function.measure == EnergyTerms::Distance)
+        if (function.takesCoordinates && function.measure == ctMeasureDistance)
             return translateDistance(arguments);
         throw Untranslatable("its expression takes " + name + " of points that are not particles");
     }
@@ -362,40 +361,40 @@ int ExpressionTranslator::translateFunction(const ExpressionTreeNode& node)
 
     if (measured.front() > measured.back())
         reverse(measured.begin(), measured.end());
-    array<int, 4> ordered = {};
-    copy(measured.begin(), measured.end(), ordered.begin());
-    return addMeasure(function.measure, ordered);
+    ctInput ordered = {function.measure, {}};
+    copy(measured.begin(), measured.end(), ordered.particles);
+    return addMeasure(ordered);
 }
 
 /**
  * Append an operation with a number that is known, in its shorter form. Returns -1 if there is none.
  */
-int ExpressionTranslator::shorten(EnergyTerms::Operator kind, const array<int, 3>& arguments)
+int ExpressionTranslator::shorten(ctOperator kind, const array<int, 3>& arguments)
 {
-    const EnergyTerms::Operation first = operations[arguments[0]], second = operations[arguments[1]];
-    const bool firstIsKnown = first.kind == EnergyTerms::Constant, secondIsKnown = second.kind == EnergyTerms::Constant;
+    const ctOperation first = operations[arguments[0]], second = operations[arguments[1]];
+    const bool firstIsKnown = first.kind == ctConstantOperator, secondIsKnown = second.kind == ctConstantOperator;
     switch (kind) {
-    case EnergyTerms::Add:
+    case ctAddOperator:
         if (secondIsKnown)
-            return addOperation(EnergyTerms::AddConstant, {arguments[0]}, second.constant);
-        return firstIsKnown ? addOperation(EnergyTerms::AddConstant, {arguments[1]}, first.constant) : -1;
-    case EnergyTerms::Subtract:
-        return secondIsKnown ? addOperation(EnergyTerms::AddConstant, {arguments[0]}, -second.constant) : -1;
-    case EnergyTerms::Multiply:
+            return addOperation(ctAddConstantOperator, {arguments[0]}, second.constant);
+        return firstIsKnown ? addOperation(ctAddConstantOperator, {arguments[1]}, first.constant) : -1;
+    case ctSubtractOperator:
+        return secondIsKnown ? addOperation(ctAddConstantOperator, {arguments[0]}, -second.constant) : -1;
+    case ctMultiplyOperator:
         if (secondIsKnown)
-            return addOperation(EnergyTerms::MultiplyConstant, {arguments[0]}, second.constant);
-        return firstIsKnown ? addOperation(EnergyTerms::MultiplyConstant, {arguments[1]}, first.constant) : -1;
-    case EnergyTerms::Power:
+            return addOperation(ctMultiplyConstantOperator, {arguments[0]}, second.constant);
+        return firstIsKnown ? addOperation(ctMultiplyConstantOperator, {arguments[1]}, first.constant) : -1;
+    case ctPowerOperator:
         if (!secondIsKnown)
             return -1;
         if (second.constant == 1)
             return arguments[0];
         if (second.constant == 2)
-            return addOperation(EnergyTerms::Square, {arguments[0]});
+            return addOperation(ctSquareOperator, {arguments[0]});
         if (second.constant == 3)
-            return addOperation(EnergyTerms::Cube, {arguments[0]});
-        return addOperation(EnergyTerms::PowerConstant, {arguments[0]}, second.constant);
-    case EnergyTerms::Select:
+            return addOperation(ctCubeOperator, {arguments[0]});
+        return addOperation(ctPowerConstantOperator, {arguments[0]}, second.constant);
+    case ctSelectOperator:
         return firstIsKnown ? arguments[first.constant != 0 ? 1 : 2] : -1;
     default:
         return -1;
@@ -407,7 +406,7 @@ int ExpressionTranslator::translateNode(const ExpressionTreeNode& node)
     const Lepton::Operation& operation = node.getOperation();
     switch (operation.getId()) {
     case Lepton::Operation::CONSTANT:
-        return addOperation(EnergyTerms::Constant, {},
+        return addOperation(ctConstantOperator, {},
                             dynamic_cast<const Lepton::Operation::Constant&>(operation).getValue());
     case Lepton::Operation::VARIABLE:
         return translateVariable(operation.getName());
@@ -416,18 +415,18 @@ int ExpressionTranslator::translateNode(const ExpressionTreeNode& node)
     default:
         break;
     }
-    const EnergyTerms::Operator kind = findOperator(operation.getId());
+    const ctOperator kind = findOperator(operation.getId());
     array<int, 3> arguments = {};
     double values[3] = {};
     bool allAreKnown = true;
     for (size_t i = 0; i < node.getChildren().size(); i++) {
         arguments[i] = translateNode(node.getChildren()[i]);
-        const EnergyTerms::Operation& argument = operations[arguments[i]];
+        const ctOperation& argument = operations[arguments[i]];
         values[i] = argument.constant;
-        allAreKnown &= argument.kind == EnergyTerms::Constant;
+        allAreKnown &= argument.kind == ctConstantOperator;
     }
     if (allAreKnown)
-        return addOperation(EnergyTerms::Constant, {}, operation.evaluate(values, {}));
+        return addOperation(ctConstantOperator, {}, operation.evaluate(values, {}));
     if (node.getChildren().size() > 1) {
         const int shorter = shorten(kind, arguments);
         if (shorter != -1)
@@ -436,7 +435,7 @@ int ExpressionTranslator::translateNode(const ExpressionTreeNode& node)
 
     // The order of two that are added or multiplied makes no difference.
 
-    if ((kind == EnergyTerms::Add || kind == EnergyTerms::Multiply) && arguments[0] > arguments[1])
+    if ((kind == ctAddOperator || kind == ctMultiplyOperator) && arguments[0] > arguments[1])
         swap(arguments[0], arguments[1]);
     return addOperation(kind, arguments, getOwnConstant(operation));
 }
@@ -446,29 +445,19 @@ int ExpressionTranslator::translateNode(const ExpressionTreeNode& node)
 /**
  * Get how many arguments of an operation are numbers of earlier ones.
  */
-static int countResults(const EnergyTerms::Operation& operation, const vector<EnergyTerms::TableFunction>& tables)
+static int countResults(const ctOperation& operation, const vector<EnergyTerms::TableFunction>& tables)
 {
+#define COUNT_CASE(name, count, value)                                                                                 \
+    case ct##name##Operator:                                                                                           \
+        return count;
     switch (operation.kind) {
-    case EnergyTerms::Constant:
-    case EnergyTerms::InputValue:
-    case EnergyTerms::ParameterValue:
-        return 0;
-    case EnergyTerms::Add:
-    case EnergyTerms::Subtract:
-    case EnergyTerms::Multiply:
-    case EnergyTerms::Divide:
-    case EnergyTerms::Power:
-    case EnergyTerms::Atan2:
-    case EnergyTerms::Min:
-    case EnergyTerms::Max:
-        return 2;
-    case EnergyTerms::Select:
-        return 3;
-    case EnergyTerms::Table:
+        CT_OPERATORS(COUNT_CASE)
+    case ctTableOperator:
         return tables[(int)operation.constant].dimensions;
     default:
-        return 1;
+        return 0;
     }
+#undef COUNT_CASE
 }
 
 /**
@@ -476,8 +465,8 @@ static int countResults(const EnergyTerms::Operation& operation, const vector<En
  */
 void ExpressionTranslator::keepWhatIsUsed(int result)
 {
-    const vector<EnergyTerms::Operation> all(operations.begin(), operations.begin() + result + 1);
-    const vector<EnergyTerms::Input> allInputs = writtenInputs;
+    const vector<ctOperation> all(operations.begin(), operations.begin() + result + 1);
+    const vector<ctInput> allInputs = writtenInputs;
     vector<bool> isUsed(all.size());
     isUsed[result] = true;
     for (int i = result; i >= 0; i--)
@@ -489,10 +478,10 @@ void ExpressionTranslator::keepWhatIsUsed(int result)
     for (int i = 0; i <= result; i++) {
         if (!isUsed[i])
             continue;
-        EnergyTerms::Operation operation = all[i];
+        ctOperation operation = all[i];
         for (int j = 0; j < countResults(operation, writtenTables); j++)
             operation.arguments[j] = newIndex[operation.arguments[j]];
-        if (operation.kind == EnergyTerms::InputValue) {
+        if (operation.kind == ctInputOperator) {
             int& input = newInput[operation.arguments[0]];
             if (input == -1) {
                 input = writtenInputs.size();

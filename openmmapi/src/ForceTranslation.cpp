@@ -40,7 +40,7 @@ const NativeForceKind* NativeForceKind::find(const Force& force)
 
 // ---- Sets of terms ----
 
-EnergyTerms::TermSet ChainTreePlugin::createTermSet(int force, EnergyTerms::TermKind kind, int particlesPerTerm,
+EnergyTerms::TermSet ChainTreePlugin::createTermSet(int force, ctTermKind kind, int particlesPerTerm,
                                                     int parametersPerTerm)
 {
     EnergyTerms::TermSet set;
@@ -95,11 +95,11 @@ static string check(const EnergyTerms::TermSet& set, int numParticles)
     bool isFinite = areFinite(set.parameters);
     for (const EnergyTerms::Map& map : set.maps)
         isFinite = isFinite && areFinite(map.coefficients);
-    for (const EnergyTerms::Operation& operation : set.operations)
+    for (const ctOperation& operation : set.operations)
         isFinite = isFinite && isfinite(operation.constant);
     if (!isFinite)
         return NO_NUMBER;
-    if (set.kind == EnergyTerms::TorsionMap)
+    if (set.kind == ctTorsionMapTerm)
         for (double map : set.parameters)
             if (map < 0 || map >= set.maps.size())
                 return "one of its torsions has no map";
@@ -129,7 +129,7 @@ static string check(const EnergyTerms::PairSet& set, int numParticles)
     if (set.parameters.size() != (size_t)numParticles * set.parametersPerParticle)
         return WRONG_COUNT;
     bool isFinite = areFinite(set.parameters);
-    for (const EnergyTerms::Operation& operation : set.operations)
+    for (const ctOperation& operation : set.operations)
         isFinite = isFinite && isfinite(operation.constant);
     for (const EnergyTerms::TableFunction& table : set.tables)
         isFinite = isFinite && areFinite(table.values);
@@ -167,7 +167,7 @@ static string check(const EnergyTerms::Born& born, int numParticles)
 static bool areFinite(const vector<EnergyTerms::ValueExpression>& expressions)
 {
     for (const EnergyTerms::ValueExpression& expression : expressions) {
-        for (const EnergyTerms::Operation& operation : expression.operations)
+        for (const ctOperation& operation : expression.operations)
             if (!isfinite(operation.constant))
                 return false;
         for (const EnergyTerms::TableFunction& table : expression.tables)

@@ -9,40 +9,9 @@ using namespace ChainTreePlugin;
 using namespace OpenMM;
 using namespace std;
 
-// EnergyTerms has the same kinds in the same order as ctenergy.h.
-
-static_assert((int)EnergyTerms::HarmonicBond == ctHarmonicBondTerm &&
-                  (int)EnergyTerms::HarmonicAngle == ctHarmonicAngleTerm &&
-                  (int)EnergyTerms::PeriodicTorsion == ctPeriodicTorsionTerm &&
-                  (int)EnergyTerms::RyckaertBellemans == ctRyckaertBellemansTerm &&
-                  (int)EnergyTerms::TorsionMap == ctTorsionMapTerm && (int)EnergyTerms::Exception == ctExceptionTerm &&
-                  (int)EnergyTerms::Expression == ctExpressionTerm,
-              "the kinds of terms differ");
-static_assert((int)EnergyTerms::X == ctMeasureX && (int)EnergyTerms::Distance == ctMeasureDistance &&
-                  (int)EnergyTerms::Dihedral == ctMeasureDihedral,
-              "the measures differ");
-static_assert((int)EnergyTerms::Constant == ctConstantOperator && (int)EnergyTerms::Negate == ctNegateOperator &&
-                  (int)EnergyTerms::Cot == ctCotOperator && (int)EnergyTerms::Erf == ctErfOperator &&
-                  (int)EnergyTerms::PowerConstant == ctPowerConstantOperator &&
-                  (int)EnergyTerms::Table == ctTableOperator,
-              "the operators differ");
-static_assert((int)EnergyTerms::Particles == ctOfParticles && (int)EnergyTerms::Pairs == ctOfPairs &&
-                  (int)EnergyTerms::AllPairs == ctOfAllPairs,
-              "the extents differ");
-
 static void fail(const string& message)
 {
     throw OpenMMException("StericExclusionForce: " + message);
-}
-
-static vector<ctOperation> describe(const vector<EnergyTerms::Operation>& operations)
-{
-    vector<ctOperation> described;
-    for (const EnergyTerms::Operation& operation : operations) {
-        const array<int, 3>& a = operation.arguments;
-        described.push_back({(ctOperator)operation.kind, {a[0], a[1], a[2]}, operation.constant});
-    }
-    return described;
 }
 
 static vector<ctTable> describe(const vector<EnergyTerms::TableFunction>& tables)
@@ -71,17 +40,12 @@ public:
     {
         for (const EnergyTerms::Map& map : set.maps)
             maps.push_back({map.size, map.coefficients.data()});
-        for (const EnergyTerms::Input& input : set.inputs) {
-            const array<int, 4>& p = input.particles;
-            inputs.push_back({(ctMeasure)input.measure, {p[0], p[1], p[2], p[3]}});
-        }
-        operations = ::describe(set.operations);
-        expression = {(int)inputs.size(), inputs.data(), (int)operations.size(), operations.data()};
+        expression = {(int)set.inputs.size(), set.inputs.data(), (int)set.operations.size(), set.operations.data()};
     }
     ctTermSet describe(const EnergyTerms::TermSet& set) const
     {
         ctTermSet described = {};
-        described.kind = (ctTermKind)set.kind;
+        described.kind = set.kind;
         described.count = set.particles.size() / set.particlesPerTerm;
         described.particlesPerTerm = set.particlesPerTerm;
         described.particles = set.particles.data();
@@ -89,14 +53,12 @@ public:
         described.parameters = set.parameters.data();
         described.mapCount = maps.size();
         described.maps = maps.data();
-        described.expression = set.kind == EnergyTerms::Expression ? &expression : NULL;
+        described.expression = set.kind == ctExpressionTerm ? &expression : NULL;
         return described;
     }
 
 private:
     vector<ctTorsionMap> maps;
-    vector<ctInput> inputs;
-    vector<ctOperation> operations;
     ctExpression expression;
 };
 
@@ -105,8 +67,7 @@ private:
  */
 class LibraryPairs {
 public:
-    explicit LibraryPairs(const EnergyTerms::PairSet& set) :
-        operations(::describe(set.operations)), tables(::describe(set.tables))
+    explicit LibraryPairs(const EnergyTerms::PairSet& set) : tables(::describe(set.tables))
     {
         for (const EnergyTerms::InteractionGroup& group : set.groups)
             groups.push_back({{(int)group[0].size(), (int)group[1].size()}, {group[0].data(), group[1].data()}});
@@ -114,8 +75,8 @@ public:
     ctPairSet describe(const EnergyTerms::PairSet& set) const
     {
         ctPairSet described = {};
-        described.operationCount = operations.size();
-        described.operations = operations.data();
+        described.operationCount = set.operations.size();
+        described.operations = set.operations.data();
         described.tableCount = tables.size();
         described.tables = tables.data();
         described.parametersPerParticle = set.parametersPerParticle;
@@ -130,7 +91,6 @@ public:
     }
 
 private:
-    vector<ctOperation> operations;
     vector<ctTable> tables;
     vector<ctInteractionGroup> groups;
 };
@@ -164,13 +124,11 @@ private:
         explicit Expressions(const vector<EnergyTerms::ValueExpression>& expressions)
         {
             for (const EnergyTerms::ValueExpression& expression : expressions) {
-                operations.push_back(::describe(expression.operations));
                 tables.push_back(::describe(expression.tables));
-                described.push_back({(ctExtent)expression.extent, (int)operations.back().size(),
-                                     operations.back().data(), (int)tables.back().size(), tables.back().data()});
+                described.push_back({expression.extent, (int)expression.operations.size(), expression.operations.data(),
+                                     (int)tables.back().size(), tables.back().data()});
             }
         }
-        vector<vector<ctOperation>> operations;
         vector<vector<ctTable>> tables;
         vector<ctValueExpression> described;
     };

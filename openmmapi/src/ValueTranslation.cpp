@@ -97,15 +97,14 @@ string ValueTranslator::add(const Computation& computation, int numValues,
     EnergyTerms::ValueExpression translated;
     ExpressionTranslator translator(translated);
     if (computation.type == CustomGBForce::SingleParticle) {
-        translated.extent = EnergyTerms::Particles;
+        translated.extent = ctOfParticles;
         addNames(translator, "", numValues);
         for (const char* coordinate : {"x", "y", "z"})
             translator.addParameter(coordinate);
     }
     else {
-        translated.extent =
-            computation.type == CustomGBForce::ParticlePair ? EnergyTerms::Pairs : EnergyTerms::AllPairs;
-        translator.addInput("r", EnergyTerms::Distance, {0, 1});
+        translated.extent = computation.type == CustomGBForce::ParticlePair ? ctOfPairs : ctOfAllPairs;
+        translator.addInput("r", {ctMeasureDistance, {0, 1}});
         addNames(translator, "1", numValues);
         addNames(translator, "2", numValues);
     }

@@ -266,10 +266,10 @@ void testSharedSubexpressions()
 
     // What appears more than once is computed once, and nothing is left over.
 
-    const vector<EnergyTerms::Operation>& operations = scene.plan->getTerms().termSets[0].operations;
+    const vector<ctOperation>& operations = scene.plan->getTerms().termSets[0].operations;
     int numPowers = 0;
-    for (const EnergyTerms::Operation& operation : operations)
-        numPowers += operation.kind == EnergyTerms::PowerConstant;
+    for (const ctOperation& operation : operations)
+        numPowers += operation.kind == ctPowerConstantOperator;
     ASSERT_EQUAL(1, numPowers);
     ASSERT_EQUAL(1, scene.plan->getTerms().termSets[0].inputs.size());
     ASSERT(operations.size() <= 18);

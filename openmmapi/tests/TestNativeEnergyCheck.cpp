@@ -171,11 +171,11 @@ void testMisreadForces()
             terms.termSets[i].particles.clear();
             terms.termSets[i].parameters.clear();
         });
-        if (truth.termSets[i].kind != EnergyTerms::TorsionMap)
+        if (truth.termSets[i].kind != ctTorsionMapTerm)
             for (size_t j = 0; j < truth.termSets[i].parameters.size(); j++)
                 plant(name, "a wrong parameter " + to_string(j), [&](EnergyTerms& terms) {
                     double& parameter = terms.termSets[i].parameters[j];
-                    parameter = truth.termSets[i].kind == EnergyTerms::PeriodicTorsion && j == 0 ? 2 : 1.01 * parameter;
+                    parameter = truth.termSets[i].kind == ctPeriodicTorsionTerm && j == 0 ? 2 : 1.01 * parameter;
                 });
         for (size_t j = 0; j < truth.termSets[i].operations.size(); j++)
             if (truth.termSets[i].operations[j].constant != 0)
@@ -186,23 +186,23 @@ void testMisreadForces()
             if (truth.termSets[i].particlesPerTerm > 1)
                 plant(name, "a wrong input", [&](EnergyTerms& terms) {
                     swap(terms.termSets[i].inputs[j].particles[0], terms.termSets[i].inputs[j].particles[1]);
-                    terms.termSets[i].inputs[j].measure = EnergyTerms::X;
+                    terms.termSets[i].inputs[j].measure = ctMeasureX;
                 });
     }
     plant("CMAPTorsionForce", "angles in the wrong order", [](EnergyTerms& terms) {
         for (EnergyTerms::TermSet& set : terms.termSets)
-            if (set.kind == EnergyTerms::TorsionMap)
+            if (set.kind == ctTorsionMapTerm)
                 rotate(set.particles.begin(), set.particles.begin() + 4, set.particles.end());
     });
     const string expressions = "CustomNonbondedForce";
     plant(expressions, "no pairs", [](EnergyTerms& terms) {
-        terms.pairSets[0].operations = {{EnergyTerms::Constant, {}, 0}};
+        terms.pairSets[0].operations = {{ctConstantOperator, {}, 0}};
     });
     plant(expressions, "a wrong parameter", [](EnergyTerms& terms) {
         terms.pairSets[0].parameters[9] *= 1.01;
     });
     plant(expressions, "a wrong constant", [](EnergyTerms& terms) {
-        for (EnergyTerms::Operation& operation : terms.pairSets[0].operations)
+        for (ctOperation& operation : terms.pairSets[0].operations)
             operation.constant *= 1.01;
     });
     plant(expressions, "a wrong table", [](EnergyTerms& terms) {

@@ -10,7 +10,7 @@ static string translateCMAPTorsions(const Force& owner, int index, const NativeF
                                     EnergyTerms& terms)
 {
     const CMAPTorsionForce& force = dynamic_cast<const CMAPTorsionForce&>(owner);
-    EnergyTerms::TermSet set = createTermSet(index, EnergyTerms::TorsionMap, 8, 1);
+    EnergyTerms::TermSet set = createTermSet(index, ctTorsionMapTerm, 8, 1);
     for (int i = 0; i < force.getNumMaps(); i++) {
         EnergyTerms::Map map;
         vector<double> energies;

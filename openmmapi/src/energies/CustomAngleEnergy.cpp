@@ -10,9 +10,9 @@ static string translateCustomAngles(const Force& owner, int index, const NativeF
                                     EnergyTerms& terms)
 {
     const CustomAngleForce& force = dynamic_cast<const CustomAngleForce&>(owner);
-    EnergyTerms::TermSet set = createTermSet(index, EnergyTerms::Expression, 3, force.getNumPerAngleParameters());
+    EnergyTerms::TermSet set = createTermSet(index, ctExpressionTerm, 3, force.getNumPerAngleParameters());
     ExpressionTranslator translator(set);
-    translator.addInput("theta", EnergyTerms::Angle, {0, 1, 2});
+    translator.addInput("theta", {ctMeasureAngle, {0, 1, 2}});
     for (int i = 0; i < force.getNumPerAngleParameters(); i++)
         translator.addParameter(force.getPerAngleParameterName(i));
     for (int i = 0; i < force.getNumGlobalParameters(); i++)

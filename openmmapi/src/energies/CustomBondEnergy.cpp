@@ -10,9 +10,9 @@ static string translateCustomBonds(const Force& owner, int index, const NativeFo
                                    EnergyTerms& terms)
 {
     const CustomBondForce& force = dynamic_cast<const CustomBondForce&>(owner);
-    EnergyTerms::TermSet set = createTermSet(index, EnergyTerms::Expression, 2, force.getNumPerBondParameters());
+    EnergyTerms::TermSet set = createTermSet(index, ctExpressionTerm, 2, force.getNumPerBondParameters());
     ExpressionTranslator translator(set);
-    translator.addInput("r", EnergyTerms::Distance, {0, 1});
+    translator.addInput("r", {ctMeasureDistance, {0, 1}});
     for (int i = 0; i < force.getNumPerBondParameters(); i++)
         translator.addParameter(force.getPerBondParameterName(i));
     for (int i = 0; i < force.getNumGlobalParameters(); i++)

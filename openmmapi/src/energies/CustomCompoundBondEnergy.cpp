@@ -34,7 +34,7 @@ static string translateCustomCompoundBonds(const Force& owner, int index, const 
 {
     const CustomCompoundBondForce& force = dynamic_cast<const CustomCompoundBondForce&>(owner);
     EnergyTerms::TermSet set =
-        createTermSet(index, EnergyTerms::Expression, force.getNumParticlesPerBond(), force.getNumPerBondParameters());
+        createTermSet(index, ctExpressionTerm, force.getNumParticlesPerBond(), force.getNumPerBondParameters());
     ExpressionTranslator translator(set);
     for (int i = 0; i < force.getNumParticlesPerBond(); i++) {
         const string number = to_string(i + 1);

@@ -10,11 +10,11 @@ static string translateCustomExternalTerms(const Force& owner, int index, const 
                                            EnergyTerms& terms)
 {
     const CustomExternalForce& force = dynamic_cast<const CustomExternalForce&>(owner);
-    EnergyTerms::TermSet set = createTermSet(index, EnergyTerms::Expression, 1, force.getNumPerParticleParameters());
+    EnergyTerms::TermSet set = createTermSet(index, ctExpressionTerm, 1, force.getNumPerParticleParameters());
     ExpressionTranslator translator(set);
-    translator.addInput("x", EnergyTerms::X, {0});
-    translator.addInput("y", EnergyTerms::Y, {0});
-    translator.addInput("z", EnergyTerms::Z, {0});
+    translator.addInput("x", {ctMeasureX, {0}});
+    translator.addInput("y", {ctMeasureY, {0}});
+    translator.addInput("z", {ctMeasureZ, {0}});
     translator.addForeignFunction("periodicdistance", 6, "periodicdistance, and periodic boundary conditions with it");
     for (int i = 0; i < force.getNumPerParticleParameters(); i++)
         translator.addParameter(force.getPerParticleParameterName(i));

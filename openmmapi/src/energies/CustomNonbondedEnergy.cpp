@@ -94,7 +94,7 @@ static string translateExpression(const CustomNonbondedForce& force, const Varia
                                   EnergyTerms::PairSet& set)
 {
     ExpressionTranslator translator(set);
-    translator.addInput("r", EnergyTerms::Distance, {0, 1});
+    translator.addInput("r", {ctMeasureDistance, {0, 1}});
     const vector<string> names = getNames(force);
     vector<double> low(names.size(), INFINITY), high(names.size(), -INFINITY);
     for (size_t i = 0; i < set.parameters.size(); i++) {

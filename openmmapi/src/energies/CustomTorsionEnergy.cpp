@@ -10,9 +10,9 @@ static string translateCustomTorsions(const Force& owner, int index, const Nativ
                                       EnergyTerms& terms)
 {
     const CustomTorsionForce& force = dynamic_cast<const CustomTorsionForce&>(owner);
-    EnergyTerms::TermSet set = createTermSet(index, EnergyTerms::Expression, 4, force.getNumPerTorsionParameters());
+    EnergyTerms::TermSet set = createTermSet(index, ctExpressionTerm, 4, force.getNumPerTorsionParameters());
     ExpressionTranslator translator(set);
-    translator.addInput("theta", EnergyTerms::Dihedral, {0, 1, 2, 3});
+    translator.addInput("theta", {ctMeasureDihedral, {0, 1, 2, 3}});
     for (int i = 0; i < force.getNumPerTorsionParameters(); i++)
         translator.addParameter(force.getPerTorsionParameterName(i));
     for (int i = 0; i < force.getNumGlobalParameters(); i++)

@@ -9,7 +9,7 @@ static string translateHarmonicAngles(const Force& owner, int index, const Nativ
                                       EnergyTerms& terms)
 {
     const HarmonicAngleForce& force = dynamic_cast<const HarmonicAngleForce&>(owner);
-    EnergyTerms::TermSet set = createTermSet(index, EnergyTerms::HarmonicAngle, 3, 2);
+    EnergyTerms::TermSet set = createTermSet(index, ctHarmonicAngleTerm, 3, 2);
     for (int i = 0; i < force.getNumAngles(); i++) {
         int p1, p2, p3;
         double angle, k;

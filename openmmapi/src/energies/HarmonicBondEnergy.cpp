@@ -9,7 +9,7 @@ static string translateHarmonicBonds(const Force& owner, int index, const Native
                                      EnergyTerms& terms)
 {
     const HarmonicBondForce& force = dynamic_cast<const HarmonicBondForce&>(owner);
-    EnergyTerms::TermSet set = createTermSet(index, EnergyTerms::HarmonicBond, 2, 2);
+    EnergyTerms::TermSet set = createTermSet(index, ctHarmonicBondTerm, 2, 2);
     for (int i = 0; i < force.getNumBonds(); i++) {
         int p1, p2;
         double length, k;

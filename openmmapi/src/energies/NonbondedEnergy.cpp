@@ -131,7 +131,7 @@ static string translateNonbonded(const Force& owner, int index, const NativeForc
               isfinite(nonbonded.dielectric)))
             return "its cutoff, switching distance or dielectric makes no sense";
     }
-    EnergyTerms::TermSet exceptions = createTermSet(index, EnergyTerms::Exception, 2, 3);
+    EnergyTerms::TermSet exceptions = createTermSet(index, ctExceptionTerm, 2, 3);
     string reason = translateParticles(force, parameters, nonbonded);
     if (reason.empty())
         reason = translateExceptions(force, parameters, nonbonded, exceptions);

@@ -9,7 +9,7 @@ static string translatePeriodicTorsions(const Force& owner, int index, const Nat
                                         EnergyTerms& terms)
 {
     const PeriodicTorsionForce& force = dynamic_cast<const PeriodicTorsionForce&>(owner);
-    EnergyTerms::TermSet set = createTermSet(index, EnergyTerms::PeriodicTorsion, 4, 3);
+    EnergyTerms::TermSet set = createTermSet(index, ctPeriodicTorsionTerm, 4, 3);
     for (int i = 0; i < force.getNumTorsions(); i++) {
         int p1, p2, p3, p4, periodicity;
         double phase, k;

@@ -8,7 +8,7 @@ using namespace std;
 static string translateRBTorsions(const Force& owner, int index, const NativeForceKind::Parameters&, EnergyTerms& terms)
 {
     const RBTorsionForce& force = dynamic_cast<const RBTorsionForce&>(owner);
-    EnergyTerms::TermSet set = createTermSet(index, EnergyTerms::RyckaertBellemans, 4, 6);
+    EnergyTerms::TermSet set = createTermSet(index, ctRyckaertBellemansTerm, 4, 6);
     for (int i = 0; i < force.getNumTorsions(); i++) {
         int p1, p2, p3, p4;
         vector<double> c(6);

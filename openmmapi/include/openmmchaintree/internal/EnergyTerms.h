@@ -1,6 +1,7 @@
 #ifndef OPENMM_CHAINTREE_ENERGYTERMS_H_
 #define OPENMM_CHAINTREE_ENERGYTERMS_H_
 
+#include "ctenergy.h"
 #include <array>
 #include <string>
 #include <vector>
@@ -13,71 +14,6 @@ namespace ChainTreePlugin {
  */
 class EnergyTerms {
 public:
-    enum TermKind {
-        HarmonicBond,
-        HarmonicAngle,
-        PeriodicTorsion,
-        RyckaertBellemans,
-        TorsionMap,
-        Exception,
-        Expression
-    };
-    enum Measure { X, Y, Z, Distance, Angle, Dihedral };
-    /** Something that is measured of the particles of a term. */
-    struct Input {
-        Measure measure;
-        std::array<int, 4> particles;
-    };
-    /** An operation with the results of earlier ones. The operators are those of ctenergy.h, by the same names. */
-    enum Operator {
-        Constant,
-        InputValue,
-        ParameterValue,
-        Add,
-        Subtract,
-        Multiply,
-        Divide,
-        Power,
-        Negate,
-        Sqrt,
-        Exp,
-        Log,
-        Sin,
-        Cos,
-        Sec,
-        Csc,
-        Tan,
-        Cot,
-        Asin,
-        Acos,
-        Atan,
-        Atan2,
-        Sinh,
-        Cosh,
-        Tanh,
-        Erf,
-        Erfc,
-        Step,
-        Delta,
-        Square,
-        Cube,
-        Reciprocal,
-        AddConstant,
-        MultiplyConstant,
-        PowerConstant,
-        Min,
-        Max,
-        Abs,
-        Floor,
-        Ceil,
-        Select,
-        Table
-    };
-    struct Operation {
-        Operator kind;
-        std::array<int, 3> arguments;
-        double constant;
-    };
     struct Map {
         int size;
         std::vector<double> coefficients;
@@ -86,13 +22,13 @@ public:
     struct TermSet {
         /** The index of the Force in the System. */
         int force;
-        TermKind kind;
+        ctTermKind kind;
         int particlesPerTerm, parametersPerTerm;
         std::vector<int> particles;
         std::vector<double> parameters;
         std::vector<Map> maps;
-        std::vector<Input> inputs;
-        std::vector<Operation> operations;
+        std::vector<ctInput> inputs;
+        std::vector<ctOperation> operations;
     };
     /** Lennard-Jones and Coulomb between all particles. */
     struct Nonbonded {
@@ -116,7 +52,7 @@ public:
     /** An expression of two particles, summed over pairs. */
     struct PairSet {
         int force;
-        std::vector<Operation> operations;
+        std::vector<ctOperation> operations;
         std::vector<TableFunction> tables;
         int parametersPerParticle;
         std::vector<double> parameters;
@@ -141,12 +77,10 @@ public:
         double cutoff;
         double shift;
     };
-    /** What an expression of a ValueEnergy is of; see ctExtent. */
-    enum Extent { Particles, Pairs, AllPairs };
     /** An expression of the numbers of a particle or of two. */
     struct ValueExpression {
-        Extent extent;
-        std::vector<Operation> operations;
+        ctExtent extent;
+        std::vector<ctOperation> operations;
         std::vector<TableFunction> tables;
     };
     /** An energy of values that particles have; see ctValueEnergy. */

@@ -39,7 +39,7 @@ public:
     /**
      * A name that is measured of the particles of a term. Particles count from 0 within the term.
      */
-    void addInput(const std::string& name, EnergyTerms::Measure measure, const std::array<int, 4>& particles);
+    void addInput(const std::string& name, const ctInput& input);
     /**
      * A name for the next parameter of a term or pair, and the range of its values, if that is known.
      */
@@ -88,22 +88,22 @@ private:
     int keepWithin(int operation, int size);
     int translateTable(NamedTable& table, const std::vector<Lepton::ExpressionTreeNode>& children);
     int translateDistance(const std::vector<Lepton::ExpressionTreeNode>& coordinates);
-    int shorten(EnergyTerms::Operator kind, const std::array<int, 3>& arguments);
-    int addMeasure(EnergyTerms::Measure measure, const std::array<int, 4>& particles);
-    int addOperation(EnergyTerms::Operator kind, const std::array<int, 3>& arguments, double constant = 0);
+    int shorten(ctOperator kind, const std::array<int, 3>& arguments);
+    int addMeasure(const ctInput& added);
+    int addOperation(ctOperator kind, const std::array<int, 3>& arguments, double constant = 0);
     void addName(const std::string& name);
     void keepWhatIsUsed(int result);
     /** What is written. */
-    std::vector<EnergyTerms::Input>& writtenInputs;
-    std::vector<EnergyTerms::Operation>& operations;
+    std::vector<ctInput>& writtenInputs;
+    std::vector<ctOperation>& operations;
     std::vector<EnergyTerms::TableFunction>& writtenTables;
     /** What the set of terms or pairs does not have. */
-    std::vector<EnergyTerms::Input> noInputs;
+    std::vector<ctInput> noInputs;
     std::vector<EnergyTerms::TableFunction> noTables;
     /** All names but those of particles and functions, and one of those that came twice. */
     std::set<std::string> names;
     std::string repeatedName;
-    std::map<std::string, EnergyTerms::Input> inputs;
+    std::map<std::string, ctInput> inputs;
     std::map<std::string, int> parameters, particles;
     std::vector<std::pair<double, double>> parameterRanges;
     std::map<std::string, double> constants;

@@ -76,7 +76,7 @@ OpenMM::Force* copyForce(const OpenMM::Force& force)
 /**
  * Make a set of terms without any.
  */
-OPENMM_EXPORT_CHAINTREE EnergyTerms::TermSet createTermSet(int force, EnergyTerms::TermKind kind, int particlesPerTerm,
+OPENMM_EXPORT_CHAINTREE EnergyTerms::TermSet createTermSet(int force, ctTermKind kind, int particlesPerTerm,
                                                            int parametersPerTerm);
 
 /**
