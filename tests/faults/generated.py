@@ -8,8 +8,8 @@ from definitions import Definition, Source, Token, isPython
 from layer import Edit, Layer
 
 _COMPARISONS = {"<": "<=", "<=": "<", ">": "<", ">=": "<", "==": "!=", "!=": "=="}
-_C_WORDS = {"&&": "||", "||": "&&", "+": "-", "-": "+"}
-_PYTHON_WORDS = {"and": "or", "or": "and", "+": "-", "-": "+"}
+_C_OPERATORS = {"&&": "||", "||": "&&", "+": "-", "-": "+"}
+_PYTHON_OPERATORS = {"and": "or", "or": "and", "+": "-", "-": "+"}
 _NUMBER = re.compile(r"(?=.*[1-9])(\d+\.\d*|\.\d+|\d+(\.\d*)?[eE]-?\d+)f?$")
 _MARGIN = re.compile(r"[A-Z_]*(MARGIN|ROUNDING|FLOOR|SLACK|TOLERANCE|EPSILON)[A-Z_]*$")
 _NO_CALLS = ("if", "for", "while", "switch", "return", "sizeof", "catch", "assert", "raise", "print")
@@ -26,14 +26,19 @@ def draw(layer: Layer, count: int, seed: int) -> list[Edit]:
     ]
     drawn: dict[tuple, Edit] = {}
     for source, function in generator.choices(functions, k=50 * count):
+        if len(drawn) == count:
+            break
         edits = list(_edits(source, function))
-        if edits and len(drawn) < count:
-            edit = generator.choice(edits)
-            drawn[edit.source.path, edit.begin] = edit
+        if edits:
+            begin, end, after = generator.choice(edits)
+            before = " ".join(source.text[begin:end].split())
+            title = f"{source.path.name}:{source.lineAt(begin)} {function.name}: {before} -> {after}".rstrip()
+            drawn[source.path, begin] = Edit(title, source, begin, end, after)
     return list(drawn.values())
 
 
-def _edits(source: Source, function: Definition) -> Iterator[Edit]:
+def _edits(source: Source, function: Definition) -> Iterator[tuple[int, int, str]]:
+    """Yields begins, ends and the texts that replace them."""
     python = isPython(source.path.name)
     tokens = source.within(function.begin, function.end)
     words = [token.text for token in tokens]
@@ -49,10 +54,7 @@ def _edits(source: Source, function: Definition) -> Iterator[Edit]:
             last = _endOfCall(words, i, python, source, tokens)
             after = None if last is None else "pass" if python else ";"
         if after is not None and last is not None:
-            begin, end = tokens[i].begin, tokens[last].end
-            line = source.lineAt(begin)
-            title = f"{source.path.name}:{line} {function.name}: {' '.join(source.text[begin:end].split())} -> {after}"
-            yield Edit(title.rstrip(), source, begin, end, after)
+            yield tokens[i].begin, tokens[last].end, after
 
 
 def _otherOperator(text: str, tokens: list[Token], i: int, python: bool) -> str | None:
@@ -60,7 +62,7 @@ def _otherOperator(text: str, tokens: list[Token], i: int, python: bool) -> str 
     token = tokens[i]
     if text[token.begin - 1] != " " or text[token.end] not in " \n":
         return None
-    return {**_COMPARISONS, **(_PYTHON_WORDS if python else _C_WORDS)}.get(token.text)
+    return {**_COMPARISONS, **(_PYTHON_OPERATORS if python else _C_OPERATORS)}.get(token.text)
 
 
 def _zero(words: list[str], i: int) -> str | None:

@@ -32,9 +32,9 @@ class Edit:
 
     def edited(self) -> str:
         text = self.source.text
-        lineBegin = text.rfind("\n", 0, self.begin) + 1
-        indent = lineBegin + len(text[lineBegin:]) - len(text[lineBegin:].lstrip(" ")) - lineBegin
-        return text[: self.begin] + self.after.replace("\n", "\n" + " " * indent) + text[self.end :]
+        line = text[text.rfind("\n", 0, self.begin) + 1 : self.begin]
+        indent = " " * (len(line) - len(line.lstrip(" ")))
+        return text[: self.begin] + self.after.replace("\n", "\n" + indent) + text[self.end :]
 
 
 @dataclass(frozen=True)
@@ -63,7 +63,7 @@ class Fault:
 
 
 class Layer:
-    """Where faults are planted, and which tests shall catch them."""
+    """Sources in which faults are planted, and the tests that shall catch them."""
 
     def __init__(self, name: str):
         self.name = name
