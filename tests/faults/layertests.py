@@ -45,11 +45,12 @@ class CompiledTests:
     def __init__(self, copy: Copy, layer: Layer):
         self.copy = copy
         self.layer = layer
-        self.build = copy.build / layer.name
+        isApi = layer.name == "api"
+        self.build = copy.build / ("api" if isApi else "c")
         self.timeout = 1500.0
         options = {
             "Python_EXECUTABLE": sys.executable,
-            "CHAINTREE_ENGINE_ONLY": "OFF" if layer.name == "api" else "ON",
+            "CHAINTREE_ENGINE_ONLY": "OFF" if isApi else "ON",
             "CHAINTREE_BUILD_PYTHON": "OFF",
             "CHAINTREE_BUILD_BENCHMARKS": "OFF",
             "CHAINTREE_SANITIZE": "",
