@@ -28,8 +28,8 @@ static bool build(ctChainTree* scene, const ctDefinition* definition) {
 static void takeReference(ctChainTree* scene, const double* positions) {
   ctSequenceSetReference(&scene->sequence, positions);
   ctTreeMakeOutdated(&scene->ownTree);
-  ctClearanceForget(&scene->clearance);
-  ctSkippedForget(scene);
+  ctTestersForget(scene);
+  ctMergedForget(scene);
   ctLeavesForget(&scene->leaves);
   scene->changeCount++;
 }
@@ -59,9 +59,7 @@ ctStatus ctCreate(const ctDefinition* definition, ctChainTree** tree, char* erro
     return ctOutOfMemory;
   }
   scene->overlapTolerance = definition->overlapTolerance;
-  scene->clearance.method = ctChooseTrialMethod();
-  scene->traversal.alwaysBoxes = scene->clearance.method == byTreeAndBoxes;
-  scene->traversal.alwaysDescends = scene->clearance.method != byCost;
+  ctChooseTesters(scene);
   scene->hydrogenBondAllowance = definition->hydrogenBondAllowance;
   takeReference(scene, definition->positions);
   *tree = scene;
@@ -97,7 +95,7 @@ const char* ctGetInstructionSet(const ctChainTree* tree) {
 
 void ctRenew(ctChainTree* tree) {
   if (tree != NULL) {
-    ctSkippedForget(tree);
+    ctMergedForget(tree);
     ctLeavesForget(&tree->leaves);
   }
 }
@@ -131,6 +129,46 @@ void ctGetPositions(ctChainTree* tree, double* positions) {
   ctReadPositions(&tree->sequence, ctSceneTree(tree), positions);
 }
 
+ctStatus ctGetTrialPositions(ctChainTree* tree, double* positions) {
+  CT_REQUIRE(tree, tree);
+  if (!tree->trial->open) {
+    return ctFailNoTrial(tree);
+  }
+  if (tree->sequence.particleCount > 0) {
+    CT_REQUIRE(tree, positions);
+  }
+  const bool areLeavesKept = ctSceneEnterTrial(tree);
+  ctReadPositions(&tree->sequence, ctSceneTree(tree), positions);
+  ctSceneLeaveTrial(tree, areLeavesKept);
+  return ctSuccess;
+}
+
+ctStatus ctGetPositionsOf(ctChainTree* tree, bool inTrial, int count, const int* particles, double* positions) {
+  CT_REQUIRE(tree, tree);
+  const ctStatus status = ctCheckParticles(tree, count, particles);
+  if (status != ctSuccess) {
+    return status;
+  }
+  if (count > 0) {
+    CT_REQUIRE(tree, positions);
+  }
+  if (inTrial && !tree->trial->open) {
+    return ctFailNoTrial(tree);
+  }
+  bool areLeavesKept = false;
+  if (inTrial) {
+    areLeavesKept = ctSceneEnterTrial(tree);
+  }
+  PositionReader reader = ctPositionReader(&tree->sequence, ctSceneTree(tree));
+  for (int i = 0; i < count; i++) {
+    ctReadPosition(&reader, particles[i], positions + 3 * (size_t)i);
+  }
+  if (inTrial) {
+    ctSceneLeaveTrial(tree, areLeavesKept);
+  }
+  return ctSuccess;
+}
+
 void ctFollowPositions(ctChainTree* tree, bool isNewArray, double* positions) {
   if (tree == NULL || positions == NULL) {
     return;
@@ -139,6 +177,20 @@ void ctFollowPositions(ctChainTree* tree, bool isNewArray, double* positions) {
     tree->followed.revision = NO_REVISION;
   }
   ctRefreshPositions(&tree->followed, &tree->sequence, ctSceneTree(tree), positions);
+}
+
+ctStatus ctFollowTrialPositions(ctChainTree* tree, bool isNewArray, double* positions) {
+  CT_REQUIRE(tree, tree);
+  if (!tree->trial->open) {
+    return ctFailNoTrial(tree);
+  }
+  if (tree->sequence.particleCount > 0) {
+    CT_REQUIRE(tree, positions);
+  }
+  const bool areLeavesKept = ctSceneEnterTrial(tree);
+  ctFollowPositions(tree, isNewArray, positions);
+  ctSceneLeaveTrial(tree, areLeavesKept);
+  return ctSuccess;
 }
 
 static bool dihedral(const double* p1, const double* p2, const double* p3, const double* p4, double* angle) {

@@ -1,27 +1,15 @@
 #include "clearance.h"
 
 #include <stdlib.h>
-#include <string.h>
 
 #include "costs.h"
 #include "wide.h"
-
-TrialMethod ctChooseTrialMethod(void) {
-  static const char* const names[] = {"cost", "tree", "boxes", "clearances"};
-  const char* wanted = getenv("CHAINTREE_TRIALS");
-  for (int method = byTree; wanted != NULL && method <= byClearances; method++) {
-    if (strcmp(wanted, names[method]) == 0) {
-      return (TrialMethod)method;
-    }
-  }
-  return byCost;
-}
 
 void ctClearanceForget(Clearance* c) {
   c->isKept = false;
 }
 
-void ctClearanceBegin(Clearance* c) {
+void ctClearanceDropTests(Clearance* c) {
   c->testedCount = 0;
   c->boundPieces = NULL;
 }
@@ -115,12 +103,11 @@ static void choose(Clearance* c, Traversal* t, double reach) {
   }
 }
 
-bool ctClearanceIsWanted(Clearance* c, Traversal* t, double reach) {
-  if (c->method == byTree || c->method == byTreeAndBoxes || t->tree->levelCount == 1 ||
-      t->tree->levelSize[0] > MOST_LEAVES) {
+bool ctClearanceIsWanted(Clearance* c, Traversal* t, double reach, bool isAlone) {
+  if (t->tree->levelCount == 1 || t->tree->levelSize[0] > MOST_LEAVES) {
     return false;
   }
-  if (c->method == byClearances) {
+  if (isAlone) {
     c->mostCost = INT64_MAX;
     return c->isKept || keep(c, t, reach);
   }

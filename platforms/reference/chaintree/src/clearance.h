@@ -58,16 +58,7 @@ enum { MOST_BOUND_PAIRS = 64 };
 /* Clearances of a row that are compared at a time. */
 enum { COLUMNS_AT_ONCE = 32 };
 
-/* How trials are tested. */
-typedef enum TrialMethod {
-  byCost, /* by whichever of the others costs least */
-  byTree,
-  byTreeAndBoxes, /* with boxes at all visits */
-  byClearances
-} TrialMethod;
-
 typedef struct Clearance {
-  TrialMethod method;
   bool isKept; /* the table is of the state */
   Arena arena; /* of the arrays below, which are made when first needed */
   int leafCount;
@@ -84,6 +75,7 @@ typedef struct Clearance {
   int runCapacity;
   RunPair* boundPairs;      /* whose bounds `shifts` holds */
   int boundPairCount;       /* may be more: then it does not hold all */
+  int64_t testedTrial;      /* whose tests these are; the number of the trial */
   const Piece* boundPieces; /* of the open trial, if those are all pairs of their runs; else NULL */
   TestedPairs* tested;      /* of the open trial */
   int testedCount;
@@ -107,20 +99,18 @@ typedef double ClearanceFunction(void* context, int slotA, int slotB, double squ
 /* Returned by a test by clearances instead of its cost if it is undecided: it cost too much, or had no memory. */
 enum { GAVE_UP = -1 };
 
-/* Call when a trial is proposed: forgets what tests of the last one have found. */
-void ctClearanceBegin(Clearance* clearance);
+/* Drops what tests have found. */
+void ctClearanceDropTests(Clearance* clearance);
 
-/* True if the next test should go by clearances; then the table is of the state. `reach` is that of its view. */
-bool ctClearanceIsWanted(Clearance* clearance, Traversal* traversal, double reach);
+/* True if the next test should be by clearances; then the table is of the state. `reach` is that of its view.
+ * `isAlone`: there is no descent to compare the cost with. */
+bool ctClearanceIsWanted(Clearance* clearance, Traversal* traversal, double reach, bool isAlone);
 
 /* Adds what a test or an accepted trial has cost. */
 void ctClearanceCharge(Clearance* clearance, int64_t cost, bool isTest);
 
 /* Returns to the tree, for longer each time, since clearances do not pay. */
 void ctClearanceGiveUp(Clearance* clearance);
-
-/* The tester that the environment asks for, see ctGetInstructionSet. */
-TrialMethod ctChooseTrialMethod(void);
 
 /* Adds by how much an accepted trial may change clearances of pairs that it skips. */
 void ctClearanceSkip(Clearance* clearance, double distanceError);

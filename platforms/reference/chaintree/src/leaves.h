@@ -9,7 +9,7 @@
 #ifndef CT_LEAVES_H_
 #define CT_LEAVES_H_
 
-#include "skipped.h"
+#include "merged.h"
 #include "traverse.h"
 
 /* The boxes of the members of a node, along the world's axes; low above high: the member has no particles. */

@@ -321,8 +321,8 @@ ctStatus ctSetLimits(ctChainTree* tree, int count, const int (*pairs)[2], const 
   }
   ctLimitsFree(&tree->limits);
   tree->limits = fresh;
-  ctClearanceForget(&tree->clearance);
-  ctSkippedForget(tree);
+  ctTestersForget(tree);
+  ctMergedForget(tree);
   return ctSuccess;
 }
 
@@ -361,7 +361,7 @@ ctStatus ctRaiseLimits(ctChainTree* tree, int* raised, ctCounts* counts) {
   }
   ctLimitsFree(&tree->limits);
   tree->limits = raise.raised;
-  ctSkippedForget(tree);
+  ctMergedForget(tree);
   *raised = count;
   return ctSuccess;
 }

@@ -4,10 +4,11 @@
 
 #include "clearance.h"
 #include "leaves.h"
+#include "merged.h"
 #include "position.h"
 #include "recentclashes.h"
-#include "skipped.h"
 #include "sweep.h"
+#include "tester.h"
 #include "trial.h"
 
 /* A pair within rounding of a limit: the canonical distance decides. */
@@ -23,6 +24,9 @@ typedef struct SlotPairs {
   int capacity;
 } SlotPairs;
 
+/* False, and nothing changed, if there is no memory. */
+bool ctSlotPairsAdd(SlotPairs* list, int slotA, int slotB, double value);
+
 struct ctChainTree {
   Arena arena;
   Sequence sequence;
@@ -30,9 +34,10 @@ struct ctChainTree {
   Limits limits;
   Tree ownTree; /* content may be outdated: use ctSceneTree; layout, wide functions and revision are always right */
   Traversal traversal;
+  bool isTesterOff[TESTER_COUNT]; /* by TesterId */
   Clearance clearance;
   RecentClashes recentClashes;
-  Skipped skipped;
+  Merged merged;
   Sweep ownSweep; /* snapshot may be outdated: use ctSceneSweep */
   Trial trials[2];
   /* These two are swapped at once: within a line of the processor's cache, which every trial would wait for otherwise.
@@ -79,6 +84,11 @@ Tree* ctSceneLooseTree(ctChainTree* scene);
 /* Most that a pair is beyond its limit, nm; 0: none is. INFINITY: more than `most`, or there is no memory, which is no
  * failure and leaves the error text alone. */
 double ctSceneExcess(ctChainTree* scene, double most, ctCounts* counts);
+
+/* Makes the open trial the state until ctSceneLeaveTrial restores the former one, bit by bit. Returns what that takes.
+ */
+bool ctSceneEnterTrial(ctChainTree* scene);
+void ctSceneLeaveTrial(ctChainTree* scene, bool areLeavesKept);
 
 /* A sweep over the state, with a snapshot of it; NULL if there is no memory. */
 Sweep* ctSceneSweep(ctChainTree* scene);

@@ -134,8 +134,8 @@ ctStatus ctSetState(ctChainTree* tree, const double* state) {
     numbers += size;
   }
   ctTreeMakeOutdated(&tree->ownTree);
-  ctClearanceForget(&tree->clearance);
-  ctSkippedForget(tree);
+  ctTestersForget(tree);
+  ctMergedForget(tree);
   ctLeavesForget(&tree->leaves);
   tree->changeCount++;
   return ctSuccess;

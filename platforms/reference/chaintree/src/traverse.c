@@ -108,12 +108,12 @@ bool ctViewMovesFew(const Traversal* t, const View* view, int* begin, int* end) 
   if (view->pieceCount == 3 && view->pieces[0].body == 0 && view->pieces[1].body != 0 && view->pieces[2].body == 0) {
     *begin = view->pieces[1].slotBegin;
     *end = view->pieces[2].slotBegin;
-    return *end - *begin <= MOST_MOVERS && !t->alwaysDescends && treeTop(t->tree) > 0;
+    return *end - *begin <= MOST_MOVERS && treeTop(t->tree) > 0;
   }
   while (p < view->pieceCount && view->pieces[p].body == 0) {
     p++;
   }
-  if (p == view->pieceCount || t->alwaysDescends || treeTop(t->tree) == 0) {
+  if (p == view->pieceCount || treeTop(t->tree) == 0) {
     return false;
   }
   *begin = view->pieces[p].slotBegin;

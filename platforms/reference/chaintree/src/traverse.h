@@ -91,8 +91,7 @@ typedef struct Traversal {
   int64_t* membersRevision; /* the tree's when the children's world coordinates were computed */
   int64_t* frameRevision;   /* the tree's when the node's frame in the world was last computed; 0 for the root */
   int visitsWithoutBoxes;
-  bool alwaysBoxes;    /* for tests: at all visits */
-  bool alwaysDescends; /* for tests: even if few slots move */
+  bool alwaysBoxes; /* for tests: at all visits */
 
   /* Of this descent, per node. */
   uint32_t descent;   /* its number */

@@ -1,11 +1,11 @@
-#include "trial.h"
-
+/* Trials: propose, test, accept, reject. */
 #include <stdlib.h>
 #include <string.h>
 
-#include "volume.h"
+#include "definition.h"
+#include "scene.h"
 
-bool ctTrialReserve(Trial* trial, int count) {
+static bool reserve(Trial* trial, int count) {
   if (count <= trial->capacity) {
     return true;
   }
@@ -143,16 +143,6 @@ CT_NOINLINE void moveFreely(TrialChange* change, const Sequence* s, Traversal* t
 
 /* ---- Pieces ---- */
 
-static void addPiece(Trial* trial, int slotBegin, int body) {
-  if (trial->pieceCount > 0 && trial->pieces[trial->pieceCount - 1].slotBegin == slotBegin) {
-    trial->pieceCount--; /* the last piece has no slots */
-  }
-  if (trial->pieceCount > 0 && trial->pieces[trial->pieceCount - 1].body == body) {
-    return;
-  }
-  trial->pieces[trial->pieceCount++] = (Piece){slotBegin, body};
-}
-
 /* Cuts the sequence into pieces, and composes motions with those around them. The intervals of the changes are nested
  * or disjoint: a stack holds the open ones. */
 CT_NOINLINE void cutPieces(Trial* trial, const Sequence* s) {
@@ -196,109 +186,7 @@ static void cutAround(Trial* trial, const Sequence* s) {
   }
 }
 
-/* ---- Bodies that move as another does ---- */
-
-/* nm: bodies merge if that changes no distance by more. Two checks of all pairs (skipped.h) are at least 25 trials
- * apart. */
-#define MERGE_TOLERANCE 2e-11
-
-/* Each body is compared with the static one and at most 16 earlier ones: windows close within this many changes. */
-enum { MOST_COMPARED = 16 };
-
-/* Bounds what a distance may differ by if it is computed by way of different products of transforms, relative to the
- * coordinate bound: DOUBLE_MARGIN for a tree of this many levels. */
-static double productMargin(int levelCount) {
-  return DOUBLE_MARGIN * (TREE_WIDTH + (TREE_WIDTH - 1) * levelCount) /
-         (TREE_WIDTH + (TREE_WIDTH - 1) * TREE_MAX_LEVELS);
-}
-
-static bool mayBeOne(const Frame* a, const Frame* b) {
-  return fabs(a->m[0][3] - b->m[0][3]) <= MERGE_TOLERANCE && fabs(a->m[1][3] - b->m[1][3]) <= MERGE_TOLERANCE &&
-         fabs(a->m[2][3] - b->m[2][3]) <= MERGE_TOLERANCE;
-}
-
-/* Bounds how far apart two motions take what is no farther than `reach` from worldOrigin. */
-static double motionsApart(const Frame* a, const Frame* b, double reach) {
-  double turned = 0;
-  double shifted = 0;
-  for (int i = 0; i < 3; i++) {
-    for (int j = 0; j < 3; j++) {
-      turned += (a->m[i][j] - b->m[i][j]) * (a->m[i][j] - b->m[i][j]);
-    }
-    shifted += (a->m[i][3] - b->m[i][3]) * (a->m[i][3] - b->m[i][3]);
-  }
-  return sqrt(turned) * reach + sqrt(shifted);
-}
-
-/* The motions that motion i is compared with: 0, and those from this one on. */
-static int firstCompared(int i) {
-  return i > MOST_COMPARED ? i - MOST_COMPARED : 1;
-}
-
-bool ctTrialMayMerge(const Trial* trial) {
-  for (int i = 1; i < trial->motionCount && trial->count > 1; i++) {
-    if (mayBeOne(&trial->motions[i], &trial->motions[0])) {
-      return true;
-    }
-    for (int j = firstCompared(i); j < i; j++) {
-      if (mayBeOne(&trial->motions[i], &trial->motions[j])) {
-        return true;
-      }
-    }
-  }
-  return false;
-}
-
-/* The lowest motion that takes everything where motion i does, up to MERGE_TOLERANCE; i if there is none. `bodyOf`: of
- * lower motions. */
-static int sameMotion(const Trial* trial, const int* bodyOf, int i, double reach, double* apart) {
-  for (int j = 0; j < i; j = j == 0 ? firstCompared(i) : j + 1) {
-    if (bodyOf[j] == j && mayBeOne(&trial->motions[i], &trial->motions[j])) {
-      *apart = motionsApart(&trial->motions[i], &trial->motions[j], reach);
-      if (*apart <= MERGE_TOLERANCE) {
-        return j;
-      }
-    }
-  }
-  return i;
-}
-
-static double largestTranslation(const Trial* trial) {
-  double farthest = 0;
-  for (int i = 1; i < trial->motionCount; i++) {
-    double shift[3];
-    translationOf(&trial->motions[i], shift);
-    farthest = larger(farthest, sqrt(dot(shift, shift)));
-  }
-  return farthest;
-}
-
-void ctTrialMerge(Trial* trial, double reach, int levelCount) {
-  int* bodyOf = trial->bodyOf;
-  double displacement = 0;
-  bool areMerged = false;
-  bodyOf[0] = 0;
-  for (int i = 1; i < trial->motionCount; i++) {
-    double apart = 0;
-    bodyOf[i] = sameMotion(trial, bodyOf, i, reach, &apart);
-    areMerged = areMerged || bodyOf[i] != i;
-    displacement = bodyOf[i] != i ? larger(displacement, apart) : displacement;
-  }
-  /* Either particle of a pair may be displaced. The canonical distances before and after the trial differ from those by
-   * its motions by a margin each. */
-  const double distanceError = 2 * displacement + 2 * productMargin(levelCount) * (reach + largestTranslation(trial));
-  if (!areMerged || !(distanceError <= MERGE_TOLERANCE)) {
-    return;
-  }
-  trial->displacement = displacement;
-  trial->distanceError = distanceError;
-  trial->apartCount = trial->pieceCount;
-  memcpy(trial->apart, trial->pieces, (size_t)trial->pieceCount * sizeof *trial->pieces);
-  trial->pieceCount = 0;
-  for (int p = 0; p < trial->apartCount; p++) {
-    addPiece(trial, trial->apart[p].slotBegin, bodyOf[trial->apart[p].body]);
-  }
-}
+/* ---- Changes ---- */
 
 static int compareChanges(const void* a, const void* b) {
   const int x = ((const TrialChange*)a)->link;
@@ -324,7 +212,9 @@ CT_NOINLINE int sortChanges(Trial* trial) {
   return CT_NULL;
 }
 
-int ctTrialPropose(Trial* trial, const Sequence* s, Traversal* t, const ctChange* given, int count) {
+/* Computes joint states, motions and pieces of the caller's `given` changes, for which there is room, from the state.
+ * Returns the caller's link that is changed twice, or CT_NULL. */
+static int describeTrial(Trial* trial, const Sequence* s, Traversal* t, const ctChange* given, int count) {
   trial->count = count;
   for (int i = 0; i < count; i++) {
     TrialChange* change = &trial->changes[i];
@@ -363,6 +253,8 @@ int ctTrialPropose(Trial* trial, const Sequence* s, Traversal* t, const ctChange
   return CT_NULL;
 }
 
+/* ---- Views of a trial ---- */
+
 View ctTrialView(const Trial* trial, bool moved, bool surfaces, double reach) {
   return (View){trial->pieces, trial->pieceCount, moved ? trial->motions : NULL, trial->motionCount, surfaces, reach};
 }
@@ -393,9 +285,90 @@ void ctTrialShow(Trial* trial, const Sequence* s) {
   trial->isShown = true;
 }
 
-int ctTrialApply(Trial* trial, bool after, Sequence* s, Tree* tree, Traversal* t) {
+/* ---- Propose ---- */
+
+static ctStatus checkChange(ctChainTree* tree, const ctChange* change) {
+  const Sequence* s = &tree->sequence;
+  if (change->link < 0 || change->link >= s->userLinkCount) {
+    return ctFail(tree, ctInvalidArgument, "there is no link %d; there are %d links", change->link, s->userLinkCount);
+  }
+  const int link = sequenceLink(s, change->link);
+  if (s->jointType[link] == ctFixedJoint) {
+    return ctFail(tree, ctInvalidArgument, "link %d is fixed and cannot be moved", change->link);
+  }
+  if (s->jointType[link] == ctTorsionJoint) {
+    if (!isfinite(change->angle)) {
+      return ctFail(tree, ctInvalidArgument, "the angle given for link %d is not finite", change->link);
+    }
+    if (s->axisPlaces[link] == axisIsNoLine) {
+      return ctFail(tree, ctInvalidArgument, "link %d cannot turn: its axis particles %d and %d are at one place",
+                    change->link, s->joint[link].torsion[0], s->joint[link].origin);
+    }
+  } else if (s->jointType[link] == ctBallJoint) {
+    if (!areLengths(change->rotation)) {
+      return ctFail(tree, ctInvalidArgument, "the rotation given for link %d " CT_NO_LENGTH " or rad", change->link);
+    }
+  } else if (!areLengths(change->rotation) || !areLengths(change->pivot) || !areLengths(change->translation)) {
+    return ctFail(tree, ctInvalidArgument, "the motion given for link %d " CT_NO_LENGTH " or rad", change->link);
+  }
+  return ctSuccess;
+}
+
+ctStatus ctPropose(ctChainTree* tree, int count, const ctChange* changes) {
+  CT_REQUIRE(tree, tree);
+  /* More changes than links would name some link twice. */
+  if (count < 0 || count > tree->sequence.userLinkCount) {
+    return ctFail(tree, ctInvalidArgument, "a trial cannot have %d changes; there are %d links", count,
+                  tree->sequence.userLinkCount);
+  }
+  if (count > 0) {
+    CT_REQUIRE(tree, changes);
+  }
+  ctSceneLooseTree(tree); /* trials start from an up-to-date tree */
+  for (int i = 0; i < count; i++) {
+    const ctStatus status = checkChange(tree, &changes[i]);
+    if (status != ctSuccess) {
+      return status;
+    }
+  }
+  if (!reserve(tree->next, count > 0 ? count : 1)) {
+    return ctFailOutOfMemory(tree);
+  }
+  /* Each change starts a piece, and another piece may start at its end. */
+  if (!ctTraversalReserve(&tree->traversal, 2 * count + 1)) {
+    return ctFailOutOfMemory(tree);
+  }
+  const int twice = describeTrial(tree->next, &tree->sequence, &tree->traversal, changes, count);
+  if (twice != CT_NULL) {
+    return ctFail(tree, ctInvalidArgument, "link %d is changed twice in one trial", twice);
+  }
+  for (int i = 0; i < count; i++) {
+    const TrialChange* change = &tree->next->changes[i];
+    if (tree->sequence.jointType[change->link] == ctFreeJoint && !isJointPosition(change->after.placement.position)) {
+      return ctFail(tree, ctInvalidArgument, "the motion given for link %d takes it too far away", change->userLink);
+    }
+  }
+  if (ctMayMerge(tree->next)) {
+    ctMergeBodies(tree->next, ctSceneReach(tree), ctSceneTree(tree)->levelCount);
+  }
+  Trial* dropped = tree->trial;
+  tree->trial = tree->next;
+  tree->next = dropped;
+  tree->next->open = false;
+  tree->trialCount++;
+  return ctSuccess;
+}
+
+/* ---- Apply ---- */
+
+/* Sets the joints to their states after or before the trial, and updates sequence and tree; returns how many nodes were
+ * recomputed. After that, applying the state before restores every bit, since everything is a function of the state. */
+static int applyTrial(ctChainTree* scene, bool after) {
+  Trial* trial = scene->trial;
+  Sequence* s = &scene->sequence;
+  Tree* tree = ctSceneLooseTree(scene);
   if (after) {
-    turnBalls(trial, s, tree, t);
+    turnBalls(trial, s, tree, &scene->traversal);
   }
   for (int i = 0; i < trial->count; i++) {
     const TrialChange* change = &trial->changes[i];
@@ -405,4 +378,98 @@ int ctTrialApply(Trial* trial, bool after, Sequence* s, Tree* tree, Traversal* t
   const int nodes = ctTreeUpdate(tree, s, trial->links, trial->count);
   tree->knownLink = CT_NULL;
   return products + nodes;
+}
+
+bool ctSceneEnterTrial(ctChainTree* tree) {
+  const bool areLeavesKept = ctLeavesAreOf(&tree->leaves, ctSceneTree(tree));
+  applyTrial(tree, true);
+  return areLeavesKept;
+}
+
+void ctSceneLeaveTrial(ctChainTree* tree, bool areLeavesKept) {
+  applyTrial(tree, false);
+  if (areLeavesKept) {
+    tree->leaves.revision = ctSceneTree(tree)->revision;
+  }
+}
+
+/* ---- Test ---- */
+
+ctStatus ctTestTrial(ctChainTree* tree, bool* clash, int pair[2], ctCounts* counts) {
+  CT_REQUIRE(tree, clash);
+  if (!tree->trial->open) {
+    return ctFailNoTrial(tree);
+  }
+  const double reach = -tree->overlapTolerance;
+  View view = ctTrialView(tree->trial, true, true, reach);
+  const bool mayBeSkipped = tree->trial->distanceError > 0;
+  const bool skips = mayBeSkipped && ctPrepareSkip(tree, counts);
+  if (mayBeSkipped && !skips) {
+    view.pieces = tree->trial->apart;
+    view.pieceCount = tree->trial->apartCount;
+  }
+  tree->trial->isFree = false;
+  int slots[2];
+  const Outcome outcome = ctTestView(tree, &view, slots, counts);
+  if (outcome == failed) {
+    return ctFailOutOfMemory(tree);
+  }
+  *clash = outcome == isClash;
+  tree->trial->isFree = !*clash;
+  tree->trial->isSkipTested = skips;
+  if (*clash && pair != NULL) {
+    particlesOf(tree, slots[0], slots[1], pair);
+  }
+  return ctSuccess;
+}
+
+/* ---- Accept and reject ---- */
+
+ctStatus ctAccept(ctChainTree* tree, ctCounts* counts) {
+  CT_REQUIRE(tree, tree);
+  if (!tree->trial->open) {
+    return ctFailNoTrial(tree);
+  }
+  ctTestersAccept(tree);
+  const Trial* trial = tree->trial;
+  const bool leavesFollow = trial->distanceError > 0 && ctLeavesAreOf(&tree->leaves, ctSceneTree(tree));
+  ctMergedAccept(tree);
+  const int updated = applyTrial(tree, true);
+  if (leavesFollow) {
+    ctLeavesFollow(&tree->leaves, ctSceneTree(tree), &tree->sequence, trial->pieceCount, trial->pieces,
+                   trial->distanceError);
+  }
+  tree->trial->open = false;
+  tree->changeCount++;
+  tree->acceptedCount++;
+  if (counts != NULL) {
+    addCount(&counts->nodesUpdated, updated);
+  }
+  return ctSuccess;
+}
+
+void ctReject(ctChainTree* tree) {
+  if (tree != NULL) {
+    tree->trial->open = false;
+  }
+}
+
+bool ctHasTrial(const ctChainTree* tree) {
+  return tree != NULL && tree->trial->open;
+}
+
+int64_t ctGetTrialCount(const ctChainTree* tree) {
+  return tree != NULL ? tree->trialCount : 0;
+}
+
+int64_t ctGetAcceptedCount(const ctChainTree* tree) {
+  return tree != NULL ? tree->acceptedCount : 0;
+}
+
+int64_t ctGetChangeCount(const ctChainTree* tree) {
+  return tree != NULL ? tree->changeCount : 0;
+}
+
+double ctGetTotalShift(const ctChainTree* tree) {
+  return tree != NULL ? tree->merged.total : 0;
 }

@@ -24,7 +24,7 @@ typedef struct Trial {
   Piece* pieces;
   Frame* motions; /* i + 1: of change i together with all changes around it; 0: the identity */
 
-  /* Bodies that move as another does, up to rounding, are merged: they have its number in `pieces`, see ctTrialMerge.
+  /* Bodies that move as another does, up to rounding, are merged: they have its number in `pieces`, see merged.h.
    */
   double displacement;  /* nm: most displacement of their particles from where that number takes them */
   double distanceError; /* nm: most change of a distance within a body of `pieces`; 0: none are merged */
@@ -43,23 +43,16 @@ typedef struct Trial {
   int* userLinks;            /* of the changes */
 } Trial;
 
-/* Makes room for a number of changes; false, and nothing changed, if there is no memory. */
-bool ctTrialReserve(Trial* trial, int count);
-
-/* Proposes a trial of the caller's `given` changes, for which there is room: computes joint states, motions and pieces
- * from the state. Returns the caller's link that is changed twice, or CT_NULL. */
-int ctTrialPropose(Trial* trial, const Sequence* sequence, Traversal* traversal, const ctChange* given, int count);
-
-/* True if some body may move as another does, up to rounding. A trial of one change always moves something. */
-bool ctTrialMayMerge(const Trial* trial);
-
-/* Merges bodies that move as another does, up to rounding: what lies behind a closed window counts as static. `reach`:
- * in the state no particle with a slot is farther from worldOrigin. */
-void ctTrialMerge(Trial* trial, double reach, int levelCount);
-
-/* Sets the joints to their states after or before the trial, and updates sequence and tree; returns how many nodes were
- * recomputed. After that, applying the state before restores every bit, since everything is a function of the state. */
-int ctTrialApply(Trial* trial, bool after, Sequence* sequence, Tree* tree, Traversal* traversal);
+/* Adds a piece that begins at a slot. */
+static inline void addPiece(Trial* trial, int slotBegin, int body) {
+  if (trial->pieceCount > 0 && trial->pieces[trial->pieceCount - 1].slotBegin == slotBegin) {
+    trial->pieceCount--; /* the last piece has no slots */
+  }
+  if (trial->pieceCount > 0 && trial->pieces[trial->pieceCount - 1].body == body) {
+    return;
+  }
+  trial->pieces[trial->pieceCount++] = (Piece){slotBegin, body};
+}
 
 /* The view of the trial; if not `moved`, of its pieces before it. */
 View ctTrialView(const Trial* trial, bool moved, bool surfaces, double reach);

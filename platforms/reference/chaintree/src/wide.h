@@ -34,7 +34,7 @@
   F(bool, testRecentClashes, \
     (const RecentClashes* w, Traversal* t, const View* view, CandidateFunction* function, void* context, \
      ctCounts* counts, int64_t* cost)) \
-  /* wide/clearance.c: tests and accepted trials return what they have cost. */ \
+  /* wide/clearance.c: testing and accepting return their cost. Drop earlier tests first. */ \
   F(void, measureClearances, (Clearance* c, Traversal* t, double reach)) \
   F(int64_t, testByClearance, \
     (Clearance* c, Traversal* t, const View* view, ClearanceFunction* function, void* context, ctCounts* counts)) \

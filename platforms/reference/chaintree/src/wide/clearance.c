@@ -335,7 +335,6 @@ int64_t CT_WIDE(testByClearance)(Clearance* c, Traversal* t, const View* view, C
   placeMixedLeaves(t);
   ClearanceTest test = {.function = function, .context = context};
   test.reach = (float)(view->reach + floatMargin(t->coordinateBound + fabs(view->reach)));
-  c->testedCount = 0;
   test.outOfMemory = !CT_WIDE(listRuns)(c, t);
   if (!test.outOfMemory && !testMixedLeaves(t, &test)) {
     CT_WIDE(forEachRunPair)(c, t, testRunPair, &test, &test.cost);
