@@ -1,7 +1,7 @@
-# One program, or one file of pytest, is one test. A program that ends with 77 counts as skipped.
+# A program, or a file of pytest, is one test. A program that returns 77 counts as skipped.
 
-# Those that take longest begin first, so that none is left to run alone at the end: about how many seconds each takes.
-# ctest measures that, too, but knows nothing of it in its first run.
+# Approximate seconds of the longest tests. They begin first, so that none runs alone at the end; ctest has no times of its
+# own in its first run.
 set(CHAINTREE_LONG_TESTS
     test_package=58 test_race=47 test_two_levels=45 test_sample_forcefield=41 test_native_energies=40 test_native_solvent=40
     test_real_structures=38 test_sample_command=38 test_resuming=36 TestTrajectories=35 test_sampling_statistics=33
@@ -13,8 +13,8 @@ set(CHAINTREE_LONG_TESTS
     test_clashes_command=13 TestThreads=13 TestCounts_sanitized=13 test_pictures=13 TestRandomLeaves_sanitized=12
     TestStandIn=12 test_outputs=12 test_hard_structures=12 TestScales_sanitized=11 test_damaged_files=11)
 
-# chaintree_label_test(name label ...): labels a test, and limits its time to many times what the slowest takes on two
-# busy cores, so that only what hangs meets the limit.
+# chaintree_label_test(name label ...): labels a test, and limits its time to many times that of the slowest on two busy
+# cores, so that only tests that hang exceed it.
 function(chaintree_label_test name)
     set(seconds 900)
     if("sanitized" IN_LIST ARGN)

@@ -1,5 +1,5 @@
-# Stops where the Python module would build and import, and then fail in the user's hands: its classes can be handed to
-# OpenMM's only if both modules were written by SWIG with the same runtime, and for the same OpenMM.
+# Stops a build whose Python module would import but then fail for users: OpenMM's module accepts its classes only if SWIG
+# wrote both modules with the same runtime, for the same OpenMM.
 
 if(NOT OpenMM_PYTHON_PACKAGE_DIR)
     message(FATAL_ERROR "${Python_EXECUTABLE} has no package openmm: install it (pip install openmm==${OpenMM_VERSION}), "

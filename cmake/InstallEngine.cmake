@@ -1,6 +1,6 @@
-# Installs the libraries in C by themselves, for programs in C or C++ that know nothing of OpenMM: a CMake package and a
-# file for pkg-config, both called chaintree. With CHAINTREE_ENGINE_ONLY that is all that is installed; else it is the
-# component `engine`, which only `cmake --install BUILD --component engine` installs.
+# Installs the C libraries alone, for C or C++ programs without OpenMM: a CMake package and a pkg-config file, both called
+# chaintree. With CHAINTREE_ENGINE_ONLY nothing else is installed; otherwise they are the component `engine`, which only
+# `cmake --install BUILD --component engine` installs.
 
 include(GNUInstallDirs)
 include(CMakePackageConfigHelpers)

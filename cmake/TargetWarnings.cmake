@@ -1,4 +1,4 @@
-# Gives a target of this project the warnings that its code is kept free of; further arguments add to them.
+# Enables this project's warnings for a target; further arguments add to them.
 function(chaintree_set_warnings target)
     target_compile_options(${target} PRIVATE
         -Wall -Wextra ${ARGN}

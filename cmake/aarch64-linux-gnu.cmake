@@ -1,4 +1,4 @@
-# Builds for Linux on 64-bit Arm by gcc, and runs what it has built under qemu (Debian: apt install
+# Cross-compiles with gcc for Linux on 64-bit Arm, and runs programs under qemu (Debian: apt install
 # g++-aarch64-linux-gnu qemu-user):
 #     cmake -S . -B build/aarch64 -DCMAKE_TOOLCHAIN_FILE=cmake/aarch64-linux-gnu.cmake -DCHAINTREE_ENGINE_ONLY=ON
 

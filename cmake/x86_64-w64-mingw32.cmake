@@ -1,5 +1,5 @@
-# Builds for Windows by MinGW-w64's gcc, and runs what it has built under wine (Debian: apt install
-# g++-mingw-w64-x86-64-posix wine). The engine alone: OpenMM for Windows has the C++ of Microsoft's compiler.
+# Cross-compiles with MinGW-w64's gcc for Windows, and runs programs under wine (Debian: apt install
+# g++-mingw-w64-x86-64-posix wine). Only for the engine: OpenMM for Windows uses Microsoft's C++.
 #     cmake -S . -B build/windows -DCMAKE_TOOLCHAIN_FILE=cmake/x86_64-w64-mingw32.cmake -DCHAINTREE_ENGINE_ONLY=ON
 
 set(CMAKE_SYSTEM_NAME Windows)

@@ -1,4 +1,4 @@
-"""The documentation as a site: README.md says how to build it."""
+"""Settings of the documentation's site; README.md has the command that builds it."""
 
 import sys
 from pathlib import Path
@@ -34,8 +34,8 @@ html_static_path = ["site/static"]
 html_css_files = ["site.css"]
 html_show_sourcelink = False
 pygments_style = "default"
-highlight_language = "none"  # of blocks that do not say: formulas, and what programs print
-# Prompts are no part of a command.
+highlight_language = "none"  # default of blocks: formulas and output
+# Do not copy prompts.
 copybutton_prompt_text = ">>> "
 
 # ---- Markdown ----
@@ -61,7 +61,7 @@ breathe_show_define_initializer = True
 breathe_show_enumvalue_initializer = True
 cpp_maximum_signature_line_length = c_maximum_signature_line_length = 80
 
-# What others document.
+# Names documented elsewhere.
 nitpick_ignore_regex = [
     ("py:.*", r"(openmm|numpy|np|npt|collections|os|typing|unit|app)(\..*)?|ArrayLike|Quantity|Residue"),
     ("cpp:identifier", r"(std|OpenMM)(::.*)?"),

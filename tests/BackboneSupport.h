@@ -2,7 +2,7 @@
 #define OPENMM_CHAINTREE_BACKBONESUPPORT_H_
 
 /**
- * What the tests of closed moves share: backbones like those of proteins, and a window of them.
+ * Common code of the tests of closed moves: backbones like those of proteins, and a window of them.
  */
 
 #include "ctclosure.h"

@@ -2,7 +2,7 @@
 #define OPENMM_CHAINTREE_CHECKPOINTSUPPORT_H_
 
 /**
- * What the tests of checkpoints and States share: a scene, a run on it, and how what is kept is written and read.
+ * Common code of the tests of checkpoints and States: a scene, a run on it, and writing and reading its state.
  */
 
 #include "openmm/serialization/XmlSerializer.h"

@@ -2,8 +2,8 @@
 #define OPENMM_CHAINTREE_FOREIGNSUPPORT_H_
 
 /**
- * What the tests of foreign Forces share: how OpenMM's evaluations are counted, and how foreign Forces are evaluated as
- * on platforms that know no Forces, only groups of them.
+ * Common code of the tests of foreign Forces: counting OpenMM's evaluations, and evaluating foreign Forces as on
+ * platforms that evaluate only groups of Forces.
  */
 
 #include "openmm/internal/ContextImpl.h"

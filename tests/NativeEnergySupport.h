@@ -2,7 +2,7 @@
 #define OPENMM_CHAINTREE_NATIVEENERGYSUPPORT_H_
 
 /**
- * What the tests of native energies share: a System to give Forces to, and its energies by a Scene and by OpenMM.
+ * Common code of the tests of native energies: a System that takes Forces, and its energies by a Scene and by OpenMM.
  */
 
 #include "openmm/HarmonicAngleForce.h"
@@ -68,7 +68,7 @@ private:
 
 /**
  * Two chains of beads, one without radii and one with tiny ones, in a Context with the Forces of a test. Forces are in
- * the System from index 1 on; each has a force group of its own, unless the test gives it another than 0.
+ * the System from index 1 on, in separate force groups unless the test sets a group other than 0.
  */
 class NativeScene {
 public:

@@ -2,7 +2,7 @@
 #define OPENMM_CHAINTREE_OUTERTESTSUPPORT_H_
 
 /**
- * What the tests of outer tests share: a scene with native energies and a foreign one, and a run on it.
+ * Common code of the tests of outer tests: a scene with native energies and a foreign one, and a run on it.
  */
 
 #include "CheckpointSupport.h"
@@ -27,7 +27,7 @@ public:
 };
 
 /**
- * A chain that clashes with itself at first, with native energies and a foreign one that says what it is told to.
+ * A chain that clashes with itself at first, with native energies and a foreign one with a given value.
  */
 class OuterScene : public BeadChain {
 public:

@@ -2,7 +2,7 @@
 #define OPENMM_CHAINTREE_SAMPLINGSUPPORT_H_
 
 /**
- * What the tests of TorsionMonteCarloIntegrator share: counts of moves, and a force that says what its energy is.
+ * Common code of the tests of TorsionMonteCarloIntegrator: counts of moves, and a force with a given energy.
  */
 
 #include "openmm/internal/ContextImpl.h"

@@ -36,7 +36,7 @@ inline double getLargestDifference(const Means& a, const Means& b)
 }
 
 /**
- * Five beads, of which the torsions have native energies. The steric force has a group of its own.
+ * Five beads whose torsions have native energies. The steric force has a separate group.
  */
 class ShortChain : public BeadChain {
 public:

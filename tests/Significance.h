@@ -56,7 +56,7 @@ inline double testEquallyLikely(const std::vector<int>& counts)
 }
 
 /**
- * The significance of two sets of counts of the same things. Those that come seldom are put together.
+ * The significance of the difference between two sets of counts. Rare classes are merged.
  */
 inline double testSameCounts(const std::vector<int>& counts1, const std::vector<int>& counts2)
 {

@@ -281,7 +281,7 @@ void testRefusedCheckpoints(Platform& platform)
 }
 
 /**
- * Moves must be the same in all that decides what they do, not only as many.
+ * Moves must agree in all parameters, not only in number.
  */
 void testCheckpointsOfOtherMoves(Platform& platform)
 {
@@ -324,7 +324,7 @@ void testCheckpointsOfOtherMoves(Platform& platform)
 }
 
 /**
- * What a refused checkpoint has brought are positions as if the user had set them.
+ * The positions of a refused checkpoint count as set by the user.
  */
 void testPositionsOfRefusedCheckpoint(Platform& platform)
 {

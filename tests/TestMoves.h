@@ -1,6 +1,5 @@
 /**
- * This tests the moves of TorsionMonteCarloIntegrator on one platform: what they draw, how they are changed, and bad
- * input.
+ * This tests the moves of TorsionMonteCarloIntegrator on one platform: their proposals, their setters, and bad input.
  */
 
 #include "openmm/VerletIntegrator.h"

@@ -163,8 +163,8 @@ vector<double> integrate(bool soft)
 }
 
 /**
- * Make a chain whose torsions are foreign in some ways. If they are in the group of pairs, what is left of them is in
- * another one.
+ * Make a chain whose torsions are foreign in some ways. If they are in the group of pairs, the native torsions are in
+ * another group.
  */
 unique_ptr<ChargedChain> createChain(Way way, int length)
 {
@@ -531,7 +531,7 @@ void testMixedEnergies(Platform& platform)
 
 void testSeveralContexts(Platform& platform)
 {
-    // Contexts of one System, and samplers of one Context: each has energies of its own.
+    // Contexts of one System, and samplers of one Context: each has separate energies.
 
     ChargedChain chain(8, 0.1);
     chain.torsions->setForceGroup(1);

@@ -251,7 +251,7 @@ static void testLattice(void)
     oracleDestroy(scene);
 }
 
-/* What the sweep over x lists is what two loops over all particles find. */
+/* The sweep over x lists the same pairs as two loops over all particles. */
 static void testSweep(void)
 {
     randomSource random = randomSourceFromSeed(1);

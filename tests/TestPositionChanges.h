@@ -146,7 +146,7 @@ void testUserEdits(Platform& platform)
 
 void testVirtualSites(Platform& platform)
 {
-    // What the user sets for a virtual site counts for nothing, also if it would clash.
+    // Positions that the user sets for a virtual site are ignored, even if they would clash.
 
     const double tolerance = getTolerance(platform);
     BeadChain chain(8, 0.3);
@@ -331,7 +331,7 @@ void testTwoSamplers(Platform& platform)
 }
 
 /**
- * A force that does what a barostat does: it moves particles before a step and tells nobody.
+ * A force that silently moves particles before a step, as a barostat does.
  */
 class Mover : public Force {
 public:
@@ -607,7 +607,7 @@ void testStepCounts(Platform& platform)
 }
 
 /**
- * The minimizer counts as a user who sets positions: what it has made is where limits start.
+ * The minimizer counts as a user who sets positions: limits start at its result.
  */
 void testMinimizationInBetween(Platform& platform)
 {
@@ -637,7 +637,7 @@ void testMinimizationInBetween(Platform& platform)
 // ---- Other Contexts ----
 
 /**
- * A run of its own kind for each seed, in a System that may be shared.
+ * A different run for each seed, in a System that may be shared.
  */
 vector<Vec3> sample(System& system, const vector<Vec3>& positions, int seed, Platform& platform)
 {

@@ -189,7 +189,7 @@ void testRefusedReinitialize(Platform& platform)
 }
 
 /**
- * What a refused Context holds can be looked at, changed and written.
+ * The objects of a refused Context can be read, changed and written.
  */
 void testBetweenRefusalAndSuccess(Platform& platform)
 {
@@ -212,7 +212,7 @@ void testBetweenRefusalAndSuccess(Platform& platform)
     ASSERT(before == getOwnPart(rescued.createCheckpoint()));
     assertSameBits(positions, getPositions(*rescued.context));
 
-    // Moves are the integrator's own, and need not be what they were.
+    // Moves belong to the integrator, and may differ from those before.
 
     run.integrator.addTorsionMove(1, 0.1);
     run.context->reinitialize(true);

@@ -21,8 +21,8 @@ using namespace OpenMM;
 using namespace std;
 
 /**
- * The energy of the soft spheres is what a trial changes of it, whatever moves, with all kinds of pairs: at a
- * temperature of 0 it never rises, and it is the only thing that is asked.
+ * The change of the soft spheres' energy in a trial is correct for all moves and kinds of pairs: at a temperature of 0
+ * this energy never rises, and it is the only stage that is computed.
  */
 void testSoftEnergy(Platform& platform)
 {
@@ -330,7 +330,7 @@ void testEnergyIsSettled(Platform& platform)
                        system.addForce(new CustomExternalForce("x"));
                    }));
 
-    // The reciprocal space of a NonbondedForce has a group of its own.
+    // The reciprocal space of a NonbondedForce has a separate group.
 
     BeadChain chain(6, 0.1);
     NonbondedForce* nonbonded = new NonbondedForce();

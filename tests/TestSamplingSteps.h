@@ -217,7 +217,7 @@ void testLimits(Platform& platform)
     integrator.step(1);
     ASSERT_EQUAL(0, integrator.getNumToleratedClashes(context));
 
-    // An accepted proposal does not start them anew.
+    // An accepted proposal does not restart limits.
 
     context.setPositions(chain.positions);
     ASSERT(chain.force->proposeTorsions(context, {0}, {0.4}));
@@ -242,7 +242,7 @@ void testLimits(Platform& platform)
     });
     integrator.setInitialClashPolicy(TorsionMonteCarloIntegrator::Tolerate);
 
-    // The user can start them anew.
+    // The user can restart limits.
 
     integrator.setTorsionAngles(context, {0.4});
     ASSERT(chain.force->proposeTorsions(context, {0}, {0.4}));
@@ -350,7 +350,7 @@ void testCompoundIntegrator(Platform& platform)
 
 void testMinimization(Platform& platform)
 {
-    // The minimizer sets positions as a user does: what it leaves is where limits start.
+    // The minimizer sets positions as a user does: limits start at its result.
 
     BeadChain chain(4, 0.7, 0.5);
     chain.addMolecule(1, 0.5, 0, chain.positions[0] + Vec3(0, 0.1, 0));

@@ -78,7 +78,7 @@ void testGoingOnFromStates(Platform& platform)
 }
 
 /**
- * A State that does not fit brings what it can: its random numbers and limits.
+ * A State that does not match restores its random numbers and limits.
  */
 void testStatesThatDoNotFit(Platform& platform)
 {

@@ -79,7 +79,7 @@ void testUpdateParameters(Platform& platform)
     chain.force->updateParametersInContext(context);
     ASSERT(chain.force->hasClash(context));
 
-    // The structure stays what it was.
+    // The structure does not change.
 
     chain.force->addExclusion(0, 3);
     assertThrows("reinitialize the Context", [&] {

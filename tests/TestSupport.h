@@ -2,8 +2,7 @@
 #define OPENMM_CHAINTREE_TESTSUPPORT_H_
 
 /**
- * What the tests of the C++ classes share: how to run them on a platform, how to expect an error, and chains of beads
- * to test with.
+ * Common code of the tests of the C++ classes: running them on a platform, expecting errors, and chains of beads.
  */
 
 #include "openmm/Context.h"
@@ -105,8 +104,8 @@ inline double getTolerance(const OpenMM::Platform& platform)
 }
 
 /**
- * Whether LocalEnergyMinimizer can be relied on. On OpenCL over PoCL it crashes now and then, whatever the forces are:
- * in one of its own kernels, getScale.
+ * Whether LocalEnergyMinimizer is reliable. On OpenCL with PoCL it sometimes crashes in its kernel getScale, with any
+ * forces.
  */
 inline bool canMinimize(const OpenMM::Platform& platform)
 {
@@ -142,7 +141,7 @@ inline void assertSameBits(const std::vector<OpenMM::Vec3>& expected, const std:
 }
 
 /**
- * Check that positions are what they were set to, but for the rounding of the platform.
+ * Check that positions are those that were set, up to the rounding of the platform.
  */
 inline void assertRounded(const OpenMM::Platform& platform, const std::vector<OpenMM::Vec3>& expected,
                           const std::vector<OpenMM::Vec3>& found)

@@ -35,7 +35,7 @@ void testTorsionProposals(Platform& platform)
     double value = getDihedral(proposed[1], proposed[2], proposed[3], proposed[4]);
     ASSERT_EQUAL_TOL(remainder(M_PI + change, 2 * M_PI), value, tolerance);
 
-    // A query does not close the trial, and sees nothing of it.
+    // A query does not close the trial, and ignores it.
 
     Pairs pairs;
     vector<double> values;
@@ -273,7 +273,7 @@ void testVirtualSites(Platform& platform)
     ASSERT_EQUAL_VEC(moved[4] * 0.25 + moved[5] * 0.75, moved[6], tolerance);
     assertRounded(platform, {chain.positions[last]}, {moved[last]});
 
-    // What the site is set to counts as what the trial proposed, to the last bit: limits stay as they were.
+    // The computed site counts as proposed by the trial, to the last bit: limits do not change.
 
     BeadChain clashing(4, 0.7, 0.5);
     clashing.system.addParticle(0);
@@ -311,7 +311,7 @@ void testLimits(Platform& platform)
     ASSERT(chain.force->proposeTorsions(context, {0}, {0.1}));
     ASSERT(!chain.force->proposeTorsions(context, {0}, {-0.1}));
 
-    // Once less, it may become what it was, but still not more.
+    // After a decrease, the overlap may rise to its former value, but not above.
 
     ASSERT(chain.force->proposeTorsions(context, {0}, {0.3}));
     chain.force->acceptProposal(context);
@@ -330,7 +330,7 @@ void testLimits(Platform& platform)
     ASSERT(chain.force->proposeTorsions(context, {0}, {0.1}));
     ASSERT(!chain.force->proposeTorsions(context, {0}, {-0.1}));
 
-    // So does a clash that is accepted: what it clashes by is the limit from then on.
+    // So does an accepted clash: its overlap is the new limit.
 
     ASSERT(!chain.force->proposeTorsions(context, {0}, {-0.15}));
     chain.force->acceptProposal(context);

@@ -119,7 +119,7 @@ def look(run, columns):
 
 
 def sample(scene, way, seconds, seed, temperature, elsewhere):
-    """Return what one looks at, one row a step."""
+    """Return the observed quantities, a row per step."""
     run = makeRunOf(way, scene, seed, temperature, elsewhere)
     rows, end = [], time.process_time() + seconds
     while time.process_time() < end or len(rows) < 2 * BLOCKS:
@@ -156,7 +156,7 @@ def show(title, values, form="{:.3g}"):
 
 
 def compareChains(ways, scene, relaxed, temperature, firstSeed):
-    """Return whether all ways sample what the last one samples."""
+    """Return whether all ways sample the same distribution as the last one."""
     blocks = {}
     for number, (way, seconds) in enumerate(ways.items()):
         chains = []

@@ -1,7 +1,7 @@
-"""The long-double oracle (oracle/oracle.h) for tests in Python, and the links it needs, worked out by flood fills.
+"""The long-double oracle (oracle/oracle.h) for tests in Python, and its links, found by flood fills.
 
-Nothing here comes from the plugin but what the user put into the force, so that what the plugin makes of that is tested
-too. Numbers are in nm, rad and kJ/mol.
+The plugin contributes only the user's input in the force, so that its own processing is tested, too. Numbers are in nm,
+rad and kJ/mol.
 """
 
 import ctypes

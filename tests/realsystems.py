@@ -16,7 +16,7 @@ import pytest
 from openmm import unit
 from openmmchaintree import TorsionMonteCarloIntegrator, createStericExclusionForce
 
-# What a method of NonbondedForce is given.
+# Arguments of createSystem for each method of NonbondedForce.
 METHODS = {
     "no cutoff": {"nonbondedMethod": app.NoCutoff},
     "reaction field": {"nonbondedMethod": app.CutoffNonPeriodic, "nonbondedCutoff": 1.0},
@@ -139,7 +139,7 @@ def makeSystem(
     settings = {key: value * unit.nanometer if "utoff" in key else value for key, value in METHODS[method].items()}
     system = forceFieldOf(*files).createSystem(topology, **settings, **(options or {}))
     with warnings.catch_warnings():
-        warnings.simplefilter("ignore")  # of what is left out
+        warnings.simplefilter("ignore")  # about omitted parts
         force = createStericExclusionForce(topology, positions, **choice)
     if not steric:
         for particle in range(force.getNumParticles()):

@@ -1,4 +1,4 @@
-"""The site is built without a warning, and every link in it leads somewhere."""
+"""The site builds without warnings, and its internal links have targets."""
 
 import ast
 import html
@@ -31,7 +31,7 @@ def site(tmp_path_factory):
 
 
 class Page(HTMLParser):
-    """What a page links to, what can be linked to in it, and its text."""
+    """The links of a page, and the names to which pages can link."""
 
     def __init__(self, path):
         super().__init__()
@@ -65,7 +65,7 @@ def test_everyLinkWithinTheSiteLeadsSomewhere(site):
 
 
 def test_nothingIsTakenFromOtherSites(site):
-    """A page needs no network, and tells nobody who reads it."""
+    """Pages load nothing from other sites."""
     for path in site.rglob("*.html"):
         text = path.read_text(encoding="utf-8")
         taken = re.findall(r'<(?:script|img|iframe)[^>]*\ssrc="(https?:[^"]*)"', text)
@@ -83,7 +83,7 @@ def test_everyPublicNameIsThere(site):
 
 
 def test_resultsStandUnderReturns(site):
-    """SWIG writes results among the parameters; and aliases are what they are called in the source."""
+    """SWIG lists results among the parameters; aliases keep their names of the source."""
     text = re.sub(r"<[^>]+>", "", (site / "python-force.html").read_text(encoding="utf-8"))
     text = re.sub(r"\s+", " ", html.unescape(text))
     clashes = text[text.index("getClashes(context") :]

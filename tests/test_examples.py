@@ -1,4 +1,4 @@
-"""The examples run, do what they say, and have no type errors."""
+"""The examples run with the expected results, and have no type errors."""
 
 import csv
 import os
@@ -16,7 +16,7 @@ DOCS = PROJECT / "docs"
 
 
 def run(name, *arguments, folder, statuses=(0,)):
-    """Run an example in a folder, on the quickest platform that every machine has; return what it prints."""
+    """Run an example in a folder, on the fastest platform that every machine has; return its output."""
     command = [sys.executable, str(PROJECT / "examples" / name), *map(str, arguments)]
     environment = {**os.environ, "OPENMM_DEFAULT_PLATFORM": "CPU"}
     result = subprocess.run(command, cwd=folder, env=environment, capture_output=True, text=True)
@@ -32,7 +32,7 @@ def test_sampleProtein(tmp_path):
     assert int(outer[1]) <= int(outer[2])
     assert len(counts) == 3 and sum(move[0] for move in counts) == 400 - int(outer[3])
     assert all(move[0] == sum(move[1:]) for move in counts)
-    assert sum(move[3] for move in counts) + int(outer[3]) > 10  # the one test may well take all of them back
+    assert sum(move[3] for move in counts) + int(outer[3]) > 10  # the only outer test may undo all trials
     kinds = re.findall(r"^ +\d  (\w+) +(constant|native|foreign|not sampled) +\w+", output, re.MULTILINE)
     plan = re.findall(r"^ +\d  \w+ .*$", output, re.MULTILINE)
     assert len(plan) == 7 and "\n".join(plan) in (DOCS / "sampling.md").read_text(encoding="utf-8")
@@ -85,7 +85,7 @@ def test_noTypeErrors(tmp_path):
 
 
 def test_peptideMoves(tmp_path):
-    """A run so short that it sees only gross errors; the long one is for people."""
+    """A short run that notices only gross errors; people start longer ones."""
     output = run("validation/peptide_moves.py", "--draws", 40, "closed and hops", "local", "all", folder=tmp_path)
     accepted = re.findall(r"^(.+): 40 draws, ([0-9.]+) accepted", output, re.MULTILINE)
     assert [name for name, _ in accepted] == ["closed and hops", "local", "all"]
@@ -101,7 +101,7 @@ def test_drawnMoves(tmp_path):
 
 
 def test_turnedVelocities(tmp_path):
-    """So short a run shows that both kinds of turns are made, in one Context and in two; the long one is for people."""
+    """A short run that shows that moves are made in one Context and in two; people start longer ones."""
     settings = ["AllBonds", "handed"]
     output = run("validation/turned_velocities.py", *settings, "--steps", 600, folder=tmp_path, statuses=(0, 1))
     shares = re.findall(r"^(\w+) .*; accepted ([0-9.]+); \d+ tests", output, re.MULTILINE)

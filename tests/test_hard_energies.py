@@ -138,7 +138,7 @@ def test_start_with_a_bonded_term_that_is_no_number_names_the_force():
 
 
 def test_trials_without_an_energy_are_refused_and_counted():
-    """U is a number only while two beads are at least so far apart."""
+    """U is a number only while two beads are at least 0.8 nm apart."""
     chain = Chain()
     expression = openmm.CustomBondForce("1e-6*sqrt(r-0.8)")
     expression.addBond(0, LENGTH - 1, [])
@@ -155,7 +155,7 @@ def test_trials_without_an_energy_are_refused_and_counted():
 
 
 def test_a_start_of_infinite_energy_is_left():
-    """Atoms that overlap so much that OpenMM's energy is far beyond a float have an energy all the same."""
+    """Atoms whose overlap gives OpenMM an energy far beyond a float have a native energy."""
     chain = Chain()
     chain.addParticle()
     chain.positions = np.vstack([chain.positions, chain.positions[7] + [1e-5, 0, 0]])

@@ -1,6 +1,7 @@
-"""Energies of real systems as openmm-chaintree holds them: against OpenMM's Reference platform and, for what a trial
-changes, against the sum of all pairs in long double. Their trajectories have the same bits on each instruction set, and
-when a checkpoint resumes them.
+"""Native energies of real systems against OpenMM's Reference platform, and their changes against sums in long double.
+
+Changes in trials are compared with sums over all pairs. Trajectories have the same bits on each instruction set, and
+after resuming from a checkpoint.
 """
 
 import hashlib
@@ -17,7 +18,7 @@ from realsystems import METHODS, PairSum, Reference, Run, makeSystem
 
 # What U may be off from OpenMM's: kJ/mol, and relative to the Forces' energies.
 ABSOLUTE, RELATIVE = 5e-3, 1e-6
-# And what a trial's change may be off, kJ/mol.
+# The same for the change in a trial, kJ/mol.
 CHANGE = 1e-3
 
 # A temperature at which each trial without a clash is accepted.
@@ -45,9 +46,9 @@ def runAndCompare(system, positions, accepted, allowance=0, **choice):
     while run.accepted < accepted:
         run.run(2000)
         assert run.accepted > 0
-    # What is held is from what trials changed, so errors of these would have added up.
+    # The current energy is the sum of changes in trials, so their errors would have accumulated.
     assertAgreement(run, reference, allowance)
-    # Computed anew, it is the same but for roundings that fell otherwise: there is no drift beside them.
+    # A recomputed energy differs only by rounding: there is no drift.
     fresh = Run(system, run.positions)
     assert abs(run.energy - fresh.energy) <= ABSOLUTE
 
@@ -116,7 +117,7 @@ def test_energy_of_polynomial_torsions():
     runAndCompare(system, positions, 3000)
 
 
-# ---- What a trial changes ----
+# ---- Changes in trials ----
 
 
 @pytest.mark.parametrize("method", METHODS)

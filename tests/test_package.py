@@ -25,7 +25,7 @@ def site(tmp_path_factory):
         pytest.skip("OpenMM is not from a wheel")
     folder = tmp_path_factory.mktemp("site")
     options = ["--quiet", "--no-deps", "--no-index", "--no-build-isolation", "--target", str(folder)]
-    # What it computes is tested elsewhere. Without optimization the compilers take half of the time.
+    # Results are tested elsewhere. Without optimization, compiling takes half of the time.
     for language in ("C", "CXX"):
         options += ["-C", f"cmake.define.CMAKE_{language}_FLAGS_RELEASE=-O0"]
     subprocess.run([sys.executable, "-m", "pip", "install", *options, str(PROJECT)], check=True, env=environment())
@@ -43,7 +43,7 @@ def environment(**changes):
 def test_everyLibraryFindsTheOthersByItself(site, pattern):
     libraries = list((site / "openmmchaintree").glob(pattern))
     assert len(libraries) == 1
-    # Nothing of OpenMM is loaded in that process, so the paths in the library must lead to it.
+    # That process has not loaded OpenMM, so the library's paths must lead to it.
     subprocess.run([sys.executable, "-c", f"import ctypes; ctypes.CDLL({str(libraries[0])!r})"], check=True, cwd=site)
 
 

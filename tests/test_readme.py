@@ -1,4 +1,4 @@
-"""What README.md shows has to work."""
+"""The examples of README.md work."""
 
 import re
 from pathlib import Path

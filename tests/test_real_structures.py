@@ -26,7 +26,7 @@ SAME_POSITION = 1e-11
 
 CUTOFFS = (0.5, 0.8, 1.2)
 TRIALS = 2000
-FEWER_TRIALS = {"4hhb": 1000, "6msm": 500}  # the oracle looks at all pairs of these
+FEWER_TRIALS = {"4hhb": 1000, "6msm": 500}  # the oracle compares all pairs of these
 KINDS = ("phi", "psi", "omega", "chi", "rotor")
 
 # name: arguments of createStericExclusionForce, names of residues of mass 0
@@ -63,7 +63,7 @@ class Sampled:
         self.numTrials = FEWER_TRIALS.get(name, TRIALS)
         self.start = np.array(modeller.positions.value_in_unit(unit.nanometer))
         with warnings.catch_warnings():
-            warnings.simplefilter("ignore")  # what is left out and why is not what is tested here
+            warnings.simplefilter("ignore")  # notes on omitted parts are tested elsewhere
             self.force = createStericExclusionForce(modeller.topology, self.start, torsions=KINDS, **arguments)
         self.topology = modeller.topology
         self.system = openmm.System()
@@ -240,7 +240,7 @@ def test_verdicts_equal_the_oracles(sampled):
 
 
 def test_forces_equal_differences_of_the_energy(sampled):
-    """At positions shaken so much that bonds are no longer bonds and many pairs clash."""
+    """At perturbed positions, where bonds are broken and many pairs clash."""
     random = np.random.default_rng(1)
     positions = sampled.start + random.normal(scale=0.03, size=sampled.start.shape)
     sampled.setPositions(positions)

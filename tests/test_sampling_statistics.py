@@ -1,8 +1,7 @@
-"""What TorsionMonteCarloIntegrator samples is what it says: histograms against quadrature, by chi-squared tests.
+"""TorsionMonteCarloIntegrator samples the right distribution: histograms against quadrature, by chi-squared tests.
 
-Samples are enough trials apart to be independent, which is checked. A test fails if its p-value is below
-SIGNIFICANCE; seeds are fixed, so that it either always fails or never. That such tests can fail is shown by samplers
-with an error planted in them.
+Samples are enough trials apart to be independent, which is checked. A test fails if its p-value is below SIGNIFICANCE;
+seeds are fixed, so it fails always or never. Samplers with planted errors show that these tests can fail.
 """
 
 import numpy as np
@@ -167,7 +166,7 @@ def turn(count, maxAngle):
         ([turn(1, 2.5), turn(2, 0.3)], 60),
         ([lambda integrator: integrator.addLocalMove(1, 2, 50)], 60),
     ],
-    ids=["one torsion, anew", "both, anew", "one, a little", "both, a little", "mixed", "local"],
+    ids=["one torsion, any angle", "both, any angle", "one, small", "both, small", "mixed", "local"],
 )
 def test_hard_chain_is_uniform_in_the_allowed_region(moves, trialsBetween):
     system, force, positions = makeChain()

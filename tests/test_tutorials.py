@@ -1,7 +1,7 @@
-"""What tutorials show is what runs.
+"""The code of tutorials runs.
 
-The pieces of a program that a page shows are the whole program, in its order; test_examples.py runs that. All code of a
-page, what stands between these pieces too, runs from top to bottom; and so do its commands.
+The pieces of a program on a page form the whole program, in order; test_examples.py runs it. All code of a page, with
+the blocks between these pieces, runs from top to bottom; and so do its commands.
 """
 
 import re
@@ -25,7 +25,7 @@ TUTORIALS = {
 
 
 def blocksOf(page):
-    """Generate (name of a file, or the language of what the page has itself; text) of the blocks of code of a page."""
+    """Generate (file name, or language of the page's own code; text) of the code blocks of a page."""
     for path, options, language, text in _BLOCK.findall((DOCS / page).read_text(encoding="utf-8")):
         if path:
             file = DOCS / path
@@ -35,7 +35,7 @@ def blocksOf(page):
 
 
 def cut(text, options):
-    """Return what literalinclude takes of a text: from the first line with start-at to the next with end-before."""
+    """Return the part of a text for literalinclude: from the first line with start-at to the next with end-before."""
     lines = text.splitlines(keepends=True)
     start, end = (options.get(name, "").replace('\\"', '"') for name in ("start-at", "end-before"))
     first = next(number for number, line in enumerate(lines) if start in line)

@@ -1,12 +1,12 @@
-"""What is sampled in two levels is exp(-U/kT), whatever the stand-in: molecules of two torsions in generalized Born
-solvent against quadrature of OpenMM's energies.
+"""Two levels sample exp(-U/kT) with any stand-in: molecules with two torsions in generalized Born solvent, against
+quadrature of OpenMM's energies.
 
-An alanine dipeptide lies within the default cutoffs, so that its stand-ins neglect only what the grid of radii does;
-absurd ones are the sharp test, at a temperature at which they do not hold chains fast. In a chain of charged beads
-radii change more. Chains begin at different places; means of blocks of theirs are compared with quadrature by
-Student's test. Exact draws do not have to mix: after any number of trials from each of many of them they have to be
-distributed as before. A test fails if one of its p-values is below SIGNIFICANCE divided by their number (Bonferroni);
-seeds are fixed. long_two_levels.py does the same with larger molecules.
+An alanine dipeptide is smaller than the default cutoffs, so its stand-ins neglect only the rounding of radii; absurd
+stand-ins are the sensitive test, at a temperature at which chains still move. In a chain of charged beads radii
+change more. Chains begin at different places; Student's test compares means of their blocks with quadrature. Exact
+samples need not mix: after any number of trials from each of many, they must be distributed as before. A test fails
+if one of its p-values is below SIGNIFICANCE divided by their number (Bonferroni); seeds are fixed. long_two_levels.py
+does the same with larger molecules.
 """
 
 import numpy as np

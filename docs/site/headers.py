@@ -1,4 +1,4 @@
-"""The C and C++ headers, as doxygen reads them, for breathe."""
+"""Runs doxygen on the C and C++ headers for breathe."""
 
 import shutil
 import subprocess
@@ -54,7 +54,7 @@ def setup(app):
 
 
 def _readHeaders(app, config):
-    """Run doxygen on the headers of either language, and tell breathe where its output lies."""
+    """Run doxygen on the headers of both languages, and give breathe the location of its output."""
     if shutil.which("doxygen") is None:
         raise ExtensionError("doxygen was not found, which reads the C and C++ headers (Debian: apt install doxygen)")
     folder = Path(app.doctreedir) / "headers"

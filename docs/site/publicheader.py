@@ -1,4 +1,4 @@
-"""A filter for doxygen: write what is public of a header, with comments that doxygen reads.
+"""A filter for doxygen: writes the public part of a header, with comments in doxygen's form.
 
 python publicheader.py HEADER
 
@@ -15,19 +15,19 @@ _LEADING = re.compile(r"^( *)/\*(?!\*) ", re.MULTILINE)
 _FORMAT = re.compile(r"^/\* clang-format \w+ \*/\n", re.MULTILINE)
 _FILE = re.compile(r"\A/\* (\S+): (.*?)\*/\n", re.DOTALL)
 _PARAGRAPH = re.compile(r"(^ \*\n \* )((?:\w+ ?){1,4}\.) ", re.MULTILINE)
-# Sphinx would have the type and its other name as two declarations.
+# Sphinx would list the type and its alias as two declarations.
 _TYPEDEF = re.compile(r"^typedef (struct|enum) (\w+) \{(.*?)^\} \2;", re.MULTILINE | re.DOTALL)
-# Doxygen takes macros first, and then would take their section before the others.
+# Doxygen lists macros first, and would move their section to the front.
 _MACRO = re.compile(r"^/\*(?:(?!\*/).)*\*/\n#define .*\n\n?", re.MULTILINE | re.DOTALL)
-# One comment may stand above several declarations.
+# A comment can belong to several declarations.
 _FOLLOWING = re.compile(r"(?<=;\n)(?=[a-z]\w* [^\n]*\()", re.MULTILINE)
-# Doxygen would link it to a page of the file.
+# Doxygen would link this to a page of the file.
 _HEADER_NAME = re.compile(r'(?<!["\w])chaintree\.h')
 _NOT_PUBLIC = re.compile(r"^(?:protected|private):\n.*?^\};", re.MULTILINE | re.DOTALL)
 
 
 def ofC(text):
-    """Return a C header: sections as groups with a name, and what stands behind a member as its text."""
+    """Return a C header with sections as named groups, and comments behind members as their texts."""
     text = _FILE.sub(_fileComment, _FORMAT.sub("", text))
     text = _TYPEDEF.sub(r"\1 \2 {\3};", text)
     first, *sections = _SECTION.split(text)
@@ -41,14 +41,14 @@ def ofC(text):
 
 
 def ofCpp(text):
-    """Return a C++ header without what only friends and heirs can use."""
+    """Return a C++ header without its protected and private members."""
     return _NOT_PUBLIC.sub("};", text)
 
 
 def _fileComment(match):
-    """The comment that a header begins with: its first sentence, and paragraphs with a word of what they are about."""
+    """Return the comment at the top of a header in doxygen's form, with the first words of paragraphs in bold."""
     name, text = match.groups()
-    text = _PARAGRAPH.sub(r"\1**\2** ", re.sub(r'"([^"]*)"', "“\\1”", text))  # doxygen parts paragraphs at quotes
+    text = _PARAGRAPH.sub(r"\1**\2** ", re.sub(r'"([^"]*)"', "“\\1”", text))  # doxygen splits paragraphs at quotes
     return f"/** @file {name}\n * {text[0].upper()}{text[1:]}*/\n"
 
 

@@ -1,8 +1,8 @@
 """Signatures and docstrings of the package as the site shows them.
 
-Signatures are those of the source, or for SWIG's classes of the type stub, as they are written there: Python itself
-knows aliases such as ArrayLike by what they stand for, and SWIG's methods without types. Docstrings of SWIG's classes
-get the sections that all others have, so that what a call returns stands under Returns.
+Signatures are taken from the source, or from the type stub for SWIG's classes: Python itself resolves aliases such as
+ArrayLike, and has no types for SWIG's methods. Docstrings of SWIG's classes get the usual sections, with results under
+Returns.
 """
 
 import ast
@@ -18,7 +18,7 @@ from sphinx.util.docutils import SphinxDirective
 
 VERSION = openmmchaintree.__version__
 _PACKAGE = Path(openmmchaintree.__file__).parent
-# Aliases of the stub, which a leading underscore keeps out of the module, are shown without it.
+# Aliases of the stub have a leading underscore, which keeps them out of the module; the site omits it.
 _ALIAS = re.compile(r"\b_(?=[A-Z])")
 _FIELD = re.compile(r"^:(type|param|rtype|return)(?: (\w+))?: *(.*)$")
 _CALL = re.compile(r"(?<![\w`.:~])(?:(\w+)(?:::|\.))?(\w+)\(([^()`]*)\)")
@@ -28,7 +28,7 @@ _TYPES = {"boolean": "bool", "string": "str", ":py:class:`Context`": "openmm.Con
 
 
 def _definitions(file):
-    """Return {name: node} of the functions and classes of a file, and of the methods of these."""
+    """Return {name: node} of the functions, classes and methods of a file."""
     found = {}
     for node in ast.parse((_PACKAGE / file).read_text(encoding="utf-8")).body:
         if isinstance(node, ast.FunctionDef | ast.ClassDef):
@@ -44,7 +44,7 @@ _SOURCES = {path.stem: _definitions(path.name) for path in _PACKAGE.glob("*.py")
 
 
 def _aliases():
-    """Return {name: what it stands for} of the aliases of types in signatures of public names."""
+    """Return {alias: definition} of the type aliases in signatures of public names."""
     found = {}
     for file in [*sorted(_PACKAGE.glob("*.py")), _PACKAGE / "openmmchaintree.pyi"]:
         for node in ast.parse(file.read_text(encoding="utf-8")).body:
@@ -63,7 +63,7 @@ def _functionsOf(name):
 
 
 class _Types(SphinxDirective):
-    """The aliases of types in signatures, and what they stand for."""
+    """A directive that lists the type aliases in signatures with their definitions."""
 
     def run(self):
         lines = []
@@ -88,14 +88,14 @@ def setup(app):
 def _definitionOf(name):
     """Return the node of a name, such as openmmchaintree.Clash or openmmchaintree.Clash.method, or None.
 
-    What is no part of the package itself has the name of its module in between.
+    Names that the package does not export include their module.
     """
     _, owner, *member = name.split(".")
     module = getattr(getattr(openmmchaintree, owner), "__module__", owner).rpartition(".")[2]
     return _SOURCES.get(module, {}).get(".".join([owner, *member] if module != owner else member))
 
 
-# ---- Names in single backticks: links where they are of this package, else text ----
+# ---- Names in single backticks: links to names of this package, otherwise text ----
 
 
 def _nameRole(role, rawtext, text, lineno, inliner, options=None, content=()):
@@ -118,8 +118,8 @@ def _reference(environment, target, literal):
 
 
 def _linkNames(app, doctree):
-    """Do the same for code within the text of Markdown pages: a name, or a call with its arguments."""
-    if app.env.docname in ("c", "cpp", "architecture"):  # where classes are those of C++
+    """Link code in the text of Markdown pages: a name, or a call with arguments."""
+    if app.env.docname in ("c", "cpp", "architecture"):  # these mean C++ classes
         return
     for literal in list(doctree.findall(nodes.literal)):
         name = re.fullmatch(r"(?:\w+\.)?(\w+)(?:\(.*\))?", literal.astext())
@@ -129,7 +129,7 @@ def _linkNames(app, doctree):
 
 
 def _targetOf(name):
-    """Return the full name of what a page may mean by a name, or None."""
+    """Return the full name for a name on a page, or None."""
     if name in openmmchaintree.__all__:
         return f"openmmchaintree.{name}"
     owners = (owner for owner in ("TorsionMonteCarloIntegrator", "StericExclusionForce") if f"{owner}.{name}" in _STUB)
@@ -157,7 +157,7 @@ def _processSignature(app, what, name, object, options, signature, result):
 
 
 def _constructorOf(node):
-    """Return a function with the fields of a named tuple as its parameters, or None if it has none."""
+    """Return a function with the fields of a named tuple as its parameters, or None for other classes."""
     fields = [member for member in node.body if isinstance(member, ast.AnnAssign)]
     if not any(ast.unparse(base) == "NamedTuple" for base in node.bases):
         return None
@@ -186,7 +186,7 @@ def _skipMember(app, what, name, object, skip, options):
 def _processDocstring(app, what, name, object, options, lines):
     text = "\n".join(lines)
     if what == "attribute":
-        lines[:0] = ["..", ""]  # an empty comment, or else napoleon takes what stands before a colon for a type
+        lines[:0] = ["..", ""]  # an empty comment; otherwise napoleon takes words before a colon for a type
         return
     if re.search(r"^:(type|rtype)", text, re.MULTILINE):
         text = _inSections(text, _definitionOf(name))
@@ -194,7 +194,7 @@ def _processDocstring(app, what, name, object, options, lines):
 
 
 def _inSections(text, definition):
-    """Turn the fields that SWIG writes into sections; parameters of which it says "out" are results."""
+    """Turn SWIG's fields into sections; its "out" parameters are results."""
     description, fields = _splitFields(text)
     parameters, results = [], []
     for name, (kind, about) in fields.items():
@@ -205,7 +205,7 @@ def _inSections(text, definition):
         else:
             parameters.append((name, kind, about))
     returned = _STUB.get(ast.unparse(definition.returns)) if definition.returns else None
-    if len(results) > 1 and results[0][0] is None and returned:  # a named tuple, whose first field has a name, too
+    if len(results) > 1 and results[0][0] is None and returned:  # a named tuple, whose first field also has a name
         results[0] = (_constructorOf(returned).args.args[0].arg, *results[0][1:])
     return "\n".join([description.rstrip(), *_section("Parameters", parameters), *_section("Returns", results), ""])
 
@@ -238,13 +238,13 @@ def _section(title, entries):
 
 
 def _codeBlocks(text):
-    """Make indented lines after an empty one a block of code: in the text before sections they are nothing else."""
+    """Make indented lines after an empty line a code block, in the text before the sections."""
     head, *sections = _SECTION.split(text)
     return "".join([_INDENTED.sub(r"::\n\n\1", head), *sections])
 
 
 def _linkCalls(text, owner):
-    """Link what reads as a call of a method of this package."""
+    """Link calls of methods of this package."""
 
     def link(match):
         named, method, arguments = match.groups()

@@ -1,6 +1,6 @@
-"""What pages show of files beside docs: links to the page that shows them, or else to nothing; and pieces of programs.
+"""Links of pages to files outside docs, which lead to pages of the site or become text; and code blocks of programs.
 
-Pages are read in the repository, too, where ../CONTRIBUTING.md is a file. On the site it is a page.
+Pages are also read in the repository, where ../CONTRIBUTING.md is a file; on the site it is a page.
 """
 
 import re
@@ -8,7 +8,7 @@ from pathlib import PurePosixPath
 
 from docutils import nodes
 
-# Files and folders of the repository, and the pages that show them.
+# The pages for files and folders of the repository.
 PAGES = {
     "README.md": "index.md",
     "CHANGELOG.md": "changelog.md",
@@ -42,21 +42,21 @@ def _onSourceRead(app, name, source):
 
 
 def _onIncludeRead(app, path, parent, source):
-    """Do the same in what is included: README.md and its like lie beside docs, where the way to a page begins so."""
+    """Replace links in included files of the top folder, such as README.md, whose paths to pages begin with docs."""
     if path.suffix == ".md" and path.parent.as_posix() == "..":
         source[0] = _PICTURE.sub(r"\1", _LINK.sub(lambda match: _pageLink(match, "."), source[0]))
 
 
 def _endPieces(app, doctree):
-    """End blocks of code with their last line: pieces of programs come with the empty lines before the next piece."""
+    """Remove empty lines at the end of code blocks, which pieces of programs have."""
     for block in doctree.findall(nodes.literal_block):
-        if block.rawsource == block.astext():  # or else it is highlighted otherwise
+        if block.rawsource == block.astext():  # otherwise it is highlighted already
             block.rawsource = block.rawsource.rstrip()
             block[:] = [nodes.Text(block.rawsource)]
 
 
 def _pageLink(match, folder="docs"):
-    """Return what stands for a link that a file of a folder of the repository has."""
+    """Return the replacement for a link in a file of a folder of the repository."""
     text, target, anchor = match.group(1), match.group(2), match.group(3) or ""
     path = _normal(PurePosixPath(folder) / target) if target else folder
     isPath = text != "" and path.endswith(text)

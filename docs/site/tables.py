@@ -1,4 +1,4 @@
-"""Numbers in tables, which a narrow screen must not break, as at the sign of an exponent."""
+"""Prevents line breaks in numbers of tables, such as before a negative exponent, on narrow screens."""
 
 import re
 

@@ -193,7 +193,7 @@ static PairSum totalOf(const PairSums* sums)
     return total;
 }
 
-/* Far from the origin, positions in double are those of the oracle only so far. */
+/* Far from the origin, rounding limits the agreement of positions in double with the oracle's. */
 static long double placeDoubt(const Program* p)
 {
     long double far = 0;

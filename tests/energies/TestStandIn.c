@@ -173,7 +173,7 @@ static void compareState(Program* p)
         fail(p, "a refresh", 1, 0);
 }
 
-/* Proposes a change and computes all parts of what it does to the energy; false if it cannot be proposed. */
+/* Proposes a change and computes all parts of its energy change; false if it cannot be proposed. */
 static bool propose(Program* p, const ctChange* change, double parts[CT_ENERGY_PARTS], double* nearBack)
 {
     if (ctPropose(p->tree, 1, change) != ctSuccess)

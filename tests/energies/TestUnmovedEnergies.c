@@ -205,7 +205,7 @@ static void run(Bench* b, int trials, double windows, double shift)
         kept = now;
         if (ctGetTotalShift(b->tree) - shiftThen > CT_MOST_LAG) {
             const double fresh = freshEnergy(b);
-            require(memcmp(&now, &fresh, sizeof now) == 0, b, "nothing was computed anew", now - fresh);
+            require(memcmp(&now, &fresh, sizeof now) == 0, b, "no energy was recomputed", now - fresh);
             shiftThen = ctGetTotalShift(b->tree);
             renewed++;
         }
@@ -216,7 +216,7 @@ static void run(Bench* b, int trials, double windows, double shift)
         }
     }
     require(accepted > trials / 4, b, "too few trials are accepted", accepted);
-    require(shift == 0 || renewed > 0, b, "nothing was ever computed anew", renewed);
+    require(shift == 0 || renewed > 0, b, "no energy was ever recomputed", renewed);
 }
 
 int main(int argumentCount, char** arguments)

@@ -1,4 +1,4 @@
-/* randomPairSet.h: pair sets of every kind, by random choices, each with a formula in long double that says what it is.
+/* randomPairSet.h: random pair sets of every kind, each with a formula for its energy in long double.
  */
 #ifndef RANDOM_PAIR_SET_H_
 #define RANDOM_PAIR_SET_H_
@@ -7,7 +7,7 @@
 #include "oracle/randomSource.h"
 #include "pairOracle.h"
 
-/* Where parts of an energy add up, `size` is the sum of what they are without their signs. */
+/* `size` is the sum of the absolute values of the energy's parts. */
 typedef struct PairValue {
     long double energy;
     long double size;

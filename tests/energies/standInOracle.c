@@ -19,8 +19,8 @@ static long double decay(long double x)
     return ldexpl(c[0] + r * (c[1] + r * (c[2] + r * c[3])), (int)-n);
 }
 
-/* What a pair's Coulomb and Born energy is at the cutoff, per product of charges, as the library approximates it, or
- * its derivative. */
+/* A pair's Coulomb and Born energy at the cutoff, per product of charges, as approximated by the library, or its
+ * derivative. */
 static long double shiftOf(const StandInModel* model, int which, long double logI, long double logJ)
 {
     const int begin = which == 0 ? 0 : VALUE_RANK;

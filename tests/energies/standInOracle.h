@@ -7,7 +7,7 @@
 
 typedef struct StandInSum {
     long double energy;
-    long double doubt; /* by how much single precision may miss it */
+    long double doubt; /* bound on its error in single precision */
     bool isAmbiguous;  /* rounding may decide where a radius is on the grid or a pair at the cutoff, or some pair or
                           radius is beyond what the stand-in bounds */
 } StandInSum;
@@ -15,8 +15,8 @@ typedef struct StandInSum {
 /* `far` is the part of each Born sum that stands for particles far away. */
 StandInSum sumStandIn(const ctEnergyDefinition* d, int particleCount, const double* positions, const double* far);
 
-/* By how much the library misses at most what a pair is at the cutoff, per product of charges and in units of Coulomb's
- * constant, and a fifth of its derivative, for radii from 0.1 to 0.7 nm. */
+/* Largest error of the library's pair energy at the cutoff, per product of charges and in units of Coulomb's constant,
+ * and of a fifth of its derivative, for radii from 0.1 to 0.7 nm. */
 long double findWorstShift(const ctEnergyDefinition* d);
 
 #endif /* STANDIN_ORACLE_H_ */

@@ -54,7 +54,7 @@ def tokensOf(text: str, python: bool) -> list[Token]:
 
 
 class Source:
-    """A file, its tokens and what it defines."""
+    """A file, its tokens and its definitions."""
 
     def __init__(self, path: pathlib.Path):
         self.path = path

@@ -5,7 +5,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 
-/* The oracle looks at all pairs: what is slow finds little. */
+/* The oracle compares all pairs, and slow programs find little: limit their size. */
 static const int mostParticles = 250;
 static const int mostOperations = 1000;
 

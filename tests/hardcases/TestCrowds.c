@@ -107,7 +107,7 @@ static void testCoincident(double apart)
     for (int i = 0; i < 60; i++)
         addParticle(&scene, i % 4 == 0 ? addFreeLink(&scene) : scene.linkCount - 1, 0.3 + (i % 2) * apart, 0.2, 0.1,
                     0.1);
-    /* A bond of length 0 is no axis, so these move freely or not at all. */
+    /* A bond of length 0 has no axis, so these links are free or fixed. */
     addParticle(&scene, addFixedLink(&scene), 0.3, 0.2, 0.1, 0.1);
     HardCase hard;
     openCase(&hard, "coincident particles", &scene);

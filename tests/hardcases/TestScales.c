@@ -28,8 +28,8 @@ static void testSixOrders(void)
     sceneFree(&scene);
 }
 
-/* A sphere of radius 1000 and a chain of spheres of a thousandth that lies on it; the sphere is an obstacle, a molecule
- * of its own, or the chain's head. */
+/* A sphere of radius 1000 and, touching it, a chain of spheres a thousandth of its size; the sphere is an obstacle, a
+ * separate molecule, or the chain's head. */
 static void testHuge(int kind)
 {
     enum { LINKS = 150 };
@@ -85,7 +85,7 @@ static void testOffset(double x, double y, double z)
     sceneFree(&scene);
 }
 
-/* Two coils so far apart that what their distance rounds to is more than what pairs within one are apart. */
+/* Two coils so far apart that the rounding of their distance exceeds distances within a coil. */
 static void testFarApart(double distance)
 {
     Scene scene = {0};

@@ -1,5 +1,5 @@
-/* Spheres that touch but for some units in the last place: whatever an engine answers, all of them answer, and a trial
- * is judged as the state that it leads to. */
+/* Spheres whose gap or overlap is some units in the last place: all engines give the same answer, and a trial is
+ * decided like the state that it leads to. */
 #include "hardcase.h"
 
 #include <math.h>

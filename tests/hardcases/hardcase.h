@@ -1,8 +1,8 @@
 /* hardcase.h: a scene in the oracle, and in the engine once for each instruction set and each way of testing trials.
  *
- * Whatever is asked is asked of all of them. The engines must agree with each other in every bit; with the oracle in
- * every verdict and every listed pair that is farther than CT_SIGMA from its limit, and in numbers up to rounding. What
- * does not agree ends the program with a line that names the case.
+ * Every query is asked of all. The engines must agree with each other in every bit; with the oracle in each clash test
+ * and listed pair that is farther than CT_SIGMA from its limit, and in numbers up to rounding. A difference ends the
+ * program with a line that names the case.
  */
 #ifndef HARDCASE_H_
 #define HARDCASE_H_
@@ -21,15 +21,14 @@ typedef struct HardCase {
     int engineCount;
     ctChainTree* engines[MOST_ENGINES];
     oracleScene* oracle;
-    double positionError; /* nm: what rounding may do to a coordinate; the next two start from it */
-    double distanceError; /* nm: to a distance */
+    double positionError; /* nm: bound on the rounding error of a coordinate */
+    double distanceError; /* nm: the same for a distance */
     double* state;        /* the bits of ctGetState */
     double *positions, *others;
-    long clashing, clashFree, doubtful; /* verdicts so far */
+    long clashing, clashFree, doubtful; /* counts of test results */
 } HardCase;
 
-/* `name` is for messages. Compares all there is of the state; so do acceptTrial and dropTrial of what they cost little
- * to compare. */
+/* `name` is for messages. Compares the whole state; acceptTrial and dropTrial compare the parts that are cheap. */
 void openCase(HardCase* hard, const char* name, Scene* scene);
 void closeCase(HardCase* hard);
 
@@ -43,7 +42,7 @@ void compareChangedPairs(HardCase* hard, double cutoff);
 
 void acceptTrial(HardCase* hard);
 
-/* Nothing of the state may have changed by a bit. */
+/* No bit of the state may have changed. */
 void dropTrial(HardCase* hard);
 
 /* Positions, clashes, pairs within the cutoff, least distances, energy and forces, ctValidate. */

@@ -21,7 +21,7 @@ typedef struct Scene {
     double overlapTolerance;
 } Scene;
 
-/* Each returns the index of what it adds. A torsion's link turns about the line from particle `inner`, of the parent,
+/* Each returns the index of the added item. A torsion's link turns about the line from particle `inner`, of the parent,
  * to particle `outer`, of the link itself. */
 int addFixedLink(Scene* scene);
 int addFreeLink(Scene* scene);

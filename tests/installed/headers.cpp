@@ -1,4 +1,4 @@
-/* Each public header of the libraries in C can be read by a C++ compiler, and each library has what they declare. */
+/* A C++ compiler can read each public header of the C libraries, and each library defines its declarations. */
 #include <ctclosure.h>
 #include <ctdensity.h>
 #include <ctenergy.h>

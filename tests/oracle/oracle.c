@@ -288,7 +288,7 @@ typedef struct entry {
     double values[2];
 } entry;
 
-/* What a visitor needs to know, and the entries that it has found. */
+/* A visitor's data, and the entries that it has found. */
 typedef struct list {
     const oracleScene* scene;
     real cutoff;

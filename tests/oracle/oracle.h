@@ -1,16 +1,16 @@
-/* oracle.h: what the engine claims, computed in the plainest way there is.
+/* oracle.h: the engine's answers, computed in the simplest way.
  *
- * A scene of spheres in rigid links, in long double, where every answer comes from looking at all pairs. It shares no
- * code and no header with the engine, so that an error would have to be made twice to go unseen. The meanings are those
- * of chaintree.h; sizes and units too (nm, rad, kJ/mol).
+ * A scene of spheres in rigid links, in long double, where every answer comes from comparing all pairs. It shares no
+ * code and no header with the engine, so an error would have to be made twice to go unnoticed. Definitions, sizes and
+ * units are those of chaintree.h (nm, rad, kJ/mol).
  *
- * Everything is passed in flat arrays, so that C, C++ and Python's ctypes can all load it. A list function returns how
- * many entries there are and writes the first `capacity` of them, sorted, particle1 < particle2.
+ * Arguments are flat arrays, so that C, C++ and Python's ctypes can call it. A list function returns the number of
+ * entries and writes the first `capacity` of them, sorted, particle1 < particle2.
  *
- * Answers near a limit. A list is asked for with some slack and tells each entry's margin (how far it is beyond the
- * limit; negative: within it), so that the caller can accept either answer where the margin is too small to matter.
+ * Answers near a limit. A list is requested with some slack and gives each entry's margin (its distance beyond the
+ * limit; negative: within it), so that the caller can accept either answer if the margin is negligible.
  *
- * The oracle checks no arguments: it is handed only what the engine has accepted. Without memory it aborts.
+ * The oracle checks no arguments: callers pass only input that the engine has accepted. Without memory it aborts.
  */
 #ifndef ORACLE_H_
 #define ORACLE_H_

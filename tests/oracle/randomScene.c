@@ -232,8 +232,8 @@ static int firstParticleOf(const randomScene* scene, int link)
     return first;
 }
 
-/* Every other inner link with a free joint gets a ball joint, about a particle of its parent or its own. Nothing is
- * drawn, so that all else of a scene is what it was before there were ball joints. */
+/* Every other inner link with a free joint gets a ball joint, about a particle of its parent or of itself. This draws
+ * no random numbers, so the rest of the scene does not depend on it. */
 static void makeBallJoints(randomScene* scene)
 {
     for (int link = 1; link < scene->linkCount; link += 2) {

@@ -15,8 +15,8 @@ extern "C" {
 
 typedef struct randomSource {
     uint64_t state;
-    const unsigned char* bytes; /* that come before what the state gives, or NULL */
-    size_t byteCount;           /* of them left */
+    const unsigned char* bytes; /* used before numbers from the state, or NULL */
+    size_t byteCount;           /* number of unused bytes */
 } randomSource;
 
 randomSource randomSourceFromSeed(uint64_t seed);

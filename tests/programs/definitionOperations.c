@@ -21,7 +21,7 @@ static void* copyOf(const void* array, int count, size_t size)
     return copy;
 }
 
-/* The program's definition in arrays of its own. */
+/* The program's definition in separate arrays. */
 static ctDefinition copyDefinition(const Program* p, Copies* copies)
 {
     ctDefinition d = programDefinition(p);
@@ -186,7 +186,7 @@ static ctChange chooseExtremeChange(Program* p, const ctDefinition* d)
     return change;
 }
 
-/* Nobody says what the answers are worth; but they come, and end. */
+/* The answers are not checked, but every call must return. */
 static void askAll(Program* p, ctChainTree* tree)
 {
     const int first[] = {0};

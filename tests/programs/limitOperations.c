@@ -67,7 +67,7 @@ static bool isRaised(const Program* p, const Pair* limit)
     return old == NULL || old->values[0] != limit->values[0];
 }
 
-/* Raises limits in the engine, and fetches what it has then. */
+/* Raises limits in the engine, and reads its new limits. */
 static int raiseInEngine(Program* p, PairList* limits)
 {
     ctCounts counts;

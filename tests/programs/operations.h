@@ -1,4 +1,4 @@
-/* operations.h: what a random program can do next. Each does something to both engine and oracle, or asks both. */
+/* operations.h: the operations of random programs. Each changes both engine and oracle, or queries both. */
 #ifndef OPERATIONS_H_
 #define OPERATIONS_H_
 

@@ -25,7 +25,7 @@
 
 enum { OPERATION_KINDS = 28 };
 
-/* What happened in all programs so far: proof that the comparison was about something. */
+/* Counts of events in all programs, which show that comparisons were not empty. */
 typedef struct Tally {
     long operations[OPERATION_KINDS]; /* in the order of operations.c */
     long programs, clashing, clashFree, doubtful, clashes, neighbors, changed, raised;
@@ -67,7 +67,7 @@ typedef struct Program {
     KeptSet kept;
 } Program;
 
-/* Takes the scene over; operations will be chosen by `random`, and with takesAnyPath what the trees are made for. */
+/* Takes ownership of the scene. `random` chooses operations and, with takesAnyPath, the paths of the trees. */
 void programCreate(Program* program, const char* name, randomScene scene, randomSource random, bool takesAnyPath,
                    Tally* tally);
 void programDestroy(Program* program);
@@ -86,10 +86,10 @@ void requireNear(const Program* program, const char* what, int index, double val
 #define SUCCEED(call) requireStatus(p, #call, call, ctSuccess)
 #define FAIL(expected, call) requireStatus(p, #call, call, expected)
 
-/* ---- What most operations check or choose ---- */
+/* ---- Common checks and choices ---- */
 
-/* How far apart (nm, or the like) the engine's numbers may be from the oracle's: by more in a chain of thousands of
- * links, each of which has its rounding. */
+/* Allowed difference between numbers of the engine and the oracle (nm or other units); larger in chains of thousands of
+ * links, each of which adds rounding. */
 double numberTolerance(const Program* program);
 
 void* programAllocate(int count, size_t size);

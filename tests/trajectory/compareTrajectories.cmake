@@ -1,11 +1,12 @@
-# Builds the engine and trajectory.c without and with optimization, by every compiler that there is, and requires that
-# what the program prints is the same for all and the project's own build (which is that with optimization in a Release), on every instruction set and however trials are tested; and what it has
-# printed on other machines (expected.txt), where the C library has the same sines and cosines.
+# Builds the engine and trajectory.c without and with optimization, by every available compiler. Requires that all programs,
+# and the project's own build (which counts as the optimized one in a Release), print the same on every instruction set and
+# with each way of testing trials; and that this is the output of other machines (expected.txt), if the C library has the
+# same sines and cosines.
 #
 # cmake -DPROGRAM=... -DSOURCE_DIR=... -DWORK_DIR=... -DCOMPILERS="..." -DOWN="..." -DAVX2=... -DAVX512=... -DEMULATOR=...
 #     -P compareTrajectories.cmake
-# PROGRAM is that of the project's own build by OWN, empty unless it is a Release; AVX2 and AVX512 are the options for these instruction sets.
-# EMULATOR runs programs where they are for another processor.
+# PROGRAM is the project's own build by the compiler OWN, empty unless it is a Release; AVX2 and AVX512 are the compiler
+# options for these instruction sets. EMULATOR runs programs for another processor.
 
 set(engine_dir "${SOURCE_DIR}/platforms/reference/chaintree")
 file(GLOB sources "${engine_dir}/src/*.c")
@@ -85,7 +86,7 @@ string(REGEX MATCH "^[^\n]*" functions_elsewhere "${elsewhere}")
 if(NOT functions STREQUAL functions_elsewhere)
     message(STATUS "this C library rounds sines or cosines in its own way, so the scenes are others")
 elseif(NOT expected STREQUAL elsewhere)
-    message(FATAL_ERROR "other machines print\n${elsewhere}(a change that is meant to do that writes expected.txt anew)")
+    message(FATAL_ERROR "other machines print\n${elsewhere}(an intended change must rewrite expected.txt)")
 endif()
 compare_program("${PROGRAM}")
 foreach(compiler IN LISTS COMPILERS)

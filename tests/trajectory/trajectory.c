@@ -62,7 +62,7 @@ static void takeState(uint64_t* number, ctChainTree* tree, int particleCount)
 
 /* ---- The C library ---- */
 
-/* What the scenes depend on: not all C libraries round sines and cosines alike. */
+/* The functions that scenes depend on: C libraries round sines and cosines differently. */
 static void printFunctions(void)
 {
     uint64_t number = 0xcbf29ce484222325u;
