@@ -10,7 +10,7 @@ import tempfile
 
 COMMAND = [sys.executable, "-m", "openmmchaintree"]
 
-# What the command writes of the villin headpiece.
+# Output files of the command for the villin headpiece.
 VILLIN_FILES = ["villin-settings.toml", "villin-topology.pdb", "villin.dcd", "villin.png"]
 
 
@@ -64,7 +64,7 @@ def runOnATerminal(*arguments, folder, command=COMMAND, interruptAt=None, number
                 interruptAt = None
         os.close(controller)
         process.wait()
-        assert interruptAt is None, "it ended without showing what it was to be interrupted at"
+        assert interruptAt is None, "it ended before the output at which it was to be interrupted"
         output.seek(0)
         return process.returncode, output.read(), shown.decode(errors="replace")
 

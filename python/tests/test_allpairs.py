@@ -1,4 +1,4 @@
-"""The check by a k-d tree must find what it is there to find: what a look at every pair finds, to the bit."""
+"""The check by a k-d tree finds the same as a comparison of all pairs, to the bit."""
 
 import tracemalloc
 

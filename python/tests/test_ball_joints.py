@@ -85,7 +85,7 @@ def beadTopology(bonds, count):
 
 
 def test_ballJointsOfATopology():
-    # A ring of three with two tails, of which one begins with the highest number; and a molecule of its own.
+    # A ring of three with two tails, one of which begins with the highest number; and a separate molecule.
     bonds = [(1, 2), (2, 3), (3, 1), (3, 6), (6, 0), (2, 4), (7, 5)]
     with warnings.catch_warnings():
         warnings.simplefilter("error")

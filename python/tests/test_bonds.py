@@ -80,7 +80,7 @@ def test_macrocycle():
     assert partsOf(structure.topology) == 1
 
 
-# ---- What the file tells ----
+# ---- Bonds of files ----
 
 
 def test_glycans():
@@ -225,7 +225,7 @@ def test_ringThatTheNameDoesNotTell(tmp_path):
 
 
 def pair(path, elements, distance, residues=("LIG", "LIG"), names=None):
-    """Two ethanes, or the like, whose second atoms are at a distance (Å): return whether these are bonded."""
+    """Return whether the second atoms of two molecules such as ethane, at a distance (Å), are bonded."""
     lines, names = [], names or [f"{element}2" for element in elements]
     for number, (element, residue, name) in enumerate(zip(elements, residues, names, strict=True)):
         side = 1 - 2 * number

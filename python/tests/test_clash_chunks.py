@@ -137,7 +137,7 @@ def test_otherFiles(folder):
 
 
 def test_processes(runCommandHere, folder):
-    """The command's files and its output are the same with two processes, and nothing of them stays."""
+    """The command's files and its output are the same with two processes, which end."""
     files = {}
     for workers in (1, 2):
         outputs = [folder / f"by{workers}{ending}" for ending in (".csv", ".json", ".png")]

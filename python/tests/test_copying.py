@@ -54,7 +54,7 @@ def toXml(thing):
 @pytest.mark.parametrize("make", [makeForce, makeIntegrator])
 def test_duplicates(make):
     for duplicate in duplicates(make()):
-        gc.collect()  # nothing of the original is left
+        gc.collect()  # frees the original
         assert type(duplicate) is type(make())
         assert duplicate.thisown
         assert toXml(duplicate) == toXml(make())

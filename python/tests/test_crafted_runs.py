@@ -146,7 +146,7 @@ def test_wrong(run, tmp_path, place, value, words):
 
 
 def test_theRunsReports(run, tmp_path):
-    """What a checkpoint says that the run has written is not overwritten elsewhere."""
+    """Files that a checkpoint claims to have written are not overwritten elsewhere."""
     path = tmp_path / "run.checkpoint"
     header, checkpoints = checkpointfile.readCheckpoint(path)
     (tmp_path / "inner").mkdir()

@@ -30,7 +30,7 @@ def stericContext(structure, tolerance, integrator, platformName="Reference"):
 
 
 def amberSystem(villin):
-    """Villin in AMBER14 with implicit solvent, its steric force in a group of its own."""
+    """Villin in AMBER14 with implicit solvent, its steric force in a separate group."""
     forceField = app.ForceField("amber14-all.xml", "implicit/obc2.xml")
     system = forceField.createSystem(villin.topology, nonbondedMethod=app.NoCutoff)
     force = createStericExclusionForce(villin.topology, villin.positions)

@@ -64,7 +64,7 @@ def test_theFileIsBelievedElsewhere():
 
 @pytest.mark.parametrize("kind", ["pdb", "cif"])
 def test_files(tmp_path, kind):
-    """Two atoms that can be what they are said to be, and one that cannot."""
+    """Two atoms with possible elements in the file, and one with an impossible element."""
     calcium = pdbLine(9, "CA", "CA", "A", 3, 30, 0, 0, record="HETATM", element="CA")
     lines = [line[:77].rstrip() + "CA" if "CA  GLY A   2" in line else line for line in [*GLYCINES, calcium]]
     path = writePDB(tmp_path / "calcium.pdb", lines)

@@ -31,7 +31,7 @@ def readPlan(integrator, context):
 
 
 def energyByOpenMM(context):
-    """Return the energy of all Forces but that of the spheres, which has a group of its own."""
+    """Return the energy of all Forces except the spheres, which have a separate group."""
     (spheres,) = (each for each in context.getSystem().getForces() if each.getName() == "StericExclusionForce")
     groups = set(range(32)) - {spheres.getForceGroup()}
     return context.getState(energy=True, groups=groups).getPotentialEnergy()._value
@@ -51,7 +51,7 @@ def addPeriodicRestraints(system, villin):
 @pytest.mark.skipif(not hasattr(openmm, "PythonForce"), reason="this OpenMM has no PythonForce")
 @pytest.mark.parametrize("height, interval", [(0.5, 50), (1e4, 1)])
 def test_countedEvaluations(villin, height, interval):
-    """How often Python is asked for an energy is what the plan says."""
+    """The plan predicts the number of calls of the Python energy."""
     count = 0
 
     def compute(state):

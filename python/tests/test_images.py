@@ -172,7 +172,7 @@ def notesOnImages(path, *arguments):
 
 @pytest.mark.parametrize("turns", [(0, 0, 1), (1, 0, 0), (-1, 1, 0), (0, -1, -1)])
 def test_clashesWithImagesAreTold(tmp_path, turns):
-    """As many as there are where the image is in the file."""
+    """There are as many clashes as with the image in the file."""
     box = np.array([40.0, 42.0, 45.0])
     near = np.array([0.3, 0.2, 2.4])
     expected, notes = notesOnImages(twoGlycines(tmp_path, near, box))
@@ -213,5 +213,5 @@ def test_firstFrameOfATrajectory(tmp_path):
 
 
 def test_axesThatCRYST1DoesNotTell():
-    """4hhb has axes of its own (SCALE), in which images are elsewhere than CRYST1 alone would have them."""
+    """The axes of 4hhb (SCALE) place images elsewhere than CRYST1 alone."""
     assert notesOnImages(realStructurePath("4hhb.pdb"))[1] == []

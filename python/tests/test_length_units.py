@@ -1,4 +1,4 @@
-"""Positions in a wrong unit, and models that have only Cα atoms, are told by what they are."""
+"""Positions in a wrong unit, and models with only Cα atoms, are recognized."""
 
 import numpy as np
 import pytest

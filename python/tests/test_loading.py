@@ -52,7 +52,7 @@ def importError(site):
 
 
 def commandError(site):
-    """What the shell command prints."""
+    """Return the output of the shell command."""
     result = run(site, "import openmmchaintree_command; sys.exit(openmmchaintree_command.main())")
     assert (result.returncode, result.stdout) == (2, "")
     return result.stderr

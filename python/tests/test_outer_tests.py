@@ -1,4 +1,4 @@
-"""Outer tests in Python: what they are set by and what they tell, and runs that are killed within a block of trials."""
+"""Outer tests in Python: settings and statistics, and runs that are killed within a block of trials."""
 
 import copy
 import pickle

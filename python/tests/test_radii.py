@@ -69,7 +69,7 @@ def withResidue(topology, name, atoms):
 
 
 def test_moleculesHaveSetsOfTheirOwn():
-    """A ligand's hydrogen, or one of the protein, or those of water, say nothing of the others."""
+    """Hydrogens of a ligand, of the protein or of water do not affect the radii of other molecules."""
     topology = withResidue(withResidue(peptide("ALA", "TYR", "SER"), "LIG", "C1 O1 H1"), "HOH", "O H1 H2")
     count = topology.getNumAtoms()
     bonds = [(count - 6, count - 5), (count - 6, count - 4), (count - 3, count - 2), (count - 3, count - 1)]

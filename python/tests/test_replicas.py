@@ -26,7 +26,7 @@ def runHere(runCommandHere, tmp_path):
 
 
 def contents(folder, prefix):
-    """All that a run says of what it sampled, as bytes; headers of trajectories have their date."""
+    """Return all results of a run as bytes, without the dates in headers of trajectories."""
     found = {}
     for path in sorted(folder.glob(f"{prefix}-*.dcd")):
         found[path.name.removeprefix(prefix)] = path.read_bytes()[276:]

@@ -147,7 +147,7 @@ def test_otherMoves(villin):
 
 
 def guarded(context):
-    """Yield each call that needs what a refused reinitialize() leaves incomplete."""
+    """Yield each call that needs a Context that a refused reinitialize() left incomplete."""
     state = openmm.XmlSerializer.deserialize(fullState(context))
     checkpoint = context.createCheckpoint()
     yield lambda: context.loadCheckpoint(checkpoint)

@@ -280,7 +280,7 @@ def isConnected(neighbors, start, end):
 
 
 def test_rotatableBondsAreAllInNoRing():
-    """Those of proteins by their kinds, planar ends of side chains and what is left, as the carboxylate of the end."""
+    """Torsions of proteins by kind, planar ends of side chains, and others, such as the end's carboxylate."""
     topology = peptide(*sorted(HEAVY_ATOMS))
     ends = topology.addAtom("OXT", app.element.oxygen, list(topology.residues())[-1])
     topology.addBond(next(a for a in topology.atoms() if a.residue is ends.residue and a.name == "C"), ends)
