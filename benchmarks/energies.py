@@ -190,7 +190,7 @@ def _plan(options):
     if options.quick and options.trials is None:
         options.trials = _QUICK_TRIALS
     paths, skipped = findStructures(options, _FILES)
-    proteins = prepare(paths, options.warm or (_QUICK_TRIALS if options.quick else _WARM_TRIALS))
+    proteins = prepare(paths, _QUICK_TRIALS if options.quick else options.warm)
     rows = []
     if "work" in options.rows:
         methods = (REACTION_FIELD, NO_CUTOFF)
@@ -200,12 +200,6 @@ def _plan(options):
     return rows, skipped if hasCPU() else [*skipped, "OpenMM's energies: there is no CPU platform here"]
 
 
-def _draw(machine, entries):
-    from energypicture import draw  # Matplotlib takes long to import
-
-    return draw(machine, entries)
-
-
 def main(arguments=None):
     """Run the script; return its exit status."""
     about = (
@@ -213,9 +207,8 @@ def main(arguments=None):
         "instruction set and by OpenMM's CPU platform with one thread, on the same trials; and how far both are from "
         "OpenMM's Reference platform."
     )
-    parser = makeParser("energies.py", about, GROUPS, _RUNS, _FILES)
-    parser.add_argument("--warm", type=int, metavar="TRIALS", help=f"before anything is measured ({_WARM_TRIALS})")
-    return run(parser, arguments, _plan, makeTables, _draw, findWrong)
+    parser = makeParser("energies.py", about, GROUPS, _RUNS, _FILES, _WARM_TRIALS)
+    return run(parser, arguments, _plan, makeTables, "energypicture", findWrong)
 
 
 if __name__ == "__main__":

@@ -5,6 +5,7 @@ import sys
 import tempfile
 import time
 from collections.abc import Callable
+from importlib import import_module
 from pathlib import Path
 from typing import NamedTuple
 
@@ -84,7 +85,7 @@ def positive(text):
     return int(text)
 
 
-def makeParser(name, description, groups, runs, files=()):
+def makeParser(name, description, groups, runs, files=(), warm=None):
     """Return the parser of a benchmark with the options that all have.
 
     Parameters
@@ -92,6 +93,7 @@ def makeParser(name, description, groups, runs, files=()):
     groups : dict, what each group of rows is about
     runs : int, of each row
     files : names of structures that are taken where they lie ready; without any, no structure can be named
+    warm : int, trials that each protein goes through before anything is measured
     """
     about = "; ".join(f"{group}: {words}" for group, words in groups.items())
     parser = argparse.ArgumentParser(prog=name, description=f"{description} The groups of rows are {about}.")
@@ -106,6 +108,10 @@ def makeParser(name, description, groups, runs, files=()):
         )
     parser.add_argument("--rows", type=listOf(groups), default=list(groups), help="groups, with commas between them")
     parser.add_argument("--runs", type=positive, help=f"of each row, each with its own seed (default: {runs})")
+    if warm is not None:
+        parser.add_argument(
+            "--warm", type=positive, default=warm, help="trials before all others (default: %(default)s)"
+        )
     parser.add_argument("--trials", type=positive, help="of each run, in place of the number of its group")
     parser.add_argument("--seed", type=positive, default=1, help="of the first run (default: %(default)s)")
     parser.add_argument("--quick", action="store_true", help="only what is small, one run, few trials")
@@ -128,7 +134,8 @@ def run(parser, arguments, plan, makeTables, draw=None, judge=lambda entries: []
     ----------
     plan : function of the options that returns the Rows, and lines about what is skipped
     makeTables : function of the entries
-    draw : function of the machine and the entries that returns a matplotlib Figure, or None if there is nothing to draw
+    draw : name of a module with a function draw(machine, entries) that returns a matplotlib Figure, or None if there is
+        nothing to draw; it is imported late, since to import Matplotlib takes longer than a short race
     judge : function of the entries that returns lines about what is wrong with the results
     """
     options = parser.parse_args(arguments)
@@ -203,6 +210,6 @@ def _report(options, machine, entries, tables, notes, draw):
         lines = ["\n".join(f"- {name}: {words}" for name, words in machine.items())]
         lines += [table.markdown() for table in tables] + ["\n".join(f"- {note}" for note in notes)]
         Path(options.markdown).write_text("\n\n".join(filter(None, lines)) + "\n", encoding="utf-8")
-    figure = draw(machine, entries) if options.picture and draw else None
+    figure = import_module(draw).draw(machine, entries) if options.picture and draw else None
     if figure is not None:
         figure.savefig(options.picture, dpi=150)

@@ -1,14 +1,14 @@
-"""What single moves do to folded proteins, and how many more independent samples mixtures of them give than pivots."""
+"""What single moves do to folded proteins, and how many more independent samples the default moves give than pivots."""
 
 from matplotlib.figure import Figure
 from matplotlib.ticker import FuncFormatter, NullFormatter, PercentFormatter
 from measure import OURS
-from movetables import PIVOTS
+from movetables import DEFAULTS, PIVOTS
 from report import racesOf
 
 _KINDS = {"pivot": "#d55e00", "closed": "#1f5f8b", "local": "#009e73", "χ": "#7a5195", "side": "#e69f00"}
 _MARKERS = ("o", "s", "^", "D")
-# What bars stand for; not the RMSD, of which chains of minutes have too few independent ones.
+# What bars stand for.
 _BARS = {
     "phi": ("φ", "#1f5f8b"),
     "psi": ("ψ", "#56b4e9"),
@@ -21,7 +21,7 @@ _FONT = 8.5
 def draw(machine, entries):
     """Return the Figure of entries, or None if there is nothing to draw."""
     panels = []
-    for group, drawPanel in (("moves", _drawMoves), ("mixtures", _drawMixtures)):
+    for group, drawPanel in (("moves", _drawMoves), ("stationary", _drawRatios)):
         ofGroup = [race[OURS] for race in racesOf(entries, group)]
         if ofGroup:
             panels.append((drawPanel, ofGroup))
@@ -60,19 +60,21 @@ def _drawMoves(axis, entries):
     axis.legend(fontsize=_FONT - 1, frameon=False, ncols=2)
 
 
-def _drawMixtures(axis, entries):
+def _drawRatios(axis, entries):
+    """Draw a group of bars for each protein: what default moves give at least, to pivots alone."""
     pivots = {entry["chain"]: entry for entry in entries if entry["moves"] == PIVOTS}
-    lines = [entry for entry in entries if entry["moves"] != PIVOTS and entry["chain"] in pivots]
+    lines = [entry for entry in entries if entry["moves"] == DEFAULTS and entry["chain"] in pivots]
     height = 0.8 / len(_BARS)
     for place, entry in enumerate(lines):
-        for number, (key, (_, color)) in enumerate(_BARS.items()):
+        for number, (key, (words, color)) in enumerate(_BARS.items()):
             if key in entry["rate"]:
-                ratio = entry["rate"][key] / pivots[entry["chain"]]["rate"][key]
-                axis.barh(place - 0.4 + (number + 0.5) * height, ratio, 0.9 * height, color=color)
-    for words, color in _BARS.values():
-        axis.barh([0], [0], color=color, label=words)
-    axis.axvline(1, color="0.3", linewidth=1)
-    axis.set_yticks(range(len(lines)), [f"{entry['chain']}: {entry['moves']}" for entry in lines])
+                ratio, y = (
+                    entry["rate"][key] / pivots[entry["chain"]]["rate"][key],
+                    place - 0.4 + (number + 0.5) * height,
+                )
+                axis.barh(y, ratio, 0.9 * height, color=color, label=None if place > 0 else words)
+    axis.set_xscale("log")
+    axis.set_yticks(range(len(lines)), [entry["chain"] for entry in lines])
     axis.invert_yaxis()
-    axis.set_xlabel("independent samples a second, by those of pivots alone", fontsize=_FONT)
+    axis.set_xlabel("independent samples a second by default moves,\nat least, to pivots alone", fontsize=_FONT)
     axis.legend(fontsize=_FONT - 1, frameon=False)

@@ -5,15 +5,13 @@ PYTHONPATH=build/package python benchmarks/moves.py --csv moves.csv --markdown m
 
 import sys
 from collections.abc import Callable
-from functools import cache
 from typing import NamedTuple
 
 import mdtraj
 import numpy as np
-import openmm
 from autocorrelation import leastInefficiency, statisticalInefficiency
 from measure import OURS, Row, makeParser, medianTime, run, timed
-from movetables import DEFAULTS, LOCAL, PIVOTS, RMSDS, makeTables
+from movetables import DEFAULTS, PIVOTS, RMSDS, makeTables
 from openmm import unit
 from openmmchaintree import StericExclusionForce, addDefaultMoves, rotamerDensities
 from proteins import (
@@ -22,22 +20,18 @@ from proteins import (
     NUCLEOTIDE_BACKBONE,
     SIDE_CHAINS,
     findStructures,
-    nameOf,
     positionsOf,
     prepare,
-    readProtein,
 )
 
 GROUPS = {
     "moves": "acceptance, shift and time of each move alone",
-    "mixtures": "independent samples a second by mixtures of moves",
     "stationary": "independent samples a second by the default moves, and the most that pivots alone can give",
-    "coils": "independent radii of gyration a second of a loose chain of hard spheres",
 }
 
 _FILES = ("1bna.pdb", "1ubi_h.pdb", "5dfr_h.pdb")
 _RUNS, _WARM_TRIALS, _QUICK_TRIALS = 3, 200000, 800
-_TRIALS = {"moves": 80000, "mixtures": 400000, "stationary": 4000000, "coils": 600000}
+_TRIALS = {"moves": 80000, "stationary": 4000000}
 
 _STEP = 400  # trials, and an outer test
 _LEAST = 2  # steps
@@ -46,17 +40,13 @@ _LEAST = 2  # steps
 _LAG = 8000
 _LEAST_SHIFTED, _MOST_SHIFTED, _SHIFTED_SHARE = 10, 400, 20
 
-# Of mixtures and of long chains: the first of so many parts is left out.
-_LEFT_OUT, _LEFT_OUT_OF_LONG = 10, 4
-_TURN = 25  # steps
 _SLOW = 0.9  # the quantile of torsions that stands for the slow ones
 
-# Of the long chain: steps from one look to the next, an even number, as leastInefficiency needs it. Chains of pivots
-# begin with states that are evenly spaced in it; each is shorter by a factor; up to a part of their length, their
-# changes are looked at.
-_STEPS, _STARTS, _PART, _LAG_SHARE, _LEAST_LOOKS = 8, 4, 2.5, 0.75, 8
+# Of the long chain: steps from one look to the next, an even number, as leastInefficiency needs it; the first quarter
+# is left out. Chains of pivots begin with states that are evenly spaced in the rest; each is shorter by a factor; their
+# changes are looked at up to a share of their length.
+_STEPS, _LEFT_OUT, _STARTS, _PART, _LAG_SHARE, _LEAST_LOOKS = 8, 4, 4, 2.5, 0.75, 8
 
-_COIL_STEP, _UNFOLDING = 200, 200000  # trials
 _ENDS = 5  # residues at either end of a chain that may hang loose
 
 
@@ -103,8 +93,6 @@ def _draw(integrator, weight, protein, system):
 
 
 _ROTAMERS = Move("side chains drawn", _draw, SIDE_CHAINS)
-_DEFAULTS = Move(DEFAULTS, lambda i, weight, protein, system: addDefaultMoves(i, protein.topology, system))
-
 SINGLE_MOVES = (
     *(turn(BACKBONE, degrees) for degrees in (0.5, 1, 2)),
     *(close(degrees) for degrees in (4, 8, 12)),
@@ -116,34 +104,21 @@ SINGLE_MOVES = (
 )
 
 # Moves by their weights.
-_SIDES, _FEW_PIVOTS = ((0.5, turn(SIDE_CHAINS, 10)), (0.5, _ROTAMERS)), (0.1, turn(BACKBONE, 1))
-MIXTURES = {
+_MIXTURES = {
     PIVOTS: ((1.0, turn(BACKBONE, 1)), (1.0, turn(SIDE_CHAINS, 10)), (0.5, turn(SIDE_CHAINS, 180))),
-    "pivots, rotamers": ((1.0, turn(BACKBONE, 1)), *_SIDES),
-    "closed": ((1.0, close(8)), *_SIDES, _FEW_PIVOTS),
-    "local": ((1.0, bend(2, 1000)), *_SIDES, _FEW_PIVOTS),
-    "closed, local": ((0.7, close(8)), (0.4, bend(4, 3000)), *_SIDES, _FEW_PIVOTS),
-    DEFAULTS: ((1.0, _DEFAULTS),),
-}
-
-COIL_MOVES = {
-    LOCAL: bend(15, 300),
-    "backbone drawn again, alone": turn(BACKBONE, 180),
-    "addDefaultMoves, disordered": Move(
-        "", lambda i, weight, one, system: addDefaultMoves(i, one.topology, system, disordered=True)
-    ),
+    DEFAULTS: ((1.0, Move("", lambda i, weight, one, system: addDefaultMoves(i, one.topology, system))),),
 }
 
 # Torsions that are looked at together, by their kinds: those of proteins, and of nucleic acids.
 _WATCHED = {"phi": ("phi",), "psi": ("psi",), "chi1": ("chi1",), "backbone": NUCLEOTIDE_BACKBONE, "bases": ("chi",)}
 
 
-def _simulate(protein, system, seed, moves, step=_STEP):
+def _simulate(protein, system, seed, moves):
     """Return a Simulation of a System with (weight, Move) pairs."""
     simulation = protein.makeSimulation(system, seed, moves=())
     for weight, move in moves:
         move.add(simulation.integrator, weight, protein, system)
-    simulation.integrator.setTrialsPerStep(step)
+    simulation.integrator.setTrialsPerStep(_STEP)
     return simulation
 
 
@@ -179,8 +154,8 @@ def _moveRow(name, protein, move):
     return Row("moves", f"{name}, {move.name}", measure)
 
 
-def _describe(name, protein, moves, method=IMPLICIT_SOLVENT.name):
-    particles = len(protein.positions)
+def _describe(name, protein, moves):
+    method, particles = IMPLICIT_SOLVENT.name, len(protein.positions)
     return {"chain": name, "method": method, "moves": moves, "particles": particles, "contestant": OURS}
 
 
@@ -192,7 +167,7 @@ def autocorrelation(angles, lag):
     return float(np.cos(angles[lag:] - angles[:-lag]).mean())
 
 
-# ---- Mixtures ----
+# ---- Chains from states of the ensemble ----
 
 
 class Chain:
@@ -205,7 +180,7 @@ class Chain:
 
     def __init__(self, protein, system, seed, mixture, steps=1):
         """Begin at the positions of a protein, from which RMSDs are counted; `steps` lie between looks."""
-        self._simulation, self._steps = _simulate(protein, system, seed, MIXTURES[mixture]), steps
+        self._simulation, self._steps = _simulate(protein, system, seed, _MIXTURES[mixture]), steps
         self.trialsPerLook = steps * _STEP
         kinds = np.array([torsion.kind for torsion in protein.torsions])
         self._watched = np.isin(kinds, [kind for ofOne in _WATCHED.values() for kind in ofOne])
@@ -287,27 +262,6 @@ def summarize(inefficiencies, kinds):
     return found | dict(zip(RMSDS, map(float, inefficiencies), strict=False))
 
 
-def _mixtureRow(name, protein, mixtures):
-    """Return the Row of chains of mixtures from a folded start, in turns."""
-
-    def measure(course, seed):
-        trials, one = course.trials or _TRIALS["mixtures"], protein()
-        system = one.makeSystem(IMPLICIT_SOLVENT)
-        chains = {mixture: Chain(one, system, seed, mixture) for mixture in mixtures}
-        count = max(_LEAST, min(_TURN, trials // _STEP))
-        for _ in range(max(1, trials // (count * _STEP))):
-            for chain in chains.values():
-                chain.sample(count)
-        kept = {mixture: np.array(one.samples[len(one.samples) // _LEFT_OUT :]) for mixture, one in chains.items()}
-        mean = np.mean([values.mean(axis=0) for values in kept.values()], axis=0)  # all sample the same
-        return [
-            _describeChains(name, one, mixture, [chain], statisticalInefficiency(kept[mixture], mean))
-            for mixture, chain in chains.items()
-        ]
-
-    return Row("mixtures", name, measure)
-
-
 def _stationaryRow(name, protein):
     """Return the Row of a long chain of the default moves, and of chains of pivots from its states."""
 
@@ -315,7 +269,7 @@ def _stationaryRow(name, protein):
         trials, one = course.trials or _TRIALS["stationary"], protein()
         system = one.makeSystem(IMPLICIT_SOLVENT)
         looks = max(_LEAST_LOOKS, trials // (_STEPS * _STEP))
-        leftOut = looks // _LEFT_OUT_OF_LONG
+        leftOut = looks // _LEFT_OUT
         long = Chain(one, system, seed, DEFAULTS, _STEPS)
         long.sample(leftOut)
         starts = []
@@ -352,34 +306,6 @@ def _isSlower(inefficiencies):
     return np.concatenate([[True] * len(RMSDS), cosines >= sines, cosines < sines])
 
 
-# ---- A loose chain ----
-
-
-def _coilRow(name, protein, moves):
-    """Return the Row of a protein without energy, unfolded: how many independent radii of gyration there are."""
-
-    def measure(course, seed):
-        trials, one = course.trials or _TRIALS["coils"], protein()
-        system = openmm.System()
-        for atom in one.topology.atoms():
-            system.addParticle(atom.element.mass)
-        system.addForce(one.makeForce())
-        start = _simulate(one, system, seed, [(1.0, turn(BACKBONE, 180))], _COIL_STEP)
-        start.step(max(1, min(trials, _UNFOLDING) // _COIL_STEP))
-        simulation = _simulate(one, system, seed, [(1.0, COIL_MOVES[moves])], _COIL_STEP)
-        simulation.context.setPositions(positionsOf(start.context))
-        times, radii = [], []
-        for _ in range(max(2 * _LEAST, trials // _COIL_STEP)):
-            times.append(timed(simulation.step, 1)[1] / _COIL_STEP)
-            radii.append(float(np.sqrt(positionsOf(simulation.context).var(axis=0).sum())))
-        time = medianTime(times)
-        apart = _COIL_STEP * float(statisticalInefficiency(np.array(radii)[:, np.newaxis])[0])
-        rate = {"rg": 1e6 / (time["microseconds"] * apart)}
-        return [{**_describe(name, one, moves, "hard spheres"), **time, "rg": float(np.mean(radii)), "rate": rate}]
-
-    return Row("coils", f"{name}, {moves}", measure)
-
-
 # ---- The script ----
 
 
@@ -387,35 +313,22 @@ def _plan(options):
     if options.quick and options.trials is None:
         options.trials = _QUICK_TRIALS
     paths, skipped = findStructures(options, _FILES)
-    warm = options.warm or (_QUICK_TRIALS if options.quick else _WARM_TRIALS)
+    warm = _QUICK_TRIALS if options.quick else options.warm
     proteins = prepare(paths, warm, IMPLICIT_SOLVENT)
     moves = SINGLE_MOVES[::6] if options.quick else SINGLE_MOVES
-    mixtures = (PIVOTS, "closed", DEFAULTS) if options.quick else tuple(MIXTURES)
     rows = []
     if "moves" in options.rows:
         rows += [_moveRow(*one, move) for one in proteins.items() for move in moves]
-    if "mixtures" in options.rows:
-        rows += [_mixtureRow(*one, mixtures) for one in proteins.items()]
     if "stationary" in options.rows:
         rows += [_stationaryRow(*one) for one in proteins.items()]
-    if "coils" in options.rows:
-        unfolded = cache(lambda: readProtein(paths[-1]))
-        rows += [_coilRow(nameOf(paths[-1]), unfolded, moves) for moves in COIL_MOVES]
     return rows, skipped
-
-
-def _drawPicture(machine, entries):
-    from movepicture import draw  # Matplotlib takes long to import
-
-    return draw(machine, entries)
 
 
 def main(arguments=None):
     """Run the script; return its exit status."""
-    about = "Measure moves of proteins in AMBER14 with GBn2 at 300 K from the folded state, and of a loose chain."
-    parser = makeParser("moves.py", about, GROUPS, _RUNS, _FILES)
-    parser.add_argument("--warm", type=int, metavar="TRIALS", help=f"before anything is measured ({_WARM_TRIALS})")
-    return run(parser, arguments, _plan, makeTables, _drawPicture)
+    about = "Measure moves of proteins in AMBER14 with GBn2 at 300 K from the folded state."
+    parser = makeParser("moves.py", about, GROUPS, _RUNS, _FILES, _WARM_TRIALS)
+    return run(parser, arguments, _plan, makeTables, "movepicture")
 
 
 if __name__ == "__main__":

@@ -10,7 +10,7 @@ from measure import OURS, Row, makeParser, run
 from program import ProgramError
 from proteins import ChainModels, Model, findStructures
 from racetables import makeTables
-from rivals import RIVALS, runFromPython
+from rivals import RIVALS, isHere, runFromPython
 
 GROUPS = {
     "figures": "the paper's figures 7 and 8 and its table 1",
@@ -198,14 +198,8 @@ def _plan(options):
     paths, skipped = findStructures(options, FILES)
     proteins = [ChainModels(path) for path in paths]
     if "python" in options.rows:
-        skipped += [f"{rival.name}: it is not installed" for rival in RIVALS if not rival.isHere()]
+        skipped += [f"{rival.name}: it is not installed" for rival in RIVALS if not isHere(rival)]
     return [row for group in options.rows for row in _rowsOf(group, proteins, options.quick)], skipped
-
-
-def _draw(machine, entries):
-    from racepicture import draw  # Matplotlib takes longer to import than a short race
-
-    return draw(machine, entries)
 
 
 def main(arguments=None):
@@ -215,7 +209,7 @@ def main(arguments=None):
         "same trials, all of whose verdicts are compared; and against what one could call from Python."
     )
     parser = makeParser("race.py", about, GROUPS, _RUNS, FILES)
-    return run(parser, arguments, _plan, makeTables, _draw)
+    return run(parser, arguments, _plan, makeTables, "racepicture")
 
 
 if __name__ == "__main__":

@@ -132,11 +132,6 @@ class ScipyTrees(Rival):
         self._Tree = importlib.import_module("scipy.spatial").cKDTree
         self._excluded = np.unique(self._codes(*recording.exclusions.T))
 
-    @staticmethod
-    def isHere():
-        """Return whether it is installed."""
-        return importlib.util.find_spec("scipy") is not None
-
     def _clashes(self, moved, fixed, turned):
         # A tree for a single question need not be a good one.
         trees = [
@@ -169,11 +164,6 @@ class FclManagers(Rival):
         ]
         self._excluded = {frozenset((id(spheres[i]), id(spheres[j]))) for i, j in recording.exclusions.tolist()}
         self._request = self._fcl.CollisionRequest(num_max_contacts=1, enable_contact=True)
-
-    @staticmethod
-    def isHere():
-        """Return whether it is installed."""
-        return importlib.util.find_spec("fcl") is not None
 
     def _clashes(self, moved, fixed, turned):
         self._place(moved, turned)
@@ -223,11 +213,6 @@ class OpenMMForce(Rival):
             force.addExclusion(*pair)
         self._context = makeContext(CPU, len(self._radii), force)
 
-    @staticmethod
-    def isHere():
-        """Return whether OpenMM has the platform."""
-        return hasCPU()
-
     def _clashes(self, moved, fixed, turned):
         positions = self._positions.copy()
         positions[moved] = turned
@@ -262,6 +247,12 @@ class OurCalls:
 RIVALS = (ScipyTrees, FclManagers, OpenMMForce)
 
 
+def isHere(rival):
+    """Return whether what a rival needs is installed."""
+    needed = {ScipyTrees: "scipy", FclManagers: "fcl"}.get(rival)
+    return hasCPU() if needed is None else importlib.util.find_spec(needed) is not None
+
+
 def turnAbout(near, far, positions, angle):
     """Return positions turned by an angle about the line from one place to another."""
     axis = (far - near) / np.linalg.norm(far - near)
@@ -279,7 +270,7 @@ def runFromPython(record, seed):
     The first block, whose trials the program has not timed either, does not count.
     """
     recording = readRecording(record)
-    contestants = [rival(recording) for rival in (OurCalls, *(rival for rival in RIVALS if rival.isHere()))]
+    contestants = [rival(recording) for rival in (OurCalls, *filter(isHere, RIVALS))]
     times = {contestant.name: [] for contestant in contestants}
     for first in range(0, len(recording.trials), _BLOCK):
         block = recording.trials[first : first + _BLOCK]

@@ -172,16 +172,10 @@ def _plan(options):
     if options.quick and options.trials is None:
         options.trials = _QUICK_TRIALS
     paths, skipped = findStructures(options, _FILES)
-    warm = options.warm or (_QUICK_TRIALS if options.quick else _WARM_TRIALS)
+    warm = _QUICK_TRIALS if options.quick else options.warm
     proteins = prepare(paths, warm, IMPLICIT_SOLVENT)
     makers = {"solvent": _solventRow, "whole": _wholeRow, "standins": _standInRow}
     return [makers[group](*one) for group in options.rows for one in proteins.items()], skipped
-
-
-def _draw(machine, entries):
-    from solventpicture import draw  # Matplotlib takes long to import
-
-    return draw(machine, entries)
 
 
 def main(arguments=None):
@@ -190,9 +184,8 @@ def main(arguments=None):
         "Measure what trials of proteins in AMBER14 with GBn2 cost, outer tests included, in turns with OpenMM's CPU "
         "platform with one thread; and how near stand-ins are to the energy."
     )
-    parser = makeParser("solvent.py", about, GROUPS, _RUNS, _FILES)
-    parser.add_argument("--warm", type=int, metavar="TRIALS", help=f"before anything is measured ({_WARM_TRIALS})")
-    return run(parser, arguments, _plan, makeTables, _draw, findWrong)
+    parser = makeParser("solvent.py", about, GROUPS, _RUNS, _FILES, _WARM_TRIALS)
+    return run(parser, arguments, _plan, makeTables, "solventpicture", findWrong)
 
 
 if __name__ == "__main__":

@@ -99,7 +99,7 @@ static bool laneBegin(EnergyLane* lane, const EnergyContestant* contestant, cons
     lane->parts[part] = allocate(race->trialCount, sizeof(double));
   }
   const char* set = contestant == NULL ? NULL : contestant->instructionSet;
-  lane->tree = ourTreeWith(race->scene, "CHAINTREE_SIMD", set, race->energy, &lane->energy, error, size);
+  lane->tree = ourTreeWith(race->scene, race->energy, set, &lane->energy, error, size);
   if (lane->tree != NULL) {
     ourCheck(ctRefreshEnergy(lane->energy, NULL));
   }

@@ -20,10 +20,7 @@
   DO(PLAIN(contestantPublished))     \
   DO(PLAIN(contestantImproved))      \
   DO(CONTESTANT(contestantSimdGrid)) \
-  DO(contestantOurs)                 \
-  DO(contestantOursTree)             \
-  DO(contestantOursBoxes)            \
-  DO(contestantOursClearances)
+  DO(contestantOurs)
 
 #define DECLARE(name) extern const Contestant name;
 #define ADDRESS(name) &name,

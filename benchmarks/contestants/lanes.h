@@ -215,28 +215,12 @@ static inline void intLanesStoreSome(int* x, unsigned mask, IntLanes lanes) {
 #endif
 
 static inline int bitCount(unsigned mask) {
-#if defined(__GNUC__)
   return __builtin_popcount(mask);
-#else
-  int count = 0;
-  for (; mask != 0; mask &= mask - 1) {
-    count++;
-  }
-  return count;
-#endif
 }
 
 /* Of a number that is not 0. */
-static inline int lowestBit(uint64_t bits) {
-#if defined(__GNUC__)
-  return __builtin_ctzll(bits);
-#else
-  int place = 0;
-  for (; (bits & 1) == 0; bits >>= 1) {
-    place++;
-  }
-  return place;
-#endif
+static inline int lowestBit(unsigned bits) {
+  return __builtin_ctz(bits);
 }
 
 #endif /* LANES_H_ */

@@ -13,31 +13,11 @@ static void destroy(void* self) {
   free(self);
 }
 
-static void* makeOf(const Scene* scene, ctChainTree* tree) {
+static void* make(const Scene* scene) {
   Ours* ours = allocate(1, sizeof *ours);
   ours->scene = scene;
-  ours->tree = tree;
+  ours->tree = ourTreeOf(scene, scene->exclusionCount);
   return ours;
-}
-
-static void* make(const Scene* scene) {
-  return makeOf(scene, ourTreeOf(scene, scene->exclusionCount));
-}
-
-static void* makeWith(const Scene* scene, const char* variable, const char* value) {
-  return makeOf(scene, ourTreeWith(scene, variable, value, NULL, NULL, NULL, 0));
-}
-
-static void* makeTree(const Scene* scene) {
-  return makeWith(scene, "CHAINTREE_TRIALS", "tree");
-}
-
-static void* makeBoxes(const Scene* scene) {
-  return makeWith(scene, "CHAINTREE_TRIALS", "boxes");
-}
-
-static void* makeClearances(const Scene* scene) {
-  return makeWith(scene, "CHAINTREE_TRIALS", "clearances");
 }
 
 static bool test(void* self, int count, const Turn* turns) {
@@ -71,13 +51,12 @@ static const char* instructionSet(const void* self) {
   return ctGetInstructionSet(((const Ours*)self)->tree);
 }
 
-#define OURS(itsName, itsIdea, itsMake)                                                                    \
-  {                                                                                                        \
-    .name = itsName, .idea = itsIdea, .make = itsMake, .destroy = destroy, .test = test, .accept = accept, \
-    .reject = reject, .counts = counts, .instructionSet = instructionSet                                   \
-  }
-
-const Contestant contestantOurs = OURS("ours", "the engine of this project", make);
-const Contestant contestantOursTree = OURS("ours-tree", "the engine by its tree of spheres", makeTree);
-const Contestant contestantOursBoxes = OURS("ours-boxes", "the engine by its tree with oriented boxes", makeBoxes);
-const Contestant contestantOursClearances = OURS("ours-clearances", "the engine by its clearances", makeClearances);
+const Contestant contestantOurs = {.name = "ours",
+                                   .idea = "the engine of this project",
+                                   .make = make,
+                                   .destroy = destroy,
+                                   .test = test,
+                                   .accept = accept,
+                                   .reject = reject,
+                                   .counts = counts,
+                                   .instructionSet = instructionSet};

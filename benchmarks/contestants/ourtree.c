@@ -64,14 +64,15 @@ ctChainTree* ourTreeOf(const Scene* scene, int exclusionCount) {
   return makeTree(scene, exclusionCount, NULL, NULL, NULL, 0);
 }
 
-ctChainTree* ourTreeWith(const Scene* scene, const char* variable, const char* value, const Energy* energy,
-                         ctEnergy** made, char* error, size_t size) {
-  if (value == NULL) {
+ctChainTree* ourTreeWith(const Scene* scene, const Energy* energy, const char* instructionSet, ctEnergy** made,
+                         char* error, size_t size) {
+  static const char* const variable = "CHAINTREE_SIMD";
+  if (instructionSet == NULL) {
     return makeTree(scene, scene->exclusionCount, energy, made, error, size);
   }
   const char* before = getenv(variable);
   char* kept = before == NULL ? NULL : memoryOf(strdup(before));
-  setenv(variable, value, 1);
+  setenv(variable, instructionSet, 1);
   ctChainTree* tree = makeTree(scene, scene->exclusionCount, energy, made, error, size);
   if (kept == NULL) {
     unsetenv(variable);

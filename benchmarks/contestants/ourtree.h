@@ -12,9 +12,9 @@ void ourCheck(ctStatus status);
 /* The scene with its first `exclusionCount` exclusions. */
 ctChainTree* ourTreeOf(const Scene* scene, int exclusionCount);
 
-/* The scene, as if a variable of the environment (CHAINTREE_SIMD, CHAINTREE_TRIALS) had this value, unless NULL; and,
- * unless NULL, with an energy, which is made. NULL if an energy is refused; then `error`, of `size` bytes, says why. */
-ctChainTree* ourTreeWith(const Scene* scene, const char* variable, const char* value, const Energy* energy,
-                         ctEnergy** made, char* error, size_t size);
+/* The scene with an energy, by an instruction set, or by the best that there is if that is NULL. NULL if the energy is
+ * refused; then `error`, of `size` bytes, says why. */
+ctChainTree* ourTreeWith(const Scene* scene, const Energy* energy, const char* instructionSet, ctEnergy** made,
+                         char* error, size_t size);
 
 #endif /* OURTREE_H_ */

@@ -5,7 +5,7 @@ import moves
 import numpy as np
 import pytest
 from autocorrelation import leastInefficiency, statisticalInefficiency
-from movetables import PIVOTS
+from movetables import DEFAULTS, PIVOTS
 
 
 def test_everythingQuickly(runQuickly):
@@ -15,16 +15,12 @@ def test_everythingQuickly(runQuickly):
     for entry in singles:
         assert entry["accepted"] + entry["clashed"] <= entry["attempted"] <= 800
         assert -1 <= entry["autocorrelation"] <= 1 and entry["lag"] == 400 and entry["shift"] >= 0
-    mixtures = [entry for entry in entries if entry["group"] == "mixtures"]
-    assert mixtures[0]["moves"] == PIVOTS and len(mixtures) == 3
-    for entry in mixtures:
+    stationary = [entry for entry in entries if entry["group"] == "stationary"]
+    assert [entry["moves"] for entry in stationary] == [PIVOTS, DEFAULTS]
+    for entry in stationary:
         assert entry["rate"].keys() == {"phi", "psi", "chi1", "slow", "slowest", "rmsd", "rmsdWithoutEnds"}
-        assert all(rate * 400 * entry["microseconds"] < 1.000001e6 for rate in entry["rate"].values())
-    pivots, ours = [entry for entry in entries if entry["group"] == "stationary"]
-    assert pivots["moves"] == PIVOTS and pivots["rate"].keys() == ours["rate"].keys() == mixtures[0]["rate"].keys()
-    coils = [entry for entry in entries if entry["group"] == "coils"]
-    assert len(coils) == 3 and all(entry["rate"]["rg"] > 0 and entry["rg"] > 0.5 for entry in coils)
-    assert len(tables) == 4
+        assert all(rate * 3200 * entry["microseconds"] < 1.000001e6 for rate in entry["rate"].values())
+    assert len(tables) == 2
 
 
 def test_whatIsSlowIsSeen():

@@ -3,17 +3,12 @@
 import numpy as np
 import pivots
 import pytest
-from disordered import RESIDUES, makeSequence
 
 
 def test_everythingQuickly(runQuickly):
     _, entries, tables = runQuickly(pivots.main, "--trials", 400, picture=False)
-    ofPivots = [entry for entry in entries if entry["group"] == "pivots"]
-    assert len(ofPivots) == 5 and all(0 < entry["accepted"] <= 1 for entry in ofPivots)
-    ofProtein = [entry for entry in entries if entry["group"] == "disordered"]
-    assert [entry["contestant"] for entry in ofProtein] == ["pivots", "pivots and small ones", pivots.LANGEVIN]
-    assert all(0.5 < entry["rg"] < 3 for entry in ofProtein)
-    assert len(tables) == 2
+    assert len(entries) == 5 and all(0 < entry["accepted"] <= 1 for entry in entries)
+    assert len(tables) == 1
 
 
 @pytest.mark.parametrize("count", [27, 300])
@@ -31,5 +26,3 @@ def test_chains():
     assert distances.min() > 0.39
     force = pivots.makeForce(50, 0.1)
     assert force.getNumBallJoints() == 49 and force.getNumExclusions() == 49
-    sequence = makeSequence(300)
-    assert sequence == makeSequence(300) and set(sequence) <= set(RESIDUES)

@@ -104,7 +104,7 @@ def test_sceneAgreesWithTheForce(tmp_path, name):
 
 @pytest.mark.parametrize("rival", [*rivals.RIVALS, rivals.OurCalls])
 def test_rivalsAgreeWithTheProgram(tmp_path, rival):
-    if rival is not rivals.OurCalls and not rival.isHere():
+    if rival is not rivals.OurCalls and not rivals.isHere(rival):
         pytest.skip(f"{rival.name} is not installed")
     for chain in (ChainModels(None).heavyAtoms, race.Chain("random", 200)):
         recording = record(tmp_path, chain)
