@@ -87,7 +87,7 @@ EnergyPlan::EnergyPlan(const ContextImpl& context) : context(context)
 
 void EnergyPlan::copyForces()
 {
-    // A Force that was removed stays what it was: the Context keeps it.
+    // The Context keeps a Force that was removed from the System.
 
     const StericExclusionForce* steric = NULL;
     for (size_t i = 0; i < forces.size(); i++)

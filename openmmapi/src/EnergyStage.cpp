@@ -69,7 +69,7 @@ bool EnergyStages::decideBySum(TrialSession& trials, double logRatio, double tem
     for (numAsked = 0; numAsked < entries.size() && !std::isnan(sum); numAsked++) {
         Entry& entry = entries[numAsked];
         if (entry.takesPart) {
-            sum += entry.stage->computeChange(trials);
+            sum += entry.stage->computeEnergyChange(trials);
             entry.statistics.computed++;
         }
     }
@@ -91,7 +91,7 @@ bool EnergyStages::decideOneByOne(TrialSession& trials, double logRatio, double 
         if (!entry.takesPart)
             continue;
         const double drawn = random.drawUniform();
-        const double change = entry.stage->computeChange(trials);
+        const double change = entry.stage->computeEnergyChange(trials);
         const double stageLogRatio = toLogRatio(change + entry.stage->getCorrection(), temperature);
         entry.statistics.computed++;
         if (!(drawn < exp(isFirst ? logRatio + stageLogRatio : stageLogRatio))) // also if it is not a number
@@ -120,16 +120,16 @@ void EnergyStages::reject()
         last->statistics.rejected++;
 }
 
-void EnergyStages::keep()
+void EnergyStages::save()
 {
     for (Entry& entry : entries)
         if (entry.takesPart)
-            entry.stage->keep();
+            entry.stage->save();
 }
 
-void EnergyStages::takeBack()
+void EnergyStages::restore()
 {
     for (Entry& entry : entries)
         if (entry.takesPart)
-            entry.stage->takeBack();
+            entry.stage->restore();
 }

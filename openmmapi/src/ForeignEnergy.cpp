@@ -16,7 +16,7 @@ bool ForeignEnergy::begin(TrialSession& trials)
     return true;
 }
 
-double ForeignEnergy::computeChange(TrialSession& trials)
+double ForeignEnergy::computeEnergyChange(TrialSession& trials)
 {
     trials.showProposal();
     proposedEnergy = native.getForeign().computeEnergy(trials, parts);

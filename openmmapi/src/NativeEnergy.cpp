@@ -13,10 +13,10 @@ using namespace ChainTreePlugin;
 using namespace OpenMM;
 using namespace std;
 
-/** After so many trials OpenMM's energy is compared again: an evaluation then costs nothing beside them. */
+/** OpenMM's energy is compared again after this number of trials, which take far longer than an evaluation. */
 static const long long TRIALS_BETWEEN_CHECKS = 1000000;
 
-/** The same where the last comparison did not say much, because the energy was huge. It grows with each of these. */
+/** The same after a comparison that proved little, because the energy was huge. It doubles with each of these. */
 static const long long TRIALS_AFTER_VAGUE_CHECK = 1000;
 
 /** Overlapping cores exceed this energy, in kT: such states are never sampled. */
@@ -28,7 +28,7 @@ static const double CORE_ENERGY = 60;
  */
 static const double LOWEST_CORE_TEMPERATURE = 500;
 
-/** The number of trials to an outer test if the user does not say it: a whole energy then takes little of the time. */
+/** The default number of trials per outer test: a whole energy then takes little of the time. */
 static const int USUAL_TRIALS_PER_OUTER_TEST = 400;
 
 NativeEnergy::NativeEnergy(const TorsionMonteCarloIntegrator& integrator, StericExclusionForceImpl& force,
@@ -41,7 +41,7 @@ NativeEnergy::NativeEnergy(const TorsionMonteCarloIntegrator& integrator, Steric
     choice(getChoice()), forcesWereChanged(false), parametersWereChanged(true), energyIsOld(true),
     termsCanChange(false), pairsCanChange(false), valuesCanChange(false), foreign(context), trialsToCheck(0),
     checkInterval(TRIALS_AFTER_VAGUE_CHECK), numComputed(0), computedChange(0), nearChange(0), standInCutoff(0),
-    standInIsSet(false), whole({false, 0, 0}), keptWhole({false, 0, 0}), values({false, {}}), keptValues({false, {}})
+    standInIsSet(false), whole({false, 0, 0}), savedWhole({false, 0, 0}), values({false, {}}), savedValues({false, {}})
 {
     // The scene needs another tree for terms of more particles, so it gets the terms before it has a tree.
 
@@ -129,7 +129,7 @@ vector<EnergyPlan::Entry> NativeEnergy::describePlan()
 {
     updatePlan();
 
-    // What the next series of trials decides about the schedule is its business alone.
+    // Only a series of trials may change the schedule.
 
     const OuterSchedule present = schedule;
     beginSchedule();
@@ -163,7 +163,7 @@ vector<EnergyPlan::Entry> NativeEnergy::describePlan()
 // ---- What is left to outer tests of the foreign Forces ----
 
 /**
- * Get whether it is measured what is left to outer tests.
+ * Get whether measurements decide which foreign Forces outer tests evaluate.
  */
 bool NativeEnergy::choosesForeign() const
 {
@@ -271,7 +271,7 @@ const NativeEnergy::HeldEnergy& NativeEnergy::updateHeld()
 }
 
 /**
- * Bring up to date what a stand-in stands for. This comes after updateHeld(), which finds out whether it is.
+ * Update the energies that a stand-in replaces. This comes after updateHeld(), which finds out if they are current.
  */
 const NativeEnergy::WholeEnergy& NativeEnergy::updateWhole()
 {
@@ -282,7 +282,7 @@ const NativeEnergy::WholeEnergy& NativeEnergy::updateWhole()
 }
 
 /**
- * Bring the energies of values up to date. This comes after updateHeld(), too, if it is not within a trial.
+ * Update the energies of values. Outside of a trial, this also comes after updateHeld().
  */
 const vector<double>& NativeEnergy::updateValues()
 {
@@ -320,10 +320,10 @@ void NativeEnergy::compareWithOpenMM(TrialSession& trials, const vector<double>&
 
 void NativeEnergy::begin(TrialSession& trials)
 {
-    endTrial();
+    forgetTrial();
     beginSchedule();
 
-    // What no move can change is looked at once.
+    // Energies that no move can change are checked once.
 
     if (!hasTerms() || !(termsCanChange || pairsCanChange || valuesCanChange || trialsToCheck <= 0))
         return;
@@ -353,7 +353,7 @@ bool NativeEnergy::canChange(ctEnergyPart part) const
     return part == ctTermsPart ? termsCanChange : pairsCanChange;
 }
 
-double NativeEnergy::computeChange(ctEnergyPart part)
+double NativeEnergy::computeEnergyChange(ctEnergyPart part)
 {
     // The scene holds the energy of an accepted trial only if all parts were computed.
 
@@ -380,7 +380,7 @@ static double sumOf(const vector<double>& energies)
     return sum;
 }
 
-double NativeEnergy::computeValuesChange()
+double NativeEnergy::computeValueEnergyChange()
 {
     if (!termsCanChange && !pairsCanChange)
         trialsToCheck--;
@@ -394,7 +394,7 @@ double NativeEnergy::computeValuesChange()
     return change;
 }
 
-void NativeEnergy::endTrial()
+void NativeEnergy::forgetTrial()
 {
     numComputed = 0;
     computedChange = 0;

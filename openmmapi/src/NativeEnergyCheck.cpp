@@ -40,7 +40,7 @@ static const double PAIR_LOSS = 3e-8;
 static const double HUGE_ENERGY = 1e30;
 /** By how much particles are shaken in each direction, nm: far more than rounding, and too little for overlaps. */
 static const double SHAKE = 1e-3;
-/** How many times as much as an energy that is computed anew one may be off that was kept. */
+/** The error of a held energy, as a multiple of the error of a recomputed one. */
 static const double KEPT = 4;
 /** Mean force on a particle, kJ/mol/nm, beyond which there are overlaps that hide all else. */
 static const double LARGE_FORCE = 25000;
@@ -172,7 +172,7 @@ static set<int> findPairForces(const EnergyTerms& terms)
 }
 
 /**
- * Get what rounding of pairs makes of the energy of a Force, kJ/mol, in a System of so many particles.
+ * Estimate the error of the energy of a Force by rounding of pairs, kJ/mol, in a System of numParticles particles.
  */
 static double roundingOfPairs(const EnergyTerms& terms, int force, double gradient, double numParticles)
 {
@@ -220,7 +220,7 @@ static vector<Vec3> shake(vector<Vec3> positions)
 /**
  * Compute the energy of each Force in another scene.
  */
-vector<double> NativeEnergyCheck::computeAnew(const vector<Vec3>& positions) const
+vector<double> NativeEnergyCheck::recompute(const vector<Vec3>& positions) const
 {
     const unique_ptr<Scene> scene = makeScene();
     scene->getEnergy().setTerms(plan.getTerms());
@@ -232,16 +232,16 @@ vector<double> NativeEnergyCheck::computeAnew(const vector<Vec3>& positions) con
 /**
  * Find by how much more than usual the energies of Forces may differ at these positions. On a lattice a distance is
  * that of thousands of pairs, to the last bit, so that they are all rounded alike, and do not average out. That is so
- * if energies are as usual near these positions. Then what is allowed is what an energy is off that is computed anew.
+ * if energies are as usual near these positions. Then the allowance is the error of a recomputed energy.
  */
 vector<double> NativeEnergyCheck::findAllowances(const vector<Vec3>& positions, const vector<Result>& results) const
 {
     vector<double> allowances(context.getSystem().getNumForces(), 0);
     const vector<Vec3> shaken = shake(positions);
-    if (findDisagreement(evaluate(shaken), computeAnew(shaken), allowances) != NULL)
+    if (findDisagreement(evaluate(shaken), recompute(shaken), allowances) != NULL)
         return allowances;
     const set<int> pairForces = findPairForces(plan.getTerms());
-    const vector<double> energies = computeAnew(positions);
+    const vector<double> energies = recompute(positions);
     for (const Result& result : results)
         if (pairForces.count(result.force) != 0)
             allowances[result.force] = KEPT * abs(energies[result.force] - result.energy);

@@ -72,7 +72,7 @@ OuterTest::OuterTest(TrialSession& trials, NativeEnergy& native, EnergyStages& s
                      OuterStatistics& statistics, RandomNumberGenerator& random, double temperature, bool softSpheres) :
     trials(trials),
     native(native), stages(stages), moves(moves), statistics(statistics), random(random), temperature(temperature),
-    softSpheres(softSpheres), size(native.getTrialsPerOuterTest()), numTrials(0), numAccepted(0), stateIsKept(false),
+    softSpheres(softSpheres), size(native.getTrialsPerOuterTest()), numTrials(0), numAccepted(0), stateIsSaved(false),
     start({{0, {}}, 0})
 {
     if (size == 0)
@@ -86,10 +86,10 @@ OuterTest::~OuterTest()
 {
     try {
         if (numTrials > 0)
-            takeBack();
+            restore();
     }
     catch (...) {
-        // An exception is under way. What it was that could not be taken back, the next step refuses or starts from.
+        // Another exception is under way. The next step reports what is wrong, or starts from the state as it is.
     }
 }
 
@@ -103,41 +103,41 @@ OuterTest::Energies OuterTest::computeEnergies()
 
 void OuterTest::beginBlock()
 {
-    keptMoveCounts = moves.getStatistics();
-    keptStageCounts = stages.getAllStatistics();
-    if (stateIsKept)
+    savedMoveCounts = moves.getStatistics();
+    savedStageCounts = stages.getAllStatistics();
+    if (stateIsSaved)
         return;
-    trials.keepState();
-    native.keep();
-    stages.keep();
-    stateIsKept = true;
+    trials.save();
+    native.save();
+    stages.save();
+    stateIsSaved = true;
 }
 
 void OuterTest::endBlock()
 {
     const double drawn = random.drawUniform();
-    bool isKept = true;
+    bool isAccepted = true;
     const Energies proposed = numAccepted > 0 ? computeEnergies() : start;
     if (numTrials == size)
         native.takeNoticeOfTest(start.difference, proposed.difference);
     if (numAccepted > 0) {
-        isKept = decide(proposed, drawn);
-        if (isKept) {
+        isAccepted = decide(proposed, drawn);
+        if (isAccepted) {
             start = proposed;
-            stateIsKept = false;
+            stateIsSaved = false;
         }
     }
-    if (!isKept) {
+    if (!isAccepted) {
         statistics.trialsTakenBack += numTrials;
-        takeBack();
+        restore();
     }
     statistics.attempted++;
-    statistics.accepted += isKept ? 1 : 0;
+    statistics.accepted += isAccepted ? 1 : 0;
     numTrials = numAccepted = 0;
 }
 
 /**
- * Decide whether a block that has led to a state with these energies is kept.
+ * Decide whether to accept a block that has led to a state with these energies.
  */
 bool OuterTest::decide(const Energies& proposed, double drawn)
 {
@@ -151,12 +151,12 @@ bool OuterTest::decide(const Energies& proposed, double drawn)
     return drawn < exp(-change / (BOLTZ * temperature));
 }
 
-void OuterTest::takeBack()
+void OuterTest::restore()
 {
-    moves.setStatistics(keptMoveCounts);
-    stages.setAllStatistics(keptStageCounts);
+    moves.setStatistics(savedMoveCounts);
+    stages.setAllStatistics(savedStageCounts);
     numTrials = 0;
-    trials.takeBackState();
-    native.takeBack();
-    stages.takeBack();
+    trials.restore();
+    native.restore();
+    stages.restore();
 }

@@ -32,7 +32,7 @@ static vector<ctTable> describe(const vector<EnergyTerms::TableFunction>& tables
 }
 
 /**
- * The arrays of the library that hold the terms of one set.
+ * The arrays of the library for a set of terms.
  */
 class LibraryTerms {
 public:
@@ -63,7 +63,7 @@ private:
 };
 
 /**
- * The same of a set of pairs.
+ * The arrays of the library for a set of pairs.
  */
 class LibraryPairs {
 public:
@@ -96,7 +96,7 @@ private:
 };
 
 /**
- * The same of a value energy.
+ * The arrays of the library for a value energy.
  */
 class LibraryValues {
 public:
@@ -249,12 +249,11 @@ SceneEnergy::Handle SceneEnergy::create(ctChainTree* tree, const ctDefinition& s
     const vector<ctValueEnergy> valueEnergies = describeAll<ctValueEnergy>(terms.valueEnergies, valueArrays);
     const ctNonbonded nonbonded = terms.nonbonded.empty() ? ctNonbonded() : describe(terms.nonbonded[0]);
     const ctBorn born = terms.born.empty() ? ctBorn() : describe(terms.born[0]);
-    const ctStandIn standIn = {terms.standIn.bornCutoff, terms.standIn.pairCutoff, terms.standIn.gridWidth};
     ctEnergyDefinition definition = {};
     definition.scene = &scene;
     definition.nonbonded = terms.nonbonded.empty() ? NULL : &nonbonded;
     definition.born = terms.born.empty() ? NULL : &born;
-    definition.standIn = terms.born.empty() ? NULL : &standIn;
+    definition.standIn = terms.born.empty() ? NULL : &terms.standIn;
     definition.pairSetCount = pairSets.size();
     definition.pairSets = pairSets.data();
     definition.termSetCount = sets.size();

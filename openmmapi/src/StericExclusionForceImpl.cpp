@@ -142,9 +142,7 @@ void StericExclusionForceImpl::updateParametersInContext(ContextImpl& context)
 {
     if (!owner.hasStructureOf(*original))
         fail("its particles, bonds, torsions, ball joints, closures or exclusions are not those that the Context was "
-             "created "
-             "with; "
-             "reinitialize the Context");
+             "created with; reinitialize the Context");
     kernel.getAs<CalcStericExclusionForceKernel>().copyParametersToContext(context, owner);
     limits.parametersWereChanged();
     context.systemChanged();
@@ -341,7 +339,7 @@ void StericExclusionForceImpl::setLimits(ContextImpl& context, const vector<pair
 
 void StericExclusionForceImpl::createCheckpoint(CheckpointWriter& writer)
 {
-    // A run that goes on has the bits of one that begins with this, and the pause is no part of it.
+    // A run that continues has the bits of one that starts from this checkpoint, which does not hold the pause.
 
     velocities->forgetPause();
 
@@ -524,7 +522,7 @@ bool StericExclusionForceImpl::proposeTorsions(ContextImpl& context, const vecto
             fail("the change of torsion " + to_string(torsions[i]) + " is not finite");
     TrialSession session(*this, context, *scene, TrialSession::ApplyLimits);
     session.proposeTorsions(torsions, changes);
-    const bool isFree = session.isFree();
+    const bool isFree = session.test();
     session.leaveOpen();
     return isFree;
 }
@@ -541,7 +539,7 @@ bool StericExclusionForceImpl::proposeBallRotations(ContextImpl& context, const 
             fail("the rotation of ball joint " + to_string(ballJoints[i]) + " is not finite");
     TrialSession session(*this, context, *scene, TrialSession::ApplyLimits);
     session.proposeBallRotations(ballJoints, rotations);
-    const bool isFree = session.isFree();
+    const bool isFree = session.test();
     session.leaveOpen();
     return isFree;
 }
@@ -557,7 +555,7 @@ bool StericExclusionForceImpl::proposeRigidMotion(ContextImpl& context, int part
         fail("the molecule of particle " + to_string(particle) + " has fixed particles and cannot move");
     TrialSession session(*this, context, *scene, TrialSession::ApplyLimits);
     session.proposeRigidMotion(molecule, rotation, translation);
-    const bool isFree = session.isFree();
+    const bool isFree = session.test();
     session.leaveOpen();
     return isFree;
 }

@@ -480,7 +480,7 @@ void TorsionMonteCarloIntegrator::createCheckpoint(ostream& stream) const
     moves->createCheckpoint(writer);
     outerStatistics->write(writer);
     if (force != NULL) {
-        native->computeAnew();
+        native->recompute();
         writer.write(random->getState());
         writer.write(native->getStandIn());
         writer.write(OfCompleteContext);
@@ -586,7 +586,7 @@ void TorsionMonteCarloIntegrator::serializeParameters(SerializationNode& node) c
 {
     ContextUse use(lock, ContextLock::User);
     requireBound();
-    native->computeAnew();
+    native->recompute();
     node.setIntProperty("version", NEWEST_STATE_VERSION);
     moves->writeProgress(node.createChildNode("Moves"));
     node.createChildNode("Random").setStringProperty("state", random->getState());
@@ -734,7 +734,7 @@ static bool runTrial(MoveList::Entry& entry, TrialSession& trials, EnergyStages&
         entry.refused++;
         return false;
     }
-    if (!trials.isFree()) {
+    if (!trials.test()) {
         trials.reject();
         entry.clashed++;
         return false;

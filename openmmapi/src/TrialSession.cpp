@@ -86,7 +86,7 @@ void TrialSession::proposeRigidMotion(int molecule, const Vec3& rotation, const 
     ownTrial();
 }
 
-bool TrialSession::isFree()
+bool TrialSession::test()
 {
     force.proposalIsFree = limits == IgnoreLimits || scene.test();
     return force.proposalIsFree;
@@ -138,7 +138,7 @@ void TrialSession::showState()
     force.showState(context, scene);
 }
 
-void TrialSession::keepState()
+void TrialSession::save()
 {
     // Limits start from the state before the first trial.
 
@@ -146,7 +146,7 @@ void TrialSession::keepState()
     scene.save();
 }
 
-void TrialSession::takeBackState()
+void TrialSession::restore()
 {
     scene.restore();
     ownsTrial = false;

@@ -91,7 +91,7 @@ public:
     {
         return fault == RatioInFirstStage;
     }
-    double computeChange(TrialSession& trials)
+    double computeEnergyChange(TrialSession& trials)
     {
         trial = {getAngle(trials, false), getAngle(trials, true)};
         return trial.getNearChange();
@@ -115,7 +115,7 @@ public:
     {
         return true;
     }
-    double computeChange(TrialSession&)
+    double computeEnergyChange(TrialSession&)
     {
         return getEnergy(trial.after) - getEnergy(trial.before) - trial.getNearChange();
     }
@@ -260,7 +260,7 @@ public:
     {
         return antisymmetric;
     }
-    double computeChange(TrialSession&)
+    double computeEnergyChange(TrialSession&)
     {
         return change;
     }

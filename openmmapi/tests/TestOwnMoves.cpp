@@ -278,7 +278,7 @@ public:
         begun++;
         return takesPart;
     }
-    double computeChange(TrialSession&)
+    double computeEnergyChange(TrialSession&)
     {
         computed++;
         return say();
@@ -412,7 +412,7 @@ public:
         value = energy(getAngle(trials, false));
         return true;
     }
-    double computeChange(TrialSession& trials)
+    double computeEnergyChange(TrialSession& trials)
     {
         proposed = energy(getAngle(trials, true));
         return proposed - value;

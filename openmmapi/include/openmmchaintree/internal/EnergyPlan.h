@@ -62,7 +62,7 @@ public:
      */
     StericMode resolve(StericMode mode, int groups) const;
     /**
-     * Decide anew, by the values that the Context's parameters have now. Until setChangeableTerms() is called, nothing
+     * Make the plan for the present values of the Context's parameters. Until setChangeableTerms() is called, nothing
      * counts as constant.
      *
      * @param groups       the force groups that have a part in U, as a bit mask
@@ -151,7 +151,7 @@ private:
     /** The copies of those of native kinds, and the names of all others' classes. */
     std::vector<std::unique_ptr<OpenMM::Force>> copies;
     std::vector<std::string> classNames;
-    /** The one that is no part of U if its spheres are hard, and those that act on velocities or the box alone. */
+    /** The steric force, and Forces without an energy, which act on velocities or the box alone. */
     std::vector<bool> isSteric, hasNoEnergy;
     /** Whether a Force has an energy of pairs that holds all particles with a radius. */
     std::vector<bool> replacesSpheres;

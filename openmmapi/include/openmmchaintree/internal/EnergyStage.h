@@ -12,8 +12,8 @@
 namespace ChainTreePlugin {
 
 /**
- * An EnergyStage is a part of the energy U by which a trial is decided once it is known to be free of clashes. It keeps
- * whatever it has to know about the state.
+ * An EnergyStage is a part of the energy U that decides about a trial that is free of clashes. It holds what it needs
+ * of the state.
  */
 class OPENMM_EXPORT_CHAINTREE EnergyStage {
 public:
@@ -21,64 +21,64 @@ public:
     {
     }
     /**
-     * Get what the stage is about, in a word or two for people to read.
+     * Get a name of a word or two, for messages.
      */
     virtual std::string getName() const = 0;
     /**
-     * Begin a series of trials: find out what has to be known about the state, which may be any. Returns whether this
-     * part of U can be anything but 0 in these trials; if not, the stage is left alone until the next series.
+     * Begin a series of trials from any state. Returns whether trials can change this part of U; if not, the stage is
+     * not asked until the next series.
      */
     virtual bool begin(TrialSession& trials) = 0;
     /**
      * Compute by how much this part of U changes if the open trial becomes the state, in kJ/mol. NaN if the trial has
-     * no energy, so that it has to be refused.
+     * no energy, so that it has to be rejected.
      */
-    virtual double computeChange(TrialSession& trials) = 0;
+    virtual double computeEnergyChange(TrialSession& trials) = 0;
     /**
-     * Get whether the change of the way back would be the opposite one, as that of a function of the state always is. A
-     * stage that is not so needs one after it that makes it good; see EnergyStages::DecideOneByOne.
+     * Get whether the change of the way back is the opposite, as it is for a function of the state. If not, a later
+     * stage has to correct it; see EnergyStages::DecideOneByOne.
      */
     virtual bool isAntisymmetric() const
     {
         return true;
     }
     /**
-     * Get what this stage has to add to its change where stages decide one by one, to make good an earlier one that is
-     * not antisymmetric. It is asked for after computeChange().
+     * Get what this stage adds to its change where stages decide one by one, to correct an earlier stage that is not
+     * antisymmetric. Call this after computeEnergyChange().
      */
     virtual double getCorrection()
     {
         return 0;
     }
     /**
-     * Take notice that the trial that computeChange() was asked about has become the state.
+     * Take notice that the trial of computeEnergyChange() was accepted.
      */
     virtual void accept()
     {
     }
     /**
-     * Take notice that it was dropped.
+     * Take notice that it was rejected.
      */
     virtual void reject()
     {
     }
     /**
-     * Keep what is known about the state.
+     * Save what is known about the state.
      */
-    virtual void keep()
+    virtual void save()
     {
     }
     /**
-     * Take notice that the state is again what it was when keep() was called last, in the same series of trials.
+     * Take notice that the state of the last save() was restored, in the same series of trials.
      */
-    virtual void takeBack()
+    virtual void restore()
     {
     }
 };
 
 /**
- * The stages of U, in the order in which they are asked: cheapest first. A trial that one of them refuses costs nothing
- * in those after it.
+ * The stages of U, in the order in which they are asked: cheapest first. Later stages
+ * do not see a trial that an earlier one rejects.
  */
 class OPENMM_EXPORT_CHAINTREE EnergyStages {
 public:
@@ -100,7 +100,7 @@ public:
          * the state, or at least of the pair of states such that the way back has the opposite one: r_i(y, x) =
          * 1 / r_i(x, y). Since min(1, r) / min(1, 1 / r) = r, a(x, y) / a(y, x) is the product of all r_i, which is
          * what detailed balance asks for. (Christen and Fox, J. Comput. Graph. Stat. 14, 795 (2005).) It accepts less
-         * than the sum would: a stage may refuse what a later one would have made good.
+         * than the sum would: a stage may reject a trial that a later one would have favoured.
          *
          * A stage n may have a change d(x, y) that is not the opposite of d(y, x), if another stage l after it, whose
          * own change c is such that d + c is antisymmetric, adds the correction
@@ -114,18 +114,18 @@ public:
          * which is antisymmetric, so l contributes exp(-C(x, y) / kT) to a(x, y) / a(y, x). Stage n contributes
          * min(1, exp(-d(x, y) / kT)) / min(1, exp(-d(y, x) / kT)) = exp(-(max(0, d(x, y)) - max(0, d(y, x))) / kT). The
          * product is exp(-(d + c) / kT), as if both were antisymmetric. The ratio of proposals must be no part of
-         * stage n, where it would change the maxima: if n is the first one, it is tested before, by itself.
+         * stage n, where it would change the maxima: if n is the first one, it is tested before, alone.
          */
         DecideOneByOne
     };
     /**
-     * What has become of the trials that reached a stage.
+     * Counts of the trials that reached a stage.
      */
     class Statistics {
     public:
         /** The number of trials whose change was computed. */
         long long computed;
-        /** How many of them ended there. */
+        /** The number of trials that the stage rejected. */
         long long rejected;
     };
     EnergyStages();
@@ -139,7 +139,7 @@ public:
         return *entries[stage].stage;
     }
     /**
-     * Get what became of the trials that reached a stage, since it was added or resetStatistics() was called.
+     * Get the counts of a stage since it was added or resetStatistics() was called.
      */
     const Statistics& getStatistics(int stage) const
     {
@@ -157,7 +157,7 @@ public:
     void begin(TrialSession& trials);
     /**
      * Decide about the open trial, which is free of clashes. Follow this by accept() or reject(). A trial whose change
-     * of U is not a number is refused.
+     * of U is not a number is rejected.
      *
      * @param trials       the session of the trial
      * @param logRatio     what MonteCarloMove::computeLogRatio() returned
@@ -170,10 +170,10 @@ public:
     void accept();
     void reject();
     /**
-     * Keep what the stages know about the state, or take notice that it has been brought back.
+     * Save what the stages know about the state, or take notice that it was restored.
      */
-    void keep();
-    void takeBack();
+    void save();
+    void restore();
 
 private:
     class Entry {
@@ -185,7 +185,7 @@ private:
     bool decideBySum(TrialSession& trials, double logRatio, double temperature, RandomNumberGenerator& random);
     bool decideOneByOne(TrialSession& trials, double logRatio, double temperature, RandomNumberGenerator& random);
     std::vector<Entry> entries;
-    /** How many stages the open trial has reached. */
+    /** The number of stages that the open trial has reached. */
     size_t numAsked;
 };
 

@@ -95,9 +95,11 @@ public:
         double cutoff;
         std::vector<std::array<int, 2>> exclusions;
     };
-    /** What trials see instead of nonbonded and born; by default what TorsionMonteCarloIntegrator has. */
-    struct StandIn {
-        double bornCutoff = 0.55, pairCutoff = 0.8, gridWidth = 0.08;
+    /** How trials approximate nonbonded and born, with the defaults of TorsionMonteCarloIntegrator. */
+    struct StandIn : ctStandIn {
+        StandIn() : ctStandIn{0.55, 0.8, 0.08}
+        {
+        }
         bool operator==(const StandIn& other) const
         {
             return bornCutoff == other.bornCutoff && pairCutoff == other.pairCutoff && gridWidth == other.gridWidth;

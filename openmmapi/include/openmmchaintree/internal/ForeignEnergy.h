@@ -23,13 +23,13 @@ public:
         return "foreign forces";
     }
     bool begin(TrialSession& trials);
-    double computeChange(TrialSession& trials);
+    double computeEnergyChange(TrialSession& trials);
     void accept();
-    void keep()
+    void save()
     {
         keptEnergy = energy;
     }
-    void takeBack()
+    void restore()
     {
         energy = keptEnergy;
     }

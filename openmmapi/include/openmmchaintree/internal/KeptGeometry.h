@@ -28,7 +28,7 @@ public:
      */
     void check(Scene& scene, const OpenMM::System& system) const;
     /**
-     * Throw an exception if these positions can only come from those that were last seen by damage: if one number
+     * Throw an exception if only damage can have made these positions from agreedPositions: if one number
      * alone differs, or if some particles are where they were, but a link has another shape or a bond another length.
      * Returns whether they are the same but for periodic images.
      */

@@ -41,10 +41,10 @@ public:
         forcesWereChanged |= changed == OpenMM::State::Energy; // by updateParametersInContext() of a Force
     }
     /**
-     * Compute the energy of the state anew before it is used next. A run that goes on and one that is resumed from what
-     * was just saved then add up the same numbers in the same order.
+     * Recompute the energy of the state before its next use. A run that continues and one that resumes from what was
+     * just saved then add the same numbers in the same order.
      */
-    void computeAnew()
+    void recompute()
     {
         energyIsOld = true;
     }
@@ -71,24 +71,24 @@ public:
      */
     void begin(TrialSession& trials);
     /**
-     * Get whether moves can change a part. Nothing has to be asked about the others.
+     * Get whether moves can change a part.
      */
     bool canChange(ctEnergyPart part) const;
     /**
-     * Compute by how much the open trial changes a part, and those before it of which no trial asks.
+     * Compute by how much the open trial changes a part, and the parts before it that no move can change.
      */
-    double computeChange(ctEnergyPart part);
+    double computeEnergyChange(ctEnergyPart part);
     /**
-     * Take notice that the open trial has come to its end.
+     * Forget what was computed of the open trial, which has ended.
      */
-    void endTrial();
+    void forgetTrial();
     /**
-     * The same, and that it has become the state.
+     * Take notice that the open trial was accepted.
      */
-    void acceptTrial()
+    void accept()
     {
         whole.isCurrent = values.isCurrent = false;
-        endTrial();
+        forgetTrial();
     }
     /**
      * Get by how much the open trial changes the parts that were computed.
@@ -108,23 +108,23 @@ public:
     /**
      * Compute by how much the open trial changes the energies of values. This comes after all parts.
      */
-    double computeValuesChange();
+    double computeValueEnergyChange();
     /**
-     * Take notice that the trial of the last computeValuesChange() has become the state, after acceptTrial().
+     * Take notice that the trial of the last computeValueEnergyChange() was accepted, after accept().
      */
     void acceptValues()
     {
         values.energies.swap(proposedValues);
         values.isCurrent = true;
-        endTrial();
+        forgetTrial();
     }
     /**
-     * Get whether an energy is one that a state can have: neither NaN nor minus infinity, whose probability no other
-     * state would have a part of.
+     * Get whether a state can have this energy: neither NaN nor minus infinity, which would leave no probability to
+     * other states.
      */
     static bool isPossible(double energy);
     /**
-     * Throw an exception: the state has no such energy. It names the foreign Forces that have none.
+     * Throw an exception about a state whose energy is not possible, which names the foreign Forces that cause it.
      */
     [[noreturn]] void refuseState(TrialSession& trials) const;
     const ForeignForces& getForeign() const
@@ -153,14 +153,14 @@ public:
         return !plan.getTerms().born.empty() && pairsCanChange;
     }
     /**
-     * Get what the change of other pairs needs to make good that of near pairs; see EnergyStage::getCorrection().
+     * Get what the change of other pairs adds to correct that of near pairs; see EnergyStage::getCorrection().
      */
     double getNearCorrection();
     /**
-     * Get how many trials there are to an outer test in the series that has begun; 0 if there is none.
+     * Get the number of trials per outer test in the series that has begun; 0 without outer tests.
      */
     int getTrialsPerOuterTest() const;
-    /** What an outer test knows of U - U1 of a state. */
+    /** U - U1 of a state, for an outer test. */
     class Difference {
     public:
         /** U - U1; infinite if U is. */
@@ -174,7 +174,7 @@ public:
      */
     void takeNoticeOfTest(const Difference& before, const Difference& after);
     /**
-     * Warn if outer tests keep few trials.
+     * Warn if outer tests accept few trials.
      */
     void judgeOuterTests()
     {
@@ -185,21 +185,21 @@ public:
      */
     double getInnerEnergy();
     /**
-     * Keep what is known about the state, or take notice that it has been brought back.
+     * Save what is known about the state, or take notice that it was restored.
      */
-    void keep()
+    void save()
     {
-        keptWhole = whole;
-        keptValues = values;
+        savedWhole = whole;
+        savedValues = values;
     }
-    void takeBack()
+    void restore()
     {
-        endTrial();
-        whole = keptWhole;
-        values = keptValues;
+        forgetTrial();
+        whole = savedWhole;
+        values = savedValues;
     }
     /**
-     * Make the stand-in what it is in the state, if there is one, and measure again what is left to outer tests.
+     * Make the stand-in of the present state, if there is one, and measure foreign Forces for outer tests again.
      */
     void renewStandIn();
     /**
@@ -210,8 +210,8 @@ public:
         return standIn;
     }
     /**
-     * Set the numbers that getStandIn() returned. If they do not fit what is sampled, the stand-in is made anew by the
-     * next series of trials.
+     * Set the numbers that getStandIn() returned. If they do not fit what is sampled, the next series of
+     * trials makes the stand-in.
      */
     void setStandIn(const std::vector<double>& numbers);
     /**
@@ -253,7 +253,7 @@ private:
                    coreEnergy == other.coreEnergy && standIn == other.standIn;
         }
     };
-    /** The energies of the state that a stand-in stands for. */
+    /** The energies of the state that a stand-in replaces. */
     class WholeEnergy {
     public:
         bool isCurrent;
@@ -305,21 +305,20 @@ private:
     ForeignForces foreign;
     OuterSchedule schedule;
     OuterWatch watch;
-    /** The number of trials until OpenMM's energy is compared again, and how many there were to be the last time. */
+    /** The number of trials until OpenMM's energy is compared again, and its last initial value. */
     long long trialsToCheck, checkInterval;
     /** The number of parts of the open trial that were computed, and the sum of their changes. */
     int numComputed;
     double computedChange;
     /** The change of near pairs in the open trial. */
     double nearChange;
-    /** The numbers of the stand-in, the cutoff beyond which they are what they stand for, and whether the scene has
-     *  them. */
+    /** The numbers of the stand-in, the cutoff beyond which they replace Born sums, and whether the scene has them. */
     std::vector<double> standIn;
     double standInCutoff;
     bool standInIsSet;
     HeldEnergy held;
-    WholeEnergy whole, keptWhole;
-    ValueEnergies values, keptValues;
+    WholeEnergy whole, savedWhole;
+    ValueEnergies values, savedValues;
     /** The energies of values in the open trial. */
     std::vector<double> proposedValues;
 };
@@ -337,9 +336,9 @@ public:
     {
         return energy.canChange(part);
     }
-    double computeChange(TrialSession&)
+    double computeEnergyChange(TrialSession&)
     {
-        return energy.computeChange(part);
+        return energy.computeEnergyChange(part);
     }
     bool isAntisymmetric() const
     {
@@ -351,11 +350,11 @@ public:
     }
     void accept()
     {
-        energy.acceptTrial();
+        energy.accept();
     }
     void reject()
     {
-        energy.endTrial();
+        energy.forgetTrial();
     }
 
 private:
@@ -364,7 +363,7 @@ private:
 };
 
 /**
- * Energies of values, which the scene evaluates as a whole. If they are left to an outer test, the stage has no part
+ * Energies of values, which the scene evaluates as a whole. If outer tests evaluate them, the stage has no part
  * in trials. It comes after all stages of the scene.
  */
 class ValueEnergyStage : public EnergyStage {
@@ -380,9 +379,9 @@ public:
     {
         return energy.decidesByValues();
     }
-    double computeChange(TrialSession&)
+    double computeEnergyChange(TrialSession&)
     {
-        return energy.computeValuesChange();
+        return energy.computeValueEnergyChange();
     }
     void accept()
     {
@@ -390,7 +389,7 @@ public:
     }
     void reject()
     {
-        energy.endTrial();
+        energy.forgetTrial();
     }
 
 private:

@@ -44,7 +44,7 @@ private:
     class Result;
     class Copies;
     std::vector<Result> evaluate(const std::vector<OpenMM::Vec3>& positions) const;
-    std::vector<double> computeAnew(const std::vector<OpenMM::Vec3>& positions) const;
+    std::vector<double> recompute(const std::vector<OpenMM::Vec3>& positions) const;
     const Result* findDisagreement(const std::vector<Result>& results, const std::vector<double>& energies,
                                    const std::vector<double>& allowances) const;
     std::vector<double> findAllowances(const std::vector<OpenMM::Vec3>& positions,

@@ -13,7 +13,7 @@
 namespace ChainTreePlugin {
 
 /**
- * What became of outer tests.
+ * Counts of outer tests, and the differences that they found.
  */
 class OuterStatistics {
 public:
@@ -27,27 +27,27 @@ public:
     void read(CheckpointReader& reader);
     void write(OpenMM::SerializationNode& node) const;
     void read(const OpenMM::SerializationNode& node);
-    /** The number of tests, and how many of them kept their trials. */
+    /** The number of tests, and of tests that accepted their trials. */
     long long attempted, accepted;
-    /** The number of trials, refused ones too, of the tests that did not. */
+    /** The number of trials of the other tests, rejected trials included. */
     long long trialsTakenBack;
-    /** Of the differences that tests found: how many there were, their mean, and the sum of the squares of their
-     *  deviations from it. */
+    /** The number of differences that tests found, their mean, and the sum of the squares of their deviations from
+     *  it. */
     long long numDifferences;
     double mean, squares;
 };
 
 /**
- * The outer tests of a series of trials. Trials are decided by a part U1 of U, or by something near it; after a number
- * of them, a test keeps all that were accepted since the last test, or takes all back.
+ * The outer tests of a series of trials. A part U1 of U, or an approximation, decides about each trial. After a block
+ * of trials, a test accepts the state to which they have led, or restores the state from which they began.
  *
  * This samples exp(-U/kT) exactly. The trials of a block are a Markov chain P that is reversible for exp(-U1/kT), and
  * so is any number of them: exp(-U1(x)/kT) P(x, y) = exp(-U1(y)/kT) P(y, x). With D = U - U1, a block that leads from x
- * to y is kept with probability min(1, exp(-(D(y) - D(x))/kT)), whose ratio to that of y to x is the exponential alone.
- * The product of both is detailed balance for exp(-U/kT). All of it hinges on U1 being a function of the state alone
- * during the block, and on x being wholly what the block began with when it is taken back.
+ * to y is accepted with probability min(1, exp(-(D(y) - D(x))/kT)), whose ratio to that of y to x is the exponential
+ * alone. The product of both is detailed balance for exp(-U/kT). This needs that U1 is a function of the state alone
+ * during the block, and that a rejected block restores all of x.
  *
- * At a temperature of 0 a block is kept if U has not gone up.
+ * At a temperature of 0 a block is accepted if U has not gone up.
  */
 class OuterTest {
 public:
@@ -59,7 +59,7 @@ public:
     OuterTest(const OuterTest&) = delete;
     OuterTest& operator=(const OuterTest&) = delete;
     /**
-     * Take back the trials of an unfinished block: an exception has ended it.
+     * Restore the state before an unfinished block, which an exception has ended.
      */
     ~OuterTest();
     /**
@@ -71,7 +71,7 @@ public:
             beginBlock();
     }
     /**
-     * Take notice that a trial was accepted or not, and test the block if it was its last.
+     * Take notice that a trial was accepted or rejected, and test the block after its last trial.
      */
     void endTrial(bool accepted)
     {
@@ -82,7 +82,7 @@ public:
             endBlock();
     }
     /**
-     * End the series: test the block that is not complete.
+     * End the series: test the incomplete block.
      */
     void end()
     {
@@ -91,19 +91,19 @@ public:
     }
 
 private:
-    /** What a test goes by. */
+    /** What a test compares. */
     class Energies {
     public:
         /** U - U1. */
         NativeEnergy::Difference difference;
-        /** U1; 0 where the temperature is not. */
+        /** U1; 0 unless the temperature is 0. */
         double inner;
     };
     Energies computeEnergies();
     void beginBlock();
     void endBlock();
     bool decide(const Energies& proposed, double drawn);
-    void takeBack();
+    void restore();
     TrialSession& trials;
     NativeEnergy& native;
     EnergyStages& stages;
@@ -114,14 +114,14 @@ private:
     const bool softSpheres;
     /** The number of trials in a block; 0 if there is no outer test. */
     const int size;
-    /** The number of trials in the present block, and how many of them were accepted. */
+    /** The numbers of trials and of accepted trials in the present block. */
     int numTrials, numAccepted;
-    /** Whether what was kept of the state is where the block begins. */
-    bool stateIsKept;
+    /** Whether the state where the block begins is saved. */
+    bool stateIsSaved;
     /** Of the state where the block begins. */
     Energies start;
-    std::vector<long long> keptMoveCounts;
-    std::vector<EnergyStages::Statistics> keptStageCounts;
+    std::vector<long long> savedMoveCounts;
+    std::vector<EnergyStages::Statistics> savedStageCounts;
 };
 
 } // namespace ChainTreePlugin

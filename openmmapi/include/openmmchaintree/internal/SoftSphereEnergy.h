@@ -22,7 +22,7 @@ public:
     {
         return native.getStericMode() == TorsionMonteCarloIntegrator::Soft;
     }
-    double computeChange(TrialSession& trials)
+    double computeEnergyChange(TrialSession& trials)
     {
         return trials.computeSoftEnergyChange();
     }

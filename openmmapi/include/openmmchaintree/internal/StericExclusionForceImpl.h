@@ -136,7 +136,7 @@ public:
      */
     void getTorsionAngles(OpenMM::ContextImpl& context, std::vector<double>& angles);
     /**
-     * Turn all torsions to given values and start limits anew.
+     * Turn all torsions to given values and restart limits.
      */
     void setTorsionAngles(OpenMM::ContextImpl& context, const std::vector<double>& angles);
     /**
@@ -161,7 +161,7 @@ public:
         return *velocities;
     }
     /**
-     * Start limits anew because positions were set, unless it was this object that set them, or a checkpoint.
+     * Restart limits because positions were set, unless this object or a checkpoint has set them.
      *
      * @param restored  the positions that a checkpoint has just restored, or empty if none has
      */
@@ -176,7 +176,7 @@ public:
     void setLimits(OpenMM::ContextImpl& context, const std::vector<std::pair<int, int>>& pairs,
                    const std::vector<double>& limits);
     /**
-     * Write all that decides how sampling goes on, the open trial and the structure left out.
+     * Write everything that decides how sampling continues, except the open trial and the structure.
      */
     void createCheckpoint(CheckpointWriter& writer);
     /**

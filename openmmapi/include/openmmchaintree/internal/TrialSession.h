@@ -15,8 +15,8 @@ class StericExclusionForceImpl;
  * tested, and accepted or rejected. Every trial goes this way, those of TorsionMonteCarloIntegrator as well as those
  * that users propose by StericExclusionForce.
  *
- * The session begins and ends with its scope. In between the scene's state is ahead of the Context's positions and
- * velocities, which follow only when the session ends. If an exception ends it, the Context is where the accepted
+ * The session begins and ends with its scope. Until it ends, the scene's state is ahead of the Context's positions and
+ * velocities. If an exception ends it, the Context is where the accepted
  * trials have led.
  */
 class TrialSession {
@@ -32,13 +32,12 @@ public:
          */
         ApplyTrialSpheres,
         /**
-         * No trial clashes. The caller starts limits anew if this session may have led beyond them.
+         * No trial clashes. The caller restarts limits if trials of this session may exceed them.
          */
         IgnoreLimits
     };
     /**
-     * Take notice of the Context's positions. The trial that a user may have left open stays open until another one is
-     * proposed.
+     * Take notice of the Context's positions. A trial that a user has left open stays open until another is proposed.
      *
      * @param scene  the scene of the force for trials of users, getTrialScene() for trials of integrators
      */
@@ -50,7 +49,7 @@ public:
      */
     ~TrialSession();
     /**
-     * Drop the trial that this session has opened, and move the Context to the state. Nothing may be called afterwards.
+     * Reject the open trial of this session, and move the Context to the state. Nothing may be called afterwards.
      */
     void end();
     /**
@@ -58,29 +57,29 @@ public:
      */
     void leaveOpen();
     /**
-     * Open a trial that adds to the values of different torsions. Drops one that was open.
+     * Propose a trial that adds to the values of different torsions. This rejects the trial that was open.
      */
     void proposeTorsions(const std::vector<int>& torsions, const std::vector<double>& changes);
     /**
-     * Open a trial that turns different ball joints, each by a rotation vector in the world about its particle. Drops
-     * one that was open.
+     * Propose a trial that turns different ball joints, each by a rotation vector in the world about its particle. This
+     * rejects the trial that was open.
      */
     void proposeBallRotations(const std::vector<int>& ballJoints, const std::vector<OpenMM::Vec3>& rotations);
     /**
-     * Open a trial that rotates a molecule of the LinkStructure about its centroid and then translates it. Drops one
-     * that was open.
+     * Propose a trial that rotates a molecule of the LinkStructure about its centroid and then translates it. This
+     * rejects the trial that was open.
      */
     void proposeRigidMotion(int molecule, const OpenMM::Vec3& rotation, const OpenMM::Vec3& translation);
     /**
-     * Get whether no pair whose distance the open trial changes overlaps beyond its limit.
+     * Test the open trial. Returns true if it is free: no pair whose distance it changes overlaps beyond its limit.
      */
-    bool isFree();
+    bool test();
     /**
-     * Make the open trial the state. If it was not found to be free, limits start anew from it.
+     * Make the open trial the state. Unless test() has found it free, limits restart from it.
      */
     void accept();
     /**
-     * Drop the open trial.
+     * Reject the open trial.
      */
     void reject();
     /**
@@ -126,13 +125,13 @@ public:
      */
     double computeOtherEnergy(int groups);
     /**
-     * Keep the state, its limits and its energy.
+     * Save the state, its limits and its energy.
      */
-    void keepState();
+    void save();
     /**
-     * Make the state again what it was when keepState() was called last. Drops the open trial.
+     * Restore the state of the last save(). This rejects the open trial.
      */
-    void takeBackState();
+    void restore();
 
 private:
     void updateLimits();

@@ -31,7 +31,7 @@ class VelocityTurner {
 public:
     VelocityTurner(const OpenMM::System& system, const LinkStructure& structure);
     /**
-     * Take notice that no other Integrator than those that make trials are in the Context. Until velocitiesWereSet(),
+     * Take notice that all Integrators in the Context make trials. Until velocitiesWereSet(),
      * they are taken for 0. If they cannot be turned, the user is warned.
      */
     void expectNoDynamics();
