@@ -47,7 +47,7 @@ bool ctLeavesReservePairs(Leaves* leaves, const Tree* tree) {
     return true;
   }
   const size_t inner = (size_t)(tree->nodeCount - tree->levelBegin[1]) + 1;
-  leaves->boxes = ctArenaAllocate(&leaves->pairArena, inner, sizeof(LeafBoxes));
+  leaves->boxes = ctArenaAllocate(&leaves->pairArena, inner, sizeof(AxisBoxes));
   leaves->members = ctArenaAllocate(&leaves->pairArena, inner, sizeof(TrialMembers));
   leaves->trial = ctArenaAllocate(&leaves->pairArena, (size_t)tree->levelSize[0], sizeof(ctLeafPositions));
   leaves->differs = ctArenaAllocate(&leaves->pairArena, inner, sizeof(uint16_t));
@@ -57,8 +57,8 @@ bool ctLeavesReservePairs(Leaves* leaves, const Tree* tree) {
     return false;
   }
   for (size_t i = 0; i < inner; i++) {
-    clearBoxes(&leaves->boxes[i]);
-    clearBoxes(&leaves->members[i].boxes);
+    clearAxisBoxes(&leaves->boxes[i]);
+    clearAxisBoxes(&leaves->members[i].boxes);
   }
   leaves->revision = NO_REVISION; /* boxes are made together with positions */
   return true;

@@ -9,29 +9,15 @@
 #ifndef CT_LEAVES_H_
 #define CT_LEAVES_H_
 
+#include "axisbox.h"
 #include "merged.h"
 #include "traverse.h"
-
-/* The boxes of the members of a node, along the world's axes; low above high: the member has no particles. */
-typedef struct LeafBoxes {
-  float low[3][TREE_WIDTH];
-  float high[3][TREE_WIDTH];
-} LeafBoxes;
-
-static inline void clearBoxes(LeafBoxes* boxes) {
-  for (int d = 0; d < 3; d++) {
-    for (int k = 0; k < TREE_WIDTH; k++) {
-      boxes->low[d][k] = INFINITY;
-      boxes->high[d][k] = -INFINITY;
-    }
-  }
-}
 
 /* The members of an inner node or the super-root in the open trial. */
 typedef struct TrialMembers {
   int64_t trialNumber; /* equal to Leaves.trialNumber: the rest is of this trial */
   int body[TREE_WIDTH];
-  LeafBoxes boxes; /* not filled for a static node: see the boxes of the state */
+  AxisBoxes boxes; /* not filled for a static node: see the boxes of the state */
 } TrialMembers;
 
 /* A growing list. */
@@ -51,7 +37,7 @@ typedef struct Leaves {
 
   /* Made when pairs are first needed. The arrays of inner nodes are indexed from levelBegin[1] on. */
   Arena pairArena;
-  LeafBoxes* boxes;       /* per inner node and the super-root; NULL: not needed yet */
+  AxisBoxes* boxes;       /* per inner node and the super-root; NULL: not needed yet */
   TrialMembers* members;  /* the same */
   ctLeafPositions* trial; /* per leaf: in the trial, or the state's if `differs` has no bit for it */
   uint16_t*
@@ -114,7 +100,7 @@ static inline int treeSuperRoot(const Tree* tree) {
   return tree->nodeCount;
 }
 
-static inline LeafBoxes* leafBoxes(const Leaves* leaves, const Tree* tree, int node) {
+static inline AxisBoxes* leafBoxes(const Leaves* leaves, const Tree* tree, int node) {
   return &leaves->boxes[node - tree->levelBegin[1]];
 }
 

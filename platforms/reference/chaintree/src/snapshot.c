@@ -2,21 +2,11 @@
 
 #include <string.h>
 
-static void clearBoxes(AxisBoxes* boxes) {
-  for (int k = 0; k < TREE_WIDTH; k++) {
-    for (int d = 0; d < 3; d++) {
-      boxes->low[d][k] = INFINITY;
-      boxes->high[d][k] = -INFINITY;
-    }
-    boxes->r[k] = -INFINITY;
-  }
-}
-
 bool ctSnapshotBuild(Snapshot* snapshot, Arena* arena, const Sequence* sequence, const Tree* layout) {
   const size_t leaves = (size_t)layout->levelBegin[1];
   const size_t inner = (size_t)layout->nodeCount - leaves;
   snapshot->leaf = ctArenaAllocate(arena, leaves, sizeof(Block));
-  snapshot->boxes = ctArenaAllocate(arena, inner, sizeof(AxisBoxes));
+  snapshot->boxes = ctArenaAllocate(arena, inner, sizeof(SnapshotBoxes));
   if (arena->failed) {
     return false;
   }
@@ -26,7 +16,10 @@ bool ctSnapshotBuild(Snapshot* snapshot, Arena* arena, const Sequence* sequence,
         isModelled ? (float)slotRadius(sequence, slot) : -INFINITY;
   }
   for (size_t i = 0; i < inner; i++) {
-    clearBoxes(&snapshot->boxes[i]);
+    clearAxisBoxes(&snapshot->boxes[i].centres);
+    for (int k = 0; k < TREE_WIDTH; k++) {
+      snapshot->boxes[i].r[k] = -INFINITY;
+    }
   }
   return true;
 }

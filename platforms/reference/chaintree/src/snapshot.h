@@ -5,18 +5,18 @@
 #define CT_SNAPSHOT_H_
 
 #include "arena.h"
+#include "axisbox.h"
 #include "tree.h"
 
-/* Boxes along the world's axes around the members of a node. */
-typedef struct AxisBoxes {
-  float low[3][TREE_WIDTH]; /* of centres of particles; above high: no particles */
-  float high[3][TREE_WIDTH];
+/* Boxes of centres around the members of a node. */
+typedef struct SnapshotBoxes {
+  AxisBoxes centres;
   float r[TREE_WIDTH]; /* no particle has a larger radius; -INFINITY: no particles */
-} AxisBoxes;
+} SnapshotBoxes;
 
 typedef struct Snapshot {
   Block* leaf;            /* per leaf: positions from `origin`, INFINITY where no particle is modelled; and radii */
-  AxisBoxes* boxes;       /* per inner node, from levelBegin[1] on */
+  SnapshotBoxes* boxes;   /* per inner node, from levelBegin[1] on */
   const double* position; /* per particle that has a slot, in double: the reference, or `moved` */
   double origin[3];
   double coordinateBound; /* no coordinate from `origin` or radius is larger */
@@ -35,7 +35,7 @@ void ctSnapshotTakeReference(Snapshot* snapshot, const Sequence* sequence);
 void ctSnapshotTakeTree(Snapshot* snapshot, const Sequence* sequence, const Tree* tree);
 
 /* The boxes of the children of an inner node. */
-static inline AxisBoxes* snapshotBoxes(const Snapshot* snapshot, const Tree* layout, int node) {
+static inline SnapshotBoxes* snapshotBoxes(const Snapshot* snapshot, const Tree* layout, int node) {
   return &snapshot->boxes[node - layout->levelBegin[1]];
 }
 

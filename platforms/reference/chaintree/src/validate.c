@@ -150,7 +150,7 @@ static bool leavesHold(ctChainTree* scene) {
                        (kept->boxes == NULL || areNearBoxes(boxes * 6 * TREE_WIDTH, kept->boxes->low[0],
                                                             made.boxes->low[0], kept->positionError))
                  : memcmp(kept->state, made.state, leaves * sizeof(ctLeafPositions)) == 0 &&
-                       (kept->boxes == NULL || memcmp(kept->boxes, made.boxes, boxes * sizeof(LeafBoxes)) == 0);
+                       (kept->boxes == NULL || memcmp(kept->boxes, made.boxes, boxes * sizeof(AxisBoxes)) == 0);
     }
   }
   ctLeavesFree(&made);

@@ -4,14 +4,14 @@
 /* ---- Filters ---- */
 
 /* The members (bits) whose boxes are within reach of the box of a node below the top. */
-static unsigned membersNearNode(const Pass* pass, int level, const AxisBoxes* members, int node) {
+static unsigned membersNearNode(const Pass* pass, int level, const SnapshotBoxes* members, int node) {
   const Tree* layout = pass->sweep->layout;
-  const AxisBoxes* others = snapshotBoxes(&pass->sweep->snapshot, layout, treeParent(layout, level, node));
+  const SnapshotBoxes* others = snapshotBoxes(&pass->sweep->snapshot, layout, treeParent(layout, level, node));
   return membersNear(pass, members, others, memberIndex(node - layout->levelBegin[level]), true);
 }
 
 /* The slots (bits) of leaf a that are within reach of box k of others. */
-static unsigned slotsNearMember(const Pass* pass, int a, const AxisBoxes* others, int k) {
+static unsigned slotsNearMember(const Pass* pass, int a, const SnapshotBoxes* others, int k) {
   const Slots slots = slotsOf(&pass->sweep->snapshot.leaf[a]);
   const AxisBox coordinateBound = memberOf(others, k);
   return slotsNear(pass, &slots, &coordinateBound, true);
@@ -67,7 +67,7 @@ static bool findClashes(const Pass* pass, const LeafPair* pair) {
 /* ---- Sweeps ---- */
 
 /* Sweeps a leaf against leaves firstB + k for each bit k; their boxes are aroundB. False ends the sweep. */
-static bool sweepLeaves(const Pass* pass, int a, int firstB, const AxisBoxes* aroundB, unsigned near) {
+static bool sweepLeaves(const Pass* pass, int a, int firstB, const SnapshotBoxes* aroundB, unsigned near) {
   static const uint16_t nothing[TREE_WIDTH] = {0};
   uint16_t ownExcluded[TREE_WIDTH];
   const Exclusions* exclusions = pass->sweep->exclusions;
@@ -108,13 +108,13 @@ static unsigned rowsOf(const Pass* pass, const SweepVisit* visit, int countA, in
     return (1u << countA) - 1;
   }
   pass->task->volumeTests += countA;
-  const AxisBoxes* aroundA = snapshotBoxes(snapshot, layout, visit->a);
+  const SnapshotBoxes* aroundA = snapshotBoxes(snapshot, layout, visit->a);
   const unsigned rows = membersNearNode(pass, visit->level, aroundA, visit->b);
   if (rows == 0) {
     return 0;
   }
   pass->task->volumeTests += countB;
-  const AxisBoxes* aroundB = snapshotBoxes(snapshot, layout, visit->b);
+  const SnapshotBoxes* aroundB = snapshotBoxes(snapshot, layout, visit->b);
   return membersNearNode(pass, visit->level, aroundB, visit->a) == 0 ? 0 : rows;
 }
 
@@ -134,8 +134,8 @@ static void sweepPairs(const Pass* pass) {
     int countB;
     const int firstA = treeChildren(layout, visit.level, visit.a, &countA);
     const int firstB = treeChildren(layout, visit.level, visit.b, &countB);
-    const AxisBoxes* aroundA = snapshotBoxes(&sweep->snapshot, layout, visit.a);
-    const AxisBoxes* aroundB = snapshotBoxes(&sweep->snapshot, layout, visit.b);
+    const SnapshotBoxes* aroundA = snapshotBoxes(&sweep->snapshot, layout, visit.a);
+    const SnapshotBoxes* aroundB = snapshotBoxes(&sweep->snapshot, layout, visit.b);
     const unsigned rows = rowsOf(pass, &visit, countA, countB);
     for (int i = 0; i < countA; i++) {
       /* Descending, except leaves: the stack turns the order round, so leaves are swept in ascending order. */

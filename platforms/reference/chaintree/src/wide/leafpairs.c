@@ -4,7 +4,7 @@
  * that stay as they are: such members are rows, each of which is compared with sixteen others at a time. */
 #include <string.h>
 
-#include "leafboxes.h"
+#include "axisboxes.h"
 
 /* Of a member that has particles of many bodies. */
 enum { MANY_BODIES = -1 };
@@ -38,7 +38,7 @@ static void movePosition(const ctTransform* motion, const ctLeafPositions* from,
 }
 
 /* Writes the box around a leaf in the trial as member k of its parent. */
-static void boxTrialLeaf(const LeafTask* task, int leaf, LeafBoxes* around, int k) {
+static void boxTrialLeaf(const LeafTask* task, int leaf, AxisBoxes* around, int k) {
   const ctLeafPositions* own = &task->leaves->trial[leaf];
   const double* const axes[3] = {own->x, own->y, own->z};
   LeafPoints points;
@@ -51,7 +51,7 @@ static void boxTrialLeaf(const LeafTask* task, int leaf, LeafBoxes* around, int 
 }
 
 /* Moves a leaf of one body. */
-static void moveLeaf(const LeafTask* task, int leaf, int body, LeafBoxes* around, int k) {
+static void moveLeaf(const LeafTask* task, int leaf, int body, AxisBoxes* around, int k) {
   const ctLeafPositions* restrict from = &task->leaves->state[leaf];
   ctLeafPositions* restrict to = &task->leaves->trial[leaf];
   const double* o = task->sequence->worldOrigin;
@@ -74,7 +74,7 @@ static void moveLeaf(const LeafTask* task, int leaf, int body, LeafBoxes* around
 }
 
 /* Moves a leaf of many pieces, the first of which is `piece`. Returns its body. */
-static int moveManyPieces(const LeafTask* task, int leaf, int piece, LeafBoxes* around, int k) {
+static int moveManyPieces(const LeafTask* task, int leaf, int piece, AxisBoxes* around, int k) {
   const ctLeafPositions* from = &task->leaves->state[leaf];
   ctLeafPositions* to = &task->leaves->trial[leaf];
   const unsigned occupied = task->leaves->occupied[leaf];
@@ -99,7 +99,7 @@ static int moveManyPieces(const LeafTask* task, int leaf, int piece, LeafBoxes* 
 
 /* Moves boxes, of which a mask says which: their middles, and half of their sizes as the motion turns them. The margin
  * is 33 u (u = 2^-24) of what is summed up for a coordinate, whose roundings are below 12 u of it. */
-static void moveAxisBoxes(const LeafBoxes* from, const Frame* motion, unsigned mask, LeafBoxes* to) {
+static void moveAxisBoxes(const AxisBoxes* from, const Frame* motion, unsigned mask, AxisBoxes* to) {
   Float16 middle[3];
   Float16 half[3];
   for (int d = 0; d < 3; d++) {
@@ -128,7 +128,7 @@ static void moveAxisBoxes(const LeafBoxes* from, const Frame* motion, unsigned m
 }
 
 /* Moves the members of a bit mask, all of one body. */
-static void moveMembers(const LeafTask* task, int level, int node, unsigned mask, int body, LeafBoxes* to) {
+static void moveMembers(const LeafTask* task, int level, int node, unsigned mask, int body, AxisBoxes* to) {
   if (level > 1) {
     moveAxisBoxes(leafBoxes(task->leaves, task->tree, node), &task->motions[body], mask, to);
     return;
@@ -234,15 +234,15 @@ static void openNode(const LeafTask* task, int level, int node, int body) {
 typedef struct Reached {
   int node;
   int k;
-  const LeafBoxes* before; /* of its parent's members */
-  const LeafBoxes* after;
+  const AxisBoxes* before; /* of its parent's members */
+  const AxisBoxes* after;
   int body;
 } Reached;
 
 /* An opened node. */
 typedef struct Opened {
-  const LeafBoxes* before; /* of its members */
-  const LeafBoxes* after;
+  const AxisBoxes* before; /* of its members */
+  const AxisBoxes* after;
   const int* body;
   unsigned occupied;
   unsigned rows; /* members that are not of the largest body */
@@ -257,19 +257,8 @@ typedef struct LeafDescent {
   float limit; /* of squared gaps */
 } LeafDescent;
 
-/* Squared gaps between a box and sixteen others. */
-CT_INLINE Float16 squaredGaps(const LeafBoxes* row, int k, const LeafBoxes* others) {
-  Float16 gap[3];
-  for (int d = 0; d < 3; d++) {
-    const Float16 below = sub16(load16(others->low[d]), all16(row->high[d][k]));
-    const Float16 above = sub16(all16(row->low[d][k]), load16(others->high[d]));
-    gap[d] = max16(max16(below, above), all16(0));
-  }
-  return squared16(gap[0], gap[1], gap[2]);
-}
-
 /* Those of `columns` that are near a box, before the trial or in it; and their squared gaps. */
-CT_INLINE unsigned findNearBoxes(LeafDescent* d, const LeafBoxes* before, const LeafBoxes* after, int k,
+CT_INLINE unsigned findNearBoxes(LeafDescent* d, const AxisBoxes* before, const AxisBoxes* after, int k,
                                  const Opened* others, unsigned columns, Float16* gaps) {
   *gaps = squaredGaps(before, k, others->before);
   if (d->inTrial) {
@@ -387,7 +376,7 @@ static void descendLeaves(LeafDescent* d, int level, const Reached* a, const Rea
 }
 
 /* The largest distance from worldOrigin of a corner of member 0. */
-static double cornerOf(const LeafBoxes* boxes) {
+static double cornerOf(const AxisBoxes* boxes) {
   double corner[3];
   for (int d = 0; d < 3; d++) {
     corner[d] = larger(fabs((double)boxes->low[d][0]), fabs((double)boxes->high[d][0]));
@@ -398,7 +387,7 @@ static double cornerOf(const LeafBoxes* boxes) {
 /* The largest squared gap of boxes around particles within the cutoff. Positions in the trial and after its acceptance
  * differ by DOUBLE_MARGIN of the coordinate bound, and by Leaves.positionError; 1e-6 is 17 u of the square, whose
  * roundings are 5 u. */
-static float gapLimit(const LeafTask* task, const LeafBoxes* before, const LeafBoxes* after) {
+static float gapLimit(const LeafTask* task, const AxisBoxes* before, const AxisBoxes* after) {
   const double* origin = task->sequence->worldOrigin;
   const double coordinateBound = sqrt(dot(origin, origin)) + cornerOf(before) + cornerOf(after);
   const double reach = task->cutoff + DOUBLE_MARGIN * coordinateBound + task->leaves->positionError;
@@ -415,8 +404,8 @@ void CT_WIDE(listLeafPairs)(LeafTask* task) {
   if (leaves->occupied[superRoot] == 0 || task->pieceCount == 1) {
     return; /* no particles, or all of them move as one */
   }
-  const LeafBoxes* before = leafBoxes(leaves, tree, superRoot);
-  const LeafBoxes* after = before;
+  const AxisBoxes* before = leafBoxes(leaves, tree, superRoot);
+  const AxisBoxes* after = before;
   if (descent.inTrial) {
     leaves->trialNumber++;
     descent.largest = largestBody(task);

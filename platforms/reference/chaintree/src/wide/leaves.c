@@ -1,5 +1,5 @@
 /* Positions of leaves in the world. */
-#include "leafboxes.h"
+#include "axisboxes.h"
 
 /* Computes the positions of a leaf, by the sums that ctGetPositions makes. */
 static void placeLeaf(Leaves* leaves, const Tree* tree, const Sequence* s, int leaf, const Frame* frame,
@@ -59,7 +59,7 @@ static void updateNode(const LeafUpdate* u, int level, int node, const Frame* fr
   Leaves* leaves = u->leaves;
   const Tree* tree = u->tree;
   const bool isBoxed = leaves->boxes != NULL && leaves->occupied[node] != 0;
-  LeafBoxes* around = isBoxed ? leafBoxes(leaves, tree, treeParent(tree, level, node)) : NULL;
+  AxisBoxes* around = isBoxed ? leafBoxes(leaves, tree, treeParent(tree, level, node)) : NULL;
   const int k = memberIndex(node - tree->levelBegin[level]);
   if (level == 0) {
     LeafPoints points;

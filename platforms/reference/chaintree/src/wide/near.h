@@ -5,6 +5,7 @@
 #include <float.h>
 
 #include "../volume.h"
+#include "axisboxes.h"
 #include "ids.h"
 #include "set.h"
 
@@ -22,15 +23,9 @@ typedef struct Pass {
 } Pass;
 
 /* The members (bits) whose boxes are within reach of box k of others. */
-CT_FOR_BOTH unsigned membersNear(const Pass* pass, const AxisBoxes* members, const AxisBoxes* others, int k,
+CT_FOR_BOTH unsigned membersNear(const Pass* pass, const SnapshotBoxes* members, const SnapshotBoxes* others, int k,
                                  bool surfaces) {
-  Float16 squared = all16(0);
-  for (int d = 0; d < 3; d++) {
-    const Float16 above = sub16(load16(members->low[d]), all16(others->high[d][k]));
-    const Float16 below = sub16(all16(others->low[d][k]), load16(members->high[d]));
-    const Float16 gap = max16(max16(above, below), all16(0));
-    squared = add16(squared, mul16(gap, gap));
-  }
+  const Float16 squared = squaredGaps(&others->centres, k, &members->centres);
   if (!surfaces) {
     return greater16(all16(pass->nearSquared), squared);
   }
@@ -52,12 +47,13 @@ CT_INLINE Slots slotsOf(const Block* leaf) {
 typedef struct AxisBox {
   float low[3];
   float high[3];
-  float r; /* as in AxisBoxes */
+  float r; /* as in SnapshotBoxes */
 } AxisBox;
 
-static inline AxisBox memberOf(const AxisBoxes* boxes, int k) {
-  return (AxisBox){{boxes->low[0][k], boxes->low[1][k], boxes->low[2][k]},
-                   {boxes->high[0][k], boxes->high[1][k], boxes->high[2][k]},
+static inline AxisBox memberOf(const SnapshotBoxes* boxes, int k) {
+  const AxisBoxes* centres = &boxes->centres;
+  return (AxisBox){{centres->low[0][k], centres->low[1][k], centres->low[2][k]},
+                   {centres->high[0][k], centres->high[1][k], centres->high[2][k]},
                    boxes->r[k]};
 }
 

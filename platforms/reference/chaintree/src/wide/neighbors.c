@@ -16,7 +16,7 @@ static int listNodes(const Pass* pass, int level, int node, int own, int count) 
   const int rank = own - layout->levelBegin[1];
   /* The node over `own` in the level of the members. */
   const int over = layout->levelBegin[level - 1] + (rank >> TREE_WIDTH_BITS * (level - 2));
-  const AxisBoxes* around = snapshotBoxes(snapshot, layout, treeParent(layout, 1, own));
+  const SnapshotBoxes* around = snapshotBoxes(snapshot, layout, treeParent(layout, 1, own));
   unsigned near = membersNear(pass, snapshotBoxes(snapshot, layout, node), around, memberIndex(rank), false);
   near &= over > first ? ~0u << (over - first) : ~0u;
   pass->task->volumeTests += members;
@@ -36,7 +36,7 @@ static int listNodes(const Pass* pass, int level, int node, int own, int count) 
 static int listNear(const Pass* pass, int node, int k, int nodeCount) {
   const Sweep* sweep = pass->sweep;
   const Tree* layout = sweep->layout;
-  const AxisBoxes* around = snapshotBoxes(&sweep->snapshot, layout, node);
+  const SnapshotBoxes* around = snapshotBoxes(&sweep->snapshot, layout, node);
   int* leaves = sweep->candidates.leaves;
   size_t count = 0;
   int members;

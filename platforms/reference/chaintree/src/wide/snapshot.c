@@ -19,40 +19,40 @@ static void fillLeaf(const Snapshot* snapshot, const int* particle, Block* leaf)
   }
 }
 
-static void boundLeaf(const Block* leaf, AxisBoxes* around, int k) {
+static void boundLeaf(const Block* leaf, SnapshotBoxes* around, int k) {
   const unsigned empty = greater16(all16(0), load16(leaf->r));
   const float* axes[3] = {leaf->x, leaf->y, leaf->z};
   for (int d = 0; d < 3; d++) {
-    around->low[d][k] = least16(load16(axes[d]));
-    around->high[d][k] = most16(blend16(empty, load16(axes[d]), all16(-INFINITY)));
+    around->centres.low[d][k] = least16(load16(axes[d]));
+    around->centres.high[d][k] = most16(blend16(empty, load16(axes[d]), all16(-INFINITY)));
   }
   around->r[k] = most16(load16(leaf->r));
 }
 
-static void boundInnerNode(const AxisBoxes* members, AxisBoxes* around, int k) {
+static void boundInnerNode(const SnapshotBoxes* members, SnapshotBoxes* around, int k) {
   for (int d = 0; d < 3; d++) {
-    around->low[d][k] = least16(load16(members->low[d]));
-    around->high[d][k] = most16(load16(members->high[d]));
+    around->centres.low[d][k] = least16(load16(members->centres.low[d]));
+    around->centres.high[d][k] = most16(load16(members->centres.high[d]));
   }
   around->r[k] = most16(load16(members->r));
 }
 
 /* A length that no coordinate or radius of member k exceeds. */
-static double coordinateBoundOf(const AxisBoxes* around, int k) {
+static double coordinateBoundOf(const SnapshotBoxes* around, int k) {
   double corner[3] = {0, 0, 0};
   for (int d = 0; d < 3 && around->r[k] >= 0; d++) {
-    corner[d] = larger(fabs((double)around->low[d][k]), fabs((double)around->high[d][k]));
+    corner[d] = larger(fabs((double)around->centres.low[d][k]), fabs((double)around->centres.high[d][k]));
   }
   return sqrt(dot(corner, corner)) + larger((double)around->r[k], 0);
 }
 
 void CT_WIDE(boundSnapshot)(Snapshot* snapshot, const Sequence* sequence, const Tree* layout) {
-  AxisBoxes root; /* the root is member 0 of this */
+  SnapshotBoxes root; /* the root is member 0 of this */
   for (int level = 0; level < layout->levelCount; level++) {
     for (int i = 0; i < layout->levelSize[level]; i++) {
       const int node = layout->levelBegin[level] + i;
       const bool isRoot = level == treeTop(layout);
-      AxisBoxes* around = isRoot ? &root : snapshotBoxes(snapshot, layout, treeParent(layout, level, node));
+      SnapshotBoxes* around = isRoot ? &root : snapshotBoxes(snapshot, layout, treeParent(layout, level, node));
       if (level == 0) {
         Block* leaf = &snapshot->leaf[node];
         fillLeaf(snapshot, sequence->slotParticle + node * TREE_WIDTH, leaf);

@@ -1,6 +1,6 @@
-/* Boxes around leaves and nodes, along the world's axes. */
-#ifndef CT_LEAFBOXES_H_
-#define CT_LEAFBOXES_H_
+/* Boxes along the world's axes around points and boxes, and gaps between boxes. */
+#ifndef CT_AXISBOXES_H_
+#define CT_AXISBOXES_H_
 
 #include "../volume.h"
 #include "set.h"
@@ -15,7 +15,7 @@ typedef struct LeafPoints {
 #define BOX_MARGIN 1.2e-7f
 
 /* Writes the box around lows and highs as member k, a little larger. */
-CT_INLINE void storeBox(const Float16 lows[3], const Float16 highs[3], float margin, LeafBoxes* around, int k) {
+CT_INLINE void storeBox(const Float16 lows[3], const Float16 highs[3], float margin, AxisBoxes* around, int k) {
   const Float16 zero = all16(0);
   const Float16 first[4] = {lows[0], lows[1], lows[2], sub16(zero, highs[0])};
   const Float16 last[4] = {sub16(zero, highs[1]), sub16(zero, highs[2]), zero, zero};
@@ -29,7 +29,7 @@ CT_INLINE void storeBox(const Float16 lows[3], const Float16 highs[3], float mar
 }
 
 /* Writes the box around the points of a leaf as member k of its parent. */
-CT_INLINE void boxPoints(const LeafPoints* points, unsigned occupied, LeafBoxes* around, int k) {
+CT_INLINE void boxPoints(const LeafPoints* points, unsigned occupied, AxisBoxes* around, int k) {
   Float16 lows[3];
   Float16 highs[3];
   for (int d = 0; d < 3; d++) {
@@ -41,7 +41,7 @@ CT_INLINE void boxPoints(const LeafPoints* points, unsigned occupied, LeafBoxes*
 }
 
 /* Writes the box around the members of a node as member k of its parent. */
-static inline void boxMembers(const LeafBoxes* members, LeafBoxes* around, int k) {
+static inline void boxMembers(const AxisBoxes* members, AxisBoxes* around, int k) {
   Float16 lows[3];
   Float16 highs[3];
   for (int d = 0; d < 3; d++) {
@@ -61,4 +61,15 @@ static inline void clearEmpty(ctLeafPositions* leaf, unsigned occupied) {
   }
 }
 
-#endif /* CT_LEAFBOXES_H_ */
+/* Squared gaps between a box and sixteen others. */
+CT_INLINE Float16 squaredGaps(const AxisBoxes* row, int k, const AxisBoxes* others) {
+  Float16 gap[3];
+  for (int d = 0; d < 3; d++) {
+    const Float16 below = sub16(load16(others->low[d]), all16(row->high[d][k]));
+    const Float16 above = sub16(all16(row->low[d][k]), load16(others->high[d]));
+    gap[d] = max16(max16(below, above), all16(0));
+  }
+  return squared16(gap[0], gap[1], gap[2]);
+}
+
+#endif /* CT_AXISBOXES_H_ */
