@@ -1,9 +1,9 @@
 """openmm-chaintree: exact steric exclusion and torsion-space Monte Carlo for OpenMM.
 
-`StericExclusionForce` and `TorsionMonteCarloIntegrator` are the plugin's classes; `createStericExclusionForce` and
-`findTorsions` make the first from an `openmm.app.Topology`, of which `selectAtoms` chooses atoms; `findClashes` looks
-at files. Numbers are in nm, rad, kJ/mol and K, or OpenMM Quantities; results are plain numbers and NumPy arrays in
-these units.
+`StericExclusionForce` and `TorsionMonteCarloIntegrator` are the plugin's classes. `createStericExclusionForce` and
+`findTorsions` make a force from an `openmm.app.Topology`, `selectAtoms` chooses atoms of it, and `findClashes` searches
+files for clashes. Numbers are in nm, rad, kJ/mol and K, or OpenMM Quantities; results are plain numbers and NumPy
+arrays in these units.
 """
 
 from openmmchaintree_forcefield import registerParser

@@ -213,7 +213,7 @@ class BondSearch:
         return _HYDROGEN in self.numbers[list(pair)]
 
     def _checkLengths(self):
-        """Raise an InputError if the bonds found so far show that positions are in a wrong unit."""
+        """Raise an InputError if the lengths of known bonds show that positions are in a wrong unit."""
         pairs = self._bondsWithin()
         pairs = pairs[(self.numbers[pairs] > 0).all(axis=1)]  # those of beads have any length
         checkBondLengths(np.linalg.norm(self.positions[pairs[:, 0]] - self.positions[pairs[:, 1]], axis=1))

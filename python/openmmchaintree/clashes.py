@@ -4,11 +4,11 @@ import os
 from typing import NamedTuple, TypeAlias
 
 import numpy as np
-import openmm
 from openmm import unit
 
 from .bonds import BondGraph
 from .bondsearch import LONGEST_BOND
+from .contexts import contextOf
 from .errors import InputError
 from .imageclashes import noteOnImages
 from .images import leastWidth, makeWhole
@@ -135,7 +135,7 @@ class ClashFinder:
         self.notes = [*solute.notes, *found([self._findUnknownRadii()])]
         if self.checkedCount == 0:
             raise InputError(f"{source}: there is no atom with a known radius")
-        self._makeContext()
+        self._context = contextOf(self.force)
 
     def _findUnknownRadii(self):
         unknown = []
@@ -147,14 +147,6 @@ class ClashFinder:
             elif self._graph.elementNumber(number) > 1:
                 unknown.append(f"{self.names[atom]}, {self._graph.atoms[number].element.name}")
         return Note("atoms not looked at, since no radius is known for their elements", unknown)
-
-    def _makeContext(self):
-        system = openmm.System()
-        for _ in self.atoms:
-            system.addParticle(1.0)
-        system.addForce(self.force)
-        platform = openmm.Platform.getPlatformByName("Reference")
-        self._context = openmm.Context(system, openmm.VerletIntegrator(0.001), platform)
 
     def makeWhole(self, positions, box, source):
         """Make molecules whole along their bonds if they are split over a periodic box.

@@ -6,8 +6,8 @@ Radii and metals are in the table `tables/elements.csv`, with its source.
 from functools import cache
 
 import numpy as np
-import openmm
 
+from .contexts import contextOf
 from .datatables import readTable
 from .openmmchaintree import StericExclusionForce
 
@@ -106,13 +106,10 @@ def nearPairs(positions, distance):
         raise ValueError("a coordinate is not a finite number")
     if len(positions) < 2 or distance <= 0:
         return np.empty((0, 2), dtype=int)
-    system, force = openmm.System(), StericExclusionForce()
+    force = StericExclusionForce()
     for _ in positions:
-        system.addParticle(1)
         force.addParticle(distance)  # any radius above 0: neighbors do not depend on it
-    system.addForce(force)
-    platform = openmm.Platform.getPlatformByName("Reference")
-    context = openmm.Context(system, openmm.VerletIntegrator(0.001), platform)
+    context = contextOf(force)
     context.setPositions(positions)
     first, second = force.getNeighborPairs(context, _ROOM_FOR_ROUNDING * distance)[0].astype(int).T
     squares = sum((positions[first, k] - positions[second, k]) ** 2 for k in range(3))

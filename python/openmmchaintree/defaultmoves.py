@@ -60,7 +60,7 @@ def addDefaultMoves(
     uniformly. Ball joints get pivot moves. Molecules without fixed particles get rigid-body moves if there is more than
     one molecule.
 
-    Sizes are those that measured best. Acceptance may be low: closed moves of up to 8 degrees gave more independent
+    Sizes were chosen by measurement. Acceptance may be low: closed moves of up to 8 degrees gave more independent
     samples than smaller ones that were accepted twice as often. So let sizes adapt
     (`TorsionMonteCarloIntegrator.setAdaptMoveSizes`) only if hardly any trial of a move is accepted.
 

@@ -4,7 +4,7 @@ from .sterics import createStericExclusionForce
 
 
 class StericExclusionGenerator:
-    """What ForceField makes of the tag: it adds the force that `createStericExclusionForce` makes of the Topology."""
+    """The generator of the tag: it adds the force that `createStericExclusionForce` makes from the Topology."""
 
     def __init__(self, arguments, parameters):
         """Keep arguments of createStericExclusionForce, and parameters of the force as {name: value}."""
@@ -18,7 +18,7 @@ class StericExclusionGenerator:
         Raises
         ------
         ValueError
-            if an attribute is unknown or cannot be read, or if another file of the ForceField has the tag, too
+            if an attribute is unknown or cannot be read, or if another file of the ForceField has the tag
         """
         if any(isinstance(other, StericExclusionGenerator) for other in forceField.getGenerators()):
             raise ValueError(f"a ForceField can have <{element.tag}> only once")

@@ -48,7 +48,7 @@ def reducedBox(box):
 
 
 def makeWhole(positions, bonds, box):
-    """Shift atoms by box vectors so that all bonds are as short as possible.
+    """Shift atoms by box vectors so that all bonds become as short as possible.
 
     The lowest-numbered atom of each molecule keeps its position. O(n + bonds).
 

@@ -1,4 +1,4 @@
-"""The links of molecules: rigid parts that torsions join, and those that stay in place."""
+"""The links of molecules: rigid parts that torsions join, and the links that stay in place."""
 
 import numpy as np
 

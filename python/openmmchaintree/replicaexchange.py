@@ -202,7 +202,7 @@ def _stericGroup(system, integrator, states):
     group = steric.getForceGroup()
     if [force.getForceGroup() for force in forces].count(group) > 1:
         raise ValueError(
-            f"force group {group}: where states have parameters, StericExclusionForce needs one of its own"
+            f"force group {group}: where states have parameters, StericExclusionForce needs a separate one"
         )
     return group
 

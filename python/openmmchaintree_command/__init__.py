@@ -1,7 +1,7 @@
-"""What the shell calls: the command openmm-chaintree, or what to install if it cannot start.
+"""The entry point of the command openmm-chaintree: if a package is missing, it prints what to install.
 
-The package openmmchaintree loads libraries when it is imported, and where that fails Python would end with a traceback.
-So this module stands beside it.
+This module is not a part of openmmchaintree, which loads libraries when it is imported: if that fails, Python would end
+with a traceback.
 """
 
 import sys

@@ -1,7 +1,7 @@
-"""What `openmm.app.ForceField` has to know of openmm-chaintree before anybody uses it.
+"""The entry point for `openmm.app.ForceField`: the folder of openmm-chaintree's XML file, and the parser of its tag.
 
-OpenMM calls `dataDirectory` for every program that makes a ForceField, and an exception here would hide the files of
-other packages. So this module stands beside the package openmmchaintree, imports nothing of it, and loads no library.
+OpenMM calls `dataDirectory` in every program that makes a ForceField, and an exception here would hide the files of
+other packages. So this module is not a part of the package openmmchaintree, does not import it, and loads no library.
 """
 
 import os
@@ -14,7 +14,7 @@ def dataDirectory():
     try:
         registerParser()
     except Exception:
-        return ""  # without a parser ForceField would pass over the tag: better that the file is not found
+        return ""  # without a parser ForceField would ignore the tag, so it must not find the file
     return os.path.dirname(os.path.abspath(__file__))
 
 

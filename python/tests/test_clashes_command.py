@@ -144,7 +144,7 @@ def test_interruptLeavesWhatThereIs(tmp_path, villin):
     )
     assert status == 130
     assert "Traceback" not in shown and "openmm-chaintree:" not in shown
-    assert "interrupted: this is what was found so far" in output
+    assert "interrupted: these are the clashes of the frames before" in output
     summary = json.loads((tmp_path / "a.json").read_text())
     assert summary["interrupted"] and 0 < len(summary["frames"]) < 50001
 

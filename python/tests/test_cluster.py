@@ -173,8 +173,8 @@ def test_theSchedulerIsRestarted(runHere, tmp_path_factory, tmp_path, whole, mon
         doAfter(patches, 20, lambda: kill(first.scheduler))
         result = runHere("sample", *OPTIONS, "-o", "run", "--scheduler", first.address)
         assert result.returncode == 2 and len(result.stderr.splitlines()) == 1
-        assert f"--scheduler {first.address}: was lost, or restarted; the run goes on from its" in result.stderr
-        assert result.stderr.endswith("by --resume run.checkpoint\n")
+        assert f"--scheduler {first.address}: was lost, or restarted; --resume" in result.stderr
+        assert result.stderr.endswith("--resume run.checkpoint continues the run from its last checkpoint\n")
         assert contents(tmp_path, "run") != whole
     with Dask(folder, workers=1, port=int(first.address.rsplit(":")[-1])) as second:
         assert second.address == first.address

@@ -322,7 +322,7 @@ def test_noRoomForOneFileOfASearch(runHere, tmp_path, name):
 
 
 def test_theDiskFillsWhileSampling(tmp_path):
-    """What was sampled so far is kept, and said to be partial."""
+    """The trajectory keeps the frames before the interrupt, and is reported as partial."""
     writePDB(tmp_path / STRUCTURE, GLYCINES)
     result = runWithLargestFile(10000, "sample", STRUCTURE, "--trials", 2000, "--json", "a.json", folder=tmp_path)
     assert result.returncode == 2

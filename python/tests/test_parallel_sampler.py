@@ -140,7 +140,7 @@ def test_parametersAndSharedGroups(dipeptide):
         z = state.getPositions()[0].z
         assert (row[1] - row[0]).value_in_unit(unit.kilojoule_per_mole) == pytest.approx(50 * z, abs=1e-9)
     steric.setForceGroup(0)
-    with pytest.raises(ValueError, match="force group 0: .* StericExclusionForce needs one of its own"):
+    with pytest.raises(ValueError, match="force group 0: .* StericExclusionForce needs a separate one"):
         ParallelReplicaExchangeSampler([{"lambda": value} for value in (0.0, 50.0)], simulation, 1)
 
 

@@ -43,7 +43,7 @@ def test_aBondThatIsMissing(sample, tmp_path):
     result = sample(path, "--allow-unbonded", "--json", "near.json")
     assert result.returncode == 0
     kinds = [note["kind"] for note in json.loads((tmp_path / "near.json").read_text())["notes"]]
-    assert kinds == ["atoms as near as if they were bonded, that are not, and that trials part"]
+    assert kinds == ["unbonded atoms at the distance of a bond, which trials move apart"]
     bonded = writePDB(tmp_path / "bonded.pdb", [*lines, "CONECT    6   11"])
     assert sample(bonded).returncode == 0
 

@@ -151,7 +151,7 @@ def test_interruptedOnce(tmp_path):
     process.send_signal(signal.SIGINT)
     output, errors = process.communicate()
     assert process.returncode == 130 and errors == ""
-    assert "interrupted: what was sampled so far is in the files, and --resume goes on" in output
+    assert "interrupted: the files hold the frames before the interrupt, and --resume continues" in output
     summary = json.loads((tmp_path / "a.json").read_text())
     assert summary["interrupted"] and 0 < summary["trials"] < 100000000 and summary["trials"] % 10000 == 0
     assert summary["frames"] == 1 + summary["trials"] // 10000
@@ -193,10 +193,10 @@ def test_aFinishedRunReportsAgain(finished, runHere, tmp_path):
 @pytest.mark.parametrize(
     ("options", "words"),
     [
-        (["--frames", 4], "run.checkpoint: a run goes on with its own settings, without another --frames"),
-        (["--seed", 2], "without another --seed"),
-        (["-o", "other"], "without another --output"),
-        (["other.pdb"], "without another structure"),
+        (["--frames", 4], "run.checkpoint: a resumed run keeps its settings, so not another --frames"),
+        (["--seed", 2], "so not another --seed"),
+        (["-o", "other"], "so not another --output"),
+        (["other.pdb"], "so not another structure"),
         (["--config", "run-settings.toml"], "--config and --resume cannot be used together"),
     ],
 )
@@ -292,11 +292,11 @@ def test_moreTrials(runHere, tmp_path, monkeypatch, options, trials, frames):
 @pytest.mark.parametrize(
     ("trials", "frames", "perRound", "more", "words"),
     [
-        (30, 3, 10, 20, "run.checkpoint: a run of 30 trials goes on to more of them, not to 20"),
+        (30, 3, 10, 20, "run.checkpoint: a run of 30 trials can be continued to more, not to 20"),
         (30, 3, 10, 45, "run.checkpoint: --trials has to be a multiple of the 10 between frames"),
-        (30, 3, 20, 40, "cannot go on to more trials, since its last round ended after fewer than 20 of them"),
-        (30, 4, 10, 40, "cannot go on to more trials, since its last frame came after fewer than 8 of them"),
-        (30, 3, 10, 2**31 + 2, "cannot go on to more trials, since its trajectories cannot count so many"),
+        (30, 3, 20, 40, "cannot be continued to more trials, since its last round ended after fewer than 20 of them"),
+        (30, 4, 10, 40, "cannot be continued to more trials, since its last frame came after fewer than 8 of them"),
+        (30, 3, 10, 2**31 + 2, "cannot be continued to more trials, since its trajectories cannot count them"),
     ],
 )
 def test_noMoreTrials(runHere, tmp_path, trials, frames, perRound, more, words):
@@ -350,10 +350,10 @@ def spoil(path, what):
         ("run.checkpoint", "text", "run.checkpoint: is no checkpoint of this command, or damaged"),
         ("run.checkpoint", "version", "run.checkpoint: is of another version of openmm-chaintree"),
         ("run.checkpoint", "swap", "or damaged (the checkpoint of replica 0 is not what was written)"),
-        ("run-replica-1.dcd", "gone", "run-replica-1.dcd: there is no such file to go on with"),
+        ("run-replica-1.dcd", "gone", "run-replica-1.dcd: the file to continue is missing"),
         ("run-replica-1.dcd", "cut", "run-replica-1.dcd: is not the trajectory that the run has written"),
         ("run-replica-1.dcd", "text", "run-replica-1.dcd: is not the trajectory that the run has written"),
-        ("run-index.csv", "gone", "run-index.csv: there is no such file to go on with"),
+        ("run-index.csv", "gone", "run-index.csv: the file to continue is missing"),
         ("run-index.csv", "cut", "run-index.csv: is not the index that the run has written"),
         ("run-index.csv", "flip", "run-index.csv: is not the index that the run has written"),
     ],
@@ -466,7 +466,7 @@ def test_theDiskFills(runHere, tmp_path):
         result = runHere(*options, "--checkpoint-interval", 0)
     assert result.returncode == 2 and len(result.stderr.splitlines()) == 1
     assert "cannot be written (File too large)" in result.stderr
-    assert "the run goes on from its last checkpoint by --resume run.checkpoint" in result.stderr
+    assert "--resume run.checkpoint continues the run from its last checkpoint" in result.stderr
     assert runHere("--resume", "run.checkpoint").returncode == 0
     assert runHere(*options, "-o", "whole").returncode == 0
     assert contents(tmp_path, "run") == contents(tmp_path, "whole")

@@ -130,7 +130,7 @@ def test_villin(runHere, tmp_path):
     assert "rigid: bond lengths and angles; rings (HIE, PHE, PRO, TRP)\n" in result.stdout
     planned = "energy: amber14-all.xml at 310 K, no cutoff; native PeriodicTorsionForce, NonbondedForce; constant "
     assert planned in result.stdout
-    assert f"U: {ends['first']:,.1f} kJ/mol at the start, {ends['mean']:,.1f} in the mean" in result.stdout
+    assert f"U: {ends['first']:,.1f} kJ/mol at the start, {ends['mean']:,.1f} as the mean" in result.stdout
     assert "note: the energy is that of a vacuum" in result.stdout
     for force in energy["forces"]:
         (line,) = [line for line in result.stdout.splitlines() if line.startswith(f"{force['name']} ")]
@@ -418,7 +418,7 @@ def test_residuesThatDoNotFit(runHere, tmp_path, lines, isChosen, rename, words)
         (["--forcefield", PROTEIN, "--add-hydrogens", "--ph", "15"], "15 is not in the range 0 to 14"),
         (["--forcefield", PROTEIN, "structure.pdb"], "structure.pdb: is no XML file; name the structure before"),
         (["--forcefield", "broken.xml"], "--forcefield broken.xml: "),
-        (["--forcefield", PROTEIN, "steric.xml"], "adds StericExclusionForce by itself"),
+        (["--forcefield", PROTEIN, "steric.xml"], "adds its own StericExclusionForce"),
         (["--forcefield", "implicit/gbn2.xml"], "--forcefield implicit/gbn2.xml: "),
         (["--forcefield", "tip3p.xml"], "residues that the force field does not have (35): LEU 1; "),
     ],

@@ -37,7 +37,7 @@ def test_replicas(tmp_path, options):
     arguments = ("run.pdb", "--trials", 10**12, "--frames", 10**8, *options, "--workers", 2, "--json", "a.json")
     pattern = r"0/3000000000000" if len(options) > 2 else BEGUN
     output = runUntil(signal.SIGTERM, pattern, "sample", *arguments, folder=tmp_path)
-    assert "--resume goes on" in output
+    assert "--resume continues" in output
     summary = json.loads((tmp_path / "a.json").read_text())
     assert summary["interrupted"] and (summary["trials"] > 0) == (len(options) == 2)
     assert all(len(readDCD(tmp_path / f"run-replica-{replica}.dcd")) == summary["frames"] for replica in range(3))

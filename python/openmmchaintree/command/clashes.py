@@ -63,7 +63,7 @@ def addArguments(clashes):
 
 def _run(options):
     if options.workers is not None and options.scheduler is not None:
-        raise InputError("--workers and --scheduler cannot be used together: a scheduler has workers of its own")
+        raise InputError("--workers and --scheduler cannot be used together: a scheduler has its own workers")
     names = {"csv": options.csv, "json": options.json, "picture": options.picture, "notes": options.notes}
     inputs = [path for path in (options.structure, options.trajectory) if path is not None]
     outputs = checkOutputs(names, inputs, options.overwrite)

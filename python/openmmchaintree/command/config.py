@@ -44,7 +44,7 @@ def applySettings(parser, arguments):
     # The base class's method, so that values that look like options are not parsed as options.
     given, _ = argparse.ArgumentParser.parse_known_args(parser, arguments)
     if given.config is not None and given.resume is not None:
-        raise InputError("--config and --resume cannot be used together: a run goes on with its own settings")
+        raise InputError("--config and --resume cannot be used together: a resumed run keeps its settings")
     if given.config is not None:
         settings, source = readSettings(given.config), given.config
     elif given.resume is not None:

@@ -91,7 +91,7 @@ class EnergyModel:
         """
         system, notes = self._fitSystem(structure, self.cutoff)
         if any(StericExclusionForce.isinstance(force) for force in system.getForces()):
-            raise InputError(f"--forcefield {' '.join(self.files)}: the command adds StericExclusionForce by itself")
+            raise InputError(f"--forcefield {' '.join(self.files)}: the command adds its own StericExclusionForce")
         if not any(map(_isSolvent, system.getForces())):
             notes.append(Note("the energy is that of a vacuum: water is left out, and no file describes it otherwise"))
         if any(isinstance(force, openmm.CMAPTorsionForce) for force in system.getForces()):

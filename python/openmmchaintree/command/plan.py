@@ -213,9 +213,9 @@ class Plan:
         found = unbondedNeighbors(self.graph, axes, np.flatnonzero(self.stays), self.structure.alternates)
         if not found:
             return
-        note = Note("atoms as near as if they were bonded, that are not, and that trials part", map(str, found))
+        note = Note("unbonded atoms at the distance of a bond, which trials move apart", map(str, found))
         if not self.choice.allowUnbonded:
-            raise InputError(f"{note}: give these bonds (CONECT, LINK, _struct_conn), or go on with --allow-unbonded")
+            raise InputError(f"{note}: give these bonds (CONECT, LINK, _struct_conn), or use --allow-unbonded")
         self.notes.append(note)
 
 

@@ -123,7 +123,7 @@ def readReplicaOptions(options):
                 )
         return None
     if options.scheduler is not None and options.workers is not None:
-        raise InputError("--workers and --scheduler cannot be used together: a scheduler has workers of its own")
+        raise InputError("--workers and --scheduler cannot be used together: a scheduler has its own workers")
     workers = options.workers or usableCores()
     interval = _CHECKPOINT_INTERVAL if options.checkpoint_interval is None else options.checkpoint_interval
     if temperatures is None:

@@ -162,7 +162,7 @@ class ReplicaRun:
 
     def _whereItStopped(self):
         name = self._outputs["checkpoint"].name
-        return f"the run goes on from its last checkpoint by --resume {name}"
+        return f"--resume {name} continues the run from its last checkpoint"
 
 
 class SavedRun:
@@ -221,7 +221,7 @@ class SavedRun:
         for name in sorted(names):
             if self.settings.get(name) != settings.get(name):
                 option = name if name == "structure" else f"--{name}"
-                raise InputError(f"--resume {self.path}: a run goes on with its own settings, without another {option}")
+                raise InputError(f"--resume {self.path}: a resumed run keeps its settings, so not another {option}")
 
     def framesOf(self, trials):
         """Return the number of frames for a number of trials, with the interval between frames of the run.
@@ -236,7 +236,7 @@ class SavedRun:
             return self.settings["frames"]
         if trials < former:
             raise InputError(
-                f"--resume {self.path}: a run of {former:,} trials goes on to more of them, not to {trials:,}"
+                f"--resume {self.path}: a run of {former:,} trials can be continued to more, not to {trials:,}"
             )
         if trials % interval != 0:
             raise InputError(f"--resume {self.path}: --trials has to be a multiple of the {interval:,} between frames")
@@ -257,11 +257,11 @@ class SavedRun:
         reasons = {
             f"its last round ended after fewer than {schedule.trialsPerRound:,} of them": begins[0] != begins[1],
             f"its last frame came after fewer than {former.interval:,} of them": frames[0] != frames[1],
-            "its trajectories cannot count so many": steps[0] != steps[1],
+            "its trajectories cannot count them": steps[0] != steps[1],
         }
         for reason, isSo in reasons.items():
             if isSo:
-                raise InputError(f"--resume {self.path}: the run cannot go on to more trials, since {reason}")
+                raise InputError(f"--resume {self.path}: the run cannot be continued to more trials, since {reason}")
 
     def checkOutputs(self, names, inputs, overwrite):
         """Return the Outputs of a resumed run, as `checkOutputs` does; files that the run has written may exist."""

@@ -20,7 +20,7 @@ NO_ELEMENT = "X"
 # The elements of amino acids, nucleotides and water, except selenium.
 _OF_POLYMERS = set("HDCNOSP")
 
-# Elements of one letter that may begin a name in other residues, and those that need a name without other letters (B1).
+# Elements of one letter that may begin a name in other residues, and elements that must be all letters of a name (B1).
 _ONE_LETTER = {*_OF_POLYMERS, "F"}
 _WHOLE_NAMES = set("BIKVWUY")
 

@@ -166,7 +166,7 @@ class Output:
             if it cannot be opened
         """
         if not self._path.is_file():
-            raise InputError(f"{self.name}: there is no such file to go on with")
+            raise InputError(f"{self.name}: the file to continue is missing")
         with self.explainingErrors():
             return self._locked(io.FileIO(self._path, "r+"))
 

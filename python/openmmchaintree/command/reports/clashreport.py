@@ -109,7 +109,7 @@ def printReport(summary, search, frames, files, rows, console, isVerbose):
     else:
         _printFrames(summary, search, frames, rows, console)
     if summary["interrupted"]:
-        console.print("interrupted: this is what was found so far")
+        console.print("interrupted: these are the clashes of the frames before")
     if files:
         console.print(f"wrote {', '.join(map(str, files))}")
 

@@ -48,7 +48,7 @@ def summarizeEnergies(energies, frames, positions):
 def printEnergies(summary, console):
     """Print the result of `summarizeEnergies` on a rich Console."""
     energy = summary["potentialEnergy"]
-    mean = "" if energy["mean"] is None else f", {energy['mean']:,.1f} in the mean of what follows"
+    mean = "" if energy["mean"] is None else f", {energy['mean']:,.1f} as the mean of later frames"
     console.print(
         f"U: {energy['first']:,.1f} kJ/mol at the start{mean}, {energy['last']:,.1f} at the end; OpenMM's Reference "
         f"platform differs there by {energy['last'] - energy['lastByOpenMM']:.1g}"

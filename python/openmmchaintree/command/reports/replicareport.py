@@ -120,7 +120,7 @@ def printReplicaReport(summary, console, isVerbose):
             f"{100 * summary['busy']:.0f} % of the time"
         )
     if summary["interrupted"]:
-        console.print("interrupted: what was sampled so far is in the files, and --resume goes on")
+        console.print("interrupted: the files hold the frames before the interrupt, and --resume continues")
     if any("potentialEnergy" in temperature for temperature in summary["temperatures"]):
         console.print(_temperatureTable(summary))
     if summary["roundTrips"] is not None:

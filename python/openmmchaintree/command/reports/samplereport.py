@@ -116,7 +116,7 @@ def printReport(summary, console, isVerbose):
     printScene(summary, console, isVerbose)
     _printTrials(summary, console)
     if summary["interrupted"]:
-        console.print("interrupted: what was sampled so far is in the files")
+        console.print("interrupted: the files hold the frames before the interrupt")
     if summary["energy"] is not None:
         printEnergies(summary["energy"], console)
     _printVerdict(summary, console)
@@ -141,7 +141,7 @@ def printMoves(moves, console):
     """Print a table of the outcomes of the trials of each move."""
     console.print(_moveTable(moves))
     if any(move["notMade"] for move in moves):
-        console.print("not made: refused, since a window did not close after its turn, or would not on the way back")
+        console.print("not made: impossible, since a window did not close, in the trial itself or in the reverse trial")
 
 
 def _printTrials(summary, console):
@@ -176,7 +176,7 @@ def _printVerdict(summary, console):
     else:
         overlaps = (
             f"{summary['clashesAtEnd']} overlap by more than hard spheres may ({summary['clashesAtStart']} at the "
-            "start), which counts for nothing"
+            "start), which trials ignore"
         )
     console.print(
         f"last positions, all pairs compared: {overlaps}; largest change of a bond's length: "
