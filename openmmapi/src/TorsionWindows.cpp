@@ -1,6 +1,5 @@
 #include "openmmchaintree/internal/TorsionWindows.h"
-#include "openmm/OpenMMException.h"
-#include "openmmchaintree/internal/ArgumentChecks.h"
+#include "openmmchaintree/internal/JointChoices.h"
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -69,12 +68,7 @@ vector<int> ChainTreePlugin::findBackboneTorsions(const LinkStructure& structure
 vector<int> ChainTreePlugin::findWindowTorsions(const LinkStructure& structure, const vector<int>& torsions,
                                                 const string& name, bool keepsClosures)
 {
-    const int numTorsions = structure.getTorsionLinks().size();
-    if (numTorsions == 0)
-        throw OpenMMException(name + " turns torsions, but the StericExclusionForce has none");
-    for (int torsion : torsions)
-        checkIndex(torsion, numTorsions, "torsion", name);
-    checkUnique(torsions, name + " names torsion ");
+    checkTorsions(structure, torsions, name);
     vector<int> found = torsions.empty() ? findBackboneTorsions(structure) : torsions;
     if (keepsClosures)
         return found;

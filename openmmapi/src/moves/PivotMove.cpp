@@ -1,5 +1,4 @@
-#include "openmm/OpenMMException.h"
-#include "openmmchaintree/internal/ArgumentChecks.h"
+#include "openmmchaintree/internal/JointChoices.h"
 #include "openmmchaintree/internal/MoveDeclaration.h"
 
 using namespace ChainTreePlugin;
@@ -34,21 +33,7 @@ private:
 
 void PivotMove::bind(const LinkStructure& structure, const string& name)
 {
-    const int numBallJoints = structure.getBallJointLinks().size();
-    if (numBallJoints == 0)
-        throw OpenMMException(name + " turns ball joints, but the StericExclusionForce has none");
-    for (int ballJoint : ballJoints)
-        checkIndex(ballJoint, numBallJoints, "ball joint", name);
-    checkUnique(ballJoints, name + " names ball joint ");
-    for (int ballJoint : ballJoints)
-        structure.checkNoClosure(structure.getBallJointLinks()[ballJoint], name);
-    choices = ballJoints;
-    if (ballJoints.empty())
-        for (int ballJoint = 0; ballJoint < numBallJoints; ballJoint++)
-            if (structure.getLinkClosure(structure.getBallJointLinks()[ballJoint]) == -1)
-                choices.push_back(ballJoint);
-    if (choices.empty())
-        throw OpenMMException(name + " turns ball joints, but all of them lie in rings of closures");
+    choices = chooseBallJoints(structure, ballJoints, name);
 }
 
 bool PivotMove::propose(TrialSession& trials, RandomNumberGenerator& random)

@@ -1,5 +1,5 @@
 #include "openmm/OpenMMException.h"
-#include "openmmchaintree/internal/ArgumentChecks.h"
+#include "openmmchaintree/internal/JointChoices.h"
 #include "openmmchaintree/internal/MoveDeclaration.h"
 
 using namespace ChainTreePlugin;
@@ -40,23 +40,7 @@ private:
 
 void TorsionMove::bind(const LinkStructure& structure, const string& name)
 {
-    int numTorsions = structure.getTorsionLinks().size();
-    if (numTorsions == 0)
-        throw OpenMMException(name + " turns torsions, but the StericExclusionForce has none");
-    for (int torsion : torsions)
-        checkIndex(torsion, numTorsions, "torsion", name);
-    checkUnique(torsions, name + " names torsion ");
-    for (int torsion : torsions)
-        structure.checkNoClosure(structure.getTorsionLinks()[torsion], name);
-    choices = torsions;
-    if (torsions.empty())
-        for (int torsion = 0; torsion < numTorsions; torsion++)
-            if (structure.getLinkClosure(structure.getTorsionLinks()[torsion]) == -1)
-                choices.push_back(torsion);
-    if (choices.empty())
-        throw OpenMMException(name +
-                              " turns torsions, but all of them lie in rings of closures; only closed moves turn "
-                              "these");
+    choices = chooseTorsions(structure, torsions, name);
     if (count > (int)choices.size())
         throw OpenMMException(name + " turns " + to_string(count) + " torsions at once, but has only " +
                               to_string(choices.size()) + " to choose from");
