@@ -123,6 +123,7 @@ class MinimumDistance(NamedTuple):
 %move(ClosedMove)
 %move(LocalMove)
 %move(PivotMove)
+%move(CrankshaftMove)
 
 %header %{
 static void raiseOpenMMException(const char* message) {

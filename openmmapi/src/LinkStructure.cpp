@@ -484,6 +484,11 @@ array<int, 4> LinkStructure::getTorsionParticles(int torsion) const
     return particles;
 }
 
+int LinkStructure::getBallJointParticle(int ballJoint) const
+{
+    return joints[torsionLinks.size() + ballJoint].particles[0];
+}
+
 /**
  * Get the joint by which a link hangs on its parent, or -1 if it is a root.
  */

@@ -100,3 +100,14 @@ def test_ballJointsOfATopology():
     assert list(given.getBallJointParticles(0)) == [4, 2]
     with pytest.raises(ValueError, match='ballJoints must be "bonds" or pairs of atoms'):
         ct.createStericExclusionForce(beadTopology(bonds, 8), radii=[0.2] * 8, ballJoints="all")
+
+
+def test_crankshaftMoves():
+    integrator = ct.TorsionMonteCarloIntegrator(300)
+    move = integrator.addCrankshaftMove(weight=2, maxAngle=90 * unit.degrees, ballJoints=np.array([2, 0, 1]), window=3)
+    weight, maxAngle, joints, window = integrator.getCrankshaftMoveParameters(move)
+    assert (weight, maxAngle, list(joints), window) == (2, np.pi / 2 * unit.radian, [2, 0, 1], 3)
+    integrator.setCrankshaftMoveParameters(move, 1, maxAngle=0.1)
+    assert integrator.getCrankshaftMoveParameters(move)[2:] == [None, 8]
+    with pytest.raises(TypeError, match="maxAngle must be an angle"):
+        integrator.addCrankshaftMove(1, 1 * unit.nanometer)

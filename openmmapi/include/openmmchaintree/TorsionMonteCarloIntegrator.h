@@ -264,7 +264,11 @@ public:
         /**
          * A move added by addPivotMove().
          */
-        PivotMove = 5
+        PivotMove = 5,
+        /**
+         * A move added by addCrankshaftMove().
+         */
+        CrankshaftMove = 6
     };
     /**
      * Who evaluates the energy of a Force for a trial.
@@ -635,6 +639,30 @@ public:
      */
     int addPivotMove(double weight, double maxAngle, const std::vector<int>& ballJoints = std::vector<int>());
     /**
+     * Add a move that turns a piece of a chain about the line between its ends, which stay in place with the rest of
+     * the chain. For chains of beads this is the crankshaft move: unlike a pivot, it moves few beads.
+     *
+     * The ends are the particles of two ball joints of the list, the one behind the other along a chain. The trial
+     * draws the last one uniformly from all that have two more of the list before them, then the number of bonds
+     * between the two uniformly, from 2 to `window` as far as the chain reaches, and an angle uniformly from -maxAngle
+     * to maxAngle. The two ball joints turn by opposite angles about the line. A trial and its reverse are equally
+     * likely.
+     *
+     * This move keeps the ends of a chain and the first bond behind the last ball joint, so add a move by
+     * addPivotMove(), too.
+     *
+     * It is an error, found when the Context is made, if no three ball joints of the list follow each other.
+     *
+     * @param weight      how often this move is drawn, relative to the weights of the others, at least 0
+     * @param maxAngle    the largest angle, from 0 to pi, in radians
+     * @param ballJoints  the indices of the ball joints of the StericExclusionForce to choose from; if empty, all of
+     *                    them. In Python None means all of them, and an empty list is an error.
+     * @param window      the largest number of ball joints from one end to the other, at least 2
+     * @return the index of the move that was added
+     */
+    int addCrankshaftMove(double weight, double maxAngle, const std::vector<int>& ballJoints = std::vector<int>(),
+                          int window = 8);
+    /**
      * Get the number of moves.
      */
     int getNumMoves() const;
@@ -719,6 +747,19 @@ public:
      */
     void getPivotMoveParameters(int move, double& weight, double& maxAngle, std::vector<int>& ballJoints) const;
     /**
+     * Get the parameters of a move that was added by addCrankshaftMove(). It is an error if the move is of another
+     * kind.
+     *
+     * @param move             the index of the move
+     * @param[out] weight      how often this move is drawn, relative to the weights of the others
+     * @param[out] maxAngle    the largest angle, in radians
+     * @param[out] ballJoints  the indices of the ball joints to choose from; empty (in Python None) if they are all
+     *                         ball joints
+     * @param[out] window      the largest number of ball joints from one end to the other
+     */
+    void getCrankshaftMoveParameters(int move, double& weight, double& maxAngle, std::vector<int>& ballJoints,
+                                     int& window) const;
+    /**
      * Set the parameters of a move that was added by addTorsionMove(). It is an error if the move is of another kind.
      * The next trial follows them. The counts of the move restart from 0.
      *
@@ -798,6 +839,19 @@ public:
      */
     void setPivotMoveParameters(int move, double weight, double maxAngle,
                                 const std::vector<int>& ballJoints = std::vector<int>());
+    /**
+     * Set the parameters of a move that was added by addCrankshaftMove(), which explains them. It is an error if the
+     * move is of another kind. The next trial follows them. The counts of the move restart from 0.
+     *
+     * @param move        the index of the move
+     * @param weight      how often this move is drawn, relative to the weights of the others, at least 0
+     * @param maxAngle    the largest angle, from 0 to pi, in radians
+     * @param ballJoints  the indices of the ball joints of the StericExclusionForce to choose from; if empty, all of
+     *                    them. In Python None means all of them, and an empty list is an error.
+     * @param window      the largest number of ball joints from one end to the other, at least 2
+     */
+    void setCrankshaftMoveParameters(int move, double weight, double maxAngle,
+                                     const std::vector<int>& ballJoints = std::vector<int>(), int window = 8);
     /**
      * Remove a move, and its counts. The indices of the moves after it become lower by one.
      *

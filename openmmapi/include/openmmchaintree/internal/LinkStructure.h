@@ -96,6 +96,10 @@ public:
         return ballJointLinks;
     }
     /**
+     * Get the particle about which a ball joint turns.
+     */
+    int getBallJointParticle(int ballJoint) const;
+    /**
      * Whether there is a torsion or a ball joint.
      */
     bool hasJoints() const

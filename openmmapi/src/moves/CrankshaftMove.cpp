@@ -1,0 +1,96 @@
+#include "openmm/OpenMMException.h"
+#include "openmmchaintree/internal/JointChoices.h"
+#include "openmmchaintree/internal/MoveDeclaration.h"
+#include <algorithm>
+#include <cmath>
+
+using namespace ChainTreePlugin;
+using namespace OpenMM;
+using namespace std;
+
+#define CRANKSHAFT_MOVE(P)                                                                                             \
+    P(Angle, maxAngle, "largest angle")                                                                                \
+    P(Indices, ballJoints, "all")                                                                                      \
+    P(Count, window, "largest number of bonds in a window", 2)
+
+MOVE_PARAMETERS(CrankshaftMove, CRANKSHAFT_MOVE)
+
+/** In nm. No trial changes the length of a line, so a window with a shorter one is never turned. */
+static const double SHORTEST_LINE = 1e-6;
+
+namespace {
+
+/**
+ * Turns what is between two ball joints about the line between them. See
+ * TorsionMonteCarloIntegrator::addCrankshaftMove().
+ */
+class CrankshaftMove : public DeclaredMove<CrankshaftMoveParameters> {
+public:
+    using DeclaredMove::DeclaredMove;
+    void bind(const LinkStructure& structure, const string& name);
+    bool propose(TrialSession& trials, RandomNumberGenerator& random);
+
+private:
+    /** The last ball joint of windows, and how many windows end there. */
+    class End {
+    public:
+        int ballJoint, numWindows;
+    };
+    vector<End> ends;
+    /** For each ball joint the next one towards the root that may turn, or -1; and the particle it turns about. */
+    vector<int> next, particles;
+    // Of the open trial. The first is nearer to the root.
+    vector<int> drawnJoints = vector<int>(2), axis = vector<int>(2);
+    vector<Vec3> drawnRotations = vector<Vec3>(2), positions = vector<Vec3>(2);
+};
+
+} // namespace
+
+void CrankshaftMove::bind(const LinkStructure& structure, const string& name)
+{
+    const vector<LinkStructure::Link>& links = structure.getLinks();
+    const vector<int> choices = chooseBallJoints(structure, ballJoints, name);
+    vector<bool> mayTurn(structure.getBallJointLinks().size(), false);
+    for (int ballJoint : choices)
+        mayTurn[ballJoint] = true;
+    next.assign(mayTurn.size(), -1);
+    particles.assign(mayTurn.size(), -1);
+    for (int ballJoint : choices) {
+        particles[ballJoint] = structure.getBallJointParticle(ballJoint);
+        int link = links[structure.getBallJointLinks()[ballJoint]].parent;
+        while (links[link].parent != -1 && (links[link].ballJoint == -1 || !mayTurn[links[link].ballJoint]))
+            link = links[link].parent;
+        next[ballJoint] = links[link].ballJoint;
+    }
+    ends.clear();
+    for (int ballJoint : choices) {
+        int numBonds = 0;
+        for (int joint = ballJoint; next[joint] != -1 && numBonds < window; joint = next[joint])
+            numBonds++;
+        if (numBonds >= 2)
+            ends.push_back({ballJoint, numBonds - 1});
+    }
+    if (ends.empty())
+        throw OpenMMException(name + " turns what is between two ball joints, but no three of its ball joints follow "
+                                     "each other along a chain");
+}
+
+bool CrankshaftMove::propose(TrialSession& trials, RandomNumberGenerator& random)
+{
+    const End& end = ends[random.drawIndex(ends.size())];
+    int begin = end.ballJoint;
+    for (int numBonds = 2 + random.drawIndex(end.numWindows); numBonds > 0; numBonds--)
+        begin = next[begin];
+    drawnJoints = {begin, end.ballJoint};
+    axis = {particles[begin], particles[end.ballJoint]};
+    trials.getPositions(axis, positions);
+    const Vec3 line = positions[1] - positions[0];
+    const double length = sqrt(line.dot(line)), angle = random.drawSymmetric(getScale() * maxAngle);
+    if (length < SHORTEST_LINE)
+        return false;
+    drawnRotations = {line * (angle / length), line * (-angle / length)};
+    trials.proposeBallRotations(drawnJoints, drawnRotations);
+    return true;
+}
+
+MOVE("crankshaft", CrankshaftMove, CRANKSHAFT_MOVE)
