@@ -11,7 +11,7 @@
 
 enum { ALIGNMENT = 64 };
 
-/* Windows has no aligned_alloc, and frees what it has instead by a function of its own. */
+/* Windows has no aligned_alloc, and another function that frees such memory. */
 static void* allocateAligned(size_t bytes) {
 #ifdef _WIN32
   return _aligned_malloc(bytes, ALIGNMENT);

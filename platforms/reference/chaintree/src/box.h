@@ -227,7 +227,7 @@ static inline void moveBoxes(const BoxBlock* from, const float motion[12], BoxBl
   to->thin = from->thin;
 }
 
-/* Boxes whose bit is set become those of another block. */
+/* Copies boxes whose bit is set from another block. */
 static inline void replaceBoxes(BoxBlock* boxes, unsigned mask, const BoxBlock* by) {
   for (int d = 0; d < 3; d++) {
     store16(boxes->centre[d], blend16(mask, load16(boxes->centre[d]), load16(by->centre[d])));

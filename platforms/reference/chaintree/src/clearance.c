@@ -84,7 +84,7 @@ static void choose(Clearance* c, Traversal* t, double reach) {
   if (!c->isKept) {
     c->treeCost = mean;
   } else if (c->measuresTree) {
-    c->treeCost = (c->treeCost + mean) / 2; /* a few trials tell little */
+    c->treeCost = (c->treeCost + mean) / 2; /* a few trials are not representative */
   }
   if (c->measuresTree) {
     c->measuresTree = false;

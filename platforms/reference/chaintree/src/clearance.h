@@ -19,8 +19,8 @@ enum { MOST_CLEARANCE = UINT16_MAX };
 typedef struct TestedPairs {
   int a;
   int first;                      /* of the sixteen */
-  unsigned left;                  /* bits: pairs that their spheres leave in doubt */
-  unsigned soon;                  /* bits: pairs of those that are likely to clash, to be tested first */
+  unsigned left;                  /* bits: pairs whose spheres are too near to decide */
+  unsigned soon;                  /* bits: pairs among these that are likely to clash, to be tested first */
   uint16_t clearance[TREE_WIDTH]; /* in the trial; 0: not known */
 } TestedPairs;
 
@@ -85,7 +85,7 @@ typedef struct Clearance {
   int64_t cost;      /* of this round */
   int trials;        /* of this round */
   int64_t treeCost;  /* of a test by the tree, as last measured */
-  int64_t mostCost;  /* of a test by clearances before it gives up */
+  int64_t mostCost;  /* most cost of a test by clearances before it gives up */
   bool measuresTree; /* this round is by the tree, only to measure treeCost */
   int rounds;        /* by clearances, since the tree was last measured */
   int patience;      /* rounds by the tree when next clearances do not pay */
@@ -106,7 +106,7 @@ void ctClearanceDropTests(Clearance* clearance);
  * `isAlone`: there is no descent to compare the cost with. */
 bool ctClearanceIsWanted(Clearance* clearance, Traversal* traversal, double reach, bool isAlone);
 
-/* Adds what a test or an accepted trial has cost. */
+/* Adds the cost of a test or of accepting a trial. */
 void ctClearanceCharge(Clearance* clearance, int64_t cost, bool isTest);
 
 /* Returns to the tree, for longer each time, since clearances do not pay. */

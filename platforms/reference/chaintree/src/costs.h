@@ -42,7 +42,7 @@ enum { MOST_BOXED_NODES = 3 * TREE_WIDTH };
 /* ---- Boxes in a descent: see box.h, wide/descent.c ---- */
 
 enum {
-  COST_OF_BOXES = 150, /* of a visit with boxes: moving those of two nodes into the view */
+  COST_OF_BOXES = 150, /* of a visit with boxes: moving the boxes of two nodes into the view */
   COST_OF_BOX_TEST = 2 /* of a pair of boxes, beyond the test of a volume that it counts as */
 };
 
@@ -63,12 +63,12 @@ enum {
   LEAVES_PER_UNIT = 2,          /* leaves of the scene that cost a unit */
   COST_OF_RUN_PAIR = 350,       /* of two runs that move against each other: their bounds; and for leaves as above */
   COST_OF_SPHERES = 15,         /* of a leaf's sphere against sixteen others */
-  COST_OF_LEAF_PAIR = 60        /* of the particles of a leaf against those of another */
+  COST_OF_LEAF_PAIR = 60        /* of testing the particles of two leaves */
   /* 1: the clearances of sixteen columns of a row, compared with their bounds */
 };
 
-/* Clearances are tried where a test by the tree costs more than this, and more than the comparison of all rows of what
- * moves with all that does not: about leaves^2 / 96 sixteens. */
+/* Clearances are tried where a test by the tree costs more than this, and more than the comparison of all rows of
+ * moving leaves with all others: about leaves^2 / 96 sixteens. */
 enum { LEAST_COST_WORTH_SAVING = 1500, LEAF_PAIRS_PER_UNIT = 96 };
 
 /* They are kept if a test by them costs at most this many tenths of a test by the tree. */
@@ -80,7 +80,7 @@ enum { MOST_LEAVES = 2048 };
 /* The choice between tree and clearances, in rounds of trials. */
 enum {
   CLEARANCE_ROUND = 128,             /* trials of a round */
-  TRIALS_TO_MEASURE_TREE = 8,        /* trials by the tree, only to know what they cost now */
+  TRIALS_TO_MEASURE_TREE = 8,        /* trials by the tree that only measure its cost */
   ROUNDS_PER_MEASUREMENT = 16,       /* measuring takes under 1/16 of the time */
   LEAST_CLEARANCE_PATIENCE = 4,      /* rounds by the tree after clearances have not paid; doubled each time */
   MOST_CLEARANCE_PATIENCE = 1 << 12, /* rounds: no more than this */

@@ -25,7 +25,7 @@ typedef struct Visit {
   int64_t visits; /* like all counts here up to the square of the number of nodes */
   int64_t visitsWithBoxes;
   int64_t pairsBoxed;  /* pairs of children whose boxes were compared */
-  int64_t pairsParted; /* pairs of those that the boxes separated */
+  int64_t pairsParted; /* pairs among these that the boxes separated */
   int64_t boxTests;    /* of the tests of volumes */
   int64_t volumeTests;
   int64_t particleTests;

@@ -20,7 +20,7 @@ static int listPairs(const Sequence* s, const ctDefinition* d, int (*pairs)[2]) 
   return count;
 }
 
-/* Lists the partners of each leaf, each once, from begin[leaf] on. */
+/* Lists the partners of each leaf, each once, starting at begin[leaf]. */
 static void listPartners(int pairCount, const int (*pairs)[2], int leafCount, int* begin, int* partners) {
   /* Counts are kept two entries on, so that filling the list turns them into its begins. */
   int* next = begin + 1;

@@ -84,8 +84,8 @@ static void sumBranches(Layout* layout) {
   }
 }
 
-/* Orders free molecules: first those whose particles have no slots, then the others by their position, so that the
- * tree's nodes are compact. */
+/* Orders free molecules: those without slots first, then the others by position, so that the nodes of the tree are
+ * compact. */
 static void orderMolecules(Layout* layout, const ctDefinition* d) {
   int* children = layout->children + layout->childBegin[0];
   const int count = layout->childBegin[1] - layout->childBegin[0];

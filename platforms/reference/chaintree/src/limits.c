@@ -1,4 +1,4 @@
-/* Limits of single pairs: set, raised to what the state needs, and compared with it. */
+/* Limits of single pairs. */
 #include "clashes.h"
 #include "merged.h"
 

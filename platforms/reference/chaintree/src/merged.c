@@ -12,8 +12,8 @@
 /* Each body is compared with the static one and at most 16 earlier ones: windows close within this many changes. */
 enum { MOST_COMPARED = 16 };
 
-/* Bounds what a distance may differ by if it is computed by way of different products of transforms, relative to the
- * coordinate bound: DOUBLE_MARGIN for a tree of this many levels. */
+/* Most difference of a distance that is computed by different products of transforms, relative to the coordinate bound:
+ * DOUBLE_MARGIN for a tree of this many levels. */
 static double productMargin(int levelCount) {
   return DOUBLE_MARGIN * (TREE_WIDTH + (TREE_WIDTH - 1) * levelCount) /
          (TREE_WIDTH + (TREE_WIDTH - 1) * TREE_MAX_LEVELS);
@@ -24,7 +24,7 @@ static bool mayBeOne(const Frame* a, const Frame* b) {
          fabs(a->m[2][3] - b->m[2][3]) <= MERGE_TOLERANCE;
 }
 
-/* Bounds how far apart two motions take what is no farther than `reach` from worldOrigin. */
+/* Most distance between the images of a point under two motions; the point is within `reach` of worldOrigin. */
 static double motionsApart(const Frame* a, const Frame* b, double reach) {
   double turned = 0;
   double shifted = 0;

@@ -1,9 +1,9 @@
-/* Merged bodies: bodies that move as one up to rounding, such as what lies before a closed window and behind it. Trials
- * skip pairs within them. Such a pair is within its limit in the state and hardly moves, so a trial does not test
- * it. Many trials may move it far, though. So each accepted trial adds Trial.distanceError to a bound of how far pairs
- * may be beyond their limits. Before that exceeds MOST_ERROR, a check of all pairs of the state replaces the bound by
- * what it finds: usually 0. If it finds too much, or the state was set with clashes, trials are tested in full until a
- * later check finds less. So a verdict is wrong for no pair that is farther than CT_SIGMA from its limit. */
+/* Merged bodies: bodies that move as one up to rounding, such as the parts of a chain before and behind a closed
+ * window. Trials skip pairs within them. Such a pair is within its limit in the state and hardly moves, so a trial does
+ * not test it. Many trials may move it far, though. So each accepted trial adds Trial.distanceError to a bound of how
+ * far pairs may be beyond their limits. Before that exceeds MOST_ERROR, a check of all pairs of the state replaces the
+ * bound by what it finds: usually 0. If it finds too much, or the state was set with clashes, trials are tested in full
+ * until a later check finds less. So a verdict is wrong for no pair that is farther than CT_SIGMA from its limit. */
 #ifndef CT_MERGED_H_
 #define CT_MERGED_H_
 

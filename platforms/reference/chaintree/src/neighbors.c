@@ -71,8 +71,8 @@ ctStatus ctForEachNeighborPair(ctChainTree* tree, double cutoff, ctPairFunction*
   return status;
 }
 
-/* The caller's arrays. PAIRS_AT_ONCE pairs are written at a time: when the caller's arrays have no room for this many,
- * the last arrays take them, and what fits is copied. */
+/* The caller's arrays. PAIRS_AT_ONCE pairs are written at a time. When the caller's arrays have less room, the last
+ * arrays take the pairs, and as many as fit are copied. */
 typedef struct NeighborArrays {
   int* lower;
   int* higher;

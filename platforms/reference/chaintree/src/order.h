@@ -44,7 +44,7 @@ static inline int ascendingFrom(const int* values, int begin, int end, int value
  * there is no memory. */
 bool ctSortPairs(size_t count, int* firsts, int* seconds, int idCount);
 
-/* Turns counts of `count` groups, in begin[group + 1], into the begin of each group. */
+/* Turns counts of `count` groups, in begin[group + 1], into the first index of each group. */
 void ctAccumulate(int* begin, int count);
 
 #endif /* CT_ORDER_H_ */

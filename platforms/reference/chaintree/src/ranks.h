@@ -1,4 +1,4 @@
-/* A table that tells which bits of a byte are set: to write chosen numbers without gaps. */
+/* A table of the set bits of a byte: to write chosen numbers without gaps. */
 #ifndef CT_RANKS_H_
 #define CT_RANKS_H_
 

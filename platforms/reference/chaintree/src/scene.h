@@ -50,7 +50,7 @@ struct ctChainTree {
   Leaves leaves;           /* may be outdated */
   int64_t changeCount;     /* of the state */
   int64_t acceptedCount;   /* of these, by trials */
-  ctSelection* selections; /* those that have not been freed */
+  ctSelection* selections; /* not freed yet */
   double overlapTolerance;
   double hydrogenBondAllowance;
   char errorText[200];
@@ -85,8 +85,8 @@ Tree* ctSceneLooseTree(ctChainTree* scene);
  * failure and leaves the error text alone. */
 double ctSceneExcess(ctChainTree* scene, double most, ctCounts* counts);
 
-/* Makes the open trial the state until ctSceneLeaveTrial restores the former one, bit by bit. Returns what that takes.
- */
+/* Makes the open trial the state until ctSceneLeaveTrial restores the former one, bit by bit. Returns its last
+ * argument. */
 bool ctSceneEnterTrial(ctChainTree* scene);
 void ctSceneLeaveTrial(ctChainTree* scene, bool areLeavesKept);
 

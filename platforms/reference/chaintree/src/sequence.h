@@ -31,8 +31,8 @@
 /* Most slots of a side branch. */
 enum { SIDE_BRANCH_SLOTS = 2 * TREE_WIDTH };
 
-/* The rigid transform of a link with a free or ball joint in its parent's frame. The origin of a ball joint's link is
- * what it turns about, so its position stays that of the reference, and bonds to it keep their lengths. */
+/* The rigid transform of a link with a free or ball joint in its parent's frame. A ball joint turns about the origin of
+ * its link, which therefore stays at the reference position, so that bonds to it keep their lengths. */
 typedef struct Placement {
   double quaternion[4]; /* w, x, y, z */
   double position[3];
@@ -44,7 +44,7 @@ typedef struct JointState {
   Placement placement; /* free joint, ball joint */
 } JointState;
 
-/* What the limit of a pair depends on. */
+/* Properties of a particle that the limit of a pair depends on. */
 typedef struct ParticleType {
   double radius;
   unsigned role; /* in hydrogen bonds */
@@ -61,7 +61,7 @@ typedef struct Joint {
 
 /* Where the two axis particles of a torsion joint are in the leaf where its link begins: 16 * place of the first +
  * place of the second. No two particles have one place, so equal places can mean something else. Trials turn joints in
- * any order, and would wait for memory if they had to look this up. */
+ * any order, and a look-up would wait for memory. */
 enum {
   axisElsewhere = 0x00, /* not both are there */
   axisIsNoLine = 0x11   /* they are at one place in the reference positions, so that the joint cannot turn */
@@ -111,8 +111,8 @@ typedef struct Sequence {
 
   int* branchHead; /* first links of the world's branches, ascending */
 
-  /* Paths. First come those with return frames, which the sequence leaves before its end, outside of side branches;
-   * then the one that starts at the world; then those in side branches. */
+  /* Paths: first those with return frames, which the sequence leaves before its end, outside of side branches; then the
+   * path that starts at the world; then those in side branches. */
   int* pathEnd;       /* one past the last link that hangs on any of the path's */
   int* pathBegin;     /* returnFrameCount + 1, into pathLink */
   int* pathLink;      /* links of each path that has a return frame, ascending */

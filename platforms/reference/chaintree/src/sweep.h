@@ -13,8 +13,8 @@ typedef struct SweepVisit {
   int b;
 } SweepVisit;
 
-/* What a sweep for neighbours works on at a time. LEAVES_AT_ONCE bounds the memory for candidates: leaves rarely have
- * more leaves near them. */
+/* Sizes of the parts in which a sweep for neighbours works. LEAVES_AT_ONCE bounds the memory for candidates: leaves
+ * rarely have more leaves near them. */
 enum { LEAVES_AT_ONCE = 1024, PAIRS_AT_ONCE = 512, CANDIDATES_AT_ONCE = 8, LOWER_AT_ONCE = 64 };
 
 /* The slots, ascending, that are near a leaf and not before it; at most those of LEAVES_AT_ONCE leaves. */
@@ -33,7 +33,7 @@ typedef struct Sweep {
   const Exclusions* exclusions;
   Arena arena; /* of everything below, which is made when first needed */
   Snapshot snapshot;
-  int64_t snapshotRevision; /* the tree's revision of what the snapshot shows, or NO_REVISION */
+  int64_t snapshotRevision; /* the tree's revision that the snapshot shows, or NO_REVISION */
   SweepVisit* stack;        /* of a sweep for clashes; what follows is for neighbours */
   Ranks* ranks;
   int* lowest;  /* per leaf: no particle is below */

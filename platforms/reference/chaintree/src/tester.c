@@ -171,7 +171,7 @@ static Outcome testByDescent(TrialTest* test) {
   return endSearch(test, ctTraverse(&tree->traversal, test->view, testPair, test, test->counts));
 }
 
-/* `accept` and `forget` keep what a tester knows of the state; NULL: it knows nothing of it. */
+/* `accept` and `forget` update what a tester has stored about the state; NULL: nothing is stored. */
 typedef struct Tester {
   const char* name;
   Outcome (*test)(TrialTest* test);

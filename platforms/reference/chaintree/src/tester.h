@@ -15,7 +15,7 @@ typedef enum TesterId {
 } TesterId;
 
 typedef enum Outcome {
-  undecided, /* ask the next tester */
+  undecided, /* the next tester decides */
   isFree,
   isClash,
   failed /* there was no memory */

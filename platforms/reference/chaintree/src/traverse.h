@@ -56,17 +56,17 @@ typedef struct Traversal {
   double tieBand;         /* the canonical distance decides about distances this close to a limit */
 
   /* World coordinates of the state, kept from descent to descent as long as nothing changes them. Per node. */
-  int64_t* worldRevision; /* the tree's revision when its world coordinates were right; NO_REVISION: it has none */
-  bool worldHasSurfaces;  /* the radii are of surfaces, else of centres */
-  int64_t
-      firstNodesRevision; /* the tree's revision when all nodes with which tests of few slots begin were up to date */
-  int firstLevel;         /* of these nodes */
-  int mostFirstNodes;     /* MOST_FIRST_NODES, but for tests */
-  int mostUnaskedNodes;   /* MOST_UNASKED_NODES, but for tests */
-  int* entryOf;           /* its entry in the two arrays below; CT_NULL: another leaf has taken that */
-  struct Box* box;        /* around its members in its own frame; outdated where the tree says so */
+  int64_t* worldRevision;     /* the tree's revision when its world coordinates were right; NO_REVISION: it has none */
+  bool worldHasSurfaces;      /* the radii are of surfaces, else of centres */
+  int64_t firstNodesRevision; /* the tree's revision for which the nodes that tests of few slots start with are up to
+                                 date */
+  int firstLevel;             /* of these nodes */
+  int mostFirstNodes;         /* MOST_FIRST_NODES, but for tests */
+  int mostUnaskedNodes;       /* MOST_UNASKED_NODES, but for tests */
+  int* entryOf;               /* its entry in the two arrays below; CT_NULL: another leaf has taken that */
+  struct Box* box;            /* around its members in its own frame; outdated where the tree says so */
 
-  /* Entries: one for each inner node, and this many for leaves, which the last updated ones have. */
+  /* Entries: one for each inner node, and this many for the leaves updated last. */
   int leafEntryCount;
   int nextEntry;    /* of a leaf, to be replaced next */
   int* leafOfEntry; /* per entry of a leaf; CT_NULL: it is free */
@@ -104,7 +104,7 @@ typedef struct Traversal {
   int movedCapacity;
   int* movedNode; /* per entry */
   Block* moved;
-  int movedBoxesCount; /* in this descent, with those that have been replaced */
+  int movedBoxesCount; /* in this descent, replaced ones included */
   int movedBoxesCapacity;
   struct MovedBoxes* movedBoxes;
 
@@ -123,8 +123,8 @@ typedef struct Traversal {
 /* Receives a candidate and its squared distance; returns false to end the descent. */
 typedef bool CandidateFunction(void* context, int slotA, int slotB, double squaredDistance);
 
-/* Receives a candidate and what its distance is not above; returns true to end the descent. Else the candidate is
- * handed over with its distance. */
+/* Receives a candidate and an upper bound of its distance; returns true to end the descent. Otherwise the candidate and
+ * its distance go to the CandidateFunction. */
 typedef bool SureClashFunction(void* context, int slotA, int slotB, double farthest);
 
 /* Receives a slot near a probe. */
@@ -138,7 +138,7 @@ void ctTraversalFree(Traversal* traversal);
 /* Makes room for views of this many pieces; false, and nothing changed, if there is no memory. */
 bool ctTraversalReserve(Traversal* traversal, int pieceCount);
 
-/* True if the world coordinates of a node are known to be those of the state. */
+/* True if the kept world coordinates of a node are known to be right. */
 static inline bool traversalHasWorld(const Traversal* t, int node) {
   const int64_t since = t->worldRevision[node];
   return t->tree->contentRevision[node] <= since && treeStays(t->tree, since);

@@ -113,8 +113,8 @@ void ctTreeRefresh(Tree* tree, const Sequence* sequence) {
   tree->isOutdated = false;
 }
 
-/* Recomputes the leaf that holds the step from a link to the next, unless that is done. Dirty leaves are listed:
- * returns how many there are. */
+/* Recomputes the leaf that holds the step from a link to the next, once an update. Dirty leaves are listed: returns how
+ * many there are. */
 static int refreshStep(Tree* tree, const Sequence* s, int link, int dirty) {
   const int leaf = coveringNode(s->slotBegin[link + 1] - 1);
   if (tree->contentRevision[leaf] != tree->revision) {

@@ -83,13 +83,13 @@ typedef struct Tree {
   Members* members; /* per inner node, from levelBegin[1] on */
   Bound* bound;     /* per node */
   bool* boxIsOutdated; /* per node: recomputed since Traversal.box was made from it, which clears this */
-  Frame* stem; /* per path without return frame, if a side branch begins with it: the frame of the link on which that
-                  side branch hangs in the frame of the leaf where it begins */
+  Frame* stem; /* per path without return frame, if a side branch begins with it: the frame of the link on which the
+                  branch hangs, in the frame of the leaf where the branch begins */
 
   /* Sums of positions, made on first use. */
   double (*sum)[3]; /* per node: of the positions of all its particles, modelled or not, in its own frame */
   bool* hasSum;     /* per node */
-  int* particles;   /* per node: how many those are; one without a slot counts where its link begins */
+  int* particles;   /* per node: how many particles; one without a slot counts where its link begins */
 
   /* During an update by one change: a link of no side branch whose frame in its leaf is known, and before which nothing
    * changes. CT_NULL: none. The walk through that leaf begins there. */
@@ -101,8 +101,8 @@ typedef struct Tree {
   bool isOutdated; /* the layout is right, but no content is of the state */
   int* dirty;      /* scratch: nodes of one level */
 
-  /* A turn in a side branch only widens bounds that it sticks out of, until somebody asks for tight ones: soon a leaf
-   * has a bound that holds its side branches however they turn, and another turn changes no node but the leaf. */
+  /* A turn in a side branch only widens bounds that it sticks out of, until tight ones are needed: soon a leaf has a
+   * bound that holds its side branches however they turn, and another turn changes no node but the leaf. */
   int looseCount; /* leaves with bounds that may be loose, as may be those of the nodes over them */
   int* loose;
   bool* isLoose; /* per leaf */
@@ -246,7 +246,7 @@ Frame ctTreeKnowLink(Tree* tree, const Sequence* sequence, int link, int change)
  * distance (v = 2^-53). The direction of a line that is 32 times shorter is off by 128 v, 1/84 of DOUBLE_MARGIN. */
 #define LEAST_LINE (1.0 / 1024)
 
-/* A point of a link's torsion axis, and a vector along it, in the frame of the leaf where the link begins. For those
+/* A point of a link's torsion axis, and a vector along it, in the frame of the leaf where the link begins. For axes
  * whose particles are not both there, or so close together that the rounding of their positions would turn the line. */
 void ctTreeWalkToAxis(const Tree* tree, const Sequence* sequence, int link, double point[3], double direction[3]);
 

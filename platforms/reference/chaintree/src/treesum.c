@@ -34,7 +34,7 @@ static void add(double sum[3], const double x[3]) {
   sum[2] += x[2];
 }
 
-/* Slots [slotBegin, slotEnd) of a leaf: adds the positions of their particles, and of those without a slot of links
+/* Adds the positions of the particles of slots [slotBegin, slotEnd) of a leaf, and of particles without a slot of links
  * that begin there, to sum, in the leaf's frame; returns how many. */
 static int sumSlots(const Tree* tree, const Sequence* sequence, int leaf, int slotBegin, int slotEnd, double sum[3]) {
   int particles = 0;

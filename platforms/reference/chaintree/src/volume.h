@@ -103,8 +103,8 @@ static inline void moveBlock(const Block* from, const float motion[12], unsigned
   store16(to->z, blend16(mask, load16(to->z), moved16(from, motion + 8)));
 }
 
-/* Moves all members, and gives them these radii. They are stored as they will be loaded: a processor waits for what it
- * loads at once and has stored in parts. */
+/* Moves all members and sets these radii. Stores them in the pieces in which they will be loaded: a processor waits for
+ * whole loads of what was stored in parts. */
 static inline void moveAll(const Block* from, const float* radii, const float motion[12], Block* to) {
   store16(to->x, moved16(from, motion));
   store16(to->y, moved16(from, motion + 4));

@@ -11,7 +11,7 @@ typedef struct LeafPoints {
   float x[3][TREE_WIDTH];
 } LeafPoints;
 
-/* What the roundings to float may take from a box of particles: half a unit in the last place. */
+/* Room for the rounding to float in a box of particles: half a unit in the last place. */
 #define BOX_MARGIN 1.2e-7f
 
 /* Writes the box around lows and highs as member k, a little larger. */

@@ -22,8 +22,8 @@ static unsigned slotsNearMember(const Pass* pass, int a, const SnapshotBoxes* ot
 typedef struct LeafPair {
   int a;
   int b;
-  unsigned slots;           /* bits: those of a that are near b */
-  const uint16_t* excluded; /* per slot of a, bits: those of b that make no pair with it */
+  unsigned slots;           /* bits: slots of a that are near b */
+  const uint16_t* excluded; /* per slot of a, bits: slots of b that make no pair with it */
 } LeafPair;
 
 /* Per slot of a, bits: the slots of b that may clash with it. */

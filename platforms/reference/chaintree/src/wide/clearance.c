@@ -179,7 +179,7 @@ static bool isMixed(const Traversal* t, int leaf) {
   return t->placedIn[leaf] == t->descent && t->body[leaf] < 0;
 }
 
-/* Tests the particles of two leaves whose spheres are too near to tell. */
+/* Tests the particles of two leaves whose spheres are too near to decide. */
 static void testPair(Clearance* c, Traversal* t, ClearanceTest* test, const RunPair* pair, TestedPairs* tested, int k) {
   const int a = tested->a;
   const int b = tested->first + k;
@@ -192,7 +192,7 @@ static void testPair(Clearance* c, Traversal* t, ClearanceTest* test, const RunP
   }
   const float units = 0.999999f * clearance / c->unit; /* rounded down, as in unitsOf */
   const float most = (float)MOST_CLEARANCE;
-  /* Nothing is known of lengths beyond those of a float: they count as no clearance, and so does NaN. */
+  /* Lengths beyond those of a float, and NaN, count as no clearance. */
   const float kept = units > 0 ? units : 0;
   const uint16_t found = (uint16_t)(int)(kept < most ? kept : most);
   tested->clearance[k] = found;
@@ -205,8 +205,8 @@ static void testPair(Clearance* c, Traversal* t, ClearanceTest* test, const RunP
   }
 }
 
-/* Lists the pairs of these leaves of A, which are of one node, with leaves of B that the trial may bring together.
- * Returns how many entries. Writes without a branch on what is found, which processors would mispredict. */
+/* Lists pairs of these leaves of A, which are of one node, with leaves of B that the trial may bring together. Returns
+ * the number of entries. Has no branch on what is found, which processors would mispredict. */
 static int findNear(const Clearance* c, const RunPair* pair, int begin, int end, NearPairs* near) {
   int count = 0;
   for (int a = begin; a < end; a++) {

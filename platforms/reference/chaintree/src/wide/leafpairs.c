@@ -97,8 +97,8 @@ static int moveManyPieces(const LeafTask* task, int leaf, int piece, AxisBoxes* 
   return common;
 }
 
-/* Moves boxes, of which a mask says which: their middles, and half of their sizes as the motion turns them. The margin
- * is 33 u (u = 2^-24) of what is summed up for a coordinate, whose roundings are below 12 u of it. */
+/* Moves the boxes of a mask: their middles, and half of their sizes as the motion turns them. The margin is 33 u (u =
+ * 2^-24) of the sum of magnitudes for a coordinate, whose roundings are below 12 u of it. */
 static void moveAxisBoxes(const AxisBoxes* from, const Frame* motion, unsigned mask, AxisBoxes* to) {
   Float16 middle[3];
   Float16 half[3];
@@ -209,7 +209,7 @@ static int openMany(const LeafTask* task, int level, int node, int piece) {
   return commonBody(members, occupied);
 }
 
-/* Opens a node of this body, unless that is done. */
+/* Opens a node of this body, once a trial. */
 static void openNode(const LeafTask* task, int level, int node, int body) {
   Leaves* leaves = task->leaves;
   TrialMembers* members = trialMembers(leaves, task->tree, node);
@@ -257,7 +257,7 @@ typedef struct LeafDescent {
   float limit; /* of squared gaps */
 } LeafDescent;
 
-/* Those of `columns` that are near a box, before the trial or in it; and their squared gaps. */
+/* Members of `columns` that are near a box, before the trial or in it; and their squared gaps. */
 CT_INLINE unsigned findNearBoxes(LeafDescent* d, const AxisBoxes* before, const AxisBoxes* after, int k,
                                  const Opened* others, unsigned columns, Float16* gaps) {
   *gaps = squaredGaps(before, k, others->before);
@@ -335,7 +335,7 @@ static void searchRow(LeafDescent* d, int level, const Opened* rows, int k, cons
   }
 }
 
-/* The columns that a row is compared with, all in one node: those that it moves against. */
+/* The columns that a row moves against, all in one node. */
 static unsigned columnsOfRow(const LeafDescent* d, const Opened* rows, int k, const Opened* others) {
   if (!d->inTrial || rows->body[k] == MANY_BODIES) {
     return others->occupied;

@@ -9,7 +9,7 @@
 bool CT_WIDE(listRuns)(Clearance* c, const Traversal* t);
 
 /* Calls `visit` for each two runs that move against each other, once their displacements are bounded. Ends with true as
- * soon as `visit` does. Adds what the bounds cost. */
+ * soon as `visit` returns true. Adds the cost of the bounds. */
 typedef bool RunPairFunction(Clearance* c, Traversal* t, const RunPair* pair, void* context);
 bool CT_WIDE(forEachRunPair)(Clearance* c, Traversal* t, RunPairFunction* visit, void* context, int64_t* cost);
 

@@ -54,7 +54,7 @@ static bool nodeStays(const LeafUpdate* u, int level, int node) {
   return u->tree->contentRevision[node] <= u->leaves->revision && leafEnd <= u->firstMoved;
 }
 
-/* Brings the leaves below a node up to date, and its own box, which is member k of its parent. */
+/* Updates the leaves below a node, and its own box, which is member k of its parent. */
 static void updateNode(const LeafUpdate* u, int level, int node, const Frame* frame) {
   Leaves* leaves = u->leaves;
   const Tree* tree = u->tree;

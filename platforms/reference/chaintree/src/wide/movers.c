@@ -29,8 +29,8 @@ static unsigned slotBits(int begin, int end, int first) {
   return low < high ? (1u << high) - (1u << low) : 0;
 }
 
-/* World coordinates of sixteen slots from any one on. Those of slot `end` and later ones may be any numbers. Writes to
- * `own` if they are of two leaves. */
+/* World coordinates of sixteen slots, starting at any. Coordinates of slot `end` and later ones may be any numbers.
+ * Writes to `own` if the slots are of two leaves. */
 static const Block* worldOfSlots(Traversal* t, int first, int end, Block* own) {
   const int leaf = coveringNode(first);
   const int at = memberIndex(first);
@@ -73,8 +73,8 @@ CT_INLINE MoverBox boxOfMovers(const Block* block) {
   return box;
 }
 
-/* Moves slots [begin, end) into the view; `first` is the first of their sixteen. Of the other slots all but the radii
- * may be any numbers. */
+/* Moves slots [begin, end) into the view; `first` is the first of their sixteen. The other slots have no radius and any
+ * coordinates. */
 static void takeMovers(Traversal* t, int begin, int end, int first, Movers* movers) {
   const View* view = t->view;
   Block own;
@@ -130,8 +130,8 @@ static double farthestOf(const Visit* visit, Sphere a, Sphere b) {
   return (double)sqrtf(x * x + y * y + z * z) + visit->margin;
 }
 
-/* Hands over the pair of a mover and a slot of this body, and their spheres in the view. Most pairs clash by
- * far, which these show: positions in double take several times as long. False ends the search. */
+/* Tests the pair of a mover and a slot of this body, with their spheres in the view. Most clashing pairs clash by far,
+ * which spheres show: positions in double take several times as long. False ends the search. */
 static bool meet(Traversal* t, const Visit* visit, int mover, Sphere sphere, int slot, Sphere other, int body) {
   if (visit->clashes != NULL && visit->clashes(visit->context, mover, slot, farthestOf(visit, sphere, other))) {
     return false;
@@ -143,8 +143,8 @@ static bool meet(Traversal* t, const Visit* visit, int mover, Sphere sphere, int
   return visit->function(visit->context, mover, slot, squaredDistance(a, b));
 }
 
-/* The index of the masks of leafA's slots with those of leafB. Without a branch for what is usual, so that nothing is
- * mispredicted. */
+/* The index of the masks of leafA's slots with leafB's. The usual case has no branch, so that nothing is mispredicted.
+ */
 CT_INLINE int exclusionMask(const Exclusions* e, int leafA, int leafB) {
   if (leafA == leafB) {
     return e->own[leafA];
@@ -198,8 +198,8 @@ CT_INLINE bool testLeaf(Traversal* t, Visit* visit, const Movers* movers, int le
   return true;
 }
 
-/* Hands over the pairs of a slot, which is of this body, with the movers that are near it (bits), but for those that
- * are excluded. False ends the search. A function of its own, since this is rare. */
+/* Tests the pairs of a slot of this body with movers that are near it (bits), except excluded ones. False ends the
+ * search. A function of its own, since this is rare. */
 CT_NOINLINE bool meetMovers(Traversal* t, const Visit* visit, const Movers* movers, unsigned near, int slot,
                             Sphere sphere, int body) {
   for (; near != 0; near &= near - 1) {
@@ -221,7 +221,7 @@ static unsigned bitsOfPiece(const View* view, int p, const Movers* movers) {
   return slotBits(begin, next < movers->end ? next : movers->end, movers->first);
 }
 
-/* Tests movers against those of others that come later and are of another body. False ends the search. */
+/* Tests movers against later movers of another body. False ends the search. */
 static bool testMovers(Traversal* t, Visit* visit, const Movers* movers, const Movers* others) {
   const View* view = t->view;
   const int last = pieceOf(view, others->end - 1);
@@ -249,7 +249,7 @@ static bool testMovers(Traversal* t, Visit* visit, const Movers* movers, const M
  * another for the roundings of floats. Beyond the range of shorts, ends stay below limits. */
 enum { UNITS_AROUND = 2 };
 
-/* Units for the size of the state: some are left for what moves beyond it. */
+/* Units for the size of the state; the rest is for particles that move beyond it. */
 enum { UNITS_OF_STATE = 30000 };
 
 /* Makes the box of a leaf, whose world coordinates are up to date. */
@@ -324,8 +324,8 @@ static void followLeaves(Traversal* t) {
 
 /* ---- Movers against static slots ---- */
 
-/* Brings the nodes of the level with which tests begin up to date: the lowest of few nodes, since the nodes above would
- * separate little. */
+/* Updates the nodes of the level where tests start: the lowest level of few nodes, since nodes above would separate
+ * little. */
 CT_NOINLINE void updateFirstNodes(Traversal* t) {
   const Tree* tree = t->tree;
   t->firstLevel = treeTop(tree);
@@ -340,7 +340,7 @@ CT_NOINLINE void updateFirstNodes(Traversal* t) {
   t->firstNodesRevision = tree->innerRevision > tree->revision ? tree->innerRevision : tree->revision;
 }
 
-/* Brings what a test begins with up to date, and these leaves. With boxes that is done already: leaves in which
+/* Updates the nodes where a test starts, and these leaves. With boxes they are up to date already: leaves in which
  * something has moved are noted, and come with the nodes above them. */
 static void updateFirst(Traversal* t, int begin, int end) {
   const Tree* tree = t->tree;
@@ -358,8 +358,8 @@ static void updateFirst(Traversal* t, int begin, int end) {
   }
 }
 
-/* Lists the members that may be near movers of nodes [begin, end) of a level, all up to date, but for leaves in which
- * something moves. Returns how many. */
+/* Lists the members of nodes [begin, end) of a level that may be near movers, except leaves in which something moves.
+ * All nodes are up to date. Returns how many. */
 CT_INLINE int listNearBox(Traversal* t, const Movers* movers, int level, int begin, int end, float reach, int* near) {
   const Block* blocks = worldOf(t, t->tree->levelBegin[level]);
   const int below = t->tree->levelBegin[level - 1];
@@ -374,7 +374,7 @@ CT_INLINE int listNearBox(Traversal* t, const Movers* movers, int level, int beg
   return found;
 }
 
-/* The same of all leaves, by their boxes. Few branches depend on what is found, since processors mispredict these. */
+/* The same for all leaves, by their boxes. Few branches depend on what is found, since processors mispredict these. */
 CT_INLINE int listNearBoxes(const Traversal* t, const Movers* movers, int* near) {
   uint64_t masks[MOST_BOXED_NODES / NODES_AT_ONCE];
   const SixLimits limits = sixLimits(movers->limits);
@@ -412,12 +412,12 @@ CT_NOINLINE int listNearOfMany(Traversal* t, Visit* visit, const Movers* movers,
   return found;
 }
 
-/* True if a test begins with the boxes of all leaves, and looks at no node. */
+/* True if a test starts with the boxes of all leaves, without nodes. */
 static bool areBoxesFirst(const Traversal* t) {
   return t->testsToBoxes == 0 && t->tree->levelSize[1] <= t->mostBoxedNodes;
 }
 
-/* The same of all nodes of the level with which tests begin. */
+/* The same for all nodes of the level where tests start. */
 CT_INLINE int listNearFirst(Traversal* t, Visit* visit, const Movers* movers, int level, int* near) {
   const int count = t->tree->levelSize[level];
   const bool areBoxed = areBoxesFirst(t);

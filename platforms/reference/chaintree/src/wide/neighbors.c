@@ -60,8 +60,8 @@ static inline int slotAt(int offset) {
   return offset / LEAF_FLOATS * TREE_WIDTH + offset % LEAF_FLOATS;
 }
 
-/* Forbids pairs of candidates that are slots of one leaf: for each slot of that, those of the own leaf whose bits are
- * set in `forbidden`. */
+/* Clears pairs of candidates that are slots of one leaf: `forbidden` has, for each of its slots, bits of slots of the
+ * own leaf. */
 static void forbidPairs(const Candidates* candidates, int first, int count, const uint16_t* forbidden) {
   for (int i = first; i < first + count; i++) {
     const unsigned slot = (unsigned)slotAt(candidates->offset[i]) % TREE_WIDTH;
@@ -100,7 +100,7 @@ static void gatherCandidates(const Pass* pass, int leaf, const AxisBox* box, int
   }
   pass->task->volumeTests += (last - first) * TREE_WIDTH;
   candidates->count = count;
-  /* Up to CANDIDATES_AT_ONCE behind the last are compared too. */
+  /* Up to CANDIDATES_AT_ONCE more are compared. */
   storeShorts(candidates->pairs + count, allShorts(0));
   pass->task->particleTests += (int64_t)count * TREE_WIDTH;
   candidates->rises = sweep->highest[leaf] < lowest;

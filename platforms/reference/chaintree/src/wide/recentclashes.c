@@ -16,7 +16,7 @@ static Sphere slotSphere(Traversal* t, int slot, int body) {
   return sphereInView(t, sphereOf(worldOf(t, leaf), memberIndex(slot)), body);
 }
 
-/* True if a recent clash clashes again, as `function` decides. Adds what that has cost. */
+/* True if a recent clash clashes again, as `function` decides. Adds the cost. */
 bool CT_WIDE(testRecentClashes)(const RecentClashes* w, Traversal* t, const View* view, CandidateFunction* function,
                                 void* context, ctCounts* counts, int64_t* cost) {
   CT_WIDE(startView)(t, view);

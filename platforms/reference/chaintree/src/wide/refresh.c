@@ -39,7 +39,7 @@ static Bound boundOfLeaf(const Leaf* leaf) {
 /* Most links whose local frames are computed one by one. */
 enum { FEW_LINKS = 3 };
 
-/* Computes those of the torsion joints (bits) among sixteen links from this one on. */
+/* Computes the local frames of torsion joints (bits) among sixteen links, starting at `begin`. */
 static void computeTorsionFrames(const Sequence* s, int begin, unsigned torsions, LocalFrames* localFrames) {
   double w[3][TREE_WIDTH];
   for (int i = 0; i < TREE_WIDTH; i++) {
@@ -59,7 +59,7 @@ static void computeTorsionFrames(const Sequence* s, int begin, unsigned torsions
   }
 }
 
-/* Computes those of links [begin, end), all of which have placements. */
+/* Computes the local frames of links [begin, end), all of which have placements. */
 static void computePlacedFrames(const Sequence* s, int begin, int end, LocalFrames* localFrames) {
   double q[4][TREE_WIDTH];
   for (int i = 0; i < TREE_WIDTH; i++) {
@@ -77,7 +77,7 @@ static void computePlacedFrames(const Sequence* s, int begin, int end, LocalFram
   }
 }
 
-/* Computes that of one link. */
+/* Computes the local frame of one link. */
 static void computeLocalFrame(const Sequence* s, int link, LocalFrames* localFrames) {
   const Frame localFrame = sequenceLocalFrame(s, link);
   for (int k = 0; k < 12; k++) {
@@ -85,7 +85,7 @@ static void computeLocalFrame(const Sequence* s, int link, LocalFrames* localFra
   }
 }
 
-/* Computes those of links [begin, end), at most TREE_WIDTH. */
+/* Computes the local frames of links [begin, end), at most TREE_WIDTH. */
 static void computeLocalFrames(const Sequence* s, int begin, int end, LocalFrames* localFrames) {
   localFrames->first = begin;
   if (end - begin <= FEW_LINKS) {
@@ -251,7 +251,7 @@ static void widenBound(Tree* tree, int leaf, int begin, int end) {
   }
 }
 
-/* True if a bound holds a particle at x; those that are not modelled need not be held. */
+/* True if a bound holds a particle at x, or the particle is not modelled. */
 CT_INLINE bool holdsParticle(const Bound* bound, const double x[3], float radius) {
   const double centre[3] = {bound->x, bound->y, bound->z};
   const double away = squaredDistance(x, centre);

@@ -3,7 +3,7 @@
 #include "ids.h"
 #include "set.h"
 
-/* Rounds the positions of a leaf's particles to float. An empty slot is put at infinity. */
+/* Rounds the positions of a leaf's particles to float. Empty slots are at infinity. */
 static void fillLeaf(const Snapshot* snapshot, const int* particle, Block* leaf) {
   const unsigned empty = greater16(all16(0), load16(leaf->r));
   float* axes[3] = {leaf->x, leaf->y, leaf->z};

@@ -56,7 +56,7 @@ static void recomputeFrame(Traversal* t, int level, int node) {
   }
 }
 
-/* Recomputes what has changed of a node's frame and members in the world. */
+/* Recomputes the changed parts of a node's frame and members in the world. */
 void CT_WIDE(recomputeWorld)(Traversal* t, int level, int node) {
   const Tree* tree = t->tree;
   if (!hasFrame(t, level, node)) {
@@ -74,7 +74,7 @@ void CT_WIDE(recomputeWorld)(Traversal* t, int level, int node) {
   }
 }
 
-/* Brings the world coordinates of a leaf up to date, and those of the nodes over it. */
+/* Updates the world coordinates of a leaf and of the nodes over it. */
 void CT_WIDE(updateWorldLeaf)(Traversal* t, int leaf) {
   for (int level = treeTop(t->tree); level >= 0; level--) {
     updateWorld(t, level, t->tree->levelBegin[level] + (leaf >> TREE_WIDTH_BITS * level));

@@ -7,7 +7,7 @@
 #include "../descent.h"
 #include "set.h"
 
-/* Recomputes what has changed of a node's frame and members in the world. Its parent's must be up to date. */
+/* Recomputes the changed parts of a node's frame and members in the world. Its parent's must be up to date. */
 void CT_WIDE(recomputeWorld)(Traversal* t, int level, int node);
 
 /* Moves the members of a node into the view. */
@@ -49,7 +49,7 @@ static inline int bodyOfMember(const Traversal* t, int node, int k) {
   return code < 0 ? mixedNodeOf(t, code)->body[k] : code;
 }
 
-/* Two at a time, as frames are stored: a processor waits for what it loads at once and has stored in parts. */
+/* Two at a time, as frames are stored: a processor waits for whole loads of what was stored in parts. */
 static inline void floatMotion(const Frame* f, float motion[12]) {
   typedef double Doubles __attribute__((vector_size(16)));
   typedef float Floats __attribute__((vector_size(8)));
