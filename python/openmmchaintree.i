@@ -998,7 +998,7 @@ static bool toDensities(PyObject* object, const char* name, std::vector<ChainTre
 
 %pythoncode %{
 def _setsAndDensities(torsions, density):
-    """Return what a drawn move is made of: if the density is None, the sets have to come with their densities."""
+    """Return the sets and densities of a drawn move. If the density is None, the sets have to come with it."""
     if density is None:
         if not hasattr(torsions, "density"):
             raise TypeError(
@@ -1011,10 +1011,10 @@ def _setsAndDensities(torsions, density):
 %extend ChainTreePlugin::TorsionMonteCarloIntegrator {
 %pythoncode %{
     def addDrawnMove(self, weight, torsions, density=None):
-        """Add a move that draws torsions anew from a density, wherever they are: one of some sets of torsions, such as
-        all those of a side chain or phi and psi of a residue, each set equally often. With p the density of the set, q
-        the values that it has and q' those that are drawn, a trial is accepted with
-        min(1, exp(-(U' - U)/kT) p(q)/p(q')), so that what is sampled does not depend on the density.
+        """Add a move that draws new values of torsions from a density, independent of the old ones. A trial chooses one
+        of some sets of torsions with equal probability, such as all torsions of a side chain or phi and psi of a
+        residue. With p the density of the set, q its present values and q' the drawn ones, it is accepted with
+        min(1, exp(-(U' - U)/kT) p(q)/p(q')), so that the sampled distribution does not depend on the density.
 
         A good density is one that U agrees with. For side chains and backbones of proteins, write
 
@@ -1044,7 +1044,7 @@ def _setsAndDensities(torsions, density):
 
     def setDrawnMoveParameters(self, move, weight, torsions, density=None):
         """Set the parameters of a move that was added by addDrawnMove(). It is an error if the move is of another kind.
-        The next trial follows them. The counts of the move start anew, from 0: they tell of the move as it is.
+        The next trial follows them. The counts of the move restart from 0.
 
         Parameters
         ----------
@@ -1061,7 +1061,7 @@ def _setsAndDensities(torsions, density):
 %}
 }
 
-/* ---- Moves: units, and lists of what they choose from, as MoveKind tells ---- */
+/* ---- Moves: units as MoveKind declares them, and lists of choices ---- */
 
 %{
 #include "openmmchaintree/internal/MonteCarloMove.h"

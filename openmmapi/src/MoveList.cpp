@@ -269,7 +269,7 @@ void MoveList::createCheckpoint(CheckpointWriter& writer) const
             writer.write(property.first);
             writer.write(property.second);
         }
-        writer.write(vector<long long>({entry.refused, entry.clashed, entry.rejectedByEnergy, entry.accepted}));
+        writer.write(vector<long long>({entry.impossible, entry.clashed, entry.rejectedByEnergy, entry.accepted}));
         writer.write(entry.move->getScale());
         writer.write(entry.adaptation.getState());
     }
@@ -313,14 +313,14 @@ vector<long long> MoveList::getStatistics() const
 {
     vector<long long> statistics;
     for (const Entry& entry : entries)
-        statistics.insert(statistics.end(), {entry.refused, entry.clashed, entry.rejectedByEnergy, entry.accepted});
+        statistics.insert(statistics.end(), {entry.impossible, entry.clashed, entry.rejectedByEnergy, entry.accepted});
     return statistics;
 }
 
 void MoveList::setStatistics(const vector<long long>& statistics)
 {
     for (size_t i = 0; i < entries.size(); i++) {
-        entries[i].refused = statistics[NUM_COUNTS * i];
+        entries[i].impossible = statistics[NUM_COUNTS * i];
         entries[i].clashed = statistics[NUM_COUNTS * i + 1];
         entries[i].rejectedByEnergy = statistics[NUM_COUNTS * i + 2];
         entries[i].accepted = statistics[NUM_COUNTS * i + 3];
@@ -333,7 +333,7 @@ void MoveList::writeProgress(SerializationNode& node) const
         SerializationNode& move = node.createChildNode("Move");
         for (auto& property : describe(entry))
             move.setStringProperty(property.first, property.second);
-        move.setLongProperty("refused", entry.refused)
+        move.setLongProperty("refused", entry.impossible)
             .setLongProperty("clashed", entry.clashed)
             .setLongProperty("rejectedByEnergy", entry.rejectedByEnergy)
             .setLongProperty("accepted", entry.accepted);
@@ -354,7 +354,7 @@ bool MoveList::readProgress(const SerializationNode& node, Progress& progress) c
             if (moves[i].getStringProperty(property.first, "") != property.second)
                 return false;
     for (const SerializationNode& move : moves) {
-        // States of former versions have neither trials that could not be made nor scales.
+        // States of former versions have neither impossible trials nor scales.
 
         progress.statistics.insert(progress.statistics.end(),
                                    {move.getLongProperty("refused", 0), move.getLongProperty("clashed"),

@@ -211,7 +211,7 @@ void TorsionMonteCarloIntegrator::getMoveStatistics(int move, long long& attempt
 {
     ContextUse use(lock, ContextLock::User);
     const MoveList::Entry& entry = moves->get(move);
-    attempted = entry.refused + entry.clashed + entry.rejectedByEnergy + entry.accepted;
+    attempted = entry.impossible + entry.clashed + entry.rejectedByEnergy + entry.accepted;
     clashed = entry.clashed;
     rejectedByEnergy = entry.rejectedByEnergy;
     accepted = entry.accepted;
@@ -731,7 +731,7 @@ static bool runTrial(MoveList::Entry& entry, TrialSession& trials, EnergyStages&
                      EnergyStages::Rule rule, RandomNumberGenerator& random)
 {
     if (!entry.move->propose(trials, random)) {
-        entry.refused++;
+        entry.impossible++;
         return false;
     }
     if (!trials.test()) {
@@ -742,7 +742,7 @@ static bool runTrial(MoveList::Entry& entry, TrialSession& trials, EnergyStages&
     const double logRatio = entry.move->computeLogRatio(trials);
     if (logRatio == -numeric_limits<double>::infinity()) {
         trials.reject();
-        entry.refused++;
+        entry.impossible++;
         return false;
     }
     if (!stages.decide(trials, logRatio, temperature, rule, random)) {

@@ -28,7 +28,8 @@ namespace {
 typedef double Solutions[CT_CLOSURES_MOST][CT_PIVOTS];
 
 /**
- * Turns torsions in a row so that what is behind them stays. See TorsionMonteCarloIntegrator::addClosedMove().
+ * Turns consecutive torsions so that the chain behind them stays in place. See
+ * TorsionMonteCarloIntegrator::addClosedMove().
  */
 class ClosedMove : public DeclaredMove<ClosedMoveParameters> {
 public:

@@ -21,7 +21,7 @@ static const double SHORTEST_LINE = 1e-6;
 namespace {
 
 /**
- * Turns what is between two ball joints about the line between them. See
+ * Turns the piece between two ball joints about the line between them. See
  * TorsionMonteCarloIntegrator::addCrankshaftMove().
  */
 class CrankshaftMove : public DeclaredMove<CrankshaftMoveParameters> {
@@ -71,7 +71,7 @@ void CrankshaftMove::bind(const LinkStructure& structure, const string& name)
             ends.push_back({ballJoint, numBonds - 1});
     }
     if (ends.empty())
-        throw OpenMMException(name + " turns what is between two ball joints, but no three of its ball joints follow "
+        throw OpenMMException(name + " turns the piece between two ball joints, but no three of its ball joints follow "
                                      "each other along a chain");
 }
 

@@ -50,7 +50,7 @@ MOVE_PARAMETERS(DrawnMove, DRAWN_MOVE)
 namespace {
 
 /**
- * Draws the torsions of a set anew from their density. See TorsionMonteCarloIntegrator::addDrawnMove().
+ * Draws new values of the torsions of a set from their density. See TorsionMonteCarloIntegrator::addDrawnMove().
  */
 class DrawnMove : public DeclaredMove<DrawnMoveParameters> {
 public:
@@ -69,7 +69,7 @@ private:
     }
     vector<TorsionDensity> listDensities() const;
     double evaluateFormer();
-    /** The set that was drawn last, the values that its torsions had, those that were drawn, and the changes. */
+    /** The set of the open trial, the former values of its torsions, the drawn values, and the changes. */
     int drawnSet;
     vector<double> former, drawn, changes;
     /** The density of a set, how many random numbers it takes, where it was evaluated last, and what it was there. */
@@ -290,7 +290,7 @@ bool DrawnMove::propose(TrialSession& trials, RandomNumberGenerator& random)
 }
 
 /**
- * Get the density of the values that the set had. Most trials are refused, so that they are what they were.
+ * Get the density of the former values. Most trials are rejected, so these are often the same as before.
  */
 double DrawnMove::evaluateFormer()
 {

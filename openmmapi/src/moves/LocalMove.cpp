@@ -22,7 +22,7 @@ MOVE_PARAMETERS(LocalMove, LOCAL_MOVE)
 namespace {
 
 /**
- * Turns a window of torsions so that what lies behind it is shifted little. See
+ * Turns a window of torsions so that the chain behind it moves little. See
  * TorsionMonteCarloIntegrator::addLocalMove().
  */
 class LocalMove : public DeclaredMove<LocalMoveParameters> {

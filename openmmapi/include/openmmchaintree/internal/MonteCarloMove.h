@@ -127,8 +127,8 @@ public:
         return kind.name;
     }
     /**
-     * Get what decides the trials of this move. Checkpoints, States and XML hold it. Moves of the same kind and with
-     * the same parameters draw the same trials.
+     * Get the parameters, which checkpoints, States and XML hold. Moves of the same kind with the same parameters draw
+     * the same trials.
      */
     virtual std::vector<MoveParameter> getParameters() const = 0;
     /**
@@ -136,24 +136,24 @@ public:
      */
     virtual void write(OpenMM::SerializationNode& node) const;
     /**
-     * Find out what there is to move. This is called before propose(), and again whenever the Context is another one.
+     * Find the joints or molecules to move. Each new Context calls this before propose().
      *
      * @param structure  the links of the molecules to move
-     * @param name       what to call this move when throwing an exception, because it names what does not exist
+     * @param name       what messages call this move if it names something that does not exist
      */
     virtual void bind(const LinkStructure& structure, const std::string& name) = 0;
     /**
-     * Draw a trial and open it. This is the innermost loop of sampling: it allocates no memory. Returns false, with no
-     * trial open, if what was drawn cannot be made, as a window that does not close. The present state then counts once
-     * more, as after any refused trial.
+     * Draw a trial and propose it. This is the innermost loop of sampling: it allocates no memory. Returns false, with
+     * no trial open, if the trial is impossible, such as that of a window that does not close. The present state then
+     * counts once more, as after a rejected trial.
      */
     virtual bool propose(TrialSession& trials, RandomNumberGenerator& random) = 0;
     /**
-     * Get the logarithm of the probability density of proposing the reverse of the open trial, from where it leads,
-     * divided by that of proposing it; minus infinity if nothing can lead back. This is asked only about trials without
-     * a clash, once each, so what it costs is spent on no other.
+     * Get the logarithm of the ratio of two probability densities: of proposing the reverse of the open trial from the
+     * proposed state, and of proposing the trial. It is minus infinity if there is no reverse. This is called once for
+     * each trial without a clash.
      *
-     * A move whose trials and their reverses are equally likely can leave it at 0.
+     * The default is 0, for moves whose trials and reverse trials are equally likely.
      */
     virtual double computeLogRatio(TrialSession& trials);
     /**

@@ -17,26 +17,26 @@
 namespace ChainTreePlugin {
 
 /**
- * The moves of a TorsionMonteCarloIntegrator: how often each is drawn, what became of its trials, and how all this is
- * kept. It knows no kind of move.
+ * The moves of a TorsionMonteCarloIntegrator: their weights, the results of their trials, and their checkpoints. It
+ * knows no kind of move.
  */
 class OPENMM_EXPORT_CHAINTREE MoveList {
 public:
     /**
-     * A move, how often it is drawn relative to the others, and what became of its trials.
+     * A move, its weight, and the results of its trials.
      */
     class Entry {
     public:
         std::unique_ptr<MonteCarloMove> move;
         double weight;
-        long long refused, clashed, rejectedByEnergy, accepted;
+        long long impossible, clashed, rejectedByEnergy, accepted;
         SizeAdaptation adaptation;
         void resetCounts()
         {
-            refused = clashed = rejectedByEnergy = accepted = 0;
+            impossible = clashed = rejectedByEnergy = accepted = 0;
         }
         /**
-         * Let the size of the move follow from what became of a trial.
+         * Adapt the size of the move to the result of a trial.
          */
         void adaptSize(bool accepted)
         {
@@ -45,7 +45,7 @@ public:
         }
     };
     /**
-     * What became of all moves: their counts, and for each its scale and what decides how that goes on.
+     * The counts of all moves, their scales, and the states of their adaptation.
      */
     class Progress {
     public:
@@ -87,7 +87,7 @@ public:
         return static_cast<const Move&>(*entries[index].move);
     }
     /**
-     * Bind all moves, and those that are added from now on, to the links that they move; with NULL to none.
+     * Bind all moves, and all moves added later, to links; with NULL to none.
      */
     void bind(const LinkStructure* structure);
     /**
@@ -106,7 +106,7 @@ public:
      */
     void setScale(int index, double scale);
     /**
-     * Let the adaptation of all sizes begin anew, from their present scales.
+     * Restart the adaptation of all sizes from their present scales.
      */
     void restartAdaptation();
     /**
@@ -118,7 +118,7 @@ public:
      */
     void setStatistics(const std::vector<long long>& statistics);
 
-    // ---- XML: what moves there are ----
+    // ---- XML ----
 
     /**
      * Write each move as a child of a node.
@@ -129,7 +129,7 @@ public:
      */
     void readMoves(const OpenMM::SerializationNode& node);
 
-    // ---- Checkpoints and States: what became of them ----
+    // ---- Checkpoints and States ----
 
     /**
      * Write the moves and their progress.
