@@ -62,7 +62,7 @@ def _meanSquareChanges(chain, lag):
 
 
 def _laggedProducts(columns):
-    """Return the mean of the products of samples of each column that are 0, 1, 2, … apart, as many as there are."""
+    """Return the mean of the products of samples of each column at lags 0, 1, 2, …"""
     count = len(columns)
     transformed = np.fft.rfft(columns, 2 * count, axis=0)
     sums = np.fft.irfft(np.abs(transformed) ** 2, 2 * count, axis=0)[:count]

@@ -164,7 +164,7 @@ def describeTrials(integrator):
 
 
 class _TwoEnergies:
-    """A trial of a Monte Carlo move that knows nothing of what it changes: an energy before it, and one after."""
+    """A trial of a generic Monte Carlo move: an energy before it, and one after."""
 
     def __init__(self, protein, evaluate, seed):
         self._evaluate = evaluate

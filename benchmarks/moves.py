@@ -36,7 +36,7 @@ _TRIALS = {"moves": 80000, "stationary": 4000000}
 _STEP = 400  # trials, and an outer test
 _LEAST = 2  # steps
 
-# Of a move alone: after so many trials it is seen how far torsions have turned; trials whose shift is measured.
+# Of a single move: trials after which turns of torsions are measured; trials whose shift is measured.
 _LAG = 8000
 _LEAST_SHIFTED, _MOST_SHIFTED, _SHIFTED_SHARE = 10, 400, 20
 
@@ -218,7 +218,7 @@ class Chain:
 
 
 def heavyAtoms(topology):
-    """Return the indices of all heavy atoms of an mdtraj.Topology, and of those that are of no end of a chain."""
+    """Return the indices of all heavy atoms of an mdtraj.Topology, and of all that are not at an end of a chain."""
 
     def isOfEnd(residue):
         count = residue.chain.n_residues

@@ -57,7 +57,7 @@ class Model:
     def __init__(self, name, topology, positions):
         """Make the force and the scene; an InputError tells of an element without a radius."""
         self.name, self.topology, self.positions = name, topology, positions
-        # Disulfides are cut, so that nothing of the chain is in a ring.
+        # Disulfides are cut, so that no part of the chain is in a ring.
         self.torsions = findTorsions(topology, positions, _SMALL_KINDS, cutDisulfides=True).torsions
         with warnings.catch_warnings():
             warnings.simplefilter("ignore")

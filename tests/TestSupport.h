@@ -141,7 +141,7 @@ inline void assertSameBits(const std::vector<OpenMM::Vec3>& expected, const std:
 }
 
 /**
- * Check that positions are those that were set, up to the rounding of the platform.
+ * Check that positions are the set ones, up to the rounding of the platform.
  */
 inline void assertRounded(const OpenMM::Platform& platform, const std::vector<OpenMM::Vec3>& expected,
                           const std::vector<OpenMM::Vec3>& found)

@@ -20,7 +20,7 @@ static void addSegment(Bodies* bodies, int first, int last, int body) {
   }
 }
 
-/* Intervals of torsions are nested or apart, so those that hold a particle form a stack. */
+/* Intervals of torsions are nested or apart, so the intervals around a particle form a stack. */
 static void cut(const Scene* scene, int count, const Turn* sorted, Bodies* bodies) {
   int openBodies[MOST_TURNS + 1] = {0};
   int openEnds[MOST_TURNS + 1] = {scene->particleCount};

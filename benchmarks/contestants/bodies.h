@@ -26,7 +26,7 @@ typedef struct Bodies {
   Rigid motions[MOST_TURNS + 1];
 } Bodies;
 
-/* Fills all but the motions. Outer turns come before those that they move. */
+/* Fills all but the motions. Outer turns come before the turns that they move. */
 void bodiesCut(const Scene* scene, int turnCount, const Turn* turns, Bodies* bodies);
 
 /* Fills the motions too; `spheres` are the particles before the trial. */

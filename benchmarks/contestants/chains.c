@@ -10,7 +10,7 @@ typedef struct Site {
   int x[3];
 } Site;
 
-/* The bonds at the two ends turn nothing off their axes, so the links there are of two spheres. */
+/* The bonds at the two ends turn only spheres on their axes, so the links there are of two spheres. */
 static Scene* chainOf(const Site* sites, int count) {
   Scene* scene = sceneAllocate(count, count - 2, 0);
   for (int i = 0; i < count; i++) {

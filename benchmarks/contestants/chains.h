@@ -15,7 +15,7 @@ Scene* chainSerpentine(int count);
 Scene* chainHilbert(int count);
 
 /* The serpentine after 12 * count moves by which an end of the walk goes to a random neighbouring site: the walk is
- * threaded anew from there, or, if the site was free, leaves its other end. O(count^2). */
+ * threaded again from there, or, if the site was free, leaves its other end. O(count^2). */
 Scene* chainRandom(int count, Random* random);
 
 /* All need a count of at least 4. */

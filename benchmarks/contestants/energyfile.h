@@ -8,7 +8,7 @@
  *   charge sigma epsilon            N times
  *   i j                             E times: pairs without Lennard-Jones and Coulomb
  *   kind terms particles parameters S times, kind as in ctTermKind (neither maps nor expressions), followed by
- *   i ... value ...                 `terms` times: so many particles and so many parameters
+ *   i ... value ...                 `terms` times: the particles and the parameters of a term
  */
 #ifndef ENERGYFILE_H_
 #define ENERGYFILE_H_

@@ -1,5 +1,5 @@
 /* The paper's Grid (section 5): after each change, all particles are put into an empty grid, one after the other, each
- * tested against those that are there already. Some particles are searched for at a time. */
+ * tested against the particles already in it. Some particles are searched for at a time. */
 #include "batchsearch.h"
 #include "keeper.h"
 

@@ -1,6 +1,6 @@
 /* What contestants have in common that keep where particles are and look up only what moves: a trial moves pieces
- * relative to the largest one, which rests, and each particle that moves is tested against those that do not move with
- * it. A clash ends the test, and only an accepted trial is written. */
+ * relative to the largest one, which is static, and each moving particle is tested against particles that do not move
+ * with it. A clash ends the test, and only an accepted trial is written. */
 #ifndef LAZY_H_
 #define LAZY_H_
 

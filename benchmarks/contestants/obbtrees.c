@@ -1,4 +1,4 @@
-/* The paper's trees of oriented boxes that are made anew after each change (section 5): 1-OBBTree, one tree of all
+/* The paper's trees of oriented boxes that are rebuilt after each change (section 5): 1-OBBTree, one tree of all
  * spheres, tested against itself; and K-OBBTree, a tree of each rigid piece, tested against those of the others.
  *
  * The trees are those of Gottschalk, Lin and Manocha (1996), whose library the paper used: the spheres of a node are

@@ -32,7 +32,7 @@ const char* const optionsUsage =
     "--about             print a line of JSON about how the program was built instead\n"
     "--help\n";
 
-/* So many that a fast contestant spends little of its turn refilling the caches that slower ones have emptied. */
+/* Enough for a fast contestant to spend little of its turn refilling caches that slower ones emptied. */
 enum { BLOCK_SIZE = 2000 };
 
 /* By measure. */

@@ -2,10 +2,10 @@
  * are within the sum of radii and a skin of its own. A place is where a particle was when its list was made; nobody
  * goes farther than half a skin from it without getting another.
  *
- * A torsion moves what lies far from its axis a long way. So in a trial those that stay within half a skin look at
- * their lists, and the others search a cell grid of the places. If the trial is taken over, only what went too far gets
- * new places: particle by particle, with new lists; or, if that is most of a piece, the whole piece at once, whose
- * lists of its own particles still hold. */
+ * A torsion moves what lies far from its axis a long way. So in a trial particles that move by less than half a skin
+ * look at their lists, and the others search a cell grid of the places. If the trial is taken over, only what went too
+ * far gets new places: particle by particle, with new lists; or, if that is most of a piece, the whole piece at once,
+ * whose lists of its own particles still hold. */
 #include "batchsearch.h"
 #include "lazy.h"
 
@@ -92,7 +92,7 @@ static void takeOut(VerletList* verlet, int i) {
 /* Whose places make pairs with a search's. */
 typedef struct Partners {
   VerletList* verlet;
-  bool areOfOtherBodies; /* all of them, or those that do not belong to `body` */
+  bool areOfOtherBodies; /* all of them, or only particles outside `body` */
   unsigned char body;
 } Partners;
 
@@ -177,7 +177,7 @@ static bool listMeets(VerletList* verlet, const Run* run, int i) {
   return false;
 }
 
-/* Those that are not too far away look at their lists at once, the others search together. */
+/* Particles that are not too far away look at their lists at once; the others search together. */
 static bool runMeets(Lazy* lazy, const Run* run) {
   VerletList* verlet = (VerletList*)lazy;
   Keeper* keeper = &lazy->keeper;
@@ -239,7 +239,7 @@ static void findNew(VerletList* verlet) {
   }
 }
 
-/* Those that go too far one by one leave the lists. */
+/* Particles that move too far leave the lists one by one. */
 static void takeOutSome(VerletList* verlet, const Segment* segment) {
   const Keeper* keeper = &verlet->lazy.keeper;
   for (int i = segment->first; i < segment->last; i++) {

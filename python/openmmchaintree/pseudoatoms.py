@@ -16,7 +16,7 @@ _DRUDE = "D"
 
 
 def isMark(residue):
-    """Whether a residue of a Topology consists of dummy atoms, such as those that mark a membrane."""
+    """Whether a residue of a Topology consists of dummy atoms, such as membrane markers."""
     if residue.name not in _marks():
         return False
     names = {atom.name for atom in residue.atoms()}

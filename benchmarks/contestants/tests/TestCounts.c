@@ -43,7 +43,7 @@ static void checkRace(int number, const Scene* scene, MoveRule rule, const Instr
     reportFailure("race %d: %s\n", number, error);
     return;
   }
-  const int run = race.trialCount + race.blockSize; /* with those that are not timed */
+  const int run = race.trialCount + race.blockSize; /* with trials that are not timed */
   for (int i = 0; i < CONTESTANTS; i++) {
     const long long volumes = llround(results[i].volumeTests * run);
     const long long particles = llround(results[i].particleTests * run);

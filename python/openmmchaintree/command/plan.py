@@ -88,7 +88,7 @@ class Plan:
     stays : (n,) bool array
         the atoms that never move
     fixed : (n,) bool array
-        atoms that get mass 0: those that never move, except the first atoms of a chain, which cost less as part of it
+        atoms that get mass 0: all that never move, except the first atoms of a chain, which cost less as part of it
     inMovingMolecules : (n,) bool array
         the atoms of molecules with moving atoms
     molecules : (n,) int array

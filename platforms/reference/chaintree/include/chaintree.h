@@ -188,8 +188,8 @@ void ctGetPositions(ctChainTree* tree, double* positions);
 /* The same for the open trial: the bits that ctGetPositions would give after ctAccept. */
 ctStatus ctGetTrialPositions(ctChainTree* tree, double* positions);
 
-/* The coordinates (nm) of `count` particles alone, three of each: the bits that ctGetPositions gives, or with `inTrial`
- * those that ctGetTrialPositions gives. O(count log N), in a trial of k changes O((count + k) log N). Errors: an index
+/* The coordinates (nm) of `count` particles alone, three of each: the bits of ctGetPositions, or with `inTrial` the
+ * bits of ctGetTrialPositions. O(count log N), in a trial of k changes O((count + k) log N). Errors: an index
  * or the count out of range; `inTrial` without an open trial. */
 ctStatus ctGetPositionsOf(ctChainTree* tree, bool inTrial, int count, const int* particles, double* positions);
 

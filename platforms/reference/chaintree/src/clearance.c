@@ -14,7 +14,7 @@ void ctClearanceDropTests(Clearance* c) {
   c->boundPieces = NULL;
 }
 
-/* Bounds of displacements have room for so much of a unit, see boundDisplacements. */
+/* The allowance in bounds of displacements, relative; see boundDisplacements. */
 #define MOST_UNITS_SKIPPED 0.25
 
 void ctClearanceSkip(Clearance* c, double distanceError) {

@@ -47,7 +47,7 @@ typedef struct Leaves {
   LeafPairs all;       /* of the state */
 } Leaves;
 
-/* Leaves to be recomputed: those that have moved in the tree, or that pieces move. */
+/* Leaves to be recomputed: leaves that have moved in the tree, or that pieces move. */
 typedef struct LeafUpdate {
   Leaves* leaves;
   const Tree* tree;

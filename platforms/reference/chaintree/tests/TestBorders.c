@@ -1,4 +1,4 @@
-/* Each argument of each public call at each value that it must not have, and at the ends of those that it may have:
+/* Each argument of each public call at each forbidden value, and at the ends of the allowed range:
  * the status is the one that chaintree.h says, and the scene answers as it did before. */
 #include "borders.h"
 #include "check.h"

@@ -35,8 +35,8 @@ static bool noteChanged(void* context, int particle1, int particle2, double befo
   return true;
 }
 
-/* The second half is a body of its own: pairs across halves that are within the cutoff before or after the shift are
- * those that change. */
+/* The second half is a body of its own: the changed pairs are the pairs across halves that are within the cutoff
+ * before or after the shift. */
 static void checkPairs(const Bodies* bodies, const double shift[3], double cutoff) {
   static const double still[3] = {0, 0, 0};
   static Found found;

@@ -60,7 +60,7 @@ static double draw(uint32_t* seed) {
   return (double)(*seed >> 8) / (1 << 24);
 }
 
-/* Trials of links 1 ... links - 1, of which those that do not clash are accepted; returns how many. */
+/* Trials of links 1 ... links - 1; accepts trials without a clash and returns their number. */
 static int wander(ctChainTree* tree, ctJointKind joint, int links, int trials, uint32_t seed) {
   int accepted = 0;
   for (int i = 0; i < trials; i++) {

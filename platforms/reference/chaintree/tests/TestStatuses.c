@@ -86,7 +86,7 @@ static void testEachNumber(void) {
       double* vectors[] = {change.rotation, change.pivot, change.translation};
       vectors[i / 3][i % 3] = nonFinite[bad];
       CHECK_FAILURE(arm, ctInvalidArgument, "link 0", ctPropose(arm, 1, &change));
-      /* those that a torsion does not read */
+      /* arrays that a torsion does not read */
       change.link = 1;
       CHECK_SUCCESS(ctPropose(arm, 1, &change));
     }

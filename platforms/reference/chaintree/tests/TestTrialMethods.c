@@ -20,7 +20,7 @@ static double draw(Comparison* comparison) {
 
 enum { WINDOW = 8 };
 
-/* Trials of turns by up to `most`, `inARow` in each half of the chain; those that do not clash are accepted. */
+/* Trials of turns by up to `most`, `inARow` in each half of the chain; trials without a clash are accepted. */
 static void follow(Comparison* comparison, int trials, double most, int inARow) {
   for (int i = 0; i < trials; i++) {
     const int link = 2 + (int)(draw(comparison) * (SITES / 2 - 1 - inARow));

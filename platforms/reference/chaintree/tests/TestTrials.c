@@ -1,4 +1,4 @@
-/* propose -> test -> accept or reject: what each does, and what it leaves alone. */
+/* propose -> test -> accept or reject: what each changes, and what it does not. */
 #include "arm.h"
 
 enum { LINKS = 30, COORDINATES = 6 * LINKS };

@@ -155,8 +155,7 @@ static bool worldHolds(const ctChainTree* tree) {
   return true;
 }
 
-/* Bounds are widened and made tight again, in any order: whoever keeps them has those that turns must not stick out
- * of. */
+/* Bounds are widened and made tight again, in any order. Stored bounds must always contain the turned side branches. */
 static void testWorld(void) {
   ctChainTree* tree = makeTree(FIRST - 47, FIRST - 46); /* in one leaf, so that each has room to turn */
   uint32_t state = 1;

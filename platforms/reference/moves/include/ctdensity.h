@@ -1,4 +1,4 @@
-/* ctdensity.h: probability densities of torsions that are drawn anew, independent of where they are.
+/* ctdensity.h: probability densities from which torsions are drawn, independent of their present values.
  *
  * A density belongs to a set of torsions, such as all those of a side chain, and is normalized: its integral over all
  * their angles is 1. What is drawn has exactly the density that is evaluated. It is above 0 everywhere, so that every

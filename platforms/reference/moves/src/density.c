@@ -11,7 +11,7 @@
 static const double PI = 3.141592653589793238462643383280;
 static const double TWO_PI = 6.283185307179586476925286766559;
 
-/* Rotamers are evaluated so many at a time, by loops that the compiler can turn into SIMD. */
+/* The number of rotamers evaluated at a time, in loops that the compiler vectorizes. */
 #define BATCH 16
 
 /* Draws an index by its probability, with one uniform number and in constant time: the alias method of Walker (ACM

@@ -29,7 +29,7 @@ void makeResultant(const Triangle* triangle, int piece, double cosine, double si
 typedef struct Others {
   double y[2]; /* cosine and sine */
   double z[2];
-  double gap; /* what is left of the third equation */
+  double gap; /* residual of the third equation */
 } Others;
 
 /* The four of x, given by cosine and sine. Where y or z is not real, the nearest. */

@@ -163,8 +163,8 @@ bool makeTriangle(const ctWindow* w, const double* angles, Triangle* t) {
   return true;
 }
 
-/* What is left of the three equations, and their derivatives by the turn of the piece before the corner and of that
- * after it. */
+/* The residuals of the three equations, and their derivatives by the turns of the pieces before and after the corner.
+ */
 typedef struct Slopes {
   double gaps[3];
   double before[3];
@@ -201,7 +201,7 @@ static double determinant(const Slopes* s) {
 #define STEPS 16
 #define LONGEST_STEP 0.5
 
-/* The square of a step so short that what is left after it is rounding. */
+/* The square of a step so short that only rounding remains after it. */
 #define LAST_STEP 1e-16
 
 bool closeTriangle(const Triangle* t, Sway* sway) {

@@ -1,4 +1,4 @@
-/* All ways to close a window, by brute force in long double, with nothing of the solver: the first pivot is turned
+/* All ways to close a window, by brute force in long double, independent of the solver: the first pivot is turned
  * through the whole circle. The second can bring the second point to its distance from the third in two ways; the next
  * two can bring the third point to its place in two ways; and for each of these four branches the last two axes meet
  * at an angle that is right or wrong. */
@@ -219,7 +219,7 @@ static inline void setUpBrute(const ctWindow* w, const double* angles, int steps
   b->count = 0;
 }
 
-/* Finds all closures with so many steps of the first pivot. */
+/* Finds all closures with `steps` steps of the first pivot. */
 static inline void closeByBrute(const ctWindow* window, const double* angles, int steps, Brute* b) {
   setUpBrute(window, angles, steps, b);
   const Real start = 0.1234567L; /* the present turn, 0, is on no step */

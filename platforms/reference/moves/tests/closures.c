@@ -15,8 +15,8 @@
 
 #define LARGEST_TURN (16 * PI / 180)
 
-/* All windows are solved so many times, one after the other, so that the processor does not learn what is in one of
- * them. Of each the shortest time is taken: others are of what else the machine does. */
+/* All windows are solved this number of times, one after the other, so that the processor cannot learn a single window.
+ * The shortest time of each counts: longer ones include other work of the machine. */
 #define RUNS 7
 
 typedef struct Problem {

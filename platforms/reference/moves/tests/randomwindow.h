@@ -51,8 +51,8 @@ static inline void turnPointReal(const double point[3], const double axis[3], Re
   }
 }
 
-/* How far a window is from closed, in nm: the longest way that a point of the tail goes, of those that are `lever` from
- * the last axis. */
+/* How far a window is from closed, in nm: the largest displacement of a point of the tail at distance `lever` from the
+ * last axis. */
 static inline double gapOf(const ctWindow* window, const double* angles, double lever) {
   Real most = 0;
   const double* last = window->points[window->count - 1];
