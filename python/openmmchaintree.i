@@ -1033,7 +1033,7 @@ def _setsAndDensities(torsions, density):
             of one. Different sets can have torsions in common.
         density : TorsionDensity, or sequence of TorsionDensity, optional
             the density of each set, which is of as many torsions, in their order; or one density for all. Default:
-            those that come with DrawnTorsions, from tables by residue.
+            the ones of DrawnTorsions, from tables by residue.
 
         Returns
         -------
@@ -1055,7 +1055,7 @@ def _setsAndDensities(torsions, density):
         torsions : DrawnTorsions, or sequence of int or of sequences of int
             the sets of torsions
         density : TorsionDensity, or sequence of TorsionDensity, optional
-            the density of each set, or one density for all. Default: those that come with DrawnTorsions.
+            the density of each set, or one density for all. Default: the ones of DrawnTorsions.
         """
         self._setDrawnMoveParameters(move, weight, *_setsAndDensities(torsions, density))
 %}
