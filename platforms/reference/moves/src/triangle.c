@@ -272,9 +272,3 @@ bool turnsOfTriangle(const Triangle* t, const Sway* sway, double turns[CT_PIVOTS
   }
   return areNumbers;
 }
-
-double jacobianOfTriangle(const Triangle* t, const Sway* sway) {
-  Slopes slopes;
-  slopesOf(t, sway, &slopes);
-  return fabs(determinant(&slopes)) * t->sides[0] * t->sides[1] * t->sides[2];
-}

@@ -50,7 +50,4 @@ bool closeTriangle(const Triangle* triangle, Sway* sway);
  * squares overflow. */
 bool turnsOfTriangle(const Triangle* triangle, const Sway* sway, double turns[CT_PIVOTS]);
 
-/* |J| of the closed triangle, in nm^3. */
-double jacobianOfTriangle(const Triangle* triangle, const Sway* sway);
-
 #endif /* CT_TRIANGLE_H_ */
