@@ -134,9 +134,7 @@ static bool differ(const void* a, const void* b, size_t size) {
   return memcmp(a, b, size) != 0;
 }
 
-/* Whether what a node holds has changed: its own shortcut, bound and sum, its children's poses and volumes, a leaf's
- * slots.
- */
+/* True if a node has changed: its own shortcut, bound and sum, its children's poses and volumes, or a leaf's slots. */
 static bool nodeChanged(const Storage* a, const Storage* b, const Tree* tree, int level, int node) {
   bool changed = differ(&a->shortcut[node], &b->shortcut[node], sizeof(Frame)) ||
                  differ(&a->bound[node], &b->bound[node], sizeof(Bound)) ||

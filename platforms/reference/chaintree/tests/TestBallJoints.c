@@ -25,7 +25,7 @@ static ctChainTree* makeBeadChain(int beads, bool aboutOwn, ctJointKind rootJoin
 }
 
 static void turn(ctChainTree* tree, int link, double x, double y, double z) {
-  /* What is no part of a ball joint's change is not read. */
+  /* Members of a change that a ball joint does not have are not read. */
   const ctChange change = {.link = link, .rotation = {x, y, z}, .pivot = {NAN}, .translation = {INFINITY}};
   CHECK_SUCCESS(ctPropose(tree, 1, &change));
   CHECK_SUCCESS(ctAccept(tree, NULL));
@@ -74,8 +74,8 @@ static double bondLength(const double* positions, int i) {
   return sqrt(squared);
 }
 
-/* Bonds keep their lengths through any number of moves, by pivots in the parent and in the link, and what is built from
- * the numbers of the state has its bits. */
+/* Bonds keep their lengths through any number of moves, with joint centres in the parent and in the link, and a scene
+ * made from the numbers of the state has its bits. */
 static void testNoDrift(void) {
   ctChainTree* tree = makeBeadChain(BEADS, false, ctFixedJoint);
   for (int move = 0; move < 200000; move++) {

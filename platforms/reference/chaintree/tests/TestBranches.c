@@ -213,7 +213,7 @@ static void turnTeeth(Tree* tree) {
   makeTree(tree);
   double before[6 * MOST_LINKS];
   double after[6 * MOST_LINKS];
-  /* What has not moved at all is still where the caller has put it. */
+  /* Particles that have not moved keep the positions that the caller gave. */
   CHECK_SUCCESS(ctPropose(tree->tree, 1, &(ctChange){.link = 1, .angle = tree->angle[1] = 0.2}));
   CHECK_SUCCESS(ctAccept(tree->tree, NULL));
   for (int turned = 2; turned < tree->count; turned++) {

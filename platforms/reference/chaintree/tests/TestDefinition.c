@@ -143,7 +143,7 @@ static void testSound(void) {
   CHECK(ctGetErrorText(tree)[0] == '\0');
   CHECK(ctValidate(tree));
   CHECK(!ctHasTrial(tree));
-  /* what the caller gave may go, or change */
+  /* the caller's arrays may be freed or changed */
   makeSound(&scene);
   memset(scene.positions, 0, sizeof scene.positions);
   double positions[3 * PARTICLES];

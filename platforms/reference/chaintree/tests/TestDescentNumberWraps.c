@@ -1,5 +1,5 @@
-/* Descents are told apart by a number of 32 bits. After some thousand million of them it starts again, and nothing may
- * be taken for what a descent of that number has left long ago. Looks inside the engine. */
+/* Descents are distinguished by a number of 32 bits. After some thousand million descents it starts again, and nothing
+ * may use what a descent of the same number left long ago. Looks inside the engine. */
 #define _POSIX_C_SOURCE 200809L /* setenv */
 
 #include "../src/descent.h"

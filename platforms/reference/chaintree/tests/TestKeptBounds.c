@@ -1,5 +1,5 @@
-/* What an accepted trial takes off clearances is the same whether its test has kept the bounds of displacements or
- * nobody has. Looks inside the engine. */
+/* Accepting a trial subtracts the same from clearances whether its test has kept the bounds of displacements or not.
+ * Looks inside the engine. */
 #define _POSIX_C_SOURCE 200809L /* setenv */
 
 #include "../src/scene.h"
@@ -59,7 +59,7 @@ int main(void) {
   twins.forgets = makeLattice(ONE_CHAIN, 0.49, 0);
   int clashing = 0;
   for (int i = 0; i < 600; i++) {
-    /* One turn, eight in a row, and as many runs as there are leaves. */
+    /* One turn, eight in a row, and one run for each leaf. */
     propose(&twins, i % 3 == 0 ? 1 : i % 3 == 1 ? 8 : 30, i % 3 == 2 ? TREE_WIDTH : 1);
     const bool clash = clashes(&twins);
     clashing += clash;

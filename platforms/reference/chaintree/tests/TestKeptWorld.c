@@ -1,5 +1,5 @@
-/* A descent keeps world coordinates of some leaves and of some nodes that move, and recomputes those that others have
- * replaced. A scene that can keep hardly any gives the same answers and the same counts. Looks inside the engine. */
+/* A descent keeps world coordinates of some leaves and of some nodes that move, and recomputes replaced ones. A scene
+ * that can keep hardly any gives the same results and the same counts. Looks inside the engine. */
 #define _POSIX_C_SOURCE 200809L /* setenv */
 
 #include "../src/descent.h"

@@ -1,5 +1,5 @@
-/* Tests of few slots look at boxes around leaves once no leaf has moved for a while. Two scenes, of which one has boxes
- * as soon as it can and the other never, give the same answers. Looks inside the engine. */
+/* Tests of few slots use boxes around leaves once no leaf has moved for a while. Two scenes, of which one has boxes as
+ * soon as it can and the other never, give the same results. Looks inside the engine. */
 #include "../src/scene.h"
 #include "lattice.h"
 #include "signedshorts.h"
@@ -152,9 +152,8 @@ static void testChain(void) {
   endBoth(trees, clashing);
 }
 
-/* The ends of chains turn, and whole chains move, each a few leaves within the sequence: these get new boxes, and what
- * lies behind them keeps its own. It has shifted by rounding: who asks for positions in double gets those of the state.
- */
+/* The ends of chains turn, and whole chains move, each a few leaves within the sequence: these leaves get new boxes,
+ * and leaves behind them keep theirs. They have shifted by rounding: positions in double are those of the state. */
 static void testEndsOfChains(void) {
   ctChainTree* trees[2];
   ctCounts counts[2] = {{0}};
@@ -209,7 +208,7 @@ static void testWhen(void) {
   ctDestroy(trees[1]);
 }
 
-/* What moves far beyond the range of the boxes' units still meets what follows it there. */
+/* Particles that move far beyond the range of the boxes' units still meet others there. */
 static void testFarAway(void) {
   ctChainTree* trees[2];
   ctCounts counts[2] = {{0}};
@@ -287,7 +286,7 @@ static void testManyNodes(void) {
   ctDestroy(tree);
 }
 
-/* As shorts, numbers are rounded towards 0 and shifted; what is beyond the range ends at its end. */
+/* As shorts, numbers are rounded towards 0 and shifted; numbers beyond the range become its ends. */
 static void testShorts(void) {
   const float numbers[8] = {2.9f, -2.9f, 32766.5f, 1e30f, -1e30f, INFINITY, -INFINITY, 0};
   const int16_t expected[8] = {2, -2, 32766, INT16_MAX, INT16_MIN, INT16_MAX, INT16_MIN, 0};

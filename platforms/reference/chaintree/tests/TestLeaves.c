@@ -1,4 +1,4 @@
-/* Leaves of scenes whose pieces and pairs are known by hand: what a trial changes, in which order, and what is refused.
+/* Leaves of scenes whose pieces and pairs are known by hand: which pairs a trial changes, their order, and errors.
  * Random scenes are in TestRandomLeaves. */
 #include "arm.h"
 

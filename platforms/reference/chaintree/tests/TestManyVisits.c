@@ -1,5 +1,5 @@
-/* What a descent counts goes beyond an int where many leaves are near each other and boxes part them: the cost of a
- * test is computed in 64 bits. The sanitized run tells. */
+/* The counts of a descent exceed an int where many leaves are near each other and boxes separate them: the cost of a
+ * test is computed in 64 bits. The sanitized run checks this. */
 #define _POSIX_C_SOURCE 200809L /* setenv */
 
 #include "check.h"

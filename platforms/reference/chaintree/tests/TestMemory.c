@@ -1,5 +1,5 @@
-/* What a scene of a million links keeps, by the C library's own count: at most 160 bytes a particle beyond the caller's
- * arrays. Skipped where the allocator is another one. */
+/* Memory of a scene of a million links, by the C library's own count: at most 160 bytes a particle beyond the caller's
+ * arrays. Skipped with another allocator. */
 #include "allocator.h"
 #include "chain.h"
 

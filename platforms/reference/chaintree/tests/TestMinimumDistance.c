@@ -37,7 +37,7 @@ static void testFew(double radius) {
   ctDestroy(tree);
 }
 
-/* ---- Whatever was asked before ---- */
+/* ---- After any earlier queries ---- */
 
 /* Of the pairs of two sets of lattice sites whose squared distance, a whole number, is least the lowest. */
 static int lowestNearest(const double* positions, int count1, const int* set1, int count2, const int* set2,

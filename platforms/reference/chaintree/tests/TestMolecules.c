@@ -92,7 +92,7 @@ static void testMoveAboutCentroid(void) {
   ctDestroy(tree);
 }
 
-/* A verdict looks between molecules, not within the one that moves as a whole. */
+/* A test compares molecules, not pairs within the one that moves as a whole. */
 static void testVerdict(void) {
   ctChainTree* tree = makeMolecules();
   bool clash;

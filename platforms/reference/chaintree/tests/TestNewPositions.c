@@ -1,4 +1,4 @@
-/* Whatever is asked first after new positions gets the bits that it gets when everything has been made before. */
+/* The first query after new positions has the bits that it has when everything is up to date. */
 #include "lattice.h"
 
 /* A number for every bit of an answer. */

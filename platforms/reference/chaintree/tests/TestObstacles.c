@@ -1,4 +1,4 @@
-/* What is fixed: a static hierarchy that trials meet, and that never meets itself in one. */
+/* Fixed particles: a static hierarchy that trials meet, and that is never tested against itself in a trial. */
 #include "lattice.h"
 
 /* A lattice of fixed beads, in two fixed links, and one free bead and one that turns about a bond to a fixed one. */
@@ -72,7 +72,7 @@ static void testFreeBead(void) {
     clashing += clash;
   }
   CHECK(clashing > TRIALS / 10 && clashing < TRIALS * 9 / 10);
-  /* a hierarchy: a trial looks at few of the 729 obstacles */
+  /* a hierarchy: a trial visits few of the 729 obstacles */
   CHECK(counts.particleTests < TRIALS * (int64_t)SITES / 4);
   ctDestroy(cage);
 }
@@ -88,7 +88,7 @@ static void testObstaclesAmongThemselves(void) {
   CHECK_SUCCESS(ctPropose(cage, 1, &away));
   CHECK_SUCCESS(ctTestTrial(cage, &clash, NULL, NULL));
   CHECK(!clash);
-  /* the turning link's own bond to the wall is a changed pair, excluded by nobody */
+  /* the turning link's own bond to the wall is a changed pair, since it is not excluded */
   const ctChange turn = {.link = TURNING_LINK, .angle = 0.1};
   int pair[2];
   CHECK_SUCCESS(ctPropose(cage, 1, &turn));

@@ -1,4 +1,4 @@
-/* What a sphere overlaps that is no particle. */
+/* Particles that overlap a sphere which is no particle. */
 #include "lattice.h"
 
 typedef struct Found {

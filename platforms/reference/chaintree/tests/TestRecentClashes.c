@@ -1,4 +1,4 @@
-/* Pairs that clashed in past trials are asked first where that pays, and no longer where it does not; the verdict is
+/* Pairs that clashed in past trials are tested first where that pays, and no longer where it does not; the verdict is
  * the same. Looks inside the engine. */
 #include "../src/scene.h"
 #include "lattice.h"
@@ -9,7 +9,7 @@ static double random01(void) {
   return (double)(state >> 8) / (1 << 24);
 }
 
-/* Whether a turn clashes, and what finding that out has cost; it is taken back. */
+/* True if a turn clashes; adds the cost of the test, and rejects the trial. */
 static bool clashes(ctChainTree* scene, int link, double angle, ctCounts* counts) {
   const ctChange change = {.link = link, .angle = angle};
   bool clash = false;
@@ -26,7 +26,7 @@ int main(void) {
   while (link < SITES - 2 && !clashes(scene, link, 0.1, NULL)) {
     link++;
   }
-  /* What clashed once clashes again, and nothing else is looked at. */
+  /* What clashed once clashes again, and nothing else is tested. */
   for (int i = 0; i < 1000; i++) {
     ctCounts again = {0};
     CHECK(clashes(scene, link, 0.1, &again));
@@ -34,7 +34,7 @@ int main(void) {
   }
   /* A recent clash is only a hint. */
   CHECK(!clashes(scene, link, 1e-6, NULL));
-  /* Each turn that clashes does so elsewhere: soon nobody is asked, but for a round now and then. */
+  /* Each clash is elsewhere: soon recent clashes are tested only in a round now and then. */
   int asked = 0;
   for (int i = 0; i < 10000; i++) {
     clashes(scene, 2 + (int)(random01() * (SITES - 3)), 6 * random01() - 3, NULL);
@@ -42,7 +42,7 @@ int main(void) {
   }
   CHECK(asked < 2000);
   CHECK(asked > 100);
-  /* If they would pay again, that is found out. */
+  /* Once they pay again, they are tested again. */
   for (int i = 0; i < 10000; i++) {
     CHECK(clashes(scene, link, 0.1, NULL));
   }

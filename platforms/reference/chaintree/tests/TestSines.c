@@ -1,4 +1,4 @@
-/* Sines, cosines and whole turns, which the engine computes without the C library's, against those of long doubles. */
+/* Sines, cosines and whole turns, which the engine computes without the C library, against long doubles. */
 #include "../src/transform.h"
 #include "check.h"
 

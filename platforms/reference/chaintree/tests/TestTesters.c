@@ -10,7 +10,7 @@ static double draw(unsigned* random) {
   return (double)(*random >> 8) / (1 << 24);
 }
 
-/* Turns of a chain's end, small turns anywhere, and large ones: each is the matter of another tester. */
+/* Turns of a chain's end, small turns anywhere, and large ones: another tester decides about each kind. */
 static ctChange drawChange(int trial, unsigned* random) {
   const int phase = trial / 1000 % 3;
   const int firstLink = phase == 0 ? SITES - TREE_WIDTH : 2;

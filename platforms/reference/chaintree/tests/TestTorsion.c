@@ -84,7 +84,7 @@ static void testRange(void) {
   CHECK_SUCCESS(ctGetTorsionAngle(tree, 1, &angle));
   CHECK_NEAR(angle, 0, 1e-13);
 
-  /* coordinates that no arithmetic would give back */
+  /* coordinates whose bits no arithmetic would reproduce */
   for (int i = 0; i < 15; i++) {
     reference[i] += (i % 3 + 1) / 7.0;
   }

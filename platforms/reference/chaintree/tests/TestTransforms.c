@@ -140,7 +140,7 @@ static void testManyChanges(void) {
   ctDestroy(arm);
 }
 
-/* What has not moved keeps its frame against the world, another fixed link included. */
+/* Links that have not moved keep their frame against the world, another fixed link included. */
 static void testFixedFrames(void) {
   const double positions[] = {1, 2, 3, 4, 5, 6, 7, 8, 10};
   const double radii[] = {0.1, 0.1, 0.1};

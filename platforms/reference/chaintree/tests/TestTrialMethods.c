@@ -1,5 +1,5 @@
-/* The engine chooses between tree and clearances by what trials cost. The choice is made and taken back, and verdicts
- * do not depend on it. Looks inside the engine. */
+/* The engine chooses between tree and clearances by the cost of trials. It changes its choice and returns to it, and
+ * verdicts do not depend on it. Looks inside the engine. */
 #define _POSIX_C_SOURCE 200809L /* setenv */
 
 #include "../src/scene.h"
@@ -76,7 +76,7 @@ int main(void) {
   }
   CHECK(comparison.changesOfMind >= 10);
   CHECK(patience > 4);
-  /* However often they have not paid, they are asked again one day. */
+  /* However often they have not paid, they are tried again one day. */
   for (int i = 0; i < 40; i++) {
     ctClearanceGiveUp(&comparison.byCost->clearance);
   }

@@ -69,7 +69,7 @@ static void testFollowing(void) {
   CHECK_SUCCESS(ctPropose(arm, 1, &all));
   checkFollowed(arm, false, followed);
   ctReject(arm);
-  CHECK_SUCCESS(ctPropose(arm, 1, &middle)); /* what the rejected trial moved goes back */
+  CHECK_SUCCESS(ctPropose(arm, 1, &middle)); /* particles of the rejected trial go back */
   checkFollowed(arm, false, followed);
   CHECK_SUCCESS(ctAccept(arm, NULL));
   turnArm(arm, 9, 0.5); /* not followed */

@@ -11,7 +11,7 @@ static const int wrongCounts[] = {INT_MIN, -2, -1, CT_MOST_COUNT + 1, INT_MAX};
 static const double notFinite[] = {NAN, INFINITY, -INFINITY};
 static const double notPositive[] = {NAN, -INFINITY, -1, -5e-324, -0.0, 0};
 
-/* What a for loop over the indices of an array has in its parentheses. */
+/* The parentheses of a for loop over the indices of an array. */
 #define EACH(i, values)                   \
   size_t i = 0;                           \
   i < sizeof(values) / sizeof(values)[0]; \

@@ -4,7 +4,7 @@
 
 #include "check.h"
 
-/* What a definition points to. */
+/* The arrays of a definition. */
 typedef struct Chain {
   int particleCount;
   int linkCount;

@@ -17,7 +17,7 @@ extern void __libc_free(void* memory);
 
 static int allocationsLeft = -1; /* until one fails; negative: none does */
 static bool hasFailed = false;   /* one has */
-static int live = 0;             /* blocks that nobody has freed */
+static int live = 0;             /* blocks that are not freed */
 static int asked = 0;            /* allocations so far */
 
 static bool mayAllocate(void) {
