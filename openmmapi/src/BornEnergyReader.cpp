@@ -149,7 +149,7 @@ void BornReader::readSurface(const vector<double>& surface)
 }
 
 /**
- * Where nothing but energies of surfaces depends on whole radii, find those that give these energies.
+ * If only energies of surfaces depend on whole radii, find the radii that give these energies.
  */
 void BornReader::findRadii(const vector<double>& surface)
 {

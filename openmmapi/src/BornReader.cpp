@@ -29,9 +29,9 @@ static const vector<string> RADII = {"one/(o+t*I)", "one/(o+t*tanh(p1*I+p2*I^2+p
                                      "one/(o+t*tanh(p1*I+p2*I^2))", "one/(o+t*tanh(p1*I))"};
 /** What rounding makes of a pair sum (1/nm) whose parts cancel, of particles that are as near as 0.02 nm. */
 static const double SUM_ROUNDING = 1e-10;
-/** A tabulated parameter of the model may depend on so many different particles. */
+/** Most particles on which a tabulated parameter of the model may depend. */
 static const int MAX_NECK_TYPES = 128;
-/** Of so many different particles, all pairs can be compared. */
+/** Most particles of which all pairs are compared. */
 static const size_t MAX_COMPARED = 300;
 /** How often the energies are compared at random. */
 static const int NUM_RANDOM = 300;

@@ -68,7 +68,8 @@ void ForeignForces::setForces(const EnergyPlan& plan, int groups, bool allowNati
         return;
     }
 
-    // Groups that cannot be evaluated for their foreign Forces: of native ones, and of those that are copied for these.
+    // Groups that cannot be evaluated for their foreign Forces: of native ones, and of foreign ones that are copied for
+    // these.
 
     const int native = plan.getGroups(EnergyPlan::Native) & groups;
     int avoided = native;

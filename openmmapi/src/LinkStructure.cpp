@@ -378,7 +378,7 @@ vector<int> LinkStructure::hangLinks(int root, int molecule, const vector<vector
 }
 
 /**
- * Number all links so that those that hang on one follow it.
+ * Number all links so that the links attached to one follow it.
  */
 void LinkStructure::orderLinks()
 {

@@ -160,7 +160,7 @@ vector<EnergyPlan::Entry> NativeEnergy::describePlan()
     return entries;
 }
 
-// ---- What is left to outer tests of the foreign Forces ----
+// ---- Foreign Forces that outer tests decide ----
 
 /**
  * Get whether measurements decide which foreign Forces outer tests evaluate.

@@ -127,7 +127,8 @@ private:
 static const double LARGEST_ROUNDING = 1e-10;
 
 /**
- * Check numbers of particles. Returns whether they are those that were written, or molecules in other images of them.
+ * Check numbers of particles. Returns whether they are the written ones, or those with molecules in other periodic
+ * images.
  *
  * @param period    by how much coordinates of a periodic image differ in each direction; 0 if images are no excuse
  * @param rounding  by how much a number may differ

@@ -105,7 +105,7 @@ void StericExclusionForceImpl::initialize(ContextImpl& context)
 
 Kernel StericExclusionForceImpl::createKernel(ContextImpl& context) const
 {
-    // The kernel knows nothing of Contexts, so the Reference platform's serves a platform that has none.
+    // The kernel does not need a Context, so that of the Reference platform serves platforms without one.
 
     const vector<string> kernelNames = {CalcStericExclusionForceKernel::Name()};
     Platform* platform = &context.getPlatform();
@@ -141,7 +141,8 @@ vector<pair<int, int>> StericExclusionForceImpl::getBondedParticles() const
 void StericExclusionForceImpl::updateParametersInContext(ContextImpl& context)
 {
     if (!owner.hasStructureOf(*original))
-        fail("its particles, bonds, torsions, ball joints, closures or exclusions are not those that the Context was "
+        fail("its particles, bonds, torsions, ball joints, closures or exclusions differ from those that the Context "
+             "was "
              "created with; reinitialize the Context");
     kernel.getAs<CalcStericExclusionForceKernel>().copyParametersToContext(context, owner);
     limits.parametersWereChanged();

@@ -54,7 +54,7 @@ void ChainTreePlugin::checkHardSpheres(const System& system)
         const Force* force = &system.getForce(i);
         if (isBarostat(*force))
             fail("the System has a barostat (force " + to_string(i) + ", " + force->getName() +
-                 "), which knows nothing of hard spheres; call setStericMode(Soft) or Off, or remove it");
+                 "), which ignores hard spheres; call setStericMode(Soft) or Off, or remove it");
     }
 }
 

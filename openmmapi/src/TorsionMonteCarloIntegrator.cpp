@@ -379,7 +379,7 @@ void TorsionMonteCarloIntegrator::cleanup()
 }
 
 /**
- * Get all that is needed to go on in a Context made anew.
+ * Get everything that a recreated Context needs to continue.
  */
 unique_ptr<TorsionMonteCarloIntegrator::KeptState> TorsionMonteCarloIntegrator::keepState()
 {
@@ -616,7 +616,7 @@ void TorsionMonteCarloIntegrator::serializeParameters(SerializationNode& node) c
 
 /**
  * Read what the geometry is computed from. Returns NULL if the Context does not stand where the State was made, or has
- * another structure; sampling then goes on from where it stands. Throws an exception if that can only be damage.
+ * another structure; sampling then continues from its present state. Throws an exception if that can only be damage.
  */
 unique_ptr<KeptGeometry> TorsionMonteCarloIntegrator::readGeometry(const SerializationNode& state, int version) const
 {
@@ -643,7 +643,7 @@ unique_ptr<KeptGeometry> TorsionMonteCarloIntegrator::readGeometry(const Seriali
     }
     if (!others.empty())
         warn("TorsionMonteCarloIntegrator: the State brought only a part of what the Context held when it was made; "
-             "sampling goes on from other " +
+             "sampling continues from other " +
              others);
     return geometry;
 }

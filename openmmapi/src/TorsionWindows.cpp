@@ -35,7 +35,8 @@ vector<int> ChainTreePlugin::findBackboneTorsions(const LinkStructure& structure
     const int numLinks = links.size();
     const vector<int> sorted = sortRootFirst(structure);
 
-    // From the ends of branches: the particles that each link carries, itself included, and how its backbone goes on.
+    // From the ends of branches: the particles that each link carries, itself included, and the next link of its
+    // backbone.
 
     vector<int> carried(numLinks, 0), length(numLinks, 0), next(numLinks, -1);
     for (int link : structure.getParticleLinks())
@@ -51,7 +52,7 @@ vector<int> ChainTreePlugin::findBackboneTorsions(const LinkStructure& structure
             next[parent] = link;
     }
 
-    // From the roots: what goes on with the backbone of its parent, or has one that is long enough.
+    // From the roots: links that continue the backbone of their parent, or begin one that is long enough.
 
     vector<bool> isBackbone(numLinks, false);
     vector<int> torsions;

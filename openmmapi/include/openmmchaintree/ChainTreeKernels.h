@@ -15,7 +15,7 @@ namespace ChainTreePlugin {
 
 /**
  * This kernel is invoked by StericExclusionForceImpl. It makes the Scene of the force and hands it over; queries and
- * trials call the Scene directly. It needs nothing of a Context, so that a Context of any Platform can use the kernel
+ * trials call the Scene directly. It does not need a Context, so that a Context of any Platform can use the kernel
  * of the Reference platform.
  */
 class CalcStericExclusionForceKernel : public OpenMM::KernelImpl {

@@ -187,7 +187,7 @@ class TrialSession;
  * and scales only if the moves are the same. If the Context has another structure, or other bits of the positions than
  * at the time of saving (for example because the State was made with enforcePeriodicBox, or holds no positions),
  * sampling continues from the positions of the Context, within rounding. A warning tells if positions, velocities or
- * parameters are not those with which the State was made. A damaged State is refused, and nothing of this integrator
+ * parameters are not those with which the State was made. A damaged State is refused, and no setting of this integrator
  * changes: damaged means that a checksum of these parameters, the time or the box differs, that a single number of all
  * positions or velocities differs, or that a link has another shape while some particles are where they were. States
  * of version 1 hold only limits, those of version 2 nothing about outer tests, those of version 3 no checksums.

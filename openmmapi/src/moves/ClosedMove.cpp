@@ -57,7 +57,7 @@ private:
 } // namespace
 
 /**
- * Add the torsions in rings of closures that a pool does not have. Nothing but closed moves turns these.
+ * Add the torsions in rings of closures that a pool does not have. Only closed moves turn these.
  */
 static void addRings(const LinkStructure& structure, vector<int>& pool)
 {
@@ -201,7 +201,7 @@ bool ClosedMove::leadsBack(const ctWindow& turned, double& logWeights) const
         return false;
     }
 
-    // Newton's method begins where the trial leads, and knows nothing of the pivots before.
+    // Newton's method begins at the proposed drivers, independent of the pivots before.
 
     for (int pivot : window.pivots)
         back[pivot] = 0;

@@ -27,8 +27,8 @@ public:
  * Reads a CustomGBForce that is a generalized Born model of ctBorn, however it is written.
  *
  * Its expressions are brought to a normal form, and so are those of the models, in which names stand for what differs
- * between them. If the shapes are the same, the coefficients tell what each name is. Those that the model determines
- * have to be what it says, for all particles. At last both are evaluated for particles at random.
+ * between them. If the shapes are the same, the coefficients tell what each name is. Coefficients that the model
+ * determines have to be what it says, for all particles. At last both are evaluated for particles at random.
  */
 class BornReader {
 public:

@@ -28,11 +28,11 @@ public:
     explicit ContextSnapshot(CheckpointReader& reader);
     void write(CheckpointWriter& writer) const;
     /**
-     * Take the positions anew. Returns whether they are others than before.
+     * Read the positions again. Returns whether they have changed.
      */
     bool updatePositions(const OpenMM::Context& context);
     /**
-     * Take the velocities anew.
+     * Read the velocities again.
      */
     void updateVelocities(const OpenMM::Context& context);
     /**

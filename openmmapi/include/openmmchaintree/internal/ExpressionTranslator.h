@@ -78,7 +78,7 @@ private:
         EnergyTerms::TableFunction table;
         /** The same as OpenMM evaluates it. */
         std::unique_ptr<Lepton::CustomFunction> function;
-        /** Its number among those that the expression uses; -1: it does not. */
+        /** Its index among the names that the expression uses; -1 if unused. */
         int index;
     };
     typedef std::tuple<int, int, int, int, unsigned long long> Key;
@@ -100,7 +100,7 @@ private:
     /** What the set of terms or pairs does not have. */
     std::vector<ctInput> noInputs;
     std::vector<EnergyTerms::TableFunction> noTables;
-    /** All names but those of particles and functions, and one of those that came twice. */
+    /** All names except those of particles and functions, each once. */
     std::set<std::string> names;
     std::string repeatedName;
     std::map<std::string, ctInput> inputs;

@@ -7,7 +7,7 @@
 namespace ChainTreePlugin {
 
 /**
- * The energy of the foreign Forces that each trial is decided by, by an OpenMM evaluation for each trial. Those that
+ * The energy of foreign Forces that decide each trial, evaluated by OpenMM in each trial. Foreign Forces that
  * are left to outer tests have no part in it.
  *
  * If ForeignForces can only evaluate them mixed with native Forces, what the scene has computed of these is

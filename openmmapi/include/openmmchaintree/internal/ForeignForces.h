@@ -20,7 +20,7 @@ namespace ChainTreePlugin {
  * parameters that updateParametersInContext() gave them, and whatever they remember.
  *
  * Other platforms evaluate force groups as a whole. Foreign Forces in groups without native ones are then alone, too.
- * Of those that share a group with a native Force there are ForeignCopies. If one of these cannot be copied, the energy
+ * Forces that share a group with a native one are copied (ForeignCopies). If one of these cannot be copied, the energy
  * of all native Forces comes with that of the foreign ones.
  */
 class ForeignForces {

@@ -97,7 +97,7 @@ public:
      */
     static void readStep(CheckpointReader& reader, Kept& kept);
     /**
-     * Go on from what was read. Call this after the scene was given its state.
+     * Use what was read. Call this after the scene was given its state.
      *
      * @param hasPositions  whether that state has positions; without them there are no limits
      */

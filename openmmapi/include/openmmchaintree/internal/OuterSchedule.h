@@ -20,7 +20,7 @@ class OPENMM_EXPORT_CHAINTREE OuterSchedule {
 public:
     OuterSchedule();
     /**
-     * Begin a series of trials, and go on to the next number of trials if enough was measured with this one.
+     * Begin a series of trials, and change to the next number of trials if enough was measured with this one.
      *
      * @param energies  what tells the energies apart from those of another System. If it is not what it was, measuring
      *                  starts again

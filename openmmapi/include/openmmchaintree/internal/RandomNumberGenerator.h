@@ -12,7 +12,7 @@
 namespace ChainTreePlugin {
 
 /**
- * This class draws random numbers that depend on nothing but the seed. The distributions of the standard library differ
+ * This class draws random numbers that depend only on the seed. The distributions of the standard library differ
  * between its implementations, and so would trajectories.
  */
 class RandomNumberGenerator {
@@ -103,7 +103,7 @@ public:
         return stream.str();
     }
     /**
-     * Go on from what getState() returned. Returns false, and changes nothing, if it did not return this.
+     * Set the state that getState() returned. Returns false, and changes nothing, if it is not such a state.
      */
     bool setState(const std::string& state)
     {

@@ -189,7 +189,7 @@ public:
      */
     bool havePositionsOf(OpenMM::ContextImpl& context, const KeptGeometry& kept) const;
     /**
-     * Go on from what checkCheckpoint() has found to be good, in a Context whose positions were restored already.
+     * Use what checkCheckpoint() has checked, in a Context whose positions were restored already.
      */
     void loadCheckpoint(const KeptGeometry& kept);
     /**

@@ -31,7 +31,7 @@ void checkConstraints(const OpenMM::System& system, const LinkStructure& structu
 bool isBarostat(const OpenMM::Force& force);
 
 /**
- * Throw an OpenMMException if hard spheres cannot be sampled: a barostat knows nothing of limits.
+ * Throw an OpenMMException if hard spheres cannot be sampled: a barostat ignores limits.
  */
 void checkHardSpheres(const OpenMM::System& system);
 

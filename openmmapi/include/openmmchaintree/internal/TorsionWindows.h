@@ -11,8 +11,8 @@
 namespace ChainTreePlugin {
 
 /**
- * Get the torsions of the backbones of all molecules. A backbone begins at the root of a molecule and goes on with the
- * torsion that moves most particles, to the end of the chain. A branch has a backbone, too, if that has at least 8
+ * Get the torsions of the backbones of all molecules. A backbone begins at the root of a molecule and continues with
+ * the torsion that moves most particles, to the end of the chain. A branch has a backbone, too, if that has at least 8
  * torsions, which is more than side chains of proteins and nucleic acids have.
  */
 OPENMM_EXPORT_CHAINTREE std::vector<int> findBackboneTorsions(const LinkStructure& structure);

@@ -13,8 +13,8 @@
 namespace ChainTreePlugin {
 
 /**
- * This class turns the velocities in a Context with the links that trials have turned, so that dynamics may go on from
- * there: v' = R v, R being the rotation of the particle's link from before a series of trials to after it. Where a
+ * This class turns the velocities in a Context with the links that trials have turned, so that dynamics can continue
+ * from there: v' = R v, R being the rotation of the particle's link from before a series of trials to after it. Where a
  * CMMotionRemover takes the momentum of the System away, the velocities keep it; ctvelocities.h says how, and why it is
  * exact.
  *
