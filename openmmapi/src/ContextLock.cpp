@@ -37,10 +37,12 @@ void ContextLock::release()
         released.notify_one();
 }
 
-void ContextLock::admitHelpers(bool admit)
+bool ContextLock::admitHelpers(bool admit)
 {
     lock_guard<std::mutex> guard(mutex);
+    const bool former = admitsHelpers;
     admitsHelpers = admit;
+    return former;
 }
 
 bool ContextLock::helperMayPass()

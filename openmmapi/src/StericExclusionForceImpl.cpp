@@ -199,6 +199,7 @@ void StericExclusionForceImpl::updateContextState(ContextImpl& context, bool& fo
 {
     ContextUse use(lock, ContextLock::OpenMM);
     limits.stepBegins(context.getStepCount());
+    HelperAdmission admission(*lock);
     if (velocities->beginStep(context))
         forcesInvalid = true;
 }

@@ -791,8 +791,10 @@ void TorsionMonteCarloIntegrator::step(int steps)
                  "StericExclusionForce has no energy there; choose one mode for both");
         force->takeNoticeOfPositions(*context);
         checkBeforeSteps();
-        if (isBesideDynamics)
+        if (isBesideDynamics) {
+            HelperAdmission admission(*lock);
             force->getVelocityTurner().pauseDynamics(*context);
+        }
     }
     SignalWatch signals((double)steps * trialsPerStep, secondsPerTrial);
     for (int i = 0; i < steps; i++) {
@@ -818,21 +820,19 @@ void TorsionMonteCarloIntegrator::step(int steps)
  */
 class StepBeginning {
 public:
-    StepBeginning(ContextLock& lock, VelocityTurner& velocities) : lock(lock), velocities(velocities)
+    StepBeginning(ContextLock& lock, VelocityTurner& velocities) : admission(lock), velocities(velocities)
     {
-        lock.admitHelpers(true);
         velocities.announceStep(true);
     }
     ~StepBeginning()
     {
         velocities.announceStep(false);
-        lock.admitHelpers(false);
     }
     StepBeginning(const StepBeginning&) = delete;
     StepBeginning& operator=(const StepBeginning&) = delete;
 
 private:
-    ContextLock& lock;
+    HelperAdmission admission;
     VelocityTurner& velocities;
 };
 

@@ -32,9 +32,10 @@ public:
     void take(Caller caller);
     void release();
     /**
-     * Let threads that work for OpenMM pass helperMayPass() while this thread holds the lock.
+     * Let threads that work for OpenMM pass helperMayPass() while this thread holds the lock. Returns what held
+     * before.
      */
-    void admitHelpers(bool admit);
+    bool admitHelpers(bool admit);
     bool helperMayPass();
 
 private:
@@ -67,6 +68,27 @@ public:
 private:
     /** The lock outlives the Context if that ends meanwhile. */
     const std::shared_ptr<ContextLock> lock;
+};
+
+/**
+ * Admits helpers for as long as it lives. An evaluation of forces in a step needs it: GPU platforms call
+ * StericExclusionForceImpl::computeForce() on another thread, for which this one waits.
+ */
+class HelperAdmission {
+public:
+    explicit HelperAdmission(ContextLock& lock) : lock(lock), former(lock.admitHelpers(true))
+    {
+    }
+    ~HelperAdmission()
+    {
+        lock.admitHelpers(former);
+    }
+    HelperAdmission(const HelperAdmission&) = delete;
+    HelperAdmission& operator=(const HelperAdmission&) = delete;
+
+private:
+    ContextLock& lock;
+    const bool former;
 };
 
 } // namespace ChainTreePlugin
