@@ -179,8 +179,7 @@ CoreSpheres EnergyPlan::findCoreSpheres(int groups, double energy) const
         force.setNonbondedMethod(NonbondedForce::NoCutoff);
     force.setExceptionsUsePeriodicBoundaryConditions(false);
     EnergyTerms pairs;
-    const int numParticles = context.getSystem().getNumParticles();
-    if (!translateForce(force, index, numParticles, context.getParameters(), pairs).empty())
+    if (!translateForce(force, index, context.getSystem(), context.getParameters(), pairs).empty())
         return CoreSpheres();
     return CoreSpheres(pairs.nonbonded[0], terms.termSets, energy);
 }
@@ -204,8 +203,7 @@ void EnergyPlan::decide(int index, int groupsOfU, bool allowNative)
         return set(Foreign, "native energies are switched off");
     if (!copies[index])
         return set(Foreign, "openmm-chaintree has no code for a " + classNames[index]);
-    const int numParticles = context.getSystem().getNumParticles();
-    const string reason = translateForce(*copies[index], index, numParticles, context.getParameters(), terms);
+    const string reason = translateForce(*copies[index], index, context.getSystem(), context.getParameters(), terms);
     if (!reason.empty())
         return set(Foreign, reason);
     set(Native, "openmm-chaintree evaluates it");

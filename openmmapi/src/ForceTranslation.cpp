@@ -234,19 +234,19 @@ string ChainTreePlugin::getClassName(const Force& force)
  * Append the energy of a Force to the terms. Returns an empty text, or else why it cannot; it may have appended
  * something then.
  */
-static string append(const Force& force, int index, int numParticles, const NativeForceKind::Parameters& parameters,
+static string append(const Force& force, int index, const System& system, const NativeForceKind::Parameters& parameters,
                      EnergyTerms& terms)
 {
     const NativeForceKind* kind = NativeForceKind::find(force);
     if (kind == NULL)
         return "openmm-chaintree has no code for a " + getClassName(force);
     const Size before(terms);
-    string reason = kind->translate(force, index, parameters, terms);
+    string reason = kind->translate(force, index, system, parameters, terms);
     if (reason.empty() && force.usesPeriodicBoundaryConditions())
         reason = "it uses periodic boundary conditions";
     auto checkNew = [&](auto& parts, size_t first) {
         for (size_t i = first; i < parts.size() && reason.empty(); i++)
-            reason = check(parts[i], numParticles);
+            reason = check(parts[i], system.getNumParticles());
     };
     checkNew(terms.nonbonded, before.nonbonded);
     checkNew(terms.born, before.born);
@@ -256,13 +256,13 @@ static string append(const Force& force, int index, int numParticles, const Nati
     return reason;
 }
 
-string ChainTreePlugin::translateForce(const Force& force, int index, int numParticles,
+string ChainTreePlugin::translateForce(const Force& force, int index, const System& system,
                                        const NativeForceKind::Parameters& parameters, EnergyTerms& terms)
 {
     const Size before(terms);
     string reason;
     try {
-        reason = append(force, index, numParticles, parameters, terms);
+        reason = append(force, index, system, parameters, terms);
     }
     catch (const bad_alloc&) {
         throw;

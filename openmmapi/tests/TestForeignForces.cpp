@@ -189,19 +189,22 @@ void testEditedForces()
     // A Force can become anything after its Context was made.
 
     EnergyTerms terms;
+    System system;
+    for (int i = 0; i < NUM_BEADS; i++)
+        system.addParticle(1);
     unique_ptr<HarmonicBondForce> bonds(new HarmonicBondForce());
     bonds->addBond(0, 1, 1, 1);
     bonds->setBondParameters(0, 0, NUM_BEADS, 1, 1);
-    ASSERT_EQUAL("there is no particle 15", translateForce(*bonds, 1, NUM_BEADS, {}, terms));
+    ASSERT_EQUAL("there is no particle 15", translateForce(*bonds, 1, system, {}, terms));
     unique_ptr<CustomBondForce> custom(createBonds("unknown*r"));
-    ASSERT(translateForce(*custom, 2, NUM_BEADS, {{"g", 1}}, terms).find("unknown variable, unknown") != string::npos);
+    ASSERT(translateForce(*custom, 2, system, {{"g", 1}}, terms).find("unknown variable, unknown") != string::npos);
     custom->setEnergyFunction("r+");
-    ASSERT(translateForce(*custom, 2, NUM_BEADS, {{"g", 1}}, terms).find("it cannot be read") == 0);
+    ASSERT(translateForce(*custom, 2, system, {{"g", 1}}, terms).find("it cannot be read") == 0);
     custom->setEnergyFunction("a*r");
-    ASSERT(translateForce(*custom, 2, NUM_BEADS, {}, terms).find("it cannot be read") == 0);
+    ASSERT(translateForce(*custom, 2, system, {}, terms).find("it cannot be read") == 0);
     custom->addBond(0, 1, {1, 2});
     ASSERT_EQUAL("one of its terms has a wrong number of particles or parameters",
-                 translateForce(*custom, 2, NUM_BEADS, {{"g", 1}}, terms));
+                 translateForce(*custom, 2, system, {{"g", 1}}, terms));
     ASSERT_EQUAL(0, terms.termSets.size());
 }
 

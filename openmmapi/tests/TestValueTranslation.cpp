@@ -202,9 +202,12 @@ void testForeign()
 
     EnergyTerms terms;
     const NativeForceKind::Parameters parameters = {{"scale", 1}};
+    System system;
+    for (int i = 0; i < NUM_BEADS; i++)
+        system.addParticle(1);
     auto assertRefused = [&](const Description& description, const string& reason) {
         unique_ptr<CustomGBForce> force(description.create());
-        const string found = translateForce(*force, 0, NUM_BEADS, parameters, terms);
+        const string found = translateForce(*force, 0, system, parameters, terms);
         if (found != reason)
             throw OpenMMException("expected \"" + reason + "\", found \"" + found + "\"");
         ASSERT_EQUAL(0, terms.valueEnergies.size());

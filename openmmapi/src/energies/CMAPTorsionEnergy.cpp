@@ -6,7 +6,7 @@ using namespace ChainTreePlugin;
 using namespace OpenMM;
 using namespace std;
 
-static string translateCMAPTorsions(const Force& owner, int index, const NativeForceKind::Parameters&,
+static string translateCMAPTorsions(const Force& owner, int index, const System&, const NativeForceKind::Parameters&,
                                     EnergyTerms& terms)
 {
     const CMAPTorsionForce& force = dynamic_cast<const CMAPTorsionForce&>(owner);

@@ -6,8 +6,8 @@ using namespace ChainTreePlugin;
 using namespace OpenMM;
 using namespace std;
 
-static string translateCustomAngles(const Force& owner, int index, const NativeForceKind::Parameters& parameters,
-                                    EnergyTerms& terms)
+static string translateCustomAngles(const Force& owner, int index, const System&,
+                                    const NativeForceKind::Parameters& parameters, EnergyTerms& terms)
 {
     const CustomAngleForce& force = dynamic_cast<const CustomAngleForce&>(owner);
     EnergyTerms::TermSet set = createTermSet(index, ctExpressionTerm, 3, force.getNumPerAngleParameters());

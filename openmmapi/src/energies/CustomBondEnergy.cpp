@@ -6,8 +6,8 @@ using namespace ChainTreePlugin;
 using namespace OpenMM;
 using namespace std;
 
-static string translateCustomBonds(const Force& owner, int index, const NativeForceKind::Parameters& parameters,
-                                   EnergyTerms& terms)
+static string translateCustomBonds(const Force& owner, int index, const System&,
+                                   const NativeForceKind::Parameters& parameters, EnergyTerms& terms)
 {
     const CustomBondForce& force = dynamic_cast<const CustomBondForce&>(owner);
     EnergyTerms::TermSet set = createTermSet(index, ctExpressionTerm, 2, force.getNumPerBondParameters());

@@ -29,8 +29,8 @@ static Force* copyCustomCompoundBonds(const Force& force)
     return copy.release();
 }
 
-static string translateCustomCompoundBonds(const Force& owner, int index, const NativeForceKind::Parameters& parameters,
-                                           EnergyTerms& terms)
+static string translateCustomCompoundBonds(const Force& owner, int index, const System&,
+                                           const NativeForceKind::Parameters& parameters, EnergyTerms& terms)
 {
     const CustomCompoundBondForce& force = dynamic_cast<const CustomCompoundBondForce&>(owner);
     EnergyTerms::TermSet set =

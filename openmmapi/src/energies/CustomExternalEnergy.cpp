@@ -6,8 +6,8 @@ using namespace ChainTreePlugin;
 using namespace OpenMM;
 using namespace std;
 
-static string translateCustomExternalTerms(const Force& owner, int index, const NativeForceKind::Parameters& parameters,
-                                           EnergyTerms& terms)
+static string translateCustomExternalTerms(const Force& owner, int index, const System&,
+                                           const NativeForceKind::Parameters& parameters, EnergyTerms& terms)
 {
     const CustomExternalForce& force = dynamic_cast<const CustomExternalForce&>(owner);
     EnergyTerms::TermSet set = createTermSet(index, ctExpressionTerm, 1, force.getNumPerParticleParameters());

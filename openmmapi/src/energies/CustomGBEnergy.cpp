@@ -44,8 +44,8 @@ static Force* copyCustomGB(const Force& force)
     return copy.release();
 }
 
-static string translateCustomGB(const Force& owner, int index, const NativeForceKind::Parameters& parameters,
-                                EnergyTerms& terms)
+static string translateCustomGB(const Force& owner, int index, const System&,
+                                const NativeForceKind::Parameters& parameters, EnergyTerms& terms)
 {
     const CustomGBForce& force = dynamic_cast<const CustomGBForce&>(owner);
     if (force.getNonbondedMethod() == CustomGBForce::CutoffPeriodic)

@@ -183,8 +183,8 @@ static bool isSymmetric(const CustomNonbondedForce& force, const Variables& glob
     return true;
 }
 
-static string translateCustomNonbonded(const Force& owner, int index, const NativeForceKind::Parameters& parameters,
-                                       EnergyTerms& terms)
+static string translateCustomNonbonded(const Force& owner, int index, const System&,
+                                       const NativeForceKind::Parameters& parameters, EnergyTerms& terms)
 {
     const CustomNonbondedForce& force = dynamic_cast<const CustomNonbondedForce&>(owner);
     EnergyTerms::PairSet set;

@@ -6,8 +6,8 @@ using namespace ChainTreePlugin;
 using namespace OpenMM;
 using namespace std;
 
-static string translateCustomTorsions(const Force& owner, int index, const NativeForceKind::Parameters& parameters,
-                                      EnergyTerms& terms)
+static string translateCustomTorsions(const Force& owner, int index, const System&,
+                                      const NativeForceKind::Parameters& parameters, EnergyTerms& terms)
 {
     const CustomTorsionForce& force = dynamic_cast<const CustomTorsionForce&>(owner);
     EnergyTerms::TermSet set = createTermSet(index, ctExpressionTerm, 4, force.getNumPerTorsionParameters());

@@ -11,7 +11,8 @@ using namespace std;
 static const double OFFSET = 0.009, PROBE_RADIUS = 0.14, COULOMB = 138.93545764438198;
 static const double ALPHA = 1, BETA = 0.8, GAMMA = 4.85;
 
-static string translateGBSAOBC(const Force& owner, int index, const NativeForceKind::Parameters&, EnergyTerms& terms)
+static string translateGBSAOBC(const Force& owner, int index, const System&, const NativeForceKind::Parameters&,
+                               EnergyTerms& terms)
 {
     const GBSAOBCForce& force = dynamic_cast<const GBSAOBCForce&>(owner);
     if (force.getNonbondedMethod() == GBSAOBCForce::CutoffPeriodic)

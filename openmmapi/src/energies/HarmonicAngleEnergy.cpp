@@ -5,7 +5,7 @@ using namespace ChainTreePlugin;
 using namespace OpenMM;
 using namespace std;
 
-static string translateHarmonicAngles(const Force& owner, int index, const NativeForceKind::Parameters&,
+static string translateHarmonicAngles(const Force& owner, int index, const System&, const NativeForceKind::Parameters&,
                                       EnergyTerms& terms)
 {
     const HarmonicAngleForce& force = dynamic_cast<const HarmonicAngleForce&>(owner);

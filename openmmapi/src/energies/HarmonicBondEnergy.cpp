@@ -5,7 +5,7 @@ using namespace ChainTreePlugin;
 using namespace OpenMM;
 using namespace std;
 
-static string translateHarmonicBonds(const Force& owner, int index, const NativeForceKind::Parameters&,
+static string translateHarmonicBonds(const Force& owner, int index, const System&, const NativeForceKind::Parameters&,
                                      EnergyTerms& terms)
 {
     const HarmonicBondForce& force = dynamic_cast<const HarmonicBondForce&>(owner);

@@ -104,8 +104,8 @@ static string translateExceptions(const NonbondedForce& force, const NativeForce
     return reason;
 }
 
-static string translateNonbonded(const Force& owner, int index, const NativeForceKind::Parameters& parameters,
-                                 EnergyTerms& terms)
+static string translateNonbonded(const Force& owner, int index, const System&,
+                                 const NativeForceKind::Parameters& parameters, EnergyTerms& terms)
 {
     const NonbondedForce& force = dynamic_cast<const NonbondedForce&>(owner);
     const NonbondedForce::NonbondedMethod method = force.getNonbondedMethod();

@@ -5,8 +5,8 @@ using namespace ChainTreePlugin;
 using namespace OpenMM;
 using namespace std;
 
-static string translatePeriodicTorsions(const Force& owner, int index, const NativeForceKind::Parameters&,
-                                        EnergyTerms& terms)
+static string translatePeriodicTorsions(const Force& owner, int index, const System&,
+                                        const NativeForceKind::Parameters&, EnergyTerms& terms)
 {
     const PeriodicTorsionForce& force = dynamic_cast<const PeriodicTorsionForce&>(owner);
     EnergyTerms::TermSet set = createTermSet(index, ctPeriodicTorsionTerm, 4, 3);

@@ -5,7 +5,8 @@ using namespace ChainTreePlugin;
 using namespace OpenMM;
 using namespace std;
 
-static string translateRBTorsions(const Force& owner, int index, const NativeForceKind::Parameters&, EnergyTerms& terms)
+static string translateRBTorsions(const Force& owner, int index, const System&, const NativeForceKind::Parameters&,
+                                  EnergyTerms& terms)
 {
     const RBTorsionForce& force = dynamic_cast<const RBTorsionForce&>(owner);
     EnergyTerms::TermSet set = createTermSet(index, ctRyckaertBellemansTerm, 4, 6);

@@ -2,6 +2,7 @@
 #define OPENMM_CHAINTREE_FORCETRANSLATION_H_
 
 #include "openmm/Force.h"
+#include "openmm/System.h"
 #include "openmmchaintree/internal/EnergyTerms.h"
 #include "openmmchaintree/internal/windowsExportChainTree.h"
 #include <map>
@@ -25,8 +26,8 @@ public:
      * Appends the energy of a Force to the terms. Returns an empty text, or else one clause that says why it cannot; it
      * may have appended something then.
      */
-    typedef std::string Translator(const OpenMM::Force& force, int index, const Parameters& parameters,
-                                   EnergyTerms& terms);
+    typedef std::string Translator(const OpenMM::Force& force, int index, const OpenMM::System& system,
+                                   const Parameters& parameters, EnergyTerms& terms);
     /**
      * Copies a Force.
      */
@@ -53,13 +54,13 @@ OPENMM_EXPORT_CHAINTREE std::string getClassName(const OpenMM::Force& force);
  *
  * @param force         a Force of a System
  * @param index         its index there
- * @param numParticles  how many particles the System has
+ * @param system        the System
  * @param parameters    the values of the Context's parameters
  * @param terms         what to append to
  * @return an empty text, or else one clause that says why OpenMM has to evaluate this Force; then the terms are as they
  *         were. This is no error, whatever the Force may be
  */
-OPENMM_EXPORT_CHAINTREE std::string translateForce(const OpenMM::Force& force, int index, int numParticles,
+OPENMM_EXPORT_CHAINTREE std::string translateForce(const OpenMM::Force& force, int index, const OpenMM::System& system,
                                                    const NativeForceKind::Parameters& parameters, EnergyTerms& terms);
 
 // What translators share.
