@@ -411,7 +411,8 @@ def test_no_force_but_the_steric_one():
 
 def test_only_a_foreign_force():
     chain = Chain()
-    foreign = openmm.CustomCentroidBondForce(2, "0.1/distance(g1,g2)")
+    foreign = openmm.CustomCentroidBondForce(2, "0.1/same(distance(g1,g2))")
+    foreign.addTabulatedFunction("same", openmm.Continuous1DFunction([0, 1000], 0, 1000))
     for particle in range(LENGTH):
         foreign.addGroup([particle])
         for other in range(particle):

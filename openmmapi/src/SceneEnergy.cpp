@@ -53,7 +53,8 @@ public:
         described.parameters = set.parameters.data();
         described.mapCount = maps.size();
         described.maps = maps.data();
-        described.expression = set.kind == ctExpressionTerm ? &expression : NULL;
+        described.expression = set.operations.empty() ? NULL : &expression;
+        described.groupsPerTerm = set.groupsPerTerm;
         return described;
     }
 

@@ -11,6 +11,7 @@
 #include "openmm/GBSAOBCForce.h"
 #include "openmm/MonteCarloBarostat.h"
 #include "openmm/PeriodicTorsionForce.h"
+#include "openmm/TabulatedFunction.h"
 
 using namespace ChainTreePlugin;
 using namespace OpenMM;
@@ -68,7 +69,9 @@ void testKinds()
     for (int i = 0; i < NativeScene::NUM_BEADS; i++)
         expression->addParticle();
     const int morePairs = scene.add(expression);
-    CustomCentroidBondForce* centroids = new CustomCentroidBondForce(2, "distance(g1,g2)");
+    CustomCentroidBondForce* centroids = new CustomCentroidBondForce(2, "same(distance(g1,g2))");
+    centroids->addTabulatedFunction("same",
+                                    new Continuous1DFunction({0, 30}, 0, 30)); // so that only OpenMM can evaluate it
     centroids->addGroup({0, 1, 2});
     centroids->addGroup({7, 8});
     centroids->addBond({0, 1});
@@ -87,7 +90,7 @@ void testKinds()
     assertEntry(plan, empty, EnergyPlan::Constant, "it has no terms");
     assertEntry(plan, pairs, EnergyPlan::Native, "openmm-chaintree evaluates the pairs that a trial changes");
     assertEntry(plan, morePairs, EnergyPlan::Native, "openmm-chaintree evaluates the pairs that a trial changes");
-    assertEntry(plan, foreign, EnergyPlan::Foreign, "openmm-chaintree has no code for a CustomCentroidBondForce");
+    assertEntry(plan, foreign, EnergyPlan::Foreign, "its expression uses the tabulated function same");
     assertEntry(plan, remover, EnergyPlan::None, "it has no energy");
     assertEntry(plan, thermostat, EnergyPlan::None, "it has no energy");
     ASSERT_EQUAL("distances", plan.getEntries()[mixed].name);

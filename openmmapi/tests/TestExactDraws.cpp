@@ -8,6 +8,7 @@
 #include "openmm/CustomTorsionForce.h"
 #include "openmm/GBSAOBCForce.h"
 #include "openmm/NonbondedForce.h"
+#include "openmm/TabulatedFunction.h"
 #include "openmmchaintree/TorsionMonteCarloIntegrator.h"
 #include "TestSupport.h"
 #include <array>
@@ -70,7 +71,9 @@ public:
             for (int i = 0; i < 2; i++)
                 torsions->addTorsion(i, i + 1, i + 2, i + 3);
             system.addForce(torsions);
-            CustomCentroidBondForce* foreign = new CustomCentroidBondForce(2, "150*(distance(g1,g2)-0.45)^2");
+            CustomCentroidBondForce* foreign = new CustomCentroidBondForce(2, "150*(same(distance(g1,g2))-0.45)^2");
+            foreign->addTabulatedFunction(
+                "same", new Continuous1DFunction({0, 30}, 0, 30)); // so that only OpenMM can evaluate it
             foreign->addGroup({0, 1});
             foreign->addGroup({3, 4});
             foreign->addBond({0, 1});

@@ -2,6 +2,7 @@
  * This tests the copies of Forces that are made by hand: by what OpenMM's XML says of them, and whose tables they have.
  */
 
+#include "openmm/CustomCentroidBondForce.h"
 #include "openmm/CustomCompoundBondForce.h"
 #include "openmm/CustomGBForce.h"
 #include "openmm/CustomNonbondedForce.h"
@@ -93,6 +94,20 @@ void testCompoundBonds()
     assertCopies(move(force));
 }
 
+void testCentroidBonds()
+{
+    auto force = furnish(new CustomCentroidBondForce(2, "k*one*distance(g1,g2)+two"));
+    force->setUsesPeriodicBoundaryConditions(true);
+    force->addPerBondParameter("k");
+    force->addPerBondParameter("unused");
+    force->addGroup({0, 3});
+    force->addGroup({1, 4, 2}, {0.5, 1.5, 2});
+    force->addGroup({5});
+    force->addBond({0, 1}, {3.5, 1});
+    force->addBond({2, 0}, {0.1, -1});
+    assertCopies(move(force));
+}
+
 void testCustomNonbonded()
 {
     auto force = furnish(new CustomNonbondedForce("one*a1*a2*circle(r)+two*v1*v2; w=1"));
@@ -115,6 +130,7 @@ int main()
     return runOnPlatform("Reference", [](Platform&) {
         testCustomGB();
         testCompoundBonds();
+        testCentroidBonds();
         testCustomNonbonded();
     });
 }

@@ -6,6 +6,7 @@
 #include "openmm/CMAPTorsionForce.h"
 #include "openmm/CustomAngleForce.h"
 #include "openmm/CustomBondForce.h"
+#include "openmm/CustomCentroidBondForce.h"
 #include "openmm/CustomCompoundBondForce.h"
 #include "openmm/CustomExternalForce.h"
 #include "openmm/CustomTorsionForce.h"
@@ -335,6 +336,60 @@ void testCompoundBonds()
     assertNative(force);
 }
 
+/**
+ * Groups of one particle to six, some weighted by masses.
+ */
+static CustomCentroidBondForce* createCentroidBonds(const string& expression, int numGroupsPerBond = 5)
+{
+    OddNumbers numbers(8);
+    CustomCentroidBondForce* force = new CustomCentroidBondForce(numGroupsPerBond, expression);
+    force->addPerBondParameter("a");
+    force->addGlobalParameter("g", 1.5);
+    for (int i = 0; i < 2 * numGroupsPerBond; i++) {
+        const vector<int> particles = numbers.particles(1 + numbers.below(6), NUM_BEADS);
+        vector<double> weights;
+        for (int k = 0; k < (int)particles.size() && i % 2 == 0; k++)
+            weights.push_back(numbers.between(0.2, 2));
+        force->addGroup(particles, weights);
+    }
+    for (int i = 0; i < NUM_TERMS; i++)
+        force->addBond(numbers.particles(numGroupsPerBond, 2 * numGroupsPerBond), {numbers.between(1, 2)});
+    return force;
+}
+
+void testCentroidBonds()
+{
+    for (const string expression : {"a*distance(g1,g2)+angle(g3,g2,g5)^2+g*cos(dihedral(g4,g1,g2,g3))",
+                                    "x1*y2-z3^2+a*y5*x4", "pointdistance(x1,y1,z1,x3,y3,z3)*a", "a"})
+        try {
+            assertNative(createCentroidBonds(expression));
+        }
+        catch (const exception& error) {
+            throw OpenMMException(expression + ": " + error.what());
+        }
+    assertNative(createCentroidBonds("x1*a", 1));
+
+    // Bonds between neighbours of a chain, whose groups lie in one link each or across links, with masses that differ.
+
+    for (int size : {1, 2, 3}) {
+        NativeScene scene;
+        for (int i = 0; i < NUM_BEADS; i++)
+            scene.chain.system.setParticleMass(i, 1 + i % 3);
+        CustomCentroidBondForce* force = new CustomCentroidBondForce(2, "10*(distance(g1,g2)-0.5)^2");
+        for (int first = 0; first + size <= 9; first++) {
+            vector<int> particles;
+            for (int i = first; i < first + size; i++)
+                particles.push_back(i);
+            force->addGroup(particles);
+        }
+        for (int i = 0; i + 2 < force->getNumGroups(); i++)
+            force->addBond({i, i + 2});
+        const int index = scene.add(force);
+        scene.build();
+        scene.assertAgreement(index);
+    }
+}
+
 void testExternal()
 {
     OddNumbers numbers(7);
@@ -451,6 +506,7 @@ int main()
         testSharedSubexpressions();
         testCustomAnglesAndTorsions();
         testCompoundBonds();
+        testCentroidBonds();
         testExternal();
         testGlobalParameters();
         testNonbonded();

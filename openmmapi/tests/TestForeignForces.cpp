@@ -9,6 +9,7 @@
 #include "openmm/CustomCentroidBondForce.h"
 #include "openmm/CustomCompoundBondForce.h"
 #include "openmm/CustomExternalForce.h"
+#include "openmm/CustomHbondForce.h"
 #include "openmm/CustomTorsionForce.h"
 #include "openmm/PeriodicTorsionForce.h"
 #include "openmm/RBTorsionForce.h"
@@ -181,7 +182,28 @@ class DerivedForce : public HarmonicBondForce {};
 void testUnknownForces()
 {
     assertForeign(new DerivedForce(), "openmm-chaintree has no code for a DerivedForce");
-    assertForeign(new CustomCentroidBondForce(1, "x1"), "openmm-chaintree has no code for a CustomCentroidBondForce");
+    assertForeign(new CustomHbondForce("distance(d1,a1)"), "openmm-chaintree has no code for a CustomHbondForce");
+}
+
+static CustomCentroidBondForce* createCentroidBonds(const vector<int>& particles, const vector<double>& weights = {})
+{
+    CustomCentroidBondForce* force = new CustomCentroidBondForce(2, "distance(g1,g2)");
+    force->addGroup(particles, weights);
+    force->addGroup({1});
+    force->addBond({0, 1});
+    return force;
+}
+
+void testCentroidBonds()
+{
+    CustomCentroidBondForce* bonds = createCentroidBonds({0});
+    bonds->setUsesPeriodicBoundaryConditions(true);
+    assertForeign(bonds, "it uses periodic boundary conditions");
+    bonds = createCentroidBonds({0});
+    bonds->setEnergyFunction("table(distance(g1,g2))");
+    bonds->addTabulatedFunction("table", new Continuous1DFunction({0, 1, 2}, 0, 10));
+    assertForeign(bonds, "its expression uses the tabulated function table");
+    assertForeign(createCentroidBonds(vector<int>(1001, 0)), "one of its groups has more than 1000 particles");
 }
 
 void testEditedForces()
@@ -215,6 +237,7 @@ int main()
         testForeignNonbondedForces();
         testForeignExpressions();
         testUnknownForces();
+        testCentroidBonds();
         testEditedForces();
     });
 }

@@ -8,6 +8,7 @@
 #include "openmm/CustomExternalForce.h"
 #include "openmm/CustomManyParticleForce.h"
 #include "openmm/CustomTorsionForce.h"
+#include "openmm/TabulatedFunction.h"
 #include "ShortChain.h"
 
 using namespace ChainTreePlugin;
@@ -16,7 +17,9 @@ using namespace std;
 
 static void addCentroidForce(System& system, int group)
 {
-    CustomCentroidBondForce* force = new CustomCentroidBondForce(2, "12*(distance(g1,g2)-1.3)^2");
+    CustomCentroidBondForce* force = new CustomCentroidBondForce(2, "12*(same(distance(g1,g2))-1.3)^2");
+    force->addTabulatedFunction("same",
+                                new Continuous1DFunction({0, 30}, 0, 30)); // so that only OpenMM can evaluate it
     force->addGroup({0, 1});
     force->addGroup({3, 4});
     force->addBond({0, 1});

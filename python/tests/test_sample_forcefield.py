@@ -459,11 +459,12 @@ def test_aWrongEnergyWouldBeSeen(runHere, monkeypatch):
 
 
 def test_outerTests(runHere, tmp_path):
-    """A force that the library does not know is evaluated once in 20 trials; those taken back are in no other count."""
+    """A force with a table, which the library cannot evaluate, is evaluated once in 20 trials; those taken back are in no other count."""
     (tmp_path / "pull.xml").write_text(
         "<ForceField><Script>\n"
         "import openmm\n"
-        "force = openmm.CustomCentroidBondForce(2, '100*distance(g1,g2)')\n"
+        "force = openmm.CustomCentroidBondForce(2, '100*same(distance(g1,g2))')\n"
+        "force.addTabulatedFunction('same', openmm.Continuous1DFunction([0, 30], 0, 30))\n"
         "ends = [0], [sys.getNumParticles() - 1]\n"
         "force.addBond([force.addGroup(end) for end in ends], [])\n"
         "sys.addForce(force)\n"

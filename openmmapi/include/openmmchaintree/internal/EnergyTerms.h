@@ -29,6 +29,8 @@ public:
         std::vector<Map> maps;
         std::vector<ctInput> inputs;
         std::vector<ctOperation> operations;
+        /** 0 but for ctCentroidTerm. */
+        int groupsPerTerm = 0;
     };
     /** Lennard-Jones and Coulomb between all particles. */
     struct Nonbonded {

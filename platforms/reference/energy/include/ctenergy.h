@@ -69,7 +69,8 @@ typedef enum ctTermKind {
   ctRyckaertBellemansTerm, /* 4; c0 ... c5: sum of ci cos(phi - pi)^i */
   ctTorsionMapTerm,        /* 8; map: a function of the dihedrals of the first four and of the last four */
   ctExceptionTerm,         /* 2; product of charges, sigma, epsilon: Lennard-Jones and Coulomb, without cutoff */
-  ctExpressionTerm         /* any; any: see ctExpression */
+  ctExpressionTerm,        /* any; any: see ctExpression */
+  ctCentroidTerm           /* groups; any, then the weight of each particle: an expression of the groups' centroids */
 } ctTermKind;
 
 /* A periodic function of two angles, each from 0 to 2 pi in `size` steps, by bicubic patches: in patch (s, t), with
@@ -174,7 +175,9 @@ typedef struct ctTermSet {
   const double* parameters; /* count * parametersPerTerm */
   int mapCount;             /* of maps, for ctTorsionMapTerm */
   const ctTorsionMap* maps;
-  const ctExpression* expression; /* for ctExpressionTerm */
+  const ctExpression* expression; /* for ctExpressionTerm and ctCentroidTerm */
+  int groupsPerTerm;              /* for ctCentroidTerm: groups of the same number of consecutive particles, whose
+                                   * weighted means are the particles of the expression */
 } ctTermSet;
 
 /* A function of one to three numbers by a table. A discrete one has a value for each whole number from 0, or for each

@@ -70,6 +70,27 @@ static double evaluateExpression(Term* term) {
   return ctExpressionEvaluate(&term->set->expression, term->x, term->numbers, term->results);
 }
 
+static double evaluateCentroids(Term* term) {
+  const TermSet* set = term->set;
+  const int size = set->width / set->groupCount;
+  const double* weight = term->numbers + set->stride - set->width;
+  const double(*x)[3] = term->x;
+  for (int group = 0; group < set->groupCount; group++) {
+    double total = 0;
+    double sum[3] = {0, 0, 0};
+    for (int i = 0; i < size; i++, weight++, x++) {
+      total += *weight;
+      for (int d = 0; d < 3; d++) {
+        sum[d] += *weight * (*x)[d];
+      }
+    }
+    for (int d = 0; d < 3; d++) {
+      set->centroids[group][d] = sum[d] / total;
+    }
+  }
+  return ctExpressionEvaluate(&set->expression, (const double(*)[3])set->centroids, term->numbers, term->results);
+}
+
 /* ---- Kinds ---- */
 
 /* What is known of a kind of term. */
@@ -90,6 +111,7 @@ static const Kind kinds[] = {
     [ctTorsionMapTerm] = {"torsion maps", 8, 1, 4, false, evaluateMap},
     [ctExceptionTerm] = {"exceptions", 2, 3, 2, false, evaluateException},
     [ctExpressionTerm] = {"expressions", CT_NULL, CT_NULL, 0, false, evaluateExpression},
+    [ctCentroidTerm] = {"expressions of centroids", CT_NULL, CT_NULL, 0, false, evaluateCentroids},
 };
 
 /* ---- Checks ---- */
@@ -109,6 +131,11 @@ static bool mapIsValid(const ctTorsionMap* map, int index, int number, char* tex
     }
   }
   return true;
+}
+
+/* The particles of each point of an expression. */
+static int pointSize(const ctTermSet* set) {
+  return set->kind == ctCentroidTerm ? set->particlesPerTerm / set->groupsPerTerm : 1;
 }
 
 static bool countsAreValid(const ctTermSet* set, int number, char* text, size_t size) {
@@ -140,6 +167,12 @@ static bool countsAreValid(const ctTermSet* set, int number, char* text, size_t 
     return ctInvalid(text, size, "term set %d (%s) has %d parameters a term; it needs %d", number, kind->name,
                      set->parametersPerTerm, kind->parameters);
   }
+  if (set->kind == ctCentroidTerm &&
+      (set->groupsPerTerm < 1 || set->groupsPerTerm > set->particlesPerTerm ||
+       set->particlesPerTerm % set->groupsPerTerm != 0 || set->parametersPerTerm < set->particlesPerTerm)) {
+    return ctInvalid(text, size, "term set %d has %d groups, %d particles and %d parameters a term", number,
+                     set->groupsPerTerm, set->particlesPerTerm, set->parametersPerTerm);
+  }
   for (int i = 0; i < set->mapCount; i++) {
     if (!mapIsValid(&set->maps[i], i, number, text, size)) {
       return false;
@@ -151,7 +184,8 @@ static bool countsAreValid(const ctTermSet* set, int number, char* text, size_t 
       return ctInvalid(text, size, "term set %d has no expression", number);
     }
     snprintf(name, sizeof name, "the expression of term set %d", number);
-    return ctExpressionIsValid(set->expression, name, set->particlesPerTerm, set->parametersPerTerm, text, size);
+    const int points = set->kind == ctCentroidTerm ? set->groupsPerTerm : set->particlesPerTerm;
+    return ctExpressionIsValid(set->expression, name, points, set->parametersPerTerm, text, size);
   }
   return true;
 }
@@ -256,6 +290,13 @@ bool ctTermSetCreate(const ctTermSet* from, int firstTerm, const int* slotOf, Te
   for (int term = 0; term < from->count; term++) {
     prepare(from, term, set->numbers + (size_t)term * stride);
   }
+  if (from->kind == ctCentroidTerm) {
+    set->groupCount = from->groupsPerTerm;
+    set->centroids = malloc((size_t)set->groupCount * sizeof *set->centroids);
+    if (set->centroids == NULL) {
+      return false;
+    }
+  }
   if (kinds[from->kind].measured == 0) {
     set->isAnchored = ctExpressionHasCoordinate(from->expression);
     return ctExpressionCopy(from->expression, &set->expression);
@@ -270,21 +311,26 @@ void ctTermSetFree(TermSet* set) {
   free(set->maps);
   free(set->slots);
   free(set->numbers);
+  free(set->centroids);
   ctExpressionFree(&set->expression);
 }
 
 /* ---- Terms ---- */
 
-static int particlesOfInput(const ctInput* input, int* particles) {
-  const int width = ctMeasureWidth(input->measure);
-  memcpy(particles, input->particles, (size_t)width * sizeof *particles);
-  return width;
+static int particlesOfInput(const ctInput* input, int size, int* particles) {
+  const int count = ctMeasureWidth(input->measure) * size;
+  for (int i = 0; i < count; i++) {
+    particles[i] = input->particles[i / size] * size + i % size;
+  }
+  return count;
 }
 
 int ctMeasuredParticles(const ctTermSet* set, int measure, int* particles) {
   const int width = kinds[set->kind].measured;
   if (width == 0) {
-    return measure < set->expression->inputCount ? particlesOfInput(&set->expression->inputs[measure], particles) : 0;
+    return measure < set->expression->inputCount
+               ? particlesOfInput(&set->expression->inputs[measure], pointSize(set), particles)
+               : 0;
   }
   if (measure * width >= set->particlesPerTerm) {
     return 0;

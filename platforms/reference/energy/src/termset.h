@@ -16,8 +16,10 @@ typedef struct TermSet {
   int mapCount;
   TorsionMap* maps;
   Expression expression;
-  bool isAnchored;     /* moves of a whole term change it */
-  int changeableCount; /* terms that some joint can change */
+  bool isAnchored;        /* moves of a whole term change it */
+  int groupCount;         /* of a term of centroids, as the next */
+  double (*centroids)[3]; /* scratch: of each group */
+  int changeableCount;    /* terms that some joint can change */
 } TermSet;
 
 /* True if a set is right for a scene; else text, of `size` bytes, says in a sentence which term of set number `number`

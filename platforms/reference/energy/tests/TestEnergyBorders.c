@@ -4,7 +4,7 @@
 #include "../../chaintree/tests/check.h"
 #include "ctenergy.h"
 
-enum { BEADS = 20, LINKS = BEADS - 3, MOST_SETS = 7 };
+enum { BEADS = 20, LINKS = BEADS - 3, MOST_SETS = 8 };
 
 static const int wrongIndices[] = {INT_MIN, -2, -1, BEADS, BEADS + 1, INT_MAX};
 static const double smallAndLarge[] = {5e-324, 1e-310, 1e-40, 1e-20, 1e-3, 1e9, 1e15, 1e17, 1e19, 1e30, 1e200, 1.7e308};
@@ -135,8 +135,8 @@ static void describePairs(void) {
 }
 
 static void describeTerms(void) {
-  static const int widths[MOST_SETS] = {2, 3, 4, 4, 8, 2, 2};
-  static const int counts[MOST_SETS] = {2, 2, 3, 6, 1, 3, 1};
+  static const int widths[MOST_SETS] = {2, 3, 4, 4, 8, 2, 2, 4};
+  static const int counts[MOST_SETS] = {2, 2, 3, 6, 1, 3, 1, 5};
   for (int i = 0; i < 8; i++) {
     chosen[i] = i + 2;
   }
@@ -161,7 +161,8 @@ static void describeTerms(void) {
                               .parameters = parameters[s],
                               .mapCount = s == 4,
                               .maps = &map,
-                              .expression = &expression};
+                              .expression = &expression,
+                              .groupsPerTerm = 2};
   }
 }
 
@@ -430,7 +431,7 @@ static void testTerms(void) {
     REFUSE_INTS(set->parametersPerTerm, wrongCounts);
     REFUSE_INTS(set->mapCount, wrongCounts);
     REFUSE_INTS(*(int*)&set->kind, ((const int[]){INT_MIN, -1, MOST_SETS, INT_MAX}));
-    if (s != ctExpressionTerm) {
+    if (s < ctExpressionTerm) {
       REFUSE_INTS(set->particlesPerTerm, ((const int[]){0, 1, 9}));
       REFUSE_INTS(set->parametersPerTerm, ((const int[]){0, 7}));
       REFUSE_NUMBERS(parameters[s][0], notFinite);
@@ -450,6 +451,14 @@ static void testTerms(void) {
   REFUSE_INTS(map.size, wrongCounts);
   REFUSE_INTS(map.size, ((const int[]){0, 5793, 46341, 1 << 28, 1 << 30}));
   REFUSE_NUMBERS(coefficients[15], notFinite);
+}
+
+static void testCentroids(void) {
+  ctTermSet* set = &termSets[ctCentroidTerm];
+  REFUSE_INTS(set->groupsPerTerm, ((const int[]){INT_MIN, -1, 0, 1, 3, 8, INT_MAX}));
+  REFUSE_INTS(set->particlesPerTerm, ((const int[]){0, 1, 3, 6}));
+  REFUSE_INTS(set->parametersPerTerm, ((const int[]){0, 3}));
+  REFUSE_NULL(set->expression);
 }
 
 static void testExpressions(void) {
@@ -793,6 +802,7 @@ int main(void) {
   testBorn();
   testTerms();
   testExpressions();
+  testCentroids();
   testPairSets();
   testTables();
   testValueEnergies();

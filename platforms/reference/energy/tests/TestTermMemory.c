@@ -12,21 +12,23 @@ int main(void) {
 
 #else
 
-/* Terms of all kinds of memory: maps, an expression, terms of few joints and of many. */
+/* Terms of all kinds of memory: maps, expressions, centroids, terms of few joints and of many. */
 int main(void) {
   static SmallScene scene;
   static double coefficients[16 * 4];
   static const int particles[] = {0, 1, 2, 3, 4, 5, 6, 7};
   static const double numbers[] = {0, 1, 2};
+  static const double weights[] = {0.25, 0.75, 0.5, 0.5};
   static const ctInput input = {ctMeasureX, {1, 0, 0, 0}};
   static const ctOperation operation = {ctInputOperator, {0, 0, 0}, 0};
   static const ctExpression expression = {1, &input, 1, &operation};
   const ctTorsionMap maps[] = {{1, coefficients}, {2, coefficients}};
-  const ctTermSet sets[] = {{ctTorsionMapTerm, 1, 8, particles, 1, numbers, 2, maps, NULL},
-                            {ctPeriodicTorsionTerm, 2, 4, particles, 3, numbers, 0, NULL, NULL},
-                            {ctExpressionTerm, 4, 2, particles, 0, NULL, 0, NULL, &expression}};
+  const ctTermSet sets[] = {{ctTorsionMapTerm, 1, 8, particles, 1, numbers, 2, maps, NULL, 0},
+                            {ctPeriodicTorsionTerm, 2, 4, particles, 3, numbers, 0, NULL, NULL, 0},
+                            {ctExpressionTerm, 4, 2, particles, 0, NULL, 0, NULL, &expression, 0},
+                            {ctCentroidTerm, 1, 4, particles, 4, weights, 0, NULL, &expression, 2}};
   static const double periodic[] = {1, 2, 3, 4, 5, 6};
-  ctTermSet given[3];
+  ctTermSet given[4];
   memcpy(given, sets, sizeof sets);
   given[1].parameters = periodic;
   printf("\n"); /* its buffer is no leak of ours */
@@ -37,7 +39,7 @@ int main(void) {
     Terms* terms = NULL;
     char text[200] = "";
     failAllocation(n++);
-    const ctStatus status = ctTermsCreate(&scene.definition, 3, given, scene.slotOf, &terms, text, sizeof text);
+    const ctStatus status = ctTermsCreate(&scene.definition, 4, given, scene.slotOf, &terms, text, sizeof text);
     allocationsLeft = -1;
     CHECK((status == ctOutOfMemory) == hasFailed && (terms == NULL) == hasFailed);
     CHECK(strcmp(text, hasFailed ? "out of memory" : "") == 0);

@@ -8,7 +8,7 @@ int main(void) {
   static SmallScene scene;
   static const int particles[] = {0, 1, 2, 3, 1, 2, 3, 4};
   static const double parameters[] = {1, 0, 5, 1, 0, 5};
-  static const ctTermSet set = {ctPeriodicTorsionTerm, 2, 4, particles, 3, parameters, 0, NULL, NULL};
+  static const ctTermSet set = {ctPeriodicTorsionTerm, 2, 4, particles, 3, parameters, 0, NULL, NULL, 0};
   static const ctPiece pieces[] = {{0, 0}, {3, 1}, {4, 2}};
   static const ctTransform motions[] = {{{1, 0, 0, 0, 1, 0, 0, 0, 1}, {0, 0, 0}},
                                         {{1, 0, 0, 0, 1, 0, 0, 0, 1}, {0, 0.1, 0}},

@@ -10,7 +10,7 @@ enum { MOST_SETS = 64, MOST_TERMS = 32, MOST_WIDTH = 8, MOST_INPUTS = 4, MOST_OP
 /* The arrays of a set. */
 typedef struct SetArrays {
   int particles[MOST_TERMS * MOST_WIDTH];
-  double parameters[MOST_TERMS * MOST_WIDTH];
+  double parameters[MOST_TERMS * (MOST_WIDTH + MOST_INPUTS)];
   ctExpression expression;
   ctInput inputs[MOST_INPUTS];
   ctOperation operations[MOST_OPERATIONS];
@@ -119,15 +119,20 @@ static inline void drawParameters(Branches* b, ctTermKind kind, int count, doubl
       p[1] = 0.05 * drawReal(b);
       p[2] = drawReal(b);
       break;
+    case ctCentroidTerm:
+      for (int i = 0; i < count; i++) {
+        p[i] = 0.1 + drawReal(b);
+      }
+      break;
     default:
       break;
   }
 }
 
-/* `any`: for an expression, its particles. */
+/* `any`: for an expression, its particles or groups. */
 static inline void addRandomSet(Branches* b, RandomTerms* terms, ctTermKind kind, int count, int any) {
-  static const int widths[] = {2, 3, 4, 4, 8, 2, 0};
-  static const int parameters[] = {2, 2, 3, 6, 1, 3, 0};
+  static const int widths[] = {2, 3, 4, 4, 8, 2, 0, 0};
+  static const int parameters[] = {2, 2, 3, 6, 1, 3, 0, 0};
   SetArrays* arrays = &terms->arrays[terms->setCount];
   ctTermSet* set = &terms->sets[terms->setCount++];
   *set = (ctTermSet){.kind = kind,
@@ -136,8 +141,13 @@ static inline void addRandomSet(Branches* b, RandomTerms* terms, ctTermKind kind
                      .particles = arrays->particles,
                      .parametersPerTerm = parameters[kind],
                      .parameters = arrays->parameters};
-  if (kind == ctExpressionTerm) {
+  if (kind == ctExpressionTerm || kind == ctCentroidTerm) {
     drawExpression(b, any, set, arrays);
+  }
+  if (kind == ctCentroidTerm) {
+    set->groupsPerTerm = any;
+    set->particlesPerTerm = any * (1 + (2 * any <= MOST_WIDTH ? drawBelow(b, 2) : 0));
+    set->parametersPerTerm += set->particlesPerTerm;
   }
   if (kind == ctTorsionMapTerm) {
     set->mapCount = 2;
@@ -168,9 +178,10 @@ static inline void drawTerms(Branches* b, RandomTerms* terms, int count, int sin
   }
   for (int width = 1; width <= 6 && count > 0; width++) {
     addRandomSet(b, terms, ctExpressionTerm, count, width);
+    addRandomSet(b, terms, ctCentroidTerm, count, width);
   }
   for (int i = 0; i < single; i++) {
-    addRandomSet(b, terms, (ctTermKind)drawBelow(b, ctExpressionTerm + 1), 1, 1 + drawBelow(b, 6));
+    addRandomSet(b, terms, (ctTermKind)drawBelow(b, ctCentroidTerm + 1), 1, 1 + drawBelow(b, 6));
   }
 }
 

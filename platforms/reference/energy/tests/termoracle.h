@@ -7,6 +7,8 @@
 
 #include "operatororacle.h"
 
+enum { MOST_GROUPS = 8 };
+
 #define LONG_PI 3.14159265358979323846264338327950288L
 
 typedef struct LongVector {
@@ -113,6 +115,28 @@ static inline long double oracleMap(const ctTorsionMap* map, long double first, 
   return sum;
 }
 
+/* The value of an expression whose particles are centroids of groups. */
+static inline long double oracleCentroids(const ctTermSet* set, const double* positions, const int* p,
+                                          const double* parameters) {
+  const double* weights = parameters + set->parametersPerTerm - set->particlesPerTerm;
+  double centroids[3 * MOST_GROUPS];
+  int groups[MOST_GROUPS];
+  for (int g = 0; g < set->groupsPerTerm; g++) {
+    const int size = set->particlesPerTerm / set->groupsPerTerm;
+    groups[g] = g;
+    for (int d = 0; d < 3; d++) {
+      long double sum = 0;
+      long double total = 0;
+      for (int i = g * size; i < (g + 1) * size; i++) {
+        sum += (long double)weights[i] * positions[3 * p[i] + d];
+        total += weights[i];
+      }
+      centroids[3 * g + d] = (double)(sum / total);
+    }
+  }
+  return oracleOperation(set->expression, set->expression->operationCount - 1, centroids, groups, parameters);
+}
+
 /* The value of a term at 3 coordinates a particle. */
 static inline long double oracleTerm(const ctTermSet* set, int term, const double* positions) {
   const int* p = set->particles + (size_t)term * (size_t)set->particlesPerTerm;
@@ -139,6 +163,8 @@ static inline long double oracleTerm(const ctTermSet* set, int term, const doubl
     }
     case ctExpressionTerm:
       return oracleOperation(set->expression, set->expression->operationCount - 1, positions, p, c);
+    case ctCentroidTerm:
+      return oracleCentroids(set, positions, p, c);
   }
   abort();
 }

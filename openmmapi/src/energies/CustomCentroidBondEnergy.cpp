@@ -1,0 +1,99 @@
+#include "openmm/CustomCentroidBondForce.h"
+#include "openmm/internal/CustomCentroidBondForceImpl.h"
+#include "openmmchaintree/internal/ExpressionTranslator.h"
+#include "openmmchaintree/internal/ForceTranslation.h"
+#include "openmmchaintree/internal/TabulatedFunctions.h"
+#include <algorithm>
+#include <memory>
+
+using namespace ChainTreePlugin;
+using namespace OpenMM;
+using namespace std;
+
+/**
+ * Not by OpenMM's XML: its numbers share memory among all threads, and steps copy Forces.
+ */
+static Force* copyCustomCentroidBonds(const Force& force)
+{
+    const CustomCentroidBondForce& original = dynamic_cast<const CustomCentroidBondForce&>(force);
+    unique_ptr<CustomCentroidBondForce> copy(
+        new CustomCentroidBondForce(original.getNumGroupsPerBond(), original.getEnergyFunction()));
+    copyGlobals(original, *copy);
+    copy->setUsesPeriodicBoundaryConditions(original.usesPeriodicBoundaryConditions());
+    for (int i = 0; i < original.getNumPerBondParameters(); i++)
+        copy->addPerBondParameter(original.getPerBondParameterName(i));
+    vector<int> members;
+    vector<double> numbers;
+    for (int i = 0; i < original.getNumGroups(); i++) {
+        original.getGroupParameters(i, members, numbers);
+        copy->addGroup(members, numbers);
+    }
+    for (int i = 0; i < original.getNumBonds(); i++) {
+        original.getBondParameters(i, members, numbers);
+        copy->addBond(members, numbers);
+    }
+    return copy.release();
+}
+
+// Each trial that changes a bond reads all its particles. More would take longer than the rest of a trial.
+
+static const size_t MOST_PARTICLES_OF_GROUP = 1000;
+
+/**
+ * All groups get as many particles as the largest one: their first one again, without a weight.
+ */
+static string translateCustomCentroidBonds(const Force& owner, int index, const System& system,
+                                           const NativeForceKind::Parameters& parameters, EnergyTerms& terms)
+{
+    const CustomCentroidBondForce& force = dynamic_cast<const CustomCentroidBondForce&>(owner);
+    const int numGroups = force.getNumGroupsPerBond();
+    vector<vector<int>> groups(force.getNumGroups());
+    vector<vector<double>> weights, unused(force.getNumGroups());
+    CustomCentroidBondForceImpl::computeNormalizedWeights(force, system, weights);
+    size_t size = 1;
+    for (int i = 0; i < force.getNumGroups(); i++) {
+        force.getGroupParameters(i, groups[i], unused[i]);
+        size = max(size, groups[i].size());
+    }
+    if (size > MOST_PARTICLES_OF_GROUP)
+        return "one of its groups has more than " + to_string(MOST_PARTICLES_OF_GROUP) + " particles";
+    for (int i = 0; i < force.getNumGroups(); i++) {
+        groups[i].resize(size, groups[i].at(0));
+        weights[i].resize(size, 0);
+    }
+    EnergyTerms::TermSet set =
+        createTermSet(index, ctCentroidTerm, numGroups * size, force.getNumPerBondParameters() + numGroups * size);
+    set.groupsPerTerm = numGroups;
+    ExpressionTranslator translator(set);
+    for (int i = 0; i < numGroups; i++) {
+        const string number = to_string(i + 1);
+        translator.addParticle("g" + number, {"x" + number, "y" + number, "z" + number}, i);
+    }
+    for (int i = 0; i < force.getNumTabulatedFunctions(); i++) {
+        const string& name = force.getTabulatedFunctionName(i);
+        translator.addForeignFunction(name, countArguments(force.getTabulatedFunction(i)),
+                                      "the tabulated function " + name);
+    }
+    for (int i = 0; i < force.getNumPerBondParameters(); i++)
+        translator.addParameter(force.getPerBondParameterName(i));
+    for (int i = 0; i < force.getNumGlobalParameters(); i++)
+        translator.addConstant(force.getGlobalParameterName(i), parameters.at(force.getGlobalParameterName(i)));
+    const string reason = translator.translate(force.getEnergyFunction());
+    if (!reason.empty())
+        return reason;
+    for (int i = 0; i < force.getNumBonds(); i++) {
+        vector<int> groupsOfBond, particles;
+        vector<double> values;
+        force.getBondParameters(i, groupsOfBond, values);
+        for (int group : groupsOfBond) {
+            particles.insert(particles.end(), groups.at(group).begin(), groups[group].end());
+            values.insert(values.end(), weights[group].begin(), weights[group].end());
+        }
+        addTerm(set, particles, values);
+    }
+    terms.termSets.push_back(set);
+    return "";
+}
+
+static const NativeForceKind KIND(typeid(CustomCentroidBondForce), translateCustomCentroidBonds,
+                                  copyCustomCentroidBonds);
