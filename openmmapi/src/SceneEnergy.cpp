@@ -348,14 +348,14 @@ void SceneEnergy::save()
     isSaved = false;
     if (!energy)
         return;
-    check(ctKeepEnergy(energy.get()));
+    check(ctSaveEnergy(energy.get()));
     isSaved = true;
 }
 
 void SceneEnergy::restore()
 {
     if (isSaved)
-        check(ctTakeBackEnergy(energy.get()));
+        check(ctRestoreEnergy(energy.get()));
     else
         energy.reset();
 }

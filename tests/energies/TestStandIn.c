@@ -260,11 +260,11 @@ static void takeBack(Program* p)
     ctReject(p->tree);
     ctGetState(p->tree, state);
     const double energy = ctGetPairEnergy(p->energy);
-    if (ctKeepEnergy(p->energy) != ctSuccess)
+    if (ctSaveEnergy(p->energy) != ctSuccess)
         fail(p, "keeping", 1, 0);
     for (int n = 0; n < 6; n++)
         tryOne(p);
-    if (ctSetState(p->tree, state) != ctSuccess || ctTakeBackEnergy(p->energy) != ctSuccess ||
+    if (ctSetState(p->tree, state) != ctSuccess || ctRestoreEnergy(p->energy) != ctSuccess ||
         !ctIsEnergyOfState(p->energy))
         fail(p, "taking back", 1, 0);
     if (ctGetPairEnergy(p->energy) != energy)

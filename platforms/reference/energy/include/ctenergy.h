@@ -1,21 +1,21 @@
-/* ctenergy.h: energies of trials, by what a trial changes and nothing else.
+/* ctenergy.h: energies of trials, computed from what a trial changes.
  *
  * An energy belongs to a scene of chaintree.h and follows its state. It has two parts. *Terms* are functions of a few
  * particles: bonds, angles, torsions, any expression. *Pairs* are Lennard-Jones and Coulomb, of all pairs of particles
  * that are not excluded. Beside them, energies of *values* are computed as a whole wherever they are asked for. Lengths
  * are in nm, angles in rad, energies in kJ/mol, charges in elementary charges.
  *
- * What is kept. Each term has its value, and each pair of leaves (see chaintree.h) that are near the sum of its pairs
- * of particles. The energy is the sum of these, so it does not drift: each value belongs to the positions that it was
- * computed from, whatever came before. A trial computes the values that it changes, apart from those of the state. They
- * replace those if the trial is accepted, and are dropped if not.
+ * What is stored. The value of each term, and for each pair of near leaves (see chaintree.h) the sum over its pairs of
+ * particles. The energy is the sum of these values, so it does not drift: each value belongs to the positions from
+ * which it was computed. A trial computes the values that it changes beside those of the state, and they replace these
+ * if the trial is accepted.
  *
  * What a trial changes. A term changes only if a torsion between its particles turns, and one does not count if they
  * keep their distances: a bond and an angle across the torsion's own bond never change. A pair of leaves changes unless
  * both lie in one rigid body of the trial.
  *
- * What counts as unmoved (see chaintree.h, closed windows) does not change, so values of it lag behind. What is kept
- * belongs to positions that are off by no more than CT_MOST_LAG: before that, ctAcceptEnergyChange computes all anew.
+ * Values of bodies that count as unmoved (see chaintree.h, closed windows) do not change. The positions to which stored
+ * values belong are off by at most CT_MOST_LAG: before they are off by more, ctAcceptEnergyChange refreshes all values.
  *
  * Accuracy. Terms are in double. Pairs are in single precision, from coordinates relative to the leaves, and summed in
  * double: about 1e-6 kJ/mol a pair. Results have the same bits on each instruction set. Between C libraries only those
@@ -61,7 +61,7 @@ typedef struct ctNonbonded {
   const int (*exclusions)[2]; /* pairs that have no part in this, either order; repeats are harmless */
 } ctNonbonded;
 
-/* What a term is, with its particles and parameters, which are finite but for those of expressions. */
+/* Kinds of terms, with their particles and parameters, which are finite but for those of expressions. */
 typedef enum ctTermKind {
   ctHarmonicBondTerm,      /* 2; length, k: 1/2 k (r - length)^2 */
   ctHarmonicAngleTerm,     /* 3; angle, k: 1/2 k (theta - angle)^2 */
@@ -361,22 +361,22 @@ const char* ctGetEnergyErrorText(const ctEnergy* energy);
  * if there is no such set. */
 int ctCountChangeableTerms(const ctEnergy* energy, int termSet);
 
-/* Computes everything anew from the scene's state: to be called before the first trial and whenever the state has
- * changed in another way than by ctAcceptEnergyChange. O(all terms and pairs). */
+/* Computes all values from the scene's state. Call it before the first trial and whenever the state has changed in
+ * another way than by ctAcceptEnergyChange. O(all terms and pairs). */
 ctStatus ctRefreshEnergy(ctEnergy* energy, ctCounts* counts);
 
-/* True if what is kept belongs to the scene's state; else the energy has to be refreshed before the next trial. */
+/* True if the stored values belong to the scene's state; else refresh the energy before the next trial. */
 bool ctIsEnergyOfState(const ctEnergy* energy);
 
 /* The energy of the state as of the last refresh and all changes accepted since: of all pairs (with born, that of the
- * stand-in), of a pair set, and of a term set. O(what is kept). NaN or infinite if some pair or term is; NaN if there
+ * stand-in), of a pair set, and of a term set. O(stored values). NaN or infinite if some pair or term is; NaN if there
  * is no such set, 0 before the first refresh. */
 double ctGetPairEnergy(const ctEnergy* energy);
 double ctGetPairSetEnergy(const ctEnergy* energy, int pairSet);
 double ctGetTermEnergy(const ctEnergy* energy, int termSet);
 
 /* By how much the scene's open trial changes a part of the energy. Parts may be asked for in this order alone, each
- * once a trial; later ones may be left out if the trial is dropped. NaN if one of its values is, or some become
+ * once a trial; later ones may be left out if the trial is rejected. NaN if one of its values is, or some become
  * infinite and others finite. Errors: no trial; another part than the next; the energy has to be refreshed; no memory,
  * after which the parts are to be asked for from the first on. */
 ctStatus ctComputeEnergyChange(ctEnergy* energy, ctEnergyPart part, double* change, ctCounts* counts);
@@ -388,21 +388,21 @@ ctStatus ctComputeEnergyChange(ctEnergy* energy, ctEnergyPart part, double* chan
 double ctGetNearChangeBack(const ctEnergy* energy);
 
 /* To be called after ctAccept of a trial of which all parts were computed, and before anything else changes the state:
- * makes its values those of the state, or computes all anew. Errors: a part was not computed, this is not the state to
+ * makes its values those of the state, or refreshes all. Errors: a part was not computed, this is not the state to
  * which that trial has led, or there is no memory; the energy has to be refreshed then. */
 ctStatus ctAcceptEnergyChange(ctEnergy* energy);
 
 /* ---- Energies of values ---- */
 
-/* The value energies of the scene's state, or of its open trial, computed anew and kept nowhere: functions of the
+/* The value energies of the scene's state, or of its open trial, recomputed at each call: functions of the
  * positions alone. So that of a trial has the same bits once it is the state. NaN or infinite if some number is. The
- * parts above have nothing of them. O(N^2) without cutoffs. Errors: `inTrial` without an open trial. */
+ * parts above do not contain them. O(N^2) without cutoffs. Errors: `inTrial` without an open trial. */
 ctStatus ctComputeValueEnergies(ctEnergy* energy, bool inTrial, double* energies);
 
 /* ---- Two levels ---- */
 
-/* The energies that the stand-in stands for, of the scene's state, computed anew and kept nowhere; that of Born is NaN
- * if some Born radius is not a positive number. Without born, the pair energy as it is kept, and 0. O(N^2) without
+/* The energies that the stand-in stands for, of the scene's state, recomputed at each call; that of Born is NaN
+ * if some Born radius is not a positive number. Without born, the stored pair energy, and 0. O(N^2) without
  * cutoffs. */
 ctStatus ctComputeWholeEnergy(ctEnergy* energy, double* nonbonded, double* born, ctCounts* counts);
 
@@ -411,16 +411,16 @@ ctStatus ctComputeWholeEnergy(ctEnergy* energy, double* nonbonded, double* born,
 ctStatus ctRenewStandIn(ctEnergy* energy, ctCounts* counts);
 
 /* The constants: one a particle, in its order; 0 before the first renewal. Setting them leaves an energy that has to be
- * refreshed; so does taking back to a copy that was made with others. Without born there are none to read or write.
+ * refreshed; so does restoring a copy that was saved with others. Without born there are none to read or write.
  * Errors: a constant that is not finite as a float. */
 void ctGetStandIn(const ctEnergy* energy, double* constants);
 ctStatus ctSetStandIn(ctEnergy* energy, const double* constants);
 
-/* Keeps a copy of all values of the state, which replaces the former copy. And makes that copy the values, bit for bit,
- * of a scene that has been brought back to where it was then. O(what is kept). Errors: no memory, and then there is no
- * copy, or what was to be taken back has to be refreshed; there is no copy. */
-ctStatus ctKeepEnergy(ctEnergy* energy);
-ctStatus ctTakeBackEnergy(ctEnergy* energy);
+/* Saves a copy of all values of the state, which replaces the former copy; restores it, bit for bit, once the scene is
+ * back in the state in which it was saved. O(stored values). Errors: no memory, after which there is no copy, or the
+ * energy has to be refreshed; no copy was saved. */
+ctStatus ctSaveEnergy(ctEnergy* energy);
+ctStatus ctRestoreEnergy(ctEnergy* energy);
 
 #ifdef __cplusplus
 }

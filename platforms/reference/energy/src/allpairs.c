@@ -202,6 +202,6 @@ bool ctAllPairsRestore(AllPairs* pairs) {
   for (int i = 0; i < pairs->sumCount; i++) {
     ctPairSumsRestore(&pairs->sums[i]);
   }
-  ctTrialLeavesForget(&pairs->leaves);
+  ctTrialLeavesOutdate(&pairs->leaves);
   return pairs->leaves.statePositions != NULL && (!pairs->hasStandIn || ctStandInRestore(&pairs->standIn));
 }

@@ -5,7 +5,7 @@
 
 #include "leafpair.h"
 
-/* What the particles of a leaf have. Where a slot holds none, radii and offset radii are 1 and all else is 0. */
+/* Constants of the particles of a leaf. In an empty slot, radii and offset radii are 1 and all else is 0. */
 typedef struct BornColumns {
   float charge[CT_LEAF_WIDTH]; /* times the root of the Coulomb constant of ctBorn */
   float radius[CT_LEAF_WIDTH];
@@ -13,7 +13,7 @@ typedef struct BornColumns {
   float scaledRadius[CT_LEAF_WIDTH];
   float squaredScaled[CT_LEAF_WIDTH]; /* its square, and its cube with the sign */
   float cubedScaled[CT_LEAF_WIDTH];
-  /* Factors of r^-4, r^-6 ... of what they contribute up to BORN_REMOTE_RATIO and BORN_FAR_RATIO. */
+  /* Factors of r^-4, r^-6 ... of their contributions up to BORN_REMOTE_RATIO and BORN_FAR_RATIO. */
   float remote[3][CT_LEAF_WIDTH];
   float far[5][CT_LEAF_WIDTH];
   float neckReach[CT_LEAF_WIDTH]; /* from the surface of another particle */
@@ -21,7 +21,7 @@ typedef struct BornColumns {
   unsigned occupied; /* bits: slots that hold a particle */
 } BornColumns;
 
-/* Necks between a particle of some type and each particle of a leaf: those that count for it, and for them. */
+/* Necks between a particle of some type and each particle of a leaf: their part of its Born sum, and of theirs. */
 typedef struct BornNecks {
   float heightForOne[CT_LEAF_WIDTH]; /* times neckScale; 0 where a slot holds none */
   float distanceForOne[CT_LEAF_WIDTH];
@@ -37,7 +37,7 @@ typedef struct BornRadii {
   float root[CT_LEAF_WIDTH]; /* (2 R)^(-1/2) */
 } BornRadii;
 
-/* What the Born radius and the energy of a particle by itself are computed from. */
+/* The constants from which the Born radius and the self energy of a particle are computed. */
 typedef struct BornParticle {
   double charge;
   double radius;
@@ -113,7 +113,7 @@ void ctBornFree(Born* born);
 /* The Born radius of a particle with this Born sum, nm. */
 double ctBornRadius(const BornModel* model, const BornParticle* particle, double sum);
 
-/* The energy of a particle by itself: of its charge, and of its surface. */
+/* The self energy of a particle: of its charge, and of its surface. */
 double ctBornSelfEnergy(const BornModel* model, const BornParticle* particle, double bornRadius);
 
 #endif /* CT_BORN_H_ */

@@ -30,7 +30,7 @@ static inline void freeLines(void* lines) {
   }
 }
 
-/* Makes an array longer that has so many entries, or none yet. False, and nothing changed, if there is no memory. */
+/* Makes an array of `count` entries, which may be 0, longer. False, and nothing changed, if there is no memory. */
 static inline bool growLines(void** lines, size_t count, size_t newCount, size_t size) {
   void* grown = allocateLines(newCount, size);
   if (grown == NULL) {

@@ -100,8 +100,8 @@ static int deepestVertex(const Forest* forest, int count) {
   return areTogether ? CT_NULL : deepest;
 }
 
-/* Adds the joints that change a measure of `count` climbers: those that have particles off their axis on both sides.
- * From the deepest vertex upwards, the particles there are all those that its joint moves. */
+/* Adds the joints that change a measure of `count` climbers: joints with particles off their axis on both sides.
+ * From the deepest vertex upwards, the joint of a vertex moves just the particles there. */
 static void addJointsOfMeasure(const Forest* forest, int count, JointList* joints) {
   for (int vertex = deepestVertex(forest, count); vertex != CT_NULL && joints->count <= MOST_JOINTS;
        vertex = deepestVertex(forest, count)) {

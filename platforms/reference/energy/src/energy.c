@@ -18,13 +18,13 @@ struct ctEnergy {
   AllPairs pairs;
   ValueEnergies values;
   int64_t state;     /* the scene's change count of the state that values belong to, or NO_STATE */
-  double shift;      /* the scene's total shift when values were last computed anew, nm */
+  double shift;      /* the scene's total shift when values were last refreshed, nm */
   int64_t trial;     /* the last one that was asked about */
   int64_t commits;   /* the scene's commit count before it */
   int computedParts; /* of it */
-  bool hasCopy;      /* of all values, see ctKeepEnergy; they were those of the state, or of none */
-  bool copyIsOfState;
-  double lagOfCopy;
+  bool hasSaved;     /* of all values, see ctSaveEnergy */
+  bool savedIsOfState;
+  double savedLag;
   char errorText[200];
 };
 
@@ -151,7 +151,7 @@ int ctCountChangeableTerms(const ctEnergy* energy, int termSet) {
 
 /* ---- The state ---- */
 
-/* How far particles may have been displaced that counted as unmoved, since values were last computed anew. */
+/* The greatest displacement, since values were last refreshed, of particles that counted as unmoved. */
 static double lag(const ctEnergy* energy) {
   return ctGetTotalShift(energy->tree) - energy->shift;
 }
@@ -303,7 +303,7 @@ ctStatus ctRenewStandIn(ctEnergy* energy, ctCounts* counts) {
   if (ctAllPairsRenewFar(&energy->pairs) != ctSuccess) {
     return failOutOfMemory(energy);
   }
-  energy->copyIsOfState = false;
+  energy->savedIsOfState = false;
   return ctRefreshEnergy(energy, counts);
 }
 
@@ -332,29 +332,29 @@ ctStatus ctSetStandIn(ctEnergy* energy, const double* constants) {
   }
   ctStandInSetFar(&energy->pairs.standIn, constants);
   energy->state = NO_STATE;
-  energy->copyIsOfState = false;
+  energy->savedIsOfState = false;
   return ctSuccess;
 }
 
-ctStatus ctKeepEnergy(ctEnergy* energy) {
+ctStatus ctSaveEnergy(ctEnergy* energy) {
   if (energy == NULL) {
     return ctInvalidArgument;
   }
-  energy->hasCopy = false;
+  energy->hasSaved = false;
   if (!ctTermsSave(energy->terms) || (energy->hasPairs && !ctAllPairsSave(&energy->pairs))) {
     return failOutOfMemory(energy);
   }
-  energy->hasCopy = true;
-  energy->copyIsOfState = ctIsEnergyOfState(energy);
-  energy->lagOfCopy = lag(energy);
+  energy->hasSaved = true;
+  energy->savedIsOfState = ctIsEnergyOfState(energy);
+  energy->savedLag = lag(energy);
   return ctSuccess;
 }
 
-ctStatus ctTakeBackEnergy(ctEnergy* energy) {
+ctStatus ctRestoreEnergy(ctEnergy* energy) {
   if (energy == NULL) {
     return ctInvalidArgument;
   }
-  if (!energy->hasCopy) {
+  if (!energy->hasSaved) {
     return fail(energy, ctInvalidArgument, "there is no copy of the energy");
   }
   energy->computedParts = 0;
@@ -363,8 +363,8 @@ ctStatus ctTakeBackEnergy(ctEnergy* energy) {
   if (energy->hasPairs && !ctAllPairsRestore(&energy->pairs)) {
     return failOutOfMemory(energy);
   }
-  energy->shift = ctGetTotalShift(energy->tree) - energy->lagOfCopy;
-  if (energy->copyIsOfState) {
+  energy->shift = ctGetTotalShift(energy->tree) - energy->savedLag;
+  if (energy->savedIsOfState) {
     energy->state = ctGetChangeCount(energy->tree);
   }
   return ctSuccess;

@@ -1,4 +1,4 @@
-/* What the energy of a pair of leaves is computed from. */
+/* The data from which the energy of a pair of leaves is computed. */
 #ifndef CT_LEAFPAIR_H_
 #define CT_LEAFPAIR_H_
 
@@ -38,7 +38,7 @@ static inline float squareOfCutoff(double cutoff) {
   return square < (double)NO_CUTOFF ? (float)square : NO_CUTOFF;
 }
 
-/* What the particles of a leaf have. Where a slot holds none, all are 0. */
+/* Constants of the particles of a leaf; 0 in empty slots. */
 typedef struct LeafColumns {
   float charge[CT_LEAF_WIDTH];  /* times the root of CT_COULOMB */
   float sigma[CT_LEAF_WIDTH];   /* half of it, nm */

@@ -33,7 +33,7 @@ int ctLeafSumsFind(const LeafSums* sums, int a, int b) {
   return i < row->count && row->leaves[i] == b ? i : ABSENT;
 }
 
-/* Removes the pairs of a row that are as good as not kept. */
+/* Removes the pairs of a row whose sum is 0. */
 static void removeZeros(LeafRow* row) {
   int kept = 0;
   for (int i = 0; i < row->count; i++) {

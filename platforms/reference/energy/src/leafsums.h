@@ -1,5 +1,5 @@
-/* A number for each pair of leaves that are near each other: the sum of its pairs of particles. Pairs that are not kept
- * have the sum 0. */
+/* A number for each pair of leaves that are near each other: the sum over its pairs of particles. The sum of a pair
+ * that is absent is 0. */
 #ifndef CT_LEAFSUMS_H_
 #define CT_LEAFSUMS_H_
 
@@ -26,7 +26,7 @@ typedef struct LeafSums {
 bool ctLeafSumsCreate(LeafSums* sums, int leafCount);
 void ctLeafSumsFree(LeafSums* sums);
 
-/* Forgets all. */
+/* Removes all pairs. */
 void ctLeafSumsClear(LeafSums* sums);
 
 /* The index in row a of the pair of a <= b, or ABSENT. It holds until a pair is added to the row. O(log of the row). */
@@ -35,8 +35,8 @@ int ctLeafSumsFind(const LeafSums* sums, int a, int b);
 /* Adds a pair that is absent. False, and nothing changed, if there is no memory. O(row). */
 bool ctLeafSumsAdd(LeafSums* sums, int a, int b, double sum);
 
-/* Makes `to`, which is of as many leaves, a copy. False if there is no memory; it can be used and freed all the same.
- * Where every row of `to` has held as many pairs before, none is needed. */
+/* Copies to sums of the same number of leaves. False if there is no memory; the copy can still be used and freed. A row
+ * needs no memory if it has held as many pairs before. */
 bool ctLeafSumsCopy(const LeafSums* from, LeafSums* to);
 
 /* The sum of all, in a fixed order. */

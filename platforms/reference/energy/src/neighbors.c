@@ -57,7 +57,7 @@ int ctNeighborsReserve(Neighbors* neighbors) {
   const int pair = neighbors->freeCount > 0 ? neighbors->free[--neighbors->freeCount] : neighbors->pairCount++;
   PairRecord* record = &neighbors->records[pair];
   record->energy = 0;
-  record->stamp = 0;
+  record->trial = 0;
   record->hasPairs = record->hasBorn = false;
   return pair;
 }

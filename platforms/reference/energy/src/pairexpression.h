@@ -11,7 +11,7 @@ typedef struct PairExpression {
   int parametersPerParticle;
   int tableCount;
   ctTable* tables; /* with values of its own */
-  double* results; /* scratch, one an operation: what the last evaluation gave */
+  double* results; /* of each operation in the last evaluation */
 } PairExpression;
 
 /* Copies the expression of a valid pair set. False, and nothing to free, if there is no memory. */

@@ -93,7 +93,7 @@ static SharedGroups shareOf(const PairGroups* groups, int a, int b) {
   return (SharedGroups){all + begin[a], all + begin[a + 1], all + begin[b], all + begin[b + 1]};
 }
 
-/* Goes on to the next group of both, the present one included; false if there is none. */
+/* Advances to the next group of both, the present one included; false if there is none. */
 static bool findShared(SharedGroups* shared) {
   while (shared->a < shared->endOfA && shared->b < shared->endOfB) {
     if (shared->a->group == shared->b->group) {

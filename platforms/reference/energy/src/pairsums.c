@@ -17,7 +17,7 @@ void ctPairSumsFree(PairSums* pairs) {
   pairs->staged = NULL;
 }
 
-/* Pairs of leaves that are summed over at a time. */
+/* Pairs of leaves in one call of the function. */
 enum { MOST_AT_A_TIME = 32 };
 
 ctStatus ctPairSumsRefresh(PairSums* pairs, size_t count, const ctLeafPair* near) {
@@ -49,16 +49,16 @@ static void stageFew(PairSums* pairs, int count, const FramedPair* framed, doubl
   double sums[MOST_AT_A_TIME];
   StagedSum* staged = pairs->staged + pairs->stagedCount;
   for (int i = 0; i < count; i++) {
-    const int kept = ctLeafSumsFind(&pairs->sums, framed[i].a, framed[i].b);
-    staged[i] = (StagedSum){framed[i].a, framed[i].b, kept, 0};
-    if (kept != ABSENT) {
-      __builtin_prefetch(&pairs->sums.rows[framed[i].a].sums[kept]);
+    const int place = ctLeafSumsFind(&pairs->sums, framed[i].a, framed[i].b);
+    staged[i] = (StagedSum){framed[i].a, framed[i].b, place, 0};
+    if (place != ABSENT) {
+      __builtin_prefetch(&pairs->sums.rows[framed[i].a].sums[place]);
     }
   }
   pairs->function(pairs->model, count, framed, sums);
   for (int i = 0; i < count; i++) {
     staged[i].sum = sums[i];
-    *change += changeOf(staged[i].kept != ABSENT ? pairs->sums.rows[staged[i].a].sums[staged[i].kept] : 0, sums[i]);
+    *change += changeOf(staged[i].place != ABSENT ? pairs->sums.rows[staged[i].a].sums[staged[i].place] : 0, sums[i]);
   }
   pairs->stagedCount += count;
 }
@@ -92,22 +92,22 @@ ctStatus ctPairSumsChange(PairSums* pairs, bool near, double* change) {
 }
 
 bool ctPairSumsAccept(PairSums* pairs) {
-  bool isKept = true;
-  /* Those that are there first: adding to a row moves them. */
+  bool isDone = true;
+  /* Sums that exist come first: adding to a row moves them. */
   for (int i = 0; i < pairs->stagedCount; i++) {
     const StagedSum* staged = &pairs->staged[i];
-    if (staged->kept != ABSENT) {
-      pairs->sums.rows[staged->a].sums[staged->kept] = staged->sum;
+    if (staged->place != ABSENT) {
+      pairs->sums.rows[staged->a].sums[staged->place] = staged->sum;
     }
   }
   for (int i = 0; i < pairs->stagedCount; i++) {
     const StagedSum* staged = &pairs->staged[i];
-    if (staged->kept == ABSENT) {
-      isKept = isKept && ctLeafSumsAdd(&pairs->sums, staged->a, staged->b, staged->sum);
+    if (staged->place == ABSENT) {
+      isDone = isDone && ctLeafSumsAdd(&pairs->sums, staged->a, staged->b, staged->sum);
     }
   }
   pairs->stagedCount = 0;
-  return isKept;
+  return isDone;
 }
 
 bool ctPairSumsSave(PairSums* pairs) {

@@ -1,5 +1,5 @@
-/* A sum over all pairs of particles, kept by pairs of leaves, and by how much trials change it. What is summed is
- * another's. */
+/* A sum over all pairs of particles, stored by pairs of leaves, and its change in trials. The summed function is the
+ * caller's. */
 #ifndef CT_PAIRSUMS_H_
 #define CT_PAIRSUMS_H_
 
@@ -13,7 +13,7 @@ typedef void LeafPairFunction(const void* model, int count, const FramedPair* pa
 typedef struct StagedSum {
   int a;
   int b;
-  int kept; /* where the sum of the state is; see ctLeafSumsFind */
+  int place; /* of the sum of the state, see ctLeafSumsFind */
   double sum;
 } StagedSum;
 
@@ -21,7 +21,7 @@ typedef struct PairSums {
   TrialLeaves* leaves; /* shared with others */
   LeafPairFunction* function;
   const void* model;
-  double cutoff; /* of the function: beyond it is 0; not above that of the leaves */
+  double cutoff; /* beyond it, the function is 0; not above the cutoff of the leaves */
   LeafSums sums;
   LeafSums savedSums;
   int stagedCount;

@@ -123,10 +123,10 @@ void ctStandInFree(StandIn* standIn) {
   ctNonbondedFree(&standIn->nonbonded);
   ctBornFree(&standIn->born);
   ctNeighborsFree(&standIn->neighbors);
-  ctNeighborsFree(&standIn->copyOfNeighbors);
-  free(standIn->copyOfSums);
-  free(standIn->copyOfShifts);
-  free(standIn->copyOfPresent);
+  ctNeighborsFree(&standIn->savedNeighbors);
+  free(standIn->savedSums);
+  free(standIn->savedShifts);
+  free(standIn->savedPresent);
   free(standIn->slots);
   free(standIn->constants);
   free(standIn->leafSums);
@@ -176,7 +176,7 @@ void ctStandInComputePairs(const StandIn* standIn, const PlacedLeaf* a, const Pl
   }
 }
 
-/* From so many particles on, all pairs of two leaves cost less than theirs twice. */
+/* With this many particles, all pairs of two leaves cost less than their pairs twice. */
 enum { MOST_EXCHANGED = 4 };
 
 void ctStandInExchangePairs(const StandIn* standIn, const PlacedLeaf* a, unsigned slotsOfA, const PlacedLeaf* b,
@@ -250,7 +250,7 @@ static ctStatus findNeighbors(StandIn* standIn, size_t count, const ctLeafPair* 
 
 ctStatus ctStandInRefresh(StandIn* standIn, size_t count, const ctLeafPair* near) {
   const Wide* wide = standIn->leaves->wide;
-  dropTrial(standIn);
+  rejectTrial(standIn);
   ctNeighborsClear(&standIn->neighbors);
   memset(standIn->leafSums, 0, (size_t)standIn->leaves->leafCount * sizeof *standIn->leafSums);
   if (findNeighbors(standIn, count, near) != ctSuccess) {
@@ -318,46 +318,46 @@ double ctStandInEnergy(const StandIn* standIn) {
 
 bool ctStandInSave(StandIn* standIn) {
   const size_t leaves = (size_t)standIn->leaves->leafCount;
-  standIn->hasCopy = false;
-  if (standIn->copyOfPresent == NULL) {
-    standIn->copyOfSums = malloc((leaves + 1) * sizeof *standIn->copyOfSums);
-    standIn->copyOfShifts = malloc((leaves + 1) * sizeof *standIn->copyOfShifts);
-    standIn->copyOfPresent = malloc(2 * (leaves + 1));
-    if (standIn->copyOfSums == NULL || standIn->copyOfShifts == NULL || standIn->copyOfPresent == NULL ||
-        !ctNeighborsCreate(&standIn->copyOfNeighbors, (int)leaves)) {
-      free(standIn->copyOfSums);
-      free(standIn->copyOfShifts);
-      free(standIn->copyOfPresent);
-      standIn->copyOfSums = NULL;
-      standIn->copyOfShifts = NULL;
-      standIn->copyOfPresent = NULL;
+  standIn->hasSaved = false;
+  if (standIn->savedPresent == NULL) {
+    standIn->savedSums = malloc((leaves + 1) * sizeof *standIn->savedSums);
+    standIn->savedShifts = malloc((leaves + 1) * sizeof *standIn->savedShifts);
+    standIn->savedPresent = malloc(2 * (leaves + 1));
+    if (standIn->savedSums == NULL || standIn->savedShifts == NULL || standIn->savedPresent == NULL ||
+        !ctNeighborsCreate(&standIn->savedNeighbors, (int)leaves)) {
+      free(standIn->savedSums);
+      free(standIn->savedShifts);
+      free(standIn->savedPresent);
+      standIn->savedSums = NULL;
+      standIn->savedShifts = NULL;
+      standIn->savedPresent = NULL;
       return false;
     }
   }
-  if (!ctNeighborsCopy(&standIn->copyOfNeighbors, &standIn->neighbors)) {
+  if (!ctNeighborsCopy(&standIn->savedNeighbors, &standIn->neighbors)) {
     return false;
   }
-  memcpy(standIn->copyOfSums, standIn->leafSums, leaves * sizeof *standIn->leafSums);
-  memcpy(standIn->copyOfShifts, standIn->shifts, leaves * sizeof *standIn->shifts);
-  memcpy(standIn->copyOfPresent, standIn->present, 2 * (leaves + 1));
+  memcpy(standIn->savedSums, standIn->leafSums, leaves * sizeof *standIn->leafSums);
+  memcpy(standIn->savedShifts, standIn->shifts, leaves * sizeof *standIn->shifts);
+  memcpy(standIn->savedPresent, standIn->present, 2 * (leaves + 1));
   /* The copy knows nothing of the trial, to which the numbers of new pairs belong. */
   for (int i = 0; i < standIn->movedCount; i++) {
     if (standIn->staged[i].isNew) {
-      ctNeighborsRelease(&standIn->copyOfNeighbors, standIn->staged[i].pair);
+      ctNeighborsRelease(&standIn->savedNeighbors, standIn->staged[i].pair);
     }
   }
-  standIn->hasCopy = true;
+  standIn->hasSaved = true;
   return true;
 }
 
 bool ctStandInRestore(StandIn* standIn) {
   const size_t leaves = (size_t)standIn->leaves->leafCount;
-  if (!standIn->hasCopy || !ctNeighborsCopy(&standIn->neighbors, &standIn->copyOfNeighbors)) {
+  if (!standIn->hasSaved || !ctNeighborsCopy(&standIn->neighbors, &standIn->savedNeighbors)) {
     return false;
   }
-  memcpy(standIn->leafSums, standIn->copyOfSums, leaves * sizeof *standIn->leafSums);
-  memcpy(standIn->shifts, standIn->copyOfShifts, leaves * sizeof *standIn->shifts);
-  memcpy(standIn->present, standIn->copyOfPresent, 2 * (leaves + 1));
-  dropTrial(standIn);
+  memcpy(standIn->leafSums, standIn->savedSums, leaves * sizeof *standIn->leafSums);
+  memcpy(standIn->shifts, standIn->savedShifts, leaves * sizeof *standIn->shifts);
+  memcpy(standIn->present, standIn->savedPresent, 2 * (leaves + 1));
+  rejectTrial(standIn);
   return true;
 }

@@ -10,21 +10,21 @@
 #include "nonbonded.h"
 #include "trialleaves.h"
 
-/* What the pairs of a leaf add up to. */
+/* Sums over the pairs of a leaf. */
 typedef struct StandInLeaf {
   double born[CT_LEAF_WIDTH];     /* Born sums over particles that are near */
   double gradient[CT_LEAF_WIDTH]; /* sums of PairRecord.gradient */
   StandInRadii radii;
-  double energy; /* of the particles by themselves, and the first order in what the grid neglects */
+  double energy; /* of single particles, and the first order of what the grid neglects */
 } StandInLeaf;
 
-/* What the open trial does to a leaf. */
+/* A leaf in the open trial. */
 typedef struct TrialLeaf {
-  int64_t stamp;     /* the trial that has touched it; else the rest is of no use */
+  int64_t trial;     /* the last trial that changed the leaf's sums; the next field belongs to it */
   unsigned crossing; /* bits: slots whose radius on the grid is another */
 } TrialLeaf;
 
-/* A pair of leaves of which the open trial makes another record. */
+/* A pair of leaves whose record the open trial changes. */
 typedef struct StagedPair {
   int a;
   int b;
@@ -58,17 +58,17 @@ typedef struct StandIn {
   int* touched; /* leaves */
   int stagedCount;
   int stagedCapacity;
-  StagedPair* staged; /* those that the trial changes, then those that new radii change */
-  int movedCount;     /* how many of them the trial changes */
+  StagedPair* staged; /* pairs that the trial moves, then pairs that only new radii change */
+  int movedCount;     /* pairs that the trial moves */
   double nearChange;
   double nearChangeBack;
 
-  /* A copy of what is kept of the state. */
-  bool hasCopy;
-  StandInLeaf (*copyOfSums)[2];
-  StandInShift (*copyOfShifts)[2];
-  uint8_t* copyOfPresent; /* of both */
-  Neighbors copyOfNeighbors;
+  /* The saved copy. */
+  bool hasSaved;
+  StandInLeaf (*savedSums)[2];
+  StandInShift (*savedShifts)[2];
+  uint8_t* savedPresent; /* of both */
+  Neighbors savedNeighbors;
 } StandIn;
 
 /* slotOf[particle] is its slot. On failure there is nothing to free and errorText (not NULL) says why. */
@@ -99,14 +99,14 @@ ctStatus ctStandInNearChange(StandIn* standIn, double* change);
 ctStatus ctStandInOtherChange(StandIn* standIn, double* change);
 bool ctStandInAccept(StandIn* standIn);
 
-/* Keeps a copy of what is kept of the state, and makes it that again. False if there is no memory, or no copy. */
+/* Saves a copy of all sums and records, and restores it. False if there is no memory, or no copy. */
 bool ctStandInSave(StandIn* standIn);
 bool ctStandInRestore(StandIn* standIn);
 
-/* ---- What the files of this share ---- */
+/* ---- Shared by the files of the stand-in ---- */
 
-/* Whatever the open trial took belongs to nobody. */
-static inline void dropTrial(StandIn* standIn) {
+/* Ends the open trial without a change of the state. */
+static inline void rejectTrial(StandIn* standIn) {
   standIn->stagedCount = 0;
   standIn->movedCount = 0;
   standIn->touchedCount = 0;
@@ -144,8 +144,8 @@ void ctStandInComputeBorn(const StandIn* standIn, int a, const LeafFrame* frameA
 void ctStandInComputePairs(const StandIn* standIn, const PlacedLeaf* a, const PlacedLeaf* b, const NearRows* rows,
                            PairRecord* record);
 
-/* Exchanges in a record what pairs of some particles of either leaf have with the radii of the state by what they have
- * with these. */
+/* Replaces in a record the energies of pairs with a particle in slotsOfA or slotsOfB, computed with the radii of the
+ * state, by those with these radii. */
 void ctStandInExchangePairs(const StandIn* standIn, const PlacedLeaf* a, unsigned slotsOfA, const PlacedLeaf* b,
                             unsigned slotsOfB, PairRecord* record);
 
@@ -155,7 +155,7 @@ PlacedLeaf ctStandInPlace(const StandIn* standIn, int leaf, const LeafFrame* fra
 /* The radii of a leaf by its sums. */
 void ctStandInComputeRadii(const StandIn* standIn, int number, StandInLeaf* leaf);
 
-/* How much wider than said the grid of radii is for a particle with this charge. */
+/* The factor by which the grid of radii is wider for a particle with this charge. */
 double ctStandInGridFactor(double charge);
 
 /* Finds the functions of two radii whose products add up to what a pair's Coulomb and Born energy, per product of

@@ -1,12 +1,12 @@
-/* What the stand-in of ctStandIn is computed from, as wide functions see it. */
+/* The data from which wide functions compute the stand-in of ctStandIn. */
 #ifndef CT_STANDINPAIR_H_
 #define CT_STANDINPAIR_H_
 
 #include "leafpair.h"
 
-/* The value of a pair at the cutoff, and its derivative by ln B of either, are sums of so many products of a function
- * of one radius and the same of the other; the functions are polynomials with so many coefficients. The derivative is
- * multiplied by what the grid neglects, which is little. */
+/* The value of a pair at the cutoff, and its derivative by ln B of either, are sums of VALUE_RANK and SLOPE_RANK
+ * products of a function of one radius and the same function of the other; the functions are polynomials with
+ * SHIFT_TERMS coefficients. The derivative is multiplied by the rounding of ln B to the grid, which is small. */
 enum { VALUE_RANK = 3, SLOPE_RANK = 2, SHIFT_RANK = VALUE_RANK + SLOPE_RANK, SHIFT_TERMS = 8, FADE_TERMS = 3 };
 
 typedef struct StandInModel {
@@ -48,7 +48,7 @@ typedef struct StandInRadii {
   float decay[CT_LEAF_WIDTH];  /* the product of two is log2(e) / (4 B_i B_j) */
   float log[CT_LEAF_WIDTH];    /* its logarithm */
   float beyond[CT_LEAF_WIDTH]; /* ln B less that of the grid, times STANDIN_GRADIENT */
-  float self[CT_LEAF_WIDTH];   /* the energy of the particle by itself, kJ/mol */
+  float self[CT_LEAF_WIDTH];   /* the self energy of the particle, kJ/mol */
 } StandInRadii;
 
 /* The functions of the radii of the grid that make the value of a pair at the cutoff, and its derivative, times the
@@ -101,7 +101,7 @@ typedef struct StandInSide {
 
 /* The grid of radii is as wide as it is said for particles with this charge, in units of the elementary one. Its errors
  * grow with the charge and with the square of the width. What fits best at a number of crossings has widths that go
- * with this power of the charge; but not beyond so many times the width. */
+ * with this power of the charge; but no grid is wider than STANDIN_WIDEST_GRID times the width. */
 #define STANDIN_GRID_CHARGE 0.5
 #define STANDIN_GRID_POWER (-0.4)
 #define STANDIN_WIDEST_GRID 4

@@ -6,7 +6,7 @@
 /* ---- Leaves that the trial changes ---- */
 
 static bool isTouched(const StandIn* standIn, int leaf) {
-  return standIn->trial[leaf].stamp == standIn->leaves->trial;
+  return standIn->trial[leaf].trial == standIn->leaves->trial;
 }
 
 /* A leaf as the trial has it, but for its radii if their sums are to change. */
@@ -36,12 +36,12 @@ static PlacedLeaf placeInTrial(const StandIn* standIn, int leaf, const LeafFrame
   return (PlacedLeaf){leaf, frame, &sums->radii, isCrossed ? otherShift(standIn, leaf) : stateShift(standIn, leaf)};
 }
 
-/* What is kept of a pair. */
+/* The record of a pair in the state. */
 static PairRecord* recordOf(const StandIn* standIn, const StagedPair* staged) {
   return &standIn->neighbors.records[staged->pair];
 }
 
-/* Exchanges what a pair contributes to sums of its leaves' gradients. */
+/* Replaces the contribution of a pair to the gradients of its leaves. */
 static void exchangeGradients(StandIn* standIn, const StagedPair* staged) {
   const PairRecord* before = recordOf(standIn, staged);
   const PairRecord* after = &staged->after;
@@ -57,17 +57,17 @@ static void exchangeGradients(StandIn* standIn, const StagedPair* staged) {
 
 /* ---- Pairs that move ---- */
 
-/* Gives numbers back that a former trial took and that were not accepted. */
-static void forget(StandIn* standIn) {
+/* Ends a former trial that was not accepted, and frees the numbers of its new pairs. */
+static void rejectFormer(StandIn* standIn) {
   for (int i = 0; i < standIn->movedCount; i++) {
     if (standIn->staged[i].isNew) {
       ctNeighborsRelease(&standIn->neighbors, standIn->staged[i].pair);
     }
   }
-  dropTrial(standIn);
+  rejectTrial(standIn);
 }
 
-/* Makes room for so many staged pairs, as ctReserveEntries does, in lines. */
+/* Makes room for `count` staged pairs, as ctReserveEntries does, at the begin of a cache line. */
 static bool reserveStaged(StandIn* standIn, size_t count) {
   if (count > (size_t)standIn->stagedCapacity) {
     const size_t wanted = count + count / 2;
@@ -106,7 +106,7 @@ static ctStatus stage(StandIn* standIn, bool near) {
     PairRecord* record = &standIn->neighbors.records[pair];
     fetchPairs(record);
     fetchBorn(record);
-    record->stamp = leaves->trial;
+    record->trial = leaves->trial;
     StagedPair* staged = &standIn->staged[standIn->stagedCount++];
     staged->a = changed->a;
     staged->b = changed->b;
@@ -121,7 +121,7 @@ static ctStatus stage(StandIn* standIn, bool near) {
 }
 
 ctStatus ctStandInNearChange(StandIn* standIn, double* change) {
-  forget(standIn);
+  rejectFormer(standIn);
   *change = 0;
   if (stage(standIn, true) != ctSuccess) {
     return ctOutOfMemory;
@@ -181,8 +181,8 @@ static void changeRadii(StandIn* standIn) {
 
 /* ---- Energies with these radii ---- */
 
-/* Exchanges in a record what particles whose radii change have by what they have with the radii of the trial, where
- * they are in the trial or in the state. */
+/* Replaces in a record the energies of particles whose radii change by those with the radii of the trial, at positions
+ * of the trial or of the state. */
 static void exchangeRadii(StandIn* standIn, const StagedPair* staged, bool inTrial, PairRecord* record) {
   TrialLeaves* leaves = standIn->leaves;
   const LeafFrame* frameA = inTrial ? ctTrialFrame(leaves, staged->a) : ctStateFrame(leaves, staged->a);
@@ -192,7 +192,7 @@ static void exchangeRadii(StandIn* standIn, const StagedPair* staged, bool inTri
   ctStandInExchangePairs(standIn, &a, crossing(standIn, staged->a), &b, crossing(standIn, staged->b), record);
 }
 
-/* Computes what is still to be computed of pairs that move. Returns by how much their energy changes. */
+/* Computes the energies of moved pairs that are not known yet. Returns the change of the energy of all moved pairs. */
 static double changeMovedPairs(StandIn* standIn) {
   double change = 0;
   double nearBack = 0;
@@ -235,7 +235,7 @@ static double changeUnmovedPair(StandIn* standIn, StagedPair* staged) {
   return after->energy - before->energy;
 }
 
-/* So many pairs of a row are fetched before they are read: records of large proteins are far from the processor. */
+/* Pairs of a row are prefetched this far ahead: records of large proteins do not fit into the cache. */
 enum { FETCHED_AHEAD = 4 };
 
 /* Changes the pairs that do not move, but have particles with other radii. */
@@ -259,8 +259,8 @@ static ctStatus changeUnmovedPairs(StandIn* standIn, double* change) {
       if (n + FETCHED_AHEAD < row->count) {
         fetchPairs(&neighbors->records[row->pairs[n + FETCHED_AHEAD]]);
       }
-      if (record->stamp != standIn->leaves->trial && record->hasPairs) {
-        record->stamp = standIn->leaves->trial;
+      if (record->trial != standIn->leaves->trial && record->hasPairs) {
+        record->trial = standIn->leaves->trial;
         StagedPair* staged = &standIn->staged[standIn->stagedCount++];
         staged->a = leaf < other ? leaf : other;
         staged->b = leaf < other ? other : leaf;
@@ -295,7 +295,7 @@ ctStatus ctStandInOtherChange(StandIn* standIn, double* change) {
 
 /* ---- The end of a trial ---- */
 
-/* Keeps what a trial has made of a pair that moves, if it is worth keeping. */
+/* Makes the trial's record of a moved pair that of the state, or removes the pair if its record is empty. */
 static bool acceptMovedPair(Neighbors* neighbors, const StagedPair* staged) {
   const PairRecord* after = &staged->after;
   if (!after->hasPairs && !after->hasBorn) {
@@ -311,9 +311,9 @@ static bool acceptMovedPair(Neighbors* neighbors, const StagedPair* staged) {
 }
 
 bool ctStandInAccept(StandIn* standIn) {
-  bool isKept = true;
+  bool isDone = true;
   for (int i = 0; i < standIn->movedCount; i++) {
-    isKept = acceptMovedPair(&standIn->neighbors, &standIn->staged[i]) && isKept;
+    isDone = acceptMovedPair(&standIn->neighbors, &standIn->staged[i]) && isDone;
   }
   for (int i = standIn->movedCount; i < standIn->stagedCount; i++) {
     copyPairs(&standIn->staged[i].after, recordOf(standIn, &standIn->staged[i]));
@@ -323,6 +323,6 @@ bool ctStandInAccept(StandIn* standIn) {
     standIn->present[leaf] ^= 1;
     standIn->presentShift[leaf] ^= standIn->trial[leaf].crossing != 0;
   }
-  dropTrial(standIn);
-  return isKept;
+  rejectTrial(standIn);
+  return isDone;
 }

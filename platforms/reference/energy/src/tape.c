@@ -27,12 +27,12 @@ static bool isSum(const ctOperation* node) {
   return node->kind == ctAddOperator || node->kind == ctSubtractOperator || node->kind == ctMultiplyOperator;
 }
 
-/* What becomes steps: which nodes, and what they need. */
+/* Which nodes become steps, and which results they need. */
 typedef struct Plan {
   const TapeGraph* graph;
   const ctTable* tables;
   int* uses;    /* of each node, by other nodes */
-  int* first;   /* the node whose result goes on in this one's step, or UNUSED */
+  int* first;   /* the node that is computed first in this one's step, or UNUSED */
   int* lastUse; /* the node whose step uses a result last, or UNUSED: it has no step */
 } Plan;
 

@@ -6,7 +6,7 @@
 #include "pairexpression.h"
 #include "tapegraph.h"
 
-/* A pair of leaves has at most so many pairs of particles. */
+/* The most pairs of particles of two leaves. */
 enum { MOST_LEAF_PAIRS = CT_LEAF_WIDTH * CT_LEAF_WIDTH };
 
 /* A table, and its values as floats. */
@@ -22,8 +22,8 @@ typedef struct TapeValue {
   int step; /* from sixteen pairs to the next: 16 or 0 */
 } TapeValue;
 
-/* What a step that adds, subtracts or multiplies does next, with its third argument, so that nothing is written between
- * two operations. */
+/* A second operation of a step that adds, subtracts or multiplies, with its third argument: no result is stored between
+ * the two. */
 typedef enum TapeSequel { NO_SEQUEL, THEN_ADD, THEN_SUBTRACT, THEN_SUBTRACT_FROM, THEN_MULTIPLY } TapeSequel;
 
 /* An operation of a graph, or two. */
@@ -38,8 +38,8 @@ typedef struct TapeStep {
   int result; /* where it begins in the scratch */
 } TapeStep;
 
-/* Sixteen pairs of particles each that a tape runs on at a time: so many that going from step to step costs little, so
- * few that results stay near. At least those of two leaves. */
+/* The most groups of sixteen pairs that a tape runs on at a time: enough that a change of steps costs little, and few
+ * enough that results stay in the cache. All pairs of two leaves fit. */
 enum { MOST_SIXTEENS = 64, MOST_BATCH = MOST_SIXTEENS * CT_LEAF_WIDTH };
 
 /* The pairs of particles of two leaves, in a batch. */
@@ -50,7 +50,7 @@ typedef struct TapePart {
   bool hasTimes;
 } TapePart;
 
-/* Pairs of particles of some pairs of leaves: those that count, without gaps but at the end of a part. */
+/* The pairs of particles that count, of several pairs of leaves. Only the end of a part may have a gap. */
 typedef struct TapeBatch {
   int count; /* sixteens */
   int partCount;

@@ -6,7 +6,7 @@
 #include "expression.h"
 #include "trialleaves.h"
 
-/* What a result depends on, as bits. */
+/* On what a result depends, as bits. */
 enum { ON_FIRST = 1, ON_SECOND = 2, ON_DISTANCE = 4 };
 
 enum { NO_NODE = -1 };
@@ -190,7 +190,7 @@ static int divide(Builder* b, int x, int y) {
   return isDistancePower(b, y) ? multiply(b, x, reciprocal(b, y)) : addNode(b, ctDivideOperator, x, y, 0, 0);
 }
 
-/* x^n for n >= 1. An even power is a square, so that x^12 and x^6 share what they can. */
+/* x^n for n >= 1. An even power is a square, so that x^12 and x^6 share factors. */
 static int wholePower(Builder* b, int x, int n) {
   if (n == 1 || b->graph->failed) {
     return x;

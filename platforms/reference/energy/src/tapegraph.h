@@ -1,4 +1,4 @@
-/* What a pair expression becomes before it is run: fewer and cheaper operations that give the same number. What depends
+/* A pair expression as fewer and cheaper operations that give the same number. What depends
  * on one particle alone is taken out, since it never changes. */
 #ifndef CT_TAPEGRAPH_H_
 #define CT_TAPEGRAPH_H_

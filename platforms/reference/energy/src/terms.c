@@ -13,14 +13,14 @@ struct Terms {
   TermSet* sets;
   int termCount; /* of all sets, one after the other */
   double* values;
-  double* savedValues; /* NULL: none were kept */
+  double* savedValues; /* NULL: none were saved */
   int* setOf;
   uint8_t* repeats; /* terms that share the dihedral of the term before */
   Dependence dependence;
 
   /* The open trial. */
-  uint32_t stamp;
-  uint32_t* stamps; /* of each term: the last trial that had it in the lists of several links */
+  uint32_t trial;
+  uint32_t* termTrials; /* of each term: the last trial of several links that computed it */
   int changedCount;
   int* changedTerms; /* in the order in which they were computed */
   double* newValues;
@@ -60,14 +60,14 @@ static bool allocateScratch(Terms* terms) {
     operations =
         (size_t)set->expression.operationCount > operations ? (size_t)set->expression.operationCount : operations;
   }
-  terms->stamps = calloc((size_t)terms->termCount + 1, sizeof *terms->stamps);
+  terms->termTrials = calloc((size_t)terms->termCount + 1, sizeof *terms->termTrials);
   terms->changedTerms = malloc((changeable + 1) * sizeof *terms->changedTerms);
   terms->newValues = malloc((changeable + 1) * sizeof *terms->newValues);
   terms->positions = malloc(((size_t)terms->width + 1) * sizeof *terms->positions);
   terms->slots = malloc(((size_t)terms->width + 1) * sizeof *terms->slots);
   terms->results = calloc(operations + 1, sizeof *terms->results);
-  return terms->stamps != NULL && terms->changedTerms != NULL && terms->newValues != NULL && terms->positions != NULL &&
-         terms->slots != NULL && terms->results != NULL;
+  return terms->termTrials != NULL && terms->changedTerms != NULL && terms->newValues != NULL &&
+         terms->positions != NULL && terms->slots != NULL && terms->results != NULL;
 }
 
 static bool allocateTerms(Terms* terms) {
@@ -140,7 +140,7 @@ void ctTermsDestroy(Terms* terms) {
   free(terms->setOf);
   free(terms->repeats);
   ctDependenceFree(&terms->dependence);
-  free(terms->stamps);
+  free(terms->termTrials);
   free(terms->changedTerms);
   free(terms->newValues);
   free(terms->positions);
@@ -245,19 +245,19 @@ static void changeTerm(Change* change, int term) {
 static void changeListedTerms(Change* change) {
   Terms* terms = change->evaluation.terms;
   const TrialView* view = change->evaluation.view;
-  if (view->linkCount > 1 && ++terms->stamp == 0) {
-    memset(terms->stamps, 0, (size_t)terms->termCount * sizeof *terms->stamps);
-    terms->stamp = 1;
+  if (view->linkCount > 1 && ++terms->trial == 0) {
+    memset(terms->termTrials, 0, (size_t)terms->termCount * sizeof *terms->termTrials);
+    terms->trial = 1;
   }
   for (int l = 0; l < view->linkCount; l++) {
     const size_t end = terms->dependence.begin[view->links[l] + 1];
     for (size_t i = terms->dependence.begin[view->links[l]]; i < end; i++) {
       const int term = terms->dependence.terms[i];
       if (view->linkCount > 1) {
-        if (terms->stamps[term] == terms->stamp) {
+        if (terms->termTrials[term] == terms->trial) {
           continue;
         }
-        terms->stamps[term] = terms->stamp;
+        terms->termTrials[term] = terms->trial;
       }
       changeTerm(change, term);
     }
@@ -348,7 +348,7 @@ void ctTermsAccept(Terms* terms) {
   terms->changedCount = 0;
 }
 
-/* ---- Taking back ---- */
+/* ---- Copies ---- */
 
 bool ctTermsSave(Terms* terms) {
   const size_t size = ((size_t)terms->termCount + 1) * sizeof *terms->savedValues;

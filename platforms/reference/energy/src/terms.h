@@ -22,12 +22,12 @@ int ctTermsSetCount(const Terms* terms);
 double ctTermsSum(const Terms* terms, int set);
 int ctTermsCountChangeable(const Terms* terms, int set);
 
-/* By how much a trial changes the sum of all terms. Keeps the new values until the next call; accepting makes them
+/* By how much a trial changes the sum of all terms. Accepting makes the new values, which last until the next call,
  * those of the state. */
 double ctTermsChange(Terms* terms, const TrialView* view);
 void ctTermsAccept(Terms* terms);
 
-/* Keeps a copy of all values, or makes the copy the values. Keeping is false if there is no memory. */
+/* Saves a copy of all values; false if there is no memory. And restores it. */
 bool ctTermsSave(Terms* terms);
 void ctTermsRestore(Terms* terms);
 

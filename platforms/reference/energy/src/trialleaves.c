@@ -27,12 +27,12 @@ bool ctTrialLeavesCreate(TrialLeaves* leaves, ctChainTree* tree, double cutoff, 
   leaves->wide = ctFindWide(ctGetInstructionSet(tree));
   leaves->occupied = calloc(size, sizeof *leaves->occupied);
   leaves->frames = allocateLines(size, sizeof *leaves->frames);
-  leaves->frameIsStale = calloc(size, sizeof *leaves->frameIsStale);
+  leaves->frameIsOutdated = calloc(size, sizeof *leaves->frameIsOutdated);
   leaves->trialFrames = allocateLines(size, sizeof *leaves->trialFrames);
-  leaves->trialStamp = calloc(size, sizeof *leaves->trialStamp);
+  leaves->frameTrial = calloc(size, sizeof *leaves->frameTrial);
   leaves->frameInTrial = calloc(size, sizeof *leaves->frameInTrial);
-  if (leaves->occupied == NULL || leaves->frames == NULL || leaves->frameIsStale == NULL ||
-      leaves->trialFrames == NULL || leaves->trialStamp == NULL || leaves->frameInTrial == NULL) {
+  if (leaves->occupied == NULL || leaves->frames == NULL || leaves->frameIsOutdated == NULL ||
+      leaves->trialFrames == NULL || leaves->frameTrial == NULL || leaves->frameInTrial == NULL) {
     ctTrialLeavesFree(leaves);
     return false;
   }
@@ -47,9 +47,9 @@ bool ctTrialLeavesCreate(TrialLeaves* leaves, ctChainTree* tree, double cutoff, 
 void ctTrialLeavesFree(TrialLeaves* leaves) {
   free(leaves->occupied);
   freeLines(leaves->frames);
-  free(leaves->frameIsStale);
+  free(leaves->frameIsOutdated);
   freeLines(leaves->trialFrames);
-  free(leaves->trialStamp);
+  free(leaves->frameTrial);
   free(leaves->frameInTrial);
   free(leaves->changed);
   free(leaves->pieces);
@@ -58,25 +58,25 @@ void ctTrialLeavesFree(TrialLeaves* leaves) {
 
 /* ---- The state ---- */
 
-void ctTrialLeavesForget(TrialLeaves* leaves) {
+void ctTrialLeavesOutdate(TrialLeaves* leaves) {
   leaves->changedCount = 0;
   leaves->nearCount = 0;
   leaves->pieceCount = 0;
   for (int leaf = 0; leaf < leaves->leafCount; leaf++) {
-    leaves->frameIsStale[leaf] = true;
+    leaves->frameIsOutdated[leaf] = true;
   }
   leaves->statePositions = ctGetLeaves(leaves->tree);
 }
 
 ctStatus ctTrialLeavesRefresh(TrialLeaves* leaves, size_t* count, const ctLeafPair** pairs, ctCounts* counts) {
-  ctTrialLeavesForget(leaves);
+  ctTrialLeavesOutdate(leaves);
   return leaves->statePositions != NULL ? ctGetLeafPairs(leaves->tree, leaves->cutoff, count, pairs, counts)
                                         : ctOutOfMemory;
 }
 
 const LeafFrame* ctStateFrame(TrialLeaves* leaves, int leaf) {
-  if (leaves->frameIsStale[leaf]) {
-    leaves->frameIsStale[leaf] = false;
+  if (leaves->frameIsOutdated[leaf]) {
+    leaves->frameIsOutdated[leaf] = false;
     leaves->wide->makeFrame(&leaves->statePositions[leaf], leaves->occupied[leaf], &leaves->frames[leaf]);
   }
   return &leaves->frames[leaf];
@@ -88,7 +88,7 @@ static int isNear(const ctLeafPair* pair) {
   return (double)pair->squaredGap < CT_NEAR_LEAVES * CT_NEAR_LEAVES ? 1 : 0;
 }
 
-/* Lists pairs, those that are near first, without branches, which would be mispredicted. */
+/* Lists near pairs, then the others, without branches, which would be mispredicted. */
 static void listChanged(TrialLeaves* leaves, int count, const ctLeafPair* changed) {
   leaves->changedCount = count;
   leaves->nearCount = 0;
@@ -137,8 +137,8 @@ static bool leafMoves(const TrialLeaves* leaves, int leaf) {
 }
 
 const LeafFrame* ctTrialFrame(TrialLeaves* leaves, int leaf) {
-  if (leaves->trialStamp[leaf] != leaves->trial) {
-    leaves->trialStamp[leaf] = leaves->trial;
+  if (leaves->frameTrial[leaf] != leaves->trial) {
+    leaves->frameTrial[leaf] = leaves->trial;
     if (leafMoves(leaves, leaf)) {
       LeafFrame* frame = &leaves->trialFrames[leaf];
       leaves->wide->makeFrame(&leaves->trialPositions[leaf], leaves->occupied[leaf], frame);
@@ -155,7 +155,7 @@ void ctTrialLeavesAccept(TrialLeaves* leaves) {
     if (leaves->pieces[i].body != 0) {
       const int end = i + 1 < leaves->pieceCount ? leaves->pieces[i + 1].slotBegin : leaves->leafCount * CT_LEAF_WIDTH;
       for (int leaf = leaves->pieces[i].slotBegin / CT_LEAF_WIDTH; leaf * CT_LEAF_WIDTH < end; leaf++) {
-        leaves->frameIsStale[leaf] = true;
+        leaves->frameIsOutdated[leaf] = true;
       }
     }
   }

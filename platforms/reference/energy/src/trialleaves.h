@@ -11,9 +11,9 @@ typedef struct TrialLeaves {
   int leafCount;
   unsigned* occupied; /* per leaf, as the five below; bits: slots that hold a particle */
   LeafFrame* frames;  /* of the state */
-  bool* frameIsStale;
+  bool* frameIsOutdated;
   LeafFrame* trialFrames;
-  int64_t* trialStamp;            /* the trial in which frameInTrial was found */
+  int64_t* frameTrial;            /* the trial in which frameInTrial was set */
   const LeafFrame** frameInTrial; /* one of the two above */
   const ctLeafPositions* statePositions;
 
@@ -23,7 +23,7 @@ typedef struct TrialLeaves {
   int changedCount;
   int changedCapacity;
   ctLeafPair* changed;
-  int nearCount; /* so many are near; these come first */
+  int nearCount; /* the number of near ones, which come first */
   int pieceCount;
   int pieceCapacity;
   ctPiece* pieces;
@@ -33,30 +33,30 @@ typedef struct TrialLeaves {
 bool ctTrialLeavesCreate(TrialLeaves* leaves, ctChainTree* tree, double cutoff, int particleCount, const int* slotOf);
 void ctTrialLeavesFree(TrialLeaves* leaves);
 
-/* Finds the pairs of leaves of the state that are near, each leaf with itself too, and forgets all frames. The array is
- * the scene's. */
+/* Finds the pairs of leaves of the state that are near, each leaf with itself too, and marks all frames as outdated.
+ * The array is the scene's. */
 ctStatus ctTrialLeavesRefresh(TrialLeaves* leaves, size_t* count, const ctLeafPair** pairs, ctCounts* counts);
 
 /* Finds the pairs of leaves that the open trial changes, and where leaves are in it. */
 ctStatus ctTrialLeavesOpen(TrialLeaves* leaves, ctCounts* counts);
 
-/* Those of the pairs that are near, or the others. */
+/* The changed pairs that are near, or the others. */
 static inline const ctLeafPair* ctChangedPairs(const TrialLeaves* leaves, bool near, int* count) {
   *count = near ? leaves->nearCount : leaves->changedCount - leaves->nearCount;
   return near ? leaves->changed : leaves->changed + leaves->nearCount;
 }
 
-/* Takes notice that the trial has become the state. */
+/* Marks the frames of leaves that the accepted trial has moved as outdated. */
 void ctTrialLeavesAccept(TrialLeaves* leaves);
 
-/* Forgets the frames of the state, which has become another one. */
-void ctTrialLeavesForget(TrialLeaves* leaves);
+/* Marks all frames as outdated, since the state has changed. */
+void ctTrialLeavesOutdate(TrialLeaves* leaves);
 
 /* Where the particles of a leaf are in the state, and in the trial. They hold until it ends. */
 const LeafFrame* ctStateFrame(TrialLeaves* leaves, int leaf);
 const LeafFrame* ctTrialFrame(TrialLeaves* leaves, int leaf);
 
-/* True if that in the trial, which was asked for, is not that of the state. */
+/* True if the frame in the trial, which was found before, is not that of the state. */
 static inline bool ctHasOwnFrame(const TrialLeaves* leaves, int leaf) {
   return leaves->frameInTrial[leaf] == &leaves->trialFrames[leaf];
 }
@@ -66,7 +66,7 @@ static inline bool ctIsWithin(float squaredGap, double cutoff) {
   return (double)squaredGap <= cutoff * cutoff * 1.00001;
 }
 
-/* Sees to it that an array has room for `count` entries of this size. False, and nothing changed, if there is no
+/* Makes room for `count` entries of this size in an array. False, and nothing changed, if there is no
  * memory. */
 bool ctReserveEntries(void** array, int* capacity, size_t count, size_t size);
 

@@ -39,7 +39,7 @@ void ctValueEnergiesFree(ValueEnergies* energies) {
 }
 
 ctStatus ctValueEnergiesCompute(ValueEnergies* energies, ctChainTree* tree, bool inTrial, double* results) {
-  /* Not from leaves: those that a trial turns are where they will be only up to rounding. */
+  /* Not from leaves: positions of turned leaves differ from those after acceptance by rounding. */
   if (!inTrial) {
     ctGetPositions(tree, energies->positions);
   } else if (ctGetTrialPositions(tree, energies->positions) != ctSuccess) {

@@ -147,7 +147,7 @@ static void place(ValueEnergy* energy, const double* positions) {
 
 /* ---- Pairs of blocks ---- */
 
-/* What a tape needs of two blocks, and which of their pairs count. */
+/* Two blocks as a tape needs them, and which of their pairs count. */
 typedef struct BlockPair {
   int a;
   int b;

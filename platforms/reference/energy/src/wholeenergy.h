@@ -1,4 +1,4 @@
-/* The energies that a stand-in stands for, computed anew. */
+/* The energies that a stand-in stands for, recomputed. */
 #ifndef CT_WHOLEENERGY_H_
 #define CT_WHOLEENERGY_H_
 

@@ -655,7 +655,7 @@ static void testWithoutEnergy(void) {
   CHECK(ctComputeWholeEnergy(NULL, x, x + 1, NULL) == ctInvalidArgument);
   CHECK(ctRenewStandIn(NULL, NULL) == ctInvalidArgument);
   CHECK(ctSetStandIn(NULL, x) == ctInvalidArgument);
-  CHECK(ctKeepEnergy(NULL) == ctInvalidArgument && ctTakeBackEnergy(NULL) == ctInvalidArgument);
+  CHECK(ctSaveEnergy(NULL) == ctInvalidArgument && ctRestoreEnergy(NULL) == ctInvalidArgument);
   ctGetStandIn(NULL, x);
   ctDestroyEnergy(NULL);
 }
@@ -693,7 +693,7 @@ static void testOrder(ctEnergy* energy) {
   double x[1];
   const int wrongParts[] = {INT_MIN, -1, 1, 2, 3, INT_MAX};
   REFUSED(ctNoTrial, "no open trial", ctComputeValueEnergies(energy, true, x));
-  REFUSED(ctInvalidArgument, "no copy", ctTakeBackEnergy(energy));
+  REFUSED(ctInvalidArgument, "no copy", ctRestoreEnergy(energy));
   for (int part = 0; part < CT_ENERGY_PARTS; part++) {
     REFUSED(ctNoTrial, "no open trial", ctComputeEnergyChange(energy, (ctEnergyPart)part, x, NULL));
   }

@@ -168,18 +168,18 @@ static void testKeep(const Expected* expected) {
     Bench bench = makeBench();
     CHECK(ctRefreshEnergy(bench.energy, NULL) == ctSuccess);
     failAllocation(n);
-    const ctStatus status = ctKeepEnergy(bench.energy);
+    const ctStatus status = ctSaveEnergy(bench.energy);
     allocationsLeft = -1;
     goesOn = hasFailed;
     if (status != ctSuccess) {
       refused++;
       checkRefusal(&bench, status);
-      CHECK(ctTakeBackEnergy(bench.energy) == ctInvalidArgument);
-      CHECK(ctKeepEnergy(bench.energy) == ctSuccess);
+      CHECK(ctRestoreEnergy(bench.energy) == ctInvalidArgument);
+      CHECK(ctSaveEnergy(bench.energy) == ctSuccess);
     }
     failAllocation(0);
-    CHECK(ctTakeBackEnergy(bench.energy) == ctSuccess);
-    CHECK(ctKeepEnergy(bench.energy) == ctSuccess);
+    CHECK(ctRestoreEnergy(bench.energy) == ctSuccess);
+    CHECK(ctSaveEnergy(bench.energy) == ctSuccess);
     allocationsLeft = -1;
     CHECK(total(&bench) == expected->start);
     destroyBench(&bench);
@@ -284,7 +284,7 @@ static void testDropped(void) {
     before = asked;
     CHECK(computeChange(&bench, &change) == ctSuccess);
     ctReject(bench.tree);
-    CHECK(ctKeepEnergy(bench.energy) == ctSuccess);
+    CHECK(ctSaveEnergy(bench.energy) == ctSuccess);
     CHECK(n < 2 || asked == before);
     propose(&bench);
     before = asked;
@@ -292,7 +292,7 @@ static void testDropped(void) {
     CHECK(ctAccept(bench.tree, NULL) == ctSuccess);
     CHECK(ctAcceptEnergyChange(bench.energy) == ctSuccess);
     CHECK(ctSetState(bench.tree, state) == ctSuccess);
-    CHECK(ctTakeBackEnergy(bench.energy) == ctSuccess);
+    CHECK(ctRestoreEnergy(bench.energy) == ctSuccess);
     CHECK(n < 2 || asked == before);
   }
   free(state);

@@ -14,7 +14,7 @@ static void fill(PairRecord* record, int number) {
     record->gradient[1][k] = (float)(number - k);
   }
   record->energy = number;
-  record->stamp = number;
+  record->trial = number;
   record->hasPairs = record->hasBorn = true;
 }
 
@@ -23,12 +23,12 @@ static bool isFilled(const PairRecord* record, int number) {
   fill(&expected, number);
   return memcmp(record->born, expected.born, sizeof record->born) == 0 &&
          memcmp(record->gradient, expected.gradient, sizeof record->gradient) == 0 && record->energy == number &&
-         record->stamp == number && record->hasPairs && record->hasBorn;
+         record->trial == number && record->hasPairs && record->hasBorn;
 }
 
 static bool isEmpty(const PairRecord* record) {
   const float none[CT_LEAF_WIDTH] = {0};
-  bool isZero = record->energy == 0 && record->stamp == 0;
+  bool isZero = record->energy == 0 && record->trial == 0;
   for (int side = 0; side < 2; side++) {
     isZero = isZero && memcmp(bornOf(record, side), none, sizeof none) == 0 &&
              memcmp(gradientOf(record, side), none, sizeof none) == 0;

@@ -53,7 +53,7 @@ static void testBits(void) {
   for (unsigned block = 0; block < 4; block++) {
     const unsigned begin = 100 * (block + 1);
     ctGetState(bench.tree, state);
-    CHECK(ctKeepEnergy(bench.energy) == ctSuccess);
+    CHECK(ctSaveEnergy(bench.energy) == ctSuccess);
     const double before = total(&bench);
     /* Twice from one copy; once with a trial left open, and once with a fold that gives leaves other neighbours. */
     for (int i = 0; i < 2; i++) {
@@ -71,7 +71,7 @@ static void testBits(void) {
       }
       CHECK(ctSetState(bench.tree, state) == ctSuccess);
       CHECK(!ctIsEnergyOfState(bench.energy));
-      CHECK(ctTakeBackEnergy(bench.energy) == ctSuccess);
+      CHECK(ctRestoreEnergy(bench.energy) == ctSuccess);
       CHECK(ctIsEnergyOfState(bench.energy));
       CHECK(haveSameBits(total(&bench), total(&twin)));
     }
@@ -93,11 +93,11 @@ static void testBits(void) {
 /* What is kept of no state belongs to none afterwards. */
 static void testWithoutState(void) {
   Bench bench = makeBench();
-  CHECK(ctTakeBackEnergy(bench.energy) == ctInvalidArgument);
+  CHECK(ctRestoreEnergy(bench.energy) == ctInvalidArgument);
   CHECK(strstr(ctGetEnergyErrorText(bench.energy), "no copy") != NULL);
-  CHECK(ctKeepEnergy(bench.energy) == ctSuccess);
+  CHECK(ctSaveEnergy(bench.energy) == ctSuccess);
   CHECK(ctRefreshEnergy(bench.energy, NULL) == ctSuccess);
-  CHECK(ctTakeBackEnergy(bench.energy) == ctSuccess);
+  CHECK(ctRestoreEnergy(bench.energy) == ctSuccess);
   CHECK(!ctIsEnergyOfState(bench.energy));
   destroyBench(&bench);
 }
@@ -108,20 +108,20 @@ static void testConstants(void) {
   Bench bench = makeBench();
   CHECK(ctRefreshEnergy(bench.energy, NULL) == ctSuccess);
   const double before = total(&bench);
-  CHECK(ctKeepEnergy(bench.energy) == ctSuccess);
+  CHECK(ctSaveEnergy(bench.energy) == ctSuccess);
   for (int i = 0; i < BEADS; i++) {
     constants[i] = 0.3;
   }
   ctSetStandIn(bench.energy, constants);
   CHECK(!ctIsEnergyOfState(bench.energy));
-  CHECK(ctTakeBackEnergy(bench.energy) == ctSuccess);
+  CHECK(ctRestoreEnergy(bench.energy) == ctSuccess);
   CHECK(!ctIsEnergyOfState(bench.energy));
   CHECK(ctRefreshEnergy(bench.energy, NULL) == ctSuccess);
   const double after = total(&bench);
   CHECK(fabs(after - before) > 1);
-  CHECK(ctKeepEnergy(bench.energy) == ctSuccess);
+  CHECK(ctSaveEnergy(bench.energy) == ctSuccess);
   CHECK(ctRenewStandIn(bench.energy, NULL) == ctSuccess);
-  CHECK(ctTakeBackEnergy(bench.energy) == ctSuccess);
+  CHECK(ctRestoreEnergy(bench.energy) == ctSuccess);
   CHECK(!ctIsEnergyOfState(bench.energy));
   destroyBench(&bench);
 }

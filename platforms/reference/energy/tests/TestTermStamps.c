@@ -24,7 +24,7 @@ int main(void) {
   CHECK(first != 0 && terms->changedCount == 2);
   const uint32_t starts[] = {UINT32_MAX, 7, UINT32_MAX - 1, UINT32_MAX};
   for (int i = 0; i < 4; i++) {
-    terms->stamp = starts[i];
+    terms->trial = starts[i];
     CHECK(ctTermsChange(terms, &view) == first);
     CHECK(terms->changedCount == 2);
   }

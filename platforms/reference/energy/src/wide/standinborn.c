@@ -11,7 +11,7 @@ CT_INLINE Float16 nearSeries(Float16 t) {
   return polynomial16(t, 6, c);
 }
 
-/* Rows of Born sums: particles of side a near some of side b, with what they contribute to these, and these to each. */
+/* Rows of Born sums: particles of side a near some of side b, with their contributions to these, and the reverse. */
 typedef struct BornRows {
   int count;
   int slots[CT_LEAF_WIDTH];

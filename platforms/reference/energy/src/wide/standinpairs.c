@@ -102,15 +102,15 @@ CT_INLINE void invert(Separation* s) {
   s->inverseF2 = mul16(both, s->squared);
 }
 
-/* What is added up: pairs as they are, or what they have with other radii less what they have with those that were. */
+/* What is added up: energies of pairs, or energies with new radii less those with the former radii. */
 typedef struct StandInCase {
   bool isExchange; /* without what does not depend on radii */
   bool isMasked;   /* some pairs are excluded */
   bool hasKappa;
 } StandInCase;
 
-/* The energies of a row of pairs, and their derivatives by ln B of either in units of STANDIN_GRADIENT. `used`: those
- * that count; `direct`: those that are not excluded. */
+/* The energies of a row of pairs, and their derivatives by ln B of either in units of STANDIN_GRADIENT. `used`: lanes
+ * that count; `direct`: lanes that are not excluded. */
 CT_INLINE void pairEnergies(const StandInModel* model, const Sixteen* one, const Sixteen* all, const Separation* s,
                             unsigned used, unsigned direct, StandInCase its, Float16* energy, Float16* gradient) {
   const Float16 inverseF = sqrt16(s->inverseF2);
@@ -150,7 +150,7 @@ CT_INLINE void pairEnergies(const StandInModel* model, const Sixteen* one, const
 
 /* Rows of pairs: some particles of one side, with some of the other. */
 typedef struct StandInRows {
-  const StandInSide* ones; /* with the radii that count, then with those that were */
+  const StandInSide* ones; /* with the new radii, then with the former ones */
   const StandInSide* all;
   float shift[3]; /* from the centre of the former to that of the latter */
   unsigned slots; /* of the ones, as bits */

@@ -69,7 +69,7 @@ bool CT_WIDE(exchangeParts)(double sums[CT_LEAF_WIDTH], const float before[CT_LE
   return true;
 }
 
-/* The energies of the particles of a leaf by themselves, and the first order of what the grid neglects of pairs. */
+/* The self energies of the particles of a leaf, and the first order of the neglect of pairs by the grid. */
 double CT_WIDE(standInLeafEnergy)(const StandInRadii* radii, const double gradient[CT_LEAF_WIDTH]) {
   double sums[CT_LEAF_WIDTH];
   for (int k = 0; k < CT_LEAF_WIDTH; k++) {

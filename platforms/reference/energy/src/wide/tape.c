@@ -55,7 +55,7 @@ static void emptyBatch(TapeBatch* batch) {
 /* Sixteen pairs each that are summed in single precision before they are added in double. */
 enum { SUMMED_IN_FLOAT = 4 };
 
-/* What sixteen pairs count, given their energies. */
+/* The weighted energies of sixteen pairs. */
 static Float16 weightedEnergy(const Tape* tape, const TapeRange* range, const TapePart* part, int v, Float16 value) {
   if (range->hasSwitch) {
     const Float16 distance = sqrt16(load16(tape->scratch + tape->squaredBegin + v * CT_LEAF_WIDTH));
@@ -123,7 +123,7 @@ bool CT_WIDE(addToBatch)(const Tape* tape, const TapePair* pair, const TapeRange
   }
   batch->parts[batch->partCount++] = (TapePart){number, batch->count, count, pair->times != NULL};
   const int sixteens = (count + CT_LEAF_WIDTH - 1) / CT_LEAF_WIDTH;
-  /* As many as there can be: to count would cost more than to write. */
+  /* For the largest possible count: counting would cost more than writing. */
   for (int v = 0; v < CT_LEAF_WIDTH; v++) {
     batch->columns[0][batch->count + v] = pair->columns[0];
     batch->columns[1][batch->count + v] = pair->columns[1];
