@@ -5,6 +5,7 @@ import os
 import pathlib
 import re
 import shutil
+import signal
 import subprocess
 import sys
 import time
@@ -14,6 +15,18 @@ from layer import REPOSITORY, Layer
 
 def run(command, **arguments):
     return subprocess.run(command, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True, **arguments)
+
+
+def runLimited(command, seconds: float, **arguments) -> tuple[int, str] | None:
+    """Returns the exit status and the output; None if it took longer and was killed with the processes it started."""
+    pipes = {"stdout": subprocess.PIPE, "stderr": subprocess.STDOUT, "text": True}
+    with subprocess.Popen(command, start_new_session=True, **pipes, **arguments) as process:
+        try:
+            output, _ = process.communicate(timeout=seconds)
+            return process.returncode, output
+        except subprocess.TimeoutExpired:
+            os.killpg(process.pid, signal.SIGKILL)
+            return None
 
 
 class Copy:
@@ -47,7 +60,7 @@ class CompiledTests:
         self.layer = layer
         isApi = layer.name == "api"
         self.build = copy.build / ("api" if isApi else "c")
-        self.timeout = 1500.0
+        self.limit = 7200.0  # seconds for all tests
         options = {
             "Python_EXECUTABLE": sys.executable,
             "CHAINTREE_ENGINE_ONLY": "OFF" if isApi else "ON",
@@ -76,16 +89,18 @@ class CompiledTests:
         for name in self.names:
             if not found and re.match(self.layer.slow, name):
                 found = self._failing(f"^{name}$", "^$")
-        if not found:  # all have run: a test that takes longer than they together hangs
-            self.timeout = max(60.0, time.monotonic() - start)
+        if not found:  # all have run, so later runs that take much longer hang
+            self.limit = max(60.0, 2 * (time.monotonic() - start))
         return found
 
     def _failing(self, pattern: str, without: str) -> list[str]:
-        command = ["ctest", "--test-dir", self.build, "-R", pattern, "-E", without, "--timeout", f"{self.timeout:.0f}"]
-        ran = run(command + ([] if self.copy.all else ["--stop-on-failure"]))
-        if "No tests were found" in ran.stdout:
+        command = ["ctest", "--test-dir", self.build, "-R", pattern, "-E", without]
+        ran = runLimited(command + ([] if self.copy.all else ["--stop-on-failure"]), self.limit)
+        if ran is None:
+            return ["a test that hangs"]
+        if "No tests were found" in ran[1]:
             sys.exit(f"no test matches {pattern}")
-        return re.findall(r"^\t *\d+ - (\S+)", ran.stdout, re.MULTILINE)
+        return re.findall(r"^\t *\d+ - (\S+)", ran[1], re.MULTILINE)
 
 
 class PythonTests:
@@ -133,14 +148,14 @@ class PythonTests:
     def _failing(self, names: list[str]) -> list[str]:
         files = [self.tests / f"{name}.py" for name in names]
         stop = [] if self.copy.all else ["-x"]
-        try:
-            ran = run(
-                [sys.executable, "-m", "pytest", "-q", "-p", "no:cacheprovider", *stop, *files],
-                cwd=self.copy.build,  # not the package's folder: some tests start Python with another package
-                env={**os.environ, "PYTHONPATH": str(self.package), "PYTHONDONTWRITEBYTECODE": "1"},
-                timeout=1800,
-            )
-        except subprocess.TimeoutExpired:
+        ran = runLimited(
+            [sys.executable, "-m", "pytest", "-q", "-p", "no:cacheprovider", *stop, *files],
+            1800,
+            cwd=self.copy.build,  # not the package's folder: some tests start Python with another package
+            env={**os.environ, "PYTHONPATH": str(self.package), "PYTHONDONTWRITEBYTECODE": "1"},
+        )
+        if ran is None:
             return ["a test that hangs"]
-        failed = re.findall(r"^(?:FAILED|ERROR) .*?(test_\w+\.py\S*)", ran.stdout, re.MULTILINE)
-        return failed if failed or ran.returncode == 0 else [f"exit status {ran.returncode}"]
+        status, output = ran
+        failed = re.findall(r"^(?:FAILED|ERROR) .*?(test_\w+\.py\S*)", output, re.MULTILINE)
+        return failed if failed or status == 0 else [f"exit status {status}"]
