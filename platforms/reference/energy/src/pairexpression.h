@@ -10,7 +10,7 @@ typedef struct PairExpression {
   ctOperation* operations;
   int parametersPerParticle;
   int tableCount;
-  ctTable* tables; /* with values of its own */
+  ctTable* tables; /* with copies of their values */
   double* results; /* of each operation in the last evaluation */
 } PairExpression;
 

@@ -38,7 +38,7 @@ void ctPairSumsFree(PairSums* pairs);
 ctStatus ctPairSumsRefresh(PairSums* pairs, size_t count, const ctLeafPair* near);
 
 /* By how much the open trial changes pairs of leaves that are near, to be called first, once the leaves have opened the
- * trial; and those that are not. */
+ * trial; then the change of the others. */
 ctStatus ctPairSumsChange(PairSums* pairs, bool near, double* change);
 
 /* Makes the new sums, once both changes were computed, those of the state. False if there is no memory. */

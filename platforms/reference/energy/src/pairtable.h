@@ -6,7 +6,7 @@
 
 #include "ctenergy.h"
 
-/* The number that a discrete table has for three numbers, of which those that it does not have are not read. */
+/* The value of a discrete table for as many of three numbers as it has dimensions. */
 static inline double discreteValue(const ctTable* table, const double* numbers) {
   size_t at = 0;
   size_t step = 1;

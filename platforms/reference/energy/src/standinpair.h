@@ -90,10 +90,10 @@ typedef struct StandInSide {
 
 /* What is taken from a pair, excluded or not, is its value at the cutoff times
  * c[0] x^2 + c[1] x^3 + c[2] x^4 with x = (r / cutoff)^2. What is taken from what a particle contributes to a Born sum
- * is s^3 / (3 cutoff^4), its value at that cutoff, about, times c[0] + c[1] x. So what is left out beyond the cutoff
- * goes on smoothly within, and nearly cancels in a sum over all particles. By least squares, of what 400 trials change
- * U less the stand-in by: the former in villin, ubiquitin and DHFR, for a cutoff of 0.8 nm, the latter in these and
- * BPTI, for cutoffs of 0.55 and 0.6 nm. */
+ * is s^3 / (3 cutoff^4), its value at that cutoff, about, times c[0] + c[1] x. So the part that is left out
+ * beyond the cutoff continues smoothly within, and nearly cancels in a sum over all particles. By least squares, of
+ * what 400 trials change U less the stand-in by: the former in villin, ubiquitin and DHFR, for a cutoff of 0.8 nm, the
+ * latter in these and BPTI, for cutoffs of 0.55 and 0.6 nm. */
 #define STANDIN_FADE \
   { 10.6f, -16.2f, 6.6f }
 #define STANDIN_BORN_FADE \

@@ -1,5 +1,5 @@
 /* The own arctangent against the C library's in long double: on the whole circle, for all magnitudes, at the edges of
- * its cases, and where C says what it has to be. */
+ * its cases, and where C defines the value. */
 #include <float.h>
 #include <stdint.h>
 

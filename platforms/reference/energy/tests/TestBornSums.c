@@ -210,7 +210,7 @@ static void checkSum(const Pair* p, int i, bool isOwn, double found) {
     }
   }
   const double error = (double)(fabsl((long double)found - sum) - jump);
-  /* The spheres of pairs contribute up to some 1 / o, of which what is left can be little. */
+  /* The spheres of pairs contribute up to some 1 / o, which can nearly cancel. */
   const double bound = (double)size * 3e-7 + 1e-7 / p->offsetRadii[i] + (double)blur + 1e-9;
   worst = fmax(worst, error / bound);
   if (!(error <= bound)) {
@@ -257,7 +257,7 @@ static void checkPair(const Pair* p) {
   }
 }
 
-/* A leaf with so many others that its rows are added up in parts: all are copies of one. */
+/* A leaf with MANY others, all copies of one, so that its rows are added up in parts. */
 static void checkManyLeaves(const Pair* p) {
   enum { MANY = 150 };
   static LeafFrame frames[MANY];
@@ -266,7 +266,7 @@ static void checkManyLeaves(const Pair* p) {
   double all[MANY * CT_LEAF_WIDTH] = {0};
   const Wide* wide = ctFindWide("portable");
   BornModel model = p->born.model;
-  model.neckTypeCount = 0; /* those of so many leaves are not there */
+  model.neckTypeCount = 0; /* there are no necks of MANY leaves */
   for (int leaf = 0; leaf < MANY; leaf++) {
     columns[leaf] = p->born.columns[leaf == 0 ? 0 : 1];
     wide->makeFrame(&p->leaves[leaf == 0 ? 0 : 1], columns[leaf].occupied, &frames[leaf]);

@@ -325,7 +325,7 @@ static void testWhole(void) {
   REFUSE_NULL(scene.linkTorsions);
 }
 
-/* By itself, and as a part of what a stand-in stands for. */
+/* Alone, and as a part of the energy that a stand-in replaces. */
 static void testNonbonded(void) {
   REFUSE_NULL(nonbonded.charges);
   REFUSE_NULL(nonbonded.sigmas);
@@ -630,7 +630,7 @@ static void checkUnchanged(int line, ctEnergy* energy) {
   ask(energy, &now);
   callCount++;
   if (memcmp(&now, &before, sizeof now) != 0) {
-    reportFailure("line %d: energies are not what they were\n", line);
+    reportFailure("line %d: energies have changed\n", line);
   }
 }
 
@@ -765,7 +765,7 @@ static void testCalls(void) {
   ctDestroyEnergy(energy);
 }
 
-/* Particles in one place have no Born sum; the constants stay what they were. */
+/* Particles in one place have no Born sum; the constants do not change. */
 static void testNoFarPart(void) {
   double together[3 * BEADS];
   double constants[2][BEADS];

@@ -130,7 +130,8 @@ static void testChange(const Expected* expected) {
   CHECK(refused > 3);
 }
 
-/* A change that was refused memory when the trial was accepted is not of the state: that is computed anew. */
+/* A change that was refused memory when the trial was accepted does not belong to the state, which has to be refreshed.
+ */
 static void testAccept(const Expected* expected) {
   const int before = live;
   int refused = 0;

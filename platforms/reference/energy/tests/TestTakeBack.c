@@ -49,7 +49,7 @@ static void testBits(void) {
   CHECK(ctRefreshEnergy(twin.energy, NULL) == ctSuccess);
   run(&bench, 0, 20, NULL);
   run(&twin, 0, 20, NULL);
-  double anew = 0;
+  double recomputed = 0;
   for (unsigned block = 0; block < 4; block++) {
     const unsigned begin = 100 * (block + 1);
     ctGetState(bench.tree, state);
@@ -80,11 +80,11 @@ static void testBits(void) {
     CHECK(memcmp(changes[0], changes[1], sizeof changes[0]) == 0);
     CHECK(haveSameBits(ctGetPairEnergy(bench.energy), ctGetPairEnergy(twin.energy)));
     CHECK(haveSameBits(ctGetTermEnergy(bench.energy, 0), ctGetTermEnergy(twin.energy, 0)));
-    anew = total(&bench);
+    recomputed = total(&bench);
   }
-  /* To compute all of it anew would not do: the bits would be others. */
+  /* Recomputing would give other bits. */
   CHECK(ctRefreshEnergy(bench.energy, NULL) == ctSuccess);
-  CHECK(total(&bench) != anew && fabs(total(&bench) - anew) < 1e-3);
+  CHECK(total(&bench) != recomputed && fabs(total(&bench) - recomputed) < 1e-3);
   free(state);
   destroyBench(&bench);
   destroyBench(&twin);
@@ -102,7 +102,7 @@ static void testWithoutState(void) {
   destroyBench(&bench);
 }
 
-/* What is kept with other constants of the stand-in belongs to no state: it has to be computed anew. */
+/* A copy that was saved with other constants of the stand-in belongs to no state: the energy has to be refreshed. */
 static void testConstants(void) {
   static double constants[BEADS];
   Bench bench = makeBench();

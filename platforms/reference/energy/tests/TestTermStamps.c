@@ -1,4 +1,4 @@
-/* Trials of several links are told apart by a number of 32 bits. When it starts anew, no term may be taken for one that
+/* Trials of several links are told apart by a number of 32 bits. When it overflows, no term may be taken for one that
  * was computed already. Looks inside the terms. */
 #include "../src/terms.c"
 

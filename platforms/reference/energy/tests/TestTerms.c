@@ -28,7 +28,7 @@ static void drawLargeScene(uint64_t seed) {
 enum { MOST_LISTED_JOINTS = 8 };
 
 /* One term at a time, each joint on its own. A term is constant if no joint changes it. A joint that does not change a
- * term does not even compute it anew, unless many others change it: what is found is exactly 0. */
+ * term does not even recompute it, unless many others change it: the change is exactly 0. */
 static void testTerm(uint64_t seed, int number) {
   Branches* b = &scene.branches;
   const ctTermSet* set = &scene.random.sets[0];

@@ -89,7 +89,7 @@ static Bench makeBench(const ValueScene* s, const char* instructions) {
   Bench bench;
   setenv("CHAINTREE_SIMD", instructions, 1);
   bench.tree = createTree(&s->particles);
-  /* The first is twice there, so that the second has to have a place of its own. */
+  /* The first is twice there, so that the second needs another place. */
   const ctValueEnergy energies[2] = {s->energy, s->energy};
   const ctEnergyDefinition definition = {
       .scene = &s->particles.definition, .valueEnergyCount = 2, .valueEnergies = energies};
@@ -181,7 +181,8 @@ static void testScenes(int count) {
       drawValueScene(&s);
     } while (!isClear(&s, s.particles.positions));
     if (n % 5 == 0 && s.energy.termCount > 0) {
-      s.parameters[drawInt(PARAMETERS * s.particles.count)] = 0x1p-140; /* no float: all of it in double */
+      s.parameters[drawInt(PARAMETERS * s.particles.count)] =
+          0x1p-140; /* no float: the whole energy is computed in double */
     }
     const uint64_t start = chance;
     double found[3][2];

@@ -17,7 +17,7 @@ static inline long double oracleOverlap(long double r, long double o, long doubl
                  0.5L * logl(lower / upper) / r);
 }
 
-/* The same of two particles; with what it has more if spheres within others are filled. */
+/* The same of two particles, with the additional part if spheres within others are filled. */
 static inline long double oracleSpheres(const ctBorn* d, int i, int j, long double r) {
   const long double o = d->offsetRadii[i];
   const long double s = d->scaledRadii[j];

@@ -1,4 +1,4 @@
-/* valuescene.h: random value energies, and what they are in long double. */
+/* valuescene.h: random value energies, and the same in long double. */
 #ifndef VALUESCENE_H_
 #define VALUESCENE_H_
 
@@ -28,7 +28,7 @@ static const ctTable squareTable = {.dimensions = 1, .sizes = {3}, .minima = {-1
 
 /* ---- Random expressions ---- */
 
-/* All are smooth but for the least and the greatest, and what they give is of the size of 1. */
+/* All are smooth but for the least and the greatest, and their values are about 1. */
 static const ctOperator drawnOperators[] = {ctAddOperator,          ctAddOperator,
                                             ctSubtractOperator,     ctMultiplyOperator,
                                             ctMultiplyOperator,     ctMultiplyOperator,
@@ -43,7 +43,7 @@ static const ctOperator drawnOperators[] = {ctAddOperator,          ctAddOperato
                                             ctPowerOperator,        ctReciprocalOperator,
                                             ctPowerConstantOperator};
 
-/* True for those that need a number of at least 1/2, as 1/2 + |a| is. */
+/* True for functions of numbers from 1/2 on, such as 1/2 + |a|. */
 static inline bool needsPositive(ctOperator kind) {
   return kind == ctSqrtOperator || kind == ctLogOperator || kind == ctPowerOperator || kind == ctReciprocalOperator ||
          kind == ctPowerConstantOperator;
