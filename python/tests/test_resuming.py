@@ -220,10 +220,10 @@ def test_killedBetweenReports(runHere, tmp_path, monkeypatch):
     (tmp_path / "a.json").unlink()
     result = runHere("--resume", "run.checkpoint")
     assert result.returncode == 0, result.stderr
-    (tmp_path / "run.png").write_text("drawn anew")
+    (tmp_path / "run.png").write_text("redrawn")
     files = filesIn(tmp_path)
     assertRefused(runHere("--resume", "run.checkpoint"), tmp_path, files, "run.png: exists; --overwrite replaces it")
-    assert (tmp_path / "run.png").read_text() == "drawn anew"
+    assert (tmp_path / "run.png").read_text() == "redrawn"
 
 
 def test_twoAtATime(runHere, tmp_path, monkeypatch):

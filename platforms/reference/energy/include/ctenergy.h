@@ -305,8 +305,8 @@ typedef struct ctValueExpression {
  *
  * In operations of particles, parameter p is number p. In those of pairs there are no coordinates: input 0 is the
  * distance, parameter p < parametersPerParticle + valueCount is that number of one particle (in a value, of the one
- * that has it), and those that follow are of the other. Expressions of pairs are computed as in ctPairSet, those of
- * particles in double by the C library's functions. */
+ * that has it), and the following parameters are of the other. Expressions of pairs are computed as in ctPairSet,
+ * expressions of particles in double by the C library's functions. */
 typedef struct ctValueEnergy {
   int parametersPerParticle; /* numbers of all particles together: at most CT_MOST_COUNT */
   const double* parameters;  /* one particle after another, finite */

@@ -340,7 +340,7 @@ bool ctStandInSave(StandIn* standIn) {
   memcpy(standIn->savedSums, standIn->leafSums, leaves * sizeof *standIn->leafSums);
   memcpy(standIn->savedShifts, standIn->shifts, leaves * sizeof *standIn->shifts);
   memcpy(standIn->savedPresent, standIn->present, 2 * (leaves + 1));
-  /* The copy knows nothing of the trial, to which the numbers of new pairs belong. */
+  /* Indices of new pairs belong to the trial, which the copy does not include. */
   for (int i = 0; i < standIn->movedCount; i++) {
     if (standIn->staged[i].isNew) {
       ctNeighborsRelease(&standIn->savedNeighbors, standIn->staged[i].pair);

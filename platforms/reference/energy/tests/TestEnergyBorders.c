@@ -1,5 +1,5 @@
-/* Each argument of each call on an energy, and each field of its description, at each value that it must not have, and
- * at the ends of those that it may have: the status is the one that ctenergy.h says, and energies are as before. */
+/* Each argument of each call on an energy, and each field of its description, at each forbidden value, and at the
+ * ends of the allowed range: the status is the one that ctenergy.h says, and energies are as before. */
 #include "../../chaintree/tests/borders.h"
 #include "../../chaintree/tests/check.h"
 #include "ctenergy.h"

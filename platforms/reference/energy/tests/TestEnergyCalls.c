@@ -31,7 +31,7 @@ static double torsionEnergy(const double* x) {
   return sum;
 }
 
-/* A refresh knows nothing of what was before. */
+/* A refresh does not depend on earlier states. */
 static void testRefresh(void) {
   static double now[3 * BEADS];
   Bench bench = makeBench();

@@ -1,6 +1,5 @@
-/* Records of pairs of leaves: a number that is given out again has nothing of the pair that it belonged to, whether
- * that was given back or all were forgotten; and those that are kept stay what they are where more need room. Looks
- * inside the energy. */
+/* Records of pairs of leaves: an index that is used again holds no data of its former pair, whether that pair was
+ * released or all were, and records do not change when the array grows. Looks inside the energy. */
 #include "../../chaintree/tests/check.h"
 #include "../src/neighbors.h"
 

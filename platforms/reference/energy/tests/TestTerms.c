@@ -1,5 +1,5 @@
-/* Terms of every kind in random scenes against an oracle: what each joint changes, random programs of trials, states
- * that are set anew, and terms that many joints change. */
+/* Terms of every kind in random scenes against an oracle: what each joint changes, random programs of trials, new
+ * states, and terms that many joints change. */
 #include "termscene.h"
 
 static TermScene scene;
