@@ -108,6 +108,7 @@ void testWhatTurnedVelocitiesKeep(Platform& platform)
         scene.compound.step(1); // motion is removed in this one
         scene.compound.setCurrentIntegrator(0);
         scene.context->setVelocitiesToTemperature(300, 5);
+        scene.compound.step(1); // on OpenCL, OpenMM removes motion in each step, whatever the frequency
         State before = scene.getState();
         auto getMomentum = [&](const State& state) {
             Vec3 sum;
@@ -120,7 +121,8 @@ void testWhatTurnedVelocitiesKeep(Platform& platform)
         ASSERT_EQUAL_TOL(before.getKineticEnergy(), after.getKineticEnergy(), tolerance);
         ASSERT(getDistance(before.getVelocities()[3], after.getVelocities()[3]) > 0.01);
         const Vec3 change = getMomentum(after) - getMomentum(before);
-        ASSERT((sqrt(change.dot(change)) < 100 * tolerance) == removesMotion);
+        const double rounding = platform.getName() == "OpenCL" ? 1e-5 : 100 * tolerance; // of removing motion
+        ASSERT((sqrt(change.dot(change)) < rounding) == removesMotion);
         for (int i = 1; i < 14; i++) {
             if (i == 9)
                 continue;
@@ -224,14 +226,14 @@ void testVelocitiesOfTakenBackTrials(Platform& platform)
     scene.sampler->addTorsionMove(1, 2, {0, 1, 2, 3, 4});
     scene.makeContext();
     scene.context->setVelocitiesToTemperature(300, 5);
-    const vector<Vec3> before = scene.getState().getVelocities();
+    const State before = scene.getState();
     scene.compound.step(3);
     long long attempted, accepted, trialsTakenBack;
     double mean, deviation;
     scene.sampler->getOuterStatistics(attempted, accepted, trialsTakenBack, mean, deviation);
     ASSERT_EQUAL(30, trialsTakenBack);
-    assertSameBits(scene.chain.positions, getPositions(*scene.context));
-    assertSameBits(before, scene.getState().getVelocities());
+    assertSameBits(before.getPositions(), getPositions(*scene.context));
+    assertSameBits(before.getVelocities(), scene.getState().getVelocities());
 }
 
 /**
@@ -333,12 +335,13 @@ void testUnturnableVelocities(Platform& platform)
         Context own(chain.system, verlet, platform);
         own.setPositions(chain.positions);
         own.setVelocities(velocities);
+        const vector<Vec3> positions = getPositions(own);
         isBall ? chain.force->proposeBallRotations(own, {0}, {Vec3(1, 0, 0)})
                : chain.force->proposeTorsions(own, {0}, {1.0});
         assertThrows(message, [&] {
             chain.force->acceptProposal(own);
         });
-        assertSameBits(chain.positions, getPositions(own));
+        assertSameBits(positions, getPositions(own));
     }
 }
 

@@ -56,7 +56,7 @@ void testProposals(Platform& platform)
         chain.force->proposeBallRotations(context, {0, 3}, {rotation, Vec3(0, nan, 0)});
     });
     chain.force->addBallJoint(0, 1);
-    assertThrows("ball joints, closures or exclusions are not those", [&] {
+    assertThrows("ball joints, closures or exclusions differ from those", [&] {
         chain.force->updateParametersInContext(context);
     });
 }

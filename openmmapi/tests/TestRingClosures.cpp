@@ -269,7 +269,7 @@ static void testRefusals(Platform& platform)
         openContext.loadCheckpoint(checkpoint);
     });
     ring.force->addClosure(20, 21, 3, 4);
-    assertThrows("its particles, bonds, torsions, ball joints, closures or exclusions are not those", [&] {
+    assertThrows("its particles, bonds, torsions, ball joints, closures or exclusions differ from those", [&] {
         ring.force->updateParametersInContext(ringContext);
     });
 }

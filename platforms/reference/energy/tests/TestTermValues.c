@@ -222,8 +222,8 @@ static void testRefusals(void) {
   sets[1] = right;
   sets[1].count = -1;
   checkRefused(&scene, 2, sets, "negative count: -1 terms");
-  sets[1].kind = (ctTermKind)7;
-  checkRefused(&scene, 2, sets, "unknown kind 7");
+  sets[1].kind = (ctTermKind)(ctCentroidTerm + 1);
+  checkRefused(&scene, 2, sets, "unknown kind 8");
   sets[1].kind = (ctTermKind)-1;
   checkRefused(&scene, 2, sets, "unknown kind -1");
   checkRefused(&scene, -1, sets, "there are -1 term sets");
