@@ -1,8 +1,6 @@
 #include "openmm/CustomCentroidBondForce.h"
 #include "openmm/internal/CustomCentroidBondForceImpl.h"
-#include "openmmchaintree/internal/ExpressionTranslator.h"
-#include "openmmchaintree/internal/ForceTranslation.h"
-#include "openmmchaintree/internal/TabulatedFunctions.h"
+#include "openmmchaintree/internal/BondExpression.h"
 #include <algorithm>
 #include <memory>
 
@@ -10,28 +8,19 @@ using namespace ChainTreePlugin;
 using namespace OpenMM;
 using namespace std;
 
-/**
- * Not by OpenMM's XML: its numbers share memory among all threads, and steps copy Forces.
- */
 static Force* copyCustomCentroidBonds(const Force& force)
 {
     const CustomCentroidBondForce& original = dynamic_cast<const CustomCentroidBondForce&>(force);
     unique_ptr<CustomCentroidBondForce> copy(
         new CustomCentroidBondForce(original.getNumGroupsPerBond(), original.getEnergyFunction()));
-    copyGlobals(original, *copy);
-    copy->setUsesPeriodicBoundaryConditions(original.usesPeriodicBoundaryConditions());
-    for (int i = 0; i < original.getNumPerBondParameters(); i++)
-        copy->addPerBondParameter(original.getPerBondParameterName(i));
+    copyBondExpression(original, *copy);
     vector<int> members;
-    vector<double> numbers;
+    vector<double> weights;
     for (int i = 0; i < original.getNumGroups(); i++) {
-        original.getGroupParameters(i, members, numbers);
-        copy->addGroup(members, numbers);
+        original.getGroupParameters(i, members, weights);
+        copy->addGroup(members, weights);
     }
-    for (int i = 0; i < original.getNumBonds(); i++) {
-        original.getBondParameters(i, members, numbers);
-        copy->addBond(members, numbers);
-    }
+    copyBonds(original, *copy);
     return copy.release();
 }
 
@@ -64,21 +53,7 @@ static string translateCustomCentroidBonds(const Force& owner, int index, const 
     EnergyTerms::TermSet set =
         createTermSet(index, ctCentroidTerm, numGroups * size, force.getNumPerBondParameters() + numGroups * size);
     set.groupsPerTerm = numGroups;
-    ExpressionTranslator translator(set);
-    for (int i = 0; i < numGroups; i++) {
-        const string number = to_string(i + 1);
-        translator.addParticle("g" + number, {"x" + number, "y" + number, "z" + number}, i);
-    }
-    for (int i = 0; i < force.getNumTabulatedFunctions(); i++) {
-        const string& name = force.getTabulatedFunctionName(i);
-        translator.addForeignFunction(name, countArguments(force.getTabulatedFunction(i)),
-                                      "the tabulated function " + name);
-    }
-    for (int i = 0; i < force.getNumPerBondParameters(); i++)
-        translator.addParameter(force.getPerBondParameterName(i));
-    for (int i = 0; i < force.getNumGlobalParameters(); i++)
-        translator.addConstant(force.getGlobalParameterName(i), parameters.at(force.getGlobalParameterName(i)));
-    const string reason = translator.translate(force.getEnergyFunction());
+    const string reason = translateBondExpression(force, parameters, "g", numGroups, set);
     if (!reason.empty())
         return reason;
     for (int i = 0; i < force.getNumBonds(); i++) {
