@@ -20,8 +20,9 @@ OuterWatch::OuterWatch() : hasWarned(false)
 
 void OuterWatch::restart()
 {
-    count = numFinite = 0;
-    acceptance = mean = squares = 0;
+    count = 0;
+    acceptance = 0;
+    changes = OuterStatistics();
 }
 
 void OuterWatch::add(double change)
@@ -30,19 +31,15 @@ void OuterWatch::add(double change)
         return;
     count++;
     acceptance += ((isnan(change) ? 0 : min(1.0, exp(-change))) - acceptance) / count;
-    if (!isfinite(change))
-        return;
-    numFinite++;
-    const double fromFormerMean = change - mean;
-    mean += fromFormerMean / numFinite;
-    squares += fromFormerMean * (change - mean);
+    if (isfinite(change))
+        changes.add(change);
 }
 
 void OuterWatch::judge()
 {
     if (count < TESTS_TO_JUDGE)
         return;
-    const double deviation = numFinite < 2 ? 0 : sqrt(squares / (numFinite - 1));
+    const double deviation = changes.getStandardDeviation();
     const double kept = acceptance;
     restart();
     if (hasWarned || (kept >= LEAST_ACCEPTANCE && deviation <= LARGEST_DEVIATION))

@@ -142,8 +142,7 @@ void StericExclusionForceImpl::updateParametersInContext(ContextImpl& context)
 {
     if (!owner.hasStructureOf(*original))
         fail("its particles, bonds, torsions, ball joints, closures or exclusions differ from those that the Context "
-             "was "
-             "created with; reinitialize the Context");
+             "was created with; reinitialize the Context");
     kernel.getAs<CalcStericExclusionForceKernel>().copyParametersToContext(context, owner);
     limits.parametersWereChanged();
     context.systemChanged();

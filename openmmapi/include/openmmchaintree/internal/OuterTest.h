@@ -1,41 +1,15 @@
 #ifndef OPENMM_CHAINTREE_OUTERTEST_H_
 #define OPENMM_CHAINTREE_OUTERTEST_H_
 
-#include "openmm/serialization/SerializationNode.h"
-#include "openmmchaintree/internal/CheckpointStream.h"
 #include "openmmchaintree/internal/EnergyStage.h"
 #include "openmmchaintree/internal/MoveList.h"
 #include "openmmchaintree/internal/NativeEnergy.h"
+#include "openmmchaintree/internal/OuterStatistics.h"
 #include "openmmchaintree/internal/RandomNumberGenerator.h"
 #include "openmmchaintree/internal/TrialSession.h"
 #include <vector>
 
 namespace ChainTreePlugin {
-
-/**
- * Counts of outer tests, and the differences that they found.
- */
-class OuterStatistics {
-public:
-    OuterStatistics();
-    void add(double difference);
-    /**
-     * Get the standard deviation of all differences; 0 if there are fewer than two.
-     */
-    double getStandardDeviation() const;
-    void write(CheckpointWriter& writer) const;
-    void read(CheckpointReader& reader);
-    void write(OpenMM::SerializationNode& node) const;
-    void read(const OpenMM::SerializationNode& node);
-    /** The number of tests, and of tests that accepted their trials. */
-    long long attempted, accepted;
-    /** The number of trials of the other tests, rejected trials included. */
-    long long trialsTakenBack;
-    /** The number of differences that tests found, their mean, and the sum of the squares of their deviations from
-     *  it. */
-    long long numDifferences;
-    double mean, squares;
-};
 
 /**
  * The outer tests of a series of trials. A part U1 of U, or an approximation, decides about each trial. After a block

@@ -1,6 +1,7 @@
 #ifndef OPENMM_CHAINTREE_OUTERWATCH_H_
 #define OPENMM_CHAINTREE_OUTERWATCH_H_
 
+#include "openmmchaintree/internal/OuterStatistics.h"
 #include "openmmchaintree/internal/windowsExportChainTree.h"
 
 namespace ChainTreePlugin {
@@ -31,11 +32,11 @@ public:
 
 private:
     bool hasWarned;
-    /** How many changes there were, how many of them were finite, and the mean probability that tests keep them. */
-    int count, numFinite;
+    /** The number of changes, and the mean probability that tests keep them. */
+    int count;
     double acceptance;
-    /** Of the finite changes: their mean, and the sum of the squares of their deviations from it. */
-    double mean, squares;
+    /** The finite changes, in kT. */
+    OuterStatistics changes;
 };
 
 } // namespace ChainTreePlugin
