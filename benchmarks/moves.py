@@ -109,7 +109,7 @@ _MIXTURES = {
     DEFAULTS: ((1.0, Move("", lambda i, weight, one, system: addDefaultMoves(i, one.topology, system))),),
 }
 
-# Torsions that are looked at together, by their kinds: those of proteins, and of nucleic acids.
+# Kinds of torsions that are averaged together, in proteins and in nucleic acids.
 _WATCHED = {"phi": ("phi",), "psi": ("psi",), "chi1": ("chi1",), "backbone": NUCLEOTIDE_BACKBONE, "bases": ("chi",)}
 
 
@@ -245,7 +245,7 @@ def _describeChains(name, protein, mixture, chains, inefficiencies):
 def summarize(inefficiencies, kinds):
     """Return how many samples are worth one, for torsions of each kind, slow and slowest torsions, and RMSDs.
 
-    Of a torsion that is the worse of cosine and sine; of those of a kind the median.
+    For a torsion this is the worse of cosine and sine, for a kind the median over its torsions.
 
     Parameters
     ----------

@@ -70,6 +70,6 @@ def _makeStationary(entries):
         "AMBER14 with GBn2 at 300 K. Independent samples a second of the processor's time. Default moves: by the "
         "autocorrelation along one chain, without its first quarter. Pivots alone: at most, by chains that begin with "
         "states of that one, from their changes over up to the lag (0.75 of their length) and the variances of the "
-        "long chain. Torsions: medians over those of a kind; slow: nine tenths are faster."
+        "long chain. Torsions: medians over all torsions of a kind; slow: nine tenths are faster."
     )
     return tabulate("Independent samples a second from states of the ensemble", entries, columns, 2, note)

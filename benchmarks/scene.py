@@ -34,7 +34,7 @@ class Scene(NamedTuple):
     exclusions: np.ndarray
 
     def countTorsions(self, ofSideChains):
-        """Return the number of torsions of side chains, or of those of the backbone."""
+        """Return the number of torsions of side chains, or of backbones."""
         return sum(link.parent >= 0 and link.isSideChain == ofSideChains for link in self.links)
 
     def movedBy(self):

@@ -1,5 +1,5 @@
 /* The contestants of the instruction set that this file is compiled for. Contestants that name no instructions are
- * compiled for no more than AVX2: what gcc makes of them with AVX-512 is slower. Those of the engine choose their own
+ * compiled for no more than AVX2: gcc's code for AVX-512 is slower. Contestants of the engine choose their own
  * instruction set. */
 #include "lanes.h"
 #include "roster.h"
