@@ -9,7 +9,8 @@ typedef struct Probe {
   void* context;
 } Probe;
 
-static bool matchProbe(void* context, int slot, double squaredDistance) {
+static bool matchProbe(void* context, int none, int slot, double squaredDistance) {
+  (void)none;
   const Probe* probe = context;
   const Sequence* s = &probe->tree->sequence;
   const double overlap = slotRadius(s, slot) + probe->radius - sqrt(squaredDistance);
@@ -30,7 +31,7 @@ ctStatus ctForEachClashWith(ctChainTree* tree, const double position[3], double 
   subtract(position, tree->sequence.worldOrigin, point);
   Probe probe = {tree, radius, function, context};
   const View view = ctViewOfState(true, -tree->overlapTolerance);
-  ctSceneTree(tree);
+  ctSceneLooseTree(tree);
   ctTraverseProbe(&tree->traversal, &view, point, radius, matchProbe, &probe, counts);
   return ctSuccess;
 }

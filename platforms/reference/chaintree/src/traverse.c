@@ -46,7 +46,6 @@ bool ctTraversalBuild(Traversal* t, Arena* arena, const Tree* tree, const Sequen
   t->moved = ctArenaAllocate(arena, (size_t)t->movedCapacity, sizeof(Block));
   t->movedBoxesCapacity = MOST_MOVED_BOXES;
   t->movedBoxes = ctArenaAllocate(arena, MOST_MOVED_BOXES, sizeof(MovedBoxes));
-  t->stack = ctArenaAllocate(arena, (size_t)TREE_MAX_LEVELS * TREE_WIDTH, sizeof(ProbedNode));
   t->nearNodes = ctArenaAllocate(arena, nodes + TREE_WIDTH, sizeof(int));
   t->frameRevision = ctArenaAllocate(arena, inner, sizeof(int64_t));
   if (arena->failed) {
@@ -142,7 +141,7 @@ void ctTraverseFew(Traversal* t, const View* view, int begin, int end, Candidate
   t->tree->wide->traverseFew(t, view, begin, end, function, clashes, context, counts);
 }
 
-void ctTraverseProbe(Traversal* t, const View* view, const double point[3], double radius, ProbeFunction* function,
+void ctTraverseProbe(Traversal* t, const View* view, const double point[3], double radius, CandidateFunction* function,
                      void* context, ctCounts* counts) {
   t->tree->wide->traverseProbe(t, view, point, radius, function, context, counts);
 }

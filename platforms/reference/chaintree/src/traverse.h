@@ -21,11 +21,6 @@ typedef struct View {
   double reach;  /* pairs no farther apart than this are candidates; may be negative */
 } View;
 
-typedef struct ProbedNode {
-  int level;
-  int node;
-} ProbedNode;
-
 /* Boxes around the members of a node over leaves, along the world's axes, in short units: a coordinate in nm times
  * Traversal.boxScale. They are a little larger than the members. Rows 0 to 2 are the opposites of their high ends, rows
  * 3 to 5 their low ends. */
@@ -116,8 +111,7 @@ typedef struct Traversal {
   float (*motions)[12]; /* of the view */
   int motionCapacity;
 
-  ProbedNode* stack; /* of a probe */
-  int* nearNodes;    /* found by a probe; with room for sixteen more */
+  int* nearNodes; /* found for movers; with room for sixteen more */
 } Traversal;
 
 /* Receives a candidate and its squared distance; returns false to end the descent. */
@@ -126,9 +120,6 @@ typedef bool CandidateFunction(void* context, int slotA, int slotB, double squar
 /* Receives a candidate and an upper bound of its distance; returns true to end the descent. Otherwise the candidate and
  * its distance go to the CandidateFunction. */
 typedef bool SureClashFunction(void* context, int slotA, int slotB, double farthest);
-
-/* Receives a slot near a probe. */
-typedef bool ProbeFunction(void* context, int slot, double squaredDistance);
 
 bool ctTraversalBuild(Traversal* traversal, Arena* arena, const Tree* tree, const Sequence* sequence,
                       const Exclusions* exclusions);
@@ -157,9 +148,10 @@ int64_t ctTraverse(Traversal* traversal, const View* view, CandidateFunction* fu
 void ctTraverseFew(Traversal* traversal, const View* view, int begin, int end, CandidateFunction* function,
                    SureClashFunction* clashes, void* context, ctCounts* counts);
 
-/* The same for a sphere at a point of the world (from worldOrigin), against everything. */
+/* The same for a sphere at a point of the world (from worldOrigin), against everything in the view of the state:
+ * `function` receives CT_NULL and a slot. */
 void ctTraverseProbe(Traversal* traversal, const View* view, const double point[3], double radius,
-                     ProbeFunction* function, void* context, ctCounts* counts);
+                     CandidateFunction* function, void* context, ctCounts* counts);
 
 /* The position in the view of a slot of this body. */
 void ctPositionInView(Traversal* traversal, int slot, int body, double position[3]);

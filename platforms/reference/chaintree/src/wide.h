@@ -20,7 +20,7 @@
   F(void, refreshInnerNode, (Tree* tree, int level, int node, const int* changed, int count)) \
   F(void, refreshLeafBound, (Tree* tree, int leaf)) \
   F(void, widenAbove, (Tree* tree, int leaf)) \
-  /* wide/view.c, descent.c, movers.c, probe.c: see traverse.h. */ \
+  /* wide/view.c, descent.c, movers.c: see traverse.h. */ \
   F(void, updateWorldLeaf, (Traversal* t, int leaf)) \
   F(int64_t, traverse, \
     (Traversal* t, const View* view, CandidateFunction* function, void* context, ctCounts* counts)) \
@@ -28,7 +28,7 @@
     (Traversal* t, const View* view, int begin, int end, CandidateFunction* function, SureClashFunction* clashes, \
      void* context, ctCounts* counts)) \
   F(void, traverseProbe, \
-    (Traversal* t, const View* view, const double point[3], double radius, ProbeFunction* function, void* context, \
+    (Traversal* t, const View* view, const double point[3], double radius, CandidateFunction* function, void* context, \
      ctCounts* counts)) \
   /* wide/recentclashes.c */ \
   F(bool, testRecentClashes, \

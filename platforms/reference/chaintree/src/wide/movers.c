@@ -1,4 +1,4 @@
-/* Trials that move a few slots in a row: each mover is tested against all static slots. */
+/* Trials that move a few slots in a row, and probes: each mover is tested against all static slots. */
 #include "signedshorts.h"
 #include "view.h"
 
@@ -8,14 +8,15 @@ typedef struct MoverBox {
   float ends[8];
 } MoverBox;
 
-/* Slots [begin, end), which move, in the view, among sixteen. */
+/* Slots [begin, end), which move, in the view, among sixteen. Or a probe: a sphere that is no slot. */
 typedef struct Movers {
+  const double* probe; /* where it is; NULL: movers are slots */
   int begin;
   int end;
   int first;     /* of the sixteen; the others are empty */
   int leaf;      /* of begin */
   unsigned bits; /* of begin to end */
-  int firstLeaf; /* of all that move, which may be more */
+  int firstLeaf; /* of all that move, which may be more; beyond lastLeaf: none */
   int lastLeaf;
   MoverBox box;
   int16_t limits[8]; /* of ShortBoxes.ends: the ends of boxes that may be near are below them */
@@ -79,6 +80,7 @@ static void takeMovers(Traversal* t, int begin, int end, int first, Movers* move
   const View* view = t->view;
   Block own;
   const Block* world = worldOfSlots(t, first, end, &own);
+  movers->probe = NULL;
   movers->begin = begin;
   movers->end = end;
   movers->first = first;
@@ -198,10 +200,20 @@ CT_INLINE bool testLeaf(Traversal* t, Visit* visit, const Movers* movers, int le
   return true;
 }
 
+/* Tests the pair of a probe and a static slot. False ends the search. */
+static bool meetProbe(Traversal* t, const Visit* visit, const double probe[3], int slot) {
+  double position[3];
+  ctPositionInView(t, slot, 0, position);
+  return visit->function(visit->context, CT_NULL, slot, squaredDistance(probe, position));
+}
+
 /* Tests the pairs of a slot of this body with movers that are near it (bits), except excluded ones. False ends the
  * search. A function of its own, since this is rare. */
 CT_NOINLINE bool meetMovers(Traversal* t, const Visit* visit, const Movers* movers, unsigned near, int slot,
                             Sphere sphere, int body) {
+  if (movers->probe != NULL) {
+    return meetProbe(t, visit, movers->probe, slot);
+  }
   for (; near != 0; near &= near - 1) {
     const int k = __builtin_ctz(near);
     const int mover = movers->first + k;
@@ -252,6 +264,9 @@ enum { UNITS_AROUND = 2 };
 /* Units for the size of the state; the rest is for particles that move beyond it. */
 enum { UNITS_OF_STATE = 30000 };
 
+/* Units a nm, at most: products with CT_MOST_LENGTH are finite. */
+#define MOST_BOX_SCALE 1e20
+
 /* Makes the box of a leaf, whose world coordinates are up to date. */
 static void boxLeaf(Traversal* t, int leaf) {
   float least[8];
@@ -284,8 +299,7 @@ CT_NOINLINE void boxLeaves(Traversal* t) {
     t->testsToBoxes = INT_MAX;
     return;
   }
-  const double size = sizeOfState(t->tree);
-  t->boxScale = size > 0 ? (float)(UNITS_OF_STATE / size) : 1;
+  t->boxScale = (float)lesser(UNITS_OF_STATE / sizeOfState(t->tree), MOST_BOX_SCALE);
   for (int leaf = 0; leaf < leaves; leaf++) {
     CT_WIDE(updateWorldLeaf)(t, leaf);
     boxLeaf(t, leaf);
@@ -473,14 +487,8 @@ CT_INLINE bool testNearSlots(Traversal* t, Visit* visit, const Movers* movers, c
   return true;
 }
 
-/* Tests movers against all static slots: all but [begin, end). False ends the search. */
-static bool probeMovers(Traversal* t, Visit* visit, Movers* movers, int begin, int end) {
-  for (int leaf = movers->firstLeaf; leaf <= movers->lastLeaf; leaf++) {
-    const bool areHere = movers->first == leaf * TREE_WIDTH; /* all that move */
-    if (!testLeaf(t, visit, movers, leaf, ~(areHere ? movers->bits : slotBits(begin, end, leaf * TREE_WIDTH)))) {
-      return false;
-    }
-  }
+/* Tests movers against leaves in which nothing moves. False ends the search. */
+static bool testStaticLeaves(Traversal* t, Visit* visit, Movers* movers) {
   movers->box = boxOfMovers(&movers->block);
   if (t->testsToBoxes == 0) {
     limitBoxes(t, visit->reach, movers);
@@ -498,6 +506,17 @@ static bool probeMovers(Traversal* t, Visit* visit, Movers* movers, int begin, i
   return true;
 }
 
+/* Tests movers against all static slots: all but [begin, end). False ends the search. */
+static bool testStatic(Traversal* t, Visit* visit, Movers* movers, int begin, int end) {
+  for (int leaf = movers->firstLeaf; leaf <= movers->lastLeaf; leaf++) {
+    const bool areHere = movers->first == leaf * TREE_WIDTH; /* all that move */
+    if (!testLeaf(t, visit, movers, leaf, ~(areHere ? movers->bits : slotBits(begin, end, leaf * TREE_WIDTH)))) {
+      return false;
+    }
+  }
+  return testStaticLeaves(t, visit, movers);
+}
+
 /* Tests a view in which only slots [begin, end) move. It needs no volumes of mixed nodes. */
 static void visitFew(Traversal* t, Visit* visit, int begin, int end) {
   updateFirst(t, coveringNode(begin), coveringNode(end - 1) + 1);
@@ -511,7 +530,7 @@ static void visitFew(Traversal* t, Visit* visit, int begin, int end) {
     takeMovers(t, slot, next, areInOneLeaf ? coveringNode(slot) * TREE_WIDTH : slot, &movers[count]);
   }
   for (int i = 0; i < count; i++) {
-    if (!probeMovers(t, visit, &movers[i], begin, end)) {
+    if (!testStatic(t, visit, &movers[i], begin, end)) {
       return;
     }
   }
@@ -529,5 +548,26 @@ void CT_WIDE(traverseFew)(Traversal* t, const View* view, int begin, int end, Ca
   Visit visit = CT_WIDE(startVisit)(t, view, function, context);
   visit.clashes = clashes;
   visitFew(t, &visit, begin, end);
+  addTests(counts, visit.volumeTests, visit.particleTests);
+}
+
+void CT_WIDE(traverseProbe)(Traversal* t, const View* view, const double point[3], double radius,
+                            CandidateFunction* function, void* context, ctCounts* counts) {
+  Visit visit = CT_WIDE(startVisit)(t, view, function, context);
+  const double size = t->coordinateBound + sqrt(dot(point, point)) + radius;
+  visit.reach = (float)(view->reach + floatMargin(size + fabs(view->reach)));
+  Movers probe = {.probe = point, .end = 1, .bits = 1, .firstLeaf = 0, .lastLeaf = -1};
+  store16(probe.block.x, all16((float)point[0]));
+  store16(probe.block.y, all16((float)point[1]));
+  store16(probe.block.z, all16((float)point[2]));
+  store16(probe.block.r, blend16(probe.bits, all16(-INFINITY), all16((float)radius)));
+  const int root = treeRoot(t->tree);
+  if (treeTop(t->tree) == 0) {
+    probe.box = boxOfMovers(&probe.block);
+    testNearSlots(t, &visit, &probe, &root, 1, false);
+  } else {
+    updateFirst(t, 0, 0);
+    testStaticLeaves(t, &visit, &probe);
+  }
   addTests(counts, visit.volumeTests, visit.particleTests);
 }
