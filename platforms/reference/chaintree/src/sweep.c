@@ -43,21 +43,18 @@ static void findParticles(Sweep* sweep) {
 }
 
 bool ctSweepReserve(Sweep* sweep) {
-  if (sweep->stack != NULL) {
+  if (sweep->ranks != NULL) {
     return true;
   }
   Arena* arena = &sweep->arena;
   Candidates* candidates = &sweep->candidates;
   const size_t leaves = (size_t)sweep->layout->levelBegin[1];
   const size_t slots = (leaves < LEAVES_AT_ONCE ? leaves : LEAVES_AT_ONCE) * TREE_WIDTH;
-  /* A visit puts the pairs of all children of one node with all of another on the stack at most. */
-  const size_t visits = (size_t)TREE_MAX_LEVELS * TREE_WIDTH * TREE_WIDTH;
-  SweepVisit* stack = ctArenaAllocate(arena, visits, sizeof(SweepVisit));
-  sweep->nodes = ctArenaAllocate(arena, (size_t)sweep->layout->levelSize[1], sizeof *sweep->nodes);
-  sweep->ranks = ctArenaAllocate(arena, 1, sizeof(Ranks));
+  Ranks* ranks = ctArenaAllocate(arena, 1, sizeof(Ranks));
   sweep->lowest = ctArenaAllocate(arena, leaves, sizeof *sweep->lowest);
   sweep->highest = ctArenaAllocate(arena, leaves, sizeof *sweep->highest);
   /* With room behind, since they are written sixteen at a time. */
+  sweep->nodes = ctArenaAllocate(arena, (size_t)sweep->layout->levelSize[1] + TREE_WIDTH, sizeof *sweep->nodes);
   candidates->leaves = ctArenaAllocate(arena, leaves + TREE_WIDTH, sizeof *candidates->leaves);
   candidates->offset = ctArenaAllocate(arena, slots + TREE_WIDTH, sizeof *candidates->offset);
   candidates->particle = ctArenaAllocate(arena, slots + TREE_WIDTH, sizeof *candidates->particle);
@@ -66,9 +63,9 @@ bool ctSweepReserve(Sweep* sweep) {
     ctArenaFree(arena);
     return false;
   }
-  fillRanks(sweep->ranks);
+  fillRanks(ranks);
   findParticles(sweep);
-  sweep->stack = stack;
+  sweep->ranks = ranks;
   return true;
 }
 

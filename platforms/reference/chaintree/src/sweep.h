@@ -6,13 +6,6 @@
 #include "ranks.h"
 #include "snapshot.h"
 
-/* Two nodes of one level. */
-typedef struct SweepVisit {
-  int level;
-  int a;
-  int b;
-} SweepVisit;
-
 /* Sizes of the parts in which a sweep for neighbours works. LEAVES_AT_ONCE bounds the memory for candidates: leaves
  * rarely have more leaves near them. */
 enum { LEAVES_AT_ONCE = 1024, PAIRS_AT_ONCE = 512, CANDIDATES_AT_ONCE = 8, LOWER_AT_ONCE = 64 };
@@ -34,11 +27,11 @@ typedef struct Sweep {
   Arena arena; /* of everything below, which is made when first needed */
   Snapshot snapshot;
   int64_t snapshotRevision; /* the tree's revision that the snapshot shows, or NO_REVISION */
-  SweepVisit* stack;        /* of a sweep for clashes; what follows is for neighbours */
-  Ranks* ranks;
+  /* For neighbours. */
+  Ranks* ranks; /* NULL: nothing is made yet */
   int* lowest;  /* per leaf: no particle is below */
   int* highest; /* per leaf: no particle is above, or INT_MAX if they do not ascend */
-  int* nodes;   /* of level 1: those near one of them */
+  int* nodes;   /* of level 1: near one of them */
   Candidates candidates;
 } Sweep;
 

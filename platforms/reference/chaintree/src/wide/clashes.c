@@ -1,20 +1,21 @@
 /* The sweep for clashes. */
+#include "boxdescent.h"
 #include "near.h"
 
 /* ---- Filters ---- */
 
 /* The members (bits) whose boxes are within reach of the box of a node below the top. */
-static unsigned membersNearNode(const Pass* pass, int level, const SnapshotBoxes* members, int node) {
+CT_INLINE unsigned membersNearNode(const Pass* pass, int level, const SnapshotBoxes* members, int node) {
   const Tree* layout = pass->sweep->layout;
   const SnapshotBoxes* others = snapshotBoxes(&pass->sweep->snapshot, layout, treeParent(layout, level, node));
   return membersNear(pass, members, others, memberIndex(node - layout->levelBegin[level]), true);
 }
 
 /* The slots (bits) of leaf a that are within reach of box k of others. */
-static unsigned slotsNearMember(const Pass* pass, int a, const SnapshotBoxes* others, int k) {
+CT_INLINE unsigned slotsNearMember(const Pass* pass, int a, const SnapshotBoxes* others, int k) {
   const Slots slots = slotsOf(&pass->sweep->snapshot.leaf[a]);
-  const AxisBox coordinateBound = memberOf(others, k);
-  return slotsNear(pass, &slots, &coordinateBound, true);
+  const AxisBox box = memberOf(others, k);
+  return slotsNear(pass, &slots, &box, true);
 }
 
 /* ---- Clashes of two leaves ---- */
@@ -47,7 +48,7 @@ static bool tellClashes(const Pass* pass, const LeafPair* pair, const Found* fou
   return true;
 }
 
-static bool findClashes(const Pass* pass, const LeafPair* pair) {
+CT_INLINE bool findClashes(const Pass* pass, const LeafPair* pair) {
   const Block* blockA = &pass->sweep->snapshot.leaf[pair->a];
   const Block* blockB = &pass->sweep->snapshot.leaf[pair->b];
   const Float16 reach = add16(load16(blockB->r), all16(pass->reach));
@@ -66,11 +67,13 @@ static bool findClashes(const Pass* pass, const LeafPair* pair) {
 
 /* ---- Sweeps ---- */
 
-/* Sweeps a leaf against leaves firstB + k for each bit k; their boxes are aroundB. False ends the sweep. */
-static bool sweepLeaves(const Pass* pass, int a, int firstB, const SnapshotBoxes* aroundB, unsigned near) {
+/* Sweeps a leaf against leaves firstB + k for each bit k. False ends the sweep. */
+static bool sweepLeaves(void* search, int a, int firstB, unsigned near) {
   static const uint16_t nothing[TREE_WIDTH] = {0};
+  const Pass* pass = search;
   uint16_t ownExcluded[TREE_WIDTH];
   const Exclusions* exclusions = pass->sweep->exclusions;
+  const SnapshotBoxes* aroundB = &pass->sweep->snapshot.boxes[coveringNode(firstB)]; /* level 1 comes first */
   const int sizeA = sizeOfLeaf(pass->sweep->layout, a);
   int partner = exclusionsFrom(exclusions, a, firstB);
   bool continues = true;
@@ -101,69 +104,33 @@ static bool sweepLeaves(const Pass* pass, int a, int firstB, const SnapshotBoxes
 
 /* The members (bits) of node a that are near node b. Where the boxes of two nodes overlap, most of their members may
  * still be far from each other's boxes (section 4). */
-static unsigned rowsOf(const Pass* pass, const SweepVisit* visit, int countA, int countB) {
-  const Snapshot* snapshot = &pass->sweep->snapshot;
+CT_INLINE unsigned membersNearOther(void* search, int level, int a, int b) {
+  const Pass* pass = search;
   const Tree* layout = pass->sweep->layout;
-  if (visit->a == visit->b) {
-    return (1u << countA) - 1;
+  const SnapshotBoxes* aroundA = snapshotBoxes(&pass->sweep->snapshot, layout, a);
+  if (a == b) {
+    return ~greater16(all16(0), load16(aroundA->r)) & 0xffff;
   }
-  pass->task->volumeTests += countA;
-  const SnapshotBoxes* aroundA = snapshotBoxes(snapshot, layout, visit->a);
-  const unsigned rows = membersNearNode(pass, visit->level, aroundA, visit->b);
+  pass->task->volumeTests += treeMemberCount(layout, level, a);
+  const unsigned rows = membersNearNode(pass, level, aroundA, b);
   if (rows == 0) {
     return 0;
   }
-  pass->task->volumeTests += countB;
-  const SnapshotBoxes* aroundB = snapshotBoxes(snapshot, layout, visit->b);
-  return membersNearNode(pass, visit->level, aroundB, visit->a) == 0 ? 0 : rows;
+  pass->task->volumeTests += treeMemberCount(layout, level, b);
+  const SnapshotBoxes* aroundB = snapshotBoxes(&pass->sweep->snapshot, layout, b);
+  return membersNearNode(pass, level, aroundB, a) == 0 ? 0 : rows;
 }
 
-static void sweepPairs(const Pass* pass) {
-  const Sweep* sweep = pass->sweep;
-  const Tree* layout = sweep->layout;
-  const int root = treeRoot(layout);
-  if (treeTop(layout) == 0) {
-    sweepLeaves(pass, root, root, NULL, 1);
-    return;
-  }
-  int depth = 0;
-  sweep->stack[depth++] = (SweepVisit){treeTop(layout), root, root};
-  while (depth > 0) {
-    const SweepVisit visit = sweep->stack[--depth];
-    int countA;
-    int countB;
-    const int firstA = treeChildren(layout, visit.level, visit.a, &countA);
-    const int firstB = treeChildren(layout, visit.level, visit.b, &countB);
-    const SnapshotBoxes* aroundA = snapshotBoxes(&sweep->snapshot, layout, visit.a);
-    const SnapshotBoxes* aroundB = snapshotBoxes(&sweep->snapshot, layout, visit.b);
-    const unsigned rows = rowsOf(pass, &visit, countA, countB);
-    for (int i = 0; i < countA; i++) {
-      /* Descending, except leaves: the stack turns the order round, so leaves are swept in ascending order. */
-      const int k = visit.level == 1 ? i : countA - 1 - i;
-      if ((rows >> k & 1) == 0 || aroundA->r[k] < 0) {
-        continue;
-      }
-      unsigned near = membersNear(pass, aroundB, aroundA, k, true);
-      if (visit.a == visit.b) {
-        near &= ~0u << k;
-      }
-      pass->task->volumeTests += visit.a == visit.b ? countB - k : countB;
-      if (visit.level == 1) {
-        if (!sweepLeaves(pass, firstA + k, firstB, aroundB, near)) {
-          return;
-        }
-        continue;
-      }
-      while (near != 0) {
-        const int l = 31 - __builtin_clz(near);
-        sweep->stack[depth++] = (SweepVisit){visit.level - 1, firstA + k, firstB + l};
-        near &= ~(1u << l);
-      }
-    }
-  }
+CT_INLINE unsigned membersNearMember(void* search, int level, int a, int k, int b) {
+  const Pass* pass = search;
+  const Tree* layout = pass->sweep->layout;
+  const SnapshotBoxes* aroundA = snapshotBoxes(&pass->sweep->snapshot, layout, a);
+  const SnapshotBoxes* aroundB = snapshotBoxes(&pass->sweep->snapshot, layout, b);
+  pass->task->volumeTests += treeMemberCount(layout, level, b) - (a == b ? k : 0);
+  return membersNear(pass, aroundB, aroundA, k, true);
 }
 
 void CT_WIDE(sweepClashes)(Sweep* sweep, SweepTask* task) {
-  const Pass pass = startPass(sweep, task);
-  sweepPairs(&pass);
+  Pass pass = startPass(sweep, task);
+  descendBoxes(&pass, sweep->layout, 1, membersNearOther, membersNearMember, sweepLeaves);
 }

@@ -1,10 +1,11 @@
-/* The pairs of leaves that a trial changes, and all that are near. The boxes are descended pair by pair, as in a clash
- * test. A node is opened when it is first reached: its members get their bodies and, where they move, boxes in the
- * trial. Of a pair of members at least one is not of the largest body, that with most leaves, since all pairs within
- * that stay as they are: such members are rows, each of which is compared with sixteen others at a time. */
+/* The pairs of leaves that a trial changes, and all that are near. For a trial, boxes before it and in it are descended
+ * pair by pair. A node is opened when it is first reached: its members get their bodies and, where they move, boxes in
+ * the trial. Of a pair of members at least one is not of the largest body, that with most leaves, since all pairs
+ * within that stay as they are: such members are rows, each of which is compared with sixteen others at a time. */
 #include <string.h>
 
 #include "axisboxes.h"
+#include "boxdescent.h"
 
 /* Of a member that has particles of many bodies. */
 enum { MANY_BODIES = -1 };
@@ -252,57 +253,53 @@ typedef struct Opened {
 /* A descent. */
 typedef struct LeafDescent {
   LeafTask* task;
-  bool inTrial;
-  int largest;
-  float limit; /* of squared gaps */
+  int largest;                        /* body */
+  float limit;                        /* of squared gaps */
+  float gaps[TREE_WIDTH][TREE_WIDTH]; /* squared: of rows from sixteen columns */
 } LeafDescent;
 
-/* Members of `columns` that are near a box, before the trial or in it; and their squared gaps. */
-CT_INLINE unsigned findNearBoxes(LeafDescent* d, const AxisBoxes* before, const AxisBoxes* after, int k,
-                                 const Opened* others, unsigned columns, Float16* gaps) {
-  *gaps = squaredGaps(before, k, others->before);
-  if (d->inTrial) {
-    *gaps = min16(*gaps, squaredGaps(after, k, others->after));
-  }
+/* The members of `columns` that are near: their squared gaps are up to the limit. */
+CT_INLINE unsigned nearByGaps(LeafDescent* d, Float16 gaps, unsigned columns) {
   d->task->tests += TREE_WIDTH;
-  return columns & ~greater16(*gaps, all16(d->limit));
+  return columns & ~greater16(gaps, all16(d->limit));
 }
 
-static void addPairs(LeafDescent* d, int row, const Opened* others, unsigned near, Float16 gaps) {
+/* Squared gaps of a box from others: the least before the trial and in it. */
+CT_INLINE Float16 leastGaps(const AxisBoxes* before, const AxisBoxes* after, int k, const Opened* others) {
+  return min16(squaredGaps(before, k, others->before), squaredGaps(after, k, others->after));
+}
+
+/* Adds the pairs of a leaf with leaves first + k for each bit k. False if there is no memory. */
+static bool addPairs(LeafDescent* d, int row, int first, unsigned near) {
   LeafPairs* pairs = d->task->pairs;
   if (!ctLeafPairsReserve(pairs, pairs->count + TREE_WIDTH)) {
     d->task->failed = true;
-    return;
+    return false;
   }
-  float gap[TREE_WIDTH];
   int columns[TREE_WIDTH];
-  store16(gap, gaps);
   const int count = indices16(near, 0, columns);
   ctLeafPair* to = pairs->pairs + pairs->count;
   for (int i = 0; i < count; i++) {
-    const int column = others->first + columns[i];
+    const int column = first + columns[i];
     to[i].a = row < column ? row : column;
     to[i].b = row < column ? column : row;
-    to[i].squaredGap = gap[columns[i]];
+    to[i].squaredGap = d->gaps[memberIndex(row)][columns[i]];
   }
   pairs->count += (size_t)count;
+  return true;
 }
 
 static Opened openReached(const LeafDescent* d, int level, const Reached* reached) {
   const LeafTask* task = d->task;
-  Opened o = {0};
+  openNode(task, level, reached->node, reached->body);
+  const TrialMembers* members = trialMembers(task->leaves, task->tree, reached->node);
+  Opened o;
   o.before = leafBoxes(task->leaves, task->tree, reached->node);
-  o.after = o.before;
+  o.after = reached->body == 0 ? o.before : &members->boxes;
+  o.body = members->body;
   o.occupied = task->leaves->occupied[reached->node];
-  o.rows = o.occupied;
+  o.rows = o.occupied & ~equal16(members->body, d->largest);
   o.first = (reached->node - task->tree->levelBegin[level]) * TREE_WIDTH;
-  if (d->inTrial) {
-    openNode(task, level, reached->node, reached->body);
-    const TrialMembers* members = trialMembers(task->leaves, task->tree, reached->node);
-    o.after = reached->body == 0 ? o.before : &members->boxes;
-    o.body = members->body;
-    o.rows = o.occupied & ~equal16(members->body, d->largest);
-  }
   return o;
 }
 
@@ -310,18 +307,19 @@ static void descendLeaves(LeafDescent* d, int level, const Reached* a, const Rea
 
 static Reached reachMember(const LeafDescent* d, int level, const Opened* o, int k) {
   const int node = d->task->tree->levelBegin[level - 1] + o->first + k;
-  return (Reached){node, k, o->before, o->after, d->inTrial ? o->body[k] : 0};
+  return (Reached){node, k, o->before, o->after, o->body[k]};
 }
 
 /* Compares row k of an opened node with these columns of another. */
 static void searchRow(LeafDescent* d, int level, const Opened* rows, int k, const Opened* others, unsigned columns) {
-  Float16 gaps;
-  unsigned near = findNearBoxes(d, rows->before, rows->after, k, others, columns, &gaps);
+  const Float16 gaps = leastGaps(rows->before, rows->after, k, others);
+  unsigned near = nearByGaps(d, gaps, columns);
   if (near == 0) {
     return;
   }
   if (level == 1) {
-    addPairs(d, rows->first + k, others, near, gaps);
+    store16(d->gaps[k], gaps);
+    addPairs(d, rows->first + k, others->first, near);
     return;
   }
   const Reached row = reachMember(d, level, rows, k);
@@ -336,8 +334,8 @@ static void searchRow(LeafDescent* d, int level, const Opened* rows, int k, cons
 }
 
 /* The columns that a row moves against, all in one node. */
-static unsigned columnsOfRow(const LeafDescent* d, const Opened* rows, int k, const Opened* others) {
-  if (!d->inTrial || rows->body[k] == MANY_BODIES) {
+static unsigned columnsOfRow(const Opened* rows, int k, const Opened* others) {
+  if (rows->body[k] == MANY_BODIES) {
     return others->occupied;
   }
   return others->occupied & ~equal16(others->body, rows->body[k]);
@@ -351,29 +349,60 @@ static void descendLeaves(LeafDescent* d, int level, const Reached* a, const Rea
       const int k = __builtin_ctz(left);
       /* Pairs of two rows belong to the first. */
       const unsigned earlier = first.rows & ((1u << k) - 1);
-      searchRow(d, level, &first, k, &first, columnsOfRow(d, &first, k, &first) & ~earlier);
+      searchRow(d, level, &first, k, &first, columnsOfRow(&first, k, &first) & ~earlier);
     }
     return;
   }
   const Opened second = openReached(d, level, b);
-  Float16 gaps;
   unsigned left = first.rows;
   if ((left & (left - 1)) != 0) {
-    left = findNearBoxes(d, b->before, b->after, b->k, &first, left, &gaps);
+    left = nearByGaps(d, leastGaps(b->before, b->after, b->k, &first), left);
   }
   for (; left != 0 && !d->task->failed; left &= left - 1) {
     const int k = __builtin_ctz(left);
-    searchRow(d, level, &first, k, &second, columnsOfRow(d, &first, k, &second));
+    searchRow(d, level, &first, k, &second, columnsOfRow(&first, k, &second));
   }
   const unsigned others = first.occupied & ~first.rows;
   left = others == 0 ? 0 : second.rows;
   if ((left & (left - 1)) != 0) {
-    left = findNearBoxes(d, a->before, a->after, a->k, &second, left, &gaps);
+    left = nearByGaps(d, leastGaps(a->before, a->after, a->k, &second), left);
   }
   for (; left != 0 && !d->task->failed; left &= left - 1) {
     searchRow(d, level, &second, __builtin_ctz(left), &first, others);
   }
 }
+
+/* ---- Pairs of the state ---- */
+
+/* Members of node a that are near node b. */
+CT_INLINE unsigned rowsOfState(void* search, int level, int a, int b) {
+  LeafDescent* d = search;
+  const Tree* tree = d->task->tree;
+  const Leaves* leaves = d->task->leaves;
+  const unsigned rows = leaves->occupied[a];
+  if (a == b || (rows & (rows - 1)) == 0) {
+    return rows;
+  }
+  const AxisBoxes* around = leafBoxes(leaves, tree, treeParent(tree, level, b));
+  const int k = memberIndex(b - tree->levelBegin[level]);
+  return nearByGaps(d, squaredGaps(around, k, leafBoxes(leaves, tree, a)), rows);
+}
+
+CT_INLINE unsigned columnsOfState(void* search, int level, int a, int k, int b) {
+  LeafDescent* d = search;
+  const Tree* tree = d->task->tree;
+  const Leaves* leaves = d->task->leaves;
+  const Float16 gaps = squaredGaps(leafBoxes(leaves, tree, a), k, leafBoxes(leaves, tree, b));
+  (void)level;
+  store16(d->gaps[k], gaps);
+  return nearByGaps(d, gaps, leaves->occupied[b]);
+}
+
+CT_INLINE bool addPairsOfState(void* search, int leaf, int first, unsigned near) {
+  return addPairs(search, leaf, first, near);
+}
+
+/* ---- The task ---- */
 
 /* The largest distance from worldOrigin of a corner of member 0. */
 static double cornerOf(const AxisBoxes* boxes) {
@@ -394,24 +423,37 @@ static float gapLimit(const LeafTask* task, const AxisBoxes* before, const AxisB
   return (float)(reach * reach * (1 + 1e-6)) + FLOAT_FLOOR;
 }
 
-void CT_WIDE(listLeafPairs)(LeafTask* task) {
-  const Tree* tree = task->tree;
-  Leaves* leaves = task->leaves;
+/* Lists pairs of leaves that the trial changes. */
+static void listChanged(LeafDescent* d) {
+  const Tree* tree = d->task->tree;
+  Leaves* leaves = d->task->leaves;
   const int superRoot = treeSuperRoot(tree);
   const int level = tree->levelCount;
-  LeafDescent descent = {.task = task, .inTrial = task->pieceCount > 0};
-  Reached top = {.node = superRoot};
-  if (leaves->occupied[superRoot] == 0 || task->pieceCount == 1) {
+  leaves->trialNumber++;
+  d->largest = largestBody(d->task);
+  const Reached top = {.node = superRoot, .body = openMany(d->task, level, superRoot, 0)};
+  d->limit = gapLimit(d->task, leafBoxes(leaves, tree, superRoot), &trialMembers(leaves, tree, superRoot)->boxes);
+  descendLeaves(d, level, &top, &top);
+}
+
+/* Lists all near pairs of leaves. */
+static void listAll(LeafDescent* d) {
+  const Tree* tree = d->task->tree;
+  const AxisBoxes* around = leafBoxes(d->task->leaves, tree, treeSuperRoot(tree));
+  d->limit = gapLimit(d->task, around, around);
+  descendBoxes(d, tree, 1, rowsOfState, columnsOfState, addPairsOfState);
+}
+
+void CT_WIDE(listLeafPairs)(LeafTask* task) {
+  if (task->leaves->occupied[treeSuperRoot(task->tree)] == 0 || task->pieceCount == 1) {
     return; /* no particles, or all of them move as one */
   }
-  const AxisBoxes* before = leafBoxes(leaves, tree, superRoot);
-  const AxisBoxes* after = before;
-  if (descent.inTrial) {
-    leaves->trialNumber++;
-    descent.largest = largestBody(task);
-    top.body = openMany(task, level, superRoot, 0);
-    after = &trialMembers(leaves, tree, superRoot)->boxes;
+  LeafDescent descent;
+  descent.task = task;
+  descent.gaps[0][0] = 0; /* of the only leaf from itself */
+  if (task->pieceCount > 0) {
+    listChanged(&descent);
+  } else {
+    listAll(&descent);
   }
-  descent.limit = gapLimit(task, before, after);
-  descendLeaves(&descent, level, &top, &top);
 }

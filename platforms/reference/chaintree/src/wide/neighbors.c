@@ -2,33 +2,52 @@
 #include <limits.h>
 #include <string.h>
 
+#include "boxdescent.h"
 #include "near.h"
 
 /* ---- The candidates of a leaf ---- */
 
-/* Adds to `nodes` the nodes of level 1 below a node of a higher level that are within reach of node `own` of level 1
- * and not before it. Returns how many there are then. */
-static int listNodes(const Pass* pass, int level, int node, int own, int count) {
-  const Tree* layout = pass->sweep->layout;
-  const Snapshot* snapshot = &pass->sweep->snapshot;
-  int members;
-  const int first = treeChildren(layout, level, node, &members);
-  const int rank = own - layout->levelBegin[1];
-  /* The node over `own` in the level of the members. */
-  const int over = layout->levelBegin[level - 1] + (rank >> TREE_WIDTH_BITS * (level - 2));
-  const SnapshotBoxes* around = snapshotBoxes(snapshot, layout, treeParent(layout, 1, own));
-  unsigned near = membersNear(pass, snapshotBoxes(snapshot, layout, node), around, memberIndex(rank), false);
-  near &= over > first ? ~0u << (over - first) : ~0u;
-  pass->task->volumeTests += members;
-  for (; near != 0; near &= near - 1) {
-    const int member = first + __builtin_ctz(near);
-    if (level == 2) {
-      pass->sweep->nodes[count++] = member;
-    } else {
-      count = listNodes(pass, level - 1, member, own, count);
-    }
-  }
-  return count;
+/* A search for the nodes of level 1 that are within reach of one of them and not before it. */
+typedef struct NodeSearch {
+  const Pass* pass;
+  int own;
+  const SnapshotBoxes* around; /* its siblings' boxes and its own */
+  int count;                   /* of nodes found, which are in Sweep.nodes */
+} NodeSearch;
+
+/* The member that holds the own node, of a node that holds it. */
+CT_INLINE unsigned memberOverOwn(void* search, int level, int a, int b) {
+  const NodeSearch* nodes = search;
+  const int rank = nodes->own - nodes->pass->sweep->layout->levelBegin[1];
+  (void)a;
+  (void)b;
+  return 1u << memberIndex(rank >> TREE_WIDTH_BITS * (level - 2));
+}
+
+CT_INLINE unsigned membersNearOwn(void* search, int level, int a, int k, int b) {
+  const NodeSearch* nodes = search;
+  const Sweep* sweep = nodes->pass->sweep;
+  (void)a;
+  (void)k;
+  nodes->pass->task->volumeTests += treeMemberCount(sweep->layout, level, b);
+  return membersNear(nodes->pass, snapshotBoxes(&sweep->snapshot, sweep->layout, b), nodes->around,
+                     memberIndex(nodes->own - sweep->layout->levelBegin[1]), false);
+}
+
+CT_INLINE bool addNodes(void* search, int own, int first, unsigned near) {
+  NodeSearch* nodes = search;
+  const Sweep* sweep = nodes->pass->sweep;
+  (void)own;
+  nodes->count += (int)closeNumbers16(sweep->ranks, near, first, sweep->nodes + nodes->count);
+  return true;
+}
+
+/* Lists the nodes of level 1 that are within reach of one of them and not before it. Returns how many. */
+static int listNodes(const Pass* pass, int own) {
+  const Sweep* sweep = pass->sweep;
+  NodeSearch nodes = {pass, own, snapshotBoxes(&sweep->snapshot, sweep->layout, treeParent(sweep->layout, 1, own)), 0};
+  descendBoxes(&nodes, sweep->layout, 2, memberOverOwn, membersNearOwn, addNodes);
+  return nodes.count;
 }
 
 /* Lists the leaves that are within reach of a leaf, which is child k of a node, and not before it. They lie in the
@@ -270,19 +289,14 @@ static bool addNeighbors(const Pass* pass, int leaf, const AxisBox* box, int lea
 static void addAllNeighbors(const Pass* pass) {
   const Sweep* sweep = pass->sweep;
   const Tree* layout = sweep->layout;
-  const int top = treeTop(layout);
-  if (top == 0) {
+  if (treeTop(layout) == 0) {
     const AxisBox everywhere = {{-INFINITY, -INFINITY, -INFINITY}, {INFINITY, INFINITY, INFINITY}, INFINITY};
     sweep->candidates.leaves[0] = 0;
     addNeighbors(pass, 0, &everywhere, 1);
     return;
   }
   for (int node = layout->levelBegin[1]; node < layout->levelBegin[1] + layout->levelSize[1]; node++) {
-    int nodeCount = 1;
-    sweep->nodes[0] = node;
-    if (top > 1) {
-      nodeCount = listNodes(pass, top, treeRoot(layout), node, 0);
-    }
+    const int nodeCount = listNodes(pass, node);
     int members;
     const int first = treeChildren(layout, 1, node, &members);
     for (int k = 0; k < members; k++) {
