@@ -162,7 +162,7 @@ public:
         assertClose(former, computeEnergies()[index], tolerance);
         for (int trial = 0; trial < 30; trial++) {
             const int torsion = numbers.below(chain.force->getNumTorsions());
-            scene->proposeTorsions({torsion}, {numbers.between(-2, 2)});
+            scene->propose(Proposal().addTorsion(torsion, numbers.between(-2, 2)));
             double change = 0;
             for (int part = 0; part < 3; part++)
                 change += getEnergy().computeEnergyChange((ctEnergyPart)part);

@@ -133,6 +133,15 @@ void MonteCarloMove::write(SerializationNode& node) const
     }
 }
 
+bool MonteCarloMove::propose(TrialSession& trials, RandomNumberGenerator& random)
+{
+    proposal.clear();
+    if (!draw(trials, random, proposal))
+        return false;
+    trials.propose(proposal);
+    return true;
+}
+
 double MonteCarloMove::computeLogRatio(TrialSession&)
 {
     return 0;

@@ -26,7 +26,6 @@ void Scene::Deleter::operator()(ctSelection* selection) const
 Scene::Scene(const StericExclusionForce& force, const LinkStructure& structure) :
     definition(force, structure), energy(*this), counts(), numQueries(0)
 {
-    changes.resize(max(definition.torsionLinks.size(), definition.ballJointLinks.size()));
 }
 
 Scene::~Scene()
@@ -258,35 +257,34 @@ void Scene::setLimits(const vector<pair<int, int>>& pairs, const vector<double>&
 
 // ---- Trials ----
 
-void Scene::proposeTorsions(const vector<int>& torsions, const vector<double>& angles)
+void Scene::propose(const Proposal& proposal)
 {
-    for (size_t i = 0; i < torsions.size(); i++) {
-        changes[i].link = definition.torsionLinks[torsions[i]];
-        changes[i].angle = angles[i];
-    }
-    check(ctPropose(tree.get(), torsions.size(), changes.data()));
+    changes.clear();
+    for (const Proposal::Change& proposed : proposal.getChanges())
+        changes.push_back(describe(proposed));
+    check(ctPropose(tree.get(), changes.size(), changes.data()));
 }
 
-void Scene::proposeBallRotations(const vector<int>& ballJoints, const vector<Vec3>& rotations)
-{
-    for (size_t i = 0; i < ballJoints.size(); i++) {
-        changes[i].link = definition.ballJointLinks[ballJoints[i]];
-        for (int j = 0; j < 3; j++)
-            changes[i].rotation[j] = rotations[i][j];
-    }
-    check(ctPropose(tree.get(), ballJoints.size(), changes.data()));
-}
-
-void Scene::proposeRigidMotion(int molecule, const Vec3& rotation, const Vec3& translation)
+/**
+ * Get a change in the engine's form.
+ */
+ctChange Scene::describe(const Proposal::Change& proposed) const
 {
     ctChange change = {};
-    change.link = definition.moleculeRoots[molecule];
-    check(ctGetCentroid(tree.get(), change.link, change.pivot));
-    for (int i = 0; i < 3; i++) {
-        change.rotation[i] = rotation[i];
-        change.translation[i] = translation[i];
+    if (proposed.kind == Proposal::Torsion)
+        change.link = definition.torsionLinks[proposed.index];
+    else if (proposed.kind == Proposal::BallJoint)
+        change.link = definition.ballJointLinks[proposed.index];
+    else {
+        change.link = definition.moleculeRoots[proposed.index];
+        check(ctGetCentroid(tree.get(), change.link, change.pivot));
     }
-    check(ctPropose(tree.get(), 1, &change));
+    change.angle = proposed.angle;
+    for (int i = 0; i < 3; i++) {
+        change.rotation[i] = proposed.rotation[i];
+        change.translation[i] = proposed.translation[i];
+    }
+    return change;
 }
 
 bool Scene::hasTrial() const

@@ -511,6 +511,18 @@ static void checkJoints(const vector<int>& joints, const vector<int>& links, con
     }
 }
 
+/**
+ * Propose and test a trial of a user, which stays open. Returns whether it is free.
+ */
+bool StericExclusionForceImpl::propose(ContextImpl& context, const Proposal& proposal)
+{
+    TrialSession session(*this, context, *scene, TrialSession::ApplyLimits);
+    session.propose(proposal);
+    const bool isFree = session.test();
+    session.leaveOpen();
+    return isFree;
+}
+
 bool StericExclusionForceImpl::proposeTorsions(ContextImpl& context, const vector<int>& torsions,
                                                const vector<double>& changes)
 {
@@ -518,14 +530,13 @@ bool StericExclusionForceImpl::proposeTorsions(ContextImpl& context, const vecto
         fail("proposeTorsions() was given " + to_string(torsions.size()) + " torsions, but " +
              to_string(changes.size()) + " changes");
     checkJoints(torsions, structure->getTorsionLinks(), *structure, "torsion", "proposeTorsions()");
-    for (size_t i = 0; i < torsions.size(); i++)
+    Proposal proposal;
+    for (size_t i = 0; i < torsions.size(); i++) {
         if (!isfinite(changes[i]))
             fail("the change of torsion " + to_string(torsions[i]) + " is not finite");
-    TrialSession session(*this, context, *scene, TrialSession::ApplyLimits);
-    session.proposeTorsions(torsions, changes);
-    const bool isFree = session.test();
-    session.leaveOpen();
-    return isFree;
+        proposal.addTorsion(torsions[i], changes[i]);
+    }
+    return propose(context, proposal);
 }
 
 bool StericExclusionForceImpl::proposeBallRotations(ContextImpl& context, const vector<int>& ballJoints,
@@ -535,14 +546,13 @@ bool StericExclusionForceImpl::proposeBallRotations(ContextImpl& context, const 
         fail("proposeBallRotations() was given " + to_string(ballJoints.size()) + " ball joints, but " +
              to_string(rotations.size()) + " rotations");
     checkJoints(ballJoints, structure->getBallJointLinks(), *structure, "ball joint", "proposeBallRotations()");
-    for (size_t i = 0; i < ballJoints.size(); i++)
+    Proposal proposal;
+    for (size_t i = 0; i < ballJoints.size(); i++) {
         if (!isFinite(rotations[i]))
             fail("the rotation of ball joint " + to_string(ballJoints[i]) + " is not finite");
-    TrialSession session(*this, context, *scene, TrialSession::ApplyLimits);
-    session.proposeBallRotations(ballJoints, rotations);
-    const bool isFree = session.test();
-    session.leaveOpen();
-    return isFree;
+        proposal.addBallRotation(ballJoints[i], rotations[i]);
+    }
+    return propose(context, proposal);
 }
 
 bool StericExclusionForceImpl::proposeRigidMotion(ContextImpl& context, int particle, const Vec3& rotation,
@@ -554,11 +564,7 @@ bool StericExclusionForceImpl::proposeRigidMotion(ContextImpl& context, int part
     int molecule = structure->getParticleMolecule(particle);
     if (structure->getMolecules()[molecule].fixed)
         fail("the molecule of particle " + to_string(particle) + " has fixed particles and cannot move");
-    TrialSession session(*this, context, *scene, TrialSession::ApplyLimits);
-    session.proposeRigidMotion(molecule, rotation, translation);
-    const bool isFree = session.test();
-    session.leaveOpen();
-    return isFree;
+    return propose(context, Proposal().addRigidMotion(molecule, rotation, translation));
 }
 
 /**
@@ -618,8 +624,7 @@ void StericExclusionForceImpl::setTorsionAngles(ContextImpl& context, const vect
         if (!isfinite(angles[i]))
             fail("the angle of torsion " + to_string(i) + " is not finite");
     TrialSession session(*this, context, *scene, TrialSession::IgnoreLimits);
-    vector<int> torsions;
-    vector<double> changes;
+    Proposal proposal;
     for (int i = 0; i < (int)angles.size(); i++) {
         const double present = scene->getTorsionAngle(i), change = remainder(angles[i] - present, 2 * M_PI);
         if (structure->getLinkClosure(structure->getTorsionLinks()[i]) != -1) {
@@ -628,12 +633,10 @@ void StericExclusionForceImpl::setTorsionAngles(ContextImpl& context, const vect
             if (fabs(change) > LEAST_CLOSED_CHANGE)
                 structure->checkNoClosure(structure->getTorsionLinks()[i], "StericExclusionForce: setTorsionAngles()");
         }
-        else if (angles[i] != present) {
-            torsions.push_back(i);
-            changes.push_back(change);
-        }
+        else if (angles[i] != present)
+            proposal.addTorsion(i, change);
     }
-    session.proposeTorsions(torsions, changes);
+    session.propose(proposal);
     session.accept();
     session.end();
     limits.restart();

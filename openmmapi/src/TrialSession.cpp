@@ -54,36 +54,14 @@ void TrialSession::updateLimits()
         force.limits.update();
 }
 
-/**
- * Take notice that a trial was opened, of which nobody knows whether it is free.
- */
-void TrialSession::ownTrial()
+void TrialSession::propose(const Proposal& proposal)
 {
+    updateLimits();
+    scene.propose(proposal);
     ownsTrial = true;
     force.proposalIsFree = false;
     if (&scene != force.scene)
         force.scene->reject(); // that of a user
-}
-
-void TrialSession::proposeTorsions(const vector<int>& torsions, const vector<double>& changes)
-{
-    updateLimits();
-    scene.proposeTorsions(torsions, changes);
-    ownTrial();
-}
-
-void TrialSession::proposeBallRotations(const vector<int>& ballJoints, const vector<Vec3>& rotations)
-{
-    updateLimits();
-    scene.proposeBallRotations(ballJoints, rotations);
-    ownTrial();
-}
-
-void TrialSession::proposeRigidMotion(int molecule, const Vec3& rotation, const Vec3& translation)
-{
-    updateLimits();
-    scene.proposeRigidMotion(molecule, rotation, translation);
-    ownTrial();
 }
 
 bool TrialSession::test()

@@ -64,7 +64,7 @@ public:
     }
 };
 
-static double getAngle(TrialSession& trials, bool isProposed)
+static double getAngle(const TrialSession& trials, bool isProposed)
 {
     vector<Vec3> x;
     if (isProposed)
@@ -146,13 +146,13 @@ public:
     void bind(const LinkStructure&, const string&)
     {
     }
-    bool propose(TrialSession& trials, RandomNumberGenerator& random)
+    bool draw(const TrialSession& trials, RandomNumberGenerator& random, Proposal& proposal)
     {
         do
             angle = random.drawSymmetric(M_PI);
         while (random.drawUniform() * (1 + lean) > 1 + lean * cos(angle));
         former = getAngle(trials, false);
-        trials.proposeTorsions({0}, {angle - former});
+        proposal.addTorsion(0, angle - former);
         return true;
     }
     double computeLogRatio(TrialSession&)

@@ -47,10 +47,11 @@ public:
         Scene& scene = getScene();
         for (int i = 0; i < numTrials; i++) {
             if (chance.below(3) == 0)
-                scene.proposeRigidMotion(1 + chance.below(3), Vec3(chance.between(-0.5, 0.5), 0.1, 0.2),
-                                         Vec3(0.1, chance.between(-0.2, 0.2), 0));
+                scene.propose(Proposal().addRigidMotion(1 + chance.below(3), Vec3(chance.between(-0.5, 0.5), 0.1, 0.2),
+                                                        Vec3(0.1, chance.between(-0.2, 0.2), 0)));
             else
-                scene.proposeTorsions({chance.below(chain.force->getNumTorsions())}, {chance.between(-1, 1)});
+                scene.propose(
+                    Proposal().addTorsion(chance.below(chain.force->getNumTorsions()), chance.between(-1, 1)));
             said.push_back(scene.test());
             for (int part = 0; part < 3; part++)
                 said.push_back(getEnergy().computeEnergyChange((ctEnergyPart)part));
@@ -136,7 +137,7 @@ static void testChanges()
     });
     testRestored([](KeptScene& scene) { // with a trial left open
         scene.run(8, 9);
-        scene.getScene().proposeTorsions({2}, {0.5});
+        scene.getScene().propose(Proposal().addTorsion(2, 0.5));
         ASSERT(scene.getEnergy().computeEnergyChange(ctTermsPart) != 0);
     });
     testRestored([](KeptScene& scene) { // other limits
@@ -153,7 +154,7 @@ static void testChanges()
     testRestored([](KeptScene& scene) { // a recomputed energy, and an old one
         scene.run(11, 9);
         ASSERT(scene.getEnergy().update(true));
-        scene.getScene().proposeTorsions({2}, {0.5});
+        scene.getScene().propose(Proposal().addTorsion(2, 0.5));
         scene.getScene().accept();
     });
 }

@@ -509,7 +509,7 @@ void testVirtualSites()
     scene.build();
     ASSERT(scene.run());
     for (int i = 0; i < 20; i++) {
-        scene.getScene().proposeTorsions({i % 8}, {0.02});
+        scene.getScene().propose(Proposal().addTorsion(i % 8, 0.02));
         scene.getScene().accept();
         ASSERT(scene.run());
         vector<Vec3> positions;

@@ -60,20 +60,20 @@ public:
         if (structure.getTorsionLinks().empty())
             throw OpenMMException(name + " finds no torsion");
     }
-    bool propose(TrialSession& trials, RandomNumberGenerator& random)
+    bool draw(const TrialSession& trials, RandomNumberGenerator& random, Proposal& proposal)
     {
         do
             angle = random.drawSymmetric(M_PI);
         while (random.drawUniform() * (1 + bias) > getDensity(angle));
         trials.getPositions({0, 1, 2, 3}, ends);
         former = getDihedral(ends[0], ends[1], ends[2], ends[3]);
-        trials.proposeTorsions({0}, {angle - former});
-        if (angle > throwAbove)
-            throw runtime_error("the move has had enough");
+        proposal.addTorsion(0, angle - former);
         return true;
     }
     double computeLogRatio(TrialSession& trials)
     {
+        if (angle > throwAbove)
+            throw runtime_error("the move has had enough");
         trials.getProposedPositions({0, 1, 2, 3}, ends);
         ASSERT_EQUAL_TOL(1, cos(getDihedral(ends[0], ends[1], ends[2], ends[3]) - angle), 1e-12);
         return sign * log(getDensity(former) / getDensity(angle));

@@ -35,11 +35,11 @@ class ClosedMove : public DeclaredMove<ClosedMoveParameters> {
 public:
     using DeclaredMove::DeclaredMove;
     void bind(const LinkStructure& structure, const string& name);
-    bool propose(TrialSession& trials, RandomNumberGenerator& random);
+    bool draw(const TrialSession& trials, RandomNumberGenerator& random, Proposal& proposal);
     double computeLogRatio(TrialSession& trials);
 
 private:
-    void lookAt(TrialSession& trials, const ClosedWindows::Window& drawn, const ClosedWindows::Pivots& pivots);
+    void lookAt(const TrialSession& trials, const ClosedWindows::Window& drawn, const ClosedWindows::Pivots& pivots);
     bool drawSolution(RandomNumberGenerator& random);
     bool leadsBack(const ctWindow& turned, double& logWeights) const;
     unique_ptr<ClosedWindows> windows;
@@ -50,8 +50,6 @@ private:
     /** The logarithm of the sum of the weights of all solutions, of a hop. */
     double logWeights;
     vector<Vec3> positions;
-    /** The turns by the number of torsions of their window, so that none is allocated. */
-    vector<double> changes[CT_WINDOW_MOST + 1];
 };
 
 } // namespace
@@ -81,16 +79,15 @@ void ClosedMove::bind(const LinkStructure& structure, const string& name)
                               " turns windows of eight torsions in a row, but its torsions have none: among seven, "
                               "eight or nine that follow each other along a chain there must be three pairs of "
                               "neighbours whose bonds share a particle, and the turns must keep all closures");
-    for (const ClosedWindows::Window& found : windows->getWindows()) {
-        changes[found.torsions.size()].resize(found.torsions.size());
+    for (const ClosedWindows::Window& found : windows->getWindows())
         positions.reserve(found.particles.size());
-    }
 }
 
 /**
  * Get where the axes of a window lie.
  */
-void ClosedMove::lookAt(TrialSession& trials, const ClosedWindows::Window& drawn, const ClosedWindows::Pivots& pivots)
+void ClosedMove::lookAt(const TrialSession& trials, const ClosedWindows::Window& drawn,
+                        const ClosedWindows::Pivots& pivots)
 {
     trials.getPositions(drawn.particles, positions);
     window.count = drawn.torsions.size();
@@ -149,7 +146,7 @@ bool ClosedMove::drawSolution(RandomNumberGenerator& random)
     return true;
 }
 
-bool ClosedMove::propose(TrialSession& trials, RandomNumberGenerator& random)
+bool ClosedMove::draw(const TrialSession& trials, RandomNumberGenerator& random, Proposal& proposal)
 {
     const vector<ClosedWindows::Window>& all = windows->getWindows();
     const ClosedWindows::Window& drawn = all[random.drawIndex(all.size())];
@@ -164,8 +161,8 @@ bool ClosedMove::propose(TrialSession& trials, RandomNumberGenerator& random)
     isHop = random.drawUniform() < hop;
     if (isHop ? !drawSolution(random) : !ctCloseNear(&window, angles))
         return false;
-    copy_n(angles, window.count, changes[window.count].begin());
-    trials.proposeTorsions(drawn.torsions, changes[window.count]);
+    for (int i = 0; i < window.count; i++)
+        proposal.addTorsion(drawn.torsions[i], angles[i]);
     return true;
 }
 

@@ -28,7 +28,7 @@ class CrankshaftMove : public DeclaredMove<CrankshaftMoveParameters> {
 public:
     using DeclaredMove::DeclaredMove;
     void bind(const LinkStructure& structure, const string& name);
-    bool propose(TrialSession& trials, RandomNumberGenerator& random);
+    bool draw(const TrialSession& trials, RandomNumberGenerator& random, Proposal& proposal);
 
 private:
     /** The last ball joint of windows, and how many windows end there. */
@@ -39,9 +39,9 @@ private:
     vector<End> ends;
     /** For each ball joint the next one towards the root that may turn, or -1; and the particle it turns about. */
     vector<int> next, particles;
-    // Of the open trial. The first is nearer to the root.
-    vector<int> drawnJoints = vector<int>(2), axis = vector<int>(2);
-    vector<Vec3> drawnRotations = vector<Vec3>(2), positions = vector<Vec3>(2);
+    /** The particles at the ends of the line, and their positions. The first is nearer to the root. */
+    vector<int> axis = vector<int>(2);
+    vector<Vec3> positions = vector<Vec3>(2);
 };
 
 } // namespace
@@ -75,21 +75,20 @@ void CrankshaftMove::bind(const LinkStructure& structure, const string& name)
                                      "each other along a chain");
 }
 
-bool CrankshaftMove::propose(TrialSession& trials, RandomNumberGenerator& random)
+bool CrankshaftMove::draw(const TrialSession& trials, RandomNumberGenerator& random, Proposal& proposal)
 {
     const End& end = ends[random.drawIndex(ends.size())];
     int begin = end.ballJoint;
     for (int numBonds = 2 + random.drawIndex(end.numWindows); numBonds > 0; numBonds--)
         begin = next[begin];
-    drawnJoints = {begin, end.ballJoint};
     axis = {particles[begin], particles[end.ballJoint]};
     trials.getPositions(axis, positions);
     const Vec3 line = positions[1] - positions[0];
     const double length = sqrt(line.dot(line)), angle = random.drawSymmetric(getScale() * maxAngle);
     if (length < SHORTEST_LINE)
         return false;
-    drawnRotations = {line * (angle / length), line * (-angle / length)};
-    trials.proposeBallRotations(drawnJoints, drawnRotations);
+    proposal.addBallRotation(begin, line * (angle / length));
+    proposal.addBallRotation(end.ballJoint, line * (-angle / length));
     return true;
 }
 

@@ -59,7 +59,7 @@ public:
     vector<MoveParameter> getParameters() const;
     void write(SerializationNode& node) const;
     void bind(const LinkStructure& structure, const string& name);
-    bool propose(TrialSession& trials, RandomNumberGenerator& random);
+    bool draw(const TrialSession& trials, RandomNumberGenerator& random, Proposal& proposal);
     double computeLogRatio(TrialSession& trials);
 
 private:
@@ -69,9 +69,9 @@ private:
     }
     vector<TorsionDensity> listDensities() const;
     double evaluateFormer();
-    /** The set of the open trial, the former values of its torsions, the drawn values, and the changes. */
+    /** The set of the open trial, the former values of its torsions, and the drawn values. */
     int drawnSet;
-    vector<double> former, drawn, changes;
+    vector<double> former, drawn;
     /** The density of a set, how many random numbers it takes, where it was evaluated last, and what it was there. */
     class SetDensity {
     public:
@@ -115,7 +115,6 @@ DrawnMove::DrawnMove(const DrawnMoveParameters& parameters) : DeclaredMove(param
     }
     former.resize(most);
     drawn.resize(most);
-    changes.resize(most);
     for (size_t i = 0; i < torsions.size(); i++) {
         const ctDensity* engine = densityOf(i).getEngine();
         setDensities.push_back({engine, ctCountUniforms(engine), vector<double>(torsions[i].size(), HUGE_VAL), 0});
@@ -271,7 +270,7 @@ void DrawnMove::bind(const LinkStructure& structure, const string& name)
         }
 }
 
-bool DrawnMove::propose(TrialSession& trials, RandomNumberGenerator& random)
+bool DrawnMove::draw(const TrialSession& trials, RandomNumberGenerator& random, Proposal& proposal)
 {
     drawnSet = random.drawIndex(torsions.size());
     const vector<int>& set = torsions[drawnSet];
@@ -283,9 +282,8 @@ bool DrawnMove::propose(TrialSession& trials, RandomNumberGenerator& random)
     for (size_t i = 0; i < set.size(); i++) {
         former[i] = trials.getTorsionAngle(set[i]);
         const double change = drawn[i] - former[i];
-        changes[i] = change - 2 * M_PI * ((change > M_PI) - (change < -M_PI));
+        proposal.addTorsion(set[i], change - 2 * M_PI * ((change > M_PI) - (change < -M_PI)));
     }
-    trials.proposeTorsions(set, changes);
     return true;
 }
 

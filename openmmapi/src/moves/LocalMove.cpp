@@ -29,7 +29,7 @@ class LocalMove : public DeclaredMove<LocalMoveParameters> {
 public:
     using DeclaredMove::DeclaredMove;
     void bind(const LinkStructure& structure, const string& name);
-    bool propose(TrialSession& trials, RandomNumberGenerator& random);
+    bool draw(const TrialSession& trials, RandomNumberGenerator& random, Proposal& proposal);
     double computeLogRatio(TrialSession& trials);
 
 private:
@@ -86,7 +86,7 @@ static void copyTo(double* copy, const Vec3& x)
         copy[i] = x[i];
 }
 
-bool LocalMove::propose(TrialSession& trials, RandomNumberGenerator& random)
+bool LocalMove::draw(const TrialSession& trials, RandomNumberGenerator& random, Proposal& proposal)
 {
     const Choice& choice = choices[random.drawIndex(choices.size())];
     trials.getPositions(choice.particles, positions);
@@ -104,7 +104,8 @@ bool LocalMove::propose(TrialSession& trials, RandomNumberGenerator& random)
     for (double& normal : normals)
         normal = random.drawNormal();
     ctDrawLocalStep(&steps, normals.data(), changes.data());
-    trials.proposeTorsions(choice.torsions, changes);
+    for (int i = 0; i < before.count; i++)
+        proposal.addTorsion(choice.torsions[i], changes[i]);
     return true;
 }
 

@@ -20,13 +20,11 @@ class PivotMove : public DeclaredMove<PivotMoveParameters> {
 public:
     using DeclaredMove::DeclaredMove;
     void bind(const LinkStructure& structure, const string& name);
-    bool propose(TrialSession& trials, RandomNumberGenerator& random);
+    bool draw(const TrialSession& trials, RandomNumberGenerator& random, Proposal& proposal);
 
 private:
     /** The ball joints to choose from: those given, or all. */
     vector<int> choices;
-    vector<int> drawnJoints = vector<int>(1);
-    vector<Vec3> drawnRotations = vector<Vec3>(1);
 };
 
 } // namespace
@@ -36,11 +34,10 @@ void PivotMove::bind(const LinkStructure& structure, const string& name)
     choices = chooseBallJoints(structure, ballJoints, name);
 }
 
-bool PivotMove::propose(TrialSession& trials, RandomNumberGenerator& random)
+bool PivotMove::draw(const TrialSession&, RandomNumberGenerator& random, Proposal& proposal)
 {
-    drawnJoints[0] = choices[random.drawIndex(choices.size())];
-    drawnRotations[0] = random.drawRotation(getScale() * maxAngle);
-    trials.proposeBallRotations(drawnJoints, drawnRotations);
+    const int ballJoint = choices[random.drawIndex(choices.size())];
+    proposal.addBallRotation(ballJoint, random.drawRotation(getScale() * maxAngle));
     return true;
 }
 

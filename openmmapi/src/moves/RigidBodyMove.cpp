@@ -22,7 +22,7 @@ class RigidBodyMove : public DeclaredMove<RigidBodyMoveParameters> {
 public:
     using DeclaredMove::DeclaredMove;
     void bind(const LinkStructure& structure, const string& name);
-    bool propose(TrialSession& trials, RandomNumberGenerator& random);
+    bool draw(const TrialSession& trials, RandomNumberGenerator& random, Proposal& proposal);
 
 private:
     /** The molecules to choose from, by their indices in the LinkStructure. */
@@ -55,12 +55,12 @@ void RigidBodyMove::bind(const LinkStructure& structure, const string& name)
         throw OpenMMException(name + " moves molecules, but all molecules have fixed particles");
 }
 
-bool RigidBodyMove::propose(TrialSession& trials, RandomNumberGenerator& random)
+bool RigidBodyMove::draw(const TrialSession&, RandomNumberGenerator& random, Proposal& proposal)
 {
     int molecule = choices[random.drawIndex(choices.size())];
     Vec3 translation = random.drawPointInBall(getScale() * maxTranslation);
     Vec3 rotation = random.drawDirection() * random.drawSymmetric(getScale() * maxAngle);
-    trials.proposeRigidMotion(molecule, rotation, translation);
+    proposal.addRigidMotion(molecule, rotation, translation);
     return true;
 }
 

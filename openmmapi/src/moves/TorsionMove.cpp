@@ -26,14 +26,13 @@ public:
         return count == 1 ? getKind().name : to_string(count) + " torsions";
     }
     void bind(const LinkStructure& structure, const string& name);
-    bool propose(TrialSession& trials, RandomNumberGenerator& random);
+    bool draw(const TrialSession& trials, RandomNumberGenerator& random, Proposal& proposal);
 
 private:
     /** The torsions to choose from: those given, or all. */
     vector<int> choices;
     vector<bool> isDrawn;
-    vector<int> drawnChoices, drawnTorsions;
-    vector<double> drawnChanges;
+    vector<int> drawnChoices;
 };
 
 } // namespace
@@ -46,11 +45,9 @@ void TorsionMove::bind(const LinkStructure& structure, const string& name)
                               to_string(choices.size()) + " to choose from");
     isDrawn.assign(choices.size(), false);
     drawnChoices.resize(count);
-    drawnTorsions.resize(count);
-    drawnChanges.resize(count);
 }
 
-bool TorsionMove::propose(TrialSession& trials, RandomNumberGenerator& random)
+bool TorsionMove::draw(const TrialSession&, RandomNumberGenerator& random, Proposal& proposal)
 {
     // Floyd's algorithm: every set of `count` choices is equally likely, and nothing is remembered between trials.
 
@@ -64,10 +61,8 @@ bool TorsionMove::propose(TrialSession& trials, RandomNumberGenerator& random)
     }
     for (int i = 0; i < count; i++) {
         isDrawn[drawnChoices[i]] = false;
-        drawnTorsions[i] = choices[drawnChoices[i]];
-        drawnChanges[i] = random.drawSymmetric(getScale() * maxAngle);
+        proposal.addTorsion(choices[drawnChoices[i]], random.drawSymmetric(getScale() * maxAngle));
     }
-    trials.proposeTorsions(drawnTorsions, drawnChanges);
     return true;
 }
 

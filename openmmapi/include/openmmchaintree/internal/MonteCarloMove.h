@@ -3,6 +3,7 @@
 
 #include "openmm/serialization/SerializationNode.h"
 #include "openmmchaintree/internal/LinkStructure.h"
+#include "openmmchaintree/internal/Proposal.h"
 #include "openmmchaintree/internal/RandomNumberGenerator.h"
 #include "openmmchaintree/internal/TrialSession.h"
 #include "openmmchaintree/internal/windowsExportChainTree.h"
@@ -143,11 +144,10 @@ public:
      */
     virtual void bind(const LinkStructure& structure, const std::string& name) = 0;
     /**
-     * Draw a trial and propose it. This is the innermost loop of sampling: it allocates no memory. Returns false, with
-     * no trial open, if the trial is impossible, such as that of a window that does not close. The present state then
-     * counts once more, as after a rejected trial.
+     * Draw a trial and propose it. Returns false, with no trial open, if the trial is impossible. The present state
+     * then counts once more, as after a rejected trial.
      */
-    virtual bool propose(TrialSession& trials, RandomNumberGenerator& random) = 0;
+    bool propose(TrialSession& trials, RandomNumberGenerator& random);
     /**
      * Get the logarithm of the ratio of two probability densities: of proposing the reverse of the open trial from the
      * proposed state, and of proposing the trial. It is minus infinity if there is no reverse. This is called once for
@@ -180,9 +180,21 @@ public:
         this->scale = scale;
     }
 
+protected:
+    /**
+     * Draw the changes of a trial. This is in the innermost loop of sampling: it allocates no memory. Returns false if
+     * the trial is impossible, for example because a window does not close.
+     *
+     * @param trials            the session, for the present positions and torsions
+     * @param[in,out] proposal  the changes are added here; it is empty at first
+     */
+    virtual bool draw(const TrialSession& trials, RandomNumberGenerator& random, Proposal& proposal) = 0;
+
 private:
     const MoveKind& kind;
     double scale = 1;
+    /** The changes of the last trial. They stay allocated from trial to trial. */
+    Proposal proposal;
 };
 
 } // namespace ChainTreePlugin

@@ -4,6 +4,7 @@
 #include "chaintree.h"
 #include "openmm/Vec3.h"
 #include "openmmchaintree/internal/LinkStructure.h"
+#include "openmmchaintree/internal/Proposal.h"
 #include "openmmchaintree/internal/SceneDefinition.h"
 #include "openmmchaintree/internal/SceneEnergy.h"
 #include "openmmchaintree/internal/windowsExportChainTree.h"
@@ -124,18 +125,7 @@ public:
 
     // ---- Trials. Each proposal drops the trial that was open ----
 
-    /**
-     * Propose a trial that adds to the values of different torsions.
-     */
-    void proposeTorsions(const std::vector<int>& torsions, const std::vector<double>& changes);
-    /**
-     * Propose a trial that turns different ball joints by rotation vectors in the world.
-     */
-    void proposeBallRotations(const std::vector<int>& ballJoints, const std::vector<OpenMM::Vec3>& rotations);
-    /**
-     * Propose a trial that rotates a molecule about its centroid and then translates it.
-     */
-    void proposeRigidMotion(int molecule, const OpenMM::Vec3& rotation, const OpenMM::Vec3& translation);
+    void propose(const Proposal& proposal);
     bool hasTrial() const;
     /**
      * Test the open trial. Returns true if it is free: no pair whose distance it changes overlaps beyond its limit.
@@ -195,6 +185,7 @@ private:
     void setTree(Tree created, std::vector<OpenMM::Vec3> positions);
     void setListed(std::vector<uint8_t> needed);
     void check(ctStatus status) const;
+    ctChange describe(const Proposal::Change& proposed) const;
     void readLimits(PairList& pairs, std::vector<double>& limits) const;
     void copyLimits(ctChainTree* created) const;
     ctSelection* prepare(const std::vector<int>& particles, PreparedSet& set) const;
@@ -205,7 +196,7 @@ private:
     std::vector<OpenMM::Vec3> arrangement;
     SceneEnergy energy;
     SavedState saved;
-    /** The changes of a trial. They stay allocated from trial to trial. */
+    /** The changes of a trial in the engine's form. They stay allocated from trial to trial. */
     std::vector<ctChange> changes;
     /** What followTrial() or followState() returned last; empty if that was of another tree. */
     std::vector<OpenMM::Vec3> followed;

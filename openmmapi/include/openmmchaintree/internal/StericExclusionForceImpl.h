@@ -203,6 +203,7 @@ private:
     void updatePositions(OpenMM::ContextImpl& context);
     void updateState(OpenMM::ContextImpl& context);
     void adoptPositions(OpenMM::ContextImpl& context, const std::vector<OpenMM::Vec3>& positions);
+    bool propose(OpenMM::ContextImpl& context, const Proposal& proposal);
     void requireProposal() const;
     void computeVirtualSites(OpenMM::ContextImpl& context);
     void setContextPositions(OpenMM::ContextImpl& context, const std::vector<OpenMM::Vec3>& positions);

@@ -57,19 +57,9 @@ public:
      */
     void leaveOpen();
     /**
-     * Propose a trial that adds to the values of different torsions. This rejects the trial that was open.
+     * Propose a trial. This rejects the trial that was open.
      */
-    void proposeTorsions(const std::vector<int>& torsions, const std::vector<double>& changes);
-    /**
-     * Propose a trial that turns different ball joints, each by a rotation vector in the world about its particle. This
-     * rejects the trial that was open.
-     */
-    void proposeBallRotations(const std::vector<int>& ballJoints, const std::vector<OpenMM::Vec3>& rotations);
-    /**
-     * Propose a trial that rotates a molecule of the LinkStructure about its centroid and then translates it. This
-     * rejects the trial that was open.
-     */
-    void proposeRigidMotion(int molecule, const OpenMM::Vec3& rotation, const OpenMM::Vec3& translation);
+    void propose(const Proposal& proposal);
     /**
      * Test the open trial. Returns true if it is free: no pair whose distance it changes overlaps beyond its limit.
      */
@@ -135,7 +125,6 @@ public:
 
 private:
     void updateLimits();
-    void ownTrial();
     StericExclusionForceImpl& force;
     OpenMM::ContextImpl& context;
     Scene& scene;
