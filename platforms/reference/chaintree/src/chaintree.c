@@ -21,7 +21,8 @@ static bool build(ctChainTree* scene, const ctDefinition* definition) {
   return ctSequenceBuild(&scene->sequence, &scene->arena, definition) &&
          ctExclusionsBuild(&scene->exclusions, &scene->arena, &scene->sequence, definition) &&
          ctTreeBuild(&scene->ownTree, &scene->arena, &scene->sequence, ctChooseWide()) &&
-         ctTraversalBuild(&scene->traversal, &scene->arena, &scene->ownTree, &scene->sequence, &scene->exclusions) &&
+         ctWorldBuild(&scene->world, &scene->arena, &scene->ownTree) &&
+         ctTraversalBuild(&scene->traversal, &scene->arena, &scene->world, &scene->exclusions) &&
          ctCopiedBuild(&scene->followed, &scene->arena, &scene->sequence);
 }
 

@@ -33,6 +33,7 @@ struct ctChainTree {
   Exclusions exclusions;
   Limits limits;
   Tree ownTree; /* content may be outdated: use ctSceneTree; layout, wide functions and revision are always right */
+  World world;
   Traversal traversal;
   bool isTesterOff[TESTER_COUNT]; /* by TesterId */
   Clearance clearance;

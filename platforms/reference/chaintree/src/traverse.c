@@ -6,39 +6,30 @@
 #include "descent.h"
 #include "wide.h"
 
-/* Most entries for leaves in the world, for nodes that move, and for nodes whose boxes move: with more of them, caches
- * of the processor would miss more often than entries spare work. A visit needs at least two leaves, two nodes that
- * move and BOXES_PER_VISIT nodes with boxes. */
-enum { MOST_LEAF_ENTRIES = 8192, MOST_MOVED_ENTRIES = 1024, MOST_MOVED_BOXES = 64 };
+/* Most entries for nodes that move, and for nodes whose boxes move: with more of them, caches of the processor would
+ * miss more often than entries spare work. A visit needs at least two nodes that move and BOXES_PER_VISIT nodes with
+ * boxes. */
+enum { MOST_MOVED_ENTRIES = 1024, MOST_MOVED_BOXES = 64 };
 
 /* ---- Life ---- */
 
-bool ctTraversalBuild(Traversal* t, Arena* arena, const Tree* tree, const Sequence* sequence,
-                      const Exclusions* exclusions) {
+bool ctTraversalBuild(Traversal* t, Arena* arena, World* world, const Exclusions* exclusions) {
+  const Tree* tree = world->tree;
   const size_t nodes = (size_t)tree->nodeCount;
-  const int leaves = tree->levelBegin[1];
-  const size_t inner = nodes - (size_t)leaves;
-  t->leafEntryCount = leaves < MOST_LEAF_ENTRIES ? leaves : MOST_LEAF_ENTRIES;
-  const size_t entries = (size_t)t->leafEntryCount + inner;
+  const size_t inner = nodes - (size_t)tree->levelBegin[1];
   t->movedCapacity = tree->nodeCount < MOST_MOVED_ENTRIES ? tree->nodeCount : MOST_MOVED_ENTRIES;
   t->tree = tree;
+  t->world = world;
   t->firstNodesRevision = NO_REVISION;
   t->mostFirstNodes = MOST_FIRST_NODES;
   t->mostUnaskedNodes = MOST_UNASKED_NODES;
   t->mostBoxedNodes = MOST_BOXED_NODES;
   t->testsPerLeaf = TESTS_PER_LEAF;
-  t->sequence = sequence;
   t->exclusions = exclusions;
-  t->worldRevision = ctArenaAllocate(arena, nodes, sizeof(int64_t));
-  t->entryOf = ctArenaAllocate(arena, nodes, sizeof(int));
-  t->leafOfEntry = ctArenaAllocate(arena, (size_t)t->leafEntryCount, sizeof(int));
-  t->frame = ctArenaAllocate(arena, entries, sizeof(Frame));
-  t->world = ctArenaAllocate(arena, entries, sizeof(Block));
   t->box = ctArenaAllocate(arena, nodes, sizeof(Box));
   t->boxes = ctArenaAllocate(arena, inner, sizeof(ChildBoxes));
-  const int boxed = t->leafEntryCount < tree->levelSize[0] ? 0 : boxedNodes(tree); /* see boxLeaves */
+  const int boxed = world->leafEntryCount < tree->levelSize[0] ? 0 : boxedNodes(tree); /* see boxLeaves */
   t->leafBoxes = ctArenaAllocate(arena, (size_t)boxed, sizeof(ShortBoxes));
-  t->membersRevision = ctArenaAllocate(arena, inner, sizeof(int64_t));
   t->placedIn = ctArenaAllocate(arena, nodes, sizeof(uint32_t));
   t->body = ctArenaAllocate(arena, nodes, sizeof(int));
   t->inView = ctArenaAllocate(arena, nodes, sizeof(Block*));
@@ -47,17 +38,10 @@ bool ctTraversalBuild(Traversal* t, Arena* arena, const Tree* tree, const Sequen
   t->movedBoxesCapacity = MOST_MOVED_BOXES;
   t->movedBoxes = ctArenaAllocate(arena, MOST_MOVED_BOXES, sizeof(MovedBoxes));
   t->nearNodes = ctArenaAllocate(arena, nodes + TREE_WIDTH, sizeof(int));
-  t->frameRevision = ctArenaAllocate(arena, inner, sizeof(int64_t));
   if (arena->failed) {
     return false;
   }
-  for (int entry = 0; entry < t->leafEntryCount; entry++) {
-    t->leafOfEntry[entry] = CT_NULL;
-  }
-  for (int node = 0; node < tree->nodeCount; node++) {
-    t->worldRevision[node] = NO_REVISION;
-    t->entryOf[node] = node < leaves ? CT_NULL : t->leafEntryCount + node - leaves;
-  }
+  world->inView = t->inView;
   for (int i = 0; i < boxed; i++) {
     for (int k = 0; k < TREE_WIDTH; k++) {
       t->leafBoxes[i].ends[0][k] = INT16_MAX; /* below no limit: no member */
@@ -123,13 +107,6 @@ bool ctViewMovesFew(const Traversal* t, const View* view, int* begin, int* end) 
   return p + 1 >= view->pieceCount && *end - *begin <= MOST_MOVERS;
 }
 
-const Frame* ctTraversalLeafFrame(Traversal* t, int leaf) {
-  if (!traversalHasWorld(t, leaf)) {
-    t->tree->wide->updateWorldLeaf(t, leaf);
-  }
-  return &t->frame[t->entryOf[leaf]];
-}
-
 /* ---- Descents ---- */
 
 int64_t ctTraverse(Traversal* t, const View* view, CandidateFunction* function, void* context, ctCounts* counts) {
@@ -149,7 +126,7 @@ void ctTraverseProbe(Traversal* t, const View* view, const double point[3], doub
 void ctPositionInView(Traversal* t, int slot, int body, double position[3]) {
   double local[3];
   treeLocal(t->tree, slot, local);
-  transformPoint(ctTraversalLeafFrame(t, coveringNode(slot)), local, position);
+  transformPoint(ctWorldLeafFrame(t->world, coveringNode(slot)), local, position);
   if (body > 0 && t->view->motions != NULL) {
     transformPoint(&t->view->motions[body], position, position);
   }

@@ -6,7 +6,7 @@
 
 #include "counts.h"
 #include "exclusion.h"
-#include "tree.h"
+#include "world.h"
 
 /* Its body is an index into the view's motions: all pieces of one motion are one rigid body. */
 typedef ctPiece Piece;
@@ -41,32 +41,20 @@ struct MovedBoxes;
 struct ChildBoxes;
 struct MixedNode;
 
-/* Scratch of a descent. World coordinates are from the sequence's worldOrigin. */
+/* Scratch of a descent. */
 typedef struct Traversal {
   const Tree* tree;
-  const Sequence* sequence;
   const Exclusions* exclusions;
   const View* view;
   double coordinateBound; /* no coordinate or radius of this view is larger */
   double tieBand;         /* the canonical distance decides about distances this close to a limit */
+  World* world;
 
-  /* World coordinates of the state, kept from descent to descent as long as nothing changes them. Per node. */
-  int64_t* worldRevision;     /* the tree's revision when its world coordinates were right; NO_REVISION: it has none */
-  bool worldHasSurfaces;      /* the radii are of surfaces, else of centres */
-  int64_t firstNodesRevision; /* the tree's revision for which the nodes that tests of few slots start with are up to
-                                 date */
+  /* The nodes that tests of few slots start with. */
+  int64_t firstNodesRevision; /* the tree's for which they are up to date */
   int firstLevel;             /* of these nodes */
   int mostFirstNodes;         /* MOST_FIRST_NODES, but for tests */
   int mostUnaskedNodes;       /* MOST_UNASKED_NODES, but for tests */
-  int* entryOf;               /* its entry in the two arrays below; CT_NULL: another leaf has taken that */
-  struct Box* box;            /* around its members in its own frame; outdated where the tree says so */
-
-  /* Entries: one for each inner node, and this many for the leaves updated last. */
-  int leafEntryCount;
-  int nextEntry;    /* of a leaf, to be replaced next */
-  int* leafOfEntry; /* per entry of a leaf; CT_NULL: it is free */
-  Frame* frame;     /* per entry: the node's frame in the world */
-  Block* world;     /* per entry: the node's members in the world */
 
   /* Boxes around leaves, per node over leaves, which tests of few slots read instead of spheres: half as many are near,
    * and a comparison takes a third of the time. They are made once only few leaves at a time have moved for a while;
@@ -83,8 +71,7 @@ typedef struct Traversal {
   /* Boxes of children, per inner node, from levelBegin[1] on. A descent tests boxes after its first visitsWithoutBoxes
    * visits; that number grows while boxes separate few pairs, and shrinks while they separate many. */
   struct ChildBoxes* boxes;
-  int64_t* membersRevision; /* the tree's when the children's world coordinates were computed */
-  int64_t* frameRevision;   /* the tree's when the node's frame in the world was last computed; 0 for the root */
+  struct Box* box; /* per node: around its members in its own frame; outdated where the tree says so */
   int visitsWithoutBoxes;
   bool alwaysBoxes; /* for tests: at all visits */
 
@@ -121,22 +108,12 @@ typedef bool CandidateFunction(void* context, int slotA, int slotB, double squar
  * its distance go to the CandidateFunction. */
 typedef bool SureClashFunction(void* context, int slotA, int slotB, double farthest);
 
-bool ctTraversalBuild(Traversal* traversal, Arena* arena, const Tree* tree, const Sequence* sequence,
-                      const Exclusions* exclusions);
+bool ctTraversalBuild(Traversal* traversal, Arena* arena, World* world, const Exclusions* exclusions);
 
 void ctTraversalFree(Traversal* traversal);
 
 /* Makes room for views of this many pieces; false, and nothing changed, if there is no memory. */
 bool ctTraversalReserve(Traversal* traversal, int pieceCount);
-
-/* True if the kept world coordinates of a node are known to be right. */
-static inline bool traversalHasWorld(const Traversal* t, int node) {
-  const int64_t since = t->worldRevision[node];
-  return t->tree->contentRevision[node] <= since && treeStays(t->tree, since);
-}
-
-/* The frame of a leaf in the world. */
-const Frame* ctTraversalLeafFrame(Traversal* traversal, int leaf);
 
 /* Calls `function` at least for every pair of slots of different rigid bodies that is not excluded and within the
  * view's reach, each once. Returns what the descent has cost, in the units of costs.h. */

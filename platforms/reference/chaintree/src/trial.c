@@ -46,22 +46,22 @@ void ctTrialFree(Trial* trial) {
 /* ---- Motions ---- */
 
 /* The frame of a link in the world, if that in its leaf is known. */
-static Frame linkFromLeaf(const Sequence* sequence, Traversal* t, int link, const Frame* inLeaf) {
-  return transformCompose(ctTraversalLeafFrame(t, coveringNode(sequence->slotBegin[link])), inLeaf);
+static Frame linkFromLeaf(const Sequence* sequence, World* w, int link, const Frame* inLeaf) {
+  return transformCompose(ctWorldLeafFrame(w, coveringNode(sequence->slotBegin[link])), inLeaf);
 }
 
-static Frame linkFrame(const Sequence* sequence, Traversal* t, int link) {
-  const Frame inLeaf = ctTreeLinkInLeaf(t->tree, sequence, link);
-  return linkFromLeaf(sequence, t, link, &inLeaf);
+static Frame linkFrame(const Sequence* sequence, World* w, int link) {
+  const Frame inLeaf = ctTreeLinkInLeaf(w->tree, sequence, link);
+  return linkFromLeaf(sequence, w, link, &inLeaf);
 }
 
 /* Turns a torsion about its axis in the world. The placements of its states stay undefined: nobody reads them. */
-static void turnTorsion(TrialChange* change, const Sequence* s, Traversal* t, Frame* motion) {
+static void turnTorsion(TrialChange* change, const Sequence* s, World* w, Frame* motion) {
   const double angle = change->given->angle;
   double point[3];
   double axis[3];
-  const Frame* leaf = ctTraversalLeafFrame(t, coveringNode(s->slotBegin[change->link]));
-  treeAxis(t->tree, s, change->link, point, axis);
+  const Frame* leaf = ctWorldLeafFrame(w, coveringNode(s->slotBegin[change->link]));
+  treeAxis(w->tree, s, change->link, point, axis);
   transformPoint(leaf, point, point);
   rotate(leaf, axis, axis);
   const Angle half = angleOfAny(0.5 * angle);
@@ -75,25 +75,25 @@ static void turnTorsion(TrialChange* change, const Sequence* s, Traversal* t, Fr
 }
 
 /* Where the particle is about which a ball joint turns, in the world. */
-static void findJointCentre(const Sequence* s, Traversal* t, int link, double pivot[3]) {
+static void findJointCentre(const Sequence* s, World* w, int link, double pivot[3]) {
   const int slot = particleSlot(s, s->joint[link].origin);
   if (slot != CT_NULL) {
-    treeLocal(t->tree, slot, pivot);
-    transformPoint(ctTraversalLeafFrame(t, coveringNode(slot)), pivot, pivot);
+    treeLocal(w->tree, slot, pivot);
+    transformPoint(ctWorldLeafFrame(w, coveringNode(slot)), pivot, pivot);
   } else {
-    const Frame own = linkFrame(s, t, link);
+    const Frame own = linkFrame(s, w, link);
     translationOf(&own, pivot);
   }
 }
 
 /* Turns a ball joint about its pivot. */
-CT_NOINLINE void turnBall(TrialChange* change, const Sequence* s, Traversal* t, Frame* motion) {
+CT_NOINLINE void turnBall(TrialChange* change, const Sequence* s, World* w, Frame* motion) {
   const double* rotation = change->given->rotation;
   double turn[4];
   double pivot[3];
   quaternionFromVector(rotation, turn);
   rotationFromQuaternion(turn, motion);
-  findJointCentre(s, t, change->link, pivot);
+  findJointCentre(s, w, change->link, pivot);
   transformAbout(pivot, motion);
   memcpy(change->rotation, rotation, sizeof change->rotation);
   change->isTurnOfBall = true;
@@ -102,14 +102,14 @@ CT_NOINLINE void turnBall(TrialChange* change, const Sequence* s, Traversal* t, 
 /* Finds the states of ball joints before and after the trial, which takes a walk to each: so it waits until a trial is
  * applied, since most clash. The tree must be that of the state before. If there is one walk, the update of the tree
  * starts where it ends. */
-static void turnBalls(Trial* trial, const Sequence* s, Tree* tree, Traversal* t) {
+static void turnBalls(Trial* trial, const Sequence* s, Tree* tree, World* w) {
   for (int i = 0; i < trial->count; i++) {
     TrialChange* change = &trial->changes[i];
     if (change->isTurnOfBall) {
       const int link = s->parent[change->link];
       const bool isKept = trial->count == 1 && s->sideBranchPart[link] == notInSideBranch;
       const Frame inLeaf = isKept ? ctTreeKnowLink(tree, s, link, change->link) : ctTreeLinkInLeaf(tree, s, link);
-      const Frame parent = linkFromLeaf(s, t, link, &inLeaf);
+      const Frame parent = linkFromLeaf(s, w, link, &inLeaf);
       double rotation[3];
       rotateBack(&parent, change->rotation, rotation);
       change->before = ctSequenceGetJoint(s, change->link);
@@ -120,7 +120,7 @@ static void turnBalls(Trial* trial, const Sequence* s, Tree* tree, Traversal* t)
 }
 
 /* Moves a free joint. The change is given in the world; the joint's state is in the parent's frame. */
-CT_NOINLINE void moveFreely(TrialChange* change, const Sequence* s, Traversal* t, Frame* motion) {
+CT_NOINLINE void moveFreely(TrialChange* change, const Sequence* s, World* w, Frame* motion) {
   const ctChange* given = change->given;
   double turn[4];
   quaternionFromVector(given->rotation, turn);
@@ -132,7 +132,7 @@ CT_NOINLINE void moveFreely(TrialChange* change, const Sequence* s, Traversal* t
     motion->m[k][3] += given->translation[k];
   }
 
-  const Frame parent = linkFrame(s, t, s->parent[change->link]);
+  const Frame parent = linkFrame(s, w, s->parent[change->link]);
   double rotation[3];
   double shift[3];
   rotateBack(&parent, given->rotation, rotation);
@@ -214,7 +214,7 @@ CT_NOINLINE int sortChanges(Trial* trial) {
 
 /* Computes joint states, motions and pieces of the caller's `given` changes, for which there is room, from the state.
  * Returns the caller's link that is changed twice, or CT_NULL. */
-static int describeTrial(Trial* trial, const Sequence* s, Traversal* t, const ctChange* given, int count) {
+static int describeTrial(Trial* trial, const Sequence* s, World* w, const ctChange* given, int count) {
   trial->count = count;
   for (int i = 0; i < count; i++) {
     TrialChange* change = &trial->changes[i];
@@ -232,12 +232,12 @@ static int describeTrial(Trial* trial, const Sequence* s, Traversal* t, const ct
     TrialChange* change = &trial->changes[i];
     Frame* motion = &trial->motions[i + 1]; /* of the link in the world, if this were the only change */
     if (s->jointType[change->link] == ctTorsionJoint) {
-      turnTorsion(change, s, t, motion);
+      turnTorsion(change, s, w, motion);
     } else if (s->jointType[change->link] == ctBallJoint) {
-      turnBall(change, s, t, motion);
+      turnBall(change, s, w, motion);
     } else {
       change->before = ctSequenceGetJoint(s, change->link);
-      moveFreely(change, s, t, motion);
+      moveFreely(change, s, w, motion);
     }
   }
   if (count == 1) {
@@ -338,7 +338,7 @@ ctStatus ctPropose(ctChainTree* tree, int count, const ctChange* changes) {
   if (!ctTraversalReserve(&tree->traversal, 2 * count + 1)) {
     return ctFailOutOfMemory(tree);
   }
-  const int twice = describeTrial(tree->next, &tree->sequence, &tree->traversal, changes, count);
+  const int twice = describeTrial(tree->next, &tree->sequence, &tree->world, changes, count);
   if (twice != CT_NULL) {
     return ctFail(tree, ctInvalidArgument, "link %d is changed twice in one trial", twice);
   }
@@ -368,7 +368,7 @@ static int applyTrial(ctChainTree* scene, bool after) {
   Sequence* s = &scene->sequence;
   Tree* tree = ctSceneLooseTree(scene);
   if (after) {
-    turnBalls(trial, s, tree, &scene->traversal);
+    turnBalls(trial, s, tree, &scene->world);
   }
   for (int i = 0; i < trial->count; i++) {
     const TrialChange* change = &trial->changes[i];

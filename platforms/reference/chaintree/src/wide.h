@@ -20,8 +20,9 @@
   F(void, refreshInnerNode, (Tree* tree, int level, int node, const int* changed, int count)) \
   F(void, refreshLeafBound, (Tree* tree, int leaf)) \
   F(void, widenAbove, (Tree* tree, int leaf)) \
-  /* wide/view.c, descent.c, movers.c: see traverse.h. */ \
-  F(void, updateWorldLeaf, (Traversal* t, int leaf)) \
+  /* wide/world.c: see world.h. */ \
+  F(void, updateWorldLeaf, (World* w, int leaf)) \
+  /* wide/descent.c, movers.c: see traverse.h. */ \
   F(int64_t, traverse, \
     (Traversal* t, const View* view, CandidateFunction* function, void* context, ctCounts* counts)) \
   F(void, traverseFew, \

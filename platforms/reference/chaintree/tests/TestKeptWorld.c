@@ -86,9 +86,9 @@ static void testMethod(const char* method) {
     halves[i][0] = selectHalf(trees[i], 0);
     halves[i][1] = selectHalf(trees[i], SITES / 2);
   }
-  CHECK(trees[0]->traversal.leafEntryCount * TREE_WIDTH >= SITES &&
+  CHECK(trees[0]->world.leafEntryCount * TREE_WIDTH >= SITES &&
         trees[0]->traversal.movedCapacity >= SITES / TREE_WIDTH);
-  trees[1]->traversal.leafEntryCount = ENTRIES;
+  trees[1]->world.leafEntryCount = ENTRIES;
   trees[1]->traversal.movedCapacity = ENTRIES;
   trees[1]->traversal.movedBoxesCapacity = BOXES_PER_VISIT;
   int clashing = 0;

@@ -40,7 +40,7 @@ static bool boxesHold(const ctChainTree* tree) {
           double x[3];
           treeLocal(&tree->ownTree, slot, x);
           transformPoint(&frame, x, x);
-          const double r = t->worldHasSurfaces ? slotRadius(s, slot) : 0;
+          const double r = tree->world.hasSurfaces ? slotRadius(s, slot) : 0;
           low = lesser(low, x[d] - r);
           high = larger(high, x[d] + r);
         }
@@ -198,7 +198,7 @@ static void testWhen(void) {
   ctDestroy(trees[0]);
   ctDestroy(trees[1]);
   makeBoth(trees, ONE_EACH, 0.32);
-  trees[0]->traversal.leafEntryCount = 4;
+  trees[0]->world.leafEntryCount = 4;
   for (int trial = 0; trial < 100; trial++) {
     const ctChange change = {.link = 7 * trial, .translation = {drawn(), drawn(), drawn()}};
     ask(trees, &change, true, false, counts);

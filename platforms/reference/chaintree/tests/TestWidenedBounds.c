@@ -138,15 +138,15 @@ static bool holdsInWorld(const ctChainTree* tree, const Block* world, int level,
 /* True if members in the world that count as up to date hold what is below them. */
 static bool worldHolds(const ctChainTree* tree) {
   const Tree* t = &tree->ownTree;
-  const Traversal* traversal = &tree->traversal;
+  const World* world = &tree->world;
   for (int level = 1; level < t->levelCount; level++) {
     for (int i = 0; i < t->levelSize[level]; i++) {
       const int node = t->levelBegin[level] + i;
-      const int64_t since = traversal->worldRevision[node];
+      const int64_t since = world->revision[node];
       int count;
       treeChildren(t, level, node, &count);
       for (int k = 0; k < count && treeStays(t, since) && t->contentRevision[node] <= since; k++) {
-        if (!holdsInWorld(tree, &traversal->world[traversal->entryOf[node]], level, node, k)) {
+        if (!holdsInWorld(tree, &world->members[world->entryOf[node]], level, node, k)) {
           return false;
         }
       }

@@ -28,7 +28,7 @@ static void updateWorldNodes(Traversal* t) {
   const Tree* tree = t->tree;
   for (int level = treeTop(tree); level > 0; level--) {
     for (int i = 0; i < tree->levelSize[level]; i++) {
-      updateWorld(t, level, tree->levelBegin[level] + i);
+      updateWorld(t->world, level, tree->levelBegin[level] + i);
     }
   }
 }

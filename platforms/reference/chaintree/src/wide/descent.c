@@ -188,7 +188,7 @@ static bool visitSelf(Traversal* t, Visit* visit, int level, int node) {
  * that turn, and most clashes are near joints. `piece` holds the node's first slot. False ends the descent. */
 static bool climb(Traversal* t, Visit* visit, int level, int node, int piece) {
   const View* view = t->view;
-  updateWorld(t, level, node);
+  updateWorld(t->world, level, node);
   int end;
   const int begin = treeSlots(t->tree, level, node, &end);
   const int bits = TREE_WIDTH_BITS * level; /* of the width of a member */

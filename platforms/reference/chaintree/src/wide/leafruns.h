@@ -15,7 +15,7 @@ bool CT_WIDE(forEachRunPair)(Clearance* c, Traversal* t, RunPairFunction* visit,
 
 /* The spheres of sixteen leaves in the world. */
 static inline const Block* leafSpheres(const Traversal* t, int block) {
-  return &t->world[t->entryOf[t->tree->levelBegin[1] + block]];
+  return &t->world->members[t->world->entryOf[t->tree->levelBegin[1] + block]];
 }
 
 static inline Sphere leafSphere(const Traversal* t, int leaf) {

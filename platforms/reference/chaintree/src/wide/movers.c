@@ -36,12 +36,12 @@ static const Block* worldOfSlots(Traversal* t, int first, int end, Block* own) {
   const int leaf = coveringNode(first);
   const int at = memberIndex(first);
   if (at == 0) {
-    return worldOf(t, leaf);
+    return worldOf(t->world, leaf);
   }
   const int next = leaf + ((leaf + 1) * TREE_WIDTH < end);
-  worldOf(t, leaf);
-  const Block* above = worldOf(t, next);
-  const Block* below = worldOf(t, leaf); /* again, as in blocksOf */
+  worldOf(t->world, leaf);
+  const Block* above = worldOf(t->world, next);
+  const Block* below = worldOf(t->world, leaf); /* again, as in blocksOf */
   float row[2 * TREE_WIDTH];
   const float* const from[4][2] = {
       {below->x, above->x}, {below->y, above->y}, {below->z, above->z}, {below->r, above->r}};
@@ -178,7 +178,7 @@ CT_INLINE const uint16_t* excludedRows(const Exclusions* e, const Movers* movers
 CT_INLINE bool testLeaf(Traversal* t, Visit* visit, const Movers* movers, int leaf, unsigned slots) {
   const int count = movers->end - movers->begin;
   const int from = movers->begin - movers->first;
-  const Block* block = worldOf(t, leaf);
+  const Block* block = worldOf(t->world, leaf);
   uint16_t own[2 * TREE_WIDTH];
   const uint16_t* excluded = excludedRows(t->exclusions, movers, leaf, own);
   unsigned near[TREE_WIDTH];
@@ -271,7 +271,7 @@ enum { UNITS_OF_STATE = 30000 };
 static void boxLeaf(Traversal* t, int leaf) {
   float least[8];
   int16_t ends[8];
-  boxOfBlock(&t->world[t->entryOf[leaf]], least);
+  boxOfBlock(&t->world->members[t->world->entryOf[leaf]], least);
   storeSignedShorts8(ends, least, t->boxScale, 0, -UNITS_AROUND);
   ShortBoxes* boxes = &t->leafBoxes[coveringNode(leaf)];
   for (int d = 0; d < 3; d++) {
@@ -295,13 +295,13 @@ static void waitForBoxes(Traversal* t) {
 /* Makes the boxes of all leaves, unless some may lose their entries. */
 CT_NOINLINE void boxLeaves(Traversal* t) {
   const int leaves = t->tree->levelSize[0];
-  if (t->leafEntryCount < leaves) {
+  if (t->world->leafEntryCount < leaves) {
     t->testsToBoxes = INT_MAX;
     return;
   }
   t->boxScale = (float)lesser(UNITS_OF_STATE / sizeOfState(t->tree), MOST_BOX_SCALE);
   for (int leaf = 0; leaf < leaves; leaf++) {
-    CT_WIDE(updateWorldLeaf)(t, leaf);
+    CT_WIDE(updateWorldLeaf)(t->world, leaf);
     boxLeaf(t, leaf);
   }
   t->boxedCount = t->tree->notedCount;
@@ -316,7 +316,7 @@ CT_NOINLINE void boxNoted(Traversal* t) {
   }
   for (; t->boxedCount < tree->notedCount; t->boxedCount++) {
     const int leaf = tree->noted[t->boxedCount % NOTED_LEAVES];
-    CT_WIDE(updateWorldLeaf)(t, leaf);
+    CT_WIDE(updateWorldLeaf)(t->world, leaf);
     boxLeaf(t, leaf);
   }
 }
@@ -348,7 +348,7 @@ CT_NOINLINE void updateFirstNodes(Traversal* t) {
   }
   for (int level = treeTop(tree); level >= t->firstLevel; level--) {
     for (int i = 0; i < tree->levelSize[level]; i++) {
-      updateWorld(t, level, tree->levelBegin[level] + i);
+      updateWorld(t->world, level, tree->levelBegin[level] + i);
     }
   }
   t->firstNodesRevision = tree->innerRevision > tree->revision ? tree->innerRevision : tree->revision;
@@ -367,7 +367,7 @@ static void updateFirst(Traversal* t, int begin, int end) {
   }
   for (int leaf = begin; leaf < end; leaf++) {
     for (int level = t->firstLevel - 1; level >= 0; level--) {
-      updateWorld(t, level, tree->levelBegin[level] + (leaf >> TREE_WIDTH_BITS * level));
+      updateWorld(t->world, level, tree->levelBegin[level] + (leaf >> TREE_WIDTH_BITS * level));
     }
   }
 }
@@ -375,7 +375,7 @@ static void updateFirst(Traversal* t, int begin, int end) {
 /* Lists the members of nodes [begin, end) of a level that may be near movers, except leaves in which something moves.
  * All nodes are up to date. Returns how many. */
 CT_INLINE int listNearBox(Traversal* t, const Movers* movers, int level, int begin, int end, float reach, int* near) {
-  const Block* blocks = worldOf(t, t->tree->levelBegin[level]);
+  const Block* blocks = worldOf(t->world, t->tree->levelBegin[level]);
   const int below = t->tree->levelBegin[level - 1];
   const bool areBoxed = level == 1 && t->testsToBoxes == 0;
   int found = 0;
@@ -452,7 +452,7 @@ static const int* listNearLeaves(Traversal* t, Visit* visit, const Movers* mover
   for (int level = top - 1; level > 0; level--) {
     const int last = count;
     for (int i = done; i < last; i++) {
-      updateWorld(t, level, nodes[i]);
+      updateWorld(t->world, level, nodes[i]);
     }
     visit->volumeTests += (last - done) * TREE_WIDTH;
     for (; done < last; done++) {
@@ -470,14 +470,15 @@ CT_INLINE bool testNearSlots(Traversal* t, Visit* visit, const Movers* movers, c
   uint64_t mask = 0;
   for (int i = leafCount - 1; i >= 0; i--) {
     if (!areUpToDate) {
-      updateWorld(t, 0, leaves[i]);
+      updateWorld(t->world, 0, leaves[i]);
     }
-    mask = mask << TREE_WIDTH | nearBoxOfMovers(&t->world[t->entryOf[leaves[i]]], &movers->box, visit->reach);
+    mask = mask << TREE_WIDTH |
+           nearBoxOfMovers(&t->world->members[t->world->entryOf[leaves[i]]], &movers->box, visit->reach);
   }
   for (; mask != 0; mask &= mask - 1) {
     const int i = __builtin_ctzll(mask);
     const int leaf = leaves[coveringNode(i)];
-    const Sphere sphere = sphereOf(worldOf(t, leaf), memberIndex(i));
+    const Sphere sphere = sphereOf(worldOf(t->world, leaf), memberIndex(i));
     const unsigned near = near16(&movers->block, sphere, visit->reach) & movers->bits;
     visit->particleTests += movers->end - movers->begin;
     if (near != 0 && !meetMovers(t, visit, movers, near, leaf * TREE_WIDTH + memberIndex(i), sphere, 0)) {

@@ -16,8 +16,8 @@ static const Block* membersOf(const Cloud* cloud, const Cluster* cluster) {
   if (cloud->traversal == NULL) {
     return &cloud->block[cluster->node];
   }
-  updateWorld(cloud->traversal, cluster->level, cluster->node);
-  return worldOf(cloud->traversal, cluster->node);
+  updateWorld(cloud->traversal->world, cluster->level, cluster->node);
+  return worldOf(cloud->traversal->world, cluster->node);
 }
 
 /* The radii of spheres around the centres of particles. */
@@ -189,7 +189,7 @@ void CT_WIDE(findNearest)(Nearest* n, const Cloud clouds[2]) {
   /* Splits go down both trees to single slots, each with all members of a node on the stack. */
   NearestVisit stack[2 * (TREE_MAX_LEVELS + 1) * TREE_WIDTH];
   Traversal* t = n->traversal;
-  const View view = ctViewOfState(t->worldHasSurfaces, 0);
+  const View view = ctViewOfState(t->world->hasSurfaces, 0);
   CT_WIDE(startView)(t, &view);
   n->margin = (float)floatMargin(larger(t->coordinateBound, n->coordinateBound));
   const float known = (float)n->known + 2 * n->margin;

@@ -3,17 +3,17 @@
 /* The sphere of a slot of this body in the view. */
 static Sphere slotSphere(Traversal* t, int slot, int body) {
   const int leaf = coveringNode(slot);
-  const int64_t since = t->worldRevision[leaf];
+  const int64_t since = t->world->revision[leaf];
   if (t->tree->contentRevision[leaf] > since) {
-    CT_WIDE(updateWorldLeaf)(t, leaf);
+    CT_WIDE(updateWorldLeaf)(t->world, leaf);
   } else if (!treeStays(t->tree, since)) {
-    if (hasFrame(t, 0, leaf)) {
-      confirmWorld(t, leaf);
+    if (hasFrame(t->world, 0, leaf)) {
+      confirmWorld(t->world, leaf);
     } else {
-      CT_WIDE(updateWorldLeaf)(t, leaf);
+      CT_WIDE(updateWorldLeaf)(t->world, leaf);
     }
   }
-  return sphereInView(t, sphereOf(worldOf(t, leaf), memberIndex(slot)), body);
+  return sphereInView(t, sphereOf(worldOf(t->world, leaf), memberIndex(slot)), body);
 }
 
 /* True if a recent clash clashes again, as `function` decides. Adds the cost. */

@@ -1,86 +1,5 @@
 #include "view.h"
 
-/* Computes the world coordinates of a leaf's members from its frame. */
-static void worldLeaf(Traversal* t, int leaf) {
-  const Frame* f = &t->frame[t->entryOf[leaf]];
-  const Leaf* own = &t->tree->leaf[leaf];
-  Block* world = &t->world[t->entryOf[leaf]];
-  store16(world->x, rounded16(own->x, own->y, own->z, f->m[0]));
-  store16(world->y, rounded16(own->x, own->y, own->z, f->m[1]));
-  store16(world->z, rounded16(own->x, own->y, own->z, f->m[2]));
-  if (t->worldHasSurfaces) {
-    store16(world->r, load16(own->r));
-  } else {
-    leafCentres(own, world->r);
-  }
-}
-
-/* The same for an inner node. */
-static void worldInnerNode(Traversal* t, int node) {
-  const Members* own = treeMembers(t->tree, node);
-  Block* world = &t->world[t->entryOf[node]];
-  float motion[12];
-  floatMotion(&t->frame[t->entryOf[node]], motion);
-  moveAll(&own->block, t->worldHasSurfaces ? own->block.r : own->centres, motion, world);
-}
-
-/* Gives a leaf the entry of the leaf that has had one longest. */
-static void takeEntry(Traversal* t, int leaf) {
-  const int entry = t->nextEntry;
-  const int other = t->leafOfEntry[entry];
-  if (other != CT_NULL) {
-    t->worldRevision[other] = NO_REVISION;
-    t->entryOf[other] = CT_NULL;
-    t->inView[other] = NULL; /* its coordinates are overwritten */
-  }
-  t->leafOfEntry[entry] = leaf;
-  t->entryOf[leaf] = entry;
-  t->nextEntry = entry + 1 < t->leafEntryCount ? entry + 1 : 0;
-}
-
-/* Recomputes a node's frame in the world from that of its parent. */
-static void recomputeFrame(Traversal* t, int level, int node) {
-  const Tree* tree = t->tree;
-  if (t->entryOf[node] == CT_NULL) {
-    takeEntry(t, node);
-  }
-  Frame* frame = &t->frame[t->entryOf[node]];
-  if (level == treeTop(tree)) {
-    *frame = tree->pose[node];
-    return;
-  }
-  const int parent = treeParent(tree, level, node);
-  *frame = transformCompose(&t->frame[t->entryOf[parent]], &tree->pose[node]);
-  if (level > 0) {
-    t->frameRevision[node - tree->levelBegin[1]] = tree->revision;
-  }
-}
-
-/* Recomputes the changed parts of a node's frame and members in the world. */
-void CT_WIDE(recomputeWorld)(Traversal* t, int level, int node) {
-  const Tree* tree = t->tree;
-  if (!hasFrame(t, level, node)) {
-    recomputeFrame(t, level, node);
-  } else if (tree->contentRevision[node] <= t->worldRevision[node]) {
-    confirmWorld(t, node);
-    return;
-  }
-  t->worldRevision[node] = tree->contentRevision[node] > tree->revision ? tree->contentRevision[node] : tree->revision;
-  if (level == 0) {
-    worldLeaf(t, node);
-  } else {
-    worldInnerNode(t, node);
-    t->membersRevision[node - tree->levelBegin[1]] = t->worldRevision[node];
-  }
-}
-
-/* Updates the world coordinates of a leaf and of the nodes over it. */
-void CT_WIDE(updateWorldLeaf)(Traversal* t, int leaf) {
-  for (int level = treeTop(t->tree); level >= 0; level--) {
-    updateWorld(t, level, t->tree->levelBegin[level] + (leaf >> TREE_WIDTH_BITS * level));
-  }
-}
-
 Block* CT_WIDE(moveNode)(Traversal* t, int node) {
   const int entry = t->nextMoved;
   t->nextMoved = entry + 1 < t->movedCapacity ? entry + 1 : 0;
@@ -90,7 +9,7 @@ Block* CT_WIDE(moveNode)(Traversal* t, int node) {
     t->inView[other] = NULL;
   }
   t->movedNode[entry] = node;
-  Block* world = worldOf(t, node);
+  Block* world = worldOf(t->world, node);
   moveAll(world, world->r, t->motions[t->body[node]], moved);
   return moved;
 }
@@ -112,8 +31,8 @@ void CT_WIDE(placeMixedNode)(Traversal* t, int level, int node, int piece) {
   s->node = node;
   s->isBoxed = false;
   t->inView[node] = &s->block;
-  updateWorld(t, level, node);
-  const Block* world = worldOf(t, node);
+  updateWorld(t->world, level, node);
+  const Block* world = worldOf(t->world, node);
   Float16 x = load16(world->x);
   Float16 y = load16(world->y);
   Float16 z = load16(world->z);
@@ -182,11 +101,8 @@ void CT_WIDE(startView)(Traversal* t, const View* view) {
     }
     t->descent = 1;
   }
-  if (t->worldHasSurfaces != view->surfaces) {
-    for (int node = 0; node < tree->nodeCount; node++) {
-      t->worldRevision[node] = NO_REVISION;
-    }
-    t->worldHasSurfaces = view->surfaces;
+  if (t->world->hasSurfaces != view->surfaces) {
+    ctWorldChangeRadii(t->world, view->surfaces);
     t->firstNodesRevision = NO_REVISION;
     t->steadyRevision = NO_REVISION;
   }
@@ -197,7 +113,7 @@ void CT_WIDE(startView)(Traversal* t, const View* view) {
 
 Block* CT_WIDE(viewAgain)(Traversal* t, int node) {
   const int code = t->body[node];
-  Block* world = worldOf(t, node);
+  Block* world = worldOf(t->world, node);
   return code < 0 ? &mixedNodeOf(t, code)->block : moves(t->view, code) ? CT_WIDE(moveNode)(t, node) : world;
 }
 

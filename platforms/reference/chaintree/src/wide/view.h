@@ -2,13 +2,8 @@
 #ifndef CT_VIEW_H_
 #define CT_VIEW_H_
 
-#include <string.h>
-
 #include "../descent.h"
-#include "set.h"
-
-/* Recomputes the changed parts of a node's frame and members in the world. Its parent's must be up to date. */
-void CT_WIDE(recomputeWorld)(Traversal* t, int level, int node);
+#include "world.h"
 
 /* Moves the members of a node into the view. */
 Block* CT_WIDE(moveNode)(Traversal* t, int node);
@@ -49,66 +44,14 @@ static inline int bodyOfMember(const Traversal* t, int node, int k) {
   return code < 0 ? mixedNodeOf(t, code)->body[k] : code;
 }
 
-/* Two at a time, as frames are stored: a processor waits for whole loads of what was stored in parts. */
-static inline void floatMotion(const Frame* f, float motion[12]) {
-  typedef double Doubles __attribute__((vector_size(16)));
-  typedef float Floats __attribute__((vector_size(8)));
-  for (int i = 0; i < 12; i += 2) {
-    Doubles pair;
-    memcpy(&pair, f->m[0] + i, sizeof pair);
-    const Floats rounded = __builtin_convertvector(pair, Floats);
-    memcpy(motion + i, &rounded, sizeof rounded);
-  }
-}
-
-/* True if the kept world frame is right. */
-static inline bool hasFrame(const Traversal* t, int level, int node) {
-  const Tree* tree = t->tree;
-  const int64_t since = t->worldRevision[node];
-  if (since == NO_REVISION) {
-    return false;
-  }
-  if (level < treeTop(tree) && t->frameRevision[treeParent(tree, level, node) - tree->levelBegin[1]] > since) {
-    return false; /* mostly: the parent has moved since, or something in it */
-  }
-  int end;
-  treeSlots(tree, level, node, &end);
-  return treeLeavesStay(tree, since, (end + TREE_WIDTH - 1) / TREE_WIDTH);
-}
-
-/* Marks world coordinates, which are still right, as of this revision: the next check is quicker. */
-static inline void confirmWorld(Traversal* t, int node) {
-  t->worldRevision[node] = t->tree->revision;
-}
-
-/* Updates the world coordinates of a node's members to the state. Its parent's must be up to date. */
-static inline void updateWorld(Traversal* t, int level, int node) {
-  if (!traversalHasWorld(t, node)) {
-    CT_WIDE(recomputeWorld)(t, level, node);
-  }
-}
-
-CT_NOINLINE void updateLostLeaf(Traversal* t, int leaf) {
-  updateWorld(t, 0, leaf);
-}
-
-/* World coordinates that were brought up to date before. A leaf may have lost its entry since then; its parent has not.
- */
-CT_INLINE Block* worldOf(Traversal* t, int node) {
-  if (t->entryOf[node] == CT_NULL) {
-    updateLostLeaf(t, node);
-  }
-  return &t->world[t->entryOf[node]];
-}
-
 /* Places the members of a node in the view, once a descent. Its parent must be placed. */
 static inline void placeInView(Traversal* t, int level, int node) {
   if (t->placedIn[node] == t->descent) {
     return;
   }
   t->placedIn[node] = t->descent;
-  updateWorld(t, level, node);
-  t->inView[node] = moves(t->view, t->body[node]) ? CT_WIDE(moveNode)(t, node) : worldOf(t, node);
+  updateWorld(t->world, level, node);
+  t->inView[node] = moves(t->view, t->body[node]) ? CT_WIDE(moveNode)(t, node) : worldOf(t->world, node);
 }
 
 /* No coordinate or radius of the state is larger. */

@@ -86,11 +86,11 @@ static const BoxBlock* mixedNodeBoxes(Traversal* t, int level, int node) {
 const BoxBlock* CT_WIDE(boxesInView)(Traversal* t, int level, int node) {
   ChildBoxes* boxes = boxesOf(t, node);
   ownBox(t, level, node);
-  const int64_t membersRevision = t->membersRevision[node - t->tree->levelBegin[1]];
+  const int64_t membersRevision = t->world->membersRevision[node - t->tree->levelBegin[1]];
   if (boxes->worldRevision != membersRevision) {
     boxes->worldRevision = membersRevision;
     float frame[12];
-    floatMotion(&t->frame[t->entryOf[node]], frame);
+    floatMotion(&t->world->frame[t->world->entryOf[node]], frame);
     moveBoxes(&boxes->own, frame, &boxes->world);
   }
   const int code = t->body[node];

@@ -1,0 +1,82 @@
+#include "world.h"
+
+/* Computes the world coordinates of a leaf's members from its frame. */
+static void worldLeaf(World* w, int leaf) {
+  const Frame* f = &w->frame[w->entryOf[leaf]];
+  const Leaf* own = &w->tree->leaf[leaf];
+  Block* world = &w->members[w->entryOf[leaf]];
+  store16(world->x, rounded16(own->x, own->y, own->z, f->m[0]));
+  store16(world->y, rounded16(own->x, own->y, own->z, f->m[1]));
+  store16(world->z, rounded16(own->x, own->y, own->z, f->m[2]));
+  if (w->hasSurfaces) {
+    store16(world->r, load16(own->r));
+  } else {
+    leafCentres(own, world->r);
+  }
+}
+
+/* The same for an inner node. */
+static void worldInnerNode(World* w, int node) {
+  const Members* own = treeMembers(w->tree, node);
+  Block* world = &w->members[w->entryOf[node]];
+  float motion[12];
+  floatMotion(&w->frame[w->entryOf[node]], motion);
+  moveAll(&own->block, w->hasSurfaces ? own->block.r : own->centres, motion, world);
+}
+
+/* Gives a leaf the entry of the leaf that has had one longest. */
+static void takeEntry(World* w, int leaf) {
+  const int entry = w->nextEntry;
+  const int other = w->leafOfEntry[entry];
+  if (other != CT_NULL) {
+    w->revision[other] = NO_REVISION;
+    w->entryOf[other] = CT_NULL;
+    w->inView[other] = NULL; /* its coordinates are overwritten */
+  }
+  w->leafOfEntry[entry] = leaf;
+  w->entryOf[leaf] = entry;
+  w->nextEntry = entry + 1 < w->leafEntryCount ? entry + 1 : 0;
+}
+
+/* Recomputes a node's frame in the world from that of its parent. */
+static void recomputeFrame(World* w, int level, int node) {
+  const Tree* tree = w->tree;
+  if (w->entryOf[node] == CT_NULL) {
+    takeEntry(w, node);
+  }
+  Frame* frame = &w->frame[w->entryOf[node]];
+  if (level == treeTop(tree)) {
+    *frame = tree->pose[node];
+    return;
+  }
+  const int parent = treeParent(tree, level, node);
+  *frame = transformCompose(&w->frame[w->entryOf[parent]], &tree->pose[node]);
+  if (level > 0) {
+    w->frameRevision[node - tree->levelBegin[1]] = tree->revision;
+  }
+}
+
+/* Recomputes the changed parts of a node's frame and members in the world. */
+void CT_WIDE(recomputeWorld)(World* w, int level, int node) {
+  const Tree* tree = w->tree;
+  if (!hasFrame(w, level, node)) {
+    recomputeFrame(w, level, node);
+  } else if (tree->contentRevision[node] <= w->revision[node]) {
+    confirmWorld(w, node);
+    return;
+  }
+  w->revision[node] = tree->contentRevision[node] > tree->revision ? tree->contentRevision[node] : tree->revision;
+  if (level == 0) {
+    worldLeaf(w, node);
+  } else {
+    worldInnerNode(w, node);
+    w->membersRevision[node - tree->levelBegin[1]] = w->revision[node];
+  }
+}
+
+/* Updates the world coordinates of a leaf and of the nodes over it. */
+void CT_WIDE(updateWorldLeaf)(World* w, int leaf) {
+  for (int level = treeTop(w->tree); level >= 0; level--) {
+    updateWorld(w, level, w->tree->levelBegin[level] + (leaf >> TREE_WIDTH_BITS * level));
+  }
+}

@@ -1,0 +1,40 @@
+/* Where the nodes of the tree are in the world: their frames, and their members in float. Coordinates are from the
+ * sequence's worldOrigin. They are computed when they are first needed, and again once the tree has moved. Leaves share
+ * entries: the leaf that has had one longest loses its own to the next. */
+#ifndef CT_WORLD_H_
+#define CT_WORLD_H_
+
+#include "tree.h"
+
+typedef struct World {
+  const Tree* tree;
+  bool hasSurfaces;         /* the radii of members are of surfaces, else of centres */
+  int64_t* revision;        /* per node: the tree's when frame and members were right; NO_REVISION: it has none */
+  int64_t* membersRevision; /* per inner node, from levelBegin[1] on: the tree's when the members were computed */
+  int64_t* frameRevision;   /* per inner node: the tree's when the frame was last computed; 0 for the root */
+  int* entryOf;             /* per node: its entry in the two arrays below; CT_NULL: another leaf has taken that */
+
+  /* Entries: one for each inner node, and this many for the leaves updated last. */
+  int leafEntryCount;
+  int nextEntry;    /* of a leaf, to be replaced next */
+  int* leafOfEntry; /* per entry of a leaf; CT_NULL: it is free */
+  Frame* frame;
+  Block* members;
+  Block** inView; /* Traversal.inView: NULL for a leaf that loses its entry */
+} World;
+
+bool ctWorldBuild(World* world, Arena* arena, const Tree* tree);
+
+/* The frame of a leaf. */
+const Frame* ctWorldLeafFrame(World* world, int leaf);
+
+/* Chooses whether the radii of members are of surfaces. */
+void ctWorldChangeRadii(World* world, bool hasSurfaces);
+
+/* True if frame and members of a node are known to be right. */
+static inline bool hasWorld(const World* w, int node) {
+  const int64_t since = w->revision[node];
+  return w->tree->contentRevision[node] <= since && treeStays(w->tree, since);
+}
+
+#endif /* CT_WORLD_H_ */
